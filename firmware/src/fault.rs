@@ -1,10 +1,11 @@
-//! The fault path: outputs at rest first, then the reason to memory that survives the reset, then
-//! the reset.
+//! The fault path: outputs to the safe state first, then the reason to memory that survives the
+//! reset, then the reset.
 //!
-//! In: a panic, a fault of the core, an interrupt that nobody claims, the watchdog. Out: a board at rest and, after
-//! the restart, the [`Report`] of what happened, for the log and for `GetFault` over the link. Owns the record in RAM that start-up does not clear.
-//! It must not fail itself: it takes no lock, formats into a fixed buffer and cuts what is longer.
-use crate::watch;
+//! In: a panic, a fault of the core, an interrupt without a handler, the watchdog. Out: a board in
+//! its safe state and, after the restart, the [`Report`], for the log and for `GetFault` over the
+//! link. Owns the record in RAM that start-up does not clear. It must not fail itself: it takes no
+//! lock, formats into a fixed buffer, and truncates longer text.
+use crate::supervision;
 use core::cell::UnsafeCell;
 use core::fmt::{self, Write};
 use core::mem::MaybeUninit;
@@ -16,10 +17,10 @@ use dispatcher::{FAULT_TEXT_MAX, FaultKind};
 use hal::board::{self, Cause};
 use hal::guard::SPAN;
 
-/// Bytes of text kept: as many as the link tells.
+/// Bytes of text kept: as many as the link carries.
 const TEXT: usize = FAULT_TEXT_MAX;
 
-/// Marks a record that was written, not found by chance.
+/// Marks a record that was written, apart from random contents of RAM.
 const WRITTEN: u32 = 0xfa17_b0a4;
 
 /// What happened before the restart.
@@ -46,7 +47,7 @@ impl Report {
         let bytes = self.text.get(..length).unwrap_or(&[]);
         match core::str::from_utf8(bytes) {
             Ok(text) => text,
-            // Cut inside a character: what is whole of it.
+            // Truncated inside a character: the whole characters.
             Err(e) => bytes.get(..e.valid_up_to()).and_then(|b| core::str::from_utf8(b).ok()).unwrap_or(""),
         }
     }
@@ -55,8 +56,8 @@ impl Report {
 impl Write for Report {
     fn write_str(&mut self, text: &str) -> fmt::Result {
         for &byte in text.as_bytes() {
-            let Some(place) = self.text.get_mut(self.length as usize) else { break };
-            *place = byte;
+            let Some(target) = self.text.get_mut(self.length as usize) else { break };
+            *target = byte;
             self.length += 1;
         }
         Ok(())
@@ -66,16 +67,16 @@ impl Write for Report {
 /// RAM that the start-up code leaves as it is.
 struct Kept(UnsafeCell<MaybeUninit<Report>>);
 
-// SAFETY: read once before interrupts are on, written once on the way into a reset.
+// SAFETY: read once before interrupts are on, written once before a reset.
 unsafe impl Sync for Kept {}
 
-// Where nothing caches it, if the board has a cache: a reset would drop it.
+// In memory that is not cached, if the board has a cache: a reset drops the cache.
 #[cfg_attr(feature = "mps2_an500", unsafe(link_section = ".uninit.fault"))]
 #[cfg_attr(not(feature = "mps2_an500"), unsafe(link_section = ".kept.fault"))]
 static KEPT: Kept = Kept(UnsafeCell::new(MaybeUninit::uninit()));
 
-/// What ended the last run, once: the record is cleared. After a power-on it is not read at all: RAM with a checksum
-/// of its own may refuse what was never written.
+/// The report of what ended the last run. It is cleared, so the second call has none. After a
+/// power-on it is not read at all: RAM with ECC may fault on words that were never written.
 pub fn last(cause: Cause) -> Option<Report> {
     let kept = KEPT.0.get().cast::<Report>();
     let report = match cause {
@@ -86,8 +87,8 @@ pub fn last(cause: Cause) -> Option<Report> {
             let _ = report.write_str("watchdog: the tick or the thread stood still");
             Some(report)
         }
-        // SAFETY: every bit pattern is a Report (integers only), RAM holds one at all times, and this
-        // runs before any interrupt; volatile, since the value comes from before the reset.
+        // SAFETY: every bit pattern is a Report (integers only), RAM holds one at all times, and
+        // this runs before any interrupt; volatile, since the value comes from before the reset.
         Cause::Asked => Some(unsafe { kept.read_volatile() }).filter(|report| report.mark == WRITTEN),
     };
     // SAFETY: as above.
@@ -95,7 +96,7 @@ pub fn last(cause: Cause) -> Option<Report> {
     report
 }
 
-/// Rests the outputs, keeps `reason`, starts over.
+/// Sets the outputs to their safe state, stores `reason`, resets the board.
 fn restart(kind: FaultKind, reason: fmt::Arguments<'_>) -> ! {
     board::rest();
     let mut report = Report { mark: WRITTEN, kind: kind as u32, length: 0, text: [0; TEXT] };
@@ -103,9 +104,9 @@ fn restart(kind: FaultKind, reason: fmt::Arguments<'_>) -> ! {
     let _ = report.write_fmt(reason);
     // SAFETY: interrupts of the board are off and nothing returns from here.
     unsafe { KEPT.0.get().cast::<Report>().write_volatile(report) };
-    // What is written last may stay in front of the memory, if it is less than a word of its ECC, until something else is
-    // written, and a reset drops it (RM0433 2.4). So that is what stands there already.
-    // SAFETY: as above.
+    // The memory may buffer a last write of less than an ECC word until the next write, and a reset
+    // drops it (RM0433 2.4). So the last write repeats a value that is in memory already. SAFETY:
+    // as above.
     unsafe { (&raw mut (*KEPT.0.get().cast::<Report>()).mark).write_volatile(WRITTEN) };
     compiler_fence(Ordering::SeqCst);
     SCB::sys_reset()
@@ -119,18 +120,19 @@ fn panicked(info: &PanicInfo<'_>) -> ! {
 unsafe extern "C" {
     /// The lowest word of the stack (linker script).
     static _stack_end: u32;
-    /// Behind its highest word.
+    /// The address after its highest word.
     static _stack_start: u32;
 }
 
-/// A fault of the core. If the stack is what failed, this begins on an empty one: what was on it does not go on.
+/// A fault of the core. After a stack overflow it begins on an empty stack: the interrupted code
+/// does not continue.
 #[unsafe(naked)]
 #[unsafe(no_mangle)]
 extern "C" fn HardFault() -> ! {
     core::arch::naked_asm!(
         "mov r0, sp",
         "ldr r1, ={end}",
-        // By how much it is over, less one: nothing else is so close below.
+        // Bytes of the overflow, less one: nothing else lies so close below the stack.
         "subs r1, r1, r0",
         "subs r1, #1",
         "lsrs r1, r1, #{span}",
@@ -145,7 +147,7 @@ extern "C" fn HardFault() -> ! {
     )
 }
 
-/// `stack` is where the core has put its frame, or would have.
+/// `stack` is the address of the core's frame, or the one that it would have.
 extern "C" fn faulted(stack: usize) -> ! {
     // SAFETY: reading status registers of the core.
     let (cfsr, hfsr) = unsafe { ((*SCB::PTR).cfsr.read(), (*SCB::PTR).hfsr.read()) };
@@ -157,7 +159,7 @@ extern "C" fn faulted(stack: usize) -> ! {
             format_args!("stack overflow: {over} bytes over {}, CFSR {cfsr:#010x}, HFSR {hfsr:#010x}", start - end),
         )
     }
-    // SAFETY: inside the stack, where the core has put it.
+    // SAFETY: the core has written the frame there, inside the stack.
     let frame = unsafe { &*(stack as *const ExceptionFrame) };
     restart(
         FaultKind::Core,
@@ -171,17 +173,17 @@ extern "C" fn faulted(stack: usize) -> ! {
 
 #[exception]
 unsafe fn DefaultHandler(number: i16) {
-    restart(FaultKind::Interrupt, format_args!("interrupt {number} that nobody claims"))
+    restart(FaultKind::Interrupt, format_args!("interrupt {number} without a handler"))
 }
 
-/// What the board says that it is, else the watchdog was not fed. That comes once without a reason where the emulator's clock has
-/// jumped: its time begins anew.
+/// The board's own reason, if it has one; else the watchdog was not fed. When the emulator's clock
+/// has jumped, nothing is stuck at the first NMI: the watchdog's time begins anew.
 #[exception]
 unsafe fn NonMaskableInt() {
     if let Some(reason) = board::NMI {
         restart(FaultKind::Interrupt, format_args!("{reason}"));
     }
-    match watch::stuck() {
+    match supervision::stuck() {
         Some(what) => restart(FaultKind::Watchdog, format_args!("{what}")),
         None => board::watchdog::feed(),
     }

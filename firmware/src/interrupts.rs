@@ -1,10 +1,12 @@
-//! The interrupt bodies, and what each of them owns; which interrupt runs which is the board's (`vectors.rs`).
+//! The interrupt bodies, and what each of them owns. Which interrupt runs which body is in
+//! `vectors.rs`.
 //!
-//! In: interrupts of the board. Out: ticks, bytes for the task, rings of the bell. Budget: the tick's
-//! is held by `cargo xtask ticks`; the others move a byte or a flag.
+//! In: interrupts of the board. Out: ticks, bytes for the task, rings of the bell. Owns what
+//! start-up has given to each handler. Budget: `cargo xtask ticks` holds the tick's; the others
+//! move a byte or a flag. Fails: a handler that was given nothing does nothing.
 use crate::load;
 use crate::statics::{LINK_BELL, RECEIVED, RECEIVER, RECEIVING, SERVO};
-use crate::watch;
+use crate::supervision;
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
 use core::sync::atomic::{AtomicBool, Ordering};
@@ -52,7 +54,7 @@ pub struct Given<T> {
 unsafe impl<T: Send> Sync for Given<T> {}
 
 impl<T> Given<T> {
-    /// Nothing yet.
+    /// No value yet.
     pub const fn nothing() -> Self {
         Given { given: AtomicBool::new(false), value: UnsafeCell::new(MaybeUninit::uninit()) }
     }
@@ -60,11 +62,11 @@ impl<T> Given<T> {
     /// Hands the value over.
     ///
     /// # Safety
-    /// Before the interrupt that uses it is let in.
+    /// Before the interrupt that uses it is enabled.
     pub unsafe fn give(&self, value: T) {
-        // SAFETY: nobody else looks yet.
+        // SAFETY: no handler reads it yet.
         unsafe { (*self.value.get()).write(value) };
-        // Release: the value is there before the flag.
+        // Release: the value is written before the flag.
         self.given.store(true, Ordering::Release);
     }
 
@@ -77,7 +79,8 @@ impl<T> Given<T> {
         if !self.given.load(Ordering::Acquire) {
             return None;
         }
-        // SAFETY: `give` has written it, and the handler does not nest, so this is the only reference.
+        // SAFETY: `give` has written it, and the handler does not nest, so this is the only
+        // reference.
         Some(unsafe { (*self.value.get()).assume_init_mut() })
     }
 }
@@ -85,13 +88,13 @@ impl<T> Given<T> {
 /// The servo tick.
 #[inline(always)]
 pub fn tick() {
-    watch::tick_begins();
+    supervision::tick_begins();
     // SAFETY: the tick's handler.
     let Some(servo) = (unsafe { SERVO.taken() }) else { return };
     // Whole microseconds up to 1 ms, so it fits.
     let period_ns = servo.tick.period().0 as u32;
     servo.timer.run_at(period_ns);
-    // The plant stands for a machine: its time is none of the tick's.
+    // The plant takes the place of a machine: its time does not count as the tick's.
     servo.machine.advance(period_ns);
     servo.timer.begin();
     servo.tick.run(&mut servo.machine, &mut servo.lanes);
@@ -104,11 +107,11 @@ pub fn tick() {
         load::tick_took(ns);
     }
     ring_bell();
-    watch::tick_ends(servo.tick.now());
+    supervision::tick_ends(servo.tick.now());
 }
 
-/// A byte of the link may have arrived; true if it had. At the end of a frame, or when half the room is used, the task
-/// is told; when all of it is used, the sender is held.
+/// A byte of the link may have arrived; true if it had. It wakes the task at the end of a frame, or
+/// when half the queue is used. When the queue is full, it holds the sender.
 #[inline(always)]
 pub fn received() -> bool {
     // SAFETY: the receive interrupt's handler.
@@ -120,7 +123,7 @@ pub fn received() -> bool {
     }
     let Some(byte) = receiver.rx.receive() else { return false };
     RECEIVING.store(true, Ordering::Relaxed);
-    // There is room: the consumer only makes more.
+    // There is room: the consumer only frees more.
     let _ = receiver.bytes.push(byte);
     const FRAME_END: u8 = 0;
     if byte == FRAME_END || receiver.bytes.free() < RECEIVED / 2 {
@@ -134,7 +137,7 @@ pub fn sent() {
     LINK_BELL.ring();
 }
 
-/// The bell from the tick: it may ring the task's, the tick may not.
+/// The wake-up from the tick: PendSV may ring the task's bell, the tick may not.
 #[exception]
 fn PendSV() {
     LINK_BELL.ring();

@@ -1,19 +1,20 @@
 #![no_std]
-//! The image of a board: it puts the rooms together and adds nothing of its own. A feature chooses the board; the
-//! programs in `bin/` are this library with a name and a place for the log.
+//! The image of a board: it composes the crates and adds no function of its own. A feature chooses
+//! the board. The programs in `bin/` are this library with a name and a destination of the log.
 //!
-//! Start: what the last run left is read, the hand-overs are split into their halves, the servo tick
-//! and the link's interrupt get theirs, the tasks get the rest, the interrupts are let in.
+//! Start-up reads the report of the last run and splits the queues into their halves. The servo
+//! tick and the link's interrupt get theirs, the tasks get the others. Then it enables the
+//! interrupts.
 mod bell;
 mod fault;
 mod interrupts;
 mod load;
 mod statics;
+mod supervision;
 mod tasks;
 #[cfg(feature = "stm32h743")]
 mod usb;
 mod vectors;
-mod watch;
 mod wires;
 
 use core::sync::atomic::Ordering;
@@ -25,13 +26,13 @@ use interrupts::{Receiver, Servo};
 use servo::segment::pvt::TableStores;
 use servo::tick::Lanes;
 use statics::{
-    BYTES, EXECUTOR, HEADERS, IMMEDIATE_LANE, LASER_TABLES, NEWS, PENDED, PLACES, PROGRAM_LANE, QUEUES, RECEIVER,
-    RECEIVING, REPORT, SERVER, SERVO, STORES, TICK, TRACE, VIEW, paths,
+    BYTES, EVENT_QUEUE, EXECUTOR, HEADERS, IMMEDIATE_LANE, LASER_TABLES, PENDED, POINTS, PROGRAM_LANE, QUEUES,
+    RECEIVER, RECEIVING, REPORT, SERVER, SERVO, STORES, TICK, TRACE, VIEW, paths,
 };
 use tasks::LinkParts;
 use wires::{Outflow, Wire, Wires};
 
-/// Start-up, then the thread for ever.
+/// Start-up, then the thread, which does not return.
 pub fn main() -> ! {
     let last = fault::last(board::cause()).map(|report| &*REPORT.init(report));
     // The only panic of the start: a second call of this function, which the runtime never makes.
@@ -62,22 +63,22 @@ pub fn main() -> ! {
     }
 }
 
-/// What start-up makes: the link's parts, and what answers a USB host.
+/// What start-up makes: the link's parts, and the device that answers a USB host.
 #[cfg(not(feature = "stm32h743"))]
 type Parts = LinkParts;
 #[cfg(feature = "stm32h743")]
 type Parts = (LinkParts, Option<&'static mut usb::Device>);
 
-/// What start-up is given and gives.
+/// Argument and result of start-up.
 struct Start {
     last: Option<&'static Report>,
     parts: Option<Parts>,
 }
 
-/// Composes where the board has room for it.
+/// Composes on the board's start-up stack.
 fn start_up(last: Option<&'static Report>) -> Option<Parts> {
     extern "C" fn run(start: *mut ()) {
-        // SAFETY: the `Start` below, which nobody else has.
+        // SAFETY: the `Start` below, which nothing else refers to.
         let start = unsafe { &mut *start.cast::<Start>() };
         start.parts = compose(start.last);
     }
@@ -93,15 +94,15 @@ fn pend(_: *mut ()) {
     PENDED.store(true, Ordering::Release);
 }
 
-/// Splits the hand-overs and gives every context its half. Its values are made on the stack, which is free again
-/// when it returns: hence never a part of `main`, which does not return.
+/// Splits the queues and gives every context its half. It makes its values on the stack, which is
+/// free again when it returns: so it is never inlined into `main`, which does not return.
 #[inline(never)]
 fn compose(last: Option<&'static Report>) -> Option<Parts> {
     let board::Board { timer, link: (link, rx), trace, machine, contradiction } = board::take()?;
     let (immediate_in, immediate) = IMMEDIATE_LANE.split_once()?;
     let (program_in, program) = PROGRAM_LANE.split_once()?;
     let (view_in, view) = VIEW.split_once()?;
-    let (events_in, events) = NEWS.split_once()?;
+    let (events_in, events) = EVENT_QUEUE.split_once()?;
     let (samples_in, samples) = TRACE.split_once()?;
     let (bytes_in, bytes) = BYTES.split_once()?;
 
@@ -116,16 +117,16 @@ fn compose(last: Option<&'static Report>) -> Option<Parts> {
             events: events_in,
             samples: samples_in,
             segments: &STORES,
-            tables: TableStores { points: &PLACES, headers: &HEADERS, lasers: &LASER_TABLES },
+            tables: TableStores { points: &POINTS, headers: &HEADERS, lasers: &LASER_TABLES },
             paths: paths(),
         },
     };
     if last.is_some() {
-        // No light before somebody has looked why the last run ended.
+        // No light before a client has cleared the reason why the last run ended.
         servo.tick.restarted();
     }
     servo.timer.run_at(board::TICK_NS);
-    // SAFETY: no interrupt is let in yet.
+    // SAFETY: no interrupt is enabled yet.
     unsafe {
         SERVO.give(servo);
         RECEIVER.give(Receiver { rx, bytes: bytes_in });
@@ -140,7 +141,7 @@ fn compose(last: Option<&'static Report>) -> Option<Parts> {
         stores: &STORES,
         paths: paths(),
         queues: QUEUES.try_take()?,
-        tables: TableStores { points: &PLACES, headers: &HEADERS, lasers: &LASER_TABLES },
+        tables: TableStores { points: &POINTS, headers: &HEADERS, lasers: &LASER_TABLES },
     };
     let (second, out, answer) = (SecondaryTransport::new(), Outflow::new(), Outflow::new());
     #[cfg(feature = "stm32h743")]
@@ -165,7 +166,7 @@ fn compose(last: Option<&'static Report>) -> Option<Parts> {
     Some(parts)
 }
 
-/// The thread's side. On its own for the same reason as `compose`.
+/// The thread's side. A function of its own for the same reason as `compose`.
 #[inline(never)]
 fn server(fault: Option<dispatcher::Fault>, channels: Channels<'static, AXES>) -> &'static mut Server<'static, AXES> {
     SERVER.init_with(|| {

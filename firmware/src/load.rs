@@ -1,7 +1,8 @@
 //! How long servo ticks take.
 //!
-//! In: the time of each tick, from its handler. Out: median and longest, for the thread. Owns two words. The median is a
-//! running one: each tick moves it by a step towards its own time, so it stands where as many are longer as shorter.
+//! In: the time of each tick, from its handler. Out: median and longest, for the thread. Owns two
+//! words. The median is a running one: each tick moves it by a step towards its own time, so it
+//! settles where as many ticks are longer as shorter. Fails never.
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 #[cfg(feature = "stm32h743")]
 use dispatcher::TickTime;
@@ -24,7 +25,7 @@ pub fn tick_took(ns: u32) {
     }
 }
 
-/// What they took so far.
+/// Median and longest time so far.
 #[cfg(feature = "stm32h743")]
 pub fn tick_time() -> TickTime {
     TickTime { median_ns: MEDIAN_NS.load(Relaxed), worst_ns: WORST_NS.load(Relaxed) }

@@ -1,5 +1,5 @@
-//! Every static of the image, in one place. All are zero or constant at start. The sections are those of a board with
-//! more than one RAM (its `memory.x`).
+//! Every static of the image. All are zero or constant at the start. The sections are those of a
+//! board with more than one RAM (its `memory.x`).
 use crate::bell::Bell;
 use crate::fault::Report;
 use crate::interrupts::{Given, Receiver, Servo};
@@ -27,18 +27,18 @@ pub static PROGRAM_LANE: Ring<Entry, PROGRAM> = Ring::new();
 /// Tick to thread: the newest view.
 #[cfg_attr(feature = "stm32h743", unsafe(link_section = ".state"))]
 pub static VIEW: Latest<View<AXES>> = Latest::new(View::POWER_ON);
-/// Tick to thread: news.
+/// Tick to thread: events.
 #[cfg_attr(feature = "stm32h743", unsafe(link_section = ".backup"))]
-pub static NEWS: Ring<Event, EVENTS> = Ring::new();
+pub static EVENT_QUEUE: Ring<Event, EVENTS> = Ring::new();
 /// Tick to thread: trace samples.
 #[cfg_attr(feature = "stm32h743", unsafe(link_section = ".backup"))]
 pub static TRACE: Ring<Sample, SAMPLES> = Ring::new();
 /// Thread to tick: PT segments, a store an axis.
 #[cfg_attr(feature = "stm32h743", unsafe(link_section = ".stores"))]
 pub static STORES: [SegmentStore; AXES] = [const { SegmentStore::new() }; AXES];
-/// Thread to tick: places of PVT tables, a store a table.
+/// Thread to tick: points of PVT tables, a store a table.
 #[cfg_attr(feature = "stm32h743", unsafe(link_section = ".tables"))]
-pub static PLACES: [PointStore; TABLES] = [const { PointStore::new() }; TABLES];
+pub static POINTS: [PointStore; TABLES] = [const { PointStore::new() }; TABLES];
 /// Thread to tick: their headers.
 #[cfg_attr(feature = "stm32h743", unsafe(link_section = ".dma.headers"))]
 pub static HEADERS: HeaderStore = HeaderStore::new();
@@ -46,7 +46,7 @@ pub static HEADERS: HeaderStore = HeaderStore::new();
 #[cfg(not(feature = "stm32h743"))]
 #[unsafe(link_section = ".psram")]
 pub static PATHS: [[EntryStore; 2]; Crd::MAX] = [const { [const { EntryStore::new() }; 2] }; Crd::MAX];
-/// The same, of which no memory has room for both.
+/// The same in two memories: none has room for both.
 #[cfg(feature = "stm32h743")]
 #[unsafe(link_section = ".paths_0")]
 static PATHS_0: [EntryStore; 2] = [const { EntryStore::new() }; 2];
@@ -63,7 +63,7 @@ pub const fn paths() -> PathStores<'static> {
 }
 /// Thread to tick: tables of laser channels.
 pub static LASER_TABLES: Tables = Tables::new();
-/// What leads to them: look-aheads.
+/// Thread: the queues of the look-ahead before these stores.
 #[cfg_attr(feature = "stm32h743", unsafe(link_section = ".thread"))]
 pub static QUEUES: ConstStaticCell<[[PathQueue; 2]; Crd::MAX]> =
     ConstStaticCell::new([const { [const { PathQueue::new() }; 2] }; Crd::MAX]);
@@ -86,14 +86,14 @@ pub static SERVO: Given<Servo> = Given::nothing();
 pub static RECEIVER: Given<Receiver> = Given::nothing();
 /// Wakes the link task.
 pub static LINK_BELL: Bell = Bell::new();
-/// A byte has arrived since the idle loop looked.
+/// A byte has arrived since the idle loop checked.
 pub static RECEIVING: AtomicBool = AtomicBool::new(false);
 /// A task is to be polled.
 pub static PENDED: AtomicBool = AtomicBool::new(false);
-/// What ended the last run.
+/// The report of what ended the last run.
 pub static REPORT: StaticCell<Report> = StaticCell::new();
 /// The thread's executor.
 pub static EXECUTOR: StaticCell<raw::Executor> = StaticCell::new();
-/// What the link task serves with; too large to be handed over on the stack.
+/// The link task's server; too large to be handed over on the stack.
 #[cfg_attr(feature = "stm32h743", unsafe(link_section = ".thread"))]
 pub static SERVER: StaticCell<Server<'static, AXES>> = StaticCell::new();

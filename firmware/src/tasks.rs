@@ -1,27 +1,27 @@
-//! What the thread does: it serves the link, and it writes the log.
+//! The tasks of the thread: one serves the link, one writes the log.
 //!
-//! In: rings of the bell, bytes of the link. Out: bytes to the link and the trace, lines of the log.
-//! Owns the dispatcher's server and the sending halves of the UARTs. A UART that is full holds back
-//! its own bytes only; the other stream and the commands go on.
+//! In: rings of the bell, bytes of the link. Out: bytes to the link and the trace, lines of the
+//! log. Owns the dispatcher's server and the sending halves of the UARTs. Fails never: a UART that
+//! is full holds back its own bytes only; the other stream and the commands continue.
 use crate::fault::Report;
 use crate::statics::LINK_BELL;
-use crate::watch;
+use crate::supervision;
 use crate::wires::{Outflow, Wires};
 use dispatcher::Server;
 use hal::board::uart::Tx;
 use hal::board::{AXES, NAME, resume_link};
 
-/// Trace bytes sent before the link is looked at again.
+/// Trace bytes sent before the link is served again.
 const TRACE_AT_ONCE: usize = 1024;
 
-/// Of a stream that only one of the boards has.
+/// Buffer of the trace stream, which only one of the boards has.
 const ROWS: usize = if cfg!(feature = "stm32h743") { 0 } else { TRACE_AT_ONCE };
 
-/// What the link task is given.
+/// Argument of the link task.
 pub struct LinkParts {
     /// The dispatcher.
     pub server: &'static mut Server<'static, AXES>,
-    /// To the host and from there.
+    /// Bytes from and to the host.
     pub wires: Wires,
     /// The trace, where it has a stream of its own.
     pub trace: Option<Tx>,
@@ -35,7 +35,7 @@ pub async fn serve(parts: LinkParts) {
     let mut overruns = 0;
     loop {
         LINK_BELL.wait().await;
-        watch::turn();
+        supervision::turn();
         let view = server.view();
         let now = view.now;
         if view.overruns != overruns {
@@ -54,8 +54,8 @@ pub async fn serve(parts: LinkParts) {
     }
 }
 
-/// Writes what the last run left, then the board's name. By semihosting it stops
-/// the core while the host writes: only here, in a task, and seldom.
+/// Logs the board's name, then the report of the last run. By semihosting this stops the core while
+/// the host writes: so only here, in a task, once a start.
 #[embassy_executor::task]
 pub async fn announce(last: Option<&'static Report>) {
     defmt::info!("Beamtick on {=str}, {=usize} axes", NAME, AXES);

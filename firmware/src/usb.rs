@@ -1,7 +1,8 @@
-//! The USB device that the board is: a serial port of class CDC ACM, on embassy-usb.
+//! The board as a USB device: a serial port of class CDC ACM, on embassy-usb.
 //!
-//! In: the driver of the board's core. Out: a task that answers the host, and a [`Port`] for the bytes of the link. Owns the
-//! descriptors and a packet on its way. A port that nobody has opened, or whose cable is out, takes nothing and gives nothing.
+//! In: the driver of the board's core. Out: a task that answers the host, and a [`Port`] for the
+//! bytes of the link. Owns the descriptors and the packet in transfer. Fails: a port that no host
+//! has opened, or whose cable is out, sends and receives nothing.
 use core::future::Future;
 use core::pin::pin;
 use core::task::{Context, Poll, Waker};
@@ -10,17 +11,17 @@ use embassy_usb::{Builder, Config, UsbDevice, UsbVersion};
 use hal::board::usb::{ID_DIGITS, PACKET, Usb, WAITING, unique_id};
 use static_cell::StaticCell;
 
-/// Of pid.codes, for tests: whoever sells a board takes numbers of their own.
+/// From pid.codes, for tests: a product needs numbers of its own.
 const VENDOR: u16 = 0x1209;
 const PRODUCT: u16 = 0x0001;
 /// 62 bytes of descriptors: configuration, two interfaces, what CDC adds, three endpoints.
 const DESCRIPTORS: usize = 64;
-/// The longest answer that is put together: the serial number as a string descriptor.
+/// The longest answer that is built: the serial number as a string descriptor.
 const CONTROL: usize = 2 + 2 * ID_DIGITS + 2;
-/// The head of a BOS, which a device of USB 2.0 is not asked for.
+/// The head of a BOS, which no host requests from a device of USB 2.0.
 const BOS: usize = 16;
 
-/// What the device's parts lie in.
+/// Memory of the device's parts.
 pub struct Memory {
     waiting: [u8; WAITING],
     descriptors: [u8; DESCRIPTORS],
@@ -40,11 +41,12 @@ pub type Device = UsbDevice<'static, Usb>;
 /// The bytes of the link.
 pub struct Port {
     class: CdcAcmClass<'static, Usb>,
-    /// The last packet was full: the host waits for one that is not.
+    /// The last packet was full: the host waits for a shorter one.
     unended: bool,
 }
 
-/// What the future has come to, if it need not wait: those of the driver change nothing before they need not.
+/// The result of a future that is ready at once, else nothing. The driver's futures change nothing
+/// before they are ready.
 fn at_once<T>(future: impl Future<Output = T>) -> Option<T> {
     match pin!(future).poll(&mut Context::from_waker(Waker::noop())) {
         Poll::Ready(value) => Some(value),
@@ -53,12 +55,14 @@ fn at_once<T>(future: impl Future<Output = T>) -> Option<T> {
 }
 
 impl Port {
-    /// Bytes of a packet that has arrived, if one has; more wait at the host until they are asked for.
+    /// Bytes of a packet that has arrived, if one has; more wait at the host until they are asked
+    /// for.
     pub fn receive(&mut self, packet: &mut [u8; PACKET]) -> usize {
         at_once(self.class.read_packet(packet)).and_then(Result::ok).unwrap_or(0)
     }
 
-    /// Takes bytes, as many as it says: those of a packet, once the host has fetched the one before.
+    /// Sends the first bytes and returns how many: those of a packet, once the host has fetched the
+    /// one before.
     pub fn send(&mut self, bytes: &[u8]) -> usize {
         let packet = bytes.get(..PACKET).unwrap_or(bytes);
         if !matches!(at_once(self.class.write_packet(packet)), Some(Ok(()))) {
@@ -68,7 +72,7 @@ impl Port {
         packet.len()
     }
 
-    /// Nothing follows for now.
+    /// Ends the transfer: no more bytes follow for now.
     pub fn end(&mut self) {
         if self.unended {
             self.send(&[]);
@@ -76,7 +80,8 @@ impl Port {
     }
 }
 
-/// The device, made of what [`hal::board::usb::open`] gives. `None` from the second call on, and without a supply.
+/// The device, made of what [`hal::board::usb::open`] gives. `None` from the second call on, and
+/// without a supply.
 pub fn open() -> Option<(&'static mut Device, Port)> {
     let memory = MEMORY.try_init(Memory {
         waiting: [0; WAITING],

@@ -4,7 +4,7 @@
 #[cfg(feature = "mps2_an500")]
 mod mps2_an500 {
     use crate::interrupts::{received, sent, tick};
-    use hal::mps2_an500::uart::{Place, acknowledge_sent};
+    use hal::mps2_an500::uart::{Port, acknowledge_sent};
 
     #[unsafe(no_mangle)]
     extern "C" fn TIMER0() {
@@ -19,13 +19,13 @@ mod mps2_an500 {
 
     #[unsafe(no_mangle)]
     extern "C" fn UART0_TX() {
-        acknowledge_sent(Place::Link);
+        acknowledge_sent(Port::Link);
         sent();
     }
 
     #[unsafe(no_mangle)]
     extern "C" fn UART1_TX() {
-        acknowledge_sent(Place::Trace);
+        acknowledge_sent(Port::Trace);
         sent();
     }
 }

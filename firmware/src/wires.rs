@@ -1,7 +1,8 @@
-//! The wires of the host link: the UART, and USB where the board has it.
+//! The transports of the host link: the UART, and USB where the board has it.
 //!
-//! In and out: bytes of either, never waiting. Owns both. The link is on one of them: where the session in force was
-//! opened. On the other one a session may be opened anew, and then the link is there.
+//! In and out: bytes of either, never waiting. Owns both. The link uses the transport over which
+//! the session in force was opened. A client may open a session anew over the other one, and then
+//! the link uses that. Fails never: a transport that takes nothing keeps its own bytes waiting.
 use crate::statics::RECEIVED;
 #[cfg(feature = "stm32h743")]
 use crate::usb::Port;
@@ -11,11 +12,11 @@ use hal::board::uart::Tx;
 use ring::Consumer;
 use servo::units::Ns;
 
-/// What takes bytes.
+/// A destination of bytes.
 pub trait Sink {
-    /// Takes as many of these as it can, from the first on, and says how many.
+    /// Takes as many of these as it can, from the first on, and returns how many.
     fn send(&mut self, bytes: &[u8]) -> usize;
-    /// Nothing follows for now.
+    /// No more bytes follow for now.
     fn end(&mut self) {}
 }
 
@@ -36,7 +37,7 @@ impl Sink for Port {
     }
 }
 
-/// Bytes on their way out.
+/// A buffer of bytes to send.
 pub struct Outflow<const N: usize> {
     bytes: [u8; N],
     from: usize,
@@ -44,12 +45,13 @@ pub struct Outflow<const N: usize> {
 }
 
 impl<const N: usize> Outflow<N> {
-    /// Nothing.
+    /// Empty.
     pub const fn new() -> Self {
         Outflow { bytes: [0; N], from: 0, to: 0 }
     }
 
-    /// Sends what is taken, at most `limit` bytes; `more` refills. True if the limit ended it.
+    /// Sends until the sink takes no more, at most `limit` bytes; `more` refills the buffer. True
+    /// if the limit ended it.
     pub fn pump(&mut self, sink: &mut dyn Sink, limit: usize, mut more: impl FnMut(&mut [u8]) -> usize) -> bool {
         let mut left = limit;
         loop {
@@ -75,7 +77,7 @@ impl<const N: usize> Outflow<N> {
     }
 }
 
-/// A wire.
+/// A transport.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Wire {
     /// The UART.
@@ -86,7 +88,7 @@ pub enum Wire {
 }
 
 impl Wire {
-    /// What a client on the other wire is told.
+    /// The name that a client on the other transport gets.
     const fn name(self) -> &'static str {
         match self {
             Wire::Uart => "the UART",
@@ -100,30 +102,30 @@ impl Wire {
 pub struct Wires {
     /// Bytes that the UART has received.
     pub bytes: Consumer<'static, u8, RECEIVED>,
-    /// The UART's other way.
+    /// The UART's sending half.
     pub uart: Tx,
     /// USB.
     #[cfg(feature = "stm32h743")]
     pub usb: Option<Port>,
-    /// Where the link is.
+    /// The transport of the link.
     pub link: Wire,
-    /// The other wire.
+    /// The session take-over on the other transport.
     pub second: SecondaryTransport,
-    /// What goes out over the link, and over the other wire.
+    /// Bytes to send over the link.
     pub out: Outflow<512>,
-    /// See there.
+    /// Bytes to send over the other transport.
     pub answer: Outflow<32>,
 }
 
 impl Wires {
-    /// All that has arrived goes to the server.
+    /// Passes all that has arrived to the server.
     pub fn receive(&mut self, now: Ns, server: &mut Server<'static, AXES>) {
         loop {
             let mut chunk = [0; 256];
             let mut length = 0;
-            while let Some(place) = chunk.get_mut(length) {
+            while let Some(target) = chunk.get_mut(length) {
                 let Some(byte) = self.bytes.pop() else { break };
-                *place = byte;
+                *target = byte;
                 length += 1;
             }
             if length == 0 {
@@ -132,7 +134,7 @@ impl Wires {
             self.take(Wire::Uart, now, server, chunk.get(..length).unwrap_or(&[]));
         }
         #[cfg(feature = "stm32h743")]
-        // As much as the UART brings at once: the tick and the link's timers are served in between.
+        // At most as much as the UART's queue holds: the link's timers are served in between.
         for _ in 0..RECEIVED / hal::board::usb::PACKET {
             let mut packet = [0; hal::board::usb::PACKET];
             let length = self.usb.as_mut().map_or(0, |port| port.receive(&mut packet));
@@ -144,21 +146,21 @@ impl Wires {
     }
 
     fn take(&mut self, from: Wire, now: Ns, server: &mut Server<'static, AXES>, bytes: &[u8]) {
-        let mut rest = bytes;
+        let mut unread = bytes;
         if from != self.link {
-            let (used, taken_up) = self.second.feed(now, server, Some(self.link.name()), rest);
-            rest = rest.get(used..).unwrap_or(&[]);
+            let (used, taken_up) = self.second.feed(now, server, Some(self.link.name()), unread);
+            unread = unread.get(used..).unwrap_or(&[]);
             if taken_up {
                 self.link = from;
                 (self.out, self.answer) = (Outflow::new(), Outflow::new());
             }
         }
         if from == self.link {
-            server.feed(now, rest);
+            server.feed(now, unread);
         }
     }
 
-    /// What the server has to say goes out.
+    /// Sends what the server has to send.
     pub fn send(&mut self, server: &mut Server<'static, AXES>) {
         #[cfg(feature = "stm32h743")]
         if let Some(port) = &mut self.usb {

@@ -1,16 +1,17 @@
-//! DAC8563: two channels of 16 bits behind SPI, at mid-scale from power-on (data sheet SLAS719, "Serial interface").
+//! DAC8563: two channels of 16 bits on SPI, at mid-scale from power-on (data sheet SLAS719, "Serial
+//! interface").
 //!
-//! In: codes, −32768…32767. Out: frames of 24 bits: command, channel, straight binary. Owns the bus and the select line.
-//! Fails as the bus does.
+//! In: codes, −32768…32767. Out: frames of 24 bits: command, channel, straight binary. Owns the bus
+//! and the select line. Fails as the bus does.
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::OutputPin;
 use embedded_hal::spi::SpiBus;
 
-/// Write a channel and put it out.
+/// The command that writes a channel and updates its output.
 const WRITE: u8 = 0b011 << 3;
 
-/// The select line is high between two frames for this long at least (data sheet, "minimum SYNC high time"); else the second one
-/// does not count.
+/// Least time for which the select line is high between two frames (data sheet, "minimum SYNC high
+/// time"); after less, the second frame is ignored.
 const BETWEEN_NS: u32 = 80;
 
 /// The part, on a bus in SPI mode 1, 50 MHz at most.
@@ -18,9 +19,9 @@ const BETWEEN_NS: u32 = 80;
 pub struct Dac8563<BUS, SELECT, PAUSE> {
     /// Its bus.
     pub bus: BUS,
-    /// Low while it is spoken to.
+    /// Low during a frame.
     pub select: SELECT,
-    /// Lets time pass, once what was written to the select line has got there.
+    /// Waits, once the select line has the level that was written.
     pub pause: PAUSE,
 }
 

@@ -1,10 +1,10 @@
 #![no_std]
-//! The ports implemented: what `servo` needs from a machine, made of a board's peripherals.
+//! The boards: what `servo` needs from a machine, by the peripherals of each board.
 //!
 //! In: register accesses of one board. Out: [`servo::port::Port`], byte streams, the tick's timer.
 //! Owns every `unsafe` register access, the [`priority`] table and the one [`mask`] by which the
-//! thread keeps interrupts out. Fails never after bring-up; a peripheral that does not answer is
-//! the board's page's matter (`docs/board-*.md`). A feature chooses the board.
+//! thread keeps interrupts out. Fails never after bring-up; what a peripheral that does not answer
+//! leads to is on the board's page (`docs/board-*.md`). A feature chooses the board.
 #[cfg(feature = "stm32h743")]
 pub mod dac8563;
 pub mod guard;
@@ -13,7 +13,7 @@ pub mod mask;
 pub mod mps2_an500;
 pub mod priority;
 #[cfg(feature = "stm32h743")]
-mod spare;
+mod startup_stack;
 #[cfg(feature = "stm32h743")]
 pub mod stm32h743;
 

@@ -1,8 +1,8 @@
 //! The one critical section of the image, by BASEPRI.
 //!
-//! `cortex-m`'s stock implementation masks everything through PRIMASK and would stop the servo tick.
-//! This one keeps out only what is as urgent as [`CRITICAL`] or less; the tick stays above it, and
-//! in return may use nothing that takes a critical section (wakers, defmt, mutexes).
+//! `cortex-m`'s stock implementation masks everything through PRIMASK and would stop the servo
+//! tick. This one keeps out only interrupts as urgent as [`CRITICAL`] or less. The tick stays above
+//! it, and in return may use nothing that takes a critical section (wakers, defmt, mutexes).
 //!
 //! Arm's erratum 837070 (a BASEPRI write that raises the priority may take effect late) concerns
 //! Cortex-M7 r0p1 only (Arm Cortex-M7 AT610/AT611 errata notice). QEMU has no such delay and the

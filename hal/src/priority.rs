@@ -1,5 +1,5 @@
-//! Who interrupts whom, in one place. Smaller is more urgent; the top three bits are what every
-//! Cortex-M7 of ours implements.
+//! The interrupt priorities, in one table. Smaller is more urgent; every Cortex-M7 used here
+//! implements the top three bits.
 
 /// The servo tick. Nothing masks it: [`CRITICAL`] lies below.
 pub const TICK: u8 = 0x20;
@@ -10,7 +10,7 @@ pub const CRITICAL: u8 = 0x40;
 /// Bytes of the host link and of the trace.
 pub const LINK: u8 = 0x80;
 
-/// PendSV, the one bell from the tick down to the thread.
+/// PendSV, the wake-up signal (bell) from the tick down to the thread.
 pub const BELL: u8 = 0xe0;
 
 const _: () = assert!(TICK != 0 && TICK < CRITICAL && CRITICAL <= LINK && LINK < BELL);

@@ -1,9 +1,10 @@
-//! A laser channel as SPEC 6 tells it: the second opinion to `servo::laser`, written without looking at it.
+//! A laser channel by SPEC 6: the independent model for `servo::laser`, written without its code.
 //!
-//! In: a whole job as a list of commands and the instants at which they act. Out: what the outputs of the
-//! channel do, as lists of exact events over the whole job. There are no ticks, no plans and no state that is
-//! carried along: each output is derived from the list in passes, so that a rule of SPEC 6 is one line here.
-//! Where SPEC 6 is silent, the readings of `docs/laser.md` are taken ("reading 3").
+//! In: a whole job as a list of commands and the instants at which they act. Out: the outputs of
+//! the channel, as lists of exact events over the whole job. Owns nothing. Fails never. There are
+//! no ticks, no plans and no running state: each output is derived from the list in passes, so that
+//! a rule of SPEC 6 is one line here. Where SPEC 6 is silent, the readings of `docs/laser.md` hold
+//! ("reading 3").
 //!
 //! Time is in ns and a timer counts ns, so that edges are whole numbers.
 mod settings;
@@ -92,7 +93,7 @@ pub type Job = [(Ns, Command)];
 enum Event {
     On,
     Off,
-    /// Everything to rest at once: another mode, the connector taken away, a fault.
+    /// Everything to the safe state at once: another mode, the connector removed, a fault.
     Cut,
 }
 
@@ -373,7 +374,7 @@ impl Story<'_> {
                 let finished = !cut && pulse.end <= span.end + 100_000;
                 let mut last = if finished { pulse.end } else { pulse.end.min(span.end) };
                 last = last.min(next);
-                // What comes at once also cuts a pulse that is being finished.
+                // A command that acts at once also cuts a pulse that is being finished.
                 if let Some(&cut) = cuts.iter().find(|&&cut| cut >= span.end) {
                     last = last.min(cut);
                 }
@@ -426,7 +427,8 @@ impl Story<'_> {
                     end = self.next_change(end).unwrap_or(until).min(until);
                 }
                 darks.push(Dark { span: Span { begin: at, end }, standby: now, left });
-                // A pulse of standby goes on where its settings change, and nothing where standby is not allowed.
+                // A standby pulse continues when its settings change, and ends when standby is not
+                // allowed.
                 let pulse = now.map_or(0, |train| times(train.width, 1) + 1);
                 let cut = cuts.contains(&end) || now.is_some() && !self.at(end).standby_allowed();
                 left = if cut { 0 } else { (left - (end - at)).max(0) + pulse };

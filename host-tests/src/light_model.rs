@@ -1,9 +1,10 @@
-//! What a coordinate system and distances do to a laser channel, as SPEC 6 tells it: the second opinion to the laser's
-//! part of the tick, on top of [`crate::laser_model`].
+//! Effects of a coordinate system and of distances on a laser channel, by SPEC 6: the independent
+//! model for the laser's part of the tick, based on [`crate::laser_model`].
 //!
-//! In: everything that acts on a channel, at instants that never go back. Out: the gate commands that follow from it
-//! (who lit, what rest takes and what a start brings back), for [`crate::laser_model::outcome`], and the law of the
-//! power at any time. Powers are doubles in the mode's unit; what is compared with them states its rounding.
+//! In: everything that acts on a channel, at instants that never decrease. Out: the gate commands
+//! that follow, for [`crate::laser_model::outcome`], and the law of the power at any time. The
+//! commands depend on who lit the channel, what a standstill shuts off, and what a start lights
+//! again. Powers are doubles in the mode's unit; a comparison with them states its rounding.
 use crate::laser_model::{Command, Family, Mode, Ns};
 
 /// Least and most.
@@ -48,9 +49,9 @@ pub struct Follow {
 pub enum Ratios {
     /// The same everywhere, for each axis.
     Fixed([f64; 4]),
-    /// Over the position of each axis: places and ratios.
+    /// Over the position of each axis: positions and ratios.
     Each(Vec<(f64, [f64; 4])>),
-    /// Over the positions of axes 1 and 2 (rows of axis 2's places), the same ratio for both.
+    /// Over the positions of axes 1 and 2 (rows of axis 2's positions), the same ratio for both.
     Plane { x: Vec<f64>, y: Vec<f64>, ratios: Vec<Vec<f64>> },
 }
 
@@ -66,7 +67,7 @@ pub struct Distance {
     pub bounds: Option<Bounds>,
 }
 
-/// What an entry of a path tells a channel.
+/// The command of an entry of a path to a channel.
 #[derive(Debug, Clone, PartialEq)]
 #[allow(missing_docs, reason = "the names say it")]
 pub enum Buffered {
@@ -77,7 +78,7 @@ pub enum Buffered {
         source: Source,
         start: Option<f64>,
     },
-    /// BufLaserFollowRatio, BufLaserFollowTable; BufLaserPrfFollow where the source comes along.
+    /// BufLaserFollowRatio, BufLaserFollowTable; BufLaserPrfFollow if the source is in it.
     Follow {
         law: Law,
         bounds: Bounds,
@@ -94,21 +95,21 @@ pub enum Act {
     Own(Command),
     /// An entry of this coordinate system.
     Entry(u8, Buffered),
-    /// It starts; whether it goes on after a Stop.
+    /// It starts; whether it continues after a Stop.
     Starts {
         crd: u8,
         resumes: bool,
     },
-    /// A Stop for it, before what rests by it.
+    /// A Stop for it, before the standstill that it makes.
     Stops {
         crd: u8,
     },
-    /// It rests: by a Stop, or at the end.
+    /// It is at standstill: by a Stop, or at the end.
     Rests {
         crd: u8,
         stopped: bool,
     },
-    /// It rests by an underrun or a fault.
+    /// It is at standstill by an underrun or a fault.
     Fails {
         crd: u8,
     },
@@ -170,7 +171,7 @@ impl Distance {
     }
 }
 
-/// The greatest slope between points, either way, and the greatest amount.
+/// The greatest slope between points, in either direction, and the greatest amount.
 fn steepest(points: &[(f64, f64)]) -> (f64, f64) {
     let slope = |pair: &[(f64, f64)]| ((pair[1].1 - pair[0].1) / (pair[1].0 - pair[0].0)).abs();
     (points.windows(2).map(slope).fold(0.0, f64::max), points.iter().map(|point| point.1.abs()).fold(0.0, f64::max))
@@ -208,7 +209,8 @@ impl Distance {
 }
 
 impl Power {
-    /// What is output where there is light. `speed` tells that of a coordinate system, `positions` those of axes 1 to 4.
+    /// Output while there is light. `speed` gives that of a coordinate system, `positions` those of
+    /// axes 1 to 4.
     pub fn value(
         &self,
         family: Family,
@@ -298,7 +300,7 @@ impl Gate {
         self.on.is_some() && self.shut == 0 && !self.waits
     }
 
-    /// An on command that counts: it replaces what was, and waits under a follow at rest.
+    /// An on command that counts: it replaces the last one, and waits under a follow at standstill.
     fn light(&mut self, by: By, power: &Power) {
         (self.on, self.shut, self.vetoed) = (Some(by), 0, false);
         self.waits = self.is_at_rest(power);
@@ -336,7 +338,8 @@ pub fn light(family: Family, acts: &[(Ns, Act)]) -> Light {
         let follow = power.follow.clone();
         let lit = gate.is_lit();
         let mapped = |crd: u8| map >> crd & 1 == 1;
-        // What the channel is told by its own commands and by what acts at once; the gate's other commands come below.
+        // The channel's own commands, and those that act at once; the gate's other commands come
+        // below.
         let mut told = None;
         match act {
             Act::Own(command) => {
@@ -422,7 +425,7 @@ pub fn light(family: Family, acts: &[(Ns, Act)]) -> Light {
                 }
                 gate.waits = gate.on.is_some() && gate.is_at_rest(&power);
             }
-            // One that finds it at rest shuts off what nothing brings back.
+            // A Stop at standstill shuts off light that no start returns.
             Act::Stops { crd } if gate.run >> crd & 1 == 0 => {
                 if mapped(*crd) {
                     gate.forget();
@@ -438,7 +441,7 @@ pub fn light(family: Family, acts: &[(Ns, Act)]) -> Light {
                     // Whoever lit it.
                     gate.shut |= if mapped(*crd) && gate.on.is_some() { bit } else { 0 };
                 } else if gate.on == Some(By::Crd(*crd)) || follows || braked && mapped(*crd) {
-                    // The entries have run out; those that a Stop found on the way too.
+                    // The entries have run out; also those that a Stop interrupted.
                     gate.forget();
                 }
             }
@@ -535,7 +538,7 @@ mod tests {
         Act::Own(Command::Gate(on))
     }
 
-    /// A Stop, after which it rests.
+    /// A Stop, after which it is at standstill.
     fn stop(crd: u8) -> [Act; 2] {
         [Act::Stops { crd }, Act::Rests { crd, stopped: true }]
     }
@@ -568,7 +571,7 @@ mod tests {
         lights(&[Act::Map(0b10), BEGINS, entry(0, true)], "___");
         // Off entries, powers and follows neither.
         lights(&[Act::Map(0b10), BEGINS, call(true), entry(0, false), follow(1.0, 0.0, 1.0), RUNS_OUT], "__####");
-        // A buffered on takes over light of a call, and not the other way.
+        // A buffered on takes over light of a call, and not the reverse.
         lights(&[BEGINS, call(true), RUNS_OUT], "_##");
         lights(&[BEGINS, call(true), entry(0, true), RUNS_OUT], "_##_");
         lights(&[BEGINS, entry(0, true), call(true), RUNS_OUT], "_##_");
@@ -586,7 +589,7 @@ mod tests {
             then(&[BEGINS, GOES_ON], "__");
             then(&[call(false), GOES_ON], "__");
             then(&[call(true), GOES_ON], "##");
-            // A Stop that finds it at rest.
+            // A Stop at standstill.
             then(&[Act::Stops { crd: 0 }, GOES_ON], "__");
             then(&[Act::Own(Command::Fault), Act::Own(Command::Clear), GOES_ON], "___");
             // Reading: each of two Stops has shut it off.
@@ -618,7 +621,7 @@ mod tests {
         then(&[call(false), BEGINS], "__");
         then(&[Act::EndFollow { crds: 1 }, BEGINS], "__");
         then(&[Act::Own(Command::Power(Exact::from_integer(1))), BEGINS], "__");
-        // What a Stop shut off still comes back.
+        // Light that a Stop shut off still returns.
         let end = [Act::EndFollow { crds: 1 }, GOES_ON];
         lights(&all(&[&followed, &[call(true)], &stop(0), &end]), "__##__#");
         lights(&all(&[&followed, &[call(true)], &stop(0), &[call(true)], &end]), "__##____");

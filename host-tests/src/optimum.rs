@@ -1,9 +1,10 @@
-//! The least time in which a polyline can be gone through under limits, computed offline: reachable sets backwards,
-//! then greedily forwards over all of it (time-optimal path parameterisation). It shares nothing with the look-ahead
-//! but what the limits mean: between the middles of two motions the mean acceleration of a coordinate is within its
-//! limit, a corner changes its velocity by no more than that limit gives in the corner time.
+//! The least time for a polyline under limits, computed offline: reachable sets backwards, then
+//! greedily forwards over all of it (time-optimal path parameterisation). It shares only the
+//! meaning of the limits with the look-ahead. Between the middles of two motions the mean
+//! acceleration of a coordinate is within its limit. A corner changes its velocity by no more than
+//! that limit gives in the corner time.
 
-/// A place, pulses.
+/// A position, pulses.
 pub type Point = [f64; 2];
 
 /// Limits of a path in a plane: pulse/ms, pulse/ms², ms.
@@ -24,7 +25,7 @@ pub struct Limits {
 /// How a turn and a change of the speed share the acceleration of a coordinate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Turn {
-    /// Their amounts are added, whichever way they point.
+    /// Their amounts are added, whatever their directions.
     Adds,
     /// They are added with their signs, on each side of a corner by itself: so the mean keeps the limit. What a motion does
     /// by itself keeps it too.
@@ -106,8 +107,8 @@ pub fn plan(points: &[Point], limits: &Limits, turns: Turn) -> (Vec<f64>, f64) {
                     }
                     Turn::Behind => constraints.push(Constraint { a: sign * mean, z: sign * bend, most }),
                     Turn::Signed => {
-                        // From a corner to the middle of the way the square of the speed changes by length·a; its
-                        // product with the mean speed there by a quarter of that.
+                        // From a corner to the middle of the motion the square of the speed changes
+                        // by length·a; its product with the mean speed there by a quarter of that.
                         let quarter = length / 4.0;
                         let start = Constraint { a: own + sign * bend * quarter, z: sign * bend, most };
                         let end = Constraint {

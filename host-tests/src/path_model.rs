@@ -1,20 +1,22 @@
-//! A coordinate system as SPEC 5 tells it: the second opinion to the path of the tick and to its interpolation, written
-//! without looking at them.
+//! A coordinate system by SPEC 5: the independent model for the path of the tick and its
+//! interpolation, written without their code.
 //!
-//! In: entries as the user gives them, and the instants at which a FIFO is started, stopped, started again or another
-//! override comes. Out: a [`Course`]: pieces of constant acceleration along figures, the instant at which each entry
-//! was reached, and why and when the coordinate system rested. There is no tick in it.
+//! In: entries as the user gives them, and the instants of commands: start, Stop, start again,
+//! another override. Out: a [`Course`]: pieces of constant acceleration along lines and arcs, the
+//! instant at which each entry was reached, and why and when the coordinate system came to
+//! standstill. There is no tick in it.
 //!
-//! Arithmetic is that of doubles: lengths, speeds and times in ms each with a relative error of a few 10⁻¹⁶, so that
-//! an instant within a second is off by less than 10⁻⁴ ns, where an edge may be off by 5 ns.
+//! Arithmetic is that of doubles: lengths, speeds and times in ms each with a relative error of a
+//! few 10⁻¹⁶. So an instant within a second is off by less than 10⁻⁴ ns, while an edge may be off
+//! by 5 ns.
 pub mod course;
-pub mod figure;
+pub mod geometry;
 pub mod speed;
 
 pub use course::{Command, Course, Rest, Why, course};
-pub use figure::{Figure, Plane};
+pub use geometry::{Geometry, Plane};
 
-/// What SetCrdPrm tells.
+/// The parameters of SetCrdPrm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frame {
     /// Greatest speed along the path, pulse/ms.
@@ -40,9 +42,9 @@ pub struct Rates {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Entry {
     /// A line or an arc.
-    Motion(Figure, Rates),
+    Motion(Geometry, Rates),
     /// BufDelay, ms.
     Delay(u16),
-    /// What takes no time: the number tells which one it is.
+    /// An entry without duration: the number says which one it is.
     Effect(usize),
 }

@@ -136,7 +136,7 @@ const FAULTS: [(&str, Place, Provoke, u8, &str); 12] = [
     ("forbidden access", Task, forbidden_access, 2, "hard fault at 0x20001002"),
     ("stack overflow in the tick", Tick, little_stack, 2, "stack overflow"),
     ("stack overflow in the link task", Task, little_stack, 2, "stack overflow"),
-    ("unclaimed interrupt", Task, unclaimed_interrupt, 3, "interrupt 20 that nobody claims"),
+    ("unclaimed interrupt", Task, unclaimed_interrupt, 3, "interrupt 20 without a handler"),
     ("stuck link task", Task, endless_loop, 4, "the link task stood still"),
     ("stuck tick", Tick, endless_loop, 4, "the servo tick did not end"),
     ("masked interrupts", Task, masked_interrupts, 4, "no servo tick came"),

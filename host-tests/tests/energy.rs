@@ -1,13 +1,13 @@
-//! Energy per way under velocity follow, from the pulses that the machine outputs.
+//! Energy per distance under velocity follow, from the pulses that the machine outputs.
 //!
-//! A bin goes from the begin of one carrier period to the begin of another, both at ticks, and holds at least 200 periods:
-//! no pulse is cut in two, and the odd counts of 200 widths are spread by dither. Its way is the model's, so a bin may
-//! be as short as it likes in pulses of the path.
+//! A bin lasts from the begin of one carrier period to the begin of another, both at ticks, and
+//! holds at least 200 periods. So no pulse is cut in two, and dither spreads the odd counts of 200
+//! widths. Its distance is the model's, so a bin may be very short in pulses of the path.
 #[path = "path/machine.rs"]
 mod machine;
 
 use host_tests::laser_model::{Family, Ns};
-use host_tests::path_model::{Command, Course, Entry, Figure, Frame, Rates, course};
+use host_tests::path_model::{Command, Course, Entry, Frame, Geometry, Rates, course};
 use machine::Machine;
 
 const MS: Ns = 1_000_000;
@@ -27,7 +27,7 @@ fn bins(course: &Course, start: Ns, tick: Ns, energy: &[(Ns, bool)]) -> Vec<(f64
         let edges = &energy[after..until];
         assert!(edges.is_empty() || edges[0].1, "no pulse is cut by a bin");
         let lit: Ns = edges.chunks(2).map(|pulse| pulse[1].0 - pulse[0].0).sum();
-        let way = course.way(to as f64 / 1e6) - course.way(from as f64 / 1e6);
+        let way = course.distance(to as f64 / 1e6) - course.distance(from as f64 / 1e6);
         bins.push((way / (length as f64 / 1e6), lit as f64 / (way * RATIO / 100.0 * 1e6)));
         from = to;
     }
@@ -47,8 +47,8 @@ fn a_pulse_of_the_path_gets_the_same_energy_at_any_speed() {
         );
         let told = machine.run(&text);
         let frame = Frame { speed: 1000.0, acc: 100.0, even_ms: 0.0 };
-        let figure = Figure::line([0.0; 4], [f64::from(way), 0.0, 0.0, 0.0]);
-        let entries = [Entry::Motion(figure, Rates { speed, acc, end: 0.0 })];
+        let geometry = Geometry::line([0.0; 4], [f64::from(way), 0.0, 0.0, 0.0]);
+        let entries = [Entry::Motion(geometry, Rates { speed, acc, end: 0.0 })];
         let start = 4 * MS + tick;
         let course = course(&frame, &entries, &[(start as f64 / 1e6, Command::Start)], 1e9);
         let bins = bins(&course, start, tick, &told.lasers[0].energy);

@@ -166,8 +166,9 @@ fn the_counts_of_a_repetition_are_the_mean() {
     }
 }
 
-/// Beginnings swing by one count, as a saw-tooth whose first line is 1/2π of it, and ends by that and by the swing
-/// of the width: together at most 3/2π of a count in P, against sin(πd)/π of the train's own line at a duty d.
+/// Begins of pulses vary by one count, as a saw-tooth whose first line is 1/2π of it. Ends vary by
+/// that and by the variation of the width. Together they are at most 3/2π of a count in P, against
+/// sin(πd)/π of the train's own line at a duty d.
 #[test]
 fn dither_makes_no_line_above_the_stated_level() {
     let mut highest: Vec<(f64, f64, f64)> = Vec::new();

@@ -1,9 +1,11 @@
-//! Light on a path through the whole machine: every combination of direct power, velocity follow and distance follow with
-//! delays, FPK, standby and pre-voltage, in both families and every mode, then random ones; held to the model in every
-//! edge and, at every tick, in its power. `LIGHT_JOBS` sets how many random jobs there are.
+//! Light on a path through the whole machine. First come all combinations of direct power, velocity
+//! follow and distance follow with delays, FPK, standby and pre-voltage, in both families and every
+//! mode; then random ones. The model holds every edge and, at every tick, the power. `LIGHT_JOBS`
+//! sets how many random jobs there are.
 //!
-//! What is allowed: an edge of the switch 5 ns. A power 2·10⁻⁴ of the mode's range where it hangs on what is planned (a
-//! step of the trace's and the DAC's numbers is less); where it hangs on encoders, what a pulse and a tick of theirs make.
+//! Tolerances: an edge of the switch 5 ns. A power that depends on planned values: 2·10⁻⁴ of the
+//! mode's range (a step of the trace's and the DAC's numbers is less). A power that depends on
+//! encoders: the change by a pulse and a tick of theirs.
 #[path = "../../servo/tests/chance/mod.rs"]
 mod chance;
 #[path = "laser/dark.rs"]
@@ -90,7 +92,7 @@ impl<'a> Model<'a> {
     }
 
     fn planned(&self, at: Ns) -> [f64; 4] {
-        self.made.course.place(&self.made.path.entries, at as f64 / 1e6).unwrap_or([0.0; 4])
+        self.made.course.position(&self.made.path.entries, at as f64 / 1e6).unwrap_or([0.0; 4])
     }
 
     /// Least and greatest speed of the coordinate system that the tick may have seen at a row.
@@ -98,7 +100,7 @@ impl<'a> Model<'a> {
         let row = (at / self.tick) as usize;
         if source == Source::Planned {
             // The mean of the interval that begins there.
-            let way = |at: Ns| self.made.course.way(at as f64 / 1e6);
+            let way = |at: Ns| self.made.course.distance(at as f64 / 1e6);
             let row = row as Ns * self.tick;
             return [(way(row + self.tick) - way(row)) / (self.tick as f64 / 1e6); 3];
         }

@@ -11,7 +11,7 @@ mod random;
 use chance::Chance;
 use host_tests::laser_model::{Command, Edge, Exact, Family, Mode, Ns, outcome};
 use host_tests::light_model::{Act, Buffered, light};
-use host_tests::path_model::{self, Course, Entry, Figure, Why, course};
+use host_tests::path_model::{self, Course, Entry, Geometry, Why, course};
 use machine::{Beams, Machine, Told, numbered};
 use random::{Effect, Random, arcs, fits, is_undecided, random, set_up};
 use std::fmt::Write;
@@ -319,12 +319,12 @@ fn outputs(made: &Made, told: &Told) -> Result<usize, String> {
 }
 
 /// The motion in force.
-fn figure(half: &Half, ms: f64) -> Option<&Figure> {
+fn geometry(half: &Half, ms: f64) -> Option<&Geometry> {
     let mut motions = half
         .path
         .entries
         .iter()
-        .filter_map(|entry| if let Entry::Motion(figure, _) = entry { Some(figure) } else { None });
+        .filter_map(|entry| if let Entry::Motion(geometry, _) = entry { Some(geometry) } else { None });
     motions.nth(half.course.ends.partition_point(|end| *end <= ms))
 }
 
@@ -334,7 +334,7 @@ fn places(made: &Made, told: &Told) -> Result<[f64; 2], String> {
     for row in told.rows.iter().filter(|row| (row.t_ns as Ns) < made.horizon) {
         let ms = row.t_ns as f64 / 1e6;
         for (crd, half) in made.halves.iter().enumerate() {
-            let expected = half.course.place(&half.path.entries, ms).unwrap_or([0.0; 4]);
+            let expected = half.course.position(&half.path.entries, ms).unwrap_or([0.0; 4]);
             let found: [f64; 4] =
                 std::array::from_fn(|axis| row.axes[crd * 4 + axis].pos.0 as f64 / f64::from(1 << 22));
             let speed = half.course.speed(ms).max(half.course.speed(ms - OFF.1));
@@ -345,7 +345,7 @@ fn places(made: &Made, told: &Told) -> Result<[f64; 2], String> {
                 }
                 worst[0] = worst[0].max(off);
             }
-            let Some(Figure::Arc { plane, centre, radius, .. }) = figure(half, ms) else { continue };
+            let Some(Geometry::Arc { plane, centre, radius, .. }) = geometry(half, ms) else { continue };
             let (first, second) = plane.axes();
             // Before it begins it may stand anywhere on the one before.
             if half.course.speed(ms) > 0.0 && half.course.speed(ms - OFF.1) > 0.0 && half.course.speed(ms + OFF.1) > 0.0

@@ -329,8 +329,9 @@ fn a_zoomed_plot_shows_only_its_time() {
     assert!(matches!(plot.save(&folder.join("zoom.gif")), Err(TraceError::Plot(_))));
 }
 
-/// Twice round a rectangle of 2000 by 1000 pulses in 600 ms, a row each ms; from its second side on there is light
-/// of 100 %, from the fourth on of 50 %, from the middle of the second round's first side on there is none.
+/// Twice around a rectangle of 2000 by 1000 pulses in 600 ms, a row each ms. From its second side
+/// on there is light of 100 %, from the fourth on of 50 %. From the middle of the second pass's
+/// first side on there is none.
 fn xy_of_rectangle(options: PlotOptions) -> Xy {
     let header = Header {
         axes: vec![axis(1), axis(2)],

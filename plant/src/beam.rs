@@ -1,41 +1,43 @@
-//! The output stage of a laser channel: what timers and a DAC do with the tick's plans.
+//! The output stage of a laser channel: what timers and a DAC make of the tick's plans.
 //!
-//! In: a [`Plan`] a tick, the interlock. Out: every edge, as [`Change`]s to the ns, if somebody wants them.
-//! Owns pulse in progress, train, switch, DAC, and the actions that are still to come. It goes from action
-//! to action in closed form, so that a train costs the same whatever its pulses are. Fails never; actions
-//! beyond those of two plans that wait at one time have no place and are dropped; more never wait.
-use crate::pulses::{Burst, Rest};
+//! In: a [`Plan`] a tick, the interlock. Out: every edge, as [`Change`]s to the ns, if the caller
+//! takes them. Owns the pulse in progress, the train, switch, DAC, and the actions that are still
+//! to come. It goes from action to action in closed form, so that the cost of a train does not
+//! depend on its number of pulses. Fails never: it holds the actions of two plans, and more never
+//! wait; further ones are dropped.
+use crate::pulses::{Burst, Remainder};
 use servo::laser::{Action, FINISH_NS, PLACES, Plan, Rate, Train};
 
-/// What an output did. Instants are ns of the clock by which the plans are told.
+/// A change of an output. Instants are ns of the clock of the plans.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Change {
     /// The switch output went to this level; true is active.
     Switch {
-        /// When.
+        /// Instant.
         at: u64,
-        /// To what.
+        /// New level.
         level: bool,
     },
-    /// The energy output went to this level: one edge of a pulse that was not over when it was told of.
+    /// The energy output went to this level: one edge of a pulse that was not over when the first
+    /// one was reported.
     Energy {
-        /// When.
+        /// Instant.
         at: u64,
-        /// To what.
+        /// New level.
         level: bool,
     },
     /// Whole pulses of the energy output.
     Pulses(Burst),
     /// The analog output went to this voltage.
     Dac {
-        /// When.
+        /// Instant.
         at: u64,
-        /// To what: −32768…32767 is −10…10 V.
+        /// Code: −32768…32767 is −10…10 V.
         code: i16,
     },
 }
 
-/// Where a period ends that stands still.
+/// End of a period that does not end.
 const NEVER: u64 = u64::MAX;
 
 /// A pulse that has begun.
@@ -43,11 +45,11 @@ const NEVER: u64 = u64::MAX;
 struct Pulse {
     begin: u64,
     end: u64,
-    /// Its beginning has been told of.
+    /// Its beginning has been reported.
     told: bool,
 }
 
-/// Actions of the interval in force and of the one told.
+/// Actions of the interval in force and of the next one.
 const WAITING: usize = 2 * PLACES;
 
 /// A channel's outputs.
@@ -58,15 +60,15 @@ pub struct Stage {
     train: Train,
     /// Beginning and end of the period in progress.
     period: Option<(u64, u64)>,
-    /// Without one: where the train begins.
+    /// Without one: the instant at which the train begins.
     begins: u64,
-    period_rest: Rest,
-    width_rest: Rest,
-    /// Counts of width that did not fit into the period before.
+    period_remainder: Remainder,
+    width_remainder: Remainder,
+    /// Counts of width that exceeded the last period.
     owed: u64,
     /// The last pulse, until it is over.
     pulse: Option<Pulse>,
-    /// The interlock holds energy and switch at rest, whatever the plans say.
+    /// The interlock holds energy and switch in the safe state, whatever the plans are.
     held: bool,
     waiting: [(u64, Action); WAITING],
     first: usize,
@@ -76,12 +78,13 @@ pub struct Stage {
 }
 
 impl Stage {
-    /// At rest; a count is a ns.
+    /// In the safe state; a count is a ns.
     pub const fn new() -> Stage {
         Stage::counting(FINISH_NS as u64)
     }
 
-    /// At rest, in counts of another clock, of which [`FINISH_NS`] is so many. Instants, widths and periods are such counts.
+    /// In the safe state, in counts of another clock; `finish` is [`FINISH_NS`] in them. Instants,
+    /// widths and periods are such counts.
     pub const fn counting(finish: u64) -> Stage {
         Stage {
             switch: false,
@@ -89,8 +92,8 @@ impl Stage {
             train: Train::NONE,
             period: None,
             begins: 0,
-            period_rest: Rest::NONE,
-            width_rest: Rest::NONE,
+            period_remainder: Remainder::NONE,
+            width_remainder: Remainder::NONE,
             owed: 0,
             pulse: None,
             held: false,
@@ -101,7 +104,8 @@ impl Stage {
         }
     }
 
-    /// A plan, told at `now`, for the interval that begins at `next`. What happened before `now` goes to `sink`.
+    /// Takes at `now` a plan for the interval that begins at `next`. `sink` gets the changes before
+    /// `now`.
     #[inline]
     pub fn take(&mut self, now: u64, next: u64, plan: &Plan, mut sink: impl FnMut(Change)) {
         if !plan.safe_state && plan.actions().is_empty() {
@@ -116,7 +120,7 @@ impl Stage {
         }
     }
 
-    /// Everything at rest at `now`; what waits is void. What happened before goes to `sink`.
+    /// The safe state at `now`; drops waiting actions. `sink` gets the changes before `now`.
     pub fn rest(&mut self, now: u64, sink: &mut impl FnMut(Change)) {
         self.run_to(now, sink);
         (self.first, self.end) = (0, 0);
@@ -124,8 +128,8 @@ impl Stage {
         self.volts(now, 0, sink);
     }
 
-    /// The interlock, in hardware: energy and switch at rest at `now`, and as long as it is active. The DAC goes on
-    /// with its plan.
+    /// The interlock, in hardware: energy and switch in the safe state from `now` on, as long as it
+    /// is active. The DAC continues with its plan.
     pub fn interlock(&mut self, now: u64, active: bool, sink: &mut impl FnMut(Change)) {
         self.held = active;
         if active {
@@ -135,7 +139,7 @@ impl Stage {
         }
     }
 
-    /// Of what waits, what the DAC does stays.
+    /// Drops waiting actions, except those of the DAC.
     fn keep_volts(&mut self) {
         let waiting = self.first..self.end;
         (self.first, self.end) = (0, 0);
@@ -155,7 +159,7 @@ impl Stage {
         self.switch(now, false, sink);
     }
 
-    /// One action more: at `at`, which is not before the one before.
+    /// Adds an action at `at`, which is not before the last one.
     pub fn push(&mut self, at: u64, action: Action) {
         if self.end == self.waiting.len() {
             self.waiting.copy_within(self.first.., 0);
@@ -169,8 +173,8 @@ impl Stage {
         }
     }
 
-    /// What happens before `to`, and a pulse's end at `to`, goes to `sink`, in the order of time for each output.
-    /// `to` does not go back.
+    /// Runs to `to`, which never decreases. `sink` gets the changes before `to`, and a pulse's end
+    /// at `to`, in the order of time for each output.
     pub fn run_to(&mut self, to: u64, sink: &mut impl FnMut(Change)) {
         while let Some(&(at, action)) = self.waiting.get(self.first..self.end).and_then(|left| left.first())
             && at < to
@@ -206,7 +210,7 @@ impl Stage {
         }
     }
 
-    /// A train begins; the pulse in progress is cut, or finished if it ends soon, before it.
+    /// A train begins. Before it, the pulse in progress is cut, or finished if it ends soon.
     fn begin(&mut self, at: u64, train: Train, cut: bool) {
         self.begins = at;
         if let Some(pulse) = self.pulse.as_mut().filter(|pulse| pulse.end > at) {
@@ -221,10 +225,10 @@ impl Stage {
     }
 
     fn begin_pattern(&mut self) {
-        (self.period_rest, self.width_rest, self.owed) = (Rest::NONE, Rest::NONE, 0);
+        (self.period_remainder, self.width_remainder, self.owed) = (Remainder::NONE, Remainder::NONE, 0);
     }
 
-    /// The train goes on as another one.
+    /// The train continues as another one.
     fn change(&mut self, at: u64, train: Train) {
         if self.train.is_none() && self.period.is_none() {
             self.begins = self.begins.max(at);
@@ -239,8 +243,8 @@ impl Stage {
         }
     }
 
-    /// Pulses go on at another rate, in phase, or pause: then their period has no end, and what is left of it stands where none
-    /// begins.
+    /// Pulses continue at another rate, in phase, or pause. In a pause the period has no end, and
+    /// its remainder is kept.
     fn rate(&mut self, at: u64, rate: &Rate) {
         let left = match self.period {
             None => 0,
@@ -254,7 +258,7 @@ impl Stage {
             }
             return;
         }
-        let (left, part) = rate.left(left, self.period_rest.part());
+        let (left, part) = rate.left(left, self.period_remainder.part());
         let mut next = at.saturating_add(left);
         if let Some(pulse) = self.pulse.as_mut().filter(|pulse| pulse.end > at && pulse.end >= next) {
             next = next.max(at.wrapping_add(1));
@@ -265,7 +269,7 @@ impl Stage {
             None => self.begins = next,
         }
         self.begin_pattern();
-        self.period_rest = Rest::of_rate(part);
+        self.period_remainder = Remainder::of_rate(part);
     }
 
     /// Follows the train to `to`, not included.
@@ -291,14 +295,14 @@ impl Stage {
         let train = self.train;
         let Train { period, width } = train;
         let is_full = train.is_full();
-        if !self.width_rest.goes_on(width) {
+        if !self.width_remainder.goes_on(width) {
             self.owed = 0;
         }
-        let (period_rest, width_rest) = (self.period_rest, self.width_rest);
-        let mut last = Burst { at, count: u64::MAX, train, period_rest, width_rest };
+        let (period_remainder, width_remainder) = (self.period_remainder, self.width_remainder);
+        let mut last = Burst { at, count: u64::MAX, train, period_remainder, width_remainder };
         // A width just below the period may be too long for one: those go one by one.
         if self.owed == 0 && (width.whole < period.whole || is_full) {
-            // Before the last one all are over.
+            // All but the last one are over.
             let whole = last.first_from(to).saturating_sub(1);
             if whole > 0 && !train.is_silent() {
                 sink(Change::Pulses(Burst { count: whole, ..last }));
@@ -307,16 +311,16 @@ impl Stage {
         }
         let end = last.start(1);
         let length = end.wrapping_sub(last.at);
-        let wanted = if is_full { length } else { last.width_rest.sum(width, 1).saturating_add(self.owed) };
+        let wanted = if is_full { length } else { last.width_remainder.sum(width, 1).saturating_add(self.owed) };
         let pulse = wanted.min(length);
         self.owed = wanted.wrapping_sub(pulse);
         self.pulse = (pulse > 0).then_some(Pulse { begin: last.at, end: last.at.saturating_add(pulse), told: false });
         self.period = Some((last.at, end));
-        let behind = last.skip(1);
-        (self.period_rest, self.width_rest) = (behind.period_rest, behind.width_rest);
+        let after = last.skip(1);
+        (self.period_remainder, self.width_remainder) = (after.period_remainder, after.width_remainder);
     }
 
-    /// Tells of the pulse in progress what is certain at `to`.
+    /// Reports of the pulse in progress what is certain at `to`.
     fn finish_pulse(&mut self, to: u64, sink: &mut impl FnMut(Change)) {
         let Some(pulse) = &mut self.pulse else { return };
         let Pulse { begin, end, told } = *pulse;
@@ -335,7 +339,7 @@ impl Stage {
         }
     }
 
-    /// Levels at the instant up to which it was followed.
+    /// Levels at the instant to which it has run.
     pub fn levels(&self) -> Levels {
         Levels { switch: self.switch, energy: self.pulse.is_some_and(|pulse| pulse.told), dac: self.dac }
     }
@@ -347,7 +351,7 @@ impl Default for Stage {
     }
 }
 
-/// What the outputs of a channel show.
+/// Levels of a channel's outputs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Levels {
     /// The switch output is active.

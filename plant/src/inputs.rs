@@ -1,8 +1,9 @@
-//! A plan of inputs: what the machines without wires carry out by themselves.
+//! A plan of inputs, which the machines without wires execute by themselves.
 //!
-//! In: rows in order of time, the instant of the next tick, the zero of the script clock while a program runs. Out: the row that is
-//! due. Owns the rows. Rows that count from a program begin with the next one that starts, and end with it.
-//! Fails never: a row for which there is no place is not kept; who admits rows knows how many there are.
+//! In: rows in order of time, the instant of the next tick, the zero of the script clock while a
+//! program runs. Out: the row that is due. Owns the rows. Rows that count from a program begin with
+//! the next one that starts, and end with it. Fails never: a row without a slot is dropped; the
+//! admission of rows knows how many slots there are.
 use servo::port::{Due, Simulated};
 use servo::units::Ns;
 
@@ -14,7 +15,7 @@ pub struct Row {
 }
 
 impl Row {
-    /// What stands where no row was put.
+    /// Content of an empty slot.
     pub const NONE: Row = Row { due: Due::At(Ns(0)), input: Simulated::Interlock(false) };
 }
 
@@ -29,17 +30,17 @@ pub struct Plan<S> {
 }
 
 impl<S: AsRef<[Row]> + AsMut<[Row]>> Plan<S> {
-    /// An empty one; it holds as many rows as there are places.
+    /// An empty plan; it holds as many rows as there are slots.
     pub const fn new(rows: S) -> Self {
         Plan { rows, len: 0, at: 0, zero: None }
     }
 
-    /// The places, to make more of them.
-    pub fn places(&mut self) -> &mut S {
+    /// The slots, to make more of them.
+    pub fn slots(&mut self) -> &mut S {
         &mut self.rows
     }
 
-    /// Row `row`; row 0 begins another plan.
+    /// Stores row `row`; row 0 begins another plan.
     pub fn put(&mut self, row: u16, due: Due, input: Simulated) {
         if row == 0 {
             (self.len, self.at, self.zero) = (0, 0, None);
@@ -75,7 +76,7 @@ impl<S: AsRef<[Row]> + AsMut<[Row]>> Plan<S> {
         Some(row.input)
     }
 
-    /// Rows that count from a program count no more.
+    /// Ends rows that count from a program.
     pub fn forget(&mut self) {
         if matches!(self.rows.as_ref().get(self.at), Some(Row { due: Due::OfScript(_), .. })) {
             self.len = 0;

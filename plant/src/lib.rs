@@ -1,15 +1,16 @@
 #![no_std]
 #![forbid(unsafe_code)]
-//! The machine of the boards that have none: every axis is a first-order lag behind its set-point.
+//! The machine of the boards that have none: every axis follows its set-point with a first-order
+//! lag.
 //!
-//! In: set-points in 2⁻²² pulse, one advance a tick. Out: encoder counts in whole pulses.
-//! Owns the lag's state and nothing else. All integer, so that the virtual and the emulated board
-//! read the same encoders to the bit. Fails never: every `i64` set-point is followed, and a settled
-//! axis stands exactly on its set-point (no dead band is left over).
+//! In: set-points in 2⁻²² pulse, one advance a tick. Out: encoder counts in whole pulses. Owns the
+//! lag's state and nothing else. All integer, so that the virtual and the emulated board read the
+//! same encoders to the bit. Fails never: every `i64` set-point is followed, and a settled axis is
+//! exactly at its set-point (there is no dead band).
 //!
-//! Between two ticks the set-point is held: with x the encoder shaft, s the set-point in force and
-//! T the tick period, `x(t + T) = s + (x(t) − s)·e^(−T/τ)`, which is the exact solution of
-//! `τ·x' = s − x` up to the rounding of one step (2⁻²² pulse).
+//! Between two ticks the set-point is held. With x the encoder shaft, s the set-point in force and
+//! T the tick period: `x(t + T) = s + (x(t) − s)·e^(−T/τ)`. This is the exact solution of `τ·x' = s
+//! − x` up to the rounding of one step (2⁻²² pulse).
 
 pub mod beam;
 pub mod inputs;
@@ -21,13 +22,14 @@ pub const FRAC_BITS: u32 = 22;
 /// Time constant τ of every axis, in ns: 1 ms, a stiff servo drive.
 pub const TIME_CONSTANT_NS: u32 = 1_000_000;
 
-/// The share of its distance to the set-point that an axis goes in one tick: 1 − e^(−T/τ) in 2⁻³².
+/// The fraction of its distance to the set-point that an axis moves in one tick: 1 − e^(−T/τ) in
+/// 2⁻³².
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Gain(u32);
 
 impl Gain {
-    /// The gain for a tick period in ns. A period beyond 16 ms is taken as 16 ms (the axis arrives in
-    /// one tick either way: e⁻¹⁶ is a tenth of a millionth).
+    /// The gain for a tick period in ns. A period beyond 16 ms is taken as 16 ms (the axis arrives
+    /// in one tick either way: e⁻¹⁶ is a tenth of a millionth).
     ///
     /// The error against the real number is at most 2⁻³², the unit of the result
     /// (`gain_is_the_exponential`).
@@ -67,10 +69,10 @@ impl Gain {
     }
 }
 
-/// One axis: a shaft that lags behind its set-point.
+/// One axis: a shaft that follows its set-point with a lag.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Lag {
-    /// Where the shaft is, in 2⁻²² pulse.
+    /// Position of the shaft, in 2⁻²² pulse.
     shaft: i64,
     /// The set-point in force since the last tick.
     in_force: i64,
@@ -87,8 +89,8 @@ impl Lag {
         self.next = pos;
     }
 
-    /// One tick passes: the shaft goes its share of the way to the set-point that was in force, and
-    /// the one given last comes into force.
+    /// One tick passes: the shaft moves towards the set-point that was in force, and the one given
+    /// last comes into force.
     pub fn advance(&mut self, gain: Gain) {
         let distance = self.in_force.saturating_sub(self.shaft);
         if distance != 0 {
@@ -127,22 +129,24 @@ impl<const AXES: usize> Plant<AXES> {
         Plant { axes: [Lag::STANDSTILL; AXES] }
     }
 
-    /// One tick passes for all axes. Call it at the beginning of the tick, before encoders are read.
+    /// One tick passes for all axes. Call it at the beginning of the tick, before encoders are
+    /// read.
     pub fn advance(&mut self, gain: Gain) {
         for axis in &mut self.axes {
             axis.advance(gain);
         }
     }
 
-    /// The set-point of an axis (from 0) in force from the next tick on, in 2⁻²² pulse. An axis that
-    /// the machine does not have is not moved.
+    /// The set-point of an axis (from 0) in force from the next tick on, in 2⁻²² pulse. An axis
+    /// that the machine does not have is not moved.
     pub fn set_point(&mut self, axis: usize, pos: i64) {
         if let Some(lag) = self.axes.get_mut(axis) {
             lag.set_point(pos);
         }
     }
 
-    /// The set-point that [`Plant::set_point`] was given last; 0 for an axis that the machine does not have.
+    /// The set-point that [`Plant::set_point`] was given last; 0 for an axis that the machine does
+    /// not have.
     pub fn set_point_of(&self, axis: usize) -> i64 {
         self.axes.get(axis).map_or(0, |lag| lag.next)
     }
@@ -218,7 +222,8 @@ mod tests {
 
     #[test]
     fn a_ramp_is_followed_one_time_constant_behind() {
-        // Held set-points lag by half a tick more on average: v·(T/(1 − e^(−T/τ)) − T) behind the one in force.
+        // Held set-points lag by half a tick more on average: v·(T/(1 − e^(−T/τ)) − T) behind the
+        // one in force.
         for period in PERIODS_NS {
             let gain = Gain::of_period(period);
             let mut lag = Lag::default();

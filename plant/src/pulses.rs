@@ -1,26 +1,27 @@
-//! Pulse trains in closed form: nobody counts pulses one by one who does not want to see each.
+//! Pulse trains in closed form, so that a caller need not count pulses one by one.
 //!
-//! In: a train as the tick plans it ([`Train`]), the instant of its first pulse. Out: instants of any
-//! pulse. A count of the timer is 1 ns. Fails never: sums saturate.
+//! In: a train as the tick plans it ([`Train`]), the instant of its first pulse. Out: instants of
+//! any pulse. A count of the timer is 1 ns. Fails never: sums saturate.
 use servo::laser::{Count, Train};
 
-/// What is left over of a [`Count`] behind whole counts: half of a [`servo::laser::Pattern`], in closed form.
+/// The remainder of a [`Count`] after whole counts: half of a [`servo::laser::Pattern`], in closed
+/// form.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Rest {
+pub struct Remainder {
     gathered: u32,
     of: u32,
 }
 
-impl Rest {
-    /// Nothing: a pattern begins.
-    pub const NONE: Rest = Rest { gathered: 0, of: 0 };
+impl Remainder {
+    /// Zero: a pattern begins.
+    pub const NONE: Remainder = Remainder { gathered: 0, of: 0 };
 
-    /// Of a rate: so many 2⁻³² counts.
-    pub const fn of_rate(part: u32) -> Rest {
-        Rest { gathered: part, of: 0 }
+    /// The remainder of a rate, in 2⁻³² counts.
+    pub const fn of_rate(part: u32) -> Remainder {
+        Remainder { gathered: part, of: 0 }
     }
 
-    /// What periods of a rate have left over, 2⁻³² counts.
+    /// The remainder of periods of a rate, in 2⁻³² counts.
     pub const fn part(self) -> u32 {
         if self.of == 0 { self.gathered } else { 0 }
     }
@@ -30,7 +31,7 @@ impl Rest {
         if self.goes_on(count) { self.gathered } else { 0 }
     }
 
-    /// Whether the pattern of `count` goes on behind it.
+    /// Whether the pattern of `count` continues after it.
     pub const fn goes_on(self, count: Count) -> bool {
         self.of == count.of
     }
@@ -55,10 +56,10 @@ impl Rest {
         n.saturating_mul(count.whole).saturating_add(self.carried(count, n).0)
     }
 
-    /// What is left over behind them.
+    /// The remainder after them.
     #[must_use]
-    pub fn behind(self, count: Count, n: u64) -> Rest {
-        if n == 0 { self } else { Rest { gathered: self.carried(count, n).1, of: count.of } }
+    pub fn after(self, count: Count, n: u64) -> Remainder {
+        if n == 0 { self } else { Remainder { gathered: self.carried(count, n).1, of: count.of } }
     }
 }
 
@@ -71,16 +72,16 @@ pub struct Burst {
     pub count: u64,
     /// Period and width; where that reaches the period the pulses touch.
     pub train: Train,
-    /// What is left over of the period before the first pulse.
-    pub period_rest: Rest,
-    /// What is left over of the width before the first pulse.
-    pub width_rest: Rest,
+    /// Remainder of the period before the first pulse.
+    pub period_remainder: Remainder,
+    /// Remainder of the width before the first pulse.
+    pub width_remainder: Remainder,
 }
 
 impl Burst {
     /// `count` pulses of a train that begins here.
     pub const fn new(at: u64, count: u64, train: Train) -> Burst {
-        Burst { at, count, train, period_rest: Rest::NONE, width_rest: Rest::NONE }
+        Burst { at, count, train, period_remainder: Remainder::NONE, width_remainder: Remainder::NONE }
     }
 
     /// A single pulse.
@@ -91,7 +92,7 @@ impl Burst {
 
     /// Start of pulse `k`, also beyond the last one.
     pub fn start(&self, k: u64) -> u64 {
-        self.at.saturating_add(self.period_rest.sum(self.train.period, k))
+        self.at.saturating_add(self.period_remainder.sum(self.train.period, k))
     }
 
     /// Time during which the energy is on, ns.
@@ -99,21 +100,21 @@ impl Burst {
         if self.train.is_full() {
             return self.start(self.count).saturating_sub(self.at);
         }
-        self.width_rest.sum(self.train.width, self.count)
+        self.width_remainder.sum(self.train.width, self.count)
     }
 
     /// Number of the first pulse that starts at `t` or later; `count` if none does.
     pub fn first_from(&self, t: u64) -> u64 {
-        let Some(behind) = t.checked_sub(self.at).filter(|behind| *behind > 0) else { return 0 };
+        let Some(after) = t.checked_sub(self.at).filter(|after| *after > 0) else { return 0 };
         let Count { whole, part, of } = self.train.period;
         // The mean period: off by less than one pulse.
         let guess = match (whole, part) {
             (0, _) => u64::MAX,
-            (_, 0) => behind / whole,
+            (_, 0) => after / whole,
             _ => {
                 let den = if of == 0 { 1 << 32 } else { u128::from(of) };
                 let mean = u128::from(whole) * den + u128::from(part);
-                u64::try_from(u128::from(behind) * den / mean).unwrap_or(u64::MAX)
+                u64::try_from(u128::from(after) * den / mean).unwrap_or(u64::MAX)
             }
         };
         let mut k = guess.min(self.count);
@@ -133,16 +134,17 @@ impl Burst {
             at: self.start(k),
             count: self.count.saturating_sub(k),
             train: self.train,
-            period_rest: self.period_rest.behind(self.train.period, k),
-            width_rest: self.width_rest.behind(self.train.width, k),
+            period_remainder: self.period_remainder.after(self.train.period, k),
+            width_remainder: self.width_remainder.after(self.train.width, k),
         }
     }
 
-    /// Every pulse: start and end, ns. A pulse of width 0 comes too; none reaches into the next one.
+    /// Every pulse: start and end, ns. A pulse of width 0 comes too; none reaches into the next
+    /// one.
     pub fn pulses(&self) -> impl Iterator<Item = (u64, u64)> + use<> {
         let mut rest = *self;
         (0..self.count).map(move |_| {
-            let (start, width) = (rest.at, rest.width_rest.sum(rest.train.width, 1));
+            let (start, width) = (rest.at, rest.width_remainder.sum(rest.train.width, 1));
             rest = rest.skip(1);
             let is_full = rest.train.is_full();
             (start, if is_full { rest.at } else { start.saturating_add(width).min(rest.at) })
@@ -190,8 +192,8 @@ mod tests {
     fn a_full_burst_is_full_whatever_is_left_over() {
         let period = count(10, 1, 3);
         for width in [period, count(10, 2, 6), count(11, 0, 1)] {
-            let behind = Rest::NONE.behind(period, 2);
-            let burst = Burst { period_rest: behind, ..Burst::new(50, 7, Train { period, width }) };
+            let after = Remainder::NONE.after(period, 2);
+            let burst = Burst { period_remainder: after, ..Burst::new(50, 7, Train { period, width }) };
             assert!(burst.pulses().zip(burst.pulses().skip(1)).all(|(one, next)| one.1 == next.0));
             assert_eq!((burst.start(7), burst.on()), (50 + 73, 73), "{width:?}");
         }
@@ -201,11 +203,11 @@ mod tests {
     fn patterns_go_on_where_the_denominator_stays() {
         let counts =
             [count(10, 1, 3), count(20, 2, 3), count(20, 2, 3), count(5, 0, 0), count(7, 1, 3), count(7, 3, 4)];
-        let (mut machine, mut rest) = (Pattern::BEGIN, Rest::NONE);
+        let (mut machine, mut rest) = (Pattern::BEGIN, Remainder::NONE);
         for period in counts {
             let width = count(0, 0, 0);
             assert_eq!(rest.sum(period, 1), machine.step(&Train { period, width }).0, "{period:?}");
-            rest = rest.behind(period, 1);
+            rest = rest.after(period, 1);
         }
     }
 

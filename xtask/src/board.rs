@@ -1,7 +1,8 @@
-//! The reference board's image: its files, what it takes of the chip's memories, and the way onto the board.
+//! The reference board's image: its files, its use of the chip's memories, and flashing.
 //!
-//! In: the workspace. Out: ELF, BIN and Intel HEX in `out/`, named with the version, with their checksums; a table of
-//! regions; a flashed board. Fails: with a sentence that says what is missing.
+//! In: the workspace. Out: ELF, BIN and Intel HEX in `out/`, named with the version, with their
+//! checksums; a table of regions; a flashed board. Owns nothing. Fails: with a sentence that says
+//! what is missing.
 use crate::floats;
 use crate::setup::compiler;
 use crate::shell::{self, Outcome, program, root, run, target, works};
@@ -19,10 +20,10 @@ pub const BIN: &str = "beamtick-h743";
 /// The board's map of memories.
 const MEMORY: &str = "hal/src/stm32h743/memory.x";
 
-/// How cargo is told of the board.
+/// Cargo's arguments for the board.
 pub const FEATURES: [&str; 3] = ["--no-default-features", "--features", "stm32h743"];
 
-/// Builds the image for an external DAC and tells where it is: not where the other one comes.
+/// Builds the image for an external DAC and returns its path, which is not that of the other image.
 pub fn build_for_dac() -> Outcome<PathBuf> {
     let compiler = compiler()?;
     let mut cargo = compiler.cargo();
@@ -34,7 +35,7 @@ pub fn build_for_dac() -> Outcome<PathBuf> {
     Ok(copy)
 }
 
-/// Builds the image and tells where it is.
+/// Builds the image and returns its path.
 pub fn build() -> Outcome<PathBuf> {
     let compiler = compiler()?;
     let mut cargo = compiler.cargo();
@@ -224,9 +225,9 @@ fn named(script: &str) -> Vec<&str> {
 fn matches(pattern: &str, name: &str) -> bool {
     match pattern.split_once('*') {
         None => pattern == name,
-        Some((first, rest)) => name.strip_prefix(first).is_some_and(|behind| {
-            (0..=behind.len()).any(|at| behind.is_char_boundary(at) && matches(rest, &behind[at..]))
-        }),
+        Some((first, rest)) => name
+            .strip_prefix(first)
+            .is_some_and(|tail| (0..=tail.len()).any(|at| tail.is_char_boundary(at) && matches(rest, &tail[at..]))),
     }
 }
 
@@ -249,12 +250,12 @@ fn hot(elf: &[u8]) -> Outcome {
         return Err(format!("{MEMORY} puts {missing} into CODE, and there is no such function"));
     }
     println!("CODE:");
-    // What jumps into flash, which the linker adds.
-    let (ways, functions): (Vec<_>, Vec<_>) = functions.into_iter().partition(|(.., name)| name.contains("LongThunk"));
+    // Jumps into flash, which the linker adds.
+    let (jumps, functions): (Vec<_>, Vec<_>) = functions.into_iter().partition(|(.., name)| name.contains("LongThunk"));
     for (_, size, name) in functions {
         println!("{size:>8} {name}");
     }
-    println!("{:>8} {} ways into flash", ways.iter().map(|(_, size, _)| size).sum::<u64>(), ways.len());
+    println!("{:>8} {} jumps into flash", jumps.iter().map(|(_, size, _)| size).sum::<u64>(), jumps.len());
     Ok(())
 }
 

@@ -4,7 +4,7 @@
 //! checks passed and failed. A step that fails does not hide those after it.
 use crate::setup::{self, compiler};
 use crate::shell::{self, Outcome, cargo, line, target};
-use crate::{board, image, mutants, probes, proofs, supply, ticks, traces};
+use crate::{board, image, mutants, pages, probes, proofs, supply, ticks, traces};
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Command, Stdio};
 use std::time::Instant;
@@ -25,12 +25,13 @@ struct Count {
 /// A step: its name, and what it does.
 type Step = (&'static str, fn() -> (Count, Outcome));
 
-const STEPS: [Step; 15] = [
+const STEPS: [Step; 16] = [
     ("set-up", || alone(setup::run())),
     ("format", || alone(shell::run(cargo().args(["fmt", "--all", "--check"])))),
     ("clippy, host", || alone(shell::run(host(["clippy"]).args(["--all-targets", "--", "-D", "warnings"])))),
     ("clippy, Cortex-M7", || alone(clippy_chip())),
-    ("mutants are in their places", || alone(mutants::check())),
+    ("planted edits still apply", || alone(mutants::check())),
+    ("links and sentences of the documentation", || alone(pages::check())),
     ("bounds of rounding (Gappa)", || alone(proofs::where_gappa_is())),
     ("tests", || tests(host(["test"]).arg("--no-fail-fast"))),
     ("orderings of the rings, every interleaving (loom)", || tests(&mut loom())),

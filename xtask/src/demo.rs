@@ -11,7 +11,7 @@ struct Shown {
     job: &'static str,
     /// What to look for.
     what: &'static str,
-    /// A stretch to see closely, ms.
+    /// An interval to show enlarged, ms.
     closely: Option<[&'static str; 2]>,
 }
 
@@ -93,7 +93,7 @@ fn seen(csv: &PathBuf) -> Outcome<String> {
     };
     let most = |column: usize| rows.iter().filter_map(|row| row.get(column)).fold(f64::MIN, |a, &b| a.max(b));
     let least = |column: usize| rows.iter().filter_map(|row| row.get(column)).fold(f64::MAX, |a, &b| a.min(b));
-    // At rest from the row on after which the position stays.
+    // At standstill from the row on after which the position stays.
     let moved = rows.iter().rposition(|row| row[1] != end).map_or(0, |row| row + 1);
     let rest_ms = rows.get(moved).map_or(end_ms, |row| row[0]);
     Ok(format!(

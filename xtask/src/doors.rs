@@ -1,7 +1,8 @@
-//! The page of doors: every function of the API, how often it was called through each door and beside the reference, and what checks it.
+//! The page of doors: how often each function of the API was called through each door and beside
+//! the reference controller, and what checks it.
 //!
-//! In: what the tests of the doors and of the reference count. Out: `docs/doors.md`. Fails if a test does, or if nothing is said of what
-//! checks a function that the reference does not hold.
+//! In: what the tests of the doors and of the reference count. Out: `docs/doors.md`. Fails: if a
+//! test does, or if no check is named for a function that the reference does not have.
 use crate::shell::{self, Outcome, cargo, root, target};
 use std::collections::BTreeMap;
 use std::fs;
@@ -9,10 +10,11 @@ use std::path::Path;
 
 /// Random programs.
 const PROGRAMS: &str = "200";
-/// Random programs beside the reference.
+/// Random programs with the reference controller.
 const REFERENCE: &str = "1000";
 
-/// What checks a function that the reference does not hold, by the begin of its name; the first that fits.
+/// What checks a function that the reference does not have, by the start of its name; the first
+/// match.
 const CHECKS: &[(&str, &str)] = &[
     ("GetLaserOnTime", "laser model (`laser_random`)"),
     ("ZeroLaserOnTime", "laser model (`laser_random`)"),
@@ -113,14 +115,17 @@ pub fn page() -> Outcome {
 const HEAD: &str = "\
 # Doors
 
-For who wants to know what was tried. Written by `cargo xtask doors`, which runs the tests of the doors and the reference controller with
-200 and 1,000 random programs; `the_page_of_doors_has_every_function_and_no_empty_cell` holds that every function of the API has a row and every
-door a number.
+For readers who want to know which calls were tested. `cargo xtask doors` writes this page. It runs the tests of the
+doors with 200 random programs, and those of the reference controller with 1,000. The test
+`the_page_of_doors_has_every_function_and_no_empty_cell` checks that every function of the API has a row and every door a
+number.
 
-A cell is: calls, and those that were done (returned 0). The doors make the same calls, but that a job leaves out data that finds a FIFO
-full, for which it would wait. `Open` and `Close` are the sessions, `GetLastReason` is how a door tells why, `SetTick` in a job is its
-`#pragma tick`. The last column says what checks what a function does: how often it was called beside the reference controller, in exact
-arithmetic, or else the model or the tests that do.
+A cell has two numbers: the calls, and those that were executed (returned 0). All doors make the same calls, with one
+exception: a job leaves out data for a full FIFO, since it would wait there. `Open` and `Close` are the sessions.
+`GetLastReason` is how a door gets the reason, and `SetTick` in a job is its `#pragma tick`.
+
+The last column says what checks the effect of a function. A number is how often it was called in comparison with the
+reference controller, in exact arithmetic. The others name a model or tests.
 
 | function | job | C | Python | records | checked by |
 | --- | --- | --- | --- | --- | --- |

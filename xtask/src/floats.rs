@@ -1,8 +1,9 @@
 //! Whether the tick leaves the floating-point unit alone.
 //!
-//! In: the reference board's image. Out: how many of its functions use the unit. Fails: with the first function of the
-//! tick that does. A tick that used it would save and restore its registers in each interrupt, and would trust roundings
-//! that nobody has proved. `servo` has no float in its source; this looks at what the compiler made of it.
+//! In: the reference board's image. Out: how many of its functions use the unit. Owns nothing.
+//! Fails: with the first function of the tick that uses it. Such a tick would save and restore the
+//! unit's registers in each interrupt, and would depend on roundings without a proof. `servo` has
+//! no float in its source; this checks the compiler's output.
 use crate::shell::Outcome;
 use object::{Object, ObjectSection, ObjectSymbol, SymbolKind};
 

@@ -5,7 +5,7 @@ use crate::supply;
 use object::{Object, ObjectSection, SectionFlags};
 use std::path::{Path, PathBuf};
 
-/// Builds the image of the emulated board and tells where it is.
+/// Builds the image of the emulated board and returns its path.
 pub fn build() -> Outcome<PathBuf> {
     build_bin("beamtick-firmware", "beamtick-mps2")
 }

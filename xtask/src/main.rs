@@ -11,6 +11,7 @@ mod floats;
 mod fuzz;
 mod image;
 mod mutants;
+mod pages;
 mod probes;
 mod proofs;
 mod setup;
@@ -28,12 +29,12 @@ cargo xtask COMMAND
 
   setup           installs what is missing: the compiler's Cortex-M7 target and QEMU
   image           builds the images; shows their size, writes a bill of materials; the reference board's as ELF, BIN and HEX in out/
-  size            what the reference board's image takes of each memory of the chip
+  size            how much of each memory of the chip the reference board's image uses
   flash-board     builds that image and writes it to the board (cargo flash-board; needs probe-rs)
   demo            builds the image, boots it, runs the examples, writes traces and plots to out/
   ticks           counts the instructions of a servo tick and writes the table of docs/numbers.md
   ticks --check   counts them and compares with the table
-  ticks --shares  whose the instructions of the worst tick of SPEC 11 are
+  ticks --shares  which part of the tick takes how many instructions in the worst tick of SPEC 11
   probes          the programs that must link, must not link, must not compile
   traces [NAME…]  example jobs in the virtual controller and in the image: equal, byte for byte
   supply          licences, duplicates, sources and advisories of the dependencies (deny.toml)
@@ -41,11 +42,12 @@ cargo xtask COMMAND
                   libFuzzer over the targets of fuzz/, N minutes each
   long-run [TICKS]
                   mixed work for 10^9 ticks, or as many as are given, in the virtual controller (about 15 minutes)
-  mutants [NAME]  breaks the code on purpose, place by place, and sees that the tests fail
-  mutants --check sees that every place is still there
-  planted [NAME]  plants faults that were found, and counts in how many random programs each is found
+  mutants [NAME]  breaks the code on purpose, one edit at a time, and checks that the tests fail
+  mutants --check checks that every edit still applies
+  planted [NAME]  plants faults that were found, and counts how many random programs find each
   doors           runs 1,000 random programs through every door and writes the table of docs/doors.md
   doors --page    writes the table from the counts of the last run
+  pages           checks the links and the length of sentences of the documentation
   proofs          proves the bounds of rounding from the code's own numbers (proofs/, by Gappa)
   c-api           writes the headers and exports of the C library from the table of functions
   check-all       everything that must pass before a change is accepted
@@ -82,6 +84,7 @@ fn main() -> ExitCode {
         ["mutants", name] => mutants::run(name),
         ["doors"] => doors::write(),
         ["doors", "--page"] => doors::page(),
+        ["pages"] => pages::check(),
         ["proofs"] => proofs::run(),
         ["c-api"] => shell::run(shell::cargo().env("BEAMTICK_WRITE", "1").args([
             "test",

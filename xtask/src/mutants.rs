@@ -1,10 +1,13 @@
-//! Mutants: the code broken on purpose in one place, and the test that must see it.
+//! Mutants: the code broken on purpose by one edit, and the test that must find it.
 //!
-//! In: the lists of [`LIST`], [`SURVIVED`] and [`LIGHT`]. Out: a table of what became of each and which tests saw it, also in `target/mutants/report.md`;
-//! an error if one survives, does not compile, or if its text is not in its file exactly once. Each is put into a copy of
-//! the tree under `target/mutants`, so that the checkout stays as it is. The tests must pass in that copy before anything
-//! is broken, or their failures would say nothing. A mutant of `firmware/` or `hal/` is seen by tests in QEMU, of its image, or by
-//! those of the reference board's image in emulation.
+//! In: the lists of [`LIST`], [`SURVIVED`] and [`LIGHT`]. Out: a table of the outcome of each and
+//! of the tests that found it, also in `target/mutants/report.md`. Owns a copy of the tree under
+//! `target/mutants`, so that the checkout stays as it is. Fails: if a mutant survives, does not
+//! compile, or if its text is not in its file exactly once.
+//!
+//! The tests must pass in that copy before any edit, or their failures would prove nothing. Mutants
+//! of `firmware/` or `hal/` are found by tests in QEMU, of its image, or by those of the reference
+//! board's image in emulation.
 mod found;
 mod light;
 mod list;
@@ -24,7 +27,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 use survived::SURVIVED;
 
-/// A test that takes so much longer than on the code as it is hangs, which is one way to see a mutant.
+/// A test that takes this many times its usual time hangs, which counts as finding the mutant.
 const PATIENCE: (u32, Duration) = (3, Duration::from_secs(60));
 
 /// What became of a mutant.
@@ -57,7 +60,7 @@ fn all() -> impl Iterator<Item = &'static Mutant> {
     LIST.iter().chain(SURVIVED).chain(LIGHT)
 }
 
-/// Every mutant's text stands in its file exactly once.
+/// Checks that every mutant's text is in its file exactly once.
 pub fn check() -> Outcome {
     let count = all().count();
     if count < 20 {
@@ -129,7 +132,7 @@ fn mutated(tree: &Path, mutant: &Mutant) -> Outcome<String> {
     replaced(tree, mutant.name, mutant.file, (mutant.text, mutant.broken))
 }
 
-/// The file's text with `broken` in the place of `text`, which stands there once.
+/// The file's text with `broken` instead of `text`, which it has once.
 fn replaced(tree: &Path, name: &str, file: &str, (text, broken): (&str, &str)) -> Outcome<String> {
     let whole = fs::read_to_string(tree.join(file)).map_err(|e| format!("{file}: {e}"))?;
     match whole.matches(text).count() {
@@ -229,8 +232,8 @@ fn command(tree: &Path) -> Command {
     command
 }
 
-/// The image in which a mutant is seen, if it is seen in one: its program, the features that it is built with, and the variable by
-/// which the tests are told of it.
+/// The image of a mutant that tests find in an image: its program, its features, and the variable
+/// that gives the tests its path.
 fn image_of(mutant: &Mutant) -> Option<(&'static str, &'static [&'static str], &'static str)> {
     if mutant.test.contains(&"beamtick-h743") {
         Some((board::BIN, &board::FEATURES, "BEAMTICK_H743_IMAGE"))

@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 pub const GAPPA: &str = "gappa";
 /// A bound that takes longer than this is not proved.
 const PATIENCE: Duration = Duration::from_secs(15);
-/// Where the bounds stand next to what was measured.
+/// Page with the bounds next to the measured values.
 const PAGE: &str = "docs/evidence.md";
 
 /// A bound and one that is too small.
@@ -200,7 +200,8 @@ mod tests {
         assert_eq!(made("# nothing\n", "").unwrap_err(), "it has no bound");
     }
 
-    /// The scripts' numbers and texts are those of the code; that the bounds are proved is seen where Gappa is.
+    /// The scripts' numbers and texts are those of the code. The bounds themselves are proved where
+    /// Gappa is installed.
     #[test]
     fn every_script_is_of_the_code() {
         let mut scripts = 0;

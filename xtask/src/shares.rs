@@ -1,9 +1,11 @@
-//! Whose the instructions of SPEC 11's tick are.
+//! Which part of the tick takes how many instructions of SPEC 11's tick.
 //!
-//! In: the probe `crds`, which calls `worst_tick_comes` before such a tick. Out: how many of its instructions each part of the tick
-//! takes. The emulator carries them out one by one, told so as debuggers do. An instruction belongs to the innermost function
-//! inlined there that has a share by its name or its file ([`share`]); what has none, products and copies, to who asks for it. Fails: with
-//! what the emulator or the file of the probe lacks.
+//! In: the probe `crds`, which calls `worst_tick_comes` before such a tick. Out: how many of its
+//! instructions each part of the tick takes. The emulator executes them one by one, commanded by
+//! the protocol of debuggers. An instruction belongs to the innermost function inlined there that
+//! has a share by its name or its file ([`share`]). Products and copies have none: they belong to
+//! their caller. Fails: with a reason, if the emulator does not answer or the probe's file lacks a
+//! symbol.
 use crate::setup::QEMU;
 use crate::shell::{Outcome, program};
 use addr2line::Context;
@@ -15,30 +17,30 @@ use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Stdio};
 
 /// More instructions than any tick has.
-const MOST: usize = 100_000;
+const MAX_INSTRUCTIONS: usize = 100_000;
 /// Registers as debuggers number them.
 const LINK: u32 = 14;
-const PLACE: u32 = 15;
+const PROGRAM_COUNTER: u32 = 15;
 
 /// A part of the tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Share {
-    /// Places of axes.
+    /// Positions of axes.
     Axes,
-    /// Places, speeds and boundaries of paths.
+    /// Positions, speeds and boundaries of paths.
     Crds,
-    /// Powers, and what timers are told of them.
+    /// Powers, and the actions that the timers get.
     Lasers,
-    /// Whatever is made for ticks to come.
+    /// Data prepared for later ticks.
     Planning,
     /// Inputs and encoders, and whether they have changed.
     Sampling,
     /// What the thread may read.
     Reporting,
-    /// What the machine is told.
-    Telling,
-    /// The rest: who is next, what is due, calls between parts.
-    Order,
+    /// Set-points and outputs for the machine.
+    Output,
+    /// The remainder: due operations, order of axes and paths, calls between parts.
+    Scheduling,
 }
 
 /// The order of the table, and its words.
@@ -49,11 +51,11 @@ pub const SHARES: [(Share, &str); 8] = [
     (Share::Planning, "planning"),
     (Share::Sampling, "sampling of inputs of 12 axes"),
     (Share::Reporting, "reporting: the view"),
-    (Share::Telling, "telling the machine, of which this one only stores"),
-    (Share::Order, "order: what is due, whose turn it is"),
+    (Share::Output, "output to the machine, which here only stores it"),
+    (Share::Scheduling, "scheduling: due operations, order of axes and paths"),
 ];
 
-/// Whose a function is, if it or its file has a share.
+/// The share of a function, if it or its file has one.
 fn share(file: &str, name: &str) -> Option<Share> {
     let of = |words: &[&str]| words.iter().any(|word| file.contains(word));
     let named = |words: &[&str]| words.iter().any(|word| name.contains(word));
@@ -67,7 +69,7 @@ fn share(file: &str, name: &str) -> Option<Share> {
     ]) {
         Share::Sampling
     } else if of(&["servo/src/axis/user_position", "probes/chip/src/machine"]) {
-        if named(&["6inputs", "7encoder"]) { Share::Sampling } else { Share::Telling }
+        if named(&["6inputs", "7encoder"]) { Share::Sampling } else { Share::Output }
     } else if of(&[
         "servo/src/segment/pvt",
         "servo/src/segment/pt",
@@ -87,7 +89,7 @@ fn share(file: &str, name: &str) -> Option<Share> {
     } else if of(&["servo/src/", "ring/src/", "probes/"])
         && !of(&["servo/src/segment/piece", "servo/src/math/wide", "servo/src/math/real", "servo/src/units"])
     {
-        Share::Order
+        Share::Scheduling
     } else {
         return None;
     })
@@ -101,16 +103,16 @@ pub fn count(image: &Path) -> Outcome<Vec<usize>> {
         let found = file.symbols().find(|symbol| symbol.name().is_ok_and(|name| name.contains(function)));
         found.map(|symbol| symbol.address() & !1).ok_or_else(|| format!("{}: no {function}", image.display()))
     };
-    let places = places(image, code("worst_tick_comes")?, code("counted_tick")?)?;
+    let addresses = addresses(image, code("worst_tick_comes")?, code("counted_tick")?)?;
     let load = |section: SectionId| -> Result<_, Error> {
         let data = file.section_by_name(section.name()).and_then(|section| section.data().ok());
         Ok(EndianSlice::new(data.unwrap_or_default(), LittleEndian))
     };
     let lines = Dwarf::load(load).and_then(Context::from_dwarf).map_err(|e| format!("{}: {e}", image.display()))?;
-    let (mut known, mut last) = (HashMap::new(), Share::Order);
+    let (mut known, mut last) = (HashMap::new(), Share::Scheduling);
     let mut counts = vec![0; SHARES.len()];
-    for place in places {
-        let found = known.entry(place).or_insert_with(|| owner(&lines, place));
+    for address in addresses {
+        let found = known.entry(address).or_insert_with(|| owner(&lines, address));
         last = found.unwrap_or(last);
         if let Some(count) = SHARES.iter().zip(&mut counts).find_map(|((of, _), count)| (*of == last).then_some(count))
         {
@@ -120,9 +122,9 @@ pub fn count(image: &Path) -> Outcome<Vec<usize>> {
     Ok(counts)
 }
 
-/// Whose the instruction at an address is; none where it has no share of its own.
-fn owner(lines: &Context<EndianSlice<'_, LittleEndian>>, place: u64) -> Option<Share> {
-    let mut frames = lines.find_frames(place).skip_all_loads().ok()?;
+/// The share of the instruction at an address; none if it has no share of its own.
+fn owner(lines: &Context<EndianSlice<'_, LittleEndian>>, address: u64) -> Option<Share> {
+    let mut frames = lines.find_frames(address).skip_all_loads().ok()?;
     while let Ok(Some(frame)) = frames.next() {
         let file = frame.location.and_then(|location| location.file).unwrap_or_default();
         let name = frame.function.as_ref().and_then(|function| function.raw_name().ok()).unwrap_or_default();
@@ -134,24 +136,24 @@ fn owner(lines: &Context<EndianSlice<'_, LittleEndian>>, place: u64) -> Option<S
 }
 
 /// The addresses of the instructions of `tick`, once `before` was called, in their order.
-fn places(image: &Path, before: u64, tick: u64) -> Outcome<Vec<u64>> {
+fn addresses(image: &Path, before: u64, tick: u64) -> Outcome<Vec<u64>> {
     let mut debugger = Debugger::start(image)?;
-    // Only who has asked for its names may read single registers.
+    // QEMU allows reads of single registers only after a request for their names.
     debugger.ask("qSupported:xmlRegisters=arm")?;
     debugger.ask("qXfer:features:read:target.xml:0,fff")?;
     debugger.run_to(before)?;
     debugger.run_to(tick)?;
     let end = debugger.register(LINK)? & !1;
-    let mut places = Vec::new();
+    let mut addresses = Vec::new();
     loop {
-        let place = debugger.register(PLACE)?;
-        if place == end {
-            return Ok(places);
+        let address = debugger.register(PROGRAM_COUNTER)?;
+        if address == end {
+            return Ok(addresses);
         }
-        if places.len() == MOST {
+        if addresses.len() == MAX_INSTRUCTIONS {
             return Err("the tick does not end".into());
         }
-        places.push(place);
+        addresses.push(address);
         debugger.ask("s")?;
     }
 }
@@ -189,7 +191,7 @@ impl Debugger {
             match (byte, &mut answer) {
                 ([b'$'], _) => answer = Some(String::new()),
                 ([b'#'], Some(answer)) => {
-                    // Its sum; what comes through a pipe is whole.
+                    // Its checksum; a pipe does not damage bytes.
                     self.from.read_exact(&mut [0; 2]).map_err(failed)?;
                     self.to.write_all(b"+").map_err(failed)?;
                     return Ok(std::mem::take(answer));
@@ -200,12 +202,16 @@ impl Debugger {
         }
     }
 
-    /// On to the next time that the instruction at an address is to be carried out.
-    fn run_to(&mut self, place: u64) -> Outcome {
-        self.ask(&format!("Z0,{place:x},2"))?;
+    /// Runs until the instruction at an address is next.
+    fn run_to(&mut self, address: u64) -> Outcome {
+        self.ask(&format!("Z0,{address:x},2"))?;
         self.ask("c")?;
-        self.ask(&format!("z0,{place:x},2"))?;
-        if self.register(PLACE)? == place { Ok(()) } else { Err("the probe does not come to its worst tick".into()) }
+        self.ask(&format!("z0,{address:x},2"))?;
+        if self.register(PROGRAM_COUNTER)? == address {
+            Ok(())
+        } else {
+            Err("the probe does not reach its worst tick".into())
+        }
     }
 
     fn register(&mut self, number: u32) -> Outcome<u64> {
@@ -217,7 +223,7 @@ impl Debugger {
 
 impl Drop for Debugger {
     fn drop(&mut self) {
-        // It has nothing left to do.
+        // The emulator is not needed any more.
         let _ = self.qemu.kill().and_then(|()| self.qemu.wait());
     }
 }

@@ -1,7 +1,7 @@
 //! Running other programs.
 //!
-//! In: a program and its arguments. Out: that it ended well, or a sentence that says which did not, and why.
-//! Everything runs from the root of the workspace, whatever directory the user stands in.
+//! In: a program and its arguments. Out: success, or a sentence with the program that failed, and
+//! why. Everything runs from the root of the workspace, whatever the user's directory is.
 use std::env;
 use std::io::{self, BufRead, BufReader, IsTerminal, Write};
 use std::path::{Path, PathBuf};
@@ -33,7 +33,7 @@ pub fn cargo() -> Command {
 pub fn program(name: impl AsRef<std::ffi::OsStr>) -> Command {
     let mut command = Command::new(name);
     command.current_dir(root());
-    // What `cargo run` sets for us is not meant for the cargo we start.
+    // Variables that `cargo run` sets for this program are not for the cargo that it starts.
     for inherited in ["CARGO_MANIFEST_DIR", "CARGO_PKG_NAME", "CARGO_PKG_VERSION", "RUSTUP_TOOLCHAIN"] {
         command.env_remove(inherited);
     }
@@ -55,8 +55,8 @@ pub fn run(command: &mut Command) -> Outcome {
     }
 }
 
-/// How it ended, and what it said on its error stream, which goes to ours line by line. On a terminal the stream is
-/// left to it, for its colours, and the user has read it.
+/// How it ended, and the text of its error stream, which is copied to ours line by line. On a
+/// terminal the program keeps the stream, for its colours, and the user has read it.
 fn status(command: &mut Command) -> io::Result<(ExitStatus, String)> {
     if io::stderr().is_terminal() {
         return Ok((command.status()?, String::new()));
@@ -74,7 +74,8 @@ fn status(command: &mut Command) -> io::Result<(ExitStatus, String)> {
     Ok((child.wait()?, String::from_utf8_lossy(&said).into_owned()))
 }
 
-/// The line that tells most about a failure: the first that calls itself an error, else the last that is not empty.
+/// The line that says most about a failure: the first with the word error, else the last that is
+/// not empty.
 fn cause(said: &str) -> Option<&str> {
     let is_error = |line: &&str| line.get(..5).is_some_and(|word| word.eq_ignore_ascii_case("error"));
     let last = || said.lines().map(str::trim).rfind(|line| !line.is_empty());

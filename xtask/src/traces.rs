@@ -16,9 +16,10 @@ use std::time::Instant;
 /// Tick periods at which the jobs are compared, µs.
 const TICKS_US: [u32; 3] = [50, 250, 1000];
 
-/// Jobs that take long, as emulated time keeps pace with the host's, and the periods that are left for them: `pvt_percent` runs
-/// 13 s, the listings of lasers along a path 4 s each (`laser_path_mixed` has more on its path in a tenth of that, and is
-/// compared at all of them). The trace of `follow_chain`, ten axes, loses rows at 50 µs, and says so.
+/// Jobs that take long, as emulated time keeps pace with the host's, and their remaining periods.
+/// `pvt_percent` runs 13 s, the listings of lasers along a path 4 s each. `laser_path_mixed` has
+/// more on its path in a tenth of that, and is compared at all periods. The trace of
+/// `follow_chain`, ten axes, loses rows at 50 µs, and reports that.
 const LONG: [(&str, &[u32]); 12] = [
     ("eight_axes_stream", &[250]),
     ("follow_chain", &[250, 1000]),

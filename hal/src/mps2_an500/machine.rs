@@ -1,9 +1,11 @@
-//! The machine behind the emulated board: a plant that follows, inputs as they are set, recorded outputs.
+//! The machine of the emulated board: a plant that follows, inputs as they are set, recorded
+//! outputs.
 //!
-//! In: set-points and outputs of the tick, inputs and a plan of them, bytes on the trace's UART. Out: encoders of the plant and
-//! inputs as SimInput, SimAdc and the plan set them, low at power-on. A byte `1` makes the interlock active, `0` ends that: so it can
-//! be active before the link is there.
-//! Owns the plant and the inputs; outputs go to [`outputs`], and the tick's view carries both over the link. Fails never.
+//! In: set-points and outputs of the tick, inputs and a plan of them, bytes on the trace's UART.
+//! Out: encoders of the plant; inputs as SimInput, SimAdc and the plan set them, low at power-on. A
+//! byte `1` on the trace's UART makes the interlock active, `0` ends that: so it can be active
+//! before the link is open. Owns the plant and the inputs. Outputs go to [`outputs`], and the
+//! tick's view carries both over the link. Fails never.
 use super::outputs;
 use super::uart::Rx;
 use plant::inputs::{Plan as InputPlan, Row};
@@ -33,7 +35,7 @@ pub struct Machine<const AXES: usize> {
 }
 
 impl<const AXES: usize> Machine<AXES> {
-    /// At rest at zero, with ticks of `period_ns`; `switchboard` tells the inputs.
+    /// At standstill at zero, with ticks of `period_ns`; `switchboard` receives the interlock.
     pub const fn new(period_ns: u32, switchboard: Rx) -> Self {
         Machine {
             plant: Plant::new(),
@@ -63,7 +65,8 @@ impl<const AXES: usize> Machine<AXES> {
         }
     }
 
-    /// The tick has been computed. Steps are the plant's: nothing is to be output, and nothing comes too late.
+    /// The tick has been computed. The plant takes the steps, so there is nothing to output, and
+    /// nothing is late.
     pub fn emit(&mut self) -> bool {
         true
     }
@@ -101,8 +104,8 @@ impl<const AXES: usize> Port for Machine<AXES> {
             }
             Simulated::Interlock(active) => self.interlock = active,
             Simulated::Analog { channel, code } => {
-                if let Some(place) = self.analog.get_mut(channel as usize) {
-                    *place = code;
+                if let Some(value) = self.analog.get_mut(channel as usize) {
+                    *value = code;
                 }
             }
         }

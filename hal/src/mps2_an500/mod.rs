@@ -15,7 +15,7 @@ pub mod timer;
 pub mod uart;
 pub mod watchdog;
 
-/// Name of the board as the link tells it.
+/// Name of the board as the link reports it.
 pub const NAME: &str = "mps2-an500";
 
 /// Axes that the image for this board holds: every profile of SPEC 2.
@@ -38,7 +38,7 @@ pub const LASER_CLOCK: servo::laser::Clock = servo::laser::Clock::GHZ;
 /// Analog outputs of the board.
 pub const ANALOG_OUTPUTS: u8 = outputs::ANALOG as u8;
 
-/// What the step outputs make of an axis: they are recorded, not made, so nothing is too fast.
+/// Fastest axis that the step outputs can follow: they are only recorded, so nothing is too fast.
 pub const STEP_LIMIT: servo::units::StepLimit = servo::units::StepLimit::FULL_SCALE;
 
 /// Where the stack ends: the lowest address of RAM (`memory.x`).
@@ -49,16 +49,16 @@ pub const GENERAL_OUTPUTS: u8 = servo::port::GeneralOutputs::BITS as u8;
 /// General inputs.
 pub const GENERAL_INPUTS: u8 = servo::port::GeneralInputs::BITS as u8;
 
-/// Axes whose encoder's index is captured: none, for encoders read the set-point.
+/// Axes whose encoder's index is captured: none, since encoders follow the set-point.
 pub const INDEXES: servo::units::AxisMask = servo::units::AxisMask(0);
 
-/// What an NMI says on this board, if it is not the watchdog's.
+/// Reason of an NMI of this board that is not the watchdog's.
 pub const NMI: Option<&str> = None;
 
 /// Why the board started.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Cause {
-    /// The supply came: what RAM holds is chance.
+    /// Power-on: the contents of RAM are undefined.
     Power,
     /// A watchdog has reset the board.
     Watchdog,
@@ -66,7 +66,7 @@ pub enum Cause {
     Asked,
 }
 
-/// Why the board started: it does not tell, and QEMU's RAM holds zeros at power-on.
+/// Why the board started: the hardware does not report it, and QEMU's RAM holds zeros at power-on.
 pub fn cause() -> Cause {
     Cause::Asked
 }
@@ -74,20 +74,20 @@ pub fn cause() -> Cause {
 /// Everything of the board that is handed out once.
 #[derive(Debug)]
 pub struct Board {
-    /// Makes the ticks; stands still.
+    /// Makes the ticks; stopped.
     pub timer: timer::TickTimer,
     /// Host link.
     pub link: (uart::Tx, uart::Rx),
     /// Trace.
     pub trace: Option<uart::Tx>,
-    /// The machine of the axes, which is told the levels of inputs on the trace's UART.
+    /// The machine of the axes, which receives the interlock on the trace's UART.
     pub machine: machine::Machine<AXES>,
-    /// Why there shall be no light: never, here.
+    /// Reason why the board must not make light: never, here.
     pub contradiction: Option<&'static str>,
 }
 
-/// Brings the board up: priorities set, UARTs open, all interrupts still off. `None` from the second
-/// call on.
+/// Brings the board up: priorities set, UARTs open, all interrupts still off. `None` from the
+/// second call on.
 pub fn take() -> Option<Board> {
     let mut core = cortex_m::Peripherals::take()?;
     guard::below(&mut core.MPU, STACK, 0);
@@ -101,10 +101,10 @@ pub fn take() -> Option<Board> {
     }
     // SAFETY: this function gets here once, since the core's peripherals are handed out once.
     unsafe {
-        let (trace, switchboard) = uart::open(uart::Place::Trace);
+        let (trace, switchboard) = uart::open(uart::Port::Trace);
         Some(Board {
             timer: timer::TickTimer::take(core.SYST),
-            link: uart::open(uart::Place::Link),
+            link: uart::open(uart::Port::Link),
             trace: Some(trace),
             machine: machine::Machine::new(TICK_NS, switchboard),
             contradiction: None,
@@ -112,15 +112,15 @@ pub fn take() -> Option<Board> {
     }
 }
 
-/// Runs start-up's `body`, on the one stack there is.
+/// Runs start-up's `body` on the program's stack.
 ///
 /// # Safety
-/// None is needed here; other boards ask for some.
+/// No condition here; other boards have some.
 pub unsafe fn start_up(context: *mut (), body: extern "C" fn(*mut ())) {
     body(context);
 }
 
-/// Lets the interrupts in, and the watchdog go.
+/// Enables the interrupts and starts the watchdog.
 ///
 /// # Safety
 /// What the handlers use must be in place.
@@ -132,31 +132,32 @@ pub unsafe fn listen() {
     watchdog::start();
 }
 
-/// The link's bytes wait in the UART until [`resume_link`]: nobody has room for them.
+/// The link's bytes wait in the UART until [`resume_link`]: the queue to the task is full.
 pub fn hold_link() {
     NVIC::mask(Interrupt::UART0_RX);
 }
 
 /// There is room again.
 pub fn resume_link() {
-    // SAFETY: the handler was let in by `listen` before, and no critical section by NVIC mask exists.
+    // SAFETY: the handler was let in by `listen` before, and no critical section by NVIC mask
+    // exists.
     unsafe { NVIC::unmask(Interrupt::UART0_RX) };
 }
 
-/// Rings the bell from the tick down to the thread.
+/// Wakes the thread from the tick: rings the bell.
 pub fn ring_bell() {
     SCB::set_pendsv();
 }
 
-/// Puts every output at rest and stops the ticks and the board's other interrupts: the first thing
-/// on the way into a reset.
+/// Sets every output to its safe state and stops the ticks and the board's other interrupts: the
+/// first step of a reset.
 pub fn rest() {
     // The tick first: it would write the outputs again.
     NVIC::mask(Interrupt::TIMER0);
     cortex_m::asm::dsb();
     cortex_m::asm::isb();
     outputs::rest();
-    // What is left to do is not disturbed by its NMI.
+    // Its NMI does not disturb what is left to do.
     watchdog::feed();
     for interrupt in [Interrupt::UART0_RX, Interrupt::UART0_TX, Interrupt::UART1_TX] {
         NVIC::mask(interrupt);

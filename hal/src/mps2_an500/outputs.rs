@@ -1,20 +1,21 @@
 //! The output registers that this board does not have.
 //!
-//! In: levels, from the tick, or rest, from the fault path. Out: the same to whoever looks (the view
-//! carries them over the link; a debugger reads the symbols). Owns words of RAM that stand for the
-//! registers of a real board, so that the fault path can put them at rest without asking anybody.
+//! In: levels, from the tick, or the safe state, from the fault path. Out: the same levels for
+//! readers (the view carries them over the link; a debugger reads the symbols). Owns words of RAM
+//! in place of a real board's registers, so that the fault path can write the safe state without
+//! locks. Fails never.
 //!
-//! A laser's registers show what the last plan leaves in force; which edge came when is in the trace, as the
-//! actions of the plans.
+//! A laser's registers hold what is in force after the last plan. The instants of its edges are in
+//! the trace, as the actions of the plans.
 use core::sync::atomic::{AtomicBool, AtomicI16, AtomicU32, Ordering};
 use servo::laser::{Action, CHANNELS, Plan, Train};
 use servo::port::GeneralOutputs;
 
-/// Analog channels of the board, each way.
+/// Analog inputs of the board, and as many outputs.
 pub const ANALOG: usize = 8;
 
-// Relaxed throughout: registers that only the tick writes, until the fault path has stopped it. `used`: no code of the
-// image reads them, a debugger does.
+// Relaxed throughout: registers that only the tick writes, until the fault path has stopped it.
+// `used`: no code of the image reads them, a debugger does.
 #[used]
 static ENABLE: [AtomicU32; 2] = [const { AtomicU32::new(0) }; 2];
 static CLEAR: [AtomicU32; 2] = [const { AtomicU32::new(0) }; 2];
@@ -57,7 +58,7 @@ impl Laser {
     }
 }
 
-/// A laser channel does as planned. A channel that the board lacks is not written.
+/// Executes the plan of a laser channel. A channel that the board lacks is not written.
 pub fn set_laser(channel: usize, plan: &Plan) {
     let Some(laser) = LASERS.get(channel) else { return };
     if plan.safe_state {

@@ -1,11 +1,12 @@
 //! CMSDK APB timer (Arm DDI 0479, "APB timer"): a 32-bit down counter at the system clock.
 //!
-//! In: a tick period. Out: an interrupt a period, and how long the tick took. Owns TIMER0 and SysTick. TIMER0
-//! reloads by itself, so the ticks are evenly spaced however late one of them is served.
+//! In: a tick period. Out: an interrupt a period, and whether the tick took longer. Owns TIMER0 and
+//! SysTick. Fails never. TIMER0 reloads by itself, so the ticks are evenly spaced, however late one
+//! of them is served.
 //!
-//! A tick has overrun if it took longer than its period, by the instructions that SysTick counts. That the next
-//! one is due at its end says less here: when the host wakes a sleeping core late, the emulated clock jumps, and
-//! the ticks that were missed follow each other at once.
+//! A tick has overrun if it took longer than its period, by the instructions that SysTick counts. A
+//! next tick that is due at the end of one is no measure here: when the host wakes a sleeping core
+//! late, the emulated clock jumps, and the ticks that were missed follow each other at once.
 use core::ptr::write_volatile;
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
@@ -34,7 +35,7 @@ pub struct TickTimer {
 const SPAN: u32 = 0x00ff_ffff;
 
 impl TickTimer {
-    /// Takes the timers; TIMER0 stands still until the first [`TickTimer::run_at`].
+    /// Takes the timers; TIMER0 is stopped until the first [`TickTimer::run_at`].
     ///
     /// # Safety
     /// At most one may exist.
@@ -46,7 +47,7 @@ impl TickTimer {
         TickTimer { period_ns: 0, began: 0 }
     }
 
-    /// Ticks come with this period from now on; at the running period nothing is touched. The period is
+    /// Sets the tick period; the running period changes nothing. The period is
     /// rounded down to the timer's 40 ns; boards run whole microseconds, so nothing is lost.
     pub fn run_at(&mut self, period_ns: u32) {
         if period_ns == self.period_ns {
@@ -66,8 +67,8 @@ impl TickTimer {
         write(INT, 1);
     }
 
-    /// Whether the tick that began has taken longer than a period; how long it has taken is `None`, for an emulator's time
-    /// is none to be told.
+    /// Whether the tick that began has taken longer than a period. Its duration is `None`: an
+    /// emulator's time has no meaning for a client.
     pub fn taken(&self) -> (bool, Option<u32>) {
         let counts = self.began.wrapping_sub(SYST::get_current()) & SPAN;
         (counts >= self.period_ns / NS_PER_COUNT, None)

@@ -1,8 +1,8 @@
 //! CMSDK APB UART (Arm DDI 0479, "APB UART"): one byte each way, no FIFO.
 //!
 //! In and out: bytes, one at a time, never waiting. Owns the registers of the UART it is made for.
-//! A byte that nobody fetches holds the sender in QEMU; on silicon the next would be lost and the
-//! link would ask for it again.
+//! Fails: a byte that nobody fetches holds the sender in QEMU; on silicon the next one would be
+//! lost, and the link would ask for it again.
 use core::ptr::{read_volatile, write_volatile};
 
 const DATA: usize = 0x0;
@@ -25,7 +25,7 @@ const FASTEST: u32 = 16;
 /// Which of the board's UARTs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(usize)]
-pub enum Place {
+pub enum Port {
     /// The host link.
     Link = 0x4000_4000,
     /// The trace.
@@ -34,30 +34,30 @@ pub enum Place {
 
 /// The sending half.
 #[derive(Debug)]
-pub struct Tx(Place);
+pub struct Tx(Port);
 
 /// The receiving half.
 #[derive(Debug)]
-pub struct Rx(Place);
+pub struct Rx(Port);
 
 /// Switches a UART on and gives its halves. Receiving interrupts; sending does when it has to wait.
 ///
 /// # Safety
-/// At most once for each place.
-pub unsafe fn open(place: Place) -> (Tx, Rx) {
-    write(place, BAUDDIV, FASTEST);
-    write(place, INT, INT_TX | INT_RX);
-    write(place, CTRL, CTRL_QUIET);
-    (Tx(place), Rx(place))
+/// At most once for each UART.
+pub unsafe fn open(port: Port) -> (Tx, Rx) {
+    write(port, BAUDDIV, FASTEST);
+    write(port, INT, INT_TX | INT_RX);
+    write(port, CTRL, CTRL_QUIET);
+    (Tx(port), Rx(port))
 }
 
-/// Both ways on; an interrupt for a byte received.
+/// Both directions on; an interrupt for a byte received.
 const CTRL_QUIET: u32 = CTRL_TX | CTRL_RX | CTRL_RX_INTERRUPT;
 /// And one when a byte has been sent.
 const CTRL_WAITING: u32 = CTRL_QUIET | CTRL_TX_INTERRUPT;
 
 impl Tx {
-    /// Sends a byte if the UART can take it now. If not, the transmit interrupt will tell when it can.
+    /// Sends a byte if the UART can take it now. If not, the transmit interrupt comes when it can.
     pub fn send(&mut self, byte: u8) -> bool {
         if is_full(self.0) {
             write(self.0, CTRL, CTRL_WAITING);
@@ -84,27 +84,27 @@ impl Rx {
 }
 
 /// Acknowledges the transmit interrupt, which stays quiet until a sender waits again.
-pub fn acknowledge_sent(place: Place) {
-    write(place, CTRL, CTRL_QUIET);
-    write(place, INT, INT_TX);
+pub fn acknowledge_sent(port: Port) {
+    write(port, CTRL, CTRL_QUIET);
+    write(port, INT, INT_TX);
 }
 
-fn read(place: Place, register: usize) -> u32 {
+fn read(port: Port, register: usize) -> u32 {
     // SAFETY: a register of one of this board's UARTs.
-    unsafe { read_volatile((place as usize + register) as *const u32) }
+    unsafe { read_volatile((port as usize + register) as *const u32) }
 }
 
-fn write(place: Place, register: usize, value: u32) {
+fn write(port: Port, register: usize, value: u32) {
     // SAFETY: a register of one of this board's UARTs.
-    unsafe { write_volatile((place as usize + register) as *mut u32, value) };
+    unsafe { write_volatile((port as usize + register) as *mut u32, value) };
 }
 
 /// Whether a byte waits to be sent.
-pub fn is_full(place: Place) -> bool {
-    read(place, STATE) & STATE_TX_FULL != 0
+pub fn is_full(port: Port) -> bool {
+    read(port, STATE) & STATE_TX_FULL != 0
 }
 
 /// Whether a byte waits to be fetched.
-pub fn has_byte(place: Place) -> bool {
-    read(place, STATE) & STATE_RX_FULL != 0
+pub fn has_byte(port: Port) -> bool {
+    read(port, STATE) & STATE_RX_FULL != 0
 }

@@ -1,11 +1,13 @@
-//! Analog inputs: ADC3 converts both without end (RM0433 25).
+//! Analog inputs: ADC3 converts both continuously (RM0433 25).
 //!
-//! In: voltages at PC3_C and PC2_C, behind the divider of docs/board-h743.md. Out: codes, −32768…32767 for −12.5…12.5 V at the
-//! terminal, not older than 10 µs. Owns ADC3. It is calibrated, offset and linearity, in the ticks after power-on, which takes 10 ms; until then
-//! an input is 0. Fails never; one that does not become ready stays at 0.
+//! In: voltages at PC3_C and PC2_C, after the divider of docs/board-h743.md. Out: codes,
+//! −32768…32767 for −12.5…12.5 V at the terminal, not older than 10 µs. Owns ADC3. Its offset and
+//! linearity are calibrated in the ticks after power-on, which takes 10 ms; until then an input is
+//! 0. Fails never; an input that does not become ready stays at 0.
 //!
-//! A round is a regular conversion and an injected one behind it (JAUTO), each into a data register of its own, so the tick reads
-//! and nothing else: 16 MHz, (64.5 + 8.5) cycles a conversion, 9.1 µs a round.
+//! A sequence is a regular conversion and an injected one after it (JAUTO), each with a data
+//! register of its own, so the tick only reads: 16 MHz, (64.5 + 8.5) cycles a conversion, 9.1 µs a
+//! sequence.
 use stm32_metapac::adc::regs::Cr;
 use stm32_metapac::adc::vals::{Adcaldif, Boost, Ovrmod, Pcsel, Res, SampleTime};
 use stm32_metapac::adccommon::vals::{Ckmode, Presc};
@@ -18,14 +20,14 @@ pub const INPUTS: usize = 2;
 /// Their channels: PC3_C (A2), PC2_C (A4).
 const CHANNELS: [usize; INPUTS] = [1, 0];
 
-/// What it waits for.
+/// What the start-up of the converter waits for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Stage {
     /// Its regulator, for 10 µs: the first tick comes later.
     Regulator,
     Calibration,
     Ready,
-    FirstRound,
+    FirstSequence,
     /// Nothing.
     Runs,
 }
@@ -36,7 +38,7 @@ pub struct Adc {
     stage: Stage,
 }
 
-/// Writes CR, where a one of what it does by itself would ask for it again.
+/// Writes CR with ADEN and ADSTART at 0: written back as 1 they would be requested again.
 fn command(change: impl FnOnce(&mut Cr)) {
     ADC3.cr().modify(|w| {
         w.set_aden(false);
@@ -54,7 +56,7 @@ impl Adc {
         // per_ck is the HSI, 64 MHz, as after reset (RM0433 8.7.19).
         RCC.d3ccipr().modify(|w| w.set_adcsel(Adcsel::PER));
         RCC.ahb4enr().modify(|w| w.set_adc3en(true));
-        // Read back, so that the clock is there (RM0433 8.5.8).
+        // Read back, so that the clock is on (RM0433 8.5.8).
         RCC.ahb4enr().read();
         // Divided by 2 here, and by 2 again in the converter (revision V).
         ADC3_COMMON.ccr().write(|w| {
@@ -69,7 +71,7 @@ impl Adc {
         Adc { stage: Stage::Regulator }
     }
 
-    /// A tick begins: what has become ready goes on.
+    /// A tick begins: starts the next stage once the last one is ready.
     pub fn advance(&mut self) {
         self.stage = match self.stage {
             Stage::Runs => return,
@@ -89,14 +91,15 @@ impl Adc {
             }
             Stage::Ready if ADC3.isr().read().adrdy() => {
                 command(|w| w.set_adstart(true));
-                Stage::FirstRound
+                Stage::FirstSequence
             }
-            // Within four of its clocks after a calibration the chip takes ADEN back (RM0433 25.4.9): once more.
+            // Within four of its clocks after a calibration the chip clears ADEN (RM0433 25.4.9):
+            // set it again.
             Stage::Ready => {
                 command(|w| w.set_aden(true));
                 Stage::Ready
             }
-            Stage::FirstRound if ADC3.isr().read().jeos() => Stage::Runs,
+            Stage::FirstSequence if ADC3.isr().read().jeos() => Stage::Runs,
             waits => waits,
         };
     }

@@ -1,9 +1,12 @@
-//! Analog outputs, one a laser channel: the chip's DAC1 (RM0433 26), or a DAC8563 on SPI3, as [`settings`](super::settings) say.
+//! Analog outputs, one a laser channel: the chip's DAC1 (RM0433 26), or a DAC8563 on SPI3, as
+//! [`settings`](super::settings) say.
 //!
-//! In: codes, −32768…32767 for −10…10 V behind the output stage (docs/board-h743.md), and their instants. Out: voltages, which change
-//! at the beginning of a tick, a tick behind the plan as the steps are: what is planned for the beginning of a tick comes with the
-//! one behind it, what is planned for a later instant with the one behind that; rest comes at once. Owns DAC1 or SPI3. Before
-//! [`Analog::open`] and behind [`rest`] nothing is driven.
+//! In: codes, −32768…32767 for −10…10 V after the output stage (docs/board-h743.md), and their
+//! instants. Out: voltages, which change at the beginning of a tick, one tick after the plan, as
+//! the steps do. A code planned for the beginning of a tick comes with the tick after it. A code
+//! planned for a later instant comes one tick later still. The safe state comes at once. Owns DAC1
+//! or SPI3. Before [`Analog::open`] and after [`rest`] nothing is driven. Fails: a frame that an
+//! external DAC did not get is sent again in the next tick.
 use super::settings::EXTERNAL_DAC;
 use super::spi;
 use crate::dac8563::Dac8563;
@@ -23,25 +26,25 @@ struct Code {
 /// An output.
 #[derive(Debug, Clone, Copy, Default)]
 struct Output {
-    /// What stands.
-    stands: Code,
-    /// What comes with the next tick, and with the two behind it.
-    comes: [Option<Code>; 3],
-    /// What a laser said last.
+    /// The code in force.
+    in_force: Code,
+    /// Codes of the next tick, and of the two after it.
+    queued: [Option<Code>; 3],
+    /// The last code of a laser.
     of_laser: i16,
 }
 
 impl Output {
-    /// A code from `at` ns behind the next tick on, by the plan.
+    /// Queues a code from `at` ns after the next tick on, by the plan.
     fn plan(&mut self, at: u32, code: Code) {
-        let [_, next, later] = &mut self.comes;
+        let [_, next, later] = &mut self.queued;
         *(if at == 0 { next } else { later }) = Some(code);
     }
 
     /// Whether a laser drives it, or is about to.
     fn is_lasers(&self) -> bool {
-        let stands = self.stands.of_laser && self.stands.code != 0;
-        stands || self.of_laser != 0 || self.comes.iter().flatten().any(|comes| comes.of_laser)
+        let in_force = self.in_force.of_laser && self.in_force.code != 0;
+        in_force || self.of_laser != 0 || self.queued.iter().flatten().any(|queued| queued.of_laser)
     }
 }
 
@@ -53,7 +56,7 @@ pub struct Analog {
 }
 
 impl Analog {
-    /// Takes the converter that there is; it stands at 0 V.
+    /// Takes the converter that is fitted; it outputs 0 V.
     ///
     /// # Safety
     /// At most once, with the pins of both as the reset or [`super::pins`] has left them.
@@ -63,21 +66,21 @@ impl Analog {
         let external = external.map(|(bus, select, pause)| Dac8563 { bus, select, pause });
         if external.is_none() {
             RCC.apb1lenr().modify(|w| w.set_dac12en(true));
-            // Read back, so that the clock is there (RM0433 8.5.8).
+            // Read back, so that the clock is on (RM0433 8.5.8).
             RCC.apb1lenr().read();
         }
         let mut analog = Analog { outputs: [Output::default(); OUTPUTS], external };
         (0..OUTPUTS).for_each(|channel| analog.put(channel, 0));
         if analog.external.is_none() {
-            // The values before the outputs: reading back takes the cycle that they need (RM0433 26.4.5). Buffered to the pin, as
-            // `DAC_MCR` is after reset.
+            // The values before the outputs: reading back takes the cycle that they need (RM0433
+            // 26.4.5). Buffered to the pin, as `DAC_MCR` is after reset.
             DAC1.dor(OUTPUTS - 1).read();
             DAC1.cr().modify(|w| (0..OUTPUTS).for_each(|channel| w.set_en(channel, true)));
         }
         analog
     }
 
-    /// Now.
+    /// Outputs a code now.
     #[cold]
     #[inline(never)]
     fn put(&mut self, channel: usize, code: i16) {
@@ -87,9 +90,9 @@ impl Analog {
                     && let Some(output) = self.outputs.get_mut(channel)
                 {
                     // Again in the next tick.
-                    let Output { stands, comes: [next, ..], .. } = output;
-                    next.get_or_insert(Code { code, ..*stands });
-                    stands.code = !code;
+                    let Output { in_force, queued: [next, ..], .. } = output;
+                    next.get_or_insert(Code { code, ..*in_force });
+                    in_force.code = !code;
                 }
             }
             None => DAC1.dhr12r(channel).write(|w| w.set_dhr((code as u16 ^ 0x8000) >> 4)),
@@ -100,10 +103,10 @@ impl Analog {
     pub fn advance(&mut self) {
         for channel in 0..OUTPUTS {
             let Some(output) = self.outputs.get_mut(channel) else { continue };
-            let [now, next, later] = output.comes;
-            output.comes = [next, later, None];
+            let [now, next, later] = output.queued;
+            output.queued = [next, later, None];
             if let Some(now) = now {
-                let before = core::mem::replace(&mut output.stands, now);
+                let before = core::mem::replace(&mut output.in_force, now);
                 if before.code != now.code {
                     self.put(channel, now.code);
                 }
@@ -111,14 +114,14 @@ impl Analog {
         }
     }
 
-    /// A code of somebody else than a laser, from `at` ns behind the next tick on.
+    /// Queues a code that is not a laser's, from `at` ns after the next tick on.
     pub fn plan(&mut self, at: u32, channel: usize, code: i16) {
         if let Some(output) = self.outputs.get_mut(channel) {
             output.plan(at, Code { code, of_laser: false });
         }
     }
 
-    /// What a laser channel does in the next tick.
+    /// Queues the voltages of a laser channel's next tick.
     pub fn follow(&mut self, channel: usize, plan: &Plan) {
         if plan.safe_state {
             self.rest(channel);
@@ -133,7 +136,7 @@ impl Analog {
         }
     }
 
-    /// 0 V now, if a laser drives the output; nothing that was planned comes.
+    /// Outputs 0 V now, if a laser drives the output, and drops all queued codes.
     #[cold]
     #[inline(never)]
     fn rest(&mut self, channel: usize) {
@@ -143,14 +146,14 @@ impl Analog {
     }
 }
 
-/// On the way into a reset: the chip's DAC is let go, an external one is told 0 V.
+/// Before a reset: disables the chip's DAC, sets an external one to 0 V.
 pub fn rest() {
     if EXTERNAL_DAC {
         if RCC.apb1lenr().read().spi3en() {
             let (bus, select, pause) = spi::again();
             let mut dac = Dac8563 { bus, select, pause };
             for channel in 0..OUTPUTS as u8 {
-                // There is nobody left to tell.
+                // Nothing can report a failure any more.
                 let _ = dac.write(channel, 0);
             }
         }

@@ -1,8 +1,10 @@
-//! Clocks: 480 MHz from the ST-LINK's 8 MHz (RM0433 6.6, 8.5; docs/board-h743.md).
+//! Clocks: 480 MHz from the ST-LINK's 8 MHz (RM0433 6.6, 8.5; docs/board-h743-registers.md,
+//! "Clocks").
 //!
-//! In: the chip on its own 64 MHz. Out: [`CORE_HZ`] and what follows from it. Owns PWR, the flash's wait states and
-//! RCC's tree. Fails: a flag that does not come in time is for the watchdog, which runs by then and resets. A clock from the ST-LINK that stops
-//! later rests the laser outputs by itself and ends in the fault path ([`CLOCK_LOST`]).
+//! In: the chip on its own 64 MHz. Out: [`CORE_HZ`] and the clocks derived from it. Owns PWR, the
+//! flash's wait states and RCC's clock tree. Fails: a flag that does not come in time is left to
+//! the watchdog, which runs by then and resets. When the ST-LINK's clock stops later, the hardware
+//! breaks the laser outputs, and the NMI ends in the fault path ([`CLOCK_LOST`]).
 use stm32_metapac::rcc::vals::{Hpre, Plldiv, Pllm, Plln, Pllrge, Pllsrc, Pllvcosel, Ppre, Sw, Usbsel};
 use stm32_metapac::{DBGMCU, FLASH, PWR, RCC, SYSCFG, pwr};
 
@@ -13,40 +15,43 @@ pub const BUS_HZ: u32 = CORE_HZ / 4;
 /// Timers on APB 1 and 2.
 pub const TIMER_MHZ: u16 = 240;
 
-/// What an NMI says: nothing else makes one (RM0433 8.5.3).
+/// Reason of the NMI: nothing else makes one (RM0433 8.5.3).
 pub const CLOCK_LOST: &str = "the ST-LINK's clock has stopped";
 
-/// Waits as long as it takes; the watchdog bites if that is too long.
+/// Waits without limit; the watchdog resets the chip if that takes too long.
 fn wait(mut is_ready: impl FnMut() -> bool) {
     while !is_ready() {}
 }
 
-/// The ST-LINK's clock, however late it comes: it may be powered, or start, later than the chip. Nothing runs yet that could do harm,
-/// so this is no case for the watchdog.
+/// Waits for the ST-LINK's clock without limit: it may be powered, or start, later than the chip.
+/// No output is driven yet, so this needs no watchdog.
 pub fn await_source() {
     RCC.cr().modify(|w| w.set_hsebyp(true));
     RCC.cr().modify(|w| w.set_hseon(true));
     wait(|| RCC.cr().read().hserdy());
 }
 
-/// Whether this is one of the first revisions, Z and Y, which reach neither VOS0 nor [`CORE_HZ`] (RM0433 60.5.8, ES0392).
+/// Whether this is one of the first revisions, Z and Y, which reach neither VOS0 nor [`CORE_HZ`]
+/// (RM0433 60.5.8, ES0392).
 pub fn is_too_old() -> bool {
     matches!(DBGMCU.idc().read().rev_id(), 0x1001 | 0x1003)
 }
 
-/// A core that a debugger holds does not feed the watchdog. What was told ahead is played meanwhile, two ticks at most.
-pub fn spare_debuggers() {
+/// Stops the watchdog while a debugger halts the core, which cannot feed it then. DMA still plays
+/// what is queued, two ticks at most.
+pub fn freeze_watchdog_in_debug() {
     DBGMCU.apb4fzr1().modify(|w| w.set_iwdg1(true));
 }
 
 /// SYSCFG_CFGR (RM0433 12.3.6), which the metadata leaves out.
 const BREAKS: usize = 0x18;
-/// PVDL, CM7L: low supply and a core that is locked up break the timers. Only a reset takes them back.
+/// PVDL, CM7L: low supply and a locked-up core break the timers. Only a reset clears the bits.
 const SUPPLY_AND_LOCKUP: u32 = 1 << 2 | 1 << 6;
 /// 2.7 V, falling (RM0433 6.8.1, PLS).
 const LEAST_SUPPLY: u8 = 0b101;
 
-/// Lasers rest by hardware where the supply falls below 2.7 V, or where the core is locked up. The supply is at its level.
+/// The hardware shuts the lasers off when the supply falls below 2.7 V, or when the core is locked
+/// up. Call it once the supply has its level.
 pub fn break_with_the_chip() {
     PWR.cr1().modify(|w| {
         w.set_pls(LEAST_SUPPLY);
@@ -56,17 +61,18 @@ pub fn break_with_the_chip() {
     unsafe { SYSCFG.as_ptr().cast::<u8>().add(BREAKS).cast::<u32>().write_volatile(SUPPLY_AND_LOCKUP) };
 }
 
-/// Everything at full speed, behind [`await_source`].
+/// Everything at full speed; call it after [`await_source`].
 pub fn raise() {
     supply();
     multiply();
-    // Wait states before the clock that needs them (RM0433 4.3.8, table 17: VOS0, up to 240 MHz on AXI).
+    // Wait states before the clock that needs them (RM0433 4.3.8, table 17: VOS0, up to 240 MHz on
+    // AXI).
     FLASH.acr().write(|w| {
         w.set_latency(4);
         w.set_wrhighfreq(2);
     });
     wait(|| FLASH.acr().read().latency() == 4);
-    // Buses are divided before the core is faster than they may be.
+    // The dividers of the buses are set before the core's clock exceeds their limit.
     RCC.d1cfgr().write(|w| {
         w.set_d1cpre(Hpre::DIV1);
         w.set_hpre(Hpre::DIV2);
@@ -79,11 +85,12 @@ pub fn raise() {
     RCC.d3cfgr().write(|w| w.set_d3ppre(Ppre::DIV2));
     RCC.cfgr().modify(|w| w.set_sw(Sw::PLL1_P));
     wait(|| RCC.cfgr().read().sws() == Sw::PLL1_P);
-    // If the source stops, its guard breaks the lasers' timers, goes back to the chip's own clock and makes an NMI (RM0433 8.5.3).
+    // If the source stops, the clock security system breaks the lasers' timers, switches to the
+    // chip's own clock and makes an NMI (RM0433 8.5.3).
     RCC.cr().modify(|w| w.set_hsecsson(true));
 }
 
-/// LDO, and VOS0 by way of VOS1 (RM0433 6.6.2).
+/// LDO, and VOS0 through VOS1 (RM0433 6.6.2).
 fn supply() {
     PWR.cr3().modify(|w| {
         w.set_bypass(false);
@@ -94,7 +101,7 @@ fn supply() {
     PWR.d3cr().modify(|w| w.set_vos(pwr::vals::Vos::SCALE1));
     wait(|| PWR.d3cr().read().vosrdy());
     RCC.apb4enr().modify(|w| w.set_syscfgen(true));
-    // Read back, so that the clock is there (RM0433 8.5.8).
+    // Read back, so that the clock is on (RM0433 8.5.8).
     RCC.apb4enr().read();
     SYSCFG.pwrcr().write(|w| w.set_oden(1));
     wait(|| PWR.d3cr().read().vosrdy());

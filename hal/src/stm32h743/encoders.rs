@@ -1,15 +1,17 @@
-//! Encoders of the first axes: TIM3 and TIM4 count their edges and latch the count at their index (RM0433 39.3.19, 39.3.5).
+//! Encoders of the first axes: TIM3 and TIM4 count their edges and latch the count at their index
+//! (RM0433 39.3.19, 39.3.5).
 //!
-//! In: lines A, B and Z. Out: counts of 64 bits, four a line of the encoder, and that at the last rising edge of Z. Owns TIM3 and TIM4, whose
-//! 16 bits are extended at each reading: 32767 counts between two, 130 MHz at 250 µs, are beyond what the inputs let through
-//! (30 MHz). Fails never; a line that is not there counts nothing.
+//! In: lines A, B and Z. Out: counts of 64 bits, four a line of the encoder, and the count at the
+//! last rising edge of Z. Owns TIM3 and TIM4. Their 16 bits are extended at each reading: the limit
+//! of 32767 counts between two readings, 130 MHz at 250 µs, is beyond what the inputs pass (30
+//! MHz). Fails never; a line that is not connected counts nothing.
 use super::settings::ENCODERS;
 use stm32_metapac::timer::TimGp16;
 use stm32_metapac::timer::vals::{CcmrInputCcs, FilterValue, Sms};
 use stm32_metapac::{RCC, TIM3, TIM4};
 
-/// Encoders that the timers allow: TIM1, TIM8 and TIM15 make light, TIM2 the ticks, and the inputs of TIM5 lie on pins of the
-/// Ethernet PHY.
+/// Encoders that the timers allow: TIM1, TIM8 and TIM15 make light, TIM2 the ticks, and the inputs
+/// of TIM5 lie on pins of the Ethernet PHY.
 pub const MOST: usize = 2;
 
 const TIMERS: [TimGp16; MOST] = [TIM3, TIM4];
@@ -26,29 +28,29 @@ pub const FITTED: u64 = {
 /// The counters.
 #[derive(Debug)]
 pub struct Encoders {
-    /// What the timers showed last.
-    seen: [u16; MOST],
+    /// Counts of the timers at the last reading.
+    last: [u16; MOST],
     counts: [i64; MOST],
-    /// Counts at the index edges that came since the reading before.
+    /// Counts at the index edges since the last reading but one.
     indexes: [Option<i64>; MOST],
 }
 
 impl Encoders {
     /// Nothing has been counted.
-    pub const AT_ZERO: Encoders = Encoders { seen: [0; MOST], counts: [0; MOST], indexes: [None; MOST] };
+    pub const AT_ZERO: Encoders = Encoders { last: [0; MOST], counts: [0; MOST], indexes: [None; MOST] };
 
-    /// Looks at the counters, once a tick.
+    /// Reads the counters, once a tick.
     pub fn read(&mut self) {
-        let places = self.seen.iter_mut().zip(&mut self.counts).zip(&mut self.indexes);
-        for ((timer, channel), ((seen, count), index)) in TIMERS.iter().zip(INDEX_CHANNELS).zip(places) {
+        let axes = self.last.iter_mut().zip(&mut self.counts).zip(&mut self.indexes);
+        for ((timer, channel), ((last, count), index)) in TIMERS.iter().zip(INDEX_CHANNELS).zip(axes) {
             let now = timer.cnt().read().cnt();
-            // The shorter way round: 16 bits have turned over at most once.
-            let way = |to: u16, from: u16| i64::from(to.wrapping_sub(from) as i16);
-            *count = count.wrapping_add(way(now, *seen));
-            *seen = now;
-            // Reading what was latched takes its flag away (RM0433 39.4.5).
+            // The shorter of the two distances modulo 2¹⁶: the count has wrapped at most once.
+            let distance = |to: u16, from: u16| i64::from(to.wrapping_sub(from) as i16);
+            *count = count.wrapping_add(distance(now, *last));
+            *last = now;
+            // Reading the latched count clears its flag (RM0433 39.4.5).
             let latched = timer.sr().read().ccif(channel).then(|| timer.ccr(channel).read().ccr());
-            *index = latched.map(|latched| count.wrapping_add(way(latched, now)));
+            *index = latched.map(|latched| count.wrapping_add(distance(latched, now)));
         }
     }
 
@@ -58,26 +60,27 @@ impl Encoders {
         self.counts.get(axis).copied()
     }
 
-    /// The count at the last index edge of an axis between the two readings made last.
+    /// The count at the last index edge of an axis between the last two readings.
     pub fn index(&self, axis: usize) -> Option<i64> {
         ENCODERS.get(axis).filter(|fitted| **fitted)?;
         self.indexes.get(axis).copied()?
     }
 }
 
-/// Lets the timers count.
+/// Starts the counters.
 ///
 /// # Safety
-/// Once, before anybody else uses them.
+/// Once, before anything else uses the timers.
 pub unsafe fn open() {
     RCC.apb1lenr().modify(|w| {
         w.set_tim3en(true);
         w.set_tim4en(true);
     });
-    // Read back, so that the clock is there (RM0433 8.5.8).
+    // Read back, so that the clock is on (RM0433 8.5.8).
     RCC.apb1lenr().read();
     for (timer, index) in TIMERS.into_iter().zip(INDEX_CHANNELS) {
-        // Each input to its own channel; a level holds for eight samples, 33 ns, so all three are late by the same.
+        // Each input to its own channel, filtered over eight samples, 33 ns: all three have the
+        // same delay.
         timer.ccmr_input(0).write(|w| {
             for input in 0..2 {
                 w.set_ccs(input, CcmrInputCcs::TI4);

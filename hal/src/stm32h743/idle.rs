@@ -1,4 +1,6 @@
-//! What the thread does when it has nothing to do: it sleeps.
+//! The idle loop of the thread: it sleeps.
+//!
+//! In: nothing. Out: the thread's wait. Owns nothing. Fails never.
 
 /// Waits for something to happen. Any interrupt ends the wait; at the latest the next tick does.
 #[derive(Debug, Default)]
@@ -13,8 +15,8 @@ impl Idle {
     /// A byte has arrived.
     pub fn wake(&mut self) {}
 
-    /// Sleeps. An interrupt that comes between the caller's last look and the sleep is served, and its news are seen
-    /// after the next tick at the latest.
+    /// Sleeps. An interrupt that comes between the caller's last check and the sleep is served;
+    /// the caller finds what it brought after the next tick at the latest.
     pub fn wait(&mut self) {
         cortex_m::asm::wfi();
     }

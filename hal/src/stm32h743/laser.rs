@@ -1,12 +1,14 @@
-//! Laser outputs (RM0433 38, 41): energy of laser 0 by TIM1, of laser 1 by TIM15, both switches by TIM8, each line with its
-//! complement, and a break input that rests them without an instruction.
+//! Laser outputs (RM0433 38, 41): TIM1 makes the energy of laser 0, TIM15 that of laser 1, TIM8
+//! both switches. Each line has its complement. A break input disables them without an instruction.
 //!
-//! In: a [`Plan`] a channel and tick. Out: light, a tick behind the plan as the steps are ([`DelayLine`]); rest at once. Owns TIM1,
-//! TIM8, TIM15 and their streams. A timer counts rounds ([`super::rounds`]) that [`PwmCycles`] and [`GateCycles`] make of the plans,
-//! all of them from the same tick on. At rest the main output is disabled (`BDTR.MOE`), and the pins have their idle levels. Fails to rest, and tells the tick
-//! ([`Lasers::was_late`]), if a round was told too late for DMA: then everything starts anew.
+//! In: a [`Plan`] a channel and tick. Out: light, one tick after the plan, as the steps
+//! ([`DelayLine`]); the safe state at once. Owns TIM1, TIM8, TIM15 and their streams. A timer
+//! counts PWM cycles ([`super::pwm_dma`]) that [`PwmCycles`] and [`GateCycles`] make of the plans;
+//! all three begin at the same tick. In the safe state the main output is disabled (`BDTR.MOE`),
+//! and the pins have their idle levels. Fails to the safe state if a cycle was queued too late for
+//! DMA: it reports that to the tick ([`Lasers::was_late`]), and everything starts anew.
 use super::clocks::TIMER_MHZ;
-use super::rounds::{BEGIN, LASER_0, LASER_1, SWITCHES, TIM15, Timer, places};
+use super::pwm_dma::{BEGIN, LASER_0, LASER_1, SWITCHES, TIM15, Timer, empty_slots};
 use core::sync::atomic::AtomicU32;
 use servo::laser::{CHANNELS, Plan};
 use servo::output::{DELAY_LINE_WORDS, DelayLine, GateCycles, PwmCycles, Scale, Slots};
@@ -16,34 +18,35 @@ use stm32_metapac::{RCC, TIM1, TIM2, TIM8};
 
 const SCALE: Scale = Scale::of_mhz(TIMER_MHZ);
 
-/// Two ticks of 250 µs with rounds of 0.5 µs, 64 actions a tick that may each take one more, and the ends of ticks.
-const ENERGY_PLACES: usize = 1152;
+/// Two ticks of 250 µs with cycles of 0.5 µs; 64 actions a tick, each of which may take one more;
+/// and the ends of ticks.
+const ENERGY_SLOTS: usize = 1152;
 /// Two ticks with 64 edges of either channel.
-const SWITCH_PLACES: usize = 272;
-/// What the start takes, in counts of the timers, with room.
+const SWITCH_SLOTS: usize = 272;
+/// Time that the start takes, in counts of the timers, with reserve.
 const START_COUNTS: u64 = 480;
-/// A compare value that no round reaches.
+/// A compare value that no cycle reaches.
 const NEVER: u16 = u16::MAX;
 
 #[unsafe(link_section = ".dma.laser_0")]
-static RING_0: Slots<ENERGY_PLACES, 3> = places();
+static RING_0: Slots<ENERGY_SLOTS, 3> = empty_slots();
 #[unsafe(link_section = ".dma.laser_1")]
-static RING_1: Slots<ENERGY_PLACES, 3> = places();
+static RING_1: Slots<ENERGY_SLOTS, 3> = empty_slots();
 #[unsafe(link_section = ".dma.switches")]
-static RING_SWITCHES: Slots<SWITCH_PLACES, 6> = places();
+static RING_SWITCHES: Slots<SWITCH_SLOTS, 6> = empty_slots();
 
-/// Plans of a tick.
+/// Plans of a tick, in the delay lines.
 #[unsafe(link_section = ".state.held_0")]
-static HELD_0: [AtomicU32; DELAY_LINE_WORDS] = [const { AtomicU32::new(0) }; DELAY_LINE_WORDS];
+static DELAY_0: [AtomicU32; DELAY_LINE_WORDS] = [const { AtomicU32::new(0) }; DELAY_LINE_WORDS];
 #[unsafe(link_section = ".state.held_1")]
-static HELD_1: [AtomicU32; DELAY_LINE_WORDS] = [const { AtomicU32::new(0) }; DELAY_LINE_WORDS];
+static DELAY_1: [AtomicU32; DELAY_LINE_WORDS] = [const { AtomicU32::new(0) }; DELAY_LINE_WORDS];
 
 /// What the timers do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum State {
-    /// Nothing; their rings are made dark.
-    Stands,
-    /// Their first rounds are told in this tick.
+    /// Stopped; their rings are made dark.
+    Stopped,
+    /// Their first cycles are queued in this tick.
     Begins,
     /// They start with the next tick.
     Armed,
@@ -59,20 +62,20 @@ pub struct Lasers {
     next: u64,
     /// Counts of the tick in force.
     lasts: u64,
-    /// What the timers are told in the next tick.
-    held: [DelayLine; CHANNELS],
+    /// Plans whose cycles are queued in the next tick.
+    delay_lines: [DelayLine; CHANNELS],
     energies: [PwmCycles; CHANNELS],
-    energy_timers: [Timer<ENERGY_PLACES, 3>; CHANNELS],
+    energy_timers: [Timer<ENERGY_SLOTS, 3>; CHANNELS],
     switches: GateCycles,
-    switch_timer: Timer<SWITCH_PLACES, 6>,
+    switch_timer: Timer<SWITCH_SLOTS, 6>,
     /// The channel's outputs follow their timers.
     is_live: [bool; CHANNELS],
     was_late: bool,
-    /// The timers have counted: they may stand within a burst.
+    /// The timers have counted: a burst may be incomplete.
     is_used: bool,
 }
 
-/// Timers with their outputs at rest, before any pin shows them.
+/// Timers with their outputs in the safe state, before any pin outputs them.
 ///
 /// # Safety
 /// At most once.
@@ -86,7 +89,7 @@ pub unsafe fn open() -> Lasers {
         w.set_dma1en(true);
         w.set_dma2en(true);
     });
-    // Read back, so that the clock is there (RM0433 8.5.8).
+    // Read back, so that the clock is on (RM0433 8.5.8).
     RCC.apb2enr().read();
     RCC.ahb1enr().read();
     set_up();
@@ -95,10 +98,10 @@ pub unsafe fn open() -> Lasers {
     // SAFETY: the caller's promise.
     let switch_timer = unsafe { Timer::new(SWITCHES, &RING_SWITCHES, [0, 0, NEVER, 0, 0, NEVER]) };
     Lasers {
-        state: State::Stands,
+        state: State::Stopped,
         next: 0,
         lasts: 0,
-        held: [DelayLine::new(&HELD_0), DelayLine::new(&HELD_1)],
+        delay_lines: [DelayLine::new(&DELAY_0), DelayLine::new(&DELAY_1)],
         energies: [const { PwmCycles::from(BEGIN, SCALE) }; CHANNELS],
         energy_timers,
         switches: GateCycles::from(BEGIN, SCALE),
@@ -109,7 +112,7 @@ pub unsafe fn open() -> Lasers {
     }
 }
 
-/// The timers as after a reset: what of a burst was still to come is forgotten. Their outputs are released for as long as that takes.
+/// Resets the timers: the remainder of a burst is dropped. Their outputs are released meanwhile.
 #[cold]
 #[inline(never)]
 fn reset() {
@@ -127,7 +130,7 @@ fn reset() {
     set_up();
 }
 
-/// What does not change while they count: outputs at rest, the break input.
+/// Settings that do not change while the timers count: idle levels, the break input.
 #[cold]
 #[inline(never)]
 fn set_up() {
@@ -136,12 +139,13 @@ fn set_up() {
             w.set_arpe(true);
             w.set_urs(Urs::COUNTER_ONLY);
         });
-        // The pin, as it is; what the register holds after a reset differs from source to source.
+        // The pin, not inverted; sources differ on the register's value after a reset.
         timer.af1().write(|w| {
             w.set_bkine(true);
             w.set_bkinp(Bkinp::NOT_INVERTED);
         });
-        // Outputs have idle levels while they are disabled; a high level at the break input disables them.
+        // Outputs have idle levels while they are disabled; a high level at the break input
+        // disables them.
         timer.bdtr().write(|w| {
             w.set_ossi(Ossi::IDLE_LEVEL);
             w.set_ossr(Ossr::IDLE_LEVEL);
@@ -176,8 +180,9 @@ fn set_up() {
     lines(TIM8, &[1, 2]);
 }
 
-/// The first timer whose break flag does not show the level of its pin (RM0433 38.4.5: the flag comes back while the input is active), as
-/// a sentence. To be asked once, when the pins are the timers'.
+/// A sentence on the first timer whose break flag differs from the level of its pin (RM0433 38.4.5:
+/// the flag is set again while the input is active). Call it once, after the timers have their
+/// pins.
 pub fn contradiction(levels: [bool; 3]) -> Option<&'static str> {
     // By the level of the pin: low, high.
     const TEXTS: [[&str; 2]; 3] = [
@@ -202,7 +207,7 @@ fn clear_break(timer: TimAdv) {
     });
 }
 
-/// Both lines of these channels are outputs; active is low at +, high at −.
+/// Enables both lines of these channels as outputs; active is low at +, high at −.
 fn lines(timer: TimAdv, channels: &[usize]) {
     timer.ccer().write(|w| {
         for &channel in channels {
@@ -233,7 +238,7 @@ fn energy_timer(channel: usize) -> TimAdv {
     if channel == 0 { TIM1 } else { TIM15 }
 }
 
-/// Everything at rest, whatever runs.
+/// Sets all laser outputs to the safe state, in any state of the timers.
 pub fn rest() {
     let clocks = RCC.apb2enr().read();
     for (timer, has_clock) in [(TIM1, clocks.tim1en()), (TIM15, clocks.tim15en()), (TIM8, clocks.tim8en())] {
@@ -243,7 +248,7 @@ pub fn rest() {
     }
 }
 
-/// Whether the break input was active since this was asked last.
+/// Whether the break input was active since the last call.
 pub fn was_broken() -> bool {
     let mut broken = false;
     for timer in [TIM1, TIM8, TIM15] {
@@ -256,7 +261,7 @@ pub fn was_broken() -> bool {
 }
 
 impl Lasers {
-    /// A tick begins, which lasts so many ns.
+    /// A tick of `period_ns` begins.
     pub fn begin(&mut self, period_ns: u32) {
         self.lasts = SCALE.counts(period_ns).into();
         self.next = self.next.wrapping_add(self.lasts);
@@ -272,7 +277,8 @@ impl Lasers {
         }
     }
 
-    /// The same while the timers do not run yet. What is cold stays in flash (docs/decisions/016-hot-code-in-itcm.md).
+    /// The same while the timers do not run yet. Cold code stays in flash
+    /// (docs/decisions/016-hot-code-in-itcm.md).
     #[cold]
     #[inline(never)]
     fn begin_apart(&mut self) {
@@ -286,7 +292,7 @@ impl Lasers {
                 }
             }
             State::Begins => self.stop(),
-            State::Stands => {
+            State::Stopped => {
                 let [first, second] = &mut self.energy_timers;
                 let is_clear = [first.clear(), second.clear(), self.switch_timer.clear()];
                 if !is_clear.contains(&false) {
@@ -296,10 +302,10 @@ impl Lasers {
         }
     }
 
-    /// The next tick is where the timers begin to count.
+    /// Prepares the timers: they begin to count with the next tick.
     #[cold]
     fn arm(&mut self) {
-        // Their streams stand by now: nothing more of a burst comes.
+        // Their streams have stopped: no more of a burst comes.
         if core::mem::replace(&mut self.is_used, true) {
             reset();
         }
@@ -311,11 +317,11 @@ impl Lasers {
         self.state = State::Begins;
     }
 
-    /// The timers start with the next tick, if that is still to come.
+    /// Arms the timers to start with the next tick, unless that is due already.
     #[cold]
     #[inline(never)]
     fn launch(&mut self) {
-        // Behind what was written to the rings.
+        // After what was written to the rings.
         cortex_m::asm::dsb();
         self.energy_timers.iter_mut().for_each(Timer::launch);
         self.switch_timer.launch();
@@ -323,7 +329,7 @@ impl Lasers {
         if is_late {
             return;
         }
-        // Who is started before who starts it. TS changes while SMS is 0 (RM0433 38.4.3).
+        // Each timer before the one that triggers it. TS changes while SMS is 0 (RM0433 38.4.3).
         for (timer, from) in [(TIM15, Ts::ITR0), (TIM8, Ts::ITR1), (TIM1, Ts::ITR1)] {
             timer.smcr().write(|w| {
                 w.set_ts(from);
@@ -343,62 +349,63 @@ impl Lasers {
         }
         self.energy_timers.iter_mut().for_each(Timer::stop);
         self.switch_timer.stop();
-        self.held.iter_mut().for_each(DelayLine::clear);
+        self.delay_lines.iter_mut().for_each(DelayLine::clear);
         for channel in 0..CHANNELS {
             follow(channel, false);
         }
         self.is_live = [false; CHANNELS];
         self.was_late |= self.state == State::Runs;
-        self.state = State::Stands;
+        self.state = State::Stopped;
     }
 
-    /// Whether a round came too late since this was asked last: everything is at rest then.
+    /// Whether a cycle came too late since the last call: all outputs are in the safe state then.
     pub fn was_late(&mut self) -> bool {
         core::mem::take(&mut self.was_late)
     }
 
-    /// What a channel does in the interval that begins with the next tick, output in the one behind that: now the timers are
-    /// told what was planned before. Rest is now.
+    /// Takes the plan of a channel for the interval that begins with the next tick; it is output
+    /// one tick later. Now the cycles of the plan before it are queued. The safe state comes at
+    /// once.
     #[inline]
     pub fn plan(&mut self, channel: usize, plan: &Plan) {
         if plan.safe_state {
             self.rest(channel);
         }
-        if self.state != State::Stands {
+        if self.state != State::Stopped {
             self.queue(channel, SCALE.counts(plan.lasts).into());
         }
-        if !plan.safe_state && !self.held.get_mut(channel).is_some_and(|held| held.put(plan)) {
+        if !plan.safe_state && !self.delay_lines.get_mut(channel).is_some_and(|delayed| delayed.put(plan)) {
             self.stop();
         }
     }
 
-    /// Tells the timers what is held of a channel, for the next tick, which lasts so many counts.
+    /// Queues the cycles of a channel's delayed plan for the next tick, which lasts so many counts.
     #[inline]
     fn queue(&mut self, channel: usize, lasts: u64) {
         let (from, to) = (self.next, self.next.wrapping_add(lasts));
-        let (Some(energy), Some(timer), Some(held), Some(is_live)) = (
+        let (Some(energy), Some(timer), Some(delayed), Some(is_live)) = (
             self.energies.get_mut(channel),
             self.energy_timers.get_mut(channel),
-            self.held.get(channel),
+            self.delay_lines.get(channel),
             self.is_live.get_mut(channel),
         ) else {
             return;
         };
-        if !*is_live && self.state == State::Runs && held.lights() {
-            // What is told so far is dark: after a rest a tick has passed at least.
+        if !*is_live && self.state == State::Runs && delayed.lights() {
+            // All cycles queued so far are dark: at least one tick has passed since the safe state.
             revive(channel);
             *is_live = true;
         }
         let mut read_by = energy.queued().wrapping_sub(timer.ring.ahead().into());
-        energy.take(from, to, held.actions(), &mut |length, light, times| timer.ring.put(length, times, [light]));
+        energy.take(from, to, delayed.actions(), &mut |length, light, times| timer.ring.put(length, times, [light]));
         if channel == 0 {
-            self.switches.hold(held.actions());
+            self.switches.hold(delayed.actions());
         } else {
             let timer = &mut self.switch_timer;
             read_by = read_by.min(self.switches.queued().wrapping_sub(timer.ring.ahead().into()));
-            self.switches.take(from, to, held.actions(), &mut |round| {
-                let ([fall_0, fall_1], [rise_0, rise_1]) = (round.falls, round.rises);
-                timer.ring.put(round.length, 1, [rise_0, fall_0, fall_1, rise_1]);
+            self.switches.take(from, to, delayed.actions(), &mut |cycle| {
+                let ([fall_0, fall_1], [rise_0, rise_1]) = (cycle.falls, cycle.rises);
+                timer.ring.put(cycle.length, 1, [rise_0, fall_0, fall_1, rise_1]);
             });
         }
         if self.state == State::Begins && channel + 1 == CHANNELS {
@@ -413,7 +420,7 @@ impl Lasers {
         }
     }
 
-    /// At once; nothing comes of what was planned.
+    /// The safe state at once; drops what was planned.
     #[cold]
     #[inline(never)]
     fn rest(&mut self, channel: usize) {
@@ -422,8 +429,8 @@ impl Lasers {
         if let Some(live) = self.is_live.get_mut(channel) {
             *live = false;
         }
-        if let Some(held) = self.held.get_mut(channel) {
-            held.clear();
+        if let Some(delayed) = self.delay_lines.get_mut(channel) {
+            delayed.clear();
         }
         if let Some(energy) = self.energies.get_mut(channel) {
             energy.shut_off();
@@ -432,7 +439,7 @@ impl Lasers {
     }
 }
 
-/// A channel's outputs follow their timers.
+/// Enables a channel's outputs: they follow their timers.
 #[cold]
 #[inline(never)]
 fn revive(channel: usize) {

@@ -1,8 +1,9 @@
 //! What the tick reads and drives on this board: inputs, servo enables and general outputs.
 //!
-//! In: set-points and outputs of the tick. Out: the levels of the pins, read together once a tick. Owns the tick's share of
-//! [`pins`], [`super::steps`], [`super::encoders`], [`super::adc`], [`super::analog`] and [`laser`]. An axis without an encoder reads the pulse at
-//! which its step output stands. Fails never.
+//! In: set-points and outputs of the tick. Out: the levels of the pins, read together once a tick.
+//! Owns the tick's share of [`pins`], [`super::steps`], [`super::encoders`], [`super::adc`],
+//! [`super::analog`] and [`laser`]. An axis without an encoder reads the pulse that its step output
+//! has reached. Fails never.
 use super::adc::Adc;
 use super::analog::Analog;
 use super::encoders::Encoders;
@@ -22,21 +23,22 @@ pub struct Machine {
     encoders: Encoders,
     analog: Analog,
     adc: Adc,
-    /// Pulses at which the outputs stand, and those of the set-points that the next tick puts in force.
-    stands: [i64; AXES],
-    goes_to: [i64; AXES],
+    /// Pulses that the step outputs have reached, and those of the set-points of the next tick.
+    reached: [i64; AXES],
+    targets: [i64; AXES],
     /// Servo enables and general outputs that are driven, and those that the next tick drives.
     driven: (u64, GeneralOutputs),
-    drives: (u64, GeneralOutputs),
-    /// General outputs that the tick behind that drives: they are as far behind the plan as the steps.
-    comes: GeneralOutputs,
+    next: (u64, GeneralOutputs),
+    /// General outputs of the tick after the next one: they are as late after the plan as the
+    /// steps.
+    after_next: GeneralOutputs,
     lasers: Lasers,
-    /// The board contradicts itself: as an interlock that stays open.
+    /// The board contradicts its wiring: treated as an interlock that stays open.
     is_blocked: bool,
 }
 
 impl Machine {
-    /// At rest at zero.
+    /// At standstill at zero.
     pub fn new(lasers: Lasers, analog: Analog, adc: Adc, is_blocked: bool) -> Machine {
         Machine {
             levels: Levels::LOW,
@@ -46,36 +48,36 @@ impl Machine {
             adc,
             lasers,
             is_blocked,
-            stands: [0; AXES],
-            goes_to: [0; AXES],
+            reached: [0; AXES],
+            targets: [0; AXES],
             driven: (0, 0),
-            drives: (0, 0),
-            comes: 0,
+            next: (0, 0),
+            after_next: 0,
         }
     }
 
-    /// A tick begins, which lasts so many ns: what was planned for it is in force.
+    /// A tick of `period_ns` begins: the outputs planned for it come into force.
     pub fn advance(&mut self, period_ns: u32) {
         self.steps.begin(period_ns);
         self.lasers.begin(period_ns);
         self.analog.advance();
         self.adc.advance();
         self.encoders.read();
-        if self.driven != self.drives {
-            self.driven = self.drives;
-            pins::set(self.drives.0, self.drives.1);
+        if self.driven != self.next {
+            self.driven = self.next;
+            pins::set(self.next.0, self.next.1);
         }
-        self.drives.1 = self.comes;
+        self.next.1 = self.after_next;
         self.levels = Levels::read();
-        for (axis, stands) in self.stands.iter_mut().enumerate() {
-            *stands = self.steps.stands(axis);
+        for (axis, reached) in self.reached.iter_mut().enumerate() {
+            *reached = self.steps.reached(axis);
         }
     }
 
-    /// The tick has been computed: the steps of the next one go where DMA finds them. False if it took too long for that, or
-    /// was too late for a laser.
+    /// The tick has been computed: writes the steps of the next one to the ring of DMA. False if
+    /// the tick was too late for that, or for a laser.
     pub fn emit(&mut self) -> bool {
-        self.steps.fill(&self.goes_to) & !self.lasers.was_late()
+        self.steps.fill(&self.targets) & !self.lasers.was_late()
     }
 }
 
@@ -93,7 +95,7 @@ impl Port for Machine {
 
     fn encoder(&mut self, axis: Axis) -> i64 {
         let axis = axis.index();
-        self.encoders.count(axis).or_else(|| self.stands.get(axis).copied()).unwrap_or(0)
+        self.encoders.count(axis).or_else(|| self.reached.get(axis).copied()).unwrap_or(0)
     }
 
     fn index(&mut self, axis: Axis) -> Option<i64> {
@@ -109,15 +111,15 @@ impl Port for Machine {
     }
 
     fn set_point(&mut self, axis: Axis, pos: Pos) {
-        if let Some(place) = self.goes_to.get_mut(axis.index()) {
-            *place = step_generator::whole(pos);
+        if let Some(target) = self.targets.get_mut(axis.index()) {
+            *target = step_generator::whole(pos);
         }
     }
 
     fn outputs(&mut self, at: u32, enable: u64, _: u64, general: GeneralOutputs) {
-        // What changes between two ticks is in what the tick behind it drives from its beginning. Enables do not wait for steps.
+        // A change between two ticks comes with the tick after it. Enables do not wait for steps.
         if at == 0 {
-            (self.drives.0, self.comes) = (enable, general);
+            (self.next.0, self.after_next) = (enable, general);
         }
     }
 
@@ -126,7 +128,7 @@ impl Port for Machine {
     }
 
     fn interlock(&mut self) -> bool {
-        // A break that is over again has rested the outputs too.
+        // A break that is over has disabled the outputs too.
         laser::was_broken() | self.levels.interlock() | self.is_blocked
     }
 

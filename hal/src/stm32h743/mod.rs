@@ -1,8 +1,10 @@
-//! NUCLEO-H743ZI2 (`docs/board-h743.md`; sections are those of RM0433, the chip's reference manual).
+//! NUCLEO-H743ZI2: `docs/board-h743.md`, with registers in `docs/board-h743-registers.md`. Sections
+//! in comments are those of RM0433, the chip's reference manual.
 //!
-//! In: the tick's set-points and outputs, bytes to send. Out: ticks, levels of inputs, bytes received.
-//! Owns the chip's clocks, watchdog, timer, UART and interrupt controller.
-use crate::{guard, priority, spare};
+//! In: the tick's set-points and outputs, bytes to send. Out: ticks, levels of inputs, bytes
+//! received. Owns the chip's clocks, watchdog, timer, UART and interrupt controller. Fails: an old
+//! revision of the chip is refused; a clock that does not start is left to the watchdog.
+use crate::{guard, priority, startup_stack};
 use cortex_m::peripheral::scb::SystemHandler;
 use cortex_m::peripheral::{NVIC, SCB};
 use stm32_metapac::Interrupt;
@@ -15,7 +17,7 @@ pub mod idle;
 pub mod laser;
 pub mod machine;
 pub mod pins;
-mod rounds;
+mod pwm_dma;
 pub mod settings;
 pub mod spi;
 mod start;
@@ -27,7 +29,7 @@ pub mod watchdog;
 
 pub use watchdog::{Cause, cause};
 
-/// Name of the board as the link tells it.
+/// Name of the board as the link reports it.
 pub const NAME: &str = "nucleo-h743zi2";
 
 /// Axes that the image for this board holds.
@@ -42,7 +44,7 @@ pub const TICK_US: core::ops::RangeInclusive<u32> = 10..=250;
 /// Analog inputs of the board.
 pub const ANALOG_INPUTS: u8 = adc::INPUTS as u8;
 
-/// Rows that a plan of its inputs holds: its inputs are wired.
+/// Rows that a plan of its inputs holds: none, since its inputs are wired.
 pub const PLANNED_INPUTS: u16 = 0;
 
 /// The clock in which laser plans are counted: that of the timers.
@@ -51,7 +53,7 @@ pub const LASER_CLOCK: servo::laser::Clock = match servo::laser::Clock::from_mhz
     None => panic!("within the range of a laser clock"),
 };
 
-/// What the step outputs make of an axis at every tick period.
+/// Fastest axis that the step outputs can follow at every tick period.
 pub const STEP_LIMIT: servo::units::StepLimit = match servo::units::StepLimit::new(steps::most_a_ms(TICK_US)) {
     Some(limit) => limit,
     None => panic!("a step pulse that is longer than the shortest tick"),
@@ -60,7 +62,7 @@ pub const STEP_LIMIT: servo::units::StepLimit = match servo::units::StepLimit::n
 /// Analog outputs of the board.
 pub const ANALOG_OUTPUTS: u8 = analog::OUTPUTS as u8;
 
-/// Axes whose encoder's index is captured: those that have one.
+/// Axes whose encoder's index is captured: those with an encoder.
 pub const INDEXES: servo::units::AxisMask = servo::units::AxisMask(encoders::FITTED);
 
 /// General outputs of the board.
@@ -71,7 +73,7 @@ pub const GENERAL_INPUTS: u8 = pins::GENERAL_INPUTS as u8;
 /// Everything of the board that is handed out once.
 #[derive(Debug)]
 pub struct Board {
-    /// Makes the ticks; stands still.
+    /// Makes the ticks; stopped.
     pub timer: timer::TickTimer,
     /// Host link.
     pub link: (uart::Tx, uart::Rx),
@@ -79,26 +81,26 @@ pub struct Board {
     pub trace: Option<uart::Tx>,
     /// The machine of the axes.
     pub machine: machine::Machine,
-    /// Why there shall be no light: what the board measures of itself contradicts what it is built for.
+    /// Reason why the board must not make light: its own measurement contradicts its wiring.
     pub contradiction: Option<&'static str>,
 }
 
-/// What an NMI says on this board, if it is not the watchdog's.
+/// Reason of an NMI of this board that is not the watchdog's.
 pub const NMI: Option<&str> = Some(clocks::CLOCK_LOST);
 
-/// Brings the board up: the clock's source, watchdog, guards, caches, clocks, pins, priorities, UART; all interrupts still off. `None` from
-/// the second call on.
+/// Brings the board up: the clock's source, watchdog, guards, caches, clocks, pins, priorities,
+/// UART. All interrupts are still off. `None` from the second call on.
 pub fn take() -> Option<Board> {
     let mut core = cortex_m::Peripherals::take()?;
     clocks::await_source();
     if clocks::is_too_old() {
-        // Nothing of this image runs on it as it is meant to: all pins stay as the reset left them, but for a lamp.
+        // The image needs a faster chip: all pins stay as the reset left them, except a lamp.
         pins::show_refusal();
         loop {
             cortex_m::asm::wfi();
         }
     }
-    clocks::spare_debuggers();
+    clocks::freeze_watchdog_in_debug();
     watchdog::start();
     // The first eighth is the chip's system memory, which holds its unique number (RM0433 61.1).
     guard::below(&mut core.MPU, STACK, 1);
@@ -124,7 +126,7 @@ pub fn take() -> Option<Board> {
         pins::open();
         let lasers = laser::open();
         clocks::break_with_the_chip();
-        // Their outputs are at rest before a pin shows them.
+        // The timers hold the safe state before a pin outputs it.
         pins::open_lasers();
         let contradiction = laser::contradiction(pins::Levels::read().breaks());
         encoders::open();
@@ -138,27 +140,27 @@ pub fn take() -> Option<Board> {
     }
 }
 
-/// The regions STACK and CODE of `memory.x`: where the one begins, and all of the other, 1 KiB and 16.
+/// Regions of `memory.x`: where STACK begins, and CODE in two parts, of 2^10 and 2^14 bytes.
 const STACK: u32 = 0x2000_0000;
 const CODE: [(u32, u32); 2] = [(0xbc00, 10), (0xc000, 14)];
 
 /// The regions DMA and KEPT of `memory.x`: SRAM 3 without its first two eighths, 24 KiB.
 const DMA_MEMORY: (u32, u32, u8) = (0x3004_0000, 15, 0b11);
 
-/// Behind the last byte of AXI SRAM.
+/// Address after the last byte of AXI SRAM.
 const TABLES_END: usize = 0x2408_0000;
 
-/// Runs start-up's `body` where the PVT tables will lie: it takes more stack than there is later. What a table without
-/// a header holds does not matter.
+/// Runs start-up's `body` with its stack in the memory of the PVT tables: it needs more stack than
+/// the running program has. The contents of a table without a header do not matter.
 ///
 /// # Safety
-/// Before anybody uses the tables.
+/// Before anything uses the tables.
 pub unsafe fn start_up(context: *mut (), body: extern "C" fn(*mut ())) {
     // SAFETY: the caller's promise; 512 KiB are more than enough.
-    unsafe { spare::run_on(context, body, TABLES_END) };
+    unsafe { startup_stack::run_on(context, body, TABLES_END) };
 }
 
-/// Lets the interrupts in.
+/// Enables the interrupts, then starts the ticks.
 ///
 /// # Safety
 /// What the handlers use must be in place.
@@ -167,11 +169,12 @@ pub unsafe fn listen() {
         // SAFETY: the caller's promise.
         unsafe { NVIC::unmask(interrupt) };
     }
-    // Not before: the first tick would be late.
+    // Only now: else the first tick would be late.
     timer::start();
 }
 
-/// The link's bytes wait in the UART's ring, as far as it holds them, until [`resume_link`]: nobody has room for them.
+/// The link's bytes wait in the UART's ring, as far as it holds them, until [`resume_link`]: the
+/// queue to the task is full.
 pub fn hold_link() {
     uart::listen(false);
 }
@@ -180,19 +183,19 @@ pub fn hold_link() {
 pub fn resume_link() {
     uart::listen(true);
     if uart::has_byte() {
-        // What it would have told of while it was held, it does not tell again.
+        // Its interrupts while it was held do not come again.
         NVIC::pend(Interrupt::USART3);
     }
 }
 
-/// Rings the bell from the tick down to the thread.
+/// Wakes the thread from the tick: rings the bell.
 pub fn ring_bell() {
-    uart::tell();
+    uart::pend_if_waiting();
     SCB::set_pendsv();
 }
 
-/// Puts every output at rest and stops the ticks and the board's other interrupts: the first thing
-/// on the way into a reset.
+/// Sets every output to its safe state and stops the ticks and the board's other interrupts: the
+/// first step of a reset.
 pub fn rest() {
     // The tick first: it would write the outputs again.
     NVIC::mask(Interrupt::TIM2);

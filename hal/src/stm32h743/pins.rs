@@ -1,7 +1,8 @@
-//! Pins: which is what (docs/board-h743.md), and their levels.
+//! Pins: which pin is what (docs/board-h743.md), and their levels.
 //!
-//! In: levels of outputs. Out: levels of inputs. Owns the GPIO ports. Until [`open`] every pin is analog, as the reset has
-//! left it; afterwards every pin that is not named here still is. [`rest`] makes the outputs analog again.
+//! In: levels of outputs. Out: levels of inputs. Owns the GPIO ports. Until [`open`] every pin is
+//! analog, as the reset has left it; afterwards every pin that is not named here still is. [`rest`]
+//! makes the outputs analog again. Fails never.
 use super::settings::EXTERNAL_DAC;
 use servo::port::{GeneralInputs, GeneralOutputs};
 use stm32_metapac::gpio::Gpio;
@@ -26,7 +27,8 @@ const GENERAL_IN: [Pin; 3] = [(GPIOC, 13), (GPIOE, 14), (GPIOC, 9)];
 /// Break inputs of TIM1, TIM15 and TIM8, wired together.
 const INTERLOCK: [Pin; 3] = [(GPIOE, 15), (GPIOE, 3), (GPIOG, 2)];
 const BREAK_FUNCTION: [u8; 3] = [1, 4, 3];
-/// Both lines of laser 0's and laser 1's energy (TIM1, TIM15) and switch (TIM8), and their alternate function.
+/// Both lines of laser 0's and laser 1's energy (TIM1, TIM15) and switch (TIM8), and their
+/// alternate function.
 const LASER: [(Pin, u8); 8] = [
     ((GPIOE, 9), 1),
     ((GPIOE, 8), 1),
@@ -48,7 +50,8 @@ pub const GENERAL_INPUTS: usize = GENERAL_IN.len();
 /// General outputs.
 pub const GENERAL_OUTPUTS: usize = GENERAL_OUT.len();
 
-/// Directions on pins 0 to 7, steps on 8 to 15, as the words of [`servo::output::step_words`] have them.
+/// Directions on pins 0 to 7, steps on 8 to 15: the layout of the words of
+/// [`servo::output::step_words`].
 const STEPS: Gpio = GPIOF;
 
 const LINK: [Pin; 2] = [(GPIOD, 8), (GPIOD, 9)];
@@ -66,7 +69,7 @@ const DAC: [Pin; 2] = [(GPIOC, 10), (GPIOC, 12)];
 const DAC_FUNCTION: u8 = 6;
 const DAC_SELECT: Pin = (GPIOC, 11);
 
-/// The switch of the USB connector's 5 V (UM2407): a device feeds no bus.
+/// The switch of the USB connector's 5 V (UM2407): a device does not supply the bus.
 const USB_POWER: Pin = (GPIOD, 10);
 
 /// D− and D+, and the host's 5 V.
@@ -77,10 +80,10 @@ const USB_VBUS: Pin = (GPIOA, 9);
 /// Ports that have outputs of [`set`].
 const OUT: [Gpio; 3] = [GPIOB, GPIOE, GPIOG];
 
-/// Inputs are read, outputs driven low, the link's pins given to USART3.
+/// Configures the inputs, drives the outputs low and assigns the link's pins to USART3.
 ///
 /// # Safety
-/// Once, before anybody else writes a port.
+/// Once, before anything else writes a port.
 pub unsafe fn open() {
     RCC.ahb4enr().modify(|w| {
         w.set_gpioaen(true);
@@ -91,14 +94,14 @@ pub unsafe fn open() {
         w.set_gpiofen(true);
         w.set_gpiogen(true);
     });
-    // Read back, so that the clock is there (RM0433 8.5.8).
+    // Read back, so that the clock is on (RM0433 8.5.8).
     RCC.ahb4enr().read();
     let low = LIMIT_POSITIVE.iter().chain(&LIMIT_NEGATIVE).chain(&HOME).chain(&ALARM).chain(&GENERAL_IN);
     for pin in low {
         input(*pin, Pupdr::PULL_DOWN);
     }
     for pin in INTERLOCK {
-        // A broken wire reads as a wish for rest.
+        // A broken wire reads as an active interlock.
         input(pin, Pupdr::PULL_UP);
     }
     set(0, 0);
@@ -115,27 +118,27 @@ pub unsafe fn open() {
     }
     for (port, pin) in LINK {
         port.pupdr().modify(|w| w.set_pupdr(pin, Pupdr::PULL_UP));
-        give((port, pin), LINK_FUNCTION, Ospeedr::HIGH_SPEED);
+        assign((port, pin), LINK_FUNCTION, Ospeedr::HIGH_SPEED);
     }
     for (port, pin) in ENCODERS {
-        // A line that is not there does not count.
+        // A line that is not connected does not count.
         port.pupdr().modify(|w| w.set_pupdr(pin, Pupdr::PULL_UP));
-        give((port, pin), ENCODER_FUNCTION, Ospeedr::LOW_SPEED);
+        assign((port, pin), ENCODER_FUNCTION, Ospeedr::LOW_SPEED);
     }
     for (port, pin) in INDEXES {
         port.pupdr().modify(|w| w.set_pupdr(pin, Pupdr::PULL_DOWN));
-        give((port, pin), ENCODER_FUNCTION, Ospeedr::LOW_SPEED);
+        assign((port, pin), ENCODER_FUNCTION, Ospeedr::LOW_SPEED);
     }
     if EXTERNAL_DAC {
         let (port, pin) = DAC_SELECT;
         // Not selected, then driven.
         port.bsrr().write(|w| w.set_bs(pin, true));
         port.moder().modify(|w| w.set_moder(pin, Moder::OUTPUT));
-        DAC.into_iter().for_each(|pin| give(pin, DAC_FUNCTION, Ospeedr::HIGH_SPEED));
+        DAC.into_iter().for_each(|pin| assign(pin, DAC_FUNCTION, Ospeedr::HIGH_SPEED));
     }
 }
 
-/// LD3, the red one, alone: the image refuses this chip.
+/// Lights LD3, the red one, alone: the image refuses this chip.
 pub fn show_refusal() {
     RCC.ahb4enr().modify(|w| w.set_gpioben(true));
     RCC.ahb4enr().read();
@@ -143,17 +146,18 @@ pub fn show_refusal() {
     GPIOB.moder().modify(|w| w.set_moder(14, Moder::OUTPUT));
 }
 
-/// Gives a pin to a peripheral.
-fn give((port, pin): Pin, function: u8, speed: Ospeedr) {
+/// Assigns a pin to a peripheral.
+fn assign((port, pin): Pin, function: u8, speed: Ospeedr) {
     port.afr(pin / 8).modify(|w| w.set_afr(pin % 8, function));
     port.ospeedr().modify(|w| w.set_ospeedr(pin, speed));
     port.moder().modify(|w| w.set_moder(pin, Moder::ALTERNATE));
 }
 
-/// The break inputs and the laser outputs are their timers'; levels of the inputs are read as before.
+/// Assigns the break inputs and the laser outputs to their timers; levels of the inputs are read as
+/// before.
 ///
 /// # Safety
-/// Once, behind [`open`], when the timers hold their outputs at rest.
+/// Once, after [`open`], while the timers hold their outputs in the safe state.
 pub unsafe fn open_lasers() {
     let inputs = INTERLOCK.into_iter().zip(BREAK_FUNCTION);
     for ((port, pin), function) in inputs.chain(LASER) {
@@ -163,13 +167,13 @@ pub unsafe fn open_lasers() {
     }
 }
 
-/// USB's lines are the core's.
+/// Assigns USB's lines to the core.
 ///
 /// # Safety
-/// Once, behind [`open`].
+/// Once, after [`open`].
 pub unsafe fn open_usb() {
     input(USB_VBUS, Pupdr::FLOATING);
-    USB.into_iter().for_each(|pin| give(pin, USB_FUNCTION, Ospeedr::VERY_HIGH_SPEED));
+    USB.into_iter().for_each(|pin| assign(pin, USB_FUNCTION, Ospeedr::VERY_HIGH_SPEED));
 }
 
 fn input((port, pin): Pin, pull: Pupdr) {
@@ -204,7 +208,7 @@ pub fn set(enable: u64, general: GeneralOutputs) {
     }
 }
 
-/// Levels of all inputs at one instant, as near as the ports are read one after the other.
+/// Levels of all inputs of one tick; the ports are read one after the other.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Levels {
     ports: [u16; 7],

@@ -1,7 +1,8 @@
-//! SPI3 to an external DAC (RM0433 50): bytes out, 32 MHz from the HSI, mode 1.
+//! SPI3 to an external DAC (RM0433 50): 32 MHz from the HSI, mode 1.
 //!
-//! In: bytes. Out: the same on PC10 (SCK) and PC12 (MOSI), with PC11 for the select line. Owns SPI3. It waits for the end of what it sends, some 0.3 µs
-//! a byte. Fails: [`Silent`], if the peripheral does not move.
+//! In: bytes. Out: the same on PC10 (SCK) and PC12 (MOSI), with PC11 for the select line. Owns
+//! SPI3. It waits for the end of what it sends, some 0.3 µs a byte. Fails: [`Silent`], if the
+//! peripheral does not finish.
 use super::clocks::CORE_HZ;
 use core::convert::Infallible;
 use embedded_hal::delay::DelayNs;
@@ -11,10 +12,10 @@ use stm32_metapac::rcc::vals::Saisel;
 use stm32_metapac::spi::vals::{Cpha, Master};
 use stm32_metapac::{GPIOC, RCC, SPI3};
 
-/// Looks at a flag before the peripheral is given up: a few microseconds.
-const PATIENCE: u32 = 100;
+/// Polls of a flag before the peripheral is given up: a few microseconds.
+const MAX_POLLS: u32 = 100;
 
-/// The peripheral does not move.
+/// The peripheral does not finish.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Silent;
 
@@ -32,7 +33,7 @@ pub struct Bus(());
 #[derive(Debug)]
 pub struct Select(());
 
-/// Lets time pass, from when the select line is as it was set.
+/// Waits, from when the select line has the level that was set.
 #[derive(Debug)]
 pub struct Pause(());
 
@@ -47,16 +48,16 @@ pub unsafe fn open() -> (Bus, Select, Pause) {
     // per_ck is the HSI, 64 MHz, as after reset (RM0433 8.7.19).
     RCC.d2ccip1r().modify(|w| w.set_spi123sel(Saisel::PER));
     RCC.apb1lenr().modify(|w| w.set_spi3en(true));
-    // Read back, so that the clock is there (RM0433 8.5.8).
+    // Read back, so that the clock is on (RM0433 8.5.8).
     RCC.apb1lenr().read();
     // Divided by 2; items of 8 bits.
     SPI3.cfg1().write(|w| w.set_dsize(7));
-    // SSI before MASTER: the internal select line would end the master's part else (RM0433 50.4.6).
+    // SSI before MASTER: else the internal select line would end the master mode (RM0433 50.4.6).
     SPI3.cr1().write(|w| w.set_ssi(true));
     SPI3.cfg2().write(|w| {
         w.set_ssm(true);
         w.set_cpha(Cpha::SECOND_EDGE);
-        // The pins stay the peripheral's between two transfers.
+        // The peripheral keeps the pins between two transfers.
         w.set_afcntr(true);
         w.set_master(Master::MASTER);
     });
@@ -65,16 +66,16 @@ pub unsafe fn open() -> (Bus, Select, Pause) {
     again()
 }
 
-/// On the way into a reset, where their owner does not go on.
+/// A second set before a reset, when the owner does not run any more.
 pub(super) fn again() -> (Bus, Select, Pause) {
     (Bus(()), Select(()), Pause(()))
 }
 
 impl Bus {
-    /// A byte each way.
+    /// Sends a byte and receives one.
     fn exchange(&mut self, byte: u8) -> Result<u8, Silent> {
         SPI3.txdr8().write_value(byte);
-        for _ in 0..PATIENCE {
+        for _ in 0..MAX_POLLS {
             if SPI3.sr().read().rxp() {
                 return Ok(SPI3.rxdr8().read());
             }
@@ -99,8 +100,8 @@ impl SpiBus for Bus {
     fn transfer(&mut self, read: &mut [u8], write: &[u8]) -> Result<(), Silent> {
         for index in 0..read.len().max(write.len()) {
             let byte = self.exchange(write.get(index).copied().unwrap_or(0))?;
-            if let Some(place) = read.get_mut(index) {
-                *place = byte;
+            if let Some(received) = read.get_mut(index) {
+                *received = byte;
             }
         }
         Ok(())
@@ -134,7 +135,7 @@ impl OutputPin for Select {
 
 impl DelayNs for Pause {
     fn delay_ns(&mut self, ns: u32) {
-        // Reading waits for what was written before.
+        // The read waits until earlier writes are done.
         GPIOC.odr().read();
         cortex_m::asm::delay(ns.saturating_mul(CORE_HZ / 1_000_000) / 1000 + 1);
     }

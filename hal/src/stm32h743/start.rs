@@ -1,8 +1,10 @@
-//! What comes before everything else: memory.
+//! The very first code after a reset: memory.
 //!
-//! In: the chip as the reset left it. Out: SRAM 1–3 clocked (RM0433 2.4, 8.7.42), the backup SRAM clocked and open (8.7.44, 6.4.4), every RAM written once, which its ECC
-//! needs (RM0433 3.2), the state of the tick and its code copied from flash. Owns nothing. It touches no pin: all of them are analog
-//! from reset on (RM0433 11.4.1). Assembly, since there is no memory yet that a function could use.
+//! In: the chip as the reset left it. Out: SRAM 1–3 with their clock (RM0433 2.4, 8.7.42), and the
+//! backup SRAM with its clock and write access (8.7.44, 6.4.4). Every RAM is written once, which
+//! its ECC needs (RM0433 3.2). The state of the tick and its code are copied from flash. Owns
+//! nothing. Fails never. It touches no pin: all of them are analog after a reset (RM0433 11.4.1).
+//! It is assembly, since there is no memory yet that a function could use.
 use core::arch::global_asm;
 
 global_asm!(
@@ -11,13 +13,13 @@ global_asm!(
     ".type __pre_init,%function",
     ".thumb_func",
     "__pre_init:",
-    // RCC_AHB2ENR: SRAM1EN, SRAM2EN, SRAM3EN; read back, so that the clock is there (RM0433 8.5.8).
+    // RCC_AHB2ENR: SRAM1EN, SRAM2EN, SRAM3EN; read back, so that the clock is on (RM0433 8.5.8).
     "ldr r0, =0x580244dc",
     "ldr r1, [r0]",
     "orr r1, r1, #0xe0000000",
     "str r1, [r0]",
     "ldr r1, [r0]",
-    // PWR_CR1: DBP, without which the backup SRAM takes nothing; RCC_AHB4ENR: BKPRAMEN.
+    // PWR_CR1: DBP, without which the backup SRAM is write-protected; RCC_AHB4ENR: BKPRAMEN.
     "ldr r0, =0x58024800",
     "ldr r1, [r0]",
     "orr r1, r1, #0x100",
@@ -30,7 +32,7 @@ global_asm!(
     "orr r1, r1, #0x10000000",
     "str r1, [r0]",
     "ldr r1, [r0]",
-    // Pairs of first and last address; 0, 0 ends them. What survives a reset is in none of them.
+    // Pairs of first address and end; 0, 0 ends them. What survives a reset is in none of them.
     "adr r4, 5f",
     "movs r2, #0",
     "movs r3, #0",
@@ -41,7 +43,7 @@ global_asm!(
     "cmp r0, r1",
     "blo 2b",
     "b 1b",
-    // What is copied: first and last address, and where from in flash; an end of 0 ends them.
+    // What is copied: first address and end, and its source in flash; an end of 0 ends them.
     "3: ldmia r4!, {{r0, r1, r5}}",
     "cmp r1, #0",
     "beq 6f",
@@ -50,7 +52,7 @@ global_asm!(
     "ldrd r2, r3, [r5], #8",
     "strd r2, r3, [r0], #8",
     "b 4b",
-    // The code is there before anybody fetches it.
+    // The code is written before the core fetches it.
     "6: dsb",
     "isb",
     "bx lr",

@@ -1,10 +1,12 @@
-//! Steps and directions of all axes: TIM17 asks DMA for a word every slot, and DMA writes it to the set/reset register of port F
-//! (RM0433 11.4.7, 15, 17, 41).
+//! Steps and directions of all axes: TIM17 requests a word from DMA every slot, and DMA writes it
+//! to the set/reset register of port F (RM0433 11.4.7, 15, 17, 41).
 //!
-//! In: the pulses at which the axes are to stand. Out: edges, a tick behind the plan, since what lies between two set-points is known
-//! when the second is. Owns TIM17, DMA2 streams 1 and 2, and the ring. Whatever is late is not lost: a tick for which words would come after DMA has
-//! been there stays empty, and its steps come in the next; a slot that was played is cleared by DMA itself, so that ticks that
-//! do not come repeat nothing.
+//! In: the target pulses of the axes. Out: edges, one tick after the plan: what lies between two
+//! set-points is known when the second one is. Owns TIM17, DMA2 streams 1 and 2, and the ring.
+//!
+//! Fails without losing a step: a tick whose words would come too late for DMA stays empty, and its
+//! steps come in the next one. DMA itself clears a slot after it was played, so that missing ticks
+//! repeat nothing.
 use super::clocks::TIMER_MHZ;
 use super::settings::{DIRECTION_SET_UP_NS, STEP_WIDTH_NS};
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -19,15 +21,17 @@ const SLOT_COUNTS: u32 = SLOT_NS * TIMER_MHZ as u32 / 1000;
 const WIDTH: usize = STEP_WIDTH_NS.div_ceil(SLOT_NS) as usize;
 const SET_UP: u32 = DIRECTION_SET_UP_NS.div_ceil(SLOT_NS);
 
-/// A tick is filled if so many slots at least are left before it begins: the first word is written by then.
+/// Least number of slots before a tick begins in which it is still filled: the time to write its
+/// first word.
 const MARGIN: usize = 4;
 
-/// The stream that plays the ring, the one that clears it behind, and their requests (RM0433 17.3.2).
+/// The stream that plays the ring, the one that clears played slots, and their requests (RM0433
+/// 17.3.2).
 const PLAY: usize = 1;
 const CLEAR: usize = 2;
 const TIM17_UP: u8 = 112;
 const TIM17_CH1: u8 = 111;
-/// Of DMA2's streams in DMAMUX1.
+/// First channel of DMAMUX1 for DMA2's streams.
 const DMA2_CHANNELS: usize = 8;
 
 #[unsafe(link_section = ".dma.steps")]
@@ -40,15 +44,15 @@ pub struct Steps {
     runs: bool,
     /// Slots of a tick.
     slots: usize,
-    /// Slot of the ring with which the tick in force begins, and with which the one begins that is filled next.
+    /// First slot in the ring of the tick in force, and of the tick that is filled next.
     begin: usize,
     next: usize,
     /// Something was written for the tick in force.
     is_filled: bool,
 }
 
-/// Steps that an axis makes in a ms, in the tick period for which that is least: whole steps a tick, so with wide pulses
-/// some slots at its end are left.
+/// Steps that an axis makes in a ms, in the tick period with the fewest. A tick has whole steps, so
+/// with wide pulses some slots at its end stay empty.
 pub const fn most_a_ms(periods_us: core::ops::RangeInclusive<u32>) -> u64 {
     let (mut us, mut most) = (*periods_us.start(), u64::MAX);
     while us <= *periods_us.end() {
@@ -62,19 +66,19 @@ pub const fn most_a_ms(periods_us: core::ops::RangeInclusive<u32>) -> u64 {
     most
 }
 
-/// How far `to` lies behind `from` in the ring, or before it.
-const fn way(from: usize, to: usize) -> isize {
-    let way = to.wrapping_sub(from) & (RING - 1);
-    if way < RING / 2 { way as isize } else { way as isize - RING as isize }
+/// Slots from `from` to `to` in the ring; negative if `to` lies before `from`.
+const fn distance(from: usize, to: usize) -> isize {
+    let forward = to.wrapping_sub(from) & (RING - 1);
+    if forward < RING / 2 { forward as isize } else { forward as isize - RING as isize }
 }
 
 impl Steps {
-    /// Standing at zero; nothing runs.
+    /// At standstill at zero; nothing runs.
     pub const AT_REST: Steps =
         Steps { output: StepOutput::new(SET_UP), runs: false, slots: 0, begin: 0, next: 0, is_filled: false };
 
-    /// The pulse at which an axis stands when the steps of the tick in force are out.
-    pub fn stands(&self, axis: usize) -> i64 {
+    /// The pulse that an axis has reached at the end of the tick in force.
+    pub fn reached(&self, axis: usize) -> i64 {
         self.output.stands(axis)
     }
 
@@ -84,60 +88,64 @@ impl Steps {
         if self.runs {
             self.begin = self.begin.wrapping_add(before) & (RING - 1);
             let begin = found();
-            // Else ticks were lost, or this one came out of turn.
-            self.place(begin, (-2..=2).contains(&way(self.begin, begin)));
+            // Else ticks were lost, or this one is not at its time.
+            self.locate(begin, (-2..=2).contains(&distance(self.begin, begin)));
         }
     }
 
-    /// Where the tick in force begins and the next one will, if what was counted is right; else from what was found.
-    fn place(&mut self, found: usize, is_right: bool) {
+    /// Sets where the tick in force and the next one begin: by counting, if that is right, else by
+    /// the slot that was found.
+    fn locate(&mut self, found: usize, is_right: bool) {
         if !is_right {
             self.begin = found;
         }
         let next = self.begin.wrapping_add(self.slots) & (RING - 1);
-        // Backwards only where nothing was filled that lies in between: a tick may have become shorter.
-        if !is_right || !self.is_filled || way(self.next, next) > 0 {
+        // Backwards only where nothing in between was filled: a tick may have become shorter.
+        if !is_right || !self.is_filled || distance(self.next, next) > 0 {
             self.next = next;
         }
     }
 
-    /// The axes are to stand at `goes_to` at the end of the next tick. False if that is too late: it is made up for in the tick
-    /// behind. The ring begins to turn with the first step.
-    pub fn fill(&mut self, goes_to: &[i64; AXES]) -> bool {
+    /// Writes the steps with which the axes reach `targets` at the end of the next tick. False if
+    /// that is too late: the tick after it makes up for them. The stream starts with the first
+    /// step.
+    pub fn fill(&mut self, targets: &[i64; AXES]) -> bool {
         if !self.runs {
-            if (0..AXES).zip(goes_to).all(|(axis, goes_to)| self.output.stands(axis) == *goes_to) {
+            if (0..AXES).zip(targets).all(|(axis, target)| self.output.stands(axis) == *target) {
                 return true;
             }
             self.start();
-            self.place(found(), false);
+            self.locate(found(), false);
         }
-        let in_time = way(played(), self.next) >= MARGIN as isize;
-        self.is_filled = in_time && self.output.fill(goes_to, self.slots as u32, &WORDS, self.next);
+        let in_time = distance(played(), self.next) >= MARGIN as isize;
+        self.is_filled = in_time && self.output.fill(targets, self.slots as u32, &WORDS, self.next);
         if in_time {
             self.next = self.next.wrapping_add(self.slots) & (RING - 1);
         }
         in_time
     }
 
-    /// Lets the ring turn. The first slot comes within the next [`SLOT_NS`].
+    /// Starts the streams. The first slot comes within the next [`SLOT_NS`].
     #[cold]
     #[inline(never)]
     fn start(&mut self) {
         RCC.ahb1enr().modify(|w| w.set_dma2en(true));
         RCC.apb2enr().modify(|w| w.set_tim17en(true));
-        // Read back, so that the clocks are there (RM0433 8.5.8).
+        // Read back, so that the clocks are on (RM0433 8.5.8).
         RCC.ahb1enr().read();
         RCC.apb2enr().read();
-        // The prescaler is 0 for ever: what clears reads it.
+        // The prescaler is always 0: the stream that clears reads it.
         stream(PLAY, TIM17_UP, Dir::MEMORY_TO_PERIPHERAL, Pl::HIGH, GPIOF.bsrr().as_ptr() as u32);
         stream(CLEAR, TIM17_CH1, Dir::PERIPHERAL_TO_MEMORY, Pl::MEDIUM, TIM17.psc().as_ptr() as u32);
         TIM17.psc().write_value(0);
         TIM17.arr().write(|w| w.set_arr(SLOT_COUNTS as u16 - 1));
-        // An update lies in the middle between two multiples of a slot of TIM2. A slot is cleared a quarter behind its update.
+        // An update comes in the middle between two multiples of a slot of TIM2. A slot is cleared
+        // a quarter of its time after its update.
         TIM17.ccr(0).write(|w| w.set_ccr(SLOT_COUNTS as u16 / 4));
         TIM17.egr().write(|w| w.set_ug(true));
         TIM17.sr().write(|_| {});
-        // Begun in the second half of a slot, so that an update comes before anything is cleared. The wait is shorter than a slot.
+        // It begins in the second half of a slot, so that an update comes before anything is
+        // cleared. The wait is shorter than a slot.
         let mut count = 0;
         for _ in 0..SLOT_COUNTS {
             count = (TIM2.cnt().read() + SLOT_COUNTS / 2) % SLOT_COUNTS;
@@ -160,14 +168,15 @@ fn played() -> usize {
     (RING - usize::from(DMA2.st(PLAY).ndtr().read().ndt())) & (RING - 1)
 }
 
-/// The slot with which the tick in force begins. An update lies in the middle between two instants at which a tick may begin, so
-/// this is right to a slot, unless the next tick is due.
+/// The slot with which the tick in force begins. An update comes in the middle between two instants
+/// at which a tick may begin, so this is exact, unless the next tick is due.
 fn found() -> usize {
     let since = (TIM2.cnt().read() + SLOT_COUNTS / 2) / SLOT_COUNTS;
     played().wrapping_sub(since as usize) & (RING - 1)
 }
 
-/// A circular stream of words between a fixed address and the ring, in direct mode (RM0433 15.3.10, 15.3.13).
+/// A circular stream of words between a fixed address and the ring, in direct mode (RM0433 15.3.10,
+/// 15.3.13).
 fn stream(number: usize, request: u8, dir: Dir, priority: Pl, fixed: u32) {
     DMAMUX1.ccr(DMA2_CHANNELS + number).write(|w| w.set_dmareq_id(request));
     let stream = DMA2.st(number);
@@ -182,12 +191,12 @@ fn stream(number: usize, request: u8, dir: Dir, priority: Pl, fixed: u32) {
         w.set_msize(Size::BITS32);
         w.set_pl(priority);
     });
-    // What start-up has written to the ring is there before DMA reads it.
+    // What start-up has written to the ring reaches memory before DMA reads it.
     core::sync::atomic::fence(Ordering::SeqCst);
     stream.cr().modify(|w| w.set_en(true));
 }
 
-/// No more slots. A step output that is high stays so until its pin is let go.
+/// Stops the slots. A step output that is high stays high until its pin is released.
 pub fn stop() {
     if RCC.apb2enr().read().tim17en() {
         TIM17.cr1().write(|_| {});

@@ -1,7 +1,8 @@
-//! TIM2 makes the servo tick (RM0433 39): 32 bits at 240 MHz, reloaded by itself, so that ticks are evenly spaced however
-//! late one of them is served.
+//! TIM2 makes the servo tick (RM0433 39): 32 bits at 240 MHz. It reloads by itself, so that ticks
+//! are evenly spaced, however late one of them is served.
 //!
 //! In: a tick period. Out: an interrupt a period, and whether the tick took longer. Owns TIM2.
+//! Fails never.
 use super::clocks::TIMER_MHZ;
 use stm32_metapac::timer::vals::{Mms, Urs};
 use stm32_metapac::{RCC, TIM2};
@@ -12,7 +13,7 @@ const NS_PER_COUNT_Q16: u64 = (1000 << 16) / TIMER_MHZ as u64;
 /// The copy of `SR.UIF` in the counter.
 const OVERRUN: u32 = 1 << 31;
 
-/// TIM2, which makes the servo tick. It stands still until [`start`].
+/// TIM2, which makes the servo tick. It is stopped until [`start`].
 #[derive(Debug)]
 pub struct TickTimer {
     period_ns: u32,
@@ -40,8 +41,8 @@ impl TickTimer {
         TickTimer { period_ns: 0 }
     }
 
-    /// The tick that has just begun lasts this long (whole µs), and all after it; at the running period nothing is
-    /// touched.
+    /// Sets the period (whole µs) of the tick that has just begun and of all after it. The running
+    /// period changes nothing.
     pub fn run_at(&mut self, period_ns: u32) {
         if period_ns == self.period_ns {
             return;
@@ -51,7 +52,7 @@ impl TickTimer {
         // Not preloaded: it counts for the interval in progress.
         TIM2.arr().write_value(last);
         if TIM2.cnt().read() & !OVERRUN > last {
-            // It is over already: the next tick is due.
+            // The interval is over already: the next tick is due.
             TIM2.cnt().write_value(last);
         }
     }
@@ -66,18 +67,20 @@ impl TickTimer {
         cortex_m::asm::dsb();
     }
 
-    /// Whether the next tick is due already, and how long ago the one in progress was due, in ns: from the timer's event, so
-    /// with the way into the handler. In a tick that has overrun, a period and what it has taken of the next one.
+    /// Whether the next tick is due already, and how long ago the one in progress was due, in ns.
+    /// The time begins at the timer's event, so it includes the entry into the handler. In a tick
+    /// that has overrun, it is a period and what the tick has taken of the next one.
     pub fn taken(&self) -> (bool, Option<u32>) {
         let read = TIM2.cnt().read();
         let overran = read & OVERRUN != 0;
-        // 240 counts a µs: 25/6 ns each, by a multiplication. Counts of two periods of 1 ms at most.
+        // 240 counts a µs: 25/6 ns each, by a multiplication. Counts of two periods of 1 ms at
+        // most.
         let ns = ((u64::from(read & !OVERRUN) * NS_PER_COUNT_Q16) >> 16) as u32;
         (overran, Some(ns + if overran { self.period_ns } else { 0 }))
     }
 }
 
-/// The first interval begins; its period has been told.
+/// The first tick interval begins; its period has been set.
 pub fn start() {
     TIM2.egr().write(|w| w.set_ug(true));
     TIM2.cr1().modify(|w| w.set_cen(true));

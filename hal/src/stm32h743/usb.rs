@@ -1,9 +1,14 @@
-//! The USB device on CN13 (RM0433 57): full speed, on the core that the chip calls OTG_FS and the manual OTG_HS2.
+//! The USB device on CN13 (RM0433 57): full speed, on the core that the chip calls OTG_FS and the
+//! manual OTG_HS2.
 //!
-//! In and out: packets, by `embassy-usb-synopsys-otg`. Owns the core, its supply and its pins. What a host asks of an endpoint
-//! that the board does not have is passed over, and a packet that waited when the host reset the bus is dropped: the driver
-//! would stop the board for the one, and wait for ever for the other. An endpoint that shall take another packet is enabled again,
-//! as the manual wants it; the driver clears its NAK alone. Fails: without its supply there is no USB.
+//! In and out: packets, by `embassy-usb-synopsys-otg`. Owns the core, its supply and its pins.
+//! Fails: without its supply there is no USB.
+//!
+//! This module works around three cases of the driver:
+//! - A request for an endpoint that the board lacks is ignored: the driver would stop the board.
+//! - A packet that waits when the host resets the bus is dropped: the driver would wait forever.
+//! - An endpoint that expects another packet is enabled again, as the manual asks: the driver
+//!   clears only its NAK.
 use super::{clocks, pins};
 use core::future::{Future, poll_fn};
 use core::pin::pin;
@@ -32,8 +37,8 @@ const FIFO_WORDS: u16 = 1024;
 const RX_EXTRA_WORDS: u16 = 30;
 /// Turn-around time for an AHB of 32 MHz and more (RM0433 57).
 const TURN_AROUND: u8 = 6;
-/// Looks at a flag that comes in µs, each some bus cycles.
-const LOOKS: u32 = 20_000;
+/// Polls of a flag that comes within µs, each some bus cycles.
+const MAX_POLLS: u32 = 20_000;
 
 static STATE: StateStorage<ENDPOINTS> = StateStorage::new();
 
@@ -43,7 +48,7 @@ fn core() -> Otg {
 }
 
 fn waits_for(mut is_so: impl FnMut() -> bool) -> bool {
-    (0..LOOKS).any(|_| is_so())
+    (0..MAX_POLLS).any(|_| is_so())
 }
 
 /// Supply, clock, pins and core. `None` if there is no supply.
@@ -51,16 +56,17 @@ fn waits_for(mut is_so: impl FnMut() -> bool) -> bool {
 /// # Safety
 /// At most once.
 pub unsafe fn open(waiting: &'static mut [u8; WAITING]) -> Option<Usb> {
-    // 3.3 V come from outside (UM2407); the chip's regulator stays off (RM0433 6.4).
+    // 3.3 V are external (UM2407); the chip's regulator stays off (RM0433 6.4).
     PWR.cr3().modify(|w| w.set_usb33den(true));
     if !waits_for(|| PWR.cr3().read().usb33rdy()) {
         return None;
     }
     clocks::give_usb();
     RCC.ahb1enr().modify(|w| w.set_usb_otg_fsen(true));
-    // Read back, so that the clock is there (RM0433 8.5.8).
+    // Read back, so that the clock is on (RM0433 8.5.8).
     RCC.ahb1enr().read();
-    // There is no ULPI: with its clock asked for, the core would stop while the CPU sleeps (RM0433 8.7, AHB1LPENR).
+    // No ULPI is fitted: with its clock enabled, the core would stop while the CPU sleeps (RM0433
+    // 8.7, AHB1LPENR).
     RCC.ahb1lpenr().modify(|w| w.set_usb_otg_fs_ulpilpen(false));
     // SAFETY: once, as asked of the caller.
     unsafe { pins::open_usb() };
@@ -69,12 +75,12 @@ pub unsafe fn open(waiting: &'static mut [u8; WAITING]) -> Option<Usb> {
         return None;
     }
     core.gusbcfg().write(|w| {
-        // A device whatever the ID pin says, with the internal transceiver.
+        // A device at any level of the ID pin, with the internal transceiver.
         w.set_fdmod(true);
         w.set_physel(true);
     });
     core.gccfg_v2().modify(|w| {
-        // The bit lets it run.
+        // The bit switches the transceiver on.
         w.set_pwrdwn(true);
         w.set_vbden(true);
     });
@@ -91,20 +97,20 @@ pub unsafe fn open(waiting: &'static mut [u8; WAITING]) -> Option<Usb> {
     Some(Usb(Driver::new(waiting, instance, config)))
 }
 
-/// In the interrupt: packets to and from their places.
+/// In the interrupt: moves packets between the core and their buffers.
 ///
 /// # Safety
-/// Only in the interrupt of the core, behind [`open`].
+/// Only in the interrupt of the core, after [`open`].
 pub unsafe fn serve() {
     // SAFETY: as asked of the caller.
     unsafe { otg::on_interrupt(core(), &STATE.as_state()) };
-    enable_what_takes();
+    enable_ready_endpoints();
 }
 
-/// Enables the OUT endpoints that answer no NAK: the core takes packets with EPENA set only, and clears it at the end of a
-/// transfer (RM0433 57, OTG_DOEPCTL), which may come after the driver has asked for the next one. Setting it again, or on a core
-/// that does without it, changes nothing.
-fn enable_what_takes() {
+/// Enables the OUT endpoints that answer no NAK. The core accepts packets only while EPENA is set,
+/// and clears it at the end of a transfer (RM0433 57, OTG_DOEPCTL). That end may come after the
+/// driver has asked for the next packet. Setting EPENA again changes nothing.
+fn enable_ready_endpoints() {
     for index in 0..ENDPOINTS {
         let control = core().doepctl(index);
         let is = control.read();
@@ -160,7 +166,7 @@ impl usb::Driver<'static> for Usb {
     }
 }
 
-/// An endpoint that takes packets.
+/// An endpoint that receives packets.
 pub struct Taker(Endpoint<'static, Out>);
 
 impl usb::Endpoint for Taker {
@@ -176,7 +182,7 @@ impl usb::Endpoint for Taker {
 impl usb::EndpointOut for Taker {
     async fn read(&mut self, packet: &mut [u8]) -> Result<usize, EndpointError> {
         let taken = self.0.read(packet).await;
-        critical_section::with(|_| enable_what_takes());
+        critical_section::with(|_| enable_ready_endpoints());
         taken
     }
 }
@@ -191,17 +197,18 @@ impl usb::ControlPipe for Control {
 
     async fn setup(&mut self) -> [u8; 8] {
         let mut setup = pin!(self.0.setup());
-        // In one piece: the interrupt enables what has no NAK.
+        // In one critical section: the interrupt enables endpoints without NAK.
         poll_fn(|cx| {
             critical_section::with(|_| {
                 let request = setup.as_mut().poll(cx);
                 if request.is_ready() {
-                    // What follows is a packet of data or of status; the driver tells how many SETUP packets may come, and not this.
+                    // A packet of data or of status follows. The driver sets only how many SETUP
+                    // packets may come.
                     core().doeptsiz(0).modify(|w| {
                         w.set_xfrsiz(PACKET as u32);
                         w.set_pktcnt(1);
                     });
-                    enable_what_takes();
+                    enable_ready_endpoints();
                 }
                 request
             })
@@ -211,7 +218,7 @@ impl usb::ControlPipe for Control {
 
     async fn data_out(&mut self, data: &mut [u8], first: bool, last: bool) -> Result<usize, EndpointError> {
         let taken = self.0.data_out(data, first, last).await;
-        critical_section::with(|_| enable_what_takes());
+        critical_section::with(|_| enable_ready_endpoints());
         taken
     }
 
@@ -232,14 +239,14 @@ impl usb::ControlPipe for Control {
     }
 }
 
-/// What concerns the device as a whole.
+/// The device as a whole.
 pub struct Bus(otg::Bus<'static>);
 
 fn is_there(address: EndpointAddress) -> bool {
     address.index() < ENDPOINTS
 }
 
-/// A packet that waits to be fetched is dropped, none is taken any more (RM0433 57).
+/// Drops a packet that waits to be fetched, and disables the endpoint (RM0433 57).
 fn cancel(address: EndpointAddress) {
     let (index, core) = (address.index(), core());
     if address.direction() == Direction::In {
@@ -249,7 +256,7 @@ fn cancel(address: EndpointAddress) {
                 w.set_snak(true);
                 w.set_epdis(true);
             });
-            // The flush that follows is the driver's.
+            // The driver flushes the FIFO afterwards.
             waits_for(|| !control.read().epena());
         }
     } else {

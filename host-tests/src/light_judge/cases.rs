@@ -60,7 +60,7 @@ fn calls_and_entries() {
     is(&[(10, ON), (50, OFF)], &[(10, 50)]);
     let path = [(10, start(0)), (20, entry(0, Laser::On)), (50, entry(0, Laser::Off)), (60, rest(0, Why::Done))];
     is(&path, &[(20, 50)]);
-    // What its entries lit goes with its end; what a call lit does not.
+    // Light of its entries ends with it; light of a call does not.
     is(&[(10, start(0)), (20, entry(0, Laser::On)), (60, rest(0, Why::Done))], &[(20, 60)]);
     is(&[(5, ON), (10, start(0)), (60, rest(0, Why::Done)), (90, OFF)], &[(5, 90)]);
     // An immediate on while a path's light is on changes nothing; an entry takes over light of a call.
@@ -79,7 +79,7 @@ fn a_stop_and_the_start_after_it() {
         &[(5, ON), (10, start(0)), (30, stop(1)), (40, rest(0, Why::Stopped)), (60, start(0)), (80, OFF)],
         &[(5, 40), (60, 80)],
     );
-    // Not after CrdClear, an off, or a Stop at rest.
+    // Not after CrdClear, an off, or a Stop at standstill.
     is(&and(&[(50, What::CrdClear { crd: 0, fifo: 0 }), (60, start(0))]), &[(20, 40)]);
     is(&and(&[(50, OFF), (60, start(0))]), &[(20, 40)]);
     is(&and(&[(50, stop(1)), (60, start(0))]), &[(20, 40)]);
@@ -105,7 +105,7 @@ fn a_stop_and_the_start_after_it() {
 #[test]
 fn a_stop_at_rest() {
     is(&[(5, ON), (30, stop(2)), (60, start(1))], &[(5, 30)]);
-    // One that runs decides for those that rest.
+    // A running one decides for those at standstill.
     is(&[(5, ON), (10, start(0)), (30, stop(3)), (40, rest(0, Why::Stopped))], &[(5, 40)]);
     let mut alone = settings();
     alone.set_up = 1;
@@ -127,13 +127,13 @@ fn an_off_while_it_brakes() {
 fn under_a_velocity_follow() {
     let follow = [(10, start(0)), (20, entry(0, Laser::Follow)), (40, rest(0, Why::Done))];
     let and = |more: &[(Ns, What)]| [&follow[..], more].concat();
-    // Dark at rest, lit with the next start.
+    // Dark at standstill, lit with the next start.
     is(&and(&[(50, ON), (60, start(0)), (80, rest(0, Why::Done))]), &[(60, 80)]);
     // An end of the follow withdraws it.
     is(&and(&[(50, ON), (55, What::Power { channel: 0 }), (60, start(0))]), &[]);
     is(&and(&[(50, ON), (55, What::Stop { crds: 0, ends_follow: 1 }), (60, start(0))]), &[]);
     is(&and(&[(50, ON), (55, What::Map { channel: 0, map: 2, code: 0, sure: true }), (60, start(0))]), &[]);
-    // While it runs, light goes on after the follow.
+    // While it runs, light continues after the follow.
     is(
         &[
             (10, start(0)),

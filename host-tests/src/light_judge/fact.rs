@@ -1,4 +1,5 @@
-//! What the judge is told. Coordinate systems, channels and FIFOs count from 0; a set of coordinate systems is a bit mask.
+//! The facts that the judge gets. Coordinate systems, channels and FIFOs count from 0; a set of
+//! coordinate systems is a bit mask.
 use super::Ns;
 use super::gate::Timing;
 
@@ -37,7 +38,7 @@ pub enum Laser {
     Source,
 }
 
-/// How a coordinate system came to rest.
+/// How a coordinate system came to standstill.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Why {
     /// Its entries ran out.
@@ -64,7 +65,7 @@ pub enum What {
     Delays { channel: usize, on: Ns, off: Ns },
     /// LaserPowerMode with another mode.
     Mode { channel: usize },
-    /// An axis beside the paths begins to move, or has come to rest.
+    /// An axis apart from the paths begins to move, or has come to standstill.
     Jog { runs: bool },
     /// SetAxisMode of the channel's connector, where the output needs one.
     Connector { channel: usize, there: bool },
@@ -78,7 +79,7 @@ pub enum What {
     Stop { crds: u8, ends_follow: u8 },
     /// A buffered laser entry was reached.
     Entry { crd: usize, channel: usize, laser: Laser },
-    /// A coordinate system came to rest.
+    /// A coordinate system came to standstill.
     Rest { crd: usize, why: Why },
     /// A cause of SPEC 9 in the channels whose map holds one of these; not `sure`: perhaps one.
     Fault { crds: u8, sure: bool },
@@ -92,7 +93,7 @@ pub enum What {
     Session,
     /// A laser command was sent and never answered.
     Unanswered,
-    /// It cannot be told which of two events was first: what hangs on these coordinate systems is in doubt.
+    /// The order of two events is unknown: effects on these coordinate systems are in doubt.
     Doubt { crds: u8 },
 }
 

@@ -44,7 +44,8 @@ pub struct Judge {
 }
 
 impl Judge {
-    /// Everything is dark and at rest. A call within `near` of an event may have been answered on either side of it.
+    /// Everything is dark and at standstill. A call within `near` of an event may have been
+    /// answered before or after it.
     pub fn new(settings: Settings, near: Ns) -> Judge {
         let channel = |index: usize| Channel {
             map: settings.channels[index].map,

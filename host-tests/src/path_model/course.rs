@@ -1,16 +1,17 @@
 //! What a FIFO does in the course of time.
-use super::figure::Place;
+use super::geometry::Position;
 use super::speed::{Profile, limits, profile};
 use super::{Entry, Frame};
 
-/// What comes from outside. Each acts at the instant of a tick.
+/// External commands. Each acts at the instant of a tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Command {
-    /// CrdStart: begins, or goes on.
+    /// CrdStart: begins, or continues.
     Start,
     /// A smooth Stop.
     Stop,
-    /// An abrupt one: its tick shows the place of the tick so many ms before (SPEC 4). What was reached between has been done.
+    /// An abrupt one: its tick has the position of the tick so many ms before (SPEC 4). Effects
+    /// reached in between have been executed.
     Abrupt(f64),
     /// SetOverride.
     Rate(f64),
@@ -18,7 +19,7 @@ pub enum Command {
     StopDec(f64),
 }
 
-/// Why a coordinate system rests.
+/// Why a coordinate system is at standstill.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Why {
     /// Its entries have run out.
@@ -29,7 +30,7 @@ pub enum Why {
     Stopped,
 }
 
-/// It came to rest.
+/// It came to standstill.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rest {
     /// ms.
@@ -38,7 +39,7 @@ pub struct Rest {
     pub why: Why,
 }
 
-/// A time of constant acceleration along a figure, or of standing still.
+/// An interval of constant acceleration along a path, or of standstill.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Piece {
     /// ms.
@@ -47,8 +48,8 @@ pub struct Piece {
     pub ms: f64,
     /// Which entry it is a part of.
     pub entry: usize,
-    /// Pulses of the figure behind it, at its begin.
-    pub way: f64,
+    /// Pulses of the path before it, at its begin.
+    pub distance: f64,
     /// pulse/ms at its begin.
     pub speed: f64,
     /// pulse/ms².
@@ -58,7 +59,7 @@ pub struct Piece {
 /// All of it.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Course {
-    /// In order, without overlap; between them it stands still.
+    /// In order, without overlap; between them it is at standstill.
     pub pieces: Vec<Piece>,
     /// When each effect was reached, ms, and which one it was.
     pub effects: Vec<(f64, usize)>,
@@ -77,7 +78,7 @@ impl Course {
         self.pieces[..after].last().filter(|piece| at < piece.begin + piece.ms)
     }
 
-    /// Whether it runs: from a start to its rest.
+    /// Whether it runs: from a start to its standstill.
     pub fn runs(&self, at: f64) -> bool {
         let last = |instants: &mut dyn Iterator<Item = f64>| instants.filter(|instant| *instant <= at).last();
         let start = last(&mut self.starts.iter().map(|start| start.0));
@@ -91,7 +92,7 @@ impl Course {
     }
 
     /// Pulses along the path up to an instant.
-    pub fn way(&self, at: f64) -> f64 {
+    pub fn distance(&self, at: f64) -> f64 {
         let begun = self.pieces.iter().take_while(|piece| piece.begin < at);
         begun.fold(0.0, |sum, piece| {
             let t = (at - piece.begin).min(piece.ms);
@@ -100,26 +101,26 @@ impl Course {
     }
 
     /// Where it is, if it has ever moved.
-    pub fn place(&self, entries: &[Entry], at: f64) -> Option<Place> {
+    pub fn position(&self, entries: &[Entry], at: f64) -> Option<Position> {
         let after = self.pieces.partition_point(|piece| piece.begin <= at);
         let piece = self.pieces[..after].iter().rfind(|piece| matches!(entries[piece.entry], Entry::Motion(..)))?;
-        let Entry::Motion(figure, _) = &entries[piece.entry] else { unreachable!() };
+        let Entry::Motion(geometry, _) = &entries[piece.entry] else { unreachable!() };
         let t = (at - piece.begin).min(piece.ms);
-        let way = piece.way + piece.speed * t + piece.acc * t * t / 2.0;
-        Some(figure.at(way.clamp(0.0, figure.length())))
+        let distance = piece.distance + piece.speed * t + piece.acc * t * t / 2.0;
+        Some(geometry.at(distance.clamp(0.0, geometry.length())))
     }
 }
 
-/// Where a run stands.
+/// State of a run.
 struct Run<'a> {
     frame: &'a Frame,
     entries: &'a [Entry],
     course: Course,
     /// ms.
     now: f64,
-    /// The entry in progress, and how much of it is behind: pulses or ms.
+    /// The entry in progress, and how much of it is done: pulses or ms.
     entry: usize,
-    way: f64,
+    distance: f64,
     speed: f64,
     rate: f64,
     stop_dec: f64,
@@ -128,7 +129,7 @@ struct Run<'a> {
     stopped: bool,
     /// A smooth Stop is in progress.
     brakes: bool,
-    /// Effects before this entry have been carried out.
+    /// Effects before this entry have been executed.
     told: usize,
 }
 
@@ -155,9 +156,9 @@ impl Run<'_> {
             if ms <= 0.0 {
                 return;
             }
-            let (begin, way, speed) = (self.now, self.way, self.speed);
-            self.course.pieces.push(Piece { begin, ms, entry: self.entry, way, speed, acc: phase.acc });
-            self.way += speed * ms + phase.acc * ms * ms / 2.0;
+            let (begin, distance, speed) = (self.now, self.distance, self.speed);
+            self.course.pieces.push(Piece { begin, ms, entry: self.entry, distance, speed, acc: phase.acc });
+            self.distance += speed * ms + phase.acc * ms * ms / 2.0;
             self.speed += phase.acc * ms;
             self.now += ms;
             if ms < phase.ms {
@@ -166,9 +167,9 @@ impl Run<'_> {
         }
     }
 
-    /// Until an instant, or until it rests.
+    /// Until an instant, or until it is at standstill.
     fn run(&mut self, until: f64) {
-        // What comes from outside at an instant acts before what the path reaches there.
+        // An external command at an instant acts before the effects that the path reaches there.
         while self.runs && self.now < until {
             match self.entries.get(self.entry) {
                 None => {
@@ -182,21 +183,21 @@ impl Run<'_> {
                     self.entry += 1;
                 }
                 Some(Entry::Delay(ms)) => {
-                    let left = f64::from(*ms) - self.way;
+                    let left = f64::from(*ms) - self.distance;
                     let some = left.min(until - self.now);
                     let (begin, entry) = (self.now, self.entry);
-                    let still = Piece { begin, ms: some, entry, way: self.way, speed: 0.0, acc: 0.0 };
+                    let still = Piece { begin, ms: some, entry, distance: self.distance, speed: 0.0, acc: 0.0 };
                     self.course.pieces.push(still);
                     self.now += some;
                     self.speed = 0.0;
                     if some < left {
-                        self.way += some;
+                        self.distance += some;
                         return;
                     }
-                    (self.entry, self.way) = (self.entry + 1, 0.0);
+                    (self.entry, self.distance) = (self.entry + 1, 0.0);
                 }
-                Some(Entry::Motion(figure, rates)) => {
-                    let left = figure.length() - self.way;
+                Some(Entry::Motion(geometry, rates)) => {
+                    let left = geometry.length() - self.distance;
                     let mut limits = limits(self.frame, rates, self.rate);
                     if !self.goes_on() {
                         limits.end = 0.0;
@@ -226,7 +227,7 @@ impl Run<'_> {
                     }
                     self.speed = profile.end;
                     self.course.ends.push(self.now);
-                    (self.entry, self.way) = (self.entry + 1, 0.0);
+                    (self.entry, self.distance) = (self.entry + 1, 0.0);
                 }
             }
         }
@@ -242,17 +243,17 @@ impl Run<'_> {
         }
     }
 
-    /// It stands where it was when as many motions had ended, so far in that entry.
-    fn fall_back(&mut self, (entry, way, ends): (usize, f64, usize)) {
+    /// It is where it was when as many motions had ended, so far in that entry.
+    fn fall_back(&mut self, (entry, distance, ends): (usize, f64, usize)) {
         self.told = self.told.max(self.entry);
-        // In a delay it stands still anyway; one that has ended since is over.
+        // In a delay it is at standstill anyway; one that has ended since is over.
         let waited = matches!(self.entries.get(entry), Some(Entry::Delay(_)));
         if !waited || self.entry != entry {
-            (self.entry, self.way) = if waited { (entry + 1, 0.0) } else { (entry, way) };
+            (self.entry, self.distance) = if waited { (entry + 1, 0.0) } else { (entry, distance) };
             let is_motion = |entry: &Entry| matches!(entry, Entry::Motion(..));
             if let Some(ahead) = self.entries[self.entry..].iter().position(is_motion) {
-                let (entry, way) = (self.entry + ahead, if ahead == 0 { self.way } else { 0.0 });
-                self.course.pieces.push(Piece { begin: self.now, ms: 0.0, entry, way, speed: 0.0, acc: 0.0 });
+                let (entry, distance) = (self.entry + ahead, if ahead == 0 { self.distance } else { 0.0 });
+                self.course.pieces.push(Piece { begin: self.now, ms: 0.0, entry, distance, speed: 0.0, acc: 0.0 });
             }
         }
         self.course.ends.truncate(ends);
@@ -281,10 +282,11 @@ impl Run<'_> {
     }
 }
 
-/// What entries do under commands, whose instants are in ms and never go back, until `horizon`.
+/// The course of entries under commands, whose instants are in ms and never decrease, until
+/// `horizon`.
 ///
-/// Everything is in the FIFO before the first start. A Stop in a BufDelay rests at once, and the rest of the delay is
-/// waited for after the next start.
+/// Everything is in the FIFO before the first start. A Stop in a BufDelay acts at once, and the
+/// remainder of the delay is waited for after the next start.
 pub fn course(frame: &Frame, entries: &[Entry], commands: &[(f64, Command)], horizon: f64) -> Course {
     let course = Course::default();
     let mut run = Run {
@@ -293,7 +295,7 @@ pub fn course(frame: &Frame, entries: &[Entry], commands: &[(f64, Command)], hor
         course,
         now: 0.0,
         entry: 0,
-        way: 0.0,
+        distance: 0.0,
         speed: 0.0,
         rate: 1.0,
         stop_dec: frame.acc,
@@ -306,7 +308,7 @@ pub fn course(frame: &Frame, entries: &[Entry], commands: &[(f64, Command)], hor
         if let Command::Abrupt(tick) = command {
             run.run(at - tick);
             run.reach();
-            let published = (run.entry, run.way, run.course.ends.len());
+            let published = (run.entry, run.distance, run.course.ends.len());
             run.run(at);
             run.now = at;
             if run.runs {
@@ -324,12 +326,12 @@ pub fn course(frame: &Frame, entries: &[Entry], commands: &[(f64, Command)], hor
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Figure, Rates};
+    use super::super::{Geometry, Rates};
     use super::*;
 
     fn line(from: f64, to: f64, speed: f64, acc: f64, end: f64) -> Entry {
-        let figure = Figure::line([from, 0.0, 0.0, 0.0], [to, 0.0, 0.0, 0.0]);
-        Entry::Motion(figure, Rates { speed, acc, end })
+        let geometry = Geometry::line([from, 0.0, 0.0, 0.0], [to, 0.0, 0.0, 0.0]);
+        Entry::Motion(geometry, Rates { speed, acc, end })
     }
 
     const FRAME: Frame = Frame { speed: 100.0, acc: 100.0, even_ms: 0.0 };
@@ -353,8 +355,8 @@ mod tests {
         assert_eq!(still.rests, [Rest { at: 46.0, why: Why::Done }]);
         assert_eq!(still.ends, [16.0, 31.0, 46.0]);
         assert_eq!([still.speed(6.0), still.speed(13.0), still.speed(24.0), still.speed(35.0)], [5.0, 10.0, 7.0, 0.0]);
-        assert_eq!(still.place(&entries, 16.0).unwrap()[0], 100.0);
-        assert_eq!(still.place(&entries, 50.0).unwrap()[0], 232.0);
+        assert_eq!(still.position(&entries, 16.0).unwrap()[0], 100.0);
+        assert_eq!(still.position(&entries, 50.0).unwrap()[0], 232.0);
         // A Stop at 14 ms with 2 pulse/ms²: 20 pulses to the corner take 10 − √(100 − 80) over 2, rest 5 ms after it.
         let commands =
             [(0.0, Command::StopDec(2.0)), (1.0, Command::Start), (14.0, Command::Stop), (30.0, Command::Start)];
@@ -369,7 +371,7 @@ mod tests {
         let stopped = course(&FRAME, &entries, &commands, 100.0);
         assert_eq!((stopped.rests[0].at, stopped.speed(17.0), stopped.speed(18.0)), (18.0, 10.0, 0.0));
         assert_eq!(
-            (stopped.place(&entries, 18.0).unwrap()[0], stopped.place(&entries, 30.0).unwrap()[0]),
+            (stopped.position(&entries, 18.0).unwrap()[0], stopped.position(&entries, 30.0).unwrap()[0]),
             (80.0, 80.0)
         );
         // From rest over 20 pulses it reaches √40 at the corner, and there the speeds of the second line hold.

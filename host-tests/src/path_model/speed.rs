@@ -99,14 +99,14 @@ mod tests {
             let begin = limits.speed * (3.0 * chance() - 1.0).max(0.0);
             let (length, even) = (1.0 + 1000.0 * chance() * chance(), (10.0 * chance() - 5.0).max(0.0));
             let profile = profile(begin, length, &limits, even);
-            let (mut way, mut speed) = (0.0, begin);
+            let (mut distance, mut speed) = (0.0, begin);
             for phase in profile.phases {
                 assert!(phase.ms >= 0.0);
-                way += speed * phase.ms + phase.acc * phase.ms * phase.ms / 2.0;
+                distance += speed * phase.ms + phase.acc * phase.ms * phase.ms / 2.0;
                 speed += phase.acc * phase.ms;
                 assert!(speed <= limits.speed.max(begin) + 1e-9);
             }
-            assert!((way - length).abs() < 1e-9 * (1.0 + length), "{way} {length}");
+            assert!((distance - length).abs() < 1e-9 * (1.0 + length), "{distance} {length}");
             assert!((speed - profile.end).abs() < 1e-9);
         }
     }

@@ -88,7 +88,8 @@ pub struct Axis {
     pub zero: Fix,
     /// By ZeroPos or SetPrfPos.
     pub renamed: bool,
-    /// Positions from the tick before to this one, and when it was there, ms: `Fix::FAR` where nobody knows.
+    /// Positions from the last tick to this one, and their instants, ms: `Fix::FAR` where they are
+    /// unknown.
     pub track: Vec<Fix>,
     pub times: Vec<Fix>,
     /// The motion of the tick, where it has ended or was replaced at its end.
@@ -97,7 +98,7 @@ pub struct Axis {
     pub encoder: [Fix; 2],
     pub encoder_zero: Fix,
     pub latched: u32,
-    /// Soft limits beyond which it stands, and limits that refuse a start.
+    /// Soft limits beyond which it is at standstill, and limits that refuse a start.
     causes: u32,
     blocks: u32,
     pub motion: Option<Motion>,
@@ -123,9 +124,10 @@ pub struct Axis {
     pub doubt: bool,
     /// A motion began on the tick that is being prepared.
     pub began: bool,
-    /// It came to rest in the tick before by itself, and nobody waited for it.
+    /// It came to standstill in the last tick by itself, and no call has waited for it.
     pub ended: bool,
-    /// Its coordinate system, whether that runs, and what it made of it in this tick: instants and places.
+    /// Its coordinate system, whether that runs, and its motion in this tick: instants and
+    /// positions.
     pub crd: Option<(i16, i16)>,
     pub driven: bool,
     pub carried: Option<Vec<(Fix, Fix)>>,
@@ -136,7 +138,7 @@ pub struct Axis {
     pub path_most: Fix,
     /// A Stop named it on the tick that is being prepared.
     pub stopped: bool,
-    /// It came to rest on the tick that is being prepared.
+    /// It came to standstill on the tick that is being prepared.
     pub halted: bool,
     /// General outputs that its entries have set in this tick.
     pub outputs: Vec<(i16, bool)>,
@@ -144,7 +146,8 @@ pub struct Axis {
     pub timed_out: bool,
     /// The deceleration of the smooth Stop that it is in.
     pub braking: Option<f64>,
-    /// A limit ended or refused a stream, which data that was taken ahead of it does not know, and nobody has waited since.
+    /// A limit ended or refused a stream. Data that was taken before does not know that, and no
+    /// call has waited since.
     pub broken: bool,
     /// It came to a soft limit in this tick, or within rounding of one.
     pub limited: bool,
@@ -270,8 +273,8 @@ impl Axis {
         !self.servo || self.blocks != 0
     }
 
-    /// What a tick sees before its calls: beyond a soft limit an axis at rest latches its bit, and is refused a start from then
-    /// on until ClrSts.
+    /// The check of a tick before its calls. An axis at standstill beyond a soft limit latches its
+    /// bit, and is refused a start from then on until ClrSts.
     pub fn sample(&mut self) {
         let causes = if self.runs() { 0 } else { self.beyond() };
         self.blocks |= causes & !self.causes;
@@ -343,7 +346,7 @@ impl Axis {
 
     pub fn smooth_stop(&mut self, now_ns: i64, dec: f64) {
         self.leave();
-        // A slave that stands still is at rest on the next tick.
+        // A slave without speed is at standstill on the next tick.
         if self.v == Fix::ZERO && !matches!(self.motion, Some(Motion::Slave(_))) {
             self.past = self.motion.take();
             return;
@@ -359,7 +362,7 @@ impl Axis {
         self.past = self.motion.replace(ramp);
     }
 
-    /// At rest where it was in the tick before.
+    /// At standstill at the position of the last tick.
     pub fn halt(&mut self) {
         self.leave();
         self.halted = self.runs();
@@ -534,7 +537,7 @@ impl Axis {
         (limit(self.soft.0, i32::MAX), limit(self.soft.1, i32::MIN))
     }
 
-    /// No planned position of a tick goes further beyond a soft limit.
+    /// No planned position of a tick is further beyond a soft limit.
     fn hold(&mut self) {
         let (top, bottom) = self.limits();
         let (start, at) = (self.track[0], self.x);
@@ -560,7 +563,7 @@ impl Axis {
         }
     }
 
-    /// Whether an Update goes towards a soft limit at which the axis stands.
+    /// Whether an Update moves towards a soft limit that the axis has reached.
     pub fn obstructed(&self) -> bool {
         let up = match self.mode {
             Mode::Jog => Fix::of_f64(self.speed),

@@ -4,14 +4,15 @@ use super::follow::{Datum, Item};
 use super::path::{Path, PathCall};
 use super::pvt::Points;
 
-/// Which axes a program has: logical core and axis of the core, both from 1. Calls name axes by their place here.
+/// Which axes a program has: logical core and axis of the core, both from 1. Calls name axes by
+/// their index here.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Site {
     pub profile: &'static str,
     pub axes: Vec<(i16, i16)>,
 }
 
-/// A call, or what moves the script clock. Masks are of places in [`Site`], all of one core.
+/// A call, or a step of the script clock. Masks are of indices in [`Site`], all of one core.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Call {
     Sleep {

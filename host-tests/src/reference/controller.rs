@@ -31,7 +31,7 @@ pub enum Value {
     Two(i64, i64),
     Three(i64, i64, i64),
     /// Coordinates.
-    Place([f64; 4]),
+    CrdPosition([f64; 4]),
     Position(Fix),
     Velocity(Fix),
 }
@@ -295,8 +295,8 @@ impl Controller {
             let place = |at: Fix| master.and_then(|master| self.position_of(master, at, before, now));
             let times = [Fix::ms(before), Fix::ms(now)];
             let lead = master.map(|master| self.lead(master, &times, &place));
-            // A controller has few places for a master's way in a tick: between the first and the last of several knots it
-            // goes straight for those that follow it.
+            // A controller has few slots for a master's motion in a tick: between the first and the
+            // last of several knots it is linear for the slaves.
             let follows = was_slave && !began;
             if follows && lead.as_ref().is_some_and(|lead| lead.track.len() > 4 && turns(lead.track)) {
                 open = Some("a master that turns between several knots in a tick");
@@ -313,7 +313,7 @@ impl Controller {
             if let Some(lead) = &lead
                 && was_slave
             {
-                // A slave goes as far as its steepest ratio takes its master's way.
+                // A slave moves as far as its steepest ratio takes its master's motion.
                 let way = lead.track.windows(2).fold(Fix::ZERO, |sum, leg| sum + (leg[1] - leg[0]).abs());
                 axis.fastest = axis.fastest * way;
             } else {
@@ -434,7 +434,7 @@ impl Controller {
     }
 }
 
-/// Whether a way goes beyond its ends.
+/// Whether a motion goes beyond its ends.
 fn turns(track: &[Fix]) -> bool {
     let (Some(first), Some(last)) = (track.first(), track.last()) else { return false };
     track.iter().any(|at| at < first.min(last) || at > first.max(last))

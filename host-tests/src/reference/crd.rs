@@ -1,9 +1,9 @@
-//! A coordinate system: what lies in its FIFOs, and how it goes along them.
+//! A coordinate system: the content of its FIFOs, and its motion along them.
 //!
-//! Speeds are those of SPEC 5 without look-ahead, by [`crate::path_model`]: doubles, of which a position within these programs
-//! is off by less than 2⁻³⁰ pulse. Instants are ms of the program.
+//! Speeds are those of SPEC 5 without look-ahead, by [`crate::path_model`]: doubles, with which a
+//! position within these programs is exact to 2⁻³⁰ pulse. Instants are ms of the program.
 use crate::path_model::speed::{Phase, Profile, limits, profile};
-use crate::path_model::{Figure, Frame, Rates};
+use crate::path_model::{Frame, Geometry, Rates};
 
 /// Entries that a FIFO holds.
 pub const CAPACITY: usize = 1024;
@@ -13,7 +13,7 @@ const SAME: f64 = 1e-7;
 /// What lies in a FIFO.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Entry {
-    Motion(Figure, Rates, [f64; 4]),
+    Motion(Geometry, Rates, [f64; 4]),
     Delay(f64),
     /// BufIO: these bits, and their levels.
     Outputs(u32, u32),
@@ -36,7 +36,7 @@ pub struct Fifo {
     /// The entry in progress, and how much of it is done: pulses or ms.
     pub next: usize,
     done: f64,
-    /// The entries before this one have been carried out.
+    /// The entries before this one have been executed.
     told: usize,
     /// So many entries were there at the tick before.
     seen: usize,
@@ -49,11 +49,11 @@ impl Fifo {
         self.entries.len() - self.next
     }
 
-    /// Where the first motion that is left goes on.
+    /// Where the first remaining motion continues.
     pub fn begins(&self) -> Option<[f64; 4]> {
         let motion = self.entries[self.next..].iter().position(|entry| matches!(entry, Entry::Motion(..)))?;
-        let Entry::Motion(figure, ..) = &self.entries[self.next + motion] else { return None };
-        Some(figure.at(if motion == 0 { self.done } else { 0.0 }))
+        let Entry::Motion(geometry, ..) = &self.entries[self.next + motion] else { return None };
+        Some(geometry.at(if motion == 0 { self.done } else { 0.0 }))
     }
 
     /// The same of the first so many entries.
@@ -69,7 +69,7 @@ impl Fifo {
     }
 }
 
-/// How a coordinate system came to rest.
+/// How a coordinate system came to standstill.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Rest {
     Done,
@@ -103,7 +103,7 @@ pub struct Crd {
     /// It was started on the tick that is being prepared; data came for the end of its FIFO.
     pub started_here: bool,
     pub late: bool,
-    /// No Stop has come since it was set up at rest.
+    /// No Stop has come since it was set up at standstill.
     pub certain: bool,
     /// What was there at the tick before has come to its end.
     pub dry: bool,
@@ -165,7 +165,7 @@ fn braked(speed: f64, left: f64, limits: &Rates, dec: f64) -> Profile {
 }
 
 impl Crd {
-    /// Where data that comes next begins.
+    /// Begin of the next data.
     pub fn begin(&self, fifo: usize) -> Option<[f64; 4]> {
         let of = &self.fifos[fifo];
         let motion = |entry: &Entry| if let Entry::Motion(_, _, to) = entry { Some(*to) } else { None };
@@ -313,9 +313,9 @@ impl Crd {
         let follows = self.goes_on();
         let Some(set) = &self.set else { return };
         let of = &mut self.fifos[self.fifo];
-        let Entry::Motion(figure, rates, to) = of.entries[of.next].clone() else { return };
-        self.is_straight &= matches!(figure, Figure::Line { .. });
-        let left = (figure.length() - of.done).max(0.0);
+        let Entry::Motion(geometry, rates, to) = of.entries[of.next].clone() else { return };
+        self.is_straight &= matches!(geometry, Geometry::Line { .. });
+        let left = (geometry.length() - of.done).max(0.0);
         let plan = match &self.plan {
             Some((profile, left_of, same)) if *same == follows => (*profile, *left_of, *same),
             _ => {
@@ -353,17 +353,17 @@ impl Crd {
         }
         gone += step;
         self.now += step;
-        let length = figure.length();
+        let length = geometry.length();
         self.open |= (total - gone).abs() < SAME && (until - self.now).abs() < SAME;
         if total - gone > 1e-12 {
-            self.place = figure.at(of.done.clamp(0.0, length));
+            self.place = geometry.at(of.done.clamp(0.0, length));
             self.plan = Some((profile, gone, follows));
             return;
         }
         self.plan = None;
         self.speed = profile.end;
         if self.brakes && length - of.done > 1e-9 * length {
-            self.place = figure.at(of.done.clamp(0.0, length));
+            self.place = geometry.at(of.done.clamp(0.0, length));
             self.open |= (until - self.now).abs() < SAME;
             if length - of.done < 1e-5 {
                 self.unsaid = Some("a Stop that rests where a motion ends");

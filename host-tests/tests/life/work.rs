@@ -1,8 +1,9 @@
-//! Work of every kind that goes on for ever, in rounds of [`ROUND_TICKS`] ticks of 250 µs.
+//! Work of every kind without end, in rounds of [`ROUND_TICKS`] ticks of 250 µs.
 //!
-//! Meanwhile run: a static PT loop and a PVT loop whose displacements are no binary fractions, a Jog, an axis that follows,
-//! a stream of dynamic PT, Trap moves there and back, and a square with a laser in velocity follow, in turn with and
-//! without look-ahead; the other laser shines all the time, its power by distance follow.
+//! These run together: a static PT loop and a PVT loop whose displacements are no binary fractions;
+//! a Jog; an axis that follows; a stream of dynamic PT; Trap moves forth and back. A square runs
+//! with a laser in velocity follow, in turn with and without look-ahead. The other laser is always
+//! lit, its power by distance follow.
 use client::{Call, Client, Options, Quiet};
 use job::{Action, Files};
 use virtual_board::{Shared, VirtualLink};

@@ -320,7 +320,7 @@ fn attempt(chance: &mut Chance, setup: &Setup, tick: Ns) -> Option<Made> {
         writeln!(maker.text, "GT_AxisOn({axis});\nGT_LmtsOff({axis});").unwrap();
     }
     let length: f64 =
-        motions.iter().map(|entry| if let Entry::Motion(figure, _) = entry { figure.length() } else { 0.0 }).sum();
+        motions.iter().map(|entry| if let Entry::Motion(geometry, _) = entry { geometry.length() } else { 0.0 }).sum();
     maker.distance(length / 3.0 + 10.0);
     if setup.velocity == Velocity::Table {
         let points = points(setup.mode, path.frame.speed);

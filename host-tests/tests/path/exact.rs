@@ -1,6 +1,6 @@
 //! The instants of a path that is started and left alone, in exact arithmetic: what the model's doubles are held to. Numbers
 //! have 160 bits behind the point and any number before it; the lengths of arcs, which have π in them, are the model's.
-use host_tests::path_model::{Entry, Figure, Frame};
+use host_tests::path_model::{Entry, Frame, Geometry};
 use num_bigint::BigInt;
 
 /// Units of a number.
@@ -27,13 +27,13 @@ fn root(a: &BigInt) -> BigInt {
     (a << BITS).sqrt()
 }
 
-fn length(figure: &Figure) -> BigInt {
-    match figure {
-        Figure::Line { from, to } => {
+fn length(geometry: &Geometry) -> BigInt {
+    match geometry {
+        Geometry::Line { from, to } => {
             let square = |axis: usize| number((to[axis] - from[axis]).abs()).pow(2) >> BITS;
             root(&(0..4).map(square).sum())
         }
-        Figure::Arc { .. } => number(figure.length()),
+        Geometry::Arc { .. } => number(geometry.length()),
     }
 }
 
@@ -67,7 +67,7 @@ pub fn instants(frame: &Frame, entries: &[Entry]) -> (Vec<BigInt>, BigInt) {
         match entry {
             Entry::Effect(_) => effects.push(now.clone()),
             Entry::Delay(ms) => (now, speed) = (now + number((*ms).into()), BigInt::ZERO),
-            Entry::Motion(figure, rates) => {
+            Entry::Motion(geometry, rates) => {
                 let next = entries[index + 1..].iter().find(|entry| !matches!(entry, Entry::Effect(_)));
                 let most = number(rates.speed.min(frame.speed));
                 let end = match next {
@@ -75,7 +75,7 @@ pub fn instants(frame: &Frame, entries: &[Entry]) -> (Vec<BigInt>, BigInt) {
                     _ => BigInt::ZERO,
                 };
                 let acc = number(rates.acc.min(frame.acc));
-                let (ms, end) = motion(&speed, &length(figure), [&most, &acc, &end], &number(frame.even_ms));
+                let (ms, end) = motion(&speed, &length(geometry), [&most, &acc, &end], &number(frame.even_ms));
                 (now, speed) = (now + ms, end);
             }
         }

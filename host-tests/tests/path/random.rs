@@ -1,8 +1,8 @@
 //! Random paths, as calls and as the model takes them.
 #![allow(dead_code, reason = "each test file takes what it needs")]
 use super::chance::Chance;
-use host_tests::path_model::figure::Place;
-use host_tests::path_model::{Command, Course, Entry, Figure, Frame, Plane, Rates, Why, course};
+use host_tests::path_model::geometry::Position;
+use host_tests::path_model::{Command, Course, Entry, Frame, Geometry, Plane, Rates, Why, course};
 use std::fmt::Write;
 
 /// What an entry that takes no time does.
@@ -26,7 +26,7 @@ pub struct Random {
     /// The calls of its entries.
     pub text: String,
     /// Where it ends.
-    pub end: Place,
+    pub end: Position,
 }
 
 /// The number as a script may write it.
@@ -66,7 +66,7 @@ pub fn set_up(frame: &Frame, dimensions: usize, crd: usize) -> String {
     text
 }
 
-fn line(chance: &mut Chance, from: &mut Place, dimensions: usize, length: f64, scale: &Scale) -> (Entry, String) {
+fn line(chance: &mut Chance, from: &mut Position, dimensions: usize, length: f64, scale: &Scale) -> (Entry, String) {
     let begin = *from;
     while *from == begin {
         let way: [f64; 4] = std::array::from_fn(|_| chance.unit() - 0.5);
@@ -80,13 +80,13 @@ fn line(chance: &mut Chance, from: &mut Place, dimensions: usize, length: f64, s
     let rates = rates(chance, scale);
     let name = ["XY", "XYZ", "XYZA"][dimensions - 2];
     let to: String = from[..dimensions].iter().map(|x| format!("{x},")).collect();
-    (Entry::Motion(Figure::line(begin, *from), rates), format!("GT_Ln{name}(CRD,{to}{});\n", tail(&rates)))
+    (Entry::Motion(Geometry::line(begin, *from), rates), format!("GT_Ln{name}(CRD,{to}{});\n", tail(&rates)))
 }
 
 /// An arc of up to so many radians; a line where the target's whole pulses leave no arc.
 fn arc(
     chance: &mut Chance,
-    from: &mut Place,
+    from: &mut Position,
     dimensions: usize,
     length: f64,
     sweeps: (f64, f64),
@@ -106,11 +106,11 @@ fn arc(
     let arm = (radius * turn.cos(), radius * turn.sin());
     let kind = chance.below(4);
     if kind == 0 {
-        let figure = Figure::arc_by_centre(begin, plane, (begin[first], begin[second]), arm, ccw).unwrap();
+        let geometry = Geometry::arc_by_centre(begin, plane, (begin[first], begin[second]), arm, ccw).unwrap();
         let centre = format!("{},{}", real(arm.0), real(arm.1));
         let text =
             format!("GT_Arc{name}C(CRD,{},{},{centre},{direction},{});\n", begin[first], begin[second], tail(&rates));
-        return (Entry::Motion(figure, rates), text);
+        return (Entry::Motion(geometry, rates), text);
     }
     let (sin, cos) = (if ccw { sweep } else { -sweep }).sin_cos();
     let back = (-arm.0 * cos + arm.1 * sin, -arm.0 * sin - arm.1 * cos);
@@ -123,9 +123,9 @@ fn arc(
     let reach = radius.max(half * 1.000_001);
     let radius = if sweep > std::f64::consts::PI { -reach } else { reach };
     if kind == 1 {
-        let figure = Figure::arc_by_radius(begin, plane, to, radius, ccw).unwrap();
+        let geometry = Geometry::arc_by_radius(begin, plane, to, radius, ccw).unwrap();
         let text = format!("GT_Arc{name}R(CRD,{},{},{},{direction},{});\n", to.0, to.1, real(radius), tail(&rates));
-        return (Entry::Motion(figure, rates), text);
+        return (Entry::Motion(geometry, rates), text);
     }
     // The rounded target moves the centre along the chord; so much that the path leaves the arc is refused.
     let chord = (to.0 - begin[first], to.1 - begin[second]);
@@ -134,10 +134,10 @@ fn arc(
         *from = begin;
         return line(chance, from, dimensions, length, scale);
     }
-    let figure = Figure::arc_by_centre(begin, plane, to, arm, ccw).unwrap();
+    let geometry = Geometry::arc_by_centre(begin, plane, to, arm, ccw).unwrap();
     let centre = format!("{},{}", real(arm.0), real(arm.1));
     let text = format!("GT_Arc{name}C(CRD,{},{},{centre},{direction},{});\n", to.0, to.1, tail(&rates));
-    (Entry::Motion(figure, rates), text)
+    (Entry::Motion(geometry, rates), text)
 }
 
 fn effect(chance: &mut Chance) -> (Effect, String) {
@@ -156,7 +156,7 @@ fn effect(chance: &mut Chance) -> (Effect, String) {
 }
 
 /// Up to so many entries of a coordinate system (from 0) from a place on.
-pub fn random(chance: &mut Chance, from: Place, most: u64, crd: usize) -> Random {
+pub fn random(chance: &mut Chance, from: Position, most: u64, crd: usize) -> Random {
     let speed = chance.log(0.5, 200.0);
     let scale = Scale { speed, acc: speed / chance.log(0.3, 15.0) };
     let frame = Frame {
@@ -198,7 +198,7 @@ fn calls_of(text: &str, crd: usize) -> String {
 }
 
 /// So many arcs of any size, one after another from a place on.
-pub fn arcs(chance: &mut Chance, from: Place, count: usize, crd: usize) -> Random {
+pub fn arcs(chance: &mut Chance, from: Position, count: usize, crd: usize) -> Random {
     let speed = chance.log(1.0, 3000.0);
     let scale = Scale { speed, acc: speed / chance.log(0.3, 15.0) };
     let frame = Frame { speed: speed * 2.0, acc: scale.acc * 2.0, even_ms: 0.0 };
@@ -228,8 +228,9 @@ pub fn fits(course: &Course, start: f64, motions: usize) -> bool {
     fits(course.effects.iter().map(|(at, _)| *at).collect(), 6) && fits(course.ends.clone(), motions)
 }
 
-/// Whether two things come at one instant, of which SPEC 5 does not tell which is first: a Stop's rest and an entry or the end of
-/// a BufDelay into which it braked; a Stop and the end of the entries, so that nothing is left to go on with.
+/// Whether two events come at one instant and SPEC 5 does not say which is first. One case is the
+/// standstill of a Stop with an entry, or with the end of a BufDelay into which it braked. The
+/// other is a Stop with the end of the entries, so that nothing is left to continue.
 pub fn is_undecided(course: &Course) -> bool {
     let same = |a: f64, b: f64| (a - b).abs() < 1e-6;
     let waits_out = |at: f64| {

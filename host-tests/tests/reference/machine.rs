@@ -455,7 +455,7 @@ pub enum Got {
     Whole(i64),
     Two(i64, i64),
     Three(i64, i64, i64),
-    Place([f64; 4]),
+    CrdPosition([f64; 4]),
     Real(f64),
 }
 

@@ -180,7 +180,7 @@ pub struct Sim {
     pub outputs: Outputs,
 }
 
-/// The way to a controller.
+/// The link to a controller.
 #[derive(Debug, Clone, Args)]
 pub struct Way {
     /// Image for --link qemu; else the environment's BEAMTICK_IMAGE, else

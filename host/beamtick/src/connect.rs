@@ -1,4 +1,4 @@
-//! The command line's way to a controller.
+//! The command line's link to a controller.
 use crate::Failure;
 use crate::command_line::{FamilyName, Settings, Steps, Way};
 use crate::profile;

@@ -74,7 +74,8 @@ pub fn lasers(job: &Job, version: &VersionReply) -> impl Iterator<Item = u8> {
     (0..version.lasers.min(8)).filter(move |channel| used >> channel & 1 == 1)
 }
 
-/// How a script ends, as far as a read there goes: it shows the end of its tick, and an Abort of the same instant with it.
+/// The end of a script, as far as a read at that point reports it: at the end of its tick, together
+/// with an Abort of the same instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Ending {
     /// With a Sleep longer than a tick, this step: what is on is read in the last tick of it.
@@ -162,7 +163,7 @@ fn wait(core: i16, axes: u32, crds: u32) -> Call {
     Call::of(WaitStop { core: core.into(), axes: axes.cast_signed().into(), crds: crds.cast_signed().into() })
 }
 
-/// Reads what the script left moving, aborts, and waits for rest on the cores that it used.
+/// Reads what the script left moving, aborts, and waits for standstill on the cores that it used.
 fn leave(entries: &mut Vec<Entry>, job: &Job, version: &VersionReply) {
     for axis in &job.axes {
         if (1..=i16::from(version.cores)).contains(&axis.core) && axis.axis <= i16::from(version.axes_per_core) {
@@ -195,7 +196,8 @@ enum Key {
     Lines { number: u16, of: [i16; 3], speeds: [u64; 3] },
 }
 
-/// Data that may travel with others, as an item: what an item cannot hold, or what may fail, goes alone.
+/// Data that may travel with others, as an item. Data that an item cannot hold, or that may fail,
+/// travels alone.
 fn datum(action: &Action) -> Option<(Key, Vec<u8>)> {
     let Action::Call(call) = action else { return None };
     if call.may_fail {
@@ -342,7 +344,7 @@ mod tests {
         assert_eq!((&found[2].from, &found[3].from), (&From::Step(2), &From::Light { channel: 1 }));
         assert_eq!(found[4].call, Call::of(Sleep { ns: 50_000.into() }));
         assert!(found.len() == 6 && aborts(&found[5]));
-        // A trace goes on until the light has ended.
+        // A trace continues until the light has ended.
         let found = entries(&job::compile("GT_SetHSIOOpt(1);", &None).unwrap(), &version(), true);
         assert!(aborts(&found[1]));
         assert_eq!(found[2].call, Call::of(Sleep { ns: 100_000.into() }));

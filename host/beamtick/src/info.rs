@@ -40,7 +40,7 @@ pub fn show(arguments: &Info) -> Result<(), Failure> {
         0 => say!("last fault  none"),
         1 => say!("last fault  panic: {text}"),
         2 => say!("last fault  core fault: {text}"),
-        3 => say!("last fault  interrupt that nobody serves: {text}"),
+        3 => say!("last fault  interrupt without a handler: {text}"),
         5 => say!("no light    {text}"),
         _ => say!("last fault  watchdog: {text}"),
     }

@@ -1,8 +1,9 @@
-//! INT, TERM and HUP: what ends the program from outside.
+//! INT, TERM and HUP: the end of the program from outside.
 //!
-//! In: signals. Out: the end of the program with 128 + the signal's number, at once, or while something of ours may be lit or
-//! moving, [`came`] for the runner, who stops it first. Owns one thread. Where the runner does not come to an end in time,
-//! the thread ends the program all the same: the controller then goes dark by the link that is lost.
+//! In: signals. Out: the end of the program with 128 + the signal's number. It ends at once, or,
+//! while the job may have light or motion, through [`came`]: the runner stops the job first. Owns
+//! one thread. Fails: if the runner does not finish in time, the thread ends the program. The
+//! controller then shuts off its lasers, since the link is lost.
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::time::Duration;
 
@@ -57,7 +58,7 @@ impl Held {
 
 impl Drop for Held {
     fn drop(&mut self) {
-        // A signal that came before this is the runner's to tell.
+        // The runner reports a signal that came before this.
         HELD.store(false, Ordering::SeqCst);
     }
 }

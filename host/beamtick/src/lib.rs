@@ -123,12 +123,12 @@ fn parsed(words: &[&str]) -> Result<CommandLine, Failure> {
     CommandLine::try_parse_from(words).map_err(|error| Failure::Input(error.to_string()))
 }
 
-/// `beamtick` with these words behind it.
+/// `beamtick` with these arguments.
 pub fn call(words: &[&str]) -> Result<(), Failure> {
     obey(&parsed(&[&["beamtick"], words].concat())?)
 }
 
-/// `beamtick run` with these words behind it, over `link`.
+/// `beamtick run` with these arguments, over `link`.
 pub fn run_over(link: Box<dyn Link>, words: &[&str]) -> Result<(), Failure> {
     let name = link.name().to_owned();
     match parsed(&[&["beamtick", "run", "--link", &name], words].concat())?.command {

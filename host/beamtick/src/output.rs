@@ -1,8 +1,10 @@
-//! Files that a job writes: beside their names while they grow, renamed when they are whole.
+//! Files that a job writes: under temporary names while they grow, renamed when they are complete.
 //!
-//! In: names from the command line. Out: files. One that was cut off keeps its name with `.partial`. A file of an earlier run
-//! is `.old` from the beginning on, so that it cannot pass for this run's; it goes when this one is whole. What is no plain file
-//! (a device, a pipe) is written directly. Nothing is overwritten that the job reads or that another output is.
+//! In: names from the command line. Out: files. Owns them until they are complete. An incomplete
+//! file keeps its name with `.partial`. A file of an earlier run becomes `.old` at the start, so
+//! that it cannot be taken for this run's; it is removed when the new one is complete. Anything but
+//! a plain file (a device, a pipe) is written directly. Fails: it never overwrites a file that the
+//! job reads or that another output is.
 use crate::Failure;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
@@ -116,7 +118,7 @@ impl Output {
     }
 }
 
-/// The place that a name stands for, however it is written.
+/// The file that a name means, however it is written.
 fn place(name: &Path) -> PathBuf {
     let folder = name.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let beside =

@@ -7,7 +7,7 @@ use protocol::command::{ConfigItem, LoadConfig, Request, info, widths};
 use protocol::record::{BODY_MAX, ITEM_BYTES};
 use zerocopy::{FromBytes, IntoBytes};
 
-/// Head, point, and place of `first` of a command that carries points: it has such a field.
+/// Head, point, and offset of `first` of a command that carries points: it has such a field.
 fn layout(number: u16) -> Option<(usize, usize, usize)> {
     let command = info(number)?;
     let place = command.fields.iter().position(|(name, _)| *name == "first")?;

@@ -1,9 +1,10 @@
 //! Lines on the standard output and on the error stream, each written by a thread of its own.
 //!
-//! In: lines, of whoever runs a job. Out: what a person or a pipe reads. Who makes the lines serves the controller meanwhile,
-//! and a reader that pauses (a pager, a terminal that was stopped) must not hold that up: light would burn for as long. What the
-//! reader has not taken yet is kept in memory. Lines of the two streams keep their order as long as both are read. Where nobody reads any more
-//! the rest is dropped.
+//! In: lines of the runner of a job. Out: the same on the streams. Owns two threads and the lines
+//! that were not read yet. The runner also serves the controller, and a reader that pauses (a
+//! pager, a stopped terminal) must not delay it: light would stay on meanwhile. Lines of the two
+//! streams keep their order as long as both are read. Fails: when a reader has gone, the remaining
+//! lines are dropped.
 use indicatif::{ProgressDrawTarget, TermLike};
 use std::io::{self, IsTerminal, Write};
 use std::sync::mpsc::{Sender, channel};
@@ -60,7 +61,7 @@ fn writer(stream: Stream) -> Sender<Piece> {
                 WRITTEN.wait_timeout_while(count(), TURN, behind).unwrap_or_else(PoisonError::into_inner);
             now.stuck[other] |= late.timed_out();
             drop(now);
-            // Where nobody reads any more, or nothing can be written, the job runs on all the same.
+            // When the reader has gone, or writing fails, the job continues.
             let done = match stream {
                 Stream::Out => write(&mut io::stdout(), &piece.text),
                 Stream::Error => write(&mut io::stderr(), &piece.text).or(Ok(())),
@@ -84,7 +85,7 @@ fn write(to: &mut impl Write, text: &str) -> io::Result<()> {
     to.flush()
 }
 
-/// Says it, without waiting for anybody.
+/// Queues a line, without waiting.
 pub fn say(stream: Stream, text: String) {
     let writers = WRITERS.lock().unwrap_or_else(PoisonError::into_inner);
     let mut now = count();
@@ -104,7 +105,7 @@ pub fn finish(patience: Option<Duration>) {
     }
 }
 
-/// Why lines of the standard output are missing, if they are and somebody could read them.
+/// Why lines of the standard output are missing, if any are and the error stream has a reader.
 pub fn failed() -> Option<&'static io::Error> {
     FAILED.get()
 }

@@ -1,7 +1,8 @@
 //! The trace stream to files: CSV, VCD, plots.
 //!
-//! In: the stream's bytes as they come. Out: files, and the peak velocity of each axis and path. The first error
-//! ends the recording and is told at its end: a gap is never passed over.
+//! In: the stream's bytes as they arrive. Out: files, and the peak velocity of each axis and path.
+//! Owns the files. Fails: the first error ends the recording and is reported at its end; a gap is
+//! never skipped.
 use crate::Failure;
 use crate::command_line::Outputs;
 use crate::output::{Kept, Output};
@@ -59,9 +60,10 @@ pub struct Recorded {
 }
 
 impl Recording {
-    /// Creates the files. `digital` and `analog` are the general and analog outputs that the job sets, from 1, which go into the VCD.
+    /// Creates the files. `digital` and `analog` are the general and analog outputs that the job
+    /// sets, from 1, which the VCD gets.
     ///
-    /// `title` and `subtitle` stand above the plot.
+    /// `title` and `subtitle` are above the plot.
     pub fn new(
         outputs: &Outputs,
         (title, subtitle): (&str, String),
@@ -151,7 +153,8 @@ impl Recording {
 
     /// The job has failed: what there is is written and drawn, under names that say so. These names.
     pub fn cut_off(mut self) -> Vec<Kept> {
-        // What cannot be written or drawn is not there; the job's own failure is what is told.
+        // A file that cannot be written or drawn is missing; only the job's own failure is
+        // reported.
         let _ = self.sinks.write();
         let Sinks { streams, plot, xy, .. } = self.sinks;
         let files = streams.into_iter().chain(plot.map(|(output, _)| output)).chain(xy.map(|(output, ..)| output));

@@ -90,7 +90,7 @@ pub fn reply(opcode: u16, request: &[u8], mut body: &[u8]) -> String {
     text.join(" ")
 }
 
-/// Why motion stopped, of a reply that tells it: the number and the text.
+/// Why motion stopped, of a reply that reports it: the number and the text.
 pub fn stop(opcode: u16, mut body: &[u8]) -> Option<String> {
     let info = COMMANDS.iter().find(|info| info.opcode == opcode)?;
     let values = fields(&[info.reply, info.reply_items].concat(), &mut body);

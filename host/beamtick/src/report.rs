@@ -30,8 +30,8 @@ pub struct Report<'a> {
     pub lit: Vec<u8>,
     /// Calls that failed and were allowed to.
     pub warned: u32,
-    /// The PT streams as they were last, and the shortest time to dry that each showed since it first became shorter:
-    /// until then the axis is at rest and its data only grows.
+    /// The PT streams at the last report, and the shortest time to dry of each since it first
+    /// decreased: until then the axis is at standstill and its data only grows.
     pub streams: Vec<(Dry, Option<u32>)>,
 }
 
@@ -85,10 +85,10 @@ impl<'a> Report<'a> {
         };
         let beyond = answer.refusal().and_then(|refusal| profile::help(&self.version, answer.opcode, refusal));
         let help = match answer.code {
-            _ if severity == Severity::Warning => "the job goes on behind it (#pragma continue)",
+            _ if severity == Severity::Warning => "the job continues after it (#pragma continue)",
             _ if beyond.is_some() => beyond.as_deref().unwrap_or_default(),
-            1 => "the call is right, but not in the present state; what comes behind it was not executed",
-            7 => "correct the parameter; what comes behind the call was not executed",
+            1 => "the call is right, but not in the present state; later calls were not executed",
+            7 => "correct the parameter; later calls were not executed",
             8 if answer.refusal().is_none_or(|refusal| refusal.reason() == Some(Reason::UnknownCommand)) => {
                 "this firmware is older than the client; load the one of the same version"
             }
@@ -213,7 +213,7 @@ impl Observer for Report<'_> {
         }
         if let Some(first) = progress.streams.iter().min_by_key(|dry| dry.dry_ms) {
             message.push_str(&format!(
-                ", PT data of {} axes: axis {} is dry first, in {} ms, {} places free",
+                ", PT data of {} axes: axis {} is dry first, in {} ms, {} slots free",
                 progress.streams.len(),
                 first.axis,
                 first.dry_ms,

@@ -1,7 +1,7 @@
 //! `beamtick sim` and `beamtick run`: a job from file to summary.
 //!
-//! In: the command line. Out: reads, files, a summary. However a job ends, it ends with Abort: as the script's last entry,
-//! or at once where a call fails or a signal comes. No job ends lit.
+//! In: the command line. Out: reads, files, a summary. Every job ends with Abort: as the script's
+//! last entry, or at once when a call fails or a signal comes. No job ends with light on.
 use crate::Failure;
 use crate::command_line::{InputFile, Outputs, Run, Sim};
 use crate::connect::{linked, named, simulated};
@@ -34,7 +34,7 @@ const GENERAL: i32 = 12;
 const RANGE: i16 = 7;
 /// The firmware does not know a command.
 const UNKNOWN: i16 = 8;
-/// A trace's end comes within this time of the program's, on the link's clock.
+/// A trace ends within this time after the program, on the link's clock.
 const TRACE_END: Duration = Duration::from_secs(10);
 /// Of a job that has failed, within this, on this machine's clock.
 const TRACE_CUT_OFF: Duration = Duration::from_millis(400);
@@ -138,7 +138,7 @@ fn execute(source: &Source, client: &Client, knowledge: Knowledge<'_>, outputs: 
             });
         }
     };
-    // Dark and at rest: a signal may end the program from here on.
+    // Dark and at standstill: a signal may end the program from here on.
     drop(held);
     let recorded = recording.map(|recording| close(client, &recording)).transpose()?;
     summary::print(&summary::Run {
@@ -188,7 +188,7 @@ fn drive(client: &Client, mut watch: Watch<'_, '_>, entries: &[Entry], strict: b
     }
 }
 
-/// Starts the trace and the files it goes to.
+/// Starts the trace and its files.
 fn record(source: &Source, client: &Client, outputs: &Outputs) -> Result<Tape, Failure> {
     let version = client.version();
     let axes = source
@@ -422,7 +422,7 @@ impl Stopped {
     }
 }
 
-/// Aborts, and waits until all is at rest.
+/// Aborts, and waits until all axes are at standstill.
 fn stop_all(client: &Client, job: &Job) -> client::Result<Stopped> {
     let version = client.version();
     let used = |axis: &&Axis| bit(axis, version.cores, version.axes_per_core).is_some();

@@ -21,7 +21,8 @@ pub fn serve(arguments: &Serve) -> Result<(), Failure> {
     let listener = TcpListener::bind(&arguments.listen).map_err(failed)?;
     let board = share(Board::new(config));
     if let Some(inputs) = &inputs {
-        // A session before the first one: it has no connection, so nobody has to wait for its end.
+        // A session before the first one: it has no connection, so no client has to wait for its
+        // end.
         let client = Client::open(Box::new(VirtualLink::new(board.clone())), Options::default())?;
         inputs.plan(&client, Zero::Now).map_err(|error| Failure::Input(error.reason))?;
     }

@@ -1,4 +1,4 @@
-//! A job file: its text, what it compiles to, and how places in it are shown.
+//! A job file: its text, its compiled form, and how positions in it are shown.
 use crate::Failure;
 use crate::command_line::{FamilyName, Settings, TICKS_US};
 use client::{Family, Profile};
@@ -65,10 +65,10 @@ impl Source {
         }
     }
 
-    /// The settings of the command line with those that the job's pragmas stand for.
+    /// The settings of the command line, with those that the job's pragmas replace.
     ///
     /// # Errors
-    /// An option that says otherwise than its pragma.
+    /// An option that contradicts its pragma.
     pub fn settings(&self, given: &Settings) -> Result<Settings, Failure> {
         let mut settings = given.clone();
         for pragma in &self.job.pragmas {

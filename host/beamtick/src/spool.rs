@@ -27,7 +27,7 @@ impl Write for Spool {
     fn write(&mut self, portion: &[u8]) -> io::Result<usize> {
         match &self.bytes {
             Some(bytes) if bytes.send(portion.to_vec()).is_ok() => Ok(portion.len()),
-            // The thread ends early only with an error, which the flush tells.
+            // The thread ends early only with an error, which the flush reports.
             _ => self.flush().and(Err(io::Error::other("it is closed already"))),
         }
     }
@@ -55,7 +55,7 @@ mod tests {
 
     #[test]
     fn a_busy_disk_holds_nobody_up() {
-        // A pipe that nobody reads takes 64 KiB.
+        // A pipe without a reader takes 64 KiB.
         let (mut reader, writer) = io::pipe().unwrap();
         let mut spool = Spool::new(File::from(OwnedFd::from(writer)));
         let lines: Vec<u8> = (0..100_000u32).flat_map(|n| format!("{n}\n").into_bytes()).collect();

@@ -23,7 +23,7 @@ pub struct Run<'a> {
     pub source: &'a Source,
     /// The controller.
     pub client: &'a Client,
-    /// What was seen on the way.
+    /// What was observed during the job.
     pub report: &'a Report<'a>,
     /// Where the program was at its end.
     pub progress: &'a Progress,
@@ -86,7 +86,7 @@ pub fn print(run: &Run<'_>) -> Result<(), Failure> {
         );
         if item.mode.get() == MODE_PT {
             let state = client.call(GetPtState { core: axis.core.into(), profile: axis.axis.into() })?;
-            say!("    PT: {}, {} passes, {} places free", pt_state(state.state), state.loops, state.space0);
+            say!("    PT: {}, {} passes, {} slots free", pt_state(state.state), state.loops, state.space0);
         }
     }
     for crd in &run.source.job.crds {
@@ -111,7 +111,7 @@ pub fn print(run: &Run<'_>) -> Result<(), Failure> {
     for (dry, least) in &run.report.streams {
         let least = least.map_or(String::new(), |least| format!("; least seen {least} ms"));
         say!(
-            "  PT data of {}: at the last data {} places free, {} ms to dry{least}",
+            "  PT data of {}: at the last data {} slots free, {} ms to dry{least}",
             name(&Axis { core: dry.core, axis: dry.axis }),
             dry.space,
             dry.dry_ms
@@ -241,13 +241,13 @@ fn path(state: &CrdState) -> String {
     if left == 0 { format!("{done} segments") } else { format!("{done} segments, {left} left") }
 }
 
-/// How a coordinate system came to rest.
+/// How a coordinate system came to standstill.
 fn path_end(state: &CrdState) -> String {
     match (state.run, state.rest) {
         (0, 0) => "never moved".to_owned(),
         (0, 1) => "its entries ran out".to_owned(),
         (0, 2) => "UNDERRUN: its entries ran out at speed".to_owned(),
-        (0, _) => format!("{}; CrdStart goes on", reason(state.reason.get())),
+        (0, _) => format!("{}; CrdStart continues", reason(state.reason.get())),
         _ => "moving".to_owned(),
     }
 }
@@ -308,7 +308,8 @@ fn reason(number: u16) -> &'static str {
     }
 }
 
-/// How an axis came to rest: by the script's end, by its reason; latched status bits are named.
+/// How an axis came to standstill: by the script's end, by its reason; latched status bits are
+/// named.
 fn ended(report: &Report<'_>, axis: &Axis, item: &AxisItem) -> String {
     const BITS: [(u32, &str); 6] = [
         (1, "drive alarm"),

@@ -1,8 +1,9 @@
 //! Waits of a job that last: what waits, for what, since when, and what ends it.
 //!
-//! In: where the program is, looks at the controller. Out: a warning at the wait's line once it has lasted a second; an error where
-//! nothing can end it any more: an axis in FollowEx waits for an input without a time limit, and nobody is left who could set it.
-//! It owns no file and sends nothing but reads.
+//! In: the position of the program, reads of the controller. Out: a warning at the wait's line once
+//! it has lasted a second, or an error when nothing can end it any more. That is so when an axis in
+//! FollowEx waits for an input without a time limit, and no client is left that could set it. It
+//! owns no file and sends only reads.
 use crate::entries::{Entry, From};
 use crate::report::Report;
 use crate::source::Source;
@@ -32,7 +33,7 @@ const FOLLOW_EX: i16 = 10;
 /// Kinds of [`WaitReply`].
 const INPUT: u8 = 1;
 const PASS: u8 = 2;
-/// Entries of Follow and FollowEx: core and axis stand first.
+/// Entries of Follow and FollowEx: core and axis come first.
 const FOLLOWS: [u16; 7] = [
     FollowData::OPCODE,
     FollowDataPercentEx::OPCODE,
@@ -105,7 +106,7 @@ impl Axis {
         self.item.status.get() & RUNNING != 0
     }
 
-    /// It rests until an input has a level, however long that takes.
+    /// It is at standstill until an input has a level, however long that takes.
     fn is_held(&self) -> bool {
         self.is_running() && self.wait.kind == INPUT && self.wait.limited == 0
     }
@@ -129,9 +130,9 @@ impl Axis {
                 let input = name(self.core, di_type.get(), index.get());
                 let level = if level.get() == 0 { "0 (low)" } else { "1 (high)" };
                 let limit = if limited == 0 { ", without a time limit" } else { ", or its time is over" };
-                Some(format!("{axis} rests until {input} is {level}{limit} (FollowDiBitEx)"))
+                Some(format!("{axis} waits until {input} is {level}{limit} (FollowDiBitEx)"))
             }
-            PASS => Some(format!("{axis} rests until its master passes the position of its PASS event")),
+            PASS => Some(format!("{axis} waits until its master passes the position of its PASS event")),
             _ if self.item.mode.get() == JOG => {
                 let vel = client.call(GetVel { core: self.core.into(), profile: self.axis.into() })?.value.get();
                 Some(format!("{axis} runs in Jog mode at {vel} pulse/ms, which a Stop, a limit or a fault ends"))
@@ -183,7 +184,7 @@ impl<'r, 'a> Watch<'r, 'a> {
         self.before(answered).rev().map_while(sleep).sum()
     }
 
-    /// Where the script clock stands at that entry, if nothing before it waited.
+    /// The script clock at that entry, if nothing before it waited.
     fn begun(&self, answered: u32) -> Option<u64> {
         let waited = |entry: &Entry| entry.call.opcode == WaitStop::OPCODE;
         (!self.before(answered).any(waited)).then(|| self.before(answered).filter_map(sleep).sum())

@@ -127,9 +127,10 @@ fn arcs() {
     assert_eq!(end, [6000.0, 4000.0, 0.0]);
 }
 
-/// v²/R is 2.5 pulse/ms² at most, of 4. Three ends that are rounded by half a pulse each, the middle one felt twice, turn a
-/// corner by up to 2/80 more than the spiral's 80/4000, which leaves √(4·127/128·80/0.045) = 84 pulse/ms: so much or more
-/// all the way, from ramp to ramp.
+/// v²/R is 2.5 pulse/ms² at most, of 4. Three ends are rounded by half a pulse each, and the middle
+/// one counts twice. So they turn a corner by up to 2/80 more than the spiral's 80/4000. That
+/// leaves √(4·127/128·80/0.045) = 84 pulse/ms: this much or more along the whole path, from ramp to
+/// ramp.
 #[test]
 fn spiral() {
     let ran = run("spiral.gts");

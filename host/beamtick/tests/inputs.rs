@@ -210,7 +210,7 @@ fn a_wait_that_nothing_ends_ends_the_job_with_its_name() {
     assert_eq!(code, 1, "{out}{errors}");
     for part in [
         "job.gts:9",
-        "this waits since 250.000 ms of the script clock: axis 2 rests until gpi3 is 1 (high), without a time limit",
+        "this waits since 250.000 ms of the script clock: axis 2 waits until gpi3 is 1 (high), without a time limit",
         "nothing will end that: no file of inputs is given (--inputs)",
         "Light is off. What still moved (axis 1, axis 2) was stopped smoothly.",
     ] {

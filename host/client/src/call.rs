@@ -11,7 +11,7 @@ pub struct Call {
     pub opcode: u16,
     /// The request's fields and items.
     pub payload: Vec<u8>,
-    /// As an entry of a program: the program goes on behind it if it is refused.
+    /// As an entry of a program: the program continues after it if it is refused.
     pub may_fail: bool,
 }
 

@@ -18,12 +18,14 @@ use zerocopy::little_endian::I16;
 
 /// Longest time that one pump holds the link, so that other threads get their turn.
 const TURN: Duration = Duration::from_millis(2);
-/// The same in virtual time, where nobody else waits and a receive returns with the first byte.
+/// The same in virtual time, where no other process waits and a receive returns with the first
+/// byte.
 const VIRTUAL_TURN: Duration = Duration::from_millis(50);
 /// Longest time without a pump while no call is under way.
 const IDLE: Duration = Duration::from_millis(50);
-/// What a look at the link counts at most as time in which nothing came. If it takes longer, the machine held the client
-/// up, and with it perhaps a controller that it emulates: the answer may lie there unread, or still be on its way.
+/// The most that one receive without bytes counts as silence. If it takes longer, the machine
+/// delayed the client, and perhaps the controller that it emulates: the answer may still be unread
+/// or in transfer.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// One is for the whole controller.
@@ -55,8 +57,8 @@ pub(crate) struct Inner {
 impl Inner {
     fn new(mut link: Box<dyn Link>, identity: Identity) -> Self {
         let (now, name) = (link.now(), link.name().to_owned());
-        // In virtual time the same calls must give the same bytes: no chance there. Who comes later is somebody else, also
-        // where the one before ended without a word.
+        // In virtual time the same calls must give the same bytes, so nothing is random there. A
+        // later client is another one, even if the one before it ended without a message.
         let chance = || RandomState::new().hash_one(std::process::id()) as u32;
         let nonce = if link.real_time() { chance() } else { (now as u32).wrapping_add(1) };
         let turn = if link.real_time() { TURN } else { VIRTUAL_TURN };
@@ -255,18 +257,18 @@ impl Client {
         }
     }
 
-    /// Shuts off every laser at once and brings all motion to rest smoothly (`GT_Abort`). What moves still brakes when this
-    /// returns.
+    /// Shuts off every laser at once and stops all motion smoothly (`GT_Abort`). Axes may still
+    /// brake when this returns.
     ///
     /// # Errors
-    /// 8 if the firmware is older than the command, and those of the link. The controller then goes dark by itself
-    /// when the link is lost.
+    /// 8 if the firmware is older than the command, and those of the link. The controller then
+    /// shuts off its lasers by itself when the link is lost.
     pub fn abort(&self) -> Result<()> {
         self.call(ABORT).map(drop)
     }
 
-    /// Aborts if anything but reads was called, as dropping the client does, for those who want to hear of it. Over a link
-    /// that has failed before, which was told then, nothing is done.
+    /// Aborts if any call but a read was made, as dropping the client does, and reports the
+    /// outcome. Over a link that has failed, which was reported then, it does nothing.
     ///
     /// # Errors
     /// Those of [`Self::abort`].
@@ -325,8 +327,8 @@ impl Client {
         self.lock().link.has_trace()
     }
 
-    /// Bytes a second that a trace may have where it goes over the link itself (`Trace` with `way` 1); none
-    /// where it has a stream of its own.
+    /// Bytes a second that a trace may have when it uses the link itself (`Trace` with `way` 1);
+    /// none when it has a stream of its own.
     pub fn trace_rate(&self) -> Option<u32> {
         let inner = self.lock();
         (!inner.link.has_trace()).then(|| inner.link.trace_rate())
@@ -388,14 +390,14 @@ impl Drop for Client {
     }
 }
 
-/// Pumps the link while nobody calls.
+/// Pumps the link between calls.
 fn keep_alive(shared: &Shared) {
     let mut stop = shared.stop.lock().unwrap_or_else(PoisonError::into_inner);
     let mut idle = IDLE;
     while !*stop {
         drop(stop);
         if let Ok(mut inner) = shared.inner.try_lock() {
-            // A failure is kept and told by the next call.
+            // The next call reports a failure.
             let _ = inner.pump(Duration::from_micros(100));
             idle = IDLE.min(Duration::from_nanos(inner.session.silence() / 2));
         }

@@ -1,7 +1,9 @@
-//! A file of inputs: what the virtual and the emulated board's inputs do, and when (SPEC 7, `--inputs`).
+//! A file of inputs: levels of the virtual and the emulated board's inputs, and their times (SPEC
+//! 7, `--inputs`).
 //!
-//! In: CSV with the columns `t_ms,input,level`. Out: rows in order of time, which [`Inputs::plan`] hands to the controller. Fails
-//! with file, line and column, and the limit that was passed; what the controller refuses is told of its line.
+//! In: CSV with the columns `t_ms,input,level`. Out: rows in order of time, which [`Inputs::plan`]
+//! sends to the controller. Fails with file, line and column, and the limit that was exceeded; a
+//! refusal of the controller names the line.
 use crate::call::Call;
 use crate::client::Client;
 use crate::error::{Error, Result};
@@ -22,7 +24,8 @@ const VOLTS: f64 = 12.5;
 const TOGETHER: usize = 256;
 /// Type of an analog input.
 const ADC: i16 = 24;
-/// Names of inputs: what stands before the number, the type of SimInput, the highest number that any board has.
+/// Names of inputs: the text before the number, the type of SimInput, the highest number that any
+/// board has.
 const NAMES: [(&str, i16, i16); 7] = [
     ("limit_positive", 0, 32),
     ("limit_negative", 1, 32),
@@ -155,7 +158,7 @@ impl Inputs {
         let (mut line, mut counted) = (1, 0);
         for record in reader.records() {
             let record = record.map_err(|error| broken(name, &error))?;
-            // The reader's own count stands in the middle of a CR LF, and before empty lines.
+            // The reader's own count is off in the middle of a CR LF, and before empty lines.
             let start = record.position().map_or(0, |position| position.byte() as usize);
             while counted < start || matches!(text.get(counted), Some(b'\r' | b'\n')) {
                 line += u64::from(text.get(counted) == Some(&b'\n'));
@@ -213,11 +216,11 @@ impl Inputs {
         &self.rows
     }
 
-    /// Hands the rows to the controller, in the place of those that it had.
+    /// Sends the rows to the controller; they replace those that it had.
     ///
     /// # Errors
-    /// The controller's refusal of a row, with file and line; 1 from a board whose inputs are wired. Nothing of a plan that counts
-    /// from a program acts then.
+    /// The controller's refusal of a row, with file and line; 1 from a board whose inputs are
+    /// wired. Then no row of a plan that counts from a program acts.
     pub fn plan(&self, client: &Client, zero: Zero) -> Result<()> {
         let calls: Vec<Call> = (0u16..)
             .zip(&self.rows)

@@ -6,8 +6,8 @@ use crate::error::{Error, Result};
 use crate::{qemu, serial, tcp};
 use std::time::Duration;
 
-/// Bytes of trace a second that a network or USB link is taken to carry beside calls. An Ethernet of 100 Mbit/s
-/// carries ten times as much; the controller's window and the round trip set the rest.
+/// Bytes of trace a second that a network or USB link can carry in addition to calls. An Ethernet
+/// of 100 Mbit/s carries ten times as much; the controller's window and the round trip limit it.
 pub const TRACE_RATE: u32 = 1_000_000;
 
 /// A road for bytes to one controller.

@@ -60,7 +60,7 @@ impl Profile {
         }
     }
 
-    /// Whether it has this axis of this core, both from 1; axis 0 stands for the core alone.
+    /// Whether it has this axis of this core, both from 1; axis 0 means the core alone.
     pub fn holds(self, core: i16, axis: i16) -> bool {
         let (cores, axes) = self.counts();
         (1..=i16::from(cores)).contains(&core) && (0..=i16::from(axes)).contains(&axis)
@@ -108,8 +108,8 @@ pub struct Options {
     pub family: Option<Family>,
     /// Servo tick in µs; `None` keeps the controller's.
     pub tick_us: Option<u32>,
-    /// A call fails with −7 if nothing comes from the controller for this long. Time for which the host held the client up
-    /// does not count; an emulated board may take five times as long.
+    /// A call fails with −7 if nothing arrives from the controller for this long. Time for which
+    /// the host delayed the client does not count; an emulated board may take five times as long.
     pub timeout: Duration,
     /// Opening fails with −7 after this time without an answer; likewise.
     pub open_timeout: Duration,

@@ -59,7 +59,7 @@ pub struct Dry {
     pub core: i16,
     /// Axis of the core, from 1.
     pub axis: i16,
-    /// Free places (PtSpace).
+    /// Free slots (PtSpace).
     pub space: u16,
     /// Time to dry in ms.
     pub dry_ms: u32,
@@ -186,7 +186,7 @@ const PROGRESS_NS: u64 = 100_000_000;
 const ENTRY_OVERHEAD: u32 = 8;
 /// Entries that are sent and not answered, at most.
 const IN_FLIGHT: usize = 16_384;
-/// Calls that wait for a place in a message, at most: about a window full.
+/// Calls that wait to be put into a message, at most: about a full window.
 const BACKLOG: usize = 1024;
 
 /// States of the program queue (`ProgramReply::state`).
@@ -197,26 +197,26 @@ mod state {
     pub const STOPPED: u8 = 4;
 }
 
-/// An entry on its way.
+/// An entry in transfer.
 struct Sent {
     tag: u16,
     index: u32,
     call: Call,
 }
 
-/// A program under way.
+/// A program in transfer.
 struct Run<'a> {
     calls: &'a mut dyn Iterator<Item = Call>,
-    /// The next call, taken from the iterator and not sent yet; calls to be sent again stand in front.
+    /// The next call, taken from the iterator and not sent yet; calls to be sent again come first.
     ahead: VecDeque<(u32, Call)>,
     exhausted: bool,
     flight: VecDeque<Sent>,
     /// Free bytes of the queue that may still be used.
     room: u32,
-    /// The look at the queue that is under way: its tag, and the bytes sent behind it.
+    /// The pending query of the queue: its tag, and the bytes sent after it.
     look: Option<(u16, u32)>,
     looked_at: u64,
-    told_at: u64,
+    reported_at: u64,
     started: bool,
     /// Looks in a row at which the held queue had not moved on.
     stuck: u32,
@@ -244,7 +244,7 @@ pub(crate) fn run(
         room: 0,
         look: None,
         looked_at: 0,
-        told_at: client.lock().now(),
+        reported_at: client.lock().now(),
         started: false,
         stuck: 0,
         going_back: false,
@@ -277,8 +277,8 @@ pub(crate) fn run(
             run.started = true;
         }
         let now = client.lock().now();
-        if now.saturating_sub(run.told_at) >= PROGRESS_NS {
-            run.told_at = now;
+        if now.saturating_sub(run.reported_at) >= PROGRESS_NS {
+            run.reported_at = now;
             observer.progress(&run.progress)?;
         }
         if run.is_over() {
@@ -298,7 +298,7 @@ pub(crate) fn run(
 }
 
 impl Run<'_> {
-    /// The next call to send; the program's end behind the last.
+    /// The next call to send; after the last one, the program's end.
     fn next(&mut self) -> Option<&(u32, Call)> {
         if self.ahead.is_empty() && !self.exhausted {
             let call = self.calls.next();
@@ -368,13 +368,13 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// Which entries a reply tells of.
+    /// Which entries a reply reports.
     fn note(&mut self) {
         let queue = self.progress.queue;
         let entry =
             |bit: u8, tag: u16| (queue.told & bit != 0).then(|| self.tags.get(usize::from(tag)).copied()).flatten();
         let (late, overran) = (entry(told::LATE, queue.late_tag.get()), entry(told::OVERRAN, queue.overran_tag.get()));
-        // Tags are used again: the first look that tells of one has it.
+        // Tags are used again: the first query that reports one has it.
         self.progress.first_late = self.progress.first_late.or(late);
         self.progress.overran = self.progress.overran.or(overran);
     }
@@ -402,7 +402,8 @@ impl Run<'_> {
             let Some(sent) = self.flight.pop_front() else { break };
             let answer = Answer::new(sent.index, sent.call.opcode, reply.code, reply.payload);
             if answer.refusal().and_then(Refusal::reason) == Some(Reason::QueueFull) {
-                // This entry and all behind it go again, once the controller has answered them all.
+                // This entry and all after it are sent again, once the controller has answered them
+                // all.
                 self.going_back = true;
                 self.ahead.push_back((sent.index, sent.call));
                 continue;
@@ -410,7 +411,7 @@ impl Run<'_> {
             if self.going_back && answer.code == 0 {
                 return Err(Error::new(
                     error::LINK_PROTOCOL,
-                    "the controller took an entry behind one that its queue had no room for",
+                    "the controller took an entry after one that its queue had no room for",
                 ));
             }
             self.note_stream(&sent.call, &answer);

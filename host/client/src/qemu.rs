@@ -27,7 +27,7 @@ pub struct Machine {
     pub program: PathBuf,
     /// 2^shift ns of emulated time pass with each instruction.
     pub icount_shift: u8,
-    /// Where the image's log goes; without it, nowhere.
+    /// Destination of the image's log; without it, the log is dropped.
     pub log: Option<PathBuf>,
     /// Arguments added to the command line.
     pub extra: Vec<String>,
@@ -88,12 +88,12 @@ pub struct QemuLink {
     wait: Option<Duration>,
     /// Trace bytes that came and were not taken yet.
     inbox: Arc<Mutex<Vec<u8>>>,
-    /// The way into the trace's UART.
+    /// The sending half of the trace's UART.
     inputs: TcpStream,
     since: Instant,
 }
 
-/// The emulated board's inputs, for tests: levels are told by bytes on the trace's UART.
+/// The emulated board's inputs, for tests: bytes on the trace's UART set the levels.
 pub struct Switchboard(TcpStream);
 
 impl Switchboard {
@@ -131,8 +131,8 @@ impl QemuLink {
             .args(["-icount", &format!("shift={}", machine.icount_shift)])
             .args(["-chardev", &format!("socket,id=link,host=127.0.0.1,port={link_port},nodelay=on,mux=on")])
             .args(["-serial", "chardev:link"])
-            // A multiplexed port buffers 32 bytes, so that not every byte waits for a round of QEMU's main loop
-            // and the guest in turn. Its escape character is set beyond any byte.
+            // A multiplexed port buffers 32 bytes, so that not every byte waits for one cycle of
+            // QEMU's main loop and the guest in turn. Its escape character is set beyond any byte.
             .args(["-echr", "0x100"])
             // Nobody waits for a single byte of the trace.
             .args(["-chardev", &format!("socket,id=trace,host=127.0.0.1,port={trace_port},nodelay=off")])
@@ -181,8 +181,8 @@ impl QemuLink {
     }
 }
 
-/// A command that runs `program` and, on Linux, ends it when this process ends in whatever way: a client that is killed
-/// leaves no QEMU behind.
+/// A command that runs `program` and, on Linux, ends it when this process ends for any reason: a
+/// client that is killed leaves no QEMU running.
 fn command(program: &Path) -> Command {
     let found = |name: &Path| {
         let path = std::env::var_os("PATH").unwrap_or_default();
@@ -236,8 +236,8 @@ fn accept(listener: &TcpListener, child: &mut Child) -> std::io::Result<TcpStrea
     }
 }
 
-/// Takes trace bytes off the socket until it closes or nobody wants them, so that the emulated UART
-/// need not wait.
+/// Takes trace bytes off the socket until it closes or its reader is gone, so that the emulated
+/// UART need not wait.
 fn collect(mut stream: TcpStream, inbox: &Weak<Mutex<Vec<u8>>>) {
     let mut buf = [0; 16384];
     while let Ok(n @ 1..) = stream.read(&mut buf) {

@@ -28,7 +28,8 @@ impl SerialLink {
     /// Opens `PATH[:BAUD]`, 8 data bits, no parity.
     pub fn open(port: &str) -> Result<Self> {
         let name = format!("serial:{port}");
-        // A Windows or Linux path may hold a colon itself: only a number behind the last one is a rate.
+        // A Windows or Linux path may hold a colon itself: only a number after the last one is a
+        // rate.
         let (path, baud) = match port.rsplit_once(':').map(|(path, baud)| (path, baud.parse::<u32>())) {
             Some((path, Ok(baud))) => (path, baud),
             _ => (port, DEFAULT_BAUD),

@@ -12,7 +12,7 @@ use protocol::record::{BODY_MAX, Lane, RequestWriter, TRACE_RECORD, replies};
 use std::collections::{HashMap, VecDeque};
 use zerocopy::FromBytes;
 
-/// Messages under way at once.
+/// Unanswered messages at once.
 const WINDOW: usize = 32;
 /// Most calls that wait for a reply: tags have 16 bits, and none may be used twice at a time.
 pub(crate) const MAX_WAITING: usize = 32_768;
@@ -57,7 +57,8 @@ pub(crate) struct Session {
 struct Silence {
     /// By the time in force.
     set: u64,
-    /// By the times that are under way, with their calls: until one is answered, the shortest counts.
+    /// By the times of unanswered calls, with the calls: until one is answered, the shortest
+    /// counts.
     asked: Vec<(u16, u64)>,
 }
 
@@ -138,7 +139,7 @@ impl Session {
         let tag = self.next_tag;
         self.next_tag = self.next_tag.wrapping_add(1);
         self.waiting.insert(tag, None);
-        // An Abort of the immediate lane acts now; one of a program acts if the program comes to it.
+        // An Abort of the immediate lane acts now; one of a program acts if the program reaches it.
         self.commanded = match (lane, call.opcode) {
             (Lane::Immediate, opcode::Abort) => false,
             _ => self.commanded || !call.only_reads(),
@@ -239,7 +240,7 @@ impl Session {
                     continue;
                 }
                 self.silence.answered(reply.tag, reply.code);
-                // A reply that nobody waits for belongs to a program that was given up.
+                // A reply without a waiting call belongs to a program that was given up.
                 if let Some(place) = self.waiting.get_mut(&reply.tag) {
                     *place = Some(Reply { code: reply.code, payload: reply.body.to_vec() });
                 }

@@ -30,7 +30,7 @@ impl TcpLink {
         Err(Error::cannot_open(&name, cause))
     }
 
-    /// Takes a connection that stands already.
+    /// Takes an open connection.
     pub fn over(stream: TcpStream, name: String) -> Result<Self> {
         stream.set_nodelay(true).map_err(|e| Error::cannot_open(&name, e))?;
         Ok(TcpLink { name, stream, wait: None, since: Instant::now() })

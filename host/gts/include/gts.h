@@ -168,15 +168,15 @@ GT_API GT_ClrSts(short axis, short count GT_DEFAULT(1));
 GT_API GT_GetVersion(char **version);
 /* Controller time in ms, and servo ticks since power-on. */
 GT_API GT_GetClock(unsigned long *clock, unsigned long *loop GT_DEFAULT(NULL));
-/* Sets the servo tick in us, at rest. */
+/* Sets the servo tick in us, at standstill. */
 GT_API GT_SetTick(long tickUs);
 /* After how many ms without the host the link counts as lost, and whether all motion stops then. */
 GT_API GT_SetLinkLoss(long timeMs, short stopAll);
 /* After how many ms the link counts as lost, 0 never, and whether all motion stops then. */
 GT_API GT_GetLinkLoss(double *ms, short *stopAll);
-/* What motion does on the interlock input: 0 goes on in the dark, 1 as at link loss, 2 stops abruptly. */
+/* What motion does on the interlock input: 0 continues with light off, 1 as at link loss, 2 stops abruptly. */
 GT_API GT_SetInterlock(short motion);
-/* Shuts off every laser at once and brings all motion to rest smoothly. */
+/* Shuts off every laser at once and stops all motion smoothly. */
 GT_API GT_Abort(void);
 
 /* Axes */
@@ -348,7 +348,7 @@ GT_API GT_SetCrdPrm(short crd, TCrdPrm *crdPrm);
 GT_API GT_GetCrdPrm(short crd, TCrdPrm *crdPrm);
 /* Clears a FIFO of a coordinate system. */
 GT_API GT_CrdClear(short crd, short fifo GT_DEFAULT(0));
-/* Free places of a FIFO of a coordinate system. */
+/* Free slots of a FIFO of a coordinate system. */
 GT_API GT_CrdSpace(short crd, long *space, short fifo GT_DEFAULT(0));
 /* Starts coordinate systems (mask), with FIFO 0 or 1 (option). */
 GT_API GT_CrdStart(short mask, short option GT_DEFAULT(0));
@@ -452,7 +452,7 @@ GT_API GT_SetLaserDisTable2D(short *axisIndex, short *count, double *ratio, long
 /* PT */
 /* Puts an axis into PT mode: static or dynamic FIFO. */
 GT_API GT_PrfPt(short profile, short mode GT_DEFAULT(0));
-/* Free places of a PT FIFO. */
+/* Free slots of a PT FIFO. */
 GT_API GT_PtSpace(short profile, short *space, short fifo GT_DEFAULT(0));
 /* A PT segment: end position in pulses, end time in ms, type. */
 GT_API GT_PtData(short profile, double pos, long time, short type GT_DEFAULT(0), short fifo GT_DEFAULT(0));
@@ -486,7 +486,7 @@ GT_API GT_PvtStart(long mask);
 GT_API GT_PvtTableSelect(short profile, short tableId);
 /* Fills a table with times, positions and velocities. */
 GT_API GT_PvtTable(short tableId, long count, double *time, double *pos, double *vel);
-/* Fills a table with velocities at the begin and the end of each segment; a point where they differ takes two of 1024 places. */
+/* Fills a table with velocities at the begin and the end of each segment; a point where they differ takes two of 1024 points. */
 GT_API GT_PvtTableEx(short tableId, long count, double *time, double *pos, double *velBegin, double *velEnd);
 /* Fills a table whose acceleration is continuous. */
 GT_API GT_PvtTableComplete(short tableId, long count, double *time, double *pos, double *a, double *b, double *c, double velBegin GT_DEFAULT(0), double velEnd GT_DEFAULT(0));
@@ -514,7 +514,7 @@ GT_API GT_GetFollowLoop(short profile, long *loop);
 GT_API GT_SetFollowEvent(short profile, short event, short masterDir, long pos GT_DEFAULT(0));
 /* When following begins. */
 GT_API GT_GetFollowEvent(short profile, short *event, short *masterDir, long *pos);
-/* Free places of a Follow FIFO. */
+/* Free slots of a Follow FIFO. */
 GT_API GT_FollowSpace(short profile, short *space, short fifo GT_DEFAULT(0));
 /* A Follow segment: way of the master, way of the slave, type. */
 GT_API GT_FollowData(short profile, long masterSegment, double slaveSegment, short type GT_DEFAULT(0), short fifo GT_DEFAULT(0));
@@ -546,7 +546,7 @@ GT_API GT_GetFollowLoopEx(short profile, long *loop);
 GT_API GT_SetFollowEventEx(short profile, short event, short masterDir, long pos GT_DEFAULT(0));
 /* When following begins. */
 GT_API GT_GetFollowEventEx(short profile, short *event, short *masterDir, long *pos);
-/* Free places of a FollowEx FIFO. */
+/* Free slots of a FollowEx FIFO. */
 GT_API GT_FollowSpaceEx(short profile, short *space, short fifo GT_DEFAULT(0));
 /* A FollowEx segment with a percentage of S-shape. */
 GT_API GT_FollowDataPercentEx(short profile, double masterSegment, double slaveSegment, short type GT_DEFAULT(0), short percent GT_DEFAULT(0), short fifo GT_DEFAULT(0));
@@ -566,9 +566,9 @@ GT_API GT_GetFollowStatusEx(short profile, short *fifoNum, short *switchStatus);
 GT_API GT_FollowSwitchNowEx(short profile, short method, short buffer GT_DEFAULT(0), short fifo GT_DEFAULT(0));
 /* In a FollowEx FIFO: sets a digital output. */
 GT_API GT_FollowDoBitEx(short profile, short doType, short index, short value, short fifo GT_DEFAULT(0));
-/* In a FollowEx FIFO: the slave rests for so many 250 us. */
+/* In a FollowEx FIFO: the slave is at standstill for so many 250 us. */
 GT_API GT_FollowDelayEx(short profile, unsigned long delayTime, short fifo GT_DEFAULT(0));
-/* In a FollowEx FIFO: the slave rests until an input has a level, or a time in ms is over. */
+/* In a FollowEx FIFO: the slave is at standstill until an input has a level, or a time in ms is over. */
 GT_API GT_FollowDiBitEx(short profile, short diType, short index, short value, unsigned long time GT_DEFAULT(0), short fifo GT_DEFAULT(0));
 /* A FollowEx segment with velocity ratios at begin and end. */
 GT_API GT_FollowDataPercent2Ex(short profile, double masterSegment, double slaveSegment, double velBeginRatio, double velEndRatio, short percent GT_DEFAULT(100), short *percent1 GT_DEFAULT(NULL), short fifo GT_DEFAULT(0));
@@ -594,15 +594,15 @@ GT_API GTN_ClrSts(short core, short axis, short count GT_DEFAULT(1));
 GT_API GTN_GetVersion(short core, char **version);
 /* Controller time in ms, and servo ticks since power-on. */
 GT_API GTN_GetClock(short core, unsigned long *clock, unsigned long *loop GT_DEFAULT(NULL));
-/* Sets the servo tick in us, at rest. */
+/* Sets the servo tick in us, at standstill. */
 GT_API GTN_SetTick(short core, long tickUs);
 /* After how many ms without the host the link counts as lost, and whether all motion stops then. */
 GT_API GTN_SetLinkLoss(short core, long timeMs, short stopAll);
 /* After how many ms the link counts as lost, 0 never, and whether all motion stops then. */
 GT_API GTN_GetLinkLoss(short core, double *ms, short *stopAll);
-/* What motion does on the interlock input: 0 goes on in the dark, 1 as at link loss, 2 stops abruptly. */
+/* What motion does on the interlock input: 0 continues with light off, 1 as at link loss, 2 stops abruptly. */
 GT_API GTN_SetInterlock(short core, short motion);
-/* Shuts off every laser at once and brings all motion to rest smoothly. */
+/* Shuts off every laser at once and stops all motion smoothly. */
 GT_API GTN_Abort(short core);
 
 /* Axes */
@@ -774,7 +774,7 @@ GT_API GTN_SetCrdPrm(short core, short crd, TCrdPrm *crdPrm);
 GT_API GTN_GetCrdPrm(short core, short crd, TCrdPrm *crdPrm);
 /* Clears a FIFO of a coordinate system. */
 GT_API GTN_CrdClear(short core, short crd, short fifo GT_DEFAULT(0));
-/* Free places of a FIFO of a coordinate system. */
+/* Free slots of a FIFO of a coordinate system. */
 GT_API GTN_CrdSpace(short core, short crd, long *space, short fifo GT_DEFAULT(0));
 /* Starts coordinate systems (mask), with FIFO 0 or 1 (option). */
 GT_API GTN_CrdStart(short core, short mask, short option GT_DEFAULT(0));
@@ -878,7 +878,7 @@ GT_API GTN_SetLaserDisTable2D(short core, short *axisIndex, short *count, double
 /* PT */
 /* Puts an axis into PT mode: static or dynamic FIFO. */
 GT_API GTN_PrfPt(short core, short profile, short mode GT_DEFAULT(0));
-/* Free places of a PT FIFO. */
+/* Free slots of a PT FIFO. */
 GT_API GTN_PtSpace(short core, short profile, short *space, short fifo GT_DEFAULT(0));
 /* A PT segment: end position in pulses, end time in ms, type. */
 GT_API GTN_PtData(short core, short profile, double pos, long time, short type GT_DEFAULT(0), short fifo GT_DEFAULT(0));
@@ -912,7 +912,7 @@ GT_API GTN_PvtStart(short core, long mask);
 GT_API GTN_PvtTableSelect(short core, short profile, short tableId);
 /* Fills a table with times, positions and velocities. */
 GT_API GTN_PvtTable(short core, short tableId, long count, double *time, double *pos, double *vel);
-/* Fills a table with velocities at the begin and the end of each segment; a point where they differ takes two of 1024 places. */
+/* Fills a table with velocities at the begin and the end of each segment; a point where they differ takes two of 1024 points. */
 GT_API GTN_PvtTableEx(short core, short tableId, long count, double *time, double *pos, double *velBegin, double *velEnd);
 /* Fills a table whose acceleration is continuous. */
 GT_API GTN_PvtTableComplete(short core, short tableId, long count, double *time, double *pos, double *a, double *b, double *c, double velBegin GT_DEFAULT(0), double velEnd GT_DEFAULT(0));
@@ -940,7 +940,7 @@ GT_API GTN_GetFollowLoop(short core, short profile, long *loop);
 GT_API GTN_SetFollowEvent(short core, short profile, short event, short masterDir, long pos GT_DEFAULT(0));
 /* When following begins. */
 GT_API GTN_GetFollowEvent(short core, short profile, short *event, short *masterDir, long *pos);
-/* Free places of a Follow FIFO. */
+/* Free slots of a Follow FIFO. */
 GT_API GTN_FollowSpace(short core, short profile, short *space, short fifo GT_DEFAULT(0));
 /* A Follow segment: way of the master, way of the slave, type. */
 GT_API GTN_FollowData(short core, short profile, long masterSegment, double slaveSegment, short type GT_DEFAULT(0), short fifo GT_DEFAULT(0));
@@ -972,7 +972,7 @@ GT_API GTN_GetFollowLoopEx(short core, short profile, long *loop);
 GT_API GTN_SetFollowEventEx(short core, short profile, short event, short masterDir, long pos GT_DEFAULT(0));
 /* When following begins. */
 GT_API GTN_GetFollowEventEx(short core, short profile, short *event, short *masterDir, long *pos);
-/* Free places of a FollowEx FIFO. */
+/* Free slots of a FollowEx FIFO. */
 GT_API GTN_FollowSpaceEx(short core, short profile, short *space, short fifo GT_DEFAULT(0));
 /* A FollowEx segment with a percentage of S-shape. */
 GT_API GTN_FollowDataPercentEx(short core, short profile, double masterSegment, double slaveSegment, short type GT_DEFAULT(0), short percent GT_DEFAULT(0), short fifo GT_DEFAULT(0));
@@ -992,9 +992,9 @@ GT_API GTN_GetFollowStatusEx(short core, short profile, short *fifoNum, short *s
 GT_API GTN_FollowSwitchNowEx(short core, short profile, short method, short buffer GT_DEFAULT(0), short fifo GT_DEFAULT(0));
 /* In a FollowEx FIFO: sets a digital output. */
 GT_API GTN_FollowDoBitEx(short core, short profile, short doType, short index, short value, short fifo GT_DEFAULT(0));
-/* In a FollowEx FIFO: the slave rests for so many 250 us. */
+/* In a FollowEx FIFO: the slave is at standstill for so many 250 us. */
 GT_API GTN_FollowDelayEx(short core, short profile, unsigned long delayTime, short fifo GT_DEFAULT(0));
-/* In a FollowEx FIFO: the slave rests until an input has a level, or a time in ms is over. */
+/* In a FollowEx FIFO: the slave is at standstill until an input has a level, or a time in ms is over. */
 GT_API GTN_FollowDiBitEx(short core, short profile, short diType, short index, short value, unsigned long time GT_DEFAULT(0), short fifo GT_DEFAULT(0));
 /* A FollowEx segment with velocity ratios at begin and end. */
 GT_API GTN_FollowDataPercent2Ex(short core, short profile, double masterSegment, double slaveSegment, double velBeginRatio, double velEndRatio, short percent GT_DEFAULT(100), short *percent1 GT_DEFAULT(NULL), short fifo GT_DEFAULT(0));

@@ -365,15 +365,15 @@ GT_API GT_ClrSts(short cardNum, short axis, short count GT_DEFAULT(1));
 GT_API GT_GetVersion(short cardNum, char **version);
 /* Controller time in ms, and servo ticks since power-on. */
 GT_API GT_GetClock(short cardNum, unsigned long *clock, unsigned long *loop GT_DEFAULT(NULL));
-/* Sets the servo tick in us, at rest. */
+/* Sets the servo tick in us, at standstill. */
 GT_API GT_SetTick(short cardNum, long tickUs);
 /* After how many ms without the host the link counts as lost, and whether all motion stops then. */
 GT_API GT_SetLinkLoss(short cardNum, long timeMs, short stopAll);
 /* After how many ms the link counts as lost, 0 never, and whether all motion stops then. */
 GT_API GT_GetLinkLoss(short cardNum, double *ms, short *stopAll);
-/* What motion does on the interlock input: 0 goes on in the dark, 1 as at link loss, 2 stops abruptly. */
+/* What motion does on the interlock input: 0 continues with light off, 1 as at link loss, 2 stops abruptly. */
 GT_API GT_SetInterlock(short cardNum, short motion);
-/* Shuts off every laser at once and brings all motion to rest smoothly. */
+/* Shuts off every laser at once and stops all motion smoothly. */
 GT_API GT_Abort(short cardNum);
 
 /* Axes */
@@ -545,7 +545,7 @@ GT_API GT_SetCrdPrm(short cardNum, short crd, TCrdPrm *crdPrm);
 GT_API GT_GetCrdPrm(short cardNum, short crd, TCrdPrm *crdPrm);
 /* Clears a FIFO of a coordinate system. */
 GT_API GT_CrdClear(short cardNum, short crd, short fifo GT_DEFAULT(0));
-/* Free places of a FIFO of a coordinate system. */
+/* Free slots of a FIFO of a coordinate system. */
 GT_API GT_CrdSpace(short cardNum, short crd, long *space, short fifo GT_DEFAULT(0));
 /* Starts coordinate systems (mask), with FIFO 0 or 1 (option). */
 GT_API GT_CrdStart(short cardNum, short mask, short option GT_DEFAULT(0));
@@ -649,7 +649,7 @@ GT_API GT_SetLaserDisTable2D(short cardNum, short *axisIndex, short *count, doub
 /* PT */
 /* Puts an axis into PT mode: static or dynamic FIFO. */
 GT_API GT_PrfPt(short cardNum, short profile, short mode GT_DEFAULT(0));
-/* Free places of a PT FIFO. */
+/* Free slots of a PT FIFO. */
 GT_API GT_PtSpace(short cardNum, short profile, short *space, short fifo GT_DEFAULT(0));
 /* A PT segment: end position in pulses, end time in ms, type. */
 GT_API GT_PtData(short cardNum, short profile, double pos, long time, short type GT_DEFAULT(0), short fifo GT_DEFAULT(0));
@@ -683,7 +683,7 @@ GT_API GT_PvtStart(short cardNum, long mask);
 GT_API GT_PvtTableSelect(short cardNum, short profile, short tableId);
 /* Fills a table with times, positions and velocities. */
 GT_API GT_PvtTable(short cardNum, short tableId, long count, double *time, double *pos, double *vel);
-/* Fills a table with velocities at the begin and the end of each segment; a point where they differ takes two of 1024 places. */
+/* Fills a table with velocities at the begin and the end of each segment; a point where they differ takes two of 1024 points. */
 GT_API GT_PvtTableEx(short cardNum, short tableId, long count, double *time, double *pos, double *velBegin, double *velEnd);
 /* Fills a table whose acceleration is continuous. */
 GT_API GT_PvtTableComplete(short cardNum, short tableId, long count, double *time, double *pos, double *a, double *b, double *c, double velBegin GT_DEFAULT(0), double velEnd GT_DEFAULT(0));
@@ -711,7 +711,7 @@ GT_API GT_GetFollowLoop(short cardNum, short profile, long *loop);
 GT_API GT_SetFollowEvent(short cardNum, short profile, short event, short masterDir, long pos GT_DEFAULT(0));
 /* When following begins. */
 GT_API GT_GetFollowEvent(short cardNum, short profile, short *event, short *masterDir, long *pos);
-/* Free places of a Follow FIFO. */
+/* Free slots of a Follow FIFO. */
 GT_API GT_FollowSpace(short cardNum, short profile, short *space, short fifo GT_DEFAULT(0));
 /* A Follow segment: way of the master, way of the slave, type. */
 GT_API GT_FollowData(short cardNum, short profile, long masterSegment, double slaveSegment, short type GT_DEFAULT(0), short fifo GT_DEFAULT(0));
@@ -743,7 +743,7 @@ GT_API GT_GetFollowLoopEx(short cardNum, short profile, long *loop);
 GT_API GT_SetFollowEventEx(short cardNum, short profile, short event, short masterDir, long pos GT_DEFAULT(0));
 /* When following begins. */
 GT_API GT_GetFollowEventEx(short cardNum, short profile, short *event, short *masterDir, long *pos);
-/* Free places of a FollowEx FIFO. */
+/* Free slots of a FollowEx FIFO. */
 GT_API GT_FollowSpaceEx(short cardNum, short profile, short *space, short fifo GT_DEFAULT(0));
 /* A FollowEx segment with a percentage of S-shape. */
 GT_API GT_FollowDataPercentEx(short cardNum, short profile, double masterSegment, double slaveSegment, short type GT_DEFAULT(0), short percent GT_DEFAULT(0), short fifo GT_DEFAULT(0));
@@ -763,9 +763,9 @@ GT_API GT_GetFollowStatusEx(short cardNum, short profile, short *fifoNum, short 
 GT_API GT_FollowSwitchNowEx(short cardNum, short profile, short method, short buffer GT_DEFAULT(0), short fifo GT_DEFAULT(0));
 /* In a FollowEx FIFO: sets a digital output. */
 GT_API GT_FollowDoBitEx(short cardNum, short profile, short doType, short index, short value, short fifo GT_DEFAULT(0));
-/* In a FollowEx FIFO: the slave rests for so many 250 us. */
+/* In a FollowEx FIFO: the slave is at standstill for so many 250 us. */
 GT_API GT_FollowDelayEx(short cardNum, short profile, unsigned long delayTime, short fifo GT_DEFAULT(0));
-/* In a FollowEx FIFO: the slave rests until an input has a level, or a time in ms is over. */
+/* In a FollowEx FIFO: the slave is at standstill until an input has a level, or a time in ms is over. */
 GT_API GT_FollowDiBitEx(short cardNum, short profile, short diType, short index, short value, unsigned long time GT_DEFAULT(0), short fifo GT_DEFAULT(0));
 /* A FollowEx segment with velocity ratios at begin and end. */
 GT_API GT_FollowDataPercent2Ex(short cardNum, short profile, double masterSegment, double slaveSegment, double velBeginRatio, double velEndRatio, short percent GT_DEFAULT(100), short *percent1 GT_DEFAULT(NULL), short fifo GT_DEFAULT(0));

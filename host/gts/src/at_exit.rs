@@ -1,8 +1,9 @@
-//! What runs when the process ends by itself: `exit`, or the end of `main`.
+//! Runs a function when the process ends by itself: `exit`, or the end of `main`.
 //!
-//! In: a function. It runs while the library's threads still live. Windows: a DLL's own `atexit` runs only when the
-//! system has ended all other threads, with the locks they held; so the function is given to the C runtime of the
-//! process, and does nothing once the process is being taken down (`ExitProcess`, a runtime linked statically).
+//! In: a function. Out: it has run while the library's threads were still alive. Windows: a DLL's
+//! own `atexit` runs only when the system has ended all other threads, with the locks they held. So
+//! the C runtime of the process gets the function. It does nothing once the process is being ended
+//! by the system (`ExitProcess`, a runtime linked statically).
 
 /// Runs `end` at the end of the process; nothing where there is no C runtime to ask.
 #[cfg(not(windows))]

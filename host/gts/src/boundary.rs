@@ -1,4 +1,4 @@
-//! Where C comes in: each exported function is one line of `exports`, made of these macros.
+//! The entry from C: each exported function is one line of `exports`, made of these macros.
 
 use crate::card::Slot;
 use crate::engine::{self, Prepared};

@@ -1,8 +1,9 @@
-//! An opened controller, and the places for seventeen of them: the one of `GT_`/`GTN_`, and cards 0 to 15.
+//! An opened controller, and the slots for seventeen of them: the one of `GT_`/`GTN_`, and cards 0
+//! to 15.
 //!
-//! Owns the client, the queue of PT data, the files of a trace, and where time has to be driven or a queue sent, a
-//! thread for it. A place is locked for the whole of a call: calls of several threads follow each other. An Abort, a Close and the end
-//! of the process go first.
+//! Owns the client, the queue of PT data, the files of a trace, and a thread where time has to be
+//! driven or a queue sent. A slot is locked for the whole of a call: calls of several threads
+//! follow each other. An Abort, a Close and the end of the process have priority.
 
 use crate::recorder::{Claim, Recorder};
 use crate::settings::{Road, Settings};
@@ -29,7 +30,7 @@ const GIVE_WAY: Duration = Duration::from_micros(100);
 /// Bit 10 of the status word: the profile runs.
 const RUNNING: i32 = 1 << 10;
 
-/// A place for a controller.
+/// A slot for a controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Slot(usize);
 
@@ -37,10 +38,10 @@ pub struct Slot(usize);
 const SLOTS: usize = 17;
 static STATES: [Mutex<State>; SLOTS] = [const { Mutex::new(State { card: None, version: None }) }; SLOTS];
 
-/// Calls that the others let go first, for each place.
+/// Calls with priority over others, for each slot.
 static FIRST: [AtomicUsize; SLOTS] = [const { AtomicUsize::new(0) }; SLOTS];
 
-/// All places.
+/// All slots.
 pub fn all() -> impl Iterator<Item = Slot> {
     (0..SLOTS).map(Slot)
 }
@@ -59,7 +60,7 @@ impl Slot {
         self.0.checked_sub(1)
     }
 
-    /// The place for this thread alone, once nobody goes first.
+    /// Locks the slot for this thread, once no call with priority waits.
     pub fn lock(self) -> MutexGuard<'static, State> {
         loop {
             while self.is_asked_for() {
@@ -73,7 +74,7 @@ impl Slot {
         }
     }
 
-    /// The place for this thread alone, before all calls that have not begun.
+    /// Locks the slot for this thread, before all calls that have not begun.
     pub fn lock_first(self) -> MutexGuard<'static, State> {
         FIRST[self.0].fetch_add(1, Ordering::SeqCst);
         let state = self.wait();
@@ -122,7 +123,7 @@ pub struct Opening {
     pub param: i64,
 }
 
-/// A place.
+/// A slot.
 pub struct State {
     card: Option<Card>,
     /// What GetVersion shows; it stays until the next Open.
@@ -200,7 +201,7 @@ pub struct Card {
     recorder: Option<Arc<Mutex<Recorder>>>,
     _files: Claim,
     keeper: Option<Keeper>,
-    /// Close has been called: nobody drives the time any more.
+    /// Close has been called: the time is not driven any more.
     closed: Arc<AtomicBool>,
     /// Something was set in motion.
     pub started: bool,
@@ -292,13 +293,13 @@ impl Card {
         (Arc::clone(&self.client), self.time.clone())
     }
 
-    /// Whether it has been closed; told to those who wait meanwhile.
+    /// Whether it has been closed; threads that wait meanwhile are notified.
     pub fn closed(&self) -> Arc<AtomicBool> {
         Arc::clone(&self.closed)
     }
 
-    /// Sends the calls of one function in one go, behind what is queued; the first refusal is the function's.
-    /// Nothing comes back for PT data that was queued.
+    /// Sends the calls of one function together, after what is queued; the first refusal is the
+    /// function's. PT data that was queued gives no reply.
     pub fn send(&mut self, reads: bool, calls: &[Call]) -> Result<Option<Vec<Vec<u8>>>> {
         if let Some(error) = self.stream.failed() {
             return Err(error);
@@ -422,7 +423,7 @@ impl Keeper {
                 drop(end);
                 if let Time::Paced(pace) = &time {
                     let now = || client.now().as_nanos() as u64;
-                    // A failure is kept and told by the next call.
+                    // The next call reports a failure.
                     pace.catch_up(now, |ns| drop(client.sleep(Duration::from_nanos(ns))));
                 }
                 if queued.load(Ordering::Relaxed)
@@ -457,7 +458,7 @@ impl Drop for Keeper {
 }
 
 impl Card {
-    /// Sends queued data in the background; what fails is told by the next call.
+    /// Sends queued data in the background; the next call reports a failure.
     pub fn flush_later(&mut self) {
         if let Err(error) = self.flush() {
             self.stream.fail(error);

@@ -1,9 +1,11 @@
-//! What the headers of `compat/` call: `Sleep`, `kbhit` and `getch` on Linux, in the controller's time.
+//! Functions for the headers of `compat/`: `Sleep`, `kbhit` and `getch` on Linux, in the
+//! controller's time.
 //!
-//! A sleep lasts for so many milliseconds of controller time, so that a program does the same at any speed of the virtual
-//! controller. Keys: a terminal's are read by the header itself. Without a terminal they are pressed at the
-//! controller times (ms from Open) that `BEAMTICK_KEYS` lists (`1500,4000A`: a letter, or else a line end); behind the last of them, or without the
-//! variable, a key is down whenever something was set in motion and nothing moves any more.
+//! A sleep lasts for so many milliseconds of controller time, so that a program does the same at
+//! any speed of the virtual controller. Keys: the header itself reads those of a terminal. Without
+//! a terminal they are pressed at the controller times (ms from Open) that `BEAMTICK_KEYS` lists
+//! (`1500,4000A`: a letter, or else a line end). After the last of them, or without the variable, a
+//! key is down once motion was started and nothing moves any more.
 
 use crate::card::{Card, Time};
 use crate::engine::any_card;
@@ -31,10 +33,12 @@ impl Keys {
     }
 }
 
-/// Waits for so many milliseconds of the open controller's time; of the wall clock's, if none is open.
+/// Waits for so many milliseconds of the open controller's time; of the wall clock's, if none is
+/// open.
 ///
-/// With `virtual:max` time passes here and in calls only, exactly as long as asked. When another thread closes the
-/// controller meanwhile, the rest lasts as long on the wall clock as it would have lasted with the controller.
+/// With `virtual:max` time passes here and in calls only, exactly as long as asked. When another
+/// thread closes the controller meanwhile, the remainder lasts as long on the wall clock as it
+/// would have with the controller.
 #[unsafe(no_mangle)]
 pub extern "system" fn beamtick_sleep(milliseconds: c_ulong) {
     #[allow(clippy::useless_conversion)] // It has 32 bits on Windows.
@@ -59,7 +63,7 @@ pub extern "system" fn beamtick_sleep(milliseconds: c_ulong) {
                     return;
                 }
                 std::thread::sleep(pace.wall(left));
-                // Its time stands still then, and never comes to the end.
+                // Its time is stopped then, and never reaches the end.
                 if closed.load(Ordering::Relaxed) {
                     return;
                 }

@@ -17,24 +17,25 @@ use protocol::record::{BODY_MAX, ITEM_BYTES};
 use servo::laser::NODES;
 use std::ffi::{CStr, c_char, c_short, c_void};
 
-/// Axes of a configuration in a message, with place for one more.
+/// Axes of a configuration in a message, with room for one more.
 const CONFIG_ITEMS: usize = ITEM_BYTES / size_of::<ConfigItem>() - 1;
-/// What stands for a parameter that was left out (`GT_NOT_GIVEN` of the header).
+/// The value for a parameter that was left out (`GT_NOT_GIVEN` of the header).
 const NOT_GIVEN: f64 = f64::MIN;
 
-/// A function made ready for calls.
+/// A function prepared for calls.
 pub struct Prepared {
     prototype: Prototype,
     command: Option<&'static CommandInfo>,
-    /// Where the reply's items or fixed part hold each `Out` argument: argument, its type, place of the field.
+    /// Where the reply's items or fixed part hold each `Out` argument: argument, its type, index of
+    /// the field.
     outs: Vec<(usize, Scalar, usize)>,
-    /// The argument that the reply's clock goes to.
+    /// The argument that gets the reply's clock.
     clock: Option<usize>,
     /// The argument `count`.
     count: Option<usize>,
 }
 
-/// What goes into a field of the request: its name and its elements.
+/// Content of a field of the request: its name and its elements.
 type Given = (&'static str, Vec<Arg>);
 
 impl Prepared {
@@ -149,7 +150,7 @@ impl Prepared {
                 _ => {}
             }
         }
-        // A parameter that this form has not goes with its default.
+        // A parameter that this form lacks gets its default.
         for (place, param) in self.prototype.function.params.iter().enumerate() {
             if let (Pass::In(_), Some(default)) = (param.pass, param.default)
                 && !self.prototype.arguments.iter().any(|argument| argument.name == param.name)
@@ -160,13 +161,13 @@ impl Prepared {
         Ok((values, lists))
     }
 
-    /// Appends a field: as many elements as it has places.
+    /// Appends a field with all of its elements.
     fn put_field(&self, body: &mut Vec<u8>, wire: &str, (name, elements): &Given) -> Result<()> {
         let (of, length) = request::elements(wire);
         elements.iter().take(length).try_for_each(|value| put(body, of, *value, self.name(), name))
     }
 
-    /// The request's bytes with its first items, and the rest of them in requests of their own.
+    /// The request's bytes with its first items; the remaining items in requests of their own.
     fn pack(&self, core: c_short, told: bool, values: &[Given], items: &[u8], item: usize) -> Result<Vec<Call>> {
         let Some(command) = self.command else { return Ok(Vec::new()) };
         // What a long head leaves of a message.
@@ -205,7 +206,8 @@ impl Prepared {
         Ok(calls)
     }
 
-    /// Whether the parameter that the request tells of was given; what stands for one left out becomes 0.
+    /// Whether the parameter that the request reports was given; the value for one left out becomes
+    /// 0.
     fn take_told(&self, args: &[Arg], values: &mut [Given]) -> bool {
         let Some(told) = self.prototype.function.told else { return false };
         for (_, elements) in values.iter_mut() {
@@ -238,7 +240,7 @@ impl Prepared {
         match self.prototype.function.shape {
             Shape::StartList => values = masks(self.name(), &lists)?,
             Shape::Grid => {
-                // The values at the points come behind the points.
+                // The values at the points come after the points.
                 for (name, list) in lists.iter().skip(1).chain(lists.first()) {
                     for value in list {
                         put(&mut items, layout.first().map_or("F64", |(_, wire)| wire), *value, self.name(), name)?;
@@ -348,7 +350,7 @@ impl Prepared {
 
 /// Functions that fill a text.
 impl Prepared {
-    /// Where the text goes, and bytes of its room; nothing where none is wanted.
+    /// Address for the text, and its size in bytes; nothing if no text is wanted.
     fn room(&self, args: &[Arg]) -> Option<(*mut u8, i64)> {
         let place = |wanted: &str| self.prototype.arguments.iter().position(|argument| argument.name == wanted);
         match (args.get(place("text")?), args.get(place("size")?)) {
@@ -385,7 +387,7 @@ impl Prepared {
         }
     }
 
-    /// The text of the reason that a reply tells.
+    /// The text of the reason in a reply.
     ///
     /// # Safety
     /// As for [`call`].

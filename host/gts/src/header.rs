@@ -78,7 +78,7 @@ fn preamble(guard: &str, other: &str, text: &str) -> String {
     out
 }
 
-/// The short form of SetLaserDisRatio (LSR: no bounds), which C++ tells apart.
+/// The short form of SetLaserDisRatio (LSR: no bounds), which C++ distinguishes.
 fn overload(prototype: &Prototype, symbol: &str) -> Option<String> {
     let lead = prototype.parameters().first().filter(|_| prototype.leads).map(|argument| argument.name);
     (prototype.function.name == "SetLaserDisRatio").then(|| {
@@ -181,7 +181,7 @@ fn rust_name(name: &str) -> String {
     }
 }
 
-/// Whether a C++ compiler takes the defaults: none stands before a parameter without one.
+/// Whether a C++ compiler accepts the defaults: none comes before a parameter without one.
 pub fn defaults_close(prototype: &Prototype) -> bool {
     let first = prototype.arguments.iter().position(|argument| argument.default.is_some());
     first.is_none_or(|first| prototype.arguments.iter().skip(first).all(|argument| argument.default.is_some()))

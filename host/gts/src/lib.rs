@@ -1,14 +1,17 @@
 //! The C library `libgts`: programs written for the manuals' `gts.h`, on the Rust client.
 //!
-//! In: calls of three families, `GT_x(…)`, `GTN_x(core, …)` and `GT_x(cardNum, …)`, from any thread. Out: return
-//! values of SPEC 3, and for each failure a reason (`GT_GetLastReason`). Owns one controller for the first two
-//! families and sixteen for the third, chosen by environment variables (`docs/c.md`). Fails with the codes of the
-//! client; a wrong pointer or a number that does not fit is 7, with nothing sent.
+//! In: calls of three families, `GT_x(…)`, `GTN_x(core, …)` and `GT_x(cardNum, …)`, from any
+//! thread. Out: return values of SPEC 3, and for each failure a reason (`GT_GetLastReason`). Owns
+//! one controller for the first two families and sixteen for the third, chosen by environment
+//! variables (`docs/c.md`). Fails with the codes of the client; a wrong pointer or a number that
+//! does not fit is 7, with nothing sent.
 //!
-//! `prototype` derives every C prototype from the table of functions that job scripts use too; `header` makes the headers
-//! and `exports` of it, `python` the table of the Python package, with the sentences of `about`; `boundary` is where C comes in, `engine` makes requests of arguments and arguments of replies,
-//! `card` is an opened controller, `stream` the batching of PT data, `recorder` its trace files, `compat` what the
-//! replacements of Windows headers call, `at_exit` the end of the process.
+//! `prototype` derives every C prototype from the table of functions that job scripts use too.
+//! `header` makes the headers and `exports` of it, `python` the table of the Python package, with
+//! the sentences of `about`. `boundary` is the entry from C; `engine` makes requests of arguments,
+//! and arguments of replies. `card` is an opened controller, `stream` the batching of PT data,
+//! `recorder` its trace files. `compat` serves the replacements of Windows headers, `at_exit` the
+//! end of the process.
 
 mod at_exit;
 mod boundary;

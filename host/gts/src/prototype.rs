@@ -1,7 +1,8 @@
-//! The C prototypes, derived from the one table of functions (`job::api`) and the layouts of requests and
-//! replies (`protocol::command`): header, exports and what a call does with its arguments all come from here.
+//! The C prototypes, derived from the one table of functions (`job::api`) and the layouts of
+//! requests and replies (`protocol::command`): header, exports and the handling of arguments all
+//! come from here.
 //!
-//! What the two tables cannot know stands in [`FORMS`]: where API.md gives a form a type of its own.
+//! [`FORMS`] has what the two tables lack: the forms to which API.md gives a type of their own.
 
 use job::api::{FUNCTIONS, Function, Param, Pass, Shape, Size, Type};
 
@@ -113,7 +114,7 @@ pub enum Kind {
     Text,
     /// Room for a text.
     Room,
-    /// Where the address of a text goes.
+    /// The parameter for the address of a text.
     TextAddress,
 }
 
@@ -207,7 +208,7 @@ pub struct Prototype {
     pub form: Form,
     /// Whether `core` or `cardNum` comes first.
     pub leads: bool,
-    /// The parameters behind it.
+    /// The parameters after it.
     pub arguments: Vec<Argument>,
 }
 
@@ -250,7 +251,8 @@ fn plain(name: &str) -> String {
     name.chars().filter(|letter| *letter != '_').collect::<String>().to_lowercase()
 }
 
-/// The place in [`reply_fields`] of each `Out` parameter, in their order; `clock` of a reply with items has none.
+/// The index in [`reply_fields`] of each `Out` parameter, in their order; `clock` of a reply with
+/// items has none.
 ///
 /// A parameter takes the field of its name, else the first that no parameter has.
 pub fn outs(function: &Function) -> Vec<Option<usize>> {

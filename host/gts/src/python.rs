@@ -1,8 +1,9 @@
 //! The table of the Python package (`host/python/beamtick/table.py`) as a text.
 //!
-//! A parameter is `(name, kind, default)`. Kinds: a number's C type; `TYPE[SIZE]` an array, its size a number or the words of
-//! [`size`]; `out TYPE` and `out TYPE[count]` what is filled; `clock` the reader's clock; `struct NAME` and `out struct NAME`;
-//! `working`, `text`, `out text`, `out address`.
+//! A parameter is `(name, kind, default)`. Kinds are: a number's C type. `TYPE[SIZE]` is an array,
+//! its size a number or the words of [`size`]. `out TYPE` and `out TYPE[count]` are filled. `clock`
+//! is the reader's clock. The others are `struct NAME` and `out struct NAME`, `working`, `text`,
+//! `out text`, `out address`.
 
 use crate::about::about;
 use crate::prototype::{Argument, Form, Kind, Prototype, all, command, members};

@@ -39,8 +39,8 @@ pub unsafe fn write(last: &str, text: *mut c_char, room: usize) {
     }
 }
 
-/// The text that the calling thread's last failure on any card has left, for `commandhandler` of `compat/stdafx.h`: it is told a
-/// return value, not which card gave it.
+/// The text of the calling thread's last failure on any card, for `commandhandler` of
+/// `compat/stdafx.h`: that gets a return value, and not the card.
 ///
 /// # Safety
 /// `text` is NULL or the address of `size` bytes.

@@ -1,7 +1,7 @@
 //! The trace of a virtual controller to CSV and VCD, from Open to Close.
 //!
-//! In: the stream's bytes as they come. Out: files with every axis, laser and coordinate system of the profile. The first error ends
-//! the recording; Close tells it.
+//! In: the stream's bytes as they arrive. Out: files with every axis, laser and coordinate system
+//! of the profile. Fails: the first error ends the recording; Close reports it.
 
 use crate::card::{Slot, everything};
 use crate::settings::Settings;

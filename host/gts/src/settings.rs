@@ -9,7 +9,7 @@ use client::error::CANNOT_OPEN;
 use client::{Error, Family, Profile, Result};
 use std::path::PathBuf;
 
-/// Which way to the controller.
+/// The link to the controller.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Road {
     /// The controller in this process, so many times faster than the wall clock; `None` as fast as it can.
@@ -31,9 +31,9 @@ pub struct Settings {
     pub family: Option<Family>,
     /// What the inputs do, from Open on.
     pub inputs: Option<PathBuf>,
-    /// Where a trace goes as CSV.
+    /// File of the trace as CSV.
     pub trace: Option<PathBuf>,
-    /// Where a trace goes as VCD.
+    /// File of the trace as VCD.
     pub vcd: Option<PathBuf>,
     /// Whether PT data may travel in batches.
     pub batches: bool,

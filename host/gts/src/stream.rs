@@ -1,13 +1,17 @@
-//! PT data in batches, without the program's knowing.
+//! PT data in batches, transparent to the program.
 //!
-//! `PtData` of a FIFO may return 0 before its segment is sent when it is certain that the controller takes it: the
-//! reply to data of the same FIFO told how many places are free, no more than that are queued since, and the segment
-//! passes the controller's own check (`servo::segment::pt::Segment::admit`) behind the one before. What is not certain
-//! is sent at once and waited for, so that every refusal comes from the controller and belongs to its call. Queued
-//! segments travel as one `PtDataMany`: when there are 32, before any other call, and after a millisecond.
+//! `PtData` of a FIFO may return 0 before its segment is sent, when it is certain that the
+//! controller takes it. Two conditions make it certain. The last reply to data of the same FIFO
+//! reported enough free slots for what is queued since. And the segment passes the controller's own
+//! check (`servo::segment::pt::Segment::admit`) after the one before it.
 //!
-//! Free places never become fewer by themselves, so an answer of `PtSpace` from here is exact at rest and at most
-//! [`FRESH`] old while the axis runs. What could still refuse queued data is the link; then the next call fails.
+//! A segment that is not certain is sent at once and its reply awaited. So every refusal comes from
+//! the controller and belongs to its call. Queued segments travel as one `PtDataMany`: when there
+//! are 32, before any other call, and after a millisecond.
+//!
+//! Free slots never become fewer by themselves. So an answer of `PtSpace` from here is exact at
+//! standstill, and at most [`FRESH`] old while the axis runs. Only the link can still refuse queued
+//! data; then the next call fails.
 
 use client::{Call, Error};
 use protocol::command::{PtClear, PtData, PtDataMany, PtItem, PtSpace, PtTaken, Short, opcode};
@@ -19,13 +23,13 @@ use zerocopy::{FromBytes, IntoBytes};
 
 /// Segments that travel together.
 const BATCH: usize = 32;
-/// How long free places that were told are taken as an answer.
+/// How long reported free slots are used as an answer.
 const FRESH: Duration = Duration::from_millis(10);
 
 /// A FIFO: core, profile, number.
 type Fifo = (i16, i16, i16);
 
-/// Free places of the FIFO that was written last.
+/// Free slots of the FIFO that was written last.
 #[derive(Debug, Clone, Copy)]
 struct Lease {
     fifo: Fifo,
@@ -38,7 +42,7 @@ struct Lease {
 pub struct Stream {
     /// Nothing is queued.
     off: bool,
-    /// What the controller's step outputs make of an axis; none if it tells nothing that can be.
+    /// The fastest axis of the controller's step outputs; none if the report makes no sense.
     limit: Option<StepLimit>,
     /// Ends of FIFOs that are known.
     chains: HashMap<Fifo, Chain>,
@@ -163,7 +167,7 @@ fn data(call: &Call) -> Option<PtData> {
     (call.opcode == opcode::PtData).then(|| PtData::read_from_bytes(&call.payload).ok())?
 }
 
-/// The end of a FIFO behind this segment, if the controller takes it there.
+/// The end of a FIFO after this segment, if the controller takes it there.
 fn follows(data: &PtData, chain: &Chain, limit: StepLimit) -> Option<Chain> {
     let bits = u64::from_le_bytes(data.pos.to_bytes());
     Segment::admit(bits, data.time_ms.get(), data.kind.get(), chain, limit).ok().map(|(_, next)| next)

@@ -1,9 +1,14 @@
-//! ADC3 (RM0433 25): calibration, then a regular conversion and injected ones behind it, over and over.
+//! ADC3 (RM0433 25): calibration, then a regular conversion and injected ones after it,
+//! continuously.
 //!
-//! In: registers, voltages at its inputs ([`Adc::apply`]). Out: data registers. Nothing happens by itself: what is ready, and what has been
-//! converted, follows from the instant of a read. A conversion holds the voltage at the end of its sampling. Complaints: what is set or started against the
-//! manual, such as a conversion without both calibrations or a clock that BOOST does not allow. Not modelled, and a complaint: interrupts,
-//! DMA, triggers, other resolutions than 16 bits, sequences of several regular conversions, single rounds, oversampling.
+//! In: registers, voltages at its inputs ([`Adc::apply`]). Out: data registers. Owns the state of
+//! the converter. The instant of a read determines what is ready, and what has been converted. A
+//! conversion holds the voltage at the end of its sampling.
+//!
+//! Fails with complaints about settings and starts against the manual, such as a conversion without
+//! both calibrations or a clock that BOOST does not allow. Not modelled, and a complaint:
+//! interrupts, DMA, triggers, other resolutions than 16 bits, sequences of several regular
+//! conversions, single sequences, oversampling.
 use crate::clocks::Clocks;
 use crate::device::{Device, Signal};
 use crate::time::{MICROSECOND, NEVER, Time};
@@ -17,7 +22,7 @@ const SQR1: u32 = 0x30;
 const DR: u32 = 0x40;
 const JSQR: u32 = 0x4c;
 const JDR1: u32 = 0x80;
-/// Of the common block behind.
+/// Offset of the common block.
 const CCR: u32 = 0x308;
 
 const ADEN: u32 = 1 << 0;
@@ -130,7 +135,8 @@ impl Adc {
         }
     }
 
-    /// Channels of a round: the regular one and the injected ones, each with the halves of a cycle that it takes.
+    /// Channels of a sequence: the regular one and the injected ones, each with the halves of a
+    /// cycle that it takes.
     fn round(&self) -> Vec<(usize, Time)> {
         let injected = (self.jsqr & 3) + 1;
         let channels =
@@ -140,7 +146,7 @@ impl Adc {
             .collect()
     }
 
-    /// What the `n`-th data register of a round holds.
+    /// Content of the `n`-th data register of a sequence.
     fn data(&mut self, n: usize, at: Time) -> u32 {
         let (cycle, round) = (self.cycle(), self.round());
         let Some(&(channel, _)) = round.get(n) else { return 0 };

@@ -1,8 +1,9 @@
-//! The peripherals at their addresses (RM0433 2.3.2), and what they do to each other.
+//! The peripherals at their addresses (RM0433 2.3.2), and their effects on each other.
 //!
-//! In: reads, writes, time. Out: values, the lines of interrupts, resets. Owns every model and goes from event to event.
-//! An access that no model answers, and one to a peripheral without a clock, is noted ([`Bus::complaints`]): a test that finds
-//! a note has found a fault of the image or a gap of the emulation.
+//! In: reads, writes, time. Out: values, the lines of interrupts, resets. Owns every model and goes
+//! from event to event. Fails with notes ([`Bus::complaints`]): an access that no model answers,
+//! and one to a peripheral without a clock. A test that finds a note has found a fault of the image
+//! or a gap of the emulation.
 use crate::adc::Adc;
 use crate::clocks::{AHB1ENR, AHB2ENR, AHB4ENR, Clocks, Rcc};
 use crate::dac::Dac;
@@ -114,9 +115,9 @@ pub struct Bus {
     pub spi: Spi,
     /// Analog inputs.
     pub adc: Adc,
-    /// USB, with the host behind the cable.
+    /// USB, with the host at its cable.
     pub usb: Usb,
-    /// What the chip is, and what stands still under a debugger.
+    /// Revision of the chip, and what a debugger stops.
     pub dbgmcu: Dbgmcu,
     /// Timers, in the order of [`KINDS`].
     pub timers: [Timer; KINDS.len()],
@@ -354,7 +355,7 @@ impl Bus {
         }
     }
 
-    /// Carries out what peripherals have told, and looks when the next one has something to do.
+    /// Executes the signals of peripherals, and finds the next event.
     fn after(&mut self, at: Time, exceptions: &mut Exceptions) {
         let mut n = 0;
         while let Some(&signal) = self.signals.get(n) {

@@ -167,8 +167,8 @@ impl Rcc {
         &mut self.registers[offset as usize / 4]
     }
 
-    /// The ST-LINK gives its clock, or stops. True if the clock's guard has seen it stop (RM0433 8.5.3): then the chip runs on its own
-    /// clock, without HSE and the PLL that hung on it.
+    /// The ST-LINK's clock starts or stops. True if the clock security system has noticed a stop
+    /// (RM0433 8.5.3): then the chip runs on its own clock, without HSE and the PLL that it fed.
     pub fn give(&mut self, source: bool, at: Time) -> bool {
         let was = std::mem::replace(&mut self.source, source);
         let cr = self.at(CR);

@@ -1,8 +1,10 @@
-//! A DAC8563 behind SPI3 (data sheet SLAS719E): what its outputs show, from what the chip has sent.
+//! A DAC8563 on SPI3 (data sheet SLAS719E): the outputs that follow from what the chip has sent.
 //!
-//! In: words of the SPI, the pin of the select line (SYNC, active low). Out: codes with the instants of the last falling edge of the clock of
-//! their frames. Power-on leaves both outputs at mid-scale (8.3.3.2), about a reference from outside: its own is off until it is told.
-//! LDAC and CLR are taken as tied (LDAC low, CLR high). Fails: with the first frame that is no write of one output (8.5.2).
+//! In: words of the SPI, the pin of the select line (SYNC, active low). Out: codes with the
+//! instants of the last falling edge of the clock of their frames. Owns nothing. Power-on leaves
+//! both outputs at mid-scale (8.3.3.2), with an external reference: its own is off until a command.
+//! LDAC and CLR are taken as tied (LDAC low, CLR high). Fails: with the first frame that is no
+//! write of one output (8.5.2).
 use crate::gpio::{Level, Pin};
 use crate::machine::Chip;
 use crate::time::{Time, from_nanoseconds};
@@ -19,10 +21,10 @@ const BETWEEN_NS: u64 = 80;
 /// Write to a DAC's input register and update that DAC (table 17).
 const WRITE: u32 = 0b011;
 
-/// An output was told a code: when, which (from 0), the code.
+/// An output got a code: when, which (from 0), the code.
 pub type Told = (Time, usize, u16);
 
-/// What the part on this select line was told since power-on.
+/// Commands to the part on this select line since power-on.
 pub fn told(chip: &Chip, select: Pin) -> Result<Vec<Told>, String> {
     let spi = &chip.bus.spi;
     if spi.sent.is_empty() {

@@ -1,7 +1,7 @@
-//! What every model of a peripheral is: registers, and a state that goes on with time.
+//! What every model of a peripheral is: registers, and a state that advances with time.
 //!
-//! In: reads, writes, instants. Out: values, and [`Signal`]s for what lies outside of the peripheral. A model is asked to go on
-//! to an instant before anything else happens to it there.
+//! In: reads, writes, instants. Out: values, and [`Signal`]s for the rest of the chip. A model is
+//! advanced to an instant before anything else happens to it there.
 use crate::clocks::Clocks;
 use crate::time::Time;
 
@@ -18,7 +18,7 @@ pub enum Cause {
     Watchdog,
 }
 
-/// What a peripheral tells the rest of the chip.
+/// What a peripheral signals to the rest of the chip.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Signal {
     /// The level of an interrupt's line.

@@ -1,13 +1,15 @@
-//! DMA1, DMA2 and the request multiplexer in front of them, DMAMUX1 (RM0433 15 and 17).
+//! DMA1, DMA2 and the request multiplexer before them, DMAMUX1 (RM0433 15 and 17).
 //!
-//! In: registers, requests of peripherals. Out: data to and from peripherals ([`Signal::Store`]; [`Signal::Fetch`] and
-//! [`Dma::take`]), interrupts. Owns the streams and what they have read ahead: in direct mode a stream to a peripheral holds the
-//! next item before it is asked for, with the FIFO on up to 16 bytes, so what is written to memory too late is not sent.
+//! In: registers, requests of peripherals. Out: data to and from peripherals ([`Signal::Store`];
+//! [`Signal::Fetch`] and [`Dma::take`]), interrupts. Owns the streams and the data that they have
+//! read ahead. In direct mode a stream to a peripheral holds the next item before its request, with
+//! the FIFO on up to 16 bytes. So data that is written to memory too late is not sent.
 //!
-//! A controller serves one stream at a time: [`ANSWER`] bus cycles from a request to its transfer, [`TRANSFER`] until the next
-//! one; the more urgent stream first, of equals the lower. A request that comes while the one before still waits is lost, as it
-//! is in the chip, and told of. Not modelled, and complaints: memory to memory, bursts of several items a request, the
-//! peripheral as flow controller, synchronised and generated requests.
+//! A controller serves one stream at a time: [`ANSWER`] bus cycles from a request to its transfer,
+//! [`TRANSFER`] until the next one; the more urgent stream first, of equals the lower. A request
+//! that comes while the one before still waits is lost, as in the chip, and reported. Not modelled,
+//! and complaints: memory to memory, bursts of several items a request, the peripheral as flow
+//! controller, synchronised and generated requests.
 use crate::clocks::Clocks;
 use crate::device::{Device, Signal};
 use crate::memory::Memory;
@@ -52,7 +54,7 @@ const TCIF: u32 = 1 << 5;
 #[derive(Debug, Clone, Default)]
 struct Stream {
     cr: u32,
-    /// Items as written, and those left of this round.
+    /// Items as written, and those left of this pass.
     count: u32,
     left: u32,
     par: u32,
@@ -63,7 +65,7 @@ struct Stream {
     asked: Option<Time>,
     /// Bytes read ahead.
     ahead: VecDeque<u8>,
-    /// Bytes of this round that have been read ahead, and the buffer they come from.
+    /// Bytes of this pass that have been read ahead, and the buffer they come from.
     read: u32,
     target: usize,
 }
@@ -91,7 +93,7 @@ impl Stream {
         self.cr & (CIRC | DBM) != 0
     }
 
-    /// The register of which `left` tells: NDTR as it was written, again and again.
+    /// The value that `left` counts down from: NDTR as it was written, in every pass.
     fn round(&self) -> u32 {
         self.count * self.size()
     }
@@ -150,7 +152,7 @@ pub struct Dma {
     memory: Arc<Memory>,
     streams: [Stream; STREAMS],
     mux: [u32; STREAMS],
-    /// Requests that nobody has heard, by their numbers.
+    /// Requests that no stream has taken, by their numbers.
     standing: u128,
     cycle: Time,
     /// When each controller is free again.
@@ -198,7 +200,8 @@ impl Dma {
         on.flat_map(of).collect()
     }
 
-    /// A peripheral asks. Where no stream is on for it, the request stands until one is.
+    /// A peripheral makes a request. If no stream is on for it, the request stays pending until one
+    /// is.
     pub fn request(&mut self, number: u8, at: Time) {
         let mut heard = false;
         for n in 0..STREAMS {
@@ -230,7 +233,7 @@ impl Dma {
         }
     }
 
-    /// A stream that is on hears a request that stands.
+    /// A stream that is on takes a pending request.
     fn hear(&mut self, n: usize, at: Time) {
         let bit = 1u128 << (self.mux[n] & 0x7f);
         let stream = &mut self.streams[n];
@@ -273,7 +276,7 @@ impl Dma {
         self.tell(n, out);
     }
 
-    /// What a stream has fetched of its peripheral goes to memory.
+    /// Data that a stream has fetched from its peripheral is written to memory.
     pub fn take(&mut self, n: u8, value: u32, out: &mut Vec<Signal>) {
         let n = usize::from(n);
         let stream = &mut self.streams[n];
@@ -312,7 +315,7 @@ impl Dma {
         if value & EN == 0 {
             stream.asked = None;
             if was_on {
-                // Its end is told, also where software ends it (RM0433 15.3.15).
+                // Its end is signalled, also when software ends it (RM0433 15.3.15).
                 stream.flags |= TCIF;
             }
             return;

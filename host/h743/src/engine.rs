@@ -75,7 +75,7 @@ impl Register {
 pub enum Exit {
     /// The guest asked for it, or the core waits for an interrupt.
     Asked,
-    /// SVC, with the program counter behind it.
+    /// SVC, with the program counter after it.
     Call,
     /// BKPT.
     Breakpoint,
@@ -149,7 +149,7 @@ const ASKED: [(u32, usize); 3] = [(0x4000_0000, 0x2000_0000), (0xe000_0000, 0x10
 struct Slot<G> {
     guest: *mut G,
     interrupt: Option<u32>,
-    /// First address of each space, for the callbacks, which are told offsets.
+    /// First address of each space, for the callbacks, which get offsets.
     spaces: [Space<G>; ASKED.len()],
 }
 
@@ -172,7 +172,7 @@ impl<G: Guest> Engine<G> {
     /// A core with these memories; those that need a clock are not there yet.
     pub fn new(memory: Arc<Memory>) -> Result<Self, String> {
         let mut uc = null_mut();
-        // SAFETY: `uc` is where the instance goes.
+        // SAFETY: `uc` is the address for the instance.
         check("open", unsafe { uc_open(ARM, THUMB, &raw mut uc) })?;
         let slot = Box::into_raw(Box::new(Slot {
             guest: null_mut(),
@@ -239,7 +239,8 @@ impl<G: Guest> Engine<G> {
 
     /// Sets one.
     pub fn set(&mut self, register: Register, value: u32) {
-        // Of the status, what may be written goes by a name of its own: the flags and GE with everything else.
+        // The writable part of the status has a register of its own: the flags and GE with
+        // everything else.
         let number = if register == Register::Xpsr { 138 } else { register.number() };
         let value = u64::from(value);
         // SAFETY: no register set is wider than eight bytes.
@@ -248,8 +249,8 @@ impl<G: Guest> Engine<G> {
 
     /// Runs from `pc` until something stops the core.
     pub fn run(&mut self, guest: &mut G, pc: u32) -> Exit {
-        // SAFETY: `slot` is ours; the pointer to the guest is used only inside the call below, during which nobody else
-        // has a reference to it.
+        // SAFETY: `slot` is ours; the pointer to the guest is used only inside the call below,
+        // during which no other reference to it exists.
         let (error, interrupt) = unsafe {
             (*self.slot).guest = guest;
             (*self.slot).interrupt = None;
@@ -275,7 +276,8 @@ impl<G: Guest> Engine<G> {
 
 impl<G: Guest> Drop for Engine<G> {
     fn drop(&mut self) {
-        // SAFETY: opened and allocated by `new`, and closed once; the instance goes before what its callbacks use.
+        // SAFETY: opened and allocated by `new`, and closed once; the instance is closed before
+        // what its callbacks use.
         unsafe {
             uc_close(self.uc);
             drop(Box::from_raw(self.slot));

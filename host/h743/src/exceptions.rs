@@ -8,7 +8,7 @@ pub const COUNT: usize = 16 + 150;
 
 /// Numbers of the core's own.
 pub const NMI: usize = 2;
-/// Everything that nobody else takes.
+/// Exceptions without a field of their own.
 pub const HARD_FAULT: usize = 3;
 /// A right of the MPU is missing.
 pub const MEMORY_FAULT: usize = 4;
@@ -92,7 +92,7 @@ impl Exceptions {
         if priority < 0 { priority } else { priority >> (self.group + 1) << (self.group + 1) }
     }
 
-    /// How urgent an exception is when it comes to preempting.
+    /// Priority of an exception for preemption.
     pub fn urgency(&self, exception: usize) -> i16 {
         self.preempting(self.full_priority(exception))
     }
@@ -148,7 +148,7 @@ impl Exceptions {
         new
     }
 
-    /// Takes back what is pending; where the line is high it comes at once again, if it does not run.
+    /// Clears what is pending; while the line is high it is pending at once again, unless it runs.
     pub fn clear_pending(&mut self, exception: usize) {
         self.pending[exception] = self.line[exception] && !self.active[exception];
     }

@@ -39,7 +39,8 @@ impl Machine {
             words.push(0);
         }
         let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
-        // The frame goes where the stack points, there or not; where it cannot be written that is a fault of its own.
+        // The frame is written at the stack pointer, with or without memory there; if it cannot be
+        // written, that is a fault of its own.
         let stored = self.may_write(frame, size) && self.chip.memory.load(frame, &bytes);
         let process = before == 0 && control & SPSEL != 0;
         let engine = self.engine();

@@ -27,7 +27,8 @@ pub struct EmulatedLink {
     pulled: Plug,
 }
 
-/// The end of a link's cable: once it is pulled, the client finds nobody, and cannot take its leave.
+/// The plug of a link's cable: once it is pulled, the client reaches no controller, and cannot
+/// close its session.
 #[derive(Debug, Clone, Default)]
 pub struct Plug(Arc<AtomicBool>);
 
@@ -111,7 +112,8 @@ impl Link for EmulatedLink {
     }
 
     fn trace_rate(&self) -> u32 {
-        // Half of what the wire carries in ten bits a byte; the rest is for calls and their answers.
+        // Half of what the cable carries at ten bits a byte; the other half is for calls and their
+        // replies.
         (crate::usart::Usart::HOST_BAUD / 20) as u32
     }
 }

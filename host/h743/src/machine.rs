@@ -76,7 +76,7 @@ impl Chip {
         self.attention |= self.bus.reset.is_some() || self.scs.wants_reset || self.scs.exceptions.is_any_pending();
     }
 
-    /// Looks at an instruction that the engine does not tell about.
+    /// Handles an instruction that the engine does not report.
     fn decode(&mut self, address: u32) {
         match self.memory.code(address) {
             // WFI; WFE ends at once, as after an event.
@@ -202,7 +202,7 @@ pub enum Stop {
     Reset(Cause),
     /// BKPT at this address.
     Breakpoint(u32),
-    /// A fault while a fault was handled: the core stands still for ever.
+    /// A fault while a fault was handled: the core stops until a reset.
     Lockup,
 }
 

@@ -134,7 +134,7 @@ impl Memory {
     /// Copies bytes out; `None` where there is no memory.
     pub fn bytes(&self, address: u32, length: u32) -> Option<Vec<u8>> {
         let (_, place) = self.find(address, length)?;
-        // SAFETY: the span lies in the allocation, and nobody writes during the copy.
+        // SAFETY: the span lies in the allocation, and nothing writes during the copy.
         Some(unsafe { std::slice::from_raw_parts(place, length as usize) }.to_vec())
     }
 

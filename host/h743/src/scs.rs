@@ -1,8 +1,10 @@
-//! The system control space of the core: NVIC, SCB, SysTick, MPU, caches (Armv7-M Architecture Reference Manual, B3).
+//! The system control space of the core: NVIC, SCB, SysTick, MPU, caches (Armv7-M Architecture
+//! Reference Manual, B3).
 //!
-//! In: reads and writes of 0xE000_E000 to 0xE000_EFFF. Out: the exceptions that wait, a reset that was asked for, how the MPU
-//! stands. What is not here is `None`, and the machine reports it. Caches and MPU hold what was written; of the MPU, regions
-//! without any right are enforced, by the machine, in whole pages.
+//! In: reads and writes of 0xE000_E000 to 0xE000_EFFF. Out: the pending exceptions, a requested
+//! reset, the state of the MPU. Owns those registers. Fails: a register that is not here is `None`,
+//! and the machine reports it. Caches and MPU hold what was written. Of the MPU, the machine
+//! enforces regions without any right, in whole pages.
 use crate::exceptions::{COUNT, Exceptions, MEMORY_FAULT, NMI, PEND_SV, SYS_TICK, USAGE_FAULT};
 use crate::time::{NEVER, Time};
 
@@ -21,7 +23,7 @@ pub struct MpuRegion {
 }
 
 impl MpuRegion {
-    /// Its span, if it is on and nobody has any right in it.
+    /// Its span, if it is on and gives no right.
     pub fn forbidden(self) -> Option<(u32, u64)> {
         let on = self.attributes & 1 != 0;
         let rights = self.attributes >> 24 & 7;
@@ -58,7 +60,7 @@ pub struct Scs {
     /// The MPU's regions.
     pub mpu: [MpuRegion; 16],
     mpu_number: u32,
-    /// Counts writes to the MPU, so that the machine sees that it stands otherwise.
+    /// Counts writes to the MPU, so that the machine notices a change.
     pub mpu_writes: u32,
     fpccr: u32,
     cache_size: u32,
@@ -329,7 +331,7 @@ impl SysTick {
             return self.held;
         }
         let left = self.due.saturating_sub(at).div_ceil(cycle.max(1)) as u32;
-        // At its end it stands on zero for a cycle.
+        // At its end it is zero for a cycle.
         if left > self.reload { 0 } else { left }
     }
 

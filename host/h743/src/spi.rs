@@ -1,8 +1,9 @@
-//! SPI3 as a master (RM0433 50): what an external DAC is told.
+//! SPI3 as a master (RM0433 50): the data to an external DAC.
 //!
-//! In: registers. Out: words with the instants at which their last bit is over ([`Spi::sent`]). The clock's and the data's lines
-//! are shown at rest only; chip select is a pin like any other. Nobody answers: what is received is 0. Interrupts, DMA, CRC are not modelled,
-//! and complaints.
+//! In: registers. Out: words with the instants at which their last bit ends ([`Spi::sent`]). Owns
+//! the state of the peripheral. The lines of clock and data have a level only while idle; chip
+//! select is a pin like any other. There is no data from the DAC: received words are 0. Fails with
+//! complaints: interrupts, DMA and CRC are not modelled.
 use crate::clocks::Clocks;
 use crate::device::{Device, Signal, Source};
 use crate::time::{NEVER, Time};
@@ -45,7 +46,7 @@ pub struct Spi {
     latched: u32,
     kernel: Option<Time>,
     waiting: VecDeque<u32>,
-    /// Words received that nobody has read.
+    /// Words received and not yet read.
     received: usize,
     shifting: Option<(u32, Time)>,
     /// Words left of TSIZE, where it counts.

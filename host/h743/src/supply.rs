@@ -15,7 +15,7 @@ const USB33RDY: u32 = 1 << 26;
 const VOSRDY: u32 = 1 << 13;
 const ACTVOSRDY: u32 = 1 << 13;
 
-/// Time until a new core voltage stands.
+/// Time until a new core voltage is stable.
 const VOLTAGE: Time = 20 * MICROSECOND;
 
 /// PWR, with the over-drive bit that SYSCFG holds.
@@ -223,7 +223,7 @@ impl Device for Syscfg {
     }
 }
 
-/// What the chip is (RM0433 60.5.8), and what stands still under a debugger.
+/// Revision of the chip (RM0433 60.5.8), and what a debugger stops.
 #[derive(Debug, Clone)]
 pub struct Dbgmcu {
     /// Revision: 0x2003 is V.

@@ -231,7 +231,7 @@ impl Usart {
     }
 }
 
-/// How many bytes, or free places, RXFTCFG and TXFTCFG mean.
+/// Number of bytes, or free slots, that RXFTCFG and TXFTCFG mean.
 fn threshold(field: u32) -> usize {
     [2, 4, 8, 12, 14, 16, 16, 16][(field & 7) as usize]
 }

@@ -1,10 +1,14 @@
-//! USB OTG FS as a device (RM0433 57), as far as the image uses it: endpoints with their FIFOs, events of the bus, VBUS.
+//! USB OTG FS as a device (RM0433 57), as far as the image uses it: endpoints with their FIFOs,
+//! events of the bus, VBUS.
 //!
-//! In: registers, transactions of the [`Host`]. Out: handshakes and data, the interrupt's line. A packet is there at once
-//! and whole. An OUT endpoint takes a packet while it is enabled (EPENA), has no NAK and is told of a packet (PKTCNT); its transfer ends
-//! with that packet: NAK is set, and EPENA cleared when the transfer is told to be complete. Cores were seen that take packets
-//! without EPENA (an STM32L476 does), so that is there as well ([`Core::lenient`]). Not modelled: DMA, isochronous and host
-//! operation, transfers of more than a packet.
+//! In: registers, transactions of the [`Host`]. Out: handshakes and data, the interrupt's line.
+//! Owns the endpoints and their FIFOs. Fails with a NAK or with no answer, as the core does.
+//!
+//! A packet arrives at once and whole. An OUT endpoint accepts a packet while it is enabled
+//! (EPENA), has no NAK and expects a packet (PKTCNT). Its transfer ends with that packet: NAK is
+//! set, and EPENA cleared when the transfer is reported complete. Some cores accept packets without
+//! EPENA (an STM32L476 does), so the model has that too ([`Core::lenient`]). Not modelled: DMA,
+//! isochronous and host operation, transfers of more than a packet.
 use crate::clocks::Clocks;
 use crate::device::{Device, Signal};
 use crate::time::{MILLISECOND, Time};
@@ -37,10 +41,10 @@ const DOEPMSK: u32 = 0x814;
 const DAINT: u32 = 0x818;
 const DAINTMSK: u32 = 0x81c;
 const DIEPEMPMSK: u32 = 0x834;
-/// The first IN and the first OUT endpoint, and behind the last one.
+/// The first IN and the first OUT endpoint, and the offset after the last one.
 const INS: u32 = 0x900;
 const OUTS: u32 = 0xb00;
-const BEHIND: u32 = OUTS + 0x20 * ENDPOINTS as u32;
+const END: u32 = OUTS + 0x20 * ENDPOINTS as u32;
 const FIFO: u32 = 0x1000;
 
 /// BVALOEN, BVALOVAL: a session whatever VBUS says.
@@ -75,7 +79,7 @@ const EPDISD: u32 = 1 << 1;
 const STUP: u32 = 1 << 3;
 const TXFE: u32 = 1 << 7;
 
-/// Kinds of what GRXSTSP tells (RM0433 57).
+/// Kinds of packet status in GRXSTSP (RM0433 57).
 const OUT_DATA: u32 = 2;
 const OUT_DONE: u32 = 3;
 const SETUP_DONE: u32 = 4;
@@ -160,7 +164,7 @@ pub struct Core {
     received: VecDeque<(u32, Vec<u32>)>,
     /// Data of the status that was fetched last.
     fetched: VecDeque<u32>,
-    /// The host's 5 V are there, and the session that VBDEN has seen.
+    /// The host's 5 V are on, and the session that VBDEN has detected.
     vbus: bool,
     session: bool,
     /// Supply and pins; time of a cycle of its clock.
@@ -184,8 +188,8 @@ impl Core {
         self.complaint.get_or_insert_with(|| what.into());
     }
 
-    /// The pull-up at D+: the session of a B-device as VBUS tells it, or GOTGCTL in its place; supply, pins, transceiver, no soft
-    /// disconnect.
+    /// The pull-up at D+: the session of a B-device by VBUS, or by GOTGCTL instead; supply, pins,
+    /// transceiver, no soft disconnect.
     fn pulls_up(&self) -> bool {
         let session = self.session || self.gotgctl & BVALO == BVALO;
         session && self.connected && self.gccfg & 1 << 16 != 0 && self.dctl & 1 << 1 == 0
@@ -428,7 +432,7 @@ impl Core {
             DAINT => self.daint(),
             DAINTMSK => self.masks[2],
             DIEPEMPMSK => self.masks[3],
-            INS..BEHIND => {
+            INS..END => {
                 let is_in = offset < OUTS;
                 let (endpoint, register) = self.endpoint(offset)?;
                 match register {
@@ -478,7 +482,7 @@ impl Core {
             DOEPMSK => self.masks[1] = value,
             DAINTMSK => self.masks[2] = value,
             DIEPEMPMSK => self.masks[3] = value,
-            INS..BEHIND => {
+            INS..END => {
                 let is_in = offset < OUTS;
                 let (endpoint, register) = self.endpoint(offset)?;
                 match register {
@@ -517,7 +521,7 @@ impl Core {
     }
 }
 
-/// The core with what is behind the cable.
+/// The core with the host at its cable.
 #[derive(Debug, Clone)]
 pub struct Usb {
     /// The core.

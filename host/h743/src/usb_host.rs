@@ -1,9 +1,11 @@
-//! A small USB host behind the board's cable: it finds a serial port of class CDC ACM, opens it and moves bytes.
+//! A small USB host at the board's cable: it finds a serial port of class CDC ACM, opens it and
+//! moves bytes.
 //!
-//! In: that the cable is there, bytes to send, requests of a test. Out: transactions at the core, one after the other at full
-//! speed; bytes received, answers to requests. What it knows of the device it has read from its descriptors (USB 2.0 chapter 9).
-//! A transaction that is answered NAK is tried again. Bytes received are handed on when a packet that is not full, or a full
-//! buffer, ends a read, as drivers do it. Frames of the bus are not modelled, nor are errors on the wire.
+//! In: the cable's state, bytes to send, requests of a test. Out: transactions with the core, one
+//! after the other at full speed; bytes received, replies to requests. Owns what it has read from
+//! the device's descriptors (USB 2.0 chapter 9). A transaction that is answered NAK is tried again.
+//! A packet that is not full, or a full buffer, ends a read, as in drivers. Not modelled: frames of
+//! the bus, errors on the cable.
 use crate::time::{MICROSECOND, MILLISECOND, NEVER, Time};
 use crate::usb::{Core, Handshake};
 use std::collections::VecDeque;
@@ -29,7 +31,7 @@ const PACKET: usize = 64;
 pub struct Transfer {
     /// bmRequestType, bRequest, wValue, wIndex, wLength.
     pub setup: [u8; 8],
-    /// What goes out, or has come in.
+    /// Data to send, or received.
     pub data: Vec<u8>,
     /// The device took it; else it answered STALL.
     pub is_done: bool,
@@ -89,7 +91,7 @@ pub struct Host {
     was_in: bool,
     sending: VecDeque<u8>,
     reading: Vec<u8>,
-    /// Whether somebody reads the port: if not, the device keeps its packet.
+    /// Whether a program reads the port: if not, the device keeps its packet.
     pub reads: bool,
     /// It reads only for the first of these times out of the second.
     pub reads_for: Option<(Time, Time)>,
@@ -192,7 +194,7 @@ impl Host {
         self.sending.len()
     }
 
-    /// Makes a request of one's own, after those under way.
+    /// Makes a request of a test, after those in progress.
     pub fn ask(&mut self, transfer: Transfer) {
         self.requests.push_back(transfer);
     }
@@ -408,7 +410,7 @@ impl Host {
     }
 }
 
-/// The first bulk endpoint each way.
+/// The first bulk endpoint of each direction.
 fn pipes(configuration: &[u8]) -> Option<Pipes> {
     let mut rest = configuration;
     let (mut to_device, mut from_device) = (None, None);

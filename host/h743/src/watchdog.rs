@@ -1,7 +1,8 @@
 //! The independent watchdog, IWDG1 (RM0433 44).
 //!
-//! In: keys, prescaler, reload value. Out: a reset, when nobody fed it in time. Runs by LSI, 32 kHz; once started, only a reset
-//! stops it. An update of a register takes effect at once here; the status register shows it under way for a while.
+//! In: keys, prescaler, reload value. Out: a reset, when it was not fed in time. Owns its
+//! registers. Fails never. It runs by LSI, 32 kHz; once started, only a reset stops it. An update
+//! of a register takes effect at once here; the status register shows it in progress for a while.
 use crate::device::{Cause, Device, Signal};
 use crate::time::{NEVER, Time};
 
@@ -22,7 +23,7 @@ pub struct Watchdog {
     reload: u32,
     window: u32,
     bites: Time,
-    /// Updates are under way until then.
+    /// Updates are in progress until then.
     busy: Time,
 }
 

@@ -1,7 +1,9 @@
-//! The models and the image beside ST's own data of the chip: addresses, clocks, interrupts, DMA requests, alternate functions.
+//! The models and the image beside ST's own data of the chip: addresses, clocks, interrupts, DMA
+//! requests, alternate functions.
 //!
-//! `stm32-metapac` takes them from ST's databases (CubeMX, SVD files), for all its users; nothing of ours is in them. What they
-//! do not hold stands in docs/board-assumptions.md. Tests of the image run where BEAMTICK_H743_IMAGE names it.
+//! `stm32-metapac` takes them from ST's databases (CubeMX, SVD files), for all its users; nothing
+//! of ours is in them. What they do not hold stands in docs/board-assumptions.md. Tests of the
+//! image run where BEAMTICK_H743_IMAGE names it.
 use client::{Client, Options};
 use h743::bus::{BREAKS, ENCODERS, PLACES};
 use h743::device::Source;
@@ -148,7 +150,8 @@ fn alternate_functions_of_the_model_are_those_of_the_chip() {
     }
 }
 
-/// Every pin that the image gives to a peripheral, and the signal that the board's page promises there.
+/// Every pin that the image gives to a peripheral, and the signal that the board's page promises
+/// there.
 const GIVEN: [(&str, &str, &str); 23] = [
     ("PE9", "TIM1", "CH1"),
     ("PE8", "TIM1", "CH1N"),
@@ -223,7 +226,8 @@ fn the_image_asks_dma_and_takes_interrupts_by_the_chips_numbers() {
     let mut machine = lock(&shared);
     machine.run(20 * MILLISECOND);
     let multiplexer = peripheral("DMAMUX1").address as u32;
-    // Streams of docs/board-h743.md: DMAMUX1 channels 0 to 7 are of DMA1, 8 to 15 of DMA2.
+    // Streams of docs/board-h743-registers.md, "DMA": DMAMUX1 channels 0 to 7 are of DMA1, 8 to 15
+    // of DMA2.
     let streams = [
         (0, "TIM1", "UP"),
         (1, "TIM8", "UP"),

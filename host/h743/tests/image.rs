@@ -283,7 +283,7 @@ fn a_fault_rests_the_outputs_first_and_keeps_its_reason() {
     let mut machine = lock(&machine);
     machine.run(MILLISECOND);
     assert_eq!(machine.chip.bus.gpio.level(enable), Level::Driven(true));
-    // An interrupt that nobody claims (100) goes the way of every panic and fault.
+    // An interrupt without a handler (100) ends as every panic and fault does.
     let exceptions = &mut machine.chip.scs.exceptions;
     (exceptions.enabled[116], exceptions.pending[116]) = (true, true);
     let before = machine.chip.now;
@@ -293,7 +293,7 @@ fn a_fault_rests_the_outputs_first_and_keeps_its_reason() {
     assert!(rest.at < machine.resets[0].0 && rest.at - before < 10 * MICROSECOND, "{rest:?}, {:?}", machine.resets);
     let kept = h743::image::symbol(&elf, "KEPT").unwrap();
     let kept = machine.chip.memory.bytes(kept, 172).unwrap();
-    assert!(String::from_utf8_lossy(&kept).contains("interrupt 100 that nobody claims"));
+    assert!(String::from_utf8_lossy(&kept).contains("interrupt 100 without a handler"));
     // After the restart it is low.
     machine.run(100 * MILLISECOND);
     assert_eq!(machine.chip.bus.gpio.level(enable), Level::Driven(false));

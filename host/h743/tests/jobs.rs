@@ -1,9 +1,13 @@
-//! Jobs of the examples on the emulated board, over its USART or USB at the chip's time: every row of the trace and every change of
-//! lasers and outputs that the tick planned is that of the virtual controller, and so is every edge at the pins, as timers and
-//! DMA make it; where BEAMTICK_H743_IMAGE names the image. Light, steps and outputs of one job lie to each other as planned.
+//! Jobs of the examples on the emulated board, over its USART or USB at the chip's time, if
+//! BEAMTICK_H743_IMAGE names the image. Every row of the trace, and every change of lasers and
+//! outputs that the tick planned, equals that of the virtual controller. So does every edge at the
+//! pins, as timers and DMA make it. Light, steps and outputs of one job have the planned times
+//! relative to each other.
 //!
-//! The trace goes over the same wire as the calls, which carries a row every tick of 250 µs, but not of 50: there both controllers write a
-//! row every so many ticks, and the steps at the pins are compared with a trace of its own of the virtual controller. What a job prints is not compared: a read outside of a program falls on another tick.
+//! The trace uses the same link as the calls. That carries a row every tick of 250 µs, but not of
+//! 50. There both controllers write a row every few ticks, and the steps at the pins are compared
+//! with a separate trace of the virtual controller. What a job prints is not compared: a read
+//! outside of a program falls on another tick.
 mod signals;
 
 use h743::link::{EmulatedLink, Shared, lock};

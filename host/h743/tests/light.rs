@@ -146,7 +146,7 @@ fn a_fault_puts_out_the_light_at_once() {
     plug.pull();
     drop(client);
     let mut machine = lock(&shared);
-    // An interrupt that nobody claims.
+    // An interrupt without a handler.
     let exceptions = &mut machine.chip.scs.exceptions;
     (exceptions.enabled[116], exceptions.pending[116]) = (true, true);
     let at = machine.chip.now;

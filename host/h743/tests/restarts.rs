@@ -1,8 +1,10 @@
-//! Power-on in every order, resets of every kind under light and a host that goes on sending, and a link that is cut anywhere in a
-//! job: dark at the pins, nothing executed twice, the reason told to the next session; in the image that BEAMTICK_H743_IMAGE names.
+//! Power-on in every order, resets of every kind under light with a host that continues to send,
+//! and a link that is cut anywhere in a job, in the image that BEAMTICK_H743_IMAGE names. The pins
+//! are dark, nothing is executed twice, and the next session gets the reason.
 //!
-//! The order of things is that of the emulated board's tests (`host-tests/tests/emulated_faults.rs`). Here the pins are looked at, in
-//! every instant: each change of one is on record.
+//! The order of cases is that of the emulated board's tests
+//! (`host-tests/tests/emulated_faults.rs`). Here the pins are checked in every instant: each change
+//! of one is recorded.
 use client::{Client, Link, Options};
 use h743::link::{EmulatedLink, Shared, lock};
 use h743::{Cause, Level, MILLISECOND, Machine, Pin, Stop, Time};
@@ -216,7 +218,7 @@ fn power_on_in_every_order_is_dark_and_then_works() {
 enum End {
     /// TIM2 loses its clock: no tick comes any more.
     Watchdog,
-    /// An interrupt comes that nobody claims.
+    /// An interrupt without a handler comes.
     Fault,
     /// A debugger, by AIRCR.
     Debugger,

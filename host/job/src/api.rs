@@ -1,9 +1,9 @@
 //! The table of the manuals' names: functions, parameters with defaults, constants, and the request
-//! each function becomes. The only place where a script's names meet the protocol's.
+//! that each function becomes. Only here a script's names are mapped to the protocol's.
 //!
-//! Source: API.md (prototypes, constants). Parameters stand in the order of the request's fields; where
+//! Source: API.md (prototypes, constants). Parameters have the order of the request's fields; where
 //! the two differ, [`Shape`] says how. A function whose request has no layout is listed by its name
-//! alone, so that a script that calls it is told so.
+//! alone, so that a script that calls it gets a clear error.
 
 pub use crate::value::Type;
 use protocol::command::{self as c, Request};
@@ -19,7 +19,7 @@ pub enum Pass {
     Many(Type, Size),
     /// The first of so many values, which go into the request one by one. With a default it may be NULL: zeros.
     Fixed(Type, usize),
-    /// The address of a struct that goes into the request.
+    /// The address of a struct whose values the request takes.
     Struct(Type),
     /// The same, or NULL.
     StructOrNull(Type),
@@ -127,7 +127,7 @@ pub enum Shape {
     Points,
     /// As `Plain` without the struct, of which an item follows the request unless it is NULL.
     Point,
-    /// As `Points`, but the arrays follow one behind the other, the first one last.
+    /// As `Points`, but the arrays follow one after the other, the first one last.
     Grid,
     /// The configuration file's items.
     Config,
@@ -148,7 +148,7 @@ pub struct Function {
     pub params: &'static [Param],
     /// How they travel.
     pub shape: Shape,
-    /// The parameter of which the request tells whether it was given.
+    /// The parameter for which the request says whether it was given.
     pub told: Option<&'static str>,
     /// It changes nothing: allowed in `while(!kbhit())`.
     pub reads: bool,
@@ -621,7 +621,7 @@ impl Function {
         self.params.iter().any(|param| param.name == field)
     }
 
-    /// It tells why motion has stopped: a number, and the host's text of it.
+    /// It reports why motion has stopped: a number, and the host's text of it.
     pub fn tells_stop(&self) -> bool {
         matches!(self.name, "GetStopReason" | "GetCrdStopReason")
     }
@@ -644,8 +644,8 @@ pub fn function(name: &str) -> Option<&'static Function> {
     FUNCTIONS.iter().find(|function| function.name == name)
 }
 
-/// Names misread in the printed manual (GXN, chapters 2 to 5), with what they stand for, and how
-/// often they occur is no matter: a name that is not here is not guessed.
+/// Names misread in the printed manual (GXN, chapters 2 to 5), with their meaning, however often
+/// they occur. A name that is not here is not guessed.
 pub const MISREAD: &[(&str, &str)] = &[
     ("PrFPt", "PrfPt"),
     ("PrFpT", "PrfPt"),

@@ -186,7 +186,8 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// What stands right of `=`: a call, another assignment, or an expression; as a value of type `of`.
+    /// Reads the right side of `=`: a call, another assignment, or an expression; as a value of
+    /// type `of`.
     pub(crate) fn assigned(&mut self, of: Type, start: usize) -> Result<Value, Fault> {
         let first = self.here();
         if self.calls() {
@@ -200,7 +201,7 @@ impl Reader<'_> {
         of.convert(&value).map_err(|message| Fault::new(span, message, ""))
     }
 
-    /// A call stands here that is not one of `math.h`.
+    /// Whether the next tokens are a call that is not one of `math.h`.
     pub(crate) fn calls(&self) -> bool {
         let name = self.peek();
         name.kind == Kind::Name && self.peek_after(1).text == "(" && !MATHEMATICS.contains(&name.text.as_str())

@@ -1,6 +1,7 @@
 //! Parameters of a call, read and checked against the table of [`api`](crate::api).
 //!
-//! In: what stands between the parentheses. Out: values, lists, variables to fill.
+//! In: the tokens between the parentheses. Out: values, lists, variables to fill. Owns nothing.
+//! Fails with diagnostics.
 
 use crate::Out;
 use crate::api::{Function, Param, Pass, Shape, Size};
@@ -35,12 +36,12 @@ pub(crate) struct Bound {
     /// Variables to fill: name, first cell, and the span that names them.
     pub(crate) fills: Vec<(String, usize, Range<usize>)>,
     pub(crate) text: Option<(String, Range<usize>)>,
-    /// The parameter that the request tells of was given.
+    /// The parameter for which the request says whether it was given.
     pub(crate) told: bool,
 }
 
 impl Bound {
-    /// Values of an array; those of an array `count` stand among the values before it.
+    /// Values of an array; those of an array `count` are among the values before it.
     fn length(&self, size: Size, count: usize) -> usize {
         let nth = |nth| match self.values.iter().filter(|(name, _)| *name == "count").nth(nth) {
             // What no controller takes is refused there, with its limits.

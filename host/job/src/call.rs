@@ -1,7 +1,7 @@
-//! Calls: which function, and what its call means for the rest of the script.
+//! Calls: which function, and the effect of its call on the remaining script.
 //!
-//! In: the reader at a call. Out: its step. `bind` reads and checks the parameters, `pack` makes bytes
-//! of them.
+//! In: the reader at a call. Out: its step. `bind` reads and checks the parameters, `pack` makes
+//! bytes of them.
 
 use crate::api::{self, Function, Pass};
 use crate::bind::Bound;
@@ -91,7 +91,7 @@ impl Reader<'_> {
         for (cell, of) in variable.cells.iter_mut().zip(types.iter().cycle()) {
             *cell = of.convert(&Value::Int(0)).unwrap_or(Value::Int(0));
         }
-        // The rest of the parentheses: the size.
+        // The remaining parentheses: the size.
         let mut open = 1usize;
         while open > 0 && self.peek().kind != Kind::End {
             match self.advance().text.as_str() {
@@ -214,7 +214,8 @@ impl Reader<'_> {
         }
     }
 
-    /// Counts what stands between two motions of a path; where it is more than a servo tick carries out, the path stops there.
+    /// Counts the entries between two motions of a path. The path stops there if they are more than
+    /// a servo tick executes.
     fn count_between(&mut self, function: &Function, core: i16, bound: &Bound, span: &Range<usize>) {
         let value = |wanted: &str| match bound.values.iter().find(|(name, _)| *name == wanted) {
             Some((_, Value::Int(number))) => *number,
@@ -243,7 +244,7 @@ impl Reader<'_> {
                 "more than {EFFECTS} entries stand between two motions of coordinate system {crd}: its path stops here, for a servo \
                  tick with every {EFFECTS} of them"
             );
-            self.warn(span.clone(), message, "a BufMove counts as four; put some of them at another place of the path");
+            self.warn(span.clone(), message, "a BufMove counts as four; move some of them to another part of the path");
         }
     }
 

@@ -12,7 +12,7 @@ pub enum Severity {
     Warning,
 }
 
-/// One thing to tell about a script.
+/// One message about a script.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Diagnostic {
     /// Error or warning.
@@ -83,7 +83,7 @@ fn texts_cut(part: &str) -> String {
     parts.join("\"")
 }
 
-/// Renders `diagnostic` with `file:line:column`, the source line and a mark under the place.
+/// Renders `diagnostic` with `file:line:column`, the source line and a mark under the position.
 pub fn render(diagnostic: &Diagnostic, file: &str, text: &str, colour: bool) -> String {
     let message = tidy(&diagnostic.message);
     let help = diagnostic.help.as_deref().map(tidy);
@@ -120,8 +120,8 @@ pub fn render(diagnostic: &Diagnostic, file: &str, text: &str, colour: bool) -> 
     String::from_utf8_lossy(&out).into_owned()
 }
 
-/// The same where the source cannot be shown as it is: a part of its line, with control characters escaped. `at` is where in
-/// `line` the place begins.
+/// The same where the source cannot be shown as it is: a part of its line, with control characters
+/// escaped. `at` is the start of the position in `line`.
 fn excerpt(
     diagnostic: &Diagnostic,
     (file, at): (String, usize),
@@ -129,7 +129,7 @@ fn excerpt(
     message: &str,
     help: Option<&str>,
 ) -> String {
-    /// Characters before the place that are shown.
+    /// Characters shown before the position.
     const BEFORE: usize = 30;
     let before = escaped(line.get(..at).unwrap_or(""));
     let count = before.chars().count();

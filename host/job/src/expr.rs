@@ -169,7 +169,7 @@ impl Reader<'_> {
             ("fmod", [x, y]) => x % y,
             (name, _) => {
                 let message = if name.starts_with("GT_") || name.starts_with("GTN_") {
-                    format!("{name} cannot stand inside an expression")
+                    format!("{name} is not allowed inside an expression")
                 } else {
                     format!("`{name}` with {} values is no function that scripts know", given.len())
                 };
@@ -264,7 +264,7 @@ fn integers(operator: &str, a: i64, b: i64) -> Result<i64, String> {
 }
 
 impl Reader<'_> {
-    /// Reads the words of a type, if they stand here.
+    /// Reads the words of a type, if they come next.
     pub(crate) fn type_words(&mut self) -> Option<Type> {
         let start = self.at();
         let (mut unsigned, mut of, mut any) = (false, None, false);

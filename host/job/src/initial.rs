@@ -1,15 +1,15 @@
 //! The values that a declaration gives: one, a text, or a list in braces, which may hold lists.
 //!
-//! In: the reader after the `=`. Out: the variable. A list fills what it stands for as C has it (C11, 6.7.9): a list within it
-//! stands for one field or element, and values without braces fill its parts one by one. What is left out is 0. Fails where a
-//! list holds more than it stands for.
+//! In: the reader after the `=`. Out: the variable. A list fills its target as in C (C11, 6.7.9): a
+//! list within it fills one field or element, and values without braces fill its parts one by one.
+//! Parts without a value are 0. Fails where a list has more values than its target has parts.
 
 use crate::read::{Fault, Reader};
 use crate::scan::{Kind, Token};
 use crate::value::{Type, Value, Variable};
 use std::ops::Range;
 
-/// A value or a list, as it stands in the text.
+/// A value or a list, as in the text.
 enum Initial {
     One(Value, Range<usize>),
     List(Vec<Initial>, Range<usize>),
@@ -24,7 +24,7 @@ impl Initial {
     }
 }
 
-/// What a list may stand for.
+/// What a list may fill.
 #[derive(Clone, Copy)]
 enum Part {
     /// A number.
@@ -98,11 +98,11 @@ impl Filling<'_> {
     }
 }
 
-/// The cells of a part that this list stands for.
+/// The cells of the part that this list fills.
 fn filled(part: Part, items: &[Initial], span: &Range<usize>) -> Result<Vec<Value>, Fault> {
     let mut filling = Filling { items: items.iter().peekable(), cells: Vec::new() };
     match part.number() {
-        // A number may stand in braces of its own.
+        // A number may have braces of its own.
         Some(_) => filling.fill(part)?,
         None => part.parts().try_for_each(|part| filling.fill(part))?,
     }

@@ -7,7 +7,7 @@ use crate::Diagnostic;
 pub struct Job {
     /// What it does, in order.
     pub steps: Vec<Step>,
-    /// Pragmas that stand for options of the command line, each once, in order.
+    /// Pragmas that replace options of the command line, each once, in order.
     pub pragmas: Vec<Pragma>,
     /// What was accepted although it is odd: misspelt names, stray braces, assumed values.
     pub warnings: Vec<Diagnostic>,
@@ -18,8 +18,8 @@ pub struct Job {
     pub crds: Vec<Crd>,
     /// Laser channels that the job uses (a call sets something of them), bit k is channel k.
     pub lasers: u8,
-    /// Every core and axis that a call or a configuration file names, ascending; axis 0 stands for the
-    /// core alone. What no controller has is among them.
+    /// Every core and axis that a call or a configuration file names, ascending; axis 0 means the
+    /// core alone. It may hold ones that no controller has.
     pub named: Vec<Axis>,
 }
 
@@ -28,7 +28,7 @@ pub struct Job {
 pub struct Pragma {
     /// `family`, `profile` or `tick`.
     pub name: &'static str,
-    /// What stands behind the name.
+    /// The value after the name.
     pub value: String,
     /// Line of the script, from 1.
     pub line: u32,
@@ -74,7 +74,7 @@ pub struct Step {
 /// What a step does.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Action {
-    /// The script clock goes on by this time.
+    /// The script clock advances by this time.
     Sleep {
         /// Nanoseconds.
         ns: u64,
@@ -105,7 +105,7 @@ pub struct Call {
     pub body: Vec<u8>,
     /// Variables that the reply's values go to, for display.
     pub outs: Vec<Out>,
-    /// The job goes on when this call fails: its result is assigned and `#pragma continue` is on.
+    /// The job continues when this call fails: its result is assigned and `#pragma continue` is on.
     pub may_fail: bool,
 }
 

@@ -67,7 +67,7 @@ impl Files for Folder {
 /// Compiles the script `text`; files that it names come from `files`.
 ///
 /// # Errors
-/// Everything that is wrong with it, in the order of the text, warnings behind the errors.
+/// All errors in the order of the text, and after them the warnings.
 pub fn compile(text: &str, files: &dyn Files) -> Result<Job, Vec<Diagnostic>> {
     let mut reader = read::Reader::new(text, files);
     reader.run();

@@ -26,7 +26,8 @@ impl Reader<'_> {
             Shape::Points | Shape::Grid => items = items_of(function, bound),
             Shape::Point => {
                 if let Some(list) = bound.lists.first() {
-                    // Of eight places and three parts of a centre, those that a coordinate system has.
+                    // Of eight positions and three parts of a centre, those that a coordinate
+                    // system has.
                     let (places, centre) = (2..10, 12..15);
                     let skipped =
                         |index: &usize| places.clone().skip(4).chain(centre.clone().skip(2)).any(|i| i == *index);
@@ -83,7 +84,7 @@ impl Reader<'_> {
     }
 }
 
-/// Appends the values of a field; an array takes as many as it has places.
+/// Appends the values of a field; an array takes as many as it has elements.
 fn fill<'v>(body: &mut Vec<u8>, of: &str, values: &mut impl Iterator<Item = &'v Value>) {
     let array = of.strip_prefix('[').and_then(|of| of.strip_suffix(']')).and_then(|of| of.split_once("; "));
     let (of, count) = match array {

@@ -1,8 +1,8 @@
-//! The reader of a script: its tokens, a cursor on them, and what has come out so far.
+//! The reader of a script: its tokens, a cursor on them, and the results so far.
 //!
-//! In: the tokens of [`crate::scan`]. Out: steps, warnings, errors. After an error reading goes on behind
-//! the statement, so that one run shows what else is wrong. What statements mean is in `statement`,
-//! `assign`, `wait` and `call`.
+//! In: the tokens of [`crate::scan`]. Out: steps, warnings, errors. After an error, reading
+//! continues after the statement, so that one run shows all errors. The meaning of statements is in
+//! `statement`, `assign`, `wait` and `call`.
 
 use crate::endless::Motions;
 use crate::scan::{self, Kind, Lines, Token, diagnostic};
@@ -46,7 +46,7 @@ pub(crate) struct Reader<'a> {
     pub(crate) warnings: Vec<Diagnostic>,
     pub(crate) errors: Vec<Diagnostic>,
     pub(crate) braces: Vec<Range<usize>>,
-    /// Behind `return`: nothing is executed any more.
+    /// After `return`: nothing is executed any more.
     pub(crate) ended: bool,
     /// In the body of `while(!kbhit())`.
     pub(crate) polling: bool,
@@ -145,7 +145,7 @@ impl<'a> Reader<'a> {
         self.peek().span.clone()
     }
 
-    /// Where the token before this one stands.
+    /// Position of the token before this one.
     pub(crate) fn before(&self) -> Range<usize> {
         self.tokens[self.at.saturating_sub(1)].span.clone()
     }
@@ -180,7 +180,7 @@ impl<'a> Reader<'a> {
             return Ok(());
         }
         let help = if mark == ";" { "every statement ends with ;" } else { "" };
-        // A missing mark belongs behind the token before, which may be lines above.
+        // A missing mark belongs after the token before, which may be lines above.
         let end = self.before().end;
         let place = if mark == ";" && self.peek().kind != Kind::End { end.saturating_sub(1)..end } else { self.here() };
         Err(Fault::new(place, format!("`{mark}` is missing {what_for}; here is {}", self.shown()), help))
@@ -212,7 +212,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Skips ( … ) or { … } whole, if it stands here.
+    /// Skips ( … ) or { … } whole, if it comes next.
     pub(crate) fn skip_group(&mut self, open: &str, close: &str) {
         let mut depth = 0usize;
         while self.peek().kind != Kind::End {
@@ -258,12 +258,12 @@ impl<'a> Reader<'a> {
         self.lines.place(self.text, span.start).0
     }
 
-    /// A statement that does something, behind `return`: said once.
+    /// A statement with an effect after `return`: reported once.
     pub(crate) fn executes(&mut self) {
-        if self.ended && !self.warnings.iter().any(|warning| warning.message.starts_with("behind `return`")) {
+        if self.ended && !self.warnings.iter().any(|warning| warning.message.starts_with("after `return`")) {
             self.warn(
                 self.here(),
-                "behind `return` nothing is executed".into(),
+                "after `return` nothing is executed".into(),
                 "remove the return, or what follows it",
             );
         }

@@ -1,8 +1,9 @@
-//! The text of a script to tokens: full-width punctuation becomes ASCII, comments, `#include`, lines
-//! of dots, code fences and what is left of a comment on the next line vanish, `#define` names are replaced as the C preprocessor would.
+//! The text of a script to tokens. Full-width punctuation becomes ASCII. Comments, `#include`,
+//! lines of dots, code fences, and the remainder of a comment on the next line are removed.
+//! `#define` names are replaced as by the C preprocessor.
 //!
-//! In: the text. Out: [`Token`]s, each with its place in the text as it was given. Fails with
-//! diagnostics: an unfinished comment or string, a directive that scripts do not have.
+//! In: the text. Out: [`Token`]s, each with its position in the original text. Owns the macros.
+//! Fails with diagnostics: an unfinished comment or string, a directive that scripts do not have.
 
 use crate::{Diagnostic, Pragma, Severity};
 use logos::Logos;
@@ -19,7 +20,7 @@ pub enum Kind {
     Name,
     /// A number.
     Number,
-    /// A string in quotes; the token's text is what stands between them.
+    /// A string in quotes; the token's text is the text between them.
     Text,
     /// Punctuation.
     Mark,
@@ -84,7 +85,8 @@ fn comment(lexer: &mut logos::Lexer<Raw>) -> bool {
     }
 }
 
-/// Whether a line is Chinese text and no statement: the rest of a comment that the printed manuals have broken.
+/// Whether a line is Chinese text and no statement: the remainder of a comment that the printed
+/// manuals have broken.
 fn is_prose(line: &str) -> bool {
     line.starts_with(|first| ('\u{4e00}'..='\u{9fff}').contains(&first)) && !line.contains([';', '='])
 }
@@ -133,14 +135,14 @@ pub fn diagnostic(
     Diagnostic { severity, line, column, span, message, help }
 }
 
-/// Pragmas that stand for an option of the command line.
+/// Pragmas that replace an option of the command line.
 const OPTIONS: [&str; 3] = ["family", "profile", "tick"];
 
 /// What the text of a script is made of.
 pub struct Scanned {
     /// All tokens, an `End` last.
     pub tokens: Vec<Token>,
-    /// Pragmas that stand for options, each once.
+    /// Pragmas that replace options, each once.
     pub pragmas: Vec<Pragma>,
     /// What is wrong with the text.
     pub problems: Vec<Diagnostic>,
@@ -193,7 +195,7 @@ pub fn scan(text: &str) -> Scanned {
         }
     }
     for span in &broken {
-        let message = "this line is taken as the rest of the comment above".to_owned();
+        let message = "this line is taken as the remainder of the comment above".to_owned();
         let help = Some("put // before it".to_owned());
         problems.push(diagnostic(text, Severity::Warning, given(span), message, help));
     }
@@ -232,7 +234,7 @@ impl<G: Fn(&Range<usize>) -> Range<usize>> Expansion<'_, G> {
         let (kind, text) = match raw {
             Raw::Name => (Kind::Name, self.flat[span.clone()].to_owned()),
             Raw::Number => (Kind::Number, self.flat[span.clone()].to_owned()),
-            // What stands between the quotes is the user's, full-width characters included.
+            // The text between the quotes is the user's, full-width characters included.
             Raw::Text => {
                 let inner = (self.given)(&(span.start + 1..span.end - 1));
                 (Kind::Text, self.text[inner].to_owned())
@@ -254,8 +256,8 @@ impl<G: Fn(&Range<usize>) -> Range<usize>> Expansion<'_, G> {
         }
     }
 
-    /// Outputs `token`, or what its macro stands for. `open` holds the macros being replaced, which
-    /// do not replace themselves.
+    /// Outputs `token`, or the text of its macro. `open` holds the macros being replaced, which do
+    /// not replace themselves.
     fn expand(&mut self, token: Token, open: &mut Vec<String>) {
         if self.out.len() >= MOST_TOKENS {
             return;
@@ -335,7 +337,7 @@ impl<G: Fn(&Range<usize>) -> Range<usize>> Expansion<'_, G> {
     /// `#pragma family gus`: said once, or again with the same value.
     fn option(&mut self, name: &str, whole: &Range<usize>, rest: &[(Raw, Range<usize>)]) {
         let (Some(name), Some((_, first))) = (OPTIONS.into_iter().find(|known| *known == name), rest.first()) else {
-            return self.refuse(whole, format!("#pragma {name} needs a value"), "write it behind the name");
+            return self.refuse(whole, format!("#pragma {name} needs a value"), "write it after the name");
         };
         let value = self.flat[first.start..whole.end].trim().to_owned();
         let span = (self.given)(whole);

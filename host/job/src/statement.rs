@@ -75,7 +75,7 @@ impl Reader<'_> {
                     }
                     self.skip_statement();
                 }
-                // Reading goes on here: the fault must not skip another statement.
+                // Reading continues here: the error must not skip another statement.
                 let fault = diagnostic(
                     self.text,
                     Severity::Error,

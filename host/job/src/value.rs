@@ -108,12 +108,12 @@ impl Type {
         }
     }
 
-    /// Name and type of each value of a struct, in order: an array has one a place.
+    /// Name and type of each value of a struct, in order: an array has one for each element.
     pub fn cells(self) -> impl Iterator<Item = (&'static str, Type)> {
         self.fields().iter().flat_map(|field| std::iter::repeat_n((field.0, field.1), field.2))
     }
 
-    /// What a script calls each value of a struct: a field, or a place of one.
+    /// The script's name of each value of a struct: a field, or an element of one.
     pub fn places(self) -> impl Iterator<Item = String> {
         self.fields().iter().flat_map(|&(name, _, count)| {
             (0..count).map(move |place| if count > 1 { format!("{name}[{place}]") } else { name.to_owned() })

@@ -71,7 +71,7 @@ impl Reader<'_> {
             }
         };
         if self.polling {
-            return Err(Fault::new(span, "WaitStop cannot stand in a while(!kbhit()) loop", "put it behind the loop"));
+            return Err(Fault::new(span, "WaitStop is not allowed in a while(!kbhit()) loop", "put it after the loop"));
         }
         if let Some((axis, line)) = self.motions.endless(Some((core, axes))) {
             self.warn(
@@ -171,7 +171,7 @@ impl Reader<'_> {
             self.statement()
         } else {
             Err(self.fault_here(
-                format!("{} cannot stand in a while(!kbhit()) loop of a job script", self.shown()),
+                format!("{} is not allowed in a while(!kbhit()) loop of a job script", self.shown()),
                 "such a loop may only read and print: it means WaitStop of everything that runs; for more, use the C library",
             ))
         }

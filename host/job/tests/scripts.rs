@@ -365,7 +365,7 @@ fn comments_that_the_print_has_broken() {
     assert_eq!(calls(&job).len(), 3);
     let places: Vec<_> = job.warnings.iter().map(|warning| (warning.line, warning.column)).collect();
     assert_eq!(places, [(6, 1), (10, 5), (11, 2)]);
-    assert_eq!(job.warnings[0].message, "this line is taken as the rest of the comment above");
+    assert_eq!(job.warnings[0].message, "this line is taken as the remainder of the comment above");
     // Names may be Chinese, and what no comment stands before is not one.
     assert_eq!(calls(&good("// 轴\nlong 轴;\n// 一\n轴 = 1;\nGT_AxisOn(轴);")).len(), 1);
     assert_eq!(bad("GT_AxisOn(1);\n的调整\nGT_AxisOn(2);").1, 1);
@@ -391,7 +391,7 @@ fn pragma_continue_needs_an_assigned_result() {
 fn what_is_behind_return_is_not_executed() {
     let job = good("GT_AxisOn(1); return 0; GT_AxisOff(1);");
     assert_eq!(job.steps.len(), 1);
-    assert_eq!(job.warnings[0].message, "behind `return` nothing is executed");
+    assert_eq!(job.warnings[0].message, "after `return` nothing is executed");
 }
 
 #[test]
@@ -464,7 +464,7 @@ const WRONG: &[(&str, u32, u32, &str)] = &[
     ("for (i = 0; i < 3; i++) { GT_AxisOn(1); }", 1, 1, "`for` is not available in job scripts"),
     ("while(1) { GT_AxisOn(1); }", 1, 1, "`while(1)` is not available in job scripts"),
     ("while(!kbhit())\n{ GT_AxisOn(1); }", 2, 3, "GT_AxisOn does more than read"),
-    ("while(!kbhit())\n{ if (1) {} }", 2, 3, "`if` cannot stand in a while(!kbhit()) loop"),
+    ("while(!kbhit())\n{ if (1) {} }", 2, 3, "`if` is not allowed in a while(!kbhit()) loop"),
     ("do { } while(1);", 1, 1, "`do` is not available"),
     ("GT_AxisOn(1);\n /* open", 2, 2, "this comment does not end"),
     ("printf(\"open);\n", 1, 8, "this text does not end on its line"),

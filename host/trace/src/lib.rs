@@ -40,7 +40,7 @@ pub enum TraceError {
     #[error("the controller lost {0} rows of the trace: the link does not carry them; use a larger --every")]
     Lost(u32),
     /// The stream is damaged.
-    #[error("the trace stream is damaged behind row {after}: {what}")]
+    #[error("the trace stream is damaged after row {after}: {what}")]
     Damaged {
         /// Rows that came before.
         after: u32,

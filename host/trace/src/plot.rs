@@ -83,7 +83,7 @@ struct Laser {
     gate: Activity,
     pulses: Activity,
     has_pulses: bool,
-    /// Power in each unit: a curve for every stretch of time in which it was the unit.
+    /// Power in each unit: a curve for every interval in which it was the unit.
     powers: [Vec<Curve>; 3],
     unit: Option<PowerUnit>,
 }
@@ -133,7 +133,7 @@ impl Plot {
         })
     }
 
-    /// Takes what a laser's outputs (its place among those of the header) did before the row that comes next.
+    /// Takes the changes of a laser's outputs (its index in the header) before the next row.
     pub fn change(&mut self, laser: usize, change: &Change) {
         let Some(laser) = self.lasers.get_mut(laser) else { return };
         match change {
@@ -226,7 +226,7 @@ impl Plot {
                 panels.push(Panel { caption, colour, from_zero: false, content, beside: None });
             }
         }
-        // Light that follows the speed is seen beside it.
+        // Light that follows the speed is drawn below it.
         let power = self.lasers.iter().find_map(|laser| Some((laser, *laser.shown().first()?)));
         for (crd, curve) in &self.crds {
             panels.push(Panel {
@@ -325,7 +325,7 @@ impl Laser {
 }
 
 impl Values {
-    /// Between this row and the next: motion goes straight, lasers stay.
+    /// Between this row and the next: motion is linear, lasers keep their state.
     fn towards(&self, next: &Values, t_ns: u64) -> Values {
         let part = (t_ns - self.t_ns) as f64 / (next.t_ns - self.t_ns) as f64;
         let between = |(a, b): (&[f64; 2], &[f64; 2])| [a[0] + (b[0] - a[0]) * part, a[1] + (b[1] - a[1]) * part];

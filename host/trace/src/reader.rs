@@ -1,8 +1,8 @@
 //! The bytes of a trace stream as a header and rows.
 //!
-//! In: bytes in any portions. Out: [`Item`]s in order. Owns the decoder, the last header, and an output stage
-//! for each laser, which makes edges of what the channel was told. The first error is the last thing that
-//! comes out: a gap is never passed over.
+//! In: bytes in any portions. Out: [`Item`]s in order. Owns the decoder, the last header, and an
+//! output stage for each laser, which makes edges of the channel's actions. Fails: the first error
+//! is the last item; a gap is never skipped.
 use crate::row::{AnalogEdge, AxisName, AxisPoint, CrdName, Header, LaserName, LaserPoint, OutputEdge, PowerUnit, Row};
 use crate::{Result, TraceError};
 use plant::beam::{Change, Stage};
@@ -16,24 +16,25 @@ use servo::units::Pos;
 pub enum Item {
     /// A trace begins.
     Header(Header),
-    /// What a laser's outputs did before the row that comes next, if its edges are traced: in the order of
+    /// Changes of a laser's outputs before the next row, if its edges are traced: in the order of
     /// time for each output.
     Laser {
-        /// Its place among the lasers of the header.
+        /// Its index among the lasers of the header.
         laser: usize,
         /// What.
         change: Change,
     },
-    /// Light of a laser begins or ends before the row that comes next, if its edges are traced.
+    /// Light of a laser begins or ends before the next row, if its edges are traced.
     Light {
-        /// Its place among the lasers of the header.
+        /// Its index among the lasers of the header.
         laser: usize,
         /// When, ns since the job's start.
         at: u64,
         /// It begins.
         on: bool,
     },
-    /// A general output changed, if they are traced. It comes before the row of its tick, in the order of time.
+    /// A general output changed, if they are traced. It precedes the row of its tick, in the order
+    /// of time.
     Output(OutputEdge),
     /// An analog output was set, in the same manner.
     Analog(AnalogEdge),
@@ -87,7 +88,7 @@ struct Made {
     clock: Clock,
     rows: u32,
     stages: Vec<Stage>,
-    /// What light is told to do: laser, instant, on; for each laser in the order of time.
+    /// Commands of light: laser, instant, on; for each laser in the order of time.
     lights: Vec<(usize, u64, bool)>,
     /// Levels of the general outputs.
     levels: u64,
@@ -190,7 +191,7 @@ impl Made {
             let edge = AnalogEdge { t_ns, output: told.channel.saturating_add(1), code: told.value.get() };
             return sink(Item::Analog(edge));
         }
-        let unknown = TraceError::Damaged { after: self.rows, what: "a laser is told what this client does not know" };
+        let unknown = TraceError::Damaged { after: self.rows, what: "a laser action that this client does not know" };
         let Some(laser) = self.header.lasers.iter().position(|name| name.0 == told.channel) else {
             return Err(unknown);
         };
@@ -200,7 +201,7 @@ impl Made {
         let train = Train { period: in_ns(given(told.period), clock), width: in_ns(given(told.width), clock) };
         let value = told.value.get();
         let tick = u64::from(told.tick.get());
-        // It was told a tick ahead; what is before cannot change any more.
+        // It was planned a tick ahead; what is before cannot change any more.
         let now = self.ticks.at(tick.saturating_sub(1));
         passed(|mut sink| stage.run_to(now, &mut sink), laser, sink)?;
         let action = match told.kind {

@@ -26,7 +26,7 @@ struct Signal {
     shown: Shown,
 }
 
-/// Signals of one axis, by their places.
+/// Signals of one axis, by their indices.
 struct AxisSignals {
     axis: AxisName,
     step: usize,
@@ -35,7 +35,7 @@ struct AxisSignals {
     pos: Pos,
 }
 
-/// Signals of one laser, by their places.
+/// Signals of one laser, by their indices.
 struct LaserSignals {
     energy: usize,
     switch: usize,
@@ -57,9 +57,9 @@ pub struct VcdWriter<W: Write> {
 }
 
 impl<W: Write> VcdWriter<W> {
-    /// Declares the signals: two for each axis of the header, one for each output (its number from 1, and
-    /// its level at the start), one for each analog output (its number from 1), which begin at 0, three for each laser, which begin
-    /// at rest.
+    /// Declares the signals: two for each axis of the header, and one for each output (its number
+    /// from 1, and its level at the start). Each analog output (its number from 1) has one, which
+    /// begins at 0. Each laser has three, which begin in the safe state.
     pub fn new(out: W, header: &Header, outputs: &[(u8, bool)], analog: &[u8]) -> Result<Self> {
         let mut out = vcd::Writer::new(out);
         out.timescale(1, TimescaleUnit::NS)?;
@@ -124,8 +124,8 @@ impl<W: Write> VcdWriter<W> {
         }
     }
 
-    /// Takes what a laser's outputs (its place among those of the header) did; it is written with the row
-    /// after it.
+    /// Takes the changes of a laser's outputs (its index in the header); they are written with the
+    /// row after them.
     pub fn change(&mut self, laser: usize, change: &Change) {
         let Some(LaserSignals { energy, switch, dac }) = self.lasers.get(laser) else { return };
         let changes = &mut self.changes;

@@ -98,15 +98,15 @@ impl<'m> Controller<'m> {
         self.core.visit(wire, holder, bytes)
     }
 
-    /// As if so many entries more had been executed and `ns` more had passed, for tests of a long life; nothing may run or
-    /// be on its way.
+    /// Advances the counters by so many executed entries and `ns`, for tests of a long life.
+    /// Nothing may run or be in transfer.
     #[cfg(feature = "test-hooks")]
     pub fn age(&mut self, entries: u32, ns: u64) {
         self.core.age(entries, ns);
     }
 
-    /// As if each FIFO of a path had carried out so many entries more, and each laser had been on for so many units of 250 µs
-    /// more, for the same tests; nothing may be in a FIFO.
+    /// Advances the count of executed entries of each FIFO of a path, and the on-time of each laser
+    /// in units of 250 µs, for the same tests. All FIFOs must be empty.
     #[cfg(feature = "test-hooks")]
     pub fn age_counts(&mut self, by: u32) {
         self.core.age_counts(by);
@@ -148,8 +148,9 @@ impl<'m> Controller<'m> {
         self.core.inputs_mut()
     }
 
-    /// Makes the interlock input active at an instant of controller time in ns, which may be between two ticks; one
-    /// that is past is that of the tick in force. [`Inputs::interlock`] tells when it is, and ends it.
+    /// Makes the interlock input active at an instant of controller time in ns, which may be
+    /// between two ticks; a past instant means that of the tick in force. [`Inputs::interlock`]
+    /// reports it, and ends it.
     pub fn raise_interlock(&mut self, at_ns: u64) {
         self.core.raise_interlock(at_ns);
     }
@@ -246,8 +247,8 @@ trait Core {
     fn laser(&mut self, channel: usize) -> Levels;
 }
 
-/// The stores and hand-overs of a board with room for `AXES` axes. The stores are megabytes: they are built in place,
-/// not on the stack.
+/// The stores and queues of a board of `AXES` axes. The stores are megabytes: they are built in
+/// place, not on the stack.
 struct Arena<const AXES: usize> {
     segments: Box<[SegmentStore; AXES]>,
     places: Box<[PointStore; TABLES]>,
@@ -297,7 +298,7 @@ struct Whole<'m, const AXES: usize> {
     idle_ticks: u32,
     /// What the thread saw when it last ran.
     seen: Seen,
-    /// Trace bytes that nobody has taken yet.
+    /// Trace bytes that were not read yet.
     trace: Vec<u8>,
 }
 
@@ -382,7 +383,7 @@ impl<'m, const AXES: usize> Whole<'m, AXES> {
             seen: Seen::default(),
             trace: Vec::new(),
         };
-        // The first view is that of the first tick: nobody sees the state before it.
+        // The first view is that of the first tick: no client reads the state before it.
         whole.run_tick();
         whole.run_thread();
         whole

@@ -1,14 +1,15 @@
 #![forbid(unsafe_code)]
 //! The virtual controller: the same dispatcher and servo as the firmware, on this machine.
 //!
-//! In: bytes of the host link, input levels that a test sets. Out: bytes of the host link and of the
-//! trace stream, output edges, edges of the lasers. Owns its time: [`Board::advance`] is ticks, and nothing else moves the
-//! clock, so the same calls give the same bytes. Encoders are those of `plant`.
+//! In: bytes of the host link, input levels that a test sets. Out: bytes of the host link and of
+//! the trace stream, output edges, edges of the lasers. Owns its time: [`Board::advance`] runs
+//! ticks, and nothing else moves the clock, so the same calls give the same bytes. Encoders are
+//! those of `plant`.
 //!
 //! * [`Board`]: the controller in virtual time; [`Controller`] on [`Memory`] is one that can end.
 //! * [`VirtualLink`]: a client's link to it; time passes only while the client waits.
 //! * [`PacedLink`]: the same in step with the wall clock.
-//! * [`serve`]: the controller in real time behind TCP.
+//! * [`serve`]: the controller in real time over TCP.
 mod board;
 mod link;
 mod machine;

@@ -25,7 +25,7 @@ impl VirtualLink {
         VirtualLink { board, received: Vec::new(), taken: 0 }
     }
 
-    /// Lets `time` pass; what comes meanwhile is kept.
+    /// Advances the controller by `time`; keeps the bytes that arrive meanwhile.
     pub fn run(&mut self, time: Duration) {
         let mut board = self.board.lock().unwrap_or_else(PoisonError::into_inner);
         let end = board.now().saturating_add(u64::try_from(time.as_nanos()).unwrap_or(u64::MAX));

@@ -1,4 +1,4 @@
-//! The machine behind the tick: inputs that a test sets, encoders of the plant, outputs and their
+//! The machine of the tick: inputs that a test sets, encoders of the plant, outputs and their
 //! edges, the lasers' output stages.
 use plant::beam::{Change, Levels, Stage};
 use plant::inputs::{Plan as InputPlan, Row};
@@ -20,7 +20,7 @@ pub struct Inputs {
     pub general: GeneralInputs,
     /// Analog inputs as SetDac counts.
     pub analog: [i16; 8],
-    /// Interlock (or emergency stop); high wants every laser at rest.
+    /// Interlock (or emergency stop); high asks for the safe state of every laser.
     pub interlock: bool,
 }
 
@@ -76,7 +76,7 @@ fn note_beam(beam: &mut Option<Vec<Beam>>, channel: usize) -> impl FnMut(Change)
     }
 }
 
-/// Edges that are kept until somebody takes them; the oldest go first.
+/// Edges that are kept until they are read; the oldest are dropped first.
 const EDGES: usize = 1 << 20;
 
 /// See the module text.
@@ -98,7 +98,7 @@ pub(crate) struct Machine<const AXES: usize> {
     interlock: bool,
     /// Instant at which the interlock input becomes active; it may be between two ticks.
     raised_ns: Option<u64>,
-    /// What the lasers did, if somebody wants it.
+    /// Changes of the lasers' outputs, if they are recorded.
     beam: Option<Vec<Beam>>,
 }
 
@@ -261,9 +261,9 @@ impl<const AXES: usize> Port for Machine<AXES> {
     }
 
     fn plan(&mut self, row: u16, due: Due, input: Simulated) {
-        let places = self.plan.places();
-        if places.len() <= usize::from(row) {
-            places.resize(usize::from(row) + 1, Row::NONE);
+        let slots = self.plan.slots();
+        if slots.len() <= usize::from(row) {
+            slots.resize(usize::from(row) + 1, Row::NONE);
         }
         self.plan.put(row, due, input);
     }

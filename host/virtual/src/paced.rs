@@ -1,11 +1,14 @@
-//! A client's link to a virtual controller whose time keeps step with the wall clock, times a factor.
+//! A client's link to a virtual controller whose time keeps step with the wall clock, times a
+//! factor.
 //!
-//! In: a board, a factor. Out: a link whose waits are real ones, and a [`Pace`] that tells how far the
-//! controller may have come. Its time passes while somebody looks: in a wait for a reply, and when the
-//! owner lets the client go on to [`Pace::due`], which it has to do often enough for the link's keep-alives.
-//! Nothing is late by that: the controller catches up in its own time, tick by tick. When this machine
-//! does not keep up, or the process was held, what is beyond [`LAG`] or takes longer than [`EFFORT`] is dropped: the controller's
-//! clock then lags behind the wall, and calls are still answered.
+//! In: a board, a factor. Out: a link whose waits are real ones, and a [`Pace`] that reports the
+//! controller's due time. Its time passes in two cases: in a wait for a reply, and when the owner
+//! lets the client continue to [`Pace::due`]. The owner must do that often enough for the link's
+//! keep-alives. That makes nothing late: the controller catches up in its own time, tick by tick.
+//!
+//! Fails: when this machine is too slow, or the process was delayed, time beyond [`LAG`] or
+//! [`EFFORT`] is dropped. The controller's clock then lags behind the wall clock, and calls are
+//! still answered.
 use crate::link::{Shared, VirtualLink};
 use client::Link;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -44,7 +47,7 @@ impl Pace {
         due as u64
     }
 
-    /// Lets a board catch up by way of `run`, which lets so many ns pass; `now` tells its time.
+    /// Lets a board catch up with `run`, which advances it by ns; `now` returns its time.
     pub fn catch_up(&self, mut now: impl FnMut() -> u64, mut run: impl FnMut(u64)) {
         let began = Instant::now();
         loop {
@@ -90,7 +93,7 @@ impl Link for PacedLink {
     }
 
     fn send(&mut self, bytes: &[u8]) -> client::Result<()> {
-        // What is sent now is for now, not for the tick at which somebody looked last.
+        // Bytes sent now act now, not at the tick of the last receive.
         let PacedLink { inner, board, pace } = self;
         let now = || board.lock().unwrap_or_else(PoisonError::into_inner).now();
         pace.catch_up(now, |ns| inner.run(Duration::from_nanos(ns)));

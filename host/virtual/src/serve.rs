@@ -1,9 +1,11 @@
-//! The virtual controller in real time behind TCP.
+//! The virtual controller in real time over TCP.
 //!
-//! In: a listener for the host link, and one for the trace stream if wanted. Out: a running controller
-//! until [`Served`] is dropped. One client at a time: another one is told whose the controller is, and gets it when that
-//! connection has gone or its session is silent. A connection without a session is closed after a while and holds nobody up.
-//! The controller goes on while nobody is connected, as a board does.
+//! In: a listener for the host link, and one for the trace stream if wanted. Out: a running
+//! controller until [`Served`] is dropped. It serves one client at a time. A second client gets the
+//! name of the first one, and gets the controller when that connection has gone or its session is
+//! silent. A connection without a session is closed after a while and delays nothing. Without a
+//! connection the controller continues, as a board does. Fails: with the operating system's error,
+//! when a listener cannot be used.
 use crate::board::{Board, Config};
 use crate::link::{Shared, share};
 use dispatcher::SecondaryTransport;
@@ -17,8 +19,8 @@ use std::time::{Duration, Instant};
 
 /// Time between two looks at the sockets.
 const TURN: Duration = Duration::from_micros(200);
-/// Controller time that is caught up in one turn at most, when this process was held up; what is
-/// beyond is dropped: the controller's clock then lags, which a client cannot tell from a slow board.
+/// Controller time that one pass catches up at most, when this process was delayed. Time beyond it
+/// is dropped: the controller's clock then lags, which a client cannot tell from a slow board.
 const CATCH_UP: Duration = Duration::from_millis(20);
 /// Trace bytes that wait for their client at most; more are dropped, which the client sees as a gap.
 const TRACE_WAITING: usize = 16 << 20;
@@ -27,7 +29,7 @@ const TRACE_WAITING: usize = 16 << 20;
 const OPENING: Duration = Duration::from_secs(2);
 /// Connections without a session at most; one more, and the oldest is closed.
 const VISITORS: usize = 64;
-/// Bytes that are taken from a connection in one turn, so that one that floods holds nobody up.
+/// Bytes that one pass takes from a connection, so that a flood delays no other connection.
 const PORTION: usize = 1 << 16;
 /// Bytes of answers that wait for one of them at most.
 const ANSWERS: usize = 1024;
@@ -52,7 +54,7 @@ impl Served {
         self.trace_address
     }
 
-    /// The controller, to set inputs and look at outputs. While it is locked its time stands still.
+    /// The controller, to set inputs and read outputs. While it is locked its time is stopped.
     pub fn board(&self) -> &Shared {
         &self.board
     }
@@ -93,7 +95,7 @@ pub fn serve_board(listener: TcpListener, trace: Option<TcpListener>, board: Sha
         let mut link = Wires::new(listener);
         let mut stream = trace.map(Port::new);
         let mut before = Instant::now();
-        // Controller time that should have passed: the board goes in whole ticks, this does not.
+        // Controller time that should have passed: the board moves in whole ticks, this does not.
         let mut due = theirs.lock().unwrap_or_else(PoisonError::into_inner).now();
         while !ends.load(Ordering::Relaxed) {
             let now = Instant::now();
@@ -154,7 +156,8 @@ impl Wires {
         Wires { listener, link: None, waiting: Vec::new(), visitors: Vec::new() }
     }
 
-    /// Accepts who comes; what the link brings goes to the board, what the others bring may open a session.
+    /// Accepts connections. Bytes of the link go to the board; those of other connections may open
+    /// a session.
     fn receive(&mut self, board: &mut Board) {
         while let Ok((stream, peer)) = self.listener.accept() {
             if stream.set_nonblocking(true).is_err() || stream.set_nodelay(true).is_err() {

@@ -78,7 +78,7 @@ impl Timer {
                     self.period_left = self.period_left.min(left);
                 }
             }
-            Action::Rate(_) => unreachable!("tests/rounds.rs plays rates"),
+            Action::Rate(_) => unreachable!("tests/pwm_cycles.rs plays rates"),
             Action::Switch(_) | Action::Volts(_) => {}
         }
     }
@@ -251,7 +251,7 @@ fn standby_begins_where_the_last_pulse_ends_and_light_cuts_it() {
         (3_150, Action::Light(train(1_000, 600))),
     ];
     let expected = vec![(1_000, 1_600), (2_000, 2_700), (3_100, 3_750)];
-    // The standby pulses of 2600 and 3100 touch the light before and behind.
+    // The standby pulses of 2600 and 3100 touch the light before and after.
     assert_eq!(highs(&played(&actions, 4_000)), expected);
 }
 

@@ -1,8 +1,10 @@
-//! The clock that counts: a timer of the emulated board, which in QEMU advances with the instructions.
+//! The clock that counts: a timer of the emulated board, which in QEMU advances with the
+//! instructions.
 //!
-//! In: the board. Out: periods of 40 ns (25 MHz) between two readings. Owns TIMER1 (a CMSDK timer; Arm DDI 0479, 4.4).
-//! Cannot fail. It has 32 bits, so 172 s pass before it turns over: SysTick, with 24 bits, turned over within one
-//! batch of lines, and a count of them came out too small without a word.
+//! In: the board. Out: periods of 40 ns (25 MHz) between two readings. Owns TIMER1 (a CMSDK timer;
+//! Arm DDI 0479, 4.4). Cannot fail. It has 32 bits, so 172 s pass before it turns over: SysTick,
+//! with 24 bits, turned over within one batch of lines, and a count of them came out too small
+//! without a word.
 
 /// TIMER1 of the MPS2 boards.
 const TIMER: usize = 0x4000_1000;

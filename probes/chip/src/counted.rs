@@ -1,7 +1,7 @@
 //! A tick whose instructions are counted.
 //!
-//! In: a tick with its hand-overs, on a machine that only stores. Out: clock periods of each tick. Owns them and the cost of
-//! reading the clock, which it takes off. Cannot fail.
+//! In: a tick with its hand-overs, on a machine that only stores. Out: clock periods of each tick.
+//! Owns them and the cost of reading the clock, which it takes off. Cannot fail.
 use crate::clock;
 use crate::machine::Sink;
 use core::hint::black_box;

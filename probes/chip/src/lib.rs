@@ -1,9 +1,10 @@
 #![no_std]
 #![deny(unsafe_code)]
-//! What the probes share: a tick of 8 axes with its hand-overs, all static, and what counts instructions.
+//! What the probes share: a tick of 8 axes with its hand-overs, all static, and what counts
+//! instructions.
 //!
-//! In: nothing. Out: both halves of everything, once. Owns the statics. Fails with `None` when asked
-//! twice.
+//! In: nothing. Out: both halves of everything, once. Owns the statics. Fails with `None` when
+//! asked twice.
 #[allow(unsafe_code, reason = "registers of a timer")]
 pub mod clock;
 pub mod counted;
@@ -110,7 +111,8 @@ fn idle() -> ! {
     }
 }
 
-/// The panic handler of a probe that runs: it says why and ends the run. Those that must link, or must not, have their own.
+/// The panic handler of a probe that runs: it says why and ends the run. Those that must link, or
+/// must not, have their own.
 #[macro_export]
 macro_rules! exit_on_panic {
     () => {

@@ -1,6 +1,7 @@
-//! A machine that only stores what it is told, so that what is counted above it is the tick alone.
+//! A machine that only stores its set-points and outputs, so that the counts are of the tick alone.
 //!
-//! In: the tick's outputs. Out: inputs at rest, and set-points read back as encoders. Owns what it stored. Cannot fail.
+//! In: the tick's outputs. Out: inactive inputs, and set-points read back as encoders. Owns what it
+//! stored. Cannot fail.
 use servo::laser::Plan;
 use servo::port::{AxisInputs, GeneralInputs, GeneralOutputs, Port};
 use servo::units::{Axis, Pos};

@@ -443,9 +443,9 @@ pub const LIST: &[Mutant] = &[
     ),
     mutant(
         "the watchdog is fed although the link task stands still",
-        "firmware/src/watch.rs",
-        "now.wrapping_sub(TURN_SEEN.load(Relaxed)) > TURN",
-        "now.wrapping_sub(TURN_SEEN.load(Relaxed)) > TURN << 12",
+        "firmware/src/supervision.rs",
+        "now.wrapping_sub(TASK_RAN_AT.load(Relaxed)) > TURN",
+        "now.wrapping_sub(TASK_RAN_AT.load(Relaxed)) > TURN << 12",
         FAULTS,
     ),
     mutant("nothing guards the stack", MPS2, "guard::below(&mut core.MPU, STACK, 0);", "", FAULTS),
@@ -511,7 +511,7 @@ pub const LIST: &[Mutant] = &[
     ),
     mutant(
         "H743: the watchdog is fed although the link task stands still",
-        "firmware/src/watch.rs",
+        "firmware/src/supervision.rs",
         "    if !is_late(now) {",
         "    if !is_late(now) || TICKED.load(Relaxed) == now {",
         H743_STUCK,
@@ -540,8 +540,8 @@ pub const LIST: &[Mutant] = &[
     mutant(
         "H743: encoders count backwards",
         "hal/src/stm32h743/encoders.rs",
-        "*count = count.wrapping_add(way(now, *seen));",
-        "*count = count.wrapping_sub(way(now, *seen));",
+        "*count = count.wrapping_add(distance(now, *last));",
+        "*count = count.wrapping_sub(distance(now, *last));",
         H743_ENCODERS,
     ),
     mutant(
@@ -554,8 +554,8 @@ pub const LIST: &[Mutant] = &[
     mutant(
         "H743: the tick needs 8000 bytes more of the stack",
         "firmware/src/interrupts.rs",
-        "    watch::tick_begins();",
-        "    watch::tick_begins();\n    core::hint::black_box([0u8; 8000]);",
+        "    supervision::tick_begins();",
+        "    supervision::tick_begins();\n    core::hint::black_box([0u8; 8000]);",
         H743_PT,
     ),
 ];

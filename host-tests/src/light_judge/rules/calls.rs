@@ -52,7 +52,7 @@ impl Judge {
         }
         of.mark_changed();
         if of.fault == Maybe::Yes {
-            // It was answered before the cause was seen.
+            // It was answered before the cause was sampled.
             return;
         }
         if of.fault == Maybe::Doubt && !sure {
@@ -95,7 +95,7 @@ impl Judge {
         let waits = !self.crds[crd].runs;
         let of = &mut self.channels[channel];
         if !waits || of.kept[crd].is_some() {
-            // Light that a Stop keeps dark comes back without the follow.
+            // Light that a Stop keeps dark returns without the follow.
         } else if of.kept.iter().any(Option::is_some) {
             of.kept_doubt = true;
         } else if matches!(of.commanded, Commanded::On(_)) {
@@ -179,7 +179,7 @@ impl Judge {
     pub(super) fn start(&mut self, crd: usize, fifo: usize) {
         let of = &mut self.crds[crd];
         if of.runs {
-            // It goes on instead of coming to rest.
+            // It continues instead of coming to standstill.
             of.stopping = false;
             of.dead = if of.dead == Maybe::No { Maybe::No } else { Maybe::Doubt };
             of.aborted = if of.aborted == Maybe::No { Maybe::No } else { Maybe::Doubt };

@@ -50,7 +50,7 @@ impl Judge {
                 of.lost = Some(lost);
             }
             if crds != 0 && kept != [None; 2] {
-                // Whether what a Stop kept dark comes back after it is open.
+                // Whether light that a Stop kept dark returns after it is open.
                 let fifos = [0, 1].map(|crd| kept[crd].unwrap_or(fifos[crd]));
                 let all = crds | members(3).filter(|crd| kept[*crd].is_some()).map(set).sum::<u8>();
                 of.lost = Some(Lost { crds: all, fifos, owner: None, cleared: false, doubt: true });

@@ -8,7 +8,7 @@ use super::state::{Commanded, Lost, Maybe, Owner, set};
 impl Judge {
     pub(super) fn entry(&mut self, crd: usize, channel: usize, laser: Laser) {
         let mut state = self.crds[crd];
-        // Until everything rests an abort refuses every on.
+        // Until everything is at standstill an abort refuses every on.
         let lives = state.dead == Maybe::No;
         let aborting = self.jog_aborted || self.crds.iter().any(|crd| crd.runs && crd.aborted == Maybe::Yes);
         if aborting && state.dead != Maybe::Yes {
@@ -113,7 +113,7 @@ impl Judge {
                 _ if stopped && mapped && of.kept[crd].is_none_or(|kept| kept == fifo) => of.off(),
                 _ => match of.commanded {
                     Commanded::Off => {}
-                    // What another FIFO's Stop shut off comes back with that one.
+                    // Light that another FIFO's Stop shut off returns with that FIFO.
                     _ if of.kept[crd].is_some_and(|kept| kept != fifo) => {}
                     Commanded::On(Owner::Crd(owner)) if owner == crd => {
                         self.used.push("the end of a path shut off its light");

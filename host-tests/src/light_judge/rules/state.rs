@@ -1,6 +1,7 @@
-//! What the judge knows of a channel and of a coordinate system.
+//! The judge's state of a channel and of a coordinate system.
 //!
-//! In: what the rules say. Out: the state that they go by, and a channel's gate commands where it goes dark at once.
+//! In: the results of the rules. Out: the state for the next rule, and a channel's gate commands
+//! when it is shut off at once.
 use super::super::Ns;
 use super::super::gate::{Gate, Level};
 use super::Verdict;
@@ -29,7 +30,8 @@ pub(super) enum Maybe {
     Yes,
 }
 
-/// Light that a lost link took: it comes back when the fault is cleared and then each of these went on.
+/// Light that a lost link took: it returns when the fault is cleared and then each of these has
+/// continued.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Lost {
     pub(super) crds: u8,
@@ -58,7 +60,7 @@ pub(super) struct Channel {
     pub(super) commanded: Commanded,
     /// FIFOs whose Stop keeps the light dark, of each coordinate system.
     pub(super) kept: [Option<usize>; 2],
-    /// Whether the kept light comes back is open.
+    /// Whether the kept light returns is open.
     pub(super) kept_doubt: bool,
     /// An immediate off, and no on command since.
     pub(super) veto: bool,
@@ -86,11 +88,11 @@ pub(super) struct Crd {
     pub(super) fifo: usize,
     /// A Stop that it has not finished.
     pub(super) stopping: bool,
-    /// FIFOs with which CrdStart goes on.
+    /// FIFOs that CrdStart continues.
     pub(super) resumable: [bool; 2],
-    /// Its on entries do nothing until it rests.
+    /// Its on entries do nothing until it is at standstill.
     pub(super) dead: Maybe,
-    /// It ran when an abort came: on commands are refused until it rests.
+    /// It ran when an abort came: on commands are refused until it is at standstill.
     pub(super) aborted: Maybe,
 }
 
@@ -103,7 +105,7 @@ pub(super) fn members(crds: u8) -> impl Iterator<Item = usize> {
 }
 
 impl Channel {
-    /// Switched off: nothing comes back.
+    /// Switched off: no light returns.
     pub(super) fn off(&mut self) {
         self.commanded = Commanded::Off;
         (self.kept, self.kept_doubt, self.lost) = ([None; 2], false, None);

@@ -1,7 +1,8 @@
-//! Encoders: counts as the machine recorded them, beside a machine that lags behind its set-points.
+//! Encoders: counts as the machine recorded them, compared with a first-order lag.
 //!
-//! SPEC says nothing of the virtual machine; its own page says that every axis is a first-order lag of 1 ms behind its
-//! set-point. Recorded counts are the truth for slaves, but must be within a count of that.
+//! SPEC does not define the virtual machine; its own page says that every axis follows its
+//! set-point with a first-order lag of 1 ms. Recorded counts are taken as exact for slaves, but
+//! must be within a count of that.
 use super::super::axis::{Axis, Master, whole};
 use super::super::number::Fix;
 use super::super::slave::Lead;

@@ -160,7 +160,7 @@ impl Controller {
     }
 }
 
-/// FollowEx: places for what is no segment.
+/// FollowEx: slots for entries other than segments.
 const ENTRIES: usize = 16;
 
 fn entries(items: &[Item]) -> usize {

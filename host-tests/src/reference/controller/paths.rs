@@ -6,7 +6,7 @@ use super::super::number::Fix;
 use super::super::path::{Cycle, Path, PathCall, Speeds};
 use super::answer::{Answer, DONE, check, either, range};
 use super::{Controller, Reply, Value};
-use crate::path_model::{Figure, Frame, Rates};
+use crate::path_model::{Frame, Geometry, Rates};
 
 /// Core and number.
 pub type Name = (i16, i16);
@@ -89,8 +89,8 @@ impl Controller {
                 }
                 range(to.iter().enumerate().all(|(index, to)| *to == 0 || index < dimension))?;
                 range(target != begin)?;
-                let figure = Figure::line(begin, target);
-                return self.motion((core, *crd), *fifo as usize, figure, target, speeds);
+                let geometry = Geometry::line(begin, target);
+                return self.motion((core, *crd), *fifo as usize, geometry, target, speeds);
             }
             Path::Arc { crd, plane, to, round, ccw, speeds, fifo } => {
                 let of = self.crd(core, *crd)?;
@@ -102,25 +102,25 @@ impl Controller {
                 let end = (f64::from(to[0]), f64::from(to[1]));
                 let chord = (end.0 - begin[first], end.1 - begin[second]);
                 let half = chord.0.hypot(chord.1) / 2.0;
-                let figure = match *round {
+                let geometry = match *round {
                     Cycle::Radius(radius) => {
                         if half > 0.0 && (0.0..2.0).contains(&(half - radius.abs())) {
                             self.open = Some("a radius a little too small");
                         }
-                        Figure::arc_by_radius(begin, *plane, end, radius, *ccw)
+                        Geometry::arc_by_radius(begin, *plane, end, radius, *ccw)
                     }
                     Cycle::Centre(x, y) => {
                         // So much that the path leaves the arc is refused; how much that is depends on the arc.
                         if half > 0.0 && (half - (x * chord.0 + y * chord.1) / (2.0 * half)).abs() > 0.7 {
                             self.open = Some("a centre that is not equally far from both ends");
                         }
-                        Figure::arc_by_centre(begin, *plane, end, (x, y), *ccw)
+                        Geometry::arc_by_centre(begin, *plane, end, (x, y), *ccw)
                     }
                 };
-                let Some(figure) = figure else { return Err(7) };
+                let Some(geometry) = geometry else { return Err(7) };
                 let mut target = begin;
                 (target[first], target[second]) = end;
-                return self.motion((core, *crd), *fifo as usize, figure, target, speeds);
+                return self.motion((core, *crd), *fifo as usize, geometry, target, speeds);
             }
             Path::Delay { crd, ms, fifo } => {
                 self.crd(core, *crd)?;
@@ -168,10 +168,10 @@ impl Controller {
         begin.unwrap_or(of.place)
     }
 
-    fn motion(&mut self, name: Name, fifo: usize, figure: Figure, to: [f64; 4], speeds: &Speeds) -> Answer {
+    fn motion(&mut self, name: Name, fifo: usize, geometry: Geometry, to: [f64; 4], speeds: &Speeds) -> Answer {
         let Speeds { vel, acc, end } = *speeds;
         range(vel >= LEAST && acc >= LEAST && end >= 0.0)?;
-        self.put(name, fifo, Entry::Motion(figure, Rates { speed: vel, acc, end }, to))
+        self.put(name, fifo, Entry::Motion(geometry, Rates { speed: vel, acc, end }, to))
     }
 
     fn put(&mut self, name: Name, fifo: usize, entry: Entry) -> Answer {
@@ -292,7 +292,7 @@ impl Controller {
         sets.flat_map(|set| set.axes.into_iter().flatten()).fold(0, |mask, axis| mask | 1 << axis)
     }
 
-    /// Whether WaitStop goes on waiting for these of a core.
+    /// Whether WaitStop still waits for these of a core.
     pub(super) fn paths_run(&self, core: i16, mask: u32) -> bool {
         let of = |crd: usize| self.crds.get(&(core, crd as i16 + 1));
         members(mask).any(|crd| of(crd).is_some_and(|of| of.runs))
@@ -387,7 +387,7 @@ impl Controller {
                 let name = Some((of_core, number));
                 let left = |axis: &usize| self.axes[*axis].mode != Mode::Crd || self.axes[*axis].crd != name;
                 let has_left = set.is_some_and(|set| set.axes.iter().flatten().any(left));
-                (Value::Place(std::array::from_fn(place)), has_left)
+                (Value::CrdPosition(std::array::from_fn(place)), has_left)
             }
             _ => (Value::None, true),
         }

@@ -126,7 +126,7 @@ impl Controller {
                     Some(then) => matches!(then, Then::Brake(_)),
                     None => axis.braking.is_some(),
                 };
-                // What brakes goes on with the deceleration of its first Stop.
+                // A braking axis keeps the deceleration of its first Stop.
                 if !brakes {
                     self.then[place] = Some(Then::Brake(axis.stop_dec));
                 }

@@ -38,7 +38,7 @@ impl Controller {
                     }
                 }
                 Call::PtSpace { axis, .. } => {
-                    // At rest in the order of calls; while it runs, as it is at the tick.
+                    // At standstill in the order of calls; while it runs, its state at the tick.
                     let axis = &self.axes[axis];
                     let held = axis.pt.fifos[0].len() - axis.pt.ran;
                     Value::Whole(if free == usize::MAX { axis.pt_capacity() - held } else { free } as i64)

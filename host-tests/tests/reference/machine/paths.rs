@@ -116,7 +116,7 @@ pub fn got(of: &PathCall, answer: &Answer) -> Option<Got> {
         Path::Pos { .. } => answer.reply::<GetCrdPos>().map(|(_, items)| {
             let mut place = [0.0; 4];
             place.iter_mut().zip(items).for_each(|(place, item)| *place = item.value.get());
-            Got::Place(place)
+            Got::CrdPosition(place)
         }),
         _ => None,
     }

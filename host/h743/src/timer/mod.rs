@@ -1,9 +1,12 @@
-//! Timers TIM1 to TIM8 and TIM15 to TIM17 (RM0433 38 to 41): up-counting, output compare, complementary outputs with break,
-//! repetition, preload, DMA requests with bursts; of the slave modes the encoder's and the start by a trigger; capture beside an encoder.
+//! Timers TIM1 to TIM8 and TIM15 to TIM17 (RM0433 38 to 41): up-counting, output compare,
+//! complementary outputs with break, repetition, preload, DMA requests with bursts. Of the slave
+//! modes they have the encoder's and the start by a trigger, and capture together with an encoder.
 //!
-//! In: registers, instants, the break input, an encoder's levels, triggers. Out: the levels of outputs at exact instants,
-//! interrupts, DMA requests, triggers. The counter is not stepped: what it holds follows from when it was 0, so a period costs
-//! its events only. What is not modelled (down-counting, other triggers, other captures, dead time) is a complaint.
+//! In: registers, instants, the break input, an encoder's levels, triggers. Out: the levels of
+//! outputs at exact instants, interrupts, DMA requests, triggers. Owns the state of a timer. The
+//! counter is not stepped: its value follows from when it was 0, so a period costs its events only.
+//! Fails: what is not modelled (down-counting, other triggers, other captures, dead time) is a
+//! complaint.
 mod output;
 mod registers;
 
@@ -40,7 +43,7 @@ const OPM: u32 = 1 << 3;
 const ARPE: u32 = 1 << 7;
 /// Down-counting, centre alignment: not modelled.
 const CR1_OTHER: u32 = 1 << 4 | 3 << 5;
-/// CR2.MMS: what the trigger output tells.
+/// CR2.MMS: source of the trigger output.
 const MMS_ENABLE: u32 = 1;
 const MMS_UPDATE: u32 = 2;
 const UIF: u32 = 1 << 0;
@@ -118,9 +121,10 @@ pub struct Timer {
     kernel: Time,
     /// While it counts: when it was 0.
     epoch: i64,
-    /// While it does not: what it holds. While it counts: where it was when it was last set, or 0 in a new round.
+    /// While it does not count: its value. While it counts: the value at the last write, or 0 in a
+    /// new cycle.
     held: u32,
-    /// The transfer of a burst through DMAR that comes next.
+    /// The next transfer of a burst through DMAR.
     burst: u32,
     /// The request that a burst repeats until its last transfer.
     burst_asks: u8,
@@ -192,7 +196,8 @@ impl Timer {
         if self.counts() { ((at as i64 - self.epoch) / self.step() as i64) as u32 } else { self.held }
     }
 
-    /// When the counter goes back to 0: behind the reload value, or behind the widest it can hold where it is past that.
+    /// The instant at which the counter wraps to 0: after the reload value, or after the largest
+    /// value if it is past that.
     fn wrap(&self, at: Time) -> Time {
         let top = if self.count(at) > self.top { self.widest() } else { self.top };
         self.after(Time::from(top) + 1)
@@ -239,7 +244,8 @@ impl Timer {
         }
     }
 
-    /// A rising edge at the input of a channel latches the count; one that nobody has fetched is lost (RM0433 39.3.5).
+    /// A rising edge at the input of a channel latches the count; one that was not read before is
+    /// lost (RM0433 39.3.5).
     fn capture(&mut self, n: usize) {
         if !self.is_encoder() {
             self.complain("a capture beside anything but an encoder");
@@ -278,7 +284,7 @@ impl Timer {
         }
     }
 
-    /// Works out the outputs and tells what changed.
+    /// Computes the outputs and signals the changes.
     fn publish(&mut self, at: Time, out: &mut Vec<Signal>) {
         let count = self.count(at);
         self.channels.iter_mut().for_each(|channel| channel.look(count));
@@ -330,7 +336,7 @@ impl Timer {
         }
     }
 
-    /// The counter has gone round.
+    /// The counter has wrapped.
     fn overflow(&mut self, at: Time, out: &mut Vec<Signal>) {
         self.epoch = at as i64;
         for channel in &mut self.channels {
@@ -376,7 +382,7 @@ impl Timer {
         }
     }
 
-    /// When a channel meets the counter, in this round.
+    /// The instant at which a channel meets the counter, in this cycle.
     fn meeting(&self, n: usize) -> Time {
         let channel = &self.channels[n];
         if channel.matched || channel.compare > self.top {
@@ -416,7 +422,7 @@ impl Timer {
         }
     }
 
-    /// Tells its slaves, if this is what they are told of.
+    /// Triggers its slaves, if this is their trigger.
     fn master(&self, mode: u32, out: &mut Vec<Signal>) {
         if self.cr2 >> 4 & 7 == mode {
             out.push(Signal::Trigger(self.kind.number));

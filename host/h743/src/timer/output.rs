@@ -12,7 +12,7 @@ pub struct Channel {
     pub compare: u32,
     /// CCxE, CCxP, CCxNE, CCxNP.
     pub enables: u32,
-    /// It has met the counter in this round.
+    /// It has met the counter in this cycle.
     pub matched: bool,
     /// OCxREF.
     pub reference: bool,

@@ -1,6 +1,7 @@
-//! A timer's registers (RM0433 38.4, 39.4, 40.4, 41.4), and its way through time as a device.
+//! A timer's registers (RM0433 38.4, 39.4, 40.4, 41.4), and its advance in time as a device.
 //!
-//! In: reads and writes, instants. Out: values, signals. Owns nothing: the timer does. Fails by `None`: there is no such register.
+//! In: reads and writes, instants. Out: values, signals. Owns nothing: the timer does. Fails:
+//! `None` for a register that does not exist.
 use super::*;
 
 impl Device for Timer {
@@ -142,7 +143,8 @@ impl Device for Timer {
                 }
             }
             BDTR => {}
-            // Where a burst stands it does not tell, and no source says that this takes it back (RM0433 38.4.20).
+            // It does not report the position in a burst, and no source says that this resets it
+            // (RM0433 38.4.20).
             DCR => self.dcr = value,
             DMAR => {
                 let target = self.burst_target();

@@ -142,10 +142,12 @@ fn pin(chip: &Chip, name: &str, active: bool) -> Vec<(Time, bool)> {
 /// A slot of the step output: 0.5 µs (docs/board-h743.md).
 const SLOT: Time = 120 * COUNT;
 
-/// The rising edges of axis 1's step output against the plan: the `k`-th pulse of a tick of S slots comes in the slot that
-/// `servo::output::step_generator` gives it, `ceil(((k + 1)·S − floor(S/2)) / n) − 1`, counted here in whole numbers from the positions of the trace.
-/// All instants are those of the plan but for one shift, which the first edge shows. Returns how many were compared, and where the
-/// first row is on the chip, as it would be if pulses of a tick came in the tick before its row.
+/// The rising edges of axis 1's step output against the plan. The `k`-th pulse of a tick of S slots
+/// comes in the slot of `servo::output::step_generator`, `ceil(((k + 1)·S − floor(S/2)) / n) − 1`.
+/// It is counted here in whole numbers from the positions of the trace. All instants are those of
+/// the plan but for one shift, which the first edge gives. Returns how many were compared, and the
+/// instant of the first row on the chip, as it would be if pulses of a tick came in the tick before
+/// its row.
 pub fn compare_steps(csv: &str, tick_us: u64, chip: &Chip) -> Result<(usize, Option<i128>), String> {
     let slots = tick_us * 2;
     let mut planned = Vec::new();

@@ -12,7 +12,7 @@ const BINS: usize = 4096;
 /// Width of the first bins, ns, where the end is not known.
 const FIRST_NS: u64 = 1_000;
 
-/// A stretch of time.
+/// An interval of time.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Bin {
     /// Time during which it was high, ns.
@@ -56,7 +56,7 @@ impl Activity {
         }
     }
 
-    /// It has been followed up to `t`; a level that is high goes on.
+    /// It has been followed up to `t`; a high level continues.
     pub fn until(&mut self, t: u64) {
         let Some(since) = self.since else { return };
         self.since = Some(t);

@@ -90,16 +90,17 @@ pub(super) fn head<B: DrawingBackend>(
     Ok(rest)
 }
 
-/// Draws a line through points. It is broken where it turns by more than a right angle: the bitmap's joins run
-/// far beyond a sharp corner between short pieces. And where it has turned by one since it was broken: what a line covers twice
-/// the bitmap leaves out, and one that always goes on in one direction comes nowhere twice.
+/// Draws a line through points. The line is broken where it turns by more than a right angle: the
+/// bitmap's joins extend far beyond a sharp corner between short pieces. It is also broken where it
+/// has turned by a right angle since the last break: the bitmap omits what a line covers twice, and
+/// a line that keeps its direction covers nothing twice.
 pub(super) fn line<B: DrawingBackend>(
     chart: &mut Chart<'_, B>,
     points: impl IntoIterator<Item = (f64, f64)>,
     stroke: ShapeStyle,
 ) -> Result<()> {
     let mut piece: Vec<(f64, f64)> = Vec::new();
-    // The last place in pixels, the way there, and the first way of the piece.
+    // The last point in pixels, the direction to it, and the first direction of the piece.
     let mut last: Option<((i32, i32), (i64, i64))> = None;
     let mut first = (0, 0);
     for point in points {

@@ -37,7 +37,7 @@ impl Curve {
         }
     }
 
-    /// Holds the last value until `t`, then goes to `value` in one step.
+    /// Holds the last value until `t`, then changes to `value` in one step.
     pub fn step(&mut self, t: f64, value: f64) {
         match self.last {
             Some((_, before)) if before != value => self.push((t, before)),

@@ -29,7 +29,7 @@ const DIGITAL: u32 = 86;
 
 /// What a panel shows.
 pub(super) enum Content<'a> {
-    /// A quantity: a curve for every stretch of time in which it had a value.
+    /// A quantity: a curve for every interval in which it had a value.
     Quantity(&'a [Curve]),
     /// A level, or pulses.
     Digital(&'a Activity),
@@ -73,14 +73,14 @@ enum Drawing {
     Shares(Vec<Cell>),
 }
 
-/// A stretch of time.
+/// An interval of time.
 struct Cell {
     /// Beginning and end in ms.
     from: f64,
     to: f64,
     /// Share of the time in which it is high, %.
     share: f64,
-    /// It goes both ways in it.
+    /// It has both levels in it.
     both: bool,
 }
 
@@ -167,7 +167,7 @@ impl Panel<'_> {
         if let Some(Beside { colour, curves, .. }) = &self.beside {
             let (least, most) = range(curves, true);
             let step = tick_step(most - least);
-            // The other quantity has its own scale in the same place, drawn as a chart of its own.
+            // The other quantity has its own scale in the same area, drawn as a chart of its own.
             let mut second = ChartBuilder::on(area)
                 .margin_top(CAPTION * scale)
                 .margin_left(LEFT * scale)
@@ -196,7 +196,7 @@ impl Panel<'_> {
                 line(&mut chart, points.into_iter().map(|(t, v)| (t * factor, v)), stroke)?;
             }
             Some(Drawing::Shares(cells)) => {
-                // Pale: it goes both ways. Strong: its share of time.
+                // Pale: it has both levels. Strong: its fraction of the time.
                 let bar = |cell: &Cell, top: f64, style: ShapeStyle| {
                     Rectangle::new([(cell.from * factor, 0.0), (cell.to * factor, top)], style)
                 };
@@ -250,7 +250,8 @@ fn edges(highs: &[(u64, u64)], (start, end): (f64, f64)) -> Drawing {
     Drawing::Edges(points)
 }
 
-/// The share of each pulse in the time to the next one, if that is near; what stands alone is a bar.
+/// The fraction of each pulse in the time to the next one, if that is close; a single pulse is a
+/// bar.
 fn cells(highs: &[(u64, u64)], (start, end): (f64, f64), apart: f64) -> Vec<Cell> {
     let mut cells: Vec<Cell> = Vec::new();
     let mut period = 0;
@@ -279,7 +280,7 @@ fn columns(activity: &Activity, (start, end): (f64, f64), width: u32) -> Vec<Cel
     for index in 0..width {
         let (from, to) = (start + column * f64::from(index), start + column * f64::from(index + 1));
         let bin = activity.between(from * 1e6, to * 1e6);
-        // Tenths of a percent: more is not to be seen.
+        // Tenths of a percent: finer steps are not visible.
         let share = (bin.on / (column * 1e6) * 1000.0).round().clamp(0.0, 1000.0) / 10.0;
         let both = bin.edges > 0.0;
         if share > 0.0 || both {

@@ -1,8 +1,9 @@
-//! Where two axes went, and what light there was on the way.
+//! The path of two axes, with the light on it.
 //!
-//! In: points in the order of time, and whether light is on from each of them on. Out: the same, without what
-//! nobody could see. Owns at most [`MOST`] nodes: where there would be more, points closer together than a share
-//! of the extent become one, and a mark shorter than that is lost.
+//! In: points in the order of time, and whether light is on from each of them on. Out: the same,
+//! without details too small to see. Owns at most [`MOST`] nodes. Beyond that, points closer
+//! together than a fraction of the extent become one, and a mark shorter than that is lost. Fails
+//! never.
 use crate::row::PowerUnit;
 
 /// Most nodes.
@@ -13,7 +14,7 @@ const SHARE: f64 = 1.0 / 8192.0;
 /// Light, and how much.
 pub(super) type Power = (PowerUnit, f64);
 
-/// A place that was passed, or rested at.
+/// A point that was passed, or of a standstill.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Node {
     pub x: f64,
@@ -30,7 +31,7 @@ pub(super) struct Node {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Route {
     nodes: Vec<Node>,
-    /// What is closer together than this (pulses, in x and in y) is one place.
+    /// Points closer together than this (pulses, in x and in y) are one.
     apart: f64,
 }
 
@@ -55,7 +56,7 @@ impl Route {
         }
     }
 
-    /// The way.
+    /// The path.
     pub fn nodes(&self) -> &[Node] {
         &self.nodes
     }
@@ -69,7 +70,8 @@ impl Route {
     }
 }
 
-/// Adds a node, or lets the last one last longer. A light that changes keeps a place of its own, unless `coarse`.
+/// Adds a node, or extends the time of the last one. A change of light keeps a node of its own,
+/// unless `coarse`.
 fn add(nodes: &mut Vec<Node>, apart: f64, node: Node, coarse: bool) {
     if let Some(last) = nodes.last_mut()
         && (node.x - last.x).abs().max((node.y - last.y).abs()) <= apart

@@ -1,4 +1,4 @@
-//! Letters and places in the picture.
+//! Letters and their positions in the picture.
 use crate::TraceError;
 use plotters::drawing::DrawingAreaErrorKind;
 use plotters::prelude::*;
@@ -8,7 +8,7 @@ use std::sync::Once;
 pub(super) const INK: RGBColor = RGBColor(0x24, 0x29, 0x2f);
 pub(super) const FAINT: RGBColor = RGBColor(0x6e, 0x77, 0x81);
 
-/// A place in pixels of the picture.
+/// A position in pixels of the picture.
 pub(super) fn place(x: u32, y: u32, scale: u32) -> (i32, i32) {
     ((x * scale) as i32, (y * scale) as i32)
 }

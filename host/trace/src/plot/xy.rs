@@ -40,11 +40,11 @@ const COLOURS: [RGBColor; 5] = [
     RGBColor(0xe0, 0x5a, 0x1f),
     RGBColor(0xf2, 0xa9, 0x00),
 ];
-/// Pixels from one drawn place to the next.
+/// Pixels from one drawn point to the next.
 const SPACED: i32 = 2;
-/// Colours that are told apart.
+/// Colours that can be distinguished.
 const SHADES: usize = 64;
-/// The way without light.
+/// The path without light.
 const DARK: RGBColor = RGBColor(0x9a, 0xa4, 0xae);
 
 /// Collects rows and draws one axis over another.
@@ -53,7 +53,7 @@ pub struct Xy {
     options: PlotOptions,
     window: Window,
     /// Places of x and y in a row.
-    places: (usize, usize),
+    columns: (usize, usize),
     axes: (AxisName, AxisName),
     lasers: Vec<Beam>,
     before: Option<Row>,
@@ -61,14 +61,14 @@ pub struct Xy {
     last_ns: u64,
 }
 
-/// A laser and the way as it lit it; without lasers there is one without a name.
+/// A laser and the path with its light; without lasers there is one without a name.
 #[derive(Debug, Clone, Default)]
 struct Beam {
     name: Option<LaserName>,
     light: bool,
     /// Light that began or ended since the last row.
     edges: Vec<(u64, bool)>,
-    /// What was output in the light seen last.
+    /// Output of the last light.
     power: Option<Power>,
     route: Route,
 }
@@ -83,13 +83,13 @@ impl Xy {
             let place = header.axes.iter().position(|name| *name == axis);
             place.ok_or_else(|| TraceError::Plot(format!("{} is not in the trace", title(axis))))
         };
-        let places = (find(axes.0)?, find(axes.1)?);
+        let columns = (find(axes.0)?, find(axes.1)?);
         let beam = |name: &LaserName| Beam { name: Some(*name), ..Beam::default() };
         let lasers: Vec<Beam> = header.lasers.iter().map(beam).collect();
         Ok(Xy {
             window: Window::new(options.from_ms, options.to_ms)?,
             options,
-            places,
+            columns,
             axes,
             lasers: if lasers.is_empty() { vec![Beam::default()] } else { lasers },
             before: None,
@@ -98,7 +98,7 @@ impl Xy {
         })
     }
 
-    /// Takes a laser's light that began or ended before the row that comes next.
+    /// Takes the begin or end of a laser's light before the next row.
     pub fn light(&mut self, laser: usize, at: u64, on: bool) {
         if let Some(beam) = self.lasers.get_mut(laser) {
             beam.edges.push((at, on));
@@ -153,7 +153,7 @@ impl Xy {
 
     fn point(&self, row: &Row) -> (f64, f64) {
         let value = |place: usize| row.axes.get(place).map_or(0.0, |point| position_f64(point.pos));
-        (value(self.places.0), value(self.places.1))
+        (value(self.columns.0), value(self.columns.1))
     }
 
     /// Draws a PNG or an SVG, as the path's extension says.
@@ -276,7 +276,7 @@ impl Picture for Xy {
     }
 }
 
-/// The bar that tells which colour is which power.
+/// The legend of colour and power.
 fn draw_bar<B: DrawingBackend>(area: &DrawingArea<B, Shift>, (_, most): (PowerUnit, f64), scale: u32) -> Result<()> {
     let most = if most > 0.0 { most } else { 1.0 };
     let mut chart = ChartBuilder::on(area)
@@ -306,7 +306,7 @@ fn draw_bar<B: DrawingBackend>(area: &DrawingArea<B, Shift>, (_, most): (PowerUn
     Ok(())
 }
 
-/// The way, first what is dark.
+/// The path, the dark parts first.
 fn draw_way<B: DrawingBackend>(chart: &mut Chart<'_, B>, beam: &Beam, scale: u32) -> Result<()> {
     let bar = beam.scale();
     let plain = match (bar, beam.name) {
@@ -315,13 +315,13 @@ fn draw_way<B: DrawingBackend>(chart: &mut Chart<'_, B>, beam: &Beam, scale: u32
     };
     let shaded = |light: Option<Power>| light.map(|light| bar.and_then(|bar| shade(light, bar)));
     for lit in [false, true] {
-        let mut ways = beam.route.nodes();
-        while let Some((first, behind)) = ways.split_first() {
+        let mut remaining = beam.route.nodes();
+        while let Some((first, after)) = remaining.split_first() {
             let shade = shaded(first.light);
-            let same = behind.iter().take_while(|node| shaded(node.light) == shade).count();
+            let same = after.iter().take_while(|node| shaded(node.light) == shade).count();
             // The node where another shade begins is the end of this one.
-            let way = ways.get(..(same + 2).min(ways.len())).unwrap_or(ways);
-            ways = behind.get(same..).unwrap_or(&[]);
+            let path = remaining.get(..(same + 2).min(remaining.len())).unwrap_or(remaining);
+            remaining = after.get(same..).unwrap_or(&[]);
             let stroke = match shade {
                 None => plain,
                 Some(None) => INK.stroke_width(3 * scale),
@@ -330,11 +330,11 @@ fn draw_way<B: DrawingBackend>(chart: &mut Chart<'_, B>, beam: &Beam, scale: u32
             if lit != shade.is_some() {
                 continue;
             }
-            let places = spaced(chart, way, SPACED * scale as i32);
-            canvas::line(chart, places, stroke)?;
-            // Light at rest.
-            let rests = way.windows(2).filter(|pair| (pair[0].x, pair[0].y) == (pair[1].x, pair[1].y));
-            let dots = rests.filter(|pair| lit && pair[1].from > pair[0].from);
+            let points = spaced(chart, path, SPACED * scale as i32);
+            canvas::line(chart, points, stroke)?;
+            // Light at standstill.
+            let standstills = path.windows(2).filter(|pair| (pair[0].x, pair[0].y) == (pair[1].x, pair[1].y));
+            let dots = standstills.filter(|pair| lit && pair[1].from > pair[0].from);
             let dot = |pair: &[Node]| Circle::new((pair[0].x, pair[0].y), 4 * scale, stroke.color.filled());
             chart.draw_series(dots.map(dot)).map_err(as_plot)?;
         }
@@ -342,23 +342,24 @@ fn draw_way<B: DrawingBackend>(chart: &mut Chart<'_, B>, beam: &Beam, scale: u32
     Ok(())
 }
 
-/// The places of a way without those that are this near (pixels) to the one before: whole pixels would make them crooked.
-fn spaced<B: DrawingBackend>(chart: &Chart<'_, B>, way: &[Node], near: i32) -> Vec<(f64, f64)> {
-    let Some((last, before)) = way.split_last() else { return Vec::new() };
+/// The points of a path without those closer (in pixels) to the one before: rounding to whole
+/// pixels would make it crooked.
+fn spaced<B: DrawingBackend>(chart: &Chart<'_, B>, path: &[Node], near: i32) -> Vec<(f64, f64)> {
+    let Some((last, before)) = path.split_last() else { return Vec::new() };
     let mut kept: Option<(i32, i32)> = None;
-    let mut places: Vec<(f64, f64)> = Vec::new();
+    let mut points: Vec<(f64, f64)> = Vec::new();
     for node in before {
         let here = chart.backend_coord(&(node.x, node.y));
         if kept.is_none_or(|kept| (here.0 - kept.0).abs().max((here.1 - kept.1).abs()) >= near) {
             kept = Some(here);
-            places.push((node.x, node.y));
+            points.push((node.x, node.y));
         }
     }
-    places.push((last.x, last.y));
-    places
+    points.push((last.x, last.y));
+    points
 }
 
-/// Arrows along the way, dots at even times, its beginning and its end.
+/// Arrows along the path, dots at even times, its begin and its end.
 fn draw_signs<B: DrawingBackend>(chart: &Chart<'_, B>, nodes: &[Node], scale: u32) -> Result<()> {
     let (Some(first), Some(last)) = (nodes.first(), nodes.last()) else { return Ok(()) };
     let pixel = |x: f64, y: f64| chart.backend_coord(&(x, y));
@@ -398,7 +399,7 @@ fn draw_signs<B: DrawingBackend>(chart: &Chart<'_, B>, nodes: &[Node], scale: u3
     let mut labels: Vec<(f64, f64)> = Vec::new();
     let size = area.dim_in_pixel();
     let (wide, tall) = (f64::from(size.0) / unit, f64::from(size.1) / unit);
-    // On the side on which a way that goes from here to there is not.
+    // On the side on which a path from here to there does not run.
     let mut label = |at: (f64, f64), (from, to): (&Node, &Node), text: String| -> Result<()> {
         let rises = (to.x - from.x) * (to.y - from.y) > 0.0;
         let up = at.1 + if rises { 4.0 } else { -19.0 };

@@ -1,15 +1,22 @@
 #![no_std]
 #![no_main]
-//! Counts the instructions of ticks in which coordinate systems run, in QEMU with `-icount shift=6` or more.
+//! Counts the instructions of ticks in which coordinate systems run, in QEMU with `-icount shift=6`
+//! or more.
 //!
-//! Out, by semihosting: one line a tick, `CASE MARK COUNT`, as `ticks.rs` prints them. CASE is the number of coordinate
-//! systems, on a tick of twelve axes: eight for PVT, two for each. MARK says what the tick did: `crd-idle` (they are
-//! set and at rest), `crd-line`, `crd-arc` (each stayed in its motion; the worst made something of the next), `crd-turn`
-//! (each entered one), `crd-enter` (the tick behind that), `crd-start`, `crd-ready` (a start that was made ready while they
-//! rested), `crd-once` (they are set, get their data and start, all in one tick); `crd-worst` is the tick of SPEC 11: eight axes
-//! enter segments of their tables, two coordinate systems enter motions, two lasers follow speed and distance;
-//! `crd-worst-inside` is any other tick of that. `laser-…`: CASE channels are in light while one coordinate system
-//! speeds up, with a power that follows nothing, its speed, places, tables of both, or speed and places.
+//! Out, by semihosting: one line a tick, `CASE MARK COUNT`, as `ticks.rs` prints them. CASE is the
+//! number of coordinate systems, on a tick of twelve axes: eight for PVT, two for each. MARK says
+//! what the tick did:
+//!
+//! * `crd-idle`: they are set and at standstill.
+//! * `crd-line`, `crd-arc`: each stayed in its motion; the worst prepared the next one.
+//! * `crd-turn`: each entered one; `crd-enter`: the tick after that.
+//! * `crd-start`; `crd-ready`: a start that was prepared at standstill.
+//! * `crd-once`: they are set, get their data and start, all in one tick.
+//! * `crd-worst`: the tick of SPEC 11. Eight axes enter segments of their tables, two coordinate
+//!   systems enter motions, two lasers follow speed and distance. `crd-worst-inside` is any other
+//!   tick of that.
+//! * `laser-…`: CASE channels are in light while one coordinate system speeds up. Their power
+//!   follows nothing, its speed, positions, tables of both, or speed and positions.
 use cortex_m_semihosting::hprintln;
 use dispatcher::plan::pvt::{Draft, Fields, Kind, Scratch, SplineScratch};
 use hal as _; // the vector table
@@ -32,7 +39,7 @@ const PERIOD_NS: u32 = 250_000;
 /// Motions of a run, and segments of a pass of a table; each of the steady ones takes 16 ticks.
 const MOTIONS: u32 = 60;
 const SEGMENTS: u32 = 24;
-/// So many ticks behind the first one of SPEC 11 comes the one of which `cargo xtask ticks --shares` tells.
+/// Ticks from the first one of SPEC 11 to the one that `cargo xtask ticks --shares` counts.
 const SHOWN: i32 = 24 * 16;
 
 static IMMEDIATE_LANE: Ring<Entry, IMMEDIATE> = Ring::new();
@@ -202,7 +209,8 @@ impl Bench {
         self.reset();
     }
 
-    /// The first tick of a start that was made ready, and of one with all that it needs in the same tick.
+    /// The first tick of a start that was prepared, and of one with all that it needs in the same
+    /// tick.
     fn run_starts(&mut self, case: &str, count: usize, arcs: bool) {
         for once in [false, true] {
             // What was done to the axes before is over.
@@ -245,7 +253,7 @@ impl Bench {
         while self.runs() {
             let before = self.done();
             let count = self.counted();
-            // What a tick goes over is over at the next one, which shows it.
+            // A boundary within a tick is reported by the next one.
             let turned = self.done() != before;
             if let Some(count) = last {
                 let mark = match (turned, entered) {
@@ -368,8 +376,8 @@ impl Bench {
         self.run_follow(case, channels, "laser-both", Some(by_ratio), Some(Ratios::Fixed));
     }
 
-    /// SPEC 11: eight axes in PVT, two coordinate systems, two lasers with both follows; segments and motions of all of
-    /// them begin together, every 16 ticks.
+    /// SPEC 11: eight axes in PVT, two coordinate systems, two lasers with both follows; segments
+    /// and motions of all of them begin together, every 16 ticks.
     fn run_worst(&mut self, scratch: &mut Scratch<'_>) {
         self.set_lasers();
         let crds = self.set(2);
@@ -391,7 +399,8 @@ impl Bench {
                 self.put(index, path::Entry::laser(index as u8, code, words));
             }
             for k in 1..=MOTIONS as i32 {
-                // 1 ms to reach 10 pulse/ms, 4 ms a motion; speeds a little apart, as look-ahead plans them.
+                // 1 ms to reach 10 pulse/ms, 4 ms a motion; speeds a little apart, as look-ahead
+                // plans them.
                 let (x, y) = (40 * k - 5, 0);
                 let end = if k as u32 == MOTIONS { 0.0 } else { 10.0 };
                 let to = if index == 0 { [x, y] } else { [y, x] };
@@ -412,7 +421,8 @@ impl Bench {
             let before = self.view.read().axes[0].motion.c;
             let count = self.counted();
             let (after, done) = (self.view.read().axes[0].motion.c, self.done());
-            // The path is a period ahead: it has entered a motion in the tick before that of the segments, or on it.
+            // The path is a period ahead: it has entered a motion in the tick before that of the
+            // segments, or on it.
             let mark = match (before != after, seen != done) {
                 (true, true) => "crd-worst",
                 (false, true) => "crd-worst-motions",

@@ -1,8 +1,9 @@
 #![no_std]
 #![no_main]
-//! Must link. The panic handler calls a function that does not exist, so that this program links only
-//! if the optimiser has proved that nothing in it can panic: the tick with all it calls, the
-//! emulated board's machine, and the path of a coordinate system. Its twin `panics` shows that the probe can fail.
+//! Must link. The panic handler calls a function that does not exist. So this program links only if
+//! the optimiser has proved that nothing in it can panic: the tick with all it calls, the emulated
+//! board's machine, and the path of a coordinate system. Its twin `panics` shows that the probe can
+//! fail.
 use core::hint::black_box;
 use core::panic::PanicInfo;
 use hal::mps2_an500::machine::Machine;

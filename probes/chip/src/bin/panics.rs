@@ -1,6 +1,7 @@
 #![no_std]
 #![no_main]
-//! Must not link: the same as `no-panic`, with a machine that looks up an axis that may not be there.
+//! Must not link: the same as `no-panic`, with a machine that looks up an axis that may not be
+//! there.
 use core::hint::black_box;
 use core::panic::PanicInfo;
 use probes::AXES;

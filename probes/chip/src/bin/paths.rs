@@ -2,9 +2,10 @@
 #![no_main]
 //! Counts the instructions of a coordinate system's step, in QEMU with `-icount shift=6` or more.
 //!
-//! Out, by semihosting: one line a step, `CASE MARK COUNT`, as `ticks.rs` prints them. MARK says what the step did:
-//! `path-line`, `path-arc` (it stayed in its motion), `path-turn` (it passed a boundary and planned what follows),
-//! `path-enter` (the first step within a motion), `path-stop` (the call of a smooth Stop).
+//! Out, by semihosting: one line a step, `CASE MARK COUNT`, as `ticks.rs` prints them. MARK says
+//! what the step did: `path-line`, `path-arc` (it stayed in its motion), `path-turn` (it passed a
+//! boundary and planned what follows), `path-enter` (the first step within a motion), `path-stop`
+//! (the call of a smooth Stop).
 use core::hint::black_box;
 use cortex_m_semihosting::hprintln;
 use hal as _; // the vector table
@@ -20,7 +21,7 @@ static STORES: [EntryStore; 2] = [EntryStore::new(), EntryStore::new()];
 
 probes::exit_on_panic!();
 
-/// Takes what it is told.
+/// Takes the effects of a path.
 struct Sink;
 
 impl Effects for Sink {
@@ -53,7 +54,7 @@ fn count<T>(call: fn(&mut Path, Ns, Feed) -> T, path: &mut Path, next: Ns, feed:
     (before.passed(), result)
 }
 
-/// Runs what is in FIFO 0 from rest to rest.
+/// Runs FIFO 0 from standstill to standstill.
 fn run(path: &mut Path, mark: &str, begin: Ns, reading: u32) -> Ns {
     let feed = Feed { ends: [MOTIONS, 0] };
     let mut next = begin;

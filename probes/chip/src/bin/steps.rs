@@ -1,7 +1,8 @@
 #![no_std]
 #![no_main]
-//! Counts the instructions with which the reference board fills the slots of its step output, in QEMU as `ticks.rs` does and with the
-//! same lines out: `AXES steps-PERIOD COUNT`, for axes that step at 1 MHz.
+//! Counts the instructions with which the reference board fills the slots of its step output, in
+//! QEMU as `ticks.rs` does and with the same lines out: `AXES steps-PERIOD COUNT`, for axes that
+//! step at 1 MHz.
 use core::hint::black_box;
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use cortex_m_semihosting::hprintln;

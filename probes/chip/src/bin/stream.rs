@@ -1,12 +1,12 @@
 #![no_std]
 #![no_main]
-//! Counts the instructions of streaming, from bytes of the host to segments of PT in the ring, and to entries of a path
-//! in its store, in QEMU with `-icount shift=6` or more.
+//! Counts the instructions of streaming, from bytes of the host to segments of PT in the ring, and
+//! to entries of a path in its store, in QEMU with `-icount shift=6` or more.
 //!
-//! Out, by semihosting: one line a message, `LANE feed SEGMENTS COUNT` for `Server::feed` of a whole
-//! frame and the `Server::poll` that takes it, and `LANE answer SEGMENTS COUNT` for the poll behind the
-//! next tick, which answers it. COUNT is in periods of the 25 MHz SysTick (40 ns; `xtask` turns them into
-//! instructions, of which each takes 2^shift ns).
+//! Out, by semihosting: one line a message, `LANE feed SEGMENTS COUNT` for `Server::feed` of a
+//! whole frame and the `Server::poll` that takes it, and `LANE answer SEGMENTS COUNT` for the poll
+//! after the next tick, which answers it. COUNT is in periods of the 25 MHz SysTick (40 ns; `xtask`
+//! turns them into instructions, of which each takes 2^shift ns).
 //!
 //! The frames are made by the other end of the same link, in here, and are not counted.
 use core::hint::black_box;
@@ -72,7 +72,7 @@ impl Bench {
         before.passed()
     }
 
-    /// One tick, and what goes back to the client; nothing is sent. Returns what the poll takes.
+    /// One tick and the reply to the client; nothing is sent. Returns the count of the poll.
     fn step(&mut self) -> u32 {
         self.tick.run(&mut self.machine, &mut self.lanes);
         let taken = self.count(take, &[]).saturating_sub(self.reading);
@@ -138,7 +138,8 @@ impl Bench {
         self.exchange()
     }
 
-    /// Lines of coordinate system 1: by single calls, many to a record, and these through the look-ahead.
+    /// Lines of coordinate system 1: by single calls, many to a record, and these through the
+    /// look-ahead.
     fn lines(&mut self) {
         let mut profile = [0.into(); 8];
         (profile[0], profile[1]) = (1.into(), 2.into());
@@ -153,7 +154,7 @@ impl Bench {
             ..SetCrdPrm::default()
         });
         let (syn_vel, syn_acc, vel_end) = (80.0.into(), 2.5.into(), 40.0.into());
-        // A way that turns a little with each line, as a planner gives it.
+        // A path that turns a little with each line, as a planner makes it.
         let place = |k: u32| ((k * 91).cast_signed(), (k * k % 1013).cast_signed());
         for name in ["lnxy", "lines", "ahead"] {
             if name == "ahead" {

@@ -2,16 +2,20 @@
 #![no_main]
 //! Counts the instructions of ticks, in QEMU with `-icount shift=6` or more.
 //!
-//! Out, by semihosting: one line a tick, `CASE MARK COUNT`, with COUNT in periods of the 25 MHz SysTick
-//! (40 ns; `xtask` turns them into instructions, of which each takes 2^shift ns), the cost of the
-//! reading itself taken off. MARK says what the tick did: `start` (it executed the commands), `change`
-//! (every running axis entered another segment), `inside` (none did), `idle`; with `pvt-` before it in PVT;
-//! of Follow
-//! `follow-` and of FollowEx `shaped-` (in case 8 seven axes follow the eighth); `…-ready`: a start for which there
-//! were ticks to make it ready in; of Traps `trap` and `smooth` (they start), `…-inside` (they run), `stop` (they begin to stop),
-//! `stop-ramp` (the tick behind that).
+//! Out, by semihosting: one line a tick, `CASE MARK COUNT`. COUNT is in periods of the 25 MHz
+//! SysTick (40 ns), without the cost of the reading itself; `xtask` turns it into instructions, of
+//! which each takes 2^shift ns. MARK says what the tick did:
 //!
-//! The machine under the tick only stores what it is told: what is counted is the tick alone.
+//! * `start`: it executed the commands; `change`: every running axis entered another segment;
+//!   `inside`: none did; `idle`.
+//! * `pvt-…`, `follow-…`, `shaped-…`: the same in PVT, Follow and FollowEx. In case 8 of Follow and
+//!   FollowEx seven axes follow the eighth.
+//! * `…-ready`: a start after ticks that could prepare it.
+//! * `trap` and `smooth`: Traps start; `…-inside`: they run; `stop`: they begin to stop;
+//!   `stop-ramp`: the tick after that.
+//!
+//! The machine under the tick only stores its set-points and outputs: the counts are of the tick
+//! alone.
 use cortex_m_semihosting::hprintln;
 use dispatcher::plan::pvt::{Draft, Fields, Kind, Scratch, SplineScratch};
 use hal as _; // the vector table
@@ -97,7 +101,8 @@ impl Bench {
         TABLE_STORES.write_header(table, sealed.header().admit().unwrap_or_default());
     }
 
-    /// Ticks in which the next start of every axis is made ready; `first` says what a start is called without them.
+    /// Ticks in which the next start of every axis is prepared; `first` is the mark of a start
+    /// without them.
     fn prepare_start(&mut self, case: &str, ready: bool, [first, then]: [&'static str; 2]) -> &'static str {
         if !ready {
             return first;
@@ -131,7 +136,8 @@ impl Bench {
         self.step(case, Some("reset"));
     }
 
-    /// Axes behind the last one, which jogs: a pass of segments each, all entered on the same ticks.
+    /// Axes follow the last one, which jogs: a pass of segments each, all entered on the same
+    /// ticks.
     fn run_follow(
         &mut self,
         case: &str,

@@ -1,7 +1,8 @@
 #![no_std]
 #![no_main]
-//! Must link, as `no-panic` must: what comes over the wire meets no panic. The link with all its states, records of both
-//! directions, requests and replies with and without items, on bytes of which the optimiser knows nothing.
+//! Must link, as `no-panic` must: what comes over the wire meets no panic. The link with all its
+//! states, records of both directions, requests and replies with and without items, on bytes of
+//! which the optimiser knows nothing.
 use core::hint::black_box;
 use core::panic::PanicInfo;
 use cortex_m as _;

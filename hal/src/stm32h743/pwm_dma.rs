@@ -1,8 +1,11 @@
-//! A timer that carries out rounds told ahead (docs/decisions/015-tiles.md): preloaded registers, and a ring that DMA brings to
-//! them (RM0433 38.3.24, 38.4.19: DMA burst; 15.3: circular streams).
+//! What feeds the timers' DMA burst: PWM cycles queued ahead (docs/decisions/015-tiles.md).
 //!
-//! In: rounds, as half-words of the timer's registers from `ARR` on. Out: nothing; whether the ring is read as it should be.
-//! Owns the stream. Fails towards the dark, as [`CycleRing`] does.
+//! The registers of a timer are preloaded. A circular DMA stream reads a ring of cycle slots and
+//! writes each one to the registers by a DMA burst (RM0433 38.3.24, 38.4.19; 15.3: circular
+//! streams).
+//!
+//! In: cycles, as half-words of the timer's registers from `ARR` on. Out: whether DMA reads the
+//! ring where it should. Owns the stream. Fails to dark outputs, as [`CycleRing`] does.
 use core::sync::atomic::AtomicU16;
 use servo::output::{CycleRing, Slots};
 use stm32_metapac::dma::vals::{Dir, Pl, Size};
@@ -15,19 +18,19 @@ use stm32_metapac::{DMAMUX1, TIM1, TIM8};
 // SAFETY: its address.
 pub const TIM15: TimAdv = unsafe { TimAdv::from_ptr(stm32_metapac::TIM15.as_ptr()) };
 
-/// Length of the two dark rounds with which a timer starts.
+/// Length of the two dark cycles with which a timer starts.
 const FIRST: u16 = 168;
-/// Where the rounds of the ring begin.
+/// Instant at which the cycles of the ring begin, in counts.
 pub const BEGIN: u64 = 2 * FIRST as u64;
 /// ARR among the registers (RM0433 38.4.19): where the burst begins.
 const BURST_BEGIN: u8 = 11;
 
-/// A ring in memory that DMA reads.
-pub const fn places<const PLACES: usize, const WORDS: usize>() -> Slots<PLACES, WORDS> {
-    [const { [const { AtomicU16::new(0) }; WORDS] }; PLACES]
+/// A ring in memory that DMA reads, all zero.
+pub const fn empty_slots<const SLOTS: usize, const WORDS: usize>() -> Slots<SLOTS, WORDS> {
+    [const { [const { AtomicU16::new(0) }; WORDS] }; SLOTS]
 }
 
-/// What belongs to a timer.
+/// A timer with its stream and request.
 #[derive(Clone, Copy)]
 pub struct Wiring {
     /// The timer.
@@ -62,20 +65,20 @@ pub const SWITCHES: Wiring =
 
 /// A timer, its stream and its ring.
 #[derive(Debug)]
-pub struct Timer<const PLACES: usize, const WORDS: usize> {
+pub struct Timer<const SLOTS: usize, const WORDS: usize> {
     wiring: Wiring,
-    places: &'static Slots<PLACES, WORDS>,
-    /// What is told goes here.
-    pub ring: CycleRing<PLACES, WORDS>,
+    slots: &'static Slots<SLOTS, WORDS>,
+    /// Takes the cycles to come.
+    pub ring: CycleRing<SLOTS, WORDS>,
 }
 
-impl<const PLACES: usize, const WORDS: usize> Timer<PLACES, WORDS> {
-    /// Stands still. `dark` are the half-words of a dark round of no length.
+impl<const SLOTS: usize, const WORDS: usize> Timer<SLOTS, WORDS> {
+    /// A stopped timer. `dark` are the half-words of a dark cycle of no length.
     ///
     /// # Safety
-    /// One a ring and a stream.
-    pub const unsafe fn new(wiring: Wiring, places: &'static Slots<PLACES, WORDS>, dark: [u16; WORDS]) -> Self {
-        Timer { wiring, places, ring: CycleRing::new(places, dark) }
+    /// At most one for each ring and each stream.
+    pub const unsafe fn new(wiring: Wiring, slots: &'static Slots<SLOTS, WORDS>, dark: [u16; WORDS]) -> Self {
+        Timer { wiring, slots, ring: CycleRing::new(slots, dark) }
     }
 
     fn stream(&self) -> St {
@@ -86,15 +89,17 @@ impl<const PLACES: usize, const WORDS: usize> Timer<PLACES, WORDS> {
     #[inline]
     pub fn renew(&mut self) -> bool {
         let left: usize = self.stream().ndtr().read().ndt().into();
-        self.ring.renew(CycleRing::<PLACES, WORDS>::WORDS.wrapping_sub(left))
+        self.ring.renew(CycleRing::<SLOTS, WORDS>::WORDS.wrapping_sub(left))
     }
 
-    /// While nothing runs: some more places dark; true once all are, and the stream stands.
+    /// While nothing runs: makes some more slots dark. True once all are, and the stream has
+    /// stopped.
     pub fn clear(&mut self) -> bool {
         self.ring.clear() && !self.stream().cr().read().en()
     }
 
-    /// Two dark rounds, then the ring from its first place on, once that is told and [`Timer::launch`]ed.
+    /// Prepares two dark cycles, and after them the ring from its first slot on; [`Timer::launch`]
+    /// follows once the ring is filled.
     pub fn arm(&mut self) {
         let Wiring { timer, dma, stream, mux, request, .. } = self.wiring;
         self.ring.begin(FIRST);
@@ -108,8 +113,8 @@ impl<const PLACES: usize, const WORDS: usize> Timer<PLACES, WORDS> {
         });
         let st = self.stream();
         st.par().write_value(timer.dmar().as_ptr() as u32);
-        st.m0ar().write_value(self.places.as_ptr() as u32);
-        st.ndtr().write(|w| w.set_ndt(CycleRing::<PLACES, WORDS>::WORDS as u16));
+        st.m0ar().write_value(self.slots.as_ptr() as u32);
+        st.ndtr().write(|w| w.set_ndt(CycleRing::<SLOTS, WORDS>::WORDS as u16));
         st.fcr().write(|_| {});
         timer.cnt().write(|w| w.set_cnt(0));
         timer.psc().write_value(0);
@@ -118,7 +123,7 @@ impl<const PLACES: usize, const WORDS: usize> Timer<PLACES, WORDS> {
         for (channel, &dark) in self.ring.dark().iter().enumerate() {
             timer.ccr(channel).write(|w| w.set_ccr(dark));
         }
-        // In force now, and once more.
+        // Loaded now, and in the preload registers for the second cycle.
         timer.egr().write(|w| w.set_ug(true));
         timer.dcr().write(|w| {
             w.set_dba(BURST_BEGIN);
@@ -126,7 +131,8 @@ impl<const PLACES: usize, const WORDS: usize> Timer<PLACES, WORDS> {
         });
     }
 
-    /// Ready to start with the trigger. DMA reads the first half-word at once.
+    /// Enables the stream: the timer starts with the trigger. DMA reads the first half-word at
+    /// once.
     pub fn launch(&mut self) {
         let Wiring { timer, priority, .. } = self.wiring;
         timer.dier().write(|w| w.set_ude(true));
@@ -141,7 +147,7 @@ impl<const PLACES: usize, const WORDS: usize> Timer<PLACES, WORDS> {
         });
     }
 
-    /// No round more.
+    /// Stops the stream: no more cycles.
     pub fn stop(&mut self) {
         let timer = self.wiring.timer;
         timer.dier().write(|_| {});

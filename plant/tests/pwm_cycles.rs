@@ -1,6 +1,7 @@
-//! Plans that timers carry out by rounds give the edges of the model, to one count of the timer.
+//! Plans that timers execute as PWM cycles give the edges of the model, to one count of the timer.
 //!
-//! The timer here is the plainest one: it counts a round after the other. What is compared with it, [`Stage`], knows nothing of rounds.
+//! The timer here is the plainest one: it counts one cycle after the other. The model, [`Stage`],
+//! has no cycles.
 use plant::beam::{Change, Stage};
 use servo::laser::{Action, Clock, Count, PLACES, Plan, Power, Rate, Standby, Train};
 use servo::output::{
@@ -63,7 +64,8 @@ impl Random {
         }
     }
 
-    /// A rate, or a pause; what is left of the period in progress becomes up to eight times as long.
+    /// A rate, or a pause; the remainder of the period in progress becomes up to eight times as
+    /// long.
     fn rate(&mut self, train: Train) -> Action {
         if train.is_none() {
             return Action::Rate(Rate::PAUSE);
@@ -101,30 +103,30 @@ impl Random {
     }
 }
 
-/// Active stretches, in counts.
-type Stretches = Vec<(u64, u64)>;
+/// Active pulses, begin and end in counts.
+type Pulses = Vec<(u64, u64)>;
 
-/// An active stretch more, which may touch the one before.
-fn note(stretches: &mut Stretches, begin: u64, end: u64) {
-    match stretches.last_mut() {
+/// Adds an active pulse, which may touch the one before.
+fn note(pulses: &mut Pulses, begin: u64, end: u64) {
+    match pulses.last_mut() {
         _ if begin == end => {}
         Some(last) if last.1 == begin => last.1 = end,
-        _ => stretches.push((begin, end)),
+        _ => pulses.push((begin, end)),
     }
 }
 
-/// What the model tells.
+/// Records the changes of the model.
 #[derive(Default)]
 struct Scope {
-    energy: Stretches,
+    energy: Pulses,
     lit: Option<u64>,
-    switch: Stretches,
+    switch: Pulses,
     switched: Option<u64>,
 }
 
 impl Scope {
     fn note(&mut self, change: Change) {
-        let (at, level, begun, stretches) = match change {
+        let (at, level, begun, pulses) = match change {
             Change::Energy { at, level } => (at, level, &mut self.lit, &mut self.energy),
             Change::Switch { at, level } => (at, level, &mut self.switched, &mut self.switch),
             Change::Pulses(burst) => {
@@ -134,17 +136,17 @@ impl Scope {
             Change::Dac { .. } => return,
         };
         match begun.take() {
-            Some(begin) if !level => note(stretches, begin, at),
+            Some(begin) if !level => note(pulses, begin, at),
             None if level => *begun = Some(at),
             _ => panic!("{at}: {level} twice"),
         }
     }
 
-    /// What lasts at the end, lasts until then.
+    /// Ends pulses that are still active.
     fn end(&mut self, at: u64) {
-        for (begun, stretches) in [(&mut self.lit, &mut self.energy), (&mut self.switched, &mut self.switch)] {
+        for (begun, pulses) in [(&mut self.lit, &mut self.energy), (&mut self.switched, &mut self.switch)] {
             if let Some(begin) = begun.take() {
-                note(stretches, begin, at);
+                note(pulses, begin, at);
             }
         }
     }
@@ -154,21 +156,21 @@ fn counts(ns: u32) -> u64 {
     (u64::from(ns) * u64::from(MHZ) + 500) / 1000
 }
 
-/// When the round that follows those told is read at the latest: at the beginning of the second one before it.
-struct Told {
+/// What was queued. The next cycle is read at the latest when the second one before it begins.
+struct Queued {
     end: u64,
     last: [u32; 2],
     least: u32,
-    rounds: u64,
+    count: u64,
 }
 
-impl Told {
-    fn rounds(&mut self, length: u32, times: u32) {
+impl Queued {
+    fn cycles(&mut self, length: u32, times: u32) {
         assert!((1..=256).contains(&times), "{times} times");
         assert!((self.least..=65_535).contains(&length), "{} counts at {}", length, self.end);
         self.end += u64::from(length * times);
         self.last = [self.last[1], length * times];
-        self.rounds += 1;
+        self.count += 1;
     }
 
     fn read_by(&self) -> u64 {
@@ -181,15 +183,15 @@ fn held() -> DelayLine {
     DelayLine::new((0..PLACES * 9).map(|_| AtomicU32::new(0)).collect::<Vec<_>>().leak())
 }
 
-/// Where the first rounds begin: so far no plan asks for anything.
+/// Instant at which the first cycles begin: before it the plans are empty.
 const BEGIN: u64 = 336;
 
-/// A channel's edges from rounds and from the model, over so many ticks.
-fn energy(random: &mut Random, ticks: usize) -> (Stretches, Stretches, u64, u64) {
-    let (mut rounds, mut held) = (PwmCycles::from(BEGIN, SCALE), held());
+/// A channel's edges from cycles and from the model, over so many ticks.
+fn energy(random: &mut Random, ticks: usize) -> (Pulses, Pulses, u64, u64) {
+    let (mut cycles, mut held) = (PwmCycles::from(BEGIN, SCALE), held());
     let (mut stage, mut scope) = (Stage::counting(FINISH), Scope::default());
-    let mut got = Stretches::new();
-    let mut queued = Told { end: BEGIN, last: [168, 168], least: PWM_MIN_COUNTS, rounds: 0 };
+    let mut got = Pulses::new();
+    let mut queued = Queued { end: BEGIN, last: [168, 168], least: PWM_MIN_COUNTS, count: 0 };
     let mut lasts = 50_000;
     let (mut from, mut worst) = (counts(lasts), 0);
     for tick in 0..ticks {
@@ -206,36 +208,36 @@ fn energy(random: &mut Random, ticks: usize) -> (Stretches, Stretches, u64, u64)
             stage.push(from + counts(*at), *action);
         }
         assert!(held.put(&plan));
-        rounds.take(from, to, held.actions(), &mut |length, light, times| {
+        cycles.take(from, to, held.actions(), &mut |length, light, times| {
             assert!(light <= length);
             for begin in (0..times).map(|n| queued.end + u64::from(n * length)) {
                 note(&mut got, begin, begin + u64::from(light));
             }
-            queued.rounds(length, times);
+            queued.cycles(length, times);
         });
-        assert_eq!(rounds.queued(), queued.end);
+        assert_eq!(cycles.queued(), queued.end);
         from = to;
     }
     let mut end = Plan::EMPTY;
     end.add(0, Action::Dark { standby: Train::NONE, cut: true });
     stage.push(from, Action::Dark { standby: Train::NONE, cut: true });
-    rounds.take(from, from + 60_000, end.actions().iter().copied(), &mut |length, light, times| {
+    cycles.take(from, from + 60_000, end.actions().iter().copied(), &mut |length, light, times| {
         assert_eq!(times, 1);
         note(&mut got, queued.end, queued.end + u64::from(light));
-        queued.rounds(length, times);
+        queued.cycles(length, times);
     });
     stage.run_to(from + 60_000, &mut |change| scope.note(change));
     scope.end(from + 60_000);
-    (scope.energy, got, worst, queued.rounds)
+    (scope.energy, got, worst, queued.count)
 }
 
-/// A pulse is missing that ends before the next one begins, less than the shortest round behind it.
-fn without_lost(stretches: &[(u64, u64)]) -> Stretches {
-    let mut kept = Stretches::new();
-    for (n, stretch) in stretches.iter().enumerate() {
-        let next = stretches.get(n + 1).map_or(u64::MAX, |next| next.0);
-        if next - stretch.0 >= u64::from(PWM_MIN_COUNTS) {
-            kept.push(*stretch);
+/// Leaves out a pulse when the next one begins less than the shortest cycle after its begin.
+fn without_lost(pulses: &[(u64, u64)]) -> Pulses {
+    let mut kept = Pulses::new();
+    for (n, pulse) in pulses.iter().enumerate() {
+        let next = pulses.get(n + 1).map_or(u64::MAX, |next| next.0);
+        if next - pulse.0 >= u64::from(PWM_MIN_COUNTS) {
+            kept.push(*pulse);
         }
     }
     kept
@@ -244,7 +246,7 @@ fn without_lost(stretches: &[(u64, u64)]) -> Stretches {
 #[test]
 fn the_energy_is_the_models_to_a_count() {
     let runs = std::env::var("BEAMTICK_ROUNDS").ok().and_then(|runs| runs.parse().ok()).unwrap_or(400);
-    let (mut edges, mut lost, mut worst, mut rounds) = (0, 0, 0, 0);
+    let (mut edges, mut lost, mut worst, mut cycles) = (0, 0, 0, 0);
     for seed in 0..runs {
         let mut random = Random(seed);
         let (model, got, late, queued) = energy(&mut random, 60);
@@ -259,21 +261,21 @@ fn the_energy_is_the_models_to_a_count() {
             got.iter().skip(from).take(5).collect::<Vec<_>>()
         );
         (edges, lost) = (edges + expected.len(), lost + model.len() - expected.len());
-        (worst, rounds) = (worst.max(late), rounds + queued);
+        (worst, cycles) = (worst.max(late), cycles + queued);
     }
-    println!("{edges} pulses, {lost} lost, {rounds} rounds, read {worst} counts before the end of what is known");
+    println!("{edges} pulses, {lost} lost, {cycles} cycles, read {worst} counts before the end of what is known");
     assert!(edges > 1_000 * runs as usize && lost * 100 < edges, "{edges}, {lost}");
-    // Seven rounds of the shortest length, and a count of rounding.
+    // Seven cycles of the shortest length, and a count of rounding.
     assert!(worst <= 7 * u64::from(PWM_MIN_COUNTS) + 1, "{worst}");
 }
 
-/// Both switches' edges from rounds and from the models.
-fn switches(random: &mut Random, ticks: usize) -> ([Stretches; 2], [Stretches; 2], u64) {
-    let (mut rounds, mut held) = (GateCycles::from(BEGIN, SCALE), held());
+/// Both switches' edges from cycles and from the models.
+fn switches(random: &mut Random, ticks: usize) -> ([Pulses; 2], [Pulses; 2], u64) {
+    let (mut cycles, mut held) = (GateCycles::from(BEGIN, SCALE), held());
     let mut stages = [Stage::counting(FINISH), Stage::counting(FINISH)];
     let mut scopes = [Scope::default(), Scope::default()];
-    let mut got = [Stretches::new(), Stretches::new()];
-    let mut queued = Told { end: BEGIN, last: [168, 168], least: GATE_MIN_COUNTS, rounds: 0 };
+    let mut got = [Pulses::new(), Pulses::new()];
+    let mut queued = Queued { end: BEGIN, last: [168, 168], least: GATE_MIN_COUNTS, count: 0 };
     let mut lasts = 50_000;
     let (mut from, mut worst) = (counts(lasts), 0);
     for tick in 0..=ticks {
@@ -304,17 +306,17 @@ fn switches(random: &mut Random, ticks: usize) -> ([Stretches; 2], [Stretches; 2
             }
         }
         assert!(held.put(&plans[0]));
-        rounds.hold(held.actions());
-        rounds.take(from, to, plans[1].actions().iter().copied(), &mut |round| {
-            let Cycle { length, falls, rises } = round;
+        cycles.hold(held.actions());
+        cycles.take(from, to, plans[1].actions().iter().copied(), &mut |cycle| {
+            let Cycle { length, falls, rises } = cycle;
             for ((got, falls), rises) in got.iter_mut().zip(falls).zip(rises) {
                 assert!(falls <= rises && falls <= length && rises <= 65_535);
                 note(got, queued.end, queued.end + u64::from(falls));
                 note(got, queued.end + u64::from(rises.min(length)), queued.end + u64::from(length));
             }
-            queued.rounds(length, 1);
+            queued.cycles(length, 1);
         });
-        assert_eq!(rounds.queued(), queued.end);
+        assert_eq!(cycles.queued(), queued.end);
         from = to;
     }
     for (stage, scope) in stages.iter_mut().zip(&mut scopes) {
@@ -331,7 +333,7 @@ fn the_switches_are_the_models_to_a_count() {
     for seed in 0..runs {
         let (model, got, late) = switches(&mut Random(seed), 60);
         for (model, got) in model.iter().zip(&got) {
-            let lost: Vec<_> = model.iter().filter(|stretch| !got.contains(stretch)).collect();
+            let lost: Vec<_> = model.iter().filter(|pulse| !got.contains(pulse)).collect();
             // What differs is missing, and short.
             assert!(
                 lost.iter().all(|(begin, end)| end - begin < u64::from(GATE_MIN_COUNTS)),
@@ -342,18 +344,18 @@ fn the_switches_are_the_models_to_a_count() {
         }
         worst = worst.max(late);
     }
-    println!("{edges} stretches, {missing} missing, read {worst} counts before the end of what is known");
+    println!("{edges} pulses, {missing} missing, read {worst} counts before the end of what is known");
     assert!(edges > 20 * runs as usize, "{edges}");
     assert!(missing > 0 && missing * 4 < edges, "{missing} of {edges}");
     assert!(worst <= 7 * u64::from(GATE_MIN_COUNTS) + 1, "{worst}");
 }
 
-/// The first so many pulses of a train as a timer carries them out: counts from the first one's beginning to that of the one behind,
-/// counts of light, and pulses that begin with a round.
+/// The first so many pulses of a train as a timer carries them out: counts from the first one's
+/// beginning to that of the one behind, counts of light, and pulses that begin with a cycle.
 fn carried_out(train: Train, pulses: u64) -> (u64, u64, u64) {
     let whole = train.period.whole * pulses + u64::from(train.period.part) * pulses / u64::from(train.period.of.max(1));
     let lasts = 250_000;
-    let mut rounds = PwmCycles::from(BEGIN, SCALE);
+    let mut cycles = PwmCycles::from(BEGIN, SCALE);
     let (mut from, mut queued) = (counts(lasts), BEGIN);
     let begin = from;
     let (mut light, mut lit, mut begun) = (0, false, 0);
@@ -361,9 +363,9 @@ fn carried_out(train: Train, pulses: u64) -> (u64, u64, u64) {
     plan.add(0, Action::Light(train));
     while queued < begin + whole {
         let to = from + counts(lasts);
-        rounds.take(from, to, plan.actions().iter().copied(), &mut |length, on, times| {
+        cycles.take(from, to, plan.actions().iter().copied(), &mut |length, on, times| {
             for _ in 0..times {
-                // Of the rounds, what lies in the repetition.
+                // Of the cycles, what lies in the repetition.
                 let end = (queued + u64::from(on)).clamp(begin, begin + whole);
                 light += end - queued.clamp(begin, begin + whole);
                 begun += u64::from(on > 0 && !lit && queued >= begin && queued < begin + whole);
@@ -377,12 +379,13 @@ fn carried_out(train: Train, pulses: u64) -> (u64, u64, u64) {
     (whole, light, begun)
 }
 
-/// Every frequency from 1 Hz to 2 MHz and every duty, over one repetition: within 1 ppm and 0.001 % (SPEC 11).
+/// Every frequency from 1 Hz to 2 MHz and every duty, over one repetition: within 1 ppm and 0.001 %
+/// (SPEC 11).
 #[test]
 fn frequencies_and_duties_are_exact_in_the_mean() {
     let clock = Clock::from_mhz(MHZ).unwrap();
     let mut random = Random(3);
-    // mHz: a grid over the magnitudes, round ones, and any.
+    // mHz: a grid over the magnitudes, cycle ones, and any.
     let mut frequencies: Vec<u64> = (0..=240).map(|n| (1000.0 * 10f64.powf(f64::from(n) / 38.087)) as u64).collect();
     frequencies.extend([1, 2, 5, 10, 24, 96, 100, 1000, 1999, 2000].map(|khz| khz * 1_000_000));
     frequencies.extend([1_999_999_999, 1_999_999_000, 1_904_761_905, 333_333_333, 1_000, 1_001, 1_500]);

@@ -1,7 +1,7 @@
 //! Lines and arcs over their length.
 
-/// A place in X, Y, Z, A, pulses.
-pub type Place = [f64; 4];
+/// A position in X, Y, Z, A, pulses.
+pub type Position = [f64; 4];
 
 /// A plane of arcs; its first and second axis, as a right hand has them around the third.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -25,20 +25,20 @@ impl Plane {
     }
 }
 
-/// The way of one motion.
+/// The geometry of one motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Figure {
+pub enum Geometry {
     /// Straight on.
     Line {
         /// Where it begins.
-        from: Place,
+        from: Position,
         /// Where it ends.
-        to: Place,
+        to: Position,
     },
     /// An arc of a circle.
     Arc {
-        /// The first place; coordinates outside the plane stay.
-        from: Place,
+        /// The first position; coordinates outside the plane stay.
+        from: Position,
         /// In which plane.
         plane: Plane,
         /// Centre in the plane.
@@ -50,14 +50,14 @@ pub enum Figure {
     },
 }
 
-impl Figure {
+impl Geometry {
     /// A line.
-    pub fn line(from: Place, to: Place) -> Figure {
-        Figure::Line { from, to }
+    pub fn line(from: Position, to: Position) -> Geometry {
+        Geometry::Line { from, to }
     }
 
     /// ArcXYR: a radius > 0 means the arc up to 180°, < 0 the longer one. None where it cannot reach.
-    pub fn arc_by_radius(from: Place, plane: Plane, to: (f64, f64), radius: f64, ccw: bool) -> Option<Figure> {
+    pub fn arc_by_radius(from: Position, plane: Plane, to: (f64, f64), radius: f64, ccw: bool) -> Option<Geometry> {
         let (first, second) = plane.axes();
         let chord = (to.0 - from[first], to.1 - from[second]);
         let half = chord.0.hypot(chord.1) / 2.0;
@@ -74,12 +74,18 @@ impl Figure {
         let unit = (chord.0 / (2.0 * half), chord.1 / (2.0 * half));
         let middle = (from[first] + chord.0 / 2.0, from[second] + chord.1 / 2.0);
         let centre = (middle.0 - unit.1 * side, middle.1 + unit.0 * side);
-        Some(Figure::Arc { from, plane, centre, radius: r, sweep: if ccw { sweep } else { -sweep } })
+        Some(Geometry::Arc { from, plane, centre, radius: r, sweep: if ccw { sweep } else { -sweep } })
     }
 
     /// ArcXYC: the centre is an offset from the start; an end equal to the start is a full circle. A centre that is not
     /// equally far from both ends is moved along the chord until it is (docs: by no more than 2 pulses).
-    pub fn arc_by_centre(from: Place, plane: Plane, to: (f64, f64), offset: (f64, f64), ccw: bool) -> Option<Figure> {
+    pub fn arc_by_centre(
+        from: Position,
+        plane: Plane,
+        to: (f64, f64),
+        offset: (f64, f64),
+        ccw: bool,
+    ) -> Option<Geometry> {
         let (first, second) = plane.axes();
         let chord = (to.0 - from[first], to.1 - from[second]);
         let square = chord.0 * chord.0 + chord.1 * chord.1;
@@ -99,29 +105,29 @@ impl Figure {
             return None;
         }
         let centre = (from[first] + to_centre.0, from[second] + to_centre.1);
-        Some(Figure::Arc { from, plane, centre, radius, sweep: if ccw { sweep } else { -sweep } })
+        Some(Geometry::Arc { from, plane, centre, radius, sweep: if ccw { sweep } else { -sweep } })
     }
 
     /// Pulses from end to end.
     pub fn length(&self) -> f64 {
         match *self {
-            Figure::Line { from, to } => {
+            Geometry::Line { from, to } => {
                 (0..4).map(|axis| (to[axis] - from[axis]) * (to[axis] - from[axis])).sum::<f64>().sqrt()
             }
-            Figure::Arc { radius, sweep, .. } => radius * sweep.abs(),
+            Geometry::Arc { radius, sweep, .. } => radius * sweep.abs(),
         }
     }
 
     /// Where it is after so many pulses.
-    pub fn at(&self, way: f64) -> Place {
+    pub fn at(&self, distance: f64) -> Position {
         match *self {
-            Figure::Line { from, to } => {
-                let part = way / self.length();
+            Geometry::Line { from, to } => {
+                let part = distance / self.length();
                 std::array::from_fn(|axis| from[axis] + (to[axis] - from[axis]) * part)
             }
-            Figure::Arc { from, plane, centre, radius, sweep } => {
+            Geometry::Arc { from, plane, centre, radius, sweep } => {
                 let (first, second) = plane.axes();
-                let turn = sweep * (way / self.length());
+                let turn = sweep * (distance / self.length());
                 let (sin, cos) = turn.sin_cos();
                 let arm = (from[first] - centre.0, from[second] - centre.1);
                 let mut place = from;
@@ -135,10 +141,10 @@ impl Figure {
     }
 
     /// Where it ends.
-    pub fn end(&self) -> Place {
+    pub fn end(&self) -> Position {
         match *self {
-            Figure::Line { to, .. } => to,
-            Figure::Arc { .. } => self.at(self.length()),
+            Geometry::Line { to, .. } => to,
+            Geometry::Arc { .. } => self.at(self.length()),
         }
     }
 }
@@ -147,7 +153,7 @@ impl Figure {
 mod tests {
     use super::*;
 
-    fn near(a: Place, b: Place) {
+    fn near(a: Position, b: Position) {
         assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-9), "{a:?} {b:?}");
     }
 
@@ -164,23 +170,23 @@ mod tests {
             (-100.0, true, three, [100.0 + h, -h]),
             (-100.0, false, three, [-h, 100.0 + h]),
         ] {
-            let arc = Figure::arc_by_radius(from, Plane::XY, (100.0, 100.0), radius, ccw).unwrap();
+            let arc = Geometry::arc_by_radius(from, Plane::XY, (100.0, 100.0), radius, ccw).unwrap();
             assert!((arc.length() - length).abs() < 1e-9);
             near(arc.end(), [100.0, 100.0, 7.0, 3.0]);
             near(arc.at(length / 2.0), [middle[0], middle[1], 7.0, 3.0]);
-            let Figure::Arc { centre, .. } = arc else { panic!() };
-            let again = Figure::arc_by_centre(from, Plane::XY, (100.0, 100.0), centre, ccw).unwrap();
+            let Geometry::Arc { centre, .. } = arc else { panic!() };
+            let again = Geometry::arc_by_centre(from, Plane::XY, (100.0, 100.0), centre, ccw).unwrap();
             assert!((again.length() - length).abs() < 1e-9);
             near(again.at(length / 2.0), arc.at(length / 2.0));
         }
         // A full circle in Z and X, counterclockwise seen from Y: Z turns to X.
-        let circle = Figure::arc_by_centre(from, Plane::ZX, (7.0, 0.0), (-10.0, 0.0), true).unwrap();
+        let circle = Geometry::arc_by_centre(from, Plane::ZX, (7.0, 0.0), (-10.0, 0.0), true).unwrap();
         near(circle.at(circle.length() / 4.0), [10.0, 0.0, -3.0, 3.0]);
         near(circle.end(), from);
-        assert!(Figure::arc_by_radius(from, Plane::XY, (100.0, 0.0), 49.9, true).is_none());
+        assert!(Geometry::arc_by_radius(from, Plane::XY, (100.0, 0.0), 49.9, true).is_none());
         // A centre 0.5 too far along the chord is moved back.
-        let moved = Figure::arc_by_centre(from, Plane::XY, (100.0, 0.0), (50.5, 20.0), true).unwrap();
-        let Figure::Arc { centre, .. } = moved else { panic!() };
+        let moved = Geometry::arc_by_centre(from, Plane::XY, (100.0, 0.0), (50.5, 20.0), true).unwrap();
+        let Geometry::Arc { centre, .. } = moved else { panic!() };
         assert_eq!(centre, (50.0, 20.0));
     }
 }
