@@ -9,20 +9,24 @@
 //! Fails how: whatever comes from the wire is answered with a return code and a reason and changes
 //! nothing; nothing in here panics or allocates.
 mod admit;
+mod board;
 mod capacity;
+mod configuration;
+mod deque;
+mod io_types;
+mod lane;
 pub mod plan;
 mod product;
 mod program;
+mod refuse;
 mod report;
 mod session;
 mod shadow;
 
-pub use crate::admit::refuse::Refused;
+pub use crate::board::{Board, FAULT_TEXT_MAX, Fault, FaultKind, TickTime};
 pub use crate::plan::path_queue::{LOOK_AHEAD, PathQueue};
 pub use crate::product::{FAMILIES, PROFILES, Profile, largest_that_fits};
 pub use crate::program::record_queue::{QUEUE_BYTES, RECORD_BYTES};
+pub use crate::refuse::Refused;
 pub use crate::session::second_client::SecondaryTransport;
-pub use crate::session::server::{
-    Board, Channels, EVENTS, FAULT_TEXT_MAX, Fault, FaultKind, IMMEDIATE, LINK_WINDOW, PROGRAM, SAMPLES, SEGMENTS,
-    Server, TickTime,
-};
+pub use crate::session::server::{Channels, EVENTS, IMMEDIATE, LINK_WINDOW, PROGRAM, SAMPLES, SEGMENTS, Server};

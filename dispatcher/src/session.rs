@@ -2,7 +2,6 @@
 //!
 //! In: bytes and the time. Out: bytes, operations. Calls the program and admission, never the other way round.
 pub(crate) mod commands;
-pub(crate) mod lane;
-pub(crate) mod pending_replies;
+mod link_loss;
 pub(crate) mod second_client;
 pub(crate) mod server;

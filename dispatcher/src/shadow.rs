@@ -7,13 +7,15 @@
 mod axis;
 mod channel;
 mod crd;
+mod crd_space;
 mod follow;
+mod watch;
 
-use crate::admit::context::Watch;
 use crate::product::{LONG_TICK, Profile};
 pub use axis::{AxisShadow, BEGINS_SHIFT, FifoShadow};
 pub use channel::{DistanceShadow, LaserChange, LaserShadow};
-pub use crd::{CAPACITY, CrdChange, CrdShadow, Frame, Look, PathData, PathShadow, position_of};
+pub use crd::{CrdChange, CrdShadow, Frame, Look, PathData, PathShadow};
+pub use crd_space::CAPACITY;
 pub use follow::Fifo;
 use protocol::command::{JogPrm, TrapPrm};
 use servo::Fifos;
@@ -22,6 +24,7 @@ use servo::op::{Mode, Op};
 use servo::segment::pvt::TABLES;
 use servo::units::{Axis, AxisMask, Crd, CrdMask, Ns, Pos};
 use servo::view::View;
+pub use watch::Watch;
 
 /// Set in the numbers of the program lane, so that a number tells its lane.
 pub const PROGRAM_FLAG: u32 = 1 << 31;

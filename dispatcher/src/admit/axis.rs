@@ -1,6 +1,7 @@
 //! Axis commands: servo, stop, positions, limits, guarded inputs.
-use super::context::{Answer, Context};
-use super::refuse::{Admitted, Refused, choice, real, within};
+use super::context::Context;
+use crate::refuse::{Admitted, Refused, choice, real, within};
+use crate::report::answer::Answer;
 use crate::shadow::{Change, SOFT_OFF};
 use protocol::command::{
     AlarmOff, AlarmOn, AxisOff, AxisOn, LmtSns, LmtsOff, LmtsOn, SetAxisBand, SetCaptureMode, SetEncPos, SetPosErr,

@@ -3,148 +3,18 @@
 //! In: the newest view, the books of what was admitted, the counts of the profile. Out: checked axes,
 //! spans and masks, staged operations. An admission changes nothing itself: it stages, and its caller
 //! pushes when the whole command is known to be right.
-use super::refuse::{Admitted, Refused, choice};
-use crate::product::{PROFILES, Profile};
+use super::staged::Staged;
+use crate::board::Board;
+use crate::configuration::{Configuration, ones};
+use crate::refuse::{Admitted, Refused, choice};
+use crate::report::replies::mode_number;
 use crate::report::trace::Columns;
-use crate::session::lane::Staged;
-use crate::session::server::Board;
 use crate::shadow::{AxisShadow, Change, CrdShadow, Frame, Shadows, executed};
 use protocol::reason::Reason;
-use servo::op::{Brake, Op, Supervision};
+use servo::op::Op;
 use servo::status::{RUNNING, SERVO_ON};
-use servo::units::{Axis, AxisMask, Crd, CrdMask};
+use servo::units::{Axis, AxisMask, Crd, CrdMask, Pos};
 use servo::view::{AxisView, CrdView, View};
-
-/// What the client chose on opening.
-#[derive(Debug, Clone, Copy)]
-pub struct Configuration {
-    /// Number of the profile.
-    pub number: u8,
-    /// Its counts.
-    pub profile: Profile,
-    /// 0 GUS, 1 LSR.
-    pub family: u8,
-}
-
-impl Configuration {
-    /// The profile with this number, or the first.
-    pub fn new(number: u8, family: u8) -> Self {
-        let (number, profile) = match PROFILES.get(usize::from(number)) {
-            Some(profile) => (number, *profile),
-            None => (0, PROFILES[0]),
-        };
-        Configuration { number, profile, family }
-    }
-    pub fn per_core(&self) -> usize {
-        usize::from(self.profile.axes_per_core)
-    }
-    /// A coordinate system's number in its core, as the user knows it.
-    pub fn crd_number(&self, crd: Crd) -> i16 {
-        (crd.index() % usize::from(self.profile.crds_per_core).max(1)) as i16 + 1
-    }
-    /// The axis's number in its core, as the user knows it.
-    pub fn number_of(&self, axis: Axis) -> i16 {
-        (axis.index() % self.per_core().max(1)) as i16 + 1
-    }
-    /// The axis's core, as the user knows it.
-    pub fn core_of(&self, axis: Axis) -> i16 {
-        (axis.index() / self.per_core().max(1)) as i16 + 1
-    }
-    /// All axes of the profile.
-    pub fn all(&self) -> AxisMask {
-        AxisMask(ones(self.profile.axes()))
-    }
-
-    /// All coordinate systems of the profile.
-    pub fn all_crds(&self) -> CrdMask {
-        let count = usize::from(self.profile.cores) * usize::from(self.profile.crds_per_core);
-        CrdMask(ones(count.min(Crd::MAX)) as u8)
-    }
-}
-
-/// What binds safety to a user: it lasts for the session and falls back on Reset (SPEC 9).
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Watch {
-    /// Link-loss time, ms; 0: the link is not supervised.
-    pub link_loss_ms: u32,
-    /// Where the link is lost PT, PVT and Follow stop, too.
-    pub stop_all: bool,
-    /// What motion does where the interlock opens: 0 goes on, 1 as where the link is lost, 2 stops abruptly.
-    pub interlock: u8,
-}
-
-impl Watch {
-    /// At power-on, after a Reset, and for a new session.
-    pub const DEFAULT: Watch = Watch { link_loss_ms: 500, stop_all: false, interlock: 1 };
-
-    /// The same for the tick.
-    pub fn supervision(self) -> Supervision {
-        let link = if self.stop_all { Brake::All } else { Brake::JogAndPaths };
-        let interlock = match self.interlock {
-            0 => Brake::None,
-            1 => link,
-            _ => Brake::AbruptAll,
-        };
-        Supervision { link, interlock }
-    }
-}
-
-/// The lowest `count` bits.
-pub const fn ones(count: usize) -> u64 {
-    if count >= 64 { u64::MAX } else { (1 << count) - 1 }
-}
-
-/// What is to be answered when an admitted command has been executed.
-#[derive(Debug, Clone, Copy)]
-pub enum Answer {
-    /// A reply without fields.
-    Done,
-    /// A read, to be built from the view and the books of then.
-    Read(Query),
-    /// What a read gave at admission: places free in a FIFO that nothing changes meanwhile.
-    Space(i16),
-    /// PtTaken for so many segments of this axis and FIFO.
-    Taken { axis: Axis, fifo: u8, count: u16 },
-    /// CrdTaken for so many entries of this FIFO of a coordinate system.
-    Path { crd: Crd, fifo: u8, count: u16, lasts_ms: u32 },
-    /// A number that only the books have.
-    Long(i32),
-    /// A refusal: the tick did not take the data of this axis, whose status is that.
-    Lost { axis: Axis, status: u32 },
-    /// Places free in a FIFO of Follow, and for FollowDataPercent2Ex the share of the first half, percent.
-    Entered { axis: Axis, fifo: u8, percent1: i16 },
-    /// A number that was computed at admission.
-    Number(f64),
-    /// So many values of those that the program lane keeps: a Calculate command.
-    Values(u8),
-    /// What a laser command took: so many numbers of those that its lane keeps, and which of them were held.
-    Took { count: u8, held: u8 },
-    /// ProgramReply, with the state of when it is sent.
-    Program,
-}
-
-impl Answer {
-    /// Numbers that wait in the lane for this answer.
-    pub fn waiting(&self) -> u8 {
-        match *self {
-            Answer::Values(count) | Answer::Took { count, .. } => count,
-            _ => 0,
-        }
-    }
-}
-
-/// A checked read.
-#[derive(Debug, Clone, Copy)]
-pub struct Query {
-    /// Which command.
-    pub opcode: u16,
-    /// Index of the first axis over all cores, or of the channel.
-    pub first: u8,
-    /// How many.
-    pub count: u8,
-    /// FIFO or type, where the command has one.
-    pub which: u8,
-}
 
 /// What is known of the instant at which a command acts.
 #[derive(Debug, Clone, Copy)]
@@ -195,6 +65,9 @@ pub struct Context<'x, const AXES: usize> {
     /// What else happens when the command is taken.
     pub effect: Effect,
 }
+
+/// Positions of PT and of slaves lie within ± this many pulses.
+pub const TRAVEL_PULSES: f64 = (Pos::TRAVEL.0 >> Pos::FRAC_BITS) as f64;
 
 /// Most numbers that a laser command takes.
 pub const TAKEN_MAX: usize = 4;
@@ -408,19 +281,5 @@ impl<'x, const AXES: usize> Context<'x, AXES> {
             return Err(self.no(Reason::AxisFault, axis).got(sampled.status.into()));
         }
         Ok(())
-    }
-}
-
-/// A mode as `GetPrfMode` tells it.
-pub fn mode_number(mode: servo::op::Mode) -> i16 {
-    use servo::op::Mode;
-    match mode {
-        Mode::Trap => 0,
-        Mode::Jog => 1,
-        Mode::PtStatic | Mode::PtDynamic => 2,
-        Mode::Pvt => 6,
-        Mode::Follow => 4,
-        Mode::FollowEx => 10,
-        Mode::Crd => 5,
     }
 }

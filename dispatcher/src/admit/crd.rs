@@ -1,10 +1,12 @@
 //! Coordinate systems: their parameters, start and stop, what is read of them. Data of paths is in `crd_data`.
-use super::context::{Answer, Context, Query};
+use super::context::Context;
 use super::one;
-use super::refuse::{Admitted, Refused, choice, real, within};
-use crate::plan::geometry::Position;
+use crate::plan::geometry::{Position, position_of};
+use crate::plan::look_ahead::ALONG_MIN;
 use crate::plan::path_queue::PathQueue;
-use crate::shadow::{Change, CrdChange, Frame, Look, executed, position_of};
+use crate::refuse::{Admitted, Refused, choice, real, within};
+use crate::report::answer::{Answer, Query};
+use crate::shadow::{Change, CrdChange, Frame, Look, executed};
 use protocol::command::{
     CrdClear, CrdInfo, CrdSpace, CrdStart, CrdStatus, CrdStop, GetCrdLimit, GetCrdPos, GetCrdPrm, GetCrdVel,
     GetLaserFollowFilter, GetRemainderSegNum, InitLookAhead, SetCrdLimit, SetCrdPrm, SetCrdStopDec,
@@ -23,23 +25,24 @@ const LAG_MS: (f64, f64) = (0.01, 1000.0);
 const NS_64: f64 = 18_446_744_073_709_551_616.0;
 
 /// Speeds, accelerations and times of a coordinate system are below this.
-pub const MOST: f64 = 32767.0;
-/// The lowest override and acceleration.
-const LEAST: f64 = 1.0 / 1048576.0;
+pub const VALUE_MAX: f64 = 32767.0;
+/// The lowest override.
+const OVERRIDE_MIN: f64 = 1.0 / 1048576.0;
 
 /// A number above 0 and below 32767.
 fn between(field: u8, got: f64) -> Admitted<f64> {
     if !got.is_finite() {
         return Err(Refused::new(Reason::NotFinite).field(field).got(got));
     }
-    if got > 0.0 && got < MOST {
+    if got > 0.0 && got < VALUE_MAX {
         return Ok(got);
     }
-    Err(Refused::new(Reason::Between).field(field).got(got).limits(0.0, MOST))
+    Err(Refused::new(Reason::Between).field(field).got(got).limits(0.0, VALUE_MAX))
 }
 
 fn accel(field: u8, got: f64) -> Admitted<Accel> {
-    Accel::admit(got.to_bits()).map_err(|_| Refused::new(Reason::OutOfRange).field(field).got(got).limits(LEAST, MOST))
+    Accel::admit(got.to_bits())
+        .map_err(|_| Refused::new(Reason::OutOfRange).field(field).got(got).limits(ALONG_MIN, VALUE_MAX))
 }
 
 /// Fields of SetCrdPrm behind core and crd.
@@ -76,8 +79,8 @@ fn frame<const AXES: usize>(context: &Context<AXES>, r: &SetCrdPrm) -> Admitted<
     }
     let vel_max = between(field::VEL_MAX, r.syn_vel_max.get())?;
     let acc_max = between(field::ACC_MAX, r.syn_acc_max.get())?;
-    real(field::VEL_MAX, vel_max, LEAST, MOST)?;
-    real(field::ACC_MAX, acc_max, LEAST, MOST)?;
+    real(field::VEL_MAX, vel_max, ALONG_MIN, VALUE_MAX)?;
+    real(field::ACC_MAX, acc_max, ALONG_MIN, VALUE_MAX)?;
     let even_ms = within(field::EVEN_TIME, r.even_time_ms.get(), 0, i16::MAX - 1)?.unsigned_abs();
     let set_origin = choice(field::SET_ORIGIN, r.set_origin_flag.get(), 0, 1)? == 1;
     let first = context.core(r.core.get())? * axes;
@@ -249,9 +252,9 @@ pub fn stop_dec<const AXES: usize>(context: &mut Context<AXES>, r: &SetCrdStopDe
 
 pub fn set_override<const AXES: usize>(context: &mut Context<AXES>, r: &SetOverride) -> Admitted<Answer> {
     let crd = known(context, r.core.get(), r.crd.get())?;
-    let ratio = real(2, r.ratio.get(), LEAST, 1.0)?;
+    let ratio = real(2, r.ratio.get(), OVERRIDE_MIN, 1.0)?;
     let rate = Rate::admit(ratio.to_bits())
-        .map_err(|_| Refused::new(Reason::OutOfRange).field(2).got(ratio).limits(LEAST, 1.0))?;
+        .map_err(|_| Refused::new(Reason::OutOfRange).field(2).got(ratio).limits(OVERRIDE_MIN, 1.0))?;
     context.stage_with(Op::CrdRate { crd, rate }, Change::Crd { crd, change: CrdChange::Rate(ratio) });
     Ok(Answer::Done)
 }
@@ -277,7 +280,7 @@ pub fn look_ahead<const AXES: usize>(context: &mut Context<AXES>, r: &InitLookAh
     let look = if count == 0 {
         None
     } else {
-        let corner = real(3, r.time_ms.get(), 0.0, MOST)?;
+        let corner = real(3, r.time_ms.get(), 0.0, VALUE_MAX)?;
         Some(Look { corner, acc: between(4, r.acc_max.get())?, count })
     };
     if context.crd_book(crd).path(fifo).data.open {

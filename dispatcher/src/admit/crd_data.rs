@@ -7,14 +7,16 @@
 //! buffered laser change) makes a `DataCommand` of its own, with [`Item::Entry`].
 mod given;
 
-use super::context::{Answer, Configuration, Context};
+use super::context::Context;
 use super::data::{End, FifoOf, Written};
-use super::refuse::{Admitted, Refused, choice, real};
 use super::{buffered, many};
+use crate::configuration::Configuration;
 use crate::plan::geometry;
-use crate::plan::geometry::{Geometry, OFF_CENTRE, Position};
-use crate::plan::look_ahead::Limits;
+use crate::plan::geometry::{Geometry, OFF_CENTRE, Position, RADIUS_MAX, RADIUS_MIN};
+use crate::plan::look_ahead::{ALONG_MIN, Limits};
 use crate::plan::path_queue::PathQueue;
+use crate::refuse::{Admitted, Refused, choice, real};
+use crate::report::answer::Answer;
 use crate::shadow::{CAPACITY, CrdShadow, Frame, PathData, PathShadow};
 use given::{DataCommand, Item, Shape, Speeds, Target, given};
 use protocol::command::{LnXYMany, LnXYZMany, opcode};
@@ -22,12 +24,6 @@ use protocol::reason::Reason;
 use servo::path::{Along, DIMENSIONS, Entry, EntryStore, PathStores, Plane};
 use servo::units::{Axis, Crd};
 
-/// The lowest speed and acceleration of a motion.
-const LEAST: f64 = 1.0 / 1048576.0;
-/// The lowest distance of a centre, pulses.
-const CENTRE: f64 = 1.0 / 512.0;
-/// Radii are below this, pulses.
-const RADIUS: f64 = 2_147_483_648.0;
 /// Axes that go along with one motion.
 const GEARS: u32 = 4;
 
@@ -139,13 +135,13 @@ impl Filling<'_> {
     fn speeds(&self, given: &Speeds) -> Admitted<Held> {
         let Speeds { vel, acc, end, field, .. } = *given;
         let (vel_max, acc_max) = (self.frame.vel_max, self.frame.acc_max);
-        real(field, vel, LEAST, f64::MAX)?;
-        real(field + 1, acc, LEAST, f64::MAX)?;
+        real(field, vel, ALONG_MIN, f64::MAX)?;
+        real(field + 1, acc, ALONG_MIN, f64::MAX)?;
         real(field + 2, end, 0.0, f64::MAX)?;
         let (vel, acc) = (vel.min(vel_max), acc.min(acc_max));
         let end = end.min(vel);
         let along = Along::admit(vel.to_bits(), acc.to_bits(), end.to_bits())
-            .map_err(|_| Refused::new(Reason::OutOfRange).field(field).got(vel).limits(LEAST, vel_max))?;
+            .map_err(|_| Refused::new(Reason::OutOfRange).field(field).got(vel).limits(ALONG_MIN, vel_max))?;
         Ok(Held { vel, acc, end, along })
     }
 
@@ -307,16 +303,16 @@ fn explain(refused: geometry::Refused, shape: &Shape, field: u8) -> Refused {
         }
         geometry::Refused::NoLength => Refused::new(Reason::NoLength).field(field),
         geometry::Refused::RadiusTooSmall { least } => {
-            Refused::new(Reason::RadiusTooSmall).field(field + 2).got(radius).limits(least, RADIUS)
+            Refused::new(Reason::RadiusTooSmall).field(field + 2).got(radius).limits(least, RADIUS_MAX)
         }
         geometry::Refused::CentreOff { by } => {
             Refused::new(Reason::CentreOff).field(field + 2).got(by).limits(0.0, OFF_CENTRE)
         }
         geometry::Refused::CentreOnStart => {
-            Refused::new(Reason::CentreOnStart).field(field + 2).got(radius).limits(CENTRE, RADIUS)
+            Refused::new(Reason::CentreOnStart).field(field + 2).got(radius).limits(RADIUS_MIN, RADIUS_MAX)
         }
         geometry::Refused::RadiusTooLarge => {
-            Refused::new(Reason::RadiusTooLarge).field(field + 2).got(radius).limits(0.0, RADIUS)
+            Refused::new(Reason::RadiusTooLarge).field(field + 2).got(radius).limits(0.0, RADIUS_MAX)
         }
     }
 }

@@ -3,10 +3,11 @@
 //!
 //! In: a data command. Out: what was [`Written`]; then, once it is entered into the *ahead* books, the commit that
 //! shows all that a FIFO has. Fails: with a refusal, and then nothing has changed.
-use super::context::{Answer, Context, TAKEN_MAX};
-use super::refuse::Admitted;
+use super::context::{Context, TAKEN_MAX};
 use super::{crd_data, follow_data, one, pt};
 use crate::plan::path_queue::PathQueue;
+use crate::refuse::Admitted;
+use crate::report::answer::Answer;
 use crate::shadow::{Change, CrdChange, Fifo, FifoShadow, PathData, Shadows};
 use protocol::command::{FollowSwitchNowEx, opcode};
 use servo::op::Op;

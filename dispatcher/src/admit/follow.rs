@@ -4,10 +4,11 @@
 //! What a switch does to the FIFOs is decided by the tick. Where a command depends on it, it is refused until the
 //! view shows the state in which it acts ([`Context::decided`]); in a program that means it waits for its instant.
 use super::axis::all_startable;
-use super::context::{Answer, Context};
-use super::refuse::{Admitted, Refused, choice, within};
+use super::context::Context;
 use super::{one, query};
 use crate::plan::asymmetric_s;
+use crate::refuse::{Admitted, Refused, choice, within};
+use crate::report::answer::Answer;
 use crate::shadow::Change;
 use protocol::command::{
     FollowClear, FollowSpace, FollowStart, FollowSwitch, FollowSwitchNowEx, GetFollowDataPercent2Ex, GetFollowMaster,

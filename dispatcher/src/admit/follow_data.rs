@@ -2,12 +2,13 @@
 //!
 //! In: a data command. Out: entries in the store, and what the books are to say of the FIFO. Fails: with the
 //! parameter and the limit; what was written by then lies behind the end of the FIFO, where nobody looks.
-use super::context::{Answer, Context};
+use super::context::{Context, TRAVEL_PULSES};
 use super::data::{End, FifoOf, Written};
 use super::follow::{following, known, method, mode_of};
-use super::refuse::{Admitted, Refused, choice, real, within};
 use super::{io, one};
 use crate::plan::asymmetric_s;
+use crate::refuse::{Admitted, Refused, choice, real, within};
+use crate::report::answer::Answer;
 use crate::shadow::Fifo;
 use protocol::command::{
     FollowData, FollowDataPercent2Ex, FollowDataPercentEx, FollowDelayEx, FollowDiBitEx, FollowDoBitEx,
@@ -21,8 +22,6 @@ use servo::units::Axis;
 
 /// Furthest master position, pulses.
 const MASTER_MAX: f64 = 2_147_483_648.0;
-/// Furthest slave position, pulses.
-const TRAVEL: f64 = 1_099_511_627_776.0;
 /// What a part of a segment is long at least, pulses of the master.
 const SHORTEST: f64 = 1.0 / 65536.0;
 /// The largest ratio.
@@ -103,7 +102,7 @@ impl Filling<'_> {
                 Refused::new(Reason::OutOfRange).field(2).got(master).limits(-MASTER_MAX, MASTER_MAX)
             }
             follow::Refused::SlaveBeyondTravel => {
-                Refused::new(Reason::BeyondTravel).field(3).got(slave).limits(-TRAVEL, TRAVEL)
+                Refused::new(Reason::BeyondTravel).field(3).got(slave).limits(-TRAVEL_PULSES, TRAVEL_PULSES)
             }
             follow::Refused::NotAdvancing if master * before.master < 0.0 => {
                 Refused::new(Reason::MixedSigns).field(2).got(master).limits(before.master, before.master)
@@ -120,7 +119,7 @@ impl Filling<'_> {
                 Refused::new(Reason::RatioTooLarge).field(3).got(ratio).limits(-RATIO_MAX, RATIO_MAX)
             }
             follow::Refused::TooFar => {
-                let most = TRAVEL / (master - before.master).abs();
+                let most = TRAVEL_PULSES / (master - before.master).abs();
                 Refused::new(Reason::RatioTooLarge).field(3).got(ratio).limits(-most, most)
             }
             follow::Refused::StopsFull => {

@@ -1,7 +1,10 @@
 //! Digital and analog inputs and outputs.
-use super::context::{Answer, Context, Query, ones};
+use super::context::Context;
 use super::many;
-use super::refuse::{Admitted, Refused, choice};
+use crate::configuration::ones;
+use crate::io_types::{WORD, WORDS, kind};
+use crate::refuse::{Admitted, Refused, choice};
+use crate::report::answer::{Answer, Query};
 use crate::shadow::Change;
 use protocol::command::{GetAdc, GetDac, GetDi, GetDiEx, GetDo, GetDoEx, SetDac, SetDo, SetDoBit, SetDoEx, opcode};
 use protocol::reason::Reason;
@@ -9,24 +12,6 @@ use servo::laser::Mode;
 use servo::op::{DoGroup, Op};
 use servo::segment::follow::Input;
 use servo::units::{AxisMask, CrdMask};
-
-/// I/O types of the manuals (SPEC 3).
-pub mod kind {
-    pub const LIMIT_POSITIVE: i16 = 0;
-    pub const LIMIT_NEGATIVE: i16 = 1;
-    pub const ALARM: i16 = 2;
-    pub const HOME: i16 = 3;
-    pub const GPI: i16 = 4;
-    pub const ARRIVE: i16 = 5;
-    pub const ENABLE: i16 = 10;
-    pub const CLEAR: i16 = 11;
-    pub const GPO: i16 = 12;
-}
-
-/// Bits of a word of levels.
-pub const WORD: usize = 32;
-/// Words of a read or a call of levels: no type of any product has more.
-pub const WORDS: usize = 4;
 
 /// A read of this type, that of field 1: `first` is the core's index, `count` the words of 32 levels. One that asks for more
 /// words than there are gets those that there are.

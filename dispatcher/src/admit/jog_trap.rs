@@ -1,8 +1,9 @@
 //! Jog and Trap: modes, parameters, targets, Update.
 use super::axis::{ACCEL_MAX, accel, all_startable};
-use super::context::{Answer, Context};
+use super::context::Context;
 use super::query;
-use super::refuse::{Admitted, Refused, real, within};
+use crate::refuse::{Admitted, Refused, real, within};
+use crate::report::answer::Answer;
 use crate::shadow::Change;
 use protocol::command::{
     GetJogPrm, GetTrapPrm, JogPrm, PrfJog, PrfTrap, SetJogPrm, SetPos, SetTrapPrm, SetVel, TrapPrm, Update, opcode,

@@ -1,9 +1,10 @@
 //! PT commands (GXN chapter 2), and the road of PT data from bytes to the axis's store.
 use super::axis::all_startable;
-use super::context::{Answer, Context, Query};
+use super::context::{Context, TRAVEL_PULSES};
 use super::data::{End, FifoOf, Written};
-use super::refuse::{Admitted, Refused, choice};
 use super::{many, one, query};
+use crate::refuse::{Admitted, Refused, choice};
+use crate::report::answer::{Answer, Query};
 use crate::shadow::{AxisShadow, BEGINS_SHIFT, Change, FifoShadow, executed};
 use protocol::command::{
     GetPtLoop, GetPtMemory, PrfPt, PtClear, PtData, PtDataMany, PtItem, PtSpace, PtStart, SetPtLoop, SetPtMemory, Wire,
@@ -11,17 +12,15 @@ use protocol::command::{
 };
 use protocol::reason::{Reason, Refusal};
 use servo::op::{Mode, Op};
-use servo::segment::pt::{self, Segment, SegmentStore};
+use servo::segment::pt::{self, SEGMENTS, Segment, SegmentStore};
 use servo::units::{Axis, AxisMask, StepLimit};
 
 /// First slot of static FIFO 1; the dynamic ring uses all slots.
-const FIFO_SLOTS: u32 = 1024;
+const FIFO_SLOTS: u32 = SEGMENTS as u32 / 2;
 /// `GetPtState` of a stream that runs.
 const PT_RUNNING: u8 = 1;
 /// Ticks after which the tick has looked again how long its data lasts, and one.
 const LOOKS: u64 = 9;
-/// ±2⁴⁰ pulses.
-const TRAVEL: f64 = 1_099_511_627_776.0;
 
 /// Static 0, dynamic 1. Another FIFO use clears the data, the same one keeps it.
 pub fn mode<const AXES: usize>(context: &mut Context<AXES>, r: &PrfPt) -> Admitted<Answer> {
@@ -238,7 +237,9 @@ fn explain(refused: pt::Refused, item: &PtItem, limit: StepLimit) -> Refused {
     let (pos, time_ms) = (item.pos.get(), item.time_ms.get());
     match refused {
         pt::Refused::NotFinite => Refused::new(Reason::NotFinite).field(0).got(pos),
-        pt::Refused::BeyondTravel => Refused::new(Reason::BeyondTravel).field(0).got(pos).limits(-TRAVEL, TRAVEL),
+        pt::Refused::BeyondTravel => {
+            Refused::new(Reason::BeyondTravel).field(0).got(pos).limits(-TRAVEL_PULSES, TRAVEL_PULSES)
+        }
         pt::Refused::NotIncreasing { before } => {
             Refused::new(Reason::NotIncreasing).field(1).got(time_ms.into()).limits(before.into(), i32::MAX.into())
         }

@@ -1,9 +1,11 @@
 //! PVT commands (GXN chapter 4), apart from the road of the tables' points (see [`super::pvt_table`]).
 use super::axis::all_startable;
-use super::context::{Answer, Context, Query, ones};
+use super::context::Context;
 use super::query;
-use super::refuse::{Admitted, Refused, choice, within};
-use crate::plan::pvt::TABLES;
+use crate::configuration::ones;
+use crate::plan::pvt::{TABLES, table_number};
+use crate::refuse::{Admitted, Refused, choice, within};
+use crate::report::answer::{Answer, Query};
 use crate::shadow::Change;
 use protocol::command::{GetPvtLoop, PrfPvt, PvtStart, PvtStatus, PvtTableSelect, SetPvtLoop, opcode};
 use protocol::reason::Reason;
@@ -15,11 +17,6 @@ pub fn table<const AXES: usize>(context: &Context<AXES>, core: i16, field: u8, n
     let core = context.core(core)?;
     let number = choice(field, number, 1, TABLES as i16)?;
     Ok((core * TABLES) as u8 + number as u8 - 1)
-}
-
-/// The number that the user knows.
-pub fn number_of(table: u8) -> i16 {
-    i16::from(table % TABLES as u8) + 1
 }
 
 /// The axis keeps the table that was selected for it; at first that is table 1 of its core.
@@ -67,7 +64,7 @@ fn not_empty<const AXES: usize>(context: &Context<AXES>, axis: Axis, table: u8) 
     if context.shadows.is_filled(table) {
         Ok(())
     } else {
-        Err(context.no(Reason::TableEmpty, axis).got(number_of(table).into()))
+        Err(context.no(Reason::TableEmpty, axis).got(table_number(table).into()))
     }
 }
 
@@ -101,7 +98,7 @@ pub fn start<const AXES: usize>(context: &mut Context<AXES>, r: &PvtStart) -> Ad
 /// executed.
 pub fn not_in_use<const AXES: usize>(context: &Context<AXES>, table: u8) -> Admitted<()> {
     let refuse = |axis: Option<Axis>| {
-        let refused = Refused::new(Reason::TableInUse).field(1).got(number_of(table).into());
+        let refused = Refused::new(Reason::TableInUse).field(1).got(table_number(table).into());
         Err(axis.map_or(refused, |axis| refused.axis(context.configuration.number_of(axis))))
     };
     for (index, sampled) in context.view.axes.iter().enumerate() {

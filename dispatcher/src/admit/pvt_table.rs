@@ -8,20 +8,17 @@
 //! again, because it was refused before its time, is refused the same way.
 use super::context::Context;
 use super::pvt::{not_in_use, table};
-use super::refuse::{Admitted, Refused};
 use crate::plan::pvt::{Draft, Fields, Kind, Scratch, SplineScratch, VALUES};
+use crate::refuse::{Admitted, Refused};
+use crate::report::answer::POINTS_MAX;
 use crate::shadow::Shadows;
 use protocol::command::{
-    PvtContinuousCalculate, PvtContinuousPoint, PvtPercentCalculate, PvtPercentPoint, PvtTable, PvtTableComplete,
-    PvtTableContinuous, PvtTableEx, PvtTablePercent, Wire, opcode,
+    PvtContinuousCalculate, PvtPercentCalculate, PvtTable, PvtTableComplete, PvtTableContinuous, PvtTableEx,
+    PvtTablePercent, Wire, opcode,
 };
 use protocol::reason::Reason;
 use servo::segment::pvt::{HEADER_WORDS, PointStore, TABLES, TableStores, Tables};
 use servo::units::StepLimit;
-
-/// Most points of a chunk that are answered: what a message holds of them. A chunk of a table may be as long as its message.
-pub const CHUNK: usize = protocol::record::BODY_MAX / size_of::<PvtPercentPoint>();
-const _: () = assert!(size_of::<PvtPercentPoint>() <= size_of::<PvtContinuousPoint>());
 
 /// What a command's number says of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -257,7 +254,7 @@ impl Loading {
     ) -> Admitted<bool> {
         let chunk = Chunk::read(number, body)?;
         context.core(chunk.key.core)?;
-        let mut values = [0.0; CHUNK];
+        let mut values = [0.0; POINTS_MAX];
         let mut count = 0;
         // No room is used: these leave no table.
         let (Some(state), Some(room)) = (self.calculate.get_mut(lane), points.first()) else { return Ok(false) };

@@ -1,12 +1,15 @@
 //! Session commands: reset, status, tick period, profile, trace, configuration.
 use super::axis::{limit_levels, stage_band, stage_dec, stage_pos_err, stage_soft};
-use super::context::{Answer, Configuration, Context, Effect, Watch, ones};
-use super::refuse::{Admitted, Refused, choice, within};
+use super::context::{Context, Effect};
 use super::{many, plain};
+use crate::configuration::{Configuration, ones};
 use crate::plan::pvt::TABLES;
 use crate::product::{FAMILIES, PROFILES};
+use crate::refuse::{Admitted, Refused, choice, within};
+use crate::report::answer::Answer;
 use crate::report::trace::Columns;
 use crate::shadow::Change;
+use crate::shadow::Watch;
 use protocol::command::{
     Abort, Choose, ClrSts, ConfigItem, LoadConfig, Reset, SetInterlock, SetLinkLoss, SetTick, Trace, Wire, opcode,
 };

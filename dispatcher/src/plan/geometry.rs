@@ -6,15 +6,28 @@
 //! An arc is kept by both ends and its sweep. A centre that is not equally far from both ends, because these are
 //! whole pulses, is moved along the chord until it is; nowhere does that move the path by more than [`OFF_CENTRE`].
 use libm::{atan2, fabs, fma, hypot, sqrt};
-use servo::path::{Along, Entry, Plane, Sweep};
+use servo::path::{Along, DIMENSIONS, Entry, Plane, Sweep};
+use servo::units::Pos;
 
 /// How far a path may lie off the arc that the user's centre or radius mean, pulses.
 pub const OFF_CENTRE: f64 = 2.0;
 /// Radii and coordinates are smaller.
-const FAR: f64 = 2147483648.0;
+pub const RADIUS_MAX: f64 = 2_147_483_648.0;
+/// The lowest distance of a centre from the start, pulses.
+pub const RADIUS_MIN: f64 = 1.0 / 512.0;
 
 /// A place, pulses: X, Y, Z, A.
 pub type Position = [f64; 4];
+
+/// Pulses.
+pub fn pulses(pos: Pos) -> f64 {
+    pos.0 as f64 / (1u64 << Pos::FRAC_BITS) as f64
+}
+
+/// Coordinates in pulses.
+pub fn position_of(position: &[Pos; DIMENSIONS]) -> Position {
+    position.map(pulses)
+}
 
 /// What does not fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -105,10 +118,10 @@ impl Geometry {
             return Err(Refused::NotFinite);
         }
         let radius = hypot(x, y);
-        if radius >= FAR {
+        if radius >= RADIUS_MAX {
             return Err(Refused::RadiusTooLarge);
         }
-        if radius < 1.0 / 512.0 {
+        if radius < RADIUS_MIN {
             return Err(Refused::CentreOnStart);
         }
         let chord = chord(from, plane, to);
@@ -154,7 +167,7 @@ impl Geometry {
         if !radius.is_finite() {
             return Err(Refused::NotFinite);
         }
-        if fabs(radius) >= FAR {
+        if fabs(radius) >= RADIUS_MAX {
             return Err(Refused::RadiusTooLarge);
         }
         let chord = chord(from, plane, to);
@@ -189,7 +202,7 @@ impl Geometry {
         let c = hypot(a, b);
         let radius = hypot(c / 2.0, h);
         let turns = (atan2(c / 2.0, h) / core::f64::consts::PI).min(0.5);
-        if radius >= FAR {
+        if radius >= RADIUS_MAX {
             return Err(Refused::RadiusTooLarge);
         }
         let Ok(sweep) = Sweep::admit(turns.to_bits(), long, ccw) else { return Err(Refused::RadiusTooLarge) };

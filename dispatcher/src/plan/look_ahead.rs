@@ -17,9 +17,11 @@
 //! these speeds, so what has been handed over is always safe, and final where more data could not raise it. Work: once
 //! for all that was pushed since the last take, back over as many motions as it takes to brake; so push what is there,
 //! then take.
+mod junction;
 mod reachable;
 
 use super::geometry::{Form, Geometry, Position};
+use junction::{Junction, REST, Tail};
 use libm::{fabs, sqrt};
 use reachable::{BOUNDS, Bound, Corner, Span};
 use servo::path::{Along, Entry};
@@ -65,8 +67,8 @@ impl Limits {
 
 /// Entries with effects that may stand between two motions which are passed at speed; more make the path wait.
 const EFFECTS: u32 = 32;
-/// Lowest speed and acceleration that an entry takes.
-const LEAST: f64 = 1.0 / 1048576.0;
+/// Lowest speed (pulse/ms) and acceleration (pulse/ms²) of a motion.
+pub const ALONG_MIN: f64 = 1.0 / 1048576.0;
 
 /// A motion that waits. Shares of limits are kept in half the bits: their rounding is far below the margin of a plan.
 #[derive(Debug, Clone, Copy)]
@@ -85,26 +87,6 @@ struct Motion {
     /// The highest square of the speed there from which all that follows can be kept; whether more data cannot raise it.
     high: f64,
     settled: bool,
-}
-
-/// Where two motions meet.
-#[derive(Debug, Clone, Copy)]
-struct Junction {
-    /// Δᵢ over the mean length.
-    bend: [f32; 4],
-    /// The highest square of the speed, as the speeds of both motions and the corner time have it.
-    cap: f64,
-}
-
-/// The path stands.
-const REST: Junction = Junction { bend: [0.0; 4], cap: 0.0 };
-
-/// The last motion, for the corner to come.
-#[derive(Debug, Clone, Copy)]
-struct Tail {
-    tangent: Position,
-    length: f64,
-    vel: f64,
 }
 
 /// Its layout is fixed, so that memory of zeros holds empty ones.
@@ -197,7 +179,7 @@ impl<const N: usize> LookAhead<N> {
         // What was handed over to the last has ended at rest.
         let stops = !self.moves || self.effects > EFFECTS || self.is_empty() && self.begin == 0.0;
         if let Some(before) = self.last.as_ref().filter(|_| !stops) {
-            motion.start = self.junction(before, &motion, &geometry.tangents[0]);
+            motion.start = self.limits.junction(before, &motion, &geometry.tangents[0]);
         }
         self.last = Some(Tail { tangent: geometry.tangents[1], length: motion.length, vel: motion.vel });
         (self.moves, self.effects) = (true, 0);
@@ -254,29 +236,12 @@ impl<const N: usize> LookAhead<N> {
             length: geometry.length,
             direction: direction.map(|x| x as f32),
             round,
-            vel: vel.max(LEAST),
-            acc: acc.max(LEAST),
+            vel: vel.max(ALONG_MIN),
+            acc: acc.max(ALONG_MIN),
             start: REST,
             high: f64::NAN,
             settled: false,
         }
-    }
-
-    /// The junction between two motions.
-    fn junction(&self, before: &Tail, motion: &Motion, tangent: &Position) -> Junction {
-        let mean = (before.length + motion.length) / 2.0;
-        let slower = before.vel.min(motion.vel);
-        let mut junction = Junction { cap: slower * slower, ..REST };
-        let sides = tangent.iter().zip(&before.tangent).zip(&self.limits.acc);
-        for (bend, ((to, from), acc)) in junction.bend.iter_mut().zip(sides) {
-            let turn = to - from;
-            *bend = (turn / mean) as f32;
-            if turn != 0.0 {
-                let jump = acc * self.limits.corner / turn;
-                junction.cap = junction.cap.min(jump * jump);
-            }
-        }
-        junction
     }
 
     /// What a motion may do between the junctions at its start and end.
@@ -369,7 +334,7 @@ impl<const N: usize> LookAhead<N> {
             return None;
         }
         let (vel, acc, ms) = span.choose(bounds.bounds(), [self.begin, end], motion.vel, motion.acc);
-        let bits = [vel.max(LEAST), acc.max(LEAST), sqrt(end)].map(f64::to_bits);
+        let bits = [vel.max(ALONG_MIN), acc.max(ALONG_MIN), sqrt(end)].map(f64::to_bits);
         let entry = Along::admit(bits[0], bits[1], bits[2]).ok().and_then(|along| motion.form.entry(along))?;
         (self.first, self.begin) = (self.first.wrapping_add(1), end);
         Some(Planned { entry, ms })

@@ -234,7 +234,7 @@ impl Default for PathQueue {
 
 /// The least time that a motion in force still takes: straight to its end, at its full speed.
 fn left(entry: Entry, sampled: &CrdView) -> f64 {
-    let place = crate::shadow::position_of(&sampled.position);
+    let place = super::geometry::position_of(&sampled.position);
     let (square, along) = match entry.item() {
         Item::Line { to, dimensions, along } => {
             let parts = to.iter().zip(place).take(dimensions);

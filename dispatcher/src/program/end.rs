@@ -5,10 +5,10 @@
 //! What was dropped leaves no trace: the *ahead* books go back to the *now* books. A FIFO whose places were
 //! overwritten already is emptied: neither its old data nor the new is there.
 use super::{Pauses, Program, State};
-use crate::admit::context::Answer;
-use crate::admit::refuse::Refused;
-use crate::session::commands::CommandHandler;
-use crate::session::pending_replies::{Refuser, TickRefusal};
+use crate::admit::admission::Admission;
+use crate::refuse::Refused;
+use crate::report::answer::Answer;
+use crate::report::pending_replies::{Refuser, TickRefusal};
 use crate::shadow::{Change, PROGRAM_FLAG, executed};
 use protocol::reason::Reason;
 use protocol::record::ReplyWriter;
@@ -18,19 +18,19 @@ use servo::view::View;
 impl Program<'_> {
     /// Stop in the immediate lane, or link loss: a running program ends, and its rest is answered `rest`. The
     /// ProgramDrop goes out before the Stop does, so that no entry starts the axes again.
-    pub fn stop<const AXES: usize>(&mut self, handler: &mut CommandHandler<'_, AXES>, rest: Reason) {
+    pub fn stop<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>, rest: Reason) {
         if self.state == State::Running {
             self.cut(State::Stopped);
             self.rest = rest;
-            self.push_drop(handler);
+            self.push_drop(admission);
         }
     }
 
     /// Abort: a program that is held or runs ends, and its rest is discarded. The ProgramDrop goes out before the Abort.
-    pub fn abort<const AXES: usize>(&mut self, handler: &mut CommandHandler<'_, AXES>) {
+    pub fn abort<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>) {
         if self.is_active() {
             self.cut(State::Stopped);
-            self.push_drop(handler);
+            self.push_drop(admission);
         }
     }
 
@@ -95,27 +95,27 @@ impl Program<'_> {
     }
 
     /// Tells the tick to drop what is in the ring, as soon as the lane has room; after a failure it aborts, too.
-    pub(super) fn push_drop<const AXES: usize>(&mut self, handler: &mut CommandHandler<'_, AXES>) {
+    pub(super) fn push_drop<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>) {
         // A program that has failed lights and moves nothing any more: nobody is asked first.
         let fails = self.state == State::Failed;
-        if !self.drop_due || handler.lane.room() < 1 + usize::from(fails) {
+        if !self.drop_due || admission.lane.room() < 1 + usize::from(fails) {
             return;
         }
-        handler.lane.push(Op::ProgramDrop, Change::None, 0, &mut handler.admitted);
+        admission.lane.push(Op::ProgramDrop, Change::None, 0, &mut admission.admitted);
         self.drop_due = false;
-        self.dropping = Some(handler.lane.last());
+        self.dropping = Some(admission.lane.last());
         if fails {
-            handler.lane.push(Op::Abort, Change::Aborted, 0, &mut handler.admitted);
+            admission.lane.push(Op::Abort, Change::Aborted, 0, &mut admission.admitted);
         }
     }
 
     /// The tick has dropped the rest.
-    pub(super) fn finish_drop<const AXES: usize>(&mut self, handler: &mut CommandHandler<'_, AXES>, view: &View<AXES>) {
+    pub(super) fn finish_drop<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>, view: &View<AXES>) {
         self.lane.forget();
-        handler.forget_paths(view);
-        handler.admitted = handler.executed;
-        handler.lane.replay(&mut handler.admitted);
-        if !handler.empty_invalid() {
+        admission.forget_paths(view);
+        admission.admitted = admission.executed;
+        admission.lane.replay(&mut admission.admitted);
+        if !admission.empty_invalid() {
             return;
         }
         self.dropping = None;
@@ -139,11 +139,12 @@ impl Program<'_> {
     /// Answers what was executed or dropped, in order.
     pub(super) fn answer<const AXES: usize>(
         &mut self,
-        handler: &CommandHandler<'_, AXES>,
+        admission: &Admission<'_, AXES>,
         view: &View<AXES>,
         out: &mut ReplyWriter,
     ) -> bool {
         let mut progress = false;
+        let reading = admission.reading(view);
         while let Some(&item) = self.awaiting.front() {
             if item.open || !item.discarded && item.seq.is_some_and(|seq| !executed(view, seq)) {
                 break;
@@ -155,9 +156,9 @@ impl Program<'_> {
                 .filter(|&(seq, ..)| if seq == 0 { item.discarded } else { item.own && item.seq == Some(seq) });
             let written = match refusal {
                 Some((0, ..)) => out.refused(item.opcode, item.tag, &Refused::new(Reason::Late).wire),
-                Some((_, refuser)) => out.refused(item.opcode, item.tag, &handler.explain(view, refuser).wire),
+                Some((_, refuser)) => out.refused(item.opcode, item.tag, &reading.explain(refuser).wire),
                 None if item.discarded => out.refused(item.opcode, item.tag, &Refused::new(self.rest).wire),
-                None => handler.reply(view, self, &item, self.values.iter().copied(), out),
+                None => reading.answer(&item, self.values.iter().copied(), out),
             };
             if written.is_err() {
                 break;

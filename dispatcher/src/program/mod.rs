@@ -18,21 +18,22 @@ mod intake;
 pub(crate) mod record_queue;
 mod waits;
 
-use crate::admit::context::{Answer, Due};
-use crate::admit::refuse::{Admitted, Refused};
+use crate::admit::admission::Admission;
+use crate::admit::context::Due;
 use crate::capacity::{AWAITING, VALUES};
-use crate::session::commands::CommandHandler;
-use crate::session::lane::{Deque, Lane};
-use crate::session::pending_replies::{Awaiting, Refuser, Step, TickRefusal};
-use crate::session::server::PROGRAM;
+use crate::deque::Deque;
+use crate::lane::Lane;
+use crate::refuse::{Admitted, Refused};
+use crate::report::pending_replies::{Awaiting, Refuser, Step, TickRefusal};
 use crate::shadow::{Change, PROGRAM_FLAG, Shadows, executed, renew};
 use protocol::command::{ProgramReply, ProgramStart, Request, opcode};
 use protocol::reason::Reason;
-use protocol::record::{Full, Lane as TableKind, ReplyWriter, RequestRecord};
+use protocol::record::{Full, Lane as RecordLane, ReplyWriter, RequestRecord};
 use record_queue::{QUEUE_BYTES, RECORD_BYTES, Records};
 use ring::Producer;
 use servo::laser::{CHANNELS, Cause, Ignored};
 use servo::op::{Entry, Op};
+use servo::tick::PROGRAM;
 use servo::view::View;
 use waits::Pauses;
 use zerocopy::{FromBytes, IntoBytes};
@@ -230,17 +231,17 @@ impl<'a> Program<'a> {
     /// Takes a record of lane 1 into the queue; data that need not wait goes on at once.
     pub fn offer<const AXES: usize>(
         &mut self,
-        handler: &mut CommandHandler<'_, AXES>,
+        admission: &mut Admission<'_, AXES>,
         view: &View<AXES>,
         record: &RequestRecord,
         out: &mut ReplyWriter,
     ) -> Step {
         if self.takes_at_once::<AXES>(record.opcode, record.body) {
             // Where it is refused it waits in the queue, and is refused from there.
-            if let Ok(written) = handler.admit_data(view, self.due(view), record.opcode, record.body) {
+            if let Ok(written) = admission.admit_data(view, self.due(view), record.opcode, record.body) {
                 self.accepted = self.accepted.wrapping_add(1);
-                let may_fail = record.lane == TableKind::ProgramMayFail;
-                self.take_data(handler, (record.opcode, record.tag, may_fail), &written);
+                let may_fail = record.lane == RecordLane::ProgramMayFail;
+                self.take_data(admission, (record.opcode, record.tag, may_fail), &written);
                 return Step::Taken;
             }
         }
@@ -254,57 +255,57 @@ impl<'a> Program<'a> {
             self.state = State::Held;
             self.begin();
         }
-        self.records.push(record.opcode, record.tag, record.lane == TableKind::ProgramMayFail, record.body);
+        self.records.push(record.opcode, record.tag, record.lane == RecordLane::ProgramMayFail, record.body);
         self.accepted = self.accepted.wrapping_add(1);
         self.settled = false;
         Step::Taken
     }
 
-    /// ProgramStart, ProgramClear, ProgramStatus. `None`: not now.
+    /// ProgramStart, ProgramClear, ProgramStatus.
     pub fn control<const AXES: usize>(
         &mut self,
-        handler: &mut CommandHandler<'_, AXES>,
+        admission: &mut Admission<'_, AXES>,
         record: &RequestRecord,
-    ) -> Admitted<Option<Answer>> {
+    ) -> Admitted<Step> {
         match record.opcode {
             opcode::ProgramStart => {
                 let start =
                     ProgramStart::read_from_bytes(record.body).map_err(|_| length::<ProgramStart>(record.body))?;
                 if self.is_dropping() || !self.settled {
-                    return Ok(None);
+                    return Ok(Step::Wait);
                 }
                 if !matches!(self.state, State::Empty | State::Held) {
                     return Err(Refused::new(Reason::ProgramOnlyHeld));
                 }
-                if handler.lane.room() == 0 {
-                    return Ok(None);
+                if admission.lane.room() == 0 {
+                    return Ok(Step::Wait);
                 }
                 if self.state == State::Empty {
                     self.begin();
                 }
                 // What belongs to the instant 0 is in the ring before the clock runs.
-                self.flush(handler);
-                handler.lane.push(Op::ProgramRun, Change::None, 0, &mut handler.admitted);
-                self.run = Some(handler.lane.last());
+                self.flush(admission);
+                admission.lane.push(Op::ProgramRun, Change::None, 0, &mut admission.admitted);
+                self.run = Some(admission.lane.last());
                 self.clock = 0;
                 (self.overruns[1], self.answered) = (self.overruns[0], (0, 0));
                 self.strict = start.strict != 0;
                 self.state = State::Running;
-                Ok(Some(Answer::Program))
+                Ok(Step::Taken)
             }
             opcode::ProgramClear => {
                 if !record.body.is_empty() {
                     return Err(length::<protocol::command::ProgramClear>(record.body));
                 }
                 if self.state == State::Empty && !self.clearing {
-                    return Ok(Some(Answer::Program));
+                    return Ok(Step::Taken);
                 }
                 if !self.clearing {
                     self.cut(State::Stopped);
                     self.clearing = true;
                 }
                 // `advance` empties it; the reply tells that it is done.
-                Ok(None)
+                Ok(Step::Wait)
             }
             _ => {
                 if !record.body.is_empty() {
@@ -312,7 +313,7 @@ impl<'a> Program<'a> {
                 }
                 // The client has looked: it knows what was taken.
                 self.overflowed = false;
-                Ok(Some(Answer::Program))
+                Ok(Step::Taken)
             }
         }
     }
@@ -411,7 +412,7 @@ impl<'a> Program<'a> {
     /// Everything the queue can do now. True if something was done.
     pub fn advance<const AXES: usize>(
         &mut self,
-        handler: &mut CommandHandler<'_, AXES>,
+        admission: &mut Admission<'_, AXES>,
         view: &View<AXES>,
         out: &mut ReplyWriter,
     ) -> bool {
@@ -422,13 +423,13 @@ impl<'a> Program<'a> {
         }
         let mut progress = false;
         if self.drop_due {
-            self.push_drop(handler);
+            self.push_drop(admission);
         }
         if self.dropping.is_some_and(|seq| executed(view, seq)) {
-            self.finish_drop(handler, view);
+            self.finish_drop(admission, view);
             progress = true;
         }
-        progress |= self.answer(handler, view, out);
+        progress |= self.answer(admission, view, out);
         if self.is_dropping() {
             return progress;
         }
@@ -441,10 +442,10 @@ impl<'a> Program<'a> {
         match self.state {
             State::Running if self.strict && view.late > 0 && self.runs(view) => {
                 self.late();
-                self.push_drop(handler);
+                self.push_drop(admission);
                 true
             }
-            State::Held | State::Running => self.take_records(handler, view, out) || progress,
+            State::Held | State::Running => self.take_records(admission, view, out) || progress,
             State::Failed | State::Stopped => self.discard(out) || progress,
             State::Empty => progress,
         }

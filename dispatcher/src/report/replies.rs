@@ -3,13 +3,18 @@
 //! In: a checked [`Query`]. Out: a reply record. Velocities and accelerations are derived here from the
 //! axis's [`servo::segment::piece::Motion`]; nothing is computed for them in the tick.
 mod crd;
+mod explain;
 mod follow;
 
+pub use crd::is_crd;
+
 use super::event_log::{HELD, Log};
-use crate::admit::context::{Configuration, Query, mode_number, ones};
-use crate::admit::pvt_table::CHUNK;
-use crate::admit::{WORD, WORDS, is_follow, kind, number_of};
-use crate::session::server::{Board, FAULT_TEXT_MAX};
+use crate::board::{Board, FAULT_TEXT_MAX};
+use crate::configuration::{Configuration, ones};
+use crate::io_types::{ANALOG_INPUT_VOLTS, WORD, WORDS, kind};
+use crate::plan::geometry::pulses;
+use crate::plan::pvt::table_number;
+use crate::report::answer::{POINTS_MAX, Query};
 use crate::shadow::Shadows;
 use protocol::command::{self, Request, opcode};
 use protocol::record::{Full, ReplyWriter};
@@ -18,7 +23,7 @@ use servo::port::AxisInputs;
 use servo::segment::follow::{Awaited, Input};
 use servo::segment::piece::Scaled;
 use servo::status::RUNNING;
-use servo::units::{Axis, Pos};
+use servo::units::Axis;
 use servo::view::{AxisView, LaserView, View};
 use zerocopy::IntoBytes;
 
@@ -63,11 +68,6 @@ pub fn counts(count: Count) -> f64 {
     count.whole as f64 + f64::from(count.part) / of
 }
 
-/// Pulses.
-pub fn pulses(pos: Pos) -> f64 {
-    pos.0 as f64 * power(-(Pos::FRAC_BITS as i32))
-}
-
 /// The reply to a Calculate command.
 pub fn values_reply(
     opcode: u16,
@@ -75,7 +75,7 @@ pub fn values_reply(
     values: impl Iterator<Item = f64>,
     out: &mut ReplyWriter,
 ) -> Result<(), Full> {
-    let mut items = [command::Real::default(); CHUNK];
+    let mut items = [command::Real::default(); POINTS_MAX];
     let mut count = 0;
     for (item, value) in items.iter_mut().zip(values) {
         item.value = value.into();
@@ -138,6 +138,20 @@ pub fn took_reply(
             let reply = command::LaserValue { value: next().into(), held };
             out.push_raw(opcode, tag, 0, &[reply.as_bytes()])
         }
+    }
+}
+
+/// A mode as `GetPrfMode` tells it.
+pub fn mode_number(mode: servo::op::Mode) -> i16 {
+    use servo::op::Mode;
+    match mode {
+        Mode::Trap => 0,
+        Mode::Jog => 1,
+        Mode::PtStatic | Mode::PtDynamic => 2,
+        Mode::Pvt => 6,
+        Mode::Follow => 4,
+        Mode::FollowEx => 10,
+        Mode::Crd => 5,
     }
 }
 
@@ -272,7 +286,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
                 let mut items = [command::Real::default(); 8];
                 let count = usize::from(query.count).min(8);
                 for (item, value) in items.iter_mut().zip(self.view.analog.iter().skip(usize::from(query.first))) {
-                    item.value = (f64::from(*value) * 12.5 / 32768.0).into();
+                    item.value = (f64::from(*value) * ANALOG_INPUT_VOLTS / 32768.0).into();
                 }
                 let head = command::Reals { clock_ms: self.clock_ms().into(), count: (count as u16).into() };
                 out.done::<command::GetAdc>(tag, &head, &items[..count])
@@ -316,17 +330,15 @@ impl<const AXES: usize> Reading<'_, AXES> {
                 for (item, axis) in items.iter_mut().zip(axes) {
                     let since = self.view.now.0.min(axis.table_until.0).saturating_sub(axis.table_zero.0);
                     *item = command::PvtStatusItem {
-                        table: number_of(axis.table).into(),
+                        table: table_number(axis.table).into(),
                         time: (since as f64 / 1e6).into(),
                     };
                 }
                 let head = command::Count { count: (axes.len() as u16).into() };
                 out.done::<command::PvtStatus>(tag, &head, &items[..axes.len()])
             }
-            _ if crd::is_crd(query.opcode) => self.crd_reply(tag, query, out),
-            _ if is_follow(query.opcode) => self.follow(tag, query, shadow, sampled, out),
-            // A request without fields in its reply.
-            other => out.push_raw(other, tag, 0, &[]),
+            _ if is_crd(query.opcode) => self.crd_reply(tag, query, out),
+            _ => self.follow(tag, query, shadow, sampled, out),
         }
     }
 

@@ -3,7 +3,7 @@
 //! In: samples, the announcement of a trace and of its end. Out: wire bytes. Owns: the row being
 //! gathered and the encoder. What the tick could not leave, because nobody took it, is counted and
 //! reported in the stream's last frame; a row is never invented.
-use crate::admit::context::{Configuration, ones};
+use crate::configuration::{Configuration, ones};
 use crate::shadow::executed;
 use protocol::trace::{self, AxisId, CrdId, CrdSample, Encoder, Full, Head, Ids, LaserId, LaserSample, Samples, kind};
 use ring::Consumer;

@@ -1,9 +1,9 @@
 //! What the thread knows of one coordinate system: its parameters, both FIFOs, where a motion that comes next begins.
 use super::executed;
-use crate::plan::geometry::Position;
+use crate::plan::geometry::{Position, position_of};
 use protocol::command::CrdPrm;
 use servo::path::{DIMENSIONS, PathStop};
-use servo::units::{Axis, AxisMask, Pos};
+use servo::units::{Axis, AxisMask};
 use servo::view::{CrdView, View};
 
 /// Parameters of a coordinate system as SetCrdPrm gave them.
@@ -160,14 +160,6 @@ impl Default for CrdShadow {
     }
 }
 
-/// Entries of a FIFO, with those that wait in its look-ahead.
-pub const CAPACITY: u32 = servo::path::ENTRIES as u32;
-
-/// Coordinates in pulses.
-pub fn position_of(position: &[Pos; DIMENSIONS]) -> Position {
-    position.map(|pos| pos.0 as f64 / (1u64 << Pos::FRAC_BITS) as f64)
-}
-
 impl CrdShadow {
     /// One FIFO.
     pub fn path(&self, fifo: u8) -> &PathShadow {
@@ -189,21 +181,6 @@ impl CrdShadow {
     /// Whether the tick itself may still be at work for an earlier start.
     pub fn is_busy<const AXES: usize>(&self, view: &View<AXES>, sampled: &CrdView) -> bool {
         sampled.runs || self.busy.is_some_and(|seq| !executed(view, seq))
-    }
-    /// Entries of a FIFO that are over, as far as the tick has told of what it holds now.
-    fn released(&self, sampled: &CrdView, fifo: u8) -> u32 {
-        let index = usize::from(fifo & 1);
-        if sampled.cleared[index] == self.path(fifo).cleared { sampled.released[index] } else { 0 }
-    }
-    /// Places free in a FIFO.
-    pub fn space(&self, sampled: &CrdView, fifo: u8) -> u32 {
-        let used = self.path(fifo).data.given.wrapping_sub(self.released(sampled, fifo));
-        CAPACITY.saturating_sub(used)
-    }
-    /// The same, as it will be when the next entry acts, of a coordinate system at rest.
-    pub fn space_ahead(&self, sampled: &CrdView, fifo: u8) -> u32 {
-        let data = &self.path(fifo).data;
-        self.space(sampled, fifo).max(CAPACITY.saturating_sub(data.given.wrapping_sub(data.over)))
     }
     /// Its FIFOs, which are empty, were given so many entries and motions more.
     pub fn age(&mut self, by: u32) {

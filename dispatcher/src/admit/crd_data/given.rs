@@ -1,10 +1,11 @@
 //! What a data command of a path gives, read from its bytes.
 //!
 //! In: a data command. Out: a [`DataCommand`]: a motion, an entry or a flush, and which FIFO it is for. Fails: with the parameter and the limit.
-use super::LEAST;
-use crate::admit::context::{Context, ones};
-use crate::admit::refuse::{Admitted, Refused, choice, real};
+use crate::admit::context::Context;
 use crate::admit::{crd, io, many, one};
+use crate::configuration::ones;
+use crate::plan::look_ahead::ALONG_MIN;
+use crate::refuse::{Admitted, Refused, choice, real};
 use protocol::command::{
     ArcXYC, ArcXYR, ArcYZC, ArcYZR, ArcZXC, ArcZXR, BufDA, BufDelay, BufDoBit, BufGear, BufIO, BufMove, CrdData,
     CrdPoint, LnXY, LnXYG0, LnXYZ, LnXYZA, Wire, opcode,
@@ -150,12 +151,12 @@ pub fn given<const AXES: usize>(context: &Context<AXES>, number: u16, body: &[u8
             let axis = beside(context, r.core.get(), r.axis.get())?;
             let (vel, acc) = (r.vel.get(), r.acc.get());
             let limit = context.board.step_limit;
-            let most = crd::MOST.min(limit.pulses_per_ms() as f64);
-            real(4, vel, LEAST, most)?;
-            real(5, acc, LEAST, crd::MOST)?;
+            let most = crd::VALUE_MAX.min(limit.pulses_per_ms() as f64);
+            real(4, vel, ALONG_MIN, most)?;
+            real(5, acc, ALONG_MIN, crd::VALUE_MAX)?;
             let modal = choice(6, r.modal.get(), 0, 1)? == 1;
             let entry = Entry::travel(axis, r.pos.get(), (vel.to_bits(), limit), acc.to_bits(), modal)
-                .map_err(|_| Refused::new(Reason::OutOfRange).field(4).got(vel).limits(LEAST, most))?;
+                .map_err(|_| Refused::new(Reason::OutOfRange).field(4).got(vel).limits(ALONG_MIN, most))?;
             Ok((target!(r, 7), Item::Entry(entry, 0.0)))
         }
         _ => {

@@ -6,11 +6,11 @@
 use super::Context;
 use super::distance::source;
 use super::energy::{direct_powers, limited, own_bounds, power, powers};
-use super::range::Taking;
+use super::power_range::Taking;
 use super::tables::table;
 use crate::admit::context::TAKEN_MAX;
 use crate::admit::one;
-use crate::admit::refuse::{Admitted, Refused};
+use crate::refuse::{Admitted, Refused};
 use protocol::command::{
     BufLaserFollowMode, BufLaserFollowOff, BufLaserFollowRatio, BufLaserFollowTable, BufLaserOff, BufLaserOn,
     BufLaserPrfCmd, BufLaserPrfFollow, opcode,

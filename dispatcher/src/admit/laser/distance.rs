@@ -3,10 +3,10 @@
 //! In: requests with the user's doubles, the book of the channel. Out: a staged change with the follow as a whole.
 //! `tables` has the tables of ratios. Fails: as every laser command does; ratios want a follow that is on.
 use super::energy::{own_bounds, powers};
-use super::range::{Range, Taking};
+use super::power_range::{Range, Taking};
 use super::{Context, took};
-use crate::admit::context::Answer;
-use crate::admit::refuse::{Admitted, Refused, choice, real};
+use crate::refuse::{Admitted, Refused, choice, real};
+use crate::report::answer::Answer;
 use crate::report::replies::units;
 use crate::shadow::{DistanceShadow, LaserChange};
 use protocol::command::{SetLaserDisMode, SetLaserDisRatio};

@@ -3,10 +3,10 @@
 //!
 //! In: requests with the user's doubles. Out: staged changes with the tick's numbers, and with them the train
 //! planned for the power that the books know (`Fine`), which spares the tick that search.
-use super::range::{Range, Taking};
+use super::power_range::{Range, Taking};
 use super::{Context, took};
-use crate::admit::context::Answer;
-use crate::admit::refuse::{Admitted, Refused, choice};
+use crate::refuse::{Admitted, Refused, choice};
+use crate::report::answer::Answer;
 use crate::report::replies::{counts, units};
 use crate::shadow::{Change as Entered, LaserChange, LaserShadow};
 use core::num::NonZeroU16;

@@ -6,10 +6,10 @@
 //! | `buffered` | changes that entries of paths carry: gate, power, velocity follow |
 //! | `distance` | distance follow |
 //! | `tables` | tables of powers and of ratios, in chunks |
-//! | `range` | what is refused or held |
+//! | `power_range` | what is refused or held |
 //!
 //! In: requests and the books of the channels. Out: staged changes. What is out of range is refused or held
-//! by `range`; the reply tells what was taken. A controller has its channels once, whatever its cores are:
+//! by `power_range`; the reply tells what was taken. A controller has its channels once, whatever its cores are:
 //! every core may name every channel.
 //!
 //! The commands are those of GUS chapter 2 and LSR chapter 2, each in both families; SPEC 2 says where the
@@ -17,20 +17,21 @@
 pub mod buffered;
 pub mod distance;
 pub mod energy;
-mod range;
+mod power_range;
 pub mod tables;
 
-use super::context::{Answer, Context, Effect, Query, TAKEN_MAX};
-use super::refuse::{Admitted, Refused, choice};
+use super::context::{Context, Effect, TAKEN_MAX};
+use crate::refuse::{Admitted, Refused, choice};
+use crate::report::answer::{Answer, Query};
 use crate::shadow;
 use crate::shadow::{LaserChange, LaserShadow, executed};
 use core::num::NonZeroU16;
+use power_range::Taking;
 use protocol::command::{
     ClrLaserFault, DisFPK, EnaFPK, LaserOff, LaserOn, SetAxisMode, SetHSIOOpt, SetLaserCrdMap, SetLevelDelay,
     ZeroLaserOnTime,
 };
 use protocol::reason::Reason;
-use range::Taking;
 use servo::laser::{Bounds, CHANNELS, Cause, Change, Clock, Delays, Family, Fpk, Mode};
 use servo::op::Op;
 use servo::units::{AxisMask, Crd, CrdMask};

@@ -10,11 +10,11 @@
 //! the bank that nothing reads (`servo::laser::Tables`).
 use super::distance::{bounds, ratio, running, stage, told};
 use super::energy::{power, powers};
-use super::range::{Range, Taking};
+use super::power_range::{Range, Taking};
 use super::{Context, took};
-use crate::admit::context::Answer;
 use crate::admit::length;
-use crate::admit::refuse::{Admitted, Refused, choice, real, within};
+use crate::refuse::{Admitted, Refused, choice, real, within};
+use crate::report::answer::Answer;
 use crate::shadow::{CAPACITY, DistanceShadow, LaserChange};
 use protocol::command::{
     LaserDisPoint, LaserDisValue, LaserFollowPoint, Request, SetLaserDisTable1D, SetLaserDisTable2D,

@@ -4,7 +4,7 @@
 //! parts and the peak, to 100 bits, so that a pass's duration keeps its 64 fraction bits. Fails: no
 //! displacement, a velocity above the limit, a distance too short.
 use super::double_double::DoubleDouble;
-use crate::admit::refuse::{Admitted, Refused};
+use crate::refuse::{Admitted, Refused};
 use protocol::reason::Reason;
 
 /// What the user gives for the way from one point to the next.

@@ -15,7 +15,7 @@ mod percent;
 mod scale;
 mod scratch;
 
-use crate::admit::refuse::{Admitted, Refused};
+use crate::refuse::{Admitted, Refused, real, within};
 use complete::Row;
 use continuous::Phase;
 pub use double_double::DoubleDouble;
@@ -36,6 +36,11 @@ const FURTHEST: f64 = 4_503_599_627_370_496.0;
 const FULL_SCALE: f64 = 4_294_967_296.0;
 /// Values of a point in the widest description.
 pub const VALUES: usize = 6;
+
+/// The number of a table in its core, from 1, as the user knows it.
+pub fn table_number(table: u8) -> i16 {
+    i16::from(table % TABLES as u8) + 1
+}
 
 /// A description with what belongs to the whole table.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -141,7 +146,7 @@ impl Draft {
             }
             Kind::Percent { vel_begin } => carried = speed(vel_begin, fields.whole, limit)?.into(),
             Kind::Continuous { time_begin } => {
-                carried = crate::admit::refuse::real(fields.whole, time_begin, 0.0, LATEST_MS)?.into();
+                carried = real(fields.whole, time_begin, 0.0, LATEST_MS)?.into();
             }
             Kind::Pvt | Kind::PvtEx => {}
         }
@@ -218,8 +223,8 @@ impl Draft {
         if self.taken > 0 && time <= self.last.0 {
             return Err(Refused::new(Reason::PointTime).field(field).got(time).limits(self.last.0, LATEST_MS));
         }
-        crate::admit::refuse::within(field, time, 0.0, LATEST_MS)?;
-        crate::admit::refuse::within(field + 1, pos, -FURTHEST, FURTHEST)?;
+        within(field, time, 0.0, LATEST_MS)?;
+        within(field + 1, pos, -FURTHEST, FURTHEST)?;
         let begins = self.taken == 0;
         if begins {
             self.first = (time, pos);
@@ -265,7 +270,7 @@ impl Draft {
                 }
             }
             Kind::Percent { .. } => {
-                let percent = crate::admit::refuse::within(field + 2, at(2), 0.0, 100.0)?;
+                let percent = within(field + 2, at(2), 0.0, 100.0)?;
                 if !begins {
                     let span = DoubleDouble::between(time, self.last.0);
                     self.carried = DoubleDouble::between(pos, self.last.1).times(2.0).over(span).minus(self.carried);
@@ -288,9 +293,9 @@ impl Draft {
 
     fn continuous(&mut self, pos: f64, phase: Phase, scratch: &mut Scratch<'_>) -> Admitted<f64> {
         let field = self.fields.point;
-        crate::admit::refuse::within(field, pos, -FURTHEST, FURTHEST)?;
+        within(field, pos, -FURTHEST, FURTHEST)?;
         speed(phase.vel, field + 1, self.limit)?;
-        crate::admit::refuse::within(field + 2, phase.percent, 0.0, 100.0)?;
+        within(field + 2, phase.percent, 0.0, 100.0)?;
         // The last point begins no way; its limits are not used.
         if self.taken + 1 < self.count {
             for (value, field) in [(phase.vel_max, field + 3), (phase.acc, field + 4), (phase.dec, field + 5)] {

@@ -3,7 +3,7 @@
 //! In: knots in ms, pulse and pulse/ms from the first point. Out: a header and places. Fails: where
 //! no scale holds the table.
 use super::scratch::{Knot, Scratch};
-use crate::admit::refuse::{Admitted, Refused};
+use crate::refuse::{Admitted, Refused};
 use protocol::reason::Reason;
 use servo::segment::pvt::{Header, POINT_WORDS, POS_BITS, Point, TIME_BITS, VEL_BITS};
 use servo::units::Exact;

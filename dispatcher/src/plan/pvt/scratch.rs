@@ -6,7 +6,7 @@
 //!
 //! A spline's elimination leaves a fourth number a point; of these only every [`STRIDE`]th is kept, and what lies between is
 //! computed again ([`super::complete`]).
-use crate::admit::refuse::{Admitted, Refused};
+use crate::refuse::{Admitted, Refused};
 use protocol::reason::Reason;
 use servo::segment::pvt::{PLACES, PointStore};
 

@@ -1,7 +1,8 @@
 //! Reads of coordinate systems.
 use super::{Reading, number};
-use crate::admit::context::Query;
-use crate::shadow::{CrdShadow, position_of};
+use crate::plan::geometry::position_of;
+use crate::report::answer::Query;
+use crate::shadow::CrdShadow;
 use protocol::command::{self, opcode};
 use protocol::record::{Full, ReplyWriter};
 use servo::path::{DIMENSIONS, PathStop};

@@ -1,6 +1,6 @@
 //! Reads of axes that follow.
 use super::Reading;
-use crate::admit::context::Query;
+use crate::report::answer::Query;
 use crate::shadow::AxisShadow;
 use protocol::command::{self, opcode};
 use protocol::record::{Full, ReplyWriter};

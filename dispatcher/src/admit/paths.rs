@@ -2,16 +2,16 @@
 //!
 //! In: the view, the books. Out: commits, through either lane. Owns nothing. Fails: where the lane has no room, nothing is
 //! pushed and the caller comes again.
-use super::CommandHandler;
-use crate::admit::data;
+use super::admission::Admission;
+use super::data;
+use super::staged::STAGED;
 use crate::plan::path_queue::LASTS_MS;
-use crate::session::lane::STAGED;
 use crate::shadow::{Change, PROGRAM_FLAG, executed};
 use servo::op::Op;
 use servo::units::Crd;
 use servo::view::View;
 
-impl<const AXES: usize> CommandHandler<'_, AXES> {
+impl<const AXES: usize> Admission<'_, AXES> {
     /// The commit of all that has left a look-ahead, or never went there.
     pub fn commit_path(&mut self, crd: Crd, fifo: u8) -> (Op, Change) {
         let mut end = 0;

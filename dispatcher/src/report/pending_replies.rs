@@ -1,6 +1,10 @@
 //! Replies that wait for the tick, and what became of a record.
-use crate::admit::context::Answer;
-use protocol::record::Full;
+use super::answer::Answer;
+use super::replies::{Reading, took_reply, values_reply};
+use crate::refuse::Refused;
+use protocol::command::opcode;
+use protocol::reason::Reason;
+use protocol::record::{Full, ReplyWriter};
 use servo::units::{Axis, Crd};
 
 /// A reply that waits for its entry's execution.
@@ -81,5 +85,39 @@ impl Step {
     /// A reply that did not fit is tried again.
     pub fn of(written: Result<(), Full>) -> Step {
         if written.is_ok() { Step::Taken } else { Step::Wait }
+    }
+}
+
+impl<const AXES: usize> Reading<'_, AXES> {
+    /// The reply to an executed command; `taken` are the numbers of its lane that wait, oldest first.
+    pub fn answer(&self, item: &Awaiting, taken: impl Iterator<Item = f64>, out: &mut ReplyWriter) -> Result<(), Full> {
+        match &item.answer {
+            Answer::Done => out.push_raw(item.opcode, item.tag, 0, &[]),
+            Answer::Read(query) => self.reply(item.tag, query, out),
+            Answer::Long(value) => self.long(item.opcode, item.tag, *value, out),
+            Answer::Path { crd, fifo, count, lasts_ms } => {
+                self.path_taken(item.opcode, item.tag, (*crd, *fifo), (*count, *lasts_ms), out)
+            }
+            Answer::Space(space) => self.space(item.opcode, item.tag, *space, out),
+            Answer::Number(value) => self.number(item.opcode, item.tag, *value, out),
+            Answer::Entered { axis, fifo, percent1 } => {
+                self.entered(item.opcode, item.tag, *axis, *fifo, *percent1, out)
+            }
+            Answer::Taken { axis, fifo, count } => self.taken(item.opcode, item.tag, *axis, *fifo, *count, out),
+            Answer::Lost { axis, status } => {
+                let lost = match item.opcode {
+                    // At once it is no data, but answered like it.
+                    opcode::FollowSwitchNowEx => self.explain(Refuser::Axis(*axis, *status)),
+                    _ => {
+                        let stop = self.view.axes.get(axis.index()).map_or(0, |sampled| sampled.stop as u16);
+                        let lost = Refused::new(Reason::StreamEnded).axis(self.configuration.number_of(*axis));
+                        lost.got((*status).into()).limits(0.0, stop.into())
+                    }
+                };
+                out.refused(item.opcode, item.tag, &lost.wire)
+            }
+            Answer::Values(count) => values_reply(item.opcode, item.tag, taken.take((*count).into()), out),
+            Answer::Took { held, .. } => took_reply(item.opcode, item.tag, taken, *held, out),
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! What a physical quantity of a laser may be, and what becomes of one that lies outside (SPEC 2): the GUS
 //! family refuses it, the LSR family takes the nearest bound and tells so. NaN and infinities are refused
 //! in both.
-use crate::admit::refuse::{Admitted, Refused};
+use crate::refuse::{Admitted, Refused};
 use protocol::reason::Reason;
 
 /// The least frequency, kHz: 1 Hz.
