@@ -1,7 +1,7 @@
-//! What a board is, for the thread: constants that its integrator states, how long its ticks take, what ended its last run.
+//! A board as the thread knows it: its constants, how long its ticks take, what ended its last run.
 use servo::units::{AxisMask, StepLimit};
 
-/// What a board is: constants that its integrator states.
+/// Constants of a board, which its integrator states.
 #[derive(Debug, Clone)]
 pub struct Board {
     /// Name, of which 16 bytes are shown.
@@ -14,15 +14,16 @@ pub struct Board {
     pub analog_outputs: u8,
     /// Analog inputs (at most 8).
     pub analog_inputs: u8,
-    /// Rows that a plan of its inputs holds: none of a board whose inputs are wired, and which no call may set.
+    /// Rows that a plan of its inputs may have. 0 for a board with wired inputs, which no call may
+    /// set.
     pub planned_inputs: u16,
-    /// General inputs and outputs that it has.
+    /// General inputs that it has.
     pub general_inputs: u8,
-    /// The same of outputs.
+    /// General outputs that it has.
     pub general_outputs: u8,
     /// Axes whose encoder's index is captured.
     pub indexes: AxisMask,
-    /// What its step outputs make of an axis. What is known to be faster is refused.
+    /// The limit of its step outputs. An axis that would be faster is refused.
     pub step_limit: StepLimit,
     /// What ended the run before this one, if the board remembers it.
     pub fault: Option<Fault>,
@@ -44,7 +45,7 @@ pub struct TickTime {
 pub struct Fault {
     /// Of which kind it was.
     pub kind: FaultKind,
-    /// For a person, of which [`FAULT_TEXT_MAX`] bytes are told.
+    /// Text for a person. A reply carries [`FAULT_TEXT_MAX`] bytes of it.
     pub text: &'static str,
 }
 
@@ -57,9 +58,9 @@ pub enum FaultKind {
     Core = 2,
     /// An interrupt came that nobody claims.
     Interrupt = 3,
-    /// The watchdog: the servo tick or the link task stood still.
+    /// The watchdog: the servo tick or the link task hung.
     Watchdog = 4,
-    /// What the board measures of itself at its start contradicts what it is built for: there is no light.
+    /// The board's self-test at its start contradicts its build: there is no light.
     Board = 5,
 }
 

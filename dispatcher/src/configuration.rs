@@ -1,4 +1,5 @@
-//! What a client chose on opening: product profile and laser family, and how users number axes and coordinate systems.
+//! What a client chose on opening: product profile and laser family. How users number axes and
+//! coordinate systems.
 use crate::product::{PROFILES, Profile};
 use servo::units::{Axis, AxisMask, Crd, CrdMask};
 

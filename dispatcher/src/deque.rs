@@ -1,4 +1,4 @@
-//! A queue in place, of a size that its type states.
+//! A queue in place with a fixed capacity.
 
 /// A queue of at most `N` values in place.
 #[derive(Debug)]
@@ -9,7 +9,7 @@ pub struct Deque<T, const N: usize> {
 }
 
 impl<T: Copy, const N: usize> Deque<T, N> {
-    /// An empty queue; `blank` fills the unused places.
+    /// An empty queue; `blank` fills the unused slots.
     pub fn new(blank: T) -> Self {
         Deque { places: [blank; N], first: 0, len: 0 }
     }
@@ -49,7 +49,7 @@ impl<T: Copy, const N: usize> Deque<T, N> {
         self.len -= 1;
         Some(value)
     }
-    /// From the newest to the oldest, to be changed in place, as long as `change` says true.
+    /// Changes values in place, from the newest to the oldest, as long as `change` returns true.
     pub fn amend_back(&mut self, mut change: impl FnMut(&mut T) -> bool) {
         for back in (0..self.len).rev() {
             if !change(&mut self.places[(self.first + back) % N]) {
@@ -57,7 +57,7 @@ impl<T: Copy, const N: usize> Deque<T, N> {
             }
         }
     }
-    /// Whether any value satisfies `test`.
+    /// The values, oldest first.
     pub fn iter(&self) -> impl Iterator<Item = &T> {
         (0..self.len).filter_map(|back| self.places.get((self.first + back) % N))
     }

@@ -1,4 +1,4 @@
-//! How calls name inputs and outputs: types, and words of levels.
+//! Types of inputs and outputs as calls number them, and words of levels.
 
 /// I/O types of the manuals (SPEC 3).
 pub mod kind {
@@ -18,5 +18,5 @@ pub const ANALOG_INPUT_VOLTS: f64 = 12.5;
 
 /// Bits of a word of levels.
 pub const WORD: usize = 32;
-/// Words of a read or a call of levels: no type of any product has more.
+/// Words of a read or a call of levels: enough for every type of every product.
 pub const WORDS: usize = 4;

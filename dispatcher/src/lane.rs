@@ -1,8 +1,8 @@
 //! One lane into the tick: the ring's end, the numbering, and a log of what is in flight.
 //!
-//! In: staged operations with their changes. Out: entries in the ring; changes for the *now* books
-//! once the view says that their entries were executed. Bounded by the ring: what does not fit is
-//! for the caller to try again later ([`Lane::room`]).
+//! In: staged operations with their changes. Out: entries in the ring; changes for the executed
+//! state once the view shows that their entries were executed.
+//! Fails: what does not fit is for the caller to try again later ([`Lane::room`]).
 use crate::deque::Deque;
 use crate::shadow::{Change, Shadows, executed, seq_after, seq_from};
 use ring::Producer;
@@ -26,7 +26,7 @@ impl<'a, const N: usize> Lane<'a, N> {
     pub fn room(&self) -> usize {
         self.ring.free().min(N - self.log.len())
     }
-    /// As if so many entries more had gone through; nothing is in flight.
+    /// Advances the numbers by `entries`, for tests of counters; nothing is in flight.
     pub fn age(&mut self, entries: u32) {
         if self.log.is_empty() {
             self.last = seq_from(self.last, entries);
@@ -36,11 +36,11 @@ impl<'a, const N: usize> Lane<'a, N> {
     pub fn last(&self) -> u32 {
         self.last
     }
-    /// Whether entries were pushed that the tick has not been seen to execute.
+    /// Whether entries were pushed that the view does not show as executed.
     pub fn in_flight(&self) -> bool {
         !self.log.is_empty()
     }
-    /// What they change, and their numbers, the oldest first.
+    /// The changes in flight with the numbers of their entries, the oldest first.
     pub fn changes(&self) -> impl Iterator<Item = &(u32, Change)> {
         self.log.iter()
     }
@@ -72,13 +72,13 @@ impl<'a, const N: usize> Lane<'a, N> {
             self.log.pop();
         }
     }
-    /// Enters what is still in flight into books that were set back.
+    /// Enters what is still in flight into an admitted state that was set back.
     pub fn replay<const AXES: usize>(&self, ahead: &mut Shadows<AXES>) {
         for (seq, change) in self.log.iter() {
             ahead.enter(change, *seq);
         }
     }
-    /// Forgets what is in flight: the tick has dropped it.
+    /// Forgets what is in flight, after the tick has dropped it.
     pub fn forget(&mut self) {
         self.log.clear();
     }

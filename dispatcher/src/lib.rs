@@ -1,13 +1,18 @@
 #![no_std]
 #![forbid(unsafe_code)]
-//! Everything that runs in the thread: the same code in the firmware image and on the virtual board.
+//! Everything that runs in the thread: the same code in the firmware image and on the virtual
+//! board.
 //!
 //! In: bytes from the wire, the tick's view, events and samples. Out: bytes to the wire, admitted
 //! operations into the two lanes of the tick, segments into the axes' stores, a trace stream.
-//! Owns: the host link's end, the books of every axis, the program queue, the replies that wait.
+//! Owns: the host link's end, the shadow state, the program queue, the replies that wait.
 //! Sans-IO: time is an argument, no call blocks, the work of a [`Server::poll`] is bounded.
-//! Fails how: whatever comes from the wire is answered with a return code and a reason and changes
-//! nothing; nothing in here panics or allocates.
+//! Fails: bad input from the wire is answered with a return code and a reason, and changes nothing.
+//! Nothing in here panics or allocates.
+//!
+//! Folders: `session` calls `program` and `admit`, `program` calls `admit`. `admit` uses `report`,
+//! `shadow` and `plan`, `report` uses `shadow` and `plan`, `shadow` uses `plan`. No arrow goes
+//! back.
 mod admit;
 mod board;
 mod capacity;

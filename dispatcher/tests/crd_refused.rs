@@ -335,7 +335,7 @@ fn motions_and_starts() {
     assert_eq!({ second.run }.get(), 0);
 }
 
-/// What goes along with a motion.
+/// Gears of a motion.
 #[test]
 fn gears() {
     let mut bench = Bench::gus();

@@ -1,5 +1,5 @@
-//! Follow and FollowEx over the wire: settings, places, admission ahead of time, and bad input, which is refused with
-//! its code, reason and parameter and changes nothing.
+//! Follow and FollowEx over the wire: settings, slots, admission ahead of time. Bad input is
+//! refused with its code, reason and parameter, and changes nothing.
 mod bench;
 use bench::Bench;
 use bench::follow::{
@@ -114,7 +114,7 @@ fn masters_that_cannot_be() {
     }
     bench.done(master(3, 4, 2, 0));
     assert_eq!(told(bench.refused(master(4, 1, 2, 0))), (1, Reason::MasterCycle, 2, 3.0));
-    // An axis that follows no more is no part of a cycle, and does not remember its master.
+    // An axis that no longer follows is no part of a cycle, and forgets its master.
     bench.done(PrfTrap { core, profile: 2.into() });
     bench.done(master(4, 1, 2, 0));
     bench.done(prf(2, 0));
@@ -147,7 +147,7 @@ fn bad_settings() {
     assert_eq!(bench.refused(start(2, 2)).1, Reason::ServoOff);
     assert_eq!(bench.refused(start(3, 2)).1, Reason::WrongMode);
     assert_eq!(told(bench.refused(start(0x100, 0))), (7, Reason::OutOfRange, 1, 256.0));
-    // A switch is for an axis that runs.
+    // A switch needs a running axis.
     assert_eq!(told(bench.refused(switch(2))), (1, Reason::NotRunning, 255, 0.0));
 }
 
@@ -172,7 +172,7 @@ fn data_of_every_kind() {
     }
     assert_eq!(bench.refused(data(2, 0, 1.0, 0, 1)).1, Reason::MasterOrder, "not even the first may be 0");
     assert_eq!(spaces(&mut bench, 2), [15, 16], "nothing of it was taken");
-    // A FIFO whose masters are all negative, and its order; the other FIFO goes upwards.
+    // A FIFO whose masters are all negative, and its order; the other FIFO is positive.
     bench.done(data(2, -100, 50.0, 0, 1));
     assert_eq!(bench.refused(data(2, -100, 60.0, 0, 1)).1, Reason::MasterOrder);
     assert_eq!(bench.refused(data(2, 100, 60.0, 0, 1)).1, Reason::MixedSigns);
@@ -213,7 +213,7 @@ fn data_of_follow_ex() {
         assert_eq!(bench.refused(data_ex(2, 1.0, at, 0, 0, 0)).2.field, 3);
     }
     assert_eq!(told(bench.refused(data_ex(2, 3e9, 1.0, 0, 0, 0))), (7, Reason::OutOfRange, 2, 3e9));
-    // A ratio of 10¹⁶; and one of 10⁹ that would go on for 10⁴ pulses.
+    // A ratio of 10¹⁶; and one of 10⁹ that would last for 10⁴ pulses.
     let (code, reason, refusal) = bench.refused(data_ex(2, 0.0001, 1e12, 1, 0, 0));
     assert_eq!((code, reason, refusal.field), (7, Reason::RatioTooLarge, 3));
     assert!((refusal.got.get() - 1e16).abs() < 10.0 && refusal.high.get() == 17_592_186_044_416.0);
@@ -297,8 +297,8 @@ fn the_asymmetric_segment_is_computed() {
         percent: percent.into(),
         percent1: percent1.into(),
     };
-    // Symmetric: the mean of both ends. All of the S at one end: by hand 2/3 and 1/3 of the change (the slope's
-    // second integral is u²/2·(1 − u/3) of its height 2, and u³/6·2).
+    // Symmetric: the mean of both ends. All of the S-curve at one end: by hand 2/3 and 1/3 of the
+    // change (the slope's second integral is u²/2·(1 − u/3) of its height 2, and u³/6·2).
     assert_eq!(bench.done(ask(1000.0, 0.5, 1.0, 80.0, 40.0)).value.get(), 750.0);
     assert!((bench.done(ask(3000.0, 0.0, 1.0, 100.0, 0.0)).value.get() - 2000.0).abs() < 1e-9);
     assert!((bench.done(ask(3000.0, 0.0, 1.0, 100.0, 100.0)).value.get() - 1000.0).abs() < 1e-9);
@@ -331,11 +331,11 @@ fn an_asymmetric_segment_takes_a_place_for_each_part() {
     // all: 0.7·4/9 = 0.44 − x·0.3, so x = 0.43.
     assert_eq!(took(&mut bench, send(1000.0, 500.0, 0.0, 1.0, 60)), (13, 30));
     assert_eq!(took(&mut bench, send(1900.0, 900.0, 0.0, 1.0, 60)), (10, 43));
-    // Only one part: no S at all; all of it at one end.
+    // Only one part: no S-curve at all; all of it at one end.
     assert_eq!(took(&mut bench, send(2000.0, 1000.0, 1.0, 1.0, 0)), (9, 0));
     assert_eq!(took(&mut bench, send(2300.0, 1200.0, 0.0, 1.0, 100)), (8, 0));
     assert_eq!(took(&mut bench, send(2600.0, 1300.0, 0.0, 1.0, 100)), (7, 100));
-    // A displacement that these ratios cannot make: the limits are told.
+    // A displacement that these ratios cannot make: the limits are reported.
     let (code, reason, refusal) = bench.refused(send(2900.0, 1800.0, 0.0, 1.0, 100));
     assert_eq!((code, reason, refusal.field, refusal.got.get()), (7, Reason::OutOfRange, 3, 1800.0));
     assert!((refusal.low.get() - 1400.0).abs() < 1e-9 && (refusal.high.get() - 1500.0).abs() < 1e-9);
@@ -344,7 +344,7 @@ fn an_asymmetric_segment_takes_a_place_for_each_part() {
     assert_eq!(bench.refused(send(2700.0, 1400.0, 0.0, 1.0, 101)).2.field, 6);
     assert_eq!(bench.refused(send(2700.0, 1400.0, f64::NAN, 1.0, 50)).2.field, 4);
     assert_eq!(bench.refused(send(2700.0, 1400.0, 0.0, 1e14, 50)).2.field, 5);
-    // Where two of three parts fit, none is taken.
+    // If two of three parts fit, none is taken.
     assert_eq!(took(&mut bench, send(3600.0, 1800.0, 0.0, 1.0, 50)), (4, 25));
     assert_eq!(took(&mut bench, send(4600.0, 2300.0, 0.0, 1.0, 50)), (1, 25));
     assert_eq!(bench.refused(send(5600.0, 2800.0, 0.0, 1.0, 50)).1, Reason::FifoFull);

@@ -81,8 +81,8 @@ fn resolution(mode: i16) -> SetLaserMode {
     SetLaserMode { core: 1.into(), mode: mode.into() }
 }
 
-/// The request as it travels, for channel `channel`; every laser request but SetWaitPulseEx, SetLaserMode and
-/// SetAxisMode has one.
+/// The request as it is sent, for channel `channel`; every laser request but SetWaitPulseEx,
+/// SetLaserMode and SetAxisMode has one.
 fn for_channel<R: Request>(request: R, channel: i16) -> Vec<u8> {
     let mut bytes = body::<R>(request, &[]);
     let mut at = 0;
@@ -102,7 +102,8 @@ fn for_channel<R: Request>(request: R, channel: i16) -> Vec<u8> {
     panic!("{} has no channel", R::NAME);
 }
 
-/// All that can be seen of the lasers, and the number of the last entry: a refused command pushes none.
+/// All visible state of the lasers, and the number of the last entry: a refused command pushes
+/// none.
 fn state(bench: &mut Bench<8>) -> String {
     let mut text = String::new();
     for channel in 0..2 {
@@ -281,10 +282,10 @@ fn gus_refuses_what_is_out_of_range() {
     refused(b, fpk(65_536, 2, 3), 7, "EnaFPK: time1_us is 65536; it must be from 1 to 65535");
     refused(b, fpk(1, 65_536, 3), 7, "EnaFPK: time2_us is 65536; it must be from 0 to 65535");
     refused(b, fpk(1, 2, 65_536), 7, "EnaFPK: laser_off_delay_us is 65536; it must be from 0 to 65535");
-    // The manual of this family has no fifth parameter: whatever it is, it means nothing.
+    // The manual of this family has no fifth parameter: any value is ignored.
     let ignored = LaserPowerMode { delay_mode: 77.into(), ..mode(0, 100.0, 10.0) };
     assert_eq!(b.done(ignored).held, 0);
-    // Nor has it resolutions.
+    // It has no resolutions either.
     b.done(resolution(0));
     assert_eq!(b.done(carrier(2000.0)).held, 0);
 }
@@ -306,7 +307,8 @@ fn lsr_takes_the_nearest_bound_and_tells_it() {
             assert_eq!(taken(b, high + 1.0, 0.5), (high, 0.5, 0b01));
             assert_eq!(taken(b, high, -1.0), (high, 0.0, 0b10));
             assert_eq!(taken(b, 2001.0, -1e300), (high, 0.0, 0b11));
-            // A minimum outside its range is the range's, on whatever side it lies (LSR, command 11).
+            // A minimum outside its range, on either side, becomes the range's minimum (LSR,
+            // command 11).
             assert_eq!(taken(b, 5e4, 4e4), (high, 0.0, 0b11));
             assert_eq!(taken(b, high / 2.0, high + 1.0), (high / 2.0, 0.0, 0b10));
             // A negative maximum is refused.
@@ -321,7 +323,8 @@ fn lsr_takes_the_nearest_bound_and_tells_it() {
             {
                 let taken = b.done(power(given));
                 assert_eq!(taken.held & 0x7f, held, "mode {number}: {given}");
-                // What is told is what the timer reaches: duty 0.001 %, rate 1 ppm (SPEC 11); volts as asked.
+                // The reply reports what the timer reaches: duty 0.001 %, rate 1 ppm (SPEC 11);
+                // volts as asked.
                 let within = [1e-3, 1e-6 * value, 0.0, 1e-3][number as usize];
                 let told = taken.value.get();
                 assert!((told - value).abs() <= within, "mode {number}: {given} is told as {told}");
@@ -329,7 +332,7 @@ fn lsr_takes_the_nearest_bound_and_tells_it() {
         }
         for (given, value, held) in [(2001.0, khz, 1), (khz, khz, 0), (0.001, 0.001, 0), (0.0015, 0.0015, 0)] {
             let taken = b.done(carrier(given));
-            // What is told is what the timer reaches: 1 ppm (SPEC 11).
+            // The reply reports what the timer reaches: 1 ppm (SPEC 11).
             let error = taken.value.get() / value - 1.0;
             assert!(error.abs() < 1e-6, "{given}: {}", taken.value.get());
             assert_eq!(taken.held, held, "{given}");
@@ -424,7 +427,7 @@ fn standby_of_both_channels_wants_both_to_be_pwm() {
     b.done(second(2, 10.0));
     b.done(second(0, 100.0));
     assert_eq!(output(b), [false, false], "it is off");
-    // The one of a channel does not look at the other.
+    // The command for one channel ignores the other.
     b.done(second(2, 10.0));
     b.done(standby(1, 5.0, 50.0));
     assert_eq!(output(b), [true, false]);
@@ -464,7 +467,7 @@ fn a_width_that_reaches_the_period_is_told() {
         assert_eq!(b.done(width(49)).held, 0);
         let taken = b.done(width(1000));
         assert_eq!((taken.value.get(), taken.held), (1000.0, LIMITED));
-        // The bounds hold the rate.
+        // The bounds limit the rate.
         assert_eq!(b.done(mode(1, 0.5, 0.0)).held, 0);
         assert_eq!(b.done(mode(1, 1.0, 0.0)).held, LIMITED);
         assert_eq!(b.done(mode(0, 100.0, 0.0)).held, 0);

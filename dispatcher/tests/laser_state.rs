@@ -1,5 +1,5 @@
-//! What laser commands do to a channel, in both lanes and families: settings that arrive in the tick, light by the
-//! script clock, faults and who may clear them, link loss.
+//! Effects of laser commands on a channel, in both lanes and families: settings that arrive in the
+//! tick, light by the script clock, faults and who may clear them, link loss.
 mod bench;
 use bench::{Bench, MS, body, entry, sleep};
 use protocol::command::*;
@@ -127,7 +127,7 @@ fn light_follows_the_script_clock_in_both_families() {
     for family in [GUS, LSR] {
         let mut bench = bench(family);
         prepared(&mut bench, family, 0);
-        // Delays: GUS applies them always, LSR where the mode says so.
+        // Delays: GUS applies them always, LSR if the mode says so.
         for (delay_mode, us) in [(0, if family == GUS { 60 } else { 0 }), (1, 60)] {
             bench.done(mode(0, 100.0, 0.0, 0, delay_mode));
             bench.done(delays(90, 30, 0));
@@ -178,7 +178,7 @@ fn reads_tell_the_command_and_the_output() {
         assert_eq!((now.commanded, now.gate, now.light, now.fault.get()), (1, 1, 1, 0));
         assert_eq!((now.power.get(), told(&mut bench)), (40.0, 40.0));
         assert!((now.frequency.get() - 10.0).abs() < 1e-5, "{}", now.frequency.get());
-        // The bounds hold what is output.
+        // The bounds limit the output.
         bench.done(mode(0, 30.0, 0.0, 1, 1));
         bench.run_ms(1);
         assert_eq!(told(&mut bench), 30.0);
@@ -188,7 +188,7 @@ fn reads_tell_the_command_and_the_output() {
         bench.run_ms(2);
         let now = status(&mut bench);
         assert_eq!((now.gate, now.light, now.power.get(), now.frequency.get()), (0, 0, 0.0, 0.0));
-        // A width that reaches the period: limited, and told.
+        // A width that reaches the period: limited, and reported.
         bench.done(mode(1, 20.0, 0.0, 1, 1));
         bench.done(SetPulseWidth { core: 1.into(), width_us: 200.into(), channel: 1.into() });
         bench.done(power(10.0, 1));
@@ -208,7 +208,7 @@ fn a_power_command_tells_what_the_timers_reach() {
         let mut bench = bench(family);
         prepared(&mut bench, family, 0);
         bench.done(SetPulseWidth { core: 1.into(), width_us: 10.into(), channel: 0.into() });
-        // What is asked in a mode, and how far off the timers may be (SPEC 11).
+        // The value asked for in a mode, and the tolerance of the timers (SPEC 11).
         for (of, asked, within) in [(0, 100.0 / 3.0, 1e-3), (1, 7.123_457_1, 7.2e-6)] {
             bench.done(mode(of, [100.0, 20.0][of as usize], 0.0, 0, 0));
             let told = bench.done(power(asked, 0)).value.get();
@@ -224,7 +224,7 @@ fn a_power_command_tells_what_the_timers_reach() {
             assert!((told - reached).abs() < 1e-12 && told != asked, "{told}, {reached} reached");
             assert!((told - asked).abs() < within, "{told}");
         }
-        // The bounds hold it.
+        // The bounds limit it.
         bench.done(mode(0, 30.0, 10.0, 0, 0));
         for (asked, told) in [(40.0, 30.0), (0.0, 10.0), (20.0, 20.0)] {
             assert_eq!(bench.done(power(asked, 0)).value.get(), told);
@@ -255,7 +255,7 @@ fn another_resolution_holds_what_is_set() {
     let other = seen(&mut bench, 1);
     assert_eq!(other.carrier.map(|carrier| units(carrier.khz())), Some(20.0));
     assert_eq!((units(other.khz), units(other.power)), (24.0, 50.0), "standby");
-    // Back: what was held stays so.
+    // Back: limited values stay limited.
     bench.done(resolution(0));
     bench.run_ms(1);
     assert_eq!(units(seen(&mut bench, 0).direct), 24.0);
@@ -279,7 +279,7 @@ fn a_family_and_a_reset_put_the_channels_to_power_on() {
                 bench.done(Choose { profile: 0, family: LSR });
             }
             _ => {
-                // What is chosen already is no change.
+                // A choice of the present values is no change.
                 bench.done(Choose { profile: 0, family: LSR });
                 bench.run_ms(1);
                 assert!(seen(&mut bench, 0).light);
@@ -462,7 +462,7 @@ fn a_program_stops_at_a_faulted_laser_and_may_clear_it_first() {
 fn in_a_program_each_reply_tells_its_own_numbers() {
     let mut bench = bench(LSR);
     let mut program: Vec<_> = [10.0, 101.0, -1.0, 55.5].into_iter().map(|value| entry(power(value, 0))).collect();
-    // A Calculate command keeps its numbers in the same row.
+    // A Calculate command keeps its numbers in the same queue.
     let calculate = PvtPercentCalculate { core: 1.into(), count: 2.into(), first: 0.into(), vel_begin: 1.0.into() };
     let point = |time: f64, pos: f64| PvtPercentPoint { time: time.into(), pos: pos.into(), percent: 0.0.into() };
     let points = [point(0.0, 0.0), point(10.0, 30.0)];
@@ -502,7 +502,7 @@ fn a_lost_link_puts_out_light() {
         }
         let after = bench.now().0 - cut_at;
         assert!((495 * MS..=502 * MS).contains(&after), "{after} ns");
-        // Only what had light, or might have had it, is kept dark.
+        // Only channels that had light, or might have had it, are kept dark.
         assert_eq!((seen(&mut bench, 0).fault, seen(&mut bench, 1).fault), (Cause::LinkLost, Cause::None));
         assert!(seen(&mut bench, 0).cause_lasts && !seen(&mut bench, 0).commanded);
         bench.cut = false;
@@ -523,7 +523,7 @@ fn a_lost_link_puts_out_light() {
     }
 }
 
-/// What happened by itself, by time, kind, number and reason; what was told before is left out.
+/// Events that no command caused, by time, kind, number and reason, since the last call.
 fn events(bench: &mut Bench<8>, told: &mut u32) -> Vec<(u64, u8, u8, u16)> {
     let answer = bench.call(GetEvents {});
     let reply = answer.reply::<GetEvents>();
@@ -561,7 +561,7 @@ fn what_happened_is_told_with_time_and_reason() {
     bench.run_ms(1);
     let new: Vec<_> = events(&mut bench, &mut told).iter().map(|e| (e.1, e.2, e.3)).collect();
     assert_eq!(new, [(3, 0, 0), (3, 0, 3), (3, 1, 3), (5, 0, 1)]);
-    // More than are held: the last ones.
+    // More events than are kept: the last ones.
     for _ in 0..20 {
         bench.done(ClrLaserFault { core: 1.into(), channel: 0.into() });
         bench.run_ms(1);
@@ -629,7 +629,7 @@ fn the_immediate_lane_sets_no_laser_beside_a_program() {
     ] {
         assert_eq!(lane_0.reason(), Reason::ProgramRuns);
     }
-    // What makes dark, and what clears, is taken.
+    // Commands that switch off or clear are accepted.
     bench.done(switch(0, 0));
     bench.done(LaserOff { core: 1.into(), channel: 0.into() });
     bench.done(ClrLaserFault { core: 1.into(), channel: 0.into() });

@@ -1,4 +1,4 @@
-//! The counts of every product (GXN tables 5-1 to 5-3) and what lies one beyond them.
+//! The counts of every product (GXN tables 5-1 to 5-3), and the first value beyond each.
 mod bench;
 
 use bench::crd::*;
@@ -151,13 +151,14 @@ fn coordinate_systems_are_those_of_the_tick() {
             let read = GetLaserCrdMap { core: core.into(), channel: 0.into() };
             assert_eq!(bench.done(read).value.get(), mask - 1, "{name} at {tick}");
         }
-        // A shorter tick would take the last ones away from their axes.
+        // A shorter tick period would take the last ones away from their axes.
         if crds[0] < crds[1] {
             let short = SetTick { tick_us: 250.into() };
             let (code, reason, refusal) = bench.refused(short);
             assert_eq!((code, reason, refusal.axis.get()), (1, Reason::CrdNeedsTick, crds[0] + 1), "{name}");
             assert_eq!((refusal.low.get(), refusal.high.get()), (core.into(), crds[0].into()), "{name}");
-            // What follows in the same message meets the new tick, though it has not acted yet.
+            // What follows in the same message has the new tick period, though it has not acted
+            // yet.
             bench.done(Reset { core: core.into() });
             bench.done(AxisOn { core: core.into(), axis: 1.into() });
             bench.done(AxisOn { core: core.into(), axis: 2.into() });

@@ -1,5 +1,6 @@
-//! A board whose steps are limited (SPEC 5): data that is known to be faster is refused with its parameter and the limit, and
-//! changes nothing; what is not faster is taken, to the last bit where doubles allow it.
+//! A board whose step outputs are limited (SPEC 5): data known to be faster is refused with its
+//! parameter and the limit, and changes nothing. All other data is taken, to the last bit as far as
+//! doubles allow.
 mod bench;
 #[path = "../../servo/tests/chance/mod.rs"]
 mod chance;
@@ -100,7 +101,7 @@ fn pt_batches_are_all_or_none() {
     bench.done(PrfPt { core: 1.into(), profile: 1.into(), mode: 0.into() });
     let space = PtSpace { core: 1.into(), profile: 1.into(), fifo: 0.into() };
     let many = PtDataMany { core: 1.into(), profile: 1.into(), fifo: 0.into(), count: 3.into() };
-    // Up to 1000, on, and down from 1000 in a millisecond; the last one is from 2·501.
+    // Up to 1000, constant, and down from 1000 in a millisecond; the last one begins at 2·501.
     let bad = [pt_item(500.0, 1, 0), pt_item(1500.0, 2, 0), pt_item(2001.0, 3, 2)];
     let told = text(&mut bench, many, &bad);
     assert_eq!(told, "PtDataMany: pos: this segment's speed is 1002 pulse/ms; the limit is 1000 (item 3)");
@@ -195,7 +196,7 @@ fn pvt_tables() {
     }
     let whole = "PvtTablePercent: vel_begin: this segment's speed is 1000.0000000000001 pulse/ms; the limit is 1000";
     is(Kind::Percent(up), &[&[0.0, 0.0, 0.0], &[2.0, 1000.0, 0.0]], whole);
-    // Continuous: a cruise at velMax, which may be above the limit where it is not reached.
+    // Continuous: a cruise at velMax, which may be above the limit if it is not reached.
     let leg = |pos: f64, vel_max: f64| [pos, 0.0, 50.0, vel_max, 1.0, 1.0];
     is(Kind::Continuous, &[&leg(0.0, LIMIT), &leg(3e6, 1.0)], "");
     let told =
@@ -302,7 +303,7 @@ fn lines_by_the_share_of_each_axis() {
     bench.done(line(3000, 4000, 1250.0, 1.0));
     bench.done(line(4000, 4000, LIMIT, 1.0));
     assert_eq!(space(&mut bench, 0), free - 2);
-    // What synVelMax holds is not faster.
+    // A speed limited by synVelMax is not faster.
     let mut bench = limited();
     bench.servo_on(1);
     bench.servo_on(2);
@@ -327,7 +328,7 @@ fn many_lines_are_all_or_none() {
     assert_eq!(space(&mut bench, 0), free - 2);
 }
 
-/// Without look-ahead a motion is entered at the speed at which the one before ends.
+/// Without look-ahead a motion begins at the speed at which the one before ends.
 #[test]
 fn a_motion_is_entered_as_fast_as_the_one_before_ends() {
     let diagonal = |end: f64, x: i32| LnXY { vel_end: end.into(), ..line(x, x, 1400.0, 100.0) };
@@ -339,7 +340,7 @@ fn a_motion_is_entered_as_fast_as_the_one_before_ends() {
     let (head, items) = many(&[(40_000, 20_000)], 500.0, 0.0);
     let told = text(&mut bench, head, &items);
     assert!(told.contains("axis 1 would go at 1400 pulse/ms"), "{told}");
-    // At rest in between.
+    // At standstill in between.
     let (core, crd, fifo) = (1.into(), 1.into(), 0.into());
     bench.done(BufDelay { core, crd, delay_ms: 1.into(), fifo });
     bench.done(line(40_000, 20_000, 500.0, 100.0));
@@ -351,14 +352,14 @@ fn a_motion_is_entered_as_fast_as_the_one_before_ends() {
     bench.done(LnXY { vel_end: 1400.0.into(), ..line(3006, 4008, 1240.0, 100.0) });
     let told = text(&mut bench, line(40_000, 4008, 500.0, 100.0), &[]);
     assert!(told.contains("axis 1 would go at 1000.99"), "{told}");
-    // The next one brakes, the one behind it is slow enough.
+    // The next one brakes, the one after it is slow enough.
     let mut bench = prepared();
     bench.done(diagonal(1400.0, 20_000));
     bench.done(LnXY { syn_vel: 500.0.into(), ..diagonal(500.0, 40_000) });
     bench.done(line(60_000, 40_000, 500.0, 100.0));
 }
 
-/// The greatest part that each coordinate has of the direction of an arc.
+/// The greatest share that each coordinate has in the direction of an arc.
 #[test]
 fn arcs_by_what_they_pass() {
     // From (0, 0) about (0, r): counterclockwise the direction turns from +X to +Y in a quarter.
@@ -432,13 +433,13 @@ fn axes_that_go_along_or_aside() {
     let mut bench = prepared();
     bench.done(gear(3, -500));
     bench.done(gear(4, 2000));
-    // Axis 4 goes twice as far as the path.
+    // Axis 4 moves twice as far as the path.
     let told = text(&mut bench, line(1000, 0, 501.0, 1.0), &[]);
     assert_eq!(told, "LnXY: syn_vel: axis 4 would go at 1002 pulse/ms; the board's steps are limited to 1000");
     let told = text(&mut bench, line(1000, 0, 500.0000001, 1.0), &[]);
     assert!(told.contains("axis 4 would go at 1000.0000002"), "{told}");
     bench.done(line(1000, 0, 500.0, 1.0));
-    // Nothing goes along with the next one.
+    // The next one has no gear.
     bench.done(line(2000, 0, LIMIT, 1.0));
     let aside = |vel: f64| BufMove {
         core,
@@ -458,7 +459,7 @@ fn axes_that_go_along_or_aside() {
     );
 }
 
-/// With look-ahead the limits of coordinates hold a motion first.
+/// With look-ahead the limits of coordinates limit a motion first.
 #[test]
 fn look_ahead() {
     let mut bench = prepared();
@@ -471,7 +472,7 @@ fn look_ahead() {
     let limit = |vel: f64| SetCrdLimit { core, crd, coordinate: 1.into(), vel_max: vel.into(), acc_max: 0.0.into() };
     bench.done(limit(LIMIT));
     bench.done(line(1000, 0, 1001.0, 1.0));
-    // What waits keeps its limits, and so does what comes behind it.
+    // Waiting motions keep their limits, and so do those after them.
     bench.done(limit(0.0));
     bench.done(line(2000, 0, 1001.0, 1.0));
     bench.done(flush());
@@ -483,7 +484,7 @@ fn look_ahead() {
     bench.done(line(3000, 0, 1001.0, 1.0));
 }
 
-/// An axis that is held to the limit goes at it, and no tick of it is longer.
+/// An axis at the limit keeps it, and no tick of it is longer.
 #[test]
 fn what_is_taken_keeps_it() {
     let mut bench = prepared();

@@ -1,8 +1,10 @@
 //! Several commands or replies in one message.
 //!
-//! In and out: byte buffers. A message is a row of records, each a head and a body of `len` bytes. A
-//! record whose body does not have its command's length is refused by itself; one that reaches beyond
-//! the end of the message is reported and ends the message, since nothing behind it can be found.
+//! In and out: byte buffers. A message is a sequence of records, each a head and a body of `len`
+//! bytes.
+//! Fails: a record whose body does not have its command's length is refused by itself. One that
+//! reaches beyond the end of the message is reported and ends the message, since nothing after it
+//! can be found.
 //! Nothing here knows a command: [`Request`](crate::command::Request) names the layouts.
 
 use crate::command::{Request, Wire, wire_structs};
@@ -23,19 +25,19 @@ wire_structs! {
 /// Longest body of a request: with its head it fills a message.
 pub const BODY_MAX: usize = MAX_PAYLOAD - size_of::<RequestHead>();
 
-/// Most bytes of items that a client puts into one request; a controller takes all that a message holds. What is more
-/// goes in requests of its own, one after the other.
+/// Most bytes of items that a client puts into one request; a controller takes all that a message
+/// holds. More items need further requests.
 pub const ITEM_BYTES: usize = 960;
 
-/// Where a request goes.
+/// The lane of a request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Lane {
     /// At once.
     Immediate = 0,
-    /// Behind the entries of the program queue; a failure there ends the program.
+    /// After the entries of the program queue; a failure there ends the program.
     Program = 1,
-    /// The same, but a program goes on behind the entry if it is refused.
+    /// The same, but a program goes on after the entry if it is refused.
     ProgramMayFail = 2,
 }
 
@@ -47,10 +49,11 @@ pub const TRACE_RECORD: u16 = 0x0017;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Full;
 
-/// A record that reaches beyond its message, a rest too short for a head, or a lane that does not exist.
+/// A record that reaches beyond its message, a remainder too short for a head, or a lane that does
+/// not exist.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Malformed {
-    /// Where the record begins in the message.
+    /// Index of the record's first byte in the message.
     pub at: usize,
     /// Number and tag, if the head was there.
     pub head: Option<(u16, u16)>,
@@ -79,7 +82,7 @@ pub struct RequestRecord<'a> {
     pub opcode: u16,
     /// To be repeated in the reply.
     pub tag: u16,
-    /// Where it goes.
+    /// Its lane.
     pub lane: Lane,
     /// Struct and items.
     pub body: &'a [u8],
@@ -141,7 +144,7 @@ pub enum ReplyError {
     Length,
 }
 
-/// Items behind a struct.
+/// Items after a struct.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Items<'a, T> {
     bytes: &'a [u8],
@@ -159,7 +162,7 @@ impl<'a, T: Wire> Items<'a, T> {
         self.bytes.is_empty()
     }
 
-    /// One after the other.
+    /// One after another.
     pub fn iter(&self) -> impl Iterator<Item = T> + use<'a, T> {
         // A layout of no bytes has no items, and chunks of no bytes do not exist.
         self.bytes.chunks_exact(size_of::<T>().max(1)).filter_map(|bytes| T::read_from_bytes(bytes).ok())
@@ -241,7 +244,7 @@ impl<'a> Iterator for Replies<'a> {
     }
 }
 
-/// A record's place, head and body.
+/// A record's index, head and body.
 type Found<'a, H> = Result<(usize, H, &'a [u8]), Malformed>;
 
 #[derive(Debug, Clone)]
@@ -276,7 +279,7 @@ impl<'a> Cursor<'a> {
     }
 }
 
-/// Writes requests one behind the other.
+/// Writes requests one after another.
 #[derive(Debug)]
 pub struct RequestWriter<'a> {
     row: Row<'a>,
@@ -316,7 +319,7 @@ impl<'a> RequestWriter<'a> {
     }
 }
 
-/// Writes replies one behind the other.
+/// Writes replies one after another.
 #[derive(Debug)]
 pub struct ReplyWriter<'a> {
     row: Row<'a>,

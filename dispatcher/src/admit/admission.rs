@@ -1,7 +1,7 @@
-//! What admits the commands of both lanes: configuration, shadow state, stores and the immediate lane.
+//! Admission for both lanes: configuration, shadow state, stores and the immediate lane.
 //!
-//! In: records, the view. Out: staged operations; data and points in the stores. Owns: both sets of shadow state, the
-//! configuration, the immediate lane, the trace and the event log.
+//! In: records, the view. Out: staged operations; data and points in the stores. Owns: both copies
+//! of the shadow state, the configuration, the immediate lane, the trace and the event log.
 //! Fails: with a refusal, and then nothing has changed.
 use super::context::{Context, Due, Effect};
 use super::data::{self, FifoOf};
@@ -29,7 +29,7 @@ use servo::tick::IMMEDIATE;
 use servo::units::CrdMask;
 use servo::view::View;
 
-/// An admission by the parts of an [`Admission`], of which only `$staged` is borrowed to be changed.
+/// A [`Context`] from the fields of an [`Admission`], of which only `$staged` is borrowed mutably.
 macro_rules! context {
     ($admission:ident, $view:expr, $due:expr, $staged:expr) => {
         Context {
@@ -56,19 +56,19 @@ pub struct Admission<'a, const AXES: usize> {
     pub stores: &'a [SegmentStore; AXES],
     /// FIFOs of coordinate systems.
     pub entries: PathStores<'a>,
-    /// What leads to them.
+    /// The look-aheads that feed them.
     pub queues: &'a mut [[PathQueue; 2]],
-    /// When a path that runs wants to be looked at, controller time in ns; the end of time where none does.
+    /// When a path that runs needs more entries, controller time in ns; `u64::MAX` if none does.
     pub feed_due: u64,
     /// PVT tables.
     pub tables: TableStores<'a>,
-    /// The one that is being sent.
+    /// The PVT table that is being sent.
     pub loading: Loading,
-    /// That of a laser channel.
+    /// The table of a laser channel that is being sent.
     pub laser_loading: tables::Loading,
-    /// Books after everything executed.
+    /// State after everything executed.
     pub executed: Shadows<AXES>,
-    /// Books after everything admitted.
+    /// State after everything admitted.
     pub admitted: Shadows<AXES>,
     /// Operations of the command in hand.
     pub staged: Staged,
@@ -76,7 +76,7 @@ pub struct Admission<'a, const AXES: usize> {
     pub lane: Lane<'a, IMMEDIATE>,
     /// The trace.
     pub trace: TraceOut<AXES>,
-    /// What happened by itself.
+    /// Events that no command caused.
     pub log: Log,
 }
 
@@ -116,7 +116,7 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
         admission
     }
 
-    /// Admits a command on the *ahead* books; its operations are staged.
+    /// Admits a command on the admitted state; its operations are staged.
     pub fn admit(&mut self, view: &View<AXES>, due: Due, number: u16, body: &[u8]) -> Admitted<(Answer, Effect)> {
         self.staged.clear();
         let mut context = context!(self, view, due, self.staged);
@@ -149,7 +149,8 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
         Ok((answer, context.effect))
     }
 
-    /// Admits data of a FIFO, writes it to the store and enters it into the *ahead* books; its commit is still to come.
+    /// Admits data of a FIFO, writes it to the store and enters it into the admitted state; its
+    /// commit follows.
     pub fn admit_data(&mut self, view: &View<AXES>, due: Due, number: u16, body: &[u8]) -> Admitted<data::Written> {
         let context = context!(self, view, due, self.staged);
         let stores = data::Stores { segments: self.stores, entries: self.entries, queues: &mut *self.queues };
@@ -163,7 +164,8 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
         }
         data::enter(&mut self.admitted, &written, end);
         if let (FifoOf::Crd(crd), Some((channel, table))) = (written.of, written.named) {
-            // Also where the program is dropped before its commit: it says too much then, until the FIFO is empty.
+            // Also if the program is dropped before its commit: the table counts as named until the
+            // FIFO is empty.
             for shadows in [&mut self.executed, &mut self.admitted] {
                 shadows.name_follow_table(channel, table, crd, written.fifo);
             }
@@ -171,7 +173,7 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
         Ok(written)
     }
 
-    /// Answers a Calculate command of `lane` by way of `sent`, which says whether it had room.
+    /// Answers a Calculate command of `lane` through `sent`, which returns whether it had room.
     pub fn calculate(
         &mut self,
         view: &View<AXES>,
@@ -184,7 +186,7 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
         self.loading.calculate(&context, self.tables.points, lane, number, body, sent)
     }
 
-    /// Stages one item of a LoadConfig that was admitted; false behind the last.
+    /// Stages one item of a LoadConfig that was admitted; false after the last.
     pub fn stage_config(&mut self, view: &View<AXES>, body: &[u8], item: u16) -> bool {
         self.staged.clear();
         let Ok((request, items)) = many::<LoadConfig>(body, |r| r.count.get()) else { return false };
@@ -194,7 +196,7 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
         config_item(&mut context, request.core.get(), item).is_ok()
     }
 
-    /// Does what a command does beside its operations; `seq` is its last entry.
+    /// Applies what a command does besides its operations; `seq` is its last entry.
     pub fn apply(&mut self, effect: Effect, seq: u32) {
         match effect {
             Effect::None | Effect::Config | Effect::Took(_) => {}
@@ -203,7 +205,8 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
         }
     }
 
-    /// Empties what a program that was dropped has overwritten. False if the lane has no room for it now.
+    /// Empties the FIFOs that a dropped program has overwritten. False if the lane has no room for
+    /// it now.
     pub fn empty_invalid(&mut self) -> bool {
         while let Some((op, change)) = self.admitted.revalidate() {
             if !self.lane.push(op, change, 0, &mut self.admitted) {
@@ -213,8 +216,8 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
         true
     }
 
-    /// Stages a WaitStop; false if it cannot be now. What a coordinate system waits for ends with what it was given so far,
-    /// so that all of it leaves the look-ahead.
+    /// Stages a WaitStop; false if it cannot be now. The wait for a coordinate system ends with the
+    /// data given so far, so all of it leaves the look-ahead.
     pub fn wait_stop(&mut self, view: &View<AXES>, due: Due, wait: &WaitStop) -> Admitted<bool> {
         self.staged.clear();
         let mut staged = Staged::new();
@@ -222,7 +225,7 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
         let axes = context.mask(wait.core.get(), wait.axes.get(), 1)?;
         let crds = context.crds_waited_for(wait.core.get(), wait.crds.get(), 2)?;
         let all = CrdMask(crds.0 | self.admitted.drivers(axes).0);
-        // Else nothing that it names runs at its instant, which is yet to come.
+        // Otherwise nothing that it names runs at its instant, which is yet to come.
         let runs = all.0 != 0 || due.until_ns == 0 || context.each(axes).any(|axis| context.may_run(axis));
         if !all.crds().all(|crd| self.flush_path(view, crd, due.near)) {
             return Ok(false);
@@ -233,7 +236,7 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
         Ok(true)
     }
 
-    /// What replies are built from.
+    /// The view and the state that replies are built from.
     pub fn reading<'d>(&'d self, view: &'d View<AXES>) -> Reading<'d, AXES> {
         let Admission { executed, configuration, board, log, .. } = self;
         Reading { view, executed, configuration, board, log, tables: self.tables.lasers }

@@ -41,7 +41,7 @@ pub fn stop<const AXES: usize>(context: &mut Context<AXES>, r: &Stop) -> Admitte
         return Err(Refused::new(Reason::OutOfRange).field(1).got(f64::from(mask.cast_unsigned())).limits(0.0, 4095.0));
     }
     let axes = context.mask(r.core.get(), if gt { mask & 0xff } else { mask }, 1)?;
-    // Only option bits of named axes mean anything.
+    // Option bits of other axes are ignored.
     let abrupt = context.mask(r.core.get(), option & if gt { mask & 0xff } else { mask }, 2)?;
     let (named, hard) = if gt { (mask >> 8 & 3, option >> 8 & 3) } else { (0, 0) };
     let crds = context.crd_mask(r.core.get(), named, 1)?;
@@ -183,7 +183,7 @@ fn limits<const AXES: usize>(
 }
 
 /// Bit 2k is the positive, bit 2k + 1 the negative limit of axis k + 1; 1 is active low. The word
-/// reaches the first 8 axes of a core; bits of axes that the core does not have mean nothing.
+/// covers the first 8 axes of a core; bits of axes that the core does not have are ignored.
 pub fn limit_sense<const AXES: usize>(context: &mut Context<AXES>, r: &LmtSns) -> Admitted<Answer> {
     let axes = context.core_mask(r.core.get())?;
     let sense = r.sense.get();

@@ -1,8 +1,8 @@
-//! What an admission may look at, and the checks that all commands share.
+//! The context of an admission, and the checks that all commands share.
 //!
-//! In: the newest view, the books of what was admitted, the counts of the profile. Out: checked axes,
-//! spans and masks, staged operations. An admission changes nothing itself: it stages, and its caller
-//! pushes when the whole command is known to be right.
+//! In: the newest view, the admitted state, the counts of the profile. Out: checked axes, spans and
+//! masks, staged operations. An admission changes nothing itself: it stages. Its caller pushes when
+//! the whole command is known to be right.
 use super::staged::Staged;
 use crate::board::Board;
 use crate::configuration::{Configuration, ones};
@@ -24,9 +24,9 @@ pub struct Due {
     pub decided: bool,
     /// Its instant is near: a look-ahead may take what is given to a path that runs.
     pub near: bool,
-    /// From the view to the instant, ns; `u64::MAX` where nobody knows.
+    /// From the view to the instant, ns; `u64::MAX` if it is not known.
     pub until_ns: u64,
-    /// It acts on the first tick of a program that is held: axes at rest stay so.
+    /// It acts on the first tick of a program that is held: axes at standstill stay so.
     pub first: bool,
     /// Script clock of the instant, ns, if no WaitStop takes time before it.
     pub script_ns: u64,
@@ -35,11 +35,11 @@ pub struct Due {
 }
 
 impl Due {
-    /// At once; `decided` where nothing is on its way before it.
+    /// At once; `decided` if nothing before it is in flight.
     pub const fn at_once(decided: bool) -> Due {
         Due { decided, near: true, until_ns: 0, first: false, script_ns: 0, wait: None }
     }
-    /// Nobody asks.
+    /// Not known, for a command to which it does not matter.
     pub const UNKNOWN: Due =
         Due { decided: false, near: false, until_ns: u64::MAX, first: false, script_ns: u64::MAX, wait: None };
 }
@@ -48,19 +48,19 @@ impl Due {
 pub struct Context<'x, const AXES: usize> {
     /// The newest view.
     pub view: &'x View<AXES>,
-    /// Books after everything that was admitted.
+    /// State after everything that was admitted.
     pub shadows: &'x Shadows<AXES>,
     /// Counts.
     pub configuration: &'x Configuration,
     /// Constants of the board.
     pub board: &'x Board,
-    /// Books after everything that was executed.
+    /// State after everything that was executed.
     pub executed: &'x Shadows<AXES>,
     /// When it acts.
     pub due: Due,
     /// Coordinate systems that the board holds.
     pub crds: usize,
-    /// Where the operations go.
+    /// Takes the operations.
     pub staged: &'x mut Staged,
     /// What else happens when the command is taken.
     pub effect: Effect,
@@ -69,26 +69,26 @@ pub struct Context<'x, const AXES: usize> {
 /// Positions of PT and of slaves lie within ± this many pulses.
 pub const TRAVEL_PULSES: f64 = (Pos::TRAVEL.0 >> Pos::FRAC_BITS) as f64;
 
-/// Most numbers that a laser command takes.
+/// Most values that a laser command takes.
 pub const TAKEN_MAX: usize = 4;
 
-/// What a command does in the thread beside its operations.
+/// What a command does in the thread besides its operations.
 #[derive(Debug, Clone, Copy)]
 pub enum Effect {
     /// Nothing.
     None,
-    /// The controller shows these counts from now on.
+    /// The controller has these counts from now on.
     Choose(Configuration),
     /// A trace of these axes, in a stream of its own or over the link.
     Trace { every: u32, columns: Columns, over_link: bool },
-    /// The numbers of [`Answer::Took`] that its lane keeps until then.
+    /// The values of [`Answer::Took`] that its lane keeps until then.
     Took([f64; TAKEN_MAX]),
     /// The items of this LoadConfig are pushed one by one.
     Config,
 }
 
 impl<'x, const AXES: usize> Context<'x, AXES> {
-    /// Stages an operation that changes no book.
+    /// Stages an operation that changes no shadow state.
     pub fn stage(&mut self, op: Op) {
         self.staged.add(op, Change::None);
     }
@@ -100,15 +100,17 @@ impl<'x, const AXES: usize> Context<'x, AXES> {
     pub fn sampled(&self, axis: Axis) -> &'x AxisView {
         &self.view.axes[axis.index().min(AXES - 1)]
     }
-    /// Whether the axis comes to the tick on which the command acts as the view shows it: no step of it comes between.
+    /// Whether the view shows the axis as the command will find it: the axis makes no step in
+    /// between.
     pub fn is_due(&self, axis: Axis) -> bool {
         let rests = self.sampled(axis).status & RUNNING == 0;
         self.due.until_ns < self.view.period.0 || self.due.first && rests
     }
-    /// Whether the places of a FIFO of PT or Follow may still be read by the tick, though its data is over in the lane.
+    /// Whether the tick may still read the slots of a FIFO of PT or Follow, though its data is over
+    /// in the lane.
     pub fn is_outgoing(&self, axis: Axis, fifo: u8) -> bool {
         let (shadow, sampled) = (self.shadow(axis), self.sampled(axis));
-        // Without a step in between, the tick reads the one FIFO that runs.
+        // Without a step in between, the tick reads only the FIFO that runs.
         if self.is_due(axis) && shadow.leaves_alone(self.view, sampled, fifo) {
             return false;
         }
@@ -118,7 +120,7 @@ impl<'x, const AXES: usize> Context<'x, AXES> {
             shadow.is_outgoing(self.view, sampled)
         }
     }
-    /// The axis's book.
+    /// The shadow state of the axis.
     pub fn shadow(&self, axis: Axis) -> &'x AxisShadow {
         self.shadows.axis(axis)
     }
@@ -139,14 +141,14 @@ impl<'x, const AXES: usize> Context<'x, AXES> {
             .filter(|axis| axis.index() < AXES)
             .ok_or_else(|| Refused::new(Reason::NotInitialised).axis(index as i16 + 1))
     }
-    /// The first of `count` axes of a core (fields 0, 1, 2) and how many of them there are: a read may reach past the last
-    /// one (GXN table 5-1, note 2).
+    /// The first of `count` axes of a core (fields 0, 1, 2) and how many of them exist: a read may
+    /// reach past the last one (GXN table 5-1, note 2).
     pub fn span(&self, core: i16, axis: i16, count: i16) -> Admitted<(Axis, u8)> {
         let first = self.axis(core, axis)?;
         let left = i16::from(self.configuration.profile.axes_per_core) - axis + 1;
         Ok((first, choice(2, count, 1, i16::MAX)?.min(left) as u8))
     }
-    /// `count` axes of a core as a set. All of them are there.
+    /// `count` axes of a core as a set. All of them exist.
     pub fn span_mask(&self, core: i16, axis: i16, count: i16) -> Admitted<AxisMask> {
         let (first, have) = self.span(core, axis, count)?;
         choice(2, count, 1, i16::from(have))?;
@@ -181,11 +183,11 @@ impl<'x, const AXES: usize> Context<'x, AXES> {
             .filter(|crd| crd.index() < self.crds)
             .ok_or_else(|| Refused::new(Reason::CrdNotOnBoard).axis(crd).limits(0.0, self.crds as f64))
     }
-    /// How many coordinate systems a core has at the servo tick on which the command acts.
+    /// How many coordinate systems a core has at the tick period at which the command acts.
     pub fn crds_per_core(&self) -> u8 {
         self.shadows.crds_per_core(&self.configuration.profile, self.view)
     }
-    /// A refusal of what is there at a longer tick says so.
+    /// Makes the refusal of a coordinate system that exists only at longer tick periods say so.
     fn of_tick<T>(&self, checked: Admitted<T>, most: u8) -> Admitted<T> {
         let fewer = most < self.configuration.profile.crds_per_core;
         checked.map_err(|refused| match refused.reason {
@@ -200,7 +202,7 @@ impl<'x, const AXES: usize> Context<'x, AXES> {
         let most = self.crds_per_core();
         self.of_tick(self.crds_among(core, bits, field, most), most)
     }
-    /// The same of a wait: those that are there at a longer tick are at rest.
+    /// The same for a wait: those that exist only at longer tick periods are at standstill.
     pub fn crds_waited_for(&self, core: i16, bits: i32, field: u8) -> Admitted<CrdMask> {
         self.crds_among(core, bits, field, self.configuration.profile.crds_per_core)
     }
@@ -225,7 +227,7 @@ impl<'x, const AXES: usize> Context<'x, AXES> {
     pub fn crd_seen(&self, crd: Crd) -> &'x CrdView {
         &self.view.crds[crd.index().min(Crd::MAX - 1)]
     }
-    /// Its book.
+    /// Its shadow state.
     pub fn crd_book(&self, crd: Crd) -> &'x CrdShadow {
         self.shadows.crd(crd)
     }
@@ -275,7 +277,7 @@ impl<'x, const AXES: usize> Context<'x, AXES> {
         if !on {
             return Err(self.no(Reason::ServoOff, axis));
         }
-        // With a ClrSts on its way only the tick can know.
+        // With a ClrSts in flight only the tick can know.
         let clearing = shadow.cleared.is_some_and(|seq| !executed(self.view, seq));
         if sampled.blocked != 0 && !clearing {
             return Err(self.no(Reason::AxisFault, axis).got(sampled.status.into()));

@@ -1,4 +1,5 @@
-//! Coordinate systems: their parameters, start and stop, what is read of them. Data of paths is in `crd_data`.
+//! Coordinate systems: their parameters, start and stop, their reads. Data of paths is in
+//! `crd_data`.
 use super::context::Context;
 use super::one;
 use crate::plan::geometry::{Position, position_of};
@@ -45,7 +46,7 @@ fn accel(field: u8, got: f64) -> Admitted<Accel> {
         .map_err(|_| Refused::new(Reason::OutOfRange).field(field).got(got).limits(ALONG_MIN, VALUE_MAX))
 }
 
-/// Fields of SetCrdPrm behind core and crd.
+/// Fields of SetCrdPrm after core and crd.
 mod field {
     pub const DIMENSION: u8 = 2;
     pub const PROFILE: u8 = 3;
@@ -88,7 +89,8 @@ fn frame<const AXES: usize>(context: &Context<AXES>, r: &SetCrdPrm) -> Admitted<
     Ok(Frame { dimension: dimension as u8, profile, first: first as u8, vel_max, acc_max, even_ms, set_origin, origin })
 }
 
-/// The axes are at rest and in no other coordinate system that drives them; they are in Crd mode from then on.
+/// The axes are at standstill and in no other coordinate system that drives them; they are in Crd
+/// mode from then on.
 pub fn set<const AXES: usize>(context: &mut Context<AXES>, r: &SetCrdPrm) -> Admitted<Answer> {
     let crd = context.crd(r.core.get(), r.crd.get())?;
     let frame = frame(context, r)?;
@@ -141,9 +143,11 @@ fn known<const AXES: usize>(context: &Context<AXES>, core: i16, crd: i16) -> Adm
     Ok(crd)
 }
 
-/// Where the coordinate system rests for what follows; none while only the tick knows.
+/// Position of the coordinate system at standstill for what follows; none while only the tick
+/// knows.
 ///
-/// Entries in flight that move nothing do not hide it: its axes are at rest, and where they are, less the zero, is its place.
+/// Entries in flight that move nothing do not hide it. Its axes are at standstill, and their
+/// positions, less the zero, are its position.
 pub fn position_at_standstill<const AXES: usize>(context: &Context<AXES>, crd: Crd) -> Option<Position> {
     let (shadow, sampled) = (context.crd_book(crd), context.crd_seen(crd));
     if let Some(here) = shadow.position_at_standstill(context.view, sampled) {
@@ -158,7 +162,8 @@ pub fn position_at_standstill<const AXES: usize>(context: &Context<AXES>, crd: C
         let zero = if frame.set_origin {
             Pos::pulses(frame.origin.get(axis.index() - usize::from(frame.first)).copied().unwrap_or(0))
         } else if of.placed.is_none_or(|(seq, _)| executed(context.view, seq)) {
-            // A SetCrdPrm before what made the place unknown has been executed, too.
+            // A SetCrdPrm may precede what made the position unknown; then it has been executed,
+            // too.
             seen_zero
         } else {
             return None;
@@ -168,12 +173,12 @@ pub fn position_at_standstill<const AXES: usize>(context: &Context<AXES>, crd: C
     Some(position)
 }
 
-/// Both FIFOs are cleared at rest only.
+/// Both FIFOs are cleared at standstill only.
 pub fn clear<const AXES: usize>(context: &mut Context<AXES>, r: &CrdClear) -> Admitted<Answer> {
     let crd = known(context, r.core.get(), r.crd.get())?;
     let fifo = fifo(2, r.fifo.get())?;
     context.crd_at_standstill(crd)?;
-    // Nothing moves by it.
+    // It moves nothing.
     let here = position_at_standstill(context, crd);
     context.stage_with(Op::CrdClear { crd, fifo }, Change::Crd { crd, change: CrdChange::Emptied { fifo, here } });
     Ok(Answer::Done)
@@ -196,8 +201,8 @@ fn startable<const AXES: usize>(context: &Context<AXES>, crd: Crd, fifo: u8) -> 
     super::axis::all_startable(context, frame.mask())
 }
 
-/// Starts all coordinate systems of the mask on one tick, or none. Of what waits in a look-ahead the first of it goes
-/// to the tick; the rest follows in time, or at the flush.
+/// Starts all coordinate systems of the mask on one tick, or none. The tick gets the first part of
+/// a look-ahead; the rest follows in time, or at the flush.
 pub fn start<const AXES: usize>(
     context: &mut Context<AXES>,
     queues: &mut [[PathQueue; 2]],
@@ -208,7 +213,7 @@ pub fn start<const AXES: usize>(
     if crds.0 == 0 {
         return Ok(Answer::Done);
     }
-    // Option bits of others mean nothing.
+    // Option bits of others are ignored.
     let fifo1 = context.crd_mask(r.core.get(), (r.option.get() & r.mask.get()).into(), 2)?;
     for crd in crds.crds() {
         startable(context, crd, fifo1.has(crd).into())?;
@@ -241,7 +246,7 @@ pub fn stop<const AXES: usize>(context: &mut Context<AXES>, r: &CrdStop) -> Admi
     Ok(Answer::Done)
 }
 
-/// An abrupt stop takes no time (SPEC 4), so its deceleration is kept, and has no effect.
+/// An abrupt stop takes no time (SPEC 4), so its deceleration is kept and has no effect.
 pub fn stop_dec<const AXES: usize>(context: &mut Context<AXES>, r: &SetCrdStopDec) -> Admitted<Answer> {
     let crd = known(context, r.core.get(), r.crd.get())?;
     let (smooth, abrupt) = (between(2, r.smooth.get())?, between(3, r.abrupt.get())?);
@@ -271,8 +276,8 @@ pub fn set_follow_filter<const AXES: usize>(context: &mut Context<AXES>, r: &Set
     Ok(Answer::Done)
 }
 
-/// `count` 0 switches the look-ahead off; more than the board holds are taken as that many. The FIFO is empty, or all
-/// of it has run.
+/// `count` 0 switches the look-ahead off; a count above the board's is limited to it. The FIFO is
+/// empty, or all of it has run.
 pub fn look_ahead<const AXES: usize>(context: &mut Context<AXES>, r: &InitLookAhead) -> Admitted<Answer> {
     let crd = known(context, r.core.get(), r.crd.get())?;
     let fifo = fifo(2, r.fifo.get())?;
@@ -290,8 +295,8 @@ pub fn look_ahead<const AXES: usize>(context: &mut Context<AXES>, r: &InitLookAh
     Ok(Answer::Done)
 }
 
-/// Limits of one coordinate for look-ahead; 0 takes the limit away. They hold for motions given from now on to a
-/// look-ahead that is empty.
+/// Limits of one coordinate for look-ahead; 0 removes the limit. They hold for motions given from
+/// now on to an empty look-ahead.
 pub fn limit<const AXES: usize>(context: &mut Context<AXES>, r: &SetCrdLimit) -> Admitted<Answer> {
     let crd = known(context, r.core.get(), r.crd.get())?;
     let dimension = i16::from(context.frame(crd)?.dimension);
@@ -306,7 +311,7 @@ fn query(opcode: u16, crd: Crd, which: u8) -> Answer {
     Answer::Read(Query { opcode, first: crd.index() as u8, count: 1, which })
 }
 
-/// At rest the books alone say it; while it runs the tick does.
+/// At standstill the shadow state decides; during motion the tick does.
 pub fn space<const AXES: usize>(context: &mut Context<AXES>, r: &CrdSpace) -> Admitted<Answer> {
     let crd = known(context, r.core.get(), r.crd.get())?;
     let fifo = fifo(2, r.fifo.get())?;

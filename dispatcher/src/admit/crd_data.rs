@@ -1,10 +1,13 @@
-//! What FIFOs of coordinate systems are given: motions, and entries between them.
+//! Data of the FIFOs of coordinate systems: motions, and entries between them.
 //!
-//! In: a data command. Out: entries in the look-ahead or the store, and what the books are to say of the FIFO. Fails:
-//! with the parameter and the limit, and then nothing has changed: all is checked before the first entry is put in.
+//! In: a data command. Out: entries in the look-ahead or the store, and the FIFO's new shadow
+//! state.
+//! Fails: with the parameter and the limit, and then nothing has changed: all is checked before the
+//! first entry is stored.
 //!
-//! Every command becomes a [`DataCommand`]; [`put`] does the rest. A command of another chapter that goes into a FIFO (a
-//! buffered laser change) makes a `DataCommand` of its own, with [`Item::Entry`].
+//! Every command becomes a [`DataCommand`]; [`put`] does the rest. A command of another chapter
+//! that goes into a FIFO (a buffered laser change) makes a `DataCommand` of its own, with
+//! [`Item::Entry`].
 mod given;
 
 use super::context::Context;
@@ -24,10 +27,10 @@ use protocol::reason::Reason;
 use servo::path::{Along, DIMENSIONS, Entry, EntryStore, PathStores, Plane};
 use servo::units::{Axis, Crd};
 
-/// Axes that go along with one motion.
+/// Most gears of one motion.
 const GEARS: u32 = 4;
 
-/// Speeds of a motion as they hold.
+/// The speeds of a motion after limitation.
 #[derive(Debug, Clone, Copy)]
 struct Held {
     vel: f64,
@@ -36,13 +39,14 @@ struct Held {
     along: Along,
 }
 
-/// The next number below that 32 bits hold.
+/// The next lower number that 32 bits hold.
 fn down(x: f64) -> f32 {
     let near = x as f32;
     if f64::from(near) > x { f32::from_bits(near.to_bits() - 1) } else { near }
 }
 
-/// Whether a share of a speed is above a limit. What doubles round is not held against it, where it is not all of the speed.
+/// Whether a share of a speed is above a limit. The rounding of doubles is tolerated, unless the
+/// share is 1.
 fn is_faster(vel: f64, share: f64, limit: f64) -> bool {
     const ROUNDED: f64 = 4.0 * f64::EPSILON;
     if share == 1.0 { vel > limit } else { vel * share > limit * (1.0 + ROUNDED) }
@@ -62,18 +66,18 @@ struct Filling<'x> {
     shadow: &'x CrdShadow,
     frame: &'x Frame,
     path: &'x PathShadow,
-    /// Where the next motion begins; NaN for a coordinate of which only the tick knows.
+    /// Where the next motion begins; NaN for a coordinate that only the tick knows.
     begin: Position,
     space: u32,
-    /// The path may run, and has a look-ahead: what leaves it is for the tick at once.
+    /// The path may run, and has a look-ahead: what leaves that goes to the tick at once.
     at_once: bool,
     field: u8,
     configuration: &'x Configuration,
-    /// What the board's steps make of an axis, pulse/ms.
+    /// The step limit of the board, pulse/ms.
     limit: f64,
 }
 
-/// The FIFO, if it is known what it holds and its places are free.
+/// The FIFO, if its content is known and its slots are free.
 fn open<'x, const AXES: usize>(context: &Context<'x, AXES>, target: &Target) -> Admitted<Filling<'x>> {
     let crd = context.crd(target.core, target.crd)?;
     let frame = context.frame(crd)?;
@@ -82,12 +86,13 @@ fn open<'x, const AXES: usize>(context: &Context<'x, AXES>, target: &Target) -> 
     let path = shadow.path(fifo);
     let in_use = || context.no_crd(Reason::CrdFifoInUse, crd).field(target.fifo_field).got(fifo.into());
     let pending = |seq: Option<u32>| seq.is_some_and(|seq| !crate::shadow::executed(context.view, seq));
-    // The places of what is over in the program are free only when the tick is through with them.
+    // The slots of entries that are over in the program are free only when the tick has released
+    // them.
     if pending(path.emptied) && shadow.is_busy(context.view, sampled) {
         return Err(in_use());
     }
     let at_once = path.look.is_some() && context.crd_may_run(crd);
-    // The look-ahead of a path that runs looks no further ahead than the host that feeds it.
+    // The look-ahead of a running path plans no further than the host's data.
     if at_once && (!context.due.near || path.loose || pending(path.last)) {
         return Err(in_use());
     }
@@ -115,7 +120,8 @@ impl Filling<'_> {
         Err(self.no(Reason::CrdFull).field(self.field).got(self.space.into()).limits(0.0, CAPACITY.into()))
     }
 
-    /// Refuses for now what needs to know these coordinates of its begin. With look-ahead that is everything.
+    /// Refuses for now a motion that needs these coordinates of its start. With look-ahead every
+    /// motion needs all.
     fn needs(&self, coordinates: impl IntoIterator<Item = usize>) -> Admitted<()> {
         let dimension = usize::from(self.frame.dimension);
         let unknown = |index: usize| index < dimension && self.begin.get(index).is_some_and(|at| at.is_nan());
@@ -131,7 +137,7 @@ impl Filling<'_> {
         Err(self.no(Reason::NoCoordinate).field(field).got(to.into()))
     }
 
-    /// Speed, acceleration and end speed as they hold: all are held to the maxima.
+    /// Speed, acceleration and end speed after limitation to the maxima.
     fn speeds(&self, given: &Speeds) -> Admitted<Held> {
         let Speeds { vel, acc, end, field, .. } = *given;
         let (vel_max, acc_max) = (self.frame.vel_max, self.frame.acc_max);
@@ -150,7 +156,7 @@ impl Filling<'_> {
         let begin = self.begin;
         let ccw = |dir: i16, field: u8| Ok(choice(field, dir, 0, 1)? == 1);
         let plane_of = |plane: Plane, to: [i32; 2], field: u8| {
-            // What can never be right is refused at once, whether the begin is known or not.
+            // What can never be right is refused at once, whether the start is known or not.
             for ((coordinate, to), field) in plane.coordinates().into_iter().zip(to).zip(field..) {
                 self.driven(coordinate, to, field)?;
                 if coordinate >= usize::from(self.frame.dimension) {
@@ -169,7 +175,7 @@ impl Filling<'_> {
                     let [x, y, ..] = to;
                     (Geometry::planar(&begin, [x, y]), field)
                 } else {
-                    // Coordinates behind those that are named stay.
+                    // Coordinates after the named ones stay.
                     let mut target = to;
                     let rest = target.iter_mut().zip(begin).enumerate().skip(count);
                     for (_, (to, begin)) in rest {
@@ -190,8 +196,8 @@ impl Filling<'_> {
         geometry.map_err(|refused| explain(refused, shape, field))
     }
 
-    /// Refuses a motion in which an axis would be faster than the board's steps, at the speed that it is given or at that with
-    /// which the motion before may end. `data` is what stands before it.
+    /// Refuses a motion in which an axis would exceed the step limit, at the speed given or at that
+    /// with which the motion before may end. `data` is what precedes it.
     fn in_steps(
         &self,
         queue: &PathQueue,
@@ -200,12 +206,12 @@ impl Filling<'_> {
         data: &PathData,
     ) -> Admitted<()> {
         let peak = vel.max(self.enters(data));
-        // No coordinate has more of the speed than all of it.
+        // No coordinate has more than the whole speed.
         if peak <= self.limit && data.gears.0 == 0 {
             return Ok(());
         }
         if geometry.length.is_nan() {
-            // Waits until the place is known, unless that changes nothing.
+            // Waits until the position is known, unless that changes nothing.
             if peak.max(peak * f64::from(data.gear)) <= self.limit {
                 return Ok(());
             }
@@ -230,13 +236,13 @@ impl Filling<'_> {
         if data.gears.0 == 0 { Ok(()) } else { refuse(data.geared, f64::from(data.gear) / geometry.length) }
     }
 
-    /// How fast the path may be where the next motion begins.
+    /// Highest speed of the path where the next motion begins.
     fn enters(&self, data: &PathData) -> f64 {
         if data.open && self.path.look.is_none() { data.leaves.into() } else { 0.0 }
     }
 
-    /// How fast it may be where a motion of this length ends: at velEnd, or as fast as braking leaves it. Where velEnd is above the
-    /// limit of the steps, only as fast as it can get.
+    /// Highest speed at the end of a motion of this length: velEnd, or what braking leaves. If
+    /// velEnd is above the step limit, only the speed that it can reach.
     fn leaves(&self, data: &PathData, length: f64, acc: f64, end: f64) -> f32 {
         let enters = self.enters(data);
         if self.path.look.is_some() || enters <= end && end <= self.limit {
@@ -255,7 +261,7 @@ impl Filling<'_> {
         }
     }
 
-    /// What is written from here on goes this way.
+    /// Prepares the queue for what is written from here on.
     fn prepare(&self, queue: &mut PathQueue) {
         queue.follow(self.path.cleared);
         if let Some(look) = self.path.look {
@@ -263,7 +269,7 @@ impl Filling<'_> {
         }
     }
 
-    /// Puts a motion in; it has been checked.
+    /// Stores a motion that has been checked.
     fn put_motion(
         &self,
         (queue, store): (&mut PathQueue, &EntryStore),
@@ -336,7 +342,8 @@ pub fn data<const AXES: usize>(
     }
 }
 
-/// A buffered laser command: what it took is told where there is something, else its place.
+/// A buffered laser command: the reply reports the values taken, if there are any, else the free
+/// slots.
 fn light<const AXES: usize>(
     context: &Context<AXES>,
     queues: &mut [[PathQueue; 2]],
@@ -355,7 +362,7 @@ fn light<const AXES: usize>(
     Ok((written, end))
 }
 
-/// Puts one thing into a FIFO, in the order of the calls, through the look-ahead if there is one.
+/// Puts one item into a FIFO, in the order of the calls, through the look-ahead if there is one.
 pub fn put<const AXES: usize>(
     context: &Context<AXES>,
     queues: &mut [[PathQueue; 2]],
@@ -397,7 +404,7 @@ pub fn put<const AXES: usize>(
                 _ => (Entry::delay(0), 0.0),
             };
             filling.has_room(1)?;
-            // What stands first in a FIFO is done where the path is; a motion behind it begins there.
+            // The first entry of a FIFO acts where the path is; a motion after it begins there.
             if !data.open {
                 data.position = filling.begin;
             }
@@ -481,7 +488,7 @@ where
         target.iter_mut().zip(to).for_each(|(target, to)| *target = to);
         let [x, y, ..] = target;
         if filling.path.look.is_none() {
-            // Nobody asks for its directions.
+            // Nobody reads its directions.
             let Held { vel, along, .. } = admitted;
             let entry = if N == 2 { Entry::planar([x, y], along) } else { Entry::line(target, along) };
             let shape = at.iter().zip(target).take(N).fold(0.0f32, |sum, (at, to)| {

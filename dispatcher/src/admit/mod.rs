@@ -1,7 +1,8 @@
-//! Admission: one function a command, from the wire's struct to staged operations.
+//! Admission: one function for each command, from the wire's struct to staged operations.
 //!
-//! In: a record. Out: what to answer once it is executed, with the operations staged; or a refusal,
-//! and then nothing has changed. The only place where the user's doubles become the tick's numbers.
+//! In: a record. Out: the answer once it is executed, with the operations staged; or a refusal, and
+//! then nothing has changed.
+//! The only folder where the user's doubles become the tick's numbers.
 pub mod admission;
 mod axis;
 pub(crate) mod context;
@@ -66,8 +67,8 @@ fn query(opcode: u16, axis: Axis) -> Answer {
     Answer::Read(Query { opcode, first: axis.index() as u8, count: 1, which: 0 })
 }
 
-/// Admits any command that becomes operations or a read. PT data, PVT points, program control and what the
-/// dispatcher does by itself are taken before.
+/// Admits any command that becomes operations or a read. PT data, PVT points, program control and
+/// what the dispatcher does by itself are handled before.
 pub fn admit<const AXES: usize>(context: &mut Context<AXES>, number: u16, body: &[u8]) -> Admitted<Answer> {
     macro_rules! to {
         ($name:ident, $function:path) => {
@@ -229,7 +230,7 @@ fn plain(opcode: u16) -> Answer {
     Answer::Read(Query { opcode, first: 0, count: 0, which: 0 })
 }
 
-/// Whether this command only reads (SPEC 7: taken beside a program).
+/// Whether this command only reads (SPEC 7: accepted beside a program).
 pub fn is_read(number: u16) -> bool {
     is_crd(number)
         || matches!(

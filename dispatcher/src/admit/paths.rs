@@ -1,7 +1,8 @@
-//! What leads to the FIFOs of coordinate systems: commits, look-aheads of paths that run, what a dropped program gave them.
+//! How the FIFOs of coordinate systems are fed: commits, look-aheads of running paths, what a
+//! dropped program gave them.
 //!
-//! In: the view, the books. Out: commits, through either lane. Owns nothing. Fails: where the lane has no room, nothing is
-//! pushed and the caller comes again.
+//! In: the view, the shadow state. Out: commits, through either lane. Owns nothing.
+//! Fails: if the lane has no room, nothing is pushed and the caller tries again.
 use super::admission::Admission;
 use super::data;
 use super::staged::STAGED;
@@ -23,18 +24,18 @@ impl<const AXES: usize> Admission<'_, AXES> {
         data::commit_path(&self.admitted, crd, fifo, end)
     }
 
-    /// The same by the immediate lane. The caller has seen that there is room.
+    /// The same through the immediate lane. The caller has checked that there is room.
     pub fn commit_path_now(&mut self, crd: Crd, fifo: u8) {
         let (op, change) = self.commit_path(crd, fifo);
         self.lane.push(op, change, 0, &mut self.admitted);
     }
 
-    /// Paths that run and whose entries do not last long enough any more get more from their look-aheads.
+    /// Running paths whose entries do not last long enough get more from their look-aheads.
     pub fn feed_paths(&mut self, view: &View<AXES>) {
         self.feed_due = u64::MAX;
         for crd in Crd::all().take(self.entries.count()) {
             let (sampled, shadow) = (&view.crds[crd.index()], self.admitted.crd(crd));
-            // What a WaitStop has closed is not fed from what comes behind it.
+            // Data after a WaitStop does not feed the path before it.
             let started = shadow.started.is_some_and(|seq| executed(view, seq));
             let (fifo, index) = (sampled.fifo, usize::from(sampled.fifo & 1));
             let Some(queues) = self.queues.get_mut(crd.index()).filter(|_| sampled.runs && started) else { continue };
@@ -53,8 +54,8 @@ impl<const AXES: usize> Admission<'_, AXES> {
         }
     }
 
-    /// Everything that waits in a look-ahead goes to a path that runs, before a WaitStop of it. False if that cannot be
-    /// now.
+    /// Hands all of a look-ahead to a running path, before a WaitStop for it. False if that cannot
+    /// be now.
     pub fn flush_path(&mut self, view: &View<AXES>, crd: Crd, near: bool) -> bool {
         let shadow = self.admitted.crd(crd);
         let (fifo, index) = (shadow.fifo, usize::from(shadow.fifo & 1));
@@ -77,8 +78,9 @@ impl<const AXES: usize> Admission<'_, AXES> {
         true
     }
 
-    /// A program has been dropped: what it had given to FIFOs and is not executed is forgotten. A FIFO is emptied if its
-    /// places were overwritten, and if some of what was executed waited in a look-ahead together with what was not.
+    /// After a program was dropped: forgets what it gave to FIFOs and was not executed. A FIFO is
+    /// emptied if its slots were overwritten, or if executed and dropped entries waited together in
+    /// a look-ahead.
     pub fn forget_paths(&mut self, view: &View<AXES>) {
         for crd in Crd::all().take(self.entries.count()) {
             for fifo in 0..2u8 {

@@ -1,7 +1,8 @@
-//! Inputs of a board that has no wires: the virtual and the emulated one (SPEC 7).
+//! Simulated inputs, for a board that has no wires: the virtual and the emulated one (SPEC 7).
 //!
-//! In: a level or a voltage at a terminal, before sense. Out: an operation of the tick. Owns nothing. Fails: on a board with wires
-//! always, with a reason.
+//! In: a level or a voltage at a terminal, before sense. Out: an operation of the tick. Owns
+//! nothing.
+//! Fails: always on a board with wires, with a reason.
 use super::context::Context;
 use super::io;
 use crate::io_types::{ANALOG_INPUT_VOLTS, kind};
@@ -62,7 +63,7 @@ fn voltage<const AXES: usize>(
     context.core(core)?;
     let channel = choice(fields.0, adc, 1, i16::from(context.board.analog_inputs.min(8)))? as u8 - 1;
     let volts = real(fields.1, volts, -ANALOG_INPUT_VOLTS, ANALOG_INPUT_VOLTS)?;
-    // To the nearest code, as a converter does; the highest stands for its end, too.
+    // To the nearest code, as a converter does; the upper end is limited to the highest code.
     let code = libm::round(volts * (32768.0 / ANALOG_INPUT_VOLTS)).min(32767.0) as i16;
     Ok(Simulated::Analog { channel, code })
 }

@@ -4,7 +4,8 @@ use servo::op::Op;
 
 /// Most operations that one command, or one item of LoadConfig, becomes: Reset with both lasers.
 pub const STAGED: usize = 12;
-/// The same of every command but Reset: LmtSns over 8 axes and SetDac of 8 outputs are the largest.
+/// The same for every command but Reset: LmtSns over 8 axes and SetDac of 8 outputs are the
+/// largest.
 pub const FEW: usize = 8;
 
 /// Operations of one admitted command, not yet pushed: a command that is refused half-way has

@@ -1,13 +1,15 @@
 //! How records become entries: admission ahead of the script clock.
 //!
-//! In: the records that wait, the view. Out: entries of the program lane, replies that wait for them.
-//! Records are admitted in order until one has to wait: for room, for places in a FIFO, or because
-//! what is wrong now may be right at its instant.
+//! In: the records that wait, the view. Out: entries of the program lane, replies that wait for
+//! them.
+//! Records are admitted in order until one has to wait: for room, for slots in a FIFO, or because
+//! it may become right at its instant.
 //!
-//! Data of a FIFO is in the axis's store at once; the tick sees it by a commit. Commits of one instant are
-//! gathered over records and axes, one for each FIFO, until something else has to come behind them,
-//! the script clock moves on, or their instant comes near. So data before a start takes no room in the
-//! lane however it arrives, and a stream that is short of data still gets each record in time.
+//! Data of a FIFO is in the axis's store at once; a commit makes it visible to the tick. Commits of
+//! one instant are gathered over records and axes, one for each FIFO. They are pushed before
+//! anything else that follows, when the script clock advances, or when their instant is near. So
+//! data before a start takes no room in the lane however it arrives. A stream that is short of data
+//! still gets each record in time.
 use super::{Program, State, length};
 use crate::admit::admission::Admission;
 use crate::admit::context::{Effect, TAKEN_MAX};
@@ -26,10 +28,10 @@ use servo::units::{Axis, CrdMask, Ns};
 use servo::view::View;
 use zerocopy::FromBytes;
 
-/// Records admitted in one go, so that the work of a poll is bounded.
+/// Records admitted in one call, so that the work of a poll is bounded.
 const RECORDS_PER_POLL: u32 = 256;
-/// Commits go into the ring this long before their instant: longer than the thread is ever away, short
-/// enough that what is pushed piece by piece meanwhile does not fill the ring.
+/// Commits are pushed this long before their instant. That is longer than the thread is ever away,
+/// and short enough that single commits do not fill the ring meanwhile.
 pub(super) const FAST_PATH_NS: u64 = 10_000_000;
 
 impl Program<'_> {
@@ -65,18 +67,19 @@ impl Program<'_> {
         progress
     }
 
-    /// Room for a command behind the commits that gather, if it is no Reset. Data makes one of them more at most.
+    /// Whether a command other than Reset has room after the gathered commits. Data adds at most
+    /// one commit.
     fn has_room(&self) -> bool {
         self.lane.room() >= FEW + self.gathered() && !self.awaiting.is_full() && self.values.room() >= TAKEN_MAX
     }
 
-    /// Commits that gather. There is always room for them.
+    /// Gathered commits. There is always room for them.
     fn gathered(&self) -> usize {
         let axes = self.open.iter().map(|open| open.count_ones());
         axes.chain(self.open_paths.iter().map(|open| open.count_ones())).sum::<u32>() as usize
     }
 
-    /// Whether a record from the wire may be admitted where it lies: it is data, and no record waits.
+    /// Whether a record from the wire may be admitted directly: it is data, and no record waits.
     pub(super) fn takes_at_once<const AXES: usize>(&self, number: u16, body: &[u8]) -> bool {
         data::is_data(number, body)
             && self.is_active()
@@ -100,13 +103,13 @@ impl Program<'_> {
         self.open[0] | self.open[1] != 0 || self.open_paths[0] | self.open_paths[1] != 0
     }
 
-    /// When the commits that gather have to be in the ring, controller time; none while the program is
+    /// When the gathered commits have to be in the ring, controller time; none while the program is
     /// held.
     pub fn flush_due<const AXES: usize>(&self, view: &View<AXES>) -> Option<Ns> {
         if !self.gathers() || self.state != State::Running {
             return None;
         }
-        // Before the first tick of the run its zero is not known: as if it were now.
+        // Before the first tick of the run its zero is not known: the present tick stands for it.
         let zero = if self.runs(view) { view.script_zero.0 } else { view.now.0 };
         Some(Ns(zero.saturating_add(self.instant).saturating_add(self.delay).saturating_sub(FAST_PATH_NS)))
     }
@@ -244,7 +247,7 @@ impl Program<'_> {
         Ok(Step::Taken)
     }
 
-    /// Pushes one entry; the caller has seen that there is room.
+    /// Pushes one entry; the caller has checked that there is room.
     fn push<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>, op: Op, change: Change) {
         if self.lane.push(op, change, self.delay, &mut admission.admitted) {
             self.instant = self.instant.saturating_add(self.delay);
@@ -260,7 +263,7 @@ impl Program<'_> {
         self.awaiting.push(Awaiting { opcode, tag, seq, open, answer, ..Awaiting::BLANK });
     }
 
-    /// Data is in the store; one commit will show all that belongs to this instant.
+    /// Data is in the store; one commit will publish all that belongs to this instant.
     pub(super) fn take_data<const AXES: usize>(
         &mut self,
         admission: &mut Admission<'_, AXES>,
@@ -285,8 +288,8 @@ impl Program<'_> {
         self.awaiting.push(Awaiting { opcode, tag, open: true, own: true, may_fail, answer, ..Awaiting::BLANK });
     }
 
-    /// Pushes the commits of the data that gathered. There is room for them: no record is admitted
-    /// without it, and data itself takes none.
+    /// Pushes the gathered commits. There is room for them: no record is admitted without it, and
+    /// data itself takes none.
     pub fn flush<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>) {
         if !self.gathers() || self.lane.room() < self.gathered() {
             return;
@@ -349,7 +352,7 @@ impl Program<'_> {
     }
 }
 
-/// How many commits of these axes go before that of this one.
+/// How many commits of these axes precede that of this one.
 fn place_among(open: &[u64; 2], axis: Axis, fifo: u8) -> u32 {
     let [first, second] = *open;
     let below = axis.mask().0 - 1;

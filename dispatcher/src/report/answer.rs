@@ -1,40 +1,42 @@
-//! What is to be answered when a command has been executed.
+//! The answer of a command that was admitted, until it has been executed.
 use protocol::command::{PvtContinuousPoint, PvtPercentPoint};
 use servo::units::{Axis, Crd};
 
-/// Most points of a Calculate command, and values of its reply: what a message holds of them.
+/// Most points of a Calculate command, and values of its reply: as many as a message holds.
 pub const POINTS_MAX: usize = protocol::record::BODY_MAX / size_of::<PvtPercentPoint>();
 const _: () = assert!(size_of::<PvtPercentPoint>() <= size_of::<PvtContinuousPoint>());
 
-/// What is to be answered when an admitted command has been executed.
+/// The answer of an admitted command once it has been executed.
 #[derive(Debug, Clone, Copy)]
 pub enum Answer {
     /// A reply without fields.
     Done,
-    /// A read, to be built from the view and the books of then.
+    /// A read, to be built from the view and the shadow state of then.
     Read(Query),
-    /// What a read gave at admission: places free in a FIFO that nothing changes meanwhile.
+    /// The result of a read at admission: free slots of a FIFO that nothing changes meanwhile.
     Space(i16),
-    /// PtTaken for so many segments of this axis and FIFO.
+    /// PtTaken for `count` segments of this axis and FIFO.
     Taken { axis: Axis, fifo: u8, count: u16 },
-    /// CrdTaken for so many entries of this FIFO of a coordinate system.
+    /// CrdTaken for `count` entries of this FIFO of a coordinate system.
     Path { crd: Crd, fifo: u8, count: u16, lasts_ms: u32 },
-    /// A number that only the books have.
+    /// A number that only the shadow state has.
     Long(i32),
-    /// A refusal: the tick did not take the data of this axis, whose status is that.
+    /// A refusal: the tick did not take the data of this axis, whose status is given.
     Lost { axis: Axis, status: u32 },
-    /// Places free in a FIFO of Follow, and for FollowDataPercent2Ex the share of the first half, percent.
+    /// Free slots of a FIFO of Follow, and for FollowDataPercent2Ex the share of the first half,
+    /// percent.
     Entered { axis: Axis, fifo: u8, percent1: i16 },
     /// A number that was computed at admission.
     Number(f64),
-    /// So many values of those that the program lane keeps: a Calculate command.
+    /// `count` of the values that the program lane keeps: a Calculate command.
     Values(u8),
-    /// What a laser command took: so many numbers of those that its lane keeps, and which of them were held.
+    /// The values that a laser command took: `count` of those that its lane keeps, and which of
+    /// them were limited.
     Took { count: u8, held: u8 },
 }
 
 impl Answer {
-    /// Numbers that wait in the lane for this answer.
+    /// Values that wait in the lane for this answer.
     pub fn waiting(&self) -> u8 {
         match *self {
             Answer::Values(count) | Answer::Took { count, .. } => count,

@@ -1,4 +1,4 @@
-//! Replies that wait for the tick, and what became of a record.
+//! Replies that wait for the tick, and whether a record was handled.
 use super::answer::Answer;
 use super::replies::{Reading, took_reply, values_reply};
 use crate::refuse::Refused;
@@ -14,7 +14,7 @@ pub struct Awaiting {
     pub opcode: u16,
     /// The client's tag.
     pub tag: u16,
-    /// The entry it waits for; none if everything before it was executed.
+    /// The entry that it waits for; none if everything before it was executed.
     pub seq: Option<u32>,
     /// The entry is not pushed yet (PT data whose commit is still gathering).
     pub open: bool,
@@ -29,7 +29,7 @@ pub struct Awaiting {
 }
 
 impl Awaiting {
-    /// Fills unused places.
+    /// Fills unused slots.
     pub const BLANK: Awaiting = Awaiting {
         opcode: 0,
         tag: 0,
@@ -43,7 +43,8 @@ impl Awaiting {
 }
 
 impl Awaiting {
-    /// Whether it is data that waits for this entry, which the tick refused: then the answer says so.
+    /// Whether it is data that waits for this entry, which the tick refused: then the answer
+    /// reports that.
     pub fn loses(&mut self, (seq, refuser): TickRefusal) -> bool {
         let data = matches!(self.answer, Answer::Taken { .. } | Answer::Entered { .. } | Answer::Lost { .. });
         match refuser {
@@ -59,7 +60,7 @@ impl Awaiting {
 /// A start, data, or an on command of a laser, that the tick refused.
 pub type TickRefusal = (u32, Refuser);
 
-/// Because of whom.
+/// What refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Refuser {
     /// Nobody: the entry was late and the program is strict.
@@ -72,12 +73,12 @@ pub enum Refuser {
     Laser(u8),
 }
 
-/// What became of a record.
+/// Whether a record was handled.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Step {
-    /// It was dealt with.
+    /// It was handled.
     Taken,
-    /// Not now: try again when the tick or the link has moved on. Nothing has changed.
+    /// Not now: try again after the next tick or frame. Nothing has changed.
     Wait,
 }
 
@@ -89,7 +90,8 @@ impl Step {
 }
 
 impl<const AXES: usize> Reading<'_, AXES> {
-    /// The reply to an executed command; `taken` are the numbers of its lane that wait, oldest first.
+    /// Writes the reply to an executed command; `taken` are the values that wait in its lane,
+    /// oldest first.
     pub fn answer(&self, item: &Awaiting, taken: impl Iterator<Item = f64>, out: &mut ReplyWriter) -> Result<(), Full> {
         match &item.answer {
             Answer::Done => out.push_raw(item.opcode, item.tag, 0, &[]),
@@ -106,7 +108,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
             Answer::Taken { axis, fifo, count } => self.taken(item.opcode, item.tag, *axis, *fifo, *count, out),
             Answer::Lost { axis, status } => {
                 let lost = match item.opcode {
-                    // At once it is no data, but answered like it.
+                    // An immediate switch is no data, but is answered like it.
                     opcode::FollowSwitchNowEx => self.explain(Refuser::Axis(*axis, *status)),
                     _ => {
                         let stop = self.view.axes.get(axis.index()).map_or(0, |sampled| sampled.stop as u16);

@@ -1,7 +1,8 @@
-//! Reads: replies built from one view and the *now* books, so that all their items are of one tick.
+//! Reads: replies built from one view and the executed state, so that all their items are of one
+//! tick.
 //!
-//! In: a checked [`Query`]. Out: a reply record. Velocities and accelerations are derived here from the
-//! axis's [`servo::segment::piece::Motion`]; nothing is computed for them in the tick.
+//! In: a checked [`Query`]. Out: a reply record. Velocities and accelerations are derived here from
+//! the axis's [`servo::segment::piece::Motion`]; the tick computes nothing for them.
 mod crd;
 mod explain;
 mod follow;
@@ -29,17 +30,17 @@ use zerocopy::IntoBytes;
 
 /// What a reply is built from.
 pub struct Reading<'x, const AXES: usize> {
-    /// The tick.
+    /// What the tick published.
     pub view: &'x View<AXES>,
-    /// Books after everything executed.
+    /// State after everything executed.
     pub executed: &'x Shadows<AXES>,
     /// Counts.
     pub configuration: &'x Configuration,
     /// Constants of the board.
     pub board: &'x Board,
-    /// What happened.
+    /// Events.
     pub log: &'x Log,
-    /// Where the tick keeps the analog outputs.
+    /// The tick's memory of the analog outputs.
     pub tables: &'x Tables,
 }
 
@@ -62,7 +63,7 @@ pub fn units(power: Power) -> f64 {
     power.raw() as f64 * self::power(-(Power::FRAC_BITS as i32))
 }
 
-/// Counts of a laser's timer in the mean.
+/// Mean counts of a laser's timer.
 pub fn counts(count: Count) -> f64 {
     let of = if count.of == 0 { power(32) } else { f64::from(count.of) };
     count.whole as f64 + f64::from(count.part) / of
@@ -85,7 +86,7 @@ pub fn values_reply(
     out.push_raw(opcode, tag, 0, &[head.as_bytes(), items.get(..count).unwrap_or(&[]).as_bytes()])
 }
 
-/// The reply to a laser command that tells what it took.
+/// The reply to a laser command that reports what it took.
 pub fn took_reply(
     opcode: u16,
     tag: u16,
@@ -141,7 +142,7 @@ pub fn took_reply(
     }
 }
 
-/// A mode as `GetPrfMode` tells it.
+/// A mode as `GetPrfMode` reports it.
 pub fn mode_number(mode: servo::op::Mode) -> i16 {
     use servo::op::Mode;
     match mode {
@@ -342,7 +343,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
         }
     }
 
-    /// The reply to a question for free places.
+    /// The reply with the free slots of a FIFO.
     pub fn space(&self, opcode: u16, tag: u16, space: i16, out: &mut ReplyWriter) -> Result<(), Full> {
         out.push_raw(opcode, tag, 0, &[command::Short { value: space.into() }.as_bytes()])
     }
@@ -391,7 +392,8 @@ impl<const AXES: usize> Reading<'_, AXES> {
         }
     }
 
-    /// What an analog output, from 0, carries: what a laser in analog mode makes of it, or what it was set to last.
+    /// The level of an analog output, from 0: the power of a laser in analog mode, or the last
+    /// value set.
     fn analog_output(&self, output: usize) -> i16 {
         match self.view.lasers.get(output) {
             Some(laser) if laser.mode == Mode::Analog => dac_counts(laser.power),
@@ -399,7 +401,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
         }
     }
 
-    /// The carrier or pulse rate as the timers put it out, kHz; 0 where nothing is.
+    /// The carrier or pulse rate as the timers output it, kHz; 0 without output.
     fn achieved_khz(&self, sampled: &LaserView) -> f64 {
         if sampled.train.is_none() {
             return 0.0;
@@ -426,7 +428,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
         out.push_raw(opcode, tag, 0, &[reply.as_bytes()])
     }
 
-    /// While the axis runs, how long what it has lasts; at rest, the length of the data.
+    /// While the axis runs, how long its data lasts; at standstill, the length of the data.
     fn dry_ms(&self, axis: Axis, fifo: usize) -> u32 {
         let sampled = &self.view.axes[axis.index().min(AXES - 1)];
         if sampled.status & RUNNING != 0 {

@@ -1,8 +1,9 @@
-//! The trace on its way out: samples of the tick become rows of [`protocol::trace`].
+//! The trace: samples of the tick become rows of [`protocol::trace`].
 //!
 //! In: samples, the announcement of a trace and of its end. Out: wire bytes. Owns: the row being
-//! gathered and the encoder. What the tick could not leave, because nobody took it, is counted and
-//! reported in the stream's last frame; a row is never invented.
+//! gathered and the encoder.
+//! Fails: samples that the tick lost because its ring was full are counted and reported in the
+//! stream's last frame. A row is never invented.
 use crate::configuration::{Configuration, ones};
 use crate::shadow::executed;
 use protocol::trace::{self, AxisId, CrdId, CrdSample, Encoder, Full, Head, Ids, LaserId, LaserSample, Samples, kind};
@@ -11,7 +12,7 @@ use servo::laser::{Action, CHANNELS, Count, Rate, Train};
 use servo::units::{AxisMask, Crd, CrdMask};
 use servo::view::{Sample, Traced, View};
 
-/// What a trace is of.
+/// The columns of a trace.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Columns {
     /// Axes.
@@ -38,7 +39,7 @@ impl Columns {
     }
 }
 
-/// Where a trace is.
+/// State of a trace.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum State {
     /// None.
@@ -51,7 +52,7 @@ enum State {
     Rows,
 }
 
-/// The trace's way out.
+/// The trace.
 pub struct TraceOut<const AXES: usize> {
     encoder: Encoder,
     state: State,
@@ -59,7 +60,7 @@ pub struct TraceOut<const AXES: usize> {
     columns: Columns,
     /// Entry that ends it.
     ending: Option<u32>,
-    /// It goes over the link: not to [`TraceOut::bytes`]' caller but into messages.
+    /// It goes over the link: in messages, and not to the caller of [`TraceOut::bytes`].
     over_link: bool,
     /// The encoder has no room: a message's worth has gathered.
     full: bool,
@@ -104,7 +105,7 @@ impl<const AXES: usize> TraceOut<AXES> {
             return;
         }
         if self.over_link || over_link {
-            // Bytes of the one before are not for this reader.
+            // Bytes of the trace before are not for this reader.
             self.encoder = Encoder::new();
         }
         self.state = State::Armed;
@@ -113,7 +114,7 @@ impl<const AXES: usize> TraceOut<AXES> {
         (self.gathered, self.sent, self.next, self.lost, self.samples_lost) = (0, 0, 0, 0, 0);
     }
 
-    /// A new session: a trace over the link of the one before is over.
+    /// A new session: a trace of the old one over the link is over.
     pub fn abandon(&mut self) {
         if self.over_link {
             self.encoder = Encoder::new();
@@ -165,17 +166,18 @@ impl<const AXES: usize> TraceOut<AXES> {
                 if !self.head(view, configuration) {
                     return false;
                 }
-                // What the one before lost may still have been in the view.
+                // The view may still show the losses of the trace before.
                 self.samples_lost = 0;
                 self.state = State::Rows;
             }
             State::Rows => {}
         }
         if self.gathered > 0 && sample.row != self.row {
-            // A part of the row was lost, and so the row is.
+            // A part of the row was lost, so the row is.
             self.gathered = 0;
         }
-        // Within a row, samples come in the order of axes, coordinate systems and channels; what is missing in front spoils the row.
+        // Within a row, samples come in the order of axes, coordinate systems and channels. A
+        // missing one makes the row invalid.
         let place = match sample.of {
             Traced::Axis { axis, .. } => (self.columns.axes.0 & ones(axis.index())).count_ones() as usize,
             Traced::Crd { crd, .. } => {
@@ -303,7 +305,7 @@ impl<const AXES: usize> TraceOut<AXES> {
 
     fn finish(&mut self) -> bool {
         if self.state != State::Rows {
-            // It was called off before its first row.
+            // It was ended before its first row.
             return true;
         }
         let unseen = self.samples_lost.div_ceil((self.count() as u32).max(1));

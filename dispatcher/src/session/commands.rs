@@ -1,10 +1,11 @@
-//! The desk: the immediate lane, and what both lanes share.
+//! The command handler of a session: records of lane 0, and their replies.
 //!
-//! In: records of lane 0, the view. Out: entries of the immediate lane, replies in order. Owns: both
-//! sets of books, the profile, link-loss settings, the trace's way out.
+//! In: records of lane 0, the view. Out: entries of the immediate lane, replies in order. Owns: the
+//! [`Admission`] that both lanes use, the replies that wait.
 //!
-//! A command is answered when the tick has executed it, so that the client's next read sees it. A read
-//! or a refusal waits until everything before it has been executed, and is then decided on that state.
+//! A command is answered when the tick has executed it, so that the client's next read shows it. A
+//! read or a refusal waits until everything before it has been executed, and is decided on that
+//! state.
 mod immediate;
 
 use crate::admit::admission::Admission;
@@ -28,19 +29,19 @@ use servo::tick::IMMEDIATE;
 use servo::units::Crd;
 use servo::view::{AxisView, View};
 
-/// Numbers that laser commands took and whose replies wait.
+/// Most values of laser commands whose replies wait.
 const TAKEN: usize = 64;
 
 /// The command handler.
 pub struct CommandHandler<'a, const AXES: usize> {
-    /// What admits commands.
+    /// Admits commands.
     pub admission: Admission<'a, AXES>,
     renewed: Renewed,
     awaiting: Deque<Awaiting, IMMEDIATE>,
     refused: Deque<TickRefusal, 8>,
-    /// What the laser commands among them took, in order.
+    /// The values of the laser commands among them, in order.
     taken: Deque<f64, TAKEN>,
-    /// Item of the LoadConfig in hand that is pushed next.
+    /// The next item of the LoadConfig in hand.
     config: Option<u16>,
 }
 
@@ -63,12 +64,15 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
         }
     }
 
-    /// Follows the tick: what it has executed of both lanes, where axes came to rest, streams that ended.
+    /// Follows the tick: executed entries of both lanes, axes that came to standstill, streams that
+    /// ended.
     pub fn follow(&mut self, program: &mut Program<'_>, view: &View<AXES>) {
         self.admission.lane.retire(view, &mut self.admission.executed);
-        // What the view shows of it would else look as if the tick had done it by itself.
+        // Before the view is compared: else its changes would look as if the tick had made them by
+        // itself.
         program.retire(view, &mut self.admission.executed);
-        // Data that gathers for what has ended goes to the tick as it is, which refuses it at its instant.
+        // Gathered data of a stream that has ended goes to the tick, which refuses it at its
+        // instant.
         let ended = |(shadow, sampled): (&AxisShadow, &AxisView)| {
             shadow.epoch != sampled.epoch || shadow.is_follow() && shadow.follow.cleared != sampled.cleared
         };
@@ -97,7 +101,7 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
         }
     }
 
-    /// FIFOs that hold nothing by either set of books name no follow table.
+    /// FIFOs that are empty by both copies of the shadow state name no follow table.
     fn forget_follow_tables(&mut self, view: &View<AXES>) {
         for (crd, sampled) in Crd::all().zip(&view.crds) {
             for fifo in 0..2 {
@@ -183,7 +187,8 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
         Step::Taken
     }
 
-    /// A new session begins dark, and with the supervision of power-on; false if the lane has no room for it now.
+    /// A new session begins with light off and the supervision of power-on. False if the lane has
+    /// no room now.
     pub fn begin_session(&mut self, view: &View<AXES>) -> bool {
         if self.admission.lane.room() < SESSION_ENTRIES {
             return false;
@@ -206,7 +211,7 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
 /// Entries of the immediate lane that begin a session.
 const SESSION_ENTRIES: usize = 2;
 
-/// Whether a command asks for the state of the program, which its reply gives.
+/// Whether the reply to a command is the state of the program.
 fn is_of_program(number: u16) -> bool {
     matches!(number, opcode::ProgramStart | opcode::ProgramClear | opcode::ProgramStatus)
 }

@@ -13,14 +13,15 @@ use servo::units::{AxisMask, CrdMask, Ns};
 /// Entries of the immediate lane that the loss of the link takes.
 const LINK_LOSS_ENTRIES: usize = 2;
 
-/// When a link that was heard at `heard` (ns) is lost, if nothing more is heard of it, ns.
+/// When a link whose last valid frame came at `heard` (ns) is lost, ns.
 pub fn instant(heard: u64, link_loss_ms: u32) -> u64 {
     heard.saturating_add(u64::from(link_loss_ms) * 1_000_000).saturating_add(1)
 }
 
-/// Silence for longer than the link-loss time, once a session was open: the tick shuts off lasers whose light
-/// is on or may come, Jog axes and paths brake (all axes, if SetLinkLoss says so), and the rest of a running
-/// program is dropped; what else moves runs on, in the dark.
+/// Checks the link for silence longer than the link-loss time, once a session was open. If it is
+/// lost, the tick shuts off lasers whose light is on or may come. Jog axes and paths brake (all
+/// axes, if SetLinkLoss demands it), and the rest of a running program is dropped. Other motion
+/// goes on without light.
 pub fn watch<const AXES: usize>(
     admission: &mut Admission<'_, AXES>,
     program: &mut Program<'_>,
@@ -32,7 +33,8 @@ pub fn watch<const AXES: usize>(
     let limit = u64::from(admission.executed.watch.link_loss_ms) * 1_000_000;
     let silent = limit != 0 && now.0.saturating_sub(heard) > limit;
     if silent && !*lost && admission.lane.room() >= LINK_LOSS_ENTRIES {
-        // The tick is told before the program is dropped: that it ran is a reason to shut off the lasers.
+        // The tick gets this before the program is dropped: a running program is a reason to shut
+        // off the lasers.
         *lost = tell(admission, true);
         program.stop(admission, Reason::LinkLost);
         admission.log.put(now, Kind::Link, 0, 1);
@@ -44,9 +46,9 @@ pub fn watch<const AXES: usize>(
     }
 }
 
-/// Tells the tick that the link is lost or there again; false if the lane has no room for it now.
+/// Reports to the tick that the link is lost or back; false if the lane has no room for it now.
 fn tell<const AXES: usize>(admission: &mut Admission<'_, AXES>, lost: bool) -> bool {
-    // Where it is lost, all paths brake.
+    // On a loss all paths brake.
     let crds = CrdMask(if lost { u8::MAX } else { 0 });
     let ahead = &mut admission.admitted;
     admission.lane.push(Op::Link { lost }, Change::Stopped { axes: AxisMask(0), crds }, 0, ahead)

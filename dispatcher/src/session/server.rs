@@ -1,10 +1,11 @@
-//! The server: one end of the host link and everything behind it.
+//! The server: one end of the host link and all that uses it.
 //!
-//! In: bytes and the time. Out: bytes, the time of the next poll. Owns: the link's end, the message in
-//! hand, the replies being gathered into the next message; passes records to the desk (lane 0) and to
-//! the program queue (lane 1). Budget: a poll deals with at most a window of messages.
-//! Fails: what is not a record is refused with `Length`; a link that falls silent stops Jog axes and
-//! drops the rest of a program (SPEC 9).
+//! In: bytes and the time. Out: bytes, the time of the next poll.
+//! Owns: the link's end, the message in hand, the replies being gathered into the next message.
+//! Lane 0 goes to the command handler, lane 1 to the program queue.
+//! Budget: a poll handles at most a window of messages.
+//! Fails: what is not a record is refused with `Length`. A link that falls silent stops Jog axes
+//! and drops the rest of a program (SPEC 9).
 use super::commands::CommandHandler;
 use super::link_loss;
 use crate::board::Board;
@@ -26,15 +27,16 @@ use servo::view::{Event, Sample, View};
 use zerocopy::IntoBytes;
 
 pub use crate::capacity::LINK_WINDOW;
-/// Rounds of a poll: each moves the program, the message in hand and the replies as far as they go.
+/// Passes of a poll: each moves the program, the message in hand and the replies as far as
+/// possible.
 const ROUNDS: u32 = 16;
 
-/// Rows wait this long for more of them, before they go over the link in a message that is not full.
+/// Rows wait this long for more of them, before a message that is not full carries them.
 const TRACE_FLUSH_NS: u64 = 20_000_000;
 /// The head of a record of trace.
 const TRACE_HEAD: usize = size_of::<ReplyHead>();
 
-/// The hand-overs between the thread and the tick: the thread's halves.
+/// The thread's halves of the queues between thread and tick.
 pub struct Channels<'a, const AXES: usize> {
     /// Operations for the next tick.
     pub immediate: Producer<'a, Entry, IMMEDIATE>,
@@ -42,7 +44,7 @@ pub struct Channels<'a, const AXES: usize> {
     pub program: Producer<'a, Entry, PROGRAM>,
     /// The newest view.
     pub view: Reader<'a, View<AXES>>,
-    /// News.
+    /// Events.
     pub events: Consumer<'a, Event, EVENTS>,
     /// Trace samples.
     pub samples: Consumer<'a, Sample, SAMPLES>,
@@ -50,7 +52,7 @@ pub struct Channels<'a, const AXES: usize> {
     pub stores: &'a [SegmentStore; AXES],
     /// FIFOs of coordinate systems, as the tick has them.
     pub paths: PathStores<'a>,
-    /// What leads to them, as many.
+    /// The look-aheads that feed them, one each.
     pub queues: &'a mut [[PathQueue; 2]],
     /// PVT tables.
     pub tables: TableStores<'a>,
@@ -64,20 +66,20 @@ pub struct Server<'a, const AXES: usize> {
     view: Reader<'a, View<AXES>>,
     events: Consumer<'a, Event, EVENTS>,
     samples: Consumer<'a, Sample, SAMPLES>,
-    /// The time of the last call that told it.
+    /// The time of the last call that gave it.
     time: Ns,
     session: Option<u32>,
     /// When the last valid frame came, of this session or the last one.
     heard: Option<u64>,
-    /// The link is taken for lost: axes were stopped.
+    /// The link is lost: axes were stopped.
     lost: bool,
-    /// A session has begun, and the tick is still to be told.
+    /// A session has begun, and the tick does not know yet.
     begins: bool,
-    /// Records of the message in hand that are dealt with.
+    /// Records of the message in hand that are done.
     at: usize,
     outbox: [u8; protocol::MAX_PAYLOAD],
     outbox_len: usize,
-    /// When trace went over the link last.
+    /// When the link carried trace last.
     traced_at: u64,
 }
 
@@ -115,7 +117,7 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
         self.link.feed(now.0, bytes);
     }
 
-    /// Takes a frame, decoded, of a wire that the link is not on: [`Endpoint::knock`].
+    /// Takes a decoded frame of a wire that the link is not on: [`Endpoint::knock`].
     pub fn knock(&mut self, now: Ns, frame: &[u8], holder: Option<&str>, out: &mut [u8; OPENING_WIRE]) -> TakeOver {
         self.time = now;
         self.link.knock(now.0, frame, holder, out)
@@ -178,7 +180,8 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
             let mut progress = self.handler.answer(view, &self.program, &mut writer);
             progress |= self.program.advance(&mut self.handler.admission, view, &mut writer);
             let mut over = false;
-            // What was under way when the link was lost waits until it is back: nothing starts unsupervised.
+            // Messages in progress when the link was lost wait until it is back: nothing starts
+            // unsupervised.
             if let Some(message) = self.link.message().filter(|_| !self.begins && !self.lost) {
                 over = true;
                 for record in requests(message).skip(self.at) {
@@ -215,8 +218,8 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
         self.send_trace();
     }
 
-    /// Sends the trace in messages, if it goes over the link: replies come first and keep a place in the
-    /// window. What gathers is sent a message full at a time, or after a while.
+    /// Sends the trace in messages, if it goes over the link. Replies come first, so one slot of
+    /// the window stays free. Rows are sent when a message is full, or after a while.
     fn send_trace(&mut self) {
         let waited = self.time.0.saturating_sub(self.traced_at) >= TRACE_FLUSH_NS;
         if !(self.handler.admission.trace.is_due() || waited && self.handler.admission.trace.has_link_bytes()) {
@@ -254,10 +257,10 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
         }
     }
 
-    /// Hands the gathered replies to the link, if it has a place. True if they went.
+    /// Hands the gathered replies to the link, if it has a slot. True if they were sent.
     fn send(link: &mut Endpoint<LINK_WINDOW>, open: bool, outbox: &[u8], len: &mut usize) -> bool {
         if !open {
-            // Nobody is there to hear them.
+            // Nobody reads them.
             *len = 0;
             return false;
         }
@@ -269,12 +272,12 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
         gone
     }
 
-    /// Bytes for the wire; returns how many were put into `out`.
+    /// Bytes for the wire; returns how many were written into `out`.
     pub fn take_tx(&mut self, out: &mut [u8]) -> usize {
         self.link.take_tx(self.time.0, out)
     }
 
-    /// Bytes of the trace stream; returns how many were put into `out`.
+    /// Bytes of the trace stream; returns how many were written into `out`.
     pub fn take_trace(&mut self, out: &mut [u8]) -> usize {
         let mut written = 0;
         loop {
@@ -292,8 +295,8 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
         }
     }
 
-    /// When `poll` wants to be called at the latest, if nothing comes from the wire and the tick has
-    /// executed nothing. While a program entry waits for the machine it is at once: after the next tick.
+    /// The latest time for the next `poll`, if no bytes come and the tick executes nothing. While a
+    /// program entry waits for the machine it is at once: after the next tick.
     pub fn next_deadline(&self) -> Option<Ns> {
         let link_loss_ms = self.handler.admission.executed.watch.link_loss_ms;
         let loss = self.heard.filter(|_| !self.lost && link_loss_ms != 0);
@@ -305,15 +308,16 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
         (due != u64::MAX).then_some(Ns(due))
     }
 
-    /// As if so many entries more had gone through each lane, with [`Tick::age`](servo::tick::Tick::age) as long before the
-    /// next tick: for tests of what a long life does to counters. Nothing may be on its way.
+    /// Advances the numbers of each lane by `entries`, with [`Tick::age`](servo::tick::Tick::age)
+    /// by as much before the next tick. For tests of what a long life does to counters. Nothing may
+    /// be in flight.
     pub fn age(&mut self, entries: u32) {
         self.handler.admission.lane.age(entries);
         self.program.age(entries);
     }
 
-    /// As if each FIFO of a path had been given so many entries and motions more since it was cleared, with
-    /// [`Tick::age_counts`](servo::tick::Tick::age_counts): likewise. Nothing may be in a FIFO.
+    /// Advances the counts of entries and motions of each FIFO of a path, with
+    /// [`Tick::age_counts`](servo::tick::Tick::age_counts). The FIFOs must be empty.
     pub fn age_counts(&mut self, by: u32) {
         let paths = self.handler.admission.admitted.crds.iter().flat_map(|crd| &crd.fifos);
         for (queue, path) in self.handler.admission.queues.iter_mut().flatten().zip(paths) {

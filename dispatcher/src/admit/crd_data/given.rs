@@ -1,6 +1,8 @@
-//! What a data command of a path gives, read from its bytes.
+//! A data command of a path, read from its bytes.
 //!
-//! In: a data command. Out: a [`DataCommand`]: a motion, an entry or a flush, and which FIFO it is for. Fails: with the parameter and the limit.
+//! In: a data command. Out: a [`DataCommand`]: a motion, an entry or a flush, and the FIFO it is
+//! for.
+//! Fails: with the parameter and the limit.
 use crate::admit::context::Context;
 use crate::admit::{crd, io, many, one};
 use crate::configuration::ones;
@@ -15,7 +17,7 @@ use servo::op::Mode;
 use servo::path::{DIMENSIONS, Entry, Plane};
 use servo::units::Axis;
 
-/// Which FIFO a command is for; `fifo_field` is the place of `fifo` among the fields of its request.
+/// The FIFO of a command; `fifo_field` is the index of `fifo` among the fields of its request.
 #[derive(Debug, Clone, Copy)]
 pub struct Target {
     pub core: i16,
@@ -24,25 +26,26 @@ pub struct Target {
     pub fifo_field: u8,
 }
 
-/// Speeds of a motion as they were given; `field` is the place of synVel, synAcc and velEnd are behind it.
+/// Speeds of a motion as they were given; `field` is the index of synVel, which synAcc and velEnd
+/// follow.
 #[derive(Debug, Clone, Copy)]
 pub struct Speeds {
     pub vel: f64,
     pub acc: f64,
     pub end: f64,
     pub field: u8,
-    /// The path stands at its end, also with look-ahead.
+    /// The path stops at its end, also with look-ahead.
     pub stops: bool,
 }
 
-/// Where a motion goes. Fields are the places of what is named first.
+/// Path geometry of a motion as given. `field` is the index of the first parameter named.
 #[derive(Debug, Clone, Copy)]
 pub enum Shape {
-    /// A line: the first so many coordinates; `planar` keeps all digits of the speeds.
+    /// A line to the first `count` coordinates; `planar` keeps all digits of the speeds.
     Line { to: [i32; DIMENSIONS], count: usize, field: u8 },
     /// An arc by its radius (`field` + 2).
     Radius { plane: Plane, to: [i32; 2], radius: f64, dir: i16, field: u8 },
-    /// An arc by its centre (`field` + 2 and 3), from where it begins.
+    /// An arc by its centre (`field` + 2 and 3), relative to its start.
     Centre { plane: Plane, to: [i32; 2], centre: [f64; 2], dir: i16, field: u8 },
 }
 
@@ -51,11 +54,11 @@ pub enum Shape {
 pub enum Item {
     /// A motion.
     Motion(Shape, Speeds),
-    /// An entry that is none, and how long the path stands there, ms.
+    /// Any other entry, and how long the path waits there, ms.
     Entry(Entry, f64),
-    /// An axis goes along with the next motion, by so many pulses.
+    /// An axis moves with the next motion, by so many pulses.
     Gear(Entry, Axis, u32),
-    /// Nothing more follows for now: everything that waits in the look-ahead goes to the tick.
+    /// Nothing more follows for now: all of the look-ahead goes to the tick.
     Flush,
 }
 
@@ -168,7 +171,7 @@ pub fn given<const AXES: usize>(context: &Context<AXES>, number: u16, body: &[u8
     }
 }
 
-/// A 16-bit selector without a sign, for checks that take one with it.
+/// A 16-bit unsigned selector, for checks that take a signed one.
 fn selector(given: u16) -> i16 {
     i16::try_from(given).unwrap_or(i16::MAX)
 }
@@ -198,7 +201,7 @@ fn point(body: &[u8]) -> Admitted<DataCommand> {
         }
         return Ok((target, Item::Flush));
     };
-    // Fields of an item are counted behind those of the request.
+    // Fields of an item are counted after those of the request.
     const AT: u8 = CrdData::FIELDS.len() as u8;
     let stops = choice(AT + 9, point.vel_end_zero.get(), 0, 1)? == 1;
     let end = if stops { 0.0 } else { point.vel_end.get() };

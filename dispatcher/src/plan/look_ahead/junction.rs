@@ -7,14 +7,14 @@ use crate::plan::geometry::Position;
 pub(super) struct Junction {
     /// Δᵢ over the mean length.
     pub bend: [f32; 4],
-    /// The highest square of the speed, as the speeds of both motions and the corner time have it.
+    /// The highest square of the speed by the speeds of both motions and the corner time.
     pub cap: f64,
 }
 
-/// The path stands.
+/// The path stops there.
 pub(super) const REST: Junction = Junction { bend: [0.0; 4], cap: 0.0 };
 
-/// The last motion, for the corner to come.
+/// The last motion, for the junction to come.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Tail {
     pub tangent: Position,

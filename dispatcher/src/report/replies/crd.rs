@@ -116,7 +116,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
     }
 }
 
-/// As CrdInfo tells it.
+/// As CrdInfo reports it.
 fn rest(rest: PathStop) -> u8 {
     match rest {
         PathStop::Never => 0,

@@ -1,4 +1,4 @@
-//! Why the tick refused a start: the reason that its view gives.
+//! Why the tick refused a start: the reason that the view shows.
 use super::Reading;
 use crate::plan::geometry::pulses;
 use crate::refuse::Refused;
@@ -9,7 +9,7 @@ use servo::status::{LIMIT_NEGATIVE, LIMIT_POSITIVE, RUNNING, SERVO_ON};
 use servo::units::{Axis, Crd};
 
 impl<const AXES: usize> Reading<'_, AXES> {
-    /// What to tell of a start that the tick refused.
+    /// The reason of a start that the tick refused.
     pub fn explain(&self, refuser: Refuser) -> Refused {
         let (axis, status) = match refuser {
             Refuser::Axis(axis, status) => (axis, status),
@@ -32,7 +32,8 @@ impl<const AXES: usize> Reading<'_, AXES> {
         Refused::new(reason).axis(self.configuration.number_of(axis)).got(got)
     }
 
-    /// The limit at which an axis in Jog or Trap stands, if its target lies beyond: nothing is latched then.
+    /// The limit at which an axis in Jog or Trap stands still, if its target lies beyond: nothing
+    /// is latched then.
     fn limit_ahead(&self, axis: Axis, status: u32) -> Option<(Reason, f64)> {
         let (shadow, at) = (self.executed.axis(axis), pulses(self.view.axes.get(axis.index())?.pos));
         let direction = match shadow.mode {

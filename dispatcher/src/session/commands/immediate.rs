@@ -1,7 +1,7 @@
-//! The immediate lane: what becomes of a record of lane 0.
+//! The immediate lane: how a record of lane 0 is handled.
 //!
-//! In: a record, the view. Out: entries of the lane, a reply or the promise of one. Owns nothing. Fails by refusals; what
-//! finds no room now is tried again.
+//! In: a record, the view. Out: entries of the lane, a reply or the promise of one. Owns nothing.
+//! Fails: by refusals. A record that finds no room now is tried again.
 use super::CommandHandler;
 use crate::admit::context::{Due, Effect, TAKEN_MAX};
 use crate::admit::data::{self, FifoOf};
@@ -141,7 +141,7 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
         }
     }
 
-    /// Pushes what is staged; the caller has seen that there is room.
+    /// Pushes what is staged; the caller has checked that there is room.
     fn push_staged(&mut self) {
         for &(op, change) in self.admission.staged.ops() {
             self.admission.lane.push(op, change, 0, &mut self.admission.admitted);
