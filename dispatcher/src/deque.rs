@@ -3,7 +3,7 @@
 /// A queue of at most `N` values in place.
 #[derive(Debug)]
 pub struct Deque<T, const N: usize> {
-    places: [T; N],
+    slots: [T; N],
     first: usize,
     len: usize,
 }
@@ -11,7 +11,7 @@ pub struct Deque<T, const N: usize> {
 impl<T: Copy, const N: usize> Deque<T, N> {
     /// An empty queue; `blank` fills the unused slots.
     pub fn new(blank: T) -> Self {
-        Deque { places: [blank; N], first: 0, len: 0 }
+        Deque { slots: [blank; N], first: 0, len: 0 }
     }
     /// Values in the queue.
     pub fn len(&self) -> usize {
@@ -34,13 +34,13 @@ impl<T: Copy, const N: usize> Deque<T, N> {
         if self.is_full() {
             return false;
         }
-        self.places[(self.first + self.len) % N] = value;
+        self.slots[(self.first + self.len) % N] = value;
         self.len += 1;
         true
     }
     /// The oldest value.
     pub fn front(&self) -> Option<&T> {
-        if self.len == 0 { None } else { self.places.get(self.first) }
+        if self.len == 0 { None } else { self.slots.get(self.first) }
     }
     /// Takes the oldest value.
     pub fn pop(&mut self) -> Option<T> {
@@ -52,14 +52,14 @@ impl<T: Copy, const N: usize> Deque<T, N> {
     /// Changes values in place, from the newest to the oldest, as long as `change` returns true.
     pub fn amend_back(&mut self, mut change: impl FnMut(&mut T) -> bool) {
         for back in (0..self.len).rev() {
-            if !change(&mut self.places[(self.first + back) % N]) {
+            if !change(&mut self.slots[(self.first + back) % N]) {
                 break;
             }
         }
     }
     /// The values, oldest first.
     pub fn iter(&self) -> impl Iterator<Item = &T> {
-        (0..self.len).filter_map(|back| self.places.get((self.first + back) % N))
+        (0..self.len).filter_map(|back| self.slots.get((self.first + back) % N))
     }
     /// Drops everything.
     pub fn clear(&mut self) {

@@ -76,7 +76,7 @@ fn fifo_1_interrupts_and_returns() {
     bench.done(start_crd(1));
     bench.run_ms(100);
     bench.done(CrdStop { core: 1.into(), mask: 1.into(), option: 0.into() });
-    until_rest(&mut bench);
+    until_standstill(&mut bench);
     let stopped = crd_pos(&mut bench);
     assert!(stopped[0] > 4000.0 && stopped[0] < 10_000.0 && stopped[1] == 0.0, "{stopped:?}");
     // A quarter turn to the left: from (x, 0) about (x, 1000), given in whole pulses.
@@ -84,7 +84,7 @@ fn fifo_1_interrupts_and_returns() {
     bench.done(ArcXYC { fifo: 1.into(), ..arc(x + 1000, 1000, 0.0, 1000.0, 1) });
     bench.done(LnXY { fifo: 1.into(), ..line(0, 5000, 50.0, 2.0) });
     bench.done(CrdStart { option: 1.into(), ..start_crd(1) });
-    until_rest(&mut bench);
+    until_standstill(&mut bench);
     assert_eq!(crd_pos(&mut bench), [0.0, 5000.0]);
     assert_eq!((status(&mut bench, 1).1, remainder(&mut bench, 1), remainder(&mut bench, 0)), (2, 0, 2));
     // FIFO 0 was left elsewhere.
@@ -94,15 +94,15 @@ fn fifo_1_interrupts_and_returns() {
     // Back to the nearest whole pulse, and then FIFO 0 continues.
     bench.done(LnXY { fifo: 1.into(), ..line(x, 0, 50.0, 2.0) });
     bench.done(CrdStart { option: 1.into(), ..start_crd(1) });
-    until_rest(&mut bench);
+    until_standstill(&mut bench);
     bench.done(start_crd(1));
-    until_rest(&mut bench);
+    until_standstill(&mut bench);
     assert_eq!((crd_pos(&mut bench), status(&mut bench, 0).1), (vec![10_000.0, 10_000.0], 2));
     // Or it takes other data, when it is cleared.
     bench.done(clear(0));
     bench.done(line(100, 5000, 50.0, 2.0));
     bench.done(start_crd(1));
-    until_rest(&mut bench);
+    until_standstill(&mut bench);
     assert_eq!(crd_pos(&mut bench), [100.0, 5000.0]);
 }
 
@@ -119,7 +119,7 @@ fn a_path_goes_on_where_it_was_left() {
     bench.done(CrdStop { core: 1.into(), mask: 1.into(), option: 1.into() });
     let stopped = crd_pos(&mut bench);
     bench.done(start_crd(1));
-    until_rest(&mut bench);
+    until_standstill(&mut bench);
     assert_eq!(crd_pos(&mut bench), [10_000.0, 10_000.0]);
     assert!(stopped[0] < 10_000.0);
     assert_eq!(status(&mut bench, 0).1, 2);
@@ -144,7 +144,7 @@ fn what_stops_a_path() {
             2 => drop(bench.done(CrdStop { core: 1.into(), mask: 1.into(), option: 0.into() })),
             _ => drop(bench.done(AxisOff { core: 1.into(), axis: 2.into() })),
         }
-        until_rest(&mut bench);
+        until_standstill(&mut bench);
         let way = crd_pos(&mut bench)[0] - at;
         // v²/2a = 250 pulses, and what a few ticks of 12.5 pulses take.
         let range = if how == 3 { 0.0..50.0 } else { 245.0..310.0 };
@@ -155,7 +155,7 @@ fn what_stops_a_path() {
             bench.servo_on(2);
         }
         bench.done(start_crd(1));
-        until_rest(&mut bench);
+        until_standstill(&mut bench);
         assert_eq!(crd_pos(&mut bench)[0], 100_000.0, "{how}");
     }
 }
@@ -167,20 +167,20 @@ fn an_override_holds_for_all_speeds() {
     bench.done(SetOverride { core: 1.into(), crd: 1.into(), ratio: 0.5.into() });
     bench.done(line(10_000, 0, 50.0, 2.0));
     bench.done(start_crd(1));
-    let most = until_rest(&mut bench);
+    let most = until_standstill(&mut bench);
     assert!((most - 25.0).abs() < 1e-6, "{most}");
     bench.done(line(20_000, 0, 50.0, 2.0));
     bench.done(start_crd(1));
     bench.run_ms(100);
     bench.done(SetOverride { core: 1.into(), crd: 1.into(), ratio: 1.0.into() });
-    let most = until_rest(&mut bench);
+    let most = until_standstill(&mut bench);
     assert!((most - 50.0).abs() < 1e-6, "{most}");
     // SetCrdPrm sets it to 1.
     bench.done(SetOverride { core: 1.into(), crd: 1.into(), ratio: 0.1.into() });
     bench.done(prm());
     bench.done(line(10_000, 0, 50.0, 2.0));
     bench.done(start_crd(1));
-    let most = until_rest(&mut bench);
+    let most = until_standstill(&mut bench);
     assert!((most - 50.0).abs() < 1e-6, "{most}");
 }
 
@@ -192,7 +192,7 @@ fn speeds_are_held_to_the_maxima() {
     bench.done(LnXY { vel_end: 1e9.into(), ..line(100_000, 0, 1e9, 1e9) });
     bench.done(line(200_000, 0, 100.0, 10.0));
     bench.done(start_crd(1));
-    let most = until_rest(&mut bench);
+    let most = until_standstill(&mut bench);
     assert!((most - 500.0).abs() < 1e-6, "{most}");
     assert_eq!(crd_pos(&mut bench), [200_000.0, 0.0]);
 }
@@ -224,7 +224,7 @@ fn entries_between_motions_act() {
     bench.done(start_crd(1));
     bench.step();
     assert_eq!(crd_pos(&mut bench), [0.0, 0.0], "the path waits for axis 3");
-    until_rest(&mut bench);
+    until_standstill(&mut bench);
     assert_eq!((bench.pos(3), bench.pos(4), bench.pos(1)), (500.0, -700.0, 1000.0));
     assert_eq!(bench.machine.outputs.2, 0x0d);
     assert_eq!(bench.machine.analog_out[2], -1234);
@@ -247,15 +247,15 @@ fn origin_and_mapping() {
     assert_eq!(crd_pos(&mut bench), [0.0, 0.0]);
     bench.done(line(50, 7, 50.0, 2.0));
     bench.done(start_crd(1));
-    until_rest(&mut bench);
+    until_standstill(&mut bench);
     assert_eq!((bench.pos(1), bench.pos(2), bench.pos(3)), (1007.0, 2000.0, 3050.0));
     prm.set_origin_flag = 1.into();
     prm.origin_pos = [900, 0, 3000, 0, 0, 0, 0, 0].map(|pos: i32| pos.into());
     bench.done(prm);
     assert_eq!(crd_pos(&mut bench), [50.0, 107.0]);
-    let told = bench.done(GetCrdPrm { core: 1.into(), crd: 1.into() });
-    assert_eq!({ told.origin_pos }.map(|pos| pos.get()), [900, 0, 3000, 0, 0, 0, 0, 0]);
-    assert_eq!(({ told.dimension }.get(), { told.set_origin_flag }.get()), (2, 1));
+    let reported = bench.done(GetCrdPrm { core: 1.into(), crd: 1.into() });
+    assert_eq!({ reported.origin_pos }.map(|pos| pos.get()), [900, 0, 3000, 0, 0, 0, 0, 0]);
+    assert_eq!(({ reported.dimension }.get(), { reported.set_origin_flag }.get()), (2, 1));
     // A target where it already is has no length.
     assert_eq!(bench.refused(line(50, 107, 50.0, 2.0)).1, Reason::NoLength);
     let mode = |bench: &mut Bench<16>, axis: i16| {
@@ -319,7 +319,7 @@ fn many_lines_are_all_or_none() {
     let answer = bench.call_items(head, &[item]);
     assert_eq!((answer.code, answer.reason(), answer.refusal().field), (7, Reason::NoCoordinate, 9));
     bench.done(start_crd(1));
-    until_rest(&mut bench);
+    until_standstill(&mut bench);
     assert_eq!(crd_pos(&mut bench), [0.0, 100.0]);
     // If not all lines fit, the first one that does not is named.
     bench.done(clear(0));
@@ -399,7 +399,7 @@ fn a_program_that_is_dropped_takes_its_data_with_it() {
         }
         assert_eq!((space(&mut bench, 0), remainder(&mut bench, 0)), (1023, 1));
         bench.done(start_crd(1));
-        until_rest(&mut bench);
+        until_standstill(&mut bench);
         assert_eq!((crd_pos(&mut bench), status(&mut bench, 0).1), (vec![1000.0, 0.0], 1));
     }
 }
@@ -431,7 +431,7 @@ fn points_of_tcrddata() {
     assert_eq!((refusal.field, refusal.got.get()), (3 + 6, 0.0));
     assert_eq!(bench.call_items(head, &[]).reply::<CrdData>().taken.get(), 0);
     bench.done(start_crd(1));
-    until_rest(&mut bench);
+    until_standstill(&mut bench);
     assert_eq!((crd_pos(&mut bench), status(&mut bench, 0).1), (vec![200.0, 200.0], 2));
 }
 

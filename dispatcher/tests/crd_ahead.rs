@@ -64,7 +64,7 @@ fn give(bench: &mut Bench<8>, points: &[[i32; 2]]) {
 
 /// When a running path came to standstill, ms since `begun`.
 fn finish(bench: &mut Bench<8>, begun: u64) -> f64 {
-    until_rest(bench);
+    until_standstill(bench);
     (bench.now().0 - begun) as f64 / 1e6
 }
 
@@ -88,8 +88,8 @@ fn a_path_needs_no_flush() {
         took.push(finish(&mut bench, begun));
         let [x, y] = points[199].map(f64::from);
         assert_eq!((crd_pos(&mut bench), status(&mut bench, 0)), (vec![x, y], (0, 200)));
-        let told = bench.done(CrdInfo { core: 1.into(), crd: 1.into() });
-        assert_eq!(({ told.rest }, { told.reason }.get()), (1, 1), "completed");
+        let reported = bench.done(CrdInfo { core: 1.into(), crd: 1.into() });
+        assert_eq!(({ reported.rest }, { reported.reason }.get()), (1, 1), "completed");
     }
     assert_eq!(took[0], took[1]);
     let ideal = ideal([0, 0], &points);
@@ -159,12 +159,12 @@ fn a_host_that_is_too_late_ends_no_path_at_speed() {
     bench.done(ahead(CORNER, ACC, 200));
     give(&mut bench, &points[..150]);
     bench.done(start_crd(1));
-    until_rest(&mut bench);
+    until_standstill(&mut bench);
     assert_eq!(bench.done(CrdInfo { core: 1.into(), crd: 1.into() }).rest, 1);
     assert_eq!(status(&mut bench, 0).1, 150);
     give(&mut bench, &points[150..]);
     bench.done(start_crd(1));
-    until_rest(&mut bench);
+    until_standstill(&mut bench);
     assert_eq!((status(&mut bench, 0).1, crd_pos(&mut bench)), (300, points[299].map(f64::from).to_vec()));
 }
 
@@ -264,7 +264,7 @@ fn a_motion_may_come_behind_what_begins_where_only_the_tick_knows() {
         plane(&mut bench);
         bench.done(line(100, 50, 4.0, 1.0));
         bench.done(start_crd(1));
-        until_rest(&mut bench);
+        until_standstill(&mut bench);
         let wait = BufDelay { core: 1.into(), crd: 1.into(), delay_ms: 3.into(), fifo: 0.into() };
         let entries = [
             entry(ahead(CORNER, ACC, look)),
@@ -300,19 +300,19 @@ fn rests_limits_and_set_up() {
         acc_max: 0.0.into(),
     };
     bench.done(limit(2, 30.0));
-    let told = bench.done(GetCrdLimit { core: 1.into(), crd: 1.into(), coordinate: 2.into() });
-    assert_eq!(({ told.vel_max }.get(), { told.acc_max }.get()), (30.0, 0.0));
+    let reported = bench.done(GetCrdLimit { core: 1.into(), crd: 1.into(), coordinate: 2.into() });
+    assert_eq!(({ reported.vel_max }.get(), { reported.acc_max }.get()), (30.0, 0.0));
     // 3 in X to 4 in Y: Y has 0.8 of the path's speed.
     bench.done(line(6000, 8000, 100.0, 4.0));
     assert_eq!(bench.refused(ahead(CORNER, ACC, 100)).1, Reason::CrdHolds);
     bench.done(start_crd(1));
-    let most = until_rest(&mut bench);
+    let most = until_standstill(&mut bench);
     assert!((most - 37.5).abs() < 1e-6, "{most}");
     // All of it has run: now it may be set up again, or switched off.
     bench.done(ahead(CORNER, ACC, 0));
     bench.done(line(6000, 0, 100.0, 4.0));
     bench.done(start_crd(1));
-    let most = until_rest(&mut bench);
+    let most = until_standstill(&mut bench);
     assert!((most - 100.0).abs() < 1e-6, "without look-ahead a limit has no effect: {most}");
     bench.done(ahead(CORNER, ACC, 10));
     let g0 = LnXYG0 {

@@ -26,8 +26,8 @@ fn check(bench: &mut Bench<8>, table: &[Bad]) {
         let tag = bench.post_raw(*opcode, Lane::Immediate, body);
         let answer = bench.wait(tag);
         assert_ne!(answer.code, 0, "not refused: {text}");
-        let told = describe_opcode(*opcode, answer.refusal()).to_string();
-        assert_eq!((answer.code, told.as_str()), (*code, *text));
+        let reported = describe_opcode(*opcode, answer.refusal()).to_string();
+        assert_eq!((answer.code, reported.as_str()), (*code, *text));
         assert_eq!(state(bench), before, "changed something: {text}");
     }
 }

@@ -2,7 +2,7 @@
 //! that are admitted ahead of their time.
 mod bench;
 use bench::follow::{
-    clear, data, event, jog, jogger, loops, master, memory, pair, prf, space_of, spaces, start, switch, told,
+    clear, data, event, jog, jogger, loops, master, memory, pair, prf, reported, space_of, spaces, start, switch,
 };
 use bench::{Bench, entry, position, read_pos, sleep, wait_stop};
 use protocol::command::*;
@@ -41,7 +41,7 @@ fn what_is_refused_while_it_runs() {
     assert_eq!(bench.refused(memory(2, 1)).1, Reason::Moving);
     assert_eq!(bench.refused(start(2, 0)).1, Reason::Moving);
     assert_eq!(bench.refused(start(6, 0)).1, Reason::Moving, "all of the mask or none");
-    assert_eq!(told(bench.refused(clear(2, 0))), (1, Reason::FifoInUse, 2, 0.0));
+    assert_eq!(reported(bench.refused(clear(2, 0))), (1, Reason::FifoInUse, 2, 0.0));
     let (code, reason, _) = bench.refused(switch(2));
     assert_eq!((code, reason), (1, Reason::FifoEmpty), "a switch to an empty FIFO");
     // The other FIFO is free; settings take effect from the next start or at once.
@@ -74,8 +74,8 @@ fn a_fifo_that_was_left_is_found_empty_by_polling() {
     bench.done(data(2, 500, 1000.0, 1, 1));
     bench.done(switch(2));
     assert_eq!(status(&mut bench), (0, 1));
-    assert_eq!(told(bench.refused(clear(2, 1))), (1, Reason::SwitchPending, 2, 1.0), "it is what comes next");
-    assert_eq!(told(bench.refused(clear(2, 0))), (1, Reason::FifoInUse, 2, 0.0), "it is what runs");
+    assert_eq!(reported(bench.refused(clear(2, 1))), (1, Reason::SwitchPending, 2, 1.0), "it is what comes next");
+    assert_eq!(reported(bench.refused(clear(2, 0))), (1, Reason::FifoInUse, 2, 0.0), "it is what runs");
     let mut polls = 0;
     while bench.done(space_of(2, 0)).value.get() != 16 {
         polls += 1;

@@ -313,8 +313,8 @@ fn lsr_takes_the_nearest_bound_and_tells_it() {
             assert_eq!(taken(b, high / 2.0, high + 1.0), (high / 2.0, 0.0, 0b10));
             // A negative maximum is refused.
             for (max, min) in [(-1.0, -2.0), (-0.5, 0.0), (-1e300, 4e4)] {
-                let told = if max == -1e300 { "-1e300".to_owned() } else { max.to_string() };
-                let text = format!("LaserPowerMode: max is {told}; it must be from 0 to {high}");
+                let reported = if max == -1e300 { "-1e300".to_owned() } else { max.to_string() };
+                let text = format!("LaserPowerMode: max is {reported}; it must be from 0 to {high}");
                 refused(b, mode(number, max, min), 7, &text);
             }
             assert_eq!(taken(b, high, 0.0), (high, 0.0, 0));
@@ -326,8 +326,8 @@ fn lsr_takes_the_nearest_bound_and_tells_it() {
                 // The reply reports what the timer reaches: duty 0.001 %, rate 1 ppm (SPEC 11);
                 // volts as asked.
                 let within = [1e-3, 1e-6 * value, 0.0, 1e-3][number as usize];
-                let told = taken.value.get();
-                assert!((told - value).abs() <= within, "mode {number}: {given} is told as {told}");
+                let reported = taken.value.get();
+                assert!((reported - value).abs() <= within, "mode {number}: {given} is reported as {reported}");
             }
         }
         for (given, value, held) in [(2001.0, khz, 1), (khz, khz, 0), (0.001, 0.001, 0), (0.0015, 0.0015, 0)] {
@@ -361,8 +361,8 @@ fn lsr_takes_the_nearest_bound_and_tells_it() {
     let taken = b.done(delays(0, 20));
     assert_eq!((taken.off_delay_us.get(), taken.on_delay_us.get(), taken.held), (0, 20, 0));
     let taken = b.done(fpk(0, 65_536, u32::MAX));
-    let told = (taken.time1_us.get(), taken.time2_us.get(), taken.laser_off_delay_us.get(), taken.held);
-    assert_eq!(told, (1, 65_535, 65_535, 0b111));
+    let reported = (taken.time1_us.get(), taken.time2_us.get(), taken.laser_off_delay_us.get(), taken.held);
+    assert_eq!(reported, (1, 65_535, 65_535, 0b111));
     let wrong = LaserPowerMode { delay_mode: 2.into(), ..mode(0, 100.0, 10.0) };
     refused(b, wrong, 7, "LaserPowerMode: delay_mode is 2; allowed are 0 to 1");
 }
@@ -373,15 +373,15 @@ fn frequencies_below_1_hz_are_refused_in_both_families() {
     for (family, high) in [(GUS, 2000), (LSR, 24)] {
         let mut bench = bench(family);
         let b = &mut bench;
-        for (given, told) in [(0.0, "0"), (-5.0, "-5"), (1e-14, "1e-14"), (0.000_999_999, "0.000999999")] {
-            let text = format!("frequency is {told}; it must be from 0.001 to {high}");
+        for (given, reported) in [(0.0, "0"), (-5.0, "-5"), (1e-14, "1e-14"), (0.000_999_999, "0.000999999")] {
+            let text = format!("frequency is {reported}; it must be from 0.001 to {high}");
             refused(b, carrier(given), 7, &format!("LaserOutFrq: {text}"));
             refused(b, standby(1, given, 2.0), 7, &format!("SetWaitPulse: {text}"));
             refused(b, standby_all(1, given, 2.0), 7, &format!("SetWaitPulseEx: {text}"));
         }
         b.done(mode(1, 20.0, 0.0));
-        for (given, told) in [(1e-14, "1e-14"), (0.000_999_999, "0.000999999")] {
-            let text = format!("power is {told} kHz; it must be 0, or from 0.001 to {high}");
+        for (given, reported) in [(1e-14, "1e-14"), (0.000_999_999, "0.000999999")] {
+            let text = format!("power is {reported} kHz; it must be 0, or from 0.001 to {high}");
             refused(b, power(given), 7, &format!("LaserPrfCmd: {text}"));
         }
         for right in [0.0, 0.001, 0.0015] {
@@ -408,8 +408,8 @@ fn standby_of_both_channels_wants_both_to_be_pwm() {
     let mut lsr = bench(LSR);
     let b = &mut lsr;
     b.done(second(2, 10.0));
-    let told = b.done(standby_all(1, 5.0, 50.0));
-    assert_eq!((told.frequency.get(), told.duty.get(), told.held), (5.0, 50.0, 0));
+    let reported = b.done(standby_all(1, 5.0, 50.0));
+    assert_eq!((reported.frequency.get(), reported.duty.get(), reported.held), (5.0, 50.0, 0));
     assert_eq!(output(b), [false, false], "channel 1 is analog");
     b.done(second(1, 24.0));
     assert_eq!(output(b), [true, true]);

@@ -279,8 +279,8 @@ fn gus_refuses_powers_out_of_range() {
     // Both ends belong to the range, though the manual prints round brackets.
     assert_eq!(b.done(buf_power(0.0)).value.get(), 0.0);
     assert_eq!(b.done(buf_power(100.0)).value.get(), 100.0);
-    let told = b.done(prf_follow(0.1, 0, 100));
-    assert_eq!((told.min.get(), told.max.get(), told.held), (0.0, 100.0, 0));
+    let reported = b.done(prf_follow(0.1, 0, 100));
+    assert_eq!((reported.min.get(), reported.max.get(), reported.held), (0.0, 100.0, 0));
     // Ranges are those of the mode: kHz here.
     b.done(LaserPowerMode { mode: 1.into(), max: 2000.0.into(), ..duty() });
     assert_eq!(b.done(buf_power(2000.0)).value.get(), 2000.0);
@@ -309,29 +309,29 @@ fn duty() -> LaserPowerMode {
 fn lsr_takes_the_nearest_bound_and_tells_it() {
     let mut bench = bench(LSR);
     let b = &mut bench;
-    let told = b.done(buf_power(120.0));
-    assert_eq!((told.value.get(), told.held), (100.0, 1));
-    let told = b.done(buf_power(-3.0));
-    assert_eq!((told.value.get(), told.held), (0.0, 1));
-    let told = b.done(buf_power(50.0));
-    assert_eq!((told.value.get(), told.held), (50.0, 0));
+    let reported = b.done(buf_power(120.0));
+    assert_eq!((reported.value.get(), reported.held), (100.0, 1));
+    let reported = b.done(buf_power(-3.0));
+    assert_eq!((reported.value.get(), reported.held), (0.0, 1));
+    let reported = b.done(buf_power(50.0));
+    assert_eq!((reported.value.get(), reported.held), (50.0, 0));
     // Bit 0 is the maximum, bit 1 the minimum.
-    let told = b.done(prf_follow(0.1, -5, 150));
-    assert_eq!((told.max.get(), told.min.get(), told.held), (100.0, 0.0, 3));
-    let told = b.done(ratio_follow(0.1, 20.0, 150.0));
-    assert_eq!((told.max.get(), told.min.get(), told.held), (100.0, 20.0, 1));
+    let reported = b.done(prf_follow(0.1, -5, 150));
+    assert_eq!((reported.max.get(), reported.min.get(), reported.held), (100.0, 0.0, 3));
+    let reported = b.done(ratio_follow(0.1, 20.0, 150.0));
+    assert_eq!((reported.max.get(), reported.min.get(), reported.held), (100.0, 20.0, 1));
     // After limitation both bounds may be equal; as given, the maximum is above.
-    let told = b.done(ratio_follow(0.1, 110.0, 150.0));
-    assert_eq!((told.max.get(), told.min.get(), told.held), (100.0, 100.0, 3));
-    let told = b.done(follow_mode(1, Some(101.0)));
-    assert_eq!((told.value.get(), told.held), (100.0, 1));
-    let told = b.done(follow_mode(1, None));
-    assert_eq!((told.value.get(), told.held), (0.0, 0));
-    let told = b.call_items(table(1, 3, 0, 0), &points(&[(0.0, -1.0), (10.0, 50.0), (20.0, 101.0)]));
-    assert_eq!(told.reply::<SetLaserFollowTable>().held.get(), 2);
+    let reported = b.done(ratio_follow(0.1, 110.0, 150.0));
+    assert_eq!((reported.max.get(), reported.min.get(), reported.held), (100.0, 100.0, 3));
+    let reported = b.done(follow_mode(1, Some(101.0)));
+    assert_eq!((reported.value.get(), reported.held), (100.0, 1));
+    let reported = b.done(follow_mode(1, None));
+    assert_eq!((reported.value.get(), reported.held), (0.0, 0));
+    let reported = b.call_items(table(1, 3, 0, 0), &points(&[(0.0, -1.0), (10.0, 50.0), (20.0, 101.0)]));
+    assert_eq!(reported.reply::<SetLaserFollowTable>().held.get(), 2);
     // Scales from 1 to 65536.
-    let told = b.done(distance(1, 0, [0.0, 1000.0, 70_000.0, -4.0]));
-    assert_eq!(({ told.scale }.map(f64::from), told.held), ([1.0, 1000.0, 65_536.0, 1.0], 0b1101));
+    let reported = b.done(distance(1, 0, [0.0, 1000.0, 70_000.0, -4.0]));
+    assert_eq!(({ reported.scale }.map(f64::from), reported.held), ([1.0, 1000.0, 65_536.0, 1.0], 0b1101));
 }
 
 /// GetDac reads the output: of a call, of a path, of a laser.
@@ -548,18 +548,18 @@ fn distance_follow_is_checked() {
             let text = "SetLaserDisRatio: max is 101; it must be from 0 to 100";
             refused(b, ratios([0.1; 4], Some((0.0, 101.0))), &[], 7, text);
             // Equal ones are bounds too. Those that are not given stay.
-            let told = b.done(ratios([0.0, -1.0, 131_072.0, 0.1], Some((10.0, 10.0))));
-            assert_eq!((told.max.get(), told.min.get(), told.held), (10.0, 10.0, 0));
-            let told = b.done(ratios([0.1; 4], None));
-            assert_eq!((told.max.get(), told.min.get()), (10.0, 10.0));
+            let reported = b.done(ratios([0.0, -1.0, 131_072.0, 0.1], Some((10.0, 10.0))));
+            assert_eq!((reported.max.get(), reported.min.get(), reported.held), (10.0, 10.0, 0));
+            let reported = b.done(ratios([0.1; 4], None));
+            assert_eq!((reported.max.get(), reported.min.get()), (10.0, 10.0));
             // On again: without bounds of its own, those of the mode hold.
             b.done(distance(1, 0, scale));
-            let told = b.done(ratios([0.1; 4], None));
-            assert_eq!((told.max.get(), told.min.get()), (100.0, 0.0));
+            let reported = b.done(ratios([0.1; 4], None));
+            assert_eq!((reported.max.get(), reported.min.get()), (100.0, 0.0));
         } else {
             // LSR ignores them.
-            let told = b.done(ratios([0.1; 4], bounds));
-            assert_eq!((told.max.get(), told.min.get(), told.held), (100.0, 0.0, 0));
+            let reported = b.done(ratios([0.1; 4], bounds));
+            assert_eq!((reported.max.get(), reported.min.get(), reported.held), (100.0, 0.0, 0));
         }
         b.done(distance(0, 0, [f64::NAN; 4]));
         refused(b, ratios([0.1; 4], None), &[], 1, &format!("SetLaserDisRatio: {off}"));

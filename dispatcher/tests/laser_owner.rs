@@ -84,7 +84,7 @@ fn entries_for_a_channel_that_is_not_mapped_are_refused() {
     bench.done(map(0b10));
     let (core, crd, fifo, channel) = (1.into(), 1.into(), 0.into(), 0.into());
     let before = bench.done(CrdSpace { core, crd, fifo }).value.get();
-    let told = [
+    let reported = [
         text(&mut bench, buf_on()),
         text(&mut bench, BufLaserOff { core, crd, fifo, channel }),
         text(&mut bench, BufLaserPrfCmd { core, crd, power: 10.0.into(), fifo, channel }),
@@ -102,11 +102,11 @@ fn entries_for_a_channel_that_is_not_mapped_are_refused() {
         ),
         text(&mut bench, BufLaserFollowOff { core, crd, fifo, channel }),
     ];
-    for (code, told) in &told {
+    for (code, reported) in &reported {
         let why = "laser channel 0 is not mapped to coordinate system 1; call SetLaserCrdMap first";
-        assert_eq!((*code, told.split_once(": ").unwrap().1), (1, why), "{told}");
+        assert_eq!((*code, reported.split_once(": ").unwrap().1), (1, why), "{reported}");
     }
-    assert_eq!(told[0].1.split_once(':').unwrap().0, "BufLaserOn");
+    assert_eq!(reported[0].1.split_once(':').unwrap().0, "BufLaserOn");
     assert_eq!(bench.done(CrdSpace { core, crd, fifo }).value.get(), before);
     // The other coordinate system may, and the other channel is still mapped.
     bench.done(BufLaserOn { crd: 2.into(), ..buf_on() });
@@ -339,8 +339,8 @@ fn an_on_entry_while_an_abort_of_the_program_brakes_is_refused() {
 }
 
 fn link_loss(bench: &mut Bench<8>) -> (f64, i16) {
-    let told = bench.done(GetLinkLoss {});
-    (told.time_ms.get(), told.stop_all.get())
+    let reported = bench.done(GetLinkLoss {});
+    (reported.time_ms.get(), reported.stop_all.get())
 }
 
 /// SPEC 9: the link-loss time lasts for the session; a Reset sets the default; GetLinkLoss reads

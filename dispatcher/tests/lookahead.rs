@@ -238,8 +238,8 @@ fn corners_of_long_lines_are_taken_at_the_change_of_speed_that_the_corner_time_a
     let planned = first.ms + second.ms + third.ms;
     assert!((planned - time).abs() < 1e-6 * time, "{planned} {time}");
     let ideal = |a: f64, b: f64, acc: f64| {
-        let ways = (2.0 * 60.0 * 60.0 - a * a - b * b) / 2.0 / acc;
-        (120.0 - a - b) / acc + (100_000.0 - ways) / 60.0
+        let ramps = (2.0 * 60.0 * 60.0 - a * a - b * b) / 2.0 / acc;
+        (120.0 - a - b) / acc + (100_000.0 - ramps) / 60.0
     };
     let reversal = 1.0 * 5.0 / 2.0;
     let expected = ideal(0.0, 5.0, 0.8) + ideal(5.0, reversal, 0.8) + ideal(reversal, 0.0, 0.8);

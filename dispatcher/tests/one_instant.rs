@@ -206,10 +206,10 @@ fn fifos_under_a_queued_switch_take_all_of_an_instant() {
             let tags = bench.post_all(&entries);
             bench.done(ProgramStart { strict: 0 });
             let codes: Vec<i16> = tags.iter().map(|&tag| bench.wait(tag).code).collect();
-            let told = format!("instant {number}, starts {starts}, after {pause:?}");
-            assert!(codes.iter().all(|code| *code == 0), "{told}: {codes:?}");
-            assert_eq!(bench.answers[&tags[last]].reply::<FollowSpaceEx>().value.get(), *free, "{told}");
-            assert_eq!(bench.done(ProgramStatus {}).late.get(), *late, "{told}");
+            let reported = format!("instant {number}, starts {starts}, after {pause:?}");
+            assert!(codes.iter().all(|code| *code == 0), "{reported}: {codes:?}");
+            assert_eq!(bench.answers[&tags[last]].reply::<FollowSpaceEx>().value.get(), *free, "{reported}");
+            assert_eq!(bench.done(ProgramStatus {}).late.get(), *late, "{reported}");
         }
     }
 }

@@ -83,7 +83,7 @@ fn every_product_has_its_general_inputs_and_outputs() {
         bench.done(bit(outputs));
         assert_eq!(bench.refused(bit(outputs + 1)).2.high.get(), f64::from(outputs), "{name}");
         bench.done(start_crd(1));
-        until_rest(&mut bench);
+        until_standstill(&mut bench);
         assert_eq!(bench.machine.outputs.2 >> (outputs - 1), 1, "{name}");
         // Inputs: the bench has the low byte 0x5a.
         let read = GetDiEx { core: core.into(), di_type: 4.into(), count: 4.into() };

@@ -530,16 +530,16 @@ fn what_ended_the_last_run_is_told() {
     let mut fresh = Bench::gus();
     let none = fresh.call(GetFault {});
     assert_eq!((none.reply::<GetFault>(), none.body.len()), (FaultReply { kind: 0, length: 0.into() }, 3));
-    for (text, told) in
+    for (text, reported) in
         [("at main.rs:7", 12), ("", 0), (&*"é".repeat(100), 160), (&*format!("x{}", "é".repeat(100)), 159)]
     {
         let text: &'static str = String::leak(text.to_owned());
         let fault = Fault { kind: FaultKind::Core, text };
         let mut bench = Bench::<8>::after(Some(fault), 0, 250);
         let answer = bench.call(GetFault {});
-        assert_eq!(answer.reply::<GetFault>(), FaultReply { kind: 2, length: told.into() });
+        assert_eq!(answer.reply::<GetFault>(), FaultReply { kind: 2, length: reported.into() });
         let bytes: Vec<u8> = answer.items::<GetFault>().iter().map(|byte| byte.value).collect();
-        assert_eq!(String::from_utf8(bytes).unwrap(), text[..usize::from(told)]);
+        assert_eq!(String::from_utf8(bytes).unwrap(), text[..usize::from(reported)]);
     }
     // It is a read: accepted beside a program too.
     fresh.post_all(&[bench::entry(Sleep { ns: 1_000_000.into() })]);

@@ -152,17 +152,17 @@ fn nothing_of_an_old_program_is_told_to_the_new_session() {
             old.push(bench.post::<ProgramStart>(Lane::Immediate, ProgramStart { strict: 0 }, &[]));
         }
         bench.run_ms(2);
-        let told = bench.answers.len();
+        let reported = bench.answers.len();
         reopen(&mut bench, 77);
         bench.run_ms(100);
-        assert_eq!(bench.answers.len(), told);
+        assert_eq!(bench.answers.len(), reported);
         assert_eq!((bench.pos(3), bench.done(ProgramStatus {}).state), (0.0, 0));
         // Nor does anything of it prevent another one.
         let new = bench.post_all(&[pos(4), entry(sleep(1)), entry(ProgramEnd {})]);
         bench.done(ProgramStart { strict: 1 });
         assert!(new.iter().all(|tag| bench.wait(*tag).code == 0));
         assert_eq!([2, 3, 4].map(|axis| bench.pos(axis)), [0.0, 0.0, 5.0]);
-        assert!(old.iter().filter(|tag| bench.answers.contains_key(tag)).count() <= told);
+        assert!(old.iter().filter(|tag| bench.answers.contains_key(tag)).count() <= reported);
     }
 }
 
@@ -195,10 +195,10 @@ fn a_queue_that_an_old_session_filled_is_empty() {
         }
     }
     assert!(full(&bench));
-    let told = bench.answers.len();
+    let reported = bench.answers.len();
     reopen(&mut bench, 77);
     bench.run_ms(5);
-    assert_eq!(bench.answers.len(), told, "what waited in it is not told");
+    assert_eq!(bench.answers.len(), reported, "what waited in it is not reported");
     let tags = bench.post_all(&[entry(sleep(1)), entry(ProgramEnd {})]);
     bench.done(ProgramStart { strict: 0 });
     assert!(tags.iter().all(|tag| bench.wait(*tag).code == 0));

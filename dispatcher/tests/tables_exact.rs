@@ -21,7 +21,7 @@ fn number(style: u64, x: f64) -> f64 {
 }
 
 /// Times and positions: segments of 0.01…10⁷ ms, displacements of 10⁻³…2³¹ pulses.
-fn way(chance: &mut Chance, most: u64) -> Vec<(f64, f64)> {
+fn course(chance: &mut Chance, most: u64) -> Vec<(f64, f64)> {
     let n = 2 + chance.below(most - 1);
     let style = chance.below(3);
     // Some tables are even, others hold everything from the shortest to the longest.
@@ -36,7 +36,7 @@ fn way(chance: &mut Chance, most: u64) -> Vec<(f64, f64)> {
     let (small, large) = if chance.below(2) == 0 { (1e-3, 2147483648.0) } else { (1e-3, 1e4) };
     let mut t = if chance.below(2) == 0 { 0.0 } else { number(style, chance.log(1e-3, 1e5)) };
     let mut p = number(style, chance.unit() * 1e3 * chance.sign());
-    let mut way = vec![(t, p)];
+    let mut course = vec![(t, p)];
     for _ in 1..n {
         let length = chance.log(short, long);
         let before = t;
@@ -47,9 +47,9 @@ fn way(chance: &mut Chance, most: u64) -> Vec<(f64, f64)> {
         let most = (2e9 * (t - before)).min(large).max(small * 2.0);
         p += chance.sign() * chance.log(small, most);
         p = number(style, p);
-        way.push((t, p));
+        course.push((t, p));
     }
-    way
+    course
 }
 
 struct Tally {
@@ -173,10 +173,10 @@ fn bound(reference: &Reference, ns: u64) -> (f64, bool) {
 #[test]
 fn pvt_is_exact() {
     let tally = campaign(11, 450_000, 1023, |chance, most| {
-        let way = way(chance, most);
+        let course = course(chance, most);
         let mut points: Vec<Vec<f64>> = Vec::new();
-        for (i, (t, p)) in way.iter().enumerate() {
-            let slope = if i == 0 { 0.0 } else { (p - way[i - 1].1) / (t - way[i - 1].0) };
+        for (i, (t, p)) in course.iter().enumerate() {
+            let slope = if i == 0 { 0.0 } else { (p - course[i - 1].1) / (t - course[i - 1].0) };
             points.push(vec![*t, *p, slope * (chance.unit() * 3.0 - 0.5)]);
         }
         (Kind::Pvt, points)
@@ -187,9 +187,9 @@ fn pvt_is_exact() {
 #[test]
 fn pvt_ex_is_exact() {
     campaign(12, 150_000, 500, |chance, most| {
-        let way = way(chance, most);
-        let slopes: Vec<f64> = way.windows(2).map(|w| (w[1].1 - w[0].1) / (w[1].0 - w[0].0)).chain([0.0]).collect();
-        let points = way
+        let course = course(chance, most);
+        let slopes: Vec<f64> = course.windows(2).map(|w| (w[1].1 - w[0].1) / (w[1].0 - w[0].0)).chain([0.0]).collect();
+        let points = course
             .iter()
             .zip(slopes)
             .map(|((t, p), slope)| vec![*t, *p, slope * (chance.unit() * 3.0 - 0.5), slope * chance.unit()]);
@@ -200,8 +200,8 @@ fn pvt_ex_is_exact() {
 #[test]
 fn complete_is_exact() {
     campaign(13, 150_000, 1023, |chance, most| {
-        let way = way(chance, most);
-        let points = way.iter().map(|(t, p)| vec![*t, *p]).collect();
+        let course = course(chance, most);
+        let points = course.iter().map(|(t, p)| vec![*t, *p]).collect();
         (Kind::Complete { vel_begin: chance.unit(), vel_end: -chance.unit() }, points)
     });
 }

@@ -119,22 +119,22 @@ impl<const N: usize> Deframer<N> {
     fn keep(&mut self, input: &[u8]) -> usize {
         let room = self.bytes.0.get_mut(self.len..).unwrap_or(&mut []);
         let mut kept = 0usize;
-        for (place, word) in room.chunks_exact_mut(4).zip(input.chunks_exact(4)) {
+        for (slot, word) in room.chunks_exact_mut(4).zip(input.chunks_exact(4)) {
             let &[a, b, c, d] = word else { break };
             let value = u32::from_le_bytes([a, b, c, d]);
             // A borrow into a top bit that was clear: one of the four bytes is zero.
             if value.wrapping_sub(0x0101_0101) & !value & 0x8080_8080 != 0 {
                 break;
             }
-            place.copy_from_slice(&[a, b, c, d]);
+            slot.copy_from_slice(&[a, b, c, d]);
             kept = kept.wrapping_add(4);
         }
         let room = room.get_mut(kept..).unwrap_or(&mut []);
-        for (place, &byte) in room.iter_mut().zip(input.get(kept..).unwrap_or(&[])) {
+        for (slot, &byte) in room.iter_mut().zip(input.get(kept..).unwrap_or(&[])) {
             if byte == 0 {
                 break;
             }
-            *place = byte;
+            *slot = byte;
             kept = kept.wrapping_add(1);
         }
         self.len = self.len.saturating_add(kept);
@@ -180,9 +180,9 @@ fn decode(bytes: &mut [u8]) -> Option<usize> {
             return (next == end).then_some(end);
         }
         let full = code == 0xFF;
-        let place = bytes.get_mut(next)?;
-        code = *place;
-        *place = 0;
+        let slot = bytes.get_mut(next)?;
+        code = *slot;
+        *slot = 0;
         at = next;
         if full {
             at = next.wrapping_sub(1);

@@ -76,11 +76,11 @@ pub(crate) fn copy(to: &mut [u8], from: &[u8]) {
     let (to, from) = (to.get_mut(..length).unwrap_or(&mut []), from.get(..length).unwrap_or(&[]));
     let (to_words, to_rest) = to.as_chunks_mut::<4>();
     let (from_words, from_rest) = from.as_chunks::<4>();
-    for (place, word) in to_words.iter_mut().zip(from_words) {
-        *place = u32::from_le_bytes(*word).to_le_bytes();
+    for (slot, word) in to_words.iter_mut().zip(from_words) {
+        *slot = u32::from_le_bytes(*word).to_le_bytes();
     }
-    for (place, byte) in to_rest.iter_mut().zip(from_rest) {
-        *place = *byte;
+    for (slot, byte) in to_rest.iter_mut().zip(from_rest) {
+        *slot = *byte;
     }
 }
 
@@ -156,9 +156,9 @@ impl Kind {
 impl Busy {
     /// What is reported of the client at `holder`: as many bytes as fit.
     pub fn new(held_ms: u32, silent_ms: u32, holder: &str) -> Busy {
-        let mut place = [0; HOLDER];
-        copy(&mut place, holder.as_bytes());
-        Busy { held_ms: held_ms.into(), silent_ms: silent_ms.into(), holder: place }
+        let mut bytes = [0; HOLDER];
+        copy(&mut bytes, holder.as_bytes());
+        Busy { held_ms: held_ms.into(), silent_ms: silent_ms.into(), holder: bytes }
     }
 
     /// The address of the other client.

@@ -144,7 +144,7 @@ struct Offer {
     window: u16,
 }
 
-/// Result of [`Endpoint::knock`].
+/// Result of [`Endpoint::request_take_over`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TakeOver {
     /// Nothing: the frame does not belong to the opening of a session.
@@ -312,12 +312,12 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
 
     /// Whether [`Self::send`] would take a message.
     pub fn can_send(&self) -> bool {
-        self.state == State::Open && self.transmitter.has_place()
+        self.state == State::Open && self.transmitter.has_room()
     }
 
     /// Messages that can be sent before the window is full.
     pub fn places(&self) -> usize {
-        if self.state == State::Open { self.transmitter.places() } else { 0 }
+        if self.state == State::Open { self.transmitter.room() } else { 0 }
     }
 
     /// Takes a message for sending.
@@ -332,8 +332,8 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
             return Err(SendError::NotOpen);
         }
         let draft = self.transmitter.draft().ok_or(SendError::Full)?;
-        if let Some(place) = draft.get_mut(..message.len()) {
-            frame::copy(place, message);
+        if let Some(slot) = draft.get_mut(..message.len()) {
+            frame::copy(slot, message);
         }
         self.send_draft(message.len())
     }

@@ -388,11 +388,11 @@ impl Row<'_> {
     fn append(&mut self, head: &[u8], parts: &[&[u8]]) -> Result<(), Full> {
         let size = parts.iter().fold(head.len(), |sum, part| sum.saturating_add(part.len()));
         let end = self.at.checked_add(size).ok_or(Full)?;
-        let mut place = self.buffer.get_mut(self.at..end).ok_or(Full)?;
+        let mut room = self.buffer.get_mut(self.at..end).ok_or(Full)?;
         for part in core::iter::once(&head).chain(parts) {
-            let (here, rest) = place.split_at_mut_checked(part.len()).ok_or(Full)?;
+            let (here, rest) = room.split_at_mut_checked(part.len()).ok_or(Full)?;
             here.copy_from_slice(part);
-            place = rest;
+            room = rest;
         }
         self.at = end;
         Ok(())

@@ -251,8 +251,8 @@ impl Encoder {
             let waiting = self.wire.get(self.wire_at..self.wire_len).unwrap_or(&[]);
             let room = out.get_mut(written..).unwrap_or(&mut []);
             let count = waiting.len().min(room.len());
-            for (place, &byte) in room.iter_mut().zip(waiting) {
-                *place = byte;
+            for (slot, &byte) in room.iter_mut().zip(waiting) {
+                *slot = byte;
             }
             self.wire_at = self.wire_at.saturating_add(count);
             written = written.saturating_add(count);
@@ -268,9 +268,9 @@ impl Encoder {
     }
 
     fn append(&mut self, bytes: &[u8]) {
-        if let Some(place) = self.body.get_mut(self.len..self.len.saturating_add(bytes.len())) {
-            for (place, &byte) in place.iter_mut().zip(bytes) {
-                *place = byte;
+        if let Some(room) = self.body.get_mut(self.len..self.len.saturating_add(bytes.len())) {
+            for (slot, &byte) in room.iter_mut().zip(bytes) {
+                *slot = byte;
             }
             self.len = self.len.saturating_add(bytes.len());
         }
@@ -502,7 +502,7 @@ fn head(bytes: &[u8]) -> Result<(Head, Lists<'_, AxisId, LaserId, CrdId>), Trace
 
 fn rows(bytes: &[u8], columns: Counts, next_row: &mut u32, sink: &mut impl FnMut(Result<Event<'_>, TraceError>)) {
     let mut rest = bytes;
-    while let Some((&what, behind)) = rest.split_first() {
+    while let Some((&what, body)) = rest.split_first() {
         let after = match what {
             ROW => RowLayout::read_from_prefix(rest).ok().and_then(|(head, after)| {
                 let (samples, after) = lists(after, columns)?;
@@ -514,15 +514,15 @@ fn rows(bytes: &[u8], columns: Counts, next_row: &mut u32, sink: &mut impl FnMut
                 sink(Ok(Event::Row(row, samples)));
                 Some(after)
             }),
-            ACTION => Action::read_from_prefix(behind).ok().map(|(action, after)| {
+            ACTION => Action::read_from_prefix(body).ok().map(|(action, after)| {
                 sink(Ok(Event::Action(action)));
                 after
             }),
-            OUTPUTS => Outputs::read_from_prefix(behind).ok().map(|(outputs, after)| {
+            OUTPUTS => Outputs::read_from_prefix(body).ok().map(|(outputs, after)| {
                 sink(Ok(Event::Outputs(outputs)));
                 after
             }),
-            PERIOD => Period::read_from_prefix(behind).ok().map(|(period, after)| {
+            PERIOD => Period::read_from_prefix(body).ok().map(|(period, after)| {
                 sink(Ok(Event::Period(period)));
                 after
             }),

@@ -472,7 +472,7 @@ fn a_frame_with_any_bit_damaged_is_none() {
 }
 
 /// Frames of the wire's bytes at the controller's second wire, and its answers there.
-fn knocks(controller: &mut End, now: Ns, holder: Option<&str>, bytes: &[u8]) -> (Vec<u8>, Vec<TakeOver>) {
+fn take_overs(controller: &mut End, now: Ns, holder: Option<&str>, bytes: &[u8]) -> (Vec<u8>, Vec<TakeOver>) {
     let mut deframer = Deframer::<MAX_WIRE>::new();
     let (mut rest, mut answers, mut outcomes) = (bytes, Vec::new(), Vec::new());
     while !rest.is_empty() {
@@ -480,11 +480,11 @@ fn knocks(controller: &mut End, now: Ns, holder: Option<&str>, bytes: &[u8]) -> 
         rest = &rest[used..];
         if outcome == Outcome::Frame {
             let mut answer = [0; OPENING_WIRE];
-            let knock = controller.knock(now, deframer.frame(), holder, &mut answer);
-            if let TakeOver::Answered(length) = knock {
+            let take_over = controller.request_take_over(now, deframer.frame(), holder, &mut answer);
+            if let TakeOver::Answered(length) = take_over {
                 answers.extend(&answer[..length]);
             }
-            outcomes.push(knock);
+            outcomes.push(take_over);
         }
     }
     (answers, outcomes)
@@ -498,7 +498,7 @@ fn a_session_is_taken_up_on_the_second_wire_and_only_then_is_the_link_there() {
     let mut second = End::new(Role::Client, Identity::OURS);
     second.open(0, 2);
     let hello = out(&mut second, 0);
-    let (answer, outcomes) = knocks(&mut controller, 0, None, &hello);
+    let (answer, outcomes) = take_overs(&mut controller, 0, None, &hello);
     assert_eq!(outcomes, [TakeOver::Answered(answer.len())]);
     // A Hello ends nothing, and its answer does not go to the first wire.
     assert_eq!(controller.session(), session);
@@ -513,7 +513,7 @@ fn a_session_is_taken_up_on_the_second_wire_and_only_then_is_the_link_there() {
     controller.feed(0, &half[..half.len() / 2]);
     controller.send(b"lost").unwrap();
     assert_eq!(controller.take_tx(0, &mut [0; 5]), 5);
-    assert_eq!(knocks(&mut controller, 0, None, &confirmation).1, [TakeOver::TakenUp]);
+    assert_eq!(take_overs(&mut controller, 0, None, &confirmation).1, [TakeOver::TakenUp]);
     assert_ne!(controller.session(), session);
     assert_eq!(controller.message(), None);
     pump(0, &mut second, &mut controller);
@@ -530,8 +530,10 @@ fn a_session_is_taken_up_on_the_second_wire_and_only_then_is_the_link_there() {
     assert_eq!(controller.message(), Some(&b"after"[..]));
     // From now on the first client is at the second wire: frames in its session are ignored.
     first.poll(KEEP_ALIVE_NS);
-    let (answer, outcomes) = knocks(&mut controller, KEEP_ALIVE_NS, None, &out(&mut first, KEEP_ALIVE_NS));
-    assert!(answer.is_empty() && !outcomes.is_empty() && outcomes.iter().all(|knock| *knock == TakeOver::Nothing));
+    let (answer, outcomes) = take_overs(&mut controller, KEEP_ALIVE_NS, None, &out(&mut first, KEEP_ALIVE_NS));
+    assert!(
+        answer.is_empty() && !outcomes.is_empty() && outcomes.iter().all(|take_over| *take_over == TakeOver::Nothing)
+    );
     assert_eq!(controller.session(), second.session());
 }
 
@@ -543,12 +545,12 @@ fn a_session_that_was_not_offered_takes_nothing_up_on_the_second_wire() {
     second.open(0, 2);
     for (n, offered) in [(1, false), (2, true)] {
         if offered {
-            knocks(&mut controller, 0, None, &out(&mut second, 0));
+            take_overs(&mut controller, 0, None, &out(&mut second, 0));
         }
         // A keep-alive of the open session, which is on the other wire.
         let now = n * KEEP_ALIVE_NS;
         first.poll(now);
-        let (answer, outcomes) = knocks(&mut controller, now, None, &out(&mut first, now));
+        let (answer, outcomes) = take_overs(&mut controller, now, None, &out(&mut first, now));
         assert_eq!((answer, outcomes), (vec![], vec![TakeOver::Nothing]), "another session offered: {offered}");
         assert_eq!(controller.session(), session);
     }
@@ -560,7 +562,7 @@ fn a_stranger_at_the_second_wire_is_told_so_and_nothing_changes() {
     let session = controller.session();
     let mut stranger = End::new(Role::Client, Identity { schema: 0, ..Identity::OURS });
     stranger.open(0, 9);
-    let (answer, _) = knocks(&mut controller, 0, None, &out(&mut stranger, 0));
+    let (answer, _) = take_overs(&mut controller, 0, None, &out(&mut stranger, 0));
     stranger.feed(0, &answer);
     assert_eq!(stranger.state(), State::Mismatch(Identity::OURS));
     assert_eq!(controller.session(), session);
@@ -572,7 +574,7 @@ fn a_stranger_at_the_second_wire_is_told_so_and_nothing_changes() {
     other.open(0, 3);
     controller.feed(0, &out(&mut other, 0));
     stranger.open(0, 10);
-    assert_eq!(knocks(&mut controller, 0, None, &out(&mut stranger, 0)).1.len(), 1);
+    assert_eq!(take_overs(&mut controller, 0, None, &out(&mut stranger, 0)).1.len(), 1);
     pump(0, &mut other, &mut controller);
     assert_eq!((other.state(), other.session()), (State::Open, controller.session()));
 }
@@ -585,7 +587,7 @@ fn a_second_client_is_told_who_is_there_and_gets_the_session_when_that_one_is_si
     let mut second = End::new(Role::Client, Identity::OURS);
     let last = ALIVE_NS - 1;
     second.open(last, 2);
-    let (answer, outcomes) = knocks(&mut controller, last, holder, &out(&mut second, last));
+    let (answer, outcomes) = take_overs(&mut controller, last, holder, &out(&mut second, last));
     assert_eq!(outcomes, [TakeOver::Answered(answer.len())]);
     second.feed(last, &answer);
     let State::Busy(busy) = second.state() else { panic!("{:?}", second.state()) };
@@ -603,12 +605,12 @@ fn a_second_client_is_told_who_is_there_and_gets_the_session_when_that_one_is_si
     // Offered while the first one was silent. It sends again before the session is confirmed: no
     // session begins.
     let now = last + ALIVE_NS;
-    let (answer, _) = knocks(&mut controller, now, holder, &out(&mut second, now));
+    let (answer, _) = take_overs(&mut controller, now, holder, &out(&mut second, now));
     second.feed(now, &answer);
     let confirmation = out(&mut second, now);
     first.poll(now);
     pump(now, &mut first, &mut controller);
-    assert_eq!(knocks(&mut controller, now, holder, &confirmation).1, [TakeOver::Nothing]);
+    assert_eq!(take_overs(&mut controller, now, holder, &confirmation).1, [TakeOver::Nothing]);
     assert_eq!(controller.session(), session);
 
     // It is silent, or its wire is gone: the session is the second one's.
@@ -616,9 +618,9 @@ fn a_second_client_is_told_who_is_there_and_gets_the_session_when_that_one_is_si
         let mut second = End::new(Role::Client, Identity::OURS);
         let nonce = if holder.is_some() { 4 } else { 5 };
         second.open(now, nonce);
-        let (answer, _) = knocks(&mut controller, now, holder, &out(&mut second, now));
+        let (answer, _) = take_overs(&mut controller, now, holder, &out(&mut second, now));
         second.feed(now, &answer);
-        assert_eq!(knocks(&mut controller, now, holder, &out(&mut second, now)).1, [TakeOver::TakenUp]);
+        assert_eq!(take_overs(&mut controller, now, holder, &out(&mut second, now)).1, [TakeOver::TakenUp]);
         pump(now, &mut second, &mut controller);
         assert_eq!(second.state(), State::Open);
     }
@@ -626,7 +628,7 @@ fn a_second_client_is_told_who_is_there_and_gets_the_session_when_that_one_is_si
     // A client of another protocol gets that answer, whoever has the session.
     let mut stranger = End::new(Role::Client, Identity { schema: 0, ..Identity::OURS });
     stranger.open(now, 9);
-    let (answer, _) = knocks(&mut controller, now, holder, &out(&mut stranger, now));
+    let (answer, _) = take_overs(&mut controller, now, holder, &out(&mut stranger, now));
     stranger.feed(now, &answer);
     assert_eq!(stranger.state(), State::Mismatch(Identity::OURS));
 }

@@ -99,7 +99,7 @@ fn lane() {
 
 /// As the tick reports events: an event, then the view that goes with it. A reader of the view
 /// finds the event.
-fn news() {
+fn events() {
     let ring: &'static Ring<u32, 2> = Box::leak(Box::new(Ring::new()));
     let latest: &'static Latest<u32> = Box::leak(Box::new(Latest::new(0)));
     let ((mut tx, mut rx), (mut view_in, mut view)) = (ring.split_once().unwrap(), latest.split_once().unwrap());
@@ -136,14 +136,14 @@ fn lane_needs_its_release() {
 
 #[test]
 fn news_hold_in_every_execution() {
-    let executions = explore(Weak::Nothing, news).expect("the model of news fails");
-    std::println!("news: {executions} executions");
+    let executions = explore(Weak::Nothing, events).expect("the model of events fails");
+    std::println!("events: {executions} executions");
     assert!(executions > 10, "only {executions} executions");
 }
 
 #[test]
 fn news_need_the_exchange() {
-    assert_eq!(explore(Weak::Exchange, news), None);
+    assert_eq!(explore(Weak::Exchange, events), None);
 }
 
 #[test]

@@ -16,7 +16,7 @@ pub struct Ring<T: Copy, const N: usize> {
     popped: AtomicU32,
     /// Whether `split_once` has been called.
     taken: AtomicBool,
-    places: [Cell<MaybeUninit<T>>; N],
+    slots: [Cell<MaybeUninit<T>>; N],
 }
 
 // SAFETY: the two halves are handed out once (or under `&mut`). The producer touches a slot only
@@ -37,7 +37,7 @@ impl<T: Copy, const N: usize> Ring<T, N> {
             pushed: AtomicU32::new(0),
             popped: AtomicU32::new(0),
             taken: AtomicBool::new(false),
-            places: [const { Cell::new(MaybeUninit::uninit()) }; N],
+            slots: [const { Cell::new(MaybeUninit::uninit()) }; N],
         }
     }
 
@@ -48,7 +48,7 @@ impl<T: Copy, const N: usize> Ring<T, N> {
             pushed: AtomicU32::new(0),
             popped: AtomicU32::new(0),
             taken: AtomicBool::new(false),
-            places: core::array::from_fn(|_| Cell::new(MaybeUninit::uninit())),
+            slots: core::array::from_fn(|_| Cell::new(MaybeUninit::uninit())),
         }
     }
 
@@ -79,9 +79,9 @@ impl<T: Copy, const N: usize> Ring<T, N> {
         (Producer { ring: self, pushed }, Consumer { ring: self, popped })
     }
 
-    fn place(&self, count: u32) -> &Cell<MaybeUninit<T>> {
+    fn slot(&self, count: u32) -> &Cell<MaybeUninit<T>> {
         // The mask is N − 1, so the index is below N and the check folds away.
-        &self.places[(count & Self::MASK) as usize]
+        &self.slots[(count & Self::MASK) as usize]
     }
 }
 
@@ -113,10 +113,10 @@ impl<T: Copy, const N: usize> Producer<'_, T, N> {
         if self.pushed.wrapping_sub(popped) >= N as u32 {
             return Err(value);
         }
-        self.ring.place(self.pushed).with_mut(|place| {
+        self.ring.slot(self.pushed).with_mut(|slot| {
             // SAFETY: fewer than N values are in the ring, so the consumer does not read this slot
             // before `pushed` passes it. There is one producer, and it is borrowed mutably.
-            unsafe { (*place).write(value) };
+            unsafe { (*slot).write(value) };
         });
         self.pushed = self.pushed.wrapping_add(1);
         // Release: the value is in its slot before the consumer can read the count.
@@ -155,7 +155,7 @@ impl<T: Copy, const N: usize> Consumer<'_, T, N> {
         }
         // SAFETY: `pushed` is past this slot, so it holds a value. The producer leaves it alone
         // until `popped` passes it, which needs `&mut self` and so ends this borrow.
-        Some(self.ring.place(self.popped.wrapping_add(before)).with(|place| unsafe { (*place).assume_init_ref() }))
+        Some(self.ring.slot(self.popped.wrapping_add(before)).with(|slot| unsafe { (*slot).assume_init_ref() }))
     }
 
     /// Takes the oldest value.

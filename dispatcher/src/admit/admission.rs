@@ -227,7 +227,7 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
         let all = CrdMask(crds.0 | self.admitted.drivers(axes).0);
         // Otherwise nothing that it names runs at its instant, which is yet to come.
         let runs = all.0 != 0 || due.until_ns == 0 || context.each(axes).any(|axis| context.may_run(axis));
-        if !all.crds().all(|crd| self.flush_path(view, crd, due.near)) {
+        if !all.crds().all(|crd| self.flush_path(view, crd, due.soon)) {
             return Ok(false);
         }
         if runs {

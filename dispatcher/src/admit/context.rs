@@ -23,7 +23,7 @@ pub struct Due {
     /// its instant has come.
     pub decided: bool,
     /// Its instant is near: a look-ahead may take what is given to a path that runs.
-    pub near: bool,
+    pub soon: bool,
     /// From the view to the instant, ns; `u64::MAX` if it is not known.
     pub until_ns: u64,
     /// It acts on the first tick of a program that is held: axes at standstill stay so.
@@ -37,11 +37,11 @@ pub struct Due {
 impl Due {
     /// At once; `decided` if nothing before it is in flight.
     pub const fn at_once(decided: bool) -> Due {
-        Due { decided, near: true, until_ns: 0, first: false, script_ns: 0, wait: None }
+        Due { decided, soon: true, until_ns: 0, first: false, script_ns: 0, wait: None }
     }
     /// Not known, for a command to which it does not matter.
     pub const UNKNOWN: Due =
-        Due { decided: false, near: false, until_ns: u64::MAX, first: false, script_ns: u64::MAX, wait: None };
+        Due { decided: false, soon: false, until_ns: u64::MAX, first: false, script_ns: u64::MAX, wait: None };
 }
 
 /// One admission.
@@ -224,20 +224,20 @@ impl<'x, const AXES: usize> Context<'x, AXES> {
         Refused::new(reason).axis(self.configuration.crd_number(crd))
     }
     /// Its part of the view.
-    pub fn crd_seen(&self, crd: Crd) -> &'x CrdView {
+    pub fn crd_sampled(&self, crd: Crd) -> &'x CrdView {
         &self.view.crds[crd.index().min(Crd::MAX - 1)]
     }
     /// Its shadow state.
-    pub fn crd_book(&self, crd: Crd) -> &'x CrdShadow {
+    pub fn crd_shadow(&self, crd: Crd) -> &'x CrdShadow {
         self.shadows.crd(crd)
     }
     /// Its parameters.
     pub fn frame(&self, crd: Crd) -> Admitted<&'x Frame> {
-        self.crd_book(crd).frame.as_ref().ok_or_else(|| self.no_crd(Reason::CrdNotSet, crd))
+        self.crd_shadow(crd).frame.as_ref().ok_or_else(|| self.no_crd(Reason::CrdNotSet, crd))
     }
     /// Whether it may be running when this command acts.
     pub fn crd_may_run(&self, crd: Crd) -> bool {
-        self.crd_book(crd).may_run(self.view, self.crd_seen(crd))
+        self.crd_shadow(crd).may_run(self.view, self.crd_sampled(crd))
     }
     /// Refuses if it may be running.
     pub fn crd_at_standstill(&self, crd: Crd) -> Admitted<()> {

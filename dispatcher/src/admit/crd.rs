@@ -149,13 +149,13 @@ fn known<const AXES: usize>(context: &Context<AXES>, core: i16, crd: i16) -> Adm
 /// Entries in flight that move nothing do not hide it. Its axes are at standstill, and their
 /// positions, less the zero, are its position.
 pub fn position_at_standstill<const AXES: usize>(context: &Context<AXES>, crd: Crd) -> Option<Position> {
-    let (shadow, sampled) = (context.crd_book(crd), context.crd_seen(crd));
+    let (shadow, sampled) = (context.crd_shadow(crd), context.crd_sampled(crd));
     if let Some(here) = shadow.position_at_standstill(context.view, sampled) {
         return Some(here);
     }
     let frame = shadow.frame.as_ref().filter(|_| !shadow.is_busy(context.view, sampled))?;
     let mut position = [0.0; DIMENSIONS];
-    for ((axis, seen_zero), position) in frame.axes().into_iter().zip(sampled.origin).zip(&mut position) {
+    for ((axis, sampled_zero), position) in frame.axes().into_iter().zip(sampled.origin).zip(&mut position) {
         let Some(axis) = axis else { continue };
         let of = context.shadow(axis);
         let pos = of.position(context.view, context.sampled(axis))?;
@@ -164,7 +164,7 @@ pub fn position_at_standstill<const AXES: usize>(context: &Context<AXES>, crd: C
         } else if of.placed.is_none_or(|(seq, _)| executed(context.view, seq)) {
             // A SetCrdPrm may precede what made the position unknown; then it has been executed,
             // too.
-            seen_zero
+            sampled_zero
         } else {
             return None;
         };
@@ -195,7 +195,7 @@ fn startable<const AXES: usize>(context: &Context<AXES>, crd: Crd, fifo: u8) -> 
         }
         context.at_standstill(axis)?;
     }
-    if !context.crd_book(crd).path(fifo).data.open {
+    if !context.crd_shadow(crd).path(fifo).data.open {
         return Err(context.no_crd(Reason::CrdEmpty, crd).field(2).got(fifo.into()));
     }
     super::axis::all_startable(context, frame.mask())
@@ -223,10 +223,10 @@ pub fn start<const AXES: usize>(
         let index = crd.index();
         if let (Some(queues), Some(stores)) = (queues.get_mut(index), stores.get(index)) {
             let queue = &mut queues[usize::from(fifo)];
-            queue.follow(context.crd_book(crd).path(fifo).cleared);
+            queue.follow(context.crd_shadow(crd).path(fifo).cleared);
             if queue.held() > 0 {
                 queue.settle(&stores[usize::from(fifo)]);
-                queue.begin(stores, context.crd_seen(crd), fifo);
+                queue.begin(stores, context.crd_sampled(crd), fifo);
                 let (op, change) = super::data::commit_path(context.shadows, crd, fifo, queue.end());
                 context.stage_with(op, change);
             }
@@ -288,7 +288,7 @@ pub fn look_ahead<const AXES: usize>(context: &mut Context<AXES>, r: &InitLookAh
         let corner = real(3, r.time_ms.get(), 0.0, VALUE_MAX)?;
         Some(Look { corner, acc: between(4, r.acc_max.get())?, count })
     };
-    if context.crd_book(crd).path(fifo).data.open {
+    if context.crd_shadow(crd).path(fifo).data.open {
         return Err(context.no_crd(Reason::CrdHolds, crd).field(2).got(fifo.into()));
     }
     context.stage_with(Op::Mark, Change::Crd { crd, change: CrdChange::Look { fifo, look } });
@@ -318,7 +318,7 @@ pub fn space<const AXES: usize>(context: &mut Context<AXES>, r: &CrdSpace) -> Ad
     if context.crd_may_run(crd) {
         return Ok(query(opcode::CrdSpace, crd, fifo));
     }
-    Ok(Answer::Long(context.crd_book(crd).space_ahead(context.crd_seen(crd), fifo).cast_signed()))
+    Ok(Answer::Long(context.crd_shadow(crd).space_ahead(context.crd_sampled(crd), fifo).cast_signed()))
 }
 
 /// Reads that need no more than a coordinate system and a FIFO.

@@ -41,8 +41,8 @@ struct Held {
 
 /// The next lower number that 32 bits hold.
 fn down(x: f64) -> f32 {
-    let near = x as f32;
-    if f64::from(near) > x { f32::from_bits(near.to_bits() - 1) } else { near }
+    let nearest = x as f32;
+    if f64::from(nearest) > x { f32::from_bits(nearest.to_bits() - 1) } else { nearest }
 }
 
 /// Whether a share of a speed is above a limit. The rounding of doubles is tolerated, unless the
@@ -82,7 +82,7 @@ fn open<'x, const AXES: usize>(context: &Context<'x, AXES>, target: &Target) -> 
     let crd = context.crd(target.core, target.crd)?;
     let frame = context.frame(crd)?;
     let fifo = super::crd::fifo(target.fifo_field, target.fifo)?;
-    let (shadow, sampled) = (context.crd_book(crd), context.crd_seen(crd));
+    let (shadow, sampled) = (context.crd_shadow(crd), context.crd_sampled(crd));
     let path = shadow.path(fifo);
     let in_use = || context.no_crd(Reason::CrdFifoInUse, crd).field(target.fifo_field).got(fifo.into());
     let pending = |seq: Option<u32>| seq.is_some_and(|seq| !crate::shadow::executed(context.view, seq));
@@ -93,7 +93,7 @@ fn open<'x, const AXES: usize>(context: &Context<'x, AXES>, target: &Target) -> 
     }
     let at_once = path.look.is_some() && context.crd_may_run(crd);
     // The look-ahead of a running path plans no further than the host's data.
-    if at_once && (!context.due.near || path.loose || pending(path.last)) {
+    if at_once && (!context.due.soon || path.loose || pending(path.last)) {
         return Err(in_use());
     }
     let space = shadow.space(sampled, fifo);
@@ -421,7 +421,7 @@ pub fn put<const AXES: usize>(
             count = 0;
         }
     }
-    let lasts = queue.lasts(stores, context.crd_seen(filling.crd), filling.fifo);
+    let lasts = queue.lasts(stores, context.crd_sampled(filling.crd), filling.fifo);
     Ok(filling.written(count, lasts, data))
 }
 
@@ -453,7 +453,7 @@ where
         ends.leaves = 0.0;
     }
     let (leaves, looks) = (down(admitted.end), filling.path.look.is_some());
-    let calm = admitted.vel <= filling.limit && admitted.end <= filling.limit;
+    let is_slow = admitted.vel <= filling.limit && admitted.end <= filling.limit;
     for (index, item) in items.iter().enumerate() {
         let to = R::to(item);
         for ((coordinate, to), field) in to.iter().enumerate().zip(fields..) {
@@ -466,7 +466,7 @@ where
         let begin = before;
         before.iter_mut().zip(to).for_each(|(before, to)| *before = to);
         // Most lines are known to be slow enough without their length.
-        if calm && ends.gears.0 == 0 && (looks || ends.leaves <= leaves) {
+        if is_slow && ends.gears.0 == 0 && (looks || ends.leaves <= leaves) {
             ends.leaves = leaves;
             continue;
         }
@@ -507,7 +507,7 @@ where
         at = geometry.end;
     }
     data.leaves = ends.leaves;
-    let lasts = queue.lasts(stores, context.crd_seen(filling.crd), filling.fifo);
+    let lasts = queue.lasts(stores, context.crd_sampled(filling.crd), filling.fifo);
     Ok(filling.written(items.len(), lasts, data))
 }
 

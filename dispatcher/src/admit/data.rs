@@ -132,13 +132,13 @@ pub fn enter<const AXES: usize>(shadows: &mut Shadows<AXES>, written: &Written, 
 /// The commit of all data that this state has in a FIFO of an axis.
 pub fn commit<const AXES: usize>(shadows: &Shadows<AXES>, axis: Axis, fifo: u8) -> (Op, Change) {
     let shadow = shadows.axis(axis);
-    let place = usize::from(fifo & 1);
+    let index = usize::from(fifo & 1);
     if shadow.is_follow() {
-        let (cleared, data) = (shadow.follow.cleared[place], shadow.follow.fifos[place]);
+        let (cleared, data) = (shadow.follow.cleared[index], shadow.follow.fifos[index]);
         let op = Op::FollowCommit { axis, fifo, end: data.chain.entries(), cleared, tail: data.chain.tail() };
         (op, Change::FollowData { axis, fifo, cleared, shadow: data })
     } else {
-        let (epoch, data) = (shadow.epoch, shadow.fifos[place]);
+        let (epoch, data) = (shadow.epoch, shadow.fifos[index]);
         (Op::PtCommit { axis, fifo, end: data.end, epoch }, Change::Data { axis, fifo, epoch, shadow: data })
     }
 }

@@ -53,7 +53,7 @@ pub fn admit<const AXES: usize>(context: &mut Context<AXES>, number: u16, body: 
         opcode::FollowSwitch | opcode::FollowSwitchEx => switch(context, mode, &one(body)?),
         opcode::SetFollowMemory | opcode::SetFollowMemoryEx => set_memory(context, mode, &one(body)?),
         opcode::FollowSwitchNowEx => switch_now(context, &one(body)?),
-        opcode::GetFollowDataPercent2Ex => lopsided_segment(context, &one(body)?),
+        opcode::GetFollowDataPercent2Ex => asymmetric_segment(context, &one(body)?),
         opcode::GetFollowMaster
         | opcode::GetFollowMasterEx
         | opcode::GetFollowLoop
@@ -284,7 +284,7 @@ pub fn method(given: i16) -> Admitted<Method> {
 }
 
 /// Slave displacement of an asymmetric segment (see [`asymmetric_s`]).
-fn lopsided_segment<const AXES: usize>(context: &mut Context<AXES>, r: &GetFollowDataPercent2Ex) -> Admitted<Answer> {
+fn asymmetric_segment<const AXES: usize>(context: &mut Context<AXES>, r: &GetFollowDataPercent2Ex) -> Admitted<Answer> {
     context.core(r.core.get())?;
     let numbers = [r.master_pos, r.vel_begin_ratio, r.vel_end_ratio, r.percent, r.percent1];
     for (field, number) in (1..).zip(numbers) {

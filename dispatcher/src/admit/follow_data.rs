@@ -139,7 +139,7 @@ pub fn data<const AXES: usize>(
     body: &[u8],
 ) -> Admitted<(Written, End)> {
     if number == opcode::FollowDataPercent2Ex {
-        return lopsided_data(context, stores, &one(body)?);
+        return asymmetric_data(context, stores, &one(body)?);
     }
     let (core, profile, fifo, field, given) = match number {
         opcode::FollowData => {
@@ -186,7 +186,7 @@ pub fn data<const AXES: usize>(
 
 /// FollowDataPercent2Ex: up to three slots, for the rising, the constant and the falling part of
 /// the ratio.
-fn lopsided_data<const AXES: usize>(
+fn asymmetric_data<const AXES: usize>(
     context: &Context<AXES>,
     stores: &[SegmentStore; AXES],
     r: &FollowDataPercent2Ex,

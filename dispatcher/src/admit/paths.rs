@@ -46,8 +46,8 @@ impl<const AXES: usize> Admission<'_, AXES> {
                 self.commit_path_now(crd, fifo);
             }
             let Some(queue) = self.queues.get_mut(crd.index()).map(|queues| &mut queues[index]) else { continue };
-            let spare = (queue.lasts(stores, sampled, fifo) - LASTS_MS).max(0.0) * 1e6;
-            let due = view.now.0.saturating_add(spare as u64);
+            let margin_ns = (queue.lasts(stores, sampled, fifo) - LASTS_MS).max(0.0) * 1e6;
+            let due = view.now.0.saturating_add(margin_ns as u64);
             if queue.held() > 0 {
                 self.feed_due = self.feed_due.min(due);
             }
@@ -56,7 +56,7 @@ impl<const AXES: usize> Admission<'_, AXES> {
 
     /// Hands all of a look-ahead to a running path, before a WaitStop for it. False if that cannot
     /// be now.
-    pub fn flush_path(&mut self, view: &View<AXES>, crd: Crd, near: bool) -> bool {
+    pub fn flush_path(&mut self, view: &View<AXES>, crd: Crd, soon: bool) -> bool {
         let shadow = self.admitted.crd(crd);
         let (fifo, index) = (shadow.fifo, usize::from(shadow.fifo & 1));
         if !shadow.may_run(view, &view.crds[crd.index()]) {
@@ -70,7 +70,7 @@ impl<const AXES: usize> Admission<'_, AXES> {
         if queues[index].held() == 0 {
             return true;
         }
-        if !near || self.lane.room() <= STAGED {
+        if !soon || self.lane.room() <= STAGED {
             return false;
         }
         queues[index].flush(&stores[index]);

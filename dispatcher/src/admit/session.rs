@@ -70,7 +70,7 @@ fn loses_no_crd<const AXES: usize>(context: &Context<AXES>, period: Ns) -> Admit
     let profile = &context.configuration.profile;
     let most = profile.crds_at(period);
     let lost =
-        |crd: &Crd| context.configuration.crd_number(*crd) > most.into() && context.crd_book(*crd).frame.is_some();
+        |crd: &Crd| context.configuration.crd_number(*crd) > most.into() && context.crd_shadow(*crd).frame.is_some();
     match context.configuration.all_crds().crds().find(lost) {
         None => Ok(()),
         Some(crd) => {

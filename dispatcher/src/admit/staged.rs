@@ -28,8 +28,8 @@ impl Staged {
     /// Adds an operation.
     pub fn add(&mut self, op: Op, change: Change) {
         debug_assert!(self.len < STAGED, "a command of more than {STAGED} operations");
-        if let Some(place) = self.ops.get_mut(self.len) {
-            *place = (op, change);
+        if let Some(slot) = self.ops.get_mut(self.len) {
+            *slot = (op, change);
             self.len += 1;
         }
     }

@@ -258,7 +258,7 @@ impl Geometry {
         }
         // Half turns from where the direction is all in the coordinate: at the start, and over the
         // sweep.
-        let [first, second] = [i, j].map(|place| self.tangents[0].get(place).copied().unwrap_or(0.0));
+        let [first, second] = [i, j].map(|coordinate| self.tangents[0].get(coordinate).copied().unwrap_or(0.0));
         let (x, y) = if coordinate == i { (first, second) } else { (second, -first) };
         let from = atan2(y, x) / core::f64::consts::PI;
         let turns = self.length / radius / core::f64::consts::PI;
@@ -296,7 +296,7 @@ mod tests {
 
     const O: Position = [0.0; 4];
 
-    fn near(a: f64, b: f64) -> bool {
+    fn is_near(a: f64, b: f64) -> bool {
         fabs(a - b) <= 1e-12 * (1.0 + fabs(b))
     }
 
@@ -316,19 +316,24 @@ mod tests {
             let a = Geometry::arc_centre(&from, Plane::Xy, to, centre, ccw).unwrap();
             let b = Geometry::arc_radius(&from, Plane::Xy, to, radius, ccw).unwrap();
             let expected = core::f64::consts::TAU * fabs(radius) * turns;
-            assert!(near(a.length, expected) && near(b.length, expected), "{to:?} {ccw}: {} {}", a.length, b.length);
+            assert!(
+                is_near(a.length, expected) && is_near(b.length, expected),
+                "{to:?} {ccw}: {} {}",
+                a.length,
+                b.length
+            );
             assert_eq!(a.end, [to[0] as f64, to[1] as f64, 5.0, 6.0]);
             // The tangent at the start is at a right angle to the radius.
             let side = if ccw { 1.0 } else { -1.0 };
             for geometry in [a, b] {
                 let [t, _] = geometry.tangents;
                 let r = fabs(radius);
-                assert!(near(t[0], centre[1] / r * side) && near(t[1], -centre[0] / r * side), "{to:?} {t:?}");
-                assert!(near(length(&geometry.tangents[1]), 1.0));
+                assert!(is_near(t[0], centre[1] / r * side) && is_near(t[1], -centre[0] / r * side), "{to:?} {t:?}");
+                assert!(is_near(length(&geometry.tangents[1]), 1.0));
             }
         }
         let circle = Geometry::arc_centre(&from, Plane::Xy, [1000, 0], [3.0, 4.0], false).unwrap();
-        assert!(near(circle.length, 5.0 * core::f64::consts::TAU) && circle.end == from);
+        assert!(is_near(circle.length, 5.0 * core::f64::consts::TAU) && circle.end == from);
     }
 
     /// A semicircle's radius in whole numbers leaves the tangent, and so the length, all its digits.

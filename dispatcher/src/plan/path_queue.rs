@@ -150,8 +150,8 @@ impl PathQueue {
 
     fn write(&mut self, store: &EntryStore, entry: Entry, ms: f64) {
         let lasting = Lasting::of(ms);
-        if let Some(place) = self.times.get_mut(self.end as usize % ENTRIES) {
-            *place = lasting;
+        if let Some(slot) = self.times.get_mut(self.end as usize % ENTRIES) {
+            *slot = lasting;
         }
         self.sum = self.sum.saturating_add(lasting.units());
         store.write(self.end, entry);
@@ -203,8 +203,8 @@ impl PathQueue {
             return self.sum as f64 / UNITS;
         }
         let time = self.times.get(self.first as usize % ENTRIES).map_or(0, |time| time.units());
-        let behind = self.sum.saturating_sub(time) as f64 / UNITS;
-        behind + left(store.entry(fifo, self.first), sampled)
+        let following = self.sum.saturating_sub(time) as f64 / UNITS;
+        following + left(store.entry(fifo, self.first), sampled)
     }
 
     /// At a start: as [`PathQueue::feed`]. The path may not be done with an earlier start, whose
@@ -237,15 +237,15 @@ impl Default for PathQueue {
 
 /// The least remaining time of a running motion: straight to its end, at its full speed.
 fn left(entry: Entry, sampled: &CrdView) -> f64 {
-    let place = super::geometry::position_of(&sampled.position);
+    let position = super::geometry::position_of(&sampled.position);
     let (square, along) = match entry.item() {
         Item::Line { to, dimensions, along } => {
-            let parts = to.iter().zip(place).take(dimensions);
+            let parts = to.iter().zip(position).take(dimensions);
             (parts.fold(0.0, |sum, (to, at)| sum + (f64::from(*to) - at) * (f64::from(*to) - at)), along)
         }
         Item::Arc { plane, to, along, .. } => {
             let [i, j] = plane.coordinates();
-            let (a, b) = (f64::from(to[0]) - place[i], f64::from(to[1]) - place[j]);
+            let (a, b) = (f64::from(to[0]) - position[i], f64::from(to[1]) - position[j]);
             (a * a + b * b, along)
         }
         _ => return 0.0,

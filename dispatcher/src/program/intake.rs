@@ -32,7 +32,7 @@ use zerocopy::FromBytes;
 const RECORDS_PER_POLL: u32 = 256;
 /// Commits are pushed this long before their instant. That is longer than the thread is ever away,
 /// and short enough that single commits do not fill the ring meanwhile.
-pub(super) const FAST_PATH_NS: u64 = 10_000_000;
+pub(super) const COMMIT_LEAD_NS: u64 = 10_000_000;
 
 impl Program<'_> {
     /// Admits records until one has to wait. True if at least one was dealt with.
@@ -111,7 +111,7 @@ impl Program<'_> {
         }
         // Before the first tick of the run its zero is not known: the present tick stands for it.
         let zero = if self.runs(view) { view.script_zero.0 } else { view.now.0 };
-        Some(Ns(zero.saturating_add(self.instant).saturating_add(self.delay).saturating_sub(FAST_PATH_NS)))
+        Some(Ns(zero.saturating_add(self.instant).saturating_add(self.delay).saturating_sub(COMMIT_LEAD_NS)))
     }
 
     /// The record in hand is refused: for good, if its instant has been reached.
@@ -317,7 +317,7 @@ impl Program<'_> {
                 // Data of an axis waits for its own commit: the tick may refuse that.
                 let before = match item.answer {
                     Answer::Taken { axis, fifo, .. } | Answer::Entered { axis, fifo, .. } if item.own => {
-                        place_among(&open, axis, fifo)
+                        index_among(&open, axis, fifo)
                     }
                     _ => count - 1,
                 };
@@ -353,7 +353,7 @@ impl Program<'_> {
 }
 
 /// How many commits of these axes precede that of this one.
-fn place_among(open: &[u64; 2], axis: Axis, fifo: u8) -> u32 {
+fn index_among(open: &[u64; 2], axis: Axis, fifo: u8) -> u32 {
     let [first, second] = *open;
     let below = axis.mask().0 - 1;
     if fifo & 1 == 0 { (first & below).count_ones() } else { first.count_ones() + (second & below).count_ones() }

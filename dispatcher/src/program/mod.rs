@@ -204,10 +204,10 @@ impl<'a> Program<'a> {
     }
 
     /// Whether the record in hand acts soon, and nothing before it is in flight.
-    fn is_fast<const AXES: usize>(&self, view: &View<AXES>) -> bool {
+    fn is_soon<const AXES: usize>(&self, view: &View<AXES>) -> bool {
         let instant = view.script_zero.0.saturating_add(self.instant).saturating_add(self.delay);
         let quiet = !self.lane.in_flight() && !self.gathers();
-        self.runs(view) && quiet && instant <= view.now.0.saturating_add(intake::FAST_PATH_NS)
+        self.runs(view) && quiet && instant <= view.now.0.saturating_add(intake::COMMIT_LEAD_NS)
     }
 
     /// What is known of the instant of the record in hand.
@@ -216,7 +216,7 @@ impl<'a> Program<'a> {
         let script_ns = self.instant.saturating_add(self.delay);
         let until_ns = if decided { 0 } else { self.until(view) };
         let first = self.state == State::Held && script_ns < view.period.0 && !self.pauses.wait();
-        Due { decided, near: self.is_fast(view), until_ns, first, script_ns, wait: self.pauses.last }
+        Due { decided, soon: self.is_soon(view), until_ns, first, script_ns, wait: self.pauses.last }
     }
 
     /// Whether it is held or runs.

@@ -57,10 +57,10 @@ impl Records {
         }
         let mut head = [0; RECORD_BYTES];
         let [numbers @ .., flag] = &mut head;
-        for (place, byte) in
+        for (slot, byte) in
             numbers.iter_mut().zip(opcode.to_le_bytes().into_iter().chain(tag.to_le_bytes()).chain(len.to_le_bytes()))
         {
-            *place = byte;
+            *slot = byte;
         }
         *flag = may_fail.into();
         self.write(&head);

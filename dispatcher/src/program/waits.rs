@@ -51,8 +51,8 @@ impl Pauses {
         }
         if let Op::WaitRest { .. } = op {
             self.last = Some(seq);
-            if let Some(place) = self.kept.get_mut(usize::from(self.len)) {
-                *place = Pause { seq, later: 0, instant };
+            if let Some(slot) = self.kept.get_mut(usize::from(self.len)) {
+                *slot = Pause { seq, later: 0, instant };
                 self.len += 1;
             }
         }

@@ -80,8 +80,8 @@ impl Log {
 
     /// Adds an event.
     pub fn put(&mut self, at: Ns, kind: Kind, of: u8, reason: u16) {
-        if let Some(place) = self.items.get_mut(self.total as usize % HELD) {
-            *place = EventItem { time_ns: at.0.into(), kind: kind as u8, of, reason: reason.into() };
+        if let Some(slot) = self.items.get_mut(self.total as usize % HELD) {
+            *slot = EventItem { time_ns: at.0.into(), kind: kind as u8, of, reason: reason.into() };
             self.total = self.total.wrapping_add(1);
         }
     }
@@ -95,8 +95,8 @@ impl Log {
 
     /// Takes the events that the newest view shows.
     pub fn see<const AXES: usize>(&mut self, view: &View<AXES>) {
-        for (channel, shown) in (0..).zip(&view.lasers) {
-            let fault = shown.fault as u16;
+        for (channel, laser) in (0..).zip(&view.lasers) {
+            let fault = laser.fault as u16;
             if let Some(before) = self.faults.get_mut(usize::from(channel))
                 && *before != fault
             {
@@ -104,20 +104,20 @@ impl Log {
                 self.put(view.now, Kind::Laser, channel, fault);
             }
         }
-        for (channel, shown) in (0..).zip(&view.lasers) {
+        for (channel, laser) in (0..).zip(&view.lasers) {
             if let Some(before) = self.ignored.get_mut(usize::from(channel))
-                && core::mem::replace(before, shown.ignored_count) != shown.ignored_count
+                && core::mem::replace(before, laser.ignored_count) != laser.ignored_count
                 // The fault is an event.
-                && shown.ignored != Ignored::Fault
+                && laser.ignored != Ignored::Fault
             {
-                self.put(view.now, Kind::Ignored, channel, shown.ignored as u16);
+                self.put(view.now, Kind::Ignored, channel, laser.ignored as u16);
             }
         }
-        for (channel, shown) in (0..).zip(&view.lasers) {
+        for (channel, laser) in (0..).zip(&view.lasers) {
             if let Some(before) = self.limits.get_mut(usize::from(channel)) {
                 // Every second change is a beginning.
                 let begun = |count: u8| count.wrapping_add(1) >> 1;
-                let times = begun(shown.limits).wrapping_sub(begun(core::mem::replace(before, shown.limits))) & 127;
+                let times = begun(laser.limits).wrapping_sub(begun(core::mem::replace(before, laser.limits))) & 127;
                 if times != 0 {
                     self.limited(view.now, channel, times.into());
                 }

@@ -440,8 +440,8 @@ impl<const AXES: usize> Reading<'_, AXES> {
     fn events(&self, tag: u16, out: &mut ReplyWriter) -> Result<(), Full> {
         let mut items = [command::EventItem::default(); HELD];
         let mut count = 0;
-        for (place, item) in items.iter_mut().zip(self.log.items()) {
-            *place = *item;
+        for (slot, item) in items.iter_mut().zip(self.log.items()) {
+            *slot = *item;
             count += 1;
         }
         let head = command::EventsReply { total: self.log.total().into(), count: (count as u16).into() };
@@ -458,8 +458,8 @@ impl<const AXES: usize> Reading<'_, AXES> {
 
     fn version(&self) -> command::VersionReply {
         let mut board = [0; 16];
-        for (place, byte) in board.iter_mut().zip(self.board.name.bytes()) {
-            *place = byte;
+        for (slot, byte) in board.iter_mut().zip(self.board.name.bytes()) {
+            *slot = byte;
         }
         let part = |text: &str| text.bytes().fold(0u16, |sum, digit| sum * 10 + u16::from(digit.saturating_sub(b'0')));
         let profile = &self.configuration.profile;

@@ -178,7 +178,7 @@ impl<const AXES: usize> TraceOut<AXES> {
         }
         // Within a row, samples come in the order of axes, coordinate systems and channels. A
         // missing one makes the row invalid.
-        let place = match sample.of {
+        let column = match sample.of {
             Traced::Axis { axis, .. } => (self.columns.axes.0 & ones(axis.index())).count_ones() as usize,
             Traced::Crd { crd, .. } => {
                 let before = self.columns.crds.0 & ones(crd.index()) as u8;
@@ -206,7 +206,7 @@ impl<const AXES: usize> TraceOut<AXES> {
                 return self.encoder.action(&set).is_ok();
             }
         };
-        if place != self.gathered {
+        if column != self.gathered {
             self.gathered = 0;
             self.row = sample.row;
             return true;
@@ -214,20 +214,20 @@ impl<const AXES: usize> TraceOut<AXES> {
         match sample.of {
             Traced::Axis { pos, motion, .. } => {
                 let velocity = motion.velocity();
-                if let Some(to) = self.axes.get_mut(place) {
+                if let Some(to) = self.axes.get_mut(column) {
                     let (vel_mantissa, vel_exponent) = (velocity.m.into(), velocity.e.into());
                     *to = trace::Sample { pos: pos.0.into(), vel_mantissa, vel_exponent };
                 }
             }
             Traced::Laser { mode, gate, power, khz, .. } => {
-                if let Some(to) = self.lasers.get_mut(place.wrapping_sub(self.columns.axes() + self.columns.crds())) {
+                if let Some(to) = self.lasers.get_mut(column.wrapping_sub(self.columns.axes() + self.columns.crds())) {
                     let (power, khz) = (power.raw().into(), khz.raw().into());
                     *to = LaserSample { mode: mode as u8, gate: gate.into(), power, khz };
                 }
             }
             Traced::Crd { motion, .. } => {
                 let velocity = motion.velocity();
-                if let Some(to) = self.crds.get_mut(place.wrapping_sub(self.columns.axes())) {
+                if let Some(to) = self.crds.get_mut(column.wrapping_sub(self.columns.axes())) {
                     *to = CrdSample { vel_mantissa: velocity.m.into(), vel_exponent: velocity.e.into() };
                 }
             }
@@ -238,8 +238,8 @@ impl<const AXES: usize> TraceOut<AXES> {
             | Traced::Period { .. } => {}
         }
         self.row = sample.row;
-        if place + 1 < self.count() {
-            self.gathered = place + 1;
+        if column + 1 < self.count() {
+            self.gathered = column + 1;
             return true;
         }
         let axes = self.axes.get(..self.columns.axes()).unwrap_or(&[]);
@@ -308,8 +308,8 @@ impl<const AXES: usize> TraceOut<AXES> {
             // It was ended before its first row.
             return true;
         }
-        let unseen = self.samples_lost.div_ceil((self.count() as u32).max(1));
-        let lost = self.lost.max(unseen);
+        let missing = self.samples_lost.div_ceil((self.count() as u32).max(1));
+        let lost = self.lost.max(missing);
         self.encoder.end(self.sent.wrapping_add(self.lost), lost).is_ok()
     }
 

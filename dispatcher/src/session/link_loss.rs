@@ -35,11 +35,11 @@ pub fn watch<const AXES: usize>(
     if silent && !*lost && admission.lane.room() >= LINK_LOSS_ENTRIES {
         // The tick gets this before the program is dropped: a running program is a reason to shut
         // off the lasers.
-        *lost = tell(admission, true);
+        *lost = report(admission, true);
         program.stop(admission, Reason::LinkLost);
         admission.log.put(now, Kind::Link, 0, 1);
     } else if !silent && *lost {
-        *lost = !tell(admission, false);
+        *lost = !report(admission, false);
         if !*lost {
             admission.log.put(now, Kind::Link, 0, 0);
         }
@@ -47,7 +47,7 @@ pub fn watch<const AXES: usize>(
 }
 
 /// Reports to the tick that the link is lost or back; false if the lane has no room for it now.
-fn tell<const AXES: usize>(admission: &mut Admission<'_, AXES>, lost: bool) -> bool {
+fn report<const AXES: usize>(admission: &mut Admission<'_, AXES>, lost: bool) -> bool {
     // On a loss all paths brake.
     let crds = CrdMask(if lost { u8::MAX } else { 0 });
     let ahead = &mut admission.admitted;

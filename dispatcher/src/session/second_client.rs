@@ -52,12 +52,12 @@ impl SecondaryTransport {
                 continue;
             }
             let mut answer = [0; OPENING_WIRE];
-            match server.knock(now, self.deframer.frame(), holder, &mut answer) {
+            match server.request_take_over(now, self.deframer.frame(), holder, &mut answer) {
                 TakeOver::Nothing => {}
                 // An answer that is partly sent goes first; a client asks again.
                 TakeOver::Answered(length) if self.from == self.to => {
-                    for (place, byte) in self.answer.iter_mut().skip(1).zip(answer) {
-                        *place = byte;
+                    for (slot, byte) in self.answer.iter_mut().skip(1).zip(answer) {
+                        *slot = byte;
                     }
                     (self.from, self.to) = (0, length.saturating_add(1));
                 }
@@ -75,8 +75,8 @@ impl SecondaryTransport {
     pub fn take_tx(&mut self, out: &mut [u8]) -> usize {
         let waiting = self.answer.get(self.from..self.to).unwrap_or(&[]);
         let count = waiting.len().min(out.len());
-        for (place, &byte) in out.iter_mut().zip(waiting) {
-            *place = byte;
+        for (slot, &byte) in out.iter_mut().zip(waiting) {
+            *slot = byte;
         }
         self.from = self.from.saturating_add(count);
         count

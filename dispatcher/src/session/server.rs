@@ -117,10 +117,16 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
         self.link.feed(now.0, bytes);
     }
 
-    /// Takes a decoded frame of a wire that the link is not on: [`Endpoint::knock`].
-    pub fn knock(&mut self, now: Ns, frame: &[u8], holder: Option<&str>, out: &mut [u8; OPENING_WIRE]) -> TakeOver {
+    /// Takes a decoded frame of a wire that the link is not on: [`Endpoint::request_take_over`].
+    pub fn request_take_over(
+        &mut self,
+        now: Ns,
+        frame: &[u8],
+        holder: Option<&str>,
+        out: &mut [u8; OPENING_WIRE],
+    ) -> TakeOver {
         self.time = now;
-        self.link.knock(now.0, frame, holder, out)
+        self.link.request_take_over(now.0, frame, holder, out)
     }
 
     /// Does what can be done now: timers, messages, records, waiting program entries, replies. Call it

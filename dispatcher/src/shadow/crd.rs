@@ -308,8 +308,8 @@ impl CrdShadow {
         if self.busy.is_some() || sampled.runs {
             return;
         }
-        let told = |seq: Option<u32>| seq.is_none_or(|seq| executed(view, seq));
-        let quiet = told(self.last);
+        let done = |seq: Option<u32>| seq.is_none_or(|seq| executed(view, seq));
+        let quiet = done(self.last);
         if quiet {
             (self.here, self.last) = (None, None);
         }
@@ -324,7 +324,7 @@ impl CrdShadow {
                     let look = path.look;
                     *path = PathShadow { cleared, look, ..PathShadow::default() };
                 }
-            } else if !path.loose && (quiet || told(path.last)) {
+            } else if !path.loose && (quiet || done(path.last)) {
                 // Entries in flight, as a Stop, change nothing of it at standstill. A wait that a
                 // Stop has ended is over for the tick, but not for the path.
                 let waits = sampled.rest == PathStop::Stopped && sampled.fifo == fifo && path.data.given != 0;

@@ -62,7 +62,7 @@ pub fn crd_pos<const AXES: usize>(bench: &mut Bench<AXES>) -> Vec<f64> {
 }
 
 /// Runs until the coordinate system is at standstill; returns its greatest speed.
-pub fn until_rest<const AXES: usize>(bench: &mut Bench<AXES>) -> f64 {
+pub fn until_standstill<const AXES: usize>(bench: &mut Bench<AXES>) -> f64 {
     let mut most = 0.0f64;
     for _ in 0..4_000_000 {
         let seen = bench.server.view().crds[0];

@@ -112,8 +112,8 @@ impl<const WINDOW: usize> Receiver<WINDOW> {
         if slot.full {
             return Accepted::Duplicate;
         }
-        let Some(place) = slot.bytes.get_mut(..message.len()) else { return Accepted::Beyond };
-        frame::copy(place, message);
+        let Some(bytes) = slot.bytes.get_mut(..message.len()) else { return Accepted::Beyond };
+        frame::copy(bytes, message);
         slot.len = message.len();
         slot.full = true;
         self.held = self.held.wrapping_add(1);
@@ -166,7 +166,13 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
     ///
     /// `holder` names the link's own wire, or is `None` if nobody is there any more. While its
     /// session is alive ([`ALIVE_NS`]), a Hello is answered with Busy and no session begins.
-    pub fn knock(&mut self, now: Ns, frame: &[u8], holder: Option<&str>, out: &mut [u8; OPENING_WIRE]) -> TakeOver {
+    pub fn request_take_over(
+        &mut self,
+        now: Ns,
+        frame: &[u8],
+        holder: Option<&str>,
+        out: &mut [u8; OPENING_WIRE],
+    ) -> TakeOver {
         if self.role != Role::Controller {
             return TakeOver::Nothing;
         }

@@ -94,12 +94,12 @@ impl<const WINDOW: usize> Transmitter<WINDOW> {
         self.timed = None;
     }
 
-    pub(super) fn places(&self) -> usize {
+    pub(super) fn room(&self) -> usize {
         WINDOW.saturating_sub(usize::from(self.next.wrapping_sub(self.base)))
     }
 
-    pub(super) fn has_place(&self) -> bool {
-        self.places() > 0
+    pub(super) fn has_room(&self) -> bool {
+        self.room() > 0
     }
 
     pub(super) fn is_idle(&self) -> bool {
@@ -111,7 +111,7 @@ impl<const WINDOW: usize> Transmitter<WINDOW> {
     }
 
     pub(super) fn draft(&mut self) -> Option<&mut [u8; MAX_PAYLOAD]> {
-        if !self.has_place() {
+        if !self.has_room() {
             return None;
         }
         self.slot(self.next).map(|slot| &mut slot.bytes)
@@ -119,7 +119,7 @@ impl<const WINDOW: usize> Transmitter<WINDOW> {
 
     /// Takes the draft's first `len` bytes as the next message.
     pub(super) fn queue(&mut self, len: usize) -> bool {
-        if !self.has_place() {
+        if !self.has_room() {
             return false;
         }
         let Some(slot) = self.slot(self.next) else { return false };
@@ -269,8 +269,8 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
             let waiting = self.wire.get(self.wire_at..self.wire_len).unwrap_or(&[]);
             let room = out.get_mut(written..).unwrap_or(&mut []);
             let count = waiting.len().min(room.len());
-            for (place, &byte) in room.iter_mut().zip(waiting) {
-                *place = byte;
+            for (slot, &byte) in room.iter_mut().zip(waiting) {
+                *slot = byte;
             }
             self.wire_at = self.wire_at.saturating_add(count);
             written = written.saturating_add(count);

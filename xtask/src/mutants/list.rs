@@ -408,7 +408,7 @@ pub const LIST: &[Mutant] = &[
     mutant(
         "a lost link leaves the light on",
         LINK_LOSS,
-        "*lost = tell(admission, true);",
+        "*lost = report(admission, true);",
         "*lost = true;",
         FUZZ_MACHINE,
     ),

@@ -165,8 +165,8 @@ fn bounds<const AXES: usize>(
 
 fn took(values: &[f64], held: u8) -> Took {
     let mut all = [0.0; TAKEN_MAX];
-    for (place, value) in all.iter_mut().zip(values) {
-        *place = *value;
+    for (slot, value) in all.iter_mut().zip(values) {
+        *slot = *value;
     }
     (all, values.len() as u8, held)
 }

@@ -86,7 +86,7 @@ pub fn ratios<const AXES: usize>(context: &mut Context<AXES>, r: &SetLaserDisRat
         shadow.bounds = bounds(context, channel, &mut taking, 2, (r.min.get(), r.max.get()))?;
     }
     stage(context, channel, shadow)?;
-    Ok(told(context, channel, &shadow, taking.held))
+    Ok(bounds_reply(context, channel, &shadow, taking.held))
 }
 
 /// Bounds of the follow's own: GUS has them, LSR ignores them. `field` is that of the minimum; the
@@ -111,7 +111,12 @@ pub fn bounds<const AXES: usize>(
 }
 
 /// The reply: the bounds that hold for it, which are those of the mode if it has none.
-pub fn told<const AXES: usize>(context: &mut Context<AXES>, channel: u8, shadow: &DistanceShadow, held: u8) -> Answer {
+pub fn bounds_reply<const AXES: usize>(
+    context: &mut Context<AXES>,
+    channel: u8,
+    shadow: &DistanceShadow,
+    held: u8,
+) -> Answer {
     let bounds = shadow.bounds.unwrap_or(context.laser(channel).bounds);
     took(context, &[units(bounds.max()), units(bounds.min())], held)
 }

@@ -46,8 +46,8 @@ const TIME_MAX_US: u16 = u16::MAX;
 /// What is taken, for the reply: its values and which of them were limited.
 fn took<const AXES: usize>(context: &mut Context<AXES>, values: &[f64], held: u8) -> Answer {
     let mut all = [0.0; TAKEN_MAX];
-    for (place, value) in all.iter_mut().zip(values) {
-        *place = *value;
+    for (slot, value) in all.iter_mut().zip(values) {
+        *slot = *value;
     }
     context.effect = Effect::Took(all);
     Answer::Took { count: values.len() as u8, held }
@@ -100,7 +100,7 @@ impl<const AXES: usize> Context<'_, AXES> {
     /// Clearing a status word clears the faults of channels that a crd of one of these axes gates
     /// (SPEC 9). The tick does it, by the crds that drive the axes then.
     pub fn clear_laser_faults(&mut self, axes: AxisMask) {
-        let gates = |crd: &Crd| self.crd_book(*crd).frame.is_some_and(|frame| frame.mask().0 & axes.0 != 0);
+        let gates = |crd: &Crd| self.crd_shadow(*crd).frame.is_some_and(|frame| frame.mask().0 & axes.0 != 0);
         let crds = Crd::all().filter(gates).fold(0, |crds, crd| crds | crd.mask().0);
         for channel in 0..CHANNELS as u8 {
             if self.laser(channel).map & crds != 0 {
@@ -230,7 +230,7 @@ pub fn map<const AXES: usize>(context: &mut Context<AXES>, r: &SetLaserCrdMap) -
     let map = before & !own | given << (core as u8 * context.configuration.profile.crds_per_core);
     let sampled = &context.view.lasers[usize::from(channel).min(CHANNELS - 1)];
     for crd in CrdMask((before | map) & own).crds() {
-        let ahead = !context.due.decided && context.crd_book(crd).may_be_stopped(context.view);
+        let ahead = !context.due.decided && context.crd_shadow(crd).may_be_stopped(context.view);
         if ahead || context.crd_may_run(crd) || sampled.owners.has(crd) {
             return Err(context.no_crd(Reason::LaserMapInUse, crd).got(channel.into()));
         }

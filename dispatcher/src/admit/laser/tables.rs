@@ -8,7 +8,7 @@
 //!
 //! Powers wait in scratch memory, since their table may still hold an earlier call's. Ratios go
 //! straight into the bank that nothing reads (`servo::laser::Tables`).
-use super::distance::{bounds, ratio, running, stage, told};
+use super::distance::{bounds, bounds_reply, ratio, running, stage};
 use super::energy::{power, powers};
 use super::power_range::{Range, Taking};
 use super::{Context, took};
@@ -143,7 +143,7 @@ impl Loading {
 
     /// Whether the chunk continues where the one before ended; returns the bank, which `fresh`
     /// chooses for a first chunk.
-    fn place<T>(&mut self, chunk: &Chunk<'_, T>, fresh: impl FnOnce() -> Admitted<u8>) -> Admitted<u8> {
+    fn bank_of<T>(&mut self, chunk: &Chunk<'_, T>, fresh: impl FnOnce() -> Admitted<u8>) -> Admitted<u8> {
         let out_of_order = |next: u16| {
             let refused = Refused::new(Reason::OutOfRange).field(chunk.field).got(chunk.first.into());
             Err(refused.limits(0.0, next.into()))
@@ -185,7 +185,7 @@ impl Loading {
         let items = items::<LaserFollowPoint>(rest, size_of_val(&r), left)?;
         let key = Key::of(opcode::SetLaserFollowTable, &r);
         let chunk = Chunk { key, first: r.first.get(), items, total, field: 4 };
-        let bank = self.place(&chunk, || Ok(0))?;
+        let bank = self.bank_of(&chunk, || Ok(0))?;
         if chunk.is_last() {
             // Checked first: a chunk that has to wait has changed nothing.
             not_in_use(context, channel, table)?;
@@ -203,8 +203,8 @@ impl Loading {
             }
             let value = taking.take(6, 0, given, range).map_err(|refused| refused.item(index))?;
             held += u16::from(taking.held != 0);
-            if let Some(place) = self.points.get_mut(index) {
-                *place = (vel, power(6, value)?);
+            if let Some(slot) = self.points.get_mut(index) {
+                *slot = (vel, power(6, value)?);
             }
             Ok(())
         });
@@ -241,7 +241,7 @@ impl Loading {
         let items = items::<LaserDisPoint>(rest, size_of_val(&r), left)?;
         let key = Key::of(opcode::SetLaserDisTable1D, &r);
         let chunk = Chunk { key, first: r.first.get(), items, total, field: 7 };
-        let bank = self.place(&chunk, || free_bank(context, channel))?;
+        let bank = self.bank_of(&chunk, || free_bank(context, channel))?;
         let done = chunk.indexed().try_for_each(|(index, item)| {
             let axis = index.checked_div(count).unwrap_or(0);
             let point = index - axis * count;
@@ -270,7 +270,7 @@ impl Loading {
         } else {
             context.stage(Op::Mark);
         }
-        Ok(told(context, channel, &shadow, held))
+        Ok(bounds_reply(context, channel, &shadow, held))
     }
 
     fn plane<const AXES: usize>(
@@ -307,7 +307,7 @@ impl Loading {
         let items = items::<LaserDisValue>(rest, size_of_val(&r), left)?;
         let key = Key::of(opcode::SetLaserDisTable2D, &r);
         let chunk = Chunk { key, first: r.first.get(), items, total, field: 8 };
-        let bank = self.place(&chunk, || free_bank(context, channel))?;
+        let bank = self.bank_of(&chunk, || free_bank(context, channel))?;
         let done = chunk.indexed().try_for_each(|(index, item)| {
             let value = item.value.get();
             let node = index.checked_sub(columns + rows);
@@ -337,15 +337,20 @@ impl Loading {
                 }
             }
             for axis in 0..DISTANCES as u8 {
-                let place = axes.iter().position(|of| *of == axis);
-                tables.limit(channel, bank, axis, place.and_then(|place| limits.get(place).copied().flatten()));
+                let position = axes.iter().position(|of| *of == axis);
+                tables.limit(
+                    channel,
+                    bank,
+                    axis,
+                    position.and_then(|position| limits.get(position).copied().flatten()),
+                );
             }
             shadow.from = Ratios::Plane { bank, axes };
             stage(context, channel, shadow)?;
         } else {
             context.stage(Op::Mark);
         }
-        Ok(told(context, channel, &shadow, held))
+        Ok(bounds_reply(context, channel, &shadow, held))
     }
 }
 
@@ -370,7 +375,7 @@ fn own<const AXES: usize>(
     channel: u8,
     shadow: &mut DistanceShadow,
     (field, min, max): (u8, f64, f64),
-    (place, given, are_given): (u8, &[zerocopy::little_endian::F64], bool),
+    (limits_field, given, are_given): (u8, &[zerocopy::little_endian::F64], bool),
 ) -> Admitted<([Option<Power>; DISTANCES], u8)> {
     let mut taking = Taking::new(context.is_lsr());
     shadow.bounds = bounds(context, channel, &mut taking, field, (min, max))?;
@@ -379,8 +384,8 @@ fn own<const AXES: usize>(
     let mut limits = [None; DISTANCES];
     if are_given {
         for (index, (to, given)) in limits.iter_mut().zip(given).enumerate() {
-            let most = taking.take(place, 2, given.get(), range).map_err(|refused| refused.item(index))?;
-            *to = Some(power(place, most)?);
+            let most = taking.take(limits_field, 2, given.get(), range).map_err(|refused| refused.item(index))?;
+            *to = Some(power(limits_field, most)?);
         }
     }
     Ok((limits, taking.held))
@@ -393,7 +398,7 @@ fn not_in_use<const AXES: usize>(context: &Context<AXES>, channel: u8, table: u8
     let holds = Crd::all().any(|crd| {
         (0..2).any(|fifo| {
             let is_named = named >> (2 * crd.index() as u8 + fifo) & 1 == 1;
-            is_named && context.crd_book(crd).space(context.crd_seen(crd), fifo) != CAPACITY
+            is_named && context.crd_shadow(crd).space(context.crd_sampled(crd), fifo) != CAPACITY
         })
     });
     if holds || reads.is_some() && reads == Curve::power(channel, table) {

@@ -55,9 +55,9 @@ pub fn substitute(scratch: &mut Scratch<'_>) {
                 // The last point has its velocity.
                 c = 0.0;
             } else if index > start
-                && let (Some(before), Some(here), Some(behind)) = (time(index - 1), time(index), time(index + 1))
+                && let (Some(before), Some(here), Some(after)) = (time(index - 1), time(index), time(index + 1))
             {
-                let (lambda, mu) = weights(here - before, behind - here);
+                let (lambda, mu) = weights(here - before, after - here);
                 c = mu / pivot(lambda, c);
             }
             *point = c;

@@ -255,17 +255,17 @@ impl Draft {
                     self.row = Row { d: vel_begin, c: 0.0 };
                     scratch.push(Knot { time, pos, vel: vel_begin })?;
                 } else {
-                    let behind = (time - self.last.0, pos - self.last.1);
+                    let following = (time - self.last.0, pos - self.last.1);
                     let index = usize::from(self.taken).wrapping_sub(1);
                     if index > 0
                         && let Some(mut knot) = scratch.knot(index)
                     {
-                        self.row = complete::eliminate(self.row, self.segment, behind);
+                        self.row = complete::eliminate(self.row, self.segment, following);
                         knot.vel = self.row.d;
                         scratch.set(index, knot);
                     }
                     scratch.keep(index, self.row.c);
-                    self.segment = behind;
+                    self.segment = following;
                     scratch.push(Knot { time, pos, vel: vel_end })?;
                 }
             }
