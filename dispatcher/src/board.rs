@@ -6,7 +6,8 @@ use servo::units::{AxisMask, StepLimit};
 pub struct Board {
     /// Name, of which 16 bytes are shown.
     pub name: &'static str,
-    /// Number of the profile it shows at power-on (see [`crate::PROFILES`]); the build must hold it.
+    /// Number of the profile it shows at power-on (see [`crate::PROFILES`]); the build must hold
+    /// it.
     pub profile: u8,
     /// Tick periods it can run, in µs.
     pub tick_us: core::ops::RangeInclusive<u32>,

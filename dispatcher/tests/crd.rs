@@ -46,7 +46,8 @@ fn places_and_segments_are_counted() {
     let mut seen = Vec::new();
     while status(&mut bench, 0).0 == 1 {
         let now = (space(&mut bench, 0), remainder(&mut bench, 0), status(&mut bench, 0).1);
-        // Each is read in a tick of its own: they belong together where nothing has changed between.
+        // Each is read in a tick of its own: they belong together where nothing has changed
+        // between.
         if space(&mut bench, 0) == now.0 && seen.last() != Some(&now) {
             seen.push(now);
         }

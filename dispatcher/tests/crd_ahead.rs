@@ -1,4 +1,5 @@
-//! Look-ahead between the host and the tick: held data comes in time, is never late, and never slows the path without need.
+//! Look-ahead between the host and the tick: held data comes in time, is never late, and never
+//! slows the path without need.
 mod bench;
 
 use bench::crd::*;

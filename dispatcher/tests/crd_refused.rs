@@ -1,4 +1,5 @@
-//! Every bad input of coordinate systems: code, reason, the parameter and its limit, and that nothing has changed.
+//! Every bad input of coordinate systems: code, reason, the parameter and its limit, and that
+//! nothing has changed.
 mod bench;
 
 use bench::crd::*;
@@ -295,7 +296,8 @@ fn motions_and_starts() {
             ),
         ],
     );
-    // Speed 0 and below, and a centre that does not match: the limits are numbers without a short form.
+    // Speed 0 and below, and a centre that does not match: the limits are numbers without a short
+    // form.
     for (request, field) in [
         (LnXY { syn_vel: 0.0.into(), ..l }, 4),
         (LnXY { syn_vel: (-5.0).into(), ..l }, 4),

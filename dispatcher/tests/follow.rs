@@ -11,7 +11,8 @@ use zerocopy::little_endian::I16;
 
 const CORE: i16 = 1;
 
-/// What is read before SetFollowMaster: no axis, and the type and item of one that leaves them out (GXN commands 8, 12).
+/// What is read before SetFollowMaster: no axis, and the type and item of one that leaves them out
+/// (GXN commands 8, 12).
 const NO_MASTER: FollowMasterReply =
     FollowMasterReply { master_index: I16::ZERO, master_type: I16::new(2), master_item: I16::ZERO };
 
@@ -327,8 +328,8 @@ fn an_asymmetric_segment_takes_a_place_for_each_part() {
         let reply = bench.done(request);
         (reply.space.get(), reply.percent1.get())
     };
-    // The displacement decides the share of the first half: 1/2 of a symmetric one; by hand a mean of 4/9 with 60 % in
-    // all: 0.7·4/9 = 0.44 − x·0.3, so x = 0.43.
+    // The displacement decides the share of the first half: 1/2 of a symmetric one; by hand a mean
+    // of 4/9 with 60 % in all: 0.7·4/9 = 0.44 − x·0.3, so x = 0.43.
     assert_eq!(took(&mut bench, send(1000.0, 500.0, 0.0, 1.0, 60)), (13, 30));
     assert_eq!(took(&mut bench, send(1900.0, 900.0, 0.0, 1.0, 60)), (10, 43));
     // Only one part: no S-curve at all; all of it at one end.

@@ -91,7 +91,8 @@ fn an_encoder_crosses_between_its_samples() {
     assert_eq!(bench.pos(2), 0.0, "it waits");
     bench.run_ms(150);
     assert_eq!(bench.pos(1), 800.0);
-    // From 101 to 151, each halfway between two samples; one cycle later, halfway again, the encoder is at 153.
+    // From 101 to 151, each halfway between two samples; one cycle later, halfway again, the
+    // encoder is at 153.
     assert!((bench.pos(2) - (50.0 + (800.0 - 153.0))).abs() < EXACT, "{}", bench.pos(2));
 }
 

@@ -1,5 +1,5 @@
-//! Every laser command in both families: what is right and what the reply tells, what is refused with which
-//! words, what is held. A command that fails leaves everything as it was.
+//! Every laser command in both families: what is right and what the reply tells, what is refused
+//! with which words, what is held. A command that fails leaves everything as it was.
 mod bench;
 use bench::{Bench, body};
 use protocol::command::*;
@@ -294,7 +294,8 @@ fn gus_refuses_what_is_out_of_range() {
 fn lsr_takes_the_nearest_bound_and_tells_it() {
     let mut bench = bench(LSR);
     let b = &mut bench;
-    // The resolution of power-on is 1: 0 to 24 kHz in steps of 1.5 Hz; 0 has 96 kHz in steps of 6 Hz.
+    // The resolution of power-on is 1: 0 to 24 kHz in steps of 1.5 Hz; 0 has 96 kHz in steps of 6
+    // Hz.
     for (fine, khz) in [(None, 24.0), (Some(0), 96.0), (Some(1), 24.0)] {
         if let Some(fine) = fine {
             b.done(resolution(fine));
@@ -395,7 +396,8 @@ fn frequencies_below_1_hz_are_refused_in_both_families() {
     }
 }
 
-/// SetWaitPulseEx of the LSR family: pulses where both channels are PWM, and none while one of them is analog.
+/// SetWaitPulseEx of the LSR family: pulses where both channels are PWM, and none while one of them
+/// is analog.
 #[test]
 fn standby_of_both_channels_wants_both_to_be_pwm() {
     fn output(bench: &mut Bench<8>) -> [bool; 2] {

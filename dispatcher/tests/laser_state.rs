@@ -98,7 +98,8 @@ fn settings_arrive_in_the_channel_they_name() {
             assert_eq!((units(now.bounds.max()), units(now.bounds.min()), units(now.direct)), (20.0, 0.5, 12.5));
             assert_eq!((now.width_us, now.carrier.map(|carrier| units(carrier.khz()))), (10, Some(15.0)));
             assert_eq!(format!("{:?}", seen(&mut bench, 1 - channel as usize)), format!("{other:?}"));
-            // Another mode sets the power to 0 and keeps width and carrier; the same one keeps the power.
+            // Another mode sets the power to 0 and keeps width and carrier; the same one keeps the
+            // power.
             bench.done(mode(0, 80.0, 0.0, channel, 1));
             bench.run_ms(1);
             let now = seen(&mut bench, channel as usize);

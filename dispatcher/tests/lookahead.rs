@@ -166,7 +166,8 @@ fn run(calls: &[Call], entries: &[Entry]) -> (Vec<(f64, [f64; 2])>, f64, f64) {
 /// Nanoseconds.
 const TICK: f64 = 20_000.0;
 
-/// The highest acceleration between the middles of two motions, neighbours or these many ms or more apart.
+/// The highest acceleration between the middles of two motions, neighbours or these many ms or more
+/// apart.
 fn hardest(middles: &[(f64, [f64; 2])], apart: f64) -> f64 {
     let mut worst = 0.0f64;
     for (k, (t0, v0)) in middles.iter().enumerate() {
@@ -218,7 +219,8 @@ fn sizes() {
     assert_eq!(size_of::<Entry>(), 32);
 }
 
-/// The corner of a long L, by hand: Δ = 1 in X and in Y, so v = acc·T of the slower one; a reversal stops.
+/// The corner of a long L, by hand: Δ = 1 in X and in Y, so v = acc·T of the slower one; a reversal
+/// stops.
 #[test]
 fn corners_of_long_lines_are_taken_at_the_change_of_speed_that_the_corner_time_allows() {
     let corner = polyline(&[[100_000, 0], [100_000, 100_000], [100_000, 0]], 60.0, 0.8);
@@ -383,7 +385,8 @@ fn stalls_of_the_host_do_not_slow_it_down() {
                     }
                 }
             }
-            // Entries to the FIFO of 1024, as they become final; all of them if it lasts less than 30 ms.
+            // Entries to the FIFO of 1024, as they become final; all of them if it lasts less than
+            // 30 ms.
             loop {
                 let done = path.released(0) as usize;
                 let lasts: f64 = planned[done.min(planned.len())..].iter().sum();

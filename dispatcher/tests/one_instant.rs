@@ -8,7 +8,8 @@ use protocol::record::Lane;
 const CORE: i16 = 1;
 type Entry = (u16, Lane, Vec<u8>);
 
-/// A Jog of axis 1 with 10 pulse/ms, once it is updated, and a slave of it, axis 2, with an even segment in FIFO 0.
+/// A Jog of axis 1 with 10 pulse/ms, once it is updated, and a slave of it, axis 2, with an even
+/// segment in FIFO 0.
 fn set_up() -> Vec<Entry> {
     let (core, master, slave) = (CORE.into(), 1.into(), 2.into());
     let prm = SetJogPrm { core, profile: master, acc: 10.0.into(), dec: 10.0.into(), smooth: 0.0.into() };
@@ -132,7 +133,8 @@ fn refused_data_makes_nothing_late() {
     assert_eq!(bench.done(ProgramStatus {}).late.get(), 0);
 }
 
-/// Axis 2 follows axis 1, at 10 pulse/ms, in FollowEx mode; FIFO 0 ends with a queued switch to the other one.
+/// Axis 2 follows axis 1, at 10 pulse/ms, in FollowEx mode; FIFO 0 ends with a queued switch to the
+/// other one.
 fn switching() -> Vec<Entry> {
     let (core, master, slave) = (CORE.into(), 1.into(), 2.into());
     let prm = SetJogPrm { core, profile: master, acc: 10.0.into(), dec: 10.0.into(), smooth: 0.0.into() };

@@ -7,7 +7,8 @@ use protocol::command::*;
 use protocol::reason::Reason;
 use protocol::record::Lane;
 
-/// Name, general inputs and outputs, coordinate systems of a core below a tick of 500 µs and from there on.
+/// Name, general inputs and outputs, coordinate systems of a core below a tick of 500 µs and from
+/// there on.
 const TABLES: [(&str, i16, i16, [i16; 2]); 9] = [
     ("gus", 32, 32, [2, 2]),
     ("gtn-016", 44, 20, [2, 2]),

@@ -1,4 +1,5 @@
-//! Bad input: each command refused with its code, its reason and the parameter, and nothing changed.
+//! Bad input: each command refused with its code, its reason and the parameter, and nothing
+//! changed.
 mod bench;
 use bench::{Bench, body, pt_data, pt_item};
 use dispatcher::{Fault, FaultKind};
@@ -312,7 +313,8 @@ fn an_update_towards_a_limit_names_the_limit() {
     bench.done(SetJogPrm { core, profile, acc, dec, smooth: 0.0.into() });
     bench.done(SetVel { core, profile, vel: (-1.0).into() });
     assert_eq!(text(&mut bench), (Reason::AtSoftLimit, other.into()));
-    // A switch that is active blocks everything until ClrSts, and its own direction as long as it is active.
+    // A switch that is active blocks everything until ClrSts, and its own direction as long as it
+    // is active.
     bench.done(LmtsOn { core, axis: profile, limit_type: 0.into() });
     bench.machine.inputs[0].limit_positive = true;
     bench.run_ms(1);

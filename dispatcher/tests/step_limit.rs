@@ -371,7 +371,8 @@ fn arcs_by_what_they_pass() {
     let reported = text(&mut bench, quarter(above(LIMIT), 5000, 5000, 1), &[]);
     assert!(reported.starts_with("ArcXYC: syn_vel: axis 1 would go at 1000.0000000000001 pulse/ms"), "{reported}");
     bench.done(quarter(LIMIT, 5000, 5000, 1));
-    // From a third point of the circle, (4000, 2000) about its middle, to (5000, 5000): 0.8 of X at most, Y all of it.
+    // From a third point of the circle, (4000, 2000) about its middle, to (5000, 5000): 0.8 of X at
+    // most, Y all of it.
     let part = |vel: f64, x: i32, y: i32| ArcXYC {
         syn_vel: vel.into(),
         x_center: (-4000.0).into(),

@@ -62,7 +62,8 @@ struct Tally {
     worst_short: f64,
 }
 
-/// Builds, runs and compares until `segments` segments have been run, or as many tables as PVT_TABLES says.
+/// Builds, runs and compares until `segments` segments have been run, or as many tables as
+/// PVT_TABLES says.
 fn campaign(
     seed: u64,
     segments: usize,

@@ -173,8 +173,8 @@ fn table_4_5_spline() {
     }
 }
 
-/// Table 4-6 and figure 4-6: 50000·sin²(πt/2000) through 5, 10 and 50 points. The clamped spline is of
-/// fourth order: |error| ≤ 5/384·h⁴·max|f⁗|, f⁗ = 25000·(π/1000)⁴, and not far below it.
+/// Table 4-6 and figure 4-6: 50000·sin²(πt/2000) through 5, 10 and 50 points. The clamped spline is
+/// of fourth order: |error| ≤ 5/384·h⁴·max|f⁗|, f⁗ = 25000·(π/1000)⁴, and not far below it.
 #[test]
 fn table_4_6_errors_shrink() {
     let f = |t: f64| 25000.0 * (1.0 - (core::f64::consts::PI * t / 1000.0).cos());
@@ -193,7 +193,8 @@ fn table_4_6_errors_shrink() {
     assert!(worst[0] / worst[1] > 10.0 && worst[1] / worst[2] > 300.0, "{worst:?}");
 }
 
-/// Table 4-7: velocities 0, 10, 10, 0 by the recursion; 60 % in the first, pure S in the last segment.
+/// Table 4-7: velocities 0, 10, 10, 0 by the recursion; 60 % in the first, pure S in the last
+/// segment.
 #[test]
 fn table_4_7_percent() {
     let (shelf, answers) = shelf(
@@ -222,10 +223,10 @@ fn table_4_7_percent() {
     ends(&mut bench, 3000.0, 20000.0);
 }
 
-/// Table 4-8. First: 0 → 10 in 1000 ms over 5000, cruise 10000 in 1000 ms, back in 1000 ms.
-/// Second: from rest at 0.01 and braking at 0.01 to 2 within 19800: t0 = 1000 (5000), brake (10 − 2)/0.01 =
-/// 800 ms over 4800, cruise 10000 in 1000 ms: 2800 ms; then 2000 at 2 with a brake of 100 ms
-/// over 100: 950 ms + 100 ms.
+/// Table 4-8. First: 0 → 10 in 1000 ms over 5000, cruise 10000 in 1000 ms, back in 1000 ms. Second:
+/// from standstill at 0.01 and braking at 0.01 to 2 within 19800. t0 = 1000 (5000), brake (10 −
+/// 2)/0.01 = 800 ms over 4800, cruise 10000 in 1000 ms: 2800 ms. Then 2000 at 2 with a brake of 100
+/// ms over 100: 950 ms + 100 ms.
 #[test]
 fn table_4_8_continuous() {
     let kind = Kind::Continuous { time_begin: 0.0 };

@@ -97,7 +97,8 @@ macro_rules! commands {
     };
 }
 
-/// The type of the interlock (or emergency-stop) input for SimInput and SimPlan: the manuals have none.
+/// The type of the interlock (or emergency-stop) input for SimInput and SimPlan: the manuals have
+/// none.
 pub const INTERLOCK: i16 = 90;
 
 wire_structs! {
@@ -191,18 +192,22 @@ wire_structs! {
     FaultReply { kind: u8, length: U16 }
     /// Events since power-on, and how many of the last ones follow.
     EventsReply { total: U32, count: U16 }
-    /// An event that no command caused: its time and kind, the object (axes and coordinate systems
-    /// over all cores from 1, lasers from 0), and the reason. Kinds: 1 an axis and 2 a coordinate
-    /// system came to standstill, 3 a laser went dark or was cleared, 4 the link was lost or came
-    /// back, 5 servo ticks took too long, 6 events were lost, 7 an admitted laser command did
-    /// nothing, 8 an abort or a new session shut off the lasers, 9 a pulse width was limited (how
-    /// often).
+    /// An event that no command caused: its time and kind, the object, and the reason. Axes and
+    /// coordinate systems count over all cores from 1, lasers from 0. Kinds:
+    /// 1 an axis came to standstill, 2 a coordinate system did,
+    /// 3 a laser went dark or was cleared,
+    /// 4 the link was lost or came back,
+    /// 5 servo ticks took too long, 6 events were lost,
+    /// 7 an admitted laser command did nothing,
+    /// 8 an abort or a new session shut off the lasers,
+    /// 9 a pulse width was limited (how often).
     EventItem { time_ns: U64, kind: u8, of: u8, reason: U16 }
     /// The servo tick's period. If the board measures it (`measured` 1), also how long its ticks
     /// take from the timer's event to the end of the handler: the running median and the longest
     /// since the start, in ns.
     TickTimeReply { period_ns: U32, median_ns: U32, worst_ns: U32, measured: u8 }
-    /// Link-loss time in ms (0: the link is not supervised), and whether PT, PVT and Follow stop too.
+    /// Link-loss time in ms (0: the link is not supervised), and whether PT, PVT and Follow stop
+    /// too.
     LinkLossReply { time_ms: F64, stop_all: I16 }
     /// Home or index capture.
     CaptureReply { status: I16, value: I32, clock_ms: U32 }
@@ -234,8 +239,8 @@ wire_structs! {
         mode: I16, commanded: u8, gate: u8, light: u8, held: u8, fault: I16, power: F64, frequency: F64,
         on_time: U32,
     }
-    /// Parameters of a coordinate system (TCrdPrm): profile k is the coordinate (1 X, 2 Y, 3 Z, 4 A, 0 none) that
-    /// axis k of the core drives.
+    /// Parameters of a coordinate system (TCrdPrm): profile k is the coordinate (1 X, 2 Y, 3 Z, 4
+    /// A, 0 none) that axis k of the core drives.
     CrdPrm {
         dimension: I16, profile: [I16; 8], syn_vel_max: F64, syn_acc_max: F64, even_time_ms: I16,
         set_origin_flag: I16, origin_pos: [I32; 8],
@@ -243,13 +248,14 @@ wire_structs! {
     /// After data of a path: how many entries were taken, free slots, and how long the motions in
     /// the FIFO last (ms, without override).
     CrdTaken { taken: U16, space: U16, lasts_ms: U32 }
-    /// Whether a coordinate system runs, and the path segments of a FIFO completed since it was cleared.
+    /// Whether a coordinate system runs, and the path segments of a FIFO completed since it was
+    /// cleared.
     CrdStatusReply { run: I16, segment: I32 }
-    /// One coordinate system in one tick: whether it runs; its present FIFO; how it came to
-    /// standstill last (0 never moved, 1 its entries ran out, 2 they ran out at speed, 3 stopped, 4
-    /// before a position that an axis must not reach: it can go on), and the reason of its axes'
-    /// stop (AxisItem). The axis of each coordinate, 0 none; coordinates in pulses, speed in
-    /// pulse/ms. For each FIFO segments completed, segments left and free slots.
+    /// One coordinate system in one tick: whether it runs; its present FIFO. How it came to
+    /// standstill last: 0 never moved, 1 its entries ran out, 2 they ran out at speed, 3 stopped, 4
+    /// before a position that an axis must not reach (it can go on). The reason of its axes' stop
+    /// (AxisItem). The axis of each coordinate, 0 none; coordinates in pulses, speed in pulse/ms.
+    /// For each FIFO segments completed, segments left and free slots.
     CrdState {
         run: u8, fifo: u8, rest: u8, reason: U16, axes: [I16; 4], pos: [F64; 4], vel: F64, segments: [I32; 2],
         remainder: [I32; 2], space: [I32; 2],
@@ -273,11 +279,11 @@ wire_structs! {
     LaserFollowPoint { vel: F64, power: F64 }
     /// What a chunk of a follow table took: how many of its powers were limited to a bound (LSR).
     LaserTableTaken { held: U16 }
-    /// A point of SetLaserDisTable1D: a ratio, and the position in pulses where it holds. Points of axis 1 come
-    /// first, `count` of them, then those of axes 2, 3 and 4.
+    /// A point of SetLaserDisTable1D: a ratio, and the position in pulses where it holds. Points of
+    /// axis 1 come first, `count` of them, then those of axes 2, 3 and 4.
     LaserDisPoint { ratio: F64, pos: I32 }
-    /// A value of SetLaserDisTable2D: the positions of X, those of Y (pulses, `count` of each), then the ratios row by row:
-    /// all of X at the first Y, and so on.
+    /// A value of SetLaserDisTable2D: the positions of X, those of Y (pulses, `count` of each),
+    /// then the ratios row by row: all of X at the first Y, and so on.
     LaserDisValue { value: F64 }
     /// One axis of an `AxisStatus` reply: what a display needs, of one tick.
     AxisItem {

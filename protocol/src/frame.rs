@@ -94,8 +94,8 @@ wire_structs! {
     }
     /// Payload of kind Hello; the header's session is the client's nonce.
     Hello { schema: U32, window: U16 }
-    /// Payload of kind HelloAck; the header's session is the nonce of the Hello it answers. `session`
-    /// is the session's id, 0 if versions or schemas differ.
+    /// Payload of kind HelloAck; the header's session is the nonce of the Hello it answers.
+    /// `session` is the session's id, 0 if versions or schemas differ.
     HelloAck { schema: U32, window: U16, session: U32 }
     /// Payload of kind Busy; the header's session is the nonce of the Hello it answers. Another
     /// client has had the session for `held_ms`; its last frame came `silent_ms` ago. `holder` is

@@ -33,7 +33,8 @@ use transmit::Transmitter;
 pub const HELLO_NS: Ns = 100_000_000;
 /// The client sends a KeepAlive when it has sent nothing else for this time.
 pub const KEEP_ALIVE_NS: Ns = 100_000_000;
-/// A session whose last valid frame is younger than this is alive: a client on another wire does not get it.
+/// A session whose last valid frame is younger than this is alive: a client on another wire does
+/// not get it.
 pub const ALIVE_NS: Ns = 500_000_000;
 /// Bounds of the time after which an unacknowledged message is sent again, and its first value.
 pub const RETRY_MIN_NS: Ns = 20_000_000;

@@ -15,8 +15,8 @@ use zerocopy::little_endian::{F64, I16, U16};
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout, Unaligned};
 
 wire_structs! {
-    /// Before each request: number, the client's tag (comes back in the reply), length of the body, lane
-    /// (0 immediate, 1 program, 2 program, may fail).
+    /// Before each request: number, the client's tag (comes back in the reply), length of the body,
+    /// lane (0 immediate, 1 program, 2 program, may fail).
     RequestHead { opcode: U16, tag: U16, len: U16, lane: u8 }
     /// Before each reply: number and tag of the request, return code, length of the body.
     ReplyHead { opcode: U16, tag: U16, code: I16, len: U16 }
@@ -41,8 +41,9 @@ pub enum Lane {
     ProgramMayFail = 2,
 }
 
-/// Number of the records that carry a trace over the link (`Trace` with `way` 1): tag and code are 0, the body
-/// is the next part of the trace's byte stream. They answer nothing; the controller sends them by itself.
+/// Number of the records that carry a trace over the link (`Trace` with `way` 1): tag and code are
+/// 0, the body is the next part of the trace's byte stream. They answer nothing; the controller
+/// sends them by itself.
 pub const TRACE_RECORD: u16 = 0x0017;
 
 /// The buffer has no room for the record; nothing was written.
@@ -115,7 +116,8 @@ impl<'a> ReplyRecord<'a> {
     /// The body of a reply to request `R` with code 0, or what the controller refused.
     ///
     /// # Errors
-    /// [`ReplyError::Refused`] for a code other than 0, [`ReplyError::Length`] for a body of the wrong length.
+    /// [`ReplyError::Refused`] for a code other than 0, [`ReplyError::Length`] for a body of the
+    /// wrong length.
     pub fn parse<R: Request>(&self) -> Result<(R::Reply, Items<'a, R::ReplyItem>), ReplyError> {
         match self.refusal() {
             Some(refusal) => Err(refusal),

@@ -51,14 +51,18 @@ wire_structs! {
     CrdId { core: u8, crd: u8 }
     /// Before the samples of a row: its number, from 0 without gaps.
     RowLayout { what: u8, row: U32 }
-    /// One axis in a row: position in 2^-22 pulse; velocity is `vel_mantissa * 2^-vel_exponent` pulse/ms.
+    /// One axis in a row: position in 2^-22 pulse; velocity is `vel_mantissa * 2^-vel_exponent`
+    /// pulse/ms.
     Sample { pos: I64, vel_mantissa: I64, vel_exponent: I16 }
-    /// One laser channel in one row: power mode (0 duty, 1 frequency, 2 analog, 3 duty with open switch), level of the
-    /// switch output, power in 2^-44 of the mode's unit, frequency in 2^-44 kHz.
+    /// One laser channel in one row: power mode (0 duty, 1 frequency, 2 analog, 3 duty with open
+    /// switch), level of the switch output, power in 2^-44 of the mode's unit, frequency in 2^-44
+    /// kHz.
     LaserSample { mode: u8, gate: u8, power: I64, khz: I64 }
-    /// One coordinate system in one row: speed along its path, `vel_mantissa * 2^-vel_exponent` pulse/ms.
+    /// One coordinate system in one row: speed along its path, `vel_mantissa * 2^-vel_exponent`
+    /// pulse/ms.
     CrdSample { vel_mantissa: I64, vel_exponent: I16 }
-    /// General outputs, bit 0 the first: their levels from `at` ns after the tick `tick` (from row 0 on).
+    /// General outputs, bit 0 the first: their levels from `at` ns after the tick `tick` (from row
+    /// 0 on).
     Outputs { tick: U32, at: U32, levels: U64 }
     /// The tick period from the tick `tick` (from row 0) on, ns.
     Period { tick: U32, period_ns: U32 }
@@ -166,8 +170,8 @@ impl Encoder {
         Encoder { body: [0; MAX_BODY], len: 0, wire: [0; MAX_WIRE], wire_at: 0, wire_len: 0 }
     }
 
-    /// Begins a trace of at most [`MAX_AXES`] axes, [`MAX_LASERS`] laser channels and [`MAX_CRDS`] coordinate systems
-    /// (more are left out).
+    /// Begins a trace of at most [`MAX_AXES`] axes, [`MAX_LASERS`] laser channels and [`MAX_CRDS`]
+    /// coordinate systems (more are left out).
     ///
     /// # Errors
     /// [`Full`].

@@ -1,5 +1,5 @@
-//! The link's rules one by one, on two ends joined by hand. Behaviour over a faulty channel is tested in
-//! `host-tests/tests/link.rs`.
+//! The link's rules one by one, on two ends joined by hand. Behaviour over a faulty channel is
+//! tested in `host-tests/tests/link.rs`.
 
 use protocol::Ns;
 use protocol::deframe::{Deframer, Outcome};

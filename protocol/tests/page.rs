@@ -129,7 +129,8 @@ fn cobs_is_that_of_the_page() {
         assert_eq!(deframe(&wire), (Outcome::Frame, plain.clone()), "{line}");
         let mut ours = vec![0; 300];
         let length = cobs::encode(&plain, &mut ours);
-        // After a full last block the crate may add an empty one, which the paper leaves out; both decode alike.
+        // After a full last block the crate may add an empty one, which the paper leaves out; both
+        // decode alike.
         let shown = if encoded.len() == 255 { 255 } else { length };
         assert_eq!(ours[..shown], encoded, "{line}");
     }

@@ -87,8 +87,8 @@ pub struct Reader<'a, T: Copy> {
 impl<T: Copy> Writer<'_, T> {
     /// The buffer to fill. What it holds now is some older value.
     pub fn buffer(&mut self) -> &mut T {
-        // SAFETY: `own` is this half's alone until `publish`, which needs `&mut self` and so ends this
-        // borrow.
+        // SAFETY: `own` is this half's alone until `publish`, which needs `&mut self` and so ends
+        // this borrow.
         self.latest.buffer(self.own).with_mut(|value| unsafe { &mut *value })
     }
 

@@ -33,7 +33,8 @@ fn servo<const AXES: usize>(context: &mut Context<AXES>, core: i16, axis: i16, o
     Ok(Answer::Done)
 }
 
-/// `form` 0 is GTN (bits 0–31 are axes 1–32), 1 is GT (bits 0–7 axes, 8–9 crds, 10–11 their follow).
+/// `form` 0 is GTN (bits 0–31 are axes 1–32), 1 is GT (bits 0–7 axes, 8–9 crds, 10–11 their
+/// follow).
 pub fn stop<const AXES: usize>(context: &mut Context<AXES>, r: &Stop) -> Admitted<Answer> {
     let gt = choice(3, i16::from(r.form), 0, 1)? == 1;
     let (mask, option) = (r.mask.get(), r.option.get());

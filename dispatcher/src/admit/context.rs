@@ -19,8 +19,8 @@ use servo::view::{AxisView, CrdView, View};
 /// What is known of the instant at which a command acts.
 #[derive(Debug, Clone, Copy)]
 pub struct Due {
-    /// The view shows the state in which the command acts: everything admitted before it has been executed, and
-    /// its instant has come.
+    /// The view shows the state in which the command acts: everything admitted before it has been
+    /// executed, and its instant has come.
     pub decided: bool,
     /// Its instant is near: a look-ahead may take what is given to a path that runs.
     pub soon: bool,

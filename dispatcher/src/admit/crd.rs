@@ -56,8 +56,8 @@ mod field {
     pub const SET_ORIGIN: u8 = 7;
 }
 
-/// Every coordinate up to the dimension is driven by one axis; elements of `profile` for axes that the core does not
-/// have must be 0.
+/// Every coordinate up to the dimension is driven by one axis; elements of `profile` for axes that
+/// the core does not have must be 0.
 fn frame<const AXES: usize>(context: &Context<AXES>, r: &SetCrdPrm) -> Admitted<Frame> {
     let dimension = within(field::DIMENSION, r.dimension.get(), 1, DIMENSIONS as i16)?;
     let axes = usize::from(context.configuration.profile.axes_per_core);

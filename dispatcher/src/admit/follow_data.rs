@@ -38,7 +38,8 @@ enum Given {
     Delay(u32),
     Wait(Input, u8, bool, u32),
     Switch(Method),
-    /// A part of an asymmetric S: master, slave, which, and the ratio at its start where it is the first.
+    /// A part of an asymmetric S: master, slave, which, and the ratio at its start where it is the
+    /// first.
     Part(f64, f64, Part, Option<f64>),
 }
 

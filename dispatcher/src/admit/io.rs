@@ -120,7 +120,8 @@ fn stage_output<const AXES: usize>(context: &mut Context<AXES>, group: DoGroup, 
     context.stage_with(Op::Output { group, mask, value }, change);
 }
 
-/// One output: its group, its bit in it, its level. Type, index and value are fields from `field` on.
+/// One output: its group, its bit in it, its level. Type, index and value are fields from `field`
+/// on.
 pub fn output<const AXES: usize>(
     context: &Context<AXES>,
     core: i16,

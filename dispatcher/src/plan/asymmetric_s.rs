@@ -88,7 +88,8 @@ mod tests {
                 assert!((wanted - slave).abs() < 1e-8, "{begin} {end} {q} {x} at {at}: {wanted} {slave}");
             }
         }
-        // By hand: equal shares are symmetric, so the mean is that of the ends; pure S from one end only: 1/3, 2/3.
+        // By hand: equal shares are symmetric, so the mean is that of the ends; pure S from one end
+        // only: 1/3, 2/3.
         assert_eq!(mean(0.0, 1.0, 0.8, 0.4), 0.5);
         assert!((mean(0.0, 1.0, 1.0, 0.0) - 2.0 / 3.0).abs() < 1e-15);
         assert!((mean(0.0, 1.0, 1.0, 1.0) - 1.0 / 3.0).abs() < 1e-15);

@@ -185,7 +185,8 @@ impl Geometry {
         if half - fabs(radius) > OFF_CENTRE / 2.0 || radius == 0.0 {
             return Err(Refused::RadiusTooSmall { least: half });
         }
-        // r² − (a² + b²)/4 with the errors of the squares, so that a near semicircle keeps its digits.
+        // r² − (a² + b²)/4 with the errors of the squares, so that a near semicircle keeps its
+        // digits.
         let [a, b] = chord.map(|x| x / 2.0);
         let (rr, aa, bb) = (radius * radius, a * a, b * b);
         let errors = fma(radius, radius, -rr) - fma(a, a, -aa) - fma(b, b, -bb);
@@ -336,7 +337,8 @@ mod tests {
         assert!(is_near(circle.length, 5.0 * core::f64::consts::TAU) && circle.end == from);
     }
 
-    /// A semicircle's radius in whole numbers leaves the tangent, and so the length, all its digits.
+    /// A semicircle's radius in whole numbers leaves the tangent, and so the length, all its
+    /// digits.
     #[test]
     fn near_semicircles_keep_their_digits() {
         let radius = 1_000_000.000_000_1;

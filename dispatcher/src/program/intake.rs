@@ -10,23 +10,23 @@
 //! anything else that follows, when the script clock advances, or when their instant is near. So
 //! data before a start takes no room in the lane however it arrives. A stream that is short of data
 //! still gets each record in time.
-use super::{Program, State, length};
+use super::{Program, State};
 use crate::admit::admission::Admission;
 use crate::admit::context::{Effect, TAKEN_MAX};
 use crate::admit::data::{self, FifoOf};
+use crate::admit::one;
 use crate::admit::pvt_table::{TableKind, table_kind};
 use crate::admit::staged::FEW;
 use crate::refuse::{Admitted, Refused};
 use crate::report::answer::{Answer, POINTS_MAX};
 use crate::report::pending_replies::{Awaiting, Step};
 use crate::shadow::{Change, seq_after, seq_from};
-use protocol::command::{Sleep, WaitStop, opcode};
+use protocol::command::{ProgramEnd, Sleep, WaitStop, opcode};
 use protocol::reason::Reason;
 use protocol::record::ReplyWriter;
 use servo::op::Op;
 use servo::units::{Axis, CrdMask, Ns};
 use servo::view::View;
-use zerocopy::FromBytes;
 
 /// Records admitted in one call, so that the work of a poll is bounded.
 const RECORDS_PER_POLL: u32 = 256;
@@ -153,7 +153,7 @@ impl Program<'_> {
                 return Err(Refused::new(Reason::NotForProgram));
             }
             opcode::Sleep => {
-                let sleep = Sleep::read_from_bytes(body).map_err(|_| length::<Sleep>(body))?;
+                let sleep: Sleep = one(body)?;
                 if sleep.ns.get() > 0 {
                     self.flush(admission);
                 }
@@ -179,7 +179,7 @@ impl Program<'_> {
                 return Ok(Step::Taken);
             }
             opcode::WaitStop => {
-                let wait = WaitStop::read_from_bytes(body).map_err(|_| length::<WaitStop>(body))?;
+                let wait: WaitStop = one(body)?;
                 if self.pauses.is_full() || !admission.wait_stop(view, due, &wait)? {
                     self.urgent = self.runs(view);
                     return Ok(Step::Wait);
@@ -187,9 +187,7 @@ impl Program<'_> {
                 (Answer::Done, Effect::None, true)
             }
             opcode::ProgramEnd => {
-                if !body.is_empty() {
-                    return Err(length::<protocol::command::ProgramEnd>(body));
-                }
+                one::<ProgramEnd>(body)?;
                 admission.staged.clear();
                 admission.staged.add(Op::ProgramEnd, Change::None);
                 (Answer::Done, Effect::None, true)
@@ -225,12 +223,7 @@ impl Program<'_> {
                 self.values.push(value);
             }
         }
-        let count = admission.staged.ops().len();
-        for index in 0..count {
-            if let Some(&(op, change)) = admission.staged.ops().get(index) {
-                self.push(admission, op, change);
-            }
-        }
+        self.push_staged(admission);
         admission.apply(effect, self.lane.last());
         if head.opcode == opcode::ProgramEnd {
             self.end = Some(self.lane.last());
@@ -253,6 +246,15 @@ impl Program<'_> {
             self.instant = self.instant.saturating_add(self.delay);
             self.pauses.push(&op, self.lane.last(), self.instant);
             self.delay = 0;
+        }
+    }
+
+    /// Pushes what is staged; the caller has checked that there is room.
+    fn push_staged<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>) {
+        for index in 0..admission.staged.ops().len() {
+            if let Some(&(op, change)) = admission.staged.ops().get(index) {
+                self.push(admission, op, change);
+            }
         }
     }
 
@@ -342,11 +344,7 @@ impl Program<'_> {
             if self.lane.room() < admission.staged.ops().len() {
                 return Step::Wait;
             }
-            for index in 0..admission.staged.ops().len() {
-                if let Some(&(op, change)) = admission.staged.ops().get(index) {
-                    self.push(admission, op, change);
-                }
-            }
+            self.push_staged(admission);
             item = item.saturating_add(1);
         }
     }

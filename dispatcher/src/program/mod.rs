@@ -22,13 +22,14 @@ mod waits;
 
 use crate::admit::admission::Admission;
 use crate::admit::context::Due;
+use crate::admit::one;
 use crate::capacity::{AWAITING, VALUES};
 use crate::deque::Deque;
 use crate::lane::Lane;
 use crate::refuse::{Admitted, Refused};
 use crate::report::pending_replies::{Awaiting, Refuser, Step, TickRefusal};
 use crate::shadow::{Change, PROGRAM_FLAG, Shadows, executed, renew};
-use protocol::command::{ProgramReply, ProgramStart, Request, opcode};
+use protocol::command::{ProgramClear, ProgramReply, ProgramStart, ProgramStatus, opcode};
 use protocol::reason::Reason;
 use protocol::record::{Full, Lane as RecordLane, ReplyWriter, RequestRecord};
 use record_queue::{QUEUE_BYTES, RECORD_BYTES, Records};
@@ -38,7 +39,7 @@ use servo::op::{Entry, Op};
 use servo::tick::PROGRAM;
 use servo::view::View;
 use waits::Pauses;
-use zerocopy::{FromBytes, IntoBytes};
+use zerocopy::IntoBytes;
 
 /// State of the program; the numbers are those of `ProgramReply`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -275,8 +276,7 @@ impl<'a> Program<'a> {
     ) -> Admitted<Step> {
         match record.opcode {
             opcode::ProgramStart => {
-                let start =
-                    ProgramStart::read_from_bytes(record.body).map_err(|_| length::<ProgramStart>(record.body))?;
+                let start: ProgramStart = one(record.body)?;
                 if self.is_dropping() || !self.settled {
                     return Ok(Step::Wait);
                 }
@@ -300,9 +300,7 @@ impl<'a> Program<'a> {
                 Ok(Step::Taken)
             }
             opcode::ProgramClear => {
-                if !record.body.is_empty() {
-                    return Err(length::<protocol::command::ProgramClear>(record.body));
-                }
+                one::<ProgramClear>(record.body)?;
                 if self.state == State::Empty && !self.clearing {
                     return Ok(Step::Taken);
                 }
@@ -314,9 +312,7 @@ impl<'a> Program<'a> {
                 Ok(Step::Wait)
             }
             _ => {
-                if !record.body.is_empty() {
-                    return Err(length::<protocol::command::ProgramStatus>(record.body));
-                }
+                one::<ProgramStatus>(record.body)?;
                 // The client has asked: it knows what was taken.
                 self.overflowed = false;
                 Ok(Step::Taken)
@@ -456,10 +452,4 @@ impl<'a> Program<'a> {
             State::Empty => progress,
         }
     }
-}
-
-/// A body whose length is not that of its command's struct.
-fn length<R: Request>(body: &[u8]) -> Refused {
-    let wanted = size_of::<R>() as f64;
-    Refused::new(Reason::Length).got(body.len() as f64).limits(wanted, wanted)
 }

@@ -28,7 +28,8 @@ pub enum Kind {
     Overrun = 5,
     /// So many events of the tick were lost.
     Lost = 6,
-    /// A command that had been admitted did nothing to a laser channel, for a reason of `servo::laser::Ignored`.
+    /// A command that had been admitted did nothing to a laser channel, for a reason of
+    /// `servo::laser::Ignored`.
     Ignored = 7,
     /// The lasers were shut off, for a [`ShutOff`].
     ShutOff = 8,

@@ -1,6 +1,7 @@
 //! Link-loss time-out (SPEC 9): what happens when no valid frame has come for the link-loss time.
 //!
-//! In: when the last valid frame came, the time. Out: `Op::Link`, the end of a running program, an event. Owns nothing.
+//! In: when the last valid frame came, the time. Out: `Op::Link`, the end of a running program, an
+//! event. Owns nothing.
 //! Fails: where the lane has no room, nothing is pushed and the next poll tries again.
 use crate::admit::admission::Admission;
 use crate::program::Program;

@@ -6,7 +6,7 @@
 //! the board exchanges the two. Owns one short frame each way.
 //! Fails: frames of any other kind, or too long for the opening, are ignored. Two clients never
 //! share a session.
-use crate::Server;
+use super::server::Server;
 use protocol::deframe::{Deframer, Outcome};
 use protocol::frame::OPENING_WIRE;
 use protocol::link::TakeOver;

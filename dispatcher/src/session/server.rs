@@ -129,39 +129,30 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
         self.link.request_take_over(now.0, frame, holder, out)
     }
 
-    /// Does what can be done now: timers, messages, records, waiting program entries, replies. Call it
-    /// after `feed`, after every tick, and at [`Server::next_deadline`].
+    /// Does what can be done now: timers, messages, records, waiting program entries, replies. Call
+    /// it after `feed`, after every tick, and at [`Server::next_deadline`].
     pub fn poll(&mut self, now: Ns) {
         self.time = now;
         self.link.poll(now.0);
         let view = self.view.read();
         // The events of a view are in their ring before it is published, so none is missed.
         while let Some(event) = self.events.pop() {
-            match event {
-                Event::Refused { lane: TickLane::Immediate, seq, axis, status } => {
-                    self.handler.tick_refused((seq, Refuser::Axis(axis, status)))
-                }
-                Event::Refused { lane: TickLane::Program, seq, axis, status } => {
-                    self.program.tick_refused((seq, Refuser::Axis(axis, status)))
-                }
-                Event::CrdRefused { lane: TickLane::Immediate, seq, crd } => {
-                    self.handler.tick_refused((seq, Refuser::Crd(crd)))
-                }
-                Event::CrdRefused { lane: TickLane::Program, seq, crd } => {
-                    self.program.tick_refused((seq, Refuser::Crd(crd)))
-                }
-                Event::LaserRefused { lane: TickLane::Immediate, seq, channel } => {
-                    self.handler.tick_refused((seq, Refuser::Laser(channel)))
-                }
-                Event::LaserRefused { lane: TickLane::Program, seq, channel } => {
-                    self.program.tick_refused((seq, Refuser::Laser(channel)))
-                }
+            let (lane, seq, refuser) = match event {
+                Event::Refused { lane, seq, axis, status } => (lane, seq, Refuser::Axis(axis, status)),
+                Event::CrdRefused { lane, seq, crd } => (lane, seq, Refuser::Crd(crd)),
+                Event::LaserRefused { lane, seq, channel } => (lane, seq, Refuser::Laser(channel)),
                 Event::Stopped { axis, reason, now } => {
-                    self.handler.admission.log.stopped(now, Kind::AxisStopped, axis.index(), reason)
+                    self.handler.admission.log.stopped(now, Kind::AxisStopped, axis.index(), reason);
+                    continue;
                 }
                 Event::CrdStopped { crd, reason, now } => {
-                    self.handler.admission.log.stopped(now, Kind::CrdStopped, crd.index(), reason)
+                    self.handler.admission.log.stopped(now, Kind::CrdStopped, crd.index(), reason);
+                    continue;
                 }
+            };
+            match lane {
+                TickLane::Immediate => self.handler.tick_refused((seq, refuser)),
+                TickLane::Program => self.program.tick_refused((seq, refuser)),
             }
         }
         self.handler.admission.log.see(view);

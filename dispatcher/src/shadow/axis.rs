@@ -50,7 +50,8 @@ pub struct AxisShadow {
     pub cleared: Option<u32>,
     /// The last entry that emptied a FIFO, until it is executed.
     pub emptied: Option<u32>,
-    /// FIFOs (a bit each) whose data is being overwritten, though what emptied them is not executed.
+    /// FIFOs (a bit each) whose data is being overwritten, though what emptied them is not
+    /// executed.
     pub invalid: u8,
     /// The start whose data that entry may have dropped, until a view shows the axis at standstill.
     pub leaving: Option<u32>,

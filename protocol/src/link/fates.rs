@@ -162,7 +162,8 @@ struct World {
     /// When the client begins again, and opens.
     again_at: Option<Ns>,
     open_at: Option<Ns>,
-    /// Messages of each of the client's sessions that the controller took, and the session of its link then.
+    /// Messages of each of the client's sessions that the controller took, and the session of its
+    /// link then.
     taken: [u32; 2],
     session: Option<u32>,
     next_take: Ns,
@@ -562,7 +563,8 @@ fn every_fate_of_a_full_window() {
     every_fate(FULL_WINDOW);
 }
 
-/// Worlds are followed once because those of one state do the same: here each pattern is followed by itself.
+/// Worlds are followed once because those of one state do the same: here each pattern is followed
+/// by itself.
 #[test]
 fn worlds_of_one_state_do_the_same() {
     const FIRST: u8 = 5;

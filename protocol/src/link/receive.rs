@@ -7,7 +7,8 @@ use crate::deframe::Outcome;
 use crate::frame::{self, Busy, Fault, Header, Hello, HelloAck, Kind, OPENING_WIRE};
 use zerocopy::{FromBytes, IntoBytes};
 
-/// `take <= next` in sequence numbers; slots hold messages from `take` on, with holes from `next` on.
+/// `take <= next` in sequence numbers; slots hold messages from `take` on, with holes from `next`
+/// on.
 #[derive(Debug, Clone)]
 pub(super) struct Receiver<const WINDOW: usize> {
     slots: [Slot; WINDOW],

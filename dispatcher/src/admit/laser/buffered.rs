@@ -49,7 +49,7 @@ pub fn is_buffered(number: u16) -> bool {
 }
 
 /// Values that were taken, how many, which of them were limited.
-type Took = ([f64; TAKEN_MAX], u8, u8);
+pub type Took = ([f64; TAKEN_MAX], u8, u8);
 
 /// The entry of a buffered laser command.
 pub fn admit<const AXES: usize>(context: &Context<AXES>, number: u16, body: &[u8]) -> Admitted<Change> {
@@ -163,7 +163,8 @@ fn bounds<const AXES: usize>(
     Ok((bounds, took(&[high, low], taking.held | limited)))
 }
 
-fn took(values: &[f64], held: u8) -> Took {
+/// Values for the reply, with their number.
+pub fn took(values: &[f64], held: u8) -> Took {
     let mut all = [0.0; TAKEN_MAX];
     for (slot, value) in all.iter_mut().zip(values) {
         *slot = *value;

@@ -221,7 +221,8 @@ fn are_pwm<const AXES: usize>(context: &Context<AXES>, changed: Option<(u8, Mode
     })
 }
 
-/// Standby pulses of some channels. To switch them off, frequency and duty may be 0. `paired`: they act while both are PWM.
+/// Standby pulses of some channels. To switch them off, frequency and duty may be 0. `paired`: they
+/// act while both are PWM.
 fn standby<const AXES: usize>(
     context: &mut Context<AXES>,
     channels: core::ops::Range<u8>,

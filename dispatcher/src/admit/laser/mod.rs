@@ -8,19 +8,19 @@
 //! | `tables` | tables of powers and of ratios, in chunks |
 //! | `power_range` | what is refused or limited: return code 7 of a laser power |
 //!
-//! In: requests and the shadow state of the channels. Out: staged changes. What is out of range is refused or limited
-//! by `power_range`; the reply reports what was taken. A controller has its channels once, whatever its cores are:
-//! every core may name every channel.
+//! In: requests and the shadow state of the channels. Out: staged changes. What is out of range is
+//! refused or limited by `power_range`; the reply reports what was taken. A controller has its
+//! channels once, whatever its cores are: every core may name every channel.
 //!
-//! The commands are those of GUS chapter 2 and LSR chapter 2, each in both families; SPEC 2 says where the
-//! families differ, SPEC 6 what a channel does.
+//! The commands are those of GUS chapter 2 and LSR chapter 2, each in both families; SPEC 2 says
+//! where the families differ, SPEC 6 what a channel does.
 pub mod buffered;
 pub mod distance;
 pub mod energy;
 mod power_range;
 pub mod tables;
 
-use super::context::{Context, Effect, TAKEN_MAX};
+use super::context::{Context, Effect};
 use crate::refuse::{Admitted, Refused, choice};
 use crate::report::answer::{Answer, Query};
 use crate::shadow;
@@ -45,12 +45,9 @@ const TIME_MAX_US: u16 = u16::MAX;
 
 /// What is taken, for the reply: its values and which of them were limited.
 fn took<const AXES: usize>(context: &mut Context<AXES>, values: &[f64], held: u8) -> Answer {
-    let mut all = [0.0; TAKEN_MAX];
-    for (slot, value) in all.iter_mut().zip(values) {
-        *slot = *value;
-    }
+    let (all, count, held) = buffered::took(values, held);
     context.effect = Effect::Took(all);
-    Answer::Took { count: values.len() as u8, held }
+    Answer::Took { count, held }
 }
 
 impl<const AXES: usize> Context<'_, AXES> {

@@ -97,7 +97,8 @@ impl Taking {
         self.take(field, index, got, range)
     }
 
-    /// The minimum of LaserPowerMode: one outside its range, on either side, is taken as the range's minimum (LSR, command 11).
+    /// The minimum of LaserPowerMode: one outside its range, on either side, is taken as the
+    /// range's minimum (LSR, command 11).
     pub fn minimum(&mut self, field: u8, index: u8, got: f64, range: Range) -> Admitted<f64> {
         let taken = self.take(field, index, got, range)?;
         Ok(if taken == got { taken } else { range.low })

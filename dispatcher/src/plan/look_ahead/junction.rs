@@ -1,4 +1,5 @@
-//! The junction of two motions: the change of velocity there, and the highest speed at which it is passed.
+//! The junction of two motions: the change of velocity there, and the highest speed at which it is
+//! passed.
 use super::{Limits, Motion};
 use crate::plan::geometry::Position;
 

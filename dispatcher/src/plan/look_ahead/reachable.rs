@@ -286,7 +286,8 @@ mod tests {
         (*state >> 11) as f64 * (1.0 / 9007199254740992.0)
     }
 
-    /// A coordinate of a line: its part of the direction, the turns at both ends over the mean lengths, its limit.
+    /// A coordinate of a line: its part of the direction, the turns at both ends over the mean
+    /// lengths, its limit.
     #[derive(Debug, Clone, Copy)]
     struct Side {
         along: f64,
@@ -295,8 +296,8 @@ mod tests {
     }
 
     /// The largest part of the limit that a motion of constant acceleration from x to y uses at
-    /// each end, by decision 9: the turn by the speed in the corner and the mean speed from there
-    /// to the middle, and the acceleration. With `straight` a mean replaces that product, as in
+    /// each end, by decision 9. It is the acceleration, and the turn by the speed in the corner and
+    /// the mean speed from there to the middle. With `straight` a mean replaces that product, as in
     /// plans.
     fn taken(side: &Side, length: f64, [x, y]: [f64; 2], straight: bool) -> f64 {
         let a = (y - x) / (2.0 * length);
