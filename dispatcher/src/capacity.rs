@@ -1,36 +1,37 @@
-//! How much the thread holds of what waits; no manual fixes it, and whoever sends more waits for room.
+//! Capacities of the thread's queues. No manual fixes them; a client that sends more waits for
+//! room.
 //!
-//! The feature `small` is for a chip whose own RAM is nearly taken up by the capacity that SPEC 11 asks for.
+//! The feature `small` is for a chip whose own RAM is nearly used up by the capacity of SPEC 11.
 
-/// Where RAM is plenty.
+/// With plenty of RAM.
 #[cfg(not(feature = "small"))]
 mod sizes {
     /// Entries that a look-ahead holds.
     pub const LOOK_AHEAD: usize = 256;
-    /// Messages under way each way.
+    /// Messages in flight, in each direction.
     pub const LINK_WINDOW: usize = 8;
     /// Bytes of the queue of a program's records.
     pub const QUEUE_BYTES: usize = 8192;
-    /// Replies of a program that wait for the execution of their entries. As many records of data may stand before
-    /// the start of their stream.
+    /// Replies of a program that wait for the execution of their entries. As many records of data
+    /// may precede the start of their stream.
     pub const AWAITING: usize = 1024;
     /// Values of Calculate commands that wait with them: two full tables.
     pub const VALUES: usize = 2048;
 }
 
-/// Beside SPEC 11's capacity in 1 MiB.
+/// With SPEC 11's capacity in 1 MiB.
 #[cfg(feature = "small")]
 mod sizes {
     /// Entries that a look-ahead holds.
     pub const LOOK_AHEAD: usize = 16;
-    /// Messages under way each way.
+    /// Messages in flight, in each direction.
     pub const LINK_WINDOW: usize = 2;
     /// Bytes of the queue of a program's records.
     pub const QUEUE_BYTES: usize = 2048;
-    /// Replies of a program that wait for the execution of their entries. As many records of data may stand before
-    /// the start of their stream.
+    /// Replies of a program that wait for the execution of their entries. As many records of data
+    /// may precede the start of their stream.
     pub const AWAITING: usize = 110;
-    /// Values of Calculate commands that wait with them: two messages full.
+    /// Values of Calculate commands that wait with them: two full messages.
     pub const VALUES: usize = 128;
 }
 

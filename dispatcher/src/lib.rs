@@ -1,28 +1,37 @@
 #![no_std]
 #![forbid(unsafe_code)]
-//! Everything that runs in the thread: the same code in the firmware image and on the virtual board.
+//! Everything that runs in the thread: the same code in the firmware image and on the virtual
+//! board.
 //!
 //! In: bytes from the wire, the tick's view, events and samples. Out: bytes to the wire, admitted
 //! operations into the two lanes of the tick, segments into the axes' stores, a trace stream.
-//! Owns: the host link's end, the books of every axis, the program queue, the replies that wait.
+//! Owns: the host link's end, the shadow state, the program queue, the replies that wait.
 //! Sans-IO: time is an argument, no call blocks, the work of a [`Server::poll`] is bounded.
-//! Fails how: whatever comes from the wire is answered with a return code and a reason and changes
-//! nothing; nothing in here panics or allocates.
+//! Fails: bad input from the wire is answered with a return code and a reason, and changes nothing.
+//! Nothing in here panics or allocates.
+//!
+//! Folders: `session` calls `program` and `admit`, `program` calls `admit`. `admit` uses `report`,
+//! `shadow` and `plan`, `report` uses `shadow` and `plan`, `shadow` uses `plan`. No arrow goes
+//! back.
 mod admit;
+mod board;
 mod capacity;
+mod configuration;
+mod deque;
+mod io_types;
+mod lane;
 pub mod plan;
 mod product;
 mod program;
+mod refuse;
 mod report;
 mod session;
 mod shadow;
 
-pub use crate::admit::refuse::Refused;
+pub use crate::board::{Board, FAULT_TEXT_MAX, Fault, FaultKind, TickTime};
 pub use crate::plan::path_queue::{LOOK_AHEAD, PathQueue};
 pub use crate::product::{FAMILIES, PROFILES, Profile, largest_that_fits};
 pub use crate::program::record_queue::{QUEUE_BYTES, RECORD_BYTES};
+pub use crate::refuse::Refused;
 pub use crate::session::second_client::SecondaryTransport;
-pub use crate::session::server::{
-    Board, Channels, EVENTS, FAULT_TEXT_MAX, Fault, FaultKind, IMMEDIATE, LINK_WINDOW, PROGRAM, SAMPLES, SEGMENTS,
-    Server, TickTime,
-};
+pub use crate::session::server::{Channels, EVENTS, IMMEDIATE, LINK_WINDOW, PROGRAM, SAMPLES, SEGMENTS, Server};

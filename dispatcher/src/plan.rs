@@ -1,4 +1,5 @@
-//! What is computed ahead of the tick in doubles: geometry and look-ahead of paths, PVT tables, the asymmetric S-curve of FollowEx.
+//! What is computed ahead of the tick in doubles: geometry and look-ahead of paths, PVT tables, the
+//! asymmetric S-curve of FollowEx.
 //!
 //! In: what users give. Out: entries and table points in the tick's units.
 pub(crate) mod asymmetric_s;

@@ -1,7 +1,8 @@
-//! Product profiles: how many cores, axes, coordinate systems and lasers a controller shows.
+//! Product profiles: how many cores, axes, coordinate systems and lasers a controller has.
 //!
-//! In: the number a client chose. Out: the counts. Owns nothing; a build whose capacity is too small
-//! for a profile refuses it with code 3. Source: SPEC section 2, GXN manual tables 5-1 to 5-3.
+//! In: the number that a client chose. Out: the counts. Owns nothing.
+//! Fails: a build whose capacity is too small for a profile refuses it with code 3.
+//! Source: SPEC section 2, GXN manual tables 5-1 to 5-3.
 
 use servo::units::Ns;
 
@@ -14,9 +15,9 @@ pub struct Profile {
     pub cores: u8,
     /// Axes of each core.
     pub axes_per_core: u8,
-    /// Coordinate systems of each core, as many as there are at any tick.
+    /// Coordinate systems of each core that exist at every tick period of at least [`LONG_TICK`].
     pub crds_per_core: u8,
-    /// How many of them there are at a tick below [`LONG_TICK`] (GXN table 5-1: GSN).
+    /// Coordinate systems of each core at a shorter period (GXN table 5-1: GSN).
     pub crds_in_short_ticks: u8,
     /// General inputs of the controller. They belong to all cores, and so do the outputs.
     pub general_inputs: u8,
@@ -32,16 +33,16 @@ impl Profile {
         self.cores as usize * self.axes_per_core as usize
     }
 
-    /// Coordinate systems of a core at this tick.
+    /// Coordinate systems of a core at this tick period.
     pub const fn crds_at(&self, period: Ns) -> u8 {
         if period.0 < LONG_TICK.0 { self.crds_in_short_ticks } else { self.crds_per_core }
     }
 }
 
-/// From this servo tick on GSN has all its coordinate systems (GXN table 5-1).
+/// From this tick period on, GSN has all its coordinate systems (GXN table 5-1).
 pub const LONG_TICK: Ns = Ns(500_000);
 
-/// `crds`: below [`LONG_TICK`], and from there on. `general`: inputs and outputs.
+/// `crds`: at periods below [`LONG_TICK`], and from there on. `general`: inputs and outputs.
 const fn row(
     name: &'static str,
     (cores, axes_per_core): (u8, u8),
@@ -61,8 +62,8 @@ const fn row(
     }
 }
 
-/// Every profile; its place is its number in `Choose` and `Version`. No manual counts the inputs and outputs of GUS: one word
-/// each.
+/// Every profile; its index is its number in `Choose` and `Version`. No manual counts the inputs
+/// and outputs of GUS: one word each.
 pub const PROFILES: &[Profile] = &[
     row("gus", (1, 8), (2, 2), (32, 32)),
     row("gtn-016", (2, 8), (2, 2), (44, 20)),
@@ -78,7 +79,7 @@ pub const PROFILES: &[Profile] = &[
 /// The families of SPEC 2: 0 is GUS, 1 is LSR.
 pub const FAMILIES: u8 = 2;
 
-/// The first profile that `axes` axes can hold.
+/// The first profile that fits into `axes` axes.
 pub const fn largest_that_fits(axes: usize) -> u8 {
     let mut best = 0;
     let mut index = 0;

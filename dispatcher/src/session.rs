@@ -1,8 +1,9 @@
-//! One session with a host: the link's end, the immediate lane, replies that wait for the tick, the second client.
+//! One session with a host: the link's end, the immediate lane, replies that wait for the tick,
+//! link loss, the second client.
 //!
-//! In: bytes and the time. Out: bytes, operations. Calls the program and admission, never the other way round.
+//! In: bytes and the time. Out: bytes, operations. It calls the program and admission; these never
+//! call it.
 pub(crate) mod commands;
-pub(crate) mod lane;
-pub(crate) mod pending_replies;
+mod link_loss;
 pub(crate) mod second_client;
 pub(crate) mod server;

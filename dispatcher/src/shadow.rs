@@ -1,19 +1,23 @@
-//! The books: what the thread knows of every axis without asking the tick.
+//! The shadow state: what the thread knows of axes, coordinate systems and lasers without asking
+//! the tick.
 //!
-//! In: [`Change`]s, one beside every operation that is pushed into a lane. Out: the figures that
-//! admissions and getters need. There are two sets: *ahead* is the state after everything that was
-//! admitted, *now* the state after everything that the tick has executed. If the rest of a program is
-//! discarded, *ahead* is set back to *now*, so that what was never executed leaves no trace.
+//! In: [`Change`]s, one with every operation that is pushed into a lane. Out: the values that
+//! admissions and reads need.
+//! There are two copies. *Admitted* is the state after everything that was admitted, *executed* the
+//! state after everything that the tick has executed. If the rest of a program is discarded,
+//! *admitted* is set back to *executed*. So what was never executed leaves no trace.
 mod axis;
 mod channel;
 mod crd;
+mod crd_space;
 mod follow;
+mod watch;
 
-use crate::admit::context::Watch;
 use crate::product::{LONG_TICK, Profile};
 pub use axis::{AxisShadow, BEGINS_SHIFT, FifoShadow};
 pub use channel::{DistanceShadow, LaserChange, LaserShadow};
-pub use crd::{CAPACITY, CrdChange, CrdShadow, Frame, Look, PathData, PathShadow, position_of};
+pub use crd::{CrdChange, CrdShadow, Frame, Look, PathData, PathShadow};
+pub use crd_space::CAPACITY;
 pub use follow::Fifo;
 use protocol::command::{JogPrm, TrapPrm};
 use servo::Fifos;
@@ -22,32 +26,33 @@ use servo::op::{Mode, Op};
 use servo::segment::pvt::TABLES;
 use servo::units::{Axis, AxisMask, Crd, CrdMask, Ns, Pos};
 use servo::view::View;
+pub use watch::Watch;
 
 /// Set in the numbers of the program lane, so that a number tells its lane.
 pub const PROGRAM_FLAG: u32 = 1 << 31;
 /// Software limits at these values are off.
 pub const SOFT_OFF: (i32, i32) = (i32::MAX, i32::MIN);
 
-/// The place after `seq` in its lane.
+/// The number after `seq` in its lane.
 pub const fn seq_after(seq: u32) -> u32 {
     seq_from(seq, 1)
 }
 
-/// So many places behind `seq` in its lane.
-pub const fn seq_from(seq: u32, places: u32) -> u32 {
-    seq & PROGRAM_FLAG | seq.wrapping_add(places) & !PROGRAM_FLAG
+/// The number `entries` after `seq` in its lane.
+pub const fn seq_from(seq: u32, entries: u32) -> u32 {
+    seq & PROGRAM_FLAG | seq.wrapping_add(entries) & !PROGRAM_FLAG
 }
 
 /// Whether the tick that `view` shows has executed entry `seq`.
 pub fn executed<const AXES: usize>(view: &View<AXES>, seq: u32) -> bool {
     let done = if seq & PROGRAM_FLAG == 0 { view.done_immediate } else { view.done_program };
-    // Numbers have 31 bits; shifted up, their difference has a sign. A lane that has done nothing yet
-    // shows 0, which has no flag.
+    // Numbers have 31 bits; shifted up, their difference has a sign. A lane that has executed
+    // nothing yet shows 0, which has no flag.
     done & PROGRAM_FLAG == seq & PROGRAM_FLAG && (done.wrapping_sub(seq) << 1).cast_signed() >= 0
 }
 
-/// Entries after which numbers are renewed: they are compared over half their range, so that one that was executed
-/// 2³⁰ entries ago would look as if it were still to come.
+/// Entries after which numbers are renewed. Numbers are compared over half their range: one
+/// executed 2³⁰ entries ago would look as if it were still to come.
 const RENEWED: u32 = 1 << 24;
 
 /// What each lane had executed when numbers were renewed last.
@@ -67,14 +72,14 @@ impl Renewed {
     }
 }
 
-/// An entry that was executed takes the number of the last one of its lane that was: it stays one that was executed.
+/// An executed entry takes the number of its lane's last executed one: so it stays executed.
 pub fn renew<const AXES: usize>(view: &View<AXES>, seq: &mut u32) {
     if executed(view, *seq) {
         *seq = if *seq & PROGRAM_FLAG == 0 { view.done_immediate } else { view.done_program };
     }
 }
 
-/// What a pushed operation changes in the books.
+/// What a pushed operation changes in the shadow state.
 #[derive(Debug, Clone, Copy)]
 pub enum Change {
     /// Nothing.
@@ -83,9 +88,9 @@ pub enum Change {
     Reset { axes: AxisMask, tables: u64 },
     /// Servo on or off.
     Servo { axis: Axis, on: bool },
-    /// The axes, what drives them, and these coordinate systems are told to stop.
+    /// The axes, what drives them, and these coordinate systems get a Stop.
     Stopped { axes: AxisMask, crds: CrdMask },
-    /// Abort: everything is told to stop, and on commands are refused until it is at rest.
+    /// Abort: everything gets a Stop, and on commands are refused until it is at standstill.
     Aborted,
     /// Link loss and interlock.
     Watch(Watch),
@@ -97,13 +102,13 @@ pub enum Change {
     Started { axes: AxisMask, fifo1: AxisMask, script_ns: u64 },
     /// PVT starts with the tables that are selected.
     PvtStarted { axes: AxisMask },
-    /// A PVT table is selected; `pending` if the axis may be running and go on with it.
+    /// A PVT table is selected; `pending` if the axis may be running and continue with it.
     Table { axis: Axis, table: u8, pending: bool },
     /// PVT passes.
     TablePasses { axis: Axis, passes: i32 },
-    /// A PVT table is there.
+    /// A PVT table is complete.
     TableFilled { table: u8 },
-    /// They are at rest for what follows.
+    /// They are at standstill for what follows.
     Rest { axes: AxisMask, crds: CrdMask },
     /// A mode, with empty FIFOs.
     Mode { axis: Axis, mode: Mode },
@@ -125,7 +130,7 @@ pub enum Change {
     FollowEmptied { axis: Axis, fifo: u8 },
     /// A FIFO of Follow now ends here, if no switch has emptied it meanwhile.
     FollowData { axis: Axis, fifo: u8, cleared: u32, shadow: Fifo },
-    /// The axes go to their other FIFO, now or at the end of the pass.
+    /// The axes change to their other FIFO, now or at the end of the pass.
     Switched { axes: AxisMask },
     /// Stop decelerations.
     Dec { axis: Axis, dec: (f64, f64) },
@@ -156,8 +161,8 @@ pub enum Change {
 }
 
 impl Change {
-    /// Whether its execution may end what keeps a command from an axis, a table or a coordinate system now: a motion, a
-    /// latched fault, a use.
+    /// Whether its execution may end what keeps a command from an axis, a table or a coordinate
+    /// system now: a motion, a latched fault, a use.
     pub fn may_free(&self) -> bool {
         match self {
             Change::Reset { .. }
@@ -204,7 +209,7 @@ impl Change {
     }
 }
 
-/// One set of books.
+/// One copy of the shadow state.
 #[derive(Debug, Clone, Copy)]
 pub struct Shadows<const AXES: usize> {
     /// The axes.
@@ -215,7 +220,7 @@ pub struct Shadows<const AXES: usize> {
     pub lasers: [LaserShadow; CHANNELS],
     /// Resolution of their frequencies.
     pub laser_fine: bool,
-    /// Whether the servo tick is one of at least [`LONG_TICK`]; none while it is that of power-on.
+    /// Whether the tick period is at least [`LONG_TICK`]; none while it is that of power-on.
     long_tick: Option<bool>,
     /// The last Abort.
     aborted: Option<u32>,
@@ -228,7 +233,7 @@ pub struct Shadows<const AXES: usize> {
 }
 
 impl<const AXES: usize> Shadows<AXES> {
-    /// Books at power-on.
+    /// The state at power-on.
     pub fn new() -> Self {
         Shadows {
             axes: [AxisShadow::default(); AXES],
@@ -243,7 +248,8 @@ impl<const AXES: usize> Shadows<AXES> {
         }
     }
 
-    /// Book of one axis; the last one for an axis beyond the capacity, which no admission lets through.
+    /// The state of one axis; the last one for an axis beyond the capacity, which no admission lets
+    /// through.
     pub fn axis(&self, axis: Axis) -> &AxisShadow {
         &self.axes[axis.index().min(AXES - 1)]
     }
@@ -253,13 +259,13 @@ impl<const AXES: usize> Shadows<AXES> {
         self.filled.checked_shr(table.into()).unwrap_or(0) & 1 == 1
     }
 
-    /// A PVT table is being overwritten: until the entry that goes with it has been executed, what it holds
-    /// belongs to nothing executed.
+    /// A PVT table is being overwritten. Until the entry of its new data has been executed, its
+    /// content belongs to nothing executed.
     pub fn invalidate(&mut self, table: u8) {
         self.filled &= !1u64.checked_shl(table.into()).unwrap_or(0);
     }
 
-    /// The same of a follow table of a laser channel.
+    /// The same for a follow table of a laser channel.
     pub fn invalidate_follow_table(&mut self, channel: u8, table: u8) {
         if let Some(laser) = self.lasers.get_mut(usize::from(channel)) {
             laser.invalidate(table);
@@ -285,22 +291,22 @@ impl<const AXES: usize> Shadows<AXES> {
         self.lasers.iter_mut().flat_map(|laser| &mut laser.named).for_each(|named| *named &= !bit);
     }
 
-    /// Whether data that is written to a FIFO now takes the place of what the tick has not emptied yet.
+    /// Whether data written to a FIFO now overwrites slots that the tick has not emptied yet.
     pub fn overwrites(&self, view: &View<AXES>, axis: Axis, fifo: u8) -> bool {
         let shadow = self.axis(axis);
         shadow.emptied.is_some_and(|seq| !executed(view, seq))
             || shadow.is_follow() && shadow.follow.is_invalid(view, fifo)
     }
 
-    /// FIFOs (a bit each) are being overwritten: if what emptied them is never executed, they have to be emptied
-    /// then.
+    /// FIFOs (a bit each) are being overwritten. If what emptied them is never executed, they have
+    /// to be emptied then.
     pub fn invalidate_fifos(&mut self, axis: Axis, fifos: u8) {
         if let Some(shadow) = self.axes.get_mut(axis.index()) {
             shadow.invalid |= fifos & (u8::from(shadow.holds(0)) | u8::from(shadow.holds(1)) << 1);
         }
     }
 
-    /// Coordinate systems that a core has at the servo tick of these books.
+    /// Coordinate systems that a core has at the tick period of this state.
     pub fn crds_per_core(&self, profile: &Profile, view: &View<AXES>) -> u8 {
         match self.long_tick {
             Some(true) => profile.crds_per_core,
@@ -309,13 +315,14 @@ impl<const AXES: usize> Shadows<AXES> {
         }
     }
 
-    /// Book of one coordinate system.
+    /// The state of one coordinate system.
     pub fn crd(&self, crd: Crd) -> &CrdShadow {
         let [first, ..] = &self.crds;
         self.crds.get(crd.index()).unwrap_or(first)
     }
 
-    /// What a FIFO of a coordinate system holds is not what was executed: it is to be emptied.
+    /// The content of a FIFO of a coordinate system is not what was executed: the FIFO is to be
+    /// emptied.
     pub fn invalidate_path(&mut self, crd: Crd, fifo: u8) {
         if let Some(path) = self.crds.get_mut(crd.index()).and_then(|shadow| shadow.fifos.get_mut(usize::from(fifo))) {
             path.invalid = true;
@@ -336,7 +343,8 @@ impl<const AXES: usize> Shadows<AXES> {
         }
     }
 
-    /// What empties one of the FIFOs that were overwritten, of the first coordinate system or axis that has some.
+    /// The operation that empties one of the overwritten FIFOs: of the first coordinate system or
+    /// axis that has some.
     pub fn revalidate(&self) -> Option<(Op, Change)> {
         for crd in Crd::all() {
             if let Some(fifo) = (0..2u8).find(|fifo| self.crd(crd).path(*fifo).invalid) {
@@ -364,12 +372,13 @@ impl<const AXES: usize> Shadows<AXES> {
         }
     }
 
-    /// Whether an abort is in progress, or on its way.
+    /// Whether an abort is in progress or in flight.
     pub fn aborts(&self, view: &View<AXES>) -> bool {
         view.aborts || self.aborted.is_some_and(|seq| !executed(view, seq))
     }
 
-    /// Renews the numbers of what was executed, before they are too old to be told from those of what is to come.
+    /// Renews the numbers of executed entries, before they are old enough to look like entries to
+    /// come.
     pub fn renew(&mut self, view: &View<AXES>) {
         let mut young = |seq: &mut u32| renew(view, seq);
         self.axes.iter_mut().for_each(|shadow| shadow.renew(&mut young));
@@ -481,7 +490,7 @@ impl<const AXES: usize> Shadows<AXES> {
                 let crds = CrdMask(crds.0 | self.drivers(axes).0);
                 let driven = crds.crds().fold(0, |mask, crd| mask | self.driven(crd).0);
                 self.with(axes, |_, shadow| shadow.started = None);
-                // An axis that has left its coordinate system is not waited for with it.
+                // A wait for a coordinate system does not wait for an axis that has left it.
                 let rests = |shadow: &AxisShadow| shadow.mode == Mode::Crd && crds.has(shadow.crd);
                 self.with(AxisMask(driven), |_, shadow| {
                     if rests(shadow) {

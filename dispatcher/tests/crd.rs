@@ -7,7 +7,8 @@ use protocol::command::*;
 use protocol::reason::Reason;
 use protocol::record::Lane;
 
-/// A line of 10000 pulses at 50 pulse/ms and 2 pulse/ms²: 25 ms up, 175 ms along, 25 ms down.
+/// A line of 10000 pulses at 50 pulse/ms and 2 pulse/ms²: 25 ms of acceleration, 175 ms at speed,
+/// 25 ms of deceleration.
 #[test]
 fn a_line_takes_its_trapezoid() {
     let mut bench = Bench::gus();
@@ -29,7 +30,7 @@ fn a_line_takes_its_trapezoid() {
     assert_eq!(crd_pos(&mut bench), [10_000.0, 0.0]);
 }
 
-/// What the FIFOs hold, counted by call: entries, motions that are done and left.
+/// Content of the FIFOs, counted by call: entries, motions that are done and left.
 #[test]
 fn places_and_segments_are_counted() {
     let mut bench = Bench::gus();
@@ -45,7 +46,8 @@ fn places_and_segments_are_counted() {
     let mut seen = Vec::new();
     while status(&mut bench, 0).0 == 1 {
         let now = (space(&mut bench, 0), remainder(&mut bench, 0), status(&mut bench, 0).1);
-        // Each is read in a tick of its own: they belong together where nothing has changed between.
+        // Each is read in a tick of its own: they belong together where nothing has changed
+        // between.
         if space(&mut bench, 0) == now.0 && seen.last() != Some(&now) {
             seen.push(now);
         }
@@ -64,7 +66,8 @@ fn places_and_segments_are_counted() {
     assert_eq!((space(&mut bench, 0), status(&mut bench, 0).1), (1024, 0));
 }
 
-/// FIFO 1 goes aside and comes back; FIFO 0 goes on where it stopped. Lines begin where the path is.
+/// FIFO 1 moves the path aside and back; FIFO 0 continues where it stopped. Lines begin where the
+/// path is.
 #[test]
 fn fifo_1_interrupts_and_returns() {
     let mut bench = Bench::gus();
@@ -74,37 +77,38 @@ fn fifo_1_interrupts_and_returns() {
     bench.done(start_crd(1));
     bench.run_ms(100);
     bench.done(CrdStop { core: 1.into(), mask: 1.into(), option: 0.into() });
-    until_rest(&mut bench);
+    until_standstill(&mut bench);
     let stopped = crd_pos(&mut bench);
     assert!(stopped[0] > 4000.0 && stopped[0] < 10_000.0 && stopped[1] == 0.0, "{stopped:?}");
-    // A quarter turn aside: from (x, 0) about (x, 1000) to the left, given in whole pulses.
+    // A quarter turn to the left: from (x, 0) about (x, 1000), given in whole pulses.
     let x = stopped[0].round() as i32;
     bench.done(ArcXYC { fifo: 1.into(), ..arc(x + 1000, 1000, 0.0, 1000.0, 1) });
     bench.done(LnXY { fifo: 1.into(), ..line(0, 5000, 50.0, 2.0) });
     bench.done(CrdStart { option: 1.into(), ..start_crd(1) });
-    until_rest(&mut bench);
+    until_standstill(&mut bench);
     assert_eq!(crd_pos(&mut bench), [0.0, 5000.0]);
     assert_eq!((status(&mut bench, 1).1, remainder(&mut bench, 1), remainder(&mut bench, 0)), (2, 0, 2));
     // FIFO 0 was left elsewhere.
     let (code, reason, refusal) = bench.refused(start_crd(1));
     assert_eq!((code, reason, refusal.got.get()), (1, Reason::CrdElsewhere, 0.0));
     assert_eq!(crd_pos(&mut bench), [0.0, 5000.0]);
-    // Back to the nearest whole pulse, and on.
+    // Back to the nearest whole pulse, and then FIFO 0 continues.
     bench.done(LnXY { fifo: 1.into(), ..line(x, 0, 50.0, 2.0) });
     bench.done(CrdStart { option: 1.into(), ..start_crd(1) });
-    until_rest(&mut bench);
+    until_standstill(&mut bench);
     bench.done(start_crd(1));
-    until_rest(&mut bench);
+    until_standstill(&mut bench);
     assert_eq!((crd_pos(&mut bench), status(&mut bench, 0).1), (vec![10_000.0, 10_000.0], 2));
-    // Or something else, when it is cleared.
+    // Or it takes other data, when it is cleared.
     bench.done(clear(0));
     bench.done(line(100, 5000, 50.0, 2.0));
     bench.done(start_crd(1));
-    until_rest(&mut bench);
+    until_standstill(&mut bench);
     assert_eq!(crd_pos(&mut bench), [100.0, 5000.0]);
 }
 
-/// An abrupt stop within a line in X alone rests at a place; a way out and back on FIFO 1 leaves FIFO 0 where it was.
+/// After an abrupt stop within a line in X the path stands at a position. Motion away and back on
+/// FIFO 1 leaves FIFO 0 where it was.
 #[test]
 fn a_path_goes_on_where_it_was_left() {
     let mut bench = Bench::gus();
@@ -116,13 +120,14 @@ fn a_path_goes_on_where_it_was_left() {
     bench.done(CrdStop { core: 1.into(), mask: 1.into(), option: 1.into() });
     let stopped = crd_pos(&mut bench);
     bench.done(start_crd(1));
-    until_rest(&mut bench);
+    until_standstill(&mut bench);
     assert_eq!(crd_pos(&mut bench), [10_000.0, 10_000.0]);
     assert!(stopped[0] < 10_000.0);
     assert_eq!(status(&mut bench, 0).1, 2);
 }
 
-/// Stop bits of the GT form, an axis bit, the servo: each stops the path, and books follow.
+/// Stop bits of the GT form, an axis bit, the servo: each stops the path, and the shadow state
+/// follows.
 #[test]
 fn what_stops_a_path() {
     for how in 0..4 {
@@ -140,7 +145,7 @@ fn what_stops_a_path() {
             2 => drop(bench.done(CrdStop { core: 1.into(), mask: 1.into(), option: 0.into() })),
             _ => drop(bench.done(AxisOff { core: 1.into(), axis: 2.into() })),
         }
-        until_rest(&mut bench);
+        until_standstill(&mut bench);
         let way = crd_pos(&mut bench)[0] - at;
         // v²/2a = 250 pulses, and what a few ticks of 12.5 pulses take.
         let range = if how == 3 { 0.0..50.0 } else { 245.0..310.0 };
@@ -151,7 +156,7 @@ fn what_stops_a_path() {
             bench.servo_on(2);
         }
         bench.done(start_crd(1));
-        until_rest(&mut bench);
+        until_standstill(&mut bench);
         assert_eq!(crd_pos(&mut bench)[0], 100_000.0, "{how}");
     }
 }
@@ -163,24 +168,24 @@ fn an_override_holds_for_all_speeds() {
     bench.done(SetOverride { core: 1.into(), crd: 1.into(), ratio: 0.5.into() });
     bench.done(line(10_000, 0, 50.0, 2.0));
     bench.done(start_crd(1));
-    let most = until_rest(&mut bench);
+    let most = until_standstill(&mut bench);
     assert!((most - 25.0).abs() < 1e-6, "{most}");
     bench.done(line(20_000, 0, 50.0, 2.0));
     bench.done(start_crd(1));
     bench.run_ms(100);
     bench.done(SetOverride { core: 1.into(), crd: 1.into(), ratio: 1.0.into() });
-    let most = until_rest(&mut bench);
+    let most = until_standstill(&mut bench);
     assert!((most - 50.0).abs() < 1e-6, "{most}");
     // SetCrdPrm sets it to 1.
     bench.done(SetOverride { core: 1.into(), crd: 1.into(), ratio: 0.1.into() });
     bench.done(prm());
     bench.done(line(10_000, 0, 50.0, 2.0));
     bench.done(start_crd(1));
-    let most = until_rest(&mut bench);
+    let most = until_standstill(&mut bench);
     assert!((most - 50.0).abs() < 1e-6, "{most}");
 }
 
-/// Speeds are held to the maxima of SetCrdPrm; velEnd to synVel.
+/// Speeds are limited to the maxima of SetCrdPrm; velEnd to synVel.
 #[test]
 fn speeds_are_held_to_the_maxima() {
     let mut bench = Bench::gus();
@@ -188,12 +193,12 @@ fn speeds_are_held_to_the_maxima() {
     bench.done(LnXY { vel_end: 1e9.into(), ..line(100_000, 0, 1e9, 1e9) });
     bench.done(line(200_000, 0, 100.0, 10.0));
     bench.done(start_crd(1));
-    let most = until_rest(&mut bench);
+    let most = until_standstill(&mut bench);
     assert!((most - 500.0).abs() < 1e-6, "{most}");
     assert_eq!(crd_pos(&mut bench), [200_000.0, 0.0]);
 }
 
-/// Outputs, analog outputs, another axis that moves, one that goes along: all act, each takes a place.
+/// Outputs, analog outputs, another axis that moves, a gear: all act, each takes a slot.
 #[test]
 fn entries_between_motions_act() {
     let mut bench = Bench::gus();
@@ -220,7 +225,7 @@ fn entries_between_motions_act() {
     bench.done(start_crd(1));
     bench.step();
     assert_eq!(crd_pos(&mut bench), [0.0, 0.0], "the path waits for axis 3");
-    until_rest(&mut bench);
+    until_standstill(&mut bench);
     assert_eq!((bench.pos(3), bench.pos(4), bench.pos(1)), (500.0, -700.0, 1000.0));
     assert_eq!(bench.machine.outputs.2, 0x0d);
     assert_eq!(bench.machine.analog_out[2], -1234);
@@ -243,23 +248,23 @@ fn origin_and_mapping() {
     assert_eq!(crd_pos(&mut bench), [0.0, 0.0]);
     bench.done(line(50, 7, 50.0, 2.0));
     bench.done(start_crd(1));
-    until_rest(&mut bench);
+    until_standstill(&mut bench);
     assert_eq!((bench.pos(1), bench.pos(2), bench.pos(3)), (1007.0, 2000.0, 3050.0));
     prm.set_origin_flag = 1.into();
     prm.origin_pos = [900, 0, 3000, 0, 0, 0, 0, 0].map(|pos: i32| pos.into());
     bench.done(prm);
     assert_eq!(crd_pos(&mut bench), [50.0, 107.0]);
-    let told = bench.done(GetCrdPrm { core: 1.into(), crd: 1.into() });
-    assert_eq!({ told.origin_pos }.map(|pos| pos.get()), [900, 0, 3000, 0, 0, 0, 0, 0]);
-    assert_eq!(({ told.dimension }.get(), { told.set_origin_flag }.get()), (2, 1));
-    // Where it is already, is no way.
+    let reported = bench.done(GetCrdPrm { core: 1.into(), crd: 1.into() });
+    assert_eq!({ reported.origin_pos }.map(|pos| pos.get()), [900, 0, 3000, 0, 0, 0, 0, 0]);
+    assert_eq!(({ reported.dimension }.get(), { reported.set_origin_flag }.get()), (2, 1));
+    // A target where it already is has no length.
     assert_eq!(bench.refused(line(50, 107, 50.0, 2.0)).1, Reason::NoLength);
     let mode = |bench: &mut Bench<16>, axis: i16| {
         let read = GetPrfMode { core: 1.into(), profile: axis.into(), count: 1.into() };
         bench.call(read).items::<GetPrfMode>()[0].value.get()
     };
     assert_eq!([1, 2, 3].map(|axis| mode(&mut bench, axis)), [5, 0, 5]);
-    // Another mapping lets go of an axis; Reset of all.
+    // Another mapping releases an axis; Reset releases all.
     prm.profile = [1, 2, 0, 0, 0, 0, 0, 0].map(|coordinate: i16| coordinate.into());
     bench.done(prm);
     assert_eq!([1, 2, 3].map(|axis| mode(&mut bench, axis)), [5, 5, 0]);
@@ -268,7 +273,7 @@ fn origin_and_mapping() {
     assert_eq!(bench.refused(line(1, 1, 50.0, 2.0)).1, Reason::CrdNotSet);
 }
 
-/// Twice to one place is no way, also where only the tick knows the place at which the first line begins.
+/// The same target twice has no length, also while only the tick knows where the first line begins.
 #[test]
 fn a_line_to_where_the_one_before_ends_is_refused_while_the_path_runs() {
     let mut bench = Bench::gus();
@@ -315,9 +320,9 @@ fn many_lines_are_all_or_none() {
     let answer = bench.call_items(head, &[item]);
     assert_eq!((answer.code, answer.reason(), answer.refusal().field), (7, Reason::NoCoordinate, 9));
     bench.done(start_crd(1));
-    until_rest(&mut bench);
+    until_standstill(&mut bench);
     assert_eq!(crd_pos(&mut bench), [0.0, 100.0]);
-    // Of lines that do not all fit the first one that does not is named.
+    // If not all lines fit, the first one that does not is named.
     bench.done(clear(0));
     let head = LnXYMany { count: 60.into(), ..many };
     let to = |count: i32| (1..=count).map(|x| to(x, 0)).collect::<Vec<_>>();
@@ -331,7 +336,8 @@ fn many_lines_are_all_or_none() {
     assert_eq!(space(&mut bench, 0), 0);
 }
 
-/// A program gives its data ahead of its clock, waits, and goes on from there; the second run begins where the first ended.
+/// A program gives its data ahead of its clock, waits, and continues from there; the second run
+/// begins where the first ended.
 #[test]
 fn a_program_waits_for_its_path() {
     let mut bench = Bench::gus();
@@ -370,7 +376,7 @@ fn a_program_waits_for_its_path() {
     assert_eq!(bench.done(ProgramStatus {}).late.get(), 0);
 }
 
-/// What of a program was not executed leaves no trace in a FIFO.
+/// Entries of a program that were not executed leave no trace in a FIFO.
 #[test]
 fn a_program_that_is_dropped_takes_its_data_with_it() {
     for look in [false, true] {
@@ -388,13 +394,13 @@ fn a_program_that_is_dropped_takes_its_data_with_it() {
         let codes: Vec<i16> = tags.iter().map(|tag| bench.wait(*tag).code).collect();
         assert_eq!(codes, [0, 1, 1]);
         if look {
-            // A look-ahead cannot tell any more what was there before.
+            // The content before cannot be reconstructed with a look-ahead.
             assert_eq!((space(&mut bench, 0), remainder(&mut bench, 0)), (1024, 0));
             bench.done(line(1000, 0, 50.0, 2.0));
         }
         assert_eq!((space(&mut bench, 0), remainder(&mut bench, 0)), (1023, 1));
         bench.done(start_crd(1));
-        until_rest(&mut bench);
+        until_standstill(&mut bench);
         assert_eq!((crd_pos(&mut bench), status(&mut bench, 0).1), (vec![1000.0, 0.0], 1));
     }
 }
@@ -426,11 +432,11 @@ fn points_of_tcrddata() {
     assert_eq!((refusal.field, refusal.got.get()), (3 + 6, 0.0));
     assert_eq!(bench.call_items(head, &[]).reply::<CrdData>().taken.get(), 0);
     bench.done(start_crd(1));
-    until_rest(&mut bench);
+    until_standstill(&mut bench);
     assert_eq!((crd_pos(&mut bench), status(&mut bench, 0).1), (vec![200.0, 200.0], 2));
 }
 
-/// Data for a path beside a running program waits for nobody: it is refused.
+/// Data for a path beside a running program does not wait: it is refused.
 #[test]
 fn nothing_is_given_beside_a_program() {
     let mut bench = Bench::gus();
@@ -444,7 +450,8 @@ fn nothing_is_given_beside_a_program() {
     assert_eq!(bench.wait(tag).code, 0);
 }
 
-/// The same in a program, which gives FIFO 1 its lines right behind the WaitStop: nothing is late.
+/// The same in a program, which gives FIFO 1 its lines directly after the WaitStop: nothing is
+/// late.
 #[test]
 fn a_program_interrupts_and_returns() {
     let mut bench = Bench::gus();

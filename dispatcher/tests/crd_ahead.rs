@@ -1,4 +1,5 @@
-//! Look-ahead between the host and the tick: held data comes in time, is never late, and never slows the path without need.
+//! Look-ahead between the host and the tick: held data comes in time, is never late, and never
+//! slows the path without need.
 mod bench;
 
 use bench::crd::*;
@@ -62,13 +63,14 @@ fn give(bench: &mut Bench<8>, points: &[[i32; 2]]) {
     }
 }
 
-/// When a running path came to rest, ms since `begun`.
+/// When a running path came to standstill, ms since `begun`.
 fn finish(bench: &mut Bench<8>, begun: u64) -> f64 {
-    until_rest(bench);
+    until_standstill(bench);
     (bench.now().0 - begun) as f64 / 1e6
 }
 
-/// Nobody has to flush: what waits comes in time and the path rests at its end. A flush changes nothing.
+/// No flush is needed: waiting entries come in time and the path stops at its end. A flush changes
+/// nothing.
 #[test]
 fn a_path_needs_no_flush() {
     let points = spiral(200);
@@ -87,15 +89,16 @@ fn a_path_needs_no_flush() {
         took.push(finish(&mut bench, begun));
         let [x, y] = points[199].map(f64::from);
         assert_eq!((crd_pos(&mut bench), status(&mut bench, 0)), (vec![x, y], (0, 200)));
-        let told = bench.done(CrdInfo { core: 1.into(), crd: 1.into() });
-        assert_eq!(({ told.rest }, { told.reason }.get()), (1, 1), "completed");
+        let reported = bench.done(CrdInfo { core: 1.into(), crd: 1.into() });
+        assert_eq!(({ reported.rest }, { reported.reason }.get()), (1, 1), "completed");
     }
     assert_eq!(took[0], took[1]);
     let ideal = ideal([0, 0], &points);
     assert!((took[0] - ideal).abs() < 1.0, "{took:?} {ideal}");
 }
 
-/// What waits behind a long motion is held back until it is needed: what is given meanwhile raises its end.
+/// Entries after a long motion are kept back until they are needed: data given meanwhile raises its
+/// end speed.
 #[test]
 fn what_comes_late_but_in_time_is_as_fast() {
     let mut bench = Bench::gus();
@@ -112,7 +115,7 @@ fn what_comes_late_but_in_time_is_as_fast() {
     assert!((took - 625.0).abs() < 1.0, "{took}");
 }
 
-/// A host that is away for 50 ms now and then.
+/// A host that stalls for 50 ms now and then.
 #[test]
 fn a_host_that_stalls_slows_nothing() {
     let points = spiral(3000);
@@ -147,7 +150,8 @@ fn a_host_that_stalls_slows_nothing() {
     assert!(most <= VEL * (1.0 + 1e-9) && most > 0.8 * VEL, "{most}");
 }
 
-/// A host that comes too late: the path rests at the end of what it has, without an underrun, and goes on.
+/// A host that is too late: the path stops at the end of its data, without an underrun, and
+/// continues.
 #[test]
 fn a_host_that_is_too_late_ends_no_path_at_speed() {
     let points = spiral(300);
@@ -156,16 +160,16 @@ fn a_host_that_is_too_late_ends_no_path_at_speed() {
     bench.done(ahead(CORNER, ACC, 200));
     give(&mut bench, &points[..150]);
     bench.done(start_crd(1));
-    until_rest(&mut bench);
+    until_standstill(&mut bench);
     assert_eq!(bench.done(CrdInfo { core: 1.into(), crd: 1.into() }).rest, 1);
     assert_eq!(status(&mut bench, 0).1, 150);
     give(&mut bench, &points[150..]);
     bench.done(start_crd(1));
-    until_rest(&mut bench);
+    until_standstill(&mut bench);
     assert_eq!((status(&mut bench, 0).1, crd_pos(&mut bench)), (300, points[299].map(f64::from).to_vec()));
 }
 
-/// A program that streams: data behind the start, in time by its clock.
+/// A program that streams: data after the start, in time by its clock.
 #[test]
 fn a_program_streams_through_the_look_ahead() {
     let points = spiral(2400);
@@ -221,7 +225,7 @@ fn a_program_streams_through_the_look_ahead() {
     assert_eq!((status.late.get(), status.worst_late_us.get()), (0, 0));
 }
 
-/// A WaitStop closes what was given: the next run of the program begins at rest, with its own data.
+/// A WaitStop ends the data: the next run of the program begins at standstill, with its own data.
 #[test]
 fn a_wait_closes_the_look_ahead() {
     let points = spiral(100);
@@ -252,7 +256,8 @@ fn a_wait_closes_the_look_ahead() {
     assert!((clock - apart).abs() < 2.0, "{clock} {apart}");
 }
 
-/// Entries that are no motions may come first in a program, before it is known where the path rests.
+/// Entries other than motions may come first in a program, before it is known where the path
+/// stands.
 #[test]
 fn a_motion_may_come_behind_what_begins_where_only_the_tick_knows() {
     for look in [0, 200] {
@@ -260,7 +265,7 @@ fn a_motion_may_come_behind_what_begins_where_only_the_tick_knows() {
         plane(&mut bench);
         bench.done(line(100, 50, 4.0, 1.0));
         bench.done(start_crd(1));
-        until_rest(&mut bench);
+        until_standstill(&mut bench);
         let wait = BufDelay { core: 1.into(), crd: 1.into(), delay_ms: 3.into(), fifo: 0.into() };
         let entries = [
             entry(ahead(CORNER, ACC, look)),
@@ -281,7 +286,8 @@ fn a_motion_may_come_behind_what_begins_where_only_the_tick_knows() {
     }
 }
 
-/// LnXYG0 rests at its end, a limit of one coordinate holds, a look-ahead is set up on an empty FIFO.
+/// LnXYG0 stops at its end, a limit of one coordinate holds, a look-ahead is set up on an empty
+/// FIFO.
 #[test]
 fn rests_limits_and_set_up() {
     let mut bench = Bench::gus();
@@ -295,19 +301,19 @@ fn rests_limits_and_set_up() {
         acc_max: 0.0.into(),
     };
     bench.done(limit(2, 30.0));
-    let told = bench.done(GetCrdLimit { core: 1.into(), crd: 1.into(), coordinate: 2.into() });
-    assert_eq!(({ told.vel_max }.get(), { told.acc_max }.get()), (30.0, 0.0));
+    let reported = bench.done(GetCrdLimit { core: 1.into(), crd: 1.into(), coordinate: 2.into() });
+    assert_eq!(({ reported.vel_max }.get(), { reported.acc_max }.get()), (30.0, 0.0));
     // 3 in X to 4 in Y: Y has 0.8 of the path's speed.
     bench.done(line(6000, 8000, 100.0, 4.0));
     assert_eq!(bench.refused(ahead(CORNER, ACC, 100)).1, Reason::CrdHolds);
     bench.done(start_crd(1));
-    let most = until_rest(&mut bench);
+    let most = until_standstill(&mut bench);
     assert!((most - 37.5).abs() < 1e-6, "{most}");
-    // The whole of it has run: now it may be set up anew, or switched off.
+    // All of it has run: now it may be set up again, or switched off.
     bench.done(ahead(CORNER, ACC, 0));
     bench.done(line(6000, 0, 100.0, 4.0));
     bench.done(start_crd(1));
-    let most = until_rest(&mut bench);
+    let most = until_standstill(&mut bench);
     assert!((most - 100.0).abs() < 1e-6, "without look-ahead a limit has no effect: {most}");
     bench.done(ahead(CORNER, ACC, 10));
     let g0 = LnXYG0 {
@@ -327,6 +333,7 @@ fn rests_limits_and_set_up() {
     bench.done(start_crd(1));
     let begun = bench.now().0;
     let took = finish(&mut bench, begun);
-    // 1000 pulses from rest to rest: 2·√(1000/4) = 31.62 ms; then 2000: 44.72 ms, no stop between them.
+    // 1000 pulses from standstill to standstill: 2·√(1000/4) = 31.62 ms; then 2000: 44.72 ms, no
+    // stop between them.
     assert!((took - 76.34).abs() < 0.6, "{took}");
 }

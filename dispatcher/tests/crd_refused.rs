@@ -1,4 +1,5 @@
-//! Every bad input of coordinate systems: code, reason, the parameter and its limit, and that nothing has changed.
+//! Every bad input of coordinate systems: code, reason, the parameter and its limit, and that
+//! nothing has changed.
 mod bench;
 
 use bench::crd::*;
@@ -26,8 +27,8 @@ fn check(bench: &mut Bench<8>, table: &[Bad]) {
         let tag = bench.post_raw(*opcode, Lane::Immediate, body);
         let answer = bench.wait(tag);
         assert_ne!(answer.code, 0, "not refused: {text}");
-        let told = describe_opcode(*opcode, answer.refusal()).to_string();
-        assert_eq!((answer.code, told.as_str()), (*code, *text));
+        let reported = describe_opcode(*opcode, answer.refusal()).to_string();
+        assert_eq!((answer.code, reported.as_str()), (*code, *text));
         assert_eq!(state(bench), before, "changed something: {text}");
     }
 }
@@ -295,7 +296,8 @@ fn motions_and_starts() {
             ),
         ],
     );
-    // Speed 0 and below, and a centre that does not match: the limits are numbers without a short form.
+    // Speed 0 and below, and a centre that does not match: the limits are numbers without a short
+    // form.
     for (request, field) in [
         (LnXY { syn_vel: 0.0.into(), ..l }, 4),
         (LnXY { syn_vel: (-5.0).into(), ..l }, 4),
@@ -335,7 +337,7 @@ fn motions_and_starts() {
     assert_eq!({ second.run }.get(), 0);
 }
 
-/// What goes along with a motion.
+/// Gears of a motion.
 #[test]
 fn gears() {
     let mut bench = Bench::gus();

@@ -1,4 +1,5 @@
-//! Data of a stream that a fault ends before the data's instant: it is refused there, and nobody takes it for done.
+//! Data of a stream that a fault ends before the data's instant: it is refused there, and no answer
+//! says that it was taken.
 mod bench;
 use bench::{Bench, MS, body, entry, position, pt_data, read_pos, sleep, start, wait_stop};
 use protocol::command::*;
@@ -27,7 +28,7 @@ fn output(value: i16) -> Entry {
     entry(SetDoBit { core: CORE.into(), do_type: 12.into(), index: 1.into(), value: value.into() })
 }
 
-/// The next piece of a stream, which goes on as fast and ends it.
+/// The next segment of a stream, which continues at the same speed and ends it.
 fn more(axis: i16, lane: Lane) -> Entry {
     let data = PtData { kind: 1.into(), ..pt_data(axis, 200.0, 200) };
     (PtData::OPCODE, lane, body(data, &[]))
@@ -45,7 +46,8 @@ fn run(entries: &[Entry]) -> (Bench<8>, Vec<u16>) {
 
 #[test]
 fn data_of_a_stream_that_a_fault_ended_is_refused_at_its_instant() {
-    // With a call after it, its commit lies in the ring long before; without, it gathers until shortly before.
+    // With a call after it, its commit is in the ring long before; without, it gathers until
+    // shortly before.
     for gathers in [false, true] {
         let mut entries = two_streams();
         entries.extend([entry(sleep(40)), output(0), entry(sleep(10))]);

@@ -1,12 +1,12 @@
-//! What is followed, over the wire: each `masterItem` of an axis, of the own core and of the other one; the crossing of an
-//! encoder between its samples; cycles across cores.
+//! Masters, over the wire: each `masterItem` of an axis, of the own core and of the other one; the
+//! crossing of an encoder between its samples; cycles across cores.
 mod bench;
 use bench::follow::{data_ex, prf_ex};
 use bench::{Bench, pt_item};
 use protocol::command::*;
 use protocol::reason::{Reason, describe_opcode};
 
-/// What a planned position may be off between knots: 2⁻¹⁶ pulse.
+/// Tolerance of a planned position between knots: 2⁻¹⁶ pulse.
 const EXACT: f64 = 1.0 / 65536.0;
 const PLANNED: f64 = 100.4;
 /// The bench's encoder is the whole pulse.
@@ -27,7 +27,8 @@ fn set_master(core: i16, axis: i16, [index, kind, item]: [i16; 3]) -> SetFollowM
     }
 }
 
-/// Axes 2 to 6 of core 1 follow axis 1 of a core one to one, with items 0 to 3 and another; it goes 100.4 pulses.
+/// Axes 2 to 6 of core 1 follow axis 1 of a core one to one, with items 0 to 3 and another; it
+/// moves 100.4 pulses.
 fn items(of: i16, kind: i16) {
     let mut bench = Bench::<16>::new(1, 250); // gtn-016: two cores of eight axes
     let (core, profile) = (of.into(), 1.into());
@@ -43,7 +44,7 @@ fn items(of: i16, kind: i16) {
     bench.done(bench::follow::start(0x3e, 0));
     bench.done(PtStart { core, mask: 1.into(), option: 0.into() });
     bench.run_ms(15);
-    // On the way, seen in one tick: behind filters later than without.
+    // During motion, sampled in one tick: the filtered positions lag.
     let at = position(&mut bench, 1, 2, 5);
     let [planned, encoder, planned_filtered, encoder_filtered, other] = at[..] else { panic!("{at:?}") };
     assert_eq!((encoder.fract(), other), (0.0, encoder), "{at:?}");
@@ -90,7 +91,8 @@ fn an_encoder_crosses_between_its_samples() {
     assert_eq!(bench.pos(2), 0.0, "it waits");
     bench.run_ms(150);
     assert_eq!(bench.pos(1), 800.0);
-    // From 101 to 151, each halfway between two samples; one cycle later, halfway again, the encoder is at 153.
+    // From 101 to 151, each halfway between two samples; one cycle later, halfway again, the
+    // encoder is at 153.
     assert!((bench.pos(2) - (50.0 + (800.0 - 153.0))).abs() < EXACT, "{}", bench.pos(2));
 }
 
@@ -100,7 +102,7 @@ fn a_cycle_across_cores() {
     for (core, axis) in [(1, 1), (2, 2), (1, 3)] {
         bench.done(PrfFollow { core: i16::into(core), profile: i16::into(axis), dir: 0.into() });
     }
-    // Axis 1 of core 1 behind axis 2 of core 2 behind the encoder of axis 3 of core 1.
+    // Axis 1 of core 1 follows axis 2 of core 2, which follows the encoder of axis 3 of core 1.
     bench.done(set_master(1, 1, [2, 103, 2]));
     bench.done(set_master(2, 2, [3, 101, 0]));
     for (kind, item) in [(1, 0), (2, 0), (3, 0), (3, 3)] {

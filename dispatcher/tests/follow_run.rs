@@ -1,8 +1,8 @@
-//! Follow that runs, over the wire: what is refused while it does, FIFOs that the tick empties, and programs that are
-//! admitted ahead of their time.
+//! Running Follow, over the wire: refusals during motion, FIFOs that the tick empties, and programs
+//! that are admitted ahead of their time.
 mod bench;
 use bench::follow::{
-    clear, data, event, jog, jogger, loops, master, memory, pair, prf, space_of, spaces, start, switch, told,
+    clear, data, event, jog, jogger, loops, master, memory, pair, prf, reported, space_of, spaces, start, switch,
 };
 use bench::{Bench, entry, position, read_pos, sleep, wait_stop};
 use protocol::command::*;
@@ -12,7 +12,7 @@ use protocol::record::Lane;
 const CORE: i16 = 1;
 const RUNNING: i32 = 0x400;
 
-/// Axis 2 follows the jogging axis 1, one pulse for two, for ever: a pass lasts 100 ms.
+/// Axis 2 follows the jogging axis 1, one pulse for two, endless: a pass lasts 100 ms.
 fn running() -> Bench<8> {
     let mut bench = pair();
     bench.done(data(2, 1000, 500.0, 1, 0));
@@ -41,22 +41,23 @@ fn what_is_refused_while_it_runs() {
     assert_eq!(bench.refused(memory(2, 1)).1, Reason::Moving);
     assert_eq!(bench.refused(start(2, 0)).1, Reason::Moving);
     assert_eq!(bench.refused(start(6, 0)).1, Reason::Moving, "all of the mask or none");
-    assert_eq!(told(bench.refused(clear(2, 0))), (1, Reason::FifoInUse, 2, 0.0));
+    assert_eq!(reported(bench.refused(clear(2, 0))), (1, Reason::FifoInUse, 2, 0.0));
     let (code, reason, _) = bench.refused(switch(2));
     assert_eq!((code, reason), (1, Reason::FifoEmpty), "a switch to an empty FIFO");
-    // The other FIFO is free, settings count from the next start or at once.
+    // The other FIFO is free; settings take effect from the next start or at once.
     bench.done(data(2, 100, 50.0, 1, 1));
     bench.done(clear(2, 1));
     bench.done(event(2, 2, -1, 12));
     assert_eq!(bench.refused(switch(2)).1, Reason::FifoEmpty, "and one that was emptied");
     assert_eq!(spaces(&mut bench, 2), [15, 16]);
     assert_eq!(status(&mut bench), (0, 0));
-    // Data goes on behind what runs: the pass is as long as both now.
+    // New data is appended to the running FIFO: the pass is as long as both now.
     bench.done(data(2, 3000, 500.0, 1, 0));
     bench.done(loops(2, 2));
     bench.run_ms(700);
     assert_eq!((bench.pos(2), bench.status_word(2) & RUNNING, passes(&mut bench)), (1000.0, 0, 2));
-    // At rest again; the event that was set meanwhile counts now, and waiting for it is running.
+    // At standstill again; the event that was set meanwhile has effect now, and waiting for it
+    // counts as running.
     bench.done(start(2, 0));
     bench.run_ms(20);
     assert_eq!((bench.pos(2), bench.status_word(2) & RUNNING), (1000.0, RUNNING));
@@ -73,8 +74,8 @@ fn a_fifo_that_was_left_is_found_empty_by_polling() {
     bench.done(data(2, 500, 1000.0, 1, 1));
     bench.done(switch(2));
     assert_eq!(status(&mut bench), (0, 1));
-    assert_eq!(told(bench.refused(clear(2, 1))), (1, Reason::SwitchPending, 2, 1.0), "it is what comes next");
-    assert_eq!(told(bench.refused(clear(2, 0))), (1, Reason::FifoInUse, 2, 0.0), "it is what runs");
+    assert_eq!(reported(bench.refused(clear(2, 1))), (1, Reason::SwitchPending, 2, 1.0), "it is what comes next");
+    assert_eq!(reported(bench.refused(clear(2, 0))), (1, Reason::FifoInUse, 2, 0.0), "it is what runs");
     let mut polls = 0;
     while bench.done(space_of(2, 0)).value.get() != 16 {
         polls += 1;
@@ -110,7 +111,7 @@ fn all_axes_of_a_mask_or_none() {
     bench.done(data(3, 1000, 500.0, 1, 1));
     bench.done(switch(6));
     assert_eq!(status(&mut bench), (0, 1));
-    // A start of two that cannot both start starts none.
+    // If one of two cannot start, neither does.
     bench.done(Stop { core: CORE.into(), mask: 6.into(), option: 6.into(), form: 0 });
     bench.run_ms(1);
     bench.done(AxisOff { core: CORE.into(), axis: 3.into() });
@@ -150,7 +151,7 @@ fn a_program_fills_the_fifo_that_a_switch_empties_while_it_runs() {
             entry(wait_stop(2)),
             entry(read_pos(2)),
             entry(sleep(1)),
-            // At rest: emptied, filled and started anew, ahead of its time.
+            // At standstill: emptied, filled and started again, ahead of its time.
             entry(clear(2, 0)),
             entry(data(2, 100, 50.0, 1, 0)),
             entry(start(2, 0)),

@@ -1,5 +1,5 @@
-//! Every laser command in both families: what is right and what the reply tells, what is refused with which
-//! words, what is held. A command that fails leaves everything as it was.
+//! Every laser command in both families: what is right and what the reply tells, what is refused
+//! with which words, what is held. A command that fails leaves everything as it was.
 mod bench;
 use bench::{Bench, body};
 use protocol::command::*;
@@ -81,8 +81,8 @@ fn resolution(mode: i16) -> SetLaserMode {
     SetLaserMode { core: 1.into(), mode: mode.into() }
 }
 
-/// The request as it travels, for channel `channel`; every laser request but SetWaitPulseEx, SetLaserMode and
-/// SetAxisMode has one.
+/// The request as it is sent, for channel `channel`; every laser request but SetWaitPulseEx,
+/// SetLaserMode and SetAxisMode has one.
 fn for_channel<R: Request>(request: R, channel: i16) -> Vec<u8> {
     let mut bytes = body::<R>(request, &[]);
     let mut at = 0;
@@ -102,7 +102,8 @@ fn for_channel<R: Request>(request: R, channel: i16) -> Vec<u8> {
     panic!("{} has no channel", R::NAME);
 }
 
-/// All that can be seen of the lasers, and the number of the last entry: a refused command pushes none.
+/// All visible state of the lasers, and the number of the last entry: a refused command pushes
+/// none.
 fn state(bench: &mut Bench<8>) -> String {
     let mut text = String::new();
     for channel in 0..2 {
@@ -281,10 +282,10 @@ fn gus_refuses_what_is_out_of_range() {
     refused(b, fpk(65_536, 2, 3), 7, "EnaFPK: time1_us is 65536; it must be from 1 to 65535");
     refused(b, fpk(1, 65_536, 3), 7, "EnaFPK: time2_us is 65536; it must be from 0 to 65535");
     refused(b, fpk(1, 2, 65_536), 7, "EnaFPK: laser_off_delay_us is 65536; it must be from 0 to 65535");
-    // The manual of this family has no fifth parameter: whatever it is, it means nothing.
+    // The manual of this family has no fifth parameter: any value is ignored.
     let ignored = LaserPowerMode { delay_mode: 77.into(), ..mode(0, 100.0, 10.0) };
     assert_eq!(b.done(ignored).held, 0);
-    // Nor has it resolutions.
+    // It has no resolutions either.
     b.done(resolution(0));
     assert_eq!(b.done(carrier(2000.0)).held, 0);
 }
@@ -293,7 +294,8 @@ fn gus_refuses_what_is_out_of_range() {
 fn lsr_takes_the_nearest_bound_and_tells_it() {
     let mut bench = bench(LSR);
     let b = &mut bench;
-    // The resolution of power-on is 1: 0 to 24 kHz in steps of 1.5 Hz; 0 has 96 kHz in steps of 6 Hz.
+    // The resolution of power-on is 1: 0 to 24 kHz in steps of 1.5 Hz; 0 has 96 kHz in steps of 6
+    // Hz.
     for (fine, khz) in [(None, 24.0), (Some(0), 96.0), (Some(1), 24.0)] {
         if let Some(fine) = fine {
             b.done(resolution(fine));
@@ -306,13 +308,14 @@ fn lsr_takes_the_nearest_bound_and_tells_it() {
             assert_eq!(taken(b, high + 1.0, 0.5), (high, 0.5, 0b01));
             assert_eq!(taken(b, high, -1.0), (high, 0.0, 0b10));
             assert_eq!(taken(b, 2001.0, -1e300), (high, 0.0, 0b11));
-            // A minimum outside its range is the range's, on whatever side it lies (LSR, command 11).
+            // A minimum outside its range, on either side, becomes the range's minimum (LSR,
+            // command 11).
             assert_eq!(taken(b, 5e4, 4e4), (high, 0.0, 0b11));
             assert_eq!(taken(b, high / 2.0, high + 1.0), (high / 2.0, 0.0, 0b10));
             // A negative maximum is refused.
             for (max, min) in [(-1.0, -2.0), (-0.5, 0.0), (-1e300, 4e4)] {
-                let told = if max == -1e300 { "-1e300".to_owned() } else { max.to_string() };
-                let text = format!("LaserPowerMode: max is {told}; it must be from 0 to {high}");
+                let reported = if max == -1e300 { "-1e300".to_owned() } else { max.to_string() };
+                let text = format!("LaserPowerMode: max is {reported}; it must be from 0 to {high}");
                 refused(b, mode(number, max, min), 7, &text);
             }
             assert_eq!(taken(b, high, 0.0), (high, 0.0, 0));
@@ -321,15 +324,16 @@ fn lsr_takes_the_nearest_bound_and_tells_it() {
             {
                 let taken = b.done(power(given));
                 assert_eq!(taken.held & 0x7f, held, "mode {number}: {given}");
-                // What is told is what the timer reaches: duty 0.001 %, rate 1 ppm (SPEC 11); volts as asked.
+                // The reply reports what the timer reaches: duty 0.001 %, rate 1 ppm (SPEC 11);
+                // volts as asked.
                 let within = [1e-3, 1e-6 * value, 0.0, 1e-3][number as usize];
-                let told = taken.value.get();
-                assert!((told - value).abs() <= within, "mode {number}: {given} is told as {told}");
+                let reported = taken.value.get();
+                assert!((reported - value).abs() <= within, "mode {number}: {given} is reported as {reported}");
             }
         }
         for (given, value, held) in [(2001.0, khz, 1), (khz, khz, 0), (0.001, 0.001, 0), (0.0015, 0.0015, 0)] {
             let taken = b.done(carrier(given));
-            // What is told is what the timer reaches: 1 ppm (SPEC 11).
+            // The reply reports what the timer reaches: 1 ppm (SPEC 11).
             let error = taken.value.get() / value - 1.0;
             assert!(error.abs() < 1e-6, "{given}: {}", taken.value.get());
             assert_eq!(taken.held, held, "{given}");
@@ -358,8 +362,8 @@ fn lsr_takes_the_nearest_bound_and_tells_it() {
     let taken = b.done(delays(0, 20));
     assert_eq!((taken.off_delay_us.get(), taken.on_delay_us.get(), taken.held), (0, 20, 0));
     let taken = b.done(fpk(0, 65_536, u32::MAX));
-    let told = (taken.time1_us.get(), taken.time2_us.get(), taken.laser_off_delay_us.get(), taken.held);
-    assert_eq!(told, (1, 65_535, 65_535, 0b111));
+    let reported = (taken.time1_us.get(), taken.time2_us.get(), taken.laser_off_delay_us.get(), taken.held);
+    assert_eq!(reported, (1, 65_535, 65_535, 0b111));
     let wrong = LaserPowerMode { delay_mode: 2.into(), ..mode(0, 100.0, 10.0) };
     refused(b, wrong, 7, "LaserPowerMode: delay_mode is 2; allowed are 0 to 1");
 }
@@ -370,15 +374,15 @@ fn frequencies_below_1_hz_are_refused_in_both_families() {
     for (family, high) in [(GUS, 2000), (LSR, 24)] {
         let mut bench = bench(family);
         let b = &mut bench;
-        for (given, told) in [(0.0, "0"), (-5.0, "-5"), (1e-14, "1e-14"), (0.000_999_999, "0.000999999")] {
-            let text = format!("frequency is {told}; it must be from 0.001 to {high}");
+        for (given, reported) in [(0.0, "0"), (-5.0, "-5"), (1e-14, "1e-14"), (0.000_999_999, "0.000999999")] {
+            let text = format!("frequency is {reported}; it must be from 0.001 to {high}");
             refused(b, carrier(given), 7, &format!("LaserOutFrq: {text}"));
             refused(b, standby(1, given, 2.0), 7, &format!("SetWaitPulse: {text}"));
             refused(b, standby_all(1, given, 2.0), 7, &format!("SetWaitPulseEx: {text}"));
         }
         b.done(mode(1, 20.0, 0.0));
-        for (given, told) in [(1e-14, "1e-14"), (0.000_999_999, "0.000999999")] {
-            let text = format!("power is {told} kHz; it must be 0, or from 0.001 to {high}");
+        for (given, reported) in [(1e-14, "1e-14"), (0.000_999_999, "0.000999999")] {
+            let text = format!("power is {reported} kHz; it must be 0, or from 0.001 to {high}");
             refused(b, power(given), 7, &format!("LaserPrfCmd: {text}"));
         }
         for right in [0.0, 0.001, 0.0015] {
@@ -392,7 +396,8 @@ fn frequencies_below_1_hz_are_refused_in_both_families() {
     }
 }
 
-/// SetWaitPulseEx of the LSR family: pulses where both channels are PWM, and none while one of them is analog.
+/// SetWaitPulseEx of the LSR family: pulses where both channels are PWM, and none while one of them
+/// is analog.
 #[test]
 fn standby_of_both_channels_wants_both_to_be_pwm() {
     fn output(bench: &mut Bench<8>) -> [bool; 2] {
@@ -405,8 +410,8 @@ fn standby_of_both_channels_wants_both_to_be_pwm() {
     let mut lsr = bench(LSR);
     let b = &mut lsr;
     b.done(second(2, 10.0));
-    let told = b.done(standby_all(1, 5.0, 50.0));
-    assert_eq!((told.frequency.get(), told.duty.get(), told.held), (5.0, 50.0, 0));
+    let reported = b.done(standby_all(1, 5.0, 50.0));
+    assert_eq!((reported.frequency.get(), reported.duty.get(), reported.held), (5.0, 50.0, 0));
     assert_eq!(output(b), [false, false], "channel 1 is analog");
     b.done(second(1, 24.0));
     assert_eq!(output(b), [true, true]);
@@ -424,7 +429,7 @@ fn standby_of_both_channels_wants_both_to_be_pwm() {
     b.done(second(2, 10.0));
     b.done(second(0, 100.0));
     assert_eq!(output(b), [false, false], "it is off");
-    // The one of a channel does not look at the other.
+    // The command for one channel ignores the other.
     b.done(second(2, 10.0));
     b.done(standby(1, 5.0, 50.0));
     assert_eq!(output(b), [true, false]);
@@ -464,7 +469,7 @@ fn a_width_that_reaches_the_period_is_told() {
         assert_eq!(b.done(width(49)).held, 0);
         let taken = b.done(width(1000));
         assert_eq!((taken.value.get(), taken.held), (1000.0, LIMITED));
-        // The bounds hold the rate.
+        // The bounds limit the rate.
         assert_eq!(b.done(mode(1, 0.5, 0.0)).held, 0);
         assert_eq!(b.done(mode(1, 1.0, 0.0)).held, LIMITED);
         assert_eq!(b.done(mode(0, 100.0, 0.0)).held, 0);

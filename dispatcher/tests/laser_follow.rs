@@ -1,5 +1,6 @@
-//! Buffered laser commands, follow tables and distance follow in both families: what is refused with which words,
-//! what is held and told; tables that are in use. A command that fails leaves everything as it was.
+//! Buffered laser commands, follow tables and distance follow in both families: refusals with their
+//! texts, limited values and replies, tables that are in use. A command that fails leaves
+//! everything as it was.
 mod bench;
 use bench::{Bench, body};
 use protocol::command::*;
@@ -9,7 +10,8 @@ use protocol::record::Lane;
 const GUS: u8 = 0;
 const LSR: u8 = 1;
 
-/// A controller with coordinate system 1 (X and Y by axes 1 and 2) at rest, both lasers on their connectors.
+/// A controller with coordinate system 1 (X and Y by axes 1 and 2) at standstill, both lasers on
+/// their connectors.
 fn bench(family: u8) -> Bench<8> {
     let mut bench = Bench::gus();
     bench.done(Choose { profile: 0, family });
@@ -190,7 +192,8 @@ fn in_plane(given: &[f64]) -> Vec<LaserDisValue> {
     given.iter().map(|value| LaserDisValue { value: (*value).into() }).collect()
 }
 
-/// All that can be seen of lasers and coordinate systems, and the number of the last entry: a refused command pushes none.
+/// All visible state of lasers and coordinate systems, and the number of the last entry: a refused
+/// command pushes none.
 fn state(bench: &mut Bench<8>) -> String {
     let mut spaces = Vec::new();
     for crd in [1, 2] {
@@ -276,8 +279,8 @@ fn gus_refuses_powers_out_of_range() {
     // Both ends belong to the range, though the manual prints round brackets.
     assert_eq!(b.done(buf_power(0.0)).value.get(), 0.0);
     assert_eq!(b.done(buf_power(100.0)).value.get(), 100.0);
-    let told = b.done(prf_follow(0.1, 0, 100));
-    assert_eq!((told.min.get(), told.max.get(), told.held), (0.0, 100.0, 0));
+    let reported = b.done(prf_follow(0.1, 0, 100));
+    assert_eq!((reported.min.get(), reported.max.get(), reported.held), (0.0, 100.0, 0));
     // Ranges are those of the mode: kHz here.
     b.done(LaserPowerMode { mode: 1.into(), max: 2000.0.into(), ..duty() });
     assert_eq!(b.done(buf_power(2000.0)).value.get(), 2000.0);
@@ -306,32 +309,32 @@ fn duty() -> LaserPowerMode {
 fn lsr_takes_the_nearest_bound_and_tells_it() {
     let mut bench = bench(LSR);
     let b = &mut bench;
-    let told = b.done(buf_power(120.0));
-    assert_eq!((told.value.get(), told.held), (100.0, 1));
-    let told = b.done(buf_power(-3.0));
-    assert_eq!((told.value.get(), told.held), (0.0, 1));
-    let told = b.done(buf_power(50.0));
-    assert_eq!((told.value.get(), told.held), (50.0, 0));
+    let reported = b.done(buf_power(120.0));
+    assert_eq!((reported.value.get(), reported.held), (100.0, 1));
+    let reported = b.done(buf_power(-3.0));
+    assert_eq!((reported.value.get(), reported.held), (0.0, 1));
+    let reported = b.done(buf_power(50.0));
+    assert_eq!((reported.value.get(), reported.held), (50.0, 0));
     // Bit 0 is the maximum, bit 1 the minimum.
-    let told = b.done(prf_follow(0.1, -5, 150));
-    assert_eq!((told.max.get(), told.min.get(), told.held), (100.0, 0.0, 3));
-    let told = b.done(ratio_follow(0.1, 20.0, 150.0));
-    assert_eq!((told.max.get(), told.min.get(), told.held), (100.0, 20.0, 1));
-    // What both bounds become may be equal; as they are given the maximum is above.
-    let told = b.done(ratio_follow(0.1, 110.0, 150.0));
-    assert_eq!((told.max.get(), told.min.get(), told.held), (100.0, 100.0, 3));
-    let told = b.done(follow_mode(1, Some(101.0)));
-    assert_eq!((told.value.get(), told.held), (100.0, 1));
-    let told = b.done(follow_mode(1, None));
-    assert_eq!((told.value.get(), told.held), (0.0, 0));
-    let told = b.call_items(table(1, 3, 0, 0), &points(&[(0.0, -1.0), (10.0, 50.0), (20.0, 101.0)]));
-    assert_eq!(told.reply::<SetLaserFollowTable>().held.get(), 2);
+    let reported = b.done(prf_follow(0.1, -5, 150));
+    assert_eq!((reported.max.get(), reported.min.get(), reported.held), (100.0, 0.0, 3));
+    let reported = b.done(ratio_follow(0.1, 20.0, 150.0));
+    assert_eq!((reported.max.get(), reported.min.get(), reported.held), (100.0, 20.0, 1));
+    // After limitation both bounds may be equal; as given, the maximum is above.
+    let reported = b.done(ratio_follow(0.1, 110.0, 150.0));
+    assert_eq!((reported.max.get(), reported.min.get(), reported.held), (100.0, 100.0, 3));
+    let reported = b.done(follow_mode(1, Some(101.0)));
+    assert_eq!((reported.value.get(), reported.held), (100.0, 1));
+    let reported = b.done(follow_mode(1, None));
+    assert_eq!((reported.value.get(), reported.held), (0.0, 0));
+    let reported = b.call_items(table(1, 3, 0, 0), &points(&[(0.0, -1.0), (10.0, 50.0), (20.0, 101.0)]));
+    assert_eq!(reported.reply::<SetLaserFollowTable>().held.get(), 2);
     // Scales from 1 to 65536.
-    let told = b.done(distance(1, 0, [0.0, 1000.0, 70_000.0, -4.0]));
-    assert_eq!(({ told.scale }.map(f64::from), told.held), ([1.0, 1000.0, 65_536.0, 1.0], 0b1101));
+    let reported = b.done(distance(1, 0, [0.0, 1000.0, 70_000.0, -4.0]));
+    assert_eq!(({ reported.scale }.map(f64::from), reported.held), ([1.0, 1000.0, 65_536.0, 1.0], 0b1101));
 }
 
-/// GetDac reads what is output: of a call, of a path, of a laser.
+/// GetDac reads the output: of a call, of a path, of a laser.
 #[test]
 fn a_read_of_analog_outputs_tells_what_is_output() {
     fn outputs(bench: &mut Bench<8>) -> Vec<i16> {
@@ -362,7 +365,8 @@ fn a_read_of_analog_outputs_tells_what_is_output() {
     assert_eq!(outputs(b), [0, 44, -12_000, 0]);
 }
 
-/// What entries of a path make of the pulse width: told for the power, and for the most that a follow may come to.
+/// Entries of a path against the pulse width: reported for the power, and for the highest power of
+/// a follow.
 #[test]
 fn a_width_that_reaches_the_period_is_told_of_entries_too() {
     const LIMITED: u8 = 0x80;
@@ -379,7 +383,7 @@ fn a_width_that_reaches_the_period_is_told_of_entries_too() {
         assert_eq!(b.done(prf_follow(0.1, 0, 20)).held, LIMITED);
         assert_eq!(b.done(ratio_follow(0.1, 0.0, 19.9)).held, 0);
         assert_eq!(b.done(ratio_follow(0.1, 0.0, 20.5)).held, LIMITED);
-        // The bounds of the mode hold the rate.
+        // The bounds of the mode limit the rate.
         b.done(LaserPowerMode { mode: 1.into(), max: 19.0.into(), ..duty() });
         assert_eq!(b.done(buf_power(20.0)).held, 0);
         assert_eq!(b.done(ratio_follow(0.1, 0.0, 20.5)).held, 0);
@@ -450,10 +454,10 @@ fn follow_tables_are_checked_point_by_point() {
             let text = "SetLaserFollowTable: power is 101; it must be from 0 to 100 (item 2)";
             refused(b, table(1, 2, 0, 0), &points(&[(0.0, 1.0), (1.0, 101.0)]), 7, text);
         }
-        // Nothing of them is there.
+        // They are not stored.
         let text = "BufLaserFollowTable: follow table 1 of laser channel 0 is empty; call SetLaserFollowTable first";
         refused(b, table_follow(1, 0.0, 1.0), &[], 1, text);
-        // Chunks in order; what does not fit to what came before is refused.
+        // Chunks in order; one that does not continue the one before is refused.
         let text = "SetLaserFollowTable: first is 1; it must be from 0 to 0";
         refused(b, table(1, 2, 0, 1), &two[1..], 7, text);
         b.call_items(table(1, 2, 0, 0), &two[..1]).reply::<SetLaserFollowTable>();
@@ -473,7 +477,7 @@ fn a_follow_table_in_use_is_not_replaced() {
     for number in [1, 2] {
         b.call_items(table(number, 2, 0, 0), &points).reply::<SetLaserFollowTable>();
     }
-    // Nobody names it: it may be replaced.
+    // No entry names it: it may be replaced.
     b.call_items(table(1, 2, 0, 0), &points).reply::<SetLaserFollowTable>();
     b.done(table_follow(1, 0.0, 50.0));
     b.done(line(1000, 0, 10.0));
@@ -489,14 +493,14 @@ fn a_follow_table_in_use_is_not_replaced() {
     b.done(Stop { core: 1.into(), mask: (1 << 10).into(), option: 0.into(), form: 1 });
     b.run_ms(1);
     b.call_items(table(1, 2, 0, 0), &points).reply::<SetLaserFollowTable>();
-    // What is cleared names nothing.
+    // A cleared FIFO names nothing.
     b.done(table_follow(1, 0.0, 50.0));
     refused(b, table(1, 2, 0, 0), &points, 1, text);
     b.done(CrdClear { core: 1.into(), crd: 1.into(), fifo: 0.into() });
     b.call_items(table(1, 2, 0, 0), &points).reply::<SetLaserFollowTable>();
 }
 
-/// As `refused`, while things move.
+/// As `refused`, during motion.
 #[track_caller]
 fn refused_running<R: Request>(bench: &mut Bench<8>, request: R, items: &[R::Item], text: &str) {
     let answer = bench.call_items(request, items);
@@ -527,7 +531,7 @@ fn distance_follow_is_checked() {
             let text = "SetLaserDisMode: scale is -5; it must be from 0.000003814697265625 to 4294967296 (item 4)";
             refused(b, distance(1, 0, [1.0, 1.0, 1.0, -5.0]), &[], 7, text);
         }
-        // Ratios want a follow that is on.
+        // Ratios need a follow that is on.
         let off = "laser channel 0: distance follow is off; call SetLaserDisMode(1, ...) first";
         refused(b, ratios([0.1; 4], None), &[], 1, &format!("SetLaserDisRatio: {off}"));
         refused(b, lines(1, None, 0), &on_lines(&[(0.1, 0); 4]), 1, &format!("SetLaserDisTable1D: {off}"));
@@ -544,18 +548,18 @@ fn distance_follow_is_checked() {
             let text = "SetLaserDisRatio: max is 101; it must be from 0 to 100";
             refused(b, ratios([0.1; 4], Some((0.0, 101.0))), &[], 7, text);
             // Equal ones are bounds too. Those that are not given stay.
-            let told = b.done(ratios([0.0, -1.0, 131_072.0, 0.1], Some((10.0, 10.0))));
-            assert_eq!((told.max.get(), told.min.get(), told.held), (10.0, 10.0, 0));
-            let told = b.done(ratios([0.1; 4], None));
-            assert_eq!((told.max.get(), told.min.get()), (10.0, 10.0));
-            // On anew: without bounds of its own, those of the mode.
+            let reported = b.done(ratios([0.0, -1.0, 131_072.0, 0.1], Some((10.0, 10.0))));
+            assert_eq!((reported.max.get(), reported.min.get(), reported.held), (10.0, 10.0, 0));
+            let reported = b.done(ratios([0.1; 4], None));
+            assert_eq!((reported.max.get(), reported.min.get()), (10.0, 10.0));
+            // On again: without bounds of its own, those of the mode hold.
             b.done(distance(1, 0, scale));
-            let told = b.done(ratios([0.1; 4], None));
-            assert_eq!((told.max.get(), told.min.get()), (100.0, 0.0));
+            let reported = b.done(ratios([0.1; 4], None));
+            assert_eq!((reported.max.get(), reported.min.get()), (100.0, 0.0));
         } else {
-            // LSR does not look at them.
-            let told = b.done(ratios([0.1; 4], bounds));
-            assert_eq!((told.max.get(), told.min.get(), told.held), (100.0, 0.0, 0));
+            // LSR ignores them.
+            let reported = b.done(ratios([0.1; 4], bounds));
+            assert_eq!((reported.max.get(), reported.min.get(), reported.held), (100.0, 0.0, 0));
         }
         b.done(distance(0, 0, [f64::NAN; 4]));
         refused(b, ratios([0.1; 4], None), &[], 1, &format!("SetLaserDisRatio: {off}"));
@@ -593,7 +597,7 @@ fn tables_of_ratios_are_checked_point_by_point() {
             refused(b, lines(2, Some([101.0, 1.0, 1.0, 1.0]), 0), &on_lines(&eight), 7, &text);
         }
         b.call_items(lines(2, None, 0), &on_lines(&eight)).reply::<SetLaserDisTable1D>();
-        // Some at a time; then another order.
+        // A few at a time; then another order.
         b.call_items(lines(2, None, 0), &on_lines(&eight[..3])).reply::<SetLaserDisTable1D>();
         let text = is("first is 4; it must be from 0 to 3");
         refused(b, lines(2, None, 4), &on_lines(&eight[4..]), 7, &text);
@@ -627,7 +631,8 @@ fn tables_of_ratios_are_checked_point_by_point() {
 
 #[test]
 fn ratios_change_while_they_are_in_force() {
-    // Two banks: the third change at one instant has to wait for the first, which its instant brings.
+    // Two banks: the third change of one instant has to wait for the first, which acts at that
+    // instant.
     let mut bench = bench(GUS);
     let b = &mut bench;
     b.done(distance(1, 0, [1000.0; 4]));

@@ -1,5 +1,5 @@
-//! Whose light it is, Abort, sessions, and what binds safety to a user, over the link (SPEC 6 and 9): what is refused with
-//! which words, and what falls back when.
+//! Light owner, Abort, sessions, link loss and interlock, over the link (SPEC 6 and 9): refusals
+//! with their texts, and defaults that come back.
 mod bench;
 use bench::crd::{clear, line, plane, start_crd};
 use bench::{Bench, MS, entry, sleep};
@@ -11,7 +11,8 @@ use servo::laser::Cause;
 const GUS: u8 = 0;
 const LSR: u8 = 1;
 
-/// LSR, X and Y on axes 1 and 2, coordinate system 2 on axes 3 and 4, duty mode with 40 % of 10 kHz, all dark and at rest.
+/// LSR, X and Y on axes 1 and 2, coordinate system 2 on axes 3 and 4, duty mode with 40 % of 10
+/// kHz, all dark and at standstill.
 fn bench() -> Bench<8> {
     let mut bench = Bench::gus();
     bench.done(Choose { profile: 0, family: LSR });
@@ -54,7 +55,7 @@ fn lit(bench: &mut Bench<8>) -> bool {
     bench.server.view().lasers[0].light
 }
 
-/// Coordinate system 1 is told to stop, abruptly.
+/// Stops coordinate system 1 abruptly.
 fn stop(bench: &mut Bench<8>) {
     bench.done(CrdStop { core: 1.into(), mask: 1.into(), option: 1.into() });
     bench.run_ms(1);
@@ -83,7 +84,7 @@ fn entries_for_a_channel_that_is_not_mapped_are_refused() {
     bench.done(map(0b10));
     let (core, crd, fifo, channel) = (1.into(), 1.into(), 0.into(), 0.into());
     let before = bench.done(CrdSpace { core, crd, fifo }).value.get();
-    let told = [
+    let reported = [
         text(&mut bench, buf_on()),
         text(&mut bench, BufLaserOff { core, crd, fifo, channel }),
         text(&mut bench, BufLaserPrfCmd { core, crd, power: 10.0.into(), fifo, channel }),
@@ -101,20 +102,21 @@ fn entries_for_a_channel_that_is_not_mapped_are_refused() {
         ),
         text(&mut bench, BufLaserFollowOff { core, crd, fifo, channel }),
     ];
-    for (code, told) in &told {
+    for (code, reported) in &reported {
         let why = "laser channel 0 is not mapped to coordinate system 1; call SetLaserCrdMap first";
-        assert_eq!((*code, told.split_once(": ").unwrap().1), (1, why), "{told}");
+        assert_eq!((*code, reported.split_once(": ").unwrap().1), (1, why), "{reported}");
     }
-    assert_eq!(told[0].1.split_once(':').unwrap().0, "BufLaserOn");
+    assert_eq!(reported[0].1.split_once(':').unwrap().0, "BufLaserOn");
     assert_eq!(bench.done(CrdSpace { core, crd, fifo }).value.get(), before);
-    // The other one may, and the other channel is mapped still.
+    // The other coordinate system may, and the other channel is still mapped.
     bench.done(BufLaserOn { crd: 2.into(), ..buf_on() });
     bench.done(BufLaserOn { channel: 1.into(), ..buf_on() });
     bench.done(map(0b11));
     bench.done(buf_on());
 }
 
-/// SPEC 6: one that is reached when the map no longer holds its coordinate system does nothing and is an event.
+/// SPEC 6: an entry that is reached when the map no longer holds its coordinate system does nothing
+/// and is an event.
 #[test]
 fn an_entry_that_is_reached_unmapped_does_nothing_and_is_told() {
     let mut bench = bench();
@@ -129,12 +131,12 @@ fn an_entry_that_is_reached_unmapped_does_nothing_and_is_told() {
     assert!(laser_ignored(1).contains("not mapped"));
 }
 
-/// SPEC 6: SetLaserCrdMap returns 1 while a crd of the old or the new map runs, or while light of this channel that one of
-/// them lit is on or would come back with CrdStart.
+/// SPEC 6: SetLaserCrdMap returns 1 while a crd of the old or the new map runs. It also returns 1
+/// while light of this channel that one of them lit is on or would come back with CrdStart.
 #[test]
 fn the_map_stays_while_its_coordinate_systems_run_or_have_light_to_come_back() {
     let mut bench = bench();
-    // In set-up nothing is in its way, nor does light of a call stand in it.
+    // In set-up nothing prevents it, and light of a call does not either.
     for given in [0b01, 0b10, 0b00, 0b11] {
         bench.done(map(given));
         assert_eq!(mapped(&mut bench), given);
@@ -156,7 +158,7 @@ fn the_map_stays_while_its_coordinate_systems_run_or_have_light_to_come_back() {
     bench.done(on());
     let other = |map: i16| SetLaserCrdMap { core: 1.into(), channel: 1.into(), map: map.into() };
     assert_eq!(bench.refused(other(0b10)).1, Reason::LaserMapInUse);
-    // At rest by a Stop, with light that would come back.
+    // At standstill by a Stop, with light that would come back.
     bench.done(off());
     bench.run_ms(100);
     assert!(!runs(&mut bench, 0));
@@ -214,8 +216,9 @@ fn path(bench: &mut Bench<8>) {
     assert!(lit(bench) && runs(bench, 0));
 }
 
-/// SPEC 9: every channel dark at once; on commands are refused (1) until everything has come to rest; what lies in the
-/// FIFOs stays and can be started; nothing lights without a new on command.
+/// SPEC 9: every channel is dark at once. On commands are refused (1) until everything is at
+/// standstill. Entries in the FIFOs stay and can be started; nothing lights without a new on
+/// command.
 #[test]
 fn on_commands_are_refused_while_an_abort_brakes_and_taken_after() {
     let mut bench = bench();
@@ -240,7 +243,7 @@ fn on_commands_are_refused_while_an_abort_brakes_and_taken_after() {
     let of = |kind: u8| events.iter().filter(|e| e.kind == kind).map(|e| (e.of, e.reason.get())).collect::<Vec<_>>();
     assert_eq!((of(8), of(3)), (vec![(0, 1)], vec![]), "the abort, and no fault");
     assert_eq!(of(2).iter().map(|e| (e.0, stop_reason(e.1))).collect::<Vec<_>>(), [(1, "an abort")]);
-    // Behind an abort at rest an on command is taken at once.
+    // After an abort, at standstill, an on command is taken at once.
     bench.run_ms(200);
     bench.done(abort());
     bench.done(on());
@@ -248,7 +251,7 @@ fn on_commands_are_refused_while_an_abort_brakes_and_taken_after() {
     assert!(lit(&mut bench));
 }
 
-/// SPEC 9: what is pending is withdrawn.
+/// SPEC 9: pending commands are withdrawn.
 #[test]
 fn an_abort_beside_a_running_program_discards_its_rest() {
     let mut bench = bench();
@@ -321,7 +324,7 @@ fn an_abort_in_a_program_acts_at_its_instant() {
     assert_eq!(codes, [0; 8], "nothing behind it is discarded");
 }
 
-/// While it brakes an on entry of the program waits for nothing: it is refused at its instant.
+/// While it brakes, an on entry of the program does not wait: it is refused at its instant.
 #[test]
 fn an_on_entry_while_an_abort_of_the_program_brakes_is_refused() {
     let mut bench = bench();
@@ -336,11 +339,12 @@ fn an_on_entry_while_an_abort_of_the_program_brakes_is_refused() {
 }
 
 fn link_loss(bench: &mut Bench<8>) -> (f64, i16) {
-    let told = bench.done(GetLinkLoss {});
-    (told.time_ms.get(), told.stop_all.get())
+    let reported = bench.done(GetLinkLoss {});
+    (reported.time_ms.get(), reported.stop_all.get())
 }
 
-/// SPEC 9: the link-loss time lasts for the session and falls back on Reset; GetLinkLoss reads it.
+/// SPEC 9: the link-loss time lasts for the session; a Reset sets the default; GetLinkLoss reads
+/// it.
 #[test]
 fn the_link_loss_time_lasts_for_the_session() {
     let mut bench = bench();
@@ -353,7 +357,7 @@ fn the_link_loss_time_lasts_for_the_session() {
     assert_eq!(link_loss(&mut bench), (200.0, 1));
     bench.done(Reset { core: 1.into() });
     assert_eq!(link_loss(&mut bench), (500.0, 0));
-    // Its off switch does not outlive the user either.
+    // Its value off does not outlast the session either.
     bench.done(set(0, 0));
     assert_eq!(link_loss(&mut bench), (0.0, 0));
     bench.open(2);
@@ -366,7 +370,7 @@ fn the_link_loss_time_lasts_for_the_session() {
     assert_eq!(link_loss(&mut bench), (500.0, 0));
 }
 
-/// What the interlock input makes of a jog at 10 pulse/ms: its speed 3 ms later.
+/// Effect of the interlock input on a jog at 10 pulse/ms: its speed 3 ms later.
 fn interlocked(bench: &mut Bench<8>) -> f64 {
     let (core, profile) = (1.into(), 5.into());
     bench.servo_on(5);
@@ -386,7 +390,7 @@ fn interlocked(bench: &mut Bench<8>) -> f64 {
     vel
 }
 
-/// SPEC 9: 0 goes on in the dark, 1 as at link loss, the default, 2 everything stops abruptly.
+/// SPEC 9: 0 goes on without light, 1 as at link loss (the default), 2 everything stops abruptly.
 #[test]
 fn what_the_interlock_does_to_motion_is_the_users() {
     let mut bench = bench();
@@ -414,7 +418,7 @@ fn what_the_interlock_does_to_motion_is_the_users() {
     assert!(brakes(vel), "{vel}");
 }
 
-/// SPEC 9: a new session begins dark: what an earlier one lit is shut off, without a fault.
+/// SPEC 9: a new session begins dark: light of an earlier one is shut off, without a fault.
 #[test]
 fn a_new_session_begins_dark() {
     let mut bench = bench();
@@ -432,7 +436,7 @@ fn a_new_session_begins_dark() {
     assert!(lit(&mut bench));
 }
 
-/// What an earlier session had still to come lights nothing, in whichever tick the new one begins.
+/// Pending entries of an earlier session light nothing, in whichever tick the new one begins.
 #[test]
 fn entries_of_an_earlier_session_do_not_light() {
     for steps in 0..24 {
@@ -460,7 +464,7 @@ fn entries_of_an_earlier_session_do_not_light() {
     }
 }
 
-/// In a program they act at their place on the script clock, and not when they are admitted.
+/// In a program they act at their instant on the script clock, and not when they are admitted.
 #[test]
 fn what_binds_safety_to_a_user_changes_at_its_place_in_a_program() {
     let mut bench = bench();

@@ -1,5 +1,5 @@
-//! What laser commands do to a channel, in both lanes and families: settings that arrive in the tick, light by the
-//! script clock, faults and who may clear them, link loss.
+//! Effects of laser commands on a channel, in both lanes and families: settings that arrive in the
+//! tick, light by the script clock, faults and who may clear them, link loss.
 mod bench;
 use bench::{Bench, MS, body, entry, sleep};
 use protocol::command::*;
@@ -65,10 +65,10 @@ fn fault(bench: &mut Bench<8>, channel: i16) -> i16 {
 }
 
 fn commanded(bench: &mut Bench<8>, channel: i16) -> i16 {
-    let told = bench.done(GetHSIOOpt { core: 1.into(), channel: channel.into() }).value.get();
+    let reported = bench.done(GetHSIOOpt { core: 1.into(), channel: channel.into() }).value.get();
     let status = bench.done(LaserOnStatus { core: 1.into(), channel: channel.into() }).value.get();
-    assert_eq!(told, status);
-    told
+    assert_eq!(reported, status);
+    reported
 }
 
 /// Duty mode with 40 % of 10 kHz, light off.
@@ -98,7 +98,8 @@ fn settings_arrive_in_the_channel_they_name() {
             assert_eq!((units(now.bounds.max()), units(now.bounds.min()), units(now.direct)), (20.0, 0.5, 12.5));
             assert_eq!((now.width_us, now.carrier.map(|carrier| units(carrier.khz()))), (10, Some(15.0)));
             assert_eq!(format!("{:?}", seen(&mut bench, 1 - channel as usize)), format!("{other:?}"));
-            // Another mode sets the power to 0 and keeps width and carrier; the same one keeps the power.
+            // Another mode sets the power to 0 and keeps width and carrier; the same one keeps the
+            // power.
             bench.done(mode(0, 80.0, 0.0, channel, 1));
             bench.run_ms(1);
             let now = seen(&mut bench, channel as usize);
@@ -127,7 +128,7 @@ fn light_follows_the_script_clock_in_both_families() {
     for family in [GUS, LSR] {
         let mut bench = bench(family);
         prepared(&mut bench, family, 0);
-        // Delays: GUS applies them always, LSR where the mode says so.
+        // Delays: GUS applies them always, LSR if the mode says so.
         for (delay_mode, us) in [(0, if family == GUS { 60 } else { 0 }), (1, 60)] {
             bench.done(mode(0, 100.0, 0.0, 0, delay_mode));
             bench.done(delays(90, 30, 0));
@@ -168,7 +169,8 @@ fn reads_tell_the_command_and_the_output() {
         bench.done(delays(1000, 2000, 1));
         bench.done(switch(1, 1));
         let status = |bench: &mut Bench<8>| bench.done(LaserStatus { core: 1.into(), channel: 1.into() });
-        let told = |bench: &mut Bench<8>| bench.done(GetLaserPower { core: 1.into(), channel: 1.into() }).value.get();
+        let reported =
+            |bench: &mut Bench<8>| bench.done(GetLaserPower { core: 1.into(), channel: 1.into() }).value.get();
         // The command is on, the output is not yet.
         assert_eq!((commanded(&mut bench, 0), commanded(&mut bench, 1)), (0, 1));
         let now = status(&mut bench);
@@ -176,19 +178,19 @@ fn reads_tell_the_command_and_the_output() {
         bench.run_ms(3);
         let now = status(&mut bench);
         assert_eq!((now.commanded, now.gate, now.light, now.fault.get()), (1, 1, 1, 0));
-        assert_eq!((now.power.get(), told(&mut bench)), (40.0, 40.0));
+        assert_eq!((now.power.get(), reported(&mut bench)), (40.0, 40.0));
         assert!((now.frequency.get() - 10.0).abs() < 1e-5, "{}", now.frequency.get());
-        // The bounds hold what is output.
+        // The bounds limit the output.
         bench.done(mode(0, 30.0, 0.0, 1, 1));
         bench.run_ms(1);
-        assert_eq!(told(&mut bench), 30.0);
+        assert_eq!(reported(&mut bench), 30.0);
         bench.done(switch(0, 1));
         assert_eq!(commanded(&mut bench, 1), 0);
         assert_eq!(status(&mut bench).light, 1, "off takes 1 ms");
         bench.run_ms(2);
         let now = status(&mut bench);
         assert_eq!((now.gate, now.light, now.power.get(), now.frequency.get()), (0, 0, 0.0, 0.0));
-        // A width that reaches the period: limited, and told.
+        // A width that reaches the period: limited, and reported.
         bench.done(mode(1, 20.0, 0.0, 1, 1));
         bench.done(SetPulseWidth { core: 1.into(), width_us: 200.into(), channel: 1.into() });
         bench.done(power(10.0, 1));
@@ -208,10 +210,10 @@ fn a_power_command_tells_what_the_timers_reach() {
         let mut bench = bench(family);
         prepared(&mut bench, family, 0);
         bench.done(SetPulseWidth { core: 1.into(), width_us: 10.into(), channel: 0.into() });
-        // What is asked in a mode, and how far off the timers may be (SPEC 11).
+        // The value asked for in a mode, and the tolerance of the timers (SPEC 11).
         for (of, asked, within) in [(0, 100.0 / 3.0, 1e-3), (1, 7.123_457_1, 7.2e-6)] {
             bench.done(mode(of, [100.0, 20.0][of as usize], 0.0, 0, 0));
-            let told = bench.done(power(asked, 0)).value.get();
+            let reported = bench.done(power(asked, 0)).value.get();
             bench.done(switch(1, 0));
             bench.run_ms(1);
             let train = seen(&mut bench, 0).train;
@@ -221,13 +223,13 @@ fn a_power_command_tells_what_the_timers_reach() {
             // The clock of the machine is 1 GHz.
             let (period, width) = (counts(train.period), counts(train.width));
             let reached = if of == 0 { width / period * 100.0 } else { 1e6 / period };
-            assert!((told - reached).abs() < 1e-12 && told != asked, "{told}, {reached} reached");
-            assert!((told - asked).abs() < within, "{told}");
+            assert!((reported - reached).abs() < 1e-12 && reported != asked, "{reported}, {reached} reached");
+            assert!((reported - asked).abs() < within, "{reported}");
         }
-        // The bounds hold it.
+        // The bounds limit it.
         bench.done(mode(0, 30.0, 10.0, 0, 0));
-        for (asked, told) in [(40.0, 30.0), (0.0, 10.0), (20.0, 20.0)] {
-            assert_eq!(bench.done(power(asked, 0)).value.get(), told);
+        for (asked, reported) in [(40.0, 30.0), (0.0, 10.0), (20.0, 20.0)] {
+            assert_eq!(bench.done(power(asked, 0)).value.get(), reported);
         }
         // Volts are as asked.
         bench.done(mode(2, 10.0, 0.0, 0, 0));
@@ -255,7 +257,7 @@ fn another_resolution_holds_what_is_set() {
     let other = seen(&mut bench, 1);
     assert_eq!(other.carrier.map(|carrier| units(carrier.khz())), Some(20.0));
     assert_eq!((units(other.khz), units(other.power)), (24.0, 50.0), "standby");
-    // Back: what was held stays so.
+    // Back: limited values stay limited.
     bench.done(resolution(0));
     bench.run_ms(1);
     assert_eq!(units(seen(&mut bench, 0).direct), 24.0);
@@ -279,7 +281,7 @@ fn a_family_and_a_reset_put_the_channels_to_power_on() {
                 bench.done(Choose { profile: 0, family: LSR });
             }
             _ => {
-                // What is chosen already is no change.
+                // A choice of the present values is no change.
                 bench.done(Choose { profile: 0, family: LSR });
                 bench.run_ms(1);
                 assert!(seen(&mut bench, 0).light);
@@ -462,7 +464,7 @@ fn a_program_stops_at_a_faulted_laser_and_may_clear_it_first() {
 fn in_a_program_each_reply_tells_its_own_numbers() {
     let mut bench = bench(LSR);
     let mut program: Vec<_> = [10.0, 101.0, -1.0, 55.5].into_iter().map(|value| entry(power(value, 0))).collect();
-    // A Calculate command keeps its numbers in the same row.
+    // A Calculate command keeps its numbers in the same queue.
     let calculate = PvtPercentCalculate { core: 1.into(), count: 2.into(), first: 0.into(), vel_begin: 1.0.into() };
     let point = |time: f64, pos: f64| PvtPercentPoint { time: time.into(), pos: pos.into(), percent: 0.0.into() };
     let points = [point(0.0, 0.0), point(10.0, 30.0)];
@@ -472,12 +474,12 @@ fn in_a_program_each_reply_tells_its_own_numbers() {
     let tags = bench.post_all(&program);
     bench.done(ProgramStart { strict: 1 });
     let answers: Vec<_> = tags.into_iter().map(|tag| bench.wait(tag)).collect();
-    let told: Vec<(f64, u8)> = answers[..4]
+    let reported: Vec<(f64, u8)> = answers[..4]
         .iter()
         .map(|answer| answer.reply::<LaserPrfCmd>())
         .map(|taken| (taken.value.get(), taken.held))
         .collect();
-    assert_eq!(told, [(10.0, 0), (100.0, 1), (0.0, 1), (55.5, 0)]);
+    assert_eq!(reported, [(10.0, 0), (100.0, 1), (0.0, 1), (55.5, 0)]);
     let velocities: Vec<f64> =
         answers[4].items::<PvtPercentCalculate>().into_iter().map(|item| item.value.get()).collect();
     assert_eq!(velocities, [1.0, 5.0]);
@@ -502,7 +504,7 @@ fn a_lost_link_puts_out_light() {
         }
         let after = bench.now().0 - cut_at;
         assert!((495 * MS..=502 * MS).contains(&after), "{after} ns");
-        // Only what had light, or might have had it, is kept dark.
+        // Only channels that had light, or might have had it, are kept dark.
         assert_eq!((seen(&mut bench, 0).fault, seen(&mut bench, 1).fault), (Cause::LinkLost, Cause::None));
         assert!(seen(&mut bench, 0).cause_lasts && !seen(&mut bench, 0).commanded);
         bench.cut = false;
@@ -523,13 +525,13 @@ fn a_lost_link_puts_out_light() {
     }
 }
 
-/// What happened by itself, by time, kind, number and reason; what was told before is left out.
-fn events(bench: &mut Bench<8>, told: &mut u32) -> Vec<(u64, u8, u8, u16)> {
+/// Events that no command caused, by time, kind, number and reason, since the last call.
+fn events(bench: &mut Bench<8>, reported: &mut u32) -> Vec<(u64, u8, u8, u16)> {
     let answer = bench.call(GetEvents {});
     let reply = answer.reply::<GetEvents>();
     let items = answer.items::<GetEvents>();
     assert_eq!((items.len(), items.len() <= 32), (usize::from(reply.count.get()), true));
-    let new = reply.total.get() - core::mem::replace(told, reply.total.get());
+    let new = reply.total.get() - core::mem::replace(reported, reply.total.get());
     let skip = items.len().saturating_sub(new as usize);
     items.iter().skip(skip).map(|e| (e.time_ns.get(), e.kind, e.of, e.reason.get())).collect()
 }
@@ -537,8 +539,8 @@ fn events(bench: &mut Bench<8>, told: &mut u32) -> Vec<(u64, u8, u8, u16)> {
 #[test]
 fn what_happened_is_told_with_time_and_reason() {
     let mut bench = bench(LSR);
-    let mut told = 0;
-    assert_eq!(events(&mut bench, &mut told), []);
+    let mut reported = 0;
+    assert_eq!(events(&mut bench, &mut reported), []);
     // The link is lost while there is light, and comes back.
     prepared(&mut bench, LSR, 0);
     bench.done(switch(1, 0));
@@ -548,7 +550,7 @@ fn what_happened_is_told_with_time_and_reason() {
     bench.run_ms(600);
     bench.cut = false;
     bench.run_ms(20);
-    let new = events(&mut bench, &mut told);
+    let new = events(&mut bench, &mut reported);
     assert_eq!(new.iter().map(|e| (e.1, e.2, e.3)).collect::<Vec<_>>(), [(4, 0, 1), (3, 0, 2), (4, 0, 0)]);
     for (at, kind, ..) in &new[..2] {
         assert!((495 * MS..=503 * MS).contains(&(at - cut_at)), "{kind}: {at}");
@@ -559,17 +561,17 @@ fn what_happened_is_told_with_time_and_reason() {
     // A tick that took too long: both channels, although they are dark.
     bench.tick.overrun();
     bench.run_ms(1);
-    let new: Vec<_> = events(&mut bench, &mut told).iter().map(|e| (e.1, e.2, e.3)).collect();
+    let new: Vec<_> = events(&mut bench, &mut reported).iter().map(|e| (e.1, e.2, e.3)).collect();
     assert_eq!(new, [(3, 0, 0), (3, 0, 3), (3, 1, 3), (5, 0, 1)]);
-    // More than are held: the last ones.
+    // More events than are kept: the last ones.
     for _ in 0..20 {
         bench.done(ClrLaserFault { core: 1.into(), channel: 0.into() });
         bench.run_ms(1);
         bench.tick.overrun();
         bench.run_ms(1);
     }
-    let new = events(&mut bench, &mut told);
-    assert_eq!((told, new.len()), (7 + 3 * 20, 32));
+    let new = events(&mut bench, &mut reported);
+    assert_eq!((reported, new.len()), (7 + 3 * 20, 32));
     assert_eq!((new[31].1, new[31].3), (5, 1));
 }
 
@@ -629,7 +631,7 @@ fn the_immediate_lane_sets_no_laser_beside_a_program() {
     ] {
         assert_eq!(lane_0.reason(), Reason::ProgramRuns);
     }
-    // What makes dark, and what clears, is taken.
+    // Commands that switch off or clear are accepted.
     bench.done(switch(0, 0));
     bench.done(LaserOff { core: 1.into(), channel: 0.into() });
     bench.done(ClrLaserFault { core: 1.into(), channel: 0.into() });

@@ -1,7 +1,7 @@
 //! Look-ahead against limits.
 //!
-//! Paths go through servo's own evaluator; limits are checked on what it does. The time of long ones is held against an
-//! optimum by `host-tests/tests/look_ahead.rs`.
+//! Paths run through servo's own evaluator; limits are checked on its output.
+//! `host-tests/tests/look_ahead.rs` compares the time of long ones with an optimum.
 use dispatcher::plan::geometry::{Geometry, Position};
 use dispatcher::plan::look_ahead::{Limits, LookAhead};
 use servo::path::{Change, Effects, Entries, Entry, Feed, Fine, Path, PathStop, Plane};
@@ -34,7 +34,7 @@ impl Effects for Heard {
     fn geared(&mut self, _: Axis, _: i32) {}
 }
 
-/// A call: its figure, speed and acceleration.
+/// A call: its path geometry, speed and acceleration.
 #[derive(Clone, Copy)]
 struct Call {
     geometry: Geometry,
@@ -116,8 +116,8 @@ fn plan<const N: usize>(calls: &[Call]) -> Vec<Entry> {
     entries
 }
 
-/// Runs entries: instant and velocities of X and Y in the middle of the way of each motion, the highest velocities on the
-/// way as shares of their limits, and the end in ms.
+/// Runs entries. Returns instant and velocities of X and Y in the middle of each motion, the
+/// highest velocities as shares of their limits, and the end in ms.
 fn run(calls: &[Call], entries: &[Entry]) -> (Vec<(f64, [f64; 2])>, f64, f64) {
     let with_marks: Vec<Entry> = entries.iter().flat_map(|e| [*e, Entry::laser(0, 0, [0; 6])]).collect();
     let script = Script(with_marks);
@@ -147,7 +147,7 @@ fn run(calls: &[Call], entries: &[Entry]) -> (Vec<(f64, [f64; 2])>, f64, f64) {
     let mut from = [0.0; 2];
     for (call, at) in calls.iter().zip(&heard.marks) {
         let to = [call.geometry.end[0], call.geometry.end[1]];
-        // Ticks within the motion; the speed between two of them is that half way between.
+        // Ticks within the motion; the speed between two of them is that at half time.
         let (first, last) = ((before / TICK).ceil() as usize, (ns(*at) / TICK) as usize);
         let way = |k: usize| (places[k][0] - from[0]).hypot(places[k][1] - from[1]);
         let half = call.geometry.length / 2.0;
@@ -166,7 +166,8 @@ fn run(calls: &[Call], entries: &[Entry]) -> (Vec<(f64, [f64; 2])>, f64, f64) {
 /// Nanoseconds.
 const TICK: f64 = 20_000.0;
 
-/// The highest acceleration between the middles of two motions, neighbours or these many ms or more apart.
+/// The highest acceleration between the middles of two motions, neighbours or these many ms or more
+/// apart.
 fn hardest(middles: &[(f64, [f64; 2])], apart: f64) -> f64 {
     let mut worst = 0.0f64;
     for (k, (t0, v0)) in middles.iter().enumerate() {
@@ -194,8 +195,8 @@ fn a_spiral_and_a_polyline_keep_their_limits() {
     }
 }
 
-/// More data only raises speeds, and what is final stays: a short queue gives the same entries, until it is too short
-/// to brake in.
+/// More data only raises speeds, and final entries stay: a short queue gives the same entries,
+/// until it is too short to brake in.
 #[test]
 fn what_is_handed_over_is_final() {
     let calls = wander(true);
@@ -209,16 +210,17 @@ fn what_is_handed_over_is_final() {
     assert!(time > 1.1 * run(&calls, &whole).2, "sixteen motions are too few at this speed");
 }
 
-/// What a board has to find room for.
+/// Sizes that a board has to find room for.
 #[test]
 fn sizes() {
     assert!(size_of::<LookAhead<256>>() <= 40 << 10, "{}", size_of::<LookAhead<256>>());
-    // It holds the next motion, with its plan and first piece, beside the one in force.
+    // It holds the next motion, with its plan and first piece, beside the running one.
     assert!(size_of::<Path>() <= 3 << 10, "{}", size_of::<Path>());
     assert_eq!(size_of::<Entry>(), 32);
 }
 
-/// The corner of a long L, by hand: Δ = 1 in X and in Y, so v = acc·T of the slower one; a reversal stops.
+/// The corner of a long L, by hand: Δ = 1 in X and in Y, so v = acc·T of the slower one; a reversal
+/// stops.
 #[test]
 fn corners_of_long_lines_are_taken_at_the_change_of_speed_that_the_corner_time_allows() {
     let corner = polyline(&[[100_000, 0], [100_000, 100_000], [100_000, 0]], 60.0, 0.8);
@@ -233,12 +235,13 @@ fn corners_of_long_lines_are_taken_at_the_change_of_speed_that_the_corner_time_a
     let entries = [first, second, third].map(|p| p.entry);
     let (_, vel, time) = run(&corner, &entries);
     assert!(vel <= 1.0);
-    // 1.0 pulse/ms² · 5 ms; 60 pulse/ms on all lines, 0.8 pulse/ms² but for what the corner takes.
+    // 1.0 pulse/ms² · 5 ms; 60 pulse/ms on all lines, 0.8 pulse/ms² but for the part that the
+    // corner uses.
     let planned = first.ms + second.ms + third.ms;
     assert!((planned - time).abs() < 1e-6 * time, "{planned} {time}");
     let ideal = |a: f64, b: f64, acc: f64| {
-        let ways = (2.0 * 60.0 * 60.0 - a * a - b * b) / 2.0 / acc;
-        (120.0 - a - b) / acc + (100_000.0 - ways) / 60.0
+        let ramps = (2.0 * 60.0 * 60.0 - a * a - b * b) / 2.0 / acc;
+        (120.0 - a - b) / acc + (100_000.0 - ramps) / 60.0
     };
     let reversal = 1.0 * 5.0 / 2.0;
     let expected = ideal(0.0, 5.0, 0.8) + ideal(5.0, reversal, 0.8) + ideal(reversal, 0.0, 0.8);
@@ -246,7 +249,8 @@ fn corners_of_long_lines_are_taken_at_the_change_of_speed_that_the_corner_time_a
     assert!(time > expected * (1.0 - 1e-6));
 }
 
-/// Waits and effects keep their places; a wait stops, effects do not, more than eight in one place do.
+/// Waits and effects keep their order. A wait stops the path; effects do not, unless more than 32
+/// stand together.
 #[test]
 fn what_stands_between_motions_keeps_its_place() {
     let line = |x: i32, from: i32| Geometry::planar(&[from as f64, 0.0, 0.0, 0.0], [x, 0]).unwrap();
@@ -288,8 +292,8 @@ fn what_stands_between_motions_keeps_its_place() {
     assert!(near(wait, halts + 7.0) && (late - 7.0).abs() < 1e-6, "{wait} {late}");
 }
 
-/// What was handed over has counted on a stop at the end of the next motion. A sharp corner found there later may not
-/// make that motion brake harder: then it stops, as it was meant to.
+/// An entry that was handed over relies on a stop at the end of the next motion. A sharp corner
+/// found there later may not make that motion brake harder: then it stops, as planned.
 #[test]
 fn a_corner_that_comes_late_does_not_brake_harder() {
     let calls = polyline(&[[10_000, 0], [10_100, 0], [10_100, -100], [10_200, -100]], 100.0, 3.0);
@@ -324,7 +328,8 @@ fn a_corner_that_comes_late_does_not_brake_harder() {
     assert!(hardest <= 1.0 && hardest > 0.99, "{hardest}");
 }
 
-/// Full circles and arcs in a row: |a| along them and v²/R together stay below the lower limit of their plane.
+/// Full circles and arcs one after another: |a| along them and v²/R together stay below the lower
+/// limit of their plane.
 #[test]
 fn arcs_keep_the_acceleration_of_their_plane() {
     let mut calls = Vec::new();
@@ -358,8 +363,8 @@ fn arcs_keep_the_acceleration_of_their_plane() {
     assert!(fastest > 0.85 * 1000f64.sqrt(), "{fastest}");
 }
 
-/// A host that stalls for 50 ms now and then: the controller's FIFO and the queue bridge it. Where data stays away for
-/// good, what is left is handed over in time, and the path ends at rest.
+/// A host that stalls for 50 ms now and then: the controller's FIFO and the queue bridge it. If
+/// data stays away, the rest is handed over in time, and the path ends at standstill.
 #[test]
 fn stalls_of_the_host_do_not_slow_it_down() {
     let calls = wander(false);
@@ -372,7 +377,7 @@ fn stalls_of_the_host_do_not_slow_it_down() {
         let mut now = 1_000_000u64;
         loop {
             let ms = (now - 1_000_000) / 1_000_000;
-            // 10 motions a ms while the host does not stall; none without a place in the queue.
+            // 10 motions a ms while the host does not stall; none without a slot in the queue.
             if !(stall && ms % 300 >= 250) {
                 for _ in 0..10 {
                     if came < end && ahead.push_motion(&calls[came].geometry, calls[came].vel, calls[came].acc) {
@@ -380,7 +385,8 @@ fn stalls_of_the_host_do_not_slow_it_down() {
                     }
                 }
             }
-            // Entries to the FIFO of 1024, as they become final; all of them if it lasts less than 30 ms.
+            // Entries to the FIFO of 1024, as they become final; all of them if it lasts less than
+            // 30 ms.
             loop {
                 let done = path.released(0) as usize;
                 let lasts: f64 = planned[done.min(planned.len())..].iter().sum();

@@ -1,4 +1,4 @@
-//! Calls of one instant act on one tick, whatever has to be known of the instant before they are admitted.
+//! Calls of one instant act on one tick, even if their admission needs the state at that instant.
 mod bench;
 use bench::follow;
 use bench::{Bench, body, entry, position, pt_data, read_pos, sleep, start, wait_stop};
@@ -8,7 +8,8 @@ use protocol::record::Lane;
 const CORE: i16 = 1;
 type Entry = (u16, Lane, Vec<u8>);
 
-/// A Jog of axis 1 with 10 pulse/ms, once it is updated, and a slave of it, axis 2, with an even segment in FIFO 0.
+/// A Jog of axis 1 with 10 pulse/ms, once it is updated, and a slave of it, axis 2, with an even
+/// segment in FIFO 0.
 fn set_up() -> Vec<Entry> {
     let (core, master, slave) = (CORE.into(), 1.into(), 2.into());
     let prm = SetJogPrm { core, profile: master, acc: 10.0.into(), dec: 10.0.into(), smooth: 0.0.into() };
@@ -45,7 +46,8 @@ fn stop(mask: i32, option: i32) -> Entry {
     entry(Stop { core: CORE.into(), mask: mask.into(), option: option.into(), form: 0 })
 }
 
-/// Runs a program in which nothing is refused; how many of its entries were late, and its last answer but one.
+/// Runs a program in which nothing is refused; returns how many of its entries were late, and its
+/// last answer but one.
 fn run(mut entries: Vec<Entry>) -> (u32, f64) {
     let mut bench = Bench::gus();
     entries.extend([entry(read_pos(2)), entry(ProgramEnd {})]);
@@ -76,7 +78,7 @@ fn a_stop_at_the_instant_of_a_start_moves_nothing() {
     }
 }
 
-/// Start, then the other FIFO's data anew, a switch to it, and the master's start.
+/// Start, then new data in the other FIFO, a switch to it, and the master's start.
 fn start_and_more() -> Vec<Entry> {
     let (core, profile) = (CORE.into(), 2.into());
     vec![
@@ -120,7 +122,7 @@ fn refused_data_makes_nothing_late() {
         entry(start(1)),
         entry(sleep(10)),
     ];
-    // Its time goes back.
+    // Its end time is that of the segment before it.
     let refused = entries.len();
     entries.push((PtData::OPCODE, Lane::ProgramMayFail, body(pt_data(1, 5.0, 20), &[])));
     entries.extend([entry(pt_data(1, 5.0, 30)), entry(wait_stop(1)), entry(ProgramEnd {})]);
@@ -131,7 +133,8 @@ fn refused_data_makes_nothing_late() {
     assert_eq!(bench.done(ProgramStatus {}).late.get(), 0);
 }
 
-/// Axis 2 follows axis 1, at 10 pulse/ms, in FollowEx mode; FIFO 0 ends with a queued switch to the other one.
+/// Axis 2 follows axis 1, at 10 pulse/ms, in FollowEx mode; FIFO 0 ends with a queued switch to the
+/// other one.
 fn switching() -> Vec<Entry> {
     let (core, master, slave) = (CORE.into(), 1.into(), 2.into());
     let prm = SetJogPrm { core, profile: master, acc: 10.0.into(), dec: 10.0.into(), smooth: 0.0.into() };
@@ -172,12 +175,13 @@ fn fifos_under_a_queued_switch_take_all_of_an_instant() {
     let space = |fifo: i16| entry(FollowSpaceEx { core, profile, fifo: fifo.into() });
     let clear = |fifo: i16| entry(FollowClearEx { core, profile, fifo: fifo.into() });
     let start = || entry(FollowStartEx { core, mask: 2.into(), option: 0.into() });
-    // What an instant gives, the places that are free then, and how many entries are late.
+    // The entries of an instant, the free slots then, and how many entries are late.
     let instants: [(Vec<Entry>, i16, u32); 6] = [
         (vec![more(1, 1000.0), more(1, 2000.0), space(1)], 14, 0),
         (vec![more(1, 1000.0), space(1), clear(1), space(1)], 16, 0),
         (vec![more(1, 500.0), queued(2, 1), more(1, 900.0), space(1)], 13, 0),
-        // Data in places that this instant clears has to wait until they are: the tick may switch to them meanwhile.
+        // Data for slots that this instant clears has to wait until they are clear: the tick may
+        // switch to them meanwhile.
         (vec![more(1, 1000.0), clear(1), more(1, 500.0), space(1)], 15, 1),
         (vec![more(1, 400.0), clear(1), more(1, 500.0), more(1, 600.0), space(1)], 14, 1),
         (vec![space(0), more(1, 500.0), space(0), clear(1), more(1, 400.0), space(1)], 15, 1),
@@ -204,10 +208,10 @@ fn fifos_under_a_queued_switch_take_all_of_an_instant() {
             let tags = bench.post_all(&entries);
             bench.done(ProgramStart { strict: 0 });
             let codes: Vec<i16> = tags.iter().map(|&tag| bench.wait(tag).code).collect();
-            let told = format!("instant {number}, starts {starts}, after {pause:?}");
-            assert!(codes.iter().all(|code| *code == 0), "{told}: {codes:?}");
-            assert_eq!(bench.answers[&tags[last]].reply::<FollowSpaceEx>().value.get(), *free, "{told}");
-            assert_eq!(bench.done(ProgramStatus {}).late.get(), *late, "{told}");
+            let reported = format!("instant {number}, starts {starts}, after {pause:?}");
+            assert!(codes.iter().all(|code| *code == 0), "{reported}: {codes:?}");
+            assert_eq!(bench.answers[&tags[last]].reply::<FollowSpaceEx>().value.get(), *free, "{reported}");
+            assert_eq!(bench.done(ProgramStatus {}).late.get(), *late, "{reported}");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The counts of every product (GXN tables 5-1 to 5-3) and what lies one beyond them.
+//! The counts of every product (GXN tables 5-1 to 5-3), and the first value beyond each.
 mod bench;
 
 use bench::crd::*;
@@ -7,7 +7,8 @@ use protocol::command::*;
 use protocol::reason::Reason;
 use protocol::record::Lane;
 
-/// Name, general inputs and outputs, coordinate systems of a core below a tick of 500 µs and from there on.
+/// Name, general inputs and outputs, coordinate systems of a core below a tick of 500 µs and from
+/// there on.
 const TABLES: [(&str, i16, i16, [i16; 2]); 9] = [
     ("gus", 32, 32, [2, 2]),
     ("gtn-016", 44, 20, [2, 2]),
@@ -83,7 +84,7 @@ fn every_product_has_its_general_inputs_and_outputs() {
         bench.done(bit(outputs));
         assert_eq!(bench.refused(bit(outputs + 1)).2.high.get(), f64::from(outputs), "{name}");
         bench.done(start_crd(1));
-        until_rest(&mut bench);
+        until_standstill(&mut bench);
         assert_eq!(bench.machine.outputs.2 >> (outputs - 1), 1, "{name}");
         // Inputs: the bench has the low byte 0x5a.
         let read = GetDiEx { core: core.into(), di_type: 4.into(), count: 4.into() };
@@ -151,13 +152,14 @@ fn coordinate_systems_are_those_of_the_tick() {
             let read = GetLaserCrdMap { core: core.into(), channel: 0.into() };
             assert_eq!(bench.done(read).value.get(), mask - 1, "{name} at {tick}");
         }
-        // A shorter tick would take the last ones away from their axes.
+        // A shorter tick period would take the last ones away from their axes.
         if crds[0] < crds[1] {
             let short = SetTick { tick_us: 250.into() };
             let (code, reason, refusal) = bench.refused(short);
             assert_eq!((code, reason, refusal.axis.get()), (1, Reason::CrdNeedsTick, crds[0] + 1), "{name}");
             assert_eq!((refusal.low.get(), refusal.high.get()), (core.into(), crds[0].into()), "{name}");
-            // What follows in the same message meets the new tick, though it has not acted yet.
+            // What follows in the same message has the new tick period, though it has not acted
+            // yet.
             bench.done(Reset { core: core.into() });
             bench.done(AxisOn { core: core.into(), axis: 1.into() });
             bench.done(AxisOn { core: core.into(), axis: 2.into() });

@@ -31,7 +31,8 @@ fn the_manuals_first_listing() {
     assert_eq!(status.clock_ns.get(), 3072 * MS + 250_000);
 }
 
-/// Positions of axis 1 tick by tick while a program runs, the thread polling every so many ticks.
+/// Positions of axis 1 tick by tick while a program runs; the thread polls every `poll_every`
+/// ticks.
 fn positions(poll_every: u32, in_one_message: bool) -> Vec<i64> {
     let mut bench = Bench::gus();
     let (core, profile) = (CORE.into(), 2.into());
@@ -91,7 +92,7 @@ fn entries_act_on_the_same_tick_however_the_thread_polls() {
     assert_ne!(reference[0], *reference.last().unwrap());
     for (poll_every, in_one_message) in [(1, false), (3, true), (16, true), (100, false)] {
         let other = positions(poll_every, in_one_message);
-        // The run is looked at until its last answer came, which polling delays.
+        // The run is recorded until its last answer came, which polling delays.
         let common = reference.len().min(other.len());
         assert!(other.len() >= reference.len());
         assert_eq!(reference[..common], other[..common], "polling every {poll_every} ticks");
@@ -116,11 +117,11 @@ fn what_does_not_fit_is_sent_again_and_nothing_overtakes() {
     let first = tags.iter().position(|tag| refused.contains(tag)).expect("the queue is finite");
     assert_eq!(&refused[..], &tags[first..], "all behind the first that did not fit");
     assert_eq!(bench.answers[&refused[0]].reason(), Reason::QueueFull);
-    // The immediate lane is not behind it.
+    // The immediate lane does not wait for it.
     assert_eq!(bench.pos(1), 0.0);
     assert_eq!(bench.refused(AxisOn { core: CORE.into(), axis: 2.into() }).1, Reason::ProgramRuns);
     assert_eq!(bench.call(ClrSts { core: CORE.into(), axis: 1.into(), count: 1.into() }).code, 0);
-    // Until the client looks, even what would fit is refused.
+    // Until the client asks for ProgramStatus, even a record that would fit is refused.
     bench.done(ProgramStart { strict: 0 });
     bench.run_ms(100);
     let tag = bench.post(Lane::Program, ProgramEnd {}, &[]);
@@ -168,7 +169,7 @@ fn a_trace_over_the_link_is_that_of_its_own_stream() {
         rows
     };
     let over_link = rows(1);
-    // 300 ms and the ticks until the trace was told to end.
+    // 300 ms and the ticks until the end of the trace was executed.
     assert!(over_link.len() >= 1201, "{}", over_link.len());
     assert_eq!(over_link.last().map(|row| row.1[0].0 >> 22), Some(100));
     let own = rows(0);
@@ -241,8 +242,8 @@ fn the_trace_has_every_row_and_the_planned_motion() {
     }
 }
 
-/// Outputs that a program sets 2 ms behind its begin, and behind a Sleep of 10 ms and `ns`, in which `ns` pass at once: when,
-/// and the clock that the program tells, both without `ns`.
+/// Outputs that a program sets 2 ms after its start, and after a Sleep of 10 ms and `ns`, in which
+/// `ns` pass at once: their times and the clock that the program reports, both without `ns`.
 fn clock_after(ns: u64) -> (Vec<(u64, u64)>, u64, u32) {
     let core = CORE.into();
     let mut bench = Bench::gus();

@@ -7,7 +7,7 @@ use protocol::record::Lane;
 
 const CORE: i16 = 1;
 
-/// Segments that 1 ms long pieces of `axes` streams are told before their start.
+/// Segments of 1 ms that `axes` streams get before their start.
 const AHEAD: i32 = 2000;
 
 /// The data before the start of eight streams: records of `share` segments, from axis to axis.
@@ -34,7 +34,7 @@ fn prefill(share: i32) -> Vec<(u16, Lane, Vec<u8>)> {
 
 #[test]
 fn a_held_program_takes_all_data_before_its_start() {
-    // The last has more records than there are places in the ring of entries.
+    // The last has more records than the ring has entries.
     for share in [50, 25, 20] {
         let mut bench = Bench::gus();
         let mut tags = Vec::new();
@@ -164,7 +164,7 @@ fn a_dynamic_stream_longer_than_its_ring() {
     entries.extend([entry(wait_stop(1)), entry(read_pos(1)), entry(ProgramEnd {})]);
     let mut tags = Vec::new();
     let mut rest = &entries[..];
-    // The client keeps within the room it was told of.
+    // The client keeps within the room that was reported.
     let mut started = false;
     while !rest.is_empty() {
         let mut room = bench.done(ProgramStatus {}).space_bytes.get() as usize;
@@ -285,8 +285,8 @@ fn an_entry_waits_while_its_instant_may_still_come() {
     assert_eq!(bench.wait(tags[6]).code, 0);
 }
 
-/// Codes and positions of a program that gives the first segments of a stream, does `then`, and gives the next one, which would
-/// also fit after the first; it starts that one where `starts` is set.
+/// Codes and positions of a program that gives the first segments of a stream, does `then`, and
+/// gives the next one, which would also fit after the first. It starts that one if `starts` is set.
 fn a_stream_and_another(then: &[(u16, Lane, Vec<u8>)]) {
     let mut bench = Bench::gus();
     let (core, profile) = (CORE.into(), 1.into());

@@ -67,14 +67,14 @@ fn what_was_admitted_ahead_and_dropped_leaves_no_trace() {
     bench.done(ProgramClear {});
     assert_eq!(bench.done(GetStopDec { core, profile }).smooth.get(), 2.0);
     assert_eq!(bench.done(PtSpace { core, profile, fifo: 0.into() }).value.get(), 31);
-    // The chain goes on from what was executed.
+    // The chain continues from what was executed.
     assert_eq!(bench.done(pt_data(1, 12.0, 12)).taken.get(), 1);
     bench.run_ms(100);
     assert_eq!(bench.machine.outputs.2, 0);
 }
 
-/// The same request, allowed to fail.
-/// Its places were written when the entry was admitted, its FIFO would have been cleared when it was executed.
+/// The same request, allowed to fail. Its slots were written when the entry was admitted; its FIFO
+/// would have been cleared when it was executed.
 #[test]
 fn data_that_was_overwritten_and_dropped_is_gone() {
     let mut bench = Bench::gus();
@@ -94,7 +94,7 @@ fn data_that_was_overwritten_and_dropped_is_gone() {
     bench.done(PtStart { option: 1.into(), ..start(1) });
     bench.run_ms(110);
     assert_eq!(bench.pos(1), 50.0);
-    // And what is written now begins from nothing.
+    // And new data begins from nothing.
     bench.done(pt_data(1, 10.0, 20));
     bench.done(start(1));
     bench.run_ms(200);
@@ -105,8 +105,8 @@ fn may_fail<R: Request>(request: R) -> (u16, Lane, Vec<u8>) {
     (R::OPCODE, Lane::ProgramMayFail, body::<R>(request, &[]))
 }
 
-/// Axis 1 jogs from 0 on; at 10 ms it is asked for a mode, which it cannot take while it moves. What stands
-/// behind acts at 10 and 15 ms.
+/// Axis 1 jogs from 0 on. At 10 ms it gets a mode command, which it cannot take while it moves. The
+/// entries after it act at 10 and 15 ms.
 fn passed_over(with: bool) -> (Vec<bench::Answer>, Vec<(u64, u64)>, ProgramReply) {
     let (core, profile) = (CORE.into(), 1.into());
     let mut bench = Bench::gus();
@@ -265,7 +265,7 @@ fn a_strict_program_stops_at_a_late_entry() {
     }
 }
 
-/// A Jog on axis 1 and a long PT on axis 2, and a program that still has to do something.
+/// A Jog on axis 1 and a long PT on axis 2, and a program with entries left.
 fn moving_bench() -> Bench<8> {
     let mut bench = Bench::gus();
     let (core, profile) = (CORE.into(), 1.into());
@@ -335,8 +335,8 @@ fn a_new_session_finds_no_old_program() {
     assert!(runs(&mut bench)[0], "motion goes on");
 }
 
-/// Axis 1 jogs; at 10 ms an output is set, `refused` is asked, and another output is set: when they are set, after 10 ms,
-/// and what is refused for.
+/// Axis 1 jogs; at 10 ms an output is set, `refused` is sent, and another output is set. Returns
+/// when they are set, after 10 ms, and the reason of the refusal.
 fn beside_a_refusal<R: Request>(refused: R) -> (Vec<u64>, Reason, ProgramReply) {
     let (core, profile) = (CORE.into(), 1.into());
     let mut bench = Bench::gus();
@@ -438,7 +438,7 @@ fn the_status_names_the_first_late_record_and_the_one_after_which_a_tick_took_to
     assert_eq!((status.overran_tag.get(), status.late_tag.get()), (tags[2], late[1]));
     // Both lasers went dark for it.
     assert_eq!(status.told, 1 | 2 | 3 << 4);
-    // The next program has an account of its own.
+    // The next program has counts of its own.
     bench.done(ProgramClear {});
     let tag = bench.post(Lane::Program, ProgramEnd {}, &[]);
     let started = bench.post(Lane::Immediate, ProgramStart { strict: 0 }, &[]);

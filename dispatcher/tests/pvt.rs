@@ -1,5 +1,5 @@
-//! PVT over the wire: tables in chunks, use and reuse of tables, loops and switches, and bad input, which is
-//! refused with its code, reason and point and changes nothing.
+//! PVT over the wire: tables in chunks, use and reuse of tables, loops and switches. Bad input is
+//! refused with its code, reason and point, and changes nothing.
 mod bench;
 use bench::{Bench, body};
 use protocol::command::*;
@@ -154,7 +154,7 @@ fn bad_points_are_named_and_change_nothing() {
         let (code, reason, refusal) = bench.refused(select(1, number));
         assert_eq!((code, reason, refusal.field), (7, Reason::Selector, 2));
     }
-    // The table is the one of before.
+    // The table is unchanged.
     bench.done(start(1));
     bench.run_ms(20);
     assert_eq!(bench.pos(1), 10.0);
@@ -239,7 +239,7 @@ fn a_table_in_use_is_not_replaced() {
     bench.done(Stop { core: 1.into(), mask: 2.into(), option: 2.into(), form: 0 });
     bench.run_ms(1);
     assert_eq!(in_use(&mut bench, 2), None);
-    // A refused chunk that was offered as an entry waits for its table, and then replaces it.
+    // A refused chunk that was sent as an entry waits for its table, and then replaces it.
     bench.done(start(2));
     let half = points(&[(0.0, 0.0, 0.5), (10.0, 5.0, 0.5)]);
     let stop = Stop { core: 1.into(), mask: 2.into(), option: 2.into(), form: 0 };
@@ -284,7 +284,7 @@ fn starts_are_refused_in_another_mode_at_speed_and_without_a_table() {
     let mut bench = prepared(2);
     let (code, reason, refusal) = bench.refused(start(1));
     assert_eq!((code, reason, refusal.axis.get(), refusal.got.get()), (1, Reason::TableEmpty, 1, 1.0));
-    // Nor is a table without points selected at rest (GXN command 46).
+    // A table without points cannot be selected at standstill either (GXN command 46).
     let (code, reason, refusal) = bench.refused(select(1, 9));
     assert_eq!((code, reason, refusal.axis.get(), refusal.got.get()), (1, Reason::TableEmpty, 1, 9.0));
     let shown = bench.call(PvtStatus { core: 1.into(), profile: 1.into(), count: 1.into() }).items::<PvtStatus>();
@@ -327,7 +327,7 @@ fn loops_accumulate_and_both_counts_are_told() {
     bench.run_ms(100);
     assert_eq!((loops(&mut bench), bench.pos(1)), ((12, 12), 120.0));
     assert_eq!(bench.status_word(1) & 0x400, 0, "at rest");
-    // Started again it goes on from there and counts anew.
+    // Started again it continues from there and counts from 0.
     passes(&mut bench, 1, 2);
     bench.done(start(1));
     bench.run_ms(40);
@@ -360,7 +360,7 @@ fn the_calculate_commands_answer_what_the_manual_prints() {
     let wanted = [0.0, 10.0, 10.0, 0.0, -10.0, -10.0, 0.0];
     let whole = bench.call_items(head(0), &points);
     assert_eq!(values(&whole), wanted);
-    // In chunks, by the program lane, and beside it by the immediate one.
+    // In chunks, by the program lane, and at the same time by the immediate one.
     let requests = [
         (PvtPercentCalculate::OPCODE, Lane::Program, body(head(0), &points[..4])),
         (PvtPercentCalculate::OPCODE, Lane::Program, body(head(4), &points[4..])),
@@ -376,8 +376,8 @@ fn the_calculate_commands_answer_what_the_manual_prints() {
     assert_eq!((late.code, late.reason(), late.refusal().field), (7, Reason::OutOfRange, 2));
 }
 
-/// Points wait where nothing is lost: in an empty table, also while the table that they replace runs; only where there is none
-/// does the old one go first.
+/// Points wait where nothing is lost: in an empty table, also while the table that they replace
+/// runs. Only if there is none, the old one is emptied first.
 #[test]
 fn points_wait_in_the_memory_of_an_empty_table() {
     let mut bench: Bench<16> = Bench::new(1, 250);

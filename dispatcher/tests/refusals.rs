@@ -1,4 +1,5 @@
-//! Bad input: each command refused with its code, its reason and the parameter, and nothing changed.
+//! Bad input: each command refused with its code, its reason and the parameter, and nothing
+//! changed.
 mod bench;
 use bench::{Bench, body, pt_data, pt_item};
 use dispatcher::{Fault, FaultKind};
@@ -27,14 +28,14 @@ fn axes_and_cores_that_do_not_exist() {
         let (code, _, refusal) = bench.refused(GetSts { core: 1.into(), axis: 1.into(), count: count.into() });
         assert_eq!((code, refusal.field), (7, 2));
     }
-    // A read may reach past the last axis (GXN table 5-1, note 2); its first axis is there.
+    // A read may reach past the last axis (GXN table 5-1, note 2); its first axis exists.
     for (axis, count, have) in [(1, 8, 8), (1, 9, 8), (8, 2, 1), (3, i16::MAX, 6)] {
         let reply = bench.call(GetSts { core: 1.into(), axis: axis.into(), count: count.into() });
         assert_eq!(reply.reply::<GetSts>().count.get(), have);
         assert_eq!(reply.items::<GetSts>().len(), usize::from(have));
     }
     assert_eq!(bench.refused(GetSts { core: 1.into(), axis: 9.into(), count: 1.into() }).2.field, 1);
-    // What changes something does not.
+    // A command that changes something may not.
     for (axis, count) in [(1, 9), (8, 2), (1, 0)] {
         assert_eq!(bench.refused(ZeroPos { core: 1.into(), axis: axis.into(), count: count.into() }).2.field, 2);
         assert_eq!(bench.refused(ClrSts { core: 1.into(), axis: axis.into(), count: count.into() }).2.field, 2);
@@ -125,7 +126,7 @@ fn pt_data_of_every_kind() {
     // The time is the second field of an item, behind four of the request.
     assert_eq!(answer.refusal().field, 5);
     assert_eq!(bench.done(space).value.get(), 31);
-    // What was written behind the end is overwritten: the chain goes on from 100 ms.
+    // Data written after the end is overwritten: the chain continues from 100 ms.
     let taken = bench.call_items(many, &[pt_item(1.0, 101, 1), pt_item(2.0, 102, 1), pt_item(3.0, 103, 2)]);
     assert_eq!(taken.reply::<PtDataMany>(), PtTaken { taken: 3.into(), space: 28.into(), dry_ms: 103.into() });
 
@@ -279,7 +280,8 @@ fn a_latched_fault_and_the_servo() {
     assert_eq!(bench.refused(start).1, Reason::ServoOff);
 }
 
-/// Nothing is latched at a limit on which an axis stands: what is refused is the direction, and ClrSts changes nothing.
+/// Nothing is latched at a limit on which an axis stands still: the direction is refused, and
+/// ClrSts changes nothing.
 #[test]
 fn an_update_towards_a_limit_names_the_limit() {
     let mut bench = Bench::gus();
@@ -311,7 +313,8 @@ fn an_update_towards_a_limit_names_the_limit() {
     bench.done(SetJogPrm { core, profile, acc, dec, smooth: 0.0.into() });
     bench.done(SetVel { core, profile, vel: (-1.0).into() });
     assert_eq!(text(&mut bench), (Reason::AtSoftLimit, other.into()));
-    // A switch that is active blocks everything until ClrSts, and its own direction as long as it is active.
+    // A switch that is active blocks everything until ClrSts, and its own direction as long as it
+    // is active.
     bench.done(LmtsOn { core, axis: profile, limit_type: 0.into() });
     bench.machine.inputs[0].limit_positive = true;
     bench.run_ms(1);
@@ -379,7 +382,7 @@ fn inputs_and_outputs() {
     assert_eq!(bench.done(GetDi { core, di_type: 1.into() }).value.get(), 1);
     assert_eq!(bench.done(GetDi { core, di_type: 4.into() }).value.get(), 0x5a);
     assert_eq!(bench.refused(GetDi { core, di_type: 6.into() }).2.field, 1);
-    // The bench's inputs are wired: whatever is asked for, the state forbids it.
+    // The bench's inputs are wired: every such call is refused for the state.
     let wired = |refused: (i16, Reason, Refusal)| assert_eq!((refused.0, refused.1), (1, Reason::InputsWired));
     for di_type in [4, 9] {
         wired(bench.refused(SimInput { core, di_type: di_type.into(), index: 1.into(), level: 1.into() }));
@@ -420,7 +423,7 @@ fn limits_are_switched_one_by_one_or_both() {
     let mut bench = Bench::gus();
     let (core, axis) = (1.into(), 2.into());
     (bench.machine.inputs[1].limit_positive, bench.machine.inputs[1].limit_negative) = (true, true);
-    // Bit 0 the positive, bit 1 the negative limit, once what was latched is cleared.
+    // Bit 0 the positive, bit 1 the negative limit, once latched bits are cleared.
     let limits = |bench: &mut Bench<8>| {
         bench.run_ms(1);
         bench.done(ClrSts { core, axis, count: 1.into() });
@@ -529,18 +532,18 @@ fn what_ended_the_last_run_is_told() {
     let mut fresh = Bench::gus();
     let none = fresh.call(GetFault {});
     assert_eq!((none.reply::<GetFault>(), none.body.len()), (FaultReply { kind: 0, length: 0.into() }, 3));
-    for (text, told) in
+    for (text, reported) in
         [("at main.rs:7", 12), ("", 0), (&*"é".repeat(100), 160), (&*format!("x{}", "é".repeat(100)), 159)]
     {
         let text: &'static str = String::leak(text.to_owned());
         let fault = Fault { kind: FaultKind::Core, text };
         let mut bench = Bench::<8>::after(Some(fault), 0, 250);
         let answer = bench.call(GetFault {});
-        assert_eq!(answer.reply::<GetFault>(), FaultReply { kind: 2, length: told.into() });
+        assert_eq!(answer.reply::<GetFault>(), FaultReply { kind: 2, length: reported.into() });
         let bytes: Vec<u8> = answer.items::<GetFault>().iter().map(|byte| byte.value).collect();
-        assert_eq!(String::from_utf8(bytes).unwrap(), text[..usize::from(told)]);
+        assert_eq!(String::from_utf8(bytes).unwrap(), text[..usize::from(reported)]);
     }
-    // It is a read: taken beside a program too.
+    // It is a read: accepted beside a program too.
     fresh.post_all(&[bench::entry(Sleep { ns: 1_000_000.into() })]);
     fresh.done(GetFault {});
 }
@@ -563,7 +566,7 @@ fn jogging(bench: &mut Bench<24>, axes: &[i16]) {
 fn both_forms_of_stop() {
     let core = 1.into();
     let runs = |bench: &mut Bench<24>, axis: i16| bench.status_word(axis) & 1 << 10 != 0;
-    // GTN: a bit an axis. 24 axes: gtn-024 has two cores of 12.
+    // GTN: one bit for each axis. 24 axes: gtn-024 has two cores of 12.
     let mut bench = Bench::<24>::new(2, 250);
     jogging(&mut bench, &[1, 9, 11, 12]);
     bench.done(Stop { core, mask: 0x500.into(), option: 0x400.into(), form: 0 });

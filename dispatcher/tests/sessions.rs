@@ -1,7 +1,8 @@
-//! A session begins anew: nothing that the one before had in hand is skipped, answered or gone on with in it, and nothing
+//! A new session skips, answers and continues nothing that the one before had in hand, and nothing
 //! of the old one keeps its link alive.
 //!
-//! No tick passes between the last request of one session and the first of the next, so that all is still on its way.
+//! No tick passes between the last request of one session and the first of the next, so all is
+//! still in flight.
 mod bench;
 use bench::{Bench, MS, body, entry, sleep};
 use protocol::command::*;
@@ -33,7 +34,7 @@ fn reopen(bench: &mut Bench<8>, nonce: u32) {
     assert!(bench.server.is_open());
 }
 
-/// The client's bytes reach the server, of whose nothing comes back.
+/// The client's bytes reach the server; its answers are lost.
 fn one_way(bench: &mut Bench<8>) {
     let (at, mut bytes) = (bench.now(), [0; 4096]);
     for _ in 0..20 {
@@ -47,7 +48,7 @@ fn one_way(bench: &mut Bench<8>) {
 #[test]
 fn the_first_record_of_a_session_is_not_taken_for_one_that_was_dealt_with() {
     let mut bench = Bench::gus();
-    // The first is dealt with, the second waits for the tick.
+    // The first is done, the second waits for the tick.
     let old = bench.post_all(&[set(1, 100), get(1)]);
     bench.exchange();
     reopen(&mut bench, 77);
@@ -132,12 +133,13 @@ fn a_configuration_that_an_old_session_began_is_not_gone_on_with() {
     let tag = bench.post_all(&[set(2, 222)])[0];
     assert_eq!(bench.wait(tag).code, 0);
     assert_eq!(bench.pos(2), 222.0);
-    // What had not been taken is not done.
+    // Items that had not been taken are not done.
     let dec = bench.done(GetStopDec { core: CORE.into(), profile: 8.into() });
     assert_eq!(dec.smooth.get(), 1.0);
 }
 
-/// A program that is held, and one that runs: what was answered in its session was; the rest is not told in the next one.
+/// A program that is held, and one that runs: replies sent in its session count, the others are not
+/// sent in the next one.
 #[test]
 fn nothing_of_an_old_program_is_told_to_the_new_session() {
     for runs in [false, true] {
@@ -150,17 +152,17 @@ fn nothing_of_an_old_program_is_told_to_the_new_session() {
             old.push(bench.post::<ProgramStart>(Lane::Immediate, ProgramStart { strict: 0 }, &[]));
         }
         bench.run_ms(2);
-        let told = bench.answers.len();
+        let reported = bench.answers.len();
         reopen(&mut bench, 77);
         bench.run_ms(100);
-        assert_eq!(bench.answers.len(), told);
+        assert_eq!(bench.answers.len(), reported);
         assert_eq!((bench.pos(3), bench.done(ProgramStatus {}).state), (0.0, 0));
-        // Nor is anything of it in the way of another one.
+        // Nor does anything of it prevent another one.
         let new = bench.post_all(&[pos(4), entry(sleep(1)), entry(ProgramEnd {})]);
         bench.done(ProgramStart { strict: 1 });
         assert!(new.iter().all(|tag| bench.wait(*tag).code == 0));
         assert_eq!([2, 3, 4].map(|axis| bench.pos(axis)), [0.0, 0.0, 5.0]);
-        assert!(old.iter().filter(|tag| bench.answers.contains_key(tag)).count() <= told);
+        assert!(old.iter().filter(|tag| bench.answers.contains_key(tag)).count() <= reported);
     }
 }
 
@@ -193,16 +195,16 @@ fn a_queue_that_an_old_session_filled_is_empty() {
         }
     }
     assert!(full(&bench));
-    let told = bench.answers.len();
+    let reported = bench.answers.len();
     reopen(&mut bench, 77);
     bench.run_ms(5);
-    assert_eq!(bench.answers.len(), told, "what waited in it is not told");
+    assert_eq!(bench.answers.len(), reported, "what waited in it is not reported");
     let tags = bench.post_all(&[entry(sleep(1)), entry(ProgramEnd {})]);
     bench.done(ProgramStart { strict: 0 });
     assert!(tags.iter().all(|tag| bench.wait(*tag).code == 0));
 }
 
-/// Whoever waits for the server's deadline does not miss that the link is lost.
+/// A caller that waits for the server's deadline does not miss that the link is lost.
 #[test]
 fn the_server_asks_to_be_woken_when_the_link_is_lost() {
     let mut bench = Bench::gus();
@@ -231,7 +233,7 @@ fn stray(kind: Kind, session: u32) -> Vec<u8> {
     wire
 }
 
-/// A client of an old session that goes on talking does not hide that this one's is gone.
+/// A client of an old session that goes on sending does not hide that this one's is gone.
 #[test]
 fn frames_of_an_old_session_do_not_keep_a_jog_alive() {
     let mut bench = Bench::gus();

@@ -1,5 +1,6 @@
-//! A board whose steps are limited (SPEC 5): data that is known to be faster is refused with its parameter and the limit, and
-//! changes nothing; what is not faster is taken, to the last bit where doubles allow it.
+//! A board whose step outputs are limited (SPEC 5): data known to be faster is refused with its
+//! parameter and the limit, and changes nothing. All other data is taken, to the last bit as far as
+//! doubles allow.
 mod bench;
 #[path = "../../servo/tests/chance/mod.rs"]
 mod chance;
@@ -59,8 +60,8 @@ fn jog_and_trap_speeds() {
     }
     bench.done(set(-3.5));
     for vel in [above(LIMIT), -above(LIMIT), 1e9] {
-        let told = text(&mut bench, set(vel), &[]);
-        assert_eq!(told, format!("SetVel: vel is {vel}; it must be from -1000 to 1000"));
+        let reported = text(&mut bench, set(vel), &[]);
+        assert_eq!(reported, format!("SetVel: vel is {vel}; it must be from -1000 to 1000"));
     }
     assert_eq!(bench.done(GetVel { core, profile }).value.get(), -3.5);
     let trap = |vel: f64| SetTrapPrm {
@@ -72,8 +73,8 @@ fn jog_and_trap_speeds() {
         smooth_time_ms: 0.into(),
     };
     bench.done(trap(LIMIT));
-    let told = text(&mut bench, trap(above(LIMIT)), &[]);
-    assert_eq!(told, "SetTrapPrm: vel_start is 1000.0000000000001; it must be from 0 to 1000");
+    let reported = text(&mut bench, trap(above(LIMIT)), &[]);
+    assert_eq!(reported, "SetTrapPrm: vel_start is 1000.0000000000001; it must be from 0 to 1000");
     assert_eq!(bench.done(GetTrapPrm { core, profile }).vel_start.get(), LIMIT);
 }
 
@@ -84,13 +85,13 @@ fn segments() {
     let space = PtSpace { core: 1.into(), profile: 1.into(), fifo: 0.into() };
     let free = bench.done(space).value.get();
     let even = |pos: f64, time| PtData { kind: 1.into(), ..pt_data(1, pos, time) };
-    let told = text(&mut bench, even(1000.0 + 1.0 / 1_048_576.0, 1), &[]);
-    assert_eq!(told, "PtData: pos: this segment's speed is 1000.0000009536743 pulse/ms; the limit is 1000");
+    let reported = text(&mut bench, even(1000.0 + 1.0 / 1_048_576.0, 1), &[]);
+    assert_eq!(reported, "PtData: pos: this segment's speed is 1000.0000009536743 pulse/ms; the limit is 1000");
     assert_eq!(bench.done(space).value.get(), free);
     bench.done(even(1000.0, 1));
     bench.done(even(-6000.0, 8));
-    let told = text(&mut bench, even(-7001.0, 9), &[]);
-    assert_eq!(told, "PtData: pos: this segment's speed is -1001 pulse/ms; the limit is 1000");
+    let reported = text(&mut bench, even(-7001.0, 9), &[]);
+    assert_eq!(reported, "PtData: pos: this segment's speed is -1001 pulse/ms; the limit is 1000");
     assert_eq!(bench.done(space).value.get(), free - 2);
 }
 
@@ -100,10 +101,10 @@ fn pt_batches_are_all_or_none() {
     bench.done(PrfPt { core: 1.into(), profile: 1.into(), mode: 0.into() });
     let space = PtSpace { core: 1.into(), profile: 1.into(), fifo: 0.into() };
     let many = PtDataMany { core: 1.into(), profile: 1.into(), fifo: 0.into(), count: 3.into() };
-    // Up to 1000, on, and down from 1000 in a millisecond; the last one is from 2·501.
+    // Up to 1000, constant, and down from 1000 in a millisecond; the last one begins at 2·501.
     let bad = [pt_item(500.0, 1, 0), pt_item(1500.0, 2, 0), pt_item(2001.0, 3, 2)];
-    let told = text(&mut bench, many, &bad);
-    assert_eq!(told, "PtDataMany: pos: this segment's speed is 1002 pulse/ms; the limit is 1000 (item 3)");
+    let reported = text(&mut bench, many, &bad);
+    assert_eq!(reported, "PtDataMany: pos: this segment's speed is 1002 pulse/ms; the limit is 1000 (item 3)");
     assert_eq!(bench.done(space).value.get(), 32);
     let good = [pt_item(500.0, 1, 0), pt_item(1500.0, 2, 0), pt_item(2000.0, 3, 2)];
     assert_eq!(bench.call_items(many, &good).code, 0);
@@ -160,9 +161,9 @@ fn load(bench: &mut Bench<8>, of: Kind, points: &[&[f64]]) -> Option<String> {
 fn pvt_tables() {
     let mut bench = limited();
     let up = above(LIMIT);
-    let mut is = |of: Kind, points: &[&[f64]], told: &str| {
+    let mut is = |of: Kind, points: &[&[f64]], reported: &str| {
         let found = load(&mut bench, of, points).unwrap_or_default();
-        assert_eq!(found, told, "{of:?} {points:?}");
+        assert_eq!(found, reported, "{of:?} {points:?}");
     };
     // Points at the limit, and a double above it.
     is(Kind::Pvt, &[&[0.0, 0.0, LIMIT], &[1.0, 1000.0, LIMIT]], "");
@@ -189,21 +190,24 @@ fn pvt_tables() {
     // Percent: 2·p/T − v, whatever the percentage is.
     for percent in [0.0, 50.0, 100.0] {
         is(Kind::Percent(0.0), &[&[0.0, 0.0, percent], &[2.0, 1000.0, 0.0]], "");
-        let told =
+        let reported =
             "PvtTablePercent: pos: this segment's speed is 1000.0000000000001 pulse/ms; the limit is 1000 (item 2)";
-        is(Kind::Percent(0.0), &[&[0.0, 0.0, percent], &[2.0, up, 0.0]], told);
+        is(Kind::Percent(0.0), &[&[0.0, 0.0, percent], &[2.0, up, 0.0]], reported);
     }
     let whole = "PvtTablePercent: vel_begin: this segment's speed is 1000.0000000000001 pulse/ms; the limit is 1000";
     is(Kind::Percent(up), &[&[0.0, 0.0, 0.0], &[2.0, 1000.0, 0.0]], whole);
-    // Continuous: a cruise at velMax, which may be above the limit where it is not reached.
-    let leg = |pos: f64, vel_max: f64| [pos, 0.0, 50.0, vel_max, 1.0, 1.0];
-    is(Kind::Continuous, &[&leg(0.0, LIMIT), &leg(3e6, 1.0)], "");
-    let told =
+    // Continuous: a cruise at velMax, which may be above the limit if it is not reached.
+    let point = |pos: f64, vel_max: f64| [pos, 0.0, 50.0, vel_max, 1.0, 1.0];
+    is(Kind::Continuous, &[&point(0.0, LIMIT), &point(3e6, 1.0)], "");
+    let reported =
         "PvtTableContinuous: vel_max: this segment's speed is 1000.0000000000001 pulse/ms; the limit is 1000 (item 1)";
-    is(Kind::Continuous, &[&leg(0.0, up), &leg(3e6, 1.0)], told);
-    is(Kind::Continuous, &[&leg(0.0, 1e6), &leg(1e6, 1.0)], "");
-    let told = load(&mut bench, Kind::Continuous, &[&leg(0.0, 1e6), &leg(1.0001e6, 1.0)]).unwrap();
-    assert!(told.contains("this segment's speed is 1000.04") && told.contains("the limit is 1000"), "{told}");
+    is(Kind::Continuous, &[&point(0.0, up), &point(3e6, 1.0)], reported);
+    is(Kind::Continuous, &[&point(0.0, 1e6), &point(1e6, 1.0)], "");
+    let reported = load(&mut bench, Kind::Continuous, &[&point(0.0, 1e6), &point(1.0001e6, 1.0)]).unwrap();
+    assert!(
+        reported.contains("this segment's speed is 1000.04") && reported.contains("the limit is 1000"),
+        "{reported}"
+    );
 }
 
 /// Random cubics near the limit against their exact peaks.
@@ -250,8 +254,8 @@ fn random_cubics_against_rationals() {
                 assert!(exact <= rational(LIMIT * (1.0 + 2e-9)), "{exact} for {v0} {v1} {p} {t}");
                 taken += 1;
             }
-            Some(told) => {
-                assert!(told.contains("the limit is 1000") && exact > rational(LIMIT), "{told}: {exact}");
+            Some(reported) => {
+                assert!(reported.contains("the limit is 1000") && exact > rational(LIMIT), "{reported}: {exact}");
                 refused += 1;
             }
         }
@@ -285,24 +289,24 @@ fn prepared() -> Box<Bench<8>> {
 fn lines_by_the_share_of_each_axis() {
     let mut bench = prepared();
     let free = space(&mut bench, 0);
-    let told = text(&mut bench, line(1000, 0, above(LIMIT), 1.0), &[]);
+    let reported = text(&mut bench, line(1000, 0, above(LIMIT), 1.0), &[]);
     assert_eq!(
-        told,
+        reported,
         "LnXY: syn_vel: axis 1 would go at 1000.0000000000001 pulse/ms; the board's steps are limited to 1000"
     );
-    let told = text(&mut bench, line(0, -7, above(LIMIT), 1.0), &[]);
-    assert!(told.starts_with("LnXY: syn_vel: axis 2 would go at 1000.0000000000001 pulse/ms"), "{told}");
+    let reported = text(&mut bench, line(0, -7, above(LIMIT), 1.0), &[]);
+    assert!(reported.starts_with("LnXY: syn_vel: axis 2 would go at 1000.0000000000001 pulse/ms"), "{reported}");
     // 3-4-5: Y has 0.8 of the speed.
-    let told = text(&mut bench, line(3000, 4000, 1250.001, 1.0), &[]);
+    let reported = text(&mut bench, line(3000, 4000, 1250.001, 1.0), &[]);
     assert!(
-        told.starts_with("LnXY: syn_vel: axis 2 would go at 1000.000") && told.ends_with("limited to 1000"),
-        "{told}"
+        reported.starts_with("LnXY: syn_vel: axis 2 would go at 1000.000") && reported.ends_with("limited to 1000"),
+        "{reported}"
     );
     assert_eq!(space(&mut bench, 0), free);
     bench.done(line(3000, 4000, 1250.0, 1.0));
     bench.done(line(4000, 4000, LIMIT, 1.0));
     assert_eq!(space(&mut bench, 0), free - 2);
-    // What synVelMax holds is not faster.
+    // A speed limited by synVelMax is not faster.
     let mut bench = limited();
     bench.servo_on(1);
     bench.servo_on(2);
@@ -315,9 +319,9 @@ fn many_lines_are_all_or_none() {
     let mut bench = prepared();
     let free = space(&mut bench, 0);
     let (head, items) = many(&[(1000, 1000), (2000, 2000), (3000, 2000)], 1400.0, 0.0);
-    let told = text(&mut bench, head, &items);
+    let reported = text(&mut bench, head, &items);
     assert_eq!(
-        told,
+        reported,
         "LnXYMany: syn_vel: axis 1 would go at 1400 pulse/ms; the board's steps are limited to 1000 (item 3)"
     );
     assert_eq!(space(&mut bench, 0), free);
@@ -327,19 +331,19 @@ fn many_lines_are_all_or_none() {
     assert_eq!(space(&mut bench, 0), free - 2);
 }
 
-/// Without look-ahead a motion is entered at the speed at which the one before ends.
+/// Without look-ahead a motion begins at the speed at which the one before ends.
 #[test]
 fn a_motion_is_entered_as_fast_as_the_one_before_ends() {
     let diagonal = |end: f64, x: i32| LnXY { vel_end: end.into(), ..line(x, x, 1400.0, 100.0) };
     let mut bench = prepared();
     // 1400²/2/100 = 9800 pulses to get there; along X alone then.
     bench.done(diagonal(1400.0, 20_000));
-    let told = text(&mut bench, line(40_000, 20_000, 500.0, 100.0), &[]);
-    assert_eq!(told, "LnXY: syn_vel: axis 1 would go at 1400 pulse/ms; the board's steps are limited to 1000");
+    let reported = text(&mut bench, line(40_000, 20_000, 500.0, 100.0), &[]);
+    assert_eq!(reported, "LnXY: syn_vel: axis 1 would go at 1400 pulse/ms; the board's steps are limited to 1000");
     let (head, items) = many(&[(40_000, 20_000)], 500.0, 0.0);
-    let told = text(&mut bench, head, &items);
-    assert!(told.contains("axis 1 would go at 1400 pulse/ms"), "{told}");
-    // At rest in between.
+    let reported = text(&mut bench, head, &items);
+    assert!(reported.contains("axis 1 would go at 1400 pulse/ms"), "{reported}");
+    // At standstill in between.
     let (core, crd, fifo) = (1.into(), 1.into(), 0.into());
     bench.done(BufDelay { core, crd, delay_ms: 1.into(), fifo });
     bench.done(line(40_000, 20_000, 500.0, 100.0));
@@ -349,25 +353,26 @@ fn a_motion_is_entered_as_fast_as_the_one_before_ends() {
     bench.done(line(40_000, 4000, 500.0, 100.0));
     let mut bench = prepared();
     bench.done(LnXY { vel_end: 1400.0.into(), ..line(3006, 4008, 1240.0, 100.0) });
-    let told = text(&mut bench, line(40_000, 4008, 500.0, 100.0), &[]);
-    assert!(told.contains("axis 1 would go at 1000.99"), "{told}");
-    // The next one brakes, the one behind it is slow enough.
+    let reported = text(&mut bench, line(40_000, 4008, 500.0, 100.0), &[]);
+    assert!(reported.contains("axis 1 would go at 1000.99"), "{reported}");
+    // The next one brakes, the one after it is slow enough.
     let mut bench = prepared();
     bench.done(diagonal(1400.0, 20_000));
     bench.done(LnXY { syn_vel: 500.0.into(), ..diagonal(500.0, 40_000) });
     bench.done(line(60_000, 40_000, 500.0, 100.0));
 }
 
-/// The greatest part that each coordinate has of the direction of an arc.
+/// The greatest share that each coordinate has in the direction of an arc.
 #[test]
 fn arcs_by_what_they_pass() {
     // From (0, 0) about (0, r): counterclockwise the direction turns from +X to +Y in a quarter.
     let quarter = |vel: f64, x: i32, y: i32, dir| ArcXYC { syn_vel: vel.into(), ..arc(x, y, 0.0, 5000.0, dir) };
     let mut bench = prepared();
-    let told = text(&mut bench, quarter(above(LIMIT), 5000, 5000, 1), &[]);
-    assert!(told.starts_with("ArcXYC: syn_vel: axis 1 would go at 1000.0000000000001 pulse/ms"), "{told}");
+    let reported = text(&mut bench, quarter(above(LIMIT), 5000, 5000, 1), &[]);
+    assert!(reported.starts_with("ArcXYC: syn_vel: axis 1 would go at 1000.0000000000001 pulse/ms"), "{reported}");
     bench.done(quarter(LIMIT, 5000, 5000, 1));
-    // From a third point of the circle, (4000, 2000) about its middle, to (5000, 5000): 0.8 of X at most, Y all of it.
+    // From a third point of the circle, (4000, 2000) about its middle, to (5000, 5000): 0.8 of X at
+    // most, Y all of it.
     let part = |vel: f64, x: i32, y: i32| ArcXYC {
         syn_vel: vel.into(),
         x_center: (-4000.0).into(),
@@ -382,17 +387,17 @@ fn arcs_by_what_they_pass() {
     // To (4800, 3600): directions from (0.6, 0.8) to (0.28, 0.96).
     let mut bench = from();
     bench.done(part(1041.0, 4800, 3600));
-    let told = text(&mut from(), part(1042.0, 4800, 3600), &[]);
-    assert!(told.starts_with("ArcXYC: syn_vel: axis 2 would go at 1000.3"), "{told}");
+    let reported = text(&mut from(), part(1042.0, 4800, 3600), &[]);
+    assert!(reported.starts_with("ArcXYC: syn_vel: axis 2 would go at 1000.3"), "{reported}");
     // Past (5000, 5000), where Y has all of the speed, to (4800, 6400).
-    let told = text(&mut from(), part(1020.0, 4800, 6400), &[]);
-    assert!(told.starts_with("ArcXYC: syn_vel: axis 2 would go at 1020"), "{told}");
+    let reported = text(&mut from(), part(1020.0, 4800, 6400), &[]);
+    assert!(reported.starts_with("ArcXYC: syn_vel: axis 2 would go at 1020"), "{reported}");
     // Clockwise instead it passes all four.
-    let told = text(&mut from(), ArcXYC { circle_dir: 0.into(), ..part(1020.0, 4800, 3600) }, &[]);
-    assert!(told.starts_with("ArcXYC: syn_vel: axis 1 would go at 1020"), "{told}");
+    let reported = text(&mut from(), ArcXYC { circle_dir: 0.into(), ..part(1020.0, 4800, 3600) }, &[]);
+    assert!(reported.starts_with("ArcXYC: syn_vel: axis 1 would go at 1020"), "{reported}");
     // A full circle.
-    let told = text(&mut from(), part(1001.0, 4000, 2000), &[]);
-    assert!(told.starts_with("ArcXYC: syn_vel: axis 1 would go at 1001"), "{told}");
+    let reported = text(&mut from(), part(1001.0, 4000, 2000), &[]);
+    assert!(reported.starts_with("ArcXYC: syn_vel: axis 1 would go at 1001"), "{reported}");
     from().done(part(LIMIT, 4000, 2000));
 }
 
@@ -432,13 +437,13 @@ fn axes_that_go_along_or_aside() {
     let mut bench = prepared();
     bench.done(gear(3, -500));
     bench.done(gear(4, 2000));
-    // Axis 4 goes twice as far as the path.
-    let told = text(&mut bench, line(1000, 0, 501.0, 1.0), &[]);
-    assert_eq!(told, "LnXY: syn_vel: axis 4 would go at 1002 pulse/ms; the board's steps are limited to 1000");
-    let told = text(&mut bench, line(1000, 0, 500.0000001, 1.0), &[]);
-    assert!(told.contains("axis 4 would go at 1000.0000002"), "{told}");
+    // Axis 4 moves twice as far as the path.
+    let reported = text(&mut bench, line(1000, 0, 501.0, 1.0), &[]);
+    assert_eq!(reported, "LnXY: syn_vel: axis 4 would go at 1002 pulse/ms; the board's steps are limited to 1000");
+    let reported = text(&mut bench, line(1000, 0, 500.0000001, 1.0), &[]);
+    assert!(reported.contains("axis 4 would go at 1000.0000002"), "{reported}");
     bench.done(line(1000, 0, 500.0, 1.0));
-    // Nothing goes along with the next one.
+    // The next one has no gear.
     bench.done(line(2000, 0, LIMIT, 1.0));
     let aside = |vel: f64| BufMove {
         core,
@@ -451,39 +456,39 @@ fn axes_that_go_along_or_aside() {
         fifo,
     };
     bench.done(aside(LIMIT));
-    let told = text(&mut bench, aside(above(LIMIT)), &[]);
+    let reported = text(&mut bench, aside(above(LIMIT)), &[]);
     assert!(
-        told.starts_with("BufMove: vel is 1000.0000000000001; it must be from ") && told.ends_with("to 1000"),
-        "{told}"
+        reported.starts_with("BufMove: vel is 1000.0000000000001; it must be from ") && reported.ends_with("to 1000"),
+        "{reported}"
     );
 }
 
-/// With look-ahead the limits of coordinates hold a motion first.
+/// With look-ahead the limits of coordinates limit a motion first.
 #[test]
 fn look_ahead() {
     let mut bench = prepared();
     bench.done(ahead(1.0, 10.0, 50));
     let free = space(&mut bench, 0);
-    let told = text(&mut bench, line(1000, 0, 1001.0, 1.0), &[]);
-    assert_eq!(told, "LnXY: syn_vel: axis 1 would go at 1001 pulse/ms; the board's steps are limited to 1000");
+    let reported = text(&mut bench, line(1000, 0, 1001.0, 1.0), &[]);
+    assert_eq!(reported, "LnXY: syn_vel: axis 1 would go at 1001 pulse/ms; the board's steps are limited to 1000");
     assert_eq!(space(&mut bench, 0), free);
     let (core, crd, fifo) = (1.into(), 1.into(), 0.into());
     let limit = |vel: f64| SetCrdLimit { core, crd, coordinate: 1.into(), vel_max: vel.into(), acc_max: 0.0.into() };
     bench.done(limit(LIMIT));
     bench.done(line(1000, 0, 1001.0, 1.0));
-    // What waits keeps its limits, and so does what comes behind it.
+    // Waiting motions keep their limits, and so do those after them.
     bench.done(limit(0.0));
     bench.done(line(2000, 0, 1001.0, 1.0));
     bench.done(flush());
-    let told = text(&mut bench, line(3000, 0, 1001.0, 1.0), &[]);
-    assert!(told.contains("axis 1 would go at 1001"), "{told}");
+    let reported = text(&mut bench, line(3000, 0, 1001.0, 1.0), &[]);
+    assert!(reported.contains("axis 1 would go at 1001"), "{reported}");
     // A gear by the speed that the limits leave.
     bench.done(limit(100.0));
     bench.done(BufGear { core, crd, axis: 3.into(), pos: 10_000.into(), fifo });
     bench.done(line(3000, 0, 1001.0, 1.0));
 }
 
-/// An axis that is held to the limit goes at it, and no tick of it is longer.
+/// An axis at the limit keeps it, and no tick of it is longer.
 #[test]
 fn what_is_taken_keeps_it() {
     let mut bench = prepared();

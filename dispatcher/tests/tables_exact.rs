@@ -1,7 +1,7 @@
-//! Every description against exact arithmetic on the doubles as given, over random tables
-//! (SPEC 11): position within 2⁻¹⁶ pulse, or 2⁻⁴⁰ of peak speed × duration where that is more;
-//! velocity within 2⁻¹⁶ of the peak, and in pieces shorter than 2⁻²⁴ of the pass within 2⁻⁴⁰ of the pass over the
-//! piece (16 bytes a place hold no finer times, decision 6); loops that do not drift.
+//! Every description against exact arithmetic on the doubles as given, over random tables (SPEC
+//! 11). Position within 2⁻¹⁶ pulse, or 2⁻⁴⁰ of peak speed × duration if that is more. Velocity
+//! within 2⁻¹⁶ of the peak, and in pieces shorter than 2⁻²⁴ of the pass within 2⁻⁴⁰ of the pass
+//! over the piece (16 bytes a point hold no finer times, decision 6). Loops do not drift.
 use dispatcher::plan::pvt::Kind;
 use protocol::reason::Reason;
 
@@ -21,7 +21,7 @@ fn number(style: u64, x: f64) -> f64 {
 }
 
 /// Times and positions: segments of 0.01…10⁷ ms, displacements of 10⁻³…2³¹ pulses.
-fn way(chance: &mut Chance, most: u64) -> Vec<(f64, f64)> {
+fn course(chance: &mut Chance, most: u64) -> Vec<(f64, f64)> {
     let n = 2 + chance.below(most - 1);
     let style = chance.below(3);
     // Some tables are even, others hold everything from the shortest to the longest.
@@ -36,7 +36,7 @@ fn way(chance: &mut Chance, most: u64) -> Vec<(f64, f64)> {
     let (small, large) = if chance.below(2) == 0 { (1e-3, 2147483648.0) } else { (1e-3, 1e4) };
     let mut t = if chance.below(2) == 0 { 0.0 } else { number(style, chance.log(1e-3, 1e5)) };
     let mut p = number(style, chance.unit() * 1e3 * chance.sign());
-    let mut way = vec![(t, p)];
+    let mut course = vec![(t, p)];
     for _ in 1..n {
         let length = chance.log(short, long);
         let before = t;
@@ -47,9 +47,9 @@ fn way(chance: &mut Chance, most: u64) -> Vec<(f64, f64)> {
         let most = (2e9 * (t - before)).min(large).max(small * 2.0);
         p += chance.sign() * chance.log(small, most);
         p = number(style, p);
-        way.push((t, p));
+        course.push((t, p));
     }
-    way
+    course
 }
 
 struct Tally {
@@ -58,18 +58,20 @@ struct Tally {
     refused: usize,
     worst: f64,
     worst_vel: f64,
-    /// In pieces shorter than 2⁻²⁴ of the pass, of what is allowed there.
+    /// In pieces shorter than 2⁻²⁴ of the pass, as a share of the tolerance there.
     worst_short: f64,
 }
 
-/// Builds, runs and compares until `segments` segments have been run, or as many tables as PVT_TABLES says.
+/// Builds, runs and compares until `segments` segments have been run, or as many tables as
+/// PVT_TABLES says.
 fn campaign(
     seed: u64,
     segments: usize,
     most: u64,
     mut make: impl FnMut(&mut Chance, u64) -> (Kind, Vec<Vec<f64>>),
 ) -> Tally {
-    // A run of very many tables takes short ones, now and then a long one; PVT_SEED splits it into parts.
+    // A run of very many tables takes short ones, now and then a long one; PVT_SEED splits it into
+    // parts.
     let wanted = |name: &str| std::env::var(name).map_or(0, |n| n.parse().unwrap());
     let (tables, part) = (wanted("PVT_TABLES"), wanted("PVT_SEED"));
     let (segments, often, few) = if tables == 0 { (segments, 4, 20) } else { (0, 2000, 4) };
@@ -80,7 +82,7 @@ fn campaign(
         let (kind, points) = make(&mut chance, most);
         let mut shelf = Shelf::default();
         if let Err(refused) = shelf.add(kind, &points) {
-            // Random numbers may be too fast or too far; nothing else may be wrong with them.
+            // Random numbers may be too fast or too far; no other reason may occur.
             let known = [
                 Reason::TooFast,
                 Reason::BeyondTravel,
@@ -154,9 +156,9 @@ fn campaign(
     tally
 }
 
-/// The bound of the velocity at `ns` as a share of the peak, and whether it is SPEC 11's. Times are stored in units of
-/// 2⁻⁴³ of the pass at most, so a piece that the instant's unit of time touches counts as in force, and next to a jump
-/// either side may hold.
+/// The bound of the velocity at `ns` as a share of the peak, and whether it is SPEC 11's. Times are
+/// stored in units of 2⁻⁴³ of the pass at most. So a piece within one unit of the instant counts as
+/// present, and next to a jump either side may hold.
 fn bound(reference: &Reference, ns: u64) -> (f64, bool) {
     let since = ms(ns as i128) - &reference.delay;
     let local = &since - (&since / &reference.duration) * &reference.duration;
@@ -172,10 +174,10 @@ fn bound(reference: &Reference, ns: u64) -> (f64, bool) {
 #[test]
 fn pvt_is_exact() {
     let tally = campaign(11, 450_000, 1023, |chance, most| {
-        let way = way(chance, most);
+        let course = course(chance, most);
         let mut points: Vec<Vec<f64>> = Vec::new();
-        for (i, (t, p)) in way.iter().enumerate() {
-            let slope = if i == 0 { 0.0 } else { (p - way[i - 1].1) / (t - way[i - 1].0) };
+        for (i, (t, p)) in course.iter().enumerate() {
+            let slope = if i == 0 { 0.0 } else { (p - course[i - 1].1) / (t - course[i - 1].0) };
             points.push(vec![*t, *p, slope * (chance.unit() * 3.0 - 0.5)]);
         }
         (Kind::Pvt, points)
@@ -186,9 +188,9 @@ fn pvt_is_exact() {
 #[test]
 fn pvt_ex_is_exact() {
     campaign(12, 150_000, 500, |chance, most| {
-        let way = way(chance, most);
-        let slopes: Vec<f64> = way.windows(2).map(|w| (w[1].1 - w[0].1) / (w[1].0 - w[0].0)).chain([0.0]).collect();
-        let points = way
+        let course = course(chance, most);
+        let slopes: Vec<f64> = course.windows(2).map(|w| (w[1].1 - w[0].1) / (w[1].0 - w[0].0)).chain([0.0]).collect();
+        let points = course
             .iter()
             .zip(slopes)
             .map(|((t, p), slope)| vec![*t, *p, slope * (chance.unit() * 3.0 - 0.5), slope * chance.unit()]);
@@ -199,13 +201,13 @@ fn pvt_ex_is_exact() {
 #[test]
 fn complete_is_exact() {
     campaign(13, 150_000, 1023, |chance, most| {
-        let way = way(chance, most);
-        let points = way.iter().map(|(t, p)| vec![*t, *p]).collect();
+        let course = course(chance, most);
+        let points = course.iter().map(|(t, p)| vec![*t, *p]).collect();
         (Kind::Complete { vel_begin: chance.unit(), vel_end: -chance.unit() }, points)
     });
 }
 
-/// 0.012 ms after 17 s and before 22 minutes: what is lost of its length is felt far behind it.
+/// 0.012 ms after 17 s and before 22 minutes: a lost part of its length has effect far after it.
 #[test]
 fn a_short_segment_beside_a_long_one_is_exact() {
     let points = [
@@ -227,7 +229,7 @@ fn a_short_segment_beside_a_long_one_is_exact() {
 fn percent_is_exact() {
     let mut refused = 0;
     let tally = campaign(14, 200_000, 300, |chance, most| {
-        // The recursion must stay in reach: a random way with its own velocities.
+        // The recursion must stay in reach: random displacements with its own velocities.
         let style = chance.below(3);
         let (mut t, mut p, mut v) = (number(style, chance.unit() * 100.0), 0.0, chance.unit() - 0.5);
         let vel_begin = v;
@@ -266,7 +268,7 @@ fn continuous_is_exact() {
         let n = 2 + chance.below(most - 1);
         let mut direction = chance.sign();
         for i in 0..n {
-            // A velocity that suits the way before and the way behind.
+            // A velocity that suits the segments before and after.
             let next = if chance.below(3) == 0 { -direction } else { direction };
             let vel = if i == 0 || i == n - 1 || next != direction || chance.below(3) == 0 {
                 0.0
@@ -289,7 +291,8 @@ fn continuous_is_exact() {
     });
 }
 
-/// 0.1 pulse in 333.3 ms: neither has a short binary form. Far ahead in one step, then tick by tick.
+/// 0.1 pulse in 333.3 ms: neither has a short binary form. Far ahead in one step, then tick by
+/// tick.
 #[test]
 fn a_million_loops_do_not_drift() {
     let points = [vec![0.0, 0.0, 0.001], vec![111.1, 0.07, -0.0003], vec![333.3, 0.1, 0.001]];

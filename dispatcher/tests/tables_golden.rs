@@ -43,7 +43,7 @@ fn ends(bench: &mut Bench, t: f64, p: f64) {
     assert!(!running && (pos - p).abs() <= PULSE, "it must stay at {p}: {pos}");
 }
 
-/// Table 4-2: 1000 ms of delay, then 3000 ms a pass; the time goes back to 1000, not to 0.
+/// Table 4-2: 1000 ms of delay, then 3000 ms a pass; the time returns to 1000, not to 0.
 #[test]
 fn table_4_2_waits_and_loops() {
     let (shelf, _) = shelf(
@@ -130,7 +130,7 @@ fn table_4_3_groups() {
     ends(&mut bench, 3000.0, 20000.0);
 }
 
-/// Table 4-4: knots are kept whatever the shape between them.
+/// Table 4-4: knots are kept whatever the curve between them.
 #[test]
 fn table_4_4_groups() {
     for v in [15.0, 5.0] {
@@ -173,8 +173,8 @@ fn table_4_5_spline() {
     }
 }
 
-/// Table 4-6 and figure 4-6: 50000·sin²(πt/2000) through 5, 10 and 50 points. The clamped spline is of
-/// fourth order: |error| ≤ 5/384·h⁴·max|f⁗|, f⁗ = 25000·(π/1000)⁴, and not far below it.
+/// Table 4-6 and figure 4-6: 50000·sin²(πt/2000) through 5, 10 and 50 points. The clamped spline is
+/// of fourth order: |error| ≤ 5/384·h⁴·max|f⁗|, f⁗ = 25000·(π/1000)⁴, and not far below it.
 #[test]
 fn table_4_6_errors_shrink() {
     let f = |t: f64| 25000.0 * (1.0 - (core::f64::consts::PI * t / 1000.0).cos());
@@ -193,7 +193,8 @@ fn table_4_6_errors_shrink() {
     assert!(worst[0] / worst[1] > 10.0 && worst[1] / worst[2] > 300.0, "{worst:?}");
 }
 
-/// Table 4-7: velocities 0, 10, 10, 0 by the recursion; 60 % in the first, pure S in the last segment.
+/// Table 4-7: velocities 0, 10, 10, 0 by the recursion; 60 % in the first, pure S in the last
+/// segment.
 #[test]
 fn table_4_7_percent() {
     let (shelf, answers) = shelf(
@@ -222,10 +223,10 @@ fn table_4_7_percent() {
     ends(&mut bench, 3000.0, 20000.0);
 }
 
-/// Table 4-8. First: 0 → 10 in 1000 ms over 5000, cruise 10000 in 1000 ms, back in 1000 ms.
-/// Second: from rest at 0.01 and braking at 0.01 to 2 within 19800: t0 = 1000 (5000), brake (10 − 2)/0.01 =
-/// 800 ms over 4800, cruise 10000 in 1000 ms: 2800 ms; then 2000 at 2 with a brake of 100 ms
-/// over 100: 950 ms + 100 ms.
+/// Table 4-8. First: 0 → 10 in 1000 ms over 5000, cruise 10000 in 1000 ms, back in 1000 ms. Second:
+/// from standstill at 0.01 and braking at 0.01 to 2 within 19800. t0 = 1000 (5000), brake (10 −
+/// 2)/0.01 = 800 ms over 4800, cruise 10000 in 1000 ms: 2800 ms. Then 2000 at 2 with a brake of 100
+/// ms over 100: 950 ms + 100 ms.
 #[test]
 fn table_4_8_continuous() {
     let kind = Kind::Continuous { time_begin: 0.0 };
@@ -298,8 +299,8 @@ fn table_4_9_begins_at_speed() {
     assert!((bench.at_ms(400.0).1 - 5.75).abs() < 1e-9);
 }
 
-/// Tables 4-10 to 4-13, listing 4-3, figure 4-14: X goes there and back twice, Y starts 2000 ms later and
-/// runs three passes; Y moves while X turns and rests while X cruises.
+/// Tables 4-10 to 4-13, listing 4-3, figure 4-14: X moves there and back twice. Y starts 2000 ms
+/// later and runs three passes. Y moves while X turns and stands still while X cruises.
 #[test]
 fn tables_4_10_to_4_13_draw_the_meander() {
     let kind = Kind::Percent { vel_begin: 0.0 };
@@ -352,7 +353,7 @@ fn tables_4_10_to_4_13_draw_the_meander() {
         let ((gx, _, _), (gy, _, _)) = (x.at_ms(t), y.at_ms(t));
         assert!((gx - px).abs() <= PULSE && (gy - py).abs() <= PULSE, "{t}: {gx} {gy}, expected {px} {py}");
         if (t / 1000.0) as u32 % 3 == 1 {
-            // X cruises for the next second: Y rests.
+            // X cruises for the next second: Y stands still.
             let (gy, vy, _) = y.at_ms(t + 500.0);
             assert!((gy - py).abs() <= PULSE && vy.abs() < 1e-12, "{t}: {gy} {vy}");
         }
@@ -360,8 +361,8 @@ fn tables_4_10_to_4_13_draw_the_meander() {
     assert!(!x.at_ms(12000.0).2 && !y.at_ms(12000.0).2);
 }
 
-/// Listing 4-4: X over 30000 takes 1000 + 2000 + 1000 ms, Y over 20000 1000 less; begun that much later,
-/// both arrive at 4000 ms.
+/// Listing 4-4: X over 30000 takes 1000 + 2000 + 1000 ms, Y over 20000 1000 less; started that much
+/// later, both arrive at 4000 ms.
 #[test]
 fn listing_4_4_arrives_together() {
     let way = |length: f64| rows(&[&[0.0, 0.0, 100.0, 10.0, 0.01, 0.01], &[length, 0.0, 100.0, 10.0, 0.01, 0.01]]);
@@ -384,7 +385,8 @@ fn listing_4_4_arrives_together() {
     assert!(!rx && !ry && (px - 30000.0).abs() <= PULSE && (py - 20000.0).abs() <= PULSE);
 }
 
-/// PvtTableEx: velocity jumps at inner points take two places; at the jump the new velocity holds.
+/// PvtTableEx: velocity jumps at inner points take two points of the store; at the jump the new
+/// velocity holds.
 #[test]
 fn pvt_ex_jumps() {
     // 10 throughout, then 20 throughout, then back at −30 to 0.
@@ -409,7 +411,7 @@ fn pvt_ex_jumps() {
         ],
     );
     ends(&mut bench, 65.0, 300.0);
-    // Without a jump a point takes one place.
+    // Without a jump a point takes one point of the store.
     let (smooth, _) =
         self::shelf(Kind::PvtEx, &[&[0.0, 0.0, 0.0, 10.0], &[10.0, 50.0, 10.0, 0.0], &[20.0, 100.0, 3.0, 4.0]]);
     assert_eq!(smooth.header_of(0).points, 3);

@@ -48,7 +48,8 @@ fn counts() {
 fn more_places_than_fit() {
     let points: Vec<Vec<f64>> = (0..400).map(|i| vec![i as f64, if i % 2 == 0 { 0.0 } else { 10.0 }, 50.0]).collect();
     let refused = Shelf::default().add(PERCENT, &points).unwrap_err();
-    // One place for the first point, three for each one after it: point 342 (from 1) is the first too many.
+    // One point of the store for the first point, three for each one after it: point 342 (from 1)
+    // is the first too many.
     is(refused, Reason::TablePlaces, 342, NONE);
     // The Calculate command has no such limit.
     let (mut beside, room) = (Box::new(SplineScratch::new()), Box::new(PointStore::new()));
@@ -60,7 +61,8 @@ fn more_places_than_fit() {
     assert!(scratch.used() == 0 && draft.finish(&mut scratch).is_none());
 }
 
-/// SPEC 5: a point where the velocity jumps takes two of the 1024 places, so 513 points hold where it jumps at every inner one.
+/// SPEC 5: a point where the velocity jumps takes two of the 1024 points of the store, so 513
+/// points fit if it jumps at every inner one.
 #[test]
 fn a_jump_of_the_velocity_takes_a_second_place() {
     let steps = |count: usize| -> Vec<Vec<f64>> {
@@ -69,7 +71,7 @@ fn a_jump_of_the_velocity_takes_a_second_place() {
     let mut shelf = Shelf::default();
     shelf.add(Kind::PvtEx, &steps(513)).unwrap();
     assert_eq!(shelf.header_of(0).points, 1024);
-    // Place 1024 is the first one of the 513th point, which jumps here.
+    // Point 1024 of the store is the first one of the 513th point, which jumps here.
     is(Shelf::default().add(Kind::PvtEx, &steps(514)).unwrap_err(), Reason::TablePlaces, 512, NONE);
     // Without jumps the manual's 1024 points are held.
     let smooth: Vec<Vec<f64>> = (0..1024).map(|i| vec![i as f64, 10.0 * i as f64, 10.0, 10.0]).collect();
@@ -120,7 +122,7 @@ fn positions_and_velocities() {
     let fast = Kind::Complete { vel_begin: 0.0, vel_end: 1e10 };
     is(refused(fast, &[&[0.0, 0.0], &[1.0, 0.0]]), Reason::TooFast, 65535, 5);
     is(refused(Kind::Percent { vel_begin: f64::NAN }, &[&[0.0, 0.0], &[1.0, 0.0]]), Reason::NotFinite, 65535, 4);
-    // The points are near, the way between them is not.
+    // The points are near, the positions between them are not.
     is(refused(Kind::Pvt, &[&[0.0, 0.0, 4e9], &[1e5, 0.0, 0.0]]), Reason::BeyondTravel, 1, 11);
 }
 

@@ -2,8 +2,8 @@
 //! schema hash and the page `docs/protocol.md` follow.
 //!
 //! A request is a packed little-endian struct (`zerocopy`), sometimes followed by items of one
-//! fixed layout; so is a reply. Integers that the manuals' API passes as `short` or `long` travel as
-//! `i16` and `i32`, so that a wrong value reaches the dispatcher and is refused there by name.
+//! fixed layout; so is a reply. Integers that the manuals' API passes as `short` or `long` travel
+//! as `i16` and `i32`. So a wrong value reaches the dispatcher and is refused there by name.
 //!
 //! Names, parameters and their order: `API.md`; what a command does: `SPEC.md` sections 4 to 6.
 
@@ -97,13 +97,14 @@ macro_rules! commands {
     };
 }
 
-/// The type of the interlock (or emergency-stop) input for SimInput and SimPlan: the manuals have none.
+/// The type of the interlock (or emergency-stop) input for SimInput and SimPlan: the manuals have
+/// none.
 pub const INTERLOCK: i16 = 90;
 
 wire_structs! {
     /// No fields.
     Nothing {}
-    /// A number of items follows or was done.
+    /// The number of items that follow or that were done.
     Count { count: U16 }
     /// One 16-bit value.
     Short { value: I16 }
@@ -127,14 +128,15 @@ wire_structs! {
     SoftLimit { positive: I32, negative: I32 }
     /// One PT segment: end position and end time from the start of the pass.
     PtItem { pos: F64, time_ms: I32, kind: u8 }
-    /// After PT data: how many segments were taken, places free now, and how long the data that is
-    /// in the stream lasts (ms; for a FIFO at rest, the length of its data).
+    /// After PT data: how many segments were taken, free slots, and how long the data in the stream
+    /// lasts (ms; for a FIFO at standstill, the length of its data).
     PtTaken { taken: U16, space: U16, dry_ms: U32 }
     /// PT state: 0 never ran, 1 running, 2 ended, 3 ended by underrun, 4 ended by Stop or a fault.
     PtState { state: u8, loops: I32, space0: U16, space1: U16, dry_ms: U32 }
     /// A point of PvtTable: ms, pulse, pulse/ms.
     PvtPoint { time: F64, pos: F64, vel: F64 }
-    /// A point of PvtTableEx, with the velocities at the begin and at the end of the segment that follows.
+    /// A point of PvtTableEx, with the velocities at the start and at the end of the segment that
+    /// follows.
     PvtExPoint { time: F64, pos: F64, vel_begin: F64, vel_end: F64 }
     /// A point of PvtTableComplete.
     PvtKnot { time: F64, pos: F64 }
@@ -142,21 +144,22 @@ wire_structs! {
     PvtPercentPoint { time: F64, pos: F64, percent: F64 }
     /// A point of PvtTableContinuous: pulse, pulse/ms, pulse/ms².
     PvtContinuousPoint { pos: F64, vel: F64, percent: F64, vel_max: F64, acc: F64, dec: F64 }
-    /// PVT passes completed, and passes to run (0: for ever).
+    /// PVT passes completed, and passes to run (0: endless).
     PvtLoops { loop_count: I32, loop_set: I32 }
-    /// PVT table in force and time in it, ms.
+    /// Present PVT table and time in it, ms.
     PvtStatusItem { table: I16, time: F64 }
-    /// Master of a Follow axis: number, type and item as SetFollowMaster was given them.
+    /// Master of a Follow axis: number, type and item as given to SetFollowMaster.
     FollowMasterReply { master_index: I16, master_type: I16, master_item: I16 }
-    /// Start condition of a Follow axis, as SetFollowEvent was given it.
+    /// Start condition of a Follow axis, as given to SetFollowEvent.
     FollowEventReply { event: I16, master_dir: I16, pos: I32 }
-    /// After a Follow entry: places free in its FIFO now.
+    /// After a Follow entry: free slots of its FIFO.
     FollowTaken { space: U16 }
-    /// After FollowDataPercent2Ex: places free now, and the share of the first half of the S in percent.
+    /// After FollowDataPercent2Ex: free slots, and the share of the first half of the S-curve in
+    /// percent.
     FollowPercent1 { space: U16, percent1: I16 }
-    /// FIFO in force (0 or 1), and whether a switch waits for the end of the pass (0 no, 1 yes).
+    /// Present FIFO (0 or 1), and whether a switch waits for the end of the pass (0 no, 1 yes).
     FollowStatusReply { fifo: I16, switch_status: I16 }
-    /// One axis of a configuration file. `given` says which fields the file named (bit 0 limits,
+    /// One axis of a configuration file. `given` states which fields the file named (bit 0 limits,
     /// 1 limit sense, 2 alarm, 3 alarm sense, 4 soft limits, 5 stop decelerations, 6 following
     /// error, 7 band, 8 home sense).
     ConfigItem {
@@ -164,7 +167,8 @@ wire_structs! {
         soft_positive: I32, soft_negative: I32, dec_smooth: F64, dec_abrupt: F64, pos_err: I32,
         band: I32, band_time_cycles: I32, home_sense: u8,
     }
-    /// What a controller is; step_limit is what its step outputs make of an axis, pulse/ms (2^32 is full scale: none).
+    /// What a controller is; step_limit is the limit of its step outputs, pulse/ms (2^32 is full
+    /// scale: none).
     VersionReply {
         major: U16, minor: U16, patch: U16, schema: U32, board: [u8; 16], profile: u8, family: u8,
         cores: u8, axes_per_core: u8, lasers: u8, crds_per_core: u8, general_inputs: u8, general_outputs: u8, tick_us: U32, step_limit: F64,
@@ -173,40 +177,51 @@ wire_structs! {
     Clock { clock_ms: U32, ticks: U32 }
     /// The program queue: entries accepted, executed and waiting, free bytes, late entries, state
     /// (0 empty, 1 held, 2 running, 3 stopped by a failure, 4 stopped by Stop or link loss), and
-    /// the script clock in ns. Since the program's start: servo ticks that took too long; the tags of the record that
-    /// was late first and of the last one executed when a tick took too long first, if bits 0, 1 of `told` are set. Bit 2: a
-    /// laser command that changes light was late; bits 4 and 5: laser channels 0 and 1 went dark because a tick
-    /// took too long, or another fault took their light or kept it from coming.
+    /// the script clock in ns. Since the program's start: servo ticks that took too long. If bit 0
+    /// of `told` is set, the tag of the first late record; if bit 1 is set, the tag of the last
+    /// record executed when a tick first took too long. Bit 2: a laser command that changes light
+    /// was late. Bits 4 and 5: laser channels 0 and 1 went dark because a tick took too long, or
+    /// another fault took their light or kept it from coming.
     ProgramReply {
         accepted: U32, executed: U32, space_bytes: U32, late: U32, worst_late_us: U32, state: u8,
         clock_ns: U64, overruns: U32, late_tag: U16, overran_tag: U16, told: u8,
     }
-    /// What ended the run before this one: 0 nothing but power-off or a reset from outside, 1 a panic,
-    /// 2 a fault of the core, 3 an interrupt that nobody claims, 4 the watchdog; and how many bytes of text follow (UTF-8).
+    /// What ended the run before this one: 0 nothing but power-off or an external reset, 1 a panic,
+    /// 2 a fault of the core, 3 an interrupt that nobody claims, 4 the watchdog. Then how many
+    /// bytes of text follow (UTF-8).
     FaultReply { kind: u8, length: U16 }
     /// Events since power-on, and how many of the last ones follow.
     EventsReply { total: U32, count: U16 }
-    /// What happened by itself: when, what (1 an axis and 2 a coordinate system came to rest, 3 a laser went dark or was
-    /// cleared, 4 the link was lost or came back, 5 servo ticks took too long, 6 events were lost, 7 a laser command that was
-    /// admitted did nothing, 8 an abort or a new session shut off the lasers, 9 a pulse width was limited so many times), to
-    /// which (axes and coordinate systems over all cores from 1, lasers from 0), and why.
+    /// An event that no command caused: its time and kind, the object, and the reason. Axes and
+    /// coordinate systems count over all cores from 1, lasers from 0. Kinds:
+    /// 1 an axis came to standstill, 2 a coordinate system did,
+    /// 3 a laser went dark or was cleared,
+    /// 4 the link was lost or came back,
+    /// 5 servo ticks took too long, 6 events were lost,
+    /// 7 an admitted laser command did nothing,
+    /// 8 an abort or a new session shut off the lasers,
+    /// 9 a pulse width was limited (how often).
     EventItem { time_ns: U64, kind: u8, of: u8, reason: U16 }
-    /// The servo tick's period and, if the board measures it (`measured` 1), how long its ticks take from the timer's
-    /// event to the end of the handler: the running median and the longest since the start, in ns.
+    /// The servo tick's period. If the board measures it (`measured` 1), also how long its ticks
+    /// take from the timer's event to the end of the handler: the running median and the longest
+    /// since the start, in ns.
     TickTimeReply { period_ns: U32, median_ns: U32, worst_ns: U32, measured: u8 }
-    /// Link-loss time in ms (0: the link is not supervised), and whether PT, PVT and Follow stop too.
+    /// Link-loss time in ms (0: the link is not supervised), and whether PT, PVT and Follow stop
+    /// too.
     LinkLossReply { time_ms: F64, stop_all: I16 }
     /// Home or index capture.
     CaptureReply { status: I16, value: I32, clock_ms: U32 }
-    /// What an axis in FollowEx waits for: 0 nothing, 1 an input, 2 the master's crossing of a position (PASS); of an
-    /// input its type, its number on the core, the level that ends the wait, and whether a time limit ends it too.
+    /// What an axis in FollowEx waits for: 0 nothing, 1 an input, 2 the master's crossing of a
+    /// position (PASS). For an input its type, its number on the core, the level that ends the
+    /// wait, and whether a time limit ends it too.
     WaitReply { kind: u8, di_type: I16, index: I16, level: I16, limited: u8 }
     /// Raw bytes.
     Byte { value: u8 }
     /// One 32-bit value without a sign.
     ULong { value: U32 }
-    /// What a laser command took. Bit k of `held`: field k was outside its range and was taken as the
-    /// nearest bound (LSR); bit 7: the pulse width reaches the period and is limited to just under it.
+    /// What a laser command took. Bit k of `held`: field k was outside its range and was taken as
+    /// the nearest bound (LSR). Bit 7: the pulse width reaches the period and is limited to just
+    /// under it.
     LaserValue { value: F64, held: u8 }
     /// Bounds of the laser's power that were taken, in the mode's unit; `held` as in LaserValue.
     LaserBounds { max: F64, min: F64, held: u8 }
@@ -216,29 +231,31 @@ wire_structs! {
     LaserDelays { off_delay_us: U32, on_delay_us: U32, held: u8 }
     /// FPK times that were taken; `held` as in LaserValue.
     LaserFpk { time1_us: U32, time2_us: U32, laser_off_delay_us: U32, held: u8 }
-    /// One laser channel in one tick: power mode (0 duty, 1 frequency, 2 analog, 3 duty with the switch held),
-    /// on command, switch output, light; `held` 1: the pulse width is limited to just under the period;
-    /// cause of the latched fault (GetLaserFault); power in the mode's unit and carrier or pulse rate in kHz as they
-    /// are output now; light in 250 µs units.
+    /// One laser channel in one tick: power mode (0 duty, 1 frequency, 2 analog, 3 duty with the
+    /// switch held), on command, switch output, light. `held` 1: the pulse width is limited to just
+    /// under the period. Then the cause of the latched fault (GetLaserFault), power in the mode's
+    /// unit and carrier or pulse rate in kHz as they are output now, light in 250 µs units.
     LaserState {
         mode: I16, commanded: u8, gate: u8, light: u8, held: u8, fault: I16, power: F64, frequency: F64,
         on_time: U32,
     }
-    /// Parameters of a coordinate system (TCrdPrm): profile k is the coordinate (1 X, 2 Y, 3 Z, 4 A, 0 none) that
-    /// axis k of the core drives.
+    /// Parameters of a coordinate system (TCrdPrm): profile k is the coordinate (1 X, 2 Y, 3 Z, 4
+    /// A, 0 none) that axis k of the core drives.
     CrdPrm {
         dimension: I16, profile: [I16; 8], syn_vel_max: F64, syn_acc_max: F64, even_time_ms: I16,
         set_origin_flag: I16, origin_pos: [I32; 8],
     }
-    /// After data of a path: how many entries were taken, places free now, and how long the motions that are in the
-    /// FIFO last (ms, without override).
+    /// After data of a path: how many entries were taken, free slots, and how long the motions in
+    /// the FIFO last (ms, without override).
     CrdTaken { taken: U16, space: U16, lasts_ms: U32 }
-    /// Whether a coordinate system runs, and the path segments of a FIFO completed since it was cleared.
+    /// Whether a coordinate system runs, and the path segments of a FIFO completed since it was
+    /// cleared.
     CrdStatusReply { run: I16, segment: I32 }
-    /// One coordinate system in one tick: whether it runs; the FIFO in force; how it came to rest last (0 never moved,
-    /// 1 its entries ran out, 2 they ran out at speed, 3 stopped, 4 before a place that an axis must not go to: it can go on), and the reason of its axes' stop
-    /// (AxisItem); the axis of each coordinate, 0 none; coordinates in pulses, speed in pulse/ms; of each FIFO segments
-    /// completed, segments left and free places.
+    /// One coordinate system in one tick: whether it runs; its present FIFO. How it came to
+    /// standstill last: 0 never moved, 1 its entries ran out, 2 they ran out at speed, 3 stopped, 4
+    /// before a position that an axis must not reach (it can go on). The reason of its axes' stop
+    /// (AxisItem). The axis of each coordinate, 0 none; coordinates in pulses, speed in pulse/ms.
+    /// For each FIFO segments completed, segments left and free slots.
     CrdState {
         run: u8, fifo: u8, rest: u8, reason: U16, axes: [I16; 4], pos: [F64; 4], vel: F64, segments: [I32; 2],
         remainder: [I32; 2], space: [I32; 2],
@@ -249,24 +266,24 @@ wire_structs! {
     PathXY { x: I32, y: I32 }
     /// One target of LnXYZMany.
     PathXYZ { x: I32, y: I32, z: I32 }
-    /// One motion as TCrdData gives it: type 0 line, 1 arc; plane 0 XY, 1 YZ, 2 ZX; an arc has a centre from its start,
-    /// or, where that is 0, a radius.
+    /// One motion as TCrdData gives it: type 0 line, 1 arc; plane 0 XY, 1 YZ, 2 ZX. An arc has a
+    /// centre relative to its start, or, if that is 0, a radius.
     CrdPoint {
         motion_type: I16, plane: I16, pos: [I32; 4], radius: F64, dir: I16, center: [F64; 2], vel: F64, acc: F64,
         vel_end: F64, vel_end_zero: I16,
     }
-    /// Scales of SetLaserDisMode that were taken, pulses a unit of distance; bit k of `held`: that of axis k + 1
-    /// was held.
+    /// Scales of SetLaserDisMode that were taken, pulses per unit of distance; bit k of `held`:
+    /// that of axis k + 1 was limited.
     LaserScales { scale: [F64; 4], held: u8 }
     /// A point of SetLaserFollowTable: path speed in pulse/ms, power in the mode's unit.
     LaserFollowPoint { vel: F64, power: F64 }
-    /// What a chunk of a follow table took: how many of its powers were held at a bound (LSR).
+    /// What a chunk of a follow table took: how many of its powers were limited to a bound (LSR).
     LaserTableTaken { held: U16 }
-    /// A point of SetLaserDisTable1D: a ratio, and the position in pulses where it holds. Points of axis 1 come
-    /// first, `count` of them, then those of axes 2, 3 and 4.
+    /// A point of SetLaserDisTable1D: a ratio, and the position in pulses where it holds. Points of
+    /// axis 1 come first, `count` of them, then those of axes 2, 3 and 4.
     LaserDisPoint { ratio: F64, pos: I32 }
-    /// A value of SetLaserDisTable2D: the positions of X, those of Y (pulses, `count` of each), then the ratios row by row:
-    /// all of X at the first Y, and so on.
+    /// A value of SetLaserDisTable2D: the positions of X, those of Y (pulses, `count` of each),
+    /// then the ratios row by row: all of X at the first Y, and so on.
     LaserDisValue { value: F64 }
     /// One axis of an `AxisStatus` reply: what a display needs, of one tick.
     AxisItem {
@@ -514,7 +531,7 @@ pub fn width(of: &str) -> usize {
     }
 }
 
-/// Bytes of a row of fields.
+/// Bytes of several fields.
 pub fn widths(fields: &[(&str, &str)]) -> usize {
     fields.iter().map(|(_, of)| width(of)).fold(0, usize::saturating_add)
 }

@@ -1,15 +1,16 @@
-//! Frames out of a byte stream.
+//! Frames from a byte stream.
 //!
 //! In: bytes as they come, in any portions. Out: decoded frames, one at a time, and named refusals.
-//! Owns one frame's bytes and its counters. A frame is COBS data ended by one zero byte; whatever is
-//! wrong with it, the next zero ends it and the one after starts clean. No checksum here: see [`crate::frame`].
+//! Owns one frame's bytes and its counters.
+//! A frame is COBS data ended by one zero byte. After any error the next zero ends the frame, and
+//! the one after starts clean. No checksum here: see [`crate::frame`].
 //!
-//! Bytes are copied and searched for the delimiter four at a time; a complete frame is then decoded where
-//! it lies by walking from code to code, so the cost is per zero byte and not per byte. The `cobs` crate's
-//! decoders go byte by byte through a state, which costs several times the instructions that a PT segment
-//! may have. The tests hold this decoder to that crate.
+//! Bytes are copied and searched for the delimiter four at a time. A complete frame is then decoded
+//! in place, from code to code, so the cost is per zero byte and not per byte. The `cobs` crate's
+//! decoders process byte by byte, which costs several times the instructions that a PT segment may
+//! have. The tests compare this decoder with that crate.
 
-/// What became of the bytes fed.
+/// Result of feeding bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Outcome {
     /// All bytes are consumed and no frame is complete.
@@ -29,7 +30,7 @@ pub enum Fault {
     Truncated,
 }
 
-/// What a deframer has seen since power-on (wrapping).
+/// Counts since power-on (wrapping).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Counters {
     /// Frames handed out.
@@ -40,8 +41,8 @@ pub struct Counters {
     pub truncated: u32,
 }
 
-/// Where encoded bytes begin in the buffer: so a link frame's payload, behind the first code and 14 bytes of
-/// header, lies on a word boundary and is copied by words.
+/// Index of the first encoded byte in the buffer. So a link frame's payload, after the first code
+/// and 14 bytes of header, lies on a word boundary and is copied by words.
 const START: usize = 1;
 
 #[derive(Debug, Clone)]
@@ -54,7 +55,7 @@ pub struct Deframer<const N: usize> {
     bytes: Place<N>,
     /// End of the encoded bytes collected.
     len: usize,
-    /// The last complete frame ends here; it begins behind the first code.
+    /// End of the last complete frame; it begins after the first code.
     done: usize,
     overflow: bool,
     counters: Counters,
@@ -78,14 +79,14 @@ impl<const N: usize> Deframer<N> {
         }
     }
 
-    /// Takes bytes up to and including the next delimiter; says how many it took and what came of it.
+    /// Takes bytes up to and including the next delimiter; returns how many it took and the result.
     /// With [`Outcome::More`] all of them.
     pub fn feed(&mut self, input: &[u8]) -> (usize, Outcome) {
         let mut rest = input;
         loop {
             let kept = self.keep(rest);
             rest = rest.get(kept..).unwrap_or(&[]);
-            // What is left begins with a delimiter, or does not fit.
+            // The remainder begins with a delimiter, or does not fit.
             let Some(at) = rest.iter().position(|&byte| byte == 0) else {
                 self.overflow |= !rest.is_empty();
                 return (input.len(), Outcome::More);
@@ -103,12 +104,12 @@ impl<const N: usize> Deframer<N> {
         self.bytes.0.get(START + 1..self.done).unwrap_or(&[])
     }
 
-    /// What has been seen so far.
+    /// The counts so far.
     pub fn counters(&self) -> Counters {
         self.counters
     }
 
-    /// Forgets a half-read frame, as after reopening a transport.
+    /// Forgets a partly read frame, as after reopening a transport.
     pub fn reset(&mut self) {
         self.len = START;
         self.overflow = false;
@@ -118,29 +119,29 @@ impl<const N: usize> Deframer<N> {
     fn keep(&mut self, input: &[u8]) -> usize {
         let room = self.bytes.0.get_mut(self.len..).unwrap_or(&mut []);
         let mut kept = 0usize;
-        for (place, word) in room.chunks_exact_mut(4).zip(input.chunks_exact(4)) {
+        for (slot, word) in room.chunks_exact_mut(4).zip(input.chunks_exact(4)) {
             let &[a, b, c, d] = word else { break };
             let value = u32::from_le_bytes([a, b, c, d]);
             // A borrow into a top bit that was clear: one of the four bytes is zero.
             if value.wrapping_sub(0x0101_0101) & !value & 0x8080_8080 != 0 {
                 break;
             }
-            place.copy_from_slice(&[a, b, c, d]);
+            slot.copy_from_slice(&[a, b, c, d]);
             kept = kept.wrapping_add(4);
         }
         let room = room.get_mut(kept..).unwrap_or(&mut []);
-        for (place, &byte) in room.iter_mut().zip(input.get(kept..).unwrap_or(&[])) {
+        for (slot, &byte) in room.iter_mut().zip(input.get(kept..).unwrap_or(&[])) {
             if byte == 0 {
                 break;
             }
-            *place = byte;
+            *slot = byte;
             kept = kept.wrapping_add(1);
         }
         self.len = self.len.saturating_add(kept);
         kept
     }
 
-    /// A delimiter: what was before it, or nothing for a delimiter after a delimiter.
+    /// A delimiter: the result of the bytes before it, or none after another delimiter.
     fn finish(&mut self) -> Option<Outcome> {
         let (len, overflow) = (self.len, self.overflow);
         self.reset();
@@ -165,9 +166,10 @@ impl<const N: usize> Deframer<N> {
     }
 }
 
-/// Decodes COBS data without zeros where it lies: each code but the first is replaced by the zero that it
-/// stands for. Behind a full block (code 255) stands none, so there the rest moves up by one; a frame has few
-/// of those. Returns the end of the data, which begin at 1; `None` if the last block is cut short.
+/// Decodes COBS data without zeros in place: each code but the first is replaced by the zero that
+/// it stands for. A full block (code 255) has no zero after it, so there the rest moves up by one;
+/// a frame has few of those. Returns the end of the data, which begin at 1; `None` if the last
+/// block is cut short.
 fn decode(bytes: &mut [u8]) -> Option<usize> {
     let mut end = bytes.len();
     let mut at = 0usize;
@@ -178,9 +180,9 @@ fn decode(bytes: &mut [u8]) -> Option<usize> {
             return (next == end).then_some(end);
         }
         let full = code == 0xFF;
-        let place = bytes.get_mut(next)?;
-        code = *place;
-        *place = 0;
+        let slot = bytes.get_mut(next)?;
+        code = *slot;
+        *slot = 0;
         at = next;
         if full {
             at = next.wrapping_sub(1);

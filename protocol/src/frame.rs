@@ -49,8 +49,8 @@ static TABLES: [[u32; 256]; 4] = {
     [table[0], table[1], table[2], table[3]]
 };
 
-/// Goes on with a CRC over more bytes, four at a time by the crate's tables: 4 instructions a byte on the
-/// Cortex-M7 where the crate's own loop takes 7.
+/// Continues a CRC over more bytes, four at a time by the crate's tables: 4 instructions a byte on
+/// the Cortex-M7 instead of 7 by the crate's own loop.
 fn crc_update(mut crc: u32, bytes: &[u8]) -> u32 {
     let [t0, t1, t2, t3] = &TABLES;
     let (words, rest) = bytes.as_chunks::<4>();
@@ -64,44 +64,47 @@ fn crc_update(mut crc: u32, bytes: &[u8]) -> u32 {
     crc
 }
 
-/// The CRC of a row of parts.
+/// The CRC of several parts.
 fn checksum(parts: &[&[u8]]) -> u32 {
     !parts.iter().fold(!0, |crc, part| crc_update(crc, part))
 }
 
-/// Copies the bytes that both have place for, word by word: the compiler's `memcpy` goes byte by byte where
-/// the two are not aligned alike.
+/// Copies as many bytes as both can hold, word by word: the compiler's `memcpy` goes byte by byte
+/// if the two are not aligned alike.
 pub(crate) fn copy(to: &mut [u8], from: &[u8]) {
     let length = to.len().min(from.len());
     let (to, from) = (to.get_mut(..length).unwrap_or(&mut []), from.get(..length).unwrap_or(&[]));
     let (to_words, to_rest) = to.as_chunks_mut::<4>();
     let (from_words, from_rest) = from.as_chunks::<4>();
-    for (place, word) in to_words.iter_mut().zip(from_words) {
-        *place = u32::from_le_bytes(*word).to_le_bytes();
+    for (slot, word) in to_words.iter_mut().zip(from_words) {
+        *slot = u32::from_le_bytes(*word).to_le_bytes();
     }
-    for (place, byte) in to_rest.iter_mut().zip(from_rest) {
-        *place = *byte;
+    for (slot, byte) in to_rest.iter_mut().zip(from_rest) {
+        *slot = *byte;
     }
 }
 
 wire_structs! {
-    /// The first 14 bytes of a frame. The places of version, kind, session and length, and the layouts of
-    /// [`Hello`] and [`HelloAck`], are the same in every version, so that any two can tell each other apart.
+    /// The first 14 bytes of a frame. Version, kind, session and length have the same offsets in
+    /// every version, and [`Hello`] and [`HelloAck`] the same layouts. So any two versions can tell
+    /// each other apart.
     Header {
         version: u8, kind: u8, flags: u8, credit: u8, session: U32, sequence: U16, acknowledgement: U16,
         length: U16,
     }
     /// Payload of kind Hello; the header's session is the client's nonce.
     Hello { schema: U32, window: U16 }
-    /// Payload of kind HelloAck; the header's session is the nonce of the Hello it answers. `session`
-    /// is the session's id, 0 if versions or schemas differ.
+    /// Payload of kind HelloAck; the header's session is the nonce of the Hello it answers.
+    /// `session` is the session's id, 0 if versions or schemas differ.
     HelloAck { schema: U32, window: U16, session: U32 }
-    /// Payload of kind Busy; the header's session is the nonce of the Hello it answers. Another client has the session:
-    /// for `held_ms`, heard last `silent_ms` ago. `holder` says where it is, in UTF-8, filled up with zeros.
+    /// Payload of kind Busy; the header's session is the nonce of the Hello it answers. Another
+    /// client has had the session for `held_ms`; its last frame came `silent_ms` ago. `holder` is
+    /// its address, in UTF-8, filled up with zeros.
     Busy { held_ms: U32, silent_ms: U32, holder: [u8; 32] }
 }
 
-/// In `flags`: the sender of the frame holds messages beyond `acknowledgement`, so that one is missing.
+/// In `flags`: the sender of the frame holds messages beyond `acknowledgement`, so that one is
+/// missing.
 pub const FLAG_GAP: u8 = 1;
 
 /// What a frame is for.
@@ -120,7 +123,7 @@ pub enum Kind {
     KeepAlive = 5,
     /// Ends the session.
     Bye = 6,
-    /// Controller: answers a Hello where another client has the session.
+    /// Controller: answers a Hello while another client has the session.
     Busy = 7,
 }
 
@@ -138,7 +141,7 @@ impl Kind {
         }
     }
 
-    /// The payload length that this kind must have; `None` where any will do.
+    /// The payload length that this kind must have; `None` if any will do.
     const fn fixed_length(self) -> Option<usize> {
         match self {
             Kind::Hello => Some(size_of::<Hello>()),
@@ -151,14 +154,14 @@ impl Kind {
 }
 
 impl Busy {
-    /// What is told of the client at `holder`, of which so many bytes go as there are places for.
+    /// What is reported of the client at `holder`: as many bytes as fit.
     pub fn new(held_ms: u32, silent_ms: u32, holder: &str) -> Busy {
-        let mut place = [0; HOLDER];
-        copy(&mut place, holder.as_bytes());
-        Busy { held_ms: held_ms.into(), silent_ms: silent_ms.into(), holder: place }
+        let mut bytes = [0; HOLDER];
+        copy(&mut bytes, holder.as_bytes());
+        Busy { held_ms: held_ms.into(), silent_ms: silent_ms.into(), holder: bytes }
     }
 
-    /// Where the other client is.
+    /// The address of the other client.
     pub fn holder(&self) -> &[u8] {
         self.holder.split(|byte| *byte == 0).next().unwrap_or(&[])
     }

@@ -1,15 +1,16 @@
 #![no_std]
 #![forbid(unsafe_code)]
-//! What travels on the host link: bytes in, checked messages out, and back.
+//! The host link's protocol: bytes in, checked messages out, and back.
 //!
 //! ```text
-//! bytes -> deframe (COBS) -> frame (header, CRC-32) -> link (in order, exactly once) -> record (commands, replies)
+//! bytes -> deframe (COBS) -> frame (header, CRC-32) -> link (in order, exactly once)
+//!       -> record (commands, replies)
 //! ```
 //!
-//! The trace has its own one-way stream ([`trace`]) over the same [`deframe`] and CRC.
-//! Nothing here allocates, waits, reads a clock or can panic on what comes from the wire: every bad
-//! byte ends in a counter or in a named refusal. `docs/protocol.md` has the byte tables, and the tests
-//! read its vectors.
+//! The trace has its own one-way stream ([`trace`]) over the same [`deframe`] and CRC. Nothing here
+//! allocates, waits, reads a clock or can panic on bytes from the wire: every bad byte ends in a
+//! counter or in a named refusal. `docs/protocol.md` has the byte tables, and the tests read its
+//! vectors.
 
 #[cfg(test)]
 extern crate std;

@@ -1,20 +1,22 @@
-//! The reliable link: messages both ways, in order, exactly once, over bytes that may be lost, damaged,
-//! doubled or reordered. One state machine for both ends.
+//! The reliable link: messages both ways, in order, exactly once, over bytes that may be lost,
+//! damaged, doubled or reordered. One state machine for both ends.
 //!
-//! In: received bytes ([`Endpoint::feed`]), messages to send ([`Endpoint::send`]), the time with every
-//! call. Out: bytes to transmit ([`Endpoint::take_tx`]), received messages ([`Endpoint::message`]), a
-//! [`State`] and [`Counters`]. Owns `2 * WINDOW` messages and two frames of memory; reads no clock and
-//! does no input or output. A bad frame is counted and forgotten.
+//! In: received bytes ([`Endpoint::feed`]), messages to send ([`Endpoint::send`]), the time with
+//! every call. Out: bytes to transmit ([`Endpoint::take_tx`]), received messages
+//! ([`Endpoint::message`]), a [`State`] and [`Counters`]. Owns `2 * WINDOW` messages and two frames
+//! of memory; reads no clock and does no input or output.
+//! Fails: a bad frame is counted and ignored.
 //!
-//! **Opening.** The client sends Hello with a nonce; the controller offers a session id that it has never
-//! used with this nonce (HelloAck); the client confirms with a KeepAlive in that session; the controller
-//! takes the session up and acknowledges, and only then is the client [`State::Open`]. A Hello alone changes
-//! nothing in the controller, so a late copy of an old one cannot end a session, and a late message of an
-//! old session never matches the present id.
+//! **Opening.** The client sends Hello with a nonce. The controller offers a session id that it has
+//! never used with this nonce (HelloAck). The client confirms with a KeepAlive in that session. The
+//! controller begins the session and acknowledges; only then is the client [`State::Open`]. A Hello
+//! alone changes nothing in the controller, so a late copy of an old one cannot end a session. A
+//! late message of an old session never matches the present id.
 //!
-//! **Flow.** `acknowledgement` is the first message not yet received; `credit` is how many from there on
-//! the receiver has room for. A message's place is free when the user is done with it
-//! ([`Endpoint::done_with_message`]), so messages left untaken close the window without being sent again.
+//! **Flow.** `acknowledgement` is the first message not yet received; `credit` is how many from
+//! there on the receiver has room for. A message's slot is free when the user is done with it
+//! ([`Endpoint::done_with_message`]). So messages left untaken close the window without being sent
+//! again.
 
 #[cfg(test)]
 mod fates;
@@ -31,7 +33,8 @@ use transmit::Transmitter;
 pub const HELLO_NS: Ns = 100_000_000;
 /// The client sends a KeepAlive when it has sent nothing else for this time.
 pub const KEEP_ALIVE_NS: Ns = 100_000_000;
-/// A session whose last valid frame is younger than this is alive: a client on another wire does not get it.
+/// A session whose last valid frame is younger than this is alive: a client on another wire does
+/// not get it.
 pub const ALIVE_NS: Ns = 500_000_000;
 /// Bounds of the time after which an unacknowledged message is sent again, and its first value.
 pub const RETRY_MIN_NS: Ns = 20_000_000;
@@ -63,14 +66,14 @@ impl Identity {
     pub const OURS: Identity = Identity { version: VERSION, schema: crate::SCHEMA };
 }
 
-/// Where the link stands.
+/// State of the link.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum State {
     /// No session: never opened, or closed by this end.
     Closed,
     /// Client: waiting for the controller's answers.
     Opening,
-    /// A session is in force.
+    /// A session is open.
     Open,
     /// Client: the controller is of another version or schema, which are given (return code 3).
     Mismatch(Identity),
@@ -91,7 +94,7 @@ pub enum SendError {
     TooLong,
 }
 
-/// What the link has seen since power-on (wrapping).
+/// Counts since power-on (wrapping).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[allow(missing_docs)]
 pub struct Counters {
@@ -105,9 +108,9 @@ pub struct Counters {
     pub length: u32,
     /// Frames of the opening that are not for this role or not for this Hello.
     pub unexpected: u32,
-    /// Frames of a session that is not in force.
+    /// Frames of a session that is not open.
     pub stale_session: u32,
-    /// Acknowledgements of what was never sent.
+    /// Acknowledgements of messages that were never sent.
     pub bad_acknowledgement: u32,
     /// Messages that came again.
     pub duplicates: u32,
@@ -115,7 +118,7 @@ pub struct Counters {
     pub beyond_window: u32,
     /// Hellos of another version or schema.
     pub mismatches: u32,
-    /// Sessions taken up.
+    /// Sessions begun.
     pub sessions: u32,
     /// Messages received in order, and messages accepted for sending.
     pub received: u32,
@@ -125,7 +128,7 @@ pub struct Counters {
     pub fast_retransmits: u32,
 }
 
-/// How far a client's opening is.
+/// Progress of a client's opening.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Phase {
     /// Hello is repeated until a HelloAck comes.
@@ -134,7 +137,7 @@ enum Phase {
     Confirming(u8),
 }
 
-/// A session the controller has offered and nobody has taken up yet.
+/// A session that the controller has offered and no client has confirmed yet.
 #[derive(Debug, Clone, Copy)]
 struct Offer {
     nonce: u32,
@@ -142,14 +145,14 @@ struct Offer {
     window: u16,
 }
 
-/// What [`Endpoint::knock`] has done.
+/// Result of [`Endpoint::request_take_over`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TakeOver {
-    /// Nothing: the frame is none of those that open a session.
+    /// Nothing: the frame does not belong to the opening of a session.
     Nothing,
     /// So many bytes are to be sent over the wire on which the frame came.
     Answered(usize),
-    /// A session has been taken up: from now on that wire is the link's.
+    /// A session has begun: from now on that wire is the link's.
     TakenUp,
 }
 
@@ -160,7 +163,7 @@ pub struct Endpoint<const WINDOW: usize> {
     identity: Identity,
     state: State,
     phase: Phase,
-    /// Client: nonce of the last Hello. Controller: nonce of the session in force.
+    /// Client: nonce of the last Hello. Controller: nonce of the open session.
     nonce: u32,
     /// 0: none.
     session: u32,
@@ -175,11 +178,11 @@ pub struct Endpoint<const WINDOW: usize> {
     answer: Option<(u32, HelloAck)>,
     bye: Option<u32>,
     keep_alive_due: bool,
-    /// When the opening is tried again.
+    /// Time of the next try to open.
     retry_at: Ns,
     last_sent: Ns,
     last_valid: Option<Ns>,
-    /// When the session was taken up.
+    /// When the session began.
     began: Ns,
     wire: [u8; MAX_WIRE],
     wire_at: usize,
@@ -239,8 +242,9 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
         }
     }
 
-    /// Client: begins a new session, whatever was before. `nonce` must differ from that of any session
-    /// whose bytes may still be under way: take it at random. A controller ignores the call.
+    /// Client: begins a new session, whatever was before. `nonce` must differ from that of any
+    /// session whose bytes may still be in transit: take it at random. A controller ignores the
+    /// call.
     pub fn open(&mut self, now: Ns, nonce: u32) {
         if self.role == Role::Client {
             self.forget(State::Opening);
@@ -251,14 +255,14 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
         }
     }
 
-    /// Ends the session; the other end is told once, without waiting for its answer.
+    /// Ends the session; the other end gets one Bye, without waiting for its answer.
     pub fn close(&mut self) {
         let bye = (self.state == State::Open).then_some(self.session);
         self.forget(State::Closed);
         self.bye = bye;
     }
 
-    /// A client's sign of life goes out with the next bytes, before it is due.
+    /// Sends a client's keep-alive with the next bytes, before it is due.
     pub fn keep_alive(&mut self) {
         self.keep_alive_due |= self.role == Role::Client && matches!(self.state, State::Open);
     }
@@ -273,7 +277,8 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
                         self.keep_alive_due = true;
                         self.phase = Phase::Confirming(count.wrapping_add(1));
                     }
-                    // Nobody takes up the session: another Hello may have overwritten the offer. Ask anew.
+                    // Nobody confirms the session: another Hello may have overwritten the offer.
+                    // Ask again.
                     Phase::Confirming(_) | Phase::Asking => {
                         self.phase = Phase::Asking;
                         self.hello_due = true;
@@ -308,12 +313,12 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
 
     /// Whether [`Self::send`] would take a message.
     pub fn can_send(&self) -> bool {
-        self.state == State::Open && self.transmitter.has_place()
+        self.state == State::Open && self.transmitter.has_room()
     }
 
     /// Messages that can be sent before the window is full.
     pub fn places(&self) -> usize {
-        if self.state == State::Open { self.transmitter.places() } else { 0 }
+        if self.state == State::Open { self.transmitter.room() } else { 0 }
     }
 
     /// Takes a message for sending.
@@ -328,14 +333,14 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
             return Err(SendError::NotOpen);
         }
         let draft = self.transmitter.draft().ok_or(SendError::Full)?;
-        if let Some(place) = draft.get_mut(..message.len()) {
-            frame::copy(place, message);
+        if let Some(slot) = draft.get_mut(..message.len()) {
+            frame::copy(slot, message);
         }
         self.send_draft(message.len())
     }
 
-    /// The place of the next message to send, to be written where it will stay; then
-    /// [`Self::send_draft`]. `None` when nothing can be sent.
+    /// The slot of the next message to send, to be written in place; then [`Self::send_draft`].
+    /// `None` when nothing can be sent.
     pub fn draft(&mut self) -> Option<&mut [u8; MAX_PAYLOAD]> {
         if self.state == State::Open { self.transmitter.draft() } else { None }
     }
@@ -371,27 +376,27 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
         Some((self.receiver.message()?, self.transmitter.draft()?))
     }
 
-    /// Frees the message's place: the sender may send another one.
+    /// Frees the message's slot: the sender may send another one.
     pub fn done_with_message(&mut self) {
         self.receiver.done();
     }
 
-    /// Where the link stands.
+    /// State of the link.
     pub fn state(&self) -> State {
         self.state
     }
 
-    /// Id of the session in force. Another id means that all state of the one before is void.
+    /// Id of the open session. Another id means that all state of the one before is void.
     pub fn session(&self) -> Option<u32> {
         (self.state == State::Open).then_some(self.session)
     }
 
-    /// When the last valid frame of the session in force came; for link-loss time-outs.
+    /// When the last valid frame of the open session came; for link-loss time-outs.
     pub fn last_valid(&self) -> Option<Ns> {
         if self.state == State::Open { self.last_valid } else { None }
     }
 
-    /// Time since the last valid frame of the session in force.
+    /// Time since the last valid frame of the open session.
     pub fn silence(&self, now: Ns) -> Option<Ns> {
         self.last_valid().map(|at| now.saturating_sub(at))
     }
@@ -406,13 +411,13 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
         self.refused
     }
 
-    /// What has been seen so far.
+    /// The counts so far.
     pub fn counters(&self) -> Counters {
         Counters { deframe: self.deframer.counters(), ..self.counters }
     }
 
-    /// Drops the session and all messages. Bytes of a frame that is half out stay, so that the stream
-    /// keeps its frame boundaries.
+    /// Drops the session and all messages. The remaining bytes of a partly sent frame stay, so that
+    /// the stream keeps its frame boundaries.
     fn forget(&mut self, state: State) {
         self.state = state;
         self.session = 0;
@@ -426,7 +431,7 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
         self.receiver.reset();
     }
 
-    /// Takes up a session.
+    /// Begins a session.
     fn begin(&mut self, now: Ns, nonce: u32, session: u32, window: u16) {
         self.offer = None;
         self.nonce = nonce;

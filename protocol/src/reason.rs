@@ -1,5 +1,5 @@
-//! Why a command was refused: a return code (SPEC 3) and a reason that a person can read once the
-//! host has put the command's and the parameter's name to it.
+//! Why a command was refused: a return code (SPEC 3) and a reason. A person can read the reason
+//! once the host has added the names of command and parameter.
 
 use crate::command::Wire;
 use core::fmt::{self, Display, Formatter};
@@ -29,15 +29,16 @@ macro_rules! reasons {
         #[repr(u16)]
         pub enum Reason { $( #[doc = $text] $name = $number, )* }
         /// Every reason: its number, its return code and its text. In the text `{field}` is the
-        /// parameter's name, `{got}` what was given, `{low}` and `{high}` the limits, `{axis}` the axis, `{cause}`
-        /// the [`laser_cause`] and `{stop}` the [`stop_reason`] whose number is `high`.
+        /// parameter's name, `{got}` the given value, `{low}` and `{high}` the limits, `{axis}` the
+        /// axis. `{cause}` is the [`laser_cause`] and `{stop}` the [`stop_reason`] whose number is
+        /// `high`.
         pub const REASONS: &[(Reason, Code, &str)] = &[$( (Reason::$name, Code::$code, $text), )*];
         impl Reason {
             /// The reason with this number.
             pub const fn from_number(number: u16) -> Option<Self> {
                 match number { $( $number => Some(Reason::$name), )* _ => None }
             }
-            /// The return code that goes with it.
+            /// Its return code.
             pub const fn code(self) -> Code {
                 match self { $( Reason::$name => Code::$code, )* }
             }
@@ -217,7 +218,7 @@ impl Refusal {
     }
 }
 
-/// Why an axis or a coordinate system came to rest, by the number that an event carries.
+/// Why an axis or a coordinate system came to standstill, by the number that an event carries.
 pub const fn stop_reason(number: u16) -> &'static str {
     match number {
         0 => "it has not moved",
@@ -244,7 +245,8 @@ pub const fn stop_reason(number: u16) -> &'static str {
     }
 }
 
-/// Why a laser channel is dark until it is cleared, by the number that GetLaserFault tells (SPEC 9).
+/// Why a laser channel is dark until it is cleared, by the number that GetLaserFault reports (SPEC
+/// 9).
 pub const fn laser_cause(number: i16) -> &'static str {
     match number {
         0 => "none",
@@ -283,7 +285,7 @@ pub fn describe<'a>(request: &'a str, field: &'a str, refusal: Refusal) -> impl 
 /// As [`describe`], with the names that the command table has for `opcode`.
 pub fn describe_opcode(opcode: u16, refusal: Refusal) -> impl Display {
     let command = crate::command::info(opcode);
-    // A parameter of an item is counted behind those of the request.
+    // A parameter of an item is counted after those of the request.
     let field = command.and_then(|command| command.fields.iter().chain(command.items).nth(refusal.field.into()));
     Description {
         request: command.map_or("", |command| command.name),

@@ -1,8 +1,10 @@
 //! Several commands or replies in one message.
 //!
-//! In and out: byte buffers. A message is a row of records, each a head and a body of `len` bytes. A
-//! record whose body does not have its command's length is refused by itself; one that reaches beyond
-//! the end of the message is reported and ends the message, since nothing behind it can be found.
+//! In and out: byte buffers. A message is a sequence of records, each a head and a body of `len`
+//! bytes.
+//! Fails: a record whose body does not have its command's length is refused by itself. One that
+//! reaches beyond the end of the message is reported and ends the message, since nothing after it
+//! can be found.
 //! Nothing here knows a command: [`Request`](crate::command::Request) names the layouts.
 
 use crate::command::{Request, Wire, wire_structs};
@@ -13,8 +15,8 @@ use zerocopy::little_endian::{F64, I16, U16};
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout, Unaligned};
 
 wire_structs! {
-    /// Before each request: number, the client's tag (comes back in the reply), length of the body, lane
-    /// (0 immediate, 1 program, 2 program, may fail).
+    /// Before each request: number, the client's tag (comes back in the reply), length of the body,
+    /// lane (0 immediate, 1 program, 2 program, may fail).
     RequestHead { opcode: U16, tag: U16, len: U16, lane: u8 }
     /// Before each reply: number and tag of the request, return code, length of the body.
     ReplyHead { opcode: U16, tag: U16, code: I16, len: U16 }
@@ -23,34 +25,36 @@ wire_structs! {
 /// Longest body of a request: with its head it fills a message.
 pub const BODY_MAX: usize = MAX_PAYLOAD - size_of::<RequestHead>();
 
-/// Most bytes of items that a client puts into one request; a controller takes all that a message holds. What is more
-/// goes in requests of its own, one after the other.
+/// Most bytes of items that a client puts into one request; a controller takes all that a message
+/// holds. More items need further requests.
 pub const ITEM_BYTES: usize = 960;
 
-/// Where a request goes.
+/// The lane of a request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Lane {
     /// At once.
     Immediate = 0,
-    /// Behind the entries of the program queue; a failure there ends the program.
+    /// After the entries of the program queue; a failure there ends the program.
     Program = 1,
-    /// The same, but a program goes on behind the entry if it is refused.
+    /// The same, but a program goes on after the entry if it is refused.
     ProgramMayFail = 2,
 }
 
-/// Number of the records that carry a trace over the link (`Trace` with `way` 1): tag and code are 0, the body
-/// is the next part of the trace's byte stream. They answer nothing; the controller sends them by itself.
+/// Number of the records that carry a trace over the link (`Trace` with `way` 1): tag and code are
+/// 0, the body is the next part of the trace's byte stream. They answer nothing; the controller
+/// sends them by itself.
 pub const TRACE_RECORD: u16 = 0x0017;
 
 /// The buffer has no room for the record; nothing was written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Full;
 
-/// A record that reaches beyond its message, a rest too short for a head, or a lane that does not exist.
+/// A record that reaches beyond its message, a remainder too short for a head, or a lane that does
+/// not exist.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Malformed {
-    /// Where the record begins in the message.
+    /// Index of the record's first byte in the message.
     pub at: usize,
     /// Number and tag, if the head was there.
     pub head: Option<(u16, u16)>,
@@ -79,7 +83,7 @@ pub struct RequestRecord<'a> {
     pub opcode: u16,
     /// To be repeated in the reply.
     pub tag: u16,
-    /// Where it goes.
+    /// Its lane.
     pub lane: Lane,
     /// Struct and items.
     pub body: &'a [u8],
@@ -112,7 +116,8 @@ impl<'a> ReplyRecord<'a> {
     /// The body of a reply to request `R` with code 0, or what the controller refused.
     ///
     /// # Errors
-    /// [`ReplyError::Refused`] for a code other than 0, [`ReplyError::Length`] for a body of the wrong length.
+    /// [`ReplyError::Refused`] for a code other than 0, [`ReplyError::Length`] for a body of the
+    /// wrong length.
     pub fn parse<R: Request>(&self) -> Result<(R::Reply, Items<'a, R::ReplyItem>), ReplyError> {
         match self.refusal() {
             Some(refusal) => Err(refusal),
@@ -141,7 +146,7 @@ pub enum ReplyError {
     Length,
 }
 
-/// Items behind a struct.
+/// Items after a struct.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Items<'a, T> {
     bytes: &'a [u8],
@@ -159,7 +164,7 @@ impl<'a, T: Wire> Items<'a, T> {
         self.bytes.is_empty()
     }
 
-    /// One after the other.
+    /// One after another.
     pub fn iter(&self) -> impl Iterator<Item = T> + use<'a, T> {
         // A layout of no bytes has no items, and chunks of no bytes do not exist.
         self.bytes.chunks_exact(size_of::<T>().max(1)).filter_map(|bytes| T::read_from_bytes(bytes).ok())
@@ -241,7 +246,7 @@ impl<'a> Iterator for Replies<'a> {
     }
 }
 
-/// A record's place, head and body.
+/// A record's index, head and body.
 type Found<'a, H> = Result<(usize, H, &'a [u8]), Malformed>;
 
 #[derive(Debug, Clone)]
@@ -276,7 +281,7 @@ impl<'a> Cursor<'a> {
     }
 }
 
-/// Writes requests one behind the other.
+/// Writes requests one after another.
 #[derive(Debug)]
 pub struct RequestWriter<'a> {
     row: Row<'a>,
@@ -316,7 +321,7 @@ impl<'a> RequestWriter<'a> {
     }
 }
 
-/// Writes replies one behind the other.
+/// Writes replies one after another.
 #[derive(Debug)]
 pub struct ReplyWriter<'a> {
     row: Row<'a>,
@@ -385,11 +390,11 @@ impl Row<'_> {
     fn append(&mut self, head: &[u8], parts: &[&[u8]]) -> Result<(), Full> {
         let size = parts.iter().fold(head.len(), |sum, part| sum.saturating_add(part.len()));
         let end = self.at.checked_add(size).ok_or(Full)?;
-        let mut place = self.buffer.get_mut(self.at..end).ok_or(Full)?;
+        let mut room = self.buffer.get_mut(self.at..end).ok_or(Full)?;
         for part in core::iter::once(&head).chain(parts) {
-            let (here, rest) = place.split_at_mut_checked(part.len()).ok_or(Full)?;
+            let (here, rest) = room.split_at_mut_checked(part.len()).ok_or(Full)?;
             here.copy_from_slice(part);
-            place = rest;
+            room = rest;
         }
         self.at = end;
         Ok(())

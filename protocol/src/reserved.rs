@@ -1,9 +1,10 @@
-//! Numbers kept for the commands that have no layout yet, so that none is given twice: PT 0x02xx, PVT 0x03xx,
-//! laser 0x06xx, buffered laser 0x07xx, distance follow 0x09xx. (0x04xx and 0x05xx are Follow and FollowEx, 0x08xx
-//! coordinate systems.) A command moves to [`crate::command::COMMANDS`] with its number when it is built.
+//! Numbers kept for commands that have no layout yet, so that none is given twice: PT 0x02xx, PVT
+//! 0x03xx, laser 0x06xx, buffered laser 0x07xx, distance follow 0x09xx. (0x04xx and 0x05xx are
+//! Follow and FollowEx, 0x08xx coordinate systems.) A command moves to [`crate::command::COMMANDS`]
+//! with its number when it is built.
 //!
-//! Calls that never reach the wire have no number: Open and Close are the link's opening and Bye, and
-//! GetLastReason reads what the client keeps.
+//! Calls that never reach the wire have no number: Open and Close are the link's opening and Bye,
+//! and GetLastReason reads a value that the client keeps.
 
 /// Number and name, by number.
 pub const RESERVED: &[(u16, &str)] = &[

@@ -12,7 +12,7 @@ type Fields = &'static [(&'static str, &'static str)];
 
 const CRC: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);
 
-/// The hash that both ends show in the opening and in `Version`.
+/// The hash that both ends send in the opening and in `Version`.
 pub const SCHEMA: u32 = schema(LAYOUTS, COMMANDS, REASONS);
 
 const LAYOUTS: &[(&str, Fields)] = &[

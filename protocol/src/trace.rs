@@ -1,13 +1,14 @@
 //! The trace's own byte stream: one way, no acknowledgements.
 //!
-//! In ([`Encoder`]): a head, rows, an end; out: wire bytes. In ([`Decoder`]): bytes in any portions; out:
-//! [`Event`]s, or the [`TraceError`] that a row is missing or a frame is bad: a gap is never passed over in
-//! silence. Frames are COBS with a CRC-32 like those of the link, told apart by their first byte.
+//! In ([`Encoder`]): a head, rows, an end; out: wire bytes. In ([`Decoder`]): bytes in any
+//! portions; out: [`Event`]s.
+//! Fails: a missing row or a bad frame is a [`TraceError`]; no gap goes unreported.
+//! Frames are COBS with a CRC-32 like those of the link; their first byte differs.
 //!
-//! A row carries positions in units of 2^-22 pulse, velocities as mantissa and exponent, and powers and
-//! frequencies of lasers in units of 2^-44, exactly as the servo holds them; whoever reads makes numbers of
-//! them. Between rows come, where they are asked for, the [`Action`]s that a laser channel was told to do, and the
-//! levels of the general [`Outputs`] when they change. A change of the servo tick is told by a [`Period`].
+//! A row carries positions in units of 2^-22 pulse, velocities as mantissa and exponent, and powers
+//! and frequencies of lasers in units of 2^-44, exactly as the servo holds them. The reader
+//! converts them. Between rows come, on request, the [`Action`]s of a laser channel, and the levels
+//! of the general [`Outputs`] when they change. A [`Period`] reports a change of the tick period.
 
 use crate::command::{Wire, wire_structs};
 use crate::deframe::{Deframer, Outcome};
@@ -31,15 +32,16 @@ const MAX_WIRE: usize = wire_length(MAX_DECODED);
 const HEAD: u8 = 0x81;
 const ROWS: u8 = 0x82;
 const END: u8 = 0x83;
-/// In a frame of rows: what comes.
+/// In a frame of rows: the kind of the next item.
 const ROW: u8 = 1;
 const ACTION: u8 = 2;
 const OUTPUTS: u8 = 3;
 const PERIOD: u8 = 4;
 
 wire_structs! {
-    /// The first frame, behind its kind: servo tick in ns, ticks from row to row, clock of the laser timers,
-    /// numbers of axes, lasers and coordinate systems; the axes follow, then the lasers, then the coordinate systems.
+    /// The first frame, after its kind: tick period in ns, ticks from row to row, clock of the
+    /// laser timers, numbers of axes, lasers and coordinate systems. The axes follow, then the
+    /// lasers, then the coordinate systems.
     HeadLayout { version: u8, schema: U32, period_ns: U32, every: U32, timer_mhz: U16, axes: u8, lasers: u8, crds: u8 }
     /// One axis of the trace: core from 0, axis from 1.
     AxisId { core: u8, axis: u8 }
@@ -49,41 +51,47 @@ wire_structs! {
     CrdId { core: u8, crd: u8 }
     /// Before the samples of a row: its number, from 0 without gaps.
     RowLayout { what: u8, row: U32 }
-    /// One axis in a row: position in 2^-22 pulse; velocity is `vel_mantissa * 2^-vel_exponent` pulse/ms.
+    /// One axis in a row: position in 2^-22 pulse; velocity is `vel_mantissa * 2^-vel_exponent`
+    /// pulse/ms.
     Sample { pos: I64, vel_mantissa: I64, vel_exponent: I16 }
-    /// One laser channel in one row: power mode (0 duty, 1 frequency, 2 analog, 3 duty with open switch), level of the
-    /// switch output, power in 2^-44 of the mode's unit, frequency in 2^-44 kHz.
+    /// One laser channel in one row: power mode (0 duty, 1 frequency, 2 analog, 3 duty with open
+    /// switch), level of the switch output, power in 2^-44 of the mode's unit, frequency in 2^-44
+    /// kHz.
     LaserSample { mode: u8, gate: u8, power: I64, khz: I64 }
-    /// One coordinate system in one row: speed along its path, `vel_mantissa * 2^-vel_exponent` pulse/ms.
+    /// One coordinate system in one row: speed along its path, `vel_mantissa * 2^-vel_exponent`
+    /// pulse/ms.
     CrdSample { vel_mantissa: I64, vel_exponent: I16 }
-    /// General outputs, bit 0 the first: their levels from `at` ns after the tick `tick` (from row 0 on).
+    /// General outputs, bit 0 the first: their levels from `at` ns after the tick `tick` (from row
+    /// 0 on).
     Outputs { tick: U32, at: U32, levels: U64 }
-    /// The servo tick from the tick `tick` (from row 0) on, ns.
+    /// The tick period from the tick `tick` (from row 0) on, ns.
     Period { tick: U32, period_ns: U32 }
     /// A number of counts of the laser timers: whole + part/of, where 0 stands for 2^32.
     Count { whole: U64, part: U32, of: U32 }
-    /// What a laser channel was told for the tick `tick` (from row 0 on), `at` ns after it. `kind`: see [`kind`].
+    /// An action of a laser channel for the tick `tick` (from row 0 on), `at` ns after it. `kind`:
+    /// see [`kind`].
     Action { tick: U32, at: U32, channel: u8, kind: u8, value: I16, period: Count, width: Count }
-    /// The last frame, behind its kind: rows sent, rows that could not be.
+    /// The last frame, after its kind: rows sent, rows that could not be sent.
     EndLayout { rows: U32, lost: U32 }
 }
 
 /// What an [`Action`] is; trains are its `period` and `width`.
 pub mod kind {
-    /// Everything at rest at once, that is at the tick before `tick`; what was told before is void.
+    /// Everything to the safe state at once, that is at the tick before `tick`; earlier actions are
+    /// void.
     pub const REST: u8 = 0;
     /// The switch output goes to `value`.
     pub const SWITCH: u8 = 1;
     /// Light begins with this train.
     pub const LIGHT: u8 = 2;
-    /// The train goes on as this one.
+    /// The train continues as this one.
     pub const CHANGE: u8 = 3;
     /// Light ends, standby is this train; `value` 1 cuts the last pulse.
     pub const DARK: u8 = 4;
     /// The analog output goes to `value`.
     pub const VOLTS: u8 = 5;
-    /// Pulses of a rate go on in phase (`servo::laser::Rate`): period as `period`; `width` holds its scale in `whole`, the width of a
-    /// pulse in counts in `part`, its shift in `of`.
+    /// Pulses of a rate continue in phase (`servo::laser::Rate`): period as `period`; `width` holds
+    /// its scale in `whole`, the width of a pulse in counts in `part`, its shift in `of`.
     pub const RATE: u8 = 6;
     /// Of no laser: the analog output `channel`, from 0, is set to `value`.
     pub const ANALOG: u8 = 7;
@@ -106,13 +114,13 @@ pub struct Columns<A, L, C> {
     pub crds: C,
 }
 
-/// What the columns are of.
+/// The ids of the columns.
 pub type Ids<'a> = Columns<&'a [AxisId], &'a [LaserId], &'a [CrdId]>;
 /// A row.
 pub type Samples<'a> = Columns<&'a [Sample], &'a [LaserSample], &'a [CrdSample]>;
 
 impl<'a, A, L, C> Columns<&'a [A], &'a [L], &'a [C]> {
-    /// Without what is too much for a trace.
+    /// Limited to what a trace can have.
     fn held(&self) -> Self {
         Columns {
             axes: self.axes.get(..MAX_AXES).unwrap_or(self.axes),
@@ -122,12 +130,12 @@ impl<'a, A, L, C> Columns<&'a [A], &'a [L], &'a [C]> {
     }
 }
 
-/// What a trace is of.
+/// Head of a trace.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Head {
     /// Schema of the sender.
     pub schema: u32,
-    /// Servo tick, ns.
+    /// Tick period, ns.
     pub period_ns: u32,
     /// Ticks from row to row.
     pub every: u32,
@@ -135,11 +143,12 @@ pub struct Head {
     pub timer_mhz: u16,
 }
 
-/// The frame before has not gone out yet: call [`Encoder::take`] and try again. Nothing was taken.
+/// The frame before has not been taken yet: call [`Encoder::take`] and try again. Nothing was
+/// added.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Full;
 
-/// Makes frames of rows. Owns one frame being filled and one going out.
+/// Makes frames of rows. Owns one frame being filled and one being sent.
 #[derive(Debug, Clone)]
 pub struct Encoder {
     body: [u8; MAX_BODY],
@@ -161,8 +170,8 @@ impl Encoder {
         Encoder { body: [0; MAX_BODY], len: 0, wire: [0; MAX_WIRE], wire_at: 0, wire_len: 0 }
     }
 
-    /// Begins a trace of at most [`MAX_AXES`] axes, [`MAX_LASERS`] laser channels and [`MAX_CRDS`] coordinate systems
-    /// (more are left out).
+    /// Begins a trace of at most [`MAX_AXES`] axes, [`MAX_LASERS`] laser channels and [`MAX_CRDS`]
+    /// coordinate systems (more are left out).
     ///
     /// # Errors
     /// [`Full`].
@@ -191,7 +200,7 @@ impl Encoder {
         self.add(&[head.as_bytes(), axes.as_bytes(), lasers.as_bytes(), crds.as_bytes()])
     }
 
-    /// Adds what a laser channel was told to do, before the row of its tick.
+    /// Adds an action of a laser channel, before the row of its tick.
     ///
     /// # Errors
     /// [`Full`].
@@ -207,7 +216,7 @@ impl Encoder {
         self.add(&[&[OUTPUTS], outputs.as_bytes()])
     }
 
-    /// Adds a change of the servo tick, behind the row of the tick from which on it holds.
+    /// Adds a change of the tick period, after the row of the tick from which on it holds.
     ///
     /// # Errors
     /// [`Full`].
@@ -238,15 +247,16 @@ impl Encoder {
         self.alone(&[&[END], layout.as_bytes()])
     }
 
-    /// Writes what is to be transmitted into `out`, a frame that is not yet full included. Returns the bytes written.
+    /// Writes the bytes to be sent into `out`, those of a frame that is not yet full included.
+    /// Returns the bytes written.
     pub fn take(&mut self, out: &mut [u8]) -> usize {
         let mut written = 0usize;
         loop {
             let waiting = self.wire.get(self.wire_at..self.wire_len).unwrap_or(&[]);
             let room = out.get_mut(written..).unwrap_or(&mut []);
             let count = waiting.len().min(room.len());
-            for (place, &byte) in room.iter_mut().zip(waiting) {
-                *place = byte;
+            for (slot, &byte) in room.iter_mut().zip(waiting) {
+                *slot = byte;
             }
             self.wire_at = self.wire_at.saturating_add(count);
             written = written.saturating_add(count);
@@ -256,21 +266,21 @@ impl Encoder {
         }
     }
 
-    /// Whether all has gone out.
+    /// Whether all has been taken.
     pub fn is_empty(&self) -> bool {
         self.len == 0 && self.wire_at == self.wire_len
     }
 
     fn append(&mut self, bytes: &[u8]) {
-        if let Some(place) = self.body.get_mut(self.len..self.len.saturating_add(bytes.len())) {
-            for (place, &byte) in place.iter_mut().zip(bytes) {
-                *place = byte;
+        if let Some(room) = self.body.get_mut(self.len..self.len.saturating_add(bytes.len())) {
+            for (slot, &byte) in room.iter_mut().zip(bytes) {
+                *slot = byte;
             }
             self.len = self.len.saturating_add(bytes.len());
         }
     }
 
-    /// A frame of its own, behind the rows collected so far.
+    /// A frame of its own, after the rows collected so far.
     fn alone(&mut self, parts: &[&[u8]]) -> Result<(), Full> {
         if self.len > 0 {
             self.seal_rows()?;
@@ -294,18 +304,18 @@ impl Encoder {
     }
 }
 
-/// What a trace brings.
+/// Items of a trace.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Event<'a> {
     /// It begins.
     Head(Head, Lists<'a, AxisId, LaserId, CrdId>),
     /// A row and its samples, in the order of the head.
     Row(u32, Lists<'a, Sample, LaserSample, CrdSample>),
-    /// What a laser channel was told to do.
+    /// An action of a laser channel.
     Action(Action),
     /// The general outputs change.
     Outputs(Outputs),
-    /// The servo tick changes.
+    /// The tick period changes.
     Period(Period),
     /// It is over: rows sent, and rows that the controller could not send.
     End {
@@ -316,7 +326,7 @@ pub enum Event<'a> {
     },
 }
 
-/// What is wrong with a trace.
+/// Errors of a trace.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TraceError {
     /// A frame was damaged: rows may be missing.
@@ -339,7 +349,7 @@ pub enum TraceError {
 /// Columns as they came.
 pub type Lists<'a, A, L, C> = Columns<List<'a, A>, List<'a, L>, List<'a, C>>;
 
-/// Structs of one layout, one behind the other.
+/// Structs of one layout, one after another.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct List<'a, T> {
     bytes: &'a [u8],
@@ -361,7 +371,7 @@ impl<'a, T: Wire> List<'a, T> {
         self.bytes.is_empty()
     }
 
-    /// One after the other.
+    /// One after another.
     pub fn iter(&self) -> impl Iterator<Item = T> + use<'a, T> {
         self.bytes.chunks_exact(size_of::<T>().max(1)).filter_map(|bytes| T::read_from_bytes(bytes).ok())
     }
@@ -370,7 +380,7 @@ impl<'a, T: Wire> List<'a, T> {
 /// How many columns there are.
 type Counts = Columns<usize, usize, usize>;
 
-/// Takes a trace apart.
+/// Decodes a trace.
 #[derive(Debug, Clone)]
 pub struct Decoder {
     deframer: Deframer<MAX_WIRE>,
@@ -456,16 +466,16 @@ fn frame(
     }
 }
 
-/// As many structs as told, and what is behind them.
+/// `count` structs, and the bytes after them.
 fn list<T: Wire>(bytes: &[u8], count: usize) -> Option<(List<'_, T>, &[u8])> {
     let (list, rest) = bytes.split_at_checked(count.saturating_mul(size_of::<T>()))?;
     Some((List::new(list), rest))
 }
 
-/// Something, and the bytes behind it.
+/// A value, and the bytes after it.
 type Before<'a, T> = (T, &'a [u8]);
 
-/// The columns, and what is behind them.
+/// The columns, and the bytes after them.
 fn lists<A: Wire, L: Wire, C: Wire>(bytes: &[u8], counts: Counts) -> Option<Before<'_, Lists<'_, A, L, C>>> {
     let (axes, rest) = list(bytes, counts.axes)?;
     let (lasers, rest) = list(rest, counts.lasers)?;
@@ -496,7 +506,7 @@ fn head(bytes: &[u8]) -> Result<(Head, Lists<'_, AxisId, LaserId, CrdId>), Trace
 
 fn rows(bytes: &[u8], columns: Counts, next_row: &mut u32, sink: &mut impl FnMut(Result<Event<'_>, TraceError>)) {
     let mut rest = bytes;
-    while let Some((&what, behind)) = rest.split_first() {
+    while let Some((&what, body)) = rest.split_first() {
         let after = match what {
             ROW => RowLayout::read_from_prefix(rest).ok().and_then(|(head, after)| {
                 let (samples, after) = lists(after, columns)?;
@@ -508,15 +518,15 @@ fn rows(bytes: &[u8], columns: Counts, next_row: &mut u32, sink: &mut impl FnMut
                 sink(Ok(Event::Row(row, samples)));
                 Some(after)
             }),
-            ACTION => Action::read_from_prefix(behind).ok().map(|(action, after)| {
+            ACTION => Action::read_from_prefix(body).ok().map(|(action, after)| {
                 sink(Ok(Event::Action(action)));
                 after
             }),
-            OUTPUTS => Outputs::read_from_prefix(behind).ok().map(|(outputs, after)| {
+            OUTPUTS => Outputs::read_from_prefix(body).ok().map(|(outputs, after)| {
                 sink(Ok(Event::Outputs(outputs)));
                 after
             }),
-            PERIOD => Period::read_from_prefix(behind).ok().map(|(period, after)| {
+            PERIOD => Period::read_from_prefix(body).ok().map(|(period, after)| {
                 sink(Ok(Event::Period(period)));
                 after
             }),

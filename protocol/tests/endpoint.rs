@@ -1,5 +1,5 @@
-//! The link's rules one by one, on two ends joined by hand. Behaviour over a faulty channel is tested in
-//! `host-tests/tests/link.rs`.
+//! The link's rules one by one, on two ends joined by hand. Behaviour over a faulty channel is
+//! tested in `host-tests/tests/link.rs`.
 
 use protocol::Ns;
 use protocol::deframe::{Deframer, Outcome};
@@ -61,7 +61,7 @@ fn another_schema_or_version_is_reported_and_changes_nothing() {
         assert_eq!(controller.refused_client(), Some(Identity::OURS));
         assert_eq!(client.send(b"x"), Err(SendError::NotOpen));
     }
-    // A session in force goes on.
+    // An open session continues.
     let (_, mut controller) = opened();
     let session = controller.session();
     let mut stranger = End::new(Role::Client, Identity { schema: 0, ..Identity::OURS });
@@ -242,7 +242,7 @@ fn a_message_of_full_length_leaves_in_small_portions() {
         controller.feed(0, &portion[..length]);
     }
     assert_eq!(controller.message(), Some(&message[..]));
-    // The answer is written where it will stay.
+    // The answer is written in place.
     let (came, draft) = controller.message_and_draft().unwrap();
     draft[..4].copy_from_slice(&came[..4]);
     controller.send_draft(4).unwrap();
@@ -251,7 +251,8 @@ fn a_message_of_full_length_leaves_in_small_portions() {
     assert_eq!(client.message(), Some(&message[..4]));
 }
 
-/// Both ways past 65,536 messages of a session; every 37th frame is lost, and what was lost is sent again.
+/// Both ways past 65,536 messages of a session; every 37th frame is lost, and lost messages are
+/// sent again.
 #[test]
 fn sequence_numbers_go_round() {
     let (mut client, mut controller) = opened();
@@ -292,7 +293,7 @@ fn sequence_numbers_go_round() {
     assert_eq!((sent, taken), (70_000, 70_000));
 }
 
-/// A sealed frame of the session that is in force there.
+/// A sealed frame of the session that is open there.
 fn sealed(end: &End, kind: Kind, acknowledgement: u16, payload: &[u8]) -> Vec<u8> {
     encoded(kind, end.session().unwrap(), (0, acknowledgement), payload)
 }
@@ -314,7 +315,8 @@ fn encoded(kind: Kind, session: u32, (sequence, acknowledgement): (u16, u16), pa
     wire
 }
 
-/// Whatever comes in another session, or in none, the link is as silent as before, and nothing of it counts.
+/// Frames in another session, or in none, do not end the silence of the link, and count for
+/// nothing.
 #[test]
 fn frames_of_another_session_are_no_life_of_this_one() {
     let (mut client, mut controller) = opened();
@@ -343,7 +345,8 @@ fn frames_of_another_session_are_no_life_of_this_one() {
     assert!(out(&mut controller, 900 * MS).is_empty(), "nor is there an answer");
 }
 
-/// Neither what is damaged nor what asks for another session tells that this one's client is there.
+/// Neither a damaged frame nor one that asks for another session shows that this one's client is
+/// alive.
 #[test]
 fn damaged_frames_and_hellos_are_no_life_of_a_session() {
     let (client, mut controller) = opened();
@@ -352,7 +355,7 @@ fn damaged_frames_and_hellos_are_no_life_of_a_session() {
         let mut bad = good.clone();
         bad[bit / 8] ^= 1 << (bit % 8);
         controller.feed(MS, &bad);
-        // Where the damage has made an end of a frame.
+        // The damage may have made a delimiter.
         controller.feed(MS, &[0]);
         assert_eq!(controller.last_valid(), Some(0), "{bit}");
     }
@@ -364,7 +367,7 @@ fn damaged_frames_and_hellos_are_no_life_of_a_session() {
     assert_eq!(controller.last_valid(), Some(2 * MS));
 }
 
-/// A client takes up what was offered to its own Hello, once, and no session that is none.
+/// A client accepts an offer to its own Hello only, once, and no session 0.
 #[test]
 fn a_client_takes_up_the_session_that_it_asked_for() {
     let answer = |schema: u32, session: u32| {
@@ -390,7 +393,7 @@ fn a_client_takes_up_the_session_that_it_asked_for() {
     assert_eq!((client.state(), client.session(), client.counters().unexpected), (State::Open, Some(5), 6));
 }
 
-/// What came first under a number stays, and nothing is taken where nothing came.
+/// The first message under a number stays, and nothing is taken if nothing came.
 #[test]
 fn a_message_is_kept_as_it_came_and_none_is_taken_before_it() {
     let (client, mut controller) = opened();
@@ -410,7 +413,7 @@ fn a_message_is_kept_as_it_came_and_none_is_taken_before_it() {
     assert_eq!(controller.message(), Some(&b"two"[..]));
 }
 
-/// The message that lies just behind the window is not kept, not even where the first one's place is free.
+/// The message just after the window is not kept, not even if the first one's slot is free.
 #[test]
 fn a_message_behind_the_window_is_not_kept() {
     let (client, mut controller) = opened();
@@ -427,7 +430,7 @@ fn a_message_behind_the_window_is_not_kept() {
         controller.done_with_message();
     }
     assert_eq!(controller.message(), None);
-    // With one place free again, that is all there is.
+    // With one slot free again, exactly one fits.
     for (sequence, text) in [(4, b"for"), (8, b"nin"), (7, b"eig"), (5, b"fiv"), (6, b"six")] {
         controller.feed(0, &message(sequence, text));
     }
@@ -468,8 +471,8 @@ fn a_frame_with_any_bit_damaged_is_none() {
     assert_eq!(controller.message(), Some(&b"\0what the frame \0\0 carries"[..]));
 }
 
-/// What of the wire's bytes comes as frames at the controller's second wire, and what it answers there.
-fn knocks(controller: &mut End, now: Ns, holder: Option<&str>, bytes: &[u8]) -> (Vec<u8>, Vec<TakeOver>) {
+/// Frames of the wire's bytes at the controller's second wire, and its answers there.
+fn take_overs(controller: &mut End, now: Ns, holder: Option<&str>, bytes: &[u8]) -> (Vec<u8>, Vec<TakeOver>) {
     let mut deframer = Deframer::<MAX_WIRE>::new();
     let (mut rest, mut answers, mut outcomes) = (bytes, Vec::new(), Vec::new());
     while !rest.is_empty() {
@@ -477,11 +480,11 @@ fn knocks(controller: &mut End, now: Ns, holder: Option<&str>, bytes: &[u8]) -> 
         rest = &rest[used..];
         if outcome == Outcome::Frame {
             let mut answer = [0; OPENING_WIRE];
-            let knock = controller.knock(now, deframer.frame(), holder, &mut answer);
-            if let TakeOver::Answered(length) = knock {
+            let take_over = controller.request_take_over(now, deframer.frame(), holder, &mut answer);
+            if let TakeOver::Answered(length) = take_over {
                 answers.extend(&answer[..length]);
             }
-            outcomes.push(knock);
+            outcomes.push(take_over);
         }
     }
     (answers, outcomes)
@@ -495,25 +498,26 @@ fn a_session_is_taken_up_on_the_second_wire_and_only_then_is_the_link_there() {
     let mut second = End::new(Role::Client, Identity::OURS);
     second.open(0, 2);
     let hello = out(&mut second, 0);
-    let (answer, outcomes) = knocks(&mut controller, 0, None, &hello);
+    let (answer, outcomes) = take_overs(&mut controller, 0, None, &hello);
     assert_eq!(outcomes, [TakeOver::Answered(answer.len())]);
-    // A Hello ends nothing, and its answer is none of the first wire's.
+    // A Hello ends nothing, and its answer does not go to the first wire.
     assert_eq!(controller.session(), session);
     pump(0, &mut first, &mut controller);
     assert_eq!(controller.message(), Some(&b"before"[..]));
     second.feed(0, &answer);
     let confirmation = out(&mut second, 0);
-    // Half of a frame of the first wire is there and half of one is out when the session changes; neither harms the next.
+    // Half of a frame of the first wire has come and half of one is sent when the session changes;
+    // neither harms the next.
     first.send(b"half").unwrap();
     let half = out(&mut first, 0);
     controller.feed(0, &half[..half.len() / 2]);
     controller.send(b"lost").unwrap();
     assert_eq!(controller.take_tx(0, &mut [0; 5]), 5);
-    assert_eq!(knocks(&mut controller, 0, None, &confirmation).1, [TakeOver::TakenUp]);
+    assert_eq!(take_overs(&mut controller, 0, None, &confirmation).1, [TakeOver::TakenUp]);
     assert_ne!(controller.session(), session);
     assert_eq!(controller.message(), None);
     pump(0, &mut second, &mut controller);
-    // Nothing of what was half out comes over this wire.
+    // No remainder of a partly sent frame comes over this wire.
     let seen = second.counters();
     assert_eq!(
         [seen.checksum, seen.length, seen.short, seen.stale_session, seen.deframe.truncated],
@@ -524,10 +528,12 @@ fn a_session_is_taken_up_on_the_second_wire_and_only_then_is_the_link_there() {
     second.send(b"after").unwrap();
     pump(0, &mut second, &mut controller);
     assert_eq!(controller.message(), Some(&b"after"[..]));
-    // From now on the first client is at the second wire: what it sends in its session is nothing.
+    // From now on the first client is at the second wire: frames in its session are ignored.
     first.poll(KEEP_ALIVE_NS);
-    let (answer, outcomes) = knocks(&mut controller, KEEP_ALIVE_NS, None, &out(&mut first, KEEP_ALIVE_NS));
-    assert!(answer.is_empty() && !outcomes.is_empty() && outcomes.iter().all(|knock| *knock == TakeOver::Nothing));
+    let (answer, outcomes) = take_overs(&mut controller, KEEP_ALIVE_NS, None, &out(&mut first, KEEP_ALIVE_NS));
+    assert!(
+        answer.is_empty() && !outcomes.is_empty() && outcomes.iter().all(|take_over| *take_over == TakeOver::Nothing)
+    );
     assert_eq!(controller.session(), second.session());
 }
 
@@ -539,12 +545,12 @@ fn a_session_that_was_not_offered_takes_nothing_up_on_the_second_wire() {
     second.open(0, 2);
     for (n, offered) in [(1, false), (2, true)] {
         if offered {
-            knocks(&mut controller, 0, None, &out(&mut second, 0));
+            take_overs(&mut controller, 0, None, &out(&mut second, 0));
         }
-        // A sign of life of the session in force, which is on the other wire.
+        // A keep-alive of the open session, which is on the other wire.
         let now = n * KEEP_ALIVE_NS;
         first.poll(now);
-        let (answer, outcomes) = knocks(&mut controller, now, None, &out(&mut first, now));
+        let (answer, outcomes) = take_overs(&mut controller, now, None, &out(&mut first, now));
         assert_eq!((answer, outcomes), (vec![], vec![TakeOver::Nothing]), "another session offered: {offered}");
         assert_eq!(controller.session(), session);
     }
@@ -556,7 +562,7 @@ fn a_stranger_at_the_second_wire_is_told_so_and_nothing_changes() {
     let session = controller.session();
     let mut stranger = End::new(Role::Client, Identity { schema: 0, ..Identity::OURS });
     stranger.open(0, 9);
-    let (answer, _) = knocks(&mut controller, 0, None, &out(&mut stranger, 0));
+    let (answer, _) = take_overs(&mut controller, 0, None, &out(&mut stranger, 0));
     stranger.feed(0, &answer);
     assert_eq!(stranger.state(), State::Mismatch(Identity::OURS));
     assert_eq!(controller.session(), session);
@@ -568,7 +574,7 @@ fn a_stranger_at_the_second_wire_is_told_so_and_nothing_changes() {
     other.open(0, 3);
     controller.feed(0, &out(&mut other, 0));
     stranger.open(0, 10);
-    assert_eq!(knocks(&mut controller, 0, None, &out(&mut stranger, 0)).1.len(), 1);
+    assert_eq!(take_overs(&mut controller, 0, None, &out(&mut stranger, 0)).1.len(), 1);
     pump(0, &mut other, &mut controller);
     assert_eq!((other.state(), other.session()), (State::Open, controller.session()));
 }
@@ -581,7 +587,7 @@ fn a_second_client_is_told_who_is_there_and_gets_the_session_when_that_one_is_si
     let mut second = End::new(Role::Client, Identity::OURS);
     let last = ALIVE_NS - 1;
     second.open(last, 2);
-    let (answer, outcomes) = knocks(&mut controller, last, holder, &out(&mut second, last));
+    let (answer, outcomes) = take_overs(&mut controller, last, holder, &out(&mut second, last));
     assert_eq!(outcomes, [TakeOver::Answered(answer.len())]);
     second.feed(last, &answer);
     let State::Busy(busy) = second.state() else { panic!("{:?}", second.state()) };
@@ -591,19 +597,20 @@ fn a_second_client_is_told_who_is_there_and_gets_the_session_when_that_one_is_si
     pump(last, &mut first, &mut controller);
     assert_eq!(controller.message(), Some(&b"on"[..]));
 
-    // An answer for another nonce is none of this client's.
+    // An answer to another nonce is ignored by this client.
     second.open(last, 3);
     second.feed(last, &answer);
     assert_eq!(second.state(), State::Opening);
 
-    // Offered while the first one was silent; it speaks again before the session is taken up: nothing is taken.
+    // Offered while the first one was silent. It sends again before the session is confirmed: no
+    // session begins.
     let now = last + ALIVE_NS;
-    let (answer, _) = knocks(&mut controller, now, holder, &out(&mut second, now));
+    let (answer, _) = take_overs(&mut controller, now, holder, &out(&mut second, now));
     second.feed(now, &answer);
     let confirmation = out(&mut second, now);
     first.poll(now);
     pump(now, &mut first, &mut controller);
-    assert_eq!(knocks(&mut controller, now, holder, &confirmation).1, [TakeOver::Nothing]);
+    assert_eq!(take_overs(&mut controller, now, holder, &confirmation).1, [TakeOver::Nothing]);
     assert_eq!(controller.session(), session);
 
     // It is silent, or its wire is gone: the session is the second one's.
@@ -611,17 +618,17 @@ fn a_second_client_is_told_who_is_there_and_gets_the_session_when_that_one_is_si
         let mut second = End::new(Role::Client, Identity::OURS);
         let nonce = if holder.is_some() { 4 } else { 5 };
         second.open(now, nonce);
-        let (answer, _) = knocks(&mut controller, now, holder, &out(&mut second, now));
+        let (answer, _) = take_overs(&mut controller, now, holder, &out(&mut second, now));
         second.feed(now, &answer);
-        assert_eq!(knocks(&mut controller, now, holder, &out(&mut second, now)).1, [TakeOver::TakenUp]);
+        assert_eq!(take_overs(&mut controller, now, holder, &out(&mut second, now)).1, [TakeOver::TakenUp]);
         pump(now, &mut second, &mut controller);
         assert_eq!(second.state(), State::Open);
     }
 
-    // Who speaks another protocol is told that, whoever is there.
+    // A client of another protocol gets that answer, whoever has the session.
     let mut stranger = End::new(Role::Client, Identity { schema: 0, ..Identity::OURS });
     stranger.open(now, 9);
-    let (answer, _) = knocks(&mut controller, now, holder, &out(&mut stranger, now));
+    let (answer, _) = take_overs(&mut controller, now, holder, &out(&mut stranger, now));
     stranger.feed(now, &answer);
     assert_eq!(stranger.state(), State::Mismatch(Identity::OURS));
 }

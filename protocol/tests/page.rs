@@ -1,6 +1,6 @@
-//! `docs/protocol.md` and the code agree: the tables are the code's own, and every vector of the page is
-//! checked in both directions. The vectors' checksums and COBS forms were computed by other programs (Python's
-//! `zlib.crc32`) or stand in the papers, so they are a truth of their own.
+//! `docs/protocol.md` and the code agree: the tables are the code's own, and every vector of the
+//! page is checked in both directions. Other programs computed the vectors' checksums and COBS
+//! forms (Python's `zlib.crc32`), or they are in the papers. So they are independent.
 
 use protocol::command::{COMMANDS, CommandInfo, info};
 use protocol::deframe::{Deframer, Outcome};
@@ -37,7 +37,7 @@ fn columns<const N: usize>(line: &str) -> [String; N] {
     parts.try_into().unwrap_or_else(|_| panic!("{N} columns expected: {line}"))
 }
 
-/// Bytes in hex; `a..b` stands for a row of rising bytes.
+/// Bytes in hex; `a..b` stands for a sequence of rising bytes.
 fn bytes(text: &str) -> Vec<u8> {
     let byte = |text: &str| u8::from_str_radix(text, 16).unwrap_or_else(|_| panic!("no hex byte: {text}"));
     let each = |word: &str| match word.split_once("..") {
@@ -129,7 +129,8 @@ fn cobs_is_that_of_the_page() {
         assert_eq!(deframe(&wire), (Outcome::Frame, plain.clone()), "{line}");
         let mut ours = vec![0; 300];
         let length = cobs::encode(&plain, &mut ours);
-        // After a full last block the crate may add an empty one, which the paper leaves out; both decode alike.
+        // After a full last block the crate may add an empty one, which the paper leaves out; both
+        // decode alike.
         let shown = if encoded.len() == 255 { 255 } else { length };
         assert_eq!(ours[..shown], encoded, "{line}");
     }

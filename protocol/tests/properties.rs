@@ -1,5 +1,5 @@
-//! Properties of the byte layers: nothing panics whatever comes, also behind a good checksum; the deframer
-//! agrees with the `cobs` crate, in any portions, and finds its way back after garbage.
+//! Properties of the byte layers: nothing panics on any bytes, also with a good checksum. The
+//! deframer agrees with the `cobs` crate, in any portions, and recovers after garbage.
 
 use proptest::prelude::*;
 use protocol::command::{COMMANDS, PtData, PtDataMany, PtItem, SetCrdPrm, Wire, widths};
@@ -10,7 +10,7 @@ use protocol::record::{BODY_MAX, ITEM_BYTES, Lane, RequestWriter, replies, reque
 use protocol::{reason, trace};
 use zerocopy::{FromBytes, IntoBytes};
 
-/// Everything that comes out of the bytes, fed in portions of the given length.
+/// All results of the bytes, fed in portions of the given length.
 fn deframe(bytes: &[u8], portion: usize) -> Vec<Result<Vec<u8>, Outcome>> {
     let mut deframer = Deframer::<203>::new();
     let mut out = Vec::new();
@@ -41,7 +41,7 @@ fn encode(plain: &[u8]) -> Vec<u8> {
     wire
 }
 
-/// Frames of a live session with hostile fields behind a good checksum.
+/// Frames of a live session with hostile fields and a good checksum.
 fn hostile() -> impl Strategy<Value = (u8, u8, u8, u8, bool, u16, u16, Vec<u8>)> {
     let payload = proptest::collection::vec(any::<u8>(), 0..40);
     let version = prop_oneof![9 => Just(1u8), 1 => any::<u8>()];
@@ -209,7 +209,7 @@ fn frames_of_every_length_survive() {
     assert_eq!(frame::encode(Header::default(), &[], &mut [0; 4]), None);
 }
 
-/// What a client packs into one request, a message holds, whatever the command.
+/// A message holds the items that a client packs into one request, whatever the command.
 #[test]
 fn items_fit_behind_every_head() {
     let mut carriers = 0;

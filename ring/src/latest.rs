@@ -1,8 +1,10 @@
 //! The newest value of a context that never waits, for another that never waits either.
 //!
 //! In: a value filled in place by the writer, then published. Out: the newest published value, by
-//! reference. Owns: three buffers: one is the writer's, one the reader's, the third lies between them
-//! and changes hands by one exchange. Fails: never; values the reader was too slow for are gone.
+//! reference.
+//! Owns: three buffers. One is the writer's, one the reader's; the third lies between them and
+//! changes owner by one exchange.
+//! Fails: never; a value that is replaced before it is read is lost.
 use crate::sync::{AtomicBool, AtomicU8, Cell, Ordering, exchange};
 
 /// Set in `between` while the buffer there has not been read.
@@ -16,12 +18,13 @@ pub struct Latest<T: Copy> {
     buffers: [Cell<T>; 3],
 }
 
-// SAFETY: the writer's, the reader's and the middle buffer are always three different ones; a buffer
-// changes hands only by the exchange of `between`, which orders all accesses before and after it.
+// SAFETY: the writer's, the reader's and the middle buffer are always three different ones. A
+// buffer changes owner only by the exchange of `between`, which orders all accesses before and
+// after it.
 unsafe impl<T: Copy + Send> Sync for Latest<T> {}
 
 impl<T: Copy> Latest<T> {
-    /// Every buffer holds `first`, which is what the reader sees until something is published.
+    /// Every buffer holds `first`, which the reader gets until something is published.
     #[cfg(not(all(test, loom)))]
     pub const fn new(first: T) -> Self {
         Latest {
@@ -31,7 +34,7 @@ impl<T: Copy> Latest<T> {
         }
     }
 
-    /// As above, of loom's parts, which have no const constructor.
+    /// As above, with loom's parts, which have no const constructor.
     #[cfg(all(test, loom))]
     pub fn new(first: T) -> Self {
         Latest {
@@ -60,7 +63,7 @@ impl<T: Copy> Latest<T> {
 
     fn buffer(&self, which: u8) -> &Cell<T> {
         let [a, b, c] = &self.buffers;
-        // A total choice in place of an index, so that nothing can be out of bounds.
+        // A total match instead of an index, so that nothing can be out of bounds.
         match which & 3 {
             0 => a,
             1 => b,
@@ -75,7 +78,7 @@ pub struct Writer<'a, T: Copy> {
     own: u8,
 }
 
-/// The half that takes the newest.
+/// The half that takes the newest value.
 pub struct Reader<'a, T: Copy> {
     latest: &'a Latest<T>,
     own: u8,
@@ -84,16 +87,16 @@ pub struct Reader<'a, T: Copy> {
 impl<T: Copy> Writer<'_, T> {
     /// The buffer to fill. What it holds now is some older value.
     pub fn buffer(&mut self) -> &mut T {
-        // SAFETY: `own` is this half's alone until `publish`, which needs `&mut self` and so ends this
-        // borrow.
+        // SAFETY: `own` is this half's alone until `publish`, which needs `&mut self` and so ends
+        // this borrow.
         self.latest.buffer(self.own).with_mut(|value| unsafe { &mut *value })
     }
 
     /// Makes the filled buffer the newest. One exchange: on a single core the thread can delay it
-    /// only if it is the writer; the tick, which nothing interrupts, does it in one go.
+    /// only if the thread is the writer. The tick, which nothing interrupts, does it at once.
     pub fn publish(&mut self) {
-        // Release half: the reader that takes this buffer sees it filled. Acquire half: the reader has
-        // finished with the buffer that comes back before it is written again.
+        // Release half: the reader that takes this buffer gets it filled. Acquire half: the reader
+        // has finished with the buffer that comes back before it is written again.
         self.own = self.latest.between.swap(self.own | NEW, exchange()) & 3;
     }
 }
@@ -108,14 +111,14 @@ impl<T: Copy> Reader<'_, T> {
     /// The newest value. It stays unchanged while the reference lives.
     pub fn read(&mut self) -> &T {
         if self.is_new() {
-            // Acquire half: sees the buffer as it was filled. Release half: this half's reads of the
-            // buffer it gives back are over before the writer gets it.
+            // Acquire half: the buffer is read as it was filled. Release half: this half's reads of
+            // the buffer it gives back are over before the writer gets it.
             self.own = self.latest.between.swap(self.own, exchange()) & 3;
         }
         self.last()
     }
 
-    /// What the last `read` gave.
+    /// The value of the last `read`.
     pub fn last(&self) -> &T {
         // SAFETY: `own` is this half's alone until the exchange in `read`, which needs `&mut self`.
         self.latest.buffer(self.own).with(|value| unsafe { &*value })

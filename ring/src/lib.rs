@@ -1,13 +1,15 @@
 #![no_std]
-//! The hand-overs between the servo tick and the thread: nothing here waits, divides or panics.
+//! Queues and shared values between the servo tick and the thread: nothing here waits, divides or
+//! panics.
 //!
-//! * [`Ring`]: entries one way, first in, first out, none lost (commands in, events and samples out).
+//! * [`Ring`]: entries one way, first in, first out, none lost (commands in, events and samples
+//!   out).
 //! * [`Latest`]: one value that is overwritten, the reader takes the newest (the view of a tick).
-//! * [`Store`]: words in slots (PT segments); what a slot holds becomes visible by a number that
-//!   travels through a [`Ring`].
+//! * [`Store`]: words in slots (PT segments); a slot becomes visible by a number that travels
+//!   through a [`Ring`].
 //!
 //! Owns: the memory between two contexts. Fails: a full ring gives the value back to its pusher.
-//! The only pure crate with `unsafe`; each use states why it holds; `models.rs` (loom) and
+//! The only pure crate with `unsafe`; each use states why it holds. `models.rs` (loom) and
 //! `tests.rs` under Miri check it.
 #[cfg(test)]
 extern crate std;

@@ -1,5 +1,5 @@
-//! Every interleaving and every reordering the memory model allows, within loom's bounds.
-//! Each model is run as it is, and again with one ordering weakened, when it must fail.
+//! Every interleaving and every reordering that the memory model allows, within loom's bounds. Each
+//! model runs as it is, and again with one ordering weakened; then it must fail.
 use crate::sync::{WEAK, Weak};
 use crate::{Latest, Ring, Store};
 use std::boxed::Box;
@@ -7,7 +7,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
-/// Runs a model; how many executions were explored, or none if one of them failed.
+/// Runs a model; returns how many executions were explored, or none if one of them failed.
 fn explore(weak: Weak, model: fn()) -> Option<u64> {
     let executions = Arc::new(AtomicU64::new(0));
     let count = executions.clone();
@@ -22,9 +22,10 @@ fn explore(weak: Weak, model: fn()) -> Option<u64> {
     result.ok().map(|()| executions.load(Relaxed))
 }
 
-/// Three values through two places, so that a place is used again; each value also shows a slot.
+/// Three values through two slots, so that a slot is used again; each value also publishes a
+/// store's slot.
 fn ring() {
-    // Leaked so that the halves can go to a thread; a few hundred bytes an execution.
+    // Leaked so that the halves can go to a thread; a few hundred bytes per execution.
     let ring: &'static Ring<[u32; 2], 2> = Box::leak(Box::new(Ring::new()));
     let store: &'static Store<1, 4> = Box::leak(Box::new(Store::new()));
     let (mut tx, mut rx) = ring.split_once().unwrap();
@@ -53,7 +54,7 @@ fn ring() {
     assert!(expected >= 3);
 }
 
-/// Three values published while two are read: whole, and never going back.
+/// Three values published while two are read: complete, and never older than the one before.
 fn latest() {
     let latest: &'static Latest<[u32; 2]> = Box::leak(Box::new(Latest::new([0; 2])));
     let (mut tx, mut rx) = latest.split_once().unwrap();
@@ -73,7 +74,8 @@ fn latest() {
     assert_eq!(*rx.read(), [3, 3]);
 }
 
-/// As the tick takes a lane: it looks at values where they lie, passes over them, drops all; what comes behind is whole.
+/// As the tick takes a lane: it reads values in place, skips them, drops all; later values are
+/// complete.
 fn lane() {
     let ring: &'static Ring<[u32; 2], 2> = Box::leak(Box::new(Ring::new()));
     let (mut tx, mut rx) = ring.split_once().unwrap();
@@ -95,8 +97,9 @@ fn lane() {
     assert!(rx.is_empty() && before <= pushed);
 }
 
-/// As the tick tells news: an event, then the view that goes with it. Whoever sees the view finds the event.
-fn news() {
+/// As the tick reports events: an event, then the view that goes with it. A reader of the view
+/// finds the event.
+fn events() {
     let ring: &'static Ring<u32, 2> = Box::leak(Box::new(Ring::new()));
     let latest: &'static Latest<u32> = Box::leak(Box::new(Latest::new(0)));
     let ((mut tx, mut rx), (mut view_in, mut view)) = (ring.split_once().unwrap(), latest.split_once().unwrap());
@@ -133,14 +136,14 @@ fn lane_needs_its_release() {
 
 #[test]
 fn news_hold_in_every_execution() {
-    let executions = explore(Weak::Nothing, news).expect("the model of news fails");
-    std::println!("news: {executions} executions");
+    let executions = explore(Weak::Nothing, events).expect("the model of events fails");
+    std::println!("events: {executions} executions");
     assert!(executions > 10, "only {executions} executions");
 }
 
 #[test]
 fn news_need_the_exchange() {
-    assert_eq!(explore(Weak::Exchange, news), None);
+    assert_eq!(explore(Weak::Exchange, events), None);
 }
 
 #[test]

@@ -1,12 +1,13 @@
 //! A queue between one producer and one consumer.
 //!
-//! In: values pushed in one context. Out: the same values, in order, popped in the other.
-//! Owns: `N` places. Fails: `push` into a full ring gives the value back. Budget: one load of each
-//! index and one store per call, no loop.
+//! In: values pushed in one context. Out: the same values, in order, popped in the other. Owns: `N`
+//! slots.
+//! Fails: `push` into a full ring gives the value back. Budget: one load of each index and one
+//! store per call, no loop.
 use crate::sync::{AtomicBool, AtomicU32, Cell, Ordering, observe, publish};
 use core::mem::MaybeUninit;
 
-/// `N` places (a power of two) for `T`; all bytes are zero or undefined until used, so a static
+/// `N` slots (a power of two) for `T`. All bytes are zero or undefined until used, so a static
 /// takes no room in the image.
 pub struct Ring<T: Copy, const N: usize> {
     /// Values pushed so far, modulo 2³²; written by the producer only.
@@ -15,12 +16,12 @@ pub struct Ring<T: Copy, const N: usize> {
     popped: AtomicU32,
     /// Whether `split_once` has been called.
     taken: AtomicBool,
-    places: [Cell<MaybeUninit<T>>; N],
+    slots: [Cell<MaybeUninit<T>>; N],
 }
 
-// SAFETY: the two halves are handed out once (or under `&mut`), and a place is touched by the producer
-// only while it is free and by the consumer only while it is filled; the indices carry the change of
-// hands with Release and Acquire. Values move to the other context, hence `T: Send`.
+// SAFETY: the two halves are handed out once (or under `&mut`). The producer touches a slot only
+// while it is free, the consumer only while it is filled. The indices pass a slot on with Release
+// and Acquire. Values move to the other context, hence `T: Send`.
 unsafe impl<T: Copy + Send, const N: usize> Sync for Ring<T, N> {}
 
 impl<T: Copy, const N: usize> Ring<T, N> {
@@ -36,18 +37,18 @@ impl<T: Copy, const N: usize> Ring<T, N> {
             pushed: AtomicU32::new(0),
             popped: AtomicU32::new(0),
             taken: AtomicBool::new(false),
-            places: [const { Cell::new(MaybeUninit::uninit()) }; N],
+            slots: [const { Cell::new(MaybeUninit::uninit()) }; N],
         }
     }
 
-    /// An empty ring, of loom's parts, which have no const constructor.
+    /// An empty ring, with loom's parts, which have no const constructor.
     #[cfg(all(test, loom))]
     pub fn new() -> Self {
         Ring {
             pushed: AtomicU32::new(0),
             popped: AtomicU32::new(0),
             taken: AtomicBool::new(false),
-            places: core::array::from_fn(|_| Cell::new(MaybeUninit::uninit())),
+            slots: core::array::from_fn(|_| Cell::new(MaybeUninit::uninit())),
         }
     }
 
@@ -78,9 +79,9 @@ impl<T: Copy, const N: usize> Ring<T, N> {
         (Producer { ring: self, pushed }, Consumer { ring: self, popped })
     }
 
-    fn place(&self, count: u32) -> &Cell<MaybeUninit<T>> {
+    fn slot(&self, count: u32) -> &Cell<MaybeUninit<T>> {
         // The mask is N − 1, so the index is below N and the check folds away.
-        &self.places[(count & Self::MASK) as usize]
+        &self.slots[(count & Self::MASK) as usize]
     }
 }
 
@@ -93,44 +94,44 @@ impl<T: Copy, const N: usize> Default for Ring<T, N> {
 /// The end that pushes.
 pub struct Producer<'a, T: Copy, const N: usize> {
     ring: &'a Ring<T, N>,
-    /// What `ring.pushed` holds; only this end changes it.
+    /// The value of `ring.pushed`; only this end changes it.
     pushed: u32,
 }
 
 /// The end that pops.
 pub struct Consumer<'a, T: Copy, const N: usize> {
     ring: &'a Ring<T, N>,
-    /// What `ring.popped` holds; only this end changes it.
+    /// The value of `ring.popped`; only this end changes it.
     popped: u32,
 }
 
 impl<T: Copy, const N: usize> Producer<'_, T, N> {
     /// Appends `value`, or gives it back if the ring is full.
     pub fn push(&mut self, value: T) -> Result<(), T> {
-        // Acquire: the consumer has read the place before it is written again.
+        // Acquire: the consumer has read the slot before it is written again.
         let popped = self.ring.popped.load(observe());
         if self.pushed.wrapping_sub(popped) >= N as u32 {
             return Err(value);
         }
-        self.ring.place(self.pushed).with_mut(|place| {
-            // SAFETY: fewer than N values are in the ring, so the consumer does not look at this place
-            // before `pushed` passes it; there is one producer, and it is borrowed mutably.
-            unsafe { (*place).write(value) };
+        self.ring.slot(self.pushed).with_mut(|slot| {
+            // SAFETY: fewer than N values are in the ring, so the consumer does not read this slot
+            // before `pushed` passes it. There is one producer, and it is borrowed mutably.
+            unsafe { (*slot).write(value) };
         });
         self.pushed = self.pushed.wrapping_add(1);
-        // Release: the value is in its place before the consumer can see the count.
+        // Release: the value is in its slot before the consumer can read the count.
         self.ring.pushed.store(self.pushed, publish());
         Ok(())
     }
 
-    /// Places free at least; the consumer may free more meanwhile.
+    /// Free slots at least; the consumer may free more meanwhile.
     pub fn free(&self) -> usize {
         N.saturating_sub(self.len())
     }
 
     /// Values not yet popped, at most.
     pub fn len(&self) -> usize {
-        // Relaxed: the number is advice, `push` looks for itself.
+        // Relaxed: the number is advice, `push` checks for itself.
         self.pushed.wrapping_sub(self.ring.popped.load(Ordering::Relaxed)) as usize
     }
 
@@ -141,20 +142,20 @@ impl<T: Copy, const N: usize> Producer<'_, T, N> {
 }
 
 impl<T: Copy, const N: usize> Consumer<'_, T, N> {
-    /// The oldest value, left in its place.
+    /// The oldest value, left in its slot.
     pub fn peek(&self) -> Option<&T> {
         self.peek_at(0)
     }
 
-    /// The value with `before` others before it, left in its place.
+    /// The value after the `before` oldest ones, left in its slot.
     pub fn peek_at(&self, before: u32) -> Option<&T> {
-        // Acquire: sees the values that were written before the count.
+        // Acquire: makes the values visible that were written before the count.
         if self.ring.pushed.load(observe()).wrapping_sub(self.popped) <= before {
             return None;
         }
-        // SAFETY: `pushed` is past this place, so it holds a value and the producer leaves it alone until
-        // `popped` passes it, which needs `&mut self` and so ends this borrow.
-        Some(self.ring.place(self.popped.wrapping_add(before)).with(|place| unsafe { (*place).assume_init_ref() }))
+        // SAFETY: `pushed` is past this slot, so it holds a value. The producer leaves it alone
+        // until `popped` passes it, which needs `&mut self` and so ends this borrow.
+        Some(self.ring.slot(self.popped.wrapping_add(before)).with(|slot| unsafe { (*slot).assume_init_ref() }))
     }
 
     /// Takes the oldest value.
@@ -179,7 +180,7 @@ impl<T: Copy, const N: usize> Consumer<'_, T, N> {
 
     fn free_to(&mut self, popped: u32) {
         self.popped = popped;
-        // Release: reading the values is over before the producer can see their places free.
+        // Release: the values have been read before the producer can find their slots free.
         self.ring.popped.store(popped, publish());
     }
 

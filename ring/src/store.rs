@@ -1,10 +1,11 @@
 //! Words in slots, written by the thread, read by the tick.
 //!
-//! In: `WORDS` words a slot. Out: the same words. Owns: the memory. A slot may be written only while
-//! the reader does not look at it; who may is agreed by numbers that travel through a [`crate::Ring`]
-//! (the slot is filled) and a [`crate::Latest`] (the slot is free again). Their Release and Acquire
-//! make the words visible, so the words themselves are relaxed. Fails: never; if the agreement were
-//! broken a read could give a mixture, not undefined behaviour.
+//! In: `WORDS` words for each slot. Out: the same words. Owns: the memory.
+//! A slot may be written only while the reader does not read it. Numbers agree on this: one travels
+//! through a [`crate::Ring`] (the slot is filled), one through a [`crate::Latest`] (the slot is
+//! free again). Their Release and Acquire make the words visible, so the words themselves are
+//! relaxed.
+//! Fails: never; if the agreement were broken a read could give a mixture, not undefined behaviour.
 use crate::sync::{AtomicU32, Ordering};
 
 /// `SLOTS` (a power of two) slots of `WORDS` words, all zero at first.
@@ -24,7 +25,7 @@ impl<const WORDS: usize, const SLOTS: usize> Store<WORDS, SLOTS> {
         Store { words: [const { [const { AtomicU32::new(0) }; WORDS] }; SLOTS] }
     }
 
-    /// All words zero, of loom's parts.
+    /// All words zero, with loom's parts.
     #[cfg(all(test, loom))]
     pub fn new() -> Self {
         Store { words: core::array::from_fn(|_| core::array::from_fn(|_| AtomicU32::new(0))) }
@@ -38,13 +39,13 @@ impl<const WORDS: usize, const SLOTS: usize> Store<WORDS, SLOTS> {
         }
     }
 
-    /// One word of slot `slot` modulo `SLOTS`; 0 of one that it does not have.
+    /// One word of slot `slot` modulo `SLOTS`; 0 for an index beyond it.
     pub fn word(&self, slot: u32, index: usize) -> u32 {
         // Relaxed: as in `read`.
         self.words[(slot & Self::MASK) as usize].get(index).map_or(0, |word| word.load(Ordering::Relaxed))
     }
 
-    /// What slot `slot` modulo `SLOTS` holds.
+    /// The words of slot `slot` modulo `SLOTS`.
     pub fn read(&self, slot: u32) -> [u32; WORDS] {
         let mut words = [0; WORDS];
         for (to, from) in words.iter_mut().zip(&self.words[(slot & Self::MASK) as usize]) {

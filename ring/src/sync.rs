@@ -1,11 +1,11 @@
-//! Atomics and cells: `core`'s in every build, loom's inside the models, where an ordering can also
-//! be weakened on purpose to see the model fail.
+//! Atomics and cells: `core`'s in every build, loom's inside the models. There an ordering can also
+//! be weakened on purpose, to make the model fail.
 
 #[cfg(not(all(test, loom)))]
 mod real {
     pub use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, Ordering};
 
-    /// A cell of which the caller says when it may be touched.
+    /// A cell; the caller states when it may be touched.
     #[repr(transparent)]
     pub struct Cell<T>(core::cell::UnsafeCell<T>);
 
@@ -14,17 +14,17 @@ mod real {
         pub const fn new(value: T) -> Self {
             Cell(core::cell::UnsafeCell::new(value))
         }
-        /// Where the value is; reading it is the caller's `unsafe`.
+        /// The address of the value; reading it is the caller's `unsafe`.
         pub fn with<R>(&self, f: impl FnOnce(*const T) -> R) -> R {
             f(self.0.get())
         }
-        /// Where the value is, to be changed; doing so is the caller's `unsafe`.
+        /// The address of the value, to be changed; doing so is the caller's `unsafe`.
         pub fn with_mut<R>(&self, f: impl FnOnce(*mut T) -> R) -> R {
             f(self.0.get())
         }
     }
 
-    /// What was written before is visible to whoever observes the store.
+    /// What was written before is visible to the context that observes the store.
     pub const fn publish() -> Ordering {
         Ordering::Release
     }
@@ -53,7 +53,8 @@ mod real {
     }
 
     std::thread_local! {
-        /// Loom runs a model's threads as coroutines of the test's own thread, so this is seen by all.
+        /// Loom runs a model's threads as coroutines of the test's own thread, so all of them read
+        /// this.
         pub static WEAK: core::cell::Cell<Weak> = const { core::cell::Cell::new(Weak::Nothing) };
     }
 

@@ -10,7 +10,7 @@ fn ring_behaves_as_a_bounded_queue() {
     let mut ring: Ring<u32, 4> = Ring::new();
     let (mut tx, mut rx) = ring.split();
     let mut model: VecDeque<u32> = VecDeque::new();
-    // A small linear generator decides; the counts pass the ring's size many times.
+    // A small linear generator decides; the counts exceed the ring's size many times.
     let mut dice = 12345u32;
     for n in 0..COUNT.min(5_000) {
         dice = dice.wrapping_mul(1664525).wrapping_add(1013904223);

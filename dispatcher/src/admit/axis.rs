@@ -1,6 +1,7 @@
 //! Axis commands: servo, stop, positions, limits, guarded inputs.
-use super::context::{Answer, Context};
-use super::refuse::{Admitted, Refused, choice, real, within};
+use super::context::Context;
+use crate::refuse::{Admitted, Refused, choice, real, within};
+use crate::report::answer::Answer;
 use crate::shadow::{Change, SOFT_OFF};
 use protocol::command::{
     AlarmOff, AlarmOn, AxisOff, AxisOn, LmtSns, LmtsOff, LmtsOn, SetAxisBand, SetCaptureMode, SetEncPos, SetPosErr,
@@ -32,7 +33,8 @@ fn servo<const AXES: usize>(context: &mut Context<AXES>, core: i16, axis: i16, o
     Ok(Answer::Done)
 }
 
-/// `form` 0 is GTN (bits 0–31 are axes 1–32), 1 is GT (bits 0–7 axes, 8–9 crds, 10–11 their follow).
+/// `form` 0 is GTN (bits 0–31 are axes 1–32), 1 is GT (bits 0–7 axes, 8–9 crds, 10–11 their
+/// follow).
 pub fn stop<const AXES: usize>(context: &mut Context<AXES>, r: &Stop) -> Admitted<Answer> {
     let gt = choice(3, i16::from(r.form), 0, 1)? == 1;
     let (mask, option) = (r.mask.get(), r.option.get());
@@ -40,7 +42,7 @@ pub fn stop<const AXES: usize>(context: &mut Context<AXES>, r: &Stop) -> Admitte
         return Err(Refused::new(Reason::OutOfRange).field(1).got(f64::from(mask.cast_unsigned())).limits(0.0, 4095.0));
     }
     let axes = context.mask(r.core.get(), if gt { mask & 0xff } else { mask }, 1)?;
-    // Only option bits of named axes mean anything.
+    // Option bits of other axes are ignored.
     let abrupt = context.mask(r.core.get(), option & if gt { mask & 0xff } else { mask }, 2)?;
     let (named, hard) = if gt { (mask >> 8 & 3, option >> 8 & 3) } else { (0, 0) };
     let crds = context.crd_mask(r.core.get(), named, 1)?;
@@ -182,7 +184,7 @@ fn limits<const AXES: usize>(
 }
 
 /// Bit 2k is the positive, bit 2k + 1 the negative limit of axis k + 1; 1 is active low. The word
-/// reaches the first 8 axes of a core; bits of axes that the core does not have mean nothing.
+/// covers the first 8 axes of a core; bits of axes that the core does not have are ignored.
 pub fn limit_sense<const AXES: usize>(context: &mut Context<AXES>, r: &LmtSns) -> Admitted<Answer> {
     let axes = context.core_mask(r.core.get())?;
     let sense = r.sense.get();

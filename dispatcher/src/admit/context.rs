@@ -1,162 +1,32 @@
-//! What an admission may look at, and the checks that all commands share.
+//! The context of an admission, and the checks that all commands share.
 //!
-//! In: the newest view, the books of what was admitted, the counts of the profile. Out: checked axes,
-//! spans and masks, staged operations. An admission changes nothing itself: it stages, and its caller
-//! pushes when the whole command is known to be right.
-use super::refuse::{Admitted, Refused, choice};
-use crate::product::{PROFILES, Profile};
+//! In: the newest view, the admitted state, the counts of the profile. Out: checked axes, spans and
+//! masks, staged operations. An admission changes nothing itself: it stages. Its caller pushes when
+//! the whole command is known to be right.
+use super::staged::Staged;
+use crate::board::Board;
+use crate::configuration::{Configuration, ones};
+use crate::refuse::{Admitted, Refused, choice};
+use crate::report::replies::mode_number;
 use crate::report::trace::Columns;
-use crate::session::lane::Staged;
-use crate::session::server::Board;
 use crate::shadow::{AxisShadow, Change, CrdShadow, Frame, Shadows, executed};
 use protocol::reason::Reason;
-use servo::op::{Brake, Op, Supervision};
+use servo::op::Op;
 use servo::status::{RUNNING, SERVO_ON};
-use servo::units::{Axis, AxisMask, Crd, CrdMask};
+use servo::units::{Axis, AxisMask, Crd, CrdMask, Pos};
 use servo::view::{AxisView, CrdView, View};
-
-/// What the client chose on opening.
-#[derive(Debug, Clone, Copy)]
-pub struct Configuration {
-    /// Number of the profile.
-    pub number: u8,
-    /// Its counts.
-    pub profile: Profile,
-    /// 0 GUS, 1 LSR.
-    pub family: u8,
-}
-
-impl Configuration {
-    /// The profile with this number, or the first.
-    pub fn new(number: u8, family: u8) -> Self {
-        let (number, profile) = match PROFILES.get(usize::from(number)) {
-            Some(profile) => (number, *profile),
-            None => (0, PROFILES[0]),
-        };
-        Configuration { number, profile, family }
-    }
-    pub fn per_core(&self) -> usize {
-        usize::from(self.profile.axes_per_core)
-    }
-    /// A coordinate system's number in its core, as the user knows it.
-    pub fn crd_number(&self, crd: Crd) -> i16 {
-        (crd.index() % usize::from(self.profile.crds_per_core).max(1)) as i16 + 1
-    }
-    /// The axis's number in its core, as the user knows it.
-    pub fn number_of(&self, axis: Axis) -> i16 {
-        (axis.index() % self.per_core().max(1)) as i16 + 1
-    }
-    /// The axis's core, as the user knows it.
-    pub fn core_of(&self, axis: Axis) -> i16 {
-        (axis.index() / self.per_core().max(1)) as i16 + 1
-    }
-    /// All axes of the profile.
-    pub fn all(&self) -> AxisMask {
-        AxisMask(ones(self.profile.axes()))
-    }
-
-    /// All coordinate systems of the profile.
-    pub fn all_crds(&self) -> CrdMask {
-        let count = usize::from(self.profile.cores) * usize::from(self.profile.crds_per_core);
-        CrdMask(ones(count.min(Crd::MAX)) as u8)
-    }
-}
-
-/// What binds safety to a user: it lasts for the session and falls back on Reset (SPEC 9).
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Watch {
-    /// Link-loss time, ms; 0: the link is not supervised.
-    pub link_loss_ms: u32,
-    /// Where the link is lost PT, PVT and Follow stop, too.
-    pub stop_all: bool,
-    /// What motion does where the interlock opens: 0 goes on, 1 as where the link is lost, 2 stops abruptly.
-    pub interlock: u8,
-}
-
-impl Watch {
-    /// At power-on, after a Reset, and for a new session.
-    pub const DEFAULT: Watch = Watch { link_loss_ms: 500, stop_all: false, interlock: 1 };
-
-    /// The same for the tick.
-    pub fn supervision(self) -> Supervision {
-        let link = if self.stop_all { Brake::All } else { Brake::JogAndPaths };
-        let interlock = match self.interlock {
-            0 => Brake::None,
-            1 => link,
-            _ => Brake::AbruptAll,
-        };
-        Supervision { link, interlock }
-    }
-}
-
-/// The lowest `count` bits.
-pub const fn ones(count: usize) -> u64 {
-    if count >= 64 { u64::MAX } else { (1 << count) - 1 }
-}
-
-/// What is to be answered when an admitted command has been executed.
-#[derive(Debug, Clone, Copy)]
-pub enum Answer {
-    /// A reply without fields.
-    Done,
-    /// A read, to be built from the view and the books of then.
-    Read(Query),
-    /// What a read gave at admission: places free in a FIFO that nothing changes meanwhile.
-    Space(i16),
-    /// PtTaken for so many segments of this axis and FIFO.
-    Taken { axis: Axis, fifo: u8, count: u16 },
-    /// CrdTaken for so many entries of this FIFO of a coordinate system.
-    Path { crd: Crd, fifo: u8, count: u16, lasts_ms: u32 },
-    /// A number that only the books have.
-    Long(i32),
-    /// A refusal: the tick did not take the data of this axis, whose status is that.
-    Lost { axis: Axis, status: u32 },
-    /// Places free in a FIFO of Follow, and for FollowDataPercent2Ex the share of the first half, percent.
-    Entered { axis: Axis, fifo: u8, percent1: i16 },
-    /// A number that was computed at admission.
-    Number(f64),
-    /// So many values of those that the program lane keeps: a Calculate command.
-    Values(u8),
-    /// What a laser command took: so many numbers of those that its lane keeps, and which of them were held.
-    Took { count: u8, held: u8 },
-    /// ProgramReply, with the state of when it is sent.
-    Program,
-}
-
-impl Answer {
-    /// Numbers that wait in the lane for this answer.
-    pub fn waiting(&self) -> u8 {
-        match *self {
-            Answer::Values(count) | Answer::Took { count, .. } => count,
-            _ => 0,
-        }
-    }
-}
-
-/// A checked read.
-#[derive(Debug, Clone, Copy)]
-pub struct Query {
-    /// Which command.
-    pub opcode: u16,
-    /// Index of the first axis over all cores, or of the channel.
-    pub first: u8,
-    /// How many.
-    pub count: u8,
-    /// FIFO or type, where the command has one.
-    pub which: u8,
-}
 
 /// What is known of the instant at which a command acts.
 #[derive(Debug, Clone, Copy)]
 pub struct Due {
-    /// The view shows the state in which the command acts: everything admitted before it has been executed, and
-    /// its instant has come.
+    /// The view shows the state in which the command acts: everything admitted before it has been
+    /// executed, and its instant has come.
     pub decided: bool,
     /// Its instant is near: a look-ahead may take what is given to a path that runs.
-    pub near: bool,
-    /// From the view to the instant, ns; `u64::MAX` where nobody knows.
+    pub soon: bool,
+    /// From the view to the instant, ns; `u64::MAX` if it is not known.
     pub until_ns: u64,
-    /// It acts on the first tick of a program that is held: axes at rest stay so.
+    /// It acts on the first tick of a program that is held: axes at standstill stay so.
     pub first: bool,
     /// Script clock of the instant, ns, if no WaitStop takes time before it.
     pub script_ns: u64,
@@ -165,57 +35,60 @@ pub struct Due {
 }
 
 impl Due {
-    /// At once; `decided` where nothing is on its way before it.
+    /// At once; `decided` if nothing before it is in flight.
     pub const fn at_once(decided: bool) -> Due {
-        Due { decided, near: true, until_ns: 0, first: false, script_ns: 0, wait: None }
+        Due { decided, soon: true, until_ns: 0, first: false, script_ns: 0, wait: None }
     }
-    /// Nobody asks.
+    /// Not known, for a command to which it does not matter.
     pub const UNKNOWN: Due =
-        Due { decided: false, near: false, until_ns: u64::MAX, first: false, script_ns: u64::MAX, wait: None };
+        Due { decided: false, soon: false, until_ns: u64::MAX, first: false, script_ns: u64::MAX, wait: None };
 }
 
 /// One admission.
 pub struct Context<'x, const AXES: usize> {
     /// The newest view.
     pub view: &'x View<AXES>,
-    /// Books after everything that was admitted.
+    /// State after everything that was admitted.
     pub shadows: &'x Shadows<AXES>,
     /// Counts.
     pub configuration: &'x Configuration,
     /// Constants of the board.
     pub board: &'x Board,
-    /// Books after everything that was executed.
+    /// State after everything that was executed.
     pub executed: &'x Shadows<AXES>,
     /// When it acts.
     pub due: Due,
     /// Coordinate systems that the board holds.
     pub crds: usize,
-    /// Where the operations go.
+    /// Takes the operations.
     pub staged: &'x mut Staged,
     /// What else happens when the command is taken.
     pub effect: Effect,
 }
 
-/// Most numbers that a laser command takes.
+/// Positions of PT and of slaves lie within ± this many pulses.
+pub const TRAVEL_PULSES: f64 = (Pos::TRAVEL.0 >> Pos::FRAC_BITS) as f64;
+
+/// Most values that a laser command takes.
 pub const TAKEN_MAX: usize = 4;
 
-/// What a command does in the thread beside its operations.
+/// What a command does in the thread besides its operations.
 #[derive(Debug, Clone, Copy)]
 pub enum Effect {
     /// Nothing.
     None,
-    /// The controller shows these counts from now on.
+    /// The controller has these counts from now on.
     Choose(Configuration),
     /// A trace of these axes, in a stream of its own or over the link.
     Trace { every: u32, columns: Columns, over_link: bool },
-    /// The numbers of [`Answer::Took`] that its lane keeps until then.
+    /// The values of [`Answer::Took`] that its lane keeps until then.
     Took([f64; TAKEN_MAX]),
     /// The items of this LoadConfig are pushed one by one.
     Config,
 }
 
 impl<'x, const AXES: usize> Context<'x, AXES> {
-    /// Stages an operation that changes no book.
+    /// Stages an operation that changes no shadow state.
     pub fn stage(&mut self, op: Op) {
         self.staged.add(op, Change::None);
     }
@@ -227,15 +100,17 @@ impl<'x, const AXES: usize> Context<'x, AXES> {
     pub fn sampled(&self, axis: Axis) -> &'x AxisView {
         &self.view.axes[axis.index().min(AXES - 1)]
     }
-    /// Whether the axis comes to the tick on which the command acts as the view shows it: no step of it comes between.
+    /// Whether the view shows the axis as the command will find it: the axis makes no step in
+    /// between.
     pub fn is_due(&self, axis: Axis) -> bool {
         let rests = self.sampled(axis).status & RUNNING == 0;
         self.due.until_ns < self.view.period.0 || self.due.first && rests
     }
-    /// Whether the places of a FIFO of PT or Follow may still be read by the tick, though its data is over in the lane.
+    /// Whether the tick may still read the slots of a FIFO of PT or Follow, though its data is over
+    /// in the lane.
     pub fn is_outgoing(&self, axis: Axis, fifo: u8) -> bool {
         let (shadow, sampled) = (self.shadow(axis), self.sampled(axis));
-        // Without a step in between, the tick reads the one FIFO that runs.
+        // Without a step in between, the tick reads only the FIFO that runs.
         if self.is_due(axis) && shadow.leaves_alone(self.view, sampled, fifo) {
             return false;
         }
@@ -245,7 +120,7 @@ impl<'x, const AXES: usize> Context<'x, AXES> {
             shadow.is_outgoing(self.view, sampled)
         }
     }
-    /// The axis's book.
+    /// The shadow state of the axis.
     pub fn shadow(&self, axis: Axis) -> &'x AxisShadow {
         self.shadows.axis(axis)
     }
@@ -266,14 +141,14 @@ impl<'x, const AXES: usize> Context<'x, AXES> {
             .filter(|axis| axis.index() < AXES)
             .ok_or_else(|| Refused::new(Reason::NotInitialised).axis(index as i16 + 1))
     }
-    /// The first of `count` axes of a core (fields 0, 1, 2) and how many of them there are: a read may reach past the last
-    /// one (GXN table 5-1, note 2).
+    /// The first of `count` axes of a core (fields 0, 1, 2) and how many of them exist: a read may
+    /// reach past the last one (GXN table 5-1, note 2).
     pub fn span(&self, core: i16, axis: i16, count: i16) -> Admitted<(Axis, u8)> {
         let first = self.axis(core, axis)?;
         let left = i16::from(self.configuration.profile.axes_per_core) - axis + 1;
         Ok((first, choice(2, count, 1, i16::MAX)?.min(left) as u8))
     }
-    /// `count` axes of a core as a set. All of them are there.
+    /// `count` axes of a core as a set. All of them exist.
     pub fn span_mask(&self, core: i16, axis: i16, count: i16) -> Admitted<AxisMask> {
         let (first, have) = self.span(core, axis, count)?;
         choice(2, count, 1, i16::from(have))?;
@@ -308,11 +183,11 @@ impl<'x, const AXES: usize> Context<'x, AXES> {
             .filter(|crd| crd.index() < self.crds)
             .ok_or_else(|| Refused::new(Reason::CrdNotOnBoard).axis(crd).limits(0.0, self.crds as f64))
     }
-    /// How many coordinate systems a core has at the servo tick on which the command acts.
+    /// How many coordinate systems a core has at the tick period at which the command acts.
     pub fn crds_per_core(&self) -> u8 {
         self.shadows.crds_per_core(&self.configuration.profile, self.view)
     }
-    /// A refusal of what is there at a longer tick says so.
+    /// Makes the refusal of a coordinate system that exists only at longer tick periods say so.
     fn of_tick<T>(&self, checked: Admitted<T>, most: u8) -> Admitted<T> {
         let fewer = most < self.configuration.profile.crds_per_core;
         checked.map_err(|refused| match refused.reason {
@@ -327,7 +202,7 @@ impl<'x, const AXES: usize> Context<'x, AXES> {
         let most = self.crds_per_core();
         self.of_tick(self.crds_among(core, bits, field, most), most)
     }
-    /// The same of a wait: those that are there at a longer tick are at rest.
+    /// The same for a wait: those that exist only at longer tick periods are at standstill.
     pub fn crds_waited_for(&self, core: i16, bits: i32, field: u8) -> Admitted<CrdMask> {
         self.crds_among(core, bits, field, self.configuration.profile.crds_per_core)
     }
@@ -349,20 +224,20 @@ impl<'x, const AXES: usize> Context<'x, AXES> {
         Refused::new(reason).axis(self.configuration.crd_number(crd))
     }
     /// Its part of the view.
-    pub fn crd_seen(&self, crd: Crd) -> &'x CrdView {
+    pub fn crd_sampled(&self, crd: Crd) -> &'x CrdView {
         &self.view.crds[crd.index().min(Crd::MAX - 1)]
     }
-    /// Its book.
-    pub fn crd_book(&self, crd: Crd) -> &'x CrdShadow {
+    /// Its shadow state.
+    pub fn crd_shadow(&self, crd: Crd) -> &'x CrdShadow {
         self.shadows.crd(crd)
     }
     /// Its parameters.
     pub fn frame(&self, crd: Crd) -> Admitted<&'x Frame> {
-        self.crd_book(crd).frame.as_ref().ok_or_else(|| self.no_crd(Reason::CrdNotSet, crd))
+        self.crd_shadow(crd).frame.as_ref().ok_or_else(|| self.no_crd(Reason::CrdNotSet, crd))
     }
     /// Whether it may be running when this command acts.
     pub fn crd_may_run(&self, crd: Crd) -> bool {
-        self.crd_book(crd).may_run(self.view, self.crd_seen(crd))
+        self.crd_shadow(crd).may_run(self.view, self.crd_sampled(crd))
     }
     /// Refuses if it may be running.
     pub fn crd_at_standstill(&self, crd: Crd) -> Admitted<()> {
@@ -402,25 +277,11 @@ impl<'x, const AXES: usize> Context<'x, AXES> {
         if !on {
             return Err(self.no(Reason::ServoOff, axis));
         }
-        // With a ClrSts on its way only the tick can know.
+        // With a ClrSts in flight only the tick can know.
         let clearing = shadow.cleared.is_some_and(|seq| !executed(self.view, seq));
         if sampled.blocked != 0 && !clearing {
             return Err(self.no(Reason::AxisFault, axis).got(sampled.status.into()));
         }
         Ok(())
-    }
-}
-
-/// A mode as `GetPrfMode` tells it.
-pub fn mode_number(mode: servo::op::Mode) -> i16 {
-    use servo::op::Mode;
-    match mode {
-        Mode::Trap => 0,
-        Mode::Jog => 1,
-        Mode::PtStatic | Mode::PtDynamic => 2,
-        Mode::Pvt => 6,
-        Mode::Follow => 4,
-        Mode::FollowEx => 10,
-        Mode::Crd => 5,
     }
 }

@@ -1,10 +1,13 @@
-//! Coordinate systems: their parameters, start and stop, what is read of them. Data of paths is in `crd_data`.
-use super::context::{Answer, Context, Query};
+//! Coordinate systems: their parameters, start and stop, their reads. Data of paths is in
+//! `crd_data`.
+use super::context::Context;
 use super::one;
-use super::refuse::{Admitted, Refused, choice, real, within};
-use crate::plan::geometry::Position;
+use crate::plan::geometry::{Position, position_of};
+use crate::plan::look_ahead::ALONG_MIN;
 use crate::plan::path_queue::PathQueue;
-use crate::shadow::{Change, CrdChange, Frame, Look, executed, position_of};
+use crate::refuse::{Admitted, Refused, choice, real, within};
+use crate::report::answer::{Answer, Query};
+use crate::shadow::{Change, CrdChange, Frame, Look, executed};
 use protocol::command::{
     CrdClear, CrdInfo, CrdSpace, CrdStart, CrdStatus, CrdStop, GetCrdLimit, GetCrdPos, GetCrdPrm, GetCrdVel,
     GetLaserFollowFilter, GetRemainderSegNum, InitLookAhead, SetCrdLimit, SetCrdPrm, SetCrdStopDec,
@@ -23,26 +26,27 @@ const LAG_MS: (f64, f64) = (0.01, 1000.0);
 const NS_64: f64 = 18_446_744_073_709_551_616.0;
 
 /// Speeds, accelerations and times of a coordinate system are below this.
-pub const MOST: f64 = 32767.0;
-/// The lowest override and acceleration.
-const LEAST: f64 = 1.0 / 1048576.0;
+pub const VALUE_MAX: f64 = 32767.0;
+/// The lowest override.
+const OVERRIDE_MIN: f64 = 1.0 / 1048576.0;
 
 /// A number above 0 and below 32767.
 fn between(field: u8, got: f64) -> Admitted<f64> {
     if !got.is_finite() {
         return Err(Refused::new(Reason::NotFinite).field(field).got(got));
     }
-    if got > 0.0 && got < MOST {
+    if got > 0.0 && got < VALUE_MAX {
         return Ok(got);
     }
-    Err(Refused::new(Reason::Between).field(field).got(got).limits(0.0, MOST))
+    Err(Refused::new(Reason::Between).field(field).got(got).limits(0.0, VALUE_MAX))
 }
 
 fn accel(field: u8, got: f64) -> Admitted<Accel> {
-    Accel::admit(got.to_bits()).map_err(|_| Refused::new(Reason::OutOfRange).field(field).got(got).limits(LEAST, MOST))
+    Accel::admit(got.to_bits())
+        .map_err(|_| Refused::new(Reason::OutOfRange).field(field).got(got).limits(ALONG_MIN, VALUE_MAX))
 }
 
-/// Fields of SetCrdPrm behind core and crd.
+/// Fields of SetCrdPrm after core and crd.
 mod field {
     pub const DIMENSION: u8 = 2;
     pub const PROFILE: u8 = 3;
@@ -52,8 +56,8 @@ mod field {
     pub const SET_ORIGIN: u8 = 7;
 }
 
-/// Every coordinate up to the dimension is driven by one axis; elements of `profile` for axes that the core does not
-/// have must be 0.
+/// Every coordinate up to the dimension is driven by one axis; elements of `profile` for axes that
+/// the core does not have must be 0.
 fn frame<const AXES: usize>(context: &Context<AXES>, r: &SetCrdPrm) -> Admitted<Frame> {
     let dimension = within(field::DIMENSION, r.dimension.get(), 1, DIMENSIONS as i16)?;
     let axes = usize::from(context.configuration.profile.axes_per_core);
@@ -76,8 +80,8 @@ fn frame<const AXES: usize>(context: &Context<AXES>, r: &SetCrdPrm) -> Admitted<
     }
     let vel_max = between(field::VEL_MAX, r.syn_vel_max.get())?;
     let acc_max = between(field::ACC_MAX, r.syn_acc_max.get())?;
-    real(field::VEL_MAX, vel_max, LEAST, MOST)?;
-    real(field::ACC_MAX, acc_max, LEAST, MOST)?;
+    real(field::VEL_MAX, vel_max, ALONG_MIN, VALUE_MAX)?;
+    real(field::ACC_MAX, acc_max, ALONG_MIN, VALUE_MAX)?;
     let even_ms = within(field::EVEN_TIME, r.even_time_ms.get(), 0, i16::MAX - 1)?.unsigned_abs();
     let set_origin = choice(field::SET_ORIGIN, r.set_origin_flag.get(), 0, 1)? == 1;
     let first = context.core(r.core.get())? * axes;
@@ -85,7 +89,8 @@ fn frame<const AXES: usize>(context: &Context<AXES>, r: &SetCrdPrm) -> Admitted<
     Ok(Frame { dimension: dimension as u8, profile, first: first as u8, vel_max, acc_max, even_ms, set_origin, origin })
 }
 
-/// The axes are at rest and in no other coordinate system that drives them; they are in Crd mode from then on.
+/// The axes are at standstill and in no other coordinate system that drives them; they are in Crd
+/// mode from then on.
 pub fn set<const AXES: usize>(context: &mut Context<AXES>, r: &SetCrdPrm) -> Admitted<Answer> {
     let crd = context.crd(r.core.get(), r.crd.get())?;
     let frame = frame(context, r)?;
@@ -138,25 +143,28 @@ fn known<const AXES: usize>(context: &Context<AXES>, core: i16, crd: i16) -> Adm
     Ok(crd)
 }
 
-/// Where the coordinate system rests for what follows; none while only the tick knows.
+/// Position of the coordinate system at standstill for what follows; none while only the tick
+/// knows.
 ///
-/// Entries in flight that move nothing do not hide it: its axes are at rest, and where they are, less the zero, is its place.
+/// Entries in flight that move nothing do not hide it. Its axes are at standstill, and their
+/// positions, less the zero, are its position.
 pub fn position_at_standstill<const AXES: usize>(context: &Context<AXES>, crd: Crd) -> Option<Position> {
-    let (shadow, sampled) = (context.crd_book(crd), context.crd_seen(crd));
+    let (shadow, sampled) = (context.crd_shadow(crd), context.crd_sampled(crd));
     if let Some(here) = shadow.position_at_standstill(context.view, sampled) {
         return Some(here);
     }
     let frame = shadow.frame.as_ref().filter(|_| !shadow.is_busy(context.view, sampled))?;
     let mut position = [0.0; DIMENSIONS];
-    for ((axis, seen_zero), position) in frame.axes().into_iter().zip(sampled.origin).zip(&mut position) {
+    for ((axis, sampled_zero), position) in frame.axes().into_iter().zip(sampled.origin).zip(&mut position) {
         let Some(axis) = axis else { continue };
         let of = context.shadow(axis);
         let pos = of.position(context.view, context.sampled(axis))?;
         let zero = if frame.set_origin {
             Pos::pulses(frame.origin.get(axis.index() - usize::from(frame.first)).copied().unwrap_or(0))
         } else if of.placed.is_none_or(|(seq, _)| executed(context.view, seq)) {
-            // A SetCrdPrm before what made the place unknown has been executed, too.
-            seen_zero
+            // A SetCrdPrm may precede what made the position unknown; then it has been executed,
+            // too.
+            sampled_zero
         } else {
             return None;
         };
@@ -165,12 +173,12 @@ pub fn position_at_standstill<const AXES: usize>(context: &Context<AXES>, crd: C
     Some(position)
 }
 
-/// Both FIFOs are cleared at rest only.
+/// Both FIFOs are cleared at standstill only.
 pub fn clear<const AXES: usize>(context: &mut Context<AXES>, r: &CrdClear) -> Admitted<Answer> {
     let crd = known(context, r.core.get(), r.crd.get())?;
     let fifo = fifo(2, r.fifo.get())?;
     context.crd_at_standstill(crd)?;
-    // Nothing moves by it.
+    // It moves nothing.
     let here = position_at_standstill(context, crd);
     context.stage_with(Op::CrdClear { crd, fifo }, Change::Crd { crd, change: CrdChange::Emptied { fifo, here } });
     Ok(Answer::Done)
@@ -187,14 +195,14 @@ fn startable<const AXES: usize>(context: &Context<AXES>, crd: Crd, fifo: u8) -> 
         }
         context.at_standstill(axis)?;
     }
-    if !context.crd_book(crd).path(fifo).data.open {
+    if !context.crd_shadow(crd).path(fifo).data.open {
         return Err(context.no_crd(Reason::CrdEmpty, crd).field(2).got(fifo.into()));
     }
     super::axis::all_startable(context, frame.mask())
 }
 
-/// Starts all coordinate systems of the mask on one tick, or none. Of what waits in a look-ahead the first of it goes
-/// to the tick; the rest follows in time, or at the flush.
+/// Starts all coordinate systems of the mask on one tick, or none. The tick gets the first part of
+/// a look-ahead; the rest follows in time, or at the flush.
 pub fn start<const AXES: usize>(
     context: &mut Context<AXES>,
     queues: &mut [[PathQueue; 2]],
@@ -205,7 +213,7 @@ pub fn start<const AXES: usize>(
     if crds.0 == 0 {
         return Ok(Answer::Done);
     }
-    // Option bits of others mean nothing.
+    // Option bits of others are ignored.
     let fifo1 = context.crd_mask(r.core.get(), (r.option.get() & r.mask.get()).into(), 2)?;
     for crd in crds.crds() {
         startable(context, crd, fifo1.has(crd).into())?;
@@ -215,10 +223,10 @@ pub fn start<const AXES: usize>(
         let index = crd.index();
         if let (Some(queues), Some(stores)) = (queues.get_mut(index), stores.get(index)) {
             let queue = &mut queues[usize::from(fifo)];
-            queue.follow(context.crd_book(crd).path(fifo).cleared);
+            queue.follow(context.crd_shadow(crd).path(fifo).cleared);
             if queue.held() > 0 {
                 queue.settle(&stores[usize::from(fifo)]);
-                queue.begin(stores, context.crd_seen(crd), fifo);
+                queue.begin(stores, context.crd_sampled(crd), fifo);
                 let (op, change) = super::data::commit_path(context.shadows, crd, fifo, queue.end());
                 context.stage_with(op, change);
             }
@@ -238,7 +246,7 @@ pub fn stop<const AXES: usize>(context: &mut Context<AXES>, r: &CrdStop) -> Admi
     Ok(Answer::Done)
 }
 
-/// An abrupt stop takes no time (SPEC 4), so its deceleration is kept, and has no effect.
+/// An abrupt stop takes no time (SPEC 4), so its deceleration is kept and has no effect.
 pub fn stop_dec<const AXES: usize>(context: &mut Context<AXES>, r: &SetCrdStopDec) -> Admitted<Answer> {
     let crd = known(context, r.core.get(), r.crd.get())?;
     let (smooth, abrupt) = (between(2, r.smooth.get())?, between(3, r.abrupt.get())?);
@@ -249,9 +257,9 @@ pub fn stop_dec<const AXES: usize>(context: &mut Context<AXES>, r: &SetCrdStopDe
 
 pub fn set_override<const AXES: usize>(context: &mut Context<AXES>, r: &SetOverride) -> Admitted<Answer> {
     let crd = known(context, r.core.get(), r.crd.get())?;
-    let ratio = real(2, r.ratio.get(), LEAST, 1.0)?;
+    let ratio = real(2, r.ratio.get(), OVERRIDE_MIN, 1.0)?;
     let rate = Rate::admit(ratio.to_bits())
-        .map_err(|_| Refused::new(Reason::OutOfRange).field(2).got(ratio).limits(LEAST, 1.0))?;
+        .map_err(|_| Refused::new(Reason::OutOfRange).field(2).got(ratio).limits(OVERRIDE_MIN, 1.0))?;
     context.stage_with(Op::CrdRate { crd, rate }, Change::Crd { crd, change: CrdChange::Rate(ratio) });
     Ok(Answer::Done)
 }
@@ -268,8 +276,8 @@ pub fn set_follow_filter<const AXES: usize>(context: &mut Context<AXES>, r: &Set
     Ok(Answer::Done)
 }
 
-/// `count` 0 switches the look-ahead off; more than the board holds are taken as that many. The FIFO is empty, or all
-/// of it has run.
+/// `count` 0 switches the look-ahead off; a count above the board's is limited to it. The FIFO is
+/// empty, or all of it has run.
 pub fn look_ahead<const AXES: usize>(context: &mut Context<AXES>, r: &InitLookAhead) -> Admitted<Answer> {
     let crd = known(context, r.core.get(), r.crd.get())?;
     let fifo = fifo(2, r.fifo.get())?;
@@ -277,18 +285,18 @@ pub fn look_ahead<const AXES: usize>(context: &mut Context<AXES>, r: &InitLookAh
     let look = if count == 0 {
         None
     } else {
-        let corner = real(3, r.time_ms.get(), 0.0, MOST)?;
+        let corner = real(3, r.time_ms.get(), 0.0, VALUE_MAX)?;
         Some(Look { corner, acc: between(4, r.acc_max.get())?, count })
     };
-    if context.crd_book(crd).path(fifo).data.open {
+    if context.crd_shadow(crd).path(fifo).data.open {
         return Err(context.no_crd(Reason::CrdHolds, crd).field(2).got(fifo.into()));
     }
     context.stage_with(Op::Mark, Change::Crd { crd, change: CrdChange::Look { fifo, look } });
     Ok(Answer::Done)
 }
 
-/// Limits of one coordinate for look-ahead; 0 takes the limit away. They hold for motions given from now on to a
-/// look-ahead that is empty.
+/// Limits of one coordinate for look-ahead; 0 removes the limit. They hold for motions given from
+/// now on to an empty look-ahead.
 pub fn limit<const AXES: usize>(context: &mut Context<AXES>, r: &SetCrdLimit) -> Admitted<Answer> {
     let crd = known(context, r.core.get(), r.crd.get())?;
     let dimension = i16::from(context.frame(crd)?.dimension);
@@ -303,14 +311,14 @@ fn query(opcode: u16, crd: Crd, which: u8) -> Answer {
     Answer::Read(Query { opcode, first: crd.index() as u8, count: 1, which })
 }
 
-/// At rest the books alone say it; while it runs the tick does.
+/// At standstill the shadow state decides; during motion the tick does.
 pub fn space<const AXES: usize>(context: &mut Context<AXES>, r: &CrdSpace) -> Admitted<Answer> {
     let crd = known(context, r.core.get(), r.crd.get())?;
     let fifo = fifo(2, r.fifo.get())?;
     if context.crd_may_run(crd) {
         return Ok(query(opcode::CrdSpace, crd, fifo));
     }
-    Ok(Answer::Long(context.crd_book(crd).space_ahead(context.crd_seen(crd), fifo).cast_signed()))
+    Ok(Answer::Long(context.crd_shadow(crd).space_ahead(context.crd_sampled(crd), fifo).cast_signed()))
 }
 
 /// Reads that need no more than a coordinate system and a FIFO.

@@ -1,20 +1,25 @@
-//! What FIFOs of coordinate systems are given: motions, and entries between them.
+//! Data of the FIFOs of coordinate systems: motions, and entries between them.
 //!
-//! In: a data command. Out: entries in the look-ahead or the store, and what the books are to say of the FIFO. Fails:
-//! with the parameter and the limit, and then nothing has changed: all is checked before the first entry is put in.
+//! In: a data command. Out: entries in the look-ahead or the store, and the FIFO's new shadow
+//! state.
+//! Fails: with the parameter and the limit, and then nothing has changed: all is checked before the
+//! first entry is stored.
 //!
-//! Every command becomes a [`DataCommand`]; [`put`] does the rest. A command of another chapter that goes into a FIFO (a
-//! buffered laser change) makes a `DataCommand` of its own, with [`Item::Entry`].
+//! Every command becomes a [`DataCommand`]; [`put`] does the rest. A command of another chapter
+//! that goes into a FIFO (a buffered laser change) makes a `DataCommand` of its own, with
+//! [`Item::Entry`].
 mod given;
 
-use super::context::{Answer, Configuration, Context};
+use super::context::Context;
 use super::data::{End, FifoOf, Written};
-use super::refuse::{Admitted, Refused, choice, real};
 use super::{buffered, many};
+use crate::configuration::Configuration;
 use crate::plan::geometry;
-use crate::plan::geometry::{Geometry, OFF_CENTRE, Position};
-use crate::plan::look_ahead::Limits;
+use crate::plan::geometry::{Geometry, OFF_CENTRE, Position, RADIUS_MAX, RADIUS_MIN};
+use crate::plan::look_ahead::{ALONG_MIN, Limits};
 use crate::plan::path_queue::PathQueue;
+use crate::refuse::{Admitted, Refused, choice, real};
+use crate::report::answer::Answer;
 use crate::shadow::{CAPACITY, CrdShadow, Frame, PathData, PathShadow};
 use given::{DataCommand, Item, Shape, Speeds, Target, given};
 use protocol::command::{LnXYMany, LnXYZMany, opcode};
@@ -22,16 +27,10 @@ use protocol::reason::Reason;
 use servo::path::{Along, DIMENSIONS, Entry, EntryStore, PathStores, Plane};
 use servo::units::{Axis, Crd};
 
-/// The lowest speed and acceleration of a motion.
-const LEAST: f64 = 1.0 / 1048576.0;
-/// The lowest distance of a centre, pulses.
-const CENTRE: f64 = 1.0 / 512.0;
-/// Radii are below this, pulses.
-const RADIUS: f64 = 2_147_483_648.0;
-/// Axes that go along with one motion.
+/// Most gears of one motion.
 const GEARS: u32 = 4;
 
-/// Speeds of a motion as they hold.
+/// The speeds of a motion after limitation.
 #[derive(Debug, Clone, Copy)]
 struct Held {
     vel: f64,
@@ -40,13 +39,14 @@ struct Held {
     along: Along,
 }
 
-/// The next number below that 32 bits hold.
+/// The next lower number that 32 bits hold.
 fn down(x: f64) -> f32 {
-    let near = x as f32;
-    if f64::from(near) > x { f32::from_bits(near.to_bits() - 1) } else { near }
+    let nearest = x as f32;
+    if f64::from(nearest) > x { f32::from_bits(nearest.to_bits() - 1) } else { nearest }
 }
 
-/// Whether a share of a speed is above a limit. What doubles round is not held against it, where it is not all of the speed.
+/// Whether a share of a speed is above a limit. The rounding of doubles is tolerated, unless the
+/// share is 1.
 fn is_faster(vel: f64, share: f64, limit: f64) -> bool {
     const ROUNDED: f64 = 4.0 * f64::EPSILON;
     if share == 1.0 { vel > limit } else { vel * share > limit * (1.0 + ROUNDED) }
@@ -66,33 +66,34 @@ struct Filling<'x> {
     shadow: &'x CrdShadow,
     frame: &'x Frame,
     path: &'x PathShadow,
-    /// Where the next motion begins; NaN for a coordinate of which only the tick knows.
+    /// Where the next motion begins; NaN for a coordinate that only the tick knows.
     begin: Position,
     space: u32,
-    /// The path may run, and has a look-ahead: what leaves it is for the tick at once.
+    /// The path may run, and has a look-ahead: what leaves that goes to the tick at once.
     at_once: bool,
     field: u8,
     configuration: &'x Configuration,
-    /// What the board's steps make of an axis, pulse/ms.
+    /// The step limit of the board, pulse/ms.
     limit: f64,
 }
 
-/// The FIFO, if it is known what it holds and its places are free.
+/// The FIFO, if its content is known and its slots are free.
 fn open<'x, const AXES: usize>(context: &Context<'x, AXES>, target: &Target) -> Admitted<Filling<'x>> {
     let crd = context.crd(target.core, target.crd)?;
     let frame = context.frame(crd)?;
     let fifo = super::crd::fifo(target.fifo_field, target.fifo)?;
-    let (shadow, sampled) = (context.crd_book(crd), context.crd_seen(crd));
+    let (shadow, sampled) = (context.crd_shadow(crd), context.crd_sampled(crd));
     let path = shadow.path(fifo);
     let in_use = || context.no_crd(Reason::CrdFifoInUse, crd).field(target.fifo_field).got(fifo.into());
     let pending = |seq: Option<u32>| seq.is_some_and(|seq| !crate::shadow::executed(context.view, seq));
-    // The places of what is over in the program are free only when the tick is through with them.
+    // The slots of entries that are over in the program are free only when the tick has released
+    // them.
     if pending(path.emptied) && shadow.is_busy(context.view, sampled) {
         return Err(in_use());
     }
     let at_once = path.look.is_some() && context.crd_may_run(crd);
-    // The look-ahead of a path that runs looks no further ahead than the host that feeds it.
-    if at_once && (!context.due.near || path.loose || pending(path.last)) {
+    // The look-ahead of a running path plans no further than the host's data.
+    if at_once && (!context.due.soon || path.loose || pending(path.last)) {
         return Err(in_use());
     }
     let space = shadow.space(sampled, fifo);
@@ -119,7 +120,8 @@ impl Filling<'_> {
         Err(self.no(Reason::CrdFull).field(self.field).got(self.space.into()).limits(0.0, CAPACITY.into()))
     }
 
-    /// Refuses for now what needs to know these coordinates of its begin. With look-ahead that is everything.
+    /// Refuses for now a motion that needs these coordinates of its start. With look-ahead every
+    /// motion needs all.
     fn needs(&self, coordinates: impl IntoIterator<Item = usize>) -> Admitted<()> {
         let dimension = usize::from(self.frame.dimension);
         let unknown = |index: usize| index < dimension && self.begin.get(index).is_some_and(|at| at.is_nan());
@@ -135,17 +137,17 @@ impl Filling<'_> {
         Err(self.no(Reason::NoCoordinate).field(field).got(to.into()))
     }
 
-    /// Speed, acceleration and end speed as they hold: all are held to the maxima.
+    /// Speed, acceleration and end speed after limitation to the maxima.
     fn speeds(&self, given: &Speeds) -> Admitted<Held> {
         let Speeds { vel, acc, end, field, .. } = *given;
         let (vel_max, acc_max) = (self.frame.vel_max, self.frame.acc_max);
-        real(field, vel, LEAST, f64::MAX)?;
-        real(field + 1, acc, LEAST, f64::MAX)?;
+        real(field, vel, ALONG_MIN, f64::MAX)?;
+        real(field + 1, acc, ALONG_MIN, f64::MAX)?;
         real(field + 2, end, 0.0, f64::MAX)?;
         let (vel, acc) = (vel.min(vel_max), acc.min(acc_max));
         let end = end.min(vel);
         let along = Along::admit(vel.to_bits(), acc.to_bits(), end.to_bits())
-            .map_err(|_| Refused::new(Reason::OutOfRange).field(field).got(vel).limits(LEAST, vel_max))?;
+            .map_err(|_| Refused::new(Reason::OutOfRange).field(field).got(vel).limits(ALONG_MIN, vel_max))?;
         Ok(Held { vel, acc, end, along })
     }
 
@@ -154,7 +156,7 @@ impl Filling<'_> {
         let begin = self.begin;
         let ccw = |dir: i16, field: u8| Ok(choice(field, dir, 0, 1)? == 1);
         let plane_of = |plane: Plane, to: [i32; 2], field: u8| {
-            // What can never be right is refused at once, whether the begin is known or not.
+            // What can never be right is refused at once, whether the start is known or not.
             for ((coordinate, to), field) in plane.coordinates().into_iter().zip(to).zip(field..) {
                 self.driven(coordinate, to, field)?;
                 if coordinate >= usize::from(self.frame.dimension) {
@@ -173,7 +175,7 @@ impl Filling<'_> {
                     let [x, y, ..] = to;
                     (Geometry::planar(&begin, [x, y]), field)
                 } else {
-                    // Coordinates behind those that are named stay.
+                    // Coordinates after the named ones stay.
                     let mut target = to;
                     let rest = target.iter_mut().zip(begin).enumerate().skip(count);
                     for (_, (to, begin)) in rest {
@@ -194,8 +196,8 @@ impl Filling<'_> {
         geometry.map_err(|refused| explain(refused, shape, field))
     }
 
-    /// Refuses a motion in which an axis would be faster than the board's steps, at the speed that it is given or at that with
-    /// which the motion before may end. `data` is what stands before it.
+    /// Refuses a motion in which an axis would exceed the step limit, at the speed given or at that
+    /// with which the motion before may end. `data` is what precedes it.
     fn in_steps(
         &self,
         queue: &PathQueue,
@@ -204,12 +206,12 @@ impl Filling<'_> {
         data: &PathData,
     ) -> Admitted<()> {
         let peak = vel.max(self.enters(data));
-        // No coordinate has more of the speed than all of it.
+        // No coordinate has more than the whole speed.
         if peak <= self.limit && data.gears.0 == 0 {
             return Ok(());
         }
         if geometry.length.is_nan() {
-            // Waits until the place is known, unless that changes nothing.
+            // Waits until the position is known, unless that changes nothing.
             if peak.max(peak * f64::from(data.gear)) <= self.limit {
                 return Ok(());
             }
@@ -234,13 +236,13 @@ impl Filling<'_> {
         if data.gears.0 == 0 { Ok(()) } else { refuse(data.geared, f64::from(data.gear) / geometry.length) }
     }
 
-    /// How fast the path may be where the next motion begins.
+    /// Highest speed of the path where the next motion begins.
     fn enters(&self, data: &PathData) -> f64 {
         if data.open && self.path.look.is_none() { data.leaves.into() } else { 0.0 }
     }
 
-    /// How fast it may be where a motion of this length ends: at velEnd, or as fast as braking leaves it. Where velEnd is above the
-    /// limit of the steps, only as fast as it can get.
+    /// Highest speed at the end of a motion of this length: velEnd, or what braking leaves. If
+    /// velEnd is above the step limit, only the speed that it can reach.
     fn leaves(&self, data: &PathData, length: f64, acc: f64, end: f64) -> f32 {
         let enters = self.enters(data);
         if self.path.look.is_some() || enters <= end && end <= self.limit {
@@ -259,7 +261,7 @@ impl Filling<'_> {
         }
     }
 
-    /// What is written from here on goes this way.
+    /// Prepares the queue for what is written from here on.
     fn prepare(&self, queue: &mut PathQueue) {
         queue.follow(self.path.cleared);
         if let Some(look) = self.path.look {
@@ -267,7 +269,7 @@ impl Filling<'_> {
         }
     }
 
-    /// Puts a motion in; it has been checked.
+    /// Stores a motion that has been checked.
     fn put_motion(
         &self,
         (queue, store): (&mut PathQueue, &EntryStore),
@@ -307,16 +309,16 @@ fn explain(refused: geometry::Refused, shape: &Shape, field: u8) -> Refused {
         }
         geometry::Refused::NoLength => Refused::new(Reason::NoLength).field(field),
         geometry::Refused::RadiusTooSmall { least } => {
-            Refused::new(Reason::RadiusTooSmall).field(field + 2).got(radius).limits(least, RADIUS)
+            Refused::new(Reason::RadiusTooSmall).field(field + 2).got(radius).limits(least, RADIUS_MAX)
         }
         geometry::Refused::CentreOff { by } => {
             Refused::new(Reason::CentreOff).field(field + 2).got(by).limits(0.0, OFF_CENTRE)
         }
         geometry::Refused::CentreOnStart => {
-            Refused::new(Reason::CentreOnStart).field(field + 2).got(radius).limits(CENTRE, RADIUS)
+            Refused::new(Reason::CentreOnStart).field(field + 2).got(radius).limits(RADIUS_MIN, RADIUS_MAX)
         }
         geometry::Refused::RadiusTooLarge => {
-            Refused::new(Reason::RadiusTooLarge).field(field + 2).got(radius).limits(0.0, RADIUS)
+            Refused::new(Reason::RadiusTooLarge).field(field + 2).got(radius).limits(0.0, RADIUS_MAX)
         }
     }
 }
@@ -340,7 +342,8 @@ pub fn data<const AXES: usize>(
     }
 }
 
-/// A buffered laser command: what it took is told where there is something, else its place.
+/// A buffered laser command: the reply reports the values taken, if there are any, else the free
+/// slots.
 fn light<const AXES: usize>(
     context: &Context<AXES>,
     queues: &mut [[PathQueue; 2]],
@@ -359,7 +362,7 @@ fn light<const AXES: usize>(
     Ok((written, end))
 }
 
-/// Puts one thing into a FIFO, in the order of the calls, through the look-ahead if there is one.
+/// Puts one item into a FIFO, in the order of the calls, through the look-ahead if there is one.
 pub fn put<const AXES: usize>(
     context: &Context<AXES>,
     queues: &mut [[PathQueue; 2]],
@@ -401,7 +404,7 @@ pub fn put<const AXES: usize>(
                 _ => (Entry::delay(0), 0.0),
             };
             filling.has_room(1)?;
-            // What stands first in a FIFO is done where the path is; a motion behind it begins there.
+            // The first entry of a FIFO acts where the path is; a motion after it begins there.
             if !data.open {
                 data.position = filling.begin;
             }
@@ -418,7 +421,7 @@ pub fn put<const AXES: usize>(
             count = 0;
         }
     }
-    let lasts = queue.lasts(stores, context.crd_seen(filling.crd), filling.fifo);
+    let lasts = queue.lasts(stores, context.crd_sampled(filling.crd), filling.fifo);
     Ok(filling.written(count, lasts, data))
 }
 
@@ -450,7 +453,7 @@ where
         ends.leaves = 0.0;
     }
     let (leaves, looks) = (down(admitted.end), filling.path.look.is_some());
-    let calm = admitted.vel <= filling.limit && admitted.end <= filling.limit;
+    let is_slow = admitted.vel <= filling.limit && admitted.end <= filling.limit;
     for (index, item) in items.iter().enumerate() {
         let to = R::to(item);
         for ((coordinate, to), field) in to.iter().enumerate().zip(fields..) {
@@ -463,7 +466,7 @@ where
         let begin = before;
         before.iter_mut().zip(to).for_each(|(before, to)| *before = to);
         // Most lines are known to be slow enough without their length.
-        if calm && ends.gears.0 == 0 && (looks || ends.leaves <= leaves) {
+        if is_slow && ends.gears.0 == 0 && (looks || ends.leaves <= leaves) {
             ends.leaves = leaves;
             continue;
         }
@@ -485,7 +488,7 @@ where
         target.iter_mut().zip(to).for_each(|(target, to)| *target = to);
         let [x, y, ..] = target;
         if filling.path.look.is_none() {
-            // Nobody asks for its directions.
+            // Nobody reads its directions.
             let Held { vel, along, .. } = admitted;
             let entry = if N == 2 { Entry::planar([x, y], along) } else { Entry::line(target, along) };
             let shape = at.iter().zip(target).take(N).fold(0.0f32, |sum, (at, to)| {
@@ -504,7 +507,7 @@ where
         at = geometry.end;
     }
     data.leaves = ends.leaves;
-    let lasts = queue.lasts(stores, context.crd_seen(filling.crd), filling.fifo);
+    let lasts = queue.lasts(stores, context.crd_sampled(filling.crd), filling.fifo);
     Ok(filling.written(items.len(), lasts, data))
 }
 

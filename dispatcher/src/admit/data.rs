@@ -1,12 +1,14 @@
-//! Data of FIFOs: PT segments, entries of Follow, entries of paths. It is written to its store at admission, behind
-//! what the tick knows of, and becomes visible by a commit at its instant.
+//! Data of FIFOs: PT segments, entries of Follow, entries of paths. Admission writes it to its
+//! store, after the part that the tick knows. A commit publishes it at its instant.
 //!
-//! In: a data command. Out: what was [`Written`]; then, once it is entered into the *ahead* books, the commit that
-//! shows all that a FIFO has. Fails: with a refusal, and then nothing has changed.
-use super::context::{Answer, Context, TAKEN_MAX};
-use super::refuse::Admitted;
+//! In: a data command. Out: what was [`Written`]; then, once it is in the admitted state, the
+//! commit that publishes all data of a FIFO.
+//! Fails: with a refusal, and then nothing has changed.
+use super::context::{Context, TAKEN_MAX};
 use super::{crd_data, follow_data, one, pt};
 use crate::plan::path_queue::PathQueue;
+use crate::refuse::Admitted;
+use crate::report::answer::Answer;
 use crate::shadow::{Change, CrdChange, Fifo, FifoShadow, PathData, Shadows};
 use protocol::command::{FollowSwitchNowEx, opcode};
 use servo::op::Op;
@@ -14,19 +16,19 @@ use servo::path::PathStores;
 use servo::segment::pt::SegmentStore;
 use servo::units::{Axis, Crd};
 
-/// Whose FIFO.
+/// The owner of a FIFO.
 #[derive(Debug, Clone, Copy)]
 pub enum FifoOf {
-    /// Of an axis.
+    /// An axis.
     Axis(Axis),
-    /// Of a coordinate system.
+    /// A coordinate system.
     Crd(Crd),
 }
 
 /// Data that was written to a store and is not yet visible to the tick.
 #[derive(Debug, Clone, Copy)]
 pub struct Written {
-    /// Whose.
+    /// The owner.
     pub of: FifoOf,
     /// Which FIFO.
     pub fifo: u8,
@@ -34,25 +36,25 @@ pub struct Written {
     pub answer: Answer,
     /// Its commit goes by the immediate lane.
     pub at_once: bool,
-    /// The numbers that the answer waits for: what a buffered laser command took.
+    /// The values that the answer waits for: what a buffered laser command took.
     pub took: [f64; TAKEN_MAX],
     /// Laser channel and follow table that an entry of a path names.
     pub named: Option<(u8, u8)>,
 }
 
 impl Written {
-    /// Data of a FIFO whose commit comes with the rest of its instant.
+    /// Data of a FIFO whose commit is pushed with the rest of its instant.
     pub fn new(of: FifoOf, fifo: u8, answer: Answer) -> Written {
         Written { of, fifo, answer, at_once: false, took: [0.0; TAKEN_MAX], named: None }
     }
 
-    /// The numbers that its answer waits for.
+    /// The values that its answer waits for.
     pub fn waiting(&self) -> impl Iterator<Item = f64> {
         self.took.into_iter().take(self.answer.waiting().into())
     }
 }
 
-/// Where a FIFO ends with what was written.
+/// The end of a FIFO after the written data.
 #[derive(Debug, Clone, Copy)]
 pub enum End {
     /// Of segments of PT.
@@ -65,11 +67,11 @@ pub enum End {
 
 /// The memory that data is written to.
 pub struct Stores<'x, const AXES: usize> {
-    /// PT and Follow, a store an axis.
+    /// PT and Follow, one store for each axis.
     pub segments: &'x [SegmentStore; AXES],
     /// Both FIFOs of each coordinate system.
     pub entries: PathStores<'x>,
-    /// What leads to them.
+    /// The look-aheads that feed them.
     pub queues: &'x mut [[PathQueue; 2]],
 }
 
@@ -106,7 +108,7 @@ pub fn data<const AXES: usize>(
     }
 }
 
-/// Enters written data into the *ahead* books before its commit is pushed.
+/// Enters written data into the admitted state before its commit is pushed.
 pub fn enter<const AXES: usize>(shadows: &mut Shadows<AXES>, written: &Written, end: End) {
     let fifo = written.fifo;
     let change = match (written.of, end) {
@@ -121,22 +123,22 @@ pub fn enter<const AXES: usize>(shadows: &mut Shadows<AXES>, written: &Written, 
             let cleared = shadows.crd(crd).path(fifo).cleared;
             Change::Crd { crd, change: CrdChange::Data { fifo, cleared, data } }
         }
-        // Data is of what it was written to.
+        // Data has the kind of its FIFO's owner.
         _ => Change::None,
     };
     shadows.enter(&change, 0);
 }
 
-/// The commit of what these books have in a FIFO of an axis.
+/// The commit of all data that this state has in a FIFO of an axis.
 pub fn commit<const AXES: usize>(shadows: &Shadows<AXES>, axis: Axis, fifo: u8) -> (Op, Change) {
     let shadow = shadows.axis(axis);
-    let place = usize::from(fifo & 1);
+    let index = usize::from(fifo & 1);
     if shadow.is_follow() {
-        let (cleared, data) = (shadow.follow.cleared[place], shadow.follow.fifos[place]);
+        let (cleared, data) = (shadow.follow.cleared[index], shadow.follow.fifos[index]);
         let op = Op::FollowCommit { axis, fifo, end: data.chain.entries(), cleared, tail: data.chain.tail() };
         (op, Change::FollowData { axis, fifo, cleared, shadow: data })
     } else {
-        let (epoch, data) = (shadow.epoch, shadow.fifos[place]);
+        let (epoch, data) = (shadow.epoch, shadow.fifos[index]);
         (Op::PtCommit { axis, fifo, end: data.end, epoch }, Change::Data { axis, fifo, epoch, shadow: data })
     }
 }

@@ -1,13 +1,15 @@
-//! Follow and FollowEx commands (GXN chapter 3), apart from data (see [`super::follow_data`]). The two modes share
-//! settings and layouts; a command counts only in its own mode.
+//! Follow and FollowEx commands (GXN chapter 3), apart from data (see [`super::follow_data`]). The
+//! two modes share settings and layouts; a command counts only in its own mode.
 //!
-//! What a switch does to the FIFOs is decided by the tick. Where a command depends on it, it is refused until the
-//! view shows the state in which it acts ([`Context::decided`]); in a program that means it waits for its instant.
+//! The tick decides what a switch does to the FIFOs. A command that depends on it is refused until
+//! the view shows the state in which it acts ([`Context::decided`]). In a program it waits for its
+//! instant.
 use super::axis::all_startable;
-use super::context::{Answer, Context};
-use super::refuse::{Admitted, Refused, choice, within};
+use super::context::Context;
 use super::{one, query};
 use crate::plan::asymmetric_s;
+use crate::refuse::{Admitted, Refused, choice, within};
+use crate::report::answer::Answer;
 use crate::shadow::Change;
 use protocol::command::{
     FollowClear, FollowSpace, FollowStart, FollowSwitch, FollowSwitchNowEx, GetFollowDataPercent2Ex, GetFollowMaster,
@@ -51,7 +53,7 @@ pub fn admit<const AXES: usize>(context: &mut Context<AXES>, number: u16, body: 
         opcode::FollowSwitch | opcode::FollowSwitchEx => switch(context, mode, &one(body)?),
         opcode::SetFollowMemory | opcode::SetFollowMemoryEx => set_memory(context, mode, &one(body)?),
         opcode::FollowSwitchNowEx => switch_now(context, &one(body)?),
-        opcode::GetFollowDataPercent2Ex => lopsided_segment(context, &one(body)?),
+        opcode::GetFollowDataPercent2Ex => asymmetric_segment(context, &one(body)?),
         opcode::GetFollowMaster
         | opcode::GetFollowMasterEx
         | opcode::GetFollowLoop
@@ -86,8 +88,8 @@ pub fn known<const AXES: usize>(context: &Context<AXES>, axis: Axis, field: u8) 
     Err(context.no(Reason::FifoInUse, axis).field(field).got(context.sampled(axis).fifo.into()))
 }
 
-/// Any positive direction is +1, any negative −1. The mode that the axis has already keeps everything, but has to
-/// be asked for in the same direction.
+/// Any positive direction is +1, any negative −1. The present mode keeps everything, but must be
+/// given with the same direction.
 fn prf<const AXES: usize>(context: &mut Context<AXES>, mode: Mode, r: &PrfFollow) -> Admitted<Answer> {
     let axis = context.axis(r.core.get(), r.profile.get())?;
     let sign = r.dir.get().signum() as i8;
@@ -120,7 +122,7 @@ fn core_of<const AXES: usize>(context: &Context<AXES>, core: i16, given: i16) ->
     }
 }
 
-/// At rest. Only an axis that follows has a master, so a cycle can only arise here.
+/// At standstill. Only an axis that follows has a master, so a cycle can only arise here.
 fn set_master<const AXES: usize>(context: &mut Context<AXES>, mode: Mode, r: &SetFollowMaster) -> Admitted<Answer> {
     let axis = following(context, mode, r.core.get(), r.profile.get())?;
     let given = [r.master_index.get(), r.master_type.get(), r.master_item.get()];
@@ -155,14 +157,14 @@ fn set_master<const AXES: usize>(context: &mut Context<AXES>, mode: Mode, r: &Se
     Ok(Answer::Done)
 }
 
-/// Below 1 is for ever; counts while the axis runs, too.
+/// Below 1 is endless; has effect also while the axis runs.
 fn set_loop<const AXES: usize>(context: &mut Context<AXES>, mode: Mode, r: &SetFollowLoop) -> Admitted<Answer> {
     let axis = following(context, mode, r.core.get(), r.profile.get())?;
     context.stage(Op::FollowLoop { axis, passes: r.loop_count.get().max(0).unsigned_abs() });
     Ok(Answer::Done)
 }
 
-/// Counts from the next start on. The direction means something for PASS only.
+/// Has effect from the next start on. The direction matters for PASS only.
 fn set_event<const AXES: usize>(context: &mut Context<AXES>, mode: Mode, r: &SetFollowEvent) -> Admitted<Answer> {
     let axis = following(context, mode, r.core.get(), r.profile.get())?;
     let (which, direction, pos) = (choice(2, r.event.get(), 1, 2)?, choice(3, r.master_dir.get(), -1, 1)?, r.pos.get());
@@ -198,7 +200,7 @@ fn clear<const AXES: usize>(context: &mut Context<AXES>, mode: Mode, r: &FollowC
     Ok(Answer::Done)
 }
 
-/// At rest. Clears the data, even if the size stays.
+/// At standstill. Clears the data, even if the size stays.
 fn set_memory<const AXES: usize>(context: &mut Context<AXES>, mode: Mode, r: &SetFollowMemory) -> Admitted<Answer> {
     let axis = following(context, mode, r.core.get(), r.profile.get())?;
     let memory = choice(2, r.memory.get(), 0, 1)? as u8;
@@ -272,7 +274,7 @@ fn switch_now<const AXES: usize>(context: &mut Context<AXES>, r: &FollowSwitchNo
     }
     let axes = if method == Method::Table { axis.mask() } else { AxisMask(0) };
     context.stage_with(Op::FollowSwitchNow { axis, method }, Change::Switched { axes });
-    // What data is answered; the FIFO is the one that was named.
+    // Answered like data; the FIFO is the one that was named.
     Ok(Answer::Entered { axis, fifo: r.fifo.get() as u8, percent1: 0 })
 }
 
@@ -281,8 +283,8 @@ pub fn method(given: i16) -> Admitted<Method> {
     Ok(if choice(2, given, 1, 2)? == 1 { Method::Segment } else { Method::Table })
 }
 
-/// Slave displacement of an asymmetric segment (see [`lopsided`]).
-fn lopsided_segment<const AXES: usize>(context: &mut Context<AXES>, r: &GetFollowDataPercent2Ex) -> Admitted<Answer> {
+/// Slave displacement of an asymmetric segment (see [`asymmetric_s`]).
+fn asymmetric_segment<const AXES: usize>(context: &mut Context<AXES>, r: &GetFollowDataPercent2Ex) -> Admitted<Answer> {
     context.core(r.core.get())?;
     let numbers = [r.master_pos, r.vel_begin_ratio, r.vel_end_ratio, r.percent, r.percent1];
     for (field, number) in (1..).zip(numbers) {

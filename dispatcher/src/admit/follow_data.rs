@@ -1,13 +1,15 @@
-//! The road of Follow data from bytes to the axis's store: segments, and what FollowEx queues between them.
+//! Follow data from bytes to the axis's store: segments, and what FollowEx queues between them.
 //!
-//! In: a data command. Out: entries in the store, and what the books are to say of the FIFO. Fails: with the
-//! parameter and the limit; what was written by then lies behind the end of the FIFO, where nobody looks.
-use super::context::{Answer, Context};
+//! In: a data command. Out: entries in the store, and the FIFO's new shadow state.
+//! Fails: with the parameter and the limit. Entries written by then lie after the end of the FIFO,
+//! where nobody reads.
+use super::context::{Context, TRAVEL_PULSES};
 use super::data::{End, FifoOf, Written};
 use super::follow::{following, known, method, mode_of};
-use super::refuse::{Admitted, Refused, choice, real, within};
 use super::{io, one};
 use crate::plan::asymmetric_s;
+use crate::refuse::{Admitted, Refused, choice, real, within};
+use crate::report::answer::Answer;
 use crate::shadow::Fifo;
 use protocol::command::{
     FollowData, FollowDataPercent2Ex, FollowDataPercentEx, FollowDelayEx, FollowDiBitEx, FollowDoBitEx,
@@ -21,15 +23,13 @@ use servo::units::Axis;
 
 /// Furthest master position, pulses.
 const MASTER_MAX: f64 = 2_147_483_648.0;
-/// Furthest slave position, pulses.
-const TRAVEL: f64 = 1_099_511_627_776.0;
-/// What a part of a segment is long at least, pulses of the master.
+/// The shortest part of a segment, pulses of the master.
 const SHORTEST: f64 = 1.0 / 65536.0;
 /// The largest ratio.
 const RATIO_MAX: f64 = 17_592_186_044_416.0;
 
-/// An entry as it was given. The fields of a segment are 2, 3, 4, 5 of its request; what the others are made of is
-/// known to be right.
+/// An entry as it was given. The fields of a segment are 2, 3, 4, 5 of its request; all other
+/// entries are checked already.
 #[derive(Debug, Clone, Copy)]
 enum Given {
     /// Master, slave, type, percent.
@@ -38,7 +38,8 @@ enum Given {
     Delay(u32),
     Wait(Input, u8, bool, u32),
     Switch(Method),
-    /// A part of an asymmetric S: master, slave, which, and the ratio at its start where it is the first.
+    /// A part of an asymmetric S: master, slave, which, and the ratio at its start where it is the
+    /// first.
     Part(f64, f64, Part, Option<f64>),
 }
 
@@ -53,7 +54,7 @@ struct Filling<'x> {
 }
 
 impl Filling<'_> {
-    /// The entry behind the end, and what the next goes on from.
+    /// The entry after the end, and the state from which the next one continues.
     fn check(&self, given: Given) -> Admitted<(Entry, Chain)> {
         if self.shadow.chain.entries() >= self.capacity {
             return Err(Refused::new(Reason::FifoFull).field(self.field).limits(0.0, self.capacity.into()));
@@ -75,7 +76,7 @@ impl Filling<'_> {
         admitted.map_err(|refused| self.explain(refused, given))
     }
 
-    /// Writes one entry behind the end.
+    /// Writes one entry after the end.
     fn add(&mut self, given: Given) -> Admitted<()> {
         let (entry, chain) = self.check(given)?;
         self.store.write_entry(self.fifo, self.shadow.chain.entries(), entry);
@@ -103,7 +104,7 @@ impl Filling<'_> {
                 Refused::new(Reason::OutOfRange).field(2).got(master).limits(-MASTER_MAX, MASTER_MAX)
             }
             follow::Refused::SlaveBeyondTravel => {
-                Refused::new(Reason::BeyondTravel).field(3).got(slave).limits(-TRAVEL, TRAVEL)
+                Refused::new(Reason::BeyondTravel).field(3).got(slave).limits(-TRAVEL_PULSES, TRAVEL_PULSES)
             }
             follow::Refused::NotAdvancing if master * before.master < 0.0 => {
                 Refused::new(Reason::MixedSigns).field(2).got(master).limits(before.master, before.master)
@@ -120,7 +121,7 @@ impl Filling<'_> {
                 Refused::new(Reason::RatioTooLarge).field(3).got(ratio).limits(-RATIO_MAX, RATIO_MAX)
             }
             follow::Refused::TooFar => {
-                let most = TRAVEL / (master - before.master).abs();
+                let most = TRAVEL_PULSES / (master - before.master).abs();
                 Refused::new(Reason::RatioTooLarge).field(3).got(ratio).limits(-most, most)
             }
             follow::Refused::StopsFull => {
@@ -139,7 +140,7 @@ pub fn data<const AXES: usize>(
     body: &[u8],
 ) -> Admitted<(Written, End)> {
     if number == opcode::FollowDataPercent2Ex {
-        return lopsided_data(context, stores, &one(body)?);
+        return asymmetric_data(context, stores, &one(body)?);
     }
     let (core, profile, fifo, field, given) = match number {
         opcode::FollowData => {
@@ -184,8 +185,9 @@ pub fn data<const AXES: usize>(
     ))
 }
 
-/// FollowDataPercent2Ex: up to three places, for the growing, the held and the falling slope of the ratio.
-fn lopsided_data<const AXES: usize>(
+/// FollowDataPercent2Ex: up to three slots, for the rising, the constant and the falling part of
+/// the ratio.
+fn asymmetric_data<const AXES: usize>(
     context: &Context<AXES>,
     stores: &[SegmentStore; AXES],
     r: &FollowDataPercent2Ex,
@@ -204,7 +206,7 @@ fn lopsided_data<const AXES: usize>(
     let q = f64::from(within(6, r.percent.get(), 0, 100)?) / 100.0;
     let mut filling = open(context, stores, axis, r.fifo.get(), 7)?;
     let named = |refused: Refused| refused.axis(context.configuration.number_of(axis));
-    // What is wrong with its ends alone is told as of any segment.
+    // An error of its ends alone is reported as for any segment.
     filling.check(Given::Segment(master, slave, 1, 0)).map_err(named)?;
     let (from, origin) = (filling.shadow.master, filling.shadow.slave);
     let length = master - from;
@@ -213,7 +215,7 @@ fn lopsided_data<const AXES: usize>(
         let (low, high) = (origin + low * progress, origin + high * progress);
         named(Refused::new(Reason::OutOfRange).field(3).got(slave).limits(low, high))
     })?;
-    // A part that is too short to be a segment is none.
+    // A part that is too short to be a segment is left out.
     let x = if x * progress < SHORTEST {
         0.0
     } else if (q - x) * progress < SHORTEST {
@@ -228,7 +230,7 @@ fn lopsided_data<const AXES: usize>(
         (q < 1.0).then(|| (corner(held), Part::Held)),
         (x < q).then_some(((master, slave), Part::Fall)),
     ];
-    // The last one ends where the user says.
+    // The last one ends where the user gave it.
     let last = parts.iter().rposition(Option::is_some);
     let mut first = Some(begin);
     for (index, ((at, to), part)) in parts.into_iter().enumerate().filter_map(|(i, part)| Some((i, part?))) {
@@ -240,7 +242,7 @@ fn lopsided_data<const AXES: usize>(
     Ok((Written::new(FifoOf::Axis(axis), fifo, Answer::Entered { axis, fifo, percent1 }), End::Follow(filling.shadow)))
 }
 
-/// The FIFO, if it is known what it holds and its places are free for data.
+/// The FIFO, if its content is known and its slots are free for data.
 fn open<'x, const AXES: usize>(
     context: &Context<'_, AXES>,
     stores: &'x [SegmentStore; AXES],
@@ -251,7 +253,7 @@ fn open<'x, const AXES: usize>(
     let fifo = choice(field, fifo, 0, 1)? as u8;
     known(context, axis, field)?;
     let shadow = context.shadow(axis);
-    // The places of data that is over in the program are free only when the tick is through with them.
+    // The slots of data that is over in the program are free only when the tick has released them.
     if context.is_outgoing(axis, fifo) {
         return Err(context.no(Reason::FifoInUse, axis).field(field).got(fifo.into()));
     }

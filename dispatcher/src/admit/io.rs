@@ -1,7 +1,10 @@
 //! Digital and analog inputs and outputs.
-use super::context::{Answer, Context, Query, ones};
+use super::context::Context;
 use super::many;
-use super::refuse::{Admitted, Refused, choice};
+use crate::configuration::ones;
+use crate::io_types::{WORD, WORDS, kind};
+use crate::refuse::{Admitted, Refused, choice};
+use crate::report::answer::{Answer, Query};
 use crate::shadow::Change;
 use protocol::command::{GetAdc, GetDac, GetDi, GetDiEx, GetDo, GetDoEx, SetDac, SetDo, SetDoBit, SetDoEx, opcode};
 use protocol::reason::Reason;
@@ -10,26 +13,8 @@ use servo::op::{DoGroup, Op};
 use servo::segment::follow::Input;
 use servo::units::{AxisMask, CrdMask};
 
-/// I/O types of the manuals (SPEC 3).
-pub mod kind {
-    pub const LIMIT_POSITIVE: i16 = 0;
-    pub const LIMIT_NEGATIVE: i16 = 1;
-    pub const ALARM: i16 = 2;
-    pub const HOME: i16 = 3;
-    pub const GPI: i16 = 4;
-    pub const ARRIVE: i16 = 5;
-    pub const ENABLE: i16 = 10;
-    pub const CLEAR: i16 = 11;
-    pub const GPO: i16 = 12;
-}
-
-/// Bits of a word of levels.
-pub const WORD: usize = 32;
-/// Words of a read or a call of levels: no type of any product has more.
-pub const WORDS: usize = 4;
-
-/// A read of this type, that of field 1: `first` is the core's index, `count` the words of 32 levels. One that asks for more
-/// words than there are gets those that there are.
+/// A read of this type, that of field 1: `first` is the core's index, `count` the words of 32
+/// levels. A read of more words than exist gets those that exist.
 fn read<const AXES: usize>(
     context: &Context<AXES>,
     opcode: u16,
@@ -68,7 +53,7 @@ fn general_inputs<const AXES: usize>(context: &Context<AXES>) -> u8 {
     context.configuration.profile.general_inputs.min(context.board.general_inputs)
 }
 
-/// The group, the place of its bit 0, and how many bits a core has of it. `field` names the type.
+/// The group, the index of its bit 0, and how many bits a core has of it. `field` names the type.
 pub fn group<const AXES: usize>(
     context: &Context<AXES>,
     core: i16,
@@ -99,7 +84,8 @@ pub fn set_outputs<const AXES: usize>(context: &mut Context<AXES>, r: &SetDo) ->
     Ok(Answer::Done)
 }
 
-/// Words of outputs, from the first one; what no word holds stays. Bits of outputs that do not exist must be 0.
+/// Words of outputs, from the first one; outputs without a word keep their level. Bits of outputs
+/// that do not exist must be 0.
 pub fn set_output_words<const AXES: usize>(context: &mut Context<AXES>, body: &[u8]) -> Admitted<Answer> {
     let (request, values) = many::<SetDoEx>(body, |r| r.count.get())?;
     let (group, first, have) = group(context, request.core.get(), 1, request.do_type.get())?;
@@ -134,7 +120,8 @@ fn stage_output<const AXES: usize>(context: &mut Context<AXES>, group: DoGroup, 
     context.stage_with(Op::Output { group, mask, value }, change);
 }
 
-/// One output: its group, its bit in it, its level. Type, index and value are fields from `field` on.
+/// One output: its group, its bit in it, its level. Type, index and value are fields from `field`
+/// on.
 pub fn output<const AXES: usize>(
     context: &Context<AXES>,
     core: i16,
@@ -146,7 +133,7 @@ pub fn output<const AXES: usize>(
     Ok((group, (first + index) as u8, choice(field + 2, value, 0, 1)? == 1))
 }
 
-/// One input: what it is, its axis over all cores or its number, the level that is asked for.
+/// One input: its kind, its axis over all cores or its number, the wanted level.
 pub fn input<const AXES: usize>(
     context: &Context<AXES>,
     core: i16,
@@ -167,7 +154,8 @@ pub fn input<const AXES: usize>(
     Ok((input, first + index, choice(field + 2, value, 0, 1)? == 1))
 }
 
-/// The first of `count` channels from 1 (fields 1, 2), and how many of them there are: a read may reach past the last one.
+/// The first of `count` channels from 1 (fields 1, 2), and how many of them exist: a read may reach
+/// past the last one.
 fn channels(first: i16, count: i16, have: u8) -> Admitted<(u8, u8)> {
     let have = i16::from(have.min(8));
     let first = choice(1, first, 1, have)?;
@@ -175,7 +163,7 @@ fn channels(first: i16, count: i16, have: u8) -> Admitted<(u8, u8)> {
     Ok((first as u8 - 1, count as u8))
 }
 
-/// An analog output, from 0, that no laser channel has.
+/// An analog output, from 0, that no laser channel uses.
 pub fn analog<const AXES: usize>(context: &Context<AXES>, field: u8, channel: i16) -> Admitted<u8> {
     let channel = choice(field, channel, 1, i16::from(context.board.analog_outputs.min(8)))? as u8 - 1;
     free_analog(context, field, channel, 1)?;

@@ -1,8 +1,9 @@
 //! Jog and Trap: modes, parameters, targets, Update.
 use super::axis::{ACCEL_MAX, accel, all_startable};
-use super::context::{Answer, Context};
+use super::context::Context;
 use super::query;
-use super::refuse::{Admitted, Refused, real, within};
+use crate::refuse::{Admitted, Refused, real, within};
+use crate::report::answer::Answer;
 use crate::shadow::Change;
 use protocol::command::{
     GetJogPrm, GetTrapPrm, JogPrm, PrfJog, PrfTrap, SetJogPrm, SetPos, SetTrapPrm, SetVel, TrapPrm, Update, opcode,
@@ -25,7 +26,7 @@ pub fn jog<const AXES: usize>(context: &mut Context<AXES>, r: &PrfJog) -> Admitt
     set_mode(context, axis, Mode::Jog)
 }
 
-/// A mode is set at rest; the one that the axis has already is done without an effect.
+/// A mode is set at standstill; the present mode is accepted without an effect.
 pub fn set_mode<const AXES: usize>(context: &mut Context<AXES>, axis: Axis, mode: Mode) -> Admitted<Answer> {
     context.at_standstill(axis)?;
     if context.shadow(axis).mode != mode {
@@ -40,7 +41,7 @@ fn accel_or_none(field: u8, got: f64) -> Admitted<Accel> {
     if got == 0.0 { Ok(Accel::default()) } else { accel(field, got) }
 }
 
-/// At most what the board's step outputs make.
+/// At most the step limit of the board.
 fn speed(field: u8, got: f64, signed: bool, limit: StepLimit) -> Admitted<Speed> {
     let high = limit.pulses_per_ms() as f64;
     let low = if signed { -high } else { 0.0 };
@@ -72,7 +73,7 @@ pub fn set_jog<const AXES: usize>(context: &mut Context<AXES>, r: &SetJogPrm) ->
         return Err(Refused::new(Reason::OutOfRange).field(4).got(given).limits(0.0, 1.0));
     }
     context.in_mode(axis, context.shadow(axis).mode == Mode::Jog)?;
-    // Down to the next 2⁻¹⁶; below 1 it cannot reach the top.
+    // Rounded down to 2⁻¹⁶; a value below 1 cannot become 1.
     let smooth = (given * 65536.0) as u16;
     let prm = JogPrm { acc: r.acc, dec: r.dec, smooth: r.smooth };
     // A dec of 0 means acc (SPEC 5).
@@ -110,7 +111,7 @@ pub fn set_vel<const AXES: usize>(context: &mut Context<AXES>, r: &SetVel) -> Ad
     Ok(Answer::Done)
 }
 
-/// Begins Jog or Trap, or changes one that runs, for all axes of the mask or none.
+/// Starts Jog or Trap, or changes a running one, for all axes of the mask or none.
 pub fn update<const AXES: usize>(context: &mut Context<AXES>, r: &Update) -> Admitted<Answer> {
     let axes = context.mask(r.core.get(), r.mask.get(), 1)?;
     if axes.0 == 0 {

@@ -1,7 +1,9 @@
-//! Admission: one function a command, from the wire's struct to staged operations.
+//! Admission: one function for each command, from the wire's struct to staged operations.
 //!
-//! In: a record. Out: what to answer once it is executed, with the operations staged; or a refusal,
-//! and then nothing has changed. The only place where the user's doubles become the tick's numbers.
+//! In: a record. Out: the answer once it is executed, with the operations staged; or a refusal, and
+//! then nothing has changed.
+//! The only folder where the user's doubles become the tick's numbers.
+pub mod admission;
 mod axis;
 pub(crate) mod context;
 pub mod crd;
@@ -10,12 +12,10 @@ pub mod data;
 mod follow;
 mod follow_data;
 mod io;
-pub(crate) mod refuse;
-pub use follow::is_follow;
-pub use io::{WORD, WORDS, kind};
-pub use pvt::number_of;
 mod jog_trap;
 mod laser;
+mod paths;
+pub mod staged;
 use laser::buffered;
 pub use laser::{power_on, tables};
 pub mod pt;
@@ -24,10 +24,12 @@ pub mod pvt_table;
 mod session;
 mod simulated;
 
-use context::{Answer, Context, Query};
+use crate::refuse::{Admitted, Refused, within};
+use crate::report::answer::{Answer, Query};
+use crate::report::replies::is_crd;
+use context::Context;
 use protocol::command::{self, Nothing, Request, opcode};
 use protocol::reason::Reason;
-use refuse::{Admitted, Refused, within};
 use servo::units::Axis;
 use zerocopy::FromBytes;
 
@@ -65,8 +67,8 @@ fn query(opcode: u16, axis: Axis) -> Answer {
     Answer::Read(Query { opcode, first: axis.index() as u8, count: 1, which: 0 })
 }
 
-/// Admits any command that becomes operations or a read. PT data, PVT points, program control and what the
-/// dispatcher does by itself are taken before (see [`crate::session::commands`]).
+/// Admits any command that becomes operations or a read. PT data, PVT points, program control and
+/// what the dispatcher does by itself are handled before.
 pub fn admit<const AXES: usize>(context: &mut Context<AXES>, number: u16, body: &[u8]) -> Admitted<Answer> {
     macro_rules! to {
         ($name:ident, $function:path) => {
@@ -216,14 +218,7 @@ pub fn admit<const AXES: usize>(context: &mut Context<AXES>, number: u16, body: 
         opcode::SetLaserFollowFilter => to!(SetLaserFollowFilter, crd::set_follow_filter),
         opcode::InitLookAhead => to!(InitLookAhead, crd::look_ahead),
         opcode::SetCrdLimit => to!(SetCrdLimit, crd::limit),
-        opcode::GetCrdPrm
-        | opcode::CrdStatus
-        | opcode::GetCrdPos
-        | opcode::GetCrdVel
-        | opcode::GetRemainderSegNum
-        | opcode::GetCrdLimit
-        | opcode::GetLaserFollowFilter
-        | opcode::CrdInfo => crd::read(context, number, body),
+        _ if is_crd(number) => crd::read(context, number, body),
         opcode::SetLaserDisMode => to!(SetLaserDisMode, laser::distance::mode),
         opcode::SetLaserDisRatio => to!(SetLaserDisRatio, laser::distance::ratios),
         _ if follow::is_follow(number) => follow::admit(context, number, body),
@@ -235,77 +230,69 @@ fn plain(opcode: u16) -> Answer {
     Answer::Read(Query { opcode, first: 0, count: 0, which: 0 })
 }
 
-/// Whether this command only reads (SPEC 7: taken beside a program).
+/// Whether this command only reads (SPEC 7: accepted beside a program).
 pub fn is_read(number: u16) -> bool {
-    matches!(
-        number,
-        opcode::Version
-            | opcode::GetClock
-            | opcode::KeepAlive
-            | opcode::GetFault
-            | opcode::GetEvents
-            | opcode::GetLinkLoss
-            | opcode::GetTickTime
-            | opcode::GetStopDec
-            | opcode::GetAxisBand
-            | opcode::GetSts
-            | opcode::GetPrfPos
-            | opcode::GetPrfVel
-            | opcode::GetPrfAcc
-            | opcode::GetPrfMode
-            | opcode::GetEncPos
-            | opcode::GetEncVel
-            | opcode::GetSoftLimit
-            | opcode::GetPosErr
-            | opcode::GetCaptureStatus
-            | opcode::AxisStatus
-            | opcode::GetTrapPrm
-            | opcode::GetJogPrm
-            | opcode::GetPos
-            | opcode::GetVel
-            | opcode::GetDi
-            | opcode::GetDo
-            | opcode::GetDiEx
-            | opcode::GetDoEx
-            | opcode::GetDac
-            | opcode::GetAdc
-            | opcode::GetWait
-            | opcode::GetLaserOnTime
-            | opcode::GetLaserCrdMap
-            | opcode::GetLaserPower
-            | opcode::GetLaserFault
-            | opcode::LaserOnStatus
-            | opcode::GetHSIOOpt
-            | opcode::LaserStatus
-            | opcode::GetCrdPrm
-            | opcode::CrdSpace
-            | opcode::CrdStatus
-            | opcode::GetCrdPos
-            | opcode::GetCrdVel
-            | opcode::GetRemainderSegNum
-            | opcode::GetCrdLimit
-            | opcode::CrdInfo
-            | opcode::GetLaserFollowFilter
-            | opcode::PtSpace
-            | opcode::GetPtLoop
-            | opcode::GetPtMemory
-            | opcode::GetPtState
-            | opcode::GetPvtLoop
-            | opcode::PvtStatus
-            | opcode::PvtPercentCalculate
-            | opcode::PvtContinuousCalculate
-            | opcode::GetFollowMaster
-            | opcode::GetFollowMasterEx
-            | opcode::GetFollowLoop
-            | opcode::GetFollowLoopEx
-            | opcode::GetFollowEvent
-            | opcode::GetFollowEventEx
-            | opcode::FollowSpace
-            | opcode::FollowSpaceEx
-            | opcode::GetFollowMemory
-            | opcode::GetFollowMemoryEx
-            | opcode::GetFollowStatus
-            | opcode::GetFollowStatusEx
-            | opcode::GetFollowDataPercent2Ex
-    )
+    is_crd(number)
+        || matches!(
+            number,
+            opcode::Version
+                | opcode::GetClock
+                | opcode::KeepAlive
+                | opcode::GetFault
+                | opcode::GetEvents
+                | opcode::GetLinkLoss
+                | opcode::GetTickTime
+                | opcode::GetStopDec
+                | opcode::GetAxisBand
+                | opcode::GetSts
+                | opcode::GetPrfPos
+                | opcode::GetPrfVel
+                | opcode::GetPrfAcc
+                | opcode::GetPrfMode
+                | opcode::GetEncPos
+                | opcode::GetEncVel
+                | opcode::GetSoftLimit
+                | opcode::GetPosErr
+                | opcode::GetCaptureStatus
+                | opcode::AxisStatus
+                | opcode::GetTrapPrm
+                | opcode::GetJogPrm
+                | opcode::GetPos
+                | opcode::GetVel
+                | opcode::GetDi
+                | opcode::GetDo
+                | opcode::GetDiEx
+                | opcode::GetDoEx
+                | opcode::GetDac
+                | opcode::GetAdc
+                | opcode::GetWait
+                | opcode::GetLaserOnTime
+                | opcode::GetLaserCrdMap
+                | opcode::GetLaserPower
+                | opcode::GetLaserFault
+                | opcode::LaserOnStatus
+                | opcode::GetHSIOOpt
+                | opcode::LaserStatus
+                | opcode::PtSpace
+                | opcode::GetPtLoop
+                | opcode::GetPtMemory
+                | opcode::GetPtState
+                | opcode::GetPvtLoop
+                | opcode::PvtStatus
+                | opcode::PvtPercentCalculate
+                | opcode::PvtContinuousCalculate
+                | opcode::GetFollowMaster
+                | opcode::GetFollowMasterEx
+                | opcode::GetFollowLoop
+                | opcode::GetFollowLoopEx
+                | opcode::GetFollowEvent
+                | opcode::GetFollowEventEx
+                | opcode::FollowSpace
+                | opcode::FollowSpaceEx
+                | opcode::GetFollowMemory
+                | opcode::GetFollowMemoryEx
+                | opcode::GetFollowStatus
+                | opcode::GetFollowStatusEx
+                | opcode::GetFollowDataPercent2Ex
+        )
 }

@@ -1,9 +1,10 @@
-//! PT commands (GXN chapter 2), and the road of PT data from bytes to the axis's store.
+//! PT commands (GXN chapter 2), and PT data from bytes to the axis's store.
 use super::axis::all_startable;
-use super::context::{Answer, Context, Query};
+use super::context::{Context, TRAVEL_PULSES};
 use super::data::{End, FifoOf, Written};
-use super::refuse::{Admitted, Refused, choice};
 use super::{many, one, query};
+use crate::refuse::{Admitted, Refused, choice};
+use crate::report::answer::{Answer, Query};
 use crate::shadow::{AxisShadow, BEGINS_SHIFT, Change, FifoShadow, executed};
 use protocol::command::{
     GetPtLoop, GetPtMemory, PrfPt, PtClear, PtData, PtDataMany, PtItem, PtSpace, PtStart, SetPtLoop, SetPtMemory, Wire,
@@ -11,17 +12,15 @@ use protocol::command::{
 };
 use protocol::reason::{Reason, Refusal};
 use servo::op::{Mode, Op};
-use servo::segment::pt::{self, Segment, SegmentStore};
+use servo::segment::pt::{self, SEGMENTS, Segment, SegmentStore};
 use servo::units::{Axis, AxisMask, StepLimit};
 
 /// First slot of static FIFO 1; the dynamic ring uses all slots.
-const FIFO_SLOTS: u32 = 1024;
+const FIFO_SLOTS: u32 = SEGMENTS as u32 / 2;
 /// `GetPtState` of a stream that runs.
 const PT_RUNNING: u8 = 1;
-/// Ticks after which the tick has looked again how long its data lasts, and one.
+/// Ticks after which the tick has checked again how long its data lasts, plus one.
 const LOOKS: u64 = 9;
-/// ±2⁴⁰ pulses.
-const TRAVEL: f64 = 1_099_511_627_776.0;
 
 /// Static 0, dynamic 1. Another FIFO use clears the data, the same one keeps it.
 pub fn mode<const AXES: usize>(context: &mut Context<AXES>, r: &PrfPt) -> Admitted<Answer> {
@@ -42,7 +41,7 @@ fn fifo<const AXES: usize>(context: &Context<AXES>, axis: Axis, field: u8, fifo:
     if context.shadow(axis).is_dynamic() { Ok(0) } else { Ok(choice(field, fifo, 0, 1)? as u8) }
 }
 
-/// Where no stream runs the books alone say it; else the tick does.
+/// Without a running stream the shadow state decides; else the tick does.
 pub fn space<const AXES: usize>(context: &mut Context<AXES>, r: &PtSpace) -> Admitted<Answer> {
     let axis = pt_axis(context, r.core.get(), r.profile.get())?;
     let which = fifo(context, axis, 2, r.fifo.get())?;
@@ -71,7 +70,7 @@ fn not_dynamic<const AXES: usize>(context: &Context<AXES>, axis: Axis) -> Admitt
     if context.shadow(axis).is_dynamic() { Err(context.no(Reason::NotInDynamic, axis)) } else { Ok(()) }
 }
 
-/// 0 and below is for ever.
+/// 0 and below is endless.
 pub fn set_loop<const AXES: usize>(context: &mut Context<AXES>, r: &SetPtLoop) -> Admitted<Answer> {
     let axis = pt_axis(context, r.core.get(), r.profile.get())?;
     not_dynamic(context, axis)?;
@@ -90,7 +89,8 @@ pub fn set_memory<const AXES: usize>(context: &mut Context<AXES>, r: &SetPtMemor
     let axis = pt_axis(context, r.core.get(), r.profile.get())?;
     let memory = choice(2, r.memory.get(), 0, 1)? as u8;
     context.at_standstill(axis)?;
-    // In dynamic mode one clears both, and the tick has only so many operations of one instant.
+    // In dynamic mode one operation clears both, and the tick takes only so many operations of one
+    // instant.
     if !context.shadow(axis).is_dynamic() {
         context.stage_with(Op::PtClear { axis, fifo: 1 }, Change::Emptied { axis, fifo: 1 });
     }
@@ -103,8 +103,8 @@ pub fn memory<const AXES: usize>(context: &mut Context<AXES>, r: &GetPtMemory) -
     Ok(query(opcode::GetPtMemory, axis))
 }
 
-/// Starts all axes of the mask on one tick, or none. Option bits take FIFO 1 and mean nothing in
-/// dynamic mode or for axes that are not named.
+/// Starts all axes of the mask on one tick, or none. Option bits select FIFO 1; they are ignored in
+/// dynamic mode and for axes that are not named.
 pub fn start<const AXES: usize>(context: &mut Context<AXES>, r: &PtStart) -> Admitted<Answer> {
     let axes = context.mask(r.core.get(), r.mask.get(), 1)?;
     if axes.0 == 0 {
@@ -127,8 +127,8 @@ pub fn start<const AXES: usize>(context: &mut Context<AXES>, r: &PtStart) -> Adm
     Ok(Answer::Done)
 }
 
-/// Admits PtData or PtDataMany: all its segments or none. They are written behind the committed end,
-/// where the tick does not look, so a refusal half-way has changed nothing.
+/// Admits PtData or PtDataMany: all its segments or none. They are written after the committed end,
+/// where the tick does not read, so a refusal half-way has changed nothing.
 pub fn data<const AXES: usize>(
     context: &Context<AXES>,
     stores: &[SegmentStore; AXES],
@@ -152,7 +152,7 @@ pub fn data<const AXES: usize>(
     }
     let (r, items) = many::<PtDataMany>(body, |r| r.count.get())?;
     let mut written = push(context, stores, (r.core.get(), r.profile.get(), r.fifo.get(), 2), items);
-    // The fields of an item are counted behind those of the request.
+    // The fields of an item are counted after those of the request.
     if let Err(refused) = &mut written
         && refused.wire.item.get() != Refusal::NO_ITEM
     {
@@ -161,30 +161,30 @@ pub fn data<const AXES: usize>(
     written
 }
 
-/// Whether a dynamic stream runs, or is going to.
+/// Whether a dynamic stream runs, or will run.
 fn streams<const AXES: usize>(context: &Context<AXES>, axis: Axis) -> bool {
     let (shadow, runs) = (context.shadow(axis), context.sampled(axis).pt_state == PT_RUNNING);
     shadow.is_dynamic() && shadow.started.is_some_and(|start| runs || !executed(context.view, start))
 }
 
-/// Whether it is certain to which stream data of this instant belongs: to the one that runs, or, where that has ended by then,
-/// to the next one, whose times and positions begin at 0.
+/// Whether it is certain to which stream data of this instant belongs. That is the running one, or,
+/// if it has ended by then, the next one, whose times and positions begin at 0.
 fn knows_stream<const AXES: usize>(context: &Context<AXES>, axis: Axis) -> bool {
     let (view, due, shadow, sampled) = (context.view, context.due, context.shadow(axis), context.sampled(axis));
     let Some(start) = shadow.started.filter(|_| shadow.is_dynamic()) else { return true };
     let length_ms = |shadow: &AxisShadow| shadow.fifos[0].chain.time_ms().unsigned_abs();
     let before = |ns: u64, ms: u32| ns < u64::from(ms) * 1_000_000;
     if !executed(view, start) {
-        // A WaitStop in between takes a time that nobody knows.
+        // A WaitStop in between takes an unknown time.
         let after_wait = due.wait.is_none_or(|wait| (start.wrapping_sub(wait) << 1).cast_signed() > 0);
         let since = due.script_ns.saturating_sub(u64::from(shadow.streams.saturating_sub(1)) << BEGINS_SHIFT);
         return after_wait && shadow.streams != u32::MAX && before(since, length_ms(shadow));
     }
-    // At its instant the view tells; a stream that has ended does not begin again by itself.
+    // At its instant the view decides; a stream that has ended does not begin again by itself.
     if context.is_due(axis) || !streams(context, axis) {
         return true;
     }
-    // What the tick looked at eight ticks ago at most, and what was committed since.
+    // What the tick checked at most eight ticks ago, and what was committed since.
     let more = length_ms(shadow).saturating_sub(length_ms(context.executed.axis(axis)));
     let stale = view.period.0.saturating_mul(LOOKS);
     sampled.dry_ms != 0 && before(due.until_ns.saturating_add(stale), sampled.dry_ms.saturating_add(more))
@@ -208,7 +208,7 @@ fn push<const AXES: usize>(
             .got(space as f64)
             .limits(0.0, shadow.capacity().into()));
     }
-    // The places of data that is over in the program are free only when the tick is through with them.
+    // The slots of data that is over in the program are free only when the tick has released them.
     if context.is_outgoing(axis, fifo) || !knows_stream(context, axis) {
         return Err(context.no(Reason::FifoInUse, axis).field(fifo_field).got(fifo.into()));
     }
@@ -238,7 +238,9 @@ fn explain(refused: pt::Refused, item: &PtItem, limit: StepLimit) -> Refused {
     let (pos, time_ms) = (item.pos.get(), item.time_ms.get());
     match refused {
         pt::Refused::NotFinite => Refused::new(Reason::NotFinite).field(0).got(pos),
-        pt::Refused::BeyondTravel => Refused::new(Reason::BeyondTravel).field(0).got(pos).limits(-TRAVEL, TRAVEL),
+        pt::Refused::BeyondTravel => {
+            Refused::new(Reason::BeyondTravel).field(0).got(pos).limits(-TRAVEL_PULSES, TRAVEL_PULSES)
+        }
         pt::Refused::NotIncreasing { before } => {
             Refused::new(Reason::NotIncreasing).field(1).got(time_ms.into()).limits(before.into(), i32::MAX.into())
         }

@@ -1,25 +1,22 @@
-//! PVT commands (GXN chapter 4), apart from the road of the tables' points (see [`super::pvt_table`]).
+//! PVT commands (GXN chapter 4), apart from the points of tables (see [`super::pvt_table`]).
 use super::axis::all_startable;
-use super::context::{Answer, Context, Query, ones};
+use super::context::Context;
 use super::query;
-use super::refuse::{Admitted, Refused, choice, within};
-use crate::plan::pvt::TABLES;
+use crate::configuration::ones;
+use crate::plan::pvt::{TABLES, table_number};
+use crate::refuse::{Admitted, Refused, choice, within};
+use crate::report::answer::{Answer, Query};
 use crate::shadow::Change;
 use protocol::command::{GetPvtLoop, PrfPvt, PvtStart, PvtStatus, PvtTableSelect, SetPvtLoop, opcode};
 use protocol::reason::Reason;
 use servo::op::{Mode, Op};
 use servo::units::{Axis, AxisMask};
 
-/// Index over all cores of a table that the user calls by its number in its core.
+/// Index over all cores of a table, from the user's number in its core.
 pub fn table<const AXES: usize>(context: &Context<AXES>, core: i16, field: u8, number: i16) -> Admitted<u8> {
     let core = context.core(core)?;
     let number = choice(field, number, 1, TABLES as i16)?;
     Ok((core * TABLES) as u8 + number as u8 - 1)
-}
-
-/// The number that the user knows.
-pub fn number_of(table: u8) -> i16 {
-    i16::from(table % TABLES as u8) + 1
 }
 
 /// The axis keeps the table that was selected for it; at first that is table 1 of its core.
@@ -41,7 +38,7 @@ fn pvt_axis<const AXES: usize>(context: &Context<AXES>, core: i16, profile: i16)
     Ok(axis)
 }
 
-/// 0 is for ever; counts while the axis runs, too.
+/// 0 is endless; has effect also while the axis runs.
 pub fn set_loop<const AXES: usize>(context: &mut Context<AXES>, r: &SetPvtLoop) -> Admitted<Answer> {
     let axis = pvt_axis(context, r.core.get(), r.profile.get())?;
     let passes = within(2, r.loop_count.get(), 0, i32::MAX)?;
@@ -67,11 +64,12 @@ fn not_empty<const AXES: usize>(context: &Context<AXES>, axis: Axis, table: u8) 
     if context.shadows.is_filled(table) {
         Ok(())
     } else {
-        Err(context.no(Reason::TableEmpty, axis).got(number_of(table).into()))
+        Err(context.no(Reason::TableEmpty, axis).got(table_number(table).into()))
     }
 }
 
-/// Takes effect at once at rest, else when the pass in force ends. The table holds points (GXN command 46).
+/// At standstill it has effect at once, else when the present pass ends. The table must hold points
+/// (GXN command 46).
 pub fn select<const AXES: usize>(context: &mut Context<AXES>, r: &PvtTableSelect) -> Admitted<Answer> {
     let axis = pvt_axis(context, r.core.get(), r.profile.get())?;
     let table = table(context, r.core.get(), 2, r.table.get())?;
@@ -97,11 +95,11 @@ pub fn start<const AXES: usize>(context: &mut Context<AXES>, r: &PvtStart) -> Ad
     Ok(Answer::Done)
 }
 
-/// Refuses if an axis runs this table, will go on with it, or will have named it by an entry that has not been
-/// executed.
+/// Refuses if an axis runs this table, will continue with it, or is named with it by an entry that
+/// has not been executed.
 pub fn not_in_use<const AXES: usize>(context: &Context<AXES>, table: u8) -> Admitted<()> {
     let refuse = |axis: Option<Axis>| {
-        let refused = Refused::new(Reason::TableInUse).field(1).got(number_of(table).into());
+        let refused = Refused::new(Reason::TableInUse).field(1).got(table_number(table).into());
         Err(axis.map_or(refused, |axis| refused.axis(context.configuration.number_of(axis))))
     };
     for (index, sampled) in context.view.axes.iter().enumerate() {

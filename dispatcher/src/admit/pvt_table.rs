@@ -1,38 +1,35 @@
-//! The road of a table's points from bytes to the stores.
+//! The points of a PVT table from bytes to the stores.
 //!
-//! In: chunks of points, each a record of its own; `first` is the index of the chunk's first point. Out:
-//! places and a header in the stores when the last point is there, or what the Calculate commands
-//! answer. Owns: the table that is being sent, in scratch memory and in the place memory of an empty table; a chunk with
-//! `first` 0 begins a new one.
-//! Fails: as the points do; nothing of a table is seen before its last chunk, and a chunk that is offered
-//! again, because it was refused before its time, is refused the same way.
+//! In: chunks of points, each a record of its own; `first` is the index of the chunk's first point.
+//! Out: points and a header in the stores when the last point has come, or the values of the
+//! Calculate commands. Owns: the table that is being sent, in scratch memory and in the point
+//! memory of an empty table. A chunk with `first` 0 begins a new one.
+//! Fails: as the points do. Nothing of a table is visible before its last chunk. A chunk that is
+//! sent again, because it was refused too early, is refused in the same way.
 use super::context::Context;
 use super::pvt::{not_in_use, table};
-use super::refuse::{Admitted, Refused};
 use crate::plan::pvt::{Draft, Fields, Kind, Scratch, SplineScratch, VALUES};
+use crate::refuse::{Admitted, Refused};
+use crate::report::answer::POINTS_MAX;
 use crate::shadow::Shadows;
 use protocol::command::{
-    PvtContinuousCalculate, PvtContinuousPoint, PvtPercentCalculate, PvtPercentPoint, PvtTable, PvtTableComplete,
-    PvtTableContinuous, PvtTableEx, PvtTablePercent, Wire, opcode,
+    PvtContinuousCalculate, PvtPercentCalculate, PvtTable, PvtTableComplete, PvtTableContinuous, PvtTableEx,
+    PvtTablePercent, Wire, opcode,
 };
 use protocol::reason::Reason;
 use servo::segment::pvt::{HEADER_WORDS, PointStore, TABLES, TableStores, Tables};
 use servo::units::StepLimit;
 
-/// Most points of a chunk that are answered: what a message holds of them. A chunk of a table may be as long as its message.
-pub const CHUNK: usize = protocol::record::BODY_MAX / size_of::<PvtPercentPoint>();
-const _: () = assert!(size_of::<PvtPercentPoint>() <= size_of::<PvtContinuousPoint>());
-
-/// What a command's number says of it.
+/// What a command does with its points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TableKind {
     /// Its points become a table.
     Table,
-    /// Its points are answered.
+    /// The reply gives values of its points.
     Calculate,
 }
 
-/// The road of a command's points, if it has any.
+/// What a command does with its points, if it has any.
 pub fn table_kind(number: u16) -> Option<TableKind> {
     match number {
         opcode::PvtTable
@@ -128,13 +125,13 @@ impl<'b> Chunk<'b> {
         }))
     }
 
-    /// The point behind its last one.
+    /// The index after its last point.
     fn end(&self) -> i32 {
         i32::from(self.first) + (self.points.len() / (self.key.kind.values() * size_of::<f64>())) as i32
     }
 }
 
-/// How far the sending of one table is.
+/// Progress of the sending of one table.
 #[derive(Debug, Clone, Copy)]
 enum State {
     Idle,
@@ -146,7 +143,7 @@ enum State {
 /// The table that is being sent; see the module text.
 pub struct Loading {
     beside: SplineScratch,
-    /// The table in whose place memory the points wait.
+    /// The table in whose point memory the points wait.
     room: u8,
     emptied: Option<u8>,
     table: State,
@@ -171,8 +168,9 @@ impl Loading {
         (self.table, self.calculate) = (State::Idle, [State::Idle; 2]);
     }
 
-    /// Finds room for the points of a table where nothing is lost: in a table that is empty. If all tables are there, the one
-    /// that is replaced makes room as soon as it is not in use, and is empty from then on.
+    /// Finds room for the points of a table where nothing is lost: in an empty table. If no table
+    /// is empty, the one that is replaced makes room as soon as it is not in use. It is empty from
+    /// then on.
     fn make_room<const AXES: usize>(
         &mut self,
         context: &Context<AXES>,
@@ -193,19 +191,19 @@ impl Loading {
             }
         };
         if !stores.is_empty(self.room) {
-            // Nobody starts it any more; who has made its first piece ready finds another version.
+            // Nobody starts it any more; a prepared first piece of it finds another version.
             stores.write_header(self.room, [0; HEADER_WORDS]);
         }
         Ok(())
     }
 
-    /// A table that had to make room for what replaces it, once.
+    /// A table that had to make room for its own replacement, once.
     pub fn emptied(&mut self) -> Option<u8> {
         self.emptied.take()
     }
 
-    /// Admits a chunk of a table. The last one fills the stores, and says which table is there now. `now` are the books after
-    /// everything executed.
+    /// Admits a chunk of a table. The last one fills the stores, and returns which table is
+    /// complete now. `now` is the executed state.
     pub fn table<const AXES: usize>(
         &mut self,
         context: &Context<AXES>,
@@ -217,7 +215,7 @@ impl Loading {
         let chunk = Chunk::read(number, body)?;
         let slot = table(context, chunk.key.core, 1, chunk.key.table)?;
         if chunk.end() >= chunk.key.count {
-            // Looked at first: a chunk that has to wait has changed nothing.
+            // Checked first: a chunk that has to wait has changed nothing.
             not_in_use(context, slot)?;
         }
         if chunk.first == 0 {
@@ -230,7 +228,7 @@ impl Loading {
         let written = sealed.and_then(|sealed| {
             let words = sealed.header().admit().ok_or_else(|| Refused::new(Reason::TableRange))?;
             for index in 0..sealed.points() {
-                // Its own room may be the table's: a place is read before it is written.
+                // Its own room may be the table's: a point is read before it is written.
                 let words = sealed.point(scratch, index).ok_or_else(|| Refused::new(Reason::TableRange))?;
                 stores.write_point(slot, index, words);
             }
@@ -244,8 +242,8 @@ impl Loading {
         written.map(Some)
     }
 
-    /// Answers a chunk of a Calculate command that came by `lane` (0 or 1); returns how many values.
-    /// `sent` says whether they have found their way; if not, the chunk may be offered again.
+    /// Answers a chunk of a Calculate command of `lane` (0 or 1); returns how many values. `sent`
+    /// states whether they were sent; if not, the chunk may be sent again.
     pub fn calculate<const AXES: usize>(
         &mut self,
         context: &Context<AXES>,
@@ -257,7 +255,7 @@ impl Loading {
     ) -> Admitted<bool> {
         let chunk = Chunk::read(number, body)?;
         context.core(chunk.key.core)?;
-        let mut values = [0.0; CHUNK];
+        let mut values = [0.0; POINTS_MAX];
         let mut count = 0;
         // No room is used: these leave no table.
         let (Some(state), Some(room)) = (self.calculate.get_mut(lane), points.first()) else { return Ok(false) };
@@ -276,7 +274,7 @@ impl Loading {
     }
 }
 
-/// Takes the points of a chunk; the draft as it is then.
+/// Takes the points of a chunk; returns the draft with them.
 fn take(
     state: &mut State,
     scratch: &mut Scratch<'_>,

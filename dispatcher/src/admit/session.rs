@@ -1,12 +1,15 @@
 //! Session commands: reset, status, tick period, profile, trace, configuration.
 use super::axis::{limit_levels, stage_band, stage_dec, stage_pos_err, stage_soft};
-use super::context::{Answer, Configuration, Context, Effect, Watch, ones};
-use super::refuse::{Admitted, Refused, choice, within};
+use super::context::{Context, Effect};
 use super::{many, plain};
+use crate::configuration::{Configuration, ones};
 use crate::plan::pvt::TABLES;
 use crate::product::{FAMILIES, PROFILES};
+use crate::refuse::{Admitted, Refused, choice, within};
+use crate::report::answer::Answer;
 use crate::report::trace::Columns;
 use crate::shadow::Change;
+use crate::shadow::Watch;
 use protocol::command::{
     Abort, Choose, ClrSts, ConfigItem, LoadConfig, Reset, SetInterlock, SetLinkLoss, SetTick, Trace, Wire, opcode,
 };
@@ -21,7 +24,7 @@ const TICK_US: (i32, i32) = (10, 1000);
 /// The longest link-loss time: a day, in ms.
 const LINK_LOSS_MAX_MS: i32 = 86_400_000;
 
-/// All of the controller, whichever core is named: its lasers are there once, and so is its user.
+/// Acts on all of the controller, whichever core is named: lasers and user exist once.
 pub fn abort<const AXES: usize>(context: &mut Context<AXES>, r: &Abort) -> Admitted<Answer> {
     context.core(r.core.get())?;
     context.stage_with(Op::Abort, Change::Aborted);
@@ -32,7 +35,7 @@ pub fn reset<const AXES: usize>(context: &mut Context<AXES>, r: &Reset) -> Admit
     let axes = context.core_mask(r.core.get())?;
     let tables = ones(TABLES) << (context.core(r.core.get())? * TABLES);
     context.stage_with(Op::Reset { axes }, Change::Reset { axes, tables });
-    // The controller has its lasers once: a Reset of either core puts them to power-on state.
+    // The lasers exist once: a Reset of either core sets them to power-on state.
     context.lasers_to_power_on(context.configuration.family);
     context.clear_all_laser_faults();
     Ok(Answer::Done)
@@ -61,12 +64,13 @@ pub fn tick<const AXES: usize>(context: &mut Context<AXES>, r: &SetTick) -> Admi
     Ok(Answer::Done)
 }
 
-/// Refuses a tick at which a coordinate system that drives axes would not be there (GXN table 5-1: GSN).
+/// Refuses a tick period at which a coordinate system that drives axes would not exist (GXN table
+/// 5-1: GSN).
 fn loses_no_crd<const AXES: usize>(context: &Context<AXES>, period: Ns) -> Admitted<()> {
     let profile = &context.configuration.profile;
     let most = profile.crds_at(period);
     let lost =
-        |crd: &Crd| context.configuration.crd_number(*crd) > most.into() && context.crd_book(*crd).frame.is_some();
+        |crd: &Crd| context.configuration.crd_number(*crd) > most.into() && context.crd_shadow(*crd).frame.is_some();
     match context.configuration.all_crds().crds().find(lost) {
         None => Ok(()),
         Some(crd) => {
@@ -77,8 +81,9 @@ fn loses_no_crd<const AXES: usize>(context: &Context<AXES>, period: Ns) -> Admit
     }
 }
 
-/// Choosing what is shown already changes nothing. Another family puts the lasers to power-on state and may be
-/// chosen while axes move. Another profile renumbers the axes, so all of them are reset too.
+/// A choice of the present values changes nothing. Another family sets the lasers to power-on state
+/// and may be chosen while axes move. Another profile renumbers the axes, so all of them are reset
+/// too.
 pub fn choose<const AXES: usize>(context: &mut Context<AXES>, r: &Choose) -> Admitted<Answer> {
     let number = within(0, r.profile, 0, PROFILES.len() as u8 - 1)?;
     let family = within(1, r.family, 0, FAMILIES - 1)?;
@@ -135,7 +140,8 @@ pub fn link_loss<const AXES: usize>(context: &mut Context<AXES>, r: &SetLinkLoss
     Ok(Answer::Done)
 }
 
-/// 0: motion goes on in the dark. 1: it brakes as where the link is lost. 2: everything stops abruptly.
+/// 0: motion goes on without light. 1: it brakes as when the link is lost. 2: everything stops
+/// abruptly.
 pub fn interlock<const AXES: usize>(context: &mut Context<AXES>, r: &SetInterlock) -> Admitted<Answer> {
     let interlock = choice(0, r.motion.get(), 0, 2)? as u8;
     stage_watch(context, Watch { interlock, ..context.shadows.watch });
@@ -148,7 +154,7 @@ pub fn load_config<const AXES: usize>(context: &mut Context<AXES>, body: &[u8]) 
     context.core(request.core.get())?;
     for (index, item) in items.iter().enumerate() {
         config_item(context, request.core.get(), item).map_err(|refused| {
-            // Those of an item are counted behind those of the request.
+            // The fields of an item are counted after those of the request.
             let field = refused.wire.field.saturating_add(LoadConfig::FIELDS.len() as u8);
             refused.item(index).field(field)
         })?;

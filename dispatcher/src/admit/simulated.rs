@@ -1,18 +1,19 @@
-//! Inputs of a board that has no wires: the virtual and the emulated one (SPEC 7).
+//! Simulated inputs, for a board that has no wires: the virtual and the emulated one (SPEC 7).
 //!
-//! In: a level or a voltage at a terminal, before sense. Out: an operation of the tick. Owns nothing. Fails: on a board with wires
-//! always, with a reason.
-use super::context::{Answer, Context};
-use super::io::{self, kind};
-use super::refuse::{Admitted, Refused, choice, real, within};
+//! In: a level or a voltage at a terminal, before sense. Out: an operation of the tick. Owns
+//! nothing.
+//! Fails: always on a board with wires, with a reason.
+use super::context::Context;
+use super::io;
+use crate::io_types::{ANALOG_INPUT_VOLTS, kind};
+use crate::refuse::{Admitted, Refused, choice, real, within};
+use crate::report::answer::Answer;
 use protocol::command::{INTERLOCK, SimAdc, SimInput, SimPlan};
 use protocol::reason::Reason;
 use servo::op::Op;
 use servo::port::Simulated;
 use servo::units::Ns;
 
-/// An analog input counts 2⁻¹⁵ of this many volts.
-const VOLTS: f64 = 12.5;
 /// The type of an analog input in a plan.
 const ADC: i16 = 24;
 /// The latest row of a plan: a year, in ns.
@@ -61,9 +62,9 @@ fn voltage<const AXES: usize>(
 ) -> Admitted<Simulated> {
     context.core(core)?;
     let channel = choice(fields.0, adc, 1, i16::from(context.board.analog_inputs.min(8)))? as u8 - 1;
-    let volts = real(fields.1, volts, -VOLTS, VOLTS)?;
-    // To the nearest code, as a converter does; the highest stands for its end, too.
-    let code = libm::round(volts * (32768.0 / VOLTS)).min(32767.0) as i16;
+    let volts = real(fields.1, volts, -ANALOG_INPUT_VOLTS, ANALOG_INPUT_VOLTS)?;
+    // To the nearest code, as a converter does; the upper end is limited to the highest code.
+    let code = libm::round(volts * (32768.0 / ANALOG_INPUT_VOLTS)).min(32767.0) as i16;
     Ok(Simulated::Analog { channel, code })
 }
 

@@ -1,25 +1,27 @@
-//! The asymmetric S of FollowDataPercent2Ex: a segment whose ratio goes from one given value to another, with a
-//! first and a last part of it in which the slope grows and falls.
+//! The asymmetric S-curve of FollowDataPercent2Ex: a segment whose ratio changes from one given
+//! value to another. In a first part of it the slope of the ratio rises, in a last part it falls.
 //!
-//! With the segment's length as 1, the slope of the ratio grows from 0 over the share x, holds, and falls to 0
-//! over q − x, where q is the sum of both (percent/100). With Δ the change of the ratio, the slope holds at
-//! Δ/(1 − q/2), and the mean of the ratio, which is slave displacement by master displacement, is
+//! With the segment's length as 1, the slope of the ratio rises from 0 over the share x, holds, and
+//! falls to 0 over q − x, where q is the sum of both (percent/100). With Δ the change of the ratio,
+//! the slope holds at Δ/(1 − q/2). The mean of the ratio, which is slave displacement by master
+//! displacement, is
 //!
 //! begin + Δ·(1/2 − x/2 + q(2x − q)/6)/(1 − q/2).
 //!
-//! It is linear in x, so that the displacement decides x. Both shares equal is the shape of FollowDataPercentEx.
+//! It is linear in x, so the displacement decides x. Equal shares give the curve of
+//! FollowDataPercentEx.
 
 /// Mean of the ratio.
 pub fn mean(begin: f64, end: f64, q: f64, x: f64) -> f64 {
     begin + (end - begin) * ((0.5 - x / 2.0 + q * (2.0 * x - q) / 6.0) / (1.0 - q / 2.0))
 }
 
-/// The share x that gives this mean, or the lowest and the highest mean that there are. Where the ratio does not
-/// change there is but one mean, and any x: the half of q.
+/// The share x that gives this mean, or the lowest and the highest possible mean. If the ratio does
+/// not change there is only one mean, and any x is right: the half of q.
 pub fn share(begin: f64, end: f64, q: f64, wanted: f64) -> Result<f64, (f64, f64)> {
     let (one, other) = (mean(begin, end, q, 0.0), mean(begin, end, q, q));
     let (low, high) = if one < other { (one, other) } else { (other, one) };
-    // What rounding alone puts outside counts as the border.
+    // A value that only rounding puts outside counts as the bound.
     let rounding = 8.0 * f64::EPSILON * (begin.abs() + end.abs());
     if !(wanted >= low - rounding && wanted <= high + rounding) {
         return Err((low, high));
@@ -28,16 +30,17 @@ pub fn share(begin: f64, end: f64, q: f64, wanted: f64) -> Result<f64, (f64, f64
         return Ok(q / 2.0);
     }
     let x = q * ((one - wanted) / (one - other));
-    // Not `clamp`, which panics where the bounds are no numbers.
+    // Not `clamp`, which panics if a bound is NaN.
     Ok(x.max(0.0).min(q))
 }
 
-/// Where the held part begins and ends, in parts of the segment, and the mean of the ratio up to there from the
-/// begin of the segment, each.
+/// Start and end of the constant part, as parts of the segment. For each also the mean of the ratio
+/// from the start of the segment to there.
 pub fn corners(begin: f64, end: f64, q: f64, x: f64) -> [(f64, f64); 2] {
     let slope = (end - begin) / (1.0 - q / 2.0);
     let (first, last) = (x, 1.0 - (q - x));
-    // Slave displacement: from the begin over the growing slope; from the end backwards over the falling one.
+    // Slave displacement: from the start over the rising slope; from the end backwards over the
+    // falling one.
     let to_first = begin * first + slope * first * first / 6.0;
     let held = (last - first) * (begin + slope * first / 2.0) + slope * (last - first) * (last - first) / 2.0;
     [(first, to_first), (last, to_first + held)]
@@ -47,7 +50,7 @@ pub fn corners(begin: f64, end: f64, q: f64, x: f64) -> [(f64, f64); 2] {
 mod tests {
     use super::*;
 
-    /// The same by summing the slope twice, in so many steps.
+    /// The same by summing the slope twice, in many steps.
     fn summed(begin: f64, end: f64, q: f64, x: f64, upto: f64) -> f64 {
         let steps = 200_000;
         let held = (end - begin) / (1.0 - q / 2.0);
@@ -85,7 +88,8 @@ mod tests {
                 assert!((wanted - slave).abs() < 1e-8, "{begin} {end} {q} {x} at {at}: {wanted} {slave}");
             }
         }
-        // By hand: equal shares are symmetric, so the mean is that of the ends; pure S from one end only: 1/3, 2/3.
+        // By hand: equal shares are symmetric, so the mean is that of the ends; pure S from one end
+        // only: 1/3, 2/3.
         assert_eq!(mean(0.0, 1.0, 0.8, 0.4), 0.5);
         assert!((mean(0.0, 1.0, 1.0, 0.0) - 2.0 / 3.0).abs() < 1e-15);
         assert!((mean(0.0, 1.0, 1.0, 1.0) - 1.0 / 3.0).abs() < 1e-15);

@@ -1,20 +1,35 @@
 //! The geometry of a path call in doubles: a line, an arc, a full circle.
 //!
-//! In: where the motion starts, the user's numbers. Out: a [`Geometry`]: what servo's entry needs, length, directions at
-//! both ends, radius. Fails: with what does not fit, [`Refused`].
+//! In: the start of the motion, the user's numbers. Out: a [`Geometry`]: the data of servo's entry,
+//! length, directions at both ends, radius.
+//! Fails: with the number that does not fit, [`Refused`].
 //!
-//! An arc is kept by both ends and its sweep. A centre that is not equally far from both ends, because these are
-//! whole pulses, is moved along the chord until it is; nowhere does that move the path by more than [`OFF_CENTRE`].
+//! An arc is given by both ends and its sweep. Ends are whole pulses, so a centre may not be
+//! equally far from both. It is then moved along the chord until it is. This moves the path nowhere
+//! by more than [`OFF_CENTRE`].
 use libm::{atan2, fabs, fma, hypot, sqrt};
-use servo::path::{Along, Entry, Plane, Sweep};
+use servo::path::{Along, DIMENSIONS, Entry, Plane, Sweep};
+use servo::units::Pos;
 
-/// How far a path may lie off the arc that the user's centre or radius mean, pulses.
+/// Largest distance of a path from the arc of the user's centre or radius, pulses.
 pub const OFF_CENTRE: f64 = 2.0;
-/// Radii and coordinates are smaller.
-const FAR: f64 = 2147483648.0;
+/// Radii and coordinates are below this, pulses.
+pub const RADIUS_MAX: f64 = 2_147_483_648.0;
+/// The lowest radius of an arc by its centre, pulses.
+pub const RADIUS_MIN: f64 = 1.0 / 512.0;
 
-/// A place, pulses: X, Y, Z, A.
+/// A position, pulses: X, Y, Z, A.
 pub type Position = [f64; 4];
+
+/// Pulses.
+pub fn pulses(pos: Pos) -> f64 {
+    pos.0 as f64 / (1u64 << Pos::FRAC_BITS) as f64
+}
+
+/// Coordinates in pulses.
+pub fn position_of(position: &[Pos; DIMENSIONS]) -> Position {
+    position.map(pulses)
+}
 
 /// What does not fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,12 +38,13 @@ pub enum Refused {
     NotFinite,
     /// The target is the start.
     NoLength,
-    /// The radius is less than half the way to the target, which this is.
+    /// The radius is less than half the distance to the target, which is this.
     RadiusTooSmall {
-        /// The least radius that reaches.
+        /// The least radius that reaches the target.
         least: f64,
     },
-    /// The centre is not equally far from start and target; the path would have to leave the arc by so much.
+    /// The centre is not equally far from start and target; the path would have to leave the arc by
+    /// so much.
     CentreOff {
         /// Pulses.
         by: f64,
@@ -39,7 +55,7 @@ pub enum Refused {
     RadiusTooLarge,
 }
 
-/// What servo's entry is made of.
+/// The data of servo's entry.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Form {
     Planar([i32; 2]),
@@ -60,7 +76,7 @@ pub struct Geometry {
     pub round: Option<(f64, [usize; 2])>,
     /// Of an arc: counterclockwise.
     ccw: bool,
-    /// Where it ends.
+    /// Its end.
     pub end: Position,
 }
 
@@ -105,10 +121,10 @@ impl Geometry {
             return Err(Refused::NotFinite);
         }
         let radius = hypot(x, y);
-        if radius >= FAR {
+        if radius >= RADIUS_MAX {
             return Err(Refused::RadiusTooLarge);
         }
-        if radius < 1.0 / 512.0 {
+        if radius < RADIUS_MIN {
             return Err(Refused::CentreOnStart);
         }
         let chord = chord(from, plane, to);
@@ -128,12 +144,14 @@ impl Geometry {
                 ccw,
             ));
         }
-        // Of the centre, seen from the middle of the chord: along the chord, and to its left.
+        // Position of the centre relative to the middle of the chord: along the chord, and to its
+        // left.
         let (mx, my) = (x - a / 2.0, y - b / 2.0);
         let (along, left) = ((mx * a + my * b) / c, (my * a - mx * b) / c);
         let left = if ccw { left } else { -left };
         let long = left < 0.0;
-        // The centre moves along the chord, and the radius changes: seen across the path, by so much at most.
+        // The centre moves along the chord, and the radius changes: across the path, by so much at
+        // most.
         let moved = hypot(c / 2.0, left);
         let lean = if long { 1.0 } else { c / 2.0 / moved };
         let by = fabs(along) * lean + fabs(moved - (radius + hypot(x - a, y - b)) / 2.0);
@@ -143,7 +161,8 @@ impl Geometry {
         Geometry::arc(from, plane, to, chord, fabs(left), long, ccw)
     }
 
-    /// ArcXYR and its planes: a radius above 0 means the arc of up to half a turn, below 0 the longer one.
+    /// ArcXYR and its planes: a radius above 0 selects the arc of up to half a turn, below 0 the
+    /// longer one.
     pub fn arc_radius(
         from: &Position,
         plane: Plane,
@@ -154,7 +173,7 @@ impl Geometry {
         if !radius.is_finite() {
             return Err(Refused::NotFinite);
         }
-        if fabs(radius) >= FAR {
+        if fabs(radius) >= RADIUS_MAX {
             return Err(Refused::RadiusTooLarge);
         }
         let chord = chord(from, plane, to);
@@ -162,11 +181,12 @@ impl Geometry {
         if half == 0.0 {
             return Err(Refused::NoLength);
         }
-        // A radius of 0 is none, however near the target is.
+        // A radius of 0 is refused, however near the target is.
         if half - fabs(radius) > OFF_CENTRE / 2.0 || radius == 0.0 {
             return Err(Refused::RadiusTooSmall { least: half });
         }
-        // r² − (a² + b²)/4 with the errors of the squares, so that a near semicircle keeps its digits.
+        // r² − (a² + b²)/4 with the errors of the squares, so that a near semicircle keeps its
+        // digits.
         let [a, b] = chord.map(|x| x / 2.0);
         let (rr, aa, bb) = (radius * radius, a * a, b * b);
         let errors = fma(radius, radius, -rr) - fma(a, a, -aa) - fma(b, b, -bb);
@@ -189,7 +209,7 @@ impl Geometry {
         let c = hypot(a, b);
         let radius = hypot(c / 2.0, h);
         let turns = (atan2(c / 2.0, h) / core::f64::consts::PI).min(0.5);
-        if radius >= FAR {
+        if radius >= RADIUS_MAX {
             return Err(Refused::RadiusTooLarge);
         }
         let Ok(sweep) = Sweep::admit(turns.to_bits(), long, ccw) else { return Err(Refused::RadiusTooLarge) };
@@ -211,7 +231,7 @@ impl Geometry {
         ccw: bool,
     ) -> Geometry {
         let [i, j] = plane.coordinates();
-        // Across the way from the centre.
+        // At a right angle to the radius.
         let tangent = |x: f64, y: f64| {
             let (x, y) = if ccw { (-y, x) } else { (y, -x) };
             let mut tangent = [0.0; 4];
@@ -226,7 +246,7 @@ impl Geometry {
         Geometry { form, length, tangents, round: Some((radius, [i, j])), ccw, end }
     }
 
-    /// The greatest share that a coordinate has in the speed anywhere along it, from 0 to 1.
+    /// The greatest share of the speed that a coordinate has anywhere along it, from 0 to 1.
     pub fn share(&self, coordinate: usize) -> f64 {
         let part =
             |at: usize| self.tangents.get(at).and_then(|tangent| tangent.get(coordinate)).map_or(0.0, |x| fabs(*x));
@@ -237,8 +257,9 @@ impl Geometry {
         if let Form::Circle { .. } = self.form {
             return 1.0;
         }
-        // Half turns from where the direction has all of the coordinate, at the begin and as far as the arc turns.
-        let [first, second] = [i, j].map(|place| self.tangents[0].get(place).copied().unwrap_or(0.0));
+        // Half turns from where the direction is all in the coordinate: at the start, and over the
+        // sweep.
+        let [first, second] = [i, j].map(|coordinate| self.tangents[0].get(coordinate).copied().unwrap_or(0.0));
         let (x, y) = if coordinate == i { (first, second) } else { (second, -first) };
         let from = atan2(y, x) / core::f64::consts::PI;
         let turns = self.length / radius / core::f64::consts::PI;
@@ -246,14 +267,14 @@ impl Geometry {
         if libm::ceil(low) <= high { 1.0 } else { part(0).max(part(1)) }
     }
 
-    /// Servo's entry of it with these speeds.
+    /// Servo's entry for it with these speeds.
     pub fn entry(&self, along: Along) -> Option<Entry> {
         self.form.entry(along)
     }
 }
 
 impl Form {
-    /// Servo's entry of it with these speeds.
+    /// Servo's entry for it with these speeds.
     pub(crate) fn entry(&self, along: Along) -> Option<Entry> {
         match *self {
             Form::Planar(to) => Some(Entry::planar(to, along)),
@@ -276,7 +297,7 @@ mod tests {
 
     const O: Position = [0.0; 4];
 
-    fn near(a: f64, b: f64) -> bool {
+    fn is_near(a: f64, b: f64) -> bool {
         fabs(a - b) <= 1e-12 * (1.0 + fabs(b))
     }
 
@@ -296,22 +317,28 @@ mod tests {
             let a = Geometry::arc_centre(&from, Plane::Xy, to, centre, ccw).unwrap();
             let b = Geometry::arc_radius(&from, Plane::Xy, to, radius, ccw).unwrap();
             let expected = core::f64::consts::TAU * fabs(radius) * turns;
-            assert!(near(a.length, expected) && near(b.length, expected), "{to:?} {ccw}: {} {}", a.length, b.length);
+            assert!(
+                is_near(a.length, expected) && is_near(b.length, expected),
+                "{to:?} {ccw}: {} {}",
+                a.length,
+                b.length
+            );
             assert_eq!(a.end, [to[0] as f64, to[1] as f64, 5.0, 6.0]);
-            // The tangent at the start is across the way from the centre.
+            // The tangent at the start is at a right angle to the radius.
             let side = if ccw { 1.0 } else { -1.0 };
             for geometry in [a, b] {
                 let [t, _] = geometry.tangents;
                 let r = fabs(radius);
-                assert!(near(t[0], centre[1] / r * side) && near(t[1], -centre[0] / r * side), "{to:?} {t:?}");
-                assert!(near(length(&geometry.tangents[1]), 1.0));
+                assert!(is_near(t[0], centre[1] / r * side) && is_near(t[1], -centre[0] / r * side), "{to:?} {t:?}");
+                assert!(is_near(length(&geometry.tangents[1]), 1.0));
             }
         }
         let circle = Geometry::arc_centre(&from, Plane::Xy, [1000, 0], [3.0, 4.0], false).unwrap();
-        assert!(near(circle.length, 5.0 * core::f64::consts::TAU) && circle.end == from);
+        assert!(is_near(circle.length, 5.0 * core::f64::consts::TAU) && circle.end == from);
     }
 
-    /// A semicircle's radius in whole numbers leaves the tangent, and so the length, all its digits.
+    /// A semicircle's radius in whole numbers leaves the tangent, and so the length, all its
+    /// digits.
     #[test]
     fn near_semicircles_keep_their_digits() {
         let radius = 1_000_000.000_000_1;
@@ -323,7 +350,7 @@ mod tests {
         assert!(fabs(arc.length - expected) < 1e-9, "{} {expected}", arc.length);
     }
 
-    /// Ends rounded to pulses: the centre gives way, the path stays near the arc that was meant.
+    /// Ends rounded to pulses: the centre is moved, the path stays near the intended arc.
     #[test]
     fn a_centre_that_is_a_little_off_is_moved() {
         let arc = Geometry::arc_centre(&O, Plane::Xy, [1415, 586], [0.0, 2000.0], true).unwrap();

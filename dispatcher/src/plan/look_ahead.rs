@@ -1,25 +1,31 @@
-//! Look-ahead: how fast a path may go through its corners.
+//! Look-ahead: the speeds at the corners of a path.
 //!
-//! In: motions and what stands between them, in order. Out: servo's entries with the speeds that they end at, as soon
-//! as these are final, or at once where the stream has run low. Owns: `N` motions and other entries that wait.
-//! Fails: never; a full queue says so and must be taken from first.
+//! In: motions and the entries between them, in order. Out: servo's entries with their end speeds,
+//! as soon as these are final, or at once if the stream has run low. Owns: `N` motions and other
+//! entries that wait.
+//! Fails: never; a full queue returns false, and an entry must be taken first.
 //!
-//! **The rule.** The velocity of coordinate i never exceeds its limit, nor does its acceleration within a motion. A
-//! corner changes its velocity by Δᵢ·v at once: by no more than its acceleration gives in the corner time T (the
-//! max-acceleration rule), and by so much that its mean acceleration from the middle of the way of the motion before to
-//! that of the motion behind keeps the limit, with what the path's acceleration adds to it or takes from it. So does
-//! the mean between the middles of any two motions, on finely divided curves as on long lines. On an arc the
-//! acceleration along it, v²/R and what a corner at its end takes are added as if they pointed the same way, inside a
-//! polygon within the circle of the lowest limit. velEnd of the calls is not used, except through the waits between them.
+//! **The rule.** The velocity of coordinate i never exceeds its limit, nor does its acceleration
+//! within a motion. A corner changes its velocity by Δᵢ·v at once. This jump is limited to the
+//! change that its acceleration makes in the corner time T (the max-acceleration rule). It is also
+//! limited by the mean acceleration from the middle of the motion before to the middle of the
+//! motion after. That mean keeps the limit together with the path's own acceleration. So does the
+//! mean between the middles of any two motions, on finely divided curves as on long lines.
+//! On an arc three accelerations are added as if they had one direction: the one along it, v²/R,
+//! and that of a corner at its end. Their sum stays inside a polygon within the circle of the
+//! lowest limit. velEnd of the calls is not used, except through the waits between them.
 //!
-//! **The plan.** Backwards from a stop at the end of what is there, the square of the highest speed at each junction
-//! from which all that follows can be kept (`reach.rs`); forwards, as fast as these allow. More data can only raise
-//! these speeds, so what has been handed over is always safe, and final where more data could not raise it. Work: once
-//! for all that was pushed since the last take, back over as many motions as it takes to brake; so push what is there,
-//! then take.
+//! **The plan.** Backwards from a stop at the end of the queue: at each junction the square of the
+//! highest speed from which all that follows can be kept (`reachable.rs`). Forwards: as fast as
+//! these allow. More data can only raise these speeds. So the speeds handed over are always safe,
+//! and final if more data could not raise them.
+//! Work: one plan for all that was pushed since the last take, back over as many motions as braking
+//! takes. So push all data, then take.
+mod junction;
 mod reachable;
 
 use super::geometry::{Form, Geometry, Position};
+use junction::{Junction, REST, Tail};
 use libm::{fabs, sqrt};
 use reachable::{BOUNDS, Bound, Corner, Span};
 use servo::path::{Along, Entry};
@@ -36,13 +42,14 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// Speed along a motion as they allow it.
+    /// Speed along a motion within these limits.
     pub fn speed(&self, geometry: &Geometry, vel: f64) -> f64 {
         let (vel, ..) = self.hold(geometry, &direction(geometry), vel, 0.0);
         vel
     }
 
-    /// Speed and acceleration along a motion as they allow them; of an arc its radius and the limit of its accelerations.
+    /// Speed and acceleration along a motion within these limits; of an arc also its radius and the
+    /// limit of its accelerations.
     fn hold(&self, geometry: &Geometry, direction: &Position, vel: f64, acc: f64) -> (f64, f64, Option<(f64, f64)>) {
         let Limits { vel: most, acc: hardest, .. } = self;
         let (mut vel, mut acc) = (vel, acc);
@@ -63,12 +70,14 @@ impl Limits {
     }
 }
 
-/// Entries with effects that may stand between two motions which are passed at speed; more make the path wait.
+/// Largest load of entries between two motions that the path passes at speed; with more it stops
+/// there.
 const EFFECTS: u32 = 32;
-/// Lowest speed and acceleration that an entry takes.
-const LEAST: f64 = 1.0 / 1048576.0;
+/// Lowest speed (pulse/ms) and acceleration (pulse/ms²) of a motion.
+pub const ALONG_MIN: f64 = 1.0 / 1048576.0;
 
-/// A motion that waits. Shares of limits are kept in half the bits: their rounding is far below the margin of a plan.
+/// A motion that waits. Shares of limits are kept as f32: their rounding is far below the margin of
+/// a plan.
 #[derive(Debug, Clone, Copy)]
 struct Motion {
     form: Form,
@@ -82,47 +91,28 @@ struct Motion {
     acc: f64,
     /// The junction at its start.
     start: Junction,
-    /// The highest square of the speed there from which all that follows can be kept; whether more data cannot raise it.
+    /// The highest square of the speed there from which all that follows can be kept; `settled`:
+    /// more data cannot raise it.
     high: f64,
     settled: bool,
 }
 
-/// Where two motions meet.
-#[derive(Debug, Clone, Copy)]
-struct Junction {
-    /// Δᵢ over the mean length.
-    bend: [f32; 4],
-    /// The highest square of the speed, as the speeds of both motions and the corner time have it.
-    cap: f64,
-}
-
-/// The path stands.
-const REST: Junction = Junction { bend: [0.0; 4], cap: 0.0 };
-
-/// The last motion, for the corner to come.
-#[derive(Debug, Clone, Copy)]
-struct Tail {
-    tangent: Position,
-    length: f64,
-    vel: f64,
-}
-
-/// Its layout is fixed, so that memory of zeros holds empty ones.
+/// Its layout is fixed, so that zeroed memory holds empty ones.
 #[derive(Debug, Clone, Copy)]
 #[repr(u8)]
 enum Slot {
     Empty,
     Motion(Motion),
-    /// Anything else; whether the path rests there.
+    /// Any other entry; true if the path stops there.
     Other(Entry, bool),
 }
 
-/// What an entry takes, for whoever counts how long the stream lasts.
+/// An entry with its time, to count how long the stream lasts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Planned {
     /// The entry.
     pub entry: Entry,
-    /// Its time without override, ms; of a wait 0.
+    /// Its time without override, ms; 0 for a wait.
     pub ms: f64,
 }
 
@@ -131,21 +121,22 @@ pub struct Planned {
 pub struct LookAhead<const N: usize> {
     limits: Limits,
     slots: [Slot; N],
-    /// Counters of the first and behind the last.
+    /// Counters of the first entry, and of the one after the last.
     first: usize,
     end: usize,
-    /// Square of the speed at which the first motion begins: that at which the last one handed over ends.
+    /// Square of the speed at which the first motion begins: the end speed of the last one handed
+    /// over.
     begin: f64,
-    /// The last motion, what stands behind it so far.
+    /// The last motion, for the junction to come.
     last: Option<Tail>,
     moves: bool,
     effects: u32,
-    /// Speeds are not planned for all that is there.
+    /// Speeds are not planned for all entries.
     stale: bool,
 }
 
 impl<const N: usize> LookAhead<N> {
-    /// Empty, at rest.
+    /// Empty, at standstill.
     pub const fn new(limits: Limits) -> LookAhead<N> {
         const { assert!(N.is_power_of_two(), "slots are counted modulo a power of two") };
         LookAhead {
@@ -166,14 +157,14 @@ impl<const N: usize> LookAhead<N> {
         self.limits = limits;
     }
 
-    /// Forgets everything: what comes next begins at rest.
+    /// Forgets everything: what comes next begins at standstill.
     pub fn clear(&mut self) {
-        // What the slots hold is over; a new value would pass over the stack, 36 KB of it.
+        // Old content of the slots is void; a new value would take 36 KB of stack.
         (self.first, self.end, self.begin, self.last) = (0, 0, 0.0, None);
         (self.moves, self.effects, self.stale) = (false, 0, false);
     }
 
-    /// What waits.
+    /// Entries that wait.
     pub fn len(&self) -> usize {
         self.end.wrapping_sub(self.first)
     }
@@ -194,10 +185,10 @@ impl<const N: usize> LookAhead<N> {
             return false;
         }
         let mut motion = self.motion(geometry, vel, acc);
-        // What was handed over to the last has ended at rest.
+        // If the last one was handed over, it ended at standstill.
         let stops = !self.moves || self.effects > EFFECTS || self.is_empty() && self.begin == 0.0;
         if let Some(before) = self.last.as_ref().filter(|_| !stops) {
-            motion.start = self.junction(before, &motion, &geometry.tangents[0]);
+            motion.start = self.limits.junction(before, &motion, &geometry.tangents[0]);
         }
         self.last = Some(Tail { tangent: geometry.tangents[1], length: motion.length, vel: motion.vel });
         (self.moves, self.effects) = (true, 0);
@@ -205,12 +196,12 @@ impl<const N: usize> LookAhead<N> {
         true
     }
 
-    /// The path stands where the last motion ends.
+    /// The path stops where the last motion ends.
     pub fn rest(&mut self) {
         self.moves = false;
     }
 
-    /// Anything else in its place. False if it is full.
+    /// Any other entry, in its order. False if it is full.
     pub fn push_other(&mut self, entry: Entry) -> bool {
         if self.is_full() {
             return false;
@@ -221,8 +212,8 @@ impl<const N: usize> LookAhead<N> {
         true
     }
 
-    /// So many entries more have gone through it, which is empty. Its counters are as wide as an address: the nearer way
-    /// round, so that those of another width are as far from going round.
+    /// Advances the counters of an empty queue, for tests. They are as wide as an address: `by`
+    /// counts with its sign, so that counters of any width are equally far from wrapping.
     pub fn age(&mut self, by: u32) {
         let by = by.cast_signed() as isize as usize;
         (self.first, self.end) = (self.first.wrapping_add(by), self.end.wrapping_add(by));
@@ -240,12 +231,12 @@ impl<const N: usize> LookAhead<N> {
         self.slots.get(counter & (N - 1)).unwrap_or(&Slot::Empty)
     }
 
-    /// What holds for motions that are pushed now.
+    /// The limits of motions that are pushed now.
     pub fn limits(&self) -> &Limits {
         &self.limits
     }
 
-    /// A motion by itself, from rest.
+    /// A motion by itself, from standstill.
     fn motion(&self, geometry: &Geometry, vel: f64, acc: f64) -> Motion {
         let direction = direction(geometry);
         let (vel, acc, round) = self.limits.hold(geometry, &direction, vel, acc);
@@ -254,32 +245,15 @@ impl<const N: usize> LookAhead<N> {
             length: geometry.length,
             direction: direction.map(|x| x as f32),
             round,
-            vel: vel.max(LEAST),
-            acc: acc.max(LEAST),
+            vel: vel.max(ALONG_MIN),
+            acc: acc.max(ALONG_MIN),
             start: REST,
             high: f64::NAN,
             settled: false,
         }
     }
 
-    /// The junction between two motions.
-    fn junction(&self, before: &Tail, motion: &Motion, tangent: &Position) -> Junction {
-        let mean = (before.length + motion.length) / 2.0;
-        let slower = before.vel.min(motion.vel);
-        let mut junction = Junction { cap: slower * slower, ..REST };
-        let sides = tangent.iter().zip(&before.tangent).zip(&self.limits.acc);
-        for (bend, ((to, from), acc)) in junction.bend.iter_mut().zip(sides) {
-            let turn = to - from;
-            *bend = (turn / mean) as f32;
-            if turn != 0.0 {
-                let jump = acc * self.limits.corner / turn;
-                junction.cap = junction.cap.min(jump * jump);
-            }
-        }
-        junction
-    }
-
-    /// What a motion may do between the junctions at its start and end.
+    /// Bounds of a motion between the junctions at its start and end.
     fn bounds(&self, motion: &Motion, end: &Junction) -> Bounds {
         let Motion { length, vel, acc, .. } = *motion;
         let ends = [&motion.start, end];
@@ -306,7 +280,8 @@ impl<const N: usize> LookAhead<N> {
         bounds
     }
 
-    /// The junction at the end of a motion, and the highest square of the speed there, if it is settled; as far as it is known.
+    /// The junction at the end of a motion, the highest square of the speed there, and whether it
+    /// is settled, as far as known.
     fn end_of(&self, mut counter: usize) -> (Junction, f64, bool) {
         while counter != self.end {
             match self.slot(counter) {
@@ -318,7 +293,7 @@ impl<const N: usize> LookAhead<N> {
         (REST, 0.0, false)
     }
 
-    /// Backwards from a stop at the end, as far as anything changes.
+    /// Plans backwards from a stop at the end, as far as anything changes.
     fn plan(&mut self) {
         if !self.stale {
             return;
@@ -346,7 +321,8 @@ impl<const N: usize> LookAhead<N> {
         }
     }
 
-    /// The first entry, if its speeds are final; `now` gives it in any case, as fast as what is there allows.
+    /// The first entry, if its speeds are final. With `now` in any case, as fast as the present
+    /// data allows.
     pub fn take(&mut self, now: bool) -> Option<Planned> {
         if self.is_empty() {
             return None;
@@ -369,7 +345,7 @@ impl<const N: usize> LookAhead<N> {
             return None;
         }
         let (vel, acc, ms) = span.choose(bounds.bounds(), [self.begin, end], motion.vel, motion.acc);
-        let bits = [vel.max(LEAST), acc.max(LEAST), sqrt(end)].map(f64::to_bits);
+        let bits = [vel.max(ALONG_MIN), acc.max(ALONG_MIN), sqrt(end)].map(f64::to_bits);
         let entry = Along::admit(bits[0], bits[1], bits[2]).ok().and_then(|along| motion.form.entry(along))?;
         (self.first, self.begin) = (self.first.wrapping_add(1), end);
         Some(Planned { entry, ms })

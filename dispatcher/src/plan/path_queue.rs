@@ -1,13 +1,14 @@
-//! What is given to one FIFO of a coordinate system on its way to the tick: through the look-ahead, if it has one,
-//! into the store.
+//! The queue of one FIFO of a coordinate system before the tick: through the look-ahead, if it has
+//! one, into the store.
 //!
-//! In: motions and other entries in the order of their calls. Out: entries in the store, and how many of them the tick
-//! may see ([`PathQueue::end`]). Owns: the look-ahead's memory, how long each entry lasts. Fails: never; who gives has
-//! seen that the FIFO has a place for it.
+//! In: motions and other entries in the order of their calls. Out: entries in the store, and how
+//! many of them the tick may read ([`PathQueue::end`]). Owns: the look-ahead's memory, how long
+//! each entry lasts.
+//! Fails: never; the caller has checked that the FIFO has a free slot.
 //!
-//! An entry leaves the look-ahead when its speeds are final, when the look-ahead is full, at a flush, and when what the
-//! tick has does not last long enough any more ([`PathQueue::feed`]): then it is as fast as what is there allows, and
-//! safe.
+//! An entry leaves the look-ahead in four cases: its speeds are final, the look-ahead is full, at a
+//! flush, or the tick's data does not last long enough ([`PathQueue::feed`]). Then it is as fast as
+//! the present data allows, and safe.
 use super::geometry::Geometry;
 use super::look_ahead::{Limits, LookAhead};
 use servo::path::{ENTRIES, Entries, Entry, EntryStore, Item};
@@ -15,10 +16,10 @@ use servo::view::CrdView;
 
 pub use crate::capacity::LOOK_AHEAD;
 
-/// What the tick has of a running path lasts at least this long, if there is more: longer than the thread is ever
-/// away, ms.
+/// The tick's data of a running path lasts at least this long, if there is more, ms. That is longer
+/// than the thread is ever away.
 pub const LASTS_MS: f64 = 10.0;
-/// Units of a time that is kept in a millisecond.
+/// Units of a time per millisecond.
 const UNITS: f64 = 1024.0;
 
 /// How long an entry lasts, to 1 in 2048 and up to two minutes, rounded down.
@@ -27,7 +28,7 @@ struct Lasting(u16);
 
 impl Lasting {
     const NONE: Lasting = Lasting(0);
-    /// Bits of the mantissa; those above it shift it to the left.
+    /// Bits of the mantissa; the bits above are its shift to the left.
     const BITS: u32 = 12;
 
     fn of(ms: f64) -> Lasting {
@@ -41,7 +42,7 @@ impl Lasting {
     }
 }
 
-/// One FIFO's data on its way. All its bytes are zero at the beginning.
+/// The data of one FIFO before the tick. All its bytes are zero at the beginning.
 pub struct PathQueue {
     look: LookAhead<LOOK_AHEAD>,
     /// How long each entry lasts, by its counter.
@@ -56,7 +57,7 @@ pub struct PathQueue {
 }
 
 impl PathQueue {
-    /// Nothing was given.
+    /// Empty.
     pub const fn new() -> PathQueue {
         let limits = Limits { vel: [0.0; 4], acc: [0.0; 4], corner: 0.0 };
         PathQueue {
@@ -70,7 +71,7 @@ impl PathQueue {
         }
     }
 
-    /// Everything that was given before the FIFO was cleared for this time is forgotten.
+    /// Forgets all that was given before the FIFO was cleared for this time.
     pub fn follow(&mut self, cleared: u32) {
         if self.cleared != cleared {
             self.look.clear();
@@ -78,13 +79,13 @@ impl PathQueue {
         }
     }
 
-    /// So many entries more have gone through it, which is empty.
+    /// Advances the counters of an empty queue, for tests.
     pub fn age(&mut self, by: u32) {
         (self.first, self.end) = (self.first.wrapping_add(by), self.end.wrapping_add(by));
         self.look.age(by);
     }
 
-    /// What waits in the look-ahead, and entries from this one on, are forgotten.
+    /// Forgets the look-ahead and all entries from this one on.
     pub fn cut(&mut self, end: u32) {
         self.look.clear();
         while self.end != end && self.end != self.first {
@@ -113,12 +114,13 @@ impl PathQueue {
         }
     }
 
-    /// What would hold for a motion after [`PathQueue::set_look`] with these limits, of a FIFO that was cleared so many times.
+    /// The limits of a motion after [`PathQueue::set_look`] with these limits, for a FIFO that was
+    /// cleared so many times.
     pub fn limits(&self, cleared: u32, limits: Limits) -> Limits {
         if self.cleared != cleared || self.look.is_empty() { limits } else { *self.look.limits() }
     }
 
-    /// A motion whose speeds the look-ahead decides; `rests`: the path stands at its end.
+    /// A motion whose speeds the look-ahead decides; `rests`: the path stops at its end.
     pub fn motion(&mut self, store: &EntryStore, (geometry, vel, acc): (&Geometry, f64, f64), rests: bool) {
         self.make_room(store);
         self.look.push_motion(geometry, vel, acc);
@@ -127,10 +129,10 @@ impl PathQueue {
         }
     }
 
-    /// Anything else, and motions that end at the speeds of their calls. What lies before it in the look-ahead, goes
-    /// before it.
+    /// Any other entry, and motions that end at the speeds of their calls. Entries before it in the
+    /// look-ahead go before it.
     pub fn other(&mut self, store: &EntryStore, entry: Entry, ms: f64) {
-        // Where nothing waits, what was handed over last ends at rest.
+        // If nothing waits, the entry handed over last ends at standstill.
         if self.look.is_empty() {
             self.write(store, entry, ms);
         } else {
@@ -148,8 +150,8 @@ impl PathQueue {
 
     fn write(&mut self, store: &EntryStore, entry: Entry, ms: f64) {
         let lasting = Lasting::of(ms);
-        if let Some(place) = self.times.get_mut(self.end as usize % ENTRIES) {
-            *place = lasting;
+        if let Some(slot) = self.times.get_mut(self.end as usize % ENTRIES) {
+            *slot = lasting;
         }
         self.sum = self.sum.saturating_add(lasting.units());
         store.write(self.end, entry);
@@ -166,12 +168,12 @@ impl PathQueue {
         true
     }
 
-    /// What is final goes to the store.
+    /// Moves final entries to the store.
     pub fn settle(&mut self, store: &EntryStore) {
         while self.take(store, false) {}
     }
 
-    /// Everything goes to the store: the path rests at its end.
+    /// Moves all entries to the store: the path stops at the end.
     pub fn flush(&mut self, store: &EntryStore) {
         while self.take(store, true) {}
     }
@@ -189,8 +191,8 @@ impl PathQueue {
         }
     }
 
-    /// How long the motions for the tick last, ms: at rest all of them, of a running path those behind the one in
-    /// force, and at least what that one has left.
+    /// How long the motions for the tick last, ms. At standstill all of them count. Of a running
+    /// path those after the present one count, and the least remaining time of that one.
     pub fn lasts(&mut self, store: &[EntryStore; 2], sampled: &CrdView, fifo: u8) -> f64 {
         let index = usize::from(fifo & 1);
         if sampled.cleared[index] != self.cleared {
@@ -201,12 +203,12 @@ impl PathQueue {
             return self.sum as f64 / UNITS;
         }
         let time = self.times.get(self.first as usize % ENTRIES).map_or(0, |time| time.units());
-        let behind = self.sum.saturating_sub(time) as f64 / UNITS;
-        behind + left(store.entry(fifo, self.first), sampled)
+        let following = self.sum.saturating_sub(time) as f64 / UNITS;
+        following + left(store.entry(fifo, self.first), sampled)
     }
 
-    /// At a start: as [`PathQueue::feed`], but of a path that is not yet through with an earlier one, whose entries do
-    /// not count, the first of the new ones.
+    /// At a start: as [`PathQueue::feed`]. The path may not be done with an earlier start, whose
+    /// entries do not count; `first` is the first of the new ones.
     pub fn begin(&mut self, store: &[EntryStore; 2], sampled: &CrdView, fifo: u8) {
         let before = if sampled.runs { self.lasts(store, sampled, fifo) } else { 0.0 };
         let [first, second] = store;
@@ -215,7 +217,8 @@ impl PathQueue {
         }
     }
 
-    /// Entries are taken from the look-ahead until what the tick has lasts long enough. True if there were any.
+    /// Takes entries from the look-ahead until the tick's data lasts long enough. True if there
+    /// were any.
     pub fn feed(&mut self, store: &[EntryStore; 2], sampled: &CrdView, fifo: u8) -> bool {
         let mut fed = false;
         let [first, second] = store;
@@ -232,17 +235,17 @@ impl Default for PathQueue {
     }
 }
 
-/// The least time that a motion in force still takes: straight to its end, at its full speed.
+/// The least remaining time of a running motion: straight to its end, at its full speed.
 fn left(entry: Entry, sampled: &CrdView) -> f64 {
-    let place = crate::shadow::position_of(&sampled.position);
+    let position = super::geometry::position_of(&sampled.position);
     let (square, along) = match entry.item() {
         Item::Line { to, dimensions, along } => {
-            let parts = to.iter().zip(place).take(dimensions);
+            let parts = to.iter().zip(position).take(dimensions);
             (parts.fold(0.0, |sum, (to, at)| sum + (f64::from(*to) - at) * (f64::from(*to) - at)), along)
         }
         Item::Arc { plane, to, along, .. } => {
             let [i, j] = plane.coordinates();
-            let (a, b) = (f64::from(to[0]) - place[i], f64::from(to[1]) - place[j]);
+            let (a, b) = (f64::from(to[0]) - position[i], f64::from(to[1]) - position[j]);
             (a * a + b * b, along)
         }
         _ => return 0.0,

@@ -1,14 +1,15 @@
-//! How a program ends: answers of what was executed, what becomes of the rest after a failure, a
-//! Stop, link loss or ProgramClear.
+//! How a program ends: replies of executed entries, and the rest after a failure, a Stop, link loss
+//! or ProgramClear.
 //!
-//! In: what the view says was executed, what the tick refused. Out: replies in order, a ProgramDrop, after a failure an Abort.
-//! What was dropped leaves no trace: the *ahead* books go back to the *now* books. A FIFO whose places were
-//! overwritten already is emptied: neither its old data nor the new is there.
+//! In: what the view shows as executed, what the tick refused. Out: replies in order, a
+//! ProgramDrop, after a failure an Abort.
+//! What was dropped leaves no trace: the admitted state is set back to the executed one. A FIFO
+//! whose slots were already overwritten is emptied: it holds neither its old data nor the new.
 use super::{Pauses, Program, State};
-use crate::admit::context::Answer;
-use crate::admit::refuse::Refused;
-use crate::session::commands::CommandHandler;
-use crate::session::pending_replies::{Refuser, TickRefusal};
+use crate::admit::admission::Admission;
+use crate::refuse::Refused;
+use crate::report::answer::Answer;
+use crate::report::pending_replies::{Refuser, TickRefusal};
 use crate::shadow::{Change, PROGRAM_FLAG, executed};
 use protocol::reason::Reason;
 use protocol::record::ReplyWriter;
@@ -16,25 +17,26 @@ use servo::op::Op;
 use servo::view::View;
 
 impl Program<'_> {
-    /// Stop in the immediate lane, or link loss: a running program ends, and its rest is answered `rest`. The
-    /// ProgramDrop goes out before the Stop does, so that no entry starts the axes again.
-    pub fn stop<const AXES: usize>(&mut self, handler: &mut CommandHandler<'_, AXES>, rest: Reason) {
+    /// A Stop in the immediate lane, or link loss: a running program ends, and its rest is answered
+    /// `rest`. The ProgramDrop is pushed before the Stop, so that no entry starts the axes again.
+    pub fn stop<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>, rest: Reason) {
         if self.state == State::Running {
             self.cut(State::Stopped);
             self.rest = rest;
-            self.push_drop(handler);
+            self.push_drop(admission);
         }
     }
 
-    /// Abort: a program that is held or runs ends, and its rest is discarded. The ProgramDrop goes out before the Abort.
-    pub fn abort<const AXES: usize>(&mut self, handler: &mut CommandHandler<'_, AXES>) {
+    /// Abort: a program that is held or runs ends, and its rest is discarded. The ProgramDrop is
+    /// pushed before the Abort.
+    pub fn abort<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>) {
         if self.is_active() {
             self.cut(State::Stopped);
-            self.push_drop(handler);
+            self.push_drop(admission);
         }
     }
 
-    /// A new session: entries and replies of the one before are void. Motion that runs goes on.
+    /// A new session: entries and replies of the one before are void. Motion goes on.
     pub fn abandon(&mut self) {
         if self.state != State::Empty {
             self.cut(State::Stopped);
@@ -47,8 +49,8 @@ impl Program<'_> {
         self.overflowed = false;
     }
 
-    /// The tick refused a start or data: the program has failed there, unless the entry may fail. One entry may stand for
-    /// the data of many records.
+    /// The tick refused a start or data. The program has failed there, unless the entry may fail.
+    /// One entry may carry the data of many records.
     pub fn tick_refused(&mut self, refusal: TickRefusal) {
         let (mut data, mut asked, mut may_fail) = (false, false, true);
         self.awaiting.amend_back(|item| {
@@ -66,9 +68,10 @@ impl Program<'_> {
         }
     }
 
-    /// Whether the record in hand was refused and may be: it is answered, and the program goes on at the
-    /// same instant. What can never be right is refused at once. The rest is decided by the state at its
-    /// instant, in the last view before the tick on which it would act, so that what follows is not late.
+    /// Whether the record in hand was refused and may fail: then it is answered, and the program
+    /// goes on at the same instant. What can never be right is refused at once. The rest is decided
+    /// by the state at its instant, in the last view before the tick on which it would act. So what
+    /// follows is not late.
     pub(super) fn passes_over<const AXES: usize>(
         &mut self,
         view: &View<AXES>,
@@ -85,7 +88,7 @@ impl Program<'_> {
         true
     }
 
-    /// No more of it is executed.
+    /// Nothing more of it is executed.
     pub(super) fn cut(&mut self, state: State) {
         if self.is_active() {
             self.drop_due = true;
@@ -94,33 +97,34 @@ impl Program<'_> {
         self.state = state;
     }
 
-    /// Tells the tick to drop what is in the ring, as soon as the lane has room; after a failure it aborts, too.
-    pub(super) fn push_drop<const AXES: usize>(&mut self, handler: &mut CommandHandler<'_, AXES>) {
-        // A program that has failed lights and moves nothing any more: nobody is asked first.
+    /// Makes the tick drop what is in the ring, as soon as the lane has room; after a failure it
+    /// aborts, too.
+    pub(super) fn push_drop<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>) {
+        // A program that has failed switches on and moves nothing any more: nobody is asked first.
         let fails = self.state == State::Failed;
-        if !self.drop_due || handler.lane.room() < 1 + usize::from(fails) {
+        if !self.drop_due || admission.lane.room() < 1 + usize::from(fails) {
             return;
         }
-        handler.lane.push(Op::ProgramDrop, Change::None, 0, &mut handler.admitted);
+        admission.lane.push(Op::ProgramDrop, Change::None, 0, &mut admission.admitted);
         self.drop_due = false;
-        self.dropping = Some(handler.lane.last());
+        self.dropping = Some(admission.lane.last());
         if fails {
-            handler.lane.push(Op::Abort, Change::Aborted, 0, &mut handler.admitted);
+            admission.lane.push(Op::Abort, Change::Aborted, 0, &mut admission.admitted);
         }
     }
 
     /// The tick has dropped the rest.
-    pub(super) fn finish_drop<const AXES: usize>(&mut self, handler: &mut CommandHandler<'_, AXES>, view: &View<AXES>) {
+    pub(super) fn finish_drop<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>, view: &View<AXES>) {
         self.lane.forget();
-        handler.forget_paths(view);
-        handler.admitted = handler.executed;
-        handler.lane.replay(&mut handler.admitted);
-        if !handler.empty_invalid() {
+        admission.forget_paths(view);
+        admission.admitted = admission.executed;
+        admission.lane.replay(&mut admission.admitted);
+        if !admission.empty_invalid() {
             return;
         }
         self.dropping = None;
         self.awaiting.amend_back(|item| {
-            // What went by the immediate lane is executed.
+            // What the immediate lane carried is executed.
             let dropped = |seq: u32| seq & PROGRAM_FLAG != 0 && !executed(view, seq);
             item.discarded |= item.open || item.seq.is_some_and(dropped);
             item.open = false;
@@ -130,7 +134,7 @@ impl Program<'_> {
         (self.run, self.end, self.config) = (None, None, None);
     }
 
-    /// A strict program was late: what follows is not executed. The next entry says why.
+    /// A strict program was late: what follows is not executed. The next entry reports why.
     pub(super) fn late(&mut self) {
         self.cut(State::Failed);
         self.refused.push((0, Refuser::Nobody));
@@ -139,11 +143,12 @@ impl Program<'_> {
     /// Answers what was executed or dropped, in order.
     pub(super) fn answer<const AXES: usize>(
         &mut self,
-        handler: &CommandHandler<'_, AXES>,
+        admission: &Admission<'_, AXES>,
         view: &View<AXES>,
         out: &mut ReplyWriter,
     ) -> bool {
         let mut progress = false;
+        let reading = admission.reading(view);
         while let Some(&item) = self.awaiting.front() {
             if item.open || !item.discarded && item.seq.is_some_and(|seq| !executed(view, seq)) {
                 break;
@@ -155,9 +160,9 @@ impl Program<'_> {
                 .filter(|&(seq, ..)| if seq == 0 { item.discarded } else { item.own && item.seq == Some(seq) });
             let written = match refusal {
                 Some((0, ..)) => out.refused(item.opcode, item.tag, &Refused::new(Reason::Late).wire),
-                Some((_, refuser)) => out.refused(item.opcode, item.tag, &handler.explain(view, refuser).wire),
+                Some((_, refuser)) => out.refused(item.opcode, item.tag, &reading.explain(refuser).wire),
                 None if item.discarded => out.refused(item.opcode, item.tag, &Refused::new(self.rest).wire),
-                None => handler.reply(view, self, &item, self.values.iter().copied(), out),
+                None => reading.answer(&item, self.values.iter().copied(), out),
             };
             if written.is_err() {
                 break;
@@ -186,7 +191,7 @@ impl Program<'_> {
         }
         let mut progress = false;
         while let Some((head, _)) = self.records.front() {
-            // A strict program that was late with nothing in the ring says so at its next record.
+            // A strict program that was late with an empty ring reports it at its next record.
             let late = self.refused.front().is_some_and(|&(seq, ..)| seq == 0);
             let reason = if late { Reason::Late } else { self.rest };
             if out.refused(head.opcode, head.tag, &Refused::new(reason).wire).is_err() {
@@ -210,8 +215,8 @@ impl Program<'_> {
     }
 }
 
-/// Whether it is a motion, a use or a fault of an axis, a table or a coordinate system that makes the record wrong: only what
-/// ends these makes it right ([`Change::may_free`]).
+/// Whether a motion, a use or a fault of an axis, a table or a coordinate system is the reason.
+/// Then only the end of these makes the record right ([`Change::may_free`]).
 fn is_of_motion(reason: Reason) -> bool {
     use Reason::{
         AxisFault, CrdFifoInUse, CrdRuns, FifoFull, FifoInUse, Moving, NotIncreasing, OnlyAtRest, TableInUse,
@@ -222,8 +227,8 @@ fn is_of_motion(reason: Reason) -> bool {
     )
 }
 
-/// Whether no later state of the machine makes the record right: only what stands before it in its program
-/// could, and that has been admitted.
+/// Whether no later state of the machine makes the record right. Only entries before it in its
+/// program could, and these have been admitted.
 fn is_final(reason: Reason) -> bool {
     use Reason::{
         AboveLow, AboveVelMax, AnalogInUse, AxisGoesAlong, AxisInCrd, AxisLeftCrd, BelowMinimum, Between, BeyondTravel,

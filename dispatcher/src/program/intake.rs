@@ -1,81 +1,85 @@
 //! How records become entries: admission ahead of the script clock.
 //!
-//! In: the records that wait, the view. Out: entries of the program lane, replies that wait for them.
-//! Records are admitted in order until one has to wait: for room, for places in a FIFO, or because
-//! what is wrong now may be right at its instant.
+//! In: the records that wait, the view. Out: entries of the program lane, replies that wait for
+//! them.
+//! Records are admitted in order until one has to wait: for room, for slots in a FIFO, or because
+//! it may become right at its instant.
 //!
-//! Data of a FIFO is in the axis's store at once; the tick sees it by a commit. Commits of one instant are
-//! gathered over records and axes, one for each FIFO, until something else has to come behind them,
-//! the script clock moves on, or their instant comes near. So data before a start takes no room in the
-//! lane however it arrives, and a stream that is short of data still gets each record in time.
-use super::{Program, State, length};
-use crate::admit::context::{Answer, Context, Due, Effect, TAKEN_MAX};
+//! Data of a FIFO is in the axis's store at once; a commit makes it visible to the tick. Commits of
+//! one instant are gathered over records and axes, one for each FIFO. They are pushed before
+//! anything else that follows, when the script clock advances, or when their instant is near. So
+//! data before a start takes no room in the lane however it arrives. A stream that is short of data
+//! still gets each record in time.
+use super::{Program, State};
+use crate::admit::admission::Admission;
+use crate::admit::context::{Effect, TAKEN_MAX};
 use crate::admit::data::{self, FifoOf};
-use crate::admit::pvt_table::{CHUNK, TableKind, table_kind};
-use crate::admit::refuse::{Admitted, Refused};
-use crate::session::commands::CommandHandler;
-use crate::session::lane::{FEW, Staged};
-use crate::session::pending_replies::{Awaiting, Step};
+use crate::admit::one;
+use crate::admit::pvt_table::{TableKind, table_kind};
+use crate::admit::staged::FEW;
+use crate::refuse::{Admitted, Refused};
+use crate::report::answer::{Answer, POINTS_MAX};
+use crate::report::pending_replies::{Awaiting, Step};
 use crate::shadow::{Change, seq_after, seq_from};
-use protocol::command::{Sleep, WaitStop, opcode};
+use protocol::command::{ProgramEnd, Sleep, WaitStop, opcode};
 use protocol::reason::Reason;
 use protocol::record::ReplyWriter;
 use servo::op::Op;
 use servo::units::{Axis, CrdMask, Ns};
 use servo::view::View;
-use zerocopy::FromBytes;
 
-/// Records admitted in one go, so that the work of a poll is bounded.
+/// Records admitted in one call, so that the work of a poll is bounded.
 const RECORDS_PER_POLL: u32 = 256;
-/// Commits go into the ring this long before their instant: longer than the thread is ever away, short
-/// enough that what is pushed piece by piece meanwhile does not fill the ring.
-pub(super) const FAST_PATH_NS: u64 = 10_000_000;
+/// Commits are pushed this long before their instant. That is longer than the thread is ever away,
+/// and short enough that single commits do not fill the ring meanwhile.
+pub(super) const COMMIT_LEAD_NS: u64 = 10_000_000;
 
 impl Program<'_> {
     /// Admits records until one has to wait. True if at least one was dealt with.
     pub(super) fn take_records<const AXES: usize>(
         &mut self,
-        handler: &mut CommandHandler<'_, AXES>,
+        admission: &mut Admission<'_, AXES>,
         view: &View<AXES>,
         out: &mut ReplyWriter,
     ) -> bool {
         let mut progress = false;
         for _ in 0..RECORDS_PER_POLL {
             if self.end.is_some() || !self.has_room() || self.records.front().is_none() {
-                self.settle(handler, view);
+                self.settle(admission, view);
                 return progress;
             }
-            match self.take_record(handler, view) {
+            match self.take_record(admission, view) {
                 Ok(Step::Taken) => {
                     self.records.pop();
                     progress = true;
                 }
                 Ok(Step::Wait) => {
-                    self.settle(handler, view);
+                    self.settle(admission, view);
                     return progress;
                 }
                 Err(refused) if self.passes_over(view, &refused, out) => progress = true,
                 Err(refused) => {
-                    self.settle(handler, view);
-                    return self.refuse(handler, view, &refused, out) || progress;
+                    self.settle(admission, view);
+                    return self.refuse(admission, view, &refused, out) || progress;
                 }
             }
         }
         progress
     }
 
-    /// Room for a command behind the commits that gather, if it is no Reset. Data makes one of them more at most.
+    /// Whether a command other than Reset has room after the gathered commits. Data adds at most
+    /// one commit.
     fn has_room(&self) -> bool {
         self.lane.room() >= FEW + self.gathered() && !self.awaiting.is_full() && self.values.room() >= TAKEN_MAX
     }
 
-    /// Commits that gather. There is always room for them.
+    /// Gathered commits. There is always room for them.
     fn gathered(&self) -> usize {
         let axes = self.open.iter().map(|open| open.count_ones());
         axes.chain(self.open_paths.iter().map(|open| open.count_ones())).sum::<u32>() as usize
     }
 
-    /// Whether a record from the wire may be admitted where it lies: it is data, and no record waits.
+    /// Whether a record from the wire may be admitted directly: it is data, and no record waits.
     pub(super) fn takes_at_once<const AXES: usize>(&self, number: u16, body: &[u8]) -> bool {
         data::is_data(number, body)
             && self.is_active()
@@ -87,10 +91,10 @@ impl Program<'_> {
     }
 
     /// Nothing more can be admitted now.
-    fn settle<const AXES: usize>(&mut self, handler: &mut CommandHandler<'_, AXES>, view: &View<AXES>) {
+    fn settle<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>, view: &View<AXES>) {
         self.settled = true;
         if self.flush_due(view).is_some_and(|due| due.0 <= view.now.0) {
-            self.flush(handler);
+            self.flush(admission);
         }
     }
 
@@ -99,21 +103,21 @@ impl Program<'_> {
         self.open[0] | self.open[1] != 0 || self.open_paths[0] | self.open_paths[1] != 0
     }
 
-    /// When the commits that gather have to be in the ring, controller time; none while the program is
+    /// When the gathered commits have to be in the ring, controller time; none while the program is
     /// held.
     pub fn flush_due<const AXES: usize>(&self, view: &View<AXES>) -> Option<Ns> {
         if !self.gathers() || self.state != State::Running {
             return None;
         }
-        // Before the first tick of the run its zero is not known: as if it were now.
+        // Before the first tick of the run its zero is not known: the present tick stands for it.
         let zero = if self.runs(view) { view.script_zero.0 } else { view.now.0 };
-        Some(Ns(zero.saturating_add(self.instant).saturating_add(self.delay).saturating_sub(FAST_PATH_NS)))
+        Some(Ns(zero.saturating_add(self.instant).saturating_add(self.delay).saturating_sub(COMMIT_LEAD_NS)))
     }
 
     /// The record in hand is refused: for good, if its instant has been reached.
     fn refuse<const AXES: usize>(
         &mut self,
-        handler: &mut CommandHandler<'_, AXES>,
+        admission: &mut Admission<'_, AXES>,
         view: &View<AXES>,
         refused: &Refused,
         out: &mut ReplyWriter,
@@ -132,14 +136,14 @@ impl Program<'_> {
         }
         self.records.pop();
         self.cut(State::Failed);
-        self.push_drop(handler);
+        self.push_drop(admission);
         true
     }
 
     /// Admits the record in hand and pushes what it becomes.
     fn take_record<const AXES: usize>(
         &mut self,
-        handler: &mut CommandHandler<'_, AXES>,
+        admission: &mut Admission<'_, AXES>,
         view: &View<AXES>,
     ) -> Admitted<Step> {
         let due = self.due(view);
@@ -149,25 +153,25 @@ impl Program<'_> {
                 return Err(Refused::new(Reason::NotForProgram));
             }
             opcode::Sleep => {
-                let sleep = Sleep::read_from_bytes(body).map_err(|_| length::<Sleep>(body))?;
+                let sleep: Sleep = one(body)?;
                 if sleep.ns.get() > 0 {
-                    self.flush(handler);
+                    self.flush(admission);
                 }
                 self.delay = self.delay.saturating_add(sleep.ns.get());
                 self.attach(head.opcode, head.tag, Answer::Done);
                 return Ok(Step::Taken);
             }
             number if data::is_data(number, body) => {
-                let written = handler.admit_data(view, due, head.opcode, body)?;
-                self.take_data(handler, (head.opcode, head.tag, head.may_fail), &written);
+                let written = admission.admit_data(view, due, head.opcode, body)?;
+                self.take_data(admission, (head.opcode, head.tag, head.may_fail), &written);
                 return Ok(Step::Taken);
             }
             number if table_kind(number) == Some(TableKind::Calculate) => {
-                if self.values.room() < CHUNK {
+                if self.values.room() < POINTS_MAX {
                     return Ok(Step::Wait);
                 }
                 let mut count = 0;
-                handler.calculate(view, 1, number, body, |values| {
+                admission.calculate(view, 1, number, body, |values| {
                     count = values.len() as u8;
                     values.iter().all(|&value| self.values.push(value))
                 })?;
@@ -175,59 +179,52 @@ impl Program<'_> {
                 return Ok(Step::Taken);
             }
             opcode::WaitStop => {
-                let wait = WaitStop::read_from_bytes(body).map_err(|_| length::<WaitStop>(body))?;
-                if self.pauses.is_full() || !wait_stop(handler, view, due, &wait)? {
+                let wait: WaitStop = one(body)?;
+                if self.pauses.is_full() || !admission.wait_stop(view, due, &wait)? {
                     self.urgent = self.runs(view);
                     return Ok(Step::Wait);
                 }
                 (Answer::Done, Effect::None, true)
             }
             opcode::ProgramEnd => {
-                if !body.is_empty() {
-                    return Err(length::<protocol::command::ProgramEnd>(body));
-                }
-                handler.staged.clear();
-                handler.staged.add(Op::ProgramEnd, Change::None);
+                one::<ProgramEnd>(body)?;
+                admission.staged.clear();
+                admission.staged.add(Op::ProgramEnd, Change::None);
                 (Answer::Done, Effect::None, true)
             }
             _ if self.config.is_some() => (Answer::Done, Effect::Config, true),
             other => {
-                let (answer, effect) = handler.admit(view, due, other, body)?;
+                let (answer, effect) = admission.admit(view, due, other, body)?;
                 (answer, effect, true)
             }
         };
         if let Effect::Config = effect {
-            return Ok(self.take_config(handler, view));
+            return Ok(self.take_config(admission, view));
         }
         // Only a Reset may be too much here; its admission can be repeated.
-        if self.lane.room() < self.gathered() + handler.staged.ops().len() {
+        if self.lane.room() < self.gathered() + admission.staged.ops().len() {
             return Ok(Step::Wait);
         }
-        if handler.staged.ops().is_empty() {
+        if admission.staged.ops().is_empty() {
             if let Answer::Read(_) = answer {
-                self.flush(handler);
+                self.flush(admission);
                 // A read at the instant of the entry before needs no entry of its own.
                 if self.delay > 0 || !self.lane.in_flight() {
-                    self.push(handler, Op::Mark, Change::None);
+                    self.push(admission, Op::Mark, Change::None);
                 }
             }
-            handler.apply(effect, self.lane.last());
+            admission.apply(effect, self.lane.last());
             self.attach(head.opcode, head.tag, answer);
             return Ok(Step::Taken);
         }
-        self.flush(handler);
+        self.flush(admission);
         if let (Effect::Took(values), Answer::Took { count, .. }) = (effect, answer) {
             for value in values.into_iter().take(count.into()) {
                 self.values.push(value);
             }
         }
-        let count = handler.staged.ops().len();
-        for index in 0..count {
-            if let Some(&(op, change)) = handler.staged.ops().get(index) {
-                self.push(handler, op, change);
-            }
-        }
-        handler.apply(effect, self.lane.last());
+        self.push_staged(admission);
+        admission.apply(effect, self.lane.last());
         if head.opcode == opcode::ProgramEnd {
             self.end = Some(self.lane.last());
         }
@@ -243,12 +240,21 @@ impl Program<'_> {
         Ok(Step::Taken)
     }
 
-    /// Pushes one entry; the caller has seen that there is room.
-    fn push<const AXES: usize>(&mut self, handler: &mut CommandHandler<'_, AXES>, op: Op, change: Change) {
-        if self.lane.push(op, change, self.delay, &mut handler.admitted) {
+    /// Pushes one entry; the caller has checked that there is room.
+    fn push<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>, op: Op, change: Change) {
+        if self.lane.push(op, change, self.delay, &mut admission.admitted) {
             self.instant = self.instant.saturating_add(self.delay);
             self.pauses.push(&op, self.lane.last(), self.instant);
             self.delay = 0;
+        }
+    }
+
+    /// Pushes what is staged; the caller has checked that there is room.
+    fn push_staged<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>) {
+        for index in 0..admission.staged.ops().len() {
+            if let Some(&(op, change)) = admission.staged.ops().get(index) {
+                self.push(admission, op, change);
+            }
         }
     }
 
@@ -259,10 +265,10 @@ impl Program<'_> {
         self.awaiting.push(Awaiting { opcode, tag, seq, open, answer, ..Awaiting::BLANK });
     }
 
-    /// Data is in the store; one commit will show all that belongs to this instant.
+    /// Data is in the store; one commit will publish all that belongs to this instant.
     pub(super) fn take_data<const AXES: usize>(
         &mut self,
-        handler: &mut CommandHandler<'_, AXES>,
+        admission: &mut Admission<'_, AXES>,
         (opcode, tag, may_fail): (u16, u16, bool),
         written: &data::Written,
     ) {
@@ -273,8 +279,8 @@ impl Program<'_> {
         match written.of {
             FifoOf::Axis(axis) => self.open[fifo] |= axis.mask().0,
             FifoOf::Crd(crd) if written.at_once => {
-                handler.commit_path_now(crd, written.fifo);
-                let (seq, answer) = (Some(handler.lane.last()), written.answer);
+                admission.commit_path_now(crd, written.fifo);
+                let (seq, answer) = (Some(admission.lane.last()), written.answer);
                 self.awaiting.push(Awaiting { opcode, tag, seq, own: true, may_fail, answer, ..Awaiting::BLANK });
                 return;
             }
@@ -284,9 +290,9 @@ impl Program<'_> {
         self.awaiting.push(Awaiting { opcode, tag, open: true, own: true, may_fail, answer, ..Awaiting::BLANK });
     }
 
-    /// Pushes the commits of the data that gathered. There is room for them: no record is admitted
-    /// without it, and data itself takes none.
-    pub fn flush<const AXES: usize>(&mut self, handler: &mut CommandHandler<'_, AXES>) {
+    /// Pushes the gathered commits. There is room for them: no record is admitted without it, and
+    /// data itself takes none.
+    pub fn flush<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>) {
         if !self.gathers() || self.lane.room() < self.gathered() {
             return;
         }
@@ -295,14 +301,14 @@ impl Program<'_> {
             let mut left = self.open[usize::from(fifo)];
             while let Some(axis) = Axis::new(left.trailing_zeros() as usize) {
                 left &= left - 1;
-                let (op, change) = data::commit(&handler.admitted, axis, fifo);
-                self.push(handler, op, change);
+                let (op, change) = data::commit(&admission.admitted, axis, fifo);
+                self.push(admission, op, change);
             }
         }
         for fifo in 0..2u8 {
             for crd in CrdMask(self.open_paths[usize::from(fifo)]).crds() {
-                let (op, change) = handler.commit_path(crd, fifo);
-                self.push(handler, op, change);
+                let (op, change) = admission.commit_path(crd, fifo);
+                self.push(admission, op, change);
             }
         }
         let open = core::mem::take(&mut self.open);
@@ -313,7 +319,7 @@ impl Program<'_> {
                 // Data of an axis waits for its own commit: the tick may refuse that.
                 let before = match item.answer {
                     Answer::Taken { axis, fifo, .. } | Answer::Entered { axis, fifo, .. } if item.own => {
-                        place_among(&open, axis, fifo)
+                        index_among(&open, axis, fifo)
                     }
                     _ => count - 1,
                 };
@@ -324,68 +330,29 @@ impl Program<'_> {
     }
 
     /// LoadConfig, item by item.
-    fn take_config<const AXES: usize>(&mut self, handler: &mut CommandHandler<'_, AXES>, view: &View<AXES>) -> Step {
-        self.flush(handler);
+    fn take_config<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>, view: &View<AXES>) -> Step {
+        self.flush(admission);
         let mut item = self.config.unwrap_or(0);
         loop {
             self.config = Some(item);
             let Some((head, body)) = self.records.front() else { return Step::Wait };
-            if !handler.stage_config(view, body, item) {
+            if !admission.stage_config(view, body, item) {
                 self.config = None;
                 self.attach(head.opcode, head.tag, Answer::Done);
                 return Step::Taken;
             }
-            if self.lane.room() < handler.staged.ops().len() {
+            if self.lane.room() < admission.staged.ops().len() {
                 return Step::Wait;
             }
-            for index in 0..handler.staged.ops().len() {
-                if let Some(&(op, change)) = handler.staged.ops().get(index) {
-                    self.push(handler, op, change);
-                }
-            }
+            self.push_staged(admission);
             item = item.saturating_add(1);
         }
     }
 }
 
-/// How many commits of these axes go before that of this one.
-fn place_among(open: &[u64; 2], axis: Axis, fifo: u8) -> u32 {
+/// How many commits of these axes precede that of this one.
+fn index_among(open: &[u64; 2], axis: Axis, fifo: u8) -> u32 {
     let [first, second] = *open;
     let below = axis.mask().0 - 1;
     if fifo & 1 == 0 { (first & below).count_ones() } else { first.count_ones() + (second & below).count_ones() }
-}
-
-/// Stages a WaitStop; false if it cannot be now. What a coordinate system waits for ends with what it was given so far,
-/// so that all of it leaves the look-ahead.
-fn wait_stop<const AXES: usize>(
-    handler: &mut CommandHandler<'_, AXES>,
-    view: &View<AXES>,
-    due: Due,
-    wait: &WaitStop,
-) -> Admitted<bool> {
-    handler.staged.clear();
-    let mut staged = Staged::new();
-    let context = Context {
-        view,
-        shadows: &handler.admitted,
-        configuration: &handler.configuration,
-        board: &handler.board,
-        executed: &handler.executed,
-        due,
-        crds: handler.entries.count(),
-        staged: &mut staged,
-        effect: Effect::None,
-    };
-    let axes = context.mask(wait.core.get(), wait.axes.get(), 1)?;
-    let crds = context.crds_waited_for(wait.core.get(), wait.crds.get(), 2)?;
-    let all = CrdMask(crds.0 | handler.admitted.drivers(axes).0);
-    // Else nothing that it names runs at its instant, which is yet to come.
-    let runs = all.0 != 0 || due.until_ns == 0 || context.each(axes).any(|axis| context.may_run(axis));
-    if !all.crds().all(|crd| handler.flush_path(view, crd, due.near)) {
-        return Ok(false);
-    }
-    if runs {
-        handler.staged.add(Op::WaitRest { axes, crds }, Change::Rest { axes, crds });
-    }
-    Ok(true)
 }

@@ -3,46 +3,50 @@
 //! In: records of lane 1, the view. Out: entries of the program lane, replies in order. Owns: the
 //! waiting records, the script's accumulated delay, the replies that wait for execution.
 //!
-//! Records are admitted in order, ahead of the script clock as far as the ring has room. A record that
-//! is refused now may be right later, so it waits; it is refused when its instant has been reached
-//! and the state still forbids it. Then, and after a late entry of a strict program, a Stop, link
-//! loss or ProgramClear, the rest is dropped from the ring and answered `Discarded` or `LinkLost`, and the books go
-//! back to what was executed. Behind a record that may fail the program goes on: its refusal is answered
-//! and nothing else happens; the script clock stays what it was.
+//! Records are admitted in order, ahead of the script clock as far as the ring has room. A record
+//! that is refused now may be right later, so it waits. It is refused when its instant has been
+//! reached and the state still forbids it. Then the rest is dropped from the ring and answered
+//! `Discarded` or `LinkLost`, and the admitted state is set back to the executed one. The same
+//! follows a late entry of a strict program, a Stop, link loss or ProgramClear.
+//! After a record that may fail the program goes on: its refusal is answered and nothing else
+//! happens. The script clock keeps its value.
 //!
 //! Flow: a record takes its body and 7 bytes of the queue. One that does not fit is answered
-//! `QueueFull` at once, and so is every later one until the client has asked for ProgramStatus: the
-//! client goes back and sends them again, and no order is lost. So lane 0 never waits behind lane 1.
+//! `QueueFull` at once. So is every later one until the client has asked for ProgramStatus. The
+//! client then goes back and sends them again, and no order is lost. So lane 0 never waits for lane
+//! 1.
 mod end;
 mod intake;
 pub(crate) mod record_queue;
 mod waits;
 
-use crate::admit::context::{Answer, Due};
-use crate::admit::refuse::{Admitted, Refused};
+use crate::admit::admission::Admission;
+use crate::admit::context::Due;
+use crate::admit::one;
 use crate::capacity::{AWAITING, VALUES};
-use crate::session::commands::CommandHandler;
-use crate::session::lane::{Deque, Lane};
-use crate::session::pending_replies::{Awaiting, Refuser, Step, TickRefusal};
-use crate::session::server::PROGRAM;
+use crate::deque::Deque;
+use crate::lane::Lane;
+use crate::refuse::{Admitted, Refused};
+use crate::report::pending_replies::{Awaiting, Refuser, Step, TickRefusal};
 use crate::shadow::{Change, PROGRAM_FLAG, Shadows, executed, renew};
-use protocol::command::{ProgramReply, ProgramStart, Request, opcode};
+use protocol::command::{ProgramClear, ProgramReply, ProgramStart, ProgramStatus, opcode};
 use protocol::reason::Reason;
-use protocol::record::{Full, Lane as TableKind, ReplyWriter, RequestRecord};
+use protocol::record::{Full, Lane as RecordLane, ReplyWriter, RequestRecord};
 use record_queue::{QUEUE_BYTES, RECORD_BYTES, Records};
 use ring::Producer;
 use servo::laser::{CHANNELS, Cause, Ignored};
 use servo::op::{Entry, Op};
+use servo::tick::PROGRAM;
 use servo::view::View;
 use waits::Pauses;
-use zerocopy::{FromBytes, IntoBytes};
+use zerocopy::IntoBytes;
 
-/// Where the program is; the numbers are those of `ProgramReply`.
+/// State of the program; the numbers are those of `ProgramReply`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum State {
     /// No program.
     Empty = 0,
-    /// Entries gather; the clock stands.
+    /// Entries gather; the clock is stopped.
     Held = 1,
     /// The clock runs.
     Running = 2,
@@ -58,15 +62,15 @@ pub struct Program<'a> {
     records: Records,
     awaiting: Deque<Awaiting, AWAITING>,
     refused: Deque<TickRefusal, 8>,
-    /// What the Calculate and laser commands among them answer, in order.
+    /// The values of the Calculate and laser commands among them, in order.
     values: Deque<f64, VALUES>,
     state: State,
     /// Script time since the last entry pushed, ns.
     delay: u64,
-    /// The script clock of the last entry pushed, at the earliest: what a WaitStop takes comes on top
-    /// once it is over, ns.
+    /// The earliest script clock of the last entry pushed, ns. The time that a WaitStop takes is
+    /// added once it is over.
     instant: u64,
-    /// WaitStops on their way.
+    /// WaitStops in flight.
     pauses: Pauses,
     /// Axes with data in FIFO 0, FIFO 1 that the tick does not know of yet.
     open: [u64; 2],
@@ -79,45 +83,49 @@ pub struct Program<'a> {
     /// The rest is to be dropped: not pushed yet, or pushed with this number.
     drop_due: bool,
     dropping: Option<u32>,
-    /// What the rest is answered.
+    /// The reason with which the rest is answered.
     rest: Reason,
     /// ProgramClear or a new session: empty when all is answered.
     clearing: bool,
     strict: bool,
-    /// A record did not fit: nothing more is taken until the client has looked.
+    /// A record did not fit: nothing more is taken until the client has asked for ProgramStatus.
     overflowed: bool,
-    /// Nothing more can be admitted before the tick or the client does something.
+    /// Nothing more can be admitted before the tick or the client acts.
     settled: bool,
     /// The record in hand waits for the machine and must not miss the tick.
     urgent: bool,
     config: Option<u16>,
-    /// The script clock when the program was last seen to run, ns.
+    /// The script clock in the last view in which the program ran, ns.
     clock: u64,
     accepted: u32,
     done: u32,
     /// Ticks that took too long: in the last view, and before the program.
     overruns: [u32; 2],
-    /// Tags of the records whose entry was the first late one, and the last one executed when a tick took too long.
+    /// Tags of two records: of the first late entry, and of the last one executed when a tick took
+    /// too long.
     late_tag: u16,
     overran_tag: u16,
-    /// The entry and the tag of the record that was answered last: a tick that took too long is told a tick later.
+    /// The entry and the tag of the record that was answered last: an overrun is reported a tick
+    /// later.
     answered: (u32, u16),
-    /// Laser channels that are lit or are to be, a bit each, and how many on commands of them did nothing.
+    /// Laser channels that are lit or are to be, a bit each, and how many on commands of each were
+    /// ignored.
     lit: u8,
     ignored: [u8; CHANNELS],
-    /// Which of them there are, and what light was taken; the bits are those of `ProgramReply`.
+    /// Which of the tags are valid, and which light was shut off; the bits are those of
+    /// `ProgramReply`.
     told: u8,
 }
 
 /// Bits of `ProgramReply::told`; from the last one on one for each laser channel.
 mod told {
-    /// `late_tag` is one.
+    /// `late_tag` is valid.
     pub const LATE: u8 = 1;
-    /// `overran_tag` is one.
+    /// `overran_tag` is valid.
     pub const OVERRAN: u8 = 2;
     /// A laser command was late.
     pub const LATE_LIGHT: u8 = 4;
-    /// Laser channel 0 has gone dark because a tick took too long, or a fault took its light.
+    /// Laser channel 0 went dark because a tick took too long, or a fault took its light.
     pub const DARK: u8 = 16;
 }
 
@@ -171,22 +179,22 @@ impl<'a> Program<'a> {
         self.state == State::Running && self.run.is_some_and(|run| executed(view, run))
     }
 
-    /// Whether the view is the last one before the tick on which the record in hand would act, and shows all that
-    /// was admitted before it.
+    /// Whether the view is the last one before the tick on which the record in hand would act, and
+    /// shows everything admitted before it.
     fn is_reached<const AXES: usize>(&self, view: &View<AXES>) -> bool {
         let instant = view.script_zero.0.saturating_add(view.script.0).saturating_add(self.delay);
         let quiet = !self.lane.in_flight() && !self.gathers();
         self.runs(view) && quiet && instant < view.now.0.saturating_add(view.period.0)
     }
 
-    /// Whether the view is the last one before the tick on which the record in hand would act, and nothing that is on its way
-    /// before it may end what keeps it from being taken.
+    /// Whether the view is the last one before the tick on which the record in hand would act, and
+    /// nothing in flight before it may end what keeps it from being taken.
     fn is_settled<const AXES: usize>(&self, view: &View<AXES>) -> bool {
         !self.lane.may_free() && self.until(view) < view.period.0
     }
 
-    /// From the view to the instant of the record in hand, ns; `u64::MAX` where that is not known. The clock of a program that
-    /// has been told to run begins on the tick after the view.
+    /// From the view to the instant of the record in hand, ns; `u64::MAX` where that is not known.
+    /// After ProgramStart the clock begins on the tick after the view.
     fn until<const AXES: usize>(&self, view: &View<AXES>) -> u64 {
         let begun = self.state == State::Running && self.run.is_some();
         if !begun || self.pauses.wait() {
@@ -196,11 +204,11 @@ impl<'a> Program<'a> {
         zero.saturating_add(self.instant).saturating_add(self.delay).saturating_sub(view.now.0)
     }
 
-    /// Whether the record in hand acts soon, and nothing is on its way before it.
-    fn is_fast<const AXES: usize>(&self, view: &View<AXES>) -> bool {
+    /// Whether the record in hand acts soon, and nothing before it is in flight.
+    fn is_soon<const AXES: usize>(&self, view: &View<AXES>) -> bool {
         let instant = view.script_zero.0.saturating_add(self.instant).saturating_add(self.delay);
         let quiet = !self.lane.in_flight() && !self.gathers();
-        self.runs(view) && quiet && instant <= view.now.0.saturating_add(intake::FAST_PATH_NS)
+        self.runs(view) && quiet && instant <= view.now.0.saturating_add(intake::COMMIT_LEAD_NS)
     }
 
     /// What is known of the instant of the record in hand.
@@ -209,7 +217,7 @@ impl<'a> Program<'a> {
         let script_ns = self.instant.saturating_add(self.delay);
         let until_ns = if decided { 0 } else { self.until(view) };
         let first = self.state == State::Held && script_ns < view.period.0 && !self.pauses.wait();
-        Due { decided, near: self.is_fast(view), until_ns, first, script_ns, wait: self.pauses.last }
+        Due { decided, soon: self.is_soon(view), until_ns, first, script_ns, wait: self.pauses.last }
     }
 
     /// Whether it is held or runs.
@@ -217,8 +225,8 @@ impl<'a> Program<'a> {
         matches!(self.state, State::Held | State::Running)
     }
 
-    /// Whether the record in hand may become right with any tick. One that waits for places in a FIFO
-    /// ahead of its time is in no hurry.
+    /// Whether the record in hand may become right with any tick. One that waits for slots in a
+    /// FIFO ahead of its time is not urgent.
     pub fn is_urgent(&self) -> bool {
         self.urgent
     }
@@ -227,20 +235,20 @@ impl<'a> Program<'a> {
         self.drop_due || self.dropping.is_some()
     }
 
-    /// Takes a record of lane 1 into the queue; data that need not wait goes on at once.
+    /// Takes a record of lane 1 into the queue; data that need not wait is admitted at once.
     pub fn offer<const AXES: usize>(
         &mut self,
-        handler: &mut CommandHandler<'_, AXES>,
+        admission: &mut Admission<'_, AXES>,
         view: &View<AXES>,
         record: &RequestRecord,
         out: &mut ReplyWriter,
     ) -> Step {
         if self.takes_at_once::<AXES>(record.opcode, record.body) {
-            // Where it is refused it waits in the queue, and is refused from there.
-            if let Ok(written) = handler.admit_data(view, self.due(view), record.opcode, record.body) {
+            // If it is refused it waits in the queue, and is refused from there.
+            if let Ok(written) = admission.admit_data(view, self.due(view), record.opcode, record.body) {
                 self.accepted = self.accepted.wrapping_add(1);
-                let may_fail = record.lane == TableKind::ProgramMayFail;
-                self.take_data(handler, (record.opcode, record.tag, may_fail), &written);
+                let may_fail = record.lane == RecordLane::ProgramMayFail;
+                self.take_data(admission, (record.opcode, record.tag, may_fail), &written);
                 return Step::Taken;
             }
         }
@@ -254,65 +262,60 @@ impl<'a> Program<'a> {
             self.state = State::Held;
             self.begin();
         }
-        self.records.push(record.opcode, record.tag, record.lane == TableKind::ProgramMayFail, record.body);
+        self.records.push(record.opcode, record.tag, record.lane == RecordLane::ProgramMayFail, record.body);
         self.accepted = self.accepted.wrapping_add(1);
         self.settled = false;
         Step::Taken
     }
 
-    /// ProgramStart, ProgramClear, ProgramStatus. `None`: not now.
+    /// ProgramStart, ProgramClear, ProgramStatus.
     pub fn control<const AXES: usize>(
         &mut self,
-        handler: &mut CommandHandler<'_, AXES>,
+        admission: &mut Admission<'_, AXES>,
         record: &RequestRecord,
-    ) -> Admitted<Option<Answer>> {
+    ) -> Admitted<Step> {
         match record.opcode {
             opcode::ProgramStart => {
-                let start =
-                    ProgramStart::read_from_bytes(record.body).map_err(|_| length::<ProgramStart>(record.body))?;
+                let start: ProgramStart = one(record.body)?;
                 if self.is_dropping() || !self.settled {
-                    return Ok(None);
+                    return Ok(Step::Wait);
                 }
                 if !matches!(self.state, State::Empty | State::Held) {
                     return Err(Refused::new(Reason::ProgramOnlyHeld));
                 }
-                if handler.lane.room() == 0 {
-                    return Ok(None);
+                if admission.lane.room() == 0 {
+                    return Ok(Step::Wait);
                 }
                 if self.state == State::Empty {
                     self.begin();
                 }
-                // What belongs to the instant 0 is in the ring before the clock runs.
-                self.flush(handler);
-                handler.lane.push(Op::ProgramRun, Change::None, 0, &mut handler.admitted);
-                self.run = Some(handler.lane.last());
+                // All of the instant 0 is in the ring before the clock runs.
+                self.flush(admission);
+                admission.lane.push(Op::ProgramRun, Change::None, 0, &mut admission.admitted);
+                self.run = Some(admission.lane.last());
                 self.clock = 0;
                 (self.overruns[1], self.answered) = (self.overruns[0], (0, 0));
                 self.strict = start.strict != 0;
                 self.state = State::Running;
-                Ok(Some(Answer::Program))
+                Ok(Step::Taken)
             }
             opcode::ProgramClear => {
-                if !record.body.is_empty() {
-                    return Err(length::<protocol::command::ProgramClear>(record.body));
-                }
+                one::<ProgramClear>(record.body)?;
                 if self.state == State::Empty && !self.clearing {
-                    return Ok(Some(Answer::Program));
+                    return Ok(Step::Taken);
                 }
                 if !self.clearing {
                     self.cut(State::Stopped);
                     self.clearing = true;
                 }
-                // `advance` empties it; the reply tells that it is done.
-                Ok(None)
+                // `advance` empties it; the reply reports that it is done.
+                Ok(Step::Wait)
             }
             _ => {
-                if !record.body.is_empty() {
-                    return Err(length::<protocol::command::ProgramStatus>(record.body));
-                }
-                // The client has looked: it knows what was taken.
+                one::<ProgramStatus>(record.body)?;
+                // The client has asked: it knows what was taken.
                 self.overflowed = false;
-                Ok(Some(Answer::Program))
+                Ok(Step::Taken)
             }
         }
     }
@@ -355,7 +358,7 @@ impl<'a> Program<'a> {
         self.note_light(view);
     }
 
-    /// Light that a fault took, or kept from coming, while the program runs.
+    /// Notes light that a fault shut off, or kept from coming, while the program runs.
     fn note_light<const AXES: usize>(&mut self, view: &View<AXES>) {
         let runs = self.runs(view);
         for ((channel, laser), before) in (0..).zip(&view.lasers).zip(&mut self.ignored) {
@@ -370,9 +373,9 @@ impl<'a> Program<'a> {
         }
     }
 
-    /// What was late or took too long, while the replies of these entries wait.
+    /// Notes what was late or took too long, while the replies of these entries wait.
     fn note<const AXES: usize>(&mut self, view: &View<AXES>) {
-        // The record of an entry is the first one whose last entry is that one or comes after it.
+        // The record of an entry is the first one whose last entry is that one or a later one.
         let tag = |seq: u32| {
             let reaches =
                 |last: u32| last & PROGRAM_FLAG != 0 && last.wrapping_sub(seq) & !PROGRAM_FLAG < PROGRAM_FLAG >> 1;
@@ -403,15 +406,15 @@ impl<'a> Program<'a> {
         self.pauses.renew(view);
     }
 
-    /// As if so many entries more had gone through the lane.
+    /// Advances the numbers of the lane, for tests of counters.
     pub fn age(&mut self, entries: u32) {
         self.lane.age(entries);
     }
 
-    /// Everything the queue can do now. True if something was done.
+    /// Does all that is possible now. True if something was done.
     pub fn advance<const AXES: usize>(
         &mut self,
-        handler: &mut CommandHandler<'_, AXES>,
+        admission: &mut Admission<'_, AXES>,
         view: &View<AXES>,
         out: &mut ReplyWriter,
     ) -> bool {
@@ -422,13 +425,13 @@ impl<'a> Program<'a> {
         }
         let mut progress = false;
         if self.drop_due {
-            self.push_drop(handler);
+            self.push_drop(admission);
         }
         if self.dropping.is_some_and(|seq| executed(view, seq)) {
-            self.finish_drop(handler, view);
+            self.finish_drop(admission, view);
             progress = true;
         }
-        progress |= self.answer(handler, view, out);
+        progress |= self.answer(admission, view, out);
         if self.is_dropping() {
             return progress;
         }
@@ -441,18 +444,12 @@ impl<'a> Program<'a> {
         match self.state {
             State::Running if self.strict && view.late > 0 && self.runs(view) => {
                 self.late();
-                self.push_drop(handler);
+                self.push_drop(admission);
                 true
             }
-            State::Held | State::Running => self.take_records(handler, view, out) || progress,
+            State::Held | State::Running => self.take_records(admission, view, out) || progress,
             State::Failed | State::Stopped => self.discard(out) || progress,
             State::Empty => progress,
         }
     }
-}
-
-/// A body that is not the struct of its command.
-fn length<R: Request>(body: &[u8]) -> Refused {
-    let wanted = size_of::<R>() as f64;
-    Refused::new(Reason::Length).got(body.len() as f64).limits(wanted, wanted)
 }

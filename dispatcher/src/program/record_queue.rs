@@ -1,10 +1,10 @@
-//! Raw program records on their way to admission: a bounded queue of bytes.
+//! Raw program records before admission: a bounded queue of bytes.
 //!
-//! In: records as they came. Out: the same, in order, each in one piece. A record takes its body and
-//! [`RECORD_BYTES`]; what does not fit is not taken.
+//! In: records as they came. Out: the same, in order, each in one piece. A record takes its body
+//! and [`RECORD_BYTES`]; what does not fit is not taken.
 
 pub use crate::capacity::QUEUE_BYTES;
-/// What a record takes beside its body: as much as its head in a message.
+/// What a record takes besides its body: as much as its head in a message.
 pub const RECORD_BYTES: usize = 7;
 /// Longest body.
 pub const BODY_MAX: usize = protocol::MAX_PAYLOAD;
@@ -18,7 +18,7 @@ pub struct Head {
     pub tag: u16,
     /// Bytes of the body.
     pub len: u16,
-    /// The program goes on behind it if it is refused.
+    /// The program goes on after it if it is refused.
     pub may_fail: bool,
 }
 
@@ -57,10 +57,10 @@ impl Records {
         }
         let mut head = [0; RECORD_BYTES];
         let [numbers @ .., flag] = &mut head;
-        for (place, byte) in
+        for (slot, byte) in
             numbers.iter_mut().zip(opcode.to_le_bytes().into_iter().chain(tag.to_le_bytes()).chain(len.to_le_bytes()))
         {
-            *place = byte;
+            *slot = byte;
         }
         *flag = may_fail.into();
         self.write(&head);
@@ -102,7 +102,7 @@ impl Records {
         }
         self.head.map(|head| (head, self.body.get(..usize::from(head.len)).unwrap_or_default()))
     }
-    /// The record in hand is dealt with.
+    /// The record in hand is done.
     pub fn pop(&mut self) {
         self.head = None;
     }

@@ -1,8 +1,9 @@
-//! WaitStops on their way: what is known of the instants after them.
+//! WaitStops in flight: what is known of the instants after them.
 //!
-//! In: the entries that are pushed, the view. Out: the script clock of the last one, and whether that is its instant. A
-//! WaitStop takes a time that only the tick knows; it is known where the view shows that it is over, before it is executed.
-//! No more of them are on their way than are kept here.
+//! In: the entries that are pushed, the view. Out: the script clock of the last one, and whether
+//! that is its instant.
+//! A WaitStop takes a time that only the tick knows. It is known once the view shows its end, which
+//! is before its execution. No more WaitStops are in flight than are kept here.
 use crate::shadow::{Change, executed, renew};
 use servo::op::Op;
 use servo::status::RUNNING;
@@ -31,7 +32,7 @@ pub(super) struct Pauses {
 }
 
 impl Pauses {
-    /// Whether one is under way, so that the instants of the program are later than they are said to be.
+    /// Whether one is in flight: then the instants of the program are later than stated.
     pub fn wait(&self) -> bool {
         self.len != 0
     }
@@ -50,15 +51,15 @@ impl Pauses {
         }
         if let Op::WaitRest { .. } = op {
             self.last = Some(seq);
-            if let Some(place) = self.kept.get_mut(usize::from(self.len)) {
-                *place = Pause { seq, later: 0, instant };
+            if let Some(slot) = self.kept.get_mut(usize::from(self.len)) {
+                *slot = Pause { seq, later: 0, instant };
                 self.len += 1;
             }
         }
     }
 
-    /// The script clock of the last entry pushed, which was `instant` before the view, as far as the view tells it; `changes`
-    /// are those of the entries that were not executed then.
+    /// The script clock of the last entry pushed, as far as the view shows it; it was `instant`
+    /// before the view. `changes` are those of the entries that were not executed then.
     pub fn resolve<'c, const AXES: usize, I: Iterator<Item = &'c (u32, Change)>>(
         &mut self,
         view: &View<AXES>,

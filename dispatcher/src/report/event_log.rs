@@ -1,36 +1,40 @@
-//! The log of what happened by itself, for the host: when, to whom, why.
+//! The log of events that no command caused, for the host: when, to what, why.
 //!
-//! In: news of the tick, its views, the link's state. Out: the last [`HELD`] of them, and how many there were. Owns those.
-//! Fails never: older ones go. Times are of the tick for stops, and else of the view that told first, which is the same
-//! but where the link task came late.
+//! In: events of the tick, its views, the link's state. Out: the last [`HELD`] of them, and how
+//! many there were. Owns those.
+//! Fails: never; new events replace the oldest.
+//! A stop has its tick's time. Any other event has the time of the first view that showed it, which
+//! is the same unless the link task was late.
 use protocol::command::EventItem;
 use servo::laser::{CHANNELS, Ignored};
 use servo::units::Ns;
 use servo::view::{StopReason, View};
 
-/// Events that are held.
+/// Events that are kept.
 pub const HELD: usize = 32;
 
 /// What happened; the numbers are those of `EventItem`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// An axis came to rest, for a `StopReason`.
+    /// An axis came to standstill, for a `StopReason`.
     AxisStopped = 1,
-    /// A coordinate system did.
+    /// A coordinate system came to standstill.
     CrdStopped = 2,
-    /// A laser channel went dark, for a `Cause`, or was cleared, for none.
+    /// A laser channel went dark, for a `Cause`, or was cleared: no cause.
     Laser = 3,
-    /// The host link is lost (1), or is there again (0).
+    /// The host link is lost (1), or is back (0).
     Link = 4,
-    /// Ticks took too long, so many.
+    /// So many ticks took too long.
     Overrun = 5,
-    /// Events of the tick were lost, so many.
+    /// So many events of the tick were lost.
     Lost = 6,
-    /// A command that had been admitted did nothing to a laser channel, for a reason of `servo::laser::Ignored`.
+    /// A command that had been admitted did nothing to a laser channel, for a reason of
+    /// `servo::laser::Ignored`.
     Ignored = 7,
     /// The lasers were shut off, for a [`ShutOff`].
     ShutOff = 8,
-    /// The rate of a laser's light reached the width of its pulses, which is limited since (SPEC 6), so many times.
+    /// The rate of a laser's light reached the width of its pulses, which is limited since then
+    /// (SPEC 6); how often.
     Limited = 9,
 }
 
@@ -45,7 +49,7 @@ pub enum ShutOff {
 
 /// The log.
 pub struct Log {
-    /// Item k of all lies at k modulo `HELD`.
+    /// Event k of all has index k modulo `HELD`.
     items: [EventItem; HELD],
     total: u32,
     faults: [u16; CHANNELS],
@@ -56,7 +60,7 @@ pub struct Log {
 }
 
 impl Log {
-    /// Nothing has happened.
+    /// An empty log.
     pub const fn new() -> Log {
         const NONE: EventItem = EventItem {
             time_ns: zerocopy::little_endian::U64::ZERO,
@@ -75,25 +79,25 @@ impl Log {
         }
     }
 
-    /// Something happened.
+    /// Adds an event.
     pub fn put(&mut self, at: Ns, kind: Kind, of: u8, reason: u16) {
-        if let Some(place) = self.items.get_mut(self.total as usize % HELD) {
-            *place = EventItem { time_ns: at.0.into(), kind: kind as u8, of, reason: reason.into() };
+        if let Some(slot) = self.items.get_mut(self.total as usize % HELD) {
+            *slot = EventItem { time_ns: at.0.into(), kind: kind as u8, of, reason: reason.into() };
             self.total = self.total.wrapping_add(1);
         }
     }
 
-    /// Something came to rest; what ended as it should is no event.
+    /// Something came to standstill; an end as planned is no event.
     pub fn stopped(&mut self, at: Ns, kind: Kind, index: usize, reason: StopReason) {
         if reason != StopReason::Completed {
             self.put(at, kind, (index as u8).saturating_add(1), reason as u16);
         }
     }
 
-    /// What the newest view tells.
+    /// Takes the events that the newest view shows.
     pub fn see<const AXES: usize>(&mut self, view: &View<AXES>) {
-        for (channel, shown) in (0..).zip(&view.lasers) {
-            let fault = shown.fault as u16;
+        for (channel, laser) in (0..).zip(&view.lasers) {
+            let fault = laser.fault as u16;
             if let Some(before) = self.faults.get_mut(usize::from(channel))
                 && *before != fault
             {
@@ -101,20 +105,20 @@ impl Log {
                 self.put(view.now, Kind::Laser, channel, fault);
             }
         }
-        for (channel, shown) in (0..).zip(&view.lasers) {
+        for (channel, laser) in (0..).zip(&view.lasers) {
             if let Some(before) = self.ignored.get_mut(usize::from(channel))
-                && core::mem::replace(before, shown.ignored_count) != shown.ignored_count
+                && core::mem::replace(before, laser.ignored_count) != laser.ignored_count
                 // The fault is an event.
-                && shown.ignored != Ignored::Fault
+                && laser.ignored != Ignored::Fault
             {
-                self.put(view.now, Kind::Ignored, channel, shown.ignored as u16);
+                self.put(view.now, Kind::Ignored, channel, laser.ignored as u16);
             }
         }
-        for (channel, shown) in (0..).zip(&view.lasers) {
+        for (channel, laser) in (0..).zip(&view.lasers) {
             if let Some(before) = self.limits.get_mut(usize::from(channel)) {
                 // Every second change is a beginning.
                 let begun = |count: u8| count.wrapping_add(1) >> 1;
-                let times = begun(shown.limits).wrapping_sub(begun(core::mem::replace(before, shown.limits))) & 127;
+                let times = begun(laser.limits).wrapping_sub(begun(core::mem::replace(before, laser.limits))) & 127;
                 if times != 0 {
                     self.limited(view.now, channel, times.into());
                 }
@@ -130,7 +134,7 @@ impl Log {
         }
     }
 
-    /// Limited once more: one event counts all those that nothing else came between.
+    /// Limited once more: one event counts all in a row.
     fn limited(&mut self, at: Ns, channel: u8, times: u16) {
         let newest = self.items.get_mut(self.total.wrapping_sub(1) as usize % HELD);
         match newest {
@@ -141,12 +145,12 @@ impl Log {
         }
     }
 
-    /// How many there were.
+    /// Events since the start.
     pub fn total(&self) -> u32 {
         self.total
     }
 
-    /// Those that are held, the oldest first.
+    /// Those that are kept, the oldest first.
     pub fn items(&self) -> impl Iterator<Item = &EventItem> {
         let held = (self.total as usize).min(HELD);
         (0..held).filter_map(move |k| self.items.get((self.total as usize - held + k) % HELD))

@@ -1,15 +1,21 @@
-//! Reads: replies built from one view and the *now* books, so that all their items are of one tick.
+//! Reads: replies built from one view and the executed state, so that all their items are of one
+//! tick.
 //!
-//! In: a checked [`Query`]. Out: a reply record. Velocities and accelerations are derived here from the
-//! axis's [`servo::segment::piece::Motion`]; nothing is computed for them in the tick.
+//! In: a checked [`Query`]. Out: a reply record. Velocities and accelerations are derived here from
+//! the axis's [`servo::segment::piece::Motion`]; the tick computes nothing for them.
 mod crd;
+mod explain;
 mod follow;
 
+pub use crd::is_crd;
+
 use super::event_log::{HELD, Log};
-use crate::admit::context::{Configuration, Query, mode_number, ones};
-use crate::admit::pvt_table::CHUNK;
-use crate::admit::{WORD, WORDS, is_follow, kind, number_of};
-use crate::session::server::{Board, FAULT_TEXT_MAX};
+use crate::board::{Board, FAULT_TEXT_MAX};
+use crate::configuration::{Configuration, ones};
+use crate::io_types::{ANALOG_INPUT_VOLTS, WORD, WORDS, kind};
+use crate::plan::geometry::pulses;
+use crate::plan::pvt::table_number;
+use crate::report::answer::{POINTS_MAX, Query};
 use crate::shadow::Shadows;
 use protocol::command::{self, Request, opcode};
 use protocol::record::{Full, ReplyWriter};
@@ -18,23 +24,23 @@ use servo::port::AxisInputs;
 use servo::segment::follow::{Awaited, Input};
 use servo::segment::piece::Scaled;
 use servo::status::RUNNING;
-use servo::units::{Axis, Pos};
+use servo::units::Axis;
 use servo::view::{AxisView, LaserView, View};
 use zerocopy::IntoBytes;
 
 /// What a reply is built from.
 pub struct Reading<'x, const AXES: usize> {
-    /// The tick.
+    /// What the tick published.
     pub view: &'x View<AXES>,
-    /// Books after everything executed.
+    /// State after everything executed.
     pub executed: &'x Shadows<AXES>,
     /// Counts.
     pub configuration: &'x Configuration,
     /// Constants of the board.
     pub board: &'x Board,
-    /// What happened.
+    /// Events.
     pub log: &'x Log,
-    /// Where the tick keeps the analog outputs.
+    /// The tick's memory of the analog outputs.
     pub tables: &'x Tables,
 }
 
@@ -57,15 +63,10 @@ pub fn units(power: Power) -> f64 {
     power.raw() as f64 * self::power(-(Power::FRAC_BITS as i32))
 }
 
-/// Counts of a laser's timer in the mean.
+/// Mean counts of a laser's timer.
 pub fn counts(count: Count) -> f64 {
     let of = if count.of == 0 { power(32) } else { f64::from(count.of) };
     count.whole as f64 + f64::from(count.part) / of
-}
-
-/// Pulses.
-pub fn pulses(pos: Pos) -> f64 {
-    pos.0 as f64 * power(-(Pos::FRAC_BITS as i32))
 }
 
 /// The reply to a Calculate command.
@@ -75,7 +76,7 @@ pub fn values_reply(
     values: impl Iterator<Item = f64>,
     out: &mut ReplyWriter,
 ) -> Result<(), Full> {
-    let mut items = [command::Real::default(); CHUNK];
+    let mut items = [command::Real::default(); POINTS_MAX];
     let mut count = 0;
     for (item, value) in items.iter_mut().zip(values) {
         item.value = value.into();
@@ -85,7 +86,7 @@ pub fn values_reply(
     out.push_raw(opcode, tag, 0, &[head.as_bytes(), items.get(..count).unwrap_or(&[]).as_bytes()])
 }
 
-/// The reply to a laser command that tells what it took.
+/// The reply to a laser command that reports what it took.
 pub fn took_reply(
     opcode: u16,
     tag: u16,
@@ -138,6 +139,20 @@ pub fn took_reply(
             let reply = command::LaserValue { value: next().into(), held };
             out.push_raw(opcode, tag, 0, &[reply.as_bytes()])
         }
+    }
+}
+
+/// A mode as `GetPrfMode` reports it.
+pub fn mode_number(mode: servo::op::Mode) -> i16 {
+    use servo::op::Mode;
+    match mode {
+        Mode::Trap => 0,
+        Mode::Jog => 1,
+        Mode::PtStatic | Mode::PtDynamic => 2,
+        Mode::Pvt => 6,
+        Mode::Follow => 4,
+        Mode::FollowEx => 10,
+        Mode::Crd => 5,
     }
 }
 
@@ -272,7 +287,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
                 let mut items = [command::Real::default(); 8];
                 let count = usize::from(query.count).min(8);
                 for (item, value) in items.iter_mut().zip(self.view.analog.iter().skip(usize::from(query.first))) {
-                    item.value = (f64::from(*value) * 12.5 / 32768.0).into();
+                    item.value = (f64::from(*value) * ANALOG_INPUT_VOLTS / 32768.0).into();
                 }
                 let head = command::Reals { clock_ms: self.clock_ms().into(), count: (count as u16).into() };
                 out.done::<command::GetAdc>(tag, &head, &items[..count])
@@ -316,21 +331,19 @@ impl<const AXES: usize> Reading<'_, AXES> {
                 for (item, axis) in items.iter_mut().zip(axes) {
                     let since = self.view.now.0.min(axis.table_until.0).saturating_sub(axis.table_zero.0);
                     *item = command::PvtStatusItem {
-                        table: number_of(axis.table).into(),
+                        table: table_number(axis.table).into(),
                         time: (since as f64 / 1e6).into(),
                     };
                 }
                 let head = command::Count { count: (axes.len() as u16).into() };
                 out.done::<command::PvtStatus>(tag, &head, &items[..axes.len()])
             }
-            _ if crd::is_crd(query.opcode) => self.crd_reply(tag, query, out),
-            _ if is_follow(query.opcode) => self.follow(tag, query, shadow, sampled, out),
-            // A request without fields in its reply.
-            other => out.push_raw(other, tag, 0, &[]),
+            _ if is_crd(query.opcode) => self.crd_reply(tag, query, out),
+            _ => self.follow(tag, query, shadow, sampled, out),
         }
     }
 
-    /// The reply to a question for free places.
+    /// The reply with the free slots of a FIFO.
     pub fn space(&self, opcode: u16, tag: u16, space: i16, out: &mut ReplyWriter) -> Result<(), Full> {
         out.push_raw(opcode, tag, 0, &[command::Short { value: space.into() }.as_bytes()])
     }
@@ -379,7 +392,8 @@ impl<const AXES: usize> Reading<'_, AXES> {
         }
     }
 
-    /// What an analog output, from 0, carries: what a laser in analog mode makes of it, or what it was set to last.
+    /// The level of an analog output, from 0: the power of a laser in analog mode, or the last
+    /// value set.
     fn analog_output(&self, output: usize) -> i16 {
         match self.view.lasers.get(output) {
             Some(laser) if laser.mode == Mode::Analog => dac_counts(laser.power),
@@ -387,7 +401,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
         }
     }
 
-    /// The carrier or pulse rate as the timers put it out, kHz; 0 where nothing is.
+    /// The carrier or pulse rate as the timers output it, kHz; 0 without output.
     fn achieved_khz(&self, sampled: &LaserView) -> f64 {
         if sampled.train.is_none() {
             return 0.0;
@@ -414,7 +428,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
         out.push_raw(opcode, tag, 0, &[reply.as_bytes()])
     }
 
-    /// While the axis runs, how long what it has lasts; at rest, the length of the data.
+    /// While the axis runs, how long its data lasts; at standstill, the length of the data.
     fn dry_ms(&self, axis: Axis, fifo: usize) -> u32 {
         let sampled = &self.view.axes[axis.index().min(AXES - 1)];
         if sampled.status & RUNNING != 0 {
@@ -426,8 +440,8 @@ impl<const AXES: usize> Reading<'_, AXES> {
     fn events(&self, tag: u16, out: &mut ReplyWriter) -> Result<(), Full> {
         let mut items = [command::EventItem::default(); HELD];
         let mut count = 0;
-        for (place, item) in items.iter_mut().zip(self.log.items()) {
-            *place = *item;
+        for (slot, item) in items.iter_mut().zip(self.log.items()) {
+            *slot = *item;
             count += 1;
         }
         let head = command::EventsReply { total: self.log.total().into(), count: (count as u16).into() };
@@ -444,8 +458,8 @@ impl<const AXES: usize> Reading<'_, AXES> {
 
     fn version(&self) -> command::VersionReply {
         let mut board = [0; 16];
-        for (place, byte) in board.iter_mut().zip(self.board.name.bytes()) {
-            *place = byte;
+        for (slot, byte) in board.iter_mut().zip(self.board.name.bytes()) {
+            *slot = byte;
         }
         let part = |text: &str| text.bytes().fold(0u16, |sum, digit| sum * 10 + u16::from(digit.saturating_sub(b'0')));
         let profile = &self.configuration.profile;

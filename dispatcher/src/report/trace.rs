@@ -1,9 +1,10 @@
-//! The trace on its way out: samples of the tick become rows of [`protocol::trace`].
+//! The trace: samples of the tick become rows of [`protocol::trace`].
 //!
 //! In: samples, the announcement of a trace and of its end. Out: wire bytes. Owns: the row being
-//! gathered and the encoder. What the tick could not leave, because nobody took it, is counted and
-//! reported in the stream's last frame; a row is never invented.
-use crate::admit::context::{Configuration, ones};
+//! gathered and the encoder.
+//! Fails: samples that the tick lost because its ring was full are counted and reported in the
+//! stream's last frame. A row is never invented.
+use crate::configuration::{Configuration, ones};
 use crate::shadow::executed;
 use protocol::trace::{self, AxisId, CrdId, CrdSample, Encoder, Full, Head, Ids, LaserId, LaserSample, Samples, kind};
 use ring::Consumer;
@@ -11,7 +12,7 @@ use servo::laser::{Action, CHANNELS, Count, Rate, Train};
 use servo::units::{AxisMask, Crd, CrdMask};
 use servo::view::{Sample, Traced, View};
 
-/// What a trace is of.
+/// The columns of a trace.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Columns {
     /// Axes.
@@ -38,7 +39,7 @@ impl Columns {
     }
 }
 
-/// Where a trace is.
+/// State of a trace.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum State {
     /// None.
@@ -51,7 +52,7 @@ enum State {
     Rows,
 }
 
-/// The trace's way out.
+/// The trace.
 pub struct TraceOut<const AXES: usize> {
     encoder: Encoder,
     state: State,
@@ -59,7 +60,7 @@ pub struct TraceOut<const AXES: usize> {
     columns: Columns,
     /// Entry that ends it.
     ending: Option<u32>,
-    /// It goes over the link: not to [`TraceOut::bytes`]' caller but into messages.
+    /// It goes over the link: in messages, and not to the caller of [`TraceOut::bytes`].
     over_link: bool,
     /// The encoder has no room: a message's worth has gathered.
     full: bool,
@@ -104,7 +105,7 @@ impl<const AXES: usize> TraceOut<AXES> {
             return;
         }
         if self.over_link || over_link {
-            // Bytes of the one before are not for this reader.
+            // Bytes of the trace before are not for this reader.
             self.encoder = Encoder::new();
         }
         self.state = State::Armed;
@@ -113,7 +114,7 @@ impl<const AXES: usize> TraceOut<AXES> {
         (self.gathered, self.sent, self.next, self.lost, self.samples_lost) = (0, 0, 0, 0, 0);
     }
 
-    /// A new session: a trace over the link of the one before is over.
+    /// A new session: a trace of the old one over the link is over.
     pub fn abandon(&mut self) {
         if self.over_link {
             self.encoder = Encoder::new();
@@ -165,18 +166,19 @@ impl<const AXES: usize> TraceOut<AXES> {
                 if !self.head(view, configuration) {
                     return false;
                 }
-                // What the one before lost may still have been in the view.
+                // The view may still show the losses of the trace before.
                 self.samples_lost = 0;
                 self.state = State::Rows;
             }
             State::Rows => {}
         }
         if self.gathered > 0 && sample.row != self.row {
-            // A part of the row was lost, and so the row is.
+            // A part of the row was lost, so the row is.
             self.gathered = 0;
         }
-        // Within a row, samples come in the order of axes, coordinate systems and channels; what is missing in front spoils the row.
-        let place = match sample.of {
+        // Within a row, samples come in the order of axes, coordinate systems and channels. A
+        // missing one makes the row invalid.
+        let column = match sample.of {
             Traced::Axis { axis, .. } => (self.columns.axes.0 & ones(axis.index())).count_ones() as usize,
             Traced::Crd { crd, .. } => {
                 let before = self.columns.crds.0 & ones(crd.index()) as u8;
@@ -204,7 +206,7 @@ impl<const AXES: usize> TraceOut<AXES> {
                 return self.encoder.action(&set).is_ok();
             }
         };
-        if place != self.gathered {
+        if column != self.gathered {
             self.gathered = 0;
             self.row = sample.row;
             return true;
@@ -212,20 +214,20 @@ impl<const AXES: usize> TraceOut<AXES> {
         match sample.of {
             Traced::Axis { pos, motion, .. } => {
                 let velocity = motion.velocity();
-                if let Some(to) = self.axes.get_mut(place) {
+                if let Some(to) = self.axes.get_mut(column) {
                     let (vel_mantissa, vel_exponent) = (velocity.m.into(), velocity.e.into());
                     *to = trace::Sample { pos: pos.0.into(), vel_mantissa, vel_exponent };
                 }
             }
             Traced::Laser { mode, gate, power, khz, .. } => {
-                if let Some(to) = self.lasers.get_mut(place.wrapping_sub(self.columns.axes() + self.columns.crds())) {
+                if let Some(to) = self.lasers.get_mut(column.wrapping_sub(self.columns.axes() + self.columns.crds())) {
                     let (power, khz) = (power.raw().into(), khz.raw().into());
                     *to = LaserSample { mode: mode as u8, gate: gate.into(), power, khz };
                 }
             }
             Traced::Crd { motion, .. } => {
                 let velocity = motion.velocity();
-                if let Some(to) = self.crds.get_mut(place.wrapping_sub(self.columns.axes())) {
+                if let Some(to) = self.crds.get_mut(column.wrapping_sub(self.columns.axes())) {
                     *to = CrdSample { vel_mantissa: velocity.m.into(), vel_exponent: velocity.e.into() };
                 }
             }
@@ -236,8 +238,8 @@ impl<const AXES: usize> TraceOut<AXES> {
             | Traced::Period { .. } => {}
         }
         self.row = sample.row;
-        if place + 1 < self.count() {
-            self.gathered = place + 1;
+        if column + 1 < self.count() {
+            self.gathered = column + 1;
             return true;
         }
         let axes = self.axes.get(..self.columns.axes()).unwrap_or(&[]);
@@ -303,11 +305,11 @@ impl<const AXES: usize> TraceOut<AXES> {
 
     fn finish(&mut self) -> bool {
         if self.state != State::Rows {
-            // It was called off before its first row.
+            // It was ended before its first row.
             return true;
         }
-        let unseen = self.samples_lost.div_ceil((self.count() as u32).max(1));
-        let lost = self.lost.max(unseen);
+        let missing = self.samples_lost.div_ceil((self.count() as u32).max(1));
+        let lost = self.lost.max(missing);
         self.encoder.end(self.sent.wrapping_add(self.lost), lost).is_ok()
     }
 

@@ -1,10 +1,12 @@
-//! A wire that the link is not on: the other one of a board that has two, a further connection to a served controller.
-//! A client may ask there for the session; it gets it once the one in force is alive no more, and is told whose it is before.
+//! What happens at a second client, on a wire that the link is not on: the other wire of a board
+//! that has two, or a further connection to a served controller. A client may ask there for the
+//! session. It gets it once the present session is dead; before that it is told who has it.
 //!
-//! In: bytes of that wire. Out: answers to a Hello, and that a session has been taken up there; then
-//! the board exchanges the two. Owns one short frame each way. Frames of any other kind, or too long for the opening, are
-//! passed over: two clients never share a session.
-use crate::Server;
+//! In: bytes of that wire. Out: answers to a Hello, and that a session was taken over there; then
+//! the board exchanges the two. Owns one short frame each way.
+//! Fails: frames of any other kind, or too long for the opening, are ignored. Two clients never
+//! share a session.
+use super::server::Server;
 use protocol::deframe::{Deframer, Outcome};
 use protocol::frame::OPENING_WIRE;
 use protocol::link::TakeOver;
@@ -14,7 +16,7 @@ use servo::units::Ns;
 #[derive(Debug)]
 pub struct SecondaryTransport {
     deframer: Deframer<OPENING_WIRE>,
-    /// Behind a delimiter: the wire may have been left in the middle of a frame.
+    /// Begins with a delimiter: the wire may have been left in the middle of a frame.
     answer: [u8; 1 + OPENING_WIRE],
     from: usize,
     to: usize,
@@ -32,8 +34,9 @@ impl SecondaryTransport {
         SecondaryTransport { deframer: Deframer::new(), answer: [0; 1 + OPENING_WIRE], from: 0, to: 0 }
     }
 
-    /// Takes bytes: all of them, or, with true, those up to the end of the frame that has taken up the session. The others are
-    /// for [`Server::feed`]. `holder` names the wire that the link is on; none if it is gone.
+    /// Takes bytes: all of them, or, with true, those up to the end of the frame that took over the
+    /// session. The others are for [`Server::feed`]. `holder` names the wire of the link; none if
+    /// it is gone.
     pub fn feed<const AXES: usize>(
         &mut self,
         now: Ns,
@@ -49,12 +52,12 @@ impl SecondaryTransport {
                 continue;
             }
             let mut answer = [0; OPENING_WIRE];
-            match server.knock(now, self.deframer.frame(), holder, &mut answer) {
+            match server.request_take_over(now, self.deframer.frame(), holder, &mut answer) {
                 TakeOver::Nothing => {}
-                // One that is half out goes first; a client asks again.
+                // An answer that is partly sent goes first; a client asks again.
                 TakeOver::Answered(length) if self.from == self.to => {
-                    for (place, byte) in self.answer.iter_mut().skip(1).zip(answer) {
-                        *place = byte;
+                    for (slot, byte) in self.answer.iter_mut().skip(1).zip(answer) {
+                        *slot = byte;
                     }
                     (self.from, self.to) = (0, length.saturating_add(1));
                 }
@@ -68,12 +71,12 @@ impl SecondaryTransport {
         (used, false)
     }
 
-    /// Bytes to be sent over this wire; returns how many were put into `out`.
+    /// Bytes to be sent over this wire; returns how many were written into `out`.
     pub fn take_tx(&mut self, out: &mut [u8]) -> usize {
         let waiting = self.answer.get(self.from..self.to).unwrap_or(&[]);
         let count = waiting.len().min(out.len());
-        for (place, &byte) in out.iter_mut().zip(waiting) {
-            *place = byte;
+        for (slot, &byte) in out.iter_mut().zip(waiting) {
+            *slot = byte;
         }
         self.from = self.from.saturating_add(count);
         count

@@ -1,18 +1,20 @@
-//! The server: one end of the host link and everything behind it.
+//! The server: one end of the host link and all that uses it.
 //!
-//! In: bytes and the time. Out: bytes, the time of the next poll. Owns: the link's end, the message in
-//! hand, the replies being gathered into the next message; passes records to the desk (lane 0) and to
-//! the program queue (lane 1). Budget: a poll deals with at most a window of messages.
-//! Fails: what is not a record is refused with `Length`; a link that falls silent stops Jog axes and
-//! drops the rest of a program (SPEC 9).
+//! In: bytes and the time. Out: bytes, the time of the next poll.
+//! Owns: the link's end, the message in hand, the replies being gathered into the next message.
+//! Lane 0 goes to the command handler, lane 1 to the program queue.
+//! Budget: a poll handles at most a window of messages.
+//! Fails: what is not a record is refused with `Length`. A link that falls silent stops Jog axes
+//! and drops the rest of a program (SPEC 9).
 use super::commands::CommandHandler;
-use super::pending_replies::{Refuser, Step};
+use super::link_loss;
+use crate::board::Board;
 use crate::plan::path_queue::PathQueue;
 use crate::program::Program;
 use crate::report::event_log::Kind;
+use crate::report::pending_replies::{Refuser, Step};
 use protocol::frame::OPENING_WIRE;
 use protocol::link::{Endpoint, Identity, Role, TakeOver};
-use protocol::reason::Reason;
 use protocol::record::{Lane, ReplyHead, ReplyWriter, TRACE_RECORD, requests};
 use ring::{Consumer, Producer, Reader};
 use servo::op::{Entry, Lane as TickLane};
@@ -20,87 +22,21 @@ use servo::path::PathStores;
 use servo::segment::pt::SegmentStore;
 use servo::segment::pvt::TableStores;
 pub use servo::tick::{EVENTS, IMMEDIATE, PROGRAM, SAMPLES, SEGMENTS};
-use servo::units::{AxisMask, Ns, StepLimit};
+use servo::units::Ns;
 use servo::view::{Event, Sample, View};
 use zerocopy::IntoBytes;
 
 pub use crate::capacity::LINK_WINDOW;
-/// Rounds of a poll: each moves the program, the message in hand and the replies as far as they go.
+/// Passes of a poll: each moves the program, the message in hand and the replies as far as
+/// possible.
 const ROUNDS: u32 = 16;
 
-/// Rows wait this long for more of them, before they go over the link in a message that is not full.
+/// Rows wait this long for more of them, before a message that is not full carries them.
 const TRACE_FLUSH_NS: u64 = 20_000_000;
-/// Entries of the immediate lane that the loss of the link takes.
-const LINK_LOSS_ENTRIES: usize = 2;
 /// The head of a record of trace.
 const TRACE_HEAD: usize = size_of::<ReplyHead>();
 
-/// What a board is: constants that its integrator states.
-#[derive(Debug, Clone)]
-pub struct Board {
-    /// Name, of which 16 bytes are shown.
-    pub name: &'static str,
-    /// Number of the profile it shows at power-on (see [`crate::PROFILES`]); the build must hold it.
-    pub profile: u8,
-    /// Tick periods it can run, in µs.
-    pub tick_us: core::ops::RangeInclusive<u32>,
-    /// Analog outputs (at most 8).
-    pub analog_outputs: u8,
-    /// Analog inputs (at most 8).
-    pub analog_inputs: u8,
-    /// Rows that a plan of its inputs holds: none of a board whose inputs are wired, and which no call may set.
-    pub planned_inputs: u16,
-    /// General inputs and outputs that it has.
-    pub general_inputs: u8,
-    /// The same of outputs.
-    pub general_outputs: u8,
-    /// Axes whose encoder's index is captured.
-    pub indexes: AxisMask,
-    /// What its step outputs make of an axis. What is known to be faster is refused.
-    pub step_limit: StepLimit,
-    /// What ended the run before this one, if the board remembers it.
-    pub fault: Option<Fault>,
-    /// Asks the board how long its ticks take, if it measures them.
-    pub tick_time: Option<fn() -> TickTime>,
-}
-
-/// How long servo ticks take, from the timer's event to the end of the handler.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct TickTime {
-    /// Running median.
-    pub median_ns: u32,
-    /// The longest since the start.
-    pub worst_ns: u32,
-}
-
-/// What ended a run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Fault {
-    /// Of which kind it was.
-    pub kind: FaultKind,
-    /// For a person, of which [`FAULT_TEXT_MAX`] bytes are told.
-    pub text: &'static str,
-}
-
-/// Kinds of [`Fault`]; the numbers are those of `FaultReply`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum FaultKind {
-    /// The code panicked.
-    Panic = 1,
-    /// The core refused an access or an instruction.
-    Core = 2,
-    /// An interrupt came that nobody claims.
-    Interrupt = 3,
-    /// The watchdog: the servo tick or the link task stood still.
-    Watchdog = 4,
-    /// What the board measures of itself at its start contradicts what it is built for: there is no light.
-    Board = 5,
-}
-
-/// Bytes of a fault's text that a reply carries.
-pub const FAULT_TEXT_MAX: usize = 160;
-
-/// The hand-overs between the thread and the tick: the thread's halves.
+/// The thread's halves of the queues between thread and tick.
 pub struct Channels<'a, const AXES: usize> {
     /// Operations for the next tick.
     pub immediate: Producer<'a, Entry, IMMEDIATE>,
@@ -108,7 +44,7 @@ pub struct Channels<'a, const AXES: usize> {
     pub program: Producer<'a, Entry, PROGRAM>,
     /// The newest view.
     pub view: Reader<'a, View<AXES>>,
-    /// News.
+    /// Events.
     pub events: Consumer<'a, Event, EVENTS>,
     /// Trace samples.
     pub samples: Consumer<'a, Sample, SAMPLES>,
@@ -116,7 +52,7 @@ pub struct Channels<'a, const AXES: usize> {
     pub stores: &'a [SegmentStore; AXES],
     /// FIFOs of coordinate systems, as the tick has them.
     pub paths: PathStores<'a>,
-    /// What leads to them, as many.
+    /// The look-aheads that feed them, one each.
     pub queues: &'a mut [[PathQueue; 2]],
     /// PVT tables.
     pub tables: TableStores<'a>,
@@ -130,20 +66,20 @@ pub struct Server<'a, const AXES: usize> {
     view: Reader<'a, View<AXES>>,
     events: Consumer<'a, Event, EVENTS>,
     samples: Consumer<'a, Sample, SAMPLES>,
-    /// The time of the last call that told it.
+    /// The time of the last call that gave it.
     time: Ns,
     session: Option<u32>,
     /// When the last valid frame came, of this session or the last one.
     heard: Option<u64>,
-    /// The link is taken for lost: axes were stopped.
+    /// The link is lost: axes were stopped.
     lost: bool,
-    /// A session has begun, and the tick is still to be told.
+    /// A session has begun, and the tick does not know yet.
     begins: bool,
-    /// Records of the message in hand that are dealt with.
+    /// Records of the message in hand that are done.
     at: usize,
     outbox: [u8; protocol::MAX_PAYLOAD],
     outbox_len: usize,
-    /// When trace went over the link last.
+    /// When the link carried trace last.
     traced_at: u64,
 }
 
@@ -181,48 +117,45 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
         self.link.feed(now.0, bytes);
     }
 
-    /// Takes a frame, decoded, of a wire that the link is not on: [`Endpoint::knock`].
-    pub fn knock(&mut self, now: Ns, frame: &[u8], holder: Option<&str>, out: &mut [u8; OPENING_WIRE]) -> TakeOver {
+    /// Takes a decoded frame of a wire that the link is not on: [`Endpoint::request_take_over`].
+    pub fn request_take_over(
+        &mut self,
+        now: Ns,
+        frame: &[u8],
+        holder: Option<&str>,
+        out: &mut [u8; OPENING_WIRE],
+    ) -> TakeOver {
         self.time = now;
-        self.link.knock(now.0, frame, holder, out)
+        self.link.request_take_over(now.0, frame, holder, out)
     }
 
-    /// Does what can be done now: timers, messages, records, waiting program entries, replies. Call it
-    /// after `feed`, after every tick, and at [`Server::next_deadline`].
+    /// Does what can be done now: timers, messages, records, waiting program entries, replies. Call
+    /// it after `feed`, after every tick, and at [`Server::next_deadline`].
     pub fn poll(&mut self, now: Ns) {
         self.time = now;
         self.link.poll(now.0);
         let view = self.view.read();
         // The events of a view are in their ring before it is published, so none is missed.
         while let Some(event) = self.events.pop() {
-            match event {
-                Event::Refused { lane: TickLane::Immediate, seq, axis, status } => {
-                    self.handler.tick_refused((seq, Refuser::Axis(axis, status)))
-                }
-                Event::Refused { lane: TickLane::Program, seq, axis, status } => {
-                    self.program.tick_refused((seq, Refuser::Axis(axis, status)))
-                }
-                Event::CrdRefused { lane: TickLane::Immediate, seq, crd } => {
-                    self.handler.tick_refused((seq, Refuser::Crd(crd)))
-                }
-                Event::CrdRefused { lane: TickLane::Program, seq, crd } => {
-                    self.program.tick_refused((seq, Refuser::Crd(crd)))
-                }
-                Event::LaserRefused { lane: TickLane::Immediate, seq, channel } => {
-                    self.handler.tick_refused((seq, Refuser::Laser(channel)))
-                }
-                Event::LaserRefused { lane: TickLane::Program, seq, channel } => {
-                    self.program.tick_refused((seq, Refuser::Laser(channel)))
-                }
+            let (lane, seq, refuser) = match event {
+                Event::Refused { lane, seq, axis, status } => (lane, seq, Refuser::Axis(axis, status)),
+                Event::CrdRefused { lane, seq, crd } => (lane, seq, Refuser::Crd(crd)),
+                Event::LaserRefused { lane, seq, channel } => (lane, seq, Refuser::Laser(channel)),
                 Event::Stopped { axis, reason, now } => {
-                    self.handler.log.stopped(now, Kind::AxisStopped, axis.index(), reason)
+                    self.handler.admission.log.stopped(now, Kind::AxisStopped, axis.index(), reason);
+                    continue;
                 }
                 Event::CrdStopped { crd, reason, now } => {
-                    self.handler.log.stopped(now, Kind::CrdStopped, crd.index(), reason)
+                    self.handler.admission.log.stopped(now, Kind::CrdStopped, crd.index(), reason);
+                    continue;
                 }
+            };
+            match lane {
+                TickLane::Immediate => self.handler.tick_refused((seq, refuser)),
+                TickLane::Program => self.program.tick_refused((seq, refuser)),
             }
         }
-        self.handler.log.see(view);
+        self.handler.admission.log.see(view);
         self.handler.follow(&mut self.program, view);
         if self.link.session() != self.session {
             self.session = self.link.session();
@@ -238,19 +171,20 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
         if let Some(heard) = self.link.last_valid() {
             self.heard = Some(heard);
         }
-        Self::watch_link(&mut self.handler, &mut self.program, &mut self.lost, self.heard, now);
+        link_loss::watch(&mut self.handler.admission, &mut self.program, &mut self.lost, self.heard, now);
         for _ in 0..ROUNDS {
             let mut writer = ReplyWriter::new(self.outbox.get_mut(self.outbox_len..).unwrap_or(&mut []));
             let mut progress = self.handler.answer(view, &self.program, &mut writer);
-            progress |= self.program.advance(&mut self.handler, view, &mut writer);
+            progress |= self.program.advance(&mut self.handler.admission, view, &mut writer);
             let mut over = false;
-            // What was under way when the link was lost waits until it is back: nothing starts unsupervised.
+            // Messages in progress when the link was lost wait until it is back: nothing starts
+            // unsupervised.
             if let Some(message) = self.link.message().filter(|_| !self.begins && !self.lost) {
                 over = true;
                 for record in requests(message).skip(self.at) {
                     let step = match record {
                         Ok(record) if record.lane != Lane::Immediate => {
-                            self.program.offer(&mut self.handler, view, &record, &mut writer)
+                            self.program.offer(&mut self.handler.admission, view, &record, &mut writer)
                         }
                         Ok(record) => self.handler.immediate(&mut self.program, view, &record, &mut writer),
                         Err(malformed) => {
@@ -276,16 +210,16 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
                 break;
             }
         }
-        self.handler.feed_paths(view);
-        self.handler.trace.drain(&mut self.samples, view, &self.handler.configuration);
+        self.handler.admission.feed_paths(view);
+        self.handler.admission.trace.drain(&mut self.samples, view, &self.handler.admission.configuration);
         self.send_trace();
     }
 
-    /// Sends the trace in messages, if it goes over the link: replies come first and keep a place in the
-    /// window. What gathers is sent a message full at a time, or after a while.
+    /// Sends the trace in messages, if it goes over the link. Replies come first, so one slot of
+    /// the window stays free. Rows are sent when a message is full, or after a while.
     fn send_trace(&mut self) {
         let waited = self.time.0.saturating_sub(self.traced_at) >= TRACE_FLUSH_NS;
-        if !(self.handler.trace.is_due() || waited && self.handler.trace.has_link_bytes()) {
+        if !(self.handler.admission.trace.is_due() || waited && self.handler.admission.trace.has_link_bytes()) {
             return;
         }
         while self.outbox_len == 0 && self.link.places() > 1 {
@@ -294,9 +228,13 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
             };
             let mut count = 0;
             loop {
-                let part = self.handler.trace.link_bytes(body.get_mut(count..).unwrap_or(&mut []));
+                let part = self.handler.admission.trace.link_bytes(body.get_mut(count..).unwrap_or(&mut []));
                 count += part;
-                self.handler.trace.drain(&mut self.samples, self.view.last(), &self.handler.configuration);
+                self.handler.admission.trace.drain(
+                    &mut self.samples,
+                    self.view.last(),
+                    &self.handler.admission.configuration,
+                );
                 if part == 0 || count >= body.len() {
                     break;
                 }
@@ -316,10 +254,10 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
         }
     }
 
-    /// Hands the gathered replies to the link, if it has a place. True if they went.
+    /// Hands the gathered replies to the link, if it has a slot. True if they were sent.
     fn send(link: &mut Endpoint<LINK_WINDOW>, open: bool, outbox: &[u8], len: &mut usize) -> bool {
         if !open {
-            // Nobody is there to hear them.
+            // Nobody reads them.
             *len = 0;
             return false;
         }
@@ -331,80 +269,59 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
         gone
     }
 
-    /// Silence for longer than the link-loss time, once a session was open: the tick shuts off lasers whose light
-    /// is on or may come, Jog axes and paths brake (all axes, if SetLinkLoss says so), and the rest of a running
-    /// program is dropped; what else moves runs on, in the dark.
-    fn watch_link(
-        handler: &mut CommandHandler<'a, AXES>,
-        program: &mut Program<'a>,
-        lost: &mut bool,
-        heard: Option<u64>,
-        now: Ns,
-    ) {
-        let Some(heard) = heard else { return };
-        let limit = u64::from(handler.executed.watch.link_loss_ms) * 1_000_000;
-        let silent = limit != 0 && now.0.saturating_sub(heard) > limit;
-        if silent && !*lost && handler.lane.room() >= LINK_LOSS_ENTRIES {
-            // The tick is told before the program is dropped: that it ran is a reason to shut off the lasers.
-            *lost = handler.tell_link(true);
-            program.stop(handler, Reason::LinkLost);
-            handler.log.put(now, Kind::Link, 0, 1);
-        } else if !silent && *lost {
-            *lost = !handler.tell_link(false);
-            if !*lost {
-                handler.log.put(now, Kind::Link, 0, 0);
-            }
-        }
-    }
-
-    /// Bytes for the wire; returns how many were put into `out`.
+    /// Bytes for the wire; returns how many were written into `out`.
     pub fn take_tx(&mut self, out: &mut [u8]) -> usize {
         self.link.take_tx(self.time.0, out)
     }
 
-    /// Bytes of the trace stream; returns how many were put into `out`.
+    /// Bytes of the trace stream; returns how many were written into `out`.
     pub fn take_trace(&mut self, out: &mut [u8]) -> usize {
         let mut written = 0;
         loop {
-            let count = self.handler.trace.bytes(out.get_mut(written..).unwrap_or(&mut []));
+            let count = self.handler.admission.trace.bytes(out.get_mut(written..).unwrap_or(&mut []));
             written += count;
             if count == 0 || written >= out.len() {
                 return written;
             }
             // The encoder has room again.
-            self.handler.trace.drain(&mut self.samples, self.view.last(), &self.handler.configuration);
+            self.handler.admission.trace.drain(
+                &mut self.samples,
+                self.view.last(),
+                &self.handler.admission.configuration,
+            );
         }
     }
 
-    /// When `poll` wants to be called at the latest, if nothing comes from the wire and the tick has
-    /// executed nothing. While a program entry waits for the machine it is at once: after the next tick.
+    /// The latest time for the next `poll`, if no bytes come and the tick executes nothing. While a
+    /// program entry waits for the machine it is at once: after the next tick.
     pub fn next_deadline(&self) -> Option<Ns> {
-        let loss = self.heard.filter(|_| !self.lost && self.handler.executed.watch.link_loss_ms != 0).map(|heard| {
-            heard.saturating_add(u64::from(self.handler.executed.watch.link_loss_ms) * 1_000_000).saturating_add(1)
-        });
+        let link_loss_ms = self.handler.admission.executed.watch.link_loss_ms;
+        let loss = self.heard.filter(|_| !self.lost && link_loss_ms != 0);
+        let loss = loss.map(|heard| link_loss::instant(heard, link_loss_ms));
         let next_tick = self.program.is_urgent().then(|| self.time.0.saturating_add(1));
         let flush = self.program.flush_due(self.view.last()).map(|due| due.0);
-        let feed = self.handler.feed_due;
+        let feed = self.handler.admission.feed_due;
         let due = [self.link.next_deadline(), loss, next_tick, flush].into_iter().flatten().fold(feed, u64::min);
         (due != u64::MAX).then_some(Ns(due))
     }
 
-    /// As if so many entries more had gone through each lane, with [`Tick::age`](servo::tick::Tick::age) as long before the
-    /// next tick: for tests of what a long life does to counters. Nothing may be on its way.
+    /// Advances the numbers of each lane by `entries`, with [`Tick::age`](servo::tick::Tick::age)
+    /// by as much before the next tick. For tests of what a long life does to counters. Nothing may
+    /// be in flight.
     pub fn age(&mut self, entries: u32) {
-        self.handler.lane.age(entries);
+        self.handler.admission.lane.age(entries);
         self.program.age(entries);
     }
 
-    /// As if each FIFO of a path had been given so many entries and motions more since it was cleared, with
-    /// [`Tick::age_counts`](servo::tick::Tick::age_counts): likewise. Nothing may be in a FIFO.
+    /// Advances the counts of entries and motions of each FIFO of a path, with
+    /// [`Tick::age_counts`](servo::tick::Tick::age_counts). The FIFOs must be empty.
     pub fn age_counts(&mut self, by: u32) {
-        let paths = self.handler.admitted.crds.iter().flat_map(|crd| &crd.fifos);
-        for (queue, path) in self.handler.queues.iter_mut().flatten().zip(paths) {
+        let paths = self.handler.admission.admitted.crds.iter().flat_map(|crd| &crd.fifos);
+        for (queue, path) in self.handler.admission.queues.iter_mut().flatten().zip(paths) {
             queue.follow(path.cleared);
             queue.age(by);
         }
-        for shadows in [&mut self.handler.executed, &mut self.handler.admitted] {
+        for shadows in [&mut self.handler.admission.executed, &mut self.handler.admission.admitted] {
             shadows.crds.iter_mut().for_each(|crd| crd.age(by));
         }
     }
@@ -416,7 +333,7 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
 
     /// What the board is.
     pub fn board(&self) -> &Board {
-        &self.handler.board
+        &self.handler.admission.board
     }
 
     /// Whether a session is open.
@@ -426,6 +343,6 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
 
     /// Whether a trace is announced or runs.
     pub fn traces(&self) -> bool {
-        self.handler.trace.is_on()
+        self.handler.admission.trace.is_on()
     }
 }

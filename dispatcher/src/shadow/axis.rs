@@ -1,4 +1,4 @@
-//! What the thread knows of one axis.
+//! Shadow state of one axis.
 use super::follow::FollowShadow;
 use super::{SOFT_OFF, executed};
 use protocol::command::{JogPrm, TrapPrm};
@@ -11,7 +11,7 @@ use servo::view::{AxisView, View};
 /// One FIFO of PT data.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct FifoShadow {
-    /// Segments pushed since it was cleared.
+    /// Segments given since it was cleared.
     pub end: u32,
     /// End position, time and velocity of the last one.
     pub chain: Chain,
@@ -31,14 +31,14 @@ pub struct AxisShadow {
     pub fifo: u8,
     /// PT data; dynamic mode uses the first only.
     pub fifos: [FifoShadow; 2],
-    /// PT stream number of the view that these books follow.
+    /// PT stream number of the view that this state follows.
     pub epoch: u32,
-    /// The last start, until the axis is known to be at rest at this place of its lane.
+    /// The last start, until the axis is known to be at standstill at this point of its lane.
     pub started: Option<u32>,
-    /// Script clock of the start of a dynamic stream that runs or is going to, in 2^[`BEGINS_SHIFT`] ns, rounded down, and 1;
-    /// `u32::MAX` is more than it holds, 0: there is no such stream.
+    /// Start of a dynamic stream that runs or will run: its script clock in 2^[`BEGINS_SHIFT`] ns,
+    /// rounded down, plus 1. `u32::MAX` is later than that, 0 is no such stream.
     pub streams: u32,
-    /// The last start, until the axis has been seen at rest.
+    /// The last start, until a view shows the axis at standstill.
     pub busy: Option<u32>,
     /// The last entry that set the planned position, and to what, until it is executed.
     pub placed: Option<(u32, Option<Pos>)>,
@@ -50,9 +50,10 @@ pub struct AxisShadow {
     pub cleared: Option<u32>,
     /// The last entry that emptied a FIFO, until it is executed.
     pub emptied: Option<u32>,
-    /// FIFOs (a bit each) whose data is being overwritten, though what emptied them is not executed.
+    /// FIFOs (a bit each) whose data is being overwritten, though what emptied them is not
+    /// executed.
     pub invalid: u8,
-    /// The start whose data that entry may have given up, until the axis has been seen at rest.
+    /// The start whose data that entry may have dropped, until a view shows the axis at standstill.
     pub leaving: Option<u32>,
     /// Stop decelerations, pulse/ms².
     pub dec: (f64, f64),
@@ -68,7 +69,7 @@ pub struct AxisShadow {
     pub jog: JogPrm,
     /// PVT table that was selected, by its index over all cores.
     pub table: Option<u8>,
-    /// PVT passes to run, 0 for ever.
+    /// PVT passes to run, 0 for endless.
     pub table_passes: i32,
     /// Follow and FollowEx.
     pub follow: FollowShadow,
@@ -133,7 +134,8 @@ impl AxisShadow {
     pub fn is_switching<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView) -> bool {
         axis.switching || self.follow.is_to_switch(view)
     }
-    /// Whether what runs when the next entry acts runs from the other FIFO, and stays there in the tick.
+    /// Whether the motion that runs when the next entry acts uses the other FIFO, and stays there
+    /// in the tick.
     pub fn leaves_alone<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView, fifo: u8) -> bool {
         if self.is_follow() {
             let switches = self.is_switching(view, axis) || self.follow.has_switches();
@@ -142,14 +144,14 @@ impl AxisShadow {
             self.mode == Mode::PtStatic && self.fifo != fifo
         }
     }
-    /// Whether only the instant at which a command acts can tell what it does to the FIFOs of Follow.
+    /// Whether a command's effect on the FIFOs of Follow is known only at its instant.
     pub fn may_switch<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView) -> bool {
         self.follow.may_switch(view, axis, self.is_busy(view, axis))
     }
     /// As [`AxisShadow::is_outgoing`], of a FIFO of Follow.
     pub fn is_follow_outgoing<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView, fifo: u8) -> bool {
         let busy = self.is_busy(view, axis);
-        // With a start on its way, one before it may be, too.
+        // With a start in flight, one before it may be in flight, too.
         let idle = self.busy.is_none_or(|seq| executed(view, seq)) && axis.fifo != fifo && !self.may_switch(view, axis);
         self.is_outgoing(view, axis) || self.follow.is_outgoing(view, fifo, busy, idle)
     }
@@ -169,8 +171,8 @@ impl AxisShadow {
     pub fn is_busy<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView) -> bool {
         axis.status & RUNNING != 0 || self.busy.is_some_and(|seq| !executed(view, seq))
     }
-    /// Whether the data of a FIFO belongs to what is over at this place of the lane, while the tick may
-    /// still be at it: a stream that a WaitStop waits for, or a FIFO that is going to be emptied.
+    /// Whether the data of a FIFO is over at this point of the lane while the tick may still read
+    /// it: a stream that a WaitStop waits for, or a FIFO that will be emptied.
     pub fn is_outgoing<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView) -> bool {
         let runs = axis.status & RUNNING != 0;
         let emptied = self.emptied.is_some_and(|seq| !executed(view, seq))
@@ -187,13 +189,13 @@ impl AxisShadow {
             (true, _) => 2048,
         }
     }
-    /// Places free in a FIFO, as far as the tick has told.
+    /// Free slots of a FIFO, as far as the view shows.
     pub fn space<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView, fifo: usize) -> u32 {
         if self.is_dynamic() && self.is_outgoing(view, axis) {
             return self.capacity();
         }
         let end = self.fifos.get(fifo).map_or(0, |fifo| fifo.end);
-        // A ring that is going to be emptied has released nothing of what follows.
+        // A ring that will be emptied has released nothing of what follows.
         let emptied = self.emptied.is_some_and(|seq| !executed(view, seq));
         let released = if self.is_dynamic() && !emptied { axis.released } else { 0 };
         self.capacity().saturating_sub(end.wrapping_sub(released))
@@ -204,7 +206,7 @@ impl AxisShadow {
         self.leaving = self.busy;
         self.invalid &= !fifos;
     }
-    /// Entry `seq` stops it: a stream that runs then is over, and its data with it.
+    /// Entry `seq` stops it: a stream that runs then is over, and so is its data.
     pub(super) fn stop(&mut self, seq: u32) {
         if core::mem::take(&mut self.streams) != 0 {
             self.empty(seq, 0);
@@ -221,7 +223,7 @@ impl AxisShadow {
                 .any(|(index, data)| data.end != 0 && (self.is_dynamic() || index == usize::from(fifo)))
         }
     }
-    /// Shows every number of an entry to `young`.
+    /// Calls `young` with every entry number.
     pub(super) fn renew(&mut self, young: &mut impl FnMut(&mut u32)) {
         let AxisShadow { started, busy, placed, servo, cleared, emptied, leaving, follow, .. } = self;
         [started, busy, cleared, emptied, leaving].into_iter().flatten().for_each(&mut *young);
@@ -229,7 +231,7 @@ impl AxisShadow {
         servo.iter_mut().for_each(|(seq, _)| young(seq));
         follow.renew(young);
     }
-    /// Follows the tick: a stream that ended is cleared, an axis that came to rest is at rest.
+    /// Follows the tick: an ended stream is cleared, an axis at standstill is taken as such.
     pub fn follow<const AXES: usize>(&mut self, view: &View<AXES>, axis: &AxisView) {
         if self.epoch != axis.epoch {
             self.epoch = axis.epoch;

@@ -1,4 +1,4 @@
-//! What the thread knows of one laser channel.
+//! Shadow state of one laser channel.
 use super::executed;
 use servo::Fifos;
 use servo::laser::{self, BANKS, Bounds, Carrier, DISTANCES, POWER_TABLES, Power, Ratios, Source};
@@ -9,15 +9,15 @@ use servo::view::View;
 pub struct DistanceShadow {
     /// Index of the first of its four axes.
     pub first: u8,
-    /// Whose positions count.
+    /// The source of its positions.
     pub source: Source,
     /// Reference positions, pulses.
     pub reference: [i32; DISTANCES],
-    /// Pulses a unit of distance.
+    /// Pulses per unit of distance.
     pub scale: [f64; DISTANCES],
-    /// Ratios where no table has them.
+    /// Ratios of the axes that have no table.
     pub ratio: [f64; DISTANCES],
-    /// Where the ratios come from.
+    /// Source of the ratios.
     pub from: Ratios,
     /// Bounds of its own.
     pub bounds: Option<Bounds>,
@@ -95,13 +95,13 @@ impl LaserShadow {
         self.tables >> (table & 7) & 1 == 1
     }
 
-    /// A follow table is being overwritten: until the entry that goes with it has been executed, what it holds
-    /// belongs to nothing executed.
+    /// A follow table is being overwritten. Until the entry of its new data has been executed, its
+    /// content belongs to nothing executed.
     pub fn invalidate(&mut self, table: u8) {
         self.tables &= !(1 << (table & 7));
     }
 
-    /// A bank of ratios that nothing reads or will read; `read` is the one in force.
+    /// A bank of ratios that nothing reads or will read; `read` is the one in use.
     pub fn free_bank<const AXES: usize>(&self, view: &View<AXES>, read: Option<u8>) -> Option<u8> {
         let ahead = self.distance.and_then(|distance| distance.bank());
         let named = |bank: u8| self.banks.get(usize::from(bank)).copied().flatten();
@@ -111,7 +111,7 @@ impl LaserShadow {
         })
     }
 
-    /// Another mode sets the power to 0; the same one changes only what is given with it.
+    /// Another mode sets the power to 0; the same one changes only the values given with it.
     pub fn set_mode(&mut self, mode: laser::Mode, bounds: Bounds, delayed: bool) {
         if self.mode != mode {
             self.power = Power::ZERO;
@@ -119,7 +119,7 @@ impl LaserShadow {
         (self.mode, self.bounds, self.delayed) = (mode, bounds, delayed);
     }
 
-    /// Shows every number of an entry to `young`.
+    /// Calls `young` with every entry number.
     pub(super) fn renew(&mut self, young: &mut impl FnMut(&mut u32)) {
         self.banks.iter_mut().chain([&mut self.cleared]).flatten().for_each(young);
     }
@@ -151,7 +151,7 @@ impl LaserShadow {
     }
 }
 
-/// What a laser operation changes in the book of its channel.
+/// What a laser operation changes in the shadow state of its channel.
 #[derive(Debug, Clone, Copy)]
 pub enum LaserChange {
     /// Power-on state of a family.
@@ -174,6 +174,6 @@ pub enum LaserChange {
     Cleared,
     /// Distance follow as a whole.
     Distance(Option<DistanceShadow>),
-    /// A follow table is there.
+    /// A follow table is complete.
     TableFilled(u8),
 }

@@ -1,9 +1,9 @@
-//! What the thread knows of one coordinate system: its parameters, both FIFOs, where a motion that comes next begins.
+//! Shadow state of one coordinate system: its parameters, both FIFOs, the start of the next motion.
 use super::executed;
-use crate::plan::geometry::Position;
+use crate::plan::geometry::{Position, position_of};
 use protocol::command::CrdPrm;
 use servo::path::{DIMENSIONS, PathStop};
-use servo::units::{Axis, AxisMask, Pos};
+use servo::units::{Axis, AxisMask};
 use servo::view::{CrdView, View};
 
 /// Parameters of a coordinate system as SetCrdPrm gave them.
@@ -42,7 +42,7 @@ impl Frame {
     pub fn mask(&self) -> AxisMask {
         AxisMask(self.axes().iter().flatten().fold(0, |mask, axis| mask | axis.mask().0))
     }
-    /// As GetCrdPrm tells it.
+    /// As GetCrdPrm reports it.
     pub fn wire(&self) -> CrdPrm {
         CrdPrm {
             dimension: i16::from(self.dimension).into(),
@@ -72,20 +72,23 @@ pub struct Look {
 pub struct PathData {
     /// Entries, with those that wait in the look-ahead.
     pub given: u32,
-    /// Entries that are over at this place of the program, whether the tick is through with them or not.
+    /// Entries that are over at this point of the program, whether the tick has released them or
+    /// not.
     pub over: u32,
-    /// Motions among all.
+    /// Motions among the entries.
     pub motions: u32,
-    /// It holds what is not known to be over; else the next motion begins where the path is.
+    /// It holds entries that are not known to be over; else the next motion begins where the path
+    /// is.
     pub open: bool,
     /// Where the last motion ends.
     pub position: Position,
-    /// Axes that go along with the next motion.
+    /// Axes that move in proportion to the next motion (gears).
     pub gears: AxisMask,
-    /// Of these, the one that goes furthest, and how far, pulses.
+    /// The gear with the largest displacement, and that displacement, pulses.
     pub geared: Axis,
     pub gear: u32,
-    /// How fast the last motion may end, pulse/ms, rounded down; without look-ahead the next one may begin faster than its own speed.
+    /// Highest speed at the end of the last motion, pulse/ms, rounded down. Without look-ahead the
+    /// next one may begin faster than its own speed.
     pub leaves: f32,
 }
 
@@ -94,17 +97,17 @@ pub struct PathData {
 pub struct PathShadow {
     /// What it was given.
     pub data: PathData,
-    /// Times it was cleared, as the tick shows it once this data is there.
+    /// Times it was cleared, as a view shows it once this data is in the tick.
     pub cleared: u32,
     /// Its look-ahead.
     pub look: Option<Look>,
     /// The last entry that emptied it, until it is executed.
     pub emptied: Option<u32>,
-    /// The last entry that said something of it.
+    /// The last entry that concerns it.
     pub last: Option<u32>,
-    /// It was given something that no entry has told yet.
+    /// It was given data that no entry has published yet.
     pub loose: bool,
-    /// Its places were overwritten by what was dropped.
+    /// Its slots were overwritten by data that was dropped.
     pub invalid: bool,
 }
 
@@ -117,15 +120,16 @@ pub struct CrdShadow {
     pub limits: [(f64, f64); DIMENSIONS],
     /// FIFO of the last start.
     pub fifo: u8,
-    /// The last start, until it is seen at rest or waited for.
+    /// The last start, until a view shows it at standstill or a wait for it is admitted.
     pub started: Option<u32>,
-    /// The last start, until the tick is through with it.
+    /// The last start, until the tick is done with it.
     pub busy: Option<u32>,
-    /// It was told to stop since.
+    /// It got a Stop since.
     pub stopped: bool,
-    /// Its axes were given other names after that: whether its FIFO was left within its data decides where a motion begins.
+    /// Its axes were renamed after that. Where a motion begins depends on whether its FIFO was left
+    /// within its data.
     pub renamed: bool,
-    /// Where it is, if that is known ahead of the tick.
+    /// Its position, if that is known ahead of the tick.
     pub here: Option<Position>,
     /// The last entry that concerns it.
     pub last: Option<u32>,
@@ -160,14 +164,6 @@ impl Default for CrdShadow {
     }
 }
 
-/// Entries of a FIFO, with those that wait in its look-ahead.
-pub const CAPACITY: u32 = servo::path::ENTRIES as u32;
-
-/// Coordinates in pulses.
-pub fn position_of(position: &[Pos; DIMENSIONS]) -> Position {
-    position.map(|pos| pos.0 as f64 / (1u64 << Pos::FRAC_BITS) as f64)
-}
-
 impl CrdShadow {
     /// One FIFO.
     pub fn path(&self, fifo: u8) -> &PathShadow {
@@ -190,35 +186,20 @@ impl CrdShadow {
     pub fn is_busy<const AXES: usize>(&self, view: &View<AXES>, sampled: &CrdView) -> bool {
         sampled.runs || self.busy.is_some_and(|seq| !executed(view, seq))
     }
-    /// Entries of a FIFO that are over, as far as the tick has told of what it holds now.
-    fn released(&self, sampled: &CrdView, fifo: u8) -> u32 {
-        let index = usize::from(fifo & 1);
-        if sampled.cleared[index] == self.path(fifo).cleared { sampled.released[index] } else { 0 }
-    }
-    /// Places free in a FIFO.
-    pub fn space(&self, sampled: &CrdView, fifo: u8) -> u32 {
-        let used = self.path(fifo).data.given.wrapping_sub(self.released(sampled, fifo));
-        CAPACITY.saturating_sub(used)
-    }
-    /// The same, as it will be when the next entry acts, of a coordinate system at rest.
-    pub fn space_ahead(&self, sampled: &CrdView, fifo: u8) -> u32 {
-        let data = &self.path(fifo).data;
-        self.space(sampled, fifo).max(CAPACITY.saturating_sub(data.given.wrapping_sub(data.over)))
-    }
-    /// Its FIFOs, which are empty, were given so many entries and motions more.
+    /// Advances the counts of entries and motions of its empty FIFOs, for tests.
     pub fn age(&mut self, by: u32) {
         for PathData { given, over, motions, .. } in self.fifos.iter_mut().map(|path| &mut path.data) {
             [given, over, motions].into_iter().for_each(|count| *count = count.wrapping_add(by));
         }
     }
-    /// Motions of a FIFO that are done, and left.
+    /// Motions of a FIFO that are done, and those that remain.
     pub fn segments(&self, sampled: &CrdView, fifo: u8) -> (u32, u32) {
         let index = usize::from(fifo & 1);
         let done = if sampled.cleared[index] == self.path(fifo).cleared { sampled.done[index] } else { 0 };
         (done, self.path(fifo).data.motions.wrapping_sub(done))
     }
-    /// Where a motion that comes next in a FIFO begins, of a coordinate system that rests there for what follows; none while
-    /// only the tick knows.
+    /// Start of the next motion in a FIFO of a coordinate system that is at standstill there for
+    /// what follows. None while only the tick knows.
     pub fn begin(&self, rest: impl Fn() -> Option<Position>, fifo: u8) -> Option<Position> {
         let data = &self.path(fifo).data;
         if !data.open {
@@ -227,7 +208,8 @@ impl CrdShadow {
         if self.renamed && fifo == self.fifo {
             return None;
         }
-        // What was given before the place was known is no motion of these coordinates: they are where the path rests.
+        // Coordinates given before the position was known are not those of the path, which stands
+        // still where it is.
         let mut position = data.position;
         if position.iter().any(|at| at.is_nan())
             && let Some(rest) = rest()
@@ -239,13 +221,13 @@ impl CrdShadow {
         Some(position)
     }
 
-    /// Where the coordinate system rests for what follows, if it is known without a look at its axes.
+    /// Its position at standstill for what follows, if it is known without its axes.
     pub fn position_at_standstill<const AXES: usize>(&self, view: &View<AXES>, sampled: &CrdView) -> Option<Position> {
         let known = !self.is_busy(view, sampled) && self.last.is_none_or(|seq| executed(view, seq));
         self.here.or_else(|| known.then(|| position_of(&sampled.position)))
     }
 
-    /// All that belongs to an earlier frame is over.
+    /// Everything of an earlier frame is over.
     pub(super) fn renew(&mut self, frame: Option<Frame>, here: Option<Position>, seq: u32) {
         let CrdShadow { started, busy, fifos, .. } = *self;
         let dec = frame.map_or((0.0, 0.0), |frame| (frame.acc_max, frame.acc_max));
@@ -256,7 +238,7 @@ impl CrdShadow {
         }
     }
 
-    /// Shows every number of an entry to `young`.
+    /// Calls `young` with every entry number.
     pub(super) fn renew_numbers(&mut self, young: &mut impl FnMut(&mut u32)) {
         [&mut self.started, &mut self.busy, &mut self.last].into_iter().flatten().for_each(&mut *young);
         self.fifos.iter_mut().flat_map(|path| [&mut path.emptied, &mut path.last]).flatten().for_each(young);
@@ -277,12 +259,12 @@ impl CrdShadow {
             }
             CrdChange::Data { fifo, cleared, data } => {
                 let path = self.path_mut(fifo);
-                // What is told later of the same FIFO may act before what was told earlier.
+                // Of two entries for the same FIFO, the one pushed later may act first.
                 let newer = data.given.wrapping_sub(path.data.given).cast_signed() >= 0;
                 if path.cleared == cleared && newer {
                     path.data = data;
                     path.loose = seq == 0;
-                    // Where that ends is known, whatever was before it.
+                    // The end of this data is known, whatever was before it.
                     self.renamed &= fifo != self.fifo || data.position.iter().any(|at| at.is_nan());
                     let path = self.path_mut(fifo);
                     if seq != 0 {
@@ -317,7 +299,8 @@ impl CrdShadow {
         }
     }
 
-    /// Follows the tick: what has come to rest is at rest, and where it is is what the tick shows.
+    /// Follows the tick: what came to standstill is at standstill, at the position that the view
+    /// shows.
     pub fn follow<const AXES: usize>(&mut self, view: &View<AXES>, sampled: &CrdView) {
         let over = |start: Option<u32>| start.filter(|&seq| !executed(view, seq) || sampled.runs);
         self.started = over(self.started);
@@ -325,8 +308,8 @@ impl CrdShadow {
         if self.busy.is_some() || sampled.runs {
             return;
         }
-        let told = |seq: Option<u32>| seq.is_none_or(|seq| executed(view, seq));
-        let quiet = told(self.last);
+        let done = |seq: Option<u32>| seq.is_none_or(|seq| executed(view, seq));
+        let quiet = done(self.last);
         if quiet {
             (self.here, self.last) = (None, None);
         }
@@ -336,13 +319,14 @@ impl CrdShadow {
             path.emptied = path.emptied.filter(|&seq| !executed(view, seq));
             if path.cleared != cleared {
                 if quiet {
-                    // The tick has cleared it otherwise, or has not done what it was told.
+                    // The tick has cleared it for another reason, or has not done what it was asked
+                    // to.
                     let look = path.look;
                     *path = PathShadow { cleared, look, ..PathShadow::default() };
                 }
-            } else if !path.loose && (quiet || told(path.last)) {
-                // What is in flight, as a Stop, changes nothing of it at rest. A wait that a Stop has broken off is over for the
-                // tick, but not for the path.
+            } else if !path.loose && (quiet || done(path.last)) {
+                // Entries in flight, as a Stop, change nothing of it at standstill. A wait that a
+                // Stop has ended is over for the tick, but not for the path.
                 let waits = sampled.rest == PathStop::Stopped && sampled.fifo == fifo && path.data.given != 0;
                 path.data.open = path.data.given != released || waits;
                 self.renamed &= fifo != self.fifo;
@@ -351,12 +335,12 @@ impl CrdShadow {
     }
 }
 
-/// What an operation changes in the book of its coordinate system.
+/// What an operation changes in the shadow state of its coordinate system.
 #[derive(Debug, Clone, Copy)]
 pub enum CrdChange {
-    /// SetCrdPrm; where it is, if that is known.
+    /// SetCrdPrm; `here` is the position, if it is known.
     Frame { frame: Frame, here: Option<Position> },
-    /// A FIFO is emptied; where it is, if that is known.
+    /// A FIFO is emptied; `here` is the position, if it is known.
     Emptied { fifo: u8, here: Option<Position> },
     /// What a FIFO was given, if it was cleared so many times.
     Data { fifo: u8, cleared: u32, data: PathData },
@@ -370,12 +354,12 @@ pub enum CrdChange {
     Rate(f64),
     /// Time constant of the filter of its encoders' speed, ms.
     Lag(f64),
-    /// Where it is is what only the tick knows.
+    /// Only the tick knows its position.
     Placed,
     /// It starts.
     Started { fifo: u8 },
-    /// It is told to stop.
+    /// It gets a Stop.
     Stopped,
-    /// It is at rest for what follows.
+    /// It is at standstill for what follows.
     Rest,
 }

@@ -1,8 +1,9 @@
-//! What the thread knows of an axis that follows: its settings as they were given, its FIFOs, and whether the
-//! tick may be about to change them by itself.
+//! Shadow state of an axis that follows: its settings as given, its FIFOs, and whether the tick may
+//! be about to change them by itself.
 //!
-//! A FIFO that a switch leaves is emptied by the tick, at a time that only the master decides. So what a
-//! command does to the FIFOs of an axis that may switch can be told at its instant only ([`FollowShadow::may_switch`]).
+//! The tick empties a FIFO that a switch leaves, at a time that only the master decides. So the
+//! effect of a command on the FIFOs of an axis that may switch is known only at its instant
+//! ([`FollowShadow::may_switch`]).
 use super::executed;
 use servo::segment::follow::Chain;
 use servo::units::Axis;
@@ -11,7 +12,7 @@ use servo::view::{AxisView, View};
 /// One FIFO of entries.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Fifo {
-    /// What the next entry goes on from.
+    /// The state from which the next entry continues.
     pub chain: Chain,
     /// The master's position at its end as the user gave it, pulses.
     pub master: f64,
@@ -41,7 +42,7 @@ pub struct FollowShadow {
     pub event: (i16, i16, i32),
     /// The data.
     pub fifos: [Fifo; 2],
-    /// Times the tick has emptied each, of the view that this book follows.
+    /// Times the tick has emptied each, by the view that this state follows.
     pub cleared: [u32; 2],
     /// The last entry that emptied each while it held something, until it is executed.
     emptied: [Option<u32>; 2],
@@ -74,11 +75,11 @@ impl FollowShadow {
     pub fn capacity(&self) -> u32 {
         if self.memory == 0 { 16 } else { 512 }
     }
-    /// Places free in a FIFO.
+    /// Free slots of a FIFO.
     pub fn space(&self, fifo: u8) -> u32 {
         self.capacity().saturating_sub(self.fifo(fifo).chain.entries())
     }
-    /// Whether the tick may switch FIFOs at a time that nothing here tells, if it is `busy` with the axis.
+    /// Whether the tick, if it is `busy` with the axis, may switch FIFOs at an unknown time.
     pub fn may_switch<const AXES: usize>(&self, view: &View<AXES>, sampled: &AxisView, busy: bool) -> bool {
         busy && (self.is_to_switch(view) || sampled.switching || self.has_switches())
     }
@@ -86,21 +87,21 @@ impl FollowShadow {
     pub fn has_switches(&self) -> bool {
         self.fifos.iter().any(|fifo| fifo.switches)
     }
-    /// Whether an entry that switches is on its way.
+    /// Whether an entry that switches is in flight.
     pub fn is_to_switch<const AXES: usize>(&self, view: &View<AXES>) -> bool {
         self.switch.is_some_and(|seq| !executed(view, seq))
     }
-    /// Whether the places of a FIFO that was emptied may still be read by the tick. `idle` says that it is known to
-    /// run the other one.
+    /// Whether the tick may still read the slots of a FIFO that was emptied. `idle` states that it
+    /// is known to run the other one.
     pub fn is_outgoing<const AXES: usize>(&self, view: &View<AXES>, fifo: u8, busy: bool, idle: bool) -> bool {
         busy && !idle && self.is_invalid(view, fifo)
     }
-    /// Whether the tick has still to execute what emptied this FIFO.
+    /// Whether the tick has still to execute the entry that empties this FIFO.
     pub fn is_invalid<const AXES: usize>(&self, view: &View<AXES>, fifo: u8) -> bool {
         self.emptied[usize::from(fifo & 1)].is_some_and(|seq| !executed(view, seq))
     }
 
-    /// Shows every number of an entry to `young`.
+    /// Calls `young` with every entry number.
     pub(super) fn renew(&mut self, young: &mut impl FnMut(&mut u32)) {
         self.emptied.iter_mut().chain([&mut self.switch]).flatten().for_each(young);
     }
@@ -122,12 +123,12 @@ impl FollowShadow {
     pub fn switched(&mut self, seq: u32) {
         self.switch = Some(seq);
     }
-    /// Another mode has been set: only what is set up with Set…Loop and Set…Memory stays.
+    /// Another mode has been set: only the settings of Set…Loop and Set…Memory stay.
     pub fn forget(&mut self, seq: u32) {
         self.empty_both(seq);
         (self.direction, self.master, self.event) = (0, None, FollowShadow::default().event);
     }
-    /// Reset. The tick's counts go on.
+    /// Reset. The tick's counts continue.
     pub fn reset(&mut self, seq: u32) {
         self.empty_both(seq);
         let FollowShadow { cleared, emptied, .. } = *self;

@@ -61,8 +61,8 @@ pub fn crd_pos<const AXES: usize>(bench: &mut Bench<AXES>) -> Vec<f64> {
     answer.items::<GetCrdPos>().iter().map(|item| item.value.get()).collect()
 }
 
-/// Runs until the coordinate system is at rest; its greatest speed on the way.
-pub fn until_rest<const AXES: usize>(bench: &mut Bench<AXES>) -> f64 {
+/// Runs until the coordinate system is at standstill; returns its greatest speed.
+pub fn until_standstill<const AXES: usize>(bench: &mut Bench<AXES>) -> f64 {
     let mut most = 0.0f64;
     for _ in 0..4_000_000 {
         let seen = bench.server.view().crds[0];
@@ -80,7 +80,7 @@ pub fn clear(fifo: i16) -> CrdClear {
     CrdClear { core: 1.into(), crd: 1.into(), fifo: fifo.into() }
 }
 
-/// An arc in XY by its centre from where it begins, at 50 pulse/ms and 2 pulse/ms².
+/// An arc in XY by its centre relative to its start, at 50 pulse/ms and 2 pulse/ms².
 pub fn arc(x: i32, y: i32, x_center: f64, y_center: f64, dir: i16) -> ArcXYC {
     ArcXYC {
         core: 1.into(),

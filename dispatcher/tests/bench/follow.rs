@@ -113,6 +113,6 @@ pub fn pair() -> Bench<8> {
     bench
 }
 
-pub fn told(refused: (i16, Reason, Refusal)) -> (i16, Reason, u8, f64) {
+pub fn reported(refused: (i16, Reason, Refusal)) -> (i16, Reason, u8, f64) {
     (refused.0, refused.1, refused.2.field, refused.2.got.get())
 }

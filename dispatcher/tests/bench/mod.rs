@@ -127,12 +127,12 @@ impl<const AXES: usize> Bench<AXES> {
         Bench::on(StepLimit::FULL_SCALE, None, profile, tick_us)
     }
 
-    /// A controller whose last run ended so.
+    /// A controller whose last run ended with this fault.
     pub fn after(fault: Option<Fault>, profile: u8, tick_us: u32) -> Self {
         Bench::on(StepLimit::FULL_SCALE, fault, profile, tick_us)
     }
 
-    /// On a board whose steps are limited.
+    /// On a board whose step outputs are limited.
     pub fn on(step_limit: StepLimit, fault: Option<Fault>, profile: u8, tick_us: u32) -> Self {
         let (immediate, immediate_out) = leak(Ring::new()).split();
         let (program, program_out) = leak(Ring::new()).split();
@@ -226,7 +226,7 @@ impl<const AXES: usize> Bench<AXES> {
         self.tick.now()
     }
 
-    /// Bytes both ways, and what the server does with them.
+    /// Exchanges bytes both ways, and polls the server.
     pub fn exchange(&mut self) {
         let now = self.now();
         let mut bytes = [0; 4096];
@@ -267,7 +267,7 @@ impl<const AXES: usize> Bench<AXES> {
         }
     }
 
-    /// The machine tells that the last tick took too long.
+    /// The machine reports that the last tick took too long.
     pub fn overrun(&mut self) {
         self.tick.overrun();
     }
@@ -416,7 +416,8 @@ pub fn position(answer: &Answer) -> f64 {
     answer.items::<GetPrfPos>()[0].value.get()
 }
 
-/// Listing 2-1 of the GXN manual as a program: up, along, down; 4096 pulses in 3072 ms.
+/// Listing 2-1 of the GXN manual as a program: acceleration, constant speed, deceleration; 4096
+/// pulses in 3072 ms.
 pub fn listing_2_1() -> Vec<(u16, Lane, Vec<u8>)> {
     let (core, axis) = (CORE.into(), 1.into());
     vec![

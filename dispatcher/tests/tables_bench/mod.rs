@@ -1,5 +1,5 @@
-//! PVT tables on the bench: built from points, run tick by tick, and held against a reference
-//! that is computed in 256 fraction bits from the doubles as given, in its own way: phases of
+//! PVT tables on the bench: built from points, run tick by tick, and compared with a reference. The
+//! reference is computed in 256 fraction bits from the doubles as given, in its own way: phases of
 //! constant jerk over real time instead of Hermite pieces over a parameter.
 #![allow(dead_code)] // each test file uses its part
 use dispatcher::Refused;
@@ -19,7 +19,7 @@ use drive::Pvt;
 pub const BITS: usize = 256;
 pub const FIELDS: Fields = Fields { count: 2, whole: 4, point: 10 };
 
-/// Tables as the tick sees them.
+/// Tables as the tick reads them.
 #[derive(Default, Clone)]
 pub struct Shelf(pub Vec<([u32; HEADER_WORDS], Vec<[u32; POINT_WORDS]>)>);
 
@@ -33,7 +33,7 @@ impl Tables for Shelf {
 }
 
 impl Shelf {
-    /// Builds a table and puts it on the shelf; the answers of the points come back.
+    /// Builds a table and adds it to the shelf; returns the answers of the points.
     pub fn add(&mut self, kind: Kind, points: &[Vec<f64>]) -> Result<Vec<f64>, Refused> {
         let (mut beside, room) = (Box::new(SplineScratch::new()), Box::new(PointStore::new()));
         let mut scratch = Scratch::new(&mut beside, &room);
@@ -99,8 +99,8 @@ pub fn ns(ms: &BigInt) -> u64 {
     whole.to_u64().expect("not negative")
 }
 
-/// A stretch of constant jerk: from `begin` (ms from the first point) on, the position is
-/// c0 + c1·t + c2·t² + c3·t³ of the time since.
+/// A phase of constant jerk: from `begin` (ms from the first point) on, the position is c0 + c1·t +
+/// c2·t² + c3·t³ of the time since.
 #[derive(Clone, Debug)]
 pub struct Phase {
     pub begin: BigInt,
@@ -148,7 +148,7 @@ impl Reference {
         }
         peak
     }
-    /// The phases that are in force within `unit` of `t`.
+    /// The phases present within `unit` of `t`.
     fn near(&self, t: &BigInt, unit: &BigInt) -> std::ops::RangeInclusive<usize> {
         self.index(&(t - unit))..=self.index(&(t + unit))
     }
@@ -164,11 +164,11 @@ impl Reference {
         self.near(t, unit).skip(1).any(|i| {
             let (Phase { c: [_, c1, c2, c3], .. }, length) = (&self.phases[i - 1], self.length(i - 1));
             let end = c1 + mul(&(c2 * 2 + mul(&(c3 * 3), &length)), &length);
-            // Beyond what the reference rounds.
+            // More than the rounding of the reference.
             (end - &self.phases[i].c[1]).abs() > whole(1) >> 60
         })
     }
-    /// What SPEC 11 allows, in pulses.
+    /// The tolerance of SPEC 11, in pulses.
     pub fn allowed(&self) -> f64 {
         let travel = self.peak() * float(&self.duration);
         2f64.powi(-16).max(travel * 2f64.powi(-40))
@@ -253,7 +253,7 @@ impl Reference {
             let square = |x: &BigInt| mul(x, x);
             let peak2 = div(&(mul(&mul(a, d), &l) * 2 + mul(d, &square(&u0)) + mul(a, &square(&u1))), &(a + d));
             let peak = if peak2 > square(top) { top.clone() } else { root(&peak2) };
-            // A ramp that the rounding of the doubles leaves of nothing is none.
+            // A ramp that only the rounding of the doubles makes is none.
             let nothing = whole(1) >> 100;
             let (t0, t2) = (div(&(&peak - &u0), a), div(&(&peak - &u1), d));
             let (s0, s2) =

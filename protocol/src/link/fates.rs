@@ -1,12 +1,16 @@
 //! Both ends of the link against every fate of the first frames.
 //!
-//! Each of the first frames, of either direction, comes whole, is lost, is damaged, comes twice or comes late: `5^n` patterns of `n`
-//! frames. From there on the wire is clean. A user at each end and the time are part of the world; two worlds that will do the same
-//! are followed once. What must hold: every message of a session is taken once and in order, or the client opened another session and
-//! knows that it has no answer; no message of an older session is taken once the client is open; nobody acknowledges what has not come;
-//! the session goes on when the wire is clean, in bounded time and with bounded frames.
+//! Each of the first frames, of either direction, comes whole, is lost, is damaged, comes twice or
+//! comes late: `5^n` patterns of `n` frames. From there on the wire is clean. A user at each end
+//! and the time are part of the world; two worlds that will do the same are followed once.
+//! What must hold:
+//! * Every message of a session is taken once and in order, or the client opened another session
+//!   and knows that it has no answer.
+//! * No message of an older session is taken once the client is open.
+//! * Nobody acknowledges a message that has not come.
+//! * The session continues when the wire is clean, in bounded time and with bounded frames.
 //!
-//! `LINK_FRAMES=12` looks at all patterns of twelve frames and prints the counts.
+//! `LINK_FRAMES=12` tries all patterns of twelve frames and prints the counts.
 
 use super::{Endpoint, HELLO_NS, Identity, Phase, RETRY_MAX_NS, Role, State};
 use crate::Ns;
@@ -16,15 +20,15 @@ use std::vec::Vec;
 use std::{env, println, vec};
 
 const MS: Ns = 1_000_000;
-/// Two messages under way: few frames reach every state of the window.
+/// Two messages in flight: few frames reach every state of the window.
 const WINDOW: usize = 2;
 type End = Endpoint<WINDOW>;
 /// From one end to the other.
 const TRANSIT: Ns = MS;
 /// Frames of a run without the variable.
 const FRAMES: u8 = 9;
-/// After the last frame that met a fate: a session that nobody takes up is asked for anew after four tries, then a message may wait
-/// for its longest time-out, and for the one after it.
+/// After the last frame with a fate: an unconfirmed session is asked for again after four tries,
+/// then a message may wait for its longest time-out, and for the one after it.
 const PATIENCE: Ns = 8 * HELLO_NS + 4 * RETRY_MAX_NS;
 /// The most frames in that time; more is a storm.
 const STORM: u16 = 400;
@@ -54,19 +58,20 @@ enum Again {
     PowerCut,
 }
 
-/// What the ends are about while the wire plays its tricks.
+/// What the users at the ends do while the wire has faults.
 #[derive(Debug, Clone, Copy)]
 struct Schedule {
     name: &'static str,
-    /// Messages of a session, and those before the first frame that meets a fate; `None`: the opening meets them too.
+    /// Messages of a session, and those before the first frame that has a fate; `None`: the opening
+    /// has fates too.
     messages: u32,
     before: Option<u32>,
     again: Again,
     /// When, after the beginning.
     after: Ns,
-    /// The controller takes a message so often at most.
+    /// The shortest time between two messages that the controller takes.
     slow: Ns,
-    /// A frame that is late comes so much later, and so does the second one of two.
+    /// Delay of a late frame, and of the second one of two.
     late: Ns,
     second: Ns,
 }
@@ -81,7 +86,7 @@ const ONE_SESSION: Schedule = Schedule {
     late: 3 * MS + MS / 2,
     second: MS / 4,
 };
-/// What is late comes when the session after it is open and has the same numbers.
+/// Late frames come when the session after it is open and has the same numbers.
 const OLD_SESSION: Schedule = Schedule {
     name: "a client that begins again, with frames of its old session late",
     messages: 4,
@@ -95,7 +100,8 @@ const OLD_SESSION: Schedule = Schedule {
 const BYE: Schedule = Schedule { name: "a client that says Bye and opens anew", again: Again::Bye, ..OLD_SESSION };
 const POWER_CUT: Schedule =
     Schedule { name: "a controller that is switched off and on", again: Again::PowerCut, ..OLD_SESSION };
-/// A Hello or its answer comes when the session after it is asked for, and the controller has messages of the one before.
+/// A Hello or its answer comes when the session after it is asked for, and the controller has
+/// messages of the one before.
 const OPENED_TWICE: Schedule = Schedule {
     name: "a client that begins again after its first messages",
     before: None,
@@ -103,7 +109,7 @@ const OPENED_TWICE: Schedule = Schedule {
     messages: 3,
     ..OLD_SESSION
 };
-/// What is late comes after more messages than a window, and the numbers begin anew in between.
+/// Late frames come after more messages than a window, and the numbers begin again in between.
 const WRAP: Schedule = Schedule {
     name: "numbers that begin anew, with frames later than a window",
     messages: 65_534 + 9,
@@ -114,7 +120,7 @@ const WRAP: Schedule = Schedule {
     late: 9 * MS + MS / 2,
     second: 6 * MS + MS / 2,
 };
-/// Room that is told of in an Ack that is lost must be told of again.
+/// Room that a lost Ack reports must be reported again.
 const FULL_WINDOW: Schedule = Schedule {
     name: "a window that is full",
     messages: 7,
@@ -126,7 +132,7 @@ const FULL_WINDOW: Schedule = Schedule {
     second: 3 * MS,
 };
 
-/// A frame, or a part of one, under way.
+/// A frame, or a part of one, in transit.
 #[derive(Debug, Clone)]
 struct Flight {
     at: Ns,
@@ -147,7 +153,7 @@ struct World {
     /// Frames that wait for their fate, and those that have had it.
     waiting: VecDeque<(bool, Vec<u8>)>,
     judged: u8,
-    /// What each end's deframer has of a frame that is not over.
+    /// Bytes of an incomplete frame in each end's deframer.
     begun: [Vec<u8>; 2],
     /// The client's session, from 0; messages that it gave to the link, and answers that it has.
     epoch: usize,
@@ -156,11 +162,12 @@ struct World {
     /// When the client begins again, and opens.
     again_at: Option<Ns>,
     open_at: Option<Ns>,
-    /// Messages of each of the client's sessions that the controller took, and the session of its link then.
+    /// Messages of each of the client's sessions that the controller took, and the session of its
+    /// link then.
     taken: [u32; 2],
     session: Option<u32>,
     next_take: Ns,
-    /// Once the wire is clean: until when all must be over, and in how many frames.
+    /// Once the wire is clean: the latest time for the end of all, and the most frames.
     until: Option<Ns>,
     clean: u16,
 }
@@ -223,7 +230,7 @@ impl World {
             && self.controller.all_acknowledged()
     }
 
-    /// Goes on until a frame waits for its fate; `false` when all is over.
+    /// Continues until a frame waits for its fate; `false` when all is over.
     fn next_frame(&mut self) -> bool {
         loop {
             if self.waiting.is_empty() {
@@ -269,7 +276,7 @@ impl World {
         self.act();
     }
 
-    /// Nobody believes to have sent what the other end has not got.
+    /// No end has an acknowledgement for a message that the other end has not got.
     fn see_acknowledgements(&self) {
         if self.client.session != 0 && self.client.session == self.controller.session {
             for (sender, receiver) in [(&self.client, &self.controller), (&self.controller, &self.client)] {
@@ -282,7 +289,7 @@ impl World {
         }
     }
 
-    /// The users at both ends, and what befalls them.
+    /// The users at both ends, and restarts.
     fn act(&mut self) {
         if self.again_at.is_some_and(|at| at <= self.now) {
             self.again_at = None;
@@ -302,7 +309,7 @@ impl World {
             self.open_at = Some(self.now + wait);
         }
         if self.open_at.is_some_and(|at| at <= self.now) {
-            // What the last session has no answer for is known to the client as such.
+            // The client knows which messages of the last session have no answer.
             assert!(self.answered <= self.taken[0] && self.taken[0] <= self.given);
             (self.open_at, self.epoch, self.given, self.answered) = (None, 1, 0, 0);
             if self.plan.again == Again::Restarted {
@@ -400,7 +407,7 @@ impl World {
         assert_eq!(self.client.session(), self.controller.session(), "two sessions: {self:?}");
     }
 
-    /// What decides everything that happens from here on.
+    /// Everything that decides the further course.
     fn state(&self) -> u128 {
         let mut bytes = Vec::with_capacity(600);
         let at = |at: Option<Ns>| at.map_or(Ns::MAX, |at| at.saturating_sub(self.now));
@@ -475,12 +482,12 @@ impl std::fmt::Debug for World {
     }
 }
 
-/// What has been looked at.
+/// States that were visited.
 #[derive(Default)]
 struct Seen {
     states: HashSet<u128>,
     ends: u64,
-    /// Fates that led to where we are, for whoever reads a failure.
+    /// Fates that led to the present state, for the reader of a failure.
     fates: Vec<Fate>,
 }
 
@@ -556,7 +563,8 @@ fn every_fate_of_a_full_window() {
     every_fate(FULL_WINDOW);
 }
 
-/// Worlds are followed once because those of one state do the same: here each pattern is followed by itself.
+/// Worlds are followed once because those of one state do the same: here each pattern is followed
+/// by itself.
 #[test]
 fn worlds_of_one_state_do_the_same() {
     const FIRST: u8 = 5;

@@ -1,4 +1,4 @@
-//! Receiving: checks frames, moves the opening on, puts messages in order and drops what came before.
+//! Receiving: checks frames, advances the opening, puts messages in order and drops duplicates.
 
 use super::transmit::{Slot, ahead};
 use super::{ALIVE_NS, Endpoint, HELLO_NS, Identity, Offer, Phase, Role, State, TakeOver};
@@ -7,7 +7,8 @@ use crate::deframe::Outcome;
 use crate::frame::{self, Busy, Fault, Header, Hello, HelloAck, Kind, OPENING_WIRE};
 use zerocopy::{FromBytes, IntoBytes};
 
-/// `take <= next` in sequence numbers; slots hold messages from `take` on, with holes from `next` on.
+/// `take <= next` in sequence numbers; slots hold messages from `take` on, with holes from `next`
+/// on.
 #[derive(Debug, Clone)]
 pub(super) struct Receiver<const WINDOW: usize> {
     slots: [Slot; WINDOW],
@@ -17,12 +18,12 @@ pub(super) struct Receiver<const WINDOW: usize> {
     next: u16,
     /// Full slots.
     held: u16,
-    /// First number for which room was announced as missing.
+    /// First number that the last announcement had no room for.
     announced: u16,
     due: bool,
 }
 
-/// What became of a message.
+/// How a message was handled.
 enum Accepted {
     New(u16),
     Duplicate,
@@ -66,12 +67,12 @@ impl<const WINDOW: usize> Receiver<WINDOW> {
         self.due
     }
 
-    /// An acknowledgement goes out soon, whether or not something is new.
+    /// An acknowledgement is sent soon, whether or not something is new.
     fn ask_acknowledgement(&mut self) {
         self.due = true;
     }
 
-    /// Acknowledgement and credit went out.
+    /// Acknowledgement and credit were sent.
     pub(super) fn acknowledged(&mut self) {
         self.due = false;
         self.announced = self.edge();
@@ -93,7 +94,7 @@ impl<const WINDOW: usize> Receiver<WINDOW> {
         }
         self.take = self.take.wrapping_add(1);
         self.held = self.held.wrapping_sub(1);
-        // Tell a sender that may be waiting for room, but not of every single place.
+        // Announce room to a sender that may be waiting for it, but not every single slot.
         let freed = usize::from(self.edge().wrapping_sub(self.announced));
         if self.announced == self.next || freed >= WINDOW.div_ceil(2) {
             self.due = true;
@@ -112,8 +113,8 @@ impl<const WINDOW: usize> Receiver<WINDOW> {
         if slot.full {
             return Accepted::Duplicate;
         }
-        let Some(place) = slot.bytes.get_mut(..message.len()) else { return Accepted::Beyond };
-        frame::copy(place, message);
+        let Some(bytes) = slot.bytes.get_mut(..message.len()) else { return Accepted::Beyond };
+        frame::copy(bytes, message);
         slot.len = message.len();
         slot.full = true;
         self.held = self.held.wrapping_add(1);
@@ -130,7 +131,7 @@ impl<const WINDOW: usize> Receiver<WINDOW> {
 /// For `fates.rs`.
 #[cfg(test)]
 impl<const WINDOW: usize> Receiver<WINDOW> {
-    /// Everything that decides what the receiver does from here on.
+    /// Everything that decides the further course of the receiver.
     pub(super) fn state(&self, into: &mut std::vec::Vec<u8>) {
         for number in [self.take, self.next, self.held, self.announced, self.due.into()] {
             into.extend(number.to_le_bytes());
@@ -159,13 +160,20 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
         }
     }
 
-    /// For a controller with more than one wire: takes a frame, decoded, that came over one which the link is not on. A Hello is
-    /// answered there, by what is written into `out`. A KeepAlive in the session that was offered takes it up; then bytes of the
-    /// other wire are none of the link's any more, and what was half out on it stays there. Everything else is passed over.
+    /// For a controller with more than one wire: takes a decoded frame that came over a wire which
+    /// the link is not on. A Hello is answered there, with the bytes written into `out`. A
+    /// KeepAlive in the offered session begins it. From then on bytes of the other wire are not the
+    /// link's, and a partly sent frame on it stays incomplete. Every other frame is ignored.
     ///
-    /// `holder` names the link's own wire, or is `None` where nobody is there any more. While its session is alive
-    /// ([`ALIVE_NS`]), a Hello is answered with Busy and nothing is taken up.
-    pub fn knock(&mut self, now: Ns, frame: &[u8], holder: Option<&str>, out: &mut [u8; OPENING_WIRE]) -> TakeOver {
+    /// `holder` names the link's own wire, or is `None` if nobody is there any more. While its
+    /// session is alive ([`ALIVE_NS`]), a Hello is answered with Busy and no session begins.
+    pub fn request_take_over(
+        &mut self,
+        now: Ns,
+        frame: &[u8],
+        holder: Option<&str>,
+        out: &mut [u8; OPENING_WIRE],
+    ) -> TakeOver {
         if self.role != Role::Controller {
             return TakeOver::Nothing;
         }
@@ -178,7 +186,7 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
                     let header = self.header(Kind::Busy, header.session.get());
                     return frame::encode(header, busy.as_bytes(), out).map_or(TakeOver::Nothing, TakeOver::Answered);
                 }
-                // An answer that the link's own wire waits for stays.
+                // An answer for the link's own wire stays.
                 let own = self.answer.take();
                 self.answer_hello(&header, hello);
                 let answer = core::mem::replace(&mut self.answer, own);
@@ -198,7 +206,7 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
         }
     }
 
-    /// What a second client is told while the session of the one at `holder` is alive.
+    /// The answer to a second client while the session of the one at `holder` is alive.
     fn busy(&self, now: Ns, holder: &str) -> Option<Busy> {
         let ms = |ns: Ns| u32::try_from(ns / 1_000_000).unwrap_or(u32::MAX);
         let silence = self.silence(now).filter(|silence| *silence < ALIVE_NS)?;
@@ -239,7 +247,7 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
         }
     }
 
-    /// Controller: offers a session. Nothing else changes before the client takes it up.
+    /// Controller: offers a session. Nothing else changes before the client confirms it.
     fn answer_hello(&mut self, header: &Header, hello: Hello) {
         let theirs = Identity { version: header.version, schema: hello.schema.get() };
         let nonce = header.session.get();
@@ -262,8 +270,8 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
         self.answer = Some((nonce, answer));
     }
 
-    /// Every offer has its own id, also one for a nonce that was seen before: bytes of an old session with the
-    /// same nonce do not fit it.
+    /// Every offer has its own id, also for a repeated nonce: bytes of an old session with the same
+    /// nonce do not fit it.
     fn new_offer(&mut self, nonce: u32, window: u16) -> Offer {
         self.offers_made = self.offers_made.wrapping_add(1);
         let mixed = nonce.wrapping_mul(0x9E37_79B1) ^ self.offers_made.wrapping_mul(0x85EB_CA6B);
@@ -275,7 +283,7 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
         Offer { nonce, session, window }
     }
 
-    /// Client: takes up the session that is offered, or learns that there will be none.
+    /// Client: begins the offered session, or learns that there will be none.
     fn take_offer(&mut self, now: Ns, header: &Header, answer: HelloAck) {
         let ours = header.session.get() == self.nonce;
         if self.state != State::Opening || self.phase != Phase::Asking || !ours {

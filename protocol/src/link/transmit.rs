@@ -1,7 +1,8 @@
-//! Sending: numbers messages, keeps them until they are acknowledged, decides what goes out next.
+//! Sending: numbers messages, keeps them until they are acknowledged, decides what is sent next.
 //!
-//! Round-trip time and time-outs follow RFC 6298 (messages sent again are not timed); a message is sent
-//! again early when the receiver reports a gap twice, and one by one through a loss of several (as RFC 6582).
+//! Round-trip time and time-outs follow RFC 6298 (messages sent again are not timed). A message is
+//! sent again early when the receiver reports a gap twice, and one by one after a loss of several
+//! (as RFC 6582).
 
 use super::{Endpoint, RETRY_FIRST_NS, RETRY_MAX_NS, RETRY_MIN_NS, Role, State};
 use crate::Ns;
@@ -45,8 +46,8 @@ pub(super) struct Transmitter<const WINDOW: usize> {
     edge: u16,
     /// `base` is to be sent again.
     resend: bool,
-    /// Loss was seen when this was the first number never sent; until it is acknowledged every step
-    /// of the acknowledgement shows the next one missing.
+    /// The first number never sent when a loss was detected. Until it is acknowledged, every step
+    /// of the acknowledgement shows the next message missing.
     recover: Option<u16>,
     /// Reports of a gap at `base`, and whether they have been acted upon.
     gaps: u8,
@@ -93,12 +94,12 @@ impl<const WINDOW: usize> Transmitter<WINDOW> {
         self.timed = None;
     }
 
-    pub(super) fn places(&self) -> usize {
+    pub(super) fn room(&self) -> usize {
         WINDOW.saturating_sub(usize::from(self.next.wrapping_sub(self.base)))
     }
 
-    pub(super) fn has_place(&self) -> bool {
-        self.places() > 0
+    pub(super) fn has_room(&self) -> bool {
+        self.room() > 0
     }
 
     pub(super) fn is_idle(&self) -> bool {
@@ -110,7 +111,7 @@ impl<const WINDOW: usize> Transmitter<WINDOW> {
     }
 
     pub(super) fn draft(&mut self) -> Option<&mut [u8; MAX_PAYLOAD]> {
-        if !self.has_place() {
+        if !self.has_room() {
             return None;
         }
         self.slot(self.next).map(|slot| &mut slot.bytes)
@@ -118,7 +119,7 @@ impl<const WINDOW: usize> Transmitter<WINDOW> {
 
     /// Takes the draft's first `len` bytes as the next message.
     pub(super) fn queue(&mut self, len: usize) -> bool {
-        if !self.has_place() {
+        if !self.has_room() {
             return false;
         }
         let Some(slot) = self.slot(self.next) else { return false };
@@ -127,7 +128,7 @@ impl<const WINDOW: usize> Transmitter<WINDOW> {
         true
     }
 
-    /// Time-out: `true` if `base` is to be sent again for it.
+    /// Time-out: `true` if it makes `base` be sent again.
     pub(super) fn expire(&mut self, now: Ns) -> bool {
         if self.retry_at.is_none_or(|at| now < at) {
             return false;
@@ -143,7 +144,7 @@ impl<const WINDOW: usize> Transmitter<WINDOW> {
         self.retry_at
     }
 
-    /// An acknowledgement came. `Err`: of something never sent.
+    /// Handles an acknowledgement. `Err`: of a message never sent.
     pub(super) fn acknowledge(&mut self, now: Ns, header: &Header) -> Result<bool, ()> {
         let acknowledged = header.acknowledgement.get();
         let outstanding = self.sent.wrapping_sub(self.base);
@@ -174,7 +175,8 @@ impl<const WINDOW: usize> Transmitter<WINDOW> {
         Ok(false)
     }
 
-    /// The receiver reports `base` missing. Once may be mere reordering; at the second time it is sent again.
+    /// The receiver reports `base` missing. The first report may be mere reordering; at the second
+    /// `base` is sent again.
     fn hurry(&mut self) -> bool {
         self.gaps = self.gaps.saturating_add(1);
         if self.gaps < 2 || self.hurried {
@@ -206,7 +208,7 @@ impl<const WINDOW: usize> Transmitter<WINDOW> {
         }
     }
 
-    /// Number of the message that goes out next, if one does.
+    /// Number of the next message to send, if there is one.
     fn pick(&mut self, now: Ns) -> Option<u16> {
         let sequence = if self.resend && self.base != self.sent {
             self.resend = false;
@@ -229,7 +231,7 @@ impl<const WINDOW: usize> Transmitter<WINDOW> {
 /// For `fates.rs`.
 #[cfg(test)]
 impl<const WINDOW: usize> Transmitter<WINDOW> {
-    /// Everything that decides what the transmitter does from here on; instants count from `now`.
+    /// Everything that decides the further course of the transmitter; instants count from `now`.
     pub(super) fn state(&self, now: Ns, into: &mut std::vec::Vec<u8>) {
         for number in [self.base, self.sent, self.next, self.edge] {
             into.extend(number.to_le_bytes());
@@ -257,8 +259,9 @@ impl<const WINDOW: usize> Transmitter<WINDOW> {
 }
 
 impl<const WINDOW: usize> Endpoint<WINDOW> {
-    /// Writes what is to be transmitted now into `out`, as many frames as there are and fit; a frame may be
-    /// cut and goes on with the next call. Returns the bytes written; 0 when there is nothing to send.
+    /// Writes the bytes to be sent now into `out`, as many frames as there are and fit. A frame may
+    /// be cut; the next call continues it. Returns the bytes written; 0 when there is nothing to
+    /// send.
     pub fn take_tx(&mut self, now: Ns, out: &mut [u8]) -> usize {
         let mut written = 0usize;
         self.poll(now);
@@ -266,8 +269,8 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
             let waiting = self.wire.get(self.wire_at..self.wire_len).unwrap_or(&[]);
             let room = out.get_mut(written..).unwrap_or(&mut []);
             let count = waiting.len().min(room.len());
-            for (place, &byte) in room.iter_mut().zip(waiting) {
-                *place = byte;
+            for (slot, &byte) in room.iter_mut().zip(waiting) {
+                *slot = byte;
             }
             self.wire_at = self.wire_at.saturating_add(count);
             written = written.saturating_add(count);
@@ -278,7 +281,7 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
     }
 
     /// Builds the next frame that is due: opening and Bye first, then messages, which carry
-    /// acknowledgements along, then a bare acknowledgement.
+    /// acknowledgements, then a bare acknowledgement.
     fn build(&mut self, now: Ns) -> bool {
         self.wire_at = 0;
         self.wire_len = 0;
@@ -323,7 +326,7 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
         false
     }
 
-    /// A frame of the session goes out: it carries acknowledgement and credit, and keeps alive.
+    /// A frame of the session is sent: it carries acknowledgement and credit, and keeps alive.
     fn note_sent(&mut self, now: Ns) {
         self.receiver.acknowledged();
         self.keep_alive_due = false;

@@ -53,7 +53,7 @@ pub const FOUND: &[Planted] = &[
         name: "found 8: a minimum outside its range is the nearest bound",
         by: By::Doors,
         places: &[(
-            "dispatcher/src/admit/laser/range.rs",
+            "dispatcher/src/admit/laser/power_range.rs",
             "Ok(if taken == got { taken } else { range.low })",
             "Ok(if taken == got { taken } else { taken.max(range.low) })",
         )],

@@ -228,7 +228,7 @@ pub const LIGHT: &[Mutant] = &[
         name: "session: a new one inherits the link-loss time",
         file: "dispatcher/src/session/commands.rs",
         text: "        let watch = Watch::DEFAULT;\n",
-        broken: "        let watch = self.admitted.watch;\n",
+        broken: "        let watch = self.admission.admitted.watch;\n",
         test: OWNERS,
     },
     Mutant {

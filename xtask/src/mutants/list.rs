@@ -65,6 +65,7 @@ const AHEAD: &str = "dispatcher/src/plan/look_ahead.rs";
 const INPUT_SCAN: &str = "servo/src/axis/input_scan.rs";
 const AXIS_LIMITS: &str = "servo/src/axis/soft_limits.rs";
 const SERVER: &str = "dispatcher/src/session/server.rs";
+const LINK_LOSS: &str = "dispatcher/src/session/link_loss.rs";
 const MPS2: &str = "hal/src/mps2_an500/mod.rs";
 
 pub(super) const fn mutant(
@@ -227,22 +228,22 @@ pub const LIST: &[Mutant] = &[
     mutant("a restart leaves lasers live", TICK, "self.lasers.trip(Cause::Restart);", "", LASER),
     mutant(
         "a silent link is not lost",
-        SERVER,
+        LINK_LOSS,
         "let silent = limit != 0 && now.0.saturating_sub(heard) > limit;",
         "let silent = limit == 1 && now.0.saturating_sub(heard) > limit;",
         LASER_STATE,
     ),
     mutant(
         "a lost link leaves the program running",
-        SERVER,
-        "            program.stop(handler, Reason::LinkLost);\n",
+        LINK_LOSS,
+        "        program.stop(admission, Reason::LinkLost);\n",
         "",
         PROGRAM_ENDS,
     ),
     // -- look-ahead ----------------------------------------------------------------------------
     mutant(
         "look-ahead: a corner is taken at any speed",
-        AHEAD,
+        "dispatcher/src/plan/look_ahead/junction.rs",
         "junction.cap = junction.cap.min(jump * jump);",
         "junction.cap = junction.cap.min(jump * jump * 1e6);",
         LOOK_AHEAD,
@@ -278,7 +279,7 @@ pub const LIST: &[Mutant] = &[
     ),
     mutant(
         "places of a path are counted as they stand",
-        "dispatcher/src/shadow/crd.rs",
+        "dispatcher/src/shadow/crd_space.rs",
         "self.path(fifo).data.given.wrapping_sub(self.released(sampled, fifo))",
         "self.path(fifo).data.given.saturating_sub(self.released(sampled, fifo))",
         LIFE_COUNTS,
@@ -407,8 +408,8 @@ pub const LIST: &[Mutant] = &[
     ),
     mutant(
         "a lost link leaves the light on",
-        SERVER,
-        "*lost = handler.tell_link(true);",
+        LINK_LOSS,
+        "*lost = report(admission, true);",
         "*lost = true;",
         FUZZ_MACHINE,
     ),

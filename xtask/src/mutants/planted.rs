@@ -136,13 +136,13 @@ const LIGHT: &[Planted] = &[
         by: By::Light,
         places: &[
             (BOOKS, "                self.watch = Watch::DEFAULT;\n", ""),
-            (DESK, "        let watch = Watch::DEFAULT;\n", "        let watch = self.admitted.watch;\n"),
+            (DESK, "        let watch = Watch::DEFAULT;\n", "        let watch = self.admission.admitted.watch;\n"),
         ],
     },
     Planted {
         name: "the link-loss time outlives the session",
         by: By::Light,
-        places: &[(DESK, "        let watch = Watch::DEFAULT;\n", "        let watch = self.admitted.watch;\n")],
+        places: &[(DESK, "        let watch = Watch::DEFAULT;\n", "        let watch = self.admission.admitted.watch;\n")],
     },
 ];
 

@@ -315,15 +315,15 @@ pub const SURVIVED: &[Mutant] = &[
     mutant(
         "numbers that were taken are told in the next session",
         DESK,
-        "        self.taken.clear();\n        self.loading",
-        "        self.loading",
+        "        self.taken.clear();\n        self.admission.loading",
+        "        self.admission.loading",
         SESSIONS,
     ),
     mutant(
         "a configuration goes on in the next session",
         DESK,
-        "        self.config = None;\n        self.trace",
-        "        self.trace",
+        "        self.config = None;\n        self.admission.trace",
+        "        self.admission.trace",
         SESSIONS,
     ),
     mutant(
@@ -378,8 +378,8 @@ pub const SURVIVED: &[Mutant] = &[
     mutant(
         "nobody is woken when the link is lost",
         SERVER,
-        ".filter(|_| !self.lost && self.handler.executed.watch.link_loss_ms != 0)",
-        ".filter(|_| self.lost && self.handler.executed.watch.link_loss_ms != 0)",
+        ".filter(|_| !self.lost && link_loss_ms != 0)",
+        ".filter(|_| self.lost && link_loss_ms != 0)",
         SESSIONS,
     ),
     mutant(

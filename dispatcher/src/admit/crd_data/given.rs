@@ -1,10 +1,13 @@
-//! What a data command of a path gives, read from its bytes.
+//! A data command of a path, read from its bytes.
 //!
-//! In: a data command. Out: a [`DataCommand`]: a motion, an entry or a flush, and which FIFO it is for. Fails: with the parameter and the limit.
-use super::LEAST;
-use crate::admit::context::{Context, ones};
-use crate::admit::refuse::{Admitted, Refused, choice, real};
+//! In: a data command. Out: a [`DataCommand`]: a motion, an entry or a flush, and the FIFO it is
+//! for.
+//! Fails: with the parameter and the limit.
+use crate::admit::context::Context;
 use crate::admit::{crd, io, many, one};
+use crate::configuration::ones;
+use crate::plan::look_ahead::ALONG_MIN;
+use crate::refuse::{Admitted, Refused, choice, real};
 use protocol::command::{
     ArcXYC, ArcXYR, ArcYZC, ArcYZR, ArcZXC, ArcZXR, BufDA, BufDelay, BufDoBit, BufGear, BufIO, BufMove, CrdData,
     CrdPoint, LnXY, LnXYG0, LnXYZ, LnXYZA, Wire, opcode,
@@ -14,7 +17,7 @@ use servo::op::Mode;
 use servo::path::{DIMENSIONS, Entry, Plane};
 use servo::units::Axis;
 
-/// Which FIFO a command is for; `fifo_field` is the place of `fifo` among the fields of its request.
+/// The FIFO of a command; `fifo_field` is the index of `fifo` among the fields of its request.
 #[derive(Debug, Clone, Copy)]
 pub struct Target {
     pub core: i16,
@@ -23,25 +26,26 @@ pub struct Target {
     pub fifo_field: u8,
 }
 
-/// Speeds of a motion as they were given; `field` is the place of synVel, synAcc and velEnd are behind it.
+/// Speeds of a motion as they were given; `field` is the index of synVel, which synAcc and velEnd
+/// follow.
 #[derive(Debug, Clone, Copy)]
 pub struct Speeds {
     pub vel: f64,
     pub acc: f64,
     pub end: f64,
     pub field: u8,
-    /// The path stands at its end, also with look-ahead.
+    /// The path stops at its end, also with look-ahead.
     pub stops: bool,
 }
 
-/// Where a motion goes. Fields are the places of what is named first.
+/// Path geometry of a motion as given. `field` is the index of the first parameter named.
 #[derive(Debug, Clone, Copy)]
 pub enum Shape {
-    /// A line: the first so many coordinates; `planar` keeps all digits of the speeds.
+    /// A line to the first `count` coordinates; `planar` keeps all digits of the speeds.
     Line { to: [i32; DIMENSIONS], count: usize, field: u8 },
     /// An arc by its radius (`field` + 2).
     Radius { plane: Plane, to: [i32; 2], radius: f64, dir: i16, field: u8 },
-    /// An arc by its centre (`field` + 2 and 3), from where it begins.
+    /// An arc by its centre (`field` + 2 and 3), relative to its start.
     Centre { plane: Plane, to: [i32; 2], centre: [f64; 2], dir: i16, field: u8 },
 }
 
@@ -50,11 +54,11 @@ pub enum Shape {
 pub enum Item {
     /// A motion.
     Motion(Shape, Speeds),
-    /// An entry that is none, and how long the path stands there, ms.
+    /// Any other entry, and how long the path waits there, ms.
     Entry(Entry, f64),
-    /// An axis goes along with the next motion, by so many pulses.
+    /// An axis moves with the next motion, by so many pulses.
     Gear(Entry, Axis, u32),
-    /// Nothing more follows for now: everything that waits in the look-ahead goes to the tick.
+    /// Nothing more follows for now: all of the look-ahead goes to the tick.
     Flush,
 }
 
@@ -150,12 +154,12 @@ pub fn given<const AXES: usize>(context: &Context<AXES>, number: u16, body: &[u8
             let axis = beside(context, r.core.get(), r.axis.get())?;
             let (vel, acc) = (r.vel.get(), r.acc.get());
             let limit = context.board.step_limit;
-            let most = crd::MOST.min(limit.pulses_per_ms() as f64);
-            real(4, vel, LEAST, most)?;
-            real(5, acc, LEAST, crd::MOST)?;
+            let most = crd::VALUE_MAX.min(limit.pulses_per_ms() as f64);
+            real(4, vel, ALONG_MIN, most)?;
+            real(5, acc, ALONG_MIN, crd::VALUE_MAX)?;
             let modal = choice(6, r.modal.get(), 0, 1)? == 1;
             let entry = Entry::travel(axis, r.pos.get(), (vel.to_bits(), limit), acc.to_bits(), modal)
-                .map_err(|_| Refused::new(Reason::OutOfRange).field(4).got(vel).limits(LEAST, most))?;
+                .map_err(|_| Refused::new(Reason::OutOfRange).field(4).got(vel).limits(ALONG_MIN, most))?;
             Ok((target!(r, 7), Item::Entry(entry, 0.0)))
         }
         _ => {
@@ -167,7 +171,7 @@ pub fn given<const AXES: usize>(context: &Context<AXES>, number: u16, body: &[u8
     }
 }
 
-/// A 16-bit selector without a sign, for checks that take one with it.
+/// A 16-bit unsigned selector, for checks that take a signed one.
 fn selector(given: u16) -> i16 {
     i16::try_from(given).unwrap_or(i16::MAX)
 }
@@ -197,7 +201,7 @@ fn point(body: &[u8]) -> Admitted<DataCommand> {
         }
         return Ok((target, Item::Flush));
     };
-    // Fields of an item are counted behind those of the request.
+    // Fields of an item are counted after those of the request.
     const AT: u8 = CrdData::FIELDS.len() as u8;
     let stops = choice(AT + 9, point.vel_end_zero.get(), 0, 1)? == 1;
     let end = if stops { 0.0 } else { point.vel_end.get() };

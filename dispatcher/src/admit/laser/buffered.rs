@@ -1,16 +1,19 @@
-//! Buffered laser commands: changes that entries of a path carry (GUS chapter 4, LSR chapter 3; SPEC 4 and 6).
+//! Buffered laser commands: changes that entries of a path carry (GUS chapter 4, LSR chapter 3;
+//! SPEC 4 and 6).
 //!
-//! In: requests with the user's doubles, the books of the channel. Out: where the entry goes, the entry, what is
-//! answered. The FIFO's own checks are those of every entry of a path (`admit::crd_data`). Fails: as every laser
-//! command does; ranges are those of the power mode at the call, and the tick holds what a later mode narrows.
+//! In: requests with the user's doubles, the shadow state of the channel. Out: the FIFO, the entry,
+//! the values to report. The FIFO's own checks are those of every entry of a path
+//! (`admit::crd_data`).
+//! Fails: as every laser command does. Ranges are those of the power mode at the call; the tick
+//! limits to what a later mode allows.
 use super::Context;
 use super::distance::source;
 use super::energy::{direct_powers, limited, own_bounds, power, powers};
-use super::range::Taking;
+use super::power_range::Taking;
 use super::tables::table;
 use crate::admit::context::TAKEN_MAX;
 use crate::admit::one;
-use crate::admit::refuse::{Admitted, Refused};
+use crate::refuse::{Admitted, Refused};
 use protocol::command::{
     BufLaserFollowMode, BufLaserFollowOff, BufLaserFollowRatio, BufLaserFollowTable, BufLaserOff, BufLaserOn,
     BufLaserPrfCmd, BufLaserPrfFollow, opcode,
@@ -23,7 +26,7 @@ use servo::units::CrdMask;
 /// Velocity ratios may be this large: 2³².
 const RATIO_MAX: f64 = 4_294_967_296.0;
 
-/// An entry with a laser change, and where it goes.
+/// An entry with a laser change, and its FIFO.
 #[derive(Debug, Clone, Copy)]
 pub struct Change {
     /// Logical core, from 1.
@@ -36,7 +39,7 @@ pub struct Change {
     pub entry: Entry,
     /// Channel and follow table that it names.
     pub named: Option<(u8, u8)>,
-    /// What is told of its numbers: values, how many, which of them were held. None: CrdTaken.
+    /// The values to report: how many, which of them were limited. None: CrdTaken.
     pub took: Option<Took>,
 }
 
@@ -45,8 +48,8 @@ pub fn is_buffered(number: u16) -> bool {
     (opcode::BufLaserOn..=opcode::BufLaserFollowOff).contains(&number)
 }
 
-/// Values that were taken, how many, which of them were held.
-type Took = ([f64; TAKEN_MAX], u8, u8);
+/// Values that were taken, how many, which of them were limited.
+pub type Took = ([f64; TAKEN_MAX], u8, u8);
 
 /// The entry of a buffered laser command.
 pub fn admit<const AXES: usize>(context: &Context<AXES>, number: u16, body: &[u8]) -> Admitted<Change> {
@@ -126,7 +129,7 @@ fn direct<const AXES: usize>(context: &Context<AXES>, channel: u8, (field, got):
     Ok((power, took(&[value], taking.held | limited)))
 }
 
-/// How much power a speed makes: above 0 in both families.
+/// Power per speed: above 0 in both families.
 fn ratio(field: u8, got: f64) -> Admitted<Ratio> {
     if !got.is_finite() {
         return Err(Refused::new(Reason::NotFinite).field(field).got(got));
@@ -135,8 +138,8 @@ fn ratio(field: u8, got: f64) -> Admitted<Ratio> {
     Ratio::admit(got.to_bits()).map_err(|_| refused)
 }
 
-/// Bounds of a velocity follow: the maximum is above the minimum (LSR, BufLaserFollowRatio), as they are given; what LSR
-/// holds at a bound may be equal then.
+/// Bounds of a velocity follow: the maximum is above the minimum (LSR, BufLaserFollowRatio), as
+/// given. Values that LSR limits may become equal.
 fn bounds<const AXES: usize>(
     context: &Context<AXES>,
     channel: u8,
@@ -155,15 +158,16 @@ fn bounds<const AXES: usize>(
     let mut taking = Taking::new(context.is_lsr());
     let (low, high) = (taking.take(min.0, 1, min.1, range)?, taking.take(max.0, 0, max.1, range)?);
     let bounds = own_bounds(mode, (min.0, low), (max.0, high))?;
-    // The most that the follow may come to.
+    // The highest power of the follow.
     let limited = limited(mode, shadow.width_us, shadow.bounds.hold(bounds.max()));
     Ok((bounds, took(&[high, low], taking.held | limited)))
 }
 
-fn took(values: &[f64], held: u8) -> Took {
+/// Values for the reply, with their number.
+pub fn took(values: &[f64], held: u8) -> Took {
     let mut all = [0.0; TAKEN_MAX];
-    for (place, value) in all.iter_mut().zip(values) {
-        *place = *value;
+    for (slot, value) in all.iter_mut().zip(values) {
+        *slot = *value;
     }
     (all, values.len() as u8, held)
 }

@@ -1,12 +1,14 @@
-//! Distance follow: what the places of axes 1 to 4 of a core add to the power (GUS chapter 5, LSR chapter 4; SPEC 6).
+//! Distance follow: what the positions of axes 1 to 4 of a core add to the power (GUS chapter 5,
+//! LSR chapter 4; SPEC 6).
 //!
-//! In: requests with the user's doubles, the book of the channel. Out: a staged change with the follow as a whole.
-//! `tables` has the tables of ratios. Fails: as every laser command does; ratios want a follow that is on.
+//! In: requests with the user's doubles, the shadow state of the channel. Out: a staged change with
+//! the follow as a whole. `tables` has the tables of ratios.
+//! Fails: as every laser command does; ratios need a follow that is on.
 use super::energy::{own_bounds, powers};
-use super::range::{Range, Taking};
+use super::power_range::{Range, Taking};
 use super::{Context, took};
-use crate::admit::context::Answer;
-use crate::admit::refuse::{Admitted, Refused, choice, real};
+use crate::refuse::{Admitted, Refused, choice, real};
+use crate::report::answer::Answer;
 use crate::report::replies::units;
 use crate::shadow::{DistanceShadow, LaserChange};
 use protocol::command::{SetLaserDisMode, SetLaserDisRatio};
@@ -14,12 +16,13 @@ use protocol::reason::Reason;
 use servo::laser::{Bounds, Change, DISTANCES, Distance, Ratios, Source};
 use servo::units::Axis;
 
-/// Scales of the families, pulses a unit of distance. GUS names none: what the tick holds, 2⁻¹⁸ to 2³².
+/// Scales of the families, pulses per unit of distance. GUS states no range: it is that of the
+/// tick, 2⁻¹⁸ to 2³².
 const SCALES: (Range, Range) = (Range::new(1.0 / 262_144.0, 4_294_967_296.0), Range::new(1.0, 65_536.0));
-/// Ratios may be this large, either way: 2¹⁷.
+/// Highest absolute value of a ratio: 2¹⁷.
 pub const RATIO_MAX: f64 = 131_072.0;
 
-/// A ratio: 0, or of either sign. `item` is its place among its kind.
+/// A ratio: 0, or of either sign. `item` is its index among its kind.
 pub fn ratio(field: u8, item: usize, got: f64) -> Admitted<f64> {
     real(field, got, -RATIO_MAX, RATIO_MAX).map_err(|refused| refused.item(item))
 }
@@ -45,7 +48,7 @@ pub fn stage<const AXES: usize>(context: &mut Context<AXES>, channel: u8, shadow
     Ok(())
 }
 
-/// On: with ratios 0 and no bounds of its own. Off: references and scales are not looked at.
+/// On: with ratios 0 and no bounds of its own. Off: references and scales are ignored.
 pub fn mode<const AXES: usize>(context: &mut Context<AXES>, r: &SetLaserDisMode) -> Admitted<Answer> {
     let channel = context.channel(r.core.get(), 5, r.channel.get())?;
     let on = choice(1, r.mode.get(), 0, 1)? == 1;
@@ -70,7 +73,7 @@ pub fn mode<const AXES: usize>(context: &mut Context<AXES>, r: &SetLaserDisMode)
     Ok(took(context, &scale, taking.held))
 }
 
-/// Fixed ratios, in the place of a table too. Bounds that are not given stay as they are.
+/// Fixed ratios, which also replace a table. Bounds that are not given stay.
 pub fn ratios<const AXES: usize>(context: &mut Context<AXES>, r: &SetLaserDisRatio) -> Admitted<Answer> {
     let channel = context.channel(r.core.get(), 4, r.channel.get())?;
     let mut shadow = running(context, channel)?;
@@ -83,11 +86,11 @@ pub fn ratios<const AXES: usize>(context: &mut Context<AXES>, r: &SetLaserDisRat
         shadow.bounds = bounds(context, channel, &mut taking, 2, (r.min.get(), r.max.get()))?;
     }
     stage(context, channel, shadow)?;
-    Ok(told(context, channel, &shadow, taking.held))
+    Ok(bounds_reply(context, channel, &shadow, taking.held))
 }
 
-/// Bounds of the follow's own: GUS has them, LSR does not look at them. `field` is that of the minimum; the maximum's
-/// is the next.
+/// Bounds of the follow's own: GUS has them, LSR ignores them. `field` is that of the minimum; the
+/// maximum's is the next.
 pub fn bounds<const AXES: usize>(
     context: &Context<AXES>,
     channel: u8,
@@ -107,8 +110,13 @@ pub fn bounds<const AXES: usize>(
     own_bounds(mode, (field, min), (field + 1, max)).map(Some)
 }
 
-/// The reply: the bounds in force for it, which are those of the mode where it has none.
-pub fn told<const AXES: usize>(context: &mut Context<AXES>, channel: u8, shadow: &DistanceShadow, held: u8) -> Answer {
+/// The reply: the bounds that hold for it, which are those of the mode if it has none.
+pub fn bounds_reply<const AXES: usize>(
+    context: &mut Context<AXES>,
+    channel: u8,
+    shadow: &DistanceShadow,
+    held: u8,
+) -> Answer {
     let bounds = shadow.bounds.unwrap_or(context.laser(channel).bounds);
     took(context, &[units(bounds.max()), units(bounds.min())], held)
 }

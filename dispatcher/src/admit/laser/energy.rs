@@ -1,12 +1,13 @@
-//! The energy of a laser channel: modes and bounds, power, carrier, pulse width, standby, pre-voltage,
-//! resolution.
+//! The energy of a laser channel: modes and bounds, power, carrier, pulse width, standby,
+//! pre-voltage, resolution.
 //!
-//! In: requests with the user's doubles. Out: staged changes with the tick's numbers, and with them the train
-//! planned for the power that the books know (`Fine`), which spares the tick that search.
-use super::range::{Range, Taking};
+//! In: requests with the user's doubles. Out: staged changes with the tick's numbers. With them
+//! goes the train for the power of the shadow state (`Fine`), so that the tick need not search for
+//! it.
+use super::power_range::{Range, Taking};
 use super::{Context, took};
-use crate::admit::context::Answer;
-use crate::admit::refuse::{Admitted, Refused, choice};
+use crate::refuse::{Admitted, Refused, choice};
+use crate::report::answer::Answer;
 use crate::report::replies::{counts, units};
 use crate::shadow::{Change as Entered, LaserChange, LaserShadow};
 use core::num::NonZeroU16;
@@ -28,7 +29,7 @@ const GUS_KHZ: f64 = 2000.0;
 const LSR_KHZ: [f64; 2] = [96.0, 24.0];
 /// Longest pulse of the families, µs.
 const WIDTH_MAX_US: (u16, u16) = (65_535, 4_000);
-/// Bit of `held` that tells of a pulse width limited to just under the period.
+/// Bit of `held` for a pulse width limited to just under the period.
 const WIDTH_LIMITED: u8 = 1 << 7;
 
 /// The highest frequency.
@@ -36,12 +37,12 @@ fn highest(lsr: bool, fine: bool) -> f64 {
     if lsr { LSR_KHZ[usize::from(fine)] } else { GUS_KHZ }
 }
 
-/// What a carrier may be.
+/// Range of a carrier.
 fn carriers(lsr: bool, fine: bool) -> Range {
     Range::frequency(highest(lsr, fine))
 }
 
-/// What a bound of the power may be in a mode.
+/// Range of a bound of the power in a mode.
 pub fn powers(mode: Mode, lsr: bool, fine: bool) -> Range {
     match mode {
         Mode::Duty | Mode::DutyOpen => DUTY,
@@ -50,25 +51,25 @@ pub fn powers(mode: Mode, lsr: bool, fine: bool) -> Range {
     }
 }
 
-/// What a direct power may be in a mode: a rate other than 0 is 1 Hz at least.
+/// Range of a direct power in a mode: a rate other than 0 is at least 1 Hz.
 pub fn direct_powers(mode: Mode, lsr: bool, fine: bool) -> Range {
     if mode == Mode::Frequency { Range::rate(highest(lsr, fine)) } else { powers(mode, lsr, fine) }
 }
 
-/// Bit of `held` that tells that pulses of so many µs reach the period at this power.
+/// Bit of `held` for pulses of this width (µs) that reach the period at this power.
 pub fn limited(mode: Mode, width_us: u16, power: Power) -> u8 {
     // µs times kHz: a period is 1000.
     let reaches = f64::from(width_us) * units(power) >= 1000.0;
     if reaches && mode == Mode::Frequency { WIDTH_LIMITED } else { 0 }
 }
 
-/// A checked number as the tick has it. The checks allow nothing that it refuses.
+/// A checked number in the tick's format. The checks allow nothing that it refuses.
 pub fn power(field: u8, value: f64) -> Admitted<Power> {
     Power::admit(value.to_bits())
         .map_err(|_| Refused::new(Reason::OutOfRange).field(field).got(value).limits(0.0, GUS_KHZ))
 }
 
-/// Checked bounds as the tick has them, each with its field.
+/// Checked bounds in the tick's format, each with its field.
 pub fn own_bounds(mode: Mode, min: (u8, f64), max: (u8, f64)) -> Admitted<Bounds> {
     Bounds::admit(mode, power(max.0, max.1)?, power(min.0, min.1)?)
         .map_err(|_| Refused::new(Reason::BelowMinimum).field(max.0).got(max.1).limits(min.1, min.1))
@@ -95,7 +96,7 @@ impl LaserShadow {
         Fine::plan(self.mode, self.bounds.hold(self.power), self.carrier.as_ref(), clock)
     }
 
-    /// What is output of the power that this channel holds, in the mode's unit; `fine` is its train.
+    /// The output for the power that this channel holds, in the mode's unit; `fine` is its train.
     fn reached(&self, fine: Option<Fine>, clock: Clock) -> f64 {
         let power = self.bounds.hold(self.power);
         match (self.mode, fine) {
@@ -123,10 +124,10 @@ pub fn mode<const AXES: usize>(context: &mut Context<AXES>, r: &LaserPowerMode) 
         3 if !lsr => Mode::DutyOpen,
         _ => Mode::Duty,
     };
-    // GUS always applies the delays and knows no such parameter.
+    // GUS always applies the delays and has no such parameter.
     let delayed = !lsr || choice(5, r.delay_mode.get(), 0, 1)? == 1;
     let (max, min) = (r.max.get(), r.min.get());
-    // LSR looks at what is taken: a minimum outside its range is not above the maximum.
+    // LSR compares what is taken: a minimum outside its range is not above the maximum.
     if !lsr && max < min {
         return Err(Refused::new(Reason::BelowMinimum).field(2).got(max).limits(min, min));
     }
@@ -149,7 +150,7 @@ pub fn mode<const AXES: usize>(context: &mut Context<AXES>, r: &LaserPowerMode) 
     Ok(took(context, &[max, min], taking.held | shadow.is_limited()))
 }
 
-/// Tells the power that is reached, in its bounds.
+/// Reports the power that is reached, within its bounds.
 pub fn direct<const AXES: usize>(context: &mut Context<AXES>, r: &LaserPrfCmd) -> Admitted<Answer> {
     let channel = context.channel(r.core.get(), 2, r.channel.get())?;
     let mut shadow = *context.laser(channel);
@@ -163,7 +164,7 @@ pub fn direct<const AXES: usize>(context: &mut Context<AXES>, r: &LaserPrfCmd) -
     Ok(took(context, &[shadow.reached(fine, clock)], taking.held | shadow.is_limited()))
 }
 
-/// Tells the frequency that is reached.
+/// Reports the frequency that is reached.
 pub fn frequency<const AXES: usize>(context: &mut Context<AXES>, r: &LaserOutFrq) -> Admitted<Answer> {
     let channel = context.channel(r.core.get(), 2, r.channel.get())?;
     let mut taking = Taking::new(context.is_lsr());
@@ -182,7 +183,7 @@ fn stage_carrier<const AXES: usize>(context: &mut Context<AXES>, channel: u8, ca
     Ok(())
 }
 
-/// A width that reaches the period is limited to just under it, and told.
+/// A width that reaches the period is limited to just under it, and this is reported.
 pub fn width<const AXES: usize>(context: &mut Context<AXES>, r: &SetPulseWidth) -> Admitted<Answer> {
     let channel = context.channel(r.core.get(), 2, r.channel.get())?;
     let mut taking = Taking::new(context.is_lsr());
@@ -196,8 +197,8 @@ pub fn width<const AXES: usize>(context: &mut Context<AXES>, r: &SetPulseWidth) 
     Ok(took(context, &[width_us.into()], taking.held | shadow.is_limited()))
 }
 
-/// SetWaitPulseEx of the LSR family acts while both channels are PWM (LSR, command 21): its pulses are output where they are, and
-/// not while one of them is analog. One channel is about to have another mode.
+/// SetWaitPulseEx of the LSR family acts only while both channels are PWM (LSR, command 21): its
+/// pulses stop while one of them is analog. One channel is about to have another mode.
 fn pair_standby<const AXES: usize>(context: &mut Context<AXES>, changed: (u8, Mode)) -> Admitted<()> {
     let clock = context.clock()?;
     let analog = !are_pwm(context, Some(changed));
@@ -212,7 +213,7 @@ fn pair_standby<const AXES: usize>(context: &mut Context<AXES>, changed: (u8, Mo
     Ok(())
 }
 
-/// Whether both channels are PWM, of which one may be about to have another mode.
+/// Whether both channels are PWM; one of them may be about to have another mode.
 fn are_pwm<const AXES: usize>(context: &Context<AXES>, changed: Option<(u8, Mode)>) -> bool {
     (0..CHANNELS as u8).all(|channel| {
         let mode = changed.filter(|(of, _)| *of == channel).map_or(context.laser(channel).mode, |(_, mode)| mode);
@@ -220,7 +221,8 @@ fn are_pwm<const AXES: usize>(context: &Context<AXES>, changed: Option<(u8, Mode
     })
 }
 
-/// Standby pulses of some channels. To switch them off, frequency and duty may be 0. `paired`: they act while both are PWM.
+/// Standby pulses of some channels. To switch them off, frequency and duty may be 0. `paired`: they
+/// act while both are PWM.
 fn standby<const AXES: usize>(
     context: &mut Context<AXES>,
     channels: core::ops::Range<u8>,
@@ -276,8 +278,8 @@ pub fn pre_voltage<const AXES: usize>(context: &mut Context<AXES>, r: &SetPreVlt
     Ok(took(context, &[volts], taking.held))
 }
 
-/// The range of frequencies in the LSR family, of both channels: what is set and lies above a new range is
-/// held at its bound. In the GUS family it has no effect.
+/// The range of frequencies in the LSR family, of both channels: a set value above a new range is
+/// limited to its bound. In the GUS family it has no effect.
 pub fn resolution<const AXES: usize>(context: &mut Context<AXES>, r: &SetLaserMode) -> Admitted<Answer> {
     context.core(r.core.get())?;
     let fine = choice(1, r.mode.get(), 0, 1)? == 1;

@@ -6,50 +6,48 @@
 //! | `buffered` | changes that entries of paths carry: gate, power, velocity follow |
 //! | `distance` | distance follow |
 //! | `tables` | tables of powers and of ratios, in chunks |
-//! | `range` | what is refused or held |
+//! | `power_range` | what is refused or limited: return code 7 of a laser power |
 //!
-//! In: requests and the books of the channels. Out: staged changes. What is out of range is refused or held
-//! by `range`; the reply tells what was taken. A controller has its channels once, whatever its cores are:
-//! every core may name every channel.
+//! In: requests and the shadow state of the channels. Out: staged changes. What is out of range is
+//! refused or limited by `power_range`; the reply reports what was taken. A controller has its
+//! channels once, whatever its cores are: every core may name every channel.
 //!
-//! The commands are those of GUS chapter 2 and LSR chapter 2, each in both families; SPEC 2 says where the
-//! families differ, SPEC 6 what a channel does.
+//! The commands are those of GUS chapter 2 and LSR chapter 2, each in both families; SPEC 2 says
+//! where the families differ, SPEC 6 what a channel does.
 pub mod buffered;
 pub mod distance;
 pub mod energy;
-mod range;
+mod power_range;
 pub mod tables;
 
-use super::context::{Answer, Context, Effect, Query, TAKEN_MAX};
-use super::refuse::{Admitted, Refused, choice};
+use super::context::{Context, Effect};
+use crate::refuse::{Admitted, Refused, choice};
+use crate::report::answer::{Answer, Query};
 use crate::shadow;
 use crate::shadow::{LaserChange, LaserShadow, executed};
 use core::num::NonZeroU16;
+use power_range::Taking;
 use protocol::command::{
     ClrLaserFault, DisFPK, EnaFPK, LaserOff, LaserOn, SetAxisMode, SetHSIOOpt, SetLaserCrdMap, SetLevelDelay,
     ZeroLaserOnTime,
 };
 use protocol::reason::Reason;
-use range::Taking;
 use servo::laser::{Bounds, CHANNELS, Cause, Change, Clock, Delays, Family, Fpk, Mode};
 use servo::op::Op;
 use servo::units::{AxisMask, Crd, CrdMask};
 
-/// The family that holds what is out of range and whose connectors are fixed (SPEC 2).
+/// The family that limits values out of range and whose connectors are fixed (SPEC 2).
 pub const LSR: u8 = 1;
 /// Axis connector of channel 0; that of channel 1 is the next.
 const FIRST_CONNECTOR: i16 = 7;
 /// The longest delay and FPK time, µs.
 const TIME_MAX_US: u16 = u16::MAX;
 
-/// What is taken, for the reply: its numbers and which of them were held.
+/// What is taken, for the reply: its values and which of them were limited.
 fn took<const AXES: usize>(context: &mut Context<AXES>, values: &[f64], held: u8) -> Answer {
-    let mut all = [0.0; TAKEN_MAX];
-    for (place, value) in all.iter_mut().zip(values) {
-        *place = *value;
-    }
+    let (all, count, held) = buffered::took(values, held);
     context.effect = Effect::Took(all);
-    Answer::Took { count: values.len() as u8, held }
+    Answer::Took { count, held }
 }
 
 impl<const AXES: usize> Context<'_, AXES> {
@@ -58,7 +56,7 @@ impl<const AXES: usize> Context<'_, AXES> {
         self.configuration.family == LSR
     }
 
-    /// A channel; `field` is its place in the request.
+    /// A channel; `field` is its index in the request.
     fn channel(&self, core: i16, field: u8, channel: i16) -> Admitted<u8> {
         self.core(core)?;
         Ok(choice(field, channel, 0, i16::from(self.configuration.profile.lasers.min(CHANNELS as u8)) - 1)? as u8)
@@ -68,7 +66,7 @@ impl<const AXES: usize> Context<'_, AXES> {
         &self.shadows.lasers[usize::from(channel).min(CHANNELS - 1)]
     }
 
-    /// The clock of the machine's timers, which the first tick tells.
+    /// The clock of the machine's timers, which the first tick publishes.
     fn clock(&self) -> Admitted<Clock> {
         Clock::from_mhz(self.view.timer_mhz).ok_or(Refused::new(Reason::RingFull))
     }
@@ -77,7 +75,7 @@ impl<const AXES: usize> Context<'_, AXES> {
         self.stage(Op::Laser { channel, change });
     }
 
-    /// A change of the book alone.
+    /// A change of the shadow state alone.
     fn enter(&mut self, channel: u8, entered: LaserChange) {
         self.stage_with(Op::Mark, shadow::Change::Laser { channel, change: entered });
     }
@@ -96,10 +94,10 @@ impl<const AXES: usize> Context<'_, AXES> {
         self.stage_with(Op::Mark, shadow::Change::LaserFine(true));
     }
 
-    /// A cleared status word clears the faults of the channels that a crd of one of these axes gates (SPEC 9): the tick does
-    /// it, by the crds that drive the axes then.
+    /// Clearing a status word clears the faults of channels that a crd of one of these axes gates
+    /// (SPEC 9). The tick does it, by the crds that drive the axes then.
     pub fn clear_laser_faults(&mut self, axes: AxisMask) {
-        let gates = |crd: &Crd| self.crd_book(*crd).frame.is_some_and(|frame| frame.mask().0 & axes.0 != 0);
+        let gates = |crd: &Crd| self.crd_shadow(*crd).frame.is_some_and(|frame| frame.mask().0 & axes.0 != 0);
         let crds = Crd::all().filter(gates).fold(0, |crds, crd| crds | crd.mask().0);
         for channel in 0..CHANNELS as u8 {
             if self.laser(channel).map & crds != 0 {
@@ -136,8 +134,9 @@ impl<const AXES: usize> Context<'_, AXES> {
     }
 }
 
-/// A channel at power-on: its own defaults, and what the family fixes (SPEC 2): LSR has no gate delays until a
-/// mode asks for them, and its connectors are the laser's; those of GUS carry step pulses. Every crd is mapped.
+/// A channel at power-on: its own defaults, and those of the family (SPEC 2). LSR has no gate
+/// delays until a mode asks for them, and its connectors belong to the laser. Those of GUS carry
+/// step pulses. Every crd is mapped.
 pub fn power_on(family: u8) -> [(Change, LaserChange); 4] {
     let lsr = family == LSR;
     let (mode, bounds, delayed) = (Mode::Duty, Bounds::full(Mode::Duty), !lsr);
@@ -158,7 +157,7 @@ fn gate<const AXES: usize>(context: &mut Context<AXES>, channel: u8, on: bool) -
             return Err(Refused::new(Reason::Aborting));
         }
         let (shadow, sampled) = (context.laser(channel), &context.view.lasers[usize::from(channel).min(CHANNELS - 1)]);
-        // With a clearing on its way only the tick can know.
+        // With a clearing in flight only the tick can know.
         let clearing = shadow.cleared.is_some_and(|seq| !executed(context.view, seq));
         let refused = Refused::new(Reason::LaserFault).got(channel.into());
         if sampled.fault != Cause::None && !clearing {
@@ -228,7 +227,7 @@ pub fn map<const AXES: usize>(context: &mut Context<AXES>, r: &SetLaserCrdMap) -
     let map = before & !own | given << (core as u8 * context.configuration.profile.crds_per_core);
     let sampled = &context.view.lasers[usize::from(channel).min(CHANNELS - 1)];
     for crd in CrdMask((before | map) & own).crds() {
-        let ahead = !context.due.decided && context.crd_book(crd).may_be_stopped(context.view);
+        let ahead = !context.due.decided && context.crd_shadow(crd).may_be_stopped(context.view);
         if ahead || context.crd_may_run(crd) || sampled.owners.has(crd) {
             return Err(context.no_crd(Reason::LaserMapInUse, crd).got(channel.into()));
         }
@@ -237,8 +236,9 @@ pub fn map<const AXES: usize>(context: &mut Context<AXES>, r: &SetLaserCrdMap) -
     Ok(Answer::Done)
 }
 
-/// Connectors 7 and 8, of core 1, carry step pulses of their axes at power-on; 8 cannot be given back to them.
-/// With its connector the light is taken away, so that it does not come back with it.
+/// Connectors 7 and 8, of core 1, carry step pulses of their axes at power-on; 8 cannot be given
+/// back to them. Giving back a connector also takes the light away, so that it does not return with
+/// the connector.
 pub fn connector<const AXES: usize>(context: &mut Context<AXES>, r: &SetAxisMode) -> Admitted<Answer> {
     if context.is_lsr() {
         return Err(Refused::new(Reason::NotInFamily));
@@ -264,7 +264,7 @@ pub fn clear_fault<const AXES: usize>(context: &mut Context<AXES>, r: &ClrLaserF
     Ok(Answer::Done)
 }
 
-/// A read of a channel; GetLaserCrdMap tells the crds of its core.
+/// A read of a channel; GetLaserCrdMap reports the crds of its core.
 pub fn read<const AXES: usize>(context: &Context<AXES>, opcode: u16, core: i16, channel: i16) -> Admitted<Answer> {
     let first = context.channel(core, 1, channel)?;
     let which = context.core(core)? as u8;

@@ -1,20 +1,20 @@
 //! Tables of laser channels: powers against velocity, ratios against position.
 //!
-//! In: chunks of points, each a record of its own; `first` is the index of the chunk's first item. Out: points in the
-//! tables' memory, and when the last one is there the staged operation that shows them. Owns: the table that is being
-//! sent; a chunk with `first` 0 begins a new one. Fails: as the points do, each named; nothing of a table is seen
-//! before its last chunk, and a chunk that is offered again, because it was refused before its time, is refused the
-//! same way.
+//! In: chunks of points, each a record of its own; `first` is the index of the chunk's first item.
+//! Out: points in the tables' memory, and with the last one the staged operation that publishes
+//! them. Owns: the table that is being sent; a chunk with `first` 0 begins a new one.
+//! Fails: as the points do, each named. Nothing of a table is visible before its last chunk. A
+//! chunk that is sent again, because it was refused too early, is refused in the same way.
 //!
-//! Powers wait in scratch memory, since their table may hold what an earlier call put there. Ratios go straight into
-//! the bank that nothing reads (`servo::laser::Tables`).
-use super::distance::{bounds, ratio, running, stage, told};
+//! Powers wait in scratch memory, since their table may still hold an earlier call's. Ratios go
+//! straight into the bank that nothing reads (`servo::laser::Tables`).
+use super::distance::{bounds, bounds_reply, ratio, running, stage};
 use super::energy::{power, powers};
-use super::range::{Range, Taking};
+use super::power_range::{Range, Taking};
 use super::{Context, took};
-use crate::admit::context::Answer;
 use crate::admit::length;
-use crate::admit::refuse::{Admitted, Refused, choice, real, within};
+use crate::refuse::{Admitted, Refused, choice, real, within};
+use crate::report::answer::Answer;
 use crate::shadow::{CAPACITY, DistanceShadow, LaserChange};
 use protocol::command::{
     LaserDisPoint, LaserDisValue, LaserFollowPoint, Request, SetLaserDisTable1D, SetLaserDisTable2D,
@@ -26,7 +26,7 @@ use servo::op::Op;
 use servo::units::Crd;
 use zerocopy::FromBytes;
 
-/// Velocities may be this high: 2³² pulse/ms.
+/// Highest velocity: 2³² pulse/ms.
 const VEL_MAX: f64 = 4_294_967_296.0;
 /// Bytes of the longest head.
 const HEAD: usize = size_of::<SetLaserDisTable1D>();
@@ -56,7 +56,7 @@ impl Key {
     }
 }
 
-/// How far the sending of a table is.
+/// Progress of the sending of a table.
 #[derive(Debug, Clone, Copy)]
 enum State {
     Idle,
@@ -75,7 +75,7 @@ pub struct Loading {
     last: i32,
 }
 
-/// A chunk on its way: its items, the index of the first, and how many items the table has.
+/// A chunk being admitted: its items, the index of the first, and how many items the table has.
 struct Chunk<'b, T> {
     key: Key,
     first: u16,
@@ -96,7 +96,7 @@ impl<T> Chunk<'_, T> {
     }
 }
 
-/// Items behind a head: at least one, and no more than the table still needs.
+/// Items after a head: at least one, and no more than the table still needs.
 fn items<T: Wire>(rest: &[u8], head: usize, left: usize) -> Admitted<&[T]> {
     let count = rest.len() / size_of::<T>();
     let wanted = count.clamp(1, left.max(1));
@@ -126,7 +126,7 @@ impl Loading {
         self.state = State::Idle;
     }
 
-    /// Admits a chunk. Also told: channel and number of a follow table that was overwritten.
+    /// Admits a chunk. It also returns channel and number of a follow table that was overwritten.
     pub fn chunk<const AXES: usize>(
         &mut self,
         context: &mut Context<AXES>,
@@ -141,8 +141,9 @@ impl Loading {
         }
     }
 
-    /// Whether the chunk goes on where the one before ended; the bank, for one that begins `fresh` decides.
-    fn place<T>(&mut self, chunk: &Chunk<'_, T>, fresh: impl FnOnce() -> Admitted<u8>) -> Admitted<u8> {
+    /// Whether the chunk continues where the one before ended; returns the bank, which `fresh`
+    /// chooses for a first chunk.
+    fn bank_of<T>(&mut self, chunk: &Chunk<'_, T>, fresh: impl FnOnce() -> Admitted<u8>) -> Admitted<u8> {
         let out_of_order = |next: u16| {
             let refused = Refused::new(Reason::OutOfRange).field(chunk.field).got(chunk.first.into());
             Err(refused.limits(0.0, next.into()))
@@ -159,7 +160,7 @@ impl Loading {
         }
     }
 
-    /// What has become of a chunk.
+    /// Notes how a chunk was handled.
     fn keep<T>(&mut self, chunk: &Chunk<'_, T>, bank: u8, done: Admitted<()>) -> Admitted<()> {
         let next = chunk.first.saturating_add(chunk.items.len() as u16);
         self.state = match done {
@@ -184,9 +185,9 @@ impl Loading {
         let items = items::<LaserFollowPoint>(rest, size_of_val(&r), left)?;
         let key = Key::of(opcode::SetLaserFollowTable, &r);
         let chunk = Chunk { key, first: r.first.get(), items, total, field: 4 };
-        let bank = self.place(&chunk, || Ok(0))?;
+        let bank = self.bank_of(&chunk, || Ok(0))?;
         if chunk.is_last() {
-            // Looked at first: a chunk that has to wait has changed nothing.
+            // Checked first: a chunk that has to wait has changed nothing.
             not_in_use(context, channel, table)?;
         }
         let range = powers(context.laser(channel).mode, context.is_lsr(), context.shadows.laser_fine);
@@ -202,8 +203,8 @@ impl Loading {
             }
             let value = taking.take(6, 0, given, range).map_err(|refused| refused.item(index))?;
             held += u16::from(taking.held != 0);
-            if let Some(place) = self.points.get_mut(index) {
-                *place = (vel, power(6, value)?);
+            if let Some(slot) = self.points.get_mut(index) {
+                *slot = (vel, power(6, value)?);
             }
             Ok(())
         });
@@ -240,7 +241,7 @@ impl Loading {
         let items = items::<LaserDisPoint>(rest, size_of_val(&r), left)?;
         let key = Key::of(opcode::SetLaserDisTable1D, &r);
         let chunk = Chunk { key, first: r.first.get(), items, total, field: 7 };
-        let bank = self.place(&chunk, || free_bank(context, channel))?;
+        let bank = self.bank_of(&chunk, || free_bank(context, channel))?;
         let done = chunk.indexed().try_for_each(|(index, item)| {
             let axis = index.checked_div(count).unwrap_or(0);
             let point = index - axis * count;
@@ -269,7 +270,7 @@ impl Loading {
         } else {
             context.stage(Op::Mark);
         }
-        Ok(told(context, channel, &shadow, held))
+        Ok(bounds_reply(context, channel, &shadow, held))
     }
 
     fn plane<const AXES: usize>(
@@ -306,7 +307,7 @@ impl Loading {
         let items = items::<LaserDisValue>(rest, size_of_val(&r), left)?;
         let key = Key::of(opcode::SetLaserDisTable2D, &r);
         let chunk = Chunk { key, first: r.first.get(), items, total, field: 8 };
-        let bank = self.place(&chunk, || free_bank(context, channel))?;
+        let bank = self.bank_of(&chunk, || free_bank(context, channel))?;
         let done = chunk.indexed().try_for_each(|(index, item)| {
             let value = item.value.get();
             let node = index.checked_sub(columns + rows);
@@ -336,19 +337,24 @@ impl Loading {
                 }
             }
             for axis in 0..DISTANCES as u8 {
-                let place = axes.iter().position(|of| *of == axis);
-                tables.limit(channel, bank, axis, place.and_then(|place| limits.get(place).copied().flatten()));
+                let position = axes.iter().position(|of| *of == axis);
+                tables.limit(
+                    channel,
+                    bank,
+                    axis,
+                    position.and_then(|position| limits.get(position).copied().flatten()),
+                );
             }
             shadow.from = Ratios::Plane { bank, axes };
             stage(context, channel, shadow)?;
         } else {
             context.stage(Op::Mark);
         }
-        Ok(told(context, channel, &shadow, held))
+        Ok(bounds_reply(context, channel, &shadow, held))
     }
 }
 
-/// The least step of velocity from point to point: 2⁻²⁸ pulse/ms, and what rounding may take.
+/// The least step of velocity from point to point: 2⁻²⁸ pulse/ms, with a margin for rounding.
 const LEAST_STEP: f64 = 1.5 / 268_435_456.0;
 
 /// A table of powers, from 1.
@@ -363,13 +369,13 @@ fn free_bank<const AXES: usize>(context: &Context<AXES>, channel: u8) -> Admitte
     context.laser(channel).free_bank(context.view, read).ok_or_else(busy)
 }
 
-/// Bounds of the follow's own, and what each axis may add or take away at most; which of them were held.
+/// Bounds of the follow's own, and the largest change by each axis; which of them were limited.
 fn own<const AXES: usize>(
     context: &Context<AXES>,
     channel: u8,
     shadow: &mut DistanceShadow,
     (field, min, max): (u8, f64, f64),
-    (place, given, are_given): (u8, &[zerocopy::little_endian::F64], bool),
+    (limits_field, given, are_given): (u8, &[zerocopy::little_endian::F64], bool),
 ) -> Admitted<([Option<Power>; DISTANCES], u8)> {
     let mut taking = Taking::new(context.is_lsr());
     shadow.bounds = bounds(context, channel, &mut taking, field, (min, max))?;
@@ -378,8 +384,8 @@ fn own<const AXES: usize>(
     let mut limits = [None; DISTANCES];
     if are_given {
         for (index, (to, given)) in limits.iter_mut().zip(given).enumerate() {
-            let most = taking.take(place, 2, given.get(), range).map_err(|refused| refused.item(index))?;
-            *to = Some(power(place, most)?);
+            let most = taking.take(limits_field, 2, given.get(), range).map_err(|refused| refused.item(index))?;
+            *to = Some(power(limits_field, most)?);
         }
     }
     Ok((limits, taking.held))
@@ -392,7 +398,7 @@ fn not_in_use<const AXES: usize>(context: &Context<AXES>, channel: u8, table: u8
     let holds = Crd::all().any(|crd| {
         (0..2).any(|fifo| {
             let is_named = named >> (2 * crd.index() as u8 + fifo) & 1 == 1;
-            is_named && context.crd_book(crd).space(context.crd_seen(crd), fifo) != CAPACITY
+            is_named && context.crd_shadow(crd).space(context.crd_sampled(crd), fifo) != CAPACITY
         })
     });
     if holds || reads.is_some() && reads == Curve::power(channel, table) {

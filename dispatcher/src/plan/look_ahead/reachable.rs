@@ -1,50 +1,53 @@
-//! What speeds can be reached over one motion, when corners at both ends take their share of the acceleration.
+//! Speeds that can be reached over one motion when corners at both ends use part of the
+//! acceleration.
 //!
-//! In: bounds of a motion, the square of the speed at one end. Out: the highest square at the other. Nothing fails.
+//! In: bounds of a motion, the square of the speed at one end. Out: the highest square at the
+//! other. Owns nothing. Fails: never.
 //!
-//! With x and y the squares of the speeds at start and end, and a = (y − x)/2l, each bound at each end is a straight line
-//! in the plane of x and y, and all of them enclose a region around 0 (decision 9). At rest a corner takes nothing, so
-//! that a stop is always possible that was possible before the corner was known: x with y = 0 is admitted beside the
-//! region.
+//! Let x and y be the squares of the speeds at start and end, and a = (y − x)/2l. Each bound at
+//! each end is a straight line in the plane of x and y; all of them enclose a region around 0
+//! (decision 9). At standstill a corner uses nothing, so a stop that was possible before the corner
+//! was known stays possible: x with y = 0 is allowed outside the region.
 use core::f64::consts::FRAC_PI_6;
 use libm::{cos, fabs, sin, sqrt};
 
-/// What a corner takes of the acceleration of a coordinate, between the middles of the ways of the motions on both sides: at
-/// most `fixed` + `bend`·v² + `grow`·a, where v is the speed in it, a the acceleration away from it.
+/// The acceleration of a coordinate that a corner uses, between the middles of the motions on both
+/// sides. It is at most `fixed` + `bend`·v² + `grow`·a, with the speed v in the corner and the
+/// acceleration a away from it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Corner {
     fixed: f64,
     bend: f64,
     grow: f64,
-    /// The way in which it changes the velocity: −1, 0, 1.
+    /// The sign of its change of velocity: −1, 0, 1.
     sign: f64,
 }
 
-/// A bound: on a coordinate of a line, or on all that happens on an arc.
+/// A bound: on a coordinate of a line, or on the sum on an arc.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Bound {
-    /// What v² takes of it.
+    /// The share of v².
     across: f64,
-    /// What the acceleration takes of it, with its sign on a line.
+    /// The share of the acceleration, with its sign on a line.
     along: f64,
-    /// Of any sign, as directions change.
+    /// Of either sign, as directions change.
     round: bool,
     corners: [Corner; 2],
     limit: f64,
 }
 
-/// Plans use so much less than the limits: directions are kept in half the bits.
+/// Plans stay below the limits by this share: directions are kept as f32.
 const MARGIN: f64 = 1.0 / 16384.0;
-/// Entries get so much more acceleration than the plan needs: what the rounding of their speeds takes.
+/// Entries get this share more acceleration than the plan needs, for the rounding of their speeds.
 const SPARE: f64 = 1.0 / 1048576.0;
-/// Below this share of the other, a coefficient is what rounding left.
+/// A coefficient below this share of the other is a rounding error.
 const NOTHING: f64 = 1e-9;
 
 /// Two coordinates across an arc and three sides of a circle, or four coordinates.
 pub(super) const BOUNDS: usize = 5;
 /// The acceleration, two lines for each side at each end, one for the others.
 const LINES: usize = 18;
-/// Each brings the highest speed to another corner of the region.
+/// Each step brings the highest speed to another corner of the region.
 const ROUNDS: usize = 16;
 
 /// y ≤ offset − slope·x, or y ≥ slope·x − offset.
@@ -67,7 +70,7 @@ pub(super) struct Span {
     count: usize,
 }
 
-/// What plans use of a limit.
+/// The part of a limit that plans use.
 fn planned(limit: f64) -> f64 {
     limit * (1.0 - MARGIN)
 }
@@ -76,8 +79,9 @@ impl Corner {
     /// None.
     pub(super) const NONE: Corner = Corner { fixed: 0.0, bend: 0.0, grow: 0.0, sign: 0.0 };
 
-    /// A change of direction, over the mean length of the motions on both sides, at the end of a motion of this length.
-    /// `fastest`, where given, is what both speeds at its ends multiply to at most: it says more of a long motion.
+    /// A change of direction, over the mean length of the motions on both sides, at the end of a
+    /// motion of this length. `fastest`, if given, is the highest product of the speeds at its
+    /// ends: it is the closer bound on a long motion.
     pub(super) fn new(turn: f64, length: f64, fastest: Option<f64>, limit: f64) -> Corner {
         let bend = fabs(turn);
         let sign = if turn > 0.0 { 1.0 } else { -1.0 };
@@ -90,7 +94,7 @@ impl Corner {
 }
 
 impl Bound {
-    /// Of a coordinate of a line: its part of the direction, its corners.
+    /// A bound on a coordinate of a line: its part of the direction, its corners.
     pub(super) fn straight(along: f64, corners: [Corner; 2], limit: f64) -> Bound {
         Bound { across: 0.0, along, round: false, corners, limit: planned(limit) }
     }
@@ -104,7 +108,8 @@ impl Bound {
         })
     }
 
-    /// The greatest acceleration either way, with these squares of the speeds at both ends. At rest a corner takes nothing.
+    /// The greatest acceleration in either direction, with these squares of the speeds at both
+    /// ends. At standstill a corner uses nothing.
     fn most(&self, squares: [f64; 2]) -> f64 {
         self.corners.iter().zip(squares).fold(f64::INFINITY, |a, (corner, square)| {
             let corner = if square > 0.0 { corner } else { &Corner::NONE };
@@ -116,7 +121,7 @@ impl Bound {
 }
 
 impl Span {
-    /// Of this length, with an acceleration of its own.
+    /// A motion of this length, with an acceleration of its own.
     pub(super) fn new(length: f64, acc: f64, bounds: &[Bound]) -> Span {
         let nothing = Line { slope: 0.0, offset: 0.0, lower: true, end: false };
         let mut span = Span { length, tops: [f64::INFINITY; 2], lines: [nothing; LINES], count: 0 };
@@ -150,7 +155,7 @@ impl Span {
         }
     }
 
-    /// What a bound says at one end, where the acceleration takes `steep`·(y − x) of it.
+    /// The lines of a bound at one end, of which the acceleration uses `steep`·(y − x).
     fn corner(&mut self, bound: &Bound, corner: &Corner, end: bool, steep: f64) {
         let square = bound.across + corner.bend;
         let limit = bound.limit - corner.fixed;
@@ -173,7 +178,7 @@ impl Span {
         self.lines.get(..self.count).unwrap_or(&self.lines)
     }
 
-    /// The lines that bound y at x from above and from below, `most` and 0 among them.
+    /// The lines that bound y at x from above and from below, with `most` and 0.
     fn window(&self, x: f64, most: f64) -> [(f64, Line); 2] {
         let line = |offset, lower| Line { slope: 0.0, offset, lower, end: false };
         let (mut above, mut below) = ((most, line(most, false)), (0.0, line(0.0, true)));
@@ -193,8 +198,8 @@ impl Span {
         [above, below]
     }
 
-    /// The highest x, at most `cap`, from which some y from 0 to `most` can be met; whether a higher `most` would not raise
-    /// it.
+    /// The highest x, at most `cap`, from which some y from 0 to `most` can be reached; true if a
+    /// higher `most` would not raise it.
     pub(super) fn back(&self, most: f64, cap: f64) -> (f64, bool) {
         let [free, top] = self.tops;
         let (mut x, mut settled) = (cap.min(top), true);
@@ -203,16 +208,16 @@ impl Span {
             if low <= high {
                 break;
             }
-            // The region is convex, and holds 0: what is below rises faster than what is above.
+            // The region is convex and contains 0: the lower line rises faster than the upper one.
             let next = (above.offset + below.offset) / (above.slope + below.slope);
             settled = above.slope != 0.0;
-            // Where rounding has it that it does not fall, it is there.
+            // If rounding keeps it from falling, it has arrived.
             if next.is_nan() || next >= x {
                 break;
             }
             x = next;
         }
-        // A stop at the end takes no part of the corner there.
+        // A stop at the end uses nothing of the corner there.
         let stops = self.lines().iter().filter(|line| !line.end);
         if x < cap && stops.clone().all(|line| line.slope * x <= line.offset) {
             let ends = stops.filter(|line| line.slope > 0.0).map(|line| line.offset / line.slope);
@@ -224,16 +229,16 @@ impl Span {
         (x.max(0.0), settled)
     }
 
-    /// The highest y, at most `most`, that can be met from x.
+    /// The highest y, at most `most`, that can be reached from x.
     pub(super) fn on(&self, x: f64, most: f64) -> f64 {
         let [(high, _), (low, _)] = self.window(x, most);
-        // What was planned is in the region, but for rounding; what was not has counted on a stop.
+        // A planned x is in the region, but for rounding; any other relies on a stop.
         let slack = 1e-6 * x;
         if high < low - slack || x > self.tops[1] + slack { 0.0 } else { high.max(0.0) }
     }
 
-    /// Speed and acceleration for a motion from x to y, and its time in ms. On an arc, where both share one limit,
-    /// the pair of those tried that takes the least time.
+    /// Speed and acceleration for a motion from x to y, and its time in ms. On an arc both share
+    /// one limit: of the pairs tried, the one with the least time.
     pub(super) fn choose(&self, bounds: &[Bound], [x, y]: [f64; 2], vel: f64, acc: f64) -> (f64, f64, f64) {
         let most = bounds.iter().fold(planned(acc), |a, bound| a.min(bound.most([x, y])));
         let least = fabs(y - x) / (2.0 * self.length);
@@ -281,7 +286,8 @@ mod tests {
         (*state >> 11) as f64 * (1.0 / 9007199254740992.0)
     }
 
-    /// A coordinate of a line: its part of the direction, the turns at both ends over the mean lengths, its limit.
+    /// A coordinate of a line: its part of the direction, the turns at both ends over the mean
+    /// lengths, its limit.
     #[derive(Debug, Clone, Copy)]
     struct Side {
         along: f64,
@@ -289,9 +295,10 @@ mod tests {
         limit: f64,
     }
 
-    /// What a motion of constant acceleration from x to y takes of the limit at each end at most, as decision 9 has it: the
-    /// turn by the speed in the corner and the mean speed from there to the middle of the way, and the acceleration.
-    /// `straight` puts a mean in the place of that product, as plans do.
+    /// The largest part of the limit that a motion of constant acceleration from x to y uses at
+    /// each end, by decision 9. It is the acceleration, and the turn by the speed in the corner and
+    /// the mean speed from there to the middle. With `straight` a mean replaces that product, as in
+    /// plans.
     fn taken(side: &Side, length: f64, [x, y]: [f64; 2], straight: bool) -> f64 {
         let a = (y - x) / (2.0 * length);
         let middle = (x + y) / 2.0;
@@ -307,8 +314,8 @@ mod tests {
         (y - x).abs() / (2.0 * length)
     }
 
-    /// From what can be kept, a step goes to what keeps all limits, and as high as straight bounds let it; and the highest
-    /// begin is the highest that has an end.
+    /// From a speed that can be kept, a step reaches one that keeps all limits and is as high as
+    /// straight bounds allow. The highest start is the highest that has an end.
     #[test]
     fn steps_keep_their_limits_and_go_as_high_as_they_can() {
         let mut state = 3;
@@ -330,7 +337,7 @@ mod tests {
             let (most, cap) = (chance(&mut state) * 400.0, chance(&mut state) * 400.0);
             let (high, settled) = span.back(most, cap);
             let found = || format!("{sides:?} {length} {acc} to {most}, {cap}: {high} {settled}");
-            // An end for the highest begin; by trying, none for a higher one.
+            // There is an end for the highest start; trials find none for a higher one.
             let keeps = |x: f64, y: f64, slack: f64| {
                 accelerates(length, x, y) <= acc * (1.0 + slack)
                     && sides.iter().all(|side| taken(side, length, [x, y], true) <= 1.0 + slack)

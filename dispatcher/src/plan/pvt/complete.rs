@@ -1,12 +1,12 @@
 //! Complete: the clamped cubic spline (SPEC 5, GXN 4.2).
 //!
-//! Continuous acceleration at point i means
-//! λ·v(i−1) + 2·v(i) + μ·v(i+1) = 3·(λ·s(i−1) + μ·s(i)), with the slopes s = Δp/Δt of the segments
-//! before and behind, λ = Δt behind/(both), μ = 1 − λ. The matrix is diagonally dominant by a
-//! factor of 2, so elimination without pivots keeps every velocity within a few 2⁻⁵² of the
-//! largest slope. Each place holds d as its velocity: v(i) = d(i) − c(i)·v(i+1). c depends on the times alone; of it every
-//! [`STRIDE`]th is kept, and the way back computes those between again, by the same operations on the same numbers, so to
-//! the same bits.
+//! Continuous acceleration at point i means λ·v(i−1) + 2·v(i) + μ·v(i+1) = 3·(λ·s(i−1) + μ·s(i)).
+//! The slopes are s = Δp/Δt of the segments before and after the point, λ = Δt after/(both), μ = 1
+//! − λ. The matrix is diagonally dominant by a factor of 2. So elimination without pivots keeps
+//! every velocity within a few 2⁻⁵² of the largest slope.
+//! Each point first holds d as its velocity: v(i) = d(i) − c(i)·v(i+1). c depends on the times
+//! alone. Only every [`STRIDE`]th is kept. The back substitution computes those between again, by
+//! the same operations on the same numbers, so to the same bits.
 use super::scratch::{STRIDE, Scratch};
 
 /// What the elimination carries from point to point.
@@ -28,9 +28,10 @@ fn pivot(lambda: f64, c: f64) -> f64 {
     2.0 - lambda * c
 }
 
-/// One row, when the point behind it is known, from that of the point `before` and the two segments at the point, each its
-/// time and displacement. These are differences of the user's own numbers: of places, which are rounded from the first point, a
-/// short segment late in the table would have lost its end.
+/// One row, once the point after it is known: from the row `before` and the two segments at the
+/// point, each its time and displacement. These are differences of the user's own numbers.
+/// Positions are rounded from the first point, so a short segment late in the table would lose its
+/// last digits.
 pub fn eliminate(before: Row, (h0, p0): (f64, f64), (h1, p1): (f64, f64)) -> Row {
     let (s0, s1) = (p0 / h0, p1 / h1);
     let (lambda, mu) = weights(h0, h1);
@@ -39,7 +40,8 @@ pub fn eliminate(before: Row, (h0, p0): (f64, f64), (h1, p1): (f64, f64)) -> Row
     Row { d: (right - lambda * before.d) / pivot, c: mu / pivot }
 }
 
-/// Puts the velocities in the place of d, from the last place, which has its own, backwards. The times are still the user's.
+/// Replaces d by the velocities, backwards from the last point, which has its own. The times are
+/// still the user's.
 pub fn substitute(scratch: &mut Scratch<'_>) {
     let count = scratch.used();
     let mut next = 0.0;
@@ -53,9 +55,9 @@ pub fn substitute(scratch: &mut Scratch<'_>) {
                 // The last point has its velocity.
                 c = 0.0;
             } else if index > start
-                && let (Some(before), Some(here), Some(behind)) = (time(index - 1), time(index), time(index + 1))
+                && let (Some(before), Some(here), Some(after)) = (time(index - 1), time(index), time(index + 1))
             {
-                let (lambda, mu) = weights(here - before, behind - here);
+                let (lambda, mu) = weights(here - before, after - here);
                 c = mu / pivot(lambda, c);
             }
             *point = c;

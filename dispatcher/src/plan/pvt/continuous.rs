@@ -1,13 +1,13 @@
 //! Continuous: one segment split into acceleration, cruise and deceleration (SPEC 5, GXN 4.2).
 //!
-//! In: displacement, the velocities at both ends, the limits. Out: the durations of the three
-//! parts and the peak, to 100 bits, so that a pass's duration keeps its 64 fraction bits. Fails: no
-//! displacement, a velocity above the limit, a distance too short.
+//! In: displacement, the velocities at both ends, the limits. Out: the durations of the three parts
+//! and the peak, to 100 bits, so that the duration of a pass keeps its 64 fraction bits.
+//! Fails: no displacement, a velocity above the limit, a distance too short.
 use super::double_double::DoubleDouble;
-use crate::admit::refuse::{Admitted, Refused};
+use crate::refuse::{Admitted, Refused};
 use protocol::reason::Reason;
 
-/// What the user gives for the way from one point to the next.
+/// The user's data from one point to the next.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Phase {
     /// Velocity at its point, pulse/ms, signed.
@@ -35,12 +35,12 @@ pub struct Split {
     pub peak: f64,
 }
 
-/// A part below this share of the whole is left out: what the doubles 0.01 and 0.02 lack to
-/// the decimal numbers must not make a ramp of its own, nor a refusal.
+/// A part below this share of the whole is left out. The doubles 0.01 and 0.02 are not the decimal
+/// numbers; the difference must make neither a ramp nor a refusal.
 const LEAST: f64 = 1.0 / (1u64 << 46) as f64;
 
-/// Splits the way of length `length` (not 0) from `phase`'s point to one with velocity `end`.
-/// A refusal names the field of the item by its place in the request's arrays.
+/// Splits the displacement `length` (not 0) from `phase`'s point to one with velocity `end`. A
+/// refusal names the field of the item by its index in the request's arrays.
 pub fn split(phase: &Phase, length: DoubleDouble, end: f64) -> Admitted<Split> {
     if length.high == 0.0 {
         return Err(Refused::new(Reason::NoDisplacement));
@@ -66,7 +66,7 @@ pub fn split(phase: &Phase, length: DoubleDouble, end: f64) -> Admitted<Split> {
         Ok(Split { times, rise: sign * rise.high, fall: sign * fall.high, peak: sign * peak })
     };
     let unreachable = |acc: f64| {
-        // The distance that the change of velocity takes.
+        // The distance that the change of velocity needs.
         let needed = q0.minus(q1).high.abs() / (2.0 * acc);
         Err(Refused::new(Reason::VelocityUnreachable).got(length.high).limits(needed, f64::INFINITY))
     };

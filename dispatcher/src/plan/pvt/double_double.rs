@@ -1,13 +1,13 @@
-//! Twofold numbers: an unevaluated sum of two doubles, 106 bits, by the error-free
+//! Double-double numbers: an unevaluated sum of two doubles, 106 bits, by the error-free
 //! transformations of Dekker and Knuth. Only +, −, ×, ÷ and a correctly rounded square root of
-//! doubles are used, so the bits are the same on every machine with IEEE doubles.
+//! doubles are used. So the bits are the same on every machine with IEEE doubles.
 
 /// `high` + `low`, |low| ≤ half a unit in the last place of `high`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DoubleDouble {
     /// The number, rounded to a double.
     pub high: f64,
-    /// The rest.
+    /// The remainder.
     pub low: f64,
 }
 
@@ -77,7 +77,7 @@ impl DoubleDouble {
         let remainder = remainder.minus(other.times(q2));
         quick(q1, q2).plus(remainder.high / other.high)
     }
-    /// Square root, within 2⁻¹⁰⁰ of itself; 0 for what is not above 0.
+    /// Square root, within 2⁻¹⁰⁰ of itself; 0 for values up to 0 and NaN.
     pub fn sqrt(self) -> DoubleDouble {
         if self.high <= 0.0 {
             return DoubleDouble::default();

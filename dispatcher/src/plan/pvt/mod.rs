@@ -1,13 +1,13 @@
-//! PVT tables from what the user sends: five descriptions, one kind of table (SPEC 5; GXN 4.2).
+//! PVT tables from the user's points: five descriptions, one kind of table (SPEC 5; GXN 4.2).
 //!
-//! In: points one by one, in order, as they come over the link, in the order of the manual's
-//! arrays. Out: a header and places for the tick's stores, or the velocities and times that the two
-//! Calculate commands return. Owns: [`Draft`], the few numbers that the next point needs; the
-//! places lie in the caller's [`Scratch`] until the table is whole, so a refused table changes
-//! nothing. Fails: [`Refused`] names the point (item), the parameter and the limit.
+//! In: points one by one, in the order of the manual's arrays. Out: a header and points for the
+//! tick's stores, or the velocities and times of the two Calculate commands.
+//! Owns: [`Draft`], the few numbers that the next point needs. The points lie in the caller's
+//! [`Scratch`] until the table is complete, so a refused table changes nothing.
+//! Fails: [`Refused`] names the point (item), the parameter and the limit.
 //!
-//! Doubles only, no fused operations; what accumulates (velocities of Percent, times of
-//! Continuous) does so in [`double_double`].
+//! Doubles only, no fused operations; sums (velocities of Percent, times of Continuous) are kept in
+//! [`double_double`].
 mod complete;
 mod continuous;
 mod double_double;
@@ -15,7 +15,7 @@ mod percent;
 mod scale;
 mod scratch;
 
-use crate::admit::refuse::{Admitted, Refused};
+use crate::refuse::{Admitted, Refused, real, within};
 use complete::Row;
 use continuous::Phase;
 pub use double_double::DoubleDouble;
@@ -37,12 +37,17 @@ const FULL_SCALE: f64 = 4_294_967_296.0;
 /// Values of a point in the widest description.
 pub const VALUES: usize = 6;
 
-/// A description with what belongs to the whole table.
+/// The number of a table in its core, from 1, as the user knows it.
+pub fn table_number(table: u8) -> i16 {
+    i16::from(table % TABLES as u8) + 1
+}
+
+/// A description with the values of the whole table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Kind {
     /// Time, position, velocity.
     Pvt,
-    /// Time, position, velocity at the begin and at the end of the segment that follows.
+    /// Time, position, velocity at the start and at the end of the segment that follows.
     PvtEx,
     /// Time, position.
     Complete {
@@ -75,12 +80,12 @@ impl Kind {
     }
 }
 
-/// Where the parameters stand in the request, so that a refusal can name them.
+/// Indices of the parameters in the request, so that a refusal can name them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Fields {
     /// The count of points.
     pub count: u8,
-    /// The first of the numbers that belong to the whole table.
+    /// The first of the values of the whole table.
     pub whole: u8,
     /// The first value of a point.
     pub point: u8,
@@ -91,11 +96,11 @@ pub struct Fields {
 pub struct Draft {
     kind: Kind,
     fields: Fields,
-    /// What the board's step outputs make of an axis, pulse/ms.
+    /// Step limit of the board, pulse/ms.
     limit: f64,
     count: u16,
     taken: u16,
-    /// Places go into the scratch memory; false for the Calculate commands.
+    /// Points go into the scratch memory; false for the Calculate commands.
     load: bool,
     /// Time and position of the first point.
     first: (f64, f64),
@@ -105,7 +110,7 @@ pub struct Draft {
     knot: Knot,
     /// Complete: time and displacement of the segment that ends at the last point.
     segment: (f64, f64),
-    /// What the elimination left at the point before the last one.
+    /// The row of the elimination at the point before the last one.
     row: Row,
     /// PvtTableEx: velocity at the end of the segment that the last point began.
     vel_end: f64,
@@ -113,12 +118,12 @@ pub struct Draft {
     percent: f64,
     /// Percent: velocity at the last point. Continuous: its time.
     carried: DoubleDouble,
-    /// Continuous: the way that begins at the last point.
+    /// Continuous: the segment that begins at the last point.
     phase: Phase,
 }
 
 impl Draft {
-    /// A table of `count` points. With `load`, `scratch` is emptied and takes the places; without,
+    /// A table of `count` points. With `load`, `scratch` is emptied and takes the points; without,
     /// only the answers of [`Draft::point`] are wanted.
     pub fn begin(
         kind: Kind,
@@ -141,7 +146,7 @@ impl Draft {
             }
             Kind::Percent { vel_begin } => carried = speed(vel_begin, fields.whole, limit)?.into(),
             Kind::Continuous { time_begin } => {
-                carried = crate::admit::refuse::real(fields.whole, time_begin, 0.0, LATEST_MS)?.into();
+                carried = real(fields.whole, time_begin, 0.0, LATEST_MS)?.into();
             }
             Kind::Pvt | Kind::PvtEx => {}
         }
@@ -178,8 +183,8 @@ impl Draft {
         self.count
     }
 
-    /// Takes the next point; the answer is its velocity (Percent) or its time (Continuous), 0
-    /// for the other descriptions. After a refusal the draft is of no further use.
+    /// Takes the next point. Returns its velocity (Percent) or its time (Continuous), 0 for the
+    /// other descriptions. After a refusal the draft is of no further use.
     pub fn point(&mut self, values: &[f64], scratch: &mut Scratch<'_>) -> Admitted<f64> {
         let item = self.taken as usize;
         let admitted = self.admit(values, scratch);
@@ -187,10 +192,10 @@ impl Draft {
             .map_err(|refused| refused.item(if self.names_before(&refused) { item.saturating_sub(1) } else { item }))
     }
 
-    /// Whether the refusal is about the way to this point, which the point before it described.
+    /// Whether the refusal is about the segment to this point, which the point before it described.
     fn names_before(&self, refused: &Refused) -> bool {
         let distance = [Reason::NoDisplacement, Reason::VelocityUnreachable, Reason::AboveVelMax];
-        // Of what a point says, its velMax alone is too fast only on the way to the next one.
+        // Of a point's own values only velMax can be too fast, and only on the segment after it.
         let vel_max = matches!(self.kind, Kind::Continuous { .. }) && refused.wire.field == self.fields.point + 3;
         let cruises = refused.reason == Reason::TooFast && vel_max;
         self.taken > 0 && (cruises || distance.contains(&refused.reason))
@@ -218,8 +223,8 @@ impl Draft {
         if self.taken > 0 && time <= self.last.0 {
             return Err(Refused::new(Reason::PointTime).field(field).got(time).limits(self.last.0, LATEST_MS));
         }
-        crate::admit::refuse::within(field, time, 0.0, LATEST_MS)?;
-        crate::admit::refuse::within(field + 1, pos, -FURTHEST, FURTHEST)?;
+        within(field, time, 0.0, LATEST_MS)?;
+        within(field + 1, pos, -FURTHEST, FURTHEST)?;
         let begins = self.taken == 0;
         if begins {
             self.first = (time, pos);
@@ -250,22 +255,22 @@ impl Draft {
                     self.row = Row { d: vel_begin, c: 0.0 };
                     scratch.push(Knot { time, pos, vel: vel_begin })?;
                 } else {
-                    let behind = (time - self.last.0, pos - self.last.1);
+                    let following = (time - self.last.0, pos - self.last.1);
                     let index = usize::from(self.taken).wrapping_sub(1);
                     if index > 0
                         && let Some(mut knot) = scratch.knot(index)
                     {
-                        self.row = complete::eliminate(self.row, self.segment, behind);
+                        self.row = complete::eliminate(self.row, self.segment, following);
                         knot.vel = self.row.d;
                         scratch.set(index, knot);
                     }
                     scratch.keep(index, self.row.c);
-                    self.segment = behind;
+                    self.segment = following;
                     scratch.push(Knot { time, pos, vel: vel_end })?;
                 }
             }
             Kind::Percent { .. } => {
-                let percent = crate::admit::refuse::within(field + 2, at(2), 0.0, 100.0)?;
+                let percent = within(field + 2, at(2), 0.0, 100.0)?;
                 if !begins {
                     let span = DoubleDouble::between(time, self.last.0);
                     self.carried = DoubleDouble::between(pos, self.last.1).times(2.0).over(span).minus(self.carried);
@@ -288,10 +293,10 @@ impl Draft {
 
     fn continuous(&mut self, pos: f64, phase: Phase, scratch: &mut Scratch<'_>) -> Admitted<f64> {
         let field = self.fields.point;
-        crate::admit::refuse::within(field, pos, -FURTHEST, FURTHEST)?;
+        within(field, pos, -FURTHEST, FURTHEST)?;
         speed(phase.vel, field + 1, self.limit)?;
-        crate::admit::refuse::within(field + 2, phase.percent, 0.0, 100.0)?;
-        // The last point begins no way; its limits are not used.
+        within(field + 2, phase.percent, 0.0, 100.0)?;
+        // The last point begins no segment; its limits are not used.
         if self.taken + 1 < self.count {
             for (value, field) in [(phase.vel_max, field + 3), (phase.acc, field + 4), (phase.dec, field + 5)] {
                 let allowed = 1e-30..=if field == self.fields.point + 3 { FULL_SCALE } else { 1e30 };
@@ -354,7 +359,7 @@ impl Draft {
         self.fields.point + index
     }
 
-    /// The next place, after a segment that an axis can run.
+    /// Adds the next point, after a segment that an axis can run.
     fn push(&mut self, knot: Knot, scratch: &mut Scratch<'_>) -> Admitted<()> {
         if self.taken > 0 {
             check(&self.knot, &knot, self.limit).map_err(|refused| refused.field(self.position()))?;
@@ -362,14 +367,13 @@ impl Draft {
         self.jump(knot, scratch)
     }
 
-    /// The next place, at the time of the one before or the first.
+    /// Adds the next point, at the time of the one before, or the first.
     fn jump(&mut self, knot: Knot, scratch: &mut Scratch<'_>) -> Admitted<()> {
         self.knot = knot;
         if self.load { scratch.push(knot) } else { Ok(()) }
     }
 
-    /// All points are there: the table as the tick will read it. The draft goes on existing only
-    /// if it is not complete (`None`).
+    /// All points have come: the table as the tick will read it; `None` if a point is missing.
     pub fn finish(&self, scratch: &mut Scratch<'_>) -> Option<Admitted<Sealed>> {
         (self.taken == self.count && self.load).then(|| self.seal(scratch))
     }

@@ -1,9 +1,10 @@
-//! The percent shape of a ramp (SPEC 5, Percent): in a ramp of duration T from v0 to v1 with percentage c
-//! the acceleration rises for T·c/200, holds, and falls for T·c/200. With k = c/200 its peak is
-//! (v1 − v0)/(T·(1 − k)); time and displacement of the ramp do not depend on c.
+//! The curve of PVT Percent, a ramp with percentage (SPEC 5, Percent). In a ramp of duration T from
+//! v0 to v1 with percentage c the acceleration rises for T·c/200, holds, and falls for T·c/200.
+//! With k = c/200 its peak is (v1 − v0)/(T·(1 − k)). Time and displacement of the ramp do not
+//! depend on c.
 use super::scratch::Knot;
 
-/// Below this share of the ramp a part is left out: the position differs by less than 2⁻⁴⁶ of
+/// A part below this share of the ramp is left out. The position then differs by less than 2⁻⁴⁶ of
 /// speed × duration, a sixty-fourth of what SPEC 11 allows.
 const LEAST: f64 = 1.0 / (1u64 << 46) as f64;
 

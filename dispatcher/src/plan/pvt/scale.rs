@@ -1,9 +1,9 @@
 //! From the user's doubles to the units of a table, by integers alone.
 //!
-//! In: knots in ms, pulse and pulse/ms from the first point. Out: a header and places. Fails: where
-//! no scale holds the table.
+//! In: knots in ms, pulse and pulse/ms from the first point. Out: a header and points. Fails: if no
+//! scale holds the table.
 use super::scratch::{Knot, Scratch};
-use crate::admit::refuse::{Admitted, Refused};
+use crate::refuse::{Admitted, Refused};
 use protocol::reason::Reason;
 use servo::segment::pvt::{Header, POINT_WORDS, POS_BITS, Point, TIME_BITS, VEL_BITS};
 use servo::units::Exact;
@@ -49,13 +49,13 @@ fn bits_for(x: f64, n: u32, width: u32, most: i32) -> i32 {
     if fixed(x, n, bits).unsigned_abs() >> width != 0 { bits - 1 } else { bits }
 }
 
-/// The places of a table that is complete in the scratch memory.
+/// The points of a table that is complete in the scratch memory.
 #[derive(Debug, Clone, Copy)]
 pub struct Sealed {
     header: Header,
 }
 
-/// Whole-table numbers that do not come from the knots.
+/// Values of the whole table that do not come from the knots.
 #[derive(Debug, Clone, Copy)]
 pub struct Totals {
     /// Time of the first point in 2⁻⁶⁴ ns.
@@ -95,8 +95,8 @@ impl Sealed {
                 furthest = furthest.max((b.pos - a.pos).unsigned_abs());
             }
         }
-        // The longest segment keeps its top bit, as far as displacements stay below 2^59 and more
-        // than 84 fraction bits are of no use; beyond that the velocity needs no bits either.
+        // The longest segment keeps its top bit, as far as displacements stay below 2^59. More than
+        // 84 fraction bits are of no use; beyond that the velocity needs no bits either.
         header.lift = longest.leading_zeros().min(63) as u8;
         let room = 59 - (64 - furthest.leading_zeros() as i32) + header.pos_bits as i32;
         let excess = (header.frac() - room.min(84)).max(0);
@@ -115,12 +115,12 @@ impl Sealed {
         self.header
     }
 
-    /// Places in use.
+    /// Points in use.
     pub fn points(&self) -> u32 {
         self.header.points as u32
     }
 
-    /// Place `index` as stored.
+    /// Point `index` as stored.
     pub fn point(&self, scratch: &Scratch<'_>, index: u32) -> Option<[u32; POINT_WORDS]> {
         self.scaled(scratch, index)?.admit()
     }

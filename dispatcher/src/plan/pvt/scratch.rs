@@ -1,19 +1,20 @@
 //! Scratch memory of a table that is being sent: knots as doubles.
 //!
-//! In: knots in time order. Out: the same. Owns the velocities, 8 KiB; times and positions wait in the place memory of a table
-//! that is empty. Fails: a knot too many, a segment that is faster than the step limit or swings out of reach. The table in force
-//! is not touched before the new one is whole.
+//! In: knots in time order. Out: the same. Owns the velocities, 8 KiB; times and positions wait in
+//! the point memory of an empty table.
+//! Fails: a knot too many, a segment above the step limit or out of reach. The present table is not
+//! changed before the new one is complete.
 //!
-//! A spline's elimination leaves a fourth number a point; of these only every [`STRIDE`]th is kept, and what lies between is
-//! computed again ([`super::complete`]).
-use crate::admit::refuse::{Admitted, Refused};
+//! A spline's elimination leaves a fourth number for each point. Only every [`STRIDE`]th is kept;
+//! those between are computed again ([`super::complete`]).
+use crate::refuse::{Admitted, Refused};
 use protocol::reason::Reason;
 use servo::segment::pvt::{PLACES, PointStore};
 
 /// The motion stays within 2⁴¹ pulses of its first point: from one edge of travel to the other.
 const REACH: f64 = 2_199_023_255_552.0;
 
-/// A place of a table in user units, counted from the first point.
+/// A point of a table in user units, counted from the first point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Knot {
     /// ms.
@@ -24,14 +25,14 @@ pub struct Knot {
     pub vel: f64,
 }
 
-/// Points from one that is kept of a spline's elimination to the next.
+/// Points between two kept numbers of a spline's elimination.
 pub const STRIDE: usize = 32;
 
-/// What does not find room in the place memory.
+/// Memory besides the point memory.
 pub struct SplineScratch {
     velocities: [f64; PLACES],
     used: usize,
-    /// What the elimination has left at the points 0, [`STRIDE`] ….
+    /// The elimination's numbers at the points 0, [`STRIDE`] ….
     kept: [f64; PLACES / STRIDE],
 }
 
@@ -65,7 +66,7 @@ fn double(low: u32, high: u32) -> f64 {
 }
 
 impl<'a> Scratch<'a> {
-    /// As it was left there. `room` is that of a table which nobody reads.
+    /// Memory with its present content. `room` is that of a table which nobody reads.
     pub fn new(beside: &'a mut SplineScratch, room: &'a PointStore) -> Scratch<'a> {
         Scratch { beside, room }
     }
@@ -75,7 +76,7 @@ impl<'a> Scratch<'a> {
         self.beside.used = 0;
     }
 
-    /// Knots put in.
+    /// Knots in it.
     pub fn used(&self) -> usize {
         self.beside.used
     }
@@ -112,7 +113,7 @@ impl<'a> Scratch<'a> {
         Ok(())
     }
 
-    /// Keeps what the elimination has left at a point, if it is one that is kept.
+    /// Keeps the elimination's number at a point, if it is one that is kept.
     pub fn keep(&mut self, index: usize, c: f64) {
         if index.is_multiple_of(STRIDE)
             && let Some(point) = self.beside.kept.get_mut(index / STRIDE)
@@ -121,13 +122,13 @@ impl<'a> Scratch<'a> {
         }
     }
 
-    /// What it has left at the point `block` · [`STRIDE`].
+    /// The number at the point `block` · [`STRIDE`].
     pub fn kept(&self, block: usize) -> f64 {
         self.beside.kept.get(block).copied().unwrap_or(0.0)
     }
 }
 
-/// Whether an axis whose steps are limited to so many pulse/ms can run from one knot to the next.
+/// Whether an axis with this step limit (pulse/ms) can run from one knot to the next.
 pub fn check(a: &Knot, b: &Knot, limit: f64) -> Admitted<()> {
     let length = b.time - a.time;
     let (p, w0, w1) = (b.pos - a.pos, a.vel * length, b.vel * length);
@@ -135,7 +136,7 @@ pub fn check(a: &Knot, b: &Knot, limit: f64) -> Admitted<()> {
     let top = -c2 / (3.0 * c3);
     let inner = if length > 0.0 && top > 0.0 && top < 1.0 { (w0 + c2 * top) / length } else { 0.0 };
     let speed = a.vel.abs().max(b.vel.abs()).max(inner.abs());
-    // What doubles round is still at the limit. NaN cannot come from admitted numbers; it would be refused.
+    // Rounding of doubles is tolerated. NaN cannot come from admitted numbers; it would be refused.
     if speed.is_nan() || speed > limit * (1.0 + 1e-9) {
         return Err(Refused::new(Reason::TooFast).got(speed).limits(-limit, limit));
     }

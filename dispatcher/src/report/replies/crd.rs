@@ -1,7 +1,8 @@
 //! Reads of coordinate systems.
 use super::{Reading, number};
-use crate::admit::context::Query;
-use crate::shadow::{CrdShadow, position_of};
+use crate::plan::geometry::position_of;
+use crate::report::answer::Query;
+use crate::shadow::CrdShadow;
 use protocol::command::{self, opcode};
 use protocol::record::{Full, ReplyWriter};
 use servo::path::{DIMENSIONS, PathStop};
@@ -115,7 +116,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
     }
 }
 
-/// As CrdInfo tells it.
+/// As CrdInfo reports it.
 fn rest(rest: PathStop) -> u8 {
     match rest {
         PathStop::Never => 0,

@@ -1,6 +1,6 @@
 //! Reads of axes that follow.
 use super::Reading;
-use crate::admit::context::Query;
+use crate::report::answer::Query;
 use crate::shadow::AxisShadow;
 use protocol::command::{self, opcode};
 use protocol::record::{Full, ReplyWriter};
@@ -8,7 +8,8 @@ use servo::units::Axis;
 use servo::view::AxisView;
 use zerocopy::IntoBytes;
 
-/// What GetFollowMaster tells before SetFollowMaster: no axis, and the type and item that are left out (PROFILE, 0).
+/// What GetFollowMaster reports before SetFollowMaster: no axis, and the default type and item
+/// (PROFILE, 0).
 const NO_MASTER: [i16; 3] = [0, 2, 0];
 
 impl<const AXES: usize> Reading<'_, AXES> {

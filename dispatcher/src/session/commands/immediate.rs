@@ -1,18 +1,19 @@
-//! The immediate lane: what becomes of a record of lane 0.
+//! The immediate lane: how a record of lane 0 is handled.
 //!
-//! In: a record, the view. Out: entries of the lane, a reply or the promise of one. Owns nothing. Fails by refusals; what
-//! finds no room now is tried again.
+//! In: a record, the view. Out: entries of the lane, a reply or the promise of one. Owns nothing.
+//! Fails: by refusals. A record that finds no room now is tried again.
 use super::CommandHandler;
-use crate::admit::context::{Answer, Due, Effect, TAKEN_MAX};
+use crate::admit::context::{Due, Effect, TAKEN_MAX};
 use crate::admit::data::{self, FifoOf};
 use crate::admit::is_read;
 use crate::admit::pvt_table::{TableKind, table_kind};
-use crate::admit::refuse::Refused;
+use crate::admit::staged::STAGED;
 use crate::program::Program;
+use crate::refuse::Refused;
+use crate::report::answer::Answer;
 use crate::report::event_log::{Kind, ShutOff};
+use crate::report::pending_replies::Step;
 use crate::report::replies::values_reply;
-use crate::session::lane::STAGED;
-use crate::session::pending_replies::Step;
 use crate::shadow::Change;
 use protocol::command::{SetHSIOOpt, opcode};
 use protocol::reason::Reason;
@@ -36,7 +37,7 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
         record: &RequestRecord,
         out: &mut ReplyWriter,
     ) -> Step {
-        if self.lane.room() < STAGED.max(AXES) || self.awaiting.is_full() || self.taken.room() < TAKEN_MAX {
+        if self.admission.lane.room() < STAGED.max(AXES) || self.awaiting.is_full() || self.taken.room() < TAKEN_MAX {
             return Step::Wait;
         }
         if self.config.is_some() {
@@ -50,9 +51,9 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
                 if !self.is_quiet() {
                     return Step::Wait;
                 }
-                return match program.control(self, record) {
-                    Ok(Some(answer)) => self.await_last(record, answer, false),
-                    Ok(None) => Step::Wait,
+                return match program.control(&mut self.admission, record) {
+                    Ok(Step::Taken) => self.await_last(record, Answer::Done, false),
+                    Ok(Step::Wait) => Step::Wait,
                     Err(refused) => self.refuse(record, refused, out),
                 };
             }
@@ -77,7 +78,7 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
             return self.refuse(record, Refused::new(Reason::ProgramRuns), out);
         }
         if data::is_data(record.opcode, record.body) {
-            return match self.admit_data(view, Due::at_once(self.is_quiet()), record.opcode, record.body) {
+            return match self.admission.admit_data(view, Due::at_once(self.is_quiet()), record.opcode, record.body) {
                 Ok(written) => self.take_data(record, &written),
                 Err(refused) => self.refuse(record, refused, out),
             };
@@ -87,7 +88,7 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
                 return Step::Wait;
             }
             let reply = |values: &[f64]| values_reply(record.opcode, record.tag, values.iter().copied(), out).is_ok();
-            return match self.calculate(view, 0, record.opcode, record.body, reply) {
+            return match self.admission.calculate(view, 0, record.opcode, record.body, reply) {
                 Ok(sent) => {
                     if sent {
                         Step::Taken
@@ -98,30 +99,30 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
                 Err(refused) => self.refuse(record, refused, out),
             };
         }
-        match self.admit(view, Due::at_once(self.is_quiet()), record.opcode, record.body) {
+        match self.admission.admit(view, Due::at_once(self.is_quiet()), record.opcode, record.body) {
             Err(refused) => self.refuse(record, refused, out),
             Ok((Answer::Read(query), Effect::None)) => {
                 if !self.is_quiet() {
                     return Step::Wait;
                 }
-                Step::of(self.reading(view).reply(record.tag, &query, out))
+                Step::of(self.admission.reading(view).reply(record.tag, &query, out))
             }
             Ok((_, Effect::Choose(configuration)))
                 if program.is_active()
                     && (configuration.number, configuration.family)
-                        != (self.configuration.number, self.configuration.family) =>
+                        != (self.admission.configuration.number, self.admission.configuration.family) =>
             {
                 self.refuse(record, Refused::new(Reason::ProgramRuns), out)
             }
             Ok((answer, effect)) => {
                 // The end of a laser's follow stops nothing.
                 let stops = |(op, _): &(Op, Change)| !matches!(op, Op::FollowEnd { .. });
-                if record.opcode == opcode::Stop && self.staged.ops().iter().any(stops) {
-                    program.stop(self, Reason::Discarded);
+                if record.opcode == opcode::Stop && self.admission.staged.ops().iter().any(stops) {
+                    program.stop(&mut self.admission, Reason::Discarded);
                 }
                 if record.opcode == opcode::Abort {
-                    program.abort(self);
-                    self.log.put(view.now, Kind::ShutOff, 0, ShutOff::Abort as u16);
+                    program.abort(&mut self.admission);
+                    self.admission.log.put(view.now, Kind::ShutOff, 0, ShutOff::Abort as u16);
                 }
                 self.push_staged();
                 if let (Effect::Took(values), Answer::Took { count, .. }) = (effect, answer) {
@@ -129,30 +130,30 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
                         self.taken.push(value);
                     }
                 }
-                self.apply(effect, self.lane.last());
+                self.admission.apply(effect, self.admission.lane.last());
                 if let Effect::Config = effect {
                     self.config = Some(0);
                     return self.go_on_with_config(view, record);
                 }
-                let own = !self.staged.ops().is_empty();
+                let own = !self.admission.staged.ops().is_empty();
                 self.await_last(record, answer, own)
             }
         }
     }
 
-    /// Pushes what is staged; the caller has seen that there is room.
+    /// Pushes what is staged; the caller has checked that there is room.
     fn push_staged(&mut self) {
-        for &(op, change) in self.staged.ops() {
-            self.lane.push(op, change, 0, &mut self.admitted);
+        for &(op, change) in self.admission.staged.ops() {
+            self.admission.lane.push(op, change, 0, &mut self.admission.admitted);
         }
     }
 
     fn take_data(&mut self, record: &RequestRecord, written: &data::Written) -> Step {
         let (op, change) = match written.of {
-            FifoOf::Axis(axis) => data::commit(&self.admitted, axis, written.fifo),
-            FifoOf::Crd(crd) => self.commit_path(crd, written.fifo),
+            FifoOf::Axis(axis) => data::commit(&self.admission.admitted, axis, written.fifo),
+            FifoOf::Crd(crd) => self.admission.commit_path(crd, written.fifo),
         };
-        self.lane.push(op, change, 0, &mut self.admitted);
+        self.admission.lane.push(op, change, 0, &mut self.admission.admitted);
         for value in written.waiting() {
             self.taken.push(value);
         }
@@ -161,10 +162,10 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
 
     fn go_on_with_config(&mut self, view: &View<AXES>, record: &RequestRecord) -> Step {
         while let Some(item) = self.config {
-            if self.lane.room() < STAGED {
+            if self.admission.lane.room() < STAGED {
                 return Step::Wait;
             }
-            if !self.stage_config(view, record.body, item) {
+            if !self.admission.stage_config(view, record.body, item) {
                 self.config = None;
                 break;
             }

@@ -1,16 +1,16 @@
-//! What a physical quantity of a laser may be, and what becomes of one that lies outside (SPEC 2): the GUS
-//! family refuses it, the LSR family takes the nearest bound and tells so. NaN and infinities are refused
-//! in both.
-use crate::admit::refuse::{Admitted, Refused};
+//! The range of a laser's quantities, above all its power, and what happens to a value outside
+//! (SPEC 2). The GUS family refuses it with return code 7; the LSR family takes the nearest bound
+//! and reports it. NaN and infinities are refused in both.
+use crate::refuse::{Admitted, Refused};
 use protocol::reason::Reason;
 
-/// The least frequency, kHz: 1 Hz.
+/// The lowest frequency, kHz: 1 Hz.
 const LEAST_KHZ: f64 = 0.001;
 
 /// Values that are refused in both families.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Never {
-    /// None but what is no number.
+    /// None but NaN and infinities.
     Nothing,
     /// Below 1 Hz.
     Slow,
@@ -27,17 +27,17 @@ pub struct Range {
 }
 
 impl Range {
-    /// Both bounds belong to it.
+    /// Both bounds belong to the range.
     pub const fn new(low: f64, high: f64) -> Self {
         Range { low, high, never: Never::Nothing }
     }
 
-    /// A carrier or a standby frequency, kHz: 1 Hz at least.
+    /// A carrier or a standby frequency, kHz: at least 1 Hz.
     pub const fn frequency(high: f64) -> Self {
         Range { low: LEAST_KHZ, high, never: Never::Slow }
     }
 
-    /// A rate of pulses, kHz: 0, or 1 Hz at least.
+    /// A rate of pulses, kHz: 0, or at least 1 Hz.
     pub const fn rate(high: f64) -> Self {
         Range { low: 0.0, high, never: Never::SlowPulses }
     }
@@ -51,13 +51,13 @@ impl Range {
         }
     }
 
-    /// `value` held in it.
+    /// `value` limited to the range.
     pub fn nearest(&self, value: f64) -> f64 {
         value.max(self.low).min(self.high)
     }
 }
 
-/// Takes the quantities of one command and notes which of them had to be held.
+/// Takes the quantities of one command and notes which of them had to be limited.
 #[derive(Debug)]
 pub struct Taking {
     holds: bool,
@@ -71,8 +71,8 @@ impl Taking {
         Taking { holds, held: 0 }
     }
 
-    /// `got` of parameter `field`, which is field `place` of the reply.
-    pub fn take(&mut self, field: u8, place: u8, got: f64, range: Range) -> Admitted<f64> {
+    /// `got` of parameter `field`, which is field `index` of the reply.
+    pub fn take(&mut self, field: u8, index: u8, got: f64, range: Range) -> Admitted<f64> {
         if !got.is_finite() {
             return Err(Refused::new(Reason::NotFinite).field(field).got(got));
         }
@@ -81,7 +81,7 @@ impl Taking {
             return Ok(got);
         }
         if self.holds && !range.refuses(got) {
-            self.held |= 1 << place;
+            self.held |= 1 << index;
             return Ok(nearest);
         }
         let slow = range.never == Never::SlowPulses && range.refuses(got);
@@ -90,22 +90,23 @@ impl Taking {
     }
 
     /// The maximum of LaserPowerMode: a negative one is refused in both families.
-    pub fn maximum(&mut self, field: u8, place: u8, got: f64, range: Range) -> Admitted<f64> {
+    pub fn maximum(&mut self, field: u8, index: u8, got: f64, range: Range) -> Admitted<f64> {
         if got < 0.0 {
             return Err(Refused::new(Reason::OutOfRange).field(field).got(got).limits(range.low, range.high));
         }
-        self.take(field, place, got, range)
+        self.take(field, index, got, range)
     }
 
-    /// The minimum of LaserPowerMode: one outside its range, on either side, is taken as the range's minimum (LSR, command 11).
-    pub fn minimum(&mut self, field: u8, place: u8, got: f64, range: Range) -> Admitted<f64> {
-        let taken = self.take(field, place, got, range)?;
+    /// The minimum of LaserPowerMode: one outside its range, on either side, is taken as the
+    /// range's minimum (LSR, command 11).
+    pub fn minimum(&mut self, field: u8, index: u8, got: f64, range: Range) -> Admitted<f64> {
+        let taken = self.take(field, index, got, range)?;
         Ok(if taken == got { taken } else { range.low })
     }
 
     /// The same for whole numbers of at most 16 bits.
-    pub fn whole(&mut self, field: u8, place: u8, got: u32, low: u16, high: u16) -> Admitted<u16> {
+    pub fn whole(&mut self, field: u8, index: u8, got: u32, low: u16, high: u16) -> Admitted<u16> {
         // A value in the range of 16 bits is one.
-        self.take(field, place, got.into(), Range::new(low.into(), high.into())).map(|taken| taken as u16)
+        self.take(field, index, got.into(), Range::new(low.into(), high.into())).map(|taken| taken as u16)
     }
 }

@@ -1,17 +1,18 @@
-//! What leads to the FIFOs of coordinate systems: commits, look-aheads of paths that run, what a dropped program gave them.
+//! How the FIFOs of coordinate systems are fed: commits, look-aheads of running paths, what a
+//! dropped program gave them.
 //!
-//! In: the view, the books. Out: commits, through either lane. Owns nothing. Fails: where the lane has no room, nothing is
-//! pushed and the caller comes again.
-use super::CommandHandler;
-use crate::admit::data;
+//! In: the view, the shadow state. Out: commits, through either lane. Owns nothing.
+//! Fails: if the lane has no room, nothing is pushed and the caller tries again.
+use super::admission::Admission;
+use super::data;
+use super::staged::STAGED;
 use crate::plan::path_queue::LASTS_MS;
-use crate::session::lane::STAGED;
 use crate::shadow::{Change, PROGRAM_FLAG, executed};
 use servo::op::Op;
 use servo::units::Crd;
 use servo::view::View;
 
-impl<const AXES: usize> CommandHandler<'_, AXES> {
+impl<const AXES: usize> Admission<'_, AXES> {
     /// The commit of all that has left a look-ahead, or never went there.
     pub fn commit_path(&mut self, crd: Crd, fifo: u8) -> (Op, Change) {
         let mut end = 0;
@@ -23,18 +24,18 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
         data::commit_path(&self.admitted, crd, fifo, end)
     }
 
-    /// The same by the immediate lane. The caller has seen that there is room.
+    /// The same through the immediate lane. The caller has checked that there is room.
     pub fn commit_path_now(&mut self, crd: Crd, fifo: u8) {
         let (op, change) = self.commit_path(crd, fifo);
         self.lane.push(op, change, 0, &mut self.admitted);
     }
 
-    /// Paths that run and whose entries do not last long enough any more get more from their look-aheads.
+    /// Running paths whose entries do not last long enough get more from their look-aheads.
     pub fn feed_paths(&mut self, view: &View<AXES>) {
         self.feed_due = u64::MAX;
         for crd in Crd::all().take(self.entries.count()) {
             let (sampled, shadow) = (&view.crds[crd.index()], self.admitted.crd(crd));
-            // What a WaitStop has closed is not fed from what comes behind it.
+            // Data after a WaitStop does not feed the path before it.
             let started = shadow.started.is_some_and(|seq| executed(view, seq));
             let (fifo, index) = (sampled.fifo, usize::from(sampled.fifo & 1));
             let Some(queues) = self.queues.get_mut(crd.index()).filter(|_| sampled.runs && started) else { continue };
@@ -45,17 +46,17 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
                 self.commit_path_now(crd, fifo);
             }
             let Some(queue) = self.queues.get_mut(crd.index()).map(|queues| &mut queues[index]) else { continue };
-            let spare = (queue.lasts(stores, sampled, fifo) - LASTS_MS).max(0.0) * 1e6;
-            let due = view.now.0.saturating_add(spare as u64);
+            let margin_ns = (queue.lasts(stores, sampled, fifo) - LASTS_MS).max(0.0) * 1e6;
+            let due = view.now.0.saturating_add(margin_ns as u64);
             if queue.held() > 0 {
                 self.feed_due = self.feed_due.min(due);
             }
         }
     }
 
-    /// Everything that waits in a look-ahead goes to a path that runs, before a WaitStop of it. False if that cannot be
-    /// now.
-    pub fn flush_path(&mut self, view: &View<AXES>, crd: Crd, near: bool) -> bool {
+    /// Hands all of a look-ahead to a running path, before a WaitStop for it. False if that cannot
+    /// be now.
+    pub fn flush_path(&mut self, view: &View<AXES>, crd: Crd, soon: bool) -> bool {
         let shadow = self.admitted.crd(crd);
         let (fifo, index) = (shadow.fifo, usize::from(shadow.fifo & 1));
         if !shadow.may_run(view, &view.crds[crd.index()]) {
@@ -69,7 +70,7 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
         if queues[index].held() == 0 {
             return true;
         }
-        if !near || self.lane.room() <= STAGED {
+        if !soon || self.lane.room() <= STAGED {
             return false;
         }
         queues[index].flush(&stores[index]);
@@ -77,8 +78,9 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
         true
     }
 
-    /// A program has been dropped: what it had given to FIFOs and is not executed is forgotten. A FIFO is emptied if its
-    /// places were overwritten, and if some of what was executed waited in a look-ahead together with what was not.
+    /// After a program was dropped: forgets what it gave to FIFOs and was not executed. A FIFO is
+    /// emptied if its slots were overwritten, or if executed and dropped entries waited together in
+    /// a look-ahead.
     pub fn forget_paths(&mut self, view: &View<AXES>) {
         for crd in Crd::all().take(self.entries.count()) {
             for fifo in 0..2u8 {

@@ -1,10 +1,10 @@
-//! Refusals: how an admission says no.
+//! Refusals: the result of a check that fails.
 //!
-//! A [`Refused`] is built where the check is; it names the reason, the parameter, the axis and the
-//! limits, and becomes the payload of the reply as it stands.
+//! A [`Refused`] is built where the check is. It names the reason, the parameter, the axis and the
+//! limits. It is the payload of the reply as it is.
 use protocol::reason::{Code, Reason, Refusal};
 
-/// A refusal on its way to the client.
+/// A refusal for the client.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Refused {
     /// What is wrong.
@@ -14,18 +14,18 @@ pub struct Refused {
 }
 
 impl Refused {
-    /// A refusal that names nothing yet.
+    /// A refusal that names only its reason.
     pub fn new(reason: Reason) -> Self {
         let wire = Refusal { reason: (reason as u16).into(), field: 255, item: 65535.into(), ..Refusal::default() };
         Refused { reason, wire }
     }
-    /// The same for another reason, which says more.
+    /// The same with another, more precise reason.
     pub fn reason(mut self, reason: Reason) -> Self {
         self.reason = reason;
         self.wire.reason = (reason as u16).into();
         self
     }
-    /// Names the parameter by its place in the request.
+    /// Names the parameter by its index in the request.
     pub fn field(mut self, field: u8) -> Self {
         self.wire.field = field;
         self
@@ -40,18 +40,18 @@ impl Refused {
         self.wire.axis = number.into();
         self
     }
-    /// Says what was given.
+    /// Reports the value that was given.
     pub fn got(mut self, got: f64) -> Self {
         self.wire.got = got.into();
         self
     }
-    /// Says what is allowed.
+    /// Reports the values that are allowed.
     pub fn limits(mut self, low: f64, high: f64) -> Self {
         self.wire.low = low.into();
         self.wire.high = high.into();
         self
     }
-    /// The return code that goes with it.
+    /// Its return code.
     pub fn code(&self) -> Code {
         self.reason.code()
     }

@@ -1,0 +1,244 @@
+//! Admission for both lanes: configuration, shadow state, stores and the immediate lane.
+//!
+//! In: records, the view. Out: staged operations; data and points in the stores. Owns: both copies
+//! of the shadow state, the configuration, the immediate lane, the trace and the event log.
+//! Fails: with a refusal, and then nothing has changed.
+use super::context::{Context, Due, Effect};
+use super::data::{self, FifoOf};
+use super::pvt_table::{Loading, TableKind, table_kind};
+use super::staged::Staged;
+use super::{admit, config_item, crd, many, one, power_on, tables};
+use crate::board::Board;
+use crate::configuration::Configuration;
+use crate::lane::Lane;
+use crate::plan::path_queue::PathQueue;
+use crate::refuse::Admitted;
+use crate::report::answer::Answer;
+use crate::report::event_log::Log;
+use crate::report::replies::Reading;
+use crate::report::trace::TraceOut;
+use crate::shadow::{Change, Shadows};
+use protocol::command::{LoadConfig, WaitStop, opcode};
+use ring::Producer;
+use servo::laser::CHANNELS;
+use servo::op::{Entry, Op};
+use servo::path::PathStores;
+use servo::segment::pt::SegmentStore;
+use servo::segment::pvt::TableStores;
+use servo::tick::IMMEDIATE;
+use servo::units::CrdMask;
+use servo::view::View;
+
+/// A [`Context`] from the fields of an [`Admission`], of which only `$staged` is borrowed mutably.
+macro_rules! context {
+    ($admission:ident, $view:expr, $due:expr, $staged:expr) => {
+        Context {
+            view: $view,
+            shadows: &$admission.admitted,
+            configuration: &$admission.configuration,
+            board: &$admission.board,
+            executed: &$admission.executed,
+            due: $due,
+            crds: $admission.entries.count(),
+            staged: &mut $staged,
+            effect: Effect::None,
+        }
+    };
+}
+
+/// See the module text.
+pub struct Admission<'a, const AXES: usize> {
+    /// Constants of the board.
+    pub board: Board,
+    /// What the client chose.
+    pub configuration: Configuration,
+    /// PT segments.
+    pub stores: &'a [SegmentStore; AXES],
+    /// FIFOs of coordinate systems.
+    pub entries: PathStores<'a>,
+    /// The look-aheads that feed them.
+    pub queues: &'a mut [[PathQueue; 2]],
+    /// When a path that runs needs more entries, controller time in ns; `u64::MAX` if none does.
+    pub feed_due: u64,
+    /// PVT tables.
+    pub tables: TableStores<'a>,
+    /// The PVT table that is being sent.
+    pub loading: Loading,
+    /// The table of a laser channel that is being sent.
+    pub laser_loading: tables::Loading,
+    /// State after everything executed.
+    pub executed: Shadows<AXES>,
+    /// State after everything admitted.
+    pub admitted: Shadows<AXES>,
+    /// Operations of the command in hand.
+    pub staged: Staged,
+    /// The immediate lane.
+    pub lane: Lane<'a, IMMEDIATE>,
+    /// The trace.
+    pub trace: TraceOut<AXES>,
+    /// Events that no command caused.
+    pub log: Log,
+}
+
+impl<'a, const AXES: usize> Admission<'a, AXES> {
+    /// At power-on.
+    pub fn new(
+        board: Board,
+        stores: &'a [SegmentStore; AXES],
+        paths: (PathStores<'a>, &'a mut [[PathQueue; 2]]),
+        tables: TableStores<'a>,
+        ring: Producer<'a, Entry, IMMEDIATE>,
+    ) -> Self {
+        let mut admission = Admission {
+            configuration: Configuration::new(board.profile, 0),
+            board,
+            stores,
+            entries: paths.0,
+            queues: paths.1,
+            feed_due: u64::MAX,
+            tables,
+            loading: Loading::new(),
+            laser_loading: tables::Loading::new(),
+            executed: Shadows::new(),
+            admitted: Shadows::new(),
+            staged: Staged::new(),
+            lane: Lane::new(ring, 0),
+            trace: TraceOut::new(),
+            log: Log::new(),
+        };
+        // The tick does not know families.
+        for channel in 0..CHANNELS as u8 {
+            for (change, entered) in power_on(admission.configuration.family) {
+                let op = Op::Laser { channel, change };
+                admission.lane.push(op, Change::Laser { channel, change: entered }, 0, &mut admission.admitted);
+            }
+        }
+        admission
+    }
+
+    /// Admits a command on the admitted state; its operations are staged.
+    pub fn admit(&mut self, view: &View<AXES>, due: Due, number: u16, body: &[u8]) -> Admitted<(Answer, Effect)> {
+        self.staged.clear();
+        let mut context = context!(self, view, due, self.staged);
+        if number == opcode::CrdStart {
+            let request = one(body)?;
+            let answer = crd::start(&mut context, self.queues, self.entries, &request)?;
+            return Ok((answer, Effect::None));
+        }
+        if table_kind(number) == Some(TableKind::Table) {
+            let filled = self.loading.table(&context, &self.executed, self.tables, number, body);
+            if let Ok(Some(table)) = filled {
+                context.stage_with(Op::Mark, Change::TableFilled { table });
+                self.executed.invalidate(table);
+            }
+            if let Some(table) = self.loading.emptied() {
+                self.executed.invalidate(table);
+                self.admitted.invalidate(table);
+            }
+            return filled.map(|_| (Answer::Done, Effect::None));
+        }
+        if tables::is_table(number) {
+            let (answer, filled) = self.laser_loading.chunk(&mut context, self.tables.lasers, number, body)?;
+            let effect = context.effect;
+            if let Some((channel, table)) = filled {
+                self.executed.invalidate_follow_table(channel, table);
+            }
+            return Ok((answer, effect));
+        }
+        let answer = admit(&mut context, number, body)?;
+        Ok((answer, context.effect))
+    }
+
+    /// Admits data of a FIFO, writes it to the store and enters it into the admitted state; its
+    /// commit follows.
+    pub fn admit_data(&mut self, view: &View<AXES>, due: Due, number: u16, body: &[u8]) -> Admitted<data::Written> {
+        let context = context!(self, view, due, self.staged);
+        let stores = data::Stores { segments: self.stores, entries: self.entries, queues: &mut *self.queues };
+        let (written, end) = data::data(&context, stores, number, body)?;
+        if let FifoOf::Axis(axis) = written.of
+            && self.admitted.overwrites(view, axis, written.fifo)
+        {
+            let (now, ahead) = (self.executed.axis(axis), self.admitted.axis(axis));
+            let all = now.mode != ahead.mode || ahead.is_dynamic();
+            self.executed.invalidate_fifos(axis, if all { 3 } else { 1 << (written.fifo & 1) });
+        }
+        data::enter(&mut self.admitted, &written, end);
+        if let (FifoOf::Crd(crd), Some((channel, table))) = (written.of, written.named) {
+            // Also if the program is dropped before its commit: the table counts as named until the
+            // FIFO is empty.
+            for shadows in [&mut self.executed, &mut self.admitted] {
+                shadows.name_follow_table(channel, table, crd, written.fifo);
+            }
+        }
+        Ok(written)
+    }
+
+    /// Answers a Calculate command of `lane` through `sent`, which returns whether it had room.
+    pub fn calculate(
+        &mut self,
+        view: &View<AXES>,
+        lane: usize,
+        number: u16,
+        body: &[u8],
+        sent: impl FnOnce(&[f64]) -> bool,
+    ) -> Admitted<bool> {
+        let context = context!(self, view, Due::UNKNOWN, self.staged);
+        self.loading.calculate(&context, self.tables.points, lane, number, body, sent)
+    }
+
+    /// Stages one item of a LoadConfig that was admitted; false after the last.
+    pub fn stage_config(&mut self, view: &View<AXES>, body: &[u8], item: u16) -> bool {
+        self.staged.clear();
+        let Ok((request, items)) = many::<LoadConfig>(body, |r| r.count.get()) else { return false };
+        let Some(item) = items.get(usize::from(item)) else { return false };
+        let mut context = context!(self, view, Due::UNKNOWN, self.staged);
+        // It was checked when the command was admitted.
+        config_item(&mut context, request.core.get(), item).is_ok()
+    }
+
+    /// Applies what a command does besides its operations; `seq` is its last entry.
+    pub fn apply(&mut self, effect: Effect, seq: u32) {
+        match effect {
+            Effect::None | Effect::Config | Effect::Took(_) => {}
+            Effect::Choose(configuration) => self.configuration = configuration,
+            Effect::Trace { every, columns, over_link } => self.trace.announce(every, columns, over_link, seq),
+        }
+    }
+
+    /// Empties the FIFOs that a dropped program has overwritten. False if the lane has no room for
+    /// it now.
+    pub fn empty_invalid(&mut self) -> bool {
+        while let Some((op, change)) = self.admitted.revalidate() {
+            if !self.lane.push(op, change, 0, &mut self.admitted) {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Stages a WaitStop; false if it cannot be now. The wait for a coordinate system ends with the
+    /// data given so far, so all of it leaves the look-ahead.
+    pub fn wait_stop(&mut self, view: &View<AXES>, due: Due, wait: &WaitStop) -> Admitted<bool> {
+        self.staged.clear();
+        let mut staged = Staged::new();
+        let context = context!(self, view, due, staged);
+        let axes = context.mask(wait.core.get(), wait.axes.get(), 1)?;
+        let crds = context.crds_waited_for(wait.core.get(), wait.crds.get(), 2)?;
+        let all = CrdMask(crds.0 | self.admitted.drivers(axes).0);
+        // Otherwise nothing that it names runs at its instant, which is yet to come.
+        let runs = all.0 != 0 || due.until_ns == 0 || context.each(axes).any(|axis| context.may_run(axis));
+        if !all.crds().all(|crd| self.flush_path(view, crd, due.soon)) {
+            return Ok(false);
+        }
+        if runs {
+            self.staged.add(Op::WaitRest { axes, crds }, Change::Rest { axes, crds });
+        }
+        Ok(true)
+    }
+
+    /// The view and the state that replies are built from.
+    pub fn reading<'d>(&'d self, view: &'d View<AXES>) -> Reading<'d, AXES> {
+        let Admission { executed, configuration, board, log, .. } = self;
+        Reading { view, executed, configuration, board, log, tables: self.tables.lasers }
+    }
+}

@@ -1,0 +1,125 @@
+//! Replies that wait for the tick, and whether a record was handled.
+use super::answer::Answer;
+use super::replies::{Reading, took_reply, values_reply};
+use crate::refuse::Refused;
+use protocol::command::opcode;
+use protocol::reason::Reason;
+use protocol::record::{Full, ReplyWriter};
+use servo::units::{Axis, Crd};
+
+/// A reply that waits for its entry's execution.
+#[derive(Debug, Clone, Copy)]
+pub struct Awaiting {
+    /// Which command.
+    pub opcode: u16,
+    /// The client's tag.
+    pub tag: u16,
+    /// The entry that it waits for; none if everything before it was executed.
+    pub seq: Option<u32>,
+    /// The entry is not pushed yet (PT data whose commit is still gathering).
+    pub open: bool,
+    /// The entry is the command's own.
+    pub own: bool,
+    /// The entry will never be executed.
+    pub discarded: bool,
+    /// The program goes on if the tick refuses the entry.
+    pub may_fail: bool,
+    /// What to answer.
+    pub answer: Answer,
+}
+
+impl Awaiting {
+    /// Fills unused slots.
+    pub const BLANK: Awaiting = Awaiting {
+        opcode: 0,
+        tag: 0,
+        seq: None,
+        open: false,
+        own: false,
+        discarded: false,
+        may_fail: false,
+        answer: Answer::Done,
+    };
+}
+
+impl Awaiting {
+    /// Whether it is data that waits for this entry, which the tick refused: then the answer
+    /// reports that.
+    pub fn loses(&mut self, (seq, refuser): TickRefusal) -> bool {
+        let data = matches!(self.answer, Answer::Taken { .. } | Answer::Entered { .. } | Answer::Lost { .. });
+        match refuser {
+            Refuser::Axis(axis, status) if data && self.own && self.seq == Some(seq) => {
+                self.answer = Answer::Lost { axis, status };
+                true
+            }
+            _ => false,
+        }
+    }
+}
+
+/// A start, data, or an on command of a laser, that the tick refused.
+pub type TickRefusal = (u32, Refuser);
+
+/// What refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Refuser {
+    /// Nobody: the entry was late and the program is strict.
+    Nobody,
+    /// An axis with this status.
+    Axis(Axis, u32),
+    /// A coordinate system.
+    Crd(Crd),
+    /// A laser channel that a fault keeps dark.
+    Laser(u8),
+}
+
+/// Whether a record was handled.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Step {
+    /// It was handled.
+    Taken,
+    /// Not now: try again after the next tick or frame. Nothing has changed.
+    Wait,
+}
+
+impl Step {
+    /// A reply that did not fit is tried again.
+    pub fn of(written: Result<(), Full>) -> Step {
+        if written.is_ok() { Step::Taken } else { Step::Wait }
+    }
+}
+
+impl<const AXES: usize> Reading<'_, AXES> {
+    /// Writes the reply to an executed command; `taken` are the values that wait in its lane,
+    /// oldest first.
+    pub fn answer(&self, item: &Awaiting, taken: impl Iterator<Item = f64>, out: &mut ReplyWriter) -> Result<(), Full> {
+        match &item.answer {
+            Answer::Done => out.push_raw(item.opcode, item.tag, 0, &[]),
+            Answer::Read(query) => self.reply(item.tag, query, out),
+            Answer::Long(value) => self.long(item.opcode, item.tag, *value, out),
+            Answer::Path { crd, fifo, count, lasts_ms } => {
+                self.path_taken(item.opcode, item.tag, (*crd, *fifo), (*count, *lasts_ms), out)
+            }
+            Answer::Space(space) => self.space(item.opcode, item.tag, *space, out),
+            Answer::Number(value) => self.number(item.opcode, item.tag, *value, out),
+            Answer::Entered { axis, fifo, percent1 } => {
+                self.entered(item.opcode, item.tag, *axis, *fifo, *percent1, out)
+            }
+            Answer::Taken { axis, fifo, count } => self.taken(item.opcode, item.tag, *axis, *fifo, *count, out),
+            Answer::Lost { axis, status } => {
+                let lost = match item.opcode {
+                    // An immediate switch is no data, but is answered like it.
+                    opcode::FollowSwitchNowEx => self.explain(Refuser::Axis(*axis, *status)),
+                    _ => {
+                        let stop = self.view.axes.get(axis.index()).map_or(0, |sampled| sampled.stop as u16);
+                        let lost = Refused::new(Reason::StreamEnded).axis(self.configuration.number_of(*axis));
+                        lost.got((*status).into()).limits(0.0, stop.into())
+                    }
+                };
+                out.refused(item.opcode, item.tag, &lost.wire)
+            }
+            Answer::Values(count) => values_reply(item.opcode, item.tag, taken.take((*count).into()), out),
+            Answer::Took { held, .. } => took_reply(item.opcode, item.tag, taken, *held, out),
+        }
+    }
+}
