@@ -150,3 +150,32 @@ fn an_arc_after_a_stop_that_finds_the_path_at_its_end() {
         agrees(100, &calls);
     }
 }
+
+/// A slave of direction 0 at its origin, whose master goes back, was reported to move with it. A Stop at the instant of a
+/// SwitchNow then moved it.
+#[test]
+fn a_slave_at_its_origin_does_not_go_back() {
+    for tick_us in [1000, 250, 100] {
+        for table in [false, true] {
+            agrees(
+                tick_us,
+                &[
+                    plain(Kind::AxisOn, 0),
+                    plain(Kind::AxisOn, 1),
+                    ex(Call::PrfFollow { axis: 0, dir: 0 }),
+                    ex(Call::SetFollowMaster { axis: 0, master: 1, kind: 2 }),
+                    segment(0, 27.0, 2.430950912022053, 1, 20),
+                    ex(Call::FollowStart { mask: 1, option: 0 }),
+                    plain(Kind::PrfJog, 1),
+                    Call::SetJogPrm { axis: 1, acc: 1.15, dec: 0.614757348727274 },
+                    Call::SetVel { axis: 1, vel: -15.625 },
+                    Call::Update { mask: 2 },
+                    Call::Sleep { ns: 3 * MS + MS / 4 },
+                    Call::FollowSwitchNow { axis: 0, table },
+                    Call::Stop { mask: 1, abrupt: 0 },
+                    Call::Sleep { ns: 5 * MS },
+                ],
+            );
+        }
+    }
+}

@@ -218,6 +218,7 @@ impl AxisState {
         let (source, level, actions) = context;
         let mut context = Context::new(&mut self.follow, source, level, actions);
         let state = follower.step(master_sample, led, from, &mut context);
+        follower.run.find_floor(source);
         let (pos, tau) = follower.run.position();
         self.publish_run();
         match state {

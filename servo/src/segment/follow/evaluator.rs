@@ -167,6 +167,8 @@ pub struct FollowRun {
     origin: i128,
     /// The slave does not go back before this entry of this pass.
     floor: (u32, u32),
+    /// It follows in both directions, and is just at its floor: a master that goes back does not move it.
+    at_floor: bool,
     /// Ratio with which a FIFO that begins with CONTINUE goes on, in every pass.
     carried: i128,
     more: Option<More>,
@@ -234,6 +236,7 @@ impl FollowRun {
             began: 0,
             origin: origin.0,
             floor: (0, 0),
+            at_floor: false,
             carried: 0,
             more: None,
             ahead: None,
@@ -307,7 +310,8 @@ impl FollowRun {
         if t >= self.piece.span {
             t = self.turn(progress)?;
         }
-        if self.now.is_some() {
+        // What is reported of a slave at its floor holds only there.
+        if self.now.is_some() || self.at_floor && progress != self.progress {
             return None;
         }
         (self.progress, self.furthest) = (progress, progress);
@@ -351,7 +355,7 @@ impl FollowRun {
 
     /// Whether progress backwards has no effect.
     pub fn is_one_way(&self) -> bool {
-        !self.both
+        !self.both || self.at_floor
     }
 
     /// The tick after `path.now()`. `named` is the position of the path at which the master's user

@@ -6,7 +6,7 @@
 use super::{Ahead, Context, FollowRun, Seek};
 use crate::math::wide::{recip64_below, umulhi};
 use crate::segment::follow::Entries;
-use crate::segment::follow::curve::{Segment, UNIT};
+use crate::segment::follow::curve::{Segment, UNIT, ceil};
 use crate::segment::follow::entry::Entry;
 use crate::segment::follow::ratio::swing;
 use crate::segment::follow::setup::Setup;
@@ -178,6 +178,15 @@ impl FollowRun {
         // More passes lie between than can be counted.
         self.far = true;
         Seek::Here
+    }
+
+    /// Finds out whether the slave is at its floor, after the steps of a tick.
+    pub(crate) fn find_floor(&mut self, source: &impl Entries) {
+        let (pass, index) = self.floor;
+        self.at_floor = self.both && self.pass == pass && {
+            let knot = if index == 0 { 0 } else { source.entry(self.fifo, index.wrapping_sub(1)).ends_master() };
+            self.progress <= ceil(self.began.wrapping_add(knot))
+        };
     }
 
     /// Loads the piece that holds the progress `x` of this pass; its segment is one of `low`..`limit`.
