@@ -172,6 +172,42 @@ fn what_stops_at_once_shows_the_set_points_of_the_tick_before_and_goes_on() {
     assert!(stops > 2000 && within > 1000 && back > 50, "{stops} {within} {back}");
 }
 
+/// Motions shorter than a tick with axes geared to them, stopped in any tick: each axis ends where its gears add up to. What
+/// was geared to a motion that had ended was made twice.
+#[test]
+fn what_is_geared_goes_along_once() {
+    let mut chance = Chance::new(9);
+    for case in 0..200 {
+        let period = [50, 250, 1000][case % 3];
+        let (mut entries, mut x, mut sums) = (Vec::new(), -100, [0, 0]);
+        for _ in 0..60 {
+            x += 1 + chance.below([3, 12][case % 2]) as i32;
+            if chance.below(2) == 0 {
+                let (which, by) = (chance.below(2) as usize, chance.below(40) as i32 - 20);
+                entries.push(Entry::gear(axis(4 + which), by));
+                sums[which] += by;
+            }
+            entries.push(Entry::planar([x, 50], speeds(20.0, 4.0, 20.0 * chance.unit())));
+        }
+        let mut bench = prepared(period, &entries);
+        let mut view = bench.tick();
+        while view.crds[0].runs {
+            view = bench.ticks(1 + chance.below(6) as u32);
+            if view.crds[0].runs {
+                let stopped = stop(&mut bench, Cause::Stop);
+                if stopped.crds[0].stop == StopReason::StopAbrupt {
+                    bench.start_path(&[0]);
+                    bench.ticks(2 + chance.below(20) as u32);
+                }
+                view = bench.tick();
+            }
+        }
+        let end = bench.rest();
+        assert_eq!(pulses(at(&end)[0]), f64::from(x) + 100.0, "{case}");
+        assert_eq!([4, 5].map(|axis| pulses(end.axes[axis].pos)), sums.map(f64::from), "{case}");
+    }
+}
+
 /// A move that the path waits for has begun between both ticks: the start that goes on waits for it
 /// again. One that it did not wait for has been made.
 #[test]

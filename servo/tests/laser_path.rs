@@ -7,7 +7,7 @@ use laser_bench::*;
 use servo::laser::{Bounds, Buffered, Cause, Change, Distance, Family, Lag, Mode, Power, Ratio, Ratios, Source};
 use servo::op::{DoGroup, Op};
 use servo::path::Entry;
-use servo::units::{AxisMask, Crd, CrdMask};
+use servo::units::{AxisMask, Crd, CrdMask, Pos};
 
 const PERIODS: [u32; 5] = [10, 50, 73, 250, 1000];
 
@@ -230,6 +230,41 @@ fn a_stop_keeps_light_dark_until_the_path_goes_on() {
         assert_eq!(edges[2], (again + 77_000, true), "{period}");
         assert_eq!((edges.len(), edges[3].1, bench.view().crds[0].runs), (4, false, false));
     }
+}
+
+/// An abrupt Stop sets the path back into a mark whose end has been passed in that tick. Lit by a call, or by the start that
+/// continues, the mark ends at the same position as before.
+#[test]
+fn the_end_of_a_mark_comes_again_after_an_abrupt_stop_before_it() {
+    let mut within = 0;
+    for (period, call) in [(250, true), (1000, true), (250, false), (1000, false)] {
+        for after in (12 * MS..19 * MS).step_by(period as usize * 1000) {
+            let mut bench = prepared(period);
+            // 102 pulses: 50 in 10 ms, and 52 in 5.2.
+            let lines = [line([102, 0], 10.0, 1.0, 10.0), line([400, 0], 10.0, 1.0, 0.0)];
+            bench.path(0, &[light(true), lines[0], light(false), lines[1]]);
+            let zero = bench.start(1);
+            until(&mut bench, zero + after);
+            bench.stop(1, true);
+            bench.tick();
+            let x = |bench: &mut Bench| bench.view().crds[0].position[0].0 >> Pos::FRAC_BITS;
+            let inside = x(&mut bench) < 102;
+            assert!(!bench.view().lasers[0].light, "{period} {after}");
+            if call {
+                bench.gate(true);
+                bench.tick();
+            }
+            bench.start(1);
+            while x(&mut bench) < 102 {
+                bench.tick();
+            }
+            bench.tick();
+            within += u32::from(inside);
+            // After the mark only a call lights.
+            assert_eq!(bench.view().lasers[0].light, call && !inside, "{period} {after}");
+        }
+    }
+    assert!(within > 20, "{within}");
 }
 
 /// What a Stop shuts off, and what brings it back.

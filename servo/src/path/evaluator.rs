@@ -319,8 +319,8 @@ impl Path {
     #[cfg(feature = "test-hooks")]
     pub(crate) fn age(&mut self, by: u32) {
         self.discard_prepared();
-        for Cursor { next, done, .. } in &mut self.cursors {
-            (*next, *done) = (next.wrapping_add(by), done.wrapping_add(by));
+        for Cursor { next, done, left_at, .. } in &mut self.cursors {
+            [next, done, left_at].into_iter().for_each(|count| *count = count.wrapping_add(by));
         }
     }
 

@@ -142,7 +142,11 @@ const LIGHT: &[Planted] = &[
     Planted {
         name: "the link-loss time outlives the session",
         by: By::Light,
-        places: &[(DESK, "        let watch = Watch::DEFAULT;\n", "        let watch = self.admission.admitted.watch;\n")],
+        places: &[(
+            DESK,
+            "        let watch = Watch::DEFAULT;\n",
+            "        let watch = self.admission.admitted.watch;\n",
+        )],
     },
 ];
 

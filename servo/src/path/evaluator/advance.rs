@@ -6,7 +6,7 @@
 use super::interface::{Effects, Feed, PathStop};
 use super::{Budget, Gear, Geared, Path, Prepared, Stage, State, Turn, end_of};
 use crate::math::real::Real;
-use crate::path::entry::{Entry, Item};
+use crate::path::entry::{Change, Entry, Item};
 use crate::path::speed_profile::Phase;
 use crate::path::store::Entries;
 use crate::path::{DIMENSIONS, Fine};
@@ -166,6 +166,10 @@ impl Path {
             sink.geared(gear.axis, gear.pulses);
         }
         cursor.geared = 0;
+        // After a fall back it may be left again: what lay further counts still.
+        if cursor.next.wrapping_sub(cursor.left_at) as i32 > 0 {
+            cursor.left_at = cursor.next;
+        }
     }
 
     /// At a boundary: on to the next motion, wait or standstill.
@@ -240,7 +244,9 @@ impl Path {
         match &entry.item() {
             Item::Nothing => None,
             Item::Delay { ms } => Some(self.time.wrapping_add((*ms as Fine * 1_000_000) << 32)),
-            Item::Change(_) if self.cursor(self.fifo).again => None,
+            // What a laser is told it can be told again, and has to be: the light of a mark that is gone along again ends where
+            // it did.
+            Item::Change(change) if self.cursor(self.fifo).again && !matches!(change, Change::Laser { .. }) => None,
             Item::Change(change) => {
                 let wait = sink.change(self.time, change);
                 self.cursor(self.fifo).inside = wait != 0;
@@ -248,6 +254,9 @@ impl Path {
             }
             Item::Gear { axis, pulses } => {
                 let cursor = self.cursor(self.fifo);
+                if cursor.again && (counter.wrapping_sub(cursor.left_at) as i32) < 0 {
+                    return None;
+                }
                 if let Some(gear) = cursor.gears.iter_mut().take(cursor.geared).find(|gear| gear.axis == *axis) {
                     gear.pulses = gear.pulses.saturating_add(*pulses);
                 } else if let Some(gear) = cursor.gears.get_mut(cursor.geared) {

@@ -36,6 +36,8 @@ pub(super) struct Cursor {
     /// It was set back: entries before `reported` have been carried out, and are passed.
     pub(super) again: bool,
     pub(super) reported: u32,
+    /// Motions before this entry have been left: what was geared to them has gone along.
+    pub(super) left_at: u32,
 }
 
 /// The position in a FIFO at a sample.
@@ -69,6 +71,7 @@ impl Cursor {
         geared: 0,
         again: false,
         reported: 0,
+        left_at: 0,
     };
 
     /// Entries that are over.
@@ -79,10 +82,23 @@ impl Cursor {
 
     /// As a new one, whose gears are not read.
     pub(super) fn clear(&mut self) {
-        let Cursor { next, done, inside, kept, position, from, distance, left, gears: _, geared, again, reported: _ } =
-            self;
+        let Cursor {
+            next,
+            done,
+            inside,
+            kept,
+            position,
+            from,
+            distance,
+            left,
+            gears: _,
+            geared,
+            again,
+            reported: _,
+            left_at,
+        } = self;
         let new = &Cursor::NEW;
-        *again = new.again;
+        (*again, *left_at) = (new.again, new.left_at);
         (*next, *done, *inside, *kept) = (new.next, new.done, new.inside, new.kept);
         (*position, *from, *distance, *left, *geared) = (new.position, new.from, new.distance, new.left, new.geared);
     }
