@@ -98,7 +98,7 @@ fn the_tests_that_the_pages_name_are_there() {
         "host/beamtick/tests/doors",
         "servo/tests",
         "servo/src/laser",
-        "servo/src/laser/owner",
+        "servo/src/laser/light_owner",
         "host-tests/src/light_judge",
         "host/gts/tests",
         "dispatcher/tests",
