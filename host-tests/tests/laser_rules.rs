@@ -93,6 +93,7 @@ fn the_tests_that_the_pages_name_are_there() {
     for folder in [
         "host-tests/tests",
         "host-tests/tests/path",
+        "host-tests/tests/reference",
         "host/beamtick/src",
         "host/beamtick/tests",
         "host/beamtick/tests/doors",
