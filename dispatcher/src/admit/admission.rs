@@ -3,8 +3,9 @@
 //! In: records, the view. Out: staged operations; data and points in the stores. Owns: both copies
 //! of the shadow state, the configuration, the immediate lane, the trace and the event log.
 //! Fails: with a refusal, and then nothing has changed.
+use super::commit::{self, FifoOf};
 use super::context::{Context, Due, Effect};
-use super::data::{self, FifoOf};
+use super::data;
 use super::pvt_table::{Loading, TableKind, table_kind};
 use super::staged::Staged;
 use super::{admit, config_item, crd, many, one, power_on, tables};
@@ -151,7 +152,7 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
 
     /// Admits data of a FIFO, writes it to the store and enters it into the admitted state; its
     /// commit follows.
-    pub fn admit_data(&mut self, view: &View<AXES>, due: Due, number: u16, body: &[u8]) -> Admitted<data::Written> {
+    pub fn admit_data(&mut self, view: &View<AXES>, due: Due, number: u16, body: &[u8]) -> Admitted<commit::Written> {
         let context = context!(self, view, due, self.staged);
         let stores = data::Stores { segments: self.stores, entries: self.entries, queues: &mut *self.queues };
         let (written, end) = data::data(&context, stores, number, body)?;
@@ -162,7 +163,7 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
             let all = now.mode != ahead.mode || ahead.is_dynamic();
             self.executed.invalidate_fifos(axis, if all { 3 } else { 1 << (written.fifo & 1) });
         }
-        data::enter(&mut self.admitted, &written, end);
+        commit::enter(&mut self.admitted, &written, end);
         if let (FifoOf::Crd(crd), Some((channel, table))) = (written.of, written.named) {
             // Also if the program is dropped before its commit: the table counts as named until the
             // FIFO is empty.

@@ -10,8 +10,8 @@
 //! [`Item::Entry`].
 mod given;
 
+use super::commit::{End, FifoOf, Written};
 use super::context::Context;
-use super::data::{End, FifoOf, Written};
 use super::{buffered, many};
 use crate::configuration::Configuration;
 use crate::plan::geometry;

@@ -3,8 +3,8 @@
 //! In: a data command. Out: entries in the store, and the FIFO's new shadow state.
 //! Fails: with the parameter and the limit. Entries written by then lie after the end of the FIFO,
 //! where nobody reads.
+use super::commit::{End, FifoOf, Written};
 use super::context::{Context, TRAVEL_PULSES};
-use super::data::{End, FifoOf, Written};
 use super::follow::{following, known, method, mode_of};
 use super::{io, one};
 use crate::plan::asymmetric_s;

@@ -4,7 +4,7 @@
 //! In: the view, the shadow state. Out: commits, through either lane. Owns nothing.
 //! Fails: if the lane has no room, nothing is pushed and the caller tries again.
 use super::admission::Admission;
-use super::data;
+use super::commit;
 use super::staged::STAGED;
 use crate::plan::path_queue::LASTS_MS;
 use crate::shadow::{Change, PROGRAM_FLAG, executed};
@@ -21,7 +21,7 @@ impl<const AXES: usize> Admission<'_, AXES> {
             queues[index].settle(&stores[index]);
             end = queues[index].end();
         }
-        data::commit_path(&self.admitted, crd, fifo, end)
+        commit::commit_path(&self.admitted, crd, fifo, end)
     }
 
     /// The same through the immediate lane. The caller has checked that there is room.

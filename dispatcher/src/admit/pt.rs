@@ -1,7 +1,7 @@
 //! PT commands (GXN chapter 2), and PT data from bytes to the axis's store.
 use super::axis::all_startable;
+use super::commit::{End, FifoOf, Written};
 use super::context::{Context, TRAVEL_PULSES};
-use super::data::{End, FifoOf, Written};
 use super::{many, one, query};
 use crate::refuse::{Admitted, Refused, choice};
 use crate::report::answer::{Answer, Query};

@@ -12,8 +12,9 @@
 //! still gets each record in time.
 use super::{Program, State};
 use crate::admit::admission::Admission;
+use crate::admit::commit::{self, FifoOf};
 use crate::admit::context::{Effect, TAKEN_MAX};
-use crate::admit::data::{self, FifoOf};
+use crate::admit::data;
 use crate::admit::one;
 use crate::admit::pvt_table::{TableKind, table_kind};
 use crate::admit::staged::FEW;
@@ -270,7 +271,7 @@ impl Program<'_> {
         &mut self,
         admission: &mut Admission<'_, AXES>,
         (opcode, tag, may_fail): (u16, u16, bool),
-        written: &data::Written,
+        written: &commit::Written,
     ) {
         let fifo = usize::from(written.fifo) & 1;
         for value in written.waiting() {
@@ -301,7 +302,7 @@ impl Program<'_> {
             let mut left = self.open[usize::from(fifo)];
             while let Some(axis) = Axis::new(left.trailing_zeros() as usize) {
                 left &= left - 1;
-                let (op, change) = data::commit(&admission.admitted, axis, fifo);
+                let (op, change) = commit::commit(&admission.admitted, axis, fifo);
                 self.push(admission, op, change);
             }
         }

@@ -3,8 +3,9 @@
 //! In: a record, the view. Out: entries of the lane, a reply or the promise of one. Owns nothing.
 //! Fails: by refusals. A record that finds no room now is tried again.
 use super::CommandHandler;
+use crate::admit::commit::{self, FifoOf};
 use crate::admit::context::{Due, Effect, TAKEN_MAX};
-use crate::admit::data::{self, FifoOf};
+use crate::admit::data;
 use crate::admit::is_read;
 use crate::admit::pvt_table::{TableKind, table_kind};
 use crate::admit::staged::STAGED;
@@ -148,9 +149,9 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
         }
     }
 
-    fn take_data(&mut self, record: &RequestRecord, written: &data::Written) -> Step {
+    fn take_data(&mut self, record: &RequestRecord, written: &commit::Written) -> Step {
         let (op, change) = match written.of {
-            FifoOf::Axis(axis) => data::commit(&self.admission.admitted, axis, written.fifo),
+            FifoOf::Axis(axis) => commit::commit(&self.admission.admitted, axis, written.fifo),
             FifoOf::Crd(crd) => self.admission.commit_path(crd, written.fifo),
         };
         self.admission.lane.push(op, change, 0, &mut self.admission.admitted);
