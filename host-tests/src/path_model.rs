@@ -47,4 +47,13 @@ pub enum Entry {
     Delay(u16),
     /// An entry without duration: the number says which one it is.
     Effect(usize),
+    /// The same of a laser: after an abrupt Stop that sets the path back before it, it is made again.
+    Laser(usize),
+}
+
+impl Entry {
+    /// Whether it has no duration.
+    pub fn is_effect(&self) -> bool {
+        matches!(self, Entry::Effect(_) | Entry::Laser(_))
+    }
 }

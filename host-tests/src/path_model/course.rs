@@ -136,7 +136,7 @@ struct Run<'a> {
 impl Run<'_> {
     /// Whether a motion follows this entry before a delay does.
     fn goes_on(&self) -> bool {
-        let next = self.entries[self.entry + 1..].iter().find(|entry| !matches!(entry, Entry::Effect(_)));
+        let next = self.entries[self.entry + 1..].iter().find(|entry| !entry.is_effect());
         matches!(next, Some(Entry::Motion(..)))
     }
 
@@ -176,11 +176,9 @@ impl Run<'_> {
                     let why = if self.speed > 0.0 { Why::Underrun } else { Why::Done };
                     return self.rest(why);
                 }
-                Some(Entry::Effect(number)) => {
-                    if self.entry >= self.told {
-                        self.course.effects.push((self.now, *number));
-                    }
-                    self.entry += 1;
+                Some(Entry::Effect(number) | Entry::Laser(number)) => {
+                    let number = *number;
+                    self.effect(number);
                 }
                 Some(Entry::Delay(ms)) => {
                     let left = f64::from(*ms) - self.distance;
@@ -235,12 +233,20 @@ impl Run<'_> {
 
     /// What is reached at this instant without any time.
     fn reach(&mut self) {
-        while let Some(Entry::Effect(number)) = self.entries.get(self.entry).filter(|_| self.runs) {
-            if self.entry >= self.told {
-                self.course.effects.push((self.now, *number));
-            }
-            self.entry += 1;
+        while let Some(Entry::Effect(number) | Entry::Laser(number)) =
+            self.entries.get(self.entry).filter(|_| self.runs)
+        {
+            let number = *number;
+            self.effect(number);
         }
+    }
+
+    /// Passes an effect. After a fall back only those of a laser are made again.
+    fn effect(&mut self, number: usize) {
+        if self.entry >= self.told || matches!(self.entries[self.entry], Entry::Laser(_)) {
+            self.course.effects.push((self.now, number));
+        }
+        self.entry += 1;
     }
 
     /// It is where it was when as many motions had ended, so far in that entry.

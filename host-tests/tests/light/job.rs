@@ -297,7 +297,7 @@ pub fn made(number: u64, setup: &Setup, tick: Ns) -> Made {
 
 fn attempt(chance: &mut Chance, setup: &Setup, tick: Ns) -> Option<Made> {
     let mut path = random(chance, [0.0; 4], 9, 0);
-    path.entries.retain(|entry| !matches!(entry, Entry::Effect(_)));
+    path.entries.retain(|entry| !entry.is_effect());
     path.text = path
         .text
         .lines()
@@ -340,7 +340,7 @@ fn attempt(chance: &mut Chance, setup: &Setup, tick: Ns) -> Option<Made> {
         |text: &str, list: Vec<Buffered>, maker: &mut Maker, buffered: &mut Vec<Buffered>, entries: &mut Vec<Entry>| {
             maker.text += text;
             for one in list {
-                entries.push(Entry::Effect(buffered.len()));
+                entries.push(Entry::Laser(buffered.len()));
                 buffered.push(one);
             }
         };

@@ -38,12 +38,15 @@ struct Builder<'a> {
     told: &'a Told,
     tick: Ns,
     noted: Vec<Noted>,
+    /// Between these instants it is open what a coordinate system does.
+    open: Vec<(Ns, Ns, u8)>,
 }
 
 /// The facts of a program, in order.
 pub fn facts(program: &Program, told: &Told, tick: Ns) -> Vec<Fact> {
-    let mut builder = Builder { program, told, tick, noted: Vec::new() };
+    let mut builder = Builder { program, told, tick, noted: Vec::new(), open: Vec::new() };
     builder.entries();
+    builder.made_again();
     builder.sights();
     builder.calls();
     builder.acts();
@@ -75,6 +78,58 @@ impl Builder<'_> {
                 self.note(at, 1, From::Entry(crd), at, at, What::Entry { crd, channel, laser });
             }
         }
+    }
+
+    /// An abrupt Stop sets a path back to where it was a tick before. The entries of a laser that it had reached in that tick are
+    /// made again when it comes there; their marks are not, so it is open when.
+    fn made_again(&mut self) {
+        for crd in 0..2 {
+            let turns = |from: bool| {
+                let turned = move |pair: &&[Seen]| pair[0].runs[crd] == from && pair[1].runs[crd] != from;
+                self.told.seen.windows(2).filter(turned).map(|pair| &pair[1])
+            };
+            let reached = |lo: Ns, hi: Ns| {
+                let of = |noted: &&Noted| noted.from == From::Entry(crd) && noted.fact.lo >= lo && noted.fact.lo <= hi;
+                self.noted.iter().filter(of).map(|noted| noted.fact.lo).min()
+            };
+            let (mut open, mut again) = (Vec::new(), Vec::new());
+            for stop in turns(true) {
+                let stopped = !matches!(stop.rest[crd], PathStop::Completed | PathStop::Underrun);
+                if !stopped || !self.stopped_abruptly(crd, stop) || reached(stop.at - self.tick, stop.at).is_none() {
+                    continue;
+                }
+                let goes_on = |start: &&Seen| start.at > stop.at && start.fifo[crd] == stop.fifo[crd];
+                let Some(start) = turns(false).find(goes_on) else { continue };
+                let ends = turns(true).map(|end| end.at).find(|at| *at > start.at);
+                let next = reached(start.at + 1, Ns::MAX);
+                let until = ends.into_iter().chain(next).min().unwrap_or(self.told.end);
+                open.push((start.at - self.tick, until, 1 << crd));
+                let within = |fact: &Fact| fact.lo >= stop.at - self.tick && fact.lo <= stop.at;
+                let made = self.noted.iter().filter(|noted| noted.from == From::Entry(crd) && within(&noted.fact));
+                again.extend(made.map(|noted| (start.at, until, noted.fact.what)));
+            }
+            self.open.extend(open);
+            for (at, until, what) in again {
+                self.note(at + 1, 1, From::Entry(crd), at, until, what);
+            }
+        }
+        for (lo, hi, crds) in self.open.clone() {
+            self.note(lo, 0, From::Cause, lo, lo, What::Doubt { crds });
+            self.note(hi, 4, From::Cause, hi, hi, What::Doubt { crds });
+        }
+    }
+
+    /// Whether something stopped this coordinate system at once: a smooth Stop does not set it back.
+    fn stopped_abruptly(&self, crd: usize, stop: &Seen) -> bool {
+        let about = stop.at - 2 * self.tick..=stop.at;
+        let called = self.told.sent.iter().filter(|sent| about.contains(&sent.at)).any(|sent| match sent.call {
+            Do::Stop { abrupt, .. } | Do::CrdStop { abrupt, .. } => abrupt != 0,
+            Do::AxisOff { .. } | Do::AxisStop { .. } => true,
+            _ => false,
+        });
+        let caused = stop.status[2 * crd..2 * crd + 2].iter().any(|status| status & CAUSES != 0 || status & SERVO == 0);
+        let interlock = |(at, act): &(Ns, Act)| about.contains(at) && matches!(act, Act::Interlock { .. });
+        called || caused || self.told.acts.iter().any(interlock)
     }
 
     fn queue(queues: &mut [VecDeque<Vec<(usize, Laser)>>; 4], sent: &Sent) {
@@ -383,6 +438,12 @@ impl Builder<'_> {
                 }
             }
             self.unsure(later);
+        }
+        for &(lo, hi, crds) in &self.open {
+            let within = |noted: &Noted| (lo..=hi).contains(&noted.key);
+            let first = self.noted.iter().position(within);
+            let last = self.noted.iter().rposition(within);
+            doubts.extend(first.zip(last).map(|(first, last)| (first, last, crds)));
         }
         let mut facts = Vec::with_capacity(self.noted.len() + doubts.len());
         for (index, noted) in self.noted.iter().enumerate() {

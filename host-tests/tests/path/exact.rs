@@ -65,10 +65,10 @@ pub fn instants(frame: &Frame, entries: &[Entry]) -> (Vec<BigInt>, BigInt) {
     let mut effects = Vec::new();
     for (index, entry) in entries.iter().enumerate() {
         match entry {
-            Entry::Effect(_) => effects.push(now.clone()),
+            Entry::Effect(_) | Entry::Laser(_) => effects.push(now.clone()),
             Entry::Delay(ms) => (now, speed) = (now + number((*ms).into()), BigInt::ZERO),
             Entry::Motion(geometry, rates) => {
-                let next = entries[index + 1..].iter().find(|entry| !matches!(entry, Entry::Effect(_)));
+                let next = entries[index + 1..].iter().find(|entry| !entry.is_effect());
                 let most = number(rates.speed.min(frame.speed));
                 let end = match next {
                     Some(Entry::Motion(..)) => number(rates.end).min(most.clone()),

@@ -172,7 +172,9 @@ pub fn random(chance: &mut Chance, from: Position, most: u64, crd: usize) -> Ran
     for _ in 0..1 + chance.below(most) {
         if chance.below(5) < often {
             let (effect, text) = effect(chance);
-            made.entries.push(Entry::Effect(made.effects.len()));
+            let number = made.effects.len();
+            let of_laser = !matches!(effect, Effect::Output(_));
+            made.entries.push(if of_laser { Entry::Laser(number) } else { Entry::Effect(number) });
             made.effects.push(effect);
             made.text += &text;
         }
