@@ -41,7 +41,7 @@ impl Map {
         let record = symbols.find(&["5fault4KEPT"]).0;
         let tick = symbols.find(&["4tick", "Tick", "11execute_due"]).0;
         let task = symbols.find(&["6server", "Server", "4poll"]).0;
-        let time = symbols.find(&["5watch6TICKED"]).0;
+        let time = symbols.find(&["11supervision6TICKED"]).0;
         Map { symbols, outputs, record, time, tick, task }
     }
 

@@ -10,9 +10,6 @@ use stm32_metapac::{RCC, TIM2};
 /// Nanoseconds of a count of TIM2, times 2¹⁶.
 const NS_PER_COUNT_Q16: u64 = (1000 << 16) / TIMER_MHZ as u64;
 
-/// The copy of `SR.UIF` in the counter.
-const OVERRUN: u32 = 1 << 31;
-
 /// TIM2, which makes the servo tick. It is stopped until [`start`].
 #[derive(Debug)]
 pub struct TickTimer {
@@ -32,11 +29,7 @@ impl TickTimer {
         // The timers of the lasers start with a tick.
         TIM2.cr2().write(|w| w.set_mms(Mms::UPDATE));
         // Only an overflow interrupts.
-        // Bit 31 of the counter is UIF: one read has both, of the same instant (RM0433 39.4.10).
-        TIM2.cr1().write(|w| {
-            w.set_urs(Urs::COUNTER_ONLY);
-            w.set_uifremap(true);
-        });
+        TIM2.cr1().write(|w| w.set_urs(Urs::COUNTER_ONLY));
         TIM2.dier().write(|w| w.set_uie(true));
         TickTimer { period_ns: 0 }
     }
@@ -51,7 +44,7 @@ impl TickTimer {
         let last = (period_ns / 1000).max(1) * u32::from(TIMER_MHZ) - 1;
         // Not preloaded: it counts for the interval in progress.
         TIM2.arr().write_value(last);
-        if TIM2.cnt().read() & !OVERRUN > last {
+        if TIM2.cnt().read() > last {
             // The interval is over already: the next tick is due.
             TIM2.cnt().write_value(last);
         }
@@ -71,11 +64,12 @@ impl TickTimer {
     /// The time begins at the timer's event, so it includes the entry into the handler. In a tick
     /// that has overrun, it is a period and what the tick has taken of the next one.
     pub fn taken(&self) -> (bool, Option<u32>) {
+        // The flag first: a wrap between the two reads makes the time too short, never a period too long.
+        let overran = TIM2.sr().read().uif();
         let read = TIM2.cnt().read();
-        let overran = read & OVERRUN != 0;
         // 240 counts a µs: 25/6 ns each, by a multiplication. Counts of two periods of 1 ms at
         // most.
-        let ns = ((u64::from(read & !OVERRUN) * NS_PER_COUNT_Q16) >> 16) as u32;
+        let ns = ((u64::from(read) * NS_PER_COUNT_Q16) >> 16) as u32;
         (overran, Some(ns + if overran { self.period_ns } else { 0 }))
     }
 }
