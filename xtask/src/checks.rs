@@ -35,7 +35,7 @@ const STEPS: [Step; 16] = [
     ("bounds of rounding (Gappa)", || alone(proofs::where_gappa_is())),
     ("tests", || tests(host(["test"]).arg("--no-fail-fast"))),
     ("orderings of the rings, every interleaving (loom)", || tests(&mut loom())),
-    ("unsafe of the rings (Miri)", miri),
+    ("undefined behaviour in the rings (Miri)", miri),
     ("what it is made of (cargo-deny)", || alone(supply::check())),
     ("image and probes", || alone(image::report().and_then(|()| board::image()).and_then(|()| probes::cannot_panic()))),
     ("instructions per tick", || alone(ticks::check())),

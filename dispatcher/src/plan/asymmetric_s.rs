@@ -21,7 +21,7 @@ pub fn mean(begin: f64, end: f64, q: f64, x: f64) -> f64 {
 pub fn share(begin: f64, end: f64, q: f64, wanted: f64) -> Result<f64, (f64, f64)> {
     let (one, other) = (mean(begin, end, q, 0.0), mean(begin, end, q, q));
     let (low, high) = if one < other { (one, other) } else { (other, one) };
-    // A value that only rounding puts outside counts as the bound.
+    // A value outside by rounding alone counts as the bound.
     let rounding = 8.0 * f64::EPSILON * (begin.abs() + end.abs());
     if !(wanted >= low - rounding && wanted <= high + rounding) {
         return Err((low, high));
