@@ -1,5 +1,5 @@
 //! What stops a path at once: its tick keeps the set-points of the tick before (SPEC 4), wherever
-//! boundaries lie, and CrdStart goes on from there without any other effect.
+//! boundaries lie, and CrdStart goes on from there: outputs and gears are not made again.
 use servo::op::{Brake, DoGroup, Guarded, Guards, Mode, Op, Supervision};
 use servo::path::{Along, Entry};
 use servo::units::{AxisMask, CrdMask, Pos, StepLimit};

@@ -33,7 +33,8 @@ pub(super) struct Cursor {
     pub(super) left: Fine,
     pub(super) gears: [Gear; GEARS],
     pub(super) geared: usize,
-    /// It was set back: entries before `reported` have been carried out, and are passed.
+    /// It was set back: entries before `reported` have been carried out. They are passed, but for
+    /// those of a laser, which are made again.
     pub(super) again: bool,
     pub(super) reported: u32,
     /// Motions before this entry have been left: what was geared to them has gone along.

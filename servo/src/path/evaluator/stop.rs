@@ -33,8 +33,8 @@ impl Path {
         self.decide_fast_path();
     }
 
-    /// Stops at `next` at the `position` of the last sample (SPEC 4). Boundaries reached since were
-    /// carried out; the start that continues passes them without doing so again.
+    /// Stops at `next` at the `position` of the last sample (SPEC 4). Entries reached since were
+    /// carried out. The start that continues makes those of a laser again, and passes the others.
     pub fn stand_still(&mut self, next: Ns, position: &[Pos; DIMENSIONS], feed: Feed, sink: &mut impl Effects) {
         self.time = (next.0 as Fine) << 32;
         match self.stage {
