@@ -411,6 +411,46 @@ fn an_entry_that_is_passed_while_an_abort_brakes_does_not_end_the_quiet() {
     );
 }
 
+/// Neither a call nor an entry, whatever ignores it: a fault, or a connector that is not there.
+#[test]
+fn an_on_command_that_is_ignored_does_not_end_the_quiet() {
+    for entry in [false, true] {
+        for faulty in [false, true] {
+            let mut bench = prepared(250);
+            bench.standby(Some((5.0, 50.0)));
+            bench.op(Op::Abort);
+            bench.tick();
+            if faulty {
+                bench.machine.interlock = true;
+            } else {
+                bench.change(Change::Connector { laser: false });
+                bench.op(Op::Abort);
+            }
+            bench.tick();
+            bench.tick();
+            if entry {
+                bench.path(0, &[light(true), line([1, 0], 10.0, 1.0, 0.0)]);
+                bench.start(1);
+            } else {
+                bench.gate(true);
+            }
+            bench.until(30 * MS);
+            // ClrSts, which names an axis, is no command of the channel.
+            bench.machine.interlock = false;
+            bench.tick();
+            bench.op(Op::ClearStatus { axes: AxisMask(3) });
+            bench.until(40 * MS);
+            let view = bench.view().lasers[0];
+            let ignored = if faulty { Ignored::Fault } else { Ignored::NoOutput };
+            assert_eq!((view.fault, view.ignored), (Cause::None, ignored), "{entry}");
+            assert_eq!(view.khz, power(0.0), "entry {entry}, fault {faulty}: standby is off");
+            bench.change(Change::Connector { laser: true });
+            bench.until(50 * MS);
+            assert_eq!(bench.view().lasers[0].khz, power(5.0), "a command of the channel ends it");
+        }
+    }
+}
+
 /// A Stop that brakes up to a BufDelay ends there, and does not wait it out with light on; the
 /// start that goes on makes the whole of it.
 #[test]

@@ -145,6 +145,7 @@ impl Channel {
         // Events of paths up to this instant come first.
         self.attend(at);
         // A change that the other channel's mode causes is no command of this one.
+        let muted = self.energy.muted;
         self.energy.muted &= matches!(change, Change::PairedStandby(_));
         self.changed |= match change {
             Change::Gate { .. } => changed::MOVED,
@@ -152,7 +153,8 @@ impl Channel {
             _ => changed::CHANGED,
         };
         match change {
-            Change::Gate { on } => self.report(at, Fact::Command { on: *on }),
+            // One that is ignored leaves standby and pre-voltage as they were.
+            Change::Gate { on } => self.energy.muted = !self.report(at, Fact::Command { on: *on }) & muted,
             Change::Mode { mode, bounds, delayed, fine } => {
                 if *mode != self.energy.mode {
                     self.report(at, Fact::Withdraw);
@@ -198,8 +200,9 @@ impl Channel {
         matches!(change, Change::Gate { on: true }) && self.owner.is_latched()
     }
 
-    /// Passes a fact to the light owner; the gate carries out its order.
-    pub(super) fn report(&mut self, at: Ns, fact: Fact) {
+    /// Passes a fact to the light owner; the gate carries out its order. Returns whether the fact had an effect: an on
+    /// command that is ignored has none.
+    pub(super) fn report(&mut self, at: Ns, fact: Fact) -> bool {
         let published = |owner: &Owner| (owner.is_commanded(), owner.owners());
         let before = published(&self.owner);
         let order = self.owner.hear(fact);
@@ -216,6 +219,7 @@ impl Channel {
                 self.changed |= changed::CHANGED;
             }
         }
+        !matches!(order, Order::Ignored(_))
     }
 
     /// Whether the energy has an output: its connector, or, in analog mode, the DAC.
@@ -226,9 +230,8 @@ impl Channel {
 
     /// Reports a velocity follow that has changed, or ended.
     fn report_follow(&mut self, at: Ns, before: Option<Crd>) {
-        match self.law.follows() {
-            None if before.is_some() => self.report(at, Fact::FollowEnds),
-            _ => {}
+        if before.is_some() && self.law.follows().is_none() {
+            self.report(at, Fact::FollowEnds);
         }
     }
 
@@ -307,12 +310,14 @@ impl Channel {
     fn happen(&mut self, at: Ns, event: Event) {
         match event {
             Event::Change(run, Buffered::Gate { on }) => {
-                self.unmute(run);
-                self.report(at, Fact::Entry { on, run });
+                if self.report(at, Fact::Entry { on, run }) {
+                    self.unmute(run);
+                }
             }
             Event::Change(run, change) => {
                 if !self.owner.heeds(run.crd) {
-                    return self.report(at, Fact::Entry { on: false, run });
+                    self.report(at, Fact::Entry { on: false, run });
+                    return;
                 }
                 self.unmute(run);
                 self.changed |= changed::CHANGED;

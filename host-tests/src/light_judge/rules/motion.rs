@@ -22,12 +22,15 @@ impl Judge {
             self.used.push("entry outside the map");
             return;
         }
+        let dead = state.dead == Maybe::Yes || of.fault == Maybe::Yes || !of.connector;
         if lives {
+            // An on entry without effect leaves standby and pre-voltage as they were.
+            let quiet = of.quiet && laser == Laser::On && dead;
             of.mark_changed();
+            of.quiet = quiet;
         }
         match laser {
             Laser::On => {
-                let dead = state.dead == Maybe::Yes || of.fault == Maybe::Yes || !of.connector;
                 if dead {
                     self.used.push(match state.aborted {
                         _ if !of.connector => "on entry without a connector",
