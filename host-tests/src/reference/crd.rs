@@ -84,6 +84,8 @@ pub struct Crd {
     /// The FIFO in force.
     pub fifo: usize,
     pub runs: bool,
+    /// A call that needs standstill was refused in this tick, and in the one before.
+    pub contested: [bool; 2],
     pub brakes: bool,
     pub stop_dec: f64,
     pub rate: f64,
@@ -117,6 +119,7 @@ impl Default for Crd {
             fifos: Default::default(),
             fifo: 0,
             runs: false,
+            contested: [false; 2],
             brakes: false,
             stop_dec: 0.0,
             rate: 1.0,

@@ -52,6 +52,7 @@ impl Controller {
             }
             Path::Clear { crd, fifo } => {
                 let of = self.crd(core, *crd)?;
+                of.contested[0] = of.runs;
                 either(!of.runs, (0..2).contains(fifo))?;
                 of.fifos[*fifo as usize] = Default::default();
             }
@@ -198,7 +199,10 @@ impl Controller {
         range(limits(speed) && limits(acc) && even_ms >= 0)?;
         range(axes.iter().all(|axis| self.cores[*axis] == core))?;
         range(axes.iter().enumerate().all(|(index, axis)| !axes[..index].contains(axis)))?;
-        check(self.crds.get(&name).is_none_or(|crd| !crd.runs))?;
+        if let Some(crd) = self.crds.get_mut(&name) {
+            crd.contested[0] = crd.runs;
+            check(!crd.runs)?;
+        }
         for &axis in axes {
             check(!self.axes[axis].runs())?;
             let other = self.axes[axis].crd.filter(|other| *other != name && self.axes[axis].mode == Mode::Crd);
@@ -240,6 +244,7 @@ impl Controller {
                 self.open = Some("a start of a path at the instant of a Stop");
             }
             let of = self.crd(core, crd)?;
+            of.contested[0] = of.runs;
             check(!of.runs)?;
             let (axes, waiting) = (of.set.as_ref().map_or([None; 4], |set| set.axes), of.fifos[fifo(crd)].waiting());
             for axis in axes.into_iter().flatten() {
@@ -346,8 +351,13 @@ impl Controller {
             }
             if !of.runs {
                 *self.used.entry("paths ended").or_default() += 1;
+                // The controller is ahead by up to a tick.
+                if of.contested != [false; 2] {
+                    self.open = Some("a call that needs standstill, just before its path comes to rest");
+                }
             }
         }
+        self.crds.values_mut().for_each(|of| of.contested = [false, of.contested[0]]);
     }
 
     /// Of what lies in a FIFO a call says how much was there when it was made. A path is ahead of the tick: what ends in the
