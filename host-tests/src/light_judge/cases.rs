@@ -214,7 +214,7 @@ fn maps_and_connectors() {
 #[test]
 fn doubt_asks_for_nothing_and_ends() {
     let mut judge = Judge::new(settings(), 1);
-    for (at, what) in [(5, ON), (10, What::Doubt { crds: 1 }), (20, ON), (30, OFF)] {
+    for (at, what) in [(5, ON), (10, What::Doubt { crds: 1, follows: 0 }), (20, ON), (30, OFF)] {
         judge.take(&Fact::at(at, what));
     }
     let ([verdict, _], ..) = judge.finish(100);

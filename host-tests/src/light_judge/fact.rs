@@ -93,8 +93,9 @@ pub enum What {
     Session,
     /// A laser command was sent and never answered.
     Unanswered,
-    /// The order of two events is unknown: effects on these coordinate systems are in doubt.
-    Doubt { crds: u8 },
+    /// The order of two events is unknown: effects on these coordinate systems are in doubt, and which path the power of
+    /// these channels follows.
+    Doubt { crds: u8, follows: u8 },
 }
 
 /// What a program sets before anything runs.

@@ -53,8 +53,9 @@ impl Judge {
             commanded: Commanded::Off,
             kept: [None; 2],
             kept_doubt: false,
-            veto: false,
+            veto: Maybe::No,
             follow: None,
+            follow_open: false,
             withdrawn: None,
             old_map: (0, Ns::MIN / 2),
             fault: Maybe::No,
@@ -91,7 +92,7 @@ impl Judge {
                 let of = &mut self.channels[channel];
                 of.mark_changed();
                 of.off();
-                of.veto = true;
+                of.veto = Maybe::Yes;
             }
             What::Power { channel } => {
                 self.channels[channel].mark_changed();
@@ -107,7 +108,7 @@ impl Judge {
                 self.used.push("another mode");
                 let of = &mut self.channels[channel];
                 of.mark_changed();
-                of.follow = None;
+                (of.follow, of.follow_open) = (None, false);
                 of.cut(self.now);
             }
             What::Jog { runs } => {
@@ -182,9 +183,12 @@ impl Judge {
                     of.fault = if of.fault == Maybe::No { Maybe::No } else { Maybe::Doubt };
                 }
             }
-            What::Doubt { crds } => {
+            What::Doubt { crds, follows } => {
                 for of in &mut self.channels {
                     of.doubt(crds);
+                }
+                for channel in members(follows) {
+                    self.channels[channel].follow_open = true;
                 }
                 for crd in members(crds) {
                     let crd = &mut self.crds[crd];
@@ -210,7 +214,7 @@ impl Judge {
     /// The gate command that follows, if another one does.
     fn settle(&mut self, channel: usize) {
         let of = &self.channels[channel];
-        let waits = of.follow.is_some_and(|crd| !self.crds[crd].runs);
+        let waits = !of.follow_open && of.follow.is_some_and(|crd| !self.crds[crd].runs);
         let dark = of.fault == Maybe::Yes || !of.connector || of.kept.iter().any(Option::is_some) || waits;
         if waits && matches!(of.commanded, Commanded::On(_)) && of.kept == [None; 2] {
             self.used.push("light waits under a follow");
@@ -218,6 +222,8 @@ impl Judge {
         let level = match of.commanded {
             _ if dark => Level::Off,
             Commanded::Off => Level::Off,
+            // Whether it waits for the path that it follows is open.
+            Commanded::On(_) if of.follow_open => Level::Doubt,
             Commanded::On(_) => Level::On,
             Commanded::Doubt => Level::Doubt,
         };

@@ -38,8 +38,8 @@ struct Builder<'a> {
     told: &'a Told,
     tick: Ns,
     noted: Vec<Noted>,
-    /// Between these instants it is open what a coordinate system does.
-    open: Vec<(Ns, Ns, u8)>,
+    /// Between these instants it is open what a coordinate system does, and what these channels follow.
+    open: Vec<(Ns, Ns, u8, u8)>,
 }
 
 /// The facts of a program, in order.
@@ -51,6 +51,16 @@ pub fn facts(program: &Program, told: &Told, tick: Ns) -> Vec<Fact> {
     builder.calls();
     builder.acts();
     builder.ordered()
+}
+
+/// The channels whose follow an event begins or ends.
+fn changes_follow(noted: &Noted) -> u8 {
+    match noted.fact.what {
+        What::Entry { channel, laser: Laser::Follow | Laser::FollowOff | Laser::Power, .. } => 1 << channel,
+        What::Power { channel } | What::Mode { channel } | What::Map { channel, .. } => 1 << channel,
+        What::Stop { ends_follow, .. } if ends_follow != 0 => 3,
+        _ => 0,
+    }
 }
 
 impl Builder<'_> {
@@ -100,22 +110,31 @@ impl Builder<'_> {
                 }
                 let goes_on = |start: &&Seen| start.at > stop.at && start.fifo[crd] == stop.fifo[crd];
                 let Some(start) = turns(false).find(goes_on) else { continue };
-                let ends = turns(true).map(|end| end.at).find(|at| *at > start.at);
+                // Another Stop may come before them.
+                let over = |end: &&Seen| {
+                    end.at > start.at && matches!(end.rest[crd], PathStop::Completed | PathStop::Underrun)
+                };
+                let ends = turns(true).find(over).map(|end| end.at);
                 let next = reached(start.at + 1, Ns::MAX);
                 let until = ends.into_iter().chain(next).min().unwrap_or(self.told.end);
-                open.push((start.at - self.tick, until, 1 << crd));
                 let within = |fact: &Fact| fact.lo >= stop.at - self.tick && fact.lo <= stop.at;
-                let made = self.noted.iter().filter(|noted| noted.from == From::Entry(crd) && within(&noted.fact));
-                again.extend(made.map(|noted| (start.at, until, noted.fact.what)));
+                let made: Vec<&Noted> =
+                    self.noted.iter().filter(|noted| noted.from == From::Entry(crd) && within(&noted.fact)).collect();
+                let follows = made.iter().fold(0, |channels, noted| channels | changes_follow(noted));
+                open.push((start.at - self.tick, until, 1 << crd, follows));
+                let starts = turns(false).filter(|again| goes_on(again) && again.at < until);
+                for start in starts {
+                    again.extend(made.iter().map(|noted| (start.at, until, noted.fact.what)));
+                }
             }
             self.open.extend(open);
             for (at, until, what) in again {
                 self.note(at + 1, 1, From::Entry(crd), at, until, what);
             }
         }
-        for (lo, hi, crds) in self.open.clone() {
-            self.note(lo, 0, From::Cause, lo, lo, What::Doubt { crds });
-            self.note(hi, 4, From::Cause, hi, hi, What::Doubt { crds });
+        for (lo, hi, crds, follows) in self.open.clone() {
+            self.note(lo, 0, From::Cause, lo, lo, What::Doubt { crds, follows });
+            self.note(hi, 4, From::Cause, hi, hi, What::Doubt { crds, follows });
         }
     }
 
@@ -410,7 +429,7 @@ impl Builder<'_> {
             let hi = at + 2 * tick;
             let between = |noted: &Noted| noted.fact.hi >= at - SAME && noted.fact.lo <= hi;
             if self.noted.iter().any(between) {
-                self.note(at - SAME, 0, From::Cause, at - SAME, at - SAME, What::Doubt { crds: 3 });
+                self.note(at - SAME, 0, From::Cause, at - SAME, at - SAME, What::Doubt { crds: 3, follows: 0 });
             }
             // Whether a path that rests about now still ran is open.
             let rests = |noted: &Noted| {
@@ -426,7 +445,7 @@ impl Builder<'_> {
     fn ordered(mut self) -> Vec<Fact> {
         self.noted.sort_by_key(|noted| (noted.key, noted.rank));
         // Before the earlier one, and behind each one from there to the later one.
-        let mut doubts: Vec<(usize, usize, u8)> = Vec::new();
+        let mut doubts: Vec<(usize, usize, u8, u8)> = Vec::new();
         let near = 4 * self.tick;
         for later in 0..self.noted.len() {
             for earlier in
@@ -434,28 +453,31 @@ impl Builder<'_> {
             {
                 let crds = self.doubt(&self.noted[earlier], &self.noted[later]);
                 if crds != 0 {
-                    doubts.push((earlier, later, crds));
+                    let follows = changes_follow(&self.noted[earlier]) & changes_follow(&self.noted[later]);
+                    doubts.push((earlier, later, crds, follows));
                 }
             }
             self.unsure(later);
         }
-        for &(lo, hi, crds) in &self.open {
+        for &(lo, hi, crds, follows) in &self.open {
             let within = |noted: &Noted| (lo..=hi).contains(&noted.key);
             let first = self.noted.iter().position(within);
             let last = self.noted.iter().rposition(within);
-            doubts.extend(first.zip(last).map(|(first, last)| (first, last, crds)));
+            doubts.extend(first.zip(last).map(|(first, last)| (first, last, crds, follows)));
         }
         let mut facts = Vec::with_capacity(self.noted.len() + doubts.len());
         for (index, noted) in self.noted.iter().enumerate() {
             let begins = doubts.iter().filter(|(at, ..)| *at == index);
             let mut begins: Vec<Fact> = begins
-                .map(|&(_, later, crds)| Fact::at(noted.fact.lo.min(self.noted[later].fact.lo), What::Doubt { crds }))
+                .map(|&(_, later, crds, follows)| {
+                    Fact::at(noted.fact.lo.min(self.noted[later].fact.lo), What::Doubt { crds, follows })
+                })
                 .collect();
             begins.sort_by_key(|doubt| doubt.lo);
             facts.extend(begins);
             facts.push(noted.fact);
-            for &(.., crds) in doubts.iter().filter(|(from, to, _)| (*from..=*to).contains(&index)) {
-                facts.push(Fact { what: What::Doubt { crds }, ..noted.fact });
+            for &(.., crds, follows) in doubts.iter().filter(|(from, to, ..)| (*from..=*to).contains(&index)) {
+                facts.push(Fact { what: What::Doubt { crds, follows }, ..noted.fact });
             }
         }
         facts

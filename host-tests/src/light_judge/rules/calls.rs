@@ -58,10 +58,11 @@ impl Judge {
         if of.fault == Maybe::Doubt && !sure {
             of.off();
             of.commanded = Commanded::Doubt;
+            of.veto = if of.veto == Maybe::No { Maybe::No } else { Maybe::Doubt };
             return;
         }
         of.fault = Maybe::No;
-        of.veto = false;
+        of.veto = Maybe::No;
         of.lost = None;
         if (now - self.rested).abs() <= 2 * self.near || !sure && aborted != Maybe::No {
             // Perhaps it waited for the abort's end.
@@ -91,9 +92,17 @@ impl Judge {
 
     /// The follow is over, whatever ended it: light that waited for it is withdrawn.
     pub(super) fn end_follow(&mut self, channel: usize) {
-        let Some(crd) = self.channels[channel].follow.take() else { return };
-        let waits = !self.crds[crd].runs;
+        let open = std::mem::take(&mut self.channels[channel].follow_open);
+        let follow = self.channels[channel].follow.take();
         let of = &mut self.channels[channel];
+        if open {
+            // Whether light waited for it is open, too.
+            of.kept_doubt |= of.kept.iter().any(Option::is_some);
+            of.commanded = if of.commanded == Commanded::Off { Commanded::Off } else { Commanded::Doubt };
+            return;
+        }
+        let Some(crd) = follow else { return };
+        let waits = !self.crds[crd].runs;
         if !waits || of.kept[crd].is_some() {
             // Light that a Stop keeps dark returns without the follow.
         } else if of.kept.iter().any(Option::is_some) {

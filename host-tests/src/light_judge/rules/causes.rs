@@ -80,7 +80,7 @@ impl Judge {
             of.cut(now);
             of.quiet = true;
             if !abort {
-                of.follow = None;
+                (of.follow, of.follow_open) = (None, false);
             }
         }
         for crd in self.crds.iter_mut().filter(|crd| crd.runs) {

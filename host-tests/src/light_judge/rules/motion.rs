@@ -40,21 +40,22 @@ impl Judge {
                     });
                     return;
                 }
-                if state.stopping && of.veto {
+                if state.stopping && of.veto == Maybe::Yes {
                     self.used.push("on entry after an off, braking");
                     return;
                 }
-                if of.fault == Maybe::Doubt || state.dead == Maybe::Doubt {
+                let vetoed = state.stopping && of.veto == Maybe::Doubt;
+                if of.fault == Maybe::Doubt || state.dead == Maybe::Doubt || vetoed {
                     of.doubt(3);
                     of.commanded = Commanded::Doubt;
                     return;
                 }
                 of.off();
-                of.veto = false;
+                of.veto = Maybe::No;
                 of.commanded = Commanded::On(Owner::Crd(crd));
             }
             Laser::Off => of.off(),
-            Laser::Follow if of.follow == Some(crd) => {}
+            Laser::Follow if of.follow == Some(crd) && !of.follow_open => {}
             Laser::Follow => {
                 self.end_follow(channel);
                 self.channels[channel].follow = Some(crd);
@@ -122,6 +123,7 @@ impl Judge {
                         self.used.push("the end of a path shut off its light");
                         of.off();
                     }
+                    Commanded::On(_) if of.follow_open => of.commanded = Commanded::Doubt,
                     Commanded::On(_) if follows => {
                         self.used.push("the end of a path shut off light that followed it");
                         of.off();

@@ -63,8 +63,10 @@ pub(super) struct Channel {
     /// Whether the kept light returns is open.
     pub(super) kept_doubt: bool,
     /// An immediate off, and no on command since.
-    pub(super) veto: bool,
+    pub(super) veto: Maybe,
     pub(super) follow: Option<usize>,
+    /// Which path the power follows, if any, is open.
+    pub(super) follow_open: bool,
     /// When a Stop ended the follow under which light waited, and nothing was commanded since.
     pub(super) withdrawn: Option<Ns>,
     /// The map before, and until when a cause may have met it.
