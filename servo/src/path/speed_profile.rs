@@ -226,7 +226,9 @@ impl Plan {
             (acc, hard)
         };
         self.halts = left.is_zero() || left.is_negative();
-        self.exit = if self.halts { Real::ZERO } else { left.sqrt() };
+        // A motion that would end at standstill without the Stop does so with it, whatever is rounded.
+        let still = to.is_zero() && left.is_less(rate.scale(REST));
+        self.exit = if self.halts || still { Real::ZERO } else { left.sqrt() };
         self.ramp(v, self.exit, rate, rate.recip());
     }
 }
