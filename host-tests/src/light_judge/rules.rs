@@ -213,6 +213,11 @@ impl Judge {
 
     /// The gate command that follows, if another one does.
     fn settle(&mut self, channel: usize) {
+        let of = &mut self.channels[channel];
+        if of.follow_open && matches!(of.commanded, Commanded::On(_)) {
+            // Whether it waits for the path that it follows is open.
+            of.commanded = Commanded::Doubt;
+        }
         let of = &self.channels[channel];
         let waits = !of.follow_open && of.follow.is_some_and(|crd| !self.crds[crd].runs);
         let dark = of.fault == Maybe::Yes || !of.connector || of.kept.iter().any(Option::is_some) || waits;
@@ -222,8 +227,6 @@ impl Judge {
         let level = match of.commanded {
             _ if dark => Level::Off,
             Commanded::Off => Level::Off,
-            // Whether it waits for the path that it follows is open.
-            Commanded::On(_) if of.follow_open => Level::Doubt,
             Commanded::On(_) => Level::On,
             Commanded::Doubt => Level::Doubt,
         };

@@ -49,6 +49,16 @@ impl Fifo {
         self.entries.len() - self.next
     }
 
+    /// Of those, the ones that take time.
+    pub fn lasting(&self) -> usize {
+        let lasts = |entry: &&Entry| match entry {
+            Entry::Motion(..) => true,
+            Entry::Delay(ms) => *ms > 0.0,
+            Entry::Outputs(..) => false,
+        };
+        self.entries[self.next..].iter().filter(lasts).count()
+    }
+
     /// Where the first remaining motion continues.
     pub fn begins(&self) -> Option<[f64; 4]> {
         let motion = self.entries[self.next..].iter().position(|entry| matches!(entry, Entry::Motion(..)))?;

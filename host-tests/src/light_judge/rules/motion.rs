@@ -123,7 +123,6 @@ impl Judge {
                         self.used.push("the end of a path shut off its light");
                         of.off();
                     }
-                    Commanded::On(_) if of.follow_open => of.commanded = Commanded::Doubt,
                     Commanded::On(_) if follows => {
                         self.used.push("the end of a path shut off light that followed it");
                         of.off();

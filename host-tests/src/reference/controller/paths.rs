@@ -178,7 +178,7 @@ impl Controller {
     fn put(&mut self, name: Name, fifo: usize, entry: Entry) -> Answer {
         let of = self.crds.get_mut(&name).ok_or(1i16)?;
         check(of.fifos[fifo].waiting() < CAPACITY)?;
-        if of.runs && of.fifo == fifo && of.fifos[fifo].waiting() <= 1 {
+        if of.runs && of.fifo == fifo && of.fifos[fifo].lasting() <= 1 {
             of.late = true;
         }
         of.fifos[fifo].entries.push(entry);
