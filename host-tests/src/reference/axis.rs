@@ -88,6 +88,8 @@ pub struct Axis {
     pub zero: Fix,
     /// By ZeroPos or SetPrfPos.
     pub renamed: bool,
+    /// A Stop or an Update acts on the tick that is computed.
+    pub replanned: bool,
     /// Positions from the last tick to this one, and their instants, ms: `Fix::FAR` where they are
     /// unknown.
     pub track: Vec<Fix>,
@@ -177,6 +179,7 @@ impl Axis {
             v: Fix::ZERO,
             zero: x,
             renamed: false,
+            replanned: false,
             track: vec![x, x],
             times: vec![Fix::ZERO; 2],
             past: None,

@@ -259,11 +259,16 @@ impl Controller {
     }
 
     fn rows(&self) -> Vec<Row> {
+        // A master's position has 22 fraction bits.
+        let rounding = |axis: &Axis| match &axis.motion {
+            Some(Motion::Slave(slave)) => slave.table.curve.steepest * Fix(1 << 41),
+            _ => Fix::ZERO,
+        };
         let row = |axis: &Axis| Row {
             x: axis.x,
             status: axis.status(),
             open: axis.open.is_some(),
-            slack: axis.slack,
+            slack: axis.slack + rounding(axis),
             most: axis.fastest,
         };
         self.axes.iter().map(row).collect()
@@ -296,9 +301,11 @@ impl Controller {
             let times = [Fix::ms(before), Fix::ms(now)];
             let lead = master.map(|master| self.lead(master, &times, &place));
             // A controller has few slots for a master's motion in a tick: between the first and the
-            // last of several knots it is linear for the slaves.
+            // last of several knots it is linear for the slaves. Where a Stop or an Update of the
+            // master acts is a knot, too.
             let follows = was_slave && !began;
-            if follows && lead.as_ref().is_some_and(|lead| lead.track.len() > 4 && turns(lead.track)) {
+            let most = if master.is_some_and(|master| self.axes[master.axis].replanned) { 3 } else { 4 };
+            if follows && lead.as_ref().is_some_and(|lead| lead.track.len() > most && turns(lead.track)) {
                 open = Some("a master that turns between several knots in a tick");
             }
             let arc = master.is_some_and(|master| master.kind != 1 && self.axes[master.axis].bent);
@@ -309,6 +316,7 @@ impl Controller {
             if follows && led_by_slave && lead.as_ref().is_some_and(|lead| turns(lead.track)) {
                 open = Some("a slave that turns within a tick is followed");
             }
+            axis.replanned = then.is_some();
             axis.step(before, now, lead.as_ref(), self.levels.inputs);
             if let Some(lead) = &lead
                 && was_slave
