@@ -1,5 +1,8 @@
-//! The commands, their numbers and their wire layouts: one table, from which the structs, the
-//! schema hash and the page `docs/protocol.md` follow.
+//! The commands, their numbers, what they are and their wire layouts: one table, from which the
+//! structs, [`class`], the schema hash and the page `docs/protocol.md` follow.
+//!
+//! A row: number, name, [`Kind`], [`Lanes`], the request's fields and `[items]`, the reply's struct
+//! and `[items]`.
 //!
 //! A request is a packed little-endian struct (`zerocopy`), sometimes followed by items of one
 //! fixed layout; so is a reply. Integers that the manuals' API passes as `short` or `long` travel
@@ -7,6 +10,7 @@
 //!
 //! Names, parameters and their order: `API.md`; what a command does: `SPEC.md` sections 4 to 6.
 
+pub use crate::class::{Class, Fifo, Kind, Lanes, Of, Table};
 use zerocopy::little_endian::{F64, I16, I32, U16, U32, U64};
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout, Unaligned};
 
@@ -22,6 +26,8 @@ pub trait Request: Wire {
     const OPCODE: u16;
     /// Its name, which is the manuals' without `GT_`/`GTN_` where they have it.
     const NAME: &'static str;
+    /// What it is.
+    const CLASS: Class;
     /// What follows the struct: zero or more items of this layout.
     type Item: Wire;
     /// The fixed part of a reply with code 0.
@@ -37,6 +43,8 @@ pub struct CommandInfo {
     pub opcode: u16,
     /// Name.
     pub name: &'static str,
+    /// What it is.
+    pub class: Class,
     /// Fields of the request.
     pub fields: &'static [(&'static str, &'static str)],
     /// Fields of each item after the request.
@@ -61,8 +69,23 @@ macro_rules! wire_structs {
 }
 pub(crate) use wire_structs;
 
+macro_rules! kind {
+    (Read $of:ident) => {
+        Kind::Read(Of::$of)
+    };
+    (Data $fifo:ident) => {
+        Kind::Data(Fifo::$fifo)
+    };
+    (Table $table:ident) => {
+        Kind::Table(Table::$table)
+    };
+    ($kind:ident) => {
+        Kind::$kind
+    };
+}
+
 macro_rules! commands {
-    ($( $opcode:literal $name:ident { $( $field:ident : $ty:ty ),* $(,)? } [$item:ident] -> $reply:ident [$ritem:ident] ; )*) => {
+    ($( $opcode:literal $name:ident : $($kind:ident)+ , $lanes:ident { $( $field:ident : $ty:ty ),* $(,)? } [$item:ident] -> $reply:ident [$ritem:ident] ; )*) => {
         $(
             #[doc = concat!("Command ", stringify!($opcode), ": see `docs/protocol.md`.")]
             #[allow(missing_docs)]
@@ -75,6 +98,7 @@ macro_rules! commands {
             impl Request for $name {
                 const OPCODE: u16 = $opcode;
                 const NAME: &'static str = stringify!($name);
+                const CLASS: Class = Class { kind: kind!($($kind)+), lanes: Lanes::$lanes };
                 type Item = $item;
                 type Reply = $reply;
                 type ReplyItem = $ritem;
@@ -85,12 +109,21 @@ macro_rules! commands {
             CommandInfo {
                 opcode: $opcode,
                 name: stringify!($name),
+                class: <$name as Request>::CLASS,
                 fields: <$name as Wire>::FIELDS,
                 items: <$item as Wire>::FIELDS,
                 reply: <$reply as Wire>::FIELDS,
                 reply_items: <$ritem as Wire>::FIELDS,
             },
         )*];
+        /// What the command with this number is; none if there is no such command. (Without the
+        /// names and fields of [`COMMANDS`], which the controller does not hold.)
+        pub const fn class(opcode: u16) -> Option<Class> {
+            match opcode {
+                $( $opcode => Some(<$name as Request>::CLASS), )*
+                _ => None,
+            }
+        }
         /// The numbers of the commands that have a layout, by name.
         #[allow(non_upper_case_globals, missing_docs)]
         pub mod opcode { $( pub const $name: u16 = $opcode; )* }
@@ -293,230 +326,230 @@ wire_structs! {
 
 commands! {
     // -- session ---------------------------------------------------------------------------
-    0x0001 Version {} [Nothing] -> VersionReply [Nothing];
-    0x0002 Reset { core: I16 } [Nothing] -> Nothing [Nothing];
-    0x0003 GetClock {} [Nothing] -> Clock [Nothing];
-    0x0004 ClrSts { core: I16, axis: I16, count: I16 } [Nothing] -> Nothing [Nothing];
-    0x0005 SetTick { tick_us: I32 } [Nothing] -> Nothing [Nothing];
-    0x0006 SetLinkLoss { time_ms: I32, stop_all: I16 } [Nothing] -> Nothing [Nothing];
-    0x0007 LoadConfig { core: I16, count: U16 } [ConfigItem] -> Nothing [Nothing];
-    0x0008 KeepAlive {} [Nothing] -> Nothing [Nothing];
-    0x0009 Choose { profile: u8, family: u8 } [Nothing] -> VersionReply [Nothing];
-    0x000A GetFault {} [Nothing] -> FaultReply [Byte];
-    0x000B GetEvents {} [Nothing] -> EventsReply [EventItem];
-    0x000C Abort { core: I16 } [Nothing] -> Nothing [Nothing];
-    0x000D GetLinkLoss {} [Nothing] -> LinkLossReply [Nothing];
-    0x000E SetInterlock { motion: I16 } [Nothing] -> Nothing [Nothing];
-    0x000F GetTickTime {} [Nothing] -> TickTimeReply [Nothing];
+    0x0001 Version: Read Controller, Any {} [Nothing] -> VersionReply [Nothing];
+    0x0002 Reset: Set, Apart { core: I16 } [Nothing] -> Nothing [Nothing];
+    0x0003 GetClock: Read Controller, Any {} [Nothing] -> Clock [Nothing];
+    0x0004 ClrSts: Set, Any { core: I16, axis: I16, count: I16 } [Nothing] -> Nothing [Nothing];
+    0x0005 SetTick: Set, ImmediateApart { tick_us: I32 } [Nothing] -> Nothing [Nothing];
+    0x0006 SetLinkLoss: Set, Any { time_ms: I32, stop_all: I16 } [Nothing] -> Nothing [Nothing];
+    0x0007 LoadConfig: Set, Apart { core: I16, count: U16 } [ConfigItem] -> Nothing [Nothing];
+    0x0008 KeepAlive: Session, Any {} [Nothing] -> Nothing [Nothing];
+    0x0009 Choose: Set, Immediate { profile: u8, family: u8 } [Nothing] -> VersionReply [Nothing];
+    0x000A GetFault: Read Controller, Any {} [Nothing] -> FaultReply [Byte];
+    0x000B GetEvents: Read Controller, Any {} [Nothing] -> EventsReply [EventItem];
+    0x000C Abort: Set, Any { core: I16 } [Nothing] -> Nothing [Nothing];
+    0x000D GetLinkLoss: Read Controller, Any {} [Nothing] -> LinkLossReply [Nothing];
+    0x000E SetInterlock: Set, Any { motion: I16 } [Nothing] -> Nothing [Nothing];
+    0x000F GetTickTime: Read Controller, Any {} [Nothing] -> TickTimeReply [Nothing];
     // -- the program queue (SPEC 7) ----------------------------------------------------------
-    0x0010 Sleep { ns: U64 } [Nothing] -> Nothing [Nothing];
-    0x0011 WaitStop { core: I16, axes: I32, crds: I32 } [Nothing] -> Nothing [Nothing];
-    0x0012 ProgramStart { strict: u8 } [Nothing] -> ProgramReply [Nothing];
-    0x0013 ProgramClear {} [Nothing] -> ProgramReply [Nothing];
-    0x0014 ProgramStatus {} [Nothing] -> ProgramReply [Nothing];
-    0x0015 Trace { every: U32, axes: U64, lasers: u8, crds: u8, way: u8, edges: u8 } [Nothing] -> Nothing [Nothing];
-    0x0016 ProgramEnd {} [Nothing] -> Nothing [Nothing];
+    0x0010 Sleep: Step, Program { ns: U64 } [Nothing] -> Nothing [Nothing];
+    0x0011 WaitStop: Step, Program { core: I16, axes: I32, crds: I32 } [Nothing] -> Nothing [Nothing];
+    0x0012 ProgramStart: Program, Immediate { strict: u8 } [Nothing] -> ProgramReply [Nothing];
+    0x0013 ProgramClear: Program, Immediate {} [Nothing] -> ProgramReply [Nothing];
+    0x0014 ProgramStatus: Program, Immediate {} [Nothing] -> ProgramReply [Nothing];
+    0x0015 Trace: Session, Any { every: U32, axes: U64, lasers: u8, crds: u8, way: u8, edges: u8 } [Nothing] -> Nothing [Nothing];
+    0x0016 ProgramEnd: Step, Program {} [Nothing] -> Nothing [Nothing];
     // -- axis --------------------------------------------------------------------------------
-    0x0100 AxisOn { core: I16, axis: I16 } [Nothing] -> Nothing [Nothing];
-    0x0101 AxisOff { core: I16, axis: I16 } [Nothing] -> Nothing [Nothing];
-    0x0102 Stop { core: I16, mask: I32, option: I32, form: u8 } [Nothing] -> Nothing [Nothing];
-    0x0103 ZeroPos { core: I16, axis: I16, count: I16 } [Nothing] -> Nothing [Nothing];
-    0x0104 SetPrfPos { core: I16, profile: I16, pos: I32 } [Nothing] -> Nothing [Nothing];
-    0x0105 SynchAxisPos { core: I16, mask: I32 } [Nothing] -> Nothing [Nothing];
-    0x0106 SetStopDec { core: I16, profile: I16, smooth: F64, abrupt: F64 } [Nothing] -> Nothing [Nothing];
-    0x0107 GetStopDec { core: I16, profile: I16 } [Nothing] -> StopDec [Nothing];
-    0x0108 SetAxisBand { core: I16, axis: I16, band: I32, time_cycles: I32 } [Nothing] -> Nothing [Nothing];
-    0x0109 GetAxisBand { core: I16, axis: I16 } [Nothing] -> Band [Nothing];
-    0x010A GetSts { core: I16, axis: I16, count: I16 } [Nothing] -> Longs [Long];
-    0x010B GetPrfPos { core: I16, profile: I16, count: I16 } [Nothing] -> Reals [Real];
-    0x010C GetPrfVel { core: I16, profile: I16, count: I16 } [Nothing] -> Reals [Real];
-    0x010D GetPrfAcc { core: I16, profile: I16, count: I16 } [Nothing] -> Reals [Real];
-    0x010E GetPrfMode { core: I16, profile: I16, count: I16 } [Nothing] -> Longs [Long];
-    0x010F GetEncPos { core: I16, encoder: I16, count: I16 } [Nothing] -> Reals [Real];
-    0x0110 GetEncVel { core: I16, encoder: I16, count: I16 } [Nothing] -> Reals [Real];
-    0x0111 SetEncPos { core: I16, encoder: I16, pos: I32 } [Nothing] -> Nothing [Nothing];
-    0x0112 SetSoftLimit { core: I16, axis: I16, positive: I32, negative: I32 } [Nothing] -> Nothing [Nothing];
-    0x0113 GetSoftLimit { core: I16, axis: I16 } [Nothing] -> SoftLimit [Nothing];
-    0x0114 LmtsOn { core: I16, axis: I16, limit_type: I16 } [Nothing] -> Nothing [Nothing];
-    0x0115 LmtsOff { core: I16, axis: I16, limit_type: I16 } [Nothing] -> Nothing [Nothing];
-    0x0116 LmtSns { core: I16, sense: U16 } [Nothing] -> Nothing [Nothing];
-    0x0117 AlarmOn { core: I16, axis: I16 } [Nothing] -> Nothing [Nothing];
-    0x0118 AlarmOff { core: I16, axis: I16 } [Nothing] -> Nothing [Nothing];
-    0x0119 SetPosErr { core: I16, control: I16, error: I32 } [Nothing] -> Nothing [Nothing];
-    0x011A GetPosErr { core: I16, control: I16 } [Nothing] -> Long [Nothing];
-    0x011B SetCaptureMode { core: I16, encoder: I16, mode: I16 } [Nothing] -> Nothing [Nothing];
-    0x011C GetCaptureStatus { core: I16, encoder: I16, count: I16 } [Nothing] -> Count [CaptureReply];
-    0x011D AxisStatus { core: I16, axis: I16, count: I16 } [Nothing] -> Reals [AxisItem];
+    0x0100 AxisOn: Set, Apart { core: I16, axis: I16 } [Nothing] -> Nothing [Nothing];
+    0x0101 AxisOff: Set, Apart { core: I16, axis: I16 } [Nothing] -> Nothing [Nothing];
+    0x0102 Stop: Set, Any { core: I16, mask: I32, option: I32, form: u8 } [Nothing] -> Nothing [Nothing];
+    0x0103 ZeroPos: Set, Apart { core: I16, axis: I16, count: I16 } [Nothing] -> Nothing [Nothing];
+    0x0104 SetPrfPos: Set, Apart { core: I16, profile: I16, pos: I32 } [Nothing] -> Nothing [Nothing];
+    0x0105 SynchAxisPos: Set, Apart { core: I16, mask: I32 } [Nothing] -> Nothing [Nothing];
+    0x0106 SetStopDec: Set, Apart { core: I16, profile: I16, smooth: F64, abrupt: F64 } [Nothing] -> Nothing [Nothing];
+    0x0107 GetStopDec: Read Axis, Any { core: I16, profile: I16 } [Nothing] -> StopDec [Nothing];
+    0x0108 SetAxisBand: Set, Apart { core: I16, axis: I16, band: I32, time_cycles: I32 } [Nothing] -> Nothing [Nothing];
+    0x0109 GetAxisBand: Read Axis, Any { core: I16, axis: I16 } [Nothing] -> Band [Nothing];
+    0x010A GetSts: Read Axes, Any { core: I16, axis: I16, count: I16 } [Nothing] -> Longs [Long];
+    0x010B GetPrfPos: Read Axes, Any { core: I16, profile: I16, count: I16 } [Nothing] -> Reals [Real];
+    0x010C GetPrfVel: Read Axes, Any { core: I16, profile: I16, count: I16 } [Nothing] -> Reals [Real];
+    0x010D GetPrfAcc: Read Axes, Any { core: I16, profile: I16, count: I16 } [Nothing] -> Reals [Real];
+    0x010E GetPrfMode: Read Axes, Any { core: I16, profile: I16, count: I16 } [Nothing] -> Longs [Long];
+    0x010F GetEncPos: Read Axes, Any { core: I16, encoder: I16, count: I16 } [Nothing] -> Reals [Real];
+    0x0110 GetEncVel: Read Axes, Any { core: I16, encoder: I16, count: I16 } [Nothing] -> Reals [Real];
+    0x0111 SetEncPos: Set, Apart { core: I16, encoder: I16, pos: I32 } [Nothing] -> Nothing [Nothing];
+    0x0112 SetSoftLimit: Set, Apart { core: I16, axis: I16, positive: I32, negative: I32 } [Nothing] -> Nothing [Nothing];
+    0x0113 GetSoftLimit: Read Axis, Any { core: I16, axis: I16 } [Nothing] -> SoftLimit [Nothing];
+    0x0114 LmtsOn: Set, Apart { core: I16, axis: I16, limit_type: I16 } [Nothing] -> Nothing [Nothing];
+    0x0115 LmtsOff: Set, Apart { core: I16, axis: I16, limit_type: I16 } [Nothing] -> Nothing [Nothing];
+    0x0116 LmtSns: Set, Apart { core: I16, sense: U16 } [Nothing] -> Nothing [Nothing];
+    0x0117 AlarmOn: Set, Apart { core: I16, axis: I16 } [Nothing] -> Nothing [Nothing];
+    0x0118 AlarmOff: Set, Apart { core: I16, axis: I16 } [Nothing] -> Nothing [Nothing];
+    0x0119 SetPosErr: Set, Apart { core: I16, control: I16, error: I32 } [Nothing] -> Nothing [Nothing];
+    0x011A GetPosErr: Read Axis, Any { core: I16, control: I16 } [Nothing] -> Long [Nothing];
+    0x011B SetCaptureMode: Set, Apart { core: I16, encoder: I16, mode: I16 } [Nothing] -> Nothing [Nothing];
+    0x011C GetCaptureStatus: Read Axes, Any { core: I16, encoder: I16, count: I16 } [Nothing] -> Count [CaptureReply];
+    0x011D AxisStatus: Read Other, Any { core: I16, axis: I16, count: I16 } [Nothing] -> Reals [AxisItem];
     // -- trap and jog ------------------------------------------------------------------------
-    0x0120 PrfTrap { core: I16, profile: I16 } [Nothing] -> Nothing [Nothing];
-    0x0121 SetTrapPrm { core: I16, profile: I16, acc: F64, dec: F64, vel_start: F64, smooth_time_ms: I16 } [Nothing] -> Nothing [Nothing];
-    0x0122 GetTrapPrm { core: I16, profile: I16 } [Nothing] -> TrapPrm [Nothing];
-    0x0123 PrfJog { core: I16, profile: I16 } [Nothing] -> Nothing [Nothing];
-    0x0124 SetJogPrm { core: I16, profile: I16, acc: F64, dec: F64, smooth: F64 } [Nothing] -> Nothing [Nothing];
-    0x0125 GetJogPrm { core: I16, profile: I16 } [Nothing] -> JogPrm [Nothing];
-    0x0126 SetPos { core: I16, profile: I16, pos: I32 } [Nothing] -> Nothing [Nothing];
-    0x0127 GetPos { core: I16, profile: I16 } [Nothing] -> Long [Nothing];
-    0x0128 SetVel { core: I16, profile: I16, vel: F64 } [Nothing] -> Nothing [Nothing];
-    0x0129 GetVel { core: I16, profile: I16 } [Nothing] -> Real [Nothing];
-    0x012A Update { core: I16, mask: I32 } [Nothing] -> Nothing [Nothing];
+    0x0120 PrfTrap: Set, Apart { core: I16, profile: I16 } [Nothing] -> Nothing [Nothing];
+    0x0121 SetTrapPrm: Set, Apart { core: I16, profile: I16, acc: F64, dec: F64, vel_start: F64, smooth_time_ms: I16 } [Nothing] -> Nothing [Nothing];
+    0x0122 GetTrapPrm: Read Other, Any { core: I16, profile: I16 } [Nothing] -> TrapPrm [Nothing];
+    0x0123 PrfJog: Set, Apart { core: I16, profile: I16 } [Nothing] -> Nothing [Nothing];
+    0x0124 SetJogPrm: Set, Apart { core: I16, profile: I16, acc: F64, dec: F64, smooth: F64 } [Nothing] -> Nothing [Nothing];
+    0x0125 GetJogPrm: Read Other, Any { core: I16, profile: I16 } [Nothing] -> JogPrm [Nothing];
+    0x0126 SetPos: Set, Apart { core: I16, profile: I16, pos: I32 } [Nothing] -> Nothing [Nothing];
+    0x0127 GetPos: Read Axis, Any { core: I16, profile: I16 } [Nothing] -> Long [Nothing];
+    0x0128 SetVel: Set, Apart { core: I16, profile: I16, vel: F64 } [Nothing] -> Nothing [Nothing];
+    0x0129 GetVel: Read Axis, Any { core: I16, profile: I16 } [Nothing] -> Real [Nothing];
+    0x012A Update: Start, Apart { core: I16, mask: I32 } [Nothing] -> Nothing [Nothing];
     // -- digital and analog inputs and outputs -------------------------------------------------
-    0x0140 GetDi { core: I16, di_type: I16 } [Nothing] -> Long [Nothing];
-    0x0141 SetDo { core: I16, do_type: I16, value: I32 } [Nothing] -> Nothing [Nothing];
-    0x0142 GetDo { core: I16, do_type: I16 } [Nothing] -> Long [Nothing];
-    0x0143 SetDoBit { core: I16, do_type: I16, index: I16, value: I16 } [Nothing] -> Nothing [Nothing];
-    0x0144 SetDac { core: I16, dac: I16, count: U16 } [Short] -> Nothing [Nothing];
-    0x0145 GetDac { core: I16, dac: I16, count: I16 } [Nothing] -> Count [Short];
-    0x0146 GetAdc { core: I16, adc: I16, count: I16 } [Nothing] -> Reals [Real];
-    0x0147 SimInput { core: I16, di_type: I16, index: I16, level: I16 } [Nothing] -> Nothing [Nothing];
-    0x0148 SimAdc { core: I16, adc: I16, volts: F64 } [Nothing] -> Nothing [Nothing];
-    0x0149 SimPlan { core: I16, row: U16, from: u8, at_ns: U64, di_type: I16, index: I16, value: F64 } [Nothing] -> Nothing [Nothing];
-    0x014A GetWait { core: I16, axis: I16 } [Nothing] -> WaitReply [Nothing];
-    0x014B GetDiEx { core: I16, di_type: I16, count: I16 } [Nothing] -> Count [Long];
-    0x014C SetDoEx { core: I16, do_type: I16, count: U16 } [Long] -> Nothing [Nothing];
-    0x014D GetDoEx { core: I16, do_type: I16, count: I16 } [Nothing] -> Count [Long];
+    0x0140 GetDi: Read Other, Any { core: I16, di_type: I16 } [Nothing] -> Long [Nothing];
+    0x0141 SetDo: Set, Apart { core: I16, do_type: I16, value: I32 } [Nothing] -> Nothing [Nothing];
+    0x0142 GetDo: Read Other, Any { core: I16, do_type: I16 } [Nothing] -> Long [Nothing];
+    0x0143 SetDoBit: Set, Apart { core: I16, do_type: I16, index: I16, value: I16 } [Nothing] -> Nothing [Nothing];
+    0x0144 SetDac: Set, Apart { core: I16, dac: I16, count: U16 } [Short] -> Nothing [Nothing];
+    0x0145 GetDac: Read Other, Any { core: I16, dac: I16, count: I16 } [Nothing] -> Count [Short];
+    0x0146 GetAdc: Read Other, Any { core: I16, adc: I16, count: I16 } [Nothing] -> Reals [Real];
+    0x0147 SimInput: Set, Any { core: I16, di_type: I16, index: I16, level: I16 } [Nothing] -> Nothing [Nothing];
+    0x0148 SimAdc: Set, Any { core: I16, adc: I16, volts: F64 } [Nothing] -> Nothing [Nothing];
+    0x0149 SimPlan: Set, Any { core: I16, row: U16, from: u8, at_ns: U64, di_type: I16, index: I16, value: F64 } [Nothing] -> Nothing [Nothing];
+    0x014A GetWait: Read Axis, Any { core: I16, axis: I16 } [Nothing] -> WaitReply [Nothing];
+    0x014B GetDiEx: Read Other, Any { core: I16, di_type: I16, count: I16 } [Nothing] -> Count [Long];
+    0x014C SetDoEx: Set, Apart { core: I16, do_type: I16, count: U16 } [Long] -> Nothing [Nothing];
+    0x014D GetDoEx: Read Other, Any { core: I16, do_type: I16, count: I16 } [Nothing] -> Count [Long];
     // -- PT (GXN chapter 2) -------------------------------------------------------------------
-    0x0200 PrfPt { core: I16, profile: I16, mode: I16 } [Nothing] -> Nothing [Nothing];
-    0x0201 PtSpace { core: I16, profile: I16, fifo: I16 } [Nothing] -> Short [Nothing];
-    0x0202 PtData { core: I16, profile: I16, pos: F64, time_ms: I32, kind: I16, fifo: I16 } [Nothing] -> PtTaken [Nothing];
-    0x0203 PtDataMany { core: I16, profile: I16, fifo: I16, count: U16 } [PtItem] -> PtTaken [Nothing];
-    0x0204 PtClear { core: I16, profile: I16, fifo: I16 } [Nothing] -> Nothing [Nothing];
-    0x0205 SetPtLoop { core: I16, profile: I16, loop_count: I32 } [Nothing] -> Nothing [Nothing];
-    0x0206 GetPtLoop { core: I16, profile: I16 } [Nothing] -> Long [Nothing];
-    0x0207 SetPtMemory { core: I16, profile: I16, memory: I16 } [Nothing] -> Nothing [Nothing];
-    0x0208 GetPtMemory { core: I16, profile: I16 } [Nothing] -> Short [Nothing];
-    0x0209 PtStart { core: I16, mask: I32, option: I32 } [Nothing] -> Nothing [Nothing];
-    0x020A GetPtState { core: I16, profile: I16 } [Nothing] -> PtState [Nothing];
+    0x0200 PrfPt: Set, Apart { core: I16, profile: I16, mode: I16 } [Nothing] -> Nothing [Nothing];
+    0x0201 PtSpace: Read Other, Any { core: I16, profile: I16, fifo: I16 } [Nothing] -> Short [Nothing];
+    0x0202 PtData: Data Pt, Apart { core: I16, profile: I16, pos: F64, time_ms: I32, kind: I16, fifo: I16 } [Nothing] -> PtTaken [Nothing];
+    0x0203 PtDataMany: Data Pt, Apart { core: I16, profile: I16, fifo: I16, count: U16 } [PtItem] -> PtTaken [Nothing];
+    0x0204 PtClear: Set, Apart { core: I16, profile: I16, fifo: I16 } [Nothing] -> Nothing [Nothing];
+    0x0205 SetPtLoop: Set, Apart { core: I16, profile: I16, loop_count: I32 } [Nothing] -> Nothing [Nothing];
+    0x0206 GetPtLoop: Read Other, Any { core: I16, profile: I16 } [Nothing] -> Long [Nothing];
+    0x0207 SetPtMemory: Set, Apart { core: I16, profile: I16, memory: I16 } [Nothing] -> Nothing [Nothing];
+    0x0208 GetPtMemory: Read Other, Any { core: I16, profile: I16 } [Nothing] -> Short [Nothing];
+    0x0209 PtStart: Start, Apart { core: I16, mask: I32, option: I32 } [Nothing] -> Nothing [Nothing];
+    0x020A GetPtState: Read Axis, Any { core: I16, profile: I16 } [Nothing] -> PtState [Nothing];
     // -- PVT (GXN chapter 4) -------------------------------------------------------------------
-    0x0300 PrfPvt { core: I16, profile: I16 } [Nothing] -> Nothing [Nothing];
-    0x0301 SetPvtLoop { core: I16, profile: I16, loop_count: I32 } [Nothing] -> Nothing [Nothing];
-    0x0302 GetPvtLoop { core: I16, profile: I16 } [Nothing] -> PvtLoops [Nothing];
-    0x0303 PvtStatus { core: I16, profile: I16, count: I16 } [Nothing] -> Count [PvtStatusItem];
-    0x0304 PvtStart { core: I16, mask: I32 } [Nothing] -> Nothing [Nothing];
-    0x0305 PvtTableSelect { core: I16, profile: I16, table: I16 } [Nothing] -> Nothing [Nothing];
-    0x0306 PvtTable { core: I16, table: I16, count: I32, first: U16 } [PvtPoint] -> Nothing [Nothing];
-    0x0307 PvtTableEx { core: I16, table: I16, count: I32, first: U16 } [PvtExPoint] -> Nothing [Nothing];
-    0x0308 PvtTableComplete { core: I16, table: I16, count: I32, first: U16, vel_begin: F64, vel_end: F64 } [PvtKnot] -> Nothing [Nothing];
-    0x0309 PvtTablePercent { core: I16, table: I16, count: I32, first: U16, vel_begin: F64 } [PvtPercentPoint] -> Nothing [Nothing];
-    0x030A PvtPercentCalculate { core: I16, count: I32, first: U16, vel_begin: F64 } [PvtPercentPoint] -> Count [Real];
-    0x030B PvtTableContinuous { core: I16, table: I16, count: I32, first: U16, time_begin: F64 } [PvtContinuousPoint] -> Nothing [Nothing];
-    0x030C PvtContinuousCalculate { core: I16, count: I32, first: U16 } [PvtContinuousPoint] -> Count [Real];
+    0x0300 PrfPvt: Set, Apart { core: I16, profile: I16 } [Nothing] -> Nothing [Nothing];
+    0x0301 SetPvtLoop: Set, Apart { core: I16, profile: I16, loop_count: I32 } [Nothing] -> Nothing [Nothing];
+    0x0302 GetPvtLoop: Read Other, Any { core: I16, profile: I16 } [Nothing] -> PvtLoops [Nothing];
+    0x0303 PvtStatus: Read Other, Any { core: I16, profile: I16, count: I16 } [Nothing] -> Count [PvtStatusItem];
+    0x0304 PvtStart: Start, Apart { core: I16, mask: I32 } [Nothing] -> Nothing [Nothing];
+    0x0305 PvtTableSelect: Set, Apart { core: I16, profile: I16, table: I16 } [Nothing] -> Nothing [Nothing];
+    0x0306 PvtTable: Table Pvt, Apart { core: I16, table: I16, count: I32, first: U16 } [PvtPoint] -> Nothing [Nothing];
+    0x0307 PvtTableEx: Table Pvt, Apart { core: I16, table: I16, count: I32, first: U16 } [PvtExPoint] -> Nothing [Nothing];
+    0x0308 PvtTableComplete: Table Pvt, Apart { core: I16, table: I16, count: I32, first: U16, vel_begin: F64, vel_end: F64 } [PvtKnot] -> Nothing [Nothing];
+    0x0309 PvtTablePercent: Table Pvt, Apart { core: I16, table: I16, count: I32, first: U16, vel_begin: F64 } [PvtPercentPoint] -> Nothing [Nothing];
+    0x030A PvtPercentCalculate: Calculate, Any { core: I16, count: I32, first: U16, vel_begin: F64 } [PvtPercentPoint] -> Count [Real];
+    0x030B PvtTableContinuous: Table Pvt, Apart { core: I16, table: I16, count: I32, first: U16, time_begin: F64 } [PvtContinuousPoint] -> Nothing [Nothing];
+    0x030C PvtContinuousCalculate: Calculate, Any { core: I16, count: I32, first: U16 } [PvtContinuousPoint] -> Count [Real];
     // -- Follow (GXN chapter 3) ----------------------------------------------------------------
-    0x0400 PrfFollow { core: I16, profile: I16, dir: I16 } [Nothing] -> Nothing [Nothing];
-    0x0401 SetFollowMaster { core: I16, profile: I16, master_index: I16, master_type: I16, master_item: I16 } [Nothing] -> Nothing [Nothing];
-    0x0402 GetFollowMaster { core: I16, profile: I16 } [Nothing] -> FollowMasterReply [Nothing];
-    0x0403 SetFollowLoop { core: I16, profile: I16, loop_count: I32 } [Nothing] -> Nothing [Nothing];
-    0x0404 GetFollowLoop { core: I16, profile: I16 } [Nothing] -> Long [Nothing];
-    0x0405 SetFollowEvent { core: I16, profile: I16, event: I16, master_dir: I16, pos: I32 } [Nothing] -> Nothing [Nothing];
-    0x0406 GetFollowEvent { core: I16, profile: I16 } [Nothing] -> FollowEventReply [Nothing];
-    0x0407 FollowSpace { core: I16, profile: I16, fifo: I16 } [Nothing] -> Short [Nothing];
-    0x0408 FollowData { core: I16, profile: I16, master_segment: I32, slave_segment: F64, kind: I16, fifo: I16 } [Nothing] -> FollowTaken [Nothing];
-    0x0409 FollowClear { core: I16, profile: I16, fifo: I16 } [Nothing] -> Nothing [Nothing];
-    0x040A FollowStart { core: I16, mask: I32, option: I32 } [Nothing] -> Nothing [Nothing];
-    0x040B FollowSwitch { core: I16, mask: I32 } [Nothing] -> Nothing [Nothing];
-    0x040C SetFollowMemory { core: I16, profile: I16, memory: I16 } [Nothing] -> Nothing [Nothing];
-    0x040D GetFollowMemory { core: I16, profile: I16 } [Nothing] -> Short [Nothing];
-    0x040E GetFollowStatus { core: I16, profile: I16 } [Nothing] -> FollowStatusReply [Nothing];
+    0x0400 PrfFollow: Set, Apart { core: I16, profile: I16, dir: I16 } [Nothing] -> Nothing [Nothing];
+    0x0401 SetFollowMaster: Set, Apart { core: I16, profile: I16, master_index: I16, master_type: I16, master_item: I16 } [Nothing] -> Nothing [Nothing];
+    0x0402 GetFollowMaster: Read Follow, Any { core: I16, profile: I16 } [Nothing] -> FollowMasterReply [Nothing];
+    0x0403 SetFollowLoop: Set, Apart { core: I16, profile: I16, loop_count: I32 } [Nothing] -> Nothing [Nothing];
+    0x0404 GetFollowLoop: Read Follow, Any { core: I16, profile: I16 } [Nothing] -> Long [Nothing];
+    0x0405 SetFollowEvent: Set, Apart { core: I16, profile: I16, event: I16, master_dir: I16, pos: I32 } [Nothing] -> Nothing [Nothing];
+    0x0406 GetFollowEvent: Read Follow, Any { core: I16, profile: I16 } [Nothing] -> FollowEventReply [Nothing];
+    0x0407 FollowSpace: Read Other, Any { core: I16, profile: I16, fifo: I16 } [Nothing] -> Short [Nothing];
+    0x0408 FollowData: Data Follow, Apart { core: I16, profile: I16, master_segment: I32, slave_segment: F64, kind: I16, fifo: I16 } [Nothing] -> FollowTaken [Nothing];
+    0x0409 FollowClear: Set, Apart { core: I16, profile: I16, fifo: I16 } [Nothing] -> Nothing [Nothing];
+    0x040A FollowStart: Start, Apart { core: I16, mask: I32, option: I32 } [Nothing] -> Nothing [Nothing];
+    0x040B FollowSwitch: Set, Apart { core: I16, mask: I32 } [Nothing] -> Nothing [Nothing];
+    0x040C SetFollowMemory: Set, Apart { core: I16, profile: I16, memory: I16 } [Nothing] -> Nothing [Nothing];
+    0x040D GetFollowMemory: Read Follow, Any { core: I16, profile: I16 } [Nothing] -> Short [Nothing];
+    0x040E GetFollowStatus: Read Follow, Any { core: I16, profile: I16 } [Nothing] -> FollowStatusReply [Nothing];
     // -- FollowEx (GXN chapter 3) --------------------------------------------------------------
-    0x0500 PrfFollowEx { core: I16, profile: I16, dir: I16 } [Nothing] -> Nothing [Nothing];
-    0x0501 SetFollowMasterEx { core: I16, profile: I16, master_index: I16, master_type: I16, master_item: I16 } [Nothing] -> Nothing [Nothing];
-    0x0502 GetFollowMasterEx { core: I16, profile: I16 } [Nothing] -> FollowMasterReply [Nothing];
-    0x0503 SetFollowLoopEx { core: I16, profile: I16, loop_count: I32 } [Nothing] -> Nothing [Nothing];
-    0x0504 GetFollowLoopEx { core: I16, profile: I16 } [Nothing] -> Long [Nothing];
-    0x0505 SetFollowEventEx { core: I16, profile: I16, event: I16, master_dir: I16, pos: I32 } [Nothing] -> Nothing [Nothing];
-    0x0506 GetFollowEventEx { core: I16, profile: I16 } [Nothing] -> FollowEventReply [Nothing];
-    0x0507 FollowSpaceEx { core: I16, profile: I16, fifo: I16 } [Nothing] -> Short [Nothing];
-    0x0508 FollowDataPercentEx { core: I16, profile: I16, master_segment: F64, slave_segment: F64, kind: I16, percent: I16, fifo: I16 } [Nothing] -> FollowTaken [Nothing];
-    0x0509 FollowClearEx { core: I16, profile: I16, fifo: I16 } [Nothing] -> Nothing [Nothing];
-    0x050A FollowStartEx { core: I16, mask: I32, option: I32 } [Nothing] -> Nothing [Nothing];
-    0x050B FollowSwitchEx { core: I16, mask: I32 } [Nothing] -> Nothing [Nothing];
-    0x050C SetFollowMemoryEx { core: I16, profile: I16, memory: I16 } [Nothing] -> Nothing [Nothing];
-    0x050D GetFollowMemoryEx { core: I16, profile: I16 } [Nothing] -> Short [Nothing];
-    0x050E GetFollowStatusEx { core: I16, profile: I16 } [Nothing] -> FollowStatusReply [Nothing];
-    0x050F FollowSwitchNowEx { core: I16, profile: I16, method: I16, buffer: I16, fifo: I16 } [Nothing] -> FollowTaken [Nothing];
-    0x0510 FollowDoBitEx { core: I16, profile: I16, do_type: I16, index: I16, value: I16, fifo: I16 } [Nothing] -> FollowTaken [Nothing];
-    0x0511 FollowDelayEx { core: I16, profile: I16, delay_cycles: U32, fifo: I16 } [Nothing] -> FollowTaken [Nothing];
-    0x0512 FollowDiBitEx { core: I16, profile: I16, di_type: I16, index: I16, value: I16, time_ms: U32, fifo: I16 } [Nothing] -> FollowTaken [Nothing];
-    0x0513 FollowDataPercent2Ex { core: I16, profile: I16, master_segment: F64, slave_segment: F64, vel_begin_ratio: F64, vel_end_ratio: F64, percent: I16, fifo: I16 } [Nothing] -> FollowPercent1 [Nothing];
-    0x0514 GetFollowDataPercent2Ex { core: I16, master_pos: F64, vel_begin_ratio: F64, vel_end_ratio: F64, percent: F64, percent1: F64 } [Nothing] -> Real [Nothing];
+    0x0500 PrfFollowEx: Set, Apart { core: I16, profile: I16, dir: I16 } [Nothing] -> Nothing [Nothing];
+    0x0501 SetFollowMasterEx: Set, Apart { core: I16, profile: I16, master_index: I16, master_type: I16, master_item: I16 } [Nothing] -> Nothing [Nothing];
+    0x0502 GetFollowMasterEx: Read Follow, Any { core: I16, profile: I16 } [Nothing] -> FollowMasterReply [Nothing];
+    0x0503 SetFollowLoopEx: Set, Apart { core: I16, profile: I16, loop_count: I32 } [Nothing] -> Nothing [Nothing];
+    0x0504 GetFollowLoopEx: Read Follow, Any { core: I16, profile: I16 } [Nothing] -> Long [Nothing];
+    0x0505 SetFollowEventEx: Set, Apart { core: I16, profile: I16, event: I16, master_dir: I16, pos: I32 } [Nothing] -> Nothing [Nothing];
+    0x0506 GetFollowEventEx: Read Follow, Any { core: I16, profile: I16 } [Nothing] -> FollowEventReply [Nothing];
+    0x0507 FollowSpaceEx: Read Other, Any { core: I16, profile: I16, fifo: I16 } [Nothing] -> Short [Nothing];
+    0x0508 FollowDataPercentEx: Data Follow, Apart { core: I16, profile: I16, master_segment: F64, slave_segment: F64, kind: I16, percent: I16, fifo: I16 } [Nothing] -> FollowTaken [Nothing];
+    0x0509 FollowClearEx: Set, Apart { core: I16, profile: I16, fifo: I16 } [Nothing] -> Nothing [Nothing];
+    0x050A FollowStartEx: Start, Apart { core: I16, mask: I32, option: I32 } [Nothing] -> Nothing [Nothing];
+    0x050B FollowSwitchEx: Set, Apart { core: I16, mask: I32 } [Nothing] -> Nothing [Nothing];
+    0x050C SetFollowMemoryEx: Set, Apart { core: I16, profile: I16, memory: I16 } [Nothing] -> Nothing [Nothing];
+    0x050D GetFollowMemoryEx: Read Follow, Any { core: I16, profile: I16 } [Nothing] -> Short [Nothing];
+    0x050E GetFollowStatusEx: Read Follow, Any { core: I16, profile: I16 } [Nothing] -> FollowStatusReply [Nothing];
+    0x050F FollowSwitchNowEx: Data Follow, Apart { core: I16, profile: I16, method: I16, buffer: I16, fifo: I16 } [Nothing] -> FollowTaken [Nothing];
+    0x0510 FollowDoBitEx: Data Follow, Apart { core: I16, profile: I16, do_type: I16, index: I16, value: I16, fifo: I16 } [Nothing] -> FollowTaken [Nothing];
+    0x0511 FollowDelayEx: Data Follow, Apart { core: I16, profile: I16, delay_cycles: U32, fifo: I16 } [Nothing] -> FollowTaken [Nothing];
+    0x0512 FollowDiBitEx: Data Follow, Apart { core: I16, profile: I16, di_type: I16, index: I16, value: I16, time_ms: U32, fifo: I16 } [Nothing] -> FollowTaken [Nothing];
+    0x0513 FollowDataPercent2Ex: Data Follow, Apart { core: I16, profile: I16, master_segment: F64, slave_segment: F64, vel_begin_ratio: F64, vel_end_ratio: F64, percent: I16, fifo: I16 } [Nothing] -> FollowPercent1 [Nothing];
+    0x0514 GetFollowDataPercent2Ex: Read Other, Any { core: I16, master_pos: F64, vel_begin_ratio: F64, vel_end_ratio: F64, percent: F64, percent1: F64 } [Nothing] -> Real [Nothing];
     // -- laser (GUS chapter 2, LSR chapter 2) ----------------------------------------------------
-    0x0600 LaserOn { core: I16, channel: I16 } [Nothing] -> Nothing [Nothing];
-    0x0601 LaserOff { core: I16, channel: I16 } [Nothing] -> Nothing [Nothing];
-    0x0602 LaserPowerMode { core: I16, mode: I16, max: F64, min: F64, channel: I16, delay_mode: I16 } [Nothing] -> LaserBounds [Nothing];
-    0x0603 LaserPrfCmd { core: I16, power: F64, channel: I16 } [Nothing] -> LaserValue [Nothing];
-    0x0604 LaserOutFrq { core: I16, frequency: F64, channel: I16 } [Nothing] -> LaserValue [Nothing];
-    0x0605 SetPulseWidth { core: I16, width_us: U32, channel: I16 } [Nothing] -> LaserValue [Nothing];
-    0x0606 SetWaitPulse { core: I16, mode: U16, frequency: F64, duty: F64, channel: I16 } [Nothing] -> LaserPulse [Nothing];
-    0x0607 SetWaitPulseEx { core: I16, mode: U16, frequency: F64, duty: F64 } [Nothing] -> LaserPulse [Nothing];
-    0x0608 SetPreVltg { core: I16, mode: U16, voltage: F64, channel: I16 } [Nothing] -> LaserValue [Nothing];
-    0x0609 SetLevelDelay { core: I16, off_delay_us: U32, on_delay_us: U32, channel: I16 } [Nothing] -> LaserDelays [Nothing];
-    0x060A EnaFPK { core: I16, time1_us: U32, time2_us: U32, laser_off_delay_us: U32, channel: I16 } [Nothing] -> LaserFpk [Nothing];
-    0x060B DisFPK { core: I16, channel: I16 } [Nothing] -> Nothing [Nothing];
-    0x060C SetLaserMode { core: I16, mode: I16 } [Nothing] -> Nothing [Nothing];
-    0x060D ZeroLaserOnTime { core: I16, channel: I16 } [Nothing] -> Nothing [Nothing];
-    0x060E GetLaserOnTime { core: I16, channel: I16 } [Nothing] -> ULong [Nothing];
-    0x060F SetLaserCrdMap { core: I16, channel: I16, map: I16 } [Nothing] -> Nothing [Nothing];
-    0x0610 GetLaserCrdMap { core: I16, channel: I16 } [Nothing] -> Short [Nothing];
-    0x0611 SetAxisMode { core: I16, axis: I16, mode: I16 } [Nothing] -> Nothing [Nothing];
-    0x0612 GetLaserPower { core: I16, channel: I16 } [Nothing] -> Real [Nothing];
-    0x0613 ClrLaserFault { core: I16, channel: I16 } [Nothing] -> Nothing [Nothing];
-    0x0614 GetLaserFault { core: I16, channel: I16 } [Nothing] -> Short [Nothing];
-    0x0615 LaserOnStatus { core: I16, channel: I16 } [Nothing] -> Short [Nothing];
-    0x0616 SetHSIOOpt { core: I16, value: U16, channel: I16 } [Nothing] -> Nothing [Nothing];
-    0x0617 GetHSIOOpt { core: I16, channel: I16 } [Nothing] -> Short [Nothing];
-    0x061B LaserStatus { core: I16, channel: I16 } [Nothing] -> LaserState [Nothing];
+    0x0600 LaserOn: Set, Apart { core: I16, channel: I16 } [Nothing] -> Nothing [Nothing];
+    0x0601 LaserOff: Set, Any { core: I16, channel: I16 } [Nothing] -> Nothing [Nothing];
+    0x0602 LaserPowerMode: Set, Apart { core: I16, mode: I16, max: F64, min: F64, channel: I16, delay_mode: I16 } [Nothing] -> LaserBounds [Nothing];
+    0x0603 LaserPrfCmd: Set, Apart { core: I16, power: F64, channel: I16 } [Nothing] -> LaserValue [Nothing];
+    0x0604 LaserOutFrq: Set, Apart { core: I16, frequency: F64, channel: I16 } [Nothing] -> LaserValue [Nothing];
+    0x0605 SetPulseWidth: Set, Apart { core: I16, width_us: U32, channel: I16 } [Nothing] -> LaserValue [Nothing];
+    0x0606 SetWaitPulse: Set, Apart { core: I16, mode: U16, frequency: F64, duty: F64, channel: I16 } [Nothing] -> LaserPulse [Nothing];
+    0x0607 SetWaitPulseEx: Set, Apart { core: I16, mode: U16, frequency: F64, duty: F64 } [Nothing] -> LaserPulse [Nothing];
+    0x0608 SetPreVltg: Set, Apart { core: I16, mode: U16, voltage: F64, channel: I16 } [Nothing] -> LaserValue [Nothing];
+    0x0609 SetLevelDelay: Set, Apart { core: I16, off_delay_us: U32, on_delay_us: U32, channel: I16 } [Nothing] -> LaserDelays [Nothing];
+    0x060A EnaFPK: Set, Apart { core: I16, time1_us: U32, time2_us: U32, laser_off_delay_us: U32, channel: I16 } [Nothing] -> LaserFpk [Nothing];
+    0x060B DisFPK: Set, Apart { core: I16, channel: I16 } [Nothing] -> Nothing [Nothing];
+    0x060C SetLaserMode: Set, Apart { core: I16, mode: I16 } [Nothing] -> Nothing [Nothing];
+    0x060D ZeroLaserOnTime: Set, Apart { core: I16, channel: I16 } [Nothing] -> Nothing [Nothing];
+    0x060E GetLaserOnTime: Read Laser, Any { core: I16, channel: I16 } [Nothing] -> ULong [Nothing];
+    0x060F SetLaserCrdMap: Set, Apart { core: I16, channel: I16, map: I16 } [Nothing] -> Nothing [Nothing];
+    0x0610 GetLaserCrdMap: Read Laser, Any { core: I16, channel: I16 } [Nothing] -> Short [Nothing];
+    0x0611 SetAxisMode: Set, Apart { core: I16, axis: I16, mode: I16 } [Nothing] -> Nothing [Nothing];
+    0x0612 GetLaserPower: Read Laser, Any { core: I16, channel: I16 } [Nothing] -> Real [Nothing];
+    0x0613 ClrLaserFault: Set, Any { core: I16, channel: I16 } [Nothing] -> Nothing [Nothing];
+    0x0614 GetLaserFault: Read Laser, Any { core: I16, channel: I16 } [Nothing] -> Short [Nothing];
+    0x0615 LaserOnStatus: Read Laser, Any { core: I16, channel: I16 } [Nothing] -> Short [Nothing];
+    0x0616 SetHSIOOpt: Set, ApartUnlessZero { core: I16, value: U16, channel: I16 } [Nothing] -> Nothing [Nothing];
+    0x0617 GetHSIOOpt: Read Laser, Any { core: I16, channel: I16 } [Nothing] -> Short [Nothing];
+    0x061B LaserStatus: Read Laser, Any { core: I16, channel: I16 } [Nothing] -> LaserState [Nothing];
     // -- buffered laser (GUS chapter 4, LSR chapter 3) -------------------------------------------
-    0x0700 BufLaserOn { core: I16, crd: I16, fifo: I16, channel: I16 } [Nothing] -> CrdTaken [Nothing];
-    0x0701 BufLaserOff { core: I16, crd: I16, fifo: I16, channel: I16 } [Nothing] -> CrdTaken [Nothing];
-    0x0702 BufLaserPrfCmd { core: I16, crd: I16, power: F64, fifo: I16, channel: I16 } [Nothing] -> LaserValue [Nothing];
-    0x0703 BufLaserPrfFollow { core: I16, crd: I16, ratio: F64, min: I32, max: I32, fifo: I16, channel: I16 } [Nothing] -> LaserBounds [Nothing];
-    0x0704 BufLaserFollowMode { core: I16, crd: I16, source: I16, fifo: I16, channel: I16, start_power: F64, start_given: u8 } [Nothing] -> LaserValue [Nothing];
-    0x0705 BufLaserFollowRatio { core: I16, crd: I16, ratio: F64, min: F64, max: F64, fifo: I16, channel: I16 } [Nothing] -> LaserBounds [Nothing];
-    0x0706 BufLaserFollowTable { core: I16, crd: I16, table: I16, min: F64, max: F64, fifo: I16, channel: I16 } [Nothing] -> LaserBounds [Nothing];
-    0x0707 BufLaserFollowOff { core: I16, crd: I16, fifo: I16, channel: I16 } [Nothing] -> CrdTaken [Nothing];
-    0x0708 SetLaserFollowTable { core: I16, table: I16, count: I32, channel: I16, first: U16 } [LaserFollowPoint] -> LaserTableTaken [Nothing];
+    0x0700 BufLaserOn: Data Light, Apart { core: I16, crd: I16, fifo: I16, channel: I16 } [Nothing] -> CrdTaken [Nothing];
+    0x0701 BufLaserOff: Data Light, Apart { core: I16, crd: I16, fifo: I16, channel: I16 } [Nothing] -> CrdTaken [Nothing];
+    0x0702 BufLaserPrfCmd: Data Light, Apart { core: I16, crd: I16, power: F64, fifo: I16, channel: I16 } [Nothing] -> LaserValue [Nothing];
+    0x0703 BufLaserPrfFollow: Data Light, Apart { core: I16, crd: I16, ratio: F64, min: I32, max: I32, fifo: I16, channel: I16 } [Nothing] -> LaserBounds [Nothing];
+    0x0704 BufLaserFollowMode: Data Light, Apart { core: I16, crd: I16, source: I16, fifo: I16, channel: I16, start_power: F64, start_given: u8 } [Nothing] -> LaserValue [Nothing];
+    0x0705 BufLaserFollowRatio: Data Light, Apart { core: I16, crd: I16, ratio: F64, min: F64, max: F64, fifo: I16, channel: I16 } [Nothing] -> LaserBounds [Nothing];
+    0x0706 BufLaserFollowTable: Data Light, Apart { core: I16, crd: I16, table: I16, min: F64, max: F64, fifo: I16, channel: I16 } [Nothing] -> LaserBounds [Nothing];
+    0x0707 BufLaserFollowOff: Data Light, Apart { core: I16, crd: I16, fifo: I16, channel: I16 } [Nothing] -> CrdTaken [Nothing];
+    0x0708 SetLaserFollowTable: Table Laser, Apart { core: I16, table: I16, count: I32, channel: I16, first: U16 } [LaserFollowPoint] -> LaserTableTaken [Nothing];
     // -- coordinate systems ----------------------------------------------------------------------
-    0x0800 SetCrdPrm { core: I16, crd: I16, dimension: I16, profile: [I16; 8], syn_vel_max: F64, syn_acc_max: F64, even_time_ms: I16, set_origin_flag: I16, origin_pos: [I32; 8] } [Nothing] -> Nothing [Nothing];
-    0x0801 GetCrdPrm { core: I16, crd: I16 } [Nothing] -> CrdPrm [Nothing];
-    0x0802 CrdClear { core: I16, crd: I16, fifo: I16 } [Nothing] -> Nothing [Nothing];
-    0x0803 CrdSpace { core: I16, crd: I16, fifo: I16 } [Nothing] -> Long [Nothing];
-    0x0804 CrdStart { core: I16, mask: I16, option: I16 } [Nothing] -> Nothing [Nothing];
-    0x0805 CrdStop { core: I16, mask: I32, option: I32 } [Nothing] -> Nothing [Nothing];
-    0x0806 CrdStatus { core: I16, crd: I16, fifo: I16 } [Nothing] -> CrdStatusReply [Nothing];
-    0x0807 GetCrdPos { core: I16, crd: I16 } [Nothing] -> Count [Real];
-    0x0808 GetCrdVel { core: I16, crd: I16 } [Nothing] -> Real [Nothing];
-    0x0809 GetRemainderSegNum { core: I16, crd: I16, fifo: I16 } [Nothing] -> Long [Nothing];
-    0x080A SetCrdStopDec { core: I16, crd: I16, smooth: F64, abrupt: F64 } [Nothing] -> Nothing [Nothing];
-    0x080B SetOverride { core: I16, crd: I16, ratio: F64 } [Nothing] -> Nothing [Nothing];
-    0x080C InitLookAhead { core: I16, crd: I16, fifo: I16, time_ms: F64, acc_max: F64, count: I16 } [Nothing] -> Nothing [Nothing];
-    0x080D CrdData { core: I16, crd: I16, fifo: I16 } [CrdPoint] -> CrdTaken [Nothing];
-    0x080E LnXY { core: I16, crd: I16, x: I32, y: I32, syn_vel: F64, syn_acc: F64, vel_end: F64, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
-    0x080F LnXYZ { core: I16, crd: I16, x: I32, y: I32, z: I32, syn_vel: F64, syn_acc: F64, vel_end: F64, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
-    0x0810 LnXYZA { core: I16, crd: I16, x: I32, y: I32, z: I32, a: I32, syn_vel: F64, syn_acc: F64, vel_end: F64, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
-    0x0811 LnXYG0 { core: I16, crd: I16, x: I32, y: I32, syn_vel: F64, syn_acc: F64, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
-    0x0812 ArcXYR { core: I16, crd: I16, x: I32, y: I32, radius: F64, circle_dir: I16, syn_vel: F64, syn_acc: F64, vel_end: F64, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
-    0x0813 ArcXYC { core: I16, crd: I16, x: I32, y: I32, x_center: F64, y_center: F64, circle_dir: I16, syn_vel: F64, syn_acc: F64, vel_end: F64, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
-    0x0814 ArcYZR { core: I16, crd: I16, y: I32, z: I32, radius: F64, circle_dir: I16, syn_vel: F64, syn_acc: F64, vel_end: F64, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
-    0x0815 ArcYZC { core: I16, crd: I16, y: I32, z: I32, y_center: F64, z_center: F64, circle_dir: I16, syn_vel: F64, syn_acc: F64, vel_end: F64, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
-    0x0816 ArcZXR { core: I16, crd: I16, z: I32, x: I32, radius: F64, circle_dir: I16, syn_vel: F64, syn_acc: F64, vel_end: F64, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
-    0x0817 ArcZXC { core: I16, crd: I16, z: I32, x: I32, z_center: F64, x_center: F64, circle_dir: I16, syn_vel: F64, syn_acc: F64, vel_end: F64, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
-    0x0818 BufDelay { core: I16, crd: I16, delay_ms: U16, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
-    0x0819 BufIO { core: I16, crd: I16, do_type: U16, do_mask: U16, do_value: U16, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
-    0x081A BufDoBit { core: I16, crd: I16, do_type: U16, index: U16, value: I16, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
-    0x081B BufDA { core: I16, crd: I16, channel: I16, value: I16, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
-    0x081C BufMove { core: I16, crd: I16, axis: I16, pos: I32, vel: F64, acc: F64, modal: I16, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
-    0x081D BufGear { core: I16, crd: I16, axis: I16, pos: I32, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
-    0x081E SetCrdLimit { core: I16, crd: I16, coordinate: I16, vel_max: F64, acc_max: F64 } [Nothing] -> Nothing [Nothing];
-    0x081F GetCrdLimit { core: I16, crd: I16, coordinate: I16 } [Nothing] -> CrdLimit [Nothing];
-    0x0820 LnXYMany { core: I16, crd: I16, fifo: I16, count: U16, syn_vel: F64, syn_acc: F64, vel_end: F64 } [PathXY] -> CrdTaken [Nothing];
-    0x0821 LnXYZMany { core: I16, crd: I16, fifo: I16, count: U16, syn_vel: F64, syn_acc: F64, vel_end: F64 } [PathXYZ] -> CrdTaken [Nothing];
-    0x0822 CrdInfo { core: I16, crd: I16 } [Nothing] -> CrdState [Nothing];
-    0x0823 SetLaserFollowFilter { core: I16, crd: I16, time_ms: F64 } [Nothing] -> Nothing [Nothing];
-    0x0824 GetLaserFollowFilter { core: I16, crd: I16 } [Nothing] -> Real [Nothing];
+    0x0800 SetCrdPrm: Set, Apart { core: I16, crd: I16, dimension: I16, profile: [I16; 8], syn_vel_max: F64, syn_acc_max: F64, even_time_ms: I16, set_origin_flag: I16, origin_pos: [I32; 8] } [Nothing] -> Nothing [Nothing];
+    0x0801 GetCrdPrm: Read Crd, Any { core: I16, crd: I16 } [Nothing] -> CrdPrm [Nothing];
+    0x0802 CrdClear: Set, Apart { core: I16, crd: I16, fifo: I16 } [Nothing] -> Nothing [Nothing];
+    0x0803 CrdSpace: Read Other, Any { core: I16, crd: I16, fifo: I16 } [Nothing] -> Long [Nothing];
+    0x0804 CrdStart: Start, Apart { core: I16, mask: I16, option: I16 } [Nothing] -> Nothing [Nothing];
+    0x0805 CrdStop: Set, Apart { core: I16, mask: I32, option: I32 } [Nothing] -> Nothing [Nothing];
+    0x0806 CrdStatus: Read CrdFifo, Any { core: I16, crd: I16, fifo: I16 } [Nothing] -> CrdStatusReply [Nothing];
+    0x0807 GetCrdPos: Read Crd, Any { core: I16, crd: I16 } [Nothing] -> Count [Real];
+    0x0808 GetCrdVel: Read Crd, Any { core: I16, crd: I16 } [Nothing] -> Real [Nothing];
+    0x0809 GetRemainderSegNum: Read CrdFifo, Any { core: I16, crd: I16, fifo: I16 } [Nothing] -> Long [Nothing];
+    0x080A SetCrdStopDec: Set, Apart { core: I16, crd: I16, smooth: F64, abrupt: F64 } [Nothing] -> Nothing [Nothing];
+    0x080B SetOverride: Set, Apart { core: I16, crd: I16, ratio: F64 } [Nothing] -> Nothing [Nothing];
+    0x080C InitLookAhead: Set, Apart { core: I16, crd: I16, fifo: I16, time_ms: F64, acc_max: F64, count: I16 } [Nothing] -> Nothing [Nothing];
+    0x080D CrdData: Data Path, Apart { core: I16, crd: I16, fifo: I16 } [CrdPoint] -> CrdTaken [Nothing];
+    0x080E LnXY: Data Path, Apart { core: I16, crd: I16, x: I32, y: I32, syn_vel: F64, syn_acc: F64, vel_end: F64, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
+    0x080F LnXYZ: Data Path, Apart { core: I16, crd: I16, x: I32, y: I32, z: I32, syn_vel: F64, syn_acc: F64, vel_end: F64, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
+    0x0810 LnXYZA: Data Path, Apart { core: I16, crd: I16, x: I32, y: I32, z: I32, a: I32, syn_vel: F64, syn_acc: F64, vel_end: F64, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
+    0x0811 LnXYG0: Data Path, Apart { core: I16, crd: I16, x: I32, y: I32, syn_vel: F64, syn_acc: F64, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
+    0x0812 ArcXYR: Data Path, Apart { core: I16, crd: I16, x: I32, y: I32, radius: F64, circle_dir: I16, syn_vel: F64, syn_acc: F64, vel_end: F64, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
+    0x0813 ArcXYC: Data Path, Apart { core: I16, crd: I16, x: I32, y: I32, x_center: F64, y_center: F64, circle_dir: I16, syn_vel: F64, syn_acc: F64, vel_end: F64, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
+    0x0814 ArcYZR: Data Path, Apart { core: I16, crd: I16, y: I32, z: I32, radius: F64, circle_dir: I16, syn_vel: F64, syn_acc: F64, vel_end: F64, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
+    0x0815 ArcYZC: Data Path, Apart { core: I16, crd: I16, y: I32, z: I32, y_center: F64, z_center: F64, circle_dir: I16, syn_vel: F64, syn_acc: F64, vel_end: F64, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
+    0x0816 ArcZXR: Data Path, Apart { core: I16, crd: I16, z: I32, x: I32, radius: F64, circle_dir: I16, syn_vel: F64, syn_acc: F64, vel_end: F64, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
+    0x0817 ArcZXC: Data Path, Apart { core: I16, crd: I16, z: I32, x: I32, z_center: F64, x_center: F64, circle_dir: I16, syn_vel: F64, syn_acc: F64, vel_end: F64, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
+    0x0818 BufDelay: Data Path, Apart { core: I16, crd: I16, delay_ms: U16, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
+    0x0819 BufIO: Data Path, Apart { core: I16, crd: I16, do_type: U16, do_mask: U16, do_value: U16, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
+    0x081A BufDoBit: Data Path, Apart { core: I16, crd: I16, do_type: U16, index: U16, value: I16, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
+    0x081B BufDA: Data Path, Apart { core: I16, crd: I16, channel: I16, value: I16, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
+    0x081C BufMove: Data Path, Apart { core: I16, crd: I16, axis: I16, pos: I32, vel: F64, acc: F64, modal: I16, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
+    0x081D BufGear: Data Path, Apart { core: I16, crd: I16, axis: I16, pos: I32, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
+    0x081E SetCrdLimit: Set, Apart { core: I16, crd: I16, coordinate: I16, vel_max: F64, acc_max: F64 } [Nothing] -> Nothing [Nothing];
+    0x081F GetCrdLimit: Read Other, Any { core: I16, crd: I16, coordinate: I16 } [Nothing] -> CrdLimit [Nothing];
+    0x0820 LnXYMany: Data Path, Apart { core: I16, crd: I16, fifo: I16, count: U16, syn_vel: F64, syn_acc: F64, vel_end: F64 } [PathXY] -> CrdTaken [Nothing];
+    0x0821 LnXYZMany: Data Path, Apart { core: I16, crd: I16, fifo: I16, count: U16, syn_vel: F64, syn_acc: F64, vel_end: F64 } [PathXYZ] -> CrdTaken [Nothing];
+    0x0822 CrdInfo: Read Crd, Any { core: I16, crd: I16 } [Nothing] -> CrdState [Nothing];
+    0x0823 SetLaserFollowFilter: Set, Apart { core: I16, crd: I16, time_ms: F64 } [Nothing] -> Nothing [Nothing];
+    0x0824 GetLaserFollowFilter: Read Crd, Any { core: I16, crd: I16 } [Nothing] -> Real [Nothing];
     // -- distance follow (GUS chapter 5, LSR chapter 4) ------------------------------------------
-    0x0900 SetLaserDisMode { core: I16, mode: I16, source: I16, pos: [I32; 4], scale: [F64; 4], channel: I16 } [Nothing] -> LaserScales [Nothing];
-    0x0901 SetLaserDisRatio { core: I16, ratio: [F64; 4], min: F64, max: F64, channel: I16, bounds_given: u8 } [Nothing] -> LaserBounds [Nothing];
-    0x0902 SetLaserDisTable1D { core: I16, count: I16, min: F64, max: F64, limit: [F64; 4], channel: I16, limits_given: u8, first: U16 } [LaserDisPoint] -> LaserBounds [Nothing];
-    0x0903 SetLaserDisTable2D { core: I16, axis: [I16; 2], count: [I16; 2], min: F64, max: F64, limit: [F64; 2], channel: I16, limits_given: u8, first: U16 } [LaserDisValue] -> LaserBounds [Nothing];
+    0x0900 SetLaserDisMode: Set, Apart { core: I16, mode: I16, source: I16, pos: [I32; 4], scale: [F64; 4], channel: I16 } [Nothing] -> LaserScales [Nothing];
+    0x0901 SetLaserDisRatio: Set, Apart { core: I16, ratio: [F64; 4], min: F64, max: F64, channel: I16, bounds_given: u8 } [Nothing] -> LaserBounds [Nothing];
+    0x0902 SetLaserDisTable1D: Table Laser, Apart { core: I16, count: I16, min: F64, max: F64, limit: [F64; 4], channel: I16, limits_given: u8, first: U16 } [LaserDisPoint] -> LaserBounds [Nothing];
+    0x0903 SetLaserDisTable2D: Table Laser, Apart { core: I16, axis: [I16; 2], count: [I16; 2], min: F64, max: F64, limit: [F64; 2], channel: I16, limits_given: u8, first: U16 } [LaserDisValue] -> LaserBounds [Nothing];
 }
 
 /// Bytes of a field, by its type as [`Wire::FIELDS`] prints it.

@@ -15,6 +15,7 @@
 #[cfg(test)]
 extern crate std;
 
+mod class;
 pub mod command;
 pub mod deframe;
 pub mod frame;

@@ -74,10 +74,13 @@ fn list(fields: Fields) -> String {
 #[test]
 fn the_command_table_is_that_of_the_code() {
     let mut text =
-        "| number | command | request | each item | reply | each reply item |\n|---|---|---|---|---|---|\n".to_string();
-    for CommandInfo { opcode, name, fields, items, reply, reply_items } in COMMANDS {
+        "| number | command | kind | lanes | request | each item | reply | each reply item |\n|---|---|---|---|---|---|---|---|\n".to_string();
+    for CommandInfo { opcode, name, class, fields, items, reply, reply_items } in COMMANDS {
         let (fields, items, reply, reply_items) = (list(fields), list(items), list(reply), list(reply_items));
-        writeln!(text, "| {opcode:04X} | {name} | {fields} | {items} | {reply} | {reply_items} |").unwrap();
+        let kind = format!("{:?}", class.kind).replace('(', " ").replace(')', "");
+        let lanes = class.lanes;
+        writeln!(text, "| {opcode:04X} | {name} | {kind} | {lanes:?} | {fields} | {items} | {reply} | {reply_items} |")
+            .unwrap();
     }
     section_is("commands", &text);
 }

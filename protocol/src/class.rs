@@ -1,0 +1,184 @@
+//! What a command is: the columns of the table in [`crate::command`] that say what it does and
+//! where it may stand. Nobody else lists commands by what they are; who has to know asks
+//! [`crate::command::class`]. The columns do not travel, so they are no part of the schema hash.
+
+/// What a command is, and where it may stand.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Class {
+    /// What it does.
+    pub kind: Kind,
+    /// In which lanes it is accepted.
+    pub lanes: Lanes,
+}
+
+/// What a command does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// It reads a state.
+    Read(Of),
+    /// The reply gives values of the points in the request; nothing else is read or changed.
+    Calculate,
+    /// It puts entries into a FIFO, which a commit publishes to the tick.
+    Data(Fifo),
+    /// It carries a piece of a table; the last piece completes it.
+    Table(Table),
+    /// It sets axes in motion.
+    Start,
+    /// It changes anything else of the machine.
+    Set,
+    /// It concerns the session alone: whether the client lives, and what it records.
+    Session,
+    /// It controls the program from outside; the reply is the program's state.
+    Program,
+    /// It is a step of the program itself: a wait, or its end.
+    Step,
+}
+
+/// What a read is of. Reads of one kind have one layout, apart from [`Of::Other`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Of {
+    /// The controller: no fields.
+    Controller,
+    /// One axis: core, axis.
+    Axis,
+    /// Consecutive axes: core, first axis, count.
+    Axes,
+    /// One axis in the mode of the command's chapter: core, axis.
+    Follow,
+    /// A laser channel: core, channel.
+    Laser,
+    /// A coordinate system: core, system.
+    Crd,
+    /// A FIFO of a coordinate system: core, system, FIFO.
+    CrdFifo,
+    /// What has fields, or checks, of its own.
+    Other,
+}
+
+/// What entries go into.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fifo {
+    /// Segments of PT.
+    Pt,
+    /// Entries of Follow and FollowEx. FollowSwitchNowEx is data only if its `buffer` is not 0.
+    Follow,
+    /// Entries of a coordinate system.
+    Path,
+    /// Laser changes among them.
+    Light,
+}
+
+/// What a table is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Table {
+    /// PVT.
+    Pvt,
+    /// Powers and ratios of a laser channel.
+    Laser,
+}
+
+/// Where a command may stand. A program is *active* from its first entry until it has ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Lanes {
+    /// In a program, and in the immediate lane at any time.
+    Any,
+    /// In a program; in the immediate lane while no program is active.
+    Apart,
+    /// As `Apart`, but with value 0 at any time: switching off is as urgent as a Stop.
+    ApartUnlessZero,
+    /// In the immediate lane alone, at any time.
+    Immediate,
+    /// In the immediate lane alone, while no program is active.
+    ImmediateApart,
+    /// In a program alone.
+    Program,
+}
+
+impl Lanes {
+    /// Whether a program may hold the command.
+    pub const fn in_program(self) -> bool {
+        !matches!(self, Lanes::Immediate | Lanes::ImmediateApart)
+    }
+
+    /// Whether the immediate lane takes it while a program is active.
+    pub const fn beside_program(self) -> bool {
+        matches!(self, Lanes::Any | Lanes::Immediate)
+    }
+}
+
+impl Kind {
+    /// Whether it changes nothing at all.
+    pub const fn reads(self) -> bool {
+        matches!(self, Kind::Read(_) | Kind::Calculate)
+    }
+
+    /// Whether it can neither light nor move anything, now or later.
+    pub const fn is_harmless(self) -> bool {
+        self.reads() || matches!(self, Kind::Session | Kind::Program | Kind::Step)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::command::{COMMANDS, CommandInfo, class};
+    use std::vec::Vec;
+
+    fn types(command: &CommandInfo) -> Vec<&'static str> {
+        command.fields.iter().map(|(_, of)| *of).collect()
+    }
+
+    #[test]
+    fn every_number_has_the_class_of_its_row() {
+        for number in 0..=u16::MAX {
+            let row = COMMANDS.iter().find(|command| command.opcode == number);
+            assert_eq!(class(number), row.map(|command| command.class), "{number:#06x}");
+        }
+    }
+
+    /// The dispatcher reads all requests of such a kind as one struct.
+    #[test]
+    fn reads_of_one_kind_have_one_layout() {
+        for command in COMMANDS {
+            let wanted = match command.class.kind {
+                Kind::Read(Of::Controller) => 0,
+                Kind::Read(Of::Axis | Of::Follow | Of::Laser | Of::Crd) => 2,
+                Kind::Read(Of::Axes | Of::CrdFifo) => 3,
+                _ => continue,
+            };
+            assert_eq!(types(command), ["I16"; 3][..wanted], "{}", command.name);
+            assert!(command.items.is_empty(), "{}", command.name);
+            let named = |place: usize, name: &str| command.fields.get(place).is_none_or(|(field, _)| *field == name);
+            assert!(named(0, "core"), "{}", command.name);
+            let last = if command.class.kind == Kind::Read(Of::Axes) { "count" } else { "fifo" };
+            assert!(named(2, last), "{}", command.name);
+        }
+    }
+
+    #[test]
+    fn a_name_says_what_its_command_is() {
+        for command in COMMANDS {
+            let (name, kind) = (command.name, command.class.kind);
+            if name.starts_with("Get") || name.ends_with("Status") && kind != Kind::Program || name.contains("Space") {
+                assert!(matches!(kind, Kind::Read(_)), "{name}");
+            }
+            if ["Set", "Clr", "Prf", "Ena", "Dis", "Axis"].iter().any(|start| name.starts_with(start)) {
+                assert!(!kind.is_harmless() || name == "AxisStatus", "{name}");
+            }
+            assert_eq!(name.starts_with("Pvt") && name.ends_with("Calculate"), kind == Kind::Calculate, "{name}");
+            assert_eq!(name.starts_with("BufLaser"), kind == Kind::Data(Fifo::Light), "{name}");
+        }
+    }
+
+    #[test]
+    fn what_a_program_excludes_is_not_read() {
+        for command in COMMANDS {
+            let Class { kind, lanes } = command.class;
+            assert!(!kind.reads() || lanes == Lanes::Any, "{}", command.name);
+            assert_eq!(kind == Kind::Step, lanes == Lanes::Program, "{}", command.name);
+            assert!(kind != Kind::Program || lanes == Lanes::Immediate, "{}", command.name);
+            let starts = matches!(kind, Kind::Start | Kind::Data(_) | Kind::Table(_));
+            assert!(!starts || lanes == Lanes::Apart, "{}", command.name);
+        }
+    }
+}
