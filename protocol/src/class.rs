@@ -94,6 +94,32 @@ pub enum Lanes {
     Program,
 }
 
+/// The chapters of the manuals whose commands share an upper byte of their numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Chapter {
+    /// Follow.
+    Follow,
+    /// FollowEx.
+    FollowEx,
+    /// Lasers.
+    Laser,
+    /// Coordinate systems.
+    Crd,
+    /// Any other.
+    Other,
+}
+
+/// The chapter of a command.
+pub const fn chapter(opcode: u16) -> Chapter {
+    match opcode >> 8 {
+        4 => Chapter::Follow,
+        5 => Chapter::FollowEx,
+        6 => Chapter::Laser,
+        8 => Chapter::Crd,
+        _ => Chapter::Other,
+    }
+}
+
 impl Lanes {
     /// Whether a program may hold the command.
     pub const fn in_program(self) -> bool {

@@ -10,7 +10,7 @@
 //!
 //! Names, parameters and their order: `API.md`; what a command does: `SPEC.md` sections 4 to 6.
 
-pub use crate::class::{Class, Fifo, Kind, Lanes, Of, Table};
+pub use crate::class::{Chapter, Class, Fifo, Kind, Lanes, Of, Table, chapter};
 use zerocopy::little_endian::{F64, I16, I32, U16, U32, U64};
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout, Unaligned};
 
@@ -379,7 +379,7 @@ commands! {
     0x011A GetPosErr: Read Axis, Any { core: I16, control: I16 } [Nothing] -> Long [Nothing];
     0x011B SetCaptureMode: Set, Apart { core: I16, encoder: I16, mode: I16 } [Nothing] -> Nothing [Nothing];
     0x011C GetCaptureStatus: Read Axes, Any { core: I16, encoder: I16, count: I16 } [Nothing] -> Count [CaptureReply];
-    0x011D AxisStatus: Read Other, Any { core: I16, axis: I16, count: I16 } [Nothing] -> Reals [AxisItem];
+    0x011D AxisStatus: Read Axes, Any { core: I16, axis: I16, count: I16 } [Nothing] -> Reals [AxisItem];
     // -- trap and jog ------------------------------------------------------------------------
     0x0120 PrfTrap: Set, Apart { core: I16, profile: I16 } [Nothing] -> Nothing [Nothing];
     0x0121 SetTrapPrm: Set, Apart { core: I16, profile: I16, acc: F64, dec: F64, vel_start: F64, smooth_time_ms: I16 } [Nothing] -> Nothing [Nothing];

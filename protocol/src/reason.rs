@@ -22,8 +22,20 @@ pub enum Code {
     Unknown = 8,
 }
 
+/// What could make a refused entry of a program right after all.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Cure {
+    /// No later state of the machine. Only entries before it in its program could, and these have
+    /// been admitted.
+    None,
+    /// The end of a motion, a use or a fault of an axis, a table or a coordinate system.
+    Motion,
+    /// Any other change of state.
+    State,
+}
+
 macro_rules! reasons {
-    ($( $number:literal $name:ident $code:ident $text:literal ; )*) => {
+    ($( $number:literal $name:ident $code:ident $cure:ident $text:literal ; )*) => {
         /// What was wrong, as a number on the wire.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
         #[repr(u16)]
@@ -42,6 +54,10 @@ macro_rules! reasons {
             pub const fn code(self) -> Code {
                 match self { $( Reason::$name => Code::$code, )* }
             }
+            /// What could make an entry right that was refused for it.
+            pub const fn cure(self) -> Cure {
+                match self { $( Reason::$name => Cure::$cure, )* }
+            }
             /// Its text, with placeholders.
             pub const fn text(self) -> &'static str {
                 match self { $( Reason::$name => $text, )* }
@@ -51,114 +67,114 @@ macro_rules! reasons {
 }
 
 reasons! {
-    1  OutOfRange Range "{field} is {got}; it must be from {low} to {high}";
-    2  NotFinite Range "{field} is not a finite number";
-    3  NotIncreasing Range "{field} is {got}; it must be greater than {low}, that of the segment before";
-    4  TooFast Range "{field}: this segment's speed is {got} pulse/ms; the limit is {high}";
-    5  Length Range "the command's length is wrong: {got} bytes came, {low} were expected";
-    6  TooMany Range "{field} is {got}; at most {high} fit";
-    7  BeyondTravel Range "{field} is {got}; an axis travels from {low} to {high} pulses";
-    8  Selector Range "{field} is {got}; allowed are {low} to {high}";
-    20 UnknownCommand Unknown "the firmware does not know command number {got}";
-    21 Mismatch Mismatch "client and firmware speak different protocol versions: {got} here, {high} there";
-    22 ProfileTooLarge Mismatch "this board cannot hold the profile: it has room for {high} axes, {got} are asked for";
-    23 ProfileOutputs Mismatch "this board cannot hold the profile: it has room for {high} general inputs or outputs, {got} are asked for";
-    30 WrongMode State "axis {axis} is not in the mode that this command is for; its mode is {got}";
-    31 Moving State "axis {axis} is moving; stop it first";
-    32 FifoFull State "axis {axis}: the FIFO is full; {high} segments fit";
-    33 FifoEmpty State "axis {axis}: the FIFO holds no data";
-    34 ServoOff State "axis {axis}: the servo is off; call AxisOn first";
-    35 AxisFault State "axis {axis} has a latched fault (status {got}); clear its cause and call ClrSts";
-    36 FifoInUse State "axis {axis}: FIFO {got} is running; it can be cleared at rest";
-    37 NotInDynamic State "axis {axis}: not available in dynamic PT mode";
-    38 NoAcceleration State "axis {axis}: its acceleration is 0; set the motion parameters first (SetJogPrm, SetTrapPrm)";
-    39 ProgramRuns State "a program is running; only reads and Stop are taken beside it";
-    40 QueueFull State "the program queue is full; {high} bytes fit";
-    41 NotInProgram State "this command is only for the program queue";
-    42 Discarded State "not executed: an earlier entry of the program failed, or it was stopped";
-    43 RingFull State "the controller is busy; send it again";
-    44 Late State "the entry was late and the program is strict";
-    45 NotInitialised State "axis {axis} does not exist in this profile";
-    46 OnlyAtRest State "only while every axis is at rest; axis {axis} is moving";
-    47 ProgramOnlyHeld State "the program is not held; it runs already or has failed";
-    48 TraceLost State "the trace lost rows: the link does not carry {got} rows a second";
-    49 NotForProgram State "this command cannot be an entry of a program";
-    50 LinkLost State "not executed: nothing came from the host for longer than the link-loss time, and the program was dropped";
-    51 NoDeceleration State "axis {axis}: its deceleration is 0; set the motion parameters first (SetTrapPrm)";
-    52 AtSoftLimit State "axis {axis} stands at its software limit of {got} pulses; it can only move away from it";
-    53 AtLimitSwitch State "axis {axis}: the limit switch in this direction is active; it can only move away from it";
-    54 SwitchPending State "axis {axis}: a FIFO switch is pending; neither FIFO can be cleared before it has happened";
-    55 StateChanged State "axis {axis} cannot start: its state has changed since the call was taken (status {got})";
-    56 StreamEnded State "axis {axis}: the motion that this data belongs to ended before it ({stop}); the data was not taken";
-    60 TableInUse State "PVT table {got} is in use by axis {axis}; it can be replaced when no axis runs it";
-    61 TableEmpty State "axis {axis}: PVT table {got} is empty";
-    62 TablePlaces Range "the table does not fit: its points need more than {high} places (two where the velocity jumps; a Percent point up to 3, a Continuous point up to 8)";
-    63 PointTime Range "{field} is {got}; it must be greater than {low}, that of the point before";
-    64 VelocityUnreachable Range "the velocity of the next point cannot be reached: the way is {got} pulses, the change of velocity needs {low}";
-    65 NoDisplacement Range "the next point has the same position; a Continuous segment needs a displacement";
-    66 AboveVelMax Range "a velocity of {got} pulse/ms in the direction of travel is above the limit of this segment, {high}";
-    67 TableRange Range "no scale holds this table: its top speed {got} pulse/ms over its longest segment is too far";
-    68 TableShort Range "a pass of {got} ms is too short; it lasts {low} ms at least";
-    80 NoMaster State "axis {axis}: it has no master; call SetFollowMaster first";
-    81 OwnMaster Range "{field} is {got}, the axis itself; an axis cannot follow itself";
-    82 MasterCycle State "axis {axis} would follow itself by way of axis {got} of core {low}";
-    83 MasterType Range "{field} is {got}; allowed are 1, 2, 3, and in a profile of two cores 101 and 103";
-    84 DirectionDiffers State "axis {axis} is in this mode with direction {got}; set another mode first";
-    85 NotRunning State "axis {axis} is not running; a switch is for an axis that follows";
-    86 MasterOrder Range "{field} is {got}; it must lie beyond {low}, that of the segment before";
-    87 MixedSigns Range "{field} is {got}; all master positions of a FIFO have one sign, and the first has that of {low}";
-    88 NegativeProgress Range "{field} is {got}; an axis that follows in direction +1 takes positive master positions only";
-    89 RatioTooLarge Range "{field}: this segment's velocity ratio is {got}; the limit is {high}";
-    90 QueueEntries State "axis {axis}: the FIFO holds {high} entries that are no segments, which is the most";
-    100 AboveLow Range "{field} is {got}; it must be above {low} and at most {high}";
-    101 BelowMinimum Range "{field} is {got}; it must not be below the minimum, {low}";
-    102 LaserFault State "laser channel {got} is kept dark by a fault: {cause}; once that is over call ClrLaserFault";
-    103 LaserCause State "laser channel {got}: the cause of its fault is still there: {cause}";
-    104 LaserConnector State "laser channel {got}: axis connector {high} carries step pulses; call SetAxisMode({high}, 1) first, or choose family lsr, where it is the laser's";
-    105 AnalogInUse State "analog output {got} belongs to laser channel {low}, which is in analog mode";
-    106 NotInFamily Unknown "the laser connectors of this family are fixed: it has no such call";
-    107 FollowTableInUse State "follow table {got} of laser channel {low} is named by an entry of a path or by the follow in force; it can be replaced when neither is there";
-    108 FollowTableEmpty State "follow table {got} of laser channel {low} is empty; call SetLaserFollowTable first";
-    109 DistanceOff State "laser channel {got}: distance follow is off; call SetLaserDisMode(1, ...) first";
-    110 CrdNotSet State "coordinate system {axis} drives no axis; call SetCrdPrm first";
-    111 CrdRuns State "coordinate system {axis} is running; stop it first";
-    112 CrdFull State "coordinate system {axis}: the FIFO is full; {high} entries fit, {got} are free";
-    113 CrdEmpty State "coordinate system {axis}: FIFO {got} holds nothing to do";
-    114 CrdElsewhere State "coordinate system {axis} is more than a pulse from where FIFO {got} was left; move back there first, or call CrdClear";
-    115 CrdFifoInUse State "coordinate system {axis}: FIFO {got} is in use; it can be cleared at rest";
-    116 CrdHolds State "coordinate system {axis}: FIFO {got} holds entries; run them or call CrdClear first";
-    117 CrdPlaceUnknown State "coordinate system {axis}: where the motion begins is known once everything is at rest";
-    118 AxisInCrd State "axis {axis} belongs to coordinate system {got}";
-    119 AxisLeftCrd State "axis {axis} is not driven by coordinate system {got} any more; call SetCrdPrm again";
-    120 CoordinateTwice Range "{field}: two axes drive coordinate {got}";
-    121 CoordinateMissing Range "{field}: no axis drives coordinate {got}; dimension is {high}";
-    122 NoCoordinate Range "{field} is {got}; no axis drives this coordinate, which stays 0";
-    123 Between Range "{field} is {got}; it must be above {low} and below {high}";
-    124 NoLength Range "the motion has no length: its target is where it begins";
-    125 RadiusTooSmall Range "{field} is {got}; the target is reached with {low} at least";
-    126 CentreOff Range "the centre is not equally far from begin and target: the path would leave the arc by {got} pulses, at most {high} are made up for";
-    127 CentreOnStart Range "{field}: the centre is where the motion begins; it must be at least {low} pulses away";
-    128 RadiusTooLarge Range "the radius is {got}; it must be below {high}";
-    129 GearsFull State "coordinate system {axis}: {high} axes go along with the next motion, which is the most";
-    130 AxisGoesAlong State "axis {axis} goes along with the next motion already";
-    131 CrdNotOnBoard Mismatch "this board has memory for {high} coordinate systems";
-    132 StepLimit Range "{field}: axis {axis} would go at {got} pulse/ms; the board's steps are limited to {high}";
-    133 NoIndex Range "{field} is {got}, the index, but the board captures none of encoder {axis}; allowed are {low} to {high}";
-    134 CrdOfTick Range "{field} is {got}; at this servo tick it must be from {low} to {high}: the others are there at 500 us and more";
-    135 CrdNeedsTick State "coordinate system {axis} of core {low} drives axes; below a tick of 500 us a core has {high}; reset its axes first";
-    140 NotAboveMinimum Range "{field} is {got}; it must be above the minimum, {low}";
-    141 PointOfAxis Range "{field} of axis {axis} is {got}; it must be greater than {low}, that of the point before";
-    142 PlaneAxis Range "{field} names axis {got} twice; a plane has two";
-    143 PlaneX Range "a position of X is {got}; it must be a whole number of pulses, greater than {low}, that of the point before";
-    144 PlaneY Range "a position of Y is {got}; it must be a whole number of pulses, greater than {low}, that of the point before";
-    145 RatiosBusy State "laser channel {got}: a change of its ratios has not acted yet; this one comes behind it";
-    146 LaserNotMapped State "laser channel {got} is not mapped to coordinate system {axis}; call SetLaserCrdMap first";
-    147 LaserMapInUse State "laser channel {got}: coordinate system {axis} runs, or has light of this channel that would come back; stop it, and switch the light off first";
-    148 Aborting State "after an abort lasers are switched on once everything has come to rest; wait for that";
-    149 NoLaserOutput State "laser channel {got}: this board has no output for its power in this mode";
-    158 SlowPulses Range "{field} is {got} kHz; it must be 0, or from {low} to {high}";
-    160 InputsWired State "the inputs of this board are wired; only those of the virtual and the emulated board are set by a call";
-    161 InputType Range "{field} is {got}; allowed are {low} to {high}, and 90, the interlock";
+    1  OutOfRange Range None "{field} is {got}; it must be from {low} to {high}";
+    2  NotFinite Range None "{field} is not a finite number";
+    3  NotIncreasing Range Motion "{field} is {got}; it must be greater than {low}, that of the segment before";
+    4  TooFast Range State "{field}: this segment's speed is {got} pulse/ms; the limit is {high}";
+    5  Length Range None "the command's length is wrong: {got} bytes came, {low} were expected";
+    6  TooMany Range None "{field} is {got}; at most {high} fit";
+    7  BeyondTravel Range None "{field} is {got}; an axis travels from {low} to {high} pulses";
+    8  Selector Range None "{field} is {got}; allowed are {low} to {high}";
+    20 UnknownCommand Unknown None "the firmware does not know command number {got}";
+    21 Mismatch Mismatch State "client and firmware speak different protocol versions: {got} here, {high} there";
+    22 ProfileTooLarge Mismatch State "this board cannot hold the profile: it has room for {high} axes, {got} are asked for";
+    23 ProfileOutputs Mismatch State "this board cannot hold the profile: it has room for {high} general inputs or outputs, {got} are asked for";
+    30 WrongMode State None "axis {axis} is not in the mode that this command is for; its mode is {got}";
+    31 Moving State Motion "axis {axis} is moving; stop it first";
+    32 FifoFull State Motion "axis {axis}: the FIFO is full; {high} segments fit";
+    33 FifoEmpty State None "axis {axis}: the FIFO holds no data";
+    34 ServoOff State None "axis {axis}: the servo is off; call AxisOn first";
+    35 AxisFault State Motion "axis {axis} has a latched fault (status {got}); clear its cause and call ClrSts";
+    36 FifoInUse State Motion "axis {axis}: FIFO {got} is running; it can be cleared at rest";
+    37 NotInDynamic State None "axis {axis}: not available in dynamic PT mode";
+    38 NoAcceleration State None "axis {axis}: its acceleration is 0; set the motion parameters first (SetJogPrm, SetTrapPrm)";
+    39 ProgramRuns State State "a program is running; only reads and Stop are taken beside it";
+    40 QueueFull State State "the program queue is full; {high} bytes fit";
+    41 NotInProgram State None "this command is only for the program queue";
+    42 Discarded State State "not executed: an earlier entry of the program failed, or it was stopped";
+    43 RingFull State State "the controller is busy; send it again";
+    44 Late State State "the entry was late and the program is strict";
+    45 NotInitialised State None "axis {axis} does not exist in this profile";
+    46 OnlyAtRest State Motion "only while every axis is at rest; axis {axis} is moving";
+    47 ProgramOnlyHeld State State "the program is not held; it runs already or has failed";
+    48 TraceLost State State "the trace lost rows: the link does not carry {got} rows a second";
+    49 NotForProgram State None "this command cannot be an entry of a program";
+    50 LinkLost State State "not executed: nothing came from the host for longer than the link-loss time, and the program was dropped";
+    51 NoDeceleration State None "axis {axis}: its deceleration is 0; set the motion parameters first (SetTrapPrm)";
+    52 AtSoftLimit State State "axis {axis} stands at its software limit of {got} pulses; it can only move away from it";
+    53 AtLimitSwitch State State "axis {axis}: the limit switch in this direction is active; it can only move away from it";
+    54 SwitchPending State State "axis {axis}: a FIFO switch is pending; neither FIFO can be cleared before it has happened";
+    55 StateChanged State State "axis {axis} cannot start: its state has changed since the call was taken (status {got})";
+    56 StreamEnded State State "axis {axis}: the motion that this data belongs to ended before it ({stop}); the data was not taken";
+    60 TableInUse State Motion "PVT table {got} is in use by axis {axis}; it can be replaced when no axis runs it";
+    61 TableEmpty State State "axis {axis}: PVT table {got} is empty";
+    62 TablePlaces Range None "the table does not fit: its points need more than {high} places (two where the velocity jumps; a Percent point up to 3, a Continuous point up to 8)";
+    63 PointTime Range None "{field} is {got}; it must be greater than {low}, that of the point before";
+    64 VelocityUnreachable Range None "the velocity of the next point cannot be reached: the way is {got} pulses, the change of velocity needs {low}";
+    65 NoDisplacement Range None "the next point has the same position; a Continuous segment needs a displacement";
+    66 AboveVelMax Range None "a velocity of {got} pulse/ms in the direction of travel is above the limit of this segment, {high}";
+    67 TableRange Range None "no scale holds this table: its top speed {got} pulse/ms over its longest segment is too far";
+    68 TableShort Range None "a pass of {got} ms is too short; it lasts {low} ms at least";
+    80 NoMaster State State "axis {axis}: it has no master; call SetFollowMaster first";
+    81 OwnMaster Range None "{field} is {got}, the axis itself; an axis cannot follow itself";
+    82 MasterCycle State State "axis {axis} would follow itself by way of axis {got} of core {low}";
+    83 MasterType Range State "{field} is {got}; allowed are 1, 2, 3, and in a profile of two cores 101 and 103";
+    84 DirectionDiffers State State "axis {axis} is in this mode with direction {got}; set another mode first";
+    85 NotRunning State State "axis {axis} is not running; a switch is for an axis that follows";
+    86 MasterOrder Range State "{field} is {got}; it must lie beyond {low}, that of the segment before";
+    87 MixedSigns Range State "{field} is {got}; all master positions of a FIFO have one sign, and the first has that of {low}";
+    88 NegativeProgress Range None "{field} is {got}; an axis that follows in direction +1 takes positive master positions only";
+    89 RatioTooLarge Range State "{field}: this segment's velocity ratio is {got}; the limit is {high}";
+    90 QueueEntries State State "axis {axis}: the FIFO holds {high} entries that are no segments, which is the most";
+    100 AboveLow Range None "{field} is {got}; it must be above {low} and at most {high}";
+    101 BelowMinimum Range None "{field} is {got}; it must not be below the minimum, {low}";
+    102 LaserFault State State "laser channel {got} is kept dark by a fault: {cause}; once that is over call ClrLaserFault";
+    103 LaserCause State State "laser channel {got}: the cause of its fault is still there: {cause}";
+    104 LaserConnector State None "laser channel {got}: axis connector {high} carries step pulses; call SetAxisMode({high}, 1) first, or choose family lsr, where it is the laser's";
+    105 AnalogInUse State None "analog output {got} belongs to laser channel {low}, which is in analog mode";
+    106 NotInFamily Unknown None "the laser connectors of this family are fixed: it has no such call";
+    107 FollowTableInUse State State "follow table {got} of laser channel {low} is named by an entry of a path or by the follow in force; it can be replaced when neither is there";
+    108 FollowTableEmpty State State "follow table {got} of laser channel {low} is empty; call SetLaserFollowTable first";
+    109 DistanceOff State State "laser channel {got}: distance follow is off; call SetLaserDisMode(1, ...) first";
+    110 CrdNotSet State None "coordinate system {axis} drives no axis; call SetCrdPrm first";
+    111 CrdRuns State Motion "coordinate system {axis} is running; stop it first";
+    112 CrdFull State State "coordinate system {axis}: the FIFO is full; {high} entries fit, {got} are free";
+    113 CrdEmpty State None "coordinate system {axis}: FIFO {got} holds nothing to do";
+    114 CrdElsewhere State State "coordinate system {axis} is more than a pulse from where FIFO {got} was left; move back there first, or call CrdClear";
+    115 CrdFifoInUse State Motion "coordinate system {axis}: FIFO {got} is in use; it can be cleared at rest";
+    116 CrdHolds State State "coordinate system {axis}: FIFO {got} holds entries; run them or call CrdClear first";
+    117 CrdPlaceUnknown State State "coordinate system {axis}: where the motion begins is known once everything is at rest";
+    118 AxisInCrd State None "axis {axis} belongs to coordinate system {got}";
+    119 AxisLeftCrd State None "axis {axis} is not driven by coordinate system {got} any more; call SetCrdPrm again";
+    120 CoordinateTwice Range None "{field}: two axes drive coordinate {got}";
+    121 CoordinateMissing Range None "{field}: no axis drives coordinate {got}; dimension is {high}";
+    122 NoCoordinate Range None "{field} is {got}; no axis drives this coordinate, which stays 0";
+    123 Between Range None "{field} is {got}; it must be above {low} and below {high}";
+    124 NoLength Range None "the motion has no length: its target is where it begins";
+    125 RadiusTooSmall Range None "{field} is {got}; the target is reached with {low} at least";
+    126 CentreOff Range None "the centre is not equally far from begin and target: the path would leave the arc by {got} pulses, at most {high} are made up for";
+    127 CentreOnStart Range None "{field}: the centre is where the motion begins; it must be at least {low} pulses away";
+    128 RadiusTooLarge Range None "the radius is {got}; it must be below {high}";
+    129 GearsFull State None "coordinate system {axis}: {high} axes go along with the next motion, which is the most";
+    130 AxisGoesAlong State None "axis {axis} goes along with the next motion already";
+    131 CrdNotOnBoard Mismatch None "this board has memory for {high} coordinate systems";
+    132 StepLimit Range None "{field}: axis {axis} would go at {got} pulse/ms; the board's steps are limited to {high}";
+    133 NoIndex Range None "{field} is {got}, the index, but the board captures none of encoder {axis}; allowed are {low} to {high}";
+    134 CrdOfTick Range State "{field} is {got}; at this servo tick it must be from {low} to {high}: the others are there at 500 us and more";
+    135 CrdNeedsTick State State "coordinate system {axis} of core {low} drives axes; below a tick of 500 us a core has {high}; reset its axes first";
+    140 NotAboveMinimum Range None "{field} is {got}; it must be above the minimum, {low}";
+    141 PointOfAxis Range None "{field} of axis {axis} is {got}; it must be greater than {low}, that of the point before";
+    142 PlaneAxis Range None "{field} names axis {got} twice; a plane has two";
+    143 PlaneX Range None "a position of X is {got}; it must be a whole number of pulses, greater than {low}, that of the point before";
+    144 PlaneY Range None "a position of Y is {got}; it must be a whole number of pulses, greater than {low}, that of the point before";
+    145 RatiosBusy State State "laser channel {got}: a change of its ratios has not acted yet; this one comes behind it";
+    146 LaserNotMapped State None "laser channel {got} is not mapped to coordinate system {axis}; call SetLaserCrdMap first";
+    147 LaserMapInUse State State "laser channel {got}: coordinate system {axis} runs, or has light of this channel that would come back; stop it, and switch the light off first";
+    148 Aborting State State "after an abort lasers are switched on once everything has come to rest; wait for that";
+    149 NoLaserOutput State None "laser channel {got}: this board has no output for its power in this mode";
+    158 SlowPulses Range None "{field} is {got} kHz; it must be 0, or from {low} to {high}";
+    160 InputsWired State State "the inputs of this board are wired; only those of the virtual and the emulated board are set by a call";
+    161 InputType Range State "{field} is {got}; allowed are {low} to {high}, and 90, the interlock";
 }
 
 /// The payload of a refusing reply.

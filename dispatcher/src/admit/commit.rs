@@ -2,8 +2,7 @@
 //!
 //! In: written data, the admitted state. Out: the admitted state with it; the operation that commits
 //! all data of a FIFO. Cannot fail.
-use super::context::TAKEN_MAX;
-use crate::report::answer::Answer;
+use crate::report::answer::{Answer, TAKEN_MAX};
 use crate::shadow::{Change, CrdChange, Fifo, FifoShadow, PathData, Shadows};
 use servo::op::Op;
 use servo::units::{Axis, Crd};

@@ -7,6 +7,7 @@ use super::staged::Staged;
 use crate::board::Board;
 use crate::configuration::{Configuration, ones};
 use crate::refuse::{Admitted, Refused, choice};
+use crate::report::answer::TAKEN_MAX;
 use crate::report::replies::mode_number;
 use crate::report::trace::Columns;
 use crate::shadow::{AxisShadow, Change, CrdShadow, Frame, Shadows, executed};
@@ -68,9 +69,6 @@ pub struct Context<'x, const AXES: usize> {
 
 /// Positions of PT and of slaves lie within ± this many pulses.
 pub const TRAVEL_PULSES: f64 = (Pos::TRAVEL.0 >> Pos::FRAC_BITS) as f64;
-
-/// Most values that a laser command takes.
-pub const TAKEN_MAX: usize = 4;
 
 /// What a command does in the thread besides its operations.
 #[derive(Debug, Clone, Copy)]

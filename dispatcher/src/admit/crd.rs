@@ -1,7 +1,6 @@
 //! Coordinate systems: their parameters, start and stop, their reads. Data of paths is in
 //! `crd_data`.
 use super::context::Context;
-use super::one;
 use crate::plan::geometry::{Position, position_of};
 use crate::plan::look_ahead::ALONG_MIN;
 use crate::plan::path_queue::PathQueue;
@@ -9,8 +8,7 @@ use crate::refuse::{Admitted, Refused, choice, real, within};
 use crate::report::answer::{Answer, Query};
 use crate::shadow::{Change, CrdChange, Frame, Look, executed};
 use protocol::command::{
-    CrdClear, CrdInfo, CrdSpace, CrdStart, CrdStatus, CrdStop, GetCrdLimit, GetCrdPos, GetCrdPrm, GetCrdVel,
-    GetLaserFollowFilter, GetRemainderSegNum, InitLookAhead, SetCrdLimit, SetCrdPrm, SetCrdStopDec,
+    CrdClear, CrdSpace, CrdStart, CrdStop, GetCrdLimit, InitLookAhead, SetCrdLimit, SetCrdPrm, SetCrdStopDec,
     SetLaserFollowFilter, SetOverride, opcode,
 };
 use protocol::reason::Reason;
@@ -137,7 +135,7 @@ pub fn fifo(field: u8, fifo: i16) -> Admitted<u8> {
 }
 
 /// The coordinate system, if SetCrdPrm has been called for it.
-fn known<const AXES: usize>(context: &Context<AXES>, core: i16, crd: i16) -> Admitted<Crd> {
+pub fn known<const AXES: usize>(context: &Context<AXES>, core: i16, crd: i16) -> Admitted<Crd> {
     let crd = context.crd(core, crd)?;
     context.frame(crd)?;
     Ok(crd)
@@ -307,7 +305,7 @@ pub fn limit<const AXES: usize>(context: &mut Context<AXES>, r: &SetCrdLimit) ->
     Ok(Answer::Done)
 }
 
-fn query(opcode: u16, crd: Crd, which: u8) -> Answer {
+pub fn query(opcode: u16, crd: Crd, which: u8) -> Answer {
     Answer::Read(Query { opcode, first: crd.index() as u8, count: 1, which })
 }
 
@@ -321,25 +319,9 @@ pub fn space<const AXES: usize>(context: &mut Context<AXES>, r: &CrdSpace) -> Ad
     Ok(Answer::Long(context.crd_shadow(crd).space_ahead(context.crd_sampled(crd), fifo).cast_signed()))
 }
 
-/// Reads that need no more than a coordinate system and a FIFO.
-pub fn read<const AXES: usize>(context: &mut Context<AXES>, number: u16, body: &[u8]) -> Admitted<Answer> {
-    let (core, crd, which) = match number {
-        opcode::GetCrdPrm => one::<GetCrdPrm>(body).map(|r| (r.core, r.crd, 0))?,
-        opcode::GetCrdPos => one::<GetCrdPos>(body).map(|r| (r.core, r.crd, 0))?,
-        opcode::GetCrdVel => one::<GetCrdVel>(body).map(|r| (r.core, r.crd, 0))?,
-        opcode::CrdInfo => one::<CrdInfo>(body).map(|r| (r.core, r.crd, 0))?,
-        opcode::GetLaserFollowFilter => one::<GetLaserFollowFilter>(body).map(|r| (r.core, r.crd, 0))?,
-        opcode::CrdStatus => one::<CrdStatus>(body).and_then(|r| Ok((r.core, r.crd, fifo(2, r.fifo.get())?)))?,
-        opcode::GetRemainderSegNum => {
-            one::<GetRemainderSegNum>(body).and_then(|r| Ok((r.core, r.crd, fifo(2, r.fifo.get())?)))?
-        }
-        _ => {
-            let r = one::<GetCrdLimit>(body)?;
-            let crd = known(context, r.core.get(), r.crd.get())?;
-            let dimension = i16::from(context.frame(crd)?.dimension);
-            let coordinate = choice(2, r.coordinate.get(), 1, dimension)? as u8 - 1;
-            return Ok(query(number, crd, coordinate));
-        }
-    };
-    Ok(query(number, known(context, core.get(), crd.get())?, which))
+/// What SetCrdLimit has set for one coordinate.
+pub fn limit_of<const AXES: usize>(context: &mut Context<AXES>, r: &GetCrdLimit) -> Admitted<Answer> {
+    let crd = known(context, r.core.get(), r.crd.get())?;
+    let dimension = i16::from(context.frame(crd)?.dimension);
+    Ok(query(opcode::GetCrdLimit, crd, choice(2, r.coordinate.get(), 1, dimension)? as u8 - 1))
 }

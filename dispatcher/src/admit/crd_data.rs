@@ -52,12 +52,6 @@ fn is_faster(vel: f64, share: f64, limit: f64) -> bool {
     if share == 1.0 { vel > limit } else { vel * share > limit * (1.0 + ROUNDED) }
 }
 
-/// Whether a command puts something into a FIFO of a coordinate system.
-pub fn is_path(number: u16) -> bool {
-    matches!(number, opcode::CrdData..=opcode::BufGear | opcode::LnXYMany | opcode::LnXYZMany)
-        || buffered::is_buffered(number)
-}
-
 /// A FIFO that is being filled.
 struct Filling<'x> {
     crd: Crd,
@@ -334,17 +328,13 @@ pub fn data<const AXES: usize>(
     match number {
         opcode::LnXYMany => lines::<LnXYMany, 2, AXES>(context, queues, stores, body),
         opcode::LnXYZMany => lines::<LnXYZMany, 3, AXES>(context, queues, stores, body),
-        _ if buffered::is_buffered(number) => light(context, queues, stores, number, body),
-        _ => {
-            let given = given(context, number, body)?;
-            put(context, queues, stores, &given)
-        }
+        _ => put(context, queues, stores, &given(context, number, body)?),
     }
 }
 
 /// A buffered laser command: the reply reports the values taken, if there are any, else the free
 /// slots.
-fn light<const AXES: usize>(
+pub fn light<const AXES: usize>(
     context: &Context<AXES>,
     queues: &mut [[PathQueue; 2]],
     stores: PathStores<'_>,

@@ -5,10 +5,10 @@
 //! Fails: with a refusal, and then nothing has changed.
 use super::commit::{End, Written};
 use super::context::Context;
-use super::{crd_data, follow_data, one, pt};
+use super::{crd_data, follow_data, kind, one, pt};
 use crate::plan::path_queue::PathQueue;
 use crate::refuse::Admitted;
-use protocol::command::{FollowSwitchNowEx, opcode};
+use protocol::command::{Fifo, FollowSwitchNowEx, Kind, opcode};
 use servo::path::PathStores;
 use servo::segment::pt::SegmentStore;
 
@@ -25,17 +25,9 @@ pub struct Stores<'x, const AXES: usize> {
 /// Whether a command is data.
 pub fn is_data(number: u16, body: &[u8]) -> bool {
     match number {
-        opcode::PtData
-        | opcode::PtDataMany
-        | opcode::FollowData
-        | opcode::FollowDataPercentEx
-        | opcode::FollowDataPercent2Ex
-        | opcode::FollowDoBitEx
-        | opcode::FollowDelayEx
-        | opcode::FollowDiBitEx => true,
         // A switch that is queued.
         opcode::FollowSwitchNowEx => one::<FollowSwitchNowEx>(body).is_ok_and(|r| r.buffer.get() != 0),
-        _ => crd_data::is_path(number),
+        _ => matches!(kind(number), Some(Kind::Data(_))),
     }
 }
 
@@ -46,11 +38,11 @@ pub fn data<const AXES: usize>(
     number: u16,
     body: &[u8],
 ) -> Admitted<(Written, End)> {
-    if matches!(number, opcode::PtData | opcode::PtDataMany) {
-        pt::data(context, stores.segments, number, body)
-    } else if crd_data::is_path(number) {
-        crd_data::data(context, stores.queues, stores.entries, number, body)
-    } else {
-        follow_data::data(context, stores.segments, number, body)
+    let Stores { segments, entries, queues } = stores;
+    match kind(number) {
+        Some(Kind::Data(Fifo::Pt)) => pt::data(context, segments, number, body),
+        Some(Kind::Data(Fifo::Path)) => crd_data::data(context, queues, entries, number, body),
+        Some(Kind::Data(Fifo::Light)) => crd_data::light(context, queues, entries, number, body),
+        _ => follow_data::data(context, segments, number, body),
     }
 }

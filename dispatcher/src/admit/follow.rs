@@ -6,14 +6,14 @@
 //! instant.
 use super::axis::all_startable;
 use super::context::Context;
-use super::{one, query};
+use super::{one, unknown};
 use crate::plan::asymmetric_s;
 use crate::refuse::{Admitted, Refused, choice, within};
 use crate::report::answer::Answer;
 use crate::shadow::Change;
 use protocol::command::{
-    FollowClear, FollowSpace, FollowStart, FollowSwitch, FollowSwitchNowEx, GetFollowDataPercent2Ex, GetFollowMaster,
-    PrfFollow, SetFollowEvent, SetFollowLoop, SetFollowMaster, SetFollowMemory, opcode,
+    Chapter, FollowClear, FollowSpace, FollowStart, FollowSwitch, FollowSwitchNowEx, GetFollowDataPercent2Ex,
+    PrfFollow, SetFollowEvent, SetFollowLoop, SetFollowMaster, SetFollowMemory, chapter, opcode,
 };
 use protocol::reason::Reason;
 use servo::op::{Mode, Op};
@@ -29,17 +29,12 @@ mod kind {
     pub const AXIS_OTHER: i16 = 103;
 }
 
-/// Whether a command belongs to one of the two modes.
-pub fn is_follow(number: u16) -> bool {
-    matches!(number >> 8, 4 | 5)
-}
-
 /// The mode that a command is for.
 pub fn mode_of(number: u16) -> Mode {
-    if number >> 8 == 5 { Mode::FollowEx } else { Mode::Follow }
+    if chapter(number) == Chapter::FollowEx { Mode::FollowEx } else { Mode::Follow }
 }
 
-/// Admits any of them.
+/// Admits any of them but data and reads of one axis.
 pub fn admit<const AXES: usize>(context: &mut Context<AXES>, number: u16, body: &[u8]) -> Admitted<Answer> {
     let mode = mode_of(number);
     match number {
@@ -54,21 +49,7 @@ pub fn admit<const AXES: usize>(context: &mut Context<AXES>, number: u16, body: 
         opcode::SetFollowMemory | opcode::SetFollowMemoryEx => set_memory(context, mode, &one(body)?),
         opcode::FollowSwitchNowEx => switch_now(context, &one(body)?),
         opcode::GetFollowDataPercent2Ex => asymmetric_segment(context, &one(body)?),
-        opcode::GetFollowMaster
-        | opcode::GetFollowMasterEx
-        | opcode::GetFollowLoop
-        | opcode::GetFollowLoopEx
-        | opcode::GetFollowEvent
-        | opcode::GetFollowEventEx
-        | opcode::GetFollowMemory
-        | opcode::GetFollowMemoryEx
-        | opcode::GetFollowStatus
-        | opcode::GetFollowStatusEx => {
-            // They all have the same two fields.
-            let r: GetFollowMaster = one(body)?;
-            following(context, mode, r.core.get(), r.profile.get()).map(|axis| query(number, axis))
-        }
-        other => Err(Refused::new(Reason::UnknownCommand).got(other.into())),
+        other => Err(unknown(other)),
     }
 }
 

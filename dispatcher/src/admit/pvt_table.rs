@@ -20,28 +20,6 @@ use protocol::reason::Reason;
 use servo::segment::pvt::{HEADER_WORDS, PointStore, TABLES, TableStores, Tables};
 use servo::units::StepLimit;
 
-/// What a command does with its points.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum TableKind {
-    /// Its points become a table.
-    Table,
-    /// The reply gives values of its points.
-    Calculate,
-}
-
-/// What a command does with its points, if it has any.
-pub fn table_kind(number: u16) -> Option<TableKind> {
-    match number {
-        opcode::PvtTable
-        | opcode::PvtTableEx
-        | opcode::PvtTableComplete
-        | opcode::PvtTablePercent
-        | opcode::PvtTableContinuous => Some(TableKind::Table),
-        opcode::PvtPercentCalculate | opcode::PvtContinuousCalculate => Some(TableKind::Calculate),
-        _ => None,
-    }
-}
-
 /// What the chunks of one table have in common.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Key {

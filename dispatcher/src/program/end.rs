@@ -11,7 +11,7 @@ use crate::refuse::Refused;
 use crate::report::answer::Answer;
 use crate::report::pending_replies::{Refuser, TickRefusal};
 use crate::shadow::{Change, PROGRAM_FLAG, executed};
-use protocol::reason::Reason;
+use protocol::reason::{Cure, Reason};
 use protocol::record::ReplyWriter;
 use servo::op::Op;
 use servo::view::View;
@@ -79,8 +79,12 @@ impl Program<'_> {
         out: &mut ReplyWriter,
     ) -> bool {
         let Some((head, _)) = self.records.front().filter(|(head, _)| head.may_fail) else { return false };
-        let known =
-            self.is_reached(view) || is_final(refused.reason) || is_of_motion(refused.reason) && self.is_settled(view);
+        let known = match refused.reason.cure() {
+            Cure::None => true,
+            // Of these only the end makes the record right ([`Change::may_free`]).
+            Cure::Motion => self.is_reached(view) || self.is_settled(view),
+            Cure::State => self.is_reached(view),
+        };
         if !known || out.refused(head.opcode, head.tag, &refused.wire).is_err() {
             return false;
         }
@@ -213,89 +217,4 @@ impl Program<'_> {
         self.settled = true;
         progress
     }
-}
-
-/// Whether a motion, a use or a fault of an axis, a table or a coordinate system is the reason.
-/// Then only the end of these makes the record right ([`Change::may_free`]).
-fn is_of_motion(reason: Reason) -> bool {
-    use Reason::{
-        AxisFault, CrdFifoInUse, CrdRuns, FifoFull, FifoInUse, Moving, NotIncreasing, OnlyAtRest, TableInUse,
-    };
-    matches!(
-        reason,
-        AxisFault | CrdFifoInUse | CrdRuns | FifoFull | FifoInUse | Moving | NotIncreasing | OnlyAtRest | TableInUse
-    )
-}
-
-/// Whether no later state of the machine makes the record right. Only entries before it in its
-/// program could, and these have been admitted.
-fn is_final(reason: Reason) -> bool {
-    use Reason::{
-        AboveLow, AboveVelMax, AnalogInUse, AxisGoesAlong, AxisInCrd, AxisLeftCrd, BelowMinimum, Between, BeyondTravel,
-        CentreOff, CentreOnStart, CoordinateMissing, CoordinateTwice, CrdEmpty, CrdNotOnBoard, CrdNotSet, FifoEmpty,
-        GearsFull, LaserConnector, LaserNotMapped, Length, NegativeProgress, NoAcceleration, NoCoordinate,
-        NoDeceleration, NoDisplacement, NoIndex, NoLaserOutput, NoLength, NotAboveMinimum, NotFinite, NotForProgram,
-        NotInDynamic, NotInFamily, NotInProgram, NotInitialised, OutOfRange, OwnMaster, PlaneAxis, PlaneX, PlaneY,
-        PointOfAxis, PointTime, RadiusTooLarge, RadiusTooSmall, Selector, ServoOff, SlowPulses, StepLimit, TablePlaces,
-        TableRange, TableShort, TooMany, UnknownCommand, VelocityUnreachable, WrongMode,
-    };
-    matches!(
-        reason,
-        AboveLow
-            | AboveVelMax
-            | NegativeProgress
-            | NoDisplacement
-            | NotAboveMinimum
-            | OwnMaster
-            | PlaneAxis
-            | PlaneX
-            | PlaneY
-            | PointOfAxis
-            | PointTime
-            | TablePlaces
-            | TableRange
-            | TableShort
-            | VelocityUnreachable
-            | AxisGoesAlong
-            | AxisInCrd
-            | AxisLeftCrd
-            | Between
-            | CentreOff
-            | CentreOnStart
-            | CoordinateMissing
-            | CoordinateTwice
-            | CrdEmpty
-            | CrdNotOnBoard
-            | CrdNotSet
-            | GearsFull
-            | NoCoordinate
-            | NoIndex
-            | NoLength
-            | RadiusTooLarge
-            | RadiusTooSmall
-            | BelowMinimum
-            | LaserConnector
-            | LaserNotMapped
-            | NoLaserOutput
-            | NotInFamily
-            | AnalogInUse
-            | OutOfRange
-            | SlowPulses
-            | NotFinite
-            | Length
-            | TooMany
-            | BeyondTravel
-            | StepLimit
-            | Selector
-            | UnknownCommand
-            | WrongMode
-            | FifoEmpty
-            | ServoOff
-            | NotInDynamic
-            | NoAcceleration
-            | NoDeceleration
-            | NotInProgram
-            | NotInitialised
-            | NotForProgram
-    )
 }

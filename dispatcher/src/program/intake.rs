@@ -13,16 +13,14 @@
 use super::{Program, State};
 use crate::admit::admission::Admission;
 use crate::admit::commit::{self, FifoOf};
-use crate::admit::context::{Effect, TAKEN_MAX};
-use crate::admit::data;
-use crate::admit::one;
-use crate::admit::pvt_table::{TableKind, table_kind};
+use crate::admit::context::Effect;
 use crate::admit::staged::FEW;
+use crate::admit::{data, kind, one};
 use crate::refuse::{Admitted, Refused};
-use crate::report::answer::{Answer, POINTS_MAX};
+use crate::report::answer::{Answer, POINTS_MAX, TAKEN_MAX};
 use crate::report::pending_replies::{Awaiting, Step};
 use crate::shadow::{Change, seq_after, seq_from};
-use protocol::command::{ProgramEnd, Sleep, WaitStop, opcode};
+use protocol::command::{Kind, ProgramEnd, Sleep, WaitStop, class, opcode};
 use protocol::reason::Reason;
 use protocol::record::ReplyWriter;
 use servo::op::Op;
@@ -150,7 +148,7 @@ impl Program<'_> {
         let due = self.due(view);
         let Some((head, body)) = self.records.front() else { return Ok(Step::Wait) };
         let (answer, effect, own) = match head.opcode {
-            opcode::ProgramStart | opcode::ProgramClear | opcode::ProgramStatus | opcode::SetTick | opcode::Choose => {
+            number if class(number).is_some_and(|class| !class.lanes.in_program()) => {
                 return Err(Refused::new(Reason::NotForProgram));
             }
             opcode::Sleep => {
@@ -167,7 +165,7 @@ impl Program<'_> {
                 self.take_data(admission, (head.opcode, head.tag, head.may_fail), &written);
                 return Ok(Step::Taken);
             }
-            number if table_kind(number) == Some(TableKind::Calculate) => {
+            number if kind(number) == Some(Kind::Calculate) => {
                 if self.values.room() < POINTS_MAX {
                     return Ok(Step::Wait);
                 }

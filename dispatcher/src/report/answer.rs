@@ -6,6 +6,9 @@ use servo::units::{Axis, Crd};
 pub const POINTS_MAX: usize = protocol::record::BODY_MAX / size_of::<PvtPercentPoint>();
 const _: () = assert!(size_of::<PvtPercentPoint>() <= size_of::<PvtContinuousPoint>());
 
+/// Most values that a laser command takes.
+pub const TAKEN_MAX: usize = 4;
+
 /// The answer of an admitted command once it has been executed.
 #[derive(Debug, Clone, Copy)]
 pub enum Answer {

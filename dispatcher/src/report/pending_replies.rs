@@ -6,6 +6,7 @@ use protocol::command::opcode;
 use protocol::reason::Reason;
 use protocol::record::{Full, ReplyWriter};
 use servo::units::{Axis, Crd};
+use zerocopy::IntoBytes;
 
 /// A reply that waits for its entry's execution.
 #[derive(Debug, Clone, Copy)]
@@ -93,33 +94,36 @@ impl<const AXES: usize> Reading<'_, AXES> {
     /// Writes the reply to an executed command; `taken` are the values that wait in its lane,
     /// oldest first.
     pub fn answer(&self, item: &Awaiting, taken: impl Iterator<Item = f64>, out: &mut ReplyWriter) -> Result<(), Full> {
-        match &item.answer {
-            Answer::Done => out.push_raw(item.opcode, item.tag, 0, &[]),
-            Answer::Read(query) => self.reply(item.tag, query, out),
-            Answer::Long(value) => self.long(item.opcode, item.tag, *value, out),
+        let mut say = |reply: &[&[u8]]| out.push_raw(item.opcode, item.tag, 0, reply);
+        match item.answer {
+            Answer::Done => say(&[]),
+            Answer::Read(query) => self.reply(item.tag, &query, out),
+            Answer::Space(space) => say(&[&space.to_le_bytes()]),
+            Answer::Long(value) => say(&[&value.to_le_bytes()]),
+            Answer::Number(value) => say(&[&value.to_le_bytes()]),
             Answer::Path { crd, fifo, count, lasts_ms } => {
-                self.path_taken(item.opcode, item.tag, (*crd, *fifo), (*count, *lasts_ms), out)
+                say(&[self.path_taken((crd, fifo), count, lasts_ms).as_bytes()])
             }
-            Answer::Space(space) => self.space(item.opcode, item.tag, *space, out),
-            Answer::Number(value) => self.number(item.opcode, item.tag, *value, out),
-            Answer::Entered { axis, fifo, percent1 } => {
-                self.entered(item.opcode, item.tag, *axis, *fifo, *percent1, out)
+            // FollowDataPercent2Ex alone replies with the share of the first half.
+            Answer::Entered { axis, fifo, percent1 } if item.opcode == opcode::FollowDataPercent2Ex => {
+                say(&[self.entered(axis, fifo).as_bytes(), &percent1.to_le_bytes()])
             }
-            Answer::Taken { axis, fifo, count } => self.taken(item.opcode, item.tag, *axis, *fifo, *count, out),
+            Answer::Entered { axis, fifo, .. } => say(&[self.entered(axis, fifo).as_bytes()]),
+            Answer::Taken { axis, fifo, count } => say(&[self.taken(axis, fifo, count).as_bytes()]),
             Answer::Lost { axis, status } => {
                 let lost = match item.opcode {
                     // An immediate switch is no data, but is answered like it.
-                    opcode::FollowSwitchNowEx => self.explain(Refuser::Axis(*axis, *status)),
+                    opcode::FollowSwitchNowEx => self.explain(Refuser::Axis(axis, status)),
                     _ => {
                         let stop = self.view.axes.get(axis.index()).map_or(0, |sampled| sampled.stop as u16);
-                        let lost = Refused::new(Reason::StreamEnded).axis(self.configuration.number_of(*axis));
-                        lost.got((*status).into()).limits(0.0, stop.into())
+                        let lost = Refused::new(Reason::StreamEnded).axis(self.configuration.number_of(axis));
+                        lost.got(status.into()).limits(0.0, stop.into())
                     }
                 };
                 out.refused(item.opcode, item.tag, &lost.wire)
             }
-            Answer::Values(count) => values_reply(item.opcode, item.tag, taken.take((*count).into()), out),
-            Answer::Took { held, .. } => took_reply(item.opcode, item.tag, taken, *held, out),
+            Answer::Values(count) => values_reply(item.opcode, item.tag, taken.take(count.into()), out),
+            Answer::Took { count, held } => took_reply(item.opcode, item.tag, taken, (count, held), out),
         }
     }
 }

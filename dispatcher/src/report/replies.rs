@@ -6,8 +6,8 @@
 mod crd;
 mod explain;
 mod follow;
-
-pub use crd::is_crd;
+#[cfg(test)]
+mod tests;
 
 use super::event_log::{HELD, Log};
 use crate::board::{Board, FAULT_TEXT_MAX};
@@ -15,9 +15,9 @@ use crate::configuration::{Configuration, ones};
 use crate::io_types::{ANALOG_INPUT_VOLTS, WORD, WORDS, kind};
 use crate::plan::geometry::pulses;
 use crate::plan::pvt::table_number;
-use crate::report::answer::{POINTS_MAX, Query};
+use crate::report::answer::{POINTS_MAX, Query, TAKEN_MAX};
 use crate::shadow::Shadows;
-use protocol::command::{self, Request, opcode};
+use protocol::command::{self, Chapter, Request, chapter, opcode};
 use protocol::record::{Full, ReplyWriter};
 use servo::laser::{CHANNELS, Count, Mode, Power, Tables, dac_counts};
 use servo::port::AxisInputs;
@@ -27,6 +27,19 @@ use servo::status::RUNNING;
 use servo::units::Axis;
 use servo::view::{AxisView, LaserView, View};
 use zerocopy::IntoBytes;
+
+/// The replies of one struct, by command: the struct is the one of the command's row.
+macro_rules! fixed {
+    (($query:ident, $tag:ident, $out:ident) $($name:ident => $reply:expr;)* _ => $other:expr) => {
+        match $query.opcode {
+            $(protocol::command::opcode::$name => {
+                $out.done::<protocol::command::$name>($tag, &$reply, &[])
+            })*
+            _ => $other,
+        }
+    };
+}
+use fixed;
 
 /// What a reply is built from.
 pub struct Reading<'x, const AXES: usize> {
@@ -86,59 +99,26 @@ pub fn values_reply(
     out.push_raw(opcode, tag, 0, &[head.as_bytes(), items.get(..count).unwrap_or(&[]).as_bytes()])
 }
 
-/// The reply to a laser command that reports what it took.
+/// The reply to a laser command that reports what it took: `count` values, and which were limited.
 pub fn took_reply(
     opcode: u16,
     tag: u16,
-    mut taken: impl Iterator<Item = f64>,
-    held: u8,
+    taken: impl Iterator<Item = f64>,
+    (count, held): (u8, u8),
     out: &mut ReplyWriter,
 ) -> Result<(), Full> {
-    let mut next = || taken.next().unwrap_or(0.0);
+    let (mut reals, mut whole) = ([command::Real::default(); TAKEN_MAX], [command::ULong::default(); TAKEN_MAX]);
+    for ((real, whole), value) in reals.iter_mut().zip(&mut whole).zip(taken) {
+        (real.value, whole.value) = (value.into(), (value as u32).into());
+    }
+    let count = usize::from(count);
     match opcode {
-        opcode::SetLaserFollowTable => {
-            let reply = command::LaserTableTaken { held: (next() as u16).into() };
-            out.push_raw(opcode, tag, 0, &[reply.as_bytes()])
+        // How many powers were limited.
+        opcode::SetLaserFollowTable => out.push_raw(opcode, tag, 0, &[&(whole[0].value.get() as u16).to_le_bytes()]),
+        opcode::SetLevelDelay | opcode::EnaFPK => {
+            out.push_raw(opcode, tag, 0, &[whole.get(..count).unwrap_or(&[]).as_bytes(), &[held]])
         }
-        opcode::SetLaserDisMode => {
-            let reply = command::LaserScales { scale: core::array::from_fn(|_| next().into()), held };
-            out.push_raw(opcode, tag, 0, &[reply.as_bytes()])
-        }
-        opcode::LaserPowerMode
-        | opcode::BufLaserPrfFollow
-        | opcode::BufLaserFollowRatio
-        | opcode::BufLaserFollowTable
-        | opcode::SetLaserDisRatio
-        | opcode::SetLaserDisTable1D
-        | opcode::SetLaserDisTable2D => {
-            let (max, min) = (next(), next());
-            let reply = command::LaserBounds { max: max.into(), min: min.into(), held };
-            out.push_raw(opcode, tag, 0, &[reply.as_bytes()])
-        }
-        opcode::SetWaitPulse | opcode::SetWaitPulseEx => {
-            let (frequency, duty) = (next(), next());
-            let reply = command::LaserPulse { frequency: frequency.into(), duty: duty.into(), held };
-            out.push_raw(opcode, tag, 0, &[reply.as_bytes()])
-        }
-        opcode::SetLevelDelay => {
-            let (off, on) = (next() as u32, next() as u32);
-            let reply = command::LaserDelays { off_delay_us: off.into(), on_delay_us: on.into(), held };
-            out.push_raw(opcode, tag, 0, &[reply.as_bytes()])
-        }
-        opcode::EnaFPK => {
-            let (time1, time2, end) = (next() as u32, next() as u32, next() as u32);
-            let reply = command::LaserFpk {
-                time1_us: time1.into(),
-                time2_us: time2.into(),
-                laser_off_delay_us: end.into(),
-                held,
-            };
-            out.push_raw(opcode, tag, 0, &[reply.as_bytes()])
-        }
-        _ => {
-            let reply = command::LaserValue { value: next().into(), held };
-            out.push_raw(opcode, tag, 0, &[reply.as_bytes()])
-        }
+        _ => out.push_raw(opcode, tag, 0, &[reals.get(..count).unwrap_or(&[]).as_bytes(), &[held]]),
     }
 }
 
@@ -217,41 +197,50 @@ impl<const AXES: usize> Reading<'_, AXES> {
         let axis = Axis::new(usize::from(query.first)).unwrap_or_default();
         let shadow = self.executed.axis(axis);
         let sampled = &self.view.axes[axis.index().min(AXES - 1)];
+        let loops = |passes: u32| i32::try_from(passes).unwrap_or(i32::MAX).into();
+        let long = |value: i32| command::Long { value: value.into() };
+        fixed! { (query, tag, out)
+            Version => self.version();
+            Choose => self.version();
+            GetClock => command::Clock { clock_ms: self.clock_ms().into(), ticks: self.view.tick.into() };
+            GetTickTime => self.tick_time();
+            GetLinkLoss => command::LinkLossReply {
+                time_ms: f64::from(self.executed.watch.link_loss_ms).into(),
+                stop_all: i16::from(self.executed.watch.stop_all).into(),
+            };
+            GetStopDec => command::StopDec { smooth: shadow.dec.0.into(), abrupt: shadow.dec.1.into() };
+            GetAxisBand => command::Band { band: shadow.band.0.into(), time_cycles: shadow.band.1.into() };
+            GetSoftLimit => command::SoftLimit { positive: shadow.soft.0.into(), negative: shadow.soft.1.into() };
+            GetPosErr => long(shadow.pos_err);
+            GetTrapPrm => shadow.trap;
+            GetJogPrm => shadow.jog;
+            GetPos => long(shadow.pos);
+            GetVel => command::Real { value: shadow.vel.into() };
+            GetWait => self.wait(sampled);
+            GetDi => self.levels(query)[0];
+            GetDo => self.levels(query)[0];
+            PtSpace => command::Short {
+                value: (shadow.space(self.view, sampled, usize::from(query.which)) as i16).into(),
+            };
+            GetPtLoop => command::Long { value: loops(sampled.passes) };
+            GetPtMemory => command::Short { value: i16::from(shadow.memory).into() };
+            GetPtState => command::PtState {
+                state: sampled.pt_state,
+                loops: loops(sampled.passes),
+                space0: (shadow.space(self.view, sampled, 0) as u16).into(),
+                space1: if shadow.is_dynamic() { 0 } else { shadow.space(self.view, sampled, 1) as u16 }.into(),
+                dry_ms: self.dry_ms(axis, usize::from(shadow.fifo)).into(),
+            };
+            GetPvtLoop => command::PvtLoops { loop_count: loops(sampled.passes), loop_set: shadow.table_passes.into() };
+            _ => self.listed(tag, query, out)
+        }
+    }
+
+    /// Replies with items, and those of other chapters.
+    fn listed(&self, tag: u16, query: &Query, out: &mut ReplyWriter) -> Result<(), Full> {
         match query.opcode {
-            opcode::Version => out.done::<command::Version>(tag, &self.version(), &[]),
-            opcode::Choose => out.done::<command::Choose>(tag, &self.version(), &[]),
-            opcode::GetClock => {
-                let reply = command::Clock { clock_ms: self.clock_ms().into(), ticks: self.view.tick.into() };
-                out.done::<command::GetClock>(tag, &reply, &[])
-            }
             opcode::GetFault => self.fault(tag, out),
             opcode::GetEvents => self.events(tag, out),
-            opcode::GetTickTime => out.done::<command::GetTickTime>(tag, &self.tick_time(), &[]),
-            opcode::GetLinkLoss => {
-                let stop_all = i16::from(self.executed.watch.stop_all);
-                let time_ms = f64::from(self.executed.watch.link_loss_ms);
-                let reply = command::LinkLossReply { time_ms: time_ms.into(), stop_all: stop_all.into() };
-                out.done::<command::GetLinkLoss>(tag, &reply, &[])
-            }
-            opcode::GetStopDec => {
-                let reply = command::StopDec { smooth: shadow.dec.0.into(), abrupt: shadow.dec.1.into() };
-                out.done::<command::GetStopDec>(tag, &reply, &[])
-            }
-            opcode::GetAxisBand => {
-                let reply = command::Band { band: shadow.band.0.into(), time_cycles: shadow.band.1.into() };
-                out.done::<command::GetAxisBand>(tag, &reply, &[])
-            }
-            opcode::GetSoftLimit => {
-                let reply = command::SoftLimit { positive: shadow.soft.0.into(), negative: shadow.soft.1.into() };
-                out.done::<command::GetSoftLimit>(tag, &reply, &[])
-            }
-            opcode::GetPosErr => {
-                out.done::<command::GetPosErr>(tag, &command::Long { value: shadow.pos_err.into() }, &[])
-            }
-            opcode::GetTrapPrm => out.done::<command::GetTrapPrm>(tag, &shadow.trap, &[]),
-            opcode::GetJogPrm => out.done::<command::GetJogPrm>(tag, &shadow.jog, &[]),
-            opcode::GetPos => out.done::<command::GetPos>(tag, &command::Long { value: shadow.pos.into() }, &[]),
-            opcode::GetVel => out.done::<command::GetVel>(tag, &command::Real { value: shadow.vel.into() }, &[]),
             opcode::GetSts => self.longs::<command::GetSts>(tag, query, out, |_, axis| axis.status.cast_signed()),
             opcode::GetPrfMode => {
                 let first = usize::from(query.first);
@@ -269,10 +258,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
             opcode::GetEncPos => self.reals::<command::GetEncPos>(tag, query, out, |axis| axis.encoder as f64),
             opcode::GetEncVel => self.reals::<command::GetEncVel>(tag, query, out, |axis| self.encoder_velocity(axis)),
             opcode::GetCaptureStatus => self.captures(tag, query, out),
-            opcode::GetWait => out.done::<command::GetWait>(tag, &self.wait(sampled), &[]),
             opcode::AxisStatus => self.statuses(tag, query, out),
-            opcode::GetDi => out.done::<command::GetDi>(tag, &self.levels(query)[0], &[]),
-            opcode::GetDo => out.done::<command::GetDo>(tag, &self.levels(query)[0], &[]),
             opcode::GetDiEx => self.words::<command::GetDiEx>(tag, query, out),
             opcode::GetDoEx => self.words::<command::GetDoEx>(tag, query, out),
             opcode::GetDac => {
@@ -292,39 +278,6 @@ impl<const AXES: usize> Reading<'_, AXES> {
                 let head = command::Reals { clock_ms: self.clock_ms().into(), count: (count as u16).into() };
                 out.done::<command::GetAdc>(tag, &head, &items[..count])
             }
-            opcode::GetLaserOnTime
-            | opcode::GetLaserCrdMap
-            | opcode::GetLaserPower
-            | opcode::GetLaserFault
-            | opcode::LaserOnStatus
-            | opcode::GetHSIOOpt
-            | opcode::LaserStatus => self.laser(tag, query, out),
-            opcode::PtSpace => {
-                let space = shadow.space(self.view, sampled, usize::from(query.which)) as i16;
-                self.space(query.opcode, tag, space, out)
-            }
-            opcode::GetPtLoop => {
-                let value = i32::try_from(sampled.passes).unwrap_or(i32::MAX);
-                out.done::<command::GetPtLoop>(tag, &command::Long { value: value.into() }, &[])
-            }
-            opcode::GetPtMemory => {
-                out.done::<command::GetPtMemory>(tag, &command::Short { value: i16::from(shadow.memory).into() }, &[])
-            }
-            opcode::GetPtState => {
-                let reply = command::PtState {
-                    state: sampled.pt_state,
-                    loops: i32::try_from(sampled.passes).unwrap_or(i32::MAX).into(),
-                    space0: (shadow.space(self.view, sampled, 0) as u16).into(),
-                    space1: if shadow.is_dynamic() { 0 } else { shadow.space(self.view, sampled, 1) as u16 }.into(),
-                    dry_ms: self.dry_ms(axis, usize::from(shadow.fifo)).into(),
-                };
-                out.done::<command::GetPtState>(tag, &reply, &[])
-            }
-            opcode::GetPvtLoop => {
-                let done = i32::try_from(sampled.passes).unwrap_or(i32::MAX);
-                let reply = command::PvtLoops { loop_count: done.into(), loop_set: shadow.table_passes.into() };
-                out.done::<command::GetPvtLoop>(tag, &reply, &[])
-            }
             opcode::PvtStatus => {
                 let mut items = [command::PvtStatusItem::default(); AXES];
                 let axes = self.axes(query);
@@ -338,19 +291,12 @@ impl<const AXES: usize> Reading<'_, AXES> {
                 let head = command::Count { count: (axes.len() as u16).into() };
                 out.done::<command::PvtStatus>(tag, &head, &items[..axes.len()])
             }
-            _ if is_crd(query.opcode) => self.crd_reply(tag, query, out),
-            _ => self.follow(tag, query, shadow, sampled, out),
+            other => match chapter(other) {
+                Chapter::Laser => self.laser(tag, query, out),
+                Chapter::Crd => self.crd_reply(tag, query, out),
+                _ => self.follow(tag, query, out),
+            },
         }
-    }
-
-    /// The reply with the free slots of a FIFO.
-    pub fn space(&self, opcode: u16, tag: u16, space: i16, out: &mut ReplyWriter) -> Result<(), Full> {
-        out.push_raw(opcode, tag, 0, &[command::Short { value: space.into() }.as_bytes()])
-    }
-
-    /// The reply with one real number.
-    pub fn number(&self, opcode: u16, tag: u16, value: f64, out: &mut ReplyWriter) -> Result<(), Full> {
-        out.push_raw(opcode, tag, 0, &[command::Real { value: value.into() }.as_bytes()])
     }
 
     /// A read of the laser channel `first`; `which` is the core.
@@ -358,37 +304,31 @@ impl<const AXES: usize> Reading<'_, AXES> {
         let index = usize::from(query.first).min(CHANNELS - 1);
         let sampled = &self.view.lasers[index];
         let short = |value: i16| command::Short { value: value.into() };
-        match query.opcode {
-            opcode::GetLaserOnTime => {
-                out.done::<command::GetLaserOnTime>(tag, &command::ULong { value: sampled.on_time.into() }, &[])
-            }
-            opcode::GetLaserCrdMap => {
-                let profile = &self.configuration.profile;
-                let map = u32::from(self.executed.lasers[index].map);
-                let map = map >> (u32::from(query.which) * u32::from(profile.crds_per_core));
-                let own = (1 << profile.crds_at(self.view.period)) - 1;
-                out.done::<command::GetLaserCrdMap>(tag, &short((map & own) as i16), &[])
-            }
-            opcode::GetLaserPower => {
-                out.done::<command::GetLaserPower>(tag, &command::Real { value: units(sampled.power).into() }, &[])
-            }
-            opcode::GetLaserFault => out.done::<command::GetLaserFault>(tag, &short(sampled.fault as i16), &[]),
-            opcode::LaserStatus => {
-                let reply = command::LaserState {
-                    mode: i16::from(sampled.mode as u8).into(),
-                    commanded: sampled.commanded.into(),
-                    gate: sampled.switch.into(),
-                    light: sampled.light.into(),
-                    held: sampled.limited.into(),
-                    fault: (sampled.fault as i16).into(),
-                    power: units(sampled.power).into(),
-                    frequency: self.achieved_khz(sampled).into(),
-                    on_time: sampled.on_time.into(),
-                };
-                out.done::<command::LaserStatus>(tag, &reply, &[])
-            }
-            // GetHSIOOpt, LaserOnStatus: the command, not the output (SPEC 6).
-            other => out.push_raw(other, tag, 0, &[short(sampled.commanded.into()).as_bytes()]),
+        let own_crds = || {
+            let profile = &self.configuration.profile;
+            let map = u32::from(self.executed.lasers[index].map);
+            let own = (1 << profile.crds_at(self.view.period)) - 1;
+            map >> (u32::from(query.which) * u32::from(profile.crds_per_core)) & own
+        };
+        fixed! { (query, tag, out)
+            GetLaserOnTime => command::ULong { value: sampled.on_time.into() };
+            GetLaserCrdMap => short(own_crds() as i16);
+            GetLaserPower => command::Real { value: units(sampled.power).into() };
+            GetLaserFault => short(sampled.fault as i16);
+            LaserStatus => command::LaserState {
+                mode: i16::from(sampled.mode as u8).into(),
+                commanded: sampled.commanded.into(),
+                gate: sampled.switch.into(),
+                light: sampled.light.into(),
+                held: sampled.limited.into(),
+                fault: (sampled.fault as i16).into(),
+                power: units(sampled.power).into(),
+                frequency: self.achieved_khz(sampled).into(),
+                on_time: sampled.on_time.into(),
+            };
+            // The command, not the output (SPEC 6).
+            GetHSIOOpt => short(sampled.commanded.into());
+            _ => out.done::<command::LaserOnStatus>(tag, &short(sampled.commanded.into()), &[])
         }
     }
 
@@ -410,22 +350,13 @@ impl<const AXES: usize> Reading<'_, AXES> {
     }
 
     /// The reply to PT data.
-    pub fn taken(
-        &self,
-        opcode: u16,
-        tag: u16,
-        axis: Axis,
-        fifo: u8,
-        count: u16,
-        out: &mut ReplyWriter,
-    ) -> Result<(), Full> {
+    pub fn taken(&self, axis: Axis, fifo: u8, count: u16) -> command::PtTaken {
         let sampled = &self.view.axes[axis.index().min(AXES - 1)];
-        let reply = command::PtTaken {
+        command::PtTaken {
             taken: count.into(),
             space: (self.executed.axis(axis).space(self.view, sampled, usize::from(fifo)) as u16).into(),
             dry_ms: self.dry_ms(axis, usize::from(fifo)).into(),
-        };
-        out.push_raw(opcode, tag, 0, &[reply.as_bytes()])
+        }
     }
 
     /// While the axis runs, how long its data lasts; at standstill, the length of the data.

@@ -9,6 +9,7 @@
 mod immediate;
 
 use crate::admit::admission::Admission;
+use crate::admit::kind;
 use crate::board::Board;
 use crate::deque::Deque;
 use crate::plan::path_queue::PathQueue;
@@ -18,7 +19,7 @@ use crate::report::answer::Answer;
 use crate::report::event_log::{Kind, ShutOff};
 use crate::report::pending_replies::{Awaiting, Refuser, Step, TickRefusal};
 use crate::shadow::{AxisShadow, CAPACITY, Change, Renewed, Watch, executed};
-use protocol::command::opcode;
+use protocol::command;
 use protocol::record::{ReplyWriter, RequestRecord};
 use ring::Producer;
 use servo::op::{Entry, Op};
@@ -139,7 +140,9 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
             let reading = self.admission.reading(view);
             let written = match refusal {
                 Some((_, refuser)) => out.refused(item.opcode, item.tag, &reading.explain(refuser).wire),
-                None if is_of_program(item.opcode) => program.status(view, item.opcode, item.tag, out),
+                None if kind(item.opcode) == Some(command::Kind::Program) => {
+                    program.status(view, item.opcode, item.tag, out)
+                }
                 None => reading.answer(&item, self.taken.iter().copied(), out),
             };
             if written.is_err() {
@@ -210,8 +213,3 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
 
 /// Entries of the immediate lane that begin a session.
 const SESSION_ENTRIES: usize = 2;
-
-/// Whether the reply to a command is the state of the program.
-fn is_of_program(number: u16) -> bool {
-    matches!(number, opcode::ProgramStart | opcode::ProgramClear | opcode::ProgramStatus)
-}

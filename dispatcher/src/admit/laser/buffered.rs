@@ -11,9 +11,9 @@ use super::distance::source;
 use super::energy::{direct_powers, limited, own_bounds, power, powers};
 use super::power_range::Taking;
 use super::tables::table;
-use crate::admit::context::TAKEN_MAX;
 use crate::admit::one;
 use crate::refuse::{Admitted, Refused};
+use crate::report::answer::TAKEN_MAX;
 use protocol::command::{
     BufLaserFollowMode, BufLaserFollowOff, BufLaserFollowRatio, BufLaserFollowTable, BufLaserOff, BufLaserOn,
     BufLaserPrfCmd, BufLaserPrfFollow, opcode,
@@ -41,11 +41,6 @@ pub struct Change {
     pub named: Option<(u8, u8)>,
     /// The values to report: how many, which of them were limited. None: CrdTaken.
     pub took: Option<Took>,
-}
-
-/// Whether a command is one of these.
-pub fn is_buffered(number: u16) -> bool {
-    (opcode::BufLaserOn..=opcode::BufLaserFollowOff).contains(&number)
 }
 
 /// Values that were taken, how many, which of them were limited.

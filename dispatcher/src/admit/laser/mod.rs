@@ -265,8 +265,12 @@ pub fn clear_fault<const AXES: usize>(context: &mut Context<AXES>, r: &ClrLaserF
 }
 
 /// A read of a channel; GetLaserCrdMap reports the crds of its core.
-pub fn read<const AXES: usize>(context: &Context<AXES>, opcode: u16, core: i16, channel: i16) -> Admitted<Answer> {
-    let first = context.channel(core, 1, channel)?;
-    let which = context.core(core)? as u8;
+pub fn read<const AXES: usize>(
+    context: &Context<AXES>,
+    opcode: u16,
+    r: &protocol::command::GetLaserPower,
+) -> Admitted<Answer> {
+    let first = context.channel(r.core.get(), 1, r.channel.get())?;
+    let which = context.core(r.core.get())? as u8;
     Ok(Answer::Read(Query { opcode, first, count: 1, which }))
 }

@@ -32,11 +32,6 @@ const VEL_MAX: f64 = 4_294_967_296.0;
 const HEAD: usize = size_of::<SetLaserDisTable1D>();
 const _: () = assert!(size_of::<SetLaserDisTable2D>() <= HEAD && size_of::<SetLaserFollowTable>() <= HEAD);
 
-/// Whether a command carries points of a table.
-pub fn is_table(number: u16) -> bool {
-    matches!(number, opcode::SetLaserFollowTable | opcode::SetLaserDisTable1D | opcode::SetLaserDisTable2D)
-}
-
 /// What the chunks of one table have in common: all of the head but `first`, which comes last.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Key {

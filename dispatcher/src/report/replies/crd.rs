@@ -1,30 +1,13 @@
 //! Reads of coordinate systems.
-use super::{Reading, number};
+use super::{Reading, fixed, number};
 use crate::plan::geometry::position_of;
 use crate::report::answer::Query;
 use crate::shadow::CrdShadow;
-use protocol::command::{self, opcode};
+use protocol::command;
 use protocol::record::{Full, ReplyWriter};
 use servo::path::{DIMENSIONS, PathStop};
 use servo::units::Crd;
 use servo::view::CrdView;
-use zerocopy::IntoBytes;
-
-/// Whether a command reads a coordinate system.
-pub fn is_crd(number: u16) -> bool {
-    matches!(
-        number,
-        opcode::GetCrdPrm
-            | opcode::CrdSpace
-            | opcode::CrdStatus
-            | opcode::GetCrdPos
-            | opcode::GetCrdVel
-            | opcode::GetRemainderSegNum
-            | opcode::GetCrdLimit
-            | opcode::GetLaserFollowFilter
-            | opcode::CrdInfo
-    )
-}
 
 fn whole(count: u32) -> i32 {
     i32::try_from(count).unwrap_or(i32::MAX)
@@ -41,78 +24,50 @@ impl<const AXES: usize> Reading<'_, AXES> {
         let crd = Crd::new(usize::from(query.first)).unwrap_or_default();
         let (shadow, sampled) = self.crd(crd);
         let fifo = query.which;
-        match query.opcode {
-            opcode::GetCrdPrm => {
-                let reply = shadow.frame.map_or_else(Default::default, |frame| frame.wire());
-                out.done::<command::GetCrdPrm>(tag, &reply, &[])
-            }
-            opcode::CrdStatus => {
-                let reply = command::CrdStatusReply {
-                    run: i16::from(sampled.runs).into(),
-                    segment: whole(shadow.segments(sampled, fifo).0).into(),
-                };
-                out.done::<command::CrdStatus>(tag, &reply, &[])
-            }
-            opcode::GetCrdPos => {
+        let real = |value: f64| command::Real { value: value.into() };
+        let long = |count: u32| command::Long { value: whole(count).into() };
+        let both = |of: &dyn Fn(u8) -> u32| [0, 1].map(|fifo| whole(of(fifo)).into());
+        fixed! { (query, tag, out)
+            GetCrdPrm => shadow.frame.map_or_else(Default::default, |frame| frame.wire());
+            CrdStatus => command::CrdStatusReply {
+                run: i16::from(sampled.runs).into(),
+                segment: whole(shadow.segments(sampled, fifo).0).into(),
+            };
+            GetCrdVel => real(number(sampled.motion.velocity()));
+            GetLaserFollowFilter => real(shadow.lag_ms);
+            GetCrdLimit => {
+                let (vel, acc) = shadow.limits.get(usize::from(fifo)).copied().unwrap_or_default();
+                command::CrdLimit { vel_max: vel.into(), acc_max: acc.into() }
+            };
+            CrdInfo => command::CrdState {
+                run: sampled.runs.into(),
+                fifo: sampled.fifo,
+                rest: rest(sampled.rest),
+                reason: (sampled.stop as u16).into(),
+                axes: shadow.frame.map_or([None; DIMENSIONS], |frame| frame.axes())
+                    .map(|axis| axis.map_or(0, |axis| self.configuration.number_of(axis)).into()),
+                pos: position_of(&sampled.position).map(Into::into),
+                vel: number(sampled.motion.velocity()).into(),
+                segments: both(&|fifo| shadow.segments(sampled, fifo).0),
+                remainder: both(&|fifo| shadow.segments(sampled, fifo).1),
+                space: both(&|fifo| shadow.space(sampled, fifo)),
+            };
+            GetRemainderSegNum => long(shadow.segments(sampled, fifo).1);
+            CrdSpace => long(shadow.space(sampled, fifo));
+            _ => {
                 let count = shadow.frame.map_or(0, |frame| usize::from(frame.dimension)).min(DIMENSIONS);
-                let items = position_of(&sampled.position).map(|value| command::Real { value: value.into() });
+                let items = position_of(&sampled.position).map(real);
                 let head = command::Count { count: (count as u16).into() };
                 out.done::<command::GetCrdPos>(tag, &head, items.get(..count).unwrap_or(&[]))
             }
-            opcode::GetCrdVel => {
-                let value = number(sampled.motion.velocity()).into();
-                out.done::<command::GetCrdVel>(tag, &command::Real { value }, &[])
-            }
-            opcode::GetLaserFollowFilter => {
-                let value = shadow.lag_ms.into();
-                out.done::<command::GetLaserFollowFilter>(tag, &command::Real { value }, &[])
-            }
-            opcode::GetCrdLimit => {
-                let (vel, acc) = shadow.limits.get(usize::from(fifo)).copied().unwrap_or_default();
-                let reply = command::CrdLimit { vel_max: vel.into(), acc_max: acc.into() };
-                out.done::<command::GetCrdLimit>(tag, &reply, &[])
-            }
-            opcode::CrdInfo => {
-                let both = |of: &dyn Fn(u8) -> u32| [0, 1].map(|fifo| whole(of(fifo)).into());
-                let axes = shadow.frame.map_or([None; DIMENSIONS], |frame| frame.axes());
-                let reply = command::CrdState {
-                    run: sampled.runs.into(),
-                    fifo: sampled.fifo,
-                    rest: rest(sampled.rest),
-                    reason: (sampled.stop as u16).into(),
-                    axes: axes.map(|axis| axis.map_or(0, |axis| self.configuration.number_of(axis)).into()),
-                    pos: position_of(&sampled.position).map(Into::into),
-                    vel: number(sampled.motion.velocity()).into(),
-                    segments: both(&|fifo| shadow.segments(sampled, fifo).0),
-                    remainder: both(&|fifo| shadow.segments(sampled, fifo).1),
-                    space: both(&|fifo| shadow.space(sampled, fifo)),
-                };
-                out.done::<command::CrdInfo>(tag, &reply, &[])
-            }
-            opcode::GetRemainderSegNum => self.long(query.opcode, tag, whole(shadow.segments(sampled, fifo).1), out),
-            // CrdSpace.
-            other => self.long(other, tag, whole(shadow.space(sampled, fifo)), out),
         }
     }
 
-    /// The reply with one whole number.
-    pub fn long(&self, opcode: u16, tag: u16, value: i32, out: &mut ReplyWriter) -> Result<(), Full> {
-        out.push_raw(opcode, tag, 0, &[command::Long { value: value.into() }.as_bytes()])
-    }
-
     /// The reply to data of a path.
-    pub fn path_taken(
-        &self,
-        opcode: u16,
-        tag: u16,
-        (crd, fifo): (Crd, u8),
-        (count, lasts_ms): (u16, u32),
-        out: &mut ReplyWriter,
-    ) -> Result<(), Full> {
+    pub fn path_taken(&self, (crd, fifo): (Crd, u8), count: u16, lasts_ms: u32) -> command::CrdTaken {
         let (shadow, sampled) = self.crd(crd);
         let space = (shadow.space(sampled, fifo) as u16).into();
-        let reply = command::CrdTaken { taken: count.into(), space, lasts_ms: lasts_ms.into() };
-        out.push_raw(opcode, tag, 0, &[reply.as_bytes()])
+        command::CrdTaken { taken: count.into(), space, lasts_ms: lasts_ms.into() }
     }
 }
 

@@ -1,11 +1,9 @@
 //! Reads of axes that follow.
 use super::Reading;
 use crate::report::answer::Query;
-use crate::shadow::AxisShadow;
 use protocol::command::{self, opcode};
 use protocol::record::{Full, ReplyWriter};
 use servo::units::Axis;
-use servo::view::AxisView;
 use zerocopy::IntoBytes;
 
 /// What GetFollowMaster reports before SetFollowMaster: no axis, and the default type and item
@@ -14,15 +12,10 @@ const NO_MASTER: [i16; 3] = [0, 2, 0];
 
 impl<const AXES: usize> Reading<'_, AXES> {
     /// Reads of an axis that follows.
-    pub(super) fn follow(
-        &self,
-        tag: u16,
-        query: &Query,
-        shadow: &AxisShadow,
-        sampled: &AxisView,
-        out: &mut ReplyWriter,
-    ) -> Result<(), Full> {
-        let follow = &shadow.follow;
+    pub(super) fn follow(&self, tag: u16, query: &Query, out: &mut ReplyWriter) -> Result<(), Full> {
+        let axis = Axis::new(usize::from(query.first)).unwrap_or_default();
+        let sampled = &self.view.axes[axis.index().min(AXES - 1)];
+        let follow = &self.executed.axis(axis).follow;
         let mut say = |reply: &[u8]| out.push_raw(query.opcode, tag, 0, &[reply]);
         match query.opcode {
             opcode::GetFollowMaster | opcode::GetFollowMasterEx => {
@@ -58,21 +51,8 @@ impl<const AXES: usize> Reading<'_, AXES> {
         }
     }
 
-    /// The reply to an entry of Follow.
-    pub fn entered(
-        &self,
-        opcode: u16,
-        tag: u16,
-        axis: Axis,
-        fifo: u8,
-        percent1: i16,
-        out: &mut ReplyWriter,
-    ) -> Result<(), Full> {
-        let space = (self.executed.axis(axis).follow.space(fifo) as u16).into();
-        if opcode == opcode::FollowDataPercent2Ex {
-            let reply = command::FollowPercent1 { space, percent1: percent1.into() };
-            return out.push_raw(opcode, tag, 0, &[reply.as_bytes()]);
-        }
-        out.push_raw(opcode, tag, 0, &[command::FollowTaken { space }.as_bytes()])
+    /// The free slots after an entry of Follow.
+    pub fn entered(&self, axis: Axis, fifo: u8) -> command::FollowTaken {
+        command::FollowTaken { space: (self.executed.axis(axis).follow.space(fifo) as u16).into() }
     }
 }

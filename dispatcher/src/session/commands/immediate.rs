@@ -4,29 +4,30 @@
 //! Fails: by refusals. A record that finds no room now is tried again.
 use super::CommandHandler;
 use crate::admit::commit::{self, FifoOf};
-use crate::admit::context::{Due, Effect, TAKEN_MAX};
+use crate::admit::context::{Due, Effect};
 use crate::admit::data;
-use crate::admit::is_read;
-use crate::admit::pvt_table::{TableKind, table_kind};
 use crate::admit::staged::STAGED;
 use crate::program::Program;
 use crate::refuse::Refused;
-use crate::report::answer::Answer;
+use crate::report::answer::{Answer, TAKEN_MAX};
 use crate::report::event_log::{Kind, ShutOff};
 use crate::report::pending_replies::Step;
 use crate::report::replies::values_reply;
 use crate::shadow::Change;
-use protocol::command::{SetHSIOOpt, opcode};
+use protocol::command::{Kind as CommandKind, Lanes, SetHSIOOpt, class, opcode};
 use protocol::reason::Reason;
 use protocol::record::{ReplyWriter, RequestRecord};
 use servo::op::Op;
 use servo::view::View;
 use zerocopy::FromBytes;
 
-/// Whether the record is a SetHSIOOpt that switches a laser off, which is as urgent as a Stop.
-fn switches_off(record: &RequestRecord) -> bool {
-    record.opcode == opcode::SetHSIOOpt
-        && SetHSIOOpt::read_from_bytes(record.body).is_ok_and(|request| request.value.get() == 0)
+/// Whether the record is accepted while a program is active.
+fn passes(lanes: Lanes, body: &[u8]) -> bool {
+    match lanes {
+        // SetHSIOOpt is the only one.
+        Lanes::ApartUnlessZero => SetHSIOOpt::read_from_bytes(body).is_ok_and(|r| r.value.get() == 0),
+        lanes => lanes.beside_program(),
+    }
 }
 
 impl<const AXES: usize> CommandHandler<'_, AXES> {
@@ -44,38 +45,22 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
         if self.config.is_some() {
             return self.go_on_with_config(view, record);
         }
-        match record.opcode {
-            opcode::Sleep | opcode::WaitStop | opcode::ProgramEnd => {
-                return self.refuse(record, Refused::new(Reason::NotInProgram), out);
-            }
-            opcode::ProgramStart | opcode::ProgramClear | opcode::ProgramStatus => {
-                if !self.is_quiet() {
-                    return Step::Wait;
-                }
-                return match program.control(&mut self.admission, record) {
-                    Ok(Step::Taken) => self.await_last(record, Answer::Done, false),
-                    Ok(Step::Wait) => Step::Wait,
-                    Err(refused) => self.refuse(record, refused, out),
-                };
-            }
-            _ => {}
+        let class = class(record.opcode);
+        if class.is_some_and(|class| class.lanes == Lanes::Program) {
+            return self.refuse(record, Refused::new(Reason::NotInProgram), out);
         }
-        let beside = matches!(
-            record.opcode,
-            opcode::Stop
-                | opcode::Abort
-                | opcode::SetInterlock
-                | opcode::ClrSts
-                | opcode::Trace
-                | opcode::SetLinkLoss
-                | opcode::Choose
-                | opcode::LaserOff
-                | opcode::ClrLaserFault
-                | opcode::SimInput
-                | opcode::SimAdc
-                | opcode::SimPlan
-        ) || switches_off(record);
-        if program.is_active() && !beside && !is_read(record.opcode) {
+        let kind = class.map(|class| class.kind);
+        if kind == Some(CommandKind::Program) {
+            if !self.is_quiet() {
+                return Step::Wait;
+            }
+            return match program.control(&mut self.admission, record) {
+                Ok(Step::Taken) => self.await_last(record, Answer::Done, false),
+                Ok(Step::Wait) => Step::Wait,
+                Err(refused) => self.refuse(record, refused, out),
+            };
+        }
+        if program.is_active() && !class.is_some_and(|class| passes(class.lanes, record.body)) {
             return self.refuse(record, Refused::new(Reason::ProgramRuns), out);
         }
         if data::is_data(record.opcode, record.body) {
@@ -84,19 +69,14 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
                 Err(refused) => self.refuse(record, refused, out),
             };
         }
-        if table_kind(record.opcode) == Some(TableKind::Calculate) {
+        if kind == Some(CommandKind::Calculate) {
             if !self.is_quiet() {
                 return Step::Wait;
             }
             let reply = |values: &[f64]| values_reply(record.opcode, record.tag, values.iter().copied(), out).is_ok();
             return match self.admission.calculate(view, 0, record.opcode, record.body, reply) {
-                Ok(sent) => {
-                    if sent {
-                        Step::Taken
-                    } else {
-                        Step::Wait
-                    }
-                }
+                Ok(true) => Step::Taken,
+                Ok(false) => Step::Wait,
                 Err(refused) => self.refuse(record, refused, out),
             };
         }
