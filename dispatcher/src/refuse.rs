@@ -16,8 +16,7 @@ pub struct Refused {
 impl Refused {
     /// A refusal that names only its reason.
     pub fn new(reason: Reason) -> Self {
-        let wire = Refusal { reason: (reason as u16).into(), field: 255, item: 65535.into(), ..Refusal::default() };
-        Refused { reason, wire }
+        Refused { reason, wire: Refusal::new(reason) }
     }
     /// The same with another, more precise reason.
     pub fn reason(mut self, reason: Reason) -> Self {

@@ -6,14 +6,14 @@
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Class {
     /// What it does.
-    pub kind: Kind,
+    pub kind: CommandKind,
     /// In which lanes it is accepted.
     pub lanes: Lanes,
 }
 
 /// What a command does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum CommandKind {
     /// It reads a state.
     Read(Of),
     /// The reply gives values of the points in the request; nothing else is read or changed.
@@ -132,15 +132,15 @@ impl Lanes {
     }
 }
 
-impl Kind {
+impl CommandKind {
     /// Whether it changes nothing at all.
     pub const fn reads(self) -> bool {
-        matches!(self, Kind::Read(_) | Kind::Calculate)
+        matches!(self, CommandKind::Read(_) | CommandKind::Calculate)
     }
 
     /// Whether it can neither light nor move anything, now or later.
     pub const fn is_harmless(self) -> bool {
-        self.reads() || matches!(self, Kind::Session | Kind::Program | Kind::Step)
+        self.reads() || matches!(self, CommandKind::Session | CommandKind::Program | CommandKind::Step)
     }
 }
 
@@ -167,16 +167,16 @@ mod tests {
     fn reads_of_one_kind_have_one_layout() {
         for command in COMMANDS {
             let wanted = match command.class.kind {
-                Kind::Read(Of::Controller) => 0,
-                Kind::Read(Of::Axis | Of::Follow | Of::Laser | Of::Crd) => 2,
-                Kind::Read(Of::Axes | Of::CrdFifo) => 3,
+                CommandKind::Read(Of::Controller) => 0,
+                CommandKind::Read(Of::Axis | Of::Follow | Of::Laser | Of::Crd) => 2,
+                CommandKind::Read(Of::Axes | Of::CrdFifo) => 3,
                 _ => continue,
             };
             assert_eq!(types(command), ["I16"; 3][..wanted], "{}", command.name);
             assert!(command.items.is_empty(), "{}", command.name);
             let named = |place: usize, name: &str| command.fields.get(place).is_none_or(|(field, _)| *field == name);
             assert!(named(0, "core"), "{}", command.name);
-            let last = if command.class.kind == Kind::Read(Of::Axes) { "count" } else { "fifo" };
+            let last = if command.class.kind == CommandKind::Read(Of::Axes) { "count" } else { "fifo" };
             assert!(named(2, last), "{}", command.name);
         }
     }
@@ -185,14 +185,21 @@ mod tests {
     fn a_name_says_what_its_command_is() {
         for command in COMMANDS {
             let (name, kind) = (command.name, command.class.kind);
-            if name.starts_with("Get") || name.ends_with("Status") && kind != Kind::Program || name.contains("Space") {
-                assert!(matches!(kind, Kind::Read(_)), "{name}");
+            if name.starts_with("Get")
+                || name.ends_with("Status") && kind != CommandKind::Program
+                || name.contains("Space")
+            {
+                assert!(matches!(kind, CommandKind::Read(_)), "{name}");
             }
             if ["Set", "Clr", "Prf", "Ena", "Dis", "Axis"].iter().any(|start| name.starts_with(start)) {
                 assert!(!kind.is_harmless() || name == "AxisStatus", "{name}");
             }
-            assert_eq!(name.starts_with("Pvt") && name.ends_with("Calculate"), kind == Kind::Calculate, "{name}");
-            assert_eq!(name.starts_with("BufLaser"), kind == Kind::Data(Fifo::Light), "{name}");
+            assert_eq!(
+                name.starts_with("Pvt") && name.ends_with("Calculate"),
+                kind == CommandKind::Calculate,
+                "{name}"
+            );
+            assert_eq!(name.starts_with("BufLaser"), kind == CommandKind::Data(Fifo::Light), "{name}");
         }
     }
 
@@ -201,9 +208,9 @@ mod tests {
         for command in COMMANDS {
             let Class { kind, lanes } = command.class;
             assert!(!kind.reads() || lanes == Lanes::Any, "{}", command.name);
-            assert_eq!(kind == Kind::Step, lanes == Lanes::Program, "{}", command.name);
-            assert!(kind != Kind::Program || lanes == Lanes::Immediate, "{}", command.name);
-            let starts = matches!(kind, Kind::Start | Kind::Data(_) | Kind::Table(_));
+            assert_eq!(kind == CommandKind::Step, lanes == Lanes::Program, "{}", command.name);
+            assert!(kind != CommandKind::Program || lanes == Lanes::Immediate, "{}", command.name);
+            let starts = matches!(kind, CommandKind::Start | CommandKind::Data(_) | CommandKind::Table(_));
             assert!(!starts || lanes == Lanes::Apart, "{}", command.name);
         }
     }

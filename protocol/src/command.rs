@@ -1,7 +1,7 @@
 //! The commands, their numbers, what they are and their wire layouts: one table, from which the
 //! structs, [`class`], the schema hash and the page `docs/protocol.md` follow.
 //!
-//! A row: number, name, [`Kind`], [`Lanes`], the request's fields and `[items]`, the reply's struct
+//! A row: number, name, [`CommandKind`], [`Lanes`], the request's fields and `[items]`, the reply's struct
 //! and `[items]`.
 //!
 //! A request is a packed little-endian struct (`zerocopy`), sometimes followed by items of one
@@ -10,7 +10,7 @@
 //!
 //! Names, parameters and their order: `API.md`; what a command does: `SPEC.md` sections 4 to 6.
 
-pub use crate::class::{Chapter, Class, Fifo, Kind, Lanes, Of, Table, chapter};
+pub use crate::class::{Chapter, Class, CommandKind, Fifo, Lanes, Of, Table, chapter};
 use zerocopy::little_endian::{F64, I16, I32, U16, U32, U64};
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout, Unaligned};
 
@@ -71,16 +71,16 @@ pub(crate) use wire_structs;
 
 macro_rules! kind {
     (Read $of:ident) => {
-        Kind::Read(Of::$of)
+        CommandKind::Read(Of::$of)
     };
     (Data $fifo:ident) => {
-        Kind::Data(Fifo::$fifo)
+        CommandKind::Data(Fifo::$fifo)
     };
     (Table $table:ident) => {
-        Kind::Table(Table::$table)
+        CommandKind::Table(Table::$table)
     };
     ($kind:ident) => {
-        Kind::$kind
+        CommandKind::$kind
     };
 }
 
@@ -129,10 +129,6 @@ macro_rules! commands {
         pub mod opcode { $( pub const $name: u16 = $opcode; )* }
     };
 }
-
-/// The type of the interlock (or emergency-stop) input for SimInput and SimPlan: the manuals have
-/// none.
-pub const INTERLOCK: i16 = 90;
 
 wire_structs! {
     /// No fields.

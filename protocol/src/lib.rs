@@ -25,6 +25,7 @@ pub mod record;
 pub mod reserved;
 mod schema;
 pub mod trace;
+pub mod values;
 
 pub use frame::{MAX_PAYLOAD, VERSION};
 pub use schema::SCHEMA;

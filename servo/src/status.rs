@@ -1,4 +1,4 @@
-//! The status word of `GetSts` (SPEC 4), and why an axis came to rest.
+//! The status word of `GetSts` (SPEC 4), the states of `GetPtState`, and why an axis came to rest.
 
 /// Drive alarm; latches.
 pub const ALARM: u32 = 1 << 1;
@@ -25,6 +25,18 @@ pub const LIMITS: u32 = LIMIT_POSITIVE | LIMIT_NEGATIVE;
 pub const FAULTS: u32 = ALARM | FOLLOWING_ERROR;
 /// Bits that stay set until ClearStatus.
 pub const LATCHED: u32 = FAULTS | LIMITS | STOP_SMOOTH | STOP_ABRUPT;
+
+/// `GetPtState` (see [`crate::view::AxisView::pt_state`]).
+pub mod pt_state {
+    /// It runs.
+    pub const RUNNING: u8 = 1;
+    /// It has ended.
+    pub const ENDED: u8 = 2;
+    /// It ran dry at speed.
+    pub const UNDERRUN: u8 = 3;
+    /// A Stop or a fault has ended it.
+    pub const STOPPED: u8 = 4;
+}
 
 /// Why an axis came to rest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -19,7 +19,7 @@ use crate::report::event_log::Log;
 use crate::report::replies::Reading;
 use crate::report::trace::TraceOut;
 use crate::shadow::{Change, Shadows};
-use protocol::command::{Kind, LoadConfig, Table, WaitStop, opcode};
+use protocol::command::{CommandKind, LoadConfig, Table, WaitStop, opcode};
 use ring::Producer;
 use servo::laser::CHANNELS;
 use servo::op::{Entry, Op};
@@ -126,7 +126,7 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
             let answer = crd::start(&mut context, self.queues, self.entries, &request)?;
             return Ok((answer, Effect::None));
         }
-        if kind(number) == Some(Kind::Table(Table::Pvt)) {
+        if kind(number) == Some(CommandKind::Table(Table::Pvt)) {
             let filled = self.loading.table(&context, &self.executed, self.tables, number, body);
             if let Ok(Some(table)) = filled {
                 context.stage_with(Op::Mark, Change::TableFilled { table });
@@ -138,7 +138,7 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
             }
             return filled.map(|_| (Answer::Done, Effect::None));
         }
-        if kind(number) == Some(Kind::Table(Table::Laser)) {
+        if kind(number) == Some(CommandKind::Table(Table::Laser)) {
             let (answer, filled) = self.laser_loading.chunk(&mut context, self.tables.lasers, number, body)?;
             let effect = context.effect;
             if let Some((channel, table)) = filled {

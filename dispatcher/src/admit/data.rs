@@ -8,7 +8,7 @@ use super::context::Context;
 use super::{crd_data, follow_data, kind, one, pt};
 use crate::plan::path_queue::PathQueue;
 use crate::refuse::Admitted;
-use protocol::command::{Fifo, FollowSwitchNowEx, Kind, opcode};
+use protocol::command::{CommandKind, Fifo, FollowSwitchNowEx, opcode};
 use servo::path::PathStores;
 use servo::segment::pt::SegmentStore;
 
@@ -27,7 +27,7 @@ pub fn is_data(number: u16, body: &[u8]) -> bool {
     match number {
         // A switch that is queued.
         opcode::FollowSwitchNowEx => one::<FollowSwitchNowEx>(body).is_ok_and(|r| r.buffer.get() != 0),
-        _ => matches!(kind(number), Some(Kind::Data(_))),
+        _ => matches!(kind(number), Some(CommandKind::Data(_))),
     }
 }
 
@@ -40,9 +40,9 @@ pub fn data<const AXES: usize>(
 ) -> Admitted<(Written, End)> {
     let Stores { segments, entries, queues } = stores;
     match kind(number) {
-        Some(Kind::Data(Fifo::Pt)) => pt::data(context, segments, number, body),
-        Some(Kind::Data(Fifo::Path)) => crd_data::data(context, queues, entries, number, body),
-        Some(Kind::Data(Fifo::Light)) => crd_data::light(context, queues, entries, number, body),
+        Some(CommandKind::Data(Fifo::Pt)) => pt::data(context, segments, number, body),
+        Some(CommandKind::Data(Fifo::Path)) => crd_data::data(context, queues, entries, number, body),
+        Some(CommandKind::Data(Fifo::Light)) => crd_data::light(context, queues, entries, number, body),
         _ => follow_data::data(context, segments, number, body),
     }
 }

@@ -16,18 +16,10 @@ use protocol::command::{
     PrfFollow, SetFollowEvent, SetFollowLoop, SetFollowMaster, SetFollowMemory, chapter, opcode,
 };
 use protocol::reason::Reason;
+use protocol::values::master as master_type;
 use servo::op::{Mode, Op};
 use servo::segment::follow::{Direction, Event, Master, Method, Value};
 use servo::units::{Axis, AxisMask};
-
-/// Master types (SPEC 3).
-mod kind {
-    pub const ENCODER: i16 = 1;
-    pub const PROFILE: i16 = 2;
-    pub const AXIS: i16 = 3;
-    pub const ENCODER_OTHER: i16 = 101;
-    pub const AXIS_OTHER: i16 = 103;
-}
 
 /// The mode that a command is for.
 pub fn mode_of(number: u16) -> Mode {
@@ -94,8 +86,9 @@ fn prf<const AXES: usize>(context: &mut Context<AXES>, mode: Mode, r: &PrfFollow
 
 /// The core whose axes a master type counts: the axis's own, or the other one of two.
 fn core_of<const AXES: usize>(context: &Context<AXES>, core: i16, given: i16) -> Admitted<i16> {
-    let own = matches!(given, kind::ENCODER | kind::PROFILE | kind::AXIS);
-    let other = matches!(given, kind::ENCODER_OTHER | kind::AXIS_OTHER) && context.configuration.profile.cores == 2;
+    let own = matches!(given, master_type::ENCODER | master_type::PROFILE | master_type::AXIS);
+    let other = matches!(given, master_type::ENCODER_OTHER | master_type::AXIS_OTHER)
+        && context.configuration.profile.cores == 2;
     match (own, other) {
         (true, _) => Ok(core),
         (_, true) => Ok(3 - core),
@@ -127,9 +120,9 @@ fn set_master<const AXES: usize>(context: &mut Context<AXES>, mode: Mode, r: &Se
         next = after;
     }
     let value = match (given[1], given[2]) {
-        (kind::PROFILE, _) | (kind::AXIS | kind::AXIS_OTHER, 0) => Value::Planned,
-        (kind::AXIS | kind::AXIS_OTHER, 2) => Value::PlannedFiltered,
-        (kind::AXIS | kind::AXIS_OTHER, 3) => Value::EncoderFiltered,
+        (master_type::PROFILE, _) | (master_type::AXIS | master_type::AXIS_OTHER, 0) => Value::Planned,
+        (master_type::AXIS | master_type::AXIS_OTHER, 2) => Value::PlannedFiltered,
+        (master_type::AXIS | master_type::AXIS_OTHER, 3) => Value::EncoderFiltered,
         // An encoder, and every other item of an axis.
         _ => Value::Encoder,
     };

@@ -2,12 +2,13 @@
 use super::context::Context;
 use super::many;
 use crate::configuration::ones;
-use crate::io_types::{WORD, WORDS, kind};
+use crate::io_types::{WORD, WORDS};
 use crate::refuse::{Admitted, Refused, choice};
 use crate::report::answer::{Answer, Query};
 use crate::shadow::Change;
 use protocol::command::{GetAdc, GetDac, GetDi, GetDiEx, GetDo, GetDoEx, SetDac, SetDo, SetDoBit, SetDoEx, opcode};
 use protocol::reason::Reason;
+use protocol::values::io as kind;
 use servo::laser::Mode;
 use servo::op::{DoGroup, Op};
 use servo::segment::follow::Input;

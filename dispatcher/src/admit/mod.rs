@@ -28,7 +28,7 @@ mod simulated;
 use crate::refuse::{Admitted, Refused, within};
 use crate::report::answer::{Answer, Query};
 use context::Context;
-use protocol::command::{self, Kind, Nothing, Of, Request, opcode};
+use protocol::command::{self, CommandKind, Nothing, Of, Request, opcode};
 use protocol::reason::Reason;
 use servo::units::Axis;
 use zerocopy::FromBytes;
@@ -109,7 +109,7 @@ fn unknown(number: u16) -> Refused {
 /// Admits any command that becomes operations or a read. Data, tables, program control and what the
 /// dispatcher does by itself are handled before.
 pub fn admit<const AXES: usize>(context: &mut Context<AXES>, number: u16, body: &[u8]) -> Admitted<Answer> {
-    if let Some(Kind::Read(of)) = kind(number)
+    if let Some(CommandKind::Read(of)) = kind(number)
         && of != Of::Other
     {
         return read(context, of, number, body);
@@ -230,6 +230,6 @@ pub fn admit<const AXES: usize>(context: &mut Context<AXES>, number: u16, body: 
 }
 
 /// What a command does, by its row in the protocol's table.
-pub fn kind(number: u16) -> Option<Kind> {
+pub fn kind(number: u16) -> Option<CommandKind> {
     command::class(number).map(|class| class.kind)
 }

@@ -11,14 +11,13 @@ use protocol::command::{
     opcode,
 };
 use protocol::reason::{Reason, Refusal};
+use protocol::values::pt_state;
 use servo::op::{Mode, Op};
 use servo::segment::pt::{self, SEGMENTS, Segment, SegmentStore};
 use servo::units::{Axis, AxisMask, StepLimit};
 
 /// First slot of static FIFO 1; the dynamic ring uses all slots.
 const FIFO_SLOTS: u32 = SEGMENTS as u32 / 2;
-/// `GetPtState` of a stream that runs.
-const PT_RUNNING: u8 = 1;
 /// Ticks after which the tick has checked again how long its data lasts, plus one.
 const LOOKS: u64 = 9;
 
@@ -163,7 +162,7 @@ pub fn data<const AXES: usize>(
 
 /// Whether a dynamic stream runs, or will run.
 fn streams<const AXES: usize>(context: &Context<AXES>, axis: Axis) -> bool {
-    let (shadow, runs) = (context.shadow(axis), context.sampled(axis).pt_state == PT_RUNNING);
+    let (shadow, runs) = (context.shadow(axis), context.sampled(axis).pt_state == pt_state::RUNNING);
     shadow.is_dynamic() && shadow.started.is_some_and(|start| runs || !executed(context.view, start))
 }
 

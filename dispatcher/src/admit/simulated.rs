@@ -5,17 +5,15 @@
 //! Fails: always on a board with wires, with a reason.
 use super::context::Context;
 use super::io;
-use crate::io_types::{ANALOG_INPUT_VOLTS, kind};
 use crate::refuse::{Admitted, Refused, choice, real, within};
 use crate::report::answer::Answer;
-use protocol::command::{INTERLOCK, SimAdc, SimInput, SimPlan};
+use protocol::command::{SimAdc, SimInput, SimPlan};
 use protocol::reason::Reason;
+use protocol::values::{ANALOG_INPUT_VOLTS, io as kind};
 use servo::op::Op;
 use servo::port::Simulated;
 use servo::units::Ns;
 
-/// The type of an analog input in a plan.
-const ADC: i16 = 24;
 /// The latest row of a plan: a year, in ns.
 const LATEST_NS: u64 = 365 * 86_400 * 1_000_000_000;
 
@@ -35,7 +33,7 @@ fn digital<const AXES: usize>(
     (which, index, level): (i16, i16, i16),
 ) -> Admitted<Simulated> {
     match which {
-        INTERLOCK => {
+        kind::INTERLOCK => {
             context.core(core)?;
             choice(field + 1, index, 1, 1)?;
             Ok(Simulated::Interlock(choice(field + 2, level, 0, 1)? == 1))
@@ -92,7 +90,7 @@ pub fn plan<const AXES: usize>(context: &mut Context<AXES>, r: &SimPlan) -> Admi
         return Err(Refused::new(Reason::OutOfRange).field(3).got(after as f64).limits(0.0, LATEST_NS as f64));
     }
     let (core, value) = (r.core.get(), r.value.get());
-    let input = if r.di_type.get() == ADC {
+    let input = if r.di_type.get() == kind::ADC {
         voltage(context, core, (5, 6), r.index.get(), value)?
     } else {
         let level = real(6, value, 0.0, 1.0)?;

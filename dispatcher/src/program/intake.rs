@@ -20,7 +20,7 @@ use crate::refuse::{Admitted, Refused};
 use crate::report::answer::{Answer, POINTS_MAX, TAKEN_MAX};
 use crate::report::pending_replies::{Awaiting, Step};
 use crate::shadow::{Change, seq_after, seq_from};
-use protocol::command::{Kind, ProgramEnd, Sleep, WaitStop, class, opcode};
+use protocol::command::{CommandKind, ProgramEnd, Sleep, WaitStop, class, opcode};
 use protocol::reason::Reason;
 use protocol::record::ReplyWriter;
 use servo::op::Op;
@@ -165,7 +165,7 @@ impl Program<'_> {
                 self.take_data(admission, (head.opcode, head.tag, head.may_fail), &written);
                 return Ok(Step::Taken);
             }
-            number if kind(number) == Some(Kind::Calculate) => {
+            number if kind(number) == Some(CommandKind::Calculate) => {
                 if self.values.room() < POINTS_MAX {
                     return Ok(Step::Wait);
                 }

@@ -32,6 +32,7 @@ use crate::shadow::{Change, PROGRAM_FLAG, Shadows, executed, renew};
 use protocol::command::{ProgramClear, ProgramReply, ProgramStart, ProgramStatus, opcode};
 use protocol::reason::Reason;
 use protocol::record::{Full, Lane as RecordLane, ReplyWriter, RequestRecord};
+use protocol::values::{program, told};
 use record_queue::{QUEUE_BYTES, RECORD_BYTES, Records};
 use ring::Producer;
 use servo::laser::{CHANNELS, Cause, Ignored};
@@ -45,15 +46,15 @@ use zerocopy::IntoBytes;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum State {
     /// No program.
-    Empty = 0,
+    Empty = program::EMPTY as isize,
     /// Entries gather; the clock is stopped.
-    Held = 1,
+    Held = program::HELD as isize,
     /// The clock runs.
-    Running = 2,
+    Running = program::RUNNING as isize,
     /// An entry failed; the rest is discarded until ProgramClear.
-    Failed = 3,
+    Failed = program::FAILED as isize,
     /// Stop or link loss ended it; the rest is discarded until ProgramClear.
-    Stopped = 4,
+    Stopped = program::STOPPED as isize,
 }
 
 /// The program queue.
@@ -115,18 +116,6 @@ pub struct Program<'a> {
     /// Which of the tags are valid, and which light was shut off; the bits are those of
     /// `ProgramReply`.
     told: u8,
-}
-
-/// Bits of `ProgramReply::told`; from the last one on one for each laser channel.
-mod told {
-    /// `late_tag` is valid.
-    pub const LATE: u8 = 1;
-    /// `overran_tag` is valid.
-    pub const OVERRAN: u8 = 2;
-    /// A laser command was late.
-    pub const LATE_LIGHT: u8 = 4;
-    /// Laser channel 0 went dark because a tick took too long, or a fault took its light.
-    pub const DARK: u8 = 16;
 }
 
 impl<'a> Program<'a> {

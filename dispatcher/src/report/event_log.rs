@@ -6,6 +6,7 @@
 //! A stop has its tick's time. Any other event has the time of the first view that showed it, which
 //! is the same unless the link task was late.
 use protocol::command::EventItem;
+use protocol::values::event;
 use servo::laser::{CHANNELS, Ignored};
 use servo::units::Ns;
 use servo::view::{StopReason, View};
@@ -13,29 +14,29 @@ use servo::view::{StopReason, View};
 /// Events that are kept.
 pub const HELD: usize = 32;
 
-/// What happened; the numbers are those of `EventItem`.
+/// What happened.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// An axis came to standstill, for a `StopReason`.
-    AxisStopped = 1,
+    AxisStopped = event::AXIS_STOPPED as isize,
     /// A coordinate system came to standstill.
-    CrdStopped = 2,
+    CrdStopped = event::CRD_STOPPED as isize,
     /// A laser channel went dark, for a `Cause`, or was cleared: no cause.
-    Laser = 3,
+    Laser = event::LASER as isize,
     /// The host link is lost (1), or is back (0).
-    Link = 4,
+    Link = event::LINK as isize,
     /// So many ticks took too long.
-    Overrun = 5,
+    Overrun = event::OVERRUN as isize,
     /// So many events of the tick were lost.
-    Lost = 6,
+    Lost = event::LOST as isize,
     /// A command that had been admitted did nothing to a laser channel, for a reason of
     /// `servo::laser::Ignored`.
-    Ignored = 7,
+    Ignored = event::IGNORED as isize,
     /// The lasers were shut off, for a [`ShutOff`].
-    ShutOff = 8,
+    ShutOff = event::SHUT_OFF as isize,
     /// The rate of a laser's light reached the width of its pulses, which is limited since then
     /// (SPEC 6); how often.
-    Limited = 9,
+    Limited = event::LIMITED as isize,
 }
 
 /// Why the lasers were shut off without a fault.

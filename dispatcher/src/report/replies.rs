@@ -12,13 +12,14 @@ mod tests;
 use super::event_log::{HELD, Log};
 use crate::board::{Board, FAULT_TEXT_MAX};
 use crate::configuration::{Configuration, ones};
-use crate::io_types::{ANALOG_INPUT_VOLTS, WORD, WORDS, kind};
+use crate::io_types::{WORD, WORDS};
 use crate::plan::geometry::pulses;
 use crate::plan::pvt::table_number;
 use crate::report::answer::{POINTS_MAX, Query, TAKEN_MAX};
 use crate::shadow::Shadows;
 use protocol::command::{self, Chapter, Request, chapter, opcode};
 use protocol::record::{Full, ReplyWriter};
+use protocol::values::{ANALOG_INPUT_VOLTS, io as kind, mode, wait};
 use servo::laser::{CHANNELS, Count, Mode, Power, Tables, dac_counts};
 use servo::port::AxisInputs;
 use servo::segment::follow::{Awaited, Input};
@@ -122,17 +123,30 @@ pub fn took_reply(
     }
 }
 
+// Status words and PT states travel as the tick has them.
+const _: () = {
+    use protocol::values::{pt_state, status};
+    use servo::status as tick;
+    assert!(status::ALARM == tick::ALARM && status::FOLLOWING_ERROR == tick::FOLLOWING_ERROR);
+    assert!(status::LIMIT_POSITIVE == tick::LIMIT_POSITIVE && status::LIMIT_NEGATIVE == tick::LIMIT_NEGATIVE);
+    assert!(status::STOP_SMOOTH == tick::STOP_SMOOTH && status::STOP_ABRUPT == tick::STOP_ABRUPT);
+    assert!(status::SERVO_ON == tick::SERVO_ON && status::RUNNING == tick::RUNNING);
+    assert!(status::IN_POSITION == tick::IN_POSITION && pt_state::RUNNING == tick::pt_state::RUNNING);
+    assert!(pt_state::ENDED == tick::pt_state::ENDED && pt_state::UNDERRUN == tick::pt_state::UNDERRUN);
+    assert!(pt_state::STOPPED == tick::pt_state::STOPPED);
+};
+
 /// A mode as `GetPrfMode` reports it.
-pub fn mode_number(mode: servo::op::Mode) -> i16 {
+pub fn mode_number(of: servo::op::Mode) -> i16 {
     use servo::op::Mode;
-    match mode {
-        Mode::Trap => 0,
-        Mode::Jog => 1,
-        Mode::PtStatic | Mode::PtDynamic => 2,
-        Mode::Pvt => 6,
-        Mode::Follow => 4,
-        Mode::FollowEx => 10,
-        Mode::Crd => 5,
+    match of {
+        Mode::Trap => mode::TRAP,
+        Mode::Jog => mode::JOG,
+        Mode::PtStatic | Mode::PtDynamic => mode::PT,
+        Mode::Pvt => mode::PVT,
+        Mode::Follow => mode::FOLLOW,
+        Mode::FollowEx => mode::FOLLOW_EX,
+        Mode::Crd => mode::CRD,
     }
 }
 
@@ -462,7 +476,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
         let per_core = self.configuration.per_core().max(1);
         match axis.waits.what() {
             None => command::WaitReply::default(),
-            Some(Awaited::Pass) => command::WaitReply { kind: 2, ..Default::default() },
+            Some(Awaited::Pass) => command::WaitReply { kind: wait::PASS, ..Default::default() },
             Some(Awaited::Input { input, index, high, limited }) => {
                 let (di_type, of) = match input {
                     Input::LimitPositive => (kind::LIMIT_POSITIVE, per_core),
@@ -473,7 +487,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
                     Input::General => (kind::GPI, 256),
                 };
                 command::WaitReply {
-                    kind: 1,
+                    kind: wait::INPUT,
                     di_type: di_type.into(),
                     index: ((usize::from(index) % of) as i16 + 1).into(),
                     level: i16::from(high).into(),

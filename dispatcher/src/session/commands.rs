@@ -140,7 +140,7 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
             let reading = self.admission.reading(view);
             let written = match refusal {
                 Some((_, refuser)) => out.refused(item.opcode, item.tag, &reading.explain(refuser).wire),
-                None if kind(item.opcode) == Some(command::Kind::Program) => {
+                None if kind(item.opcode) == Some(command::CommandKind::Program) => {
                     program.status(view, item.opcode, item.tag, out)
                 }
                 None => reading.answer(&item, self.taken.iter().copied(), out),

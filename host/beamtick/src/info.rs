@@ -8,6 +8,7 @@ use protocol::command::{
     EventItem, GetClock, GetEvents, GetFault, GetLinkLoss, GetTickTime, LaserStatus, LinkLossReply, TickTimeReply,
 };
 use protocol::reason::{laser_cause, stop_reason};
+use protocol::values::event;
 
 /// Prints version, board, profile, counts and limits.
 pub fn show(arguments: &Info) -> Result<(), Failure> {
@@ -106,23 +107,27 @@ fn link_loss(reply: &LinkLossReply) -> String {
 fn event(item: &EventItem) -> String {
     let (of, reason) = (item.of, item.reason.get());
     match (item.kind, reason) {
-        (1, _) => format!("axis {of} stopped: {}", stop_reason(reason)),
-        (2, _) => format!("coordinate system {of} stopped: {}", stop_reason(reason)),
-        (3, 0) => format!("laser {of} cleared"),
-        (3, _) => format!("laser {of} dark: {}", laser_cause(reason as i16)),
-        (4, 0) => "the host link is there again".to_owned(),
-        (4, _) => "the host link was lost".to_owned(),
-        (7, 1) => format!("laser {of}: an entry of a path did nothing: SetLaserCrdMap excludes its coordinate system"),
-        (7, 2) => format!("laser {of}: an on command did nothing: the channel has no output"),
-        (7, 3) => format!("laser {of}: an on command did nothing: an abort was in progress"),
-        (7, _) => format!("laser {of}: a command did nothing"),
-        (9, 1) => format!("laser {of}: its pulse width reached the period and was limited to just under it"),
-        (9, _) => {
+        (event::AXIS_STOPPED, _) => format!("axis {of} stopped: {}", stop_reason(reason)),
+        (event::CRD_STOPPED, _) => format!("coordinate system {of} stopped: {}", stop_reason(reason)),
+        (event::LASER, 0) => format!("laser {of} cleared"),
+        (event::LASER, _) => format!("laser {of} dark: {}", laser_cause(reason as i16)),
+        (event::LINK, 0) => "the host link is there again".to_owned(),
+        (event::LINK, _) => "the host link was lost".to_owned(),
+        (event::IGNORED, 1) => {
+            format!("laser {of}: an entry of a path did nothing: SetLaserCrdMap excludes its coordinate system")
+        }
+        (event::IGNORED, 2) => format!("laser {of}: an on command did nothing: the channel has no output"),
+        (event::IGNORED, 3) => format!("laser {of}: an on command did nothing: an abort was in progress"),
+        (event::IGNORED, _) => format!("laser {of}: a command did nothing"),
+        (event::LIMITED, 1) => {
+            format!("laser {of}: its pulse width reached the period and was limited to just under it")
+        }
+        (event::LIMITED, _) => {
             format!("laser {of}: its pulse width reached the period and was limited to just under it, {reason} times")
         }
-        (8, 1) => "every laser shut off: an abort".to_owned(),
-        (8, 2) => "every laser shut off: a new session began".to_owned(),
-        (5, _) => format!("{reason} servo ticks took longer than a period"),
+        (event::SHUT_OFF, 1) => "every laser shut off: an abort".to_owned(),
+        (event::SHUT_OFF, 2) => "every laser shut off: a new session began".to_owned(),
+        (event::OVERRUN, _) => format!("{reason} servo ticks took longer than a period"),
         _ => format!("{reason} events were lost"),
     }
 }

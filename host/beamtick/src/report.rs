@@ -11,9 +11,8 @@ use job::api::{self, Function};
 use job::{Action, Severity};
 use protocol::command::{AxisStatus, LaserStatus, VersionReply};
 use protocol::reason::{Reason, Refusal};
+use protocol::values::status::RUNNING;
 
-/// Bit 10 of the status word: the profile runs.
-const RUNNING: u32 = 1 << 10;
 /// Code of the error that ends the waiting when the user interrupts; not one of SPEC 3.
 pub const INTERRUPTED: i16 = i16::MIN;
 

@@ -21,13 +21,12 @@ use protocol::command::{
     SetDoBit, SetDoEx, Trace, VersionReply,
 };
 use protocol::reason::{Reason, Refusal};
+use protocol::values::status::RUNNING;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use trace::AxisName;
 use zerocopy::FromBytes;
 
-/// Bit 10 of the status word: the profile runs.
-pub const RUNNING: u32 = 1 << 10;
 /// General outputs, as SetDo names them.
 const GENERAL: i32 = 12;
 /// A parameter is out of range.

@@ -4,18 +4,15 @@ use crate::entries::lasers;
 use crate::profile;
 use crate::record::Recorded;
 use crate::report::Report;
-use crate::runner::{RUNNING, place, states};
+use crate::runner::{place, states};
 use crate::source::Source;
 use client::{Client, Counters, Error, Progress, laser_cause};
 use job::{Axis, Crd};
 use protocol::command::{AxisItem, CrdInfo, CrdState, EventItem, GetEvents, GetPtState, LaserState, LaserStatus};
 use protocol::reason::{Reason, Refusal};
+use protocol::values::status::RUNNING;
+use protocol::values::{event, mode, pt_state};
 use std::time::Duration;
-
-/// Kind of [`EventItem`]: a pulse width was limited.
-const LIMITED: u8 = 9;
-/// Profile mode PT.
-const MODE_PT: i16 = 2;
 
 /// A job that has run.
 pub struct Run<'a> {
@@ -84,9 +81,9 @@ pub fn print(run: &Run<'_>) -> Result<(), Failure> {
             item.enc_pos.get(),
             ended(run.report, &axis, &item)
         );
-        if item.mode.get() == MODE_PT {
+        if item.mode.get() == mode::PT {
             let state = client.call(GetPtState { core: axis.core.into(), profile: axis.axis.into() })?;
-            say!("    PT: {}, {} passes, {} slots free", pt_state(state.state), state.loops, state.space0);
+            say!("    PT: {}, {} passes, {} slots free", pt_text(state.state), state.loops, state.space0);
         }
     }
     for crd in &run.source.job.crds {
@@ -143,7 +140,7 @@ fn limited(run: &Run<'_>) -> Result<(), Failure> {
     let new = head.total.get().wrapping_sub(run.events) as usize;
     let new = &items[items.len().saturating_sub(new)..];
     for channel in lasers(&run.source.job, run.client.version()) {
-        let of_it = |item: &&EventItem| (item.kind, item.of) == (LIMITED, channel);
+        let of_it = |item: &&EventItem| (item.kind, item.of) == (event::LIMITED, channel);
         let times: u32 = new.iter().filter(of_it).map(|item| u32::from(item.reason.get())).sum();
         if times != 0 {
             say!(
@@ -270,12 +267,12 @@ fn peak(recorded: Option<&Recorded>, axis: &Axis) -> String {
     peak.map_or(String::new(), |peak| format!(", peak velocity {peak:.6} pulse/ms"))
 }
 
-fn pt_state(state: u8) -> &'static str {
+fn pt_text(state: u8) -> &'static str {
     match state {
         0 => "never started",
-        1 => "running",
-        2 => "ran to its end",
-        3 => "UNDERRUN: the data ran out at speed",
+        pt_state::RUNNING => "running",
+        pt_state::ENDED => "ran to its end",
+        pt_state::UNDERRUN => "UNDERRUN: the data ran out at speed",
         _ => "ended by a Stop or a fault",
     }
 }

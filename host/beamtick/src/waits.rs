@@ -11,10 +11,11 @@ use client::inputs::{Inputs, name};
 use client::{Answer, Client, Error, Observer, Progress};
 use job::{Action, Severity, Step};
 use protocol::command::{
-    AxisItem, AxisStatus, CrdStatus, FollowData, FollowDataPercent2Ex, FollowDataPercentEx, FollowDelayEx,
-    FollowDiBitEx, FollowDoBitEx, FollowSwitchNowEx, GetVel, GetWait, Request, Sleep, VersionReply, WaitReply,
-    WaitStop,
+    AxisItem, AxisStatus, CommandKind, CrdStatus, Fifo, GetVel, GetWait, Request, Sleep, VersionReply, WaitReply,
+    WaitStop, class,
 };
+use protocol::values::status::RUNNING;
+use protocol::values::{mode, wait};
 use std::time::{Duration, Instant};
 use zerocopy::FromBytes;
 
@@ -24,25 +25,6 @@ const NAMED: Duration = Duration::from_secs(1);
 const SELDOM: Duration = Duration::from_secs(10);
 /// Code of the error that ends a job whose wait nothing ends; not one of SPEC 3.
 pub const ENDLESS: i16 = i16::MIN + 1;
-/// Bit 10 of the status word: the profile runs.
-const RUNNING: u32 = 1 << 10;
-/// Modes of GetPrfMode.
-const JOG: i16 = 1;
-const FOLLOW: i16 = 4;
-const FOLLOW_EX: i16 = 10;
-/// Kinds of [`WaitReply`].
-const INPUT: u8 = 1;
-const PASS: u8 = 2;
-/// Entries of Follow and FollowEx: core and axis come first.
-const FOLLOWS: [u16; 7] = [
-    FollowData::OPCODE,
-    FollowDataPercentEx::OPCODE,
-    FollowSwitchNowEx::OPCODE,
-    FollowDoBitEx::OPCODE,
-    FollowDelayEx::OPCODE,
-    FollowDiBitEx::OPCODE,
-    FollowDataPercent2Ex::OPCODE,
-];
 /// Axes of an AxisStatus.
 const AXES: i16 = 16;
 
@@ -108,12 +90,12 @@ impl Axis {
 
     /// It is at standstill until an input has a level, however long that takes.
     fn is_held(&self) -> bool {
-        self.is_running() && self.wait.kind == INPUT && self.wait.limited == 0
+        self.is_running() && self.wait.kind == wait::INPUT && self.wait.limited == 0
     }
 
     /// It may switch outputs by entries of its own, some time.
     fn may_act(&self) -> bool {
-        self.is_running() && self.item.mode.get() == FOLLOW_EX && !self.is_held()
+        self.is_running() && self.item.mode.get() == mode::FOLLOW_EX && !self.is_held()
     }
 
     fn name(&self) -> String {
@@ -125,15 +107,15 @@ impl Axis {
         let axis = self.name();
         Ok(match self.wait.kind {
             _ if !self.is_running() => None,
-            INPUT => {
+            wait::INPUT => {
                 let WaitReply { di_type, index, level, limited, .. } = self.wait;
                 let input = name(self.core, di_type.get(), index.get());
                 let level = if level.get() == 0 { "0 (low)" } else { "1 (high)" };
                 let limit = if limited == 0 { ", without a time limit" } else { ", or its time is over" };
                 Some(format!("{axis} waits until {input} is {level}{limit} (FollowDiBitEx)"))
             }
-            PASS => Some(format!("{axis} waits until its master passes the position of its PASS event")),
-            _ if self.item.mode.get() == JOG => {
+            wait::PASS => Some(format!("{axis} waits until its master passes the position of its PASS event")),
+            _ if self.item.mode.get() == mode::JOG => {
                 let vel = client.call(GetVel { core: self.core.into(), profile: self.axis.into() })?.value.get();
                 Some(format!("{axis} runs in Jog mode at {vel} pulse/ms, which a Stop, a limit or a fault ends"))
             }
@@ -169,8 +151,10 @@ impl<'r, 'a> Watch<'r, 'a> {
         Some(match step.action {
             Action::WaitStop { core, axes, .. } => (step, vec![(core, axes)]),
             Action::WaitAll => (step, cores.map(|core| (core, u32::MAX)).collect()),
-            // Data that finds no room waits for its motion.
-            Action::Call(ref call) if FOLLOWS.contains(&call.opcode) => {
+            // Data that finds no room waits for its motion. Core and axis come first.
+            Action::Call(ref call)
+                if class(call.opcode).is_some_and(|of| of.kind == CommandKind::Data(Fifo::Follow)) =>
+            {
                 let (core, axis) = (short(&call.body, 0)?, short(&call.body, 2)?);
                 (step, vec![(core, 1u32.checked_shl(u32::try_from(axis - 1).ok()?)?)])
             }
@@ -202,7 +186,8 @@ impl<'r, 'a> Watch<'r, 'a> {
                 let count = AXES.min(i16::from(axes_per_core) - first + 1);
                 let read = AxisStatus { core: core.into(), axis: first.into(), count: count.into() };
                 for (axis, item) in (first..).zip(self.client.call_items(read, &[])?.1) {
-                    let follows = matches!(item.mode.get(), FOLLOW | FOLLOW_EX) && item.status.get() & RUNNING != 0;
+                    let follows =
+                        matches!(item.mode.get(), mode::FOLLOW | mode::FOLLOW_EX) && item.status.get() & RUNNING != 0;
                     let wait = match follows {
                         false => WaitReply::default(),
                         true => self.client.call(GetWait { core: core.into(), axis: axis.into() })?,

@@ -1,6 +1,6 @@
 //! One call as bytes, and its reply back as fields.
 use crate::error::{self, Error, Result};
-use protocol::command::{CommandInfo, Request, info, opcode};
+use protocol::command::{CommandInfo, Request, class, info, opcode};
 use protocol::reason::{Refusal, describe_opcode};
 use zerocopy::{FromBytes, IntoBytes};
 
@@ -28,35 +28,9 @@ impl Call {
         Call { opcode: R::OPCODE, payload, may_fail: false }
     }
 
-    /// Whether a controller that got nothing but such calls has nothing lit or moving by them: reads, Abort, and what
-    /// only carries a program.
-    pub(crate) fn only_reads(&self) -> bool {
-        self.info().is_some_and(|info| {
-            info.name.starts_with("Get")
-                || matches!(
-                    self.opcode,
-                    opcode::Version
-                        | opcode::Abort
-                        | opcode::KeepAlive
-                        | opcode::AxisStatus
-                        | opcode::LaserStatus
-                        | opcode::LaserOnStatus
-                        | opcode::CrdInfo
-                        | opcode::CrdStatus
-                        | opcode::CrdSpace
-                        | opcode::PtSpace
-                        | opcode::PvtStatus
-                        | opcode::FollowSpace
-                        | opcode::FollowSpaceEx
-                        | opcode::ProgramStatus
-                        | opcode::ProgramStart
-                        | opcode::ProgramClear
-                        | opcode::ProgramEnd
-                        | opcode::Sleep
-                        | opcode::WaitStop
-                        | opcode::Trace
-                )
-        })
+    /// Whether a controller that got nothing but such calls has nothing lit or moving by them.
+    pub(crate) fn is_harmless(&self) -> bool {
+        self.opcode == opcode::Abort || class(self.opcode).is_some_and(|class| class.kind.is_harmless())
     }
 
     /// Its row in the command table, if the client knows the command.
@@ -146,10 +120,10 @@ mod tests {
             let status = row.name.ends_with("Status")
                 || row.name.starts_with("Get")
                 || ["Abort", "WaitStop", "ProgramStart"].contains(&row.name);
-            assert!(!call.only_reads() || status || !changes, "{}", row.name);
+            assert!(!call.is_harmless() || status || !changes, "{}", row.name);
         }
-        assert!(Call::of(protocol::command::GetClock {}).only_reads());
-        assert!(!Call { opcode: 0x7777, payload: Vec::new(), may_fail: false }.only_reads());
+        assert!(Call::of(protocol::command::GetClock {}).is_harmless());
+        assert!(!Call { opcode: 0x7777, payload: Vec::new(), may_fail: false }.is_harmless());
     }
 
     #[test]

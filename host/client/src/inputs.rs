@@ -7,8 +7,9 @@
 use crate::call::Call;
 use crate::client::Client;
 use crate::error::{Error, Result};
-use protocol::command::{INTERLOCK, SimPlan};
+use protocol::command::SimPlan;
 use protocol::reason::{Reason, describe};
+use protocol::values::{ANALOG_INPUT_VOLTS as VOLTS, io};
 use std::fmt::Display;
 use std::path::Path;
 
@@ -18,22 +19,18 @@ const COLUMNS: [&str; 3] = ["t_ms", "input", "level"];
 const ROWS: usize = u16::MAX as usize;
 /// The latest time, ms: a year.
 const LATEST_MS: f64 = 365.0 * 86_400_000.0;
-/// What an analog input reads at most, V.
-const VOLTS: f64 = 12.5;
 /// Rows that are sent together.
 const TOGETHER: usize = 256;
-/// Type of an analog input.
-const ADC: i16 = 24;
 /// Names of inputs: the text before the number, the type of SimInput, the highest number that any
 /// board has.
 const NAMES: [(&str, i16, i16); 7] = [
-    ("limit_positive", 0, 32),
-    ("limit_negative", 1, 32),
-    ("alarm", 2, 32),
-    ("home", 3, 32),
-    ("gpi", 4, 100),
-    ("arrive", 5, 32),
-    ("adc", ADC, 8),
+    ("limit_positive", io::LIMIT_POSITIVE, 32),
+    ("limit_negative", io::LIMIT_NEGATIVE, 32),
+    ("alarm", io::ALARM, 32),
+    ("home", io::HOME, 32),
+    ("gpi", io::GPI, 100),
+    ("arrive", io::ARRIVE, 32),
+    ("adc", io::ADC, 8),
 ];
 /// Characters of a file that a message quotes at most.
 const QUOTED: usize = 40;
@@ -69,7 +66,7 @@ impl Name {
             None => (1, text),
         };
         if name == "interlock" {
-            return Ok(Name { core, di_type: INTERLOCK, index: 1 });
+            return Ok(Name { core, di_type: io::INTERLOCK, index: 1 });
         }
         let digits = name.trim_start_matches(|letter: char| !letter.is_ascii_digit());
         let kind = &name[..name.len() - digits.len()];
@@ -87,11 +84,7 @@ impl Name {
 pub fn name(core: i16, di_type: i16, index: i16) -> String {
     let kind = NAMES.iter().find(|(_, known, _)| *known == di_type).map(|(kind, ..)| *kind);
     let name = kind.map_or_else(|| "interlock".to_owned(), |kind| format!("{kind}{index}"));
-    if core == 1 || di_type == 4 || di_type == ADC || di_type == INTERLOCK {
-        name
-    } else {
-        format!("core{core}_{name}")
-    }
+    if core == 1 || matches!(di_type, io::GPI | io::ADC | io::INTERLOCK) { name } else { format!("core{core}_{name}") }
 }
 
 /// A number from 1 to `most`.
@@ -190,8 +183,8 @@ impl Inputs {
                 Err(what) => return wrong("input", &what),
             };
             let value = match (level.parse::<f64>(), input.di_type) {
-                (Ok(volts), ADC) if (-VOLTS..=VOLTS).contains(&volts) => volts,
-                (Ok(_), ADC) => {
+                (Ok(volts), io::ADC) if (-VOLTS..=VOLTS).contains(&volts) => volts,
+                (Ok(_), io::ADC) => {
                     return wrong("level", &format!("{} V; it must be from -{VOLTS} to {VOLTS}", quoted(level)));
                 }
                 (Ok(value), _) if value == 0.0 || value == 1.0 => value,

@@ -9,10 +9,12 @@ use crate::client::Inner;
 use crate::error;
 use crate::error::{Error, Result};
 use protocol::command::{
-    ProgramClear, ProgramEnd, ProgramReply, ProgramStart, ProgramStatus, PtData, PtDataMany, PtTaken, Request, opcode,
+    CommandKind, Fifo, ProgramClear, ProgramEnd, ProgramReply, ProgramStart, ProgramStatus, PtTaken, Request, class,
+    opcode,
 };
 use protocol::reason::{Reason, Refusal};
 use protocol::record::Lane;
+use protocol::values::{program as state, told};
 use std::collections::VecDeque;
 use std::time::Duration;
 use zerocopy::FromBytes;
@@ -84,14 +86,6 @@ pub struct Progress {
     pub streams: Vec<Dry>,
 }
 
-/// Bits of `ProgramReply::told`.
-mod told {
-    pub const LATE: u8 = 1;
-    pub const OVERRAN: u8 = 2;
-    pub const LATE_LIGHT: u8 = 4;
-    pub const DARK: u8 = 4;
-}
-
 impl Progress {
     /// The script clock.
     pub fn clock(&self) -> Duration {
@@ -105,7 +99,7 @@ impl Progress {
 
     /// Laser channels whose light a fault took, or kept from coming; bit 0 is channel 0.
     pub fn darkened(&self) -> u8 {
-        self.queue.told >> told::DARK
+        self.queue.told >> told::DARK_SHIFT
     }
 }
 
@@ -188,14 +182,6 @@ const ENTRY_OVERHEAD: u32 = 8;
 const IN_FLIGHT: usize = 16_384;
 /// Calls that wait to be put into a message, at most: about a full window.
 const BACKLOG: usize = 1024;
-
-/// States of the program queue (`ProgramReply::state`).
-mod state {
-    pub const EMPTY: u8 = 0;
-    pub const HELD: u8 = 1;
-    pub const FAILED: u8 = 3;
-    pub const STOPPED: u8 = 4;
-}
 
 /// An entry in transfer.
 struct Sent {
@@ -415,7 +401,7 @@ impl Run<'_> {
                 ));
             }
             self.note_stream(&sent.call, &answer);
-            if sent.call.opcode == opcode::Abort || !sent.call.only_reads() {
+            if sent.call.opcode == opcode::Abort || !sent.call.is_harmless() {
                 self.settled = sent.call.opcode == opcode::Abort && answer.code == 0;
             }
             let ended = matches!(
@@ -440,7 +426,7 @@ impl Run<'_> {
 
     /// Keeps what a reply to PT data says of its stream.
     fn note_stream(&mut self, call: &Call, answer: &Answer) {
-        if answer.code != 0 || !matches!(answer.opcode, PtData::OPCODE | PtDataMany::OPCODE) {
+        if answer.code != 0 || class(answer.opcode).is_none_or(|class| class.kind != CommandKind::Data(Fifo::Pt)) {
             return;
         }
         let (Some(core), Some(axis)) = (short(&call.payload, 0), short(&call.payload, 2)) else { return };

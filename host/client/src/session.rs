@@ -142,7 +142,7 @@ impl Session {
         // An Abort of the immediate lane acts now; one of a program acts if the program reaches it.
         self.commanded = match (lane, call.opcode) {
             (Lane::Immediate, opcode::Abort) => false,
-            _ => self.commanded || !call.only_reads(),
+            _ => self.commanded || !call.is_harmless(),
         };
         if call.opcode == opcode::SetLinkLoss
             && let Ok(set) = SetLinkLoss::read_from_bytes(&call.payload)

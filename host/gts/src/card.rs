@@ -12,6 +12,7 @@ use client::error::{CANNOT_OPEN, NO_ANSWER};
 use client::inputs::{Inputs, Zero};
 use client::{Call, Client, Error, Options, Profile, Result};
 use protocol::command::{GetSts, Trace, opcode};
+use protocol::values::status::RUNNING;
 use std::ffi::{CString, c_char, c_short};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, Once, PoisonError, TryLockError};
@@ -27,8 +28,6 @@ const LOOK: Duration = Duration::from_millis(1);
 const FINISH: Duration = Duration::from_secs(1);
 /// Between two looks of a call that lets another one go first.
 const GIVE_WAY: Duration = Duration::from_micros(100);
-/// Bit 10 of the status word: the profile runs.
-const RUNNING: i32 = 1 << 10;
 
 /// A slot for a controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -383,7 +382,7 @@ impl Card {
         for core in 1..=i16::from(version.cores) {
             let all = GetSts { core: core.into(), axis: 1.into(), count: i16::from(version.axes_per_core).into() };
             let (_, status) = self.client.call_items(all, &[])?;
-            if status.iter().any(|axis| axis.value.get() & RUNNING != 0) {
+            if status.iter().any(|axis| axis.value.get().cast_unsigned() & RUNNING != 0) {
                 return Ok(true);
             }
         }

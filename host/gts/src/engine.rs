@@ -11,7 +11,7 @@ use crate::reason;
 use crate::request::{self, Number, fields, put, size};
 use client::{Call, Error, Result};
 use job::api::{Pass, Shape, Size, Type, counts};
-use protocol::command::{CommandInfo, ConfigItem, LoadConfig, opcode, widths};
+use protocol::command::{CommandInfo, CommandKind, ConfigItem, LoadConfig, opcode, widths};
 use protocol::reason::{Reason, describe_opcode, stop_reason};
 use protocol::record::{BODY_MAX, ITEM_BYTES};
 use servo::laser::NODES;
@@ -64,7 +64,7 @@ impl Prepared {
 
     /// Whether it changes nothing.
     pub fn reads(&self) -> bool {
-        self.prototype.function.reads
+        self.prototype.function.reads()
     }
 
     fn within(&self, got: i64, (low, high): (i64, i64)) -> Result<usize> {
@@ -530,10 +530,7 @@ pub unsafe fn call(slot: Slot, prepared: &Prepared, lead: c_short, args: &[Arg])
 
 /// Whether the call sets axes in motion.
 fn is_start(prepared: &Prepared) -> bool {
-    matches!(
-        prepared.command.map(|command| command.opcode),
-        Some(opcode::Update | opcode::PtStart | opcode::PvtStart | opcode::FollowStart | opcode::FollowStartEx)
-    ) || prepared.name() == "CrdStart"
+    prepared.command.is_some_and(|command| command.class.kind == CommandKind::Start)
 }
 
 /// What a laser command did not take as it was given (LSR: the nearest bound), from its reply's `held`.

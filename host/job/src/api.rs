@@ -7,6 +7,7 @@
 
 pub use crate::value::Type;
 use protocol::command::{self as c, Request};
+use protocol::values::{io, master};
 
 /// What a parameter is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -150,34 +151,29 @@ pub struct Function {
     pub shape: Shape,
     /// The parameter for which the request says whether it was given.
     pub told: Option<&'static str>,
-    /// It changes nothing: allowed in `while(!kbhit())`.
-    pub reads: bool,
 }
 
 const fn call(name: &'static str, opcode: u16, params: &'static [Param]) -> Function {
     shaped(Shape::Plain, name, opcode, params)
 }
-const fn read(name: &'static str, opcode: u16, params: &'static [Param]) -> Function {
-    Function { reads: true, ..call(name, opcode, params) }
-}
 const fn shaped(shape: Shape, name: &'static str, opcode: u16, params: &'static [Param]) -> Function {
-    Function { name, opcode, params, shape, told: None, reads: false }
+    Function { name, opcode, params, shape, told: None }
 }
 
 /// Every function that has a request, or that the host answers.
 pub const FUNCTIONS: &[Function] = &[
     // -- session -----------------------------------------------------------------------------------
-    Function { reads: true, ..shaped(Shape::Host, "Open", 0, &[short("channel").or(0), short("param").or(1)]) },
-    Function { reads: true, ..shaped(Shape::Host, "Close", 0, &[]) },
-    Function { reads: true, ..shaped(Shape::Host, "GetLastReason", 0, &[out("text"), short("size")]) },
+    shaped(Shape::Host, "Open", 0, &[short("channel").or(0), short("param").or(1)]),
+    shaped(Shape::Host, "Close", 0, &[]),
+    shaped(Shape::Host, "GetLastReason", 0, &[out("text"), short("size")]),
     call("Reset", c::Reset::OPCODE, &[]),
     shaped(Shape::Config, "LoadConfig", c::LoadConfig::OPCODE, &[param("file", Pass::Text)]),
     call("ClrSts", c::ClrSts::OPCODE, &[AXIS, COUNT]),
-    read("GetVersion", c::Version::OPCODE, &[out("version")]),
-    read("GetClock", c::GetClock::OPCODE, &[out("clock"), out("loop").or(0)]),
+    call("GetVersion", c::Version::OPCODE, &[out("version")]),
+    call("GetClock", c::GetClock::OPCODE, &[out("clock"), out("loop").or(0)]),
     call("SetTick", c::SetTick::OPCODE, &[long("tickUs")]),
     call("SetLinkLoss", c::SetLinkLoss::OPCODE, &[long("timeMs"), short("stopAll")]),
-    read("GetLinkLoss", c::GetLinkLoss::OPCODE, &[out("ms"), out("stopAll")]),
+    call("GetLinkLoss", c::GetLinkLoss::OPCODE, &[out("ms"), out("stopAll")]),
     call("SetInterlock", c::SetInterlock::OPCODE, &[short("motion")]),
     call("Abort", c::Abort::OPCODE, &[]),
     // -- axis --------------------------------------------------------------------------------------
@@ -188,29 +184,29 @@ pub const FUNCTIONS: &[Function] = &[
     call("SetPrfPos", c::SetPrfPos::OPCODE, &[PROFILE, long("pos")]),
     call("SynchAxisPos", c::SynchAxisPos::OPCODE, &[MASK]),
     call("SetStopDec", c::SetStopDec::OPCODE, &[PROFILE, double("decSmoothStop"), double("decAbruptStop")]),
-    read("GetStopDec", c::GetStopDec::OPCODE, &[PROFILE, out("decSmoothStop"), out("decAbruptStop")]),
+    call("GetStopDec", c::GetStopDec::OPCODE, &[PROFILE, out("decSmoothStop"), out("decAbruptStop")]),
     call("SetAxisBand", c::SetAxisBand::OPCODE, &[AXIS, long("band"), long("time")]),
-    read("GetAxisBand", c::GetAxisBand::OPCODE, &[AXIS, out("band"), out("time")]),
-    read("GetSts", c::GetSts::OPCODE, &[AXIS, out("sts"), COUNT, CLOCK]),
-    read("GetStopReason", c::AxisStatus::OPCODE, &[AXIS, out("reason"), REASON_TEXT, REASON_SIZE]),
-    read("GetPrfPos", c::GetPrfPos::OPCODE, &[PROFILE, out("value"), COUNT, CLOCK]),
-    read("GetPrfVel", c::GetPrfVel::OPCODE, &[PROFILE, out("value"), COUNT, CLOCK]),
-    read("GetPrfAcc", c::GetPrfAcc::OPCODE, &[PROFILE, out("value"), COUNT, CLOCK]),
-    read("GetPrfMode", c::GetPrfMode::OPCODE, &[PROFILE, out("value"), COUNT, CLOCK]),
-    read("GetEncPos", c::GetEncPos::OPCODE, &[short("encoder"), out("value"), COUNT, CLOCK]),
-    read("GetEncVel", c::GetEncVel::OPCODE, &[short("encoder"), out("value"), COUNT, CLOCK]),
+    call("GetAxisBand", c::GetAxisBand::OPCODE, &[AXIS, out("band"), out("time")]),
+    call("GetSts", c::GetSts::OPCODE, &[AXIS, out("sts"), COUNT, CLOCK]),
+    call("GetStopReason", c::AxisStatus::OPCODE, &[AXIS, out("reason"), REASON_TEXT, REASON_SIZE]),
+    call("GetPrfPos", c::GetPrfPos::OPCODE, &[PROFILE, out("value"), COUNT, CLOCK]),
+    call("GetPrfVel", c::GetPrfVel::OPCODE, &[PROFILE, out("value"), COUNT, CLOCK]),
+    call("GetPrfAcc", c::GetPrfAcc::OPCODE, &[PROFILE, out("value"), COUNT, CLOCK]),
+    call("GetPrfMode", c::GetPrfMode::OPCODE, &[PROFILE, out("value"), COUNT, CLOCK]),
+    call("GetEncPos", c::GetEncPos::OPCODE, &[short("encoder"), out("value"), COUNT, CLOCK]),
+    call("GetEncVel", c::GetEncVel::OPCODE, &[short("encoder"), out("value"), COUNT, CLOCK]),
     call("SetEncPos", c::SetEncPos::OPCODE, &[short("encoder"), long("pos")]),
     call("SetSoftLimit", c::SetSoftLimit::OPCODE, &[AXIS, long("positive"), long("negative")]),
-    read("GetSoftLimit", c::GetSoftLimit::OPCODE, &[AXIS, out("positive"), out("negative")]),
+    call("GetSoftLimit", c::GetSoftLimit::OPCODE, &[AXIS, out("positive"), out("negative")]),
     call("LmtsOn", c::LmtsOn::OPCODE, &[AXIS, short("limitType").or(-1)]),
     call("LmtsOff", c::LmtsOff::OPCODE, &[AXIS, short("limitType").or(-1)]),
     call("LmtSns", c::LmtSns::OPCODE, &[ushort("sense")]),
     call("AlarmOn", c::AlarmOn::OPCODE, &[AXIS]),
     call("AlarmOff", c::AlarmOff::OPCODE, &[AXIS]),
     call("SetPosErr", c::SetPosErr::OPCODE, &[short("control"), long("error")]),
-    read("GetPosErr", c::GetPosErr::OPCODE, &[short("control"), out("error")]),
+    call("GetPosErr", c::GetPosErr::OPCODE, &[short("control"), out("error")]),
     call("SetCaptureMode", c::SetCaptureMode::OPCODE, &[short("encoder"), short("mode")]),
-    read(
+    call(
         "GetCaptureStatus",
         c::GetCaptureStatus::OPCODE,
         &[short("encoder"), out("status"), out("value"), COUNT, CLOCK],
@@ -218,27 +214,27 @@ pub const FUNCTIONS: &[Function] = &[
     // -- trap and jog ------------------------------------------------------------------------------
     call("PrfTrap", c::PrfTrap::OPCODE, &[PROFILE]),
     call("SetTrapPrm", c::SetTrapPrm::OPCODE, &[PROFILE, param("prm", Pass::Struct(Type::Trap))]),
-    read("GetTrapPrm", c::GetTrapPrm::OPCODE, &[PROFILE, param("prm", Pass::OutStruct(Type::Trap))]),
+    call("GetTrapPrm", c::GetTrapPrm::OPCODE, &[PROFILE, param("prm", Pass::OutStruct(Type::Trap))]),
     call("PrfJog", c::PrfJog::OPCODE, &[PROFILE]),
     call("SetJogPrm", c::SetJogPrm::OPCODE, &[PROFILE, param("prm", Pass::Struct(Type::Jog))]),
-    read("GetJogPrm", c::GetJogPrm::OPCODE, &[PROFILE, param("prm", Pass::OutStruct(Type::Jog))]),
+    call("GetJogPrm", c::GetJogPrm::OPCODE, &[PROFILE, param("prm", Pass::OutStruct(Type::Jog))]),
     call("SetPos", c::SetPos::OPCODE, &[PROFILE, long("pos")]),
-    read("GetPos", c::GetPos::OPCODE, &[PROFILE, out("pos")]),
+    call("GetPos", c::GetPos::OPCODE, &[PROFILE, out("pos")]),
     call("SetVel", c::SetVel::OPCODE, &[PROFILE, double("vel")]),
-    read("GetVel", c::GetVel::OPCODE, &[PROFILE, out("vel")]),
+    call("GetVel", c::GetVel::OPCODE, &[PROFILE, out("vel")]),
     call("Update", c::Update::OPCODE, &[MASK]),
     // -- digital and analog inputs and outputs -----------------------------------------------------
-    read("GetDi", c::GetDi::OPCODE, &[short("diType"), out("value")]),
+    call("GetDi", c::GetDi::OPCODE, &[short("diType"), out("value")]),
     call("SetDo", c::SetDo::OPCODE, &[short("doType"), long("value")]),
-    read("GetDo", c::GetDo::OPCODE, &[short("doType"), out("value")]),
-    read("GetDiEx", c::GetDiEx::OPCODE, &[short("diType"), out("value"), COUNT]),
+    call("GetDo", c::GetDo::OPCODE, &[short("doType"), out("value")]),
+    call("GetDiEx", c::GetDiEx::OPCODE, &[short("diType"), out("value"), COUNT]),
     shaped(
         Shape::Points,
         "SetDoEx",
         c::SetDoEx::OPCODE,
         &[short("doType"), sized("value", Type::Long, Size::Count), COUNT],
     ),
-    read("GetDoEx", c::GetDoEx::OPCODE, &[short("doType"), out("value"), COUNT]),
+    call("GetDoEx", c::GetDoEx::OPCODE, &[short("doType"), out("value"), COUNT]),
     call("SetDoBit", c::SetDoBit::OPCODE, &[short("doType"), short("index"), short("value")]),
     shaped(
         Shape::Points,
@@ -246,17 +242,17 @@ pub const FUNCTIONS: &[Function] = &[
         c::SetDac::OPCODE,
         &[short("dac"), sized("value", Type::Short, Size::Count), COUNT],
     ),
-    read("GetDac", c::GetDac::OPCODE, &[short("dac"), out("value"), COUNT]),
-    read("GetAdc", c::GetAdc::OPCODE, &[short("adc"), out("value"), COUNT, CLOCK]),
+    call("GetDac", c::GetDac::OPCODE, &[short("dac"), out("value"), COUNT]),
+    call("GetAdc", c::GetAdc::OPCODE, &[short("adc"), out("value"), COUNT, CLOCK]),
     call("SimInput", c::SimInput::OPCODE, &[short("diType"), short("index"), short("level")]),
     call("SimAdc", c::SimAdc::OPCODE, &[short("adc"), double("volts")]),
     // -- laser (GUS chapter 2, LSR chapter 2) ------------------------------------------------------
     call("SetAxisMode", c::SetAxisMode::OPCODE, &[AXIS, short("mode")]),
     call("LaserOn", c::LaserOn::OPCODE, &[CHANNEL]),
     call("LaserOff", c::LaserOff::OPCODE, &[CHANNEL]),
-    read("LaserOnStatus", c::LaserOnStatus::OPCODE, &[out("value"), CHANNEL]),
+    call("LaserOnStatus", c::LaserOnStatus::OPCODE, &[out("value"), CHANNEL]),
     call("SetHSIOOpt", c::SetHSIOOpt::OPCODE, &[ushort("value"), CHANNEL]),
-    read("GetHSIOOpt", c::GetHSIOOpt::OPCODE, &[out("value"), CHANNEL]),
+    call("GetHSIOOpt", c::GetHSIOOpt::OPCODE, &[out("value"), CHANNEL]),
     call(
         "LaserPowerMode",
         c::LaserPowerMode::OPCODE,
@@ -281,35 +277,35 @@ pub const FUNCTIONS: &[Function] = &[
     call("DisFPK", c::DisFPK::OPCODE, &[CHANNEL]),
     call("SetLaserMode", c::SetLaserMode::OPCODE, &[short("mode")]),
     call("ZeroLaserOnTime", c::ZeroLaserOnTime::OPCODE, &[short("channel")]),
-    read("GetLaserOnTime", c::GetLaserOnTime::OPCODE, &[short("channel"), out("time")]),
+    call("GetLaserOnTime", c::GetLaserOnTime::OPCODE, &[short("channel"), out("time")]),
     call("SetLaserCrdMap", c::SetLaserCrdMap::OPCODE, &[short("channel"), short("map")]),
-    read("GetLaserCrdMap", c::GetLaserCrdMap::OPCODE, &[short("channel"), out("map")]),
-    read("GetLaserPower", c::GetLaserPower::OPCODE, &[short("channel"), out("power")]),
-    read("GetLaserFault", c::GetLaserFault::OPCODE, &[short("channel"), out("cause")]),
+    call("GetLaserCrdMap", c::GetLaserCrdMap::OPCODE, &[short("channel"), out("map")]),
+    call("GetLaserPower", c::GetLaserPower::OPCODE, &[short("channel"), out("power")]),
+    call("GetLaserFault", c::GetLaserFault::OPCODE, &[short("channel"), out("cause")]),
     call("ClrLaserFault", c::ClrLaserFault::OPCODE, &[short("channel")]),
     // -- coordinate systems ------------------------------------------------------------------------
     call("SetCrdPrm", c::SetCrdPrm::OPCODE, &[CRD, param("crdPrm", Pass::Struct(Type::Crd))]),
-    read("GetCrdPrm", c::GetCrdPrm::OPCODE, &[CRD, param("crdPrm", Pass::OutStruct(Type::Crd))]),
+    call("GetCrdPrm", c::GetCrdPrm::OPCODE, &[CRD, param("crdPrm", Pass::OutStruct(Type::Crd))]),
     call("CrdClear", c::CrdClear::OPCODE, &[CRD, FIFO]),
-    read("CrdSpace", c::CrdSpace::OPCODE, &[CRD, out("space"), FIFO]),
+    call("CrdSpace", c::CrdSpace::OPCODE, &[CRD, out("space"), FIFO]),
     call("CrdStart", c::CrdStart::OPCODE, &[short("mask"), short("option").or(0)]),
     call("CrdStop", c::CrdStop::OPCODE, &[MASK, long("option").or(0)]),
-    read("CrdStatus", c::CrdStatus::OPCODE, &[CRD, out("run"), out("segment"), FIFO]),
-    read("GetCrdStopReason", c::CrdInfo::OPCODE, &[CRD, out("reason"), REASON_TEXT, REASON_SIZE]),
-    read("GetCrdPos", c::GetCrdPos::OPCODE, &[CRD, out("pos")]),
-    read("GetCrdVel", c::GetCrdVel::OPCODE, &[CRD, out("synVel")]),
-    read("GetRemainderSegNum", c::GetRemainderSegNum::OPCODE, &[CRD, out("segment"), FIFO]),
+    call("CrdStatus", c::CrdStatus::OPCODE, &[CRD, out("run"), out("segment"), FIFO]),
+    call("GetCrdStopReason", c::CrdInfo::OPCODE, &[CRD, out("reason"), REASON_TEXT, REASON_SIZE]),
+    call("GetCrdPos", c::GetCrdPos::OPCODE, &[CRD, out("pos")]),
+    call("GetCrdVel", c::GetCrdVel::OPCODE, &[CRD, out("synVel")]),
+    call("GetRemainderSegNum", c::GetRemainderSegNum::OPCODE, &[CRD, out("segment"), FIFO]),
     call("SetCrdStopDec", c::SetCrdStopDec::OPCODE, &[CRD, double("decSmoothStop"), double("decAbruptStop")]),
     call("SetOverride", c::SetOverride::OPCODE, &[CRD, double("synVelRatio")]),
     call("SetLaserFollowFilter", c::SetLaserFollowFilter::OPCODE, &[CRD, double("time")]),
-    read("GetLaserFollowFilter", c::GetLaserFollowFilter::OPCODE, &[CRD, out("time")]),
+    call("GetLaserFollowFilter", c::GetLaserFollowFilter::OPCODE, &[CRD, out("time")]),
     call(
         "InitLookAhead",
         c::InitLookAhead::OPCODE,
         &[CRD, short("fifo"), double("T"), double("accMax"), short("n"), param("lookAheadBuf", Pass::Working).or(0)],
     ),
     call("SetCrdLimit", c::SetCrdLimit::OPCODE, &[CRD, short("coordinate"), double("velMax"), double("accMax")]),
-    read("GetCrdLimit", c::GetCrdLimit::OPCODE, &[CRD, short("coordinate"), out("velMax"), out("accMax")]),
+    call("GetCrdLimit", c::GetCrdLimit::OPCODE, &[CRD, short("coordinate"), out("velMax"), out("accMax")]),
     shaped(
         Shape::Point,
         "CrdData",
@@ -429,13 +425,13 @@ pub const FUNCTIONS: &[Function] = &[
     },
     // -- PT (GXN chapter 2) ------------------------------------------------------------------------
     call("PrfPt", c::PrfPt::OPCODE, &[PROFILE, short("mode").or(0)]),
-    read("PtSpace", c::PtSpace::OPCODE, &[PROFILE, out("space"), FIFO]),
+    call("PtSpace", c::PtSpace::OPCODE, &[PROFILE, out("space"), FIFO]),
     call("PtData", c::PtData::OPCODE, &[PROFILE, double("pos"), long("time"), short("type").or(0), FIFO]),
     call("PtClear", c::PtClear::OPCODE, &[PROFILE, FIFO]),
     call("SetPtLoop", c::SetPtLoop::OPCODE, &[PROFILE, long("loop")]),
-    read("GetPtLoop", c::GetPtLoop::OPCODE, &[PROFILE, out("loop")]),
+    call("GetPtLoop", c::GetPtLoop::OPCODE, &[PROFILE, out("loop")]),
     call("SetPtMemory", c::SetPtMemory::OPCODE, &[PROFILE, short("memory")]),
-    read("GetPtMemory", c::GetPtMemory::OPCODE, &[PROFILE, out("memory")]),
+    call("GetPtMemory", c::GetPtMemory::OPCODE, &[PROFILE, out("memory")]),
     call("PtStart", c::PtStart::OPCODE, &[MASK, long("option").or(0)]),
     shaped(
         Shape::StartList,
@@ -446,8 +442,8 @@ pub const FUNCTIONS: &[Function] = &[
     // -- PVT (GXN chapter 4) -----------------------------------------------------------------------
     call("PrfPvt", c::PrfPvt::OPCODE, &[PROFILE]),
     call("SetPvtLoop", c::SetPvtLoop::OPCODE, &[PROFILE, long("loop")]),
-    read("GetPvtLoop", c::GetPvtLoop::OPCODE, &[PROFILE, out("loopCount"), out("loop")]),
-    read("PvtStatus", c::PvtStatus::OPCODE, &[PROFILE, out("tableId"), out("time"), COUNT]),
+    call("GetPvtLoop", c::GetPvtLoop::OPCODE, &[PROFILE, out("loopCount"), out("loop")]),
+    call("PvtStatus", c::PvtStatus::OPCODE, &[PROFILE, out("tableId"), out("time"), COUNT]),
     call("PvtStart", c::PvtStart::OPCODE, &[MASK]),
     call("PvtTableSelect", c::PvtTableSelect::OPCODE, &[PROFILE, TABLE]),
     shaped(Shape::Points, "PvtTable", c::PvtTable::OPCODE, &[TABLE, POINTS, array("time"), array("pos"), array("vel")]),
@@ -479,15 +475,12 @@ pub const FUNCTIONS: &[Function] = &[
         c::PvtTablePercent::OPCODE,
         &[TABLE, POINTS, array("time"), array("pos"), array("percent"), double("velBegin").or(0)],
     ),
-    Function {
-        reads: true,
-        ..shaped(
-            Shape::Points,
-            "PvtPercentCalculate",
-            c::PvtPercentCalculate::OPCODE,
-            &[POINTS, array("time"), array("pos"), array("percent"), double("velBegin"), out("vel")],
-        )
-    },
+    shaped(
+        Shape::Points,
+        "PvtPercentCalculate",
+        c::PvtPercentCalculate::OPCODE,
+        &[POINTS, array("time"), array("pos"), array("percent"), double("velBegin"), out("vel")],
+    ),
     shaped(
         Shape::Points,
         "PvtTableContinuous",
@@ -504,24 +497,21 @@ pub const FUNCTIONS: &[Function] = &[
             double("timeBegin"),
         ],
     ),
-    Function {
-        reads: true,
-        ..shaped(
-            Shape::Points,
-            "PvtContinuousCalculate",
-            c::PvtContinuousCalculate::OPCODE,
-            &[
-                POINTS,
-                array("pos"),
-                array("vel"),
-                array("percent"),
-                array("velMax"),
-                array("acc"),
-                array("dec"),
-                out("time"),
-            ],
-        )
-    },
+    shaped(
+        Shape::Points,
+        "PvtContinuousCalculate",
+        c::PvtContinuousCalculate::OPCODE,
+        &[
+            POINTS,
+            array("pos"),
+            array("vel"),
+            array("percent"),
+            array("velMax"),
+            array("acc"),
+            array("dec"),
+            out("time"),
+        ],
+    ),
     // -- Follow (GXN chapter 3) --------------------------------------------------------------------
     call("PrfFollow", c::PrfFollow::OPCODE, &[PROFILE, short("dir").or(0)]),
     call(
@@ -529,20 +519,20 @@ pub const FUNCTIONS: &[Function] = &[
         c::SetFollowMaster::OPCODE,
         &[PROFILE, short("masterIndex"), short("masterType").or(2), short("masterItem").or(0)],
     ),
-    read(
+    call(
         "GetFollowMaster",
         c::GetFollowMaster::OPCODE,
         &[PROFILE, out("masterIndex"), out("masterType").or(0), out("masterItem").or(0)],
     ),
     call("SetFollowLoop", c::SetFollowLoop::OPCODE, &[PROFILE, long("loop")]),
-    read("GetFollowLoop", c::GetFollowLoop::OPCODE, &[PROFILE, out("loop")]),
+    call("GetFollowLoop", c::GetFollowLoop::OPCODE, &[PROFILE, out("loop")]),
     call(
         "SetFollowEvent",
         c::SetFollowEvent::OPCODE,
         &[PROFILE, short("event"), short("masterDir"), long("pos").or(0)],
     ),
-    read("GetFollowEvent", c::GetFollowEvent::OPCODE, &[PROFILE, out("event"), out("masterDir"), out("pos")]),
-    read("FollowSpace", c::FollowSpace::OPCODE, &[PROFILE, out("space"), FIFO]),
+    call("GetFollowEvent", c::GetFollowEvent::OPCODE, &[PROFILE, out("event"), out("masterDir"), out("pos")]),
+    call("FollowSpace", c::FollowSpace::OPCODE, &[PROFILE, out("space"), FIFO]),
     call(
         "FollowData",
         c::FollowData::OPCODE,
@@ -552,8 +542,8 @@ pub const FUNCTIONS: &[Function] = &[
     call("FollowStart", c::FollowStart::OPCODE, &[MASK, long("option").or(0)]),
     call("FollowSwitch", c::FollowSwitch::OPCODE, &[MASK]),
     call("SetFollowMemory", c::SetFollowMemory::OPCODE, &[PROFILE, short("memory")]),
-    read("GetFollowMemory", c::GetFollowMemory::OPCODE, &[PROFILE, out("memory")]),
-    read("GetFollowStatus", c::GetFollowStatus::OPCODE, &[PROFILE, out("fifoNum"), out("switchStatus")]),
+    call("GetFollowMemory", c::GetFollowMemory::OPCODE, &[PROFILE, out("memory")]),
+    call("GetFollowStatus", c::GetFollowStatus::OPCODE, &[PROFILE, out("fifoNum"), out("switchStatus")]),
     // -- FollowEx (GXN chapter 3) ------------------------------------------------------------------
     call("PrfFollowEx", c::PrfFollowEx::OPCODE, &[PROFILE, short("dir").or(0)]),
     call(
@@ -561,20 +551,20 @@ pub const FUNCTIONS: &[Function] = &[
         c::SetFollowMasterEx::OPCODE,
         &[PROFILE, short("masterIndex"), short("masterType").or(2), short("masterItem").or(0)],
     ),
-    read(
+    call(
         "GetFollowMasterEx",
         c::GetFollowMasterEx::OPCODE,
         &[PROFILE, out("masterIndex"), out("masterType").or(0), out("masterItem").or(0)],
     ),
     call("SetFollowLoopEx", c::SetFollowLoopEx::OPCODE, &[PROFILE, long("loop")]),
-    read("GetFollowLoopEx", c::GetFollowLoopEx::OPCODE, &[PROFILE, out("loop")]),
+    call("GetFollowLoopEx", c::GetFollowLoopEx::OPCODE, &[PROFILE, out("loop")]),
     call(
         "SetFollowEventEx",
         c::SetFollowEventEx::OPCODE,
         &[PROFILE, short("event"), short("masterDir"), long("pos").or(0)],
     ),
-    read("GetFollowEventEx", c::GetFollowEventEx::OPCODE, &[PROFILE, out("event"), out("masterDir"), out("pos")]),
-    read("FollowSpaceEx", c::FollowSpaceEx::OPCODE, &[PROFILE, out("space"), FIFO]),
+    call("GetFollowEventEx", c::GetFollowEventEx::OPCODE, &[PROFILE, out("event"), out("masterDir"), out("pos")]),
+    call("FollowSpaceEx", c::FollowSpaceEx::OPCODE, &[PROFILE, out("space"), FIFO]),
     call(
         "FollowDataPercentEx",
         c::FollowDataPercentEx::OPCODE,
@@ -584,8 +574,8 @@ pub const FUNCTIONS: &[Function] = &[
     call("FollowStartEx", c::FollowStartEx::OPCODE, &[MASK, long("option").or(0)]),
     call("FollowSwitchEx", c::FollowSwitchEx::OPCODE, &[MASK]),
     call("SetFollowMemoryEx", c::SetFollowMemoryEx::OPCODE, &[PROFILE, short("memory")]),
-    read("GetFollowMemoryEx", c::GetFollowMemoryEx::OPCODE, &[PROFILE, out("memory")]),
-    read("GetFollowStatusEx", c::GetFollowStatusEx::OPCODE, &[PROFILE, out("fifoNum"), out("switchStatus")]),
+    call("GetFollowMemoryEx", c::GetFollowMemoryEx::OPCODE, &[PROFILE, out("memory")]),
+    call("GetFollowStatusEx", c::GetFollowStatusEx::OPCODE, &[PROFILE, out("fifoNum"), out("switchStatus")]),
     call("FollowSwitchNowEx", c::FollowSwitchNowEx::OPCODE, &[PROFILE, short("method"), short("buffer").or(0), FIFO]),
     call("FollowDoBitEx", c::FollowDoBitEx::OPCODE, &[PROFILE, short("doType"), short("index"), short("value"), FIFO]),
     call("FollowDelayEx", c::FollowDelayEx::OPCODE, &[PROFILE, ulong("delayTime"), FIFO]),
@@ -608,7 +598,7 @@ pub const FUNCTIONS: &[Function] = &[
             FIFO,
         ],
     ),
-    read(
+    call(
         "GetFollowDataPercent2Ex",
         c::GetFollowDataPercent2Ex::OPCODE,
         &[double("masterPos"), double("v1"), double("v2"), double("p"), double("p1"), out("slavePos")],
@@ -619,6 +609,11 @@ impl Function {
     /// Whether a parameter fills this field of the request.
     pub fn has(&self, field: &str) -> bool {
         self.params.iter().any(|param| param.name == field)
+    }
+
+    /// It changes nothing: allowed in `while(!kbhit())`.
+    pub fn reads(&self) -> bool {
+        self.shape == Shape::Host || c::class(self.opcode).is_some_and(|class| class.kind.reads())
     }
 
     /// It reports why motion has stopped: a number, and the host's text of it.
@@ -679,12 +674,12 @@ pub const CONSTANTS: &[(&str, i64)] = &[
     ("PT_SEGMENT_NORMAL", 0),
     ("PT_SEGMENT_EVEN", 1),
     ("PT_SEGMENT_STOP", 2),
-    ("FOLLOW_MASTER_ENCODER", 1),
-    ("FOLLOW_MASTER_PROFILE", 2),
-    ("FOLLOW_MASTER_AXIS", 3),
+    ("FOLLOW_MASTER_ENCODER", master::ENCODER as i64),
+    ("FOLLOW_MASTER_PROFILE", master::PROFILE as i64),
+    ("FOLLOW_MASTER_AXIS", master::AXIS as i64),
     ("FOLLOW_MASTER_AU_ENCODER", 4),
-    ("FOLLOW_MASTER_ENCODER_OTHER", 101),
-    ("FOLLOW_MASTER_AXIS_OTHER", 103),
+    ("FOLLOW_MASTER_ENCODER_OTHER", master::ENCODER_OTHER as i64),
+    ("FOLLOW_MASTER_AXIS_OTHER", master::AXIS_OTHER as i64),
     ("FOLLOW_EVENT_START", 1),
     ("FOLLOW_EVENT_PASS", 2),
     ("FOLLOW_SEGMENT_NORMAL", 0),
@@ -694,28 +689,28 @@ pub const CONSTANTS: &[(&str, i64)] = &[
     ("FOLLOW_SWITCH_SEGMENT", 1),
     ("FOLLOW_SWITCH_TABLE", 2),
     ("MC_NONE", -1),
-    ("MC_LIMIT_POSITIVE", 0),
-    ("MC_LIMIT_NEGATIVE", 1),
-    ("MC_ALARM", 2),
-    ("MC_HOME", 3),
-    ("MC_GPI", 4),
-    ("MC_ARRIVE", 5),
+    ("MC_LIMIT_POSITIVE", io::LIMIT_POSITIVE as i64),
+    ("MC_LIMIT_NEGATIVE", io::LIMIT_NEGATIVE as i64),
+    ("MC_ALARM", io::ALARM as i64),
+    ("MC_HOME", io::HOME as i64),
+    ("MC_GPI", io::GPI as i64),
+    ("MC_ARRIVE", io::ARRIVE as i64),
     ("MC_MPG", 6),
-    ("MC_ENABLE", 10),
-    ("MC_CLEAR", 11),
-    ("MC_GPO", 12),
+    ("MC_ENABLE", io::ENABLE as i64),
+    ("MC_CLEAR", io::CLEAR as i64),
+    ("MC_GPO", io::GPO as i64),
     ("MC_DAC", 20),
     ("MC_STEP", 21),
     ("MC_PULSE", 22),
     ("MC_ENCODER", 23),
-    ("MC_ADC", 24),
+    ("MC_ADC", io::ADC as i64),
     ("MC_AXIS", 30),
     ("MC_PROFILE", 31),
     ("MC_CONTROL", 32),
     ("MC_LASER", 71),
     ("MC_POS_COMPARE", 80),
     // Ours: the interlock (or emergency-stop) input, for SimInput.
-    ("MC_INTERLOCK", c::INTERLOCK as i64),
+    ("MC_INTERLOCK", io::INTERLOCK as i64),
     ("CAPTURE_HOME", 1),
     ("CAPTURE_INDEX", 2),
     ("CAPTURE_PROBE", 3),

@@ -44,7 +44,7 @@ impl Reader<'_> {
             _ => {}
         }
         let (function, several_cores) = self.resolve(&name)?;
-        if self.polling && !function.reads {
+        if self.polling && !function.reads() {
             return Err(Fault::new(
                 name.span,
                 format!(
@@ -307,7 +307,7 @@ impl Reader<'_> {
 fn lasers(function: &Function, bound: &Bound) -> u8 {
     let channel = bound.values.iter().find(|(name, _)| *name == "channel").map(|(_, value)| value);
     match (function.name, channel) {
-        _ if function.reads => 0,
+        _ if function.reads() => 0,
         ("SetWaitPulseEx", _) => 0b11,
         (_, Some(Value::Int(channel @ 0..=1))) => 1 << channel,
         _ => 0,

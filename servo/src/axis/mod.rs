@@ -33,7 +33,7 @@ use crate::port::AxisInputs;
 use crate::segment::follow as following;
 use crate::segment::profile::Profile;
 use crate::segment::ramp::{Accel, Speed, Trapezoid};
-use crate::status;
+use crate::status::{self, pt_state};
 use crate::units::{Crd, Exact, Ns, Pos};
 use crate::view::{AxisView, StopReason};
 use inputs::Inputs;
@@ -47,14 +47,6 @@ const FIFO: u32 = 1024;
 const RING_MASK: u32 = 2 * FIFO - 1;
 /// The negative edge of travel.
 const NEGATIVE_EDGE: Pos = Pos(-Pos::TRAVEL.0);
-
-/// `GetPtState` (see [`AxisView::pt_state`]).
-mod pt_state {
-    pub const RUNNING: u8 = 1;
-    pub const ENDED: u8 = 2;
-    pub const UNDERRUN: u8 = 3;
-    pub const STOPPED: u8 = 4;
-}
 
 /// Jog parameters.
 #[derive(Debug, Clone, Copy)]

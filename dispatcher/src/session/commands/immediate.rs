@@ -14,7 +14,7 @@ use crate::report::event_log::{Kind, ShutOff};
 use crate::report::pending_replies::Step;
 use crate::report::replies::values_reply;
 use crate::shadow::Change;
-use protocol::command::{Kind as CommandKind, Lanes, SetHSIOOpt, class, opcode};
+use protocol::command::{CommandKind, Lanes, SetHSIOOpt, class, opcode};
 use protocol::reason::Reason;
 use protocol::record::{ReplyWriter, RequestRecord};
 use servo::op::Op;

@@ -58,7 +58,7 @@ pub fn scheduled_job(
     let tick_us = f64::from(programme.tick_us);
     let (mut clock, mut count) = (0u64, 3);
     for (number, (step, tick)) in programme.steps.iter().map(Some).chain([None]).zip(ticks).enumerate() {
-        let reads = matches!(step, Some(Step::Call(call)) if call.function.reads);
+        let reads = matches!(step, Some(Step::Call(call)) if call.function.reads());
         let due = 2 * u64::from(tick - ticks[0]) + LEAD - 2 * u64::from(reads);
         let _ = writeln!(text, "Sleep({});", (due - clock) as f64 * tick_us / 2000.0);
         (clock, count) = (due, count + 1);

@@ -1,0 +1,156 @@
+//! Numbers that fields of requests and replies hold: bits, modes, states, types. Controller and
+//! clients take them from here.
+
+/// Bits of the status word of GetSts and AxisStatus (SPEC 4).
+pub mod status {
+    /// Drive alarm.
+    pub const ALARM: u32 = 1 << 1;
+    /// Following error beyond its limit.
+    pub const FOLLOWING_ERROR: u32 = 1 << 4;
+    /// Positive limit.
+    pub const LIMIT_POSITIVE: u32 = 1 << 5;
+    /// Negative limit.
+    pub const LIMIT_NEGATIVE: u32 = 1 << 6;
+    /// Smooth stop by an input.
+    pub const STOP_SMOOTH: u32 = 1 << 7;
+    /// Abrupt stop by an input.
+    pub const STOP_ABRUPT: u32 = 1 << 8;
+    /// Servo on.
+    pub const SERVO_ON: u32 = 1 << 9;
+    /// The profile runs.
+    pub const RUNNING: u32 = 1 << 10;
+    /// At standstill, and the encoder inside the band for the band's time.
+    pub const IN_POSITION: u32 = 1 << 11;
+}
+
+/// Profile modes, as GetPrfMode and AxisStatus report them.
+pub mod mode {
+    /// Trap.
+    pub const TRAP: i16 = 0;
+    /// Jog.
+    pub const JOG: i16 = 1;
+    /// PT, static or dynamic.
+    pub const PT: i16 = 2;
+    /// Follow.
+    pub const FOLLOW: i16 = 4;
+    /// A coordinate system drives the axis.
+    pub const CRD: i16 = 5;
+    /// PVT.
+    pub const PVT: i16 = 6;
+    /// FollowEx.
+    pub const FOLLOW_EX: i16 = 10;
+}
+
+/// States of a PT axis, as GetPtState reports them; 0 if it never ran.
+pub mod pt_state {
+    /// It runs.
+    pub const RUNNING: u8 = 1;
+    /// It has ended.
+    pub const ENDED: u8 = 2;
+    /// It ran dry at speed.
+    pub const UNDERRUN: u8 = 3;
+    /// A Stop or a fault has ended it.
+    pub const STOPPED: u8 = 4;
+}
+
+/// Types of inputs and outputs (SPEC 3).
+pub mod io {
+    /// Positive limit switch.
+    pub const LIMIT_POSITIVE: i16 = 0;
+    /// Negative limit switch.
+    pub const LIMIT_NEGATIVE: i16 = 1;
+    /// Drive alarm.
+    pub const ALARM: i16 = 2;
+    /// Home switch.
+    pub const HOME: i16 = 3;
+    /// General input.
+    pub const GPI: i16 = 4;
+    /// In-position signal of the drive.
+    pub const ARRIVE: i16 = 5;
+    /// Servo enable.
+    pub const ENABLE: i16 = 10;
+    /// Alarm clear.
+    pub const CLEAR: i16 = 11;
+    /// General output.
+    pub const GPO: i16 = 12;
+    /// Analog input.
+    pub const ADC: i16 = 24;
+    /// The interlock (or emergency-stop) input, of SimInput and SimPlan: the manuals have none.
+    pub const INTERLOCK: i16 = 90;
+}
+
+/// Analog inputs read ± this many volts.
+pub const ANALOG_INPUT_VOLTS: f64 = 12.5;
+
+/// Types of masters (SPEC 3).
+pub mod master {
+    /// An encoder of the axis's own core.
+    pub const ENCODER: i16 = 1;
+    /// A profile of it.
+    pub const PROFILE: i16 = 2;
+    /// An axis of it.
+    pub const AXIS: i16 = 3;
+    /// An encoder of the other core.
+    pub const ENCODER_OTHER: i16 = 101;
+    /// An axis of it.
+    pub const AXIS_OTHER: i16 = 103;
+}
+
+/// What an axis in FollowEx waits for (`WaitReply`); 0 for nothing.
+pub mod wait {
+    /// An input.
+    pub const INPUT: u8 = 1;
+    /// The master's crossing of a position.
+    pub const PASS: u8 = 2;
+}
+
+/// States of the program queue (`ProgramReply::state`).
+pub mod program {
+    /// No entries.
+    pub const EMPTY: u8 = 0;
+    /// Its clock does not run yet.
+    pub const HELD: u8 = 1;
+    /// Its clock runs.
+    pub const RUNNING: u8 = 2;
+    /// A failure has stopped it.
+    pub const FAILED: u8 = 3;
+    /// A Stop, an Abort or the loss of the link has stopped it.
+    pub const STOPPED: u8 = 4;
+}
+
+/// Bits of `ProgramReply::told`.
+pub mod told {
+    /// `late_tag` is valid.
+    pub const LATE: u8 = 1;
+    /// `overran_tag` is valid.
+    pub const OVERRAN: u8 = 2;
+    /// A laser command that changes light was late.
+    pub const LATE_LIGHT: u8 = 4;
+    /// Laser channel 0 went dark because a tick took too long, or another fault took its light;
+    /// channel 1 has the next bit.
+    pub const DARK: u8 = 1 << DARK_SHIFT;
+    /// The place of that bit.
+    pub const DARK_SHIFT: u32 = 4;
+}
+
+/// Kinds of events (`EventItem`).
+pub mod event {
+    /// An axis came to standstill.
+    pub const AXIS_STOPPED: u8 = 1;
+    /// A coordinate system did.
+    pub const CRD_STOPPED: u8 = 2;
+    /// A laser went dark, or was cleared: reason 0.
+    pub const LASER: u8 = 3;
+    /// The link was lost (1) or came back (0).
+    pub const LINK: u8 = 4;
+    /// Servo ticks took too long: how many.
+    pub const OVERRUN: u8 = 5;
+    /// Events were lost: how many.
+    pub const LOST: u8 = 6;
+    /// An admitted laser command did nothing.
+    pub const IGNORED: u8 = 7;
+    /// An abort (1) or a new session (2) shut off the lasers.
+    pub const SHUT_OFF: u8 = 8;
+    /// A pulse width was limited: how often.
+    pub const LIMITED: u8 = 9;
+}
