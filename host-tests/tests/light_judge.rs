@@ -3,7 +3,7 @@
 //! `LIGHT_PROGRAMS` sets how many programs there are, `LIGHT_SEED` the first one's number. `LIGHT_PLANTED=1` is for a
 //! firmware with a planted fault: the test then succeeds only if the judge finds something. `LIGHT_FINDINGS` sets how many
 //! programs that differ are told of before it gives up; `LIGHT_STEP=6` and `LIGHT_THREADS=1` run those of one controller
-//! in order.
+//! in order. `LIGHT_PULSES=1` prints the energy pulses of programs that differ.
 #[path = "../../servo/tests/chance/mod.rs"]
 mod chance;
 #[path = "light_judge/facts.rs"]
@@ -16,8 +16,8 @@ mod machine;
 mod program;
 
 use host_tests::light_judge::{Fact, Given, Judge, compare};
-use machine::{Rig, Told};
-use program::Program;
+use machine::{Rig, Sent, Told};
+use program::{Buf, Do, Program};
 use std::collections::BTreeMap;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
@@ -123,6 +123,11 @@ fn one(rig: &mut Rig, seed: u64, is_gus: bool, tally: &mut Tally) -> Result<(), 
         // Nobody knows what is set.
         return Ok(());
     }
+    let refused = |sent: &Sent| sent.code != Some(0) && matches!(sent.call, Do::Entry { buf: Buf::Line { .. }, .. });
+    if told.sent.iter().any(refused) {
+        // Two marks without a motion between them change nothing that could be seen.
+        return Ok(());
+    }
     let facts = facts::facts(&program, &told, rig.tick);
     judged(&program, &told, &facts, rig.tick, tally).map_err(|reason| {
         let mut text = format!("program {seed}, tick {tick_us} µs, from {}: {reason}\n", told.begin);
@@ -150,6 +155,10 @@ fn outputs(told: &Told) -> String {
         let switch: Vec<_> = of.switch.iter().map(|edge| (ms(edge.0), edge.1)).collect();
         let volts: Vec<_> = of.volts.iter().map(|edge| (ms(edge.0), edge.1)).collect();
         text += &format!("outputs of channel {channel}: switch {switch:?}, volts {volts:?}\n");
+        if std::env::var("LIGHT_PULSES").is_ok() {
+            let pulses: Vec<_> = of.pulses.iter().map(|pulse| (ms(pulse.0), ms(pulse.1))).collect();
+            text += &format!("  pulses {pulses:?}\n");
+        }
     }
     text
 }

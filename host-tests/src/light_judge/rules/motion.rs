@@ -71,7 +71,7 @@ impl Judge {
         let now = self.now.0;
         let state = &mut self.crds[crd];
         let (stopped, fifo) = (std::mem::take(&mut state.stopping), state.fifo);
-        let aborted = state.aborted != Maybe::No;
+        let (aborted, by_abort) = (state.aborted != Maybe::No, state.aborted == Maybe::Yes);
         if aborted {
             self.rested = self.now.1;
         }
@@ -110,7 +110,7 @@ impl Judge {
                     }
                 }
                 // It braked for a cause: whether that keeps dark what a call has lit since is open.
-                Why::Stopped if mapped && !aborted && matches!(of.commanded, Commanded::On(_)) => {
+                Why::Stopped if mapped && !by_abort && matches!(of.commanded, Commanded::On(_)) => {
                     of.commanded = Commanded::Doubt
                 }
                 Why::Stopped => {}
