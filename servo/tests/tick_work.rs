@@ -118,8 +118,8 @@ fn starts_and_outputs_of_one_instant_begin_in_one_tick() {
 
 #[test]
 fn set_up_that_fits_does_not_put_off_its_start() {
-    // Eight axes at 50 µs: all of it is the work of the first tick.
-    let mut bench = Bench::new(50);
+    // Eight axes at 100 µs: all of it is the work of the first tick.
+    let mut bench = Bench::new(100);
     bench.now(Op::Output { group: DoGroup::Enable, mask: 0xff, value: 0xff });
     bench.tick();
     for index in 0..AXES {

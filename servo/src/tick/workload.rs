@@ -22,8 +22,11 @@ mod weight {
     pub const RESET: u32 = 6;
     /// Another operation that names the axis in a mask.
     pub const NAMED: u32 = 3;
-    /// A start that is planned in its tick, and one that is prepared.
+    /// Another operation on an axis, with its work in the tick after it.
+    pub const SET_UP: u32 = 2;
+    /// A start of PT or PVT that is planned in its tick, one of Trap, and one that is prepared.
     pub const START: u32 = 14;
+    pub const RAMP: u32 = 23;
     pub const PREPARED_START: u32 = 5;
     /// The same of a slave.
     pub const SLAVE: u32 = 33;
@@ -87,7 +90,9 @@ impl Budget {
 impl<const AXES: usize> Tick<AXES> {
     /// The weight of an operation in the present state. A Reset is weighed axis by axis.
     pub(crate) fn weigh(&self, op: &Op) -> u32 {
-        use weight::{FRAME, LASER, NAMED, PATH, PREPARED_PATH, PREPARED_SLAVE, PREPARED_START, SLAVE, START, STOP};
+        use weight::{
+            FRAME, LASER, NAMED, PATH, PREPARED_PATH, PREPARED_SLAVE, PREPARED_START, RAMP, SET_UP, SLAVE, START, STOP,
+        };
         let sum = |axes: AxisMask, prepared: u32, unprepared: u32| {
             let of = |axis: Axis| {
                 self.axes
@@ -98,7 +103,8 @@ impl<const AXES: usize> Tick<AXES> {
         };
         let many = |axes: AxisMask| self.in_use(axes).0.count_ones().wrapping_mul(NAMED);
         match *op {
-            Op::Update { axes } | Op::PtStart { axes, .. } | Op::PvtStart { axes } => sum(axes, PREPARED_START, START),
+            Op::Update { axes } => sum(axes, PREPARED_START, RAMP),
+            Op::PtStart { axes, .. } | Op::PvtStart { axes } => sum(axes, PREPARED_START, START),
             Op::FollowStart { axes, .. } => sum(axes, PREPARED_SLAVE, SLAVE),
             Op::CrdStart { crds, .. } => {
                 let unprepared = (crds.0 & self.crds.unprepared.0).count_ones();
@@ -117,7 +123,8 @@ impl<const AXES: usize> Tick<AXES> {
             Op::CrdFrame { .. } => FRAME,
             Op::Laser { .. } => LASER,
             Op::ProgramRun => 0,
-            _ => 1,
+            Op::Mark | Op::ProgramEnd | Op::WaitRest { .. } | Op::Output { .. } | Op::Analog { .. } => 1,
+            _ => SET_UP,
         }
     }
 
