@@ -2,6 +2,10 @@
 //!
 //! Paths run through servo's own evaluator; limits are checked on its output.
 //! `host-tests/tests/look_ahead.rs` compares the time of long ones with an optimum.
+#[path = "../../servo/tests/chance/mod.rs"]
+mod chance;
+
+use chance::Chance;
 use dispatcher::plan::geometry::{Geometry, Position};
 use dispatcher::plan::look_ahead::{Limits, LookAhead};
 use servo::path::{Change, Effects, Entries, Entry, Feed, Fine, Path, PathStop, Plane};
@@ -42,16 +46,6 @@ struct Call {
     acc: f64,
 }
 
-struct Chance(u64);
-impl Chance {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let z = (self.0 ^ self.0 >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let z = (z ^ z >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ z >> 31) >> 11) as f64 / (1u64 << 53) as f64
-    }
-}
-
 /// Lines through these points.
 fn polyline(points: &[[i32; 2]], vel: f64, acc: f64) -> Vec<Call> {
     let mut from: Position = [0.0; 4];
@@ -79,7 +73,7 @@ fn spiral() -> Vec<Call> {
 
 /// 10,000 moves of 100 pulses (0.1 mm) whose direction wanders, now and then with a corner.
 fn wander(corners: bool) -> Vec<Call> {
-    let mut chance = Chance(11);
+    let mut chance = Chance::new(11);
     let (mut x, mut y, mut angle, mut bend) = (0.0f64, 0.0f64, 0.0f64, 0.0f64);
     let mut points = Vec::new();
     for i in 0..10_000 {

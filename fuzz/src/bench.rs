@@ -8,6 +8,8 @@ use protocol::frame::{MAX_PAYLOAD, MAX_WIRE};
 use protocol::link::{Endpoint, Identity, Role, State};
 use protocol::reason::{Code, Reason, Refusal, describe_opcode};
 use protocol::record::{Lane, RequestWriter, TRACE_RECORD, replies};
+use rand_xoshiro::SplitMix64;
+use rand_xoshiro::rand_core::{Rng, SeedableRng};
 use std::collections::VecDeque;
 use virtual_board::{Controller, Memory};
 use zerocopy::FromBytes;
@@ -65,7 +67,7 @@ pub struct Bench<'m> {
     line: Line,
     /// Nothing gets through.
     pub cut: bool,
-    chance: u64,
+    chance: SplitMix64,
     nonce: u32,
     tag: u16,
     /// Records that are not in a message yet, and whether one ends its message.
@@ -96,7 +98,7 @@ impl<'m> Bench<'m> {
             client: Endpoint::new(Role::Client, Identity::OURS),
             line,
             cut: false,
-            chance: line.seed,
+            chance: SplitMix64::seed_from_u64(line.seed),
             nonce: 0,
             tag: 0,
             outgoing: VecDeque::new(),
@@ -110,13 +112,9 @@ impl<'m> Bench<'m> {
         }
     }
 
-    /// SplitMix64 (Steele, Lea, Flood 2014), as a percentage.
+    /// Whether a frame meets with this.
     fn happens(&mut self) -> bool {
-        self.chance = self.chance.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.chance;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        (z ^ (z >> 31)) % 100 < u64::from(self.line.noise)
+        self.chance.next_u64() % 100 < u64::from(self.line.noise)
     }
 
     /// The line is like this from now on.
@@ -292,8 +290,10 @@ impl<'m> Bench<'m> {
         } else if !self.happens() {
             let mut frame = frame.to_vec();
             if self.happens() {
-                let at = self.chance as usize % frame.len();
-                frame[at] ^= 1 << (self.chance >> 32 & 7);
+                // The state, not another number: what follows in a kept input stays as it was.
+                let place = u64::from_le_bytes(self.chance.state());
+                let at = place as usize % frame.len();
+                frame[at] ^= 1 << (place >> 32 & 7);
             }
             if self.happens() {
                 out.push(frame.clone());

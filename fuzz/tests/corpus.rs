@@ -2,22 +2,19 @@
 //!
 //! A plain run tries [`INPUTS`] of them for each target, the same in every run. `FUZZ_SECONDS` sets a time instead, and
 //! `FUZZ_SEED` where they begin; `cargo xtask fuzz` goes further. Inputs are mutated pieces of the corpus, so that they get where its inputs get.
+use rand_xoshiro::SplitMix64;
+use rand_xoshiro::rand_core::{Rng, SeedableRng};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// Random inputs of a target in a plain run.
 const INPUTS: u64 = 100;
 
-/// SplitMix64 (Steele, Lea, Flood 2014).
-struct Random(u64);
+struct Random(SplitMix64);
 
 impl Random {
     fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
+        self.0.next_u64()
     }
     fn below(&mut self, end: usize) -> usize {
         (self.next() % end.max(1) as u64) as usize
@@ -75,7 +72,7 @@ fn play(name: &str) {
     let began = Instant::now();
     let mut count = 0u64;
     while seconds.map_or(count < INPUTS, |seconds| began.elapsed() < Duration::from_secs(seconds)) {
-        let input = random(&inputs, &mut Random(seed.wrapping_add(count)));
+        let input = random(&inputs, &mut Random(SplitMix64::seed_from_u64(seed.wrapping_add(count))));
         if std::panic::catch_unwind(|| run(&input)).is_err() {
             let path = std::env::temp_dir().join(format!("{name}-{seed}-{count}"));
             std::fs::write(&path, &input).unwrap();

@@ -3,6 +3,10 @@
 //! reply must come exactly once and in order. The same harness must find fault with links that are
 //! broken on purpose, or it would prove nothing.
 
+#[path = "../../servo/tests/chance/mod.rs"]
+mod chance;
+
+use chance::Chance;
 use protocol::Ns;
 use protocol::command::{Nothing, SetPos};
 use protocol::deframe::{Deframer, Outcome};
@@ -16,25 +20,6 @@ use zerocopy::FromBytes;
 const MS: Ns = 1_000_000;
 const WINDOW: usize = 8;
 type End = Endpoint<WINDOW>;
-
-/// SplitMix64 (Steele, Lea, Flood 2014).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-    fn below(&mut self, end: u64) -> u64 {
-        self.next() % end
-    }
-    fn percent(&mut self, chance: u64) -> bool {
-        self.below(100) < chance
-    }
-}
 
 /// How bad a channel is, in percent of the frames.
 #[derive(Clone, Copy)]
@@ -52,7 +37,7 @@ const CLEAN: Faults = Faults { loss: 0, damage: 0, doubling: 0, reordering: 0, l
 
 /// One direction: frames under way, each with the instant of its arrival.
 struct Channel {
-    random: Random,
+    random: Chance,
     faults: Faults,
     cut: bool,
     under_way: BinaryHeap<Reverse<(Ns, u64, Vec<u8>)>>,
@@ -65,7 +50,7 @@ struct Channel {
 
 impl Channel {
     fn new(seed: u64, faults: Faults) -> Self {
-        let random = Random(seed);
+        let random = Chance::new(seed);
         let under_way = BinaryHeap::new();
         Channel { random, faults, cut: false, under_way, count: 0, lost: 0, damaged: 0, doubled: 0, reordered: 0 }
     }
@@ -247,7 +232,7 @@ struct Shown {
 /// (from 1) and whose `pos` counts from 0; the reply carries the same count.
 struct Bench<I> {
     plan: Plan,
-    random: Random,
+    random: Chance,
     client: End,
     controller: End,
     inlet: I,
@@ -271,7 +256,7 @@ impl<I: Inlet> Bench<I> {
     fn new(plan: Plan, inlet: I) -> Self {
         Bench {
             plan,
-            random: Random(plan.seed),
+            random: Chance::new(plan.seed),
             client: End::new(Role::Client, Identity::OURS),
             controller: End::new(Role::Controller, Identity::OURS),
             inlet,
@@ -459,7 +444,7 @@ impl<I: Inlet> Bench<I> {
 
 /// Something of a command that a damaged one has not.
 fn check(run: i16, count: u32) -> i16 {
-    (Random((run as u64) << 32 | u64::from(count)).next() >> 48) as i16
+    (Chance::new((run as u64) << 32 | u64::from(count)).next() >> 48) as i16
 }
 
 #[test]

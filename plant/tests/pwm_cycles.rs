@@ -2,6 +2,10 @@
 //!
 //! The timer here is the plainest one: it counts one cycle after the other. The model, [`Stage`],
 //! has no cycles.
+#[path = "../../servo/tests/chance/mod.rs"]
+mod chance;
+
+use chance::Chance;
 use plant::beam::{Change, Stage};
 use servo::laser::{Action, Clock, Count, PLACES, Plan, Power, Rate, Standby, Train};
 use servo::output::{
@@ -14,12 +18,11 @@ const SCALE: Scale = Scale::of_mhz(MHZ);
 /// 100 µs.
 const FINISH: u64 = 24_000;
 
-struct Random(u64);
+struct Random(Chance);
 
 impl Random {
     fn below(&mut self, bound: u64) -> u64 {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (self.0 >> 33) % bound
+        self.0.below(bound)
     }
 
     /// Evenly spread over the magnitudes of `from` to `to`.
@@ -248,7 +251,7 @@ fn the_energy_is_the_models_to_a_count() {
     let runs = std::env::var("BEAMTICK_ROUNDS").ok().and_then(|runs| runs.parse().ok()).unwrap_or(400);
     let (mut edges, mut lost, mut worst, mut cycles) = (0, 0, 0, 0);
     for seed in 0..runs {
-        let mut random = Random(seed);
+        let mut random = Random(Chance::new(seed));
         let (model, got, late, queued) = energy(&mut random, 60);
         let expected = without_lost(&model);
         let differs = expected.iter().zip(&got).position(|(a, b)| a != b);
@@ -331,7 +334,7 @@ fn the_switches_are_the_models_to_a_count() {
     let runs = std::env::var("BEAMTICK_ROUNDS").ok().and_then(|runs| runs.parse().ok()).unwrap_or(400);
     let (mut edges, mut missing, mut worst) = (0, 0, 0);
     for seed in 0..runs {
-        let (model, got, late) = switches(&mut Random(seed), 60);
+        let (model, got, late) = switches(&mut Random(Chance::new(seed)), 60);
         for (model, got) in model.iter().zip(&got) {
             let lost: Vec<_> = model.iter().filter(|pulse| !got.contains(pulse)).collect();
             // What differs is missing, and short.
@@ -384,7 +387,7 @@ fn carried_out(train: Train, pulses: u64) -> (u64, u64, u64) {
 #[test]
 fn frequencies_and_duties_are_exact_in_the_mean() {
     let clock = Clock::from_mhz(MHZ).unwrap();
-    let mut random = Random(3);
+    let mut random = Random(Chance::new(3));
     // mHz: a grid over the magnitudes, cycle ones, and any.
     let mut frequencies: Vec<u64> = (0..=240).map(|n| (1000.0 * 10f64.powf(f64::from(n) / 38.087)) as u64).collect();
     frequencies.extend([1, 2, 5, 10, 24, 96, 100, 1000, 1999, 2000].map(|khz| khz * 1_000_000));
@@ -418,7 +421,7 @@ fn a_plan_is_held_as_it_was_or_not_at_all() {
     let mut held = DelayLine::new((0..DELAY_LINE_WORDS).map(|_| AtomicU32::new(0)).collect::<Vec<_>>().leak());
     let (mut whole, mut refused) = (0, 0);
     for seed in 0..2_000 {
-        let mut random = Random(seed);
+        let mut random = Random(Chance::new(seed));
         let plan = random.plan(250_000);
         let wanted: Vec<(u32, Action)> = plan.actions().to_vec();
         if held.put(&plan) {

@@ -1,5 +1,7 @@
 //! Behaviour against a model, and two real threads for Miri.
 use crate::{Latest, Ring, Store};
+use rand_xoshiro::SplitMix64;
+use rand_xoshiro::rand_core::{Rng, SeedableRng};
 use std::collections::VecDeque;
 use std::thread;
 
@@ -10,11 +12,10 @@ fn ring_behaves_as_a_bounded_queue() {
     let mut ring: Ring<u32, 4> = Ring::new();
     let (mut tx, mut rx) = ring.split();
     let mut model: VecDeque<u32> = VecDeque::new();
-    // A small linear generator decides; the counts exceed the ring's size many times.
-    let mut dice = 12345u32;
+    // The counts exceed the ring's size many times.
+    let mut dice = SplitMix64::seed_from_u64(12345);
     for n in 0..COUNT.min(5_000) {
-        dice = dice.wrapping_mul(1664525).wrapping_add(1013904223);
-        match dice >> 28 {
+        match dice.next_u64() >> 60 {
             0..=7 => {
                 let pushed = tx.push(n);
                 if model.len() < 4 {

@@ -55,6 +55,7 @@ pub fn profile(begin: f64, length: f64, limits: &Rates, even_ms: f64) -> Profile
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::reference::chance::Chance;
 
     fn rates(speed: f64, acc: f64, end: f64) -> Rates {
         Rates { speed, acc, end }
@@ -88,11 +89,8 @@ mod tests {
 
     #[test]
     fn way_and_speed_add_up() {
-        let mut state = 1u64;
-        let mut chance = || {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (state >> 11) as f64 / (1u64 << 53) as f64
-        };
+        let mut chance = Chance::new(1);
+        let mut chance = || chance.unit();
         for _ in 0..100_000 {
             let limits = rates(0.1 + 100.0 * chance(), 0.01 + 10.0 * chance(), 0.0);
             let limits = Rates { end: limits.speed * (2.0 * chance() - 1.0).max(0.0), ..limits };

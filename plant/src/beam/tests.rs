@@ -1,5 +1,8 @@
 extern crate std;
+#[path = "../../../servo/tests/chance/mod.rs"]
+mod chance;
 use super::*;
+use chance::Chance;
 use servo::laser::Count;
 use servo::laser::Pattern;
 use std::vec;
@@ -108,12 +111,11 @@ impl Timer {
     }
 }
 
-struct Random(u64);
+struct Random(Chance);
 
 impl Random {
     fn below(&mut self, bound: u64) -> u64 {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (self.0 >> 33) % bound
+        self.0.below(bound)
     }
 
     fn train(&mut self, scale: u64) -> Train {
@@ -146,7 +148,7 @@ impl Random {
 
 #[test]
 fn the_closed_form_is_a_timer_that_counts_every_nanosecond() {
-    let mut random = Random(11);
+    let mut random = Random(Chance::new(11));
     let mut edges = 0;
     for run in 0..100 {
         let scale = [5, 40, 2_000, 300_000][run % 4];

@@ -1,35 +1,18 @@
 //! Follows and tables against exact rationals, the law against cases worked out by hand.
 extern crate std;
+#[path = "../../tests/chance/mod.rs"]
+mod chance;
 use super::buffered::{Event, EventQueue};
 use super::distance_follow::Displacements;
 use super::light_owner::End;
 use super::power_law::Law;
 use super::power_tables::{DISTANCES, Interval};
 use super::*;
+use chance::Chance;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive};
 use std::{vec, vec::Vec};
-
-/// SplitMix64.
-struct Chance(u64);
-
-impl Chance {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let z = (self.0 ^ self.0 >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let z = (z ^ z >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ z >> 31
-    }
-    /// low ≤ x < high.
-    fn within(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * (self.next() >> 11) as f64 / (1u64 << 53) as f64
-    }
-    /// The same, evenly in the logarithm.
-    fn log(&mut self, low: f64, high: f64) -> f64 {
-        self.within(low.ln(), high.ln()).exp()
-    }
-}
 
 fn exact(x: f64) -> BigRational {
     BigRational::from_float(x).unwrap()
@@ -56,7 +39,7 @@ fn follow(max: f64, min: f64) -> Bounds {
 
 #[test]
 fn the_power_of_a_speed_is_the_nearest_that_there_is() {
-    let mut chance = Chance(1);
+    let mut chance = Chance::new(1);
     for _ in 0..20_000 {
         let (r, v) = (chance.log(1e-9, 4e9), chance.next() >> (chance.next() % 64));
         let got = ratio(r).gain().power(PathSpeed::from_raw(v));
@@ -154,7 +137,7 @@ fn power_table(tables: &Tables, points: &[(f64, f64)]) -> Curve {
 
 #[test]
 fn a_table_is_linear_between_its_points_and_its_border_outside() {
-    let mut chance = Chance(2);
+    let mut chance = Chance::new(2);
     let tables = Tables::new();
     for count in 1..=POINTS {
         let mut v = chance.log(1e-6, 1.0);
@@ -316,7 +299,7 @@ fn four_ways_of_one_length_add_up_with_the_largest_lower_halves_of_factors() {
 
 #[test]
 fn a_distance_adds_what_it_should() {
-    let (mut chance, tables) = (Chance(3), Tables::new());
+    let (mut chance, tables) = (Chance::new(3), Tables::new());
     for _ in 0..3000 {
         let places = [(); 4].map(|()| {
             let far = chance.log(1.0, 1e9);
@@ -415,7 +398,7 @@ fn ratios_of_tables_are_those_of_the_place() {
     assert_eq!(at(1000.0, -1000.0), 0.0);
     assert_eq!(at(1000.0, -500.0), 500.0 * 4.0);
     // Random positions within: bilinear to 2^-40 of the corners.
-    let mut chance = Chance(9);
+    let mut chance = Chance::new(9);
     for _ in 0..500 {
         let (x, y) = (chance.within(0.0, 300.0), chance.within(0.0, 1000.0));
         let fixed = |x: f64| (x * (1 << 22) as f64).floor() / (1 << 22) as f64;

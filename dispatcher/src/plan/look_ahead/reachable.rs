@@ -279,12 +279,9 @@ impl Span {
 mod tests {
     extern crate std;
     use super::*;
+    use rand_xoshiro::SplitMix64;
+    use rand_xoshiro::rand_core::{Rng, SeedableRng};
     use std::format;
-
-    fn chance(state: &mut u64) -> f64 {
-        *state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (*state >> 11) as f64 * (1.0 / 9007199254740992.0)
-    }
 
     /// A coordinate of a line: its part of the direction, the turns at both ends over the mean
     /// lengths, its limit.
@@ -318,15 +315,16 @@ mod tests {
     /// straight bounds allow. The highest start is the highest that has an end.
     #[test]
     fn steps_keep_their_limits_and_go_as_high_as_they_can() {
-        let mut state = 3;
+        let mut numbers = SplitMix64::seed_from_u64(3);
+        let mut chance = || (numbers.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
         let (mut stops, mut limited, mut lowered) = (0, 0, 0);
         for _ in 0..100_000 {
-            let length = 10.0 + 200.0 * chance(&mut state);
-            let acc = 0.5 + chance(&mut state);
+            let length = 10.0 + 200.0 * chance();
+            let acc = 0.5 + chance();
             let sides = [0, 1].map(|_| Side {
-                along: 2.0 * chance(&mut state) - 1.0,
-                turns: [0, 1].map(|_| (2.0 * chance(&mut state) - 1.0).powi(3) * 2.0 / length),
-                limit: 0.5 + chance(&mut state),
+                along: 2.0 * chance() - 1.0,
+                turns: [0, 1].map(|_| (2.0 * chance() - 1.0).powi(3) * 2.0 / length),
+                limit: 0.5 + chance(),
             });
             let acc = sides.iter().fold(acc, |acc, side| acc.min(side.limit / side.along.abs()));
             let bounds = sides.map(|side| {
@@ -334,7 +332,7 @@ mod tests {
                 Bound::straight(side.along, corners, side.limit)
             });
             let span = Span::new(length, acc, &bounds);
-            let (most, cap) = (chance(&mut state) * 400.0, chance(&mut state) * 400.0);
+            let (most, cap) = (chance() * 400.0, chance() * 400.0);
             let (high, settled) = span.back(most, cap);
             let found = || format!("{sides:?} {length} {acc} to {most}, {cap}: {high} {settled}");
             // There is an end for the highest start; trials find none for a higher one.
@@ -352,7 +350,7 @@ mod tests {
             if settled {
                 assert!(span.back(most * 2.0, cap).0 <= high * (1.0 + 1e-12), "{}", found());
             }
-            let x = high * chance(&mut state).sqrt();
+            let x = high * chance().sqrt();
             let y = span.on(x, most);
             assert!((0.0..=most).contains(&y));
             for side in &sides {
