@@ -3,8 +3,8 @@
 //! In: staged operations with their changes. Out: entries in the ring; changes for the executed
 //! state once the view shows that their entries were executed.
 //! Fails: what does not fit is for the caller to try again later ([`Lane::room`]).
-use crate::deque::Deque;
 use crate::shadow::{Change, Shadows, executed, seq_after, seq_from};
+use heapless::Deque;
 use ring::Producer;
 use servo::op::{Entry, Op};
 use servo::units::Ns;
@@ -20,7 +20,7 @@ pub struct Lane<'a, const N: usize> {
 impl<'a, const N: usize> Lane<'a, N> {
     /// A lane whose numbers carry `flag`.
     pub fn new(ring: Producer<'a, Entry, N>, flag: u32) -> Self {
-        Lane { ring, last: flag, log: Deque::new((0, Change::None)) }
+        Lane { ring, last: flag, log: Deque::new() }
     }
     /// Entries that can be pushed now.
     pub fn room(&self) -> usize {
@@ -54,11 +54,10 @@ impl<'a, const N: usize> Lane<'a, N> {
             return false;
         }
         let seq = seq_after(self.last);
-        if self.ring.push(Entry { seq, delay: Ns(delay), op }).is_err() {
+        if self.ring.push(Entry { seq, delay: Ns(delay), op }).is_err() || self.log.push_back((seq, change)).is_err() {
             return false;
         }
         self.last = seq;
-        self.log.push((seq, change));
         ahead.enter(&change, seq);
         true
     }
@@ -69,7 +68,7 @@ impl<'a, const N: usize> Lane<'a, N> {
                 break;
             }
             now.enter(&change, seq);
-            self.log.pop();
+            self.log.pop_front();
         }
     }
     /// Enters what is still in flight into an admitted state that was set back.

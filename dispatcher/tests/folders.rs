@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 
 /// Folders and single files, lowest first. Each may use those before it, a folder also itself.
 const ORDER: [&str; 14] = [
+    "list",
     "capacity",
     "refuse",
-    "deque",
     "io_types",
     "board",
     "product",

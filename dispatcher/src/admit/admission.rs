@@ -102,7 +102,7 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
             laser_loading: tables::Loading::new(),
             executed: Shadows::new(),
             admitted: Shadows::new(),
-            staged: Staged::new(),
+            staged: Staged::default(),
             lane: Lane::new(ring, 0),
             trace: TraceOut::new(),
             log: Log::new(),
@@ -221,7 +221,7 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
     /// data given so far, so all of it leaves the look-ahead.
     pub fn wait_stop(&mut self, view: &View<AXES>, due: Due, wait: &WaitStop) -> Admitted<bool> {
         self.staged.clear();
-        let mut staged = Staged::new();
+        let mut staged = Staged::default();
         let context = context!(self, view, due, staged);
         let axes = context.mask(wait.core.get(), wait.axes.get(), 1)?;
         let crds = context.crds_waited_for(wait.core.get(), wait.crds.get(), 2)?;

@@ -12,6 +12,7 @@ use crate::plan::pvt::{Draft, Fields, Kind, Scratch, SplineScratch, VALUES};
 use crate::refuse::{Admitted, Refused};
 use crate::report::answer::POINTS_MAX;
 use crate::shadow::Shadows;
+use heapless::Vec;
 use protocol::command::{
     PvtContinuousCalculate, PvtPercentCalculate, PvtTable, PvtTableComplete, PvtTableContinuous, PvtTableEx,
     PvtTablePercent, Wire, opcode,
@@ -233,18 +234,14 @@ impl Loading {
     ) -> Admitted<bool> {
         let chunk = Chunk::read(number, body)?;
         context.core(chunk.key.core)?;
-        let mut values = [0.0; POINTS_MAX];
-        let mut count = 0;
+        let mut values = Vec::<_, POINTS_MAX>::new();
         // No room is used: these leave no table.
         let (Some(state), Some(room)) = (self.calculate.get_mut(lane), points.first()) else { return Ok(false) };
         let before = *state;
         take(state, &mut Scratch::new(&mut self.beside, room), (&chunk, context.board.step_limit), false, |value| {
-            if let Some(point) = values.get_mut(count) {
-                *point = value;
-                count += 1;
-            }
+            values.push(value).ok();
         })?;
-        let sent = sent(values.get(..count).unwrap_or(&[]));
+        let sent = sent(&values);
         if !sent {
             *state = before;
         }

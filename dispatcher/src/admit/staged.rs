@@ -1,5 +1,6 @@
 //! Operations of a command that is being admitted.
 use crate::shadow::Change;
+use heapless::Vec;
 use servo::op::Op;
 
 /// Most operations that one command, or one item of LoadConfig, becomes: Reset with both lasers.
@@ -10,31 +11,21 @@ pub const FEW: usize = 8;
 
 /// Operations of one admitted command, not yet pushed: a command that is refused half-way has
 /// changed nothing.
-#[derive(Debug)]
-pub struct Staged {
-    ops: [(Op, Change); STAGED],
-    len: usize,
-}
+#[derive(Debug, Default)]
+pub struct Staged(Vec<(Op, Change), STAGED>);
 
 impl Staged {
-    /// Nothing staged.
-    pub fn new() -> Self {
-        Staged { ops: [(Op::Mark, Change::None); STAGED], len: 0 }
-    }
     /// Forgets what is staged.
     pub fn clear(&mut self) {
-        self.len = 0;
+        self.0.clear();
     }
     /// Adds an operation.
     pub fn add(&mut self, op: Op, change: Change) {
-        debug_assert!(self.len < STAGED, "a command of more than {STAGED} operations");
-        if let Some(slot) = self.ops.get_mut(self.len) {
-            *slot = (op, change);
-            self.len += 1;
-        }
+        let fits = self.0.push((op, change)).is_ok();
+        debug_assert!(fits, "a command of more than {STAGED} operations");
     }
     /// What is staged, in order.
     pub fn ops(&self) -> &[(Op, Change)] {
-        self.ops.get(..self.len).unwrap_or(&[])
+        &self.0
     }
 }

@@ -25,6 +25,7 @@ mod junction;
 mod reachable;
 
 use super::geometry::{Form, Geometry, Position};
+use heapless::Vec;
 use junction::{Junction, REST, Tail};
 use libm::{fabs, sqrt};
 use reachable::{BOUNDS, Bound, Corner, Span};
@@ -254,14 +255,14 @@ impl<const N: usize> LookAhead<N> {
     }
 
     /// Bounds of a motion between the junctions at its start and end.
-    fn bounds(&self, motion: &Motion, end: &Junction) -> Bounds {
+    fn bounds(&self, motion: &Motion, end: &Junction) -> Vec<Bound, BOUNDS> {
         let Motion { length, vel, acc, .. } = *motion;
         let ends = [&motion.start, end];
         let reach = acc * length / 4.0;
         let fastest = ends.map(|end| (end.cap * vel * vel <= reach * reach).then(|| sqrt(end.cap) * vel));
         let corners =
             |bends: [f64; 2], limit| [0, 1].map(|end: usize| Corner::new(bends[end], length, fastest[end], limit));
-        let mut bounds = Bounds { bounds: [Bound::straight(0.0, [Corner::NONE; 2], 1.0); BOUNDS], count: 0 };
+        let mut bounds = Vec::new();
         let mut sharpest = [0.0f64; 2];
         for (i, limit) in self.limits.acc.iter().enumerate() {
             let along = f64::from(motion.direction[i]);
@@ -269,12 +270,12 @@ impl<const N: usize> LookAhead<N> {
             if motion.round.is_some() && along != 0.0 {
                 sharpest = [0, 1].map(|end: usize| sharpest[end].max(fabs(bends[end])));
             } else if bends != [0.0; 2] {
-                bounds.push(Bound::straight(along, corners(bends, *limit), *limit));
+                bounds.push(Bound::straight(along, corners(bends, *limit), *limit)).ok();
             }
         }
         if let Some((radius, limit)) = motion.round {
             for bound in Bound::circle(radius, corners(sharpest, limit), limit) {
-                bounds.push(bound);
+                bounds.push(bound).ok();
             }
         }
         bounds
@@ -308,7 +309,7 @@ impl<const N: usize> LookAhead<N> {
                 return;
             }
             let bounds = self.bounds(motion, &end);
-            let span = Span::new(motion.length, motion.acc, bounds.bounds());
+            let span = Span::new(motion.length, motion.acc, &bounds);
             let (high, free) = span.back(after, motion.start.cap);
             settled |= free;
             if high == motion.high && !settled {
@@ -339,35 +340,16 @@ impl<const N: usize> LookAhead<N> {
         };
         let (junction, high, settled) = self.end_of(self.first.wrapping_add(1));
         let bounds = self.bounds(motion, &junction);
-        let span = Span::new(motion.length, motion.acc, bounds.bounds());
+        let span = Span::new(motion.length, motion.acc, &bounds);
         let end = span.on(self.begin, high);
         if !(now || settled || end < high) {
             return None;
         }
-        let (vel, acc, ms) = span.choose(bounds.bounds(), [self.begin, end], motion.vel, motion.acc);
+        let (vel, acc, ms) = span.choose(&bounds, [self.begin, end], motion.vel, motion.acc);
         let bits = [vel.max(ALONG_MIN), acc.max(ALONG_MIN), sqrt(end)].map(f64::to_bits);
         let entry = Along::admit(bits[0], bits[1], bits[2]).ok().and_then(|along| motion.form.entry(along))?;
         (self.first, self.begin) = (self.first.wrapping_add(1), end);
         Some(Planned { entry, ms })
-    }
-}
-
-/// Bounds of a motion.
-struct Bounds {
-    bounds: [Bound; BOUNDS],
-    count: usize,
-}
-
-impl Bounds {
-    fn push(&mut self, bound: Bound) {
-        if let Some(position) = self.bounds.get_mut(self.count) {
-            *position = bound;
-            self.count += 1;
-        }
-    }
-
-    fn bounds(&self) -> &[Bound] {
-        self.bounds.get(..self.count).unwrap_or(&self.bounds)
     }
 }
 

@@ -43,8 +43,7 @@ impl Program<'_> {
             self.clearing = true;
         }
         self.records.clear();
-        self.awaiting.clear();
-        self.values.clear();
+        self.replies.abandon();
         self.config = None;
         self.overflowed = false;
     }
@@ -52,18 +51,8 @@ impl Program<'_> {
     /// The tick refused a start or data. The program has failed there, unless the entry may fail.
     /// One entry may carry the data of many records.
     pub fn tick_refused(&mut self, refusal: TickRefusal) {
-        let (mut data, mut asked, mut may_fail) = (false, false, true);
-        self.awaiting.amend_back(|item| {
-            if item.own && item.seq == Some(refusal.0) {
-                data |= item.loses(refusal);
-                (asked, may_fail) = (true, may_fail && item.may_fail);
-            }
-            true
-        });
-        if !data {
-            self.refused.push(refusal);
-        }
-        if self.is_active() && !(asked && may_fail) {
+        let may_fail = self.replies.refuse(refusal);
+        if self.is_active() && !may_fail {
             self.cut(State::Failed);
         }
     }
@@ -127,13 +116,12 @@ impl Program<'_> {
             return;
         }
         self.dropping = None;
-        self.awaiting.amend_back(|item| {
+        for item in &mut self.replies.items {
             // What the immediate lane carried is executed.
             let dropped = |seq: u32| seq & PROGRAM_FLAG != 0 && !executed(view, seq);
             item.discarded |= item.open || item.seq.is_some_and(dropped);
             item.open = false;
-            true
-        });
+        }
         (self.delay, self.instant, self.pauses, self.open, self.open_paths) = (0, 0, Pauses::default(), [0; 2], [0; 2]);
         (self.run, self.end, self.config) = (None, None, None);
     }
@@ -141,7 +129,7 @@ impl Program<'_> {
     /// A strict program was late: what follows is not executed. The next entry reports why.
     pub(super) fn late(&mut self) {
         self.cut(State::Failed);
-        self.refused.push((0, Refuser::Nobody));
+        self.replies.note((0, Refuser::Nobody));
     }
 
     /// Answers what was executed or dropped, in order.
@@ -153,11 +141,12 @@ impl Program<'_> {
     ) -> bool {
         let mut progress = false;
         let reading = admission.reading(view);
-        while let Some(&item) = self.awaiting.front() {
+        while let Some(&item) = self.replies.items.front() {
             if item.open || !item.discarded && item.seq.is_some_and(|seq| !executed(view, seq)) {
                 break;
             }
             let refusal = self
+                .replies
                 .refused
                 .front()
                 .copied()
@@ -166,23 +155,20 @@ impl Program<'_> {
                 Some((0, ..)) => out.refused(item.opcode, item.tag, &Refused::new(Reason::Late).wire),
                 Some((_, refuser)) => out.refused(item.opcode, item.tag, &reading.explain(refuser).wire),
                 None if item.discarded => out.refused(item.opcode, item.tag, &Refused::new(self.rest).wire),
-                None => reading.answer(&item, self.values.iter().copied(), out),
+                None => reading.answer(&item, self.replies.values(), out),
             };
             if written.is_err() {
                 break;
             }
             if refusal.is_some() {
-                self.refused.pop();
+                self.replies.refused.pop_front();
             } else if !item.discarded && !matches!(item.answer, Answer::Lost { .. }) {
                 self.done = self.done.wrapping_add(1);
             }
             if let Some(seq) = item.seq.filter(|_| item.own) {
                 self.answered = (seq, item.tag);
             }
-            for _ in 0..item.answer.waiting() {
-                self.values.pop();
-            }
-            self.awaiting.pop();
+            self.replies.pop();
             progress = true;
         }
         progress
@@ -190,19 +176,19 @@ impl Program<'_> {
 
     /// Answers the records that wait: they are not executed.
     pub(super) fn discard(&mut self, out: &mut ReplyWriter) -> bool {
-        if !self.awaiting.is_empty() {
+        if !self.replies.items.is_empty() {
             return false;
         }
         let mut progress = false;
         while let Some((head, _)) = self.records.front() {
             // A strict program that was late with an empty ring reports it at its next record.
-            let late = self.refused.front().is_some_and(|&(seq, ..)| seq == 0);
+            let late = self.replies.refused.front().is_some_and(|&(seq, ..)| seq == 0);
             let reason = if late { Reason::Late } else { self.rest };
             if out.refused(head.opcode, head.tag, &Refused::new(reason).wire).is_err() {
                 return progress;
             }
             if late {
-                self.refused.pop();
+                self.replies.refused.pop_front();
             }
             self.records.pop();
             progress = true;
@@ -211,7 +197,7 @@ impl Program<'_> {
             self.clearing = false;
             self.overflowed = false;
             self.state = State::Empty;
-            self.refused.clear();
+            self.replies.refused.clear();
             progress = true;
         }
         self.settled = true;

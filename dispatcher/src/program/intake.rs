@@ -69,7 +69,7 @@ impl Program<'_> {
     /// Whether a command other than Reset has room after the gathered commits. Data adds at most
     /// one commit.
     fn has_room(&self) -> bool {
-        self.lane.room() >= FEW + self.gathered() && !self.awaiting.is_full() && self.values.room() >= TAKEN_MAX
+        self.lane.room() >= FEW + self.gathered() && self.replies.has_room(TAKEN_MAX)
     }
 
     /// Gathered commits. There is always room for them.
@@ -126,7 +126,7 @@ impl Program<'_> {
         let full = matches!(refused.reason, Reason::FifoFull | Reason::CrdFull);
         self.urgent = runs && (!full || quiet);
         let instant = view.script_zero.0.saturating_add(view.script.0).saturating_add(self.delay);
-        if !runs || self.lane.in_flight() || !self.awaiting.is_empty() || view.now.0 <= instant {
+        if !runs || self.lane.in_flight() || !self.replies.items.is_empty() || view.now.0 <= instant {
             return false;
         }
         let Some((head, _)) = self.records.front() else { return false };
@@ -166,13 +166,14 @@ impl Program<'_> {
                 return Ok(Step::Taken);
             }
             number if kind(number) == Some(CommandKind::Calculate) => {
-                if self.values.room() < POINTS_MAX {
+                if !self.replies.has_room(POINTS_MAX) {
                     return Ok(Step::Wait);
                 }
                 let mut count = 0;
                 admission.calculate(view, 1, number, body, |values| {
                     count = values.len() as u8;
-                    values.iter().all(|&value| self.values.push(value))
+                    self.replies.keep(values.iter().copied());
+                    true
                 })?;
                 self.attach(number, head.tag, Answer::Values(count));
                 return Ok(Step::Taken);
@@ -218,16 +219,14 @@ impl Program<'_> {
         }
         self.flush(admission);
         if let (Effect::Took(values), Answer::Took { count, .. }) = (effect, answer) {
-            for value in values.into_iter().take(count.into()) {
-                self.values.push(value);
-            }
+            self.replies.keep(values.into_iter().take(count.into()));
         }
         self.push_staged(admission);
         admission.apply(effect, self.lane.last());
         if head.opcode == opcode::ProgramEnd {
             self.end = Some(self.lane.last());
         }
-        self.awaiting.push(Awaiting {
+        self.replies.push(Awaiting {
             opcode: head.opcode,
             tag: head.tag,
             seq: Some(self.lane.last()),
@@ -261,7 +260,7 @@ impl Program<'_> {
     fn attach(&mut self, opcode: u16, tag: u16, answer: Answer) {
         let open = self.gathers();
         let seq = self.lane.in_flight().then(|| self.lane.last());
-        self.awaiting.push(Awaiting { opcode, tag, seq, open, answer, ..Awaiting::BLANK });
+        self.replies.push(Awaiting { opcode, tag, seq, open, answer, ..Awaiting::BLANK });
     }
 
     /// Data is in the store; one commit will publish all that belongs to this instant.
@@ -272,21 +271,19 @@ impl Program<'_> {
         written: &commit::Written,
     ) {
         let fifo = usize::from(written.fifo) & 1;
-        for value in written.waiting() {
-            self.values.push(value);
-        }
+        self.replies.keep(written.waiting());
         match written.of {
             FifoOf::Axis(axis) => self.open[fifo] |= axis.mask().0,
             FifoOf::Crd(crd) if written.at_once => {
                 admission.commit_path_now(crd, written.fifo);
                 let (seq, answer) = (Some(admission.lane.last()), written.answer);
-                self.awaiting.push(Awaiting { opcode, tag, seq, own: true, may_fail, answer, ..Awaiting::BLANK });
+                self.replies.push(Awaiting { opcode, tag, seq, own: true, may_fail, answer, ..Awaiting::BLANK });
                 return;
             }
             FifoOf::Crd(crd) => self.open_paths[fifo] |= crd.mask().0,
         }
         let answer = written.answer;
-        self.awaiting.push(Awaiting { opcode, tag, open: true, own: true, may_fail, answer, ..Awaiting::BLANK });
+        self.replies.push(Awaiting { opcode, tag, open: true, own: true, may_fail, answer, ..Awaiting::BLANK });
     }
 
     /// Pushes the gathered commits. There is room for them: no record is admitted without it, and
@@ -312,20 +309,16 @@ impl Program<'_> {
         }
         let open = core::mem::take(&mut self.open);
         self.open_paths = [0; 2];
-        self.awaiting.amend_back(|item| {
-            let gathered = item.open;
-            if gathered {
-                // Data of an axis waits for its own commit: the tick may refuse that.
-                let before = match item.answer {
-                    Answer::Taken { axis, fifo, .. } | Answer::Entered { axis, fifo, .. } if item.own => {
-                        index_among(&open, axis, fifo)
-                    }
-                    _ => count - 1,
-                };
-                (item.open, item.seq) = (false, Some(seq_from(first, before)));
-            }
-            gathered
-        });
+        for item in self.replies.items.iter_mut().rev().take_while(|item| item.open) {
+            // Data of an axis waits for its own commit: the tick may refuse that.
+            let before = match item.answer {
+                Answer::Taken { axis, fifo, .. } | Answer::Entered { axis, fifo, .. } if item.own => {
+                    index_among(&open, axis, fifo)
+                }
+                _ => count - 1,
+            };
+            (item.open, item.seq) = (false, Some(seq_from(first, before)));
+        }
     }
 
     /// LoadConfig, item by item.

@@ -24,10 +24,9 @@ use crate::admit::admission::Admission;
 use crate::admit::context::Due;
 use crate::admit::one;
 use crate::capacity::{AWAITING, VALUES};
-use crate::deque::Deque;
 use crate::lane::Lane;
 use crate::refuse::{Admitted, Refused};
-use crate::report::pending_replies::{Awaiting, Refuser, Step, TickRefusal};
+use crate::report::pending_replies::{PendingReplies, Step};
 use crate::shadow::{Change, PROGRAM_FLAG, Shadows, executed, renew};
 use protocol::command::{ProgramClear, ProgramReply, ProgramStart, ProgramStatus, opcode};
 use protocol::reason::Reason;
@@ -61,10 +60,7 @@ pub enum State {
 pub struct Program<'a> {
     lane: Lane<'a, PROGRAM>,
     records: Records,
-    awaiting: Deque<Awaiting, AWAITING>,
-    refused: Deque<TickRefusal, 8>,
-    /// The values of the Calculate and laser commands among them, in order.
-    values: Deque<f64, VALUES>,
+    replies: PendingReplies<AWAITING, VALUES>,
     state: State,
     /// Script time since the last entry pushed, ns.
     delay: u64,
@@ -124,9 +120,7 @@ impl<'a> Program<'a> {
         Program {
             lane: Lane::new(ring, PROGRAM_FLAG),
             records: Records::new(),
-            awaiting: Deque::new(Awaiting::BLANK),
-            refused: Deque::new((0, Refuser::Nobody)),
-            values: Deque::new(0.0),
+            replies: PendingReplies::new(),
             state: State::Empty,
             delay: 0,
             instant: 0,
@@ -368,7 +362,7 @@ impl<'a> Program<'a> {
         let tag = |seq: u32| {
             let reaches =
                 |last: u32| last & PROGRAM_FLAG != 0 && last.wrapping_sub(seq) & !PROGRAM_FLAG < PROGRAM_FLAG >> 1;
-            let waiting = || self.awaiting.iter().find(|item| item.own && item.seq.is_some_and(reaches));
+            let waiting = || self.replies.items.iter().find(|item| item.own && item.seq.is_some_and(reaches));
             let (last, tag) = self.answered;
             if reaches(last) { Some(tag) } else { waiting().map(|item| item.tag) }
         };

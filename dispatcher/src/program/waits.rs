@@ -5,6 +5,7 @@
 //! A WaitStop takes a time that only the tick knows. It is known once the view shows its end, which
 //! is before its execution. No more WaitStops are in flight than are kept here.
 use crate::shadow::{Change, executed, renew};
+use heapless::Deque;
 use servo::op::Op;
 use servo::status::RUNNING;
 use servo::view::{AxisView, CrdView, View};
@@ -12,7 +13,7 @@ use servo::view::{AxisView, CrdView, View};
 /// WaitStops that are kept.
 const KEPT: usize = 3;
 
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 struct Pause {
     seq: u32,
     /// The first entry of a later instant; 0 is none: numbers of this lane have a flag.
@@ -22,11 +23,10 @@ struct Pause {
 }
 
 /// See the module text.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Default)]
 pub(super) struct Pauses {
     /// Those whose end is not known yet.
-    kept: [Pause; KEPT],
-    len: u8,
+    kept: Deque<Pause, KEPT>,
     /// The last one pushed.
     pub last: Option<u32>,
 }
@@ -34,27 +34,25 @@ pub(super) struct Pauses {
 impl Pauses {
     /// Whether one is in flight: then the instants of the program are later than stated.
     pub fn wait(&self) -> bool {
-        self.len != 0
+        !self.kept.is_empty()
     }
 
     /// Whether another one has to wait for one of these.
     pub fn is_full(&self) -> bool {
-        usize::from(self.len) == KEPT
+        self.kept.is_full()
     }
 
     /// An entry has been pushed at this script clock.
     pub fn push(&mut self, op: &Op, seq: u32, instant: u64) {
-        for pause in self.kept.iter_mut().take(self.len.into()) {
+        for pause in &mut self.kept {
             if pause.later == 0 && instant != pause.instant {
                 pause.later = seq;
             }
         }
         if let Op::WaitRest { .. } = op {
             self.last = Some(seq);
-            if let Some(slot) = self.kept.get_mut(usize::from(self.len)) {
-                *slot = Pause { seq, later: 0, instant };
-                self.len += 1;
-            }
+            // No more than fit are in flight.
+            self.kept.push_back(Pause { seq, later: 0, instant }).ok();
         }
     }
 
@@ -66,14 +64,13 @@ impl Pauses {
         mut instant: u64,
         changes: impl Fn() -> I,
     ) -> u64 {
-        while self.len != 0 {
-            let [pause, next, ..] = self.kept;
+        while let Some(&pause) = self.kept.front() {
             let end = if is_over(view, &pause, changes()) {
                 // Else it would have been executed on the tick before.
                 pause.instant.max(view.now.0.saturating_sub(view.script_zero.0))
             } else if !executed(view, pause.seq) {
                 break;
-            } else if self.len > 1 && executed(view, next.seq) {
+            } else if self.kept.iter().nth(1).is_some_and(|next| executed(view, next.seq)) {
                 pause.instant
             } else if pause.later == 0 || !executed(view, pause.later) {
                 // The clock that the view shows is that of its end.
@@ -83,14 +80,13 @@ impl Pauses {
             };
             let took = end.saturating_sub(pause.instant);
             instant = instant.saturating_add(took);
-            self.kept.rotate_left(1);
-            self.len -= 1;
-            for pause in self.kept.iter_mut().take(self.len.into()) {
+            self.kept.pop_front();
+            for pause in &mut self.kept {
                 pause.instant = pause.instant.saturating_add(took);
             }
         }
         if changes().next().is_none() {
-            self.len = 0;
+            self.kept.clear();
         }
         instant.max(view.script.0)
     }

@@ -5,6 +5,7 @@
 //! Fails: never; new events replace the oldest.
 //! A stop has its tick's time. Any other event has the time of the first view that showed it, which
 //! is the same unless the link task was late.
+use heapless::Deque;
 use protocol::command::EventItem;
 use protocol::values::event;
 use servo::laser::{CHANNELS, Ignored};
@@ -50,8 +51,7 @@ pub enum ShutOff {
 
 /// The log.
 pub struct Log {
-    /// Event k of all has index k modulo `HELD`.
-    items: [EventItem; HELD],
+    items: Deque<EventItem, HELD>,
     total: u32,
     faults: [u16; CHANNELS],
     ignored: [u8; CHANNELS],
@@ -63,14 +63,8 @@ pub struct Log {
 impl Log {
     /// An empty log.
     pub const fn new() -> Log {
-        const NONE: EventItem = EventItem {
-            time_ns: zerocopy::little_endian::U64::ZERO,
-            kind: 0,
-            of: 0,
-            reason: zerocopy::little_endian::U16::ZERO,
-        };
         Log {
-            items: [NONE; HELD],
+            items: Deque::new(),
             total: 0,
             faults: [0; CHANNELS],
             ignored: [0; CHANNELS],
@@ -82,8 +76,11 @@ impl Log {
 
     /// Adds an event.
     pub fn put(&mut self, at: Ns, kind: Kind, of: u8, reason: u16) {
-        if let Some(slot) = self.items.get_mut(self.total as usize % HELD) {
-            *slot = EventItem { time_ns: at.0.into(), kind: kind as u8, of, reason: reason.into() };
+        if self.items.is_full() {
+            self.items.pop_front();
+        }
+        let item = EventItem { time_ns: at.0.into(), kind: kind as u8, of, reason: reason.into() };
+        if self.items.push_back(item).is_ok() {
             self.total = self.total.wrapping_add(1);
         }
     }
@@ -137,9 +134,8 @@ impl Log {
 
     /// Limited once more: one event counts all in a row.
     fn limited(&mut self, at: Ns, channel: u8, times: u16) {
-        let newest = self.items.get_mut(self.total.wrapping_sub(1) as usize % HELD);
-        match newest {
-            Some(newest) if self.total != 0 && (newest.kind, newest.of) == (Kind::Limited as u8, channel) => {
+        match self.items.back_mut() {
+            Some(newest) if (newest.kind, newest.of) == (Kind::Limited as u8, channel) => {
                 newest.reason = newest.reason.get().saturating_add(times).into();
             }
             _ => self.put(at, Kind::Limited, channel, times),
@@ -153,7 +149,6 @@ impl Log {
 
     /// Those that are kept, the oldest first.
     pub fn items(&self) -> impl Iterator<Item = &EventItem> {
-        let held = (self.total as usize).min(HELD);
-        (0..held).filter_map(move |k| self.items.get((self.total as usize - held + k) % HELD))
+        self.items.iter()
     }
 }

@@ -1,7 +1,10 @@
 //! Replies that wait for the tick, and whether a record was handled.
+//!
+//! In: what was admitted, what the tick refused. Out: the replies of a lane in order.
 use super::answer::Answer;
 use super::replies::{Reading, took_reply, values_reply};
 use crate::refuse::Refused;
+use heapless::Deque;
 use protocol::command::opcode;
 use protocol::reason::Reason;
 use protocol::record::{Full, ReplyWriter};
@@ -30,7 +33,7 @@ pub struct Awaiting {
 }
 
 impl Awaiting {
-    /// Fills unused slots.
+    /// Waits for nothing.
     pub const BLANK: Awaiting = Awaiting {
         opcode: 0,
         tag: 0,
@@ -44,17 +47,82 @@ impl Awaiting {
 }
 
 impl Awaiting {
-    /// Whether it is data that waits for this entry, which the tick refused: then the answer
-    /// reports that.
-    pub fn loses(&mut self, (seq, refuser): TickRefusal) -> bool {
+    /// Whether it is data, whose entry the tick refused: then the answer reports that.
+    fn loses(&mut self, refuser: Refuser) -> bool {
         let data = matches!(self.answer, Answer::Taken { .. } | Answer::Entered { .. } | Answer::Lost { .. });
         match refuser {
-            Refuser::Axis(axis, status) if data && self.own && self.seq == Some(seq) => {
+            Refuser::Axis(axis, status) if data => {
                 self.answer = Answer::Lost { axis, status };
                 true
             }
             _ => false,
         }
+    }
+}
+
+/// The replies of a lane that wait, and what they are answered with. Who adds to them checks the room
+/// before.
+#[derive(Debug)]
+pub struct PendingReplies<const REPLIES: usize, const VALUES: usize> {
+    /// The replies.
+    pub items: Deque<Awaiting, REPLIES>,
+    /// What the tick refused among them.
+    pub refused: Deque<TickRefusal, 8>,
+    /// The values of the Calculate and laser commands among them.
+    values: Deque<f64, VALUES>,
+}
+
+impl<const REPLIES: usize, const VALUES: usize> PendingReplies<REPLIES, VALUES> {
+    /// None.
+    pub const fn new() -> Self {
+        PendingReplies { items: Deque::new(), refused: Deque::new(), values: Deque::new() }
+    }
+    /// Whether another reply with so many values fits.
+    pub fn has_room(&self, values: usize) -> bool {
+        !self.items.is_full() && VALUES - self.values.len() >= values
+    }
+    /// Appends a reply.
+    pub fn push(&mut self, item: Awaiting) {
+        let fits = self.items.push_back(item).is_ok();
+        debug_assert!(fits, "more replies than wait");
+    }
+    /// Keeps the values of a reply.
+    pub fn keep(&mut self, values: impl IntoIterator<Item = f64>) {
+        for value in values {
+            let fits = self.values.push_back(value).is_ok();
+            debug_assert!(fits, "more values than wait");
+        }
+    }
+    /// The values that are kept, oldest first.
+    pub fn values(&self) -> impl Iterator<Item = f64> {
+        self.values.iter().copied()
+    }
+    /// The tick refused an entry. True if replies wait for it and all of them may fail.
+    pub fn refuse(&mut self, refusal: TickRefusal) -> bool {
+        let (mut data, mut asked, mut may_fail) = (false, false, true);
+        for item in self.items.iter_mut().filter(|item| item.own && item.seq == Some(refusal.0)) {
+            data |= item.loses(refusal.1);
+            (asked, may_fail) = (true, may_fail && item.may_fail);
+        }
+        if !data {
+            self.note(refusal);
+        }
+        asked && may_fail
+    }
+    /// The next reply that is a refusal reports this. More than wait are not kept.
+    pub fn note(&mut self, refusal: TickRefusal) {
+        self.refused.push_back(refusal).ok();
+    }
+    /// The first reply has been written.
+    pub fn pop(&mut self) {
+        for _ in 0..self.items.pop_front().map_or(0, |item| item.answer.waiting()) {
+            self.values.pop_front();
+        }
+    }
+    /// Nobody waits for them any more.
+    pub fn abandon(&mut self) {
+        self.items.clear();
+        self.values.clear();
     }
 }
 

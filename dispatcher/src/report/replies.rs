@@ -13,10 +13,12 @@ use super::event_log::{HELD, Log};
 use crate::board::{Board, FAULT_TEXT_MAX};
 use crate::configuration::{Configuration, ones};
 use crate::io_types::{WORD, WORDS};
+use crate::list::list;
 use crate::plan::geometry::pulses;
 use crate::plan::pvt::table_number;
 use crate::report::answer::{POINTS_MAX, Query, TAKEN_MAX};
-use crate::shadow::Shadows;
+use crate::shadow::{AxisShadow, Shadows};
+use heapless::Vec;
 use protocol::command::{self, Chapter, Request, chapter, opcode};
 use protocol::record::{Full, ReplyWriter};
 use protocol::values::{ANALOG_INPUT_VOLTS, io as kind, mode, wait};
@@ -90,14 +92,9 @@ pub fn values_reply(
     values: impl Iterator<Item = f64>,
     out: &mut ReplyWriter,
 ) -> Result<(), Full> {
-    let mut items = [command::Real::default(); POINTS_MAX];
-    let mut count = 0;
-    for (item, value) in items.iter_mut().zip(values) {
-        item.value = value.into();
-        count += 1;
-    }
-    let head = command::Count { count: (count as u16).into() };
-    out.push_raw(opcode, tag, 0, &[head.as_bytes(), items.get(..count).unwrap_or(&[]).as_bytes()])
+    let items: Vec<_, POINTS_MAX> = list(values.map(|value| command::Real { value: value.into() }));
+    let head = command::Count { count: (items.len() as u16).into() };
+    out.push_raw(opcode, tag, 0, &[head.as_bytes(), items.as_bytes()])
 }
 
 /// The reply to a laser command that reports what it took: `count` values, and which were limited.
@@ -178,13 +175,9 @@ impl<const AXES: usize> Reading<'_, AXES> {
     where
         R: command::Request<Reply = command::Reals, ReplyItem = command::Real>,
     {
-        let mut items = [command::Real::default(); AXES];
-        let axes = self.axes(query);
-        for (item, axis) in items.iter_mut().zip(axes) {
-            item.value = value(axis).into();
-        }
-        let head = command::Reals { clock_ms: self.clock_ms().into(), count: (axes.len() as u16).into() };
-        out.done::<R>(tag, &head, &items[..axes.len()])
+        let items: Vec<_, AXES> = list(self.axes(query).iter().map(|axis| command::Real { value: value(axis).into() }));
+        let head = command::Reals { clock_ms: self.clock_ms().into(), count: (items.len() as u16).into() };
+        out.done::<R>(tag, &head, &items)
     }
 
     fn longs<R>(
@@ -197,13 +190,10 @@ impl<const AXES: usize> Reading<'_, AXES> {
     where
         R: command::Request<Reply = command::Longs, ReplyItem = command::Long>,
     {
-        let mut items = [command::Long::default(); AXES];
-        let axes = self.axes(query);
-        for (index, (item, axis)) in items.iter_mut().zip(axes).enumerate() {
-            item.value = value(index, axis).into();
-        }
-        let head = command::Longs { clock_ms: self.clock_ms().into(), count: (axes.len() as u16).into() };
-        out.done::<R>(tag, &head, &items[..axes.len()])
+        let item = |(index, axis)| command::Long { value: value(index, axis).into() };
+        let items: Vec<_, AXES> = list(self.axes(query).iter().enumerate().map(item));
+        let head = command::Longs { clock_ms: self.clock_ms().into(), count: (items.len() as u16).into() };
+        out.done::<R>(tag, &head, &items)
     }
 
     /// Writes the reply to a read.
@@ -276,34 +266,27 @@ impl<const AXES: usize> Reading<'_, AXES> {
             opcode::GetDiEx => self.words::<command::GetDiEx>(tag, query, out),
             opcode::GetDoEx => self.words::<command::GetDoEx>(tag, query, out),
             opcode::GetDac => {
-                let mut items = [command::Short::default(); 8];
-                let count = usize::from(query.count).min(8);
-                for (item, output) in items.iter_mut().zip(usize::from(query.first)..) {
-                    item.value = self.analog_output(output).into();
-                }
-                out.done::<command::GetDac>(tag, &command::Count { count: (count as u16).into() }, &items[..count])
+                let outputs = (usize::from(query.first)..).take(query.count.into());
+                let item = |output| command::Short { value: self.analog_output(output).into() };
+                let items: Vec<_, 8> = list(outputs.map(item));
+                let head = command::Count { count: (items.len() as u16).into() };
+                out.done::<command::GetDac>(tag, &head, &items)
             }
             opcode::GetAdc => {
-                let mut items = [command::Real::default(); 8];
-                let count = usize::from(query.count).min(8);
-                for (item, value) in items.iter_mut().zip(self.view.analog.iter().skip(usize::from(query.first))) {
-                    item.value = (f64::from(*value) * ANALOG_INPUT_VOLTS / 32768.0).into();
-                }
-                let head = command::Reals { clock_ms: self.clock_ms().into(), count: (count as u16).into() };
-                out.done::<command::GetAdc>(tag, &head, &items[..count])
+                let inputs = self.view.analog.iter().skip(query.first.into()).take(query.count.into());
+                let volts = |value: &i16| f64::from(*value) * ANALOG_INPUT_VOLTS / 32768.0;
+                let items: Vec<_, 8> = list(inputs.map(|value| command::Real { value: volts(value).into() }));
+                let head = command::Reals { clock_ms: self.clock_ms().into(), count: (items.len() as u16).into() };
+                out.done::<command::GetAdc>(tag, &head, &items)
             }
             opcode::PvtStatus => {
-                let mut items = [command::PvtStatusItem::default(); AXES];
-                let axes = self.axes(query);
-                for (item, axis) in items.iter_mut().zip(axes) {
+                let items: Vec<_, AXES> = list(self.axes(query).iter().map(|axis| {
                     let since = self.view.now.0.min(axis.table_until.0).saturating_sub(axis.table_zero.0);
-                    *item = command::PvtStatusItem {
-                        table: table_number(axis.table).into(),
-                        time: (since as f64 / 1e6).into(),
-                    };
-                }
-                let head = command::Count { count: (axes.len() as u16).into() };
-                out.done::<command::PvtStatus>(tag, &head, &items[..axes.len()])
+                    let time = (since as f64 / 1e6).into();
+                    command::PvtStatusItem { table: table_number(axis.table).into(), time }
+                }));
+                let head = command::Count { count: (items.len() as u16).into() };
+                out.done::<command::PvtStatus>(tag, &head, &items)
             }
             other => match chapter(other) {
                 Chapter::Laser => self.laser(tag, query, out),
@@ -383,14 +366,9 @@ impl<const AXES: usize> Reading<'_, AXES> {
     }
 
     fn events(&self, tag: u16, out: &mut ReplyWriter) -> Result<(), Full> {
-        let mut items = [command::EventItem::default(); HELD];
-        let mut count = 0;
-        for (slot, item) in items.iter_mut().zip(self.log.items()) {
-            *slot = *item;
-            count += 1;
-        }
-        let head = command::EventsReply { total: self.log.total().into(), count: (count as u16).into() };
-        out.done::<command::GetEvents>(tag, &head, &items[..count])
+        let items: Vec<_, HELD> = list(self.log.items().copied());
+        let head = command::EventsReply { total: self.log.total().into(), count: (items.len() as u16).into() };
+        out.done::<command::GetEvents>(tag, &head, &items)
     }
 
     /// The text is cut between characters.
@@ -439,36 +417,31 @@ impl<const AXES: usize> Reading<'_, AXES> {
     }
 
     fn captures(&self, tag: u16, query: &Query, out: &mut ReplyWriter) -> Result<(), Full> {
-        let mut items = [command::CaptureReply::default(); AXES];
-        let axes = self.axes(query);
-        for (item, axis) in items.iter_mut().zip(axes) {
+        let items: Vec<_, AXES> = list(self.axes(query).iter().map(|axis| {
             let value = axis.captured.unwrap_or(0).clamp(i32::MIN.into(), i32::MAX.into()) as i32;
-            *item = command::CaptureReply {
+            command::CaptureReply {
                 status: i16::from(axis.captured.is_some()).into(),
                 value: value.into(),
                 clock_ms: self.clock_ms().into(),
-            };
-        }
-        let head = command::Count { count: (axes.len() as u16).into() };
-        out.done::<command::GetCaptureStatus>(tag, &head, &items[..axes.len()])
+            }
+        }));
+        let head = command::Count { count: (items.len() as u16).into() };
+        out.done::<command::GetCaptureStatus>(tag, &head, &items)
     }
 
     fn statuses(&self, tag: u16, query: &Query, out: &mut ReplyWriter) -> Result<(), Full> {
-        let mut items = [command::AxisItem::default(); AXES];
-        let axes = self.axes(query);
         let shadows = self.executed.axes.iter().skip(usize::from(query.first));
-        for ((item, axis), shadow) in items.iter_mut().zip(axes).zip(shadows) {
-            *item = command::AxisItem {
-                status: axis.status.into(),
-                mode: mode_number(shadow.mode).into(),
-                reason: (axis.stop as u16).into(),
-                prf_pos: pulses(axis.pos).into(),
-                prf_vel: number(self.view.velocity(axis)).into(),
-                enc_pos: (axis.encoder as f64).into(),
-            };
-        }
-        let head = command::Reals { clock_ms: self.clock_ms().into(), count: (axes.len() as u16).into() };
-        out.done::<command::AxisStatus>(tag, &head, &items[..axes.len()])
+        let item = |(axis, shadow): (&AxisView, &AxisShadow)| command::AxisItem {
+            status: axis.status.into(),
+            mode: mode_number(shadow.mode).into(),
+            reason: (axis.stop as u16).into(),
+            prf_pos: pulses(axis.pos).into(),
+            prf_vel: number(self.view.velocity(axis)).into(),
+            enc_pos: (axis.encoder as f64).into(),
+        };
+        let items: Vec<_, AXES> = list(self.axes(query).iter().zip(shadows).map(item));
+        let head = command::Reals { clock_ms: self.clock_ms().into(), count: (items.len() as u16).into() };
+        out.done::<command::AxisStatus>(tag, &head, &items)
     }
 
     /// What an axis waits for; it is numbered on its own core.

@@ -5,7 +5,9 @@
 //! Fails: samples that the tick lost because its ring was full are counted and reported in the
 //! stream's last frame. A row is never invented.
 use crate::configuration::{Configuration, ones};
+use crate::list::list;
 use crate::shadow::executed;
+use heapless::Vec;
 use protocol::trace::{self, AxisId, CrdId, CrdSample, Encoder, Full, Head, Ids, LaserId, LaserSample, Samples, kind};
 use ring::Consumer;
 use servo::laser::{Action, CHANNELS, Count, Rate, Train};
@@ -278,29 +280,17 @@ impl<const AXES: usize> TraceOut<AXES> {
     }
 
     fn head(&mut self, view: &View<AXES>, configuration: &Configuration) -> bool {
-        let mut ids = [AxisId::default(); AXES];
         let per_core = configuration.profile.axes_per_core.max(1);
-        let list = (0..AXES as u8).filter(|axis| self.columns.axes.0 >> axis & 1 == 1);
-        for (id, axis) in ids.iter_mut().zip(list) {
-            *id = AxisId { core: axis / per_core, axis: axis % per_core + 1 };
-        }
-        let mut channels = [LaserId::default(); CHANNELS];
-        let list = (0..CHANNELS as u8).filter(|channel| self.columns.lasers >> channel & 1 == 1);
-        for (id, channel) in channels.iter_mut().zip(list) {
-            *id = LaserId { channel };
-        }
-        let mut crds = [CrdId::default(); Crd::MAX];
+        let axes = (0..AXES as u8).filter(|axis| self.columns.axes.0 >> axis & 1 == 1);
+        let axes: Vec<_, AXES> = list(axes.map(|axis| AxisId { core: axis / per_core, axis: axis % per_core + 1 }));
+        let lasers = (0..CHANNELS as u8).filter(|channel| self.columns.lasers >> channel & 1 == 1);
+        let lasers: Vec<_, CHANNELS> = list(lasers.map(|channel| LaserId { channel }));
         let per_core = configuration.profile.crds_per_core.max(1);
-        for (id, crd) in crds.iter_mut().zip(self.columns.crds.crds()) {
-            let index = crd.index() as u8;
-            *id = CrdId { core: index / per_core, crd: index % per_core + 1 };
-        }
+        let crds = self.columns.crds.crds().map(|crd| crd.index() as u8);
+        let crds: Vec<_, { Crd::MAX }> = list(crds.map(|crd| CrdId { core: crd / per_core, crd: crd % per_core + 1 }));
         let (period_ns, timer_mhz) = (view.period.0 as u32, view.timer_mhz);
         let head = Head { schema: protocol::SCHEMA, period_ns, every: self.every, timer_mhz };
-        let axes = ids.get(..self.columns.axes()).unwrap_or(&[]);
-        let lasers = channels.get(..self.columns.lasers()).unwrap_or(&[]);
-        let crds = crds.get(..self.columns.crds()).unwrap_or(&[]);
-        self.encoder.head(&head, &Ids { axes, lasers, crds }).is_ok()
+        self.encoder.head(&head, &Ids { axes: &axes, lasers: &lasers, crds: &crds }).is_ok()
     }
 
     fn finish(&mut self) -> bool {

@@ -11,13 +11,12 @@ mod immediate;
 use crate::admit::admission::Admission;
 use crate::admit::kind;
 use crate::board::Board;
-use crate::deque::Deque;
 use crate::plan::path_queue::PathQueue;
 use crate::program::Program;
 use crate::refuse::Refused;
 use crate::report::answer::Answer;
 use crate::report::event_log::{Kind, ShutOff};
-use crate::report::pending_replies::{Awaiting, Refuser, Step, TickRefusal};
+use crate::report::pending_replies::{Awaiting, PendingReplies, Step, TickRefusal};
 use crate::shadow::{AxisShadow, CAPACITY, Change, Renewed, Watch, executed};
 use protocol::command;
 use protocol::record::{ReplyWriter, RequestRecord};
@@ -38,10 +37,7 @@ pub struct CommandHandler<'a, const AXES: usize> {
     /// Admits commands.
     pub admission: Admission<'a, AXES>,
     renewed: Renewed,
-    awaiting: Deque<Awaiting, IMMEDIATE>,
-    refused: Deque<TickRefusal, 8>,
-    /// The values of the laser commands among them, in order.
-    taken: Deque<f64, TAKEN>,
+    replies: PendingReplies<IMMEDIATE, TAKEN>,
     /// The next item of the LoadConfig in hand.
     config: Option<u16>,
 }
@@ -58,9 +54,7 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
         CommandHandler {
             admission: Admission::new(board, stores, paths, tables, ring),
             renewed: Renewed::default(),
-            awaiting: Deque::new(Awaiting::BLANK),
-            refused: Deque::new((0, Refuser::Nobody)),
-            taken: Deque::new(0.0),
+            replies: PendingReplies::new(),
             config: None,
         }
     }
@@ -119,54 +113,43 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
 
     /// The tick refused a start or data of the immediate lane.
     pub fn tick_refused(&mut self, refusal: TickRefusal) {
-        let mut data = false;
-        self.awaiting.amend_back(|item| {
-            data |= item.loses(refusal);
-            true
-        });
-        if !data {
-            self.refused.push(refusal);
-        }
+        self.replies.refuse(refusal);
     }
 
     /// Answers what was executed. True if anything was answered.
     pub fn answer(&mut self, view: &View<AXES>, program: &Program<'_>, out: &mut ReplyWriter) -> bool {
         let mut progress = false;
-        while let Some(&item) = self.awaiting.front() {
+        while let Some(&item) = self.replies.items.front() {
             if item.seq.is_some_and(|seq| !executed(view, seq)) {
                 break;
             }
-            let refusal = self.refused.front().copied().filter(|&(seq, ..)| item.own && Some(seq) == item.seq);
+            let refusal = self.replies.refused.front().copied().filter(|&(seq, ..)| item.own && Some(seq) == item.seq);
             let reading = self.admission.reading(view);
             let written = match refusal {
                 Some((_, refuser)) => out.refused(item.opcode, item.tag, &reading.explain(refuser).wire),
                 None if kind(item.opcode) == Some(command::CommandKind::Program) => {
                     program.status(view, item.opcode, item.tag, out)
                 }
-                None => reading.answer(&item, self.taken.iter().copied(), out),
+                None => reading.answer(&item, self.replies.values(), out),
             };
             if written.is_err() {
                 break;
             }
             if refusal.is_some() {
-                self.refused.pop();
+                self.replies.refused.pop_front();
             }
-            for _ in 0..item.answer.waiting() {
-                self.taken.pop();
-            }
-            self.awaiting.pop();
+            self.replies.pop();
             progress = true;
         }
-        if self.awaiting.is_empty() {
-            self.refused.clear();
+        if self.replies.items.is_empty() {
+            self.replies.refused.clear();
         }
         progress
     }
 
     /// A new session: nobody waits for these replies any more.
     pub fn abandon(&mut self) {
-        self.awaiting.clear();
-        self.taken.clear();
+        self.replies.abandon();
         self.admission.loading.abandon();
         self.admission.laser_loading.abandon();
         self.config = None;
@@ -174,7 +157,7 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
     }
 
     fn is_quiet(&self) -> bool {
-        self.awaiting.is_empty() && !self.admission.lane.in_flight()
+        self.replies.items.is_empty() && !self.admission.lane.in_flight()
     }
 
     fn refuse(&self, record: &RequestRecord, refused: Refused, out: &mut ReplyWriter) -> Step {
@@ -186,7 +169,7 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
 
     fn await_last(&mut self, record: &RequestRecord, answer: Answer, own: bool) -> Step {
         let seq = self.admission.lane.in_flight().then(|| self.admission.lane.last());
-        self.awaiting.push(Awaiting { opcode: record.opcode, tag: record.tag, seq, own, answer, ..Awaiting::BLANK });
+        self.replies.push(Awaiting { opcode: record.opcode, tag: record.tag, seq, own, answer, ..Awaiting::BLANK });
         Step::Taken
     }
 

@@ -308,15 +308,15 @@ pub const SURVIVED: &[Mutant] = &[
     mutant(
         "answers that are awaited are sent in the next session",
         DESK,
-        "        self.awaiting.clear();\n        self.taken.clear();",
-        "        self.taken.clear();",
+        "        self.replies.abandon();\n        self.admission.loading",
+        "        self.admission.loading",
         SESSIONS,
     ),
     mutant(
-        "numbers that were taken are told in the next session",
-        DESK,
-        "        self.taken.clear();\n        self.admission.loading",
-        "        self.admission.loading",
+        "numbers of answers that are given up are told in the next session",
+        "dispatcher/src/report/pending_replies.rs",
+        "        self.items.clear();\n        self.values.clear();",
+        "        self.items.clear();",
         SESSIONS,
     ),
     mutant(
@@ -385,22 +385,15 @@ pub const SURVIVED: &[Mutant] = &[
     mutant(
         "answers of an old program are sent in the next session",
         PROGRAM_END,
-        "        self.records.clear();\n        self.awaiting.clear();",
+        "        self.records.clear();\n        self.replies.abandon();",
         "        self.records.clear();",
-        SESSIONS,
-    ),
-    mutant(
-        "numbers of an old program are told in the next session",
-        PROGRAM_END,
-        "        self.values.clear();\n        self.config",
-        "        self.config",
         SESSIONS,
     ),
     mutant(
         "records of an old program wait in the next session",
         PROGRAM_END,
-        "        self.records.clear();\n        self.awaiting.clear();",
-        "        self.awaiting.clear();",
+        "        self.records.clear();\n        self.replies.abandon();",
+        "        self.replies.abandon();",
         SESSIONS,
     ),
 ];

@@ -9,6 +9,7 @@
 //! (decision 9). At standstill a corner uses nothing, so a stop that was possible before the corner
 //! was known stays possible: x with y = 0 is allowed outside the region.
 use core::f64::consts::FRAC_PI_6;
+use heapless::Vec;
 use libm::{cos, fabs, sin, sqrt};
 
 /// The acceleration of a coordinate that a corner uses, between the middles of the motions on both
@@ -61,13 +62,12 @@ struct Line {
 }
 
 /// A motion between two junctions.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug)]
 pub(super) struct Span {
     length: f64,
     /// The highest x by itself: without and with the corner at the end.
     tops: [f64; 2],
-    lines: [Line; LINES],
-    count: usize,
+    lines: Vec<Line, LINES>,
 }
 
 /// The part of a limit that plans use.
@@ -123,8 +123,7 @@ impl Bound {
 impl Span {
     /// A motion of this length, with an acceleration of its own.
     pub(super) fn new(length: f64, acc: f64, bounds: &[Bound]) -> Span {
-        let nothing = Line { slope: 0.0, offset: 0.0, lower: true, end: false };
-        let mut span = Span { length, tops: [f64::INFINITY; 2], lines: [nothing; LINES], count: 0 };
+        let mut span = Span { length, tops: [f64::INFINITY; 2], lines: Vec::new() };
         let swing = 2.0 * length * planned(acc);
         span.push(Line { slope: -1.0, offset: swing, lower: false, end: false });
         span.push(Line { slope: 1.0, offset: swing, lower: true, end: false });
@@ -149,10 +148,7 @@ impl Span {
     }
 
     fn push(&mut self, line: Line) {
-        if let Some(position) = self.lines.get_mut(self.count) {
-            *position = line;
-            self.count += 1;
-        }
+        self.lines.push(line).ok();
     }
 
     /// The lines of a bound at one end, of which the acceleration uses `steep`·(y − x).
@@ -174,15 +170,11 @@ impl Span {
         }
     }
 
-    fn lines(&self) -> &[Line] {
-        self.lines.get(..self.count).unwrap_or(&self.lines)
-    }
-
     /// The lines that bound y at x from above and from below, with `most` and 0.
     fn window(&self, x: f64, most: f64) -> [(f64, Line); 2] {
         let line = |offset, lower| Line { slope: 0.0, offset, lower, end: false };
         let (mut above, mut below) = ((most, line(most, false)), (0.0, line(0.0, true)));
-        for line in self.lines() {
+        for line in &self.lines {
             if line.lower {
                 let y = line.slope * x - line.offset;
                 if y > below.0 {
@@ -218,7 +210,7 @@ impl Span {
             x = next;
         }
         // A stop at the end uses nothing of the corner there.
-        let stops = self.lines().iter().filter(|line| !line.end);
+        let stops = self.lines.iter().filter(|line| !line.end);
         if x < cap && stops.clone().all(|line| line.slope * x <= line.offset) {
             let ends = stops.filter(|line| line.slope > 0.0).map(|line| line.offset / line.slope);
             let remainder = ends.fold(cap.min(free), f64::min);

@@ -39,7 +39,7 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
         record: &RequestRecord,
         out: &mut ReplyWriter,
     ) -> Step {
-        if self.admission.lane.room() < STAGED.max(AXES) || self.awaiting.is_full() || self.taken.room() < TAKEN_MAX {
+        if self.admission.lane.room() < STAGED.max(AXES) || !self.replies.has_room(TAKEN_MAX) {
             return Step::Wait;
         }
         if self.config.is_some() {
@@ -107,9 +107,7 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
                 }
                 self.push_staged();
                 if let (Effect::Took(values), Answer::Took { count, .. }) = (effect, answer) {
-                    for value in values.into_iter().take(count.into()) {
-                        self.taken.push(value);
-                    }
+                    self.replies.keep(values.into_iter().take(count.into()));
                 }
                 self.admission.apply(effect, self.admission.lane.last());
                 if let Effect::Config = effect {
@@ -135,9 +133,7 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
             FifoOf::Crd(crd) => self.admission.commit_path(crd, written.fifo),
         };
         self.admission.lane.push(op, change, 0, &mut self.admission.admitted);
-        for value in written.waiting() {
-            self.taken.push(value);
-        }
+        self.replies.keep(written.waiting());
         self.await_last(record, written.answer, true)
     }
 

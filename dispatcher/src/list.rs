@@ -1,0 +1,13 @@
+//! Lists in place.
+use heapless::Vec;
+
+/// As many of these as fit. `Vec`'s own `collect` and `extend` panic where there are more.
+pub fn list<T, const N: usize>(values: impl IntoIterator<Item = T>) -> Vec<T, N> {
+    let mut list = Vec::new();
+    for value in values {
+        if list.push(value).is_err() {
+            break;
+        }
+    }
+    list
+}
