@@ -1,19 +1,15 @@
 //! Wide integer arithmetic: products, reciprocals and quotients without a division instruction.
 //!
 //! In: machine integers. Out: exact floors, or errors as stated. Nothing fails, nothing panics.
-//! The products are written in 32-bit halves so that the Cortex-M7 compiles them to
-//! UMULL/UMAAL; the reciprocals follow Möller & Granlund, "Improved division by invariant
-//! integers" (2011). Held by `tests/wide_exact.rs` against big integers.
+//! The compiler's products of 128 bits become UMULL and UMAAL; the reciprocals follow Möller &
+//! Granlund, "Improved division by invariant integers" (2011). Held by `tests/wide_exact.rs`
+//! against big integers.
 
 /// Full product of two 64-bit numbers: high and low half.
 #[inline(always)]
 pub const fn umul(a: u64, b: u64) -> (u64, u64) {
-    let (a0, a1) = (a & 0xffff_ffff, a >> 32);
-    let (b0, b1) = (b & 0xffff_ffff, b >> 32);
-    let low = a0 * b0;
-    let mid = a1 * b0 + (low >> 32);
-    let cross = a0 * b1 + (mid & 0xffff_ffff);
-    (a1 * b1 + (mid >> 32) + (cross >> 32), cross << 32 | low & 0xffff_ffff)
+    let product = a as u128 * b as u128;
+    ((product >> 64) as u64, product as u64)
 }
 
 /// High half of the product of two 64-bit numbers.
