@@ -489,7 +489,7 @@ impl<const AXES: usize> Shadows<AXES> {
             Change::Rest { axes, crds } => {
                 let crds = CrdMask(crds.0 | self.drivers(axes).0);
                 let driven = crds.crds().fold(0, |mask, crd| mask | self.driven(crd).0);
-                self.with(axes, |_, shadow| shadow.started = None);
+                self.with(axes, |_, shadow| (shadow.started, shadow.aside) = (None, false));
                 // A wait for a coordinate system does not wait for an axis that has left it.
                 let rests = |shadow: &AxisShadow| shadow.mode == Mode::Crd && crds.has(shadow.crd);
                 self.with(AxisMask(driven), |_, shadow| {
@@ -561,6 +561,11 @@ impl<const AXES: usize> Shadows<AXES> {
             Change::Crd { crd, change } => {
                 let before = self.driven(crd);
                 self.with_crds(crd.mask(), &change, seq);
+                if let CrdChange::Data { .. } = change
+                    && self.crd(crd).started.is_some()
+                {
+                    self.with(self.crd(crd).beside(), |_, shadow| shadow.aside = true);
+                }
                 if let CrdChange::Frame { .. } = change {
                     self.with(before, |_, shadow| {
                         if shadow.mode == Mode::Crd && shadow.crd == crd {
@@ -580,6 +585,7 @@ impl<const AXES: usize> Shadows<AXES> {
                 self.with_crds(CrdMask(crds.0 & !fifo1.0), &CrdChange::Started { fifo: 0 }, seq);
                 self.with_crds(fifo1, &CrdChange::Started { fifo: 1 }, seq);
                 let axes = crds.crds().fold(0, |mask, crd| mask | self.driven(crd).0);
+                crds.crds().for_each(|crd| self.with(self.crd(crd).beside(), |_, shadow| shadow.aside = true));
                 self.with(AxisMask(axes), |_, shadow| {
                     shadow.started = Some(seq);
                     shadow.busy = Some(seq);

@@ -247,7 +247,18 @@ impl<'x, const AXES: usize> Context<'x, AXES> {
     }
     /// Whether the axis may be moving when this command acts.
     pub fn may_run(&self, axis: Axis) -> bool {
-        self.shadow(axis).may_run(self.view, self.sampled(axis))
+        let sampled = self.sampled(axis);
+        self.shadow(axis).may_run(self.view, sampled) || self.may_set_off(axis, sampled.status & RUNNING != 0)
+    }
+    /// Whether an entry of a path that runs may set the axis off before this command acts.
+    fn may_set_off(&self, axis: Axis, runs: bool) -> bool {
+        let aside = self.shadow(axis).aside;
+        let may = |crd: Crd| {
+            let (shadow, sampled) = (self.crd_shadow(crd), self.crd_sampled(crd));
+            shadow.beside().has(axis) && (self.crd_may_run(crd) || aside && shadow.is_busy(self.view, sampled))
+        };
+        let is_next = self.due.until_ns < self.view.period.0;
+        if is_next { runs && (aside || Crd::all().any(may)) } else { runs && aside || Crd::all().any(may) }
     }
     /// Refuses if the axis may be moving.
     pub fn at_standstill(&self, axis: Axis) -> Admitted<()> {

@@ -375,7 +375,7 @@ pub fn put<const AXES: usize>(
             filling.prepare(queue);
             filling.put_motion((queue, store), (&geometry, given.stops), speeds, &mut data);
         }
-        Item::Entry(..) | Item::Gear(..) => {
+        Item::Entry(..) | Item::Move(..) | Item::Gear(..) => {
             let (entry, ms) = match *what {
                 Item::Gear(entry, axis, pulses) => {
                     if data.gears.has(axis) {
@@ -385,9 +385,14 @@ pub fn put<const AXES: usize>(
                         return Err(filling.no(Reason::GearsFull).limits(0.0, GEARS.into()));
                     }
                     data.gears.0 |= axis.mask().0;
+                    data.beside.0 |= axis.mask().0;
                     if pulses > data.gear {
                         (data.geared, data.gear) = (axis, pulses);
                     }
+                    (entry, 0.0)
+                }
+                Item::Move(entry, axis) => {
+                    data.beside.0 |= axis.mask().0;
                     (entry, 0.0)
                 }
                 Item::Entry(entry, ms) => (entry, ms),

@@ -35,6 +35,8 @@ pub struct AxisShadow {
     pub epoch: u32,
     /// The last start, until the axis is known to be at standstill at this point of its lane.
     pub started: Option<u32>,
+    /// An entry of a path may have set it off since a wait for it.
+    pub aside: bool,
     /// Start of a dynamic stream that runs or will run: its script clock in 2^[`BEGINS_SHIFT`] ns,
     /// rounded down, plus 1. `u32::MAX` is later than that, 0 is no such stream.
     pub streams: u32,
@@ -89,6 +91,7 @@ impl Default for AxisShadow {
             fifos: [FifoShadow::default(); 2],
             epoch: 0,
             started: None,
+            aside: false,
             streams: 0,
             busy: None,
             placed: None,

@@ -84,6 +84,8 @@ pub struct PathData {
     pub position: Position,
     /// Axes that move in proportion to the next motion (gears).
     pub gears: AxisMask,
+    /// Axes that its entries may move: of moves and gears.
+    pub beside: AxisMask,
     /// The gear with the largest displacement, and that displacement, pulses.
     pub geared: Axis,
     pub gear: u32,
@@ -177,6 +179,10 @@ impl CrdShadow {
     /// Whether it may be running when the next entry acts.
     pub fn may_run<const AXES: usize>(&self, view: &View<AXES>, sampled: &CrdView) -> bool {
         self.started.is_some_and(|seq| !executed(view, seq) || sampled.runs)
+    }
+    /// Axes beside its own that its entries may move.
+    pub fn beside(&self) -> AxisMask {
+        AxisMask(self.fifos.iter().fold(0, |mask, path| mask | path.data.beside.0))
     }
     /// Whether a Stop that has not been executed may leave it stopped within its data.
     pub fn may_be_stopped<const AXES: usize>(&self, view: &View<AXES>) -> bool {

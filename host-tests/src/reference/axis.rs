@@ -156,6 +156,14 @@ pub struct Axis {
     pub brink: bool,
     /// How far it may be from here: see `smooth_stop`.
     pub slack: Fix,
+    /// The same of the motion in force, which a path began.
+    pub late: Fix,
+    /// Instants and positions of this tick before the motion that a path began; there was one; it has no length.
+    head: Vec<(Fix, Fix)>,
+    moved: bool,
+    brief: bool,
+    /// It is geared to a motion of its coordinate system.
+    pub geared: bool,
     /// No motion of the tick was faster, pulse/ms.
     pub fastest: Fix,
 }
@@ -239,6 +247,11 @@ impl Axis {
             limited: false,
             brink: false,
             slack: Fix::ZERO,
+            late: Fix::ZERO,
+            head: Vec::new(),
+            moved: false,
+            brief: false,
+            geared: false,
             fastest: Fix::ZERO,
         }
     }
@@ -340,10 +353,11 @@ impl Axis {
             let way = Fix::whole(target.into()) + self.zero - self.x;
             ramp::trap(self.v, way, &exact(speed.abs()), &acc, &dec)
         };
+        self.slack += std::mem::take(&mut self.late);
         self.doubt |= curve.length() == Fix::ZERO && curve.cruise == Fix::ZERO;
         self.began |= !self.runs();
         let braked = self.v != Fix::ZERO;
-        let ramp = Motion::Ramp(Timed::new(curve, now_ns, self.x).at_speed(braked));
+        let ramp = Motion::Ramp(Timed::new(curve, Fix::ms(now_ns), self.x).at_speed(braked));
         self.past = self.motion.replace(ramp);
     }
 
@@ -355,14 +369,50 @@ impl Axis {
             return;
         }
         self.braking = Some(dec);
+        self.slack += std::mem::take(&mut self.late);
         let curve = ramp::stop(self.v, dec);
         if matches!(self.motion, Some(Motion::Slave(_))) {
             // The velocity of a slave at an instant is known to 2⁻²² pulse/ms only.
             self.slack += curve.length() * Fix(1 << 42);
         }
         let braked = self.v != Fix::ZERO;
-        let ramp = Motion::Ramp(Timed::new(curve, now_ns, self.x).at_speed(braked));
+        let ramp = Motion::Ramp(Timed::new(curve, Fix::ms(now_ns), self.x).at_speed(braked));
         self.past = self.motion.replace(ramp);
+    }
+
+    /// BufMove: from an instant of the tick that began at `from` on; when it ends.
+    pub fn travel(&mut self, from: Fix, at: Fix, to: i32, [vel, acc]: [f64; 2]) -> Fix {
+        let (begin, mut x) = self.head.last().copied().unwrap_or((from, self.x));
+        let mut v = Fix::ZERO;
+        if let Some(Motion::Ramp(timed)) = &mut self.motion {
+            let mut way = Vec::new();
+            if timed.step(begin, at, 1, &mut way) == Went::On {
+                v = timed.velocity(at);
+            }
+            x = way.last().map_or(x, |last| last.1);
+            self.head.append(&mut way);
+        }
+        self.head.push((at, x));
+        let way = Fix::whole(to.into()) + self.zero - x;
+        let acc = exact(acc);
+        let curve = ramp::trap(v, way, &exact(vel), &acc, &acc);
+        // It may begin up to 5 ns later (SPEC 11).
+        (self.late, self.braking) = (curve.steepest * Fix::ms(5), None);
+        let length = curve.length();
+        self.brief |= length == Fix::ZERO;
+        self.motion = Some(Motion::Ramp(Timed::new(curve, at, x).at_speed(v != Fix::ZERO)));
+        at + length
+    }
+
+    /// Whether a path moves it, at instants that are known to 5 ns.
+    pub fn is_moved(&self) -> bool {
+        self.moved || self.late != Fix::ZERO
+    }
+
+    /// When its present motion ends, if it is one of Trap.
+    pub fn goes_until(&self) -> Option<Fix> {
+        let Some(Motion::Ramp(timed)) = &self.motion else { return None };
+        Some(timed.start + timed.curve.length())
     }
 
     /// At standstill at the position of the last tick.
@@ -371,6 +421,7 @@ impl Axis {
         self.halted = self.runs();
         self.doubt |= self.halted;
         self.motion = None;
+        self.slack += std::mem::take(&mut self.late);
         self.braking = None;
         self.v = Fix::ZERO;
     }
@@ -386,7 +437,7 @@ impl Axis {
     pub fn start_pt(&mut self, fifo: usize, now_ns: i64) {
         let fifo = if self.pt.dynamic { 0 } else { fifo };
         self.chain = Chain::of(&self.pt.fifos[fifo]);
-        let timed = Timed::new(self.chain.curve.clone(), now_ns, self.x);
+        let timed = Timed::new(self.chain.curve.clone(), Fix::ms(now_ns), self.x);
         (self.pt.running, self.pt.passes, self.began) = (fifo, 0, true);
         self.motion = Some(if self.pt.dynamic { Motion::Stream(timed, 0) } else { Motion::Pt(timed) });
     }
@@ -413,7 +464,15 @@ impl Axis {
 
     /// From the tick before to this one.
     pub fn step(&mut self, from_ns: i64, to_ns: i64, lead: Option<&Lead>, inputs: u32) {
-        (self.track, self.times) = (vec![self.x], vec![Fix::ms(from_ns)]);
+        let (mut from, to) = (Fix::ms(from_ns), Fix::ms(to_ns));
+        (self.track, self.times) = (vec![self.x], vec![from]);
+        let moved = !self.head.is_empty();
+        for (when, place) in self.head.drain(..) {
+            self.times.push(when);
+            self.track.push(place);
+            from = when;
+        }
+        self.moved = moved;
         self.past = None;
         self.open = None;
         (self.doubt, self.halted, self.began) = (false, false, false);
@@ -424,22 +483,22 @@ impl Axis {
             None => false,
             Some(Motion::Ramp(timed)) => {
                 self.fastest = timed.curve.steepest;
-                let went = timed.step(from_ns, to_ns, 1, &mut out);
-                self.v = timed.velocity(to_ns);
+                let went = timed.step(from, to, 1, &mut out);
+                self.v = timed.velocity(to);
                 went == Went::Ended
             }
             Some(Motion::Pt(timed)) => {
                 self.fastest = timed.curve.steepest;
-                let went = timed.step(from_ns, to_ns, self.pt.loops, &mut out);
-                self.v = timed.velocity(to_ns);
+                let went = timed.step(from, to, self.pt.loops, &mut out);
+                self.v = timed.velocity(to);
                 self.pt.passes = timed.passes;
                 went == Went::Ended
             }
             Some(Motion::Pvt(timed)) => {
                 self.fastest = timed.curve.steepest;
-                let went = timed.step(from_ns, to_ns, self.pvt.0, &mut out);
+                let went = timed.step(from, to, self.pvt.0, &mut out);
                 self.fastest = self.fastest.max(timed.curve.steepest);
-                self.v = timed.velocity(to_ns);
+                self.v = timed.velocity(to);
                 self.pvt.2 = timed.passes;
                 if timed.pending.is_none() {
                     self.table = self.pvt.1;
@@ -448,9 +507,9 @@ impl Axis {
             }
             Some(Motion::Stream(timed, ran)) => {
                 self.fastest = timed.curve.steepest;
-                let went = timed.step(from_ns, to_ns, 1, &mut out);
-                self.v = timed.velocity(to_ns);
-                let place = timed.place(to_ns);
+                let went = timed.step(from, to, 1, &mut out);
+                self.v = timed.velocity(to);
+                let place = timed.place(to);
                 *ran = self.chain.ends.partition_point(|end| *end <= place);
                 self.pt.ran = *ran;
                 if went == Went::Ended {
@@ -492,6 +551,9 @@ impl Axis {
         {
             self.open = Some("the end of a motion");
         }
+        if std::mem::take(&mut self.brief) {
+            self.open = Some("a move without a way");
+        }
         for (when, place) in out {
             self.times.push(when);
             self.track.push(place);
@@ -501,7 +563,7 @@ impl Axis {
             self.times.push(Fix::ZERO);
             self.track.push(self.x);
         }
-        *self.times.last_mut().expect("two of them") = Fix::ms(to_ns);
+        *self.times.last_mut().expect("two of them") = to;
         self.ended = ended;
         self.on_path = self.carried.is_some();
         if let Some(way) = self.carried.take() {
@@ -512,7 +574,7 @@ impl Axis {
             self.fastest = self.path_most;
         }
         if ended {
-            self.braking = None;
+            (self.braking, self.late) = (None, Fix::ZERO);
             self.past = self.motion.take();
             self.v = Fix::ZERO;
         }
@@ -521,7 +583,7 @@ impl Axis {
 
     /// Where it was at an instant of the tick, ms.
     pub fn at(&self, ms: Fix) -> Option<Fix> {
-        if self.limited {
+        if self.limited || self.moved {
             return None;
         }
         match self.past.as_ref().or(self.motion.as_ref()) {

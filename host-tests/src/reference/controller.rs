@@ -114,6 +114,10 @@ pub struct Controller {
     /// Changes of general outputs in this tick: when, ms, which bits, their levels.
     changes: Vec<(f64, u32, u32)>,
     edges: Vec<Edge>,
+    /// The same of analog outputs: channel from 0, value.
+    analog: Vec<(f64, usize, i16)>,
+    /// Axes that a path has set going in this tick.
+    early: Vec<usize>,
     crds: BTreeMap<paths::Name, Crd>,
     path_then: Vec<(paths::Name, paths::PathThen)>,
     /// Where an arc begins may be known a tick late (docs/crd.md): 2 after a Stop, 1 after the WaitStop that follows it, until
@@ -139,6 +143,8 @@ impl Controller {
             levels: Levels::default(),
             changes: Vec::new(),
             edges: Vec::new(),
+            analog: Vec::new(),
+            early: Vec::new(),
             crds: BTreeMap::new(),
             path_then: Vec::new(),
             unsettled: 0,
@@ -221,6 +227,13 @@ impl Controller {
                 self.open = Some(why);
             }
             self.step(before, now);
+            for axis in std::mem::take(&mut self.early) {
+                // A path is ahead of the tick: its axis is reported to move a tick before.
+                program.rows[number - 1][axis].open = true;
+                if calls[earlier..next].iter().any(|call| call.axes() >> axis & 1 == 1) {
+                    self.open = Some("a call to an axis in the tick in which a path moves it");
+                }
+            }
             let [asked, before_that] = self.contested;
             self.contested = [0, asked];
             if members(asked | before_that).any(|axis| self.axes[axis].ended) {
@@ -248,6 +261,12 @@ impl Controller {
                 left -= 1;
                 if left == 0 {
                     program.complete = true;
+                    // What a path does in the tick after may show already.
+                    self.step(now, now + self.tick_ns);
+                    for axis in std::mem::take(&mut self.early) {
+                        program.rows[number][axis].open = true;
+                    }
+                    program.outputs.push(self.levels.clone());
                     break;
                 }
             }
@@ -268,7 +287,7 @@ impl Controller {
             x: axis.x,
             status: axis.status(),
             open: axis.open.is_some(),
-            slack: axis.slack + rounding(axis),
+            slack: axis.slack + axis.late + rounding(axis),
             most: axis.fastest,
         };
         self.axes.iter().map(row).collect()
@@ -311,6 +330,9 @@ impl Controller {
             let arc = master.is_some_and(|master| master.kind != 1 && self.axes[master.axis].bent);
             if follows && arc {
                 open = Some("a slave of an axis on an arc");
+            }
+            if follows && master.is_some_and(|master| self.axes[master.axis].is_moved()) {
+                open = Some("a slave of an axis that a path moves");
             }
             let led_by_slave = master.is_some_and(|master| self.axes[master.axis].follow_moves());
             if follows && led_by_slave && lead.as_ref().is_some_and(|lead| turns(lead.track)) {

@@ -17,6 +17,74 @@ pub enum Entry {
     Delay(f64),
     /// BufIO: these bits, and their levels.
     Outputs(u32, u32),
+    /// BufDA: channel from 0.
+    Analog(usize, i16),
+    /// BufMove.
+    Move(Move),
+    /// BufGear: this axis goes so many pulses along with the next motion.
+    Gear(usize, i32),
+}
+
+/// BufMove: an axis goes to a place, and the path may wait for it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Move {
+    pub axis: usize,
+    pub to: i32,
+    pub vel: f64,
+    pub acc: f64,
+    pub waits: bool,
+}
+
+impl Entry {
+    /// Whether the path does not stand still for it.
+    fn takes_no_time(&self) -> bool {
+        !matches!(self, Entry::Motion(..) | Entry::Delay(_) | Entry::Move(Move { waits: true, .. }))
+    }
+}
+
+/// The axes beside the path. Instants are ms of the program.
+pub trait World {
+    /// An axis sets off; when it will be there. None: it must not move.
+    fn travel(&mut self, at: f64, to: &Move) -> Option<f64>;
+    /// An axis is geared to a motion from now on, and goes so many pulses for one of the path; where it is. None: it must not move.
+    fn engage(&mut self, axis: usize, ratio: f64) -> Option<super::Fix>;
+    /// Where a geared axis is at an instant; whether its motion ends there.
+    fn carry(&mut self, at: f64, axis: usize, x: super::Fix, ends: bool);
+}
+
+/// What would happen: nothing is moved.
+struct Nobody;
+
+impl World for Nobody {
+    fn travel(&mut self, at: f64, _: &Move) -> Option<f64> {
+        Some(at)
+    }
+
+    fn engage(&mut self, _: usize, _: f64) -> Option<super::Fix> {
+        Some(super::Fix::ZERO)
+    }
+
+    fn carry(&mut self, _: f64, _: usize, _: super::Fix, _: bool) {}
+}
+
+/// An axis that goes along with a motion.
+#[derive(Debug, Clone, Copy)]
+pub struct Gear {
+    pub axis: usize,
+    pulses: i32,
+    /// Where it would have been at the motion's begin.
+    base: Option<super::Fix>,
+}
+
+impl Gear {
+    /// Whether its motion is in progress.
+    pub fn is_engaged(&self) -> bool {
+        self.base.is_some()
+    }
+
+    fn at(&self, share: f64) -> Option<super::Fix> {
+        Some(self.base? + super::Fix::of_f64(f64::from(self.pulses) * share))
+    }
 }
 
 /// What SetCrdPrm said.
@@ -36,6 +104,8 @@ pub struct Fifo {
     /// The entry in progress, and how much of it is done: pulses or ms.
     pub next: usize,
     done: f64,
+    /// Axes geared to the motion in progress, or to the next one.
+    pub gears: Vec<Gear>,
     /// The entries before this one have been executed.
     told: usize,
     /// So many entries were there at the tick before.
@@ -45,6 +115,19 @@ pub struct Fifo {
 }
 
 impl Fifo {
+    /// Axes that go along with the next motion that will be given.
+    pub fn geared_to_next(&self) -> Vec<usize> {
+        let mut axes = Vec::new();
+        for entry in self.entries.iter().rev() {
+            match entry {
+                Entry::Motion(..) => break,
+                Entry::Gear(axis, _) => axes.push(*axis),
+                _ => {}
+            }
+        }
+        axes
+    }
+
     pub fn waiting(&self) -> usize {
         self.entries.len() - self.next
     }
@@ -104,8 +187,16 @@ pub struct Crd {
     pub(super) now: f64,
     /// The plan of the motion in progress, from where and when, and whether something follows it.
     pub(super) plan: Option<(Profile, f64, bool)>,
+    /// The axis that the path waits for, and until when.
+    pub waits: Option<(usize, f64)>,
+    /// Waits since the start: the end of each is known to 5 ns.
+    pub waited: u32,
+    /// It met an axis that must not move.
+    pub hindered: bool,
     /// General outputs that were set: when, which bits, their levels.
     pub outputs: Vec<(f64, u32, u32)>,
+    /// The same of analog ones: channel from 0, value.
+    pub analog: Vec<(f64, usize, i16)>,
     /// Places passed in a tick where it may turn, and whether that is all of them.
     pub knots: Vec<(f64, [f64; 4])>,
     pub is_straight: bool,
@@ -115,6 +206,8 @@ pub struct Crd {
     /// It was started on the tick that is being prepared; data came for the end of its FIFO.
     pub started_here: bool,
     pub late: bool,
+    /// It was set up on the tick that is being prepared.
+    pub new_here: bool,
     /// No Stop has come since it was set up at standstill.
     pub certain: bool,
     /// What was there at the tick before has come to its end.
@@ -137,13 +230,18 @@ impl Default for Crd {
             speed: 0.0,
             now: 0.0,
             plan: None,
+            waits: None,
+            waited: 0,
+            hindered: false,
             outputs: Vec::new(),
+            analog: Vec::new(),
             knots: Vec::new(),
             is_straight: true,
             open: false,
             rest: None,
             started_here: false,
             late: false,
+            new_here: false,
             certain: false,
             dry: false,
             unsaid: None,
@@ -190,6 +288,7 @@ impl Crd {
     pub fn start(&mut self, fifo: usize, at: f64) {
         (self.runs, self.brakes, self.fifo, self.now, self.speed) = (true, false, fifo, at, 0.0);
         (self.plan, self.rest, self.started_here) = (None, None, true);
+        (self.waits, self.waited, self.hindered) = (None, 0, false);
         let of = &mut self.fifos[fifo];
         (of.left, of.seen) = (None, of.entries.len());
     }
@@ -202,8 +301,14 @@ impl Crd {
         let (was, of) = (&published.fifos[self.fifo], &mut self.fifos[self.fifo]);
         of.told = of.told.max(of.next);
         // What stood at that tick's own instant had been reached.
-        let outputs = was.entries[was.next..].iter().take_while(|entry| matches!(entry, Entry::Outputs(..))).count();
+        let outputs = was.entries[was.next..].iter().take_while(|entry| entry.takes_no_time()).count();
         let next = was.next + outputs;
+        let moves = |entry: &Entry| matches!(entry, Entry::Move(_) | Entry::Gear(..));
+        if of.next != was.next
+            && (!was.gears.is_empty() || of.entries[was.next..=of.next.min(of.entries.len() - 1)].iter().any(moves))
+        {
+            self.unsaid = Some("an abrupt Stop just after an entry that moves an axis");
+        }
         if of.next != next {
             // A delay that has ended since is over.
             let waited = matches!(was.entries.get(next), Some(Entry::Delay(_)));
@@ -247,28 +352,30 @@ impl Crd {
     /// Whether an entry ends by an instant, or one that is no motion is in progress.
     pub fn changes_by(&self, until: f64) -> bool {
         let mut ahead = self.clone();
-        ahead.run(until);
+        ahead.run(until, &mut Nobody);
         let fifo = &self.fifos[self.fifo];
-        let waits = matches!(fifo.entries.get(fifo.next), Some(Entry::Delay(_)));
+        let waits = matches!(fifo.entries.get(fifo.next), Some(Entry::Delay(_) | Entry::Move(_)));
         waits || ahead.fifos[self.fifo].next != fifo.next || ahead.runs != self.runs
     }
 
     fn come_to_standstill(&mut self, rest: Rest) {
         (self.runs, self.brakes, self.speed, self.plan) = (false, false, 0.0, None);
         self.rest = Some(rest);
+        self.waits = None;
         let place = self.place;
         let of = &mut self.fifos[self.fifo];
+        of.gears.iter_mut().for_each(|gear| gear.base = None);
         of.left = (of.waiting() > 0).then_some(place);
     }
 
     fn goes_on(&self) -> bool {
         let of = &self.fifos[self.fifo];
-        let next = of.entries[of.next + 1..of.seen].iter().find(|entry| !matches!(entry, Entry::Outputs(..)));
+        let next = of.entries[of.next + 1..of.seen].iter().find(|entry| !entry.takes_no_time());
         matches!(next, Some(Entry::Motion(..)))
     }
 
     /// Up to an instant.
-    pub fn run(&mut self, until: f64) {
+    pub fn run(&mut self, until: f64, world: &mut impl World) {
         self.knots.clear();
         (self.is_straight, self.open) = (true, false);
         let mut effects = 0;
@@ -276,15 +383,27 @@ impl Crd {
             let of = &mut self.fifos[self.fifo];
             match of.entries[..of.seen].get(of.next) {
                 None => self.come_to_standstill(Rest::Done),
-                Some(Entry::Outputs(mask, value)) => {
+                // A Stop that came to it at speed.
+                Some(Entry::Move(Move { waits: true, .. })) if self.brakes => self.come_to_standstill(Rest::Stopped),
+                Some(Entry::Move(to)) => {
+                    let to = *to;
+                    effects += 4;
+                    self.move_axis(&to, until, world);
+                }
+                Some(entry) if entry.takes_no_time() => {
+                    let entry = entry.clone();
                     if of.next >= of.told {
-                        self.outputs.push((self.now, *mask, *value));
+                        match entry {
+                            Entry::Outputs(mask, value) => self.outputs.push((self.now, mask, value)),
+                            Entry::Analog(channel, value) => self.analog.push((self.now, channel, value)),
+                            _ => {}
+                        }
+                    }
+                    if let Entry::Gear(axis, pulses) = entry {
+                        of.gears.push(Gear { axis, pulses, base: None });
                     }
                     of.next += 1;
                     effects += 1;
-                    if effects > 24 {
-                        self.unsaid = Some("more entries than a tick carries out");
-                    }
                 }
                 // A Stop that came to it at speed.
                 Some(Entry::Delay(_)) if self.brakes => self.come_to_standstill(Rest::Stopped),
@@ -301,11 +420,14 @@ impl Crd {
                         self.mark(until);
                     }
                 }
-                Some(Entry::Motion(..)) => self.motion(until),
+                Some(_) => self.motion(until, world),
+            }
+            if effects > 24 {
+                self.unsaid = Some("more entries than a tick carries out");
             }
         }
         let of = &mut self.fifos[self.fifo];
-        let ends = |entry: &Entry| matches!(entry, Entry::Outputs(..)) || *entry == Entry::Delay(0.0);
+        let ends = |entry: &Entry| entry.takes_no_time() || *entry == Entry::Delay(0.0);
         self.dry = of.entries[..of.seen].get(of.next..).is_none_or(|rest| rest.iter().all(ends));
         of.seen = of.entries.len();
         if self.runs && self.now >= until {
@@ -316,17 +438,72 @@ impl Crd {
         }
     }
 
+    /// BufMove, and the wait for it.
+    fn move_axis(&mut self, to: &Move, until: f64, world: &mut impl World) {
+        let of = &mut self.fifos[self.fifo];
+        let ends = match self.waits {
+            Some((_, ends)) => ends,
+            None if of.next < of.told => {
+                of.next += 1;
+                return;
+            }
+            None => {
+                let Some(ends) = world.travel(self.now, to) else {
+                    // The path stops before it.
+                    self.hindered = true;
+                    return self.come_to_standstill(Rest::Stopped);
+                };
+                if !to.waits {
+                    of.next += 1;
+                    return;
+                }
+                (self.waits, self.speed) = (Some((to.axis, ends)), 0.0);
+                self.waited += 1;
+                ends
+            }
+        };
+        self.open |= (ends - until).abs() < SAME;
+        if ends > until {
+            self.now = until;
+        } else {
+            (self.now, self.waits) = (ends.max(self.now), None);
+            of.next += 1;
+            self.mark(until);
+        }
+    }
+
+    /// Geared axes where a share of the motion is done.
+    fn carry(&mut self, share: f64, ends: bool, world: &mut impl World) {
+        let (now, of) = (self.now, &mut self.fifos[self.fifo]);
+        for gear in &of.gears {
+            if let Some(x) = gear.at(share) {
+                world.carry(now, gear.axis, x, ends);
+            }
+        }
+        if ends {
+            of.gears.clear();
+        }
+    }
+
     /// Something fell on an instant.
     fn mark(&mut self, until: f64) {
         self.open |= (until - self.now).abs() < SAME;
         self.knots.push((self.now, self.place));
     }
 
-    fn motion(&mut self, until: f64) {
+    fn motion(&mut self, until: f64, world: &mut impl World) {
         let follows = self.goes_on();
         let Some(set) = &self.set else { return };
         let of = &mut self.fifos[self.fifo];
         let Entry::Motion(geometry, rates, to) = of.entries[of.next].clone() else { return };
+        for gear in of.gears.iter_mut().filter(|gear| gear.base.is_none()) {
+            let gone = super::Fix::of_f64(f64::from(gear.pulses) * (of.done / geometry.length()));
+            let ratio = f64::from(gear.pulses).abs() / geometry.length();
+            gear.base = world.engage(gear.axis, ratio).map(|x| x - gone);
+            if gear.base.is_none() {
+                self.unsaid = Some("a gear of an axis that must not move");
+            }
+        }
         self.is_straight &= matches!(geometry, Geometry::Line { .. });
         let left = (geometry.length() - of.done).max(0.0);
         let plan = match &self.plan {
@@ -369,8 +546,10 @@ impl Crd {
         let length = geometry.length();
         self.open |= (total - gone).abs() < SAME && (until - self.now).abs() < SAME;
         if total - gone > 1e-12 {
-            self.place = geometry.at(of.done.clamp(0.0, length));
+            let done = of.done;
+            self.place = geometry.at(done.clamp(0.0, length));
             self.plan = Some((profile, gone, follows));
+            self.carry((done / length).clamp(0.0, 1.0), false, world);
             return;
         }
         self.plan = None;
@@ -381,11 +560,14 @@ impl Crd {
             if length - of.done < 1e-5 {
                 self.unsaid = Some("a Stop that rests where a motion ends");
             }
+            let done = of.done;
+            self.carry(done / length, false, world);
             self.come_to_standstill(Rest::Stopped);
             return;
         }
         self.place = to;
         (of.next, of.done) = (of.next + 1, 0.0);
+        self.carry(1.0, true, world);
         self.mark(until);
         if self.brakes && self.speed < 1e-5 {
             // It rests before what stands after the motion, or a little before its end.

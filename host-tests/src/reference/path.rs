@@ -87,6 +87,30 @@ pub enum Path {
         value: u16,
         fifo: i16,
     },
+    /// BufDA.
+    Analog {
+        crd: i16,
+        dac: i16,
+        value: i16,
+        fifo: i16,
+    },
+    /// BufMove.
+    Move {
+        crd: i16,
+        axis: usize,
+        to: i32,
+        vel: f64,
+        acc: f64,
+        modal: i16,
+        fifo: i16,
+    },
+    /// BufGear.
+    Gear {
+        crd: i16,
+        axis: usize,
+        pulses: i32,
+        fifo: i16,
+    },
     /// WaitStop of coordinate systems.
     Wait {
         mask: u32,
@@ -178,6 +202,14 @@ impl PathCall {
             }
             Path::Delay { crd, ms, fifo } => format!("GTN_BufDelay({core},{crd},{ms},{fifo})"),
             Path::Outputs { crd, mask, value, fifo } => format!("GTN_BufIO({core},{crd},12,{mask},{value},{fifo})"),
+            Path::Analog { crd, dac, value, fifo } => format!("GTN_BufDA({core},{crd},{dac},{value},{fifo})"),
+            Path::Move { crd, axis, to, vel, acc, modal, fifo } => {
+                let axis = site.axes[*axis].1;
+                format!("GTN_BufMove({core},{crd},{axis},{to},{vel:?},{acc:?},{modal},{fifo})")
+            }
+            Path::Gear { crd, axis, pulses, fifo } => {
+                format!("GTN_BufGear({core},{crd},{},{pulses},{fifo})", site.axes[*axis].1)
+            }
         };
         format!("rtn = {call};")
     }

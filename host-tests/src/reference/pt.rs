@@ -59,7 +59,7 @@ impl Chain {
 #[derive(Debug, Clone)]
 pub struct Timed {
     pub curve: Curve,
-    pub start_ns: i64,
+    pub start: Fix,
     origin: Fix,
     began: Fix,
     /// Progress of the last step.
@@ -88,10 +88,10 @@ pub enum Went {
 }
 
 impl Timed {
-    pub fn new(curve: Curve, start_ns: i64, origin: Fix) -> Timed {
+    pub fn new(curve: Curve, start: Fix, origin: Fix) -> Timed {
         Timed {
             curve,
-            start_ns,
+            start,
             origin,
             began: Fix::ZERO,
             at: Fix::ZERO,
@@ -113,19 +113,19 @@ impl Timed {
         Timed { began: delay, ..self }
     }
 
-    fn progress(&self, at_ns: i64) -> Fix {
-        Fix::ms(at_ns - self.start_ns)
+    fn progress(&self, at: Fix) -> Fix {
+        at - self.start
     }
 
     /// Its place in the pass, ms.
-    pub fn place(&self, at_ns: i64) -> Fix {
-        self.progress(at_ns) - self.began
+    pub fn place(&self, at: Fix) -> Fix {
+        self.progress(at) - self.began
     }
 
-    /// Instants in ms and positions from the tick before to `to_ns`, through everything at which it may turn. `loops` of 0 or
+    /// Instants in ms and positions from the tick before to `to`, through everything at which it may turn. `loops` of 0 or
     /// less: for ever.
-    pub fn step(&mut self, from_ns: i64, to_ns: i64, loops: i64, out: &mut Vec<(Fix, Fix)>) -> Went {
-        let (mut a, mut b) = (self.progress(from_ns).max(Fix::ZERO), self.progress(to_ns));
+    pub fn step(&mut self, from: Fix, to: Fix, loops: i64, out: &mut Vec<(Fix, Fix)>) -> Went {
+        let (mut a, mut b) = (self.progress(from).max(Fix::ZERO), self.progress(to));
         self.at = b;
         self.open = false;
         loop {
@@ -162,7 +162,7 @@ impl Timed {
         let place = b - self.began;
         self.curve.between(a - self.began, place, out);
         out.push((place, self.curve.at(place)));
-        let start = Fix::ms(self.start_ns) + self.began;
+        let start = self.start + self.began;
         for (when, point) in &mut out[first..] {
             *when += start;
             *point += self.origin;
@@ -171,7 +171,7 @@ impl Timed {
 
     /// Where it is, or was within the tick, at an instant in ms. None: another curve was in force.
     pub fn at(&self, ms: Fix) -> Option<Fix> {
-        let place = ms - Fix::ms(self.start_ns) - self.began;
+        let place = ms - self.start - self.began;
         if place >= Fix::ZERO || self.passes == 0 {
             return Some(self.origin + if self.over { Fix::ZERO } else { self.curve.at(place) });
         }
@@ -179,7 +179,7 @@ impl Timed {
         (earlier >= Fix::ZERO).then(|| self.origin - self.curve.end() + self.curve.at(earlier))
     }
 
-    pub fn velocity(&self, at_ns: i64) -> Fix {
-        self.curve.slope(self.place(at_ns), true)
+    pub fn velocity(&self, at: Fix) -> Fix {
+        self.curve.slope(self.place(at), true)
     }
 }

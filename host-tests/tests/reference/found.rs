@@ -179,3 +179,24 @@ fn a_slave_at_its_origin_does_not_go_back() {
         }
     }
 }
+
+/// An axis that a path moves counted as at standstill: a WaitStop did not wait for it, and its name and its mode could be
+/// changed while it moved.
+#[test]
+fn an_axis_that_a_path_moves_is_not_at_standstill() {
+    let ready = [plain(Kind::AxisOn, 0), plain(Kind::AxisOn, 1), plain(Kind::AxisOn, 3)];
+    for waits in [0, 1] {
+        let send = Path::Move { crd: 1, axis: 3, to: 299, vel: 5.8, acc: 1.4, modal: waits, fifo: 0 };
+        let go = path(Path::Start { mask: 1, option: 0 });
+        let set_up = [frame(None), line(vec![30, 20]), path(send), go, Call::Sleep { ns: 12 * MS }];
+        let again = [plain(Kind::ZeroPos, 3), plain(Kind::PrfJog, 3), plain(Kind::GetPrfMode, 3)];
+        for all in [false, true] {
+            // Before the path has come to it, the wait is for all of the path.
+            let wait = if all { path(Path::Wait { mask: 1 }) } else { Call::WaitStop { mask: 8 } };
+            let calls = [&ready[..], &set_up, &again, &[wait, Call::Sleep { ns: 4 * MS }], &again].concat();
+            for tick_us in [250, 100, 1000] {
+                agrees(tick_us, &calls);
+            }
+        }
+    }
+}

@@ -56,6 +56,8 @@ pub enum Item {
     Motion(Shape, Speeds),
     /// Any other entry, and how long the path waits there, ms.
     Entry(Entry, f64),
+    /// An axis sets off to a target.
+    Move(Entry, Axis),
     /// An axis moves with the next motion, by so many pulses.
     Gear(Entry, Axis, u32),
     /// Nothing more follows for now: all of the look-ahead goes to the tick.
@@ -160,7 +162,7 @@ pub fn given<const AXES: usize>(context: &Context<AXES>, number: u16, body: &[u8
             let modal = choice(6, r.modal.get(), 0, 1)? == 1;
             let entry = Entry::travel(axis, r.pos.get(), (vel.to_bits(), limit), acc.to_bits(), modal)
                 .map_err(|_| Refused::new(Reason::OutOfRange).field(4).got(vel).limits(ALONG_MIN, most))?;
-            Ok((target!(r, 7), Item::Entry(entry, 0.0)))
+            Ok((target!(r, 7), Item::Move(entry, axis)))
         }
         _ => {
             let r = one::<BufGear>(body)?;

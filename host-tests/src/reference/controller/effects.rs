@@ -20,7 +20,7 @@ impl Controller {
             }
             Effect::SetDac { dac, value, .. } => {
                 range((1..=ANALOG).contains(&dac))?;
-                self.levels.analog[dac as usize - 1] = value;
+                self.analog.push((now as f64 / 1e6, dac as usize - 1, value));
             }
             Effect::GetDac { dac, .. } => {
                 range((1..=ANALOG).contains(&dac))?;
@@ -35,8 +35,11 @@ impl Controller {
         DONE
     }
 
-    /// General outputs, in the order of time.
+    /// Outputs, in the order of time.
     pub(super) fn change_outputs(&mut self) {
+        let mut analog = std::mem::take(&mut self.analog);
+        analog.sort_by(|a, b| a.0.total_cmp(&b.0));
+        analog.into_iter().for_each(|(_, channel, value)| self.levels.analog[channel] = value);
         let mut changes = std::mem::take(&mut self.changes);
         changes.sort_by(|a, b| a.0.total_cmp(&b.0));
         for (ms, mask, value) in changes {

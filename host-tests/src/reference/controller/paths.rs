@@ -1,7 +1,8 @@
 //! Coordinate systems: what their calls answer, and how they take their axes along.
+use super::super::axis::Axis;
 use super::super::axis::Mode;
 use super::super::call::{Call, members};
-use super::super::crd::{CAPACITY, Crd, Entry, Rest, Set};
+use super::super::crd::{CAPACITY, Crd, Entry, Move, Rest, Set, World};
 use super::super::number::Fix;
 use super::super::path::{Cycle, Path, PathCall, Speeds};
 use super::answer::{Answer, DONE, check, either, range};
@@ -12,6 +13,8 @@ use crate::path_model::{Frame, Geometry, Rates};
 pub type Name = (i16, i16);
 /// To a core.
 const CRDS: i16 = 2;
+/// Analog outputs of the virtual controller.
+const ANALOG: i16 = 8;
 /// Speeds and accelerations of SetCrdPrm are below this.
 const MOST: f64 = 32767.0;
 /// The lowest speed and acceleration.
@@ -27,6 +30,65 @@ pub enum PathThen {
 
 fn ms(ns: i64) -> f64 {
     ns as f64 / 1e6
+}
+
+/// The axes that a path moves beside its own, in a tick.
+struct Others<'a> {
+    name: Name,
+    before: Fix,
+    /// synVelMax.
+    speed: f64,
+    /// How far the path may be from here.
+    slack: f64,
+    axes: &'a mut [Axis],
+    /// Those that set off in this tick.
+    early: &'a mut Vec<usize>,
+    /// What it must not try.
+    open: &'a mut Option<&'static str>,
+}
+
+impl World for Others<'_> {
+    fn travel(&mut self, at: f64, to: &Move) -> Option<f64> {
+        let axis = &mut self.axes[to.axis];
+        if axis.geared && axis.crd == Some(self.name) {
+            // The controller stops the path there, as if the axis were still geared: an open finding.
+            *self.open = Some("a move of an axis right after its gear");
+        }
+        if axis.mode != Mode::Trap || axis.driven || axis.blocked() {
+            return None;
+        }
+        self.early.push(to.axis);
+        let ends = axis.travel(self.before, Fix::of_f64(at), to.to, [to.vel, to.acc]);
+        Some(ends.to_f64())
+    }
+
+    fn engage(&mut self, axis: usize, ratio: f64) -> Option<Fix> {
+        let of = &mut self.axes[axis];
+        if !of.geared {
+            if of.mode == Mode::Crd || of.runs() || of.blocked() {
+                return None;
+            }
+            self.early.push(axis);
+            of.path_most = Fix::ZERO;
+        } else if of.crd != Some(self.name) {
+            return None;
+        }
+        of.path_most = of.path_most.max(Fix::of_f64(ratio * self.speed));
+        // The way along the path has 2⁻²² pulse: an axis that is geared up by more than 64 is not known to 2⁻¹⁶ pulse.
+        of.late = Fix::of_f64(ratio * (2f64.powi(-22) + self.slack));
+        (of.geared, of.driven, of.crd) = (true, true, Some(self.name));
+        let way = of.carried.get_or_insert_with(|| vec![(self.before, of.x)]);
+        way.last().map(|last| last.1)
+    }
+
+    fn carry(&mut self, at: f64, axis: usize, x: Fix, ends: bool) {
+        let of = &mut self.axes[axis];
+        if let Some(way) = &mut of.carried {
+            way.push((Fix::of_f64(at), x));
+        }
+        // Before the next motion takes it along it is at standstill.
+        (of.driven, of.path_ended) = (!ends, ends);
+    }
 }
 
 impl Controller {
@@ -134,6 +196,29 @@ impl Controller {
                 let entry = Entry::Outputs((*mask).into(), (*value).into());
                 return self.put((core, *crd), *fifo as usize, entry);
             }
+            Path::Analog { crd, dac, value, fifo } => {
+                let set = self.crd(core, *crd).map(|_| ());
+                let known = (1..=CRDS).contains(crd) && (0..2).contains(fifo) && (1..=ANALOG).contains(dac);
+                either(set.is_ok(), known)?;
+                return self.put((core, *crd), *fifo as usize, Entry::Analog(*dac as usize - 1, *value));
+            }
+            Path::Move { crd, axis, to, vel, acc, modal, fifo } => {
+                let set = self.crd(core, *crd).map(|_| ());
+                let known = |x: f64| (LEAST..=MOST).contains(&x);
+                let good = (0..2).contains(fifo) && known(*vel) && known(*acc) && (0..2).contains(modal);
+                either(self.axes[*axis].mode == Mode::Trap && set.is_ok(), good && (1..=CRDS).contains(crd))?;
+                let entry = Move { axis: *axis, to: *to, vel: *vel, acc: *acc, waits: *modal == 1 };
+                return self.put((core, *crd), *fifo as usize, Entry::Move(entry));
+            }
+            Path::Gear { crd, axis, pulses, fifo } => {
+                self.crd(core, *crd)?;
+                either(self.axes[*axis].mode == Mode::Trap, (0..2).contains(fifo))?;
+                let of = &self.crds[&(core, *crd)].fifos[*fifo as usize];
+                // Four go along with a motion, none twice.
+                let geared = of.geared_to_next();
+                check(geared.len() < 4 && !geared.contains(axis))?;
+                return self.put((core, *crd), *fifo as usize, Entry::Gear(*axis, *pulses));
+            }
             Path::GetPrm { crd } | Path::Pos { crd } | Path::Vel { crd } => {
                 self.crd(core, *crd)?;
                 return Ok(self.read(index, call, 0));
@@ -141,7 +226,12 @@ impl Controller {
             Path::Space { crd, fifo } | Path::Status { crd, fifo } | Path::Remainder { crd, fifo } => {
                 self.crd(core, *crd)?;
                 range((0..2).contains(fifo))?;
-                let held = self.crd(core, *crd)?.fifos[*fifo as usize].entries.len();
+                let of = self.crd(core, *crd)?;
+                let held = of.fifos[*fifo as usize].entries.len();
+                if of.new_here {
+                    // What is entered after the read counts already, if SetCrdPrm is of the same tick: an open finding.
+                    return Ok(Reply::Open);
+                }
                 return Ok(self.read(index, call, held));
             }
             Path::Wait { .. } => return Ok(Reply::Open),
@@ -230,7 +320,7 @@ impl Controller {
         }
         let frame = Frame { speed, acc, even_ms: f64::from(even_ms) };
         let set = Some(Set { frame, axes: of, zero });
-        let crd = Crd { set, place, stop_dec: acc, certain: self.unsettled == 0 && origin.is_none(), ..Crd::default() };
+        let crd = Crd { set, place, stop_dec: acc, certain: self.unsettled == 0 && origin.is_none(), new_here: true, ..Crd::default() };
         self.crds.insert(name, crd);
         DONE
     }
@@ -307,10 +397,37 @@ impl Controller {
     pub(super) fn step_paths(&mut self, before: i64, now: i64) {
         let then = std::mem::take(&mut self.path_then);
         self.axes.iter_mut().for_each(|axis| axis.bent = false);
-        for (name, of) in &mut self.crds {
-            of.started_here = false;
+        let Controller { crds, axes, .. } = self;
+        for (name, of) in crds {
+            (of.started_here, of.new_here) = (false, false);
             let (ran, published) = (of.runs, of.clone());
-            of.run(ms(now));
+            // Those geared since the tick before go along, or are at standstill.
+            for axis in axes.iter_mut().filter(|axis| axis.geared && axis.crd == Some(*name)) {
+                let goes = of.runs && of.fifos[of.fifo].gears.iter().any(|gear| gear.is_engaged());
+                (axis.geared, axis.carried) =
+                    (goes && axis.driven, axis.driven.then(|| vec![(Fix::ms(before), axis.x)]));
+            }
+            if let Some((axis, ends)) = of.waits
+                && axes[axis].goes_until().is_none_or(|end| (end.to_f64() - ends).abs() > 1e-9)
+            {
+                self.open = Some("an axis that a path waits for, and that something else moves");
+            }
+            let (mut early, mut open) = (Vec::new(), None);
+            let speed = of.set.as_ref().map_or(0.0, |set| set.frame.speed);
+            let slack = speed * 5e-6 * f64::from(of.waited);
+            of.run(
+                ms(now),
+                &mut Others { name: *name, before: Fix::ms(before), speed, slack, axes, early: &mut early, open: &mut open },
+            );
+            if !of.runs && early.iter().any(|axis| axes[*axis].geared) {
+                // The controller leaves the axis where it was, and the way is lost: an open finding.
+                open = Some("a Stop in the tick in which a gear begins");
+            }
+            self.open = self.open.or(open);
+            self.early.append(&mut early);
+            if std::mem::take(&mut of.hindered) {
+                *self.used.entry("paths that met an axis that must not move").or_default() += 1;
+            }
             if std::mem::take(&mut of.late) && (!of.runs || of.open || of.dry) {
                 self.open = Some("data in the tick in which a path ends");
             }
@@ -322,11 +439,24 @@ impl Controller {
                         if of.open || of.speed < 1e-3 && of.speed != 0.0 {
                             self.open = Some("a Stop where a path comes to rest or to an entry");
                         }
-                        if *then == PathThen::Halt { of.halt(&published) } else { of.brake() }
+                        if *then == PathThen::Halt {
+                            of.halt(&published)
+                        } else {
+                            of.brake()
+                        }
+                        if *then == PathThen::Halt {
+                            for axis in axes.iter_mut().filter(|axis| axis.geared && axis.crd == Some(*name)) {
+                                axis.carried = Some(vec![(Fix::ms(before), axis.x)]);
+                            }
+                        }
                     }
                 }
             }
             self.open = self.open.or(of.unsaid);
+            for (at, channel, value) in of.analog.drain(..) {
+                self.analog.push((at, channel, value));
+                *self.used.entry("analog outputs set by paths").or_default() += 1;
+            }
             for (at, mask, value) in of.outputs.drain(..) {
                 self.changes.push((at, mask, value));
                 *self.used.entry("outputs set by paths").or_default() += 1;
@@ -335,7 +465,7 @@ impl Controller {
             *self.used.entry("ticks of paths").or_default() += 1;
             for (coordinate, axis) in set.axes.iter().enumerate() {
                 let Some(axis) = *axis else { continue };
-                let axis = &mut self.axes[axis];
+                let axis = &mut axes[axis];
                 let zero = axis.zero + set.zero[coordinate];
                 let at = |place: &[f64; 4]| zero + Fix::of_f64(place[coordinate]);
                 let mut way = vec![(Fix::ms(before), axis.x)];
@@ -348,6 +478,21 @@ impl Controller {
                 axis.path_most = Fix::of_f64(set.frame.speed);
                 axis.driven = of.runs;
                 axis.path_ended = of.rest == Some(Rest::Done) && !of.runs;
+                axis.late = axis.path_most * Fix::ms(5 * i64::from(of.waited));
+            }
+            for axis in axes.iter_mut().filter(|axis| axis.geared && axis.crd == Some(*name)) {
+                *self.used.entry("ticks in which an axis is geared to a path").or_default() += 1;
+                let Some(way) = &mut axis.carried else { continue };
+                let x = way.last().map_or(axis.x, |last| last.1);
+                way.push((Fix::ms(now), x));
+                (axis.bent, axis.path_open) = (true, of.open || !axis.driven);
+                axis.driven &= of.runs;
+                if !axis.driven {
+                    (axis.geared, axis.crd) = (false, None);
+                    // Where it was left on the way.
+                    let late = std::mem::take(&mut axis.late);
+                    axis.slack += if axis.path_ended { Fix::ZERO } else { late };
+                }
             }
             if !of.runs {
                 *self.used.entry("paths ended").or_default() += 1;

@@ -1,6 +1,7 @@
 //! PVT: tables, selections, starts.
 use super::super::axis::{Axis, Mode, Motion};
 use super::super::call::{Call, members};
+use super::super::number::Fix;
 use super::super::pt::Timed;
 use super::answer::{Answer, DONE, EITHER, check, either};
 use super::{Controller, Reply};
@@ -51,7 +52,7 @@ impl Controller {
                 for place in members(*mask) {
                     let axis = &mut self.axes[place];
                     let table = &self.tables[&(self.cores[place], axis.pvt.1)];
-                    let timed = Timed::new(table.curve.clone(), now, axis.x).after(table.begins);
+                    let timed = Timed::new(table.curve.clone(), Fix::ms(now), axis.x).after(table.begins);
                     (axis.pvt.2, axis.began, axis.table) = (0, true, axis.pvt.1);
                     axis.motion = Some(Motion::Pvt(timed));
                 }

@@ -113,14 +113,62 @@ impl Making<'_> {
                     let value = if self.one_in(2) { mask } else { 0 };
                     self.path(core, Path::Outputs { crd, mask, value, fifo: fifo as i16 });
                 }
+                _ if self.one_in(7) => self.beside(index, fifo),
                 _ => self.one_motion(index, fifo),
             }
+        }
+    }
+
+    /// An entry for what is no coordinate: an analog output, an axis that moves or goes along.
+    fn beside(&mut self, index: usize, fifo: usize) {
+        let made = self.crds[index].clone();
+        let (core, crd, fifo_of) = (made.core, made.crd, fifo as i16);
+        if self.one_in(3) {
+            let dac = if self.one_in(12) { self.pick(&[0, 9]) } else { 1 + self.below(8) as i16 };
+            let value = self.below(65536) as u16 as i16;
+            return self.path(core, Path::Analog { crd, dac, value, fifo: fifo_of });
+        }
+        let free: Vec<usize> = (0..self.site.axes.len())
+            .filter(|axis| self.site.axes[*axis].0 == core && !made.axes.contains(axis))
+            .filter(|axis| self.does[*axis] == Does::Trap)
+            .collect();
+        if free.is_empty() && !self.one_in(10) {
+            return;
+        }
+        let axis = if free.is_empty() { made.axes[0] } else { self.pick(&free) };
+        if self.one_in(2) {
+            let to = (self.below(400) as i32 + 1) * self.chance.sign() as i32;
+            let (vel, acc) = (self.speed(), self.rate());
+            let modal = if self.one_in(30) { 2 } else { self.below(2) as i16 };
+            self.path(core, Path::Move { crd, axis, to, vel, acc, modal, fifo: fifo_of });
+        } else {
+            let pulses = (self.below(300) as i32 + 1) * self.chance.sign() as i32;
+            self.path(core, Path::Gear { crd, axis, pulses, fifo: fifo_of });
+            self.one_motion(index, fifo);
+        }
+    }
+
+    /// An axis beside those of a path, in Trap mode and at rest.
+    fn spare(&mut self, made: &Made) {
+        let core = made.core;
+        let spare = (0..self.site.axes.len()).find(|axis| self.site.axes[*axis].0 == core && !made.axes.contains(axis));
+        if let Some(axis) = spare {
+            let mask = 1 << axis;
+            self.calls.push(Call::Stop { mask, abrupt: mask });
+            self.calls.push(Call::WaitStop { mask });
+            self.sleep(3);
+            self.plain(Kind::PrfTrap, axis);
+            self.does[axis] = Does::Trap;
         }
     }
 
     pub(super) fn paths(&mut self, axis: usize) {
         let index = self.set_up_path(axis);
         let (core, crd) = (self.crds[index].core, self.crds[index].crd);
+        if self.one_in(2) {
+            let made = self.crds[index].clone();
+            self.spare(&made);
+        }
         let fifo = if self.one_in(4) { 1 } else { 0 };
         self.fill_path(index, fifo);
         if self.one_in(4) {

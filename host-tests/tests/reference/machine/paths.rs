@@ -44,6 +44,23 @@ pub fn wire(site: &Site, of: &PathCall) -> Wire {
             let (do_type, do_mask, do_value) = (12.into(), mask.into(), value.into());
             Wire::of(BufIO { core, crd: crd.into(), do_type, do_mask, do_value, fifo: fifo.into() })
         }
+        &Path::Analog { crd, dac, value, fifo } => {
+            Wire::of(BufDA { core, crd: crd.into(), channel: dac.into(), value: value.into(), fifo: fifo.into() })
+        }
+        &Path::Move { crd, axis, to, vel, acc, modal, fifo } => Wire::of(BufMove {
+            core,
+            crd: crd.into(),
+            axis: site.axes[axis].1.into(),
+            pos: to.into(),
+            vel: vel.into(),
+            acc: acc.into(),
+            modal: modal.into(),
+            fifo: fifo.into(),
+        }),
+        &Path::Gear { crd, axis, pulses, fifo } => {
+            let axis = site.axes[axis].1.into();
+            Wire::of(BufGear { core, crd: crd.into(), axis, pos: pulses.into(), fifo: fifo.into() })
+        }
         Path::Line { crd, to, speeds, fifo } => {
             let (crd, fifo) = ((*crd).into(), (*fifo).into());
             let (syn_vel, syn_acc, vel_end) = (speeds.vel.into(), speeds.acc.into(), speeds.end.into());
