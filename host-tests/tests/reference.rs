@@ -37,6 +37,11 @@ const NEEDED: &[&str] = &[
     "ticks in which a slave of an encoder moves",
     "outputs set by FollowEx",
     "outputs set by paths",
+    "analog outputs set by paths",
+    "axes that a path sets off",
+    "ticks in which an axis is geared to a path",
+    "entries of lasers reached",
+    "lasers switched by calls",
     "paths ended",
     "ticks of paths",
 ];

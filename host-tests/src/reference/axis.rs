@@ -164,6 +164,8 @@ pub struct Axis {
     brief: bool,
     /// It is geared to a motion of its coordinate system.
     pub geared: bool,
+    /// It was until the tick before.
+    pub lately: bool,
     /// No motion of the tick was faster, pulse/ms.
     pub fastest: Fix,
 }
@@ -252,6 +254,7 @@ impl Axis {
             moved: false,
             brief: false,
             geared: false,
+            lately: false,
             fastest: Fix::ZERO,
         }
     }
@@ -291,11 +294,20 @@ impl Axis {
 
     /// The check of a tick before its calls. An axis at standstill beyond a soft limit latches its
     /// bit, and is refused a start from then on until ClrSts.
-    pub fn sample(&mut self) {
+    /// Returns whether a cause is new.
+    pub fn sample(&mut self) -> bool {
         let causes = if self.runs() { 0 } else { self.beyond() };
-        self.blocks |= causes & !self.causes;
+        let fresh = causes & !self.causes;
+        self.blocks |= fresh;
         self.causes = causes;
         self.latched |= causes;
+        fresh != 0
+    }
+
+    /// The coordinate system of core 1 that it belongs to, from 0: its faults take that one's light.
+    pub fn light_crd(&self) -> Option<usize> {
+        let (core, crd) = self.crd.filter(|_| self.mode == Mode::Crd)?;
+        (core == 1).then_some(crd as usize - 1)
     }
 
     /// Limits beyond which it is.

@@ -1,5 +1,5 @@
 //! The calls of a program, and how a job writes them.
-use super::effect::Effect;
+use super::effect::{Effect, LightCall};
 use super::follow::{Datum, Item};
 use super::path::{Path, PathCall};
 use super::pvt::Points;
@@ -169,6 +169,7 @@ pub enum Call {
     },
     /// Outputs and inputs.
     Effect(Effect),
+    Light(LightCall),
     /// Coordinate systems.
     Path(PathCall),
 }
@@ -236,7 +237,7 @@ impl Call {
             _ => {}
         }
         match *self {
-            Call::Sleep { .. } | Call::Effect(_) | Call::Ex(_) => 0,
+            Call::Sleep { .. } | Call::Effect(_) | Call::Light(_) | Call::Ex(_) => 0,
             Call::Path(_) => 0,
             Call::WaitStop { mask }
             | Call::Stop { mask, .. }
@@ -368,6 +369,7 @@ impl Site {
                 format!("GTN_FollowSwitchNowEx({},{},0,0)", at(axis), if *table { 2 } else { 1 })
             }
             Call::Effect(effect) => return effect.text(),
+            Call::Light(of) => return of.text(),
             Call::Path(of) => return of.text(self),
         };
         format!("rtn = {written};")

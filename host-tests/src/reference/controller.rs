@@ -6,6 +6,7 @@ mod answer;
 mod effects;
 mod encoders;
 mod follow;
+mod light;
 mod paths;
 mod plain;
 mod pt;
@@ -17,6 +18,7 @@ use super::axis::{Aim, Axis, Mode, Motion};
 use super::call::{Call, Site, members};
 use super::crd::Crd;
 use super::effect::Levels;
+use super::light::{Act, GateEdge, Light};
 use super::number::Fix;
 use super::path::{Path, PathCall};
 use super::pvt::Table;
@@ -70,6 +72,9 @@ pub struct Program {
     pub outputs: Vec<Levels>,
     /// Changes of general outputs.
     pub edges: Vec<Edge>,
+    /// Gates of the lasers, and their powers from tick 0 on.
+    pub gates: Vec<GateEdge>,
+    pub powers: Vec<[f64; 2]>,
     /// An encoder that is not where the machine must have it: tick, axis, how far.
     pub astray: Option<(usize, usize, f64)>,
     /// The contract leaves open what happens from this tick on, and why.
@@ -111,6 +116,9 @@ pub struct Controller {
     reads: Vec<(usize, Call, usize)>,
     open: Option<&'static str>,
     levels: Levels,
+    light: Light,
+    /// The last call was refused, with a code that the contract leaves open.
+    may_be_refused: bool,
     /// Changes of general outputs in this tick: when, ms, which bits, their levels.
     changes: Vec<(f64, u32, u32)>,
     edges: Vec<Edge>,
@@ -141,6 +149,8 @@ impl Controller {
             site: site.clone(),
             machine,
             levels: Levels::default(),
+            light: Light::default(),
+            may_be_refused: false,
             changes: Vec::new(),
             edges: Vec::new(),
             analog: Vec::new(),
@@ -178,6 +188,7 @@ impl Controller {
         let mut program = Program { replies: vec![Reply::Open; calls.len()], ..Program::default() };
         program.rows.push(self.rows());
         program.outputs.push(self.levels.clone());
+        program.powers.push(self.light.powers());
         self.encoders(0);
         self.axes.iter_mut().for_each(|axis| axis.encoder_zero = axis.encoder[1]);
         let (mut clock, mut waiting, mut next, mut left) = (0, None, 0, tail);
@@ -186,7 +197,13 @@ impl Controller {
             let (before, now) = ((number as i64 - 1) * self.tick_ns, number as i64 * self.tick_ns);
             let earlier = std::mem::replace(&mut first, next);
             self.encoders(number);
-            self.axes.iter_mut().for_each(Axis::sample);
+            for axis in &mut self.axes {
+                if axis.sample()
+                    && let Some(crd) = axis.light_crd()
+                {
+                    self.light.calls.push(Act::Fault(crd));
+                }
+            }
             while waiting.is_none() && next < calls.len() && clock < now {
                 match &calls[next] {
                     Call::Sleep { ns } => {
@@ -211,7 +228,7 @@ impl Controller {
                     }
                     call => {
                         let reply = self.call(next, call, now);
-                        if matches!(reply, Reply::Code(_)) {
+                        if matches!(reply, Reply::Code(_)) || std::mem::take(&mut self.may_be_refused) {
                             program.refused.push(next);
                         }
                         if self.open.is_some() {
@@ -242,6 +259,7 @@ impl Controller {
             self.answer(&mut program, now);
             program.rows.push(self.rows());
             program.outputs.push(self.levels.clone());
+            program.powers.push(self.light.powers());
             if let Some(mask) = waiting {
                 if let Some(why) = members(mask).find_map(|axis| self.axes[axis].open) {
                     self.open = Some(why);
@@ -267,12 +285,14 @@ impl Controller {
                         program.rows[number][axis].open = true;
                     }
                     program.outputs.push(self.levels.clone());
+                    program.powers.push(self.light.powers());
                     break;
                 }
             }
         }
         program.used = self.used;
         program.edges = self.edges;
+        program.gates = self.light.edges;
         program.astray = self.machine.astray;
         program
     }
@@ -405,6 +425,7 @@ impl Controller {
             }
             self.axes[index] = axis;
         }
+        self.light.step(now as f64 / 1e6);
         self.change_outputs();
     }
 
@@ -418,6 +439,11 @@ impl Controller {
             }
             let axes = members(named).filter(|axis| self.axes[*axis].runs());
             self.contested[0] |= axes.map(|axis| 1 << axis).sum::<u32>();
+        }
+        if call.needs_rest() && self.unsettled != 0 && self.may_set_off(call.axes()) {
+            // Whether it moves is known only at its instant: docs/crd.md.
+            self.open =
+                Some("a call that needs standstill of an axis that a path may move, after a Stop or a WaitStop");
         }
         if call.needs_rest() && members(call.axes()).any(|axis| self.axes[axis].ended) {
             self.open = Some("a call that needs standstill, right after its axis came to rest");
@@ -454,12 +480,14 @@ impl Controller {
             Call::FollowEntry { axis, item, fifo } => self.follow_item(*axis, *item, *fifo, Mode::FollowEx),
             Call::FollowSwitchNow { axis, table } => self.follow_switch_now(*axis, *table),
             Call::Effect(effect) => self.effect(index, call, effect, now),
+            Call::Light(of) => self.light(index, call, of),
             Call::Path(of) => self.path(index, call, of, now),
             Call::PvtTable { .. } | Call::PvtTableSelect { .. } | Call::SetPvtLoop { .. } | Call::PvtStart { .. } => {
                 self.pvt(call, now)
             }
             _ => self.setting(call),
         };
+        self.may_be_refused = matches!(reply, Err(EITHER));
         reply.unwrap_or_else(|code| if code == EITHER { Reply::Open } else { Reply::Code(code) })
     }
 }

@@ -19,6 +19,8 @@ pub enum Entry {
     Outputs(u32, u32),
     /// BufDA: channel from 0.
     Analog(usize, i16),
+    /// A change of a laser channel.
+    Laser(usize, super::light::Command),
     /// BufMove.
     Move(Move),
     /// BufGear: this axis goes so many pulses along with the next motion.
@@ -48,6 +50,8 @@ pub trait World {
     fn travel(&mut self, at: f64, to: &Move) -> Option<f64>;
     /// An axis is geared to a motion from now on, and goes so many pulses for one of the path; where it is. None: it must not move.
     fn engage(&mut self, axis: usize, ratio: f64) -> Option<super::Fix>;
+    /// Whether an axis moves is open.
+    fn may_move(&mut self, axis: usize);
     /// Where a geared axis is at an instant; whether its motion ends there.
     fn carry(&mut self, at: f64, axis: usize, x: super::Fix, ends: bool);
 }
@@ -63,6 +67,8 @@ impl World for Nobody {
     fn engage(&mut self, _: usize, _: f64) -> Option<super::Fix> {
         Some(super::Fix::ZERO)
     }
+
+    fn may_move(&mut self, _: usize) {}
 
     fn carry(&mut self, _: f64, _: usize, _: super::Fix, _: bool) {}
 }
@@ -128,17 +134,22 @@ impl Fifo {
         axes
     }
 
+    /// The axes that its entries move.
+    pub fn moves(&self) -> u32 {
+        let of = |entry: &Entry| match entry {
+            Entry::Move(Move { axis, .. }) | Entry::Gear(axis, _) => 1 << axis,
+            _ => 0,
+        };
+        self.entries.iter().map(of).fold(0, |mask, axis| mask | axis)
+    }
+
     pub fn waiting(&self) -> usize {
         self.entries.len() - self.next
     }
 
     /// Of those, the ones that take time.
     pub fn lasting(&self) -> usize {
-        let lasts = |entry: &&Entry| match entry {
-            Entry::Motion(..) => true,
-            Entry::Delay(ms) => *ms > 0.0,
-            Entry::Outputs(..) => false,
-        };
+        let lasts = |entry: &&Entry| !entry.takes_no_time() && **entry != Entry::Delay(0.0);
         self.entries[self.next..].iter().filter(lasts).count()
     }
 
@@ -166,6 +177,8 @@ impl Fifo {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Rest {
     Done,
+    /// The same at speed.
+    Underrun,
     Stopped,
 }
 
@@ -191,12 +204,18 @@ pub struct Crd {
     pub waits: Option<(usize, f64)>,
     /// Waits since the start: the end of each is known to 5 ns.
     pub waited: u32,
+    /// It goes on after an abrupt Stop: up to 2⁻¹⁷ pulse more than SPEC 11 allows, an open finding.
+    pub resumed: bool,
     /// It met an axis that must not move.
     pub hindered: bool,
     /// General outputs that were set: when, which bits, their levels.
     pub outputs: Vec<(f64, u32, u32)>,
     /// The same of analog ones: channel from 0, value.
     pub analog: Vec<(f64, usize, i16)>,
+    /// Entries of lasers that were reached: when, channel, what, whether it braked for a Stop.
+    pub lasers: Vec<(f64, usize, super::light::Command, bool)>,
+    /// It came to standstill in this tick: when, and whether it braked for a Stop.
+    pub rested: Option<(f64, bool)>,
     /// Places passed in a tick where it may turn, and whether that is all of them.
     pub knots: Vec<(f64, [f64; 4])>,
     pub is_straight: bool,
@@ -206,8 +225,6 @@ pub struct Crd {
     /// It was started on the tick that is being prepared; data came for the end of its FIFO.
     pub started_here: bool,
     pub late: bool,
-    /// It was set up on the tick that is being prepared.
-    pub new_here: bool,
     /// No Stop has come since it was set up at standstill.
     pub certain: bool,
     /// What was there at the tick before has come to its end.
@@ -232,16 +249,18 @@ impl Default for Crd {
             plan: None,
             waits: None,
             waited: 0,
+            resumed: false,
             hindered: false,
             outputs: Vec::new(),
             analog: Vec::new(),
+            lasers: Vec::new(),
+            rested: None,
             knots: Vec::new(),
             is_straight: true,
             open: false,
             rest: None,
             started_here: false,
             late: false,
-            new_here: false,
             certain: false,
             dry: false,
             unsaid: None,
@@ -303,11 +322,11 @@ impl Crd {
         // What stood at that tick's own instant had been reached.
         let outputs = was.entries[was.next..].iter().take_while(|entry| entry.takes_no_time()).count();
         let next = was.next + outputs;
-        let moves = |entry: &Entry| matches!(entry, Entry::Move(_) | Entry::Gear(..));
+        let moves = |entry: &Entry| matches!(entry, Entry::Move(_) | Entry::Gear(..) | Entry::Laser(..));
         if of.next != was.next
             && (!was.gears.is_empty() || of.entries[was.next..=of.next.min(of.entries.len() - 1)].iter().any(moves))
         {
-            self.unsaid = Some("an abrupt Stop just after an entry that moves an axis");
+            self.unsaid = Some("an abrupt Stop just after an entry of a laser or of an axis");
         }
         if of.next != next {
             // A delay that has ended since is over.
@@ -316,6 +335,7 @@ impl Crd {
         } else if matches!(of.entries[of.next], Entry::Motion(..)) {
             of.done = was.done;
         }
+        self.resumed = true;
         self.place = published.place;
         self.knots.clear();
         self.is_straight = true;
@@ -359,6 +379,7 @@ impl Crd {
     }
 
     fn come_to_standstill(&mut self, rest: Rest) {
+        self.rested = Some((self.now, self.brakes));
         (self.runs, self.brakes, self.speed, self.plan) = (false, false, 0.0, None);
         self.rest = Some(rest);
         self.waits = None;
@@ -382,9 +403,18 @@ impl Crd {
         while self.runs && self.now < until {
             let of = &mut self.fifos[self.fifo];
             match of.entries[..of.seen].get(of.next) {
-                None => self.come_to_standstill(Rest::Done),
-                // A Stop that came to it at speed.
-                Some(Entry::Move(Move { waits: true, .. })) if self.brakes => self.come_to_standstill(Rest::Stopped),
+                None if self.speed > 1e-3 => self.come_to_standstill(Rest::Underrun),
+                None => {
+                    if self.speed > 1e-9 {
+                        self.unsaid = Some("a path that ends hardly at speed");
+                    }
+                    self.come_to_standstill(Rest::Done);
+                }
+                Some(&Entry::Move(Move { waits: true, axis, .. })) if self.brakes => {
+                    world.may_move(axis);
+                    self.unsaid = Some("a Stop that comes to a move that the path waits for");
+                    self.come_to_standstill(Rest::Stopped);
+                }
                 Some(Entry::Move(to)) => {
                     let to = *to;
                     effects += 4;
@@ -396,6 +426,9 @@ impl Crd {
                         match entry {
                             Entry::Outputs(mask, value) => self.outputs.push((self.now, mask, value)),
                             Entry::Analog(channel, value) => self.analog.push((self.now, channel, value)),
+                            Entry::Laser(channel, command) => {
+                                self.lasers.push((self.now, channel, command, self.brakes));
+                            }
                             _ => {}
                         }
                     }

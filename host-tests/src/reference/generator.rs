@@ -5,6 +5,7 @@ use super::{Call, Kind, Site};
 mod anywhere;
 mod follow;
 mod follow_ex;
+mod light;
 mod outputs;
 mod paths;
 mod pt;
@@ -139,7 +140,8 @@ impl Making<'_> {
 
     fn phrase(&mut self) {
         let axis = self.axis();
-        match self.below(29) {
+        match self.below(30) {
+            29 => self.lights(),
             25..28 => self.paths(axis),
             28 => self.during_paths(axis),
             20 | 21 => self.slave_ex(axis),

@@ -1,5 +1,6 @@
 //! The calls of coordinate systems. Axes are named by their place in the site; crds and FIFOs are those of a core.
 use super::call::Site;
+use super::light::Command;
 use crate::path_model::Plane;
 
 /// A call.
@@ -111,6 +112,13 @@ pub enum Path {
         pulses: i32,
         fifo: i16,
     },
+    /// BufLaserOn, BufLaserOff, BufLaserPrfCmd.
+    Laser {
+        crd: i16,
+        channel: i16,
+        command: Command,
+        fifo: i16,
+    },
     /// WaitStop of coordinate systems.
     Wait {
         mask: u32,
@@ -202,6 +210,11 @@ impl PathCall {
             }
             Path::Delay { crd, ms, fifo } => format!("GTN_BufDelay({core},{crd},{ms},{fifo})"),
             Path::Outputs { crd, mask, value, fifo } => format!("GTN_BufIO({core},{crd},12,{mask},{value},{fifo})"),
+            Path::Laser { crd, channel, command, fifo } => match command {
+                Command::Gate(true) => format!("GTN_BufLaserOn({core},{crd},{fifo},{channel})"),
+                Command::Gate(false) => format!("GTN_BufLaserOff({core},{crd},{fifo},{channel})"),
+                Command::Power(power) => format!("GTN_BufLaserPrfCmd({core},{crd},{power:?},{fifo},{channel})"),
+            },
             Path::Analog { crd, dac, value, fifo } => format!("GTN_BufDA({core},{crd},{dac},{value},{fifo})"),
             Path::Move { crd, axis, to, vel, acc, modal, fifo } => {
                 let axis = site.axes[*axis].1;

@@ -122,6 +122,20 @@ fn compare(program: &Program, told: &Told, calls: &[Call], tick_us: u32) -> Resu
         if (0..8).any(differs) {
             return Err(format!("at {} ms analog outputs are {theirs:?}, the reference's {mine:?}", ms(tick)));
         }
+        let near = |powers: &[f64; 2], channel: usize| {
+            (powers[channel] - told.more[tick].powers[channel]).abs() < 2f64.powi(-20)
+        };
+        let next = &program.powers[(tick + 1).min(program.powers.len() - 1)];
+        // A fault takes light a tick before.
+        let is_known = program.open.is_none() || tick + 2 < end;
+        if is_known && (0..2).any(|channel| !near(&program.powers[tick], channel) && !near(next, channel)) {
+            let theirs = told.more[tick].powers;
+            return Err(format!(
+                "at {} ms powers are {theirs:?}, the reference's {:?}",
+                ms(tick),
+                program.powers[tick]
+            ));
+        }
         for (axis, row) in program.rows[tick].iter().enumerate() {
             let (position, status) = told.rows[tick][axis];
             stands[axis] += step_generator::between(Pos(told.rows[tick.max(1) - 1][axis].0), Pos(position));
@@ -164,17 +178,22 @@ fn compare(program: &Program, told: &Told, calls: &[Call], tick_us: u32) -> Resu
             }
         }
     }
-    // The last row is the last instant of which the reference knows; of the tick that leads to an open end it knows nothing.
-    let known = end.min(program.rows.len() - 1).saturating_sub(usize::from(program.open.is_some()));
-    edges(program, told, known as f64 * f64::from(tick_us) / 1000.0)?;
+    // The last row is the last instant of which the reference knows.
+    let last = end.min(program.rows.len() - 1) as f64 * f64::from(tick_us) / 1000.0;
+    let mine = program.edges.iter().map(|edge| (edge.ms, edge.bit, edge.level)).collect();
+    edges("an output", mine, &told.edges, last)?;
+    // Light that a fault takes goes with the tick before.
+    let last = if program.open.is_some() { last - f64::from(tick_us) / 1000.0 } else { last };
+    let mine = program.gates.iter().map(|&(ms, channel, level)| (ms, channel as u8, level)).collect();
+    edges("a laser's switch", mine, &told.gates, last)?;
     if let Some((tick, axis, apart)) = program.astray.filter(|(tick, ..)| *tick < end) {
         return Err(format!("at {} ms the encoder of axis {axis} is {apart} from where the machine is", ms(tick)));
     }
     Ok(())
 }
 
-/// Changes of general outputs before an instant, ms: each is where the reference has it, to 5 ns.
-fn edges(program: &Program, told: &Told, end: f64) -> Result<(), String> {
+/// Changes of outputs before an instant, ms: each is where the reference has it, to 5 ns.
+fn edges(what: &str, mine: Vec<(f64, u8, bool)>, theirs: &[(i64, u8, bool)], end: f64) -> Result<(), String> {
     let settled = |edges: Vec<(f64, u8, bool)>| {
         let mut left: Vec<(f64, u8, bool)> = Vec::new();
         for edge in edges.into_iter().filter(|edge| edge.0 >= 0.0 && edge.0 < end - 0.001) {
@@ -188,15 +207,15 @@ fn edges(program: &Program, told: &Told, end: f64) -> Result<(), String> {
         left.sort_by(|a, b| a.1.cmp(&b.1).then(a.0.total_cmp(&b.0)));
         left
     };
-    let mine = settled(program.edges.iter().map(|edge| (edge.ms, edge.bit, edge.level)).collect());
-    let theirs = settled(told.edges.iter().map(|edge| (edge.0 as f64 / 1e6, edge.1, edge.2)).collect());
+    let mine = settled(mine);
+    let theirs = settled(theirs.iter().map(|edge| (edge.0 as f64 / 1e6, edge.1, edge.2)).collect());
     for (mine, theirs) in mine.iter().zip(&theirs) {
         if (mine.1, mine.2) != (theirs.1, theirs.2) || (mine.0 - theirs.0).abs() > 6e-6 {
-            return Err(format!("an output changes {theirs:?} (ms, from 0, level), the reference's {mine:?}"));
+            return Err(format!("{what} changes {theirs:?} (ms, from 0, level), the reference's {mine:?}"));
         }
     }
     if mine.len() != theirs.len() {
-        return Err(format!("outputs change {theirs:?}, the reference's {mine:?}"));
+        return Err(format!("{what} changes {theirs:?}, the reference's {mine:?}"));
     }
     Ok(())
 }

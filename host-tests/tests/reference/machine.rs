@@ -1,7 +1,7 @@
 //! The virtual controller under a program: every call is an entry of the program queue that may fail, and every tick's
 //! set-points and status words are kept.
 use client::{Answer, Client, Link, Observer, Options, Profile};
-use host_tests::reference::{Call, Effect, Fix, Kind, Points, Site};
+use host_tests::reference::{Call, Effect, Fix, Kind, LightCall, LightOf, Points, Site};
 use protocol::command::*;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
@@ -11,7 +11,8 @@ mod effects;
 #[path = "machine/paths.rs"]
 mod paths;
 
-use virtual_board::{Board, Config, Edge, Output, Shared, share};
+use plant::beam::Change;
+use virtual_board::{Beam, Board, Config, Edge, Output, Shared, share};
 
 /// One axis in one tick: set-point in 2⁻²² pulse, status word.
 pub type Seen = (i64, u32);
@@ -30,6 +31,8 @@ pub struct More {
     pub encoders: Vec<i64>,
     pub general: u32,
     pub analog: [i16; 8],
+    /// Powers of the lasers, %.
+    pub powers: [f64; 2],
 }
 
 /// In lockstep, a tick at a time.
@@ -57,7 +60,9 @@ impl Watched {
             record.rows.push((at, row));
             let encoders = record.axes.iter().map(|&axis| board.encoder(axis)).collect();
             let outputs = board.outputs();
-            record.more.push(More { encoders, general: outputs.general as u32, analog: outputs.analog });
+            let (general, analog) = (outputs.general as u32, outputs.analog);
+            let powers = [0, 1].map(|channel| board.laser_view(channel).power.raw() as f64 / 2f64.powi(44));
+            record.more.push(More { encoders, general, analog, powers });
             if came {
                 return;
             }
@@ -115,6 +120,8 @@ pub struct Told {
     pub more: Vec<More>,
     /// Changes of general outputs: ns of the program, from 0, level.
     pub edges: Vec<(i64, u8, bool)>,
+    /// The same of the switches of lasers.
+    pub gates: Vec<(i64, u8, bool)>,
 }
 
 pub struct Rig {
@@ -141,6 +148,7 @@ impl Rig {
             _ => (Profile::Gtn016, 1, 8),
         };
         let board = share(Board::new(Config { tick_us, profile: number, ..Config::default() }));
+        board.lock().unwrap().record_beam(true);
         let axes = site.axes.iter().map(|&(core, axis)| (core as usize - 1) * per_core + axis as usize - 1).collect();
         let record = Arc::new(Mutex::new(Record { axes, rows: Vec::new(), more: Vec::new() }));
         let link = Watched { board: board.clone(), received: Vec::new(), taken: 0, record: Arc::clone(&record) };
@@ -168,6 +176,7 @@ impl Rig {
         self.client.sleep(Duration::from_millis(3)).map_err(|error| format!("{error:?}"))?;
         self.board.lock().unwrap().inputs_mut().general = 0;
         self.board.lock().unwrap().take_edges();
+        self.board.lock().unwrap().take_beam();
         {
             let mut record = self.record.lock().unwrap();
             record.rows.clear();
@@ -195,13 +204,19 @@ impl Rig {
             _ => None,
         };
         let edges = taken.iter().filter_map(edge).collect();
+        let beam = self.board.lock().unwrap().take_beam();
+        let gate = |beam: &Beam| match beam.change {
+            Change::Switch { at, level } => Some((at as i64 - zero as i64, beam.channel, level)),
+            _ => None,
+        };
+        let gates = beam.iter().filter_map(gate).collect();
         let mut record = self.record.lock().unwrap();
         let (rows, mut more) = (std::mem::take(&mut record.rows), std::mem::take(&mut record.more));
         drop(record);
         more.drain(..rows.iter().take_while(|row| row.0 < zero).count());
         let rows: Vec<_> = rows.into_iter().filter(|row| row.0 >= zero).map(|row| row.1).collect();
         let begin = rows.first().map(|row| row.iter().map(|seen| seen.0).collect()).unwrap_or_default();
-        Ok(Told { begin, answers: kept.0, rows, more, edges, late })
+        Ok(Told { begin, answers: kept.0, rows, more, edges, gates, late })
     }
 }
 
@@ -215,6 +230,7 @@ pub fn wire(site: &Site, call: &Call) -> client::Call {
         Call::FollowEntry { axis, item, fifo } => return effects::entry(site, *axis, item, *fifo),
         Call::FollowSwitchNow { axis, table } => return effects::switch_now(site, *axis, *table, 0, 0.into()),
         Call::Effect(effect) => return effects::effect(effect),
+        Call::Light(of) => return effects::light(of),
         Call::Path(of) => return paths::wire(site, of),
         _ => {}
     }
@@ -347,6 +363,7 @@ pub fn wire(site: &Site, call: &Call) -> client::Call {
         | Call::FollowEntry { .. }
         | Call::FollowSwitchNow { .. }
         | Call::Path(_)
+        | Call::Light(_)
         | Call::Effect(_) => unreachable!("done above"),
         Call::PvtTableSelect { axis, table } => {
             let (core, profile) = at(axis);
@@ -517,6 +534,12 @@ pub fn got(call: &Call, answer: &Answer) -> Got {
             answer.reply::<FollowSpaceEx>().map(|(reply, _)| Got::Whole(reply.value.get().into()))
         }
         Call::Path(of) => paths::got(of, answer),
+        Call::Light(LightCall { what: LightOf::GetGate, .. }) => {
+            answer.reply::<GetHSIOOpt>().map(|(reply, _)| Got::Whole(reply.value.get().into()))
+        }
+        Call::Light(LightCall { what: LightOf::GetPower, .. }) => {
+            answer.reply::<GetLaserPower>().map(|(reply, _)| Got::Real(reply.value.get()))
+        }
         Call::Effect(Effect::GetDo { .. }) => {
             answer.reply::<GetDo>().map(|(reply, _)| Got::Whole(reply.value.get().into()))
         }

@@ -3,6 +3,7 @@ use super::super::axis::Axis;
 use super::super::axis::Mode;
 use super::super::call::{Call, members};
 use super::super::crd::{CAPACITY, Crd, Entry, Move, Rest, Set, World};
+use super::super::light::{Act, Command};
 use super::super::number::Fix;
 use super::super::path::{Cycle, Path, PathCall, Speeds};
 use super::answer::{Answer, DONE, check, either, range};
@@ -50,7 +51,7 @@ struct Others<'a> {
 impl World for Others<'_> {
     fn travel(&mut self, at: f64, to: &Move) -> Option<f64> {
         let axis = &mut self.axes[to.axis];
-        if axis.geared && axis.crd == Some(self.name) {
+        if axis.geared && axis.crd == Some(self.name) || axis.lately {
             // The controller stops the path there, as if the axis were still geared: an open finding.
             *self.open = Some("a move of an axis right after its gear");
         }
@@ -60,6 +61,10 @@ impl World for Others<'_> {
         self.early.push(to.axis);
         let ends = axis.travel(self.before, Fix::of_f64(at), to.to, [to.vel, to.acc]);
         Some(ends.to_f64())
+    }
+
+    fn may_move(&mut self, axis: usize) {
+        self.early.push(axis);
     }
 
     fn engage(&mut self, axis: usize, ratio: f64) -> Option<Fix> {
@@ -117,11 +122,17 @@ impl Controller {
                 of.contested[0] = of.runs;
                 either(!of.runs, (0..2).contains(fifo))?;
                 of.fifos[*fifo as usize] = Default::default();
+                if core == 1 {
+                    self.light.calls.push(Act::Cleared(*crd as usize - 1, *fifo as usize));
+                }
             }
             Path::Start { mask, option } => return self.start_paths(core, *mask, *option, now),
             Path::Stop { mask, option } => {
                 range(*mask >> CRDS == 0 && *mask >= 0)?;
                 self.unsettle();
+                if core == 1 {
+                    self.stop_light(*mask as u8);
+                }
                 for crd in 1..=CRDS {
                     if mask >> (crd - 1) & 1 == 1 {
                         self.stop_path((core, crd), option >> (crd - 1) & 1 == 1);
@@ -196,6 +207,19 @@ impl Controller {
                 let entry = Entry::Outputs((*mask).into(), (*value).into());
                 return self.put((core, *crd), *fifo as usize, entry);
             }
+            Path::Laser { crd, channel, command, fifo } => {
+                let set = self.crd(core, *crd).map(|_| ());
+                let known = (1..=CRDS).contains(crd) && (0..2).contains(fifo) && (0..2).contains(channel);
+                let power = !matches!(command, Command::Power(power) if !(0.0..=100.0).contains(power));
+                if !known || core != 1 {
+                    return either(set.is_ok(), false).map(|()| Reply::Open);
+                }
+                let of = self.light.after_calls(*channel as usize);
+                let mapped = of.map >> (crd - 1) & 1 == 1;
+                let outputs = of.connector || *command != Command::Gate(true);
+                either(set.is_ok() && mapped && outputs, power)?;
+                return self.put((core, *crd), *fifo as usize, Entry::Laser(*channel as usize, *command));
+            }
             Path::Analog { crd, dac, value, fifo } => {
                 let set = self.crd(core, *crd).map(|_| ());
                 let known = (1..=CRDS).contains(crd) && (0..2).contains(fifo) && (1..=ANALOG).contains(dac);
@@ -228,10 +252,6 @@ impl Controller {
                 range((0..2).contains(fifo))?;
                 let of = self.crd(core, *crd)?;
                 let held = of.fifos[*fifo as usize].entries.len();
-                if of.new_here {
-                    // What is entered after the read counts already, if SetCrdPrm is of the same tick: an open finding.
-                    return Ok(Reply::Open);
-                }
                 return Ok(self.read(index, call, held));
             }
             Path::Wait { .. } => return Ok(Reply::Open),
@@ -320,7 +340,7 @@ impl Controller {
         }
         let frame = Frame { speed, acc, even_ms: f64::from(even_ms) };
         let set = Some(Set { frame, axes: of, zero });
-        let crd = Crd { set, place, stop_dec: acc, certain: self.unsettled == 0 && origin.is_none(), new_here: true, ..Crd::default() };
+        let crd = Crd { set, place, stop_dec: acc, certain: self.unsettled == 0 && origin.is_none(), ..Crd::default() };
         self.crds.insert(name, crd);
         DONE
     }
@@ -350,7 +370,12 @@ impl Controller {
             let place = of.place;
             let apart = |begin: [f64; 4]| begin.iter().zip(place).any(|(a, b)| (a - b).abs() > 1e-6);
             let elsewhere = begins.is_some_and(apart);
+            let goes_on = of.fifos[fifo].left.is_some();
             of.start(fifo, ms(now));
+            if core == 1 {
+                self.light.calls.push(Act::Starts(crd as usize - 1, fifo, goes_on));
+            }
+            let of = self.crd(core, crd)?;
             let axes = of.set.as_ref().map_or([None; 4], |set| set.axes);
             if elsewhere {
                 self.open = Some("a FIFO that begins elsewhere");
@@ -359,6 +384,11 @@ impl Controller {
             *self.used.entry("paths started").or_default() += 1;
         }
         DONE
+    }
+
+    /// Whether a path that runs has entries that move some of these axes.
+    pub(super) fn may_set_off(&self, axes: u32) -> bool {
+        self.crds.values().filter(|of| of.runs).any(|of| of.fifos.iter().any(|fifo| fifo.moves() & axes != 0))
     }
 
     /// A Stop: where paths are may be known later than it is so.
@@ -398,8 +428,9 @@ impl Controller {
         let then = std::mem::take(&mut self.path_then);
         self.axes.iter_mut().for_each(|axis| axis.bent = false);
         let Controller { crds, axes, .. } = self;
+        let released: Vec<bool> = axes.iter().map(|axis| axis.lately).collect();
         for (name, of) in crds {
-            (of.started_here, of.new_here) = (false, false);
+            of.started_here = false;
             let (ran, published) = (of.runs, of.clone());
             // Those geared since the tick before go along, or are at standstill.
             for axis in axes.iter_mut().filter(|axis| axis.geared && axis.crd == Some(*name)) {
@@ -417,15 +448,29 @@ impl Controller {
             let slack = speed * 5e-6 * f64::from(of.waited);
             of.run(
                 ms(now),
-                &mut Others { name: *name, before: Fix::ms(before), speed, slack, axes, early: &mut early, open: &mut open },
+                &mut Others {
+                    name: *name,
+                    before: Fix::ms(before),
+                    speed,
+                    slack,
+                    axes,
+                    early: &mut early,
+                    open: &mut open,
+                },
             );
             if !of.runs && early.iter().any(|axis| axes[*axis].geared) {
                 // The controller leaves the axis where it was, and the way is lost: an open finding.
                 open = Some("a Stop in the tick in which a gear begins");
             }
             self.open = self.open.or(open);
+            let off = early.iter().filter(|axis| !axes[**axis].geared).count();
+            *self.used.entry("axes that a path sets off").or_default() += off as u64;
             self.early.append(&mut early);
+            of.rested = of.rested.filter(|_| !of.runs && ran);
             if std::mem::take(&mut of.hindered) {
+                if name.0 == 1 {
+                    self.light.between.push((of.now, Act::Fault(name.1 as usize - 1)));
+                }
                 *self.used.entry("paths that met an axis that must not move").or_default() += 1;
             }
             if std::mem::take(&mut of.late) && (!of.runs || of.open || of.dry) {
@@ -453,6 +498,21 @@ impl Controller {
                 }
             }
             self.open = self.open.or(of.unsaid);
+            if name.0 == 1 {
+                let (crd, fifo) = (name.1 as usize - 1, of.fifo);
+                for (at, channel, command, brakes) in of.lasers.drain(..) {
+                    self.light.between.push((at, Act::Entry(crd, channel, command, brakes)));
+                    *self.used.entry("entries of lasers reached").or_default() += 1;
+                }
+                if let Some((at, braked)) = of.rested.take() {
+                    let act = match of.rest {
+                        Some(Rest::Stopped) => Act::Stopped(crd, fifo),
+                        Some(Rest::Underrun) => Act::Fault(crd),
+                        _ => Act::Done(crd, braked),
+                    };
+                    self.light.between.push((at, act));
+                }
+            }
             for (at, channel, value) in of.analog.drain(..) {
                 self.analog.push((at, channel, value));
                 *self.used.entry("analog outputs set by paths").or_default() += 1;
@@ -477,8 +537,11 @@ impl Controller {
                 axis.path_open = of.open;
                 axis.path_most = Fix::of_f64(set.frame.speed);
                 axis.driven = of.runs;
-                axis.path_ended = of.rest == Some(Rest::Done) && !of.runs;
+                axis.path_ended = of.rest.is_some_and(|rest| rest != Rest::Stopped) && !of.runs;
                 axis.late = axis.path_most * Fix::ms(5 * i64::from(of.waited));
+                if of.resumed {
+                    axis.late += Fix(1 << 47);
+                }
             }
             for axis in axes.iter_mut().filter(|axis| axis.geared && axis.crd == Some(*name)) {
                 *self.used.entry("ticks in which an axis is geared to a path").or_default() += 1;
@@ -488,7 +551,7 @@ impl Controller {
                 (axis.bent, axis.path_open) = (true, of.open || !axis.driven);
                 axis.driven &= of.runs;
                 if !axis.driven {
-                    (axis.geared, axis.crd) = (false, None);
+                    (axis.geared, axis.crd, axis.lately) = (false, None, true);
                     // Where it was left on the way.
                     let late = std::mem::take(&mut axis.late);
                     axis.slack += if axis.path_ended { Fix::ZERO } else { late };
@@ -503,6 +566,9 @@ impl Controller {
             }
         }
         self.crds.values_mut().for_each(|of| of.contested = [false, of.contested[0]]);
+        for (axis, was) in self.axes.iter_mut().zip(released) {
+            axis.lately &= !was;
+        }
     }
 
     /// Of what lies in a FIFO a call says how much was there when it was made. A path is ahead of the tick: what ends in the
@@ -515,7 +581,8 @@ impl Controller {
             Path::Space { crd: number, fifo } => {
                 let of = crd(number);
                 let waiting = of.fifos[fifo as usize].waiting_of(held);
-                let more = of.runs && of.fifos[fifo as usize].entries.len() != held;
+                // What is entered after it at its instant may count already: an open finding.
+                let more = of.fifos[fifo as usize].entries.len() != held;
                 (Value::Whole((CAPACITY - waiting) as i64), more || !of.certain || soon(of))
             }
             Path::Status { crd: number, fifo } => {
@@ -524,7 +591,8 @@ impl Controller {
             }
             Path::Remainder { crd: number, fifo } => {
                 let of = crd(number);
-                let more = of.runs && of.fifos[fifo as usize].entries.len() != held;
+                // What is entered after it at its instant may count already: an open finding.
+                let more = of.fifos[fifo as usize].entries.len() != held;
                 (Value::Whole(of.fifos[fifo as usize].segments(held)[1]), more || soon(of))
             }
             Path::Vel { crd: number } => {

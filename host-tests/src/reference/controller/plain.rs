@@ -1,6 +1,7 @@
 //! Calls of every axis: names, modes, settings, Trap and Jog, Stop.
 use super::super::axis::{Mode, Rates};
 use super::super::call::{Call, Kind, members};
+use super::super::light::Act;
 use super::super::number::Fix;
 use super::answer::{Answer, DONE, check, either, range};
 use super::{Controller, Reply, Then, Value};
@@ -14,9 +15,11 @@ impl Controller {
                 if axis.driven {
                     self.open = Some("AxisOff of an axis on a path");
                 }
+                let fault = axis.light_crd().filter(|_| axis.servo);
                 axis.servo = false;
                 axis.halt();
                 self.then[place] = None;
+                self.light.calls.extend(fault.map(Act::Fault));
             }
             Kind::ZeroPos => {
                 check(!axis.runs())?;
@@ -24,7 +27,10 @@ impl Controller {
                 axis.encoder_zero = axis.encoder[1];
                 axis.renamed = true;
             }
-            Kind::ClrSts => axis.clear(),
+            Kind::ClrSts => {
+                axis.clear();
+                self.light.calls.extend(axis.light_crd().map(Act::Clear));
+            }
             Kind::PrfTrap | Kind::PrfJog | Kind::PrfPvt => {
                 check(!axis.runs())?;
                 axis.set_mode(match kind {
@@ -105,6 +111,8 @@ impl Controller {
 
     pub(super) fn stop(&mut self, mask: u32, abrupt: u32) -> Answer {
         self.unsettle();
+        let named = members(mask).filter_map(|place| self.axes[place].light_crd()).fold(0, |mask, crd| mask | 1 << crd);
+        self.stop_light(named);
         for place in members(mask) {
             let axis = &mut self.axes[place];
             axis.stopped = true;
@@ -143,7 +151,7 @@ impl Controller {
                 Mode::Jog => axis.jog.acc > 0.0,
                 _ => false,
             })?;
-            check(!axis.blocked() && !axis.obstructed())?;
+            check(!axis.blocked() && !axis.obstructed() && !axis.driven)?;
         }
         for place in members(mask) {
             let aim = self.axes[place].aim();

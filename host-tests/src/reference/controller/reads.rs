@@ -1,7 +1,7 @@
 //! Reads: what they answer at the end of the tick in which they act.
 use super::super::axis::{Mode, Motion};
 use super::super::call::{Call, Kind};
-use super::super::effect::Effect;
+use super::super::effect::{Effect, LightCall, LightOf};
 use super::super::number::Fix;
 use super::super::slave::Begin;
 use super::{Controller, Program, Reply, Value};
@@ -43,12 +43,20 @@ impl Controller {
                     let held = axis.pt.fifos[0].len() - axis.pt.ran;
                     Value::Whole(if free == usize::MAX { axis.pt_capacity() - held } else { free } as i64)
                 }
+                Call::Light(LightCall { channel, what }) => {
+                    let of = &self.light.channels[channel as usize];
+                    match what {
+                        LightOf::GetGate => Value::Whole(of.is_on().into()),
+                        _ => Value::Velocity(Fix::of_f64(of.power())),
+                    }
+                }
                 Call::Effect(Effect::GetDac { dac, .. }) => Value::Whole(self.levels.analog[dac as usize - 1].into()),
                 Call::Effect(_) => Value::Whole(self.levels.general.cast_signed().into()),
                 _ => Value::Whole(free as i64),
             };
             let open = match call {
                 // An entry of a path may set one in the tick that follows.
+                Call::Light(_) => self.crds.values().any(|crd| crd.runs),
                 Call::Effect(Effect::GetDo { .. }) => self.crds.values().any(|crd| crd.runs),
                 Call::Axis { kind, axis } => {
                     let axis_of = &self.axes[axis];

@@ -113,7 +113,11 @@ impl Making<'_> {
                     let value = if self.one_in(2) { mask } else { 0 };
                     self.path(core, Path::Outputs { crd, mask, value, fifo: fifo as i16 });
                 }
-                _ if self.one_in(7) => self.beside(index, fifo),
+                _ if self.one_in(6) => self.beside(index, fifo),
+                _ if self.one_in(6) && self.site.profile == "gus" => {
+                    let (channel, command) = (self.below(2) as i16, self.laser_command());
+                    self.path(core, Path::Laser { crd, channel, command, fifo: fifo as i16 });
+                }
                 _ => self.one_motion(index, fifo),
             }
         }
@@ -123,7 +127,7 @@ impl Making<'_> {
     fn beside(&mut self, index: usize, fifo: usize) {
         let made = self.crds[index].clone();
         let (core, crd, fifo_of) = (made.core, made.crd, fifo as i16);
-        if self.one_in(3) {
+        if self.one_in(2) {
             let dac = if self.one_in(12) { self.pick(&[0, 9]) } else { 1 + self.below(8) as i16 };
             let value = self.below(65536) as u16 as i16;
             return self.path(core, Path::Analog { crd, dac, value, fifo: fifo_of });
@@ -186,6 +190,10 @@ impl Making<'_> {
     }
 
     fn during_path(&mut self, index: usize, fifo: usize) {
+        if self.one_in(6) && self.site.profile == "gus" {
+            let channel = self.below(2) as i16;
+            return self.light(channel);
+        }
         let made = self.crds[index].clone();
         let (core, crd) = (made.core, made.crd);
         let (mask, option) = (1 << (crd - 1), (fifo as i16) << (crd - 1));
