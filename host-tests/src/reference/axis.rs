@@ -158,6 +158,8 @@ pub struct Axis {
     pub slack: Fix,
     /// The same of the motion in force, which a path began.
     pub late: Fix,
+    /// The same of its velocity.
+    pub late_velocity: Fix,
     /// Instants and positions of this tick before the motion that a path began; there was one; it has no length.
     head: Vec<(Fix, Fix)>,
     moved: bool,
@@ -250,6 +252,7 @@ impl Axis {
             brink: false,
             slack: Fix::ZERO,
             late: Fix::ZERO,
+            late_velocity: Fix::ZERO,
             head: Vec::new(),
             moved: false,
             brief: false,
@@ -366,6 +369,7 @@ impl Axis {
             ramp::trap(self.v, way, &exact(speed.abs()), &acc, &dec)
         };
         self.slack += std::mem::take(&mut self.late);
+        self.slack += std::mem::take(&mut self.late_velocity) * curve.length();
         self.doubt |= curve.length() == Fix::ZERO && curve.cruise == Fix::ZERO;
         self.began |= !self.runs();
         let braked = self.v != Fix::ZERO;
@@ -383,6 +387,7 @@ impl Axis {
         self.braking = Some(dec);
         self.slack += std::mem::take(&mut self.late);
         let curve = ramp::stop(self.v, dec);
+        self.slack += std::mem::take(&mut self.late_velocity) * curve.length();
         if matches!(self.motion, Some(Motion::Slave(_))) {
             // The velocity of a slave at an instant is known to 2⁻²² pulse/ms only.
             self.slack += curve.length() * Fix(1 << 42);
@@ -410,6 +415,7 @@ impl Axis {
         let curve = ramp::trap(v, way, &exact(vel), &acc, &acc);
         // It may begin up to 5 ns later (SPEC 11).
         (self.late, self.braking) = (curve.steepest * Fix::ms(5), None);
+        self.late_velocity = Fix::of(&acc) * Fix::ms(5);
         let length = curve.length();
         self.brief |= length == Fix::ZERO;
         self.motion = Some(Motion::Ramp(Timed::new(curve, at, x).at_speed(v != Fix::ZERO)));
@@ -586,7 +592,7 @@ impl Axis {
             self.fastest = self.path_most;
         }
         if ended {
-            (self.braking, self.late) = (None, Fix::ZERO);
+            (self.braking, self.late, self.late_velocity) = (None, Fix::ZERO, Fix::ZERO);
             self.past = self.motion.take();
             self.v = Fix::ZERO;
         }

@@ -281,6 +281,7 @@ impl Controller {
                     program.complete = true;
                     // What a path does in the tick after may show already.
                     self.step(now, now + self.tick_ns);
+                    program.open = self.open.map(|why| (number, why));
                     for axis in std::mem::take(&mut self.early) {
                         program.rows[number][axis].open = true;
                     }
@@ -425,7 +426,7 @@ impl Controller {
             }
             self.axes[index] = axis;
         }
-        self.light.step(now as f64 / 1e6);
+        self.light.step(before as f64 / 1e6, now as f64 / 1e6);
         self.change_outputs();
     }
 

@@ -29,8 +29,8 @@ pub enum Act {
     Stopped(usize, usize),
     /// Its entries have run out; whether it braked for a Stop.
     Done(usize, bool),
-    /// A Stop finds these at rest.
-    StopAtRest(u8),
+    /// A Stop names these, bit 0 is crd 1.
+    Stop(u8),
     /// It starts with a FIFO, and goes on with what lies there.
     Starts(usize, usize, bool),
     /// Its FIFO is cleared.
@@ -137,8 +137,8 @@ impl Channel {
                     self.shut();
                 }
             }
-            Act::StopAtRest(crds) => {
-                if crds & self.map != 0 {
+            Act::Stop(resting) => {
+                if resting & self.map != 0 {
                     self.shut();
                 }
             }
@@ -181,6 +181,8 @@ pub struct Light {
     pub calls: Vec<Act>,
     pub between: Vec<(f64, Act)>,
     pub edges: Vec<GateEdge>,
+    /// Coordinate systems that run up to the tick that is being prepared, bit 0 is crd 1.
+    pub running: u8,
 }
 
 impl Light {
@@ -191,11 +193,20 @@ impl Light {
         of
     }
 
-    /// Up to a tick.
-    pub fn step(&mut self, now: f64) {
+    /// From the tick before to this one. What a tick sees as a fault takes light at once.
+    pub fn step(&mut self, before: f64, now: f64) {
         let mut all = std::mem::take(&mut self.between);
+        let calls = std::mem::take(&mut self.calls);
+        all.extend(calls.iter().filter(|act| matches!(act, Act::Fault(_))).map(|act| (before, *act)));
         all.sort_by(|a, b| a.0.total_cmp(&b.0));
-        all.extend(std::mem::take(&mut self.calls).into_iter().map(|act| (now, act)));
+        for act in calls {
+            match act {
+                Act::Fault(_) => {}
+                // Those that run come to rest later.
+                Act::Stop(named) => all.push((now, Act::Stop(named & !self.running))),
+                act => all.push((now, act)),
+            }
+        }
         for (at, act) in all {
             for (number, channel) in self.channels.iter_mut().enumerate() {
                 let was = channel.is_on();

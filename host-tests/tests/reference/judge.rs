@@ -179,11 +179,11 @@ fn compare(program: &Program, told: &Told, calls: &[Call], tick_us: u32) -> Resu
         }
     }
     // The last row is the last instant of which the reference knows.
-    let last = end.min(program.rows.len() - 1) as f64 * f64::from(tick_us) / 1000.0;
+    // What is open may have begun within the tick, and a fault takes light a tick before.
+    let last = end.min(program.rows.len() - 1).saturating_sub(if program.open.is_some() { 2 } else { 0 });
+    let last = last as f64 * f64::from(tick_us) / 1000.0;
     let mine = program.edges.iter().map(|edge| (edge.ms, edge.bit, edge.level)).collect();
     edges("an output", mine, &told.edges, last)?;
-    // Light that a fault takes goes with the tick before.
-    let last = if program.open.is_some() { last - f64::from(tick_us) / 1000.0 } else { last };
     let mine = program.gates.iter().map(|&(ms, channel, level)| (ms, channel as u8, level)).collect();
     edges("a laser's switch", mine, &told.gates, last)?;
     if let Some((tick, axis, apart)) = program.astray.filter(|(tick, ..)| *tick < end) {

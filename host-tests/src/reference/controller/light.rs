@@ -82,9 +82,7 @@ impl Controller {
         }
         let set =
             crds(named.into()).filter(|crd| self.crds.get(&(1, *crd as i16 + 1)).is_some_and(|of| of.set.is_some()));
-        let resting = set.fold(0, |mask, crd| mask | 1 << crd) & !runs;
-        if resting != 0 {
-            self.light.calls.push(Act::StopAtRest(resting));
-        }
+        let known = set.fold(0, |mask, crd| mask | 1 << crd);
+        self.light.calls.push(Act::Stop(known));
     }
 }

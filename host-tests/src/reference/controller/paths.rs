@@ -59,6 +59,10 @@ impl World for Others<'_> {
             return None;
         }
         self.early.push(to.axis);
+        if to.waits && axis.runs() {
+            // Where it brakes already, a rounding of its place is much of its time.
+            *self.open = Some("a path that waits for a move begun at speed");
+        }
         let ends = axis.travel(self.before, Fix::of_f64(at), to.to, [to.vel, to.acc]);
         Some(ends.to_f64())
     }
@@ -472,6 +476,11 @@ impl Controller {
                     self.light.between.push((of.now, Act::Fault(name.1 as usize - 1)));
                 }
                 *self.used.entry("paths that met an axis that must not move").or_default() += 1;
+            }
+            if name.0 == 1 {
+                let bit = 1 << (name.1 - 1);
+                let others = self.light.running & !bit;
+                self.light.running = if of.runs { others | bit } else { others };
             }
             if std::mem::take(&mut of.late) && (!of.runs || of.open || of.dry) {
                 self.open = Some("data in the tick in which a path ends");

@@ -141,10 +141,7 @@ impl Making<'_> {
         }
         let axis = if free.is_empty() { made.axes[0] } else { self.pick(&free) };
         if self.one_in(2) {
-            let to = (self.below(400) as i32 + 1) * self.chance.sign() as i32;
-            let (vel, acc) = (self.speed(), self.rate());
-            let modal = if self.one_in(30) { 2 } else { self.below(2) as i16 };
-            self.path(core, Path::Move { crd, axis, to, vel, acc, modal, fifo: fifo_of });
+            self.send(index, fifo, axis);
         } else {
             let pulses = (self.below(300) as i32 + 1) * self.chance.sign() as i32;
             self.path(core, Path::Gear { crd, axis, pulses, fifo: fifo_of });
@@ -152,8 +149,16 @@ impl Making<'_> {
         }
     }
 
+    fn send(&mut self, index: usize, fifo: usize, axis: usize) {
+        let Made { core, crd, .. } = self.crds[index];
+        let to = (self.below(400) as i32 + 1) * self.chance.sign() as i32;
+        let (vel, acc) = (self.speed(), self.rate());
+        let modal = if self.one_in(30) { 2 } else { self.below(2) as i16 };
+        self.path(core, Path::Move { crd, axis, to, vel, acc, modal, fifo: fifo as i16 });
+    }
+
     /// An axis beside those of a path, in Trap mode and at rest.
-    fn spare(&mut self, made: &Made) {
+    fn spare(&mut self, made: &Made) -> Option<usize> {
         let core = made.core;
         let spare = (0..self.site.axes.len()).find(|axis| self.site.axes[*axis].0 == core && !made.axes.contains(axis));
         if let Some(axis) = spare {
@@ -164,17 +169,20 @@ impl Making<'_> {
             self.plain(Kind::PrfTrap, axis);
             self.does[axis] = Does::Trap;
         }
+        spare
     }
 
     pub(super) fn paths(&mut self, axis: usize) {
         let index = self.set_up_path(axis);
         let (core, crd) = (self.crds[index].core, self.crds[index].crd);
-        if self.one_in(2) {
-            let made = self.crds[index].clone();
-            self.spare(&made);
-        }
+        let made = self.crds[index].clone();
+        let spare = if self.one_in(2) { self.spare(&made) } else { None };
         let fifo = if self.one_in(4) { 1 } else { 0 };
         self.fill_path(index, fifo);
+        if let Some(axis) = spare {
+            self.send(index, fifo, axis);
+            self.fill_path(index, fifo);
+        }
         if self.one_in(4) {
             self.path(core, Path::Space { crd, fifo: fifo as i16 });
         }
