@@ -337,6 +337,36 @@ fn a_gear_goes_along_with_the_next_motion() {
     }
 }
 
+/// A smooth Stop that rests in the tick in which the geared motion has begun: the axis goes along up to there.
+#[test]
+fn a_gear_that_begins_in_the_tick_of_a_stop_goes_along() {
+    let mut within = 0;
+    for at in 0..60 {
+        let mut bench = prepared(1000);
+        let dec = servo::segment::ramp::Accel::admit(500f64.to_bits()).unwrap();
+        bench.now(Op::CrdStopDec { crd: crd(0), dec });
+        let v = speeds(3.0, 1.0, 3.0);
+        let lines = [Entry::planar([3 + at, 0], v), Entry::gear(axis(4), 65), Entry::planar([50 + at, 0], v)];
+        bench.path(0, 0, &lines);
+        bench.start_path(&[0]);
+        bench.tick();
+        let mut view = bench.tick();
+        while view.crds[0].runs && pulses(view.axes[0].pos) + 3.0 < f64::from(3 + at) {
+            view = bench.tick();
+        }
+        let before = pulses(view.axes[0].pos) < f64::from(3 + at);
+        bench.now(Op::stop(all(&[0]), AxisMask(0)));
+        let view = bench.rest();
+        let gone = 65.0 * (pulses(view.axes[0].pos) - f64::from(3 + at)).max(0.0) / 47.0;
+        within += u32::from(before && gone > 0.0);
+        assert!((pulses(view.axes[4].pos) - gone).abs() < 1e-5, "{at}: {} {gone}", pulses(view.axes[4].pos));
+        bench.start_path(&[0]);
+        bench.tick();
+        assert_eq!(pulses(bench.rest().axes[4].pos), 65.0, "{at}");
+    }
+    assert!(within > 5, "{within}");
+}
+
 /// Gears of one axis add up; one more than a path can gear stops it.
 #[test]
 fn gears_add_up_and_too_many_stop_the_path() {

@@ -11,8 +11,9 @@ use crate::laser::{Cause, PathSpeed, Wants};
 use crate::path::{DIMENSIONS, EntryStore, Feed, PathReport, PathStop};
 use crate::tick::execute::Reach;
 use crate::tick::{Tick, report_event};
+use crate::segment::piece::Scaled;
 use crate::units::{Axis, AxisMask, Crd, CrdMask, Exact, Ns, Pos};
-use crate::view::{CrdView, Event, StopReason};
+use crate::view::{CrdView, Drive, Event, StopReason};
 
 impl CrdState {
     /// Whether one of its axes has slaves.
@@ -375,11 +376,16 @@ impl<const AXES: usize> Tick<AXES> {
         let Tick { crds, axes, .. } = self;
         let Some(state) = crds.states.get_mut(crd.index()) else { return };
         if !runs {
-            // A geared axis of an interrupted motion stays where it is.
+            // A geared axis of an interrupted motion stays where it is. One whose motion has begun since the sample before
+            // goes there.
             for (axis, by) in state.path.gears(state.published.fifo) {
-                if let Some(axis_state) = axes.get_mut(axis.index())
-                    && state.geared.has(axis)
-                {
+                let Some(axis_state) = axes.get_mut(axis.index()) else { continue };
+                let begins = !state.geared.has(axis) && by != Pos(0) && !axis_state.refuses_gear();
+                if begins {
+                    let base = axis_state.base();
+                    axis_state.engage(Drive::Gear { crd, ratio: Scaled::default() }, base);
+                }
+                if begins || state.geared.has(axis) {
                     let (Exact(base), Exact(gone)) = (axis_state.base(), by.into());
                     axis_state.release(next, Exact(base.wrapping_add(gone)), state.ending);
                     state.geared.0 &= !axis.mask().0;
