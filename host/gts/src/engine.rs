@@ -4,18 +4,21 @@
 //! the arguments point. Nothing is sent before every address and every range that C can get wrong is checked; what
 //! the controller refuses is refused by it, in its words.
 
+mod config;
+mod replies;
+
 use crate::boundary::Arg;
-use crate::card::{self, Card, Opening, Slot};
+use crate::card::{self, Opening, Slot};
 use crate::prototype::{self, Form, Kind, Prototype, Scalar};
 use crate::reason;
-use crate::request::{self, Number, fields, put, size};
+use crate::request::{self, put, size};
 use client::{Call, Error, Result};
 use job::api::{Pass, Shape, Size, Type, counts};
-use protocol::command::{CommandInfo, CommandKind, ConfigItem, LoadConfig, opcode, widths};
-use protocol::reason::{Reason, describe_opcode, stop_reason};
+use protocol::command::{CommandInfo, CommandKind, ConfigItem, widths};
+use protocol::reason::Reason;
 use protocol::record::{BODY_MAX, ITEM_BYTES};
 use servo::laser::NODES;
-use std::ffi::{CStr, c_char, c_short, c_void};
+use std::ffi::{c_char, c_short, c_void};
 
 /// Axes of a configuration in a message, with room for one more.
 const CONFIG_ITEMS: usize = ITEM_BYTES / size_of::<ConfigItem>() - 1;
@@ -267,140 +270,6 @@ impl Prepared {
         }
         self.pack(core, told, &values, &items, item)
     }
-
-    /// Stores what one reply brings; `before` values of arrays came with replies before it.
-    ///
-    /// # Safety
-    /// As for [`call`].
-    unsafe fn store(&self, args: &[Arg], mut reply: &[u8], before: usize) -> Result<usize> {
-        let Some(command) = self.command else { return Ok(0) };
-        let short = || Error::new(client::error::LINK_PROTOCOL, format!("{}: the reply is too short", self.name()));
-        let fixed = fields(command.reply, &mut reply).ok_or_else(short)?;
-        let put = |argument: usize, of: Scalar, index: usize, number: Option<&Number>| {
-            if let (Some(Arg::Address(address)), Some(number)) = (args.get(argument), number)
-                && !address.is_null()
-            {
-                // SAFETY: the caller's address is that of as many values as it asked for.
-                unsafe { request::store(address.byte_add(index * size(of)), of, *number) };
-            }
-        };
-        if let Some(clock) = self.clock {
-            let place = command.reply.iter().position(|(name, _)| *name == "clock_ms");
-            put(clock, Scalar::ULong, 0, place.and_then(|place| fixed.get(place)?.first()));
-        }
-        if command.reply_items.is_empty() {
-            for (argument, of, place) in &self.outs {
-                put(*argument, *of, 0, fixed.get(*place).and_then(|field| field.first()));
-            }
-            for (argument, arg) in self.prototype.arguments.iter().zip(args) {
-                if let (Kind::OutStruct(of), Arg::Address(address)) = (argument.kind, arg) {
-                    for ((name, ..), numbers) in of.fields().iter().zip(&fixed) {
-                        let (scalar, offset) = place(of, name);
-                        for (n, number) in numbers.iter().enumerate() {
-                            // SAFETY: the caller's struct has this member.
-                            unsafe { request::store(address.byte_add(offset + n * size(scalar)), scalar, *number) };
-                        }
-                    }
-                }
-            }
-            return Ok(0);
-        }
-        let most = match self.count.and_then(|count| args.get(count)) {
-            Some(Arg::Int(count)) => usize::try_from(*count).unwrap_or(0),
-            // One for each coordinate.
-            _ => usize::MAX,
-        };
-        let mut index = before;
-        while !reply.is_empty() && index < most {
-            let item = fields(command.reply_items, &mut reply).ok_or_else(short)?;
-            for (argument, of, place) in &self.outs {
-                // The clock of a reply that has one in each item is that of the first.
-                let clock = self.prototype.arguments.get(*argument).is_some_and(|argument| argument.name == "clock");
-                if !clock || index == 0 {
-                    put(*argument, *of, index, item.get(*place).and_then(|field| field.first()));
-                }
-            }
-            index += 1;
-        }
-        Ok(index)
-    }
-}
-
-impl Prepared {
-    /// Stores zeros for what `count` asks for and no reply brought: it lies past the last axis (GXN table 5-1, note 2).
-    ///
-    /// # Safety
-    /// As for [`call`].
-    unsafe fn store_rest(&self, args: &[Arg], stored: usize) {
-        let items = self.command.is_some_and(|command| !command.reply_items.is_empty());
-        let Some(Arg::Int(count)) = self.count.filter(|_| items).and_then(|count| args.get(count)) else { return };
-        for index in stored..usize::try_from(*count).unwrap_or(0) {
-            for (argument, of, _) in &self.outs {
-                let clock = self.prototype.arguments.get(*argument).is_some_and(|argument| argument.name == "clock");
-                if let Some(Arg::Address(address)) = args.get(*argument).filter(|_| !clock)
-                    && !address.is_null()
-                {
-                    // SAFETY: the caller's address is that of as many values as it asked for.
-                    unsafe { request::store(address.byte_add(index * size(*of)), *of, Number::Int(0)) };
-                }
-            }
-        }
-    }
-}
-
-/// Functions that fill a text.
-impl Prepared {
-    /// Address for the text, and its size in bytes; nothing if no text is wanted.
-    fn room(&self, args: &[Arg]) -> Option<(*mut u8, i64)> {
-        let place = |wanted: &str| self.prototype.arguments.iter().position(|argument| argument.name == wanted);
-        match (args.get(place("text")?), args.get(place("size")?)) {
-            (Some(Arg::Address(text)), Some(Arg::Int(size))) if !text.is_null() => Some((text.cast(), *size)),
-            _ => None,
-        }
-    }
-
-    /// A text that is wanted needs room for its end.
-    fn check_room(&self, args: &[Arg]) -> Result<()> {
-        match self.room(args) {
-            Some((_, size @ ..=0)) => {
-                Err(reason::wrong(self.name(), "size", Reason::OutOfRange, size as f64, 1.0, f64::from(i16::MAX)))
-            }
-            _ => Ok(()),
-        }
-    }
-
-    /// Writes a text into its room, cut to it.
-    ///
-    /// # Safety
-    /// The text has `size` bytes.
-    unsafe fn store_text(&self, args: &[Arg], told: &str) {
-        let Some((text, size)) = self.room(args) else { return };
-        let Some(most) = usize::try_from(size).ok().and_then(|size| size.checked_sub(1)) else { return };
-        let mut end = told.len().min(most);
-        while !told.is_char_boundary(end) {
-            end -= 1;
-        }
-        // SAFETY: `end` is less than `size`.
-        unsafe {
-            text.copy_from_nonoverlapping(told.as_ptr(), end);
-            text.add(end).write(0);
-        }
-    }
-
-    /// The text of the reason in a reply.
-    ///
-    /// # Safety
-    /// As for [`call`].
-    unsafe fn store_stop(&self, args: &[Arg], mut reply: &[u8]) {
-        let Some(command) = self.command else { return };
-        let layout = [command.reply, command.reply_items].concat();
-        let values = fields(&layout, &mut reply).unwrap_or_default();
-        let number = layout.iter().zip(&values).find(|((name, _), _)| *name == "reason");
-        if let Some([Number::Int(number)]) = number.map(|(_, values)| values.as_slice()) {
-            // SAFETY: as the caller says.
-            unsafe { self.store_text(args, stop_reason(*number as u16)) };
-        }
-    }
 }
 
 /// Two lists of axes and FIFOs as the masks of PtStart.
@@ -489,7 +358,7 @@ pub unsafe fn call(slot: Slot, prepared: &Prepared, lead: c_short, args: &[Arg])
     let note = match prepared.name() {
         "LoadConfig" => {
             // SAFETY: the caller's text ends with a 0.
-            return unsafe { load_config(card, core, args) };
+            return unsafe { config::load_config(card, core, args) };
         }
         "GetVersion" => {
             if let Some(Arg::Address(address)) = args.first() {
@@ -521,7 +390,7 @@ pub unsafe fn call(slot: Slot, prepared: &Prepared, lead: c_short, args: &[Arg])
             if is_start(prepared) {
                 card.started = true;
             }
-            replies.iter().find_map(|reply| held(prepared, reply))
+            replies.iter().find_map(|reply| replies::held(prepared, reply))
         }
     };
     card.passed(prepared.reads())?;
@@ -531,82 +400,6 @@ pub unsafe fn call(slot: Slot, prepared: &Prepared, lead: c_short, args: &[Arg])
 /// Whether the call sets axes in motion.
 fn is_start(prepared: &Prepared) -> bool {
     prepared.command.is_some_and(|command| command.class.kind == CommandKind::Start)
-}
-
-/// What a laser command did not take as it was given (LSR: the nearest bound), from its reply's `held`.
-fn held(prepared: &Prepared, mut reply: &[u8]) -> Option<String> {
-    let command = prepared.command?;
-    if command.reply.last().is_none_or(|(name, _)| *name != "held") || prepared.reads() {
-        return None;
-    }
-    let values = fields(command.reply, &mut reply)?;
-    let Some([Number::Int(bits @ 1..)]) = values.last().map(Vec::as_slice) else { return None };
-    if let [(_, "U16")] = command.reply {
-        return Some(format!("{}: {bits} values are out of range; the nearest bounds are taken", prepared.name()));
-    }
-    let mut texts = Vec::new();
-    for (place, ((name, _), value)) in command.reply.iter().zip(&values).enumerate() {
-        let name = if *name == "value" { "the value" } else { name };
-        match value.first() {
-            Some(Number::Int(taken)) if bits >> place & 1 == 1 => {
-                texts.push(format!("{name} is out of range; {taken} is taken"));
-            }
-            Some(Number::Real(taken)) if bits >> place & 1 == 1 => {
-                texts.push(format!("{name} is out of range; {taken} is taken"));
-            }
-            _ => {}
-        }
-    }
-    if bits >> 7 & 1 == 1 {
-        texts.push("the pulse width reaches the period; it is limited to just under it".to_owned());
-    }
-    Some(format!("{}: {}", prepared.name(), texts.join("; ")))
-}
-
-/// # Safety
-/// The file's name ends with a 0.
-unsafe fn load_config(card: &mut Card, core: c_short, args: &[Arg]) -> Result<Option<String>> {
-    let Some(Arg::Address(text)) = args.first() else { return Ok(None) };
-    // SAFETY: as the caller says.
-    let path = unsafe { CStr::from_ptr(text.cast::<c_char>()) }.to_string_lossy().into_owned();
-    let bytes = std::fs::read(path.replace('\\', std::path::MAIN_SEPARATOR_STR));
-    let bytes = bytes.map_err(|error| Error::new(7, format!("LoadConfig: {path} cannot be read: {error}")))?;
-    let found = job::config::read(&path, &String::from_utf8_lossy(&bytes))
-        .map_err(|error| Error::new(7, format!("LoadConfig: {error}")))?;
-    let parts = found.items.chunks(CONFIG_ITEMS);
-    if parts.len() > 1 {
-        // A message is refused whole, a file of several would not be. A last item that every controller refuses has
-        // the others looked at and nothing done.
-        for (part, items) in parts.clone().enumerate() {
-            let Err(error) = configure(card, core, &[items, &[ConfigItem::default()]].concat()) else {
-                return Err(Error::new(client::error::LINK_PROTOCOL, "LoadConfig: the controller took an axis 0"));
-            };
-            if error.refusal.is_none_or(|refusal| usize::from(refusal.item.get()) != items.len()) {
-                return Err(of_file(error, &path, &found.items, part * CONFIG_ITEMS));
-            }
-        }
-    }
-    for (part, items) in parts.enumerate() {
-        configure(card, core, items).map_err(|error| of_file(error, &path, &found.items, part * CONFIG_ITEMS))?;
-    }
-    card.passed(false)?;
-    Ok((!found.warnings.is_empty()).then(|| format!("LoadConfig: {}", found.warnings.join("; "))))
-}
-
-fn configure(card: &mut Card, core: c_short, items: &[ConfigItem]) -> Result<()> {
-    let request = LoadConfig { core: core.into(), count: (items.len() as u16).into() };
-    card.send(false, &[Call::with_items(request, items)]).map(drop)
-}
-
-/// A refusal of an item, counted and named as in the whole file; `before` items went before its message.
-fn of_file(mut error: Error, path: &str, items: &[ConfigItem], before: usize) -> Error {
-    if let Some(refusal) = &mut error.refusal
-        && let Some(item) = items.get(before + usize::from(refusal.item.get()))
-    {
-        refusal.item = ((before as u16) + refusal.item.get()).into();
-        error.reason = format!("{}: axis {} in {path}", describe_opcode(opcode::LoadConfig, *refusal), item.axis);
-    }
-    error
 }
 
 /// The card that a compat function is for: the single one, else the first that is open.

@@ -11,6 +11,7 @@ use crate::read::{Fault, Reader};
 use crate::scan::{Kind, Token};
 use crate::value::{Type, Value};
 use crate::{Action, Axis, Call, Crd};
+use protocol::command::{CommandKind, Fifo, class};
 use protocol::reserved::RESERVED;
 use std::ops::Range;
 
@@ -228,14 +229,11 @@ impl Reader<'_> {
                 return;
             }
             "BufMove" => 4,
-            name if name == "CrdClear"
-                || name == "BufDelay"
-                || ["Ln", "Arc", "CrdData"].iter().any(|begin| name.starts_with(begin)) =>
-            {
-                0
-            }
-            name if name.starts_with("Buf") => 1,
-            _ => return,
+            "CrdClear" | "BufDelay" => 0,
+            name => match class(function.opcode).map(|class| class.kind) {
+                Some(CommandKind::Data(Fifo::Path | Fifo::Light)) => u32::from(name.starts_with("Buf")),
+                _ => return,
+            },
         };
         let count = self.between.entry((core, crd, value("fifo"))).or_default();
         let before = core::mem::replace(count, if load == 0 { 0 } else { count.saturating_add(load) });

@@ -1,4 +1,5 @@
 use super::*;
+use crate::request::Number;
 
 #[test]
 fn every_function_that_reads_arrays_has_a_range_of_counts() {
