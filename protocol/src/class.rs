@@ -77,7 +77,7 @@ pub enum Table {
     Laser,
 }
 
-/// Where a command may stand. A program is *active* from its first entry until it has ended.
+/// Where a command may stand. A program is *active* while it is held or runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Lanes {
     /// In a program, and in the immediate lane at any time.

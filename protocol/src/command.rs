@@ -379,10 +379,10 @@ commands! {
     // -- trap and jog ------------------------------------------------------------------------
     0x0120 PrfTrap: Set, Apart { core: I16, profile: I16 } [Nothing] -> Nothing [Nothing];
     0x0121 SetTrapPrm: Set, Apart { core: I16, profile: I16, acc: F64, dec: F64, vel_start: F64, smooth_time_ms: I16 } [Nothing] -> Nothing [Nothing];
-    0x0122 GetTrapPrm: Read Other, Any { core: I16, profile: I16 } [Nothing] -> TrapPrm [Nothing];
+    0x0122 GetTrapPrm: Read Axis, Any { core: I16, profile: I16 } [Nothing] -> TrapPrm [Nothing];
     0x0123 PrfJog: Set, Apart { core: I16, profile: I16 } [Nothing] -> Nothing [Nothing];
     0x0124 SetJogPrm: Set, Apart { core: I16, profile: I16, acc: F64, dec: F64, smooth: F64 } [Nothing] -> Nothing [Nothing];
-    0x0125 GetJogPrm: Read Other, Any { core: I16, profile: I16 } [Nothing] -> JogPrm [Nothing];
+    0x0125 GetJogPrm: Read Axis, Any { core: I16, profile: I16 } [Nothing] -> JogPrm [Nothing];
     0x0126 SetPos: Set, Apart { core: I16, profile: I16, pos: I32 } [Nothing] -> Nothing [Nothing];
     0x0127 GetPos: Read Axis, Any { core: I16, profile: I16 } [Nothing] -> Long [Nothing];
     0x0128 SetVel: Set, Apart { core: I16, profile: I16, vel: F64 } [Nothing] -> Nothing [Nothing];
@@ -410,16 +410,16 @@ commands! {
     0x0203 PtDataMany: Data Pt, Apart { core: I16, profile: I16, fifo: I16, count: U16 } [PtItem] -> PtTaken [Nothing];
     0x0204 PtClear: Set, Apart { core: I16, profile: I16, fifo: I16 } [Nothing] -> Nothing [Nothing];
     0x0205 SetPtLoop: Set, Apart { core: I16, profile: I16, loop_count: I32 } [Nothing] -> Nothing [Nothing];
-    0x0206 GetPtLoop: Read Other, Any { core: I16, profile: I16 } [Nothing] -> Long [Nothing];
+    0x0206 GetPtLoop: Read Axis, Any { core: I16, profile: I16 } [Nothing] -> Long [Nothing];
     0x0207 SetPtMemory: Set, Apart { core: I16, profile: I16, memory: I16 } [Nothing] -> Nothing [Nothing];
-    0x0208 GetPtMemory: Read Other, Any { core: I16, profile: I16 } [Nothing] -> Short [Nothing];
+    0x0208 GetPtMemory: Read Axis, Any { core: I16, profile: I16 } [Nothing] -> Short [Nothing];
     0x0209 PtStart: Start, Apart { core: I16, mask: I32, option: I32 } [Nothing] -> Nothing [Nothing];
     0x020A GetPtState: Read Axis, Any { core: I16, profile: I16 } [Nothing] -> PtState [Nothing];
     // -- PVT (GXN chapter 4) -------------------------------------------------------------------
     0x0300 PrfPvt: Set, Apart { core: I16, profile: I16 } [Nothing] -> Nothing [Nothing];
     0x0301 SetPvtLoop: Set, Apart { core: I16, profile: I16, loop_count: I32 } [Nothing] -> Nothing [Nothing];
-    0x0302 GetPvtLoop: Read Other, Any { core: I16, profile: I16 } [Nothing] -> PvtLoops [Nothing];
-    0x0303 PvtStatus: Read Other, Any { core: I16, profile: I16, count: I16 } [Nothing] -> Count [PvtStatusItem];
+    0x0302 GetPvtLoop: Read Axis, Any { core: I16, profile: I16 } [Nothing] -> PvtLoops [Nothing];
+    0x0303 PvtStatus: Read Axes, Any { core: I16, profile: I16, count: I16 } [Nothing] -> Count [PvtStatusItem];
     0x0304 PvtStart: Start, Apart { core: I16, mask: I32 } [Nothing] -> Nothing [Nothing];
     0x0305 PvtTableSelect: Set, Apart { core: I16, profile: I16, table: I16 } [Nothing] -> Nothing [Nothing];
     0x0306 PvtTable: Table Pvt, Apart { core: I16, table: I16, count: I32, first: U16 } [PvtPoint] -> Nothing [Nothing];

@@ -154,7 +154,7 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
     /// commit follows.
     pub fn admit_data(&mut self, view: &View<AXES>, due: Due, number: u16, body: &[u8]) -> Admitted<commit::Written> {
         let context = context!(self, view, due, self.staged);
-        let stores = data::Stores { segments: self.stores, entries: self.entries, queues: &mut *self.queues };
+        let stores = (self.stores, (&mut *self.queues, self.entries));
         let (written, end) = data::data(&context, stores, number, body)?;
         if let FifoOf::Axis(axis) = written.of
             && self.admitted.overwrites(view, axis, written.fifo)

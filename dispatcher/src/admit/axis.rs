@@ -4,8 +4,8 @@ use crate::refuse::{Admitted, Refused, choice, real, within};
 use crate::report::answer::Answer;
 use crate::shadow::{Change, SOFT_OFF};
 use protocol::command::{
-    AlarmOff, AlarmOn, AxisOff, AxisOn, LmtSns, LmtsOff, LmtsOn, SetAxisBand, SetCaptureMode, SetEncPos, SetPosErr,
-    SetPrfPos, SetSoftLimit, SetStopDec, Stop, SynchAxisPos, ZeroPos,
+    AlarmOn, AxisOn, LmtSns, LmtsOn, SetAxisBand, SetCaptureMode, SetEncPos, SetPosErr, SetPrfPos, SetSoftLimit,
+    SetStopDec, Stop, SynchAxisPos, ZeroPos,
 };
 use protocol::reason::Reason;
 use servo::op::{Guarded, Guards, Op};
@@ -19,16 +19,9 @@ pub const ACCEL_MAX: f64 = 4_294_967_296.0;
 /// The following-error limit at this value is off.
 pub const POS_ERR_OFF: i32 = i32::MAX;
 
-pub fn on<const AXES: usize>(context: &mut Context<AXES>, r: &AxisOn) -> Admitted<Answer> {
-    servo(context, r.core.get(), r.axis.get(), true)
-}
-
-pub fn off<const AXES: usize>(context: &mut Context<AXES>, r: &AxisOff) -> Admitted<Answer> {
-    servo(context, r.core.get(), r.axis.get(), false)
-}
-
-fn servo<const AXES: usize>(context: &mut Context<AXES>, core: i16, axis: i16, on: bool) -> Admitted<Answer> {
-    let axis = context.axis(core, axis)?;
+/// AxisOn and AxisOff.
+pub fn servo<const AXES: usize>(context: &mut Context<AXES>, r: &AxisOn, on: bool) -> Admitted<Answer> {
+    let axis = context.axis(r.core.get(), r.axis.get())?;
     context.stage_with(Op::Servo { axis, on }, Change::Servo { axis, on });
     Ok(Answer::Done)
 }
@@ -155,24 +148,10 @@ pub fn soft_limit<const AXES: usize>(context: &mut Context<AXES>, r: &SetSoftLim
     Ok(Answer::Done)
 }
 
-pub fn limits_on<const AXES: usize>(context: &mut Context<AXES>, r: &LmtsOn) -> Admitted<Answer> {
-    limits(context, r.core.get(), r.axis.get(), r.limit_type.get(), true)
-}
-
-pub fn limits_off<const AXES: usize>(context: &mut Context<AXES>, r: &LmtsOff) -> Admitted<Answer> {
-    limits(context, r.core.get(), r.axis.get(), r.limit_type.get(), false)
-}
-
-/// Types: −1 both, 0 positive, 1 negative.
-fn limits<const AXES: usize>(
-    context: &mut Context<AXES>,
-    core: i16,
-    axis: i16,
-    kind: i16,
-    on: bool,
-) -> Admitted<Answer> {
-    let axis = context.axis(core, axis)?;
-    let kind = choice(2, kind, -1, 1)?;
+/// LmtsOn and LmtsOff. Types: −1 both, 0 positive, 1 negative.
+pub fn limits<const AXES: usize>(context: &mut Context<AXES>, r: &LmtsOn, on: bool) -> Admitted<Answer> {
+    let axis = context.axis(r.core.get(), r.axis.get())?;
+    let kind = choice(2, r.limit_type.get(), -1, 1)?;
     let positive = Guards::set(Guarded::LimitPositive, on);
     let on = match kind {
         0 => positive,
@@ -200,15 +179,10 @@ pub fn limit_levels(bits: u8) -> Guards {
     Guards::set(Guarded::LimitPositive, bits & 1 != 0).and(Guarded::LimitNegative, bits & 2 != 0)
 }
 
-pub fn alarm_on<const AXES: usize>(context: &mut Context<AXES>, r: &AlarmOn) -> Admitted<Answer> {
+/// AlarmOn and AlarmOff.
+pub fn alarm<const AXES: usize>(context: &mut Context<AXES>, r: &AlarmOn, on: bool) -> Admitted<Answer> {
     let axis = context.axis(r.core.get(), r.axis.get())?;
-    context.stage(Op::Guard { axis, on: Guards::set(Guarded::Alarm, true), low: Guards::NONE });
-    Ok(Answer::Done)
-}
-
-pub fn alarm_off<const AXES: usize>(context: &mut Context<AXES>, r: &AlarmOff) -> Admitted<Answer> {
-    let axis = context.axis(r.core.get(), r.axis.get())?;
-    context.stage(Op::Guard { axis, on: Guards::set(Guarded::Alarm, false), low: Guards::NONE });
+    context.stage(Op::Guard { axis, on: Guards::set(Guarded::Alarm, on), low: Guards::NONE });
     Ok(Answer::Done)
 }
 

@@ -12,6 +12,7 @@ mod given;
 
 use super::commit::{End, FifoOf, Written};
 use super::context::Context;
+use super::data::{Paths, Stored};
 use super::{buffered, many};
 use crate::configuration::Configuration;
 use crate::plan::geometry;
@@ -24,7 +25,7 @@ use crate::shadow::{CAPACITY, CrdShadow, Frame, PathData, PathShadow};
 use given::{DataCommand, Item, Shape, Speeds, Target, given};
 use protocol::command::{LnXYMany, LnXYZMany, opcode};
 use protocol::reason::Reason;
-use servo::path::{Along, DIMENSIONS, Entry, EntryStore, PathStores, Plane};
+use servo::path::{Along, DIMENSIONS, Entry, EntryStore, Plane};
 use servo::units::{Axis, Crd};
 
 /// Most gears of one motion.
@@ -318,33 +319,21 @@ fn explain(refused: geometry::Refused, shape: &Shape, field: u8) -> Refused {
 }
 
 /// Admits a data command of a path.
-pub fn data<const AXES: usize>(
-    context: &Context<AXES>,
-    queues: &mut [[PathQueue; 2]],
-    stores: PathStores<'_>,
-    number: u16,
-    body: &[u8],
-) -> Admitted<(Written, End)> {
+pub fn data<const AXES: usize>(context: &Context<AXES>, paths: Paths<'_>, number: u16, body: &[u8]) -> Stored {
     match number {
-        opcode::LnXYMany => lines::<LnXYMany, 2, AXES>(context, queues, stores, body),
-        opcode::LnXYZMany => lines::<LnXYZMany, 3, AXES>(context, queues, stores, body),
-        _ => put(context, queues, stores, &given(context, number, body)?),
+        opcode::LnXYMany => lines::<LnXYMany, 2, AXES>(context, paths, body),
+        opcode::LnXYZMany => lines::<LnXYZMany, 3, AXES>(context, paths, body),
+        _ => put(context, paths, &given(context, number, body)?),
     }
 }
 
 /// A buffered laser command: the reply reports the values taken, if there are any, else the free
 /// slots.
-pub fn light<const AXES: usize>(
-    context: &Context<AXES>,
-    queues: &mut [[PathQueue; 2]],
-    stores: PathStores<'_>,
-    number: u16,
-    body: &[u8],
-) -> Admitted<(Written, End)> {
+pub fn light<const AXES: usize>(context: &Context<AXES>, paths: Paths<'_>, number: u16, body: &[u8]) -> Stored {
     let change = buffered::admit(context, number, body)?;
     let (fifo_field, fifo) = change.fifo;
     let target = Target { core: change.core, crd: change.crd, fifo, fifo_field };
-    let (mut written, end) = put(context, queues, stores, &(target, Item::Entry(change.entry, 0.0)))?;
+    let (mut written, end) = put(context, paths, &(target, Item::Entry(change.entry, 0.0)))?;
     written.named = change.named;
     if let Some((took, count, held)) = change.took {
         (written.took, written.answer) = (took, Answer::Took { count, held });
@@ -355,10 +344,9 @@ pub fn light<const AXES: usize>(
 /// Puts one item into a FIFO, in the order of the calls, through the look-ahead if there is one.
 pub fn put<const AXES: usize>(
     context: &Context<AXES>,
-    queues: &mut [[PathQueue; 2]],
-    stores: PathStores<'_>,
+    (queues, stores): Paths<'_>,
     (target, what): &DataCommand,
-) -> Admitted<(Written, End)> {
+) -> Stored {
     let filling = open(context, target)?;
     let (crd, fifo) = (filling.crd.index(), usize::from(filling.fifo));
     let none = || filling.no(Reason::CrdNotOnBoard);
@@ -421,15 +409,11 @@ pub fn put<const AXES: usize>(
 }
 
 /// LnXYMany and LnXYZMany: all lines or none.
-fn lines<R, const N: usize, const AXES: usize>(
+fn lines<R: Lines<N>, const N: usize, const AXES: usize>(
     context: &Context<AXES>,
-    queues: &mut [[PathQueue; 2]],
-    stores: PathStores<'_>,
+    (queues, stores): Paths<'_>,
     body: &[u8],
-) -> Admitted<(Written, End)>
-where
-    R: Lines<N>,
-{
+) -> Stored {
     let (r, items) = many::<R>(body, |r| r.head().1)?;
     let (target, count, speeds) = r.head();
     let _ = count;

@@ -12,15 +12,12 @@ use protocol::command::{CommandKind, Fifo, FollowSwitchNowEx, opcode};
 use servo::path::PathStores;
 use servo::segment::pt::SegmentStore;
 
-/// The memory that data is written to.
-pub struct Stores<'x, const AXES: usize> {
-    /// PT and Follow, one store for each axis.
-    pub segments: &'x [SegmentStore; AXES],
-    /// Both FIFOs of each coordinate system.
-    pub entries: PathStores<'x>,
-    /// The look-aheads that feed them.
-    pub queues: &'x mut [[PathQueue; 2]],
-}
+/// What was written, and the end of its FIFO.
+pub type Stored = Admitted<(Written, End)>;
+/// The memory of PT and Follow, one store for each axis.
+pub type Segments<const AXES: usize> = [SegmentStore; AXES];
+/// The look-aheads of all coordinate systems, and both FIFOs of each.
+pub type Paths<'x> = (&'x mut [[PathQueue; 2]], PathStores<'x>);
 
 /// Whether a command is data.
 pub fn is_data(number: u16, body: &[u8]) -> bool {
@@ -34,15 +31,14 @@ pub fn is_data(number: u16, body: &[u8]) -> bool {
 /// Admits a data command: all of it, or nothing.
 pub fn data<const AXES: usize>(
     context: &Context<AXES>,
-    stores: Stores<'_, AXES>,
+    (segments, paths): (&Segments<AXES>, Paths<'_>),
     number: u16,
     body: &[u8],
-) -> Admitted<(Written, End)> {
-    let Stores { segments, entries, queues } = stores;
+) -> Stored {
     match kind(number) {
         Some(CommandKind::Data(Fifo::Pt)) => pt::data(context, segments, number, body),
-        Some(CommandKind::Data(Fifo::Path)) => crd_data::data(context, queues, entries, number, body),
-        Some(CommandKind::Data(Fifo::Light)) => crd_data::light(context, queues, entries, number, body),
+        Some(CommandKind::Data(Fifo::Path)) => crd_data::data(context, paths, number, body),
+        Some(CommandKind::Data(Fifo::Light)) => crd_data::light(context, paths, number, body),
         _ => follow_data::data(context, segments, number, body),
     }
 }

@@ -5,6 +5,7 @@
 //! where nobody reads.
 use super::commit::{End, FifoOf, Written};
 use super::context::{Context, TRAVEL_PULSES};
+use super::data::{Segments, Stored};
 use super::follow::{following, known, method, mode_of};
 use super::{io, one};
 use crate::plan::asymmetric_s;
@@ -133,12 +134,7 @@ impl Filling<'_> {
 }
 
 /// Admits a data command of either mode.
-pub fn data<const AXES: usize>(
-    context: &Context<AXES>,
-    stores: &[SegmentStore; AXES],
-    number: u16,
-    body: &[u8],
-) -> Admitted<(Written, End)> {
+pub fn data<const AXES: usize>(context: &Context<AXES>, stores: &Segments<AXES>, number: u16, body: &[u8]) -> Stored {
     if number == opcode::FollowDataPercent2Ex {
         return asymmetric_data(context, stores, &one(body)?);
     }
@@ -189,9 +185,9 @@ pub fn data<const AXES: usize>(
 /// the ratio.
 fn asymmetric_data<const AXES: usize>(
     context: &Context<AXES>,
-    stores: &[SegmentStore; AXES],
+    stores: &Segments<AXES>,
     r: &FollowDataPercent2Ex,
-) -> Admitted<(Written, End)> {
+) -> Stored {
     let axis = following(context, Mode::FollowEx, r.core.get(), r.profile.get())?;
     let (master, slave) = (r.master_segment.get(), r.slave_segment.get());
     let (begin, end) = (r.vel_begin_ratio.get(), r.vel_end_ratio.get());
@@ -245,7 +241,7 @@ fn asymmetric_data<const AXES: usize>(
 /// The FIFO, if its content is known and its slots are free for data.
 fn open<'x, const AXES: usize>(
     context: &Context<'_, AXES>,
-    stores: &'x [SegmentStore; AXES],
+    stores: &'x Segments<AXES>,
     axis: Axis,
     fifo: i16,
     field: u8,

@@ -6,7 +6,7 @@ use crate::io_types::{WORD, WORDS};
 use crate::refuse::{Admitted, Refused, choice};
 use crate::report::answer::{Answer, Query};
 use crate::shadow::Change;
-use protocol::command::{GetAdc, GetDac, GetDi, GetDiEx, GetDo, GetDoEx, SetDac, SetDo, SetDoBit, SetDoEx, opcode};
+use protocol::command::{GetAdc, GetDac, GetDi, GetDiEx, SetDac, SetDo, SetDoBit, SetDoEx, opcode};
 use protocol::reason::Reason;
 use protocol::values::io as kind;
 use servo::laser::Mode;
@@ -14,39 +14,20 @@ use servo::op::{DoGroup, Op};
 use servo::segment::follow::Input;
 use servo::units::{AxisMask, CrdMask};
 
-/// A read of this type, that of field 1: `first` is the core's index, `count` the words of 32
-/// levels. A read of more words than exist gets those that exist.
-fn read<const AXES: usize>(
-    context: &Context<AXES>,
-    opcode: u16,
-    core: i16,
-    (which, low, high): (i16, i16, i16),
-    count: i16,
-) -> Admitted<Answer> {
-    let core = context.core(core)?;
-    let which = choice(1, which, low, high)? as u8;
-    let count = choice(2, count, 1, i16::MAX)?.min(WORDS as i16) as u8;
-    Ok(Answer::Read(Query { opcode, first: core as u8, count, which }))
+/// GetDi and GetDo: one word.
+pub fn levels<const AXES: usize>(context: &Context<AXES>, number: u16, r: &GetDi) -> Admitted<Answer> {
+    words(context, number, &GetDiEx { core: r.core, di_type: r.di_type, count: 1.into() })
 }
 
-/// Raw levels of the core's axes from bit 0, or the general inputs, which belong to all cores.
-pub fn inputs<const AXES: usize>(context: &mut Context<AXES>, r: &GetDi) -> Admitted<Answer> {
-    read(context, opcode::GetDi, r.core.get(), (r.di_type.get(), kind::LIMIT_POSITIVE, kind::ARRIVE), 1)
-}
-
-/// The same, word by word.
-pub fn input_words<const AXES: usize>(context: &mut Context<AXES>, r: &GetDiEx) -> Admitted<Answer> {
-    let which = (r.di_type.get(), kind::LIMIT_POSITIVE, kind::ARRIVE);
-    read(context, opcode::GetDiEx, r.core.get(), which, r.count.get())
-}
-
-pub fn outputs<const AXES: usize>(context: &mut Context<AXES>, r: &GetDo) -> Admitted<Answer> {
-    read(context, opcode::GetDo, r.core.get(), (r.do_type.get(), kind::ENABLE, kind::GPO), 1)
-}
-
-/// The same, word by word.
-pub fn output_words<const AXES: usize>(context: &mut Context<AXES>, r: &GetDoEx) -> Admitted<Answer> {
-    read(context, opcode::GetDoEx, r.core.get(), (r.do_type.get(), kind::ENABLE, kind::GPO), r.count.get())
+/// GetDiEx and GetDoEx. `first` is the core's index, `count` the words of 32 levels. A read of more
+/// words than exist gets those that exist.
+pub fn words<const AXES: usize>(context: &Context<AXES>, number: u16, r: &GetDiEx) -> Admitted<Answer> {
+    let core = context.core(r.core.get())?;
+    let inputs = matches!(number, opcode::GetDi | opcode::GetDiEx);
+    let (low, high) = if inputs { (kind::LIMIT_POSITIVE, kind::ARRIVE) } else { (kind::ENABLE, kind::GPO) };
+    let which = choice(1, r.di_type.get(), low, high)? as u8;
+    let count = choice(2, r.count.get(), 1, i16::MAX)?.min(WORDS as i16) as u8;
+    Ok(Answer::Read(Query { opcode: number, first: core as u8, count, which }))
 }
 
 /// General inputs that a program can name: those of the profile, as far as the board has them.

@@ -1,13 +1,10 @@
 //! Jog and Trap: modes, parameters, targets, Update.
 use super::axis::{ACCEL_MAX, accel, all_startable};
 use super::context::Context;
-use super::query;
 use crate::refuse::{Admitted, Refused, real, within};
 use crate::report::answer::Answer;
 use crate::shadow::Change;
-use protocol::command::{
-    GetJogPrm, GetTrapPrm, JogPrm, PrfJog, PrfTrap, SetJogPrm, SetPos, SetTrapPrm, SetVel, TrapPrm, Update, opcode,
-};
+use protocol::command::{JogPrm, PrfJog, PrfTrap, SetJogPrm, SetPos, SetTrapPrm, SetVel, TrapPrm, Update};
 use protocol::reason::Reason;
 use servo::op::{Mode, Op};
 use servo::segment::ramp::{Accel, Speed};
@@ -80,18 +77,6 @@ pub fn set_jog<const AXES: usize>(context: &mut Context<AXES>, r: &SetJogPrm) ->
     let dec = if dec == Accel::default() { acc } else { dec };
     context.stage_with(Op::JogPrm { axis, acc, dec, smooth }, Change::Jog { axis, prm });
     Ok(Answer::Done)
-}
-
-pub fn trap_prm<const AXES: usize>(context: &mut Context<AXES>, r: &GetTrapPrm) -> Admitted<Answer> {
-    let axis = context.axis(r.core.get(), r.profile.get())?;
-    context.in_mode(axis, context.shadow(axis).mode == Mode::Trap)?;
-    Ok(query(opcode::GetTrapPrm, axis))
-}
-
-pub fn jog_prm<const AXES: usize>(context: &mut Context<AXES>, r: &GetJogPrm) -> Admitted<Answer> {
-    let axis = context.axis(r.core.get(), r.profile.get())?;
-    context.in_mode(axis, context.shadow(axis).mode == Mode::Jog)?;
-    Ok(query(opcode::GetJogPrm, axis))
 }
 
 pub fn set_pos<const AXES: usize>(context: &mut Context<AXES>, r: &SetPos) -> Admitted<Answer> {

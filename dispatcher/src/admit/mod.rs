@@ -25,12 +25,14 @@ pub mod pvt_table;
 mod session;
 mod simulated;
 
+use crate::configuration::ones;
 use crate::refuse::{Admitted, Refused, within};
 use crate::report::answer::{Answer, Query};
 use context::Context;
 use protocol::command::{self, CommandKind, Nothing, Of, Request, opcode};
 use protocol::reason::Reason;
-use servo::units::Axis;
+use servo::op::Mode;
+use servo::units::{Axis, AxisMask};
 use zerocopy::FromBytes;
 
 pub use session::config_item;
@@ -71,7 +73,9 @@ fn read<const AXES: usize>(context: &Context<AXES>, of: Of, number: u16, body: &
         Of::Controller => one::<command::GetClock>(body).map(|_| plain(number)),
         Of::Axis => {
             let r = one::<command::GetVel>(body)?;
-            context.axis(r.core.get(), r.profile.get()).map(|axis| query(number, axis))
+            let axis = context.axis(r.core.get(), r.profile.get())?;
+            has_mode(context, number, axis)?;
+            Ok(query(number, axis))
         }
         Of::Axes => axes(context, number, &one(body)?),
         Of::Follow => {
@@ -99,7 +103,23 @@ fn axes<const AXES: usize>(context: &Context<AXES>, opcode: u16, r: &command::Ge
     if opcode == opcode::AxisStatus {
         within(2, count, 1, STATUS_ITEMS_MAX)?;
     }
+    let all = AxisMask(ones(usize::from(count)) << first.index());
+    context.each(all).try_for_each(|axis| has_mode(context, opcode, axis))?;
     Ok(Answer::Read(Query { opcode, first: first.index() as u8, count, which: 0 }))
+}
+
+/// Refuses a read that is for a mode, of an axis in another one.
+fn has_mode<const AXES: usize>(context: &Context<AXES>, number: u16, axis: Axis) -> Admitted<()> {
+    let shadow = context.shadow(axis);
+    let wanted = match number {
+        opcode::GetTrapPrm => shadow.mode == Mode::Trap,
+        opcode::GetJogPrm => shadow.mode == Mode::Jog,
+        opcode::GetPtLoop | opcode::GetPtMemory => shadow.is_pt(),
+        opcode::GetPvtLoop | opcode::PvtStatus => shadow.mode == Mode::Pvt,
+        _ => true,
+    };
+    context.in_mode(axis, wanted)?;
+    if number == opcode::GetPtLoop { pt::not_dynamic(context, axis) } else { Ok(()) }
 }
 
 fn unknown(number: u16) -> Refused {
@@ -133,8 +153,6 @@ pub fn admit<const AXES: usize>(context: &mut Context<AXES>, number: u16, body: 
         SetInterlock => session::interlock,
         Abort => session::abort,
 
-        AxisOn => axis::on,
-        AxisOff => axis::off,
         Stop => axis::stop,
         ZeroPos => axis::zero,
         SetPrfPos => axis::set_position,
@@ -143,30 +161,20 @@ pub fn admit<const AXES: usize>(context: &mut Context<AXES>, number: u16, body: 
         SetAxisBand => axis::band,
         SetEncPos => axis::set_encoder,
         SetSoftLimit => axis::soft_limit,
-        LmtsOn => axis::limits_on,
-        LmtsOff => axis::limits_off,
         LmtSns => axis::limit_sense,
-        AlarmOn => axis::alarm_on,
-        AlarmOff => axis::alarm_off,
         SetPosErr => axis::position_error,
         SetCaptureMode => axis::capture,
 
         PrfTrap => jog_trap::trap,
         SetTrapPrm => jog_trap::set_trap,
-        GetTrapPrm => jog_trap::trap_prm,
         PrfJog => jog_trap::jog,
         SetJogPrm => jog_trap::set_jog,
-        GetJogPrm => jog_trap::jog_prm,
         SetPos => jog_trap::set_pos,
         SetVel => jog_trap::set_vel,
         Update => jog_trap::update,
 
-        GetDi => io::inputs,
         SetDo => io::set_outputs,
-        GetDo => io::outputs,
         SetDoBit => io::set_output,
-        GetDiEx => io::input_words,
-        GetDoEx => io::output_words,
         GetDac => io::analog_outputs,
         GetAdc => io::analog_inputs,
         SimInput => simulated::input,
@@ -177,19 +185,13 @@ pub fn admit<const AXES: usize>(context: &mut Context<AXES>, number: u16, body: 
         PtSpace => pt::space,
         PtClear => pt::clear,
         SetPtLoop => pt::set_loop,
-        GetPtLoop => pt::passes,
         SetPtMemory => pt::set_memory,
-        GetPtMemory => pt::memory,
         PtStart => pt::start,
 
         PrfPvt => pvt::mode,
         SetPvtLoop => pvt::set_loop,
-        GetPvtLoop => pvt::passes,
-        PvtStatus => pvt::status,
         PvtStart => pvt::start,
         PvtTableSelect => pvt::select,
-        LaserOn => laser::on,
-        LaserOff => laser::off,
         LaserPowerMode => laser::energy::mode,
         LaserPrfCmd => laser::energy::direct,
         LaserOutFrq => laser::energy::frequency,
@@ -220,6 +222,12 @@ pub fn admit<const AXES: usize>(context: &mut Context<AXES>, number: u16, body: 
         SetLaserDisRatio => laser::distance::ratios,
 
         _ => match number {
+            opcode::AxisOn | opcode::AxisOff => axis::servo(context, &one(body)?, number == opcode::AxisOn),
+            opcode::LmtsOn | opcode::LmtsOff => axis::limits(context, &one(body)?, number == opcode::LmtsOn),
+            opcode::AlarmOn | opcode::AlarmOff => axis::alarm(context, &one(body)?, number == opcode::AlarmOn),
+            opcode::LaserOn | opcode::LaserOff => laser::set(context, &one(body)?, number == opcode::LaserOn),
+            opcode::GetDi | opcode::GetDo => io::levels(context, number, &one(body)?),
+            opcode::GetDiEx | opcode::GetDoEx => io::words(context, number, &one(body)?),
             opcode::KeepAlive => one::<command::KeepAlive>(body).map(|_| Answer::Done),
             opcode::LoadConfig => session::load_config(context, body),
             opcode::SetDoEx => io::set_output_words(context, body),

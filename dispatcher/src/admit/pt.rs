@@ -2,18 +2,18 @@
 use super::axis::all_startable;
 use super::commit::{End, FifoOf, Written};
 use super::context::{Context, TRAVEL_PULSES};
-use super::{many, one, query};
+use super::data::{Segments, Stored};
+use super::{many, one};
 use crate::refuse::{Admitted, Refused, choice};
 use crate::report::answer::{Answer, Query};
 use crate::shadow::{AxisShadow, BEGINS_SHIFT, Change, FifoShadow, executed};
 use protocol::command::{
-    GetPtLoop, GetPtMemory, PrfPt, PtClear, PtData, PtDataMany, PtItem, PtSpace, PtStart, SetPtLoop, SetPtMemory, Wire,
-    opcode,
+    PrfPt, PtClear, PtData, PtDataMany, PtItem, PtSpace, PtStart, SetPtLoop, SetPtMemory, Wire, opcode,
 };
 use protocol::reason::{Reason, Refusal};
 use protocol::values::pt_state;
 use servo::op::{Mode, Op};
-use servo::segment::pt::{self, SEGMENTS, Segment, SegmentStore};
+use servo::segment::pt::{self, SEGMENTS, Segment};
 use servo::units::{Axis, AxisMask, StepLimit};
 
 /// First slot of static FIFO 1; the dynamic ring uses all slots.
@@ -29,7 +29,7 @@ pub fn mode<const AXES: usize>(context: &mut Context<AXES>, r: &PrfPt) -> Admitt
 }
 
 /// The axis, if it is in a PT mode.
-fn pt_axis<const AXES: usize>(context: &Context<AXES>, core: i16, profile: i16) -> Admitted<Axis> {
+pub fn pt_axis<const AXES: usize>(context: &Context<AXES>, core: i16, profile: i16) -> Admitted<Axis> {
     let axis = context.axis(core, profile)?;
     context.in_mode(axis, context.shadow(axis).is_pt())?;
     Ok(axis)
@@ -65,7 +65,7 @@ pub fn clear<const AXES: usize>(context: &mut Context<AXES>, r: &PtClear) -> Adm
     Ok(Answer::Done)
 }
 
-fn not_dynamic<const AXES: usize>(context: &Context<AXES>, axis: Axis) -> Admitted<()> {
+pub fn not_dynamic<const AXES: usize>(context: &Context<AXES>, axis: Axis) -> Admitted<()> {
     if context.shadow(axis).is_dynamic() { Err(context.no(Reason::NotInDynamic, axis)) } else { Ok(()) }
 }
 
@@ -75,12 +75,6 @@ pub fn set_loop<const AXES: usize>(context: &mut Context<AXES>, r: &SetPtLoop) -
     not_dynamic(context, axis)?;
     context.stage(Op::PtLoop { axis, passes: r.loop_count.get().max(0).unsigned_abs() });
     Ok(Answer::Done)
-}
-
-pub fn passes<const AXES: usize>(context: &mut Context<AXES>, r: &GetPtLoop) -> Admitted<Answer> {
-    let axis = pt_axis(context, r.core.get(), r.profile.get())?;
-    not_dynamic(context, axis)?;
-    Ok(query(opcode::GetPtLoop, axis))
 }
 
 /// Clears the data, even if the size stays.
@@ -95,11 +89,6 @@ pub fn set_memory<const AXES: usize>(context: &mut Context<AXES>, r: &SetPtMemor
     }
     context.stage_with(Op::PtClear { axis, fifo: 0 }, Change::Memory { axis, memory });
     Ok(Answer::Done)
-}
-
-pub fn memory<const AXES: usize>(context: &mut Context<AXES>, r: &GetPtMemory) -> Admitted<Answer> {
-    let axis = pt_axis(context, r.core.get(), r.profile.get())?;
-    Ok(query(opcode::GetPtMemory, axis))
 }
 
 /// Starts all axes of the mask on one tick, or none. Option bits select FIFO 1; they are ignored in
@@ -128,12 +117,7 @@ pub fn start<const AXES: usize>(context: &mut Context<AXES>, r: &PtStart) -> Adm
 
 /// Admits PtData or PtDataMany: all its segments or none. They are written after the committed end,
 /// where the tick does not read, so a refusal half-way has changed nothing.
-pub fn data<const AXES: usize>(
-    context: &Context<AXES>,
-    stores: &[SegmentStore; AXES],
-    number: u16,
-    body: &[u8],
-) -> Admitted<(Written, End)> {
+pub fn data<const AXES: usize>(context: &Context<AXES>, stores: &Segments<AXES>, number: u16, body: &[u8]) -> Stored {
     if number == opcode::PtData {
         let r = one::<PtData>(body)?;
         let kind = choice(4, r.kind.get(), 0, 2)?;
@@ -191,10 +175,10 @@ fn knows_stream<const AXES: usize>(context: &Context<AXES>, axis: Axis) -> bool 
 
 fn push<const AXES: usize>(
     context: &Context<AXES>,
-    stores: &[SegmentStore; AXES],
+    stores: &Segments<AXES>,
     (core, profile, fifo_given, fifo_field): (i16, i16, i16, u8),
     items: &[PtItem],
-) -> Admitted<(Written, End)> {
+) -> Stored {
     let axis = pt_axis(context, core, profile)?;
     let fifo = fifo(context, axis, fifo_field, fifo_given)?;
     let (shadow, sampled) = (context.shadow(axis), context.sampled(axis));

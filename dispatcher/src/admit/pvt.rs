@@ -1,16 +1,14 @@
 //! PVT commands (GXN chapter 4), apart from the points of tables (see [`super::pvt_table`]).
 use super::axis::all_startable;
 use super::context::Context;
-use super::query;
-use crate::configuration::ones;
 use crate::plan::pvt::{TABLES, table_number};
 use crate::refuse::{Admitted, Refused, choice, within};
-use crate::report::answer::{Answer, Query};
+use crate::report::answer::Answer;
 use crate::shadow::Change;
-use protocol::command::{GetPvtLoop, PrfPvt, PvtStart, PvtStatus, PvtTableSelect, SetPvtLoop, opcode};
+use protocol::command::{PrfPvt, PvtStart, PvtTableSelect, SetPvtLoop};
 use protocol::reason::Reason;
 use servo::op::{Mode, Op};
-use servo::units::{Axis, AxisMask};
+use servo::units::Axis;
 
 /// Index over all cores of a table, from the user's number in its core.
 pub fn table<const AXES: usize>(context: &Context<AXES>, core: i16, field: u8, number: i16) -> Admitted<u8> {
@@ -44,20 +42,6 @@ pub fn set_loop<const AXES: usize>(context: &mut Context<AXES>, r: &SetPvtLoop) 
     let passes = within(2, r.loop_count.get(), 0, i32::MAX)?;
     context.stage_with(Op::PvtLoop { axis, passes: passes.unsigned_abs() }, Change::TablePasses { axis, passes });
     Ok(Answer::Done)
-}
-
-pub fn passes<const AXES: usize>(context: &mut Context<AXES>, r: &GetPvtLoop) -> Admitted<Answer> {
-    let axis = pvt_axis(context, r.core.get(), r.profile.get())?;
-    Ok(query(opcode::GetPvtLoop, axis))
-}
-
-/// Tables and times of consecutive axes in one tick.
-pub fn status<const AXES: usize>(context: &mut Context<AXES>, r: &PvtStatus) -> Admitted<Answer> {
-    let (first, number) = context.span(r.core.get(), r.profile.get(), r.count.get())?;
-    for axis in context.each(AxisMask(ones(usize::from(number)) << first.index())) {
-        context.in_mode(axis, context.shadow(axis).mode == Mode::Pvt)?;
-    }
-    Ok(Answer::Read(Query { opcode: opcode::PvtStatus, first: first.index() as u8, count: number, which: 0 }))
 }
 
 fn not_empty<const AXES: usize>(context: &Context<AXES>, axis: Axis, table: u8) -> Admitted<()> {

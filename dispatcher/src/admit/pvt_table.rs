@@ -47,39 +47,31 @@ impl<'b> Chunk<'b> {
         fn head<R: Wire>(body: &[u8]) -> Admitted<(R, &[u8])> {
             R::read_from_prefix(body).map_err(|_| super::length(body.len(), size_of::<R>()))
         }
-        macro_rules! chunk {
-            ($name:ident, |$r:ident| $kind:expr, $table:expr, [$count:literal, $whole:literal, $point:literal]) => {{
-                let ($r, points) = head::<$name>(body)?;
-                let key =
-                    Key { opcode: number, core: $r.core.get(), table: $table, count: $r.count.get(), kind: $kind };
-                let fields = Fields { count: $count, whole: $whole, point: $point };
-                Chunk { key, first: $r.first.get(), fields, points, len: body.len() }
-            }};
+        /// Each command: how its points are to be taken, its table, and the indices of `count`, of
+        /// what belongs to all points and of a point.
+        macro_rules! chunks {
+            ($($name:ident, |$r:ident| $kind:expr, $table:expr, [$count:literal, $whole:literal, $point:literal];)*) => {
+                match number {
+                    $(opcode::$name => {
+                        let ($r, points) = head::<$name>(body)?;
+                        let (core, count) = ($r.core.get(), $r.count.get());
+                        let key = Key { opcode: number, core, table: $table, count, kind: $kind };
+                        let fields = Fields { count: $count, whole: $whole, point: $point };
+                        Chunk { key, first: $r.first.get(), fields, points, len: body.len() }
+                    })*
+                    other => return Err(super::unknown(other)),
+                }
+            };
         }
-        let chunk = match number {
-            opcode::PvtTable => chunk!(PvtTable, |r| Kind::Pvt, r.table.get(), [2, 4, 4]),
-            opcode::PvtTableEx => chunk!(PvtTableEx, |r| Kind::PvtEx, r.table.get(), [2, 4, 4]),
-            opcode::PvtTableComplete => chunk!(
-                PvtTableComplete,
-                |r| Kind::Complete { vel_begin: r.vel_begin.get(), vel_end: r.vel_end.get() },
-                r.table.get(),
-                [2, 4, 6]
-            ),
-            opcode::PvtTablePercent => {
-                chunk!(PvtTablePercent, |r| Kind::Percent { vel_begin: r.vel_begin.get() }, r.table.get(), [2, 4, 5])
-            }
-            opcode::PvtTableContinuous => {
-                chunk!(
-                    PvtTableContinuous,
-                    |r| Kind::Continuous { time_begin: r.time_begin.get() },
-                    r.table.get(),
-                    [2, 4, 5]
-                )
-            }
-            opcode::PvtPercentCalculate => {
-                chunk!(PvtPercentCalculate, |r| Kind::Percent { vel_begin: r.vel_begin.get() }, 0, [1, 3, 4])
-            }
-            _ => chunk!(PvtContinuousCalculate, |r| Kind::Continuous { time_begin: 0.0 }, 0, [1, 3, 3]),
+        let chunk = chunks! {
+            PvtTable, |r| Kind::Pvt, r.table.get(), [2, 4, 4];
+            PvtTableEx, |r| Kind::PvtEx, r.table.get(), [2, 4, 4];
+            PvtTableComplete, |r| Kind::Complete { vel_begin: r.vel_begin.get(), vel_end: r.vel_end.get() },
+                r.table.get(), [2, 4, 6];
+            PvtTablePercent, |r| Kind::Percent { vel_begin: r.vel_begin.get() }, r.table.get(), [2, 4, 5];
+            PvtTableContinuous, |r| Kind::Continuous { time_begin: r.time_begin.get() }, r.table.get(), [2, 4, 5];
+            PvtPercentCalculate, |r| Kind::Percent { vel_begin: r.vel_begin.get() }, 0, [1, 3, 4];
+            PvtContinuousCalculate, |r| Kind::Continuous { time_begin: 0.0 }, 0, [1, 3, 3];
         };
         let width = chunk.key.kind.values() * size_of::<f64>();
         if chunk.points.len() % width != 0 {

@@ -3,6 +3,7 @@
 //!
 //! In: a checked [`Query`]. Out: a reply record. Velocities and accelerations are derived here from
 //! the axis's [`servo::segment::piece::Motion`]; the tick computes nothing for them.
+mod axes;
 mod crd;
 mod explain;
 mod follow;
@@ -14,10 +15,8 @@ use crate::board::{Board, FAULT_TEXT_MAX};
 use crate::configuration::{Configuration, ones};
 use crate::io_types::{WORD, WORDS};
 use crate::list::list;
-use crate::plan::geometry::pulses;
-use crate::plan::pvt::table_number;
 use crate::report::answer::{POINTS_MAX, Query, TAKEN_MAX};
-use crate::shadow::{AxisShadow, Shadows};
+use crate::shadow::Shadows;
 use heapless::Vec;
 use protocol::command::{self, Chapter, Request, chapter, opcode};
 use protocol::record::{Full, ReplyWriter};
@@ -152,50 +151,6 @@ impl<const AXES: usize> Reading<'_, AXES> {
         (self.view.now.0 / 1_000_000) as u32
     }
 
-    fn axes(&self, query: &Query) -> &[AxisView] {
-        let first = usize::from(query.first);
-        self.view.axes.get(first..first + usize::from(query.count)).unwrap_or(&[])
-    }
-
-    /// Encoder velocity from two samples one tick apart, pulse/ms.
-    fn encoder_velocity(&self, axis: &AxisView) -> f64 {
-        if self.view.period.0 == 0 {
-            return 0.0;
-        }
-        axis.encoder.wrapping_sub(axis.encoder_before) as f64 * 1e6 / self.view.period.0 as f64
-    }
-
-    fn reals<R>(
-        &self,
-        tag: u16,
-        query: &Query,
-        out: &mut ReplyWriter,
-        value: impl Fn(&AxisView) -> f64,
-    ) -> Result<(), Full>
-    where
-        R: command::Request<Reply = command::Reals, ReplyItem = command::Real>,
-    {
-        let items: Vec<_, AXES> = list(self.axes(query).iter().map(|axis| command::Real { value: value(axis).into() }));
-        let head = command::Reals { clock_ms: self.clock_ms().into(), count: (items.len() as u16).into() };
-        out.done::<R>(tag, &head, &items)
-    }
-
-    fn longs<R>(
-        &self,
-        tag: u16,
-        query: &Query,
-        out: &mut ReplyWriter,
-        value: impl Fn(usize, &AxisView) -> i32,
-    ) -> Result<(), Full>
-    where
-        R: command::Request<Reply = command::Longs, ReplyItem = command::Long>,
-    {
-        let item = |(index, axis)| command::Long { value: value(index, axis).into() };
-        let items: Vec<_, AXES> = list(self.axes(query).iter().enumerate().map(item));
-        let head = command::Longs { clock_ms: self.clock_ms().into(), count: (items.len() as u16).into() };
-        out.done::<R>(tag, &head, &items)
-    }
-
     /// Writes the reply to a read.
     pub fn reply(&self, tag: u16, query: &Query, out: &mut ReplyWriter) -> Result<(), Full> {
         let axis = Axis::new(usize::from(query.first)).unwrap_or_default();
@@ -245,24 +200,6 @@ impl<const AXES: usize> Reading<'_, AXES> {
         match query.opcode {
             opcode::GetFault => self.fault(tag, out),
             opcode::GetEvents => self.events(tag, out),
-            opcode::GetSts => self.longs::<command::GetSts>(tag, query, out, |_, axis| axis.status.cast_signed()),
-            opcode::GetPrfMode => {
-                let first = usize::from(query.first);
-                self.longs::<command::GetPrfMode>(tag, query, out, |index, _| {
-                    self.executed.axes.get(first + index).map_or(-1, |shadow| mode_number(shadow.mode).into())
-                })
-            }
-            opcode::GetPrfPos => self.reals::<command::GetPrfPos>(tag, query, out, |axis| pulses(axis.pos)),
-            opcode::GetPrfVel => {
-                self.reals::<command::GetPrfVel>(tag, query, out, |axis| number(self.view.velocity(axis)))
-            }
-            opcode::GetPrfAcc => {
-                self.reals::<command::GetPrfAcc>(tag, query, out, |axis| number(self.view.motion(axis).acceleration()))
-            }
-            opcode::GetEncPos => self.reals::<command::GetEncPos>(tag, query, out, |axis| axis.encoder as f64),
-            opcode::GetEncVel => self.reals::<command::GetEncVel>(tag, query, out, |axis| self.encoder_velocity(axis)),
-            opcode::GetCaptureStatus => self.captures(tag, query, out),
-            opcode::AxisStatus => self.statuses(tag, query, out),
             opcode::GetDiEx => self.words::<command::GetDiEx>(tag, query, out),
             opcode::GetDoEx => self.words::<command::GetDoEx>(tag, query, out),
             opcode::GetDac => {
@@ -279,19 +216,11 @@ impl<const AXES: usize> Reading<'_, AXES> {
                 let head = command::Reals { clock_ms: self.clock_ms().into(), count: (items.len() as u16).into() };
                 out.done::<command::GetAdc>(tag, &head, &items)
             }
-            opcode::PvtStatus => {
-                let items: Vec<_, AXES> = list(self.axes(query).iter().map(|axis| {
-                    let since = self.view.now.0.min(axis.table_until.0).saturating_sub(axis.table_zero.0);
-                    let time = (since as f64 / 1e6).into();
-                    command::PvtStatusItem { table: table_number(axis.table).into(), time }
-                }));
-                let head = command::Count { count: (items.len() as u16).into() };
-                out.done::<command::PvtStatus>(tag, &head, &items)
-            }
             other => match chapter(other) {
                 Chapter::Laser => self.laser(tag, query, out),
                 Chapter::Crd => self.crd_reply(tag, query, out),
-                _ => self.follow(tag, query, out),
+                Chapter::Follow | Chapter::FollowEx => self.follow(tag, query, out),
+                Chapter::Other => self.axes_reply(tag, query, out),
             },
         }
     }
@@ -414,34 +343,6 @@ impl<const AXES: usize> Reading<'_, AXES> {
             worst_ns: time.worst_ns.into(),
             measured: taken.is_some().into(),
         }
-    }
-
-    fn captures(&self, tag: u16, query: &Query, out: &mut ReplyWriter) -> Result<(), Full> {
-        let items: Vec<_, AXES> = list(self.axes(query).iter().map(|axis| {
-            let value = axis.captured.unwrap_or(0).clamp(i32::MIN.into(), i32::MAX.into()) as i32;
-            command::CaptureReply {
-                status: i16::from(axis.captured.is_some()).into(),
-                value: value.into(),
-                clock_ms: self.clock_ms().into(),
-            }
-        }));
-        let head = command::Count { count: (items.len() as u16).into() };
-        out.done::<command::GetCaptureStatus>(tag, &head, &items)
-    }
-
-    fn statuses(&self, tag: u16, query: &Query, out: &mut ReplyWriter) -> Result<(), Full> {
-        let shadows = self.executed.axes.iter().skip(usize::from(query.first));
-        let item = |(axis, shadow): (&AxisView, &AxisShadow)| command::AxisItem {
-            status: axis.status.into(),
-            mode: mode_number(shadow.mode).into(),
-            reason: (axis.stop as u16).into(),
-            prf_pos: pulses(axis.pos).into(),
-            prf_vel: number(self.view.velocity(axis)).into(),
-            enc_pos: (axis.encoder as f64).into(),
-        };
-        let items: Vec<_, AXES> = list(self.axes(query).iter().zip(shadows).map(item));
-        let head = command::Reals { clock_ms: self.clock_ms().into(), count: (items.len() as u16).into() };
-        out.done::<command::AxisStatus>(tag, &head, &items)
     }
 
     /// What an axis waits for; it is numbered on its own core.

@@ -28,8 +28,7 @@ use crate::shadow::{LaserChange, LaserShadow, executed};
 use core::num::NonZeroU16;
 use power_range::Taking;
 use protocol::command::{
-    ClrLaserFault, DisFPK, EnaFPK, LaserOff, LaserOn, SetAxisMode, SetHSIOOpt, SetLaserCrdMap, SetLevelDelay,
-    ZeroLaserOnTime,
+    ClrLaserFault, DisFPK, EnaFPK, LaserOn, SetAxisMode, SetHSIOOpt, SetLaserCrdMap, SetLevelDelay, ZeroLaserOnTime,
 };
 use protocol::reason::Reason;
 use servo::laser::{Bounds, CHANNELS, Cause, Change, Clock, Delays, Family, Fpk, Mode};
@@ -169,14 +168,10 @@ fn gate<const AXES: usize>(context: &mut Context<AXES>, channel: u8, on: bool) -
     Ok(Answer::Done)
 }
 
-pub fn on<const AXES: usize>(context: &mut Context<AXES>, r: &LaserOn) -> Admitted<Answer> {
+/// LaserOn and LaserOff.
+pub fn set<const AXES: usize>(context: &mut Context<AXES>, r: &LaserOn, on: bool) -> Admitted<Answer> {
     let channel = context.channel(r.core.get(), 1, r.channel.get())?;
-    gate(context, channel, true)
-}
-
-pub fn off<const AXES: usize>(context: &mut Context<AXES>, r: &LaserOff) -> Admitted<Answer> {
-    let channel = context.channel(r.core.get(), 1, r.channel.get())?;
-    gate(context, channel, false)
+    gate(context, channel, on)
 }
 
 pub fn switch<const AXES: usize>(context: &mut Context<AXES>, r: &SetHSIOOpt) -> Admitted<Answer> {

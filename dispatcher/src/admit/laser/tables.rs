@@ -16,10 +16,7 @@ use crate::admit::length;
 use crate::refuse::{Admitted, Refused, choice, real, within};
 use crate::report::answer::Answer;
 use crate::shadow::{CAPACITY, DistanceShadow, LaserChange};
-use protocol::command::{
-    LaserDisPoint, LaserDisValue, LaserFollowPoint, Request, SetLaserDisTable1D, SetLaserDisTable2D,
-    SetLaserFollowTable, Wire, opcode,
-};
+use protocol::command::{Request, SetLaserDisTable1D, SetLaserDisTable2D, SetLaserFollowTable, opcode};
 use protocol::reason::Reason;
 use servo::laser::{Curve, DISTANCES, NODES, POINTS, POWER_TABLES, Power, Ratios, Tables};
 use servo::op::Op;
@@ -40,14 +37,14 @@ struct Key {
 }
 
 impl Key {
-    fn of<R: Wire>(opcode: u16, request: &R) -> Key {
+    fn of<R: Request>(request: &R) -> Key {
         let mut head = [0; HEAD];
         let bytes = request.as_bytes();
         let kept = bytes.len().saturating_sub(size_of::<u16>());
         for (to, byte) in head.iter_mut().zip(bytes.iter().take(kept)) {
             *to = *byte;
         }
-        Key { opcode, head }
+        Key { opcode: R::OPCODE, head }
     }
 }
 
@@ -91,13 +88,14 @@ impl<T> Chunk<'_, T> {
     }
 }
 
-/// Items after a head: at least one, and no more than the table still needs.
-fn items<T: Wire>(rest: &[u8], head: usize, left: usize) -> Admitted<&[T]> {
-    let count = rest.len() / size_of::<T>();
-    let wanted = count.clamp(1, left.max(1));
-    match <[T]>::ref_from_bytes(rest) {
-        Ok(items) if count == wanted => Ok(items),
-        _ => Err(length(head + rest.len(), head + wanted * size_of::<T>())),
+/// The items after a head: at least one, and no more than the table still needs.
+fn chunk<'b, R: Request>(r: &R, rest: &'b [u8], first: u16, total: usize, field: u8) -> Admitted<Chunk<'b, R::Item>> {
+    let (head, item) = (size_of::<R>(), size_of::<R::Item>());
+    let count = rest.len() / item;
+    let wanted = count.clamp(1, total.saturating_sub(first.into()).max(1));
+    match <[R::Item]>::ref_from_bytes(rest) {
+        Ok(items) if count == wanted => Ok(Chunk { key: Key::of(r), first, items, total, field }),
+        _ => Err(length(head + rest.len(), head + wanted * item)),
     }
 }
 
@@ -176,10 +174,7 @@ impl Loading {
         let channel = context.channel(r.core.get(), 3, r.channel.get())?;
         let table = table(1, r.table.get())?;
         let total = within(2, r.count.get(), 1, POINTS as i32)?.unsigned_abs() as usize;
-        let left = total.saturating_sub(r.first.get().into());
-        let items = items::<LaserFollowPoint>(rest, size_of_val(&r), left)?;
-        let key = Key::of(opcode::SetLaserFollowTable, &r);
-        let chunk = Chunk { key, first: r.first.get(), items, total, field: 4 };
+        let chunk = chunk(&r, rest, r.first.get(), total, 4)?;
         let bank = self.bank_of(&chunk, || Ok(0))?;
         if chunk.is_last() {
             // Checked first: a chunk that has to wait has changed nothing.
@@ -232,10 +227,7 @@ impl Loading {
         let total = DISTANCES * count;
         let limits = (4, &r.limit[..], r.limits_given != 0);
         let (limits, held) = own(context, channel, &mut shadow, (2, r.min.get(), r.max.get()), limits)?;
-        let left = total.saturating_sub(r.first.get().into());
-        let items = items::<LaserDisPoint>(rest, size_of_val(&r), left)?;
-        let key = Key::of(opcode::SetLaserDisTable1D, &r);
-        let chunk = Chunk { key, first: r.first.get(), items, total, field: 7 };
+        let chunk = chunk(&r, rest, r.first.get(), total, 7)?;
         let bank = self.bank_of(&chunk, || free_bank(context, channel))?;
         let done = chunk.indexed().try_for_each(|(index, item)| {
             let axis = index.checked_div(count).unwrap_or(0);
@@ -298,10 +290,7 @@ impl Loading {
         let limits = (5, &r.limit[..], r.limits_given != 0);
         let (limits, held) = own(context, channel, &mut shadow, (3, r.min.get(), r.max.get()), limits)?;
         let total = columns + rows + columns * rows;
-        let left = total.saturating_sub(r.first.get().into());
-        let items = items::<LaserDisValue>(rest, size_of_val(&r), left)?;
-        let key = Key::of(opcode::SetLaserDisTable2D, &r);
-        let chunk = Chunk { key, first: r.first.get(), items, total, field: 8 };
+        let chunk = chunk(&r, rest, r.first.get(), total, 8)?;
         let bank = self.bank_of(&chunk, || free_bank(context, channel))?;
         let done = chunk.indexed().try_for_each(|(index, item)| {
             let value = item.value.get();
