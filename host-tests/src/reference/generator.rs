@@ -221,7 +221,7 @@ impl Making<'_> {
             self.calls.push(Call::SetVel { axis, vel });
             self.does[axis] = Does::Trap;
         }
-        for number in 0..50 + self.below(30) as usize {
+        for number in 0..20 + self.below(16) as usize {
             let pos = 1 + self.below(900) as i32;
             self.calls.push(Call::SetPos { axis: axes[number & 1], pos });
         }
