@@ -30,7 +30,7 @@ mod sizes {
     pub const QUEUE_BYTES: usize = 2048;
     /// Replies of a program that wait for the execution of their entries. As many records of data
     /// may precede the start of their stream.
-    pub const AWAITING: usize = 107;
+    pub const AWAITING: usize = 104;
     /// Values of Calculate commands that wait with them: two full messages.
     pub const VALUES: usize = 128;
 }

@@ -10,6 +10,29 @@ use servo::op::{Entry, Op};
 use servo::units::Ns;
 use servo::view::View;
 
+/// How far the executed state may follow the tick. A reply that waits is written from the state that its command met: what
+/// comes after it is not entered before.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Until {
+    /// No reply waits.
+    Everything,
+    /// The first reply that waits comes after this entry.
+    Entry(u32),
+    /// It comes before all entries in flight.
+    Nothing,
+}
+
+impl Until {
+    fn allows(self, seq: u32) -> bool {
+        match self {
+            Until::Everything => true,
+            // Numbers have 31 bits; shifted up, their difference has a sign.
+            Until::Entry(last) => (last.wrapping_sub(seq) << 1).cast_signed() >= 0,
+            Until::Nothing => false,
+        }
+    }
+}
+
 /// One lane of at most `N` entries in flight.
 pub struct Lane<'a, const N: usize> {
     ring: Producer<'a, Entry, N>,
@@ -41,8 +64,8 @@ impl<'a, const N: usize> Lane<'a, N> {
         !self.log.is_empty()
     }
     /// The changes in flight with the numbers of their entries, the oldest first.
-    pub fn changes(&self) -> impl Iterator<Item = &(u32, Change)> {
-        self.log.iter()
+    pub fn changes<const AXES: usize>(&self, view: &View<AXES>) -> impl Iterator<Item = &(u32, Change)> {
+        self.log.iter().filter(|(seq, _)| !executed(view, *seq))
     }
     /// Whether one of them may end what keeps a command from being taken now.
     pub fn may_free(&self) -> bool {
@@ -61,15 +84,19 @@ impl<'a, const N: usize> Lane<'a, N> {
         ahead.enter(&change, seq);
         true
     }
-    /// Enters into `now` what the tick has executed.
-    pub fn retire<const AXES: usize>(&mut self, view: &View<AXES>, now: &mut Shadows<AXES>) {
+    /// Enters into `now` what the tick has executed, up to what `until` allows. Returns whether that is everything.
+    pub fn retire<const AXES: usize>(&mut self, view: &View<AXES>, now: &mut Shadows<AXES>, until: Until) -> bool {
         while let Some(&(seq, change)) = self.log.front() {
             if !executed(view, seq) {
                 break;
             }
+            if !until.allows(seq) {
+                return false;
+            }
             now.enter(&change, seq);
             self.log.pop_front();
         }
+        true
     }
     /// Enters what is still in flight into an admitted state that was set back.
     pub fn replay<const AXES: usize>(&self, ahead: &mut Shadows<AXES>) {

@@ -513,7 +513,7 @@ commands! {
     0x0806 CrdStatus: Read CrdFifo, Any { core: I16, crd: I16, fifo: I16 } [Nothing] -> CrdStatusReply [Nothing];
     0x0807 GetCrdPos: Read Crd, Any { core: I16, crd: I16 } [Nothing] -> Count [Real];
     0x0808 GetCrdVel: Read Crd, Any { core: I16, crd: I16 } [Nothing] -> Real [Nothing];
-    0x0809 GetRemainderSegNum: Read CrdFifo, Any { core: I16, crd: I16, fifo: I16 } [Nothing] -> Long [Nothing];
+    0x0809 GetRemainderSegNum: Read Other, Any { core: I16, crd: I16, fifo: I16 } [Nothing] -> Long [Nothing];
     0x080A SetCrdStopDec: Set, Apart { core: I16, crd: I16, smooth: F64, abrupt: F64 } [Nothing] -> Nothing [Nothing];
     0x080B SetOverride: Set, Apart { core: I16, crd: I16, ratio: F64 } [Nothing] -> Nothing [Nothing];
     0x080C InitLookAhead: Set, Apart { core: I16, crd: I16, fifo: I16, time_ms: F64, acc_max: F64, count: I16 } [Nothing] -> Nothing [Nothing];

@@ -8,8 +8,8 @@ use crate::refuse::{Admitted, Refused, choice, real, within};
 use crate::report::answer::{Answer, Query};
 use crate::shadow::{Change, CrdChange, Frame, Look, executed};
 use protocol::command::{
-    CrdClear, CrdSpace, CrdStart, CrdStop, GetCrdLimit, InitLookAhead, SetCrdLimit, SetCrdPrm, SetCrdStopDec,
-    SetLaserFollowFilter, SetOverride, opcode,
+    CrdClear, CrdSpace, CrdStart, CrdStop, GetCrdLimit, GetRemainderSegNum, InitLookAhead, SetCrdLimit, SetCrdPrm,
+    SetCrdStopDec, SetLaserFollowFilter, SetOverride, opcode,
 };
 use protocol::reason::Reason;
 use servo::crd;
@@ -309,14 +309,28 @@ pub fn query(opcode: u16, crd: Crd, which: u8) -> Answer {
     Answer::Read(Query { opcode, first: crd.index() as u8, count: 1, which })
 }
 
-/// At standstill the shadow state decides; during motion the tick does.
+/// The shadow state decides: what is given after it at its instant does not count. Only of a FIFO that may run, the tick
+/// decides.
 pub fn space<const AXES: usize>(context: &mut Context<AXES>, r: &CrdSpace) -> Admitted<Answer> {
     let crd = known(context, r.core.get(), r.crd.get())?;
     let fifo = fifo(2, r.fifo.get())?;
-    if context.crd_may_run(crd) {
+    let (shadow, sampled) = (context.crd_shadow(crd), context.crd_sampled(crd));
+    if context.crd_may_run(crd) && shadow.fifo == fifo {
         return Ok(query(opcode::CrdSpace, crd, fifo));
     }
-    Ok(Answer::Long(context.crd_shadow(crd).space_ahead(context.crd_sampled(crd), fifo).cast_signed()))
+    Ok(Answer::Long(shadow.space_ahead(sampled, fifo).cast_signed()))
+}
+
+/// As [`space`], but that the tick is asked until it has come to standstill: only it knows how many motions are done.
+pub fn remainder<const AXES: usize>(context: &mut Context<AXES>, r: &GetRemainderSegNum) -> Admitted<Answer> {
+    let crd = known(context, r.core.get(), r.crd.get())?;
+    let fifo = fifo(2, r.fifo.get())?;
+    let (shadow, sampled) = (context.crd_shadow(crd), context.crd_sampled(crd));
+    if shadow.is_busy(context.view, sampled) && shadow.fifo == fifo {
+        return Ok(query(opcode::GetRemainderSegNum, crd, fifo));
+    }
+    let (_, left) = shadow.segments(sampled, fifo);
+    Ok(Answer::Long(i32::try_from(left).unwrap_or(i32::MAX)))
 }
 
 /// What SetCrdLimit has set for one coordinate.

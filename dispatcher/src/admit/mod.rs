@@ -211,6 +211,7 @@ pub fn admit<const AXES: usize>(context: &mut Context<AXES>, number: u16, body: 
         SetCrdPrm => crd::set,
         CrdClear => crd::clear,
         CrdSpace => crd::space,
+        GetRemainderSegNum => crd::remainder,
         CrdStop => crd::stop,
         SetCrdStopDec => crd::stop_dec,
         SetOverride => crd::set_override,

@@ -7,6 +7,7 @@
 //! whose slots were already overwritten is emptied: it holds neither its old data nor the new.
 use super::{Pauses, Program, State};
 use crate::admit::admission::Admission;
+use crate::lane::Until;
 use crate::refuse::Refused;
 use crate::report::answer::Answer;
 use crate::report::pending_replies::{Refuser, TickRefusal};
@@ -108,6 +109,7 @@ impl Program<'_> {
 
     /// The tick has dropped the rest.
     pub(super) fn finish_drop<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>, view: &View<AXES>) {
+        self.lane.retire(view, &mut admission.executed, Until::Everything);
         self.lane.forget();
         admission.forget_paths(view);
         admission.admitted = admission.executed;
@@ -135,12 +137,11 @@ impl Program<'_> {
     /// Answers what was executed or dropped, in order.
     pub(super) fn answer<const AXES: usize>(
         &mut self,
-        admission: &Admission<'_, AXES>,
+        admission: &mut Admission<'_, AXES>,
         view: &View<AXES>,
         out: &mut ReplyWriter,
     ) -> bool {
         let mut progress = false;
-        let reading = admission.reading(view);
         while let Some(&item) = self.replies.items.front() {
             if item.open || !item.discarded && item.seq.is_some_and(|seq| !executed(view, seq)) {
                 break;
@@ -151,6 +152,8 @@ impl Program<'_> {
                 .front()
                 .copied()
                 .filter(|&(seq, ..)| if seq == 0 { item.discarded } else { item.own && item.seq == Some(seq) });
+            self.lane.retire(view, &mut admission.executed, self.replies.until());
+            let reading = admission.reading(view);
             let written = match refusal {
                 Some((0, ..)) => out.refused(item.opcode, item.tag, &Refused::new(Reason::Late).wire),
                 Some((_, refuser)) => out.refused(item.opcode, item.tag, &reading.explain(refuser).wire),

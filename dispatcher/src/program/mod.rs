@@ -331,14 +331,15 @@ impl<'a> Program<'a> {
         out.push_raw(opcode, tag, 0, &[reply.as_bytes()])
     }
 
-    /// Enters into `now` what the tick has executed.
-    pub fn retire<const AXES: usize>(&mut self, view: &View<AXES>, now: &mut Shadows<AXES>) {
-        self.lane.retire(view, now);
+    /// Enters into `now` what the tick has executed, and no reply waits for. Returns whether that is everything.
+    pub fn retire<const AXES: usize>(&mut self, view: &View<AXES>, now: &mut Shadows<AXES>) -> bool {
+        let all = self.lane.retire(view, now, self.replies.until());
         self.overruns[0] = view.overruns;
         if self.runs(view) && (view.late != 0 || self.overruns[0] != self.overruns[1]) {
             self.note(view);
         }
         self.note_light(view);
+        all
     }
 
     /// Notes light that a fault shut off, or kept from coming, while the program runs.
@@ -404,7 +405,7 @@ impl<'a> Program<'a> {
         self.urgent = false;
         if self.runs(view) {
             self.clock = view.now.0.saturating_sub(view.script_zero.0);
-            self.instant = self.pauses.resolve(view, self.instant, || self.lane.changes());
+            self.instant = self.pauses.resolve(view, self.instant, || self.lane.changes(view));
         }
         let mut progress = false;
         if self.drop_due {

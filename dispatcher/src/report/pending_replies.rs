@@ -3,6 +3,7 @@
 //! In: what was admitted, what the tick refused. Out: the replies of a lane in order.
 use super::answer::Answer;
 use super::replies::{Reading, took_reply, values_reply};
+use crate::lane::Until;
 use crate::refuse::Refused;
 use heapless::Deque;
 use protocol::command::opcode;
@@ -112,6 +113,14 @@ impl<const REPLIES: usize, const VALUES: usize> PendingReplies<REPLIES, VALUES> 
     /// The next reply that is a refusal reports this. More than wait are not kept.
     pub fn note(&mut self, refusal: TickRefusal) {
         self.refused.push_back(refusal).ok();
+    }
+    /// How far the executed state may go on before the first reply is written.
+    pub fn until(&self) -> Until {
+        match self.items.front() {
+            // All that is in flight comes before data whose commit is not pushed yet.
+            None | Some(Awaiting { open: true, .. }) => Until::Everything,
+            Some(item) => item.seq.map_or(Until::Nothing, Until::Entry),
+        }
     }
     /// The first reply has been written.
     pub fn pop(&mut self) {

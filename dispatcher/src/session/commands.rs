@@ -40,6 +40,8 @@ pub struct CommandHandler<'a, const AXES: usize> {
     replies: PendingReplies<IMMEDIATE, TAKEN>,
     /// The next item of the LoadConfig in hand.
     config: Option<u16>,
+    /// The executed state waits for replies that show what was before.
+    is_behind: bool,
 }
 
 impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
@@ -56,16 +58,16 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
             renewed: Renewed::default(),
             replies: PendingReplies::new(),
             config: None,
+            is_behind: false,
         }
     }
 
     /// Follows the tick: executed entries of both lanes, axes that came to standstill, streams that
     /// ended.
     pub fn follow(&mut self, program: &mut Program<'_>, view: &View<AXES>) {
-        self.admission.lane.retire(view, &mut self.admission.executed);
-        // Before the view is compared: else its changes would look as if the tick had made them by
-        // itself.
-        program.retire(view, &mut self.admission.executed);
+        let mine = self.admission.lane.retire(view, &mut self.admission.executed, self.replies.until());
+        let its = program.retire(view, &mut self.admission.executed);
+        self.is_behind = !(mine && its);
         // Gathered data of a stream that has ended goes to the tick, which refuses it at its
         // instant.
         let ended = |(shadow, sampled): (&AxisShadow, &AxisView)| {
@@ -74,18 +76,12 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
         if program.gathers() && self.admission.admitted.axes.iter().zip(&view.axes).any(ended) {
             program.flush(&mut self.admission);
         }
-        for ((now, ahead), sampled) in
-            self.admission.executed.axes.iter_mut().zip(&mut self.admission.admitted.axes).zip(&view.axes)
-        {
-            now.follow(view, sampled);
-            ahead.follow(view, sampled);
+        self.admission.admitted.follow(view);
+        if self.is_behind {
+            // Changes that are not entered yet would look as if the tick had made them by itself.
+            return;
         }
-        for ((now, ahead), sampled) in
-            self.admission.executed.crds.iter_mut().zip(&mut self.admission.admitted.crds).zip(&view.crds)
-        {
-            now.follow(view, sampled);
-            ahead.follow(view, sampled);
-        }
+        self.admission.executed.follow(view);
         if self.admission.executed.naming() | self.admission.admitted.naming() != 0 {
             self.forget_follow_tables(view);
         }
@@ -116,6 +112,13 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
         self.replies.refuse(refusal);
     }
 
+    /// Goes on where replies that waited kept the executed state back.
+    pub fn catch_up(&mut self, program: &mut Program<'_>, view: &View<AXES>) {
+        if self.is_behind {
+            self.follow(program, view);
+        }
+    }
+
     /// Answers what was executed. True if anything was answered.
     pub fn answer(&mut self, view: &View<AXES>, program: &Program<'_>, out: &mut ReplyWriter) -> bool {
         let mut progress = false;
@@ -123,6 +126,7 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
             if item.seq.is_some_and(|seq| !executed(view, seq)) {
                 break;
             }
+            self.admission.lane.retire(view, &mut self.admission.executed, self.replies.until());
             let refusal = self.replies.refused.front().copied().filter(|&(seq, ..)| item.own && Some(seq) == item.seq);
             let reading = self.admission.reading(view);
             let written = match refusal {

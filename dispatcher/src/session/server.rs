@@ -176,6 +176,7 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
             let mut writer = ReplyWriter::new(self.outbox.get_mut(self.outbox_len..).unwrap_or(&mut []));
             let mut progress = self.handler.answer(view, &self.program, &mut writer);
             progress |= self.program.advance(&mut self.handler.admission, view, &mut writer);
+            self.handler.catch_up(&mut self.program, view);
             let mut over = false;
             // Messages in progress when the link was lost wait until it is back: nothing starts
             // unsupervised.

@@ -248,3 +248,22 @@ fn a_table_longer_than_the_queue_makes_nothing_late_that_comes_well_after_it() {
         }
     }
 }
+
+/// Calls of one instant take no time, and keep their order: what is set after a read does not show in it.
+#[test]
+fn a_read_shows_what_was_set_before_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "GT_AxisOn(1); GT_PrfJog(1);\n\
+                double value; long left, space; TJogPrm jog = {1, 1, 0}, got;\n\
+                GT_SetVel(1, 3);\nGT_GetVel(1, &value);\nGT_SetVel(1, 4);\n\
+                GT_SetJogPrm(1, &jog);\nGT_GetJogPrm(1, &got);\njog.acc = 2;\nGT_SetJogPrm(1, &jog);\nGT_GetVel(1, &value);\n\
+                TCrdPrm crd = {2, {0, 1, 2, 0, 0, 0, 0, 0}, 10, 1};\nGT_SetCrdPrm(1, &crd);\n\
+                GT_GetRemainderSegNum(1, &left, 0);\nGT_CrdSpace(1, &space, 0);\nGT_LnXY(1, 100, 0, 5, 1, 0, 0);\n\
+                GT_GetRemainderSegNum(1, &left, 0);\nGT_CrdSpace(1, &space, 0);\n";
+    let (out, code) = beamtick(&["sim", job(folder.path(), text).to_str().unwrap()]);
+    assert_eq!(code, 0, "{out}");
+    let values: Vec<&str> =
+        out.lines().filter_map(|line| Some(line.split_once(" GT_")?.1.split_once(" = ")?.1)).collect();
+    let acc = |value: i32| format!("acc {value} dec 1 smooth 0");
+    assert_eq!(values, ["3", &acc(1), "4", "0", "1024", "1", "1023"], "{out}");
+}

@@ -9,9 +9,9 @@ use super::{Clearance, CrdState, Frame, Halt};
 use crate::axis::AxisState;
 use crate::laser::{Cause, PathSpeed, Wants};
 use crate::path::{DIMENSIONS, EntryStore, Feed, PathReport, PathStop};
+use crate::segment::piece::Scaled;
 use crate::tick::execute::Reach;
 use crate::tick::{Tick, report_event};
-use crate::segment::piece::Scaled;
 use crate::units::{Axis, AxisMask, Crd, CrdMask, Exact, Ns, Pos};
 use crate::view::{CrdView, Drive, Event, StopReason};
 
