@@ -233,15 +233,6 @@ pub struct Shadows<const AXES: usize> {
 }
 
 impl<const AXES: usize> Shadows<AXES> {
-    /// Follows the tick: what came to standstill, streams that ended.
-    pub fn follow(&mut self, view: &View<AXES>) {
-        for (axis, sampled) in self.axes.iter_mut().zip(&view.axes) {
-            axis.follow(view, sampled);
-        }
-        for (crd, sampled) in self.crds.iter_mut().zip(&view.crds) {
-            crd.follow(view, sampled);
-        }
-    }
     /// The state at power-on.
     pub fn new() -> Self {
         Shadows {

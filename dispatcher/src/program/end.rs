@@ -152,7 +152,9 @@ impl Program<'_> {
                 .front()
                 .copied()
                 .filter(|&(seq, ..)| if seq == 0 { item.discarded } else { item.own && item.seq == Some(seq) });
-            self.lane.retire(view, &mut admission.executed, self.replies.until());
+            if self.is_behind {
+                self.lane.retire(view, &mut admission.executed, self.replies.until());
+            }
             let reading = admission.reading(view);
             let written = match refusal {
                 Some((0, ..)) => out.refused(item.opcode, item.tag, &Refused::new(Reason::Late).wire),

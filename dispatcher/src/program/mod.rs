@@ -61,6 +61,8 @@ pub struct Program<'a> {
     lane: Lane<'a, PROGRAM>,
     records: Records,
     replies: PendingReplies<AWAITING, VALUES>,
+    /// The executed state waits for the first of them.
+    is_behind: bool,
     state: State,
     /// Script time since the last entry pushed, ns.
     delay: u64,
@@ -121,6 +123,7 @@ impl<'a> Program<'a> {
             lane: Lane::new(ring, PROGRAM_FLAG),
             records: Records::new(),
             replies: PendingReplies::new(),
+            is_behind: false,
             state: State::Empty,
             delay: 0,
             instant: 0,
@@ -333,13 +336,13 @@ impl<'a> Program<'a> {
 
     /// Enters into `now` what the tick has executed, and no reply waits for. Returns whether that is everything.
     pub fn retire<const AXES: usize>(&mut self, view: &View<AXES>, now: &mut Shadows<AXES>) -> bool {
-        let all = self.lane.retire(view, now, self.replies.until());
+        self.is_behind = !self.lane.retire(view, now, self.replies.until());
         self.overruns[0] = view.overruns;
         if self.runs(view) && (view.late != 0 || self.overruns[0] != self.overruns[1]) {
             self.note(view);
         }
         self.note_light(view);
-        all
+        !self.is_behind
     }
 
     /// Notes light that a fault shut off, or kept from coming, while the program runs.

@@ -76,12 +76,27 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
         if program.gathers() && self.admission.admitted.axes.iter().zip(&view.axes).any(ended) {
             program.flush(&mut self.admission);
         }
-        self.admission.admitted.follow(view);
-        if self.is_behind {
-            // Changes that are not entered yet would look as if the tick had made them by itself.
+        // Where changes are not entered yet, they would look as if the tick had made them by itself.
+        let is_behind = self.is_behind;
+        for ((now, ahead), sampled) in
+            self.admission.executed.axes.iter_mut().zip(&mut self.admission.admitted.axes).zip(&view.axes)
+        {
+            if !is_behind {
+                now.follow(view, sampled);
+            }
+            ahead.follow(view, sampled);
+        }
+        for ((now, ahead), sampled) in
+            self.admission.executed.crds.iter_mut().zip(&mut self.admission.admitted.crds).zip(&view.crds)
+        {
+            if !is_behind {
+                now.follow(view, sampled);
+            }
+            ahead.follow(view, sampled);
+        }
+        if is_behind {
             return;
         }
-        self.admission.executed.follow(view);
         if self.admission.executed.naming() | self.admission.admitted.naming() != 0 {
             self.forget_follow_tables(view);
         }
@@ -126,7 +141,9 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
             if item.seq.is_some_and(|seq| !executed(view, seq)) {
                 break;
             }
-            self.admission.lane.retire(view, &mut self.admission.executed, self.replies.until());
+            if self.is_behind {
+                self.admission.lane.retire(view, &mut self.admission.executed, self.replies.until());
+            }
             let refusal = self.replies.refused.front().copied().filter(|&(seq, ..)| item.own && Some(seq) == item.seq);
             let reading = self.admission.reading(view);
             let written = match refusal {
