@@ -489,7 +489,13 @@ impl<const AXES: usize> Shadows<AXES> {
             Change::Rest { axes, crds } => {
                 let crds = CrdMask(crds.0 | self.drivers(axes).0);
                 let driven = crds.crds().fold(0, |mask, crd| mask | self.driven(crd).0);
-                self.with(axes, |_, shadow| (shadow.started, shadow.aside) = (None, false));
+                // What still runs may set an axis off after the wait for it.
+                let others = Crd::all().filter(|crd| !crds.has(*crd) && self.crd(*crd).started.is_some());
+                let aside = AxisMask(others.fold(0, |mask, crd| mask | self.crd(crd).beside.0));
+                self.with(axes, |axis, shadow| {
+                    shadow.started = None;
+                    shadow.aside &= aside.has(axis);
+                });
                 // A wait for a coordinate system does not wait for an axis that has left it.
                 let rests = |shadow: &AxisShadow| shadow.mode == Mode::Crd && crds.has(shadow.crd);
                 self.with(AxisMask(driven), |_, shadow| {
@@ -564,7 +570,7 @@ impl<const AXES: usize> Shadows<AXES> {
                 if let CrdChange::Data { .. } = change
                     && self.crd(crd).started.is_some()
                 {
-                    self.with(self.crd(crd).beside(), |_, shadow| shadow.aside = true);
+                    self.with(self.crd(crd).beside, |_, shadow| shadow.aside = true);
                 }
                 if let CrdChange::Frame { .. } = change {
                     self.with(before, |_, shadow| {
@@ -585,7 +591,7 @@ impl<const AXES: usize> Shadows<AXES> {
                 self.with_crds(CrdMask(crds.0 & !fifo1.0), &CrdChange::Started { fifo: 0 }, seq);
                 self.with_crds(fifo1, &CrdChange::Started { fifo: 1 }, seq);
                 let axes = crds.crds().fold(0, |mask, crd| mask | self.driven(crd).0);
-                crds.crds().for_each(|crd| self.with(self.crd(crd).beside(), |_, shadow| shadow.aside = true));
+                crds.crds().for_each(|crd| self.with(self.crd(crd).beside, |_, shadow| shadow.aside = true));
                 self.with(AxisMask(axes), |_, shadow| {
                     shadow.started = Some(seq);
                     shadow.busy = Some(seq);

@@ -255,7 +255,7 @@ impl<'x, const AXES: usize> Context<'x, AXES> {
         let aside = self.shadow(axis).aside;
         let may = |crd: Crd| {
             let (shadow, sampled) = (self.crd_shadow(crd), self.crd_sampled(crd));
-            shadow.beside().has(axis) && (self.crd_may_run(crd) || aside && shadow.is_busy(self.view, sampled))
+            shadow.beside.has(axis) && (self.crd_may_run(crd) || aside && shadow.is_busy(self.view, sampled))
         };
         let is_next = self.due.until_ns < self.view.period.0;
         if is_next { runs && (aside || Crd::all().any(may)) } else { runs && aside || Crd::all().any(may) }

@@ -137,6 +137,8 @@ pub struct CrdShadow {
     pub last: Option<u32>,
     /// Stop decelerations as given, pulse/ms².
     pub dec: (f64, f64),
+    /// Axes beside its own that its entries may move, also those of data that was cleared since it ran.
+    pub beside: AxisMask,
     /// Override.
     pub rate: f64,
     /// Time constant of the filter of its encoders' speed, ms.
@@ -159,6 +161,7 @@ impl Default for CrdShadow {
             here: None,
             last: None,
             dec: (0.0, 0.0),
+            beside: AxisMask(0),
             rate: 1.0,
             lag_ms: 1.0,
             fifos: [PathShadow::default(); 2],
@@ -179,10 +182,6 @@ impl CrdShadow {
     /// Whether it may be running when the next entry acts.
     pub fn may_run<const AXES: usize>(&self, view: &View<AXES>, sampled: &CrdView) -> bool {
         self.started.is_some_and(|seq| !executed(view, seq) || sampled.runs)
-    }
-    /// Axes beside its own that its entries may move.
-    pub fn beside(&self) -> AxisMask {
-        AxisMask(self.fifos.iter().fold(0, |mask, path| mask | path.data.beside.0))
     }
     /// Whether a Stop that has not been executed may leave it stopped within its data.
     pub fn may_be_stopped<const AXES: usize>(&self, view: &View<AXES>) -> bool {
@@ -235,9 +234,9 @@ impl CrdShadow {
 
     /// Everything of an earlier frame is over.
     pub(super) fn renew(&mut self, frame: Option<Frame>, here: Option<Position>, seq: u32) {
-        let CrdShadow { started, busy, fifos, .. } = *self;
+        let CrdShadow { started, busy, beside, fifos, .. } = *self;
         let dec = frame.map_or((0.0, 0.0), |frame| (frame.acc_max, frame.acc_max));
-        *self = CrdShadow { frame, here, dec, started, busy, last: Some(seq), ..CrdShadow::default() };
+        *self = CrdShadow { frame, here, dec, started, busy, beside, last: Some(seq), ..CrdShadow::default() };
         for (path, before) in self.fifos.iter_mut().zip(fifos) {
             let cleared = before.cleared.wrapping_add(1);
             *path = PathShadow { cleared, emptied: Some(seq), last: Some(seq), ..PathShadow::default() };
@@ -269,6 +268,8 @@ impl CrdShadow {
                 let newer = data.given.wrapping_sub(path.data.given).cast_signed() >= 0;
                 if path.cleared == cleared && newer {
                     path.data = data;
+                    self.beside.0 |= data.beside.0;
+                    let path = self.path_mut(fifo);
                     path.loose = seq == 0;
                     // The end of this data is known, whatever was before it.
                     self.renamed &= fifo != self.fifo || data.position.iter().any(|at| at.is_nan());
@@ -318,6 +319,7 @@ impl CrdShadow {
         let quiet = done(self.last);
         if quiet {
             (self.here, self.last) = (None, None);
+            self.beside = AxisMask(self.fifos.iter().fold(0, |mask, path| mask | path.data.beside.0));
         }
         for (((path, cleared), released), fifo) in
             self.fifos.iter_mut().zip(sampled.cleared).zip(sampled.released).zip(0u8..)

@@ -200,3 +200,20 @@ fn an_axis_that_a_path_moves_is_not_at_standstill() {
         }
     }
 }
+
+/// A CrdClear or a SetCrdPrm after the Stop of the path forgot the move that its entries had begun.
+#[test]
+fn a_move_outlives_the_entries_that_began_it() {
+    let ready = [plain(Kind::AxisOn, 0), plain(Kind::AxisOn, 1), plain(Kind::AxisOn, 3)];
+    let send = path(Path::Move { crd: 1, axis: 3, to: 299, vel: 5.8, acc: 1.4, modal: 1, fifo: 0 });
+    let go = path(Path::Start { mask: 1, option: 0 });
+    for renewed in [frame(None), path(Path::Clear { crd: 1, fifo: 0 })] {
+        let set_up = [frame(None), line(vec![30, 20]), send.clone(), go.clone(), Call::Sleep { ns: 16 * MS }];
+        let stop = [Call::Stop { mask: 1, abrupt: 0 }, path(Path::Wait { mask: 1 })];
+        let calls =
+            [&ready[..], &set_up, &stop, &[renewed, plain(Kind::PrfJog, 3), plain(Kind::GetPrfMode, 3)]].concat();
+        for tick_us in [250, 100, 1000] {
+            agrees(tick_us, &calls);
+        }
+    }
+}

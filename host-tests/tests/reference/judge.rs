@@ -316,9 +316,9 @@ pub fn finding(rig: &mut Option<Rig>, site: &Site, tick_us: u32, calls: &[Call],
         Ok(_) => calls.to_vec(),
         Err(_) => apart(site, tick_us, calls)?,
     };
-    differs(rig, site, tick_us, &calls, tally)?;
+    let first = differs(rig, site, tick_us, &calls, tally)?;
     let mut scratch = Tally::new();
-    let mut reason = String::from("not the same when it ran again");
+    let mut reason = format!("not the same when it ran again: {first}");
     if let Some(again) = differs(rig, site, tick_us, &calls, &mut scratch) {
         reason = again;
     }

@@ -55,10 +55,11 @@ impl World for Others<'_> {
             // The controller stops the path there, as if the axis were still geared: an open finding.
             *self.open = Some("a move of an axis right after its gear");
         }
+        // Also where a call of just now keeps it from moving.
+        self.early.push(to.axis);
         if axis.mode != Mode::Trap || axis.driven || axis.blocked() {
             return None;
         }
-        self.early.push(to.axis);
         if to.waits && axis.runs() {
             // Where it brakes already, a rounding of its place is much of its time.
             *self.open = Some("a path that waits for a move begun at speed");
@@ -462,10 +463,6 @@ impl Controller {
                     open: &mut open,
                 },
             );
-            if !of.runs && early.iter().any(|axis| axes[*axis].geared) {
-                // The controller leaves the axis where it was, and the way is lost: an open finding.
-                open = Some("a Stop in the tick in which a gear begins");
-            }
             self.open = self.open.or(open);
             let off = early.iter().filter(|axis| !axes[**axis].geared).count();
             *self.used.entry("axes that a path sets off").or_default() += off as u64;

@@ -1,5 +1,5 @@
 //! PT: data, FIFOs, starts.
-use super::super::axis::{Axis, Mode, Motion};
+use super::super::axis::{Axis, Mode};
 use super::super::call::{Call, members};
 use super::super::pt::Segment;
 use super::answer::{Answer, DONE, check, either};
@@ -50,8 +50,7 @@ impl Controller {
                     self.open = Some("data after a stream that a limit ended");
                     return Ok(Reply::Open);
                 }
-                let runs = matches!(axis.motion, Some(Motion::Stream(..)));
-                let free = if runs { usize::MAX } else { axis.pt_capacity() - axis.pt.fifos[fifo].len() };
+                let free = axis.pt_capacity().wrapping_sub(axis.pt.fifos[fifo].len());
                 return Ok(self.read(index, call, free));
             }
             Call::SetPtLoop { axis, loops } => {

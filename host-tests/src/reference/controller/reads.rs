@@ -19,13 +19,8 @@ impl Controller {
                     let axis = &self.axes[axis];
                     match kind {
                         Kind::GetPtLoop => Value::Whole(axis.pt.passes),
-                        Kind::GetPvtLoop => Value::Two(axis.pvt.2, axis.pvt.0),
+                        Kind::GetPvtLoop => Value::Two(axis.pvt.2, free as i64),
                         Kind::GetFollowLoop | Kind::GetFollowLoopEx => Value::Whole(axis.follow.passes),
-                        Kind::GetFollowMemory | Kind::GetFollowMemoryEx => Value::Whole(axis.follow.memory.into()),
-                        Kind::GetFollowEvent | Kind::GetFollowEventEx => match axis.follow.begin {
-                            Begin::Start => Value::Whole(1),
-                            Begin::Pass { up, name } => Value::Three(2, if up { 1 } else { -1 }, name),
-                        },
                         Kind::GetEncPos => Value::Position(axis.encoder[1] - axis.encoder_zero),
                         Kind::GetFollowStatus | Kind::GetFollowStatusEx => {
                             let pending = matches!(&axis.motion, Some(Motion::Slave(slave)) if slave.switching);
@@ -34,14 +29,15 @@ impl Controller {
                         Kind::GetSts => Value::Whole(axis.status().into()),
                         Kind::GetPrfPos => Value::Position(axis.name()),
                         Kind::GetPrfVel => Value::Velocity(axis.v),
-                        _ => Value::Whole(axis.mode as i64),
+                        // Settings have been answered at the call.
+                        _ => Value::None,
                     }
                 }
                 Call::PtSpace { axis, .. } => {
-                    // At standstill in the order of calls; while it runs, its state at the tick.
+                    // What was given before the call; while it runs, what is over at the tick is free again.
                     let axis = &self.axes[axis];
-                    let held = axis.pt.fifos[0].len() - axis.pt.ran;
-                    Value::Whole(if free == usize::MAX { axis.pt_capacity() - held } else { free } as i64)
+                    let ran = if matches!(axis.motion, Some(Motion::Stream(..))) { axis.pt.ran } else { 0 };
+                    Value::Whole(free.wrapping_add(ran) as i64)
                 }
                 Call::Light(LightCall { channel, what }) => {
                     let of = &self.light.channels[channel as usize];
@@ -81,7 +77,29 @@ impl Controller {
         }
     }
 
+    /// A setting is what it is at the call, whatever is set after it at its instant.
+    fn setting_read(&self, call: &Call) -> Option<Value> {
+        let Call::Axis { kind, axis } = call else { return None };
+        let axis = &self.axes[*axis];
+        Some(match kind {
+            Kind::GetFollowMemory | Kind::GetFollowMemoryEx => Value::Whole(axis.follow.memory.into()),
+            Kind::GetFollowEvent | Kind::GetFollowEventEx => match axis.follow.begin {
+                Begin::Start => Value::Whole(1),
+                Begin::Pass { up, name } => Value::Three(2, if up { 1 } else { -1 }, name),
+            },
+            Kind::GetPrfMode => Value::Whole(axis.mode as i64),
+            _ => return None,
+        })
+    }
+
     pub(super) fn read(&mut self, index: usize, call: &Call, free: usize) -> Reply {
+        if let Some(value) = self.setting_read(call) {
+            return Reply::Done(value);
+        }
+        let free = match call {
+            Call::Axis { kind: Kind::GetPvtLoop, axis } => self.axes[*axis].pvt.0 as usize,
+            _ => free,
+        };
         self.reads.push((index, call.clone(), free));
         Reply::Open
     }
