@@ -309,27 +309,32 @@ pub fn query(opcode: u16, crd: Crd, which: u8) -> Answer {
     Answer::Read(Query { opcode, first: crd.index() as u8, count: 1, which })
 }
 
-/// The shadow state decides: what is given after it at its instant does not count. Only of a FIFO that may run, the tick
-/// decides.
+/// Whether only the tick knows how much of a FIFO is over.
+fn may_go_on<const AXES: usize>(context: &Context<AXES>, crd: Crd, fifo: u8) -> bool {
+    let (shadow, sampled) = (context.crd_shadow(crd), context.crd_sampled(crd));
+    shadow.path(fifo).data.open && (context.crd_may_run(crd) || shadow.is_busy(context.view, sampled))
+}
+
+/// The shadow state decides: what is given after it at its instant does not count. Only of a FIFO that may go on, the
+/// tick decides.
 pub fn space<const AXES: usize>(context: &mut Context<AXES>, r: &CrdSpace) -> Admitted<Answer> {
     let crd = known(context, r.core.get(), r.crd.get())?;
     let fifo = fifo(2, r.fifo.get())?;
-    let (shadow, sampled) = (context.crd_shadow(crd), context.crd_sampled(crd));
-    if context.crd_may_run(crd) && shadow.fifo == fifo {
+    if may_go_on(context, crd, fifo) {
         return Ok(query(opcode::CrdSpace, crd, fifo));
     }
-    Ok(Answer::Long(shadow.space_ahead(sampled, fifo).cast_signed()))
+    Ok(Answer::Long(context.crd_shadow(crd).space_ahead(context.crd_sampled(crd), fifo).cast_signed()))
 }
 
-/// As [`space`], but that the tick is asked until it has come to standstill: only it knows how many motions are done.
+/// As [`space`].
 pub fn remainder<const AXES: usize>(context: &mut Context<AXES>, r: &GetRemainderSegNum) -> Admitted<Answer> {
     let crd = known(context, r.core.get(), r.crd.get())?;
     let fifo = fifo(2, r.fifo.get())?;
-    let (shadow, sampled) = (context.crd_shadow(crd), context.crd_sampled(crd));
-    if shadow.is_busy(context.view, sampled) && shadow.fifo == fifo {
+    if may_go_on(context, crd, fifo) {
         return Ok(query(opcode::GetRemainderSegNum, crd, fifo));
     }
-    let (_, left) = shadow.segments(sampled, fifo);
+    let shadow = context.crd_shadow(crd);
+    let left = if shadow.path(fifo).data.open { shadow.segments(context.crd_sampled(crd), fifo).1 } else { 0 };
     Ok(Answer::Long(i32::try_from(left).unwrap_or(i32::MAX)))
 }
 

@@ -45,7 +45,7 @@ fn the_listings_put_out_what_they_say() {
         (
             "laser_flying_shear",
             "gus",
-            &["acc 1 dec 0 smooth 0", "47", "21650 15518.16666674614"],
+            &["acc 0 dec 0 smooth 0", "47", "21650 15518.16666674614"],
             "frequency mode, dark, output 0 kHz, light of 11.750 ms",
         ),
         ("laser_lsr_duty", "lsr", &["25"], "duty mode, dark, output 0 %, light of 3.000 ms"),
