@@ -131,6 +131,7 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
 
     /// Does what can be done now: timers, messages, records, waiting program entries, replies. Call
     /// it after `feed`, after every tick, and at [`Server::next_deadline`].
+    #[inline(never)] // Tests of the images stop here.
     pub fn poll(&mut self, now: Ns) {
         self.time = now;
         self.link.poll(now.0);
