@@ -3,15 +3,15 @@
 //! In: staged operations with their changes. Out: entries in the ring; changes for the executed
 //! state once the view shows that their entries were executed.
 //! Fails: what does not fit is for the caller to try again later ([`Lane::room`]).
-use crate::shadow::{Change, Shadows, executed, seq_after, seq_from};
+use crate::shadow::{Change, Shadows, executed, is_up_to, seq_after, seq_from};
 use heapless::Deque;
 use ring::Producer;
 use servo::op::{Entry, Op};
 use servo::units::Ns;
 use servo::view::View;
 
-/// How far the executed state may follow the tick. A reply that waits is written from the state that its command met: what
-/// comes after it is not entered before.
+/// How far the executed state may follow the tick. A reply that waits is written from the state
+/// that its command met: what comes after it is not entered before.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Until {
     /// No reply waits.
@@ -26,8 +26,7 @@ impl Until {
     fn allows(self, seq: u32) -> bool {
         match self {
             Until::Everything => true,
-            // Numbers have 31 bits; shifted up, their difference has a sign.
-            Until::Entry(last) => (last.wrapping_sub(seq) << 1).cast_signed() >= 0,
+            Until::Entry(last) => is_up_to(seq, last),
             Until::Nothing => false,
         }
     }
@@ -84,7 +83,8 @@ impl<'a, const N: usize> Lane<'a, N> {
         ahead.enter(&change, seq);
         true
     }
-    /// Enters into `now` what the tick has executed, up to what `until` allows. Returns whether that is everything.
+    /// Enters into `now` what the tick has executed, up to what `until` allows. Returns whether
+    /// that is everything.
     pub fn retire<const AXES: usize>(&mut self, view: &View<AXES>, now: &mut Shadows<AXES>, until: Until) -> bool {
         while let Some(&(seq, change)) = self.log.front() {
             if !executed(view, seq) {

@@ -4,12 +4,14 @@
 //! In: [`Change`]s, one with every operation that is pushed into a lane. Out: the values that
 //! admissions and reads need.
 //! There are two copies. *Admitted* is the state after everything that was admitted, *executed* the
-//! state after everything that the tick has executed. If the rest of a program is discarded,
+//! state after everything that the tick has executed, but for what a reply that waits keeps back
+//! ([`crate::lane::Until`]). If the rest of a program is discarded,
 //! *admitted* is set back to *executed*. So what was never executed leaves no trace.
 mod axis;
 mod channel;
 mod crd;
 mod crd_space;
+mod entry_numbers;
 mod follow;
 mod watch;
 
@@ -18,6 +20,7 @@ pub use axis::{AxisShadow, BEGINS_SHIFT, FifoShadow};
 pub use channel::{DistanceShadow, LaserChange, LaserShadow};
 pub use crd::{CrdChange, CrdShadow, Frame, Look, PathData, PathShadow};
 pub use crd_space::CAPACITY;
+pub use entry_numbers::{PROGRAM_FLAG, Renewed, executed, is_up_to, renew, seq_after, seq_from};
 pub use follow::Fifo;
 use protocol::command::{JogPrm, TrapPrm};
 use servo::Fifos;
@@ -28,56 +31,8 @@ use servo::units::{Axis, AxisMask, Crd, CrdMask, Ns, Pos};
 use servo::view::View;
 pub use watch::Watch;
 
-/// Set in the numbers of the program lane, so that a number tells its lane.
-pub const PROGRAM_FLAG: u32 = 1 << 31;
 /// Software limits at these values are off.
 pub const SOFT_OFF: (i32, i32) = (i32::MAX, i32::MIN);
-
-/// The number after `seq` in its lane.
-pub const fn seq_after(seq: u32) -> u32 {
-    seq_from(seq, 1)
-}
-
-/// The number `entries` after `seq` in its lane.
-pub const fn seq_from(seq: u32, entries: u32) -> u32 {
-    seq & PROGRAM_FLAG | seq.wrapping_add(entries) & !PROGRAM_FLAG
-}
-
-/// Whether the tick that `view` shows has executed entry `seq`.
-pub fn executed<const AXES: usize>(view: &View<AXES>, seq: u32) -> bool {
-    let done = if seq & PROGRAM_FLAG == 0 { view.done_immediate } else { view.done_program };
-    // Numbers have 31 bits; shifted up, their difference has a sign. A lane that has executed
-    // nothing yet shows 0, which has no flag.
-    done & PROGRAM_FLAG == seq & PROGRAM_FLAG && (done.wrapping_sub(seq) << 1).cast_signed() >= 0
-}
-
-/// Entries after which numbers are renewed. Numbers are compared over half their range: one
-/// executed 2³⁰ entries ago would look as if it were still to come.
-const RENEWED: u32 = 1 << 24;
-
-/// What each lane had executed when numbers were renewed last.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Renewed([u32; 2]);
-
-impl Renewed {
-    /// Whether it is time to renew them.
-    pub fn is_due<const AXES: usize>(&mut self, view: &View<AXES>) -> bool {
-        let done = [view.done_immediate, view.done_program];
-        let far = |(now, before): (u32, u32)| now.wrapping_sub(before) & !PROGRAM_FLAG >= RENEWED;
-        let due = done.into_iter().zip(self.0).any(far);
-        if due {
-            self.0 = done;
-        }
-        due
-    }
-}
-
-/// An executed entry takes the number of its lane's last executed one: so it stays executed.
-pub fn renew<const AXES: usize>(view: &View<AXES>, seq: &mut u32) {
-    if executed(view, *seq) {
-        *seq = if *seq & PROGRAM_FLAG == 0 { view.done_immediate } else { view.done_program };
-    }
-}
 
 /// What a pushed operation changes in the shadow state.
 #[derive(Debug, Clone, Copy)]

@@ -47,7 +47,8 @@ pub enum Entry {
     Delay(u16),
     /// An entry without duration: the number says which one it is.
     Effect(usize),
-    /// The same of a laser: after an abrupt Stop that sets the path back before it, it is made again.
+    /// The same of a laser: after an abrupt Stop that sets the path back before it, it is made
+    /// again.
     Laser(usize),
 }
 

@@ -1,8 +1,8 @@
 //! The commands, their numbers, what they are and their wire layouts: one table, from which the
 //! structs, [`class`], the schema hash and the page `docs/protocol.md` follow.
 //!
-//! A row: number, name, [`CommandKind`], [`Lanes`], the request's fields and `[items]`, the reply's struct
-//! and `[items]`.
+//! A row: number, name, [`CommandKind`], [`Lanes`], the request's fields and `[items]`, the reply's
+//! struct and `[items]`.
 //!
 //! A request is a packed little-endian struct (`zerocopy`), sometimes followed by items of one
 //! fixed layout; so is a reply. Integers that the manuals' API passes as `short` or `long` travel

@@ -337,7 +337,8 @@ fn a_gear_goes_along_with_the_next_motion() {
     }
 }
 
-/// A smooth Stop that rests in the tick in which the geared motion has begun: the axis goes along up to there.
+/// A smooth Stop that rests in the tick in which the geared motion has begun: the axis goes along
+/// up to there.
 #[test]
 fn a_gear_that_begins_in_the_tick_of_a_stop_goes_along() {
     let mut within = 0;

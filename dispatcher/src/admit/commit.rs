@@ -1,7 +1,7 @@
 //! What was written to a FIFO's store, and the commits that publish it to the tick.
 //!
-//! In: written data, the admitted state. Out: the admitted state with it; the operation that commits
-//! all data of a FIFO. Cannot fail.
+//! In: written data, the admitted state. Out: the admitted state with it; the operation that
+//! commits all data of a FIFO. Cannot fail.
 use crate::report::answer::{Answer, TAKEN_MAX};
 use crate::shadow::{Change, CrdChange, Fifo, FifoShadow, PathData, Shadows};
 use servo::op::Op;

@@ -315,8 +315,8 @@ fn may_go_on<const AXES: usize>(context: &Context<AXES>, crd: Crd, fifo: u8) -> 
     shadow.path(fifo).data.open && (context.crd_may_run(crd) || shadow.is_busy(context.view, sampled))
 }
 
-/// The shadow state decides: what is given after it at its instant does not count. Only of a FIFO that may go on, the
-/// tick decides.
+/// The shadow state decides: what is given after it at its instant does not count. Only of a FIFO
+/// that may go on, the tick decides.
 pub fn space<const AXES: usize>(context: &mut Context<AXES>, r: &CrdSpace) -> Admitted<Answer> {
     let crd = known(context, r.core.get(), r.crd.get())?;
     let fifo = fifo(2, r.fifo.get())?;

@@ -334,7 +334,8 @@ impl<'a> Program<'a> {
         out.push_raw(opcode, tag, 0, &[reply.as_bytes()])
     }
 
-    /// Enters into `now` what the tick has executed, and no reply waits for. Returns whether that is everything.
+    /// Enters into `now` what the tick has executed, and no reply waits for. Returns whether that
+    /// is everything.
     pub fn retire<const AXES: usize>(&mut self, view: &View<AXES>, now: &mut Shadows<AXES>) -> bool {
         self.is_behind = !self.lane.retire(view, now, self.replies.until());
         self.overruns[0] = view.overruns;

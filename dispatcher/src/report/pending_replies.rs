@@ -61,8 +61,8 @@ impl Awaiting {
     }
 }
 
-/// The replies of a lane that wait, and what they are answered with. Who adds to them checks the room
-/// before.
+/// The replies of a lane that wait, and what they are answered with. Who adds to them checks the
+/// room before.
 #[derive(Debug)]
 pub struct PendingReplies<const REPLIES: usize, const VALUES: usize> {
     /// The replies.

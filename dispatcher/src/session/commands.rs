@@ -76,7 +76,8 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
         if program.gathers() && self.admission.admitted.axes.iter().zip(&view.axes).any(ended) {
             program.flush(&mut self.admission);
         }
-        // Where changes are not entered yet, they would look as if the tick had made them by itself.
+        // Where changes are not entered yet, they would look as if the tick had made them by
+        // itself.
         let is_behind = self.is_behind;
         for ((now, ahead), sampled) in
             self.admission.executed.axes.iter_mut().zip(&mut self.admission.admitted.axes).zip(&view.axes)

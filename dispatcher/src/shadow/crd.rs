@@ -137,7 +137,8 @@ pub struct CrdShadow {
     pub last: Option<u32>,
     /// Stop decelerations as given, pulse/ms².
     pub dec: (f64, f64),
-    /// Axes beside its own that its entries may move, also those of data that was cleared since it ran.
+    /// Axes beside its own that its entries may move, also those of data that was cleared since it
+    /// ran.
     pub beside: AxisMask,
     /// Override.
     pub rate: f64,

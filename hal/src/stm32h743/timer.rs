@@ -64,7 +64,8 @@ impl TickTimer {
     /// The time begins at the timer's event, so it includes the entry into the handler. In a tick
     /// that has overrun, it is a period and what the tick has taken of the next one.
     pub fn taken(&self) -> (bool, Option<u32>) {
-        // The flag first: a wrap between the two reads makes the time too short, never a period too long.
+        // The flag first: a wrap between the two reads makes the time too short, never a period too
+        // long.
         let overran = TIM2.sr().read().uif();
         let read = TIM2.cnt().read();
         // 240 counts a µs: 25/6 ns each, by a multiplication. Counts of two periods of 1 ms at

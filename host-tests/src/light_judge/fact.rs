@@ -93,8 +93,8 @@ pub enum What {
     Session,
     /// A laser command was sent and never answered.
     Unanswered,
-    /// The order of two events is unknown: effects on these coordinate systems are in doubt, and which path the power of
-    /// these channels follows.
+    /// The order of two events is unknown: effects on these coordinate systems are in doubt, and
+    /// which path the power of these channels follows.
     Doubt { crds: u8, follows: u8 },
 }
 

@@ -160,7 +160,8 @@ pub struct Axis {
     pub late: Fix,
     /// The same of its velocity.
     pub late_velocity: Fix,
-    /// Instants and positions of this tick before the motion that a path began; there was one; it has no length.
+    /// Instants and positions of this tick before the motion that a path began; there was one; it
+    /// has no length.
     head: Vec<(Fix, Fix)>,
     moved: bool,
     brief: bool,
@@ -307,7 +308,8 @@ impl Axis {
         fresh != 0
     }
 
-    /// The coordinate system of core 1 that it belongs to, from 0: its faults take that one's light.
+    /// The coordinate system of core 1 that it belongs to, from 0: its faults take that one's
+    /// light.
     pub fn light_crd(&self) -> Option<usize> {
         let (core, crd) = self.crd.filter(|_| self.mode == Mode::Crd)?;
         (core == 1).then_some(crd as usize - 1)

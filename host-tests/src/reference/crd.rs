@@ -48,7 +48,8 @@ impl Entry {
 pub trait World {
     /// An axis sets off; when it will be there. None: it must not move.
     fn travel(&mut self, at: f64, to: &Move) -> Option<f64>;
-    /// An axis is geared to a motion from now on, and goes so many pulses for one of the path; where it is. None: it must not move.
+    /// An axis is geared to a motion from now on, and goes so many pulses for one of the path;
+    /// where it is. None: it must not move.
     fn engage(&mut self, axis: usize, ratio: f64) -> Option<super::Fix>;
     /// Whether an axis moves is open.
     fn may_move(&mut self, axis: usize);

@@ -1,7 +1,8 @@
 //! A laser channel in duty mode without delays: SPEC 6, "Whose light it is" and "Rest", and SPEC 9.
 //!
-//! In: calls and entries of paths in the order of time, starts and standstills of coordinate systems, faults. Out: the
-//! gate's edges and the power. There is no follow, no delay and no FPK in it.
+//! In: calls and entries of paths in the order of time, starts and standstills of coordinate
+//! systems, faults. Out: the gate's edges and the power. There is no follow, no delay and no FPK in
+//! it.
 use super::call::members;
 
 /// Who lit it. Coordinate systems are those of core 1, from 0.
@@ -177,7 +178,8 @@ pub type GateEdge = (f64, usize, bool);
 #[derive(Debug, Clone, Default)]
 pub struct Light {
     pub channels: [Channel; 2],
-    /// What happens at the tick that is being prepared, in the order of calls; and in the interval before it.
+    /// What happens at the tick that is being prepared, in the order of calls; and in the interval
+    /// before it.
     pub calls: Vec<Act>,
     pub between: Vec<(f64, Act)>,
     pub edges: Vec<GateEdge>,

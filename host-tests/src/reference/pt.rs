@@ -122,8 +122,8 @@ impl Timed {
         self.progress(at) - self.began
     }
 
-    /// Instants in ms and positions from the tick before to `to`, through everything at which it may turn. `loops` of 0 or
-    /// less: for ever.
+    /// Instants in ms and positions from the tick before to `to`, through everything at which it
+    /// may turn. `loops` of 0 or less: for ever.
     pub fn step(&mut self, from: Fix, to: Fix, loops: i64, out: &mut Vec<(Fix, Fix)>) -> Went {
         let (mut a, mut b) = (self.progress(from).max(Fix::ZERO), self.progress(to));
         self.at = b;

@@ -38,7 +38,8 @@ struct Builder<'a> {
     told: &'a Told,
     tick: Ns,
     noted: Vec<Noted>,
-    /// Between these instants it is open what a coordinate system does, and what these channels follow.
+    /// Between these instants it is open what a coordinate system does, and what these channels
+    /// follow.
     open: Vec<(Ns, Ns, u8, u8)>,
 }
 
@@ -90,8 +91,9 @@ impl Builder<'_> {
         }
     }
 
-    /// An abrupt Stop sets a path back to where it was a tick before. The entries of a laser that it had reached in that tick are
-    /// made again when it comes there; their marks are not, so it is open when.
+    /// An abrupt Stop sets a path back to where it was a tick before. The entries of a laser that
+    /// it had reached in that tick are made again when it comes there; their marks are not, so it
+    /// is open when.
     fn made_again(&mut self) {
         for crd in 0..2 {
             let turns = |from: bool| {
@@ -138,7 +140,8 @@ impl Builder<'_> {
         }
     }
 
-    /// Whether something stopped this coordinate system at once: a smooth Stop does not set it back.
+    /// Whether something stopped this coordinate system at once: a smooth Stop does not set it
+    /// back.
     fn stopped_abruptly(&self, crd: usize, stop: &Seen) -> bool {
         let about = stop.at - 2 * self.tick..=stop.at;
         let called = self.told.sent.iter().filter(|sent| about.contains(&sent.at)).any(|sent| match sent.call {

@@ -180,8 +180,8 @@ fn a_slave_at_its_origin_does_not_go_back() {
     }
 }
 
-/// An axis that a path moves counted as at standstill: a WaitStop did not wait for it, and its name and its mode could be
-/// changed while it moved.
+/// An axis that a path moves counted as at standstill: a WaitStop did not wait for it, and its name
+/// and its mode could be changed while it moved.
 #[test]
 fn an_axis_that_a_path_moves_is_not_at_standstill() {
     let ready = [plain(Kind::AxisOn, 0), plain(Kind::AxisOn, 1), plain(Kind::AxisOn, 3)];

@@ -115,7 +115,8 @@ fn compare(program: &Program, told: &Told, calls: &[Call], tick_us: u32) -> Resu
         .map(|row| row.iter().map(|seen| step_generator::whole(Pos(seen.0))).collect())
         .unwrap_or_default();
     for tick in 0..end {
-        // An entry of a path acts from its tick on or from the one after, by where in the tick it lies.
+        // An entry of a path acts from its tick on or from the one after, by where in the tick it
+        // lies.
         let (mine, theirs) = (&program.outputs[tick].analog, &told.more[tick].analog);
         let next = &program.outputs[(tick + 1).min(program.outputs.len() - 1)].analog;
         let differs = |channel: usize| theirs[channel] != mine[channel] && theirs[channel] != next[channel];

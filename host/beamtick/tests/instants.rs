@@ -249,7 +249,8 @@ fn a_table_longer_than_the_queue_makes_nothing_late_that_comes_well_after_it() {
     }
 }
 
-/// Calls of one instant take no time, and keep their order: what is set after a read does not show in it.
+/// Calls of one instant take no time, and keep their order: what is set after a read does not show
+/// in it.
 #[test]
 fn a_read_shows_what_was_set_before_it() {
     let folder = tempfile::tempdir().unwrap();

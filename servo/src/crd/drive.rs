@@ -376,8 +376,8 @@ impl<const AXES: usize> Tick<AXES> {
         let Tick { crds, axes, .. } = self;
         let Some(state) = crds.states.get_mut(crd.index()) else { return };
         if !runs {
-            // A geared axis of an interrupted motion stays where it is. One whose motion has begun since the sample before
-            // goes there.
+            // A geared axis of an interrupted motion stays where it is. One whose motion has begun
+            // since the sample before goes there.
             for (axis, by) in state.path.gears(state.published.fifo) {
                 let Some(axis_state) = axes.get_mut(axis.index()) else { continue };
                 let begins = !state.geared.has(axis) && by != Pos(0) && !axis_state.refuses_gear();

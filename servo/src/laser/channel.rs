@@ -200,8 +200,8 @@ impl Channel {
         matches!(change, Change::Gate { on: true }) && self.owner.is_latched()
     }
 
-    /// Passes a fact to the light owner; the gate carries out its order. Returns whether the fact had an effect: an on
-    /// command that is ignored has none.
+    /// Passes a fact to the light owner; the gate carries out its order. Returns whether the fact
+    /// had an effect: an on command that is ignored has none.
     pub(super) fn report(&mut self, at: Ns, fact: Fact) -> bool {
         let published = |owner: &Owner| (owner.is_commanded(), owner.owners());
         let before = published(&self.owner);

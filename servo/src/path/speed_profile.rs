@@ -226,7 +226,8 @@ impl Plan {
             (acc, hard)
         };
         self.halts = left.is_zero() || left.is_negative();
-        // A motion that would end at standstill without the Stop does so with it, whatever is rounded.
+        // A motion that would end at standstill without the Stop does so with it, whatever is
+        // rounded.
         let still = to.is_zero() && left.is_less(rate.scale(REST));
         self.exit = if self.halts || still { Real::ZERO } else { left.sqrt() };
         self.ramp(v, self.exit, rate, rate.recip());

@@ -265,9 +265,9 @@ pub const LIST: &[Mutant] = &[
     // -- counters that go round -----------------------------------------------------------------
     mutant(
         "places in a lane are compared as they stand",
-        "dispatcher/src/shadow.rs",
-        "(done.wrapping_sub(seq) << 1).cast_signed() >= 0",
-        "done >= seq",
+        "dispatcher/src/shadow/entry_numbers.rs",
+        "(last.wrapping_sub(seq) << 1).cast_signed() >= 0",
+        "last >= seq",
         LIFE_WRAPS,
     ),
     mutant(

@@ -52,7 +52,8 @@ impl World for Others<'_> {
     fn travel(&mut self, at: f64, to: &Move) -> Option<f64> {
         let axis = &mut self.axes[to.axis];
         if axis.geared && axis.crd == Some(self.name) || axis.lately {
-            // The controller stops the path there, as if the axis were still geared: an open finding.
+            // The controller stops the path there, as if the axis were still geared: an open
+            // finding.
             *self.open = Some("a move of an axis right after its gear");
         }
         // Also where a call of just now keeps it from moving.
@@ -84,7 +85,8 @@ impl World for Others<'_> {
             return None;
         }
         of.path_most = of.path_most.max(Fix::of_f64(ratio * self.speed));
-        // The way along the path has 2⁻²² pulse: an axis that is geared up by more than 64 is not known to 2⁻¹⁶ pulse.
+        // The way along the path has 2⁻²² pulse: an axis that is geared up by more than 64 is not
+        // known to 2⁻¹⁶ pulse.
         of.late = Fix::of_f64(ratio * (2f64.powi(-22) + self.slack));
         (of.geared, of.driven, of.crd) = (true, true, Some(self.name));
         let way = of.carried.get_or_insert_with(|| vec![(self.before, of.x)]);

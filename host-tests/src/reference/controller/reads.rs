@@ -34,7 +34,8 @@ impl Controller {
                     }
                 }
                 Call::PtSpace { axis, .. } => {
-                    // What was given before the call; while it runs, what is over at the tick is free again.
+                    // What was given before the call; while it runs, what is over at the tick is
+                    // free again.
                     let axis = &self.axes[axis];
                     let ran = if matches!(axis.motion, Some(Motion::Stream(..))) { axis.pt.ran } else { 0 };
                     Value::Whole(free.wrapping_add(ran) as i64)

@@ -1,4 +1,5 @@
-//! What may come at any time: the same again, changes during motion, names, limits, Stops, reads, any call anywhere.
+//! What may come at any time: the same again, changes during motion, names, limits, Stops, reads,
+//! any call anywhere.
 use super::{Does, Making};
 use crate::reference::{Call, Kind};
 

@@ -19,8 +19,8 @@ pub(super) unsafe fn load_config(card: &mut Card, core: c_short, args: &[Arg]) -
         .map_err(|error| Error::new(7, format!("LoadConfig: {error}")))?;
     let parts = found.items.chunks(CONFIG_ITEMS);
     if parts.len() > 1 {
-        // A message is refused whole, a file of several would not be. A last item that every controller refuses has
-        // the others looked at and nothing done.
+        // A message is refused whole, a file of several would not be. A last item that every
+        // controller refuses has the others looked at and nothing done.
         for (part, items) in parts.clone().enumerate() {
             let Err(error) = configure(card, core, &[items, &[ConfigItem::default()]].concat()) else {
                 return Err(Error::new(client::error::LINK_PROTOCOL, "LoadConfig: the controller took an axis 0"));
@@ -42,7 +42,8 @@ fn configure(card: &mut Card, core: c_short, items: &[ConfigItem]) -> Result<()>
     card.send(false, &[Call::with_items(request, items)]).map(drop)
 }
 
-/// A refusal of an item, counted and named as in the whole file; `before` items went before its message.
+/// A refusal of an item, counted and named as in the whole file; `before` items went before its
+/// message.
 fn of_file(mut error: Error, path: &str, items: &[ConfigItem], before: usize) -> Error {
     if let Some(refusal) = &mut error.refusal
         && let Some(item) = items.get(before + usize::from(refusal.item.get()))

@@ -1,4 +1,5 @@
-//! From a reply to what the caller gets: values at its addresses, a text, a note of what was limited.
+//! From a reply to what the caller gets: values at its addresses, a text, a note of what was
+//! limited.
 use super::{Kind, Prepared, place};
 use crate::boundary::Arg;
 use crate::prototype::Scalar;
@@ -67,7 +68,8 @@ impl Prepared {
 }
 
 impl Prepared {
-    /// Stores zeros for what `count` asks for and no reply brought: it lies past the last axis (GXN table 5-1, note 2).
+    /// Stores zeros for what `count` asks for and no reply brought: it lies past the last axis (GXN
+    /// table 5-1, note 2).
     ///
     /// # Safety
     /// As for [`call`].
@@ -143,7 +145,8 @@ impl Prepared {
     }
 }
 
-/// What a laser command did not take as it was given (LSR: the nearest bound), from its reply's `held`.
+/// What a laser command did not take as it was given (LSR: the nearest bound), from its reply's
+/// `held`.
 pub(super) fn held(prepared: &Prepared, mut reply: &[u8]) -> Option<String> {
     let command = prepared.command?;
     if command.reply.last().is_none_or(|(name, _)| *name != "held") || prepared.reads() {
