@@ -104,6 +104,27 @@ fn an_alarm_of_an_axis_that_goes_along_puts_out_the_lasers_of_its_path() {
     }
 }
 
+/// A geared axis meets its soft limit: the path stops before it, dark.
+#[test]
+fn a_soft_limit_of_a_geared_axis_shuts_off_the_lasers_of_its_path() {
+    for period in [50, 250, 1000] {
+        let mut bench = prepared(period);
+        bench.op(Op::SetMode { axis: axis(3), mode: AxisMode::Trap });
+        let limit = Pos::pulses(20);
+        bench.op(Op::SoftLimit { axis: axis(3), positive: Some(20), negative: None });
+        bench.path(0, &[Entry::gear(axis(3), 50), line([400, 0], 10.0, 1.0, 0.0)]);
+        bench.start(1);
+        let (before, now) = rest(&mut bench);
+        assert!(before.lasers[0].light);
+        assert_eq!((now.crds[0].stop, now.axes[3].stop), (StopReason::SoftPositive, StopReason::SoftPositive));
+        assert_eq!(told(&now.lasers), [(Cause::Limit, false), (Cause::None, true)], "{period}");
+        let short = limit.0 - now.axes[3].pos.0;
+        assert!((0..limit.0 / 1000).contains(&short), "{short}");
+        // Dark in the tick before the one at which it would have gone beyond the limit.
+        assert_eq!(bench.switch().last(), Some(&(before.now.0, false)));
+    }
+}
+
 /// The path waits for an axis that is stopped during its move: the same.
 #[test]
 fn an_axis_that_is_waited_for_and_does_not_come_puts_out_the_lasers_of_its_path() {

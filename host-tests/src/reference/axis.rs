@@ -162,13 +162,11 @@ pub struct Axis {
     pub late_velocity: Fix,
     /// Instants and positions of this tick before the motion that a path began; there was one; it
     /// has no length.
-    head: Vec<(Fix, Fix)>,
+    pub head: Vec<(Fix, Fix)>,
     moved: bool,
     brief: bool,
     /// It is geared to a motion of its coordinate system.
     pub geared: bool,
-    /// It was until the tick before.
-    pub lately: bool,
     /// No motion of the tick was faster, pulse/ms.
     pub fastest: Fix,
 }
@@ -258,7 +256,6 @@ impl Axis {
             moved: false,
             brief: false,
             geared: false,
-            lately: false,
             fastest: Fix::ZERO,
         }
     }
@@ -592,6 +589,8 @@ impl Axis {
             self.open = self.path_open.then_some("the end of a path");
             self.ended = std::mem::take(&mut self.path_ended);
             self.fastest = self.path_most;
+        } else if moved {
+            self.fastest = self.fastest.max(self.path_most);
         }
         if ended {
             (self.braking, self.late, self.late_velocity) = (None, Fix::ZERO, Fix::ZERO);

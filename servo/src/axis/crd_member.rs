@@ -49,6 +49,13 @@ impl AxisState {
         self.mark_changed();
     }
 
+    /// Its own motion is over if that ends at the tick computed or before.
+    pub(crate) fn arrive(&mut self, next: Ns, source: &(impl Segments + Tables)) {
+        if self.runs && !self.moving(next, source).1 {
+            self.step(next, source);
+        }
+    }
+
     /// Whether it must not be geared to a motion: it must be at rest, and of no coordinate system.
     pub(crate) fn refuses_gear(&self) -> bool {
         self.refuses_start() || self.runs() || self.published.mode == Mode::Crd
@@ -132,7 +139,19 @@ impl AxisState {
                 self.crd = None;
             }
             self.rest(next, at, reason);
+            // What it was in before it was driven does not lead here.
+            self.profile.forget();
         }
+    }
+
+    /// The motion that it was geared to ends at `at`, an instant of the interval that begins with
+    /// the tick computed, or at that tick: from there on it is its own.
+    fn leave_gear(&mut self, next: Ns, at: Ns) {
+        let pos = if at > next { self.published.pos } else { self.exact.round() };
+        (self.driven, self.crd, self.published.drive) = (false, None, None);
+        self.published.pos = pos;
+        self.profile.rest(next, pos);
+        self.profile.forget();
     }
 
     /// It is no longer driven: it comes to rest where it is.
@@ -151,18 +170,21 @@ impl AxisState {
     }
 
     /// Begins a move to a target at `at`, an instant of the interval that begins with the tick
-    /// computed at `next`. Returns when the move ends; None if the axis must not move.
+    /// computed at `next`. `geared`: it was geared to the motion that has ended there. Returns when
+    /// the move ends; None if the axis must not move.
     pub(crate) fn travel(
         &mut self,
-        next: Ns,
-        at: Ns,
+        (next, at): (Ns, Ns),
         to: &Trapezoid,
+        geared: bool,
         source: &(impl Segments + Tables),
     ) -> Option<Fine> {
-        if self.published.mode != Mode::Trap || self.driven || self.refuses_start() {
+        if self.published.mode != Mode::Trap || self.driven && !geared || self.refuses_start() {
             return None;
         }
-        if self.runs {
+        if geared {
+            self.leave_gear(next, at);
+        } else if self.runs {
             // The piece that holds `next` takes effect before another one is made after it.
             self.step(next, source);
         }

@@ -335,13 +335,12 @@ impl<const AXES: usize> Tick<AXES> {
         if wants.planned.has(crd) || measures {
             self.feed_lasers(crd, next, wants, measures);
         }
-        let left = AxisMask(geared.0 & !gone.0);
-        if left.0 != 0 || !runs {
-            self.release_geared(crd, left, runs, next);
-        }
         if !runs {
             self.come_to_standstill(crd, next, lanes);
-        } else if unable.is_some() {
+            return;
+        }
+        self.release_geared(crd, AxisMask(geared.0 & !gone.0), next);
+        if unable.is_some() {
             self.lasers.crd_fault(crd, Cause::Fault);
             self.stop_crds(crd.mask(), Halt::Here, StopReason::OtherAxis, next, lanes);
         }
@@ -370,29 +369,11 @@ impl<const AXES: usize> Tick<AXES> {
         self.lasers.feed(crd, planned, encoder);
     }
 
-    /// Releases geared axes: those whose motion has ended, and at rest all of them.
-    #[inline(never)]
-    fn release_geared(&mut self, crd: Crd, left: AxisMask, runs: bool, next: Ns) {
+    /// Releases geared axes, whose motion has ended.
+    #[inline(always)]
+    fn release_geared(&mut self, crd: Crd, left: AxisMask, next: Ns) {
         let Tick { crds, axes, .. } = self;
         let Some(state) = crds.states.get_mut(crd.index()) else { return };
-        if !runs {
-            // A geared axis of an interrupted motion stays where it is. One whose motion has begun
-            // since the sample before goes there.
-            for (axis, by) in state.path.gears(state.published.fifo) {
-                let Some(axis_state) = axes.get_mut(axis.index()) else { continue };
-                let begins = !state.geared.has(axis) && by != Pos(0) && !axis_state.refuses_gear();
-                if begins {
-                    let base = axis_state.base();
-                    axis_state.engage(Drive::Gear { crd, ratio: Scaled::default() }, base);
-                }
-                if begins || state.geared.has(axis) {
-                    let (Exact(base), Exact(gone)) = (axis_state.base(), by.into());
-                    axis_state.release(next, Exact(base.wrapping_add(gone)), state.ending);
-                    state.geared.0 &= !axis.mask().0;
-                }
-            }
-        }
-        let left = if runs { left } else { state.geared };
         for axis in left.axes() {
             if let Some(axis) = axes.get_mut(axis.index()) {
                 let base = axis.base();
@@ -400,6 +381,29 @@ impl<const AXES: usize> Tick<AXES> {
             }
         }
         state.geared.0 &= !left.0;
+    }
+
+    /// A geared axis of an interrupted motion stays where it is. One whose motion has begun since
+    /// the sample before goes there.
+    #[inline(never)]
+    fn interrupt_geared(&mut self, crd: Crd, reason: StopReason, next: Ns) {
+        let Tick { crds, axes, .. } = self;
+        let Some(state) = crds.states.get_mut(crd.index()) else { return };
+        for (axis, by) in state.path.gears(state.published.fifo) {
+            let Some(axis_state) = axes.get_mut(axis.index()) else { continue };
+            let begins = !state.geared.has(axis) && by != Pos(0) && !axis_state.refuses_gear();
+            if begins {
+                let base = axis_state.base();
+                axis_state.engage(Drive::Gear { crd, ratio: Scaled::default() }, base);
+            }
+            if begins || state.geared.has(axis) {
+                let (Exact(base), Exact(gone)) = (axis_state.base(), by.into());
+                axis_state.release(next, Exact(base.wrapping_add(gone)), reason);
+                state.geared.0 &= !axis.mask().0;
+            }
+        }
+        let left = state.geared;
+        self.release_geared(crd, left, next);
     }
 
     /// The path is at rest.
@@ -430,6 +434,9 @@ impl<const AXES: usize> Tick<AXES> {
         }
         (state.published.runs, state.published.stop, state.standstill_since) = (false, reason, next);
         state.mark_changed();
+        self.interrupt_geared(crd, reason, next);
+        let Tick { crds, axes, .. } = self;
+        let Some(state) = crds.get_mut(crd) else { return };
         for axis in state.published.frame.iter().flat_map(Frame::axes).flatten() {
             if let Some(axis) = axes.get_mut(axis.index()) {
                 axis.release_here(next, reason);

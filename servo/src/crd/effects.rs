@@ -66,26 +66,39 @@ impl Sink<'_> {
     fn travel(&mut self, at: Fine, axis: Axis, to: &Trapezoid) -> Option<Fine> {
         let segments = self.segments.get(axis.index())?;
         let state = self.axes.get_mut(axis.index())?;
+        let source = Source { segments, tables: self.tables };
         // The first whole ns of it.
         let begin = Ns((at.wrapping_add(0xffff_ffff) >> 32) as u64);
-        let until = state.travel(self.next, begin, to, &Source { segments, tables: self.tables })?;
+        let until = state.travel((self.next, begin), to, self.geared.has(axis), &source)?;
+        self.geared.0 &= !axis.mask().0;
         Some(until.saturating_sub(at))
+    }
+
+    /// An axis that is geared or may be: what moved it before is over by the tick computed.
+    fn gear_of(&mut self, axis: Axis) -> Option<&mut AxisState> {
+        let segments = self.segments.get(axis.index())?;
+        let state = self.axes.get_mut(axis.index())?;
+        if !self.geared.has(axis) {
+            state.arrive(self.next, &Source { segments, tables: self.tables });
+        }
+        Some(state)
     }
 
     /// An axis is geared from now on, if it may.
     fn engage(&mut self, axis: Axis, drive: Drive) -> Option<&mut AxisState> {
-        let state = self.axes.get_mut(axis.index())?;
-        if !self.geared.has(axis) {
+        let geared = self.geared.has(axis);
+        let state = self.gear_of(axis)?;
+        if !geared {
             if state.refuses_gear() {
                 self.unable = self.unable.or(Some(axis));
                 return None;
             }
             let base = state.base();
             state.engage(drive, base);
-            self.geared.0 |= axis.mask().0;
         }
+        self.geared.0 |= axis.mask().0;
         self.reported.0 |= axis.mask().0;
-        Some(state)
+        self.axes.get_mut(axis.index())
     }
 
     fn send(&mut self, at: Fine, axis: Axis, target: i32, (speed, acc): (Speed, Accel), modal: bool) -> Fine {
@@ -157,5 +170,18 @@ impl Effects for Sink<'_> {
             }
         }
         true
+    }
+
+    fn admits_gear(&mut self, axis: Axis, by: Pos) -> bool {
+        // One that must not be geared is reported where it is to go along.
+        let Some(state) = self.gear_of(axis).filter(|state| state.driver().is_some() || !state.runs()) else {
+            return true;
+        };
+        let to = Pos(state.base().round().0.saturating_add(by.0));
+        let admits = state.admits(to);
+        if !admits {
+            self.obstacle = self.obstacle.or(Some((axis, to)));
+        }
+        admits
     }
 }

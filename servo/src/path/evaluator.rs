@@ -375,6 +375,12 @@ impl Path {
         cursor.gears.iter().take(inside).map(move |gear| (gear.axis, gear.along.at(distance)))
     }
 
+    /// The axes geared to the motion in force of a FIFO, or to its next one.
+    fn gears_of(&self, fifo: u8) -> impl Iterator<Item = &Gear> {
+        let cursor = self.cursor_of(fifo);
+        cursor.gears.iter().take(cursor.geared)
+    }
+
     /// Whether it moves or waits.
     pub fn runs(&self) -> bool {
         !matches!(self.stage, Stage::Standstill)
@@ -517,11 +523,14 @@ impl Path {
         }
         let (fifo, done, before) = (self.fifo, self.done(self.fifo), self.stand.sampled);
         let released = [self.released(0), self.released(1)];
-        let moves = self.look(next, sink, report);
-        if moves && !sink.admits(report.position) {
-            self.hold(now, (before.into(), self.stand.sampled.into()), sink, feed);
-            self.look(next, sink, report);
-            return StepReport { runs: false, fifo, done, released };
+        if self.look(next, report) {
+            let distance = self.stand.sampled;
+            if !self.admits(report.position, distance, sink) {
+                self.hold(now, (before.into(), distance.into()), sink, feed);
+                self.look(next, report);
+                return StepReport { runs: false, fifo, done, released };
+            }
+            self.carry(distance, sink);
         }
         let runs = self.runs();
         if self.is_due_before(next, period) {

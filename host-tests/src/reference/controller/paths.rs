@@ -51,13 +51,15 @@ struct Others<'a> {
 impl World for Others<'_> {
     fn travel(&mut self, at: f64, to: &Move) -> Option<f64> {
         let axis = &mut self.axes[to.axis];
-        if axis.geared && axis.crd == Some(self.name) || axis.lately {
-            // The controller stops the path there, as if the axis were still geared: an open
-            // finding.
-            *self.open = Some("a move of an axis right after its gear");
-        }
         // Also where a call of just now keeps it from moving.
         self.early.push(to.axis);
+        if axis.geared && axis.crd == Some(self.name) && !axis.driven {
+            // The motion that took it along is over: it sets off from the end of that.
+            axis.head.extend(axis.carried.take().unwrap_or_default().into_iter().skip(1));
+            (axis.geared, axis.crd, axis.bent, axis.path_ended) = (false, None, true, false);
+        } else {
+            axis.path_most = Fix::ZERO;
+        }
         if axis.mode != Mode::Trap || axis.driven || axis.blocked() {
             return None;
         }
@@ -435,7 +437,6 @@ impl Controller {
         let then = std::mem::take(&mut self.path_then);
         self.axes.iter_mut().for_each(|axis| axis.bent = false);
         let Controller { crds, axes, .. } = self;
-        let released: Vec<bool> = axes.iter().map(|axis| axis.lately).collect();
         for (name, of) in crds {
             of.started_here = false;
             let (ran, published) = (of.runs, of.clone());
@@ -559,7 +560,7 @@ impl Controller {
                 (axis.bent, axis.path_open) = (true, of.open || !axis.driven);
                 axis.driven &= of.runs;
                 if !axis.driven {
-                    (axis.geared, axis.crd, axis.lately) = (false, None, true);
+                    (axis.geared, axis.crd) = (false, None);
                     // Where it was left on the way.
                     let late = std::mem::take(&mut axis.late);
                     axis.slack += if axis.path_ended { Fix::ZERO } else { late };
@@ -574,9 +575,6 @@ impl Controller {
             }
         }
         self.crds.values_mut().for_each(|of| of.contested = [false, of.contested[0]]);
-        for (axis, was) in self.axes.iter_mut().zip(released) {
-            axis.lately &= !was;
-        }
     }
 
     /// Of what lies in a FIFO a call says how much was there when it was made. A path is ahead of the tick: what ends in the

@@ -54,7 +54,7 @@ impl Path {
                     }
                     if self.motion().plan.halts {
                         self.halt(self.time, PathStop::Stopped, feed, sink);
-                    } else if !sink.admits(self.motion().shape.end()) {
+                    } else if !self.admits_end(sink) {
                         let distance = self.motion().shape.length().to_exact();
                         self.hold(self.time, (self.stand.sampled.into(), distance), sink, feed);
                     } else {
@@ -64,6 +64,13 @@ impl Path {
                 }
             }
         }
+    }
+
+    /// Whether it and its geared axes may be at the end of the motion in force.
+    fn admits_end(&self, sink: &mut impl Effects) -> bool {
+        let end = |gear: &Gear| Pos::pulses(gear.pulses);
+        sink.admits(self.motion().shape.end())
+            && self.gears_of(self.fifo).all(|gear| sink.admits_gear(gear.axis, end(gear)))
     }
 
     /// The same for one boundary, if it only enters what was made ahead. `admits` says whether the
@@ -161,10 +168,10 @@ impl Path {
         if self.led {
             self.since.pass(self.time, self.here);
         }
-        let cursor = self.cursor(self.fifo);
-        for gear in cursor.gears.iter().take(cursor.geared) {
+        for gear in self.gears_of(self.fifo) {
             sink.geared(gear.axis, gear.pulses);
         }
+        let cursor = self.cursor(self.fifo);
         cursor.geared = 0;
         // After a fall back it may be left again: what lay further counts still.
         if cursor.next.wrapping_sub(cursor.left_at) as i32 > 0 {

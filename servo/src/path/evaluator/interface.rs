@@ -33,6 +33,10 @@ pub trait Effects {
     fn admits(&mut self, _place: &[Pos; DIMENSIONS]) -> bool {
         true
     }
+    /// The same for an axis geared to the motion in force, at this displacement since it began.
+    fn admits_gear(&mut self, _axis: Axis, _by: Pos) -> bool {
+        true
+    }
 }
 
 /// Why a path comes to rest.

@@ -14,7 +14,7 @@ use crate::units::{Exact, Ns, Pos};
 impl Path {
     /// Samples the position at `next`, which lies in the phase in force. Returns whether it moves.
     #[inline(always)]
-    pub(super) fn look(&mut self, next: Ns, sink: &mut impl Effects, report: &mut PathReport<'_>) -> bool {
+    pub(super) fn look(&mut self, next: Ns, report: &mut PathReport<'_>) -> bool {
         if let Stage::Move = self.stage
             && let Some(phase) = self.motions[(self.at & 1) as usize].plan.phase(self.stand.phase)
         {
@@ -27,10 +27,6 @@ impl Path {
             self.pass(distance);
             if self.led {
                 self.keep_trajectory(before, report.heading);
-            }
-            let cursor = self.cursor_of(self.fifo);
-            for gear in cursor.gears.iter().take(cursor.geared) {
-                sink.gear(gear.axis, gear.along.at(distance), gear.along.ratio());
             }
             return true;
         }
@@ -45,6 +41,22 @@ impl Path {
             (*report.bend, *report.motion) = (Bend::STRAIGHT, Motion::STANDSTILL);
         }
         false
+    }
+
+    /// Whether it and its geared axes may be at `position`, this path length into the motion in
+    /// force.
+    #[inline(always)]
+    pub(super) fn admits(&self, position: &[Pos; DIMENSIONS], distance: Pos, sink: &mut impl Effects) -> bool {
+        sink.admits(position)
+            && self.gears_of(self.fifo).all(|gear| sink.admits_gear(gear.axis, gear.along.at(distance)))
+    }
+
+    /// Moves the geared axes to where they are at this path length.
+    #[inline(always)]
+    pub(super) fn carry(&self, distance: Pos, sink: &mut impl Effects) {
+        for gear in self.gears_of(self.fifo) {
+            sink.gear(gear.axis, gear.along.at(distance), gear.along.ratio());
+        }
     }
 
     /// Publishes position and direction at `next`, in the piece in force; returns the path length
@@ -171,7 +183,8 @@ impl Path {
         let (mut low, mut high) = (low, distance);
         for _ in 0..16 {
             let middle = Exact(low.0.wrapping_add(high.0) >> 1);
-            if sink.admits(&self.motion().shape.at(middle.round())) { low = middle } else { high = middle }
+            let at = middle.round();
+            if self.admits(&self.motion().shape.at(at), at, sink) { low = middle } else { high = middle }
         }
         self.stand.distance = low;
         self.halt(at, PathStop::Obstructed, feed, sink);
