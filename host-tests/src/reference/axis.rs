@@ -632,6 +632,7 @@ impl Axis {
             (_, Some(bottom)) if at < bottom && at < start => Some((bottom.min(start), NEGATIVE)),
             _ => None,
         };
+        self.brink |= over.is_some() && (at - start).abs() < NEAR;
         self.limited = over.is_some();
         if let Some((at, bit)) = over {
             self.track = vec![start, at];

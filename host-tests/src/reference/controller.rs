@@ -13,6 +13,7 @@ mod pt;
 mod pvt;
 mod reads;
 mod tally;
+mod work;
 
 use super::axis::{Aim, Axis, Mode, Motion};
 use super::call::{Call, Site, members};
@@ -24,6 +25,7 @@ use super::path::{Path, PathCall};
 use super::pvt::Table;
 use answer::EITHER;
 use std::collections::BTreeMap;
+use work::Work;
 
 /// What a read gives.
 #[derive(Debug, Clone, PartialEq)]
@@ -204,7 +206,12 @@ impl Controller {
                     self.light.calls.push(Act::Fault(crd));
                 }
             }
+            let mut work = Work::of(self.tick_ns);
             while waiting.is_none() && next < calls.len() && clock < now {
+                if !work.takes(&calls[next]) {
+                    self.open = Some("more work than a tick takes");
+                    break;
+                }
                 match &calls[next] {
                     Call::Sleep { ns } => {
                         clock += ns;

@@ -306,9 +306,11 @@ impl Crd {
     }
 
     pub fn start(&mut self, fifo: usize, at: f64) {
+        // Where a Stop has held it is known as well as the way to there.
+        let waited = if self.rest == Some(Rest::Stopped) { self.waited } else { 0 };
         (self.runs, self.brakes, self.fifo, self.now, self.speed) = (true, false, fifo, at, 0.0);
         (self.plan, self.rest, self.started_here) = (None, None, true);
-        (self.waits, self.waited, self.hindered) = (None, 0, false);
+        (self.waits, self.waited, self.hindered) = (None, waited, false);
         let of = &mut self.fifos[fifo];
         (of.left, of.seen) = (None, of.entries.len());
     }
