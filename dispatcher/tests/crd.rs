@@ -376,6 +376,49 @@ fn a_program_waits_for_its_path() {
     assert_eq!(bench.done(ProgramStatus {}).late.get(), 0);
 }
 
+/// Data that comes to a FIFO after its start may run or not: the path may have ended before. After
+/// the WaitStop an arc of the other FIFO begins where the path is, and the data is still there.
+#[test]
+fn data_after_the_end_of_a_path_is_not_taken_as_run() {
+    let wait = || entry(WaitStop { core: 1.into(), axes: 0.into(), crds: 1.into() });
+    for (slept, waits, ran) in [(15, 0, false), (15, 4, false), (2, 0, true), (2, 4, true)] {
+        let mut bench = Bench::gus();
+        plane(&mut bench);
+        let at = if ran { [20, 5] } else { [10, 0] };
+        let requests = [
+            entry(line(10, 0, 50.0, 2.0)),
+            entry(start_crd(1)),
+            entry(sleep(slept)),
+            entry(line(20, 5, 50.0, 2.0)),
+            wait(),
+            entry(sleep(waits)),
+            entry(ArcXYC { fifo: 1.into(), ..arc(at[0], at[1], 0.0, 100.0, 1) }),
+            entry(CrdStart { option: 1.into(), ..start_crd(1) }),
+            entry(sleep(20)),
+            entry(GetCrdPos { core: 1.into(), crd: 1.into() }),
+            wait(),
+            entry(CrdStatus { core: 1.into(), crd: 1.into(), fifo: 0.into() }),
+            entry(CrdSpace { core: 1.into(), crd: 1.into(), fifo: 0.into() }),
+            entry(ProgramEnd {}),
+        ];
+        let tags = bench.post_all(&requests);
+        bench.done(ProgramStart { strict: 0 });
+        bench.wait(tags[13]);
+        for (index, tag) in tags.iter().enumerate() {
+            let answer = &bench.answers[tag];
+            assert_eq!(answer.code, 0, "entry {index}: {:?}", answer.reason());
+        }
+        let on_arc: Vec<f64> =
+            bench.answers[&tags[9]].items::<GetCrdPos>().iter().map(|item| item.value.get()).collect();
+        let radius = (on_arc[0] - f64::from(at[0])).hypot(on_arc[1] - f64::from(at[1]) - 100.0);
+        assert!((radius - 100.0).abs() < 1e-3 && on_arc[0] != f64::from(at[0]), "{on_arc:?}");
+        assert_eq!(crd_pos(&mut bench), at.map(f64::from));
+        let done = bench.answers[&tags[11]].reply::<CrdStatus>().segment.get();
+        let space = bench.answers[&tags[12]].reply::<CrdSpace>().value.get();
+        assert_eq!((done, space), if ran { (2, 1024) } else { (1, 1023) });
+    }
+}
+
 /// Entries of a program that were not executed leave no trace in a FIFO.
 #[test]
 fn a_program_that_is_dropped_takes_its_data_with_it() {

@@ -128,6 +128,8 @@ pub struct CrdShadow {
     pub busy: Option<u32>,
     /// It got a Stop since.
     pub stopped: bool,
+    /// The FIFO of that start got data since. The path may have ended before it.
+    pub fed: bool,
     /// Its axes were renamed after that. Where a motion begins depends on whether its FIFO was left
     /// within its data.
     pub renamed: bool,
@@ -158,6 +160,7 @@ impl Default for CrdShadow {
             started: None,
             busy: None,
             stopped: false,
+            fed: false,
             renamed: false,
             here: None,
             last: None,
@@ -272,6 +275,7 @@ impl CrdShadow {
                     self.beside.0 |= data.beside.0;
                     let path = self.path_mut(fifo);
                     path.loose = seq == 0;
+                    self.fed |= fifo == self.fifo && self.started.is_some();
                     // The end of this data is known, whatever was before it.
                     self.renamed &= fifo != self.fifo || data.position.iter().any(|at| at.is_nan());
                     let path = self.path_mut(fifo);
@@ -291,12 +295,12 @@ impl CrdShadow {
             CrdChange::Lag(ms) => self.lag_ms = ms,
             CrdChange::Started { fifo } => {
                 (self.fifo, self.started, self.busy) = (fifo, Some(seq), Some(seq));
-                (self.stopped, self.renamed, self.here) = (false, false, None);
+                (self.stopped, self.fed, self.renamed, self.here) = (false, false, false, None);
             }
-            CrdChange::Placed => (self.renamed, self.here) = (self.stopped, None),
+            CrdChange::Placed => (self.renamed, self.here) = (self.stopped || self.fed, None),
             CrdChange::Stopped => self.stopped = true,
             CrdChange::Rest => {
-                let ended = self.started.is_some() && !self.stopped;
+                let ended = self.started.is_some() && !self.stopped && !self.fed;
                 self.started = None;
                 if ended {
                     let path = self.path_mut(self.fifo);
@@ -339,6 +343,7 @@ impl CrdShadow {
                 let waits = sampled.rest == PathStop::Stopped && sampled.fifo == fifo && path.data.given != 0;
                 path.data.open = path.data.given != released || waits;
                 self.renamed &= fifo != self.fifo;
+                self.fed &= fifo != self.fifo;
             }
         }
     }

@@ -151,6 +151,25 @@ fn an_arc_after_a_stop_that_finds_the_path_at_its_end() {
     }
 }
 
+/// Data that came after a path had ended was taken as run by the WaitStop that followed: an arc of the other FIFO was made to
+/// begin where that data ends.
+#[test]
+fn data_after_the_end_of_a_path_is_not_taken_as_run() {
+    let go = |fifo: i16| path(Path::Start { mask: 1, option: fifo });
+    let speeds = Speeds { vel: 12.6, acc: 3.5, end: 0.0 };
+    let delay = path(Path::Delay { crd: 1, ms: 2, fifo: 1 });
+    let data = path(Path::Line { crd: 1, to: vec![10, 7], speeds, fifo: 1 });
+    for zero in [false, true] {
+        let mut calls = vec![plain(Kind::AxisOn, 0), plain(Kind::AxisOn, 1), frame(None), delay.clone(), go(1)];
+        calls.extend([Call::Sleep { ns: 14_577_251 }, data.clone(), path(Path::Wait { mask: 1 })]);
+        calls.extend(zero.then_some(plain(Kind::ZeroPos, 0)));
+        calls.extend([Call::Sleep { ns: 4 * MS }, arc([-4, -10], 0), go(0), Call::Sleep { ns: 30 * MS }]);
+        for tick_us in [100, 250, 1000] {
+            agrees(tick_us, &calls);
+        }
+    }
+}
+
 /// A slave of direction 0 at its origin, whose master goes back, was reported to move with it. A Stop at the instant of a
 /// SwitchNow then moved it.
 #[test]
