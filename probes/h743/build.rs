@@ -9,6 +9,8 @@ fn main() {
         println!("cargo:rerun-if-changed={file}");
     }
     println!("cargo:rustc-link-search={}", Path::new(&out).display());
+    // Else the linker would take the one of the current folder, which is the board's.
+    println!("cargo:rustc-link-arg-bins=--remap-inputs=memory.x={}", Path::new(&out).join("memory.x").display());
     for argument in ["-Tlink.x", "--nmagic"] {
         println!("cargo:rustc-link-arg-bins={argument}");
     }

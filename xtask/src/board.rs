@@ -18,7 +18,7 @@ const CHIP: &str = "STM32H743ZITx";
 /// The image's program.
 pub const BIN: &str = "beamtick-h743";
 /// The board's map of memories.
-const MEMORY: &str = "hal/src/stm32h743/memory.x";
+const MEMORY: &str = "memory.x";
 
 /// Cargo's arguments for the board.
 pub const FEATURES: [&str; 3] = ["--no-default-features", "--features", "stm32h743"];

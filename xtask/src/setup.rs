@@ -15,8 +15,8 @@ pub const TARGET: &str = "thumbv7em-none-eabihf";
 /// QEMU's program.
 pub const QEMU: &str = "qemu-system-arm";
 
-/// LLVM's linker, from Debian's package `lld`.
-const LINKER: &str = "/usr/bin/ld.lld";
+/// LLVM's linker: from version 17 it takes `--remap-inputs` (`firmware/build.rs`).
+const LINKER: &str = "/usr/bin/ld.lld-19";
 
 /// What builds the image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -96,7 +96,7 @@ fn debian_compiler() -> Outcome<Compiler> {
         && Path::new("/usr/lib/rustlib/src/rust/library/core").exists();
     if !there {
         install(
-            &["rustc-web", "cargo-web", "rust-web-src", "lld"],
+            &["rustc-web", "cargo-web", "rust-web-src", "lld-19"],
             &format!("install the target with `rustup target add {TARGET}`"),
         )?;
     }
