@@ -5,7 +5,8 @@
 //! ProgramDrop, after a failure an Abort.
 //! What was dropped leaves no trace: the admitted state is set back to the executed one. A FIFO
 //! whose slots were already overwritten is emptied: it holds neither its old data nor the new.
-use super::{Pauses, Program, State};
+use super::gathered::Gathered;
+use super::{Program, ProgramDrop, State};
 use crate::admit::admission::Admission;
 use crate::lane::Until;
 use crate::refuse::Refused;
@@ -23,7 +24,7 @@ impl Program<'_> {
     pub fn stop<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>, rest: Reason) {
         if self.state == State::Running {
             self.cut(State::Stopped);
-            self.rest = rest;
+            self.ending.reason = rest;
             self.push_drop(admission);
         }
     }
@@ -41,7 +42,7 @@ impl Program<'_> {
     pub fn abandon(&mut self) {
         if self.state != State::Empty {
             self.cut(State::Stopped);
-            self.clearing = true;
+            self.ending.clears = true;
         }
         self.records.clear();
         self.replies.abandon();
@@ -85,8 +86,8 @@ impl Program<'_> {
     /// Nothing more of it is executed.
     pub(super) fn cut(&mut self, state: State) {
         if self.is_active() {
-            self.drop_due = true;
-            self.rest = Reason::Discarded;
+            self.ending.drop = ProgramDrop::Due;
+            self.ending.reason = Reason::Discarded;
         }
         self.state = state;
     }
@@ -96,12 +97,11 @@ impl Program<'_> {
     pub(super) fn push_drop<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>) {
         // A program that has failed switches on and moves nothing any more: nobody is asked first.
         let fails = self.state == State::Failed;
-        if !self.drop_due || admission.lane.room() < 1 + usize::from(fails) {
+        if self.ending.drop != ProgramDrop::Due || admission.lane.room() < 1 + usize::from(fails) {
             return;
         }
         admission.lane.push(Op::ProgramDrop, Change::None, 0, &mut admission.admitted);
-        self.drop_due = false;
-        self.dropping = Some(admission.lane.last());
+        self.ending.drop = ProgramDrop::Pushed(admission.lane.last());
         if fails {
             admission.lane.push(Op::Abort, Change::Aborted, 0, &mut admission.admitted);
         }
@@ -117,15 +117,16 @@ impl Program<'_> {
         if !admission.empty_invalid() {
             return;
         }
-        self.dropping = None;
+        self.ending.drop = ProgramDrop::None;
         for item in &mut self.replies.items {
             // What the immediate lane carried is executed.
             let dropped = |seq: u32| seq & PROGRAM_FLAG != 0 && !executed(view, seq);
             item.discarded |= item.open || item.seq.is_some_and(dropped);
             item.open = false;
         }
-        (self.delay, self.instant, self.pauses, self.open, self.open_paths) = (0, 0, Pauses::default(), [0; 2], [0; 2]);
-        (self.run, self.end, self.config) = (None, None, None);
+        self.script.forget();
+        self.gathered = Gathered::default();
+        (self.run.start, self.run.end, self.config) = (None, None, None);
     }
 
     /// A strict program was late: what follows is not executed. The next entry reports why.
@@ -159,7 +160,7 @@ impl Program<'_> {
             let written = match refusal {
                 Some((0, ..)) => out.refused(item.opcode, item.tag, &Refused::new(Reason::Late).wire),
                 Some((_, refuser)) => out.refused(item.opcode, item.tag, &reading.explain(refuser).wire),
-                None if item.discarded => out.refused(item.opcode, item.tag, &Refused::new(self.rest).wire),
+                None if item.discarded => out.refused(item.opcode, item.tag, &Refused::new(self.ending.reason).wire),
                 None => reading.answer(&item, self.replies.values(), out),
             };
             if written.is_err() {
@@ -168,10 +169,10 @@ impl Program<'_> {
             if refusal.is_some() {
                 self.replies.refused.pop_front();
             } else if !item.discarded && !matches!(item.answer, Answer::Lost { .. }) {
-                self.done = self.done.wrapping_add(1);
+                self.reported.executed = self.reported.executed.wrapping_add(1);
             }
             if let Some(seq) = item.seq.filter(|_| item.own) {
-                self.answered = (seq, item.tag);
+                self.reported.answered = (seq, item.tag);
             }
             self.replies.pop();
             progress = true;
@@ -188,7 +189,7 @@ impl Program<'_> {
         while let Some((head, _)) = self.records.front() {
             // A strict program that was late with an empty ring reports it at its next record.
             let late = self.replies.refused.front().is_some_and(|&(seq, ..)| seq == 0);
-            let reason = if late { Reason::Late } else { self.rest };
+            let reason = if late { Reason::Late } else { self.ending.reason };
             if out.refused(head.opcode, head.tag, &Refused::new(reason).wire).is_err() {
                 return progress;
             }
@@ -198,8 +199,8 @@ impl Program<'_> {
             self.records.pop();
             progress = true;
         }
-        if self.clearing {
-            self.clearing = false;
+        if self.ending.clears {
+            self.ending.clears = false;
             self.overflowed = false;
             self.state = State::Empty;
             self.replies.refused.clear();

@@ -24,7 +24,7 @@ use protocol::command::{CommandKind, ProgramEnd, Sleep, WaitStop, class, opcode}
 use protocol::reason::Reason;
 use protocol::record::ReplyWriter;
 use servo::op::Op;
-use servo::units::{Axis, CrdMask, Ns};
+use servo::units::Ns;
 use servo::view::View;
 
 /// Records admitted in one call, so that the work of a poll is bounded.
@@ -43,7 +43,7 @@ impl Program<'_> {
     ) -> bool {
         let mut progress = false;
         for _ in 0..RECORDS_PER_POLL {
-            if self.end.is_some() || !self.has_room() || self.records.front().is_none() {
+            if self.run.end.is_some() || !self.has_room() || self.records.front().is_none() {
                 self.settle(admission, view);
                 return progress;
             }
@@ -69,13 +69,7 @@ impl Program<'_> {
     /// Whether a command other than Reset has room after the gathered commits. Data adds at most
     /// one commit.
     fn has_room(&self) -> bool {
-        self.lane.room() >= FEW + self.gathered() && self.replies.has_room(TAKEN_MAX)
-    }
-
-    /// Gathered commits. There is always room for them.
-    fn gathered(&self) -> usize {
-        let axes = self.open.iter().map(|open| open.count_ones());
-        axes.chain(self.open_paths.iter().map(|open| open.count_ones())).sum::<u32>() as usize
+        self.lane.room() >= FEW + self.gathered.count() && self.replies.has_room(TAKEN_MAX)
     }
 
     /// Whether a record from the wire may be admitted directly: it is data, and no record waits.
@@ -84,7 +78,7 @@ impl Program<'_> {
             && self.is_active()
             && !self.is_dropping()
             && !self.overflowed
-            && self.end.is_none()
+            && self.run.end.is_none()
             && self.records.is_empty()
             && self.has_room()
     }
@@ -99,7 +93,7 @@ impl Program<'_> {
 
     /// Whether there is data that the tick does not know of yet.
     pub fn gathers(&self) -> bool {
-        self.open[0] | self.open[1] != 0 || self.open_paths[0] | self.open_paths[1] != 0
+        !self.gathered.is_empty()
     }
 
     /// When the gathered commits have to be in the ring, controller time; none while the program is
@@ -110,7 +104,7 @@ impl Program<'_> {
         }
         // Before the first tick of the run its zero is not known: the present tick stands for it.
         let zero = if self.runs(view) { view.script_zero.0 } else { view.now.0 };
-        Some(Ns(zero.saturating_add(self.instant).saturating_add(self.delay).saturating_sub(COMMIT_LEAD_NS)))
+        Some(Ns(self.script.instant_from(zero).saturating_sub(COMMIT_LEAD_NS)))
     }
 
     /// The record in hand is refused: for good, if its instant has been reached.
@@ -125,7 +119,7 @@ impl Program<'_> {
         let quiet = !self.lane.in_flight() && !self.gathers();
         let full = matches!(refused.reason, Reason::FifoFull | Reason::CrdFull);
         self.urgent = runs && (!full || quiet);
-        let instant = view.script_zero.0.saturating_add(view.script.0).saturating_add(self.delay);
+        let instant = self.script.instant_after(view);
         if !runs || self.lane.in_flight() || !self.replies.items.is_empty() || view.now.0 <= instant {
             return false;
         }
@@ -156,7 +150,7 @@ impl Program<'_> {
                 if sleep.ns.get() > 0 {
                     self.flush(admission);
                 }
-                self.delay = self.delay.saturating_add(sleep.ns.get());
+                self.script.delay = self.script.delay.saturating_add(sleep.ns.get());
                 self.attach(head.opcode, head.tag, Answer::Done);
                 return Ok(Step::Taken);
             }
@@ -180,7 +174,7 @@ impl Program<'_> {
             }
             opcode::WaitStop => {
                 let wait: WaitStop = one(body)?;
-                if self.pauses.is_full() || !admission.wait_stop(view, due, &wait)? {
+                if self.script.pauses.is_full() || !admission.wait_stop(view, due, &wait)? {
                     self.urgent = self.runs(view);
                     return Ok(Step::Wait);
                 }
@@ -202,14 +196,14 @@ impl Program<'_> {
             return Ok(self.take_config(admission, view));
         }
         // Only a Reset may be too much here; its admission can be repeated.
-        if self.lane.room() < self.gathered() + admission.staged.ops().len() {
+        if self.lane.room() < self.gathered.count() + admission.staged.ops().len() {
             return Ok(Step::Wait);
         }
         if admission.staged.ops().is_empty() {
             if let Answer::Read(_) = answer {
                 self.flush(admission);
                 // A read at the instant of the entry before needs no entry of its own.
-                if self.delay > 0 || !self.lane.in_flight() {
+                if self.script.delay > 0 || !self.lane.in_flight() {
                     self.push(admission, Op::Mark, Change::None);
                 }
             }
@@ -224,7 +218,7 @@ impl Program<'_> {
         self.push_staged(admission);
         admission.apply(effect, self.lane.last());
         if head.opcode == opcode::ProgramEnd {
-            self.end = Some(self.lane.last());
+            self.run.end = Some(self.lane.last());
         }
         self.replies.push(Awaiting {
             opcode: head.opcode,
@@ -240,10 +234,8 @@ impl Program<'_> {
 
     /// Pushes one entry; the caller has checked that there is room.
     fn push<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>, op: Op, change: Change) {
-        if self.lane.push(op, change, self.delay, &mut admission.admitted) {
-            self.instant = self.instant.saturating_add(self.delay);
-            self.pauses.push(&op, self.lane.last(), self.instant);
-            self.delay = 0;
+        if self.lane.push(op, change, self.script.delay, &mut admission.admitted) {
+            self.script.push(&op, self.lane.last());
         }
     }
 
@@ -270,17 +262,16 @@ impl Program<'_> {
         (opcode, tag, may_fail): (u16, u16, bool),
         written: &commit::Written,
     ) {
-        let fifo = usize::from(written.fifo) & 1;
         self.replies.keep(written.waiting());
         match written.of {
-            FifoOf::Axis(axis) => self.open[fifo] |= axis.mask().0,
+            FifoOf::Axis(axis) => self.gathered.add_axis(axis, written.fifo),
             FifoOf::Crd(crd) if written.at_once => {
                 admission.commit_path_now(crd, written.fifo);
                 let (seq, answer) = (Some(admission.lane.last()), written.answer);
                 self.replies.push(Awaiting { opcode, tag, seq, own: true, may_fail, answer, ..Awaiting::BLANK });
                 return;
             }
-            FifoOf::Crd(crd) => self.open_paths[fifo] |= crd.mask().0,
+            FifoOf::Crd(crd) => self.gathered.add_crd(crd, written.fifo),
         }
         let answer = written.answer;
         self.replies.push(Awaiting { opcode, tag, open: true, own: true, may_fail, answer, ..Awaiting::BLANK });
@@ -289,33 +280,25 @@ impl Program<'_> {
     /// Pushes the gathered commits. There is room for them: no record is admitted without it, and
     /// data itself takes none.
     pub fn flush<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>) {
-        if !self.gathers() || self.lane.room() < self.gathered() {
+        if !self.gathers() || self.lane.room() < self.gathered.count() {
             return;
         }
-        let (first, count) = (seq_after(self.lane.last()), self.gathered() as u32);
-        for fifo in 0..2u8 {
-            let mut left = self.open[usize::from(fifo)];
-            while let Some(axis) = Axis::new(left.trailing_zeros() as usize) {
-                left &= left - 1;
-                let (op, change) = commit::commit(&admission.admitted, axis, fifo);
-                self.push(admission, op, change);
-            }
+        let (first, gathered) = (seq_after(self.lane.last()), core::mem::take(&mut self.gathered));
+        for (axis, fifo) in gathered.axes() {
+            let (op, change) = commit::commit(&admission.admitted, axis, fifo);
+            self.push(admission, op, change);
         }
-        for fifo in 0..2u8 {
-            for crd in CrdMask(self.open_paths[usize::from(fifo)]).crds() {
-                let (op, change) = admission.commit_path(crd, fifo);
-                self.push(admission, op, change);
-            }
+        for (crd, fifo) in gathered.crds() {
+            let (op, change) = admission.commit_path(crd, fifo);
+            self.push(admission, op, change);
         }
-        let open = core::mem::take(&mut self.open);
-        self.open_paths = [0; 2];
         for item in self.replies.items.iter_mut().rev().take_while(|item| item.open) {
             // Data of an axis waits for its own commit: the tick may refuse that.
             let before = match item.answer {
                 Answer::Taken { axis, fifo, .. } | Answer::Entered { axis, fifo, .. } if item.own => {
-                    index_among(&open, axis, fifo)
+                    gathered.before(axis, fifo)
                 }
-                _ => count - 1,
+                _ => gathered.count() as u32 - 1,
             };
             (item.open, item.seq) = (false, Some(seq_from(first, before)));
         }
@@ -340,11 +323,4 @@ impl Program<'_> {
             item = item.saturating_add(1);
         }
     }
-}
-
-/// How many commits of these axes precede that of this one.
-fn index_among(open: &[u64; 2], axis: Axis, fifo: u8) -> u32 {
-    let [first, second] = *open;
-    let below = axis.mask().0 - 1;
-    if fifo & 1 == 0 { (first & below).count_ones() } else { first.count_ones() + (second & below).count_ones() }
 }
