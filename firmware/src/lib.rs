@@ -23,7 +23,7 @@ use embassy_executor::raw;
 use fault::Report;
 use hal::board::{self, AXES, idle::Idle};
 use interrupts::{Receiver, Servo};
-use servo::segment::pvt::TableStores;
+use servo::tables::TableStores;
 use servo::tick::Lanes;
 use statics::{
     BYTES, EVENT_QUEUE, EXECUTOR, HEADERS, IMMEDIATE_LANE, LASER_TABLES, PENDED, POINTS, PROGRAM_LANE, QUEUES,

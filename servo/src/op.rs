@@ -8,6 +8,7 @@ use crate::path;
 use crate::path::axis_map::Frame;
 use crate::port::Simulated;
 use crate::segment::follow;
+pub use crate::units::DoGroup;
 use crate::units::{Axis, AxisMask, Crd, CrdMask, Ns, Pos};
 
 /// An operation with its instant on the script clock, and the number under which its execution is
@@ -29,17 +30,6 @@ pub enum Lane {
     Immediate,
     /// Timed by the script clock.
     Program,
-}
-
-/// Digital outputs that `SetDo` addresses.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum DoGroup {
-    /// Servo enable, a bit an axis (of the core's first axis on).
-    Enable,
-    /// Alarm clear, a bit an axis.
-    Clear,
-    /// General outputs.
-    General,
 }
 
 /// Per-axis inputs that can be switched off and inverted.

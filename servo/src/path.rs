@@ -8,7 +8,7 @@
 //! boundaries exact. A phase's speed is a closed form of the time since it began
 //! (`speed_profile.rs`); its position on the line or arc is a closed form of the path length
 //! (`geometry.rs`).
-pub(crate) mod axis_map;
+pub mod axis_map;
 mod entry;
 mod evaluator;
 mod geometry;

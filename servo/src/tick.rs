@@ -9,6 +9,7 @@
 //! Order within a tick: inputs are sampled; entries act; every running coordinate system takes its
 //! step, then every axis; slaves step after their masters, lasers last. So a limit sampled now
 //! stops the set-point of the next tick.
+pub(crate) mod crd;
 pub(crate) mod execute;
 pub(crate) mod script_clock;
 pub(crate) mod slaves;
@@ -17,7 +18,6 @@ pub(crate) mod workload;
 use crate::axis::{AxisState, FastStep};
 use crate::capacity::GeneralOutputs;
 pub use crate::capacity::{IMMEDIATE, PROGRAM, SAMPLES};
-use crate::crd::Crds;
 use crate::laser::{Cause, Clock, Lasers};
 use crate::op::{Entry, Lane, Op, Supervision};
 use crate::output::general_outputs::{Edges, Levels, Set};
@@ -27,10 +27,12 @@ use crate::segment::follow;
 use crate::segment::follow::{Entries, Order};
 pub use crate::segment::pt::{SEGMENTS, SegmentStore};
 use crate::segment::pt::{Segment, Segments};
-use crate::segment::pvt::{HEADER_WORDS, POINT_WORDS, TableStores, Tables};
+use crate::segment::pvt::{HEADER_WORDS, POINT_WORDS, Tables};
+use crate::tables::TableStores;
 use crate::trace::{Chosen, Trace};
 use crate::units::{Axis, AxisMask, Crd, CrdMask, Ns, StepLimit};
 use crate::view::{AxisView, Event, LaserView, Sample, Speeds, StopReason, Traced, View};
+use crd::Crds;
 use execute::Reach;
 use ring::{Consumer, Producer, Writer};
 use script_clock::Script;
@@ -314,7 +316,10 @@ impl<const AXES: usize> Tick<AXES> {
         }
         let (trace, samples) = (&mut self.trace, &mut lanes.samples);
         let (tables, axes) = (lanes.tables.lasers, &self.axes);
-        self.lasers.run(next, period, tables, axes, port, |channel, plan| trace.record(channel, plan, samples));
+        self.lasers.run(next, period, tables, axes, |channel, plan| {
+            port.laser(usize::from(channel), plan);
+            trace.record(channel, plan, samples);
+        });
         if self.trace.runs() {
             self.trace.record_outputs(0, self.general, &mut lanes.samples);
             if let Some((row, chosen)) = self.trace.advance() {

@@ -4,8 +4,8 @@
 //! Owns: the counters of rows and ticks.
 //! Fails: a full ring loses the sample and counts it; the row numbers show which.
 use crate::capacity::GeneralOutputs;
+use crate::capacity::SAMPLES;
 use crate::laser::{ANALOG, Action, Plan, Tables};
-use crate::tick::SAMPLES;
 use crate::units::{AxisMask, CrdMask};
 use crate::view::{Sample, Traced};
 use ring::Producer;

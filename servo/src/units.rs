@@ -160,6 +160,17 @@ impl CrdMask {
     }
 }
 
+/// Digital outputs that `SetDo` addresses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DoGroup {
+    /// Servo enable, a bit an axis (of the core's first axis on).
+    Enable,
+    /// Alarm clear, a bit an axis.
+    Clear,
+    /// General outputs.
+    General,
+}
+
 /// The pulse of the step output for this planned position: the nearest one, halves upwards.
 pub const fn whole(pos: Pos) -> i64 {
     const HALF: i64 = 1 << (Pos::FRAC_BITS - 1);

@@ -1,14 +1,13 @@
 //! What the tick publishes: the view of one tick, events, trace samples.
 mod axis_motion;
 mod crd;
-mod laser;
 mod speeds;
 
+pub use crate::laser::LaserView;
 pub use crate::segment::follow::Lead;
 pub use crate::status::StopReason;
 use axis_motion::share;
 pub use crd::{CrdView, Drive};
-pub use laser::LaserView;
 pub(crate) use speeds::Speeds;
 
 use crate::capacity::{GeneralInputs, GeneralOutputs};

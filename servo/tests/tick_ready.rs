@@ -100,7 +100,7 @@ fn act(both: &mut Both, chance: &mut Chance, index: usize, mode: &mut Mode) {
         1 => both.now(Op::SetPosition { axis, pos: Pos::pulses(chance.below(2000) as i32 - 1000) }),
         2 => {
             let (crd, mapped) = (Crd::new(0).unwrap(), [Some(axis), None, None, None]);
-            let frame = servo::crd::Frame::admit(mapped, None, 0).unwrap();
+            let frame = servo::path::axis_map::Frame::admit(mapped, None, 0).unwrap();
             both.now(Op::CrdFrame { crd, frame });
             both.ticks(chance.below(20));
             *mode = Mode::PtStatic;

@@ -72,6 +72,7 @@ fn share(file: &str, name: &str) -> Option<Share> {
         if named(&["6inputs", "7encoder"]) { Share::Sampling } else { Share::Output }
     } else if of(&[
         "servo/src/segment/pvt",
+        "servo/src/tables",
         "servo/src/segment/pt",
         "servo/src/segment/ramp",
         "path/speed_profile",
@@ -82,7 +83,7 @@ fn share(file: &str, name: &str) -> Option<Share> {
         Share::Planning
     } else if of(&["servo/src/laser"]) {
         Share::Lasers
-    } else if of(&["servo/src/crd", "servo/src/path", "servo/src/axis/crd_member"]) {
+    } else if of(&["servo/src/tick/crd", "servo/src/path", "servo/src/axis/crd_member"]) {
         Share::Crds
     } else if of(&["servo/src/axis", "servo/src/segment/profile"]) {
         Share::Axes

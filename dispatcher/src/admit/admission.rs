@@ -25,7 +25,7 @@ use servo::laser::CHANNELS;
 use servo::op::{Entry, Op};
 use servo::path::PathStores;
 use servo::segment::pt::SegmentStore;
-use servo::segment::pvt::TableStores;
+use servo::tables::TableStores;
 use servo::tick::IMMEDIATE;
 use servo::units::CrdMask;
 use servo::view::View;

@@ -12,9 +12,9 @@ use protocol::command::{
     SetCrdStopDec, SetLaserFollowFilter, SetOverride, opcode,
 };
 use protocol::reason::Reason;
-use servo::crd;
 use servo::laser::Lag;
 use servo::op::{Mode, Op};
+use servo::path::axis_map;
 use servo::path::{DIMENSIONS, PathStores, Rate};
 use servo::segment::ramp::Accel;
 use servo::units::{AxisMask, Crd, Pos};
@@ -117,10 +117,10 @@ pub fn set<const AXES: usize>(context: &mut Context<AXES>, r: &SetCrdPrm) -> Adm
             });
         }
     }
-    let admitted = crd::Frame::admit(axes, frame.set_origin.then_some(origin), frame.even_ms);
+    let admitted = axis_map::Frame::admit(axes, frame.set_origin.then_some(origin), frame.even_ms);
     let admitted = admitted.map_err(|refused| match refused {
-        crd::Refused::NoAxis => Refused::new(Reason::CoordinateMissing).field(field::PROFILE).got(1.0),
-        crd::Refused::Twice(axis) => context.no(Reason::CoordinateTwice, axis).field(field::PROFILE),
+        axis_map::Refused::NoAxis => Refused::new(Reason::CoordinateMissing).field(field::PROFILE).got(1.0),
+        axis_map::Refused::Twice(axis) => context.no(Reason::CoordinateTwice, axis).field(field::PROFILE),
     })?;
     let dec = accel(field::ACC_MAX, frame.acc_max)?;
     let change = CrdChange::Frame { frame, here };

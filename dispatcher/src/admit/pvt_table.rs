@@ -18,7 +18,8 @@ use protocol::command::{
     PvtTablePercent, Wire, opcode,
 };
 use protocol::reason::Reason;
-use servo::segment::pvt::{HEADER_WORDS, PointStore, TABLES, TableStores, Tables};
+use servo::segment::pvt::{HEADER_WORDS, PointStore, TABLES, Tables};
+use servo::tables::TableStores;
 use servo::units::StepLimit;
 
 /// What the chunks of one table have in common.

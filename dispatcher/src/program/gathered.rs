@@ -15,7 +15,8 @@ pub(super) struct Gathered {
 impl Gathered {
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
-        self.count() == 0
+        let ([first, second], [third, fourth]) = (self.axes, self.crds);
+        first.0 | second.0 == 0 && third.0 | fourth.0 == 0
     }
 
     /// How many commits that makes.

@@ -24,7 +24,7 @@ use ring::Producer;
 use servo::op::{Entry, Op};
 use servo::path::PathStores;
 use servo::segment::pt::SegmentStore;
-use servo::segment::pvt::TableStores;
+use servo::tables::TableStores;
 use servo::tick::IMMEDIATE;
 use servo::units::Crd;
 use servo::view::{AxisView, View};

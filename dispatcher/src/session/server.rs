@@ -20,7 +20,7 @@ use ring::{Consumer, Producer, Reader};
 use servo::op::{Entry, Lane as TickLane};
 use servo::path::PathStores;
 use servo::segment::pt::SegmentStore;
-use servo::segment::pvt::TableStores;
+use servo::tables::TableStores;
 pub use servo::tick::{EVENTS, IMMEDIATE, PROGRAM, SAMPLES, SEGMENTS};
 use servo::units::Ns;
 use servo::view::{Event, Sample, View};

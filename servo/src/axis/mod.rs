@@ -28,6 +28,7 @@ mod user_position;
 
 pub(crate) use fast_path::FastStep;
 
+use crate::laser::Positions;
 use crate::op::Mode;
 use crate::port::AxisInputs;
 use crate::segment::follow as following;
@@ -337,6 +338,18 @@ impl AxisState {
         (*table, *table_passes, *crd) = (on.table, on.table_passes, on.crd);
         follow.reset();
         self.inputs.set_encoder(count, 0);
+    }
+}
+
+impl Positions for AxisState {
+    #[inline(always)]
+    fn planned(&self) -> Pos {
+        self.published.pos
+    }
+
+    #[inline(always)]
+    fn encoder(&self) -> i64 {
+        self.published.encoder
     }
 }
 

@@ -27,9 +27,8 @@ use super::on_time::OnTime;
 use super::power::Power;
 use super::power_law::{Family, Law};
 use super::safety::{Cause, Safety};
-use super::{Change, Mode, NEVER};
+use super::{Change, LaserView, Mode, NEVER};
 use crate::units::{Crd, CrdMask, Ns};
-use crate::view::LaserView;
 
 /// Mapped crds at power-on: the first two.
 const CRD_MAP: u8 = 0b11;

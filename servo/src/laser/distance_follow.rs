@@ -11,8 +11,7 @@ use super::double::{Cut, part, product, scaled};
 use super::power::{Bounds, Refused};
 use super::power_tables::{Curve, DISTANCES, Interval, Tables};
 use super::velocity_follow::Source;
-use super::{Power, double};
-use crate::axis::AxisState;
+use super::{Positions, Power, double};
 use crate::math::real::Real;
 use crate::units::{Axis, Pos};
 
@@ -205,7 +204,7 @@ impl Displacements {
 
     /// Samples the axes of `key` in a tick.
     #[inline(never)]
-    pub(super) fn look(&mut self, key: u32, axes: &[AxisState]) {
+    pub(super) fn look(&mut self, key: u32, axes: &[impl Positions]) {
         let encoder = key >> 31 == 1;
         // Other axes have another history.
         self.before = if key == self.key { self.token } else { 1 };
@@ -216,10 +215,7 @@ impl Displacements {
             let axis = axes.get((rest & ((1 << AXIS_BITS) - 1)) as usize);
             rest >>= AXIS_BITS;
             let position =
-                axis.map_or(
-                    0,
-                    |axis| if encoder { axis.published.encoder << Pos::FRAC_BITS } else { axis.published.pos.0 },
-                );
+                axis.map_or(0, |axis| if encoder { axis.encoder() << Pos::FRAC_BITS } else { axis.planned().0 });
             let displacement = position.wrapping_sub(*from);
             *by = displacement as i32;
             self.long |= (displacement >> 32) as i32 ^ *by >> (DISPLACEMENT_BITS - 1);

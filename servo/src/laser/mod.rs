@@ -2,7 +2,7 @@
 //!
 //! In: admitted changes ([`Change`]) that act at an exact instant, causes of a fault. Out: for each
 //! tick and channel a [`Plan`] of exact instants, and what the thread reads
-//! ([`crate::view::LaserView`]). Owns the channels. Fails: towards the dark, with a [`Cause`] that
+//! ([`LaserView`]). Owns the channels. Fails: towards the dark, with a [`Cause`] that
 //! is latched.
 //!
 //! | file | what it is |
@@ -24,6 +24,7 @@
 //! | `dither` | frequencies and duties in counts of a timer |
 //! | `double` | doubles by their bits, products of fixed point |
 //! | `on_time` | the time that light was on |
+//! | `published` | what the tick publishes of a channel |
 //! | `actions` | the plan of a tick, which timers carry out |
 mod actions;
 mod buffered;
@@ -39,6 +40,7 @@ mod on_time;
 mod power;
 mod power_law;
 mod power_tables;
+mod published;
 mod safety;
 #[cfg(test)]
 mod tests;
@@ -58,14 +60,12 @@ pub use power::{Bounds, Power, Refused};
 pub use power_law::Family;
 pub(crate) use power_tables::ANALOG;
 pub use power_tables::{BANKS, Curve, DISTANCES, NODES, POINTS, POWER_TABLES, Tables};
+pub use published::LaserView;
 pub use safety::Cause;
 pub use velocity_follow::{Ratio, Source};
 
-use crate::axis::AxisState;
 use crate::path::{LASER_WORDS, PathStop};
-use crate::port::Port;
 use crate::units::{Axis, Crd, CrdMask, Ns, Pos};
-use crate::view::LaserView;
 use buffered::Event;
 use channel::Channel;
 pub use channel::{Delays, Fpk};
@@ -156,18 +156,26 @@ pub enum Change {
     Reset { family: Family },
 }
 
+/// An axis whose position the power of a channel may follow.
+pub(crate) trait Positions: Copy {
+    /// Its planned position.
+    fn planned(&self) -> Pos;
+    /// Its last encoder sample, whole pulses.
+    fn encoder(&self) -> i64;
+}
+
 /// The values that the power of a channel may follow, at the tick that is computed.
 #[derive(Clone, Copy)]
-pub(crate) struct Surroundings<'a> {
+pub(crate) struct Surroundings<'a, A> {
     clock: Clock,
     speeds: &'a Speeds,
     tables: &'a Tables,
-    axes: &'a [AxisState],
+    axes: &'a [A],
     /// Of the axes that the channel follows by fixed ratios, if it does.
     displacements: &'a Displacements,
 }
 
-impl Surroundings<'_> {
+impl<A: Positions> Surroundings<'_, A> {
     /// One of the speeds of paths, [`Speeds::index`].
     #[inline(always)]
     fn speed(&self, index: usize) -> PathSpeed {
@@ -180,10 +188,9 @@ impl Surroundings<'_> {
     /// The planned position of an axis, or its last encoder sample.
     #[inline]
     fn position(&self, axis: Axis, source: Source) -> Pos {
-        let published = self.axes.get(axis.index()).map(|axis| &axis.published);
-        published.map_or(Pos(0), |published| match source {
-            Source::Planned => published.pos,
-            Source::Encoder => Pos(published.encoder << Pos::FRAC_BITS),
+        self.axes.get(axis.index()).map_or(Pos(0), |axis| match source {
+            Source::Planned => axis.planned(),
+            Source::Encoder => Pos(axis.encoder() << Pos::FRAC_BITS),
         })
     }
 }
@@ -386,7 +393,7 @@ impl Lasers {
         self.channels.iter_mut().for_each(|channel| channel.link(lost, runs));
     }
 
-    /// Plans the interval of `period` from `next` on and hands it to the machine and to the trace.
+    /// Plans the interval of `period` from `next` on and outputs it.
     /// `axes` have their state of the tick at `next`.
     #[inline]
     pub(crate) fn run(
@@ -394,9 +401,8 @@ impl Lasers {
         next: Ns,
         period: Ns,
         tables: &Tables,
-        axes: &[AxisState],
-        port: &mut impl Port,
-        mut trace: impl FnMut(u8, &Plan),
+        axes: &[impl Positions],
+        mut output: impl FnMut(u8, &Plan),
     ) {
         let interlock = self.interlock;
         let mut around = Surroundings {
@@ -407,15 +413,14 @@ impl Lasers {
             displacements: &Displacements::OF_NOBODY,
         };
         self.plan.lasts = period.0 as u32;
-        for (index, (channel, displacements)) in self.channels.iter_mut().zip(&mut self.displacements).enumerate() {
+        for (index, (channel, displacements)) in (0..).zip(self.channels.iter_mut().zip(&mut self.displacements)) {
             // If channels follow the same positions, one sample is enough.
             if let Some(key) = channel.followed_axes().filter(|key| !around.displacements.are_of(*key)) {
                 displacements.look(key, axes);
                 around.displacements = displacements;
             }
             channel.step(next, period, interlock, &around, &mut self.plan);
-            port.laser(index, &self.plan);
-            trace(index as u8, &self.plan);
+            output(index, &self.plan);
         }
         self.speeds.fed = 0;
     }

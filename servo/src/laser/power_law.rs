@@ -14,7 +14,7 @@ use super::distance_follow::{Distance, Terms};
 use super::power::{Bounds, Power};
 use super::power_tables::{Curve, DISTANCES, Interval};
 use super::velocity_follow::{Gain, Ratio, Source};
-use super::{Mode, Surroundings};
+use super::{Mode, Positions, Surroundings};
 use crate::path::PathSpeed;
 use crate::units::{Crd, CrdMask};
 
@@ -281,7 +281,7 @@ impl Law {
 
     /// The power in force from the tick that is computed.
     #[inline(always)]
-    pub(super) fn power(&mut self, around: &Surroundings<'_>) -> Power {
+    pub(super) fn power(&mut self, around: &Surroundings<'_, impl Positions>) -> Power {
         let Mix { base, low, high, part, speed, added, held, .. } = &self.mix;
         if *added == Added::Terms {
             self.terms.advance(around.displacements, &self.distance);

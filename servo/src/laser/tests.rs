@@ -8,6 +8,7 @@ use super::light_owner::End;
 use super::power_law::Law;
 use super::power_tables::{DISTANCES, Interval};
 use super::*;
+use crate::axis::AxisState;
 use chance::Chance;
 use num_bigint::BigInt;
 use num_rational::BigRational;

@@ -4,10 +4,9 @@
 //! in the order of time, to the machine. Owns: those of one tick; of an instant one for each group
 //! and each analog output. Fails: never; a path holds where there is no room for more.
 use crate::capacity::GeneralOutputs;
-use crate::op::DoGroup;
 use crate::path::INSTANTS;
 use crate::port::Port;
-use crate::units::Crd;
+use crate::units::{Crd, DoGroup};
 
 /// One at each instant at which a path may carry out something.
 const ROOM: usize = Crd::MAX * INSTANTS as usize;

@@ -11,9 +11,8 @@
 //! a ns over 10 min of path, 2⁻¹⁶ pulse on ramps of 2¹⁷ pulses.
 use super::pack::{pack, real, unpack};
 use crate::math::real::Real;
-use crate::op::DoGroup;
 use crate::segment::ramp::{Accel, Speed};
-use crate::units::{Axis, StepLimit};
+use crate::units::{Axis, DoGroup, StepLimit};
 
 /// An admitted entry, 32 bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -14,13 +14,19 @@ use super::piece::{Motion, Piece, Recip};
 use super::profile::State;
 use crate::math::wide::{mulhi_su, recip64_below, umulhi};
 use crate::units::{Exact, Ns};
+use ring::Store;
 
-mod stores;
 mod table;
-pub use stores::{HeaderStore, PointStore, TABLES, TableStores};
+pub use crate::capacity::TABLES;
+pub(crate) use table::VERSION;
 pub use table::{
     HEADER_WORDS, Header, LONGEST_NS, PLACES, POINT_WORDS, POS_BITS, Point, SHORTEST_PASS_NS, TIME_BITS, VEL_BITS,
 };
+
+/// Points of one table, 16 KiB.
+pub type PointStore = Store<POINT_WORDS, PLACES>;
+/// Headers of all tables.
+pub type HeaderStore = Store<HEADER_WORDS, TABLES>;
 
 /// Where a run reads its tables. Tables are counted from 0.
 pub trait Tables {

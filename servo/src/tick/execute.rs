@@ -4,15 +4,15 @@
 //! Fails: a start or an Update that the state forbids does nothing to any axis of its mask and is
 //! reported as [`Event::Refused`]. An on command of a laser that a fault keeps dark is reported as
 //! [`Event::LaserRefused`]. Anything else that no longer fits has no effect.
+use super::crd::Halt;
 use crate::axis::{AxisState, Jog};
 use crate::capacity::GeneralOutputs;
-use crate::crd::Halt;
 use crate::laser::{self, Change};
 use crate::op::{Brake, DoGroup, Entry, Lane, Mode, Op};
 use crate::path::PathStores;
 use crate::port::{Due, Port, Simulated};
 use crate::segment::follow::{Input, Method};
-use crate::segment::pvt::TableStores;
+use crate::tables::TableStores;
 use crate::tick::{EVENTS, Lanes, PERIOD_NS, SAMPLES, SegmentStore, Source, Tick, report_event};
 use crate::trace::Chosen;
 use crate::units::{Axis, AxisMask, CrdMask, Ns};

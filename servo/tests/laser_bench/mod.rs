@@ -2,15 +2,16 @@
 //! GHz: outputs are recorded to the ns.
 #![allow(dead_code)] // each test file uses its part
 use ring::{Latest, Producer, Reader, Ring};
-use servo::crd::Frame;
 use servo::laser::{
     Action, Bounds, Buffered, CHANNELS, Carrier, Change, Clock, FINISH_NS, Fine, Mode, Pattern, Plan, Power, Rate,
     Train,
 };
 use servo::op::{Entry, Op};
+use servo::path::axis_map::Frame;
 use servo::path::{self, EntryStore, PathStores};
 use servo::port::{AxisInputs, GeneralInputs, GeneralOutputs, Port};
-use servo::segment::pvt::{HeaderStore, PointStore, TABLES, TableStores};
+use servo::segment::pvt::{HeaderStore, PointStore, TABLES};
+use servo::tables::TableStores;
 use servo::tick::{IMMEDIATE, Lanes, SegmentStore, Tick, TickConfig};
 use servo::units::{Axis, Crd, CrdMask, Ns, Pos, StepLimit};
 use servo::view::{LaserView, View};

@@ -2,17 +2,18 @@
 //! operations.
 #![allow(dead_code)]
 use ring::{Consumer, Latest, Producer, Reader, Ring};
-use servo::crd::Frame;
 use servo::laser::{Clock, Plan};
 use servo::op::{DoGroup, Entry, Mode, Op};
 use servo::output::step_generator;
+use servo::path::axis_map::Frame;
 use servo::path::{self, EntryStore, PathStores};
 use servo::port::{AxisInputs, GeneralInputs, GeneralOutputs, Port};
 use servo::segment::follow;
 use servo::segment::piece::Scaled;
 use servo::segment::pt::{Chain, Segment};
-use servo::segment::pvt::{Header, HeaderStore, Point, PointStore, TABLES, TableStores};
+use servo::segment::pvt::{Header, HeaderStore, Point, PointStore, TABLES};
 use servo::segment::ramp::{Accel, Speed};
+use servo::tables::TableStores;
 use servo::tick::{EVENTS, IMMEDIATE, Lanes, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig};
 use servo::units::{Axis, AxisMask, Crd, CrdMask, Exact, Ns, Pos, StepLimit};
 use servo::view::{AxisView, Event, Sample, StopReason, View};

@@ -27,8 +27,8 @@ const LIFE: &[&str] = &[
 const SESSIONS: &[&str] = &["-p", "beamtick-dispatcher", "--test", "sessions"];
 const LIMITS: &[&str] = &["-p", "beamtick-dispatcher", "--test", "refusals", "--", "limits_are_switched"];
 
-const DRIVE: &str = "servo/src/crd/drive.rs";
-const ORDERS: &str = "servo/src/crd/commands.rs";
+const DRIVE: &str = "servo/src/tick/crd/drive.rs";
+const ORDERS: &str = "servo/src/tick/crd/commands.rs";
 const INPUT_SCAN: &str = "servo/src/axis/input_scan.rs";
 const AXIS_LIMITS: &str = "servo/src/axis/soft_limits.rs";
 const DRIVEN: &str = "servo/src/axis/crd_member.rs";

@@ -23,13 +23,14 @@ use hal as _; // the vector table
 use probes::clock;
 use probes::counted::Counted;
 use ring::{Consumer, Latest, Producer, Reader, Ring};
-use servo::crd::Frame;
+use servo::path::axis_map::Frame;
 use servo::laser::{
     self, Bounds, Buffered, Carrier, Change, Clock, Curve, Distance, POINTS, Power, Ratio, Ratios, Source, Tables,
 };
 use servo::op::{Entry, Mode, Op};
 use servo::path::{self, Along, EntryStore, PathStores, Plane, Sweep};
-use servo::segment::pvt::{HeaderStore, PointStore, TABLES, TableStores};
+use servo::segment::pvt::{HeaderStore, PointStore, TABLES};
+use servo::tables::TableStores;
 use servo::tick::{EVENTS, IMMEDIATE, Lanes, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig};
 use servo::units::{Axis, AxisMask, Crd, CrdMask, Ns, StepLimit};
 use servo::view::{Event, Sample, View};

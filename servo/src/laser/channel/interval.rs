@@ -9,7 +9,7 @@ use crate::laser::energy::{Energy, Plain};
 use crate::laser::light_owner::Fact;
 use crate::laser::power::Power;
 use crate::laser::safety::Cause;
-use crate::laser::{Clock, Mode, NEVER, Surroundings};
+use crate::laser::{Clock, Mode, NEVER, Positions, Surroundings};
 use crate::units::Ns;
 
 /// Actions that an instant may need in a plan: an end of light and a beginning, a switch edge, a
@@ -26,7 +26,7 @@ impl Channel {
         next: Ns,
         period: Ns,
         interlock: bool,
-        around: &Surroundings<'_>,
+        around: &Surroundings<'_, impl Positions>,
         plan: &mut Plan,
     ) {
         plan.clear();
@@ -54,7 +54,7 @@ impl Channel {
 
     /// Light goes on, with a power that may differ.
     #[inline(never)]
-    fn follow(&mut self, around: &Surroundings<'_>, plan: &mut Plan) {
+    fn follow(&mut self, around: &Surroundings<'_, impl Positions>, plan: &mut Plan) {
         let power = self.law.power(around);
         if power == self.power {
             return;
@@ -73,7 +73,7 @@ impl Channel {
 
     /// The same if more may change than the width of its pulses.
     #[inline(never)]
-    fn retrain_light(&mut self, around: &Surroundings<'_>, plan: &mut Plan) {
+    fn retrain_light(&mut self, around: &Surroundings<'_, impl Positions>, plan: &mut Plan) {
         self.published.limited = self.energy.light(self.power, around.clock, &mut self.train);
         if self.train != self.out.train {
             let action = self.go_on();
@@ -98,7 +98,7 @@ impl Channel {
 
     /// Plans an interval in which something may happen.
     #[inline(never)]
-    fn plan(&mut self, next: Ns, end: Ns, around: &Surroundings<'_>, plan: &mut Plan) {
+    fn plan(&mut self, next: Ns, end: Ns, around: &Surroundings<'_, impl Positions>, plan: &mut Plan) {
         if self.safety.is_safe() || self.safety.is_dark() && !self.ends {
             return self.stay_dark(end);
         }
@@ -162,7 +162,7 @@ impl Channel {
 
     /// The edges and events within the interval.
     #[inline(never)]
-    fn walk(&mut self, next: Ns, end: Ns, around: &Surroundings<'_>, plan: &mut Plan) {
+    fn walk(&mut self, next: Ns, end: Ns, around: &Surroundings<'_, impl Positions>, plan: &mut Plan) {
         let mut left = EVENTS;
         while self.next_edge < end {
             self.changed |= changed::MOVED;
@@ -224,7 +224,7 @@ impl Channel {
 
     /// The power in force, and its train.
     #[inline(never)]
-    fn find_power(&mut self, around: &Surroundings<'_>) {
+    fn find_power(&mut self, around: &Surroundings<'_, impl Positions>) {
         self.power = self.law.power(around);
         self.published.limited = self.energy.light(self.power, around.clock, &mut self.train);
     }

@@ -5,7 +5,7 @@
 //! Fails: a position that is not admitted ends the motion before it.
 use super::interface::{Effects, Feed, PathReport, PathStop};
 use super::{PackedPhase, Path, Stage};
-use crate::laser::PathSpeed;
+use crate::path::PathSpeed;
 use crate::path::geometry::Bend;
 use crate::path::{DIMENSIONS, Fine};
 use crate::segment::piece::Motion;

@@ -11,7 +11,7 @@
 use super::compact::{Class, Compact, HIGH_BITS};
 use super::ratio::{RATIO_BITS, quotient, swing};
 use super::{Direction, Method};
-use crate::op::DoGroup;
+use crate::units::DoGroup;
 
 /// Entries of a FIFO at most (memory 1).
 pub const ENTRIES: u32 = 512;

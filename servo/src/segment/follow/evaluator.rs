@@ -23,9 +23,8 @@ use super::follower::trail;
 use super::master_path::{Fine, MasterPath, Section, Spot, Track};
 use super::setup::Setup;
 use super::{Direction, Entries, Method};
-use crate::op::DoGroup;
 use crate::segment::piece::Piece;
-use crate::units::{Exact, Ns, Pos};
+use crate::units::{DoGroup, Exact, Ns, Pos};
 
 /// Entries that are no segments, in one tick of one axis.
 pub const ACTIONS: usize = 8;

@@ -18,7 +18,7 @@ pub const POINT_WORDS: usize = 4;
 /// Words of a header; the last one counts how often it was written.
 pub const HEADER_WORDS: usize = 17;
 /// The word that counts how often a header was written.
-pub(super) const VERSION: usize = HEADER_WORDS - 1;
+pub(crate) const VERSION: usize = HEADER_WORDS - 1;
 /// Bits of a point's time.
 pub const TIME_BITS: u32 = 44;
 /// Bits of a point's position with its sign.

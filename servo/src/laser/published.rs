@@ -1,5 +1,5 @@
 //! What the tick publishes of a laser channel.
-use crate::laser::{self, Bounds, Carrier, Cause, Count, Ignored, Power, Train};
+use super::{Bounds, Carrier, Cause, Count, Curve, Ignored, Mode, Power, Source, Train};
 use crate::units::{Crd, CrdMask};
 
 /// One laser channel in one tick. Before the first tick every field is 0.
@@ -34,7 +34,7 @@ pub struct LaserView {
     /// when nothing is.
     pub train: Train,
     /// Power mode.
-    pub mode: laser::Mode,
+    pub mode: Mode,
     /// The connector of the energy output carries it.
     pub connector: bool,
     /// The gate's delays apply.
@@ -54,9 +54,9 @@ pub struct LaserView {
     /// The coordinate system of a velocity follow.
     pub follows: Option<Crd>,
     /// Which of its speeds.
-    pub source: laser::Source,
+    pub source: Source,
     /// The table of powers that it reads, if it does.
-    pub table: Option<laser::Curve>,
+    pub table: Option<Curve>,
     /// The bank of ratios that a distance follow reads.
     pub bank: Option<u8>,
     /// Pulse width of the frequency mode, µs; 0 is none set.
@@ -74,7 +74,7 @@ impl LaserView {
         moves: 0,
         turns: 0,
         changes: 0,
-        mode: laser::Mode::Duty,
+        mode: Mode::Duty,
         commanded: false,
         gate: false,
         switch: false,
@@ -90,7 +90,7 @@ impl LaserView {
         ignored: Ignored::None,
         ignored_count: 0,
         follows: None,
-        source: laser::Source::Planned,
+        source: Source::Planned,
         table: None,
         bank: None,
         width_us: 0,

@@ -23,8 +23,8 @@ pub(crate) use commands::Halt;
 use soft_limits::Clearance;
 
 use crate::laser::EncoderSpeed;
+use crate::path::axis_map::Frame;
 use crate::path::axis_map::Lanes;
-pub use crate::path::axis_map::{Frame, Refused};
 use crate::path::{Feed, Path, PathStores};
 use crate::units::{Axis, AxisMask, Crd, CrdMask, Ns, Pos};
 use crate::view::{CrdView, StopReason};

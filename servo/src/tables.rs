@@ -4,16 +4,7 @@
 //! In: words of a table that no axis runs. Out: the same words. Owns nothing: the memory is the
 //! board's. Who may write when is agreed as for [`ring::Store`]: before the operation that first
 //! names the table. Cannot fail: what does not exist reads as zeros and takes nothing.
-use super::table::VERSION;
-use super::{HEADER_WORDS, PLACES, POINT_WORDS, Tables};
-use ring::Store;
-
-pub use crate::capacity::TABLES;
-
-/// Points of one table, 16 KiB.
-pub type PointStore = Store<POINT_WORDS, PLACES>;
-/// Headers of all tables.
-pub type HeaderStore = Store<HEADER_WORDS, TABLES>;
+use crate::segment::pvt::{HEADER_WORDS, HeaderStore, POINT_WORDS, PointStore, TABLES, Tables, VERSION};
 
 /// Points and headers of all tables; see the module text.
 #[derive(Clone, Copy)]

@@ -1,0 +1,43 @@
+//! The folders of the crate use each other one way only: the tick calls all others, and nothing
+//! calls back.
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Folders and single files, lowest first. Each may use those before it, a folder also itself.
+const ORDER: [&str; 16] = [
+    "capacity", "status", "units", "math", "segment", "path", "laser", "tables", "port", "output", "op", "view",
+    "axis", "trace", "tick", "age",
+];
+
+fn rank(module: &str) -> usize {
+    ORDER.iter().position(|known| *known == module).unwrap_or_else(|| panic!("{module} has no rank"))
+}
+
+/// Files below a folder, but for those of unit tests.
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let files = entries.flat_map(|path| if path.is_dir() { files(&path) } else { vec![path] });
+    files.filter(|path| !path.ends_with("tests.rs")).collect()
+}
+
+#[test]
+fn folders_use_each_other_one_way() {
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut uses = 0;
+    for file in files(&source) {
+        let own = file.strip_prefix(&source).unwrap().with_extension("");
+        let own = own.iter().next().unwrap().to_str().unwrap();
+        if own == "lib" {
+            continue;
+        }
+        let text = fs::read_to_string(&file).unwrap();
+        let (code, _) = text.split_once("#[cfg(test)]\nmod tests {").unwrap_or((&text, ""));
+        let code = code.lines().filter(|line| !line.trim_start().starts_with("//"));
+        for part in code.flat_map(|line| line.split("crate::").skip(1)) {
+            let used = part.split(|c: char| !c.is_alphanumeric() && c != '_').next().unwrap();
+            assert!(rank(used) <= rank(own), "{}: crate::{used}", file.display());
+            uses += 1;
+        }
+    }
+    assert!(uses > 100, "{uses}");
+}
