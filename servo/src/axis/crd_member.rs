@@ -4,7 +4,7 @@
 //! In: a position each tick from the coordinate system, which steps before the axes. Out: as of any
 //! axis. Owns: nothing; its own profile is idle while it is driven. Cannot fail: the coordinate
 //! system asks before it drives an axis to a position.
-use super::{AxisState, exact};
+use super::{AxisState, MotionState, exact};
 use crate::math::wide::umulhi;
 use crate::op::Mode;
 use crate::path::{Fine, TrajectorySample};
@@ -21,7 +21,7 @@ impl AxisState {
     /// It belongs to a coordinate system from now on, at rest.
     pub(crate) fn map(&mut self, crd: Crd) {
         self.set_mode(Mode::Crd);
-        (self.crd, self.fresh) = (Some(crd), 0);
+        (self.crd, self.causes.fresh) = (Some(crd), 0);
         self.mark_changed();
     }
 
@@ -38,12 +38,12 @@ impl AxisState {
 
     /// The coordinate system that drives it.
     pub(crate) fn driver(&self) -> Option<Crd> {
-        self.crd.filter(|_| self.driven)
+        self.crd.filter(|_| self.state == MotionState::Driven)
     }
 
     /// A coordinate system drives it from now on; a geared axis counts from `base`.
     pub(crate) fn engage(&mut self, drive: Drive, base: Exact) {
-        (self.driven, self.crd, self.exact) = (true, Some(drive.crd()), base);
+        (self.state, self.crd, self.exact) = (MotionState::Driven, Some(drive.crd()), base);
         self.publish_straight();
         self.published.drive = Some(drive);
         self.mark_changed();
@@ -51,7 +51,7 @@ impl AxisState {
 
     /// Its own motion is over if that ends at the tick computed or before.
     pub(crate) fn arrive(&mut self, next: Ns, source: &(impl Segments + Tables)) {
-        if self.runs && !self.moving(next, source).1 {
+        if self.state.is_own() && !self.moving(next, source).1 {
             self.step(next, source);
         }
     }
@@ -132,8 +132,7 @@ impl AxisState {
 
     /// It is no longer driven: it comes to rest at `at`.
     pub(crate) fn release(&mut self, next: Ns, at: Exact, reason: StopReason) {
-        if self.driven {
-            self.driven = false;
+        if self.state == MotionState::Driven {
             self.published.drive = None;
             if self.published.mode != Mode::Crd {
                 self.crd = None;
@@ -148,7 +147,7 @@ impl AxisState {
     /// the tick computed, or at that tick: from there on it is its own.
     fn leave_gear(&mut self, next: Ns, at: Ns) {
         let pos = if at > next { self.published.pos } else { self.exact.round() };
-        (self.driven, self.crd, self.published.drive) = (false, None, None);
+        (self.state, self.crd, self.published.drive) = (MotionState::Standstill, None, None);
         self.published.pos = pos;
         self.profile.rest(next, pos);
         self.profile.forget();
@@ -162,7 +161,7 @@ impl AxisState {
     /// The fault for which it must not be driven on.
     #[inline(always)]
     pub(crate) fn fault(&self) -> Option<StopReason> {
-        match self.causes & status::FAULTS {
+        match self.causes.present & status::FAULTS {
             0 => None,
             causes if causes & status::ALARM != 0 => Some(StopReason::Alarm),
             _ => Some(StopReason::FollowingError),
@@ -179,12 +178,12 @@ impl AxisState {
         geared: bool,
         source: &(impl Segments + Tables),
     ) -> Option<Fine> {
-        if self.published.mode != Mode::Trap || self.driven && !geared || self.refuses_start() {
+        if self.published.mode != Mode::Trap || self.state == MotionState::Driven && !geared || self.refuses_start() {
             return None;
         }
         if geared {
             self.leave_gear(next, at);
-        } else if self.runs {
+        } else if self.state.is_own() {
             // The piece that holds `next` takes effect before another one is made after it.
             self.step(next, source);
         }

@@ -2,7 +2,7 @@
 //!
 //! In: what the thread committed and selected. Out: the [`Feed`] of a run, and what the view
 //! publishes of it.
-use super::{AxisState, FIFO, IN_FORCE, Jog, RING_MASK, pt_state};
+use super::{AxisState, FIFO, IN_FORCE, Jog, RING_MASK, Ramps, pt_state};
 use crate::op::Mode;
 use crate::segment::follow;
 use crate::segment::piece::Scaled;
@@ -12,6 +12,25 @@ use crate::segment::pvt::{PvtRun, Tables};
 use crate::segment::ramp::Moving;
 use crate::units::Ns;
 use crate::view::AxisView;
+
+/// What is committed and selected.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Data {
+    /// Segments committed to the FIFOs (dynamic: the first is the ring's).
+    ends: [u32; 2],
+    /// Passes to run, 0 for ever.
+    passes: u32,
+    /// The same of a PVT table.
+    table_passes: u32,
+    /// FIFO that runs.
+    fifo: u8,
+    /// PVT table of the next start.
+    table: u8,
+}
+
+impl Data {
+    pub(super) const NONE: Data = Data { ends: [0; 2], passes: 1, table_passes: 1, fifo: 0, table: 0 };
+}
 
 impl AxisState {
     /// Whether PT must not start.
@@ -25,13 +44,13 @@ impl AxisState {
     }
 
     fn end(&self, fifo: u8) -> u32 {
-        let [first, second] = self.ends;
+        let [first, second] = self.data.ends;
         if fifo == 0 { first } else { second }
     }
 
     pub(super) fn feed(&self) -> Feed {
-        let passes = if self.published.mode == Mode::Pvt { self.table_passes } else { self.passes };
-        Feed { end: self.end(self.fifo), passes }
+        let passes = if self.published.mode == Mode::Pvt { self.data.table_passes } else { self.data.passes };
+        Feed { end: self.end(self.data.fifo), passes }
     }
 
     /// Which slots the segments of a FIFO lie in, and how many passes of them there are.
@@ -48,28 +67,28 @@ impl AxisState {
         let fifo = if self.published.mode == Mode::PtStatic { fifo1 as u8 } else { 0 };
         self.published.pt_state = pt_state::RUNNING;
         self.published.passes = 0;
-        if self.fifo == fifo && self.begin_prepared(next) {
+        if self.data.fifo == fifo && self.begin_prepared(next) {
             return;
         }
-        self.fifo = fifo;
+        self.data.fifo = fifo;
         self.begin(next, Generator::Pt(PtRun::begin(next, self.exact, self.slots(fifo))));
     }
 
     /// Whether PVT must not start.
     pub(crate) fn refuses_pvt(&self, tables: &impl Tables) -> bool {
-        self.refuses_start() || self.runs() || self.published.mode != Mode::Pvt || tables.is_empty(self.table)
+        self.refuses_start() || self.runs() || self.published.mode != Mode::Pvt || tables.is_empty(self.data.table)
     }
 
     /// PVT begins; its time is 0 at `next`.
     pub(crate) fn start_pvt(&mut self, next: Ns, tables: &impl Tables) {
         let published = &mut self.published;
-        (published.passes, published.table, published.pending) = (0, self.table, None);
+        (published.passes, published.table, published.pending) = (0, self.data.table, None);
         (published.table_zero, published.table_until) = (next, IN_FORCE);
         let current = matches!(self.profile.prepared(), Some(Generator::Pvt(run)) if run.is_current(tables));
         if current && self.begin_prepared(next) {
             return;
         }
-        self.begin(next, Generator::Pvt(PvtRun::begin(next, self.exact, self.table, tables)));
+        self.begin(next, Generator::Pvt(PvtRun::begin(next, self.exact, self.data.table, tables)));
     }
 
     /// The same at once, even if more operations for the axis may follow.
@@ -94,8 +113,8 @@ impl AxisState {
         }
         let feed = self.feed();
         let (at, slots, set) =
-            (self.exact, self.slots(self.fifo), !self.trap.acc.is_zero() && !self.trap.dec.is_zero());
-        let AxisState { profile, published, table, jog, trap, .. } = self;
+            (self.exact, self.slots(self.data.fifo), !self.ramps.trap.acc.is_zero() && !self.ramps.trap.dec.is_zero());
+        let AxisState { profile, published, data: Data { table, .. }, ramps: Ramps { jog, trap, .. }, .. } = self;
         let from = Moving { pos: at, velocity: Scaled::default() };
         match published.mode {
             Mode::PtStatic | Mode::PtDynamic if feed.end != 0 => {
@@ -127,7 +146,7 @@ impl AxisState {
 
     /// The table of the next start, or the one that takes over when the present pass ends.
     pub(crate) fn select(&mut self, table: u8) {
-        self.table = table;
+        self.data.table = table;
         if !self.runs() {
             self.published.table = table;
             (self.published.table_zero, self.published.table_until) = (Ns(0), Ns(0));
@@ -137,7 +156,7 @@ impl AxisState {
     }
 
     pub(crate) fn set_table_passes(&mut self, passes: u32) {
-        self.table_passes = passes;
+        self.data.table_passes = passes;
         self.profile.invalidate_prepared();
     }
 
@@ -157,7 +176,7 @@ impl AxisState {
         if self.published.mode == Mode::PtDynamic {
             self.published.epoch = self.published.epoch.wrapping_add(1);
             self.published.released = 0;
-            self.ends = [0; 2];
+            self.data.ends = [0; 2];
         }
     }
 
@@ -173,7 +192,7 @@ impl AxisState {
 
     pub(super) fn clear_data(&mut self) {
         self.follow.clear_all();
-        self.ends = [0; 2];
+        self.data.ends = [0; 2];
         self.published.released = 0;
     }
 
@@ -182,10 +201,10 @@ impl AxisState {
         if self.published.mode == Mode::PtDynamic && epoch != self.published.epoch {
             return false;
         }
-        let [first, second] = &mut self.ends;
+        let [first, second] = &mut self.data.ends;
         *(if fifo == 0 { first } else { second }) = end;
         if !self.runs() {
-            self.fifo = if self.published.mode == Mode::PtStatic { fifo } else { 0 };
+            self.data.fifo = if self.published.mode == Mode::PtStatic { fifo } else { 0 };
         }
         self.profile.invalidate_prepared();
         true
@@ -197,8 +216,8 @@ impl AxisState {
             if !self.runs() {
                 self.clear_data();
             }
-        } else if !self.runs() || self.fifo != fifo {
-            let [first, second] = &mut self.ends;
+        } else if !self.runs() || self.data.fifo != fifo {
+            let [first, second] = &mut self.data.ends;
             *(if fifo == 0 { first } else { second }) = 0;
         }
     }
@@ -237,7 +256,7 @@ impl AxisState {
     }
 
     pub(crate) fn set_passes(&mut self, passes: u32) {
-        self.passes = passes;
+        self.data.passes = passes;
         self.profile.invalidate_prepared();
     }
 }

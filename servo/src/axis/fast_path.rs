@@ -116,7 +116,6 @@ impl AxisState {
     /// Whether a limit may lie before a position.
     #[inline(always)]
     fn is_barred(&self, pos: Pos) -> bool {
-        let (from, count) = self.inside;
-        ((pos.0 >> 32) as i32).wrapping_sub(from) as u32 >= count
+        !self.bounds.is_well_inside(pos)
     }
 }

@@ -8,6 +8,22 @@ use crate::status;
 use crate::units::Ns;
 use crate::view::StopReason;
 
+/// Causes of latched status bits, and those bits.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Causes {
+    /// Present now.
+    pub(super) present: u32,
+    /// Switches active now.
+    pub(super) switches: u32,
+    pub(super) latched: u32,
+    /// Those that have appeared since the coordinate system took them.
+    pub(super) fresh: u32,
+}
+
+impl Causes {
+    pub(super) const NONE: Causes = Causes { present: 0, switches: 0, latched: 0, fresh: 0 };
+}
+
 impl AxisState {
     /// Takes the inputs of the tick in force, levels as [`AxisInputs::bits`]. Returns false where
     /// more is to be done: [`AxisState::take`]. An axis at rest of which nothing changed costs two
@@ -33,7 +49,7 @@ impl AxisState {
     /// causes of latched bits have changed.
     #[inline(never)]
     pub(crate) fn take(&mut self, now: Ns, levels: u8, count: i64) -> bool {
-        let before = self.causes;
+        let before = self.causes.present;
         let mut settled = true;
         let encoder = self.inputs.encoder(count);
         if encoder != self.published.encoder_before || encoder != self.published.encoder {
@@ -48,12 +64,12 @@ impl AxisState {
         self.published.encoder_before = self.published.encoder;
         self.published.encoder = encoder;
         let switches = self.inputs.switches(levels);
-        if switches != self.switches {
-            self.switches = switches;
+        if switches != self.causes.switches {
+            self.causes.switches = switches;
             self.set_bounds();
         }
         let runs = self.runs();
-        let mut causes = self.switches;
+        let mut causes = self.causes.switches;
         if self.servo_on {
             causes |= self.inputs.following_error(self.published.pos, encoder);
         }
@@ -61,8 +77,8 @@ impl AxisState {
             // While it runs, every step checks the soft limits.
             causes |= self.inputs.beyond(self.published.pos);
         }
-        let watched = causes | self.causes != 0 || self.inputs.error_limit.is_some();
-        if causes | self.causes != 0 {
+        let watched = causes | self.causes.present != 0 || self.inputs.error_limit.is_some();
+        if causes | self.causes.present != 0 {
             self.latch(causes);
             settled = false;
         }
@@ -85,22 +101,22 @@ impl AxisState {
             (false, true) => InputScan::Settled,
             _ => InputScan::None,
         };
-        self.causes != before
+        self.causes.present != before
     }
 
     /// Causes of latched bits that are present, and those that have appeared since the last call.
     pub(crate) fn take_causes(&mut self) -> (u32, u32) {
-        (self.causes, core::mem::take(&mut self.fresh))
+        (self.causes.present, core::mem::take(&mut self.causes.fresh))
     }
 
     /// A limit blocks starts from when it becomes active until ClearStatus. A fault also does as
     /// long as its cause lasts.
     #[inline(never)]
     fn latch(&mut self, causes: u32) {
-        let blocked = self.published.blocked | causes & (!self.causes | status::FAULTS);
-        self.fresh |= causes & !self.causes;
-        self.causes = causes;
-        self.latched |= causes;
+        let blocked = self.published.blocked | causes & (!self.causes.present | status::FAULTS);
+        self.causes.fresh |= causes & !self.causes.present;
+        self.causes.present = causes;
+        self.causes.latched |= causes;
         self.block(blocked);
     }
 
@@ -113,8 +129,8 @@ impl AxisState {
 
     /// ClearStatus: limits no longer block; bits whose cause is gone are cleared.
     pub(crate) fn clear_status(&mut self) {
-        self.latched = self.causes;
-        self.block(self.causes & status::FAULTS);
+        self.causes.latched = self.causes.present;
+        self.block(self.causes.present & status::FAULTS);
     }
 
     /// Whether it must not start: servo off or a latched fault.
@@ -124,7 +140,7 @@ impl AxisState {
 
     #[inline(never)]
     pub(super) fn stopped_by_fault(&mut self, next: Ns) -> StopReason {
-        let alarm = self.causes & status::ALARM != 0;
+        let alarm = self.causes.present & status::ALARM != 0;
         self.stopped_by(next, if alarm { StopReason::Alarm } else { StopReason::FollowingError })
     }
 

@@ -26,7 +26,10 @@ mod slave;
 mod soft_limits;
 mod user_position;
 
+use data::Data;
 pub(crate) use fast_path::FastStep;
+use input_scan::Causes;
+use soft_limits::Bounds;
 
 use crate::laser::Positions;
 use crate::op::Mode;
@@ -72,6 +75,51 @@ enum InputScan {
     Settled,
 }
 
+/// Whether it moves, and by what.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(u8)]
+enum MotionState {
+    Standstill,
+    /// A coordinate system drives it.
+    Driven,
+    /// By its own profile.
+    Runs,
+    /// The same; a ramp begins at the tick computed, whose position `exact` is.
+    RampBegins,
+}
+
+impl MotionState {
+    /// Whether it moves by its own profile.
+    #[inline(always)]
+    fn is_own(self) -> bool {
+        self >= MotionState::Runs
+    }
+}
+
+/// What the next ramps are made of.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Ramps {
+    pub(crate) stop_dec: Accel,
+    pub(crate) jog: Jog,
+    /// Trap; its target and its speed (Jog's too) are those of SetPos and SetVel.
+    pub(crate) trap: Trapezoid,
+}
+
+impl Ramps {
+    const POWER_ON: Ramps = Ramps {
+        stop_dec: Accel::ONE,
+        jog: Jog { acc: Accel::NONE, dec: Accel::NONE, smooth: 0 },
+        trap: Trapezoid {
+            target: 0,
+            speed: Speed::NONE,
+            acc: Accel::NONE,
+            dec: Accel::NONE,
+            vel_start: Speed::NONE,
+            smooth: Ns(0),
+        },
+    };
+}
+
 /// The state of one axis. What every tick reads comes first.
 #[derive(Debug, Clone, Copy)]
 #[repr(C)]
@@ -81,29 +129,19 @@ pub(crate) struct AxisState {
     scan: InputScan,
     /// The status word may have changed.
     pub(crate) changed: bool,
-    /// By its own profile.
-    runs: bool,
+    state: MotionState,
     /// Ticks until its next start is prepared; 0 if it is, or if there is nothing to prepare.
     unprepared: u8,
-    /// By a coordinate system.
-    driven: bool,
-    /// A ramp begins at the tick computed, whose position `exact` is.
-    begins: bool,
     /// Input levels, sampled, as bits.
     levels: u8,
     pub(crate) servo_on: bool,
     in_position: bool,
     /// The levels themselves.
     pub(crate) raw: AxisInputs,
-    /// Causes of latched bits that are present now.
-    causes: u32,
+    causes: Causes,
     /// Planned position at which the machine's own count is 0, so that setting a position makes no step.
     zero: Pos,
-    /// While the planned position stays between these two, no limit is in the way.
-    lower: Pos,
-    upper: Pos,
-    /// Well between them: the first high word of such positions, and how many there are.
-    inside: (i32, u32),
+    bounds: Bounds,
     pub(crate) inputs: Inputs,
     /// Its motion; at standstill, a constant piece.
     profile: Profile,
@@ -113,25 +151,8 @@ pub(crate) struct AxisState {
     pub(crate) standstill_since: Ns,
     /// Exact position while at rest, and where a ramp begins.
     exact: Exact,
-    /// Switches active now, as status bits.
-    switches: u32,
-    latched: u32,
-    /// Causes that have appeared since the coordinate system took them.
-    fresh: u32,
-    pub(crate) stop_dec: Accel,
-    pub(crate) jog: Jog,
-    /// Trap; its target and its speed (Jog's too) are those of SetPos and SetVel.
-    pub(crate) trap: Trapezoid,
-    /// Segments committed to the FIFOs (dynamic: the first is the ring's).
-    ends: [u32; 2],
-    /// FIFO that runs.
-    fifo: u8,
-    /// Passes to run, 0 for ever.
-    passes: u32,
-    /// PVT table of the next start, and its passes.
-    table: u8,
-    table_passes: u32,
-    /// Follow.
+    pub(crate) ramps: Ramps,
+    data: Data,
     pub(crate) follow: following::Setup,
     /// The coordinate system that it is mapped to, or that drives it.
     pub(crate) crd: Option<Crd>,
@@ -145,47 +166,27 @@ const IN_FORCE: Ns = Ns(u64::MAX);
 impl AxisState {
     pub(crate) const POWER_ON: AxisState = AxisState {
         published: AxisView::POWER_ON,
+        scan: InputScan::None,
+        changed: true,
+        state: MotionState::Standstill,
+        unprepared: 0,
+        levels: 0,
+        servo_on: false,
+        in_position: false,
+        raw: AxisInputs { limit_positive: false, limit_negative: false, alarm: false, home: false, arrive: false },
+        causes: Causes::NONE,
+        zero: Pos(0),
+        bounds: Bounds::TRAVEL,
+        inputs: Inputs::POWER_ON,
         profile: Profile::STANDSTILL,
-        runs: false,
-        driven: false,
-        begins: false,
-        crd: None,
-        track: following::Track::NONE,
         ending: StopReason::None,
         standstill_since: Ns(0),
         exact: Exact(0),
-        zero: Pos(0),
-        inputs: Inputs::POWER_ON,
-        raw: AxisInputs { limit_positive: false, limit_negative: false, alarm: false, home: false, arrive: false },
-        levels: 0,
-        scan: InputScan::None,
-        changed: true,
-        unprepared: 0,
-        lower: NEGATIVE_EDGE,
-        upper: Pos::TRAVEL,
-        inside: (1 - (1 << 30), (1 << 31) - 1),
-        switches: 0,
-        causes: 0,
-        latched: 0,
-        fresh: 0,
-        in_position: false,
-        servo_on: false,
-        stop_dec: Accel::ONE,
-        jog: Jog { acc: Accel::NONE, dec: Accel::NONE, smooth: 0 },
-        trap: Trapezoid {
-            target: 0,
-            speed: Speed::NONE,
-            acc: Accel::NONE,
-            dec: Accel::NONE,
-            vel_start: Speed::NONE,
-            smooth: Ns(0),
-        },
-        ends: [0; 2],
-        fifo: 0,
-        passes: 1,
-        table: 0,
-        table_passes: 1,
+        ramps: Ramps::POWER_ON,
+        data: Data::NONE,
         follow: following::Setup::POWER_ON,
+        crd: None,
+        track: following::Track::NONE,
     };
 
     /// The machine's encoder count, sampled.
@@ -197,7 +198,7 @@ impl AxisState {
     /// Whether it moves, by itself or driven by a coordinate system.
     #[inline(always)]
     pub(crate) fn runs(&self) -> bool {
-        self.runs || self.driven
+        self.state != MotionState::Standstill
     }
 
     /// Something is about to differ from the last view.
@@ -240,14 +241,14 @@ impl AxisState {
             }
         }
         if self.scan == InputScan::Runs {
-            self.scan = if self.driven { InputScan::Carried } else { InputScan::Steady };
+            self.scan = if self.state == MotionState::Driven { InputScan::Carried } else { InputScan::Steady };
         }
     }
 
     /// The status word in the present state.
     #[inline]
     pub(crate) fn status(&self) -> u32 {
-        let mut word = self.latched;
+        let mut word = self.causes.latched;
         if self.servo_on {
             word |= status::SERVO_ON;
         }
@@ -293,49 +294,33 @@ impl AxisState {
             published,
             scan,
             changed,
-            runs,
+            state,
             unprepared: _,
-            driven,
-            begins,
             levels: _,
             servo_on,
             in_position,
             raw: _,
             causes,
             zero: named,
-            lower,
-            upper,
-            inside,
+            bounds,
             inputs,
             profile: _,
             ending,
             standstill_since: _,
             exact,
-            switches,
-            latched,
-            fresh,
-            stop_dec,
-            jog,
-            trap,
-            ends,
-            fifo,
-            passes,
-            table,
-            table_passes,
+            ramps,
+            data,
             follow,
             crd,
             track: _,
         } = self;
         published.reset();
         let on = AxisState::POWER_ON;
-        (*scan, *changed, *runs, *driven, *begins) = (on.scan, on.changed, on.runs, on.driven, on.begins);
+        (*scan, *changed, *state) = (on.scan, on.changed, on.state);
         (*servo_on, *in_position, *causes) = (on.servo_on, on.in_position, on.causes);
-        (*named, *lower, *upper, *inside) = (zero, on.lower, on.upper, on.inside);
-        (*inputs, *ending, *exact) = (on.inputs, on.ending, on.exact);
-        (*switches, *latched, *fresh) = (on.switches, on.latched, on.fresh);
-        (*stop_dec, *jog, *trap) = (on.stop_dec, on.jog, on.trap);
-        (*ends, *fifo, *passes) = (on.ends, on.fifo, on.passes);
-        (*table, *table_passes, *crd) = (on.table, on.table_passes, on.crd);
+        (*named, *bounds, *inputs) = (zero, on.bounds, on.inputs);
+        (*ending, *exact, *ramps) = (on.ending, on.exact, on.ramps);
+        (*data, *crd) = (on.data, on.crd);
         follow.reset();
         self.inputs.set_encoder(count, 0);
     }

@@ -2,8 +2,7 @@
 //!
 //! In: the instant of the next tick. Out: the planned position there, or the reason for which it has
 //! come to rest. Owns nothing beyond the axis's [`Profile`](crate::segment::profile::Profile).
-use super::Jog;
-use super::{AxisState, exact, pt_state};
+use super::{AxisState, Jog, MotionState, Ramps, exact, pt_state};
 use crate::op::Mode;
 use crate::segment::piece::{Motion, Scaled};
 use crate::segment::profile::{Generator, State};
@@ -19,8 +18,8 @@ impl AxisState {
     /// limit.
     pub(crate) fn refuses_update(&self) -> bool {
         let direction = match self.published.mode {
-            Mode::Jog => self.trap.speed.signum(),
-            Mode::Trap => Pos::pulses(self.trap.target).0.saturating_sub(self.published.pos.0).signum(),
+            Mode::Jog => self.ramps.trap.speed.signum(),
+            Mode::Trap => Pos::pulses(self.ramps.trap.target).0.saturating_sub(self.published.pos.0).signum(),
             _ => return true,
         };
         let inputs = &self.inputs;
@@ -30,7 +29,9 @@ impl AxisState {
             inputs.soft_negative.is_some_and(|limit| self.published.pos <= Pos::pulses(limit))
         };
         let towards = if direction > 0 { status::LIMIT_POSITIVE } else { status::LIMIT_NEGATIVE };
-        self.refuses_start() || self.driven || direction != 0 && (at_soft || self.switches & towards != 0)
+        self.refuses_start()
+            || self.state == MotionState::Driven
+            || direction != 0 && (at_soft || self.causes.switches & towards != 0)
     }
 
     /// Jog or Trap begins or changes; its time is 0 at `next`.
@@ -39,7 +40,7 @@ impl AxisState {
             return;
         }
         let (from, _) = self.moving(next, source);
-        let AxisState { profile, published, trap, jog, .. } = self;
+        let AxisState { profile, published, ramps: Ramps { trap, jog, .. }, .. } = self;
         profile.begin_ramp(next, |run| {
             if published.mode == Mode::Jog {
                 let Jog { acc, dec, smooth } = *jog;
@@ -67,14 +68,14 @@ impl AxisState {
 
     /// It runs from now on; `ending` will be its stop reason.
     pub(super) fn set_off(&mut self, ending: StopReason) {
-        (self.runs, self.begins, self.ending) = (true, false, ending);
+        (self.state, self.ending) = (MotionState::Runs, ending);
         self.mark_changed();
     }
 
     /// Its position and velocity at `next` in the present motion, and whether it still runs there.
     pub(super) fn moving(&mut self, next: Ns, source: &(impl Segments + Tables)) -> (Moving, bool) {
         let rest = |pos| (Moving { pos, velocity: Scaled { m: 0, e: 0 } }, false);
-        if !self.runs {
+        if !self.state.is_own() {
             return rest(self.exact);
         }
         let feed = self.feed();
@@ -92,7 +93,7 @@ impl AxisState {
 
     /// Smooth stop from `next` on. A motion that ends there anyway ends by itself.
     pub(crate) fn stop_smooth(&mut self, next: Ns, reason: StopReason, source: &(impl Segments + Tables)) {
-        if !self.runs || self.ending.is_brake() {
+        if !self.state.is_own() || self.ending.is_brake() {
             return;
         }
         // A motion that begins on this very tick was never published as running, and does not move.
@@ -105,13 +106,15 @@ impl AxisState {
         }
         let (from, runs) = self.moving(next, source);
         if runs {
-            let dec = self.stop_dec;
+            let dec = self.ramps.stop_dec;
             self.profile.begin_ramp(next, |run| run.begin_stop(next, from, dec));
             self.set_off(reason);
             // At `next` it is where its piece would have taken it: the first piece of the ramp is
             // not needed before the tick after.
             let piece = self.profile.piece();
-            self.begins = from.velocity.m != 0 && piece.elapsed(next) == piece.span;
+            if from.velocity.m != 0 && piece.elapsed(next) == piece.span {
+                self.state = MotionState::RampBegins;
+            }
             self.exact = from.pos;
             self.end_stream(pt_state::STOPPED);
             self.leave_table(next);
@@ -120,7 +123,7 @@ impl AxisState {
 
     /// Planned velocity 0 from `next` on, at the present position.
     pub(crate) fn halt(&mut self, next: Ns, reason: StopReason) {
-        if self.runs {
+        if self.state.is_own() {
             self.end_stream(pt_state::STOPPED);
             self.rest(next, exact(self.published.pos), reason);
             self.profile.forget();
@@ -131,7 +134,7 @@ impl AxisState {
     }
 
     pub(super) fn rest(&mut self, next: Ns, at: Exact, reason: StopReason) {
-        (self.runs, self.begins) = (false, false);
+        self.state = MotionState::Standstill;
         self.exact = at;
         self.published.pos = at.round();
         self.profile.rest(next, self.published.pos);
@@ -155,7 +158,7 @@ impl AxisState {
         published: &mut AxisView,
     ) -> Option<StopReason> {
         let mut stopped = None;
-        if self.runs {
+        if self.state.is_own() {
             // A tick that enters a piece does not make the next one.
             if self.profile.is_open() && *left != 0 && self.prepare(source) {
                 *left = left.wrapping_sub(1);
@@ -174,9 +177,9 @@ impl AxisState {
     /// which is published once more.
     #[inline(never)]
     fn hold_at_ramp_start(&mut self, next: Ns) -> Option<StopReason> {
-        self.begins = false;
+        self.state = MotionState::Runs;
         let pos = self.exact.round();
-        if (pos < self.lower || pos > self.upper)
+        if !self.bounds.hold(pos)
             && let Some(reason) = self.stopped_at_barrier(next, pos)
         {
             return Some(reason);
@@ -189,10 +192,10 @@ impl AxisState {
     /// The motion at `next` of an axis that runs; the reason if it comes to rest there.
     #[inline(always)]
     pub(crate) fn step(&mut self, next: Ns, source: &(impl Segments + Tables)) -> Option<StopReason> {
-        if self.causes & status::FAULTS != 0 {
+        if self.causes.present & status::FAULTS != 0 {
             return Some(self.stopped_by_fault(next));
         }
-        if self.begins {
+        if self.state == MotionState::RampBegins {
             return self.hold_at_ramp_start(next);
         }
         let mut piece = self.profile.piece();
@@ -211,7 +214,7 @@ impl AxisState {
             }
         }
         let (pos, Motion { tau, t, .. }) = piece.sample(t);
-        if (pos < self.lower || pos > self.upper)
+        if !self.bounds.hold(pos)
             && let Some(reason) = self.stopped_at_barrier(next, pos)
         {
             return Some(reason);

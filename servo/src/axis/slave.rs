@@ -3,7 +3,7 @@
 //! In: the master in the tick computed, entries, inputs. Out: as of any axis, and the effects of
 //! entries on outputs. Owns: the [`Follower`] in its profile.
 use super::inputs::reading;
-use super::{AxisState, exact};
+use super::{AxisState, MotionState, exact};
 use crate::math::real::Real;
 use crate::op::Mode;
 use crate::segment::follow::{
@@ -22,8 +22,10 @@ impl AxisState {
     /// The slave in it, if it follows.
     #[inline(always)]
     pub(crate) fn follower(&self) -> Option<&Follower> {
-        if let Generator::Follow(follower) = self.profile.generator() { Some(follower) } else { None }
-            .filter(|_| self.runs)
+        match self.profile.generator() {
+            Generator::Follow(follower) if self.state.is_own() => Some(follower),
+            _ => None,
+        }
     }
 
     /// Whether it follows.
@@ -145,8 +147,10 @@ impl AxisState {
     fn path(&self, now: Ns, is_at_standstill: bool) -> Path<'_> {
         let shift = self.zero.0.wrapping_neg();
         match self.profile.generator() {
-            _ if self.driven || is_at_standstill && self.published.mode == Mode::Crd => self.driven_path(),
-            Generator::Follow(own) if self.runs || is_at_standstill => {
+            _ if self.state == MotionState::Driven || is_at_standstill && self.published.mode == Mode::Crd => {
+                self.driven_path()
+            }
+            Generator::Follow(own) if self.state.is_own() || is_at_standstill => {
                 if own.track().is_straight() {
                     Path::Straight
                 } else {
@@ -164,8 +168,8 @@ impl AxisState {
             Value::Encoder => Some(reading(self.count())),
             Value::Planned => {
                 let straight = match self.profile.generator() {
-                    _ if self.driven => self.goes_straight(),
-                    Generator::Follow(own) if self.runs => own.track().is_straight(),
+                    _ if self.state == MotionState::Driven => self.goes_straight(),
+                    Generator::Follow(own) if self.state.is_own() => own.track().is_straight(),
                     _ => follower.knows(self.profile.piece()),
                 };
                 straight.then(|| self.set_point())
@@ -179,12 +183,12 @@ impl AxisState {
     #[inline(always)]
     pub(crate) fn fast_step(&mut self, to: Pos, period: Ns, led: bool, limit: u64) -> bool {
         let from = self.published.pos;
-        let watched = self.causes & status::FAULTS != 0;
+        let watched = self.causes.present & status::FAULTS != 0;
         let Some(follower) = self.profile.follower_mut().filter(|_| !watched) else { return false };
         let begin = follower.run.piece().begin;
         let Some((pos, tau)) = follower.fast_step(to, period, led, from) else { return false };
         let turned = follower.run.piece().begin != begin;
-        if pos < self.lower || pos > self.upper || pos.0.abs_diff(from.0) > limit {
+        if !self.bounds.hold(pos) || pos.0.abs_diff(from.0) > limit {
             return false;
         }
         let moving = follower.run.is_moving(to);
@@ -210,7 +214,7 @@ impl AxisState {
         context: (&impl Entries, impl Fn(Input, u8) -> bool, &mut OutputActions),
     ) -> Option<StopReason> {
         let next = Ns(master_sample.now.0.wrapping_add(master_sample.period.0));
-        if self.causes & status::FAULTS != 0 {
+        if self.causes.present & status::FAULTS != 0 {
             return Some(self.stopped_by_fault(next));
         }
         let from = self.published.pos;
@@ -246,7 +250,7 @@ impl AxisState {
             self.halt(next, StopReason::StepLimit);
             return Some(StopReason::StepLimit);
         }
-        if to < self.lower || to > self.upper { self.stopped_at_barrier(next, to) } else { None }
+        if !self.bounds.hold(to) { self.stopped_at_barrier(next, to) } else { None }
     }
 
     /// What a view publishes of the run.
@@ -312,7 +316,7 @@ impl AxisState {
             self.halt(next, StopReason::StepLimit);
             return Some(StopReason::StepLimit);
         }
-        let dec = self.stop_dec;
+        let dec = self.ramps.stop_dec;
         self.leave_master();
         // The slave's own piece ended when it began to follow; the ramp goes on from here.
         self.profile.rest(next, self.published.pos);

@@ -163,7 +163,7 @@ impl<const AXES: usize> Tick<AXES> {
             Op::SetEncoder { axis, pulses } => self.one(axis, |state| state.set_encoder(pulses)),
             Op::SetMode { axis, mode } => self.one(axis, |state| state.set_mode(mode)),
             // An abrupt stop takes no time (SPEC 4), so its deceleration is not used here.
-            Op::StopDec { axis, smooth, abrupt: _ } => self.one(axis, |state| state.stop_dec = smooth),
+            Op::StopDec { axis, smooth, abrupt: _ } => self.one(axis, |state| state.ramps.stop_dec = smooth),
             Op::Band { axis, band, time } => self.one(axis, |state| state.inputs.set_band(band, time)),
             Op::SoftLimit { axis, positive, negative } => {
                 self.crds.invalidate_clearance();
@@ -179,13 +179,13 @@ impl<const AXES: usize> Tick<AXES> {
                 self.one(axis, |state| state.arm(mode));
                 self.await_index(axis);
             }
-            Op::JogPrm { axis, acc, dec, smooth } => self.one(axis, |state| state.jog = Jog { acc, dec, smooth }),
+            Op::JogPrm { axis, acc, dec, smooth } => self.one(axis, |state| state.ramps.jog = Jog { acc, dec, smooth }),
             Op::TrapPrm { axis, acc, dec, vel_start, smooth } => self.one(axis, |state| {
-                (state.trap.acc, state.trap.dec) = (acc, dec);
-                (state.trap.vel_start, state.trap.smooth) = (vel_start, smooth);
+                (state.ramps.trap.acc, state.ramps.trap.dec) = (acc, dec);
+                (state.ramps.trap.vel_start, state.ramps.trap.smooth) = (vel_start, smooth);
             }),
-            Op::TargetSpeed { axis, speed } => self.one(axis, |state| state.trap.speed = speed),
-            Op::TargetPosition { axis, pulses } => self.one(axis, |state| state.trap.target = pulses),
+            Op::TargetSpeed { axis, speed } => self.one(axis, |state| state.ramps.trap.speed = speed),
+            Op::TargetPosition { axis, pulses } => self.one(axis, |state| state.ramps.trap.target = pulses),
             Op::PtCommit { axis, fifo, end, epoch } => {
                 let mut counts = true;
                 self.one(axis, |state| counts = state.commit(fifo, end, epoch));
