@@ -19,7 +19,7 @@ pub struct Mutant {
 const GATE: &[&str] = &["-p", "beamtick-servo", "--test", "laser_gate"];
 const LASER_PATH: &[&str] = &["-p", "beamtick-servo", "--test", "laser_path"];
 const LASER: &[&str] = &["-p", "beamtick-dispatcher", "--test", "laser"];
-const LASER_STATE: &[&str] = &["-p", "beamtick-dispatcher", "--test", "laser_state"];
+const LASER_FAULTS: &[&str] = &["-p", "beamtick-dispatcher", "--test", "laser_faults"];
 const ENDPOINT: &[&str] =
     &["-p", "beamtick-protocol", "--test", "endpoint", "--", "an_acknowledgement_of", "a_lost_message", "a_frame_with"];
 const FATES: &[&str] = &["-p", "beamtick-protocol", "--lib", "--", "every_fate"];
@@ -223,7 +223,7 @@ pub const LIST: &[Mutant] = &[
         SAFETY,
         "self.interlock || self.link_lost || self.alarm",
         "self.interlock || self.alarm",
-        LASER_STATE,
+        LASER_FAULTS,
     ),
     mutant("a restart leaves lasers live", TICK, "self.lasers.trip(Cause::Restart);", "", LASER),
     mutant(
@@ -231,7 +231,7 @@ pub const LIST: &[Mutant] = &[
         LINK_LOSS,
         "let silent = limit != 0 && now.0.saturating_sub(heard) > limit;",
         "let silent = limit == 1 && now.0.saturating_sub(heard) > limit;",
-        LASER_STATE,
+        LASER_FAULTS,
     ),
     mutant(
         "a lost link leaves the program running",
