@@ -304,14 +304,14 @@ mod tests {
     #[test]
     fn what_is_wrong_is_told_with_line_and_column_and_limit() {
         let head = "t_ms,input,level\n0,gpi1,1\n";
-        for (text, told) in [
+        for (text, expected) in [
             ("", "f.csv:1: the columns are ``; they are t_ms,input,level"),
             ("time,input,level\n", "f.csv:1: the columns are `time,input,level`; they are t_ms,input,level"),
             ("0,gpi1,1\n", "f.csv:1: the columns are `0,gpi1,1`; they are t_ms,input,level"),
         ] {
-            assert_eq!(error(text), told);
+            assert_eq!(error(text), expected);
         }
-        for (row, told) in [
+        for (row, expected) in [
             ("x,gpi1,1", "f.csv:3: t_ms: `x` is no number"),
             ("nan,gpi1,1", "f.csv:3: t_ms: nan ms; it must be from 0 to 31536000000"),
             ("-1,gpi1,1", "f.csv:3: t_ms: -1 ms; it must be from 0 to 31536000000"),
@@ -326,11 +326,11 @@ mod tests {
             ("1,gpi1,1,1", "f.csv:3: level: the row has 4 values; it has 3"),
             ("2,gpi1,1\n1,gpi1,0", "f.csv:4: t_ms: 1 ms is before the 2 ms of line 3"),
         ] {
-            assert_eq!(error(&format!("{head}{row}\n")), told);
+            assert_eq!(error(&format!("{head}{row}\n")), expected);
         }
         for name in ["button1", "gpi-1", "home1x", "core0_home1", "core3_home1", "interlock1", "GPI1", "é"] {
-            let told = error(&format!("{head}1,{name},1\n"));
-            assert!(told.starts_with("f.csv:3: input: `"), "{told}");
+            let found = error(&format!("{head}1,{name},1\n"));
+            assert!(found.starts_with("f.csv:3: input: `"), "{found}");
         }
         assert!(error(&format!("{head}1,{},1\n", "x".repeat(100_000))).len() < 400);
         assert!(error(&"x".repeat(100_000)).len() < 400);

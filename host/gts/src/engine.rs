@@ -171,7 +171,7 @@ impl Prepared {
     }
 
     /// The request's bytes with its first items; the remaining items in requests of their own.
-    fn pack(&self, core: c_short, told: bool, values: &[Given], items: &[u8], item: usize) -> Result<Vec<Call>> {
+    fn pack(&self, core: c_short, is_given: bool, values: &[Given], items: &[u8], item: usize) -> Result<Vec<Call>> {
         let Some(command) = self.command else { return Ok(Vec::new()) };
         // What a long head leaves of a message.
         let room = ITEM_BYTES.min(BODY_MAX.saturating_sub(widths(command.fields)));
@@ -195,7 +195,7 @@ impl Prepared {
                     "count" if self.prototype.function.tells_stop() => {
                         put(&mut payload, wire, Arg::Int(1), self.name(), "count")?;
                     }
-                    name if name.ends_with("_given") => payload.push(told.into()),
+                    name if name.ends_with("_given") => payload.push(is_given.into()),
                     _ => {
                         if let Some(given) = values.next() {
                             self.put_field(&mut payload, wire, given)?;
@@ -211,8 +211,8 @@ impl Prepared {
 
     /// Whether the parameter that the request reports was given; the value for one left out becomes
     /// 0.
-    fn take_told(&self, args: &[Arg], values: &mut [Given]) -> bool {
-        let Some(told) = self.prototype.function.told else { return false };
+    fn take_given(&self, args: &[Arg], values: &mut [Given]) -> bool {
+        let Some(name) = self.prototype.function.reports_given else { return false };
         for (_, elements) in values.iter_mut() {
             for element in elements.iter_mut().filter(|element| **element == Arg::Real(NOT_GIVEN)) {
                 *element = Arg::Real(0.0);
@@ -220,7 +220,7 @@ impl Prepared {
         }
         let mut arguments = self.prototype.arguments.iter().zip(args);
         arguments.any(|(argument, arg)| {
-            argument.name == told
+            argument.name == name
                 && match arg {
                     Arg::Real(value) => *value != NOT_GIVEN,
                     Arg::Address(address) => !address.is_null(),
@@ -236,7 +236,7 @@ impl Prepared {
     unsafe fn requests(&self, core: c_short, args: &[Arg]) -> Result<Vec<Call>> {
         // SAFETY: as the caller says.
         let (mut values, lists) = unsafe { self.given(args)? };
-        let told = self.take_told(args, &mut values);
+        let is_given = self.take_given(args, &mut values);
         let mut items = Vec::new();
         let mut item = 0;
         let layout = self.command.map_or(&[][..], |command| command.items);
@@ -268,7 +268,7 @@ impl Prepared {
                 }
             }
         }
-        self.pack(core, told, &values, &items, item)
+        self.pack(core, is_given, &values, &items, item)
     }
 }
 

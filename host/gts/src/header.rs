@@ -34,7 +34,7 @@ pub fn declaration(prototype: &Prototype, symbol: &str) -> String {
         .iter()
         .map(|argument| match argument.default {
             Some(_) if argument.is_address() => format!("{} GT_DEFAULT(NULL)", argument.c()),
-            Some(_) if prototype.function.told == Some(argument.name) => {
+            Some(_) if prototype.function.reports_given == Some(argument.name) => {
                 format!("{} GT_DEFAULT(GT_NOT_GIVEN)", argument.c())
             }
             Some(default) => format!("{} GT_DEFAULT({default})", argument.c()),

@@ -62,7 +62,7 @@ pub fn table() -> String {
         "}\n\n# Symbol: what it does, and its parameters as (name, kind, default); None: no default.\nFUNCTIONS = {\n";
     for form in [Form::Gt, Form::Gtn] {
         for prototype in all(form) {
-            let told = prototype.function.told;
+            let optional = prototype.function.reports_given;
             let parameters: Vec<String> = prototype
                 .parameters()
                 .iter()
@@ -72,7 +72,7 @@ pub fn table() -> String {
                         None if argument.optional => "\"NOT GIVEN\"".to_owned(),
                         None => "None".to_owned(),
                         Some(_) if argument.is_address() => "\"NULL\"".to_owned(),
-                        Some(_) if told == Some(argument.name) => "\"NOT GIVEN\"".to_owned(),
+                        Some(_) if optional == Some(argument.name) => "\"NOT GIVEN\"".to_owned(),
                         Some(default) => default.to_string(),
                     };
                     format!("(\"{}\", \"{}\", {default})", argument.name, kind(&prototype, argument))

@@ -34,7 +34,7 @@ type Fifo = (i16, i16, i16);
 struct Lease {
     fifo: Fifo,
     free: usize,
-    told: Instant,
+    reported: Instant,
 }
 
 /// See the module text.
@@ -77,7 +77,7 @@ impl Stream {
     pub fn answer(&self, call: &Call) -> Option<Vec<u8>> {
         let asked = (call.opcode == opcode::PtSpace).then(|| PtSpace::read_from_bytes(&call.payload).ok())??;
         let fifo = (asked.core.get(), asked.profile.get(), asked.fifo.get());
-        let lease = self.lease.filter(|lease| lease.fifo == fifo && lease.told.elapsed() < FRESH)?;
+        let lease = self.lease.filter(|lease| lease.fifo == fifo && lease.reported.elapsed() < FRESH)?;
         let free = lease.free.checked_sub(self.queue.len()).filter(|free| *free > 0)?;
         Some(Short { value: (free as i16).into() }.as_bytes().to_vec())
     }
@@ -107,7 +107,7 @@ impl Stream {
     pub fn settled(&mut self, reply: &[u8]) {
         if let (Some(lease), Ok(taken)) = (&mut self.lease, PtTaken::read_from_bytes(reply)) {
             lease.free = taken.space.get().into();
-            lease.told = Instant::now();
+            lease.reported = Instant::now();
         }
     }
 
@@ -138,7 +138,7 @@ impl Stream {
         match self.chains.get(&fifo).and_then(|chain| follows(&data, chain, self.limit?)) {
             Some(next) if !self.off => {
                 self.chains.insert(fifo, next);
-                self.lease = Some(Lease { fifo, free: taken.space.get().into(), told: Instant::now() });
+                self.lease = Some(Lease { fifo, free: taken.space.get().into(), reported: Instant::now() });
             }
             _ => {
                 self.chains.remove(&fifo);

@@ -386,7 +386,7 @@ impl Bus {
         self.rcc.fastest = self.pwr.fastest();
         let lines = USB_PINS.map(|pin| self.gpio.alternate(pin) == Some(USB_FUNCTION));
         self.usb.connect(self.pwr.has_usb() && lines == [true; 2]);
-        let told = [
+        let complaints = [
             self.rcc.complaint.take(),
             self.usart.complaint.take(),
             self.dma.complaint.take(),
@@ -397,7 +397,7 @@ impl Bus {
             self.usb.host.complaint.take(),
         ];
         let of_timers: Vec<_> = self.timers.iter_mut().filter_map(|timer| timer.complaint.take()).collect();
-        told.into_iter().flatten().chain(of_timers).for_each(|complaint| self.note(complaint));
+        complaints.into_iter().flatten().chain(of_timers).for_each(|complaint| self.note(complaint));
         self.next = (0..PLACES.len()).map(|n| self.device(n).next()).min().unwrap_or(NEVER);
     }
 

@@ -22,10 +22,10 @@ const BETWEEN_NS: u64 = 80;
 const WRITE: u32 = 0b011;
 
 /// An output got a code: when, which (from 0), the code.
-pub type Told = (Time, usize, u16);
+pub type Write = (Time, usize, u16);
 
 /// Commands to the part on this select line since power-on.
-pub fn told(chip: &Chip, select: Pin) -> Result<Vec<Told>, String> {
+pub fn writes(chip: &Chip, select: Pin) -> Result<Vec<Write>, String> {
     let spi = &chip.bus.spi;
     if spi.sent.is_empty() {
         return Ok(Vec::new());
@@ -52,7 +52,7 @@ pub fn told(chip: &Chip, select: Pin) -> Result<Vec<Told>, String> {
         }
     }
     let mut words = spi.sent.iter().peekable();
-    let mut told = Vec::new();
+    let mut writes = Vec::new();
     for (begin, end) in frames {
         let mut frame = Vec::new();
         while let Some((at, byte)) = words.next_if(|(at, _)| *at <= end) {
@@ -68,10 +68,10 @@ pub fn told(chip: &Chip, select: Pin) -> Result<Vec<Told>, String> {
         if command != WRITE || address > 1 {
             return Err(format!("command {command:#05b} to {address} at {begin}"));
         }
-        told.push((at, address as usize, (high << 8 | low) as u16));
+        writes.push((at, address as usize, (high << 8 | low) as u16));
     }
     match words.next() {
         Some((at, _)) => Err(format!("a byte at {at} that is in no frame")),
-        None => Ok(told),
+        None => Ok(writes),
     }
 }

@@ -273,7 +273,7 @@ impl Dma {
         } else {
             out.push(Signal::Fetch { address, size, stream: n as u8 });
         }
-        self.tell(n, out);
+        self.report(n, out);
     }
 
     /// Data that a stream has fetched from its peripheral is written to memory.
@@ -288,7 +288,7 @@ impl Dma {
         if !self.memory.is_reached_by_dma(address) || !self.memory.load(address, bytes) {
             self.fail(n);
         }
-        self.tell(n, out);
+        self.report(n, out);
     }
 
     /// A bus error: the stream is switched off (RM0433 15.3.19).
@@ -300,7 +300,7 @@ impl Dma {
         self.complain(n, "it reaches no memory at its address");
     }
 
-    fn tell(&self, n: usize, out: &mut Vec<Signal>) {
+    fn report(&self, n: usize, out: &mut Vec<Signal>) {
         out.push(Signal::Line(LINES[n], self.streams[n].line()));
     }
 
@@ -388,7 +388,7 @@ impl Dma {
                 let half = first + (offset - 0x08) as usize;
                 for (n, shift) in SHIFTS.into_iter().enumerate() {
                     self.streams[half + n].flags &= !(value >> shift);
-                    self.tell(half + n, out);
+                    self.report(half + n, out);
                 }
                 return Some(());
             }
@@ -399,7 +399,7 @@ impl Dma {
         if place % 24 == 0 {
             self.control(n, value);
             self.hear(n, at);
-            self.tell(n, out);
+            self.report(n, out);
             return Some(());
         }
         let stream = &mut self.streams[n];
@@ -476,7 +476,7 @@ impl Device for Dma {
         let (complaint, lost) = (self.complaint.take(), self.lost);
         *self = Dma { cycle: self.cycle, passed: self.passed, ..Dma::new(self.memory.clone()) };
         (self.complaint, self.lost) = (complaint, lost);
-        (0..STREAMS).for_each(|n| self.tell(n, out));
+        (0..STREAMS).for_each(|n| self.report(n, out));
     }
 
     fn clocks(&mut self, clocks: &Clocks, _: Time) {

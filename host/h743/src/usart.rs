@@ -176,7 +176,7 @@ impl Usart {
             || by(bit(cr3, 0), ORE)
     }
 
-    fn tell(&self, out: &mut Vec<Signal>) {
+    fn report(&self, out: &mut Vec<Signal>) {
         out.push(Signal::Line(self.interrupt, self.line()));
     }
 
@@ -248,7 +248,7 @@ impl Device for Usart {
                 let byte = self.received.pop_front().unwrap_or(0);
                 self.asked = false;
                 self.ask(out);
-                self.tell(out);
+                self.report(out);
                 byte.into()
             }
             PRESC => self.presc,
@@ -298,7 +298,7 @@ impl Device for Usart {
         }
         self.shift(at);
         self.ask(out);
-        self.tell(out);
+        self.report(out);
         Some(())
     }
 
@@ -330,7 +330,7 @@ impl Device for Usart {
             self.latched |= IDLE;
         }
         self.ask(out);
-        self.tell(out);
+        self.report(out);
     }
 
     fn reset(&mut self, _: Time, out: &mut Vec<Signal>) {
@@ -340,7 +340,7 @@ impl Device for Usart {
         (self.arriving, self.sent, self.host_free, self.lost) = wire;
         self.complaint = complaint;
         out.push(Signal::Output(Source::UsartTx(3), None));
-        self.tell(out);
+        self.report(out);
     }
 
     fn clocks(&mut self, clocks: &Clocks, _: Time) {

@@ -552,27 +552,27 @@ impl Usb {
         self.host.plug(there, at);
     }
 
-    fn tell(&self, out: &mut Vec<Signal>) {
+    fn report(&self, out: &mut Vec<Signal>) {
         out.push(Signal::Line(LINE, self.core.line()));
     }
 
     /// What the line is, after something outside of the core has changed it.
     pub fn stir(&self, out: &mut Vec<Signal>) {
-        self.tell(out);
+        self.report(out);
     }
 }
 
 impl Device for Usb {
     fn read(&mut self, offset: u32, at: Time, out: &mut Vec<Signal>) -> Option<u32> {
         let value = self.core.read(offset, at);
-        self.tell(out);
+        self.report(out);
         value
     }
 
     fn write(&mut self, offset: u32, value: u32, mask: u32, _: Time, out: &mut Vec<Signal>) -> Option<()> {
         // The core has words only (RM0433 57).
         let done = if mask == u32::MAX { self.core.write(offset, value) } else { None };
-        self.tell(out);
+        self.report(out);
         done
     }
 
@@ -584,14 +584,14 @@ impl Device for Usb {
         while self.host.next() <= to {
             self.host.step(&mut self.core);
         }
-        self.tell(out);
+        self.report(out);
     }
 
     fn reset(&mut self, _: Time, out: &mut Vec<Signal>) {
         let kept = (self.core.vbus, self.core.connected, self.core.lenient, self.core.complaint.take());
         self.core = Core::initial();
         (self.core.vbus, self.core.connected, self.core.lenient, self.core.complaint) = kept;
-        self.tell(out);
+        self.report(out);
     }
 
     fn clocks(&mut self, clocks: &Clocks, _: Time) {

@@ -63,7 +63,7 @@ pub struct Param {
 }
 
 /// How parameters become a request. Fields of a request that no parameter fills: `core`, `form` (0 `GTN_`, 1 `GT_`),
-/// `first` (0) and `…_given` (see [`Function::told`]).
+/// `first` (0) and `…_given` (see [`Function::reports_given`]).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shape {
     /// The request's other fields are the parameters that go in, in order; a `count` that no parameter fills is 1.
@@ -94,7 +94,7 @@ pub struct Function {
     /// How they travel.
     pub shape: Shape,
     /// The parameter for which the request says whether it was given.
-    pub told: Option<&'static str>,
+    pub reports_given: Option<&'static str>,
 }
 
 impl Function {

@@ -37,7 +37,7 @@ pub(crate) struct Bound {
     pub(crate) fills: Vec<(String, usize, Range<usize>)>,
     pub(crate) text: Option<(String, Range<usize>)>,
     /// The parameter for which the request says whether it was given.
-    pub(crate) told: bool,
+    pub(crate) is_given: bool,
 }
 
 impl Bound {
@@ -242,7 +242,7 @@ impl Reader<'_> {
                 }
                 continue;
             };
-            bound.told |= function.told == Some(param.name);
+            bound.is_given |= function.reports_given == Some(param.name);
             match param.pass {
                 Pass::In(of) => {
                     let value = self.scalar(given, of, param.name, name)?;

@@ -115,16 +115,16 @@ impl Prepared {
     ///
     /// # Safety
     /// The text has `size` bytes.
-    pub(super) unsafe fn store_text(&self, args: &[Arg], told: &str) {
+    pub(super) unsafe fn store_text(&self, args: &[Arg], message: &str) {
         let Some((text, size)) = self.room(args) else { return };
         let Some(most) = usize::try_from(size).ok().and_then(|size| size.checked_sub(1)) else { return };
-        let mut end = told.len().min(most);
-        while !told.is_char_boundary(end) {
+        let mut end = message.len().min(most);
+        while !message.is_char_boundary(end) {
             end -= 1;
         }
         // SAFETY: `end` is less than `size`.
         unsafe {
-            text.copy_from_nonoverlapping(told.as_ptr(), end);
+            text.copy_from_nonoverlapping(message.as_ptr(), end);
             text.add(end).write(0);
         }
     }

@@ -76,9 +76,9 @@ fn published(chip: &Chip, channel: usize, external: bool) -> Result<Vec<(Time, f
     let millivolts = |value: u16, least: i32| (i32::from(value) * least - 32768) as f64 * 10_000.0 / 32768.0;
     let mut published: Vec<(Time, f64)> = if external {
         let of = |(at, _, code): (Time, usize, u16)| (at, millivolts(code, 1));
-        let told = dac8563::told(chip, Pin::named("PC11").unwrap())?;
-        let told = told.into_iter().filter(|told| told.1 == channel).map(of);
-        std::iter::once((0, millivolts(dac8563::MID_SCALE, 1))).chain(told).collect()
+        let writes = dac8563::writes(chip, Pin::named("PC11").unwrap())?;
+        let writes = writes.into_iter().filter(|write| write.1 == channel).map(of);
+        std::iter::once((0, millivolts(dac8563::MID_SCALE, 1))).chain(writes).collect()
     } else {
         let of = |&(at, of, value): &h743::dac::Change| (of == channel).then_some((at, millivolts(value?, 16)));
         chip.bus.dac.changes.iter().filter_map(of).collect()

@@ -66,7 +66,7 @@ const fn call(name: &'static str, opcode: u16, params: &'static [Param]) -> Func
     shaped(Shape::Plain, name, opcode, params)
 }
 const fn shaped(shape: Shape, name: &'static str, opcode: u16, params: &'static [Param]) -> Function {
-    Function { name, opcode, params, shape, told: None }
+    Function { name, opcode, params, shape, reports_given: None }
 }
 
 /// Every function that has a request, or that the host answers.
@@ -251,7 +251,7 @@ pub const FUNCTIONS: &[Function] = &[
         &[CRD, double("ratio"), long("minPower"), long("maxPower"), FIFO, CHANNEL],
     ),
     Function {
-        told: Some("startPower"),
+        reports_given: Some("startPower"),
         ..call(
             "BufLaserFollowMode",
             c::BufLaserFollowMode::OPCODE,
@@ -289,7 +289,7 @@ pub const FUNCTIONS: &[Function] = &[
     ),
     // The manual of the earlier series has no bounds: (ratio, channel).
     Function {
-        told: Some("maxPower"),
+        reports_given: Some("maxPower"),
         ..call(
             "SetLaserDisRatio",
             c::SetLaserDisRatio::OPCODE,
@@ -297,7 +297,7 @@ pub const FUNCTIONS: &[Function] = &[
         )
     },
     Function {
-        told: Some("limitPower"),
+        reports_given: Some("limitPower"),
         ..shaped(
             Shape::Points,
             "SetLaserDisTable1D",
@@ -314,7 +314,7 @@ pub const FUNCTIONS: &[Function] = &[
         )
     },
     Function {
-        told: Some("limitPower"),
+        reports_given: Some("limitPower"),
         ..shaped(
             Shape::Grid,
             "SetLaserDisTable2D",
