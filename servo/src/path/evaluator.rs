@@ -71,55 +71,112 @@ enum After {
 pub struct Path {
     stage: Stage,
     stand: MotionPosition,
-    /// The path length since the last sample to the end of the last phase that has ended since, if
-    /// one has.
-    swept: Option<Exact>,
-    /// Then: its position at that sample.
-    past: Past,
+    swept: Swept,
     /// The end of the FIFO, if nothing followed the motion in force when it was planned.
     open: Option<u32>,
     fifo: u8,
-    /// Which motion, and which piece, is in force.
-    at: u8,
-    piece: u8,
-    /// The piece in force is made.
-    pieced: bool,
-    /// Whether the fast path may publish the position, and pass the end of the phase in force.
-    /// Decided where it may change.
-    fast: bool,
-    turn: Turn,
+    fast: FastPath,
     /// What is published has to be written as a whole.
     fresh: bool,
     /// Whether a coordinate has slaves; then the motion between samples is kept: up to the last
     /// one, and since.
     led: bool,
     stopping: bool,
-    /// The plan of the motion in force is not made yet beyond its first phase (`sketch`).
-    unfinished: bool,
-    /// The phase as a piece, once it is needed, and the one after it, if it is made ahead.
-    pieces: [PackedPhase; 2],
-    /// Its position after the end of the phase in force, if the next motion begins there (`turn`).
+    pieces: Pieces,
+    /// Its position after the end of the phase in force, if the next motion begins there (`fast`).
     coming: MotionPosition,
-    /// When the piece after the one in force begins, if it is made.
-    follows: Option<Fine>,
     /// The instant up to which all boundaries have been passed, and the speed there.
     time: Fine,
     speed: Real,
     cursors: [Cursor; 2],
     /// The motion in force, and the one after it, made ahead in ticks that have time for it.
-    motions: [Prepared; 2],
+    motions: Pair<Prepared>,
     /// Its position while it does not move.
     here: [Pos; DIMENSIONS],
     /// Holds for all motions; a change acts on the motion in force with [`Path::replan`].
     pub rules: Rules,
-    /// The part in progress of the motion after the one in force, or, as long as that is
-    /// `unfinished`, of its plan.
-    draft: Draft,
-    sketch: Sketch,
+    planning: Planning,
     /// At rest: the part that is made belongs to a start with this FIFO, as if it began at 0.
     prepared: Option<u8>,
     trajectory: TrajectorySample,
     since: TrajectorySample,
+}
+
+/// The one in force, and the one after it.
+#[derive(Debug, Clone, Copy)]
+#[repr(C)]
+struct Pair<T> {
+    /// Which one is in force. The mask is the bound: the check folds away.
+    at: u8,
+    both: [T; 2],
+}
+
+impl<T> Pair<T> {
+    #[inline(always)]
+    fn now(&self) -> &T {
+        &self.both[(self.at & 1) as usize]
+    }
+
+    #[inline(always)]
+    fn now_mut(&mut self) -> &mut T {
+        &mut self.both[(self.at & 1) as usize]
+    }
+
+    #[inline(always)]
+    fn next(&self) -> &T {
+        &self.both[(!self.at & 1) as usize]
+    }
+
+    #[inline(always)]
+    fn next_mut(&mut self) -> &mut T {
+        &mut self.both[(!self.at & 1) as usize]
+    }
+
+    /// The one after it comes into force.
+    #[inline(always)]
+    fn turn(&mut self) {
+        self.at ^= 1;
+    }
+}
+
+/// The phase in force as a piece, and the one after it.
+#[derive(Debug, Clone, Copy)]
+#[repr(C)]
+struct Pieces {
+    /// The first is made, as it was needed.
+    made: bool,
+    pair: Pair<PackedPhase>,
+    /// When the second begins, if it is made.
+    follows: Option<Fine>,
+}
+
+/// The path length since the last sample.
+#[derive(Debug, Clone, Copy)]
+struct Swept {
+    /// To the end of the last phase that has ended since, if one has.
+    length: Option<Exact>,
+    /// Then: the position at that sample.
+    past: Past,
+}
+
+/// What the fast path may do. Decided where it may change.
+#[derive(Debug, Clone, Copy)]
+struct FastPath {
+    /// Publish the position.
+    publishes: bool,
+    /// Pass the end of the phase in force.
+    turn: Turn,
+}
+
+/// The part of a motion that is being made.
+#[derive(Debug, Clone, Copy)]
+struct Planning {
+    /// The plan of the motion in force is not made yet beyond its first phase (`sketch`).
+    unfinished: bool,
+    /// Of the geometry of the motion after it.
+    draft: Draft,
+    /// Of the plan of that motion, or, as long as that is `unfinished`, of the one in force.
+    sketch: Sketch,
 }
 
 /// A phase in the form that the tick evaluates.
@@ -231,33 +288,29 @@ impl Budget {
 impl Path {
     /// At rest in the origin, FIFOs empty.
     pub const IDLE: Path = Path {
-        rules: Rules::POWER_ON,
         stage: Stage::Standstill,
-        cursors: [Cursor::NEW; 2],
+        stand: MotionPosition::NONE,
+        swept: Swept { length: None, past: Past::NONE },
+        open: None,
         fifo: 0,
-        here: ORIGIN,
+        fast: FastPath { publishes: false, turn: Turn::Else },
+        fresh: true,
+        led: false,
+        stopping: false,
+        pieces: Pieces {
+            made: false,
+            pair: Pair { at: 0, both: [PackedPhase { even: None, piece: Piece::standstill(Ns(0), 0, Pos(0)) }; 2] },
+            follows: None,
+        },
+        coming: MotionPosition::NONE,
         time: 0,
         speed: Real::ZERO,
-        stopping: false,
-        unfinished: false,
-        motions: [Prepared::NOTHING; 2],
-        at: 0,
-        draft: Draft::Nothing,
-        sketch: Sketch::NONE,
+        cursors: [Cursor::NEW; 2],
+        motions: Pair { at: 0, both: [Prepared::NOTHING; 2] },
+        here: ORIGIN,
+        rules: Rules::POWER_ON,
+        planning: Planning { unfinished: false, draft: Draft::Nothing, sketch: Sketch::NONE },
         prepared: None,
-        stand: MotionPosition::NONE,
-        coming: MotionPosition::NONE,
-        pieces: [PackedPhase { even: None, piece: Piece::standstill(Ns(0), 0, Pos(0)) }; 2],
-        piece: 0,
-        pieced: false,
-        fast: false,
-        turn: Turn::Else,
-        follows: None,
-        fresh: true,
-        swept: None,
-        past: Past::NONE,
-        open: None,
-        led: false,
         trajectory: TrajectorySample::NONE,
         since: TrajectorySample::NONE,
     };
@@ -269,42 +322,33 @@ impl Path {
         let Path {
             stage,
             stand,
-            swept,
-            past: _,
+            swept: Swept { length, past: _ },
             open,
             fifo,
-            at: _,
-            piece: _,
-            pieced,
             fast,
-            turn,
             fresh,
             led,
             stopping,
-            unfinished,
-            pieces: _,
+            pieces: Pieces { made, pair: _, follows },
             coming: _,
-            follows,
             time,
             speed,
             cursors,
             motions,
             here,
             rules: _,
-            draft: _,
-            sketch: _,
+            planning: Planning { unfinished, draft: _, sketch: _ },
             prepared,
             trajectory,
             since,
         } = self;
         let on = &Path::IDLE;
-        (*stage, *stand, *swept, *open, *fifo) = (on.stage, on.stand, on.swept, on.open, on.fifo);
-        (*pieced, *fresh, *led, *stopping) = (on.pieced, on.fresh, on.led, on.stopping);
-        *unfinished = on.unfinished;
-        (*fast, *turn) = (on.fast, on.turn);
-        (*follows, *time, *speed, *here, *prepared) = (on.follows, on.time, on.speed, at, on.prepared);
+        (*stage, *stand, *length, *open, *fifo) = (on.stage, on.stand, None, on.open, on.fifo);
+        (*made, *fresh, *led, *stopping) = (false, on.fresh, on.led, on.stopping);
+        (*unfinished, *fast, *follows) = (false, on.fast, None);
+        (*time, *speed, *here, *prepared) = (on.time, on.speed, at, on.prepared);
         cursors.iter_mut().for_each(Cursor::clear);
-        motions.iter_mut().for_each(|made| made.state = State::Nothing);
+        motions.both.iter_mut().for_each(|made| made.state = State::Nothing);
         (trajectory.count, trajectory.turns, since.count) = (0, [None; DIMENSIONS], 0);
     }
 
@@ -396,28 +440,6 @@ impl Path {
         self.cursor_of(fifo).done
     }
 
-    /// The motion in force. The mask is the bound: the check folds away.
-    #[inline(always)]
-    fn motion(&self) -> &Prepared {
-        &self.motions[(self.at & 1) as usize]
-    }
-
-    #[inline(always)]
-    fn motion_mut(&mut self) -> &mut Prepared {
-        &mut self.motions[(self.at & 1) as usize]
-    }
-
-    /// The one after it.
-    #[inline(always)]
-    fn ahead(&self) -> &Prepared {
-        &self.motions[(!self.at & 1) as usize]
-    }
-
-    #[inline(always)]
-    fn ahead_mut(&mut self) -> &mut Prepared {
-        &mut self.motions[(!self.at & 1) as usize]
-    }
-
     fn cursor_of(&self, fifo: u8) -> &Cursor {
         let [first, second] = &self.cursors;
         if fifo == 0 { first } else { second }
@@ -445,7 +467,7 @@ impl Path {
     }
 
     fn set_off(&mut self, next: Ns, fifo: u8, feed: Feed, source: &impl Entries) {
-        (self.fifo, self.stopping, self.speed, self.pieced) = (fifo, false, Real::ZERO, false);
+        (self.fifo, self.stopping, self.speed, self.pieces.made) = (fifo, false, Real::ZERO, false);
         self.time = (next.0 as Fine) << 32;
         self.take_prepared_start(next, fifo);
         let cursor = self.cursor(fifo);
@@ -511,7 +533,7 @@ impl Path {
         let until = now.wrapping_add((period.0 as Fine) << 32);
         let mut budget = Budget::new(until);
         // A tick that enters a motion or makes a piece prepares nothing.
-        let mut has_time = may_prepare && self.pieced;
+        let mut has_time = may_prepare && self.pieces.made;
         if self.is_due(next) {
             self.walk(now.wrapping_add(1), &mut budget, feed, source, sink);
             has_time = false;

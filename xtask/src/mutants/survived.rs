@@ -100,7 +100,7 @@ pub const SURVIVED: &[Mutant] = &[
     mutant(
         "what was before an axis was mapped counts",
         DRIVEN,
-        "(self.crd, self.fresh) = (Some(crd), 0);",
+        "(self.crd, self.causes.fresh) = (Some(crd), 0);",
         "self.crd = Some(crd);",
         CAUSES,
     ),
@@ -159,15 +159,15 @@ pub const SURVIVED: &[Mutant] = &[
     mutant(
         "an axis that goes along is sent away",
         DRIVEN,
-        "if self.published.mode != Mode::Trap || self.driven || self.refuses_start() {",
-        "if self.published.mode != Mode::Trap || self.refuses_start() {",
+        "|| self.state == MotionState::Driven && !geared || self.refuses_start() {",
+        "|| self.refuses_start() {",
         CRD_GUARDS,
     ),
     mutant(
         "an axis that goes along takes an Update",
         MOTION,
-        "self.refuses_start() || self.driven || direction != 0",
-        "self.refuses_start() || direction != 0",
+        "            || self.state == MotionState::Driven\n",
+        "",
         CRD_GUARDS,
     ),
     // -- what guards an axis ---------------------------------------------------------------------
@@ -209,7 +209,7 @@ pub const SURVIVED: &[Mutant] = &[
     mutant(
         "a cleared fault that lasts lets go for a tick",
         INPUT_SCAN,
-        "self.block(self.causes & status::FAULTS);",
+        "self.block(self.causes.present & status::FAULTS);",
         "self.block(0);",
         GUARDS,
     ),

@@ -20,7 +20,7 @@ impl Path {
 
     /// The phase in force ends then; a motion without further phases is over now.
     pub(super) fn set_over(&mut self) {
-        let left = self.motion().plan.phase(self.stand.phase).map_or(0, |phase| phase.time);
+        let left = self.motions.now().plan.phase(self.stand.phase).map_or(0, |phase| phase.time);
         self.stand.over = self.stand.began.wrapping_add(left);
     }
 
@@ -39,23 +39,23 @@ impl Path {
                 Stage::Wait { until } => {
                     self.time = until;
                     self.cursor(self.fifo).inside = false;
-                    if self.swept.is_none() {
+                    if self.swept.length.is_none() {
                         self.keep_past(Pos(0));
-                        self.swept = Some(Exact(0));
+                        self.swept.length = Some(Exact(0));
                     }
                     self.go_on(budget, feed, source, sink);
                 }
                 Stage::Move => {
-                    if self.unfinished {
+                    if self.planning.unfinished {
                         self.finish();
                     }
                     if self.end_phase() {
                         continue;
                     }
-                    if self.motion().plan.halts {
+                    if self.motions.now().plan.halts {
                         self.halt(self.time, PathStop::Stopped, feed, sink);
                     } else if !self.admits_end(sink) {
-                        let distance = self.motion().shape.length().to_exact();
+                        let distance = self.motions.now().shape.length().to_exact();
                         self.hold(self.time, (self.stand.sampled.into(), distance), sink, feed);
                     } else {
                         self.leave(sink);
@@ -69,7 +69,7 @@ impl Path {
     /// Whether it and its geared axes may be at the end of the motion in force.
     fn admits_end(&self, sink: &mut impl Effects) -> bool {
         let end = |gear: &Gear| Pos::pulses(gear.pulses);
-        sink.admits(self.motion().shape.end())
+        sink.admits(self.motions.now().shape.end())
             && self.gears_of(self.fifo).all(|gear| sink.admits_gear(gear.axis, end(gear)))
     }
 
@@ -89,15 +89,15 @@ impl Path {
         feed: Feed,
         admits: impl FnOnce(&[Pos; DIMENSIONS]) -> bool,
     ) -> Option<[u32; 2]> {
-        match self.turn {
+        match self.fast.turn {
             Turn::Motion => {}
             Turn::Phase => {
-                self.turn = Turn::Else;
+                self.fast.turn = Turn::Else;
                 return self.end_phase().then(|| self.counts());
             }
             Turn::Else => return None,
         }
-        let (Prepared { shape, plan, .. }, Prepared { open, .. }) = (self.motion(), self.ahead());
+        let (Prepared { shape, plan, .. }, Prepared { open, .. }) = (self.motions.now(), self.motions.next());
         let open = *open;
         if open.is_some_and(|sampled| sampled != end_of(feed, self.fifo)) || !admits(shape.end()) {
             return None;
@@ -114,47 +114,49 @@ impl Path {
         // The entry of the motion that begins is not over.
         let (released, done) = (cursor.next, cursor.done.wrapping_add(1));
         (cursor.next, cursor.done) = (released.wrapping_add(1), done);
-        self.ahead_mut().state = State::Nothing;
-        (self.stand, self.open, self.at, self.piece) = (self.coming, open, self.at ^ 1, self.piece ^ 1);
-        (self.follows, self.fresh, self.turn) = (None, true, Turn::Else);
+        self.motions.next_mut().state = State::Nothing;
+        (self.stand, self.open) = (self.coming, open);
+        self.motions.turn();
+        self.pieces.pair.turn();
+        (self.pieces.follows, self.fresh, self.fast.turn) = (None, true, Turn::Else);
         Some([released, done])
     }
 
     /// To the end of the phase in force, of this length.
     #[inline(always)]
     fn sweep(&mut self, length: Exact) {
-        let so_far = match self.swept {
+        let so_far = match self.swept.length {
             Some(swept) => swept.0,
             None => {
                 self.keep_past(self.stand.sampled);
                 self.stand.distance.0.wrapping_sub(Exact::from(self.stand.sampled).0)
             }
         };
-        self.swept = Some(Exact(length.0.wrapping_add(so_far)));
+        self.swept.length = Some(Exact(length.0.wrapping_add(so_far)));
     }
 
     /// The phase in force is over. Returns whether another one of the motion has begun.
     #[inline(always)]
     fn end_phase(&mut self) -> bool {
-        let Some(&Phase { length, .. }) = self.motion().plan.phase(self.stand.phase) else { return false };
+        let Some(&Phase { length, .. }) = self.motions.now().plan.phase(self.stand.phase) else { return false };
         self.sweep(length);
         self.stand.distance = Exact(self.stand.distance.0.wrapping_add(length.0));
         (self.stand.began, self.time) = (self.stand.over, self.stand.over);
         self.stand.phase = self.stand.phase.wrapping_add(1);
-        if self.motion().plan.phase(self.stand.phase).is_some() {
+        if self.motions.now().plan.phase(self.stand.phase).is_some() {
             self.take_piece();
             self.set_over();
             return true;
         }
         // The piece after it belongs to what begins there.
-        self.pieced = false;
+        self.pieces.made = false;
         false
     }
 
     /// The motion in force is over.
     #[inline(always)]
     fn close(&mut self) {
-        let Prepared { shape, plan, .. } = self.motion();
+        let Prepared { shape, plan, .. } = self.motions.now();
         let (&here, speed) = (shape.end(), plan.exit);
         (self.here, self.speed, self.open) = (here, speed, None);
         let cursor = self.cursor(self.fifo);
@@ -226,7 +228,7 @@ impl Path {
                 }
             }
             if moves {
-                if self.motion().shape.length().is_zero() {
+                if self.motions.now().shape.length().is_zero() {
                     let speed = self.speed;
                     self.leave(sink);
                     self.speed = speed;
@@ -277,7 +279,7 @@ impl Path {
             item => {
                 self.enter(self.here, counter, item);
                 (self.stand.distance, self.stand.sampled) = (Exact(0), Pos(0));
-                if !self.motion().shape.length().is_zero() {
+                if !self.motions.now().shape.length().is_zero() {
                     self.plan_rest(feed, source);
                 }
                 None
@@ -287,7 +289,7 @@ impl Path {
 
     /// Comes to rest within a motion.
     pub(super) fn halt(&mut self, at: Fine, rest: PathStop, feed: Feed, sink: &mut impl Effects) {
-        let (distance, shape) = (self.stand.distance, &self.motion().shape);
+        let (distance, shape) = (self.stand.distance, &self.motions.now().shape);
         let (here, from) = (shape.at(distance.round()), *shape.start());
         self.here = here;
         let cursor = self.cursor(self.fifo);
@@ -312,7 +314,7 @@ impl Path {
     /// Comes to rest here.
     pub(super) fn rest(&mut self, at: Fine, rest: PathStop, feed: Feed, sink: &mut impl Effects) {
         (self.stage, self.speed, self.stopping, self.open) = (Stage::Standstill, Real::ZERO, false, None);
-        (self.stand.over, self.fresh, self.unfinished) = (Fine::MAX, true, false);
+        (self.stand.over, self.fresh, self.planning.unfinished) = (Fine::MAX, true, false);
         let (here, end) = (self.here, end_of(feed, self.fifo));
         let cursor = self.cursor(self.fifo);
         cursor.kept = cursor.inside || cursor.left != 0 || cursor.next != end;

@@ -21,18 +21,18 @@ pub(super) enum Turn {
 impl Path {
     /// The fast path is not taken until a full step is done.
     pub(crate) fn leave_fast_path(&mut self) {
-        (self.fast, self.turn) = (false, Turn::Else);
+        (self.fast.publishes, self.fast.turn) = (false, Turn::Else);
     }
 
     /// Whether the fast path enters another motion at the end of the phase in force.
     #[inline(always)]
     pub(crate) fn turns_over(&self) -> bool {
-        self.turn == Turn::Motion
+        self.fast.turn == Turn::Motion
     }
 
     /// Two corners of a box that holds the motion in force, or the one that is `ahead`.
     pub(crate) fn hull(&self, ahead: bool) -> [[Pos; DIMENSIONS]; 2] {
-        if ahead { self.ahead() } else { self.motion() }.shape.hull()
+        if ahead { self.motions.next() } else { self.motions.now() }.shape.hull()
     }
 
     /// Decides what the fast path may do from now on, until the next full step.
@@ -41,9 +41,10 @@ impl Path {
         let moves = matches!(self.stage, Stage::Move) && !self.led;
         let cursor = self.cursor_of(self.fifo);
         let (alone, next) = (cursor.geared == 0, cursor.next);
-        self.fast = moves && self.pieced && alone;
-        let (Prepared { plan, .. }, Prepared { counter, state, plan: next_plan, .. }) = (self.motion(), self.ahead());
-        self.turn = if !moves || self.follows != Some(self.stand.over) {
+        self.fast.publishes = moves && self.pieces.made && alone;
+        let (Prepared { plan, .. }, Prepared { counter, state, plan: next_plan, .. }) =
+            (self.motions.now(), self.motions.next());
+        self.fast.turn = if !moves || self.pieces.follows != Some(self.stand.over) {
             Turn::Else
         } else if plan.phase(self.stand.phase.wrapping_add(1)).is_some() {
             Turn::Phase

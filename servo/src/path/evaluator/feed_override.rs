@@ -47,7 +47,7 @@ impl Path {
             self.catch_up((next.0 as Fine) << 32);
             self.plan_rest(feed, source);
         } else {
-            self.follows = None;
+            self.pieces.follows = None;
             self.unplan();
         }
         self.decide_fast_path();

@@ -25,7 +25,7 @@ impl Path {
     pub(super) fn enter(&mut self, from: [Pos; DIMENSIONS], counter: u32, item: &Item) {
         if let Some(along) = along_of(item) {
             let exact = self.exact(self.fifo);
-            let made = self.motion_mut();
+            let made = self.motions.now_mut();
             (made.counter, made.along) = (counter, along);
             let mut draft = made.shape.begin(from, item, exact);
             while !made.shape.advance(&mut draft) {}
@@ -45,8 +45,8 @@ impl Path {
     /// `from`.
     #[inline(always)]
     pub(super) fn swap(&mut self, from: [Pos; DIMENSIONS], distance: Exact) {
-        self.ahead_mut().state = State::Nothing;
-        self.at ^= 1;
+        self.motions.next_mut().state = State::Nothing;
+        self.motions.turn();
         (self.stand.distance, self.stand.sampled) = (distance, distance.round());
         let cursor = self.cursor(self.fifo);
         (cursor.inside, cursor.from) = (true, from);
@@ -54,13 +54,13 @@ impl Path {
 
     /// Whether a part of the motion of this entry was made ahead.
     pub(super) fn is_known(&self, counter: u32) -> bool {
-        self.ahead().state != State::Nothing && self.ahead().counter == counter
+        self.motions.next().state != State::Nothing && self.motions.next().counter == counter
     }
 
     /// The motion ahead will be entered otherwise than it was planned for.
     #[inline(always)]
     pub(super) fn unplan(&mut self) {
-        let ahead = self.ahead_mut();
+        let ahead = self.motions.next_mut();
         if ahead.state > State::Shaped {
             ahead.state = State::Shaped;
         }
@@ -71,7 +71,7 @@ impl Path {
         if self.cursor(self.fifo).geared == 0 {
             return;
         }
-        let inverse = self.motion().shape.length().recip();
+        let inverse = self.motions.now().shape.length().recip();
         let cursor = self.cursor(self.fifo);
         for gear in cursor.gears.iter_mut().take(cursor.geared) {
             let Gear { pulses, along, .. } = gear;
@@ -88,20 +88,20 @@ impl Path {
         feed: Feed,
         source: &impl Entries,
     ) {
-        while self.ahead().state < State::Shaped {
+        while self.motions.next().state < State::Shaped {
             self.shape_ahead();
         }
-        let Prepared { state, open, .. } = *self.ahead();
+        let Prepared { state, open, .. } = *self.motions.next();
         // Entries that came since may follow it.
         let planned = state > State::Shaped && open.is_none_or(|sampled| sampled == end_of(feed, self.fifo));
         if planned {
-            while self.ahead().state < State::Ready {
+            while self.motions.next().state < State::Ready {
                 self.plan_ahead();
             }
         }
         self.swap(from, distance);
         self.set_gears();
-        if self.motion().shape.length().is_zero() {
+        if self.motions.now().shape.length().is_zero() {
             return;
         }
         if planned { self.follow(open) } else { self.plan_rest(feed, source) }
@@ -111,8 +111,8 @@ impl Path {
     /// after the one in force.
     #[inline(never)]
     pub fn prepare(&mut self, feed: Feed, source: &impl Entries) {
-        if self.follows.is_none() {
-            if self.unfinished {
+        if self.pieces.follows.is_none() {
+            if self.planning.unfinished {
                 self.finish();
                 return;
             }
@@ -121,33 +121,33 @@ impl Path {
                 return;
             }
         }
-        if self.stopping || self.motion().plan.halts {
+        if self.stopping || self.motions.now().plan.halts {
             return;
         }
-        if self.ahead().state == State::Nothing {
-            let (fifo, from) = (self.fifo, *self.motion().shape.end());
+        if self.motions.next().state == State::Nothing {
+            let (fifo, from) = (self.fifo, *self.motions.now().shape.end());
             let next = self.cursor_of(fifo).next;
             self.begin_ahead(fifo, next, &from, feed, source);
         } else {
-            self.make_ahead(self.fifo, self.motion().plan.exit, Exact(0), feed, source);
+            self.make_ahead(self.fifo, self.motions.now().plan.exit, Exact(0), feed, source);
         }
     }
 
     /// Makes a part of the motion ahead: it is entered at `speed`, at the path length `distance`.
     pub(super) fn make_ahead(&mut self, fifo: u8, speed: Real, distance: Exact, feed: Feed, source: &impl Entries) {
-        match self.ahead().state {
+        match self.motions.next().state {
             State::Begun => self.shape_ahead(),
-            State::Shaped if self.ahead().shape.length().is_zero() => {
-                let ahead = self.ahead_mut();
+            State::Shaped if self.motions.next().shape.length().is_zero() => {
+                let ahead = self.motions.next_mut();
                 (ahead.plan, ahead.state) = (Plan::NONE, State::Ready);
             }
             State::Shaped => {
-                let Prepared { counter, along, shape, .. } = self.ahead();
+                let Prepared { counter, along, shape, .. } = self.motions.next();
                 let behind = self.behind(fifo, counter.wrapping_add(1), feed, source);
                 let (means, left) = (self.means(*along, behind), shape.length().sub(Real::from_exact(distance)));
-                self.sketch.begin(speed, left, means);
+                self.planning.sketch.begin(speed, left, means);
                 let open = (behind == After::Nothing).then_some(end_of(feed, fifo));
-                let ahead = self.ahead_mut();
+                let ahead = self.motions.next_mut();
                 (ahead.open, ahead.state) = (open, State::Sketched);
                 self.plan_ahead();
             }
@@ -160,9 +160,8 @@ impl Path {
     /// now.
     #[inline(always)]
     fn piece_ahead(&mut self) -> bool {
-        let (over, [motion, ahead]) = (self.stand.over, [self.at & 1, !self.at & 1]);
-        let (motion, ahead) = (&self.motions[motion as usize], &self.motions[ahead as usize]);
-        let to = &mut self.pieces[(!self.piece & 1) as usize];
+        let (over, motion, ahead) = (self.stand.over, self.motions.now(), self.motions.next());
+        let to = self.pieces.pair.next_mut();
         let Some(Phase { length, .. }) = motion.plan.phase(self.stand.phase) else { return false };
         if let Some(phase) = motion.plan.phase(self.stand.phase.wrapping_add(1)) {
             to.make(phase, over, Exact(self.stand.distance.0.wrapping_add(length.0)));
@@ -174,19 +173,19 @@ impl Path {
         } else {
             return false;
         }
-        self.follows = Some(over);
+        self.pieces.follows = Some(over);
         true
     }
 
     /// A phase begins: its piece is the one that was made ahead, if that fits.
     #[inline(always)]
     pub(super) fn take_piece(&mut self) {
-        let known = self.follows == Some(self.stand.began);
+        let known = self.pieces.follows == Some(self.stand.began);
         if known {
-            self.piece ^= 1;
+            self.pieces.pair.turn();
             self.fresh = true;
         }
-        (self.pieced, self.follows) = (known, None);
+        (self.pieces.made, self.pieces.follows) = (known, None);
     }
 
     /// Begins the motion that comes next, from this entry and this position on, if it comes without
@@ -225,9 +224,9 @@ impl Path {
     fn draft_ahead(&mut self, counter: u32, entry: &Entry, from: &[Pos; DIMENSIONS], exact: Option<[Pos; DIMENSIONS]>) {
         let item = entry.item();
         let Some(along) = along_of(&item) else { return };
-        let ahead = self.ahead_mut();
+        let ahead = self.motions.next_mut();
         (ahead.counter, ahead.along, ahead.state) = (counter, along, State::Begun);
-        self.draft = ahead.shape.begin(*from, &item, exact);
+        self.planning.draft = ahead.shape.begin(*from, &item, exact);
         if !matches!(item, Item::Circle { .. }) {
             self.shape_ahead();
         }
@@ -235,17 +234,17 @@ impl Path {
 
     /// Makes a part of the geometry of the motion that comes next.
     fn shape_ahead(&mut self) {
-        let at = (!self.at & 1) as usize;
-        if self.motions[at].shape.advance(&mut self.draft) {
-            self.motions[at].state = State::Shaped;
+        let ahead = self.motions.next_mut();
+        if ahead.shape.advance(&mut self.planning.draft) {
+            ahead.state = State::Shaped;
         }
     }
 
     /// Makes a part of its plan.
     fn plan_ahead(&mut self) {
-        let at = (!self.at & 1) as usize;
-        if self.motions[at].plan.advance(&mut self.sketch) {
-            self.motions[at].state = State::Ready;
+        let ahead = self.motions.next_mut();
+        if ahead.plan.advance(&mut self.planning.sketch) {
+            ahead.state = State::Ready;
         }
     }
 
@@ -265,26 +264,24 @@ impl Path {
     /// Plans the remainder of the motion in force from `time`, `distance` and `speed`.
     pub(super) fn plan_rest(&mut self, feed: Feed, source: &impl Entries) {
         let behind = self.behind(self.fifo, self.cursor_of(self.fifo).next, feed, source);
-        let Prepared { along, shape, .. } = self.motion();
+        let Prepared { along, shape, .. } = self.motions.now();
         let left = shape.length().sub(Real::from_exact(self.stand.distance));
         // A plan in progress of the motion after it is dropped: that motion will be entered
         // otherwise.
         let means = self.means(*along, behind);
-        self.sketch.begin(self.speed, left, means);
-        let at = (self.at & 1) as usize;
+        self.planning.sketch.begin(self.speed, left, means);
         // The phases after its first one are made in the tick that comes next, if that one lasts so
         // long.
-        self.unfinished = !self.motions[at].plan.begin(&mut self.sketch);
-        self.follows = None;
+        self.planning.unfinished = !self.motions.now_mut().plan.begin(&mut self.planning.sketch);
+        self.pieces.follows = None;
         self.follow((behind == After::Nothing).then_some(end_of(feed, self.fifo)));
     }
 
     /// Makes the remainder of the plan of the motion in force.
     #[inline(never)]
     pub(super) fn finish(&mut self) {
-        let at = (self.at & 1) as usize;
-        while !self.motions[at].plan.advance(&mut self.sketch) {}
-        self.unfinished = false;
+        while !self.motions.now_mut().plan.advance(&mut self.planning.sketch) {}
+        self.planning.unfinished = false;
     }
 
     /// Follows the plan of the motion in force, which begins now. The next motion will be entered
@@ -331,7 +328,7 @@ impl Path {
     /// Time, path length and speed are those of `now`, which lies in the phase in force or at its
     /// end.
     pub(super) fn catch_up(&mut self, now: Fine) {
-        let Some(phase) = self.motion().plan.phase(self.stand.phase).copied() else { return };
+        let Some(phase) = self.motions.now().plan.phase(self.stand.phase).copied() else { return };
         let since = now.saturating_sub(self.stand.began).min(phase.time);
         self.stand.distance = Exact(self.stand.distance.0.wrapping_add(phase.distance(since).0));
         (self.speed, self.time) = (phase.speed(since), self.stand.began.wrapping_add(since));

@@ -16,11 +16,11 @@ impl Path {
     #[inline(always)]
     pub(super) fn look(&mut self, next: Ns, report: &mut PathReport<'_>) -> bool {
         if let Stage::Move = self.stage
-            && let Some(phase) = self.motions[(self.at & 1) as usize].plan.phase(self.stand.phase)
+            && let Some(phase) = self.motions.now().plan.phase(self.stand.phase)
         {
-            if !self.pieced {
-                (self.pieced, self.fresh) = (true, true);
-                self.pieces[(self.piece & 1) as usize].make(phase, self.stand.began, self.stand.distance);
+            if !self.pieces.made {
+                (self.pieces.made, self.fresh) = (true, true);
+                self.pieces.pair.now_mut().make(phase, self.stand.began, self.stand.distance);
             }
             let before = *report.heading;
             let distance = self.publish(next, report);
@@ -63,7 +63,7 @@ impl Path {
     /// there.
     #[inline(always)]
     fn publish(&mut self, next: Ns, report: &mut PathReport<'_>) -> Pos {
-        let PackedPhase { piece, .. } = &self.pieces[(self.piece & 1) as usize];
+        let PackedPhase { piece, .. } = self.pieces.pair.now();
         let t = piece.fast_time(next).map_or_else(|| piece.held(next), |t| t as u64);
         self.publish_fresh(report);
         self.publish_at(t, report)
@@ -76,9 +76,9 @@ impl Path {
         let fresh = self.fresh;
         if fresh {
             self.fresh = false;
-            *report.motion = self.pieces[(self.piece & 1) as usize].piece.motion;
+            *report.motion = self.pieces.pair.now().piece.motion;
             *report.turns = report.turns.wrapping_add(1);
-            let shape = &self.motions[(self.at & 1) as usize].shape;
+            let shape = &self.motions.now().shape;
             shape.publish(report.position, report.heading, report.bend);
         }
         fresh
@@ -95,7 +95,7 @@ impl Path {
     /// there.
     #[inline(always)]
     pub(crate) fn publish_at(&self, t: u64, report: &mut PathReport<'_>) -> Pos {
-        let PackedPhase { even, piece } = &self.pieces[(self.piece & 1) as usize];
+        let PackedPhase { even, piece } = self.pieces.pair.now();
         let distance = if piece.is_fast() {
             // Readers derive the parameter from it.
             report.motion.t = t as u32;
@@ -108,7 +108,7 @@ impl Path {
             report.motion.tau = tau;
             distance
         };
-        let shape = &self.motions[(self.at & 1) as usize].shape;
+        let shape = &self.motions.now().shape;
         shape.follow(distance, report.position, report.heading);
         distance
     }
@@ -129,20 +129,20 @@ impl Path {
     /// Whether that may be so.
     #[inline(always)]
     pub(crate) fn may_step_fast(&self, feed: Feed) -> bool {
-        self.fast && !self.has_changed(feed)
+        self.fast.publishes && !self.has_changed(feed)
     }
 
     /// Whether the phase in force is over at `next`, which its piece does not hold.
     #[inline(always)]
     pub(crate) fn is_over(&self, next: Ns) -> bool {
         // Both end with the same ns, and no piece begins after the tick that is computed.
-        self.pieces[(self.piece & 1) as usize].piece.is_fast() || self.is_due(next)
+        self.pieces.pair.now().piece.is_fast() || self.is_due(next)
     }
 
     /// The time since the begin of the piece in force, if it holds `next`.
     #[inline(always)]
     pub(crate) fn spot(&self, next: Ns) -> Option<u64> {
-        let PackedPhase { piece, .. } = &self.pieces[(self.piece & 1) as usize];
+        let PackedPhase { piece, .. } = self.pieces.pair.now();
         match piece.fast_time(next) {
             Some(t) => Some(t as u64),
             None if piece.is_fast() || piece.elapsed(next) >= piece.span => None,
@@ -153,14 +153,14 @@ impl Path {
     /// It is at the path length `distance` of the motion in force.
     #[inline(always)]
     pub fn pass(&mut self, distance: Pos) {
-        (self.stand.sampled, self.swept) = (distance, None);
+        (self.stand.sampled, self.swept.length) = (distance, None);
     }
 
     /// Keeps the motion of the coordinates up to this sample, at which they have this direction.
     #[inline(never)]
     fn keep_trajectory(&mut self, before: [i32; DIMENSIONS], heading: &[i32; DIMENSIONS]) {
         (self.trajectory, self.since.count) = (self.since, 0);
-        let shape = &self.motions[(self.at & 1) as usize].shape;
+        let shape = &self.motions.now().shape;
         let still = before == [0; DIMENSIONS];
         let before = if self.trajectory.count != 0 || still { shape.start_heading() } else { before };
         for (index, ((turn, before), now)) in self.trajectory.turns.iter_mut().zip(before).zip(heading).enumerate() {
@@ -184,7 +184,7 @@ impl Path {
         for _ in 0..16 {
             let middle = Exact(low.0.wrapping_add(high.0) >> 1);
             let at = middle.round();
-            if self.admits(&self.motion().shape.at(at), at, sink) { low = middle } else { high = middle }
+            if self.admits(&self.motions.now().shape.at(at), at, sink) { low = middle } else { high = middle }
         }
         self.stand.distance = low;
         self.halt(at, PathStop::Obstructed, feed, sink);
@@ -194,9 +194,9 @@ impl Path {
     /// it: what the laser's power follows.
     #[inline(always)]
     pub fn mean(&self, motion: &Motion, next: Ns, period: Ns) -> PathSpeed {
-        if self.fast
-            && self.swept.is_none()
-            && let Some(speed) = self.pieces[(self.piece & 1) as usize].even
+        if self.fast.publishes
+            && self.swept.length.is_none()
+            && let Some(speed) = self.pieces.pair.now().even
         {
             return speed;
         }
@@ -205,10 +205,10 @@ impl Path {
 
     #[inline(never)]
     fn mean_of(&self, motion: &Motion, next: Ns, period: Ns) -> PathSpeed {
-        let Some(swept) = self.swept else { return PathSpeed::ahead(motion, period) };
+        let Some(swept) = self.swept.length else { return PathSpeed::ahead(motion, period) };
         let mut distance = swept.0;
         if let Stage::Move = self.stage
-            && let Some(phase) = self.motion().plan.phase(self.stand.phase)
+            && let Some(phase) = self.motions.now().plan.phase(self.stand.phase)
         {
             let until = (next.0.wrapping_add(period.0) as Fine) << 32;
             distance = distance.wrapping_add(phase.distance(until.saturating_sub(self.stand.began)).0);

@@ -21,25 +21,24 @@ impl Path {
             }
             self.prepared = Some(fifo);
         }
-        if self.ahead().open.is_some_and(|sampled| sampled != end_of(feed, fifo)) {
+        if self.motions.next().open.is_some_and(|sampled| sampled != end_of(feed, fifo)) {
             // Something may follow it now.
-            (self.follows, self.ahead_mut().open) = (None, None);
+            (self.pieces.follows, self.motions.next_mut().open) = (None, None);
             self.unplan();
         }
         let cursor = self.cursor_of(fifo);
         let (inside, next) = (cursor.inside, cursor.next);
         let distance = if inside { cursor.distance } else { Exact(0) };
-        match self.ahead().state {
+        match self.motions.next().state {
             State::Nothing => {
                 let (counter, from) = if inside { (next.wrapping_sub(1), cursor.from) } else { (next, self.here) };
                 self.begin_ahead(fifo, counter, &from, feed, source);
-                self.ahead().state != State::Nothing
+                self.motions.next().state != State::Nothing
             }
             State::Ready => {
-                let (piece, ahead) = ((!self.piece & 1) as usize, &self.motions[(!self.at & 1) as usize]);
-                if let (None, Some(phase)) = (self.follows, ahead.plan.phase(0)) {
-                    self.pieces[piece].make(phase, 0, distance);
-                    self.follows = Some(0);
+                if let (None, Some(phase)) = (self.pieces.follows, self.motions.next().plan.phase(0)) {
+                    self.pieces.pair.next_mut().make(phase, 0, distance);
+                    self.pieces.follows = Some(0);
                 }
                 false
             }
@@ -53,8 +52,8 @@ impl Path {
     /// The motion with which a start at rest would begin has changed.
     pub(super) fn discard_prepared(&mut self) {
         if !self.runs() {
-            (self.prepared, self.follows) = (None, None);
-            self.ahead_mut().state = State::Nothing;
+            (self.prepared, self.pieces.follows) = (None, None);
+            self.motions.next_mut().state = State::Nothing;
         }
     }
 
@@ -64,11 +63,11 @@ impl Path {
             self.discard_prepared();
         }
         self.prepared = None;
-        if self.follows == Some(0) {
+        if self.pieces.follows == Some(0) {
             // It begins on a whole ns, as at 0, or with a wait, after which the piece is another
             // one.
-            self.pieces[(!self.piece & 1) as usize].piece.begin = next;
-            self.follows = Some((next.0 as Fine) << 32);
+            self.pieces.pair.next_mut().piece.begin = next;
+            self.pieces.follows = Some((next.0 as Fine) << 32);
         }
     }
 }

@@ -39,7 +39,7 @@ impl Path {
         self.time = (next.0 as Fine) << 32;
         match self.stage {
             Stage::Standstill => {}
-            Stage::Wait { until } if self.swept.is_none() => self.rest_in_wait(until, feed, sink),
+            Stage::Wait { until } if self.swept.length.is_none() => self.rest_in_wait(until, feed, sink),
             Stage::Wait { .. } | Stage::Move => self.fall_back(position, feed, sink),
         }
         self.decide_fast_path();
@@ -49,16 +49,16 @@ impl Path {
     #[inline(always)]
     pub(super) fn keep_past(&mut self, distance: Pos) {
         let Cursor { next, done, inside, .. } = self.cursors[(self.fifo & 1) as usize];
-        self.past = Past { next, done, inside, from: *self.motions[(self.at & 1) as usize].shape.start(), distance };
+        self.swept.past = Past { next, done, inside, from: *self.motions.now().shape.start(), distance };
     }
 
     /// Comes to rest at the position of the last sample.
     #[inline(never)]
     fn fall_back(&mut self, position: &[Pos; DIMENSIONS], feed: Feed, sink: &mut impl Effects) {
-        if self.swept.is_none() {
+        if self.swept.length.is_none() {
             self.keep_past(self.stand.sampled);
         }
-        let Past { next, done, inside, from, distance } = self.past;
+        let Past { next, done, inside, from, distance } = self.swept.past;
         let waits = self.waits();
         let cursor = self.cursor(self.fifo);
         // A move that the path waits for is made again.
@@ -75,7 +75,7 @@ impl Path {
         (cursor.next, cursor.done, cursor.inside, cursor.left) = (next, done, inside, 0);
         (cursor.from, cursor.distance) = (from, distance.into());
         if changed {
-            self.ahead_mut().state = State::Nothing;
+            self.motions.next_mut().state = State::Nothing;
         }
         (self.here, self.since.count) = (*position, 0);
         self.rest(self.time, PathStop::Stopped, feed, sink);
