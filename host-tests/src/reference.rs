@@ -24,6 +24,7 @@ mod path;
 mod pt;
 mod pvt;
 mod ramp;
+mod rational;
 mod slave;
 #[cfg(test)]
 mod tests;
@@ -35,6 +36,7 @@ pub use curve::Curve;
 pub use effect::{Effect, Levels, LightCall, LightOf};
 pub use follow::{Datum, Item};
 pub use light::{Command, GateEdge};
-pub use number::{Fix, Rational, exact};
+pub use number::{Fix, exact};
 pub use path::{Cycle, Path, PathCall, Speeds};
 pub use pvt::Points;
+pub use rational::Rational;

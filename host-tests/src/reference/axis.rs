@@ -485,7 +485,10 @@ impl Axis {
     /// From the tick before to this one.
     pub fn step(&mut self, from_ns: i64, to_ns: i64, lead: Option<&Lead>, inputs: u32) {
         let (mut from, to) = (Fix::ms(from_ns), Fix::ms(to_ns));
-        (self.track, self.times) = (vec![self.x], vec![from]);
+        self.track.clear();
+        self.track.push(self.x);
+        self.times.clear();
+        self.times.push(from);
         let moved = !self.head.is_empty();
         for (when, place) in self.head.drain(..) {
             self.times.push(when);

@@ -330,8 +330,9 @@ impl Controller {
 
     fn step(&mut self, before: i64, now: i64) {
         self.step_paths(before, now);
+        let mut axis = Axis::new(0);
         for index in self.order() {
-            let mut axis = std::mem::replace(&mut self.axes[index], Axis::new(0));
+            std::mem::swap(&mut axis, &mut self.axes[index]);
             let (ran, was_slave) = (axis.runs(), matches!(axis.motion, Some(Motion::Slave(_))));
             let began = axis.began;
             let master = axis.follow.master;
@@ -424,7 +425,7 @@ impl Controller {
                 self.changes.push((now as f64 / 1e6, bit, if level { bit } else { 0 }));
                 *self.used.entry("outputs set by FollowEx").or_default() += 1;
             }
-            self.axes[index] = axis;
+            std::mem::swap(&mut axis, &mut self.axes[index]);
         }
         self.light.step(before as f64 / 1e6, now as f64 / 1e6);
         self.change_outputs();

@@ -1,6 +1,6 @@
 //! A function made of cubics: of time for PT, PVT and ramps, of the master's progress for a slave.
-use super::number::{Fix, Rational, root};
-use num_traits::{Signed, Zero};
+use super::number::{Fix, root};
+use super::rational::Rational;
 
 /// A cubic over `from` to `to`; coefficients are those of the share of it that has passed, in pulses.
 #[derive(Debug, Clone)]

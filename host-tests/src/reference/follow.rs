@@ -1,7 +1,7 @@
 //! What FIFOs of Follow and FollowEx hold, and the function of progress that it makes.
 use super::curve::Curve;
-use super::number::{Fix, Rational, exact};
-use num_traits::{Signed, Zero};
+use super::number::{Fix, exact};
+use super::rational::Rational;
 
 /// A segment as FollowData gives it.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,8 +1,8 @@
 //! PVT tables of every kind, as functions of the time since their first point.
 use super::curve::Curve;
 use super::follow::shaped;
-use super::number::{Fix, Rational, exact, root};
-use num_traits::{Signed, Zero};
+use super::number::{Fix, exact, root};
+use super::rational::Rational;
 
 /// Points as the calls give them, all of one kind.
 #[derive(Debug, Clone, PartialEq)]
@@ -136,7 +136,7 @@ fn continuous(points: &[[f64; 6]], begin: f64) -> Table {
             shaped(&mut curve, &up, &v, &(&peak * &sign), &percent);
         }
         let cruise = (&length - ramps) / &peak;
-        if cruise > Rational::new(1.into(), (1u64 << 50).into()) {
+        if cruise > Rational::dyadic(1.into(), -50) {
             curve.cubic(&cruise, &(&peak * &sign), &Rational::zero(), &Rational::zero());
         }
         if down.is_positive() {

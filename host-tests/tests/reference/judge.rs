@@ -250,17 +250,26 @@ pub fn apart(site: &Site, tick_us: u32, calls: &[Call]) -> Option<Vec<Call>> {
 
 /// What differs, if anything.
 fn differs(rig: &mut Option<Rig>, site: &Site, tick_us: u32, calls: &[Call], tally: &mut Tally) -> Option<String> {
-    // A program without an end is none.
-    let together = std::env::var("REFERENCE_TOGETHER").is_ok();
-    let complete = if together {
-        reference(site, tick_us, &vec![0; site.axes.len()], calls).complete
-    } else {
-        apart(site, tick_us, calls).is_some_and(|spread| spread == calls)
-    };
-    if !complete {
+    if !is_program(site, tick_us, calls) {
         *tally.entry("programs without an end".into()).or_default() += 1;
         return None;
     }
+    differs_here(rig, site, tick_us, calls, tally)
+}
+
+/// It has an end, and its refusals stand alone.
+fn is_program(site: &Site, tick_us: u32, calls: &[Call]) -> bool {
+    let together = std::env::var("REFERENCE_TOGETHER").is_ok();
+    if together {
+        reference(site, tick_us, &vec![0; site.axes.len()], calls).complete
+    } else {
+        apart(site, tick_us, calls).is_some_and(|spread| spread == calls)
+    }
+}
+
+/// The same of a program that is one.
+fn differs_here(rig: &mut Option<Rig>, site: &Site, tick_us: u32, calls: &[Call], tally: &mut Tally) -> Option<String> {
+    let together = std::env::var("REFERENCE_TOGETHER").is_ok();
     let mine = rig.get_or_insert_with(|| Rig::new(site.clone(), tick_us));
     let told = match mine.run(calls) {
         Ok(told) => told,
@@ -313,11 +322,14 @@ fn differs(rig: &mut Option<Rig>, site: &Site, tick_us: u32, calls: &[Call], tal
 
 /// A report of a program that differs.
 pub fn finding(rig: &mut Option<Rig>, site: &Site, tick_us: u32, calls: &[Call], tally: &mut Tally) -> Option<String> {
-    let mut calls = match std::env::var("REFERENCE_TOGETHER") {
-        Ok(_) => calls.to_vec(),
-        Err(_) => apart(site, tick_us, calls)?,
+    let (mut calls, first) = match std::env::var("REFERENCE_TOGETHER") {
+        Ok(_) => (calls.to_vec(), differs(rig, site, tick_us, calls, tally)?),
+        Err(_) => {
+            let calls = apart(site, tick_us, calls)?;
+            let first = differs_here(rig, site, tick_us, &calls, tally)?;
+            (calls, first)
+        }
     };
-    let first = differs(rig, site, tick_us, &calls, tally)?;
     let mut scratch = Tally::new();
     let mut reason = format!("not the same when it ran again: {first}");
     if let Some(again) = differs(rig, site, tick_us, &calls, &mut scratch) {

@@ -438,7 +438,9 @@ impl Controller {
         let released: Vec<bool> = axes.iter().map(|axis| axis.lately).collect();
         for (name, of) in crds {
             of.started_here = false;
-            let (ran, published) = (of.runs, of.clone());
+            let ran = of.runs;
+            let halts = then.iter().any(|(of, then)| of == name && *then == PathThen::Halt);
+            let published = halts.then(|| of.clone());
             // Those geared since the tick before go along, or are at standstill.
             for axis in axes.iter_mut().filter(|axis| axis.geared && axis.crd == Some(*name)) {
                 let goes = of.runs && of.fifos[of.fifo].gears.iter().any(|gear| gear.is_engaged());
@@ -492,12 +494,10 @@ impl Controller {
                         if of.open || of.speed < 1e-3 && of.speed != 0.0 {
                             self.open = Some("a Stop where a path comes to rest or to an entry");
                         }
-                        if *then == PathThen::Halt {
-                            of.halt(&published)
-                        } else {
-                            of.brake()
-                        }
-                        if *then == PathThen::Halt {
+                        if *then == PathThen::Brake {
+                            of.brake();
+                        } else if let Some(published) = &published {
+                            of.halt(published);
                             for axis in axes.iter_mut().filter(|axis| axis.geared && axis.crd == Some(*name)) {
                                 axis.carried = Some(vec![(Fix::ms(before), axis.x)]);
                             }
