@@ -109,7 +109,8 @@ pub struct Controller {
     /// PVT tables by core and number.
     tables: BTreeMap<(i16, i16), Table>,
     tick_ns: i64,
-    axes: Vec<Axis>,
+    #[allow(clippy::vec_box, reason = "axes change places in every tick, and are long")]
+    axes: Vec<Box<Axis>>,
     /// What begins where the motion before has come to in this tick.
     then: Vec<Option<Then>>,
     /// Reads that this tick answers.
@@ -140,7 +141,7 @@ pub struct Controller {
 impl Controller {
     /// At power-on, machine positions in 2⁻²² pulse.
     pub fn new(site: &Site, tick_ns: i64, positions: &[i64]) -> Controller {
-        let axes: Vec<Axis> = positions.iter().map(|position| Axis::new(*position)).collect();
+        let axes: Vec<Box<Axis>> = positions.iter().map(|position| Box::new(Axis::new(*position))).collect();
         let then = vec![None; axes.len()];
         let cores = site.axes.iter().map(|axis| axis.0).collect();
         let tables = BTreeMap::new();
@@ -311,7 +312,7 @@ impl Controller {
             slack: axis.slack + axis.late + rounding(axis),
             most: axis.fastest,
         };
-        self.axes.iter().map(row).collect()
+        self.axes.iter().map(|axis| row(axis)).collect()
     }
 
     /// Masters before their slaves.
@@ -330,7 +331,7 @@ impl Controller {
 
     fn step(&mut self, before: i64, now: i64) {
         self.step_paths(before, now);
-        let mut axis = Axis::new(0);
+        let mut axis = Box::new(Axis::new(0));
         for index in self.order() {
             std::mem::swap(&mut axis, &mut self.axes[index]);
             let (ran, was_slave) = (axis.runs(), matches!(axis.motion, Some(Motion::Slave(_))));

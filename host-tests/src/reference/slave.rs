@@ -3,7 +3,7 @@
 //! A master's way in a tick is a row of legs, on each of which it goes in one direction, and so does the slave. Time means
 //! something for FollowDelayEx and for the limit of FollowDiBitEx only.
 use super::follow::{Item, Table, is_down};
-use super::number::{Fix};
+use super::number::Fix;
 use super::rational::Rational;
 
 /// What begins it.

@@ -24,7 +24,7 @@ pub struct Machine {
 }
 
 impl Machine {
-    pub fn new(tick_ns: i64, axes: &[Axis]) -> Machine {
+    pub fn new(tick_ns: i64, axes: &[Box<Axis>]) -> Machine {
         Machine {
             recorded: Vec::new(),
             shafts: vec![[0.0; 2]; axes.len()],

@@ -41,7 +41,7 @@ struct Others<'a> {
     speed: f64,
     /// How far the path may be from here.
     slack: f64,
-    axes: &'a mut [Axis],
+    axes: &'a mut [Box<Axis>],
     /// Those that set off in this tick.
     early: &'a mut Vec<usize>,
     /// What it must not try.

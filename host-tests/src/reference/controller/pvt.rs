@@ -11,7 +11,7 @@ impl Controller {
         match call {
             Call::PvtTable { axis, table, points } => {
                 let core = self.cores[*axis];
-                let uses = |(place, axis): (usize, &Axis)| {
+                let uses = |(place, axis): (usize, &Box<Axis>)| {
                     self.cores[place] == core
                         && axis.mode == Mode::Pvt
                         && axis.runs()
