@@ -16,6 +16,7 @@ mod controller;
 mod crd;
 mod curve;
 mod effect;
+mod filter;
 mod follow;
 pub mod generator;
 mod light;

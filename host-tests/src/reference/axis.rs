@@ -1,4 +1,5 @@
 //! One axis: its settings, its data, and the motion that it makes.
+use super::filter::Filter;
 use super::follow::Item;
 use super::number::{Fix, exact};
 use super::pt::{Chain, Segment, Timed, Went};
@@ -59,8 +60,25 @@ pub struct PtData {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Master {
     pub axis: usize,
-    /// 1 its encoder, 2 its planned position, 3 the same as an axis.
+    /// 1 its encoder, 2 its planned position, 3 what `item` says.
     pub kind: i16,
+    pub item: i16,
+}
+
+impl Master {
+    /// Its encoder.
+    pub fn is_counted(self) -> bool {
+        self.kind == 1 || self.kind == 3 && !matches!(self.item, 0 | 2)
+    }
+
+    pub fn is_filtered(self) -> bool {
+        self.kind == 3 && matches!(self.item, 2 | 3)
+    }
+
+    /// Straight between ticks.
+    pub fn is_sampled(self) -> bool {
+        self.is_counted() || self.is_filtered()
+    }
 }
 
 #[derive(Debug, Clone)]
@@ -128,6 +146,8 @@ pub struct Axis {
     pub began: bool,
     /// It came to standstill in the last tick by itself, and no call has waited for it.
     pub ended: bool,
+    /// Of a filtered master: where it was and where it is, filtered, and how far behind.
+    pub filter: Option<Filter>,
     /// Its coordinate system, whether that runs, and its motion in this tick: instants and
     /// positions.
     pub crd: Option<(i16, i16)>,
@@ -163,6 +183,8 @@ pub struct Axis {
     /// Instants and positions of this tick before the motion that a path began; there was one; it
     /// has no length.
     head: Vec<(Fix, Fix)>,
+    /// No motion there was faster.
+    head_most: Fix,
     moved: bool,
     brief: bool,
     /// It is geared to a motion of its coordinate system.
@@ -235,6 +257,7 @@ impl Axis {
             doubt: false,
             began: false,
             ended: false,
+            filter: None,
             crd: None,
             driven: false,
             carried: None,
@@ -255,6 +278,7 @@ impl Axis {
             late: Fix::ZERO,
             late_velocity: Fix::ZERO,
             head: Vec::new(),
+            head_most: Fix::ZERO,
             moved: false,
             brief: false,
             geared: false,
@@ -412,6 +436,9 @@ impl Axis {
             self.head.append(&mut way);
         }
         self.head.push((at, x));
+        if let Some(Motion::Ramp(timed)) = &self.motion {
+            self.head_most = self.head_most.max(timed.curve.steepest);
+        }
         let way = Fix::whole(to.into()) + self.zero - x;
         let acc = exact(acc);
         let curve = ramp::trap(v, way, &exact(vel), &acc, &acc);
@@ -479,6 +506,7 @@ impl Axis {
         let data = &self.follow.fifos[fifo];
         let slave = Slave::new(data, fifo, self.follow.dir, self.follow.begin, self.x);
         (self.follow.fifo, self.follow.passes, self.began) = (fifo, 0, true);
+        self.filter = None;
         self.motion = Some(Motion::Slave(Box::new(slave)));
     }
 
@@ -577,6 +605,7 @@ impl Axis {
         if std::mem::take(&mut self.brief) {
             self.open = Some("a move without a way");
         }
+        self.fastest = self.fastest.max(std::mem::take(&mut self.head_most));
         for (when, place) in out {
             self.times.push(when);
             self.track.push(place);

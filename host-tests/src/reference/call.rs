@@ -102,6 +102,8 @@ pub enum Call {
         axis: usize,
         master: usize,
         kind: i16,
+        /// Of a master's axis: 0 planned, 2 planned and filtered, 3 encoder and filtered, else encoder.
+        item: i16,
     },
     SetFollowLoop {
         axis: usize,
@@ -342,9 +344,9 @@ impl Site {
             Call::SetPtMemory { axis, memory } => format!("GTN_SetPtMemory({},{memory})", at(axis)),
             Call::PtStart { mask, option } => format!("GTN_PtStart({})", both(mask, option)),
             Call::PrfFollow { axis, dir } => format!("GTN_PrfFollow({},{dir})", at(axis)),
-            Call::SetFollowMaster { axis, master, kind } => {
+            Call::SetFollowMaster { axis, master, kind, item } => {
                 let (index, kind) = self.master(*axis, *master, *kind);
-                format!("GTN_SetFollowMaster({},{index},{kind})", at(axis))
+                format!("GTN_SetFollowMaster({},{index},{kind},{item})", at(axis))
             }
             Call::SetFollowLoop { axis, loops } => format!("GTN_SetFollowLoop({},{loops})", at(axis)),
             Call::SetFollowEvent { axis, event, dir, pos } => {

@@ -18,6 +18,7 @@ use super::axis::{Aim, Axis, Mode, Motion};
 use super::call::{Call, Site, members};
 use super::crd::Crd;
 use super::effect::Levels;
+use super::filter::Filter;
 use super::light::{Act, GateEdge, Light};
 use super::number::Fix;
 use super::path::{Path, PathCall};
@@ -32,9 +33,9 @@ pub enum Value {
     Whole(i64),
     Two(i64, i64),
     Three(i64, i64, i64),
-    /// Coordinates.
-    CrdPosition([f64; 4]),
-    Position(Fix),
+    /// Coordinates, and what is added to the bound.
+    CrdPosition([f64; 4], f64),
+    Position(Fix, Fix),
     Velocity(Fix),
 }
 
@@ -101,6 +102,9 @@ enum Then {
     Update(Aim),
 }
 
+/// So many WaitStops that find everything at rest take no time; what follows more of them is late by a tick: an open finding.
+const WAITS: usize = 3;
+
 /// See the module text.
 pub struct Controller {
     site: Site,
@@ -133,6 +137,8 @@ pub struct Controller {
     /// some time has passed.
     unsettled: u8,
     machine: encoders::Machine,
+    /// WaitStops that have acted on the tick that is being prepared.
+    waits: usize,
     /// Axes that were asked in this tick and the one before for what needs standstill.
     contested: [u32; 2],
     used: BTreeMap<&'static str, u64>,
@@ -149,6 +155,7 @@ impl Controller {
         Controller {
             site: site.clone(),
             machine,
+            waits: 0,
             levels: Levels::default(),
             light: Light::default(),
             may_be_refused: false,
@@ -197,6 +204,7 @@ impl Controller {
         for number in 1..=most {
             let (before, now) = ((number as i64 - 1) * self.tick_ns, number as i64 * self.tick_ns);
             let earlier = std::mem::replace(&mut first, next);
+            self.waits = 0;
             self.encoders(number);
             for axis in &mut self.axes {
                 if axis.sample()
@@ -220,14 +228,20 @@ impl Controller {
                         let runs = members(*mask).any(|axis| self.axes[axis].runs() || self.axes[axis].halted);
                         waiting = runs.then_some(*mask);
                         members(*mask).for_each(|axis| self.axes[axis].broken = false);
+                        self.waits += 1;
                     }
                     Call::Path(PathCall { core, what: Path::Wait { mask } }) => {
                         self.unsettled = 1;
                         program.replies[next] = Reply::Done(Value::None);
                         let axes = self.path_axes(*core, *mask);
+                        self.waits += 1;
                         waiting = self.paths_run(*core, *mask).then_some(axes);
                     }
                     call => {
+                        if self.waits > WAITS {
+                            self.open = Some("more WaitStops of an instant than are known ahead");
+                            break;
+                        }
                         let reply = self.call(next, call, now);
                         if matches!(reply, Reply::Code(_)) || std::mem::take(&mut self.may_be_refused) {
                             program.refused.push(next);
@@ -339,9 +353,15 @@ impl Controller {
             let master = axis.follow.master;
             let then = self.then[index].take();
             let mut open = None;
-            let place = |at: Fix| master.and_then(|master| self.position_of(master, at, before, now));
+            if let Some(master) = master.filter(|master| was_slave && master.is_filtered()) {
+                let of = &self.axes[master.axis];
+                let at = if master.is_counted() { of.encoder[1] } else { of.x };
+                axis.filter.get_or_insert_with(|| Filter::new(at)).step(at, now - before);
+            }
+            let filter = axis.filter.clone();
+            let place = |at: Fix| master.and_then(|master| self.position_of(filter.as_ref(), master, at, before, now));
             let times = [Fix::ms(before), Fix::ms(now)];
-            let lead = master.map(|master| self.lead(master, &times, &place));
+            let lead = master.map(|master| self.lead(filter.as_ref(), master, &times, &place));
             // A controller has few slots for a master's motion in a tick: between the first and the
             // last of several knots it is linear for the slaves. Where a Stop or an Update of the
             // master acts is a knot, too.
@@ -350,14 +370,15 @@ impl Controller {
             if follows && lead.as_ref().is_some_and(|lead| lead.track.len() > most && turns(lead.track)) {
                 open = Some("a master that turns between several knots in a tick");
             }
-            let arc = master.is_some_and(|master| master.kind != 1 && self.axes[master.axis].bent);
+            let arc = master.is_some_and(|master| !master.is_sampled() && self.axes[master.axis].bent);
             if follows && arc {
                 open = Some("a slave of an axis on an arc");
             }
-            if follows && master.is_some_and(|master| self.axes[master.axis].is_moved()) {
+            if follows && master.is_some_and(|master| !master.is_counted() && self.axes[master.axis].is_moved()) {
                 open = Some("a slave of an axis that a path moves");
             }
-            let led_by_slave = master.is_some_and(|master| self.axes[master.axis].follow_moves());
+            let led_by_slave =
+                master.is_some_and(|master| !master.is_sampled() && self.axes[master.axis].follow_moves());
             if follows && led_by_slave && lead.as_ref().is_some_and(|lead| turns(lead.track)) {
                 open = Some("a slave that turns within a tick is followed");
             }
@@ -389,9 +410,15 @@ impl Controller {
                     {
                         open = Some("a Stop where a slave's ratio jumps");
                     }
-                    let counted = master.filter(|master| was_slave && master.kind == 1);
-                    if master.is_some_and(|master| was_slave && self.axes[master.axis].mode == Mode::Crd) {
+                    let counted = master.filter(|master| was_slave && master.is_counted());
+                    if master.is_some_and(|master| {
+                        was_slave && !master.is_counted() && self.axes[master.axis].mode == Mode::Crd
+                    }) {
                         open = Some("a Stop of a slave of a path's axis");
+                    }
+                    if master.is_some_and(|master| was_slave && master.is_filtered()) {
+                        // Its speed is that of positions with 22 fraction bits.
+                        open = Some("a Stop of a slave of a filtered master");
                     }
                     if counted.is_some_and(|master| self.axes[master.axis].counts() < Fix::whole(4)) {
                         // What speed that is depends on the tick.

@@ -47,8 +47,10 @@ fn same(value: &Value, got: Got, peak: f64) -> bool {
         (Value::Whole(a), Got::Three(b, ..)) => *a == b,
         (Value::Two(a, b), Got::Two(c, d)) => (*a, *b) == (c, d),
         (Value::Three(a, b, c), Got::Three(d, e, f)) => (*a, *b, *c) == (d, e, f),
-        (Value::CrdPosition(a), Got::CrdPosition(b)) => a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 2f64.powi(-16)),
-        (Value::Position(a), Got::Real(b)) => (a.to_f64() - b).abs() <= 2f64.powi(-16),
+        (Value::CrdPosition(a, slack), Got::CrdPosition(b)) => {
+            a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 2f64.powi(-16) + slack)
+        }
+        (Value::Position(a, slack), Got::Real(b)) => (a.to_f64() - b).abs() <= 2f64.powi(-16) + slack.to_f64(),
         // SPEC 11: 2⁻¹⁶ of the motion's peak.
         (Value::Velocity(a), Got::Real(b)) => (a.to_f64() - b).abs() <= 2f64.powi(-16) * peak.max(1.0),
         _ => false,

@@ -318,11 +318,11 @@ pub fn wire(site: &Site, call: &Call) -> client::Call {
             let (core, profile) = at(axis);
             Wire::of(PrfFollow { core, profile, dir: dir.into() })
         }
-        Call::SetFollowMaster { axis, master, kind } => {
+        Call::SetFollowMaster { axis, master, kind, item } => {
             let (core, profile) = at(axis);
             let (index, kind) = site.master(axis, master, kind);
             let (master_index, master_type) = (index.into(), kind.into());
-            Wire::of(SetFollowMaster { core, profile, master_index, master_type, master_item: 0.into() })
+            Wire::of(SetFollowMaster { core, profile, master_index, master_type, master_item: item.into() })
         }
         Call::SetFollowLoop { axis, loops } => {
             let (core, profile) = at(axis);

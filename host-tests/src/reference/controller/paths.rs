@@ -76,10 +76,11 @@ impl World for Others<'_> {
     fn engage(&mut self, axis: usize, ratio: f64) -> Option<Fix> {
         let of = &mut self.axes[axis];
         if !of.geared {
+            // Also where a call of just now keeps it from moving.
+            self.early.push(axis);
             if of.mode == Mode::Crd || of.runs() || of.blocked() {
                 return None;
             }
-            self.early.push(axis);
             of.path_most = Fix::ZERO;
         } else if of.crd != Some(self.name) {
             return None;
@@ -618,7 +619,9 @@ impl Controller {
                 let name = Some((of_core, number));
                 let left = |axis: &usize| self.axes[*axis].mode != Mode::Crd || self.axes[*axis].crd != name;
                 let has_left = set.is_some_and(|set| set.axes.iter().flatten().any(left));
-                (Value::CrdPosition(std::array::from_fn(place)), has_left)
+                let slack = |axis: &usize| (self.axes[*axis].slack + self.axes[*axis].late).to_f64();
+                let slack = set.map_or(0.0, |set| set.axes.iter().flatten().map(slack).fold(0.0, f64::max));
+                (Value::CrdPosition(std::array::from_fn(place), slack), has_left)
             }
             _ => (Value::None, true),
         }

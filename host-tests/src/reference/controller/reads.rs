@@ -1,5 +1,5 @@
 //! Reads: what they answer at the end of the tick in which they act.
-use super::super::axis::{Mode, Motion};
+use super::super::axis::{Master, Mode, Motion};
 use super::super::call::{Call, Kind};
 use super::super::effect::{Effect, LightCall, LightOf};
 use super::super::number::Fix;
@@ -21,13 +21,13 @@ impl Controller {
                         Kind::GetPtLoop => Value::Whole(axis.pt.passes),
                         Kind::GetPvtLoop => Value::Two(axis.pvt.2, free as i64),
                         Kind::GetFollowLoop | Kind::GetFollowLoopEx => Value::Whole(axis.follow.passes),
-                        Kind::GetEncPos => Value::Position(axis.encoder[1] - axis.encoder_zero),
+                        Kind::GetEncPos => Value::Position(axis.encoder[1] - axis.encoder_zero, Fix::ZERO),
                         Kind::GetFollowStatus | Kind::GetFollowStatusEx => {
                             let pending = matches!(&axis.motion, Some(Motion::Slave(slave)) if slave.switching);
                             Value::Two(axis.follow.fifo as i64, pending.into())
                         }
                         Kind::GetSts => Value::Whole(axis.status().into()),
-                        Kind::GetPrfPos => Value::Position(axis.name()),
+                        Kind::GetPrfPos => Value::Position(axis.name(), axis.slack + axis.late),
                         Kind::GetPrfVel => Value::Velocity(axis.v),
                         // Settings have been answered at the call.
                         _ => Value::None,
@@ -58,8 +58,11 @@ impl Controller {
                 Call::Axis { kind, axis } => {
                     let axis_of = &self.axes[axis];
                     let tick = [Fix::ZERO, Fix::ONE];
-                    let by_encoder = axis_of.follow.master.is_some_and(|master| master.kind == 1);
-                    let lead = axis_of.follow.master.map(|master| self.lead(master, &tick, &|_| None));
+                    let by_encoder = axis_of.follow.master.is_some_and(Master::is_sampled);
+                    let lead = axis_of
+                        .follow
+                        .master
+                        .map(|master| self.lead(axis_of.filter.as_ref(), master, &tick, &|_| None));
                     let knot = match (&axis_of.motion, &lead) {
                         (Some(Motion::Slave(slave)), Some(lead)) => by_encoder || slave.is_near_knot(lead),
                         _ => false,
