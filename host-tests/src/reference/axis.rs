@@ -123,6 +123,9 @@ pub struct Axis {
     blocks: u32,
     pub motion: Option<Motion>,
     pub stop_dec: f64,
+    /// SetAxisBand, SetPosErr.
+    pub band: (i32, i32),
+    pub pos_err: i32,
     pub soft: (i32, i32),
     pub trap: Rates,
     pub jog: Rates,
@@ -133,6 +136,10 @@ pub struct Axis {
     /// The table that runs, until the one selected takes over.
     pub table: i16,
     pub pt: PtData,
+    /// Time of its first point.
+    pub table_begins: Fix,
+    /// The same of the one selected.
+    pub next_begins: Fix,
     /// Of the PT data that runs.
     chain: Chain,
     pub follow: FollowData,
@@ -225,6 +232,8 @@ impl Axis {
             blocks: 0,
             motion: None,
             stop_dec: 1.0,
+            band: (0, 0),
+            pos_err: i32::MAX,
             soft: (i32::MAX, i32::MIN),
             trap: Rates::default(),
             jog: Rates::default(),
@@ -241,6 +250,8 @@ impl Axis {
                 running: 0,
                 passes: 0,
             },
+            table_begins: Fix::ZERO,
+            next_begins: Fix::ZERO,
             chain: Chain::default(),
             follow: FollowData {
                 dir: 0,
@@ -299,6 +310,32 @@ impl Axis {
     /// Whether it was a slave in this tick.
     pub fn follow_moves(&self) -> bool {
         matches!(self.past.as_ref().or(self.motion.as_ref()), Some(Motion::Slave(_)))
+    }
+
+    /// Its acceleration from an instant on, where it is a function of time that does not change there.
+    pub fn acceleration(&self, at: Fix) -> Option<Fix> {
+        if self.driven || self.mode == Mode::Crd || self.is_moved() {
+            return None;
+        }
+        match &self.motion {
+            None => Some(Fix::ZERO),
+            Some(Motion::Ramp(timed) | Motion::Pt(timed) | Motion::Pvt(timed) | Motion::Stream(timed, _)) => {
+                // Where it has just begun, that of the motion before may be read.
+                timed.curve.curvature(timed.place(at)).filter(|_| timed.start != at)
+            }
+            Some(Motion::Slave(_)) => None,
+        }
+    }
+
+    /// Whether a PVT table is in force.
+    pub fn is_in_table(&self) -> bool {
+        matches!(self.motion, Some(Motion::Pvt(_))) && !self.began
+    }
+
+    /// Its time in the table.
+    pub fn table_time(&self, at: Fix) -> Fix {
+        let Some(Motion::Pvt(timed)) = &self.motion else { return Fix::ZERO };
+        timed.place(at) + self.table_begins
     }
 
     /// Follow or FollowEx.
@@ -552,7 +589,7 @@ impl Axis {
                 self.v = timed.velocity(to);
                 self.pvt.2 = timed.passes;
                 if timed.pending.is_none() {
-                    self.table = self.pvt.1;
+                    (self.table, self.table_begins) = (self.pvt.1, self.next_begins);
                 }
                 went == Went::Ended
             }

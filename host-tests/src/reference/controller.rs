@@ -37,6 +37,10 @@ pub enum Value {
     CrdPosition([f64; 4], f64),
     Position(Fix, Fix),
     Velocity(Fix),
+    /// Settings, exactly.
+    Reals([f64; 4]),
+    /// PvtStatus: table and time, ms.
+    Table(i64, f64),
 }
 
 /// What a call answers.

@@ -93,6 +93,7 @@ impl Table {
                 };
                 shaped(&mut curve, &length, &first, &last, &Rational::from_integer(datum.percent.into()));
                 curve.ends_at(Fix::of(&slave));
+                curve.reaches(Fix::of(&master));
                 (from, begin, ratio) = (master, slave, last);
             }
             knots.push((curve.length(), curve.end()));

@@ -88,6 +88,21 @@ pub enum Path {
         value: u16,
         fifo: i16,
     },
+    /// BufDoBit, from 1.
+    Output {
+        crd: i16,
+        index: i16,
+        level: bool,
+        fifo: i16,
+    },
+    /// LnXYG0.
+    Jump {
+        crd: i16,
+        to: [i32; 2],
+        vel: f64,
+        acc: f64,
+        fifo: i16,
+    },
     /// BufDA.
     Analog {
         crd: i16,
@@ -210,6 +225,12 @@ impl PathCall {
             }
             Path::Delay { crd, ms, fifo } => format!("GTN_BufDelay({core},{crd},{ms},{fifo})"),
             Path::Outputs { crd, mask, value, fifo } => format!("GTN_BufIO({core},{crd},12,{mask},{value},{fifo})"),
+            Path::Output { crd, index, level, fifo } => {
+                format!("GTN_BufDoBit({core},{crd},12,{index},{},{fifo})", i16::from(*level))
+            }
+            Path::Jump { crd, to: [x, y], vel, acc, fifo } => {
+                format!("GTN_LnXYG0({core},{crd},{x},{y},{vel:?},{acc:?},{fifo})")
+            }
             Path::Laser { crd, channel, command, fifo } => match command {
                 Command::Gate(true) => format!("GTN_BufLaserOn({core},{crd},{fifo},{channel})"),
                 Command::Gate(false) => format!("GTN_BufLaserOff({core},{crd},{fifo},{channel})"),

@@ -112,9 +112,10 @@ fn percent(points: &[[f64; 3]], begin: f64) -> Table {
     let mut v = exact(begin);
     for pair in points.windows(2) {
         let ([t, p, percent], [u, q, _]) = (pair[0].map(exact), pair[1].map(exact));
-        let length = u - t;
+        let length = &u - t;
         let last = whole(2) * (&q - p) / &length - &v;
         shaped(&mut curve, &length, &v, &last, &percent);
+        curve.reaches(Fix::of(&(u - exact(points[0][0]))));
         curve.ends_at(Fix::of(&(q - exact(points[0][1]))));
         v = last;
     }

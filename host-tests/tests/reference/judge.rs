@@ -50,6 +50,8 @@ fn same(value: &Value, got: Got, peak: f64) -> bool {
         (Value::CrdPosition(a, slack), Got::CrdPosition(b)) => {
             a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 2f64.powi(-16) + slack)
         }
+        (Value::Reals(a), Got::Reals(b)) => *a == b,
+        (Value::Table(a, time), Got::Table(b, at)) => *a == b && (time - at).abs() < 2e-6,
         (Value::Position(a, slack), Got::Real(b)) => (a.to_f64() - b).abs() <= 2f64.powi(-16) + slack.to_f64(),
         // SPEC 11: 2⁻¹⁶ of the motion's peak.
         (Value::Velocity(a), Got::Real(b)) => (a.to_f64() - b).abs() <= 2f64.powi(-16) * peak.max(1.0),

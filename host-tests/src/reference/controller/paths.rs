@@ -160,20 +160,7 @@ impl Controller {
                 range(*ratio >= LEAST && *ratio <= 1.0)?;
                 self.path_then.push(((core, *crd), PathThen::Rate(*ratio)));
             }
-            Path::Line { crd, to, speeds, fifo } => {
-                let of = self.crd(core, *crd)?;
-                range((0..2).contains(fifo))?;
-                let dimension = of.set.as_ref().map_or(0, |set| set.axes.iter().flatten().count());
-                let begin = self.begin((core, *crd), *fifo as usize, false);
-                let mut target = begin;
-                for (place, to) in target.iter_mut().zip(to) {
-                    *place = f64::from(*to);
-                }
-                range(to.iter().enumerate().all(|(index, to)| *to == 0 || index < dimension))?;
-                range(target != begin)?;
-                let geometry = Geometry::line(begin, target);
-                return self.motion((core, *crd), *fifo as usize, geometry, target, speeds);
-            }
+            Path::Line { crd, to, speeds, fifo } => return self.line((core, *crd), to, speeds, *fifo),
             Path::Arc { crd, plane, to, round, ccw, speeds, fifo } => {
                 let of = self.crd(core, *crd)?;
                 range((0..2).contains(fifo))?;
@@ -214,6 +201,17 @@ impl Controller {
                 range((0..2).contains(fifo))?;
                 let entry = Entry::Outputs((*mask).into(), (*value).into());
                 return self.put((core, *crd), *fifo as usize, entry);
+            }
+            Path::Output { crd, index, level, fifo } => {
+                let set = self.crd(core, *crd).map(|_| ());
+                let known = (1..=CRDS).contains(crd) && (0..2).contains(fifo) && (1..=32).contains(index);
+                either(set.is_ok(), known)?;
+                let bit = 1 << (index - 1);
+                return self.put((core, *crd), *fifo as usize, Entry::Outputs(bit, if *level { bit } else { 0 }));
+            }
+            Path::Jump { crd, to, vel, acc, fifo } => {
+                let speeds = Speeds { vel: *vel, acc: *acc, end: 0.0 };
+                return self.line((core, *crd), to, &speeds, *fifo);
             }
             Path::Laser { crd, channel, command, fifo } => {
                 let set = self.crd(core, *crd).map(|_| ());
@@ -285,6 +283,20 @@ impl Controller {
             self.open = Some("a motion whose begin is not known yet");
         }
         begin.unwrap_or(of.place)
+    }
+
+    fn line(&mut self, name: Name, to: &[i32], speeds: &Speeds, fifo: i16) -> Answer {
+        let of = self.crd(name.0, name.1)?;
+        range((0..2).contains(&fifo))?;
+        let dimension = of.set.as_ref().map_or(0, |set| set.axes.iter().flatten().count());
+        let begin = self.begin(name, fifo as usize, false);
+        let mut target = begin;
+        for (place, to) in target.iter_mut().zip(to) {
+            *place = f64::from(*to);
+        }
+        range(to.iter().enumerate().all(|(index, to)| *to == 0 || index < dimension))?;
+        range(target != begin)?;
+        self.motion(name, fifo as usize, Geometry::line(begin, target), target, speeds)
     }
 
     fn motion(&mut self, name: Name, fifo: usize, geometry: Geometry, to: [f64; 4], speeds: &Speeds) -> Answer {

@@ -39,11 +39,19 @@ impl Controller {
                     _ => Mode::Trap,
                 });
             }
+            Kind::GetTrapPrm | Kind::GetJogPrm => {
+                check(axis.mode == if kind == Kind::GetTrapPrm { Mode::Trap } else { Mode::Jog })?;
+                return Ok(self.read(index, call, 0));
+            }
+            Kind::GetPtMemory => {
+                check(axis.mode == Mode::Pt)?;
+                return Ok(self.read(index, call, 0));
+            }
             Kind::GetPtLoop => {
                 check(axis.mode == Mode::Pt && !axis.pt.dynamic)?;
                 return Ok(self.read(index, call, 0));
             }
-            Kind::GetPvtLoop => {
+            Kind::GetPvtLoop | Kind::PvtStatus => {
                 check(axis.mode == Mode::Pvt)?;
                 return Ok(self.read(index, call, 0));
             }
@@ -78,6 +86,28 @@ impl Controller {
                 check(!axis.runs())?;
                 axis.zero = axis.x - Fix::whole(pos.into());
                 axis.renamed = true;
+            }
+            Call::SetEncPos { axis, pos } => {
+                let axis = &mut self.axes[axis];
+                axis.encoder_zero = axis.encoder[1] - Fix::whole(pos.into());
+            }
+            Call::SynchAxisPos { mask } => {
+                for axis in members(mask) {
+                    check(!self.axes[axis].runs())?;
+                }
+                for axis in members(mask) {
+                    let axis = &mut self.axes[axis];
+                    axis.zero = axis.x - (axis.encoder[1] - axis.encoder_zero);
+                    axis.renamed = true;
+                }
+            }
+            Call::SetAxisBand { axis, band, time } => {
+                range(band >= 0 && time >= 0)?;
+                self.axes[axis].band = (band, time);
+            }
+            Call::SetPosErr { axis, error } => {
+                range(error > 0)?;
+                self.axes[axis].pos_err = error;
             }
             Call::SetStopDec { axis, smooth } => {
                 range(smooth > 0.0)?;
