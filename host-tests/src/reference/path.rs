@@ -134,6 +134,26 @@ pub enum Path {
         command: Command,
         fifo: i16,
     },
+    /// InitLookAhead: T, ms, and accMax.
+    LookAhead {
+        crd: i16,
+        fifo: i16,
+        time: f64,
+        acc: f64,
+        count: i16,
+    },
+    /// SetCrdLimit of a coordinate, from 1; 0: none.
+    Limit {
+        crd: i16,
+        coordinate: i16,
+        vel: f64,
+        acc: f64,
+    },
+    /// CrdData without data.
+    Flush {
+        crd: i16,
+        fifo: i16,
+    },
     /// WaitStop of coordinate systems.
     Wait {
         mask: u32,
@@ -225,6 +245,13 @@ impl PathCall {
             }
             Path::Delay { crd, ms, fifo } => format!("GTN_BufDelay({core},{crd},{ms},{fifo})"),
             Path::Outputs { crd, mask, value, fifo } => format!("GTN_BufIO({core},{crd},12,{mask},{value},{fifo})"),
+            Path::LookAhead { crd, fifo, time, acc, count } => {
+                format!("GTN_InitLookAhead({core},{crd},{fifo},{time:?},{acc:?},{count},NULL)")
+            }
+            Path::Limit { crd, coordinate, vel, acc } => {
+                format!("GTN_SetCrdLimit({core},{crd},{coordinate},{vel:?},{acc:?})")
+            }
+            Path::Flush { crd, fifo } => format!("GTN_CrdData({core},{crd},NULL,{fifo})"),
             Path::Output { crd, index, level, fifo } => {
                 format!("GTN_BufDoBit({core},{crd},12,{index},{},{fifo})", i16::from(*level))
             }

@@ -61,6 +61,22 @@ pub fn wire(site: &Site, of: &PathCall) -> Wire {
             syn_acc: acc.into(),
             fifo: fifo.into(),
         }),
+        &Path::LookAhead { crd, fifo, time, acc, count } => Wire::of(InitLookAhead {
+            core,
+            crd: crd.into(),
+            fifo: fifo.into(),
+            time_ms: time.into(),
+            acc_max: acc.into(),
+            count: count.into(),
+        }),
+        &Path::Limit { crd, coordinate, vel, acc } => Wire::of(SetCrdLimit {
+            core,
+            crd: crd.into(),
+            coordinate: coordinate.into(),
+            vel_max: vel.into(),
+            acc_max: acc.into(),
+        }),
+        &Path::Flush { crd, fifo } => Wire::with_items(CrdData { core, crd: crd.into(), fifo: fifo.into() }, &[]),
         &Path::Analog { crd, dac, value, fifo } => {
             Wire::of(BufDA { core, crd: crd.into(), channel: dac.into(), value: value.into(), fifo: fifo.into() })
         }
