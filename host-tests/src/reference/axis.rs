@@ -493,6 +493,11 @@ impl Axis {
         self.moved || self.late != Fix::ZERO
     }
 
+    /// The same so far from where it is known to be that it decides more than the bound of a slave.
+    pub fn is_astray(&self) -> bool {
+        self.moved || self.late > Fix(1 << 48)
+    }
+
     /// When its present motion ends, if it is one of Trap.
     pub fn goes_until(&self) -> Option<Fix> {
         let Some(Motion::Ramp(timed)) = &self.motion else { return None };

@@ -320,7 +320,12 @@ impl Controller {
     fn rows(&self) -> Vec<Row> {
         // A master's position has 22 fraction bits.
         let rounding = |axis: &Axis| match &axis.motion {
-            Some(Motion::Slave(slave)) => slave.table.curve.steepest * Fix(1 << 41),
+            Some(Motion::Slave(slave)) => {
+                let master = axis.follow.master.filter(|master| !master.is_counted());
+                let of = master.map_or(Fix::ZERO, |master| self.axes[master.axis].late);
+                // Where it began and where it is.
+                slave.table.curve.steepest * (Fix(1 << 41) + of + of)
+            }
             _ => Fix::ZERO,
         };
         let row = |axis: &Axis| Row {
@@ -378,7 +383,7 @@ impl Controller {
             if follows && arc {
                 open = Some("a slave of an axis on an arc");
             }
-            if follows && master.is_some_and(|master| !master.is_counted() && self.axes[master.axis].is_moved()) {
+            if follows && master.is_some_and(|master| !master.is_counted() && self.axes[master.axis].is_astray()) {
                 open = Some("a slave of an axis that a path moves");
             }
             let led_by_slave =
