@@ -3,6 +3,8 @@
 //! `REFERENCE_PROGRAMS` sets how many programs there are, `REFERENCE_SEED` the first one's number, `REFERENCE_CALLS` how
 //! many calls a program has at most, `REFERENCE_FINDINGS` how many programs that differ are told of before it gives up.
 //! A finding is shrunk and printed as a job. `REFERENCE_TABLE` names a file for how often each function was called.
+#[path = "reference/ahead.rs"]
+mod ahead;
 #[path = "reference/found.rs"]
 mod found;
 #[path = "reference/judge.rs"]
@@ -110,6 +112,24 @@ fn programs_agree_with_the_reference() {
     let told: String =
         reports.iter().map(|(after, report)| format!("found after {after} programs: {report}\n")).collect();
     assert!(reports.is_empty(), "{} of {done} programs differ:\n{told}", reports.len());
+}
+
+/// Paths with look-ahead, by what holds for every plan.
+#[test]
+fn look_ahead_keeps_its_rules() {
+    let (first, count) = (number("REFERENCE_SEED", 1), number("REFERENCE_AHEAD", 150));
+    let tally = ahead::run(first, count);
+    for (what, count) in &tally {
+        println!("{count:>9} {what}");
+    }
+    if count >= 150 {
+        for what in
+            ["paths", "motions", "accelerations within motions", "corners", "middles", "rests", "outputs at vertices"]
+        {
+            let tried = tally.get(what).copied().unwrap_or(0);
+            assert!(tried >= 50, "{what}: {tried}");
+        }
+    }
 }
 
 struct Nowhere;

@@ -72,6 +72,8 @@ impl Program<'_> {
         let Some((head, _)) = self.records.front().filter(|(head, _)| head.may_fail) else { return false };
         let known = match refused.reason.cure() {
             Cure::None => true,
+            // Data for a look-ahead waits for what was given before it, and then it is taken.
+            _ if refused.reason == Reason::CrdFifoInUse => self.is_past(view),
             // Of these only the end makes the record right ([`Change::may_free`]).
             Cure::Motion => self.is_reached(view) || self.is_settled(view),
             Cure::State => self.is_reached(view),

@@ -119,8 +119,7 @@ impl Program<'_> {
         let quiet = !self.lane.in_flight() && !self.gathers();
         let full = matches!(refused.reason, Reason::FifoFull | Reason::CrdFull);
         self.urgent = runs && (!full || quiet);
-        let instant = self.script.instant_after(view);
-        if !runs || self.lane.in_flight() || !self.replies.items.is_empty() || view.now.0 <= instant {
+        if !self.is_past(view) {
             return false;
         }
         let Some((head, _)) = self.records.front() else { return false };

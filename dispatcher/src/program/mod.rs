@@ -146,6 +146,12 @@ impl<'a> Program<'a> {
         self.state == State::Running && self.run.start.is_some_and(|run| executed(view, run))
     }
 
+    /// Whether the instant of the record in hand is over, and all that was before it.
+    fn is_past<const AXES: usize>(&self, view: &View<AXES>) -> bool {
+        let instant = self.script.instant_after(view);
+        self.runs(view) && !self.lane.in_flight() && self.replies.items.is_empty() && view.now.0 > instant
+    }
+
     /// Whether the view is the last one before the tick on which the record in hand would act, and
     /// shows everything admitted before it.
     fn is_reached<const AXES: usize>(&self, view: &View<AXES>) -> bool {

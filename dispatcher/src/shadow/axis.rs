@@ -153,7 +153,12 @@ impl AxisShadow {
     }
     /// As [`AxisShadow::is_outgoing`], of a FIFO of Follow.
     pub fn is_follow_outgoing<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView, fifo: u8) -> bool {
-        let busy = self.is_busy(view, axis);
+        // A mode is set at standstill: a start after it reads the new data.
+        let busy = if self.emptied.is_some() && self.emptied == self.follow.emptied(fifo) {
+            axis.status & RUNNING != 0 || self.leaving.is_some_and(|seq| !executed(view, seq))
+        } else {
+            self.is_busy(view, axis)
+        };
         // With a start in flight, one before it may be in flight, too.
         let idle = self.busy.is_none_or(|seq| executed(view, seq)) && axis.fifo != fifo && !self.may_switch(view, axis);
         self.is_outgoing(view, axis) || self.follow.is_outgoing(view, fifo, busy, idle)

@@ -96,6 +96,10 @@ impl FollowShadow {
     pub fn is_outgoing<const AXES: usize>(&self, view: &View<AXES>, fifo: u8, busy: bool, idle: bool) -> bool {
         busy && !idle && self.is_invalid(view, fifo)
     }
+    /// The entry that emptied this FIFO last.
+    pub fn emptied(&self, fifo: u8) -> Option<u32> {
+        self.emptied[usize::from(fifo & 1)]
+    }
     /// Whether the tick has still to execute the entry that empties this FIFO.
     pub fn is_invalid<const AXES: usize>(&self, view: &View<AXES>, fifo: u8) -> bool {
         self.emptied[usize::from(fifo & 1)].is_some_and(|seq| !executed(view, seq))

@@ -1,4 +1,5 @@
 //! One axis: its settings, its data, and the motion that it makes.
+use super::filter::Filter;
 use super::follow::Item;
 use super::number::{Fix, exact};
 use super::pt::{Chain, Segment, Timed, Went};
@@ -59,8 +60,25 @@ pub struct PtData {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Master {
     pub axis: usize,
-    /// 1 its encoder, 2 its planned position, 3 the same as an axis.
+    /// 1 its encoder, 2 its planned position, 3 what `item` says.
     pub kind: i16,
+    pub item: i16,
+}
+
+impl Master {
+    /// Its encoder.
+    pub fn is_counted(self) -> bool {
+        self.kind == 1 || self.kind == 3 && !matches!(self.item, 0 | 2)
+    }
+
+    pub fn is_filtered(self) -> bool {
+        self.kind == 3 && matches!(self.item, 2 | 3)
+    }
+
+    /// Straight between ticks.
+    pub fn is_sampled(self) -> bool {
+        self.is_counted() || self.is_filtered()
+    }
 }
 
 #[derive(Debug, Clone)]
@@ -105,6 +123,9 @@ pub struct Axis {
     blocks: u32,
     pub motion: Option<Motion>,
     pub stop_dec: f64,
+    /// SetAxisBand, SetPosErr.
+    pub band: (i32, i32),
+    pub pos_err: i32,
     pub soft: (i32, i32),
     pub trap: Rates,
     pub jog: Rates,
@@ -115,6 +136,10 @@ pub struct Axis {
     /// The table that runs, until the one selected takes over.
     pub table: i16,
     pub pt: PtData,
+    /// Time of its first point.
+    pub table_begins: Fix,
+    /// The same of the one selected.
+    pub next_begins: Fix,
     /// Of the PT data that runs.
     chain: Chain,
     pub follow: FollowData,
@@ -128,6 +153,8 @@ pub struct Axis {
     pub began: bool,
     /// It came to standstill in the last tick by itself, and no call has waited for it.
     pub ended: bool,
+    /// Of a filtered master: where it was and where it is, filtered, and how far behind.
+    pub filter: Option<Filter>,
     /// Its coordinate system, whether that runs, and its motion in this tick: instants and
     /// positions.
     pub crd: Option<(i16, i16)>,
@@ -163,6 +190,8 @@ pub struct Axis {
     /// Instants and positions of this tick before the motion that a path began; there was one; it
     /// has no length.
     pub head: Vec<(Fix, Fix)>,
+    /// No motion there was faster.
+    pub head_most: Fix,
     moved: bool,
     brief: bool,
     /// It is geared to a motion of its coordinate system.
@@ -201,6 +230,8 @@ impl Axis {
             blocks: 0,
             motion: None,
             stop_dec: 1.0,
+            band: (0, 0),
+            pos_err: i32::MAX,
             soft: (i32::MAX, i32::MIN),
             trap: Rates::default(),
             jog: Rates::default(),
@@ -217,6 +248,8 @@ impl Axis {
                 running: 0,
                 passes: 0,
             },
+            table_begins: Fix::ZERO,
+            next_begins: Fix::ZERO,
             chain: Chain::default(),
             follow: FollowData {
                 dir: 0,
@@ -233,6 +266,7 @@ impl Axis {
             doubt: false,
             began: false,
             ended: false,
+            filter: None,
             crd: None,
             driven: false,
             carried: None,
@@ -253,6 +287,7 @@ impl Axis {
             late: Fix::ZERO,
             late_velocity: Fix::ZERO,
             head: Vec::new(),
+            head_most: Fix::ZERO,
             moved: false,
             brief: false,
             geared: false,
@@ -272,6 +307,32 @@ impl Axis {
     /// Whether it was a slave in this tick.
     pub fn follow_moves(&self) -> bool {
         matches!(self.past.as_ref().or(self.motion.as_ref()), Some(Motion::Slave(_)))
+    }
+
+    /// Its acceleration from an instant on, where it is a function of time that does not change there.
+    pub fn acceleration(&self, at: Fix) -> Option<Fix> {
+        if self.driven || self.mode == Mode::Crd || self.is_moved() {
+            return None;
+        }
+        match &self.motion {
+            None => Some(Fix::ZERO),
+            Some(Motion::Ramp(timed) | Motion::Pt(timed) | Motion::Pvt(timed) | Motion::Stream(timed, _)) => {
+                // Where it has just begun, that of the motion before may be read.
+                timed.curve.curvature(timed.place(at)).filter(|_| timed.start != at)
+            }
+            Some(Motion::Slave(_)) => None,
+        }
+    }
+
+    /// Whether a PVT table is in force.
+    pub fn is_in_table(&self) -> bool {
+        matches!(self.motion, Some(Motion::Pvt(_))) && !self.began
+    }
+
+    /// Its time in the table.
+    pub fn table_time(&self, at: Fix) -> Fix {
+        let Some(Motion::Pvt(timed)) = &self.motion else { return Fix::ZERO };
+        timed.place(at) + self.table_begins
     }
 
     /// Follow or FollowEx.
@@ -409,6 +470,9 @@ impl Axis {
             self.head.append(&mut way);
         }
         self.head.push((at, x));
+        if let Some(Motion::Ramp(timed)) = &self.motion {
+            self.head_most = self.head_most.max(timed.curve.steepest);
+        }
         let way = Fix::whole(to.into()) + self.zero - x;
         let acc = exact(acc);
         let curve = ramp::trap(v, way, &exact(vel), &acc, &acc);
@@ -424,6 +488,11 @@ impl Axis {
     /// Whether a path moves it, at instants that are known to 5 ns.
     pub fn is_moved(&self) -> bool {
         self.moved || self.late != Fix::ZERO
+    }
+
+    /// The same so far from where it is known to be that it decides more than the bound of a slave.
+    pub fn is_astray(&self) -> bool {
+        self.moved || self.late > Fix(1 << 48)
     }
 
     /// When its present motion ends, if it is one of Trap.
@@ -476,13 +545,17 @@ impl Axis {
         let data = &self.follow.fifos[fifo];
         let slave = Slave::new(data, fifo, self.follow.dir, self.follow.begin, self.x);
         (self.follow.fifo, self.follow.passes, self.began) = (fifo, 0, true);
+        self.filter = None;
         self.motion = Some(Motion::Slave(Box::new(slave)));
     }
 
     /// From the tick before to this one.
     pub fn step(&mut self, from_ns: i64, to_ns: i64, lead: Option<&Lead>, inputs: u32) {
         let (mut from, to) = (Fix::ms(from_ns), Fix::ms(to_ns));
-        (self.track, self.times) = (vec![self.x], vec![from]);
+        self.track.clear();
+        self.track.push(self.x);
+        self.times.clear();
+        self.times.push(from);
         let moved = !self.head.is_empty();
         for (when, place) in self.head.drain(..) {
             self.times.push(when);
@@ -518,7 +591,7 @@ impl Axis {
                 self.v = timed.velocity(to);
                 self.pvt.2 = timed.passes;
                 if timed.pending.is_none() {
-                    self.table = self.pvt.1;
+                    (self.table, self.table_begins) = (self.pvt.1, self.next_begins);
                 }
                 went == Went::Ended
             }
@@ -571,6 +644,7 @@ impl Axis {
         if std::mem::take(&mut self.brief) {
             self.open = Some("a move without a way");
         }
+        self.fastest = self.fastest.max(std::mem::take(&mut self.head_most));
         for (when, place) in out {
             self.times.push(when);
             self.track.push(place);
@@ -589,8 +663,6 @@ impl Axis {
             self.open = self.path_open.then_some("the end of a path");
             self.ended = std::mem::take(&mut self.path_ended);
             self.fastest = self.path_most;
-        } else if moved {
-            self.fastest = self.fastest.max(self.path_most);
         }
         if ended {
             (self.braking, self.late, self.late_velocity) = (None, Fix::ZERO, Fix::ZERO);

@@ -37,6 +37,23 @@ pub enum Call {
         axis: usize,
         smooth: f64,
     },
+    SetEncPos {
+        axis: usize,
+        pos: i32,
+    },
+    SynchAxisPos {
+        mask: u32,
+    },
+    /// In units of 250 µs.
+    SetAxisBand {
+        axis: usize,
+        band: i32,
+        time: i32,
+    },
+    SetPosErr {
+        axis: usize,
+        error: i32,
+    },
     SetSoftLimit {
         axis: usize,
         positive: i32,
@@ -102,6 +119,8 @@ pub enum Call {
         axis: usize,
         master: usize,
         kind: i16,
+        /// Of a master's axis: 0 planned, 2 planned and filtered, 3 encoder and filtered, else encoder.
+        item: i16,
     },
     SetFollowLoop {
         axis: usize,
@@ -196,10 +215,22 @@ pub enum Kind {
     GetFollowEventEx,
     GetFollowMaster,
     GetFollowMasterEx,
+    GetTrapPrm,
+    GetJogPrm,
+    GetPos,
+    GetVel,
+    GetSoftLimit,
+    GetStopDec,
+    GetAxisBand,
+    GetPosErr,
+    GetPtMemory,
+    PvtStatus,
     GetSts,
     GetEncPos,
+    GetEncVel,
     GetPrfPos,
     GetPrfVel,
+    GetPrfAcc,
     GetPrfMode,
 }
 
@@ -209,6 +240,7 @@ impl Call {
         match self {
             Call::Axis { kind, .. } => matches!(kind, Kind::ZeroPos | Kind::PrfTrap | Kind::PrfJog | Kind::PrfPvt),
             Call::SetPrfPos { .. }
+            | Call::SynchAxisPos { .. }
             | Call::PrfPt { .. }
             | Call::PtClear { .. }
             | Call::SetPtMemory { .. }
@@ -240,6 +272,7 @@ impl Call {
             Call::Sleep { .. } | Call::Effect(_) | Call::Light(_) | Call::Ex(_) => 0,
             Call::Path(_) => 0,
             Call::WaitStop { mask }
+            | Call::SynchAxisPos { mask }
             | Call::Stop { mask, .. }
             | Call::Update { mask }
             | Call::PtStart { mask, .. }
@@ -249,6 +282,9 @@ impl Call {
             Call::Axis { axis, .. }
             | Call::SetPrfPos { axis, .. }
             | Call::SetStopDec { axis, .. }
+            | Call::SetEncPos { axis, .. }
+            | Call::SetAxisBand { axis, .. }
+            | Call::SetPosErr { axis, .. }
             | Call::SetSoftLimit { axis, .. }
             | Call::SetTrapPrm { axis, .. }
             | Call::SetJogPrm { axis, .. }
@@ -320,6 +356,10 @@ impl Site {
             Call::Stop { mask, abrupt } => format!("GTN_Stop({})", both(mask, abrupt)),
             Call::SetPrfPos { axis, pos } => format!("GTN_SetPrfPos({},{pos})", at(axis)),
             Call::SetStopDec { axis, smooth } => format!("GTN_SetStopDec({},{smooth:?},1000)", at(axis)),
+            Call::SetEncPos { axis, pos } => format!("GTN_SetEncPos({},{pos})", at(axis)),
+            Call::SynchAxisPos { mask } => format!("GTN_SynchAxisPos({})", of(mask)),
+            Call::SetAxisBand { axis, band, time } => format!("GTN_SetAxisBand({},{band},{time})", at(axis)),
+            Call::SetPosErr { axis, error } => format!("GTN_SetPosErr({},{error})", at(axis)),
             Call::SetSoftLimit { axis, positive, negative } => {
                 format!("GTN_SetSoftLimit({},{positive},{negative})", at(axis))
             }
@@ -342,9 +382,9 @@ impl Site {
             Call::SetPtMemory { axis, memory } => format!("GTN_SetPtMemory({},{memory})", at(axis)),
             Call::PtStart { mask, option } => format!("GTN_PtStart({})", both(mask, option)),
             Call::PrfFollow { axis, dir } => format!("GTN_PrfFollow({},{dir})", at(axis)),
-            Call::SetFollowMaster { axis, master, kind } => {
+            Call::SetFollowMaster { axis, master, kind, item } => {
                 let (index, kind) = self.master(*axis, *master, *kind);
-                format!("GTN_SetFollowMaster({},{index},{kind})", at(axis))
+                format!("GTN_SetFollowMaster({},{index},{kind},{item})", at(axis))
             }
             Call::SetFollowLoop { axis, loops } => format!("GTN_SetFollowLoop({},{loops})", at(axis)),
             Call::SetFollowEvent { axis, event, dir, pos } => {
@@ -385,8 +425,15 @@ impl Site {
             Kind::GetFollowMemory | Kind::GetFollowMemoryEx => ",&fifo",
             Kind::GetFollowEvent | Kind::GetFollowEventEx => ",&fifo,&pending,&word",
             Kind::GetFollowMaster | Kind::GetFollowMasterEx => ",&fifo,&pending,&space",
-            Kind::GetSts | Kind::GetPrfMode => ",&word",
-            Kind::GetPrfPos | Kind::GetPrfVel | Kind::GetEncPos => ",&value",
+            Kind::GetSts | Kind::GetPrfMode | Kind::GetPos | Kind::GetPosErr => ",&word",
+            Kind::GetPrfPos | Kind::GetPrfVel | Kind::GetPrfAcc | Kind::GetEncPos | Kind::GetEncVel => ",&value",
+            Kind::GetVel => ",&value",
+            Kind::GetTrapPrm => ",&trap",
+            Kind::GetJogPrm => ",&jog",
+            Kind::GetSoftLimit | Kind::GetAxisBand => ",&loops,&word",
+            Kind::GetStopDec => ",&value,&place[0]",
+            Kind::GetPtMemory => ",&fifo",
+            Kind::PvtStatus => ",&fifo,&value",
         };
         format!("rtn = GTN_{kind:?}({axis}{more});")
     }

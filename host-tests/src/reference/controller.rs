@@ -19,6 +19,7 @@ use super::axis::{Aim, Axis, Mode, Motion};
 use super::call::{Call, Site, members};
 use super::crd::Crd;
 use super::effect::Levels;
+use super::filter::Filter;
 use super::light::{Act, GateEdge, Light};
 use super::number::Fix;
 use super::path::{Path, PathCall};
@@ -34,10 +35,14 @@ pub enum Value {
     Whole(i64),
     Two(i64, i64),
     Three(i64, i64, i64),
-    /// Coordinates.
-    CrdPosition([f64; 4]),
-    Position(Fix),
+    /// Coordinates, and what is added to the bound.
+    CrdPosition([f64; 4], f64),
+    Position(Fix, Fix),
     Velocity(Fix),
+    /// Settings, exactly.
+    Reals([f64; 4]),
+    /// PvtStatus: table and time, ms.
+    Table(i64, f64),
 }
 
 /// What a call answers.
@@ -103,6 +108,9 @@ enum Then {
     Update(Aim),
 }
 
+/// So many WaitStops that find everything at rest take no time; what follows more of them is late by a tick: an open finding.
+const WAITS: usize = 3;
+
 /// See the module text.
 pub struct Controller {
     site: Site,
@@ -111,7 +119,8 @@ pub struct Controller {
     /// PVT tables by core and number.
     tables: BTreeMap<(i16, i16), Table>,
     tick_ns: i64,
-    axes: Vec<Axis>,
+    #[allow(clippy::vec_box, reason = "axes change places in every tick, and are long")]
+    axes: Vec<Box<Axis>>,
     /// What begins where the motion before has come to in this tick.
     then: Vec<Option<Then>>,
     /// Reads that this tick answers.
@@ -134,6 +143,8 @@ pub struct Controller {
     /// some time has passed.
     unsettled: u8,
     machine: encoders::Machine,
+    /// WaitStops that have acted on the tick that is being prepared.
+    waits: usize,
     /// Axes that were asked in this tick and the one before for what needs standstill.
     contested: [u32; 2],
     used: BTreeMap<&'static str, u64>,
@@ -142,7 +153,7 @@ pub struct Controller {
 impl Controller {
     /// At power-on, machine positions in 2⁻²² pulse.
     pub fn new(site: &Site, tick_ns: i64, positions: &[i64]) -> Controller {
-        let axes: Vec<Axis> = positions.iter().map(|position| Axis::new(*position)).collect();
+        let axes: Vec<Box<Axis>> = positions.iter().map(|position| Box::new(Axis::new(*position))).collect();
         let then = vec![None; axes.len()];
         let cores = site.axes.iter().map(|axis| axis.0).collect();
         let tables = BTreeMap::new();
@@ -150,6 +161,7 @@ impl Controller {
         Controller {
             site: site.clone(),
             machine,
+            waits: 0,
             levels: Levels::default(),
             light: Light::default(),
             may_be_refused: false,
@@ -198,6 +210,7 @@ impl Controller {
         for number in 1..=most {
             let (before, now) = ((number as i64 - 1) * self.tick_ns, number as i64 * self.tick_ns);
             let earlier = std::mem::replace(&mut first, next);
+            self.waits = 0;
             self.encoders(number);
             for axis in &mut self.axes {
                 if axis.sample()
@@ -226,14 +239,20 @@ impl Controller {
                         let runs = members(*mask).any(|axis| self.axes[axis].runs() || self.axes[axis].halted);
                         waiting = runs.then_some(*mask);
                         members(*mask).for_each(|axis| self.axes[axis].broken = false);
+                        self.waits += 1;
                     }
                     Call::Path(PathCall { core, what: Path::Wait { mask } }) => {
                         self.unsettled = 1;
                         program.replies[next] = Reply::Done(Value::None);
                         let axes = self.path_axes(*core, *mask);
+                        self.waits += 1;
                         waiting = self.paths_run(*core, *mask).then_some(axes);
                     }
                     call => {
+                        if self.waits > WAITS {
+                            self.open = Some("more WaitStops of an instant than are known ahead");
+                            break;
+                        }
                         let reply = self.call(next, call, now);
                         if matches!(reply, Reply::Code(_)) || std::mem::take(&mut self.may_be_refused) {
                             program.refused.push(next);
@@ -308,7 +327,12 @@ impl Controller {
     fn rows(&self) -> Vec<Row> {
         // A master's position has 22 fraction bits.
         let rounding = |axis: &Axis| match &axis.motion {
-            Some(Motion::Slave(slave)) => slave.table.curve.steepest * Fix(1 << 41),
+            Some(Motion::Slave(slave)) => {
+                let master = axis.follow.master.filter(|master| !master.is_counted());
+                let of = master.map_or(Fix::ZERO, |master| self.axes[master.axis].late);
+                // Where it began and where it is.
+                slave.table.curve.steepest * (Fix(1 << 41) + of + of)
+            }
             _ => Fix::ZERO,
         };
         let row = |axis: &Axis| Row {
@@ -318,7 +342,7 @@ impl Controller {
             slack: axis.slack + axis.late + rounding(axis),
             most: axis.fastest,
         };
-        self.axes.iter().map(row).collect()
+        self.axes.iter().map(|axis| row(axis)).collect()
     }
 
     /// Masters before their slaves.
@@ -337,16 +361,23 @@ impl Controller {
 
     fn step(&mut self, before: i64, now: i64) {
         self.step_paths(before, now);
+        let mut axis = Box::new(Axis::new(0));
         for index in self.order() {
-            let mut axis = std::mem::replace(&mut self.axes[index], Axis::new(0));
+            std::mem::swap(&mut axis, &mut self.axes[index]);
             let (ran, was_slave) = (axis.runs(), matches!(axis.motion, Some(Motion::Slave(_))));
             let began = axis.began;
             let master = axis.follow.master;
             let then = self.then[index].take();
             let mut open = None;
-            let place = |at: Fix| master.and_then(|master| self.position_of(master, at, before, now));
+            if let Some(master) = master.filter(|master| was_slave && master.is_filtered()) {
+                let of = &self.axes[master.axis];
+                let at = if master.is_counted() { of.encoder[1] } else { of.x };
+                axis.filter.get_or_insert_with(|| Filter::new(at)).step(at, now - before);
+            }
+            let filter = axis.filter.clone();
+            let place = |at: Fix| master.and_then(|master| self.position_of(filter.as_ref(), master, at, before, now));
             let times = [Fix::ms(before), Fix::ms(now)];
-            let lead = master.map(|master| self.lead(master, &times, &place));
+            let lead = master.map(|master| self.lead(filter.as_ref(), master, &times, &place));
             // A controller has few slots for a master's motion in a tick: between the first and the
             // last of several knots it is linear for the slaves. Where a Stop or an Update of the
             // master acts is a knot, too.
@@ -355,14 +386,15 @@ impl Controller {
             if follows && lead.as_ref().is_some_and(|lead| lead.track.len() > most && turns(lead.track)) {
                 open = Some("a master that turns between several knots in a tick");
             }
-            let arc = master.is_some_and(|master| master.kind != 1 && self.axes[master.axis].bent);
+            let arc = master.is_some_and(|master| !master.is_sampled() && self.axes[master.axis].bent);
             if follows && arc {
                 open = Some("a slave of an axis on an arc");
             }
-            if follows && master.is_some_and(|master| self.axes[master.axis].is_moved()) {
+            if follows && master.is_some_and(|master| !master.is_counted() && self.axes[master.axis].is_astray()) {
                 open = Some("a slave of an axis that a path moves");
             }
-            let led_by_slave = master.is_some_and(|master| self.axes[master.axis].follow_moves());
+            let led_by_slave =
+                master.is_some_and(|master| !master.is_sampled() && self.axes[master.axis].follow_moves());
             if follows && led_by_slave && lead.as_ref().is_some_and(|lead| turns(lead.track)) {
                 open = Some("a slave that turns within a tick is followed");
             }
@@ -394,9 +426,15 @@ impl Controller {
                     {
                         open = Some("a Stop where a slave's ratio jumps");
                     }
-                    let counted = master.filter(|master| was_slave && master.kind == 1);
-                    if master.is_some_and(|master| was_slave && self.axes[master.axis].mode == Mode::Crd) {
+                    let counted = master.filter(|master| was_slave && master.is_counted());
+                    if master.is_some_and(|master| {
+                        was_slave && !master.is_counted() && self.axes[master.axis].mode == Mode::Crd
+                    }) {
                         open = Some("a Stop of a slave of a path's axis");
+                    }
+                    if master.is_some_and(|master| was_slave && master.is_filtered()) {
+                        // Its speed is that of positions with 22 fraction bits.
+                        open = Some("a Stop of a slave of a filtered master");
                     }
                     if counted.is_some_and(|master| self.axes[master.axis].counts() < Fix::whole(4)) {
                         // What speed that is depends on the tick.
@@ -431,7 +469,7 @@ impl Controller {
                 self.changes.push((now as f64 / 1e6, bit, if level { bit } else { 0 }));
                 *self.used.entry("outputs set by FollowEx").or_default() += 1;
             }
-            self.axes[index] = axis;
+            std::mem::swap(&mut axis, &mut self.axes[index]);
         }
         self.light.step(before as f64 / 1e6, now as f64 / 1e6);
         self.change_outputs();

@@ -1,6 +1,6 @@
 //! A function made of cubics: of time for PT, PVT and ramps, of the master's progress for a slave.
-use super::number::{Fix, Rational, root};
-use num_traits::{Signed, Zero};
+use super::number::{Fix, root};
+use super::rational::Rational;
 
 /// A cubic over `from` to `to`; coefficients are those of the share of it that has passed, in pulses.
 #[derive(Debug, Clone)]
@@ -101,6 +101,14 @@ impl Curve {
         self.end = end;
     }
 
+    /// The length up to there, which pieces whose lengths were rounded may miss.
+    pub fn reaches(&mut self, length: Fix) {
+        debug_assert!((self.length - length).abs() < Fix(1 << 10));
+        if let Some(last) = self.pieces.last_mut().filter(|last| last.from < length) {
+            (last.to, self.length) = (length, length);
+        }
+    }
+
     pub fn length(&self) -> Fix {
         self.length
     }
@@ -128,6 +136,20 @@ impl Curve {
         }
         let index = self.pieces.partition_point(|piece| if after { piece.to <= u } else { piece.to < u });
         self.pieces.get(index).map_or(self.cruise, |piece| piece.slope(piece.share(u)))
+    }
+
+    /// The second derivative from `u` on; none within rounding of a knot that is not exactly there.
+    pub fn curvature(&self, u: Fix) -> Option<Fix> {
+        let near = |knot: Fix| u != knot && (u - knot).abs() < Fix(1 << 46);
+        if u < Fix::ZERO || self.pieces.iter().any(|piece| near(piece.from) || near(piece.to)) {
+            return None;
+        }
+        let Some(piece) = self.pieces.get(self.pieces.partition_point(|piece| piece.to <= u)) else {
+            return Some(Fix::ZERO);
+        };
+        let ([_, _, c2, c3], length, s) = (piece.c, piece.to - piece.from, piece.share(u));
+        let by_share = c2 + c2 + s * (c3 + c3 + c3 + c3 + c3 + c3);
+        Some(by_share.over(length).over(length))
     }
 
     /// Knots and turns between `a` and `b`, and the values there, in the order of the way from `a` to `b`.

@@ -1,7 +1,7 @@
 //! What FIFOs of Follow and FollowEx hold, and the function of progress that it makes.
 use super::curve::Curve;
-use super::number::{Fix, Rational, exact};
-use num_traits::{Signed, Zero};
+use super::number::{Fix, exact};
+use super::rational::Rational;
 
 /// A segment as FollowData gives it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -93,6 +93,7 @@ impl Table {
                 };
                 shaped(&mut curve, &length, &first, &last, &Rational::from_integer(datum.percent.into()));
                 curve.ends_at(Fix::of(&slave));
+                curve.reaches(Fix::of(&master));
                 (from, begin, ratio) = (master, slave, last);
             }
             knots.push((curve.length(), curve.end()));

@@ -1,15 +1,22 @@
 //! Numbers: exact rationals for plans, and a fixed point of 2⁻⁶⁴ for values at an instant.
+use super::rational::Rational;
 use num_bigint::BigInt;
-use num_rational::BigRational;
-use num_traits::{Signed, ToPrimitive, Zero};
+use num_traits::ToPrimitive;
 use std::ops::{Add, AddAssign, Mul, Neg, Sub, SubAssign};
-
-/// An exact number.
-pub type Rational = BigRational;
 
 /// A double, exactly. NaN and infinities are no numbers of a plan.
 pub fn exact(x: f64) -> Rational {
-    BigRational::from_float(x).expect("a finite number")
+    let (mantissa, exponent) = parts(x);
+    Rational::dyadic(mantissa.into(), exponent.into())
+}
+
+/// Whole m and e, with m·2^e the number.
+fn parts(x: f64) -> (i64, i32) {
+    assert!(x.is_finite(), "a finite number");
+    let bits = x.to_bits();
+    let (fraction, exponent) = ((bits & ((1 << 52) - 1)) as i64, (bits >> 52 & 0x7ff) as i32);
+    let mantissa = if exponent == 0 { fraction } else { fraction | 1 << 52 };
+    (if x < 0.0 { -mantissa } else { mantissa }, exponent.max(1) - 1075)
 }
 
 /// A number in units of 2⁻⁶⁴: pulses, ms, pulse/ms or a ratio.
@@ -28,12 +35,22 @@ impl Fix {
 
     /// Rounded to the nearest.
     pub fn of(x: &Rational) -> Fix {
-        let scaled: BigInt = (x.numer() << 65usize) / x.denom();
-        Fix(((scaled + 1i32) >> 1usize).to_i128().expect("a number in range"))
+        let scaled = x.scaled(65).to_i128().expect("a number in range");
+        Fix((scaled + 1) >> 1)
     }
 
+    /// The same of a double.
     pub fn of_f64(x: f64) -> Fix {
-        Fix::of(&exact(x))
+        let (mantissa, exponent) = parts(x);
+        let (size, shift) = (u128::from(mantissa.unsigned_abs()), exponent + 65);
+        let twice = if shift >= 0 {
+            assert!(size.leading_zeros() as i32 > shift + 1, "a number in range");
+            size << shift
+        } else {
+            size.checked_shr(shift.unsigned_abs()).unwrap_or(0)
+        };
+        let twice = if mantissa < 0 { -(twice as i128) } else { twice as i128 };
+        Fix((twice + 1) >> 1)
     }
 
     /// A position of the machine, in 2⁻²² pulse.
@@ -60,13 +77,30 @@ impl Fix {
     }
 
     pub fn rational(self) -> Rational {
-        BigRational::new(self.0.into(), BigInt::from(1u128 << 64))
+        Rational::dyadic(self.0.into(), -64)
     }
 
-    /// `self / by`.
+    /// `self / by`, rounded towards zero.
     pub fn over(self, by: Fix) -> Fix {
-        let quotient = (BigInt::from(self.0) << 64usize) / by.0;
-        Fix(quotient.to_i128().expect("a quotient in range"))
+        let (a, b) = (self.0.unsigned_abs(), by.0.unsigned_abs());
+        let (whole, mut rest, mut fraction) = (a / b, a % b, 0);
+        // As many bits at a time as there is room for.
+        let mut left = 64;
+        while left > 0 {
+            let bits = rest.leading_zeros().min(left);
+            if bits == 0 {
+                // A divisor of 128 bits.
+                let quotient = (BigInt::from(self.0) << 64usize) / by.0;
+                return Fix(quotient.to_i128().expect("a quotient in range"));
+            }
+            rest <<= bits;
+            fraction = fraction << bits | rest / b;
+            rest %= b;
+            left -= bits;
+        }
+        let quotient = whole.checked_mul(1 << 64).map(|whole| whole | fraction);
+        let quotient = quotient.and_then(|quotient| i128::try_from(quotient).ok()).expect("a quotient in range");
+        Fix(if (self.0 < 0) != (by.0 < 0) { -quotient } else { quotient })
     }
 }
 
@@ -76,8 +110,7 @@ pub fn root(a: &Rational) -> Fix {
     if a.is_zero() {
         return Fix::ZERO;
     }
-    let scaled: BigInt = (a.numer() << 128usize) / a.denom();
-    Fix(scaled.sqrt().to_i128().expect("a root in range"))
+    Fix(a.scaled(128).sqrt().to_i128().expect("a root in range"))
 }
 
 impl Add for Fix {
@@ -127,5 +160,33 @@ impl Mul for Fix {
             .expect("a product in range");
         let product = i128::try_from(product).expect("a product in range");
         Fix(if (self.0 < 0) != (other.0 < 0) { -product } else { product })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reference::chance::Chance;
+
+    /// Short cuts give what big numbers give.
+    #[test]
+    fn short_cuts_are_exact() {
+        let mut chance = Chance::new(5);
+        for _ in 0..20_000 {
+            let x = chance.log(1e-30, 1e9) * chance.sign();
+            for x in [x, x.round(), 0.0, -0.0, f64::from(x as f32), 2f64.powi(-1074)] {
+                assert_eq!(Fix::of_f64(x), Fix::of(&exact(x)), "{x}");
+            }
+            let fix = |chance: &mut Chance| {
+                let shift = 1 + chance.below(120) as u32;
+                let sign = if chance.below(2) == 0 { -1 } else { 1 };
+                Fix(sign * ((u128::from(chance.next()) << 64 | u128::from(chance.next())) >> shift) as i128)
+            };
+            let (a, b) = (fix(&mut chance), fix(&mut chance));
+            if b != Fix::ZERO && a.0.unsigned_abs() >> 62 < b.0.unsigned_abs() {
+                let quotient = (BigInt::from(a.0) << 64usize) / b.0;
+                assert_eq!(BigInt::from(a.over(b).0), quotient, "{a:?} {b:?}");
+            }
+        }
     }
 }

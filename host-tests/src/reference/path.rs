@@ -88,6 +88,21 @@ pub enum Path {
         value: u16,
         fifo: i16,
     },
+    /// BufDoBit, from 1.
+    Output {
+        crd: i16,
+        index: i16,
+        level: bool,
+        fifo: i16,
+    },
+    /// LnXYG0.
+    Jump {
+        crd: i16,
+        to: [i32; 2],
+        vel: f64,
+        acc: f64,
+        fifo: i16,
+    },
     /// BufDA.
     Analog {
         crd: i16,
@@ -117,6 +132,26 @@ pub enum Path {
         crd: i16,
         channel: i16,
         command: Command,
+        fifo: i16,
+    },
+    /// InitLookAhead: T, ms, and accMax.
+    LookAhead {
+        crd: i16,
+        fifo: i16,
+        time: f64,
+        acc: f64,
+        count: i16,
+    },
+    /// SetCrdLimit of a coordinate, from 1; 0: none.
+    Limit {
+        crd: i16,
+        coordinate: i16,
+        vel: f64,
+        acc: f64,
+    },
+    /// CrdData without data.
+    Flush {
+        crd: i16,
         fifo: i16,
     },
     /// WaitStop of coordinate systems.
@@ -210,6 +245,19 @@ impl PathCall {
             }
             Path::Delay { crd, ms, fifo } => format!("GTN_BufDelay({core},{crd},{ms},{fifo})"),
             Path::Outputs { crd, mask, value, fifo } => format!("GTN_BufIO({core},{crd},12,{mask},{value},{fifo})"),
+            Path::LookAhead { crd, fifo, time, acc, count } => {
+                format!("GTN_InitLookAhead({core},{crd},{fifo},{time:?},{acc:?},{count},NULL)")
+            }
+            Path::Limit { crd, coordinate, vel, acc } => {
+                format!("GTN_SetCrdLimit({core},{crd},{coordinate},{vel:?},{acc:?})")
+            }
+            Path::Flush { crd, fifo } => format!("GTN_CrdData({core},{crd},NULL,{fifo})"),
+            Path::Output { crd, index, level, fifo } => {
+                format!("GTN_BufDoBit({core},{crd},12,{index},{},{fifo})", i16::from(*level))
+            }
+            Path::Jump { crd, to: [x, y], vel, acc, fifo } => {
+                format!("GTN_LnXYG0({core},{crd},{x},{y},{vel:?},{acc:?},{fifo})")
+            }
             Path::Laser { crd, channel, command, fifo } => match command {
                 Command::Gate(true) => format!("GTN_BufLaserOn({core},{crd},{fifo},{channel})"),
                 Command::Gate(false) => format!("GTN_BufLaserOff({core},{crd},{fifo},{channel})"),

@@ -1,7 +1,7 @@
 //! PT data, and motions that are functions of time.
 use super::curve::Curve;
-use super::number::{Fix, Rational, exact};
-use num_traits::Zero;
+use super::number::{Fix, exact};
+use super::rational::Rational;
 
 /// A segment as PtData gives it.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,8 +1,8 @@
 //! PVT tables of every kind, as functions of the time since their first point.
 use super::curve::Curve;
 use super::follow::shaped;
-use super::number::{Fix, Rational, exact, root};
-use num_traits::{Signed, Zero};
+use super::number::{Fix, exact, root};
+use super::rational::Rational;
 
 /// Points as the calls give them, all of one kind.
 #[derive(Debug, Clone, PartialEq)]
@@ -112,9 +112,10 @@ fn percent(points: &[[f64; 3]], begin: f64) -> Table {
     let mut v = exact(begin);
     for pair in points.windows(2) {
         let ([t, p, percent], [u, q, _]) = (pair[0].map(exact), pair[1].map(exact));
-        let length = u - t;
+        let length = &u - t;
         let last = whole(2) * (&q - p) / &length - &v;
         shaped(&mut curve, &length, &v, &last, &percent);
+        curve.reaches(Fix::of(&(u - exact(points[0][0]))));
         curve.ends_at(Fix::of(&(q - exact(points[0][1]))));
         v = last;
     }
@@ -136,7 +137,7 @@ fn continuous(points: &[[f64; 6]], begin: f64) -> Table {
             shaped(&mut curve, &up, &v, &(&peak * &sign), &percent);
         }
         let cruise = (&length - ramps) / &peak;
-        if cruise > Rational::new(1.into(), (1u64 << 50).into()) {
+        if cruise > Rational::dyadic(1.into(), -50) {
             curve.cubic(&cruise, &(&peak * &sign), &Rational::zero(), &Rational::zero());
         }
         if down.is_positive() {

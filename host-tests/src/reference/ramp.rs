@@ -1,7 +1,7 @@
 //! Trap, Jog and the smooth Stop: functions of time that begin at a velocity.
 use super::curve::Curve;
-use super::number::{Fix, Rational, root};
-use num_traits::{Signed, Zero};
+use super::number::{Fix, root};
+use super::rational::Rational;
 
 fn zero() -> Rational {
     Rational::zero()

@@ -3,8 +3,8 @@
 //! A master's way in a tick is a row of legs, on each of which it goes in one direction, and so does the slave. Time means
 //! something for FollowDelayEx and for the limit of FollowDiBitEx only.
 use super::follow::{Item, Table, is_down};
-use super::number::{Fix, Rational};
-use num_traits::Zero;
+use super::number::Fix;
+use super::rational::Rational;
 
 /// What begins it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -564,6 +564,14 @@ impl Slave {
         let moves = if self.dir == 0 { along != Fix::ZERO } else { along > Fix::ZERO };
         let slope = |u: Fix| self.table.curve.slope(u, true);
         let jump = (slope(self.place + NEAR) - slope(self.place - NEAR)).abs();
+        // It rests before the place at which its way back ends.
+        if let Some(&at) = lead.track.last()
+            && self.dir == 0
+            && self.pass == self.floor.0
+            && near(self.along(at) - self.began - self.lowest())
+        {
+            return moves && self.state == State::Runs;
+        }
         moves && self.state == State::Runs && self.place != Fix::ZERO && jump > Fix(1 << 44)
     }
 }

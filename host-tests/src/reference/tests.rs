@@ -84,7 +84,7 @@ fn a_slave_goes_back_and_one_of_one_way_does_not() {
             plain(Kind::AxisOn, 0),
             plain(Kind::AxisOn, 1),
             Call::PrfFollow { axis: 1, dir },
-            Call::SetFollowMaster { axis: 1, master: 0, kind: 2 },
+            Call::SetFollowMaster { axis: 1, master: 0, kind: 2, item: 0 },
             Call::FollowData { axis: 1, datum, fifo: 0 },
             Call::FollowStart { mask: 2, option: 0 },
             Call::PrfPt { axis: 0, mode: 0 },

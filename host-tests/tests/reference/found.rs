@@ -42,11 +42,11 @@ fn a_slave_of_a_slave_that_a_delay_held() {
             plain(Kind::AxisOn, 1),
             plain(Kind::AxisOn, 3),
             ex(Call::PrfFollow { axis: 3, dir: 1 }),
-            ex(Call::SetFollowMaster { axis: 3, master: 0, kind: 2 }),
+            ex(Call::SetFollowMaster { axis: 3, master: 0, kind: 2, item: 0 }),
             segment(3, 456.0, 456.0, 0, 100),
             ex(Call::FollowStart { mask: 8, option: 0 }),
             ex(Call::PrfFollow { axis: 0, dir: 1 }),
-            ex(Call::SetFollowMaster { axis: 0, master: 1, kind: 2 }),
+            ex(Call::SetFollowMaster { axis: 0, master: 1, kind: 2, item: 0 }),
             segment(0, 28.25, 42.375, 1, 20),
             Call::FollowEntry { axis: 0, item: Item::Delay { cycles: 4 }, fifo: 0 },
             segment(0, 393.5, 149.0, 0, 0),
@@ -74,7 +74,7 @@ fn a_wait_for_an_axis_says_nothing_of_one_that_left_its_coordinate_system() {
             plain(Kind::AxisOn, 2),
             Call::Path(PathCall { core: 1, what: set }),
             Call::PrfFollow { axis: 2, dir: 0 },
-            Call::SetFollowMaster { axis: 2, master: 3, kind: 1 },
+            Call::SetFollowMaster { axis: 2, master: 3, kind: 1, item: 0 },
             Call::FollowData { axis: 2, datum, fifo: 0 },
             Call::FollowStart { mask: 4, option: 0 },
             Call::WaitStop { mask: 1 },
@@ -182,7 +182,7 @@ fn a_slave_at_its_origin_does_not_go_back() {
                     plain(Kind::AxisOn, 0),
                     plain(Kind::AxisOn, 1),
                     ex(Call::PrfFollow { axis: 0, dir: 0 }),
-                    ex(Call::SetFollowMaster { axis: 0, master: 1, kind: 2 }),
+                    ex(Call::SetFollowMaster { axis: 0, master: 1, kind: 2, item: 0 }),
                     segment(0, 27.0, 2.430950912022053, 1, 20),
                     ex(Call::FollowStart { mask: 1, option: 0 }),
                     plain(Kind::PrfJog, 1),
@@ -235,4 +235,25 @@ fn a_move_outlives_the_entries_that_began_it() {
             agrees(tick_us, &calls);
         }
     }
+}
+
+/// Data after a start, in the tick in which another mode was set before it: refused, as if the data of the mode before could
+/// still be read.
+#[test]
+fn data_after_a_start_right_after_another_mode() {
+    let datum = Datum { master: 724.0, slave: -164.0, kind: 3, percent: 0 };
+    agrees(
+        1000,
+        &[
+            plain(Kind::AxisOn, 3),
+            Call::PrfFollow { axis: 3, dir: 1 },
+            Call::FollowData { axis: 3, datum, fifo: 0 },
+            ex(Call::PrfFollow { axis: 3, dir: 0 }),
+            ex(Call::SetFollowMaster { axis: 3, master: 2, kind: 2, item: 0 }),
+            segment(3, 497.9, 189.9, 2, 0),
+            ex(Call::FollowStart { mask: 8, option: 0 }),
+            segment(3, 671.9, 237.7, 0, 50),
+            Call::Sleep { ns: 4 * MS },
+        ],
+    );
 }

@@ -47,8 +47,12 @@ fn same(value: &Value, got: Got, peak: f64) -> bool {
         (Value::Whole(a), Got::Three(b, ..)) => *a == b,
         (Value::Two(a, b), Got::Two(c, d)) => (*a, *b) == (c, d),
         (Value::Three(a, b, c), Got::Three(d, e, f)) => (*a, *b, *c) == (d, e, f),
-        (Value::CrdPosition(a), Got::CrdPosition(b)) => a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 2f64.powi(-16)),
-        (Value::Position(a), Got::Real(b)) => (a.to_f64() - b).abs() <= 2f64.powi(-16),
+        (Value::CrdPosition(a, slack), Got::CrdPosition(b)) => {
+            a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 2f64.powi(-16) + slack)
+        }
+        (Value::Reals(a), Got::Reals(b)) => *a == b,
+        (Value::Table(a, time), Got::Table(b, at)) => *a == b && (time - at).abs() < 2e-6,
+        (Value::Position(a, slack), Got::Real(b)) => (a.to_f64() - b).abs() <= 2f64.powi(-16) + slack.to_f64(),
         // SPEC 11: 2⁻¹⁶ of the motion's peak.
         (Value::Velocity(a), Got::Real(b)) => (a.to_f64() - b).abs() <= 2f64.powi(-16) * peak.max(1.0),
         _ => false,
@@ -250,17 +254,26 @@ pub fn apart(site: &Site, tick_us: u32, calls: &[Call]) -> Option<Vec<Call>> {
 
 /// What differs, if anything.
 fn differs(rig: &mut Option<Rig>, site: &Site, tick_us: u32, calls: &[Call], tally: &mut Tally) -> Option<String> {
-    // A program without an end is none.
-    let together = std::env::var("REFERENCE_TOGETHER").is_ok();
-    let complete = if together {
-        reference(site, tick_us, &vec![0; site.axes.len()], calls).complete
-    } else {
-        apart(site, tick_us, calls).is_some_and(|spread| spread == calls)
-    };
-    if !complete {
+    if !is_program(site, tick_us, calls) {
         *tally.entry("programs without an end".into()).or_default() += 1;
         return None;
     }
+    differs_here(rig, site, tick_us, calls, tally)
+}
+
+/// It has an end, and its refusals stand alone.
+fn is_program(site: &Site, tick_us: u32, calls: &[Call]) -> bool {
+    let together = std::env::var("REFERENCE_TOGETHER").is_ok();
+    if together {
+        reference(site, tick_us, &vec![0; site.axes.len()], calls).complete
+    } else {
+        apart(site, tick_us, calls).is_some_and(|spread| spread == calls)
+    }
+}
+
+/// The same of a program that is one.
+fn differs_here(rig: &mut Option<Rig>, site: &Site, tick_us: u32, calls: &[Call], tally: &mut Tally) -> Option<String> {
+    let together = std::env::var("REFERENCE_TOGETHER").is_ok();
     let mine = rig.get_or_insert_with(|| Rig::new(site.clone(), tick_us));
     let told = match mine.run(calls) {
         Ok(told) => told,
@@ -313,11 +326,14 @@ fn differs(rig: &mut Option<Rig>, site: &Site, tick_us: u32, calls: &[Call], tal
 
 /// A report of a program that differs.
 pub fn finding(rig: &mut Option<Rig>, site: &Site, tick_us: u32, calls: &[Call], tally: &mut Tally) -> Option<String> {
-    let mut calls = match std::env::var("REFERENCE_TOGETHER") {
-        Ok(_) => calls.to_vec(),
-        Err(_) => apart(site, tick_us, calls)?,
+    let (mut calls, first) = match std::env::var("REFERENCE_TOGETHER") {
+        Ok(_) => (calls.to_vec(), differs(rig, site, tick_us, calls, tally)?),
+        Err(_) => {
+            let calls = apart(site, tick_us, calls)?;
+            let first = differs_here(rig, site, tick_us, &calls, tally)?;
+            (calls, first)
+        }
     };
-    let first = differs(rig, site, tick_us, &calls, tally)?;
     let mut scratch = Tally::new();
     let mut reason = format!("not the same when it ran again: {first}");
     if let Some(again) = differs(rig, site, tick_us, &calls, &mut scratch) {

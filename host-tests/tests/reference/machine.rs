@@ -260,6 +260,22 @@ pub fn wire(site: &Site, call: &Call) -> client::Call {
             let (core, profile) = at(axis);
             Wire::of(SetStopDec { core, profile, smooth: smooth.into(), abrupt: 1000.0.into() })
         }
+        Call::SetEncPos { axis, pos } => {
+            let (core, encoder) = at(axis);
+            Wire::of(SetEncPos { core, encoder, pos: pos.into() })
+        }
+        Call::SynchAxisPos { mask } => {
+            let (core, mask) = of(mask);
+            Wire::of(SynchAxisPos { core, mask })
+        }
+        Call::SetAxisBand { axis, band, time } => {
+            let (core, axis) = at(axis);
+            Wire::of(SetAxisBand { core, axis, band: band.into(), time_cycles: time.into() })
+        }
+        Call::SetPosErr { axis, error } => {
+            let (core, control) = at(axis);
+            Wire::of(SetPosErr { core, control, error: error.into() })
+        }
         Call::SetSoftLimit { axis, positive, negative } => {
             let (core, axis) = at(axis);
             Wire::of(SetSoftLimit { core, axis, positive: positive.into(), negative: negative.into() })
@@ -318,11 +334,11 @@ pub fn wire(site: &Site, call: &Call) -> client::Call {
             let (core, profile) = at(axis);
             Wire::of(PrfFollow { core, profile, dir: dir.into() })
         }
-        Call::SetFollowMaster { axis, master, kind } => {
+        Call::SetFollowMaster { axis, master, kind, item } => {
             let (core, profile) = at(axis);
             let (index, kind) = site.master(axis, master, kind);
             let (master_index, master_type) = (index.into(), kind.into());
-            Wire::of(SetFollowMaster { core, profile, master_index, master_type, master_item: 0.into() })
+            Wire::of(SetFollowMaster { core, profile, master_index, master_type, master_item: item.into() })
         }
         Call::SetFollowLoop { axis, loops } => {
             let (core, profile) = at(axis);
@@ -462,6 +478,18 @@ fn plain(kind: Kind, (core, axis): (I16, I16)) -> client::Call {
         Kind::GetPrfPos => Wire::of(GetPrfPos { core, profile, count }),
         Kind::GetPrfVel => Wire::of(GetPrfVel { core, profile, count }),
         Kind::GetPrfMode => Wire::of(GetPrfMode { core, profile, count }),
+        Kind::GetPrfAcc => Wire::of(GetPrfAcc { core, profile, count }),
+        Kind::GetEncVel => Wire::of(GetEncVel { core, encoder: profile, count }),
+        Kind::GetTrapPrm => Wire::of(GetTrapPrm { core, profile }),
+        Kind::GetJogPrm => Wire::of(GetJogPrm { core, profile }),
+        Kind::GetPos => Wire::of(GetPos { core, profile }),
+        Kind::GetVel => Wire::of(GetVel { core, profile }),
+        Kind::GetSoftLimit => Wire::of(GetSoftLimit { core, axis }),
+        Kind::GetStopDec => Wire::of(GetStopDec { core, profile }),
+        Kind::GetAxisBand => Wire::of(GetAxisBand { core, axis }),
+        Kind::GetPosErr => Wire::of(GetPosErr { core, control: profile }),
+        Kind::GetPtMemory => Wire::of(GetPtMemory { core, profile }),
+        Kind::PvtStatus => Wire::of(PvtStatus { core, profile, count }),
     }
 }
 
@@ -473,6 +501,8 @@ pub enum Got {
     Two(i64, i64),
     Three(i64, i64, i64),
     CrdPosition([f64; 4]),
+    Reals([f64; 4]),
+    Table(i64, f64),
     Real(f64),
 }
 
@@ -524,6 +554,32 @@ pub fn got(call: &Call, answer: &Answer) -> Got {
             Kind::GetPrfMode => answer.reply::<GetPrfMode>().map(|(_, items)| long(items)),
             Kind::GetPrfPos => answer.reply::<GetPrfPos>().map(|(_, items)| real(items)),
             Kind::GetPrfVel => answer.reply::<GetPrfVel>().map(|(_, items)| real(items)),
+            Kind::GetPrfAcc => answer.reply::<GetPrfAcc>().map(|(_, items)| real(items)),
+            Kind::GetEncVel => answer.reply::<GetEncVel>().map(|(_, items)| real(items)),
+            Kind::GetTrapPrm => answer.reply::<GetTrapPrm>().map(|(of, _)| {
+                let smooth = f64::from(of.smooth_time_ms.get());
+                Got::Reals([of.acc.get(), of.dec.get(), of.vel_start.get(), smooth])
+            }),
+            Kind::GetJogPrm => answer
+                .reply::<GetJogPrm>()
+                .map(|(of, _)| Got::Reals([of.acc.get(), of.dec.get(), of.smooth.get(), 0.0])),
+            Kind::GetPos => answer.reply::<GetPos>().map(|(of, _)| Got::Whole(of.value.get().into())),
+            Kind::GetVel => answer.reply::<GetVel>().map(|(of, _)| Got::Reals([of.value.get(), 0.0, 0.0, 0.0])),
+            Kind::GetSoftLimit => answer
+                .reply::<GetSoftLimit>()
+                .map(|(of, _)| Got::Two(of.positive.get().into(), of.negative.get().into())),
+            Kind::GetStopDec => {
+                answer.reply::<GetStopDec>().map(|(of, _)| Got::Reals([of.smooth.get(), of.abrupt.get(), 0.0, 0.0]))
+            }
+            Kind::GetAxisBand => {
+                answer.reply::<GetAxisBand>().map(|(of, _)| Got::Two(of.band.get().into(), of.time_cycles.get().into()))
+            }
+            Kind::GetPosErr => answer.reply::<GetPosErr>().map(|(of, _)| Got::Whole(of.value.get().into())),
+            Kind::GetPtMemory => answer.reply::<GetPtMemory>().map(|(of, _)| Got::Whole(of.value.get().into())),
+            Kind::PvtStatus => answer.reply::<PvtStatus>().and_then(|(_, items)| {
+                let first = items.first()?;
+                Some(Got::Table(first.table.get().into(), first.time.get()))
+            }),
             _ => None,
         },
         Call::PtSpace { .. } => answer.reply::<PtSpace>().map(|(reply, _)| Got::Whole(reply.value.get().into())),

@@ -39,6 +39,8 @@ pub(super) struct Bound {
 
 /// Plans stay below the limits by this share: directions are kept as f32.
 const MARGIN: f64 = 1.0 / 16384.0;
+/// Times that differ by this share are one.
+const SAME: f64 = 1e-9;
 /// Entries get this share more acceleration than the plan needs, for the rounding of their speeds.
 const SPARE: f64 = 1.0 / 1048576.0;
 /// A coefficient below this share of the other is a rounding error.
@@ -249,7 +251,8 @@ impl Span {
             });
             let top = sqrt(square.max(x).max(y));
             let time = self.time(x, y, top, acc);
-            if time < best.2 {
+            // At one time the greater acceleration: after a Stop the motion begins with it.
+            if time <= best.2 * (1.0 + SAME) {
                 best = (top, acc, time);
             }
         }

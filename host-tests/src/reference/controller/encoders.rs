@@ -4,6 +4,7 @@
 //! set-point with a first-order lag of 1 ms. Recorded counts are taken as exact for slaves, but
 //! must be within a count of that.
 use super::super::axis::{Axis, Master, whole};
+use super::super::filter::Filter;
 use super::super::number::Fix;
 use super::super::slave::Lead;
 use super::Controller;
@@ -24,7 +25,7 @@ pub struct Machine {
 }
 
 impl Machine {
-    pub fn new(tick_ns: i64, axes: &[Axis]) -> Machine {
+    pub fn new(tick_ns: i64, axes: &[Box<Axis>]) -> Machine {
         Machine {
             recorded: Vec::new(),
             shafts: vec![[0.0; 2]; axes.len()],
@@ -61,12 +62,19 @@ impl Controller {
     }
 
     /// Where a master was at an instant of the tick.
-    pub(super) fn position_of(&self, master: Master, at: Fix, before: i64, now: i64) -> Option<Fix> {
+    pub(super) fn position_of(
+        &self,
+        filter: Option<&Filter>,
+        master: Master,
+        at: Fix,
+        before: i64,
+        now: i64,
+    ) -> Option<Fix> {
         let axis = &self.axes[master.axis];
-        if master.kind != 1 {
+        if !master.is_sampled() {
             return axis.at(at);
         }
-        let [from, to] = axis.encoder;
+        let [from, to] = filter.map_or(axis.encoder, |filter| filter.track);
         let (begin, end) = (Fix::ms(before), Fix::ms(now));
         Some(from + (to - from) * (at - begin).over(end - begin))
     }
@@ -74,14 +82,17 @@ impl Controller {
     /// A master as its slave has it.
     pub(super) fn lead<'a>(
         &'a self,
+        filter: Option<&'a Filter>,
         master: Master,
         tick: &'a [Fix; 2],
         at: &'a dyn Fn(Fix) -> Option<Fix>,
     ) -> Lead<'a> {
         let axis = &self.axes[master.axis];
-        if master.kind == 1 {
-            let velocity = (axis.encoder[1] - axis.encoder[0]).over(tick[1] - tick[0]);
-            return Lead { track: &axis.encoder, times: tick, at, velocity, zero: axis.encoder_zero };
+        if master.is_sampled() {
+            let zero = if master.is_counted() { axis.encoder_zero } else { axis.zero };
+            let track = filter.map_or(&axis.encoder, |filter| &filter.track);
+            let velocity = (track[1] - track[0]).over(tick[1] - tick[0]);
+            return Lead { track, times: tick, at, velocity, zero };
         }
         Lead { track: &axis.track, times: &axis.times, at, velocity: axis.v, zero: axis.zero }
     }

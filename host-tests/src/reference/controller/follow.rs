@@ -47,7 +47,7 @@ impl Controller {
                 axis.set_mode(mode);
                 axis.follow.dir = dir.signum();
             }
-            Call::SetFollowMaster { axis: place, master, kind } => {
+            Call::SetFollowMaster { axis: place, master, kind, item } => {
                 let axis = &self.axes[place];
                 either(axis.mode == mode && !axis.runs(), place != master)?;
                 let mut above = Some(master);
@@ -56,7 +56,7 @@ impl Controller {
                     let next = self.axes[index].follow.master.filter(|_| self.axes[index].is_follow());
                     above = next.map(|master| master.axis);
                 }
-                self.axes[place].follow.master = Some(Master { axis: master, kind });
+                self.axes[place].follow.master = Some(Master { axis: master, kind, item });
             }
             Call::SetFollowLoop { axis, loops } => {
                 let axis = &mut self.axes[axis];

@@ -39,11 +39,19 @@ impl Controller {
                     _ => Mode::Trap,
                 });
             }
+            Kind::GetTrapPrm | Kind::GetJogPrm => {
+                check(axis.mode == if kind == Kind::GetTrapPrm { Mode::Trap } else { Mode::Jog })?;
+                return Ok(self.read(index, call, 0));
+            }
+            Kind::GetPtMemory => {
+                check(axis.mode == Mode::Pt)?;
+                return Ok(self.read(index, call, 0));
+            }
             Kind::GetPtLoop => {
                 check(axis.mode == Mode::Pt && !axis.pt.dynamic)?;
                 return Ok(self.read(index, call, 0));
             }
-            Kind::GetPvtLoop => {
+            Kind::GetPvtLoop | Kind::PvtStatus => {
                 check(axis.mode == Mode::Pvt)?;
                 return Ok(self.read(index, call, 0));
             }
@@ -68,7 +76,7 @@ impl Controller {
     fn master_of(&self, place: usize) -> Reply {
         let Some(master) = self.axes[place].follow.master else { return Reply::Done(Value::Three(0, 2, 0)) };
         let (index, kind) = self.site.master(place, master.axis, master.kind);
-        Reply::Done(Value::Three(index.into(), kind.into(), 0))
+        Reply::Done(Value::Three(index.into(), kind.into(), master.item.into()))
     }
 
     pub(super) fn setting(&mut self, call: &Call) -> Answer {
@@ -78,6 +86,28 @@ impl Controller {
                 check(!axis.runs())?;
                 axis.zero = axis.x - Fix::whole(pos.into());
                 axis.renamed = true;
+            }
+            Call::SetEncPos { axis, pos } => {
+                let axis = &mut self.axes[axis];
+                axis.encoder_zero = axis.encoder[1] - Fix::whole(pos.into());
+            }
+            Call::SynchAxisPos { mask } => {
+                for axis in members(mask) {
+                    check(!self.axes[axis].runs())?;
+                }
+                for axis in members(mask) {
+                    let axis = &mut self.axes[axis];
+                    axis.zero = axis.x - (axis.encoder[1] - axis.encoder_zero);
+                    axis.renamed = true;
+                }
+            }
+            Call::SetAxisBand { axis, band, time } => {
+                range(band >= 0 && time >= 0)?;
+                self.axes[axis].band = (band, time);
+            }
+            Call::SetPosErr { axis, error } => {
+                range(error > 0)?;
+                self.axes[axis].pos_err = error;
             }
             Call::SetStopDec { axis, smooth } => {
                 range(smooth > 0.0)?;

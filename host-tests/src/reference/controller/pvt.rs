@@ -11,7 +11,7 @@ impl Controller {
         match call {
             Call::PvtTable { axis, table, points } => {
                 let core = self.cores[*axis];
-                let uses = |(place, axis): (usize, &Axis)| {
+                let uses = |(place, axis): (usize, &Box<Axis>)| {
                     self.cores[place] == core
                         && axis.mode == Mode::Pvt
                         && axis.runs()
@@ -28,6 +28,7 @@ impl Controller {
                     if axis.pvt.1 != *table {
                         // Which tables are in use until the switch is more than one.
                         timed.pending = Some(found.curve.clone());
+                        axis.next_begins = found.begins;
                         axis.pvt.1 = *table;
                     } else {
                         self.open = Some("PvtTableSelect of the table that runs");
@@ -54,6 +55,7 @@ impl Controller {
                     let table = &self.tables[&(self.cores[place], axis.pvt.1)];
                     let timed = Timed::new(table.curve.clone(), Fix::ms(now), axis.x).after(table.begins);
                     (axis.pvt.2, axis.began, axis.table) = (0, true, axis.pvt.1);
+                    (axis.table_begins, axis.next_begins) = (table.begins, table.begins);
                     axis.motion = Some(Motion::Pvt(timed));
                 }
             }

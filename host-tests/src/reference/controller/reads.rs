@@ -1,5 +1,5 @@
 //! Reads: what they answer at the end of the tick in which they act.
-use super::super::axis::{Mode, Motion};
+use super::super::axis::{Master, Mode, Motion};
 use super::super::call::{Call, Kind};
 use super::super::effect::{Effect, LightCall, LightOf};
 use super::super::number::Fix;
@@ -21,14 +21,20 @@ impl Controller {
                         Kind::GetPtLoop => Value::Whole(axis.pt.passes),
                         Kind::GetPvtLoop => Value::Two(axis.pvt.2, free as i64),
                         Kind::GetFollowLoop | Kind::GetFollowLoopEx => Value::Whole(axis.follow.passes),
-                        Kind::GetEncPos => Value::Position(axis.encoder[1] - axis.encoder_zero),
+                        Kind::GetEncPos => Value::Position(axis.encoder[1] - axis.encoder_zero, Fix::ZERO),
                         Kind::GetFollowStatus | Kind::GetFollowStatusEx => {
                             let pending = matches!(&axis.motion, Some(Motion::Slave(slave)) if slave.switching);
                             Value::Two(axis.follow.fifo as i64, pending.into())
                         }
                         Kind::GetSts => Value::Whole(axis.status().into()),
-                        Kind::GetPrfPos => Value::Position(axis.name()),
+                        Kind::GetPrfPos => Value::Position(axis.name(), axis.slack + axis.late),
                         Kind::GetPrfVel => Value::Velocity(axis.v),
+                        Kind::GetPrfAcc => Value::Velocity(axis.acceleration(Fix::ms(now)).unwrap_or(Fix::ZERO)),
+                        Kind::GetEncVel => {
+                            let way = axis.encoder[1] - axis.encoder[0];
+                            Value::Velocity(way.over(Fix::ms(self.tick_ns)))
+                        }
+                        Kind::PvtStatus => Value::Table(axis.table.into(), axis.table_time(Fix::ms(now)).to_f64()),
                         // Settings have been answered at the call.
                         _ => Value::None,
                     }
@@ -58,14 +64,19 @@ impl Controller {
                 Call::Axis { kind, axis } => {
                     let axis_of = &self.axes[axis];
                     let tick = [Fix::ZERO, Fix::ONE];
-                    let by_encoder = axis_of.follow.master.is_some_and(|master| master.kind == 1);
-                    let lead = axis_of.follow.master.map(|master| self.lead(master, &tick, &|_| None));
+                    let by_encoder = axis_of.follow.master.is_some_and(Master::is_sampled);
+                    let lead = axis_of
+                        .follow
+                        .master
+                        .map(|master| self.lead(axis_of.filter.as_ref(), master, &tick, &|_| None));
                     let knot = match (&axis_of.motion, &lead) {
                         (Some(Motion::Slave(slave)), Some(lead)) => by_encoder || slave.is_near_knot(lead),
                         _ => false,
                     };
                     match kind {
-                        Kind::GetPrfPos | Kind::GetPrfMode | Kind::GetEncPos => false,
+                        Kind::GetPrfPos | Kind::GetPrfMode | Kind::GetEncPos | Kind::GetEncVel => false,
+                        Kind::GetPrfAcc => axis_of.acceleration(Fix::ms(now)).is_none() || axis_of.open.is_some(),
+                        Kind::PvtStatus => !axis_of.is_in_table() || axis_of.open.is_some(),
                         Kind::GetPrfVel => {
                             axis_of.driven || axis_of.mode == Mode::Crd || knot || self.axes[axis].open.is_some()
                         }
@@ -89,6 +100,15 @@ impl Controller {
                 Begin::Pass { up, name } => Value::Three(2, if up { 1 } else { -1 }, name),
             },
             Kind::GetPrfMode => Value::Whole(axis.mode as i64),
+            Kind::GetTrapPrm => Value::Reals([axis.trap.acc, axis.trap.dec, 0.0, 0.0]),
+            Kind::GetJogPrm => Value::Reals([axis.jog.acc, axis.jog.dec, 0.0, 0.0]),
+            Kind::GetPos => Value::Whole(axis.target.into()),
+            Kind::GetVel => Value::Reals([axis.speed, 0.0, 0.0, 0.0]),
+            Kind::GetSoftLimit => Value::Two(axis.soft.0.into(), axis.soft.1.into()),
+            Kind::GetStopDec => Value::Reals([axis.stop_dec, 1000.0, 0.0, 0.0]),
+            Kind::GetAxisBand => Value::Two(axis.band.0.into(), axis.band.1.into()),
+            Kind::GetPosErr => Value::Whole(axis.pos_err.into()),
+            Kind::GetPtMemory => Value::Whole(axis.pt.memory.into()),
             _ => return None,
         })
     }

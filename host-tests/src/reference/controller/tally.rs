@@ -7,12 +7,15 @@ impl Controller {
     pub(super) fn count(&mut self, axis: &Axis, was_slave: bool) {
         let moves = axis.track.iter().any(|at| *at != axis.track[0]);
         let Some(master) = axis.follow.master.filter(|_| was_slave && moves) else { return };
-        let by_encoder = master.kind == 1;
+        let (by_encoder, filtered) = (master.is_counted(), master.is_filtered());
         let master = &self.axes[master.axis];
         let mut used = |what| *self.used.entry(what).or_default() += 1;
         used("ticks in which a slave moves");
         if by_encoder {
             used("ticks in which a slave of an encoder moves");
+        }
+        if filtered {
+            used("ticks in which a slave of a filtered master moves");
         }
         if axis.mode == Mode::FollowEx {
             used("ticks in which a slave of FollowEx moves");

@@ -132,15 +132,54 @@ impl Making<'_> {
             Kind::GetFollowMaster,
             Kind::GetFollowMasterEx,
             Kind::GetEncPos,
+            Kind::GetEncVel,
+            Kind::GetPrfAcc,
+            Kind::GetTrapPrm,
+            Kind::GetJogPrm,
+            Kind::GetPos,
+            Kind::GetVel,
+            Kind::GetSoftLimit,
+            Kind::GetStopDec,
+            Kind::GetAxisBand,
+            Kind::GetPosErr,
+            Kind::GetPtMemory,
+            Kind::PvtStatus,
         ];
-        let kind = self.pick(&kinds);
-        self.plain(kind, axis);
+        for _ in 0..1 + self.below(3) {
+            // Reads of the mode that it is in, too.
+            let kind = match (self.below(2), self.does[axis]) {
+                (0, Does::Trap) => self.pick(&[Kind::GetTrapPrm, Kind::GetPos, Kind::GetPrfAcc]),
+                (0, Does::Jog) => self.pick(&[Kind::GetJogPrm, Kind::GetVel, Kind::GetPrfAcc]),
+                (0, Does::Pt | Does::Stream) => self.pick(&[Kind::GetPtLoop, Kind::GetPtMemory, Kind::GetPrfAcc]),
+                (0, Does::Pvt) => self.pick(&[Kind::GetPvtLoop, Kind::PvtStatus, Kind::GetPrfAcc]),
+                (0, Does::Follow(_)) => self.pick(&[
+                    Kind::GetFollowLoop,
+                    Kind::GetFollowStatus,
+                    Kind::GetFollowMemory,
+                    Kind::GetFollowEvent,
+                    Kind::GetFollowMaster,
+                ]),
+                (0, Does::FollowEx(_)) => self.pick(&[
+                    Kind::GetFollowLoopEx,
+                    Kind::GetFollowStatusEx,
+                    Kind::GetFollowMemoryEx,
+                    Kind::GetFollowEventEx,
+                    Kind::GetFollowMasterEx,
+                ]),
+                _ => self.pick(&kinds),
+            };
+            self.plain(kind, axis);
+        }
     }
 
     /// Any call in any state.
     pub(super) fn any(&mut self, axis: usize) {
         let fifo = self.pick(&[0, 1, 0, 1, 2, -1]);
-        let call = match self.below(15) {
+        let call = match self.below(19) {
+            15 => Call::SetEncPos { axis, pos: self.below(500) as i32 - 250 },
+            16 => Call::SynchAxisPos { mask: 1 << axis },
+            17 => Call::SetAxisBand { axis, band: self.below(20) as i32 - 1, time: self.below(20) as i32 },
+            18 => Call::SetPosErr { axis, error: self.pick(&[0, -1, 1_000_000, i32::MAX]) },
             0 => Call::Axis { kind: Kind::AxisOff, axis },
             1 => Call::Axis { kind: Kind::ClrSts, axis },
             2 => Call::Axis { kind: self.pick(&[Kind::PrfTrap, Kind::PrfJog]), axis },

@@ -84,7 +84,7 @@ impl Making<'_> {
         let dir = self.pick(&[0, 0, 1, -1]);
         self.plain(Kind::PrfTrap, axis);
         self.calls.push(Call::PrfFollow { axis, dir });
-        self.calls.push(Call::SetFollowMaster { axis, master, kind: 2 });
+        self.calls.push(Call::SetFollowMaster { axis, master, kind: 2, item: 0 });
         self.calls.push(Call::SetFollowLoop { axis, loops: 0 });
         self.does[axis] = Does::Follow(dir);
         self.masters[axis] = Some(master);
@@ -113,7 +113,8 @@ impl Making<'_> {
             self.plain(Kind::PrfTrap, axis);
         }
         self.calls.push(Call::PrfFollow { axis, dir });
-        self.calls.push(Call::SetFollowMaster { axis, master, kind: 2 });
+        let kind = self.pick(&[2, 2, 2, 3]);
+        self.calls.push(Call::SetFollowMaster { axis, master, kind, item: 0 });
         self.does[axis] = Does::Follow(dir);
         self.masters[axis] = Some(master);
         if self.one_in(15) {

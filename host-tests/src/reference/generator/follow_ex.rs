@@ -72,10 +72,10 @@ impl Making<'_> {
         if self.does[axis] != Does::FollowEx(dir) {
             self.plain(crate::reference::Kind::PrfTrap, axis);
         }
-        let kind = self.master_kind();
-        self.counted[axis] = kind == 1;
+        let (kind, item) = self.pick(&[(2, 0), (2, 0), (2, 0), (2, 0), (3, 0), (1, 0), (3, 1), (3, 2), (3, 3)]);
+        self.counted[axis] = kind == 1 || item != 0;
         self.ex(Call::PrfFollow { axis, dir });
-        self.ex(Call::SetFollowMaster { axis, master, kind });
+        self.ex(Call::SetFollowMaster { axis, master, kind, item });
         self.does[axis] = Does::FollowEx(dir);
         self.masters[axis] = Some(master);
         if self.one_in(15) {
@@ -122,11 +122,6 @@ impl Making<'_> {
         }
     }
 
-    /// 2 planned, 1 encoder.
-    pub(super) fn master_kind(&mut self) -> i16 {
-        self.pick(&[2, 2, 2, 1])
-    }
-
     pub(super) fn during_ex(&mut self, axis: usize) {
         let mask = 1 << axis;
         match self.below(6) {
@@ -163,7 +158,7 @@ impl Making<'_> {
         self.plain(crate::reference::Kind::PrfTrap, axis);
         let dir = self.pick(&[0, 1, -1]);
         self.ex(Call::PrfFollow { axis, dir });
-        self.ex(Call::SetFollowMaster { axis, master, kind: 2 });
+        self.ex(Call::SetFollowMaster { axis, master, kind: 2, item: 0 });
         let loops = self.pick(&[0, 1, 3]);
         self.ex(Call::SetFollowLoop { axis, loops });
         self.does[axis] = Does::FollowEx(dir);
@@ -186,14 +181,15 @@ impl Making<'_> {
         }
     }
 
-    /// A slave of an encoder.
+    /// A slave of an encoder, or of a filtered position.
     pub(super) fn by_encoder(&mut self, axis: usize) {
         let master = (axis + 1) % self.site.axes.len();
         self.rest(axis);
         let dir = self.pick(&[0, 1, -1]);
         self.plain(crate::reference::Kind::PrfTrap, axis);
         self.calls.push(Call::PrfFollow { axis, dir });
-        self.calls.push(Call::SetFollowMaster { axis, master, kind: 1 });
+        let (kind, item) = self.pick(&[(1, 0), (1, 0), (3, 1), (3, 2), (3, 2), (3, 3), (3, -1)]);
+        self.calls.push(Call::SetFollowMaster { axis, master, kind, item });
         self.counted[axis] = true;
         self.does[axis] = Does::Follow(dir);
         self.masters[axis] = Some(master);

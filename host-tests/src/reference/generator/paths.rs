@@ -95,7 +95,12 @@ impl Making<'_> {
                 *place += ((self.chance.unit() - 0.5) * 2.0 * length).round() as i32;
             }
             to[0] += 1;
-            self.path(core, Path::Line { crd, to: to.clone(), speeds, fifo: fifo as i16 });
+            if to.len() == 2 && self.one_in(6) {
+                let (vel, acc) = (speeds.vel, speeds.acc);
+                self.path(core, Path::Jump { crd, to: [to[0], to[1]], vel, acc, fifo: fifo as i16 });
+            } else {
+                self.path(core, Path::Line { crd, to: to.clone(), speeds, fifo: fifo as i16 });
+            }
         }
         self.crds[index].ends[fifo] = to;
     }
@@ -107,6 +112,11 @@ impl Making<'_> {
                 0 => {
                     let ms = self.below(8) as u16;
                     self.path(core, Path::Delay { crd, ms, fifo: fifo as i16 });
+                }
+                1 if self.one_in(2) => {
+                    let index = if self.one_in(12) { self.pick(&[0, 33, -1]) } else { 1 + self.below(6) as i16 };
+                    let level = self.one_in(2);
+                    self.path(core, Path::Output { crd, index, level, fifo: fifo as i16 });
                 }
                 1 | 2 => {
                     let mask = 1 << self.below(6);
@@ -232,6 +242,7 @@ impl Making<'_> {
                 self.path(core, Path::Space { crd, fifo });
             }
             9 => self.path(core, Path::Pos { crd }),
+            10 if self.one_in(3) => self.path(core, Path::GetPrm { crd }),
             10 => self.path(core, Path::Vel { crd }),
             _ => self.path(core, Path::Start { mask, option }),
         }

@@ -44,6 +44,39 @@ pub fn wire(site: &Site, of: &PathCall) -> Wire {
             let (do_type, do_mask, do_value) = (12.into(), mask.into(), value.into());
             Wire::of(BufIO { core, crd: crd.into(), do_type, do_mask, do_value, fifo: fifo.into() })
         }
+        &Path::Output { crd, index, level, fifo } => Wire::of(BufDoBit {
+            core,
+            crd: crd.into(),
+            do_type: 12.into(),
+            index: index.cast_unsigned().into(),
+            value: i16::from(level).into(),
+            fifo: fifo.into(),
+        }),
+        &Path::Jump { crd, to: [x, y], vel, acc, fifo } => Wire::of(LnXYG0 {
+            core,
+            crd: crd.into(),
+            x: x.into(),
+            y: y.into(),
+            syn_vel: vel.into(),
+            syn_acc: acc.into(),
+            fifo: fifo.into(),
+        }),
+        &Path::LookAhead { crd, fifo, time, acc, count } => Wire::of(InitLookAhead {
+            core,
+            crd: crd.into(),
+            fifo: fifo.into(),
+            time_ms: time.into(),
+            acc_max: acc.into(),
+            count: count.into(),
+        }),
+        &Path::Limit { crd, coordinate, vel, acc } => Wire::of(SetCrdLimit {
+            core,
+            crd: crd.into(),
+            coordinate: coordinate.into(),
+            vel_max: vel.into(),
+            acc_max: acc.into(),
+        }),
+        &Path::Flush { crd, fifo } => Wire::with_items(CrdData { core, crd: crd.into(), fifo: fifo.into() }, &[]),
         &Path::Analog { crd, dac, value, fifo } => {
             Wire::of(BufDA { core, crd: crd.into(), channel: dac.into(), value: value.into(), fifo: fifo.into() })
         }
