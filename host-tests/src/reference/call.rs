@@ -1,5 +1,6 @@
 //! The calls of a program, and how a job writes them.
-use super::effect::{Effect, LightCall};
+use super::effect::Effect;
+use super::light::LightCall;
 use super::follow::{Datum, Item};
 use super::path::{Path, PathCall};
 use super::pvt::Points;
@@ -9,6 +10,7 @@ use super::pvt::Points;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Site {
     pub profile: &'static str,
+    pub family: super::light::Family,
     pub axes: Vec<(i16, i16)>,
 }
 
@@ -369,7 +371,7 @@ impl Site {
                 format!("GTN_FollowSwitchNowEx({},{},0,0)", at(axis), if *table { 2 } else { 1 })
             }
             Call::Effect(effect) => return effect.text(),
-            Call::Light(of) => return of.text(),
+            Call::Light(of) => return of.text(number),
             Call::Path(of) => return of.text(self),
         };
         format!("rtn = {written};")
@@ -394,7 +396,10 @@ impl Site {
     /// A whole job that can be pasted.
     pub fn job<'a>(&self, tick_us: u32, calls: impl Iterator<Item = &'a Call>) -> String {
         let mut text = format!("#pragma profile {}\n#pragma tick {tick_us}\n#pragma continue\n", self.profile);
-        text += "short rtn, space, fifo, pending; long loops, word; double value;\n";
+        if self.family == super::light::Family::Lsr {
+            text += "#pragma family lsr\n";
+        }
+        text += "short rtn, space, fifo, pending; long loops, word; unsigned long light; double value;\n";
         text += "double place[4]; TCrdPrm prm; memset(&prm,0,sizeof(prm));\n";
         text += "TTrapPrm trap; TJogPrm jog;\nmemset(&trap,0,sizeof(trap)); memset(&jog,0,sizeof(jog));\n";
         for (number, call) in calls.enumerate() {

@@ -19,7 +19,7 @@ use super::axis::{Aim, Axis, Mode, Motion};
 use super::call::{Call, Site, members};
 use super::crd::Crd;
 use super::effect::Levels;
-use super::light::{Act, GateEdge, Light};
+use super::light::{Act, GateEdge, LIMIT, Light};
 use super::number::Fix;
 use super::path::{Path, PathCall};
 use super::pvt::Table;
@@ -74,9 +74,9 @@ pub struct Program {
     pub outputs: Vec<Levels>,
     /// Changes of general outputs.
     pub edges: Vec<Edge>,
-    /// Gates of the lasers, and their powers from tick 0 on.
+    /// Gates of the lasers, and their powers from tick 0 on, each with how well it is known.
     pub gates: Vec<GateEdge>,
-    pub powers: Vec<[f64; 2]>,
+    pub powers: Vec<[[f64; 2]; 2]>,
     /// An encoder that is not where the machine must have it: tick, axis, how far.
     pub astray: Option<(usize, usize, f64)>,
     /// The contract leaves open what happens from this tick on, and why.
@@ -119,6 +119,8 @@ pub struct Controller {
     open: Option<&'static str>,
     levels: Levels,
     light: Light,
+    /// An Abort has not come to its end.
+    aborts: bool,
     /// The last call was refused, with a code that the contract leaves open.
     may_be_refused: bool,
     /// Changes of general outputs in this tick: when, ms, which bits, their levels.
@@ -151,7 +153,8 @@ impl Controller {
             site: site.clone(),
             machine,
             levels: Levels::default(),
-            light: Light::default(),
+            light: Light::new(site.family),
+            aborts: false,
             may_be_refused: false,
             changes: Vec::new(),
             edges: Vec::new(),
@@ -190,7 +193,6 @@ impl Controller {
         let mut program = Program { replies: vec![Reply::Open; calls.len()], ..Program::default() };
         program.rows.push(self.rows());
         program.outputs.push(self.levels.clone());
-        program.powers.push(self.light.powers());
         self.encoders(0);
         self.axes.iter_mut().for_each(|axis| axis.encoder_zero = axis.encoder[1]);
         let (mut clock, mut waiting, mut next, mut left) = (0, None, 0, tail);
@@ -203,7 +205,7 @@ impl Controller {
                 if axis.sample()
                     && let Some(crd) = axis.light_crd()
                 {
-                    self.light.calls.push(Act::Fault(crd));
+                    self.light.calls.push(Act::Fault(crd, LIMIT));
                 }
             }
             let mut work = Work::of(self.tick_ns);
@@ -266,7 +268,6 @@ impl Controller {
             self.answer(&mut program, now);
             program.rows.push(self.rows());
             program.outputs.push(self.levels.clone());
-            program.powers.push(self.light.powers());
             if let Some(mask) = waiting {
                 if let Some(why) = members(mask).find_map(|axis| self.axes[axis].open) {
                     self.open = Some(why);
@@ -293,7 +294,6 @@ impl Controller {
                         program.rows[number][axis].open = true;
                     }
                     program.outputs.push(self.levels.clone());
-                    program.powers.push(self.light.powers());
                     break;
                 }
             }
@@ -301,6 +301,7 @@ impl Controller {
         program.used = self.used;
         program.edges = self.edges;
         program.gates = self.light.edges;
+        program.powers = self.light.powers;
         program.astray = self.machine.astray;
         program
     }
@@ -433,7 +434,7 @@ impl Controller {
             }
             self.axes[index] = axis;
         }
-        self.light.step(before as f64 / 1e6, now as f64 / 1e6);
+        self.step_light(before, now);
         self.change_outputs();
     }
 

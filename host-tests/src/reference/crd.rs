@@ -215,6 +215,8 @@ pub struct Crd {
     pub analog: Vec<(f64, usize, i16)>,
     /// Entries of lasers that were reached: when, channel, what, whether it braked for a Stop.
     pub lasers: Vec<(f64, usize, super::light::Command, bool)>,
+    /// How far it went in this tick along the path, pulses.
+    pub gone: f64,
     /// It came to standstill in this tick: when, and whether it braked for a Stop.
     pub rested: Option<(f64, bool)>,
     /// Places passed in a tick where it may turn, and whether that is all of them.
@@ -255,6 +257,7 @@ impl Default for Crd {
             outputs: Vec::new(),
             analog: Vec::new(),
             lasers: Vec::new(),
+            gone: 0.0,
             rested: None,
             knots: Vec::new(),
             is_straight: true,
@@ -401,7 +404,7 @@ impl Crd {
     /// Up to an instant.
     pub fn run(&mut self, until: f64, world: &mut impl World) {
         self.knots.clear();
-        (self.is_straight, self.open) = (true, false);
+        (self.is_straight, self.open, self.gone) = (true, false, 0.0);
         let mut effects = 0;
         while self.runs && self.now < until {
             let of = &mut self.fifos[self.fifo];
@@ -572,7 +575,9 @@ impl Crd {
             before = (before - phase.ms).max(0.0);
             let ms = rest.min(left_of_step);
             if ms > 0.0 {
-                of.done += self.speed * ms + phase.acc * ms * ms / 2.0;
+                let way = self.speed * ms + phase.acc * ms * ms / 2.0;
+                of.done += way;
+                self.gone += way;
                 self.speed += phase.acc * ms;
                 left_of_step -= ms;
             }

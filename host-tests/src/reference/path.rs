@@ -214,6 +214,18 @@ impl PathCall {
                 Command::Gate(true) => format!("GTN_BufLaserOn({core},{crd},{fifo},{channel})"),
                 Command::Gate(false) => format!("GTN_BufLaserOff({core},{crd},{fifo},{channel})"),
                 Command::Power(power) => format!("GTN_BufLaserPrfCmd({core},{crd},{power:?},{fifo},{channel})"),
+                Command::Source { encoder, start } => {
+                    let start = start.map_or(String::new(), |start| format!(",{start:?}"));
+                    let source = i16::from(*encoder);
+                    format!("GTN_BufLaserFollowMode({core},{crd},{source},{fifo},{channel}{start})")
+                }
+                Command::Ratio([ratio, min, max]) => {
+                    format!("GTN_BufLaserFollowRatio({core},{crd},{ratio:?},{min:?},{max:?},{fifo},{channel})")
+                }
+                Command::Follow(ratio, [min, max]) => {
+                    format!("GTN_BufLaserPrfFollow({core},{crd},{ratio:?},{min},{max},{fifo},{channel})")
+                }
+                Command::FollowOff => format!("GTN_BufLaserFollowOff({core},{crd},{fifo},{channel})"),
             },
             Path::Analog { crd, dac, value, fifo } => format!("GTN_BufDA({core},{crd},{dac},{value},{fifo})"),
             Path::Move { crd, axis, to, vel, acc, modal, fifo } => {

@@ -3,7 +3,7 @@
 use plant::beam::{Change, Levels, Stage};
 use plant::inputs::{Plan as InputPlan, Row};
 use plant::{Gain, Plant};
-use servo::laser::{CHANNELS, Plan};
+use servo::laser::{Action, CHANNELS, Plan};
 use servo::port::{AxisInputs, Due, GeneralInputs, GeneralOutputs, Port, Simulated};
 use servo::segment::follow::Input;
 use servo::units::{Axis, Ns, Pos};
@@ -283,6 +283,14 @@ impl<const AXES: usize> Port for Machine<AXES> {
     fn laser(&mut self, channel: usize, plan: &Plan) {
         if let Some(stage) = self.stages.get_mut(channel) {
             stage.take(self.now_ns, self.next_ns, plan, note_beam(&mut self.beam, channel));
+        }
+        // One pin: what was written last is output.
+        for (_, action) in plan.actions() {
+            if let Action::Volts(code) = action
+                && let Some(place) = self.outputs.analog.get_mut(channel)
+            {
+                *place = *code;
+            }
         }
     }
 }

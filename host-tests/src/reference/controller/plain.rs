@@ -1,7 +1,7 @@
 //! Calls of every axis: names, modes, settings, Trap and Jog, Stop.
 use super::super::axis::{Mode, Rates};
 use super::super::call::{Call, Kind, members};
-use super::super::light::Act;
+use super::super::light::{Act, SERVO_OFF};
 use super::super::number::Fix;
 use super::answer::{Answer, DONE, check, either, range};
 use super::{Controller, Reply, Then, Value};
@@ -15,11 +15,11 @@ impl Controller {
                 if axis.driven {
                     self.open = Some("AxisOff of an axis on a path");
                 }
-                let fault = axis.light_crd().filter(|_| axis.servo);
+                let fault = axis.light_crd().filter(|_| axis.servo).map(|crd| Act::Fault(crd, SERVO_OFF));
                 axis.servo = false;
                 axis.halt();
                 self.then[place] = None;
-                self.light.calls.extend(fault.map(Act::Fault));
+                self.light.calls.extend(fault);
             }
             Kind::ZeroPos => {
                 check(!axis.runs())?;

@@ -1,7 +1,8 @@
 //! Reads: what they answer at the end of the tick in which they act.
 use super::super::axis::{Mode, Motion};
 use super::super::call::{Call, Kind};
-use super::super::effect::{Effect, LightCall, LightOf};
+use super::super::effect::Effect;
+use super::super::light::{LightCall, LightOf};
 use super::super::number::Fix;
 use super::super::slave::Begin;
 use super::{Controller, Program, Reply, Value};
@@ -41,19 +42,29 @@ impl Controller {
                     Value::Whole(free.wrapping_add(ran) as i64)
                 }
                 Call::Light(LightCall { channel, what }) => {
-                    let of = &self.light.channels[channel as usize];
-                    match what {
-                        LightOf::GetGate => Value::Whole(of.is_on().into()),
-                        _ => Value::Velocity(Fix::of_f64(of.power())),
+                    let ms = now as f64 / 1e6;
+                    match (self.light.read(channel as usize, what, ms), what) {
+                        (None, _) => Value::None,
+                        (Some(power), LightOf::GetPower) => Value::Velocity(Fix::of_f64(power)),
+                        (Some(of), _) => Value::Whole(of as i64),
                     }
                 }
-                Call::Effect(Effect::GetDac { dac, .. }) => Value::Whole(self.levels.analog[dac as usize - 1].into()),
+                Call::Effect(Effect::GetDac { dac, .. }) => match self.levels.driven >> (dac - 1) & 1 {
+                    0 => Value::Whole(self.levels.analog[dac as usize - 1].into()),
+                    // What it reads is compared as the power.
+                    _ => Value::None,
+                },
                 Call::Effect(_) => Value::Whole(self.levels.general.cast_signed().into()),
                 _ => Value::Whole(free as i64),
             };
             let open = match call {
                 // An entry of a path may set one in the tick that follows.
-                Call::Light(_) => self.crds.values().any(|crd| crd.runs),
+                Call::Light(of) => {
+                    let runs = self.crds.values().any(|crd| crd.runs);
+                    let pends = of.what != LightOf::GetGate && self.light.is_busy(of.channel as usize);
+                    runs || pends || value == Value::None
+                }
+                Call::Effect(Effect::GetDac { .. }) => value == Value::None,
                 Call::Effect(Effect::GetDo { .. }) => self.crds.values().any(|crd| crd.runs),
                 Call::Axis { kind, axis } => {
                     let axis_of = &self.axes[axis];
