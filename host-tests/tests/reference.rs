@@ -3,6 +3,8 @@
 //! `REFERENCE_PROGRAMS` sets how many programs there are, `REFERENCE_SEED` the first one's number, `REFERENCE_CALLS` how
 //! many calls a program has at most, `REFERENCE_FINDINGS` how many programs that differ are told of before it gives up.
 //! A finding is shrunk and printed as a job. `REFERENCE_TABLE` names a file for how often each function was called.
+#[path = "reference/analog.rs"]
+mod analog;
 #[path = "reference/found.rs"]
 mod found;
 #[path = "reference/judge.rs"]
