@@ -1,7 +1,7 @@
 //! The calls of a program, and how a job writes them.
 use super::effect::Effect;
-use super::light::LightCall;
 use super::follow::{Datum, Item};
+use super::light::LightCall;
 use super::path::{Path, PathCall};
 use super::pvt::Points;
 
@@ -172,6 +172,12 @@ pub enum Call {
     /// Outputs and inputs.
     Effect(Effect),
     Light(LightCall),
+    Abort {
+        core: i16,
+    },
+    Reset {
+        core: i16,
+    },
     /// Coordinate systems.
     Path(PathCall),
 }
@@ -240,7 +246,7 @@ impl Call {
         }
         match *self {
             Call::Sleep { .. } | Call::Effect(_) | Call::Light(_) | Call::Ex(_) => 0,
-            Call::Path(_) => 0,
+            Call::Path(_) | Call::Abort { .. } | Call::Reset { .. } => 0,
             Call::WaitStop { mask }
             | Call::Stop { mask, .. }
             | Call::Update { mask }
@@ -372,6 +378,8 @@ impl Site {
             }
             Call::Effect(effect) => return effect.text(),
             Call::Light(of) => return of.text(number),
+            Call::Abort { core } => format!("GTN_Abort({core})"),
+            Call::Reset { core } => format!("GTN_Reset({core})"),
             Call::Path(of) => return of.text(self),
         };
         format!("rtn = {written};")

@@ -6,6 +6,7 @@ mod answer;
 mod effects;
 mod encoders;
 mod follow;
+mod life;
 mod light;
 mod paths;
 mod plain;
@@ -119,8 +120,11 @@ pub struct Controller {
     open: Option<&'static str>,
     levels: Levels,
     light: Light,
-    /// An Abort has not come to its end.
-    aborts: bool,
+    /// Axes that ran at an Abort and have not come to rest; ticks since the last one has.
+    aborted: u32,
+    rested: u8,
+    /// Paths that a Reset has taken in their last tick: crd from 0, how far they go, their limit.
+    leaving: Vec<(usize, f64, f64)>,
     /// The last call was refused, with a code that the contract leaves open.
     may_be_refused: bool,
     /// Changes of general outputs in this tick: when, ms, which bits, their levels.
@@ -154,7 +158,9 @@ impl Controller {
             machine,
             levels: Levels::default(),
             light: Light::new(site.family),
-            aborts: false,
+            aborted: 0,
+            rested: 0,
+            leaving: Vec::new(),
             may_be_refused: false,
             changes: Vec::new(),
             edges: Vec::new(),
@@ -253,10 +259,12 @@ impl Controller {
                 self.open = Some(why);
             }
             self.step(before, now);
+            self.finish_abort();
             for axis in std::mem::take(&mut self.early) {
                 // A path is ahead of the tick: its axis is reported to move a tick before.
                 program.rows[number - 1][axis].open = true;
-                if calls[earlier..next].iter().any(|call| call.axes() >> axis & 1 == 1) {
+                let named = |call: &Call| call.axes() >> axis & 1 == 1 || matches!(call, Call::Abort { .. });
+                if calls[earlier..next].iter().any(named) {
                     self.open = Some("a call to an axis in the tick in which a path moves it");
                 }
             }
@@ -315,7 +323,7 @@ impl Controller {
         let row = |axis: &Axis| Row {
             x: axis.x,
             status: axis.status(),
-            open: axis.open.is_some(),
+            open: axis.open.is_some() || axis.resets > 0,
             slack: axis.slack + axis.late + rounding(axis),
             most: axis.fastest,
         };
@@ -489,7 +497,9 @@ impl Controller {
             Call::FollowEntry { axis, item, fifo } => self.follow_item(*axis, *item, *fifo, Mode::FollowEx),
             Call::FollowSwitchNow { axis, table } => self.follow_switch_now(*axis, *table),
             Call::Effect(effect) => self.effect(index, call, effect, now),
-            Call::Light(of) => self.light(index, call, of),
+            Call::Light(of) => self.light(index, call, of, now),
+            Call::Abort { core } => self.abort(*core),
+            Call::Reset { core } => self.reset(*core, now),
             Call::Path(of) => self.path(index, call, of, now),
             Call::PvtTable { .. } | Call::PvtTableSelect { .. } | Call::SetPvtLoop { .. } | Call::PvtStart { .. } => {
                 self.pvt(call, now)

@@ -227,6 +227,8 @@ pub struct Crd {
     pub rest: Option<Rest>,
     /// It was started on the tick that is being prepared; data came for the end of its FIFO.
     pub started_here: bool,
+    /// Data came after that at the same instant.
+    pub fed_here: bool,
     pub late: bool,
     /// No Stop has come since it was set up at standstill.
     pub certain: bool,
@@ -264,6 +266,7 @@ impl Default for Crd {
             open: false,
             rest: None,
             started_here: false,
+            fed_here: false,
             late: false,
             certain: false,
             dry: false,
@@ -373,6 +376,15 @@ impl Crd {
             self.unsaid = Some("the least time at constant speed, planned again on the way");
         }
         self.plan = None;
+    }
+
+    /// How far it would go until an instant; None: it would come to rest, or reach entries that act on others.
+    pub fn way_to(&self, until: f64) -> Option<f64> {
+        let mut ahead = self.clone();
+        ahead.run(until, &mut Nobody);
+        let acts = ahead.outputs.len() + ahead.analog.len() + ahead.lasers.len() != 0;
+        let moves = ahead.fifos[self.fifo].next != self.fifos[self.fifo].next && ahead.fifos[self.fifo].moves() != 0;
+        (ahead.runs && !acts && !moves).then_some(ahead.gone)
     }
 
     /// Whether an entry ends by an instant, or one that is no motion is in progress.

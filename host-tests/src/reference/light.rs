@@ -312,6 +312,8 @@ pub struct Light {
     /// before it.
     pub calls: Vec<Act>,
     pub between: Vec<(f64, Act)>,
+    /// Paths that the Stops of this instant bring to standstill at once, and their FIFOs.
+    pub halted: Vec<(usize, usize)>,
     pub edges: Vec<GateEdge>,
     /// Powers at the ticks, and how well they are known.
     pub powers: Vec<[[f64; 2]; 2]>,
@@ -327,12 +329,18 @@ impl Light {
             channels: [0, 1].map(|_| Channel::power_on(family)),
             calls: Vec::new(),
             between: Vec::new(),
+            halted: Vec::new(),
             edges: Vec::new(),
             powers: Vec::new(),
             around: Around::default(),
             running: 0,
             open: None,
         }
+    }
+
+    /// No path runs, but for those of which is said otherwise.
+    pub fn standstill(&mut self) {
+        (self.running, self.around.speed) = (0, [0.0; 2]);
     }
 
     /// A path of core 1 went so fast, at most as fast as its limit.
@@ -350,39 +358,29 @@ impl Light {
 
     /// From the tick before to this one. What a tick sees as a fault takes light at once; so does an Abort.
     pub fn step(&mut self, before: f64, now: f64) {
-        let mut all = std::mem::take(&mut self.between);
-        let calls = std::mem::take(&mut self.calls);
-        let at_once = |act: &Act| matches!(act, Act::Fault(..) | Act::Abort | Act::Reset);
-        all.extend(calls.iter().filter(|act| at_once(act)).map(|act| (before, *act)));
-        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut between = std::mem::take(&mut self.between);
+        between.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let first = between.partition_point(|(at, _)| *at <= before + SAME);
+        let (calls, running) = (std::mem::take(&mut self.calls), self.running);
+        let mut halted = std::mem::take(&mut self.halted);
+        let later = between.split_off(first);
+        between.iter().for_each(|(at, act)| self.take(*at, act, now - before));
+        self.show(before);
+        let at_once = |act: &&Act| matches!(act, Act::Fault(..) | Act::Abort);
+        calls.iter().filter(at_once).for_each(|act| self.take(before, act, now - before));
+        later.iter().for_each(|(at, act)| self.take(*at, act, now - before));
         // Once more in its place among the calls: those before it count for nothing.
-        let running = self.running;
-        all.extend(calls.into_iter().map(|act| match act {
-            Act::Stop(named, _) => (now, Act::Stop(named, running)),
-            act => (now, act),
-        }));
-        let mut shown = false;
-        for (at, act) in &all {
-            if !shown && *at > before + SAME {
-                self.show(before);
-                shown = true;
+        for act in calls {
+            let named = match act {
+                Act::Stop(named, _) => named,
+                Act::Abort => u8::MAX,
+                _ => 0,
+            };
+            for (crd, fifo) in halted.extract_if(.., |(crd, _)| named >> *crd & 1 == 1) {
+                self.take(now, &Act::Stopped(crd, fifo), now - before);
             }
-            for (number, channel) in self.channels.iter_mut().enumerate() {
-                channel.gate.advance(*at, false);
-                let settles = matches!(act, Act::Set(..) | Act::Abort | Act::Reset | Act::Fault(..));
-                let clears = matches!(act, Act::Clear(_) | Act::Set(_, Setting::ClearFault));
-                let age = *at - channel.owner.failed_at;
-                if clears && channel.owner.fault != 0 && age < 3.5 * (now - before) {
-                    self.open = Some("a clear just after the fault of a laser");
-                }
-                if settles && channel.gate.is_near(*at) {
-                    self.open = Some("an edge of a laser within rounding of a setting");
-                }
-                channel.take(number, *at, act);
-            }
-        }
-        if !shown {
-            self.show(before);
+            let act = if let Act::Stop(named, _) = act { Act::Stop(named, running) } else { act };
+            self.take(now, &act, now - before);
         }
         for (number, channel) in self.channels.iter_mut().enumerate() {
             channel.gate.advance(now, false);
@@ -390,6 +388,22 @@ impl Light {
                 self.open = Some("two edges of a laser within rounding of each other");
             }
             self.edges.extend(channel.gate.edges.drain(..).map(|(at, level)| (at, number, level)));
+        }
+    }
+
+    /// One thing that happens.
+    fn take(&mut self, at: f64, act: &Act, tick: f64) {
+        for (number, channel) in self.channels.iter_mut().enumerate() {
+            channel.gate.advance(at, false);
+            let clears = matches!(act, Act::Clear(_) | Act::Set(_, Setting::ClearFault));
+            if clears && channel.owner.fault != 0 && at - channel.owner.failed_at < 3.5 * tick {
+                self.open = Some("a clear just after the fault of a laser");
+            }
+            let settles = matches!(act, Act::Set(..) | Act::Abort | Act::Reset | Act::Fault(..));
+            if settles && channel.gate.is_near(at) {
+                self.open = Some("an edge of a laser within rounding of a setting");
+            }
+            channel.take(number, at, act);
         }
     }
 
@@ -417,10 +431,25 @@ impl Light {
         }
     }
 
+    /// All that ran at an Abort has come to rest.
+    pub fn abort_over(&mut self) {
+        self.channels.iter_mut().for_each(|channel| channel.owner.aborting = false);
+    }
+
     /// Analog outputs that a laser drives, bit 0 is output 1.
     pub fn analog(&self) -> u8 {
         let of = |channel: usize| u8::from(self.channels[channel].law.mode == Mode::Analog) << channel;
         of(0) | of(1)
+    }
+
+    /// Whether calls of this instant light.
+    pub fn lights_now(&self) -> bool {
+        self.calls.iter().any(|act| matches!(act, Act::Gate(_, true)))
+    }
+
+    /// Whether a coordinate system may have light.
+    pub fn is_lit(&self, crd: usize) -> bool {
+        self.channels.iter().any(|channel| channel.owner.maps(crd) && channel.owner.is_commanded())
     }
 
     /// Whether an edge is pending: what is output at a tick may differ from what it is just before.

@@ -141,6 +141,21 @@ pub enum Cycle {
     Centre(f64, f64),
 }
 
+impl Path {
+    /// The coordinate system that a read names.
+    pub fn crd(&self) -> i16 {
+        match *self {
+            Path::GetPrm { crd }
+            | Path::Space { crd, .. }
+            | Path::Status { crd, .. }
+            | Path::Remainder { crd, .. }
+            | Path::Pos { crd }
+            | Path::Vel { crd } => crd,
+            _ => 0,
+        }
+    }
+}
+
 impl PathCall {
     /// The elements of TCrdPrm.
     pub fn profile(site: &Site, axes: &[usize]) -> [i16; 8] {

@@ -1,7 +1,7 @@
 //! Programs that differed once, as short as they could be made: what was wrong is said at each.
 use super::judge::{Tally, finding};
 use host_tests::path_model::Plane;
-use host_tests::reference::{Call, Cycle, Family, Datum, Item, Kind, Path, PathCall, Site, Speeds};
+use host_tests::reference::{Call, Cycle, Datum, Family, Item, Kind, Path, PathCall, Site, Speeds};
 
 const MS: i64 = 1_000_000;
 

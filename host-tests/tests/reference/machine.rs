@@ -235,6 +235,8 @@ pub fn wire(site: &Site, call: &Call) -> client::Call {
         Call::Effect(effect) => return effects::effect(effect),
         Call::Light(of) => return light::call(of),
         Call::Path(of) => return paths::wire(site, of),
+        &Call::Abort { core } => return client::Call::of(Abort { core: core.into() }),
+        &Call::Reset { core } => return client::Call::of(Reset { core: core.into() }),
         _ => {}
     }
     use client::Call as Wire;
@@ -367,6 +369,8 @@ pub fn wire(site: &Site, call: &Call) -> client::Call {
         | Call::FollowSwitchNow { .. }
         | Call::Path(_)
         | Call::Light(_)
+        | Call::Abort { .. }
+        | Call::Reset { .. }
         | Call::Effect(_) => unreachable!("done above"),
         Call::PvtTableSelect { axis, table } => {
             let (core, profile) = at(axis);

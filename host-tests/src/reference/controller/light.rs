@@ -60,11 +60,16 @@ impl Controller {
         if members(axes).any(|axis| self.axes[axis].ended) {
             self.open = Some("a call that needs standstill, right after its axis came to rest");
         }
+        let named = |act: &Act| matches!(act, Act::Stop(named, _) if named & crds_of != 0);
+        let rests = self.path_then.iter().any(|((core, crd), _)| *core == 1 && crds_of >> (crd - 1) & 1 == 1);
+        if rests || self.light.calls.iter().any(named) {
+            self.open = Some("a call that needs a path at standstill, at the instant of its Stop");
+        }
         self.contested[0] |=
             members(axes).filter(|axis| self.axes[*axis].driven).fold(0, |mask, axis| mask | 1 << axis);
     }
 
-    pub(super) fn light(&mut self, index: usize, call: &Call, of: &LightCall) -> Answer {
+    pub(super) fn light(&mut self, index: usize, call: &Call, of: &LightCall, now: i64) -> Answer {
         if let LightOf::EndFollow(mask) = of.what {
             self.light.calls.push(Act::EndFollow(mask as u8));
             return DONE;
@@ -73,6 +78,14 @@ impl Controller {
             return Err(8);
         }
         range((0..2).contains(&of.channel))?;
+        if self.light.calls.contains(&Act::Abort) {
+            // The tick that shuts everything off comes between.
+            self.open = Some("a call of a laser at the instant of an Abort");
+        }
+        if self.crds.values().any(|crd| crd.fed_here) {
+            // Such data is late by a tick at times, and what comes after it too.
+            self.open = Some("a call of a laser at the instant of a start of a path and of data after it");
+        }
         let number = of.channel as usize;
         let after = self.light.after_calls(number);
         let setting = match of.what {
@@ -89,12 +102,20 @@ impl Controller {
                 let kind = Mode::of(mode, self.site.family);
                 let bounds = mode_bounds(self.site.family, kind, [min, max]);
                 either(!self.path_runs(3), (0..4).contains(&mode) && bounds.is_ok())?;
+                if kind == Mode::Analog {
+                    // From here on it is the laser's, which leaves it at 0 V.
+                    self.analog.push((now as f64 / 1e6, number, 0));
+                }
                 Setting::Mode(kind, bounds?, delayed || self.site.family == Family::Gus)
             }
             LightOf::Map(map) => {
                 range((0..4).contains(&map))?;
                 let both = map as u8 | after.owner.map;
                 self.contest(both);
+                if self.light.channels[number].owner.is_of_path(both) != after.owner.is_of_path(both) {
+                    // That is known a tick later.
+                    self.open = Some("a map at the instant at which light of a path is withdrawn");
+                }
                 check(!self.path_runs(both) && !after.owner.is_of_path(both))?;
                 Setting::Map(map as u8)
             }
@@ -125,9 +146,7 @@ impl Controller {
             }
             LightOf::Power(power) => Setting::Power(take_power(after, power)?),
             LightOf::Delays { off, on } => Setting::Delays([us(off, 0.0)?, us(on, 0.0)?]),
-            LightOf::Fpk([time1, time2, off]) => {
-                Setting::Fpk(Some([us(time1, 1.0)?, us(time2, 0.0)?, us(off, 0.0)?]))
-            }
+            LightOf::Fpk([time1, time2, off]) => Setting::Fpk(Some([us(time1, 1.0)?, us(time2, 0.0)?, us(off, 0.0)?])),
             LightOf::NoFpk => Setting::Fpk(None),
             LightOf::Standby { on, khz, duty } => {
                 let khz = if on || khz != 0.0 { take_frequency(family, khz)? } else { 0.0 };
@@ -164,10 +183,10 @@ impl Controller {
     }
 
     fn switch(&mut self, number: usize, on: bool, after: &Channel) -> Answer {
-        if on && self.light.calls.contains(&Act::Abort) {
-            self.open = Some("light at the instant of an Abort");
+        if on && self.rested > 0 {
+            self.open = Some("light just after the end of an Abort");
         }
-        check(!on || after.owner.output && after.owner.fault == 0 && !self.aborts)?;
+        check(!on || after.owner.output && after.owner.fault == 0 && self.aborted == 0)?;
         self.light.calls.push(Act::Gate(number, on));
         *self.used.entry("lasers switched by calls").or_default() += 1;
         DONE
@@ -211,6 +230,7 @@ impl Controller {
 
     /// Channels, from the tick before to this one.
     pub(super) fn step_light(&mut self, before: i64, now: i64) {
+        self.rested = self.rested.saturating_sub(1);
         self.light.step(before as f64 / 1e6, now as f64 / 1e6);
         self.open = self.open.or(self.light.open);
         let mut at = [[0.0; 4]; 2];

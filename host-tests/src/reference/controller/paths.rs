@@ -299,6 +299,7 @@ impl Controller {
         if of.runs && of.fifo == fifo && of.fifos[fifo].lasting() <= 1 {
             of.late = true;
         }
+        of.fed_here |= of.started_here;
         of.fifos[fifo].entries.push(entry);
         DONE
     }
@@ -435,9 +436,14 @@ impl Controller {
     pub(super) fn step_paths(&mut self, before: i64, now: i64) {
         let then = std::mem::take(&mut self.path_then);
         self.axes.iter_mut().for_each(|axis| axis.bent = false);
+        self.light.standstill();
+        for (crd, way, most) in self.leaving.drain(..) {
+            self.light.follows(crd, way / ms(now - before), most, false);
+        }
         let Controller { crds, axes, .. } = self;
         for (name, of) in crds {
-            of.started_here = false;
+            let starts = std::mem::take(&mut of.started_here);
+            of.fed_here = false;
             let (ran, published) = (of.runs, of.clone());
             // Those geared since the tick before go along, or are at standstill.
             for axis in axes.iter_mut().filter(|axis| axis.geared && axis.crd == Some(*name)) {
@@ -472,16 +478,22 @@ impl Controller {
             of.rested = of.rested.filter(|_| !of.runs && ran);
             if std::mem::take(&mut of.hindered) {
                 if name.0 == 1 {
-                    self.light.between.push((of.now, Act::Fault(name.1 as usize - 1, OTHER)));
+                    let crd = name.1 as usize - 1;
+                    if self.light.is_lit(crd) {
+                        // The controller knows it up to two ticks before, and is dark from then on.
+                        self.open = Some("a lit path that meets an axis that must not move");
+                    }
+                    self.light.between.push((of.now, Act::Fault(crd, OTHER)));
                 }
                 *self.used.entry("paths that met an axis that must not move").or_default() += 1;
             }
             if name.0 == 1 {
-                self.light.follows(name.1 as usize - 1, of.gone / ms(now - before), speed, of.runs);
+                self.light.follows(name.1 as usize - 1, of.gone / ms(now - before), speed, of.runs && !starts);
             }
             if std::mem::take(&mut of.late) && (!of.runs || of.open || of.dry) {
                 self.open = Some("data in the tick in which a path ends");
             }
+            let rested = of.rested.take().map(|(at, braked)| (at, braked, of.rest));
             for (_, then) in then.iter().filter(|(of, _)| of == name) {
                 match *then {
                     PathThen::Rate(rate) => of.change_rate(rate),
@@ -510,12 +522,19 @@ impl Controller {
                     self.light.between.push((at, Act::Entry(crd, channel, command, brakes)));
                     *self.used.entry("entries of lasers reached").or_default() += 1;
                 }
-                if let Some((at, braked)) = of.rested.take() {
-                    let act = match of.rest {
+                if of.rested.take().is_some() {
+                    self.light.halted.push((crd, fifo));
+                }
+                if let Some((at, braked, rest)) = rested {
+                    let act = match rest {
                         Some(Rest::Stopped) => Act::Stopped(crd, fifo),
                         Some(Rest::Underrun) => Act::Fault(crd, UNDERRUN),
                         _ => Act::Done(crd, fifo, braked),
                     };
+                    if matches!(act, Act::Fault(..)) && self.light.lights_now() {
+                        // The controller knows of it a tick before.
+                        self.open = Some("light by a call in the tick in which a path runs dry at speed");
+                    }
                     self.light.between.push((at, act));
                 }
             }

@@ -11,6 +11,10 @@ impl Controller {
     pub(super) fn answer(&mut self, program: &mut Program, now: i64) {
         for (index, call, free) in std::mem::take(&mut self.reads) {
             if let Call::Path(of) = &call {
+                if !self.crds.contains_key(&(of.core, of.what.crd())) {
+                    // A Reset of its instant.
+                    continue;
+                }
                 let (value, open) = self.read_path(of, free, now);
                 program.replies[index] = if open { Reply::Open } else { Reply::Done(value) };
                 continue;
@@ -58,6 +62,7 @@ impl Controller {
                 _ => Value::Whole(free as i64),
             };
             let open = match call {
+                Call::Axis { axis, .. } if self.axes[axis].resets > 0 => true,
                 // An entry of a path may set one in the tick that follows.
                 Call::Light(of) => {
                     let runs = self.crds.values().any(|crd| crd.runs);
@@ -76,7 +81,8 @@ impl Controller {
                         _ => false,
                     };
                     match kind {
-                        Kind::GetPrfPos | Kind::GetPrfMode | Kind::GetEncPos => false,
+                        Kind::GetPrfPos | Kind::GetPrfMode => false,
+                        Kind::GetEncPos => axis_of.is_lost,
                         Kind::GetPrfVel => {
                             axis_of.driven || axis_of.mode == Mode::Crd || knot || self.axes[axis].open.is_some()
                         }

@@ -22,7 +22,7 @@ impl Making<'_> {
     }
 
     /// A channel as users set it up: connector, mode, carrier, delays, power.
-    fn set_up_light(&mut self, channel: i16) {
+    pub(super) fn set_up_light(&mut self, channel: i16) {
         self.light_call(channel, LightOf::Connector(true));
         if self.one_in(3) {
             self.light_mode(channel);
@@ -112,7 +112,7 @@ impl Making<'_> {
         self.light_call(channel, what);
     }
 
-    fn distance(&mut self, channel: i16) {
+    pub(super) fn distance(&mut self, channel: i16) {
         if self.one_in(3) {
             return self.light_call(channel, LightOf::Distance(None));
         }
@@ -140,6 +140,10 @@ impl Making<'_> {
     pub(super) fn follow_entry(&mut self) -> Command {
         let ratio = if self.one_in(30) { 0.0 } else { self.chance.log(0.02, 5.0) };
         let (min, max) = (self.pick(&[0, 5, 20]), self.pick(&[100, 60, 10]));
-        if self.one_in(2) { Command::Follow(ratio, [min, max]) } else { Command::Ratio([ratio, min.into(), max.into()]) }
+        if self.one_in(2) {
+            Command::Follow(ratio, [min, max])
+        } else {
+            Command::Ratio([ratio, min.into(), max.into()])
+        }
     }
 }

@@ -87,8 +87,8 @@ impl Gate {
     }
 
     fn settle(&mut self, at: f64) {
-        let level = !self.quiet
-            && (self.held || if self.fpk.is_some() { self.pulse.is_some() } else { self.gate.level });
+        let level =
+            !self.quiet && (self.held || if self.fpk.is_some() { self.pulse.is_some() } else { self.gate.level });
         if level != self.switch {
             self.switch = level;
             self.edges.push((at, level));

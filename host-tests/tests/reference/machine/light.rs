@@ -44,9 +44,7 @@ pub fn call(of: &LightCall) -> Wire {
             let (ratio, min, max) = (ratio.map(Into::into), min.into(), max.into());
             Wire::of(SetLaserDisRatio { core, ratio, min, max, channel, bounds_given: 1 })
         }
-        LightOf::EndFollow(crds) => {
-            Wire::of(Stop { core, mask: (crds << 10).into(), option: 0.into(), form: 1 })
-        }
+        LightOf::EndFollow(crds) => Wire::of(Stop { core, mask: (crds << 10).into(), option: 0.into(), form: 1 }),
         LightOf::ZeroOnTime => Wire::of(ZeroLaserOnTime { core, channel }),
         LightOf::ClearFault => Wire::of(ClrLaserFault { core, channel }),
         LightOf::GetGate => Wire::of(GetHSIOOpt { core, channel }),
