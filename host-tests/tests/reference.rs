@@ -5,6 +5,8 @@
 //! A finding is shrunk and printed as a job. `REFERENCE_TABLE` names a file for how often each function was called.
 #[path = "reference/ahead.rs"]
 mod ahead;
+#[path = "reference/analog.rs"]
+mod analog;
 #[path = "reference/found.rs"]
 mod found;
 #[path = "reference/judge.rs"]
@@ -12,7 +14,7 @@ mod judge;
 #[path = "reference/machine.rs"]
 mod machine;
 
-use host_tests::reference::{Site, generator};
+use host_tests::reference::{Family, Site, generator};
 use judge::{Tally, finding};
 use machine::Rig;
 use std::sync::Mutex;
@@ -20,9 +22,10 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 /// Sites and ticks in turn.
 fn sites() -> Vec<(Site, u32)> {
-    let gus = Site { profile: "gus", axes: vec![(1, 1), (1, 2), (1, 3), (1, 6)] };
-    let gtn = Site { profile: "gtn-016", axes: vec![(1, 1), (1, 2), (2, 1), (2, 7)] };
-    vec![(gus.clone(), 250), (gus.clone(), 1000), (gus.clone(), 500), (gus, 100), (gtn, 250)]
+    let gus = Site { profile: "gus", family: Family::Gus, axes: vec![(1, 1), (1, 2), (1, 3), (1, 6)] };
+    let lsr = Site { family: Family::Lsr, ..gus.clone() };
+    let gtn = Site { profile: "gtn-016", family: Family::Gus, axes: vec![(1, 1), (1, 2), (2, 1), (2, 7)] };
+    vec![(gus.clone(), 250), (gus.clone(), 1000), (lsr, 500), (gus, 100), (gtn, 250)]
 }
 
 /// What as many programs as run by default, and more, must have tried.

@@ -196,6 +196,10 @@ pub struct Axis {
     brief: bool,
     /// It is geared to a motion of its coordinate system.
     pub geared: bool,
+    /// Ticks in which a Reset may still change its status.
+    pub resets: u8,
+    /// A Reset has named its encoder while that moved.
+    pub is_lost: bool,
     /// No motion of the tick was faster, pulse/ms.
     pub fastest: Fix,
 }
@@ -291,6 +295,8 @@ impl Axis {
             moved: false,
             brief: false,
             geared: false,
+            resets: 0,
+            is_lost: false,
             fastest: Fix::ZERO,
         }
     }
@@ -370,6 +376,12 @@ impl Axis {
     /// light.
     pub fn light_crd(&self) -> Option<usize> {
         let (core, crd) = self.crd.filter(|_| self.mode == Mode::Crd)?;
+        (core == 1).then_some(crd as usize - 1)
+    }
+
+    /// The one of core 1 that takes it along beside its path, from 0.
+    pub fn geared_crd(&self) -> Option<usize> {
+        let (core, crd) = self.crd.filter(|_| self.geared && self.driven)?;
         (core == 1).then_some(crd as usize - 1)
     }
 
@@ -567,6 +579,7 @@ impl Axis {
         self.open = None;
         (self.doubt, self.halted, self.began) = (false, false, false);
         self.stopped = false;
+        self.resets = self.resets.saturating_sub(1);
         self.fastest = Fix::ZERO;
         let mut out = Vec::new();
         let ended = match &mut self.motion {

@@ -1,6 +1,7 @@
 //! The calls of a program, and how a job writes them.
-use super::effect::{Effect, LightCall};
+use super::effect::Effect;
 use super::follow::{Datum, Item};
+use super::light::LightCall;
 use super::path::{Path, PathCall};
 use super::pvt::Points;
 
@@ -9,6 +10,7 @@ use super::pvt::Points;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Site {
     pub profile: &'static str,
+    pub family: super::light::Family,
     pub axes: Vec<(i16, i16)>,
 }
 
@@ -189,6 +191,12 @@ pub enum Call {
     /// Outputs and inputs.
     Effect(Effect),
     Light(LightCall),
+    Abort {
+        core: i16,
+    },
+    Reset {
+        core: i16,
+    },
     /// Coordinate systems.
     Path(PathCall),
 }
@@ -270,7 +278,7 @@ impl Call {
         }
         match *self {
             Call::Sleep { .. } | Call::Effect(_) | Call::Light(_) | Call::Ex(_) => 0,
-            Call::Path(_) => 0,
+            Call::Path(_) | Call::Abort { .. } | Call::Reset { .. } => 0,
             Call::WaitStop { mask }
             | Call::SynchAxisPos { mask }
             | Call::Stop { mask, .. }
@@ -409,7 +417,9 @@ impl Site {
                 format!("GTN_FollowSwitchNowEx({},{},0,0)", at(axis), if *table { 2 } else { 1 })
             }
             Call::Effect(effect) => return effect.text(),
-            Call::Light(of) => return of.text(),
+            Call::Light(of) => return of.text(number),
+            Call::Abort { core } => format!("GTN_Abort({core})"),
+            Call::Reset { core } => format!("GTN_Reset({core})"),
             Call::Path(of) => return of.text(self),
         };
         format!("rtn = {written};")
@@ -441,7 +451,10 @@ impl Site {
     /// A whole job that can be pasted.
     pub fn job<'a>(&self, tick_us: u32, calls: impl Iterator<Item = &'a Call>) -> String {
         let mut text = format!("#pragma profile {}\n#pragma tick {tick_us}\n#pragma continue\n", self.profile);
-        text += "short rtn, space, fifo, pending; long loops, word; double value;\n";
+        if self.family == super::light::Family::Lsr {
+            text += "#pragma family lsr\n";
+        }
+        text += "short rtn, space, fifo, pending; long loops, word; unsigned long light; double value;\n";
         text += "double place[4]; TCrdPrm prm; memset(&prm,0,sizeof(prm));\n";
         text += "TTrapPrm trap; TJogPrm jog;\nmemset(&trap,0,sizeof(trap)); memset(&jog,0,sizeof(jog));\n";
         for (number, call) in calls.enumerate() {

@@ -6,6 +6,7 @@ mod answer;
 mod effects;
 mod encoders;
 mod follow;
+mod life;
 mod light;
 mod paths;
 mod plain;
@@ -20,7 +21,7 @@ use super::call::{Call, Site, members};
 use super::crd::Crd;
 use super::effect::Levels;
 use super::filter::Filter;
-use super::light::{Act, GateEdge, Light};
+use super::light::{Act, GateEdge, LIMIT, Light};
 use super::number::Fix;
 use super::path::{Path, PathCall};
 use super::pvt::Table;
@@ -79,9 +80,9 @@ pub struct Program {
     pub outputs: Vec<Levels>,
     /// Changes of general outputs.
     pub edges: Vec<Edge>,
-    /// Gates of the lasers, and their powers from tick 0 on.
+    /// Gates of the lasers, and their powers from tick 0 on, each with how well it is known.
     pub gates: Vec<GateEdge>,
-    pub powers: Vec<[f64; 2]>,
+    pub powers: Vec<[[f64; 2]; 2]>,
     /// An encoder that is not where the machine must have it: tick, axis, how far.
     pub astray: Option<(usize, usize, f64)>,
     /// The contract leaves open what happens from this tick on, and why.
@@ -128,6 +129,11 @@ pub struct Controller {
     open: Option<&'static str>,
     levels: Levels,
     light: Light,
+    /// Axes that ran at an Abort and have not come to rest; ticks since the last one has.
+    aborted: u32,
+    rested: u8,
+    /// Paths that a Reset has taken in their last tick: crd from 0, how far they go, their limit.
+    leaving: Vec<(usize, f64, f64)>,
     /// The last call was refused, with a code that the contract leaves open.
     may_be_refused: bool,
     /// Changes of general outputs in this tick: when, ms, which bits, their levels.
@@ -163,7 +169,10 @@ impl Controller {
             machine,
             waits: 0,
             levels: Levels::default(),
-            light: Light::default(),
+            light: Light::new(site.family),
+            aborted: 0,
+            rested: 0,
+            leaving: Vec::new(),
             may_be_refused: false,
             changes: Vec::new(),
             edges: Vec::new(),
@@ -202,7 +211,6 @@ impl Controller {
         let mut program = Program { replies: vec![Reply::Open; calls.len()], ..Program::default() };
         program.rows.push(self.rows());
         program.outputs.push(self.levels.clone());
-        program.powers.push(self.light.powers());
         self.encoders(0);
         self.axes.iter_mut().for_each(|axis| axis.encoder_zero = axis.encoder[1]);
         let (mut clock, mut waiting, mut next, mut left) = (0, None, 0, tail);
@@ -216,7 +224,7 @@ impl Controller {
                 if axis.sample()
                     && let Some(crd) = axis.light_crd()
                 {
-                    self.light.calls.push(Act::Fault(crd));
+                    self.light.calls.push(Act::Fault(crd, LIMIT));
                 }
             }
             let mut work = Work::of(self.tick_ns);
@@ -270,10 +278,12 @@ impl Controller {
                 self.open = Some(why);
             }
             self.step(before, now);
+            self.finish_abort();
             for axis in std::mem::take(&mut self.early) {
                 // A path is ahead of the tick: its axis is reported to move a tick before.
                 program.rows[number - 1][axis].open = true;
-                if calls[earlier..next].iter().any(|call| call.axes() >> axis & 1 == 1) {
+                let named = |call: &Call| call.axes() >> axis & 1 == 1 || matches!(call, Call::Abort { .. });
+                if calls[earlier..next].iter().any(named) {
                     self.open = Some("a call to an axis in the tick in which a path moves it");
                 }
             }
@@ -285,7 +295,6 @@ impl Controller {
             self.answer(&mut program, now);
             program.rows.push(self.rows());
             program.outputs.push(self.levels.clone());
-            program.powers.push(self.light.powers());
             if let Some(mask) = waiting {
                 if let Some(why) = members(mask).find_map(|axis| self.axes[axis].open) {
                     self.open = Some(why);
@@ -312,7 +321,6 @@ impl Controller {
                         program.rows[number][axis].open = true;
                     }
                     program.outputs.push(self.levels.clone());
-                    program.powers.push(self.light.powers());
                     break;
                 }
             }
@@ -320,6 +328,7 @@ impl Controller {
         program.used = self.used;
         program.edges = self.edges;
         program.gates = self.light.edges;
+        program.powers = self.light.powers;
         program.astray = self.machine.astray;
         program
     }
@@ -338,7 +347,7 @@ impl Controller {
         let row = |axis: &Axis| Row {
             x: axis.x,
             status: axis.status(),
-            open: axis.open.is_some(),
+            open: axis.open.is_some() || axis.resets > 0,
             slack: axis.slack + axis.late + rounding(axis),
             most: axis.fastest,
         };
@@ -471,7 +480,7 @@ impl Controller {
             }
             std::mem::swap(&mut axis, &mut self.axes[index]);
         }
-        self.light.step(before as f64 / 1e6, now as f64 / 1e6);
+        self.step_light(before, now);
         self.change_outputs();
     }
 
@@ -526,7 +535,9 @@ impl Controller {
             Call::FollowEntry { axis, item, fifo } => self.follow_item(*axis, *item, *fifo, Mode::FollowEx),
             Call::FollowSwitchNow { axis, table } => self.follow_switch_now(*axis, *table),
             Call::Effect(effect) => self.effect(index, call, effect, now),
-            Call::Light(of) => self.light(index, call, of),
+            Call::Light(of) => self.light(index, call, of, now),
+            Call::Abort { core } => self.abort(*core),
+            Call::Reset { core } => self.reset(*core, now),
             Call::Path(of) => self.path(index, call, of, now),
             Call::PvtTable { .. } | Call::PvtTableSelect { .. } | Call::SetPvtLoop { .. } | Call::PvtStart { .. } => {
                 self.pvt(call, now)

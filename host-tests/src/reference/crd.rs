@@ -215,6 +215,8 @@ pub struct Crd {
     pub analog: Vec<(f64, usize, i16)>,
     /// Entries of lasers that were reached: when, channel, what, whether it braked for a Stop.
     pub lasers: Vec<(f64, usize, super::light::Command, bool)>,
+    /// How far it went in this tick along the path, pulses.
+    pub gone: f64,
     /// It came to standstill in this tick: when, and whether it braked for a Stop.
     pub rested: Option<(f64, bool)>,
     /// Places passed in a tick where it may turn, and whether that is all of them.
@@ -225,6 +227,8 @@ pub struct Crd {
     pub rest: Option<Rest>,
     /// It was started on the tick that is being prepared; data came for the end of its FIFO.
     pub started_here: bool,
+    /// Data came after that at the same instant.
+    pub fed_here: bool,
     pub late: bool,
     /// No Stop has come since it was set up at standstill.
     pub certain: bool,
@@ -255,12 +259,14 @@ impl Default for Crd {
             outputs: Vec::new(),
             analog: Vec::new(),
             lasers: Vec::new(),
+            gone: 0.0,
             rested: None,
             knots: Vec::new(),
             is_straight: true,
             open: false,
             rest: None,
             started_here: false,
+            fed_here: false,
             late: false,
             certain: false,
             dry: false,
@@ -372,6 +378,15 @@ impl Crd {
         self.plan = None;
     }
 
+    /// How far it would go until an instant; None: it would come to rest, or reach entries that act on others.
+    pub fn way_to(&self, until: f64) -> Option<f64> {
+        let mut ahead = self.clone();
+        ahead.run(until, &mut Nobody);
+        let acts = ahead.outputs.len() + ahead.analog.len() + ahead.lasers.len() != 0;
+        let moves = ahead.fifos[self.fifo].next != self.fifos[self.fifo].next && ahead.fifos[self.fifo].moves() != 0;
+        (ahead.runs && !acts && !moves).then_some(ahead.gone)
+    }
+
     /// Whether an entry ends by an instant, or one that is no motion is in progress.
     pub fn changes_by(&self, until: f64) -> bool {
         let mut ahead = self.clone();
@@ -401,7 +416,7 @@ impl Crd {
     /// Up to an instant.
     pub fn run(&mut self, until: f64, world: &mut impl World) {
         self.knots.clear();
-        (self.is_straight, self.open) = (true, false);
+        (self.is_straight, self.open, self.gone) = (true, false, 0.0);
         let mut effects = 0;
         while self.runs && self.now < until {
             let of = &mut self.fifos[self.fifo];
@@ -572,7 +587,9 @@ impl Crd {
             before = (before - phase.ms).max(0.0);
             let ms = rest.min(left_of_step);
             if ms > 0.0 {
-                of.done += self.speed * ms + phase.acc * ms * ms / 2.0;
+                let way = self.speed * ms + phase.acc * ms * ms / 2.0;
+                of.done += way;
+                self.gone += way;
                 self.speed += phase.acc * ms;
                 left_of_step -= ms;
             }

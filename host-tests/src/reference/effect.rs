@@ -11,55 +11,6 @@ pub enum Effect {
     SimInput { core: i16, index: i16, level: bool },
 }
 
-/// A call of a laser channel, from 0.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LightCall {
-    pub channel: i16,
-    pub what: LightOf,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum LightOf {
-    /// SetAxisMode: its connector carries it.
-    Connector,
-    /// LaserPowerMode, in duty mode.
-    Bounds {
-        max: f64,
-        min: f64,
-    },
-    /// LaserOutFrq, kHz.
-    Carrier(f64),
-    Gate(bool),
-    Power(f64),
-    Map(i16),
-    GetGate,
-    GetPower,
-}
-
-impl LightCall {
-    /// The axis whose connector carries it.
-    pub fn axis(&self) -> i16 {
-        7 + self.channel
-    }
-
-    /// A statement of a job.
-    pub fn text(&self) -> String {
-        let channel = self.channel;
-        let call = match self.what {
-            LightOf::Connector => format!("SetAxisMode(1,{},1)", self.axis()),
-            LightOf::Bounds { max, min } => format!("LaserPowerMode(1,0,{max:?},{min:?},{channel},0)"),
-            LightOf::Carrier(khz) => format!("LaserOutFrq(1,{khz:?},{channel})"),
-            LightOf::Gate(true) => format!("LaserOn(1,{channel})"),
-            LightOf::Gate(false) => format!("LaserOff(1,{channel})"),
-            LightOf::Power(power) => format!("LaserPrfCmd(1,{power:?},{channel})"),
-            LightOf::Map(map) => format!("SetLaserCrdMap(1,{channel},{map})"),
-            LightOf::GetGate => format!("GetHSIOOpt(1,&space,{channel})"),
-            LightOf::GetPower => format!("GetLaserPower(1,{channel},&value)"),
-        };
-        format!("rtn = GTN_{call};")
-    }
-}
-
 impl Effect {
     /// A statement of a job.
     pub fn text(&self) -> String {
@@ -88,6 +39,8 @@ pub struct Levels {
     pub general: u32,
     /// Analog outputs.
     pub analog: [i16; 16],
+    /// Those that a laser in analog mode drives, bit 0 is output 1.
+    pub driven: u8,
     /// General inputs.
     pub inputs: u32,
 }

@@ -6,6 +6,7 @@ mod anywhere;
 mod follow;
 mod follow_ex;
 mod light;
+mod marks;
 mod outputs;
 mod paths;
 mod pt;
@@ -140,8 +141,10 @@ impl Making<'_> {
 
     fn phrase(&mut self) {
         let axis = self.axis();
-        match self.below(30) {
+        match self.below(34) {
             29 => self.lights(),
+            30..33 => self.marks(axis),
+            33 => self.abort_or_reset(),
             25..28 => self.paths(axis),
             28 => self.during_paths(axis),
             20 | 21 => self.slave_ex(axis),
@@ -171,6 +174,15 @@ impl Making<'_> {
             1..5 => self.sleep(4),
             _ => self.sleep(25),
         }
+    }
+
+    /// After a Reset.
+    fn forget(&mut self, axis: usize) {
+        self.does[axis] = Does::Trap;
+        self.masters[axis] = None;
+        (self.pt[axis], self.follow[axis], self.counted[axis]) = ([(0, 0.0); 2], [(0.0, 0.0); 2], false);
+        let core = self.site.axes[axis].0;
+        self.forget_paths(core);
     }
 
     fn trap(&mut self, axis: usize) {

@@ -1,227 +1,460 @@
-//! A laser channel in duty mode without delays: SPEC 6, "Whose light it is" and "Rest", and SPEC 9.
+//! The laser channels: SPEC 6 and 9.
 //!
-//! In: calls and entries of paths in the order of time, starts and standstills of coordinate
-//! systems, faults. Out: the gate's edges and the power. There is no follow, no delay and no FPK in
-//! it.
+//! In: calls and entries of paths in the order of time, starts and standstills of coordinate systems, faults, the speed
+//! of the paths. Out: the edges of the switch, the power at every tick, what reads give.
+mod call;
+mod gate;
+mod law;
+mod owner;
+
+pub use call::{Family, LightCall, LightOf};
+pub use law::{Around, Distance, Mode, carriers};
+
 use super::call::members;
+use gate::{Fpk, Gate};
+use law::{Follow, Law};
+use owner::{End, Order, Owner};
 
-/// Who lit it. Coordinate systems are those of core 1, from 0.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Owner {
-    Call,
-    Path(usize),
-}
-
-/// What a call or an entry does to a channel.
+/// What an entry does to a channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Command {
     Gate(bool),
     Power(f64),
+    /// BufLaserFollowMode: whether the encoders' speed counts, and a start power.
+    Source {
+        encoder: bool,
+        start: Option<f64>,
+    },
+    /// BufLaserFollowRatio: ratio, minimum, maximum.
+    Ratio([f64; 3]),
+    /// BufLaserPrfFollow: whole bounds.
+    Follow(f64, [i32; 2]),
+    FollowOff,
+}
+
+/// What a call sets, in the channel's own units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Setting {
+    Power(f64),
+    Mode(Mode, [f64; 2], bool),
+    Connector(bool),
+    Carrier,
+    Width,
+    /// Off and on delay, ms.
+    Delays([f64; 2]),
+    Fpk(Option<[f64; 3]>),
+    Standby(Option<[f64; 2]>),
+    PreVoltage(Option<f64>),
+    Distance(Option<Distance>),
+    Ratios([f64; 4], Option<[f64; 2]>),
+    Map(u8),
+    ZeroOnTime,
+    ClearFault,
 }
 
 /// What happens to the channels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Act {
-    /// A call.
-    Own(usize, Command),
+    /// An on or off command by a call.
+    Gate(usize, bool),
+    Set(usize, Setting),
     /// An entry that a coordinate system reaches; whether it brakes for a Stop there.
     Entry(usize, usize, Command, bool),
     /// A coordinate system comes to standstill by a Stop, within its FIFO.
     Stopped(usize, usize),
     /// Its entries have run out; whether it braked for a Stop.
-    Done(usize, bool),
-    /// A Stop names these, bit 0 is crd 1.
-    Stop(u8),
+    Done(usize, usize, bool),
+    /// A Stop names these, and these run, bit 0 is crd 1.
+    Stop(u8, u8),
     /// It starts with a FIFO, and goes on with what lies there.
     Starts(usize, usize, bool),
     /// Its FIFO is cleared.
     Cleared(usize, usize),
-    /// A cause of SPEC 9 of one of its axes, or of the path itself.
-    Fault(usize),
+    /// A cause of SPEC 9 of one of its axes, or of the path itself, as GetLaserFault numbers it.
+    Fault(usize, i16),
     /// ClrSts of one of its axes.
     Clear(usize),
+    /// Stop, bits 10 and 11.
+    EndFollow(u8),
+    Abort,
+    /// All that ran at the Abort has come to rest.
+    AbortOver,
+    /// Power-on state.
+    Reset,
 }
 
 /// See the module text.
 #[derive(Debug, Clone)]
 pub struct Channel {
-    pub connector: bool,
-    /// Coordinate systems that may light it, bit 0 is crd 1.
-    pub map: u8,
-    pub carrier: bool,
-    pub bounds: [f64; 2],
-    direct: f64,
-    lit: Option<Owner>,
-    /// A Stop of this coordinate system and FIFO keeps it dark.
-    held: Option<((usize, usize), Owner)>,
-    /// An off by a call, and no on command since.
-    off: bool,
-    pub fault: bool,
-}
-
-impl Default for Channel {
-    fn default() -> Channel {
-        Channel {
-            connector: false,
-            map: 3,
-            carrier: false,
-            bounds: [0.0, 100.0],
-            direct: 0.0,
-            lit: None,
-            held: None,
-            off: false,
-            fault: false,
-        }
-    }
+    pub owner: Owner,
+    pub law: Law,
+    gate: Gate,
+    /// Off and on delay, ms; whether they apply.
+    delays: [f64; 2],
+    delayed: bool,
+    /// After an Abort: nothing is output until the next command.
+    muted: bool,
 }
 
 impl Channel {
-    pub fn is_on(&self) -> bool {
-        self.lit.is_some()
+    fn power_on(family: Family) -> Channel {
+        let law = Law::power_on(family);
+        let owner = Owner::power_on(law.has_output());
+        let delayed = family == Family::Gus;
+        Channel { owner, law, gate: Gate::default(), delays: [0.0; 2], delayed, muted: false }
     }
 
-    /// What is output, %.
-    pub fn power(&self) -> f64 {
-        let [min, max] = self.bounds;
-        if self.is_on() && self.carrier { self.direct.max(min).min(max) } else { 0.0 }
+    fn order(&mut self, at: f64, order: Order) {
+        match order {
+            Order::Nothing => {}
+            Order::Gate(on) => {
+                let delay = if self.delayed { self.delays[usize::from(on)] } else { 0.0 };
+                self.gate.command(at + delay, on);
+            }
+            Order::Cut => self.gate.cut(at),
+        }
     }
 
-    /// Whether light of a path is on, or would come back.
-    pub fn is_of_path(&self, crds: u8) -> bool {
-        let of = |owner: Owner| matches!(owner, Owner::Path(crd) if crds >> crd & 1 == 1);
-        self.lit.is_some_and(of) || self.held.is_some_and(|(_, owner)| of(owner))
+    /// Whether switch and standby are as they should be.
+    fn hold(&mut self, at: f64) {
+        let quiet = self.owner.fault != 0 || self.muted;
+        self.gate.hold(at, self.law.mode == Mode::Open, quiet);
     }
 
-    fn maps(&self, crd: usize) -> bool {
-        self.map >> crd & 1 == 1
+    fn follows(&mut self, before: Option<Follow>) {
+        if before.is_some() && self.law.follow.is_none() {
+            self.owner.follows(None);
+        }
     }
 
-    fn shut(&mut self) {
-        (self.lit, self.held) = (None, None);
+    fn set(&mut self, at: f64, setting: Setting) {
+        let before = self.law.follow;
+        match setting {
+            Setting::Power(power) => self.law.take_direct(power),
+            Setting::Mode(mode, bounds, delayed) => {
+                if mode != self.law.mode {
+                    let order = self.owner.withdraw();
+                    self.order(at, order);
+                    (self.law.mode, self.law.direct, self.law.follow) = (mode, 0.0, None);
+                    self.owner.output = self.law.has_output();
+                }
+                (self.law.bounds, self.delayed) = (bounds, delayed);
+            }
+            Setting::Connector(there) => {
+                if !there && self.law.mode != Mode::Analog {
+                    let order = self.owner.withdraw();
+                    self.order(at, order);
+                }
+                self.law.connector = there;
+                self.owner.output = self.law.has_output();
+            }
+            Setting::Carrier => self.law.carrier = true,
+            Setting::Width => self.law.width = true,
+            Setting::Delays(delays) => self.delays = delays,
+            Setting::Fpk(times) => {
+                self.gate.suppress(at, times.map(|[time1, time2, off]| Fpk { time1, time2, off }));
+            }
+            Setting::Standby(standby) => self.law.standby = standby,
+            Setting::PreVoltage(volts) => self.law.pre_voltage = volts,
+            Setting::Distance(distance) => self.law.distance = distance,
+            Setting::Ratios(ratio, bounds) => {
+                if let Some(distance) = &mut self.law.distance {
+                    distance.ratio = ratio;
+                    distance.bounds = bounds.or(distance.bounds);
+                }
+            }
+            Setting::Map(map) => {
+                self.owner.map = map;
+                if self.law.follow.is_some_and(|follow| map >> follow.crd & 1 == 0) {
+                    self.law.follow = None;
+                }
+            }
+            Setting::ZeroOnTime => self.gate.zero(at),
+            Setting::ClearFault => self.owner.clear_fault(at),
+        }
+        self.muted = false;
+        self.follows(before);
+    }
+
+    /// An entry of a path that the map holds.
+    fn entry(&mut self, at: f64, crd: usize, command: Command, brakes: bool) {
+        let before = self.law.follow;
+        let mut taken = true;
+        match command {
+            Command::Gate(on) => {
+                let order = self.owner.entry(crd, on, brakes);
+                taken = order.is_some();
+                self.order(at, order.unwrap_or(Order::Nothing));
+            }
+            Command::Power(power) => self.law.take_direct(power),
+            Command::Source { encoder, start } => {
+                self.law.encoder = encoder;
+                self.law.direct = start.unwrap_or(self.law.direct);
+            }
+            Command::Ratio([ratio, min, max]) => self.begin(crd, ratio, [min, max]),
+            Command::Follow(ratio, bounds) => {
+                self.law.encoder = false;
+                self.begin(crd, ratio, bounds.map(f64::from));
+            }
+            Command::FollowOff => self.law.follow = None,
+        }
+        self.muted &= !taken || self.owner.is_dead(crd);
+        self.follows(before);
+    }
+
+    fn begin(&mut self, crd: usize, ratio: f64, bounds: [f64; 2]) {
+        // LSR takes bounds in the mode's range.
+        let most = self.law.mode.most(self.law.family);
+        let bounds = if self.law.family == Family::Lsr { bounds.map(|x| x.clamp(0.0, most)) } else { bounds };
+        self.law.follow = Some(Follow { crd, ratio, bounds });
+        self.owner.follows(Some(crd));
     }
 
     /// One thing that happens to channel `number`.
-    pub fn take(&mut self, number: usize, act: &Act) {
-        match *act {
-            Act::Own(channel, command) if channel == number => match command {
-                Command::Power(power) => self.direct = power,
-                Command::Gate(false) => {
-                    self.shut();
-                    self.off = true;
-                }
-                Command::Gate(true) => {
-                    self.off = false;
-                    self.held = None;
-                    self.lit = self.lit.or(Some(Owner::Call));
-                }
-            },
-            Act::Entry(crd, channel, command, brakes) if channel == number && self.maps(crd) => match command {
-                Command::Power(power) => self.direct = power,
-                Command::Gate(false) => self.shut(),
-                Command::Gate(true) => {
-                    let dead = self.fault || !self.connector || brakes && self.off;
-                    if !dead {
-                        (self.lit, self.held, self.off) = (Some(Owner::Path(crd)), None, false);
-                    }
-                }
-            },
-            Act::Own(..) | Act::Entry(..) => {}
-            Act::Stopped(crd, fifo) => {
-                if self.maps(crd)
-                    && let Some(owner) = self.lit.take()
-                {
-                    self.held = Some(((crd, fifo), owner));
-                }
+    pub fn take(&mut self, number: usize, at: f64, act: &Act) {
+        let order = match *act {
+            Act::Gate(channel, on) if channel == number => {
+                let order = self.owner.call(on);
+                // One that is ignored leaves standby and pre-voltage as they were.
+                self.muted &= order.is_none();
+                order.unwrap_or(Order::Nothing)
             }
-            Act::Done(crd, braked) => {
-                if self.lit == Some(Owner::Path(crd)) || braked && self.maps(crd) {
-                    self.shut();
-                }
+            Act::Set(channel, setting) if channel == number => {
+                self.set(at, setting);
+                Order::Nothing
             }
-            Act::Stop(resting) => {
-                if resting & self.map != 0 {
-                    self.shut();
-                }
+            Act::Entry(crd, channel, command, brakes) if channel == number && self.owner.maps(crd) => {
+                self.entry(at, crd, command, brakes);
+                Order::Nothing
             }
-            Act::Starts(crd, fifo, goes_on) => {
-                if let Some((by, owner)) = self.held.filter(|(by, _)| *by == (crd, fifo)) {
-                    self.held = None;
-                    if goes_on && by.0 == crd {
-                        self.lit = Some(owner);
-                    }
-                }
-            }
+            Act::Gate(..) | Act::Set(..) | Act::Entry(..) => return,
+            Act::Stopped(crd, fifo) => self.owner.rest((crd, fifo), End::Stopped),
+            Act::Done(crd, fifo, braked) => self.owner.rest((crd, fifo), End::Done { braked }),
+            Act::Stop(named, running) => self.owner.stop(named, running),
+            Act::Starts(crd, fifo, goes_on) => self.owner.start((crd, fifo), goes_on),
             Act::Cleared(crd, fifo) => {
-                if self.held.is_some_and(|(by, _)| by == (crd, fifo)) {
-                    self.held = None;
-                }
+                self.owner.empty((crd, fifo));
+                Order::Nothing
             }
-            Act::Fault(crd) => {
-                if self.maps(crd) {
-                    self.shut();
-                    self.fault = true;
-                }
-            }
+            Act::Fault(crd, cause) => self.owner.fail(crd, cause, at),
             Act::Clear(crd) => {
-                if self.maps(crd) {
-                    self.fault = false;
+                if self.owner.maps(crd) {
+                    self.owner.clear_fault(at);
                 }
+                Order::Nothing
             }
+            Act::EndFollow(crds) => {
+                if self.law.follow.is_some_and(|follow| crds >> follow.crd & 1 == 1) {
+                    self.law.follow = None;
+                    self.owner.follows(None);
+                }
+                Order::Nothing
+            }
+            Act::Abort => {
+                self.muted = true;
+                self.owner.aborting = true;
+                self.owner.abort()
+            }
+            Act::AbortOver => {
+                self.owner.aborting = false;
+                Order::Nothing
+            }
+            Act::Reset => {
+                self.gate.cut(at);
+                let gate = std::mem::take(&mut self.gate);
+                *self = Channel::power_on(self.law.family);
+                self.gate = gate;
+                self.gate.suppress(at, None);
+                self.gate.zero(at);
+                Order::Nothing
+            }
+        };
+        self.order(at, order);
+        self.hold(at);
+    }
+
+    /// What is output, and how well that is known.
+    fn power(&self, around: &Around) -> [f64; 2] {
+        if self.owner.fault != 0 || self.muted {
+            [0.0; 2]
+        } else if self.gate.is_light() {
+            self.law.in_light(around)
+        } else {
+            [self.law.in_dark(), 0.0]
         }
+    }
+
+    /// On-time in units of 250 µs; None where rounding decides.
+    fn on_time(&self, now: f64) -> Option<i64> {
+        let (ms, slack) = self.gate.on_time(now);
+        let [low, high] = [ms - slack, ms + slack].map(|ms| (ms * 4.0).floor().max(0.0));
+        (low == high).then_some(low as i64)
     }
 }
 
-/// An edge of a gate: when, ms, channel, level.
+/// Causes, as GetLaserFault numbers them (docs/laser.md).
+pub const SERVO_OFF: i16 = 7;
+pub const LIMIT: i16 = 8;
+pub const UNDERRUN: i16 = 9;
+pub const OTHER: i16 = 10;
+
+/// An edge of a switch: when, ms, channel, level.
 pub type GateEdge = (f64, usize, bool);
 
+/// Closer instants, ms, are one.
+const SAME: f64 = 1e-9;
+
 /// Both channels.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct Light {
     pub channels: [Channel; 2],
     /// What happens at the tick that is being prepared, in the order of calls; and in the interval
     /// before it.
     pub calls: Vec<Act>,
     pub between: Vec<(f64, Act)>,
+    /// Paths that the Stops of this instant bring to standstill at once, and their FIFOs.
+    pub halted: Vec<(usize, usize)>,
     pub edges: Vec<GateEdge>,
+    /// Powers at the ticks, and how well they are known.
+    pub powers: Vec<[[f64; 2]; 2]>,
+    pub around: Around,
     /// Coordinate systems that run up to the tick that is being prepared, bit 0 is crd 1.
-    pub running: u8,
+    running: u8,
+    pub open: Option<&'static str>,
 }
 
 impl Light {
+    pub fn new(family: Family) -> Light {
+        Light {
+            channels: [0, 1].map(|_| Channel::power_on(family)),
+            calls: Vec::new(),
+            between: Vec::new(),
+            halted: Vec::new(),
+            edges: Vec::new(),
+            powers: Vec::new(),
+            around: Around::default(),
+            running: 0,
+            open: None,
+        }
+    }
+
+    /// No path runs, but for those of which is said otherwise.
+    pub fn standstill(&mut self) {
+        (self.running, self.around.speed) = (0, [0.0; 2]);
+    }
+
+    /// A path of core 1 went so fast, at most as fast as its limit.
+    pub fn follows(&mut self, crd: usize, mean: f64, most: f64, runs: bool) {
+        self.running = self.running & !(1 << crd) | u8::from(runs) << crd;
+        (self.around.speed[crd], self.around.most[crd]) = (mean, most);
+    }
+
     /// A channel as the calls of this instant leave it.
     pub fn after_calls(&self, channel: usize) -> Channel {
         let mut of = self.channels[channel].clone();
-        self.calls.iter().for_each(|act| of.take(channel, act));
+        self.calls.iter().for_each(|act| of.take(channel, f64::INFINITY, act));
         of
     }
 
-    /// From the tick before to this one. What a tick sees as a fault takes light at once.
+    /// From the tick before to this one. What a tick sees as a fault takes light at once; so does an Abort.
     pub fn step(&mut self, before: f64, now: f64) {
-        let mut all = std::mem::take(&mut self.between);
-        let calls = std::mem::take(&mut self.calls);
-        all.extend(calls.iter().filter(|act| matches!(act, Act::Fault(_))).map(|act| (before, *act)));
-        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut between = std::mem::take(&mut self.between);
+        between.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let first = between.partition_point(|(at, _)| *at <= before + SAME);
+        let (calls, running) = (std::mem::take(&mut self.calls), self.running);
+        let mut halted = std::mem::take(&mut self.halted);
+        let later = between.split_off(first);
+        between.iter().for_each(|(at, act)| self.take(*at, act, now - before));
+        self.show(before);
+        let at_once = |act: &&Act| matches!(act, Act::Fault(..) | Act::Abort);
+        calls.iter().filter(at_once).for_each(|act| self.take(before, act, now - before));
+        later.iter().for_each(|(at, act)| self.take(*at, act, now - before));
+        // Once more in its place among the calls: those before it count for nothing.
         for act in calls {
-            match act {
-                Act::Fault(_) => {}
-                // Those that run come to rest later.
-                Act::Stop(named) => all.push((now, Act::Stop(named & !self.running))),
-                act => all.push((now, act)),
+            let named = match act {
+                Act::Stop(named, _) => named,
+                Act::Abort => u8::MAX,
+                _ => 0,
+            };
+            for (crd, fifo) in halted.extract_if(.., |(crd, _)| named >> *crd & 1 == 1) {
+                self.take(now, &Act::Stopped(crd, fifo), now - before);
             }
+            let act = if let Act::Stop(named, _) = act { Act::Stop(named, running) } else { act };
+            self.take(now, &act, now - before);
         }
-        for (at, act) in all {
-            for (number, channel) in self.channels.iter_mut().enumerate() {
-                let was = channel.is_on();
-                channel.take(number, &act);
-                if was != channel.is_on() {
-                    self.edges.push((at, number, !was));
-                }
+        for (number, channel) in self.channels.iter_mut().enumerate() {
+            channel.gate.advance(now, false);
+            if channel.gate.tie() {
+                self.open = Some("two edges of a laser within rounding of each other");
             }
+            self.edges.extend(channel.gate.edges.drain(..).map(|(at, level)| (at, number, level)));
         }
     }
 
-    pub fn powers(&self) -> [f64; 2] {
-        [0, 1].map(|channel| self.channels[channel].power())
+    /// One thing that happens.
+    fn take(&mut self, at: f64, act: &Act, tick: f64) {
+        for (number, channel) in self.channels.iter_mut().enumerate() {
+            channel.gate.advance(at, false);
+            let clears = matches!(act, Act::Clear(_) | Act::Set(_, Setting::ClearFault));
+            if clears && channel.owner.fault != 0 && at - channel.owner.failed_at < 3.5 * tick {
+                self.open = Some("a clear just after the fault of a laser");
+            }
+            let settles = matches!(act, Act::Set(..) | Act::Abort | Act::Reset | Act::Fault(..));
+            if settles && channel.gate.is_near(at) {
+                self.open = Some("an edge of a laser within rounding of a setting");
+            }
+            channel.take(number, at, act);
+        }
+    }
+
+    /// The powers at the tick before.
+    fn show(&mut self, before: f64) {
+        let around = &self.around;
+        let powers = self.channels.each_mut().map(|channel| {
+            channel.gate.advance(before, true);
+            channel.power(around)
+        });
+        self.powers.push(powers);
+        if self.channels.iter().any(|channel| channel.gate.is_light() && channel.law.is_unsaid()) {
+            self.open = Some("bounds of a follow and of a power mode that exclude each other beside a distance");
+        }
+    }
+
+    /// What a read gives at a tick; None where rounding decides.
+    pub fn read(&self, channel: usize, what: LightOf, now: f64) -> Option<f64> {
+        let of = &self.channels[channel];
+        match what {
+            LightOf::GetGate => Some(f64::from(u8::from(of.owner.is_commanded()))),
+            LightOf::GetFault => Some(of.owner.fault.into()),
+            LightOf::GetOnTime => of.on_time(now).map(|units| units as f64),
+            _ => Some(of.power(&self.around)[0]),
+        }
+    }
+
+    /// All that ran at an Abort has come to rest.
+    pub fn abort_over(&mut self) {
+        self.channels.iter_mut().for_each(|channel| channel.owner.aborting = false);
+    }
+
+    /// Analog outputs that a laser drives, bit 0 is output 1.
+    pub fn analog(&self) -> u8 {
+        let of = |channel: usize| u8::from(self.channels[channel].law.mode == Mode::Analog) << channel;
+        of(0) | of(1)
+    }
+
+    /// Whether calls of this instant light.
+    pub fn lights_now(&self) -> bool {
+        self.calls.iter().any(|act| matches!(act, Act::Gate(_, true)))
+    }
+
+    /// Whether a coordinate system may have light.
+    pub fn is_lit(&self, crd: usize) -> bool {
+        self.channels.iter().any(|channel| channel.owner.maps(crd) && channel.owner.is_commanded())
+    }
+
+    /// Whether an edge is pending: what is output at a tick may differ from what it is just before.
+    pub fn is_busy(&self, channel: usize) -> bool {
+        self.channels[channel].gate.is_busy()
     }
 }
 

@@ -176,6 +176,21 @@ pub enum Cycle {
     Centre(f64, f64),
 }
 
+impl Path {
+    /// The coordinate system that a read names.
+    pub fn crd(&self) -> i16 {
+        match *self {
+            Path::GetPrm { crd }
+            | Path::Space { crd, .. }
+            | Path::Status { crd, .. }
+            | Path::Remainder { crd, .. }
+            | Path::Pos { crd }
+            | Path::Vel { crd } => crd,
+            _ => 0,
+        }
+    }
+}
+
 impl PathCall {
     /// The elements of TCrdPrm.
     pub fn profile(site: &Site, axes: &[usize]) -> [i16; 8] {
@@ -262,6 +277,18 @@ impl PathCall {
                 Command::Gate(true) => format!("GTN_BufLaserOn({core},{crd},{fifo},{channel})"),
                 Command::Gate(false) => format!("GTN_BufLaserOff({core},{crd},{fifo},{channel})"),
                 Command::Power(power) => format!("GTN_BufLaserPrfCmd({core},{crd},{power:?},{fifo},{channel})"),
+                Command::Source { encoder, start } => {
+                    let start = start.map_or(String::new(), |start| format!(",{start:?}"));
+                    let source = i16::from(*encoder);
+                    format!("GTN_BufLaserFollowMode({core},{crd},{source},{fifo},{channel}{start})")
+                }
+                Command::Ratio([ratio, min, max]) => {
+                    format!("GTN_BufLaserFollowRatio({core},{crd},{ratio:?},{min:?},{max:?},{fifo},{channel})")
+                }
+                Command::Follow(ratio, [min, max]) => {
+                    format!("GTN_BufLaserPrfFollow({core},{crd},{ratio:?},{min},{max},{fifo},{channel})")
+                }
+                Command::FollowOff => format!("GTN_BufLaserFollowOff({core},{crd},{fifo},{channel})"),
             },
             Path::Analog { crd, dac, value, fifo } => format!("GTN_BufDA({core},{crd},{dac},{value},{fifo})"),
             Path::Move { crd, axis, to, vel, acc, modal, fifo } => {

@@ -4,7 +4,7 @@ use super::*;
 const MS: i64 = 1_000_000;
 
 fn site() -> Site {
-    Site { profile: "gus", axes: vec![(1, 1), (1, 2)] }
+    Site { profile: "gus", family: Family::Gus, axes: vec![(1, 1), (1, 2)] }
 }
 
 /// At ticks of 1 ms from power-on.

@@ -13,7 +13,7 @@
 use super::machine::{Got, Rig, Told, fixed, got};
 use course::{Course, Entry, course};
 use host_tests::path_model::Geometry;
-use host_tests::reference::{Call, Path, PathCall, Site};
+use host_tests::reference::{Call, Family, Path, PathCall, Site};
 use std::collections::BTreeMap;
 
 #[path = "ahead/course.rs"]
@@ -424,7 +424,7 @@ fn edges(
 pub fn run(first: u64, count: u64) -> BTreeMap<&'static str, u64> {
     let mut tally = BTreeMap::new();
     let axes = vec![(1, 1), (1, 2), (1, 3), (1, 6)];
-    let site = Site { profile: "gus", axes };
+    let site = Site { profile: "gus", axes, family: Family::Gus };
     let mut rigs: Vec<(u32, Option<Rig>)> = [250, 100, 1000, 500].map(|tick_us| (tick_us, None)).into();
     let mut reports = Vec::new();
     for seed in first..first + count {

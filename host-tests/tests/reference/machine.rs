@@ -1,13 +1,15 @@
 //! The virtual controller under a program: every call is an entry of the program queue that may fail, and every tick's
 //! set-points and status words are kept.
 use client::{Answer, Client, Link, Observer, Options, Profile};
-use host_tests::reference::{Call, Effect, Fix, Kind, LightCall, LightOf, Points, Site};
+use host_tests::reference::{Call, Effect, Family, Fix, Kind, Points, Site};
 use protocol::command::*;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 #[path = "machine/effects.rs"]
 mod effects;
+#[path = "machine/light.rs"]
+mod light;
 #[path = "machine/paths.rs"]
 mod paths;
 
@@ -152,7 +154,8 @@ impl Rig {
         let axes = site.axes.iter().map(|&(core, axis)| (core as usize - 1) * per_core + axis as usize - 1).collect();
         let record = Arc::new(Mutex::new(Record { axes, rows: Vec::new(), more: Vec::new() }));
         let link = Watched { board: board.clone(), received: Vec::new(), taken: 0, record: Arc::clone(&record) };
-        let options = Options { profile: Some(profile), ..Options::default() };
+        let family = if site.family == Family::Lsr { client::Family::Lsr } else { client::Family::Gus };
+        let options = Options { profile: Some(profile), family: Some(family), ..Options::default() };
         let client = Client::open(Box::new(link), options).unwrap();
         Rig { board, client, record, site, tick_us }
     }
@@ -230,8 +233,10 @@ pub fn wire(site: &Site, call: &Call) -> client::Call {
         Call::FollowEntry { axis, item, fifo } => return effects::entry(site, *axis, item, *fifo),
         Call::FollowSwitchNow { axis, table } => return effects::switch_now(site, *axis, *table, 0, 0.into()),
         Call::Effect(effect) => return effects::effect(effect),
-        Call::Light(of) => return effects::light(of),
+        Call::Light(of) => return light::call(of),
         Call::Path(of) => return paths::wire(site, of),
+        &Call::Abort { core } => return client::Call::of(Abort { core: core.into() }),
+        &Call::Reset { core } => return client::Call::of(Reset { core: core.into() }),
         _ => {}
     }
     use client::Call as Wire;
@@ -380,6 +385,8 @@ pub fn wire(site: &Site, call: &Call) -> client::Call {
         | Call::FollowSwitchNow { .. }
         | Call::Path(_)
         | Call::Light(_)
+        | Call::Abort { .. }
+        | Call::Reset { .. }
         | Call::Effect(_) => unreachable!("done above"),
         Call::PvtTableSelect { axis, table } => {
             let (core, profile) = at(axis);
@@ -590,12 +597,7 @@ pub fn got(call: &Call, answer: &Answer) -> Got {
             answer.reply::<FollowSpaceEx>().map(|(reply, _)| Got::Whole(reply.value.get().into()))
         }
         Call::Path(of) => paths::got(of, answer),
-        Call::Light(LightCall { what: LightOf::GetGate, .. }) => {
-            answer.reply::<GetHSIOOpt>().map(|(reply, _)| Got::Whole(reply.value.get().into()))
-        }
-        Call::Light(LightCall { what: LightOf::GetPower, .. }) => {
-            answer.reply::<GetLaserPower>().map(|(reply, _)| Got::Real(reply.value.get()))
-        }
+        Call::Light(of) => light::got(of, answer),
         Call::Effect(Effect::GetDo { .. }) => {
             answer.reply::<GetDo>().map(|(reply, _)| Got::Whole(reply.value.get().into()))
         }

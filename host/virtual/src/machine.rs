@@ -3,7 +3,7 @@
 use plant::beam::{Change, Levels, Stage};
 use plant::inputs::{Plan as InputPlan, Row};
 use plant::{Gain, Plant};
-use servo::laser::{CHANNELS, Plan};
+use servo::laser::{Action, CHANNELS, Plan};
 use servo::port::{AxisInputs, Due, GeneralInputs, GeneralOutputs, Port, Simulated};
 use servo::segment::follow::Input;
 use servo::units::{Axis, Ns, Pos};
@@ -94,6 +94,8 @@ pub(crate) struct Machine<const AXES: usize> {
     pub outputs: Outputs,
     pub edges: std::collections::VecDeque<Edge>,
     stages: [Stage; CHANNELS],
+    /// The first analog outputs carry a voltage that a laser has set.
+    is_lasers: [bool; CHANNELS],
     /// The interlock as the lasers' hardware has it.
     interlock: bool,
     /// Instant at which the interlock input becomes active; it may be between two ticks.
@@ -115,6 +117,7 @@ impl<const AXES: usize> Machine<AXES> {
             outputs: Outputs::default(),
             edges: std::collections::VecDeque::new(),
             stages: [const { Stage::new() }; CHANNELS],
+            is_lasers: [false; CHANNELS],
             interlock: false,
             raised_ns: None,
             beam: None,
@@ -234,6 +237,9 @@ impl<const AXES: usize> Port for Machine<AXES> {
         if let Some(place) = self.outputs.analog.get_mut(channel) {
             *place = value;
         }
+        if let Some(is_lasers) = self.is_lasers.get_mut(channel) {
+            *is_lasers = false;
+        }
     }
 
     const SIMULATED: bool = true;
@@ -283,6 +289,13 @@ impl<const AXES: usize> Port for Machine<AXES> {
     fn laser(&mut self, channel: usize, plan: &Plan) {
         if let Some(stage) = self.stages.get_mut(channel) {
             stage.take(self.now_ns, self.next_ns, plan, note_beam(&mut self.beam, channel));
+        }
+        // An analog output is one pin: what was written last is output.
+        let volts = |action: &(u32, Action)| if let Action::Volts(code) = action.1 { Some(code) } else { None };
+        let rests = plan.safe_state && self.is_lasers[channel & 1];
+        for code in rests.then_some(0).into_iter().chain(plan.actions().iter().filter_map(volts)) {
+            self.outputs.analog[channel & 1] = code;
+            self.is_lasers[channel & 1] = code != 0;
         }
     }
 }

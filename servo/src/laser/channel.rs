@@ -253,6 +253,11 @@ impl Channel {
         }
     }
 
+    /// Whether its energy is a voltage.
+    pub(super) fn is_analog(&self) -> bool {
+        self.energy.mode == Mode::Analog
+    }
+
     /// The paths whose on entries have no effect.
     pub(super) fn dead(&self) -> CrdMask {
         self.owner.dead()

@@ -277,6 +277,11 @@ impl Lasers {
         }
     }
 
+    /// Whether an analog output is that of a channel in analog mode.
+    pub(crate) fn drives(&self, output: u8) -> bool {
+        self.channels.get(output as usize).is_some_and(Channel::is_analog)
+    }
+
     /// Whether every channel has a slot for one more entry of a path.
     pub(crate) fn has_room(&self) -> bool {
         self.channels.iter().all(Channel::has_room)

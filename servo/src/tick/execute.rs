@@ -129,7 +129,9 @@ impl<const AXES: usize> Tick<AXES> {
             }
             Op::Laser { channel, change } => {
                 if matches!(change, Change::Mode { mode: laser::Mode::Analog, .. }) {
-                    // From here on the laser drives it, and leaves it at 0 V.
+                    // From here on the laser drives it, and leaves it at 0 V. A channel that is kept dark does not
+                    // drive it: what was set before must go.
+                    port.analog_out(0, channel as usize, 0);
                     self.record_analog(channel, 0, lanes.tables.lasers, lanes.samples);
                 }
                 if self.lasers.change(channel, next, &change) {

@@ -1,7 +1,8 @@
 //! Outputs and inputs.
 use super::super::call::{Call, members};
 use super::super::effect::Effect;
-use super::answer::{Answer, DONE, range};
+use super::super::light::Mode;
+use super::answer::{Answer, DONE, check, range};
 use super::{Controller, Edge};
 
 /// General outputs of the virtual controller.
@@ -20,6 +21,7 @@ impl Controller {
             }
             Effect::SetDac { dac, value, .. } => {
                 range((1..=ANALOG).contains(&dac))?;
+                check(!self.is_of_laser(dac))?;
                 self.analog.push((now as f64 / 1e6, dac as usize - 1, value));
             }
             Effect::GetDac { dac, .. } => {
@@ -35,11 +37,21 @@ impl Controller {
         DONE
     }
 
+    /// Whether an analog output, from 1, is that of a laser after the calls of this instant.
+    pub(super) fn is_of_laser(&self, dac: i16) -> bool {
+        let of = |channel: usize| self.light.after_calls(channel).law.mode == Mode::Analog;
+        (1..=2).contains(&dac) && of(dac as usize - 1)
+    }
+
     /// Outputs, in the order of time.
     pub(super) fn change_outputs(&mut self) {
         let mut analog = std::mem::take(&mut self.analog);
         analog.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let driven = self.light.analog();
         analog.into_iter().for_each(|(_, channel, value)| self.levels.analog[channel] = value);
+        // It leaves its output at 0 V.
+        members(driven.into()).for_each(|channel| self.levels.analog[channel] = 0);
+        self.levels.driven = driven;
         let mut changes = std::mem::take(&mut self.changes);
         changes.sort_by(|a, b| a.0.total_cmp(&b.0));
         for (ms, mask, value) in changes {

@@ -1,14 +1,53 @@
-//! Calls of laser channels, and Stops as they see them.
+//! Calls of laser channels, Stops as they see them, and what their power follows.
 use super::super::call::{Call, members};
-use super::super::effect::{LightCall, LightOf};
-use super::super::light::{Act, Command, crds};
+use super::super::light::{Act, Channel, Command, Distance, Family, LightCall, LightOf, Mode, Setting, carriers, crds};
 use super::answer::{Answer, DONE, check, either, range};
 use super::{Controller, Reply};
 
-/// kHz, of the GUS family.
-const CARRIER: std::ops::RangeInclusive<f64> = 0.001..=2000.0;
-/// %.
-const DUTY: std::ops::RangeInclusive<f64> = 0.0..=100.0;
+/// The lowest frequency, kHz.
+const LEAST: f64 = 0.001;
+/// The longest delay, µs.
+const LONGEST: f64 = 65535.0;
+/// The most of a ratio of the distance follow, and the scales of the two families.
+const RATIO: f64 = 131072.0;
+const SCALES: [[f64; 2]; 2] = [[1.0 / 262144.0, 4294967296.0], [1.0, 65536.0]];
+
+/// A value outside its range: GUS refuses it, LSR takes the nearest bound.
+fn take(family: Family, x: f64, [low, high]: [f64; 2]) -> Result<f64, i16> {
+    range(family == Family::Lsr || (low..=high).contains(&x))?;
+    Ok(x.clamp(low, high))
+}
+
+/// A power: pulses of less than 1 Hz are refused in both families.
+fn take_power(of: &Channel, x: f64) -> Result<f64, i16> {
+    range(of.law.mode != Mode::Frequency || x <= 0.0 || x >= LEAST)?;
+    take(of.law.family, x, [0.0, of.law.mode.most(of.law.family)])
+}
+
+/// A frequency other than that of pulses of light.
+fn take_frequency(family: Family, khz: f64) -> Result<f64, i16> {
+    range(khz >= LEAST)?;
+    take(family, khz, [LEAST, carriers(family)])
+}
+
+/// Bounds with min ≤ max, as given and as taken.
+fn take_bounds(family: Family, mode: Mode, [min, max]: [f64; 2]) -> Result<[f64; 2], i16> {
+    range(min <= max)?;
+    let full = [0.0, mode.most(family)];
+    Ok([take(family, min, full)?, take(family, max, full)?])
+}
+
+/// Of LaserPowerMode: LSR takes a minimum outside its range as the range's.
+fn mode_bounds(family: Family, mode: Mode, [min, max]: [f64; 2]) -> Result<[f64; 2], i16> {
+    range(max >= 0.0)?;
+    if family == Family::Gus {
+        return take_bounds(family, mode, [min, max]);
+    }
+    let most = mode.most(family);
+    let (min, max) = (if (0.0..=most).contains(&min) { min } else { 0.0 }, max.min(most));
+    range(min <= max)?;
+    Ok([min, max])
+}
 
 impl Controller {
     fn path_runs(&self, crds_of: u8) -> bool {
@@ -21,68 +60,200 @@ impl Controller {
         if members(axes).any(|axis| self.axes[axis].ended) {
             self.open = Some("a call that needs standstill, right after its axis came to rest");
         }
+        let named = |act: &Act| matches!(act, Act::Stop(named, _) if named & crds_of != 0);
+        let rests = self.path_then.iter().any(|((core, crd), _)| *core == 1 && crds_of >> (crd - 1) & 1 == 1);
+        if rests || self.light.calls.iter().any(named) {
+            self.open = Some("a call that needs a path at standstill, at the instant of its Stop");
+        }
         self.contested[0] |=
             members(axes).filter(|axis| self.axes[*axis].driven).fold(0, |mask, axis| mask | 1 << axis);
     }
 
-    pub(super) fn light(&mut self, index: usize, call: &Call, of: &LightCall) -> Answer {
+    pub(super) fn light(&mut self, index: usize, call: &Call, of: &LightCall, now: i64) -> Answer {
+        if let LightOf::EndFollow(mask) = of.what {
+            self.light.calls.push(Act::EndFollow(mask as u8));
+            return DONE;
+        }
+        if matches!(of.what, LightOf::Connector(_)) && self.site.family == Family::Lsr {
+            return Err(8);
+        }
         range((0..2).contains(&of.channel))?;
+        if self.light.calls.contains(&Act::Abort) {
+            // The tick that shuts everything off comes between.
+            self.open = Some("a call of a laser at the instant of an Abort");
+        }
+        if self.crds.values().any(|crd| crd.fed_here) {
+            // Such data is late by a tick at times, and what comes after it too.
+            self.open = Some("a call of a laser at the instant of a start of a path and of data after it");
+        }
         let number = of.channel as usize;
         let after = self.light.after_calls(number);
-        let channel = &mut self.light.channels[number];
-        match of.what {
-            LightOf::Connector => channel.connector = true,
-            LightOf::Bounds { max, min } => {
-                let good = DUTY.contains(&max) && DUTY.contains(&min) && min <= max;
-                self.contest(3);
-                either(!self.path_runs(3), good)?;
-                self.light.channels[number].bounds = [min, max];
-            }
-            LightOf::Carrier(khz) => {
-                range(khz == 0.0 || CARRIER.contains(&khz))?;
-                channel.carrier = khz != 0.0;
-            }
-            LightOf::Gate(on) => {
-                check(!on || after.connector && !after.fault)?;
-                self.light.calls.push(Act::Own(number, Command::Gate(on)));
-                *self.used.entry("lasers switched by calls").or_default() += 1;
-            }
-            LightOf::Power(power) => {
-                range(DUTY.contains(&power))?;
-                self.light.calls.push(Act::Own(number, Command::Power(power)));
-            }
-            LightOf::Map(map) => {
-                range((0..4).contains(&map))?;
-                let both = map as u8 | after.map;
-                self.contest(both);
-                check(!self.path_runs(both) && !after.is_of_path(both))?;
-                self.light.channels[number].map = map as u8;
-            }
-            LightOf::GetGate | LightOf::GetPower => {
+        let setting = match of.what {
+            LightOf::Gate(on) => return self.switch(number, on, &after),
+            LightOf::EndFollow(_) => return DONE,
+            LightOf::GetGate | LightOf::GetPower | LightOf::GetOnTime | LightOf::GetFault => {
                 if self.path_runs(3) {
                     return Ok(Reply::Open);
                 }
                 return Ok(self.read(index, call, 0));
             }
-        }
+            LightOf::Mode { mode, max, min, delayed } => {
+                self.contest(3);
+                let kind = Mode::of(mode, self.site.family);
+                let bounds = mode_bounds(self.site.family, kind, [min, max]);
+                either(!self.path_runs(3), (0..4).contains(&mode) && bounds.is_ok())?;
+                if kind == Mode::Analog {
+                    // From here on it is the laser's, which leaves it at 0 V.
+                    self.analog.push((now as f64 / 1e6, number, 0));
+                }
+                Setting::Mode(kind, bounds?, delayed || self.site.family == Family::Gus)
+            }
+            LightOf::Map(map) => {
+                range((0..4).contains(&map))?;
+                let both = map as u8 | after.owner.map;
+                self.contest(both);
+                if self.light.channels[number].owner.is_of_path(both) != after.owner.is_of_path(both) {
+                    // That is known a tick later.
+                    self.open = Some("a map at the instant at which light of a path is withdrawn");
+                }
+                check(!self.path_runs(both) && !after.owner.is_of_path(both))?;
+                Setting::Map(map as u8)
+            }
+            what => self.setting_of(what, &after, of.channel)?,
+        };
+        self.light.calls.push(Act::Set(number, setting));
+        *self.used.entry(kind(&setting)).or_default() += 1;
         DONE
+    }
+
+    fn setting_of(&mut self, what: LightOf, after: &Channel, channel: i16) -> Result<Setting, i16> {
+        let family = self.site.family;
+        let us = |us: u32, least: f64| take(family, us.into(), [least, LONGEST]).map(|us| us / 1000.0);
+        Ok(match what {
+            LightOf::Connector(on) => {
+                // That of axis 8 cannot be given back.
+                range(on || channel == 0)?;
+                Setting::Connector(on)
+            }
+            LightOf::Carrier(khz) => {
+                take_frequency(family, khz)?;
+                Setting::Carrier
+            }
+            LightOf::Width(us) => {
+                let most = if family == Family::Gus { 65535.0 } else { 4000.0 };
+                take(family, us.into(), [1.0, most])?;
+                Setting::Width
+            }
+            LightOf::Power(power) => Setting::Power(take_power(after, power)?),
+            LightOf::Delays { off, on } => Setting::Delays([us(off, 0.0)?, us(on, 0.0)?]),
+            LightOf::Fpk([time1, time2, off]) => Setting::Fpk(Some([us(time1, 1.0)?, us(time2, 0.0)?, us(off, 0.0)?])),
+            LightOf::NoFpk => Setting::Fpk(None),
+            LightOf::Standby { on, khz, duty } => {
+                let khz = if on || khz != 0.0 { take_frequency(family, khz)? } else { 0.0 };
+                let duty = take(family, duty, [0.0, 100.0])?;
+                Setting::Standby(on.then_some([khz, duty]))
+            }
+            LightOf::PreVoltage { on, volts } => {
+                let volts = take(family, volts, [0.0, 10.0])?;
+                Setting::PreVoltage(on.then_some(volts))
+            }
+            LightOf::Distance(None) => Setting::Distance(None),
+            LightOf::Distance(Some((source, from, scale))) => {
+                range((0..2).contains(&source))?;
+                let scales = SCALES[usize::from(family == Family::Lsr)];
+                let mut taken = [0.0; 4];
+                for (taken, scale) in taken.iter_mut().zip(scale) {
+                    *taken = take(family, scale, scales)?;
+                }
+                let distance = Distance { encoder: source == 1, from, scale: taken, ratio: [0.0; 4], bounds: None };
+                Setting::Distance(Some(distance))
+            }
+            LightOf::Ratios(ratio, bounds) => {
+                let good = ratio.iter().all(|ratio| ratio.abs() <= RATIO);
+                let bounds = match family {
+                    Family::Gus => take_bounds(family, after.law.mode, bounds).map(Some),
+                    Family::Lsr => Ok(None),
+                };
+                either(after.law.distance.is_some(), good && bounds.is_ok())?;
+                Setting::Ratios(ratio, bounds?)
+            }
+            LightOf::ClearFault => Setting::ClearFault,
+            _ => Setting::ZeroOnTime,
+        })
+    }
+
+    fn switch(&mut self, number: usize, on: bool, after: &Channel) -> Answer {
+        if on && self.rested > 0 {
+            self.open = Some("light just after the end of an Abort");
+        }
+        check(!on || after.owner.output && after.owner.fault == 0 && self.aborted == 0)?;
+        self.light.calls.push(Act::Gate(number, on));
+        *self.used.entry("lasers switched by calls").or_default() += 1;
+        DONE
+    }
+
+    /// The values of an entry as they are taken.
+    pub(super) fn laser_entry(&self, of: &Channel, command: Command) -> Result<Command, i16> {
+        let family = self.site.family;
+        let bounds = |ratio: f64, [min, max]: [f64; 2]| {
+            range(ratio > 0.0 && ratio <= 4294967296.0 && min < max)?;
+            let full = [0.0, of.law.mode.most(family)];
+            take(family, min, full)?;
+            take(family, max, full)
+        };
+        Ok(match command {
+            Command::Power(power) => Command::Power(take_power(of, power)?),
+            Command::Source { encoder, start: Some(start) } => {
+                Command::Source { encoder, start: Some(take_power(of, start)?) }
+            }
+            Command::Ratio([ratio, min, max]) => {
+                bounds(ratio, [min, max])?;
+                command
+            }
+            Command::Follow(ratio, [min, max]) => {
+                bounds(ratio, [min.into(), max.into()])?;
+                command
+            }
+            _ => command,
+        })
     }
 
     /// A Stop names these coordinate systems of core 1, bit 0 is crd 1.
     pub(super) fn stop_light(&mut self, named: u8) {
-        if named == 0 {
-            return;
-        }
-        let runs = crds(named.into()).filter(|crd| self.path_runs(1 << crd)).fold(0, |mask, crd| mask | 1 << crd);
-        if runs != 0
-            && self.light.channels.iter().any(|channel| channel.map & !runs != 0 && channel.map & runs != 0)
-            && runs != named
-        {
-            self.open = Some("a Stop of one of two coordinate systems that gate a laser");
-        }
         let set =
             crds(named.into()).filter(|crd| self.crds.get(&(1, *crd as i16 + 1)).is_some_and(|of| of.set.is_some()));
         let known = set.fold(0, |mask, crd| mask | 1 << crd);
-        self.light.calls.push(Act::Stop(known));
+        if known != 0 {
+            self.light.calls.push(Act::Stop(known, 0));
+        }
+    }
+
+    /// Channels, from the tick before to this one.
+    pub(super) fn step_light(&mut self, before: i64, now: i64) {
+        self.rested = self.rested.saturating_sub(1);
+        self.light.step(before as f64 / 1e6, now as f64 / 1e6);
+        self.open = self.open.or(self.light.open);
+        let mut at = [[0.0; 4]; 2];
+        for (place, axis) in self.axes.iter().enumerate() {
+            let (core, number) = self.site.axes[place];
+            if core == 1 && (1..=4).contains(&number) {
+                at[0][number as usize - 1] = axis.name().to_f64();
+                at[1][number as usize - 1] = (axis.encoder[1] - axis.encoder_zero).to_f64();
+            }
+        }
+        self.light.around.at = at;
+    }
+}
+
+/// What a setting is counted as.
+fn kind(setting: &Setting) -> &'static str {
+    match setting {
+        Setting::Mode(Mode::Duty, ..) => "duty modes set",
+        Setting::Mode(..) => "other power modes set",
+        Setting::Delays(_) => "gate delays set",
+        Setting::Fpk(_) => "first-pulse killers set",
+        Setting::Standby(_) | Setting::PreVoltage(_) => "standby pulses and pre-voltages set",
+        Setting::Distance(_) | Setting::Ratios(..) => "distance follows set",
+        _ => "other settings of lasers",
     }
 }

@@ -3,7 +3,7 @@ use super::super::axis::Axis;
 use super::super::axis::Mode;
 use super::super::call::{Call, members};
 use super::super::crd::{CAPACITY, Crd, Entry, Move, Rest, Set, World};
-use super::super::light::{Act, Command};
+use super::super::light::{Act, Command, OTHER, UNDERRUN};
 use super::super::number::Fix;
 use super::super::path::{Cycle, Path, PathCall, Speeds};
 use super::answer::{Answer, DONE, check, either, range};
@@ -217,20 +217,19 @@ impl Controller {
             Path::Laser { crd, channel, command, fifo } => {
                 let set = self.crd(core, *crd).map(|_| ());
                 let known = (1..=CRDS).contains(crd) && (0..2).contains(fifo) && (0..2).contains(channel);
-                let power = !matches!(command, Command::Power(power) if !(0.0..=100.0).contains(power));
                 if !known || core != 1 {
                     return either(set.is_ok(), false).map(|()| Reply::Open);
                 }
                 let of = self.light.after_calls(*channel as usize);
-                let mapped = of.map >> (crd - 1) & 1 == 1;
-                let outputs = of.connector || *command != Command::Gate(true);
-                either(set.is_ok() && mapped && outputs, power)?;
-                return self.put((core, *crd), *fifo as usize, Entry::Laser(*channel as usize, *command));
+                let outputs = of.owner.output || *command != Command::Gate(true);
+                let taken = self.laser_entry(&of, *command);
+                either(set.is_ok() && of.owner.maps(*crd as usize - 1) && outputs, taken.is_ok())?;
+                return self.put((core, *crd), *fifo as usize, Entry::Laser(*channel as usize, taken?));
             }
             Path::Analog { crd, dac, value, fifo } => {
                 let set = self.crd(core, *crd).map(|_| ());
                 let known = (1..=CRDS).contains(crd) && (0..2).contains(fifo) && (1..=ANALOG).contains(dac);
-                either(set.is_ok(), known)?;
+                either(set.is_ok() && !self.is_of_laser(*dac), known)?;
                 return self.put((core, *crd), *fifo as usize, Entry::Analog(*dac as usize - 1, *value));
             }
             Path::Move { crd, axis, to, vel, acc, modal, fifo } => {
@@ -316,6 +315,7 @@ impl Controller {
         if of.runs && of.fifo == fifo && of.fifos[fifo].lasting() <= 1 {
             of.late = true;
         }
+        of.fed_here |= of.started_here;
         of.fifos[fifo].entries.push(entry);
         DONE
     }
@@ -452,9 +452,14 @@ impl Controller {
     pub(super) fn step_paths(&mut self, before: i64, now: i64) {
         let then = std::mem::take(&mut self.path_then);
         self.axes.iter_mut().for_each(|axis| axis.bent = false);
+        self.light.standstill();
+        for (crd, way, most) in self.leaving.drain(..) {
+            self.light.follows(crd, way / ms(now - before), most, false);
+        }
         let Controller { crds, axes, .. } = self;
         for (name, of) in crds {
-            of.started_here = false;
+            let starts = std::mem::take(&mut of.started_here);
+            of.fed_here = false;
             let ran = of.runs;
             let halts = then.iter().any(|(of, then)| of == name && *then == PathThen::Halt);
             let published = halts.then(|| of.clone());
@@ -491,18 +496,22 @@ impl Controller {
             of.rested = of.rested.filter(|_| !of.runs && ran);
             if std::mem::take(&mut of.hindered) {
                 if name.0 == 1 {
-                    self.light.between.push((of.now, Act::Fault(name.1 as usize - 1)));
+                    let crd = name.1 as usize - 1;
+                    if self.light.is_lit(crd) {
+                        // The controller knows it up to two ticks before, and is dark from then on.
+                        self.open = Some("a lit path that meets an axis that must not move");
+                    }
+                    self.light.between.push((of.now, Act::Fault(crd, OTHER)));
                 }
                 *self.used.entry("paths that met an axis that must not move").or_default() += 1;
             }
             if name.0 == 1 {
-                let bit = 1 << (name.1 - 1);
-                let others = self.light.running & !bit;
-                self.light.running = if of.runs { others | bit } else { others };
+                self.light.follows(name.1 as usize - 1, of.gone / ms(now - before), speed, of.runs && !starts);
             }
             if std::mem::take(&mut of.late) && (!of.runs || of.open || of.dry) {
                 self.open = Some("data in the tick in which a path ends");
             }
+            let rested = of.rested.take().map(|(at, braked)| (at, braked, of.rest));
             for (_, then) in then.iter().filter(|(of, _)| of == name) {
                 match *then {
                     PathThen::Rate(rate) => of.change_rate(rate),
@@ -529,17 +538,27 @@ impl Controller {
                     self.light.between.push((at, Act::Entry(crd, channel, command, brakes)));
                     *self.used.entry("entries of lasers reached").or_default() += 1;
                 }
-                if let Some((at, braked)) = of.rested.take() {
-                    let act = match of.rest {
+                if of.rested.take().is_some() {
+                    self.light.halted.push((crd, fifo));
+                }
+                if let Some((at, braked, rest)) = rested {
+                    let act = match rest {
                         Some(Rest::Stopped) => Act::Stopped(crd, fifo),
-                        Some(Rest::Underrun) => Act::Fault(crd),
-                        _ => Act::Done(crd, braked),
+                        Some(Rest::Underrun) => Act::Fault(crd, UNDERRUN),
+                        _ => Act::Done(crd, fifo, braked),
                     };
+                    if matches!(act, Act::Fault(..)) && self.light.lights_now() {
+                        // The controller knows of it a tick before.
+                        self.open = Some("light by a call in the tick in which a path runs dry at speed");
+                    }
                     self.light.between.push((at, act));
                 }
             }
             for (at, channel, value) in of.analog.drain(..) {
-                self.analog.push((at, channel, value));
+                // That of a laser in analog mode is the laser's alone.
+                if self.levels.driven >> channel & 1 == 0 {
+                    self.analog.push((at, channel, value));
+                }
                 *self.used.entry("analog outputs set by paths").or_default() += 1;
             }
             for (at, mask, value) in of.outputs.drain(..) {

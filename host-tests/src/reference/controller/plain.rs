@@ -1,7 +1,7 @@
 //! Calls of every axis: names, modes, settings, Trap and Jog, Stop.
 use super::super::axis::{Mode, Rates};
 use super::super::call::{Call, Kind, members};
-use super::super::light::Act;
+use super::super::light::{Act, SERVO_OFF};
 use super::super::number::Fix;
 use super::answer::{Answer, DONE, check, either, range};
 use super::{Controller, Reply, Then, Value};
@@ -15,16 +15,17 @@ impl Controller {
                 if axis.driven {
                     self.open = Some("AxisOff of an axis on a path");
                 }
-                let fault = axis.light_crd().filter(|_| axis.servo);
+                let fault = axis.light_crd().filter(|_| axis.servo).map(|crd| Act::Fault(crd, SERVO_OFF));
                 axis.servo = false;
                 axis.halt();
                 self.then[place] = None;
-                self.light.calls.extend(fault.map(Act::Fault));
+                self.light.calls.extend(fault);
             }
             Kind::ZeroPos => {
                 check(!axis.runs())?;
                 axis.zero = axis.x;
                 axis.encoder_zero = axis.encoder[1];
+                axis.is_lost = false;
                 axis.renamed = true;
             }
             Kind::ClrSts => {
@@ -141,36 +142,40 @@ impl Controller {
 
     pub(super) fn stop(&mut self, mask: u32, abrupt: u32) -> Answer {
         self.unsettle();
-        let named = members(mask).filter_map(|place| self.axes[place].light_crd()).fold(0, |mask, crd| mask | 1 << crd);
+        let of = |place: usize| self.axes[place].light_crd().or(self.axes[place].geared_crd());
+        let named = members(mask).filter_map(of).fold(0, |mask, crd| mask | 1 << crd);
         self.stop_light(named);
-        for place in members(mask) {
-            let axis = &mut self.axes[place];
-            axis.stopped = true;
-            if axis.driven {
-                if let Some(name) = axis.crd {
-                    self.stop_path(name, abrupt >> place & 1 == 1);
-                }
-                continue;
-            }
-            if !axis.runs() {
-                continue;
-            }
-            // What begins at this instant does not move.
-            if abrupt >> place & 1 == 1 || axis.began {
-                axis.halt();
-                self.then[place] = None;
-            } else {
-                let brakes = match self.then[place] {
-                    Some(then) => matches!(then, Then::Brake(_)),
-                    None => axis.braking.is_some(),
-                };
-                // A braking axis keeps the deceleration of its first Stop.
-                if !brakes {
-                    self.then[place] = Some(Then::Brake(axis.stop_dec));
-                }
-            }
-        }
+        members(mask).for_each(|place| self.stop_axis(place, abrupt >> place & 1 == 1));
         DONE
+    }
+
+    /// Stops an axis, or the path that it belongs to.
+    pub(super) fn stop_axis(&mut self, place: usize, abrupt: bool) {
+        let axis = &mut self.axes[place];
+        axis.stopped = true;
+        if axis.driven {
+            if let Some(name) = axis.crd {
+                self.stop_path(name, abrupt);
+            }
+            return;
+        }
+        if !axis.runs() {
+            return;
+        }
+        // What begins at this instant does not move.
+        if abrupt || axis.began {
+            axis.halt();
+            self.then[place] = None;
+            return;
+        }
+        let brakes = match self.then[place] {
+            Some(then) => matches!(then, Then::Brake(_)),
+            None => axis.braking.is_some(),
+        };
+        // A braking axis keeps the deceleration of its first Stop.
+        if !brakes {
+            self.then[place] = Some(Then::Brake(axis.stop_dec));
+        }
     }
 
     pub(super) fn update(&mut self, mask: u32, now: i64) -> Answer {

@@ -1,7 +1,8 @@
 //! Reads: what they answer at the end of the tick in which they act.
 use super::super::axis::{Master, Mode, Motion};
 use super::super::call::{Call, Kind};
-use super::super::effect::{Effect, LightCall, LightOf};
+use super::super::effect::Effect;
+use super::super::light::{LightCall, LightOf};
 use super::super::number::Fix;
 use super::super::slave::Begin;
 use super::{Controller, Program, Reply, Value};
@@ -10,6 +11,10 @@ impl Controller {
     pub(super) fn answer(&mut self, program: &mut Program, now: i64) {
         for (index, call, free) in std::mem::take(&mut self.reads) {
             if let Call::Path(of) = &call {
+                if !self.crds.contains_key(&(of.core, of.what.crd())) {
+                    // A Reset of its instant.
+                    continue;
+                }
                 let (value, open) = self.read_path(of, free, now);
                 program.replies[index] = if open { Reply::Open } else { Reply::Done(value) };
                 continue;
@@ -47,19 +52,30 @@ impl Controller {
                     Value::Whole(free.wrapping_add(ran) as i64)
                 }
                 Call::Light(LightCall { channel, what }) => {
-                    let of = &self.light.channels[channel as usize];
-                    match what {
-                        LightOf::GetGate => Value::Whole(of.is_on().into()),
-                        _ => Value::Velocity(Fix::of_f64(of.power())),
+                    let ms = now as f64 / 1e6;
+                    match (self.light.read(channel as usize, what, ms), what) {
+                        (None, _) => Value::None,
+                        (Some(power), LightOf::GetPower) => Value::Velocity(Fix::of_f64(power)),
+                        (Some(of), _) => Value::Whole(of as i64),
                     }
                 }
-                Call::Effect(Effect::GetDac { dac, .. }) => Value::Whole(self.levels.analog[dac as usize - 1].into()),
+                Call::Effect(Effect::GetDac { dac, .. }) => match self.levels.driven >> (dac - 1) & 1 {
+                    0 => Value::Whole(self.levels.analog[dac as usize - 1].into()),
+                    // What it reads is compared as the power.
+                    _ => Value::None,
+                },
                 Call::Effect(_) => Value::Whole(self.levels.general.cast_signed().into()),
                 _ => Value::Whole(free as i64),
             };
             let open = match call {
+                Call::Axis { axis, .. } if self.axes[axis].resets > 0 => true,
                 // An entry of a path may set one in the tick that follows.
-                Call::Light(_) => self.crds.values().any(|crd| crd.runs),
+                Call::Light(of) => {
+                    let runs = self.crds.values().any(|crd| crd.runs);
+                    let pends = of.what != LightOf::GetGate && self.light.is_busy(of.channel as usize);
+                    runs || pends || value == Value::None
+                }
+                Call::Effect(Effect::GetDac { .. }) => value == Value::None,
                 Call::Effect(Effect::GetDo { .. }) => self.crds.values().any(|crd| crd.runs),
                 Call::Axis { kind, axis } => {
                     let axis_of = &self.axes[axis];
@@ -74,7 +90,8 @@ impl Controller {
                         _ => false,
                     };
                     match kind {
-                        Kind::GetPrfPos | Kind::GetPrfMode | Kind::GetEncPos | Kind::GetEncVel => false,
+                        Kind::GetPrfPos | Kind::GetPrfMode => false,
+                        Kind::GetEncPos | Kind::GetEncVel => axis_of.is_lost,
                         Kind::GetPrfAcc => axis_of.acceleration(Fix::ms(now)).is_none() || axis_of.open.is_some(),
                         Kind::PvtStatus => !axis_of.is_in_table() || axis_of.open.is_some(),
                         Kind::GetPrfVel => {

@@ -17,7 +17,21 @@ pub struct Made {
 }
 
 impl Making<'_> {
-    fn path(&mut self, core: i16, what: Path) {
+    pub(super) fn path_name(&self, index: usize) -> (i16, i16) {
+        (self.crds[index].core, self.crds[index].crd)
+    }
+
+    pub(super) fn forget_paths(&mut self, core: i16) {
+        self.crds.retain(|made| made.core != core);
+    }
+
+    pub(super) fn start_path(&mut self, index: usize, fifo: usize) {
+        let (core, crd) = self.path_name(index);
+        let (mask, option) = (1 << (crd - 1), (fifo as i16) << (crd - 1));
+        self.path(core, Path::Start { mask, option });
+    }
+
+    pub(super) fn path(&mut self, core: i16, what: Path) {
         self.calls.push(Call::Path(PathCall { core, what }));
     }
 
@@ -28,7 +42,7 @@ impl Making<'_> {
     }
 
     /// Another set-up, of axes at rest.
-    fn set_up_path(&mut self, axis: usize) -> usize {
+    pub(super) fn set_up_path(&mut self, axis: usize) -> usize {
         let core = self.site.axes[axis].0;
         let own: Vec<usize> = (0..self.site.axes.len()).filter(|axis| self.site.axes[*axis].0 == core).collect();
         let count = (2 + self.below(3) as usize).min(own.len());
@@ -69,7 +83,7 @@ impl Making<'_> {
         self.crds.len() - 1
     }
 
-    fn one_motion(&mut self, index: usize, fifo: usize) {
+    pub(super) fn one_motion(&mut self, index: usize, fifo: usize) {
         let made = self.crds[index].clone();
         let (core, crd) = (made.core, made.crd);
         let speeds = self.speeds(&made);
@@ -105,7 +119,7 @@ impl Making<'_> {
         self.crds[index].ends[fifo] = to;
     }
 
-    fn fill_path(&mut self, index: usize, fifo: usize) {
+    pub(super) fn fill_path(&mut self, index: usize, fifo: usize) {
         let (core, crd) = (self.crds[index].core, self.crds[index].crd);
         for _ in 0..1 + self.below(7) {
             match self.below(9) {
@@ -199,15 +213,14 @@ impl Making<'_> {
         if self.one_in(10) {
             self.plain(Kind::ZeroPos, axis);
         }
-        let (mask, option) = (1 << (crd - 1), (fifo as i16) << (crd - 1));
-        self.path(core, Path::Start { mask, option });
+        self.start_path(index, fifo);
         for _ in 0..self.below(4) {
             self.sleep(15);
             self.during_path(index, fifo);
         }
     }
 
-    fn during_path(&mut self, index: usize, fifo: usize) {
+    pub(super) fn during_path(&mut self, index: usize, fifo: usize) {
         if self.one_in(6) && self.site.profile == "gus" {
             let channel = self.below(2) as i16;
             return self.light(channel);

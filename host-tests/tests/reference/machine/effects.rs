@@ -1,7 +1,7 @@
 //! FollowEx, outputs and inputs, as calls travel.
 use super::wire;
 use client::Call as Wire;
-use host_tests::reference::{Call, Effect, Item, LightCall, LightOf, Site};
+use host_tests::reference::{Call, Effect, Item, Site};
 use protocol::command::*;
 
 /// The request of FollowEx with the layout of one of Follow.
@@ -71,23 +71,5 @@ pub fn effect(effect: &Effect) -> Wire {
             let level = i16::from(level).into();
             Wire::of(SimInput { core: core.into(), di_type: 4.into(), index: index.into(), level })
         }
-    }
-}
-
-pub fn light(of: &LightCall) -> Wire {
-    let (core, channel) = (1.into(), of.channel.into());
-    match of.what {
-        LightOf::Connector => Wire::of(SetAxisMode { core, axis: of.axis().into(), mode: 1.into() }),
-        LightOf::Bounds { max, min } => {
-            let (mode, delay_mode) = (0.into(), 0.into());
-            Wire::of(LaserPowerMode { core, mode, max: max.into(), min: min.into(), channel, delay_mode })
-        }
-        LightOf::Carrier(khz) => Wire::of(LaserOutFrq { core, frequency: khz.into(), channel }),
-        LightOf::Gate(true) => Wire::of(LaserOn { core, channel }),
-        LightOf::Gate(false) => Wire::of(LaserOff { core, channel }),
-        LightOf::Power(power) => Wire::of(LaserPrfCmd { core, power: power.into(), channel }),
-        LightOf::Map(map) => Wire::of(SetLaserCrdMap { core, channel, map: map.into() }),
-        LightOf::GetGate => Wire::of(GetHSIOOpt { core, channel }),
-        LightOf::GetPower => Wire::of(GetLaserPower { core, channel }),
     }
 }

@@ -2,7 +2,7 @@
 use super::Got;
 use client::{Answer, Call as Wire};
 use host_tests::path_model::Plane;
-use host_tests::reference::{Command, Cycle, Path, PathCall, Site};
+use host_tests::reference::{Cycle, Path, PathCall, Site};
 use protocol::command::*;
 
 pub fn wire(site: &Site, of: &PathCall) -> Wire {
@@ -80,14 +80,7 @@ pub fn wire(site: &Site, of: &PathCall) -> Wire {
         &Path::Analog { crd, dac, value, fifo } => {
             Wire::of(BufDA { core, crd: crd.into(), channel: dac.into(), value: value.into(), fifo: fifo.into() })
         }
-        &Path::Laser { crd, channel, command, fifo } => {
-            let (crd, channel, fifo) = (crd.into(), channel.into(), fifo.into());
-            match command {
-                Command::Gate(true) => Wire::of(BufLaserOn { core, crd, fifo, channel }),
-                Command::Gate(false) => Wire::of(BufLaserOff { core, crd, fifo, channel }),
-                Command::Power(power) => Wire::of(BufLaserPrfCmd { core, crd, power: power.into(), fifo, channel }),
-            }
-        }
+        Path::Laser { crd, channel, command, fifo } => super::light::entry(of.core, *crd, *fifo, *channel, command),
         &Path::Move { crd, axis, to, vel, acc, modal, fifo } => Wire::of(BufMove {
             core,
             crd: crd.into(),

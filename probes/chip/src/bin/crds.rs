@@ -23,11 +23,11 @@ use hal as _; // the vector table
 use probes::clock;
 use probes::counted::Counted;
 use ring::{Consumer, Latest, Producer, Reader, Ring};
-use servo::path::axis_map::Frame;
 use servo::laser::{
     self, Bounds, Buffered, Carrier, Change, Clock, Curve, Distance, POINTS, Power, Ratio, Ratios, Source, Tables,
 };
 use servo::op::{Entry, Mode, Op};
+use servo::path::axis_map::Frame;
 use servo::path::{self, Along, EntryStore, PathStores, Plane, Sweep};
 use servo::segment::pvt::{HeaderStore, PointStore, TABLES};
 use servo::tables::TableStores;

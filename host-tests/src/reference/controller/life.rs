@@ -1,0 +1,90 @@
+//! Abort and Reset within a program: SPEC 9, and what each leaves (docs/safety.md).
+use super::super::axis::Axis;
+use super::super::call::members;
+use super::super::light::Act;
+use super::Controller;
+use super::answer::{Answer, DONE, range};
+
+/// Ticks in which a Reset may put axes to power-on state: as many as it needs (SPEC 7).
+pub(super) const RESET_TICKS: u8 = 4;
+
+impl Controller {
+    fn is_core(&self, core: i16) -> Result<(), i16> {
+        range(self.cores.contains(&core))
+    }
+
+    /// Acts on the whole controller: dark at once, and all motion brakes.
+    pub(super) fn abort(&mut self, core: i16) -> Answer {
+        self.is_core(core)?;
+        self.unsettle();
+        self.light.calls.push(Act::Abort);
+        for place in 0..self.axes.len() {
+            self.stop_axis(place, false);
+        }
+        let running = self.crds.iter().filter(|(_, crd)| crd.runs).map(|(name, _)| *name).collect::<Vec<_>>();
+        running.iter().for_each(|name| self.stop_path(*name, false));
+        let runs = |axis: &usize| self.axes[*axis].runs();
+        self.aborted = (0..self.axes.len()).filter(runs).fold(0, |mask, axis| mask | 1 << axis);
+        if self.aborted == 0 {
+            self.light.calls.push(Act::AbortOver);
+        }
+        *self.used.entry("aborts").or_default() += 1;
+        if self.aborted != 0 {
+            *self.used.entry("aborts of motion").or_default() += 1;
+        }
+        DONE
+    }
+
+    /// What ran at an Abort and has come to rest no longer counts.
+    pub(super) fn finish_abort(&mut self) {
+        if self.aborted == 0 {
+            return;
+        }
+        for (place, axis) in self.axes.iter().enumerate() {
+            if !axis.runs() {
+                self.aborted &= !(1 << place);
+            }
+        }
+        if self.aborted == 0 {
+            self.light.abort_over();
+            self.rested = 2;
+        }
+    }
+
+    /// Axes, tables and coordinate systems of the core, and the lasers, are as at power-on. Positions of the machine and
+    /// outputs stay; where an axis is, is its new name 0.
+    pub(super) fn reset(&mut self, core: i16, now: i64) -> Answer {
+        self.is_core(core)?;
+        for place in (0..self.axes.len()).filter(|place| self.cores[*place] == core) {
+            let axis = &mut self.axes[place];
+            if axis.runs() {
+                *self.used.entry("resets of motion").or_default() += 1;
+            }
+            let (runs, x, encoder) = (axis.runs(), axis.x, axis.encoder);
+            let slack = axis.slack + axis.late;
+            **axis = Axis::new(0);
+            (axis.x, axis.zero, axis.track) = (x, x, vec![x; 2]);
+            (axis.encoder, axis.encoder_zero) = (encoder, encoder[1]);
+            (axis.slack, axis.renamed, axis.halted) = (slack, true, runs);
+            (axis.resets, axis.is_lost) = (RESET_TICKS, runs || encoder[0] != encoder[1]);
+            self.then[place] = None;
+        }
+        self.tables.retain(|(of, _), _| *of != core);
+        for (name, crd) in self.crds.iter().filter(|(name, crd)| name.0 == core && crd.runs) {
+            let way = crd.way_to(now as f64 / 1e6);
+            if way.is_none() {
+                self.open = Some("a Reset in a tick in which a path ends or acts on others");
+                self.early.extend(members(crd.fifos[crd.fifo].moves()));
+            }
+            if core == 1 {
+                let most = crd.set.as_ref().map_or(0.0, |set| set.frame.speed);
+                self.leaving.push((name.1 as usize - 1, way.unwrap_or(0.0), most));
+            }
+        }
+        self.crds.retain(|(of, _), _| *of != core);
+        self.path_then.retain(|((of, _), _)| *of != core);
+        self.light.calls.push(Act::Reset);
+        *self.used.entry("resets").or_default() += 1;
+        DONE
+    }
+}
