@@ -13,6 +13,8 @@ pub(crate) mod crd;
 pub(crate) mod execute;
 pub(crate) mod script_clock;
 pub(crate) mod slaves;
+mod source;
+mod trace_rows;
 pub(crate) mod workload;
 
 use crate::axis::{AxisState, FastStep};
@@ -23,20 +25,18 @@ use crate::op::{Entry, Lane, Op, Supervision};
 use crate::output::general_outputs::{Edges, Levels, Set};
 use crate::path::PathStores;
 use crate::port::{AxisInputs, Port};
-use crate::segment::follow;
-use crate::segment::follow::{Entries, Order};
+use crate::segment::follow::Order;
 pub use crate::segment::pt::{SEGMENTS, SegmentStore};
-use crate::segment::pt::{Segment, Segments};
-use crate::segment::pvt::{HEADER_WORDS, POINT_WORDS, Tables};
 use crate::tables::TableStores;
 use crate::trace::{Chosen, Trace};
-use crate::units::{Axis, AxisMask, Crd, CrdMask, Ns, StepLimit};
-use crate::view::{AxisView, Event, LaserView, Sample, Speeds, StopReason, Traced, View};
+use crate::units::{Axis, AxisMask, CrdMask, Ns, StepLimit};
+use crate::view::{AxisView, Event, Sample, StopReason, View};
 use crd::Crds;
 use execute::Reach;
 use ring::{Consumer, Producer, Writer};
 use script_clock::Script;
 use slaves::Switched;
+pub(crate) use source::Source;
 use workload::Budget;
 
 /// Events between two runs of the thread.
@@ -77,45 +77,6 @@ pub struct Lanes<'a, const AXES: usize> {
     pub tables: TableStores<'a>,
     /// FIFOs of coordinate systems.
     pub paths: PathStores<'a>,
-}
-
-/// What an axis's motion is read from: its own segments, and all tables.
-pub(crate) struct Source<'a> {
-    pub(crate) segments: &'a SegmentStore,
-    pub(crate) tables: TableStores<'a>,
-}
-
-impl Segments for Source<'_> {
-    #[inline]
-    fn segment(&self, slot: u32) -> Segment {
-        self.segments.segment(slot)
-    }
-}
-
-impl Tables for Source<'_> {
-    #[inline]
-    fn point(&self, table: u8, index: u32) -> [u32; POINT_WORDS] {
-        self.tables.point(table, index)
-    }
-    #[inline]
-    fn header(&self, table: u8) -> [u32; HEADER_WORDS] {
-        self.tables.header(table)
-    }
-    #[inline]
-    fn version(&self, table: u8) -> u32 {
-        self.tables.version(table)
-    }
-    #[inline]
-    fn is_empty(&self, table: u8) -> bool {
-        self.tables.is_empty(table)
-    }
-}
-
-impl Entries for Source<'_> {
-    #[inline]
-    fn entry(&self, fifo: u8, index: u32) -> follow::Entry {
-        self.segments.entry(fifo, index)
-    }
 }
 
 /// The steps of axes that are off the fast path.
@@ -433,46 +394,6 @@ impl<const AXES: usize> Tick<AXES> {
         }
     }
 
-    /// One row of the trace, of axes, coordinate systems and lasers in the present state.
-    #[inline(never)]
-    pub(crate) fn emit(&mut self, row: u32, chosen: Chosen, samples: &mut Producer<'_, Sample, SAMPLES>) {
-        if row == 0 {
-            self.trace.record_outputs_carried(self.general, samples);
-        }
-        let mut speeds = Speeds::<AXES>::NONE;
-        for (index, state) in self.axes.iter().enumerate().take(self.used) {
-            let Some(axis) = Axis::new(index) else { break };
-            if chosen.axes.has(axis) {
-                let published = &state.published;
-                let motion = if published.lead.is_some() || published.drive.is_some() {
-                    let axes = |axis: Axis| Some(&self.axes.get(axis.index())?.published);
-                    let crd = |crd: Crd| Some(&self.crds.get(crd)?.published);
-                    speeds.motion(Some(axis), published, axes, crd, self.period)
-                } else {
-                    published.motion
-                };
-                let of = Traced::Axis { axis, pos: published.pos, motion };
-                self.trace.put(Sample { row, of }, samples);
-            }
-        }
-        for (crd, state) in Crd::all().zip(&self.crds.states) {
-            if chosen.crds.has(crd) {
-                self.trace.put(Sample { row, of: Traced::Crd { crd, motion: state.published.motion } }, samples);
-            }
-        }
-        for (channel, published) in (0..).zip(self.lasers.published()) {
-            if chosen.lasers >> channel & 1 == 1 {
-                if row == 0 && chosen.edges {
-                    let actions = self.lasers.carried(channel);
-                    self.trace.record_carried(channel, actions, samples);
-                }
-                let LaserView { mode, switch: gate, power, khz, .. } = *published;
-                let of = Traced::Laser { channel, mode, gate, power, khz };
-                self.trace.put(Sample { row, of }, samples);
-            }
-        }
-    }
-
     /// The part of the view that belongs to no axis.
     #[inline]
     fn publish(&self, port: &mut impl Port, view: &mut View<AXES>) {
@@ -597,18 +518,6 @@ impl<const AXES: usize> Tick<AXES> {
         if on | off != 0 {
             self.switch_servos(Switched { on, off }, next, lanes);
         }
-    }
-
-    /// An analog output is set from the tick computed on.
-    pub(crate) fn record_analog(
-        &mut self,
-        channel: u8,
-        value: i16,
-        tables: &crate::laser::Tables,
-        samples: &mut Producer<'_, Sample, SAMPLES>,
-    ) {
-        tables.set_analog(channel, value);
-        self.trace.record_analog(0, channel, value, samples);
     }
 
     /// Since when all of these have been at rest; none while one runs.

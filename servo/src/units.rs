@@ -171,6 +171,17 @@ pub enum DoGroup {
     General,
 }
 
+impl DoGroup {
+    /// Its number in entries of a FIFO; any other number is that of the last.
+    pub(crate) const fn of(number: u32) -> DoGroup {
+        match number {
+            0 => DoGroup::Enable,
+            1 => DoGroup::Clear,
+            _ => DoGroup::General,
+        }
+    }
+}
+
 /// The pulse of the step output for this planned position: the nearest one, halves upwards.
 pub const fn whole(pos: Pos) -> i64 {
     const HALF: i64 = 1 << (Pos::FRAC_BITS - 1);

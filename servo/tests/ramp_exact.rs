@@ -6,14 +6,14 @@ use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive, Zero};
 use servo::segment::piece::Scaled;
-use servo::segment::profile::{State, Step};
+use servo::segment::profile::State;
 use servo::segment::ramp::{Accel, Moving, RampRun, Refused, Speed, Trapezoid};
 use servo::units::{Exact, Ns, StepLimit};
 
 mod chance;
 mod drive;
 use chance::Chance;
-use drive::Ramp;
+use drive::{Ramp, Step};
 
 const MS: u64 = 1_000_000;
 const BITS: usize = 256;

@@ -122,7 +122,7 @@ impl Distance {
         channel: u8,
         position: impl Fn(Axis, Source) -> Pos,
         tables: &Tables,
-        stretches: &mut [Interval; DISTANCES],
+        intervals: &mut [Interval; DISTANCES],
     ) -> i64 {
         let positions = self.axes.map(|axis| position(axis, self.source).0);
         let along = |bank: u8, index: u8, x: i64, interval: &mut Interval| {
@@ -132,13 +132,13 @@ impl Distance {
         match self.ratios {
             Ratios::Fixed => {}
             Ratios::Lines { bank } => {
-                for ((to, index), (x, interval)) in ratios.iter_mut().zip(0..).zip(positions.iter().zip(stretches)) {
+                for ((to, index), (x, interval)) in ratios.iter_mut().zip(0..).zip(positions.iter().zip(intervals)) {
                     *to = along(bank, index, *x, interval);
                 }
             }
             Ratios::Plane { bank, axes } => {
                 let mut lines = [0i64; 2];
-                for ((to, axis), (index, interval)) in lines.iter_mut().zip(axes).zip((0..).zip(stretches)) {
+                for ((to, axis), (index, interval)) in lines.iter_mut().zip(axes).zip((0..).zip(intervals)) {
                     *to = along(bank, index, positions.get(axis as usize).copied().unwrap_or(0), interval);
                 }
                 let [u, v] = lines;

@@ -94,7 +94,7 @@ pub(super) struct Law {
     follow: Option<Follow>,
     distance: Option<Distance>,
     interval: Interval,
-    stretches: [Interval; DISTANCES],
+    intervals: [Interval; DISTANCES],
 }
 
 impl Law {
@@ -114,7 +114,7 @@ impl Law {
             follow: None,
             distance: None,
             interval: Interval::NONE,
-            stretches: [Interval::NONE; DISTANCES],
+            intervals: [Interval::NONE; DISTANCES],
         }
     }
 
@@ -170,7 +170,7 @@ impl Law {
     /// A distance follow begins, changes or ends.
     pub(super) fn set_distance(&mut self, distance: Option<Distance>) {
         self.distance = distance;
-        self.stretches = [Interval::NONE; DISTANCES];
+        self.intervals = [Interval::NONE; DISTANCES];
         self.terms = distance.map_or(Terms::NONE, |distance| distance.terms());
         self.renew();
     }
@@ -305,7 +305,7 @@ impl Law {
             Added::Tables => match &self.distance {
                 Some(distance) => {
                     let position = |axis, source| around.position(axis, source);
-                    distance.tabled(self.channel, position, around.tables, &mut self.stretches)
+                    distance.tabled(self.channel, position, around.tables, &mut self.intervals)
                 }
                 None => 0,
             },

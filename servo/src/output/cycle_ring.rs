@@ -57,10 +57,10 @@ impl<const SLOTS: usize, const WORDS: usize> CycleRing<SLOTS, WORDS> {
 
     /// Before a start: makes some more slots dark; true once all are.
     pub fn clear(&mut self) -> bool {
-        let behind = self.lit.wrapping_add(AT_ONCE).min(SLOTS);
-        Self::darken(self.slots.get(self.lit..behind), self.dark);
-        self.lit = behind;
-        behind == SLOTS
+        let end = self.lit.wrapping_add(AT_ONCE).min(SLOTS);
+        Self::darken(self.slots.get(self.lit..end), self.dark);
+        self.lit = end;
+        end == SLOTS
     }
 
     /// A start, with two dark cycles of a length of `first` before the queue.
@@ -144,8 +144,8 @@ impl<const SLOTS: usize, const WORDS: usize> CycleRing<SLOTS, WORDS> {
         // from scarce memory.
         loop {
             Self::darken(slots, self.dark);
-            let Some(behind) = first.take() else { break };
-            slots = self.slots.get(..behind);
+            let Some(before) = first.take() else { break };
+            slots = self.slots.get(..before);
         }
         (self.lit, self.queued) = (over, self.slot());
         let begin = over.wrapping_mul(WORDS);
@@ -183,7 +183,7 @@ mod tests {
             }
             let before = over.saturating_sub((tick + 3) % 4);
             for slot in queued..before + 8 {
-                assert_eq!(words(slot), [0; 3], "tick {tick}, {} places behind", slot - queued);
+                assert_eq!(words(slot), [0; 3], "tick {tick}, {} slots after it", slot - queued);
             }
         }
         // DMA beyond the queue.

@@ -460,14 +460,7 @@ impl Entry {
             }
             kind::DELAY => Item::Delay { ms: a as u16 },
             kind::GEAR => Item::Gear { axis: axis(a), pulses: b as i32 },
-            kind::OUTPUT => {
-                let group = match a {
-                    0 => DoGroup::Enable,
-                    1 => DoGroup::Clear,
-                    _ => DoGroup::General,
-                };
-                Item::Change(Change::Output { group, mask: wide(b, c), value: wide(d, e) })
-            }
+            kind::OUTPUT => Item::Change(Change::Output { group: DoGroup::of(a), mask: wide(b, c), value: wide(d, e) }),
             kind::ANALOG => Item::Change(Change::Analog { channel: a as u8, value: b as i16 }),
             kind::MOVE => match (Speed::admit(wide(b, c), StepLimit::FULL_SCALE), Accel::admit(wide(d, e))) {
                 (Ok(speed), Ok(acc)) => {

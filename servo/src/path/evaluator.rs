@@ -512,23 +512,6 @@ impl Path {
         report: &mut PathReport<'_>,
         may_prepare: bool,
     ) -> StepReport {
-        let reported = self.go(next, period, feed, source, sink, report, may_prepare);
-        self.decide_fast_path();
-        reported
-    }
-
-    #[inline(always)]
-    #[allow(clippy::too_many_arguments, reason = "a step, and where it goes to")]
-    fn go(
-        &mut self,
-        next: Ns,
-        period: Ns,
-        feed: Feed,
-        source: &impl Entries,
-        sink: &mut impl Effects,
-        report: &mut PathReport<'_>,
-        may_prepare: bool,
-    ) -> StepReport {
         let now = (next.0 as Fine) << 32;
         let until = now.wrapping_add((period.0 as Fine) << 32);
         let mut budget = Budget::new(until);
@@ -550,6 +533,7 @@ impl Path {
             if !self.admits(report.position, distance, sink) {
                 self.hold(now, (before.into(), distance.into()), sink, feed);
                 self.look(next, report);
+                self.decide_fast_path();
                 return StepReport { runs: false, fifo, done, released };
             }
             self.carry(distance, sink);
@@ -560,6 +544,7 @@ impl Path {
         } else if has_time {
             self.prepare(feed, source);
         }
+        self.decide_fast_path();
         StepReport { runs, fifo, done, released }
     }
 

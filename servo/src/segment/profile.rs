@@ -4,7 +4,7 @@
 //! [`Generator`] that makes them. The generator only makes the next piece when one is over; it does
 //! nothing while a piece lasts. Fails: never; a motion ends with a [`State`].
 use super::follow::Follower;
-use super::piece::{Motion, Piece};
+use super::piece::Piece;
 use super::pt::{Feed, PtRun, Segments};
 use super::pvt::{PvtRun, Tables};
 use super::ramp::RampRun;
@@ -25,17 +25,6 @@ pub enum State {
         /// Where exactly.
         at: Exact,
     },
-}
-
-/// The motion at one instant.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Step {
-    /// Planned position.
-    pub pos: Pos,
-    /// The motion in its piece; at rest after the end.
-    pub motion: Motion,
-    /// Whether it goes on.
-    pub state: State,
 }
 
 /// What makes the pieces of a motion. There is no heap to box the larger kind on.
@@ -437,19 +426,5 @@ impl Profile {
             self.other = Other::BeforeLast;
         }
         true
-    }
-
-    /// The motion at `now`, which must not decrease between calls. `feed` and `source` are for PT
-    /// and PVT.
-    pub fn step(&mut self, now: Ns, feed: Feed, source: &(impl Segments + Tables)) -> Step {
-        if self.piece().elapsed(now) >= self.piece().span
-            && !self.accept(now)
-            && let state @ (State::Ended { at } | State::Underrun { at }) = self.turn(now, feed, source)
-        {
-            return Step { pos: at.round(), motion: Motion::STANDSTILL, state };
-        }
-        let piece = self.piece();
-        let (pos, motion) = piece.sample(piece.held(now));
-        Step { pos, motion, state: State::Running }
     }
 }

@@ -16,13 +16,13 @@ use crate::view::{Event, View};
 /// The state of an axis: one before or after the slave, or the slave itself.
 struct Others<'a> {
     before: &'a [AxisState],
-    behind: &'a [AxisState],
+    after: &'a [AxisState],
 }
 
 impl Others<'_> {
     fn at(&self, index: usize) -> Option<&AxisState> {
         let count = self.before.len();
-        if index < count { self.before.get(index) } else { self.behind.get(index.wrapping_sub(count).wrapping_sub(1)) }
+        if index < count { self.before.get(index) } else { self.after.get(index.wrapping_sub(count).wrapping_sub(1)) }
     }
 }
 
@@ -110,10 +110,10 @@ impl<const AXES: usize> Tick<AXES> {
         let led = self.order.leaders.has(axis);
         let general = port.general_inputs();
         let Some((before, rest)) = self.axes.split_at_mut_checked(index) else { return false };
-        let (Some((state, behind)), Some(store)) = (rest.split_first_mut(), lanes.segments.get(index)) else {
+        let (Some((state, after)), Some(store)) = (rest.split_first_mut(), lanes.segments.get(index)) else {
             return false;
         };
-        let others = Others { before, behind };
+        let others = Others { before, after };
         let mut actions = OutputActions::default();
         let raw = state.raw;
         let master_sample =

@@ -1,12 +1,37 @@
 //! One motion on its own: a [`Profile`] as an axis has it, stepped by a test through chosen
 //! instants.
 #![allow(dead_code, reason = "every test drives one kind of motion")]
-use servo::segment::piece::Piece;
-use servo::segment::profile::{Generator, Profile, Step};
+use servo::segment::piece::{Motion, Piece};
+use servo::segment::profile::{Generator, Profile, State};
 use servo::segment::pt::{Feed, PtRun, Segment, SegmentStore, Segments, SlotRange};
 use servo::segment::pvt::{HEADER_WORDS, POINT_WORDS, PvtRun, Tables};
 use servo::segment::ramp::RampRun;
-use servo::units::{Exact, Ns};
+use servo::units::{Exact, Ns, Pos};
+
+/// The motion at one instant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Step {
+    /// Planned position.
+    pub pos: Pos,
+    /// The motion in its piece; at rest after the end.
+    pub motion: Motion,
+    /// Whether it goes on.
+    pub state: State,
+}
+
+/// The motion at `now`, which must not decrease between calls. `feed` and `source` are for PT and
+/// PVT.
+pub fn step(profile: &mut Profile, now: Ns, feed: Feed, source: &(impl Segments + Tables)) -> Step {
+    if profile.piece().elapsed(now) >= profile.piece().span
+        && !profile.accept(now)
+        && let state @ (State::Ended { at } | State::Underrun { at }) = profile.turn(now, feed, source)
+    {
+        return Step { pos: at.round(), motion: Motion::STANDSTILL, state };
+    }
+    let piece = profile.piece();
+    let (pos, motion) = piece.sample(piece.held(now));
+    Step { pos, motion, state: State::Running }
+}
 
 /// Segments without tables.
 struct NoTables<'a, S>(&'a S);
@@ -65,7 +90,7 @@ impl Pt {
         run
     }
     pub fn step(&mut self, now: Ns, feed: Feed, source: &impl Segments) -> Step {
-        self.0.step(now, feed, &NoTables(source))
+        step(&mut self.0, now, feed, &NoTables(source))
     }
     pub fn prepare(&mut self, feed: Feed, source: &impl Segments) -> bool {
         self.0.is_open() && self.0.prepare(feed, &NoTables(source)) && self.0.is_ahead()
@@ -93,7 +118,7 @@ impl Pvt {
         run
     }
     pub fn step(&mut self, now: Ns, passes: u32, source: &impl Tables) -> Step {
-        self.0.step(now, passes_only(passes), &NoSegments(source))
+        step(&mut self.0, now, passes_only(passes), &NoSegments(source))
     }
     pub fn prepare(&mut self, passes: u32, source: &impl Tables) -> bool {
         self.0.is_open() && self.0.prepare(passes_only(passes), &NoSegments(source)) && self.0.is_ahead()
@@ -127,7 +152,7 @@ impl Ramp {
         Ramp(Profile::of(Generator::Ramp(run), now))
     }
     pub fn step(&mut self, now: Ns) -> Step {
-        self.0.step(now, passes_only(1), &NoSegments(&Nothing))
+        step(&mut self.0, now, passes_only(1), &NoSegments(&Nothing))
     }
     pub fn prepare(&mut self) -> bool {
         self.0.is_open() && self.0.prepare(passes_only(1), &NoSegments(&Nothing)) && self.0.is_ahead()

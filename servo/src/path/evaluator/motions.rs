@@ -143,10 +143,10 @@ impl Path {
             }
             State::Shaped => {
                 let Prepared { counter, along, shape, .. } = self.motions.next();
-                let behind = self.behind(fifo, counter.wrapping_add(1), feed, source);
-                let (means, left) = (self.means(*along, behind), shape.length().sub(Real::from_exact(distance)));
+                let after = self.what_follows(fifo, counter.wrapping_add(1), feed, source);
+                let (means, left) = (self.means(*along, after), shape.length().sub(Real::from_exact(distance)));
                 self.planning.sketch.begin(speed, left, means);
-                let open = (behind == After::Nothing).then_some(end_of(feed, fifo));
+                let open = (after == After::Nothing).then_some(end_of(feed, fifo));
                 let ahead = self.motions.next_mut();
                 (ahead.open, ahead.state) = (open, State::Sketched);
                 self.plan_ahead();
@@ -250,10 +250,10 @@ impl Path {
 
     /// The limits for the plan of a motion.
     #[inline]
-    fn means(&self, along: Along, behind: After) -> Means {
+    fn means(&self, along: Along, after: After) -> Means {
         let Rules { even, stop, rate } = self.rules;
         let vel = along.vel().mul(rate);
-        let end = match behind {
+        let end = match after {
             After::Motion => along.end(),
             After::Halt | After::Nothing => Real::ZERO,
         };
@@ -263,18 +263,18 @@ impl Path {
 
     /// Plans the remainder of the motion in force from `time`, `distance` and `speed`.
     pub(super) fn plan_rest(&mut self, feed: Feed, source: &impl Entries) {
-        let behind = self.behind(self.fifo, self.cursor_of(self.fifo).next, feed, source);
+        let after = self.what_follows(self.fifo, self.cursor_of(self.fifo).next, feed, source);
         let Prepared { along, shape, .. } = self.motions.now();
         let left = shape.length().sub(Real::from_exact(self.stand.distance));
         // A plan in progress of the motion after it is dropped: that motion will be entered
         // otherwise.
-        let means = self.means(*along, behind);
+        let means = self.means(*along, after);
         self.planning.sketch.begin(self.speed, left, means);
         // The phases after its first one are made in the tick that comes next, if that one lasts so
         // long.
         self.planning.unfinished = !self.motions.now_mut().plan.begin(&mut self.planning.sketch);
         self.pieces.follows = None;
-        self.follow((behind == After::Nothing).then_some(end_of(feed, self.fifo)));
+        self.follow((after == After::Nothing).then_some(end_of(feed, self.fifo)));
     }
 
     /// Makes the remainder of the plan of the motion in force.
@@ -295,7 +295,7 @@ impl Path {
     }
 
     /// What follows a motion, from this entry on.
-    fn behind(&self, fifo: u8, mut counter: u32, feed: Feed, source: &impl Entries) -> After {
+    fn what_follows(&self, fifo: u8, mut counter: u32, feed: Feed, source: &impl Entries) -> After {
         let (end, mut effects) = (end_of(feed, fifo), 0u32);
         while effects <= EFFECTS {
             if counter == end {
@@ -317,7 +317,7 @@ impl Path {
     /// Entries have come while nothing followed the motion in force.
     #[inline(never)]
     pub(super) fn extend(&mut self, now: Fine, feed: Feed, source: &impl Entries) {
-        if self.behind(self.fifo, self.cursor_of(self.fifo).next, feed, source) == After::Motion {
+        if self.what_follows(self.fifo, self.cursor_of(self.fifo).next, feed, source) == After::Motion {
             self.catch_up(now);
             self.plan_rest(feed, source);
         } else {

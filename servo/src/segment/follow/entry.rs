@@ -354,12 +354,7 @@ impl Entry {
 
     /// Sets an output when it is reached. Bits count from 0; those of axes over all cores.
     pub fn output(group: DoGroup, bit: u8, high: bool, before: &Chain) -> Result<(Entry, Chain), Refused> {
-        let group = match group {
-            DoGroup::Enable => 0,
-            DoGroup::Clear => 1,
-            DoGroup::General => 2,
-        };
-        Entry::stop(OUTPUT, 0, group | (bit as u32) << 4 | (high as u32) << 12, before)
+        Entry::stop(OUTPUT, 0, group as u32 | (bit as u32) << 4 | (high as u32) << 12, before)
     }
 
     /// Holds the slave for this many cycles of 250 µs.
@@ -491,14 +486,7 @@ impl Entry {
         let (number, rest) = (self.0[4], self.0[5]);
         let (selector, index, high) = (rest & 15, (rest >> 4) as u8, rest >> 12 & 1 == 1);
         match self.percent() {
-            OUTPUT => {
-                let group = match selector {
-                    0 => DoGroup::Enable,
-                    1 => DoGroup::Clear,
-                    _ => DoGroup::General,
-                };
-                Stop::Output { group, bit: index, high }
-            }
+            OUTPUT => Stop::Output { group: DoGroup::of(selector), bit: index, high },
             DELAY => Stop::Delay { cycles: number },
             WAIT => {
                 let input = Input::of_bits(selector as u8);

@@ -24,7 +24,7 @@ use super::master_path::{Fine, MasterPath, Section, Spot, Track};
 use super::setup::Setup;
 use super::{Direction, Entries, Method};
 use crate::segment::piece::Piece;
-use crate::units::{DoGroup, Exact, Ns, Pos};
+use crate::units::{Exact, Ns, Pos};
 
 /// Entries that are no segments, in one tick of one axis.
 pub const ACTIONS: usize = 8;
@@ -368,7 +368,7 @@ impl FollowRun {
     ) -> State {
         let (from, to) = path.ends();
         let mut end = self.open(path.now(), from, to, context);
-        for section in path.stretches() {
+        for section in path.sections() {
             end = end.or_else(|| self.go(section, context, track.as_deref_mut()));
         }
         end.or_else(|| self.close(path.now(), to, named, context)).unwrap_or(State::Running)
@@ -494,13 +494,8 @@ impl FollowRun {
         };
         match entry.action() {
             Stop::Output { group, bit, high } => {
-                let group = match group {
-                    DoGroup::Enable => 0,
-                    DoGroup::Clear => 1,
-                    DoGroup::General => 2,
-                };
                 if let Some(position) = context.actions.outputs.get_mut(context.actions.done.wrapping_sub(1)) {
-                    *position = Some((group, bit, high));
+                    *position = Some((group as u8, bit, high));
                 }
                 return false;
             }

@@ -183,7 +183,7 @@ impl<'a> MasterPath<'a> {
     }
 
     /// Sections in order.
-    pub(super) fn stretches(&self) -> impl Iterator<Item = Section<'a>> {
+    pub(super) fn sections(&self) -> impl Iterator<Item = Section<'a>> {
         let places = self.track.spots();
         let [first, second] = self.pieces;
         places.iter().zip(places.iter().zip(&self.along).skip(1)).map(move |(from, (to, along))| Section {
