@@ -144,6 +144,49 @@ fn gear_move_and_gear_follow_each_other() {
     }
 }
 
+/// An axis that is geared up by much is as exact as any: a rounded path length is not enough. An
+/// abrupt Stop leaves it where it was shown, and it goes on from there.
+#[test]
+fn an_axis_that_is_geared_up_is_exact() {
+    for period in PERIODS {
+        for (length, pulses_of, stops) in
+            [(1, 187, false), (1, 100_000, false), (37, 1_000_000, false), (1, 100_000, true)]
+        {
+            let mut bench = Bench::prepared(period, Mode::Trap);
+            bench.frame(0, &[0, 1], None);
+            bench.tick();
+            let line = Line::of(f64::from(length), 0.0);
+            bench.path(0, 0, &[Entry::gear(axis(4), pulses_of), Entry::planar([length, 0], speeds(10.0, 1.0, 0.0))]);
+            bench.start_path(&[0]);
+            let zero = bench.tick().now.0;
+            let what = format!("{period} µs, {pulses_of} over {length}");
+            let ratio = f64::from(pulses_of) / f64::from(length);
+            let mut last = 0.0;
+            let view = loop {
+                let view = bench.tick();
+                let (t, at) = ((view.now.0 - zero) as f64 / 1e6, pulses(view.axes[4].pos));
+                assert!((at - ratio * line.at(t)).abs() < 1e-5, "{what} at {t} ms: {at}, exact {}", ratio * line.at(t));
+                if !view.crds[0].runs || stops && t > 1.2 {
+                    break view;
+                }
+                last = at;
+            };
+            if stops {
+                let shown = view.axes[4].pos;
+                bench.now(Op::stop(all(&[0]), all(&[0])));
+                let view = bench.tick();
+                assert_eq!((view.crds[0].runs, view.axes[4].pos), (false, shown), "{what}");
+                bench.start_path(&[0]);
+                bench.tick();
+                assert_eq!(pulses(bench.rest().axes[4].pos), f64::from(pulses_of));
+            } else {
+                assert!(last > 0.0);
+                assert_eq!(pulses(view.axes[4].pos), f64::from(pulses_of), "{what}");
+            }
+        }
+    }
+}
+
 /// A soft limit of a geared axis stops the path before it, as that of its own axes does; without
 /// the limit it goes on to its end. The limit lies within the motion, or within its last tick.
 #[test]

@@ -415,7 +415,7 @@ impl Path {
     /// their displacements so far.
     pub fn gears(&self, fifo: u8) -> impl Iterator<Item = (Axis, Pos)> {
         let cursor = self.cursor_of(fifo);
-        let (inside, distance) = (if cursor.inside { cursor.geared } else { 0 }, cursor.distance.round());
+        let (inside, distance) = (if cursor.inside { cursor.geared } else { 0 }, cursor.distance);
         cursor.gears.iter().take(inside).map(move |gear| (gear.axis, gear.along.at(distance)))
     }
 
@@ -529,14 +529,17 @@ impl Path {
         let (fifo, done, before) = (self.fifo, self.done(self.fifo), self.stand.sampled);
         let released = [self.released(0), self.released(1)];
         if self.look(next, report) {
-            let distance = self.stand.sampled;
+            let geared = self.cursor_of(fifo).geared != 0;
+            let distance = if geared { self.distance_at(now) } else { self.stand.sampled.into() };
             if !self.admits(report.position, distance, sink) {
-                self.hold(now, (before.into(), distance.into()), sink, feed);
+                self.hold(now, (self.sampled(before), distance), sink, feed);
                 self.look(next, report);
                 self.decide_fast_path();
                 return StepReport { runs: false, fifo, done, released };
             }
-            self.carry(distance, sink);
+            if geared {
+                self.carry(distance, sink);
+            }
         }
         let runs = self.runs();
         if self.is_due_before(next, period) {

@@ -14,7 +14,7 @@ use crate::math::real::Real;
 use crate::math::sine::{sin_cos, sinc};
 use crate::math::wide::{mulhi_near, mulhi_su, umulhi};
 use crate::segment::piece::Scaled;
-use crate::units::{Pos, whole};
+use crate::units::{Exact, Pos, whole};
 
 /// The gearing of an axis to a motion.
 #[derive(Debug, Clone, Copy, Default)]
@@ -41,10 +41,13 @@ impl Along {
     }
 
     /// Displacement after `distance`.
-    pub(super) fn at(self, distance: Pos) -> Pos {
-        // In 2^-(28 - width).
-        let x = mulhi_su(self.ratio, long(distance));
-        let down = 6 - self.width;
+    pub(super) fn at(self, distance: Exact) -> Pos {
+        // The larger the ratio, the shorter the path: a displacement is below 2³¹ pulses.
+        let more = self.width.clamp(0, 32);
+        let distance = (distance.0.max(0) >> (34 - more)) as u64;
+        // In 2^-(28 - width + more).
+        let x = mulhi_su(self.ratio, distance);
+        let down = 6 - self.width + more;
         if down > 0 {
             let twice = x >> ((down - 1) as u32).min(63);
             Pos((twice >> 1) + (twice & 1))

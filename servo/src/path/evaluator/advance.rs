@@ -56,7 +56,7 @@ impl Path {
                         self.halt(self.time, PathStop::Stopped, feed, sink);
                     } else if !self.admits_end(sink) {
                         let distance = self.motions.now().shape.length().to_exact();
-                        self.hold(self.time, (self.stand.sampled.into(), distance), sink, feed);
+                        self.hold(self.time, (self.sampled(self.stand.sampled), distance), sink, feed);
                     } else {
                         self.leave(sink);
                         self.go_on(budget, feed, source, sink);
@@ -174,7 +174,7 @@ impl Path {
             sink.geared(gear.axis, gear.pulses);
         }
         let cursor = self.cursor(self.fifo);
-        cursor.geared = 0;
+        (cursor.geared, cursor.distance) = (0, Exact(0));
         // After a fall back it may be left again: what lay further counts still.
         if cursor.next.wrapping_sub(cursor.left_at) as i32 > 0 {
             cursor.left_at = cursor.next;

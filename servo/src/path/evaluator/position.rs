@@ -46,17 +46,37 @@ impl Path {
     /// Whether it and its geared axes may be at `position`, this path length into the motion in
     /// force.
     #[inline(always)]
-    pub(super) fn admits(&self, position: &[Pos; DIMENSIONS], distance: Pos, sink: &mut impl Effects) -> bool {
+    pub(super) fn admits(&self, position: &[Pos; DIMENSIONS], distance: Exact, sink: &mut impl Effects) -> bool {
         sink.admits(position)
             && self.gears_of(self.fifo).all(|gear| sink.admits_gear(gear.axis, gear.along.at(distance)))
     }
 
+    /// The path length at `now`, which the motion in force holds. Rounded as the position is, it
+    /// would be too coarse for an axis that is geared up.
+    #[inline(never)]
+    pub(super) fn distance_at(&self, now: Fine) -> Exact {
+        let gone = self
+            .motions
+            .now()
+            .plan
+            .phase(self.stand.phase)
+            .map_or(0, |phase| phase.distance(now.saturating_sub(self.stand.began).min(phase.time)).0);
+        Exact(self.stand.distance.0.wrapping_add(gone))
+    }
+
+    /// The path length at the last sample, as exact as its geared axes know it.
+    pub(super) fn sampled(&self, distance: Pos) -> Exact {
+        let cursor = self.cursor_of(self.fifo);
+        if cursor.geared != 0 && cursor.distance.round() == distance { cursor.distance } else { distance.into() }
+    }
+
     /// Moves the geared axes to where they are at this path length.
     #[inline(always)]
-    pub(super) fn carry(&self, distance: Pos, sink: &mut impl Effects) {
+    pub(super) fn carry(&mut self, distance: Exact, sink: &mut impl Effects) {
         for gear in self.gears_of(self.fifo) {
             sink.gear(gear.axis, gear.along.at(distance), gear.along.ratio());
         }
+        self.cursor(self.fifo).distance = distance;
     }
 
     /// Publishes position and direction at `next`, in the piece in force; returns the path length
@@ -183,8 +203,8 @@ impl Path {
         let (mut low, mut high) = (low, distance);
         for _ in 0..16 {
             let middle = Exact(low.0.wrapping_add(high.0) >> 1);
-            let at = middle.round();
-            if self.admits(&self.motions.now().shape.at(at), at, sink) { low = middle } else { high = middle }
+            let position = self.motions.now().shape.at(middle.round());
+            if self.admits(&position, middle, sink) { low = middle } else { high = middle }
         }
         self.stand.distance = low;
         self.halt(at, PathStop::Obstructed, feed, sink);

@@ -73,7 +73,8 @@ impl Path {
         }
         let changed = cursor.next != next;
         (cursor.next, cursor.done, cursor.inside, cursor.left) = (next, done, inside, 0);
-        (cursor.from, cursor.distance) = (from, distance.into());
+        cursor.from = from;
+        self.cursor(self.fifo).distance = self.sampled(distance);
         if changed {
             self.motions.next_mut().state = State::Nothing;
         }
