@@ -120,12 +120,12 @@ fn programs_agree_with_the_reference() {
 /// Paths with look-ahead, by what holds for every plan.
 #[test]
 fn look_ahead_keeps_its_rules() {
-    let (first, count) = (number("REFERENCE_SEED", 1), number("REFERENCE_AHEAD", 150));
+    let (first, count) = (number("REFERENCE_SEED", 1), number("REFERENCE_AHEAD", 300));
     let tally = ahead::run(first, count);
     for (what, count) in &tally {
         println!("{count:>9} {what}");
     }
-    if count >= 150 {
+    if count >= 300 {
         for what in
             ["paths", "motions", "accelerations within motions", "corners", "middles", "rests", "outputs at vertices"]
         {

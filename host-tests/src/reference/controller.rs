@@ -112,6 +112,9 @@ enum Then {
 /// So many WaitStops that find everything at rest take no time; what follows more of them is late by a tick: an open finding.
 const WAITS: usize = 3;
 
+/// When a path has been at rest for so long, ns, where it is is known (docs/crd.md).
+const SETTLED: i64 = 3_000_000;
+
 /// See the module text.
 pub struct Controller {
     site: Site,
@@ -148,6 +151,8 @@ pub struct Controller {
     /// Where an arc begins may be known a tick late (docs/crd.md): 2 after a Stop, 1 after the WaitStop that follows it, until
     /// some time has passed.
     unsettled: u8,
+    /// No path has run, no Stop and no WaitStop has acted for so long, ns.
+    still_ns: i64,
     machine: encoders::Machine,
     /// WaitStops that have acted on the tick that is being prepared.
     waits: usize,
@@ -181,6 +186,7 @@ impl Controller {
             crds: BTreeMap::new(),
             path_then: Vec::new(),
             unsettled: 0,
+            still_ns: 0,
             cores,
             tables,
             tick_ns,
@@ -236,13 +242,13 @@ impl Controller {
                 match &calls[next] {
                     Call::Sleep { ns } => {
                         clock += ns;
-                        if *ns >= 3_000_000 && self.unsettled == 1 {
+                        if *ns >= SETTLED && self.unsettled == 1 {
                             self.unsettled = 0;
                         }
                         program.replies[next] = Reply::Done(Value::None);
                     }
                     Call::WaitStop { mask } => {
-                        self.unsettled = 1;
+                        (self.unsettled, self.still_ns) = (1, 0);
                         program.replies[next] = Reply::Done(Value::None);
                         let runs = members(*mask).any(|axis| self.axes[axis].runs() || self.axes[axis].halted);
                         waiting = runs.then_some(*mask);
@@ -250,7 +256,7 @@ impl Controller {
                         self.waits += 1;
                     }
                     Call::Path(PathCall { core, what: Path::Wait { mask } }) => {
-                        self.unsettled = 1;
+                        (self.unsettled, self.still_ns) = (1, 0);
                         program.replies[next] = Reply::Done(Value::None);
                         let axes = self.path_axes(*core, *mask);
                         self.waits += 1;
@@ -279,6 +285,11 @@ impl Controller {
             }
             self.step(before, now);
             self.finish_abort();
+            // The same where every path has been at rest for as long.
+            self.still_ns = if self.crds.values().any(|of| of.runs) { 0 } else { self.still_ns + now - before };
+            if self.still_ns >= SETTLED {
+                self.unsettled = 0;
+            }
             for axis in std::mem::take(&mut self.early) {
                 // A path is ahead of the tick: its axis is reported to move a tick before.
                 program.rows[number - 1][axis].open = true;

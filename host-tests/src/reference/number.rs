@@ -94,7 +94,7 @@ impl Fix {
                 return Fix(quotient.to_i128().expect("a quotient in range"));
             }
             rest <<= bits;
-            fraction = fraction << bits | rest / b;
+            fraction = (fraction << bits) | (rest / b);
             rest %= b;
             left -= bits;
         }

@@ -70,6 +70,7 @@ struct Motion<'a> {
     waits: bool,
 }
 
+#[allow(clippy::type_complexity, reason = "motions, outputs and delays, taken apart at once")]
 fn motions(course: &Course) -> (Vec<Motion<'_>>, Vec<(usize, u8, bool)>, Vec<(usize, f64)>) {
     let (mut motions, mut outputs, mut delays): (Vec<Motion>, Vec<_>, Vec<_>) = Default::default();
     let (mut begin, mut waits) = (0.0, false);
@@ -168,6 +169,7 @@ fn spots(motions: &[Motion], places: &[Place], tick_ms: f64, course: &Course) ->
     Ok(spots)
 }
 
+#[allow(clippy::needless_range_loop, reason = "several tables by coordinate")]
 fn speeds(course: &Course, motions: &[Motion], spots: &[Spot], places: &[Place], tick_ms: f64) -> Result<(), String> {
     for (tick, pair) in spots.windows(2).enumerate() {
         if pair.iter().any(|spot| spot.is_double) {
@@ -194,6 +196,7 @@ fn speeds(course: &Course, motions: &[Motion], spots: &[Spot], places: &[Place],
 }
 
 /// Within motions, at corners, and from middle to middle.
+#[allow(clippy::needless_range_loop, reason = "several tables by coordinate")]
 fn accelerations(
     course: &Course,
     motions: &[Motion],

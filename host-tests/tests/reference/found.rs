@@ -257,3 +257,33 @@ fn data_after_a_start_right_after_another_mode() {
         ],
     );
 }
+
+/// A smooth Stop on the tick after which the path sends the axis on again: it jumped to the end of that move.
+#[test]
+fn a_stop_just_before_a_path_sends_the_axis_on() {
+    let axes = vec![0, 1, 2];
+    let set = Path::Set { crd: 2, axes, vel: 9.0, acc: 6.7, even_ms: 0, origin: None };
+    let path = |what| Call::Path(PathCall { core: 1, what });
+    let speeds = Speeds { vel: 8.0, acc: 5.0, end: 0.0 };
+    let line = |x: i32| path(Path::Line { crd: 2, to: vec![x, 0, 0], speeds, fifo: 0 });
+    let send = |to: i32| path(Path::Move { crd: 2, axis: 3, to, vel: 18.0, acc: 0.6, modal: 0, fifo: 0 });
+    let begin = [0, 1, 2, 3].map(|axis| plain(Kind::AxisOn, axis));
+    for ms in 7..13 {
+        let rest = [
+            path(set.clone()),
+            line(10),
+            send(-43),
+            line(60),
+            send(-229),
+            line(70),
+            path(Path::Start { mask: 2, option: 0 }),
+            Call::Sleep { ns: ms * MS },
+            Call::Stop { mask: 8, abrupt: 0 },
+        ];
+        // In some of them the Stop falls on the tick in which it is sent on: that is open.
+        let calls = [&begin[..], &rest[..]].concat();
+        if let Some(report) = finding(&mut None, &gus(), 1000, &calls, &mut Tally::new()) {
+            panic!("{report}");
+        }
+    }
+}

@@ -184,7 +184,11 @@ impl AxisState {
         if geared {
             self.leave_gear(next, at);
         } else if self.state.is_own() {
-            // The piece that holds `next` takes effect before another one is made after it.
+            // The piece that holds `next` takes effect before another one is made after it: also that
+            // of a ramp which begins there, and which the first step only shows.
+            if self.state == MotionState::RampBegins {
+                self.step(next, source);
+            }
             self.step(next, source);
         }
         let (from, _) = self.moving(at, source);

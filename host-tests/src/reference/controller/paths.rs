@@ -418,7 +418,7 @@ impl Controller {
 
     /// A Stop: where paths are may be known later than it is so.
     pub(super) fn unsettle(&mut self) {
-        self.unsettled = 2;
+        (self.unsettled, self.still_ns) = (2, 0);
         self.crds.values_mut().for_each(|crd| crd.certain = false);
     }
 

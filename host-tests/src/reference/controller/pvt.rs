@@ -11,13 +11,13 @@ impl Controller {
         match call {
             Call::PvtTable { axis, table, points } => {
                 let core = self.cores[*axis];
-                let uses = |(place, axis): (usize, &Box<Axis>)| {
+                let uses = |(place, axis): (usize, &Axis)| {
                     self.cores[place] == core
                         && axis.mode == Mode::Pvt
                         && axis.runs()
                         && (axis.pvt.1 == *table || axis.table == *table)
                 };
-                check(!self.axes.iter().enumerate().any(uses))?;
+                check(!self.axes.iter().map(AsRef::as_ref).enumerate().any(uses))?;
                 self.tables.insert((core, *table), points.table());
             }
             Call::PvtTableSelect { axis: place, table } => {
