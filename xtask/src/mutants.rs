@@ -13,6 +13,7 @@ mod light;
 mod list;
 mod planted;
 mod survived;
+mod timing;
 
 use crate::board;
 use crate::setup::{TARGET, compiler};

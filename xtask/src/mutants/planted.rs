@@ -3,6 +3,7 @@
 //! In: the list below and [`FOUND`]. Out: a table, also in `target/mutants/planted.md`; an error if one is not found, does not compile, or
 //! if its text is not in its place. Those below programs from outside found before the rules of SPEC 6 and 9 were revised.
 use super::found::FOUND;
+use super::timing::TIMING;
 use super::{copy, replaced, write};
 use crate::shell::{self, Outcome, cargo, target};
 use std::fs;
@@ -151,7 +152,7 @@ const LIGHT: &[Planted] = &[
 ];
 
 fn all() -> impl Iterator<Item = &'static Planted> {
-    FOUND.iter().chain(LIGHT)
+    FOUND.iter().chain(LIGHT).chain(TIMING)
 }
 
 /// Every place is still there.

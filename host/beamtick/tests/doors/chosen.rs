@@ -9,7 +9,7 @@ use crate::player::Programme;
 use crate::program::{Call, Step, Value, read};
 use gts::prototype::{Form, prototype};
 use host_tests::reference::chance::Chance;
-use host_tests::reference::{Site, generator};
+use host_tests::reference::{Family, Site, generator};
 use job::api::{Pass, Type};
 
 /// What is about time, the session or the file system, and not about what is called.
@@ -23,12 +23,13 @@ const LENGTHS: [usize; 17] = [0, 1, 2, 3, 8, 9, 31, 32, 33, 40, 41, 42, 43, 60, 
 pub fn programme(seed: u64, calls: usize) -> Programme {
     let mut chance = Chance::new(seed ^ 0x000D_0025);
     let cores = chance.below(4) == 0;
-    let site = match cores {
-        false => Site { profile: "gus", axes: vec![(1, 1), (1, 2), (1, 3), (1, 6)] },
-        true => Site { profile: "gtn-016", axes: vec![(1, 1), (1, 2), (2, 1), (2, 7)] },
+    let mut site = match cores {
+        false => Site { profile: "gus", family: Family::Gus, axes: vec![(1, 1), (1, 2), (1, 3), (1, 6)] },
+        true => Site { profile: "gtn-016", family: Family::Gus, axes: vec![(1, 1), (1, 2), (2, 1), (2, 7)] },
     };
     let tick_us = [250, 1000, 500, 100, 250][chance.below(5) as usize];
     let family = ["gus", "lsr"][chance.below(2) as usize];
+    site.family = [Family::Gus, Family::Lsr][usize::from(family == "lsr")];
     let descriptions: Vec<Vec<Step>> = PROGRAMS.iter().map(|(_, text)| read(text)).collect();
     let mut steps = Vec::new();
     for (core, axis) in &site.axes {

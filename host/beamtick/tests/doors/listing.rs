@@ -78,10 +78,14 @@ impl Listing {
 
     fn call(&self, text: &str, given: Vec<String>) -> Step {
         let name = &text[..text.find('(').unwrap()];
-        let function =
-            name.strip_prefix("GTN_").and_then(function).unwrap_or_else(|| panic!("{name} is no function of a core"));
-        let core: i16 = given[0].parse().unwrap();
-        let mut given = given[1..].iter();
+        // Bits 10 and 11 of a Stop exist in the form without a core alone.
+        let (rest, cores) = match name.strip_prefix("GTN_") {
+            Some(rest) => (rest, 1),
+            None => (name.strip_prefix("GT_").unwrap_or(name), 0),
+        };
+        let function = function(rest).unwrap_or_else(|| panic!("{name} is no function"));
+        let core: i16 = if cores == 1 { given[0].parse().unwrap() } else { 1 };
+        let mut given = given[cores..].iter();
         let values = function.params.iter().map(|param| {
             let word = given.next();
             match (param.pass, word) {
