@@ -111,6 +111,28 @@ fn an_axis_that_was_geared_sets_off_at_the_end_of_the_motion() {
     }
 }
 
+/// Between them lies a motion, which may be over within a tick.
+#[test]
+fn an_axis_that_was_geared_sets_off_after_another_motion() {
+    for period in PERIODS {
+        for length in 1..30 {
+            let mut bench = prepared(period);
+            let line = Line::of(37.0, 3.0);
+            // At constant speed.
+            let between = f64::from(length) / 3.0;
+            let entries = [
+                Entry::gear(axis(4), 100),
+                Entry::planar([37, 0], speeds(10.0, 1.0, 3.0)),
+                Entry::planar([37 + length, 0], speeds(3.0, 1.0, 3.0)),
+                travel(30, false),
+                Entry::planar([37 + length, 90], speeds(10.0, 1.0, 0.0)),
+            ];
+            let exact = |t: f64| 100.0 * line.at(t) / 37.0 - moved(t - line.time() - between);
+            check(&mut bench, &entries, exact, &format!("{period} µs, {length} between"));
+        }
+    }
+}
+
 /// After a move that the path has waited for, the axis is free to be geared.
 #[test]
 fn an_axis_that_was_waited_for_is_geared_to_the_next_motion() {

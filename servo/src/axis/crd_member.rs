@@ -143,10 +143,10 @@ impl AxisState {
         }
     }
 
-    /// The motion that it was geared to ends at `at`, an instant of the interval that begins with
-    /// the tick computed, or at that tick: from there on it is its own.
-    fn leave_gear(&mut self, next: Ns, at: Ns) {
-        let pos = if at > next { self.published.pos } else { self.exact.round() };
+    /// The motion that it was geared to has ended: it moves on its own from there. At the tick
+    /// computed it is still on its way, if that motion has shown it there.
+    fn leave_gear(&mut self, next: Ns, shown: bool) {
+        let pos = if shown { self.published.pos } else { self.exact.round() };
         (self.state, self.crd, self.published.drive) = (MotionState::Standstill, None, None);
         self.published.pos = pos;
         self.profile.rest(next, pos);
@@ -169,20 +169,23 @@ impl AxisState {
     }
 
     /// Begins a move to a target at `at`, an instant of the interval that begins with the tick
-    /// computed at `next`. `geared`: it was geared to the motion that has ended there. Returns when
-    /// the move ends; None if the axis must not move.
+    /// computed at `next`. `geared`: it was geared to a motion that has ended, which has shown it at
+    /// `next` or not. Returns when the move ends; None if the axis must not move.
     pub(crate) fn travel(
         &mut self,
         (next, at): (Ns, Ns),
         to: &Trapezoid,
-        geared: bool,
+        geared: Option<bool>,
         source: &(impl Segments + Tables),
     ) -> Option<Fine> {
-        if self.published.mode != Mode::Trap || self.state == MotionState::Driven && !geared || self.refuses_start() {
+        if self.published.mode != Mode::Trap
+            || self.state == MotionState::Driven && geared.is_none()
+            || self.refuses_start()
+        {
             return None;
         }
-        if geared {
-            self.leave_gear(next, at);
+        if let Some(shown) = geared {
+            self.leave_gear(next, shown);
         } else if self.state.is_own() {
             // The piece that holds `next` takes effect before another one is made after it: also that
             // of a ramp which begins there, and which the first step only shows.

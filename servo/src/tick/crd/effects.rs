@@ -34,6 +34,8 @@ pub(crate) struct Sink<'a> {
     pub(crate) tables: TableStores<'a>,
     /// Axes that got their position along a motion in this tick.
     pub(crate) reported: AxisMask,
+    /// Those of them that a motion in force at the tick computed has moved there.
+    pub(crate) shown: AxisMask,
     /// All geared axes.
     pub(crate) geared: AxisMask,
     /// A fault stops the path: its light does not come back.
@@ -69,7 +71,8 @@ impl Sink<'_> {
         let source = Source { segments, tables: self.tables };
         // The first whole ns of it.
         let begin = Ns((at.wrapping_add(0xffff_ffff) >> 32) as u64);
-        let until = state.travel((self.next, begin), to, self.geared.has(axis), &source)?;
+        let geared = self.geared.has(axis).then(|| self.shown.has(axis));
+        let until = state.travel((self.next, begin), to, geared, &source)?;
         self.geared.0 &= !axis.mask().0;
         Some(until.saturating_sub(at))
     }
@@ -148,6 +151,7 @@ impl Effects for Sink<'_> {
         let drive = Drive::Gear { crd: self.crd, ratio };
         if let Some(state) = self.engage(axis, drive) {
             state.go_along(drive, by);
+            self.shown.0 |= axis.mask().0;
         }
     }
 
