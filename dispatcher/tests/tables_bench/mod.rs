@@ -6,7 +6,7 @@ use dispatcher::Refused;
 use dispatcher::plan::pvt::{Draft, Fields, Kind, Scratch, SplineScratch};
 use num_bigint::{BigInt, Sign};
 use num_traits::{Signed, ToPrimitive, Zero};
-use servo::segment::profile::{State, Step};
+use servo::segment::profile::State;
 use servo::segment::pvt::{HEADER_WORDS, Header, POINT_WORDS, PointStore, Tables};
 use servo::units::{Exact, Ns, StepLimit};
 
@@ -14,7 +14,7 @@ use servo::units::{Exact, Ns, StepLimit};
 pub mod chance;
 #[path = "../../../servo/tests/drive/mod.rs"]
 mod drive;
-use drive::Pvt;
+use drive::{Pvt, Step};
 
 pub const BITS: usize = 256;
 pub const FIELDS: Fields = Fields { count: 2, whole: 4, point: 10 };

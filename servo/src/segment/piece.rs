@@ -154,7 +154,7 @@ impl Piece {
 
     /// Position at `t` < `span` after `begin`, and the motion there for readers.
     #[inline(always)]
-    pub(crate) fn sample(&self, t: u64) -> (Pos, Motion) {
+    pub fn sample(&self, t: u64) -> (Pos, Motion) {
         if self.is_fast() {
             let t = t as u32;
             return (self.fast.at(t), Motion { t, ..self.motion });
