@@ -133,6 +133,33 @@ fn an_axis_that_was_geared_sets_off_after_another_motion() {
     }
 }
 
+/// The geared motion begins and ends between two ticks, alone or after another geared one.
+#[test]
+fn an_axis_that_was_geared_for_less_than_a_tick_sets_off() {
+    for period in PERIODS {
+        for length in 5..30 {
+            for (first, second) in [(0, 100), (60, 40)] {
+                let mut bench = prepared(period);
+                let line = Line::of(f64::from(length), 3.0);
+                let v = speeds(3.0, 1.0, 3.0);
+                let mut entries = vec![Entry::planar([length, 0], speeds(10.0, 1.0, 3.0))];
+                if first != 0 {
+                    entries.insert(0, Entry::gear(axis(4), first));
+                }
+                entries.extend([Entry::gear(axis(4), second), Entry::planar([length + 1, 0], v)]);
+                entries.extend([travel(30, false), Entry::planar([length + 40, 0], v)]);
+                let exact = |t: f64| {
+                    let (one, two) = (f64::from(first), f64::from(second));
+                    let after = t - line.time();
+                    one * line.at(t) / f64::from(length) + two * (3.0 * after).clamp(0.0, 1.0)
+                        - moved(after - 1.0 / 3.0)
+                };
+                check(&mut bench, &entries, exact, &format!("{period} µs, {first} over {length}, then {second}"));
+            }
+        }
+    }
+}
+
 /// After a move that the path has waited for, the axis is free to be geared.
 #[test]
 fn an_axis_that_was_waited_for_is_geared_to_the_next_motion() {

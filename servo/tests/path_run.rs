@@ -595,7 +595,7 @@ fn other_effects_carry_their_numbers() {
         }
         fn rest(&mut self, _: Fine, _: PathStop) {}
         fn gear(&mut self, _: Axis, _: Pos, _: Scaled) {}
-        fn geared(&mut self, _: Axis, _: i32) {}
+        fn geared(&mut self, _: u128, _: Axis, _: i32) {}
     }
     let axis = Axis::new(9).unwrap();
     let (v, a) = (123.456f64, 7.89f64);

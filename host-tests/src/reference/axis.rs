@@ -489,7 +489,7 @@ impl Axis {
         let acc = exact(acc);
         let curve = ramp::trap(v, way, &exact(vel), &acc, &acc);
         // It may begin up to 5 ns later (SPEC 11).
-        (self.late, self.braking) = (curve.steepest * Fix::ms(5), None);
+        (self.late, self.braking) = (self.late + curve.steepest * Fix::ms(5), None);
         self.late_velocity = Fix::of(&acc) * Fix::ms(5);
         let length = curve.length();
         self.brief |= length == Fix::ZERO;
@@ -718,7 +718,11 @@ impl Axis {
             _ => None,
         };
         self.brink |= over.is_some() && (at - start).abs() < NEAR;
-        self.limited = over.is_some();
+        // A path may come to a limit between two ticks, at a corner.
+        let beyond = |x: Fix| {
+            x > start && top.is_some_and(|top| x > top) || x < start && bottom.is_some_and(|bottom| x < bottom)
+        };
+        self.limited = over.is_some() || self.on_path && self.track.iter().any(|x| beyond(*x));
         if let Some((at, bit)) = over {
             self.track = vec![start, at];
             self.times = vec![self.times[0], self.times[self.times.len() - 1]];

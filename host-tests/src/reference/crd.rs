@@ -207,6 +207,8 @@ pub struct Crd {
     pub waited: u32,
     /// It goes on after an abrupt Stop: up to 2⁻¹⁷ pulse more than SPEC 11 allows, an open finding.
     pub resumed: bool,
+    /// An override has changed on the way: doubles know instants to a ns from there.
+    pub rated: bool,
     /// It met an axis that must not move.
     pub hindered: bool,
     /// General outputs that were set: when, which bits, their levels.
@@ -255,6 +257,7 @@ impl Default for Crd {
             waits: None,
             waited: 0,
             resumed: false,
+            rated: false,
             hindered: false,
             outputs: Vec::new(),
             analog: Vec::new(),
@@ -364,6 +367,7 @@ impl Crd {
     /// SetOverride, at the instant up to which it has run.
     pub fn change_rate(&mut self, rate: f64) {
         self.rate = rate;
+        self.rated |= self.plan.is_some();
         self.plan_again();
     }
 

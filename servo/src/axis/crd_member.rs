@@ -143,13 +143,16 @@ impl AxisState {
         }
     }
 
+    /// At the tick computed it stands where the motions that it was geared to have left it.
+    pub(crate) fn show_base(&mut self) {
+        self.published.pos = self.exact.round();
+    }
+
     /// The motion that it was geared to has ended: it moves on its own from there. At the tick
-    /// computed it is still on its way, if that motion has shown it there.
-    fn leave_gear(&mut self, next: Ns, shown: bool) {
-        let pos = if shown { self.published.pos } else { self.exact.round() };
+    /// computed it may still be on its way.
+    fn leave_gear(&mut self, next: Ns) {
         (self.state, self.crd, self.published.drive) = (MotionState::Standstill, None, None);
-        self.published.pos = pos;
-        self.profile.rest(next, pos);
+        self.profile.rest(next, self.published.pos);
         self.profile.forget();
     }
 
@@ -169,23 +172,20 @@ impl AxisState {
     }
 
     /// Begins a move to a target at `at`, an instant of the interval that begins with the tick
-    /// computed at `next`. `geared`: it was geared to a motion that has ended, which has shown it at
-    /// `next` or not. Returns when the move ends; None if the axis must not move.
+    /// computed at `next`. `geared`: it was geared to a motion that has ended. Returns when the
+    /// move ends; None if the axis must not move.
     pub(crate) fn travel(
         &mut self,
         (next, at): (Ns, Ns),
         to: &Trapezoid,
-        geared: Option<bool>,
+        geared: bool,
         source: &(impl Segments + Tables),
     ) -> Option<Fine> {
-        if self.published.mode != Mode::Trap
-            || self.state == MotionState::Driven && geared.is_none()
-            || self.refuses_start()
-        {
+        if self.published.mode != Mode::Trap || self.state == MotionState::Driven && !geared || self.refuses_start() {
             return None;
         }
-        if let Some(shown) = geared {
-            self.leave_gear(next, shown);
+        if geared {
+            self.leave_gear(next);
         } else if self.state.is_own() {
             // The piece that holds `next` takes effect before another one is made after it: also that
             // of a ramp which begins there, and which the first step only shows.

@@ -36,7 +36,7 @@ impl Effects for Heard {
     fn gear(&mut self, axis: Axis, by: Pos, _: Scaled) {
         self.gears.push((axis, by));
     }
-    fn geared(&mut self, axis: Axis, pulses: i32) {
+    fn geared(&mut self, _: u128, axis: Axis, pulses: i32) {
         self.geared.push((axis, pulses));
     }
 }

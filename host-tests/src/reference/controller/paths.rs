@@ -476,7 +476,7 @@ impl Controller {
             }
             let (mut early, mut open) = (Vec::new(), None);
             let speed = of.set.as_ref().map_or(0.0, |set| set.frame.speed);
-            let slack = speed * 5e-6 * f64::from(of.waited);
+            let slack = speed * (5e-6 * f64::from(of.waited) + if of.rated { 1e-6 } else { 0.0 });
             of.run(
                 ms(now),
                 &mut Others {
@@ -583,6 +583,9 @@ impl Controller {
                 axis.driven = of.runs;
                 axis.path_ended = of.rest.is_some_and(|rest| rest != Rest::Stopped) && !of.runs;
                 axis.late = axis.path_most * Fix::ms(5 * i64::from(of.waited));
+                if of.rated {
+                    axis.late += axis.path_most * Fix::ms(1);
+                }
                 if of.resumed {
                     axis.late += Fix(1 << 47);
                 }

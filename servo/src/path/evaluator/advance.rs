@@ -171,7 +171,7 @@ impl Path {
             self.since.pass(self.time, self.here);
         }
         for gear in self.gears_of(self.fifo) {
-            sink.geared(gear.axis, gear.pulses);
+            sink.geared(self.time, gear.axis, gear.pulses);
         }
         let cursor = self.cursor(self.fifo);
         (cursor.geared, cursor.distance) = (0, Exact(0));

@@ -22,7 +22,7 @@ pub trait Effects {
     /// step's tick, and its displacement per path length.
     fn gear(&mut self, axis: Axis, by: Pos, ratio: Scaled);
     /// A geared axis is at the end of a motion, which moved it by this much.
-    fn geared(&mut self, axis: Axis, pulses: i32);
+    fn geared(&mut self, at: Fine, axis: Axis, pulses: i32);
     /// More axes than a path can gear to one motion; this one stays.
     fn surplus(&mut self, _axis: Axis) {}
     /// Whether there is room for one more effect of this tick.

@@ -393,7 +393,6 @@ impl<const AXES: usize> Tick<AXES> {
             segments: lanes.segments,
             tables: lanes.tables,
             reported: AxisMask(0),
-            shown: AxisMask(0),
             geared: state.geared,
             rest: None,
             unable: None,

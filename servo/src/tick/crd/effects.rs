@@ -34,8 +34,6 @@ pub(crate) struct Sink<'a> {
     pub(crate) tables: TableStores<'a>,
     /// Axes that got their position along a motion in this tick.
     pub(crate) reported: AxisMask,
-    /// Those of them that a motion in force at the tick computed has moved there.
-    pub(crate) shown: AxisMask,
     /// All geared axes.
     pub(crate) geared: AxisMask,
     /// A fault stops the path: its light does not come back.
@@ -71,7 +69,10 @@ impl Sink<'_> {
         let source = Source { segments, tables: self.tables };
         // The first whole ns of it.
         let begin = Ns((at.wrapping_add(0xffff_ffff) >> 32) as u64);
-        let geared = self.geared.has(axis).then(|| self.shown.has(axis));
+        let geared = self.geared.has(axis);
+        if geared && !self.reported.has(axis) {
+            state.show_base();
+        }
         let until = state.travel((self.next, begin), to, geared, &source)?;
         self.geared.0 &= !axis.mask().0;
         Some(until.saturating_sub(at))
@@ -151,14 +152,21 @@ impl Effects for Sink<'_> {
         let drive = Drive::Gear { crd: self.crd, ratio };
         if let Some(state) = self.engage(axis, drive) {
             state.go_along(drive, by);
-            self.shown.0 |= axis.mask().0;
         }
     }
 
-    fn geared(&mut self, axis: Axis, pulses: i32) {
+    fn geared(&mut self, at: Fine, axis: Axis, pulses: i32) {
         let drive = Drive::Gear { crd: self.crd, ratio: Scaled::default() };
+        let stood = self.geared.has(axis) && !self.reported.has(axis);
+        let ended = at <= (self.next.0 as Fine) << 32;
         if let Some(state) = self.engage(axis, drive) {
+            if stood {
+                state.show_base();
+            }
             state.gone_along(pulses);
+            if ended {
+                state.show_base();
+            }
         }
     }
 
