@@ -271,13 +271,15 @@ impl CrdShadow {
                 // Of two entries for the same FIFO, the one pushed later may act first.
                 let newer = data.given.wrapping_sub(path.data.given).cast_signed() >= 0;
                 if path.cleared == cleared && newer {
+                    let moves = data.motions != path.data.motions;
                     path.data = data;
                     self.beside.0 |= data.beside.0;
                     let path = self.path_mut(fifo);
                     path.loose = seq == 0;
                     self.fed |= fifo == self.fifo && self.started.is_some();
-                    // The end of this data is known, whatever was before it.
-                    self.renamed &= fifo != self.fifo || data.position.iter().any(|at| at.is_nan());
+                    // The end of a motion is known, whatever was before it.
+                    let known = moves && !data.position.iter().any(|at| at.is_nan());
+                    self.renamed &= fifo != self.fifo || !known;
                     let path = self.path_mut(fifo);
                     if seq != 0 {
                         path.last = Some(seq);
@@ -326,8 +328,8 @@ impl CrdShadow {
             (self.here, self.last) = (None, None);
             self.beside = AxisMask(self.fifos.iter().fold(0, |mask, path| mask | path.data.beside.0));
         }
-        for (((path, cleared), released), fifo) in
-            self.fifos.iter_mut().zip(sampled.cleared).zip(sampled.released).zip(0u8..)
+        for ((((path, cleared), released), motions), fifo) in
+            self.fifos.iter_mut().zip(sampled.cleared).zip(sampled.released).zip(sampled.done).zip(0u8..)
         {
             path.emptied = path.emptied.filter(|&seq| !executed(view, seq));
             if path.cleared != cleared {
@@ -342,6 +344,10 @@ impl CrdShadow {
                 // Stop has ended is over for the tick, but not for the path.
                 let waits = sampled.rest == PathStop::Stopped && sampled.fifo == fifo && path.data.given != 0;
                 path.data.open = path.data.given != released || waits;
+                // What is left are no motions: the next one begins where the path is.
+                if self.renamed && fifo == self.fifo && path.data.motions == motions {
+                    path.data.position = [f64::NAN; DIMENSIONS];
+                }
                 self.renamed &= fifo != self.fifo;
                 self.fed &= fifo != self.fifo;
             }

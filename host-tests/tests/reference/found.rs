@@ -170,6 +170,37 @@ fn data_after_the_end_of_a_path_is_not_taken_as_run() {
     }
 }
 
+/// After a Stop that found the path at its end, and a ZeroPos, an entry without a motion made the end of the last motion count
+/// as the begin of an arc, by the name from before.
+#[test]
+fn an_arc_after_an_entry_of_a_path_that_was_renamed() {
+    let go = path(Path::Start { mask: 1, option: 0 });
+    let speeds = Speeds { vel: 9.7, acc: 2.3, end: 0.0 };
+    let round = Cycle::Radius(8.0);
+    let arc = Path::Arc { crd: 1, plane: Plane::XY, to: [-2, 9], round, ccw: true, speeds, fifo: 0 };
+    let calls = [
+        plain(Kind::AxisOn, 0),
+        plain(Kind::AxisOn, 1),
+        frame(None),
+        line(vec![12, 9]),
+        go.clone(),
+        Call::Sleep { ns: 60 * MS },
+        path(Path::Stop { mask: 1, option: 0 }),
+        path(Path::Wait { mask: 1 }),
+        plain(Kind::ZeroPos, 0),
+        Call::Sleep { ns: 4 * MS },
+        path(Path::Delay { crd: 1, ms: 5, fifo: 0 }),
+        // Directly after the entry the arc would be a tick late: where it begins is known from then on.
+        Call::Sleep { ns: 4 * MS },
+        path(arc),
+        go,
+        Call::Sleep { ns: 30 * MS },
+    ];
+    for tick_us in [100, 250, 1000] {
+        agrees(tick_us, &calls);
+    }
+}
+
 /// A slave of direction 0 at its origin, whose master goes back, was reported to move with it. A Stop at the instant of a
 /// SwitchNow then moved it.
 #[test]

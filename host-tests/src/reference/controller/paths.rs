@@ -497,10 +497,8 @@ impl Controller {
             if std::mem::take(&mut of.hindered) {
                 if name.0 == 1 {
                     let crd = name.1 as usize - 1;
-                    if self.light.is_lit(crd) {
-                        // The controller knows it up to two ticks before, and is dark from then on.
-                        self.open = Some("a lit path that meets an axis that must not move");
-                    }
+                    // The controller knows it up to two ticks before, and is dark from then on.
+                    self.open = Some("a path that meets an axis that must not move");
                     self.light.between.push((of.now, Act::Fault(crd, OTHER)));
                 }
                 *self.used.entry("paths that met an axis that must not move").or_default() += 1;
