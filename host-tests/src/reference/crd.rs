@@ -347,6 +347,12 @@ impl Crd {
         } else if matches!(of.entries[of.next], Entry::Motion(..)) {
             of.done = was.done;
         }
+        if let Some(Entry::Motion(geometry, ..)) = of.entries.get(of.next)
+            && (geometry.length() - of.done).abs() < 0.05
+        {
+            // From where it is shown, to 2⁻²² pulse, it takes some ns more or less to there.
+            self.unsaid = Some("an abrupt Stop just before the end of a motion");
+        }
         self.resumed = true;
         self.place = published.place;
         self.knots.clear();

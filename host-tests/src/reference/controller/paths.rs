@@ -510,7 +510,13 @@ impl Controller {
                 self.open = Some("data in the tick in which a path ends");
             }
             let rested = of.rested.take().map(|(at, braked)| (at, braked, of.rest));
+            let mut halted = false;
             for (_, then) in then.iter().filter(|(of, _)| of == name) {
+                if halted {
+                    // Whether it finds the path at rest decides whether its light comes back.
+                    self.open = Some("a Stop of a path at the instant of an abrupt one");
+                }
+                halted |= *then == PathThen::Halt;
                 match *then {
                     PathThen::Rate(rate) => of.change_rate(rate),
                     PathThen::Brake | PathThen::Halt if !of.runs => {}
@@ -581,11 +587,16 @@ impl Controller {
                 axis.driven = of.runs;
                 axis.path_ended = of.rest.is_some_and(|rest| rest != Rest::Stopped) && !of.runs;
                 axis.late = axis.path_most * Fix::ms(5 * i64::from(of.waited));
-                if of.rated {
+                // An abrupt Stop leaves a path where it is shown, to 2⁻²² pulse. From near the end of a
+                // motion that is much of the time to there.
+                if of.rated || of.resumed {
                     axis.late += axis.path_most * Fix::ms(1);
                 }
                 if of.resumed {
                     axis.late += Fix(1 << 47);
+                }
+                if of.rest == Some(Rest::Stopped) && !of.runs {
+                    axis.slack += axis.late;
                 }
             }
             for axis in axes.iter_mut().filter(|axis| axis.geared && axis.crd == Some(*name)) {
