@@ -35,7 +35,7 @@ impl Effects for Heard {
         self.rests.push((at, rest));
     }
     fn gear(&mut self, _: Axis, _: Pos, _: Scaled) {}
-    fn geared(&mut self, _: Axis, _: i32) {}
+    fn geared(&mut self, _: u128, _: Axis, _: i32) {}
 }
 
 /// A call: its path geometry, speed and acceleration.

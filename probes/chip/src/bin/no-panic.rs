@@ -43,7 +43,7 @@ impl Effects for Sink {
     }
     fn rest(&mut self, _: Fine, _: PathStop) {}
     fn gear(&mut self, _: Axis, _: Pos, _: Scaled) {}
-    fn geared(&mut self, _: Axis, _: i32) {}
+    fn geared(&mut self, _: u128, _: Axis, _: i32) {}
 }
 
 /// All that a path is asked for.

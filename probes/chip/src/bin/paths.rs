@@ -30,7 +30,7 @@ impl Effects for Sink {
     }
     fn rest(&mut self, _: Fine, _: PathStop) {}
     fn gear(&mut self, _: Axis, _: Pos, _: Scaled) {}
-    fn geared(&mut self, _: Axis, _: i32) {}
+    fn geared(&mut self, _: u128, _: Axis, _: i32) {}
 }
 
 #[inline(never)]
