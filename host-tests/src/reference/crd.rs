@@ -209,6 +209,8 @@ pub struct Crd {
     pub resumed: bool,
     /// An override has changed on the way: doubles know instants to a ns from there.
     pub rated: bool,
+    /// What an abrupt Stop makes of the time to the end of its motion, ms.
+    pub blur: f64,
     /// It met an axis that must not move.
     pub hindered: bool,
     /// General outputs that were set: when, which bits, their levels.
@@ -258,6 +260,7 @@ impl Default for Crd {
             waited: 0,
             resumed: false,
             rated: false,
+            blur: 0.0,
             hindered: false,
             outputs: Vec::new(),
             analog: Vec::new(),
@@ -347,11 +350,14 @@ impl Crd {
         } else if matches!(of.entries[of.next], Entry::Motion(..)) {
             of.done = was.done;
         }
-        if let Some(Entry::Motion(geometry, ..)) = of.entries.get(of.next)
-            && (geometry.length() - of.done).abs() < 0.05
-        {
-            // From where it is shown, to 2⁻²² pulse, it takes some ns more or less to there.
-            self.unsaid = Some("an abrupt Stop just before the end of a motion");
+        if let Some(Entry::Motion(geometry, rates, _)) = of.entries.get(of.next) {
+            // From where it is shown, to 2⁻²² pulse, it takes so much more or less to the end.
+            let left = (geometry.length() - of.done).abs().max(1e-9);
+            let blur = 2f64.powi(-23) / (left * rates.acc).sqrt();
+            self.blur = self.blur.max(blur);
+            if blur > 1e-6 {
+                self.unsaid = Some("an abrupt Stop just before the end of a motion");
+            }
         }
         self.resumed = true;
         self.place = published.place;

@@ -447,6 +447,11 @@ impl Light {
         self.calls.iter().any(|act| matches!(act, Act::Gate(_, true)))
     }
 
+    /// Whether a coordinate system may have light.
+    pub fn is_lit(&self, crd: usize) -> bool {
+        self.channels.iter().any(|channel| channel.owner.maps(crd) && channel.owner.is_commanded())
+    }
+
     /// Whether an edge is pending: what is output at a tick may differ from what it is just before.
     pub fn is_busy(&self, channel: usize) -> bool {
         self.channels[channel].gate.is_busy()

@@ -512,9 +512,9 @@ impl Controller {
             let rested = of.rested.take().map(|(at, braked)| (at, braked, of.rest));
             let mut halted = false;
             for (_, then) in then.iter().filter(|(of, _)| of == name) {
-                if halted {
+                if halted && *then == PathThen::Brake && name.0 == 1 && self.light.is_lit(name.1 as usize - 1) {
                     // Whether it finds the path at rest decides whether its light comes back.
-                    self.open = Some("a Stop of a path at the instant of an abrupt one");
+                    self.open = Some("a smooth Stop of a lit path at the instant of an abrupt one");
                 }
                 halted |= *then == PathThen::Halt;
                 match *then {
@@ -587,9 +587,8 @@ impl Controller {
                 axis.driven = of.runs;
                 axis.path_ended = of.rest.is_some_and(|rest| rest != Rest::Stopped) && !of.runs;
                 axis.late = axis.path_most * Fix::ms(5 * i64::from(of.waited));
-                // An abrupt Stop leaves a path where it is shown, to 2⁻²² pulse. From near the end of a
-                // motion that is much of the time to there.
-                if of.rated || of.resumed {
+                axis.late += axis.path_most * Fix::of_f64(of.blur);
+                if of.rated {
                     axis.late += axis.path_most * Fix::ms(1);
                 }
                 if of.resumed {

@@ -395,7 +395,8 @@ fn requests(call: &Call) -> Result<Vec<Vec<u8>>, String> {
                 "first" => put(&mut body, of, &(number * part).to_string()),
                 "count" if call.function.tells_stop() => put(&mut body, of, "1"),
                 name if name.ends_with("_given") => {
-                    let told = call.function.params.iter().position(|param| Some(param.name) == call.function.reports_given);
+                    let told =
+                        call.function.params.iter().position(|param| Some(param.name) == call.function.reports_given);
                     let given = told.is_some_and(|place| call.values[place] != Value::Null);
                     put(&mut body, of, if given { "1" } else { "0" });
                 }
