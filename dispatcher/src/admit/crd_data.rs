@@ -278,9 +278,7 @@ impl Filling<'_> {
         } else if let Some(entry) = geometry.entry(along) {
             queue.other(store, entry, geometry.length / vel);
         }
-        data.given = data.given.wrapping_add(1);
-        data.motions = data.motions.wrapping_add(1);
-        (data.open, data.position, data.gears.0, data.gear) = (true, geometry.end, 0, 0);
+        data.add_motion(geometry.end, geometry.sets());
     }
 
     fn written(&self, count: usize, lasts: f64, data: PathData) -> (Written, End) {
@@ -387,13 +385,9 @@ pub fn put<const AXES: usize>(
                 _ => (Entry::delay(0), 0.0),
             };
             filling.has_room(1)?;
-            // The first entry of a FIFO acts where the path is; a motion after it begins there.
-            if !data.open {
-                data.position = filling.begin;
-            }
             filling.prepare(queue);
             queue.other(store, entry, ms);
-            (data.given, data.open) = (data.given.wrapping_add(1), true);
+            data.add_entry(filling.begin);
             if entry.is_wait() {
                 data.leaves = 0.0;
             }
@@ -475,9 +469,8 @@ fn lines<R: Lines<N>, const N: usize, const AXES: usize>(
                 sum + part * part
             });
             queue.other(store, entry, f64::from(libm::sqrtf(shape) / vel as f32));
-            (data.given, data.motions) = (data.given.wrapping_add(1), data.motions.wrapping_add(1));
             at.iter_mut().zip(to).for_each(|(at, to)| *at = to.into());
-            (data.open, data.position, data.gears.0, data.gear) = (true, at, 0, 0);
+            data.add_motion(at, if N == 2 { 0b11 } else { 0b1111 });
             continue;
         }
         let geometry = if N == 2 { Geometry::planar(&at, [x, y]) } else { Geometry::line(&at, target) };

@@ -267,6 +267,15 @@ impl Geometry {
         if libm::ceil(low) <= high { 1.0 } else { part(0).max(part(1)) }
     }
 
+    /// Coordinates that it takes to a target, a bit each. A full circle ends where it began.
+    pub fn sets(&self) -> u8 {
+        match self.form {
+            Form::Planar(_) => 0b11,
+            Form::Line(_) => 0b1111,
+            Form::Arc { plane, .. } => plane.coordinates().iter().fold(0, |mask, index| mask | 1 << index),
+            Form::Circle { .. } => 0,
+        }
+    }
     /// Servo's entry for it with these speeds.
     pub fn entry(&self, along: Along) -> Option<Entry> {
         self.form.entry(along)

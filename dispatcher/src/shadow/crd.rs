@@ -89,9 +89,43 @@ pub struct PathData {
     /// The gear with the largest displacement, and that displacement, pulses.
     pub geared: Axis,
     pub gear: u32,
+    /// Coordinates that its motions take to a target of their own, a bit each. The others stay
+    /// where the path is.
+    pub sets: u8,
+    /// The same of its last motion alone.
+    pub sets_last: u8,
     /// Highest speed at the end of the last motion, pulse/ms, rounded down. Without look-ahead the
     /// next one may begin faster than its own speed.
     pub leaves: f32,
+}
+
+impl PathData {
+    /// Takes in a motion that ends here, and that sets these coordinates.
+    pub fn add_motion(&mut self, end: Position, sets: u8) {
+        let before = if self.open { self.sets } else { 0 };
+        (self.sets, self.sets_last) = (before | sets, sets);
+        (self.given, self.motions) = (self.given.wrapping_add(1), self.motions.wrapping_add(1));
+        (self.open, self.position, self.gears.0, self.gear) = (true, end, 0, 0);
+    }
+    /// Takes in an entry between motions. The first one of a FIFO acts where the path is; a motion
+    /// after it begins there.
+    pub fn add_entry(&mut self, begin: Position) {
+        if !self.open {
+            (self.sets, self.position) = (0, begin);
+        }
+        (self.given, self.open) = (self.given.wrapping_add(1), true);
+    }
+    /// The path moves beside this data, or gets another name: where it has no target it is not
+    /// known any more.
+    fn forget_position(&mut self) {
+        let others = self.position.iter_mut().enumerate().filter(|(index, _)| self.sets >> index & 1 == 0);
+        others.for_each(|(_, at)| *at = f64::NAN);
+    }
+    /// The path stands here: it is known where it has no target.
+    fn stand_at(&mut self, here: &Position) {
+        let unknown = self.position.iter_mut().zip(here).filter(|(at, _)| at.is_nan());
+        unknown.for_each(|(at, here)| *at = *here);
+    }
 }
 
 /// One FIFO.
@@ -111,6 +145,28 @@ pub struct PathShadow {
     pub loose: bool,
     /// Its slots were overwritten by data that was dropped.
     pub invalid: bool,
+    /// After a Stop, or with data that came after its start, its path was renamed or ran with the
+    /// other FIFO. Where its next motion begins depends on which of its motions were over then.
+    pub left: bool,
+}
+
+impl PathShadow {
+    /// Whether all that concerns it is executed.
+    fn is_told<const AXES: usize>(&self, view: &View<AXES>) -> bool {
+        !self.loose && self.last.is_none_or(|seq| executed(view, seq))
+    }
+    /// So many of its motions were over when its path came to standstill.
+    fn settle(&mut self, over: u32) {
+        if self.data.motions == over {
+            (self.data.sets, self.data.sets_last) = (0, 0);
+            if self.left {
+                self.data.forget_position();
+            }
+            self.left = false;
+        }
+        // Its last motion is ahead, but those that alone set a coordinate may be over.
+        self.left &= self.data.sets != self.data.sets_last;
+    }
 }
 
 /// One coordinate system.
@@ -130,9 +186,6 @@ pub struct CrdShadow {
     pub stopped: bool,
     /// The FIFO of that start got data since. The path may have ended before it.
     pub fed: bool,
-    /// Its axes were renamed after that. Where a motion begins depends on whether its FIFO was left
-    /// within its data.
-    pub renamed: bool,
     /// Its position, if that is known ahead of the tick.
     pub here: Option<Position>,
     /// The last entry that concerns it.
@@ -161,7 +214,6 @@ impl Default for CrdShadow {
             busy: None,
             stopped: false,
             fed: false,
-            renamed: false,
             here: None,
             last: None,
             dec: (0.0, 0.0),
@@ -214,7 +266,7 @@ impl CrdShadow {
         if !data.open {
             return rest();
         }
-        if self.renamed && fifo == self.fifo {
+        if self.path(fifo).left {
             return None;
         }
         // Coordinates given before the position was known are not those of the path, which stands
@@ -236,6 +288,16 @@ impl CrdShadow {
         self.here.or_else(|| known.then(|| position_of(&sampled.position)))
     }
 
+    /// The path moves beside a FIFO, or is renamed.
+    fn leave(&mut self, fifo: u8) {
+        let within = fifo == self.fifo && (self.stopped || self.fed);
+        let shown = self.busy.is_none();
+        let path = self.path_mut(fifo);
+        let sure = shown && path.data.sets == path.data.sets_last;
+        path.left |= within && path.data.open && !sure;
+        path.data.forget_position();
+    }
+
     /// Everything of an earlier frame is over.
     pub(super) fn renew(&mut self, frame: Option<Frame>, here: Option<Position>, seq: u32) {
         let CrdShadow { started, busy, beside, fifos, .. } = *self;
@@ -244,6 +306,14 @@ impl CrdShadow {
         for (path, before) in self.fifos.iter_mut().zip(fifos) {
             let cleared = before.cleared.wrapping_add(1);
             *path = PathShadow { cleared, emptied: Some(seq), last: Some(seq), ..PathShadow::default() };
+        }
+        self.forget_moved();
+    }
+
+    /// Axes of data that was cleared before it ran.
+    fn forget_moved(&mut self) {
+        if self.busy.is_none() {
+            self.beside = AxisMask(self.fifos.iter().fold(0, |mask, path| mask | path.data.beside.0));
         }
     }
 
@@ -265,6 +335,7 @@ impl CrdShadow {
                 let path = self.path_mut(fifo);
                 let (cleared, look) = (path.cleared.wrapping_add(1), path.look);
                 *path = PathShadow { cleared, look, emptied: Some(seq), last: Some(seq), ..PathShadow::default() };
+                self.forget_moved();
             }
             CrdChange::Data { fifo, cleared, data } => {
                 let path = self.path_mut(fifo);
@@ -273,17 +344,14 @@ impl CrdShadow {
                 if path.cleared == cleared && newer {
                     let moves = data.motions != path.data.motions;
                     path.data = data;
-                    self.beside.0 |= data.beside.0;
-                    let path = self.path_mut(fifo);
                     path.loose = seq == 0;
-                    self.fed |= fifo == self.fifo && self.started.is_some();
                     // The end of a motion is known, whatever was before it.
-                    let known = moves && !data.position.iter().any(|at| at.is_nan());
-                    self.renamed &= fifo != self.fifo || !known;
-                    let path = self.path_mut(fifo);
+                    path.left &= !moves || data.position.iter().any(|at| at.is_nan());
                     if seq != 0 {
                         path.last = Some(seq);
                     }
+                    self.beside.0 |= data.beside.0;
+                    self.fed |= fifo == self.fifo && self.started.is_some();
                 }
             }
             CrdChange::Look { fifo, look } => self.path_mut(fifo).look = look,
@@ -296,10 +364,17 @@ impl CrdShadow {
             CrdChange::Rate(rate) => self.rate = rate,
             CrdChange::Lag(ms) => self.lag_ms = ms,
             CrdChange::Started { fifo } => {
+                if let Some(here) = self.here.take() {
+                    self.path_mut(fifo).data.stand_at(&here);
+                }
+                self.leave(fifo ^ 1);
                 (self.fifo, self.started, self.busy) = (fifo, Some(seq), Some(seq));
-                (self.stopped, self.fed, self.renamed, self.here) = (false, false, false, None);
+                (self.stopped, self.fed) = (false, false);
             }
-            CrdChange::Placed => (self.renamed, self.here) = (self.stopped || self.fed, None),
+            CrdChange::Placed => {
+                self.here = None;
+                (0..2).for_each(|fifo| self.leave(fifo));
+            }
             CrdChange::Stopped => self.stopped = true,
             CrdChange::Rest => {
                 let ended = self.started.is_some() && !self.stopped && !self.fed;
@@ -313,20 +388,40 @@ impl CrdShadow {
         }
     }
 
+    /// What a view says of where motions begin while the path runs; `quiet` if nothing is in flight.
+    fn follow_running<const AXES: usize>(&mut self, view: &View<AXES>, sampled: &CrdView, quiet: bool) {
+        for (((path, cleared), motions), fifo) in
+            self.fifos.iter_mut().zip(sampled.cleared).zip(sampled.done).zip(0u8..)
+        {
+            // Motions of the FIFO that runs may still come to their end.
+            let settled = fifo != sampled.fifo || path.data.motions == motions;
+            if path.cleared == cleared && path.is_told(view) && settled {
+                path.settle(motions);
+            }
+            // What has no target stays where the path is.
+            if quiet && fifo == sampled.fifo && !path.left {
+                path.data.stand_at(&position_of(&sampled.position));
+            }
+        }
+    }
+
     /// Follows the tick: what came to standstill is at standstill, at the position that the view
     /// shows.
     pub fn follow<const AXES: usize>(&mut self, view: &View<AXES>, sampled: &CrdView) {
         let over = |start: Option<u32>| start.filter(|&seq| !executed(view, seq) || sampled.runs);
         self.started = over(self.started);
         self.busy = over(self.busy);
-        if self.busy.is_some() || sampled.runs {
-            return;
-        }
         let done = |seq: Option<u32>| seq.is_none_or(|seq| executed(view, seq));
         let quiet = done(self.last);
+        if self.busy.is_some() || sampled.runs {
+            if done(self.busy) && sampled.fifo == self.fifo {
+                self.follow_running(view, sampled, quiet);
+            }
+            return;
+        }
         if quiet {
             (self.here, self.last) = (None, None);
-            self.beside = AxisMask(self.fifos.iter().fold(0, |mask, path| mask | path.data.beside.0));
+            self.forget_moved();
         }
         for ((((path, cleared), released), motions), fifo) in
             self.fifos.iter_mut().zip(sampled.cleared).zip(sampled.released).zip(sampled.done).zip(0u8..)
@@ -339,16 +434,18 @@ impl CrdShadow {
                     let look = path.look;
                     *path = PathShadow { cleared, look, ..PathShadow::default() };
                 }
-            } else if !path.loose && (quiet || done(path.last)) {
+                continue;
+            }
+            // What is in flight changes nothing of that at standstill.
+            path.settle(motions);
+            if quiet && !path.loose || path.is_told(view) {
                 // Entries in flight, as a Stop, change nothing of it at standstill. A wait that a
                 // Stop has ended is over for the tick, but not for the path.
                 let waits = sampled.rest == PathStop::Stopped && sampled.fifo == fifo && path.data.given != 0;
                 path.data.open = path.data.given != released || waits;
-                // What is left are no motions: the next one begins where the path is.
-                if self.renamed && fifo == self.fifo && path.data.motions == motions {
-                    path.data.position = [f64::NAN; DIMENSIONS];
+                if quiet {
+                    path.data.stand_at(&position_of(&sampled.position));
                 }
-                self.renamed &= fifo != self.fifo;
                 self.fed &= fifo != self.fifo;
             }
         }

@@ -115,6 +115,8 @@ pub struct Fifo {
     pub gears: Vec<Gear>,
     /// The entries before this one have been executed.
     told: usize,
+    /// A Stop ended the wait for the move in progress.
+    waited: bool,
     /// So many entries were there at the tick before.
     seen: usize,
     /// Where it was left, if it was left within its data.
@@ -133,6 +135,22 @@ impl Fifo {
             }
         }
         axes
+    }
+
+    /// Whether all that is left of the first so many entries takes no time.
+    fn takes_no_time(&self, held: usize) -> bool {
+        // The axis of a move that was waited for may be there by now.
+        let over = |index: usize, entry: &Entry| {
+            let waited = self.waited && index == self.next;
+            entry.takes_no_time() || *entry == Entry::Delay(0.0) || waited
+        };
+        (self.next..held).all(|index| over(index, &self.entries[index]))
+    }
+
+    /// Axes that go along with a motion in which it was left.
+    pub fn geared_within(&self) -> Vec<usize> {
+        let within = self.done > 0.0 && matches!(self.entries.get(self.next), Some(Entry::Motion(..)));
+        self.gears.iter().filter(|_| within).map(|gear| gear.axis).collect()
     }
 
     /// The axes that its entries move.
@@ -416,9 +434,10 @@ impl Crd {
         self.rested = Some((self.now, self.brakes));
         (self.runs, self.brakes, self.speed, self.plan) = (false, false, 0.0, None);
         self.rest = Some(rest);
-        self.waits = None;
+        let waited = self.waits.take().is_some();
         let place = self.place;
         let of = &mut self.fifos[self.fifo];
+        of.waited = waited;
         of.gears.iter_mut().for_each(|gear| gear.base = None);
         of.left = (of.waiting() > 0).then_some(place);
     }
@@ -494,14 +513,12 @@ impl Crd {
             }
         }
         let of = &mut self.fifos[self.fifo];
-        let ends = |entry: &Entry| entry.takes_no_time() || *entry == Entry::Delay(0.0);
-        self.dry = of.entries[..of.seen].get(of.next..).is_none_or(|rest| rest.iter().all(ends));
+        self.dry = of.takes_no_time(of.seen);
         of.seen = of.entries.len();
         if self.runs && self.now >= until {
             // What comes at the instant of a tick is reached there.
             let of = &self.fifos[self.fifo];
-            let rest = &of.entries[of.next..];
-            self.open |= rest.iter().all(ends);
+            self.open |= of.takes_no_time(of.entries.len());
         }
     }
 

@@ -20,7 +20,8 @@
 //! | off command, off entry | `Off` |
 //! | a mapped path rests by a Stop | `Held`, whoever lit it; `Off` if its entries ran out while it braked |
 //! | a path's entries run out | `Off` for what they lit, and for what follows its speed |
-//! | a path starts | see "what brings light"; after CrdClear it drops what it held |
+//! | a path starts | see "what brings light" |
+//! | a FIFO is cleared | `Off`, if it held the light |
 //! | a Stop that finds its mapped paths at rest | `Off` |
 //! | the follow ends, or another one replaces it | `Waits` becomes `Off` |
 //! | a cause of SPEC 9 | `Off`, at once. A lost link: `Held` by the paths that run |
@@ -139,6 +140,8 @@ pub(super) enum Fact {
     Entry { on: bool, run: Run },
     /// A path starts; `resumes`: its FIFO goes on where it was stopped.
     Starts { run: Run, resumes: bool },
+    /// A FIFO is cleared while its path is at standstill: it does not go on.
+    Clears { run: Run },
     /// A path has come to rest.
     Rests { run: Run, end: End },
     /// A Stop for these, of which each has been set up.
@@ -289,6 +292,14 @@ impl Owner {
             Fact::Entry { on: true, run } => self.entry_on(run.crd),
             Fact::Entry { on: false, .. } => self.off(),
             Fact::Starts { run, resumes } => self.start(run, resumes),
+            Fact::Clears { run } => {
+                if let Light::Held(_, by) = self.light
+                    && by.has(run)
+                {
+                    self.light = Light::Off;
+                }
+                Order::Keep
+            }
             Fact::Rests { run, end } => self.rest(run, end),
             Fact::Stops { crds } => {
                 self.stopping.0 |= crds.0 & self.running.0;

@@ -304,6 +304,11 @@ impl Lasers {
         self.hear(at, Fact::Starts { run, resumes });
     }
 
+    /// A FIFO of a path at standstill is cleared.
+    pub(crate) fn fifo_cleared(&mut self, run: Run, at: Ns) {
+        self.hear(at, Fact::Clears { run });
+    }
+
     /// A Stop for these, of which each has been set up, at rest or not.
     pub(crate) fn crd_stops(&mut self, crds: CrdMask, at: Ns) {
         if crds.0 != 0 {

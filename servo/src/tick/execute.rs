@@ -231,9 +231,9 @@ impl<const AXES: usize> Tick<AXES> {
                 }
             }
             Op::PtLoop { axis, passes } => self.one(axis, |state| state.set_passes(passes)),
-            Op::CrdFrame { crd, frame } => self.set_frame(crd, frame, lanes.paths),
+            Op::CrdFrame { crd, frame } => self.set_frame(crd, frame, next, lanes.paths),
             Op::CrdCommit { crd, fifo, end, cleared } => self.commit_path(crd, fifo, end, cleared),
-            Op::CrdClear { crd, fifo } => self.clear_path(crd, fifo),
+            Op::CrdClear { crd, fifo } => self.clear_path(crd, fifo, next),
             Op::CrdStart { crds, fifo1 } => self.start_crds((lane, entry.seq), crds, fifo1, next, lanes),
             Op::CrdStopDec { crd, dec } => self.set_crd_stop(crd, dec),
             Op::CrdRate { crd, rate } => self.set_rate(crd, rate, next, lanes),

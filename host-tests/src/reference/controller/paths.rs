@@ -386,6 +386,12 @@ impl Controller {
                 let axis = &self.axes[axis];
                 check(axis.mode == Mode::Crd && axis.crd == Some((core, crd)) && !axis.runs() && !axis.blocked())?;
             }
+            // A motion that was interrupted takes its geared axes along again.
+            let geared = self.crd(core, crd)?.fifos[fifo(crd)].geared_within();
+            for axis in geared {
+                let axis = &self.axes[axis];
+                check(axis.mode != Mode::Crd && !axis.runs() && !axis.blocked())?;
+            }
             check(waiting > 0)?;
         }
         for crd in named() {

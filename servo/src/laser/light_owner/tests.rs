@@ -75,6 +75,7 @@ fn possible(state: &Owner) -> Vec<Fact> {
             let run = run(crd, fifo);
             if !state.running.has(crd) {
                 facts.extend([false, true].map(|resumes| Fact::Starts { run, resumes }));
+                facts.push(Fact::Clears { run });
             } else if state.fifo1.has(crd) == (fifo == 1) {
                 facts.extend([false, true].map(|on| Fact::Entry { on, run }));
                 facts.extend([End::RanOut, End::Stopped, End::Failed].map(|end| Fact::Rests { run, end }));
@@ -166,7 +167,8 @@ fn check_step(before: &Owner, fact: Fact, after: &Owner, orders: &[Order]) {
     assert!(!dark || !is, "it stays lit: {}", why());
     let forgets =
         matches!(fact, Fact::Abort { .. } | Fact::Withdraw | Fact::PowerOn | FAULT | Fact::Command { on: false });
-    assert!(!forgets || after.light == Light::Off, "light could come back: {}", why());
+    let cleared = matches!((fact, before.light), (Fact::Clears { run }, Light::Held(_, by)) if by.has(run));
+    assert!(!forgets && !cleared || after.light == Light::Off, "light could come back: {}", why());
     if let Fact::Entry { on: true, run } = fact
         && before.vetoed
         && before.stopping.has(run.crd)

@@ -48,7 +48,7 @@ pub(crate) enum Halt {
 
 impl<const AXES: usize> Tick<AXES> {
     /// SetCrdPrm, at rest.
-    pub(crate) fn set_frame(&mut self, crd: Crd, frame: Frame, paths: PathStores<'_>) {
+    pub(crate) fn set_frame(&mut self, crd: Crd, frame: Frame, next: Ns, paths: PathStores<'_>) {
         let axes = frame.mask();
         let known = paths.get(crd.index()).is_some() && axes.0 & !self.in_use(axes).0 == 0;
         let moving =
@@ -57,6 +57,7 @@ impl<const AXES: usize> Tick<AXES> {
             return;
         }
         self.drop_frame(crd);
+        (0..2).for_each(|fifo| self.lasers.fifo_cleared(Run { crd, fifo }, next));
         let mut taken = false;
         for axis in axes.axes() {
             if let Some(state) = self.axes.get_mut(axis.index()) {
@@ -176,10 +177,11 @@ impl<const AXES: usize> Tick<AXES> {
     }
 
     /// Empties a FIFO, at rest.
-    pub(crate) fn clear_path(&mut self, crd: Crd, fifo: u8) {
+    pub(crate) fn clear_path(&mut self, crd: Crd, fifo: u8, next: Ns) {
         if self.crds.running.has(crd) {
             return;
         }
+        self.lasers.fifo_cleared(Run { crd, fifo }, next);
         if let Some(state) = self.crds.get_mut(crd) {
             state.path.clear(fifo);
             let published = &mut state.published;
