@@ -310,9 +310,10 @@ impl CrdShadow {
         self.forget_moved();
     }
 
-    /// Axes of data that was cleared before it ran.
+    /// Axes of data that was cleared before it ran, or whose clear is executed, are not moved by it
+    /// any more.
     fn forget_moved(&mut self) {
-        if self.busy.is_none() {
+        if self.busy.is_none() || self.fifos.iter().all(|path| path.emptied.is_none()) {
             self.beside = AxisMask(self.fifos.iter().fold(0, |mask, path| mask | path.data.beside.0));
         }
     }
@@ -413,6 +414,10 @@ impl CrdShadow {
         self.busy = over(self.busy);
         let done = |seq: Option<u32>| seq.is_none_or(|seq| executed(view, seq));
         let quiet = done(self.last);
+        for path in &mut self.fifos {
+            path.emptied = path.emptied.filter(|&seq| !executed(view, seq));
+        }
+        self.forget_moved();
         if self.busy.is_some() || sampled.runs {
             if done(self.busy) && sampled.fifo == self.fifo {
                 self.follow_running(view, sampled, quiet);
@@ -421,12 +426,10 @@ impl CrdShadow {
         }
         if quiet {
             (self.here, self.last) = (None, None);
-            self.forget_moved();
         }
         for ((((path, cleared), released), motions), fifo) in
             self.fifos.iter_mut().zip(sampled.cleared).zip(sampled.released).zip(sampled.done).zip(0u8..)
         {
-            path.emptied = path.emptied.filter(|&seq| !executed(view, seq));
             if path.cleared != cleared {
                 if quiet {
                     // The tick has cleared it for another reason, or has not done what it was asked

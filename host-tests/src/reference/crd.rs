@@ -206,6 +206,8 @@ pub enum Rest {
 pub struct Crd {
     pub set: Option<Set>,
     pub fifos: [Fifo; 2],
+    /// Axes that cleared data may have moved, where the program does not know it.
+    pub moved: u32,
     /// The FIFO in force.
     pub fifo: usize,
     pub runs: bool,
@@ -264,6 +266,7 @@ impl Default for Crd {
         Crd {
             set: None,
             fifos: Default::default(),
+            moved: 0,
             fifo: 0,
             runs: false,
             contested: [false; 2],
@@ -326,6 +329,11 @@ fn braked(speed: f64, left: f64, limits: &Rates, dec: f64) -> Profile {
 }
 
 impl Crd {
+    /// The axes that its entries move.
+    pub fn moves(&self) -> u32 {
+        self.fifos.iter().fold(0, |mask, fifo| mask | fifo.moves())
+    }
+
     /// Begin of the next data.
     pub fn begin(&self, fifo: usize) -> Option<[f64; 4]> {
         let of = &self.fifos[fifo];

@@ -182,9 +182,19 @@ impl Controller {
         })
     }
 
+    /// Whether all comes to rest after an Abort in this tick, or has just done so.
+    fn is_about_to_rest(&self) -> bool {
+        let tick = self.tick_ns as f64 / 1e6;
+        let rests = |axis: usize| {
+            let axis = &self.axes[axis];
+            axis.v.to_f64().abs() <= axis.stop_dec * tick + 1e-6
+        };
+        self.rested > 0 || self.aborted != 0 && members(self.aborted).all(rests)
+    }
+
     fn switch(&mut self, number: usize, on: bool, after: &Channel) -> Answer {
-        if on && self.rested > 0 {
-            self.open = Some("light just after the end of an Abort");
+        if on && self.is_about_to_rest() {
+            self.open = Some("light at the end of an Abort");
         }
         check(!on || after.owner.output && after.owner.fault == 0 && self.aborted == 0)?;
         self.light.calls.push(Act::Gate(number, on));
@@ -230,6 +240,10 @@ impl Controller {
 
     /// Channels, from the tick before to this one.
     pub(super) fn step_light(&mut self, before: i64, now: i64) {
+        let on = |(_, act): &(f64, Act)| matches!(act, Act::Entry(_, _, Command::Gate(true), _));
+        if self.is_about_to_rest() && self.light.between.iter().any(on) {
+            self.open = Some("light at the end of an Abort");
+        }
         self.rested = self.rested.saturating_sub(1);
         self.light.step(before as f64 / 1e6, now as f64 / 1e6);
         self.open = self.open.or(self.light.open);

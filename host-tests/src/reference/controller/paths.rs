@@ -127,9 +127,11 @@ impl Controller {
                 return self.set_frame((core, *crd), axes, (*vel, *acc), *even_ms, origin.as_deref());
             }
             Path::Clear { crd, fifo } => {
+                let moved = self.may_have_moved((core, *crd));
                 let of = self.crd(core, *crd)?;
                 of.contested[0] = of.runs;
                 either(!of.runs, (0..2).contains(fifo))?;
+                of.moved = moved;
                 of.fifos[*fifo as usize] = Default::default();
                 if core == 1 {
                     self.light.calls.push(Act::Cleared(*crd as usize - 1, *fifo as usize));
@@ -365,7 +367,8 @@ impl Controller {
         }
         let frame = Frame { speed, acc, even_ms: f64::from(even_ms) };
         let set = Some(Set { frame, axes: of, zero });
-        let crd = Crd { set, place, stop_dec: acc, certain: self.unsettled == 0 && origin.is_none(), ..Crd::default() };
+        let moved = self.may_have_moved(name);
+        let crd = Crd { set, place, moved, stop_dec: acc, certain: self.unsettled == 0 && origin.is_none(), ..Crd::default() };
         self.crds.insert(name, crd);
         DONE
     }
@@ -419,7 +422,12 @@ impl Controller {
 
     /// Whether a path that runs has entries that move some of these axes.
     pub(super) fn may_set_off(&self, axes: u32) -> bool {
-        self.crds.values().filter(|of| of.runs).any(|of| of.fifos.iter().any(|fifo| fifo.moves() & axes != 0))
+        self.crds.values().filter(|of| of.runs).any(|of| (of.moved | of.moves()) & axes != 0)
+    }
+
+    /// The axes that data which is cleared now may have moved, as far as a program knows.
+    fn may_have_moved(&self, name: Name) -> u32 {
+        self.crds.get(&name).filter(|_| self.unsettled != 0).map_or(0, |of| of.moved | of.moves())
     }
 
     /// A Stop: where paths are may be known later than it is so.
