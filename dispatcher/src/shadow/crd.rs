@@ -89,21 +89,59 @@ pub struct PathData {
     /// The gear with the largest displacement, and that displacement, pulses.
     pub geared: Axis,
     pub gear: u32,
-    /// Coordinates that its motions take to a target of their own, a bit each. The others stay
-    /// where the path is.
-    pub sets: u8,
-    /// The same of its last motion alone.
-    pub sets_last: u8,
+    /// Motions after the last one that takes a coordinate to a target of its own, four bits for
+    /// each: up to [`Ages::MANY`], or [`Ages::NEVER`]. Without a target it stays where the path is.
+    ages: Ages,
     /// Highest speed at the end of the last motion, pulse/ms, rounded down. Without look-ahead the
     /// next one may begin faster than its own speed.
     pub leaves: f32,
 }
 
+/// See [`PathData`].
+#[derive(Debug, Clone, Copy)]
+struct Ages(u16);
+
+impl Default for Ages {
+    fn default() -> Self {
+        Ages(u16::MAX)
+    }
+}
+
+impl Ages {
+    const NEVER: u16 = 15;
+    /// So many, or more.
+    const MANY: u16 = 14;
+
+    fn each(self) -> [u16; DIMENSIONS] {
+        [0, 4, 8, 12].map(|shift| self.0 >> shift & 15)
+    }
+    fn of(ages: [u16; DIMENSIONS]) -> Ages {
+        Ages(ages.iter().rev().fold(0, |all, age| all << 4 | age))
+    }
+    /// After a motion that sets these coordinates, a bit each.
+    fn after(self, sets: u8) -> Ages {
+        let mut ages = self.each();
+        for (index, age) in ages.iter_mut().enumerate() {
+            *age = if sets >> index & 1 == 1 { 0 } else { *age + u16::from(*age < Ages::MANY) };
+        }
+        Ages::of(ages)
+    }
+    /// Those of the last so many motions alone, and whether they are sure.
+    fn ahead(self, motions: u32) -> (Ages, bool) {
+        let mut sure = true;
+        let ages = self.each().map(|age| {
+            sure &= age != Ages::MANY || motions <= u32::from(Ages::MANY);
+            if u32::from(age) < motions { age } else { Ages::NEVER }
+        });
+        (Ages::of(ages), sure)
+    }
+}
+
 impl PathData {
     /// Takes in a motion that ends here, and that sets these coordinates.
     pub fn add_motion(&mut self, end: Position, sets: u8) {
-        let before = if self.open { self.sets } else { 0 };
-        (self.sets, self.sets_last) = (before | sets, sets);
+        let before = if self.open { self.ages } else { Ages::default() };
+        self.ages = before.after(sets);
         (self.given, self.motions) = (self.given.wrapping_add(1), self.motions.wrapping_add(1));
         (self.open, self.position, self.gears.0, self.gear) = (true, end, 0, 0);
     }
@@ -111,15 +149,16 @@ impl PathData {
     /// after it begins there.
     pub fn add_entry(&mut self, begin: Position) {
         if !self.open {
-            (self.sets, self.position) = (0, begin);
+            (self.ages, self.position) = (Ages::default(), begin);
         }
         (self.given, self.open) = (self.given.wrapping_add(1), true);
     }
     /// The path moves beside this data, or gets another name: where it has no target it is not
     /// known any more.
     fn forget_position(&mut self) {
-        let others = self.position.iter_mut().enumerate().filter(|(index, _)| self.sets >> index & 1 == 0);
-        others.for_each(|(_, at)| *at = f64::NAN);
+        let ages = self.ages;
+        let others = self.position.iter_mut().zip(ages.each()).filter(|(_, age)| *age == Ages::NEVER);
+        others.for_each(|(at, _)| *at = f64::NAN);
     }
     /// The path stands here: it is known where it has no target.
     fn stand_at(&mut self, here: &Position) {
@@ -157,15 +196,12 @@ impl PathShadow {
     }
     /// So many of its motions were over when its path came to standstill.
     fn settle(&mut self, over: u32) {
-        if self.data.motions == over {
-            (self.data.sets, self.data.sets_last) = (0, 0);
-            if self.left {
-                self.data.forget_position();
-            }
-            self.left = false;
+        let (ages, sure) = self.data.ages.ahead(self.data.motions.wrapping_sub(over));
+        self.data.ages = ages;
+        if self.left {
+            self.data.forget_position();
         }
-        // Its last motion is ahead, but those that alone set a coordinate may be over.
-        self.left &= self.data.sets != self.data.sets_last;
+        self.left &= !sure;
     }
 }
 
@@ -291,10 +327,8 @@ impl CrdShadow {
     /// The path moves beside a FIFO, or is renamed.
     fn leave(&mut self, fifo: u8) {
         let within = fifo == self.fifo && (self.stopped || self.fed);
-        let shown = self.busy.is_none();
         let path = self.path_mut(fifo);
-        let sure = shown && path.data.sets == path.data.sets_last;
-        path.left |= within && path.data.open && !sure;
+        path.left |= within && path.data.open;
         path.data.forget_position();
     }
 
