@@ -318,3 +318,59 @@ fn a_stop_just_before_a_path_sends_the_axis_on() {
         }
     }
 }
+
+/// An arc after a delay began where the path had stood when the delay was given: not where the other FIFO, or a new name, had
+/// taken it since.
+#[test]
+fn an_arc_after_a_delay_begins_where_the_path_is() {
+    let ready = [plain(Kind::AxisOn, 0), plain(Kind::AxisOn, 1), frame(None)];
+    let delay = path(Path::Delay { crd: 1, ms: 6, fifo: 0 });
+    let go = |fifo: i16| [path(Path::Start { mask: 1, option: fifo }), Call::Sleep { ns: 60 * MS }];
+    let other = [&[arc([-12, 22], 1)][..], &go(1)].concat();
+    let ran = [&[line(vec![30, 20])][..], &go(0)].concat();
+    let renamed = [plain(Kind::ZeroPos, 0), Call::Sleep { ns: 4 * MS }];
+    let arcs = [&[arc([4, -8], 0)][..], &go(0)].concat();
+    let one = std::slice::from_ref(&delay);
+    for tick_us in [250, 1000] {
+        agrees(tick_us, &[&ready[..], one, &other, &arcs].concat());
+        agrees(tick_us, &[&ready[..], &ran, one, &other, &arcs].concat());
+        agrees(tick_us, &[&ready[..], &ran, one, &renamed, &arcs].concat());
+    }
+}
+
+/// After a Stop in a path whose motions do not all set the same coordinates, an arc begins where those that are ahead end.
+#[test]
+fn an_arc_after_motions_that_set_different_coordinates() {
+    let axes = vec![0, 1, 2];
+    let set = path(Path::Set { crd: 1, axes, vel: 50.0, acc: 4.9, even_ms: 0, origin: None });
+    let speeds = Speeds { vel: 9.7, acc: 2.3, end: 0.0 };
+    let far = path(Path::Line { crd: 1, to: vec![30, 20, 10], speeds, fifo: 0 });
+    let bend = |plane, to: [i32; 2]| {
+        path(Path::Arc { crd: 1, plane, to, round: Cycle::Radius(90.0), ccw: true, speeds, fifo: 0 })
+    };
+    let ready = [0, 1, 2].map(|axis| plain(Kind::AxisOn, axis));
+    let start = path(Path::Start { mask: 1, option: 0 });
+    for ms in [2, 6, 8, 10, 12, 30] {
+        for name in [0, 1, 2] {
+            let calls = [
+                set.clone(),
+                far.clone(),
+                bend(Plane::YZ, [25, 14]),
+                start.clone(),
+                Call::Sleep { ns: ms * MS },
+                Call::Stop { mask: 1, abrupt: 0 },
+                path(Path::Wait { mask: 1 }),
+                plain(Kind::ZeroPos, name),
+                Call::Sleep { ns: 4 * MS },
+                bend(Plane::XY, [35, 27]),
+                bend(Plane::YZ, [3, -4]),
+                start.clone(),
+                Call::Sleep { ns: 20 * MS },
+            ];
+            // Where the Stop falls on a boundary is open.
+            if let Some(report) = finding(&mut None, &gus(), 1000, &[&ready[..], &calls].concat(), &mut Tally::new()) {
+                panic!("{report}");
+            }
+        }
+    }
+}

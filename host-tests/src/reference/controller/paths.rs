@@ -368,7 +368,14 @@ impl Controller {
         let frame = Frame { speed, acc, even_ms: f64::from(even_ms) };
         let set = Some(Set { frame, axes: of, zero });
         let moved = self.may_have_moved(name);
-        let crd = Crd { set, place, moved, stop_dec: acc, certain: self.unsettled == 0 && origin.is_none(), ..Crd::default() };
+        let crd = Crd {
+            set,
+            place,
+            moved,
+            stop_dec: acc,
+            certain: self.unsettled == 0 && origin.is_none(),
+            ..Crd::default()
+        };
         self.crds.insert(name, crd);
         DONE
     }
