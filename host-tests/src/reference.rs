@@ -32,7 +32,7 @@ mod tests;
 
 pub use axis::{Axis, Mode};
 pub use call::{Call, Kind, Site};
-pub use controller::{Controller, Edge, Program, Reply, Row, Value};
+pub use controller::{Controller, Edge, Program, Reply, Row, Session, Value};
 pub use curve::Curve;
 pub use effect::{Effect, Levels};
 pub use follow::{Datum, Item};

@@ -23,6 +23,10 @@ pub enum Call {
     WaitStop {
         mask: u32,
     },
+    /// Between two programs: none holds it.
+    SetTick {
+        us: i32,
+    },
     Axis {
         kind: Kind,
         axis: usize,
@@ -277,7 +281,7 @@ impl Call {
             _ => {}
         }
         match *self {
-            Call::Sleep { .. } | Call::Effect(_) | Call::Light(_) | Call::Ex(_) => 0,
+            Call::Sleep { .. } | Call::SetTick { .. } | Call::Effect(_) | Call::Light(_) | Call::Ex(_) => 0,
             Call::Path(_) | Call::Abort { .. } | Call::Reset { .. } => 0,
             Call::WaitStop { mask }
             | Call::SynchAxisPos { mask }
@@ -356,6 +360,8 @@ impl Site {
         };
         let written = match call {
             Call::Sleep { ns } => return format!("Sleep({});", *ns as f64 / 1e6),
+            // A job has one tick.
+            Call::SetTick { us } => return format!("// GT_SetTick({us});"),
             Call::WaitStop { mask } => {
                 let (core, bits) = self.mask(*mask);
                 return format!("WaitStop({core},{bits},0);");

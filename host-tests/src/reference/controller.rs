@@ -13,6 +13,7 @@ mod plain;
 mod pt;
 mod pvt;
 mod reads;
+mod session;
 mod tally;
 mod work;
 
@@ -26,6 +27,8 @@ use super::number::Fix;
 use super::path::{Path, PathCall};
 use super::pvt::Table;
 use answer::EITHER;
+use session::Between;
+pub use session::Session;
 use std::collections::BTreeMap;
 use work::Work;
 
@@ -76,6 +79,8 @@ pub struct Program {
     pub refused: Vec<usize>,
     /// From tick 0 on, a row an axis.
     pub rows: Vec<Vec<Row>>,
+    /// Instants of the rows, ns.
+    pub times: Vec<i64>,
     /// General and analog outputs in force, from tick 0 on.
     pub outputs: Vec<Levels>,
     /// Changes of general outputs.
@@ -123,6 +128,8 @@ pub struct Controller {
     /// PVT tables by core and number.
     tables: BTreeMap<(i16, i16), Table>,
     tick_ns: i64,
+    /// Its SetTicks, as they went.
+    sessions: Vec<Session>,
     #[allow(clippy::vec_box, reason = "axes change places in every tick, and are long")]
     axes: Vec<Box<Axis>>,
     /// What begins where the motion before has come to in this tick.
@@ -168,7 +175,7 @@ impl Controller {
         let then = vec![None; axes.len()];
         let cores = site.axes.iter().map(|axis| axis.0).collect();
         let tables = BTreeMap::new();
-        let machine = encoders::Machine::new(tick_ns, &axes);
+        let machine = encoders::Machine::new(&axes);
         Controller {
             site: site.clone(),
             machine,
@@ -190,6 +197,7 @@ impl Controller {
             cores,
             tables,
             tick_ns,
+            sessions: Vec::new(),
             axes,
             then,
             reads: Vec::new(),
@@ -206,6 +214,12 @@ impl Controller {
         self
     }
 
+    /// With the instants of its SetTicks as they were recorded, in their order.
+    pub fn with_sessions(mut self, recorded: Vec<Session>) -> Controller {
+        self.sessions = recorded;
+        self
+    }
+
     /// With output levels as they are before the program.
     pub fn with_outputs(mut self, levels: Levels) -> Controller {
         self.levels = levels;
@@ -216,16 +230,23 @@ impl Controller {
     pub fn run(mut self, calls: &[Call], tail: usize, most: usize) -> Program {
         let mut program = Program { replies: vec![Reply::Open; calls.len()], ..Program::default() };
         program.rows.push(self.rows());
+        program.times.push(0);
         program.outputs.push(self.levels.clone());
-        self.encoders(0);
+        self.encoders(0, self.tick_ns);
         self.axes.iter_mut().for_each(|axis| axis.encoder_zero = axis.encoder[1]);
         let (mut clock, mut waiting, mut next, mut left) = (0, None, 0, tail);
         let mut first = 0;
+        let (mut now, mut ticks_set) = (0, 0);
+        let mut between: Option<Between> = None;
         for number in 1..=most {
-            let (before, now) = ((number as i64 - 1) * self.tick_ns, number as i64 * self.tick_ns);
+            let before = now;
+            if let Some(us) = between.as_mut().and_then(|between| between.change(before)) {
+                self.tick_ns = us * 1000;
+            }
+            now = before + self.tick_ns;
             let earlier = std::mem::replace(&mut first, next);
             self.waits = 0;
-            self.encoders(number);
+            self.encoders(number, now - before);
             for axis in &mut self.axes {
                 if axis.sample()
                     && let Some(crd) = axis.light_crd()
@@ -234,12 +255,17 @@ impl Controller {
                 }
             }
             let mut work = Work::of(self.tick_ns);
-            while waiting.is_none() && next < calls.len() && clock < now {
+            while waiting.is_none() && between.is_none() && next < calls.len() && clock < now {
                 if !work.takes(&calls[next]) {
                     self.open = Some("more work than a tick takes");
                     break;
                 }
                 match &calls[next] {
+                    Call::SetTick { us } => {
+                        between = Some(Between::new(*us, self.sessions.get(ticks_set).copied(), now, self.tick_ns));
+                        ticks_set += 1;
+                        break;
+                    }
                     Call::Sleep { ns } => {
                         clock += ns;
                         if *ns >= SETTLED && self.unsettled == 1 {
@@ -279,7 +305,7 @@ impl Controller {
                 }
                 next += 1;
             }
-            let acts = calls[first..next].iter().any(|call| !matches!(call, Call::Sleep { .. }));
+            let acts = calls[first..next].iter().any(|call| !matches!(call, Call::Sleep { .. } | Call::SetTick { .. }));
             if acts && let Some(why) = self.axes.iter().find_map(|axis| axis.open) {
                 self.open = Some(why);
             }
@@ -304,6 +330,15 @@ impl Controller {
                 self.open = Some("a call that needs standstill, just before its axis comes to rest");
             }
             self.answer(&mut program, now);
+            if let Some(of) = &mut between {
+                self.open = self.open.or(of.look(&self.axes, now));
+                if let Some(reply) = of.reply(now) {
+                    *self.used.entry(of.tally()).or_default() += 1;
+                    program.replies[next] = reply;
+                    (clock, between, next) = (of.zero(), None, next + 1);
+                }
+            }
+            program.times.push(now);
             program.rows.push(self.rows());
             program.outputs.push(self.levels.clone());
             if let Some(mask) = waiting {

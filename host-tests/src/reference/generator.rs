@@ -141,7 +141,7 @@ impl Making<'_> {
 
     fn phrase(&mut self) {
         let axis = self.axis();
-        match self.below(34) {
+        match self.below(35) {
             29 => self.lights(),
             30..33 => self.marks(axis),
             33 => self.abort_or_reset(),
@@ -162,6 +162,7 @@ impl Making<'_> {
             11 => self.braking(axis),
             12 | 13 => self.during(axis),
             14 => self.zero(axis),
+            34 => self.tick(),
             15 => self.stop(),
             16 => self.read(axis),
             17 => self.any(axis),

@@ -1,7 +1,7 @@
 //! The virtual controller under a program: every call is an entry of the program queue that may fail, and every tick's
 //! set-points and status words are kept.
-use client::{Answer, Client, Link, Observer, Options, Profile};
-use host_tests::reference::{Call, Effect, Family, Fix, Kind, Points, Site};
+use client::{Answer, Client, Link, Options, Profile};
+use host_tests::reference::{Call, Effect, Family, Fix, Kind, Points, Session, Site};
 use protocol::command::*;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
@@ -12,6 +12,8 @@ mod effects;
 mod light;
 #[path = "machine/paths.rs"]
 mod paths;
+#[path = "machine/sessions.rs"]
+mod sessions;
 
 use plant::beam::Change;
 use virtual_board::{Beam, Board, Config, Edge, Output, Shared, share};
@@ -119,6 +121,9 @@ pub struct Told {
     pub late: u32,
     /// From tick 0 of the program on.
     pub rows: Vec<Vec<Seen>>,
+    /// Instants of the rows, ns from the first program's zero, and what lay between programs.
+    pub times: Vec<i64>,
+    pub sessions: Vec<Session>,
     pub more: Vec<More>,
     /// Changes of general outputs: ns of the program, from 0, level.
     pub edges: Vec<(i64, u8, bool)>,
@@ -132,15 +137,6 @@ pub struct Rig {
     record: Arc<Mutex<Record>>,
     pub site: Site,
     pub tick_us: u32,
-}
-
-struct Kept(Vec<Answer>);
-
-impl Observer for Kept {
-    fn answered(&mut self, answer: Answer) -> client::Result<()> {
-        self.0.push(answer);
-        Ok(())
-    }
 }
 
 impl Rig {
@@ -185,18 +181,9 @@ impl Rig {
             record.rows.clear();
             record.more.clear();
         }
-        let mut all: Vec<client::Call> = calls.iter().map(|call| wire(&self.site, call)).collect();
-        for call in &mut all {
-            call.may_fail = true;
-        }
-        let mut kept = Kept(Vec::new());
-        let summary = self.client.run(all, false, &mut kept).map_err(|error| format!("{error:?}"))?;
-        if let Some(failed) = summary.failed {
-            return Err(format!("entry {}: {} {:?}", failed.index, failed.code, failed.error));
-        }
-        let late = summary.progress.queue.late.get();
+        let ran = sessions::run(self, calls)?;
         self.client.sleep(Duration::from_millis(12)).map_err(|error| format!("{error:?}"))?;
-        let zero = self.board.lock().unwrap().program_zero_ns();
+        let zero = ran.zero;
         // Nothing may run on into the next program.
         for core in 1..=self.cores() {
             self.client.call(Reset { core: core.into() }).map_err(|error| format!("{error:?}"))?;
@@ -217,9 +204,12 @@ impl Rig {
         let (rows, mut more) = (std::mem::take(&mut record.rows), std::mem::take(&mut record.more));
         drop(record);
         more.drain(..rows.iter().take_while(|row| row.0 < zero).count());
-        let rows: Vec<_> = rows.into_iter().filter(|row| row.0 >= zero).map(|row| row.1).collect();
+        let rows: Vec<_> = rows.into_iter().filter(|row| row.0 >= zero).collect();
+        let times: Vec<i64> = rows.iter().map(|row| (row.0 - zero) as i64).collect();
+        let sessions = ran.sessions(&times);
+        let rows: Vec<_> = rows.into_iter().map(|row| row.1).collect();
         let begin = rows.first().map(|row| row.iter().map(|seen| seen.0).collect()).unwrap_or_default();
-        Ok(Told { begin, answers: kept.0, rows, more, edges, gates, late })
+        Ok(Told { begin, answers: ran.answers, rows, times, sessions, more, edges, gates, late: ran.late })
     }
 }
 
@@ -237,6 +227,7 @@ pub fn wire(site: &Site, call: &Call) -> client::Call {
         Call::Path(of) => return paths::wire(site, of),
         &Call::Abort { core } => return client::Call::of(Abort { core: core.into() }),
         &Call::Reset { core } => return client::Call::of(Reset { core: core.into() }),
+        &Call::SetTick { us } => return client::Call::of(SetTick { tick_us: us.into() }),
         _ => {}
     }
     use client::Call as Wire;
@@ -387,6 +378,7 @@ pub fn wire(site: &Site, call: &Call) -> client::Call {
         | Call::Light(_)
         | Call::Abort { .. }
         | Call::Reset { .. }
+        | Call::SetTick { .. }
         | Call::Effect(_) => unreachable!("done above"),
         Call::PvtTableSelect { axis, table } => {
             let (core, profile) = at(axis);
