@@ -30,7 +30,7 @@ mod slave;
 #[cfg(test)]
 mod tests;
 
-pub use axis::{Axis, Mode};
+pub use axis::{Axis, Mode, terminal};
 pub use call::{Call, Kind, Site};
 pub use controller::{Controller, Edge, Program, Reply, Row, Session, Value};
 pub use curve::Curve;

@@ -52,6 +52,9 @@ const NEEDED: &[&str] = &[
     "paths ended",
     "ticks of paths",
     "tick periods set between programs",
+    "motions ended by a limit switch",
+    "captures read",
+    "why axes stopped",
 ];
 
 fn number(name: &str, default: u64) -> u64 {

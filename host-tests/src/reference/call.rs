@@ -192,6 +192,23 @@ pub enum Call {
         axis: usize,
         table: bool,
     },
+    /// SimInput of an input of an axis.
+    Terminal {
+        axis: usize,
+        kind: i16,
+        level: bool,
+    },
+    /// LmtsOn and LmtsOff with types 0, 1 and −1, AlarmOn and AlarmOff with type 2.
+    Guard {
+        axis: usize,
+        kind: i16,
+        on: bool,
+    },
+    /// SetCaptureMode.
+    SetCapture {
+        axis: usize,
+        mode: i16,
+    },
     /// Outputs and inputs.
     Effect(Effect),
     Light(LightCall),
@@ -238,6 +255,8 @@ pub enum Kind {
     GetPtMemory,
     PvtStatus,
     GetSts,
+    GetStopReason,
+    GetCaptureStatus,
     GetEncPos,
     GetEncVel,
     GetPrfPos,
@@ -320,6 +339,9 @@ impl Call {
             | Call::PvtTableSelect { axis, .. }
             | Call::FollowEntry { axis, .. }
             | Call::FollowSwitchNow { axis, .. }
+            | Call::Terminal { axis, .. }
+            | Call::Guard { axis, .. }
+            | Call::SetCapture { axis, .. }
             | Call::SetPvtLoop { axis, .. } => 1 << axis,
         }
     }
@@ -422,6 +444,15 @@ impl Site {
             Call::FollowSwitchNow { axis, table } => {
                 format!("GTN_FollowSwitchNowEx({},{},0,0)", at(axis), if *table { 2 } else { 1 })
             }
+            Call::Terminal { axis, kind, level } => {
+                let (core, axis) = self.axes[*axis];
+                format!("GTN_SimInput({core},{kind},{axis},{})", i16::from(*level))
+            }
+            Call::Guard { axis, kind: 2, on } => format!("GTN_Alarm{}({})", if *on { "On" } else { "Off" }, at(axis)),
+            Call::Guard { axis, kind, on } => {
+                format!("GTN_Lmts{}({},{kind})", if *on { "On" } else { "Off" }, at(axis))
+            }
+            Call::SetCapture { axis, mode } => format!("GTN_SetCaptureMode({},{mode})", at(axis)),
             Call::Effect(effect) => return effect.text(),
             Call::Light(of) => return of.text(number),
             Call::Abort { core } => format!("GTN_Abort({core})"),
@@ -441,6 +472,8 @@ impl Site {
             Kind::GetFollowMemory | Kind::GetFollowMemoryEx => ",&fifo",
             Kind::GetFollowEvent | Kind::GetFollowEventEx => ",&fifo,&pending,&word",
             Kind::GetFollowMaster | Kind::GetFollowMasterEx => ",&fifo,&pending,&space",
+            Kind::GetStopReason => ",&fifo",
+            Kind::GetCaptureStatus => ",&fifo,&word",
             Kind::GetSts | Kind::GetPrfMode | Kind::GetPos | Kind::GetPosErr => ",&word",
             Kind::GetPrfPos | Kind::GetPrfVel | Kind::GetPrfAcc | Kind::GetEncPos | Kind::GetEncVel => ",&value",
             Kind::GetVel => ",&value",

@@ -17,12 +17,12 @@ mod session;
 mod tally;
 mod work;
 
-use super::axis::{Aim, Axis, Mode, Motion};
+use super::axis::{self, Aim, Axis, Mode, Motion, Why};
 use super::call::{Call, Site, members};
 use super::crd::Crd;
 use super::effect::Levels;
 use super::filter::Filter;
-use super::light::{Act, GateEdge, LIMIT, Light};
+use super::light::{self as beam, Act, GateEdge, Light};
 use super::number::Fix;
 use super::path::{Path, PathCall};
 use super::pvt::Table;
@@ -109,8 +109,8 @@ pub struct Edge {
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Then {
-    /// With this deceleration.
-    Brake(f64),
+    /// With this deceleration, and why.
+    Brake(f64, Why),
     Update(Aim),
 }
 
@@ -233,6 +233,8 @@ impl Controller {
         program.times.push(0);
         program.outputs.push(self.levels.clone());
         self.encoders(0, self.tick_ns);
+        // Every run switches the limit switches off first.
+        self.axes.iter_mut().for_each(|axis| axis.terminals.on = 1 << axis::terminal::ALARM);
         self.axes.iter_mut().for_each(|axis| axis.encoder_zero = axis.encoder[1]);
         let (mut clock, mut waiting, mut next, mut left) = (0, None, 0, tail);
         let mut first = 0;
@@ -248,10 +250,12 @@ impl Controller {
             self.waits = 0;
             self.encoders(number, now - before);
             for axis in &mut self.axes {
-                if axis.sample()
-                    && let Some(crd) = axis.light_crd()
-                {
-                    self.light.calls.push(Act::Fault(crd, LIMIT));
+                let fresh = axis.sample();
+                if let Some(crd) = axis.light_crd().filter(|_| fresh != 0 && !axis.is_alarmed()) {
+                    self.light.calls.push(Act::Hit(crd, beam::LIMIT));
+                }
+                if fresh != 0 && axis.geared {
+                    self.open = Some("a limit or an alarm of a geared axis");
                 }
             }
             let mut work = Work::of(self.tick_ns);
@@ -304,6 +308,14 @@ impl Controller {
                     }
                 }
                 next += 1;
+            }
+            for axis in &mut self.axes {
+                // Also where its coordinate system or a map comes to name it.
+                let crd = axis.light_crd().filter(|_| axis.is_alarmed());
+                if let Some(crd) = crd.filter(|_| crd != axis.alarms) {
+                    self.light.calls.push(Act::Fault(crd, beam::ALARM));
+                }
+                axis.alarms = crd;
             }
             let acts = calls[first..next].iter().any(|call| !matches!(call, Call::Sleep { .. } | Call::SetTick { .. }));
             if acts && let Some(why) = self.axes.iter().find_map(|axis| axis.open) {
@@ -475,7 +487,7 @@ impl Controller {
                 open = Some("a path that comes to a soft limit");
             }
             match then.filter(|_| !axis.limited) {
-                Some(Then::Brake(dec)) => {
+                Some(Then::Brake(dec, why)) => {
                     if let (Some(Motion::Slave(slave)), Some(lead)) = (&axis.motion, &lead)
                         && slave.is_near_knot(lead)
                     {
@@ -499,6 +511,7 @@ impl Controller {
                         if axis.v.abs() < Fix(1 << 44) && axis.v != Fix::ZERO || axis.v == Fix::ZERO && !was_slave {
                             axis.open = Some("a Stop within rounding of standstill");
                         }
+                        axis.ending = why;
                         axis.smooth_stop(now, dec);
                     }
                 }
@@ -513,8 +526,13 @@ impl Controller {
             }
             self.open = self.open.or(open).or(axis.unsaid);
             self.count(&axis, was_slave);
-            if axis.limited {
-                *self.used.entry("motions ended by a soft limit").or_default() += 1;
+            if axis.limited && ran && !axis.runs() {
+                let what = match axis.why {
+                    Some(Why::Positive | Why::Negative) => "motions ended by a limit switch",
+                    Some(Why::Alarm) => "motions ended by an alarm",
+                    _ => "motions ended by a soft limit",
+                };
+                *self.used.entry(what).or_default() += 1;
             }
             if ran && !axis.runs() {
                 *self.used.entry("motions ended").or_default() += 1;
@@ -580,6 +598,7 @@ impl Controller {
             },
             Call::FollowEntry { axis, item, fifo } => self.follow_item(*axis, *item, *fifo, Mode::FollowEx),
             Call::FollowSwitchNow { axis, table } => self.follow_switch_now(*axis, *table),
+            Call::Terminal { .. } | Call::Guard { .. } | Call::SetCapture { .. } => self.terminal(call),
             Call::Effect(effect) => self.effect(index, call, effect, now),
             Call::Light(of) => self.light(index, call, of, now),
             Call::Abort { core } => self.abort(*core),

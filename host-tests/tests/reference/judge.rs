@@ -127,10 +127,13 @@ fn compare(program: &Program, told: &Told, calls: &[Call]) -> Result<(), String>
         // An entry of a path acts from its tick on or from the one after, by where in the tick it
         // lies.
         let (mine, theirs) = (&program.outputs[tick].analog, &told.more[tick].analog);
-        let next = &program.outputs[(tick + 1).min(program.outputs.len() - 1)].analog;
+        let Levels { analog: next, passed, .. } = &program.outputs[(tick + 1).min(program.outputs.len() - 1)];
         let driven = program.outputs[tick].driven;
         let differs = |channel: usize| {
-            driven >> channel & 1 == 0 && theirs[channel] != mine[channel] && theirs[channel] != next[channel]
+            driven >> channel & 1 == 0
+                && theirs[channel] != mine[channel]
+                && theirs[channel] != next[channel]
+                && !passed.contains(&(channel, theirs[channel]))
         };
         // What is open may have begun in the tick before.
         let is_known = program.open.is_none() || tick + 2 < end;

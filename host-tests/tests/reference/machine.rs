@@ -163,6 +163,11 @@ impl Rig {
     /// Runs it from power-on settings; positions of the machine stay.
     pub fn run(&mut self, calls: &[Call]) -> Result<Told, String> {
         self.client.call(SetTick { tick_us: (self.tick_us as i32).into() }).map_err(|e| format!("{e:?}"))?;
+        {
+            let mut board = self.board.lock().unwrap();
+            board.inputs_mut().general = 0;
+            board.inputs_mut().axes.iter_mut().for_each(|axis| *axis = Default::default());
+        }
         // Encoders come to rest, so that Reset names the place of the set-point.
         self.client.sleep(Duration::from_millis(25)).map_err(|error| format!("{error:?}"))?;
         for core in 1..=self.cores() {
@@ -173,7 +178,6 @@ impl Rig {
             self.client.call(all).map_err(|error| format!("{error:?}"))?;
         }
         self.client.sleep(Duration::from_millis(3)).map_err(|error| format!("{error:?}"))?;
-        self.board.lock().unwrap().inputs_mut().general = 0;
         self.board.lock().unwrap().take_edges();
         self.board.lock().unwrap().take_beam();
         {
@@ -227,6 +231,9 @@ pub fn wire(site: &Site, call: &Call) -> client::Call {
         Call::Path(of) => return paths::wire(site, of),
         &Call::Abort { core } => return client::Call::of(Abort { core: core.into() }),
         &Call::Reset { core } => return client::Call::of(Reset { core: core.into() }),
+        &Call::Terminal { .. } | &Call::Guard { .. } | &Call::SetCapture { .. } => {
+            return effects::terminal(site, call);
+        }
         &Call::SetTick { us } => return client::Call::of(SetTick { tick_us: us.into() }),
         _ => {}
     }
@@ -379,6 +386,9 @@ pub fn wire(site: &Site, call: &Call) -> client::Call {
         | Call::Abort { .. }
         | Call::Reset { .. }
         | Call::SetTick { .. }
+        | Call::Terminal { .. }
+        | Call::Guard { .. }
+        | Call::SetCapture { .. }
         | Call::Effect(_) => unreachable!("done above"),
         Call::PvtTableSelect { axis, table } => {
             let (core, profile) = at(axis);
@@ -474,6 +484,8 @@ fn plain(kind: Kind, (core, axis): (I16, I16)) -> client::Call {
         Kind::GetFollowMasterEx => Wire::of(GetFollowMasterEx { core, profile }),
         Kind::GetEncPos => Wire::of(GetEncPos { core, encoder: profile, count }),
         Kind::GetSts => Wire::of(GetSts { core, axis, count }),
+        Kind::GetStopReason => Wire::of(AxisStatus { core, axis, count }),
+        Kind::GetCaptureStatus => Wire::of(GetCaptureStatus { core, encoder: profile, count }),
         Kind::GetPrfPos => Wire::of(GetPrfPos { core, profile, count }),
         Kind::GetPrfVel => Wire::of(GetPrfVel { core, profile, count }),
         Kind::GetPrfMode => Wire::of(GetPrfMode { core, profile, count }),
@@ -550,6 +562,13 @@ pub fn got(call: &Call, answer: &Answer) -> Got {
             Kind::GetFollowMasterEx => answer.reply::<GetFollowMasterEx>().map(|(reply, _)| master(&reply)),
             Kind::GetEncPos => answer.reply::<GetEncPos>().map(|(_, items)| real(items)),
             Kind::GetSts => answer.reply::<GetSts>().map(|(_, items)| long(items)),
+            Kind::GetStopReason => {
+                answer.reply::<AxisStatus>().and_then(|(_, items)| Some(Got::Whole(items.first()?.reason.get().into())))
+            }
+            Kind::GetCaptureStatus => answer.reply::<GetCaptureStatus>().and_then(|(_, items)| {
+                let first = items.first()?;
+                Some(Got::Two(first.status.get().into(), first.value.get().into()))
+            }),
             Kind::GetPrfMode => answer.reply::<GetPrfMode>().map(|(_, items)| long(items)),
             Kind::GetPrfPos => answer.reply::<GetPrfPos>().map(|(_, items)| real(items)),
             Kind::GetPrfVel => answer.reply::<GetPrfVel>().map(|(_, items)| real(items)),
@@ -592,6 +611,9 @@ pub fn got(call: &Call, answer: &Answer) -> Got {
         Call::Light(of) => light::got(of, answer),
         Call::Effect(Effect::GetDo { .. }) => {
             answer.reply::<GetDo>().map(|(reply, _)| Got::Whole(reply.value.get().into()))
+        }
+        Call::Effect(Effect::GetDi { .. }) => {
+            answer.reply::<GetDi>().map(|(reply, _)| Got::Whole(reply.value.get().into()))
         }
         Call::Effect(Effect::GetDac { .. }) => answer.reply::<GetDac>().and_then(|(_, items)| {
             let first = items.first()?;

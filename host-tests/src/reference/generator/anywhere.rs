@@ -136,6 +136,8 @@ impl Making<'_> {
     pub(super) fn read(&mut self, axis: usize) {
         let kinds = [
             Kind::GetSts,
+            Kind::GetStopReason,
+            Kind::GetCaptureStatus,
             Kind::GetPrfPos,
             Kind::GetPrfVel,
             Kind::GetPrfMode,
@@ -167,8 +169,8 @@ impl Making<'_> {
         for _ in 0..1 + self.below(3) {
             // Reads of the mode that it is in, too.
             let kind = match (self.below(2), self.does[axis]) {
-                (0, Does::Trap) => self.pick(&[Kind::GetTrapPrm, Kind::GetPos, Kind::GetPrfAcc]),
-                (0, Does::Jog) => self.pick(&[Kind::GetJogPrm, Kind::GetVel, Kind::GetPrfAcc]),
+                (0, Does::Trap) => self.pick(&[Kind::GetTrapPrm, Kind::GetPos, Kind::GetPrfAcc, Kind::GetStopReason]),
+                (0, Does::Jog) => self.pick(&[Kind::GetJogPrm, Kind::GetVel, Kind::GetPrfAcc, Kind::GetStopReason]),
                 (0, Does::Pt | Does::Stream) => self.pick(&[Kind::GetPtLoop, Kind::GetPtMemory, Kind::GetPrfAcc]),
                 (0, Does::Pvt) => self.pick(&[Kind::GetPvtLoop, Kind::PvtStatus, Kind::GetPrfAcc]),
                 (0, Does::Follow(_)) => self.pick(&[
