@@ -30,9 +30,9 @@ mod slave;
 #[cfg(test)]
 mod tests;
 
-pub use axis::{Axis, Mode};
+pub use axis::{Axis, Mode, terminal};
 pub use call::{Call, Kind, Site};
-pub use controller::{Controller, Edge, Program, Reply, Row, Value};
+pub use controller::{Controller, Edge, Program, Reply, Row, Session, Value};
 pub use curve::Curve;
 pub use effect::{Effect, Levels};
 pub use follow::{Datum, Item};

@@ -1,10 +1,15 @@
 //! One axis: its settings, its data, and the motion that it makes.
+mod limits;
+mod step;
+
 use super::filter::Filter;
 use super::follow::Item;
 use super::number::{Fix, exact};
 use super::pt::{Chain, Segment, Timed, Went};
 use super::ramp;
-use super::slave::{Around, Begin, Lead, NEAR, Outcome, Slave};
+use super::slave::{Begin, Slave};
+use limits::Terminals;
+pub use limits::{Why, terminal};
 
 /// Profile mode, as GetPrfMode numbers it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -118,9 +123,15 @@ pub struct Axis {
     pub encoder: [Fix; 2],
     pub encoder_zero: Fix,
     pub latched: u32,
-    /// Soft limits beyond which it is at standstill, and limits that refuse a start.
+    /// Limits and an alarm that are there, and those that refuse a start.
     causes: u32,
     blocks: u32,
+    pub terminals: Terminals,
+    /// The coordinate system whose light its alarm has taken.
+    pub alarms: Option<usize>,
+    /// Why it came to standstill last, where that is known, and why the motion in force will.
+    pub why: Option<Why>,
+    pub ending: Why,
     pub motion: Option<Motion>,
     pub stop_dec: f64,
     /// SetAxisBand, SetPosErr.
@@ -209,9 +220,6 @@ pub fn whole(x: Fix) -> Fix {
     Fix::whole(((x.0 + (1 << 63)) >> 64) as i64)
 }
 
-pub const POSITIVE: u32 = 1 << 5;
-pub const NEGATIVE: u32 = 1 << 6;
-
 impl Axis {
     /// At power-on, its machine position in 2⁻²² pulse.
     pub fn new(position: i64) -> Axis {
@@ -232,6 +240,10 @@ impl Axis {
             latched: 0,
             causes: 0,
             blocks: 0,
+            terminals: Terminals::default(),
+            alarms: None,
+            why: None,
+            ending: Why::End,
             motion: None,
             stop_dec: 1.0,
             band: (0, 0),
@@ -360,18 +372,6 @@ impl Axis {
         !self.servo || self.blocks != 0
     }
 
-    /// The check of a tick before its calls. An axis at standstill beyond a soft limit latches its
-    /// bit, and is refused a start from then on until ClrSts.
-    /// Returns whether a cause is new.
-    pub fn sample(&mut self) -> bool {
-        let causes = if self.runs() { 0 } else { self.beyond() };
-        let fresh = causes & !self.causes;
-        self.blocks |= fresh;
-        self.causes = causes;
-        self.latched |= causes;
-        fresh != 0
-    }
-
     /// The coordinate system of core 1 that it belongs to, from 0: its faults take that one's
     /// light.
     pub fn light_crd(&self) -> Option<usize> {
@@ -383,19 +383,6 @@ impl Axis {
     pub fn geared_crd(&self) -> Option<usize> {
         let (core, crd) = self.crd.filter(|_| self.geared && self.driven)?;
         (core == 1).then_some(crd as usize - 1)
-    }
-
-    /// Limits beyond which it is.
-    pub fn beyond(&self) -> u32 {
-        let (top, bottom) = self.limits();
-        let above = if top.is_some_and(|top| self.x > top) { POSITIVE } else { 0 };
-        let below = if bottom.is_some_and(|bottom| self.x < bottom) { NEGATIVE } else { 0 };
-        above | below
-    }
-
-    /// ClrSts.
-    pub fn clear(&mut self) {
-        (self.latched, self.blocks) = (self.causes, 0);
     }
 
     /// Another mode: data of PT and Follow is gone.
@@ -444,6 +431,11 @@ impl Axis {
         self.slack += std::mem::take(&mut self.late_velocity) * curve.length();
         self.doubt |= curve.length() == Fix::ZERO && curve.cruise == Fix::ZERO;
         self.began |= !self.runs();
+        if self.ended {
+            // Whether it has stopped between its end and this is not said.
+            self.why = None;
+        }
+        self.ending = Why::End;
         let braked = self.v != Fix::ZERO;
         let ramp = Motion::Ramp(Timed::new(curve, Fix::ms(now_ns), self.x).at_speed(braked));
         self.past = self.motion.replace(ramp);
@@ -454,6 +446,7 @@ impl Axis {
         // A slave without speed is at standstill on the next tick.
         if self.v == Fix::ZERO && !matches!(self.motion, Some(Motion::Slave(_))) {
             self.past = self.motion.take();
+            self.why = Some(self.ending);
             return;
         }
         self.braking = Some(dec);
@@ -490,6 +483,7 @@ impl Axis {
         let curve = ramp::trap(v, way, &exact(vel), &acc, &acc);
         // It may begin up to 5 ns later (SPEC 11).
         (self.late, self.braking) = (self.late + curve.steepest * Fix::ms(5), None);
+        self.ending = Why::End;
         self.late_velocity = Fix::of(&acc) * Fix::ms(5);
         let length = curve.length();
         self.brief |= length == Fix::ZERO;
@@ -514,9 +508,12 @@ impl Axis {
     }
 
     /// At standstill at the position of the last tick.
-    pub fn halt(&mut self) {
+    pub fn halt(&mut self, why: Why) {
         self.leave();
         self.halted = self.runs();
+        if self.halted {
+            self.why = Some(why);
+        }
         self.doubt |= self.halted;
         self.motion = None;
         self.slack += std::mem::take(&mut self.late);
@@ -536,7 +533,7 @@ impl Axis {
         let fifo = if self.pt.dynamic { 0 } else { fifo };
         self.chain = Chain::of(&self.pt.fifos[fifo]);
         let timed = Timed::new(self.chain.curve.clone(), Fix::ms(now_ns), self.x);
-        (self.pt.running, self.pt.passes, self.began) = (fifo, 0, true);
+        (self.pt.running, self.pt.passes, self.began, self.ending) = (fifo, 0, true, Why::End);
         self.motion = Some(if self.pt.dynamic { Motion::Stream(timed, 0) } else { Motion::Pt(timed) });
     }
 
@@ -556,133 +553,9 @@ impl Axis {
     pub fn start_follow(&mut self, fifo: usize) {
         let data = &self.follow.fifos[fifo];
         let slave = Slave::new(data, fifo, self.follow.dir, self.follow.begin, self.x);
-        (self.follow.fifo, self.follow.passes, self.began) = (fifo, 0, true);
+        (self.follow.fifo, self.follow.passes, self.began, self.ending) = (fifo, 0, true, Why::End);
         self.filter = None;
         self.motion = Some(Motion::Slave(Box::new(slave)));
-    }
-
-    /// From the tick before to this one.
-    pub fn step(&mut self, from_ns: i64, to_ns: i64, lead: Option<&Lead>, inputs: u32) {
-        let (mut from, to) = (Fix::ms(from_ns), Fix::ms(to_ns));
-        self.track.clear();
-        self.track.push(self.x);
-        self.times.clear();
-        self.times.push(from);
-        let moved = !self.head.is_empty();
-        for (when, place) in self.head.drain(..) {
-            self.times.push(when);
-            self.track.push(place);
-            from = when;
-        }
-        self.moved = moved;
-        self.past = None;
-        self.open = None;
-        (self.doubt, self.halted, self.began) = (false, false, false);
-        self.stopped = false;
-        self.resets = self.resets.saturating_sub(1);
-        self.fastest = Fix::ZERO;
-        let mut out = Vec::new();
-        let ended = match &mut self.motion {
-            None => false,
-            Some(Motion::Ramp(timed)) => {
-                self.fastest = timed.curve.steepest;
-                let went = timed.step(from, to, 1, &mut out);
-                self.v = timed.velocity(to);
-                went == Went::Ended
-            }
-            Some(Motion::Pt(timed)) => {
-                self.fastest = timed.curve.steepest;
-                let went = timed.step(from, to, self.pt.loops, &mut out);
-                self.v = timed.velocity(to);
-                self.pt.passes = timed.passes;
-                went == Went::Ended
-            }
-            Some(Motion::Pvt(timed)) => {
-                self.fastest = timed.curve.steepest;
-                let went = timed.step(from, to, self.pvt.0, &mut out);
-                self.fastest = self.fastest.max(timed.curve.steepest);
-                self.v = timed.velocity(to);
-                self.pvt.2 = timed.passes;
-                if timed.pending.is_none() {
-                    (self.table, self.table_begins) = (self.pvt.1, self.next_begins);
-                }
-                went == Went::Ended
-            }
-            Some(Motion::Stream(timed, ran)) => {
-                self.fastest = timed.curve.steepest;
-                let went = timed.step(from, to, 1, &mut out);
-                self.v = timed.velocity(to);
-                let place = timed.place(to);
-                *ran = self.chain.ends.partition_point(|end| *end <= place);
-                self.pt.ran = *ran;
-                if went == Went::Ended {
-                    self.pt.fifos[0].clear();
-                    self.pt.ran = 0;
-                }
-                went == Went::Ended
-            }
-            Some(Motion::Slave(slave)) => match lead {
-                None => false,
-                Some(lead) => {
-                    slave.open = None;
-                    self.fastest = slave.table.curve.steepest;
-                    let other = &self.follow.fifos[slave.fifo ^ 1];
-                    let around = Around { other, loops: self.follow.loops, inputs };
-                    let mut places = Vec::new();
-                    let outcome = slave.step(lead, &around, &mut places);
-                    out.extend(places.into_iter().map(|place| (Fix::FAR, place)));
-                    self.v = slave.velocity(lead);
-                    self.slack += slave.slack;
-                    self.outputs.append(&mut slave.outputs);
-                    if outcome == Outcome::TimedOut {
-                        self.timed_out = true;
-                    }
-                    self.fastest = self.fastest.max(slave.table.curve.steepest);
-                    self.open = slave.open;
-                    self.unsaid = slave.unsaid;
-                    (self.follow.fifo, self.follow.passes) = (slave.fifo, slave.pass);
-                    for fifo in slave.emptied.drain(..) {
-                        self.follow.fifos[fifo].clear();
-                    }
-                    outcome != Outcome::On
-                }
-            },
-        };
-        if let Some(Motion::Ramp(timed) | Motion::Pt(timed) | Motion::Pvt(timed) | Motion::Stream(timed, _)) =
-            &self.motion
-            && timed.open
-        {
-            self.open = Some("the end of a motion");
-        }
-        if std::mem::take(&mut self.brief) {
-            self.open = Some("a move without a way");
-        }
-        self.fastest = self.fastest.max(std::mem::take(&mut self.head_most));
-        for (when, place) in out {
-            self.times.push(when);
-            self.track.push(place);
-        }
-        self.x = *self.track.last().expect("where it was");
-        if self.track.len() == 1 {
-            self.times.push(Fix::ZERO);
-            self.track.push(self.x);
-        }
-        *self.times.last_mut().expect("two of them") = to;
-        self.ended = ended;
-        self.on_path = self.carried.is_some();
-        if let Some(way) = self.carried.take() {
-            (self.times, self.track) = way.into_iter().unzip();
-            self.x = *self.track.last().expect("where it was");
-            self.open = self.path_open.then_some("the end of a path");
-            self.ended = std::mem::take(&mut self.path_ended);
-            self.fastest = self.path_most;
-        }
-        if ended {
-            (self.braking, self.late, self.late_velocity) = (None, Fix::ZERO, Fix::ZERO);
-            self.past = self.motion.take();
-            self.v = Fix::ZERO;
-        }
-        self.hold();
     }
 
     /// Where it was at an instant of the tick, ms.
@@ -698,53 +571,5 @@ impl Axis {
             }
             Some(Motion::Slave(_)) => None,
         }
-    }
-
-    /// Places of the soft limits, upper and lower, as machine positions.
-    fn limits(&self) -> (Option<Fix>, Option<Fix>) {
-        let limit = |pulses: i32, off: i32| (pulses != off).then(|| Fix::whole(pulses.into()) + self.zero);
-        (limit(self.soft.0, i32::MAX), limit(self.soft.1, i32::MIN))
-    }
-
-    /// No planned position of a tick is further beyond a soft limit.
-    fn hold(&mut self) {
-        let (top, bottom) = self.limits();
-        let (start, at) = (self.track[0], self.x);
-        let brink = |limit: Option<Fix>| limit.is_some_and(|limit| at != limit && (at - limit).abs() < NEAR);
-        self.brink = at != start && (brink(top) || brink(bottom));
-        let over = match (top, bottom) {
-            (Some(top), _) if at > top && at > start => Some((top.max(start), POSITIVE)),
-            (_, Some(bottom)) if at < bottom && at < start => Some((bottom.min(start), NEGATIVE)),
-            _ => None,
-        };
-        self.brink |= over.is_some() && (at - start).abs() < NEAR;
-        // A path may come to a limit between two ticks, at a corner.
-        let beyond = |x: Fix| {
-            x > start && top.is_some_and(|top| x > top) || x < start && bottom.is_some_and(|bottom| x < bottom)
-        };
-        self.limited = over.is_some() || self.on_path && self.track.iter().any(|x| beyond(*x));
-        if let Some((at, bit)) = over {
-            self.track = vec![start, at];
-            self.times = vec![self.times[0], self.times[self.times.len() - 1]];
-            self.past = self.motion.clone().or(self.past.take());
-            self.x = at;
-            self.latched |= bit;
-            self.blocks |= bit;
-            self.broken |= matches!(self.motion, Some(Motion::Stream(..)));
-            self.halt();
-            // By itself, and not by a call of this instant.
-            (self.ended, self.halted, self.doubt) = (true, false, false);
-        }
-    }
-
-    /// Whether an Update moves towards a soft limit that the axis has reached.
-    pub fn obstructed(&self) -> bool {
-        let up = match self.mode {
-            Mode::Jog => Fix::of_f64(self.speed),
-            _ => Fix::whole(self.target.into()) - self.name(),
-        };
-        let (top, bottom) = self.limits();
-        up > Fix::ZERO && top.is_some_and(|top| self.x >= top)
-            || up < Fix::ZERO && bottom.is_some_and(|bottom| self.x <= bottom)
     }
 }

@@ -23,6 +23,10 @@ pub enum Call {
     WaitStop {
         mask: u32,
     },
+    /// Between two programs: none holds it.
+    SetTick {
+        us: i32,
+    },
     Axis {
         kind: Kind,
         axis: usize,
@@ -188,6 +192,23 @@ pub enum Call {
         axis: usize,
         table: bool,
     },
+    /// SimInput of an input of an axis.
+    Terminal {
+        axis: usize,
+        kind: i16,
+        level: bool,
+    },
+    /// LmtsOn and LmtsOff with types 0, 1 and −1, AlarmOn and AlarmOff with type 2.
+    Guard {
+        axis: usize,
+        kind: i16,
+        on: bool,
+    },
+    /// SetCaptureMode.
+    SetCapture {
+        axis: usize,
+        mode: i16,
+    },
     /// Outputs and inputs.
     Effect(Effect),
     Light(LightCall),
@@ -234,6 +255,8 @@ pub enum Kind {
     GetPtMemory,
     PvtStatus,
     GetSts,
+    GetStopReason,
+    GetCaptureStatus,
     GetEncPos,
     GetEncVel,
     GetPrfPos,
@@ -277,7 +300,7 @@ impl Call {
             _ => {}
         }
         match *self {
-            Call::Sleep { .. } | Call::Effect(_) | Call::Light(_) | Call::Ex(_) => 0,
+            Call::Sleep { .. } | Call::SetTick { .. } | Call::Effect(_) | Call::Light(_) | Call::Ex(_) => 0,
             Call::Path(_) | Call::Abort { .. } | Call::Reset { .. } => 0,
             Call::WaitStop { mask }
             | Call::SynchAxisPos { mask }
@@ -316,6 +339,9 @@ impl Call {
             | Call::PvtTableSelect { axis, .. }
             | Call::FollowEntry { axis, .. }
             | Call::FollowSwitchNow { axis, .. }
+            | Call::Terminal { axis, .. }
+            | Call::Guard { axis, .. }
+            | Call::SetCapture { axis, .. }
             | Call::SetPvtLoop { axis, .. } => 1 << axis,
         }
     }
@@ -356,6 +382,8 @@ impl Site {
         };
         let written = match call {
             Call::Sleep { ns } => return format!("Sleep({});", *ns as f64 / 1e6),
+            // A job has one tick.
+            Call::SetTick { us } => return format!("// GT_SetTick({us});"),
             Call::WaitStop { mask } => {
                 let (core, bits) = self.mask(*mask);
                 return format!("WaitStop({core},{bits},0);");
@@ -416,6 +444,15 @@ impl Site {
             Call::FollowSwitchNow { axis, table } => {
                 format!("GTN_FollowSwitchNowEx({},{},0,0)", at(axis), if *table { 2 } else { 1 })
             }
+            Call::Terminal { axis, kind, level } => {
+                let (core, axis) = self.axes[*axis];
+                format!("GTN_SimInput({core},{kind},{axis},{})", i16::from(*level))
+            }
+            Call::Guard { axis, kind: 2, on } => format!("GTN_Alarm{}({})", if *on { "On" } else { "Off" }, at(axis)),
+            Call::Guard { axis, kind, on } => {
+                format!("GTN_Lmts{}({},{kind})", if *on { "On" } else { "Off" }, at(axis))
+            }
+            Call::SetCapture { axis, mode } => format!("GTN_SetCaptureMode({},{mode})", at(axis)),
             Call::Effect(effect) => return effect.text(),
             Call::Light(of) => return of.text(number),
             Call::Abort { core } => format!("GTN_Abort({core})"),
@@ -435,6 +472,8 @@ impl Site {
             Kind::GetFollowMemory | Kind::GetFollowMemoryEx => ",&fifo",
             Kind::GetFollowEvent | Kind::GetFollowEventEx => ",&fifo,&pending,&word",
             Kind::GetFollowMaster | Kind::GetFollowMasterEx => ",&fifo,&pending,&space",
+            Kind::GetStopReason => ",&fifo",
+            Kind::GetCaptureStatus => ",&fifo,&word",
             Kind::GetSts | Kind::GetPrfMode | Kind::GetPos | Kind::GetPosErr => ",&word",
             Kind::GetPrfPos | Kind::GetPrfVel | Kind::GetPrfAcc | Kind::GetEncPos | Kind::GetEncVel => ",&value",
             Kind::GetVel => ",&value",

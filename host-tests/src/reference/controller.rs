@@ -13,19 +13,22 @@ mod plain;
 mod pt;
 mod pvt;
 mod reads;
+mod session;
+mod step;
 mod tally;
 mod work;
 
-use super::axis::{Aim, Axis, Mode, Motion};
+use super::axis::{self, Aim, Axis, Mode, Motion, Why};
 use super::call::{Call, Site, members};
 use super::crd::Crd;
 use super::effect::Levels;
-use super::filter::Filter;
-use super::light::{Act, GateEdge, LIMIT, Light};
+use super::light::{self as beam, Act, GateEdge, Light};
 use super::number::Fix;
 use super::path::{Path, PathCall};
 use super::pvt::Table;
 use answer::EITHER;
+use session::Between;
+pub use session::Session;
 use std::collections::BTreeMap;
 use work::Work;
 
@@ -76,6 +79,8 @@ pub struct Program {
     pub refused: Vec<usize>,
     /// From tick 0 on, a row an axis.
     pub rows: Vec<Vec<Row>>,
+    /// Instants of the rows, ns.
+    pub times: Vec<i64>,
     /// General and analog outputs in force, from tick 0 on.
     pub outputs: Vec<Levels>,
     /// Changes of general outputs.
@@ -104,8 +109,8 @@ pub struct Edge {
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Then {
-    /// With this deceleration.
-    Brake(f64),
+    /// With this deceleration, and why.
+    Brake(f64, Why),
     Update(Aim),
 }
 
@@ -123,6 +128,8 @@ pub struct Controller {
     /// PVT tables by core and number.
     tables: BTreeMap<(i16, i16), Table>,
     tick_ns: i64,
+    /// Its SetTicks, as they went.
+    sessions: Vec<Session>,
     #[allow(clippy::vec_box, reason = "axes change places in every tick, and are long")]
     axes: Vec<Box<Axis>>,
     /// What begins where the motion before has come to in this tick.
@@ -168,7 +175,7 @@ impl Controller {
         let then = vec![None; axes.len()];
         let cores = site.axes.iter().map(|axis| axis.0).collect();
         let tables = BTreeMap::new();
-        let machine = encoders::Machine::new(tick_ns, &axes);
+        let machine = encoders::Machine::new(&axes);
         Controller {
             site: site.clone(),
             machine,
@@ -190,6 +197,7 @@ impl Controller {
             cores,
             tables,
             tick_ns,
+            sessions: Vec::new(),
             axes,
             then,
             reads: Vec::new(),
@@ -206,6 +214,12 @@ impl Controller {
         self
     }
 
+    /// With the instants of its SetTicks as they were recorded, in their order.
+    pub fn with_sessions(mut self, recorded: Vec<Session>) -> Controller {
+        self.sessions = recorded;
+        self
+    }
+
     /// With output levels as they are before the program.
     pub fn with_outputs(mut self, levels: Levels) -> Controller {
         self.levels = levels;
@@ -216,30 +230,46 @@ impl Controller {
     pub fn run(mut self, calls: &[Call], tail: usize, most: usize) -> Program {
         let mut program = Program { replies: vec![Reply::Open; calls.len()], ..Program::default() };
         program.rows.push(self.rows());
+        program.times.push(0);
         program.outputs.push(self.levels.clone());
-        self.encoders(0);
+        self.encoders(0, self.tick_ns);
+        // Every run switches the limit switches off first.
+        self.axes.iter_mut().for_each(|axis| axis.terminals.on = 1 << axis::terminal::ALARM);
         self.axes.iter_mut().for_each(|axis| axis.encoder_zero = axis.encoder[1]);
         let (mut clock, mut waiting, mut next, mut left) = (0, None, 0, tail);
         let mut first = 0;
+        let (mut now, mut ticks_set) = (0, 0);
+        let mut between: Option<Between> = None;
         for number in 1..=most {
-            let (before, now) = ((number as i64 - 1) * self.tick_ns, number as i64 * self.tick_ns);
+            let before = now;
+            if let Some(us) = between.as_mut().and_then(|between| between.change(before)) {
+                self.tick_ns = us * 1000;
+            }
+            now = before + self.tick_ns;
             let earlier = std::mem::replace(&mut first, next);
             self.waits = 0;
-            self.encoders(number);
+            self.encoders(number, now - before);
             for axis in &mut self.axes {
-                if axis.sample()
-                    && let Some(crd) = axis.light_crd()
-                {
-                    self.light.calls.push(Act::Fault(crd, LIMIT));
+                let fresh = axis.sample();
+                if let Some(crd) = axis.light_crd().filter(|_| fresh != 0 && !axis.is_alarmed()) {
+                    self.light.calls.push(Act::Hit(crd, beam::LIMIT));
+                }
+                if fresh != 0 && axis.geared {
+                    self.open = Some("a limit or an alarm of a geared axis");
                 }
             }
             let mut work = Work::of(self.tick_ns);
-            while waiting.is_none() && next < calls.len() && clock < now {
+            while waiting.is_none() && between.is_none() && next < calls.len() && clock < now {
                 if !work.takes(&calls[next]) {
                     self.open = Some("more work than a tick takes");
                     break;
                 }
                 match &calls[next] {
+                    Call::SetTick { us } => {
+                        between = Some(Between::new(*us, self.sessions.get(ticks_set).copied(), now, self.tick_ns));
+                        ticks_set += 1;
+                        break;
+                    }
                     Call::Sleep { ns } => {
                         clock += ns;
                         if *ns >= SETTLED && self.unsettled == 1 {
@@ -279,7 +309,15 @@ impl Controller {
                 }
                 next += 1;
             }
-            let acts = calls[first..next].iter().any(|call| !matches!(call, Call::Sleep { .. }));
+            for axis in &mut self.axes {
+                // Also where its coordinate system or a map comes to name it.
+                let crd = axis.light_crd().filter(|_| axis.is_alarmed());
+                if let Some(crd) = crd.filter(|_| crd != axis.alarms) {
+                    self.light.calls.push(Act::Fault(crd, beam::ALARM));
+                }
+                axis.alarms = crd;
+            }
+            let acts = calls[first..next].iter().any(|call| !matches!(call, Call::Sleep { .. } | Call::SetTick { .. }));
             if acts && let Some(why) = self.axes.iter().find_map(|axis| axis.open) {
                 self.open = Some(why);
             }
@@ -304,6 +342,15 @@ impl Controller {
                 self.open = Some("a call that needs standstill, just before its axis comes to rest");
             }
             self.answer(&mut program, now);
+            if let Some(of) = &mut between {
+                self.open = self.open.or(of.look(&self.axes, now));
+                if let Some(reply) = of.reply(now) {
+                    *self.used.entry(of.tally()).or_default() += 1;
+                    program.replies[next] = reply;
+                    (clock, between, next) = (of.zero(), None, next + 1);
+                }
+            }
+            program.times.push(now);
             program.rows.push(self.rows());
             program.outputs.push(self.levels.clone());
             if let Some(mask) = waiting {
@@ -365,136 +412,6 @@ impl Controller {
         self.axes.iter().map(|axis| row(axis)).collect()
     }
 
-    /// Masters before their slaves.
-    fn order(&self) -> Vec<usize> {
-        let mut order = Vec::new();
-        while order.len() < self.axes.len() {
-            for axis in 0..self.axes.len() {
-                let master = self.axes[axis].follow.master.filter(|_| self.axes[axis].is_follow());
-                if !order.contains(&axis) && master.is_none_or(|master| order.contains(&master.axis)) {
-                    order.push(axis);
-                }
-            }
-        }
-        order
-    }
-
-    fn step(&mut self, before: i64, now: i64) {
-        self.step_paths(before, now);
-        let mut axis = Box::new(Axis::new(0));
-        for index in self.order() {
-            std::mem::swap(&mut axis, &mut self.axes[index]);
-            let (ran, was_slave) = (axis.runs(), matches!(axis.motion, Some(Motion::Slave(_))));
-            let began = axis.began;
-            let master = axis.follow.master;
-            let then = self.then[index].take();
-            let mut open = None;
-            if let Some(master) = master.filter(|master| was_slave && master.is_filtered()) {
-                let of = &self.axes[master.axis];
-                let at = if master.is_counted() { of.encoder[1] } else { of.x };
-                axis.filter.get_or_insert_with(|| Filter::new(at)).step(at, now - before);
-            }
-            let filter = axis.filter.clone();
-            let place = |at: Fix| master.and_then(|master| self.position_of(filter.as_ref(), master, at, before, now));
-            let times = [Fix::ms(before), Fix::ms(now)];
-            let lead = master.map(|master| self.lead(filter.as_ref(), master, &times, &place));
-            // A controller has few slots for a master's motion in a tick: between the first and the
-            // last of several knots it is linear for the slaves. Where a Stop or an Update of the
-            // master acts is a knot, too.
-            let follows = was_slave && !began;
-            let most = if master.is_some_and(|master| self.axes[master.axis].replanned) { 3 } else { 4 };
-            if follows && lead.as_ref().is_some_and(|lead| lead.track.len() > most && turns(lead.track)) {
-                open = Some("a master that turns between several knots in a tick");
-            }
-            let arc = master.is_some_and(|master| !master.is_sampled() && self.axes[master.axis].bent);
-            if follows && arc {
-                open = Some("a slave of an axis on an arc");
-            }
-            if follows && master.is_some_and(|master| !master.is_counted() && self.axes[master.axis].is_astray()) {
-                open = Some("a slave of an axis that a path moves");
-            }
-            let led_by_slave =
-                master.is_some_and(|master| !master.is_sampled() && self.axes[master.axis].follow_moves());
-            if follows && led_by_slave && lead.as_ref().is_some_and(|lead| turns(lead.track)) {
-                open = Some("a slave that turns within a tick is followed");
-            }
-            axis.replanned = then.is_some();
-            axis.step(before, now, lead.as_ref(), self.levels.inputs);
-            if let Some(lead) = &lead
-                && was_slave
-            {
-                // A slave moves as far as its steepest ratio takes its master's motion.
-                let way = lead.track.windows(2).fold(Fix::ZERO, |sum, leg| sum + (leg[1] - leg[0]).abs());
-                axis.fastest = axis.fastest * way;
-            } else {
-                axis.fastest = axis.fastest * Fix::ms(self.tick_ns);
-            }
-            // Beyond a limit the tick of its end is that of its bit, or the one before.
-            if axis.beyond() != 0 && axis.open.is_some() {
-                open = axis.open;
-            }
-            if axis.brink {
-                open = Some("within rounding of a soft limit");
-            }
-            if axis.limited && axis.on_path {
-                open = Some("a path that comes to a soft limit");
-            }
-            match then.filter(|_| !axis.limited) {
-                Some(Then::Brake(dec)) => {
-                    if let (Some(Motion::Slave(slave)), Some(lead)) = (&axis.motion, &lead)
-                        && slave.is_near_knot(lead)
-                    {
-                        open = Some("a Stop where a slave's ratio jumps");
-                    }
-                    let counted = master.filter(|master| was_slave && master.is_counted());
-                    if master.is_some_and(|master| {
-                        was_slave && !master.is_counted() && self.axes[master.axis].mode == Mode::Crd
-                    }) {
-                        open = Some("a Stop of a slave of a path's axis");
-                    }
-                    if master.is_some_and(|master| was_slave && master.is_filtered()) {
-                        // Its speed is that of positions with 22 fraction bits.
-                        open = Some("a Stop of a slave of a filtered master");
-                    }
-                    if counted.is_some_and(|master| self.axes[master.axis].counts() < Fix::whole(4)) {
-                        // What speed that is depends on the tick.
-                        open = Some("a Stop of a slave of an encoder that hardly moves");
-                    }
-                    if axis.runs() {
-                        if axis.v.abs() < Fix(1 << 44) && axis.v != Fix::ZERO || axis.v == Fix::ZERO && !was_slave {
-                            axis.open = Some("a Stop within rounding of standstill");
-                        }
-                        axis.smooth_stop(now, dec);
-                    }
-                }
-                Some(Then::Update(aim)) => {
-                    axis.update(now, aim);
-                    axis.began = false;
-                    if axis.doubt {
-                        axis.open = Some("an Update without a way");
-                    }
-                }
-                None => {}
-            }
-            self.open = self.open.or(open).or(axis.unsaid);
-            self.count(&axis, was_slave);
-            if axis.limited {
-                *self.used.entry("motions ended by a soft limit").or_default() += 1;
-            }
-            if ran && !axis.runs() {
-                *self.used.entry("motions ended").or_default() += 1;
-            }
-            for (index, level) in axis.outputs.drain(..) {
-                let bit = 1 << (index - 1);
-                self.changes.push((now as f64 / 1e6, bit, if level { bit } else { 0 }));
-                *self.used.entry("outputs set by FollowEx").or_default() += 1;
-            }
-            std::mem::swap(&mut axis, &mut self.axes[index]);
-        }
-        self.step_light(before, now);
-        self.change_outputs();
-    }
-
     fn call(&mut self, index: usize, call: &Call, now: i64) -> Reply {
         if call.needs_rest() {
             // A table is in use by any axis.
@@ -545,6 +462,7 @@ impl Controller {
             },
             Call::FollowEntry { axis, item, fifo } => self.follow_item(*axis, *item, *fifo, Mode::FollowEx),
             Call::FollowSwitchNow { axis, table } => self.follow_switch_now(*axis, *table),
+            Call::Terminal { .. } | Call::Guard { .. } | Call::SetCapture { .. } => self.terminal(call),
             Call::Effect(effect) => self.effect(index, call, effect, now),
             Call::Light(of) => self.light(index, call, of, now),
             Call::Abort { core } => self.abort(*core),
@@ -558,10 +476,4 @@ impl Controller {
         self.may_be_refused = matches!(reply, Err(EITHER));
         reply.unwrap_or_else(|code| if code == EITHER { Reply::Open } else { Reply::Code(code) })
     }
-}
-
-/// Whether a motion goes beyond its ends.
-fn turns(track: &[Fix]) -> bool {
-    let (Some(first), Some(last)) = (track.first(), track.last()) else { return false };
-    track.iter().any(|at| at < first.min(last) || at > first.max(last))
 }

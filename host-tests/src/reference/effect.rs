@@ -6,6 +6,7 @@ pub enum Effect {
     SetDo { core: i16, value: i32 },
     SetDoBit { core: i16, index: i16, level: bool },
     GetDo { core: i16 },
+    GetDi { core: i16, kind: i16 },
     SetDac { core: i16, dac: i16, value: i16 },
     GetDac { core: i16, dac: i16 },
     SimInput { core: i16, index: i16, level: bool },
@@ -21,6 +22,7 @@ impl Effect {
                 format!("rtn = GTN_SetDoBit({core},12,{index},{});", level(of))
             }
             Effect::GetDo { core } => format!("rtn = GTN_GetDo({core},12,&word);"),
+            Effect::GetDi { core, kind } => format!("rtn = GTN_GetDi({core},{kind},&word);"),
             Effect::SetDac { core, dac, value } => {
                 format!("space = {value}; rtn = GTN_SetDac({core},{dac},&space);")
             }
@@ -39,6 +41,8 @@ pub struct Levels {
     pub general: u32,
     /// Analog outputs.
     pub analog: [i16; 16],
+    /// Values that they had within the tick before and have no more: channel from 0, value.
+    pub passed: Vec<(usize, i16)>,
     /// Those that a laser in analog mode drives, bit 0 is output 1.
     pub driven: u8,
     /// General inputs.

@@ -5,6 +5,7 @@ use super::{Call, Kind, Site};
 mod anywhere;
 mod follow;
 mod follow_ex;
+mod inputs;
 mod light;
 mod marks;
 mod outputs;
@@ -141,7 +142,7 @@ impl Making<'_> {
 
     fn phrase(&mut self) {
         let axis = self.axis();
-        match self.below(34) {
+        match self.below(38) {
             29 => self.lights(),
             30..33 => self.marks(axis),
             33 => self.abort_or_reset(),
@@ -162,8 +163,10 @@ impl Making<'_> {
             11 => self.braking(axis),
             12 | 13 => self.during(axis),
             14 => self.zero(axis),
+            34 => self.tick(),
+            35 | 36 => self.switches(axis),
             15 => self.stop(),
-            16 => self.read(axis),
+            16 | 37 => self.read(axis),
             17 => self.any(axis),
             18 if self.one_in(4) => self.burst(),
             18 => self.soft(axis),

@@ -72,6 +72,8 @@ pub enum Act {
     Cleared(usize, usize),
     /// A cause of SPEC 9 of one of its axes, or of the path itself, as GetLaserFault numbers it.
     Fault(usize, i16),
+    /// One that lets it run on: a limit that it moves away from.
+    Hit(usize, i16),
     /// ClrSts of one of its axes.
     Clear(usize),
     /// Stop, bits 10 and 11.
@@ -237,6 +239,7 @@ impl Channel {
                 Order::Nothing
             }
             Act::Fault(crd, cause) => self.owner.fail(crd, cause, at),
+            Act::Hit(crd, cause) => self.owner.hit(crd, cause, at),
             Act::Clear(crd) => {
                 if self.owner.maps(crd) {
                     self.owner.clear_fault(at);
@@ -293,6 +296,7 @@ impl Channel {
 }
 
 /// Causes, as GetLaserFault numbers them (docs/laser.md).
+pub const ALARM: i16 = 6;
 pub const SERVO_OFF: i16 = 7;
 pub const LIMIT: i16 = 8;
 pub const UNDERRUN: i16 = 9;
@@ -366,7 +370,7 @@ impl Light {
         let later = between.split_off(first);
         between.iter().for_each(|(at, act)| self.take(*at, act, now - before));
         self.show(before);
-        let at_once = |act: &&Act| matches!(act, Act::Fault(..) | Act::Abort);
+        let at_once = |act: &&Act| matches!(act, Act::Fault(..) | Act::Hit(..) | Act::Abort);
         calls.iter().filter(at_once).for_each(|act| self.take(before, act, now - before));
         later.iter().for_each(|(at, act)| self.take(*at, act, now - before));
         // Once more in its place among the calls: those before it count for nothing.
@@ -399,7 +403,7 @@ impl Light {
             if clears && channel.owner.fault != 0 && at - channel.owner.failed_at < 3.5 * tick {
                 self.open = Some("a clear just after the fault of a laser");
             }
-            let settles = matches!(act, Act::Set(..) | Act::Abort | Act::Reset | Act::Fault(..));
+            let settles = matches!(act, Act::Set(..) | Act::Abort | Act::Reset | Act::Fault(..) | Act::Hit(..));
             if settles && channel.gate.is_near(at) {
                 self.open = Some("an edge of a laser within rounding of a setting");
             }

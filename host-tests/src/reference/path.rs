@@ -268,6 +268,8 @@ impl PathCall {
             }
             Path::Flush { crd, fifo } => format!("GTN_CrdData({core},{crd},NULL,{fifo})"),
             Path::Output { crd, index, level, fifo } => {
+                // An unsigned short, as it travels.
+                let index = index.cast_unsigned();
                 format!("GTN_BufDoBit({core},{crd},12,{index},{},{fifo})", i16::from(*level))
             }
             Path::Jump { crd, to: [x, y], vel, acc, fifo } => {

@@ -37,6 +37,10 @@ impl Chain {
         chain
     }
 
+    pub fn ends_at_speed(&self) -> bool {
+        self.velocity != Rational::zero()
+    }
+
     pub fn add(&mut self, segment: &Segment) {
         let length = Rational::from_integer((segment.time_ms - self.time_ms).into());
         let pos = exact(segment.pos);

@@ -33,6 +33,7 @@ fn beside(site: &Site, tick_us: u32, told: &Told, calls: &[Call]) -> Program {
     Controller::new(site, i64::from(tick_us) * 1000, &told.begin)
         .with_encoders(told.more.iter().map(|more| more.encoders.clone()).collect())
         .with_outputs(levels)
+        .with_sessions(told.sessions.clone())
         .run(calls, TAIL, MOST)
 }
 
@@ -60,7 +61,7 @@ fn same(value: &Value, got: Got, peak: f64) -> bool {
 }
 
 /// The first disagreement.
-fn compare(program: &Program, told: &Told, calls: &[Call], tick_us: u32) -> Result<(), String> {
+fn compare(program: &Program, told: &Told, calls: &[Call]) -> Result<(), String> {
     if std::env::var("REFERENCE_LATE").is_ok()
         && program.open.is_none()
         && told.late != 0
@@ -100,7 +101,11 @@ fn compare(program: &Program, told: &Told, calls: &[Call], tick_us: u32) -> Resu
     if program.open.is_none() && ticks < program.rows.len() {
         return Err(format!("the program lasted {ticks} ticks, the reference {}", program.rows.len()));
     }
-    let ms = |tick: usize| tick as f64 * f64::from(tick_us) / 1000.0;
+    if let Some(tick) = (0..end).find(|tick| program.times[*tick] != told.times[*tick]) {
+        let at = |times: &[i64]| times[tick] as f64 / 1e6;
+        return Err(format!("tick {tick} is at {} ms, the reference's at {}", at(&told.times), at(&program.times)));
+    }
+    let ms = |tick: usize| program.times[tick] as f64 / 1e6;
     // Positions from where the program began, theirs and the reference's, around a tick.
     let around = |tick: usize, axis: usize| -> String {
         let from = fixed(told.begin[axis]);
@@ -122,10 +127,13 @@ fn compare(program: &Program, told: &Told, calls: &[Call], tick_us: u32) -> Resu
         // An entry of a path acts from its tick on or from the one after, by where in the tick it
         // lies.
         let (mine, theirs) = (&program.outputs[tick].analog, &told.more[tick].analog);
-        let next = &program.outputs[(tick + 1).min(program.outputs.len() - 1)].analog;
+        let Levels { analog: next, passed, .. } = &program.outputs[(tick + 1).min(program.outputs.len() - 1)];
         let driven = program.outputs[tick].driven;
         let differs = |channel: usize| {
-            driven >> channel & 1 == 0 && theirs[channel] != mine[channel] && theirs[channel] != next[channel]
+            driven >> channel & 1 == 0
+                && theirs[channel] != mine[channel]
+                && theirs[channel] != next[channel]
+                && !passed.contains(&(channel, theirs[channel]))
         };
         // What is open may have begun in the tick before.
         let is_known = program.open.is_none() || tick + 2 < end;
@@ -190,7 +198,7 @@ fn compare(program: &Program, told: &Told, calls: &[Call], tick_us: u32) -> Resu
     // The last row is the last instant of which the reference knows.
     // What is open may have begun within the tick, and a fault takes light a tick before.
     let last = end.min(program.rows.len() - 1).saturating_sub(if program.open.is_some() { 2 } else { 0 });
-    let last = last as f64 * f64::from(tick_us) / 1000.0;
+    let last = ms(last);
     let mine = program.edges.iter().map(|edge| (edge.ms, edge.bit, edge.level)).collect();
     edges("an output", mine, &told.edges, last)?;
     let mine = program.gates.iter().map(|&(ms, channel, level)| (ms, channel as u8, level)).collect();
@@ -325,7 +333,7 @@ fn differs_here(rig: &mut Option<Rig>, site: &Site, tick_us: u32, calls: &[Call]
     if let Some((_, why)) = program.open {
         count(&format!("cut short: {why}"), 1);
     }
-    compare(&program, &told, calls, tick_us).err()
+    compare(&program, &told, calls).err()
 }
 
 /// A report of a program that differs.

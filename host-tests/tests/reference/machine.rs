@@ -1,18 +1,23 @@
 //! The virtual controller under a program: every call is an entry of the program queue that may fail, and every tick's
 //! set-points and status words are kept.
-use client::{Answer, Client, Link, Observer, Options, Profile};
-use host_tests::reference::{Call, Effect, Family, Fix, Kind, Points, Site};
+use client::{Answer, Client, Link, Options, Profile};
+use host_tests::reference::{Call, Family, Fix, Kind, Points, Session, Site};
 use protocol::command::*;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
+#[path = "machine/answers.rs"]
+mod answers;
 #[path = "machine/effects.rs"]
 mod effects;
 #[path = "machine/light.rs"]
 mod light;
 #[path = "machine/paths.rs"]
 mod paths;
+#[path = "machine/sessions.rs"]
+mod sessions;
 
+pub use answers::{Got, got};
 use plant::beam::Change;
 use virtual_board::{Beam, Board, Config, Edge, Output, Shared, share};
 
@@ -119,6 +124,9 @@ pub struct Told {
     pub late: u32,
     /// From tick 0 of the program on.
     pub rows: Vec<Vec<Seen>>,
+    /// Instants of the rows, ns from the first program's zero, and what lay between programs.
+    pub times: Vec<i64>,
+    pub sessions: Vec<Session>,
     pub more: Vec<More>,
     /// Changes of general outputs: ns of the program, from 0, level.
     pub edges: Vec<(i64, u8, bool)>,
@@ -132,15 +140,6 @@ pub struct Rig {
     record: Arc<Mutex<Record>>,
     pub site: Site,
     pub tick_us: u32,
-}
-
-struct Kept(Vec<Answer>);
-
-impl Observer for Kept {
-    fn answered(&mut self, answer: Answer) -> client::Result<()> {
-        self.0.push(answer);
-        Ok(())
-    }
 }
 
 impl Rig {
@@ -167,6 +166,11 @@ impl Rig {
     /// Runs it from power-on settings; positions of the machine stay.
     pub fn run(&mut self, calls: &[Call]) -> Result<Told, String> {
         self.client.call(SetTick { tick_us: (self.tick_us as i32).into() }).map_err(|e| format!("{e:?}"))?;
+        {
+            let mut board = self.board.lock().unwrap();
+            board.inputs_mut().general = 0;
+            board.inputs_mut().axes.iter_mut().for_each(|axis| *axis = Default::default());
+        }
         // Encoders come to rest, so that Reset names the place of the set-point.
         self.client.sleep(Duration::from_millis(25)).map_err(|error| format!("{error:?}"))?;
         for core in 1..=self.cores() {
@@ -177,7 +181,6 @@ impl Rig {
             self.client.call(all).map_err(|error| format!("{error:?}"))?;
         }
         self.client.sleep(Duration::from_millis(3)).map_err(|error| format!("{error:?}"))?;
-        self.board.lock().unwrap().inputs_mut().general = 0;
         self.board.lock().unwrap().take_edges();
         self.board.lock().unwrap().take_beam();
         {
@@ -185,18 +188,9 @@ impl Rig {
             record.rows.clear();
             record.more.clear();
         }
-        let mut all: Vec<client::Call> = calls.iter().map(|call| wire(&self.site, call)).collect();
-        for call in &mut all {
-            call.may_fail = true;
-        }
-        let mut kept = Kept(Vec::new());
-        let summary = self.client.run(all, false, &mut kept).map_err(|error| format!("{error:?}"))?;
-        if let Some(failed) = summary.failed {
-            return Err(format!("entry {}: {} {:?}", failed.index, failed.code, failed.error));
-        }
-        let late = summary.progress.queue.late.get();
+        let ran = sessions::run(self, calls)?;
         self.client.sleep(Duration::from_millis(12)).map_err(|error| format!("{error:?}"))?;
-        let zero = self.board.lock().unwrap().program_zero_ns();
+        let zero = ran.zero;
         // Nothing may run on into the next program.
         for core in 1..=self.cores() {
             self.client.call(Reset { core: core.into() }).map_err(|error| format!("{error:?}"))?;
@@ -217,9 +211,12 @@ impl Rig {
         let (rows, mut more) = (std::mem::take(&mut record.rows), std::mem::take(&mut record.more));
         drop(record);
         more.drain(..rows.iter().take_while(|row| row.0 < zero).count());
-        let rows: Vec<_> = rows.into_iter().filter(|row| row.0 >= zero).map(|row| row.1).collect();
+        let rows: Vec<_> = rows.into_iter().filter(|row| row.0 >= zero).collect();
+        let times: Vec<i64> = rows.iter().map(|row| (row.0 - zero) as i64).collect();
+        let sessions = ran.sessions(&times);
+        let rows: Vec<_> = rows.into_iter().map(|row| row.1).collect();
         let begin = rows.first().map(|row| row.iter().map(|seen| seen.0).collect()).unwrap_or_default();
-        Ok(Told { begin, answers: kept.0, rows, more, edges, gates, late })
+        Ok(Told { begin, answers: ran.answers, rows, times, sessions, more, edges, gates, late: ran.late })
     }
 }
 
@@ -237,6 +234,10 @@ pub fn wire(site: &Site, call: &Call) -> client::Call {
         Call::Path(of) => return paths::wire(site, of),
         &Call::Abort { core } => return client::Call::of(Abort { core: core.into() }),
         &Call::Reset { core } => return client::Call::of(Reset { core: core.into() }),
+        &Call::Terminal { .. } | &Call::Guard { .. } | &Call::SetCapture { .. } => {
+            return effects::terminal(site, call);
+        }
+        &Call::SetTick { us } => return client::Call::of(SetTick { tick_us: us.into() }),
         _ => {}
     }
     use client::Call as Wire;
@@ -387,6 +388,10 @@ pub fn wire(site: &Site, call: &Call) -> client::Call {
         | Call::Light(_)
         | Call::Abort { .. }
         | Call::Reset { .. }
+        | Call::SetTick { .. }
+        | Call::Terminal { .. }
+        | Call::Guard { .. }
+        | Call::SetCapture { .. }
         | Call::Effect(_) => unreachable!("done above"),
         Call::PvtTableSelect { axis, table } => {
             let (core, profile) = at(axis);
@@ -482,6 +487,8 @@ fn plain(kind: Kind, (core, axis): (I16, I16)) -> client::Call {
         Kind::GetFollowMasterEx => Wire::of(GetFollowMasterEx { core, profile }),
         Kind::GetEncPos => Wire::of(GetEncPos { core, encoder: profile, count }),
         Kind::GetSts => Wire::of(GetSts { core, axis, count }),
+        Kind::GetStopReason => Wire::of(AxisStatus { core, axis, count }),
+        Kind::GetCaptureStatus => Wire::of(GetCaptureStatus { core, encoder: profile, count }),
         Kind::GetPrfPos => Wire::of(GetPrfPos { core, profile, count }),
         Kind::GetPrfVel => Wire::of(GetPrfVel { core, profile, count }),
         Kind::GetPrfMode => Wire::of(GetPrfMode { core, profile, count }),
@@ -498,116 +505,6 @@ fn plain(kind: Kind, (core, axis): (I16, I16)) -> client::Call {
         Kind::GetPtMemory => Wire::of(GetPtMemory { core, profile }),
         Kind::PvtStatus => Wire::of(PvtStatus { core, profile, count }),
     }
-}
-
-/// What a read gave.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Got {
-    Nothing,
-    Whole(i64),
-    Two(i64, i64),
-    Three(i64, i64, i64),
-    CrdPosition([f64; 4]),
-    Reals([f64; 4]),
-    Table(i64, f64),
-    Real(f64),
-}
-
-fn short(answer: &Answer) -> Option<Got> {
-    let of = |reply: protocol::command::Short| Got::Whole(reply.value.get().into());
-    let ex = answer.reply::<GetFollowMemoryEx>().map(|(reply, _)| of(reply));
-    ex.or_else(|| answer.reply::<GetFollowMemory>().map(|(reply, _)| of(reply)))
-}
-
-fn event(reply: &FollowEventReply) -> Got {
-    Got::Three(reply.event.get().into(), reply.master_dir.get().into(), reply.pos.get().into())
-}
-
-fn master(reply: &FollowMasterReply) -> Got {
-    let kind = reply.master_type.get().into();
-    Got::Three(reply.master_index.get().into(), kind, reply.master_item.get().into())
-}
-
-/// The value of an answer with code 0.
-pub fn got(call: &Call, answer: &Answer) -> Got {
-    let real = |items: Vec<Real>| Got::Real(items.first().map_or(f64::NAN, |item| item.value.get()));
-    let long = |items: Vec<Long>| Got::Whole(items.first().map_or(i64::MIN, |item| item.value.get().into()));
-    let read = match call {
-        Call::Axis { kind, .. } => match kind {
-            Kind::GetPtLoop => answer.reply::<GetPtLoop>().map(|(reply, _)| Got::Whole(reply.value.get().into())),
-            Kind::GetPvtLoop => answer
-                .reply::<GetPvtLoop>()
-                .map(|(reply, _)| Got::Two(reply.loop_count.get().into(), reply.loop_set.get().into())),
-            Kind::GetFollowLoop => {
-                answer.reply::<GetFollowLoop>().map(|(reply, _)| Got::Whole(reply.value.get().into()))
-            }
-            Kind::GetFollowStatus => answer
-                .reply::<GetFollowStatus>()
-                .map(|(reply, _)| Got::Two(reply.fifo.get().into(), reply.switch_status.get().into())),
-            Kind::GetFollowLoopEx => {
-                answer.reply::<GetFollowLoopEx>().map(|(reply, _)| Got::Whole(reply.value.get().into()))
-            }
-            Kind::GetFollowStatusEx => answer
-                .reply::<GetFollowStatusEx>()
-                .map(|(reply, _)| Got::Two(reply.fifo.get().into(), reply.switch_status.get().into())),
-            // Both forms have one layout.
-            Kind::GetFollowMemory | Kind::GetFollowMemoryEx => short(answer),
-            Kind::GetFollowEvent => answer.reply::<GetFollowEvent>().map(|(reply, _)| event(&reply)),
-            Kind::GetFollowEventEx => answer.reply::<GetFollowEventEx>().map(|(reply, _)| event(&reply)),
-            Kind::GetFollowMaster => answer.reply::<GetFollowMaster>().map(|(reply, _)| master(&reply)),
-            Kind::GetFollowMasterEx => answer.reply::<GetFollowMasterEx>().map(|(reply, _)| master(&reply)),
-            Kind::GetEncPos => answer.reply::<GetEncPos>().map(|(_, items)| real(items)),
-            Kind::GetSts => answer.reply::<GetSts>().map(|(_, items)| long(items)),
-            Kind::GetPrfMode => answer.reply::<GetPrfMode>().map(|(_, items)| long(items)),
-            Kind::GetPrfPos => answer.reply::<GetPrfPos>().map(|(_, items)| real(items)),
-            Kind::GetPrfVel => answer.reply::<GetPrfVel>().map(|(_, items)| real(items)),
-            Kind::GetPrfAcc => answer.reply::<GetPrfAcc>().map(|(_, items)| real(items)),
-            Kind::GetEncVel => answer.reply::<GetEncVel>().map(|(_, items)| real(items)),
-            Kind::GetTrapPrm => answer.reply::<GetTrapPrm>().map(|(of, _)| {
-                let smooth = f64::from(of.smooth_time_ms.get());
-                Got::Reals([of.acc.get(), of.dec.get(), of.vel_start.get(), smooth])
-            }),
-            Kind::GetJogPrm => answer
-                .reply::<GetJogPrm>()
-                .map(|(of, _)| Got::Reals([of.acc.get(), of.dec.get(), of.smooth.get(), 0.0])),
-            Kind::GetPos => answer.reply::<GetPos>().map(|(of, _)| Got::Whole(of.value.get().into())),
-            Kind::GetVel => answer.reply::<GetVel>().map(|(of, _)| Got::Reals([of.value.get(), 0.0, 0.0, 0.0])),
-            Kind::GetSoftLimit => answer
-                .reply::<GetSoftLimit>()
-                .map(|(of, _)| Got::Two(of.positive.get().into(), of.negative.get().into())),
-            Kind::GetStopDec => {
-                answer.reply::<GetStopDec>().map(|(of, _)| Got::Reals([of.smooth.get(), of.abrupt.get(), 0.0, 0.0]))
-            }
-            Kind::GetAxisBand => {
-                answer.reply::<GetAxisBand>().map(|(of, _)| Got::Two(of.band.get().into(), of.time_cycles.get().into()))
-            }
-            Kind::GetPosErr => answer.reply::<GetPosErr>().map(|(of, _)| Got::Whole(of.value.get().into())),
-            Kind::GetPtMemory => answer.reply::<GetPtMemory>().map(|(of, _)| Got::Whole(of.value.get().into())),
-            Kind::PvtStatus => answer.reply::<PvtStatus>().and_then(|(_, items)| {
-                let first = items.first()?;
-                Some(Got::Table(first.table.get().into(), first.time.get()))
-            }),
-            _ => None,
-        },
-        Call::PtSpace { .. } => answer.reply::<PtSpace>().map(|(reply, _)| Got::Whole(reply.value.get().into())),
-        Call::FollowSpace { .. } => {
-            answer.reply::<FollowSpace>().map(|(reply, _)| Got::Whole(reply.value.get().into()))
-        }
-        Call::Ex(of) if matches!(**of, Call::FollowSpace { .. }) => {
-            answer.reply::<FollowSpaceEx>().map(|(reply, _)| Got::Whole(reply.value.get().into()))
-        }
-        Call::Path(of) => paths::got(of, answer),
-        Call::Light(of) => light::got(of, answer),
-        Call::Effect(Effect::GetDo { .. }) => {
-            answer.reply::<GetDo>().map(|(reply, _)| Got::Whole(reply.value.get().into()))
-        }
-        Call::Effect(Effect::GetDac { .. }) => answer.reply::<GetDac>().and_then(|(_, items)| {
-            let first = items.first()?;
-            Some(Got::Whole(first.value.get().into()))
-        }),
-        _ => None,
-    };
-    read.unwrap_or(Got::Nothing)
 }
 
 /// A set-point as the reference has it.

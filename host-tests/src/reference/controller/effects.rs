@@ -1,4 +1,5 @@
 //! Outputs and inputs.
+use super::super::axis::Axis;
 use super::super::call::{Call, members};
 use super::super::effect::Effect;
 use super::super::light::Mode;
@@ -29,10 +30,50 @@ impl Controller {
                 return Ok(self.read(index, call, 0));
             }
             Effect::GetDo { .. } => return Ok(self.read(index, call, 0)),
+            Effect::GetDi { kind, .. } => {
+                range(matches!(kind, 0..=5))?;
+                return Ok(self.read(index, call, 0));
+            }
             Effect::SimInput { index, level, .. } => {
                 range((1..=32).contains(&index))?;
                 self.levels.input(index, level);
             }
+        }
+        DONE
+    }
+
+    /// Levels of the inputs of a type, as GetDi has them. General ones belong to all cores.
+    pub(super) fn inputs_of(&self, core: i16, kind: i16) -> i64 {
+        if kind == 4 {
+            return self.levels.inputs.cast_signed().into();
+        }
+        let bit = |(place, axis): (usize, &Axis)| {
+            let (of, number) = self.site.axes[place];
+            if of == core { i64::from(axis.terminals.levels >> kind & 1) << (number - 1) } else { 0 }
+        };
+        self.axes.iter().map(Box::as_ref).enumerate().map(bit).sum()
+    }
+
+    /// A level, an input that counts or does not, a capture.
+    pub(super) fn terminal(&mut self, call: &Call) -> Answer {
+        match *call {
+            Call::Terminal { axis, kind, level } => {
+                range(matches!(kind, 0..=3 | 5))?;
+                let of = &mut self.axes[axis].terminals;
+                of.levels = if level { of.levels | 1 << kind } else { of.levels & !(1 << kind) };
+            }
+            Call::Guard { axis, kind, on } => {
+                range(matches!(kind, -1..=2))?;
+                let bits = if kind < 0 { 3 } else { 1 << kind };
+                let of = &mut self.axes[axis].terminals;
+                of.on = if on { of.on | bits } else { of.on & !bits };
+            }
+            Call::SetCapture { axis, mode } => {
+                range(mode == 1)?;
+                let of = &mut self.axes[axis].terminals;
+                (of.armed, of.captured) = (true, None);
+            }
+            _ => {}
         }
         DONE
     }
@@ -48,6 +89,7 @@ impl Controller {
         let mut analog = std::mem::take(&mut self.analog);
         analog.sort_by(|a, b| a.0.total_cmp(&b.0));
         let driven = self.light.analog();
+        self.levels.passed = analog.iter().map(|&(_, channel, value)| (channel, value)).collect();
         analog.into_iter().for_each(|(_, channel, value)| self.levels.analog[channel] = value);
         // It leaves its output at 0 V.
         members(driven.into()).for_each(|channel| self.levels.analog[channel] = 0);

@@ -20,30 +20,29 @@ pub struct Machine {
     /// Of each axis from where it began, pulses: where it is, and the set-point in force since the tick before.
     shafts: Vec<[f64; 2]>,
     begin: Vec<Fix>,
-    share: f64,
     pub astray: Option<(usize, usize, f64)>,
 }
 
 impl Machine {
-    pub fn new(tick_ns: i64, axes: &[Box<Axis>]) -> Machine {
+    pub fn new(axes: &[Box<Axis>]) -> Machine {
         Machine {
             recorded: Vec::new(),
             shafts: vec![[0.0; 2]; axes.len()],
             begin: axes.iter().map(|axis| axis.x).collect(),
-            share: 1.0 - (-(tick_ns as f64) / LAG_NS).exp(),
             astray: None,
         }
     }
 }
 
 impl Controller {
-    /// The counts of a tick, before it moves anything.
-    pub(super) fn encoders(&mut self, tick: usize) {
+    /// The counts of a tick that lasts `period`, before it moves anything.
+    pub(super) fn encoders(&mut self, tick: usize, period: i64) {
+        let share = 1.0 - (-(period as f64) / LAG_NS).exp();
         for (place, axis) in self.axes.iter_mut().enumerate() {
             let machine = &mut self.machine;
             let [shaft, in_force] = &mut machine.shafts[place];
             if tick > 0 {
-                *shaft += (*in_force - *shaft) * machine.share;
+                *shaft += (*in_force - *shaft) * share;
                 *in_force = (axis.x - machine.begin[place]).to_f64();
             }
             let modelled = machine.begin[place] + Fix::of_f64(*shaft);

@@ -1,5 +1,5 @@
 //! Abort and Reset within a program: SPEC 9, and what each leaves (docs/safety.md).
-use super::super::axis::Axis;
+use super::super::axis::{Axis, Why};
 use super::super::call::members;
 use super::super::light::Act;
 use super::Controller;
@@ -19,7 +19,7 @@ impl Controller {
         self.unsettle();
         self.light.calls.push(Act::Abort);
         for place in 0..self.axes.len() {
-            self.stop_axis(place, false);
+            self.stop_axis(place, false, Why::Abort);
         }
         let running = self.crds.iter().filter(|(_, crd)| crd.runs).map(|(name, _)| *name).collect::<Vec<_>>();
         running.iter().for_each(|name| self.stop_path(*name, false));
@@ -55,6 +55,9 @@ impl Controller {
     /// outputs stay; where an axis is, is its new name 0.
     pub(super) fn reset(&mut self, core: i16, now: i64) -> Answer {
         self.is_core(core)?;
+        if self.axes.iter().any(|axis| axis.alarms.is_some()) {
+            self.open = Some("a Reset while an alarm keeps light dark");
+        }
         for place in (0..self.axes.len()).filter(|place| self.cores[*place] == core) {
             let axis = &mut self.axes[place];
             if axis.runs() {
@@ -62,7 +65,10 @@ impl Controller {
             }
             let (runs, x, encoder) = (axis.runs(), axis.x, axis.encoder);
             let slack = axis.slack + axis.late;
+            let levels = axis.terminals.levels;
             **axis = Axis::new(0);
+            axis.terminals.levels = levels;
+            axis.why = if runs { Some(Why::Reset) } else { None };
             (axis.x, axis.zero, axis.track) = (x, x, vec![x; 2]);
             (axis.encoder, axis.encoder_zero) = (encoder, encoder[1]);
             (axis.slack, axis.renamed, axis.halted) = (slack, true, runs);

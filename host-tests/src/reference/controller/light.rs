@@ -117,6 +117,7 @@ impl Controller {
                     self.open = Some("a map at the instant at which light of a path is withdrawn");
                 }
                 check(!self.path_runs(both) && !after.owner.is_of_path(both))?;
+                self.axes.iter_mut().for_each(|axis| axis.alarms = None);
                 Setting::Map(map as u8)
             }
             what => self.setting_of(what, &after, of.channel)?,
@@ -177,7 +178,12 @@ impl Controller {
                 either(after.law.distance.is_some(), good && bounds.is_ok())?;
                 Setting::Ratios(ratio, bounds?)
             }
-            LightOf::ClearFault => Setting::ClearFault,
+            LightOf::ClearFault => {
+                if self.axes.iter().any(|axis| axis.is_alarmed() && axis.light_crd().is_some()) {
+                    self.open = Some("a clear of light while an alarm is there");
+                }
+                Setting::ClearFault
+            }
             _ => Setting::ZeroOnTime,
         })
     }

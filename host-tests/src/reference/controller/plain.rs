@@ -1,5 +1,5 @@
 //! Calls of every axis: names, modes, settings, Trap and Jog, Stop.
-use super::super::axis::{Mode, Rates};
+use super::super::axis::{Mode, Rates, Why};
 use super::super::call::{Call, Kind, members};
 use super::super::light::{Act, SERVO_OFF};
 use super::super::number::Fix;
@@ -17,7 +17,7 @@ impl Controller {
                 }
                 let fault = axis.light_crd().filter(|_| axis.servo).map(|crd| Act::Fault(crd, SERVO_OFF));
                 axis.servo = false;
-                axis.halt();
+                axis.halt(Why::ServoOff);
                 self.then[place] = None;
                 self.light.calls.extend(fault);
             }
@@ -29,6 +29,9 @@ impl Controller {
                 axis.renamed = true;
             }
             Kind::ClrSts => {
+                if axis.is_alarmed() && axis.light_crd().is_some() {
+                    self.open = Some("a clear of light while an alarm is there");
+                }
                 axis.clear();
                 self.light.calls.extend(axis.light_crd().map(Act::Clear));
             }
@@ -40,6 +43,7 @@ impl Controller {
                     _ => Mode::Trap,
                 });
             }
+            Kind::GetStopReason if axis.why.is_none() || axis.mode == Mode::Crd => return Ok(Reply::Open),
             Kind::GetTrapPrm | Kind::GetJogPrm => {
                 check(axis.mode == if kind == Kind::GetTrapPrm { Mode::Trap } else { Mode::Jog })?;
                 return Ok(self.read(index, call, 0));
@@ -145,12 +149,12 @@ impl Controller {
         let of = |place: usize| self.axes[place].light_crd().or(self.axes[place].geared_crd());
         let named = members(mask).filter_map(of).fold(0, |mask, crd| mask | 1 << crd);
         self.stop_light(named);
-        members(mask).for_each(|place| self.stop_axis(place, abrupt >> place & 1 == 1));
+        members(mask).for_each(|place| self.stop_axis(place, abrupt >> place & 1 == 1, Why::Smooth));
         DONE
     }
 
     /// Stops an axis, or the path that it belongs to.
-    pub(super) fn stop_axis(&mut self, place: usize, abrupt: bool) {
+    pub(super) fn stop_axis(&mut self, place: usize, abrupt: bool, why: Why) {
         let axis = &mut self.axes[place];
         axis.stopped = true;
         if axis.driven {
@@ -164,17 +168,17 @@ impl Controller {
         }
         // What begins at this instant does not move.
         if abrupt || axis.began {
-            axis.halt();
+            axis.halt(if abrupt { Why::Abrupt } else { why });
             self.then[place] = None;
             return;
         }
         let brakes = match self.then[place] {
-            Some(then) => matches!(then, Then::Brake(_)),
+            Some(then) => matches!(then, Then::Brake(..)),
             None => axis.braking.is_some(),
         };
         // A braking axis keeps the deceleration of its first Stop.
         if !brakes {
-            self.then[place] = Some(Then::Brake(axis.stop_dec));
+            self.then[place] = Some(Then::Brake(axis.stop_dec, why));
         }
     }
 

@@ -1,5 +1,5 @@
 //! PVT: tables, selections, starts.
-use super::super::axis::{Axis, Mode, Motion};
+use super::super::axis::{Axis, Mode, Motion, Why};
 use super::super::call::{Call, members};
 use super::super::number::Fix;
 use super::super::pt::Timed;
@@ -57,6 +57,7 @@ impl Controller {
                     (axis.pvt.2, axis.began, axis.table) = (0, true, axis.pvt.1);
                     (axis.table_begins, axis.next_begins) = (table.begins, table.begins);
                     axis.motion = Some(Motion::Pvt(timed));
+                    axis.ending = Why::End;
                 }
             }
             _ => return Ok(Reply::Open),

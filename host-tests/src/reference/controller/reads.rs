@@ -32,6 +32,19 @@ impl Controller {
                             Value::Two(axis.follow.fifo as i64, pending.into())
                         }
                         Kind::GetSts => Value::Whole(axis.status().into()),
+                        Kind::GetStopReason => {
+                            if axis.why.is_some() {
+                                *self.used.entry("why axes stopped").or_default() += 1;
+                            }
+                            Value::Whole(axis.why.map_or(0, |why| why as i64))
+                        }
+                        Kind::GetCaptureStatus => {
+                            let of = axis.terminals.captured;
+                            if of.is_some() {
+                                *self.used.entry("captures read").or_default() += 1;
+                            }
+                            Value::Two(of.is_some().into(), of.map_or(0, |at| at.to_f64() as i64))
+                        }
                         Kind::GetPrfPos => Value::Position(axis.name(), axis.slack + axis.late),
                         Kind::GetPrfVel => Value::Velocity(axis.v),
                         Kind::GetPrfAcc => Value::Velocity(axis.acceleration(Fix::ms(now)).unwrap_or(Fix::ZERO)),
@@ -64,6 +77,7 @@ impl Controller {
                     // What it reads is compared as the power.
                     _ => Value::None,
                 },
+                Call::Effect(Effect::GetDi { core, kind }) => Value::Whole(self.inputs_of(core, kind)),
                 Call::Effect(_) => Value::Whole(self.levels.general.cast_signed().into()),
                 _ => Value::Whole(free as i64),
             };
@@ -92,6 +106,8 @@ impl Controller {
                     match kind {
                         Kind::GetPrfPos | Kind::GetPrfMode => false,
                         Kind::GetEncPos | Kind::GetEncVel => axis_of.is_lost,
+                        Kind::GetStopReason => axis_of.why.is_none() || axis_of.open.is_some(),
+                        Kind::GetCaptureStatus => axis_of.is_lost,
                         Kind::GetPrfAcc => axis_of.acceleration(Fix::ms(now)).is_none() || axis_of.open.is_some(),
                         Kind::PvtStatus => !axis_of.is_in_table() || axis_of.open.is_some(),
                         Kind::GetPrfVel => {

@@ -28,7 +28,7 @@ impl Work {
 fn weight(call: &Call) -> (i64, bool) {
     let each = |mask: u32, weight: i64| i64::from(mask.count_ones()) * weight;
     match call {
-        Call::Sleep { .. } | Call::WaitStop { .. } => (0, false),
+        Call::Sleep { .. } | Call::WaitStop { .. } | Call::SetTick { .. } => (0, false),
         Call::Ex(call) => weight(call),
         Call::Update { mask } => (each(*mask, 23), true),
         Call::PtStart { mask, .. } | Call::PvtStart { mask } => (each(*mask, 14), true),

@@ -114,9 +114,30 @@ impl Making<'_> {
         }
     }
 
+    /// Another tick period, mostly while everything is at standstill.
+    pub(super) fn tick(&mut self) {
+        let mut cores: Vec<i16> = self.site.axes.iter().map(|axis| axis.0).collect();
+        cores.dedup();
+        let abrupt = self.one_in(2);
+        if !self.one_in(5) {
+            for core in cores {
+                let own = |axis: &usize| self.site.axes[*axis].0 == core;
+                let mask = (0..self.site.axes.len()).filter(own).fold(0, |mask, axis| mask | 1 << axis);
+                self.calls.push(Call::Stop { mask, abrupt: if abrupt { mask } else { 0 } });
+                self.calls.push(Call::WaitStop { mask });
+            }
+            self.sleep(6);
+        }
+        let us = if self.one_in(8) { self.pick(&[0, -1, 5, 1001]) } else { self.pick(&[100, 125, 250, 500, 1000]) };
+        self.calls.push(Call::SetTick { us });
+        self.start(0);
+    }
+
     pub(super) fn read(&mut self, axis: usize) {
         let kinds = [
             Kind::GetSts,
+            Kind::GetStopReason,
+            Kind::GetCaptureStatus,
             Kind::GetPrfPos,
             Kind::GetPrfVel,
             Kind::GetPrfMode,
@@ -148,8 +169,8 @@ impl Making<'_> {
         for _ in 0..1 + self.below(3) {
             // Reads of the mode that it is in, too.
             let kind = match (self.below(2), self.does[axis]) {
-                (0, Does::Trap) => self.pick(&[Kind::GetTrapPrm, Kind::GetPos, Kind::GetPrfAcc]),
-                (0, Does::Jog) => self.pick(&[Kind::GetJogPrm, Kind::GetVel, Kind::GetPrfAcc]),
+                (0, Does::Trap) => self.pick(&[Kind::GetTrapPrm, Kind::GetPos, Kind::GetPrfAcc, Kind::GetStopReason]),
+                (0, Does::Jog) => self.pick(&[Kind::GetJogPrm, Kind::GetVel, Kind::GetPrfAcc, Kind::GetStopReason]),
                 (0, Does::Pt | Does::Stream) => self.pick(&[Kind::GetPtLoop, Kind::GetPtMemory, Kind::GetPrfAcc]),
                 (0, Does::Pvt) => self.pick(&[Kind::GetPvtLoop, Kind::PvtStatus, Kind::GetPrfAcc]),
                 (0, Does::Follow(_)) => self.pick(&[

@@ -137,7 +137,7 @@ impl Making<'_> {
                     let value = if self.one_in(2) { mask } else { 0 };
                     self.path(core, Path::Outputs { crd, mask, value, fifo: fifo as i16 });
                 }
-                _ if self.one_in(6) => self.beside(index, fifo),
+                _ if self.one_in(4) => self.beside(index, fifo),
                 _ if self.one_in(6) && self.site.profile == "gus" => {
                     let (channel, command) = (self.below(2) as i16, self.laser_command());
                     self.path(core, Path::Laser { crd, channel, command, fifo: fifo as i16 });

@@ -227,10 +227,14 @@ impl Owner {
 
     /// A cause of SPEC 9 of a mapped path, which has come to rest by it if it ran.
     pub fn fail(&mut self, crd: usize, cause: i16, at: f64) -> Order {
-        let mapped = self.maps(crd);
         self.running &= !(1 << crd);
         self.dead &= !(1 << crd);
-        if !mapped {
+        self.hit(crd, cause, at)
+    }
+
+    /// The same of a cause that lets it run on.
+    pub fn hit(&mut self, crd: usize, cause: i16, at: f64) -> Order {
+        if !self.maps(crd) {
             return Order::Nothing;
         }
         self.light = Light::Off;

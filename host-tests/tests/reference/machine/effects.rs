@@ -54,6 +54,31 @@ pub fn switch_now(site: &Site, axis: usize, table: bool, buffer: i16, fifo: zero
     Wire::of(FollowSwitchNowEx { core, profile, method, buffer: buffer.into(), fifo })
 }
 
+/// Inputs of an axis.
+pub fn terminal(site: &Site, call: &Call) -> Wire {
+    let at = |axis: usize| (site.axes[axis].0.into(), site.axes[axis].1.into());
+    match *call {
+        Call::Terminal { axis, kind, level } => {
+            let (core, index) = at(axis);
+            Wire::of(SimInput { core, di_type: kind.into(), index, level: i16::from(level).into() })
+        }
+        Call::Guard { axis, kind, on } => {
+            let ((core, axis), limit_type) = (at(axis), kind.into());
+            match (kind, on) {
+                (2, true) => Wire::of(AlarmOn { core, axis }),
+                (2, false) => Wire::of(AlarmOff { core, axis }),
+                (_, true) => Wire::of(LmtsOn { core, axis, limit_type }),
+                (_, false) => Wire::of(LmtsOff { core, axis, limit_type }),
+            }
+        }
+        Call::SetCapture { axis, mode } => {
+            let (core, encoder) = at(axis);
+            Wire::of(SetCaptureMode { core, encoder, mode: mode.into() })
+        }
+        _ => panic!("{call:?} is no call of an axis's inputs"),
+    }
+}
+
 pub fn effect(effect: &Effect) -> Wire {
     match *effect {
         Effect::SetDo { core, value } => Wire::of(SetDo { core: core.into(), do_type: 12.into(), value: value.into() }),
@@ -61,6 +86,7 @@ pub fn effect(effect: &Effect) -> Wire {
             let value = i16::from(level).into();
             Wire::of(SetDoBit { core: core.into(), do_type: 12.into(), index: index.into(), value })
         }
+        Effect::GetDi { core, kind } => Wire::of(GetDi { core: core.into(), di_type: kind.into() }),
         Effect::GetDo { core } => Wire::of(GetDo { core: core.into(), do_type: 12.into() }),
         Effect::SetDac { core, dac, value } => {
             let request = SetDac { core: core.into(), dac: dac.into(), count: 1.into() };

@@ -37,7 +37,9 @@ pub fn programme(seed: u64, calls: usize) -> Programme {
     }
     let mut listing = Listing::new(cores);
     let base = generator::program(seed, &site, calls);
-    for (number, call) in base.calls.iter().enumerate() {
+    // A job has one tick.
+    let in_jobs = base.calls.iter().filter(|call| !matches!(call, host_tests::reference::Call::SetTick { .. }));
+    for (number, call) in in_jobs.enumerate() {
         steps.extend(listing.read(&site.text(number, call)));
         if chance.below(6) == 0 {
             let core = cores.then(|| 1 + chance.below(2) as i16);
