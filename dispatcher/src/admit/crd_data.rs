@@ -132,6 +132,11 @@ impl Filling<'_> {
         Err(self.no(Reason::NoCoordinate).field(field).got(to.into()))
     }
 
+    /// Coordinates that no axis drives, a bit each: they are always known.
+    fn undriven(&self) -> u8 {
+        0b1111 << self.frame.dimension & 0b1111
+    }
+
     /// Speed, acceleration and end speed after limitation to the maxima.
     fn speeds(&self, given: &Speeds) -> Admitted<Held> {
         let Speeds { vel, acc, end, field, .. } = *given;
@@ -278,7 +283,7 @@ impl Filling<'_> {
         } else if let Some(entry) = geometry.entry(along) {
             queue.other(store, entry, geometry.length / vel);
         }
-        data.add_motion(geometry.end, geometry.sets());
+        data.add_motion(geometry.end, geometry.sets() | self.undriven());
     }
 
     fn written(&self, count: usize, lasts: f64, data: PathData) -> (Written, End) {
@@ -455,6 +460,7 @@ fn lines<R: Lines<N>, const N: usize, const AXES: usize>(
     filling.prepare(queue);
     let mut data = filling.path.data;
     let mut at = filling.begin;
+    let sets = filling.undriven() | if N == 2 { 0b11 } else { 0b1111 };
     for (index, item) in items.iter().enumerate() {
         let to = R::to(item);
         let mut target = at.map(|position| position as i32);
@@ -470,7 +476,7 @@ fn lines<R: Lines<N>, const N: usize, const AXES: usize>(
             });
             queue.other(store, entry, f64::from(libm::sqrtf(shape) / vel as f32));
             at.iter_mut().zip(to).for_each(|(at, to)| *at = to.into());
-            data.add_motion(at, if N == 2 { 0b11 } else { 0b1111 });
+            data.add_motion(at, sets);
             continue;
         }
         let geometry = if N == 2 { Geometry::planar(&at, [x, y]) } else { Geometry::line(&at, target) };

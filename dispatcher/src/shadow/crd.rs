@@ -119,7 +119,11 @@ impl Ages {
         Ages(ages.iter().rev().fold(0, |all, age| all << 4 | age))
     }
     /// After a motion that sets these coordinates, a bit each.
+    #[inline(always)]
     fn after(self, sets: u8) -> Ages {
+        if sets == 0b1111 {
+            return Ages(0);
+        }
         let mut ages = self.each();
         for (index, age) in ages.iter_mut().enumerate() {
             *age = if sets >> index & 1 == 1 { 0 } else { *age + u16::from(*age < Ages::MANY) };
@@ -139,6 +143,7 @@ impl Ages {
 
 impl PathData {
     /// Takes in a motion that ends here, and that sets these coordinates.
+    #[inline(always)]
     pub fn add_motion(&mut self, end: Position, sets: u8) {
         let before = if self.open { self.ages } else { Ages::default() };
         self.ages = before.after(sets);
@@ -196,6 +201,10 @@ impl PathShadow {
     }
     /// So many of its motions were over when its path came to standstill.
     fn settle(&mut self, over: u32) {
+        if !self.data.open {
+            self.left = false;
+            return;
+        }
         let (ages, sure) = self.data.ages.ahead(self.data.motions.wrapping_sub(over));
         self.data.ages = ages;
         if self.left {
@@ -443,6 +452,11 @@ impl CrdShadow {
     /// Follows the tick: what came to standstill is at standstill, at the position that the view
     /// shows.
     pub fn follow<const AXES: usize>(&mut self, view: &View<AXES>, sampled: &CrdView) {
+        // Most of them are not in use.
+        let cleared = [0, 1].map(|fifo: usize| self.fifos[fifo].cleared);
+        if self.frame.is_none() && self.last.is_none() && self.busy.is_none() && cleared == sampled.cleared {
+            return;
+        }
         let over = |start: Option<u32>| start.filter(|&seq| !executed(view, seq) || sampled.runs);
         self.started = over(self.started);
         self.busy = over(self.busy);

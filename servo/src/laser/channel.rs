@@ -310,6 +310,14 @@ impl Channel {
         }
     }
 
+    /// A FIFO is cleared, which holds light in few cases.
+    pub(super) fn fifo_cleared(&mut self, at: Ns, run: Run) {
+        self.attend(at);
+        if self.owner.is_held_by(run) {
+            self.report(at, Fact::Clears { run });
+        }
+    }
+
     /// Carries out an event.
     fn happen(&mut self, at: Ns, event: Event) {
         match event {

@@ -258,6 +258,11 @@ impl Owner {
         self.latch != Latch::None
     }
 
+    /// Whether the Stop of this path, or a lost link, holds the light.
+    pub(super) fn is_held_by(&self, run: Run) -> bool {
+        matches!(self.light, Light::Held(_, by) if by.has(run))
+    }
+
     /// The coordinate systems whose light is on, or would come back with their CrdStart.
     pub(super) fn owners(&self) -> CrdMask {
         match self.light {
@@ -293,9 +298,7 @@ impl Owner {
             Fact::Entry { on: false, .. } => self.off(),
             Fact::Starts { run, resumes } => self.start(run, resumes),
             Fact::Clears { run } => {
-                if let Light::Held(_, by) = self.light
-                    && by.has(run)
-                {
+                if self.is_held_by(run) {
                     self.light = Light::Off;
                 }
                 Order::Keep

@@ -306,7 +306,9 @@ impl Lasers {
 
     /// A FIFO of a path at standstill is cleared.
     pub(crate) fn fifo_cleared(&mut self, run: Run, at: Ns) {
-        self.hear(at, Fact::Clears { run });
+        for channel in &mut self.channels {
+            channel.fifo_cleared(at, run);
+        }
     }
 
     /// A Stop for these, of which each has been set up, at rest or not.
