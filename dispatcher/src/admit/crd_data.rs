@@ -10,10 +10,9 @@
 //! [`Item::Entry`].
 mod given;
 
-use super::commit::{End, FifoOf, Written};
 use super::context::Context;
-use super::data::{Paths, Stored};
-use super::{buffered, many};
+use super::data::{FifoOf, Paths, Stored, Written};
+use super::many;
 use crate::configuration::Configuration;
 use crate::plan::geometry;
 use crate::plan::geometry::{Geometry, OFF_CENTRE, Position, RADIUS_MAX, RADIUS_MIN};
@@ -21,8 +20,9 @@ use crate::plan::look_ahead::{ALONG_MIN, Limits};
 use crate::plan::path_queue::PathQueue;
 use crate::refuse::{Admitted, Refused, choice, real};
 use crate::report::answer::Answer;
-use crate::shadow::{CAPACITY, CrdShadow, Frame, PathData, PathShadow};
-use given::{DataCommand, Item, Shape, Speeds, Target, given};
+use crate::shadow::{CAPACITY, Change, CrdChange, CrdShadow, Frame, PathData, PathShadow};
+pub use given::{DataCommand, EntryKind, Item, Target};
+use given::{Shape, Speeds, given};
 use protocol::command::{LnXYMany, LnXYZMany, opcode};
 use protocol::reason::Reason;
 use servo::path::{Along, DIMENSIONS, Entry, EntryStore, Plane};
@@ -258,10 +258,8 @@ impl Filling<'_> {
 
     /// Prepares the queue for what is written from here on.
     fn prepare(&self, queue: &mut PathQueue) {
-        queue.follow(self.path.cleared);
-        if let Some(look) = self.path.look {
-            queue.set_look(&self.limits(look.corner, look.acc), look.count);
-        }
+        let look = self.path.look.map(|look| (self.limits(look.corner, look.acc), look.count));
+        queue.prepare(self.path.cleared, look);
     }
 
     /// Stores a motion that has been checked.
@@ -281,10 +279,11 @@ impl Filling<'_> {
         data.add_motion(geometry.end, geometry.sets());
     }
 
-    fn written(&self, count: usize, lasts: f64, data: PathData) -> (Written, End) {
-        let (crd, fifo) = (self.crd, self.fifo);
+    fn written(&self, count: usize, lasts: f64, data: PathData) -> (Written, Change) {
+        let (crd, fifo, cleared) = (self.crd, self.fifo, self.path.cleared);
         let answer = Answer::Path { crd, fifo, count: count as u16, lasts_ms: lasts as u32 };
-        (Written { at_once: self.at_once, ..Written::new(FifoOf::Crd(crd), fifo, answer) }, End::Path(data))
+        let written = Written { at_once: self.at_once, ..Written::new(FifoOf::Crd(crd), fifo, answer) };
+        (written, Change::Crd { crd, change: CrdChange::Data { fifo, cleared, data } })
     }
 }
 
@@ -325,20 +324,6 @@ pub fn data<const AXES: usize>(context: &Context<AXES>, paths: Paths<'_>, number
     }
 }
 
-/// A buffered laser command: the reply reports the values taken, if there are any, else the free
-/// slots.
-pub fn light<const AXES: usize>(context: &Context<AXES>, paths: Paths<'_>, number: u16, body: &[u8]) -> Stored {
-    let change = buffered::admit(context, number, body)?;
-    let (fifo_field, fifo) = change.fifo;
-    let target = Target { core: change.core, crd: change.crd, fifo, fifo_field };
-    let (mut written, end) = put(context, paths, &(target, Item::Entry(change.entry, 0.0)))?;
-    written.named = change.named;
-    if let Some((took, count, held)) = change.took {
-        (written.took, written.answer) = (took, Answer::Took { count, held });
-    }
-    Ok((written, end))
-}
-
 /// Puts one item into a FIFO, in the order of the calls, through the look-ahead if there is one.
 pub fn put<const AXES: usize>(
     context: &Context<AXES>,
@@ -361,32 +346,26 @@ pub fn put<const AXES: usize>(
             filling.prepare(queue);
             filling.put_motion((queue, store), (&geometry, given.stops), speeds, &mut data);
         }
-        Item::Entry(..) | Item::Move(..) | Item::Gear(..) => {
-            let (entry, ms) = match *what {
-                Item::Gear(entry, axis, pulses) => {
-                    if data.gears.has(axis) {
-                        return Err(context.no(Reason::AxisGoesAlong, axis));
-                    }
-                    if data.gears.0.count_ones() >= GEARS {
-                        return Err(filling.no(Reason::GearsFull).limits(0.0, GEARS.into()));
-                    }
-                    data.gears.0 |= axis.mask().0;
-                    data.beside.0 |= axis.mask().0;
-                    if pulses > data.gear {
-                        (data.geared, data.gear) = (axis, pulses);
-                    }
-                    (entry, 0.0)
+        Item::Entry(entry, kind) => {
+            if let EntryKind::Gear(axis, pulses) = *kind {
+                if data.gears.has(axis) {
+                    return Err(context.no(Reason::AxisGoesAlong, axis));
                 }
-                Item::Move(entry, axis) => {
-                    data.beside.0 |= axis.mask().0;
-                    (entry, 0.0)
+                if data.gears.0.count_ones() >= GEARS {
+                    return Err(filling.no(Reason::GearsFull).limits(0.0, GEARS.into()));
                 }
-                Item::Entry(entry, ms) => (entry, ms),
-                _ => (Entry::delay(0), 0.0),
-            };
+                data.gears.0 |= axis.mask().0;
+                if pulses > data.gear {
+                    (data.geared, data.gear) = (axis, pulses);
+                }
+            }
+            if let EntryKind::Gear(axis, _) | EntryKind::Move(axis) = *kind {
+                data.beside.0 |= axis.mask().0;
+            }
+            let ms = if let EntryKind::Delay(ms) = *kind { ms } else { 0.0 };
             filling.has_room(1)?;
             filling.prepare(queue);
-            queue.other(store, entry, ms);
+            queue.other(store, *entry, ms);
             data.add_entry(filling.begin);
             if entry.is_wait() {
                 data.leaves = 0.0;
@@ -399,7 +378,14 @@ pub fn put<const AXES: usize>(
         }
     }
     let lasts = queue.lasts(stores, context.crd_sampled(filling.crd), filling.fifo);
-    Ok(filling.written(count, lasts, data))
+    let (mut written, change) = filling.written(count, lasts, data);
+    if let Item::Entry(_, EntryKind::Laser { named, took }) = *what {
+        written.named = named;
+        if let Some((took, count, held)) = took {
+            (written.took, written.answer) = (took, Answer::Took { count, held });
+        }
+    }
+    Ok((written, change))
 }
 
 /// LnXYMany and LnXYZMany: all lines or none.
@@ -409,8 +395,7 @@ fn lines<R: Lines<N>, const N: usize, const AXES: usize>(
     body: &[u8],
 ) -> Stored {
     let (r, items) = many::<R>(body, |r| r.head().1)?;
-    let (target, count, speeds) = r.head();
-    let _ = count;
+    let (target, _, speeds) = r.head();
     let filling = open(context, &target)?;
     let (crd, fifo) = (filling.crd.index(), usize::from(filling.fifo));
     let none = || filling.no(Reason::CrdNotOnBoard);

@@ -3,15 +3,14 @@
 //! In: a data command. Out: entries in the store, and the FIFO's new shadow state.
 //! Fails: with the parameter and the limit. Entries written by then lie after the end of the FIFO,
 //! where nobody reads.
-use super::commit::{End, FifoOf, Written};
 use super::context::{Context, TRAVEL_PULSES};
-use super::data::{Segments, Stored};
+use super::data::{FifoOf, Segments, Stored, Written};
 use super::follow::{following, known, method, mode_of};
 use super::{io, one};
 use crate::plan::asymmetric_s;
 use crate::refuse::{Admitted, Refused, choice, real, within};
 use crate::report::answer::Answer;
-use crate::shadow::Fifo;
+use crate::shadow::{Change, Fifo};
 use protocol::command::{
     FollowData, FollowDataPercent2Ex, FollowDataPercentEx, FollowDelayEx, FollowDiBitEx, FollowDoBitEx,
     FollowSwitchNowEx, opcode,
@@ -51,6 +50,7 @@ struct Filling<'x> {
     field: u8,
     direction: Direction,
     capacity: u32,
+    cleared: u32,
     shadow: Fifo,
 }
 
@@ -87,6 +87,13 @@ impl Filling<'_> {
         }
         self.shadow.switches |= matches!(given, Given::Switch(Method::Table));
         Ok(())
+    }
+
+    /// What was written to this FIFO of `axis`.
+    fn written(&self, axis: Axis, percent1: i16) -> (Written, Change) {
+        let Filling { fifo, cleared, shadow, .. } = *self;
+        let answer = Answer::Entered { axis, fifo, percent1 };
+        (Written::new(FifoOf::Axis(axis), fifo, answer), Change::FollowData { axis, fifo, cleared, shadow })
     }
 
     #[cold]
@@ -174,11 +181,7 @@ pub fn data<const AXES: usize>(context: &Context<AXES>, stores: &Segments<AXES>,
     let axis = following(context, mode_of(number), core.get(), profile.get())?;
     let mut filling = open(context, stores, axis, fifo.get(), field)?;
     filling.add(given).map_err(|refused| refused.axis(context.configuration.number_of(axis)))?;
-    let fifo = filling.fifo;
-    Ok((
-        Written::new(FifoOf::Axis(axis), fifo, Answer::Entered { axis, fifo, percent1: 0 }),
-        End::Follow(filling.shadow),
-    ))
+    Ok(filling.written(axis, 0))
 }
 
 /// FollowDataPercent2Ex: up to three slots, for the rising, the constant and the falling part of
@@ -233,9 +236,7 @@ fn asymmetric_data<const AXES: usize>(
         let (at, to) = if Some(index) == last { (master, slave) } else { (at, to) };
         filling.add(Given::Part(at, to, part, first.take())).map_err(named)?;
     }
-    let fifo = filling.fifo;
-    let percent1 = (x * 100.0 + 0.5) as i16;
-    Ok((Written::new(FifoOf::Axis(axis), fifo, Answer::Entered { axis, fifo, percent1 }), End::Follow(filling.shadow)))
+    Ok(filling.written(axis, (x * 100.0 + 0.5) as i16))
 }
 
 /// The FIFO, if its content is known and its slots are free for data.
@@ -260,5 +261,6 @@ fn open<'x, const AXES: usize>(
         _ => Direction::Down,
     };
     let (capacity, data) = (shadow.follow.capacity(), *shadow.follow.fifo(fifo));
-    Ok(Filling { store, fifo, field, direction, capacity, shadow: data })
+    let cleared = shadow.follow.cleared[usize::from(fifo & 1)];
+    Ok(Filling { store, fifo, field, direction, capacity, cleared, shadow: data })
 }

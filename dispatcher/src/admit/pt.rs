@@ -1,8 +1,7 @@
 //! PT commands (GXN chapter 2), and PT data from bytes to the axis's store.
 use super::axis::all_startable;
-use super::commit::{End, FifoOf, Written};
 use super::context::{Context, TRAVEL_PULSES};
-use super::data::{Segments, Stored};
+use super::data::{FifoOf, Segments, Stored, Written};
 use super::{many, one};
 use crate::refuse::{Admitted, Refused, choice};
 use crate::report::answer::{Answer, Query};
@@ -61,8 +60,7 @@ pub fn clear<const AXES: usize>(context: &mut Context<AXES>, r: &PtClear) -> Adm
     if context.may_run(axis) && (context.shadow(axis).is_dynamic() || context.shadow(axis).fifo == fifo) {
         return Err(context.no(Reason::FifoInUse, axis).field(2).got(fifo.into()));
     }
-    context.stage_with(Op::PtClear { axis, fifo }, Change::Emptied { axis, fifo });
-    Ok(Answer::Done)
+    context.only(Op::PtClear { axis, fifo }, Change::Emptied { axis, fifo })
 }
 
 pub fn not_dynamic<const AXES: usize>(context: &Context<AXES>, axis: Axis) -> Admitted<()> {
@@ -73,8 +71,7 @@ pub fn not_dynamic<const AXES: usize>(context: &Context<AXES>, axis: Axis) -> Ad
 pub fn set_loop<const AXES: usize>(context: &mut Context<AXES>, r: &SetPtLoop) -> Admitted<Answer> {
     let axis = pt_axis(context, r.core.get(), r.profile.get())?;
     not_dynamic(context, axis)?;
-    context.stage(Op::PtLoop { axis, passes: r.loop_count.get().max(0).unsigned_abs() });
-    Ok(Answer::Done)
+    context.only(Op::PtLoop { axis, passes: r.loop_count.get().max(0).unsigned_abs() }, Change::None)
 }
 
 /// Clears the data, even if the size stays.
@@ -87,8 +84,7 @@ pub fn set_memory<const AXES: usize>(context: &mut Context<AXES>, r: &SetPtMemor
     if !context.shadow(axis).is_dynamic() {
         context.stage_with(Op::PtClear { axis, fifo: 1 }, Change::Emptied { axis, fifo: 1 });
     }
-    context.stage_with(Op::PtClear { axis, fifo: 0 }, Change::Memory { axis, memory });
-    Ok(Answer::Done)
+    context.only(Op::PtClear { axis, fifo: 0 }, Change::Memory { axis, memory })
 }
 
 /// Starts all axes of the mask on one tick, or none. Option bits select FIFO 1; they are ignored in
@@ -111,8 +107,7 @@ pub fn start<const AXES: usize>(context: &mut Context<AXES>, r: &PtStart) -> Adm
         }
     }
     all_startable(context, axes)?;
-    context.stage_with(Op::PtStart { axes, fifo1 }, Change::Started { axes, fifo1, script_ns: context.due.script_ns });
-    Ok(Answer::Done)
+    context.only(Op::PtStart { axes, fifo1 }, Change::Started { axes, fifo1, script_ns: context.due.script_ns })
 }
 
 /// Admits PtData or PtDataMany: all its segments or none. They are written after the committed end,
@@ -210,9 +205,10 @@ fn push<const AXES: usize>(
             Err(refused) => return Err(explain(refused, item, limit).item(index).axis(profile)),
         }
     }
-    let shadow = FifoShadow { end: data.end.wrapping_add(items.len() as u32), chain };
+    let data = FifoShadow { end: data.end.wrapping_add(items.len() as u32), chain };
     let answer = Answer::Taken { axis, fifo, count: items.len() as u16 };
-    Ok((Written::new(FifoOf::Axis(axis), fifo, answer), End::Pt(shadow)))
+    let change = Change::Data { axis, fifo, epoch: shadow.epoch, shadow: data };
+    Ok((Written::new(FifoOf::Axis(axis), fifo, answer), change))
 }
 
 /// The fields that a refusal names are those of a PtItem: 0 position, 1 time, 2 kind.

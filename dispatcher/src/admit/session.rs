@@ -27,8 +27,7 @@ const LINK_LOSS_MAX_MS: i32 = 86_400_000;
 /// Acts on all of the controller, whichever core is named: lasers and user exist once.
 pub fn abort<const AXES: usize>(context: &mut Context<AXES>, r: &Abort) -> Admitted<Answer> {
     context.core(r.core.get())?;
-    context.stage_with(Op::Abort, Change::Aborted);
-    Ok(Answer::Done)
+    context.only(Op::Abort, Change::Aborted)
 }
 
 pub fn reset<const AXES: usize>(context: &mut Context<AXES>, r: &Reset) -> Admitted<Answer> {
@@ -60,8 +59,7 @@ pub fn tick<const AXES: usize>(context: &mut Context<AXES>, r: &SetTick) -> Admi
     let ns = us.unsigned_abs() * 1000;
     let period = Ns(ns.into());
     loses_no_crd(context, period)?;
-    context.stage_with(Op::TickPeriod { ns }, Change::Tick { period });
-    Ok(Answer::Done)
+    context.only(Op::TickPeriod { ns }, Change::Tick { period })
 }
 
 /// Refuses a tick period at which a coordinate system that drives axes would not exist (GXN table

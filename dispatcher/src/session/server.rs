@@ -8,6 +8,7 @@
 //! and drops the rest of a program (SPEC 9).
 use super::commands::CommandHandler;
 use super::link_loss;
+use crate::admit::admission::Admission;
 use crate::board::Board;
 use crate::plan::path_queue::PathQueue;
 use crate::program::Program;
@@ -88,13 +89,13 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
     pub fn new(board: Board, channels: Channels<'a, AXES>) -> Self {
         Server {
             link: Endpoint::new(Role::Controller, Identity::OURS),
-            handler: CommandHandler::new(
+            handler: CommandHandler::new(Admission::new(
                 board,
                 channels.stores,
                 (channels.paths, channels.queues),
                 channels.tables,
                 channels.immediate,
-            ),
+            )),
             program: Program::new(channels.program),
             view: channels.view,
             events: channels.events,

@@ -206,7 +206,7 @@ impl PathShadow {
 }
 
 /// One coordinate system.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct CrdShadow {
     /// Its parameters.
     pub frame: Option<Frame>,
@@ -239,29 +239,12 @@ pub struct CrdShadow {
     pub fifos: [PathShadow; 2],
 }
 
-impl Default for CrdShadow {
-    /// Power-on.
-    fn default() -> Self {
-        CrdShadow {
-            frame: None,
-            limits: [(0.0, 0.0); DIMENSIONS],
-            fifo: 0,
-            started: None,
-            busy: None,
-            stopped: false,
-            fed: false,
-            here: None,
-            last: None,
-            dec: (0.0, 0.0),
-            beside: AxisMask(0),
-            rate: 1.0,
-            lag_ms: 1.0,
-            fifos: [PathShadow::default(); 2],
-        }
-    }
-}
-
 impl CrdShadow {
+    /// At power-on (SPEC 5); its default is all zero.
+    pub fn power_on() -> Self {
+        CrdShadow { rate: 1.0, lag_ms: 1.0, ..CrdShadow::default() }
+    }
+
     /// One FIFO.
     pub fn path(&self, fifo: u8) -> &PathShadow {
         let [first, second] = &self.fifos;
@@ -336,7 +319,7 @@ impl CrdShadow {
     pub(super) fn renew(&mut self, frame: Option<Frame>, here: Option<Position>, seq: u32) {
         let CrdShadow { started, busy, beside, fifos, .. } = *self;
         let dec = frame.map_or((0.0, 0.0), |frame| (frame.acc_max, frame.acc_max));
-        *self = CrdShadow { frame, here, dec, started, busy, beside, last: Some(seq), ..CrdShadow::default() };
+        *self = CrdShadow { frame, here, dec, started, busy, beside, last: Some(seq), ..CrdShadow::power_on() };
         for (path, before) in self.fifos.iter_mut().zip(fifos) {
             let cleared = before.cleared.wrapping_add(1);
             *path = PathShadow { cleared, emptied: Some(seq), last: Some(seq), ..PathShadow::default() };
