@@ -8,6 +8,7 @@ use crate::path;
 use crate::path::axis_map::Frame;
 use crate::port::Simulated;
 use crate::segment::follow;
+use crate::segment::ramp::{Accel, Speed};
 pub use crate::units::DoGroup;
 use crate::units::{Axis, AxisMask, Crd, CrdMask, Ns, Pos};
 
@@ -186,7 +187,7 @@ pub enum Op {
     /// data.
     SetMode { axis: Axis, mode: Mode },
     /// Stop decelerations.
-    StopDec { axis: Axis, smooth: crate::segment::ramp::Accel, abrupt: crate::segment::ramp::Accel },
+    StopDec { axis: Axis, smooth: Accel, abrupt: Accel },
     /// In-position band and time.
     Band { axis: Axis, band: u32, time: Ns },
     /// Soft limits; `None` is off.
@@ -207,17 +208,11 @@ pub enum Op {
     /// Analog output.
     Analog { channel: u8, value: i16 },
     /// Jog parameters, effective with the next Update.
-    JogPrm { axis: Axis, acc: crate::segment::ramp::Accel, dec: crate::segment::ramp::Accel, smooth: u16 },
+    JogPrm { axis: Axis, acc: Accel, dec: Accel, smooth: u16 },
     /// Trap parameters, effective with the next Update.
-    TrapPrm {
-        axis: Axis,
-        acc: crate::segment::ramp::Accel,
-        dec: crate::segment::ramp::Accel,
-        vel_start: crate::segment::ramp::Speed,
-        smooth: Ns,
-    },
+    TrapPrm { axis: Axis, acc: Accel, dec: Accel, vel_start: Speed, smooth: Ns },
     /// Target velocity of Jog and Trap.
-    TargetSpeed { axis: Axis, speed: crate::segment::ramp::Speed },
+    TargetSpeed { axis: Axis, speed: Speed },
     /// Target position of Trap.
     TargetPosition { axis: Axis, pulses: i32 },
     /// Jog and Trap of these axes begin, or change, with the present targets.
@@ -279,7 +274,7 @@ pub enum Op {
     /// These begin or go on; bits of `fifo1` take FIFO 1.
     CrdStart { crds: CrdMask, fifo1: CrdMask },
     /// Stop deceleration.
-    CrdStopDec { crd: Crd, dec: crate::segment::ramp::Accel },
+    CrdStopDec { crd: Crd, dec: Accel },
     /// Override.
     CrdRate { crd: Crd, rate: path::Rate },
     /// The filter of its encoders' speed.

@@ -129,46 +129,8 @@ impl AxisView {
 
     /// As at power-on, except for counters, and for the stop reason.
     pub(crate) fn reset(&mut self) {
-        let AxisView {
-            moves: _,
-            turns: _,
-            pos,
-            encoder,
-            encoder_before,
-            motion,
-            dry_ms,
-            released,
-            passes,
-            table_zero,
-            master_displacement,
-            counts: _,
-            changes: _,
-            status,
-            blocked,
-            stop: _,
-            mode,
-            lead,
-            drive,
-            epoch: _,
-            pt_state,
-            table,
-            pending,
-            table_until,
-            fifo,
-            switching,
-            waits,
-            cleared: _,
-            captured,
-        } = self;
-        let on = AxisView::POWER_ON;
-        *motion = on.motion;
-        (*pos, *encoder, *encoder_before, *dry_ms) = (on.pos, on.encoder, on.encoder_before, on.dry_ms);
-        (*released, *passes, *table_zero, *master_displacement) =
-            (on.released, on.passes, on.table_zero, on.master_displacement);
-        (*status, *blocked, *mode, *lead) = (on.status, on.blocked, on.mode, on.lead);
-        (*drive, *pt_state, *table, *pending) = (on.drive, on.pt_state, on.table, on.pending);
-        (*table_until, *fifo, *switching, *captured) = (on.table_until, on.fifo, on.switching, on.captured);
-        *waits = on.waits;
+        let AxisView { moves, turns, counts, changes, stop, epoch, cleared, .. } = *self;
+        *self = AxisView { moves, turns, counts, changes, stop, epoch, cleared, ..AxisView::POWER_ON };
     }
 
     /// The axis is in another piece.
@@ -237,12 +199,9 @@ impl AxisView {
     #[inline(never)]
     fn follow_changes(&mut self, now: &AxisView) {
         let AxisView { changes, status, blocked, stop, mode, epoch, pt_state, captured, .. } = *now;
-        (self.table, self.pending) = (now.table, now.pending);
-        self.table_until = now.table_until;
-        let [first, second] = now.cleared;
-        (self.lead, self.drive) = (now.lead, now.drive);
-        (self.fifo, self.switching, self.cleared) = (now.fifo, now.switching, [first, second]);
-        self.waits = now.waits;
+        (self.table, self.pending, self.table_until) = (now.table, now.pending, now.table_until);
+        (self.lead, self.drive, self.waits) = (now.lead, now.drive, now.waits);
+        (self.fifo, self.switching, self.cleared) = (now.fifo, now.switching, now.cleared);
         (self.changes, self.status, self.blocked, self.epoch) = (changes, status, blocked, epoch);
         (self.stop, self.mode, self.pt_state, self.captured) = (stop, mode, pt_state, captured);
     }

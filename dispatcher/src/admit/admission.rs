@@ -18,7 +18,7 @@ use crate::report::replies::Reading;
 use crate::report::trace::TraceOut;
 use crate::shadow::{Change, Shadows};
 use protocol::command::{CommandKind, LoadConfig, Table, WaitStop, opcode};
-use ring::Producer;
+use ring::{Consumer, Producer};
 use servo::laser::CHANNELS;
 use servo::op::{Entry, Op};
 use servo::path::PathStores;
@@ -26,7 +26,7 @@ use servo::segment::pt::SegmentStore;
 use servo::tables::TableStores;
 use servo::tick::IMMEDIATE;
 use servo::units::CrdMask;
-use servo::view::View;
+use servo::view::{Sample, View};
 
 /// A [`Context`] from the fields of an [`Admission`], of which only `$staged` is borrowed mutably.
 macro_rules! context {
@@ -105,7 +105,7 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
             staged: Staged::default(),
             lane: Lane::new(ring, 0),
             trace: TraceOut::new(),
-            log: Log::new(),
+            log: Log::default(),
         };
         // The tick does not know families.
         for channel in 0..CHANNELS as u8 {
@@ -211,6 +211,11 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
             self.staged.add(Op::WaitRest { axes, crds }, Change::Rest { axes, crds });
         }
         Ok(true)
+    }
+
+    /// Moves samples to the trace, as far as it has room.
+    pub fn drain_trace<const N: usize>(&mut self, samples: &mut Consumer<Sample, N>, view: &View<AXES>) {
+        self.trace.drain(samples, view, &self.configuration);
     }
 
     /// The view and the state that replies are built from.

@@ -11,7 +11,7 @@
 mod given;
 
 use super::context::Context;
-use super::data::{FifoOf, Paths, Stored, Written};
+use super::data::{End, FifoOf, Paths, Stored, Written};
 use super::many;
 use crate::configuration::Configuration;
 use crate::plan::geometry;
@@ -20,7 +20,7 @@ use crate::plan::look_ahead::{ALONG_MIN, Limits};
 use crate::plan::path_queue::PathQueue;
 use crate::refuse::{Admitted, Refused, choice, real};
 use crate::report::answer::Answer;
-use crate::shadow::{CAPACITY, Change, CrdChange, CrdShadow, Frame, PathData, PathShadow};
+use crate::shadow::{CAPACITY, CrdShadow, Frame, PathData, PathShadow};
 pub use given::{DataCommand, EntryKind, Item, Target};
 use given::{Shape, Speeds, given};
 use protocol::command::{LnXYMany, LnXYZMany, opcode};
@@ -105,6 +105,14 @@ fn open<'x, const AXES: usize>(context: &Context<'x, AXES>, target: &Target) -> 
 impl Filling<'_> {
     fn no(&self, reason: Reason) -> Refused {
         Refused::new(reason).axis(self.number)
+    }
+
+    /// Its look-ahead, and both FIFOs of its coordinate system.
+    fn memory<'p>(&self, (queues, stores): Paths<'p>) -> Admitted<(&'p mut PathQueue, &'p [EntryStore; 2])> {
+        let index = self.crd.index();
+        let (queues, stores) =
+            queues.get_mut(index).zip(stores.get(index)).ok_or_else(|| self.no(Reason::CrdNotOnBoard))?;
+        Ok((&mut queues[usize::from(self.fifo & 1)], stores))
     }
 
     /// Whether so many entries fit.
@@ -279,11 +287,11 @@ impl Filling<'_> {
         data.add_motion(geometry.end, geometry.sets());
     }
 
-    fn written(&self, count: usize, lasts: f64, data: PathData) -> (Written, Change) {
-        let (crd, fifo, cleared) = (self.crd, self.fifo, self.path.cleared);
+    fn written(&self, count: usize, lasts: f64, data: PathData) -> (Written, End) {
+        let (crd, fifo) = (self.crd, self.fifo);
         let answer = Answer::Path { crd, fifo, count: count as u16, lasts_ms: lasts as u32 };
         let written = Written { at_once: self.at_once, ..Written::new(FifoOf::Crd(crd), fifo, answer) };
-        (written, Change::Crd { crd, change: CrdChange::Data { fifo, cleared, data } })
+        (written, End::Path(data))
     }
 }
 
@@ -325,16 +333,10 @@ pub fn data<const AXES: usize>(context: &Context<AXES>, paths: Paths<'_>, number
 }
 
 /// Puts one item into a FIFO, in the order of the calls, through the look-ahead if there is one.
-pub fn put<const AXES: usize>(
-    context: &Context<AXES>,
-    (queues, stores): Paths<'_>,
-    (target, what): &DataCommand,
-) -> Stored {
+pub fn put<const AXES: usize>(context: &Context<AXES>, paths: Paths<'_>, (target, what): &DataCommand) -> Stored {
     let filling = open(context, target)?;
-    let (crd, fifo) = (filling.crd.index(), usize::from(filling.fifo));
-    let none = || filling.no(Reason::CrdNotOnBoard);
-    let (queues, stores) = queues.get_mut(crd).zip(stores.get(crd)).ok_or_else(none)?;
-    let (queue, store) = (&mut queues[fifo & 1], &stores[fifo & 1]);
+    let (queue, stores) = filling.memory(paths)?;
+    let store = &stores[usize::from(filling.fifo & 1)];
     let mut data = filling.path.data;
     let mut count = 1;
     match what {
@@ -378,29 +380,27 @@ pub fn put<const AXES: usize>(
         }
     }
     let lasts = queue.lasts(stores, context.crd_sampled(filling.crd), filling.fifo);
-    let (mut written, change) = filling.written(count, lasts, data);
+    let (mut written, end) = filling.written(count, lasts, data);
     if let Item::Entry(_, EntryKind::Laser { named, took }) = *what {
         written.named = named;
         if let Some((took, count, held)) = took {
             (written.took, written.answer) = (took, Answer::Took { count, held });
         }
     }
-    Ok((written, change))
+    Ok((written, end))
 }
 
 /// LnXYMany and LnXYZMany: all lines or none.
 fn lines<R: Lines<N>, const N: usize, const AXES: usize>(
     context: &Context<AXES>,
-    (queues, stores): Paths<'_>,
+    paths: Paths<'_>,
     body: &[u8],
 ) -> Stored {
     let (r, items) = many::<R>(body, |r| r.head().1)?;
     let (target, _, speeds) = r.head();
     let filling = open(context, &target)?;
-    let (crd, fifo) = (filling.crd.index(), usize::from(filling.fifo));
-    let none = || filling.no(Reason::CrdNotOnBoard);
-    let (queues, stores) = queues.get_mut(crd).zip(stores.get(crd)).ok_or_else(none)?;
-    let (queue, store) = (&mut queues[fifo & 1], &stores[fifo & 1]);
+    let (queue, stores) = filling.memory(paths)?;
+    let store = &stores[usize::from(filling.fifo & 1)];
     let admitted = filling.speeds(&speeds)?;
     // The first one that does not fit.
     filling.has_room(items.len()).map_err(|refused| refused.item(filling.space as usize))?;

@@ -10,7 +10,7 @@ use super::{buffered, crd_data, follow_data, kind, one, pt};
 use crate::plan::path_queue::PathQueue;
 use crate::refuse::Admitted;
 use crate::report::answer::{Answer, TAKEN_MAX};
-use crate::shadow::{Change, CrdChange, Shadows};
+use crate::shadow::{Change, CrdChange, Fifo as Entries, FifoShadow, PathData, Shadows};
 use protocol::command::{CommandKind, Fifo, FollowSwitchNowEx, opcode};
 use servo::op::Op;
 use servo::path::PathStores;
@@ -18,8 +18,8 @@ use servo::segment::pt::SegmentStore;
 use servo::units::{Axis, Crd};
 use servo::view::View;
 
-/// What was written, and the admitted state of its FIFO with it.
-pub type Stored = Admitted<(Written, Change)>;
+/// What was written, and the end of its FIFO.
+pub type Stored = Admitted<(Written, End)>;
 /// The memory of PT and Follow, one store for each axis.
 pub type Segments<const AXES: usize> = [SegmentStore; AXES];
 /// The look-aheads of all coordinate systems, and both FIFOs of each.
@@ -49,6 +49,17 @@ pub struct Written {
     pub took: [f64; TAKEN_MAX],
     /// Laser channel and follow table that an entry of a path names.
     pub named: Option<(u8, u8)>,
+}
+
+/// The end of a FIFO after the written data.
+#[derive(Debug, Clone, Copy)]
+pub enum End {
+    /// Of segments of PT.
+    Pt(FifoShadow),
+    /// Of entries of Follow.
+    Follow(Entries),
+    /// Of entries of a path.
+    Path(PathData),
 }
 
 impl Written {
@@ -96,7 +107,7 @@ impl<const AXES: usize> Admission<'_, AXES> {
     pub fn admit_data(&mut self, view: &View<AXES>, due: Due, number: u16, body: &[u8]) -> Admitted<Written> {
         let context = context!(self, view, due, self.staged);
         let paths = (&mut *self.queues, self.entries);
-        let (written, change) = match kind(number) {
+        let (written, end) = match kind(number) {
             Some(CommandKind::Data(Fifo::Pt)) => pt::data(&context, self.stores, number, body)?,
             Some(CommandKind::Data(Fifo::Path)) => crd_data::data(&context, paths, number, body)?,
             Some(CommandKind::Data(Fifo::Light)) => buffered::data(&context, paths, number, body)?,
@@ -109,7 +120,7 @@ impl<const AXES: usize> Admission<'_, AXES> {
             let all = now.mode != ahead.mode || ahead.is_dynamic();
             self.executed.invalidate_fifos(axis, if all { 3 } else { 1 << (written.fifo & 1) });
         }
-        self.admitted.enter(&change, 0);
+        self.enter(&written, end);
         if let (FifoOf::Crd(crd), Some((channel, table))) = (written.of, written.named) {
             // Also if the program is dropped before its commit: the table counts as named until the
             // FIFO is empty.
@@ -118,6 +129,26 @@ impl<const AXES: usize> Admission<'_, AXES> {
             }
         }
         Ok(written)
+    }
+
+    /// Enters written data into the admitted state.
+    fn enter(&mut self, &Written { of, fifo, .. }: &Written, end: End) {
+        let change = match (of, end) {
+            (FifoOf::Axis(axis), End::Pt(shadow)) => {
+                Change::Data { axis, fifo, epoch: self.admitted.axis(axis).epoch, shadow }
+            }
+            (FifoOf::Axis(axis), End::Follow(shadow)) => {
+                let cleared = self.admitted.axis(axis).follow.cleared[usize::from(fifo & 1)];
+                Change::FollowData { axis, fifo, cleared, shadow }
+            }
+            (FifoOf::Crd(crd), End::Path(data)) => {
+                let cleared = self.admitted.crd(crd).path(fifo).cleared;
+                Change::Crd { crd, change: CrdChange::Data { fifo, cleared, data } }
+            }
+            // Data has the kind of its FIFO's owner.
+            _ => Change::None,
+        };
+        self.admitted.enter(&change, 0);
     }
 
     /// The commit of all admitted data of a FIFO; of a path, what has left its look-ahead or never

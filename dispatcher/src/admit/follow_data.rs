@@ -4,13 +4,13 @@
 //! Fails: with the parameter and the limit. Entries written by then lie after the end of the FIFO,
 //! where nobody reads.
 use super::context::{Context, TRAVEL_PULSES};
-use super::data::{FifoOf, Segments, Stored, Written};
+use super::data::{End, FifoOf, Segments, Stored, Written};
 use super::follow::{following, known, method, mode_of};
 use super::{io, one};
 use crate::plan::asymmetric_s;
 use crate::refuse::{Admitted, Refused, choice, real, within};
 use crate::report::answer::Answer;
-use crate::shadow::{Change, Fifo};
+use crate::shadow::Fifo;
 use protocol::command::{
     FollowData, FollowDataPercent2Ex, FollowDataPercentEx, FollowDelayEx, FollowDiBitEx, FollowDoBitEx,
     FollowSwitchNowEx, opcode,
@@ -50,7 +50,6 @@ struct Filling<'x> {
     field: u8,
     direction: Direction,
     capacity: u32,
-    cleared: u32,
     shadow: Fifo,
 }
 
@@ -90,10 +89,9 @@ impl Filling<'_> {
     }
 
     /// What was written to this FIFO of `axis`.
-    fn written(&self, axis: Axis, percent1: i16) -> (Written, Change) {
-        let Filling { fifo, cleared, shadow, .. } = *self;
-        let answer = Answer::Entered { axis, fifo, percent1 };
-        (Written::new(FifoOf::Axis(axis), fifo, answer), Change::FollowData { axis, fifo, cleared, shadow })
+    fn written(&self, axis: Axis, percent1: i16) -> (Written, End) {
+        let Filling { fifo, shadow, .. } = *self;
+        (Written::new(FifoOf::Axis(axis), fifo, Answer::Entered { axis, fifo, percent1 }), End::Follow(shadow))
     }
 
     #[cold]
@@ -261,6 +259,5 @@ fn open<'x, const AXES: usize>(
         _ => Direction::Down,
     };
     let (capacity, data) = (shadow.follow.capacity(), *shadow.follow.fifo(fifo));
-    let cleared = shadow.follow.cleared[usize::from(fifo & 1)];
-    Ok(Filling { store, fifo, field, direction, capacity, cleared, shadow: data })
+    Ok(Filling { store, fifo, field, direction, capacity, shadow: data })
 }

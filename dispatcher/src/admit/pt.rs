@@ -1,7 +1,7 @@
 //! PT commands (GXN chapter 2), and PT data from bytes to the axis's store.
 use super::axis::all_startable;
 use super::context::{Context, TRAVEL_PULSES};
-use super::data::{FifoOf, Segments, Stored, Written};
+use super::data::{End, FifoOf, Segments, Stored, Written};
 use super::{many, one};
 use crate::refuse::{Admitted, Refused, choice};
 use crate::report::answer::{Answer, Query};
@@ -9,7 +9,7 @@ use crate::shadow::{AxisShadow, BEGINS_SHIFT, Change, FifoShadow, executed};
 use protocol::command::{
     PrfPt, PtClear, PtData, PtDataMany, PtItem, PtSpace, PtStart, SetPtLoop, SetPtMemory, Wire, opcode,
 };
-use protocol::reason::{Reason, Refusal};
+use protocol::reason::Reason;
 use protocol::values::pt_state;
 use servo::op::{Mode, Op};
 use servo::segment::pt::{self, SEGMENTS, Segment};
@@ -117,26 +117,15 @@ pub fn data<const AXES: usize>(context: &Context<AXES>, stores: &Segments<AXES>,
         let r = one::<PtData>(body)?;
         let kind = choice(4, r.kind.get(), 0, 2)?;
         let item = PtItem { pos: r.pos, time_ms: r.time_ms, kind: kind as u8 };
-        return push(context, stores, (r.core.get(), r.profile.get(), r.fifo.get(), 5), &[item]).map_err(
-            |mut refused| {
-                // The fields of a single datum are those of the request.
-                if refused.wire.item.get() == 0 {
-                    refused.wire.item = 65535.into();
-                    refused.wire.field = refused.wire.field.saturating_add(2);
-                }
-                refused
-            },
-        );
+        // The fields of a single datum are those of the request.
+        let named = |refused: Refused, _| refused.field(refused.wire.field + 2);
+        return push(context, stores, (r.core.get(), r.profile.get(), r.fifo.get(), 5), &[item], &named);
     }
     let (r, items) = many::<PtDataMany>(body, |r| r.count.get())?;
-    let mut written = push(context, stores, (r.core.get(), r.profile.get(), r.fifo.get(), 2), items);
     // The fields of an item are counted after those of the request.
-    if let Err(refused) = &mut written
-        && refused.wire.item.get() != Refusal::NO_ITEM
-    {
-        refused.wire.field = refused.wire.field.saturating_add(PtDataMany::FIELDS.len() as u8);
-    }
-    written
+    let named =
+        |refused: Refused, index| refused.item(index).field(refused.wire.field + PtDataMany::FIELDS.len() as u8);
+    push(context, stores, (r.core.get(), r.profile.get(), r.fifo.get(), 2), items, &named)
 }
 
 /// Whether a dynamic stream runs, or will run.
@@ -173,6 +162,7 @@ fn push<const AXES: usize>(
     stores: &Segments<AXES>,
     (core, profile, fifo_given, fifo_field): (i16, i16, i16, u8),
     items: &[PtItem],
+    named: &dyn Fn(Refused, usize) -> Refused,
 ) -> Stored {
     let axis = pt_axis(context, core, profile)?;
     let fifo = fifo(context, axis, fifo_field, fifo_given)?;
@@ -202,13 +192,12 @@ fn push<const AXES: usize>(
                 slot = slot.wrapping_add(1);
                 chain = next;
             }
-            Err(refused) => return Err(explain(refused, item, limit).item(index).axis(profile)),
+            Err(refused) => return Err(named(explain(refused, item, limit), index).axis(profile)),
         }
     }
     let data = FifoShadow { end: data.end.wrapping_add(items.len() as u32), chain };
     let answer = Answer::Taken { axis, fifo, count: items.len() as u16 };
-    let change = Change::Data { axis, fifo, epoch: shadow.epoch, shadow: data };
-    Ok((Written::new(FifoOf::Axis(axis), fifo, answer), change))
+    Ok((Written::new(FifoOf::Axis(axis), fifo, answer), End::Pt(data)))
 }
 
 /// The fields that a refusal names are those of a PtItem: 0 position, 1 time, 2 kind.

@@ -214,7 +214,7 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
             }
         }
         self.handler.admission.feed_paths(view);
-        self.handler.admission.trace.drain(&mut self.samples, view, &self.handler.admission.configuration);
+        self.handler.admission.drain_trace(&mut self.samples, view);
         self.send_trace();
     }
 
@@ -233,11 +233,7 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
             loop {
                 let part = self.handler.admission.trace.link_bytes(body.get_mut(count..).unwrap_or(&mut []));
                 count += part;
-                self.handler.admission.trace.drain(
-                    &mut self.samples,
-                    self.view.last(),
-                    &self.handler.admission.configuration,
-                );
+                self.handler.admission.drain_trace(&mut self.samples, self.view.last());
                 if part == 0 || count >= body.len() {
                     break;
                 }
@@ -287,11 +283,7 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
                 return written;
             }
             // The encoder has room again.
-            self.handler.admission.trace.drain(
-                &mut self.samples,
-                self.view.last(),
-                &self.handler.admission.configuration,
-            );
+            self.handler.admission.drain_trace(&mut self.samples, self.view.last());
         }
     }
 

@@ -6,7 +6,6 @@
 //!
 //! A machine carries out the actions in their order. Those of one instant follow each other there,
 //! and come before a period that would begin at it.
-use crate::math::wide::umul;
 
 /// Actions that a plan holds.
 pub const PLACES: usize = 64;
@@ -118,8 +117,7 @@ impl Rate {
         }
         let up = whole.leading_zeros().min(32);
         let fixed = whole.wrapping_shl(up) | (part as u64) >> 32u32.wrapping_sub(up);
-        let (high, low) = umul(fixed, self.scale);
-        let product = (high as u128) << 64 | low as u128;
+        let product = fixed as u128 * self.scale as u128;
         // It is in 2^-down counts; 2^-32 are asked for.
         let down = up.wrapping_add(self.shift);
         if down < 32 {

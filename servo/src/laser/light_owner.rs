@@ -220,7 +220,7 @@ pub(super) struct Owner {
     fifo1: CrdMask,
     stopping: CrdMask,
     /// Those whose on entries have no effect: they ran at an abort, and have not come to rest.
-    dead: CrdMask,
+    pub(super) dead: CrdMask,
     /// The coordinate system whose speed the power follows.
     follow: Option<Crd>,
 }
@@ -273,11 +273,6 @@ impl Owner {
     /// Whether entries of this coordinate system have an effect on the channel.
     pub(super) fn heeds(&self, crd: Crd) -> bool {
         self.map.has(crd)
-    }
-
-    /// The paths whose on entries have no effect.
-    pub(super) fn dead(&self) -> CrdMask {
-        self.dead
     }
 
     /// Takes a fact; see the module text.

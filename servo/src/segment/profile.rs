@@ -146,16 +146,6 @@ impl Profile {
         generator: Generator::Ramp(RampRun::IDLE),
     };
 
-    /// A motion of its own, which begins at `now`.
-    pub fn of(generator: Generator, now: Ns) -> Profile {
-        Profile {
-            generator,
-            pieces: [Piece::standstill(now, 0, Pos(0)); 2],
-            other: Other::Before,
-            ..Profile::STANDSTILL
-        }
-    }
-
     /// The piece in force since the last turn.
     #[inline(always)]
     pub fn piece(&self) -> &Piece {

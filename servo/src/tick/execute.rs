@@ -161,7 +161,7 @@ impl<const AXES: usize> Tick<AXES> {
             }
             Op::Zero { axes } => self.renamed(axes, AxisState::zero_position),
             Op::Synchronise { axes } => self.renamed(axes, AxisState::synchronise),
-            Op::SetPosition { axis, pos } => self.renamed(axis.mask(), |state| state.set_position(pos)),
+            Op::SetPosition { axis, pos } => self.renamed(axis.mask(), |state| state.rename(pos)),
             Op::SetEncoder { axis, pulses } => self.one(axis, |state| state.set_encoder(pulses)),
             Op::SetMode { axis, mode } => self.one(axis, |state| state.set_mode(mode)),
             // An abrupt stop takes no time (SPEC 4), so its deceleration is not used here.

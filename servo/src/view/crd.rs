@@ -78,30 +78,12 @@ impl CrdView {
 
     /// Nothing is driven any more, FIFOs are empty; the last stop reason stays.
     pub(crate) fn drop_frame(&mut self) {
-        let CrdView {
-            moves: _,
-            changes: _,
-            turns,
-            position,
-            heading,
-            bend,
-            motion,
-            runs,
-            fifo,
-            released,
-            done,
-            ends,
-            cleared: [first, second],
-            frame,
-            origin,
-            rest,
-            stop: _,
-        } = self;
         let on = &CrdView::POWER_ON;
-        (*first, *second) = (first.wrapping_add(1), second.wrapping_add(1));
-        (*turns, *position, *heading, *bend, *motion) = (on.turns, on.position, on.heading, on.bend, on.motion);
-        (*runs, *fifo, *released, *done, *ends) = (on.runs, on.fifo, on.released, on.done, on.ends);
-        (*frame, *origin, *rest) = (on.frame, on.origin, on.rest);
+        self.cleared = self.cleared.map(|count| count.wrapping_add(1));
+        (self.turns, self.position, self.heading) = (on.turns, on.position, on.heading);
+        (self.bend, self.motion, self.runs, self.fifo) = (on.bend, on.motion, on.runs, on.fifo);
+        (self.released, self.done, self.ends) = (on.released, on.done, on.ends);
+        (self.frame, self.origin, self.rest) = (on.frame, on.origin, on.rest);
     }
 
     /// At power-on.

@@ -39,20 +39,20 @@ pub trait Effects {
     }
 }
 
-/// Why a path comes to rest.
+/// Why a path comes to standstill; CrdInfo reports the number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum PathStop {
     /// It never moved.
     #[default]
-    Never,
+    Never = 0,
     /// Its entries have run out.
-    Completed,
+    Completed = 1,
     /// Its entries have run out at speed.
-    Underrun,
+    Underrun = 2,
     /// A Stop. It can go on.
-    Stopped,
+    Stopped = 3,
     /// A position that it must not go to. It can go on from there.
-    Obstructed,
+    Obstructed = 4,
 }
 
 /// How many entries of each FIFO are there, counted since it was cleared.

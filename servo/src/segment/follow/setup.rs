@@ -78,9 +78,7 @@ impl Setup {
 
     /// As at power-on.
     pub(crate) fn reset(&mut self) {
-        let Setup { direction, master, event, passes, fifos: _ } = self;
-        let on = Setup::POWER_ON;
-        (*direction, *master, *event, *passes) = (on.direction, on.master, on.event, on.passes);
+        *self = Setup { fifos: self.fifos, ..Setup::POWER_ON };
         self.clear_all();
     }
 

@@ -210,27 +210,6 @@ impl RampRun {
         }
     }
 
-    /// A Jog of its own, see [`RampRun::begin_jog`].
-    pub fn jog(now: Ns, from: Moving, target: Speed, acc: Accel, dec: Accel, smooth: u16) -> RampRun {
-        let mut run = RampRun::IDLE;
-        run.begin_jog(now, from, target, acc, dec, smooth);
-        run
-    }
-
-    /// A stop of its own, see [`RampRun::begin_stop`].
-    pub fn stop(now: Ns, from: Moving, dec: Accel) -> RampRun {
-        let mut run = RampRun::IDLE;
-        run.begin_stop(now, from, dec);
-        run
-    }
-
-    /// A Trap of its own, see [`RampRun::begin_trap`].
-    pub fn trap(now: Ns, from: Moving, to: &Trapezoid) -> RampRun {
-        let mut run = RampRun::IDLE;
-        run.begin_trap(now, from, to);
-        run
-    }
-
     /// A motion prepared for time 0 begins at `now`.
     pub(crate) fn shift(&mut self, now: Ns) {
         let by = (now.0 as Fine) << 32;

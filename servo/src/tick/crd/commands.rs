@@ -167,10 +167,9 @@ impl<const AXES: usize> Tick<AXES> {
     /// A FIFO has this many entries now.
     pub(crate) fn commit_path(&mut self, crd: Crd, fifo: u8, end: u32, cleared: u32) {
         if let Some(state) = self.crds.get_mut(crd) {
-            let CrdView { ends: [first, second], cleared: [old, other], .. } = &mut state.published;
-            let (position, now) = if fifo == 0 { (first, *old) } else { (second, *other) };
-            if now == cleared {
-                (*position, state.likely) = (end, fifo);
+            let index = (fifo & 1) as usize;
+            if state.published.cleared[index] == cleared {
+                (state.published.ends[index], state.likely) = (end, fifo);
                 state.mark_changed();
             }
         }
@@ -184,19 +183,9 @@ impl<const AXES: usize> Tick<AXES> {
         self.lasers.fifo_cleared(Run { crd, fifo }, next);
         if let Some(state) = self.crds.get_mut(crd) {
             state.path.clear(fifo);
-            let published = &mut state.published;
-            for (k, (((end, cleared), done), released)) in (0..).zip(
-                published
-                    .ends
-                    .iter_mut()
-                    .zip(&mut published.cleared)
-                    .zip(&mut published.done)
-                    .zip(&mut published.released),
-            ) {
-                if k == fifo {
-                    (*end, *cleared, *done, *released) = (0, cleared.wrapping_add(1), 0, 0);
-                }
-            }
+            let (index, CrdView { ends, cleared, done, released, .. }) = ((fifo & 1) as usize, &mut state.published);
+            (ends[index], done[index], released[index]) = (0, 0, 0);
+            cleared[index] = cleared[index].wrapping_add(1);
             state.mark_changed();
         }
     }
