@@ -74,7 +74,7 @@ pub struct AxisView {
     pub epoch: u32,
     /// PT state as `GetPtState` reports it: 0 never ran, 1 running, 2 ended, 3 underrun, 4 stopped.
     pub pt_state: u8,
-    /// PVT: table in force; at rest the one that ran last, or was selected since.
+    /// PVT: table in force; at standstill the one that ran last, or was selected since.
     pub table: u8,
     /// PVT: table that takes over at the end of the pass.
     pub pending: Option<u8>,
@@ -217,7 +217,7 @@ pub(crate) fn motion<'v>(
 ) -> Motion {
     let mut chain = [None; Axis::MAX];
     let (mut view, mut leader) = (axis, Motion::STANDSTILL);
-    for place in &mut chain {
+    for slot in &mut chain {
         let Some(lead) = view.lead else {
             leader = match view.drive {
                 Some(drive) => crd(drive.crd()).map_or(Motion::STANDSTILL, |crd| share(drive, crd)),
@@ -225,7 +225,7 @@ pub(crate) fn motion<'v>(
             };
             break;
         };
-        *place = Some((view.motion, lead));
+        *slot = Some((view.motion, lead));
         match lead.axis.map(&of) {
             Some(Some(master)) => view = master,
             Some(None) => break,
@@ -262,7 +262,7 @@ pub struct View<const AXES: usize> {
     pub late_light: bool,
     /// Whether the program lane runs; else it is held.
     pub program_runs: bool,
-    /// An abort is in progress: on commands of lasers are refused until everything has come to rest.
+    /// An abort is in progress: on commands of lasers are refused until everything has come to standstill.
     pub aborts: bool,
     /// Servo-enable outputs.
     pub enable: u64,
@@ -436,11 +436,11 @@ pub enum Traced {
 #[allow(missing_docs, reason = "each variant's text names its fields")]
 #[derive(Debug, Clone, Copy)]
 pub enum Event {
-    /// An axis came to rest for this reason.
+    /// An axis came to standstill for this reason.
     Stopped { axis: Axis, reason: StopReason, now: Ns },
     /// A start, an Update or a commit did nothing because of this axis's state.
     Refused { lane: Lane, seq: u32, axis: Axis, status: u32 },
-    /// A coordinate system came to rest for this reason; its axes report no event.
+    /// A coordinate system came to standstill for this reason; its axes report no event.
     CrdStopped { crd: Crd, reason: StopReason, now: Ns },
     /// A CrdStart did nothing because of this coordinate system's state: it runs, has nothing to
     /// do, is not where it was interrupted, or one of its axes is no longer its own.

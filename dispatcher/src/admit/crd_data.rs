@@ -129,7 +129,7 @@ impl Filling<'_> {
         let dimension = usize::from(self.frame.dimension);
         let unknown = |index: usize| index < dimension && self.begin.get(index).is_some_and(|at| at.is_nan());
         let ahead = self.path.look.is_some() && (0..DIMENSIONS).any(unknown);
-        if ahead || coordinates.into_iter().any(unknown) { Err(self.no(Reason::CrdPlaceUnknown)) } else { Ok(()) }
+        if ahead || coordinates.into_iter().any(unknown) { Err(self.no(Reason::CrdPositionUnknown)) } else { Ok(()) }
     }
 
     /// A coordinate that no axis drives stays 0.

@@ -55,7 +55,7 @@ pub fn tick<const AXES: usize>(context: &mut Context<AXES>, r: &SetTick) -> Admi
     let low = TICK_US.0.max(i32::try_from(*context.board.tick_us.start()).unwrap_or(i32::MAX));
     let high = TICK_US.1.min(i32::try_from(*context.board.tick_us.end()).unwrap_or(i32::MAX));
     let us = within(0, r.tick_us.get(), low, high)?;
-    context.all_at_standstill(context.configuration.all(), Reason::OnlyAtRest)?;
+    context.all_at_standstill(context.configuration.all(), Reason::OnlyAtStandstill)?;
     let ns = us.unsigned_abs() * 1000;
     let period = Ns(ns.into());
     loses_no_crd(context, period)?;
@@ -103,7 +103,7 @@ pub fn choose<const AXES: usize>(context: &mut Context<AXES>, r: &Choose) -> Adm
     }
     if number != context.configuration.number {
         let axes = AxisMask(context.configuration.all().0 | configuration.all().0);
-        context.all_at_standstill(axes, Reason::OnlyAtRest)?;
+        context.all_at_standstill(axes, Reason::OnlyAtStandstill)?;
         context.stage_with(Op::Reset { axes }, Change::Reset { axes, tables: u64::MAX });
         // The supervision is the user's, and stays.
         stage_watch(context, context.shadows.watch);

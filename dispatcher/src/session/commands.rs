@@ -35,14 +35,14 @@ pub struct CommandHandler<'a, const AXES: usize> {
     /// The next item of the LoadConfig in hand.
     config: Option<u16>,
     /// The executed state waits for replies that show what was before.
-    is_behind: bool,
+    is_lagging: bool,
 }
 
 impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
     /// A command handler at power-on.
     pub fn new(admission: Admission<'a, AXES>) -> Self {
         let (renewed, replies) = (Renewed::default(), PendingReplies::new());
-        CommandHandler { admission, renewed, replies, config: None, is_behind: false }
+        CommandHandler { admission, renewed, replies, config: None, is_lagging: false }
     }
 
     /// Follows the tick: executed entries of both lanes, axes that came to standstill, streams that
@@ -50,7 +50,7 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
     pub fn follow(&mut self, program: &mut Program<'_>, view: &View<AXES>) {
         let mine = self.admission.lane.retire(view, &mut self.admission.executed, self.replies.until());
         let its = program.retire(view, &mut self.admission.executed);
-        self.is_behind = !(mine && its);
+        self.is_lagging = !(mine && its);
         // Gathered data of a stream that has ended goes to the tick, which refuses it at its
         // instant.
         let ended = |(shadow, sampled): (&AxisShadow, &AxisView)| {
@@ -62,7 +62,7 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
         self.admission.admitted.follow(view);
         // Where changes are not entered yet, they would look as if the tick had made them by
         // itself.
-        if self.is_behind {
+        if self.is_lagging {
             return;
         }
         self.admission.executed.follow(view);
@@ -98,7 +98,7 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
 
     /// Goes on where replies that waited kept the executed state back.
     pub fn catch_up(&mut self, program: &mut Program<'_>, view: &View<AXES>) {
-        if self.is_behind {
+        if self.is_lagging {
             self.follow(program, view);
         }
     }
@@ -110,7 +110,7 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
             if item.seq.is_some_and(|seq| !executed(view, seq)) {
                 break;
             }
-            if self.is_behind {
+            if self.is_lagging {
                 self.admission.lane.retire(view, &mut self.admission.executed, self.replies.until());
             }
             let refusal = self.replies.refused.front().copied().filter(|&(seq, ..)| item.own && Some(seq) == item.seq);
@@ -169,7 +169,8 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
         if self.admission.lane.room() < SESSION_ENTRIES {
             return false;
         }
-        let (op, change) = (Op::Supervision(Watch::DEFAULT.supervision()), Change::Watch(Watch::DEFAULT));
+        let watch = Watch::DEFAULT;
+        let (op, change) = (Op::Supervision(watch.supervision()), Change::Watch(watch));
         self.admission.lane.push(op, change, 0, &mut self.admission.admitted);
         self.admission.lane.push(Op::NewSession, Change::None, 0, &mut self.admission.admitted);
         if view.lasers.iter().any(|laser| laser.commanded || laser.light || laser.owners.0 != 0) {

@@ -225,7 +225,7 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
         if !(self.handler.admission.trace.is_due() || waited && self.handler.admission.trace.has_link_bytes()) {
             return;
         }
-        while self.outbox_len == 0 && self.link.places() > 1 {
+        while self.outbox_len == 0 && self.link.free_slots() > 1 {
             let Some((head, body)) = self.link.draft().and_then(|draft| draft.split_at_mut_checked(TRACE_HEAD)) else {
                 return;
             };

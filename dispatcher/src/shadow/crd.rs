@@ -191,7 +191,7 @@ pub struct PathShadow {
 
 impl PathShadow {
     /// Whether all that concerns it is executed.
-    fn is_told<const AXES: usize>(&self, view: &View<AXES>) -> bool {
+    fn is_executed<const AXES: usize>(&self, view: &View<AXES>) -> bool {
         !self.loose && self.last.is_none_or(|seq| executed(view, seq))
     }
     /// So many of its motions were over when its path came to standstill.
@@ -413,7 +413,7 @@ impl CrdShadow {
         {
             // Motions of the FIFO that runs may still come to their end.
             let settled = fifo != sampled.fifo || path.data.motions == motions;
-            if path.cleared == cleared && path.is_told(view) && settled {
+            if path.cleared == cleared && path.is_executed(view) && settled {
                 path.settle(motions);
             }
             // What has no target stays where the path is.
@@ -458,7 +458,7 @@ impl CrdShadow {
             }
             // What is in flight changes nothing of that at standstill.
             path.settle(motions);
-            if quiet && !path.loose || path.is_told(view) {
+            if quiet && !path.loose || path.is_executed(view) {
                 // Entries in flight, as a Stop, change nothing of it at standstill. A wait that a
                 // Stop has ended is over for the tick, but not for the path.
                 let waits = sampled.rest == PathStop::Stopped && sampled.fifo == fifo && path.data.given != 0;

@@ -13,7 +13,7 @@ impl AxisState {
         Pos(self.published.pos.0.wrapping_sub(self.zero.0))
     }
 
-    /// At rest, the planned position gets the name `at`; the machine does not move.
+    /// At standstill, the planned position gets the name `at`; the machine does not move.
     pub(crate) fn rename(&mut self, at: Pos) {
         if !self.runs() {
             self.zero = Pos(self.zero.0.wrapping_add(at.0.wrapping_sub(self.published.pos.0)));

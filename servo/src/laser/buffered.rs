@@ -127,7 +127,7 @@ impl Buffered {
 pub(super) enum Event {
     /// An entry of a path takes effect.
     Change(Run, Buffered),
-    /// A path comes to rest; if it fails, the channels that are mapped to it go dark for this
+    /// A path comes to standstill; if it fails, the channels that are mapped to it go dark for this
     /// cause.
     Rest(Run, End, Cause),
 }

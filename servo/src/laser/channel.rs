@@ -344,7 +344,7 @@ impl Channel {
         }
     }
 
-    /// A path comes to rest. If it fails, the latch makes the channel dark within the interval.
+    /// A path comes to standstill. If it fails, the latch makes the channel dark within the interval.
     fn owner_is_at_standstill(&mut self, at: Ns, run: Run, end: End) {
         let fact = Fact::Rests { run, end };
         if end == End::Failed {

@@ -16,7 +16,7 @@ impl PathSpeed {
     pub const FRAC_BITS: u32 = 30;
     /// Fraction bits of counts a tick, as [`PathSpeed::measured`] takes them.
     pub const COUNT_BITS: u32 = 28;
-    /// At rest.
+    /// At standstill.
     pub const STANDSTILL: PathSpeed = PathSpeed(0);
 
     /// In units of 2⁻³⁰ pulse/ms.

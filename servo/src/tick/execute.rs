@@ -263,7 +263,7 @@ impl<const AXES: usize> Tick<AXES> {
         }
     }
 
-    /// An axis at rest gets its power-on state.
+    /// An axis at standstill gets its power-on state.
     pub(crate) fn reset_axis(&mut self, axis: Axis) {
         self.one(axis, AxisState::reset);
     }
@@ -343,7 +343,7 @@ impl<const AXES: usize> Tick<AXES> {
         (AxisMask(axes), self.crds.running)
     }
 
-    /// What ran at an abort and is at rest now no longer counts; once all of it is, the abort is
+    /// What ran at an abort and is at standstill now no longer counts; once all of it is, the abort is
     /// over.
     #[inline(never)]
     pub(crate) fn finish_abort(&mut self, next: Ns) {

@@ -24,7 +24,7 @@ pub struct CrdView {
     pub bend: Bend,
     /// The path length along the motion in force as a piece: its velocity is the path's.
     pub motion: Motion,
-    /// It has been started and is not at rest; it also runs while it waits, or has speed 0 at a
+    /// It has been started and is not at standstill; it also runs while it waits, or has speed 0 at a
     /// corner.
     pub runs: bool,
     /// FIFO in force, or that was last.
@@ -41,7 +41,7 @@ pub struct CrdView {
     pub frame: Option<Frame>,
     /// The planned positions of its axes at its zero.
     pub origin: [Pos; DIMENSIONS],
-    /// How the path came to rest last; `Stopped`: CrdStart goes on with the same FIFO.
+    /// How the path came to standstill last; `Stopped`: CrdStart goes on with the same FIFO.
     pub rest: PathStop,
     /// Why.
     pub stop: StopReason,

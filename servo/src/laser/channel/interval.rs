@@ -4,7 +4,7 @@
 //! power follows. Out: the actions of a [`Plan`], the published view. Owns nothing else. Fails:
 //! more events than a plan holds make the channel dark.
 use super::{Channel, Outputs, changed};
-use crate::laser::actions::{Action, PLACES, Plan, Rate, Train};
+use crate::laser::actions::{Action, PLAN_ACTIONS, Plan, Rate, Train};
 use crate::laser::energy::{Energy, Plain};
 use crate::laser::light_owner::Fact;
 use crate::laser::power::Power;
@@ -16,7 +16,7 @@ use crate::units::Ns;
 /// voltage.
 const ROOM: usize = 4;
 /// Instants in a tick at which something happens, apart from its beginning.
-const EVENTS: u32 = PLACES as u32;
+const EVENTS: u32 = PLAN_ACTIONS as u32;
 
 impl Channel {
     /// Plans the interval of `period` from `next` on.
@@ -152,7 +152,7 @@ impl Channel {
         self.law.rest();
         self.go_dark();
         if self.owner.is_lit() {
-            // An on command after an abort that found everything at rest.
+            // An on command after an abort that found everything at standstill.
             self.report(end, Fact::Relight);
         }
         self.pass_dark_interval(end);

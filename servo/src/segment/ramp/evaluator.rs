@@ -30,7 +30,7 @@ pub type Fine = u128;
 enum Next {
     /// A ramp to 0.
     Halt,
-    /// A Trap at rest or in motion decides how fast it can go.
+    /// A Trap at standstill or in motion decides how fast it can go.
     Aim,
     /// A ramp to the peak.
     Ramp,

@@ -47,7 +47,7 @@ pub(crate) enum Halt {
 }
 
 impl<const AXES: usize> Tick<AXES> {
-    /// SetCrdPrm, at rest.
+    /// SetCrdPrm, at standstill.
     pub(crate) fn set_frame(&mut self, crd: Crd, frame: Frame, next: Ns, paths: PathStores<'_>) {
         let axes = frame.mask();
         let known = paths.get(crd.index()).is_some() && axes.0 & !self.in_use(axes).0 == 0;
@@ -128,7 +128,7 @@ impl<const AXES: usize> Tick<AXES> {
         }
     }
 
-    /// Axes at rest may have other user positions now, and so the position of a path.
+    /// Axes at standstill may have other user positions now, and so the position of a path.
     pub(crate) fn rename_crds(&mut self) {
         Crd::all().for_each(|crd| self.rename_crd(crd));
     }
@@ -175,7 +175,7 @@ impl<const AXES: usize> Tick<AXES> {
         }
     }
 
-    /// Empties a FIFO, at rest.
+    /// Empties a FIFO, at standstill.
     pub(crate) fn clear_path(&mut self, crd: Crd, fifo: u8, next: Ns) {
         if self.crds.running.has(crd) {
             return;

@@ -212,7 +212,7 @@ impl<const AXES: usize> Tick<AXES> {
         Some(self.lasers.wants())
     }
 
-    /// Those whose paths have come to rest get their state at rest.
+    /// Those whose paths have come to standstill get their state at standstill.
     pub(crate) fn settle_crds(&mut self, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
         for crd in self.crds.running.crds() {
             if self.crds.get(crd).is_some_and(|state| !state.path.runs()) {
@@ -391,7 +391,7 @@ impl<const AXES: usize> Tick<AXES> {
         self.release_geared(crd, left, next);
     }
 
-    /// The path is at rest.
+    /// The path is at standstill.
     #[inline(never)]
     fn come_to_standstill(&mut self, crd: Crd, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
         let Tick { crds, axes, lasers, .. } = self;
