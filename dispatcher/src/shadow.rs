@@ -119,48 +119,19 @@ impl Change {
     /// Whether its execution may end what keeps a command from an axis, a table or a coordinate
     /// system now: a motion, a latched fault, a use.
     pub fn may_free(&self) -> bool {
-        match self {
+        matches!(
+            self,
             Change::Reset { .. }
-            | Change::Servo { on: false, .. }
-            | Change::Stopped { .. }
-            | Change::Aborted
-            | Change::Cleared { .. }
-            | Change::Table { .. }
-            | Change::Emptied { .. }
-            | Change::FollowEmptied { .. }
-            | Change::Switched { .. }
-            | Change::Crd { .. } => true,
-            // What comes after a WaitStop is known when that is over.
-            Change::None
-            | Change::Rest { .. }
-            | Change::Servo { on: true, .. }
-            | Change::Watch(_)
-            | Change::Placed { .. }
-            | Change::Started { .. }
-            | Change::PvtStarted { .. }
-            | Change::TablePasses { .. }
-            | Change::TableFilled { .. }
-            | Change::Mode { .. }
-            | Change::Memory { .. }
-            | Change::Data { .. }
-            | Change::FollowMaster { .. }
-            | Change::FollowEvent { .. }
-            | Change::FollowDirection { .. }
-            | Change::FollowMemory { .. }
-            | Change::FollowData { .. }
-            | Change::Dec { .. }
-            | Change::Band { .. }
-            | Change::Soft { .. }
-            | Change::PosErr { .. }
-            | Change::Trap { .. }
-            | Change::Jog { .. }
-            | Change::Vel { .. }
-            | Change::Pos { .. }
-            | Change::Laser { .. }
-            | Change::CrdStarted { .. }
-            | Change::LaserFine(_)
-            | Change::Tick { .. } => false,
-        }
+                | Change::Servo { on: false, .. }
+                | Change::Stopped { .. }
+                | Change::Aborted
+                | Change::Cleared { .. }
+                | Change::Table { .. }
+                | Change::Emptied { .. }
+                | Change::FollowEmptied { .. }
+                | Change::Switched { .. }
+                | Change::Crd { .. }
+        )
     }
 }
 
@@ -191,8 +162,8 @@ impl<const AXES: usize> Shadows<AXES> {
     /// The state at power-on.
     pub fn new() -> Self {
         Shadows {
-            axes: [AxisShadow::default(); AXES],
-            crds: [CrdShadow::default(); Crd::MAX],
+            axes: [AxisShadow::power_on(); AXES],
+            crds: [CrdShadow::power_on(); Crd::MAX],
             lasers: [LaserShadow::power_on(true, false); CHANNELS],
             laser_fine: true,
             long_tick: None,
@@ -332,6 +303,12 @@ impl<const AXES: usize> Shadows<AXES> {
         view.aborts || self.aborted.is_some_and(|seq| !executed(view, seq))
     }
 
+    /// Follows the tick: axes and paths that came to standstill, streams that ended.
+    pub fn follow(&mut self, view: &View<AXES>) {
+        self.axes.iter_mut().zip(&view.axes).for_each(|(shadow, sampled)| shadow.follow(view, sampled));
+        self.crds.iter_mut().zip(&view.crds).for_each(|(shadow, sampled)| shadow.follow(view, sampled));
+    }
+
     /// Renews the numbers of executed entries, before they are old enough to look like entries to
     /// come.
     pub fn renew(&mut self, view: &View<AXES>) {
@@ -386,7 +363,7 @@ impl<const AXES: usize> Shadows<AXES> {
                         cleared: Some(seq),
                         servo: Some((seq, false)),
                         placed: Some((seq, Some(Pos(0)))),
-                        ..AxisShadow::default()
+                        ..AxisShadow::power_on()
                     };
                     shadow.empty(seq, 3);
                 });

@@ -424,7 +424,7 @@ fn the_status_names_the_first_late_record_and_the_one_after_which_a_tick_took_to
     bench.wait(started);
     bench.run_ms(5);
     let status = bench.done(ProgramStatus {});
-    assert_eq!((status.overruns.get(), status.told), (0, 0));
+    assert_eq!((status.overruns.get(), status.reported), (0, 0));
     while bench.machine.outputs.2 != 3 {
         bench.step();
     }
@@ -437,7 +437,7 @@ fn the_status_names_the_first_late_record_and_the_one_after_which_a_tick_took_to
     assert_eq!((status.overruns.get(), status.late.get()), (1, 2));
     assert_eq!((status.overran_tag.get(), status.late_tag.get()), (tags[2], late[1]));
     // Both lasers went dark for it.
-    assert_eq!(status.told, 1 | 2 | 3 << 4);
+    assert_eq!(status.reported, 1 | 2 | 3 << 4);
     // The next program has counts of its own.
     bench.done(ProgramClear {});
     let tag = bench.post(Lane::Program, ProgramEnd {}, &[]);
@@ -445,5 +445,5 @@ fn the_status_names_the_first_late_record_and_the_one_after_which_a_tick_took_to
     bench.wait(started);
     bench.wait(tag);
     let status = bench.done(ProgramStatus {});
-    assert_eq!((status.overruns.get(), status.late.get(), status.told), (0, 0, 0));
+    assert_eq!((status.overruns.get(), status.late.get(), status.reported), (0, 0, 0));
 }

@@ -171,8 +171,8 @@ fn pt_modes_and_starts() {
     assert_eq!(bench.refused(SetPtMemory { core: 1.into(), profile: 1.into(), memory: 1.into() }).1, Reason::Moving);
     assert_eq!(bench.refused(SetPrfPos { core: 1.into(), profile: 1.into(), pos: 0.into() }).1, Reason::Moving);
     assert_eq!(bench.refused(ZeroPos { core: 1.into(), axis: 1.into(), count: 2.into() }).1, Reason::Moving);
-    assert_eq!(bench.refused(SetTick { tick_us: 100.into() }).1, Reason::OnlyAtRest);
-    assert_eq!(bench.refused(Choose { profile: 3, family: 0 }).1, Reason::OnlyAtRest);
+    assert_eq!(bench.refused(SetTick { tick_us: 100.into() }).1, Reason::OnlyAtStandstill);
+    assert_eq!(bench.refused(Choose { profile: 3, family: 0 }).1, Reason::OnlyAtStandstill);
     assert_eq!(bench.call(Choose { profile: 0, family: 1 }).code, 0);
     assert_eq!(bench.refused(PtClear { core: 1.into(), profile: 1.into(), fifo: 0.into() }).1, Reason::FifoInUse);
     assert_eq!(bench.call(PtClear { core: 1.into(), profile: 1.into(), fifo: 1.into() }).code, 0);

@@ -50,7 +50,7 @@ fn more_places_than_fit() {
     let refused = Shelf::default().add(PERCENT, &points).unwrap_err();
     // One point of the store for the first point, three for each one after it: point 342 (from 1)
     // is the first too many.
-    is(refused, Reason::TablePlaces, 342, NONE);
+    is(refused, Reason::TableFull, 342, NONE);
     // The Calculate command has no such limit.
     let (mut beside, room) = (Box::new(SplineScratch::new()), Box::new(PointStore::new()));
     let mut scratch = Scratch::new(&mut beside, &room);
@@ -72,7 +72,7 @@ fn a_jump_of_the_velocity_takes_a_second_place() {
     shelf.add(Kind::PvtEx, &steps(513)).unwrap();
     assert_eq!(shelf.header_of(0).points, 1024);
     // Point 1024 of the store is the first one of the 513th point, which jumps here.
-    is(Shelf::default().add(Kind::PvtEx, &steps(514)).unwrap_err(), Reason::TablePlaces, 512, NONE);
+    is(Shelf::default().add(Kind::PvtEx, &steps(514)).unwrap_err(), Reason::TableFull, 512, NONE);
     // Without jumps the manual's 1024 points are held.
     let smooth: Vec<Vec<f64>> = (0..1024).map(|i| vec![i as f64, 10.0 * i as f64, 10.0, 10.0]).collect();
     let mut shelf = Shelf::default();

@@ -192,7 +192,7 @@ fn ends(from: &mut Source) {
             end.end.poll(now);
             end.look();
             assert_eq!(end.end.session().is_some(), end.end.state() == State::Open);
-            assert!(end.end.places() <= 8);
+            assert!(end.end.free_slots() <= 8);
         }
     }
 }

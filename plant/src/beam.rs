@@ -6,7 +6,7 @@
 //! depend on its number of pulses. Fails never: it holds the actions of two plans, and more never
 //! wait; further ones are dropped.
 use crate::pulses::{Burst, Remainder};
-use servo::laser::{Action, FINISH_NS, PLACES, Plan, Rate, Train};
+use servo::laser::{Action, FINISH_NS, PLAN_ACTIONS, Plan, Rate, Train};
 
 /// A change of an output. Instants are ns of the clock of the plans.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -50,7 +50,7 @@ struct Pulse {
 }
 
 /// Actions of the interval in force and of the next one.
-const WAITING: usize = 2 * PLACES;
+const WAITING: usize = 2 * PLAN_ACTIONS;
 
 /// A channel's outputs.
 #[derive(Debug, Clone)]

@@ -7,7 +7,7 @@ mod chance;
 
 use chance::Chance;
 use plant::beam::{Change, Stage};
-use servo::laser::{Action, Clock, Count, PLACES, Plan, Power, Rate, Standby, Train};
+use servo::laser::{Action, Clock, Count, PLAN_ACTIONS, Plan, Power, Rate, Standby, Train};
 use servo::output::{
     Cycle, DELAY_LINE_WORDS, DelayLine, GATE_MIN_COUNTS, GateCycles, PWM_MIN_COUNTS, PwmCycles, Scale,
 };
@@ -83,7 +83,7 @@ impl Random {
         let mut plan = Plan::EMPTY;
         plan.lasts = lasts;
         let actions = match self.below(20) {
-            0 => PLACES as u64,
+            0 => PLAN_ACTIONS as u64,
             1..6 => self.below(6),
             _ => 0,
         };
@@ -183,7 +183,7 @@ impl Queued {
 
 /// Room for any plan at all: actions of nine words.
 fn held() -> DelayLine {
-    DelayLine::new((0..PLACES * 9).map(|_| AtomicU32::new(0)).collect::<Vec<_>>().leak())
+    DelayLine::new((0..PLAN_ACTIONS * 9).map(|_| AtomicU32::new(0)).collect::<Vec<_>>().leak())
 }
 
 /// Instant at which the first cycles begin: before it the plans are empty.
@@ -445,7 +445,7 @@ fn a_plan_is_held_as_it_was_or_not_at_all() {
     assert!(whole > 1_000 && refused > 10, "{whole}, {refused}");
     // What a tick plans at most: 64 actions, of which 18 have a train of their own.
     let mut plan = Plan::EMPTY;
-    for n in 0..PLACES as u32 {
+    for n in 0..PLAN_ACTIONS as u32 {
         let train = Train {
             period: Count { whole: 5_000_000_000, part: n.min(17), of: 0 },
             width: Count { whole: 7, part: n.min(17), of: 0 },

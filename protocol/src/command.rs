@@ -207,13 +207,13 @@ wire_structs! {
     /// The program queue: entries accepted, executed and waiting, free bytes, late entries, state
     /// (0 empty, 1 held, 2 running, 3 stopped by a failure, 4 stopped by Stop or link loss), and
     /// the script clock in ns. Since the program's start: servo ticks that took too long. If bit 0
-    /// of `told` is set, the tag of the first late record; if bit 1 is set, the tag of the last
+    /// of `reported` is set, the tag of the first late record; if bit 1 is set, the tag of the last
     /// record executed when a tick first took too long. Bit 2: a laser command that changes light
     /// was late. Bits 4 and 5: laser channels 0 and 1 went dark because a tick took too long, or
     /// another fault took their light or kept it from coming.
     ProgramReply {
         accepted: U32, executed: U32, space_bytes: U32, late: U32, worst_late_us: U32, state: u8,
-        clock_ns: U64, overruns: U32, late_tag: U16, overran_tag: U16, told: u8,
+        clock_ns: U64, overruns: U32, late_tag: U16, overran_tag: U16, reported: u8,
     }
     /// What ended the run before this one: 0 nothing but power-off or an external reset, 1 a panic,
     /// 2 a fault of the core, 3 an interrupt that nobody claims, 4 the watchdog. Then how many

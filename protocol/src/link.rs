@@ -317,7 +317,7 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
     }
 
     /// Messages that can be sent before the window is full.
-    pub fn places(&self) -> usize {
+    pub fn free_slots(&self) -> usize {
         if self.state == State::Open { self.transmitter.room() } else { 0 }
     }
 

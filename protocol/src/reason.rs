@@ -95,7 +95,7 @@ reasons! {
     43 RingFull State State "the controller is busy; send it again";
     44 Late State State "the entry was late and the program is strict";
     45 NotInitialised State None "axis {axis} does not exist in this profile";
-    46 OnlyAtRest State Motion "only while every axis is at rest; axis {axis} is moving";
+    46 OnlyAtStandstill State Motion "only while every axis is at standstill; axis {axis} is moving";
     47 ProgramOnlyHeld State State "the program is not held; it runs already or has failed";
     48 TraceLost State State "the trace lost rows: the link does not carry {got} rows a second";
     49 NotForProgram State None "this command cannot be an entry of a program";
@@ -108,7 +108,7 @@ reasons! {
     56 StreamEnded State State "axis {axis}: the motion that this data belongs to ended before it ({stop}); the data was not taken";
     60 TableInUse State Motion "PVT table {got} is in use by axis {axis}; it can be replaced when no axis runs it";
     61 TableEmpty State State "axis {axis}: PVT table {got} is empty";
-    62 TablePlaces Range None "the table does not fit: its points need more than {high} places (two where the velocity jumps; a Percent point up to 3, a Continuous point up to 8)";
+    62 TableFull Range None "the table does not fit: its points need more than {high} slots (two where the velocity jumps; a Percent point up to 3, a Continuous point up to 8)";
     63 PointTime Range None "{field} is {got}; it must be greater than {low}, that of the point before";
     64 VelocityUnreachable Range None "the velocity of the next point cannot be reached: the way is {got} pulses, the change of velocity needs {low}";
     65 NoDisplacement Range None "the next point has the same position; a Continuous segment needs a displacement";
@@ -143,7 +143,7 @@ reasons! {
     114 CrdElsewhere State State "coordinate system {axis} is more than a pulse from where FIFO {got} was left; move back there first, or call CrdClear";
     115 CrdFifoInUse State Motion "coordinate system {axis}: FIFO {got} is in use; it can be cleared at rest";
     116 CrdHolds State State "coordinate system {axis}: FIFO {got} holds entries; run them or call CrdClear first";
-    117 CrdPlaceUnknown State State "coordinate system {axis}: where the motion begins is known once everything is at rest";
+    117 CrdPositionUnknown State State "coordinate system {axis}: where the motion begins is known once everything is at rest";
     118 AxisInCrd State None "axis {axis} belongs to coordinate system {got}";
     119 AxisLeftCrd State None "axis {axis} is not driven by coordinate system {got} any more; call SetCrdPrm again";
     120 CoordinateTwice Range None "{field}: two axes drive coordinate {got}";
@@ -167,7 +167,7 @@ reasons! {
     142 PlaneAxis Range None "{field} names axis {got} twice; a plane has two";
     143 PlaneX Range None "a position of X is {got}; it must be a whole number of pulses, greater than {low}, that of the point before";
     144 PlaneY Range None "a position of Y is {got}; it must be a whole number of pulses, greater than {low}, that of the point before";
-    145 RatiosBusy State State "laser channel {got}: a change of its ratios has not acted yet; this one comes behind it";
+    145 RatiosBusy State State "laser channel {got}: a change of its ratios has not acted yet; this one comes after it";
     146 LaserNotMapped State None "laser channel {got} is not mapped to coordinate system {axis}; call SetLaserCrdMap first";
     147 LaserMapInUse State State "laser channel {got}: coordinate system {axis} runs, or has light of this channel that would come back; stop it, and switch the light off first";
     148 Aborting State State "after an abort lasers are switched on once everything has come to rest; wait for that";

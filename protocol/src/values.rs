@@ -118,8 +118,8 @@ pub mod program {
     pub const STOPPED: u8 = 4;
 }
 
-/// Bits of `ProgramReply::told`.
-pub mod told {
+/// Bits of `ProgramReply::reported`.
+pub mod reported {
     /// `late_tag` is valid.
     pub const LATE: u8 = 1;
     /// `overran_tag` is valid.
@@ -129,7 +129,7 @@ pub mod told {
     /// Laser channel 0 went dark because a tick took too long, or another fault took its light;
     /// channel 1 has the next bit.
     pub const DARK: u8 = 1 << DARK_SHIFT;
-    /// The place of that bit.
+    /// The number of that bit.
     pub const DARK_SHIFT: u32 = 4;
 }
 

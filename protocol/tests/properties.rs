@@ -140,7 +140,7 @@ proptest! {
                 end.done_with_message();
                 let mut out = [0; 100];
                 while end.take_tx(now, &mut out) == out.len() {}
-                prop_assert!(end.places() <= 4);
+                prop_assert!(end.free_slots() <= 4);
             }
         }
     }

@@ -8,6 +8,7 @@ use crate::path;
 use crate::path::axis_map::Frame;
 use crate::port::Simulated;
 use crate::segment::follow;
+use crate::segment::ramp::{Accel, Speed};
 pub use crate::units::DoGroup;
 use crate::units::{Axis, AxisMask, Crd, CrdMask, Ns, Pos};
 
@@ -100,7 +101,7 @@ pub enum Mode {
     /// The same with shaped ratios and entries that are no segments.
     FollowEx = 6,
     /// Driven by the coordinate system that it is mapped to. Only [`Op::CrdFrame`] sets this mode,
-    /// and any other mode, at rest, ends it.
+    /// and any other mode, at standstill, ends it.
     Crd = 7,
 }
 
@@ -174,19 +175,19 @@ pub enum Op {
     NewSession,
     /// What brakes where the link is lost, and where the interlock opens.
     Supervision(Supervision),
-    /// Sets planned positions at rest (ZeroPos also zeroes the encoders of `axes`).
+    /// Sets planned positions at standstill (ZeroPos also zeroes the encoders of `axes`).
     Zero { axes: AxisMask },
-    /// Sets the planned position at rest.
+    /// Sets the planned position at standstill.
     SetPosition { axis: Axis, pos: Pos },
     /// Sets the encoder's reading.
     SetEncoder { axis: Axis, pulses: i64 },
-    /// Planned position := encoder position, at rest.
+    /// Planned position := encoder position, at standstill.
     Synchronise { axes: AxisMask },
-    /// Mode at rest, any but `Mode::Crd`. A change of mode or of the use of the FIFO clears the PT
+    /// Mode at standstill, any but `Mode::Crd`. A change of mode or of the use of the FIFO clears the PT
     /// data.
     SetMode { axis: Axis, mode: Mode },
     /// Stop decelerations.
-    StopDec { axis: Axis, smooth: crate::segment::ramp::Accel, abrupt: crate::segment::ramp::Accel },
+    StopDec { axis: Axis, smooth: Accel, abrupt: Accel },
     /// In-position band and time.
     Band { axis: Axis, band: u32, time: Ns },
     /// Soft limits; `None` is off.
@@ -207,17 +208,11 @@ pub enum Op {
     /// Analog output.
     Analog { channel: u8, value: i16 },
     /// Jog parameters, effective with the next Update.
-    JogPrm { axis: Axis, acc: crate::segment::ramp::Accel, dec: crate::segment::ramp::Accel, smooth: u16 },
+    JogPrm { axis: Axis, acc: Accel, dec: Accel, smooth: u16 },
     /// Trap parameters, effective with the next Update.
-    TrapPrm {
-        axis: Axis,
-        acc: crate::segment::ramp::Accel,
-        dec: crate::segment::ramp::Accel,
-        vel_start: crate::segment::ramp::Speed,
-        smooth: Ns,
-    },
+    TrapPrm { axis: Axis, acc: Accel, dec: Accel, vel_start: Speed, smooth: Ns },
     /// Target velocity of Jog and Trap.
-    TargetSpeed { axis: Axis, speed: crate::segment::ramp::Speed },
+    TargetSpeed { axis: Axis, speed: Speed },
     /// Target position of Trap.
     TargetPosition { axis: Axis, pulses: i32 },
     /// Jog and Trap of these axes begin, or change, with the present targets.
@@ -226,7 +221,7 @@ pub enum Op {
     /// mode it counts only if `epoch` is that of the axis: data for a stream that has ended is
     /// refused.
     PtCommit { axis: Axis, fifo: u8, end: u32, epoch: u32 },
-    /// Empties a FIFO that is not running (both in dynamic mode, at rest); its count begins at 0 again.
+    /// Empties a FIFO that is not running (both in dynamic mode, at standstill); its count begins at 0 again.
     PtClear { axis: Axis, fifo: u8 },
     /// Passes; 0 is for ever.
     PtLoop { axis: Axis, passes: u32 },
@@ -239,7 +234,7 @@ pub enum Op {
     PvtLoop { axis: Axis, passes: u32 },
     /// PVT of these axes begins with their selected tables.
     PvtStart { axes: AxisMask },
-    /// Which direction of the master's motion counts, of an axis at rest. A change clears its
+    /// Which direction of the master's motion counts, of an axis at standstill. A change clears its
     /// FIFOs.
     FollowDirection { axis: Axis, direction: follow::Direction },
     /// The master that the axis follows from the next start on; no cycle, also through others.
@@ -260,26 +255,26 @@ pub enum Op {
     FollowSwitch { axes: AxisMask },
     /// The next segment, or the other FIFO, takes over at once.
     FollowSwitchNow { axis: Axis, method: follow::Method },
-    /// Period of the tick (10 µs to 1 ms) from the next tick on, at rest.
+    /// Period of the tick (10 µs to 1 ms) from the next tick on, at standstill.
     TickPeriod { ns: u32 },
     /// Begins (`every` ≥ 1) or ends (0) a trace. While the program lane is held it is only armed
     /// and begins with `ProgramRun`; else it begins at once. Row 0 is the tick in force then.
     /// `edges`: with the plans of the laser channels between the rows; `outputs`: with the general
     /// outputs when they change.
     Trace { every: u32, axes: AxisMask, crds: CrdMask, lasers: u8, edges: bool, outputs: bool },
-    /// SetCrdPrm, at rest: which axes it drives and where its zero is; these are in `Mode::Crd`
+    /// SetCrdPrm, at standstill: which axes it drives and where its zero is; these are in `Mode::Crd`
     /// from now on. Both FIFOs are empty; stop deceleration and override have their power-on values
     /// (1 pulse/ms², 1).
     CrdFrame { crd: Crd, frame: Frame },
     /// The FIFO now ends at this count of entries pushed since it was cleared. It counts only if
     /// `cleared` is what the view has for this FIFO.
     CrdCommit { crd: Crd, fifo: u8, end: u32, cleared: u32 },
-    /// Empties a FIFO, at rest.
+    /// Empties a FIFO, at standstill.
     CrdClear { crd: Crd, fifo: u8 },
     /// These begin or go on; bits of `fifo1` take FIFO 1.
     CrdStart { crds: CrdMask, fifo1: CrdMask },
     /// Stop deceleration.
-    CrdStopDec { crd: Crd, dec: crate::segment::ramp::Accel },
+    CrdStopDec { crd: Crd, dec: Accel },
     /// Override.
     CrdRate { crd: Crd, rate: path::Rate },
     /// The filter of its encoders' speed.

@@ -11,13 +11,8 @@ pub(crate) mod pwm_cycles;
 pub mod step_generator;
 pub mod step_words;
 
-pub use cycle_ring::CycleRing;
-pub use cycle_ring::Slots;
+pub use cycle_ring::{CycleRing, Slots};
 pub use cycles::Scale;
-pub use delay_line::DelayLine;
-pub use delay_line::WORDS as DELAY_LINE_WORDS;
-pub use gate_cycles::Cycle;
-pub use gate_cycles::GateCycles;
-pub use gate_cycles::MIN_COUNTS as GATE_MIN_COUNTS;
-pub use pwm_cycles::MIN_COUNTS as PWM_MIN_COUNTS;
-pub use pwm_cycles::PwmCycles;
+pub use delay_line::{DelayLine, WORDS as DELAY_LINE_WORDS};
+pub use gate_cycles::{Cycle, GateCycles, MIN_COUNTS as GATE_MIN_COUNTS};
+pub use pwm_cycles::{MIN_COUNTS as PWM_MIN_COUNTS, PwmCycles};

@@ -69,7 +69,7 @@ pub enum Simulated {
         /// The high level.
         high: bool,
     },
-    /// The interlock or emergency-stop input; high wants every laser at rest.
+    /// The interlock or emergency-stop input; high wants every laser at standstill.
     Interlock(bool),
     /// The code of an analog input from 0, as [`Port::analog`] returns it.
     Analog {

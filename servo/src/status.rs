@@ -1,4 +1,4 @@
-//! The status word of `GetSts` (SPEC 4), the states of `GetPtState`, and why an axis came to rest.
+//! The status word of `GetSts` (SPEC 4), the states of `GetPtState`, and why an axis came to standstill.
 
 /// Drive alarm; latches.
 pub const ALARM: u32 = 1 << 1;
@@ -16,7 +16,7 @@ pub const STOP_ABRUPT: u32 = 1 << 8;
 pub const SERVO_ON: u32 = 1 << 9;
 /// The profile runs.
 pub const RUNNING: u32 = 1 << 10;
-/// At rest, and the encoder inside the band for the band's time.
+/// At standstill, and the encoder inside the band for the band's time.
 pub const IN_POSITION: u32 = 1 << 11;
 
 /// Both limits.
@@ -38,7 +38,7 @@ pub mod pt_state {
     pub const STOPPED: u8 = 4;
 }
 
-/// Why an axis came to rest.
+/// Why an axis came to standstill.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(u16)]
 pub enum StopReason {

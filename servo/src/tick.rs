@@ -164,7 +164,7 @@ pub struct Tick<const AXES: usize> {
 }
 
 impl<const AXES: usize> Tick<AXES> {
-    /// Power-on: tick 0 is in force at time 0; every axis at rest at 0, servo off.
+    /// Power-on: tick 0 is in force at time 0; every axis at standstill at 0, servo off.
     pub const fn new(config: TickConfig) -> Self {
         const { assert!(AXES <= Axis::MAX, "more axes than a mask has bits") };
         let used = config.axes as usize;
@@ -520,7 +520,7 @@ impl<const AXES: usize> Tick<AXES> {
         }
     }
 
-    /// Since when all of these have been at rest; none while one runs.
+    /// Since when all of these have been at standstill; none while one runs.
     fn standstill_since(&self, axes: AxisMask, crds: CrdMask) -> Option<Ns> {
         if crds.0 & self.crds.running.0 != 0 {
             return None;

@@ -74,7 +74,7 @@ pub struct AxisView {
     pub epoch: u32,
     /// PT state as `GetPtState` reports it: 0 never ran, 1 running, 2 ended, 3 underrun, 4 stopped.
     pub pt_state: u8,
-    /// PVT: table in force; at rest the one that ran last, or was selected since.
+    /// PVT: table in force; at standstill the one that ran last, or was selected since.
     pub table: u8,
     /// PVT: table that takes over at the end of the pass.
     pub pending: Option<u8>,
@@ -129,46 +129,8 @@ impl AxisView {
 
     /// As at power-on, except for counters, and for the stop reason.
     pub(crate) fn reset(&mut self) {
-        let AxisView {
-            moves: _,
-            turns: _,
-            pos,
-            encoder,
-            encoder_before,
-            motion,
-            dry_ms,
-            released,
-            passes,
-            table_zero,
-            master_displacement,
-            counts: _,
-            changes: _,
-            status,
-            blocked,
-            stop: _,
-            mode,
-            lead,
-            drive,
-            epoch: _,
-            pt_state,
-            table,
-            pending,
-            table_until,
-            fifo,
-            switching,
-            waits,
-            cleared: _,
-            captured,
-        } = self;
-        let on = AxisView::POWER_ON;
-        *motion = on.motion;
-        (*pos, *encoder, *encoder_before, *dry_ms) = (on.pos, on.encoder, on.encoder_before, on.dry_ms);
-        (*released, *passes, *table_zero, *master_displacement) =
-            (on.released, on.passes, on.table_zero, on.master_displacement);
-        (*status, *blocked, *mode, *lead) = (on.status, on.blocked, on.mode, on.lead);
-        (*drive, *pt_state, *table, *pending) = (on.drive, on.pt_state, on.table, on.pending);
-        (*table_until, *fifo, *switching, *captured) = (on.table_until, on.fifo, on.switching, on.captured);
-        *waits = on.waits;
+        let AxisView { moves, turns, counts, changes, stop, epoch, cleared, .. } = *self;
+        *self = AxisView { moves, turns, counts, changes, stop, epoch, cleared, ..AxisView::POWER_ON };
     }
 
     /// The axis is in another piece.
@@ -237,12 +199,9 @@ impl AxisView {
     #[inline(never)]
     fn follow_changes(&mut self, now: &AxisView) {
         let AxisView { changes, status, blocked, stop, mode, epoch, pt_state, captured, .. } = *now;
-        (self.table, self.pending) = (now.table, now.pending);
-        self.table_until = now.table_until;
-        let [first, second] = now.cleared;
-        (self.lead, self.drive) = (now.lead, now.drive);
-        (self.fifo, self.switching, self.cleared) = (now.fifo, now.switching, [first, second]);
-        self.waits = now.waits;
+        (self.table, self.pending, self.table_until) = (now.table, now.pending, now.table_until);
+        (self.lead, self.drive, self.waits) = (now.lead, now.drive, now.waits);
+        (self.fifo, self.switching, self.cleared) = (now.fifo, now.switching, now.cleared);
         (self.changes, self.status, self.blocked, self.epoch) = (changes, status, blocked, epoch);
         (self.stop, self.mode, self.pt_state, self.captured) = (stop, mode, pt_state, captured);
     }
@@ -258,7 +217,7 @@ pub(crate) fn motion<'v>(
 ) -> Motion {
     let mut chain = [None; Axis::MAX];
     let (mut view, mut leader) = (axis, Motion::STANDSTILL);
-    for place in &mut chain {
+    for slot in &mut chain {
         let Some(lead) = view.lead else {
             leader = match view.drive {
                 Some(drive) => crd(drive.crd()).map_or(Motion::STANDSTILL, |crd| share(drive, crd)),
@@ -266,7 +225,7 @@ pub(crate) fn motion<'v>(
             };
             break;
         };
-        *place = Some((view.motion, lead));
+        *slot = Some((view.motion, lead));
         match lead.axis.map(&of) {
             Some(Some(master)) => view = master,
             Some(None) => break,
@@ -303,7 +262,7 @@ pub struct View<const AXES: usize> {
     pub late_light: bool,
     /// Whether the program lane runs; else it is held.
     pub program_runs: bool,
-    /// An abort is in progress: on commands of lasers are refused until everything has come to rest.
+    /// An abort is in progress: on commands of lasers are refused until everything has come to standstill.
     pub aborts: bool,
     /// Servo-enable outputs.
     pub enable: u64,
@@ -477,11 +436,11 @@ pub enum Traced {
 #[allow(missing_docs, reason = "each variant's text names its fields")]
 #[derive(Debug, Clone, Copy)]
 pub enum Event {
-    /// An axis came to rest for this reason.
+    /// An axis came to standstill for this reason.
     Stopped { axis: Axis, reason: StopReason, now: Ns },
     /// A start, an Update or a commit did nothing because of this axis's state.
     Refused { lane: Lane, seq: u32, axis: Axis, status: u32 },
-    /// A coordinate system came to rest for this reason; its axes report no event.
+    /// A coordinate system came to standstill for this reason; its axes report no event.
     CrdStopped { crd: Crd, reason: StopReason, now: Ns },
     /// A CrdStart did nothing because of this coordinate system's state: it runs, has nothing to
     /// do, is not where it was interrupted, or one of its axes is no longer its own.

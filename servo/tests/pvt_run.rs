@@ -2,7 +2,7 @@
 //! depend on the ticks before. Exactness of positions is held by the dispatcher's `tables_exact`,
 //! which builds the tables.
 use servo::segment::profile::State;
-use servo::segment::pvt::{HEADER_WORDS, Header, PLACES, POINT_WORDS, Point, Tables};
+use servo::segment::pvt::{HEADER_WORDS, Header, POINT_WORDS, Point, TABLE_POINTS, Tables};
 use servo::units::{Exact, Ns, Pos};
 
 mod chance;
@@ -95,7 +95,7 @@ fn words_hold_what_they_are_given() {
         }
         assert!(
             Header { points: 1, ..header }.admit().is_none()
-                && Header { points: PLACES as u16 + 1, ..header }.admit().is_none()
+                && Header { points: TABLE_POINTS as u16 + 1, ..header }.admit().is_none()
         );
         assert!(
             Header { duration: 999 << 64, ..header }.admit().is_none()

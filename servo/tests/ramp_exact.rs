@@ -22,6 +22,13 @@ const BITS: usize = 256;
 #[derive(Clone, Debug, PartialEq, PartialOrd)]
 struct Fix(BigInt);
 
+/// A ramp of its own.
+fn ramp(begin: impl FnOnce(&mut RampRun)) -> RampRun {
+    let mut run = RampRun::IDLE;
+    begin(&mut run);
+    run
+}
+
 fn fix(x: f64) -> Fix {
     Fix((BigRational::from_float(x).unwrap() * BigRational::from_integer(BigInt::from(1) << BITS)).to_integer())
 }
@@ -230,7 +237,7 @@ fn jog_follows_its_closed_form_and_cruises_for_ever() {
             times.sort_unstable();
         }
         let moving = Moving { pos: from, velocity: scaled(v) };
-        let run = RampRun::jog(Ns(begin), moving, speed(target), accel(acc), accel(dec), smooth);
+        let run = ramp(|run| run.begin_jog(Ns(begin), moving, speed(target), accel(acc), accel(dec), smooth));
         // Chunks of a cruise are walked, 16 a call: go on in steps.
         let mut walked = vec![];
         let mut last = 0;
@@ -254,7 +261,8 @@ fn jog_follows_its_closed_form_and_cruises_for_ever() {
 #[test]
 fn jog_dec_of_zero_means_acc() {
     let from = Moving { pos: Exact(0), velocity: scaled(10.0) };
-    let mut run = Ramp::begin(Ns(0), RampRun::jog(Ns(0), from, speed(5.0), accel(0.5), Accel::default(), 0));
+    let mut run =
+        Ramp::begin(Ns(0), ramp(|run| run.begin_jog(Ns(0), from, speed(5.0), accel(0.5), Accel::default(), 0)));
     assert_eq!(
         run.step(Ns(10 * MS)).motion.velocity().m as f64 / 2f64.powi(run.step(Ns(10 * MS)).motion.velocity().e as i32),
         5.0
@@ -276,7 +284,7 @@ fn stop_ends_at_rest_after_v_squared_over_2d() {
         let laws = [Law::ramp(&fix(v), &fix(0.0), &fix(dec), &Shape::Average(fix(0.0)))];
         let begin = chance.next() >> 4;
         let end = (v.abs() / dec * 1e6) as u64 + 2;
-        let run = RampRun::stop(Ns(begin), Moving { pos: from, velocity: scaled(v) }, accel(dec));
+        let run = ramp(|run| run.begin_stop(Ns(begin), Moving { pos: from, velocity: scaled(v) }, accel(dec)));
         let times = instants(&mut chance, &laws, end);
         // Fast long stops are cut into pieces: 16 a call are walked.
         follow(run, begin, from, &laws, &times, &mut worst, "stop");
@@ -382,7 +390,7 @@ fn begin_trap(job: &Job, begin: u64) -> (RampRun, Exact) {
         vel_start: speed(job.start),
         smooth: Ns(job.wait_us * 1000),
     };
-    (RampRun::trap(Ns(begin), Moving { pos: from, velocity: scaled(job.v) }, &to), from)
+    (ramp(|run| run.begin_trap(Ns(begin), Moving { pos: from, velocity: scaled(job.v) }, &to)), from)
 }
 
 #[test]
@@ -465,15 +473,18 @@ fn positions_do_not_depend_on_the_tick() {
         (job.way, job.speed) = (job.way % 10_000, 1.0 + job.speed % 300.0);
         (job.acc, job.dec, job.v) = (job.acc + 0.1, job.dec + 0.1, job.v % 30.0);
         let trap = begin_trap(&job, 777).0;
-        let jog = RampRun::jog(
-            Ns(777),
-            Moving { pos: Exact(5), velocity: scaled(job.v) },
-            speed(-job.speed * 1e5),
-            accel(job.acc),
-            accel(job.dec),
-            30000,
-        );
-        let stop = RampRun::stop(Ns(777), Moving { pos: Exact(5), velocity: scaled(job.v) }, accel(job.dec));
+        let jog = ramp(|run| {
+            run.begin_jog(
+                Ns(777),
+                Moving { pos: Exact(5), velocity: scaled(job.v) },
+                speed(-job.speed * 1e5),
+                accel(job.acc),
+                accel(job.dec),
+                30000,
+            )
+        });
+        let stop =
+            ramp(|run| run.begin_stop(Ns(777), Moving { pos: Exact(5), velocity: scaled(job.v) }, accel(job.dec)));
         for run in [trap, jog, stop] {
             let sampled = |period: u64| -> Vec<Step> {
                 let mut run = Ramp::begin(Ns(777), run);

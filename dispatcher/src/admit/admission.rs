@@ -3,9 +3,7 @@
 //! In: records, the view. Out: staged operations; data and points in the stores. Owns: both copies
 //! of the shadow state, the configuration, the immediate lane, the trace and the event log.
 //! Fails: with a refusal, and then nothing has changed.
-use super::commit::{self, FifoOf};
 use super::context::{Context, Due, Effect};
-use super::data;
 use super::pvt_table::Loading;
 use super::staged::Staged;
 use super::{admit, config_item, crd, kind, many, one, power_on, tables};
@@ -20,7 +18,7 @@ use crate::report::replies::Reading;
 use crate::report::trace::TraceOut;
 use crate::shadow::{Change, Shadows};
 use protocol::command::{CommandKind, LoadConfig, Table, WaitStop, opcode};
-use ring::Producer;
+use ring::{Consumer, Producer};
 use servo::laser::CHANNELS;
 use servo::op::{Entry, Op};
 use servo::path::PathStores;
@@ -28,7 +26,7 @@ use servo::segment::pt::SegmentStore;
 use servo::tables::TableStores;
 use servo::tick::IMMEDIATE;
 use servo::units::CrdMask;
-use servo::view::View;
+use servo::view::{Sample, View};
 
 /// A [`Context`] from the fields of an [`Admission`], of which only `$staged` is borrowed mutably.
 macro_rules! context {
@@ -46,6 +44,8 @@ macro_rules! context {
         }
     };
 }
+
+pub(super) use context;
 
 /// See the module text.
 pub struct Admission<'a, const AXES: usize> {
@@ -105,7 +105,7 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
             staged: Staged::default(),
             lane: Lane::new(ring, 0),
             trace: TraceOut::new(),
-            log: Log::new(),
+            log: Log::default(),
         };
         // The tick does not know families.
         for channel in 0..CHANNELS as u8 {
@@ -148,30 +148,6 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
         }
         let answer = admit(&mut context, number, body)?;
         Ok((answer, context.effect))
-    }
-
-    /// Admits data of a FIFO, writes it to the store and enters it into the admitted state; its
-    /// commit follows.
-    pub fn admit_data(&mut self, view: &View<AXES>, due: Due, number: u16, body: &[u8]) -> Admitted<commit::Written> {
-        let context = context!(self, view, due, self.staged);
-        let stores = (self.stores, (&mut *self.queues, self.entries));
-        let (written, end) = data::data(&context, stores, number, body)?;
-        if let FifoOf::Axis(axis) = written.of
-            && self.admitted.overwrites(view, axis, written.fifo)
-        {
-            let (now, ahead) = (self.executed.axis(axis), self.admitted.axis(axis));
-            let all = now.mode != ahead.mode || ahead.is_dynamic();
-            self.executed.invalidate_fifos(axis, if all { 3 } else { 1 << (written.fifo & 1) });
-        }
-        commit::enter(&mut self.admitted, &written, end);
-        if let (FifoOf::Crd(crd), Some((channel, table))) = (written.of, written.named) {
-            // Also if the program is dropped before its commit: the table counts as named until the
-            // FIFO is empty.
-            for shadows in [&mut self.executed, &mut self.admitted] {
-                shadows.name_follow_table(channel, table, crd, written.fifo);
-            }
-        }
-        Ok(written)
     }
 
     /// Answers a Calculate command of `lane` through `sent`, which returns whether it had room.
@@ -235,6 +211,11 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
             self.staged.add(Op::WaitRest { axes, crds }, Change::Rest { axes, crds });
         }
         Ok(true)
+    }
+
+    /// Moves samples to the trace, as far as it has room.
+    pub fn drain_trace<const N: usize>(&mut self, samples: &mut Consumer<Sample, N>, view: &View<AXES>) {
+        self.trace.drain(samples, view, &self.configuration);
     }
 
     /// The view and the state that replies are built from.

@@ -22,8 +22,7 @@ pub const POS_ERR_OFF: i32 = i32::MAX;
 /// AxisOn and AxisOff.
 pub fn servo<const AXES: usize>(context: &mut Context<AXES>, r: &AxisOn, on: bool) -> Admitted<Answer> {
     let axis = context.axis(r.core.get(), r.axis.get())?;
-    context.stage_with(Op::Servo { axis, on }, Change::Servo { axis, on });
-    Ok(Answer::Done)
+    context.only(Op::Servo { axis, on }, Change::Servo { axis, on })
 }
 
 /// `form` 0 is GTN (bits 0–31 are axes 1–32), 1 is GT (bits 0–7 axes, 8–9 crds, 10–11 their
@@ -53,16 +52,14 @@ pub fn stop<const AXES: usize>(context: &mut Context<AXES>, r: &Stop) -> Admitte
 pub fn zero<const AXES: usize>(context: &mut Context<AXES>, r: &ZeroPos) -> Admitted<Answer> {
     let axes = context.span_mask(r.core.get(), r.axis.get(), r.count.get())?;
     context.all_at_standstill(axes, Reason::Moving)?;
-    context.stage_with(Op::Zero { axes }, Change::Placed { axes, pos: Some(Pos(0)) });
-    Ok(Answer::Done)
+    context.only(Op::Zero { axes }, Change::Placed { axes, pos: Some(Pos(0)) })
 }
 
 pub fn set_position<const AXES: usize>(context: &mut Context<AXES>, r: &SetPrfPos) -> Admitted<Answer> {
     let axis = context.axis(r.core.get(), r.profile.get())?;
     context.at_standstill(axis)?;
     let pos = Pos::pulses(r.pos.get());
-    context.stage_with(Op::SetPosition { axis, pos }, Change::Placed { axes: axis.mask(), pos: Some(pos) });
-    Ok(Answer::Done)
+    context.only(Op::SetPosition { axis, pos }, Change::Placed { axes: axis.mask(), pos: Some(pos) })
 }
 
 pub fn synchronise<const AXES: usize>(context: &mut Context<AXES>, r: &SynchAxisPos) -> Admitted<Answer> {
@@ -91,16 +88,14 @@ pub fn stage_dec<const AXES: usize>(
     axis: Axis,
     fields: (u8, u8),
     dec: (f64, f64),
-) -> Admitted<()> {
+) -> Admitted<Answer> {
     let (smooth, abrupt) = (deceleration(fields.0, dec.0)?, deceleration(fields.1, dec.1)?);
-    context.stage_with(Op::StopDec { axis, smooth, abrupt }, Change::Dec { axis, dec });
-    Ok(())
+    context.only(Op::StopDec { axis, smooth, abrupt }, Change::Dec { axis, dec })
 }
 
 pub fn stop_dec<const AXES: usize>(context: &mut Context<AXES>, r: &SetStopDec) -> Admitted<Answer> {
     let axis = context.axis(r.core.get(), r.profile.get())?;
-    stage_dec(context, axis, (2, 3), (r.smooth.get(), r.abrupt.get()))?;
-    Ok(Answer::Done)
+    stage_dec(context, axis, (2, 3), (r.smooth.get(), r.abrupt.get()))
 }
 
 pub fn stage_band<const AXES: usize>(
@@ -108,23 +103,20 @@ pub fn stage_band<const AXES: usize>(
     axis: Axis,
     fields: (u8, u8),
     band: (i32, i32),
-) -> Admitted<()> {
+) -> Admitted<Answer> {
     let (pulses, cycles) = (within(fields.0, band.0, 0, i32::MAX)?, within(fields.1, band.1, 0, i32::MAX)?);
     let time = Ns(u64::from(cycles.unsigned_abs()) * CYCLE_NS);
-    context.stage_with(Op::Band { axis, band: pulses.unsigned_abs(), time }, Change::Band { axis, band });
-    Ok(())
+    context.only(Op::Band { axis, band: pulses.unsigned_abs(), time }, Change::Band { axis, band })
 }
 
 pub fn band<const AXES: usize>(context: &mut Context<AXES>, r: &SetAxisBand) -> Admitted<Answer> {
     let axis = context.axis(r.core.get(), r.axis.get())?;
-    stage_band(context, axis, (2, 3), (r.band.get(), r.time_cycles.get()))?;
-    Ok(Answer::Done)
+    stage_band(context, axis, (2, 3), (r.band.get(), r.time_cycles.get()))
 }
 
 pub fn set_encoder<const AXES: usize>(context: &mut Context<AXES>, r: &SetEncPos) -> Admitted<Answer> {
     let axis = context.axis(r.core.get(), r.encoder.get())?;
-    context.stage(Op::SetEncoder { axis, pulses: i64::from(r.pos.get()) });
-    Ok(Answer::Done)
+    context.only(Op::SetEncoder { axis, pulses: i64::from(r.pos.get()) }, Change::None)
 }
 
 pub fn stage_soft<const AXES: usize>(
@@ -132,20 +124,18 @@ pub fn stage_soft<const AXES: usize>(
     axis: Axis,
     field: u8,
     soft: (i32, i32),
-) -> Admitted<()> {
+) -> Admitted<Answer> {
     let positive = Some(soft.0).filter(|&limit| limit != SOFT_OFF.0);
     let negative = Some(soft.1).filter(|&limit| limit != SOFT_OFF.1);
     if let (Some(positive), Some(negative)) = (positive, negative) {
         within(field, positive, negative, i32::MAX)?;
     }
-    context.stage_with(Op::SoftLimit { axis, positive, negative }, Change::Soft { axis, soft });
-    Ok(())
+    context.only(Op::SoftLimit { axis, positive, negative }, Change::Soft { axis, soft })
 }
 
 pub fn soft_limit<const AXES: usize>(context: &mut Context<AXES>, r: &SetSoftLimit) -> Admitted<Answer> {
     let axis = context.axis(r.core.get(), r.axis.get())?;
-    stage_soft(context, axis, 2, (r.positive.get(), r.negative.get()))?;
-    Ok(Answer::Done)
+    stage_soft(context, axis, 2, (r.positive.get(), r.negative.get()))
 }
 
 /// LmtsOn and LmtsOff. Types: −1 both, 0 positive, 1 negative.
@@ -158,8 +148,7 @@ pub fn limits<const AXES: usize>(context: &mut Context<AXES>, r: &LmtsOn, on: bo
         1 => Guards::set(Guarded::LimitNegative, on),
         _ => positive.and(Guarded::LimitNegative, on),
     };
-    context.stage(Op::Guard { axis, on, low: Guards::NONE });
-    Ok(Answer::Done)
+    context.only(Op::Guard { axis, on, low: Guards::NONE }, Change::None)
 }
 
 /// Bit 2k is the positive, bit 2k + 1 the negative limit of axis k + 1; 1 is active low. The word
@@ -182,8 +171,7 @@ pub fn limit_levels(bits: u8) -> Guards {
 /// AlarmOn and AlarmOff.
 pub fn alarm<const AXES: usize>(context: &mut Context<AXES>, r: &AlarmOn, on: bool) -> Admitted<Answer> {
     let axis = context.axis(r.core.get(), r.axis.get())?;
-    context.stage(Op::Guard { axis, on: Guards::set(Guarded::Alarm, on), low: Guards::NONE });
-    Ok(Answer::Done)
+    context.only(Op::Guard { axis, on: Guards::set(Guarded::Alarm, on), low: Guards::NONE }, Change::None)
 }
 
 pub fn stage_pos_err<const AXES: usize>(
@@ -191,17 +179,15 @@ pub fn stage_pos_err<const AXES: usize>(
     axis: Axis,
     field: u8,
     error: i32,
-) -> Admitted<()> {
+) -> Admitted<Answer> {
     let pos_err = within(field, error, 1, POS_ERR_OFF)?;
     let limit = Some(pos_err.unsigned_abs()).filter(|_| pos_err != POS_ERR_OFF);
-    context.stage_with(Op::PositionError { axis, limit }, Change::PosErr { axis, pos_err });
-    Ok(())
+    context.only(Op::PositionError { axis, limit }, Change::PosErr { axis, pos_err })
 }
 
 pub fn position_error<const AXES: usize>(context: &mut Context<AXES>, r: &SetPosErr) -> Admitted<Answer> {
     let axis = context.axis(r.core.get(), r.control.get())?;
-    stage_pos_err(context, axis, 2, r.error.get())?;
-    Ok(Answer::Done)
+    stage_pos_err(context, axis, 2, r.error.get())
 }
 
 /// Modes: 1 home, 2 index, where the board captures it.
@@ -212,8 +198,7 @@ pub fn capture<const AXES: usize>(context: &mut Context<AXES>, r: &SetCaptureMod
         let refused = Refused::new(Reason::NoIndex).field(2).axis(r.encoder.get());
         return Err(refused.got(mode.into()).limits(1.0, 1.0));
     }
-    context.stage(Op::Capture { axis, mode: mode as u8 });
-    Ok(Answer::Done)
+    context.only(Op::Capture { axis, mode: mode as u8 }, Change::None)
 }
 
 /// Refuses an Update or start of axes that cannot start; shared by Trap, Jog and PT.

@@ -7,7 +7,7 @@ use super::staged::Staged;
 use crate::board::Board;
 use crate::configuration::{Configuration, ones};
 use crate::refuse::{Admitted, Refused, choice};
-use crate::report::answer::TAKEN_MAX;
+use crate::report::answer::{Answer, TAKEN_MAX};
 use crate::report::replies::mode_number;
 use crate::report::trace::Columns;
 use crate::shadow::{AxisShadow, Change, CrdShadow, Frame, Shadows, executed};
@@ -93,6 +93,12 @@ impl<'x, const AXES: usize> Context<'x, AXES> {
     /// Stages an operation and its change.
     pub fn stage_with(&mut self, op: Op, change: Change) {
         self.staged.add(op, change);
+    }
+
+    /// Stages the one operation of a command, which is answered when the tick has executed it.
+    pub fn only(&mut self, op: Op, change: Change) -> Admitted<Answer> {
+        self.staged.add(op, change);
+        Ok(Answer::Done)
     }
     /// The axis's part of the view; the last one for an axis beyond the capacity.
     pub fn sampled(&self, axis: Axis) -> &'x AxisView {

@@ -10,10 +10,9 @@
 //! [`Item::Entry`].
 mod given;
 
-use super::commit::{End, FifoOf, Written};
 use super::context::Context;
-use super::data::{Paths, Stored};
-use super::{buffered, many};
+use super::data::{End, FifoOf, Paths, Stored, Written};
+use super::many;
 use crate::configuration::Configuration;
 use crate::plan::geometry;
 use crate::plan::geometry::{Geometry, OFF_CENTRE, Position, RADIUS_MAX, RADIUS_MIN};
@@ -22,7 +21,8 @@ use crate::plan::path_queue::PathQueue;
 use crate::refuse::{Admitted, Refused, choice, real};
 use crate::report::answer::Answer;
 use crate::shadow::{CAPACITY, CrdShadow, Frame, PathData, PathShadow};
-use given::{DataCommand, Item, Shape, Speeds, Target, given};
+pub use given::{DataCommand, EntryKind, Item, Target};
+use given::{Shape, Speeds, given};
 use protocol::command::{LnXYMany, LnXYZMany, opcode};
 use protocol::reason::Reason;
 use servo::path::{Along, DIMENSIONS, Entry, EntryStore, Plane};
@@ -107,6 +107,14 @@ impl Filling<'_> {
         Refused::new(reason).axis(self.number)
     }
 
+    /// Its look-ahead, and both FIFOs of its coordinate system.
+    fn memory<'p>(&self, (queues, stores): Paths<'p>) -> Admitted<(&'p mut PathQueue, &'p [EntryStore; 2])> {
+        let index = self.crd.index();
+        let (queues, stores) =
+            queues.get_mut(index).zip(stores.get(index)).ok_or_else(|| self.no(Reason::CrdNotOnBoard))?;
+        Ok((&mut queues[usize::from(self.fifo & 1)], stores))
+    }
+
     /// Whether so many entries fit.
     fn has_room(&self, count: usize) -> Admitted<()> {
         if count as u64 <= u64::from(self.space) {
@@ -121,7 +129,7 @@ impl Filling<'_> {
         let dimension = usize::from(self.frame.dimension);
         let unknown = |index: usize| index < dimension && self.begin.get(index).is_some_and(|at| at.is_nan());
         let ahead = self.path.look.is_some() && (0..DIMENSIONS).any(unknown);
-        if ahead || coordinates.into_iter().any(unknown) { Err(self.no(Reason::CrdPlaceUnknown)) } else { Ok(()) }
+        if ahead || coordinates.into_iter().any(unknown) { Err(self.no(Reason::CrdPositionUnknown)) } else { Ok(()) }
     }
 
     /// A coordinate that no axis drives stays 0.
@@ -263,10 +271,8 @@ impl Filling<'_> {
 
     /// Prepares the queue for what is written from here on.
     fn prepare(&self, queue: &mut PathQueue) {
-        queue.follow(self.path.cleared);
-        if let Some(look) = self.path.look {
-            queue.set_look(&self.limits(look.corner, look.acc), look.count);
-        }
+        let look = self.path.look.map(|look| (self.limits(look.corner, look.acc), look.count));
+        queue.prepare(self.path.cleared, look);
     }
 
     /// Stores a motion that has been checked.
@@ -289,7 +295,8 @@ impl Filling<'_> {
     fn written(&self, count: usize, lasts: f64, data: PathData) -> (Written, End) {
         let (crd, fifo) = (self.crd, self.fifo);
         let answer = Answer::Path { crd, fifo, count: count as u16, lasts_ms: lasts as u32 };
-        (Written { at_once: self.at_once, ..Written::new(FifoOf::Crd(crd), fifo, answer) }, End::Path(data))
+        let written = Written { at_once: self.at_once, ..Written::new(FifoOf::Crd(crd), fifo, answer) };
+        (written, End::Path(data))
     }
 }
 
@@ -330,31 +337,11 @@ pub fn data<const AXES: usize>(context: &Context<AXES>, paths: Paths<'_>, number
     }
 }
 
-/// A buffered laser command: the reply reports the values taken, if there are any, else the free
-/// slots.
-pub fn light<const AXES: usize>(context: &Context<AXES>, paths: Paths<'_>, number: u16, body: &[u8]) -> Stored {
-    let change = buffered::admit(context, number, body)?;
-    let (fifo_field, fifo) = change.fifo;
-    let target = Target { core: change.core, crd: change.crd, fifo, fifo_field };
-    let (mut written, end) = put(context, paths, &(target, Item::Entry(change.entry, 0.0)))?;
-    written.named = change.named;
-    if let Some((took, count, held)) = change.took {
-        (written.took, written.answer) = (took, Answer::Took { count, held });
-    }
-    Ok((written, end))
-}
-
 /// Puts one item into a FIFO, in the order of the calls, through the look-ahead if there is one.
-pub fn put<const AXES: usize>(
-    context: &Context<AXES>,
-    (queues, stores): Paths<'_>,
-    (target, what): &DataCommand,
-) -> Stored {
+pub fn put<const AXES: usize>(context: &Context<AXES>, paths: Paths<'_>, (target, what): &DataCommand) -> Stored {
     let filling = open(context, target)?;
-    let (crd, fifo) = (filling.crd.index(), usize::from(filling.fifo));
-    let none = || filling.no(Reason::CrdNotOnBoard);
-    let (queues, stores) = queues.get_mut(crd).zip(stores.get(crd)).ok_or_else(none)?;
-    let (queue, store) = (&mut queues[fifo & 1], &stores[fifo & 1]);
+    let (queue, stores) = filling.memory(paths)?;
+    let store = &stores[usize::from(filling.fifo & 1)];
     let mut data = filling.path.data;
     let mut count = 1;
     match what {
@@ -366,32 +353,26 @@ pub fn put<const AXES: usize>(
             filling.prepare(queue);
             filling.put_motion((queue, store), (&geometry, given.stops), speeds, &mut data);
         }
-        Item::Entry(..) | Item::Move(..) | Item::Gear(..) => {
-            let (entry, ms) = match *what {
-                Item::Gear(entry, axis, pulses) => {
-                    if data.gears.has(axis) {
-                        return Err(context.no(Reason::AxisGoesAlong, axis));
-                    }
-                    if data.gears.0.count_ones() >= GEARS {
-                        return Err(filling.no(Reason::GearsFull).limits(0.0, GEARS.into()));
-                    }
-                    data.gears.0 |= axis.mask().0;
-                    data.beside.0 |= axis.mask().0;
-                    if pulses > data.gear {
-                        (data.geared, data.gear) = (axis, pulses);
-                    }
-                    (entry, 0.0)
+        Item::Entry(entry, kind) => {
+            if let EntryKind::Gear(axis, pulses) = *kind {
+                if data.gears.has(axis) {
+                    return Err(context.no(Reason::AxisGoesAlong, axis));
                 }
-                Item::Move(entry, axis) => {
-                    data.beside.0 |= axis.mask().0;
-                    (entry, 0.0)
+                if data.gears.0.count_ones() >= GEARS {
+                    return Err(filling.no(Reason::GearsFull).limits(0.0, GEARS.into()));
                 }
-                Item::Entry(entry, ms) => (entry, ms),
-                _ => (Entry::delay(0), 0.0),
-            };
+                data.gears.0 |= axis.mask().0;
+                if pulses > data.gear {
+                    (data.geared, data.gear) = (axis, pulses);
+                }
+            }
+            if let EntryKind::Gear(axis, _) | EntryKind::Move(axis) = *kind {
+                data.beside.0 |= axis.mask().0;
+            }
+            let ms = if let EntryKind::Delay(ms) = *kind { ms } else { 0.0 };
             filling.has_room(1)?;
             filling.prepare(queue);
-            queue.other(store, entry, ms);
+            queue.other(store, *entry, ms);
             data.add_entry(filling.begin);
             if entry.is_wait() {
                 data.leaves = 0.0;
@@ -404,23 +385,27 @@ pub fn put<const AXES: usize>(
         }
     }
     let lasts = queue.lasts(stores, context.crd_sampled(filling.crd), filling.fifo);
-    Ok(filling.written(count, lasts, data))
+    let (mut written, end) = filling.written(count, lasts, data);
+    if let Item::Entry(_, EntryKind::Laser { named, took }) = *what {
+        written.named = named;
+        if let Some((took, count, held)) = took {
+            (written.took, written.answer) = (took, Answer::Took { count, held });
+        }
+    }
+    Ok((written, end))
 }
 
 /// LnXYMany and LnXYZMany: all lines or none.
 fn lines<R: Lines<N>, const N: usize, const AXES: usize>(
     context: &Context<AXES>,
-    (queues, stores): Paths<'_>,
+    paths: Paths<'_>,
     body: &[u8],
 ) -> Stored {
     let (r, items) = many::<R>(body, |r| r.head().1)?;
-    let (target, count, speeds) = r.head();
-    let _ = count;
+    let (target, _, speeds) = r.head();
     let filling = open(context, &target)?;
-    let (crd, fifo) = (filling.crd.index(), usize::from(filling.fifo));
-    let none = || filling.no(Reason::CrdNotOnBoard);
-    let (queues, stores) = queues.get_mut(crd).zip(stores.get(crd)).ok_or_else(none)?;
-    let (queue, store) = (&mut queues[fifo & 1], &stores[fifo & 1]);
+    let (queue, stores) = filling.memory(paths)?;
+    let store = &stores[usize::from(filling.fifo & 1)];
     let admitted = filling.speeds(&speeds)?;
     // The first one that does not fit.
     filling.has_room(items.len()).map_err(|refused| refused.item(filling.space as usize))?;

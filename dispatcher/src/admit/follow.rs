@@ -127,15 +127,13 @@ fn set_master<const AXES: usize>(context: &mut Context<AXES>, mode: Mode, r: &Se
         _ => Value::Encoder,
     };
     let op = Op::FollowMaster { axis, master: Master { axis: master, value } };
-    context.stage_with(op, Change::FollowMaster { axis, master, given });
-    Ok(Answer::Done)
+    context.only(op, Change::FollowMaster { axis, master, given })
 }
 
 /// Below 1 is endless; has effect also while the axis runs.
 fn set_loop<const AXES: usize>(context: &mut Context<AXES>, mode: Mode, r: &SetFollowLoop) -> Admitted<Answer> {
     let axis = following(context, mode, r.core.get(), r.profile.get())?;
-    context.stage(Op::FollowLoop { axis, passes: r.loop_count.get().max(0).unsigned_abs() });
-    Ok(Answer::Done)
+    context.only(Op::FollowLoop { axis, passes: r.loop_count.get().max(0).unsigned_abs() }, Change::None)
 }
 
 /// Has effect from the next start on. The direction matters for PASS only.
@@ -146,8 +144,7 @@ fn set_event<const AXES: usize>(context: &mut Context<AXES>, mode: Mode, r: &Set
         return Err(Refused::new(Reason::Selector).field(3).got(0.0).limits(-1.0, 1.0));
     }
     let event = if which == 1 { Event::Start } else { Event::Pass { up: direction > 0, pos } };
-    context.stage_with(Op::FollowEvent { axis, event }, Change::FollowEvent { axis, given: (which, direction, pos) });
-    Ok(Answer::Done)
+    context.only(Op::FollowEvent { axis, event }, Change::FollowEvent { axis, given: (which, direction, pos) })
 }
 
 fn space<const AXES: usize>(context: &mut Context<AXES>, mode: Mode, r: &FollowSpace) -> Admitted<Answer> {
@@ -170,8 +167,7 @@ fn clear<const AXES: usize>(context: &mut Context<AXES>, mode: Mode, r: &FollowC
             return Err(context.no(reason, axis).field(2).got(fifo.into()));
         }
     }
-    context.stage_with(Op::FollowClear { axis, fifo }, Change::FollowEmptied { axis, fifo });
-    Ok(Answer::Done)
+    context.only(Op::FollowClear { axis, fifo }, Change::FollowEmptied { axis, fifo })
 }
 
 /// At standstill. Clears the data, even if the size stays.
@@ -181,8 +177,7 @@ fn set_memory<const AXES: usize>(context: &mut Context<AXES>, mode: Mode, r: &Se
     context.at_standstill(axis)?;
     known(context, axis, 2)?;
     context.stage_with(Op::FollowClear { axis, fifo: 1 }, Change::FollowEmptied { axis, fifo: 1 });
-    context.stage_with(Op::FollowClear { axis, fifo: 0 }, Change::FollowMemory { axis, memory });
-    Ok(Answer::Done)
+    context.only(Op::FollowClear { axis, fifo: 0 }, Change::FollowMemory { axis, memory })
 }
 
 /// Refuses if a FIFO holds nothing.
@@ -210,8 +205,7 @@ fn start<const AXES: usize>(context: &mut Context<AXES>, mode: Mode, r: &FollowS
         filled(context, axis, u8::from(fifo1.has(axis)))?;
     }
     all_startable(context, axes)?;
-    context.stage_with(Op::FollowStart { axes, fifo1 }, Change::Started { axes, fifo1, script_ns: 0 });
-    Ok(Answer::Done)
+    context.only(Op::FollowStart { axes, fifo1 }, Change::Started { axes, fifo1, script_ns: 0 })
 }
 
 /// Refuses if the axis does not run, or its other FIFO holds nothing.

@@ -3,9 +3,8 @@
 //! In: a data command. Out: entries in the store, and the FIFO's new shadow state.
 //! Fails: with the parameter and the limit. Entries written by then lie after the end of the FIFO,
 //! where nobody reads.
-use super::commit::{End, FifoOf, Written};
 use super::context::{Context, TRAVEL_PULSES};
-use super::data::{Segments, Stored};
+use super::data::{End, FifoOf, Segments, Stored, Written};
 use super::follow::{following, known, method, mode_of};
 use super::{io, one};
 use crate::plan::asymmetric_s;
@@ -87,6 +86,12 @@ impl Filling<'_> {
         }
         self.shadow.switches |= matches!(given, Given::Switch(Method::Table));
         Ok(())
+    }
+
+    /// What was written to this FIFO of `axis`.
+    fn written(&self, axis: Axis, percent1: i16) -> (Written, End) {
+        let Filling { fifo, shadow, .. } = *self;
+        (Written::new(FifoOf::Axis(axis), fifo, Answer::Entered { axis, fifo, percent1 }), End::Follow(shadow))
     }
 
     #[cold]
@@ -174,11 +179,7 @@ pub fn data<const AXES: usize>(context: &Context<AXES>, stores: &Segments<AXES>,
     let axis = following(context, mode_of(number), core.get(), profile.get())?;
     let mut filling = open(context, stores, axis, fifo.get(), field)?;
     filling.add(given).map_err(|refused| refused.axis(context.configuration.number_of(axis)))?;
-    let fifo = filling.fifo;
-    Ok((
-        Written::new(FifoOf::Axis(axis), fifo, Answer::Entered { axis, fifo, percent1: 0 }),
-        End::Follow(filling.shadow),
-    ))
+    Ok(filling.written(axis, 0))
 }
 
 /// FollowDataPercent2Ex: up to three slots, for the rising, the constant and the falling part of
@@ -233,9 +234,7 @@ fn asymmetric_data<const AXES: usize>(
         let (at, to) = if Some(index) == last { (master, slave) } else { (at, to) };
         filling.add(Given::Part(at, to, part, first.take())).map_err(named)?;
     }
-    let fifo = filling.fifo;
-    let percent1 = (x * 100.0 + 0.5) as i16;
-    Ok((Written::new(FifoOf::Axis(axis), fifo, Answer::Entered { axis, fifo, percent1 }), End::Follow(filling.shadow)))
+    Ok(filling.written(axis, (x * 100.0 + 0.5) as i16))
 }
 
 /// The FIFO, if its content is known and its slots are free for data.

@@ -55,8 +55,7 @@ pub fn set_trap<const AXES: usize>(context: &mut Context<AXES>, r: &SetTrapPrm) 
     context.in_mode(axis, context.shadow(axis).mode == Mode::Trap)?;
     let prm = TrapPrm { acc: r.acc, dec: r.dec, vel_start: r.vel_start, smooth_time_ms: r.smooth_time_ms };
     let smooth = Ns(u64::from(smooth_ms.unsigned_abs()) * 1_000_000);
-    context.stage_with(Op::TrapPrm { axis, acc, dec, vel_start, smooth }, Change::Trap { axis, prm });
-    Ok(Answer::Done)
+    context.only(Op::TrapPrm { axis, acc, dec, vel_start, smooth }, Change::Trap { axis, prm })
 }
 
 pub fn set_jog<const AXES: usize>(context: &mut Context<AXES>, r: &SetJogPrm) -> Admitted<Answer> {
@@ -75,16 +74,14 @@ pub fn set_jog<const AXES: usize>(context: &mut Context<AXES>, r: &SetJogPrm) ->
     let prm = JogPrm { acc: r.acc, dec: r.dec, smooth: r.smooth };
     // A dec of 0 means acc (SPEC 5).
     let dec = if dec == Accel::default() { acc } else { dec };
-    context.stage_with(Op::JogPrm { axis, acc, dec, smooth }, Change::Jog { axis, prm });
-    Ok(Answer::Done)
+    context.only(Op::JogPrm { axis, acc, dec, smooth }, Change::Jog { axis, prm })
 }
 
 pub fn set_pos<const AXES: usize>(context: &mut Context<AXES>, r: &SetPos) -> Admitted<Answer> {
     let axis = context.axis(r.core.get(), r.profile.get())?;
     context.in_mode(axis, context.shadow(axis).mode == Mode::Trap)?;
     let pos = r.pos.get();
-    context.stage_with(Op::TargetPosition { axis, pulses: pos }, Change::Pos { axis, pos });
-    Ok(Answer::Done)
+    context.only(Op::TargetPosition { axis, pulses: pos }, Change::Pos { axis, pos })
 }
 
 pub fn set_vel<const AXES: usize>(context: &mut Context<AXES>, r: &SetVel) -> Admitted<Answer> {
@@ -92,8 +89,7 @@ pub fn set_vel<const AXES: usize>(context: &mut Context<AXES>, r: &SetVel) -> Ad
     let vel = r.vel.get();
     let speed = speed(2, vel, true, context.board.step_limit)?;
     context.in_mode(axis, matches!(context.shadow(axis).mode, Mode::Trap | Mode::Jog))?;
-    context.stage_with(Op::TargetSpeed { axis, speed }, Change::Vel { axis, vel });
-    Ok(Answer::Done)
+    context.only(Op::TargetSpeed { axis, speed }, Change::Vel { axis, vel })
 }
 
 /// Starts Jog or Trap, or changes a running one, for all axes of the mask or none.
@@ -116,6 +112,5 @@ pub fn update<const AXES: usize>(context: &mut Context<AXES>, r: &Update) -> Adm
         }
     }
     all_startable(context, axes)?;
-    context.stage_with(Op::Update { axes }, Change::Started { axes, fifo1: servo::units::AxisMask(0), script_ns: 0 });
-    Ok(Answer::Done)
+    context.only(Op::Update { axes }, Change::Started { axes, fifo1: servo::units::AxisMask(0), script_ns: 0 })
 }

@@ -5,7 +5,6 @@
 //! The only folder where the user's doubles become the tick's numbers.
 pub mod admission;
 mod axis;
-pub mod commit;
 pub(crate) mod context;
 pub mod crd;
 pub mod crd_data;

@@ -4,32 +4,14 @@
 //! In: the view, the shadow state. Out: commits, through either lane. Owns nothing.
 //! Fails: if the lane has no room, nothing is pushed and the caller tries again.
 use super::admission::Admission;
-use super::commit;
+use super::data::FifoOf;
 use super::staged::STAGED;
 use crate::plan::path_queue::LASTS_MS;
-use crate::shadow::{Change, PROGRAM_FLAG, executed};
-use servo::op::Op;
+use crate::shadow::{PROGRAM_FLAG, executed};
 use servo::units::Crd;
 use servo::view::View;
 
 impl<const AXES: usize> Admission<'_, AXES> {
-    /// The commit of all that has left a look-ahead, or never went there.
-    pub fn commit_path(&mut self, crd: Crd, fifo: u8) -> (Op, Change) {
-        let mut end = 0;
-        let index = usize::from(fifo & 1);
-        if let (Some(queues), Some(stores)) = (self.queues.get_mut(crd.index()), self.entries.get(crd.index())) {
-            queues[index].settle(&stores[index]);
-            end = queues[index].end();
-        }
-        commit::commit_path(&self.admitted, crd, fifo, end)
-    }
-
-    /// The same through the immediate lane. The caller has checked that there is room.
-    pub fn commit_path_now(&mut self, crd: Crd, fifo: u8) {
-        let (op, change) = self.commit_path(crd, fifo);
-        self.lane.push(op, change, 0, &mut self.admitted);
-    }
-
     /// Running paths whose entries do not last long enough get more from their look-aheads.
     pub fn feed_paths(&mut self, view: &View<AXES>) {
         self.feed_due = u64::MAX;
@@ -43,7 +25,7 @@ impl<const AXES: usize> Admission<'_, AXES> {
             queue.follow(shadow.path(fifo).cleared);
             let Some(stores) = self.entries.get(crd.index()).filter(|_| queue.held() > 0) else { continue };
             if self.lane.room() > STAGED && queue.feed(stores, sampled, fifo) {
-                self.commit_path_now(crd, fifo);
+                self.commit_now(FifoOf::Crd(crd), fifo);
             }
             let Some(queue) = self.queues.get_mut(crd.index()).map(|queues| &mut queues[index]) else { continue };
             let margin_ns = (queue.lasts(stores, sampled, fifo) - LASTS_MS).max(0.0) * 1e6;
@@ -74,7 +56,7 @@ impl<const AXES: usize> Admission<'_, AXES> {
             return false;
         }
         queues[index].flush(&stores[index]);
-        self.commit_path_now(crd, fifo);
+        self.commit_now(FifoOf::Crd(crd), fifo);
         true
     }
 

@@ -1,8 +1,7 @@
 //! PT commands (GXN chapter 2), and PT data from bytes to the axis's store.
 use super::axis::all_startable;
-use super::commit::{End, FifoOf, Written};
 use super::context::{Context, TRAVEL_PULSES};
-use super::data::{Segments, Stored};
+use super::data::{End, FifoOf, Segments, Stored, Written};
 use super::{many, one};
 use crate::refuse::{Admitted, Refused, choice};
 use crate::report::answer::{Answer, Query};
@@ -10,7 +9,7 @@ use crate::shadow::{AxisShadow, BEGINS_SHIFT, Change, FifoShadow, executed};
 use protocol::command::{
     PrfPt, PtClear, PtData, PtDataMany, PtItem, PtSpace, PtStart, SetPtLoop, SetPtMemory, Wire, opcode,
 };
-use protocol::reason::{Reason, Refusal};
+use protocol::reason::Reason;
 use protocol::values::pt_state;
 use servo::op::{Mode, Op};
 use servo::segment::pt::{self, SEGMENTS, Segment};
@@ -61,8 +60,7 @@ pub fn clear<const AXES: usize>(context: &mut Context<AXES>, r: &PtClear) -> Adm
     if context.may_run(axis) && (context.shadow(axis).is_dynamic() || context.shadow(axis).fifo == fifo) {
         return Err(context.no(Reason::FifoInUse, axis).field(2).got(fifo.into()));
     }
-    context.stage_with(Op::PtClear { axis, fifo }, Change::Emptied { axis, fifo });
-    Ok(Answer::Done)
+    context.only(Op::PtClear { axis, fifo }, Change::Emptied { axis, fifo })
 }
 
 pub fn not_dynamic<const AXES: usize>(context: &Context<AXES>, axis: Axis) -> Admitted<()> {
@@ -73,8 +71,7 @@ pub fn not_dynamic<const AXES: usize>(context: &Context<AXES>, axis: Axis) -> Ad
 pub fn set_loop<const AXES: usize>(context: &mut Context<AXES>, r: &SetPtLoop) -> Admitted<Answer> {
     let axis = pt_axis(context, r.core.get(), r.profile.get())?;
     not_dynamic(context, axis)?;
-    context.stage(Op::PtLoop { axis, passes: r.loop_count.get().max(0).unsigned_abs() });
-    Ok(Answer::Done)
+    context.only(Op::PtLoop { axis, passes: r.loop_count.get().max(0).unsigned_abs() }, Change::None)
 }
 
 /// Clears the data, even if the size stays.
@@ -87,8 +84,7 @@ pub fn set_memory<const AXES: usize>(context: &mut Context<AXES>, r: &SetPtMemor
     if !context.shadow(axis).is_dynamic() {
         context.stage_with(Op::PtClear { axis, fifo: 1 }, Change::Emptied { axis, fifo: 1 });
     }
-    context.stage_with(Op::PtClear { axis, fifo: 0 }, Change::Memory { axis, memory });
-    Ok(Answer::Done)
+    context.only(Op::PtClear { axis, fifo: 0 }, Change::Memory { axis, memory })
 }
 
 /// Starts all axes of the mask on one tick, or none. Option bits select FIFO 1; they are ignored in
@@ -111,8 +107,7 @@ pub fn start<const AXES: usize>(context: &mut Context<AXES>, r: &PtStart) -> Adm
         }
     }
     all_startable(context, axes)?;
-    context.stage_with(Op::PtStart { axes, fifo1 }, Change::Started { axes, fifo1, script_ns: context.due.script_ns });
-    Ok(Answer::Done)
+    context.only(Op::PtStart { axes, fifo1 }, Change::Started { axes, fifo1, script_ns: context.due.script_ns })
 }
 
 /// Admits PtData or PtDataMany: all its segments or none. They are written after the committed end,
@@ -122,26 +117,15 @@ pub fn data<const AXES: usize>(context: &Context<AXES>, stores: &Segments<AXES>,
         let r = one::<PtData>(body)?;
         let kind = choice(4, r.kind.get(), 0, 2)?;
         let item = PtItem { pos: r.pos, time_ms: r.time_ms, kind: kind as u8 };
-        return push(context, stores, (r.core.get(), r.profile.get(), r.fifo.get(), 5), &[item]).map_err(
-            |mut refused| {
-                // The fields of a single datum are those of the request.
-                if refused.wire.item.get() == 0 {
-                    refused.wire.item = 65535.into();
-                    refused.wire.field = refused.wire.field.saturating_add(2);
-                }
-                refused
-            },
-        );
+        // The fields of a single datum are those of the request.
+        let named = |refused: Refused, _| refused.field(refused.wire.field + 2);
+        return push(context, stores, (r.core.get(), r.profile.get(), r.fifo.get(), 5), &[item], &named);
     }
     let (r, items) = many::<PtDataMany>(body, |r| r.count.get())?;
-    let mut written = push(context, stores, (r.core.get(), r.profile.get(), r.fifo.get(), 2), items);
     // The fields of an item are counted after those of the request.
-    if let Err(refused) = &mut written
-        && refused.wire.item.get() != Refusal::NO_ITEM
-    {
-        refused.wire.field = refused.wire.field.saturating_add(PtDataMany::FIELDS.len() as u8);
-    }
-    written
+    let named =
+        |refused: Refused, index| refused.item(index).field(refused.wire.field + PtDataMany::FIELDS.len() as u8);
+    push(context, stores, (r.core.get(), r.profile.get(), r.fifo.get(), 2), items, &named)
 }
 
 /// Whether a dynamic stream runs, or will run.
@@ -178,6 +162,7 @@ fn push<const AXES: usize>(
     stores: &Segments<AXES>,
     (core, profile, fifo_given, fifo_field): (i16, i16, i16, u8),
     items: &[PtItem],
+    named: &dyn Fn(Refused, usize) -> Refused,
 ) -> Stored {
     let axis = pt_axis(context, core, profile)?;
     let fifo = fifo(context, axis, fifo_field, fifo_given)?;
@@ -207,12 +192,12 @@ fn push<const AXES: usize>(
                 slot = slot.wrapping_add(1);
                 chain = next;
             }
-            Err(refused) => return Err(explain(refused, item, limit).item(index).axis(profile)),
+            Err(refused) => return Err(named(explain(refused, item, limit), index).axis(profile)),
         }
     }
-    let shadow = FifoShadow { end: data.end.wrapping_add(items.len() as u32), chain };
+    let data = FifoShadow { end: data.end.wrapping_add(items.len() as u32), chain };
     let answer = Answer::Taken { axis, fifo, count: items.len() as u16 };
-    Ok((Written::new(FifoOf::Axis(axis), fifo, answer), End::Pt(shadow)))
+    Ok((Written::new(FifoOf::Axis(axis), fifo, answer), End::Pt(data)))
 }
 
 /// The fields that a refusal names are those of a PtItem: 0 position, 1 time, 2 kind.

@@ -40,8 +40,7 @@ fn pvt_axis<const AXES: usize>(context: &Context<AXES>, core: i16, profile: i16)
 pub fn set_loop<const AXES: usize>(context: &mut Context<AXES>, r: &SetPvtLoop) -> Admitted<Answer> {
     let axis = pvt_axis(context, r.core.get(), r.profile.get())?;
     let passes = within(2, r.loop_count.get(), 0, i32::MAX)?;
-    context.stage_with(Op::PvtLoop { axis, passes: passes.unsigned_abs() }, Change::TablePasses { axis, passes });
-    Ok(Answer::Done)
+    context.only(Op::PvtLoop { axis, passes: passes.unsigned_abs() }, Change::TablePasses { axis, passes })
 }
 
 fn not_empty<const AXES: usize>(context: &Context<AXES>, axis: Axis, table: u8) -> Admitted<()> {
@@ -59,8 +58,7 @@ pub fn select<const AXES: usize>(context: &mut Context<AXES>, r: &PvtTableSelect
     let table = table(context, r.core.get(), 2, r.table.get())?;
     let pending = context.may_run(axis);
     not_empty(context, axis, table)?;
-    context.stage_with(Op::PvtSelect { axis, table }, Change::Table { axis, table, pending });
-    Ok(Answer::Done)
+    context.only(Op::PvtSelect { axis, table }, Change::Table { axis, table, pending })
 }
 
 /// Starts all axes of the mask on one tick, or none.
@@ -75,8 +73,7 @@ pub fn start<const AXES: usize>(context: &mut Context<AXES>, r: &PvtStart) -> Ad
         not_empty(context, axis, context.shadow(axis).table.unwrap_or(u8::MAX))?;
     }
     all_startable(context, axes)?;
-    context.stage_with(Op::PvtStart { axes }, Change::PvtStarted { axes });
-    Ok(Answer::Done)
+    context.only(Op::PvtStart { axes }, Change::PvtStarted { axes })
 }
 
 /// Refuses if an axis runs this table, will continue with it, or is named with it by an entry that

@@ -27,8 +27,7 @@ const LINK_LOSS_MAX_MS: i32 = 86_400_000;
 /// Acts on all of the controller, whichever core is named: lasers and user exist once.
 pub fn abort<const AXES: usize>(context: &mut Context<AXES>, r: &Abort) -> Admitted<Answer> {
     context.core(r.core.get())?;
-    context.stage_with(Op::Abort, Change::Aborted);
-    Ok(Answer::Done)
+    context.only(Op::Abort, Change::Aborted)
 }
 
 pub fn reset<const AXES: usize>(context: &mut Context<AXES>, r: &Reset) -> Admitted<Answer> {
@@ -56,12 +55,11 @@ pub fn tick<const AXES: usize>(context: &mut Context<AXES>, r: &SetTick) -> Admi
     let low = TICK_US.0.max(i32::try_from(*context.board.tick_us.start()).unwrap_or(i32::MAX));
     let high = TICK_US.1.min(i32::try_from(*context.board.tick_us.end()).unwrap_or(i32::MAX));
     let us = within(0, r.tick_us.get(), low, high)?;
-    context.all_at_standstill(context.configuration.all(), Reason::OnlyAtRest)?;
+    context.all_at_standstill(context.configuration.all(), Reason::OnlyAtStandstill)?;
     let ns = us.unsigned_abs() * 1000;
     let period = Ns(ns.into());
     loses_no_crd(context, period)?;
-    context.stage_with(Op::TickPeriod { ns }, Change::Tick { period });
-    Ok(Answer::Done)
+    context.only(Op::TickPeriod { ns }, Change::Tick { period })
 }
 
 /// Refuses a tick period at which a coordinate system that drives axes would not exist (GXN table
@@ -105,7 +103,7 @@ pub fn choose<const AXES: usize>(context: &mut Context<AXES>, r: &Choose) -> Adm
     }
     if number != context.configuration.number {
         let axes = AxisMask(context.configuration.all().0 | configuration.all().0);
-        context.all_at_standstill(axes, Reason::OnlyAtRest)?;
+        context.all_at_standstill(axes, Reason::OnlyAtStandstill)?;
         context.stage_with(Op::Reset { axes }, Change::Reset { axes, tables: u64::MAX });
         // The supervision is the user's, and stays.
         stage_watch(context, context.shadows.watch);

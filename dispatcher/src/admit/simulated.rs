@@ -7,6 +7,7 @@ use super::context::Context;
 use super::io;
 use crate::refuse::{Admitted, Refused, choice, real, within};
 use crate::report::answer::Answer;
+use crate::shadow::Change;
 use protocol::command::{SimAdc, SimInput, SimPlan};
 use protocol::reason::Reason;
 use protocol::values::{ANALOG_INPUT_VOLTS, io as kind};
@@ -69,15 +70,13 @@ fn voltage<const AXES: usize>(
 pub fn input<const AXES: usize>(context: &mut Context<AXES>, r: &SimInput) -> Admitted<Answer> {
     unwired(context)?;
     let input = digital(context, r.core.get(), 1, (r.di_type.get(), r.index.get(), r.level.get()))?;
-    context.stage(Op::Simulate(input));
-    Ok(Answer::Done)
+    context.only(Op::Simulate(input), Change::None)
 }
 
 pub fn analog<const AXES: usize>(context: &mut Context<AXES>, r: &SimAdc) -> Admitted<Answer> {
     unwired(context)?;
     let input = voltage(context, r.core.get(), (1, 2), r.adc.get(), r.volts.get())?;
-    context.stage(Op::Simulate(input));
-    Ok(Answer::Done)
+    context.only(Op::Simulate(input), Change::None)
 }
 
 /// A row of a plan: rows come in order of time, row 0 begins another plan.
@@ -99,6 +98,5 @@ pub fn plan<const AXES: usize>(context: &mut Context<AXES>, r: &SimPlan) -> Admi
         }
         digital(context, core, 4, (r.di_type.get(), r.index.get(), level as i16))?
     };
-    context.stage(Op::Plan { row, after: Ns(after), of_script, input });
-    Ok(Answer::Done)
+    context.only(Op::Plan { row, after: Ns(after), of_script, input }, Change::None)
 }

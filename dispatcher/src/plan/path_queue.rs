@@ -106,15 +106,19 @@ impl PathQueue {
         self.look.len()
     }
 
-    /// Limits of the look-ahead, and how many entries it may hold.
-    pub fn set_look(&mut self, limits: &Limits, count: u16) {
-        self.count = usize::from(count).clamp(1, LOOK_AHEAD);
-        if self.look.is_empty() {
-            self.look.set_limits(*limits);
+    /// Prepares for data of a FIFO that was cleared so many times, with the limits of its
+    /// look-ahead and how many entries that may hold.
+    pub fn prepare(&mut self, cleared: u32, look: Option<(Limits, u16)>) {
+        self.follow(cleared);
+        if let Some((limits, count)) = look {
+            self.count = usize::from(count).clamp(1, LOOK_AHEAD);
+            if self.look.is_empty() {
+                self.look.set_limits(limits);
+            }
         }
     }
 
-    /// The limits of a motion after [`PathQueue::set_look`] with these limits, for a FIFO that was
+    /// The limits of a motion after [`PathQueue::prepare`] with these limits, for a FIFO that was
     /// cleared so many times.
     pub fn limits(&self, cleared: u32, limits: Limits) -> Limits {
         if self.cleared != cleared || self.look.is_empty() { limits } else { *self.look.limits() }
@@ -168,9 +172,10 @@ impl PathQueue {
         true
     }
 
-    /// Moves final entries to the store.
-    pub fn settle(&mut self, store: &EntryStore) {
+    /// Moves final entries to the store, and says where they end.
+    pub fn settle(&mut self, store: &EntryStore) -> u32 {
         while self.take(store, false) {}
+        self.end
     }
 
     /// Moves all entries to the store: the path stops at the end.

@@ -155,7 +155,7 @@ impl Program<'_> {
                 .front()
                 .copied()
                 .filter(|&(seq, ..)| if seq == 0 { item.discarded } else { item.own && item.seq == Some(seq) });
-            if self.is_behind {
+            if self.is_lagging {
                 self.lane.retire(view, &mut admission.executed, self.replies.until());
             }
             let reading = admission.reading(view);

@@ -1,7 +1,8 @@
 //! FIFOs with data that the tick does not know of yet: the commits of one instant.
 //!
 //! In: FIFOs that were given data. Out: one commit for each. Owns their masks.
-use servo::units::{Axis, AxisMask, Crd, CrdMask};
+use crate::admit::data::FifoOf;
+use servo::units::{Axis, AxisMask, CrdMask};
 
 /// See the module text.
 #[derive(Debug, Clone, Copy, Default)]
@@ -25,24 +26,19 @@ impl Gathered {
         axes.chain(self.crds.iter().map(|crds| crds.0.count_ones())).sum::<u32>() as usize
     }
 
-    /// A FIFO of an axis has got data.
-    pub fn add_axis(&mut self, axis: Axis, fifo: u8) {
-        self.axes[usize::from(fifo & 1)].0 |= axis.mask().0;
+    /// A FIFO has got data.
+    pub fn add(&mut self, of: FifoOf, fifo: u8) {
+        let index = usize::from(fifo & 1);
+        match of {
+            FifoOf::Axis(axis) => self.axes[index].0 |= axis.mask().0,
+            FifoOf::Crd(crd) => self.crds[index].0 |= crd.mask().0,
+        }
     }
 
-    /// A FIFO of a coordinate system has got data.
-    pub fn add_crd(&mut self, crd: Crd, fifo: u8) {
-        self.crds[usize::from(fifo & 1)].0 |= crd.mask().0;
-    }
-
-    /// FIFOs of axes, in the order of their commits; those of coordinate systems follow.
-    pub fn axes(&self) -> impl Iterator<Item = (Axis, u8)> {
-        (0..).zip(self.axes).flat_map(|(fifo, axes)| axes.axes().map(move |axis| (axis, fifo)))
-    }
-
-    /// FIFOs of coordinate systems, in the order of their commits.
-    pub fn crds(&self) -> impl Iterator<Item = (Crd, u8)> {
-        (0..).zip(self.crds).flat_map(|(fifo, crds)| crds.crds().map(move |crd| (crd, fifo)))
+    /// The FIFOs in the order of their commits: those of axes, then those of coordinate systems.
+    pub fn fifos(&self) -> impl Iterator<Item = (FifoOf, u8)> {
+        let axes = (0..).zip(self.axes).flat_map(|(fifo, of)| of.axes().map(move |of| (FifoOf::Axis(of), fifo)));
+        axes.chain((0..).zip(self.crds).flat_map(|(fifo, of)| of.crds().map(move |of| (FifoOf::Crd(of), fifo))))
     }
 
     /// How many commits precede that of this FIFO of an axis.

@@ -12,10 +12,10 @@
 //! still gets each record in time.
 use super::{Program, State};
 use crate::admit::admission::Admission;
-use crate::admit::commit::{self, FifoOf};
 use crate::admit::context::Effect;
+use crate::admit::data::{Written, is_data};
 use crate::admit::staged::FEW;
-use crate::admit::{data, kind, one};
+use crate::admit::{kind, one};
 use crate::refuse::{Admitted, Refused};
 use crate::report::answer::{Answer, POINTS_MAX, TAKEN_MAX};
 use crate::report::pending_replies::{Awaiting, Step};
@@ -74,7 +74,7 @@ impl Program<'_> {
 
     /// Whether a record from the wire may be admitted directly: it is data, and no record waits.
     pub(super) fn takes_at_once<const AXES: usize>(&self, number: u16, body: &[u8]) -> bool {
-        data::is_data(number, body)
+        is_data(number, body)
             && self.is_active()
             && !self.is_dropping()
             && !self.overflowed
@@ -153,7 +153,7 @@ impl Program<'_> {
                 self.attach(head.opcode, head.tag, Answer::Done);
                 return Ok(Step::Taken);
             }
-            number if data::is_data(number, body) => {
+            number if is_data(number, body) => {
                 let written = admission.admit_data(view, due, head.opcode, body)?;
                 self.take_data(admission, (head.opcode, head.tag, head.may_fail), &written);
                 return Ok(Step::Taken);
@@ -259,21 +259,17 @@ impl Program<'_> {
         &mut self,
         admission: &mut Admission<'_, AXES>,
         (opcode, tag, may_fail): (u16, u16, bool),
-        written: &commit::Written,
+        written: &Written,
     ) {
+        let Written { of, fifo, answer, at_once, .. } = *written;
         self.replies.keep(written.waiting());
-        match written.of {
-            FifoOf::Axis(axis) => self.gathered.add_axis(axis, written.fifo),
-            FifoOf::Crd(crd) if written.at_once => {
-                admission.commit_path_now(crd, written.fifo);
-                let (seq, answer) = (Some(admission.lane.last()), written.answer);
-                self.replies.push(Awaiting { opcode, tag, seq, own: true, may_fail, answer, ..Awaiting::BLANK });
-                return;
-            }
-            FifoOf::Crd(crd) => self.gathered.add_crd(crd, written.fifo),
+        if at_once {
+            admission.commit_now(of, fifo);
+        } else {
+            self.gathered.add(of, fifo);
         }
-        let answer = written.answer;
-        self.replies.push(Awaiting { opcode, tag, open: true, own: true, may_fail, answer, ..Awaiting::BLANK });
+        let (seq, open) = (at_once.then(|| admission.lane.last()), !at_once);
+        self.replies.push(Awaiting { opcode, tag, seq, open, own: true, may_fail, answer, ..Awaiting::BLANK });
     }
 
     /// Pushes the gathered commits. There is room for them: no record is admitted without it, and
@@ -283,12 +279,8 @@ impl Program<'_> {
             return;
         }
         let (first, gathered) = (seq_after(self.lane.last()), core::mem::take(&mut self.gathered));
-        for (axis, fifo) in gathered.axes() {
-            let (op, change) = commit::commit(&admission.admitted, axis, fifo);
-            self.push(admission, op, change);
-        }
-        for (crd, fifo) in gathered.crds() {
-            let (op, change) = admission.commit_path(crd, fifo);
+        for (of, fifo) in gathered.fifos() {
+            let (op, change) = admission.commit(of, fifo);
             self.push(admission, op, change);
         }
         for item in self.replies.items.iter_mut().rev().take_while(|item| item.open) {

@@ -105,7 +105,7 @@ pub struct Program<'a> {
     /// The item of LoadConfig in hand.
     config: Option<u16>,
     /// The executed state waits for the first of the replies.
-    is_behind: bool,
+    is_lagging: bool,
     /// A record did not fit: nothing more is taken until the client has asked for ProgramStatus.
     overflowed: bool,
     /// Nothing more can be admitted before the tick or the client acts.
@@ -128,7 +128,7 @@ impl<'a> Program<'a> {
             ending: Ending { strict: false, drop: ProgramDrop::None, reason: Reason::Discarded, clears: false },
             reported: Reported::default(),
             config: None,
-            is_behind: false,
+            is_lagging: false,
             overflowed: false,
             settled: true,
             urgent: false,
@@ -316,7 +316,7 @@ impl<'a> Program<'a> {
             overruns: view.overruns.wrapping_sub(self.reported.overruns[1]).into(),
             late_tag: self.reported.late_tag.into(),
             overran_tag: self.reported.overran_tag.into(),
-            told: self.reported.told,
+            reported: self.reported.bits,
         };
         out.push_raw(opcode, tag, 0, &[reply.as_bytes()])
     }
@@ -324,14 +324,14 @@ impl<'a> Program<'a> {
     /// Enters into `now` what the tick has executed, and no reply waits for. Returns whether that
     /// is everything.
     pub fn retire<const AXES: usize>(&mut self, view: &View<AXES>, now: &mut Shadows<AXES>) -> bool {
-        self.is_behind = !self.lane.retire(view, now, self.replies.until());
+        self.is_lagging = !self.lane.retire(view, now, self.replies.until());
         self.reported.overruns[0] = view.overruns;
         if self.runs(view) && (view.late != 0 || self.reported.overruns[0] != self.reported.overruns[1]) {
             let waiting = self.replies.items.iter().filter(|item| item.own);
             self.reported.note(view, waiting.filter_map(|item| Some((item.seq?, item.tag))));
         }
         self.reported.note_light(view, self.runs(view));
-        !self.is_behind
+        !self.is_lagging
     }
 
     /// Renews the numbers of what was executed.

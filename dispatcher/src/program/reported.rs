@@ -3,7 +3,7 @@
 //! In: views while the program runs, the replies that wait. Out: the numbers and bits of
 //! `ProgramReply`. Owns them.
 use crate::shadow::PROGRAM_FLAG;
-use protocol::values::told;
+use protocol::values::reported;
 use servo::laser::{CHANNELS, Cause, Ignored};
 use servo::view::View;
 
@@ -29,13 +29,13 @@ pub(super) struct Reported {
     ignored: [u8; CHANNELS],
     /// Which of the tags are valid, and which light was shut off; the bits are those of
     /// `ProgramReply`.
-    pub told: u8,
+    pub bits: u8,
 }
 
 impl Reported {
     /// The counts of a new program.
     pub fn begin(&mut self) {
-        (self.accepted, self.executed, self.told) = (0, 0, 0);
+        (self.accepted, self.executed, self.bits) = (0, 0, 0);
         self.overruns[1] = self.overruns[0];
     }
 
@@ -45,7 +45,7 @@ impl Reported {
             let bit = 1 << channel;
             let kept = *before != laser.ignored_count && laser.ignored == Ignored::Fault;
             if runs && laser.fault != Cause::None && (kept || self.lit & bit != 0) {
-                self.told |= told::DARK << channel;
+                self.bits |= reported::DARK << channel;
             }
             let lit = laser.fault == Cause::None && (laser.commanded || laser.light);
             self.lit = self.lit & !bit | if lit { bit } else { 0 };
@@ -64,18 +64,18 @@ impl Reported {
             if reaches(last) { Some(last_tag) } else { waiting.clone().find(|item| reaches(item.0)).map(|item| item.1) }
         };
         let (late, overran) = (tag(view.first_late), tag(view.overran));
-        if let Some(tag) = late.filter(|_| view.first_late != 0 && self.told & told::LATE == 0) {
-            (self.late_tag, self.told) = (tag, self.told | told::LATE);
+        if let Some(tag) = late.filter(|_| view.first_late != 0 && self.bits & reported::LATE == 0) {
+            (self.late_tag, self.bits) = (tag, self.bits | reported::LATE);
         }
-        if let Some(tag) = overran.filter(|_| view.overran != 0 && self.told & told::OVERRAN == 0) {
-            (self.overran_tag, self.told) = (tag, self.told | told::OVERRAN);
+        if let Some(tag) = overran.filter(|_| view.overran != 0 && self.bits & reported::OVERRAN == 0) {
+            (self.overran_tag, self.bits) = (tag, self.bits | reported::OVERRAN);
         }
         if view.late_light {
-            self.told |= told::LATE_LIGHT;
+            self.bits |= reported::LATE_LIGHT;
         }
         if self.overruns[0] != self.overruns[1] {
             for (channel, laser) in view.lasers.iter().enumerate().take(4) {
-                self.told |= if laser.fault == Cause::Overrun { told::DARK << channel } else { 0 };
+                self.bits |= if laser.fault == Cause::Overrun { reported::DARK << channel } else { 0 };
             }
         }
     }

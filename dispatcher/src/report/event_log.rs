@@ -50,6 +50,7 @@ pub enum ShutOff {
 }
 
 /// The log.
+#[derive(Default)]
 pub struct Log {
     items: Deque<EventItem, HELD>,
     total: u32,
@@ -61,19 +62,6 @@ pub struct Log {
 }
 
 impl Log {
-    /// An empty log.
-    pub const fn new() -> Log {
-        Log {
-            items: Deque::new(),
-            total: 0,
-            faults: [0; CHANNELS],
-            ignored: [0; CHANNELS],
-            limits: [0; CHANNELS],
-            overruns: 0,
-            lost: 0,
-        }
-    }
-
     /// Adds an event.
     pub fn put(&mut self, at: Ns, kind: Kind, of: u8, reason: u16) {
         if self.items.is_full() {

@@ -233,11 +233,8 @@ impl<const AXES: usize> TraceOut<AXES> {
                     *to = CrdSample { vel_mantissa: velocity.m.into(), vel_exponent: velocity.e.into() };
                 }
             }
-            Traced::Action { .. }
-            | Traced::Rest { .. }
-            | Traced::Outputs { .. }
-            | Traced::Analog { .. }
-            | Traced::Period { .. } => {}
+            // Those have been written above.
+            _ => {}
         }
         self.row = sample.row;
         if column + 1 < self.count() {

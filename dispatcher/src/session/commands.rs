@@ -10,8 +10,6 @@ mod immediate;
 
 use crate::admit::admission::Admission;
 use crate::admit::kind;
-use crate::board::Board;
-use crate::plan::path_queue::PathQueue;
 use crate::program::Program;
 use crate::refuse::Refused;
 use crate::report::answer::Answer;
@@ -20,11 +18,7 @@ use crate::report::pending_replies::{Awaiting, PendingReplies, Step, TickRefusal
 use crate::shadow::{AxisShadow, CAPACITY, Change, Renewed, Watch, executed};
 use protocol::command;
 use protocol::record::{ReplyWriter, RequestRecord};
-use ring::Producer;
-use servo::op::{Entry, Op};
-use servo::path::PathStores;
-use servo::segment::pt::SegmentStore;
-use servo::tables::TableStores;
+use servo::op::Op;
 use servo::tick::IMMEDIATE;
 use servo::units::Crd;
 use servo::view::{AxisView, View};
@@ -41,25 +35,14 @@ pub struct CommandHandler<'a, const AXES: usize> {
     /// The next item of the LoadConfig in hand.
     config: Option<u16>,
     /// The executed state waits for replies that show what was before.
-    is_behind: bool,
+    is_lagging: bool,
 }
 
 impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
     /// A command handler at power-on.
-    pub fn new(
-        board: Board,
-        stores: &'a [SegmentStore; AXES],
-        paths: (PathStores<'a>, &'a mut [[PathQueue; 2]]),
-        tables: TableStores<'a>,
-        ring: Producer<'a, Entry, IMMEDIATE>,
-    ) -> Self {
-        CommandHandler {
-            admission: Admission::new(board, stores, paths, tables, ring),
-            renewed: Renewed::default(),
-            replies: PendingReplies::new(),
-            config: None,
-            is_behind: false,
-        }
+    pub fn new(admission: Admission<'a, AXES>) -> Self {
+        let (renewed, replies) = (Renewed::default(), PendingReplies::new());
+        CommandHandler { admission, renewed, replies, config: None, is_lagging: false }
     }
 
     /// Follows the tick: executed entries of both lanes, axes that came to standstill, streams that
@@ -67,7 +50,7 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
     pub fn follow(&mut self, program: &mut Program<'_>, view: &View<AXES>) {
         let mine = self.admission.lane.retire(view, &mut self.admission.executed, self.replies.until());
         let its = program.retire(view, &mut self.admission.executed);
-        self.is_behind = !(mine && its);
+        self.is_lagging = !(mine && its);
         // Gathered data of a stream that has ended goes to the tick, which refuses it at its
         // instant.
         let ended = |(shadow, sampled): (&AxisShadow, &AxisView)| {
@@ -76,28 +59,13 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
         if program.gathers() && self.admission.admitted.axes.iter().zip(&view.axes).any(ended) {
             program.flush(&mut self.admission);
         }
+        self.admission.admitted.follow(view);
         // Where changes are not entered yet, they would look as if the tick had made them by
         // itself.
-        let is_behind = self.is_behind;
-        for ((now, ahead), sampled) in
-            self.admission.executed.axes.iter_mut().zip(&mut self.admission.admitted.axes).zip(&view.axes)
-        {
-            if !is_behind {
-                now.follow(view, sampled);
-            }
-            ahead.follow(view, sampled);
-        }
-        for ((now, ahead), sampled) in
-            self.admission.executed.crds.iter_mut().zip(&mut self.admission.admitted.crds).zip(&view.crds)
-        {
-            if !is_behind {
-                now.follow(view, sampled);
-            }
-            ahead.follow(view, sampled);
-        }
-        if is_behind {
+        if self.is_lagging {
             return;
         }
+        self.admission.executed.follow(view);
         if self.admission.executed.naming() | self.admission.admitted.naming() != 0 {
             self.forget_follow_tables(view);
         }
@@ -130,7 +98,7 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
 
     /// Goes on where replies that waited kept the executed state back.
     pub fn catch_up(&mut self, program: &mut Program<'_>, view: &View<AXES>) {
-        if self.is_behind {
+        if self.is_lagging {
             self.follow(program, view);
         }
     }
@@ -142,7 +110,7 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
             if item.seq.is_some_and(|seq| !executed(view, seq)) {
                 break;
             }
-            if self.is_behind {
+            if self.is_lagging {
                 self.admission.lane.retire(view, &mut self.admission.executed, self.replies.until());
             }
             let refusal = self.replies.refused.front().copied().filter(|&(seq, ..)| item.own && Some(seq) == item.seq);
@@ -202,12 +170,8 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
             return false;
         }
         let watch = Watch::DEFAULT;
-        self.admission.lane.push(
-            Op::Supervision(watch.supervision()),
-            Change::Watch(watch),
-            0,
-            &mut self.admission.admitted,
-        );
+        let (op, change) = (Op::Supervision(watch.supervision()), Change::Watch(watch));
+        self.admission.lane.push(op, change, 0, &mut self.admission.admitted);
         self.admission.lane.push(Op::NewSession, Change::None, 0, &mut self.admission.admitted);
         if view.lasers.iter().any(|laser| laser.commanded || laser.light || laser.owners.0 != 0) {
             self.admission.log.put(view.now, Kind::ShutOff, 0, ShutOff::NewSession as u16);

@@ -8,6 +8,7 @@
 //! and drops the rest of a program (SPEC 9).
 use super::commands::CommandHandler;
 use super::link_loss;
+use crate::admit::admission::Admission;
 use crate::board::Board;
 use crate::plan::path_queue::PathQueue;
 use crate::program::Program;
@@ -88,13 +89,13 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
     pub fn new(board: Board, channels: Channels<'a, AXES>) -> Self {
         Server {
             link: Endpoint::new(Role::Controller, Identity::OURS),
-            handler: CommandHandler::new(
+            handler: CommandHandler::new(Admission::new(
                 board,
                 channels.stores,
                 (channels.paths, channels.queues),
                 channels.tables,
                 channels.immediate,
-            ),
+            )),
             program: Program::new(channels.program),
             view: channels.view,
             events: channels.events,
@@ -213,7 +214,7 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
             }
         }
         self.handler.admission.feed_paths(view);
-        self.handler.admission.trace.drain(&mut self.samples, view, &self.handler.admission.configuration);
+        self.handler.admission.drain_trace(&mut self.samples, view);
         self.send_trace();
     }
 
@@ -224,7 +225,7 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
         if !(self.handler.admission.trace.is_due() || waited && self.handler.admission.trace.has_link_bytes()) {
             return;
         }
-        while self.outbox_len == 0 && self.link.places() > 1 {
+        while self.outbox_len == 0 && self.link.free_slots() > 1 {
             let Some((head, body)) = self.link.draft().and_then(|draft| draft.split_at_mut_checked(TRACE_HEAD)) else {
                 return;
             };
@@ -232,11 +233,7 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
             loop {
                 let part = self.handler.admission.trace.link_bytes(body.get_mut(count..).unwrap_or(&mut []));
                 count += part;
-                self.handler.admission.trace.drain(
-                    &mut self.samples,
-                    self.view.last(),
-                    &self.handler.admission.configuration,
-                );
+                self.handler.admission.drain_trace(&mut self.samples, self.view.last());
                 if part == 0 || count >= body.len() {
                     break;
                 }
@@ -286,11 +283,7 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
                 return written;
             }
             // The encoder has room again.
-            self.handler.admission.trace.drain(
-                &mut self.samples,
-                self.view.last(),
-                &self.handler.admission.configuration,
-            );
+            self.handler.admission.drain_trace(&mut self.samples, self.view.last());
         }
     }
 

@@ -21,7 +21,7 @@ pub struct FifoShadow {
 pub const BEGINS_SHIFT: u32 = 16;
 
 /// One axis.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct AxisShadow {
     /// Profile mode.
     pub mode: Mode,
@@ -81,42 +81,12 @@ pub struct AxisShadow {
     pub pos: i32,
 }
 
-impl Default for AxisShadow {
-    /// Power-on (SPEC 5).
-    fn default() -> Self {
-        AxisShadow {
-            mode: Mode::Trap,
-            memory: 0,
-            fifo: 0,
-            fifos: [FifoShadow::default(); 2],
-            epoch: 0,
-            started: None,
-            aside: false,
-            streams: 0,
-            busy: None,
-            placed: None,
-            crd: Crd::default(),
-            servo: None,
-            cleared: None,
-            emptied: None,
-            invalid: 0,
-            leaving: None,
-            dec: (1.0, 1000.0),
-            band: (0, 0),
-            soft: SOFT_OFF,
-            pos_err: i32::MAX,
-            trap: TrapPrm::default(),
-            jog: JogPrm::default(),
-            table: None,
-            table_passes: 1,
-            follow: FollowShadow::default(),
-            vel: 0.0,
-            pos: 0,
-        }
-    }
-}
-
 impl AxisShadow {
+    /// At power-on (SPEC 5); its default is all zero.
+    pub fn power_on() -> Self {
+        let (dec, follow) = ((1.0, 1000.0), FollowShadow::power_on());
+        AxisShadow { dec, soft: SOFT_OFF, pos_err: i32::MAX, table_passes: 1, follow, ..AxisShadow::default() }
+    }
     /// Whether PT data of this axis forms one ring.
     pub fn is_dynamic(&self) -> bool {
         self.mode == Mode::PtDynamic

@@ -196,7 +196,7 @@ pub struct PathShadow {
 
 impl PathShadow {
     /// Whether all that concerns it is executed.
-    fn is_told<const AXES: usize>(&self, view: &View<AXES>) -> bool {
+    fn is_executed<const AXES: usize>(&self, view: &View<AXES>) -> bool {
         !self.loose && self.last.is_none_or(|seq| executed(view, seq))
     }
     /// So many of its motions were over when its path came to standstill.
@@ -215,7 +215,7 @@ impl PathShadow {
 }
 
 /// One coordinate system.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct CrdShadow {
     /// Its parameters.
     pub frame: Option<Frame>,
@@ -248,29 +248,12 @@ pub struct CrdShadow {
     pub fifos: [PathShadow; 2],
 }
 
-impl Default for CrdShadow {
-    /// Power-on.
-    fn default() -> Self {
-        CrdShadow {
-            frame: None,
-            limits: [(0.0, 0.0); DIMENSIONS],
-            fifo: 0,
-            started: None,
-            busy: None,
-            stopped: false,
-            fed: false,
-            here: None,
-            last: None,
-            dec: (0.0, 0.0),
-            beside: AxisMask(0),
-            rate: 1.0,
-            lag_ms: 1.0,
-            fifos: [PathShadow::default(); 2],
-        }
-    }
-}
-
 impl CrdShadow {
+    /// At power-on (SPEC 5); its default is all zero.
+    pub fn power_on() -> Self {
+        CrdShadow { rate: 1.0, lag_ms: 1.0, ..CrdShadow::default() }
+    }
+
     /// One FIFO.
     pub fn path(&self, fifo: u8) -> &PathShadow {
         let [first, second] = &self.fifos;
@@ -345,7 +328,7 @@ impl CrdShadow {
     pub(super) fn renew(&mut self, frame: Option<Frame>, here: Option<Position>, seq: u32) {
         let CrdShadow { started, busy, beside, fifos, .. } = *self;
         let dec = frame.map_or((0.0, 0.0), |frame| (frame.acc_max, frame.acc_max));
-        *self = CrdShadow { frame, here, dec, started, busy, beside, last: Some(seq), ..CrdShadow::default() };
+        *self = CrdShadow { frame, here, dec, started, busy, beside, last: Some(seq), ..CrdShadow::power_on() };
         for (path, before) in self.fifos.iter_mut().zip(fifos) {
             let cleared = before.cleared.wrapping_add(1);
             *path = PathShadow { cleared, emptied: Some(seq), last: Some(seq), ..PathShadow::default() };
@@ -439,7 +422,7 @@ impl CrdShadow {
         {
             // Motions of the FIFO that runs may still come to their end.
             let settled = fifo != sampled.fifo || path.data.motions == motions;
-            if path.cleared == cleared && path.is_told(view) && settled {
+            if path.cleared == cleared && path.is_executed(view) && settled {
                 path.settle(motions);
             }
             // What has no target stays where the path is.
@@ -489,7 +472,7 @@ impl CrdShadow {
             }
             // What is in flight changes nothing of that at standstill.
             path.settle(motions);
-            if quiet && !path.loose || path.is_told(view) {
+            if quiet && !path.loose || path.is_executed(view) {
                 // Entries in flight, as a Stop, change nothing of it at standstill. A wait that a
                 // Stop has ended is over for the tick, but not for the path.
                 let waits = sampled.rest == PathStop::Stopped && sampled.fifo == fifo && path.data.given != 0;

@@ -30,7 +30,7 @@ impl Fifo {
 }
 
 /// Follow and FollowEx of one axis.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct FollowShadow {
     /// −1, 0 or +1.
     pub direction: i8,
@@ -50,23 +50,12 @@ pub struct FollowShadow {
     switch: Option<u32>,
 }
 
-impl Default for FollowShadow {
-    /// Power-on (SPEC 5).
-    fn default() -> Self {
-        FollowShadow {
-            direction: 0,
-            memory: 0,
-            master: None,
-            event: (1, 1, 0),
-            fifos: [Fifo::default(); 2],
-            cleared: [0; 2],
-            emptied: [None; 2],
-            switch: None,
-        }
-    }
-}
-
 impl FollowShadow {
+    /// At power-on (SPEC 5); its default is all zero.
+    pub fn power_on() -> Self {
+        FollowShadow { event: (1, 1, 0), ..FollowShadow::default() }
+    }
+
     /// One FIFO.
     pub fn fifo(&self, fifo: u8) -> &Fifo {
         &self.fifos[usize::from(fifo & 1)]
@@ -130,13 +119,13 @@ impl FollowShadow {
     /// Another mode has been set: only the settings of Set…Loop and Set…Memory stay.
     pub fn forget(&mut self, seq: u32) {
         self.empty_both(seq);
-        (self.direction, self.master, self.event) = (0, None, FollowShadow::default().event);
+        (self.direction, self.master, self.event) = (0, None, FollowShadow::power_on().event);
     }
     /// Reset. The tick's counts continue.
     pub fn reset(&mut self, seq: u32) {
         self.empty_both(seq);
         let FollowShadow { cleared, emptied, .. } = *self;
-        *self = FollowShadow { cleared, emptied, ..FollowShadow::default() };
+        *self = FollowShadow { cleared, emptied, ..FollowShadow::power_on() };
     }
     /// Follows the tick: a FIFO that was left is empty.
     pub fn follow(&mut self, sampled: &AxisView) {

@@ -14,7 +14,7 @@ use protocol::command::{
 };
 use protocol::reason::{Reason, Refusal};
 use protocol::record::Lane;
-use protocol::values::{program as state, told};
+use protocol::values::{program as state, reported};
 use std::collections::VecDeque;
 use std::time::Duration;
 use zerocopy::FromBytes;
@@ -94,12 +94,12 @@ impl Progress {
 
     /// Whether a laser command was late.
     pub fn is_light_late(&self) -> bool {
-        self.queue.told & told::LATE_LIGHT != 0
+        self.queue.reported & reported::LATE_LIGHT != 0
     }
 
     /// Laser channels whose light a fault took, or kept from coming; bit 0 is channel 0.
     pub fn darkened(&self) -> u8 {
-        self.queue.told >> told::DARK_SHIFT
+        self.queue.reported >> reported::DARK_SHIFT
     }
 }
 
@@ -358,8 +358,9 @@ impl Run<'_> {
     fn note(&mut self) {
         let queue = self.progress.queue;
         let entry =
-            |bit: u8, tag: u16| (queue.told & bit != 0).then(|| self.tags.get(usize::from(tag)).copied()).flatten();
-        let (late, overran) = (entry(told::LATE, queue.late_tag.get()), entry(told::OVERRAN, queue.overran_tag.get()));
+            |bit: u8, tag: u16| (queue.reported & bit != 0).then(|| self.tags.get(usize::from(tag)).copied()).flatten();
+        let (late, overran) =
+            (entry(reported::LATE, queue.late_tag.get()), entry(reported::OVERRAN, queue.overran_tag.get()));
         // Tags are used again: the first query that reports one has it.
         self.progress.first_late = self.progress.first_late.or(late);
         self.progress.overran = self.progress.overran.or(overran);

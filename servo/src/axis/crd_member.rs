@@ -18,7 +18,7 @@ use crate::units::{Crd, Exact, Ns, Pos};
 use crate::view::{Drive, StopReason};
 
 impl AxisState {
-    /// It belongs to a coordinate system from now on, at rest.
+    /// It belongs to a coordinate system from now on, at standstill.
     pub(crate) fn map(&mut self, crd: Crd) {
         self.set_mode(Mode::Crd);
         (self.crd, self.causes.fresh) = (Some(crd), 0);
@@ -56,7 +56,7 @@ impl AxisState {
         }
     }
 
-    /// Whether it must not be geared to a motion: it must be at rest, and of no coordinate system.
+    /// Whether it must not be geared to a motion: it must be at standstill, and of no coordinate system.
     pub(crate) fn refuses_gear(&self) -> bool {
         self.refuses_start() || self.runs() || self.published.mode == Mode::Crd
     }
@@ -102,7 +102,7 @@ impl AxisState {
 
     /// Its motion within the tick as its slaves see it, while it is driven.
     pub(super) fn driven_path(&self) -> Path<'_> {
-        if self.goes_straight() { Path::Straight } else { Path::Track { places: &self.track, shift: 0 } }
+        if self.goes_straight() { Path::Straight } else { Path::Track { along: &self.track, shift: 0 } }
     }
 
     /// Whether it moves straight from tick to tick.
@@ -130,7 +130,7 @@ impl AxisState {
         self.exact = Exact(self.exact.0.wrapping_add((pulses as i128) << 64));
     }
 
-    /// It is no longer driven: it comes to rest at `at`.
+    /// It is no longer driven: it comes to standstill at `at`.
     pub(crate) fn release(&mut self, next: Ns, at: Exact, reason: StopReason) {
         if self.state == MotionState::Driven {
             self.published.drive = None;
@@ -156,7 +156,7 @@ impl AxisState {
         self.profile.forget();
     }
 
-    /// It is no longer driven: it comes to rest where it is.
+    /// It is no longer driven: it comes to standstill where it is.
     pub(crate) fn release_here(&mut self, next: Ns, reason: StopReason) {
         self.release(next, exact(self.published.pos), reason);
     }

@@ -102,7 +102,7 @@ impl AxisState {
         !self.runs() && !self.is_unprepared()
     }
 
-    /// At rest, makes the first piece of what a start would begin now: of the FIFO committed last,
+    /// At standstill, makes the first piece of what a start would begin now: of the FIFO committed last,
     /// the table selected, the Jog or Trap that is set, or the first FIFO of Follow with data.
     /// Returns whether it took any time.
     #[inline(never)]
@@ -222,7 +222,7 @@ impl AxisState {
         }
     }
 
-    /// Which of the master's motion counts, at rest; another one clears the data.
+    /// Which of the master's motion counts, at standstill; another one clears the data.
     pub(crate) fn set_direction(&mut self, direction: follow::Direction) {
         if !self.runs() && self.follow.direction != direction {
             self.follow.direction = direction;

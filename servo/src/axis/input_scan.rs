@@ -26,7 +26,7 @@ impl Causes {
 
 impl AxisState {
     /// Takes the inputs of the tick in force, levels as [`AxisInputs::bits`]. Returns false where
-    /// more is to be done: [`AxisState::take`]. An axis at rest of which nothing changed costs two
+    /// more is to be done: [`AxisState::take`]. An axis at standstill of which nothing changed costs two
     /// comparisons, and a running one little more.
     #[inline(always)]
     pub(crate) fn sample(&mut self, levels: u8, count: i64) -> bool {

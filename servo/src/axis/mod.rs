@@ -71,7 +71,7 @@ enum InputScan {
     Steady,
     /// The same, for an axis that a coordinate system drives.
     Carried,
-    /// At rest, compare only: nothing changes until an input, the encoder or an operation does.
+    /// At standstill, compare only: nothing changes until an input, the encoder or an operation does.
     Settled,
 }
 
@@ -147,9 +147,9 @@ pub(crate) struct AxisState {
     profile: Profile,
     /// The stop reason that the running motion will have at its end.
     ending: StopReason,
-    /// The tick since which it has been at rest.
+    /// The tick since which it has been at standstill.
     pub(crate) standstill_since: Ns,
-    /// Exact position while at rest, and where a ramp begins.
+    /// Exact position while at standstill, and where a ramp begins.
     exact: Exact,
     pub(crate) ramps: Ramps,
     data: Data,
@@ -260,7 +260,7 @@ impl AxisState {
         word
     }
 
-    /// The mode, at rest; another one clears the PT data.
+    /// The mode, at standstill; another one clears the PT data.
     pub(crate) fn set_mode(&mut self, mode: Mode) {
         if self.runs() || self.published.mode == mode {
             return;
@@ -284,7 +284,7 @@ impl AxisState {
         self.mark_changed();
     }
 
-    /// Power-on state, at rest. The machine does not move; its position is 0 from now on.
+    /// Power-on state, at standstill. The machine does not move; its position is 0 from now on.
     pub(crate) fn reset(&mut self) {
         let (zero, count) = (Pos(self.set_point().0.wrapping_neg()), self.count());
         self.profile.rename(Pos(0));

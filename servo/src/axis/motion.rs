@@ -1,7 +1,7 @@
 //! An axis in motion: starts and stops, and the step of a tick.
 //!
 //! In: the instant of the next tick. Out: the planned position there, or the reason for which it has
-//! come to rest. Owns nothing beyond the axis's [`Profile`](crate::segment::profile::Profile).
+//! come to standstill. Owns nothing beyond the axis's [`Profile`](crate::segment::profile::Profile).
 use super::{AxisState, Jog, MotionState, Ramps, exact, pt_state};
 use crate::op::Mode;
 use crate::segment::piece::{Motion, Scaled};
@@ -148,7 +148,7 @@ impl AxisState {
     }
 
     /// A tick of the axis: its motion at `next`, its status, what it publishes. Returns the reason
-    /// if it came to rest. `left` counts the pieces that may still be made ahead in this tick.
+    /// if it came to standstill. `left` counts the pieces that may still be made ahead in this tick.
     #[inline(never)]
     pub(crate) fn run(
         &mut self,
@@ -189,7 +189,7 @@ impl AxisState {
         None
     }
 
-    /// The motion at `next` of an axis that runs; the reason if it comes to rest there.
+    /// The motion at `next` of an axis that runs; the reason if it comes to standstill there.
     #[inline(always)]
     pub(crate) fn step(&mut self, next: Ns, source: &(impl Segments + Tables)) -> Option<StopReason> {
         if self.causes.present & status::FAULTS != 0 {

@@ -60,7 +60,7 @@ impl AxisState {
         self.begin(next, Generator::Follow(Follower::new(run, master)));
     }
 
-    /// At rest, what FollowStart of a FIFO would begin, with its first piece.
+    /// At standstill, what FollowStart of a FIFO would begin, with its first piece.
     #[inline(never)]
     pub(super) fn follow_prepared(&mut self, source: &(impl Segments + Tables + Entries)) {
         let Some(master) = self.follow.master else { return };
@@ -142,7 +142,7 @@ impl AxisState {
     }
 
     /// How its planned position came to the present one, in positions of the machine.
-    /// `is_at_standstill`: it came to rest in this tick.
+    /// `is_at_standstill`: it came to standstill in this tick.
     #[inline(always)]
     fn path(&self, now: Ns, is_at_standstill: bool) -> Path<'_> {
         let shift = self.zero.0.wrapping_neg();
@@ -154,7 +154,7 @@ impl AxisState {
                 if own.track().is_straight() {
                     Path::Straight
                 } else {
-                    Path::Track { places: own.track(), shift }
+                    Path::Track { along: own.track(), shift }
                 }
             }
             _ => Path::Pieces { before: self.profile.before(now), piece: self.profile.piece(), shift },
@@ -204,7 +204,7 @@ impl AxisState {
         true
     }
 
-    /// The position at the tick computed of an axis that follows; the reason if it comes to rest there.
+    /// The position at the tick computed of an axis that follows; the reason if it comes to standstill there.
     #[inline(never)]
     pub(crate) fn step_follow(
         &mut self,

@@ -13,19 +13,14 @@ impl AxisState {
         Pos(self.published.pos.0.wrapping_sub(self.zero.0))
     }
 
-    /// At rest, the planned position gets the name `at`; the machine does not move.
-    fn rename(&mut self, at: Pos) {
+    /// At standstill, the planned position gets the name `at`; the machine does not move.
+    pub(crate) fn rename(&mut self, at: Pos) {
         if !self.runs() {
             self.zero = Pos(self.zero.0.wrapping_add(at.0.wrapping_sub(self.published.pos.0)));
             self.published.pos = at;
             self.exact = exact(at);
             self.profile.rename(at);
         }
-    }
-
-    /// Sets the planned position.
-    pub(crate) fn set_position(&mut self, at: Pos) {
-        self.rename(at);
     }
 
     /// Planned position and encoder both read 0.

@@ -1,15 +1,14 @@
 //! The plan of a channel for one tick: actions at exact instants, which timers carry out.
 //!
-//! In: the channel's decisions, in the order of time. Out: at most [`PLACES`] actions whose
+//! In: the channel's decisions, in the order of time. Out: at most [`PLAN_ACTIONS`] actions whose
 //! instants lie inside the interval. Owns nothing else. Fails: [`Plan::has_room`] says beforehand
 //! whether it is full.
 //!
 //! A machine carries out the actions in their order. Those of one instant follow each other there,
 //! and come before a period that would begin at it.
-use crate::math::wide::umul;
 
 /// Actions that a plan holds.
-pub const PLACES: usize = 64;
+pub const PLAN_ACTIONS: usize = 64;
 
 /// A number of counts of the machine's timer, whole + part/of. A timer reaches it as a mean: it
 /// counts once more in `part` of `of` periods ([`super::dither::Pattern`]).
@@ -118,8 +117,7 @@ impl Rate {
         }
         let up = whole.leading_zeros().min(32);
         let fixed = whole.wrapping_shl(up) | (part as u64) >> 32u32.wrapping_sub(up);
-        let (high, low) = umul(fixed, self.scale);
-        let product = (high as u128) << 64 | low as u128;
+        let product = fixed as u128 * self.scale as u128;
         // It is in 2^-down counts; 2^-32 are asked for.
         let down = up.wrapping_add(self.shift);
         if down < 32 {
@@ -179,12 +177,13 @@ pub struct Plan {
     pub lasts: u32,
     len: usize,
     /// Offset from the interval's beginning in ns, and what happens there.
-    actions: [(u32, Action); PLACES],
+    actions: [(u32, Action); PLAN_ACTIONS],
 }
 
 impl Plan {
     /// Nothing happens.
-    pub const EMPTY: Plan = Plan { safe_state: false, lasts: 0, len: 0, actions: [(0, Action::Switch(false)); PLACES] };
+    pub const EMPTY: Plan =
+        Plan { safe_state: false, lasts: 0, len: 0, actions: [(0, Action::Switch(false)); PLAN_ACTIONS] };
 
     /// The actions, in the order of time: ns from the interval's beginning, and what happens there.
     #[inline]
@@ -201,7 +200,7 @@ impl Plan {
     /// Whether there is room for `more` actions.
     #[inline]
     pub(super) fn has_room(&self, more: usize) -> bool {
-        self.len.wrapping_add(more) <= PLACES
+        self.len.wrapping_add(more) <= PLAN_ACTIONS
     }
 
     /// The first action of a plan: at its beginning, light goes on with this train.
@@ -226,8 +225,8 @@ impl Plan {
     /// [`Plan::has_room`].
     #[inline(always)]
     pub(super) fn push(&mut self, at: u32, action: Action) {
-        if let Some(place) = self.actions.get_mut(self.len) {
-            *place = (at, action);
+        if let Some(slot) = self.actions.get_mut(self.len) {
+            *slot = (at, action);
             self.len = self.len.wrapping_add(1);
         }
     }

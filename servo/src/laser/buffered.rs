@@ -127,7 +127,7 @@ impl Buffered {
 pub(super) enum Event {
     /// An entry of a path takes effect.
     Change(Run, Buffered),
-    /// A path comes to rest; if it fails, the channels that are mapped to it go dark for this
+    /// A path comes to standstill; if it fails, the channels that are mapped to it go dark for this
     /// cause.
     Rest(Run, End, Cause),
 }
@@ -146,7 +146,8 @@ const NOTHING: Event = Event::Rest(Run { crd: Crd::FIRST, fifo: 0 }, End::RanOut
 /// arrival.
 #[derive(Debug)]
 pub(super) struct EventQueue {
-    next: Ns,
+    /// The instant of the first one, or [`NEVER`].
+    pub(super) next: Ns,
     first: usize,
     len: usize,
     events: [(Ns, Event); EVENTS],
@@ -171,12 +172,6 @@ impl EventQueue {
     pub(super) fn follows(&self) -> bool {
         let mut events = self.events.get(self.first..self.len).unwrap_or_default().iter();
         events.any(|(_, event)| matches!(event, Event::Change(_, change) if change.follows()))
-    }
-
-    /// The instant of the first one, or [`NEVER`].
-    #[inline(always)]
-    pub(super) fn next(&self) -> Ns {
-        self.next
     }
 
     /// Whether there is a slot for an entry of a path.

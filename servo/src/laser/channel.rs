@@ -260,7 +260,7 @@ impl Channel {
 
     /// The paths whose on entries have no effect.
     pub(super) fn dead(&self) -> CrdMask {
-        self.owner.dead()
+        self.owner.dead
     }
 
     /// Reset clears a fault in any state.
@@ -352,7 +352,7 @@ impl Channel {
         }
     }
 
-    /// A path comes to rest. If it fails, the latch makes the channel dark within the interval.
+    /// A path comes to standstill. If it fails, the latch makes the channel dark within the interval.
     fn owner_is_at_standstill(&mut self, at: Ns, run: Run, end: End) {
         let fact = Fact::Rests { run, end };
         if end == End::Failed {
@@ -364,7 +364,7 @@ impl Channel {
 
     /// An entry of a path is a command of the channel, too, unless an abort stops its path.
     fn unmute(&mut self, run: Run) {
-        if self.energy.muted && self.owner.heeds(run.crd) && !self.owner.dead().has(run.crd) {
+        if self.energy.muted && self.owner.heeds(run.crd) && !self.owner.dead.has(run.crd) {
             self.energy.muted = false;
             self.changed |= changed::CHANGED;
         }
@@ -440,7 +440,7 @@ impl Channel {
     fn reset(&mut self, at: Ns, family: Family) {
         self.report(at, Fact::PowerOn);
         self.report(at, Fact::FollowEnds);
-        (self.law, self.energy) = (Law::power_on(self.law.channel(), family), Energy::POWER_ON);
+        (self.law, self.energy) = (Law::power_on(self.law.channel, family), Energy::POWER_ON);
         (self.delays, self.delayed, self.fpk) = (Delays::default(), true, None);
         (self.on_time, self.planned) = (OnTime::ZERO, 0);
         self.take_map(at, CrdMask(CRD_MAP));

@@ -210,10 +210,10 @@ impl Displacements {
         self.before = if key == self.key { self.token } else { 1 };
         self.token = self.token.wrapping_add(super::CHANNELS as u32);
         (self.key, self.long) = (key, 0);
-        let mut rest = key;
+        let mut left = key;
         for (by, from) in self.by.iter_mut().zip(&mut self.from).rev() {
-            let axis = axes.get((rest & ((1 << AXIS_BITS) - 1)) as usize);
-            rest >>= AXIS_BITS;
+            let axis = axes.get((left & ((1 << AXIS_BITS) - 1)) as usize);
+            left >>= AXIS_BITS;
             let position =
                 axis.map_or(0, |axis| if encoder { axis.encoder() << Pos::FRAC_BITS } else { axis.planned().0 });
             let displacement = position.wrapping_sub(*from);

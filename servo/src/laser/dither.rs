@@ -171,10 +171,10 @@ pub struct Carrier {
     khz: Power,
     period: Count,
     /// The part of the period, in 2⁻³² counts.
-    fraction: u32,
+    pub(super) fraction: u32,
     /// Width per power, 2⁻³² counts by 2⁻⁴⁴ %, in 2⁻⁶⁴; 0 of a period that is too long for that. It makes an error of less
     /// than 2⁻¹³ of 2⁻³² counts.
-    gain: u64,
+    pub(super) gain: u64,
 }
 
 /// Whole counts of a period that has a gain: 2¹⁸.
@@ -199,14 +199,6 @@ impl Carrier {
     /// Its period as it is output.
     pub const fn period(&self) -> Count {
         self.period
-    }
-
-    pub(super) const fn fraction(&self) -> u32 {
-        self.fraction
-    }
-
-    pub(super) const fn gain(&self) -> u64 {
-        self.gain
     }
 }
 

@@ -37,9 +37,7 @@ pub(super) const MOST: i64 = 1 << 61;
 /// a·b.
 #[inline(always)]
 pub(super) fn product(a: i64, b: i64) -> i128 {
-    let (high, low) = umul(a as u64, b as u64);
-    let high = high.wrapping_sub((a >> 63) as u64 & b as u64).wrapping_sub((b >> 63) as u64 & a as u64);
-    ((high as u128) << 64 | low as u128) as i128
+    a as i128 * b as i128
 }
 
 /// a·b of a factor without a sign.

@@ -20,9 +20,10 @@ pub(super) struct Full;
 #[derive(Debug, Clone)]
 #[repr(C)]
 pub(super) struct Edges {
-    level: bool,
-    /// The next edge.
-    next: Ns,
+    /// After the edges taken so far.
+    pub(super) level: bool,
+    /// The next edge, or [`NEVER`].
+    pub(super) next: Ns,
     first: usize,
     len: usize,
     at: [Ns; EDGES],
@@ -31,18 +32,6 @@ pub(super) struct Edges {
 impl Edges {
     /// Off, nothing pending.
     pub(super) const OFF: Edges = Edges { level: false, next: NEVER, first: 0, len: 0, at: [Ns(0); EDGES] };
-
-    /// The level after the edges taken so far.
-    #[inline]
-    pub(super) fn level(&self) -> bool {
-        self.level
-    }
-
-    /// Instant of the next edge, or [`NEVER`].
-    #[inline]
-    pub(super) fn next(&self) -> Ns {
-        self.next
-    }
 
     /// Whether it is on, or will be.
     #[inline]

@@ -57,7 +57,7 @@ impl EncoderSpeed {
         (self.lag, self.period) = (lag, Ns(0));
     }
 
-    /// The path begins, at rest, with the tick `next`.
+    /// The path begins, at standstill, with the tick `next`.
     pub(crate) fn begin(&mut self, next: Ns) {
         (self.next, self.velocity) = (next, [0; 4]);
     }

@@ -95,7 +95,7 @@ impl Energy {
         match &self.carrier {
             Some(carrier) if self.connector && duty && out.period == carrier.period() && !out.is_silent() => {
                 let planned = self.fine.as_ref().and_then(|fine| fine.power_over(carrier.khz()));
-                Plain { gain: carrier.gain(), planned: planned.map_or(-1, Power::raw) }
+                Plain { gain: carrier.gain, planned: planned.map_or(-1, Power::raw) }
             }
             _ => Plain::NONE,
         }
@@ -179,10 +179,10 @@ impl Carrier {
         if power >= Mode::Duty.full_scale() {
             return self.period();
         }
-        if self.gain() == 0 {
+        if self.gain == 0 {
             return self.long_share(power);
         }
-        let width = product(power, self.gain());
+        let width = product(power, self.gain);
         Count { whole: width >> 32, part: width as u32, of: 0 }
     }
 
@@ -195,7 +195,7 @@ impl Carrier {
         let part = of_128.wrapping_add(umulhi(of_128, POINT_28));
         let Count { whole, .. } = self.period();
         let (high, low) = umul(whole, part);
-        let (sum, carry) = low.overflowing_add(umul((self.fraction() as u64) << 32, part).0);
+        let (sum, carry) = low.overflowing_add(umul((self.fraction as u64) << 32, part).0);
         let (sum, up) = sum.overflowing_add(1 << 31);
         Count { whole: high.wrapping_add(carry as u64).wrapping_add(up as u64), part: (sum >> 32) as u32, of: 0 }
     }

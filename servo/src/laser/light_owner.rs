@@ -11,18 +11,18 @@
 //! | `Off` | nobody | no on command is in force | an on command of a call or of a path |
 //! | `On` | a call, or a path that runs | nothing: it is the only state with light | – |
 //! | `Held` | either | the Stop, or the lost link, that shut it off | the CrdStart that goes on, of every path that holds it |
-//! | `Waits` | either | the follow's path is at rest | the next CrdStart of that path |
+//! | `Waits` | either | the follow's path is at standstill | the next CrdStart of that path |
 //!
 //! | fact | what it does |
 //! | --- | --- |
 //! | on command of a call | lights, or waits; changes nothing while a path's light is on |
-//! | on entry of a path | lights, or waits; takes over the light of a call. It does nothing for a channel that is not mapped, after an abort until the path has come to rest, and while the path brakes for a Stop after an immediate off |
+//! | on entry of a path | lights, or waits; takes over the light of a call. It does nothing for a channel that is not mapped, after an abort until the path has come to standstill, and while the path brakes for a Stop after an immediate off |
 //! | off command, off entry | `Off` |
 //! | a mapped path rests by a Stop | `Held`, whoever lit it; `Off` if its entries ran out while it braked |
 //! | a path's entries run out | `Off` for what they lit, and for what follows its speed |
 //! | a path starts | see "what brings light" |
 //! | a FIFO is cleared | `Off`, if it held the light |
-//! | a Stop that finds its mapped paths at rest | `Off` |
+//! | a Stop that finds its mapped paths at standstill | `Off` |
 //! | the follow ends, or another one replaces it | `Waits` becomes `Off` |
 //! | a cause of SPEC 9 | `Off`, at once. A lost link: `Held` by the paths that run |
 //! | abort, new session, another mode, no connector, power-on state | `Off`, at once |
@@ -120,7 +120,7 @@ enum Latch {
     Other,
 }
 
-/// How a path came to rest.
+/// How a path came to standstill.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) enum End {
     /// Its entries have run out.
@@ -142,7 +142,7 @@ pub(super) enum Fact {
     Starts { run: Run, resumes: bool },
     /// A FIFO is cleared while its path is at standstill: it does not go on.
     Clears { run: Run },
-    /// A path has come to rest.
+    /// A path has come to standstill.
     Rests { run: Run, end: End },
     /// A Stop for these, of which each has been set up.
     Stops { crds: CrdMask },
@@ -165,7 +165,7 @@ pub(super) enum Fact {
     /// Abort; `refuses`: all motion brakes, and on commands are refused until it has stopped. A new
     /// session: neither.
     Abort { refuses: bool },
-    /// Everything that ran at the abort has come to rest.
+    /// Everything that ran at the abort has come to standstill.
     AbortOver,
     /// The gate has been cleared under an on command that holds.
     Relight,
@@ -219,8 +219,8 @@ pub(super) struct Owner {
     running: CrdMask,
     fifo1: CrdMask,
     stopping: CrdMask,
-    /// Those whose on entries have no effect: they ran at an abort, and have not come to rest.
-    dead: CrdMask,
+    /// Those whose on entries have no effect: they ran at an abort, and have not come to standstill.
+    pub(super) dead: CrdMask,
     /// The coordinate system whose speed the power follows.
     follow: Option<Crd>,
 }
@@ -278,11 +278,6 @@ impl Owner {
     /// Whether entries of this coordinate system have an effect on the channel.
     pub(super) fn heeds(&self, crd: Crd) -> bool {
         self.map.has(crd)
-    }
-
-    /// The paths whose on entries have no effect.
-    pub(super) fn dead(&self) -> CrdMask {
-        self.dead
     }
 
     /// Takes a fact; see the module text.

@@ -47,7 +47,7 @@ mod tests;
 mod velocity_follow;
 
 pub use crate::path::PathSpeed;
-pub use actions::{Action, Count, FINISH_NS, PLACES, Plan, Rate, Train};
+pub use actions::{Action, Count, FINISH_NS, PLAN_ACTIONS, Plan, Rate, Train};
 pub use buffered::Buffered;
 pub use distance_follow::{Distance, Ratios};
 pub use dither::{Carrier, Clock, DUTY_STEPS, Fine, PPM, Pattern, Standby};
@@ -287,7 +287,7 @@ impl Lasers {
         self.channels.iter().all(Channel::has_room)
     }
 
-    /// A path comes to rest at an instant of the interval that is planned next.
+    /// A path comes to standstill at an instant of the interval that is planned next.
     pub(crate) fn crd_is_at_standstill(&mut self, run: Run, at: Ns, rest: PathStop) {
         let (end, cause) = match rest {
             PathStop::Underrun => (End::Failed, Cause::Underrun),
@@ -311,7 +311,7 @@ impl Lasers {
         }
     }
 
-    /// A Stop for these, of which each has been set up, at rest or not.
+    /// A Stop for these, of which each has been set up, at standstill or not.
     pub(crate) fn crd_stops(&mut self, crds: CrdMask, at: Ns) {
         if crds.0 != 0 {
             self.hear(at, Fact::Stops { crds });
@@ -344,12 +344,12 @@ impl Lasers {
         self.channels.iter_mut().for_each(|channel| channel.abort(at, false));
     }
 
-    /// The paths whose on entries light no channel until they have come to rest.
+    /// The paths whose on entries light no channel until they have come to standstill.
     pub(crate) fn dead(&self) -> CrdMask {
         CrdMask(self.channels.iter().fold(u8::MAX, |mask, channel| mask & channel.dead().0))
     }
 
-    /// Everything that ran at the abort is at rest.
+    /// Everything that ran at the abort is at standstill.
     pub(crate) fn abort_over(&mut self, at: Ns) {
         self.hear(at, Fact::AbortOver);
     }

@@ -12,16 +12,16 @@ const UNIT_NS: u32 = 250_000;
 pub(super) struct OnTime {
     units: u32,
     /// Below a unit.
-    rest_ns: u32,
+    remainder_ns: u32,
 }
 
 impl OnTime {
-    pub(super) const ZERO: OnTime = OnTime { units: 0, rest_ns: 0 };
+    pub(super) const ZERO: OnTime = OnTime { units: 0, remainder_ns: 0 };
 
     /// Light of an interval, at most 1 ms.
     #[inline]
     pub(super) fn add(&mut self, ns: u32) {
-        let mut sum = self.rest_ns.wrapping_add(ns);
+        let mut sum = self.remainder_ns.wrapping_add(ns);
         if sum >= UNIT_NS {
             sum = sum.wrapping_sub(UNIT_NS);
             self.units = self.units.wrapping_add(1);
@@ -31,7 +31,7 @@ impl OnTime {
                 sum %= UNIT_NS;
             }
         }
-        self.rest_ns = sum;
+        self.remainder_ns = sum;
     }
 
     /// This many units more: see [`crate::tick::Tick::age_counts`].

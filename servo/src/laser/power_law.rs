@@ -86,11 +86,11 @@ pub(super) struct Law {
     /// The coordinate systems whose planned speed it follows, and those whose encoders' speed.
     pub(super) planned: CrdMask,
     pub(super) encoder: CrdMask,
-    channel: u8,
+    pub(super) channel: u8,
     family: Family,
-    direct: Power,
-    bounds: Bounds,
-    source: Source,
+    pub(super) direct: Power,
+    pub(super) bounds: Bounds,
+    pub(super) source: Source,
     follow: Option<Follow>,
     distance: Option<Distance>,
     interval: Interval,
@@ -118,11 +118,6 @@ impl Law {
         }
     }
 
-    /// The channel that it belongs to.
-    pub(super) fn channel(&self) -> u8 {
-        self.channel
-    }
-
     /// The bank of ratios that the distance follow reads.
     pub(super) fn bank(&self) -> Option<u8> {
         self.distance.and_then(|distance| distance.bank())
@@ -134,16 +129,6 @@ impl Law {
             Of::Table(curve) => Some(curve),
             Of::Ratio(_) => None,
         }
-    }
-
-    /// Direct power.
-    pub(super) fn direct(&self) -> Power {
-        self.direct
-    }
-
-    /// Bounds of the power mode.
-    pub(super) fn bounds(&self) -> Bounds {
-        self.bounds
     }
 
     /// Sets the bounds.
@@ -216,11 +201,6 @@ impl Law {
     /// The coordinate system whose speed it follows.
     pub(super) fn follows(&self) -> Option<Crd> {
         self.follow.as_ref().map(|follow| follow.crd)
-    }
-
-    /// The source of that speed.
-    pub(super) fn source(&self) -> Source {
-        self.source
     }
 
     /// Whether the power may change in each tick.

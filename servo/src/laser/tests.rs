@@ -108,14 +108,14 @@ fn events_are_in_the_order_of_time_and_of_their_coming() {
     for (at, index) in order {
         event_queue.put(Ns(at), Event::Rest(run(index), End::RanOut, Cause::None)).unwrap();
     }
-    assert_eq!(event_queue.next(), Ns(10));
+    assert_eq!(event_queue.next, Ns(10));
     assert!(event_queue.take(Ns(9)).is_none());
     let mut seen = vec![];
     while let Some(Event::Rest(run, ..)) = event_queue.take(Ns(60)) {
         seen.push(run.crd.index());
     }
     assert_eq!(seen, [3, 1, 0, 0, 2]);
-    assert_eq!(event_queue.next(), NEVER);
+    assert_eq!(event_queue.next, NEVER);
     for at in 0..48 {
         event_queue.put(Ns(at), Event::Rest(run(0), End::RanOut, Cause::None)).unwrap();
     }

@@ -249,8 +249,7 @@ impl Real {
         let y = rsqrt(x);
         let s = umulhi(x, y) << 2 | 3;
         // One correction from the exact residue x − s².
-        let (high, low) = umul(s, s);
-        let residue = ((x as u128) << 64).wrapping_sub((high as u128) << 64 | low as u128) as i128;
+        let residue = ((x as u128) << 64).wrapping_sub(s as u128 * s as u128) as i128;
         let s = s.saturating_add_signed(mulhi_su((residue >> 16) as i64, y) >> 47);
         Real::new(false, s, k - 64)
     }

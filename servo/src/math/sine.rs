@@ -49,9 +49,9 @@ fn product32(a: u32, b: u32) -> u64 {
 /// Sine and cosine of one of the 256 directions.
 #[inline(always)]
 fn direction(index: u32) -> (i64, i64) {
-    let place = (index & 63) as usize;
+    let index_in_quadrant = (index & 63) as usize;
     let read = |i: usize| SINES.get(i).copied().unwrap_or(0);
-    let (up, across) = (read(place), read(64 - place));
+    let (up, across) = (read(index_in_quadrant), read(64 - index_in_quadrant));
     match index >> 6 & 3 {
         0 => (up, across),
         1 => (across, -up),

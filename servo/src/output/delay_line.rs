@@ -7,13 +7,13 @@
 //!
 //! An action is a word. After it come the counts of its train that differ from those of the train
 //! of its kind before it (of light, and of standby): within a tick few do.
-use crate::laser::{Action, Count, PLACES, Plan, Rate, Train};
+use crate::laser::{Action, Count, PLAN_ACTIONS, Plan, Rate, Train};
 use crate::path::INSTANTS;
 use core::sync::atomic::{AtomicU32, Ordering};
 
 /// Words that hold any plan of the tick: all actions, and the trains. Those that begin the interval
 /// are two; paths bring one at each of [`INSTANTS`] for each of two.
-pub const WORDS: usize = PLACES + 8 * (2 + 2 * INSTANTS as usize);
+pub const WORDS: usize = PLAN_ACTIONS + 8 * (2 + 2 * INSTANTS as usize);
 
 /// Bits of an action's word: its instant, its kind, a level or a cut, and whether counts follow.
 const INSTANT: u32 = (1 << 20) - 1;
@@ -52,8 +52,8 @@ impl DelayLine {
     }
 
     fn add(&mut self, word: u32) -> bool {
-        let Some(place) = self.words.get(self.len) else { return false };
-        place.store(word, Ordering::Relaxed);
+        let Some(slot) = self.words.get(self.len) else { return false };
+        slot.store(word, Ordering::Relaxed);
         self.len = self.len.wrapping_add(1);
         true
     }
@@ -61,9 +61,9 @@ impl DelayLine {
     fn add_count(&mut self, count: &Count) -> bool {
         let Count { whole, part, of } = *count;
         let free = self.words.get(self.len..).unwrap_or_default();
-        let Some(places) = free.first_chunk::<4>() else { return false };
-        for (place, word) in places.iter().zip([whole as u32, (whole >> 32) as u32, part, of]) {
-            place.store(word, Ordering::Relaxed);
+        let Some(slots) = free.first_chunk::<4>() else { return false };
+        for (slot, word) in slots.iter().zip([whole as u32, (whole >> 32) as u32, part, of]) {
+            slot.store(word, Ordering::Relaxed);
         }
         self.len = self.len.wrapping_add(4);
         true

@@ -9,7 +9,7 @@
 //! exact, whatever their length.
 use super::cycles::{LATE, Lengths, Scale};
 use crate::laser::CHANNELS;
-use crate::laser::{Action, PLACES};
+use crate::laser::{Action, PLAN_ACTIONS};
 
 /// The shortest cycle, in counts: 500 ns at 240 MHz, in which DMA brings six half-words.
 pub const MIN_COUNTS: u32 = 120;
@@ -69,14 +69,21 @@ pub struct GateCycles {
     known: u64,
     /// Edges of the first channel, until the second one's are known too: counts from the interval's beginning, twice, and the
     /// level in the last bit.
-    edges: [u32; PLACES],
+    edges: [u32; PLAN_ACTIONS],
     waiting: usize,
 }
 
 impl GateCycles {
     /// Inactive; the first cycle begins at this count.
     pub const fn from(begin: u64, scale: Scale) -> GateCycles {
-        GateCycles { scale, begin, lines: [Line::INACTIVE; CHANNELS], known: begin, edges: [0; PLACES], waiting: 0 }
+        GateCycles {
+            scale,
+            begin,
+            lines: [Line::INACTIVE; CHANNELS],
+            known: begin,
+            edges: [0; PLAN_ACTIONS],
+            waiting: 0,
+        }
     }
 
     /// The end of the queued cycles.
@@ -101,9 +108,9 @@ impl GateCycles {
         self.waiting = 0;
         for (at, action) in actions {
             if let Action::Switch(level) = action
-                && let Some(place) = self.edges.get_mut(self.waiting)
+                && let Some(slot) = self.edges.get_mut(self.waiting)
             {
-                *place = self.scale.counts(at) << 1 | u32::from(level);
+                *slot = self.scale.counts(at) << 1 | u32::from(level);
                 self.waiting = self.waiting.wrapping_add(1);
             }
         }

@@ -4,7 +4,7 @@
 //! It cannot fail; nothing here divides.
 //!
 //! The step output is at the planned position rounded to the nearest pulse (halves upwards). So
-//! both directions are alike, and an axis at rest on a knot is half a pulse away from the next
+//! both directions are alike, and an axis at standstill on a knot is half a pulse away from the next
 //! edge. The pulses of a tick are spread evenly and centred: with n pulses in a tick of S slots,
 //! pulse k comes in slot `ceil(((k + 1)·S − floor(S/2)) / n) − 1`. Hardware fills its slots by
 //! [`Slots`]; code that may divide (the VCD writer) uses the closed form, and a test holds them

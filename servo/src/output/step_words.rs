@@ -218,7 +218,7 @@ fn write<const WIDTH: usize>(run: &[AtomicU32], phase: [u32; 4], pace: [u32; 4],
     let [mut p0, mut p1, mut p2, mut p3] = phase;
     let [k0, k1, k2, k3] = pace;
     let mut pending = *high;
-    for place in run {
+    for slot in run {
         p0 = (p0 & !CARRIES).wrapping_add(k0);
         p1 = (p1 & !CARRIES).wrapping_add(k1);
         p2 = (p2 & !CARRIES).wrapping_add(k2);
@@ -235,7 +235,7 @@ fn write<const WIDTH: usize>(run: &[AtomicU32], phase: [u32; 4], pace: [u32; 4],
         for later in &mut pending {
             core::mem::swap(later, &mut falls);
         }
-        place.store(rises | falls << 16, Relaxed);
+        slot.store(rises | falls << 16, Relaxed);
     }
     *high = pending;
     [p0, p1, p2, p3]

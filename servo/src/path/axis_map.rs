@@ -73,11 +73,6 @@ impl Frame {
         AxisMask(self.axes.iter().flatten().fold(0, |mask, axis| mask | axis.mask().0))
     }
 
-    /// The coordinate that drives an axis.
-    pub fn coordinate(&self, axis: Axis) -> Option<usize> {
-        self.axes.iter().position(|of| *of == Some(axis))
-    }
-
     /// The requested origin.
     pub fn origin(&self) -> Option<[i32; DIMENSIONS]> {
         self.origin

@@ -347,7 +347,7 @@ impl Entry {
         Ok(motion([low(a), high(a), low(b), high(b)], along, kind))
     }
 
-    /// A wait of `ms` at rest.
+    /// A wait of `ms` at standstill.
     pub fn delay(ms: u16) -> Entry {
         other(kind::DELAY, [ms as u32, 0, 0, 0, 0, 0, 0])
     }

@@ -96,7 +96,7 @@ pub struct Path {
     /// Holds for all motions; a change acts on the motion in force with [`Path::replan`].
     pub rules: Rules,
     planning: Planning,
-    /// At rest: the part that is made belongs to a start with this FIFO, as if it began at 0.
+    /// At standstill: the part that is made belongs to a start with this FIFO, as if it began at 0.
     prepared: Option<u8>,
     trajectory: TrajectorySample,
     since: TrajectorySample,
@@ -286,7 +286,7 @@ impl Budget {
 }
 
 impl Path {
-    /// At rest in the origin, FIFOs empty.
+    /// At standstill in the origin, FIFOs empty.
     pub const IDLE: Path = Path {
         stage: Stage::Standstill,
         stand: MotionPosition::NONE,
@@ -315,7 +315,7 @@ impl Path {
         since: TrajectorySample::NONE,
     };
 
-    /// At rest here, FIFOs empty (SetCrdPrm).
+    /// At standstill here, FIFOs empty (SetCrdPrm).
     pub fn position(&mut self, at: [Pos; DIMENSIONS]) {
         // In place, field by field: a path is some kilobytes. The pattern names the fields that
         // stay; they are not read before they are made anew.
@@ -352,7 +352,7 @@ impl Path {
         (trajectory.count, trajectory.turns, since.count) = (0, [None; DIMENSIONS], 0);
     }
 
-    /// Empties a FIFO at rest.
+    /// Empties a FIFO at standstill.
     pub fn clear(&mut self, fifo: u8) {
         self.discard_prepared();
         self.cursor(fifo).clear();
@@ -368,7 +368,7 @@ impl Path {
         }
     }
 
-    /// At rest, its position gets the name `here`: its axes have other user positions now.
+    /// At standstill, its position gets the name `here`: its axes have other user positions now.
     pub fn rename(&mut self, here: [Pos; DIMENSIONS]) {
         self.discard_prepared();
         (self.here, self.fresh) = (here, true);

@@ -132,9 +132,8 @@ fn half(x: i64) -> Real {
 /// Sum of squares.
 fn norm(parts: &[i64]) -> u128 {
     parts.iter().fold(0, |sum, x| {
-        let x = x.unsigned_abs();
-        let (high, low) = crate::math::wide::umul(x, x);
-        sum.wrapping_add((high as u128) << 64 | low as u128)
+        let x = x.unsigned_abs() as u128;
+        sum.wrapping_add(x * x)
     })
 }
 

@@ -3,7 +3,7 @@
 //! In: the motion of a path, a displacement, or counts of encoders, with their interval. Out: a [`PathSpeed`]. Owns
 //! nothing. Cannot fail: a speed out of range saturates.
 use crate::math::real::Real;
-use crate::math::wide::{mulhi_su, umul, umulhi};
+use crate::math::wide::{mulhi_su, umulhi};
 use crate::segment::piece::{Motion, Piece, Recip};
 use crate::units::{Exact, Ns};
 
@@ -16,7 +16,7 @@ impl PathSpeed {
     pub const FRAC_BITS: u32 = 30;
     /// Fraction bits of counts a tick, as [`PathSpeed::measured`] takes them.
     pub const COUNT_BITS: u32 = 28;
-    /// At rest.
+    /// At standstill.
     pub const STANDSTILL: PathSpeed = PathSpeed(0);
 
     /// In units of 2⁻³⁰ pulse/ms.
@@ -75,9 +75,8 @@ impl PathSpeed {
     /// velocities.
     pub fn measured(counts: [i64; 4], period: Ns) -> PathSpeed {
         let sum = counts.iter().fold(0u128, |sum, by| {
-            let by = by.unsigned_abs().min(1 << 60);
-            let (high, low) = umul(by, by);
-            sum.wrapping_add((high as u128) << 64 | low as u128)
+            let by = by.unsigned_abs().min(1 << 60) as u128;
+            sum.wrapping_add(by * by)
         });
         PathSpeed::per_ms(Real::from_fixed(sum, 2 * PathSpeed::COUNT_BITS as i32).sqrt(), period)
     }

@@ -47,7 +47,7 @@ pub(super) struct Plan {
     count: usize,
     /// Speed at its end.
     pub(super) exit: Real,
-    /// It comes to rest before the motion ends.
+    /// It comes to standstill before the motion ends.
     pub(super) halts: bool,
 }
 

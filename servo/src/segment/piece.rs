@@ -18,7 +18,7 @@ use crate::math::wide::{mulhi_su, narrow};
 use crate::units::{Exact, Ns, Pos};
 use fast::FastPiece;
 
-/// The position in a piece: enough to derive velocity and acceleration. Default is at rest.
+/// The position in a piece: enough to derive velocity and acceleration. Default is at standstill.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[repr(C)]
 pub struct Motion {
@@ -39,7 +39,7 @@ pub struct Motion {
 const MS: u64 = 1_000_000 << 44;
 
 impl Motion {
-    /// At rest.
+    /// At standstill.
     pub const STANDSTILL: Motion = Motion { tau: 0, c: [0; 3], frac: 0, recip: Recip { m: 0, shift: 0 }, t: 0 };
 
     /// Parameter τ in 2⁻⁶³.

@@ -119,7 +119,7 @@ enum Other {
     Begins,
     /// The one that follows.
     Ahead,
-    /// At rest, the first piece of a motion that has not begun: made as if it began at 0.
+    /// At standstill, the first piece of a motion that has not begun: made as if it began at 0.
     Ready,
 }
 
@@ -137,7 +137,7 @@ pub struct Profile {
 }
 
 impl Profile {
-    /// At rest at 0 since power-on.
+    /// At standstill at 0 since power-on.
     pub const STANDSTILL: Profile = Profile {
         pieces: [Piece::standstill(Ns(0), u64::MAX, Pos(0)); 2],
         second: false,
@@ -145,16 +145,6 @@ impl Profile {
         reports_pass: false,
         generator: Generator::Ramp(RampRun::IDLE),
     };
-
-    /// A motion of its own, which begins at `now`.
-    pub fn of(generator: Generator, now: Ns) -> Profile {
-        Profile {
-            generator,
-            pieces: [Piece::standstill(now, 0, Pos(0)); 2],
-            other: Other::Before,
-            ..Profile::STANDSTILL
-        }
-    }
 
     /// The piece in force since the last turn.
     #[inline(always)]
@@ -227,7 +217,7 @@ impl Profile {
         self.generator.begin_ramp(begin);
     }
 
-    /// At rest, but not in the tick in which it came to rest: makes the first piece of a motion
+    /// At standstill, but not in the tick in which it came to standstill: makes the first piece of a motion
     /// ahead of its start. `begin` begins that motion at 0.
     #[inline]
     pub(crate) fn prepare_start(
@@ -274,20 +264,20 @@ impl Profile {
         true
     }
 
-    /// The motion is over at `now`: it is at rest at `pos`.
+    /// The motion is over at `now`: it is at standstill at `pos`.
     pub fn rest(&mut self, now: Ns, pos: Pos) {
         self.cut(now);
         (self.second, self.other) = (!self.second, Other::BeforeLast);
         *self.piece_mut() = Piece::standstill(now, u64::MAX, pos);
     }
 
-    /// At rest, and the piece before was not run to its end: the path to the present position is
+    /// At standstill, and the piece before was not run to its end: the path to the present position is
     /// not along it.
     pub(crate) fn forget(&mut self) {
         self.pieces[!self.second as usize] = Piece::standstill(Ns(0), 0, self.piece().start);
     }
 
-    /// At rest, the position gets the name `pos`.
+    /// At standstill, the position gets the name `pos`.
     pub fn rename(&mut self, pos: Pos) {
         self.piece_mut().start = pos;
         self.discard_prepared();

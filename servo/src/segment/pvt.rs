@@ -20,11 +20,11 @@ mod table;
 pub use crate::capacity::TABLES;
 pub(crate) use table::VERSION;
 pub use table::{
-    HEADER_WORDS, Header, LONGEST_NS, PLACES, POINT_WORDS, POS_BITS, Point, SHORTEST_PASS_NS, TIME_BITS, VEL_BITS,
+    HEADER_WORDS, Header, LONGEST_NS, POINT_WORDS, POS_BITS, Point, SHORTEST_PASS_NS, TABLE_POINTS, TIME_BITS, VEL_BITS,
 };
 
 /// Points of one table, 16 KiB.
-pub type PointStore = Store<POINT_WORDS, PLACES>;
+pub type PointStore = Store<POINT_WORDS, TABLE_POINTS>;
 /// Headers of all tables.
 pub type HeaderStore = Store<HEADER_WORDS, TABLES>;
 

@@ -161,7 +161,7 @@ impl<const AXES: usize> Tick<AXES> {
             }
             Op::Zero { axes } => self.renamed(axes, AxisState::zero_position),
             Op::Synchronise { axes } => self.renamed(axes, AxisState::synchronise),
-            Op::SetPosition { axis, pos } => self.renamed(axis.mask(), |state| state.set_position(pos)),
+            Op::SetPosition { axis, pos } => self.renamed(axis.mask(), |state| state.rename(pos)),
             Op::SetEncoder { axis, pulses } => self.one(axis, |state| state.set_encoder(pulses)),
             Op::SetMode { axis, mode } => self.one(axis, |state| state.set_mode(mode)),
             // An abrupt stop takes no time (SPEC 4), so its deceleration is not used here.
@@ -263,7 +263,7 @@ impl<const AXES: usize> Tick<AXES> {
         }
     }
 
-    /// An axis at rest gets its power-on state.
+    /// An axis at standstill gets its power-on state.
     pub(crate) fn reset_axis(&mut self, axis: Axis) {
         self.one(axis, AxisState::reset);
     }
@@ -343,7 +343,7 @@ impl<const AXES: usize> Tick<AXES> {
         (AxisMask(axes), self.crds.running)
     }
 
-    /// What ran at an abort and is at rest now no longer counts; once all of it is, the abort is
+    /// What ran at an abort and is at standstill now no longer counts; once all of it is, the abort is
     /// over.
     #[inline(never)]
     pub(crate) fn finish_abort(&mut self, next: Ns) {

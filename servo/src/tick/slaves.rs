@@ -61,8 +61,8 @@ impl<const AXES: usize> Tick<AXES> {
         // A shaped segment is three pieces of one slave: more than other axes enter in the same time.
         let mut left = 1u32.wrapping_add((self.period.0 >> 16) as u32);
         let mut switched = Switched { on: 0, off: 0 };
-        for place in 0..AXES {
-            let Some(axis) = self.order.at(place) else { break };
+        for turn in 0..AXES {
+            let Some(axis) = self.order.at(turn) else { break };
             let index = axis.index();
             let led = self.order.leaders.has(axis);
             let straight = self.axes.get(index).and_then(|state| {
@@ -109,8 +109,8 @@ impl<const AXES: usize> Tick<AXES> {
         let (now, period, limit, index) = (self.now, self.period, self.step_limit, axis.index());
         let led = self.order.leaders.has(axis);
         let general = port.general_inputs();
-        let Some((before, rest)) = self.axes.split_at_mut_checked(index) else { return false };
-        let (Some((state, after)), Some(store)) = (rest.split_first_mut(), lanes.segments.get(index)) else {
+        let Some((before, others)) = self.axes.split_at_mut_checked(index) else { return false };
+        let (Some((state, after)), Some(store)) = (others.split_first_mut(), lanes.segments.get(index)) else {
             return false;
         };
         let others = Others { before, after };

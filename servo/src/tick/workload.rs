@@ -90,9 +90,7 @@ impl Budget {
 impl<const AXES: usize> Tick<AXES> {
     /// The weight of an operation in the present state. A Reset is weighed axis by axis.
     pub(crate) fn weigh(&self, op: &Op) -> u32 {
-        use weight::{
-            FRAME, LASER, NAMED, PATH, PREPARED_PATH, PREPARED_SLAVE, PREPARED_START, RAMP, SET_UP, SLAVE, START, STOP,
-        };
+        use weight::*;
         let sum = |axes: AxisMask, prepared: u32, unprepared: u32| {
             let of = |axis: Axis| {
                 self.axes

@@ -24,7 +24,7 @@ pub struct CrdView {
     pub bend: Bend,
     /// The path length along the motion in force as a piece: its velocity is the path's.
     pub motion: Motion,
-    /// It has been started and is not at rest; it also runs while it waits, or has speed 0 at a
+    /// It has been started and is not at standstill; it also runs while it waits, or has speed 0 at a
     /// corner.
     pub runs: bool,
     /// FIFO in force, or that was last.
@@ -41,7 +41,7 @@ pub struct CrdView {
     pub frame: Option<Frame>,
     /// The planned positions of its axes at its zero.
     pub origin: [Pos; DIMENSIONS],
-    /// How the path came to rest last; `Stopped`: CrdStart goes on with the same FIFO.
+    /// How the path came to standstill last; `Stopped`: CrdStart goes on with the same FIFO.
     pub rest: PathStop,
     /// Why.
     pub stop: StopReason,
@@ -78,30 +78,12 @@ impl CrdView {
 
     /// Nothing is driven any more, FIFOs are empty; the last stop reason stays.
     pub(crate) fn drop_frame(&mut self) {
-        let CrdView {
-            moves: _,
-            changes: _,
-            turns,
-            position,
-            heading,
-            bend,
-            motion,
-            runs,
-            fifo,
-            released,
-            done,
-            ends,
-            cleared: [first, second],
-            frame,
-            origin,
-            rest,
-            stop: _,
-        } = self;
         let on = &CrdView::POWER_ON;
-        (*first, *second) = (first.wrapping_add(1), second.wrapping_add(1));
-        (*turns, *position, *heading, *bend, *motion) = (on.turns, on.position, on.heading, on.bend, on.motion);
-        (*runs, *fifo, *released, *done, *ends) = (on.runs, on.fifo, on.released, on.done, on.ends);
-        (*frame, *origin, *rest) = (on.frame, on.origin, on.rest);
+        self.cleared = self.cleared.map(|count| count.wrapping_add(1));
+        (self.turns, self.position, self.heading) = (on.turns, on.position, on.heading);
+        (self.bend, self.motion, self.runs, self.fifo) = (on.bend, on.motion, on.runs, on.fifo);
+        (self.released, self.done, self.ends) = (on.released, on.done, on.ends);
+        (self.frame, self.origin, self.rest) = (on.frame, on.origin, on.rest);
     }
 
     /// At power-on.

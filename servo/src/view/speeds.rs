@@ -25,8 +25,8 @@ impl<const AXES: usize> Speeds<AXES> {
     }
 
     fn learn(&mut self, axis: Axis, speed: Real) {
-        if let Some(place) = self.speeds.get_mut(axis.index()) {
-            *place = speed;
+        if let Some(slot) = self.speeds.get_mut(axis.index()) {
+            *slot = speed;
             self.known.0 |= axis.mask().0;
         }
     }
@@ -55,8 +55,8 @@ impl<const AXES: usize> Speeds<AXES> {
                 let displacement = Real::from_scaled(straight(at.master_displacement, period.0).velocity());
                 break led(&at.motion, lead, displacement);
             };
-            let (Some(place), Some(next)) = (masters.get_mut(depth), axes(master)) else { break Real::ZERO };
-            *place = master;
+            let (Some(slot), Some(next)) = (masters.get_mut(depth), axes(master)) else { break Real::ZERO };
+            *slot = master;
             depth = depth.wrapping_add(1);
             if let Some(speed) = self.known(master) {
                 break speed;

@@ -19,6 +19,14 @@ pub struct Step {
     pub state: State,
 }
 
+/// A profile in which this begins.
+fn profile(generator: Generator, now: Ns) -> Profile {
+    let mut profile = Profile::STANDSTILL;
+    profile.rest(now, Pos(0));
+    profile.begin(now, generator);
+    profile
+}
+
 /// The motion at `now`, which must not decrease between calls. `feed` and `source` are for PT and
 /// PVT.
 pub fn step(profile: &mut Profile, now: Ns, feed: Feed, source: &(impl Segments + Tables)) -> Step {
@@ -83,7 +91,7 @@ pub struct Pt(pub Profile);
 
 impl Pt {
     pub fn begin(now: Ns, origin: Exact, point: SlotRange) -> Pt {
-        Pt(Profile::of(Generator::Pt(PtRun::begin(now, origin, point)), now))
+        Pt(profile(Generator::Pt(PtRun::begin(now, origin, point)), now))
     }
     fn run(&self) -> &PtRun {
         let Generator::Pt(run) = self.0.generator() else { panic!("not PT") };
@@ -111,7 +119,7 @@ pub struct Pvt(pub Profile);
 
 impl Pvt {
     pub fn begin(now: Ns, origin: Exact, table: u8, source: &impl Tables) -> Pvt {
-        Pvt(Profile::of(Generator::Pvt(PvtRun::begin(now, origin, table, source)), now))
+        Pvt(profile(Generator::Pvt(PvtRun::begin(now, origin, table, source)), now))
     }
     fn run(&self) -> &PvtRun {
         let Generator::Pvt(run) = self.0.generator() else { panic!("not PVT") };
@@ -149,7 +157,7 @@ pub struct Ramp(pub Profile);
 
 impl Ramp {
     pub fn begin(now: Ns, run: RampRun) -> Ramp {
-        Ramp(Profile::of(Generator::Ramp(run), now))
+        Ramp(profile(Generator::Ramp(run), now))
     }
     pub fn step(&mut self, now: Ns) -> Step {
         step(&mut self.0, now, passes_only(1), &NoSegments(&Nothing))

@@ -9,8 +9,8 @@ pub const FOUND: &[Planted] = &[
         by: By::Reference,
         places: &[(
             "servo/src/segment/follow/follower.rs",
-            "MasterPath::of(now, places, shift)",
-            "MasterPath::of(now, places, shift & 0)",
+            "MasterPath::of(now, along, shift)",
+            "MasterPath::of(now, along, shift & 0)",
         )],
     },
     Planted {

@@ -171,7 +171,7 @@ pub const LIGHT: &[Mutant] = &[
     Mutant {
         name: "abort: entries of the path that it stops end the quiet",
         file: CHANNEL,
-        text: "self.owner.heeds(run.crd) && !self.owner.dead().has(run.crd)",
+        text: "self.owner.heeds(run.crd) && !self.owner.dead.has(run.crd)",
         broken: "self.owner.heeds(run.crd)",
         test: ABORT,
     },

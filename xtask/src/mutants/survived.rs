@@ -145,8 +145,8 @@ pub const SURVIVED: &[Mutant] = &[
     mutant(
         "the room of a motion stays over what is done at its end",
         DRIVE,
-        "        state.clearance = [Clearance::Unknown; 2];\n        let published",
-        "        let published",
+        "        state.clearance = [Clearance::Unknown; 2];\n        published.moves",
+        "        published.moves",
         CRD_GUARDS,
     ),
     mutant(

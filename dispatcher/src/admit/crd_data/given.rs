@@ -3,6 +3,7 @@
 //! In: a data command. Out: a [`DataCommand`]: a motion, an entry or a flush, and the FIFO it is
 //! for.
 //! Fails: with the parameter and the limit.
+use crate::admit::buffered::Took;
 use crate::admit::context::Context;
 use crate::admit::{crd, io, many, one};
 use crate::configuration::ones;
@@ -54,14 +55,25 @@ pub enum Shape {
 pub enum Item {
     /// A motion.
     Motion(Shape, Speeds),
-    /// Any other entry, and how long the path waits there, ms.
-    Entry(Entry, f64),
-    /// An axis sets off to a target.
-    Move(Entry, Axis),
-    /// An axis moves with the next motion, by so many pulses.
-    Gear(Entry, Axis, u32),
+    /// Any other entry.
+    Entry(Entry, EntryKind),
     /// Nothing more follows for now: all of the look-ahead goes to the tick.
     Flush,
+}
+
+/// What an entry without a motion does, as far as its admission has to know.
+#[derive(Debug, Clone, Copy)]
+pub enum EntryKind {
+    /// Sets outputs.
+    Output,
+    /// The path waits so many ms.
+    Delay(f64),
+    /// An axis sets off to a target.
+    Move(Axis),
+    /// An axis moves with the next motion, by so many pulses.
+    Gear(Axis, u32),
+    /// Changes a laser: the channel and follow table that it names, the values to report.
+    Laser { named: Option<(u8, u8)>, took: Option<Took> },
 }
 
 /// A data command.
@@ -125,7 +137,7 @@ pub fn given<const AXES: usize>(context: &Context<AXES>, number: u16, body: &[u8
         opcode::BufDelay => {
             let r = one::<BufDelay>(body)?;
             let ms = r.delay_ms.get();
-            Ok((target!(r, 3), Item::Entry(Entry::delay(ms), ms.into())))
+            Ok((target!(r, 3), Item::Entry(Entry::delay(ms), EntryKind::Delay(ms.into()))))
         }
         opcode::BufIO => {
             let r = one::<BufIO>(body)?;
@@ -137,19 +149,19 @@ pub fn given<const AXES: usize>(context: &Context<AXES>, number: u16, body: &[u8
             }
             let value = u64::from(r.do_value.get()) & mask;
             let entry = Entry::output(group, mask << first, value << first);
-            Ok((target!(r, 5), Item::Entry(entry, 0.0)))
+            Ok((target!(r, 5), Item::Entry(entry, EntryKind::Output)))
         }
         opcode::BufDoBit => {
             let r = one::<BufDoBit>(body)?;
             let output = (selector(r.do_type.get()), selector(r.index.get()), r.value.get());
             let (group, bit, high) = io::output(context, r.core.get(), 2, output)?;
             let entry = Entry::output(group, 1 << bit, u64::from(high) << bit);
-            Ok((target!(r, 5), Item::Entry(entry, 0.0)))
+            Ok((target!(r, 5), Item::Entry(entry, EntryKind::Output)))
         }
         opcode::BufDA => {
             let r = one::<BufDA>(body)?;
             let channel = io::analog(context, 2, r.channel.get())?;
-            Ok((target!(r, 4), Item::Entry(Entry::analog(channel, r.value.get()), 0.0)))
+            Ok((target!(r, 4), Item::Entry(Entry::analog(channel, r.value.get()), EntryKind::Output)))
         }
         opcode::BufMove => {
             let r = one::<BufMove>(body)?;
@@ -162,13 +174,13 @@ pub fn given<const AXES: usize>(context: &Context<AXES>, number: u16, body: &[u8
             let modal = choice(6, r.modal.get(), 0, 1)? == 1;
             let entry = Entry::travel(axis, r.pos.get(), (vel.to_bits(), limit), acc.to_bits(), modal)
                 .map_err(|_| Refused::new(Reason::OutOfRange).field(4).got(vel).limits(ALONG_MIN, most))?;
-            Ok((target!(r, 7), Item::Move(entry, axis)))
+            Ok((target!(r, 7), Item::Entry(entry, EntryKind::Move(axis))))
         }
         _ => {
             let r = one::<BufGear>(body)?;
             let axis = beside(context, r.core.get(), r.axis.get())?;
-            let pulses = r.pos.get();
-            Ok((target!(r, 4), Item::Gear(Entry::gear(axis, pulses), axis, pulses.unsigned_abs())))
+            let kind = EntryKind::Gear(axis, r.pos.get().unsigned_abs());
+            Ok((target!(r, 4), Item::Entry(Entry::gear(axis, r.pos.get()), kind)))
         }
     }
 }

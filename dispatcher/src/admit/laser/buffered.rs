@@ -11,6 +11,8 @@ use super::distance::source;
 use super::energy::{direct_powers, limited, own_bounds, power, powers};
 use super::power_range::Taking;
 use super::tables::table;
+use crate::admit::crd_data::{self, DataCommand, EntryKind, Item, Target};
+use crate::admit::data::{Paths, Stored};
 use crate::admit::one;
 use crate::refuse::{Admitted, Refused};
 use crate::report::answer::TAKEN_MAX;
@@ -26,28 +28,18 @@ use servo::units::CrdMask;
 /// Velocity ratios may be this large: 2³².
 const RATIO_MAX: f64 = 4_294_967_296.0;
 
-/// An entry with a laser change, and its FIFO.
-#[derive(Debug, Clone, Copy)]
-pub struct Change {
-    /// Logical core, from 1.
-    pub core: i16,
-    /// Coordinate system, from 1.
-    pub crd: i16,
-    /// FIFO, and its field in the request.
-    pub fifo: (u8, i16),
-    /// The entry.
-    pub entry: Entry,
-    /// Channel and follow table that it names.
-    pub named: Option<(u8, u8)>,
-    /// The values to report: how many, which of them were limited. None: CrdTaken.
-    pub took: Option<Took>,
-}
-
 /// Values that were taken, how many, which of them were limited.
 pub type Took = ([f64; TAKEN_MAX], u8, u8);
 
+/// Admits a buffered laser command and puts its entry into the FIFO. The reply reports the values
+/// taken, if there are any, else the free slots.
+pub fn data<const AXES: usize>(context: &Context<AXES>, paths: Paths<'_>, number: u16, body: &[u8]) -> Stored {
+    crd_data::put(context, paths, &entry(context, number, body)?)
+}
+
 /// The entry of a buffered laser command.
-pub fn admit<const AXES: usize>(context: &Context<AXES>, number: u16, body: &[u8]) -> Admitted<Change> {
+fn entry<const AXES: usize>(context: &Context<AXES>, number: u16, body: &[u8]) -> Admitted<DataCommand> {
+    let mut named = None;
     /// `$fifo` and `$channel` are fields.
     macro_rules! to {
         ($name:ident, $fifo:literal, $channel:literal, |$r:ident, $of:ident| $change:expr) => {{
@@ -56,8 +48,8 @@ pub fn admit<const AXES: usize>(context: &Context<AXES>, number: u16, body: &[u8
             mapped(context, $r.core.get(), $r.crd.get(), $of)?;
             let (change, took): (Buffered, Option<Took>) = $change;
             let (code, words) = change.pack();
-            let entry = Entry::laser($of, code, words);
-            Change { core: $r.core.get(), crd: $r.crd.get(), fifo: ($fifo, $r.fifo.get()), entry, named: None, took }
+            let target = Target { core: $r.core.get(), crd: $r.crd.get(), fifo: $r.fifo.get(), fifo_field: $fifo };
+            (target, Item::Entry(Entry::laser($of, code, words), EntryKind::Laser { named, took }))
         }};
     }
     Ok(match number {
@@ -87,19 +79,15 @@ pub fn admit<const AXES: usize>(context: &Context<AXES>, number: u16, body: &[u8
             let (bounds, took) = bounds(context, channel, (3, r.min.get()), (4, r.max.get()))?;
             (Buffered::FollowRatio { ratio, bounds }, Some(took))
         }),
-        opcode::BufLaserFollowTable => {
-            let named;
-            let change = to!(BufLaserFollowTable, 5, 6, |r, channel| {
-                let table = table(2, r.table.get())?;
-                let (bounds, took) = bounds(context, channel, (3, r.min.get()), (4, r.max.get()))?;
-                let empty = Refused::new(Reason::FollowTableEmpty).got(r.table.get().into());
-                let empty = empty.limits(channel.into(), 0.0);
-                let curve = Curve::power(channel, table).filter(|_| context.laser(channel).is_filled(table));
-                named = Some((channel, table));
-                (Buffered::FollowTable { table: curve.ok_or(empty)?, bounds }, Some(took))
-            });
-            Change { named, ..change }
-        }
+        opcode::BufLaserFollowTable => to!(BufLaserFollowTable, 5, 6, |r, channel| {
+            let table = table(2, r.table.get())?;
+            let (bounds, took) = bounds(context, channel, (3, r.min.get()), (4, r.max.get()))?;
+            let empty = Refused::new(Reason::FollowTableEmpty).got(r.table.get().into());
+            let empty = empty.limits(channel.into(), 0.0);
+            let curve = Curve::power(channel, table).filter(|_| context.laser(channel).is_filled(table));
+            named = Some((channel, table));
+            (Buffered::FollowTable { table: curve.ok_or(empty)?, bounds }, Some(took))
+        }),
         _ => to!(BufLaserFollowOff, 2, 3, |r, _channel| (Buffered::FollowOff, None)),
     })
 }

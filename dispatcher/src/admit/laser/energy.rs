@@ -139,11 +139,8 @@ pub fn mode<const AXES: usize>(context: &mut Context<AXES>, r: &LaserPowerMode) 
     let before = shadow.mode;
     shadow.set_mode(mode, bounds, delayed);
     let fine = shadow.fine(context.clock()?);
-    context.change_with(
-        channel,
-        Change::Mode { mode, bounds, delayed, fine },
-        LaserChange::Mode { mode, bounds, delayed },
-    );
+    let entered = LaserChange::Mode { mode, bounds, delayed };
+    context.change_with(channel, Change::Mode { mode, bounds, delayed, fine }, entered);
     if (before == Mode::Analog) != (mode == Mode::Analog) {
         pair_standby(context, (channel, mode))?;
     }
@@ -313,11 +310,8 @@ fn hold_frequencies<const AXES: usize>(context: &mut Context<AXES>, channel: u8,
         let (mode, bounds, delayed, power, fine) =
             (shadow.mode, shadow.bounds, shadow.delayed, shadow.power, shadow.fine(clock));
         context.change_with(channel, Change::Direct { power, fine }, LaserChange::Power(power));
-        context.change_with(
-            channel,
-            Change::Mode { mode, bounds, delayed, fine },
-            LaserChange::Mode { mode, bounds, delayed },
-        );
+        let entered = LaserChange::Mode { mode, bounds, delayed };
+        context.change_with(channel, Change::Mode { mode, bounds, delayed, fine }, entered);
     }
     Ok(())
 }

@@ -70,8 +70,9 @@ impl<const AXES: usize> Context<'_, AXES> {
         Clock::from_mhz(self.view.timer_mhz).ok_or(Refused::new(Reason::RingFull))
     }
 
-    fn change(&mut self, channel: u8, change: Change) {
+    fn change(&mut self, channel: u8, change: Change) -> Answer {
         self.stage(Op::Laser { channel, change });
+        Answer::Done
     }
 
     /// A change of the shadow state alone.
@@ -79,8 +80,9 @@ impl<const AXES: usize> Context<'_, AXES> {
         self.stage_with(Op::Mark, shadow::Change::Laser { channel, change: entered });
     }
 
-    fn change_with(&mut self, channel: u8, change: Change, entered: LaserChange) {
+    fn change_with(&mut self, channel: u8, change: Change, entered: LaserChange) -> Answer {
         self.stage_with(Op::Laser { channel, change }, shadow::Change::Laser { channel, change: entered });
+        Answer::Done
     }
 
     /// Both channels as they are at power-on in this family.
@@ -164,8 +166,7 @@ fn gate<const AXES: usize>(context: &mut Context<AXES>, channel: u8, on: bool) -
         }
         context.connected(channel)?;
     }
-    context.change(channel, Change::Gate { on });
-    Ok(Answer::Done)
+    Ok(context.change(channel, Change::Gate { on }))
 }
 
 /// LaserOn and LaserOff.
@@ -202,14 +203,12 @@ pub fn fpk_on<const AXES: usize>(context: &mut Context<AXES>, r: &EnaFPK) -> Adm
 
 pub fn fpk_off<const AXES: usize>(context: &mut Context<AXES>, r: &DisFPK) -> Admitted<Answer> {
     let channel = context.channel(r.core.get(), 1, r.channel.get())?;
-    context.change(channel, Change::Fpk(None));
-    Ok(Answer::Done)
+    Ok(context.change(channel, Change::Fpk(None)))
 }
 
 pub fn zero_on_time<const AXES: usize>(context: &mut Context<AXES>, r: &ZeroLaserOnTime) -> Admitted<Answer> {
     let channel = context.channel(r.core.get(), 1, r.channel.get())?;
-    context.change(channel, Change::ZeroOnTime);
-    Ok(Answer::Done)
+    Ok(context.change(channel, Change::ZeroOnTime))
 }
 
 /// Each core maps its own crds.
@@ -227,8 +226,7 @@ pub fn map<const AXES: usize>(context: &mut Context<AXES>, r: &SetLaserCrdMap) -
             return Err(context.no_crd(Reason::LaserMapInUse, crd).got(channel.into()));
         }
     }
-    context.change_with(channel, Change::CrdMap { map }, LaserChange::Map(map));
-    Ok(Answer::Done)
+    Ok(context.change_with(channel, Change::CrdMap { map }, LaserChange::Map(map)))
 }
 
 /// Connectors 7 and 8, of core 1, carry step pulses of their axes at power-on; 8 cannot be given
@@ -244,8 +242,7 @@ pub fn connector<const AXES: usize>(context: &mut Context<AXES>, r: &SetAxisMode
     let laser = choice(2, r.mode.get(), lowest, 1)? == 1;
     context.at_standstill(context.axis(core, axis)?)?;
     let channel = (axis - FIRST_CONNECTOR) as u8;
-    context.change_with(channel, Change::Connector { laser }, LaserChange::Connector(laser));
-    Ok(Answer::Done)
+    Ok(context.change_with(channel, Change::Connector { laser }, LaserChange::Connector(laser)))
 }
 
 pub fn clear_fault<const AXES: usize>(context: &mut Context<AXES>, r: &ClrLaserFault) -> Admitted<Answer> {
@@ -255,8 +252,7 @@ pub fn clear_fault<const AXES: usize>(context: &mut Context<AXES>, r: &ClrLaserF
         let refused = Refused::new(Reason::LaserCause).got(channel.into());
         return Err(refused.limits(0.0, f64::from(sampled.fault as u8)));
     }
-    context.change_with(channel, Change::ClearFault, LaserChange::Cleared);
-    Ok(Answer::Done)
+    Ok(context.change_with(channel, Change::ClearFault, LaserChange::Cleared))
 }
 
 /// A read of a channel; GetLaserCrdMap reports the crds of its core.

@@ -294,8 +294,7 @@ impl Loading {
         let bank = self.bank_of(&chunk, || free_bank(context, channel))?;
         let done = chunk.indexed().try_for_each(|(index, item)| {
             let value = item.value.get();
-            let node = index.checked_sub(columns + rows);
-            if let Some(node) = node {
+            if let Some(node) = index.checked_sub(columns + rows) {
                 let value = ratio(9, node, value)?;
                 let _ = tables.plane_node(channel, bank, node, value.to_bits());
                 return Ok(());
@@ -321,13 +320,8 @@ impl Loading {
                 }
             }
             for axis in 0..DISTANCES as u8 {
-                let position = axes.iter().position(|of| *of == axis);
-                tables.limit(
-                    channel,
-                    bank,
-                    axis,
-                    position.and_then(|position| limits.get(position).copied().flatten()),
-                );
+                let limit = axes.iter().position(|of| *of == axis).and_then(|index| *limits.get(index)?);
+                tables.limit(channel, bank, axis, limit);
             }
             shadow.from = Ratios::Plane { bank, axes };
             stage(context, channel, shadow)?;

@@ -24,7 +24,7 @@ pub use scale::Sealed;
 use scale::{Totals, exact, instant};
 use scratch::{Knot, check};
 pub use scratch::{Scratch, SplineScratch};
-use servo::segment::pvt::{PLACES, SHORTEST_PASS_NS};
+use servo::segment::pvt::{SHORTEST_PASS_NS, TABLE_POINTS};
 use servo::units::StepLimit;
 
 /// Tables of a core.
@@ -134,8 +134,8 @@ impl Draft {
         scratch: &mut Scratch<'_>,
     ) -> Admitted<Draft> {
         let limit = limit.pulses_per_ms() as f64;
-        if !(2..=PLACES as i32).contains(&count) {
-            let (low, high) = (2.0, PLACES as f64);
+        if !(2..=TABLE_POINTS as i32).contains(&count) {
+            let (low, high) = (2.0, TABLE_POINTS as f64);
             return Err(Refused::new(Reason::OutOfRange).field(fields.count).got(count.into()).limits(low, high));
         }
         let mut carried = DoubleDouble::default();

@@ -9,7 +9,7 @@
 //! those between are computed again ([`super::complete`]).
 use crate::refuse::{Admitted, Refused};
 use protocol::reason::Reason;
-use servo::segment::pvt::{PLACES, PointStore};
+use servo::segment::pvt::{PointStore, TABLE_POINTS};
 
 /// The motion stays within 2⁴¹ pulses of its first point: from one edge of travel to the other.
 const REACH: f64 = 2_199_023_255_552.0;
@@ -30,10 +30,10 @@ pub const STRIDE: usize = 32;
 
 /// Memory besides the point memory.
 pub struct SplineScratch {
-    velocities: [f64; PLACES],
+    velocities: [f64; TABLE_POINTS],
     used: usize,
     /// The elimination's numbers at the points 0, [`STRIDE`] ….
-    kept: [f64; PLACES / STRIDE],
+    kept: [f64; TABLE_POINTS / STRIDE],
 }
 
 impl Default for SplineScratch {
@@ -45,7 +45,7 @@ impl Default for SplineScratch {
 impl SplineScratch {
     /// Empty.
     pub const fn new() -> SplineScratch {
-        SplineScratch { velocities: [0.0; PLACES], used: 0, kept: [0.0; PLACES / STRIDE] }
+        SplineScratch { velocities: [0.0; TABLE_POINTS], used: 0, kept: [0.0; TABLE_POINTS / STRIDE] }
     }
 }
 
@@ -105,8 +105,8 @@ impl<'a> Scratch<'a> {
 
     /// Appends a knot.
     pub fn push(&mut self, knot: Knot) -> Admitted<()> {
-        if self.beside.used >= PLACES {
-            return Err(Refused::new(Reason::TablePlaces).limits(0.0, PLACES as f64));
+        if self.beside.used >= TABLE_POINTS {
+            return Err(Refused::new(Reason::TableFull).limits(0.0, TABLE_POINTS as f64));
         }
         self.beside.used += 1;
         self.set(self.beside.used - 1, knot);

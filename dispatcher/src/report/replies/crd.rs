@@ -5,7 +5,7 @@ use crate::report::answer::Query;
 use crate::shadow::CrdShadow;
 use protocol::command;
 use protocol::record::{Full, ReplyWriter};
-use servo::path::{DIMENSIONS, PathStop};
+use servo::path::DIMENSIONS;
 use servo::units::Crd;
 use servo::view::CrdView;
 
@@ -42,7 +42,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
             CrdInfo => command::CrdState {
                 run: sampled.runs.into(),
                 fifo: sampled.fifo,
-                rest: rest(sampled.rest),
+                rest: sampled.rest as u8,
                 reason: (sampled.stop as u16).into(),
                 axes: shadow.frame.map_or([None; DIMENSIONS], |frame| frame.axes())
                     .map(|axis| axis.map_or(0, |axis| self.configuration.number_of(axis)).into()),
@@ -68,16 +68,5 @@ impl<const AXES: usize> Reading<'_, AXES> {
         let (shadow, sampled) = self.crd(crd);
         let space = (shadow.space(sampled, fifo) as u16).into();
         command::CrdTaken { taken: count.into(), space, lasts_ms: lasts_ms.into() }
-    }
-}
-
-/// As CrdInfo reports it.
-fn rest(rest: PathStop) -> u8 {
-    match rest {
-        PathStop::Never => 0,
-        PathStop::Completed => 1,
-        PathStop::Underrun => 2,
-        PathStop::Stopped => 3,
-        PathStop::Obstructed => 4,
     }
 }

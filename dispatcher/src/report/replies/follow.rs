@@ -20,32 +20,24 @@ impl<const AXES: usize> Reading<'_, AXES> {
         match query.opcode {
             opcode::GetFollowMaster | opcode::GetFollowMasterEx => {
                 let [index, kind, item] = follow.master.map_or(NO_MASTER, |(_, given)| given);
-                let reply = command::FollowMasterReply {
-                    master_index: index.into(),
-                    master_type: kind.into(),
-                    master_item: item.into(),
-                };
-                say(reply.as_bytes())
+                let (master_index, master_type, master_item) = (index.into(), kind.into(), item.into());
+                say(command::FollowMasterReply { master_index, master_type, master_item }.as_bytes())
             }
             opcode::GetFollowLoop | opcode::GetFollowLoopEx => {
                 let done = i32::try_from(sampled.passes).unwrap_or(i32::MAX);
                 say(command::Long { value: done.into() }.as_bytes())
             }
             opcode::GetFollowEvent | opcode::GetFollowEventEx => {
-                let (event, master_dir, pos) = follow.event;
-                let reply =
-                    command::FollowEventReply { event: event.into(), master_dir: master_dir.into(), pos: pos.into() };
-                say(reply.as_bytes())
+                let (event, dir, pos) = follow.event;
+                let (event, master_dir, pos) = (event.into(), dir.into(), pos.into());
+                say(command::FollowEventReply { event, master_dir, pos }.as_bytes())
             }
             opcode::GetFollowMemory | opcode::GetFollowMemoryEx => {
                 say(command::Short { value: i16::from(follow.memory).into() }.as_bytes())
             }
             opcode::GetFollowStatus | opcode::GetFollowStatusEx => {
-                let reply = command::FollowStatusReply {
-                    fifo: i16::from(sampled.fifo).into(),
-                    switch_status: i16::from(sampled.switching).into(),
-                };
-                say(reply.as_bytes())
+                let (fifo, switching) = (i16::from(sampled.fifo).into(), i16::from(sampled.switching));
+                say(command::FollowStatusReply { fifo, switch_status: switching.into() }.as_bytes())
             }
             _ => say(&[]),
         }

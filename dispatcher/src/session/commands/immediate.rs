@@ -3,9 +3,7 @@
 //! In: a record, the view. Out: entries of the lane, a reply or the promise of one. Owns nothing.
 //! Fails: by refusals. A record that finds no room now is tried again.
 use super::CommandHandler;
-use crate::admit::commit::{self, FifoOf};
 use crate::admit::context::{Due, Effect};
-use crate::admit::data;
 use crate::admit::staged::STAGED;
 use crate::program::Program;
 use crate::refuse::Refused;
@@ -63,9 +61,13 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
         if program.is_active() && !class.is_some_and(|class| passes(class.lanes, record.body)) {
             return self.refuse(record, Refused::new(Reason::ProgramRuns), out);
         }
-        if data::is_data(record.opcode, record.body) {
-            return match self.admission.admit_data(view, Due::at_once(self.is_quiet()), record.opcode, record.body) {
-                Ok(written) => self.take_data(record, &written),
+        let due = Due::at_once(self.is_quiet());
+        if let Some(written) = self.admission.publish(view, due, record.opcode, record.body) {
+            return match written {
+                Ok(written) => {
+                    self.replies.keep(written.waiting());
+                    self.await_last(record, written.answer, true)
+                }
                 Err(refused) => self.refuse(record, refused, out),
             };
         }
@@ -80,7 +82,7 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
                 Err(refused) => self.refuse(record, refused, out),
             };
         }
-        match self.admission.admit(view, Due::at_once(self.is_quiet()), record.opcode, record.body) {
+        match self.admission.admit(view, due, record.opcode, record.body) {
             Err(refused) => self.refuse(record, refused, out),
             Ok((Answer::Read(query), Effect::None)) => {
                 if !self.is_quiet() {
@@ -125,16 +127,6 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
         for &(op, change) in self.admission.staged.ops() {
             self.admission.lane.push(op, change, 0, &mut self.admission.admitted);
         }
-    }
-
-    fn take_data(&mut self, record: &RequestRecord, written: &commit::Written) -> Step {
-        let (op, change) = match written.of {
-            FifoOf::Axis(axis) => commit::commit(&self.admission.admitted, axis, written.fifo),
-            FifoOf::Crd(crd) => self.admission.commit_path(crd, written.fifo),
-        };
-        self.admission.lane.push(op, change, 0, &mut self.admission.admitted);
-        self.replies.keep(written.waiting());
-        self.await_last(record, written.answer, true)
     }
 
     fn go_on_with_config(&mut self, view: &View<AXES>, record: &RequestRecord) -> Step {

@@ -13,7 +13,7 @@ fn every_function_that_reads_arrays_has_a_range_of_counts() {
     }
     assert!(seen >= 10, "{seen}");
     // What the controller holds.
-    assert_eq!(counts("PvtTable"), Some((2, servo::segment::pvt::PLACES as i64)));
+    assert_eq!(counts("PvtTable"), Some((2, servo::segment::pvt::TABLE_POINTS as i64)));
     assert_eq!(counts("SetLaserFollowTable"), Some((1, servo::laser::POINTS as i64)));
 }
 

@@ -39,7 +39,7 @@ fn link(link: &mut Endpoint<8>, now: u64, bytes: &[u8], out: &mut [u8]) {
         black_box(link.send_draft(now as usize).is_ok());
     }
     black_box(link.take_tx(now, out));
-    black_box((link.next_deadline(), link.last_valid(), link.silence(now), link.counters(), link.places()));
+    black_box((link.next_deadline(), link.last_valid(), link.silence(now), link.counters(), link.free_slots()));
     link.open(now, now as u32);
     link.close();
 }

@@ -25,13 +25,13 @@ pub struct Fpk {
 impl Channel {
     /// Takes the edges that are due.
     pub(super) fn take(&mut self, now: Ns) {
-        while self.gate.next() <= now {
+        while self.gate.next <= now {
             self.edge(now);
         }
         if self.pulse <= now {
             self.pulse = NEVER;
         }
-        while self.light.next() <= now {
+        while self.light.next <= now {
             self.light.take();
         }
     }

@@ -4,7 +4,7 @@
 //! power follows. Out: the actions of a [`Plan`], the published view. Owns nothing else. Fails:
 //! more events than a plan holds make the channel dark.
 use super::{Channel, Outputs, changed};
-use crate::laser::actions::{Action, PLACES, Plan, Rate, Train};
+use crate::laser::actions::{Action, PLAN_ACTIONS, Plan, Rate, Train};
 use crate::laser::energy::{Energy, Plain};
 use crate::laser::light_owner::Fact;
 use crate::laser::power::Power;
@@ -16,7 +16,7 @@ use crate::units::Ns;
 /// voltage.
 const ROOM: usize = 4;
 /// Instants in a tick at which something happens, apart from its beginning.
-const EVENTS: u32 = PLACES as u32;
+const EVENTS: u32 = PLAN_ACTIONS as u32;
 
 impl Channel {
     /// Plans the interval of `period` from `next` on.
@@ -152,7 +152,7 @@ impl Channel {
         self.law.rest();
         self.go_dark();
         if self.owner.is_lit() {
-            // An on command after an abort that found everything at rest.
+            // An on command after an abort that found everything at standstill.
             self.report(end, Fact::Relight);
         }
         self.pass_dark_interval(end);
@@ -192,7 +192,7 @@ impl Channel {
 
     /// Events and edges of an interval in the dark.
     fn pass_dark_interval(&mut self, end: Ns) {
-        while self.event_queue.next() < end
+        while self.event_queue.next < end
             && let Some(event) = self.event_queue.take(end)
         {
             self.happen(end, event);
@@ -232,7 +232,7 @@ impl Channel {
     /// The next edge of any kind.
     #[inline(always)]
     fn soonest(&self) -> Ns {
-        self.gate.next().min(self.light.next()).min(self.pulse).min(self.event_queue.next())
+        self.gate.next.min(self.light.next).min(self.pulse).min(self.event_queue.next)
     }
 
     /// A dark channel: nothing is on, nothing pends, and nothing of the plan takes place.
@@ -245,7 +245,7 @@ impl Channel {
     /// Brings the outputs to the levels that they should have; `anew`: trains may have changed.
     #[inline(always)]
     fn settle(&mut self, at: u32, anew: bool, plan: &mut Plan) {
-        let light = self.light.level();
+        let light = self.light.level;
         if light != self.out.light {
             if light {
                 (self.out.light, self.out.train) = (true, self.train);
@@ -259,7 +259,7 @@ impl Channel {
         } else if anew {
             self.retrain(at, plan);
         }
-        let gate = if self.fpk.is_some() { self.pulse != NEVER } else { self.gate.level() };
+        let gate = if self.fpk.is_some() { self.pulse != NEVER } else { self.gate.level };
         let switch = gate || self.energy.holds_switch();
         if switch != self.out.switch {
             self.out.switch = switch;
@@ -338,17 +338,17 @@ impl Channel {
     fn publish(&mut self, changed: bool) {
         self.publish_power();
         let published = &mut self.published;
-        (published.commanded, published.gate) = (self.owner.is_commanded(), self.gate.level());
+        (published.commanded, published.gate) = (self.owner.is_commanded(), self.gate.level);
         published.owners = self.owner.owners();
         (published.switch, published.light) = (self.out.switch, self.out.light);
-        (published.direct, published.on_time) = (self.law.direct(), self.on_time.units());
+        (published.direct, published.on_time) = (self.law.direct, self.on_time.units());
         if changed {
             published.changes = published.changes.wrapping_add(1);
             let Energy { mode, connector, width, carrier, .. } = self.energy;
             (published.mode, published.connector, published.delayed) = (mode, connector, self.delayed);
             (published.fault, published.cause_lasts) = (self.safety.cause(), self.safety.lasts());
-            published.bounds = self.law.bounds();
-            (published.follows, published.source) = (self.law.follows(), self.law.source());
+            published.bounds = self.law.bounds;
+            (published.follows, published.source) = (self.law.follows(), self.law.source);
             (published.bank, published.table) = (self.law.bank(), self.law.table());
             (published.width_us, published.carrier) = (width.map_or(0, |us| us.get()), carrier);
         }

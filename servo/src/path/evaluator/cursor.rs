@@ -83,24 +83,8 @@ impl Cursor {
 
     /// As a new one, whose gears are not read.
     pub(super) fn clear(&mut self) {
-        let Cursor {
-            next,
-            done,
-            inside,
-            kept,
-            position,
-            from,
-            distance,
-            left,
-            gears: _,
-            geared,
-            again,
-            reported: _,
-            left_at,
-        } = self;
-        let new = &Cursor::NEW;
-        (*again, *left_at) = (new.again, new.left_at);
-        (*next, *done, *inside, *kept) = (new.next, new.done, new.inside, new.kept);
-        (*position, *from, *distance, *left, *geared) = (new.position, new.from, new.distance, new.left, new.geared);
+        (self.next, self.done, self.inside, self.kept) = (0, 0, false, false);
+        (self.position, self.from, self.distance, self.left) = (ORIGIN, ORIGIN, Exact(0), 0);
+        (self.geared, self.again, self.left_at) = (0, false, 0);
     }
 }

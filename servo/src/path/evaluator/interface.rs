@@ -16,7 +16,7 @@ use crate::units::{Axis, Pos};
 pub trait Effects {
     /// An entry takes effect. Returns how long the path waits for it: a modal move's time, else 0.
     fn change(&mut self, at: Fine, change: &Change) -> Fine;
-    /// The path comes to rest.
+    /// The path comes to standstill.
     fn rest(&mut self, at: Fine, rest: PathStop);
     /// An axis is geared to the motion in force: its displacement since the motion began, at the
     /// step's tick, and its displacement per path length.
@@ -29,8 +29,8 @@ pub trait Effects {
     fn has_room(&self) -> bool {
         true
     }
-    /// Whether the path may be at this position; else it comes to rest before it.
-    fn admits(&mut self, _place: &[Pos; DIMENSIONS]) -> bool {
+    /// Whether the path may be at this position; else it comes to standstill before it.
+    fn admits(&mut self, _position: &[Pos; DIMENSIONS]) -> bool {
         true
     }
     /// The same for an axis geared to the motion in force, at this displacement since it began.
@@ -39,20 +39,20 @@ pub trait Effects {
     }
 }
 
-/// Why a path comes to rest.
+/// Why a path comes to standstill; CrdInfo reports the number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum PathStop {
     /// It never moved.
     #[default]
-    Never,
+    Never = 0,
     /// Its entries have run out.
-    Completed,
+    Completed = 1,
     /// Its entries have run out at speed.
-    Underrun,
+    Underrun = 2,
     /// A Stop. It can go on.
-    Stopped,
+    Stopped = 3,
     /// A position that it must not go to. It can go on from there.
-    Obstructed,
+    Obstructed = 4,
 }
 
 /// How many entries of each FIFO are there, counted since it was cleared.

@@ -20,6 +20,28 @@ fn along_of(item: &Item) -> Option<Along> {
     }
 }
 
+/// The motion that comes next with its counter, else what comes instead. A path passes only so many
+/// entries in one tick.
+#[inline(always)]
+fn find_motion(fifo: u8, mut counter: u32, feed: Feed, source: &impl Entries) -> Result<(u32, Entry), After> {
+    let (end, mut effects) = (end_of(feed, fifo), 0u32);
+    while effects <= EFFECTS {
+        if counter == end {
+            return Err(After::Nothing);
+        }
+        let entry = source.entry(fifo, counter);
+        if entry.is_motion() {
+            return Ok((counter, entry));
+        }
+        if entry.is_wait() {
+            break;
+        }
+        counter = counter.wrapping_add(1);
+        effects = effects.wrapping_add(entry.load());
+    }
+    Err(After::Halt)
+}
+
 impl Path {
     /// Enters a motion that begins, or began, at `from`.
     pub(super) fn enter(&mut self, from: [Pos; DIMENSIONS], counter: u32, item: &Item) {
@@ -193,7 +215,7 @@ impl Path {
     pub(super) fn begin_ahead(
         &mut self,
         fifo: u8,
-        mut counter: u32,
+        counter: u32,
         from: &[Pos; DIMENSIONS],
         feed: Feed,
         source: &impl Entries,
@@ -202,21 +224,8 @@ impl Path {
             // It may pass entries before that without carrying them out.
             return;
         }
-        let (end, mut effects) = (end_of(feed, fifo), 0u32);
-        while effects <= EFFECTS {
-            if counter == end {
-                return;
-            }
-            let entry = source.entry(fifo, counter);
-            if entry.is_motion() {
-                self.draft_ahead(counter, &entry, from, self.exact(fifo));
-                return;
-            }
-            if entry.is_wait() {
-                return;
-            }
-            counter = counter.wrapping_add(1);
-            effects = effects.wrapping_add(entry.load());
+        if let Ok((counter, entry)) = find_motion(fifo, counter, feed, source) {
+            self.draft_ahead(counter, &entry, from, self.exact(fifo));
         }
     }
 
@@ -295,23 +304,8 @@ impl Path {
     }
 
     /// What follows a motion, from this entry on.
-    fn what_follows(&self, fifo: u8, mut counter: u32, feed: Feed, source: &impl Entries) -> After {
-        let (end, mut effects) = (end_of(feed, fifo), 0u32);
-        while effects <= EFFECTS {
-            if counter == end {
-                return After::Nothing;
-            }
-            let entry = source.entry(fifo, counter);
-            if entry.is_motion() {
-                return After::Motion;
-            }
-            if entry.is_wait() {
-                return After::Halt;
-            }
-            counter = counter.wrapping_add(1);
-            effects = effects.wrapping_add(entry.load());
-        }
-        After::Halt
+    fn what_follows(&self, fifo: u8, counter: u32, feed: Feed, source: &impl Entries) -> After {
+        find_motion(fifo, counter, feed, source).err().unwrap_or(After::Motion)
     }
 
     /// Entries have come while nothing followed the motion in force.

@@ -195,7 +195,7 @@ impl Path {
     }
 
     /// The motion in force must not go from the first of these path lengths to the second, where it
-    /// is or would be at `at`: it comes to rest between.
+    /// is or would be at `at`: it comes to standstill between.
     #[inline(never)]
     pub(super) fn hold(&mut self, at: Fine, (low, distance): (Exact, Exact), sink: &mut impl Effects, feed: Feed) {
         // The furthest position between that is admitted, to 2⁻¹⁶ of the length; the first if none

@@ -1,4 +1,4 @@
-//! A start that is prepared while the path is at rest.
+//! A start that is prepared while the path is at standstill.
 //!
 //! In: the FIFO that will probably be started, a call a tick. Out: geometry, speeds and first piece
 //! of the motion that this start begins or continues, as if it began at 0. Owns nothing beyond the
@@ -49,7 +49,7 @@ impl Path {
         }
     }
 
-    /// The motion with which a start at rest would begin has changed.
+    /// The motion with which a start at standstill would begin has changed.
     pub(super) fn discard_prepared(&mut self) {
         if !self.runs() {
             (self.prepared, self.pieces.follows) = (None, None);

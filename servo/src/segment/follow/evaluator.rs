@@ -206,7 +206,7 @@ impl<'a, S: Entries, L: Fn(Input, u8) -> bool> Context<'a, S, L> {
 
 /// The result of a search.
 enum Seek {
-    /// In a segment, or at rest before the floor.
+    /// In a segment, or at standstill before the floor.
     Here,
     /// At an entry that is no segment.
     Stop(u32),
@@ -341,7 +341,7 @@ impl FollowRun {
     }
 
     /// Whether the slave moves with a master at `to`: it does not wait, and the master is neither
-    /// behind the furthest point nor before the start.
+    /// before the furthest point nor before the start.
     #[inline(always)]
     pub fn is_moving(&self, to: Pos) -> bool {
         self.piece.span != 0 && self.directed(to) == self.progress

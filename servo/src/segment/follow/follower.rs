@@ -41,7 +41,7 @@ pub(crate) enum Path<'a> {
     /// Along a piece, and the one before it if that was in force at `now`; what is added to their positions.
     Pieces { before: Option<&'a Piece>, piece: &'a Piece, shift: i64 },
     /// From position to position; what is added to them.
-    Track { places: &'a Track, shift: i64 },
+    Track { along: &'a Track, shift: i64 },
 }
 
 /// A slave that runs.
@@ -107,14 +107,14 @@ impl Follower {
         if led && !self.run.is_fast_and_straight(to) {
             return None;
         }
-        let place = self.run.fast_step(to)?;
+        let position = self.run.fast_step(to)?;
         if led {
             self.track = Track::begin(from);
-            self.track.push(period.0 << 32, place.0);
+            self.track.push(period.0 << 32, position.0);
         }
         self.displacement = to.0.wrapping_sub(self.last.unwrap_or(to).0);
         self.last = Some(to);
-        Some(place)
+        Some(position)
     }
 
     /// Whether a piece of the master has no turning point, as was found before.
@@ -173,8 +173,8 @@ impl Follower {
                 }
                 (Some(piece), shift)
             }
-            Path::Track { places, shift } => {
-                return self.run.step(&MasterPath::of(now, places, shift), master_sample.named, context, track);
+            Path::Track { along, shift } => {
+                return self.run.step(&MasterPath::of(now, along, shift), master_sample.named, context, track);
             }
         };
         // All the path is one section.

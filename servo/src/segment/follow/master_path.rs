@@ -73,8 +73,8 @@ impl Track {
     /// The next position; returns its index. When it is full, the last one moves there.
     pub(crate) fn push(&mut self, after: u64, pos: Pos) -> usize {
         let index = (self.count as usize).min(SPOTS - 1);
-        if let Some(place) = self.spots.get_mut(index) {
-            *place = Spot { after, pos };
+        if let Some(slot) = self.spots.get_mut(index) {
+            *slot = Spot { after, pos };
         }
         self.count = index as u8 + 1;
         index
@@ -167,8 +167,8 @@ impl<'a> MasterPath<'a> {
 
     fn push(&mut self, after: u64, pos: Pos, along: u8) {
         let index = self.track.push(after, pos);
-        if let Some(place) = self.along.get_mut(index) {
-            *place = along;
+        if let Some(slot) = self.along.get_mut(index) {
+            *slot = along;
         }
     }
 
@@ -184,9 +184,9 @@ impl<'a> MasterPath<'a> {
 
     /// Sections in order.
     pub(super) fn sections(&self) -> impl Iterator<Item = Section<'a>> {
-        let places = self.track.spots();
+        let spots = self.track.spots();
         let [first, second] = self.pieces;
-        places.iter().zip(places.iter().zip(&self.along).skip(1)).map(move |(from, (to, along))| Section {
+        spots.iter().zip(spots.iter().zip(&self.along).skip(1)).map(move |(from, (to, along))| Section {
             now: self.now,
             from: *from,
             to: *to,

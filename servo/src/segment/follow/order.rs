@@ -37,19 +37,19 @@ impl<const AXES: usize> Order<AXES> {
         (self.slaves, self.count) = (AxisMask(left), left.count_ones() as u8);
         self.masters = self.leaders;
         self.leaders.0 &= left;
-        let mut places = self.axes.iter_mut();
+        let mut slots = self.axes.iter_mut();
         while left != 0 {
             let waits = left;
             for axis in AxisMask(waits).axes() {
                 let free = master(axis).is_none_or(|master| master == axis || waits & master.mask().0 == 0);
-                if free && let Some(index) = places.next() {
+                if free && let Some(index) = slots.next() {
                     *index = axis.index() as u8;
                     left &= !axis.mask().0;
                 }
             }
             if left == waits {
                 for axis in AxisMask(waits).axes() {
-                    if let Some(index) = places.next() {
+                    if let Some(index) = slots.next() {
                         *index = axis.index() as u8;
                     }
                 }

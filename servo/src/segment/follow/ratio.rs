@@ -2,7 +2,6 @@
 //!
 //! In: displacements in 2⁻⁶⁴ pulse, ratios in 2⁻⁸⁰. Out: the same. Nothing fails; what could exceed its type is
 //! refused when data is admitted.
-use crate::math::wide::umul;
 
 /// Fraction bits of a ratio.
 pub(super) const RATIO_BITS: u32 = 80;
@@ -28,12 +27,11 @@ pub(super) fn quotient(x: i128, m: u128) -> i128 {
 pub(super) fn product(a: u128, b: u128) -> (u128, u128) {
     let (a0, a1) = (a as u64, (a >> 64) as u64);
     let (b0, b1) = (b as u64, (b >> 64) as u64);
-    let wide = |(high, low): (u64, u64)| (high as u128) << 64 | low as u128;
-    let low = wide(umul(a0, b0));
-    let (mid, carry) = wide(umul(a0, b1)).overflowing_add(wide(umul(a1, b0)));
+    let wide = |a: u64, b: u64| a as u128 * b as u128;
+    let low = wide(a0, b0);
+    let (mid, carry) = wide(a0, b1).overflowing_add(wide(a1, b0));
     let (low, more) = low.overflowing_add(mid << 64);
-    let high =
-        wide(umul(a1, b1)).wrapping_add(mid >> 64).wrapping_add((carry as u128) << 64).wrapping_add(more as u128);
+    let high = wide(a1, b1).wrapping_add(mid >> 64).wrapping_add((carry as u128) << 64).wrapping_add(more as u128);
     (high, low)
 }
 

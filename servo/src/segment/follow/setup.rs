@@ -78,9 +78,7 @@ impl Setup {
 
     /// As at power-on.
     pub(crate) fn reset(&mut self) {
-        let Setup { direction, master, event, passes, fifos: _ } = self;
-        let on = Setup::POWER_ON;
-        (*direction, *master, *event, *passes) = (on.direction, on.master, on.event, on.passes);
+        *self = Setup { fifos: self.fifos, ..Setup::POWER_ON };
         self.clear_all();
     }
 
@@ -92,17 +90,17 @@ impl Setup {
         let mut found = [0; STOPS];
         let mut link = tail.last_stop as u32;
         let mut changed = 0;
-        for place in &mut found {
+        for slot in &mut found {
             if link <= old {
                 break;
             }
-            *place = link.wrapping_sub(1) as u16;
+            *slot = link.wrapping_sub(1) as u16;
             changed += 1;
             link = source.entry(fifo, link.wrapping_sub(1)).stop_before();
         }
         for stop in found.iter().take(changed).rev() {
-            if let Some(place) = to.stops.get_mut(to.count as usize) {
-                (*place, to.count) = (*stop, to.count.wrapping_add(1));
+            if let Some(slot) = to.stops.get_mut(to.count as usize) {
+                (*slot, to.count) = (*stop, to.count.wrapping_add(1));
             }
         }
     }

@@ -12,7 +12,7 @@ use crate::math::wide::umulhi;
 use crate::units::Exact;
 
 /// Points of a table.
-pub const PLACES: usize = 1024;
+pub const TABLE_POINTS: usize = 1024;
 /// Words of a point.
 pub const POINT_WORDS: usize = 4;
 /// Words of a header; the last one counts how often it was written.
@@ -101,7 +101,7 @@ pub struct Header {
 impl Header {
     /// Checks and packs a header.
     pub fn admit(self) -> Option<[u32; HEADER_WORDS]> {
-        let in_range = (2..=PLACES as u16).contains(&self.points)
+        let in_range = (2..=TABLE_POINTS as u16).contains(&self.points)
             && (-13..=32).contains(&self.time_bits)
             && (1..=62).contains(&self.pos_bits)
             && (6..=62).contains(&self.vel_bits)

@@ -30,7 +30,7 @@ pub type Fine = u128;
 enum Next {
     /// A ramp to 0.
     Halt,
-    /// A Trap at rest or in motion decides how fast it can go.
+    /// A Trap at standstill or in motion decides how fast it can go.
     Aim,
     /// A ramp to the peak.
     Ramp,
@@ -208,27 +208,6 @@ impl RampRun {
                 self.next = Next::Halt;
             }
         }
-    }
-
-    /// A Jog of its own, see [`RampRun::begin_jog`].
-    pub fn jog(now: Ns, from: Moving, target: Speed, acc: Accel, dec: Accel, smooth: u16) -> RampRun {
-        let mut run = RampRun::IDLE;
-        run.begin_jog(now, from, target, acc, dec, smooth);
-        run
-    }
-
-    /// A stop of its own, see [`RampRun::begin_stop`].
-    pub fn stop(now: Ns, from: Moving, dec: Accel) -> RampRun {
-        let mut run = RampRun::IDLE;
-        run.begin_stop(now, from, dec);
-        run
-    }
-
-    /// A Trap of its own, see [`RampRun::begin_trap`].
-    pub fn trap(now: Ns, from: Moving, to: &Trapezoid) -> RampRun {
-        let mut run = RampRun::IDLE;
-        run.begin_trap(now, from, to);
-        run
     }
 
     /// A motion prepared for time 0 begins at `now`.

@@ -43,7 +43,7 @@ impl Means {
     /// Twice the distance of a ramp from `u` to `peak` and a stop from there.
     fn up_and_down(&self, u: Real, peak: Real, rate: &Rate) -> Real {
         if u.is_zero() {
-            // Both begin or end at rest: one product less.
+            // Both begin or end at standstill: one product less.
             let slope = rate.inverse.add(self.dec.inverse);
             return peak.mul(peak.mul(slope).add(self.wait.scale(1)));
         }

@@ -47,7 +47,7 @@ pub(crate) enum Halt {
 }
 
 impl<const AXES: usize> Tick<AXES> {
-    /// SetCrdPrm, at rest.
+    /// SetCrdPrm, at standstill.
     pub(crate) fn set_frame(&mut self, crd: Crd, frame: Frame, next: Ns, paths: PathStores<'_>) {
         let axes = frame.mask();
         let known = paths.get(crd.index()).is_some() && axes.0 & !self.in_use(axes).0 == 0;
@@ -128,7 +128,7 @@ impl<const AXES: usize> Tick<AXES> {
         }
     }
 
-    /// Axes at rest may have other user positions now, and so the position of a path.
+    /// Axes at standstill may have other user positions now, and so the position of a path.
     pub(crate) fn rename_crds(&mut self) {
         Crd::all().for_each(|crd| self.rename_crd(crd));
     }
@@ -167,16 +167,15 @@ impl<const AXES: usize> Tick<AXES> {
     /// A FIFO has this many entries now.
     pub(crate) fn commit_path(&mut self, crd: Crd, fifo: u8, end: u32, cleared: u32) {
         if let Some(state) = self.crds.get_mut(crd) {
-            let CrdView { ends: [first, second], cleared: [old, other], .. } = &mut state.published;
-            let (position, now) = if fifo == 0 { (first, *old) } else { (second, *other) };
-            if now == cleared {
-                (*position, state.likely) = (end, fifo);
+            let index = (fifo & 1) as usize;
+            if state.published.cleared[index] == cleared {
+                (state.published.ends[index], state.likely) = (end, fifo);
                 state.mark_changed();
             }
         }
     }
 
-    /// Empties a FIFO, at rest.
+    /// Empties a FIFO, at standstill.
     pub(crate) fn clear_path(&mut self, crd: Crd, fifo: u8, next: Ns) {
         if self.crds.running.has(crd) {
             return;
@@ -184,19 +183,9 @@ impl<const AXES: usize> Tick<AXES> {
         self.lasers.fifo_cleared(Run { crd, fifo }, next);
         if let Some(state) = self.crds.get_mut(crd) {
             state.path.clear(fifo);
-            let published = &mut state.published;
-            for (k, (((end, cleared), done), released)) in (0..).zip(
-                published
-                    .ends
-                    .iter_mut()
-                    .zip(&mut published.cleared)
-                    .zip(&mut published.done)
-                    .zip(&mut published.released),
-            ) {
-                if k == fifo {
-                    (*end, *cleared, *done, *released) = (0, cleared.wrapping_add(1), 0, 0);
-                }
-            }
+            let (index, CrdView { ends, cleared, done, released, .. }) = ((fifo & 1) as usize, &mut state.published);
+            (ends[index], done[index], released[index]) = (0, 0, 0);
+            cleared[index] = cleared[index].wrapping_add(1);
             state.mark_changed();
         }
     }

@@ -212,7 +212,7 @@ impl<const AXES: usize> Tick<AXES> {
         Some(self.lasers.wants())
     }
 
-    /// Those whose paths have come to rest get their state at rest.
+    /// Those whose paths have come to standstill get their state at standstill.
     pub(crate) fn settle_crds(&mut self, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
         for crd in self.crds.running.crds() {
             if self.crds.get(crd).is_some_and(|state| !state.path.runs()) {
@@ -252,32 +252,17 @@ impl<const AXES: usize> Tick<AXES> {
         let (Some(state), Some(source)) = (crds.states.get_mut(crd.index()), lanes.paths.get(crd.index())) else {
             return;
         };
-        let CrdView {
-            frame: Some(frame),
-            origin,
-            position,
-            heading,
-            bend,
-            motion,
-            turns,
-            ends,
-            fifo,
-            released,
-            done,
-            ..
-        } = &mut state.published
-        else {
-            return;
-        };
+        let published = &mut state.published;
+        let Some(frame) = &published.frame else { return };
         let led = self.order.masters.0 != 0 && self.order.masters.0 & frame.mask().0 != 0;
         state.path.watch(led);
-        let feed = Feed { ends: *ends };
+        let feed = Feed { ends: published.ends };
         let mut sink = Sink {
             crd,
             fifo: state.path.fifo(),
             next,
             frame,
-            origin,
+            origin: &published.origin,
             axes,
             lasers,
             edges,
@@ -295,16 +280,17 @@ impl<const AXES: usize> Tick<AXES> {
         if there {
             state.path.go_through(next, period, feed, source, &mut sink);
         } else {
+            let CrdView { ref mut position, ref mut heading, ref mut bend, ref mut motion, ref mut turns, .. } =
+                *published;
             let mut report = PathReport { position, heading, bend, motion, turns };
             let reported = state.path.advance(next, period, feed, source, &mut sink, &mut report, may_prepare);
-            *fifo = reported.fifo;
-            let [first, second] = done;
-            *(if reported.fifo == 0 { first } else { second }) = reported.done;
-            (*released, runs) = (reported.released, reported.runs);
+            published.done[(reported.fifo & 1) as usize] = reported.done;
+            (published.fifo, published.released, runs) = (reported.fifo, reported.released, reported.runs);
         }
         let Sink { reported: gone, geared, rest, unable, awaited, obstacle, .. } = sink;
         if !there {
-            for (index, ((axis, at), origin)) in frame.axes_ref().iter().zip(position).zip(origin).enumerate() {
+            let axes_at = frame.axes_ref().iter().zip(&published.position).zip(&published.origin);
+            for (index, ((axis, at), origin)) in axes_at.enumerate() {
                 if let Some(axis) = axis.and_then(|axis| axes.get_mut(axis.index())) {
                     let from = axis.set_point();
                     axis.drive(Pos(at.0.wrapping_add(origin.0)));
@@ -322,7 +308,6 @@ impl<const AXES: usize> Tick<AXES> {
             state.path.leave_fast_path();
         }
         state.clearance = [Clearance::Unknown; 2];
-        let published = &mut state.published;
         published.moves = published.moves.wrapping_add(1);
         crds.moves = crds.moves.wrapping_add(1);
         if let Some(rest) = rest {
@@ -406,7 +391,7 @@ impl<const AXES: usize> Tick<AXES> {
         self.release_geared(crd, left, next);
     }
 
-    /// The path is at rest.
+    /// The path is at standstill.
     #[inline(never)]
     fn come_to_standstill(&mut self, crd: Crd, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
         let Tick { crds, axes, lasers, .. } = self;

@@ -38,7 +38,7 @@ pub(crate) struct Sink<'a> {
     pub(crate) geared: AxisMask,
     /// A fault stops the path: its light does not come back.
     pub(crate) fault: bool,
-    /// The path came to rest.
+    /// The path came to standstill.
     pub(crate) rest: Option<PathStop>,
     /// An axis that cannot do what an entry wants.
     pub(crate) unable: Option<Axis>,

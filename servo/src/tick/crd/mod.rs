@@ -48,12 +48,12 @@ pub(crate) struct CrdState {
     /// Of the motion in force, and of the one after it.
     clearance: [Clearance; 2],
     path: Path,
-    /// At rest: the FIFO that will probably be started, and the scans before its start is prepared.
+    /// At standstill: the FIFO that will probably be started, and the scans before its start is prepared.
     likely: u8,
     looks: u8,
     /// The stop reason, if it is stopped.
     ending: StopReason,
-    /// The tick since which it has been at rest.
+    /// The tick since which it has been at standstill.
     pub(crate) standstill_since: Ns,
     /// What stopped it: an axis, and a position where it must not go.
     obstacle: Option<(Axis, Pos)>,
@@ -103,7 +103,7 @@ pub(crate) struct Crds {
     pub(crate) states: [CrdState; Crd::MAX],
     /// Those that run.
     pub(crate) running: CrdMask,
-    /// Those whose next start may be prepared, once they are at rest.
+    /// Those whose next start may be prepared, once they are at standstill.
     pub(crate) unprepared: CrdMask,
     /// Those with an alarm of one of their axes.
     alarms: CrdMask,
@@ -141,7 +141,7 @@ impl Crds {
         Some(state)
     }
 
-    /// One of those at rest prepares a part of its next start: the next in turn, lowest first.
+    /// One of those at standstill prepares a part of its next start: the next in turn, lowest first.
     #[inline(never)]
     pub(crate) fn prepare_start(&mut self, steps: u32, paths: PathStores<'_>) {
         let resting = CrdMask(self.unprepared.0 & !self.running.0);

@@ -28,7 +28,7 @@ pub(super) fn ms(time: Fine) -> Real {
 }
 
 impl RampRun {
-    /// A Trap that moves towards its target, or is at rest: to the peak that the distance allows.
+    /// A Trap that moves towards its target, or is at standstill: to the peak that the distance allows.
     pub(super) fn aim(&mut self) {
         let distance = Real::from_exact(Exact(self.distance()));
         if distance.is_zero() || self.peak.is_zero() {
