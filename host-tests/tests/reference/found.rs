@@ -374,3 +374,24 @@ fn an_arc_after_motions_that_set_different_coordinates() {
         }
     }
 }
+
+/// A smooth Stop in the tick in which a pass had ended left that pass uncounted.
+#[test]
+fn a_pass_that_ended_just_before_a_stop_counts() {
+    for (tick_us, ns) in [(250, 9 * MS), (250, 27 * MS - 100_000), (400, 8 * MS), (400, 9 * MS), (400, 18 * MS)] {
+        agrees(
+            tick_us,
+            &[
+                plain(Kind::AxisOn, 1),
+                Call::PrfPt { axis: 1, mode: 0 },
+                Call::PtData { axis: 1, pos: 32.5, time_ms: 9, kind: 0, fifo: 0 },
+                Call::SetPtLoop { axis: 1, loops: 0 },
+                Call::PtStart { mask: 2, option: 0 },
+                Call::Sleep { ns },
+                Call::Stop { mask: 2, abrupt: 0 },
+                Call::Sleep { ns: 80 * MS },
+                plain(Kind::GetPtLoop, 1),
+            ],
+        );
+    }
+}

@@ -107,6 +107,10 @@ impl AxisState {
         let (from, runs) = self.moving(next, source);
         if runs {
             let dec = self.ramps.stop_dec;
+            // A pass that has ended by now is counted.
+            if self.profile.reports_pass() && self.profile.piece().elapsed(next) >= self.profile.piece().span {
+                self.publish_pass_of(true);
+            }
             self.profile.begin_ramp(next, |run| run.begin_stop(next, from, dec));
             self.set_off(reason);
             // At `next` it is where its piece would have taken it: the first piece of the ramp is
