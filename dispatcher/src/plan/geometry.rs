@@ -267,13 +267,14 @@ impl Geometry {
         if libm::ceil(low) <= high { 1.0 } else { part(0).max(part(1)) }
     }
 
-    /// Coordinates that it takes to a target, a bit each. A full circle ends where it began.
+    /// Coordinates that it takes to a target, a bit each. A full circle has its begin as target.
     pub fn sets(&self) -> u8 {
         match self.form {
             Form::Planar(_) => 0b11,
             Form::Line(_) => 0b1111,
-            Form::Arc { plane, .. } => plane.coordinates().iter().fold(0, |mask, index| mask | 1 << index),
-            Form::Circle { .. } => 0,
+            Form::Arc { plane, .. } | Form::Circle { plane, .. } => {
+                plane.coordinates().iter().fold(0, |mask, index| mask | 1 << index)
+            }
         }
     }
     /// Servo's entry for it with these speeds.

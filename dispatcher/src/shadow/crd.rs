@@ -318,9 +318,10 @@ impl CrdShadow {
 
     /// The path moves beside a FIFO, or is renamed.
     fn leave(&mut self, fifo: u8) {
-        let within = fifo == self.fifo && (self.stopped || self.fed);
+        // Else a view has shown what is over.
+        let within = fifo == self.fifo && self.busy.is_some() && (self.stopped || self.fed);
         let path = self.path_mut(fifo);
-        path.left |= within && path.data.open;
+        path.left |= path.data.open && within;
         path.data.forget_position();
     }
 
