@@ -395,3 +395,32 @@ fn a_pass_that_ended_just_before_a_stop_counts() {
         );
     }
 }
+
+/// A master braked within one tick, and a delay of its slave ended in that tick: the master's way inside the tick was taken as
+/// straight, and the slave was 0.2 pulses off for good.
+#[test]
+fn a_delay_ends_in_the_tick_in_which_the_master_brakes() {
+    for dec in [1.0, 1.7, 4.0] {
+        agrees(
+            1000,
+            &[
+                plain(Kind::AxisOn, 0),
+                plain(Kind::AxisOn, 3),
+                Call::SetStopDec { axis: 0, smooth: dec },
+                ex(Call::PrfFollow { axis: 3, dir: -1 }),
+                ex(Call::SetFollowMaster { axis: 3, master: 0, kind: 2, item: 0 }),
+                segment(3, -14.511298783492112, 13.484034347115529, 0, 20),
+                Call::FollowEntry { axis: 3, item: Item::Delay { cycles: 40 }, fifo: 0 },
+                segment(3, -399.5112987834921, 109.73403434711553, 0, 100),
+                ex(Call::FollowStart { mask: 8, option: 0 }),
+                plain(Kind::PrfJog, 0),
+                Call::SetJogPrm { axis: 0, acc: 3.4, dec: 8.4 },
+                Call::SetVel { axis: 0, vel: -1.0 },
+                Call::Update { mask: 1 },
+                Call::Sleep { ns: 24 * MS + 105_598 },
+                Call::Stop { mask: 1, abrupt: 0 },
+                Call::Sleep { ns: 6 * MS },
+            ],
+        );
+    }
+}

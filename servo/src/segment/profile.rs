@@ -392,10 +392,17 @@ impl Profile {
     /// The piece in force is over at `now`: on to the one that holds `now`, or to the end.
     #[inline]
     pub fn turn(&mut self, now: Ns, feed: Feed, source: &(impl Segments + Tables)) -> State {
+        let begins = self.other == Other::Begins;
+        if begins {
+            self.pieces[!self.second as usize].span = 0;
+        }
         let state = self.reach(now, feed, source);
         if state == State::Running {
             (self.second, self.other) = (!self.second, Other::Before);
         } else {
+            // A ramp that is over within its first tick took the axis along its last piece, for
+            // the slaves to see.
+            self.second ^= begins && self.other().span != 0;
             self.other = Other::BeforeLast;
         }
         state
