@@ -424,3 +424,31 @@ fn a_delay_ends_in_the_tick_in_which_the_master_brakes() {
         );
     }
 }
+
+/// A path that went on within a circle: its slaves saw a turn that lay before the Stop once more, and jumped.
+#[test]
+fn a_slave_of_an_axis_that_goes_on_within_a_circle() {
+    let speeds = Speeds { vel: 2.4, acc: 6.2, end: 0.0 };
+    let circle =
+        Path::Arc { crd: 1, plane: Plane::XY, to: [0, 0], round: Cycle::Centre(3.0, 8.0), ccw: false, speeds, fifo: 0 };
+    let start = path(Path::Start { mask: 1, option: 0 });
+    let ready = [plain(Kind::AxisOn, 0), plain(Kind::AxisOn, 1), plain(Kind::AxisOn, 3), frame(None)];
+    for (dir, ms) in [(-1, 10), (0, 10), (1, 10), (-1, 14), (1, 18)] {
+        let run = [
+            path(circle.clone()),
+            start.clone(),
+            Call::Sleep { ns: ms * MS },
+            Call::Stop { mask: 1, abrupt: 0 },
+            Call::Sleep { ns: 5 * MS },
+            Call::PrfFollow { axis: 3, dir },
+            Call::SetFollowMaster { axis: 3, master: 0, kind: 2, item: 0 },
+            Call::FollowData { axis: 3, datum: Datum { master: 765.0, slave: 474.75, kind: 0, percent: 0 }, fifo: 0 },
+            Call::FollowStart { mask: 8, option: 0 },
+            Call::Sleep { ns: MS },
+            start.clone(),
+        ];
+        if let Some(report) = finding(&mut None, &gus(), 250, &[&ready[..], &run].concat(), &mut Tally::new()) {
+            panic!("{report}");
+        }
+    }
+}

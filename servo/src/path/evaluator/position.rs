@@ -181,8 +181,13 @@ impl Path {
     fn keep_trajectory(&mut self, before: [i32; DIMENSIONS], heading: &[i32; DIMENSIONS]) {
         (self.trajectory, self.since.count) = (self.since, 0);
         let shape = &self.motions.now().shape;
-        let still = before == [0; DIMENSIONS];
-        let before = if self.trajectory.count != 0 || still { shape.start_heading() } else { before };
+        // A path that sets off with this sample has not turned, also where it goes on within an arc.
+        let sets_off = before == [0; DIMENSIONS];
+        let before = match self.trajectory.count {
+            0 if sets_off => *heading,
+            0 => before,
+            _ => shape.start_heading(),
+        };
         for (index, ((turn, before), now)) in self.trajectory.turns.iter_mut().zip(before).zip(heading).enumerate() {
             let turned = before > 0 && *now < 0 || before < 0 && *now > 0;
             let (gone, left) = (before.unsigned_abs() as u64, now.unsigned_abs() as u64);
