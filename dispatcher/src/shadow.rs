@@ -108,7 +108,7 @@ pub enum Change {
     /// A coordinate system.
     Crd { crd: Crd, change: CrdChange },
     /// Coordinate systems start.
-    CrdStarted { crds: CrdMask, fifo1: CrdMask },
+    CrdStarted { crds: CrdMask, fifo1: CrdMask, may_fail: bool },
     /// Resolution of the lasers' frequencies (LSR): high (SetLaserMode 1) or low.
     LaserFine(bool),
     /// A servo tick.
@@ -519,9 +519,9 @@ impl<const AXES: usize> Shadows<AXES> {
                     });
                 }
             }
-            Change::CrdStarted { crds, fifo1 } => {
-                self.with_crds(CrdMask(crds.0 & !fifo1.0), &CrdChange::Started { fifo: 0 }, seq);
-                self.with_crds(fifo1, &CrdChange::Started { fifo: 1 }, seq);
+            Change::CrdStarted { crds, fifo1, may_fail } => {
+                self.with_crds(CrdMask(crds.0 & !fifo1.0), &CrdChange::Started { fifo: 0, may_fail }, seq);
+                self.with_crds(fifo1, &CrdChange::Started { fifo: 1, may_fail }, seq);
                 let axes = crds.crds().fold(0, |mask, crd| mask | self.driven(crd).0);
                 crds.crds().for_each(|crd| self.with(self.crd(crd).beside, |_, shadow| shadow.aside = true));
                 self.with(AxisMask(axes), |_, shadow| {

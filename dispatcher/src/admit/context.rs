@@ -33,16 +33,17 @@ pub struct Due {
     pub script_ns: u64,
     /// The last WaitStop before it.
     pub wait: Option<u32>,
+    /// What follows it in a program acts also where the tick refuses it.
+    pub may_fail: bool,
 }
 
 impl Due {
     /// At once; `decided` if nothing before it is in flight.
     pub const fn at_once(decided: bool) -> Due {
-        Due { decided, soon: true, until_ns: 0, first: false, script_ns: 0, wait: None }
+        Due { decided, soon: true, until_ns: 0, first: false, script_ns: 0, wait: None, may_fail: false }
     }
     /// Not known, for a command to which it does not matter.
-    pub const UNKNOWN: Due =
-        Due { decided: false, soon: false, until_ns: u64::MAX, first: false, script_ns: u64::MAX, wait: None };
+    pub const UNKNOWN: Due = Due { soon: false, until_ns: u64::MAX, script_ns: u64::MAX, ..Due::at_once(false) };
 }
 
 /// One admission.

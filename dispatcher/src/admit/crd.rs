@@ -228,7 +228,8 @@ pub fn start<const AXES: usize>(
             }
         }
     }
-    context.only(Op::CrdStart { crds, fifo1 }, Change::CrdStarted { crds, fifo1 })
+    let may_fail = context.due.may_fail;
+    context.only(Op::CrdStart { crds, fifo1 }, Change::CrdStarted { crds, fifo1, may_fail })
 }
 
 /// Bits that the core does not have must be 0.

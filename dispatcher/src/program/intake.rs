@@ -12,7 +12,7 @@
 //! still gets each record in time.
 use super::{Program, State};
 use crate::admit::admission::Admission;
-use crate::admit::context::Effect;
+use crate::admit::context::{Due, Effect};
 use crate::admit::data::{Written, is_data};
 use crate::admit::staged::FEW;
 use crate::admit::{kind, one};
@@ -140,6 +140,7 @@ impl Program<'_> {
     ) -> Admitted<Step> {
         let due = self.due(view);
         let Some((head, body)) = self.records.front() else { return Ok(Step::Wait) };
+        let due = Due { may_fail: head.may_fail, ..due };
         let (answer, effect, own) = match head.opcode {
             number if class(number).is_some_and(|class| !class.lanes.in_program()) => {
                 return Err(Refused::new(Reason::NotForProgram));

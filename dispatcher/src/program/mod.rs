@@ -190,7 +190,8 @@ impl<'a> Program<'a> {
         let script_ns = self.script.instant();
         let until_ns = if decided { 0 } else { self.until(view) };
         let first = self.state == State::Held && script_ns < view.period.0 && !self.script.pauses.wait();
-        Due { decided, soon: self.is_soon(view), until_ns, first, script_ns, wait: self.script.pauses.last }
+        let wait = self.script.pauses.last;
+        Due { decided, soon: self.is_soon(view), until_ns, first, script_ns, wait, may_fail: false }
     }
 
     /// Whether it is held or runs.

@@ -231,6 +231,8 @@ pub struct CrdShadow {
     pub stopped: bool,
     /// The FIFO of that start got data since. The path may have ended before it.
     pub fed: bool,
+    /// That start has not been executed, and what follows it acts also where the tick refuses it.
+    pub may_fail: bool,
     /// Its position, if that is known ahead of the tick.
     pub here: Option<Position>,
     /// The last entry that concerns it.
@@ -319,7 +321,7 @@ impl CrdShadow {
     /// The path moves beside a FIFO, or is renamed.
     fn leave(&mut self, fifo: u8) {
         // Else a view has shown what is over.
-        let within = fifo == self.fifo && self.busy.is_some() && (self.stopped || self.fed);
+        let within = fifo == self.fifo && self.busy.is_some() && (self.stopped || self.fed || self.may_fail);
         let path = self.path_mut(fifo);
         path.left |= path.data.open && within;
         path.data.forget_position();
@@ -353,7 +355,8 @@ impl CrdShadow {
 
     /// Enters a change that goes with entry `seq`.
     pub(super) fn enter(&mut self, change: &CrdChange, seq: u32) {
-        if seq != 0 {
+        // Data that is given moves nothing.
+        if seq != 0 && !matches!(change, CrdChange::Data { .. }) {
             self.last = Some(seq);
         }
         match *change {
@@ -391,13 +394,13 @@ impl CrdShadow {
             CrdChange::Dec(dec) => self.dec = dec,
             CrdChange::Rate(rate) => self.rate = rate,
             CrdChange::Lag(ms) => self.lag_ms = ms,
-            CrdChange::Started { fifo } => {
+            CrdChange::Started { fifo, may_fail } => {
                 if let Some(here) = self.here.take() {
                     self.path_mut(fifo).data.stand_at(&here);
                 }
                 self.leave(fifo ^ 1);
                 (self.fifo, self.started, self.busy) = (fifo, Some(seq), Some(seq));
-                (self.stopped, self.fed) = (false, false);
+                (self.stopped, self.fed, self.may_fail) = (false, false, may_fail);
             }
             CrdChange::Placed => {
                 self.here = None;
@@ -405,7 +408,7 @@ impl CrdShadow {
             }
             CrdChange::Stopped => self.stopped = true,
             CrdChange::Rest => {
-                let ended = self.started.is_some() && !self.stopped && !self.fed;
+                let ended = self.started.is_some() && !self.stopped && !self.fed && !self.may_fail;
                 self.started = None;
                 if ended {
                     let path = self.path_mut(self.fifo);
@@ -442,6 +445,7 @@ impl CrdShadow {
             return;
         }
         let over = |start: Option<u32>| start.filter(|&seq| !executed(view, seq) || sampled.runs);
+        self.may_fail &= self.busy.is_some_and(|seq| !executed(view, seq));
         self.started = over(self.started);
         self.busy = over(self.busy);
         let done = |seq: Option<u32>| seq.is_none_or(|seq| executed(view, seq));
@@ -508,8 +512,8 @@ pub enum CrdChange {
     Lag(f64),
     /// Only the tick knows its position.
     Placed,
-    /// It starts.
-    Started { fifo: u8 },
+    /// It starts; what follows acts also where the tick refuses that.
+    Started { fifo: u8, may_fail: bool },
     /// It gets a Stop.
     Stopped,
     /// It is at standstill for what follows.

@@ -33,7 +33,9 @@ pub fn profile(begin: f64, length: f64, limits: &Rates, even_ms: f64) -> Profile
     // The nearest speed that can be reached.
     let most = (begin * begin + gain).sqrt();
     let least = (begin * begin - gain).max(0.0).sqrt();
-    let end = if begin * begin - gain > end * end { least } else { end.min(most) };
+    // The square root of what rounding leaves over is no speed.
+    let beyond = begin * begin - gain - end * end > 1e-11 * begin * begin;
+    let end = if beyond { least } else { end.min(most) };
     // Without a cruise, the peak is where the ramps meet.
     let meet = ((gain + begin * begin + end * end) / 2.0).sqrt();
     let mut peak = meet.min(speed).max(end);

@@ -57,6 +57,8 @@ pub struct PtData {
     pub fifos: [Vec<Segment>; 2],
     /// Dynamic: how many of `fifos[0]` have run.
     pub ran: usize,
+    /// Dynamic: segments of a stream that ended in this tick.
+    pub over: usize,
     pub running: usize,
     pub passes: i64,
 }
@@ -178,6 +180,8 @@ pub struct Axis {
     pub path_most: Fix,
     /// A Stop named it on the tick that is being prepared.
     pub stopped: bool,
+    /// In this tick it has become one of a coordinate system.
+    pub joined: bool,
     /// It came to standstill on the tick that is being prepared.
     pub halted: bool,
     /// General outputs that its entries have set in this tick.
@@ -261,6 +265,7 @@ impl Axis {
                 loops: 1,
                 fifos: Default::default(),
                 ran: 0,
+                over: 0,
                 running: 0,
                 passes: 0,
             },
@@ -292,6 +297,7 @@ impl Axis {
             path_ended: false,
             path_most: Fix::ZERO,
             stopped: false,
+            joined: false,
             halted: false,
             outputs: Vec::new(),
             timed_out: false,

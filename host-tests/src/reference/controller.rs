@@ -254,6 +254,11 @@ impl Controller {
                 if let Some(crd) = axis.light_crd().filter(|_| fresh != 0 && !axis.is_alarmed()) {
                     self.light.calls.push(Act::Hit(crd, beam::LIMIT));
                 }
+                let crd = axis.light_crd().filter(|_| axis.is_alarmed());
+                if let Some(crd) = crd.filter(|_| crd != axis.alarms) {
+                    self.light.calls.push(Act::Fault(crd, beam::ALARM));
+                    axis.alarms = Some(crd);
+                }
                 if fresh != 0 && axis.geared {
                     self.open = Some("a limit or an alarm of a geared axis");
                 }
@@ -374,6 +379,10 @@ impl Controller {
                     program.complete = true;
                     // What a path does in the tick after may show already.
                     self.step(now, now + self.tick_ns);
+                    if members(self.contested[1]).any(|axis| self.axes[axis].ended) {
+                        self.open = Some("a call that needs standstill, just before its axis comes to rest");
+                        program.replies[earlier..next].fill(Reply::Open);
+                    }
                     program.open = self.open.map(|why| (number, why));
                     for axis in std::mem::take(&mut self.early) {
                         program.rows[number][axis].open = true;

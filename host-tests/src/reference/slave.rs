@@ -279,6 +279,9 @@ impl Slave {
             let end = self.began + stop;
             if near(b - end) {
                 self.open = Some("the end of a pass");
+                if self.now.is_some() || entry.is_some_and(|entry| matches!(self.items[entry], Item::Output { .. })) {
+                    self.doubt("an entry that a master reaches within rounding of a tick");
+                }
             }
             if b < end {
                 self.go(a, b, out);

@@ -1,7 +1,7 @@
 //! Programs that differed once, as short as they could be made: what was wrong is said at each.
 use super::judge::{Tally, finding};
 use host_tests::path_model::Plane;
-use host_tests::reference::{Call, Cycle, Datum, Family, Item, Kind, Path, PathCall, Site, Speeds};
+use host_tests::reference::{Call, Cycle, Datum, Family, Item, Kind, LightCall, LightOf, Path, PathCall, Site, Speeds};
 
 const MS: i64 = 1_000_000;
 
@@ -450,5 +450,93 @@ fn a_slave_of_an_axis_that_goes_on_within_a_circle() {
         if let Some(report) = finding(&mut None, &gus(), 250, &[&ready[..], &run].concat(), &mut Tally::new()) {
             panic!("{report}");
         }
+    }
+}
+
+/// The tick refused a start, and the job went on: an arc in the other FIFO began where the refused path would have ended.
+#[test]
+fn an_arc_after_a_start_that_the_tick_refuses() {
+    let speeds = Speeds { vel: 3.4, acc: 1.6, end: 0.0 };
+    let arc = |fifo| {
+        let round = Cycle::Radius(8.0);
+        path(Path::Arc { crd: 1, plane: Plane::XY, to: [4, 6], round, ccw: false, speeds, fifo })
+    };
+    for fifo in [1, 0] {
+        let alarm = |level| Call::Terminal { axis: 0, kind: 2, level };
+        agrees(
+            250,
+            &[
+                plain(Kind::AxisOn, 0),
+                plain(Kind::AxisOn, 1),
+                frame(None),
+                alarm(true),
+                path(Path::Line { crd: 1, to: vec![-10, 4], speeds, fifo: 0 }),
+                Call::Sleep { ns: 3 * MS },
+                path(Path::Start { mask: 1, option: 0 }),
+                Call::Sleep { ns: 3 * MS },
+                alarm(false),
+                Call::Sleep { ns: 3 * MS },
+                plain(Kind::ClrSts, 0),
+                Call::WaitStop { mask: 3 },
+                path(Path::Wait { mask: 1 }),
+                Call::Sleep { ns: 4 * MS },
+                arc(fifo),
+                path(Path::Start { mask: 1, option: i16::from(fifo == 1) }),
+                Call::Sleep { ns: 20 * MS },
+            ],
+        );
+    }
+}
+
+/// An entry that was given kept the place of a path at standstill from being known: the arc after it was a tick late.
+#[test]
+fn an_arc_after_an_entry_on_a_renamed_path() {
+    let speeds = Speeds { vel: 19.0, acc: 6.2, end: 0.0 };
+    let round = Cycle::Radius(107.5);
+    agrees(
+        500,
+        &[
+            plain(Kind::AxisOn, 0),
+            plain(Kind::AxisOn, 1),
+            frame(None),
+            path(Path::Outputs { crd: 1, mask: 1, value: 0, fifo: 0 }),
+            plain(Kind::ZeroPos, 1),
+            path(Path::Start { mask: 1, option: 0 }),
+            Call::Sleep { ns: 1_317_745 },
+            path(Path::Wait { mask: 1 }),
+            Call::Sleep { ns: 4 * MS },
+            path(Path::Outputs { crd: 1, mask: 16, value: 16, fifo: 1 }),
+            path(Path::Arc { crd: 1, plane: Plane::XY, to: [-54, -92], round, ccw: false, speeds, fifo: 1 }),
+            path(Path::Start { mask: 1, option: 1 }),
+            Call::Sleep { ns: 20 * MS },
+        ],
+    );
+}
+
+/// An axis with an alarm left its coordinate system, by another mode or by a Reset: the channel stayed dark, whatever was
+/// called.
+#[test]
+fn an_alarm_that_has_left_its_coordinate_system() {
+    let light = |what| Call::Light(LightCall { channel: 0, what });
+    for leaves in [plain(Kind::PrfJog, 0), Call::Reset { core: 1 }] {
+        agrees(
+            250,
+            &[
+                plain(Kind::AxisOn, 0),
+                plain(Kind::AxisOn, 1),
+                frame(None),
+                Call::Terminal { axis: 0, kind: 2, level: true },
+                Call::Sleep { ns: 3 * MS },
+                leaves,
+                Call::Sleep { ns: 3 * MS },
+                plain(Kind::ClrSts, 1),
+                light(LightOf::ClearFault),
+                light(LightOf::Connector(true)),
+                light(LightOf::Gate(true)),
+                Call::Sleep { ns: 3 * MS },
+                light(LightOf::Gate(false)),
+                Call::Sleep { ns: 3 * MS },
+            ],
+        );
     }
 }

@@ -163,7 +163,10 @@ impl<const AXES: usize> Tick<AXES> {
             Op::Synchronise { axes } => self.renamed(axes, AxisState::synchronise),
             Op::SetPosition { axis, pos } => self.renamed(axis.mask(), |state| state.rename(pos)),
             Op::SetEncoder { axis, pulses } => self.one(axis, |state| state.set_encoder(pulses)),
-            Op::SetMode { axis, mode } => self.one(axis, |state| state.set_mode(mode)),
+            Op::SetMode { axis, mode } => {
+                self.one(axis, |state| state.set_mode(mode));
+                self.forget_alarms();
+            }
             // An abrupt stop takes no time (SPEC 4), so its deceleration is not used here.
             Op::StopDec { axis, smooth, abrupt: _ } => self.one(axis, |state| state.ramps.stop_dec = smooth),
             Op::Band { axis, band, time } => self.one(axis, |state| state.inputs.set_band(band, time)),

@@ -239,8 +239,9 @@ impl<const AXES: usize> Tick<AXES> {
             self.enable &= !axes.0;
             self.halt(axes, StopReason::Reset, next, lanes);
             self.settle_crds(next, lanes);
-            self.lasers.reset(next);
             self.drop_frames(axes);
+            self.forget_alarms();
+            self.lasers.reset(next);
             self.resetting = 1;
         }
         let done = (1u64 << (self.resetting.wrapping_sub(1) & 63)).wrapping_sub(1);

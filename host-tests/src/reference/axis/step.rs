@@ -22,9 +22,10 @@ impl Axis {
         self.past = None;
         self.open = None;
         (self.doubt, self.halted, self.began) = (false, false, false);
-        self.stopped = false;
+        (self.stopped, self.joined) = (false, false);
         self.resets = self.resets.saturating_sub(1);
         self.fastest = Fix::ZERO;
+        self.pt.over = 0;
         let mut out = Vec::new();
         let alarmed = self.is_alarmed();
         if alarmed && self.runs() {
@@ -68,7 +69,7 @@ impl Axis {
                         self.ending = Why::Underrun;
                     }
                     self.pt.fifos[0].clear();
-                    self.pt.ran = 0;
+                    (self.pt.over, self.pt.ran) = (self.chain.ends.len(), 0);
                 }
                 went == Went::Ended
             }

@@ -55,8 +55,9 @@ impl Controller {
     /// outputs stay; where an axis is, is its new name 0.
     pub(super) fn reset(&mut self, core: i16, now: i64) -> Answer {
         self.is_core(core)?;
-        if self.axes.iter().any(|axis| axis.alarms.is_some()) {
-            self.open = Some("a Reset while an alarm keeps light dark");
+        if !self.light.calls.is_empty() {
+            // A Reset may take more ticks than one: light is as what came before it asks.
+            self.open = Some("light that is asked for at the instant of a Reset");
         }
         for place in (0..self.axes.len()).filter(|place| self.cores[*place] == core) {
             let axis = &mut self.axes[place];

@@ -86,6 +86,10 @@ impl Controller {
             // Such data is late by a tick at times, and what comes after it too.
             self.open = Some("a call of a laser at the instant of a start of a path and of data after it");
         }
+        if self.axes.iter().any(|axis| axis.is_alarmed() && axis.joined) {
+            self.open =
+                Some("a call of a laser at the instant at which a coordinate system gets an axis with an alarm");
+        }
         let number = of.channel as usize;
         let after = self.light.after_calls(number);
         let setting = match of.what {

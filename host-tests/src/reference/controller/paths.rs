@@ -50,9 +50,13 @@ struct Others<'a> {
 
 impl World for Others<'_> {
     fn travel(&mut self, at: f64, to: &Move) -> Option<f64> {
-        let axis = &mut self.axes[to.axis];
         // Also where a call of just now keeps it from moving.
         self.early.push(to.axis);
+        if self.axes[to.axis].mode != Mode::Trap {
+            // And those of the entries after it.
+            self.early.extend(0..self.axes.len());
+        }
+        let axis = &mut self.axes[to.axis];
         if axis.geared && axis.crd == Some(self.name) && !axis.driven {
             // The motion that took it along is over: it sets off from the end of that.
             axis.head.extend(axis.carried.take().unwrap_or_default().into_iter().skip(1));
@@ -301,7 +305,10 @@ impl Controller {
             *place = f64::from(*to);
         }
         range(to.iter().enumerate().all(|(index, to)| *to == 0 || index < dimension))?;
-        range(target != begin)?;
+        if target == begin {
+            // Refused where its begin is known ahead of its instant (docs/crd.md).
+            self.open = Some("a line without length");
+        }
         self.motion(name, fifo as usize, Geometry::line(begin, target), target, speeds)
     }
 
@@ -358,6 +365,7 @@ impl Controller {
             let axis_of = &mut self.axes[axis];
             axis_of.set_mode(Mode::Crd);
             axis_of.crd = Some(name);
+            axis_of.joined = true;
             zero[index] = match origin {
                 Some(origin) => Fix::whole(origin[index].into()),
                 None => axis_of.name(),
@@ -448,6 +456,9 @@ impl Controller {
         let Some(of) = self.crds.get_mut(&name).filter(|of| of.runs) else { return };
         if of.started_here {
             self.open = Some("a Stop at the instant of a start");
+        }
+        if self.path_then.contains(&(name, PathThen::Halt)) {
+            self.open = Some("a Stop of a path after an abrupt one of its instant");
         }
         let axes = of.set.as_ref().map_or([None; 4], |set| set.axes);
         // Whether they count as resting for what follows at this instant.
@@ -540,6 +551,7 @@ impl Controller {
                 halted |= *then == PathThen::Halt;
                 match *then {
                     PathThen::Rate(rate) => of.change_rate(rate),
+                    PathThen::Brake if halts => {}
                     PathThen::Brake | PathThen::Halt if !of.runs => {}
                     PathThen::Brake | PathThen::Halt => {
                         if of.open || of.speed < 1e-3 && of.speed != 0.0 {

@@ -6,8 +6,14 @@ use super::super::number::Fix;
 use super::answer::{Answer, DONE, check, either, range};
 use super::{Controller, Reply, Then, Value};
 
+/// 2⁻²⁰ pulse: a way that may be rounding.
+const ROUNDED: Fix = Fix(1 << 44);
+
 impl Controller {
     pub(super) fn plain(&mut self, index: usize, call: &Call, kind: Kind, place: usize) -> Answer {
+        let crd = self.axes[place].light_crd();
+        let alarmed = crd.is_some()
+            && self.axes.iter().any(|axis| axis.is_alarmed() && (axis.light_crd() == crd || axis.alarms == crd));
         let axis = &mut self.axes[place];
         match kind {
             Kind::AxisOn => axis.servo = true,
@@ -29,7 +35,7 @@ impl Controller {
                 axis.renamed = true;
             }
             Kind::ClrSts => {
-                if axis.is_alarmed() && axis.light_crd().is_some() {
+                if alarmed {
                     self.open = Some("a clear of light while an alarm is there");
                 }
                 axis.clear();
@@ -37,6 +43,9 @@ impl Controller {
             }
             Kind::PrfTrap | Kind::PrfJog | Kind::PrfPvt => {
                 check(!axis.runs())?;
+                if axis.joined && axis.is_alarmed() {
+                    self.open = Some("an axis with an alarm that a coordinate system has for no time");
+                }
                 axis.set_mode(match kind {
                     Kind::PrfJog => Mode::Jog,
                     Kind::PrfPvt => Mode::Pvt,
@@ -163,6 +172,10 @@ impl Controller {
             }
             return;
         }
+        if self.crds.values().any(|crd| crd.started_here && crd.moves() >> place & 1 == 1) {
+            self.open = Some("a Stop of an axis at the instant of a start of a path that moves it");
+        }
+        let axis = &mut self.axes[place];
         if !axis.runs() {
             return;
         }
@@ -190,8 +203,16 @@ impl Controller {
                 Mode::Jog => axis.jog.acc > 0.0,
                 _ => false,
             })?;
+            let way = Fix::whole(axis.target.into()) - axis.name();
+            if axis.mode == Mode::Trap && way != Fix::ZERO && way.abs() < ROUNDED {
+                self.open = Some("an Update without a way");
+                return DONE;
+            }
             check(!axis.blocked() && !axis.obstructed() && !axis.driven)?;
         }
+        // What is read at this instant is read at its tick (docs/jobs.md).
+        let starts = |call: &Call| matches!(call, Call::Axis { kind: Kind::GetSts, axis } if mask >> axis & 1 == 1);
+        self.reads.retain(|(_, call, _)| !starts(call));
         for place in members(mask) {
             let aim = self.axes[place].aim();
             if self.axes[place].runs() {

@@ -61,7 +61,7 @@ impl Controller {
                     // What was given before the call; while it runs, what is over at the tick is
                     // free again.
                     let axis = &self.axes[axis];
-                    let ran = if matches!(axis.motion, Some(Motion::Stream(..))) { axis.pt.ran } else { 0 };
+                    let ran = if matches!(axis.motion, Some(Motion::Stream(..))) { axis.pt.ran } else { axis.pt.over };
                     Value::Whole(free.wrapping_add(ran) as i64)
                 }
                 Call::Light(LightCall { channel, what }) => {

@@ -37,6 +37,8 @@ fn weight(call: &Call) -> (i64, bool) {
         Call::Path(PathCall { what: Path::Start { mask, .. }, .. }) => (each(u32::from(*mask as u16), 64), true),
         Call::Path(PathCall { what: Path::Stop { .. }, .. }) => (19, true),
         Call::Path(PathCall { what: Path::Set { .. }, .. }) => (20, false),
+        // Of what each of its ticks does.
+        Call::Reset { .. } => (60, false),
         Call::Axis { kind: Kind::ZeroPos | Kind::ClrSts, .. } | Call::SynchAxisPos { .. } => (3, false),
         _ => (2, false),
     }

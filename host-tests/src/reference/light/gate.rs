@@ -20,6 +20,8 @@ pub struct Fpk {
 struct Pending {
     level: bool,
     edges: Vec<(f64, bool)>,
+    /// The last one that the level has taken.
+    taken: Option<f64>,
     /// Two of them fell so near to each other that rounding decides.
     tie: bool,
 }
@@ -27,7 +29,8 @@ struct Pending {
 impl Pending {
     /// A later command cancels what is pending at or after its own effect.
     fn command(&mut self, at: f64, level: bool) {
-        self.tie |= self.edges.iter().any(|edge| (edge.0 - at).abs() < NEAR && (edge.0 - at).abs() > SAME);
+        let near = |edge: f64| (edge - at).abs() < NEAR && (edge - at).abs() > SAME;
+        self.tie |= self.edges.iter().any(|edge| near(edge.0)) || self.taken.is_some_and(near);
         self.edges.retain(|edge| edge.0 < at - SAME);
         self.edges.push((at, level));
     }
@@ -38,7 +41,8 @@ impl Pending {
 
     /// The first one; whether the level changes.
     fn take(&mut self) -> Option<bool> {
-        let (_, level) = self.edges.remove(0);
+        let (at, level) = self.edges.remove(0);
+        self.taken = Some(at);
         (std::mem::replace(&mut self.level, level) != level).then_some(level)
     }
 }

@@ -269,6 +269,13 @@ impl<const AXES: usize> Tick<AXES> {
         self.report_causes_of(CrdMask(u8::MAX));
     }
 
+    /// An axis with an alarm may have left its coordinate system.
+    pub(crate) fn forget_alarms(&mut self) {
+        if self.crds.alarms.0 != 0 {
+            self.report_causes();
+        }
+    }
+
     /// The same for some of them.
     fn report_causes_of(&mut self, crds: CrdMask) {
         for (crd, state) in Crd::all().zip(&mut self.crds.states).filter(|(crd, _)| crds.has(*crd)) {
