@@ -176,6 +176,34 @@ fn all_that_one_instant_starts_begins_in_one_tick() {
     }
 }
 
+/// An entry that was given kept the place of a renamed path from being known: the arc after it was late.
+#[test]
+fn an_arc_after_an_entry_on_a_renamed_path_is_on_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "#pragma profile gus
+TCrdPrm prm; memset(&prm, 0, sizeof(prm));
+GT_AxisOn(1); GT_AxisOn(2);
+prm.dimension = 2; prm.profile[0] = 1; prm.profile[1] = 2; prm.synVelMax = 140; prm.synAccMax = 58;
+GT_SetCrdPrm(1, &prm);
+GT_BufIO(1, 12, 1, 0, 0);
+GT_ZeroPos(1, 1);
+GT_CrdStart(1, 0);
+Sleep(1.3);
+WaitStop(1, 0, 1);
+Sleep(4);
+GT_BufIO(1, 12, 16, 16, 1);
+GT_ArcXYR(1, -54, -92, 107.5, 0, 109, 26, 22, 1);
+GT_CrdStart(1, 1);
+Sleep(10);
+";
+    let job = job(folder.path(), text);
+    for tick in ["100", "250", "500"] {
+        let (out, code) = beamtick(&["sim", job.to_str().unwrap(), "--tick-us", tick]);
+        assert_eq!(code, 0, "{tick}: {out}");
+        assert!(out.contains("no late entries"), "{tick}: {out}");
+    }
+}
+
 #[test]
 fn the_emulated_board_resets_within_its_ticks_and_shows_the_light_of_sim() {
     if std::env::var_os("BEAMTICK_IMAGE").is_none() {
