@@ -218,7 +218,8 @@ impl Displacements {
                 axis.map_or(0, |axis| if encoder { axis.encoder() << Pos::FRAC_BITS } else { axis.planned().0 });
             let displacement = position.wrapping_sub(*from);
             *by = displacement as i32;
-            self.long |= (displacement >> 32) as i32 ^ *by >> (DISPLACEMENT_BITS - 1);
+            let upper = (displacement >> 32) as i32;
+            self.long |= (upper ^ *by >> (DISPLACEMENT_BITS - 1)) | (upper ^ *by >> (i32::BITS - 1));
             *from = position;
         }
     }

@@ -289,7 +289,10 @@ fn four_ways_of_one_length_add_up_with_the_largest_lower_halves_of_factors() {
     let (scales, ratios) = (bits([1.0; 4]), bits([ratio; 4]));
     let distance = Distance::admit(Source::Planned, mapped(), [0; 4], scales, ratios, Ratios::Fixed, None).unwrap();
     let (mut terms, mut displacements) = (distance.terms(), Displacements::begin(0));
-    for pulses in [0.0, 255.0, -0.5, 511.0, 0.0, -255.0, 0.0, -511.0, 0.0] {
+    let within = [0.0, 255.0, -0.5, 511.0, 0.0, -255.0, 0.0, -511.0, 0.0];
+    // Displacements of which the bits above the lowest 31 are all alike, but not the sign.
+    let across = [1280.0, 0.0, -1280.5, 0.0, 1535.5, 0.0, -1535.0, 4.0, 1400.25];
+    for pulses in within.into_iter().chain(across) {
         displacements.look(terms.key, &axes([pulses; 4]));
         terms.advance(&displacements, &Some(distance));
         let mut afresh = distance.terms();
