@@ -64,7 +64,7 @@ pub enum Change {
     /// A PVT table is complete.
     TableFilled { table: u8 },
     /// They are at standstill for what follows.
-    Rest { axes: AxisMask, crds: CrdMask },
+    Standstill { axes: AxisMask, crds: CrdMask },
     /// A mode, with empty FIFOs.
     Mode { axis: Axis, mode: Mode },
     /// A memory size.
@@ -418,7 +418,7 @@ impl<const AXES: usize> Shadows<AXES> {
             }
             Change::TablePasses { axis, passes } => one(axis, &|shadow| shadow.table_passes = passes),
             Change::TableFilled { table } => self.filled |= 1u64.checked_shl(table.into()).unwrap_or(0),
-            Change::Rest { axes, crds } => {
+            Change::Standstill { axes, crds } => {
                 let crds = CrdMask(crds.0 | self.drivers(axes).0);
                 let driven = crds.crds().fold(0, |mask, crd| mask | self.driven(crd).0);
                 // What still runs may set an axis off after the wait for it.
@@ -435,7 +435,7 @@ impl<const AXES: usize> Shadows<AXES> {
                         shadow.started = None;
                     }
                 });
-                self.with_crds(crds, &CrdChange::Rest, seq);
+                self.with_crds(crds, &CrdChange::Standstill, seq);
             }
             Change::Mode { axis, mode } => one(axis, &|shadow| {
                 shadow.mode = mode;

@@ -90,7 +90,7 @@ fn a_path_needs_no_flush() {
         let [x, y] = points[199].map(f64::from);
         assert_eq!((crd_pos(&mut bench), status(&mut bench, 0)), (vec![x, y], (0, 200)));
         let reported = bench.done(CrdInfo { core: 1.into(), crd: 1.into() });
-        assert_eq!(({ reported.rest }, { reported.reason }.get()), (1, 1), "completed");
+        assert_eq!(({ reported.path_stop }, { reported.reason }.get()), (1, 1), "completed");
     }
     assert_eq!(took[0], took[1]);
     let ideal = ideal([0, 0], &points);
@@ -161,7 +161,7 @@ fn a_host_that_is_too_late_ends_no_path_at_speed() {
     give(&mut bench, &points[..150]);
     bench.done(start_crd(1));
     until_standstill(&mut bench);
-    assert_eq!(bench.done(CrdInfo { core: 1.into(), crd: 1.into() }).rest, 1);
+    assert_eq!(bench.done(CrdInfo { core: 1.into(), crd: 1.into() }).path_stop, 1);
     assert_eq!(status(&mut bench, 0).1, 150);
     give(&mut bench, &points[150..]);
     bench.done(start_crd(1));

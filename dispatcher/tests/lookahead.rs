@@ -31,7 +31,7 @@ impl Effects for Heard {
         self.marks.push(at);
         0
     }
-    fn rest(&mut self, at: Fine, rest: PathStop) {
+    fn standstill(&mut self, at: Fine, rest: PathStop) {
         self.rests.push((at, rest));
     }
     fn gear(&mut self, _: Axis, _: Pos, _: Scaled) {}

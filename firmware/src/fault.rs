@@ -98,7 +98,7 @@ pub fn last(cause: Cause) -> Option<Report> {
 
 /// Sets the outputs to their safe state, stores `reason`, resets the board.
 fn restart(kind: FaultKind, reason: fmt::Arguments<'_>) -> ! {
-    board::rest();
+    board::safe_state();
     let mut report = Report { mark: WRITTEN, kind: kind as u32, length: 0, text: [0; TEXT] };
     // Writing into a Report never fails.
     let _ = report.write_fmt(reason);

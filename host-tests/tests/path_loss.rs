@@ -215,7 +215,7 @@ fn info(client: &Client) -> protocol::command::CrdState {
 fn readable(client: &Client, at: [f64; 2]) -> Result<(), String> {
     let after = info(client);
     let fault = client.call(GetLaserFault { core: 1.into(), channel: 0.into() }).unwrap().value.get();
-    if ({ after.run }, { after.rest }, { after.reason }.get(), fault) != (0, 3, 13, 2) {
+    if ({ after.run }, { after.path_stop }, { after.reason }.get(), fault) != (0, 3, 13, 2) {
         return Err(format!("{after:?}, fault {fault}"));
     }
     client.sleep(Duration::from_millis(100)).unwrap();
@@ -279,7 +279,7 @@ fn left(chance: &mut Chance, path: &Path) -> Result<f64, String> {
     let mut again: Vec<(u64, bool)> = Vec::new();
     done += take(&machine.board, &mut again);
     let to = path.points[path.lines.len()];
-    if { end.rest } != 1
+    if { end.path_stop } != 1
         || { end.segments }[0].get() != path.lines.len() as i32
         || [0, 1].map(|k| { end.pos }[k].get()) != to
     {

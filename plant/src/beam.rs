@@ -113,7 +113,7 @@ impl Stage {
         }
         self.run_to(now, &mut sink);
         if plan.safe_state {
-            self.rest(now, &mut sink);
+            self.safe_state(now, &mut sink);
         }
         for (at, action) in plan.actions() {
             self.push(next.saturating_add(u64::from(*at)), *action);
@@ -121,10 +121,10 @@ impl Stage {
     }
 
     /// The safe state at `now`; drops waiting actions. `sink` gets the changes before `now`.
-    pub fn rest(&mut self, now: u64, sink: &mut impl FnMut(Change)) {
+    pub fn safe_state(&mut self, now: u64, sink: &mut impl FnMut(Change)) {
         self.run_to(now, sink);
         (self.first, self.end) = (0, 0);
-        self.rest_pulses(now, sink);
+        self.end_pulses(now, sink);
         self.volts(now, 0, sink);
     }
 
@@ -135,7 +135,7 @@ impl Stage {
         if active {
             self.run_to(now, sink);
             self.keep_volts();
-            self.rest_pulses(now, sink);
+            self.end_pulses(now, sink);
         }
     }
 
@@ -153,7 +153,7 @@ impl Stage {
         }
     }
 
-    fn rest_pulses(&mut self, now: u64, sink: &mut impl FnMut(Change)) {
+    fn end_pulses(&mut self, now: u64, sink: &mut impl FnMut(Change)) {
         self.begin(now, Train::NONE, true);
         self.pulses_to(now, sink);
         self.switch(now, false, sink);

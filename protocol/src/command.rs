@@ -286,7 +286,7 @@ wire_structs! {
     /// (AxisItem). The axis of each coordinate, 0 none; coordinates in pulses, speed in pulse/ms.
     /// For each FIFO segments completed, segments left and free slots.
     CrdState {
-        run: u8, fifo: u8, rest: u8, reason: U16, axes: [I16; 4], pos: [F64; 4], vel: F64, segments: [I32; 2],
+        run: u8, fifo: u8, path_stop: u8, reason: U16, axes: [I16; 4], pos: [F64; 4], vel: F64, segments: [I32; 2],
         remainder: [I32; 2], space: [I32; 2],
     }
     /// Limits of one coordinate for look-ahead, pulse/ms and pulse/ms².

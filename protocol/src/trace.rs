@@ -79,7 +79,7 @@ wire_structs! {
 pub mod kind {
     /// Everything to the safe state at once, that is at the tick before `tick`; earlier actions are
     /// void.
-    pub const REST: u8 = 0;
+    pub const SAFE_STATE: u8 = 0;
     /// The switch output goes to `value`.
     pub const SWITCH: u8 = 1;
     /// Light begins with this train.

@@ -157,7 +157,7 @@ pub enum Op {
     /// Program lane: the program is over; the lane is held until the next `ProgramRun`.
     ProgramEnd,
     /// Program lane: the script clock waits until none of these runs.
-    WaitRest { axes: AxisMask, crds: CrdMask },
+    WaitStandstill { axes: AxisMask, crds: CrdMask },
     /// All axes of the mask, and the supervision, to power-on state: stopped, servo off, Trap mode, latches cleared. A coordinate system
     /// that is mapped to one of them has no frame then.
     Reset { axes: AxisMask },

@@ -471,7 +471,7 @@ impl<const AXES: usize> Tick<AXES> {
             if !self.script.is_due(instant, next) {
                 break;
             }
-            if let Op::WaitRest { axes, crds } = entry.op {
+            if let Op::WaitStandstill { axes, crds } = entry.op {
                 // The first tick, from its instant on, at which nothing of the masks runs.
                 let Some(since) = self.standstill_since(axes, crds) else { break };
                 instant = instant.max(self.script.of(since));

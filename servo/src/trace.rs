@@ -164,7 +164,7 @@ impl Trace {
             self.resting &= !bit;
         } else if self.resting & bit == 0 {
             self.resting |= bit;
-            self.put(Sample { row, of: Traced::Rest { channel } }, samples);
+            self.put(Sample { row, of: Traced::SafeState { channel } }, samples);
         }
         for &(at, action) in plan.actions() {
             self.put(Sample { row, of: Traced::Action { channel, at, action } }, samples);

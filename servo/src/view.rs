@@ -404,7 +404,7 @@ pub enum Traced {
     },
     /// A channel goes to the safe state at once: at the tick before `row`. Actions of `row` come
     /// after it.
-    Rest {
+    SafeState {
         /// Which channel, from 0.
         channel: u8,
     },

@@ -202,7 +202,7 @@ fn what_is_geared_goes_along_once() {
                 view = bench.tick();
             }
         }
-        let end = bench.rest();
+        let end = bench.run_to_standstill();
         assert_eq!(pulses(at(&end)[0]), f64::from(x) + 100.0, "{case}");
         assert_eq!([4, 5].map(|axis| pulses(end.axes[axis].pos)), sums.map(f64::from), "{case}");
     }
@@ -235,7 +235,7 @@ fn moves_between_both_ticks_are_not_lost_nor_made_twice() {
             bench.start_path(&[0]);
             view = bench.ticks(3);
         }
-        let end = bench.rest();
+        let end = bench.run_to_standstill();
         assert_eq!(at(&end).map(pulses), [80.0, 0.0]);
         assert_eq!((pulses(end.axes[4].pos), end.general_outputs), (60.0, 1), "{modal}");
         assert_eq!(end.crds[0].stop, StopReason::Completed);

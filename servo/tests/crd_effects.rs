@@ -143,7 +143,7 @@ fn a_move_takes_an_axis_away_and_a_modal_one_is_waited_for() {
             bench.start_path(&[0]);
             let zero = bench.tick.now().0 + u64::from(period) * 1000;
             let found = edges(&mut bench, zero);
-            let end = bench.rest();
+            let end = bench.run_to_standstill();
             assert_eq!((pulses(end.axes[4].pos), end.axes[4].mode), (-30.0, Mode::Trap));
             // 2·√37 ms for the line; 30 pulses at 2 pulse/ms: 4 ms, 11 ms, 4 ms.
             let line = 2.0 * 37f64.sqrt();
@@ -257,7 +257,7 @@ fn a_modal_move_that_was_stopped_is_made_to_its_end() {
         }
         let view = bench.tick();
         assert_eq!(pulses(view.axes[4].pos), -30.0, "{index}");
-        let end = bench.rest();
+        let end = bench.run_to_standstill();
         assert_eq!(pulses(end.axes[0].pos), 0.0);
         assert_eq!((end.crds[0].released[0], end.crds[0].done[0]), (4, 2));
     }
@@ -283,7 +283,7 @@ fn a_move_that_was_refused_is_made_once_it_can_be() {
         // A path that does not wait is on its way back by now.
         assert_eq!(view.general_outputs & 1 == 0, modal);
         assert_eq!(pulses(view.axes[0].pos) == 37.0, modal);
-        bench.rest();
+        bench.run_to_standstill();
         let end = bench.until(zero + 200 * MS);
         assert_eq!((pulses(end.axes[4].pos), pulses(end.axes[0].pos), end.general_outputs & 1), (-30.0, 0.0, 1));
     }
@@ -316,7 +316,7 @@ fn a_gear_goes_along_with_the_next_motion() {
         assert!(has(&view.axes[4], status::RUNNING) && view.axes[4].mode == Mode::Trap);
         // Stop by the bit of a geared axis.
         bench.now(Op::stop(all(&[5]), AxisMask(0)));
-        let view = bench.rest();
+        let view = bench.run_to_standstill();
         assert_eq!((view.crds[0].stop, view.axes[4].stop), (StopReason::StopSmooth, StopReason::StopSmooth));
         let share = pulses(view.axes[0].pos) / 300.0;
         assert!((pulses(view.axes[4].pos) - 7.0 - 100.0 * share).abs() < 1e-5);
@@ -358,13 +358,13 @@ fn a_gear_that_begins_in_the_tick_of_a_stop_goes_along() {
         }
         let before = pulses(view.axes[0].pos) < f64::from(3 + at);
         bench.now(Op::stop(all(&[0]), AxisMask(0)));
-        let view = bench.rest();
+        let view = bench.run_to_standstill();
         let gone = 65.0 * (pulses(view.axes[0].pos) - f64::from(3 + at)).max(0.0) / 47.0;
         within += u32::from(before && gone > 0.0);
         assert!((pulses(view.axes[4].pos) - gone).abs() < 1e-5, "{at}: {} {gone}", pulses(view.axes[4].pos));
         bench.start_path(&[0]);
         bench.tick();
-        assert_eq!(pulses(bench.rest().axes[4].pos), 65.0, "{at}");
+        assert_eq!(pulses(bench.run_to_standstill().axes[4].pos), 65.0, "{at}");
     }
     assert!(within > 5, "{within}");
 }
@@ -377,14 +377,14 @@ fn gears_add_up_and_too_many_stop_the_path() {
     bench.path(0, 0, &[Entry::gear(axis(4), 100), Entry::gear(axis(4), -30), way]);
     bench.start_path(&[0]);
     bench.tick();
-    assert_eq!(pulses(bench.rest().axes[4].pos), 70.0);
+    assert_eq!(pulses(bench.run_to_standstill().axes[4].pos), 70.0);
     let mut entries: Vec<_> = (3..8).map(|index| Entry::gear(axis(index), 10)).collect();
     entries.push(Entry::planar([0, 0], speeds(10.0, 1.0, 0.0)));
     bench.frame(1, &[2], None);
     bench.path(0, 0, &entries);
     bench.start_path(&[0]);
     bench.tick();
-    let view = bench.rest();
+    let view = bench.run_to_standstill();
     assert_eq!((view.crds[0].stop, view.crds[0].done[0]), (StopReason::OtherAxis, 1));
 }
 
@@ -482,7 +482,7 @@ fn two_paths_run_side_by_side() {
     assert!(!view.crds[1].runs && view.crds[0].runs, "100 pulses take 20 ms");
     assert_eq!((pulses(view.axes[2].pos), pulses(view.axes[3].pos)), (-60.0, 80.0));
     bench.now(Op::stop_crds(CrdMask(2), CrdMask(2)));
-    let view = bench.rest();
+    let view = bench.run_to_standstill();
     assert_eq!((pulses(view.axes[0].pos), view.crds[0].done[0]), (0.0, 2));
     let reasons: Vec<_> = std::iter::from_fn(|| bench.event())
         .map(|event| match event {

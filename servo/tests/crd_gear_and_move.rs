@@ -227,7 +227,7 @@ fn an_axis_that_is_geared_up_is_exact() {
                 assert_eq!((view.crds[0].runs, view.axes[4].pos), (false, shown), "{what}");
                 bench.start_path(&[0]);
                 bench.tick();
-                assert_eq!(pulses(bench.rest().axes[4].pos), f64::from(pulses_of));
+                assert_eq!(pulses(bench.run_to_standstill().axes[4].pos), f64::from(pulses_of));
             } else {
                 assert!(last > 0.0);
                 assert_eq!(pulses(view.axes[4].pos), f64::from(pulses_of), "{what}");

@@ -70,7 +70,7 @@ fn a_frame_is_not_set_while_something_of_it_moves() {
     let view = bench.tick();
     assert_eq!(format!("{:?}", view.crds[0].frame), format!("{frame:?}"));
     assert!(view.crds[0].runs && view.crds[1].frame.is_some_and(|frame| frame.mask() == all(&[2, 3])));
-    let end = bench.rest();
+    let end = bench.run_to_standstill();
     assert_eq!((pulses(end.axes[0].pos), end.crds[0].stop), (400.0, StopReason::Completed));
     bench.now(Op::SetMode { axis: axis(6), mode: Mode::Jog });
     bench.jog(6, 3.0, 1.0);
@@ -115,7 +115,7 @@ fn a_path_does_not_go_on_without_what_went_along() {
     bench.now(Op::Servo { axis: axis(4), on: true });
     bench.start_path(&[0]);
     bench.tick();
-    let end = bench.rest();
+    let end = bench.run_to_standstill();
     assert_eq!([0, 4].map(|axis| pulses(end.axes[axis].pos)), [100.0, 100.0]);
 }
 
@@ -148,7 +148,7 @@ fn an_axis_of_another_path_does_not_go_along() {
     let mut bench = prepared(250);
     bench.path(0, 0, &[Entry::gear(axis(2), 100), Entry::planar([100, 0], speeds(10.0, 1.0, 0.0))]);
     bench.start_path(&[0]);
-    let view = bench.rest();
+    let view = bench.run_to_standstill();
     assert_eq!((view.crds[0].stop, pulses(view.axes[2].pos)), (StopReason::OtherAxis, 0.0));
 }
 
@@ -179,7 +179,7 @@ fn an_axis_that_goes_along_is_sent_nowhere_else() {
     bench.start_path(&[1]);
     let view = bench.ticks(3);
     assert_eq!((view.crds[1].runs, view.crds[1].stop), (false, StopReason::OtherAxis), "nor by an entry");
-    let end = bench.rest();
+    let end = bench.run_to_standstill();
     assert_eq!([0, 4].map(|axis| pulses(end.axes[axis].pos)), [100.0, 100.0]);
 }
 
@@ -198,7 +198,7 @@ fn an_axis_that_was_waited_for_is_free_again() {
     bench.ticks(20);
     bench.now(Op::stop(all(&[4]), all(&[4])));
     bench.ticks(3);
-    let end = bench.rest();
+    let end = bench.run_to_standstill();
     assert_eq!((pulses(end.axes[0].pos), end.crds[0].stop), (900.0, StopReason::Completed));
 }
 
@@ -212,7 +212,7 @@ fn why_a_path_brakes_is_told_by_the_first_order() {
     bench.now(Op::stop_crds(CrdMask(1), CrdMask(0)));
     bench.ticks(4);
     bench.now(Op::Link { lost: true });
-    assert_eq!(bench.rest().crds[0].stop, StopReason::StopSmooth);
+    assert_eq!(bench.run_to_standstill().crds[0].stop, StopReason::StopSmooth);
     let guard = Op::Guard { axis: axis(0), on: Guards::set(Guarded::Alarm, true), low: Guards::NONE };
     bench.now(guard);
     bench.now(Op::ClearStatus { axes: AxisMask(0xff) });
@@ -223,5 +223,5 @@ fn why_a_path_brakes_is_told_by_the_first_order() {
     bench.now(Op::Link { lost: true });
     bench.ticks(4);
     bench.now(Op::stop_crds(CrdMask(1), CrdMask(0)));
-    assert_eq!(bench.rest().crds[0].stop, StopReason::LinkLoss);
+    assert_eq!(bench.run_to_standstill().crds[0].stop, StopReason::LinkLoss);
 }

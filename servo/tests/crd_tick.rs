@@ -125,7 +125,7 @@ fn a_line_moves_both_axes_by_their_share() {
     assert!(has(&later.axes[2], status::IN_POSITION) && later.axes[2].encoder == 300);
     assert!(begin.axes[2].status & status::IN_POSITION == 0 && later.axes[2].stop == StopReason::Completed);
     assert_eq!(
-        (end.crds[0].stop, end.crds[0].rest, end.crds[0].done),
+        (end.crds[0].stop, end.crds[0].path_stop, end.crds[0].done),
         (StopReason::Completed, PathStop::Completed, [1, 0])
     );
     assert!(
@@ -303,7 +303,7 @@ fn a_stop_brakes_along_the_path_and_a_start_goes_on() {
         assert_eq!(view.now.0 - zero, 25 * MS);
         let published = view.crds[0];
         assert_eq!(
-            (published.stop, published.rest, published.done),
+            (published.stop, published.path_stop, published.done),
             (StopReason::StopSmooth, PathStop::Stopped, [0, 0])
         );
         assert_eq!((view.axes[2].stop, view.axes[5].stop), (StopReason::StopSmooth, StopReason::StopSmooth));
@@ -434,7 +434,7 @@ fn soft_limits_hold_lines_and_arcs() {
                     break view;
                 }
             };
-            assert_eq!((view.crds[0].stop, view.crds[0].rest), (StopReason::SoftPositive, PathStop::Obstructed));
+            assert_eq!((view.crds[0].stop, view.crds[0].path_stop), (StopReason::SoftPositive, PathStop::Obstructed));
             assert!(pulses(view.axes[0].pos) > f64::from(limit) - 0.01, "{}", pulses(view.axes[0].pos));
             assert!(has(&view.axes[0], status::LIMIT_POSITIVE));
         }
@@ -501,7 +501,7 @@ fn running_out_at_speed_is_an_underrun_and_needs_no_clearing() {
     bench.path(0, 0, &[Entry::planar([0, 50], fast), Entry::planar([5, 50], fast)]);
     bench.start_path(&[0]);
     let view = finish(&mut bench, 0);
-    assert_eq!((view.crds[0].stop, view.crds[0].rest), (StopReason::Underrun, PathStop::Underrun));
+    assert_eq!((view.crds[0].stop, view.crds[0].path_stop), (StopReason::Underrun, PathStop::Underrun));
     assert_eq!(place(&view, [2, 5]), [105.0, 0.0]);
     bench.path(0, 0, &[line(0, 0)]);
     bench.start_path(&[0]);
@@ -635,7 +635,7 @@ fn an_axis_may_leave_and_come_back() {
     bench.jog(2, 5.0, 1.0);
     bench.ticks(100);
     stop(&mut bench, &[2], &[]);
-    let view = bench.rest();
+    let view = bench.run_to_standstill();
     assert!(view.axes[2].mode == Mode::Jog && pulses(view.axes[2].pos) > 20.0);
     bench.frame(0, &[2, 5], Some([0; 4]));
     let view = bench.tick();
@@ -674,7 +674,7 @@ fn a_lost_link_stops_paths_smoothly_and_they_go_on() {
     bench.until(zero + 20 * MS - 250_000);
     bench.now(Op::Link { lost: true });
     let view = finish(&mut bench, 0);
-    assert_eq!((view.crds[0].stop, view.crds[0].rest), (StopReason::LinkLoss, PathStop::Stopped));
+    assert_eq!((view.crds[0].stop, view.crds[0].path_stop), (StopReason::LinkLoss, PathStop::Stopped));
     // 1 pulse/ms² from 10 pulse/ms.
     assert_eq!(view.now.0 - zero, 30 * MS);
     bench.now(Op::Link { lost: false });
@@ -689,7 +689,7 @@ fn a_program_waits_for_a_path_and_traces_it() {
     bench.now(Op::Trace { every: 4, axes: all(&[5]), crds: CrdMask(1), lasers: 0, edges: false, outputs: false });
     bench.now(Op::ProgramRun);
     bench.then(0, Op::CrdStart { crds: CrdMask(1), fifo1: CrdMask(0) });
-    bench.then(0, Op::WaitRest { axes: AxisMask(0), crds: CrdMask(1) });
+    bench.then(0, Op::WaitStandstill { axes: AxisMask(0), crds: CrdMask(1) });
     bench.then(0, Op::Output { group: DoGroup::General, mask: 1, value: 1 });
     bench.then(0, Op::ProgramEnd);
     let zero = bench.tick().now.0 - 250_000;

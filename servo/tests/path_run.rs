@@ -593,7 +593,7 @@ fn other_effects_carry_their_numbers() {
             self.0.push(*change);
             0
         }
-        fn rest(&mut self, _: Fine, _: PathStop) {}
+        fn standstill(&mut self, _: Fine, _: PathStop) {}
         fn gear(&mut self, _: Axis, _: Pos, _: Scaled) {}
         fn geared(&mut self, _: u128, _: Axis, _: i32) {}
     }

@@ -23,7 +23,7 @@ fn stops_are_smooth_or_abrupt() {
     assert_eq!(stopped(bench.event()), (1, StopReason::StopAbrupt));
     // Smooth: it begins on that tick, v²/2a = 16 pulses and v/a = 4 ms later it has stopped.
     assert!(has(&view.axes[0], RUNNING));
-    let end = bench.rest();
+    let end = bench.run_to_standstill();
     assert_eq!(end.now.0, view.now.0 + 4 * MS);
     assert!((pulses(end.axes[0].pos) - pulses(view.axes[0].pos) - 16.0).abs() < 1e-5);
     assert_eq!(end.axes[0].stop, StopReason::StopSmooth);
@@ -72,7 +72,7 @@ fn the_power_on_stop_deceleration_is_1() {
     bench.ticks(100);
     bench.now(Op::stop(all(&[0]), all(&[])));
     let begin = bench.tick().now.0;
-    assert_eq!(bench.rest().now.0, begin + 5 * MS);
+    assert_eq!(bench.run_to_standstill().now.0, begin + 5 * MS);
 }
 
 #[test]
@@ -83,7 +83,7 @@ fn a_soft_limit_holds_exactly_and_lets_go_after_clear_status() {
         [(3.7, 100, LIMIT_POSITIVE, StopReason::SoftPositive), (-3.7, -50, LIMIT_NEGATIVE, StopReason::SoftNegative)]
     {
         bench.jog(0, velocity, 10.0);
-        let view = bench.rest();
+        let view = bench.run_to_standstill();
         assert_eq!(view.axes[0].pos, Pos::pulses(limit));
         assert_eq!(view.axes[0].status & LIMITS, bit);
         assert_eq!((view.axes[0].stop, view.axes[0].blocked), (reason, bit));
@@ -187,7 +187,7 @@ fn pt_towards_a_switch_stops_when_it_moves_towards_it() {
     bench.pt(0, 0, &[(10.0, 10, 0), (0.0, 30, 2)]);
     bench.start(&[0]);
     let zero = bench.tick().now.0;
-    let view = bench.rest();
+    let view = bench.run_to_standstill();
     assert_eq!(view.axes[0].stop, StopReason::LimitNegative);
     // It may move away from the switch; reversing is what stops it.
     assert!(view.now.0 > zero + 9 * MS && pulses(view.axes[0].pos) > 9.0, "{:?}", view.axes[0].pos);
@@ -255,7 +255,7 @@ fn the_edge_of_travel_stops_and_never_wraps() {
         bench.now(Op::SetPosition { axis: axis(index), pos: at });
         bench.jog(index, sign * 4_000_000.0, 1_000_000.0);
     }
-    let view = bench.rest();
+    let view = bench.run_to_standstill();
     assert_eq!(view.axes[0].pos, Pos::TRAVEL);
     assert_eq!(view.axes[1].pos, Pos(-Pos::TRAVEL.0));
     assert!(view.axes[..2].iter().all(|axis| axis.stop == StopReason::Travel));
@@ -284,7 +284,7 @@ fn in_position_needs_rest_and_the_band_for_its_time() {
     bench.start(&[0]);
     assert!(!has(&bench.tick().axes[0], IN_POSITION), "from the start on it is clear");
     bench.machine.slip[0] = -6;
-    let end = bench.rest();
+    let end = bench.run_to_standstill();
     assert!(!has(&end.axes[0], IN_POSITION));
     assert!(!has(&bench.ticks(40).axes[0], IN_POSITION), "outside the band");
     bench.machine.slip[0] = -5;
@@ -300,7 +300,7 @@ fn setting_positions_makes_no_step() {
     let mut bench = Bench::prepared(250, Mode::PtStatic);
     bench.pt(0, 0, &[(100.25, 10, 2)]);
     bench.start(&[0]);
-    bench.rest();
+    bench.run_to_standstill();
     let machine = bench.machine.set_points[0];
     bench.now(Op::SetPosition { axis: axis(0), pos: Pos::pulses(-7) });
     bench.now(Op::SetEncoder { axis: axis(0), pulses: 33 });
@@ -309,7 +309,7 @@ fn setting_positions_makes_no_step() {
     bench.now(Op::Synchronise { axes: all(&[0]) });
     assert_eq!(bench.tick().axes[0].pos, Pos::pulses(33));
     bench.start(&[0]);
-    let view = bench.rest();
+    let view = bench.run_to_standstill();
     assert_eq!(pulses(view.axes[0].pos), 133.25);
     assert_eq!(bench.machine.set_points[0].0 - machine.0, 100 * (1 << 22) + (1 << 20));
     let machine = bench.machine.set_points[0];
@@ -355,7 +355,7 @@ fn a_soft_limit_holds_the_end_of_a_motion() {
         bench.pt(0, 0, &[(98.0 * f64::from(way), 49, 1), (100.0 * f64::from(way), 50, 1)]);
         bench.now(Op::SoftLimit { axis: axis(0), positive, negative });
         bench.start(&[0]);
-        let view = bench.rest();
+        let view = bench.run_to_standstill();
         let reason = if way > 0 { StopReason::SoftPositive } else { StopReason::SoftNegative };
         assert_eq!((view.axes[0].pos, view.axes[0].stop), (Pos::pulses(99 * way), reason));
         assert!(view.axes[0].blocked != 0);
@@ -511,6 +511,6 @@ fn trap_reaches_its_target_and_can_be_changed_under_way() {
     assert_eq!(real(view.axes[0].motion.velocity()), 10.0);
     bench.now(Op::TargetPosition { axis: axis(0), pulses: -123 });
     bench.now(Op::Update { axes: all(&[0]) });
-    let view = bench.rest();
+    let view = bench.run_to_standstill();
     assert_eq!((view.axes[0].pos, view.axes[0].stop), (Pos::pulses(-123), StopReason::Completed));
 }

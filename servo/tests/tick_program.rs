@@ -66,10 +66,10 @@ fn wait_rest_moves_the_clock_to_the_tick_of_rest() {
         bench.pt(0, 0, &LISTING_2_1);
         bench.tick();
         bench.then(0, Op::PtStart { axes: all(&[0]), fifo1: AxisMask(0) });
-        let wait = bench.then(0, Op::WaitRest { axes: all(&[0]), crds: CrdMask(0) });
+        let wait = bench.then(0, Op::WaitStandstill { axes: all(&[0]), crds: CrdMask(0) });
         bench.then(0, output(0));
         bench.then(1500 * US, output(1));
-        bench.then(0, Op::WaitRest { axes: all(&[0, 5]), crds: CrdMask(0) });
+        bench.then(0, Op::WaitStandstill { axes: all(&[0, 5]), crds: CrdMask(0) });
         bench.then(0, output(2));
         let zero = bench.tick.now().0;
         bench.now(Op::ProgramRun);
@@ -107,7 +107,7 @@ fn a_late_entry_acts_at_once_is_counted_and_shifts_nothing() {
     // A wait that comes late still has the instant since which the axis is at rest.
     let view = bench.until(zero + 30 * MS);
     assert_eq!((view.late, view.worst_late), (1, Ns(4 * MS)));
-    bench.then(0, Op::WaitRest { axes: all(&[0]), crds: CrdMask(0) });
+    bench.then(0, Op::WaitStandstill { axes: all(&[0]), crds: CrdMask(0) });
     assert_eq!(bench.tick().script.0, 16 * MS);
 }
 

@@ -68,16 +68,16 @@ fn loops_continue_where_the_pass_ended_and_can_be_ended_while_running() {
     assert_eq!(view.axes[0].pos, Pos(100 * 30 * (1 << 22) + 50 * (1 << 22)));
     assert_eq!(view.axes[0].passes, 100);
     bench.now(Op::PtLoop { axis: axis(0), passes: 101 });
-    let view = bench.rest();
+    let view = bench.run_to_standstill();
     assert_eq!(view.now.0, zero + 20 * 101 * MS);
     assert_eq!((pulses(view.axes[0].pos), view.axes[0].passes), (30.5 * 101.0, 101));
     // Kept after it has run; FIFO 1 is another store.
     bench.now(Op::PtLoop { axis: axis(0), passes: 1 });
     bench.pt(0, 1, &[(-7.0, 3, 1)]);
     bench.now(Op::PtStart { axes: all(&[0]), fifo1: all(&[0]) });
-    assert_eq!(pulses(bench.rest().axes[0].pos), 30.5 * 101.0 - 7.0);
+    assert_eq!(pulses(bench.run_to_standstill().axes[0].pos), 30.5 * 101.0 - 7.0);
     bench.start(&[0]);
-    assert_eq!(pulses(bench.rest().axes[0].pos), 30.5 * 102.0 - 7.0);
+    assert_eq!(pulses(bench.run_to_standstill().axes[0].pos), 30.5 * 102.0 - 7.0);
 }
 
 #[test]
@@ -87,7 +87,7 @@ fn data_added_to_a_running_fifo_belongs_to_the_pass() {
     bench.start(&[0]);
     bench.ticks(20);
     bench.pt(0, 0, &[(20.0, 20, 0)]);
-    let view = bench.rest();
+    let view = bench.run_to_standstill();
     assert_eq!((pulses(view.axes[0].pos), view.axes[0].passes), (20.0, 1));
 }
 
@@ -116,7 +116,7 @@ fn a_stream_that_runs_dry_at_speed_is_an_underrun_and_a_new_epoch() {
     bench.forget(0);
     bench.pt(0, 0, &[(5.0, 10, 0), (10.0, 20, 0)]);
     bench.start(&[0]);
-    let view = bench.rest();
+    let view = bench.run_to_standstill();
     assert_eq!((pulses(view.axes[0].pos), view.axes[0].pt_state, view.axes[0].epoch), (40.0, 2, 2));
 }
 
@@ -200,7 +200,7 @@ fn a_mode_that_is_set_again_keeps_its_data() {
     assert!(has(&bench.tick().axes[0], status::RUNNING));
     bench.now(Op::SetMode { axis: axis(0), mode: Mode::Jog });
     assert_eq!(bench.tick().axes[0].mode, Mode::PtStatic, "only at rest");
-    bench.rest();
+    bench.run_to_standstill();
     for mode in [Mode::PtDynamic, Mode::PtStatic] {
         bench.now(Op::SetMode { axis: axis(0), mode });
     }

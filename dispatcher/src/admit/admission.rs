@@ -208,7 +208,7 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
             return Ok(false);
         }
         if runs {
-            self.staged.add(Op::WaitRest { axes, crds }, Change::Rest { axes, crds });
+            self.staged.add(Op::WaitStandstill { axes, crds }, Change::Standstill { axes, crds });
         }
         Ok(true)
     }

@@ -26,7 +26,7 @@ mod reachable;
 
 use super::geometry::{Form, Geometry, Position};
 use heapless::Vec;
-use junction::{Junction, REST, Tail};
+use junction::{Junction, STANDSTILL, Tail};
 use libm::{fabs, sqrt};
 use reachable::{BOUNDS, Bound, Corner, Span};
 use servo::path::{Along, Entry};
@@ -198,7 +198,7 @@ impl<const N: usize> LookAhead<N> {
     }
 
     /// The path stops where the last motion ends.
-    pub fn rest(&mut self) {
+    pub fn stop(&mut self) {
         self.moves = false;
     }
 
@@ -248,7 +248,7 @@ impl<const N: usize> LookAhead<N> {
             round,
             vel: vel.max(ALONG_MIN),
             acc: acc.max(ALONG_MIN),
-            start: REST,
+            start: STANDSTILL,
             high: f64::NAN,
             settled: false,
         }
@@ -287,11 +287,11 @@ impl<const N: usize> LookAhead<N> {
         while counter != self.end {
             match self.slot(counter) {
                 Slot::Motion(motion) => return (motion.start, motion.high, motion.settled),
-                Slot::Other(_, true) => return (REST, 0.0, true),
+                Slot::Other(_, true) => return (STANDSTILL, 0.0, true),
                 _ => counter = counter.wrapping_add(1),
             }
         }
-        (REST, 0.0, false)
+        (STANDSTILL, 0.0, false)
     }
 
     /// Plans backwards from a stop at the end, as far as anything changes.
@@ -300,7 +300,7 @@ impl<const N: usize> LookAhead<N> {
             return;
         }
         self.stale = false;
-        let (mut after, mut settled, mut end) = (0.0, false, REST);
+        let (mut after, mut settled, mut end) = (0.0, false, STANDSTILL);
         let mut counter = self.end;
         while counter != self.first {
             counter = counter.wrapping_sub(1);

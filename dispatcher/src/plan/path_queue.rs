@@ -129,7 +129,7 @@ impl PathQueue {
         self.make_room(store);
         self.look.push_motion(geometry, vel, acc);
         if rests {
-            self.look.rest();
+            self.look.stop();
         }
     }
 

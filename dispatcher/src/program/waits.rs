@@ -49,7 +49,7 @@ impl Pauses {
                 pause.later = seq;
             }
         }
-        if let Op::WaitRest { .. } = op {
+        if let Op::WaitStandstill { .. } = op {
             self.last = Some(seq);
             // No more than fit are in flight.
             self.kept.push_back(Pause { seq, later: 0, instant }).ok();
@@ -114,7 +114,7 @@ fn is_over<'c, const AXES: usize>(
     }
     for (seq, change) in changes {
         match *change {
-            Change::Rest { axes, crds } if *seq == pause.seq => {
+            Change::Standstill { axes, crds } if *seq == pause.seq => {
                 let axis = |(index, axis): (usize, &AxisView)| {
                     axes.0.checked_shr(index as u32).unwrap_or(0) & 1 == 1 && axis.status & RUNNING != 0
                 };

@@ -191,7 +191,7 @@ impl<const AXES: usize> TraceOut<AXES> {
                 self.columns.axes() + self.columns.crds() + before.count_ones() as usize
             }
             Traced::Action { channel, at, action } => return self.action(sample.row, channel, at, action).is_ok(),
-            Traced::Rest { channel } => return self.rest(sample.row, channel).is_ok(),
+            Traced::SafeState { channel } => return self.safe_state(sample.row, channel).is_ok(),
             Traced::Period { ns } => {
                 let period = trace::Period { tick: sample.row.into(), period_ns: ns.into() };
                 return self.encoder.period(&period).is_ok();
@@ -254,8 +254,8 @@ impl<const AXES: usize> TraceOut<AXES> {
         true
     }
 
-    fn rest(&mut self, tick: u32, channel: u8) -> Result<(), Full> {
-        let rest = trace::Action { tick: tick.into(), channel, kind: kind::REST, ..trace::Action::default() };
+    fn safe_state(&mut self, tick: u32, channel: u8) -> Result<(), Full> {
+        let rest = trace::Action { tick: tick.into(), channel, kind: kind::SAFE_STATE, ..trace::Action::default() };
         self.encoder.action(&rest)
     }
 

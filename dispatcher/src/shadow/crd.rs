@@ -407,7 +407,7 @@ impl CrdShadow {
                 (0..2).for_each(|fifo| self.leave(fifo));
             }
             CrdChange::Stopped => self.stopped = true,
-            CrdChange::Rest => {
+            CrdChange::Standstill => {
                 let ended = self.started.is_some() && !self.stopped && !self.fed && !self.may_fail;
                 self.started = None;
                 if ended {
@@ -480,7 +480,7 @@ impl CrdShadow {
             if quiet && !path.loose || path.is_executed(view) {
                 // Entries in flight, as a Stop, change nothing of it at standstill. A wait that a
                 // Stop has ended is over for the tick, but not for the path.
-                let waits = sampled.rest == PathStop::Stopped && sampled.fifo == fifo && path.data.given != 0;
+                let waits = sampled.path_stop == PathStop::Stopped && sampled.fifo == fifo && path.data.given != 0;
                 path.data.open = path.data.given != released || waits;
                 if quiet {
                     path.data.stand_at(&position_of(&sampled.position));
@@ -517,5 +517,5 @@ pub enum CrdChange {
     /// It gets a Stop.
     Stopped,
     /// It is at standstill for what follows.
-    Rest,
+    Standstill,
 }

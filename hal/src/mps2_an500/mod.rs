@@ -151,12 +151,12 @@ pub fn ring_bell() {
 
 /// Sets every output to its safe state and stops the ticks and the board's other interrupts: the
 /// first step of a reset.
-pub fn rest() {
+pub fn safe_state() {
     // The tick first: it would write the outputs again.
     NVIC::mask(Interrupt::TIMER0);
     cortex_m::asm::dsb();
     cortex_m::asm::isb();
-    outputs::rest();
+    outputs::safe_state();
     // Its NMI does not disturb what is left to do.
     watchdog::feed();
     for interrupt in [Interrupt::UART0_RX, Interrupt::UART0_TX, Interrupt::UART1_TX] {

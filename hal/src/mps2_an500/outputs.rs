@@ -51,7 +51,7 @@ impl Laser {
         self.width.store(u32::try_from(train.width.whole).unwrap_or(u32::MAX), Ordering::Relaxed);
     }
 
-    fn rest(&self) {
+    fn safe_state(&self) {
         self.switch.store(false, Ordering::Relaxed);
         self.pulses(&Train::NONE);
         self.dac.store(0, Ordering::Relaxed);
@@ -62,7 +62,7 @@ impl Laser {
 pub fn set_laser(channel: usize, plan: &Plan) {
     let Some(laser) = LASERS.get(channel) else { return };
     if plan.safe_state {
-        laser.rest();
+        laser.safe_state();
     }
     for (_, action) in plan.actions() {
         match action {
@@ -95,8 +95,8 @@ pub fn set_analog(channel: usize, value: i16) {
 }
 
 /// Servos off, outputs low, lasers dark, 0 V.
-pub fn rest() {
-    LASERS.iter().for_each(Laser::rest);
+pub fn safe_state() {
+    LASERS.iter().for_each(Laser::safe_state);
     set(0, 0, 0);
     for channel in 0..ANALOG {
         set_analog(channel, 0);

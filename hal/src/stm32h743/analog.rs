@@ -124,7 +124,7 @@ impl Analog {
     /// Queues the voltages of a laser channel's next tick.
     pub fn follow(&mut self, channel: usize, plan: &Plan) {
         if plan.safe_state {
-            self.rest(channel);
+            self.safe_state(channel);
         }
         for (at, action) in plan.actions() {
             if let Action::Volts(code) = action
@@ -139,7 +139,7 @@ impl Analog {
     /// Outputs 0 V now, if a laser drives the output, and drops all queued codes.
     #[cold]
     #[inline(never)]
-    fn rest(&mut self, channel: usize) {
+    fn safe_state(&mut self, channel: usize) {
         let Some(output) = self.outputs.get_mut(channel).filter(|output| output.is_lasers()) else { return };
         *output = Output::default();
         self.put(channel, 0);
@@ -147,7 +147,7 @@ impl Analog {
 }
 
 /// Before a reset: disables the chip's DAC, sets an external one to 0 V.
-pub fn rest() {
+pub fn safe_state() {
     if EXTERNAL_DAC {
         if RCC.apb1lenr().read().spi3en() {
             let (bus, select, pause) = spi::again();

@@ -239,7 +239,7 @@ fn energy_timer(channel: usize) -> TimAdv {
 }
 
 /// Sets all laser outputs to the safe state, in any state of the timers.
-pub fn rest() {
+pub fn safe_state() {
     let clocks = RCC.apb2enr().read();
     for (timer, has_clock) in [(TIM1, clocks.tim1en()), (TIM15, clocks.tim15en()), (TIM8, clocks.tim8en())] {
         if has_clock {
@@ -343,7 +343,7 @@ impl Lasers {
     #[cold]
     #[inline(never)]
     fn stop(&mut self) {
-        rest();
+        safe_state();
         for timer in [TIM1, TIM8, TIM15] {
             timer.smcr().write(|_| {});
         }
@@ -369,7 +369,7 @@ impl Lasers {
     #[inline]
     pub fn plan(&mut self, channel: usize, plan: &Plan) {
         if plan.safe_state {
-            self.rest(channel);
+            self.safe_state(channel);
         }
         if self.state != State::Stopped {
             self.queue(channel, SCALE.counts(plan.lasts).into());
@@ -423,7 +423,7 @@ impl Lasers {
     /// The safe state at once; drops what was planned.
     #[cold]
     #[inline(never)]
-    fn rest(&mut self, channel: usize) {
+    fn safe_state(&mut self, channel: usize) {
         enable(energy_timer(channel), false);
         follow(channel, false);
         if let Some(live) = self.is_live.get_mut(channel) {

@@ -196,14 +196,14 @@ pub fn ring_bell() {
 
 /// Sets every output to its safe state and stops the ticks and the board's other interrupts: the
 /// first step of a reset.
-pub fn rest() {
+pub fn safe_state() {
     // The tick first: it would write the outputs again.
     NVIC::mask(Interrupt::TIM2);
     cortex_m::asm::dsb();
     cortex_m::asm::isb();
-    laser::rest();
-    analog::rest();
-    pins::rest();
+    laser::safe_state();
+    analog::safe_state();
+    pins::safe_state();
     steps::stop();
     timer::stop();
     NVIC::mask(Interrupt::USART3);

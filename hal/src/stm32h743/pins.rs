@@ -182,7 +182,7 @@ fn input((port, pin): Pin, pull: Pupdr) {
 }
 
 /// Every output high-impedance again.
-pub fn rest() {
+pub fn safe_state() {
     STEPS.moder().write(|w| (0..2 * AXES).for_each(|pin| w.set_moder(pin, Moder::ANALOG)));
     for port in OUT {
         for (owner, pin) in ENABLE.into_iter().chain(GENERAL_OUT) {

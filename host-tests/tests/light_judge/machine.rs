@@ -331,7 +331,7 @@ impl Rig {
     fn view(&mut self) -> Seen {
         let crds = [0, 1].map(|crd| {
             let view = self.board.crd(crd);
-            (view.runs, view.rest, view.fifo)
+            (view.runs, view.path_stop, view.fifo)
         });
         Seen {
             at: self.board.now() as Ns,

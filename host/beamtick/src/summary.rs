@@ -240,7 +240,7 @@ fn path(state: &CrdState) -> String {
 
 /// How a coordinate system came to standstill.
 fn path_end(state: &CrdState) -> String {
-    match (state.run, state.rest) {
+    match (state.run, state.path_stop) {
         (0, 0) => "never moved".to_owned(),
         (0, 1) => "its entries ran out".to_owned(),
         (0, 2) => "UNDERRUN: its entries ran out at speed".to_owned(),

@@ -205,10 +205,10 @@ impl Made {
         let now = self.ticks.at(tick.saturating_sub(1));
         passed(|mut sink| stage.run_to(now, &mut sink), laser, sink)?;
         let action = match told.kind {
-            kind::REST => {
+            kind::SAFE_STATE => {
                 self.lights.retain(|(of, at, _)| *of != laser || *at < now);
                 self.lights.push((laser, now, false));
-                return passed(|mut sink| stage.rest(now, &mut sink), laser, sink);
+                return passed(|mut sink| stage.safe_state(now, &mut sink), laser, sink);
             }
             kind::SWITCH => Action::Switch(value != 0),
             kind::LIGHT => Action::Light(train),

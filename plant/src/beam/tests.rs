@@ -271,7 +271,7 @@ fn everything_rests_at_once_and_what_waits_is_void() {
     }
     stage.run_to(1_400, &mut |change| scope.note(change));
     assert_eq!(stage.levels(), Levels { switch: true, energy: true, dac: 8_192 });
-    stage.rest(1_400, &mut |change| scope.note(change));
+    stage.safe_state(1_400, &mut |change| scope.note(change));
     assert_eq!(stage.levels(), Levels::default());
     stage.run_to(1_000_000, &mut |change| scope.note(change));
     assert_eq!(highs(&scope), [(10, 810), (1_010, 1_400)]);

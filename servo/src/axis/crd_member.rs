@@ -137,7 +137,7 @@ impl AxisState {
             if self.published.mode != Mode::Crd {
                 self.crd = None;
             }
-            self.rest(next, at, reason);
+            self.come_to_standstill(next, at, reason);
             // What it was in before it was driven does not lead here.
             self.profile.forget();
         }
@@ -152,7 +152,7 @@ impl AxisState {
     /// computed it may still be on its way.
     fn leave_gear(&mut self, next: Ns) {
         (self.state, self.crd, self.published.drive) = (MotionState::Standstill, None, None);
-        self.profile.rest(next, self.published.pos);
+        self.profile.stand_still(next, self.published.pos);
         self.profile.forget();
     }
 

@@ -129,7 +129,7 @@ impl AxisState {
     pub(crate) fn halt(&mut self, next: Ns, reason: StopReason) {
         if self.state.is_own() {
             self.end_stream(pt_state::STOPPED);
-            self.rest(next, exact(self.published.pos), reason);
+            self.come_to_standstill(next, exact(self.published.pos), reason);
             self.profile.forget();
             if let Some(follower) = self.profile.follower_mut() {
                 follower.forget_track();
@@ -137,11 +137,11 @@ impl AxisState {
         }
     }
 
-    pub(super) fn rest(&mut self, next: Ns, at: Exact, reason: StopReason) {
+    pub(super) fn come_to_standstill(&mut self, next: Ns, at: Exact, reason: StopReason) {
         self.state = MotionState::Standstill;
         self.exact = at;
         self.published.pos = at.round();
-        self.profile.rest(next, self.published.pos);
+        self.profile.stand_still(next, self.published.pos);
         self.published.motion = Motion::default();
         self.published.stop = reason;
         self.published.dry_ms = 0;
@@ -286,7 +286,7 @@ impl AxisState {
             return reason;
         }
         self.end_stream(state);
-        self.rest(next, at, reason);
+        self.come_to_standstill(next, at, reason);
         reason
     }
 

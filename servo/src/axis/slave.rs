@@ -296,7 +296,7 @@ impl AxisState {
         if let Some(reason) = self.obstructed(next, at.round(), limit) {
             return reason;
         }
-        self.rest(next, at, reason);
+        self.come_to_standstill(next, at, reason);
         reason
     }
 
@@ -319,7 +319,7 @@ impl AxisState {
         let dec = self.ramps.stop_dec;
         self.leave_master();
         // The slave's own piece ended when it began to follow; the ramp goes on from here.
-        self.profile.rest(next, self.published.pos);
+        self.profile.stand_still(next, self.published.pos);
         self.profile.begin_ramp(next, |run| run.begin_stop(next, from, dec));
         // Its motion has been one over the master's progress; in this tick it is published over
         // time.

@@ -129,18 +129,18 @@ pub(super) enum Event {
     Change(Run, Buffered),
     /// A path comes to standstill; if it fails, the channels that are mapped to it go dark for this
     /// cause.
-    Rest(Run, End, Cause),
+    Standstill(Run, End, Cause),
 }
 
 /// Events that an interval may have: a full vertex of one path and some of the others', and the
 /// ends of all paths.
 const EVENTS: usize = 48;
 /// Slots reserved for ends of paths.
-const RESTS: usize = 2 * Crd::MAX;
-const _: () = assert!(EVENTS >= crate::path::EFFECTS as usize + RESTS);
+const STANDSTILLS: usize = 2 * Crd::MAX;
+const _: () = assert!(EVENTS >= crate::path::EFFECTS as usize + STANDSTILLS);
 
 /// The content of an empty slot.
-const NOTHING: Event = Event::Rest(Run { crd: Crd::FIRST, fifo: 0 }, End::RanOut, Cause::None);
+const NOTHING: Event = Event::Standstill(Run { crd: Crd::FIRST, fifo: 0 }, End::RanOut, Cause::None);
 
 /// The events of an interval, in the order of time; those of an instant in the order of their
 /// arrival.
@@ -178,7 +178,7 @@ impl EventQueue {
     #[inline]
     pub(super) fn has_room(&self) -> bool {
         let len = if self.is_empty() { 0 } else { self.len };
-        len.wrapping_add(RESTS) < EVENTS
+        len.wrapping_add(STANDSTILLS) < EVENTS
     }
 
     /// One more.

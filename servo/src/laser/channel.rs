@@ -340,7 +340,7 @@ impl Channel {
                 }
                 self.report_follow(at, followed);
             }
-            Event::Rest(run, end, cause) => {
+            Event::Standstill(run, end, cause) => {
                 let is_mapped = self.is_mapped(run.crd);
                 self.owner_is_at_standstill(at, run, end);
                 if end == End::Failed && is_mapped {
@@ -354,7 +354,7 @@ impl Channel {
 
     /// A path comes to standstill. If it fails, the latch makes the channel dark within the interval.
     fn owner_is_at_standstill(&mut self, at: Ns, run: Run, end: End) {
-        let fact = Fact::Rests { run, end };
+        let fact = Fact::Standstill { run, end };
         if end == End::Failed {
             self.owner.hear(fact);
         } else {

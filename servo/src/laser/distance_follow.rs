@@ -255,7 +255,7 @@ impl Terms {
 
     /// There may be samples that it does not take.
     #[inline(always)]
-    pub(super) fn rest(&mut self) {
+    pub(super) fn skip(&mut self) {
         self.fresh = true;
     }
 

@@ -143,7 +143,7 @@ pub(super) enum Fact {
     /// A FIFO is cleared while its path is at standstill: it does not go on.
     Clears { run: Run },
     /// A path has come to standstill.
-    Rests { run: Run, end: End },
+    Standstill { run: Run, end: End },
     /// A Stop for these, of which each has been set up.
     Stops { crds: CrdMask },
     /// The power follows the speed of this one from now on.
@@ -298,7 +298,7 @@ impl Owner {
                 }
                 Order::Keep
             }
-            Fact::Rests { run, end } => self.rest(run, end),
+            Fact::Standstill { run, end } => self.standstill(run, end),
             Fact::Stops { crds } => {
                 self.stopping.0 |= crds.0 & self.running.0;
                 let (mapped, is_off) = (crds.0 & self.map.0, self.light == Light::Off);
@@ -418,7 +418,7 @@ impl Owner {
         }
     }
 
-    fn rest(&mut self, run: Run, end: End) -> Order {
+    fn standstill(&mut self, run: Run, end: End) -> Order {
         let crd = run.crd;
         let was_stopped = self.stopping.has(crd);
         for of in [&mut self.running, &mut self.stopping, &mut self.fifo1, &mut self.dead] {

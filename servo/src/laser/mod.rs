@@ -295,7 +295,7 @@ impl Lasers {
             PathStop::Never | PathStop::Completed => (End::RanOut, Cause::None),
             PathStop::Stopped => (End::Stopped, Cause::None),
         };
-        self.channels.iter_mut().for_each(|channel| channel.expect(at, Event::Rest(run, end, cause)));
+        self.channels.iter_mut().for_each(|channel| channel.expect(at, Event::Standstill(run, end, cause)));
     }
 
     /// A path starts at the instant of the tick computed; `resumes`: its FIFO goes on where it was

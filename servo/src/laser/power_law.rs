@@ -255,8 +255,8 @@ impl Law {
 
     /// The power is not needed in this tick: next time all of it is to be computed.
     #[inline(always)]
-    pub(super) fn rest(&mut self) {
-        self.terms.rest();
+    pub(super) fn skip(&mut self) {
+        self.terms.skip();
     }
 
     /// The power in force from the tick that is computed.

@@ -53,22 +53,22 @@ pub(super) struct Safety {
     /// [`Cause::None`] while it is live.
     dark: Cause,
     /// A plan was replaced by the safe state since it is dark.
-    rested: bool,
+    was_safe: bool,
     interlock: bool,
     link_lost: bool,
     alarm: bool,
     /// Grace: plans that still pass although it is dark. They are the one in which it goes dark by
-    /// itself, and the empty one that is handed over before that instant. [`REST`]: the next plan
+    /// itself, and the empty one that is handed over before that instant. [`SAFE_NEXT`]: the next plan
     /// is replaced by the safe state, whatever is latched.
     grace: u8,
 }
 
 /// For an abort: instead of plans of grace.
-const REST: u8 = u8::MAX;
+const SAFE_NEXT: u8 = u8::MAX;
 
 impl Safety {
     pub(super) const LIVE: Safety =
-        Safety { dark: Cause::None, rested: false, interlock: false, link_lost: false, alarm: false, grace: 0 };
+        Safety { dark: Cause::None, was_safe: false, interlock: false, link_lost: false, alarm: false, grace: 0 };
 
     /// Why it is dark.
     #[inline]
@@ -111,7 +111,7 @@ impl Safety {
     /// A cause has appeared. The first one is kept.
     pub(super) fn trip(&mut self, cause: Cause) {
         if !self.is_dark() {
-            (self.dark, self.rested) = (cause, false);
+            (self.dark, self.was_safe) = (cause, false);
         }
         if !self.is_safe() {
             self.grace = 0;
@@ -145,13 +145,13 @@ impl Safety {
 
     /// The next plan is the safe state at the call, whatever it holds.
     pub(super) fn force_safe_state(&mut self) {
-        self.grace = REST;
+        self.grace = SAFE_NEXT;
     }
 
     /// Whether the next plan is.
     #[inline(always)]
     pub(super) fn is_safe(&self) -> bool {
-        self.grace == REST
+        self.grace == SAFE_NEXT
     }
 
     /// Whether the plan that was made last went dark by itself.
@@ -161,7 +161,7 @@ impl Safety {
 
     /// Live again, if no cause is present and the outputs were in the safe state.
     pub(super) fn clear(&mut self) {
-        if self.rested && !self.lasts() {
+        if self.was_safe && !self.lasts() {
             self.dark = Cause::None;
         }
     }
@@ -180,7 +180,7 @@ impl Safety {
         if self.in_grace() {
             self.grace = self.grace.wrapping_sub(1);
         } else if self.is_dark() || self.is_safe() {
-            (self.rested, self.grace) = (true, 0);
+            (self.was_safe, self.grace) = (true, 0);
             plan.clear();
             plan.safe_state = true;
         }

@@ -106,20 +106,20 @@ fn events_are_in_the_order_of_time_and_of_their_coming() {
     let run = |index| Run { crd: Crd::new(index).unwrap(), fifo: 0 };
     let order = [(50, 0), (20, 1), (50, 2), (10, 3), (20, 0)];
     for (at, index) in order {
-        event_queue.put(Ns(at), Event::Rest(run(index), End::RanOut, Cause::None)).unwrap();
+        event_queue.put(Ns(at), Event::Standstill(run(index), End::RanOut, Cause::None)).unwrap();
     }
     assert_eq!(event_queue.next, Ns(10));
     assert!(event_queue.take(Ns(9)).is_none());
     let mut seen = vec![];
-    while let Some(Event::Rest(run, ..)) = event_queue.take(Ns(60)) {
+    while let Some(Event::Standstill(run, ..)) = event_queue.take(Ns(60)) {
         seen.push(run.crd.index());
     }
     assert_eq!(seen, [3, 1, 0, 0, 2]);
     assert_eq!(event_queue.next, NEVER);
     for at in 0..48 {
-        event_queue.put(Ns(at), Event::Rest(run(0), End::RanOut, Cause::None)).unwrap();
+        event_queue.put(Ns(at), Event::Standstill(run(0), End::RanOut, Cause::None)).unwrap();
     }
-    assert!(event_queue.put(Ns(1), Event::Rest(run(0), End::RanOut, Cause::None)).is_err());
+    assert!(event_queue.put(Ns(1), Event::Standstill(run(0), End::RanOut, Cause::None)).is_err());
 }
 
 fn none() -> Interval {
@@ -423,7 +423,7 @@ fn power_of(law: &mut Law, v: f64, x: f64) -> f64 {
     let (tables, axes) = (Tables::new(), axes([x, 0.0, 0.0, 0.0]));
     power_table(&tables, &[(10.0, 20.0), (50.0, 60.0)]);
     let mut displacements = Displacements::begin(0);
-    law.rest();
+    law.skip();
     if let Some(key) = law.followed_axes() {
         displacements.look(key, &axes);
     }

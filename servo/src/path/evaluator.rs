@@ -483,7 +483,7 @@ impl Path {
             }
             self.enter(from, counter, &source.entry(fifo, counter).item());
             (self.stand.distance, self.stand.sampled) = (distance, distance.round());
-            self.plan_rest(feed, source);
+            self.plan_remainder(feed, source);
         }
     }
 

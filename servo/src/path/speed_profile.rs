@@ -53,7 +53,7 @@ pub(super) struct Plan {
 
 /// A motion that stops within 2⁻¹⁶ pulse counts as stopped: v² < 2·a·2⁻¹⁶. Planners of corner
 /// speeds round, too.
-const REST: i32 = -15;
+const STANDSTILL: i32 = -15;
 const STILL: Phase = Phase { time: 0, length: Exact(0), vel: Real::ZERO, acc: Real::ZERO };
 
 /// Whether a ≥ b.
@@ -107,15 +107,15 @@ impl Plan {
                     Todo::Even
                 } else {
                     self.ramp(sketch.v, sketch.peak, sketch.means.acc, sketch.inverse);
-                    Todo::Rest
+                    Todo::Remainder
                 }
             }
             Todo::Even => {
                 sketch.even();
                 self.ramp(sketch.v, sketch.peak, sketch.means.acc, sketch.inverse);
-                Todo::Rest
+                Todo::Remainder
             }
-            Todo::Rest => {
+            Todo::Remainder => {
                 let Sketch { cruise, peak, .. } = *sketch;
                 if !cruise.is_zero() && !cruise.is_negative() {
                     self.push(cruise.div(peak), peak, Real::ZERO);
@@ -178,7 +178,7 @@ impl Plan {
         // Even this end cannot be reached, or just.
         self.exit = if !reaches(low, to) {
             high.sqrt()
-        } else if to.is_zero() && low.is_less(acc.scale(REST)) {
+        } else if to.is_zero() && low.is_less(acc.scale(STANDSTILL)) {
             Real::ZERO
         } else {
             low.sqrt()
@@ -228,7 +228,7 @@ impl Plan {
         self.halts = left.is_zero() || left.is_negative();
         // A motion that would end at standstill without the Stop does so with it, whatever is
         // rounded.
-        let still = to.is_zero() && left.is_less(rate.scale(REST));
+        let still = to.is_zero() && left.is_less(rate.scale(STANDSTILL));
         self.exit = if self.halts || still { Real::ZERO } else { left.sqrt() };
         self.ramp(v, self.exit, rate, rate.recip());
     }
@@ -244,7 +244,7 @@ enum Todo {
     /// A lower one, and the ramp to it.
     Even,
     /// The phases after that.
-    Rest,
+    Remainder,
     Nothing,
 }
 

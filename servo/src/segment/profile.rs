@@ -265,7 +265,7 @@ impl Profile {
     }
 
     /// The motion is over at `now`: it is at standstill at `pos`.
-    pub fn rest(&mut self, now: Ns, pos: Pos) {
+    pub fn stand_still(&mut self, now: Ns, pos: Pos) {
         self.cut(now);
         (self.second, self.other) = (!self.second, Other::BeforeLast);
         *self.piece_mut() = Piece::standstill(now, u64::MAX, pos);

@@ -58,7 +58,12 @@ impl<const AXES: usize> Tick<AXES> {
     ) {
         match entry.op {
             // Other cases have been carried out already.
-            Op::Mark | Op::ProgramRun | Op::ProgramDrop | Op::ProgramEnd | Op::WaitRest { .. } | Op::Reset { .. } => {}
+            Op::Mark
+            | Op::ProgramRun
+            | Op::ProgramDrop
+            | Op::ProgramEnd
+            | Op::WaitStandstill { .. }
+            | Op::Reset { .. } => {}
             Op::Stop { axes, abrupt, crds, crds_abrupt } => {
                 let named = CrdMask(crds.0 | self.holders(axes).0 | self.drivers(axes).0);
                 self.lasers.crd_stops(self.crds.known(named), next);

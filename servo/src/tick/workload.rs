@@ -121,7 +121,7 @@ impl<const AXES: usize> Tick<AXES> {
             Op::CrdFrame { .. } => FRAME,
             Op::Laser { .. } => LASER,
             Op::ProgramRun => 0,
-            Op::Mark | Op::ProgramEnd | Op::WaitRest { .. } | Op::Output { .. } | Op::Analog { .. } => 1,
+            Op::Mark | Op::ProgramEnd | Op::WaitStandstill { .. } | Op::Output { .. } | Op::Analog { .. } => 1,
             _ => SET_UP,
         }
     }
@@ -262,7 +262,7 @@ impl<const AXES: usize> Tick<AXES> {
 fn neighbours<'p>(program: &'p Consumer<'_, Entry, PROGRAM>) -> impl Iterator<Item = &'p Entry> {
     let entries = (0..PROGRAM as u32).map_while(|before| Some((before, program.peek_at(before)?)));
     let of_it = |(before, entry): &(u32, &Entry)| {
-        *before == 0 || entry.delay.0 == 0 && !matches!(entry.op, Op::WaitRest { .. } | Op::Reset { .. })
+        *before == 0 || entry.delay.0 == 0 && !matches!(entry.op, Op::WaitStandstill { .. } | Op::Reset { .. })
     };
     entries.take_while(of_it).map(|(_, entry)| entry)
 }

@@ -42,7 +42,7 @@ pub struct CrdView {
     /// The planned positions of its axes at its zero.
     pub origin: [Pos; DIMENSIONS],
     /// How the path came to standstill last; `Stopped`: CrdStart goes on with the same FIFO.
-    pub rest: PathStop,
+    pub path_stop: PathStop,
     /// Why.
     pub stop: StopReason,
 }
@@ -71,7 +71,7 @@ impl CrdView {
     #[inline(never)]
     fn follow_changes(&mut self, now: &CrdView) {
         (self.changes, self.turns) = (now.changes, now.turns.wrapping_sub(1));
-        (self.runs, self.rest, self.stop) = (now.runs, now.rest, now.stop);
+        (self.runs, self.path_stop, self.stop) = (now.runs, now.path_stop, now.stop);
         (self.ends, self.cleared) = (now.ends, now.cleared);
         (self.frame, self.origin) = (now.frame, now.origin);
     }
@@ -83,7 +83,7 @@ impl CrdView {
         (self.turns, self.position, self.heading) = (on.turns, on.position, on.heading);
         (self.bend, self.motion, self.runs, self.fifo) = (on.bend, on.motion, on.runs, on.fifo);
         (self.released, self.done, self.ends) = (on.released, on.done, on.ends);
-        (self.frame, self.origin, self.rest) = (on.frame, on.origin, on.rest);
+        (self.frame, self.origin, self.path_stop) = (on.frame, on.origin, on.path_stop);
     }
 
     /// At power-on.
@@ -103,7 +103,7 @@ impl CrdView {
         cleared: [0; 2],
         frame: None,
         origin: [Pos(0); DIMENSIONS],
-        rest: PathStop::Never,
+        path_stop: PathStop::Never,
         stop: StopReason::None,
     };
 }

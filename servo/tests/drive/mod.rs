@@ -22,7 +22,7 @@ pub struct Step {
 /// A profile in which this begins.
 fn profile(generator: Generator, now: Ns) -> Profile {
     let mut profile = Profile::STANDSTILL;
-    profile.rest(now, Pos(0));
+    profile.stand_still(now, Pos(0));
     profile.begin(now, generator);
     profile
 }

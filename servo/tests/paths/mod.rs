@@ -30,7 +30,7 @@ impl Effects for Heard {
         }
         0
     }
-    fn rest(&mut self, at: Fine, rest: PathStop) {
+    fn standstill(&mut self, at: Fine, rest: PathStop) {
         self.rests.push((at, rest));
     }
     fn gear(&mut self, axis: Axis, by: Pos, _: Scaled) {

@@ -268,7 +268,7 @@ impl Bench {
     }
 
     /// Ticks until no axis runs; fails after a minute of controller time.
-    pub fn rest(&mut self) -> View<AXES> {
+    pub fn run_to_standstill(&mut self) -> View<AXES> {
         loop {
             let view = self.tick();
             if view.axes.iter().all(|axis| axis.status & servo::status::RUNNING == 0) {

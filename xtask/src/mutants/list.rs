@@ -152,14 +152,14 @@ pub const LIST: &[Mutant] = &[
     mutant(
         "a clear does not ask whether the cause lasts",
         SAFETY,
-        "if self.rested && !self.lasts() {",
-        "if self.rested {",
+        "if self.was_safe && !self.lasts() {",
+        "if self.was_safe {",
         GATE,
     ),
     mutant(
         "a clear hides a cause of its own tick",
         SAFETY,
-        "if self.rested && !self.lasts() {",
+        "if self.was_safe && !self.lasts() {",
         "if !self.lasts() {",
         GATE,
     ),
@@ -438,7 +438,7 @@ pub const LIST: &[Mutant] = &[
     mutant(
         "the way into a restart leaves the outputs as they are",
         "firmware/src/fault.rs",
-        "    board::rest();\n    let mut report",
+        "    board::safe_state();\n    let mut report",
         "    let mut report",
         FAULTS,
     ),
@@ -476,7 +476,7 @@ pub const LIST: &[Mutant] = &[
     mutant(
         "found: a clear hides a fault that comes with it",
         SAFETY,
-        "if self.rested && !self.lasts() {",
+        "if self.was_safe && !self.lasts() {",
         "if !self.lasts() {",
         LASER_CLEAR,
     ),
@@ -520,7 +520,7 @@ pub const LIST: &[Mutant] = &[
     mutant(
         "H743: a panic leaves the outputs as they are",
         "firmware/src/fault.rs",
-        "    board::rest();\n    let mut report",
+        "    board::safe_state();\n    let mut report",
         "    let mut report",
         H743_PANIC,
     ),

@@ -13,7 +13,7 @@ pub(super) struct Junction {
 }
 
 /// The path stops there.
-pub(super) const REST: Junction = Junction { bend: [0.0; 4], cap: 0.0 };
+pub(super) const STANDSTILL: Junction = Junction { bend: [0.0; 4], cap: 0.0 };
 
 /// The last motion, for the junction to come.
 #[derive(Debug, Clone, Copy)]
@@ -28,7 +28,7 @@ impl Limits {
     pub(super) fn junction(&self, before: &Tail, motion: &Motion, tangent: &Position) -> Junction {
         let mean = (before.length + motion.length) / 2.0;
         let slower = before.vel.min(motion.vel);
-        let mut junction = Junction { cap: slower * slower, ..REST };
+        let mut junction = Junction { cap: slower * slower, ..STANDSTILL };
         let sides = tangent.iter().zip(&before.tangent).zip(&self.acc);
         for (bend, ((to, from), acc)) in junction.bend.iter_mut().zip(sides) {
             let turn = to - from;

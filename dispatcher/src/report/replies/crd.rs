@@ -42,7 +42,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
             CrdInfo => command::CrdState {
                 run: sampled.runs.into(),
                 fifo: sampled.fifo,
-                rest: sampled.rest as u8,
+                path_stop: sampled.path_stop as u8,
                 reason: (sampled.stop as u16).into(),
                 axes: shadow.frame.map_or([None; DIMENSIONS], |frame| frame.axes())
                     .map(|axis| axis.map_or(0, |axis| self.configuration.number_of(axis)).into()),

@@ -41,7 +41,7 @@ impl Effects for Sink {
     fn change(&mut self, at: Fine, _: &Change) -> Fine {
         at
     }
-    fn rest(&mut self, _: Fine, _: PathStop) {}
+    fn standstill(&mut self, _: Fine, _: PathStop) {}
     fn gear(&mut self, _: Axis, _: Pos, _: Scaled) {}
     fn geared(&mut self, _: u128, _: Axis, _: i32) {}
 }

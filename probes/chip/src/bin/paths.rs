@@ -28,7 +28,7 @@ impl Effects for Sink {
     fn change(&mut self, _: Fine, _: &Change) -> Fine {
         0
     }
-    fn rest(&mut self, _: Fine, _: PathStop) {}
+    fn standstill(&mut self, _: Fine, _: PathStop) {}
     fn gear(&mut self, _: Axis, _: Pos, _: Scaled) {}
     fn geared(&mut self, _: u128, _: Axis, _: i32) {}
 }

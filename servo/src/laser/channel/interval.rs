@@ -47,7 +47,7 @@ impl Channel {
             }
         } else {
             self.pass();
-            self.law.rest();
+            self.law.skip();
         }
         self.safety.guard(plan);
     }
@@ -149,7 +149,7 @@ impl Channel {
         if self.safety.in_grace() {
             self.pass();
         }
-        self.law.rest();
+        self.law.skip();
         self.go_dark();
         if self.owner.is_lit() {
             // An on command after an abort that found everything at standstill.

@@ -44,7 +44,7 @@ fn stops(crds: u8) -> Fact {
 }
 
 fn rests(crd: Crd, end: End) -> Fact {
-    Fact::Rests { run: run(crd, 0), end }
+    Fact::Standstill { run: run(crd, 0), end }
 }
 
 const LINK: Fact = Fact::Latched { link: true };
@@ -78,7 +78,7 @@ fn possible(state: &Owner) -> Vec<Fact> {
                 facts.push(Fact::Clears { run });
             } else if state.fifo1.has(crd) == (fifo == 1) {
                 facts.extend([false, true].map(|on| Fact::Entry { on, run }));
-                facts.extend([End::RanOut, End::Stopped, End::Failed].map(|end| Fact::Rests { run, end }));
+                facts.extend([End::RanOut, End::Stopped, End::Failed].map(|end| Fact::Standstill { run, end }));
             }
         }
         // A follow begins by an entry, which means nothing where the channel is not mapped.
@@ -97,7 +97,7 @@ fn with_consequences(state: Owner, fact: Fact) -> (Owner, Vec<Order>) {
     match fact {
         Fact::Map { crds } if next.follow.is_some_and(|crd| !crds.has(crd)) => orders.push(next.hear(Fact::FollowEnds)),
         Fact::Output { there: false } => orders.push(next.hear(Fact::Withdraw)),
-        Fact::Rests { run, end: End::Failed } if state.map.has(run.crd) => orders.push(next.hear(FAULT)),
+        Fact::Standstill { run, end: End::Failed } if state.map.has(run.crd) => orders.push(next.hear(FAULT)),
         _ => {}
     }
     (next, orders)
@@ -159,8 +159,8 @@ fn check_step(before: &Owner, fact: Fact, after: &Owner, orders: &[Order]) {
         Fact::Latched { .. } | Fact::Abort { .. } => true,
         Fact::Output { there } => !there,
         Fact::Entry { on: false, run } => before.map.has(run.crd),
-        Fact::Rests { run, end: End::Stopped | End::Failed } => before.map.has(run.crd),
-        Fact::Rests { run, end: End::RanOut } => before.stopping.has(run.crd) && before.map.has(run.crd),
+        Fact::Standstill { run, end: End::Stopped | End::Failed } => before.map.has(run.crd),
+        Fact::Standstill { run, end: End::RanOut } => before.stopping.has(run.crd) && before.map.has(run.crd),
         Fact::Stops { crds } => crds.0 & before.map.0 != 0 && crds.0 & before.map.0 & before.running.0 == 0,
         _ => false,
     };
@@ -328,7 +328,7 @@ fn what_runs_out_takes_its_own_light_and_what_follows_it() {
             (mark(A), LIT),
             (rests(A, End::Stopped), DARK),
             (Fact::Starts { run: excursion, resumes: false }, DARK),
-            (Fact::Rests { run: excursion, end: End::RanOut }, DARK),
+            (Fact::Standstill { run: excursion, end: End::RanOut }, DARK),
             (resumes(A), LIT),
         ]),
     );

@@ -189,11 +189,11 @@ impl Path {
             cursor.again &= counter != cursor.reported;
             if counter == end_of(feed, self.fifo) {
                 let rest = if self.speed.is_zero() { PathStop::Completed } else { PathStop::Underrun };
-                self.rest(self.time, rest, feed, sink);
+                self.come_to_standstill(self.time, rest, feed, sink);
                 return;
             }
             if self.stopping && self.speed.is_zero() {
-                self.rest(self.time, PathStop::Stopped, feed, sink);
+                self.come_to_standstill(self.time, PathStop::Stopped, feed, sink);
                 return;
             }
             let prepared = self.is_known(counter);
@@ -219,7 +219,7 @@ impl Path {
                         if self.stopping {
                             // While it brakes to a standstill it waits for nothing: the start that
                             // continues makes the wait.
-                            return self.rest_in_wait(until, feed, sink);
+                            return self.stop_in_wait(until, feed, sink);
                         }
                         self.wait(until);
                         self.speed = Real::ZERO;
@@ -280,26 +280,26 @@ impl Path {
                 self.enter(self.here, counter, item);
                 (self.stand.distance, self.stand.sampled) = (Exact(0), Pos(0));
                 if !self.motions.now().shape.length().is_zero() {
-                    self.plan_rest(feed, source);
+                    self.plan_remainder(feed, source);
                 }
                 None
             }
         }
     }
 
-    /// Comes to rest within a motion.
-    pub(super) fn halt(&mut self, at: Fine, rest: PathStop, feed: Feed, sink: &mut impl Effects) {
+    /// Comes to standstill within a motion.
+    pub(super) fn halt(&mut self, at: Fine, path_stop: PathStop, feed: Feed, sink: &mut impl Effects) {
         let (distance, shape) = (self.stand.distance, &self.motions.now().shape);
         let (here, from) = (shape.at(distance.round()), *shape.start());
         self.here = here;
         let cursor = self.cursor(self.fifo);
         (cursor.distance, cursor.from) = (distance, from);
-        self.rest(at, rest, feed, sink);
+        self.come_to_standstill(at, path_stop, feed, sink);
     }
 
-    /// Comes to rest where it waits, or would wait, until an instant: the remainder of the wait is
+    /// Comes to standstill where it waits, or would wait, until an instant: the remainder of the wait is
     /// kept.
-    pub(super) fn rest_in_wait(&mut self, until: Fine, feed: Feed, sink: &mut impl Effects) {
+    pub(super) fn stop_in_wait(&mut self, until: Fine, feed: Feed, sink: &mut impl Effects) {
         let now = self.time;
         let cursor = self.cursor(self.fifo);
         if cursor.inside {
@@ -308,17 +308,17 @@ impl Path {
         } else {
             cursor.left = until.saturating_sub(now);
         }
-        self.rest(now, PathStop::Stopped, feed, sink);
+        self.come_to_standstill(now, PathStop::Stopped, feed, sink);
     }
 
-    /// Comes to rest here.
-    pub(super) fn rest(&mut self, at: Fine, rest: PathStop, feed: Feed, sink: &mut impl Effects) {
+    /// Comes to standstill here.
+    pub(super) fn come_to_standstill(&mut self, at: Fine, path_stop: PathStop, feed: Feed, sink: &mut impl Effects) {
         (self.stage, self.speed, self.stopping, self.open) = (Stage::Standstill, Real::ZERO, false, None);
         (self.stand.over, self.fresh, self.planning.unfinished) = (Fine::MAX, true, false);
         let (here, end) = (self.here, end_of(feed, self.fifo));
         let cursor = self.cursor(self.fifo);
         cursor.kept = cursor.inside || cursor.left != 0 || cursor.next != end;
         cursor.position = here;
-        sink.rest(at, rest);
+        sink.standstill(at, path_stop);
     }
 }

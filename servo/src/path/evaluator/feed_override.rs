@@ -45,7 +45,7 @@ impl Path {
     pub fn replan(&mut self, next: Ns, feed: Feed, source: &impl Entries) {
         if let Stage::Move = self.stage {
             self.catch_up((next.0 as Fine) << 32);
-            self.plan_rest(feed, source);
+            self.plan_remainder(feed, source);
         } else {
             self.pieces.follows = None;
             self.unplan();

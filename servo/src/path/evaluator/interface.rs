@@ -17,7 +17,7 @@ pub trait Effects {
     /// An entry takes effect. Returns how long the path waits for it: a modal move's time, else 0.
     fn change(&mut self, at: Fine, change: &Change) -> Fine;
     /// The path comes to standstill.
-    fn rest(&mut self, at: Fine, rest: PathStop);
+    fn standstill(&mut self, at: Fine, path_stop: PathStop);
     /// An axis is geared to the motion in force: its displacement since the motion began, at the
     /// step's tick, and its displacement per path length.
     fn gear(&mut self, axis: Axis, by: Pos, ratio: Scaled);

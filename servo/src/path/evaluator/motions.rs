@@ -126,7 +126,7 @@ impl Path {
         if self.motions.now().shape.length().is_zero() {
             return;
         }
-        if planned { self.follow(open) } else { self.plan_rest(feed, source) }
+        if planned { self.follow(open) } else { self.plan_remainder(feed, source) }
     }
 
     /// Makes a part of what follows: the piece after the one in force, or a part of the motion
@@ -271,7 +271,7 @@ impl Path {
     }
 
     /// Plans the remainder of the motion in force from `time`, `distance` and `speed`.
-    pub(super) fn plan_rest(&mut self, feed: Feed, source: &impl Entries) {
+    pub(super) fn plan_remainder(&mut self, feed: Feed, source: &impl Entries) {
         let after = self.what_follows(self.fifo, self.cursor_of(self.fifo).next, feed, source);
         let Prepared { along, shape, .. } = self.motions.now();
         let left = shape.length().sub(Real::from_exact(self.stand.distance));
@@ -313,7 +313,7 @@ impl Path {
     pub(super) fn extend(&mut self, now: Fine, feed: Feed, source: &impl Entries) {
         if self.what_follows(self.fifo, self.cursor_of(self.fifo).next, feed, source) == After::Motion {
             self.catch_up(now);
-            self.plan_rest(feed, source);
+            self.plan_remainder(feed, source);
         } else {
             self.open = Some(end_of(feed, self.fifo));
         }

@@ -18,7 +18,7 @@ impl Path {
             Stage::Standstill => {}
             Stage::Wait { until } => {
                 self.time = now;
-                self.rest_in_wait(until, feed, sink);
+                self.stop_in_wait(until, feed, sink);
             }
             Stage::Move if abrupt => {
                 self.catch_up(now);
@@ -27,7 +27,7 @@ impl Path {
             Stage::Move => {
                 self.stopping = true;
                 self.catch_up(now);
-                self.plan_rest(feed, source);
+                self.plan_remainder(feed, source);
             }
         }
         self.decide_fast_path();
@@ -39,7 +39,7 @@ impl Path {
         self.time = (next.0 as Fine) << 32;
         match self.stage {
             Stage::Standstill => {}
-            Stage::Wait { until } if self.swept.length.is_none() => self.rest_in_wait(until, feed, sink),
+            Stage::Wait { until } if self.swept.length.is_none() => self.stop_in_wait(until, feed, sink),
             Stage::Wait { .. } | Stage::Move => self.fall_back(position, feed, sink),
         }
         self.decide_fast_path();
@@ -79,6 +79,6 @@ impl Path {
             self.motions.next_mut().state = State::Nothing;
         }
         (self.here, self.since.count) = (*position, 0);
-        self.rest(self.time, PathStop::Stopped, feed, sink);
+        self.come_to_standstill(self.time, PathStop::Stopped, feed, sink);
     }
 }

@@ -392,14 +392,14 @@ impl<const AXES: usize> Tick<AXES> {
             tables: lanes.tables,
             reported: AxisMask(0),
             geared: state.geared,
-            rest: None,
+            path_stop: None,
             unable: None,
             awaited: state.awaited,
             obstacle: None,
         };
         act(&mut state.path, &mut state.ending, feed, source, &mut sink);
-        if let Some(rest) = sink.rest {
-            state.published.rest = rest;
+        if let Some(path_stop) = sink.path_stop {
+            state.published.path_stop = path_stop;
         }
     }
 }

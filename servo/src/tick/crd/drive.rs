@@ -271,7 +271,7 @@ impl<const AXES: usize> Tick<AXES> {
             reported: AxisMask(0),
             geared: state.geared,
             fault: false,
-            rest: None,
+            path_stop: None,
             unable: None,
             awaited: state.awaited,
             obstacle: None,
@@ -287,7 +287,7 @@ impl<const AXES: usize> Tick<AXES> {
             published.done[(reported.fifo & 1) as usize] = reported.done;
             (published.fifo, published.released, runs) = (reported.fifo, reported.released, reported.runs);
         }
-        let Sink { reported: gone, geared, rest, unable, awaited, obstacle, .. } = sink;
+        let Sink { reported: gone, geared, path_stop, unable, awaited, obstacle, .. } = sink;
         if !there {
             let axes_at = frame.axes_ref().iter().zip(&published.position).zip(&published.origin);
             for (index, ((axis, at), origin)) in axes_at.enumerate() {
@@ -310,8 +310,8 @@ impl<const AXES: usize> Tick<AXES> {
         state.clearance = [Clearance::Unknown; 2];
         published.moves = published.moves.wrapping_add(1);
         crds.moves = crds.moves.wrapping_add(1);
-        if let Some(rest) = rest {
-            published.rest = rest;
+        if let Some(path_stop) = path_stop {
+            published.path_stop = path_stop;
             state.obstacle = obstacle;
         }
         published.turns = published.turns.wrapping_add(1);
@@ -399,7 +399,7 @@ impl<const AXES: usize> Tick<AXES> {
         // An interrupted FIFO is probably continued: after FIFO 1, the FIFO 0 that it interrupted.
         let (fifo, other) = (state.published.fifo, state.published.fifo ^ 1);
         state.likely = if !state.path.goes_on(fifo) && state.path.goes_on(other) { other } else { fifo };
-        let reason = match state.published.rest {
+        let reason = match state.published.path_stop {
             PathStop::Never => StopReason::None,
             PathStop::Completed => StopReason::Completed,
             PathStop::Underrun => StopReason::Underrun,

@@ -39,7 +39,7 @@ pub(crate) struct Sink<'a> {
     /// A fault stops the path: its light does not come back.
     pub(crate) fault: bool,
     /// The path came to standstill.
-    pub(crate) rest: Option<PathStop>,
+    pub(crate) path_stop: Option<PathStop>,
     /// An axis that cannot do what an entry wants.
     pub(crate) unable: Option<Axis>,
     /// An axis that the path waits for.
@@ -143,9 +143,13 @@ impl Effects for Sink<'_> {
         self.edges.has_room() && self.lasers.has_room()
     }
 
-    fn rest(&mut self, at: Fine, rest: PathStop) {
-        self.rest = Some(rest);
-        self.lasers.crd_is_at_standstill(self.run(), self.ns(at), if self.fault { PathStop::Obstructed } else { rest });
+    fn standstill(&mut self, at: Fine, path_stop: PathStop) {
+        self.path_stop = Some(path_stop);
+        self.lasers.crd_is_at_standstill(
+            self.run(),
+            self.ns(at),
+            if self.fault { PathStop::Obstructed } else { path_stop },
+        );
     }
 
     fn gear(&mut self, axis: Axis, by: Pos, ratio: Scaled) {
