@@ -3,12 +3,24 @@
 //! A [`Refused`] is built where the check is. It names the reason, the parameter, the axis and the
 //! limits. It is the payload of the reply as it is.
 use protocol::reason::{Code, Reason, Refusal};
+use servo::units::{Axis, Crd};
+
+/// The owner of a FIFO.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum FifoOf {
+    /// An axis.
+    Axis(Axis),
+    /// A coordinate system.
+    Crd(Crd),
+}
 
 /// A refusal for the client.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Refused {
     /// What is wrong.
     pub reason: Reason,
+    /// The FIFO that has no room, where that is the reason: it may have room later.
+    pub full: Option<(FifoOf, u8)>,
     /// The rest of the reply's payload.
     pub wire: Refusal,
 }
@@ -16,12 +28,17 @@ pub struct Refused {
 impl Refused {
     /// A refusal that names only its reason.
     pub fn new(reason: Reason) -> Self {
-        Refused { reason, wire: Refusal::new(reason) }
+        Refused { reason, full: None, wire: Refusal::new(reason) }
     }
     /// The same with another, more precise reason.
     pub fn reason(mut self, reason: Reason) -> Self {
         self.reason = reason;
         self.wire.reason = (reason as u16).into();
+        self
+    }
+    /// Names the FIFO that has no room.
+    pub fn full(mut self, of: FifoOf, fifo: u8) -> Self {
+        self.full = Some((of, fifo));
         self
     }
     /// Names the parameter by its index in the request.

@@ -11,14 +11,14 @@
 mod given;
 
 use super::context::Context;
-use super::data::{End, FifoOf, Paths, Stored, Written};
+use super::data::{End, Paths, Stored, Written};
 use super::many;
 use crate::configuration::Configuration;
 use crate::plan::geometry;
 use crate::plan::geometry::{Geometry, OFF_CENTRE, Position, RADIUS_MAX, RADIUS_MIN};
 use crate::plan::look_ahead::{ALONG_MIN, Limits};
 use crate::plan::path_queue::PathQueue;
-use crate::refuse::{Admitted, Refused, choice, real};
+use crate::refuse::{Admitted, FifoOf, Refused, choice, real};
 use crate::report::answer::Answer;
 use crate::shadow::{CAPACITY, CrdShadow, Frame, PathData, PathShadow};
 pub use given::{DataCommand, EntryKind, Item, Target};
@@ -120,7 +120,8 @@ impl Filling<'_> {
         if count as u64 <= u64::from(self.space) {
             return Ok(());
         }
-        Err(self.no(Reason::CrdFull).field(self.field).got(self.space.into()).limits(0.0, CAPACITY.into()))
+        let full = self.no(Reason::CrdFull).full(FifoOf::Crd(self.crd), self.fifo);
+        Err(full.field(self.field).got(self.space.into()).limits(0.0, CAPACITY.into()))
     }
 
     /// Refuses for now a motion that needs these coordinates of its start. With look-ahead every

@@ -8,14 +8,15 @@ use super::admission::{Admission, context};
 use super::context::{Context, Due, Effect};
 use super::{buffered, crd_data, follow_data, kind, one, pt};
 use crate::plan::path_queue::PathQueue;
-use crate::refuse::Admitted;
+use crate::refuse::{Admitted, FifoOf};
 use crate::report::answer::{Answer, TAKEN_MAX};
-use crate::shadow::{Change, CrdChange, Fifo as Entries, FifoShadow, PathData, Shadows};
+use crate::shadow::{CAPACITY, Change, CrdChange, Fifo as Entries, FifoShadow, PathData, Shadows, executed};
 use protocol::command::{CommandKind, Fifo, FollowSwitchNowEx, opcode};
+use protocol::values::pt_state;
 use servo::op::Op;
 use servo::path::PathStores;
 use servo::segment::pt::SegmentStore;
-use servo::units::{Axis, Crd};
+use servo::units::Crd;
 use servo::view::View;
 
 /// What was written, and the end of its FIFO.
@@ -24,15 +25,6 @@ pub type Stored = Admitted<(Written, End)>;
 pub type Segments<const AXES: usize> = [SegmentStore; AXES];
 /// The look-aheads of all coordinate systems, and both FIFOs of each.
 pub type Paths<'x> = (&'x mut [[PathQueue; 2]], PathStores<'x>);
-
-/// The owner of a FIFO.
-#[derive(Debug, Clone, Copy)]
-pub enum FifoOf {
-    /// An axis.
-    Axis(Axis),
-    /// A coordinate system.
-    Crd(Crd),
-}
 
 /// Data that was written to a store and is not yet visible to the tick.
 #[derive(Debug, Clone, Copy)]
@@ -129,6 +121,37 @@ impl<const AXES: usize> Admission<'_, AXES> {
             }
         }
         Ok(written)
+    }
+
+    /// Whether the motion of a FIFO makes room in it: it runs, or will when all is executed.
+    pub fn drains(&self, view: &View<AXES>, (of, fifo): (FifoOf, u8)) -> bool {
+        match of {
+            FifoOf::Axis(axis) => {
+                let runs = view.axes.get(axis.index()).is_some_and(|sampled| sampled.pt_state == pt_state::RUNNING);
+                let shadow = self.admitted.axis(axis);
+                shadow.is_dynamic() && shadow.started.is_some_and(|start| runs || !executed(view, start))
+            }
+            FifoOf::Crd(crd) => {
+                let shadow = self.admitted.crd(crd);
+                shadow.fifo == fifo && view.crds.get(crd.index()).is_some_and(|sampled| shadow.may_run(view, sampled))
+            }
+        }
+    }
+
+    /// How many quarters of a FIFO are free.
+    pub fn free_quarters(&self, view: &View<AXES>, (of, fifo): (FifoOf, u8)) -> u32 {
+        let (space, capacity) = match of {
+            FifoOf::Axis(axis) => {
+                let (shadow, sampled) = (self.admitted.axis(axis), view.axes.get(axis.index()));
+                let space = sampled.map_or(0, |sampled| shadow.space(view, sampled, fifo.into()));
+                (space, shadow.capacity())
+            }
+            FifoOf::Crd(crd) => {
+                let sampled = view.crds.get(crd.index());
+                (sampled.map_or(0, |sampled| self.admitted.crd(crd).space(sampled, fifo)), CAPACITY)
+            }
+        };
+        space.saturating_mul(4) / capacity.max(1)
     }
 
     /// Enters written data into the admitted state.

@@ -4,11 +4,11 @@
 //! Fails: with the parameter and the limit. Entries written by then lie after the end of the FIFO,
 //! where nobody reads.
 use super::context::{Context, TRAVEL_PULSES};
-use super::data::{End, FifoOf, Segments, Stored, Written};
+use super::data::{End, Segments, Stored, Written};
 use super::follow::{following, known, method, mode_of};
 use super::{io, one};
 use crate::plan::asymmetric_s;
-use crate::refuse::{Admitted, Refused, choice, real, within};
+use crate::refuse::{Admitted, FifoOf, Refused, choice, real, within};
 use crate::report::answer::Answer;
 use crate::shadow::Fifo;
 use protocol::command::{

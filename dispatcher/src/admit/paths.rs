@@ -4,9 +4,9 @@
 //! In: the view, the shadow state. Out: commits, through either lane. Owns nothing.
 //! Fails: if the lane has no room, nothing is pushed and the caller tries again.
 use super::admission::Admission;
-use super::data::FifoOf;
 use super::staged::STAGED;
 use crate::plan::path_queue::LASTS_MS;
+use crate::refuse::FifoOf;
 use crate::shadow::{PROGRAM_FLAG, executed};
 use servo::units::Crd;
 use servo::view::View;

@@ -1,9 +1,9 @@
 //! PT commands (GXN chapter 2), and PT data from bytes to the axis's store.
 use super::axis::all_startable;
 use super::context::{Context, TRAVEL_PULSES};
-use super::data::{End, FifoOf, Segments, Stored, Written};
+use super::data::{End, Segments, Stored, Written};
 use super::{many, one};
-use crate::refuse::{Admitted, Refused, choice};
+use crate::refuse::{Admitted, FifoOf, Refused, choice};
 use crate::report::answer::{Answer, Query};
 use crate::shadow::{AxisShadow, BEGINS_SHIFT, Change, FifoShadow, executed};
 use protocol::command::{
@@ -172,6 +172,7 @@ fn push<const AXES: usize>(
     if items.len() > space {
         return Err(context
             .no(Reason::FifoFull, axis)
+            .full(FifoOf::Axis(axis), fifo)
             .field(fifo_field)
             .got(space as f64)
             .limits(0.0, shadow.capacity().into()));

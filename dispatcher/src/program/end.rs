@@ -65,11 +65,15 @@ impl Program<'_> {
     /// follows is not late.
     pub(super) fn passes_over<const AXES: usize>(
         &mut self,
+        admission: &Admission<'_, AXES>,
         view: &View<AXES>,
         refused: &Refused,
         out: &mut ReplyWriter,
     ) -> bool {
         let Some((head, _)) = self.records.front().filter(|(head, _)| head.may_fail) else { return false };
+        if refused.full.is_some_and(|full| admission.drains(view, full)) {
+            return false;
+        }
         let known = match refused.reason.cure() {
             Cure::None => true,
             // Data for a look-ahead waits for what was given before it, and then it is taken.

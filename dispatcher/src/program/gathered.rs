@@ -1,7 +1,7 @@
 //! FIFOs with data that the tick does not know of yet: the commits of one instant.
 //!
 //! In: FIFOs that were given data. Out: one commit for each. Owns their masks.
-use crate::admit::data::FifoOf;
+use crate::refuse::FifoOf;
 use servo::units::{Axis, AxisMask, CrdMask};
 
 /// See the module text.

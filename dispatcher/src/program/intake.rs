@@ -47,6 +47,12 @@ impl Program<'_> {
                 self.settle(admission, view);
                 return progress;
             }
+            // One place at a time would take a commit each.
+            let waits = |full| admission.drains(view, full) && admission.free_quarters(view, full) == 0;
+            if self.waits_for.is_some_and(waits) {
+                self.settle(admission, view);
+                return progress;
+            }
             match self.take_record(admission, view) {
                 Ok(Step::Taken) => {
                     self.records.pop();
@@ -56,7 +62,7 @@ impl Program<'_> {
                     self.settle(admission, view);
                     return progress;
                 }
-                Err(refused) if self.passes_over(view, &refused, out) => progress = true,
+                Err(refused) if self.passes_over(admission, view, &refused, out) => progress = true,
                 Err(refused) => {
                     self.settle(admission, view);
                     return self.refuse(admission, view, &refused, out) || progress;
@@ -122,6 +128,10 @@ impl Program<'_> {
         if !self.is_past(view) {
             return false;
         }
+        self.waits_for = refused.full.filter(|full| admission.drains(view, *full));
+        if self.waits_for.is_some() {
+            return false;
+        }
         let Some((head, _)) = self.records.front() else { return false };
         if out.refused(head.opcode, head.tag, &refused.wire).is_err() {
             return false;
@@ -155,8 +165,10 @@ impl Program<'_> {
                 return Ok(Step::Taken);
             }
             number if is_data(number, body) => {
-                let written = admission.admit_data(view, due, head.opcode, body)?;
-                self.take_data(admission, (head.opcode, head.tag, head.may_fail), &written);
+                let (opcode, tag, may_fail) = (head.opcode, head.tag, head.may_fail);
+                let written = admission.admit_data(view, due, opcode, body)?;
+                self.stream(admission, view, (written.of, written.fifo));
+                self.take_data(admission, (opcode, tag, may_fail), &written);
                 return Ok(Step::Taken);
             }
             number if kind(number) == Some(CommandKind::Calculate) => {

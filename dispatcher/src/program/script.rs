@@ -48,6 +48,13 @@ impl Script {
         view.script_zero.0.saturating_add(view.script.0).saturating_add(self.delay)
     }
 
+    /// The record in hand comes after its instant: it acts so long after the view, and the clock
+    /// goes on from there.
+    pub fn catch_up<const AXES: usize>(&mut self, view: &View<AXES>, lead_ns: u64) {
+        let clock = view.now.0.saturating_sub(view.script_zero.0).saturating_add(lead_ns);
+        self.delay = self.delay.max(clock.saturating_sub(self.pushed));
+    }
+
     /// An entry has been pushed with the delay.
     pub fn push(&mut self, op: &Op, seq: u32) {
         self.pushed = self.instant();

@@ -115,7 +115,7 @@ enum Then {
 }
 
 /// So many WaitStops that find everything at rest take no time; what follows more of them is late by a tick: an open finding.
-const WAITS: usize = 3;
+const WAITS: usize = 2;
 
 /// When a path has been at rest for so long, ns, where it is is known (docs/crd.md).
 const SETTLED: i64 = 3_000_000;

@@ -320,6 +320,11 @@ impl Controller {
 
     fn put(&mut self, name: Name, fifo: usize, entry: Entry) -> Answer {
         let of = self.crds.get_mut(&name).ok_or(1i16)?;
+        if of.runs && of.fifo == fifo && of.fifos[fifo].waiting() >= CAPACITY {
+            // It waits for room, which moves the clock (SPEC 7).
+            self.open = Some("data that waits for room");
+            return DONE;
+        }
         check(of.fifos[fifo].waiting() < CAPACITY)?;
         if of.runs && of.fifo == fifo && of.fifos[fifo].lasting() <= 1 {
             of.late = true;

@@ -81,6 +81,11 @@ impl Controller {
         let fifo = if dynamic { 0 } else { fifo as usize };
         let held = axis.pt.fifos[fifo].len() - if dynamic && axis.runs() { axis.pt.ran } else { 0 };
         let last = axis.pt.fifos[fifo].last().map_or(0, |segment| segment.time_ms);
+        if dynamic && axis.runs() && held >= axis.pt_capacity() {
+            // It waits for room, which moves the clock (SPEC 7).
+            self.open = Some("data that waits for room");
+            return DONE;
+        }
         either(held < axis.pt_capacity(), i64::from(time_ms) > last)?;
         let axis = &mut self.axes[place];
         axis.pt.fifos[fifo].push(Segment { pos, time_ms: time_ms.into(), kind });
