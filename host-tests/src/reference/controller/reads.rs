@@ -83,6 +83,8 @@ impl Controller {
             };
             let open = match call {
                 Call::Axis { axis, .. } if self.axes[axis].resets > 0 => true,
+                // In the tick in which its stream ends.
+                Call::PtSpace { axis, .. } if self.axes[axis].pt.over > 0 => true,
                 // An entry of a path may set one in the tick that follows.
                 Call::Light(of) => {
                     let runs = self.crds.values().any(|crd| crd.runs);
