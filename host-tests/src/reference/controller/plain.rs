@@ -1,4 +1,6 @@
 //! Calls of every axis: names, modes, settings, Trap and Jog, Stop.
+use std::collections::BTreeMap;
+
 use super::super::axis::{Mode, Rates, Why};
 use super::super::call::{Call, Kind, members};
 use super::super::light::{Act, SERVO_OFF};
@@ -158,7 +160,19 @@ impl Controller {
         let of = |place: usize| self.axes[place].light_crd().or(self.axes[place].geared_crd());
         let named = members(mask).filter_map(of).fold(0, |mask, crd| mask | 1 << crd);
         self.stop_light(named);
-        members(mask).for_each(|place| self.stop_axis(place, abrupt >> place & 1 == 1, Why::Smooth));
+        // A call stops a path once: abruptly, if it stops one of its axes so.
+        let mut paths = BTreeMap::new();
+        for place in members(mask) {
+            let (axis, abrupt) = (&mut self.axes[place], abrupt >> place & 1 == 1);
+            match axis.crd.filter(|_| axis.driven) {
+                Some(name) => {
+                    axis.stopped = true;
+                    *paths.entry(name).or_insert(false) |= abrupt;
+                }
+                None => self.stop_axis(place, abrupt, Why::Smooth),
+            }
+        }
+        paths.into_iter().for_each(|(name, abrupt)| self.stop_path(name, abrupt));
         DONE
     }
 
