@@ -183,6 +183,8 @@ pub struct PathShadow {
     pub look: Option<Look>,
     /// The last entry that emptied it, until it is executed.
     pub emptied: Option<u32>,
+    /// The last start before that, until the tick is done with it.
+    leaving: Option<u32>,
     /// The last entry that concerns it.
     pub last: Option<u32>,
     /// It was given data that no entry has published yet.
@@ -198,6 +200,12 @@ impl PathShadow {
     /// Whether all that concerns it is executed.
     fn is_executed<const AXES: usize>(&self, view: &View<AXES>) -> bool {
         !self.loose && self.last.is_none_or(|seq| executed(view, seq))
+    }
+    /// Whether the tick may still read what was in its slots before it was emptied: it runs, or a
+    /// start that precedes the emptying is in flight.
+    pub fn is_outgoing<const AXES: usize>(&self, view: &View<AXES>, sampled: &CrdView) -> bool {
+        let pending = |seq: Option<u32>| seq.is_some_and(|seq| !executed(view, seq));
+        pending(self.emptied) && (sampled.runs || pending(self.leaving))
     }
     /// So many of its motions were over when its path came to standstill.
     fn settle(&mut self, over: u32) {
@@ -334,7 +342,8 @@ impl CrdShadow {
         *self = CrdShadow { frame, here, dec, started, busy, beside, last: Some(seq), ..CrdShadow::power_on() };
         for (path, before) in self.fifos.iter_mut().zip(fifos) {
             let cleared = before.cleared.wrapping_add(1);
-            *path = PathShadow { cleared, emptied: Some(seq), last: Some(seq), ..PathShadow::default() };
+            let (emptied, leaving, last) = (Some(seq), busy, Some(seq));
+            *path = PathShadow { cleared, emptied, leaving, last, ..PathShadow::default() };
         }
         self.forget_moved();
     }
@@ -350,7 +359,11 @@ impl CrdShadow {
     /// Calls `young` with every entry number.
     pub(super) fn renew_numbers(&mut self, young: &mut impl FnMut(&mut u32)) {
         [&mut self.started, &mut self.busy, &mut self.last].into_iter().flatten().for_each(&mut *young);
-        self.fifos.iter_mut().flat_map(|path| [&mut path.emptied, &mut path.last]).flatten().for_each(young);
+        let of = |path| {
+            let PathShadow { emptied, leaving, last, .. }: &mut PathShadow = path;
+            [emptied, leaving, last]
+        };
+        self.fifos.iter_mut().flat_map(of).flatten().for_each(young);
     }
 
     /// Enters a change that goes with entry `seq`.
@@ -363,9 +376,10 @@ impl CrdShadow {
             CrdChange::Frame { frame, here } => self.renew(Some(frame), here, seq),
             CrdChange::Emptied { fifo, here } => {
                 self.here = here;
+                let (emptied, leaving, last) = (Some(seq), self.busy, Some(seq));
                 let path = self.path_mut(fifo);
                 let (cleared, look) = (path.cleared.wrapping_add(1), path.look);
-                *path = PathShadow { cleared, look, emptied: Some(seq), last: Some(seq), ..PathShadow::default() };
+                *path = PathShadow { cleared, look, emptied, leaving, last, ..PathShadow::default() };
                 self.forget_moved();
             }
             CrdChange::Data { fifo, cleared, data } => {

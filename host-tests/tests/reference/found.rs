@@ -540,3 +540,20 @@ fn an_alarm_that_has_left_its_coordinate_system() {
         );
     }
 }
+
+/// Data after a start waited until the tick had emptied the FIFO, at the same instant: it counted a tick late. So a short
+/// line that was to end at speed began as one that ends at standstill.
+#[test]
+fn a_line_after_the_start_of_a_path_that_was_just_emptied() {
+    let line = |to: [i32; 2]| {
+        path(Path::Line { crd: 1, to: to.to_vec(), speeds: Speeds { vel: 9.0, acc: 4.9, end: 4.0 }, fifo: 0 })
+    };
+    let go = path(Path::Start { mask: 1, option: 0 });
+    let ready = [plain(Kind::AxisOn, 0), plain(Kind::AxisOn, 1), frame(None)];
+    let late = [line([1, 2]), go.clone(), line([40, 20]), Call::Sleep { ns: 40 * MS }];
+    let again = [path(Path::Wait { mask: 1 }), path(Path::Clear { crd: 1, fifo: 0 }), line([41, 22]), go, line([7, 5])];
+    let mut calls = [&ready[..], &late[..]].concat();
+    agrees(1000, &calls);
+    calls.extend([&again[..], &[Call::Sleep { ns: 40 * MS }]].concat());
+    agrees(1000, &calls);
+}
