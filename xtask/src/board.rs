@@ -17,6 +17,8 @@ use std::path::{Path, PathBuf};
 const CHIP: &str = "STM32H743ZITx";
 /// The image's program.
 pub const BIN: &str = "beamtick-h743";
+/// The program by which the board measures itself.
+const BRING_UP: &str = "beamtick-bring-up";
 /// The board's map of memories.
 const MEMORY: &str = "memory.x";
 
@@ -44,22 +46,47 @@ pub fn build() -> Outcome<PathBuf> {
     Ok(target().join(crate::setup::TARGET).join("image").join(BIN))
 }
 
+/// Builds the bring-up image and returns its path.
+pub fn build_bring_up() -> Outcome<PathBuf> {
+    crate::image::build_bin("beamtick-bring-up", BRING_UP)
+}
+
+/// Writes the files of the bring-up image; flashes it where probe-rs finds a board; measures over this link, if one is named.
+pub fn bring_up(link: Option<&str>) -> Outcome {
+    let elf = build_bring_up()?;
+    write(&elf, BRING_UP, "")?;
+    let has_probe = works(program("probe-rs").arg("--version"));
+    if has_probe {
+        flash_this(&elf)?;
+    }
+    let Some(link) = link else {
+        let next = "then: `cargo bring-up serial:/dev/ttyACM0:3000000` (the ST-LINK's port)";
+        println!("{}{next}", if has_probe { "" } else { "copy the HEX onto the board's drive, press B2, " });
+        return Ok(());
+    };
+    let page = root().join("out").join("bring-up.md");
+    let mut command = shell::cargo();
+    command.args(["run", "--release", "--package", "beamtick", "--", "bring-up", "--link", link, "--page"]);
+    run(command.arg(&page))
+}
+
 /// Builds every variant, writes their files, and prints what the plain one takes of the chip.
 pub fn image() -> Outcome {
     // The plain one last: what later commands find is that.
     for (elf, variant) in [(build_for_dac()?, "-external-dac"), (build()?, "")] {
-        write(&elf, variant)?;
+        write(&elf, BIN, variant)?;
     }
+    write(&build_bring_up()?, BRING_UP, "")?;
     size()
 }
 
-/// Writes the files of a variant.
-fn write(elf: &Path, variant: &str) -> Outcome {
+/// Writes the files of a variant of a program.
+fn write(elf: &Path, program: &str, variant: &str) -> Outcome {
     let bytes = read(elf)?;
     let loaded = loaded(&bytes)?;
     let folder = root().join("out");
     fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
-    let name = format!("{BIN}{variant}-{}", env!("CARGO_PKG_VERSION"));
+    let name = format!("{program}{variant}-{}", env!("CARGO_PKG_VERSION"));
     let hex = hex(&loaded);
     for (ending, content) in [("elf", &bytes), ("bin", &loaded.bytes), ("hex", &hex.into_bytes())] {
         let path = folder.join(format!("{name}.{ending}"));
@@ -86,12 +113,16 @@ pub fn flash() -> Outcome {
                 .into(),
         );
     }
+    flash_this(&build()?)
+}
+
+/// Flashes an image with probe-rs, which is there.
+fn flash_this(elf: &Path) -> Outcome {
     let found = shell::read(program("probe-rs").arg("list"))?;
     if !found.to_ascii_lowercase().contains("stlink") && !found.to_ascii_lowercase().contains("st-link") {
         return Err(format!("no ST-LINK is connected; probe-rs says: {}", found.trim()));
     }
-    let elf = build()?;
-    run(program("probe-rs").args(["download", "--verify", "--chip", CHIP]).arg(&elf))?;
+    run(program("probe-rs").args(["download", "--verify", "--chip", CHIP]).arg(elf))?;
     run(program("probe-rs").args(["reset", "--chip", CHIP]))
 }
 

@@ -15,6 +15,9 @@ const CHIP: [&str; 4] = ["beamtick-firmware", "beamtick-hal", "beamtick-probes",
 /// Needs the emulator's library to link, which has a step of its own.
 const EMULATION: &str = "beamtick-h743";
 
+/// For the reference board alone: the packages above are linted for another board.
+const BRING_UP: &str = "beamtick-bring-up";
+
 /// How many tests a step ran, beyond itself.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 struct Count {
@@ -85,7 +88,7 @@ fn alone(outcome: Outcome) -> (Count, Outcome) {
 fn host<const N: usize>(words: [&str; N]) -> Command {
     let mut command = cargo();
     command.args(words).arg("--workspace");
-    for package in CHIP.iter().chain(&[EMULATION]) {
+    for package in CHIP.iter().chain(&[EMULATION, BRING_UP]) {
         command.args(["--exclude", package]);
     }
     command
@@ -101,20 +104,30 @@ fn clippy_chip() -> Outcome {
     shell::run(command.args(["--", "-D", "warnings"]))?;
     let mut command = compiler.cargo();
     command.args(["clippy", "--profile", "image", "--package", "beamtick-firmware"]).args(board::FEATURES);
-    shell::run(command.args(compiler.arguments()).args(["--", "-D", "warnings"]))
+    shell::run(command.args(compiler.arguments()).args(["--", "-D", "warnings"]))?;
+    let mut command = compiler.cargo();
+    command.args(["clippy", "--profile", "image", "--package", BRING_UP]).args(compiler.arguments());
+    shell::run(command.args(["--", "-D", "warnings"]))
 }
 
 /// The models of the STM32H743's peripherals, its core by a program that tries it, and the board's image.
 fn h743() -> (Count, Outcome) {
     let lint = ["clippy", "--package", EMULATION, "--all-targets", "--", "-D", "warnings"];
     let ready = setup::unicorn().and_then(|()| shell::run(cargo().args(lint)));
-    let built =
-        || Ok((image::build_bin("beamtick-probes-h743", "h743-core")?, board::build_for_dac()?, board::build()?));
+    let built = || {
+        Ok((
+            image::build_bin("beamtick-probes-h743", "h743-core")?,
+            board::build_bring_up()?,
+            board::build_for_dac()?,
+            board::build()?,
+        ))
+    };
     match ready.and_then(|()| built()) {
-        Ok((probe, for_dac, image)) => {
+        Ok((probe, bring_up, for_dac, image)) => {
             let mut command = cargo();
             command.args(["test", "--no-fail-fast", "--package", EMULATION]);
             command.env("BEAMTICK_H743_PROBE", probe).env("BEAMTICK_H743_DAC_IMAGE", for_dac);
+            command.env("BEAMTICK_H743_BRING_UP", bring_up);
             tests(command.env("BEAMTICK_H743_IMAGE", image))
         }
         Err(reason) => alone(Err(reason)),

@@ -31,6 +31,8 @@ cargo xtask COMMAND
   image           builds the images; shows their size, writes a bill of materials; the reference board's as ELF, BIN and HEX in out/
   size            how much of each memory of the chip the reference board's image uses
   flash-board     builds that image and writes it to the board (cargo flash-board; needs probe-rs)
+  bring-up [LINK] builds the image by which the board measures itself into out/, flashes it if probe-rs is there; with LINK
+                  (serial:/dev/ttyACM0:3000000) it measures and writes out/bring-up.md (cargo bring-up; docs/bring-up.md)
   demo            builds the image, boots it, runs the examples, writes traces and plots to out/
   ticks           counts the instructions of a servo tick and writes the table of docs/numbers.md
   ticks --check   counts them and compares with the table
@@ -67,6 +69,8 @@ fn main() -> ExitCode {
         ["image"] => setup::run().and_then(|()| image::report()).and_then(|()| board::image()),
         ["size"] => board::size(),
         ["flash-board"] => board::flash(),
+        ["bring-up"] => board::bring_up(None),
+        ["bring-up", link] => board::bring_up(Some(link)),
         ["demo"] => demo::run(),
         ["ticks"] => ticks::write(),
         ["ticks", "--check"] => ticks::check(),

@@ -30,6 +30,7 @@ Examples:
   beamtick run examples/jog_trap.gts --link serial:/dev/ttyACM0:921600
   beamtick serve --listen 127.0.0.1:5000
   beamtick info --link qemu
+  beamtick bring-up --link serial:/dev/ttyACM0:3000000 --page bring-up.md
 
 Exit codes: 0 done; 1 a call, the link or the trace failed; 2 the command line or the job file is wrong; 130, 143, 129 ended
 by INT, TERM, HUP. However a job ends, every laser is shut off and what moves is stopped smoothly.";
@@ -47,6 +48,9 @@ pub enum Command {
     Serve(Serve),
     /// Shows version, board, profile and limits of a controller; without --link, of the virtual one.
     Info(Info),
+    /// Has a reference board with the bring-up image measure itself, and writes a page. Outputs move: connect no drive and no
+    /// laser. docs/bring-up.md names the jumpers.
+    BringUp(BringUp),
 }
 
 /// Servo ticks of the boards, us.
@@ -230,6 +234,17 @@ pub struct Info {
     #[command(flatten)]
     #[allow(missing_docs)]
     pub settings: Settings,
+}
+
+/// `beamtick bring-up`.
+#[derive(Debug, Args)]
+pub struct BringUp {
+    /// serial:PATH:3000000, the ST-LINK's port.
+    #[arg(long)]
+    pub link: String,
+    /// Writes the page to this file instead of the standard output.
+    #[arg(long, value_name = "FILE.md")]
+    pub page: Option<PathBuf>,
 }
 
 /// `beamtick serve`.

@@ -19,6 +19,7 @@ macro_rules! complain {
     };
 }
 
+mod bring_up;
 mod command_line;
 mod connect;
 mod entries;
@@ -116,6 +117,7 @@ fn obey(line: &CommandLine) -> Result<(), Failure> {
         Command::Check(arguments) => listing::check(arguments),
         Command::Serve(arguments) => serve::serve(arguments),
         Command::Info(arguments) => info::show(arguments),
+        Command::BringUp(arguments) => bring_up::run(arguments),
     }
 }
 
@@ -126,6 +128,15 @@ fn parsed(words: &[&str]) -> Result<CommandLine, Failure> {
 /// `beamtick` with these arguments.
 pub fn call(words: &[&str]) -> Result<(), Failure> {
     obey(&parsed(&[&["beamtick"], words].concat())?)
+}
+
+/// `beamtick bring-up` with these arguments, over `link`.
+pub fn bring_up_over(link: Box<dyn Link>, words: &[&str]) -> Result<(), Failure> {
+    let name = link.name().to_owned();
+    match parsed(&[&["beamtick", "bring-up", "--link", &name], words].concat())?.command {
+        Command::BringUp(arguments) => bring_up::over(link, &arguments),
+        _ => Err(Failure::Input("it is no bring-up".to_owned())),
+    }
 }
 
 /// `beamtick run` with these arguments, over `link`.

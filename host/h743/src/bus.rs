@@ -186,6 +186,11 @@ impl Bus {
         self.timers.iter_mut().find(|timer| timer.kind.number == number)
     }
 
+    /// The same, as an iterator of one or none.
+    pub fn timers_named(&mut self, number: u8) -> impl Iterator<Item = &mut Timer> {
+        self.timers.iter_mut().filter(move |timer| timer.kind.number == number)
+    }
+
     /// The clocks in force.
     pub fn clocks(&self) -> Clocks {
         self.clocks

@@ -115,6 +115,7 @@ pub struct Gpio {
     /// What the world drives.
     outside: HashMap<Pin, bool>,
     levels: [[Level; 16]; PORTS],
+    driven_at_reset: bool,
     /// Every change since power-on.
     pub changes: Vec<Change>,
 }
@@ -126,6 +127,7 @@ impl Default for Gpio {
             signals: HashMap::new(),
             outside: HashMap::new(),
             levels: [[Level::Floating; 16]; PORTS],
+            driven_at_reset: false,
             changes: Vec::new(),
         };
         (0..PORTS).for_each(|port| gpio.look(port, 0));
@@ -157,6 +159,12 @@ impl Gpio {
             Some(level) => self.outside.insert(pin, level),
             None => self.outside.remove(&pin),
         };
+    }
+
+    /// PB0 is an output after every reset, this one included.
+    pub fn drive_at_reset(&mut self) {
+        self.driven_at_reset = true;
+        self.ports[1].mode = self.ports[1].mode & !3 | 1;
     }
 
     /// The alternate function that a pin is switched to, if it is.
@@ -269,6 +277,9 @@ impl Device for Gpio {
 
     fn reset(&mut self, at: Time, _: &mut Vec<Signal>) {
         self.ports = std::array::from_fn(Port::initial);
+        if self.driven_at_reset {
+            self.drive_at_reset();
+        }
         (0..PORTS).for_each(|port| self.look(port, at));
     }
 }

@@ -14,9 +14,11 @@ pub mod dac;
 pub mod dac8563;
 pub mod device;
 pub mod dma;
+mod dwt;
 #[allow(unsafe_code, reason = "Unicorn is a C library")]
 pub mod engine;
 pub mod exceptions;
+pub mod facts;
 mod frames;
 pub mod gpio;
 pub mod image;

@@ -6,11 +6,12 @@
 //! exact for what timers do, an estimate for what instructions do.
 use crate::bus::Bus;
 use crate::device::Cause;
+use crate::dwt::Dwt;
 use crate::engine::{Engine, Exit, Guest, Register};
 use crate::exceptions::{BUS_FAULT, HARD_FAULT, MEMORY_FAULT, Masks, SUPERVISOR_CALL, USAGE_FAULT};
 use crate::gpio::Pin;
 use crate::memory::{Memory, PAGE};
-use crate::scs::Scs;
+use crate::scs::{Identity, Scs};
 use crate::time::{NEVER, Time};
 use std::sync::Arc;
 
@@ -22,6 +23,8 @@ pub const EXIT: Time = 12;
 /// The private peripheral bus begins here; the system control space is its part at +0xE000.
 const PRIVATE: u32 = 0xe000_0000;
 const SCS: u32 = 0xe000_e000;
+/// Among its registers, but of debugging.
+const DEMCR: u32 = 0xe000_edfc;
 /// RCC_AHB2ENR and AHB4ENR, PWR_CR1.
 const MEMORY_SWITCHES: [u32; 3] = [0x5802_44dc, 0x5802_44e0, 0x5802_4800];
 /// Registers of the streams of DMA1 and DMA2.
@@ -37,6 +40,9 @@ pub struct Chip {
     pub scs: Scs,
     /// Peripherals.
     pub bus: Bus,
+    /// What the core says of itself, from every reset on.
+    pub identity: Identity,
+    dwt: Dwt,
     /// Time.
     pub now: Time,
     /// Instructions executed.
@@ -142,11 +148,11 @@ impl Guest for Chip {
             return if self.fails(address, size) { 0 } else { self.memory.number(address, size).unwrap_or(0) };
         }
         let aligned = address & !3;
-        let value = if aligned & 0xffff_f000 == SCS {
+        let value = if aligned & 0xffff_f000 == SCS && aligned != DEMCR {
             self.settle();
             self.scs.read(aligned - SCS, self.running, self.now, self.cycle)
         } else if aligned >= PRIVATE {
-            None
+            self.dwt.read(aligned, self.now, self.cycle)
         } else {
             self.bus.read(aligned, self.now, &mut self.scs.exceptions)
         };
@@ -169,11 +175,11 @@ impl Guest for Chip {
         let (aligned, shift) = (address & !3, 8 * (address & 3));
         let mask = if size < 4 { ((1 << (8 * size)) - 1) << shift } else { u32::MAX };
         let value = value << shift;
-        let done = if aligned & 0xffff_f000 == SCS {
+        let done = if aligned & 0xffff_f000 == SCS && aligned != DEMCR {
             self.settle();
             self.scs.write(aligned - SCS, value, mask, self.now, self.cycle)
         } else if aligned >= PRIVATE {
-            None
+            self.dwt.write(aligned, value, self.now, self.cycle)
         } else {
             self.bus.write(aligned, value, mask, self.now, &mut self.scs.exceptions)
         };
@@ -226,6 +232,8 @@ impl Machine {
             bus: Bus::new(memory.clone()),
             memory,
             scs: Scs::default(),
+            identity: Identity::default(),
+            dwt: Dwt::default(),
             now: 0,
             instructions: 0,
             cycle: crate::clocks::Clocks::RESET.core,
@@ -277,6 +285,8 @@ impl Machine {
         let chip = &mut self.chip;
         self.resets.push((chip.now, cause));
         chip.scs = Scs::default();
+        chip.scs.identity = chip.identity;
+        (chip.scs.fpccr, chip.dwt) = (chip.identity.fpccr, Dwt::default());
         chip.bus.reset_all(cause, chip.now, &mut chip.scs.exceptions);
         chip.cycle = chip.bus.clocks().core;
         self.mpu_seen = u32::MAX;
@@ -326,6 +336,12 @@ impl Machine {
                 }
             }
         }
+    }
+
+    /// The core says of itself what it is told to.
+    pub(crate) fn identify(&mut self) {
+        let chip = &mut self.chip;
+        (chip.scs.identity, chip.scs.fpccr) = (chip.identity, chip.identity.fpccr);
     }
 
     fn masks(&self) -> Masks {

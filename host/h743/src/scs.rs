@@ -8,8 +8,6 @@
 use crate::exceptions::{COUNT, Exceptions, MEMORY_FAULT, NMI, PEND_SV, SYS_TICK, USAGE_FAULT};
 use crate::time::{NEVER, Time};
 
-/// CPUID of a Cortex-M7 r1p1.
-const CPUID: u32 = 0x411f_c271;
 /// Lines of interrupts that the implementation has, in words of 32.
 const WORDS: u32 = 5;
 
@@ -32,9 +30,27 @@ impl MpuRegion {
     }
 }
 
+/// What a core says of itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Identity {
+    /// CPUID.
+    pub cpuid: u32,
+    /// FPCCR after a reset.
+    pub fpccr: u32,
+}
+
+impl Default for Identity {
+    /// A Cortex-M7 r1p1; floating-point registers are stacked lazily.
+    fn default() -> Self {
+        Identity { cpuid: 0x411f_c271, fpccr: 0xc000_0000 }
+    }
+}
+
 /// See the module text.
 #[derive(Debug, Clone)]
 pub struct Scs {
+    /// Which core it is.
+    pub identity: Identity,
     /// What waits and what runs.
     pub exceptions: Exceptions,
     /// VTOR.
@@ -62,14 +78,17 @@ pub struct Scs {
     mpu_number: u32,
     /// Counts writes to the MPU, so that the machine notices a change.
     pub mpu_writes: u32,
-    fpccr: u32,
+    /// FPCCR.
+    pub fpccr: u32,
     cache_size: u32,
     systick: SysTick,
 }
 
 impl Default for Scs {
     fn default() -> Self {
+        let identity = Identity::default();
         Scs {
+            identity,
             exceptions: Exceptions::default(),
             vectors: 0x0800_0000,
             cfsr: 0,
@@ -85,7 +104,7 @@ impl Default for Scs {
             mpu: [MpuRegion::default(); 16],
             mpu_number: 0,
             mpu_writes: 0,
-            fpccr: 0xc000_0000,
+            fpccr: identity.fpccr,
             cache_size: 0,
             systick: SysTick { due: NEVER, ..SysTick::default() },
         }
@@ -112,7 +131,7 @@ impl Scs {
                     value << 8 | u32::from(exceptions.priority.get(first + n).copied().unwrap_or(0))
                 })
             }
-            0xd00 => CPUID,
+            0xd00 => self.identity.cpuid,
             0xd04 => self.icsr(running),
             0xd08 => self.vectors,
             0xd0c => 0xfa05_0000 | exceptions.group << 8,

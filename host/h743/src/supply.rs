@@ -188,11 +188,18 @@ impl Device for Flash {
     }
 }
 
+/// Sources of breaks.
+const CFGR: u32 = 0x18;
+/// DBGMCU_APB4FZ1: what of APB 4 a debugger stops.
+const APB4FZ1: u32 = 0x54;
+
 /// SYSCFG: the over-drive and the I/O compensation cell.
 #[derive(Debug, Clone, Default)]
 pub struct Syscfg {
     /// PWRCR.
     pub pwrcr: u32,
+    /// CFGR lies elsewhere.
+    pub lacks_cfgr: bool,
     others: [u32; 12],
 }
 
@@ -207,6 +214,9 @@ impl Device for Syscfg {
     }
 
     fn write(&mut self, offset: u32, value: u32, mask: u32, _: Time, _: &mut Vec<Signal>) -> Option<()> {
+        if offset == CFGR && self.lacks_cfgr {
+            return Some(());
+        }
         let place = if offset == 0x2c { &mut self.pwrcr } else { self.others.get_mut(offset as usize / 4)? };
         *place = *place & !mask | value & mask;
         Some(())
@@ -219,7 +229,7 @@ impl Device for Syscfg {
     fn advance(&mut self, _: Time, _: &mut Vec<Signal>) {}
 
     fn reset(&mut self, _: Time, _: &mut Vec<Signal>) {
-        *self = Syscfg::default();
+        *self = Syscfg { lacks_cfgr: self.lacks_cfgr, ..Syscfg::default() };
     }
 }
 
@@ -228,12 +238,14 @@ impl Device for Syscfg {
 pub struct Dbgmcu {
     /// Revision: 0x2003 is V.
     pub revision: u16,
+    /// APB4FZ1 holds nothing.
+    pub lacks_freeze: bool,
     others: [u32; 24],
 }
 
 impl Default for Dbgmcu {
     fn default() -> Self {
-        Dbgmcu { revision: 0x2003, others: [0; 24] }
+        Dbgmcu { revision: 0x2003, lacks_freeze: false, others: [0; 24] }
     }
 }
 
@@ -246,6 +258,9 @@ impl Device for Dbgmcu {
     }
 
     fn write(&mut self, offset: u32, value: u32, mask: u32, _: Time, _: &mut Vec<Signal>) -> Option<()> {
+        if offset == APB4FZ1 && self.lacks_freeze {
+            return Some(());
+        }
         let place = self.others.get_mut(offset as usize / 4).filter(|_| offset != 0)?;
         *place = *place & !mask | value & mask;
         Some(())

@@ -12,6 +12,7 @@ mod registers;
 
 use crate::clocks::Clocks;
 use crate::device::{Device, Signal, Source};
+use crate::facts::Quirks;
 use crate::time::{NEVER, Time};
 use output::{Break, Channel};
 
@@ -135,6 +136,8 @@ pub struct Timer {
     settles: Option<Time>,
     /// BKINP means the opposite: sources differ on it.
     pub is_odd: bool,
+    /// What is planted.
+    pub quirks: Quirks,
     /// What was set that is not modelled.
     pub complaint: Option<String>,
 }
@@ -169,6 +172,7 @@ impl Timer {
             inputs: [false; 4],
             settles: None,
             is_odd: false,
+            quirks: Quirks::default(),
             complaint: None,
         }
     }

@@ -113,7 +113,10 @@ impl Device for Timer {
                 }
             }
             // RM0433 41.5.12: those of 15 to 17 have eight bits.
-            RCR => self.rcr = value & if self.kind.number >= 15 { 0xff } else { 0xffff },
+            RCR => {
+                let is_short = self.kind.number >= 15 || self.quirks.short_repeat;
+                self.rcr = value & if is_short { 0xff } else { 0xffff };
+            }
             CCR1..=CCR4 => {
                 let widest = self.widest();
                 let count = self.count(at);
@@ -137,7 +140,7 @@ impl Device for Timer {
                 self.brake.bdtr = value;
                 // MOE cannot be set while the break is active.
                 if before & Break::MOE == 0 && value & Break::MOE != 0 {
-                    let broken = self.brake.is_broken(self.others[0], self.is_odd);
+                    let broken = !self.quirks.by_edge && self.brake.is_broken(self.others[0], self.is_odd);
                     self.brake.bdtr = value & !if broken { Break::MOE } else { 0 };
                     self.settles = None;
                 }
@@ -153,10 +156,12 @@ impl Device for Timer {
                 }
                 return self.write(target, value, mask, at, out);
             }
+            AF1 if self.quirks.no_af1 => {}
             AF1..=TISEL => self.others[(offset - AF1) as usize / 4] = value,
             _ => return None,
         }
-        if self.brake.is_broken(self.others[0], self.is_odd) {
+        let is_held = self.quirks.by_edge && self.brake.bdtr & Break::MOE != 0;
+        if !is_held && self.brake.is_broken(self.others[0], self.is_odd) {
             self.look_at_break(out, at);
         }
         self.publish(at, out);
@@ -206,7 +211,7 @@ impl Device for Timer {
 
     fn reset(&mut self, at: Time, out: &mut Vec<Signal>) {
         let (input, kernel, levels, inputs) = (self.brake.input, self.kernel, self.levels, self.inputs);
-        let is_odd = self.is_odd;
+        let (is_odd, quirks) = (self.is_odd, self.quirks);
         let complaint = self.complaint.take();
         *self = Timer::new(self.kind);
         self.brake.input = input;
@@ -214,6 +219,7 @@ impl Device for Timer {
         self.levels = levels;
         self.inputs = inputs;
         self.is_odd = is_odd;
+        self.quirks = quirks;
         self.complaint = complaint;
         self.publish(at, out);
         self.tell(out);

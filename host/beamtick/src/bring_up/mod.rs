@@ -1,0 +1,80 @@
+//! `beamtick bring-up`: a board measures itself, and the result is a page.
+//!
+//! In: the lines of the bring-up image ([`lines`]). Out: a page in Markdown with a row for each
+//! fact ([`rows`]), pass, fail or a figure, and what to change on a fail. Owns the limits. Fails: a
+//! board that does not answer, a line that arrives damaged, a run that ends early.
+mod lines;
+mod page;
+mod rows;
+
+use crate::Failure;
+use crate::command_line::BringUp;
+use crate::interrupt;
+use client::Link;
+use lines::{Figures, Reader};
+
+use std::time::Duration;
+
+/// The board waits for this line.
+const ORDER: &[u8] = b"go\n";
+/// The order is repeated until the board answers: it may still start.
+const REPEAT_NS: u64 = 500_000_000;
+/// A board that says nothing for so long does not answer.
+const SILENCE_NS: u64 = 5_000_000_000;
+/// How long one look at the link lasts.
+const LOOK: Duration = Duration::from_millis(20);
+
+const NO_ANSWER: &str = "the board does not answer. Flash the bring-up image (`cargo bring-up`), press B2, try again. \
+    LD3 (red) alone: the chip is of revision Y or Z, too slow for the image (assumption 6)";
+
+/// Runs it over the link that the command line names.
+pub fn run(arguments: &BringUp) -> Result<(), Failure> {
+    let link = client::link::open(&arguments.link)?;
+    over(link, arguments)
+}
+
+/// Runs it over this link.
+pub fn over(mut link: Box<dyn Link>, arguments: &BringUp) -> Result<(), Failure> {
+    let figures = measure(&mut *link)?;
+    let report = page::Report::of(&figures);
+    let text = report.text();
+    match &arguments.page {
+        None => say!("{}", text.trim_end()),
+        Some(path) => {
+            std::fs::write(path, &text).map_err(|e| Failure::Input(format!("--page {}: {e}", path.display())))?;
+            say!("{}: {}", path.display(), report.summary());
+        }
+    }
+    match report.failed() {
+        0 => Ok(()),
+        failed => Err(Failure::Job(format!("{failed} rows failed; the page says what to change"))),
+    }
+}
+
+/// Orders a run and reads its lines.
+fn measure(link: &mut dyn Link) -> Result<Figures, Failure> {
+    let mut reader = Reader::default();
+    let began = link.now();
+    let (mut ordered, mut heard) = (None::<u64>, began);
+    let mut bytes = [0; 512];
+    loop {
+        if let Some(signal) = interrupt::came() {
+            return Err(Failure::Interrupted(signal, "the measurement was cut short; press B2 at the board".into()));
+        }
+        let now = link.now();
+        if !reader.has_begun() && ordered.is_none_or(|at| now - at >= REPEAT_NS) {
+            link.send(ORDER)?;
+            ordered = Some(now);
+        }
+        let count = link.receive(&mut bytes, LOOK)?;
+        if count > 0 {
+            heard = link.now();
+        }
+        if reader.feed(&bytes[..count])? {
+            return Ok(reader.figures());
+        }
+        if link.now() - heard > SILENCE_NS {
+            return Err(Failure::Job(if reader.has_begun() { reader.cut_short() } else { NO_ANSWER.into() }));
+        }
+    }
+}

@@ -1,0 +1,128 @@
+//! The rows of the page: what is measured, which assumption it settles, its limits, and what to change on a fail.
+//!
+//! In: figures. Out: verdicts. Owns the limits. Numbers of assumptions are rows of docs/board-assumptions.md; sections are those of
+//! RM0433.
+mod registers;
+
+use super::lines::Figures;
+
+/// What a row comes to.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Verdict {
+    /// As assumed, with the figure.
+    Pass(String),
+    /// Otherwise.
+    Fail(String),
+    /// There is no limit.
+    Figure(String),
+    /// The board has not measured it, and why.
+    NotMeasured(String),
+}
+
+impl Verdict {
+    fn of(holds: bool, figure: impl Into<String>) -> Verdict {
+        if holds { Verdict::Pass(figure.into()) } else { Verdict::Fail(figure.into()) }
+    }
+
+    /// No line of this name, or not with as many numbers.
+    fn missing(name: &str) -> Verdict {
+        Verdict::NotMeasured(format!("the board sent no `{name}`"))
+    }
+}
+
+/// A row.
+#[derive(Debug)]
+pub struct Row {
+    /// What is measured; unique.
+    pub what: &'static str,
+    /// Rows of docs/board-assumptions.md that it settles.
+    pub assumptions: &'static [u8],
+    /// The verdict.
+    pub judge: fn(&Figures) -> Verdict,
+    /// What to change on a fail.
+    pub remedy: &'static str,
+}
+
+/// What the board cannot measure.
+#[derive(Debug)]
+pub struct ByHand {
+    /// Row of docs/board-assumptions.md.
+    pub assumption: u8,
+    /// What.
+    pub what: &'static str,
+    /// How it is measured.
+    pub how: &'static str,
+}
+
+/// All rows, in the order of the page.
+pub fn rows() -> &'static [Row] {
+    registers::ROWS
+}
+
+/// All that is left.
+pub fn by_hand() -> &'static [ByHand] {
+    BY_HAND
+}
+
+/// What a page about a board calls an assumption: the first cell of its row.
+#[cfg(test)]
+fn listed(page: &str) -> Vec<u8> {
+    let first = |line: &str| line.strip_prefix("| ")?.split('|').next()?.trim().parse().ok();
+    page.lines().filter_map(first).collect()
+}
+
+const BY_HAND: &[ByHand] = &[
+    by(3, "a − line at a break", "scope at energy −, the interlock as trigger: lit for 8 ns"),
+    by(4, "a − line at a safe state", "scope at energy −, `GT_LaserOff` as trigger: lit for 8 ns"),
+    by(9, "a burst after a reset of its timer", "`GT_SetTick` 10 µs under load, scope at energy +"),
+    by(10, "bursts with all streams busy", "scope at energy +, both lasers at 2 MHz, eight axes at 1 MHz"),
+    by(11, "the lasers' timers start together", "scope at the first edges of both channels and a step"),
+    by(12, "a timer without slots is dark", "halt the core in a debugger, look at energy +"),
+    by(13, "a stopped stream keeps its place", "count steps after an overrun"),
+    by(14, "a slot is cleared after it was played", "count steps at 1 MHz for a minute"),
+    by(15, "triggers between the lasers' timers", "`beamtick info`, light on both channels"),
+    by(16, "the link's stream beside others", "an hour of a job with a trace at 3 Mbaud"),
+    by(18, "ECC at power-on", "switch the power off and on a hundred times"),
+    by(19, "the last word before a reset", "provoke a fault, read `beamtick info`"),
+    by(22, "analog inputs", "0 V and 10 V at the terminals"),
+    by(23, "the converter is switched on until it is ready", "nothing to measure"),
+    by(24, "analog outputs within a tick", "scope at PA4, a step of 10 V"),
+    by(25, "PD10 keeps USB's power switch off", "voltage at CN13: 0 V"),
+    by(26, "the ST-LINK's clock without a host", "supply by VIN, unplug the host: the board runs on"),
+    by(27, "USB", "`lsusb -d 1209:0001` with the board's own image"),
+];
+
+const fn by(assumption: u8, what: &'static str, how: &'static str) -> ByHand {
+    ByHand { assumption, what, how }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashSet;
+
+    /// Each row of docs/board-assumptions.md is measured, or listed as left to do by hand; not both, and nothing else is.
+    #[test]
+    fn no_assumption_is_left_out() {
+        let page = include_str!("../../../../docs/board-assumptions.md");
+        let mut should = listed(page);
+        should.sort_unstable();
+        assert!(should.len() >= 27, "{should:?}");
+        let measured: HashSet<u8> = rows().iter().flat_map(|row| row.assumptions).copied().collect();
+        let by_hand: Vec<u8> = by_hand().iter().map(|row| row.assumption).collect();
+        assert_eq!(by_hand.iter().find(|number| measured.contains(number)), None, "both");
+        let mut is: Vec<u8> = measured.into_iter().chain(by_hand).collect();
+        is.sort_unstable();
+        assert_eq!(is, should);
+    }
+
+    #[test]
+    fn rows_have_names_of_their_own_and_say_what_is_missing() {
+        let names: HashSet<&str> = rows().iter().map(|row| row.what).collect();
+        assert_eq!(names.len(), rows().len());
+        for row in rows() {
+            let verdict = (row.judge)(&Figures::default());
+            assert!(matches!(&verdict, Verdict::NotMeasured(why) if why.contains('`')), "{}: {verdict:?}", row.what);
+        }
+    }
+}

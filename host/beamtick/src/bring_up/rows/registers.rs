@@ -1,0 +1,294 @@
+//! Rows that registers alone tell.
+use super::{Row, Verdict};
+use crate::bring_up::lines::Figures;
+
+/// MODER after a reset, ports A to G (11.4.1): analog, but PA13–PA15, PB3 and PB4 of the debug port.
+const MODES: [i64; 7] = [0xabff_ffff, 0xffff_febf, 0xffff_ffff, 0xffff_ffff, 0xffff_ffff, 0xffff_ffff, 0xffff_ffff];
+/// PUPDR likewise.
+const PULLS: [i64; 7] = [0x6400_0000, 0x0000_0100, 0, 0, 0, 0, 0];
+
+pub const ROWS: &[Row] = &[
+    Row {
+        what: "revision of the chip",
+        assumptions: &[6],
+        judge: revision,
+        remedy: "compare with DBGMCU_IDC in the chip's errata sheet; `is_too_old` in hal/src/stm32h743/clocks.rs decides",
+    },
+    Row {
+        what: "revision of the core",
+        assumptions: &[17],
+        judge: core,
+        remedy: "read Arm's errata notice for this revision: before r1p1 BASEPRI needs a work-around in hal/src/mask.rs",
+    },
+    Row {
+        what: "pins after a reset",
+        assumptions: &[7],
+        judge: pins,
+        remedy: "do not connect a laser: find out which pin is driven, and move its function in hal/src/stm32h743/pins.rs",
+    },
+    Row {
+        what: "AF1 of TIM1, TIM15, TIM8 after a reset",
+        assumptions: &[1],
+        judge: af1_at_reset,
+        remedy: "none: start-up writes it",
+    },
+    Row {
+        what: "AF1 of TIM1, TIM15, TIM8 read back",
+        assumptions: &[1],
+        judge: af1,
+        remedy: "the break input is not connected to its pin: compare AF1 with the manual (38.4.24), `set_up` in laser.rs",
+    },
+    Row {
+        what: "break register read back",
+        assumptions: &[1, 2],
+        judge: bdtr,
+        remedy: "LOCK bits or a reset came between: compare BDTR with 38.4.18, `set_up` in laser.rs",
+    },
+    Row {
+        what: "break flag and level of each timer",
+        assumptions: &[1],
+        judge: flags,
+        remedy: "the timer's BKINP has the other meaning, or the pin is not its input: no light before `set_up` in laser.rs suits",
+    },
+    Row {
+        what: "a break acts by its level",
+        assumptions: &[2],
+        judge: by_level,
+        remedy: "light could return with an open interlock: keep the lasers off; `was_broken` must poll the pin too",
+    },
+    Row {
+        what: "width of the timers' registers",
+        assumptions: &[],
+        judge: widths,
+        remedy: "change `MOST` of repetitions in servo/src/output/cycles.rs to what the register holds",
+    },
+    Row {
+        what: "lock-up and low supply break the lasers",
+        assumptions: &[5],
+        judge: sources,
+        remedy: "SYSCFG_CFGR is not at 0x5800_0418 or has other bits: compare with the manual, `BREAKS` in clocks.rs",
+    },
+    Row {
+        what: "the supply",
+        assumptions: &[5],
+        judge: supply,
+        remedy: "the supply is below 2.7 V, or PLS has another meaning: measure VDD, then compare PWR_CR1 with 6.8.1",
+    },
+    Row {
+        what: "a debugger freezes the watchdog",
+        assumptions: &[8],
+        judge: frozen,
+        remedy: "DBGMCU_APB4FZ1 has another bit: compare with 60.5.8; only debugging suffers",
+    },
+    Row {
+        what: "floating-point registers are saved lazily",
+        assumptions: &[20],
+        judge: lazy,
+        remedy: "set FPCCR.LSPEN and ASPEN at start-up in hal/src/stm32h743/mod.rs, or add 17 cycles to each tick",
+    },
+    Row {
+        what: "cycles of the core in a count of the timers",
+        assumptions: &[21],
+        judge: clocks,
+        remedy: "the dividers are not those of the manual: compare RCC_D1CFGR, D2CFGR and CFGR.TIMPRE with 8.7",
+    },
+    Row {
+        what: "caches and wait states",
+        assumptions: &[21],
+        judge: memory,
+        remedy: "start-up did not enable the caches, or FLASH_ACR was not taken: `take` in mod.rs, `raise` in clocks.rs",
+    },
+    Row {
+        what: "code from flash, not cached and cached",
+        assumptions: &[21],
+        judge: fetch,
+        remedy: "none: it is a figure",
+    },
+    Row {
+        what: "rate of the link",
+        assumptions: &[],
+        judge: link,
+        remedy: "the UART's clock is not 120 MHz: compare RCC_D2CCIP2R with 8.7.21, `BAUD` in uart.rs",
+    },
+    Row { what: "stack of the bring-up image", assumptions: &[], judge: stack, remedy: "enlarge STACK in memory.x" },
+    Row { what: "cause of the reset", assumptions: &[], judge: cause, remedy: "none: it is a figure" },
+];
+
+/// The lines of TIM1, TIM15 and TIM8, each with its number first.
+fn of_timers<const N: usize>(figures: &Figures, name: &str) -> Option<Vec<[i64; N]>> {
+    figures.each::<N>(name).filter(|lines| lines.iter().map(|line| line[0]).eq([1, 15, 8]))
+}
+
+/// What fails, a sentence each, or what all have.
+fn all_of(wrong: Vec<String>, good: &str) -> Verdict {
+    if wrong.is_empty() { Verdict::Pass(good.to_owned()) } else { Verdict::Fail(wrong.join("; ")) }
+}
+
+fn revision(figures: &Figures) -> Verdict {
+    let Some([device, revision]) = figures.only("idc") else { return Verdict::missing("idc") };
+    let name = match revision {
+        0x2001 => "X",
+        0x2003 => "V",
+        _ => "unknown",
+    };
+    Verdict::of(device == 0x450 && name != "unknown", format!("device {device:#x}, revision {revision:#x} ({name})"))
+}
+
+fn core(figures: &Figures) -> Verdict {
+    let Some([cpuid]) = figures.only("cpuid") else { return Verdict::missing("cpuid") };
+    let (variant, patch) = (cpuid >> 20 & 0xf, cpuid & 0xf);
+    let is_m7 = cpuid & 0xff0f_fff0 == 0x410f_c270;
+    Verdict::of(is_m7 && (variant, patch) >= (1, 1), format!("CPUID {cpuid:#010x}: r{variant}p{patch}"))
+}
+
+fn pins(figures: &Figures) -> Verdict {
+    let (Some(modes), Some(pulls)) = (figures.only::<7>("modes-at-reset"), figures.only::<7>("pulls-at-reset")) else {
+        return Verdict::missing("modes-at-reset");
+    };
+    let mut wrong = Vec::new();
+    for (port, letter) in ('A'..='G').enumerate() {
+        for pin in 0..16 {
+            let differs = |is: &[i64; 7], should: &[i64; 7]| (is[port] ^ should[port]) >> (2 * pin) & 3 != 0;
+            if differs(&modes, &MODES) || differs(&pulls, &PULLS) {
+                wrong.push(format!("P{letter}{pin}"));
+            }
+        }
+    }
+    all_of(wrong, "analog, but the debug port")
+}
+
+fn af1_at_reset(figures: &Figures) -> Verdict {
+    match of_timers::<2>(figures, "af1-at-reset") {
+        None => Verdict::missing("af1-at-reset"),
+        Some(lines) => Verdict::Figure(listed(&lines, |[timer, value]| format!("TIM{timer} {value:#x}"))),
+    }
+}
+
+fn af1(figures: &Figures) -> Verdict {
+    let Some(lines) = of_timers::<2>(figures, "af1") else { return Verdict::missing("af1") };
+    // BKINE alone.
+    Verdict::of(
+        lines.iter().all(|[_, value]| *value == 1),
+        listed(&lines, |[timer, value]| format!("TIM{timer} {value:#x}")),
+    )
+}
+
+fn bdtr(figures: &Figures) -> Verdict {
+    let Some(lines) = of_timers::<2>(figures, "bdtr") else { return Verdict::missing("bdtr") };
+    // BKP, BKE, OSSR, OSSI; MOE is 0.
+    const WANTED: i64 = 1 << 13 | 1 << 12 | 1 << 11 | 1 << 10;
+    Verdict::of(
+        lines.iter().all(|[_, value]| *value == WANTED),
+        listed(&lines, |[timer, value]| format!("TIM{timer} {value:#x}")),
+    )
+}
+
+/// Of the lines `break`: the levels that were measured.
+fn levels(lines: &[[i64; 4]]) -> &'static str {
+    match (lines.iter().any(|line| line[1] == 0), lines.iter().any(|line| line[1] == 1)) {
+        (true, true) => "low and high",
+        (true, false) => "low",
+        _ => "high",
+    }
+}
+
+fn flags(figures: &Figures) -> Verdict {
+    let Some(lines) = figures.each::<4>("break") else { return Verdict::missing("break") };
+    let wrong = lines.iter().filter(|[_, level, flag, _]| level != flag);
+    let wrong = wrong.map(|[timer, level, flag, _]| format!("TIM{timer}: pin {level}, flag {flag}")).collect();
+    all_of(wrong, &format!("flag as the pin, {}", levels(&lines)))
+}
+
+fn by_level(figures: &Figures) -> Verdict {
+    let Some(lines) = figures.each::<4>("break") else { return Verdict::missing("break") };
+    let wrong = lines.iter().filter(|[_, level, _, enabled]| *enabled == *level);
+    let wrong = wrong.map(|[timer, level, _, enabled]| format!("TIM{timer}: pin {level}, MOE {enabled}")).collect();
+    all_of(wrong, &format!("MOE 0 while the pin is high, measured {}", levels(&lines)))
+}
+
+fn widths(figures: &Figures) -> Verdict {
+    let (Some(lines), Some([tick])) = (of_timers::<4>(figures, "widths"), figures.only("tick-width")) else {
+        return Verdict::missing("widths");
+    };
+    let mut wrong = Vec::new();
+    for [timer, arr, rcr, ccr] in lines {
+        let repeats = if timer == 15 { 0xff } else { 0xffff };
+        for (name, is, should) in [("ARR", arr, 0xffff), ("RCR", rcr, repeats), ("CCR1", ccr, 0xffff)] {
+            if is != should {
+                wrong.push(format!("TIM{timer} {name} holds {is:#x} of {should:#x}"));
+            }
+        }
+    }
+    if tick != 0xffff_ffff {
+        wrong.push(format!("TIM2 ARR holds {tick:#x}"));
+    }
+    all_of(wrong, "as in the manual")
+}
+
+fn sources(figures: &Figures) -> Verdict {
+    let Some([value]) = figures.only("break-sources") else { return Verdict::missing("break-sources") };
+    Verdict::of(value == (1 << 2 | 1 << 6), format!("SYSCFG_CFGR {value:#x}"))
+}
+
+fn supply(figures: &Figures) -> Verdict {
+    let Some([enabled, level, low]) = figures.only("supply") else { return Verdict::missing("supply") };
+    let holds = (enabled, level, low) == (1, 5, 0);
+    Verdict::of(holds, format!("PVDE {enabled}, PLS {level}, {}", if low == 0 { "above 2.7 V" } else { "below 2.7 V" }))
+}
+
+fn frozen(figures: &Figures) -> Verdict {
+    let Some([bit]) = figures.only("frozen") else { return Verdict::missing("frozen") };
+    Verdict::of(bit == 1, format!("WDGLSD1 reads {bit}"))
+}
+
+fn lazy(figures: &Figures) -> Verdict {
+    let Some([fpccr]) = figures.only("fpccr") else { return Verdict::missing("fpccr") };
+    Verdict::of(fpccr >> 30 & 3 == 3, format!("FPCCR {fpccr:#010x}"))
+}
+
+fn clocks(figures: &Figures) -> Verdict {
+    let Some([counts, cycles]) = figures.only("clocks") else { return Verdict::missing("clocks") };
+    let ratio = cycles as f64 / counts.max(1) as f64;
+    Verdict::of((1.999..2.001).contains(&ratio), format!("{ratio:.4}, of 2"))
+}
+
+fn memory(figures: &Figures) -> Verdict {
+    let (Some([instructions, data]), Some([states, delay])) = (figures.only("caches"), figures.only("flash")) else {
+        return Verdict::missing("caches");
+    };
+    Verdict::of(
+        (instructions, data, states, delay) == (1, 1, 4, 2),
+        format!("instruction cache {instructions}, data cache {data}, {states} wait states, WRHIGHFREQ {delay}"),
+    )
+}
+
+fn fetch(figures: &Figures) -> Verdict {
+    match figures.only("fetch") {
+        None => Verdict::missing("fetch"),
+        Some([cold, warm]) => Verdict::Figure(format!("{cold} and {warm} cycles")),
+    }
+}
+
+fn link(figures: &Figures) -> Verdict {
+    let Some([bytes, counts]) = figures.only("link") else { return Verdict::missing("link") };
+    // Ten bits at 3 Mbaud take 800 counts of 240 MHz.
+    let each = counts as f64 / bytes.max(1) as f64;
+    Verdict::of((792.0..816.0).contains(&each), format!("{each:.0} counts a byte, of 800"))
+}
+
+fn stack(figures: &Figures) -> Verdict {
+    let Some([total, used]) = figures.only("stack") else { return Verdict::missing("stack") };
+    Verdict::of(used * 4 < total * 3, format!("{used} bytes of {total}"))
+}
+
+fn cause(figures: &Figures) -> Verdict {
+    match figures.only("cause") {
+        None => Verdict::missing("cause"),
+        Some([flags]) => Verdict::Figure(format!("RCC_RSR {flags:#010x}")),
+    }
+}
+
+/// Each line by `text`, with commas.
+fn listed<const N: usize>(lines: &[[i64; N]], text: fn(&[i64; N]) -> String) -> String {
+    lines.iter().map(text).collect::<Vec<_>>().join(", ")
+}

@@ -1,0 +1,60 @@
+//! Facts of the chip that may be otherwise than the image takes them for: planted one at a time, for tests of what shall notice.
+//!
+//! In: a [`Wrong`]. Out: a machine that differs in this one fact, from then on and over every reset. Owns nothing.
+use crate::machine::Machine;
+
+/// A fact that is otherwise (docs/board-assumptions.md).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Wrong {
+    /// AF1.BKINP of this timer means the opposite.
+    BreakPolarity(u8),
+    /// A break acts by its edge: MOE may be set while the input is high.
+    BreakByEdge,
+    /// AF1 of this timer cannot be written.
+    NoAf1(u8),
+    /// RCR of TIM8 has eight bits.
+    ShortRepeat,
+    /// SYSCFG_CFGR lies elsewhere.
+    NoBreakSources,
+    /// DBGMCU does not freeze the watchdog.
+    NoFreeze,
+    /// A revision of the chip.
+    Revision(u16),
+    /// CPUID of an earlier core.
+    EarlyCore,
+    /// The core saves floating-point registers at each interrupt at once.
+    EagerStacking,
+    /// PB0 is an output after a reset.
+    DrivenAtReset,
+}
+
+/// What of a timer may be planted; kept over resets.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Quirks {
+    /// [`Wrong::BreakByEdge`].
+    pub by_edge: bool,
+    /// [`Wrong::NoAf1`].
+    pub no_af1: bool,
+    /// [`Wrong::ShortRepeat`].
+    pub short_repeat: bool,
+}
+
+impl Machine {
+    /// Plants a wrong fact.
+    pub fn plant(&mut self, wrong: Wrong) {
+        let bus = &mut self.chip.bus;
+        match wrong {
+            Wrong::BreakPolarity(number) => bus.timers_named(number).for_each(|timer| timer.is_odd = true),
+            Wrong::BreakByEdge => bus.timers.iter_mut().for_each(|timer| timer.quirks.by_edge = true),
+            Wrong::NoAf1(number) => bus.timers_named(number).for_each(|timer| timer.quirks.no_af1 = true),
+            Wrong::ShortRepeat => bus.timers_named(8).for_each(|timer| timer.quirks.short_repeat = true),
+            Wrong::NoBreakSources => bus.syscfg.lacks_cfgr = true,
+            Wrong::NoFreeze => bus.dbgmcu.lacks_freeze = true,
+            Wrong::Revision(revision) => bus.dbgmcu.revision = revision,
+            Wrong::EarlyCore => self.chip.identity.cpuid = 0x410f_c270,
+            Wrong::EagerStacking => self.chip.identity.fpccr = 0x8000_0000,
+            Wrong::DrivenAtReset => bus.gpio.drive_at_reset(),
+        }
+        self.identify();
+    }
+}
