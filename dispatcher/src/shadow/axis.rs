@@ -1,7 +1,8 @@
 //! Shadow state of one axis.
 use super::follow::FollowShadow;
-use super::{SOFT_OFF, executed};
+use super::{PROGRAM_FLAG, SOFT_OFF, executed, is_up_to};
 use protocol::command::{JogPrm, TrapPrm};
+use protocol::values::pt_state;
 use servo::op::Mode;
 use servo::segment::pt::Chain;
 use servo::status::RUNNING;
@@ -124,7 +125,9 @@ impl AxisShadow {
     /// As [`AxisShadow::is_outgoing`], of a FIFO of Follow.
     pub fn is_follow_outgoing<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView, fifo: u8) -> bool {
         // A mode is set at standstill: a start after it reads the new data.
-        let busy = if self.emptied.is_some() && self.emptied == self.follow.emptied(fifo) {
+        let in_order = |first: u32, last: u32| (first ^ last) & PROGRAM_FLAG == 0 && is_up_to(first, last);
+        let emptied = self.follow.emptied(fifo).zip(self.emptied);
+        let busy = if emptied.is_some_and(|(fifo, axis)| in_order(fifo, axis)) {
             axis.status & RUNNING != 0 || self.leaving.is_some_and(|seq| !executed(view, seq))
         } else {
             self.is_busy(view, axis)
@@ -155,7 +158,9 @@ impl AxisShadow {
         let runs = axis.status & RUNNING != 0;
         let emptied = self.emptied.is_some_and(|seq| !executed(view, seq))
             && (runs || self.leaving.is_some_and(|seq| !executed(view, seq)));
-        let ended = self.is_dynamic() && self.started.is_none() && self.is_busy(view, axis);
+        // A stream that a Stop has ended is over while its axis still brakes.
+        let streams = axis.pt_state == pt_state::RUNNING || self.busy.is_some_and(|seq| !executed(view, seq));
+        let ended = self.is_dynamic() && self.started.is_none() && streams;
         emptied || ended
     }
     /// Segments that one FIFO (in dynamic mode, the ring) holds.

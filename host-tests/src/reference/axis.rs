@@ -535,6 +535,14 @@ impl Axis {
         }
     }
 
+    /// The same before it has ended: what is given from now on belongs to the next stream.
+    pub fn end_stream(&mut self) {
+        self.leave();
+        if let Some(Motion::Stream(timed, _)) = &self.motion {
+            self.motion = Some(Motion::Pt(timed.clone()));
+        }
+    }
+
     pub fn start_pt(&mut self, fifo: usize, now_ns: i64) {
         let fifo = if self.pt.dynamic { 0 } else { fifo };
         self.chain = Chain::of(&self.pt.fifos[fifo]);
@@ -546,8 +554,12 @@ impl Axis {
     /// Data of the FIFO that runs has changed.
     pub fn pt_grew(&mut self, fifo: usize) {
         let running = self.pt.running;
+        let grows = match self.motion {
+            Some(Motion::Pt(_)) => !self.pt.dynamic && running == fifo,
+            _ => self.pt.dynamic,
+        };
         if let Some(Motion::Pt(timed) | Motion::Stream(timed, _)) = &mut self.motion
-            && (self.pt.dynamic || running == fifo)
+            && grows
         {
             for segment in &self.pt.fifos[running][self.chain.ends.len()..] {
                 self.chain.add(segment);

@@ -557,3 +557,52 @@ fn a_line_after_the_start_of_a_path_that_was_just_emptied() {
     calls.extend([&again[..], &[Call::Sleep { ns: 40 * MS }]].concat());
     agrees(1000, &calls);
 }
+
+/// Data of a dynamic FIFO that came while its axis braked for a Stop belongs to the next stream. A start after a wait for
+/// the Stop was refused: the FIFO was taken for that of the stream that the Stop had ended.
+#[test]
+fn dynamic_data_while_the_axis_brakes() {
+    let data = |pos, time_ms| Call::PtData { axis: 0, pos, time_ms, kind: 0, fifo: 0 };
+    let go = Call::PtStart { mask: 1, option: 0 };
+    for stop in [Call::Stop { mask: 1, abrupt: 0 }, Call::Abort { core: 1 }] {
+        for pause in [0, 2 * MS + 1] {
+            agrees(
+                1000,
+                &[
+                    plain(Kind::AxisOn, 0),
+                    Call::PrfPt { axis: 0, mode: 1 },
+                    data(-113.0, 20),
+                    go.clone(),
+                    Call::Sleep { ns: 7 * MS - 1 },
+                    stop.clone(),
+                    Call::Sleep { ns: pause },
+                    data(-77.875, 48),
+                    Call::WaitStop { mask: 1 },
+                    go.clone(),
+                    Call::Sleep { ns: 60 * MS },
+                ],
+            );
+        }
+    }
+}
+
+/// Data after a start of Follow was refused, where two modes had been set at the same instant: only the first of them had
+/// emptied the FIFO.
+#[test]
+fn follow_data_after_a_start_right_after_two_modes() {
+    agrees(
+        100,
+        &[
+            plain(Kind::AxisOn, 0),
+            ex(Call::PrfFollow { axis: 0, dir: -1 }),
+            segment(0, 190.0, 72.625, 0, 0),
+            plain(Kind::PrfTrap, 0),
+            ex(Call::PrfFollow { axis: 0, dir: 1 }),
+            ex(Call::SetFollowMaster { axis: 0, master: 3, kind: 2, item: 0 }),
+            segment(0, 569.0, 183.75, 0, 0),
+            ex(Call::FollowStart { mask: 1, option: 0 }),
+            segment(0, 667.0, 281.75, 2, 0),
+            Call::Sleep { ns: 20 * MS },
+        ],
+    );
+}

@@ -3,7 +3,7 @@ use super::super::axis::{Axis, Mode};
 use super::super::call::{Call, members};
 use super::super::pt::Segment;
 use super::answer::{Answer, DONE, check, either};
-use super::{Controller, Reply};
+use super::{Controller, Reply, Then};
 
 impl Controller {
     pub(super) fn pt_start(&mut self, mask: u32, option: u32, now: i64) -> Answer {
@@ -70,6 +70,10 @@ impl Controller {
     }
 
     pub(super) fn pt_data(&mut self, place: usize, pos: f64, time_ms: i32, kind: i16, fifo: i16) -> Answer {
+        if matches!(self.then[place], Some(Then::Brake(..))) {
+            // The Stop of this instant comes before it.
+            self.axes[place].end_stream();
+        }
         let axis = &self.axes[place];
         if axis.broken && axis.pt.dynamic {
             self.open = Some("data after a stream that a limit ended");
