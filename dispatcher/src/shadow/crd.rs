@@ -183,8 +183,6 @@ pub struct PathShadow {
     pub look: Option<Look>,
     /// The last entry that emptied it, until it is executed.
     pub emptied: Option<u32>,
-    /// The last start before that, until the tick is done with it.
-    leaving: Option<u32>,
     /// The last entry that concerns it.
     pub last: Option<u32>,
     /// It was given data that no entry has published yet.
@@ -194,18 +192,14 @@ pub struct PathShadow {
     /// After a Stop, or with data that came after its start, its path was renamed or ran with the
     /// other FIFO. Where its next motion begins depends on which of its motions were over then.
     pub left: bool,
+    /// A start was in flight when it was emptied.
+    leaving: bool,
 }
 
 impl PathShadow {
     /// Whether all that concerns it is executed.
     fn is_executed<const AXES: usize>(&self, view: &View<AXES>) -> bool {
         !self.loose && self.last.is_none_or(|seq| executed(view, seq))
-    }
-    /// Whether the tick may still read what was in its slots before it was emptied: it runs, or a
-    /// start that precedes the emptying is in flight.
-    pub fn is_outgoing<const AXES: usize>(&self, view: &View<AXES>, sampled: &CrdView) -> bool {
-        let pending = |seq: Option<u32>| seq.is_some_and(|seq| !executed(view, seq));
-        pending(self.emptied) && (sampled.runs || pending(self.leaving))
     }
     /// So many of its motions were over when its path came to standstill.
     fn settle(&mut self, over: u32) {
@@ -285,6 +279,14 @@ impl CrdShadow {
     pub fn is_busy<const AXES: usize>(&self, view: &View<AXES>, sampled: &CrdView) -> bool {
         sampled.runs || self.busy.is_some_and(|seq| !executed(view, seq))
     }
+    /// Whether the tick may still read what was in the slots of a FIFO before it was emptied: the
+    /// path runs, or a start that precedes the emptying is in flight. Where a start has followed
+    /// it, that one stands for the one before.
+    pub fn is_outgoing<const AXES: usize>(&self, fifo: u8, view: &View<AXES>, sampled: &CrdView) -> bool {
+        let pending = |seq: Option<u32>| seq.is_some_and(|seq| !executed(view, seq));
+        let path = self.path(fifo);
+        pending(path.emptied) && (sampled.runs || path.leaving && pending(self.busy))
+    }
     /// Advances the counts of entries and motions of its empty FIFOs, for tests.
     pub fn age(&mut self, by: u32) {
         for PathData { given, over, motions, .. } in self.fifos.iter_mut().map(|path| &mut path.data) {
@@ -342,7 +344,7 @@ impl CrdShadow {
         *self = CrdShadow { frame, here, dec, started, busy, beside, last: Some(seq), ..CrdShadow::power_on() };
         for (path, before) in self.fifos.iter_mut().zip(fifos) {
             let cleared = before.cleared.wrapping_add(1);
-            let (emptied, leaving, last) = (Some(seq), busy, Some(seq));
+            let (emptied, leaving, last) = (Some(seq), busy.is_some(), Some(seq));
             *path = PathShadow { cleared, emptied, leaving, last, ..PathShadow::default() };
         }
         self.forget_moved();
@@ -359,11 +361,7 @@ impl CrdShadow {
     /// Calls `young` with every entry number.
     pub(super) fn renew_numbers(&mut self, young: &mut impl FnMut(&mut u32)) {
         [&mut self.started, &mut self.busy, &mut self.last].into_iter().flatten().for_each(&mut *young);
-        let of = |path| {
-            let PathShadow { emptied, leaving, last, .. }: &mut PathShadow = path;
-            [emptied, leaving, last]
-        };
-        self.fifos.iter_mut().flat_map(of).flatten().for_each(young);
+        self.fifos.iter_mut().flat_map(|path| [&mut path.emptied, &mut path.last]).flatten().for_each(young);
     }
 
     /// Enters a change that goes with entry `seq`.
@@ -376,7 +374,7 @@ impl CrdShadow {
             CrdChange::Frame { frame, here } => self.renew(Some(frame), here, seq),
             CrdChange::Emptied { fifo, here } => {
                 self.here = here;
-                let (emptied, leaving, last) = (Some(seq), self.busy, Some(seq));
+                let (emptied, leaving, last) = (Some(seq), self.busy.is_some(), Some(seq));
                 let path = self.path_mut(fifo);
                 let (cleared, look) = (path.cleared.wrapping_add(1), path.look);
                 *path = PathShadow { cleared, look, emptied, leaving, last, ..PathShadow::default() };
