@@ -20,7 +20,7 @@ pub use axis::{AxisShadow, BEGINS_SHIFT, FifoShadow};
 pub use channel::{DistanceShadow, LaserChange, LaserShadow};
 pub use crd::{CrdChange, CrdShadow, Frame, Look, PathData, PathShadow};
 pub use crd_space::CAPACITY;
-pub use entry_numbers::{PROGRAM_FLAG, Renewed, executed, is_up_to, renew, seq_after, seq_from};
+pub use entry_numbers::{PROGRAM_FLAG, Renewed, entries_from, executed, is_up_to, renew, seq_after, seq_from};
 pub use follow::Fifo;
 use protocol::command::{JogPrm, TrapPrm};
 use servo::Fifos;

@@ -83,7 +83,7 @@ fn open<'x, const AXES: usize>(context: &Context<'x, AXES>, target: &Target) -> 
     let pending = |seq: Option<u32>| seq.is_some_and(|seq| !crate::shadow::executed(context.view, seq));
     // The slots of entries that are over in the program are free only when the tick has released
     // them.
-    if shadow.is_outgoing(fifo, context.view, sampled) {
+    if path.is_outgoing(context.view, sampled) {
         return Err(in_use());
     }
     let at_once = path.look.is_some() && context.crd_may_run(crd);

@@ -1,5 +1,5 @@
 //! Shadow state of one coordinate system: its parameters, both FIFOs, the start of the next motion.
-use super::executed;
+use super::{PROGRAM_FLAG, entries_from, executed, seq_from};
 use crate::plan::geometry::{Position, position_of};
 use protocol::command::CrdPrm;
 use servo::path::{DIMENSIONS, PathStop};
@@ -192,11 +192,32 @@ pub struct PathShadow {
     /// After a Stop, or with data that came after its start, its path was renamed or ran with the
     /// other FIFO. Where its next motion begins depends on which of its motions were over then.
     pub left: bool,
-    /// A start was in flight when it was emptied.
-    leaving: bool,
+    /// Entries from the last start before it was emptied to that: 0 is none, [`FAR`] many, or they
+    /// are of two lanes.
+    leaving: u8,
 }
 
+/// See [`PathShadow`].
+const FAR: u8 = u8::MAX;
+
 impl PathShadow {
+    /// An emptied FIFO, by entry `seq`, after the last start.
+    fn emptied(cleared: u32, busy: Option<u32>, seq: u32) -> PathShadow {
+        let entries = |start| (start & PROGRAM_FLAG == seq & PROGRAM_FLAG).then(|| entries_from(start, seq));
+        let far = |start| entries(start).and_then(|entries| u8::try_from(entries).ok()).unwrap_or(FAR);
+        PathShadow { cleared, emptied: Some(seq), leaving: busy.map_or(0, far), last: Some(seq), ..Self::default() }
+    }
+    /// Whether the tick may still read what was in its slots before it was emptied: it runs, or a
+    /// start that precedes the emptying is in flight.
+    pub fn is_outgoing<const AXES: usize>(&self, view: &View<AXES>, sampled: &CrdView) -> bool {
+        let start = |emptied| seq_from(emptied, 0u32.wrapping_sub(self.leaving.into()));
+        let in_flight = |emptied| match self.leaving {
+            0 => false,
+            FAR => true,
+            _ => !executed(view, start(emptied)),
+        };
+        self.emptied.is_some_and(|seq| !executed(view, seq) && (sampled.runs || in_flight(seq)))
+    }
     /// Whether all that concerns it is executed.
     fn is_executed<const AXES: usize>(&self, view: &View<AXES>) -> bool {
         !self.loose && self.last.is_none_or(|seq| executed(view, seq))
@@ -279,14 +300,6 @@ impl CrdShadow {
     pub fn is_busy<const AXES: usize>(&self, view: &View<AXES>, sampled: &CrdView) -> bool {
         sampled.runs || self.busy.is_some_and(|seq| !executed(view, seq))
     }
-    /// Whether the tick may still read what was in the slots of a FIFO before it was emptied: the
-    /// path runs, or a start that precedes the emptying is in flight. Where a start has followed
-    /// it, that one stands for the one before.
-    pub fn is_outgoing<const AXES: usize>(&self, fifo: u8, view: &View<AXES>, sampled: &CrdView) -> bool {
-        let pending = |seq: Option<u32>| seq.is_some_and(|seq| !executed(view, seq));
-        let path = self.path(fifo);
-        pending(path.emptied) && (sampled.runs || path.leaving && pending(self.busy))
-    }
     /// Advances the counts of entries and motions of its empty FIFOs, for tests.
     pub fn age(&mut self, by: u32) {
         for PathData { given, over, motions, .. } in self.fifos.iter_mut().map(|path| &mut path.data) {
@@ -344,8 +357,7 @@ impl CrdShadow {
         *self = CrdShadow { frame, here, dec, started, busy, beside, last: Some(seq), ..CrdShadow::power_on() };
         for (path, before) in self.fifos.iter_mut().zip(fifos) {
             let cleared = before.cleared.wrapping_add(1);
-            let (emptied, leaving, last) = (Some(seq), busy.is_some(), Some(seq));
-            *path = PathShadow { cleared, emptied, leaving, last, ..PathShadow::default() };
+            *path = PathShadow::emptied(cleared, busy, seq);
         }
         self.forget_moved();
     }
@@ -374,10 +386,9 @@ impl CrdShadow {
             CrdChange::Frame { frame, here } => self.renew(Some(frame), here, seq),
             CrdChange::Emptied { fifo, here } => {
                 self.here = here;
-                let (emptied, leaving, last) = (Some(seq), self.busy.is_some(), Some(seq));
+                let busy = self.busy;
                 let path = self.path_mut(fifo);
-                let (cleared, look) = (path.cleared.wrapping_add(1), path.look);
-                *path = PathShadow { cleared, look, emptied, leaving, last, ..PathShadow::default() };
+                *path = PathShadow { look: path.look, ..PathShadow::emptied(path.cleared.wrapping_add(1), busy, seq) };
                 self.forget_moved();
             }
             CrdChange::Data { fifo, cleared, data } => {

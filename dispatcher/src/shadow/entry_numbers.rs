@@ -17,6 +17,11 @@ pub const fn seq_from(seq: u32, entries: u32) -> u32 {
     seq & PROGRAM_FLAG | seq.wrapping_add(entries) & !PROGRAM_FLAG
 }
 
+/// Entries from `first` to `last`, which are of one lane.
+pub const fn entries_from(first: u32, last: u32) -> u32 {
+    last.wrapping_sub(first) & !PROGRAM_FLAG
+}
+
 /// Whether `seq` comes before `last` in its lane, or is it. Numbers have 31 bits; shifted up, their
 /// difference has a sign.
 pub const fn is_up_to(seq: u32, last: u32) -> bool {
@@ -42,7 +47,7 @@ impl Renewed {
     /// Whether it is time to renew them.
     pub fn is_due<const AXES: usize>(&mut self, view: &View<AXES>) -> bool {
         let done = [view.done_immediate, view.done_program];
-        let far = |(now, before): (u32, u32)| now.wrapping_sub(before) & !PROGRAM_FLAG >= RENEWED;
+        let far = |(now, before): (u32, u32)| entries_from(before, now) >= RENEWED;
         let due = done.into_iter().zip(self.0).any(far);
         if due {
             self.0 = done;
