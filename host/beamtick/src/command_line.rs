@@ -28,6 +28,7 @@ Examples:
   beamtick run examples/pt_static.gts --link qemu --vcd t.vcd
   beamtick run examples/jog_trap.gts --link tcp:192.168.1.20:5000 --strict
   beamtick run examples/jog_trap.gts --link serial:/dev/ttyACM0:921600
+  beamtick machine new machine.toml
   beamtick serve --listen 127.0.0.1:5000
   beamtick info --link qemu
   beamtick bring-up --link serial:/dev/ttyACM0:3000000 --page bring-up.md
@@ -51,6 +52,8 @@ pub enum Command {
     /// Has a reference board with the bring-up image measure itself, and writes a page. Outputs move: connect no drive and no
     /// laser. docs/bring-up.md names the jumpers.
     BringUp(BringUp),
+    /// Writes a machine file, or shows what one says.
+    Machine(MachineFile),
 }
 
 /// Servo ticks of the boards, us.
@@ -245,6 +248,45 @@ pub struct BringUp {
     /// Writes the page to this file instead of the standard output.
     #[arg(long, value_name = "FILE.md")]
     pub page: Option<PathBuf>,
+}
+
+/// `beamtick machine`.
+#[derive(Debug, Args)]
+pub struct MachineFile {
+    /// What to do.
+    #[command(subcommand)]
+    pub action: MachineAction,
+}
+
+/// What to do with a machine file.
+#[derive(Debug, Subcommand)]
+pub enum MachineAction {
+    /// Asks what the machine is, and writes a file with comments.
+    New(NewMachine),
+    /// Reads a file, and shows what it says in mm.
+    Check {
+        /// The machine file.
+        file: PathBuf,
+    },
+}
+
+/// `beamtick machine new`.
+#[derive(Debug, Args)]
+pub struct NewMachine {
+    /// The file to write. It must not exist.
+    pub file: PathBuf,
+    /// Asks nothing and takes the usual answers, but for those of --set.
+    #[arg(long)]
+    pub yes: bool,
+    /// The axes: XY or XYZ.
+    #[arg(long, value_name = "LETTERS", default_value = "XY", value_parser = ["XY", "XYZ"])]
+    pub axes: String,
+    /// The machine has no laser.
+    #[arg(long)]
+    pub no_laser: bool,
+    /// An answer, as axis.X.steps_per_mm=160. It is not asked for then.
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
 }
 
 /// `beamtick serve`.

@@ -26,6 +26,7 @@ mod entries;
 mod info;
 mod interrupt;
 mod listing;
+mod machine_file;
 mod output;
 mod points;
 mod printer;
@@ -118,6 +119,7 @@ fn obey(line: &CommandLine) -> Result<(), Failure> {
         Command::Serve(arguments) => serve::serve(arguments),
         Command::Info(arguments) => info::show(arguments),
         Command::BringUp(arguments) => bring_up::run(arguments),
+        Command::Machine(arguments) => machine_file::obey(arguments),
     }
 }
 

@@ -1,0 +1,282 @@
+//! The reader of a machine file.
+//!
+//! In: name and text. Out: a [`Machine`], or one text: file, line, key, what is wrong, the limit.
+use crate::{Axis, Family, LETTERS, Laser, Limits, Machine, Mode, Outputs, Path, STEP_DECIMALS};
+use serde::Deserialize;
+use std::ops::{Range, RangeInclusive};
+use toml::Spanned;
+
+/// Fastest and strongest that a path of the controller may be, pulse/ms and pulse/ms² (SPEC 4).
+const PULSES_MAX: f64 = 32_767.0;
+/// Farthest machine position, mm.
+const FAR: f64 = 100_000.0;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    #[serde(default)]
+    family: Family,
+    link: Option<Spanned<String>>,
+    #[serde(default)]
+    axis: Axes,
+    laser: Option<Spanned<LaserKeys>>,
+    #[serde(default)]
+    path: PathKeys,
+    #[serde(default)]
+    outputs: OutputKeys,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(non_snake_case)]
+struct Axes {
+    X: Option<Spanned<AxisKeys>>,
+    Y: Option<Spanned<AxisKeys>>,
+    Z: Option<Spanned<AxisKeys>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct AxisKeys {
+    number: Spanned<i64>,
+    steps_per_mm: Spanned<f64>,
+    direction: Option<Spanned<i64>>,
+    travel: Spanned<Vec<f64>>,
+    max_rate: Spanned<f64>,
+    acceleration: Spanned<f64>,
+    home: Option<Spanned<f64>>,
+    #[serde(default)]
+    limits: Limits,
+    #[serde(default)]
+    alarm: bool,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LaserKeys {
+    channel: Spanned<i64>,
+    mode: Mode,
+    carrier: Option<Spanned<f64>>,
+    pulse_width: Option<Spanned<i64>>,
+    full_power: Spanned<f64>,
+    minimum: Option<Spanned<f64>>,
+    s_max: Spanned<f64>,
+    on_delay: Option<Spanned<i64>>,
+    off_delay: Option<Spanned<i64>>,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PathKeys {
+    corner_tolerance: Option<Spanned<f64>>,
+    curve_tolerance: Option<Spanned<f64>>,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct OutputKeys {
+    mist: Option<Spanned<i64>>,
+    flood: Option<Spanned<i64>>,
+}
+
+/// Bytes of the text, and what is wrong there.
+type Fault = (Range<usize>, String);
+
+/// A value within its limits.
+fn within(value: &Spanned<f64>, limits: RangeInclusive<f64>, unit: &str) -> Result<f64, Fault> {
+    let got = *value.get_ref();
+    if limits.contains(&got) {
+        return Ok(got);
+    }
+    Err((value.span(), format!("is {got}; it is {} to {} {unit}", limits.start(), limits.end())))
+}
+
+/// A whole number within its limits.
+fn whole(value: &Spanned<i64>, limits: RangeInclusive<i64>, unit: &str) -> Result<i64, Fault> {
+    let got = *value.get_ref();
+    if limits.contains(&got) {
+        return Ok(got);
+    }
+    let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+    Err((value.span(), format!("is {got}; it is a whole number from {} to {}{unit}", limits.start(), limits.end())))
+}
+
+pub fn read(name: &str, text: &str) -> Result<Machine, String> {
+    let bare = text.trim_start_matches('\u{feff}');
+    let shown = |span: Range<usize>, message: String| {
+        let (line, key) = place(bare, span.start);
+        let key = if key.is_empty() { String::new() } else { format!("{key} ") };
+        format!("{name}:{line}: {key}{message}")
+    };
+    let file: File = toml::from_str(bare).map_err(|error| {
+        let message = error.message().replace('\n', " ");
+        shown(error.span().unwrap_or(0..0), format!("cannot be read: {message}; docs/machine.md lists the keys"))
+    })?;
+    checked(&file).map_err(|(span, message)| shown(span, message))
+}
+
+/// Line of a byte, from 1, and the key that stands there with its table.
+fn place(text: &str, at: usize) -> (usize, String) {
+    let at = at.min(text.len());
+    let before = text.get(..at).unwrap_or("");
+    let line = before.matches('\n').count();
+    let (mut table, mut key) = (String::new(), String::new());
+    for words in text.lines().take(line + 1) {
+        let words = words.trim();
+        if let Some(header) = words.strip_prefix('[').filter(|_| !words.contains('=')) {
+            table = header.trim_start_matches('[').split(']').next().unwrap_or("").trim().to_owned();
+            key.clear();
+        } else if let Some((name, _)) = words.split_once('=') {
+            // A value may go on over lines: the key is the last one before it.
+            if !name.trim_start().starts_with('#') {
+                key = name.trim().to_owned();
+            }
+        }
+    }
+    let whole = match (table.is_empty(), key.is_empty()) {
+        (true, _) => key,
+        (_, true) => table,
+        _ => format!("{table}.{key}"),
+    };
+    (line + 1, whole)
+}
+
+fn checked(file: &File) -> Result<Machine, Fault> {
+    let mut axes: Vec<Axis> = Vec::new();
+    for (letter, keys) in LETTERS.into_iter().zip([&file.axis.X, &file.axis.Y, &file.axis.Z]) {
+        match keys {
+            Some(keys) => axes.push(axis(letter, keys.get_ref(), &axes)?),
+            None if letter == 'Z' => {}
+            None => {
+                return Err((0..0, format!("has no table [axis.{letter}]; a machine has X and Y at least: add it")));
+            }
+        }
+    }
+    let link = match &file.link {
+        None => None,
+        Some(link) => {
+            let text = link.get_ref();
+            let known = text == "qemu" || text.starts_with("tcp:") || text.starts_with("serial:");
+            if !known {
+                return Err((link.span(), format!("is \"{text}\"; it is tcp:HOST:PORT, serial:PATH[:BAUD] or qemu")));
+            }
+            Some(text.clone())
+        }
+    };
+    let tolerance = |value: &Option<Spanned<f64>>, most: f64, usual: f64| {
+        value.as_ref().map_or(Ok(usual), |value| within(value, 0.0001..=most, "mm"))
+    };
+    let usual = Path::default();
+    let path = Path {
+        corner_tolerance: tolerance(&file.path.corner_tolerance, 10.0, usual.corner_tolerance)?,
+        curve_tolerance: tolerance(&file.path.curve_tolerance, 1.0, usual.curve_tolerance)?,
+    };
+    let output = |value: &Option<Spanned<i64>>| {
+        value.as_ref().map(|value| whole(value, 1..=16, "(a general output)").map(|number| number as u8)).transpose()
+    };
+    let outputs = Outputs { mist: output(&file.outputs.mist)?, flood: output(&file.outputs.flood)? };
+    let laser = file.laser.as_ref().map(|keys| laser(keys, file.family)).transpose()?;
+    if let (Some(laser), Family::Gus) = (&laser, file.family) {
+        let taken = 7 + laser.channel;
+        if laser.mode != Mode::Analog && axes.iter().any(|axis| axis.number == taken) {
+            let span = file.laser.as_ref().map_or(0..0, |keys| keys.get_ref().channel.span());
+            let message = format!(
+                "is {}: in family gus it uses the connector of axis {taken}, which drives an axis; \
+                 give the axis another number, or take another channel",
+                laser.channel
+            );
+            return Err((span, message));
+        }
+    }
+    Ok(Machine { family: file.family, link, axes, laser, path, outputs })
+}
+
+fn axis(letter: char, keys: &AxisKeys, others: &[Axis]) -> Result<Axis, Fault> {
+    let number = whole(&keys.number, 1..=64, "")? as u8;
+    if let Some(other) = others.iter().find(|other| other.number == number) {
+        let message = format!("is {number}, as that of {}; each axis has its own", other.letter);
+        return Err((keys.number.span(), message));
+    }
+    let steps_per_mm = within(&keys.steps_per_mm, 0.001..=100_000.0, "pulses a mm")?;
+    let decimals = format!("{steps_per_mm}").split_once('.').map_or(0, |(_, decimals)| decimals.len());
+    if decimals > STEP_DECIMALS as usize {
+        let message = format!("is {steps_per_mm}, with {decimals} decimals; at most {STEP_DECIMALS} count: round it");
+        return Err((keys.steps_per_mm.span(), message));
+    }
+    let reversed = match &keys.direction {
+        None => false,
+        Some(value) if *value.get_ref() == 1 => false,
+        Some(value) if *value.get_ref() == -1 => true,
+        Some(value) => {
+            let message = format!("is {}; it is 1, or -1 where the axis counts down", value.get_ref());
+            return Err((value.span(), message));
+        }
+    };
+    let &[least, most] = keys.travel.get_ref().as_slice() else {
+        let got = keys.travel.get_ref().len();
+        return Err((keys.travel.span(), format!("has {got} values; it is [least, greatest] in mm")));
+    };
+    if !(-FAR..=FAR).contains(&least) || !(-FAR..=FAR).contains(&most) || least >= most {
+        let message = format!("is [{least}, {most}]; it is [least, greatest] in mm, within {} to {FAR}", -FAR);
+        return Err((keys.travel.span(), message));
+    }
+    if least.abs().max(most.abs()) * steps_per_mm > 2e9 {
+        let message = format!("is [{least}, {most}]; at {steps_per_mm} pulses a mm that is more than 2e9 pulses");
+        return Err((keys.travel.span(), message));
+    }
+    let max_rate = within(&keys.max_rate, 0.001..=1e7, "mm/min")?;
+    let acceleration = within(&keys.acceleration, 0.001..=1e7, "mm/s²")?;
+    let home = match &keys.home {
+        None => 0.0f64.clamp(least, most),
+        Some(value) => within(value, least..=most, "mm, the travel")?,
+    };
+    let (limits, alarm) = (keys.limits, keys.alarm);
+    let travel = (least, most);
+    let axis = Axis { letter, number, steps_per_mm, reversed, travel, max_rate, acceleration, home, limits, alarm };
+    if axis.rate() >= PULSES_MAX {
+        let most = PULSES_MAX / axis.rate() * max_rate;
+        let message = format!("is {max_rate}; at {steps_per_mm} pulses a mm it is below {most:.0} mm/min");
+        return Err((keys.max_rate.span(), message));
+    }
+    if axis.pulse_acceleration() >= PULSES_MAX {
+        let most = PULSES_MAX / axis.pulse_acceleration() * acceleration;
+        let message = format!("is {acceleration}; at {steps_per_mm} pulses a mm it is below {most:.0} mm/s²");
+        return Err((keys.acceleration.span(), message));
+    }
+    Ok(axis)
+}
+
+fn laser(spanned: &Spanned<LaserKeys>, family: Family) -> Result<Laser, Fault> {
+    let keys = spanned.get_ref();
+    let channel = whole(&keys.channel, 0..=1, "")? as u8;
+    let missing = |key: &str, why: &str| (spanned.span(), format!("has no {key}; {why}"));
+    let (highest_hz, widest_us) = match family {
+        Family::Gus => (2e6, 65_535),
+        Family::Lsr => (24_000.0, 4000),
+    };
+    let carrier = match (keys.mode, &keys.carrier) {
+        (Mode::Duty, Some(value)) => within(value, 1.0..=highest_hz, "Hz")?,
+        (Mode::Duty, None) => return Err(missing("carrier", "the duty mode needs it, in Hz")),
+        (_, Some(value)) => return Err((value.span(), "is for the mode \"duty\" only; remove it".to_owned())),
+        (_, None) => 0.0,
+    };
+    let pulse_width = match (keys.mode, &keys.pulse_width) {
+        (Mode::Frequency, Some(value)) => whole(value, 1..=widest_us, "µs")? as u16,
+        (Mode::Frequency, None) => return Err(missing("pulse_width", "the frequency mode needs it, in µs")),
+        (_, Some(value)) => return Err((value.span(), "is for the mode \"frequency\" only; remove it".to_owned())),
+        (_, None) => 0,
+    };
+    let full_power = match keys.mode {
+        Mode::Duty => within(&keys.full_power, 0.001..=100.0, "%")?,
+        Mode::Frequency => within(&keys.full_power, 1.0..=highest_hz, "Hz")?,
+        Mode::Analog => within(&keys.full_power, 0.001..=10.0, "V")?,
+    };
+    let minimum = keys.minimum.as_ref().map_or(Ok(0.0), |value| within(value, 0.0..=full_power, "(full_power)"))?;
+    let s_max = within(&keys.s_max, 0.001..=1e6, "")?;
+    let delay = |value: &Option<Spanned<i64>>| {
+        value.as_ref().map_or(Ok(0), |value| whole(value, 0..=65_535, "µs").map(|us| us as u16))
+    };
+    let (on_delay, off_delay) = (delay(&keys.on_delay)?, delay(&keys.off_delay)?);
+    let mode = keys.mode;
+    Ok(Laser { channel, mode, carrier, pulse_width, full_power, minimum, s_max, on_delay, off_delay })
+}

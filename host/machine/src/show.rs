@@ -1,0 +1,62 @@
+//! What a machine file says, in mm.
+use crate::{Family, Limits, Machine, Mode};
+
+/// Lines for the user.
+pub fn show(machine: &Machine) -> String {
+    let mut text = String::new();
+    for axis in &machine.axes {
+        let reversed = if axis.reversed { ", reversed" } else { "" };
+        text += &format!(
+            "{}: axis {}{reversed}, {} pulses/mm ({:.6} mm a pulse), travel {} to {} mm, home {} mm\n",
+            axis.letter,
+            axis.number,
+            axis.steps_per_mm,
+            1.0 / axis.steps_per_mm,
+            axis.travel.0,
+            axis.travel.1,
+            axis.home
+        );
+        let limits = match axis.limits {
+            Limits::None => "no limit inputs",
+            Limits::Positive => "positive limit input",
+            Limits::Negative => "negative limit input",
+            Limits::Both => "both limit inputs",
+        };
+        text += &format!(
+            "   up to {} mm/min ({:.4} pulse/ms), {} mm/s² ({:.6} pulse/ms²); {limits}, {}\n",
+            axis.max_rate,
+            axis.rate(),
+            axis.acceleration,
+            axis.pulse_acceleration(),
+            if axis.alarm { "drive alarm in use" } else { "no drive alarm" }
+        );
+    }
+    match &machine.laser {
+        None => text += "no laser\n",
+        Some(laser) => {
+            let unit = laser.unit();
+            let how = match laser.mode {
+                Mode::Duty => format!("duty of a carrier of {} Hz", laser.carrier),
+                Mode::Frequency => format!("rate of pulses of {} µs", laser.pulse_width),
+                Mode::Analog => "voltage".to_owned(),
+            };
+            text += &format!(
+                "laser: channel {}, {how}; S0 is dark, S{} is {} {unit}, the least is {} {unit}; delays on {} µs, off {} µs\n",
+                laser.channel, laser.s_max, laser.full_power, laser.minimum, laser.on_delay, laser.off_delay
+            );
+        }
+    }
+    text += &format!(
+        "corners within {} mm, curves within {} mm; family {}; link {}\n",
+        machine.path.corner_tolerance,
+        machine.path.curve_tolerance,
+        match machine.family {
+            Family::Gus => "gus",
+            Family::Lsr => "lsr",
+        },
+        machine.link.as_deref().unwrap_or("none")
+    );
+    let output = |name: &str, output: Option<u8>| output.map(|number| format!("{name} switches output {number}\n"));
+    text + &output("M7", machine.outputs.mist).unwrap_or_default()
+        + &output("M8", machine.outputs.flood).unwrap_or_default()
+}

@@ -1,0 +1,105 @@
+//! A new machine file: the questions it answers, and its text.
+//!
+//! In: which axes, whether there is a laser, answers. Out: a commented TOML text.
+use crate::Machine;
+
+/// One thing that a machine file says.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Question {
+    /// The key with its table: `axis.X.steps_per_mm`.
+    pub key: String,
+    /// What it means, with unit and limits.
+    pub meaning: &'static str,
+    /// The answer, as TOML; an empty one leaves the key out.
+    pub value: String,
+}
+
+/// Keys of an axis: name, what it means, usual value.
+const AXIS: [(&str, &str, &str); 9] = [
+    ("number", "axis of the controller, 1 to 64; paths reach 1 to 8", "1"),
+    ("steps_per_mm", "pulses a mm", "100"),
+    ("direction", "1, or -1 where the axis counts down", "1"),
+    ("travel", "least and greatest machine position, mm", "[0, 300]"),
+    ("max_rate", "greatest speed, mm/min", "12000"),
+    ("acceleration", "greatest acceleration, mm/s²", "1000"),
+    ("home", "machine position where the axis stands when a job begins, mm", "0"),
+    ("limits", "limit inputs in use: \"none\", \"positive\", \"negative\", \"both\"", "\"none\""),
+    ("alarm", "the drive's alarm input is in use", "false"),
+];
+
+const LASER: [(&str, &str, &str); 9] = [
+    ("channel", "laser channel, 0 or 1", "0"),
+    ("mode", "\"duty\" (of a carrier), \"frequency\" (of pulses), \"analog\"", "\"duty\""),
+    ("carrier", "carrier of the duty mode, Hz", "10000"),
+    ("pulse_width", "pulse width of the frequency mode, µs", ""),
+    ("full_power", "power at S = s_max: % (duty), Hz (frequency), V (analog)", "100"),
+    ("minimum", "power of the smallest S above 0 under M3, same unit", "0"),
+    ("s_max", "the S that stands for full_power", "1000"),
+    ("on_delay", "the light begins so much later, µs", "0"),
+    ("off_delay", "the light ends so much later, µs", "0"),
+];
+
+const PATH: [(&str, &str, &str); 2] = [
+    ("corner_tolerance", "by so much the machine may round a corner, mm: it decides the speed there", "0.01"),
+    ("curve_tolerance", "curves that are no arcs become lines that are so near, mm", "0.002"),
+];
+
+const TOP: [(&str, &str, &str); 2] = [
+    ("family", "laser family: \"gus\" or \"lsr\"", "\"gus\""),
+    ("link", "link of `beamtick run`: \"tcp:HOST:PORT\", \"serial:PATH:BAUD\", \"qemu\"; empty for none", ""),
+];
+
+const OUTPUTS: [(&str, &str, &str); 2] = [
+    ("mist", "general output that M7 switches on and M9 off, 1 to 16; empty for none", ""),
+    ("flood", "general output that M8 switches on and M9 off, 1 to 16; empty for none", ""),
+];
+
+/// The questions of a machine with these axes, with their usual answers, in the order of the file.
+pub fn questions(letters: &str, laser: bool) -> Vec<Question> {
+    let mut all = Vec::new();
+    let mut table = |name: &str, rows: &[(&str, &'static str, &str)]| {
+        for (key, meaning, value) in rows {
+            let key = if name.is_empty() { (*key).to_owned() } else { format!("{name}.{key}") };
+            all.push(Question { key, meaning, value: (*value).to_owned() });
+        }
+    };
+    table("", &TOP);
+    for (place, letter) in letters.chars().enumerate() {
+        let number = (place + 1).to_string();
+        let mut rows = AXIS;
+        rows[0].2 = &number;
+        if letter == 'Z' {
+            (rows[1].2, rows[3].2, rows[4].2, rows[5].2) = ("400", "[-50, 50]", "1200", "200");
+        }
+        table(&format!("axis.{letter}"), &rows);
+    }
+    if laser {
+        table("laser", &LASER);
+    }
+    table("path", &PATH);
+    table("outputs", &OUTPUTS);
+    all
+}
+
+/// The text of a file with these answers, and what it says.
+///
+/// # Errors
+/// As [`Machine::read`].
+pub fn write(name: &str, questions: &[Question]) -> Result<(String, Machine), String> {
+    let mut text = "# The machine, in mm. docs/machine.md explains every key.\n".to_owned();
+    let mut table = "";
+    for question in questions {
+        let (of, key) = question.key.rsplit_once('.').unwrap_or(("", &question.key));
+        if of != table {
+            text += &format!("\n[{of}]\n");
+            table = of;
+        }
+        let line = match question.value.trim() {
+            "" => format!("# {key} ="),
+            value => format!("{key} = {value}"),
+        };
+        text += &format!("{line:<28}# {}\n", question.meaning);
+    }
+    let machine = Machine::read(name, &text)?;
+    Ok((text, machine))
+}
