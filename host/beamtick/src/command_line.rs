@@ -29,6 +29,8 @@ Examples:
   beamtick run examples/jog_trap.gts --link tcp:192.168.1.20:5000 --strict
   beamtick run examples/jog_trap.gts --link serial:/dev/ttyACM0:921600
   beamtick machine new machine.toml
+  beamtick sim examples/square.nc --machine examples/machine.toml --xy square.png
+  beamtick import examples/square.nc --machine examples/machine.toml -o square.gts
   beamtick serve --listen 127.0.0.1:5000
   beamtick info --link qemu
   beamtick bring-up --link serial:/dev/ttyACM0:3000000 --page bring-up.md
@@ -52,6 +54,8 @@ pub enum Command {
     /// Has a reference board with the bring-up image measure itself, and writes a page. Outputs move: connect no drive and no
     /// laser. docs/bring-up.md names the jumpers.
     BringUp(BringUp),
+    /// Writes the job that a G-code program is.
+    Import(Import),
     /// Writes a machine file, or shows what one says.
     Machine(MachineFile),
 }
@@ -168,11 +172,38 @@ impl Outputs {
     }
 }
 
+/// How a G-code program becomes a job.
+#[derive(Debug, Clone, Default, Args)]
+pub struct Drawing {
+    /// The machine that a G-code program is for; `beamtick machine new FILE` writes such a file.
+    #[arg(long, value_name = "FILE.toml")]
+    pub machine: Option<PathBuf>,
+    /// M0 of a G-code program goes on by itself, in the dark. Without it M0 is refused: a job asks nobody.
+    #[arg(long)]
+    pub pass_stops: bool,
+}
+
+/// `beamtick import`.
+#[derive(Debug, Args)]
+pub struct Import {
+    /// The G-code program (.nc, .gcode, .ngc, .tap).
+    pub program: PathBuf,
+    /// The job to write.
+    #[arg(long, short, value_name = "FILE.gts")]
+    pub output: PathBuf,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub drawing: Drawing,
+}
+
 /// `beamtick sim`.
 #[derive(Debug, Args)]
 pub struct Sim {
-    /// The job file.
+    /// The job file, or a G-code program (.nc, .gcode, .ngc, .tap).
     pub job: PathBuf,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub drawing: Drawing,
     #[command(flatten)]
     #[allow(missing_docs)]
     pub settings: Settings,
@@ -199,11 +230,14 @@ pub struct Way {
 /// `beamtick run`.
 #[derive(Debug, Args)]
 pub struct Run {
-    /// The job file.
+    /// The job file, or a G-code program (.nc, .gcode, .ngc, .tap).
     pub job: PathBuf,
-    /// tcp:HOST:PORT, serial:PATH[:BAUD], or qemu.
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub drawing: Drawing,
+    /// tcp:HOST:PORT, serial:PATH[:BAUD], or qemu. Without it, the one of the machine file.
     #[arg(long)]
-    pub link: String,
+    pub link: Option<String>,
     #[command(flatten)]
     #[allow(missing_docs)]
     pub way: Way,
@@ -221,8 +255,11 @@ pub struct Run {
 /// `beamtick check`.
 #[derive(Debug, Args)]
 pub struct Check {
-    /// The job file.
+    /// The job file, or a G-code program (.nc, .gcode, .ngc, .tap).
     pub job: PathBuf,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub drawing: Drawing,
 }
 
 /// `beamtick info`.

@@ -23,6 +23,7 @@ mod bring_up;
 mod command_line;
 mod connect;
 mod entries;
+mod import;
 mod info;
 mod interrupt;
 mod listing;
@@ -119,6 +120,7 @@ fn obey(line: &CommandLine) -> Result<(), Failure> {
         Command::Serve(arguments) => serve::serve(arguments),
         Command::Info(arguments) => info::show(arguments),
         Command::BringUp(arguments) => bring_up::run(arguments),
+        Command::Import(arguments) => import::import(arguments),
         Command::Machine(arguments) => machine_file::obey(arguments),
     }
 }

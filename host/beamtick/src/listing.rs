@@ -7,7 +7,7 @@ use job::Action;
 
 /// Prints a line for each step: line of the script, script clock, what is done.
 pub fn check(arguments: &Check) -> Result<(), Failure> {
-    let source = Source::open(&arguments.job)?;
+    let source = Source::open(&arguments.job, &arguments.drawing)?;
     let mut waits = 0u32;
     let mut clock = 0u64;
     say!("{:>6}  {:>14}  step", "line", "script clock");

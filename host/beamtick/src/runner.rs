@@ -12,7 +12,7 @@ use crate::record::{Recorded, Recording};
 use crate::report::{INTERRUPTED, Report};
 use crate::source::Source;
 use crate::waits::{ENDLESS, Knowledge, Watch};
-use crate::{output, profile, summary};
+use crate::{import, output, profile, summary};
 use client::inputs::{Inputs, Zero};
 use client::{Call as Packed, Client, Link, Progress, decode};
 use job::{Action, Axis, Call, Job, Severity};
@@ -49,7 +49,7 @@ type Tape = Arc<Mutex<Option<Recording>>>;
 
 /// Runs a job in the virtual controller.
 pub fn sim(arguments: &Sim) -> Result<(), Failure> {
-    let mut source = Source::open(&arguments.job)?;
+    let mut source = Source::open(&arguments.job, &arguments.drawing)?;
     let settings = source.settings(&arguments.settings)?;
     let inputs = inputs(&mut source, &arguments.inputs)?;
     output::check(&source.files, &arguments.outputs.files())?;
@@ -60,14 +60,15 @@ pub fn sim(arguments: &Sim) -> Result<(), Failure> {
 
 /// Runs a job on a board: over `link`, or over the one that the command line names.
 pub fn run(arguments: &Run, link: Option<Box<dyn Link>>) -> Result<(), Failure> {
-    let mut source = Source::open(&arguments.job)?;
+    let mut source = Source::open(&arguments.job, &arguments.drawing)?;
     let settings = source.settings(&arguments.settings)?;
     let inputs = inputs(&mut source, &arguments.inputs)?;
     output::check(&source.files, &arguments.outputs.files())?;
     let profile = profile::of_job(&source.job);
     // Nobody else reaches the inputs of a board that this process starts.
-    let all_known = link.is_none() && arguments.link == "qemu";
-    let link = link.map_or_else(|| named(&arguments.link, &arguments.way), Ok)?;
+    let name = import::link(arguments.link.as_deref(), &arguments.drawing)?;
+    let all_known = link.is_none() && name == "qemu";
+    let link = link.map_or_else(|| named(&name, &arguments.way), Ok)?;
     let client = linked(link, &settings, Some(profile))?;
     let knowledge = Knowledge { all_known, virtual_time: false, inputs: inputs.as_ref() };
     execute(&source, &client, knowledge, &arguments.outputs)

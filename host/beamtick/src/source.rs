@@ -1,6 +1,7 @@
 //! A job file: its text, its compiled form, and how positions in it are shown.
 use crate::Failure;
-use crate::command_line::{FamilyName, Settings, TICKS_US};
+use crate::command_line::{Drawing, FamilyName, Settings, TICKS_US};
+use crate::import;
 use client::{Family, Profile};
 use job::{Diagnostic, Files, Folder, Job, Pragma, Severity, Step};
 use std::cell::RefCell;
@@ -33,8 +34,17 @@ pub struct Source {
 
 impl Source {
     /// Reads and compiles a job file; its warnings go to the error stream.
-    pub fn open(path: &Path) -> Result<Self, Failure> {
+    pub fn open(path: &Path, drawing: &Drawing) -> Result<Self, Failure> {
         let name = path.display().to_string();
+        if import::is_program(path) {
+            let (text, machine) = import::job(path, drawing)?;
+            return Source::read(name, text, vec![path.to_owned(), machine], path);
+        }
+        if drawing.machine.is_some() || drawing.pass_stops {
+            return Err(Failure::Input(format!(
+                "{name}: --machine and --pass-stops are for G-code (.nc, .gcode, .ngc, .tap); a job is in pulses already"
+            )));
+        }
         let bytes = std::fs::read(path)
             .map_err(|error| Failure::Input(format!("{name}: the job file cannot be read: {error}")))?;
         let text = String::from_utf8(bytes).map_err(|error| {
@@ -42,7 +52,11 @@ impl Source {
             let line = error.as_bytes()[..good].iter().filter(|byte| **byte == b'\n').count() + 1;
             Failure::Input(format!("{name}:{line}: the file is not UTF-8 text; save it as UTF-8"))
         })?;
-        let files = Noted { folder: Folder::of(path), read: RefCell::new(vec![path.to_owned()]) };
+        Source::read(name, text, vec![path.to_owned()], path)
+    }
+
+    fn read(name: String, text: String, read: Vec<PathBuf>, path: &Path) -> Result<Self, Failure> {
+        let files = Noted { folder: Folder::of(path), read: RefCell::new(read) };
         match job::compile(&text, &files).and_then(|job| match unknown_values(&job) {
             wrong if wrong.is_empty() => Ok(job),
             wrong => Err(wrong),

@@ -1,0 +1,350 @@
+//! G-code in the virtual controller, against an exact model: where it ends, where it has light, and its power.
+#[path = "gcode/model.rs"]
+mod model;
+#[path = "gcode/programs.rs"]
+mod programs;
+
+use model::{Axis, Model, decimal};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rand_xoshiro::rand_core::SeedableRng;
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+/// Steps a mm, direction, home of X, Y, Z.
+type Axes = [(&'static str, i32, &'static str); 3];
+
+const MACHINES: [Axes; 3] = [
+    [("100", 1, "0"), ("100", 1, "0"), ("400", 1, "0")],
+    [("80", -1, "12.5"), ("80", 1, "-3.005"), ("80", -1, "0.1")],
+    [("80.5", 1, "0"), ("126.666666667", -1, "7"), ("200", 1, "-1")],
+];
+/// Of all axes, mm/min.
+const RATE: f64 = 30_000.0;
+
+fn machine(axes: &Axes, family: &str, more: &str) -> String {
+    let mut text = format!("family = \"{family}\"\n");
+    for (place, (letter, (steps, direction, home))) in ["X", "Y", "Z"].iter().zip(axes).enumerate() {
+        text += &format!(
+            "[axis.{letter}]\nnumber = {}\nsteps_per_mm = {steps}\ndirection = {direction}\ntravel = [-9000, 9000]\n\
+             max_rate = {RATE}\nacceleration = 4000\nhome = {home}\n",
+            [2, 1, 5][place]
+        );
+    }
+    text + "[laser]\nchannel = 0\nmode = \"duty\"\ncarrier = 10000\nfull_power = 80\ns_max = 1000\n" + more
+}
+
+/// Runs `beamtick`: what it prints, and its code.
+fn beamtick(folder: &Path, words: &[&str]) -> (String, i32) {
+    let out = Command::new(env!("CARGO_BIN_EXE_beamtick")).args(words).current_dir(folder).output().unwrap();
+    let said = String::from_utf8_lossy(&out.stdout).into_owned() + &String::from_utf8_lossy(&out.stderr);
+    (said, out.status.code().unwrap())
+}
+
+/// A row: axes X, Y, Z in pulses, gate, power, speed of the path.
+struct Row {
+    at: [f64; 3],
+    lit: bool,
+    power: f64,
+    vel: f64,
+}
+
+fn rows(file: &Path) -> Vec<Row> {
+    let text = fs::read_to_string(file).unwrap();
+    let mut lines = text.lines();
+    let names: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let column =
+        |name: &str| names.iter().position(|other| *other == name).unwrap_or_else(|| panic!("{name}: {names:?}"));
+    let axes = ["axis2_pos", "axis1_pos", "axis5_pos"].map(column);
+    let [gate, power, vel] = ["laser0_gate", "laser0_power", "crd1_vel"].map(column);
+    let row = |line: &str| {
+        let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        Row { at: axes.map(|at| cells[at]), lit: cells[gate] > 0.5, power: cells[power], vel: cells[vel] }
+    };
+    lines.map(row).collect()
+}
+
+fn model(axes: &Axes) -> Model {
+    let axis = |(steps, direction, home): &(&str, i32, &str)| {
+        let sign = decimal(&direction.to_string());
+        Axis { steps: decimal(steps) * sign, home: decimal(home) }
+    };
+    Model::new(axes.iter().map(axis).collect())
+}
+
+/// Changes of the light: where, and to what.
+fn changes(model: &Model) -> Vec<([f64; 3], bool)> {
+    let (mut lit, mut found) = (false, Vec::new());
+    let mut last = None;
+    for piece in &model.pieces {
+        if piece.lit != lit {
+            lit = piece.lit;
+            found.push((piece.points[0], lit));
+        }
+        last = piece.points.last();
+    }
+    if lit {
+        found.push((*last.unwrap(), false));
+    }
+    found
+}
+
+/// How far a point is from a line between two others.
+fn off(point: [f64; 3], [from, to]: [[f64; 3]; 2]) -> f64 {
+    let minus = |a: [f64; 3], b: [f64; 3]| [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let (way, to_point) = (minus(to, from), minus(point, from));
+    let part = if dot(way, way) > 0.0 { (dot(way, to_point) / dot(way, way)).clamp(0.0, 1.0) } else { 0.0 };
+    let rest = minus(to_point, way.map(|x| x * part));
+    dot(rest, rest).sqrt()
+}
+
+/// What differs between a trace and the model.
+fn differs(model: &Model, rows: &[Row]) -> Result<(), String> {
+    let zero = [0, 1, 2].map(|axis: usize| model.axes[axis].pulse(&model.axes[axis].home) as f64);
+    let steps = [0, 1, 2].map(|axis: usize| num_traits::ToPrimitive::to_f64(&model.axes[axis].steps).unwrap());
+    let pulses = |mm: [f64; 3]| [0, 1, 2].map(|axis| mm[axis] * steps[axis] - zero[axis]);
+    let end = model.pulses();
+    let at = rows.last().unwrap().at;
+    for axis in 0..3 {
+        if at[axis] != end[axis] as f64 - zero[axis] {
+            return Err(format!("it ends at {at:?} and not at {end:?} less {zero:?}"));
+        }
+    }
+    // In a tick an axis goes no farther than this, in pulses; what is rounded comes to it.
+    let far = steps.map(|steps| RATE / 60_000.0 * 0.25 * steps.abs() * 2.0 + 2.0);
+    let expected = changes(model);
+    let mut found = rows.windows(2).filter(|pair| pair[0].lit != pair[1].lit);
+    for (point, lit) in &expected {
+        let Some(pair) = found.next() else { return Err(format!("there is no change of light at {point:?}")) };
+        let point = pulses(*point);
+        let near = (0..3).all(|axis| (pair[0].at[axis] - point[axis]).abs() <= far[axis]);
+        if !near || pair[1].lit != *lit {
+            return Err(format!("light becomes {} at {:?}, not {lit} at {point:?}", pair[1].lit, pair[0].at));
+        }
+    }
+    if let Some(pair) = found.next() {
+        return Err(format!("light becomes {} at {:?}, which no mark says", pair[1].lit, pair[0].at));
+    }
+    // What is lit lies on marks: within a pulse, the tolerance of curves, and what the model's chords leave out.
+    let marks: Vec<Vec<[f64; 3]>> =
+        model.pieces.iter().filter(|piece| piece.lit).map(|piece| piece.points.clone()).collect();
+    let lines = |points: &Vec<[f64; 3]>| points.windows(2).map(|pair| [pair[0], pair[1]]).collect::<Vec<_>>();
+    let mut lines: Vec<[[f64; 3]; 2]> = marks.iter().flat_map(lines).collect();
+    lines.extend(marks.iter().filter(|points| points.len() == 1).map(|points| [points[0], points[0]]));
+    let mm = |at: [f64; 3]| [0, 1, 2].map(|axis| (at[axis] + zero[axis]) / steps[axis]);
+    for pair in rows.windows(2).step_by(16).filter(|pair| pair[0].lit && pair[1].lit) {
+        let point = mm(pair[0].at);
+        let least = lines.iter().map(|line| off(point, *line)).fold(f64::INFINITY, f64::min);
+        if least > 0.03 {
+            return Err(format!("it is lit at {point:?} mm, {least} mm beside all marks"));
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn a_thousand_programs_are_the_models() {
+    let count: u64 = 1000;
+    let work = |part: u64| {
+        let folder = tempfile::tempdir().unwrap();
+        let mut marks = 0;
+        for seed in (part..count).step_by(2) {
+            let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
+            let axes = &MACHINES[seed as usize % 3];
+            let family = ["gus", "lsr"][seed as usize / 3 % 2];
+            let program = programs::program(&mut random);
+            let mut model = model(axes);
+            programs::run(&program, &mut model);
+            fs::write(folder.path().join("p.nc"), &program.text).unwrap();
+            fs::write(folder.path().join("m.toml"), machine(axes, family, "[outputs]\nmist = 1\nflood = 2\n")).unwrap();
+            let words = ["sim", "p.nc", "--machine", "m.toml", "--pass-stops", "--trace", "t.csv", "--strict"];
+            let (said, code) = beamtick(folder.path(), &words);
+            assert_eq!(code, 0, "seed {seed}: {said}\n{}", program.text);
+            assert!(said.contains("no late entries"), "seed {seed}: {said}");
+            if let Err(why) = differs(&model, &rows(&folder.path().join("t.csv"))) {
+                panic!("seed {seed}: {why}\n{}", program.text);
+            }
+            marks += changes(&model).len();
+        }
+        marks
+    };
+    let marks: usize = std::thread::scope(|scope| {
+        let parts = [0, 1].map(|part| scope.spawn(move || work(part)));
+        parts.into_iter().map(|part| part.join().unwrap()).sum()
+    });
+    assert!(marks > 4000, "only {marks} changes of light were seen");
+}
+
+/// M4: power per mm is S over F everywhere, through sharp and blunt corners and arcs, also where the feed is not reached.
+#[test]
+fn power_per_mm_is_even_through_corners() {
+    let folder = tempfile::tempdir().unwrap();
+    let program =
+        "G21 G90 F6000 M4 S500\nG1 X20\nY20\nX0 Y5\nX-10 Y5.5\nG2 X-20 Y15.5 I0 J10\nG1 X-19.5\nX-20 Y15\nX0 Y0\nM2\n";
+    fs::write(folder.path().join("p.nc"), program).unwrap();
+    for family in ["gus", "lsr"] {
+        let axes: Axes = [("100", 1, "0"), ("100", -1, "0"), ("400", 1, "0")];
+        fs::write(folder.path().join("m.toml"), machine(&axes, family, "")).unwrap();
+        let (said, code) = beamtick(folder.path(), &["sim", "p.nc", "--machine", "m.toml", "--trace", "t.csv"]);
+        assert_eq!(code, 0, "{said}");
+        let rows = rows(&folder.path().join("t.csv"));
+        // 40 % at 100 mm/s, which are 10 pulse/ms.
+        let (per_pulse, mut sum, mut seen) = (4.0, 0.0, [0; 2]);
+        for pair in rows.windows(2) {
+            sum += pair[0].power * 0.25;
+            let [a, b] = [pair[0].at, pair[1].at];
+            let way = (a[0] - b[0]).hypot(a[1] - b[1]);
+            // A tick with a corner in it is cut short here, and counted in the sum.
+            let steady = (pair[0].vel - pair[1].vel).abs() < 0.2 && way > 0.2;
+            let bent = (way - (pair[0].vel + pair[1].vel) / 2.0 * 0.25).abs() > 2e-4 * way;
+            if steady && !bent {
+                assert!(
+                    (pair[0].power * 0.25 / way / per_pulse - 1.0).abs() < 1e-3,
+                    "{family}: {} % over {way}",
+                    pair[0].power
+                );
+                seen[usize::from(pair[0].vel < 9.0)] += 1;
+            }
+        }
+        assert!(seen[0] > 500 && seen[1] > 100, "{seen:?}");
+        let mm = 20.0
+            + 20.0
+            + 20f64.hypot(15.0)
+            + 10f64.hypot(0.5)
+            + std::f64::consts::PI * 5.0
+            + 0.5
+            + 0.5f64.hypot(0.5)
+            + 20f64.hypot(15.0);
+        let expected = mm * 100.0 * per_pulse;
+        assert!((sum / expected - 1.0).abs() < 1e-3, "{family}: {sum} and not {expected}");
+    }
+}
+
+/// M3: the same power whatever the speed is, also at standstill in a dwell.
+#[test]
+fn m3_is_constant_power() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("m.toml"), machine(&MACHINES[0], "gus", "minimum = 8\n")).unwrap();
+    fs::write(folder.path().join("p.nc"), "G1 F6000 M3 S500\nX10\nG4 P0.1\nY10\nG0 X0\nG4 P0.1\nM2\n").unwrap();
+    let (said, code) = beamtick(folder.path(), &["sim", "p.nc", "--machine", "m.toml", "--trace", "t.csv"]);
+    assert_eq!(code, 0, "{said}");
+    let rows = rows(&folder.path().join("t.csv"));
+    // 8 % and half of what is left to 80 %.
+    assert!(rows.iter().all(|row| if row.lit { row.power == 44.0 } else { row.power == 0.0 }));
+    let standing = rows.iter().filter(|row| row.lit && row.vel == 0.0).count();
+    assert!((390..=420).contains(&standing), "{standing} ticks of 250 us");
+}
+
+#[test]
+fn what_is_wrong_has_line_and_reason_and_nothing_moves() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("m.toml"), machine(&MACHINES[0], "gus", "")).unwrap();
+    let flat = machine(&MACHINES[0], "gus", "").replace("[axis.Z]", "[axis.Q]");
+    let flat = flat.split("[axis.Q]").next().unwrap().to_owned();
+    fs::write(folder.path().join("flat.toml"), flat).unwrap();
+    let cases: &[(&str, &str)] = &[
+        ("G1 XNAN F100", "p.nc:2: `XNANF100`: a letter must have a number"),
+        ("G1 X1e3 F100", "p.nc:2: the word E is not supported"),
+        ("G1 X1 X2 F100", "p.nc:2: X is twice in a line"),
+        ("G0 G1 X1 F100", "p.nc:2: two words of one modal group (motion)"),
+        ("M3 M5", "p.nc:2: two words of one modal group (spindle)"),
+        ("G1 X1", "p.nc:2: no feed rate was given"),
+        ("G93\nG1 X1 F3\nX2", "p.nc:4: in inverse time (G93) each"),
+        ("G2 X10 Y0 I4 F100", "p.nc:2: the radius does not fit: it is 4.0000 mm at the start and 6.0000 mm at the end"),
+        ("G2 X10 Y0 I5.0026 F100", "p.nc:2: the radius does not fit"),
+        ("G2 X10 R4 F100", "p.nc:2: the radius does not fit: R is 4.0000 mm"),
+        ("G2 X0 Y0 R4 F100", "p.nc:2: an arc by R needs an end"),
+        ("G2 X1 Y1 F100", "p.nc:2: an arc needs R or a centre"),
+        ("G2 X2 I1 K1 F100", "p.nc:2: K is no centre"),
+        ("G1 X1 I1 F100", "p.nc:2: I, J, K and R belong to G2 and G3"),
+        ("G0 X9000.001", "p.nc:2: X goes to 9000.001 mm in the machine; its travel is -9000 to 9000 mm"),
+        ("G0 X8999\nG2 X8999 I3 F100", "p.nc:3: X goes to 9005 mm in the machine"),
+        ("G80 X1", "p.nc:2: axis words after G80"),
+        ("G28 G1 X1 F1", "p.nc:2: two commands of this line use its axis words"),
+        ("G53 X1 G2 I1", "p.nc:2: G53 goes with G0 or G1"),
+        ("G4", "p.nc:2: G4 needs P"),
+        ("G4 P-1", "p.nc:2: G4 P is 0 to 86400 seconds"),
+        ("G10 L2 P7 X1", "p.nc:2: G10 P is 0"),
+        ("G10 L3 P1 X1", "p.nc:2: G10 is supported with L2 and L20 only"),
+        ("G41 D1", "p.nc:2: G41 is not supported"),
+        ("G33 X1 K1", "p.nc:2: G33 is not supported"),
+        ("M6 T1", "p.nc:2: M6 is not supported"),
+        ("G1 A5 F1", "p.nc:2: the word A is not supported"),
+        ("#1 = 5", "p.nc:2: variables and expressions are not supported"),
+        ("O100 sub", "p.nc:2: O words are not supported"),
+        ("M0", "p.nc:2: M0 waits for an operator"),
+        ("G1 X1 (open", "p.nc:2: a comment is not closed"),
+        ("G1 X1 F-5", "p.nc:2: F is below 0"),
+        ("M3 S-5", "p.nc:2: S is below 0"),
+        ("P5", "p.nc:2: P belongs to no word"),
+        ("\u{0}\u{1}\u{7f}", "the file may be no text"),
+    ];
+    for (line, says) in cases {
+        fs::write(folder.path().join("p.nc"), format!("G21\n{line}\nG0 X5\n")).unwrap();
+        let words = ["sim", "p.nc", "--machine", "m.toml", "--trace", "t.csv"];
+        let (said, code) = beamtick(folder.path(), &words);
+        assert!(code == 2 && said.contains(says) && said.contains("nothing was run"), "{line}: {code} {said}");
+        assert!(!folder.path().join("t.csv").exists() && !folder.path().join("t.csv.partial").exists(), "{line}");
+    }
+    for (line, says) in [("G0 Z1", "p.nc:2: Z is moved"), ("G18 G2 X1 I1 F100", "p.nc:2: an arc of this plane moves Z")]
+    {
+        fs::write(folder.path().join("p.nc"), format!("G21\n{line}\n")).unwrap();
+        let (said, code) = beamtick(folder.path(), &["check", "p.nc", "--machine", "flat.toml"]);
+        assert!(code == 2 && said.contains(says), "{line}: {said}");
+    }
+    fs::create_dir(folder.path().join("d.nc")).unwrap();
+    fs::write(folder.path().join("j.gts"), "GT_AxisOn(1);\n").unwrap();
+    for (words, says) in [
+        (&["sim", "d.nc", "--machine", "m.toml"][..], "d.nc: the program cannot be read"),
+        (&["sim", "none.nc", "--machine", "m.toml"], "none.nc: the program cannot be read"),
+        (&["sim", "p.nc"], "p.nc: G-code needs --machine FILE"),
+        (&["sim", "p.nc", "--machine", "none.toml"], "none.toml: the machine file cannot be read"),
+        (&["sim", "j.gts", "--machine", "m.toml"], "j.gts: --machine and --pass-stops are for G-code"),
+        (&["run", "p.nc", "--machine", "m.toml"], "--link is missing"),
+        (&["import", "p.nc", "--machine", "m.toml", "-o", "m.toml"], "would overwrite a file"),
+        (&["import", "j.gts", "--machine", "m.toml", "-o", "o.gts"], "G-code is named .nc"),
+    ] {
+        fs::write(folder.path().join("p.nc"), "G0 X1\n").unwrap();
+        let (said, code) = beamtick(folder.path(), words);
+        assert!(code == 2 && said.contains(says), "{words:?}: {said}");
+    }
+}
+
+/// A program that is longer than every FIFO runs as one motion.
+#[test]
+fn a_long_program_runs_to_its_end() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("m.toml"), machine(&MACHINES[0], "gus", "")).unwrap();
+    let mut program = "G21 G91 F20000 M4 S0\n".to_owned();
+    for k in 0..20_000 {
+        program += &format!("G1 X0.2 Y{} S{}\n", if k % 2 == 0 { "0.01" } else { "-0.01" }, 100 + k % 7 * 100);
+    }
+    fs::write(folder.path().join("p.nc"), program).unwrap();
+    let (said, code) = beamtick(folder.path(), &["sim", "p.nc", "--machine", "m.toml", "--strict"]);
+    assert_eq!(code, 0, "{said}");
+    assert!(said.contains("20000 segments") && said.contains("axis 2: planned 400000.000000"), "{said}");
+    assert!(said.contains("no late entries") && !said.contains("underrun"), "{said}");
+}
+
+#[test]
+fn the_commands_of_the_page_work() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+    fs::create_dir(folder.path().join("examples")).unwrap();
+    for file in ["examples/machine.toml", "examples/square.nc"] {
+        fs::copy(format!("{root}/{file}"), folder.path().join(file)).unwrap();
+    }
+    let page = fs::read_to_string(format!("{root}/docs/gcode.md")).unwrap();
+    let commands: Vec<&str> = page.lines().filter_map(|line| line.strip_prefix("    beamtick ")).collect();
+    assert_eq!(commands.len(), 4);
+    for command in commands {
+        let words: Vec<&str> = command.split_whitespace().collect();
+        let (said, code) = beamtick(folder.path(), &words);
+        assert_eq!(code, 0, "{command}: {said}");
+    }
+    assert!(fs::read(folder.path().join("square.png")).unwrap().len() > 5000);
+    // The job that was written runs to the same end.
+    let (said, code) = beamtick(folder.path(), &["sim", "square.gts"]);
+    assert!(code == 0 && said.contains("light of 5277.750 ms"), "{said}");
+}

@@ -1,0 +1,401 @@
+//! Strokes to calls of a job: in pulses, with speeds along the path in pulse/ms.
+//!
+//! In: strokes in mm, dwells, outputs. Out: the text of a job. Owns where the path is, in pulses, and what its light is.
+//! A stroke without a pulse is none. A power is set anew with each mark.
+use crate::arc::Arc;
+use crate::exact::{ONE, Scale, of_f64, to_f64};
+use machine::{Family, LETTERS, Laser, Limits, Machine, Mode, PATH_AXES};
+use std::fmt::Write;
+
+/// Entries of a path before it is started.
+const AHEAD: usize = 400;
+/// Entries that the look-ahead holds.
+const LOOK_AHEAD: u32 = 200;
+/// The longest BufDelay, ms.
+const DELAY_MAX: u64 = 65_535;
+
+/// The form of a stroke.
+#[derive(Debug, Clone, Copy)]
+pub enum Shape {
+    Line,
+    Arc {
+        /// Axes of the plane, and the one across.
+        axes: [usize; 3],
+        arc: Arc,
+    },
+}
+
+impl Shape {
+    /// mm along the path.
+    pub fn length(&self, from: [i128; 3], to: [i128; 3]) -> f64 {
+        let way = [0, 1, 2].map(|axis| to_f64(to[axis] - from[axis]));
+        match self {
+            Shape::Line => norm(way),
+            Shape::Arc { axes, arc } => arc.length().hypot(way[axes[2]]),
+        }
+    }
+}
+
+/// The light of a stroke, in the laser's unit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Light {
+    Dark,
+    Constant(f64),
+    /// Power at the speed of the program.
+    Follow(f64),
+}
+
+/// One motion.
+#[derive(Debug, Clone, Copy)]
+pub struct Stroke {
+    pub line: usize,
+    /// Exact machine positions.
+    pub from: [i128; 3],
+    pub to: [i128; 3],
+    pub shape: Shape,
+    /// mm/min; none is as fast as the machine.
+    pub speed: Option<f64>,
+    pub light: Light,
+}
+
+/// What a laser entry has set.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Power {
+    Constant(f64),
+    Follow { ratio: f64, most: f64 },
+}
+
+/// See the module text.
+pub struct Writer<'a> {
+    machine: &'a Machine,
+    scales: Vec<Scale>,
+    text: String,
+    at: [i64; 3],
+    power: Option<Power>,
+    entries: usize,
+    started: bool,
+}
+
+fn norm(way: [f64; 3]) -> f64 {
+    way.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+impl<'a> Writer<'a> {
+    pub fn new(name: &str, machine: &'a Machine) -> Result<Writer<'a>, String> {
+        if let Some(axis) = machine.axes.iter().find(|axis| !PATH_AXES.contains(&axis.number)) {
+            let (letter, number) = (axis.letter, axis.number);
+            return Err(format!("axis.{letter}.number of the machine file is {number}; a path reaches axes 1 to 8"));
+        }
+        let scales: Vec<Scale> = machine.axes.iter().map(Scale::of).collect();
+        let mut at = [0; 3];
+        for (place, (axis, scale)) in machine.axes.iter().zip(&scales).enumerate() {
+            at[place] = scale.pulses(of_f64(axis.home));
+        }
+        let text = String::new();
+        let mut writer = Writer { machine, scales, text, at, power: None, entries: 0, started: false };
+        writer.begin(name);
+        Ok(writer)
+    }
+
+    fn put(&mut self, call: std::fmt::Arguments<'_>) {
+        // Writing to a String does not fail.
+        let _ = self.text.write_fmt(call);
+    }
+
+    fn begin(&mut self, name: &str) {
+        let machine = self.machine;
+        let name: String = name.chars().filter(|letter| !letter.is_control() && *letter != '\\').collect();
+        self.put(format_args!(
+            "// {name}, imported by beamtick. Positions are pulses, speeds pulse/ms; // N is line N of the program.\n\
+             // The axes stand at home when this job begins.\n"
+        ));
+        self.put(format_args!("#pragma family {}\n", if machine.family == Family::Gus { "gus" } else { "lsr" }));
+        self.put(format_args!("TCrdPrm crd = {{0}};\nGT_Reset();\n"));
+        for axis in &machine.axes {
+            let number = axis.number;
+            match axis.limits {
+                Limits::None => self.put(format_args!("GT_LmtsOff({number});\n")),
+                Limits::Positive => self.put(format_args!("GT_LmtsOff({number}, 1);\n")),
+                Limits::Negative => self.put(format_args!("GT_LmtsOff({number}, 0);\n")),
+                Limits::Both => {}
+            }
+            if !axis.alarm {
+                self.put(format_args!("GT_AlarmOff({number});\n"));
+            }
+        }
+        self.put(format_args!("GT_ClrSts(1, 8);\n"));
+        let (at, scales) = (self.at, self.scales.clone());
+        for (place, (axis, scale)) in machine.axes.iter().zip(&scales).enumerate() {
+            let ends = [axis.travel.0, axis.travel.1].map(|end| scale.pulses(of_f64(end)) - at[place]);
+            let (number, least, most) = (axis.number, ends[0].min(ends[1]) - 1, ends[0].max(ends[1]) + 1);
+            self.put(format_args!(
+                "GT_AxisOn({number});\nGT_ZeroPos({number});\nGT_SetSoftLimit({number}, {most}, {least});\n"
+            ));
+        }
+        let bound = |of: fn(&machine::Axis) -> f64| {
+            let sum = machine.axes.iter().map(|axis| of(axis) * of(axis)).sum::<f64>().sqrt();
+            (sum * 1.001).min(32_766.0)
+        };
+        let (rate, acceleration) = (bound(machine::Axis::rate), bound(machine::Axis::pulse_acceleration));
+        self.put(format_args!(
+            "crd.dimension = {};\ncrd.synVelMax = {rate};\ncrd.synAccMax = {acceleration};\ncrd.setOriginFlag = 1;\n",
+            machine.axes.len()
+        ));
+        for (place, axis) in machine.axes.iter().enumerate() {
+            let (index, coordinate, letter) = (axis.number - 1, place + 1, axis.letter);
+            self.put(format_args!("crd.profile[{index}] = {coordinate}; crd.originPos[{index}] = {};", -at[place]));
+            self.put(format_args!(" // {letter}\n"));
+        }
+        self.put(format_args!("GT_SetCrdPrm(1, &crd);\nGT_CrdClear(1, 0);\n"));
+        for (place, axis) in machine.axes.iter().enumerate() {
+            let (rate, acceleration) = (axis.rate(), axis.pulse_acceleration());
+            self.put(format_args!("GT_SetCrdLimit(1, {}, {rate}, {acceleration});\n", place + 1));
+        }
+        // An axis that passes a jump of velocity a·T in the time T with the acceleration a is a·T²/8 beside the corner.
+        let tolerance = machine.path.corner_tolerance;
+        let time = |axis: &machine::Axis| (8.0 * tolerance / axis.acceleration).sqrt() * 1000.0;
+        let time = machine.axes.iter().map(time).fold(f64::INFINITY, f64::min);
+        let most = machine.axes.iter().map(machine::Axis::pulse_acceleration).fold(0.0, f64::max);
+        self.put(format_args!("GT_InitLookAhead(1, 0, {time}, {most}, {LOOK_AHEAD});\n"));
+        if let Some(laser) = &machine.laser {
+            self.begin_laser(laser);
+        }
+    }
+
+    fn begin_laser(&mut self, laser: &Laser) {
+        let channel = laser.channel;
+        let mode = match laser.mode {
+            Mode::Duty => 0,
+            Mode::Frequency => 1,
+            Mode::Analog => 2,
+        };
+        if self.machine.family == Family::Gus && laser.mode != Mode::Analog {
+            self.put(format_args!("GT_SetAxisMode({}, 1);\n", 7 + channel));
+        }
+        let most = laser.full_power * unit(laser);
+        self.put(format_args!("GT_LaserPowerMode({mode}, {most}, 0, {channel}, 1);\n"));
+        match laser.mode {
+            Mode::Duty => self.put(format_args!("GT_LaserOutFrq({}, {channel});\n", laser.carrier / 1000.0)),
+            Mode::Frequency => self.put(format_args!("GT_SetPulseWidth({}, {channel});\n", laser.pulse_width)),
+            Mode::Analog => {}
+        }
+        self.put(format_args!("GT_SetLevelDelay({}, {}, {channel});\n", laser.off_delay, laser.on_delay));
+        self.put(format_args!("GT_BufLaserFollowMode(1, 0, 0, {channel});\n"));
+        self.entries += 1;
+    }
+
+    /// An entry of the path is complete.
+    fn entered(&mut self) {
+        self.entries += 1;
+        if !self.started && self.entries >= AHEAD {
+            self.started = true;
+            self.text.push_str("GT_CrdStart(1, 0);\n");
+        }
+    }
+
+    /// Sets the light from here on.
+    fn light(&mut self, want: Option<Power>) {
+        let Some(laser) = &self.machine.laser else { return };
+        let (channel, unit, lsr) = (laser.channel, unit(laser), self.machine.family == Family::Lsr);
+        if want == self.power {
+            return;
+        }
+        match want {
+            None => {
+                self.put(format_args!("GT_BufLaserOff(1, 0, {channel});\n"));
+                self.entered();
+            }
+            Some(Power::Constant(power)) => {
+                if lsr {
+                    self.put(format_args!("GT_BufLaserFollowOff(1, 0, {channel});\n"));
+                    self.entered();
+                }
+                self.put(format_args!("GT_BufLaserPrfCmd(1, {}, 0, {channel});\n", power * unit));
+                self.entered();
+            }
+            Some(Power::Follow { ratio, most }) => {
+                if lsr {
+                    self.put(format_args!("GT_BufLaserPrfCmd(1, 0, 0, {channel});\n"));
+                    self.entered();
+                }
+                let (ratio, most) = (ratio * unit, most * unit);
+                self.put(format_args!("GT_BufLaserFollowRatio(1, {ratio}, 0, {most}, 0, {channel});\n"));
+                self.entered();
+            }
+        }
+        if self.power.is_none() {
+            self.put(format_args!("GT_BufLaserOn(1, 0, {channel});\n"));
+            self.entered();
+        }
+        self.power = want;
+    }
+
+    /// Stands still.
+    pub fn dwell(&mut self, line: usize, ms: u64, light: Light) {
+        self.light(match light {
+            Light::Constant(power) => Some(Power::Constant(power)),
+            Light::Dark | Light::Follow(_) => None,
+        });
+        let mut left = ms;
+        while left > 0 {
+            let part = left.min(DELAY_MAX);
+            self.put(format_args!("GT_BufDelay(1, {part}); // {line}\n"));
+            self.entered();
+            left -= part;
+        }
+    }
+
+    /// Switches a general output.
+    pub fn output(&mut self, output: u8, on: bool) {
+        self.put(format_args!("GT_BufDoBit(1, 12, {output}, {});\n", u8::from(on)));
+        self.entered();
+    }
+
+    /// Moves.
+    pub fn stroke(&mut self, stroke: &Stroke) {
+        let mut to = self.at;
+        for (place, scale) in self.scales.iter().enumerate() {
+            to[place] = scale.pulses(stroke.to[place]);
+        }
+        match stroke.shape {
+            Shape::Line => {
+                let way = [0, 1, 2].map(|axis| to_f64(stroke.to[axis] - stroke.from[axis]));
+                self.straight(stroke, way, to);
+            }
+            Shape::Arc { axes, arc } => {
+                let flat = axes[2] >= self.scales.len() || to[axes[2]] == self.at[axes[2]];
+                if !(flat && self.round(stroke, axes, &arc, to)) {
+                    self.curve(stroke, axes, &arc, to);
+                }
+            }
+        }
+    }
+
+    /// A line to `to`, which goes `way` mm.
+    fn straight(&mut self, stroke: &Stroke, way: [f64; 3], to: [i64; 3]) {
+        let length = norm(way);
+        if to == self.at || length == 0.0 {
+            return;
+        }
+        let (mut rate, mut acceleration) = (f64::INFINITY, f64::INFINITY);
+        let (mut steps, mut same, mut pulses) = (0.0, true, [0.0; 3]);
+        for (place, (axis, scale)) in self.machine.axes.iter().zip(&self.scales).enumerate() {
+            let part = way[place].abs() / length;
+            if part > 0.0 {
+                rate = rate.min(axis.max_rate / part);
+                acceleration = acceleration.min(axis.acceleration / part);
+                same &= steps == 0.0 || steps == scale.per_mm.abs();
+                steps = scale.per_mm.abs();
+                pulses[place] = part * steps;
+            }
+        }
+        let per_mm = if same { steps } else { norm(pulses) };
+        self.light(self.power(stroke, per_mm));
+        let speed = stroke.speed.map_or(rate, |speed| speed.min(rate));
+        let (vel, acc) = (speed / 60_000.0 * per_mm, acceleration / 1e6 * per_mm);
+        let ([x, y, z], line) = (to, stroke.line);
+        match self.scales.len() {
+            2 => self.put(format_args!("GT_LnXY(1, {x}, {y}, {vel}, {acc}); // {line}\n")),
+            _ => self.put(format_args!("GT_LnXYZ(1, {x}, {y}, {z}, {vel}, {acc}); // {line}\n")),
+        }
+        self.at = to;
+        self.entered();
+    }
+
+    /// What the laser does on a stroke that has so many pulses a mm.
+    fn power(&self, stroke: &Stroke, per_mm: f64) -> Option<Power> {
+        match (stroke.light, stroke.speed) {
+            (Light::Dark, _) | (Light::Follow(_), None) => None,
+            (Light::Constant(power), _) => Some(Power::Constant(power)),
+            (Light::Follow(most), Some(speed)) => {
+                Some(Power::Follow { ratio: most / (speed / 60_000.0 * per_mm), most })
+            }
+        }
+    }
+
+    /// An arc of the controller; false where it has none that is as near as that.
+    fn round(&mut self, stroke: &Stroke, axes: [usize; 3], arc: &Arc, to: [i64; 3]) -> bool {
+        let [a, b, _] = axes;
+        let (first, second) = (self.scales[a].per_mm, self.scales[b].per_mm);
+        if first.abs() != second.abs() {
+            return false;
+        }
+        let chord = [(to[a] - self.at[a]) as f64, (to[b] - self.at[b]) as f64];
+        // From the pulse where the path is.
+        let off = |axis: usize| to_f64(stroke.from[axis]) * self.scales[axis].per_mm - self.at[axis] as f64;
+        let centre = [arc.centre[0] * first + off(a), arc.centre[1] * second + off(b)];
+        let centre = if chord == [0.0, 0.0] {
+            if arc.sweep.abs() < std::f64::consts::PI {
+                return true;
+            }
+            centre
+        } else {
+            // The centre of an arc is as far from its end as from its start.
+            let size = chord[0].hypot(chord[1]);
+            let along = (centre[0] * chord[0] + centre[1] * chord[1]) / size - size / 2.0;
+            if along.abs() > 1.0 {
+                return false;
+            }
+            [centre[0] - along * chord[0] / size, centre[1] - along * chord[1] / size]
+        };
+        if centre[0].hypot(centre[1]) < 1.0 {
+            return false;
+        }
+        let (axis_a, axis_b) = (&self.machine.axes[a], &self.machine.axes[b]);
+        let rate = axis_a.max_rate.min(axis_b.max_rate);
+        let acceleration = axis_a.acceleration.min(axis_b.acceleration);
+        let per_mm = first.abs();
+        self.light(self.power(stroke, per_mm));
+        let speed = stroke.speed.map_or(rate, |speed| speed.min(rate));
+        let (vel, acc) = (speed / 60_000.0 * per_mm, acceleration / 1e6 * per_mm);
+        let ccw = u8::from((arc.sweep > 0.0) == ((first > 0.0) == (second > 0.0)));
+        let plane: String = [a, b].iter().map(|axis| LETTERS[*axis]).collect();
+        let ([x, y], [p, q], line) = (centre, [to[a], to[b]], stroke.line);
+        self.put(format_args!("GT_Arc{plane}C(1, {p}, {q}, {x}, {y}, {ccw}, {vel}, {acc}); // {line}\n"));
+        self.at = to;
+        self.entered();
+        true
+    }
+
+    /// Lines along an arc.
+    fn curve(&mut self, stroke: &Stroke, axes: [usize; 3], arc: &Arc, to: [i64; 3]) {
+        let [a, b, across] = axes;
+        let parts = arc.parts(self.machine.path.curve_tolerance);
+        let rise = to_f64(stroke.to[across] - stroke.from[across]);
+        let mut before = [0.0; 3];
+        for number in 1..=parts {
+            let part = f64::from(number) / f64::from(parts);
+            let mut here = [0.0; 3];
+            [here[a], here[b]] = arc.at(part);
+            here[across] = rise * part;
+            let mut next = to;
+            if number < parts {
+                for (place, scale) in self.scales.iter().enumerate() {
+                    let mm = stroke.from[place] + (here[place] * ONE as f64) as i128;
+                    next[place] = scale.pulses(mm);
+                }
+            }
+            let way = [0, 1, 2].map(|axis| here[axis] - before[axis]);
+            if next != self.at {
+                self.straight(stroke, way, next);
+                before = here;
+            }
+        }
+    }
+
+    /// The whole job.
+    pub fn finish(mut self) -> String {
+        self.light(None);
+        self.text.push_str("GT_CrdData(1, NULL, 0);\n");
+        if !self.started {
+            self.text.push_str("GT_CrdStart(1, 0);\n");
+        }
+        self.text.push_str("WaitStop(1, 0, 1);\nSleep(1);\n");
+        self.text
+    }
+}
+
+/// What a power is in the unit of calls: kHz for Hz.
+fn unit(laser: &Laser) -> f64 {
+    if laser.mode == Mode::Frequency { 0.001 } else { 1.0 }
+}
