@@ -7,6 +7,7 @@ use crate::command_line::{Drawing, Import};
 use crate::{machine_file, output};
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use trace::{AxisName, Millimetres};
 
 /// Extensions of G-code.
 const EXTENSIONS: [&str; 4] = ["nc", "gcode", "ngc", "tap"];
@@ -17,8 +18,18 @@ pub fn is_program(path: &Path) -> bool {
     extension.is_some_and(|extension| EXTENSIONS.contains(&extension.as_str()))
 }
 
-/// The job that a program is, and the machine file.
-pub fn job(path: &Path, drawing: &Drawing) -> Result<(String, PathBuf), Failure> {
+/// A program as a job.
+pub struct Found {
+    /// The text of the job.
+    pub job: String,
+    /// The machine file.
+    pub file: PathBuf,
+    /// The machine's axes, X first.
+    pub millimetres: Vec<Millimetres>,
+}
+
+/// The job that a program is; notes and the extent go to the error stream.
+pub fn job(path: &Path, drawing: &Drawing) -> Result<Found, Failure> {
     let name = path.display().to_string();
     let Some(file) = &drawing.machine else {
         return Err(Failure::Input(format!(
@@ -34,7 +45,14 @@ pub fn job(path: &Path, drawing: &Drawing) -> Result<(String, PathBuf), Failure>
     for note in &found.notes {
         complain!("{note}");
     }
-    Ok((found.job, file.clone()))
+    complain!("{name}: {}", found.extent);
+    let millimetres = machine.axes.iter().map(|axis| Millimetres {
+        axis: AxisName { core: 1, axis: axis.number },
+        letter: axis.letter,
+        per_mm: if axis.reversed { -axis.steps_per_mm } else { axis.steps_per_mm },
+        zero: axis.home,
+    });
+    Ok(Found { job: found.job, file: file.clone(), millimetres: millimetres.collect() })
 }
 
 /// The link of the command line, else that of the machine file.
@@ -59,9 +77,10 @@ pub fn import(arguments: &Import) -> Result<(), Failure> {
     if !is_program(&arguments.program) {
         return Err(Failure::Input(format!("{name}: G-code is named .nc, .gcode, .ngc or .tap")));
     }
-    let (text, machine) = job(&arguments.program, &arguments.drawing)?;
+    let found = job(&arguments.program, &arguments.drawing)?;
+    let text = found.job;
     let to = &arguments.output;
-    output::check(&[arguments.program.clone(), machine], &[("--output", to, false)])?;
+    output::check(&[arguments.program.clone(), found.file], &[("--output", to, false)])?;
     let (staged, mut file) = output::Output::stream(to)?;
     file.write_all(text.as_bytes())
         .map_err(|error| Failure::Job(format!("{}: cannot be written: {error}", to.display())))?;

@@ -10,7 +10,9 @@ use crate::spool::Spool;
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
-use trace::{AxisName, Change, CsvWriter, Header, Item, Plot, PlotOptions, Reader, Row, TraceError, VcdWriter, Xy};
+use trace::{
+    AxisName, Change, CsvWriter, Header, Item, Millimetres, Plot, PlotOptions, Reader, Row, TraceError, VcdWriter, Xy,
+};
 
 /// See the module text.
 pub struct Recording {
@@ -63,17 +65,23 @@ impl Recording {
     /// Creates the files. `digital` and `analog` are the general and analog outputs that the job
     /// sets, from 1, which the VCD gets.
     ///
-    /// `title` and `subtitle` are above the plot.
+    /// `title` and `subtitle` are above the plot. `millimetres` are the axes of `--xy` where none are named.
     pub fn new(
         outputs: &Outputs,
         (title, subtitle): (&str, String),
         (digital, analog): (Vec<u8>, Vec<u8>),
+        millimetres: Vec<Millimetres>,
     ) -> Result<Self, Failure> {
+        let in_mm = match millimetres[..] {
+            [x, y, ..] => Some((x.axis, y.axis)),
+            _ => None,
+        };
         let options = PlotOptions {
             title: title.to_owned(),
             subtitle,
             from_ms: outputs.from,
             to_ms: outputs.to,
+            millimetres,
             ..PlotOptions::default()
         };
         options.check().map_err(|error| Failure::Input(error.to_string()))?;
@@ -99,7 +107,7 @@ impl Recording {
                 vcd,
                 streams,
                 plot: plot.map(|output| (output, options.clone())),
-                xy: xy.map(|output| (output, outputs.xy_axes, options)),
+                xy: xy.map(|output| (output, outputs.xy_axes.or(in_mm), options)),
                 outputs: digital,
                 analog,
                 open: None,

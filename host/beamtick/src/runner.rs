@@ -222,7 +222,7 @@ fn record(source: &Source, client: &Client, outputs: &Outputs) -> Result<Tape, F
         format!("{}, profile {}{family}, servo tick {} us", client.board(), profile::shown(version), version.tick_us);
     let (digital, analog) = (digital(&source.job, version), analog(&source.job));
     let shows_outputs = !(digital.is_empty() && analog.is_empty()) && outputs.vcd.is_some();
-    let recording = Recording::new(outputs, (&source.name, subtitle), (digital, analog))?;
+    let recording = Recording::new(outputs, (&source.name, subtitle), (digital, analog), source.millimetres.clone())?;
     let recording = Arc::new(Mutex::new(Some(recording)));
     let sink = Arc::clone(&recording);
     client.trace_to(move |bytes| {

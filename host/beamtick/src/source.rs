@@ -7,6 +7,7 @@ use job::{Diagnostic, Files, Folder, Job, Pragma, Severity, Step};
 use std::cell::RefCell;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
+use trace::Millimetres;
 
 /// The files beside a job, and which of them were read.
 struct Noted {
@@ -30,6 +31,8 @@ pub struct Source {
     pub job: Job,
     /// Every file that was read for it.
     pub files: Vec<PathBuf>,
+    /// Axes that a picture shows in mm.
+    pub millimetres: Vec<Millimetres>,
 }
 
 impl Source {
@@ -37,8 +40,10 @@ impl Source {
     pub fn open(path: &Path, drawing: &Drawing) -> Result<Self, Failure> {
         let name = path.display().to_string();
         if import::is_program(path) {
-            let (text, machine) = import::job(path, drawing)?;
-            return Source::read(name, text, vec![path.to_owned(), machine], path);
+            let found = import::job(path, drawing)?;
+            let mut source = Source::read(name, found.job, vec![path.to_owned(), found.file], path)?;
+            source.millimetres = found.millimetres;
+            return Ok(source);
         }
         if drawing.machine.is_some() || drawing.pass_stops {
             return Err(Failure::Input(format!(
@@ -57,7 +62,7 @@ impl Source {
 
     fn read(name: String, text: String, read: Vec<PathBuf>, path: &Path) -> Result<Self, Failure> {
         let files = Noted { folder: Folder::of(path), read: RefCell::new(read) };
-        match job::compile(&text, &files).and_then(|job| match unknown_values(&job) {
+        match compile(&text, &files).and_then(|job| match unknown_values(&job) {
             wrong if wrong.is_empty() => Ok(job),
             wrong => Err(wrong),
         }) {
@@ -65,7 +70,7 @@ impl Source {
                 for warning in &job.warnings {
                     complain!("{}", show(warning, &name, &text).trim_end());
                 }
-                Ok(Source { name, text, job, files: files.read.into_inner() })
+                Ok(Source { name, text, job, files: files.read.into_inner(), millimetres: Vec::new() })
             }
             Err(found) => {
                 let errors = found.iter().filter(|one| one.severity == Severity::Error).count();
@@ -129,6 +134,51 @@ impl Source {
         };
         show(&diagnostic, &self.name, &self.text)
     }
+}
+
+/// Lines that are compiled at a time where a job is long: calls in a row need nothing of each other.
+const PART: usize = 20_000;
+
+/// Compiles a job. One that `import` wrote may be of any length: its calls name no variables after the set-up.
+fn compile(text: &str, files: &Noted) -> Result<Job, Vec<Diagnostic>> {
+    if !text.starts_with(gcode::MARK) {
+        return job::compile(text, files);
+    }
+    let (mut whole, mut line, mut at) = (None::<Job>, 0u32, 0usize);
+    while at < text.len() {
+        let rest = &text[at..];
+        let size = rest.match_indices('\n').nth(PART - 1).map_or(rest.len(), |(end, _)| end + 1);
+        let part = &rest[..size];
+        let moved = |found: &mut Diagnostic| {
+            found.line += line;
+            found.span = found.span.start + at..found.span.end + at;
+        };
+        let mut job = job::compile(part, files).map_err(|mut found| {
+            found.iter_mut().for_each(moved);
+            found
+        })?;
+        job.warnings.iter_mut().for_each(moved);
+        for step in &mut job.steps {
+            step.line += line;
+            step.span = step.span.start + at..step.span.end + at;
+        }
+        line += part.matches('\n').count() as u32;
+        at += size;
+        match &mut whole {
+            None => whole = Some(job),
+            Some(whole) => {
+                whole.steps.append(&mut job.steps);
+                whole.warnings.append(&mut job.warnings);
+                for (all, more) in [(&mut whole.axes, job.axes), (&mut whole.named, job.named)] {
+                    all.extend(more);
+                    all.sort_unstable();
+                    all.dedup();
+                }
+                whole.lasers |= job.lasers;
+            }
+        }
+    }
+    whole.map_or_else(|| job::compile(text, files), Ok)
 }
 
 /// What a pragma says.

@@ -19,6 +19,8 @@ const MACHINES: [Axes; 3] = [
     [("80", -1, "12.5"), ("80", 1, "-3.005"), ("80", -1, "0.1")],
     [("80.5", 1, "0"), ("126.666666667", -1, "7"), ("200", 1, "-1")],
 ];
+/// Lines of a long program: more than are compiled at a time.
+const LONG: u32 = 30_000;
 /// Of all axes, mm/min.
 const RATE: f64 = 30_000.0;
 
@@ -311,19 +313,78 @@ fn what_is_wrong_has_line_and_reason_and_nothing_moves() {
     }
 }
 
+/// F is mm/min (or 1/min of a motion) along the path, whatever the axes count a mm; no axis passes its rate.
+#[test]
+fn speeds_are_in_mm() {
+    let folder = tempfile::tempdir().unwrap();
+    let axes = &MACHINES[2];
+    fs::write(folder.path().join("m.toml"), machine(axes, "gus", "")).unwrap();
+    // From home, (0, 7, -1); the fastest in mm/s.
+    for (program, expected) in [
+        ("G91 G1 X300 Y400 F6000", 100.0),
+        ("G91 G1 X300 Z-300 F9000", 150.0),
+        ("G91 G93 G1 X300 Y400 F12", 100.0),
+        ("G91 G93 G2 X200 I100 F30", std::f64::consts::PI * 100.0 * 30.0 / 60.0),
+        ("G91 G0 X300 Y400", 625.0),
+        ("G91 G1 X300 Y400 F60000", 625.0),
+        ("G91 G20 G1 X10 F120", 50.8),
+    ] {
+        fs::write(folder.path().join("p.nc"), format!("M3 S5\n{program}\n")).unwrap();
+        let (said, code) = beamtick(folder.path(), &["sim", "p.nc", "--machine", "m.toml", "--trace", "t.csv"]);
+        assert_eq!(code, 0, "{said}");
+        let rows = rows(&folder.path().join("t.csv"));
+        let steps = [80.5, 126.666666667, 200.0];
+        let mut most = 0.0f64;
+        for pair in rows.windows(41) {
+            let way = [0, 1, 2].map(|axis: usize| (pair[40].at[axis] - pair[0].at[axis]) / steps[axis]);
+            most = most.max((way[0] * way[0] + way[1] * way[1] + way[2] * way[2]).sqrt() * 100.0);
+        }
+        assert!((most / expected - 1.0).abs() < 1e-3, "{program}: {most} and not {expected} mm/s");
+    }
+}
+
+/// G92.1 forgets the offset, G92.2 keeps it for G92.3.
+#[test]
+fn g92_is_kept_or_forgotten() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("m.toml"), machine(&MACHINES[0], "gus", "")).unwrap();
+    for (words, end) in [("G92.1\nG92.3", 1000), ("G92.2\nG92.3", 500), ("G92.2", 1000), ("", 500)] {
+        fs::write(folder.path().join("p.nc"), format!("G92 X5\n{words}\nG0 X10\n")).unwrap();
+        let (said, code) = beamtick(folder.path(), &["sim", "p.nc", "--machine", "m.toml"]);
+        assert!(code == 0 && said.contains(&format!("axis 2: planned {end}.000000")), "{words}: {said}");
+    }
+}
+
+#[test]
+fn the_extent_is_in_mm() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("m.toml"), machine(&MACHINES[1], "gus", "")).unwrap();
+    fs::write(folder.path().join("p.nc"), "G0 X20 Y0 Z0\nM4 S9 F600\nG3 X10 Y10 I-10\nG0 X-1\n").unwrap();
+    let (said, code) = beamtick(folder.path(), &["check", "p.nc", "--machine", "m.toml"]);
+    assert_eq!(code, 0, "{said}");
+    let marks = "marks of 15.708 mm, X 10.000 to 20.000, Y 0.000 to 10.000, Z 0.000 to 0.000 mm";
+    assert!(
+        said.contains("X -1.000 to 20.000, Y -3.005 to 10.000, Z 0.000 to 0.100 mm") && said.contains(marks),
+        "{said}"
+    );
+}
+
 /// A program that is longer than every FIFO runs as one motion.
 #[test]
 fn a_long_program_runs_to_its_end() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("m.toml"), machine(&MACHINES[0], "gus", "")).unwrap();
     let mut program = "G21 G91 F20000 M4 S0\n".to_owned();
-    for k in 0..20_000 {
+    for k in 0..LONG {
         program += &format!("G1 X0.2 Y{} S{}\n", if k % 2 == 0 { "0.01" } else { "-0.01" }, 100 + k % 7 * 100);
     }
     fs::write(folder.path().join("p.nc"), program).unwrap();
     let (said, code) = beamtick(folder.path(), &["sim", "p.nc", "--machine", "m.toml", "--strict"]);
     assert_eq!(code, 0, "{said}");
-    assert!(said.contains("20000 segments") && said.contains("axis 2: planned 400000.000000"), "{said}");
+    assert!(
+        said.contains(&format!("{LONG} segments")) && said.contains(&format!("axis 2: planned {}.000000", LONG * 20)),
+        "{said}"
+    );
     assert!(said.contains("no late entries") && !said.contains("underrun"), "{said}");
 }
 

@@ -15,6 +15,7 @@ mod words;
 mod writer;
 
 use machine::Machine;
+use std::fmt;
 
 /// What the user chose.
 #[derive(Debug, Clone, Copy, Default)]
@@ -24,12 +25,42 @@ pub struct Options {
 }
 
 /// A program as a job.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Imported {
     /// The job.
     pub job: String,
     /// What was passed over, with file and line.
     pub notes: Vec<String>,
+    /// What the path and its marks cover.
+    pub extent: Extent,
+}
+
+/// The first words of every job that is made here.
+pub const MARK: &str = "// Imported by beamtick";
+
+/// What the path and its marks cover, in mm of the machine. Displayed as a line.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Extent {
+    /// Of everything: letter, least, greatest.
+    pub all: Vec<(char, f64, f64)>,
+    /// Of what may be lit.
+    pub marks: Vec<(char, f64, f64)>,
+    /// Length of the path, mm, and of what may be lit.
+    pub length: (f64, f64),
+}
+
+impl fmt::Display for Extent {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let list = |rows: &[(char, f64, f64)]| {
+            let rows = rows.iter().map(|(letter, least, most)| format!("{letter} {least:.3} to {most:.3}"));
+            rows.collect::<Vec<_>>().join(", ")
+        };
+        write!(f, "path of {:.3} mm, {} mm; ", self.length.0, list(&self.all))?;
+        match self.marks[..] {
+            [] => write!(f, "no marks"),
+            _ => write!(f, "marks of {:.3} mm, {} mm", self.length.1, list(&self.marks)),
+        }
+    }
 }
 
 /// The program `text` of the file `name` as a job for `machine`.
@@ -39,5 +70,6 @@ pub struct Imported {
 pub fn import(name: &str, text: &str, machine: &Machine, options: Options) -> Result<Imported, String> {
     let mut writer = writer::Writer::new(name, machine)?;
     let notes = interpreter::run(name, text, machine, options, &mut writer)?;
-    Ok(Imported { job: writer.finish(), notes })
+    let extent = writer.extent();
+    Ok(Imported { job: writer.finish(), notes, extent })
 }

@@ -4,6 +4,7 @@
 //! A stroke without a pulse is none. A power is set anew with each mark.
 use crate::arc::Arc;
 use crate::exact::{ONE, Scale, of_f64, to_f64};
+use crate::{Extent, MARK};
 use machine::{Family, LETTERS, Laser, Limits, Machine, Mode, PATH_AXES};
 use std::fmt::Write;
 
@@ -74,6 +75,9 @@ pub struct Writer<'a> {
     power: Option<Power>,
     entries: usize,
     started: bool,
+    /// Of everything, and of marks: least and greatest of each axis, mm, and length.
+    covered: [Option<[(f64, f64); 3]>; 2],
+    length: [f64; 2],
 }
 
 fn norm(way: [f64; 3]) -> f64 {
@@ -92,7 +96,17 @@ impl<'a> Writer<'a> {
             at[place] = scale.pulses(of_f64(axis.home));
         }
         let text = String::new();
-        let mut writer = Writer { machine, scales, text, at, power: None, entries: 0, started: false };
+        let mut writer = Writer {
+            machine,
+            scales,
+            text,
+            at,
+            power: None,
+            entries: 0,
+            started: false,
+            covered: [None; 2],
+            length: [0.0; 2],
+        };
         writer.begin(name);
         Ok(writer)
     }
@@ -106,7 +120,7 @@ impl<'a> Writer<'a> {
         let machine = self.machine;
         let name: String = name.chars().filter(|letter| !letter.is_control() && *letter != '\\').collect();
         self.put(format_args!(
-            "// {name}, imported by beamtick. Positions are pulses, speeds pulse/ms; // N is line N of the program.\n\
+            "{MARK}: {name}. Positions are pulses, speeds pulse/ms; // N is line N of the program.\n\
              // The axes stand at home when this job begins.\n"
         ));
         self.put(format_args!("#pragma family {}\n", if machine.family == Family::Gus { "gus" } else { "lsr" }));
@@ -251,8 +265,38 @@ impl<'a> Writer<'a> {
         self.entered();
     }
 
+    /// What was covered so far.
+    pub fn extent(&self) -> Extent {
+        let rows = |covered: Option<[(f64, f64); 3]>| {
+            let ends = covered.into_iter().flatten();
+            self.machine.axes.iter().zip(ends).map(|(axis, (least, most))| (axis.letter, least, most)).collect()
+        };
+        let [all, marks] = self.covered.map(rows);
+        Extent { all, marks, length: (self.length[0], self.length[1]) }
+    }
+
+    fn cover(&mut self, stroke: &Stroke) {
+        let ends = [0, 1, 2].map(|axis| [stroke.from[axis], stroke.to[axis]].map(to_f64));
+        let mut ends = ends.map(|[from, to]| (from.min(to), from.max(to)));
+        if let Shape::Arc { axes: [a, b, _], arc } = &stroke.shape {
+            for (axis, (least, most)) in [*a, *b].into_iter().zip(arc.extent()) {
+                let from = to_f64(stroke.from[axis]);
+                ends[axis] = (ends[axis].0.min(from + least), ends[axis].1.max(from + most));
+            }
+        }
+        let length = stroke.shape.length(stroke.from, stroke.to);
+        for part in 0..1 + usize::from(stroke.light != Light::Dark) {
+            let covered = self.covered[part].get_or_insert(ends);
+            for (covered, end) in covered.iter_mut().zip(ends) {
+                *covered = (covered.0.min(end.0), covered.1.max(end.1));
+            }
+            self.length[part] += length;
+        }
+    }
+
     /// Moves.
     pub fn stroke(&mut self, stroke: &Stroke) {
+        self.cover(stroke);
         let mut to = self.at;
         for (place, scale) in self.scales.iter().enumerate() {
             to[place] = scale.pulses(stroke.to[place]);
@@ -278,7 +322,9 @@ impl<'a> Writer<'a> {
             return;
         }
         let (mut rate, mut acceleration) = (f64::INFINITY, f64::INFINITY);
-        let (mut steps, mut same, mut pulses) = (0.0, true, [0.0; 3]);
+        let (mut steps, mut same) = (0.0, true);
+        // The displacement that is run, in pulses and in mm.
+        let (mut pulses, mut run) = ([0.0; 3], [0.0; 3]);
         for (place, (axis, scale)) in self.machine.axes.iter().zip(&self.scales).enumerate() {
             let part = way[place].abs() / length;
             if part > 0.0 {
@@ -286,10 +332,11 @@ impl<'a> Writer<'a> {
                 acceleration = acceleration.min(axis.acceleration / part);
                 same &= steps == 0.0 || steps == scale.per_mm.abs();
                 steps = scale.per_mm.abs();
-                pulses[place] = part * steps;
             }
+            pulses[place] = (to[place] - self.at[place]) as f64;
+            run[place] = pulses[place] / scale.per_mm;
         }
-        let per_mm = if same { steps } else { norm(pulses) };
+        let per_mm = if same { steps } else { norm(pulses) / norm(run) };
         self.light(self.power(stroke, per_mm));
         let speed = stroke.speed.map_or(rate, |speed| speed.min(rate));
         let (vel, acc) = (speed / 60_000.0 * per_mm, acceleration / 1e6 * per_mm);

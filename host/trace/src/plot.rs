@@ -48,11 +48,33 @@ pub struct PlotOptions {
     pub to_ms: Option<f64>,
     /// Width in pixels; the height follows from the number of panels.
     pub width: u32,
+    /// Axes that a picture of one axis over another shows in mm; others are shown in pulses.
+    pub millimetres: Vec<Millimetres>,
+}
+
+/// An axis in mm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Millimetres {
+    /// The axis.
+    pub axis: AxisName,
+    /// Its letter.
+    pub letter: char,
+    /// Pulses a mm; below 0 where the axis counts down.
+    pub per_mm: f64,
+    /// Position in mm where the axis is at 0.
+    pub zero: f64,
 }
 
 impl Default for PlotOptions {
     fn default() -> Self {
-        PlotOptions { title: String::new(), subtitle: String::new(), from_ms: None, to_ms: None, width: 1280 }
+        PlotOptions {
+            title: String::new(),
+            subtitle: String::new(),
+            from_ms: None,
+            to_ms: None,
+            width: 1280,
+            millimetres: Vec::new(),
+        }
     }
 }
 

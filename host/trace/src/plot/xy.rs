@@ -8,7 +8,7 @@ use super::panel::{CAPTION, FOOT, FRAME, GRID, LEFT, RIGHT};
 use super::route::{Node, Power, Route};
 use super::text::{FAINT, INK, as_plot, font, place, tick_step, tick_text};
 use super::window::Window;
-use super::{POSITION, PlotOptions, quantity, title};
+use super::{Millimetres, POSITION, PlotOptions, quantity, title};
 use crate::decimal::{position_f64, scaled_f64};
 use crate::row::{AxisName, Header, LaserName, PowerUnit, Row};
 use crate::{Result, TraceError};
@@ -152,8 +152,22 @@ impl Xy {
     }
 
     fn point(&self, row: &Row) -> (f64, f64) {
-        let value = |place: usize| row.axes.get(place).map_or(0.0, |point| position_f64(point.pos));
-        (value(self.columns.0), value(self.columns.1))
+        let value = |place: usize, axis: AxisName| {
+            let pulses = row.axes.get(place).map_or(0.0, |point| position_f64(point.pos));
+            self.millimetres(axis).map_or(pulses, |mm| pulses / mm.per_mm + mm.zero)
+        };
+        (value(self.columns.0, self.axes.0), value(self.columns.1, self.axes.1))
+    }
+
+    fn millimetres(&self, axis: AxisName) -> Option<&Millimetres> {
+        self.options.millimetres.iter().find(|mm| mm.axis == axis)
+    }
+
+    fn label(&self, axis: AxisName) -> String {
+        match self.millimetres(axis) {
+            Some(mm) => format!("{} (mm)", mm.letter),
+            None => format!("{} position (pulse)", title(axis)),
+        }
     }
 
     /// Draws a PNG or an SVG, as the path's extension says.
@@ -239,7 +253,7 @@ impl Picture for Xy {
         let bar = beam.scale();
         let (left, right) = rest.split_horizontally((LEFT + width + if bar.is_some() { 0 } else { RIGHT }) * scale);
         let caption = |text: String, at: u32, colour| Text::new(text, place(at, 7, scale), font(14, colour, scale));
-        left.draw(&caption(format!("{} position (pulse)", title(self.axes.1)), LEFT, POSITION)).map_err(as_plot)?;
+        left.draw(&caption(self.label(self.axes.1), LEFT, POSITION)).map_err(as_plot)?;
         if let Some(bar) = bar {
             let name = beam.name.map_or(0, |name| name.0);
             let text = format!("light of laser {name}, {}", quantity(bar.0));
@@ -268,7 +282,7 @@ impl Picture for Xy {
             .axis_desc_style(font(14, FAINT, scale))
             .x_label_formatter(&|x| tick_text(*x, step_x))
             .y_label_formatter(&|y| tick_text(*y, step_y))
-            .x_desc(format!("{} position (pulse)", title(self.axes.0)))
+            .x_desc(self.label(self.axes.0))
             .draw()
             .map_err(as_plot)?;
         draw_way(&mut chart, beam, scale)?;
