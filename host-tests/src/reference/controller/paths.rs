@@ -289,6 +289,11 @@ impl Controller {
             // An arc needs to know where it begins: docs/crd.md.
             self.open = Some("an arc that begins a path after a Stop or directly after a WaitStop");
         }
+        // It was left elsewhere: SPEC does not tell where a motion after the rest of that data begins.
+        let renamed = of.set.as_ref().is_some_and(|set| set.axes.iter().flatten().any(|axis| self.axes[*axis].renamed));
+        if is_arc && renamed && !of.runs && of.fifos[fifo].begins().is_some() && of.rest == Some(Rest::Stopped) {
+            self.open = Some("an arc after what a Stop has left, with a renamed axis");
+        }
         if begin.is_none() {
             self.open = Some("a motion whose begin is not known yet");
         }

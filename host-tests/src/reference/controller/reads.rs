@@ -91,7 +91,8 @@ impl Controller {
                     let pends = of.what != LightOf::GetGate && self.light.is_busy(of.channel as usize);
                     runs || pends || value == Value::None
                 }
-                Call::Effect(Effect::GetDac { .. }) => value == Value::None,
+                // An entry of a path may set one in the tick that follows.
+                Call::Effect(Effect::GetDac { .. }) => value == Value::None || self.crds.values().any(|crd| crd.runs),
                 Call::Effect(Effect::GetDo { .. }) => self.crds.values().any(|crd| crd.runs),
                 Call::Axis { kind, axis } => {
                     let axis_of = &self.axes[axis];
