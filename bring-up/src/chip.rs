@@ -113,7 +113,6 @@ pub fn tell(report: &mut Report) {
         report.line("af1", &[number, timer.af1().read().0.into()]);
         report.line("bdtr", &[number, timer.bdtr().read().0.into()]);
     }
-    breaks_now(report);
 }
 
 /// Level of each break input, its flag once it was cleared, and whether the main output can be

@@ -9,12 +9,18 @@
 //!
 //! It has no servo tick, no client and no light of its own will. Outputs move while it measures:
 //! no drive and no laser may be connected.
+mod analog;
+mod bench;
+mod capture;
 mod chip;
 mod core_facts;
+mod light;
 mod pause;
 mod report;
 mod stack;
+mod wires;
 
+use bench::Bench;
 use cortex_m::peripheral::SCB;
 use hal::board::{self, uart::Rx};
 use report::Report;
@@ -44,6 +50,7 @@ fn await_order(rx: &mut Rx) {
 fn main() -> ! {
     let at_reset = chip::AtReset::read();
     // The only panic of the start: a second call of this function, which the runtime never makes.
+    cortex_m::interrupt::disable();
     let board = board::take().expect("the board is taken once");
     let (tx, mut rx) = board.link;
     core_facts::count_cycles();
@@ -53,6 +60,22 @@ fn main() -> ! {
     at_reset.tell(&mut report);
     chip::tell(&mut report);
     core_facts::tell(&mut report);
+    let has_driver = wires::tell(&mut report);
+    for open in [true, false] {
+        wires::open_interlock(open);
+        if has_driver || open {
+            chip::breaks_now(&mut report);
+        }
+    }
+    let mut bench = Bench::begin(board.machine, board.timer);
+    light::start(&mut bench, &mut report);
+    light::first_edges(&mut bench, &mut report, ["first-0", "first-1", "first-switch", "first-steps"]);
+    light::load(&mut bench, &mut report);
+    light::steps(&mut bench, &mut report);
+    light::starve(&mut bench, &mut report);
+    light::broken_burst(&mut bench, &mut report, ["again-0", "again-1", "again-switch", "again-steps"]);
+    light::breaks(&mut bench, &mut report, has_driver);
+    analog::tell(&mut bench, &mut report);
     stack::tell(&mut report);
     report.end();
     SCB::sys_reset()

@@ -50,7 +50,7 @@ const SAMPLING: [Time; 8] = [3, 5, 17, 33, 65, 129, 775, 1621];
 const CONVERSION: Time = 17;
 
 /// Reference and full scale.
-const REFERENCE: f64 = 3.3;
+pub const REFERENCE: f64 = 3.3;
 
 /// Inputs that are modelled.
 const INPUTS: usize = 20;
@@ -74,6 +74,8 @@ pub struct Adc {
     linear: bool,
     ready: Time,
     started: Time,
+    /// What it says of a voltage, for tests: 1 is the truth.
+    pub gain: f64,
     /// Voltages of each input, and since when.
     applied: Vec<(Time, usize, f64)>,
     /// What was done against the manual, or is not modelled.
@@ -98,6 +100,7 @@ impl Default for Adc {
             linear: false,
             ready: NEVER,
             started: NEVER,
+            gain: 1.0,
             applied: Vec::new(),
             complaint: None,
         }
@@ -156,7 +159,7 @@ impl Adc {
         let sampled = self.started + since / length * length + end - CONVERSION * cycle / 2;
         let volts = self.applied.iter().rev().find(|&&(from, input, _)| input == channel && from <= sampled);
         let volts = volts.map_or(0.0, |&(_, _, volts)| volts);
-        (volts / REFERENCE * 65536.0).floor().clamp(0.0, 65535.0) as u32
+        (volts * self.gain / REFERENCE * 65536.0).floor().clamp(0.0, 65535.0) as u32
     }
 
     fn set_control(&mut self, new: u32, at: Time) {
@@ -267,7 +270,13 @@ impl Device for Adc {
 
     fn reset(&mut self, _: Time, _: &mut Vec<Signal>) {
         let kept = std::mem::take(self);
-        *self = Adc { kernel: kept.kernel, applied: kept.applied, complaint: kept.complaint, ..Adc::default() };
+        *self = Adc {
+            kernel: kept.kernel,
+            gain: kept.gain,
+            applied: kept.applied,
+            complaint: kept.complaint,
+            ..Adc::default()
+        };
     }
 
     fn clocks(&mut self, clocks: &Clocks, _: Time) {

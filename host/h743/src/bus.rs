@@ -121,6 +121,12 @@ pub struct Bus {
     pub dbgmcu: Dbgmcu,
     /// Timers, in the order of [`KINDS`].
     pub timers: [Timer; KINDS.len()],
+    /// Jumpers between pins: the second takes the level that the first is driven to.
+    pub jumpers: Vec<(Pin, Pin)>,
+    /// Jumpers from outputs of DAC1 to inputs of ADC3, by their numbers.
+    pub analog_jumpers: Vec<(usize, usize)>,
+    /// Changes of pins and of DAC1 that jumpers have followed.
+    followed: [usize; 2],
     clocks: Clocks,
     next: Time,
     /// A reset that a peripheral asks for.
@@ -135,6 +141,9 @@ pub type Input = (usize, &'static str);
 /// Pins at an encoder's first two inputs and at the one that latches its index: the timer, its inputs, the alternate function.
 pub const ENCODERS: [(u8, [Input; 3], u32); 2] =
     [(3, [(0, "PB4"), (1, "PB5"), (3, "PB1")], 2), (4, [(0, "PD12"), (1, "PD13"), (2, "PD14")], 2)];
+/// Pins at TIM2's inputs, alternate function 1; those of docs/bring-up.md.
+pub const CAPTURES: [Input; 6] = [(0, "PA0"), (0, "PA15"), (1, "PB3"), (2, "PB10"), (3, "PA3"), (3, "PB11")];
+const CAPTURE_FUNCTION: u32 = 1;
 
 impl Bus {
     /// After power has come; the DMAs reach this memory.
@@ -154,6 +163,9 @@ impl Bus {
             usb: Usb::default(),
             dbgmcu: Dbgmcu::default(),
             timers: KINDS.map(Timer::new),
+            jumpers: Vec::new(),
+            analog_jumpers: Vec::new(),
+            followed: [0; 2],
             clocks: Clocks::RESET,
             next: NEVER,
             reset: None,
@@ -261,8 +273,7 @@ impl Bus {
             }
             // A level that the chip drives itself is no input of it.
             GPIO if offset % 0x400 < 0x10 || offset % 0x400 >= 0x20 => {
-                self.look_at_breaks(at);
-                self.look_at_encoders();
+                self.look_at_inputs(at);
             }
             _ => {}
         }
@@ -299,8 +310,7 @@ impl Bus {
     pub fn drive(&mut self, pin: Pin, level: Option<bool>, at: Time, exceptions: &mut Exceptions) {
         self.settle(at, exceptions);
         self.gpio.drive(pin, level);
-        self.look_at_breaks(at);
-        self.look_at_encoders();
+        self.look_at_inputs(at);
         self.after(at, exceptions);
     }
 
@@ -331,8 +341,14 @@ impl Bus {
         self.signals = signals;
     }
 
-    /// Encoder timers follow their pins.
-    fn look_at_encoders(&mut self) {
+    fn look_at_inputs(&mut self, at: Time) {
+        self.look_at_breaks(at);
+        self.look_at_encoders(at);
+    }
+
+    /// Encoder timers and captures follow their pins.
+    fn look_at_encoders(&mut self, at: Time) {
+        let mut signals = std::mem::take(&mut self.signals);
         for (number, inputs, function) in ENCODERS {
             let mut levels = [false; 4];
             for (input, name) in inputs {
@@ -340,9 +356,18 @@ impl Bus {
                 levels[input] = Pin::named(name).filter(connected).is_some_and(|pin| self.gpio.reads(pin));
             }
             if let Some(timer) = self.timer(number) {
-                timer.inputs(levels);
+                timer.inputs(levels, at, &mut signals);
             }
         }
+        let mut levels = [false; 4];
+        for (input, name) in CAPTURES {
+            let connected = |pin: &Pin| self.gpio.alternate(*pin) == Some(CAPTURE_FUNCTION);
+            levels[input] |= Pin::named(name).filter(connected).is_some_and(|pin| self.gpio.reads(pin));
+        }
+        if let Some(timer) = self.timer(2) {
+            timer.inputs(levels, at, &mut signals);
+        }
+        self.signals = signals;
     }
 
     /// Lets everything happen that is due until `to`.
@@ -363,7 +388,8 @@ impl Bus {
     /// Executes the signals of peripherals, and finds the next event.
     fn after(&mut self, at: Time, exceptions: &mut Exceptions) {
         let mut n = 0;
-        while let Some(&signal) = self.signals.get(n) {
+        while n < self.signals.len() || self.follow_jumpers(at) {
+            let Some(&signal) = self.signals.get(n) else { continue };
             n += 1;
             match signal {
                 Signal::Line(interrupt, high) => {
@@ -404,6 +430,36 @@ impl Bus {
         let of_timers: Vec<_> = self.timers.iter_mut().filter_map(|timer| timer.complaint.take()).collect();
         complaints.into_iter().flatten().chain(of_timers).for_each(|complaint| self.note(complaint));
         self.next = (0..PLACES.len()).map(|n| self.device(n).next()).min().unwrap_or(NEVER);
+    }
+
+    /// Ends of jumpers take the levels of the pins that drive them. True if one has changed.
+    fn follow_jumpers(&mut self, at: Time) -> bool {
+        let changes = [self.gpio.changes.len(), self.dac.changes.len()];
+        let before = std::mem::replace(&mut self.followed, changes);
+        if before[1] != changes[1] {
+            for &(output, input) in &self.analog_jumpers {
+                let value = self.dac.output(output).unwrap_or(0);
+                self.adc.apply(input, f64::from(value) / 4096.0 * crate::adc::REFERENCE, at);
+            }
+        }
+        if before[0] == changes[0] || self.jumpers.is_empty() {
+            return false;
+        }
+        let mut changed = false;
+        for &(from, to) in &self.jumpers {
+            let level = match self.gpio.level(from) {
+                crate::gpio::Level::Driven(level) => Some(level),
+                _ => None,
+            };
+            if self.gpio.outside(to) != level {
+                self.gpio.drive(to, level);
+                changed = true;
+            }
+        }
+        if changed {
+            self.look_at_inputs(at);
+        }
+        changed
     }
 
     /// A DMA writes a register.

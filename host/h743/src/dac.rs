@@ -36,6 +36,8 @@ pub struct Dac {
     due: [Time; 2],
     others: [u32; 2],
     cycle: Time,
+    /// How much later than it should an output changes, for tests.
+    pub lag: Time,
     /// Every change since power-on.
     pub changes: Vec<Change>,
     /// What was set that is not modelled.
@@ -52,6 +54,7 @@ impl Default for Dac {
             due: [NEVER; 2],
             others: [0; 2],
             cycle: Clocks::RESET.apb1,
+            lag: 0,
             changes: Vec::new(),
             complaint: None,
         }
@@ -71,7 +74,7 @@ impl Dac {
     fn hold(&mut self, n: usize, value: u32, at: Time) {
         self.held[n] = (value & 0xfff) as u16;
         if self.of(n) & TEN == 0 {
-            self.due[n] = at + self.cycle;
+            self.due[n] = at + self.cycle + self.lag;
         }
     }
 
@@ -168,6 +171,7 @@ impl Device for Dac {
         *self = Dac {
             published: kept.published,
             cycle: kept.cycle,
+            lag: kept.lag,
             changes: kept.changes,
             complaint: kept.complaint,
             ..Dac::default()

@@ -155,6 +155,8 @@ pub struct Dma {
     /// Requests that no stream has taken, by their numbers.
     standing: u128,
     cycle: Time,
+    /// Bus cycles from a request to its transfer: [`ANSWER`], unless a test wants others.
+    pub answer: Time,
     /// When each controller is free again.
     free: [Time; 2],
     /// Requests that came while the one before still waited.
@@ -174,6 +176,7 @@ impl Dma {
             mux: [0; STREAMS],
             standing: 0,
             cycle: Clocks::RESET.bus,
+            answer: ANSWER,
             free: [0; 2],
             lost: 0,
             passed: 0,
@@ -246,7 +249,8 @@ impl Dma {
     /// When a controller serves the next stream, and which.
     fn due(&self, controller: usize) -> Option<(Time, usize)> {
         let of = controller * 8..controller * 8 + 8;
-        let ready = |n: usize| self.streams[n].asked.map(|at| (at + ANSWER * self.cycle).max(self.free[controller]));
+        let ready =
+            |n: usize| self.streams[n].asked.map(|at| (at + self.answer * self.cycle).max(self.free[controller]));
         let first = of.clone().filter_map(ready).min()?;
         let urgency = |&n: &usize| (3 - (self.streams[n].cr >> 16 & 3), n);
         let chosen = of.filter(|&n| ready(n).is_some_and(|at| at <= first)).min_by_key(urgency)?;
@@ -474,7 +478,7 @@ impl Device for Dma {
 
     fn reset(&mut self, _: Time, out: &mut Vec<Signal>) {
         let (complaint, lost) = (self.complaint.take(), self.lost);
-        *self = Dma { cycle: self.cycle, passed: self.passed, ..Dma::new(self.memory.clone()) };
+        *self = Dma { cycle: self.cycle, answer: self.answer, passed: self.passed, ..Dma::new(self.memory.clone()) };
         (self.complaint, self.lost) = (complaint, lost);
         (0..STREAMS).for_each(|n| self.report(n, out));
     }

@@ -2,6 +2,7 @@
 //!
 //! In: a [`Wrong`]. Out: a machine that differs in this one fact, from then on and over every reset. Owns nothing.
 use crate::machine::Machine;
+use crate::time::{MILLISECOND, Time};
 
 /// A fact that is otherwise (docs/board-assumptions.md).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,6 +27,22 @@ pub enum Wrong {
     EagerStacking,
     /// PB0 is an output after a reset.
     DrivenAtReset,
+    /// This timer starts 12 counts after its trigger.
+    StartsLate(u8),
+    /// This timer has its trigger at another input.
+    Deaf(u8),
+    /// A reload value of 0 does not block a timer.
+    CountsToZero,
+    /// A reset of a timer leaves its burst where it is.
+    KeepsBurst,
+    /// At a break lines are inactive for 200 counts before they are idle.
+    SettlesLong,
+    /// DMA takes six times as long from a request to its transfer.
+    SlowDma,
+    /// Analog outputs change half a ms late.
+    SlowDac,
+    /// Analog inputs read 2 % less.
+    LowAdc,
 }
 
 /// What of a timer may be planted; kept over resets.
@@ -37,6 +54,16 @@ pub struct Quirks {
     pub no_af1: bool,
     /// [`Wrong::ShortRepeat`].
     pub short_repeat: bool,
+    /// [`Wrong::StartsLate`], in counts.
+    pub start_delay: Time,
+    /// [`Wrong::Deaf`].
+    pub is_deaf: bool,
+    /// [`Wrong::CountsToZero`].
+    pub counts_to_zero: bool,
+    /// [`Wrong::KeepsBurst`].
+    pub keeps_burst: bool,
+    /// [`Wrong::SettlesLong`], in counts beyond two.
+    pub settles_more: Time,
 }
 
 impl Machine {
@@ -54,6 +81,14 @@ impl Machine {
             Wrong::EarlyCore => self.chip.identity.cpuid = 0x410f_c270,
             Wrong::EagerStacking => self.chip.identity.fpccr = 0x8000_0000,
             Wrong::DrivenAtReset => bus.gpio.drive_at_reset(),
+            Wrong::StartsLate(number) => bus.timers_named(number).for_each(|timer| timer.quirks.start_delay = 12),
+            Wrong::Deaf(number) => bus.timers_named(number).for_each(|timer| timer.quirks.is_deaf = true),
+            Wrong::CountsToZero => bus.timers.iter_mut().for_each(|timer| timer.quirks.counts_to_zero = true),
+            Wrong::KeepsBurst => bus.timers.iter_mut().for_each(|timer| timer.quirks.keeps_burst = true),
+            Wrong::SettlesLong => bus.timers.iter_mut().for_each(|timer| timer.quirks.settles_more = 198),
+            Wrong::SlowDma => bus.dma.answer *= 6,
+            Wrong::SlowDac => bus.dac.lag = MILLISECOND / 2,
+            Wrong::LowAdc => bus.adc.gain = 0.98,
         }
         self.identify();
     }

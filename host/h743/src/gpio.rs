@@ -167,6 +167,11 @@ impl Gpio {
         self.ports[1].mode = self.ports[1].mode & !3 | 1;
     }
 
+    /// The level that the world drives at a pin.
+    pub fn outside(&self, pin: Pin) -> Option<bool> {
+        self.outside.get(&pin).copied()
+    }
+
     /// The alternate function that a pin is switched to, if it is.
     pub fn alternate(&self, pin: Pin) -> Option<u32> {
         let port = &self.ports[usize::from(pin.0)];

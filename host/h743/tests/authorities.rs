@@ -5,7 +5,7 @@
 //! of ours is in them. What they do not hold stands in docs/board-assumptions.md. Tests of the
 //! image run where BEAMTICK_H743_IMAGE names it.
 use client::{Client, Options};
-use h743::bus::{BREAKS, ENCODERS, PLACES};
+use h743::bus::{BREAKS, CAPTURES, ENCODERS, PLACES};
 use h743::device::Source;
 use h743::gpio::FUNCTIONS;
 use h743::link::{EmulatedLink, lock};
@@ -147,6 +147,10 @@ fn alternate_functions_of_the_model_are_those_of_the_chip() {
         for (input, pin) in inputs {
             assert_eq!(function(&format!("TIM{timer}"), &format!("CH{}", input + 1), pin), Some(number), "{pin}");
         }
+    }
+    // The ends of bring-up's jumpers.
+    for (input, pin) in CAPTURES {
+        assert_eq!(function("TIM2", &format!("CH{}", input + 1), pin), Some(1), "{pin}");
     }
 }
 

@@ -338,6 +338,32 @@ fn an_encoder_counts_modulo_its_reload_value() {
 }
 
 #[test]
+fn a_channel_captures_the_edges_that_it_is_set_to_and_asks_dma_for_each() {
+    // CCER of the second channel: CC2E, CC2P, CC2NP; then the edges that it takes.
+    for (enables, taken) in [(0x10, [true, false]), (0x30, [false, true]), (0xb0, [true, true])] {
+        let mut bench = Bench::new(2);
+        bench.set(ARR, 999);
+        bench.set(CCMR1, 1 << 8);
+        bench.set(CCER, enables);
+        bench.set(DIER, 1 << 10);
+        bench.set(CR1, 1);
+        for (level, count, is_taken) in [(true, 300, taken[0]), (false, 650, taken[1])] {
+            let here = u64::from(bench.get(CNT));
+            bench.pass(count - here);
+            let (before, mut out) = (bench.requests(19, 0).len(), Vec::new());
+            bench.timer.inputs([false, level, false, false], bench.now, &mut out);
+            bench.keep(out, bench.now);
+            assert_eq!(bench.requests(19, 0).len() - before, usize::from(is_taken), "{enables:#x} {level}");
+            if is_taken {
+                assert_ne!(bench.get(SR) & 1 << 2, 0);
+                assert_eq!(bench.get(0x38), count as u32, "{enables:#x} {level}");
+                assert_eq!(bench.get(SR) & 1 << 2, 0, "reading takes the flag away");
+            }
+        }
+    }
+}
+
+#[test]
 fn what_is_not_modelled_is_told() {
     for (offset, value) in [(CR1, 1 << 4), (BDTR, 5), (CCMR1, 8 << 13), (0x04, 4 << 4), (0x08, 4)] {
         let mut bench = Bench::new(1);

@@ -14,7 +14,7 @@ pub struct Report {
 impl Report {
     /// Judges the figures.
     pub fn of(figures: &Figures) -> Report {
-        let judged = rows().iter().map(|row| (row, (row.judge)(figures))).collect();
+        let judged = rows().into_iter().map(|row| (row, (row.judge)(figures))).collect();
         let unique = match figures.only::<3>("unique") {
             Some(words) => words.map(|word| format!("{word:08x}")).join("-"),
             None => "unknown".to_owned(),

@@ -1,6 +1,6 @@
 //! Timers TIM1 to TIM8 and TIM15 to TIM17 (RM0433 38 to 41): up-counting, output compare,
 //! complementary outputs with break, repetition, preload, DMA requests with bursts. Of the slave
-//! modes they have the encoder's and the start by a trigger, and capture together with an encoder.
+//! modes they have the encoder's and the start by a trigger; captures take edges of a channel's own input.
 //!
 //! In: registers, instants, the break input, an encoder's levels, triggers. Out: the levels of
 //! outputs at exact instants, interrupts, DMA requests, triggers. Owns the state of a timer. The
@@ -134,6 +134,8 @@ pub struct Timer {
     inputs: [bool; 4],
     /// Until when outputs that were disabled have their inactive levels.
     settles: Option<Time>,
+    /// When it starts after a trigger, if it starts late.
+    starts: Time,
     /// BKINP means the opposite: sources differ on it.
     pub is_odd: bool,
     /// What is planted.
@@ -171,6 +173,7 @@ impl Timer {
             levels: [[None; 2]; 4],
             inputs: [false; 4],
             settles: None,
+            starts: NEVER,
             is_odd: false,
             quirks: Quirks::default(),
             complaint: None,
@@ -179,7 +182,7 @@ impl Timer {
 
     /// A reload value of 0 in force blocks it (RM0433 38.3.1).
     fn counts(&self) -> bool {
-        self.cr1 & CEN != 0 && !self.is_encoder() && self.top != 0
+        self.cr1 & CEN != 0 && !self.is_encoder() && (self.top != 0 || self.quirks.counts_to_zero)
     }
 
     fn is_encoder(&self) -> bool {
@@ -230,10 +233,18 @@ impl Timer {
     }
 
     /// The levels at its inputs (RM0433 table 337, counting on both edges; filters are not modelled).
-    pub fn inputs(&mut self, levels: [bool; 4]) {
+    pub fn inputs(&mut self, levels: [bool; 4], at: Time, out: &mut Vec<Signal>) {
         let before = std::mem::replace(&mut self.inputs, levels);
         let inverted = |n: usize| self.channels[n].enables & 2 != 0;
         let [one, two] = [levels[0] != inverted(0), levels[1] != inverted(1)];
+        for n in 0..4 {
+            if self.channels[n].takes(before[n], levels[n]) {
+                self.capture(n, at, out);
+            }
+        }
+        if !self.is_encoder() {
+            return;
+        }
         // A change of the first counts up where the second is at its former level, one of the second where it is at the first's.
         if before[0] != self.inputs[0] {
             self.turn(if one != two { 1 } else { -1 });
@@ -241,21 +252,16 @@ impl Timer {
         if before[1] != self.inputs[1] {
             self.turn(if one == two { 1 } else { -1 });
         }
-        for n in 2..4 {
-            if self.channels[n].captures() && levels[n] && !before[n] {
-                self.capture(n);
-            }
-        }
     }
 
-    /// A rising edge at the input of a channel latches the count; one that was not read before is
-    /// lost (RM0433 39.3.5).
-    fn capture(&mut self, n: usize) {
-        if !self.is_encoder() {
-            self.complain("a capture beside anything but an encoder");
-        }
-        self.channels[n].preload = self.held;
+    /// An edge at the input of a channel latches the count; one that was not read before is lost (RM0433 39.3.5). The chip takes some
+    /// counts to synchronise, all channels alike.
+    fn capture(&mut self, n: usize, at: Time, out: &mut Vec<Signal>) {
+        self.channels[n].preload = self.count(at);
         self.sr |= if self.sr & 2 << n != 0 { 0x202 << n } else { 2 << n };
+        if self.dier & 1 << (9 + n) != 0 {
+            self.request(self.kind.requests[n], out);
+        }
     }
 
     /// The break input's pin has this level.
@@ -284,7 +290,7 @@ impl Timer {
     fn disable(&mut self, at: Time) {
         if self.brake.bdtr & Break::MOE != 0 {
             self.brake.bdtr &= !Break::MOE;
-            self.settles = Some(at + 2 * self.kernel);
+            self.settles = Some(at + (2 + self.quirks.settles_more) * self.kernel);
         }
     }
 
@@ -389,7 +395,7 @@ impl Timer {
     /// The instant at which a channel meets the counter, in this cycle.
     fn meeting(&self, n: usize) -> Time {
         let channel = &self.channels[n];
-        if channel.matched || channel.compare > self.top {
+        if channel.is_input() || channel.matched || channel.compare > self.top {
             return NEVER;
         }
         self.after(Time::from(channel.compare))
@@ -437,7 +443,9 @@ impl Timer {
     fn follows(&self, master: u8) -> bool {
         let input = (self.smcr >> 4 & 7 | self.smcr >> 17 & 0x18) as usize;
         let masters = TRIGGERS.iter().find(|(slave, _)| *slave == self.kind.number);
-        self.is_triggered() && masters.is_some_and(|(_, masters)| masters.get(input) == Some(&master))
+        !self.quirks.is_deaf
+            && self.is_triggered()
+            && masters.is_some_and(|(_, masters)| masters.get(input) == Some(&master))
     }
 
     fn is_triggered(&self) -> bool {
@@ -446,17 +454,23 @@ impl Timer {
 
     /// A master's trigger: in trigger mode it starts to count. The chip takes some counts to synchronise, all slaves alike.
     pub fn trigger(&mut self, master: u8, at: Time, out: &mut Vec<Signal>) {
-        if self.follows(master) && self.cr1 & CEN == 0 {
+        if self.follows(master) && self.cr1 & CEN == 0 && self.quirks.start_delay > 0 {
+            self.starts = at + self.quirks.start_delay * self.kernel;
+        } else if self.follows(master) && self.cr1 & CEN == 0 {
             self.set_control(self.cr1 | CEN, at, out);
             self.publish(at, out);
         }
     }
 
-    /// What is captured: rising edges at the third and fourth input of an encoder, each by its own channel.
+    /// What is captured: edges of a channel's own input of TIM2, whose pins are wired; of the others, which are encoders' timers, rising
+    /// ones at the third and fourth.
     fn look_at_captures(&mut self) {
         let captures = |n: usize| self.channels[n].captures();
-        let is_modelled = |n: usize| self.channels[n].captures_rising();
-        if captures(0) || captures(1) || (2..4).any(|n| captures(n) && !is_modelled(n)) {
+        let is_modelled = |n: usize| {
+            let channel = &self.channels[n];
+            n >= 2 && channel.captures_rising() || self.kind.number == 2 && channel.captures_own()
+        };
+        if (0..4).any(|n| captures(n) && !is_modelled(n)) {
             self.complain("such a capture");
         }
     }

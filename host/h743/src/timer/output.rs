@@ -36,6 +36,26 @@ impl Channel {
         self.bits & 3 != 0 && self.enables & 1 != 0
     }
 
+    /// CCxS: it is an input.
+    pub fn is_input(&self) -> bool {
+        self.bits & 3 != 0
+    }
+
+    /// Its own input: CCxS 01, no prescaler; filters are not modelled; the edges by CCxP and CCxNP (RM0433 39.4.11).
+    pub fn captures_own(&self) -> bool {
+        self.bits & 0xf == 1
+    }
+
+    /// Whether this change of its input is captured.
+    pub fn takes(&self, before: bool, level: bool) -> bool {
+        let edge = match (self.enables >> 1 & 1, self.enables >> 3 & 1) {
+            (0, _) => level,
+            (1, 0) => !level,
+            _ => true,
+        };
+        self.captures() && before != level && edge
+    }
+
     /// Every rising edge of its own input: CCxS 01, no prescaler; CCxP and CCxNP 0.
     pub fn captures_rising(&self) -> bool {
         self.bits & 0xf == 1 && self.enables & 0xe == 0

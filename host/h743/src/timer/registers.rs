@@ -170,7 +170,7 @@ impl Device for Timer {
     }
 
     fn next(&self) -> Time {
-        let settles = self.settles.unwrap_or(NEVER);
+        let settles = self.settles.unwrap_or(NEVER).min(self.starts);
         if !self.counts() {
             return settles;
         }
@@ -185,6 +185,10 @@ impl Device for Timer {
             let due = self.next();
             if due > to {
                 break;
+            }
+            if self.starts <= due {
+                self.starts = NEVER;
+                self.set_control(self.cr1 | CEN, due, out);
             }
             if self.settles.is_some_and(|at| at <= due) {
                 self.settles = None;
@@ -212,6 +216,7 @@ impl Device for Timer {
     fn reset(&mut self, at: Time, out: &mut Vec<Signal>) {
         let (input, kernel, levels, inputs) = (self.brake.input, self.kernel, self.levels, self.inputs);
         let (is_odd, quirks) = (self.is_odd, self.quirks);
+        let burst = if quirks.keeps_burst { (self.burst, self.burst_asks) } else { (0, 0) };
         let complaint = self.complaint.take();
         *self = Timer::new(self.kind);
         self.brake.input = input;
@@ -220,6 +225,7 @@ impl Device for Timer {
         self.inputs = inputs;
         self.is_odd = is_odd;
         self.quirks = quirks;
+        (self.burst, self.burst_asks) = burst;
         self.complaint = complaint;
         self.publish(at, out);
         self.tell(out);

@@ -278,7 +278,7 @@ fn link(figures: &Figures) -> Verdict {
 
 fn stack(figures: &Figures) -> Verdict {
     let Some([total, used]) = figures.only("stack") else { return Verdict::missing("stack") };
-    Verdict::of(used * 4 < total * 3, format!("{used} bytes of {total}"))
+    Verdict::of(total - used >= 1024, format!("{used} bytes of {total}"))
 }
 
 fn cause(figures: &Figures) -> Verdict {

@@ -1,0 +1,179 @@
+//! Light and steps, by the captures at the ends of jumpers.
+//!
+//! In: a bench with nothing connected but jumpers. Out: lines of counts. Owns nothing. What a
+//! missing jumper leaves without edges is a line without numbers.
+use crate::bench::{Bench, train};
+use crate::capture::{self, Edge};
+use crate::report::Report;
+use crate::wires::{self, ENERGY_0, ENERGY_1, INTERLOCK, MINUS_0, STEP_1, SWITCH_0};
+use servo::laser::{Action, Train};
+use stm32_metapac::{DMA1, DMA2, TIM1, TIM15, TIM17};
+
+/// Ticks until the timers of the lasers run: their rings are made dark first.
+const START: u32 = 24;
+/// Instant in a tick at which light begins.
+const AT_NS: u32 = 10_000;
+/// 200 kHz, a fifth of it light.
+const PERIOD: u64 = 1200;
+const WIDTH: u64 = 240;
+
+/// Starts the timers of the lasers. A report stops them: no tick is served meanwhile.
+fn settle(bench: &mut Bench) {
+    bench.ticks(START);
+    bench.late = 0;
+}
+
+/// Whether the timers of the lasers have started.
+pub fn start(bench: &mut Bench, report: &mut Report) {
+    settle(bench);
+    report.line("running", &bench.ran.map(i64::from));
+}
+
+fn light(bench: &mut Bench, at: u32, train: Train) {
+    for channel in 0..2 {
+        bench.plan(channel, at, Action::Switch(true));
+        bench.plan(channel, at, Action::Light(train));
+    }
+}
+
+fn dark(bench: &mut Bench) {
+    for channel in 0..2 {
+        bench.shut_off(channel);
+    }
+    bench.ticks(4);
+}
+
+/// The first edges of light of both channels, of the switch and of a step, in lines of these names.
+pub fn first_edges(bench: &mut Bench, report: &mut Report, [energy_0, energy_1, switch, steps]: [&str; 4]) {
+    settle(bench);
+    wires::connect(&[ENERGY_0, ENERGY_1, SWITCH_0, STEP_1]);
+    let energies = [(ENERGY_0, Edge::Any), (ENERGY_1, Edge::Any)];
+    capture::begin(&[energies[0], energies[1], (SWITCH_0, Edge::Any), (STEP_1, Edge::Rising)]);
+    light(bench, AT_NS, train(PERIOD, WIDTH, 0));
+    bench.rate = 1;
+    bench.ticks(4);
+    capture::stop();
+    bench.rate = 0;
+    dark(bench);
+    capture::tell(report, energy_0, ENERGY_0, 24);
+    capture::tell(report, energy_1, ENERGY_1, 24);
+    capture::tell(report, switch, SWITCH_0, 4);
+    capture::tell(report, steps, STEP_1, 4);
+}
+
+/// Both lasers at 2 MHz, no two cycles alike, all axes at 1 MHz.
+pub fn load(bench: &mut Bench, report: &mut Report) {
+    wires::connect(&[ENERGY_0, ENERGY_1, SWITCH_0, STEP_1]);
+    let mut late = 0;
+    for (name, end, edge) in
+        [("load-0", ENERGY_0, Edge::Falling), ("load-1", ENERGY_1, Edge::Falling), ("load-steps", STEP_1, Edge::Rising)]
+    {
+        settle(bench);
+        light(bench, AT_NS, train(120, 60, 1));
+        bench.rate = 50;
+        bench.ticks(6);
+        capture::begin(&[(end, edge)]);
+        bench.ticks(4);
+        capture::stop();
+        bench.rate = 0;
+        bench.ticks(2);
+        dark(bench);
+        late += bench.late;
+        capture::tell(report, name, end, 100);
+    }
+    report.line("load-late", &[late]);
+}
+
+/// Steps of ten ticks: each is played once.
+pub fn steps(bench: &mut Bench, report: &mut Report) {
+    settle(bench);
+    wires::connect(&[STEP_1]);
+    capture::begin(&[(STEP_1, Edge::Rising)]);
+    bench.rate = 10;
+    bench.ticks(10);
+    bench.rate = 0;
+    bench.ticks(3);
+    capture::stop();
+    let captured = capture::count(STEP_1) as i64;
+    // A stream whose timer stands keeps its place.
+    let place = || i64::from(DMA2.st(1).ndtr().read().ndt());
+    TIM17.cr1().modify(|w| w.set_cen(false));
+    cortex_m::asm::delay(480);
+    let stopped = place();
+    cortex_m::asm::delay(24_000);
+    let later = place();
+    TIM17.cr1().modify(|w| w.set_cen(true));
+    cortex_m::asm::delay(2_400);
+    let resumed = place();
+    report.line("steps", &[100, captured]);
+    report.line("stream", &[stopped, later, resumed]);
+}
+
+/// Nobody fills the rings while there is light.
+pub fn starve(bench: &mut Bench, report: &mut Report) {
+    settle(bench);
+    wires::connect(&[ENERGY_0]);
+    capture::begin(&[(ENERGY_0, Edge::Any)]);
+    light(bench, AT_NS, train(PERIOD, WIDTH, 0));
+    bench.ticks(4);
+    capture::stop();
+    let lit = capture::count(ENERGY_0) as i64;
+    // What was queued is over after two ticks.
+    bench.miss(3);
+    capture::begin(&[(ENERGY_0, Edge::Any)]);
+    let place = || i64::from(DMA1.st(0).ndtr().read().ndt());
+    let before = place();
+    bench.miss(2);
+    let after = place();
+    capture::stop();
+    let starved = capture::count(ENERGY_0) as i64;
+    settle(bench);
+    dark(bench);
+    report.line("starved", &[lit, before, after, starved]);
+}
+
+/// A burst is broken off after its first half-word; the timers start anew, and light is as before.
+pub fn broken_burst(bench: &mut Bench, report: &mut Report, names: [&str; 4]) {
+    settle(bench);
+    DMA1.st(0).cr().modify(|w| w.set_en(false));
+    while DMA1.st(0).cr().read().en() {}
+    TIM1.dmar().write(|w| *w = TIM1.arr().read().0);
+    first_edges(bench, report, names);
+}
+
+/// The interlock opens within a pulse; then the safe state comes by software within one.
+pub fn breaks(bench: &mut Bench, report: &mut Report, has_driver: bool) {
+    let pulse = train(48_000, 24_000, 0);
+    if has_driver {
+        settle(bench);
+        wires::connect(&[INTERLOCK, ENERGY_1, MINUS_0]);
+        light(bench, 0, pulse);
+        // The pulse begins with the third of these and lasts for two ticks.
+        bench.ticks(3);
+        capture::begin(&[(INTERLOCK, Edge::Rising), (ENERGY_1, Edge::Rising), (MINUS_0, Edge::Falling)]);
+        cortex_m::asm::delay(4_800);
+        wires::open_interlock(true);
+        cortex_m::asm::delay(4_800);
+        capture::stop();
+        let enabled = [TIM1.bdtr().read().moe(), TIM15.bdtr().read().moe()].map(i64::from);
+        report.line("break-left", &enabled);
+        capture::tell(report, "break-input", INTERLOCK, 4);
+        capture::tell(report, "break-plus", ENERGY_1, 4);
+        capture::tell(report, "break-minus", MINUS_0, 4);
+        wires::open_interlock(false);
+        hal::board::laser::was_broken();
+        dark(bench);
+    }
+    settle(bench);
+    wires::connect(&[ENERGY_0, MINUS_0]);
+    light(bench, 0, pulse);
+    bench.ticks(3);
+    capture::begin(&[(ENERGY_0, Edge::Rising), (MINUS_0, Edge::Falling)]);
+    bench.shut_off(0);
+    bench.tick();
+    cortex_m::asm::delay(480);
+    capture::stop();
+    dark(bench);
+    capture::tell(report, "off-plus", ENERGY_0, 4);
+    capture::tell(report, "off-minus", MINUS_0, 4);
+}

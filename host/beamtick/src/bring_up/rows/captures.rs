@@ -1,0 +1,360 @@
+//! Rows that edges at the ends of jumpers tell, in counts of 240 MHz.
+//!
+//! The plan of `bring-up/src/light.rs`: light begins 2400 counts after a tick, in pulses of 240 counts every 1200; under load two
+//! lasers have periods of 120 and 121 counts in turn, and eight axes a step every 240. A tick is 12,000 counts.
+use super::{Row, Verdict};
+use crate::bring_up::lines::Figures;
+
+/// Counts of a tick of 50 µs.
+const TICK: i64 = 12_000;
+/// Where light begins in its tick, its period and its pulse.
+const BEGIN: i64 = 2400;
+const PERIOD: i64 = 1200;
+const PULSE: i64 = 240;
+
+/// Jumpers by their numbers (docs/bring-up.md).
+const JUMPERS: [&str; 8] =
+    ["D6–D32", "D58–D23", "D21–D36", "D61–A0", "D42–D35", "D2–D37, D60, D49, D20", "D24–A2", "D13–A4"];
+
+pub const ROWS: &[Row] = &[
+    Row {
+        what: "jumpers",
+        assumptions: &[],
+        judge: jumpers,
+        remedy: "none: rows without their jumper are not measured",
+    },
+    Row {
+        what: "TIM1, TIM15 and TIM8 start by their triggers",
+        assumptions: &[15],
+        judge: running,
+        remedy: "compare TS of each with the tables of internal triggers (38.4.3, 41.5.3), `launch` in laser.rs",
+    },
+    Row {
+        what: "first edges after their tick",
+        assumptions: &[11],
+        judge: first_edges,
+        remedy: "one offset for all is harmless; if they differ, set each timer's CNT at `arm` in pwm_dma.rs to the difference",
+    },
+    Row {
+        what: "a step after its slot",
+        assumptions: &[11],
+        judge: first_step,
+        remedy: "DMA takes longer than half a slot: enlarge `MARGIN` and the phase of TIM17 in steps.rs",
+    },
+    Row {
+        what: "cycles of 2 MHz, all streams busy",
+        assumptions: &[10],
+        judge: load,
+        remedy: "a burst came late (one count may be the capture's): raise `MIN_COUNTS` in servo/src/output/pwm_cycles.rs",
+    },
+    Row {
+        what: "steps of 1 MHz, all streams busy",
+        assumptions: &[10],
+        judge: load_steps,
+        remedy: "DMA2 has no time left: set STEP_WIDTH_NS to 1000 in settings.rs",
+    },
+    Row {
+        what: "each step is played once",
+        assumptions: &[14],
+        judge: steps,
+        remedy: "clear later: raise TIM17's CCR1 to half a slot in `start` of steps.rs",
+    },
+    Row {
+        what: "a stream keeps its place while its timer stands",
+        assumptions: &[13],
+        judge: stream,
+        remedy: "`locate` in steps.rs must find the slot anew after each overrun",
+    },
+    Row {
+        what: "a slot that nobody has filled is dark and stops the timer",
+        assumptions: &[12],
+        judge: starved,
+        remedy: "keep the lasers off: ARR 0 does not block; `safe_state` must come from a timer's interrupt instead",
+    },
+    Row {
+        what: "light after a burst that was broken off",
+        assumptions: &[9],
+        judge: again,
+        remedy: "RCC does not reset the burst: finish it by writes to DMAR before `reset` in laser.rs",
+    },
+    Row {
+        what: "from the interlock to dark",
+        assumptions: &[2],
+        judge: break_time,
+        remedy: "keep the lasers off: compare AF1, BDTR and the pin's alternate function with 38.3.16",
+    },
+    Row {
+        what: "energy − after + at a break",
+        assumptions: &[3],
+        judge: break_minus,
+        remedy: "a device on the − line alone gets light for so long: use + and −, or a buffer that needs both",
+    },
+    Row { what: "energy − after + at a safe state", assumptions: &[4], judge: off_minus, remedy: "as at a break" },
+    Row {
+        what: "analog outputs within a tick",
+        assumptions: &[24],
+        judge: settling,
+        remedy: "light by voltage lags: compare DAC_MCR with 26.7.16, measure the load at the pin",
+    },
+    Row {
+        what: "analog inputs by analog outputs",
+        assumptions: &[22],
+        judge: analog,
+        remedy: "lengthen SMPR in adc.rs to 387.5 cycles; if that changes nothing, compare ADC's clock and calibration with 25.4",
+    },
+];
+
+/// Why a line has no edges: without the jumper nobody knows.
+fn no_edges(figures: &Figures, name: &str, jumper: usize) -> Verdict {
+    let wires = figures.each::<2>("wire").unwrap_or_default();
+    let is_closed = figures.each::<4>("break").is_some_and(|lines| lines.iter().any(|[_, level, ..]| *level == 0));
+    if figures.all(name).is_empty() {
+        Verdict::missing(name)
+    } else if !wires.contains(&[jumper as i64, 1]) {
+        Verdict::NotMeasured(format!("jumper {jumper} ({}) is missing", JUMPERS[jumper - 1]))
+    } else if !is_closed {
+        Verdict::NotMeasured("the interlock is open: jumper 6 is missing".to_owned())
+    } else {
+        Verdict::Fail("no edge".to_owned())
+    }
+}
+
+/// Edges of a line, each after the one before: what comes at a smaller count comes in the next tick.
+fn edges(figures: &Figures, name: &str, jumper: usize) -> Result<Vec<i64>, Verdict> {
+    let counts = match figures.all(name) {
+        [counts] if !counts.is_empty() => counts,
+        _ => return Err(no_edges(figures, name, jumper)),
+    };
+    let (mut ticks, mut before) = (0, -1);
+    Ok(counts
+        .iter()
+        .map(|&count| {
+            ticks += i64::from(count <= before);
+            before = count;
+            ticks * TICK + count
+        })
+        .collect())
+}
+
+/// The verdict of a judgement that may lack its edges.
+fn judged(judgement: Result<Verdict, Verdict>) -> Verdict {
+    judgement.unwrap_or_else(|verdict| verdict)
+}
+
+fn jumpers(figures: &Figures) -> Verdict {
+    let Some(wires) = figures.each::<2>("wire") else { return Verdict::missing("wire") };
+    let missing = wires.iter().filter(|[_, there]| *there == 0).map(|[number, _]| *number as usize);
+    let missing: Vec<usize> = missing.chain((7..=8).filter(|number| !has_loop(figures, *number))).collect();
+    let named = |number: &usize| format!("{number} ({})", JUMPERS.get(number - 1).copied().unwrap_or("unknown"));
+    Verdict::Figure(match missing.as_slice() {
+        [] => "all eight".to_owned(),
+        missing => format!("missing: {}", missing.iter().map(named).collect::<Vec<_>>().join(", ")),
+    })
+}
+
+fn running(figures: &Figures) -> Verdict {
+    let Some(on @ [one, fifteen, eight]) = figures.only("running") else { return Verdict::missing("running") };
+    Verdict::of(on == [1; 3], format!("TIM1 {one}, TIM15 {fifteen}, TIM8 {eight}"))
+}
+
+fn first_edges(figures: &Figures) -> Verdict {
+    judged((|| {
+        let mut offsets = [0; 3];
+        for (offset, (name, jumper)) in offsets.iter_mut().zip([("first-0", 1), ("first-1", 2), ("first-switch", 3)]) {
+            *offset = edges(figures, name, jumper)?[0] - BEGIN;
+        }
+        let (least, most) = (offsets.iter().min().unwrap_or(&0), offsets.iter().max().unwrap_or(&0));
+        let [zero, one, switch] = offsets;
+        // A capture is late by some counts itself.
+        let holds = *least >= -2 && *most <= 32 && most - least <= 8;
+        Ok(Verdict::of(holds, format!("laser 0 {zero}, laser 1 {one}, switch {switch} counts")))
+    })())
+}
+
+fn first_step(figures: &Figures) -> Verdict {
+    judged(edges(figures, "first-steps", 4).map(|edges| {
+        // Slots are 120 counts; their requests come in the middle between two multiples.
+        let late = (edges[0] - 60).rem_euclid(120);
+        Verdict::of(late < 60, format!("{late} counts"))
+    }))
+}
+
+/// How far edges spread about a line of equal steps, in counts.
+fn spread(edges: &[i64], step: f64) -> f64 {
+    let off = edges.iter().enumerate().map(|(n, edge)| *edge as f64 - step * n as f64);
+    let (least, most) = off.fold((f64::MAX, f64::MIN), |(least, most), off| (least.min(off), most.max(off)));
+    most - least
+}
+
+fn load(figures: &Figures) -> Verdict {
+    judged((|| {
+        let Some([late]) = figures.only("load-late") else { return Ok(Verdict::missing("load-late")) };
+        let (zero, one) = (edges(figures, "load-0", 1)?, edges(figures, "load-1", 2)?);
+        let spreads = [spread(&zero, 120.5), spread(&one, 120.5)];
+        let holds = late == 0 && zero.len() == 100 && one.len() == 100 && spreads.iter().all(|spread| *spread <= 0.5);
+        let [zero_spread, one_spread] = spreads;
+        Ok(Verdict::of(
+            holds,
+            format!(
+                "{} and {} edges, {zero_spread} and {one_spread} counts about their line, of 0.5; {late} ticks late",
+                zero.len(),
+                one.len()
+            ),
+        ))
+    })())
+}
+
+fn load_steps(figures: &Figures) -> Verdict {
+    judged(edges(figures, "load-steps", 4).map(|edges| {
+        let spread = spread(&edges, 240.0);
+        Verdict::of(spread < 60.0 && edges.len() == 100, format!("{} steps, jitter {spread} counts", edges.len()))
+    }))
+}
+
+fn steps(figures: &Figures) -> Verdict {
+    let Some([planned, captured]) = figures.only("steps") else { return Verdict::missing("steps") };
+    if captured == 0 && !figures.each::<2>("wire").unwrap_or_default().contains(&[4, 1]) {
+        return Verdict::NotMeasured(format!("jumper 4 ({}) is missing", JUMPERS[3]));
+    }
+    Verdict::of(planned == captured, format!("{captured} of {planned}"))
+}
+
+fn stream(figures: &Figures) -> Verdict {
+    let Some([stopped, later, resumed]) = figures.only("stream") else { return Verdict::missing("stream") };
+    let played = (later - resumed).rem_euclid(1024);
+    let holds = stopped == later && (1..=64).contains(&played);
+    Verdict::of(holds, format!("NDTR {stopped}, later {later}, {played} slots after it goes on"))
+}
+
+fn starved(figures: &Figures) -> Verdict {
+    let Some([lit, before, after, edges]) = figures.only("starved") else { return Verdict::missing("starved") };
+    if lit == 0 {
+        // The line itself is there.
+        return no_edges(figures, "starved", 1);
+    }
+    let holds = before == after && edges == 0;
+    Verdict::of(holds, format!("{lit} edges before, {edges} after, {} items read", (before - after).rem_euclid(3456)))
+}
+
+fn again(figures: &Figures) -> Verdict {
+    judged((|| {
+        let mut wrong = Vec::new();
+        for (name, jumper) in [("first-0", 1), ("first-1", 2), ("again-0", 1), ("again-1", 2)] {
+            let edges = edges(figures, name, jumper)?;
+            let expected = (0..24).map(|n| n / 2 * PERIOD + n % 2 * PULSE);
+            let is_planned = edges.len() == 24 && edges.iter().map(|edge| edge - edges[0]).eq(expected);
+            if !is_planned {
+                wrong.push(format!("{name}: {:?} …", &edges[..edges.len().min(4)]));
+            }
+        }
+        Ok(if wrong.is_empty() {
+            Verdict::Pass("both lasers to the count, before and after".to_owned())
+        } else {
+            Verdict::Fail(wrong.join("; "))
+        })
+    })())
+}
+
+fn break_time(figures: &Figures) -> Verdict {
+    judged((|| {
+        let Some([zero, one]) = figures.only("break-left") else {
+            return Err(Verdict::NotMeasured(format!(
+                "jumper 6 ({}) is missing, the board sent no `break-left`",
+                JUMPERS[5]
+            )));
+        };
+        let (input, plus) = (edges(figures, "break-input", 6)?, edges(figures, "break-plus", 2)?);
+        let counts = plus[0] - input[0];
+        let holds = (-2..=24).contains(&counts) && plus.len() == 1 && (zero, one) == (0, 0);
+        Ok(Verdict::of(holds, format!("{counts} counts, MOE {zero} and {one} after it")))
+    })())
+}
+
+fn break_minus(figures: &Figures) -> Verdict {
+    judged((|| {
+        if figures.all("break-left").is_empty() {
+            return Err(Verdict::NotMeasured(format!(
+                "jumper 6 ({}) is missing, the board sent no `break-left`",
+                JUMPERS[5]
+            )));
+        }
+        minus(edges(figures, "break-plus", 2)?[0], &edges(figures, "break-minus", 5)?)
+    })())
+}
+
+fn off_minus(figures: &Figures) -> Verdict {
+    judged((|| minus(edges(figures, "off-plus", 1)?[0], &edges(figures, "off-minus", 5)?))())
+}
+
+/// Lines of two timers of one clock: − may be lit for some counts more.
+fn minus(plus: i64, minus: &[i64]) -> Result<Verdict, Verdict> {
+    let more = minus[0] - plus;
+    Ok(Verdict::of((-2..=6).contains(&more), format!("{more} counts ({:.0} ns)", more as f64 * 25.0 / 6.0)))
+}
+
+/// Lines of a loop: code of the output, of the input after a tick, and settled.
+fn loops(figures: &Figures, output: i64) -> Vec<[i64; 3]> {
+    let all = figures.each::<4>("loop").unwrap_or_default();
+    all.into_iter().filter(|line| line[0] == output).map(|[_, code, first, settled]| [code, first, settled]).collect()
+}
+
+/// Whether the input follows the output at all.
+fn has_loop(figures: &Figures, number: usize) -> bool {
+    let settled = loops(figures, number as i64 - 6).into_iter().map(|[.., settled]| settled);
+    let (least, most) = settled.fold((i64::MAX, i64::MIN), |(least, most), code| (least.min(code), most.max(code)));
+    most.saturating_sub(least) > 5000 && least < most
+}
+
+/// The largest difference in all loops that are there, in codes of 65536.
+fn largest(figures: &Figures, limit: i64, difference: fn(&[i64; 3]) -> i64) -> Verdict {
+    if figures.all("loop").is_empty() {
+        return Verdict::missing("loop");
+    }
+    let there: Vec<usize> = (7..=8).filter(|number| has_loop(figures, *number)).collect();
+    if there.is_empty() {
+        return Verdict::NotMeasured(format!("jumpers 7 and 8 ({}, {}) are missing", JUMPERS[6], JUMPERS[7]));
+    }
+    let all = there.iter().flat_map(|number| loops(figures, *number as i64 - 6));
+    let most = all.map(|line| difference(&line).abs()).max().unwrap_or(0);
+    let which = there.iter().map(|number| (number - 6).to_string()).collect::<Vec<_>>().join(" and ");
+    Verdict::of(most <= limit, format!("{most} of 65536 at output {which}, of {limit}"))
+}
+
+fn settling(figures: &Figures) -> Verdict {
+    // A quarter of a ‰.
+    largest(figures, 64, |[_, first, settled]| first - settled)
+}
+
+fn analog(figures: &Figures) -> Verdict {
+    // The converter's own offset is up to 10 of its 4096 codes, and its gain 0.5 % (DS12110, DAC characteristics).
+    largest(figures, 400, |[code, _, settled]| settled - code)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_go_on_over_ticks_and_a_lost_edge_spreads() {
+        let mut figures = Figures::default();
+        figures.add("wire", vec![1, 1]);
+        figures.add("a", vec![11_000, 11_120, 41, 161, 161]);
+        assert_eq!(edges(&figures, "a", 1), Ok(vec![11_000, 11_120, 12_041, 12_161, 24_161]));
+        assert_eq!(spread(&[7, 128, 248, 369], 120.5), 0.5);
+        // A cycle that repeats the one before it.
+        assert_eq!(spread(&[7, 128, 249, 369, 490], 120.5), 1.0);
+    }
+
+    #[test]
+    fn a_missing_jumper_is_named_and_is_no_fail() {
+        let mut figures = Figures::default();
+        figures.add("first-0", vec![]);
+        let missing = Verdict::NotMeasured("jumper 1 (D6–D32) is missing".to_owned());
+        assert_eq!(edges(&figures, "first-0", 1), Err(missing));
+        figures.add("wire", vec![1, 1]);
+        let open = Verdict::NotMeasured("the interlock is open: jumper 6 is missing".to_owned());
+        assert_eq!(edges(&figures, "first-0", 1), Err(open));
+        figures.add("break", vec![1, 0, 0, 1]);
+        assert_eq!(edges(&figures, "first-0", 1), Err(Verdict::Fail("no edge".to_owned())));
+    }
+}
