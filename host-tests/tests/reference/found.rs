@@ -558,6 +558,21 @@ fn a_line_after_the_start_of_a_path_that_was_just_emptied() {
     agrees(1000, &calls);
 }
 
+/// After a Stop within FIFO 0, a first line of FIFO 1 to the pulse next to where the path stands was taken for a way back
+/// to there: it had no length.
+#[test]
+fn a_line_of_less_than_a_pulse_with_fifo_1() {
+    let line = |to: [i32; 2], fifo| {
+        path(Path::Line { crd: 1, to: to.to_vec(), speeds: Speeds { vel: 1.5, acc: 0.9, end: 0.0 }, fifo })
+    };
+    let go = |option| path(Path::Start { mask: 1, option });
+    let ready = [plain(Kind::AxisOn, 0), plain(Kind::AxisOn, 1), frame(None)];
+    let stop = [line([-6, -4], 0), go(0), Call::Sleep { ns: 1_250_000 }, Call::Stop { mask: 1, abrupt: 0 }];
+    let calls =
+        [&ready[..], &stop[..], &[Call::Sleep { ns: 4 * MS }, line([-1, 0], 1), go(1), Call::Sleep { ns: 9 * MS }]];
+    agrees(250, &calls.concat());
+}
+
 /// Data of a dynamic FIFO that came while its axis braked for a Stop belongs to the next stream. A start after a wait for
 /// the Stop was refused: the FIFO was taken for that of the stream that the Stop had ended.
 #[test]

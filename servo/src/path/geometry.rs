@@ -146,7 +146,7 @@ impl Shape {
     };
 
     /// Sets where it starts and ends, and what is to be made next. `exact` replaces the target of a
-    /// line where it is the pulse nearest to it.
+    /// line that does not start there, where it is the pulse nearest to it.
     #[inline(always)]
     pub(super) fn begin(&mut self, start: [Pos; DIMENSIONS], item: &Item, exact: Option<[Pos; DIMENSIONS]>) -> Draft {
         (self.start, self.end, self.length) = (start, start, Real::ZERO);
@@ -156,7 +156,8 @@ impl Shape {
                 for (end, to) in end.iter_mut().zip(to).take(dimensions) {
                     *end = Pos::pulses(to);
                 }
-                self.end = exact.filter(|exact| exact.map(whole) == end.map(whole)).unwrap_or(end);
+                let back = |exact: &[Pos; DIMENSIONS]| exact.map(whole) == end.map(whole) && *exact != start;
+                self.end = exact.filter(back).unwrap_or(end);
                 Draft::Line
             }
             Item::Arc { plane, to, sweep, .. } => {
