@@ -14,7 +14,8 @@ unsafe extern "C" {
 /// Bytes of the stack, and bytes used.
 pub fn tell(report: &mut Report) {
     let (lowest, end) = (&raw const _stack_end as usize, &raw const _stack_start as usize);
-    // SAFETY: words of the stack's memory, below every frame that is in use as far as they are zero.
+    // SAFETY: words of the stack's memory, below every frame that is in use as far as they are
+    // zero.
     let untouched = (lowest..end).step_by(4).take_while(|at| unsafe { (*at as *const u32).read_volatile() } == 0);
     let reserve = 4 * untouched.count();
     report.line("stack", &[(end - lowest) as i64, (end - lowest - reserve) as i64]);

@@ -1,5 +1,5 @@
-//! The folders of the crate use each other one way only: a session calls the program and admission, and nothing calls
-//! back.
+//! The folders of the crate use each other one way only: a session calls the program and admission,
+//! and nothing calls back.
 use std::fs;
 use std::path::{Path, PathBuf};
 

@@ -1,7 +1,8 @@
 //! A controller, its client, and the line between them.
 //!
-//! In: requests, faults of the line, faults of the machine. Out: an account of every request: answered once and in its
-//! lane's order, or of a session that ended. Owns the books of that, and the [`Guard`] that looks at every tick.
+//! In: requests, faults of the line, faults of the machine. Out: an account of every request:
+//! answered once and in its lane's order, or of a session that ended. Owns the books of that, and
+//! the [`Guard`] that looks at every tick.
 use crate::guard::Guard;
 use protocol::command::{AxisStatus, CommandInfo, ProgramClear, Request, info};
 use protocol::frame::{MAX_PAYLOAD, MAX_WIRE};
@@ -72,7 +73,8 @@ pub struct Bench<'m> {
     tag: u16,
     /// Records that are not in a message yet, and whether one ends its message.
     outgoing: VecDeque<(Vec<u8>, bool)>,
-    /// Requests without an answer: of the immediate lane, of the program lanes, and such as are no records.
+    /// Requests without an answer: of the immediate lane, of the program lanes, and such as are no
+    /// records.
     awaiting: [VecDeque<Sent>; 3],
     /// What became of the model's requests since it looked last.
     pub fates: Vec<(usize, u32, Fate)>,
@@ -318,7 +320,8 @@ impl<'m> Bench<'m> {
                     continue;
                 }
                 let of = |sent: &Sent| (sent.opcode, sent.tag) == (reply.opcode, reply.tag);
-                // What does not fit into the program queue is told at once, before what is in it, and so is what may fail.
+                // What does not fit into the program queue is told at once, before what is in it,
+                // and so is what may fail.
                 let refusal = Refusal::read_from_bytes(reply.body).ok().filter(|_| reply.code != Code::Done as i16);
                 let full = refusal.and_then(|refusal| refusal.reason()) == Some(Reason::QueueFull);
                 let early = |sent: &Sent| of(sent) && (full || refusal.is_some() && sent.may_fail);

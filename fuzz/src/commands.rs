@@ -1,7 +1,9 @@
-//! Requests by the table of the protocol: mostly such as a user might send, some with fields of any bits.
+//! Requests by the table of the protocol: mostly such as a user might send, some with fields of any
+//! bits.
 //!
-//! In: the row of a command, choices. Out: a packed body. What a field is like goes by its name, so that a new command is
-//! in without a line here. With [`Range::Some`] nothing names axes 7 and 8 or coordinate system 2, which are the model's.
+//! In: the row of a command, choices. Out: a packed body. What a field is like goes by its name, so
+//! that a new command is in without a line here. With [`Range::Some`] nothing names axes 7 and 8 or
+//! coordinate system 2, which are the model's.
 use crate::source::Source;
 use protocol::command::CommandInfo;
 

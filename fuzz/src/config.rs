@@ -1,7 +1,8 @@
 //! Configuration files, of both forms, read and loaded into a controller.
 //!
-//! The first byte chooses the file's name, which may say its form; the rest is its text. Held: a file is read or refused
-//! with a text; what was read travels as one LoadConfig, which the controller carries out or refuses by name.
+//! The first byte chooses the file's name, which may say its form; the rest is its text. Held: a
+//! file is read or refused with a text; what was read travels as one LoadConfig, which the
+//! controller carries out or refuses by name.
 use crate::bench::{Bench, Line};
 use protocol::command::{LoadConfig, Request};
 use protocol::record::Lane;

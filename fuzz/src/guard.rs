@@ -1,17 +1,21 @@
 //! What holds in every tick, whatever was sent: a second opinion that keeps its own books.
 //!
-//! In: every request sent, every answer, every cause, the controller after each tick. Fails: by a panic that says what was
-//! seen. Held (SPEC 5, 6, 9):
+//! In: every request sent, every answer, every cause, the controller after each tick. Fails: by a
+//! panic that says what was seen. Held (SPEC 5, 6, 9):
 //!
 //! * no output of a laser is active before anything was sent that may make it so;
-//! * while the interlock input is active, switch and energy are at rest at once, the analog output within a tick;
-//! * after an overrun or a restart everything is at rest until something was sent that may clear it; after an alarm, a
-//!   limit or servo-off of an axis, so is every channel whose map holds the axis's coordinate system;
-//! * while nothing has come over the line for longer than the link-loss time, no channel has light, nor its switch on but in mode 3 of GUS;
+//! * while the interlock input is active, switch and energy are at rest at once, the analog output
+//!   within a tick;
+//! * after an overrun or a restart everything is at rest until something was sent that may clear
+//!   it; after an alarm, a limit or servo-off of an axis, so is every channel whose map holds the
+//!   axis's coordinate system;
+//! * while nothing has come over the line for longer than the link-loss time, no channel has light,
+//!   nor its switch on but in mode 3 of GUS;
 //! * a channel that shows a fault is at rest;
-//! * after an Abort behind which nothing was sent everything is at rest, standby, pre-voltage and the switch of mode 3 too;
-//! * a set-point never goes further in a tick than the step limit, never beyond the edge of travel, and stands still
-//!   while its axis does not run.
+//! * after an Abort behind which nothing was sent everything is at rest, standby, pre-voltage and
+//!   the switch of mode 3 too;
+//! * a set-point never goes further in a tick than the step limit, never beyond the edge of travel,
+//!   and stands still while its axis does not run.
 use crate::bench::Sent;
 use plant::beam::Levels;
 use protocol::command::opcode;
@@ -30,7 +34,8 @@ const STEP_PER_NS: u64 = (1u64 << 54).div_ceil(1_000_000);
 const TRAVEL: u64 = 1 << 62;
 /// The link-loss time until somebody changes it, ns.
 const LINK_LOSS_NS: u64 = 500_000_000;
-/// Ticks until what a tick sees has reached the outputs: one to act, one that the machine had been told already.
+/// Ticks until what a tick sees has reached the outputs: one to act, one that the machine had been
+/// told already.
 const REACTION: u32 = 2;
 
 /// Why a channel must be at rest.
@@ -52,7 +57,8 @@ pub struct Guard {
     /// Ticks since one may have been under way.
     quiet: u32,
     interlock: u32,
-    /// Ticks since the controller was fed for the last time longer ago than the link-loss time, which nobody has changed.
+    /// Ticks since the controller was fed for the last time longer ago than the link-loss time,
+    /// which nobody has changed.
     silent: Option<u32>,
     heard: u64,
     holds: [Hold; CHANNELS],
@@ -114,7 +120,8 @@ impl Guard {
         }
     }
 
-    /// A request was answered, or its answer will not come; then it may have been carried out a little later.
+    /// A request was answered, or its answer will not come; then it may have been carried out a
+    /// little later.
     pub fn answered(&mut self, number: u16) {
         if clears(number) {
             self.clears = self.clears.saturating_sub(1);
@@ -219,7 +226,8 @@ impl Guard {
             assert!(!levels.switch && !levels.energy, "channel {channel} under interlock: {levels:?}");
         }
         assert!(self.interlock <= REACTION || levels.dac == 0, "channel {channel} under interlock: {levels:?}");
-        // A lost link rests what has light (SPEC 9); mode 3 of GUS holds the switch where it is enabled, without light too (SPEC 2).
+        // A lost link rests what has light (SPEC 9); mode 3 of GUS holds the switch where it is
+        // enabled, without light too (SPEC 2).
         let open = view.mode == laser::Mode::DutyOpen && !levels.energy;
         // A tick to notice it and one to tell the servo, before it acts.
         assert!(

@@ -1,7 +1,8 @@
 //! Job scripts: compiled, and run in a controller for a bounded time.
 //!
-//! The input is the script; behind a NUL comes the text of every file that it loads. Held: a script is compiled or refused
-//! with places inside of it; what was compiled is answered call by call and breaks nothing that [`crate::guard`] holds.
+//! The input is the script; behind a NUL comes the text of every file that it loads. Held: a script
+//! is compiled or refused with places inside of it; what was compiled is answered call by call and
+//! breaks nothing that [`crate::guard`] holds.
 use crate::bench::{Bench, Line};
 use job::{Action, Files};
 use protocol::command::{ProgramEnd, ProgramStart, Request, Sleep, WaitStop};

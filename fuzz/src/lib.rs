@@ -1,17 +1,21 @@
 #![forbid(unsafe_code)]
-//! Hostile input: every target is a function of bytes that panics where a promise of SPEC 9 or 10 is broken.
+//! Hostile input: every target is a function of bytes that panics where a promise of SPEC 9 or 10
+//! is broken.
 //!
-//! In: bytes, from libFuzzer (`cargo xtask fuzz`), from the kept corpus or from a seeded generator (`tests/corpus.rs`, part
-//! of every test run). Out: nothing, or a panic that says what was seen.
+//! In: bytes, from libFuzzer (`cargo xtask fuzz`), from the kept corpus or from a seeded generator
+//! (`tests/corpus.rs`, part of every test run). Out: nothing, or a panic that says what was seen.
 //!
 //! * [`link`]: bytes and re-sealed frames into a link's end.
-//! * [`machine`]: commands, cuts, resets and faults into a running virtual controller, with a model of what was executed.
-//! * [`tables`]: PVT, Follow, look-ahead and laser tables of any numbers, and the motion that they make.
+//! * [`machine`]: commands, cuts, resets and faults into a running virtual controller, with a model
+//!   of what was executed.
+//! * [`tables`]: PVT, Follow, look-ahead and laser tables of any numbers, and the motion that they
+//!   make.
 //! * [`jobs`]: job scripts, compiled and run.
 //! * [`config`]: configuration files, read and loaded.
 //!
-//! [`model`] is what `machine` knows of what must have been executed, [`bench`] the controller with its client and the line between them, [`guard`] what holds in every tick,
-//! [`commands`] requests by the table of the protocol, [`source`] the bytes as numbers.
+//! [`model`] is what `machine` knows of what must have been executed, [`bench`] the controller with
+//! its client and the line between them, [`guard`] what holds in every tick, [`commands`] requests
+//! by the table of the protocol, [`source`] the bytes as numbers.
 pub mod bench;
 pub mod commands;
 pub mod config;

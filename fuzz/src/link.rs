@@ -1,7 +1,8 @@
 //! Bytes and re-sealed frames into the deframer and both ends of a link.
 //!
-//! Held: the deframer gives what it gives in any portions, and what the COBS rules give; an end delivers messages of
-//! the session in force only, each number once and in order, with the bytes of a frame that came with it; nothing panics.
+//! Held: the deframer gives what it gives in any portions, and what the COBS rules give; an end
+//! delivers messages of the session in force only, each number once and in order, with the bytes of
+//! a frame that came with it; nothing panics.
 use crate::source::Source;
 use protocol::deframe::{Deframer, Outcome};
 use protocol::frame::{self, Header, Kind, MAX_PAYLOAD, MAX_WIRE};
@@ -36,7 +37,8 @@ fn frames(data: &[u8], portion: usize) -> Vec<Vec<u8>> {
     all
 }
 
-/// COBS by its rules: a code, that many less one bytes, a zero unless the code was 255 or the data are over.
+/// COBS by its rules: a code, that many less one bytes, a zero unless the code was 255 or the data
+/// are over.
 fn unstuffed(data: &[u8]) -> Option<Vec<u8>> {
     let mut out = Vec::new();
     let mut rest = data;
@@ -172,7 +174,8 @@ fn ends(from: &mut Source) {
                     ends[which].feed(now, &sealed);
                 }
             }
-            // What an end sends reaches the other one, or is lost, or comes twice, or with what was sent before behind it.
+            // What an end sends reaches the other one, or is lost, or comes twice, or with what was
+            // sent before behind it.
             _ => {
                 let count = ends[which].end.take_tx(now, &mut wire);
                 let sent = wire[..count].to_vec();

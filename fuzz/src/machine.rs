@@ -1,12 +1,14 @@
 //! Commands, cuts, resets and faults at any point of a running virtual controller.
 //!
-//! An input is {seed, fuel, ops}: how the line behaves, how many ticks it may take, what is done. Two kinds by the first
-//! byte: *wild*, where every command may come with every body; and *counted*, where axes 7 and 8 and coordinate system 2 are
-//! the model's, as is analog output 8, and no other request names them. The model's requests are PT segments of axis 8 with
-//! increasing times (their order is told by the refusal of a segment that comes too early) and entries of a path of coordinate
-//! system 2; by both lanes, in FIFOs of their own. After every cut the controller is asked what it has got, and the paths
-//! are run and what they do is compared ([`crate::model`]): what was answered with 0 is there once, what was reported as not
-//! executed is not, and of what was in a session that ended there is a part, in order.
+//! An input is {seed, fuel, ops}: how the line behaves, how many ticks it may take, what is done.
+//! Two kinds by the first byte: *wild*, where every command may come with every body; and
+//! *counted*, where axes 7 and 8 and coordinate system 2 are the model's, as is analog output 8,
+//! and no other request names them. The model's requests are PT segments of axis 8 with increasing
+//! times (their order is told by the refusal of a segment that comes too early) and entries of a
+//! path of coordinate system 2; by both lanes, in FIFOs of their own. After every cut the
+//! controller is asked what it has got, and the paths are run and what they do is compared
+//! ([`crate::model`]): what was answered with 0 is there once, what was reported as not executed is
+//! not, and of what was in a session that ended there is a part, in order.
 use crate::bench::{Bench, Fate, Line};
 use crate::commands::{Clocks, Range, body, has_items};
 use crate::model::{MOST, Mark, PATHS, Ran, Row, SEGMENTS, path_entry, segment};

@@ -1,12 +1,13 @@
 //! What must have been executed, and what was: the model of [`crate::machine`].
 //!
-//! In: numbers of requests and what became of them; what the controller tells of its FIFOs; what its path does. Fails: by a
-//! panic where a request is lost, doubled or out of order.
+//! In: numbers of requests and what became of them; what the controller tells of its FIFOs; what
+//! its path does. Fails: by a panic where a request is lost, doubled or out of order.
 //!
-//! Entries of the path have their numbers in what they do. Even ones are marks: analog output 8 takes the number, negative
-//! in FIFO 1. Odd ones take time: in FIFO 0 each is 1 ms, which an output shows to the tick; in FIFO 1, which has a look-ahead,
-//! each is a motion to the place of its number, which the axis shows. So an entry that is missing, doubled or at another place
-//! is another time, another place or another mark.
+//! Entries of the path have their numbers in what they do. Even ones are marks: analog output 8
+//! takes the number, negative in FIFO 1. Odd ones take time: in FIFO 0 each is 1 ms, which an
+//! output shows to the tick; in FIFO 1, which has a look-ahead, each is a motion to the place of
+//! its number, which the axis shows. So an entry that is missing, doubled or at another place is
+//! another time, another place or another mark.
 use protocol::command::{BufDA, BufDelay, LnXY, PtData, Request};
 use zerocopy::IntoBytes;
 
@@ -108,7 +109,8 @@ impl Row {
             let before = all.iter().filter(|number| **number <= last).count();
             assert!(there <= before, "{there} are there up to {last}: {self:?}");
         }
-        // What was unknown is decided now; which of it is there is known by its number only where all of it is.
+        // What was unknown is decided now; which of it is there is known by its number only where
+        // all of it is.
         let found = there - least;
         let mut done = std::mem::take(&mut self.unknown);
         done.truncate(found);
@@ -130,13 +132,14 @@ impl Row {
         self.dropped = false;
     }
 
-    /// Whether a FIFO with a look-ahead may have been emptied: the rest of a program was dropped (`docs/crd.md`).
+    /// Whether a FIFO with a look-ahead may have been emptied: the rest of a program was dropped
+    /// (`docs/crd.md`).
     pub fn may_be_emptied(&self) -> bool {
         self.dropped || !self.unknown.is_empty()
     }
 
-    /// Compares what the path of a FIFO did with what must have been in it, `there` entries, from a place. Out: the place
-    /// where it must rest.
+    /// Compares what the path of a FIFO did with what must have been in it, `there` entries, from a
+    /// place. Out: the place where it must rest.
     pub fn compare(&self, fifo: usize, there: usize, ran: &Ran, from: u32) -> u32 {
         let all = self.all();
         assert!(self.done.is_sorted(), "answered in order: {self:?}");

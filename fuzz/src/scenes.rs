@@ -1,4 +1,5 @@
-//! Work that takes many requests in the right order, so that inputs get there: job scripts, compiled once.
+//! Work that takes many requests in the right order, so that inputs get there: job scripts,
+//! compiled once.
 use job::{Action, Files};
 use protocol::command::{Request, Sleep, WaitStop};
 use std::sync::OnceLock;

@@ -1,7 +1,7 @@
 //! An input as numbers.
 //!
-//! In: bytes. Out: choices; zeros behind the end. Any bytes are an input, and a small change of them is a small change of
-//! what is done.
+//! In: bytes. Out: choices; zeros behind the end. Any bytes are an input, and a small change of
+//! them is a small change of what is done.
 use arbitrary::Unstructured;
 
 /// See the module text.

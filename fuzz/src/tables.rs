@@ -1,7 +1,9 @@
-//! Tables of any numbers: PT, PVT of every kind, Follow, look-ahead paths, laser tables; and what they make of the motion.
+//! Tables of any numbers: PT, PVT of every kind, Follow, look-ahead paths, laser tables; and what
+//! they make of the motion.
 //!
-//! In: which kind, points of any bits. Held: a table is taken or refused with a reason that names what is wrong; what was
-//! taken runs within what [`crate::guard`] holds; nothing panics, nothing wraps.
+//! In: which kind, points of any bits. Held: a table is taken or refused with a reason that names
+//! what is wrong; what was taken runs within what [`crate::guard`] holds; nothing panics, nothing
+//! wraps.
 use crate::bench::{Bench, Line, size};
 use crate::commands::{Clocks, Range, body};
 use crate::scenes::scene;

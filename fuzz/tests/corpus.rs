@@ -1,7 +1,9 @@
-//! The targets over their kept corpora, and over seeded random inputs: what every test run does of fuzzing.
+//! The targets over their kept corpora, and over seeded random inputs: what every test run does of
+//! fuzzing.
 //!
-//! A plain run tries [`INPUTS`] of them for each target, the same in every run. `FUZZ_SECONDS` sets a time instead, and
-//! `FUZZ_SEED` where they begin; `cargo xtask fuzz` goes further. Inputs are mutated pieces of the corpus, so that they get where its inputs get.
+//! A plain run tries [`INPUTS`] of them for each target, the same in every run. `FUZZ_SECONDS` sets
+//! a time instead, and `FUZZ_SEED` where they begin; `cargo xtask fuzz` goes further. Inputs are
+//! mutated pieces of the corpus, so that they get where its inputs get.
 use rand_xoshiro::SplitMix64;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 use std::path::Path;

@@ -97,8 +97,8 @@ enum Event {
     Cut,
 }
 
-/// The cancel rule: what is pending at or after the effect of a later command does not happen. A cut acts
-/// when it is given, so it is never pending.
+/// The cancel rule: what is pending at or after the effect of a later command does not happen. A
+/// cut acts when it is given, so it is never pending.
 fn schedule(events: &mut Vec<(Ns, Event)>, at: Ns, event: Event) {
     events.retain(|&(earlier, what)| earlier < at || what == Event::Cut);
     events.push((at, event));
@@ -286,7 +286,8 @@ impl Story<'_> {
         })
     }
 
-    /// Pulses that begin in a span with the settings that hold there at the beginning of each period.
+    /// Pulses that begin in a span with the settings that hold there at the beginning of each
+    /// period.
     fn pulses(&self, span: Span, train: impl Fn(&Settings) -> Option<Train>) -> Vec<Span> {
         let mut pulses = Vec::new();
         let mut at = span.begin;
@@ -327,14 +328,15 @@ impl Story<'_> {
         pulses
     }
 
-    /// Light whose pulse in progress does not outlast it: what comes at once, the open switch, and a level, that of the settings
-    /// before what acts with its end.
+    /// Light whose pulse in progress does not outlast it: what comes at once, the open switch, and
+    /// a level, that of the settings before what acts with its end.
     fn is_cut(&self, light: Span, end: Event) -> bool {
         end != Event::Off || self.at(light.begin).mode == Mode::Open || self.at(light.end - 1).is_level()
     }
 
-    /// Pulses of a rate in a span: one where the rate is first above 0, and one wherever its integral since the last one
-    /// reaches 1. A pulse has the width of the settings at its beginning, and ends a ns before the next one at the latest.
+    /// Pulses of a rate in a span: one where the rate is first above 0, and one wherever its
+    /// integral since the last one reaches 1. A pulse has the width of the settings at its
+    /// beginning, and ends a ns before the next one at the latest.
     fn rate(&self, span: Span) -> Vec<Span> {
         let mut pulses: Vec<Span> = Vec::new();
         // What is left of the integral until the next pulse; the first one is due at once.

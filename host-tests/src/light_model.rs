@@ -247,7 +247,8 @@ impl Power {
 /// A channel's story.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Light {
-    /// The job that [`crate::laser_model::outcome`] makes edges of; its powers and bounds mean nothing.
+    /// The job that [`crate::laser_model::outcome`] makes edges of; its powers and bounds mean
+    /// nothing.
     pub job: Vec<(Ns, Command)>,
     /// What makes the power, from these instants on.
     pub powers: Vec<(Ns, Power)>,
@@ -464,7 +465,8 @@ pub fn light(family: Family, acts: &[(Ns, Act)]) -> Light {
             Act::Distance(distance) => power.distance = distance.clone(),
         }
         if follow.is_some() && follow != power.follow && gate.waits {
-            // What waits for the start of a coordinate system ends with its follow; what a Stop shut off does not.
+            // What waits for the start of a coordinate system ends with its follow; what a Stop
+            // shut off does not.
             gate.forget();
         }
         let ends_or_begins = told.is_none() && gate.is_lit() != lit;

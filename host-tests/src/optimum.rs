@@ -27,10 +27,11 @@ pub struct Limits {
 pub enum Turn {
     /// Their amounts are added, whatever their directions.
     Adds,
-    /// They are added with their signs, on each side of a corner by itself: so the mean keeps the limit. What a motion does
-    /// by itself keeps it too.
+    /// They are added with their signs, on each side of a corner by itself: so the mean keeps the
+    /// limit. What a motion does by itself keeps it too.
     Signed,
-    /// The same, but a corner counts with the motion behind it only: quicker, and no plan that keeps the limits.
+    /// The same, but a corner counts with the motion behind it only: quicker, and no plan that
+    /// keeps the limits.
     Behind,
 }
 
@@ -165,7 +166,8 @@ mod tests {
         // The axis allows less: 8 pulse/ms with 1 pulse/ms²: 8 ms up over 32, 436/8, 8 ms down.
         let slow = Limits { axis_speed: [8.0; 2], axis_acc: [1.0; 2], ..FREE };
         near(plan(&line, &slow, Turn::Adds).1, 16.0 + 54.5, 1e-3);
-        // Ten times round a circle of 1000 pulses: v² = 1000 where an axis turns by itself, less nowhere else.
+        // Ten times round a circle of 1000 pulses: v² = 1000 where an axis turns by itself, less
+        // nowhere else.
         let circle: Vec<Point> = (0..=12_000)
             .map(|step| {
                 let (sin, cos) = (f64::from(step) * std::f64::consts::TAU / 1200.0).sin_cos();
@@ -185,8 +187,8 @@ mod tests {
         near(ms, 2.0 * (5.0 + 4.5 + (500.0 - 25.0 - 24.75) / 10.0), 2e-3);
     }
 
-    /// A zigzag that winds: its plans keep the acceleration between the middles of the ways, but for the one that looks at one
-    /// side of the corners.
+    /// A zigzag that winds: its plans keep the acceleration between the middles of the ways, but
+    /// for the one that looks at one side of the corners.
     #[test]
     fn signed_plans_keep_the_limits_between_middles() {
         let points: Vec<Point> = (0..3000)

@@ -1,11 +1,13 @@
 //! A reference controller: the motion API of SPEC 4 and 5, plain and slow, in exact arithmetic.
 //!
-//! In: the calls of a program at their instants, and encoder samples. Out: return codes, values of reads, and for every
-//! tick the machine position and the status of every axis. It is written from the contract and the manuals and shares no code
-//! with the servo: a motion is a function of time, and a slave is a function of its master's position.
+//! In: the calls of a program at their instants, and encoder samples. Out: return codes, values of
+//! reads, and for every tick the machine position and the status of every axis. It is written from
+//! the contract and the manuals and shares no code with the servo: a motion is a function of time,
+//! and a slave is a function of its master's position.
 //!
-//! Plans are exact: velocities and ratios are rational numbers. A value at an instant is rounded once, to 2⁻⁶⁴ pulse
-//! ([`Fix`]). What the contract leaves open is named by [`Reply::Open`], not guessed.
+//! Plans are exact: velocities and ratios are rational numbers. A value at an instant is rounded
+//! once, to 2⁻⁶⁴ pulse ([`Fix`]). What the contract leaves open is named by [`Reply::Open`], not
+//! guessed.
 #![allow(missing_docs, reason = "fields and variants have the manuals' names")]
 mod axis;
 mod call;

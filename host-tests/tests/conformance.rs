@@ -1,6 +1,7 @@
-//! One suite that every motion mode passes: knots exact, continuous where promised, ends where told, loops
-//! accumulate, stop and restart. Each mode is told the same curve in its own words; Complete, whose acceleration has
-//! no steps, another one through the same knots. A master that moves 1 pulse in 1 ms makes progress the time.
+//! One suite that every motion mode passes: knots exact, continuous where promised, ends where
+//! told, loops accumulate, stop and restart. Each mode is told the same curve in its own words;
+//! Complete, whose acceleration has no steps, another one through the same knots. A master that
+//! moves 1 pulse in 1 ms makes progress the time.
 mod motion;
 use client::Call;
 use motion::*;
@@ -105,8 +106,8 @@ impl Pass {
     }
 }
 
-/// Velocities of the cubic spline that begins and ends at rest: v(i−1)/h + 2·(1/h + 1/g)·v(i) + v(i+1)/g =
-/// 3·(d/h² + e/g²) for segments of lengths h, g and displacements d, e.
+/// Velocities of the cubic spline that begins and ends at rest: v(i−1)/h + 2·(1/h + 1/g)·v(i) +
+/// v(i+1)/g = 3·(d/h² + e/g²) for segments of lengths h, g and displacements d, e.
 fn clamped(t: &[Rational], p: &[Rational]) -> Vec<Rational> {
     let mut rows = vec![(whole(0), whole(0))];
     for i in 1..t.len() - 1 {
@@ -212,7 +213,8 @@ impl Mode {
                 vec![Call::of(PrfPvt { core, profile }), Call::with_items(head, &items)]
             }
             PvtContinuous => {
-                // What takes each segment from one velocity to the next with nothing left to cruise, but for the second.
+                // What takes each segment from one velocity to the next with nothing left to
+                // cruise, but for the second.
                 let rates = [(0.1, 0.1), (0.1, 0.1), (0.14, 0.14), (0.08, 0.08), (0.1, 0.1)];
                 let items: Vec<PvtContinuousPoint> = points
                     .zip(VELOCITIES)
@@ -349,7 +351,8 @@ fn knots_passes_and_the_end() {
 fn velocity_is_continuous_inside_a_pass_and_told_as_it_is() {
     for mode in ALL {
         let run = under_test(mode, 250, PASSES, vec![wait(1)]);
-        // No step of velocity is larger than the steepest slope allows in a tick; a pass ends at rest.
+        // No step of velocity is larger than the steepest slope allows in a tick; a pass ends at
+        // rest.
         let pass = Pass::of(mode);
         let most = float(pass.steepest()) * 0.25 + 1e-6;
         for ms in 0..4800 {
@@ -369,7 +372,8 @@ fn velocity_is_continuous_inside_a_pass_and_told_as_it_is() {
 #[test]
 fn stop_and_restart() {
     for mode in ALL {
-        // In the middle of the second pass: half of v²/1 pulses further, v ms later; that is 10 ms, or less than 12.
+        // In the middle of the second pass: half of v²/1 pulses further, v ms later; that is 10 ms,
+        // or less than 12.
         let then = vec![sleep(575.0), stop(1, 0), wait(1), running(), sleep(3.0), mode.start(), wait(1)];
         let run = if mode == PtDynamic {
             // What is left of a stream is cleared, and the next one counts from 0.
@@ -403,7 +407,8 @@ fn stop_and_restart() {
 
 #[test]
 fn loops_do_not_drift() {
-    // A tenth of a pulse in 333.3 ms (a master of 3.333 pulse/ms for a Follow of whole pulses: 1111 in 333.3 ms).
+    // A tenth of a pulse in 333.3 ms (a master of 3.333 pulse/ms for a Follow of whole pulses: 1111
+    // in 333.3 ms).
     for mode in [Pvt, FollowEx] {
         let (core, profile) = (1.into(), AXIS.into());
         let passes = 3000;

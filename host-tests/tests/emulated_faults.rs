@@ -1,5 +1,6 @@
-//! The released image in QEMU, where BEAMTICK_IMAGE names one (`cargo xtask check-all` does): faults of the program, of
-//! the link and of the order of things. Each ends dark, with the reason readable afterwards.
+//! The released image in QEMU, where BEAMTICK_IMAGE names one (`cargo xtask check-all` does):
+//! faults of the program, of the link and of the order of things. Each ends dark, with the reason
+//! readable afterwards.
 //!
 //! Faults of the program are provoked by a debugger: the image has no way of its own to do so.
 #![cfg(unix)]
@@ -81,7 +82,8 @@ fn execute(debugger: &mut Debugger, code: &[u16]) {
     debugger.set(PC, SCRATCH);
 }
 
-/// As if an `Option` were empty that never is. The optimiser may have left the only caller's words in the function itself.
+/// As if an `Option` were empty that never is. The optimiser may have left the only caller's words
+/// in the function itself.
 fn panic(debugger: &mut Debugger, map: &Map) {
     const TEXT: &[u8] = b"provoked";
     let (text, place) = (SCRATCH, SCRATCH + 0x100);
@@ -111,7 +113,8 @@ fn little_stack(debugger: &mut Debugger, map: &Map) {
 
 /// Interrupt 20 is let in and made pending; then nothing.
 fn unclaimed_interrupt(debugger: &mut Debugger, _: &Map) {
-    // ldr r0, [pc, #12]; ldr r1, [pc, #16]; str r1, [r0]; adds r0, #255; adds r0, #1; str r1, [r0]; b .; nop
+    // ldr r0, [pc, #12]; ldr r1, [pc, #16]; str r1, [r0]; adds r0, #255; adds r0, #1; str r1, [r0];
+    // b .; nop
     let code = [0x4803, 0x4904, 0x6001, 0x30ff, 0x3001, 0x6001, 0xe7fe, 0xbf00];
     // ISER at 0xe000e100, ISPR 256 above it.
     let data = [0xe100, 0xe000, 0x0000, 0x0010];
@@ -161,7 +164,8 @@ fn every_fault_of_the_program_ends_dark_and_tells_its_reason() {
         debugger.run_to(if place == Tick { map.tick } else { map.task });
         assert_eq!(debugger.in_handler(), place == Tick, "{name}");
         provoke(&mut debugger, &map);
-        // Outputs rest before anything else is done, so before the record is written; start-up would clear them too.
+        // Outputs rest before anything else is done, so before the record is written; start-up
+        // would clear them too.
         debugger.run_until_written(map.record);
         assert!(map.is_dark(&mut debugger), "{name}: dark before the restart");
         debugger.detach();
@@ -185,8 +189,8 @@ fn a_tick_that_takes_too_long_puts_out_the_light() {
         client
     });
     debugger.run_to(map.tick);
-    // push {r0}; ldr r0, [pc, #12]; subs r0, #1; bne; pop {r0}; ldr.w pc, [pc, #8]: to where it was. 200 000 times
-    // two instructions of 2 ns: 800 µs of a tick of 250 µs.
+    // push {r0}; ldr r0, [pc, #12]; subs r0, #1; bne; pop {r0}; ldr.w pc, [pc, #8]: to where it
+    // was. 200 000 times two instructions of 2 ns: 800 µs of a tick of 250 µs.
     let (count, back) = (200_000_u32, map.tick | 1);
     let data = [count as u16, (count >> 16) as u16, back as u16, (back >> 16) as u16];
     let code = [0xb401, 0x4803, 0x3801, 0xd1fd, 0xbc01, 0xf8df, 0xf008, 0xbf00];
@@ -209,7 +213,8 @@ fn an_idle_client_keeps_the_link_alive_by_itself() {
     assert_eq!((state(&client, 0).light, fault(&client, 0)), (1, 0));
 }
 
-/// The commands of a small job, whatever becomes of each. True if the second to last, the on command, was answered.
+/// The commands of a small job, whatever becomes of each. True if the second to last, the on
+/// command, was answered.
 fn job(client: &Client) -> bool {
     let (core, channel) = (1.into(), 0.into());
     let _ = client.call(SetAxisMode { core, axis: 7.into(), mode: 1.into() });
@@ -238,7 +243,8 @@ fn cut_job(board: &Board, bytes: usize) -> (bool, Vec<u8>) {
     (lit, sent)
 }
 
-/// A frame ends with a zero. Cut within each frame and behind it; with BEAMTICK_EVERY_BYTE set, behind every byte.
+/// A frame ends with a zero. Cut within each frame and behind it; with BEAMTICK_EVERY_BYTE set,
+/// behind every byte.
 #[test]
 fn a_link_that_is_cut_anywhere_in_a_job_ends_dark() {
     let Some(image) = image() else { return };

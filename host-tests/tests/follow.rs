@@ -1,6 +1,6 @@
-//! Follow through the client and the virtual controller: the tables of GXN chapter 3 by hand and in exact
-//! arithmetic. The master jogs at 50 pulse/ms, which it reaches with 1 pulse/ms² after 50 ms at 1250 pulses, so that it is
-//! at p pulses after 25 + p/50 ms.
+//! Follow through the client and the virtual controller: the tables of GXN chapter 3 by hand and in
+//! exact arithmetic. The master jogs at 50 pulse/ms, which it reaches with 1 pulse/ms² after 50 ms
+//! at 1250 pulses, so that it is at p pulses after 25 + p/50 ms.
 mod motion;
 use client::Call;
 use motion::*;
@@ -50,7 +50,8 @@ fn tables_3_2_and_3_3_flying_shear() {
                 }
             }
         }
-        // Ratios 0 to 1; 1; 1 to 0.6; 0.6; 0.6 to 1; 1: as velocities at 50 pulse/ms of the belt, at ends and middles.
+        // Ratios 0 to 1; 1; 1 to 0.6; 0.6; 0.6 to 1; 1: as velocities at 50 pulse/ms of the belt,
+        // at ends and middles.
         for (master, ratio) in [
             (2500, 0.5),
             (5000, 1.0),
@@ -148,7 +149,8 @@ fn tables_3_5_to_3_7_two_fifos() {
         assert_eq!(spaces, [16, 13, 16, 16]);
         assert_eq!(run.replies::<GetFollowLoop>()[0].value.get(), 1, "passes of the new curve");
 
-        // By hand: two passes of 40000, one of 46000, then 52000 each; where they meet the ratios are equal.
+        // By hand: two passes of 40000, one of 46000, then 52000 each; where they meet the ratios
+        // are equal.
         let at = |master: i32| run.pos(1, when(master));
         assert_eq!([at(60_000), at(120_000)], [40_000, 80_000].map(Pos::pulses));
         assert_eq!([at(140_000), at(160_000), at(180_000)], [90_000, 110_000, 126_000].map(Pos::pulses));
@@ -185,7 +187,8 @@ fn tables_3_5_to_3_7_two_fifos() {
 
 #[test]
 fn figure_3_1_one_synchronous_region() {
-    // Begins when the master passes 1000; at 1500 the slave has gone 250 at ratio 1; then synchronous until 2250.
+    // Begins when the master passes 1000; at 1500 the slave has gone 250 at ratio 1; then
+    // synchronous until 2250.
     let data: [Datum; 3] = [(500, 250.0, 0), (1250, 1000.0, 0), (1750, 1250.0, 0)];
     let mut calls = jog(1, 50.0, 1.0);
     calls.extend(follow(2, 1, 1));
@@ -204,7 +207,8 @@ fn figure_3_1_one_synchronous_region() {
 
 #[test]
 fn a_chain_of_eight_in_reverse_order_has_no_lag() {
-    // Axis 8 jogs, 7 follows it, 6 follows 7 and so on: all at ratio 1, so all are in the same place in every tick.
+    // Axis 8 jogs, 7 follows it, 6 follows 7 and so on: all at ratio 1, so all are in the same
+    // place in every tick.
     let mut calls = Vec::new();
     for axis in (1..8).rev() {
         calls.extend(follow(axis, axis + 1, if axis % 2 == 0 { 0 } else { 1 }));
@@ -222,8 +226,9 @@ fn a_chain_of_eight_in_reverse_order_has_no_lag() {
 
 #[test]
 fn an_encoder_and_an_axis_of_the_other_core_are_followed() {
-    // The encoder of the virtual machine lags behind its axis and ends on the whole pulse where that rests; there a
-    // slave of ratio 2 is at twice that. The axis of core 2 follows the planned position without a lag.
+    // The encoder of the virtual machine lags behind its axis and ends on the whole pulse where
+    // that rests; there a slave of ratio 2 is at twice that. The axis of core 2 follows the planned
+    // position without a lag.
     let mut calls = Vec::new();
     let slave = |core: i16, axis: i16, kind: i16| {
         let (core, profile) = (core.into(), axis.into());

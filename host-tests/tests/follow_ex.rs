@@ -1,5 +1,6 @@
-//! FollowEx through the client and the virtual controller, against exact arithmetic: S-shaped ratios, entries between
-//! segments, switches at once. The master jogs at 50 pulse/ms as in the tests of Follow.
+//! FollowEx through the client and the virtual controller, against exact arithmetic: S-shaped
+//! ratios, entries between segments, switches at once. The master jogs at 50 pulse/ms as in the
+//! tests of Follow.
 mod motion;
 use client::Call;
 use motion::*;
@@ -84,7 +85,8 @@ fn ratios_in_the_shape_of_an_s() {
 
 #[test]
 fn entries_hold_the_slave_and_what_follows_begins_where_the_master_is() {
-    // Ends at 5000.5 after 125.01 ms; the delay of 401 cycles (100.25 ms) makes 5012.5 pulses of the master.
+    // Ends at 5000.5 after 125.01 ms; the delay of 401 cycles (100.25 ms) makes 5012.5 pulses of
+    // the master.
     let first: [Shaped; 2] = [(2500.0, 1250.0, 0, 60), (5000.5, 2500.0, 2, 60)];
     let then: [Shaped; 2] = [(7500.5, 3750.0, 0, 60), (10000.5, 5000.0, 2, 60)];
     for tick_us in [250, 1000] {
@@ -156,7 +158,8 @@ fn a_switch_to_the_next_segment_goes_on_at_the_ratio_of_its_instant() {
         } else if p - at < whole(4000) {
             origin + next.at(p - at).0
         } else {
-            // Even, until the second call ends the pass: it is the last segment, and one pass was told.
+            // Even, until the second call ends the pass: it is the last segment, and one pass was
+            // told.
             let end = master(whole(600)).min(p);
             origin + whole(3000) + (end - at - whole(4000))
         }
@@ -203,8 +206,9 @@ fn a_switch_to_the_other_fifo_at_once_or_when_it_is_reached() {
 
 #[test]
 fn the_asymmetric_s() {
-    // Ratio 0 to 1 with 60 % of S in all: a mean of 4/9 needs x = (1/2 − q²/6 − f(1 − q/2))/(1/2 − q/3) = 58/135 of it at
-    // its beginning. Then back to 0 with all of the S at the end, a mean of 2/3.
+    // Ratio 0 to 1 with 60 % of S in all: a mean of 4/9 needs x = (1/2 − q²/6 − f(1 − q/2))/(1/2 −
+    // q/3) = 58/135 of it at its beginning. Then back to 0 with all of the S at the end, a mean of
+    // 2/3.
     let piece = |master: f64, slave: f64, begin: f64, end: f64, percent: i16| {
         Call::of(FollowDataPercent2Ex {
             core: 1.into(),

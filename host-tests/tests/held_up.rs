@@ -1,4 +1,5 @@
-//! A client whose machine is busy with other things: that nothing comes counts only while it listens.
+//! A client whose machine is busy with other things: that nothing comes counts only while it
+//! listens.
 use client::{Client, Link, Options, error};
 use protocol::command::GetPrfPos;
 use std::sync::Arc;
@@ -19,7 +20,8 @@ struct Machine {
     cut: AtomicBool,
 }
 
-/// A link whose client is away now and then, and finds nothing when it comes back: board and client run on that machine.
+/// A link whose client is away now and then, and finds nothing when it comes back: board and client
+/// run on that machine.
 struct Busy {
     link: VirtualLink,
     machine: Arc<Machine>,

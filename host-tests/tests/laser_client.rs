@@ -1,5 +1,6 @@
-//! Laser jobs through everything: calls of a program over the link, the dispatcher with its family rules and its
-//! planning ahead, the tick, the virtual controller's output stages; every edge is the model's.
+//! Laser jobs through everything: calls of a program over the link, the dispatcher with its family
+//! rules and its planning ahead, the tick, the virtual controller's output stages; every edge is
+//! the model's.
 #[path = "laser/cases.rs"]
 #[allow(dead_code, reason = "each test file uses its part")]
 mod cases;

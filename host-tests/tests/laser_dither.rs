@@ -1,5 +1,5 @@
-//! Frequencies and duties as the timers count them, against exact rationals, over the whole range and both clocks;
-//! and the spectrum of what they count.
+//! Frequencies and duties as the timers count them, against exact rationals, over the whole range
+//! and both clocks; and the spectrum of what they count.
 #[path = "laser/bench.rs"]
 #[allow(dead_code, reason = "each test file uses its part")]
 mod bench;
@@ -143,7 +143,8 @@ fn trains_of_the_tick_have_their_frequency_and_duty() {
     }
 }
 
-/// Over one whole repetition the counted periods and widths are the means; each is within one count of it.
+/// Over one whole repetition the counted periods and widths are the means; each is within one count
+/// of it.
 #[test]
 fn the_counts_of_a_repetition_are_the_mean() {
     let chance = &mut Chance::new(3);

@@ -49,7 +49,8 @@ fn csv_has_three_columns_for_each_laser() {
     );
 }
 
-/// Two pulses of 40 µs every 100 µs, a finished one, one that is cut; FPK-like switch edges between ticks.
+/// Two pulses of 40 µs every 100 µs, a finished one, one that is cut; FPK-like switch edges between
+/// ticks.
 #[test]
 fn vcd_shows_pulses_switch_and_voltage_to_the_nanosecond() {
     let mut out = Vec::new();

@@ -1,5 +1,6 @@
-//! The laser channels of the tick against the model: random jobs over the table of mode × gate delays × FPK ×
-//! standby × family, every edge to the ns. `LASER_JOBS` sets how many jobs are run (a job is a sequence of commands).
+//! The laser channels of the tick against the model: random jobs over the table of mode × gate
+//! delays × FPK × standby × family, every edge to the ns. `LASER_JOBS` sets how many jobs are run
+//! (a job is a sequence of commands).
 #[path = "laser/bench.rs"]
 mod bench;
 #[path = "../../servo/tests/chance/mod.rs"]
@@ -46,7 +47,8 @@ fn difference(model: &Outcome, tick: &Recorded, horizon: Ns, wild: bool) -> Resu
     }
     first("switch", &model.switch, &tick.outputs.switch)?;
     in_the_dark(model, &tick.outputs.energy, horizon, 0)?;
-    // What is dithered is only near the model's exact numbers: see `a_dithered_mark_is_as_near_as_it_must_be`.
+    // What is dithered is only near the model's exact numbers: see
+    // `a_dithered_mark_is_as_near_as_it_must_be`.
     if !wild {
         first("energy", &model.energy, &tick.outputs.energy)?;
     }
@@ -173,8 +175,8 @@ fn the_tick_period_moves_no_edge() {
     }
 }
 
-/// The manual's hazard: delays, and a power that changes on every tick. After the gate's off edge there is the
-/// last pulse at most, in every mode.
+/// The manual's hazard: delays, and a power that changes on every tick. After the gate's off edge
+/// there is the last pulse at most, in every mode.
 #[test]
 fn no_light_after_off_while_the_power_changes_on_every_tick() {
     let mut bench = Bench::new();
@@ -227,8 +229,8 @@ fn no_light_after_off_while_the_power_changes_on_every_tick() {
     }
 }
 
-/// One mark of settings that need dither: as many edges as the model has, each within a count of its ideal instant
-/// and 1 ppm of the time since the mark began.
+/// One mark of settings that need dither: as many edges as the model has, each within a count of
+/// its ideal instant and 1 ppm of the time since the mark began.
 #[test]
 fn a_dithered_mark_is_as_near_as_it_must_be() {
     let mut bench = Bench::new();
@@ -263,7 +265,8 @@ fn a_dithered_mark_is_as_near_as_it_must_be() {
     }
 }
 
-/// A clear that acts on the tick that sees a fault cannot have meant it: everything goes to rest, and stays so.
+/// A clear that acts on the tick that sees a fault cannot have meant it: everything goes to rest,
+/// and stays so.
 #[test]
 fn a_clear_does_not_hide_the_fault_that_comes_with_it() {
     let mut bench = Bench::new();

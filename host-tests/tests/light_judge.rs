@@ -1,9 +1,11 @@
-//! Random whole programs of both families beside an independent judge of light: see `host_tests::light_judge`.
+//! Random whole programs of both families beside an independent judge of light: see
+//! `host_tests::light_judge`.
 //!
-//! `LIGHT_PROGRAMS` sets how many programs there are, `LIGHT_SEED` the first one's number. `LIGHT_PLANTED=1` is for a
-//! firmware with a planted fault: the test then succeeds only if the judge finds something. `LIGHT_FINDINGS` sets how many
-//! programs that differ are told of before it gives up; `LIGHT_STEP=6` and `LIGHT_THREADS=1` run those of one controller
-//! in order. `LIGHT_PULSES=1` prints the energy pulses of programs that differ.
+//! `LIGHT_PROGRAMS` sets how many programs there are, `LIGHT_SEED` the first one's number.
+//! `LIGHT_PLANTED=1` is for a firmware with a planted fault: the test then succeeds only if the
+//! judge finds something. `LIGHT_FINDINGS` sets how many programs that differ are told of before it
+//! gives up; `LIGHT_STEP=6` and `LIGHT_THREADS=1` run those of one controller in order.
+//! `LIGHT_PULSES=1` prints the energy pulses of programs that differ.
 #[path = "../../servo/tests/chance/mod.rs"]
 mod chance;
 #[path = "light_judge/facts.rs"]

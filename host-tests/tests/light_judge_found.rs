@@ -1,4 +1,5 @@
-//! What the judge of light found, each as small as it gets, named after the rule of SPEC 6 that it breaks.
+//! What the judge of light found, each as small as it gets, named after the rule of SPEC 6 that it
+//! breaks.
 use client::{Client, Options};
 use protocol::command::*;
 use std::time::Duration;
@@ -10,8 +11,8 @@ fn open() -> (Client, Shared) {
     (client, board)
 }
 
-/// A path of coordinate system 1 that is stopped on its way and passes a BufLaserOn while it brakes: whether there is
-/// light then.
+/// A path of coordinate system 1 that is stopped on its way and passes a BufLaserOn while it
+/// brakes: whether there is light then.
 fn lights_while_braking(client: &Client, board: &Shared) -> bool {
     let core = 1.into();
     for axis in [1i16, 2] {

@@ -46,7 +46,8 @@ struct Model<'a> {
     outcome: Outcome,
     /// Shafts of axes 1 to 4 at each row: what the encoders round.
     shafts: Vec<[f64; 4]>,
-    /// Their velocities at each row behind the filter of 1 ms, for each row at which it may have begun.
+    /// Their velocities at each row behind the filter of 1 ms, for each row at which it may have
+    /// begun.
     filtered: Vec<Vec<[f64; 4]>>,
 }
 
@@ -73,7 +74,8 @@ impl<'a> Model<'a> {
         model
     }
 
-    /// Velocities behind the filter, which takes the first one of the row `from` as it is and rests with the path.
+    /// Velocities behind the filter, which takes the first one of the row `from` as it is and rests
+    /// with the path.
     fn filter(&self, from: usize) -> Vec<[f64; 4]> {
         let ms = self.tick as f64 / 1e6;
         let (share, mut state) = (-(-ms).exp_m1(), [0.0; 4]);

@@ -1,7 +1,7 @@
-//! The link over a faulty channel, in simulated time: a seeded channel that loses, damages, doubles and
-//! reorders a tenth of all frames each way. Every command must be executed exactly once and in order, every
-//! reply must come exactly once and in order. The same harness must find fault with links that are
-//! broken on purpose, or it would prove nothing.
+//! The link over a faulty channel, in simulated time: a seeded channel that loses, damages, doubles
+//! and reorders a tenth of all frames each way. Every command must be executed exactly once and in
+//! order, every reply must come exactly once and in order. The same harness must find fault with
+//! links that are broken on purpose, or it would prove nothing.
 
 #[path = "../../servo/tests/chance/mod.rs"]
 mod chance;
@@ -228,8 +228,8 @@ struct Shown {
     channel: [u64; 4],
 }
 
-/// Client and controller with their users. A command is a SetPos whose `profile` is the session's number
-/// (from 1) and whose `pos` counts from 0; the reply carries the same count.
+/// Client and controller with their users. A command is a SetPos whose `profile` is the session's
+/// number (from 1) and whose `pos` counts from 0; the reply carries the same count.
 struct Bench<I> {
     plan: Plan,
     random: Chance,
@@ -367,8 +367,8 @@ impl<I: Inlet> Bench<I> {
         Ok(())
     }
 
-    /// The controller's user: takes messages when it can answer them, and is busy now and then, so that
-    /// the window closes.
+    /// The controller's user: takes messages when it can answer them, and is busy now and then, so
+    /// that the window closes.
     fn serve(&mut self) -> Result<(), String> {
         while self.now >= self.busy_until && self.controller.can_send() {
             let Some(message) = self.controller.message().map(<[u8]>::to_vec) else { break };
@@ -521,7 +521,8 @@ fn a_cut_of_five_seconds_is_seen_and_survived() {
     assert_eq!(published.executed, 20_000);
     assert!(published.longest_silence > 4_000 * MS, "{published:?}");
     let uncut = Bench::new(Plan { cut: None, ..plan }, Honest).go().unwrap();
-    // A tenth lost and a tenth damaged, five keep-alives in a row may fail; a cut of seconds stands out.
+    // A tenth lost and a tenth damaged, five keep-alives in a row may fail; a cut of seconds stands
+    // out.
     assert!(uncut.longest_silence < 1_000 * MS, "{uncut:?}");
     assert!(published.took > uncut.took + 3_000 * MS, "the cut must cost its time: {published:?} {uncut:?}");
 }

@@ -1,5 +1,5 @@
-//! Counters that go round: a controller whose counters are about to do so does what a new one does, and what was
-//! executed long ago stays executed.
+//! Counters that go round: a controller whose counters are about to do so does what a new one does,
+//! and what was executed long ago stays executed.
 #[path = "life/work.rs"]
 mod work;
 
@@ -64,8 +64,8 @@ fn life(entries: u32, ns: u64) -> Done {
 fn counters_go_round_and_nothing_is_different() {
     // Not at the very first: a link that has never been silent answers a little later.
     let new = life(0, 1_000_000_000);
-    // Some entries before 2³¹ of a lane and before 2³² of what else is counted; some ms before 2³² ns, 2⁵² ns (2³² of the
-    // watchdog's units), 2⁵³ ns (what a double holds) and 2⁶³ ns (a sign).
+    // Some entries before 2³¹ of a lane and before 2³² of what else is counted; some ms before 2³²
+    // ns, 2⁵² ns (2³² of the watchdog's units), 2⁵³ ns (what a double holds) and 2⁶³ ns (a sign).
     let before = |bits: u32| (1u64 << bits) - 30_000_000;
     for (entries, ns) in [(u32::MAX - 40, before(32)), (u32::MAX - 200, before(52)), (7, before(53)), (9, before(63))] {
         let old = life(entries, ns);
@@ -77,8 +77,8 @@ fn counters_go_round_and_nothing_is_different() {
     }
 }
 
-/// A path that has carried out so many entries since it was cleared, in both FIFOs, the second with a look-ahead; its laser
-/// was on for as many units.
+/// A path that has carried out so many entries since it was cleared, in both FIFOs, the second with
+/// a look-ahead; its laser was on for as many units.
 fn path_of(entries: u32) -> (Done, u32) {
     let board = share(Board::new(Config { tick_us: TICK_US as u32, ..Config::default() }));
     let client = work::client(&board);
@@ -153,7 +153,8 @@ fn path_of(entries: u32) -> (Done, u32) {
 fn counts_of_a_path_and_of_light_go_round_and_nothing_is_different() {
     let (new, light) = path_of(0);
     assert!(light > 100, "{light} units of light");
-    // Some 180 entries go through a FIFO: it is left and gone on with before and behind the place where its count goes round.
+    // Some 180 entries go through a FIFO: it is left and gone on with before and behind the place
+    // where its count goes round.
     for before in [u32::MAX - 20, u32::MAX - 120, u32::MAX / 2 - 60] {
         let (old, on_time) = path_of(before);
         assert_eq!(on_time, before.wrapping_add(light), "on-time after {before}");
@@ -165,8 +166,9 @@ fn counts_of_a_path_and_of_light_go_round_and_nothing_is_different() {
     }
 }
 
-/// The place of an entry in its lane is compared over half of what is counted. A Jog that began a long time ago, a place
-/// given then, a table named then, must not look as if they were still to come.
+/// The place of an entry in its lane is compared over half of what is counted. A Jog that began a
+/// long time ago, a place given then, a table named then, must not look as if they were still to
+/// come.
 #[test]
 fn what_was_executed_long_ago_does_not_come_back() {
     let board = share(Board::new(Config { tick_us: TICK_US as u32, ..Config::default() }));

@@ -1,8 +1,8 @@
 //! Mixed work for as long as asked: nothing drifts, no counter overflows, nothing grows.
 //!
-//! `LONG_RUN_TICKS` says how far it goes (`cargo xtask long-run`); a plain test run goes four rounds. A round is
-//! 250 000 ticks of 250 µs of what `life/work.rs` has.
-//! Checkpoints are whole passes apart, so what an axis has gone since the first one is known in exact rationals.
+//! `LONG_RUN_TICKS` says how far it goes (`cargo xtask long-run`); a plain test run goes four
+//! rounds. A round is 250 000 ticks of 250 µs of what `life/work.rs` has. Checkpoints are whole
+//! passes apart, so what an axis has gone since the first one is known in exact rationals.
 #[path = "life/work.rs"]
 mod work;
 
@@ -71,10 +71,12 @@ fn nothing_drifts_overflows_or_grows() {
         let done = number + 1;
         assert_eq!(now.ticks - first.ticks, done * ROUND_TICKS, "every checkpoint is on its tick");
         let gone: [i64; 8] = std::array::from_fn(|axis| now.pos[axis] - first.pos[axis]);
-        // A knot is rounded to 2⁻²² pulse, once here and once at the first checkpoint; nothing is added from pass to pass.
+        // A knot is rounded to 2⁻²² pulse, once here and once at the first checkpoint; nothing is
+        // added from pass to pass.
         assert!(off(gone[0], done * 125, PT_PASS).abs() <= 2, "PT after {done} rounds: {now:?}");
         assert!(off(gone[1], done * 200, PVT_PASS).abs() <= 2, "PVT after {done} rounds: {now:?}");
-        // Speeds of a Jog have 2⁻⁶⁴ and better; a bound that a drift of 10⁻¹² of the way would break.
+        // Speeds of a Jog have 2⁻⁶⁴ and better; a bound that a drift of 10⁻¹² of the way would
+        // break.
         let jog = off(gone[2], done * 62_500, JOG);
         assert!(jog.abs() <= 2 + (done as i64 >> 6), "Jog after {done} rounds is {jog} off: {now:?}");
         assert!((gone[3] - gone[0] * 3 / 8).abs() <= 4, "Follow after {done} rounds: {now:?}");

@@ -1,10 +1,11 @@
-//! Look-ahead through the whole machine: 10,000 motions of 0.1 mm (100 pulses) and a spiral, fed over the link. Limits are
-//! checked on the trace, the time is held against an optimum computed offline, and a host that stalls for 50 ms now and
-//! then must not be noticed.
+//! Look-ahead through the whole machine: 10,000 motions of 0.1 mm (100 pulses) and a spiral, fed
+//! over the link. Limits are checked on the trace, the time is held against an optimum computed
+//! offline, and a host that stalls for 50 ms now and then must not be noticed.
 //!
-//! How acceleration counts (decision 9): within a motion as it is; across corners from the middle of the way of one motion
-//! to that of another. A window that begins between a corner and a middle holds all of the corner's change of velocity and
-//! only a part of the time that it stands for, so that windows have room for that.
+//! How acceleration counts (decision 9): within a motion as it is; across corners from the middle
+//! of the way of one motion to that of another. A window that begins between a corner and a middle
+//! holds all of the corner's change of velocity and only a part of the time that it stands for, so
+//! that windows have room for that.
 #[path = "../../servo/tests/chance/mod.rs"]
 mod chance;
 #[path = "path/machine.rs"]
@@ -149,15 +150,18 @@ fn run(points: &[Point], every: usize, stall: Duration) -> Ran {
 #[derive(Debug)]
 struct Shares {
     speed: f64,
-    /// Acceleration within a motion, and from middle to middle: of neighbours, and of those the corner time apart.
+    /// Acceleration within a motion, and from middle to middle: of neighbours, and of those the
+    /// corner time apart.
     within: f64,
     middles: f64,
     apart: f64,
-    /// The second difference over these many ms to each side: as it is, and as a part of what decision 9 leaves to it.
+    /// The second difference over these many ms to each side: as it is, and as a part of what
+    /// decision 9 leaves to it.
     windows: Vec<(f64, f64, f64)>,
 }
 
-/// Each motion on the trace: from which tick on it is in force (with the part of the one before that is over), and how long, ms.
+/// Each motion on the trace: from which tick on it is in force (with the part of the one before
+/// that is over), and how long, ms.
 struct Passed {
     first: usize,
     last: usize,

@@ -1,5 +1,6 @@
-//! Edges at the boundaries of segments, through the whole machine: random paths against the model, at ticks of 10 µs,
-//! 250 µs and 1 ms; and the model's instants against exact arithmetic. `PATHS` sets how many, `PATHS_FROM` how many are left out before, `PATH_TICKS` another list of ticks in
+//! Edges at the boundaries of segments, through the whole machine: random paths against the model,
+//! at ticks of 10 µs, 250 µs and 1 ms; and the model's instants against exact arithmetic. `PATHS`
+//! sets how many, `PATHS_FROM` how many are left out before, `PATH_TICKS` another list of ticks in
 //! µs; a long run says every 1000 paths how far it is.
 #[path = "../../servo/tests/chance/mod.rs"]
 mod chance;
@@ -85,7 +86,8 @@ impl State {
                 Effect::Output(_) => {}
             }
         }
-        // SPEC 6: what entries lit goes off when they have run out; an underrun is dark within a tick.
+        // SPEC 6: what entries lit goes off when they have run out; an underrun is dark within a
+        // tick.
         let rest = course.rests[0];
         let late = if rest.why == Why::Underrun { tick as f64 } else { 0.0 };
         let mv = self.mv;
@@ -164,8 +166,9 @@ fn paths() -> u64 {
     std::env::var("PATHS").map_or(600, |text| text.parse().expect("a number"))
 }
 
-/// The model is off by less than half a ns, and by so much only where a motion ends as good as at rest: the root of what
-/// rounding leaves of 0. So what an edge is off from the model, it is nearly off from the exact instant.
+/// The model is off by less than half a ns, and by so much only where a motion ends as good as at
+/// rest: the root of what rounding leaves of 0. So what an edge is off from the model, it is nearly
+/// off from the exact instant.
 #[test]
 fn the_models_instants_are_exact() {
     let (mut worst, mut seen) = (0.0f64, 0);

@@ -1,6 +1,7 @@
-//! The link is lost while a path runs and its look-ahead holds entries: light goes off, the path brakes along its way to rest,
-//! nothing more is executed, and the reason can be read. With the fault cleared a start goes on to the end, and every
-//! entry has had its effect once. `LOSSES` sets how many random paths there are.
+//! The link is lost while a path runs and its look-ahead holds entries: light goes off, the path
+//! brakes along its way to rest, nothing more is executed, and the reason can be read. With the
+//! fault cleared a start goes on to the end, and every entry has had its effect once. `LOSSES` sets
+//! how many random paths there are.
 #[path = "../../servo/tests/chance/mod.rs"]
 mod chance;
 #[path = "path/machine.rs"]
@@ -160,7 +161,8 @@ impl Link for Over {
     }
 }
 
-/// What the outputs did: edges of the switch, of the voltage being there; how many of general outputs.
+/// What the outputs did: edges of the switch, of the voltage being there; how many of general
+/// outputs.
 fn take(board: &Shared, lit: &mut Vec<(u64, bool)>) -> usize {
     let mut board = board.lock().unwrap();
     for beam in board.take_beam() {
@@ -183,7 +185,8 @@ fn dark(before: &[(u64, bool)], after: &[(u64, bool)], lost: u64) -> Result<(), 
     if good { Ok(()) } else { Err(told()) }
 }
 
-/// It brakes along its way from tick `lost` on, no harder than a Stop does and no longer. The hardest, as a part of that.
+/// It brakes along its way from tick `lost` on, no harder than a Stop does and no longer. The
+/// hardest, as a part of that.
 fn brakes(path: &Path, places: &[[f64; 2]], lost: usize) -> Result<f64, String> {
     let tick = TICK as f64 / 1e6;
     let ways = ways(&path.points, places)?;
@@ -225,7 +228,8 @@ fn readable(client: &Client, at: [f64; 2]) -> Result<(), String> {
         return Err(format!("it goes on by itself: {at:?}, {after:?}, {still:?}"));
     }
     let (_, events) = client.call_items(GetEvents {}, &[]).unwrap();
-    // A coordinate system that rests otherwise than by reaching its end, and a laser that goes dark.
+    // A coordinate system that rests otherwise than by reaching its end, and a laser that goes
+    // dark.
     let told = |reason: u16| events.iter().any(|event| event.reason.get() == reason);
     if told(13) && told(2) { Ok(()) } else { Err(format!("no event tells it: {events:?}")) }
 }

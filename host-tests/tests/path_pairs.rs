@@ -1,6 +1,7 @@
-//! Two coordinate systems at once through the whole machine, each on four axes, with lines, arcs, light and an output of its
-//! own, and with starts, Stops and overrides of its own; and arcs of any size. Positions of every axis are held to the model
-//! at every tick, arcs to their circle, edges of light and outputs to 5 ns. `PAIRS` and `ARCS` set how many jobs there are.
+//! Two coordinate systems at once through the whole machine, each on four axes, with lines, arcs,
+//! light and an output of its own, and with starts, Stops and overrides of its own; and arcs of any
+//! size. Positions of every axis are held to the model at every tick, arcs to their circle, edges
+//! of light and outputs to 5 ns. `PAIRS` and `ARCS` set how many jobs there are.
 #[path = "../../servo/tests/chance/mod.rs"]
 mod chance;
 #[path = "path/machine.rs"]

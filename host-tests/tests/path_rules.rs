@@ -1,4 +1,5 @@
-//! The rules of SPEC 5 and 6 about paths and light on them, worked out by hand, over the link to the virtual controller.
+//! The rules of SPEC 5 and 6 about paths and light on them, worked out by hand, over the link to
+//! the virtual controller.
 #[path = "path/machine.rs"]
 mod machine;
 #[path = "path/rules.rs"]
@@ -139,7 +140,8 @@ fn an_underrun_is_dark_and_latched_on_every_mapped_channel() {
         let dark = beams.switch[1];
         assert!(!dark.1 && dark.0 as f64 >= end - 1.0 && dark.0 as f64 <= end + TICK as f64, "{dark:?} for {end}");
     }
-    // The next path moves in the dark; the one behind the clear, from 65 ms on, has light on the cleared channel.
+    // The next path moves in the dark; the one behind the clear, from 65 ms on, has light on the
+    // cleared channel.
     assert_eq!(first.switch.len(), 4);
     assert_eq!(first.switch[2], (zero + 65_000_000, true));
     assert_eq!(second.switch.len(), 2);
@@ -169,7 +171,8 @@ fn status_is_that_of_the_path() {
     assert_eq!(states, [(0, 0), (1, 0), (1, 1), (0, 2), (0, 0)]);
     let left: Vec<i32> = told.replies::<GetRemainderSegNum>().iter().map(|left| left.value.get()).collect();
     assert_eq!(left, [1, 0]);
-    // 61 ms from the start: 1 of delay, 55 of the first, 5 of the second; what is read at s is that of the next tick.
+    // 61 ms from the start: 1 of delay, 55 of the first, 5 of the second; what is read at s is that
+    // of the next tick.
     let place: Vec<f64> = told.items::<GetCrdPos>().iter().map(|place| place.value.get()).collect();
     assert_eq!(place[..2], [500.0, 25.0]);
     assert_eq!(told.replies::<GetCrdVel>()[0].value.get(), 10.0);

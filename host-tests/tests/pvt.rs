@@ -1,6 +1,6 @@
-//! PVT through the client and the virtual controller: knots exact, loops accumulate, the switch at the end of a
-//! pass, the start delay, stop and restart. Expected values are the points as given, or follow from them by
-//! hand; a motion that begins at 0 has its time 0 at row 1 of the trace.
+//! PVT through the client and the virtual controller: knots exact, loops accumulate, the switch at
+//! the end of a pass, the start delay, stop and restart. Expected values are the points as given,
+//! or follow from them by hand; a motion that begins at 0 has its time 0 at row 1 of the trace.
 mod motion;
 use client::{Answer, Call};
 use motion::{sleep, stop, wait};
@@ -37,7 +37,8 @@ fn status(axis: i16) -> Call {
     Call::of(PvtStatus { core: 1.into(), profile: axis.into(), count: 1.into() })
 }
 
-/// Runs a program of axes 1 and 2 in PVT mode at this tick under a trace of both. Nothing may be late.
+/// Runs a program of axes 1 and 2 in PVT mode at this tick under a trace of both. Nothing may be
+/// late.
 fn run(tick_us: u32, calls: Vec<Call>) -> (Vec<Row>, Vec<Answer>) {
     let ran = motion::run(tick_us, 2, [vec![mode(1), mode(2)], calls].concat());
     (ran.rows, ran.answers)

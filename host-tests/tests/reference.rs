@@ -1,8 +1,10 @@
-//! Random whole programs on the virtual controller beside the reference controller: see `host_tests::reference`.
+//! Random whole programs on the virtual controller beside the reference controller: see
+//! `host_tests::reference`.
 //!
-//! `REFERENCE_PROGRAMS` sets how many programs there are, `REFERENCE_SEED` the first one's number, `REFERENCE_CALLS` how
-//! many calls a program has at most, `REFERENCE_FINDINGS` how many programs that differ are told of before it gives up.
-//! A finding is shrunk and printed as a job. `REFERENCE_TABLE` names a file for how often each function was called.
+//! `REFERENCE_PROGRAMS` sets how many programs there are, `REFERENCE_SEED` the first one's number,
+//! `REFERENCE_CALLS` how many calls a program has at most, `REFERENCE_FINDINGS` how many programs
+//! that differ are told of before it gives up. A finding is shrunk and printed as a job.
+//! `REFERENCE_TABLE` names a file for how often each function was called.
 #[path = "reference/ahead.rs"]
 mod ahead;
 #[path = "reference/analog.rs"]

@@ -152,8 +152,8 @@ fn vcd_shows_every_step_once_and_evenly() {
     vcd.edge(OutputEdge { t_ns: 3_000_000, output: 4, level: true });
     vcd.finish().unwrap();
     let rising = |name| changes(&out, name).into_iter().filter(|c| c.1).map(|c| c.0).collect::<Vec<_>>();
-    // 4 pulses in 1 ms, centred: the middle of each quarter is 125, 375, 625, 875 µs; a slot of 1 ns
-    // counts from its beginning.
+    // 4 pulses in 1 ms, centred: the middle of each quarter is 125, 375, 625, 875 µs; a slot of 1
+    // ns counts from its beginning.
     assert_eq!(rising("axis1_step")[..4], [124_999, 374_999, 624_999, 874_999]);
     assert_eq!(rising("axis1_step")[4..], [2_166_666, 2_499_999, 2_833_333]);
     assert_eq!(changes(&out, "axis1_step").len(), 1 + 2 * 7, "each step rises and falls");
@@ -392,7 +392,8 @@ fn a_path_is_drawn_to_scale_and_lit_where_light_was() {
     for part in ["twice round", "axis 1 position", "axis 2 position", "light of laser 0, duty (%)", "100", "250 ms"] {
         assert!(svg.contains(part), "no {part:?}");
     }
-    // Dark: from the start to the second side, and the second round from the middle of its first side on.
+    // Dark: from the start to the second side, and the second round from the middle of its first
+    // side on.
     let dark = lines(&svg, "#9AA4AE");
     let (first, second) = (&dark[0], &dark[1]);
     let (left, bottom) = first[0];
@@ -405,7 +406,8 @@ fn a_path_is_drawn_to_scale_and_lit_where_light_was() {
         assert!(off.0.abs() < 1.5 && off.1.abs() < 1.5, "{point:?} is not ({x}, {y})");
     };
     lies(second[0], 1010.0, 0.0);
-    // Full power has the last colour of the bar: sides two and three. Half of it the one in the middle.
+    // Full power has the last colour of the bar: sides two and three. Half of it the one in the
+    // middle.
     let full = lines(&svg, "#F2A900");
     lies(full[0][0], 2000.0, 0.0);
     lies(*full.last().unwrap().last().unwrap(), 0.0, 1000.0);

@@ -268,7 +268,8 @@ fn served_over_tcp_it_runs_a_job_in_real_time() {
         let mut watch = Watch::default();
         let summary = client.run(listing_2_1(false), false, &mut watch).unwrap();
         assert_eq!(summary.failed, None);
-        // In the controller's time, which is never ahead of the wall clock by more than the tick that it is in.
+        // In the controller's time, which is never ahead of the wall clock by more than the tick
+        // that it is in.
         let after = now();
         assert!(after - before >= Duration::from_millis(3072), "{before:?} to {after:?}");
         assert!(after <= begun.elapsed() + Duration::from_micros(250), "real time: {after:?} in {:?}", begun.elapsed());

@@ -1,4 +1,5 @@
-//! Lasers of the virtual controller: what its outputs do, what the trace tells of it, and the interlock.
+//! Lasers of the virtual controller: what its outputs do, what the trace tells of it, and the
+//! interlock.
 use client::{Call, Client, Options, Quiet};
 use plant::beam::{Change, Levels};
 use protocol::command::*;
@@ -14,7 +15,8 @@ fn open() -> (Client, Shared) {
     (client, board)
 }
 
-/// Changes of a channel: those of each output by themselves, pulses one by one, a level that lasts for no time left out.
+/// Changes of a channel: those of each output by themselves, pulses one by one, a level that lasts
+/// for no time left out.
 #[derive(Debug, Default, PartialEq)]
 struct Edges {
     energy: Vec<(u64, bool)>,
@@ -150,7 +152,8 @@ fn the_trace_tells_every_edge_of_the_outputs() {
         }
         assert_eq!(edges, outputs, "a row every {every} ticks");
         let [first, second] = edges;
-        // By hand: on at the first tick, 77 µs later the first pulse of 37.5 % of 3.000003 µs; off 130 µs late.
+        // By hand: on at the first tick, 77 µs later the first pulse of 37.5 % of 3.000003 µs; off
+        // 130 µs late.
         assert_eq!(first.switch[..2], [(TICK + 77_000, true), (2_750_000 + 130_000, false)]);
         let light = first.energy.iter().position(|edge| *edge == (TICK + 77_000, true)).unwrap();
         assert_eq!(first.energy[light + 1..light + 3], [(TICK + 77_000 + 1_125, false), (TICK + 77_000 + 3_000, true)]);
@@ -260,8 +263,8 @@ fn the_interlock_rests_everything_until_it_is_cleared() {
     assert!(!board.lock().unwrap().laser(0).switch, "light is not");
 }
 
-/// What both channels do in the first calls of [`marks`] and 5 ms behind them, with the interlock raised that long
-/// after the last tick of the calls; and the instant of that tick.
+/// What both channels do in the first calls of [`marks`] and 5 ms behind them, with the interlock
+/// raised that long after the last tick of the calls; and the instant of that tick.
 fn stopped_after(calls: usize, ns: Option<u64>) -> ([Edges; 2], u64) {
     let (client, board) = open();
     board.lock().unwrap().record_beam(true);

@@ -1,6 +1,8 @@
-//! How much a build holds of what no manual fixes: queues between thread and tick, and what only larger products have.
+//! How much a build holds of what no manual fixes: queues between thread and tick, and what only
+//! larger products have.
 //!
-//! The feature `small` is for a chip whose own RAM is nearly taken up by the capacity that SPEC 11 asks for.
+//! The feature `small` is for a chip whose own RAM is nearly taken up by the capacity that SPEC 11
+//! asks for.
 
 /// Where RAM is plenty: every product profile.
 #[cfg(not(feature = "small"))]
@@ -21,7 +23,8 @@ mod sizes {
     pub type GeneralOutputs = u64;
     /// A bit for each FIFO of each coordinate system.
     pub type Fifos = u16;
-    /// Gate edges of a laser channel that may be pending: 128 marks inside the longest delay (65 ms).
+    /// Gate edges of a laser channel that may be pending: 128 marks inside the longest delay (65
+    /// ms).
     pub const EDGES: usize = 256;
 }
 
@@ -44,7 +47,8 @@ mod sizes {
     pub type GeneralOutputs = u32;
     /// A bit for each FIFO of each coordinate system.
     pub type Fifos = u8;
-    /// Gate edges of a laser channel that may be pending: 64 marks inside the longest delay (65 ms).
+    /// Gate edges of a laser channel that may be pending: 64 marks inside the longest delay (65
+    /// ms).
     pub const EDGES: usize = 128;
 }
 

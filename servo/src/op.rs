@@ -1,9 +1,10 @@
 //! Admitted operations: what the thread hands to the tick.
 //!
-//! An [`Op`] has passed every check, so the tick can only carry it out or, where the machine's state
-//! changed meanwhile (a limit, an alarm), refuse it with a [`crate::view::Event`]. Two lanes lead in:
-//! the immediate lane acts on the next tick; the program lane is timed (SPEC 7): an entry's instant
-//! is that of the entry before plus `delay`, and it acts on the first tick after that instant.
+//! An [`Op`] has passed every check, so the tick can only carry it out or, where the machine's
+//! state changed meanwhile (a limit, an alarm), refuse it with a [`crate::view::Event`]. Two lanes
+//! lead in: the immediate lane acts on the next tick; the program lane is timed (SPEC 7): an
+//! entry's instant is that of the entry before plus `delay`, and it acts on the first tick after
+//! that instant.
 use crate::path;
 use crate::path::axis_map::Frame;
 use crate::port::Simulated;
@@ -158,16 +159,16 @@ pub enum Op {
     ProgramEnd,
     /// Program lane: the script clock waits until none of these runs.
     WaitStandstill { axes: AxisMask, crds: CrdMask },
-    /// All axes of the mask, and the supervision, to power-on state: stopped, servo off, Trap mode, latches cleared. A coordinate system
-    /// that is mapped to one of them has no frame then.
+    /// All axes of the mask, and the supervision, to power-on state: stopped, servo off, Trap mode,
+    /// latches cleared. A coordinate system that is mapped to one of them has no frame then.
     Reset { axes: AxisMask },
     /// Clears latched status bits whose cause is gone.
     ClearStatus { axes: AxisMask },
     /// Servo on or off; off while moving stops abruptly.
     Servo { axis: Axis, on: bool },
-    /// Stops: axes in `abrupt` at once, the others with their stop deceleration; coordinate systems along their paths,
-    /// those in `crds_abrupt` at once. An axis that a coordinate system drives stops that, abruptly if one of its axes is
-    /// in `abrupt`.
+    /// Stops: axes in `abrupt` at once, the others with their stop deceleration; coordinate systems
+    /// along their paths, those in `crds_abrupt` at once. An axis that a coordinate system drives
+    /// stops that, abruptly if one of its axes is in `abrupt`.
     Stop { axes: AxisMask, abrupt: AxisMask, crds: CrdMask, crds_abrupt: CrdMask },
     /// Dark at once, and all motion stops smoothly (SPEC 9, "Abort").
     Abort,
@@ -183,8 +184,8 @@ pub enum Op {
     SetEncoder { axis: Axis, pulses: i64 },
     /// Planned position := encoder position, at standstill.
     Synchronise { axes: AxisMask },
-    /// Mode at standstill, any but `Mode::Crd`. A change of mode or of the use of the FIFO clears the PT
-    /// data.
+    /// Mode at standstill, any but `Mode::Crd`. A change of mode or of the use of the FIFO clears
+    /// the PT data.
     SetMode { axis: Axis, mode: Mode },
     /// Stop decelerations.
     StopDec { axis: Axis, smooth: Accel, abrupt: Accel },
@@ -202,8 +203,8 @@ pub enum Op {
     Output { group: DoGroup, mask: u64, value: u64 },
     /// Sets an input of a machine that has no wires.
     Simulate(Simulated),
-    /// The same later, as row `row` of a plan; `after` counts from the tick that executes this, or from the zero of the next
-    /// program's script clock.
+    /// The same later, as row `row` of a plan; `after` counts from the tick that executes this, or
+    /// from the zero of the next program's script clock.
     Plan { row: u16, after: Ns, of_script: bool, input: Simulated },
     /// Analog output.
     Analog { channel: u8, value: i16 },
@@ -221,7 +222,8 @@ pub enum Op {
     /// mode it counts only if `epoch` is that of the axis: data for a stream that has ended is
     /// refused.
     PtCommit { axis: Axis, fifo: u8, end: u32, epoch: u32 },
-    /// Empties a FIFO that is not running (both in dynamic mode, at standstill); its count begins at 0 again.
+    /// Empties a FIFO that is not running (both in dynamic mode, at standstill); its count begins
+    /// at 0 again.
     PtClear { axis: Axis, fifo: u8 },
     /// Passes; 0 is for ever.
     PtLoop { axis: Axis, passes: u32 },
@@ -262,9 +264,9 @@ pub enum Op {
     /// `edges`: with the plans of the laser channels between the rows; `outputs`: with the general
     /// outputs when they change.
     Trace { every: u32, axes: AxisMask, crds: CrdMask, lasers: u8, edges: bool, outputs: bool },
-    /// SetCrdPrm, at standstill: which axes it drives and where its zero is; these are in `Mode::Crd`
-    /// from now on. Both FIFOs are empty; stop deceleration and override have their power-on values
-    /// (1 pulse/ms², 1).
+    /// SetCrdPrm, at standstill: which axes it drives and where its zero is; these are in
+    /// `Mode::Crd` from now on. Both FIFOs are empty; stop deceleration and override have their
+    /// power-on values (1 pulse/ms², 1).
     CrdFrame { crd: Crd, frame: Frame },
     /// The FIFO now ends at this count of entries pushed since it was cleared. It counts only if
     /// `cleared` is what the view has for this FIFO.
@@ -281,9 +283,10 @@ pub enum Op {
     CrdLag { crd: Crd, lag: crate::laser::Lag },
     /// A laser channel (from 0) changes.
     Laser { channel: u8, change: crate::laser::Change },
-    /// Ends the velocity follows that entries of these coordinate systems began (Stop, bits 10 and 11).
+    /// Ends the velocity follows that entries of these coordinate systems began (Stop, bits 10 and
+    /// 11).
     FollowEnd { crds: CrdMask },
-    /// The host link is lost, or is there again. Its loss shuts off a channel whose light is on or may come, and
-    /// every channel while a program runs; motion brakes as `Supervision` says.
+    /// The host link is lost, or is there again. Its loss shuts off a channel whose light is on or
+    /// may come, and every channel while a program runs; motion brakes as `Supervision` says.
     Link { lost: bool },
 }

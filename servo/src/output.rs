@@ -1,7 +1,9 @@
-//! What leaves the tick as signals in time: steps, PWM and gate cycles of timers, outputs that change within a tick.
+//! What leaves the tick as signals in time: steps, PWM and gate cycles of timers, outputs that
+//! change within a tick.
 //!
-//! In: set-points and actions of lasers at exact instants. Out: words and cycles in the form in which hardware takes them. Owns the
-//! remainders that cycles carry on. Fails towards the safe state: what comes too late is left out.
+//! In: set-points and actions of lasers at exact instants. Out: words and cycles in the form in
+//! which hardware takes them. Owns the remainders that cycles carry on. Fails towards the safe
+//! state: what comes too late is left out.
 pub(crate) mod cycle_ring;
 pub(crate) mod cycles;
 pub(crate) mod delay_line;

@@ -111,7 +111,8 @@ pub trait Port {
     /// once a tick with 0; then with growing instants where entries of a path change outputs within
     /// the interval that the next tick begins.
     fn outputs(&mut self, at: u32, enable: u64, clear: u64, general: GeneralOutputs);
-    /// Analog output, −32768…32767 is −10…10 V, from `at` ns after the next tick on, in the same order.
+    /// Analog output, −32768…32767 is −10…10 V, from `at` ns after the next tick on, in the same
+    /// order.
     fn analog_out(&mut self, at: u32, channel: usize, value: i16);
     /// Whether the interlock (or emergency-stop) input now wants every laser output in its safe
     /// state. The hardware forces PWM and switch there by itself; the tick latches it and does the
@@ -124,12 +125,14 @@ pub trait Port {
     fn simulate(&mut self, _: Simulated) {}
     /// Row `row` (from 0, in order) of a plan of inputs; row 0 begins another plan.
     fn plan(&mut self, _row: u16, _due: Due, _: Simulated) {}
-    /// Takes the next row of the plan if it is due before `next`. `zero` is the script clock's zero, while a program runs.
+    /// Takes the next row of the plan if it is due before `next`. `zero` is the script clock's
+    /// zero, while a program runs.
     fn planned(&mut self, _next: Ns, _zero: Option<Ns>) -> Option<Simulated> {
         None
     }
     /// Rows that wait for a program are dropped: their session is over.
     fn forget_plan(&mut self) {}
-    /// What a laser channel does in the interval that begins with the next tick and ends with the one after.
+    /// What a laser channel does in the interval that begins with the next tick and ends with the
+    /// one after.
     fn laser(&mut self, channel: usize, plan: &Plan);
 }

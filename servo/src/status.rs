@@ -1,4 +1,5 @@
-//! The status word of `GetSts` (SPEC 4), the states of `GetPtState`, and why an axis came to standstill.
+//! The status word of `GetSts` (SPEC 4), the states of `GetPtState`, and why an axis came to
+//! standstill.
 
 /// Drive alarm; latches.
 pub const ALARM: u32 = 1 << 1;

@@ -217,7 +217,8 @@ impl<const AXES: usize> Tick<AXES> {
         self.lasers.trip(Cause::Overrun);
     }
 
-    /// The run before this one ended by a panic, a fault or the watchdog: lasers stay dark until cleared.
+    /// The run before this one ended by a panic, a fault or the watchdog: lasers stay dark until
+    /// cleared.
     pub fn restarted(&mut self) {
         self.lasers.trip(Cause::Restart);
     }
@@ -441,7 +442,8 @@ impl<const AXES: usize> Tick<AXES> {
                         self.emit(row, chosen, reach.samples);
                     }
                 }
-                // A Reset of the program that has begun is carried out as a whole, and nothing after it.
+                // A Reset of the program that has begun is carried out as a whole, and nothing
+                // after it.
                 Op::ProgramDrop if self.resetting != 0 => {
                     drops = true;
                     break;

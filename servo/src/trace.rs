@@ -1,8 +1,8 @@
 //! The trace: samples of chosen axes and laser channels at chosen ticks.
 //!
-//! In: the motion of every axis and the plans of laser channels, a tick at a time. Out: samples into a ring.
-//! Owns: the counters of rows and ticks.
-//! Fails: a full ring loses the sample and counts it; the row numbers show which.
+//! In: the motion of every axis and the plans of laser channels, a tick at a time. Out: samples
+//! into a ring. Owns: the counters of rows and ticks. Fails: a full ring loses the sample and
+//! counts it; the row numbers show which.
 use crate::capacity::GeneralOutputs;
 use crate::capacity::SAMPLES;
 use crate::laser::{ANALOG, Action, Plan, Tables};
@@ -77,8 +77,8 @@ impl Trace {
         }
     }
 
-    /// What a channel's outputs carry when the trace begins; the trains before it are not known, so they
-    /// begin anew.
+    /// What a channel's outputs carry when the trace begins; the trains before it are not known, so
+    /// they begin anew.
     pub(crate) fn record_carried(
         &mut self,
         channel: u8,

@@ -38,15 +38,16 @@ pub struct AxisView {
     /// The piece in force and the position in it: the reader derives velocity and acceleration.
     /// While it follows (`lead`) the piece is over the master's progress, see [`View::motion`].
     pub motion: Motion,
-    /// PT: end time (ms from the start of pass or stream) of what was committed, minus now; rounded down.
-    /// Brought up to date every eighth tick.
+    /// PT: end time (ms from the start of pass or stream) of what was committed, minus now; rounded
+    /// down. Brought up to date every eighth tick.
     pub dry_ms: u32,
     /// PT: segments of FIFO 0 (in dynamic mode, of the ring) that have run and whose slots are
     /// free.
     pub released: u32,
     /// PT, PVT, Follow: passes completed.
     pub passes: u32,
-    /// PVT: instant at which the time of the table in force was 0 (in later passes: would have been).
+    /// PVT: instant at which the time of the table in force was 0 (in later passes: would have
+    /// been).
     pub table_zero: Ns,
     /// Follow: the displacement of its master in the tick, in units of Pos.
     pub master_displacement: i64,
@@ -57,8 +58,9 @@ pub struct AxisView {
     pub changes: u32,
     /// Status word of `GetSts` (SPEC 4).
     pub status: u32,
-    /// Those latched bits of `status` that refuse a start until ClearStatus: alarm, following error, and
-    /// limits hit since. A limit that is still active after ClearStatus stays in `status` but not here.
+    /// Those latched bits of `status` that refuse a start until ClearStatus: alarm, following
+    /// error, and limits hit since. A limit that is still active after ClearStatus stays in
+    /// `status` but not here.
     pub blocked: u32,
     /// The reason of the last stop.
     pub stop: StopReason,
@@ -69,8 +71,9 @@ pub struct AxisView {
     pub lead: Option<Lead>,
     /// The coordinate system whose motion makes that of this axis; none while none drives it.
     pub drive: Option<Drive>,
-    /// PT: times a dynamic stream ended, for whatever reason (ran out, underrun, Stop, fault). Its data is
-    /// cleared then, counts and times begin at 0, and segments pushed for an earlier epoch are void.
+    /// PT: times a dynamic stream ended, for whatever reason (ran out, underrun, Stop, fault). Its
+    /// data is cleared then, counts and times begin at 0, and segments pushed for an earlier epoch
+    /// are void.
     pub epoch: u32,
     /// PT state as `GetPtState` reports it: 0 never ran, 1 running, 2 ended, 3 underrun, 4 stopped.
     pub pt_state: u8,
@@ -86,8 +89,8 @@ pub struct AxisView {
     pub switching: bool,
     /// Follow: what it waits for, after the tick that computed this.
     pub waits: Awaits,
-    /// Follow: times a switch has emptied each FIFO. `passes` are those of the FIFO that runs; they go down
-    /// when the master goes back (direction 0).
+    /// Follow: times a switch has emptied each FIFO. `passes` are those of the FIFO that runs; they
+    /// go down when the master goes back (direction 0).
     pub cleared: [u32; 2],
     /// Captured encoder position, if `captured`.
     pub captured: Option<i64>,
@@ -246,7 +249,8 @@ pub struct View<const AXES: usize> {
     pub now: Ns,
     /// Tick period.
     pub period: Ns,
-    /// Controller time at which the script clock was zero: the tick in force when the program began.
+    /// Controller time at which the script clock was zero: the tick in force when the program
+    /// began.
     pub script_zero: Ns,
     /// Script clock: the instant of the last program entry executed, from the program's start.
     pub script: Ns,
@@ -256,13 +260,15 @@ pub struct View<const AXES: usize> {
     pub late: u32,
     /// Number of the first of them, 0 if there is none.
     pub first_late: u32,
-    /// Number of the last entry executed when the first tick of the program took too long, 0 if none has.
+    /// Number of the last entry executed when the first tick of the program took too long, 0 if
+    /// none has.
     pub overran: u32,
     /// A laser command that changes light, or the outputs without light, was late.
     pub late_light: bool,
     /// Whether the program lane runs; else it is held.
     pub program_runs: bool,
-    /// An abort is in progress: on commands of lasers are refused until everything has come to standstill.
+    /// An abort is in progress: on commands of lasers are refused until everything has come to
+    /// standstill.
     pub aborts: bool,
     /// Servo-enable outputs.
     pub enable: u64,
@@ -350,7 +356,8 @@ impl<const AXES: usize> View<AXES> {
     };
 }
 
-/// One traced axis, coordinate system or laser channel in one traced tick. Those of a row come in this order.
+/// One traced axis, coordinate system or laser channel in one traced tick. Those of a row come in
+/// this order.
 #[derive(Debug, Clone, Copy)]
 pub struct Sample {
     /// Row number since the trace began, 0 the state before the first call acts.
@@ -414,7 +421,8 @@ pub enum Traced {
         /// ns.
         ns: u32,
     },
-    /// The general outputs have these levels from here on: like an action, before the row of the tick `row`.
+    /// The general outputs have these levels from here on: like an action, before the row of the
+    /// tick `row`.
     Outputs {
         /// ns from the beginning of the interval.
         at: u32,

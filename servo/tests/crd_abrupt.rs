@@ -76,7 +76,8 @@ fn let_go(bench: &mut Bench, cause: Cause) {
     bench.tick();
 }
 
-/// Random paths of lines as long as some ticks or shorter, with outputs and delays between them; levels count up.
+/// Random paths of lines as long as some ticks or shorter, with outputs and delays between them;
+/// levels count up.
 fn entries(chance: &mut Chance) -> (Vec<Entry>, [i32; 2], u64) {
     let (mut entries, mut to, mut level) = (Vec::new(), [-100, 50], 0);
     let most = [4, 40, 400][chance.below(3) as usize];
@@ -172,8 +173,8 @@ fn what_stops_at_once_shows_the_set_points_of_the_tick_before_and_goes_on() {
     assert!(stops > 2000 && within > 1000 && back > 50, "{stops} {within} {back}");
 }
 
-/// Motions shorter than a tick with axes geared to them, stopped in any tick: each axis ends where its gears add up to. What
-/// was geared to a motion that had ended was made twice.
+/// Motions shorter than a tick with axes geared to them, stopped in any tick: each axis ends where
+/// its gears add up to. What was geared to a motion that had ended was made twice.
 #[test]
 fn what_is_geared_goes_along_once() {
     let mut chance = Chance::new(9);

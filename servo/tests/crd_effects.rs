@@ -77,7 +77,8 @@ fn outputs_change_at_the_instant_of_their_boundary() {
         let found = edges(&mut bench, zero);
         let values: Vec<u64> = found.iter().map(|(_, value)| value & 0xff).collect();
         assert_eq!(values, [1, 2, 3, 4, 5], "{period}");
-        // 50 pulses to 10 pulse/ms in 10 ms, 5 ms more; 50 pulses of braking; a delay; a circle of 50·2π from rest to rest.
+        // 50 pulses to 10 pulse/ms in 10 ms, 5 ms more; 50 pulses of braking; a delay; a circle of
+        // 50·2π from rest to rest.
         let (first, second) = (15.0, 25.0);
         let third = second + 7.0;
         let last = third + 20.0 + (100.0 * std::f64::consts::PI - 100.0) / 10.0;
@@ -91,7 +92,8 @@ fn outputs_change_at_the_instant_of_their_boundary() {
     }
 }
 
-/// Two paths in one interval: their edges come in the order of time, and each leaves the other's outputs alone.
+/// Two paths in one interval: their edges come in the order of time, and each leaves the other's
+/// outputs alone.
 #[test]
 fn outputs_of_two_paths_come_in_order() {
     let mut bench = prepared(1000);

@@ -33,7 +33,8 @@ fn place(view: &View<AXES>, axes: [usize; 2]) -> [f64; 2] {
 /// A boundary within a ns after a tick: that tick is still in the motion before.
 #[test]
 fn a_boundary_just_behind_a_tick_is_behind_it() {
-    // Up to 10 pulse/ms at `acc` in 5/acc ms more than the 4 ms of 40 pulses at that speed: 4.5 ms and half a ns.
+    // Up to 10 pulse/ms at `acc` in 5/acc ms more than the 4 ms of 40 pulses at that speed: 4.5 ms
+    // and half a ns.
     let (vel, acc) = (10.0, 5.0 / 0.500_000_5);
     let along = speeds(vel, acc, vel);
     let entries: Vec<_> = (1..=6).map(|k| Entry::planar([40 * k - 100, 50], along)).collect();
@@ -156,7 +157,8 @@ fn stop(bench: &mut Bench, axes: &[usize], abrupt: &[usize]) {
     bench.now(Op::stop(all(axes), all(abrupt)));
 }
 
-/// Every coordinate drives the axis that it is mapped to, from the origin, in lines, arcs and circles of each plane.
+/// Every coordinate drives the axis that it is mapped to, from the origin, in lines, arcs and
+/// circles of each plane.
 #[test]
 fn any_axes_in_any_order_with_any_origin() {
     for (axes, origin) in [
@@ -194,7 +196,8 @@ fn any_axes_in_any_order_with_any_origin() {
     }
 }
 
-/// Velocity and acceleration of an axis on an arc: R·ω·sin and R·ω²·cos, and what the path's own acceleration adds.
+/// Velocity and acceleration of an axis on an arc: R·ω·sin and R·ω²·cos, and what the path's own
+/// acceleration adds.
 #[test]
 fn axes_on_an_arc_have_their_own_velocity_and_acceleration() {
     let (r, v, a) = (500.0, 20.0, 0.5);
@@ -393,7 +396,8 @@ fn faults_and_limits_of_one_axis_stop_all() {
     }
 }
 
-/// A switch that is active lets an axis move away, and stops the path only when it comes to move against it.
+/// A switch that is active lets an axis move away, and stops the path only when it comes to move
+/// against it.
 #[test]
 fn a_path_may_leave_an_active_limit_switch() {
     let mut bench = prepared(250, &[Entry::planar([-200, -150], speeds(10.0, 1.0, 0.0)), line(-200, 0)]);
@@ -409,7 +413,8 @@ fn a_path_may_leave_an_active_limit_switch() {
     assert_eq!(view.crds[0].done[0], 1);
 }
 
-/// No planned position goes beyond a soft limit, wherever the path crosses it and however long a tick is.
+/// No planned position goes beyond a soft limit, wherever the path crosses it and however long a
+/// tick is.
 #[test]
 fn soft_limits_hold_lines_and_arcs() {
     let along = speeds(97.0, 3.0, 97.0);
@@ -540,7 +545,8 @@ fn what_is_made_ahead_does_not_outlive_a_change() {
     let first = [Entry::planar([200, 50], v), Entry::planar([400, 50], v)];
     let more = [Entry::planar([400, 250], v), Entry::planar([0, 0], speeds(10.0, 1.0, 0.0))];
     for period in [250, 1000] {
-        // Data that comes at once, or after so many ticks, until the second motion has begun to brake.
+        // Data that comes at once, or after so many ticks, until the second motion has begun to
+        // brake.
         let mut seen: Vec<Vec<[Pos; 2]>> = Vec::new();
         for late in [0u64, 3, 20, 28] {
             let mut bench = prepared(period, &first);
@@ -627,7 +633,8 @@ fn naming_a_position_moves_the_coordinates_with_it() {
     assert_eq!(place(&finish(&mut bench, 0), [2, 5]), [100.0, -50.0]);
 }
 
-/// An axis that goes into another mode leaves its coordinate system; setting that again takes it back.
+/// An axis that goes into another mode leaves its coordinate system; setting that again takes it
+/// back.
 #[test]
 fn an_axis_may_leave_and_come_back() {
     let mut bench = prepared(250, &[line(200, 450)]);

@@ -186,7 +186,8 @@ fn a_queued_switch_goes_to_the_other_fifo() {
             let tau = (x - 10.0) / 10.0;
             let (a, top) = (10.0, -20.0);
             let first = |tau: f64| a * tau + top * tau * tau * tau / 3.0;
-            // Point symmetric: the ratio ends at 0, so from the end it is the fall of the same slope.
+            // Point symmetric: the ratio ends at 0, so from the end it is the fall of the same
+            // slope.
             5.0 + if tau < 0.5 { first(tau) } else { 5.0 + top * (1.0 - tau).powi(3) / 3.0 }
         } else {
             10.0 + 15.0 * (x - 20.0) * (x - 20.0) / 100.0

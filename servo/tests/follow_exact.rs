@@ -1,4 +1,5 @@
-//! Follow against exact arithmetic on the doubles as given (SPEC 11): positions and ratios of random tables, both ways, many passes.
+//! Follow against exact arithmetic on the doubles as given (SPEC 11): positions and ratios of
+//! random tables, both ways, many passes.
 //!
 //! The reference counts in 2⁻³²⁰ and divides; it never approximates. FOLLOW_TABLES asks for the
 //! long run.

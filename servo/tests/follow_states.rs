@@ -222,7 +222,8 @@ fn a_slave_of_one_way_stands_from_where_its_master_turns() {
 
 #[test]
 fn a_master_that_is_stopped_before_it_turns_round_does_not_turn() {
-    // From 2000 on it goes at 1 − t/0.8, turns at 0.8 ms, ends at 1 ms. The tick of the stop is that from 0.6 to 1.3.
+    // From 2000 on it goes at 1 − t/0.8, turns at 0.8 ms, ends at 1 ms. The tick of the stop is
+    // that from 0.6 to 1.3.
     let mut bench = three_times(700);
     bench.now(Op::SetMode { axis: axis(0), mode: Mode::PtStatic });
     bench.pt(0, 0, &[(2000.0, 2000, 1), (2000.375, 2001, 0)]);

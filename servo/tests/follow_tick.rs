@@ -187,8 +187,8 @@ fn filtered(period: u32, master: usize, value: Value) -> Bench {
 
 #[test]
 fn a_filtered_encoder_answers_as_a_lag_of_first_order_at_any_period() {
-    // A ramp begins at rest: x = v·t, y = v·(t − τ·(1 − exp(−t/τ))); after its end x − y dies away with exp(−t/τ).
-    // Every speed is whole pulses per tick.
+    // A ramp begins at rest: x = v·t, y = v·(t − τ·(1 − exp(−t/τ))); after its end x − y dies away
+    // with exp(−t/τ). Every speed is whole pulses per tick.
     for (speed, period) in [(20, 50), (20, 250), (20, 1000), (20_000, 10), (20_000, 50), (20_000, 250), (20_000, 1000)]
     {
         let ramp = |t: f64| speed as f64 * (t + TAU * (-t / TAU).exp_m1());

@@ -9,7 +9,8 @@ use servo::segment::ramp::{Accel, Speed};
 use servo::units::{AxisMask, CrdMask, StepLimit};
 use servo::view::StopReason;
 
-/// A coordinate system on the first two axes; a carrier of 10 kHz, 100 %, so that light is one pulse.
+/// A coordinate system on the first two axes; a carrier of 10 kHz, 100 %, so that light is one
+/// pulse.
 fn prepared(period_us: u32) -> Bench {
     let mut bench = Bench::new(period_us);
     bench.change(Change::Reset { family: Family::Gus });
@@ -355,7 +356,8 @@ fn a_reset_puts_the_supervision_to_power_on_state() {
     assert_eq!(bench.view().axes[3].stop, StopReason::Interlock);
 }
 
-/// The path runs out at speed some 12 ms after its start: in the tick in which the abort comes, before it and after it.
+/// The path runs out at speed some 12 ms after its start: in the tick in which the abort comes,
+/// before it and after it.
 #[test]
 fn an_underrun_does_not_put_off_an_abort() {
     let mut underruns = 0;

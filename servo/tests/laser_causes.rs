@@ -8,7 +8,8 @@ use servo::path::Entry;
 use servo::units::{AxisMask, Pos, StepLimit};
 use servo::view::{LaserView, StopReason, View};
 
-/// Coordinate system 1 on axes 1 and 2; channel 0 heeds it, channel 1 heeds coordinate system 2 alone. Both are lit by calls.
+/// Coordinate system 1 on axes 1 and 2; channel 0 heeds it, channel 1 heeds coordinate system 2
+/// alone. Both are lit by calls.
 fn prepared(period_us: u32) -> Bench {
     let mut bench = Bench::new(period_us);
     bench.change(Change::Reset { family: Family::Gus });

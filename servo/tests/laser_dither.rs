@@ -1,5 +1,6 @@
-//! Frequencies and duties against exact rationals, over the whole range and for timers of 100 MHz to 1 GHz:
-//! the mean over a repetition is within 1 ppm and 0.001 % (SPEC 11), and no shorter repetition is.
+//! Frequencies and duties against exact rationals, over the whole range and for timers of 100 MHz
+//! to 1 GHz: the mean over a repetition is within 1 ppm and 0.001 % (SPEC 11), and no shorter
+//! repetition is.
 mod chance;
 mod laser_bench;
 use chance::Chance;
@@ -146,7 +147,8 @@ fn a_rate_is_exact_to_the_fraction_that_keeps_its_phase() {
                 let train = view.train;
                 assert!(rate_holds(&counts(train.period), khz, clock), "{khz} kHz: {train:?}");
                 assert_eq!(train.period.of, 0);
-                // Up to the next 2⁻³² counts, of the power as it is held, 2⁻⁴⁴ kHz; to 60 bits, where a period is longer than that.
+                // Up to the next 2⁻³² counts, of the power as it is held, 2⁻⁴⁴ kHz; to 60 bits,
+                // where a period is longer than that.
                 let exact = ratio(clock.mhz() as u64 * 1000, 1) * ratio(1 << 44, power(khz).raw() as u64);
                 let up = counts(train.period) - &exact;
                 let slack = &exact * ratio(1, 1 << 60);

@@ -28,7 +28,8 @@ fn edges(period_us: u32, delays: (u16, u16), commands: &[(u64, bool)]) -> Vec<(u
     }
     bench.until(400 * MS);
     let switch = bench.switch();
-    // With 100 % of the carrier, and no pulse to finish beyond 100 µs, light is where the switch is on.
+    // With 100 % of the carrier, and no pulse to finish beyond 100 µs, light is where the switch is
+    // on.
     switch.iter().map(|(at, level)| (at / US, *level)).collect()
 }
 
@@ -152,7 +153,8 @@ fn a_gate_on_during_a_first_pulse_begins_a_new_one() {
     bench.until(30 * MS);
     // Pulses 1 … 3.5 and 3 … 5.5 are one. The first mark is shorter than its shift: no light.
     assert_eq!(bench.switch(), [(MS, true), (5500 * US, false)]);
-    // The light ends at 10.1 ms, and with it the level of full duty, whose last period would end 100 µs later.
+    // The light ends at 10.1 ms, and with it the level of full duty, whose last period would end
+    // 100 µs later.
     assert_eq!(bench.pulses(), [(5200 * US, 10_100 * US)]);
 }
 
@@ -211,8 +213,8 @@ fn changes_of_the_first_pulse_killer_while_on_touch_the_switch_only() {
 
 #[test]
 fn the_manuals_hazard_cannot_happen() {
-    // LSR 2, LaserPowerMode: with delays and follow both on, light goes on after the off command. Whatever the
-    // power does, the gate decides.
+    // LSR 2, LaserPowerMode: with delays and follow both on, light goes on after the off command.
+    // Whatever the power does, the gate decides.
     let mut bench = plain(50);
     bench.delays(200, 100);
     bench.gate(true);
@@ -242,7 +244,8 @@ fn another_mode_ends_the_light_at_once() {
     bench.until(6 * MS);
     assert_eq!(bench.switch(), [(MS, true), (5 * MS, false)]);
     let pulses = bench.pulses();
-    // Standby before the light from the first tick on is cut by it; after it, it begins where it ends.
+    // Standby before the light from the first tick on is cut by it; after it, it begins where it
+    // ends.
     assert_eq!(
         pulses,
         [
@@ -269,7 +272,8 @@ fn another_mode_ends_the_light_at_once() {
 #[test]
 fn another_mode_and_a_reset_cut_the_pulse() {
     for reset in [false, true] {
-        // Pulses of 250 µs every 770 µs: the one that begins at 1000 + 2310 µs would end 60 µs after the light.
+        // Pulses of 250 µs every 770 µs: the one that begins at 1000 + 2310 µs would end 60 µs
+        // after the light.
         let mut bench = Bench::new(250);
         bench.carrier(1000.0 / 770.0);
         bench.direct(100.0 * 250.0 / 770.0);

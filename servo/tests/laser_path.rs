@@ -71,7 +71,8 @@ fn the_gate_moves_at_the_instant_of_its_place_with_its_delays() {
     }
 }
 
-/// 50 % on the first line, 30 % on the second, from the corner on: the pulse in progress is finished.
+/// 50 % on the first line, 30 % on the second, from the corner on: the pulse in progress is
+/// finished.
 #[test]
 fn direct_power_changes_at_the_corner() {
     for period in PERIODS {
@@ -123,7 +124,8 @@ fn a_follow_begins_and_ends_at_its_place() {
     }
 }
 
-/// x = 0.1·v + 10, held in 10 to 14, along a trapezoid: each tick has the speed in the middle of its interval.
+/// x = 0.1·v + 10, held in 10 to 14, along a trapezoid: each tick has the speed in the middle of
+/// its interval.
 #[test]
 fn the_power_follows_the_middle_of_the_interval() {
     for period in [50, 250, 1000] {
@@ -232,8 +234,8 @@ fn a_stop_keeps_light_dark_until_the_path_goes_on() {
     }
 }
 
-/// An abrupt Stop sets the path back into a mark whose end has been passed in that tick. Lit by a call, or by the start that
-/// continues, the mark ends at the same position as before.
+/// An abrupt Stop sets the path back into a mark whose end has been passed in that tick. Lit by a
+/// call, or by the start that continues, the mark ends at the same position as before.
 #[test]
 fn the_end_of_a_mark_comes_again_after_an_abrupt_stop_before_it() {
     let mut within = 0;
@@ -448,7 +450,8 @@ fn any_number_of_starts_and_stops_at_one_instant() {
     assert_eq!((published.fault, published.light, bench.view().crds[0].runs), (Cause::None, true, true));
 }
 
-/// Out of entries at speed: dark there, to the ns, in every output; it stays so until it is cleared.
+/// Out of entries at speed: dark there, to the ns, in every output; it stays so until it is
+/// cleared.
 #[test]
 fn an_underrun_is_dark_at_its_instant() {
     for period in PERIODS {
@@ -573,7 +576,8 @@ fn a_fault_of_an_axis_puts_out_what_its_coordinate_system_gates() {
     assert_eq!(faults(&mut bench), [Cause::ServoOff, Cause::None]);
 }
 
-/// A lost link stops paths in the dark; with the fault cleared their light comes back as they go on.
+/// A lost link stops paths in the dark; with the fault cleared their light comes back as they go
+/// on.
 #[test]
 fn light_comes_back_after_a_lost_link() {
     let lost = |entries: &[Entry]| {
@@ -619,7 +623,8 @@ fn light_comes_back_after_a_lost_link() {
     bench.start(1);
     bench.until_ms(80);
     assert!(bench.view().crds[0].runs && !bench.view().lasers[0].light);
-    // Braking in the dark, it passes an off entry, which counts, and an on entry, which is not remembered.
+    // Braking in the dark, it passes an off entry, which counts, and an on entry, which is not
+    // remembered.
     assert!(!lost(&[light(true), line([170, 0], 10.0, 1.0, 10.0), light(false), far]));
     assert!(!lost(&[light(true), line([170, 0], 10.0, 1.0, 10.0), light(false), light(true), far]));
 }
@@ -690,7 +695,8 @@ fn both_follows_add_up() {
         );
         let zero = bench.start(1);
         bench.until(zero + 30 * MS);
-        // At 250 pulses: 0.05·150 = 7.5; the velocity part 25 → 22 in GUS; in LSR 25 + 7 + 7.5 held in 5 to 22.
+        // At 250 pulses: 0.05·150 = 7.5; the velocity part 25 → 22 in GUS; in LSR 25 + 7 + 7.5 held
+        // in 5 to 22.
         let want = if family == Family::Gus { 29.5 } else { 22.0 };
         let published = bench.view().lasers[0];
         assert_eq!((number(published.power), published.light), (want, true), "{family:?}");
@@ -707,7 +713,8 @@ fn both_follows_add_up() {
     }
 }
 
-/// The encoders' path speed, of the interval before, without a filter and with that of power-on: 1 ms.
+/// The encoders' path speed, of the interval before, without a filter and with that of power-on: 1
+/// ms.
 #[test]
 fn the_encoders_of_a_path_may_be_followed() {
     for filtered in [false, true] {

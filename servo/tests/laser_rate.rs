@@ -1,5 +1,6 @@
-//! Pulses of a rate keep their phase (SPEC 6): the next one comes when the integral of the rate since the last one reaches 1.
-//! So under a velocity follow they lie at equal distances along the path, from the first one on.
+//! Pulses of a rate keep their phase (SPEC 6): the next one comes when the integral of the rate
+//! since the last one reaches 1. So under a velocity follow they lie at equal distances along the
+//! path, from the first one on.
 mod laser_bench;
 use laser_bench::*;
 use num_rational::Ratio as Exact;
@@ -53,14 +54,16 @@ fn instant(place: Number, period_us: u32) -> Number {
         let end = (begin + period).min(Number::from_integer(25));
         let (from, to) = (way(begin), way(end));
         if place < to {
-            // The last interval may go on beyond the end of the motion, at the mean of the whole of it.
+            // The last interval may go on beyond the end of the motion, at the mean of the whole of
+            // it.
             return (begin + period * (place - from) / (to - from)) * Number::from_integer(1_000_000);
         }
     }
     panic!("{place} is not on the path")
 }
 
-/// A pulse at every pitch: in acceleration, at full speed and while it brakes, whatever the tick is.
+/// A pulse at every pitch: in acceleration, at full speed and while it brakes, whatever the tick
+/// is.
 #[test]
 fn pulses_under_a_follow_lie_at_equal_distances() {
     for period_us in [10, 50, 250, 1000] {

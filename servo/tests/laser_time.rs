@@ -1,4 +1,5 @@
-//! Light in sum and edges in time: on-time of a million marks, and the same edges whatever the tick is.
+//! Light in sum and edges in time: on-time of a million marks, and the same edges whatever the tick
+//! is.
 mod chance;
 mod laser_bench;
 use chance::Chance;
@@ -48,7 +49,8 @@ fn on_time_is_the_sum_of_a_million_marks() {
 
 #[test]
 fn on_time_is_that_of_the_light_behind_the_first_pulse_killer() {
-    // Marks of 3 ms with a shift of 1001 µs and a tail of 1234 µs: 3.233 ms of light each, power or not.
+    // Marks of 3 ms with a shift of 1001 µs and a tail of 1234 µs: 3.233 ms of light each, power or
+    // not.
     let mut bench = Bench::new(1000);
     bench.fpk(Some((1500, 1001, 1234)));
     for _ in 0..1000 {

@@ -1,6 +1,8 @@
-//! Arcs and circles: on their radius at every tick, as long as they should be, on their target at the end.
+//! Arcs and circles: on their radius at every tick, as long as they should be, on their target at
+//! the end.
 //!
-//! The truth is the circle through both ends with the sweep, in doubles: on 2³¹ pulses they are good to 10⁻⁶ pulse.
+//! The truth is the circle through both ends with the sweep, in doubles: on 2³¹ pulses they are
+//! good to 10⁻⁶ pulse.
 use servo::path::{Entry, Item, Path, PathStop, Plane, Refused, Sweep};
 use servo::units::Pos;
 use std::f64::consts::{PI, TAU};
@@ -146,7 +148,8 @@ fn full_circles_come_back_to_their_start() {
 fn planes_turn_as_seen_from_their_third_axis() {
     for (plane, towards) in PLANES.into_iter().zip([[0, 1], [1, 2], [2, 0]]) {
         assert_eq!(plane.coordinates(), towards);
-        // A counterclockwise quarter around the origin from the first axis of the plane to the second.
+        // A counterclockwise quarter around the origin from the first axis of the plane to the
+        // second.
         let mut from = [0; 4];
         from[towards[0]] = 1000;
         let sweep = Sweep::admit(0.25f64.to_bits(), false, true).unwrap();
@@ -167,7 +170,8 @@ fn planes_turn_as_seen_from_their_third_axis() {
     }
 }
 
-/// An entry has 38 bits of a speed and 32 of the one at the end: where they are the same they stay it.
+/// An entry has 38 bits of a speed and 32 of the one at the end: where they are the same they stay
+/// it.
 #[test]
 fn an_arc_that_ends_at_its_speed_does() {
     let sweep = Sweep::admit(0.1f64.to_bits(), false, true).unwrap();

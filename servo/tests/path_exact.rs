@@ -1,6 +1,7 @@
 //! Paths against the law of SPEC 5 in 256-bit fixed point, from the doubles as the user gave them.
 //!
-//! The reference knows speeds, lengths and squares; it shares no code with the planner, and takes no packed number.
+//! The reference knows speeds, lengths and squares; it shares no code with the planner, and takes
+//! no packed number.
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive, Zero};
@@ -146,7 +147,8 @@ fn distance(a: &[i32; 4], b: &[i32; 4]) -> Fix {
     Fix((sum << (2 * BITS)).sqrt())
 }
 
-/// Random lines with a mark at each boundary, now and then a wait: every boundary's instant, whatever the tick.
+/// Random lines with a mark at each boundary, now and then a wait: every boundary's instant,
+/// whatever the tick.
 #[test]
 fn boundaries_of_random_paths_come_at_their_exact_instants() {
     let mut chance = Chance::new(5);

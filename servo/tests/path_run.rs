@@ -133,7 +133,8 @@ fn speed_goes_through_a_corner_and_to_zero_where_nothing_or_a_wait_follows() {
     let mut bench = Bench::new(entries, 100_000);
     bench.start(0);
     bench.finish();
-    // 50 pulses to 10 pulse/ms in 10 ms; 1000 pulses in 105 ms, another in 105 ms, rest, 5 ms, 110 ms.
+    // 50 pulses to 10 pulse/ms in 10 ms; 1000 pulses in 105 ms, another in 105 ms, rest, 5 ms, 110
+    // ms.
     let times = [105.0, 210.0, 215.0, 325.0];
     for ((at, code), (i, expected)) in bench.marks().iter().zip(times.iter().enumerate()) {
         assert!(*code as usize == i + 1 && near(*at, *expected), "{at} {expected}");
@@ -268,7 +269,8 @@ fn a_smooth_stop_brakes_through_what_follows_and_goes_on_from_there() {
     assert!(near(bench.marks()[3].0, again + 97.25));
 }
 
-/// A gentle Stop does not take a corner faster than the corner allows, and is over where it must halt.
+/// A gentle Stop does not take a corner faster than the corner allows, and is over where it must
+/// halt.
 #[test]
 fn a_gentle_stop_still_brakes_for_corners() {
     let entries = vec![
@@ -309,8 +311,9 @@ fn a_gentle_stop_still_brakes_for_corners() {
     assert_eq!(bench.heard.marks.len(), 1);
 }
 
-/// A motion entered above its speed brakes to it at its own acceleration, also while a gentle Stop is in force; from there on with
-/// that of the Stop, and harder again only where the motion itself brakes for its end.
+/// A motion entered above its speed brakes to it at its own acceleration, also while a gentle Stop
+/// is in force; from there on with that of the Stop, and harder again only where the motion itself
+/// brakes for its end.
 #[test]
 fn a_gentle_stop_does_not_stay_above_the_speed_of_a_motion() {
     let cases = [

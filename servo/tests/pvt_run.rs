@@ -215,7 +215,8 @@ fn passes_end_with_the_loop() {
     }
 }
 
-/// From knot to knot, or over many at once, or over many passes: the same instant gives the same bits.
+/// From knot to knot, or over many at once, or over many passes: the same instant gives the same
+/// bits.
 #[test]
 fn the_way_to_an_instant_does_not_matter() {
     let mut chance = Chance::new(7);

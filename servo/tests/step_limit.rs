@@ -70,7 +70,8 @@ fn pt_data_at_the_limit_is_taken_and_a_step_above_it_is_not() {
     }
 }
 
-/// Random chains that go near the limit: nothing at or below it is refused, nothing above it by more than what is stated taken.
+/// Random chains that go near the limit: nothing at or below it is refused, nothing above it by
+/// more than what is stated taken.
 #[test]
 fn random_pt_chains_against_rationals() {
     let mut chance = Chance::new(71);

@@ -160,7 +160,8 @@ fn steps_are_the_planned_pulses_evenly_spaced() {
     }
 }
 
-/// Every count in every length of a tick, all in their own slots, on eight axes with different counts.
+/// Every count in every length of a tick, all in their own slots, on eight axes with different
+/// counts.
 #[test]
 fn every_count_lies_where_the_closed_form_has_it() {
     for us in (10..=250).chain([256]) {

@@ -113,7 +113,8 @@ fn a_late_entry_acts_at_once_is_counted_and_shifts_nothing() {
 
 #[test]
 fn so_many_entries_act_in_a_tick_the_immediate_lane_first() {
-    // A call for each 512 ns and an entry of set-up for each 1024 ns; in the shortest tick 64 calls, and 9 entries.
+    // A call for each 512 ns and an entry of set-up for each 1024 ns; in the shortest tick 64
+    // calls, and 9 entries.
     for (period, done) in [
         (10, [(64, 0), (100, 0), (100, 9), (100, 18), (100, 27)]),
         (50, [(97, 0), (100, 45), (100, 93), (100, 141), (100, 189)]),

@@ -147,7 +147,8 @@ fn an_instant_that_another_keeps_waiting_is_late_by_its_own_account() {
             break view;
         }
     };
-    // 60 marks are seven ticks; the instants 1 and 13 µs would have been those of the first and the second.
+    // 60 marks are seven ticks; the instants 1 and 13 µs would have been those of the first and the
+    // second.
     assert_eq!(acted, [0, 0, 0, 0, 0, 0, 3]);
     assert_eq!((view.late, view.first_late, view.worst_late), (2, 61, Ns(59 * US)));
 }

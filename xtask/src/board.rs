@@ -51,7 +51,8 @@ pub fn build_bring_up() -> Outcome<PathBuf> {
     crate::image::build_bin("beamtick-bring-up", BRING_UP)
 }
 
-/// Writes the files of the bring-up image; flashes it where probe-rs finds a board; measures over this link, if one is named.
+/// Writes the files of the bring-up image; flashes it where probe-rs finds a board; measures over
+/// this link, if one is named.
 pub fn bring_up(link: Option<&str>) -> Outcome {
     let elf = build_bring_up()?;
     write(&elf, BRING_UP, "")?;
@@ -96,7 +97,8 @@ fn write(elf: &Path, program: &str, variant: &str) -> Outcome {
     Ok(())
 }
 
-/// Prints what the image takes of each region, and what runs from ITCM; the linker has refused what does not fit.
+/// Prints what the image takes of each region, and what runs from ITCM; the linker has refused what
+/// does not fit.
 pub fn size() -> Outcome {
     let bytes = read(&build()?)?;
     regions(&bytes, &loaded(&bytes)?)?;
@@ -262,8 +264,9 @@ fn matches(pattern: &str, name: &str) -> bool {
     }
 }
 
-/// Prints the functions that run from ITCM. A name of the linker script that is none of them is an error: a function that was
-/// renamed, or is no function of its own any more, would go back to flash unseen.
+/// Prints the functions that run from ITCM. A name of the linker script that is none of them is an
+/// error: a function that was renamed, or is no function of its own any more, would go back to
+/// flash unseen.
 fn hot(elf: &[u8]) -> Outcome {
     let script = script()?;
     let code = map(&script).into_iter().find(|region| region.name == "CODE").ok_or("there is no region CODE")?;

@@ -1,10 +1,10 @@
 //! Everything that must pass before a change is accepted; `.ci/run` runs exactly this.
 //!
-//! In: the checkout. Out: every step with its time, a summary, and as the last line how many tests and
-//! checks passed and failed. A step that fails does not hide those after it.
+//! In: the checkout. Out: every step with its time, a summary, and as the last line how many tests
+//! and checks passed and failed. A step that fails does not hide those after it.
 use crate::setup::{self, compiler};
 use crate::shell::{self, Outcome, cargo, line, target};
-use crate::{board, image, mutants, pages, probes, proofs, supply, ticks, traces};
+use crate::{board, comments, image, mutants, pages, probes, proofs, supply, ticks, traces};
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Command, Stdio};
 use std::time::Instant;
@@ -28,13 +28,14 @@ struct Count {
 /// A step: its name, and what it does.
 type Step = (&'static str, fn() -> (Count, Outcome));
 
-const STEPS: [Step; 16] = [
+const STEPS: [Step; 17] = [
     ("set-up", || alone(setup::run())),
     ("format", || alone(shell::run(cargo().args(["fmt", "--all", "--check"])))),
     ("clippy, host", || alone(shell::run(host(["clippy"]).args(["--all-targets", "--", "-D", "warnings"])))),
     ("clippy, Cortex-M7", || alone(clippy_chip())),
     ("planted edits still apply", || alone(mutants::check())),
     ("links and sentences of the documentation", || alone(pages::check())),
+    ("width of comments", || alone(comments::check())),
     ("bounds of rounding (Gappa)", || alone(proofs::where_gappa_is())),
     ("tests", || tests(host(["test"]).arg("--no-fail-fast"))),
     ("orderings of the rings, every interleaving (loom)", || tests(&mut loom())),
@@ -110,7 +111,8 @@ fn clippy_chip() -> Outcome {
     shell::run(command.args(["--", "-D", "warnings"]))
 }
 
-/// The models of the STM32H743's peripherals, its core by a program that tries it, and the board's image.
+/// The models of the STM32H743's peripherals, its core by a program that tries it, and the board's
+/// image.
 fn h743() -> (Count, Outcome) {
     let lint = ["clippy", "--package", EMULATION, "--all-targets", "--", "-D", "warnings"];
     let ready = setup::unicorn().and_then(|()| shell::run(cargo().args(lint)));

@@ -1,7 +1,8 @@
 //! The demo: what a newcomer sees with one command.
 //!
-//! In: a fresh clone. Out: jobs of `examples/` executed by the Cortex-M7 image in the emulator, their
-//! traces, waveforms and plots in `out/`, and the same jobs in the virtual controller for comparison.
+//! In: a fresh clone. Out: jobs of `examples/` executed by the Cortex-M7 image in the emulator,
+//! their traces, waveforms and plots in `out/`, and the same jobs in the virtual controller for
+//! comparison.
 use crate::shell::{self, Outcome, root};
 use crate::traces::{Runner, equal, name};
 use std::path::{Path, PathBuf};

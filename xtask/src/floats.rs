@@ -7,7 +7,8 @@
 use crate::shell::Outcome;
 use object::{Object, ObjectSection, ObjectSymbol, SymbolKind};
 
-/// What the names of the tick's functions hold: those of the crate `servo`, and the interrupt itself.
+/// What the names of the tick's functions hold: those of the crate `servo`, and the interrupt
+/// itself.
 const TICK: [&str; 3] = ["5servo", "servo..", "TIM2"];
 
 /// Prints how many functions use the unit, and that none of the tick does.
@@ -43,8 +44,8 @@ pub fn check(elf: &[u8]) -> Outcome {
     Ok(())
 }
 
-/// The constructors of types of `servo` that the thread inlines keep their own names; what is generic over both
-/// is named after where it was written.
+/// The constructors of types of `servo` that the thread inlines keep their own names; what is
+/// generic over both is named after where it was written.
 fn is_of_tick(name: &str) -> bool {
     TICK.iter().any(|part| name.contains(part)) && !name.contains("10dispatcher") && !name.contains("dispatcher..")
 }
@@ -58,8 +59,8 @@ fn begins_code(name: &str) -> Option<bool> {
     }
 }
 
-/// Whether instructions of the unit are among those from `at` on (Armv7-M Architecture Reference Manual, A5.3.18 and A6:
-/// coprocessors 10 and 11).
+/// Whether instructions of the unit are among those from `at` on (Armv7-M Architecture Reference
+/// Manual, A5.3.18 and A6: coprocessors 10 and 11).
 fn uses_floats(code: &[u8], at: u64, marks: &[(u64, bool)]) -> bool {
     let half = |offset: usize| Some(u16::from_le_bytes([*code.get(offset)?, *code.get(offset + 1)?]));
     let mut offset = 0;

@@ -1,9 +1,10 @@
 //! libFuzzer over the targets of `fuzz/`.
 //!
-//! In: minutes, a target or all. Out: what libFuzzer finds, kept in `fuzz/artifacts`, and how many inputs it tried; what it
-//! learns is in `target/fuzz/corpus`, and the kept corpus in `fuzz/corpus` is only read (`--merge` brings what is new over).
-//! The pinned toolchain builds it: coverage is asked for by compiler flags that are stable; `cargo fuzz` works as well. It
-//! takes a C++ compiler, for libFuzzer itself.
+//! In: minutes, a target or all. Out: what libFuzzer finds, kept in `fuzz/artifacts`, and how many
+//! inputs it tried; what it learns is in `target/fuzz/corpus`, and the kept corpus in `fuzz/corpus`
+//! is only read (`--merge` brings what is new over). The pinned toolchain builds it: coverage is
+//! asked for by compiler flags that are stable; `cargo fuzz` works as well. It takes a C++
+//! compiler, for libFuzzer itself.
 use crate::shell::{self, Outcome, cargo, program, root, target};
 use std::path::PathBuf;
 use std::process::Command;

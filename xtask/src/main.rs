@@ -1,10 +1,13 @@
 #![forbid(unsafe_code)]
-//! The project's own commands: `cargo xtask COMMAND`, with `cargo demo` and `cargo check-all` for short.
+//! The project's own commands: `cargo xtask COMMAND`, with `cargo demo` and `cargo check-all` for
+//! short.
 //!
-//! In: a command's name. Out: what it builds, runs and finds, as text; exit code 0 only if all of it
-//! went well. Owns no state: everything is done anew by cargo, QEMU and the system's package manager.
+//! In: a command's name. Out: what it builds, runs and finds, as text; exit code 0 only if all of
+//! it went well. Owns no state: everything is done anew by cargo, QEMU and the system's package
+//! manager.
 mod board;
 mod checks;
+mod comments;
 mod demo;
 mod doors;
 mod floats;
@@ -49,7 +52,7 @@ cargo xtask COMMAND
   planted [NAME]  plants faults that were found, and counts how many random programs find each
   doors           runs 1,000 random programs through every door and writes the table of docs/doors.md
   doors --page    writes the table from the counts of the last run
-  pages           checks the links and the length of sentences of the documentation
+  pages           checks links and sentences of the documentation, and the width of comments
   proofs          proves the bounds of rounding from the code's own numbers (proofs/, by Gappa)
   c-api           writes the headers and exports of the C library from the table of functions
   check-all       everything that must pass before a change is accepted
@@ -88,7 +91,7 @@ fn main() -> ExitCode {
         ["mutants", name] => mutants::run(name),
         ["doors"] => doors::write(),
         ["doors", "--page"] => doors::page(),
-        ["pages"] => pages::check(),
+        ["pages"] => pages::check().and_then(|()| comments::check()),
         ["proofs"] => proofs::run(),
         ["c-api"] => shell::run(shell::cargo().env("BEAMTICK_WRITE", "1").args([
             "test",

@@ -146,7 +146,8 @@ fn write(path: &Path, text: &str) -> Outcome {
     fs::write(path, text).map_err(|e| format!("{}: {e}", path.display()))
 }
 
-/// A copy of every file that git knows; a file that is as it was keeps its time, so that cargo does not build it again.
+/// A copy of every file that git knows; a file that is as it was keeps its time, so that cargo does
+/// not build it again.
 fn copy() -> Outcome<PathBuf> {
     let tree = target().join("mutants").join("tree");
     let files = read(shell::program("git").args(["ls-files", "--cached", "--others", "--exclude-standard"]))?;

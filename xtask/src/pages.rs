@@ -1,9 +1,9 @@
 //! The pages of the documentation: their links and the length of their sentences.
 //!
-//! In: `docs/**/*.md`, `README.md`, `CONTRIBUTING.md`, `CHANGELOG.md`. Out: what is wrong, a line each. Owns
-//! nothing. Fails: a relative link whose file does not exist, an anchor that no heading of its page has, a
-//! reference without a definition, a sentence of more than [`MAX_WORDS`]. Tables and code have no
-//! sentences. Links to other sites are not followed.
+//! In: `docs/**/*.md`, `README.md`, `CONTRIBUTING.md`, `CHANGELOG.md`. Out: what is wrong, a line
+//! each. Owns nothing. Fails: a relative link whose file does not exist, an anchor that no heading
+//! of its page has, a reference without a definition, a sentence of more than [`MAX_WORDS`]. Tables
+//! and code have no sentences. Links to other sites are not followed.
 use crate::shell::{Outcome, root};
 use pulldown_cmark::{BrokenLink, CowStr, Event, LinkType, Options, Parser, Tag, TagEnd};
 use std::collections::{BTreeSet, HashMap, HashSet};
@@ -102,8 +102,8 @@ fn sentences(text: &str) -> Vec<&str> {
     found
 }
 
-/// The anchor that GitHub gives a heading: lower case, letters, digits, `_` and `-` kept, spaces to `-`. A
-/// title that occurs again gets `-1`, `-2` and so on.
+/// The anchor that GitHub gives a heading: lower case, letters, digits, `_` and `-` kept, spaces to
+/// `-`. A title that occurs again gets `-1`, `-2` and so on.
 fn anchor(title: &str, known: &mut HashMap<String, u32>) -> String {
     let kept = |c: &char| c.is_alphabetic() || c.is_ascii_digit() || matches!(c, ' ' | '-' | '_');
     let slug: String = title.to_lowercase().chars().filter(kept).map(|c| if c == ' ' { '-' } else { c }).collect();

@@ -1,9 +1,11 @@
 //! Bounds of rounding, proved by Gappa from the scripts of `proofs/`.
 //!
-//! In: scripts, and the code that they are about. Out: a table of the bounds; an error where one is not proved, where the code is not what a
-//! script says, where a smaller bound is proved too, or where docs/evidence.md has another number. Lines of a script:
+//! In: scripts, and the code that they are about. Out: a table of the bounds; an error where one is
+//! not proved, where the code is not what a script says, where a smaller bound is proved too, or
+//! where docs/evidence.md has another number. Lines of a script:
 //!
-//! * `#: NAME FILE | TEXT {} TEXT`: the number that stands there in the code, once; it replaces `@NAME@`.
+//! * `#: NAME FILE | TEXT {} TEXT`: the number that stands there in the code, once; it replaces
+//!   `@NAME@`.
 //! * `#= FILE | TEXT`: what stands in the code, once.
 //! * `#! NAME BOUND SMALLER`: replaces `@NAME@`; with the smaller bound there must be no proof.
 use crate::setup;

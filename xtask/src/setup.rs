@@ -1,5 +1,5 @@
-//! Set-up: a fresh machine with Rust lacks two things, the Cortex-M7 target of the compiler and QEMU; and valgrind, without
-//! which the tests that use it say that they are skipped.
+//! Set-up: a fresh machine with Rust lacks two things, the Cortex-M7 target of the compiler and
+//! QEMU; and valgrind, without which the tests that use it say that they are skipped.
 //!
 //! In: the machine as it is. Out: what was missing is installed and named. On Debian and Ubuntu apt
 //! installs it; elsewhere this says what to install and how. Where rustup cannot fetch the target,

@@ -1,7 +1,8 @@
 //! What the project is made of: rules for dependencies, and the bill of materials of an image.
 //!
-//! In: `deny.toml`, what `cargo metadata` says, `Cargo.lock`. Out: whether the rules hold; a CycloneDX document next to the
-//! image. Fails: where a rule is broken. What cannot be had here is left out, and said.
+//! In: `deny.toml`, what `cargo metadata` says, `Cargo.lock`. Out: whether the rules hold; a
+//! CycloneDX document next to the image. Fails: where a rule is broken. What cannot be had here is
+//! left out, and said.
 use crate::board::FEATURES;
 use crate::setup::TARGET;
 use crate::shell::{self, Outcome, cargo, program, root, target, works};

@@ -1,8 +1,10 @@
-//! The same job in the virtual controller and in the image: the traces must be equal, byte for byte.
+//! The same job in the virtual controller and in the image: the traces must be equal, byte for
+//! byte.
 //!
-//! In: job files. Out: a trace of each run in a folder, and the first line that differs, if one does. Emulated time keeps pace
-//! with the machine's. Where that does not run the client for longer than the link-loss time, the board takes it for lost and
-//! is rightly dark: then, and only then, the job runs once more.
+//! In: job files. Out: a trace of each run in a folder, and the first line that differs, if one
+//! does. Emulated time keeps pace with the machine's. Where that does not run the client for longer
+//! than the link-loss time, the board takes it for lost and is rightly dark: then, and only then,
+//! the job runs once more.
 use crate::image;
 use crate::setup;
 use crate::shell::{self, Outcome, cargo, program, root, target};
@@ -40,7 +42,8 @@ const LASER: &str = "laser_";
 /// Jobs whose inputs a file beside them sets.
 const INPUTS: &str = "inputs";
 const OUTPUTS: &str = "follow_ex";
-/// Jobs of the LSR manual say so in their names; the others are of the GUS family, which is the default.
+/// Jobs of the LSR manual say so in their names; the others are of the GUS family, which is the
+/// default.
 const LSR: &str = "laser_lsr_";
 
 /// What `beamtick run` says where the link was lost because this machine did not run it.
@@ -82,7 +85,8 @@ fn jobs() -> Outcome<Vec<PathBuf>> {
     if jobs.is_empty() { Err("examples/ holds no job".into()) } else { Ok(jobs) }
 }
 
-/// Every example at every period, but for the long ones, or those of these names; as many at a time as there are cores.
+/// Every example at every period, but for the long ones, or those of these names; as many at a time
+/// as there are cores.
 pub fn run(names: &[&str]) -> Outcome {
     let mut jobs = jobs()?;
     if let Some(unknown) = names.iter().find(|known| !jobs.iter().any(|job| name(job) == **known)) {

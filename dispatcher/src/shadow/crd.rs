@@ -442,7 +442,8 @@ impl CrdShadow {
         }
     }
 
-    /// What a view says of where motions begin while the path runs; `quiet` if nothing is in flight.
+    /// What a view says of where motions begin while the path runs; `quiet` if nothing is in
+    /// flight.
     fn follow_running<const AXES: usize>(&mut self, view: &View<AXES>, sampled: &CrdView, quiet: bool) {
         for (((path, cleared), motions), fifo) in
             self.fifos.iter_mut().zip(sampled.cleared).zip(sampled.done).zip(0u8..)

@@ -63,7 +63,8 @@ fn calls_and_entries() {
     // Light of its entries ends with it; light of a call does not.
     is(&[(10, start(0)), (20, entry(0, Laser::On)), (60, rest(0, Why::Done))], &[(20, 60)]);
     is(&[(5, ON), (10, start(0)), (60, rest(0, Why::Done)), (90, OFF)], &[(5, 90)]);
-    // An immediate on while a path's light is on changes nothing; an entry takes over light of a call.
+    // An immediate on while a path's light is on changes nothing; an entry takes over light of a
+    // call.
     is(&[(10, start(0)), (20, entry(0, Laser::On)), (30, ON), (60, rest(0, Why::Done))], &[(20, 60)]);
     is(&[(5, ON), (10, start(0)), (20, entry(0, Laser::On)), (60, rest(0, Why::Done))], &[(5, 60)]);
 }

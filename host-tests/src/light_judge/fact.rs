@@ -49,7 +49,8 @@ pub enum Why {
     Stopped,
 }
 
-/// What happened. `code` is what the controller answered; where that is `sure`, it must fit the rules.
+/// What happened. `code` is what the controller answered; where that is `sure`, it must fit the
+/// rules.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[allow(missing_docs, reason = "the names say it")]
 pub enum What {

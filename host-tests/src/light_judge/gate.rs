@@ -1,7 +1,8 @@
 //! From gate commands to spans of light.
 //!
-//! In: gate commands in the order in which they were given. Out: spans that light may at most fill, or must at least
-//! fill. The rule is SPEC 6's: a later command cancels every pending edge that would take effect at or after its own.
+//! In: gate commands in the order in which they were given. Out: spans that light may at most fill,
+//! or must at least fill. The rule is SPEC 6's: a later command cancels every pending edge that
+//! would take effect at or after its own.
 use super::Ns;
 
 /// What a gate command asks for.
@@ -70,7 +71,8 @@ struct Edge {
     cut: bool,
 }
 
-/// An edge cancels what would come at or after it; it stays where it changes the level, or ends what is to come.
+/// An edge cancels what would come at or after it; it stays where it changes the level, or ends
+/// what is to come.
 fn put(edges: &mut Vec<Edge>, mut edge: Edge, keeps_cuts: bool) {
     while let Some(last) = edges.pop_if(|last| last.at >= edge.at) {
         edge.cut |= last.cut && last.at == edge.at && !edge.level;

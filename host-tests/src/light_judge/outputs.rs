@@ -1,7 +1,8 @@
 //! What the outputs did against what they may and must do.
 //!
-//! In: a [`Verdict`], the outputs' edges. Out: the first difference, in words. Where light must be, it is asked for with a
-//! pulse in every period; where it may not be, nothing but the standby pulse and the pre-voltage is allowed.
+//! In: a [`Verdict`], the outputs' edges. Out: the first difference, in words. Where light must be,
+//! it is asked for with a pulse in every period; where it may not be, nothing but the standby pulse
+//! and the pre-voltage is allowed.
 use super::Ns;
 use super::gate::{Fpk, Lit, Timing, gate_spans, light_spans};
 use super::rules::Verdict;
@@ -15,7 +16,8 @@ const FINISH: Ns = 100_000;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[allow(missing_docs, reason = "the names say it")]
 pub enum Output {
-    /// Pulses: the longest distance of two that are light, the longest that is standby (0: none is set).
+    /// Pulses: the longest distance of two that are light, the longest that is standby (0: none is
+    /// set).
     Pulses { period: Ns, standby: Ns },
     /// A voltage, as codes: pre-voltage, and the least that is light.
     Volts { waiting: i16, least: i16 },

@@ -1,7 +1,8 @@
 //! What acts on a channel, and what follows from it: SPEC 6 ("Whose light it is", "Rest") and 9.
 //!
-//! In: [`Fact`]s in the order of time. Out: for each channel its gate commands, the times in which nothing at all may be
-//! output, and answers that contradict the rules. What is in doubt stays so until an event that settles it.
+//! In: [`Fact`]s in the order of time. Out: for each channel its gate commands, the times in which
+//! nothing at all may be output, and answers that contradict the rules. What is in doubt stays so
+//! until an event that settles it.
 use super::Ns;
 use super::fact::{Fact, Settings, What};
 use super::gate::{Gate, Level};

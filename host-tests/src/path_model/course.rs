@@ -363,7 +363,8 @@ mod tests {
         assert_eq!([still.speed(6.0), still.speed(13.0), still.speed(24.0), still.speed(35.0)], [5.0, 10.0, 7.0, 0.0]);
         assert_eq!(still.position(&entries, 16.0).unwrap()[0], 100.0);
         assert_eq!(still.position(&entries, 50.0).unwrap()[0], 232.0);
-        // A Stop at 14 ms with 2 pulse/ms²: 20 pulses to the corner take 10 − √(100 − 80) over 2, rest 5 ms after it.
+        // A Stop at 14 ms with 2 pulse/ms²: 20 pulses to the corner take 10 − √(100 − 80) over 2,
+        // rest 5 ms after it.
         let commands =
             [(0.0, Command::StopDec(2.0)), (1.0, Command::Start), (14.0, Command::Stop), (30.0, Command::Start)];
         let stopped = course(&FRAME, &entries, &commands, 100.0);
@@ -372,7 +373,8 @@ mod tests {
         // 5 pulses into the second: 95 left, with 1 pulse/ms² up and down: 2·√95.
         assert!((stopped.effects[2].0 - (30.0 + 2.0 * 95f64.sqrt())).abs() < 1e-12);
         assert_eq!(stopped.starts, [(1.0, false), (30.0, true)]);
-        // An abrupt one at 18 ms, whose tick shows the place of 14: 20 pulses before the corner, whose effect has been reached.
+        // An abrupt one at 18 ms, whose tick shows the place of 14: 20 pulses before the corner,
+        // whose effect has been reached.
         let commands = [(1.0, Command::Start), (18.0, Command::Abrupt(4.0)), (30.0, Command::Start)];
         let stopped = course(&FRAME, &entries, &commands, 100.0);
         assert_eq!((stopped.rests[0].at, stopped.speed(17.0), stopped.speed(18.0)), (18.0, 10.0, 0.0));
@@ -380,7 +382,8 @@ mod tests {
             (stopped.position(&entries, 18.0).unwrap()[0], stopped.position(&entries, 30.0).unwrap()[0]),
             (80.0, 80.0)
         );
-        // From rest over 20 pulses it reaches √40 at the corner, and there the speeds of the second line hold.
+        // From rest over 20 pulses it reaches √40 at the corner, and there the speeds of the second
+        // line hold.
         let corner = 30.0 + 40f64.sqrt();
         assert_eq!(stopped.effects[..2], [(1.0, 0), (16.0, 1)]);
         assert!(stopped.ends.len() == 3 && (stopped.ends[0] - corner).abs() < 1e-9);

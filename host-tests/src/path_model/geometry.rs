@@ -56,7 +56,8 @@ impl Geometry {
         Geometry::Line { from, to }
     }
 
-    /// ArcXYR: a radius > 0 means the arc up to 180°, < 0 the longer one. None where it cannot reach.
+    /// ArcXYR: a radius > 0 means the arc up to 180°, < 0 the longer one. None where it cannot
+    /// reach.
     pub fn arc_by_radius(from: Position, plane: Plane, to: (f64, f64), radius: f64, ccw: bool) -> Option<Geometry> {
         let (first, second) = plane.axes();
         let chord = (to.0 - from[first], to.1 - from[second]);
@@ -65,7 +66,8 @@ impl Geometry {
         if half == 0.0 || half > r {
             return None;
         }
-        // From the middle of the chord to the centre; (r − half)(r + half) loses nothing to rounding.
+        // From the middle of the chord to the centre; (r − half)(r + half) loses nothing to
+        // rounding.
         let height = ((r - half) * (r + half)).sqrt();
         let short = 2.0 * half.atan2(height);
         let sweep = if radius > 0.0 { short } else { std::f64::consts::TAU - short };
@@ -77,8 +79,9 @@ impl Geometry {
         Some(Geometry::Arc { from, plane, centre, radius: r, sweep: if ccw { sweep } else { -sweep } })
     }
 
-    /// ArcXYC: the centre is an offset from the start; an end equal to the start is a full circle. A centre that is not
-    /// equally far from both ends is moved along the chord until it is (docs: by no more than 2 pulses).
+    /// ArcXYC: the centre is an offset from the start; an end equal to the start is a full circle.
+    /// A centre that is not equally far from both ends is moved along the chord until it is (docs:
+    /// by no more than 2 pulses).
     pub fn arc_by_centre(
         from: Position,
         plane: Plane,

@@ -25,8 +25,8 @@ pub fn limits(frame: &Frame, rates: &Rates, rate: f64) -> Rates {
     Rates { speed, acc: rates.acc.min(frame.acc), end: rates.end.min(frame.speed).min(speed) }
 }
 
-/// The motion that begins with `begin` and has `length` still before it. `even_ms` is the least time at constant
-/// speed.
+/// The motion that begins with `begin` and has `length` still before it. `even_ms` is the least
+/// time at constant speed.
 pub fn profile(begin: f64, length: f64, limits: &Rates, even_ms: f64) -> Profile {
     let Rates { speed, acc, end } = *limits;
     let gain = 2.0 * acc * length;
@@ -40,7 +40,8 @@ pub fn profile(begin: f64, length: f64, limits: &Rates, even_ms: f64) -> Profile
     let meet = ((gain + begin * begin + end * end) / 2.0).sqrt();
     let mut peak = meet.min(speed).max(end);
     if even_ms > 0.0 && begin <= peak {
-        // Cruise (length − ramps)/peak = even: peak²/acc + even·peak − (length + (begin² + end²)/2acc) = 0.
+        // Cruise (length − ramps)/peak = even: peak²/acc + even·peak − (length + (begin² +
+        // end²)/2acc) = 0.
         let rest = length + (begin * begin + end * end) / (2.0 * acc);
         let lowered = 2.0 * rest / (even_ms + (even_ms * even_ms + 4.0 * rest / acc).sqrt());
         peak = lowered.min(peak).max(begin.max(end));

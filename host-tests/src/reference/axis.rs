@@ -160,7 +160,8 @@ pub struct Axis {
     pub open: Option<&'static str>,
     /// What the contract leaves open.
     pub unsaid: Option<&'static str>,
-    /// A motion without a length began on the tick that is being prepared, or one ended there at once.
+    /// A motion without a length began on the tick that is being prepared, or one ended there at
+    /// once.
     pub doubt: bool,
     /// A motion began on the tick that is being prepared.
     pub began: bool,
@@ -333,7 +334,8 @@ impl Axis {
         matches!(self.past.as_ref().or(self.motion.as_ref()), Some(Motion::Slave(_)))
     }
 
-    /// Its acceleration from an instant on, where it is a function of time that does not change there.
+    /// Its acceleration from an instant on, where it is a function of time that does not change
+    /// there.
     pub fn acceleration(&self, at: Fix) -> Option<Fix> {
         if self.driven || self.mode == Mode::Crd || self.is_moved() {
             return None;

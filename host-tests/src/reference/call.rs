@@ -125,7 +125,8 @@ pub enum Call {
         axis: usize,
         master: usize,
         kind: i16,
-        /// Of a master's axis: 0 planned, 2 planned and filtered, 3 encoder and filtered, else encoder.
+        /// Of a master's axis: 0 planned, 2 planned and filtered, 3 encoder and filtered, else
+        /// encoder.
         item: i16,
     },
     SetFollowLoop {
@@ -359,7 +360,8 @@ impl Site {
         (core, members(mask).map(|place| 1 << (self.axes[place].1 - 1)).sum())
     }
 
-    /// Master index and type of SetFollowMaster for a slave: 1 encoder, 2 profile and 3 axis, of the other core 101 and 103.
+    /// Master index and type of SetFollowMaster for a slave: 1 encoder, 2 profile and 3 axis, of
+    /// the other core 101 and 103.
     pub fn master(&self, slave: usize, master: usize, kind: i16) -> (i16, i16) {
         let same = self.axes[slave].0 == self.axes[master].0;
         let other = if kind == 1 { 101 } else { 103 };

@@ -1,7 +1,8 @@
 //! All axes together: what each call answers in which state, and the ticks.
 //!
-//! A call made at s acts on the first tick after s. Whether it may act is decided by what the tick before has, with what
-//! the calls before it at the same instant have changed; a motion that begins or brakes there has its time zero at that tick.
+//! A call made at s acts on the first tick after s. Whether it may act is decided by what the tick
+//! before has, with what the calls before it at the same instant have changed; a motion that begins
+//! or brakes there has its time zero at that tick.
 mod answer;
 mod effects;
 mod encoders;
@@ -114,7 +115,8 @@ enum Then {
     Update(Aim),
 }
 
-/// So many WaitStops that find everything at rest take no time; what follows more of them is late by a tick: an open finding.
+/// So many WaitStops that find everything at rest take no time; what follows more of them is late
+/// by a tick: an open finding.
 const WAITS: usize = 2;
 
 /// When a path has been at rest for so long, ns, where it is is known (docs/crd.md).
@@ -155,8 +157,8 @@ pub struct Controller {
     early: Vec<usize>,
     crds: BTreeMap<paths::Name, Crd>,
     path_then: Vec<(paths::Name, paths::PathThen)>,
-    /// Where an arc begins may be known a tick late (docs/crd.md): 2 after a Stop, 1 after the WaitStop that follows it, until
-    /// some time has passed.
+    /// Where an arc begins may be known a tick late (docs/crd.md): 2 after a Stop, 1 after the
+    /// WaitStop that follows it, until some time has passed.
     unsettled: u8,
     /// No path has run, no Stop and no WaitStop has acted for so long, ns.
     still_ns: i64,
@@ -207,8 +209,8 @@ impl Controller {
         }
     }
 
-    /// With encoder counts as they were recorded, an axis each, from tick 0 on. Without them they are those of a machine
-    /// that lags as the contract says.
+    /// With encoder counts as they were recorded, an axis each, from tick 0 on. Without them they
+    /// are those of a machine that lags as the contract says.
     pub fn with_encoders(mut self, recorded: Vec<Vec<i64>>) -> Controller {
         self.machine.recorded = recorded;
         self

@@ -302,8 +302,8 @@ impl Default for Crd {
     }
 }
 
-/// A smooth Stop in a motion: its deceleration, but never faster than the motion would have been, which may brake harder to its
-/// speed at first, and to its end at last.
+/// A smooth Stop in a motion: its deceleration, but never faster than the motion would have been,
+/// which may brake harder to its speed at first, and to its end at last.
 fn braked(speed: f64, left: f64, limits: &Rates, dec: f64) -> Profile {
     let whole = profile(speed, left, limits, 0.0);
     let [to_speed, _, to_end] = whole.phases;
@@ -353,7 +353,8 @@ impl Crd {
         (of.left, of.seen) = (None, of.entries.len());
     }
 
-    /// At once, where it was shown at the tick before. Outputs that it has reached since have been set, and are not set again.
+    /// At once, where it was shown at the tick before. Outputs that it has reached since have been
+    /// set, and are not set again.
     pub fn halt(&mut self, published: &Crd) {
         if !self.runs {
             return;
@@ -420,7 +421,8 @@ impl Crd {
         self.plan = None;
     }
 
-    /// How far it would go until an instant; None: it would come to rest, or reach entries that act on others.
+    /// How far it would go until an instant; None: it would come to rest, or reach entries that act
+    /// on others.
     pub fn way_to(&self, until: f64) -> Option<f64> {
         let mut ahead = self.clone();
         ahead.run(until, &mut Nobody);

@@ -2,7 +2,8 @@
 use super::number::{Fix, root};
 use super::rational::Rational;
 
-/// A cubic over `from` to `to`; coefficients are those of the share of it that has passed, in pulses.
+/// A cubic over `from` to `to`; coefficients are those of the share of it that has passed, in
+/// pulses.
 #[derive(Debug, Clone)]
 struct Piece {
     from: Fix,
@@ -69,7 +70,8 @@ fn whole(x: i64) -> Rational {
 }
 
 impl Curve {
-    /// Appends a piece that begins at the slope `v` and goes with the curvature `a` and the third derivative `j`.
+    /// Appends a piece that begins at the slope `v` and goes with the curvature `a` and the third
+    /// derivative `j`.
     pub fn cubic(&mut self, length: &Rational, v: &Rational, a: &Rational, j: &Rational) {
         let square = length * length;
         let c = [self.end.rational(), v * length, a * &square / whole(2), j * &square * length / whole(6)];
@@ -152,7 +154,8 @@ impl Curve {
         Some(by_share.over(length).over(length))
     }
 
-    /// Knots and turns between `a` and `b`, and the values there, in the order of the way from `a` to `b`.
+    /// Knots and turns between `a` and `b`, and the values there, in the order of the way from `a`
+    /// to `b`.
     pub fn between(&self, a: Fix, b: Fix, out: &mut Vec<(Fix, Fix)>) {
         let (low, high) = (a.min(b), a.max(b));
         let first = out.len();

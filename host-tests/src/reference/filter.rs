@@ -1,4 +1,5 @@
-//! The filter of a master: a lag of first order (docs/follow.md), for a master that moves evenly between ticks.
+//! The filter of a master: a lag of first order (docs/follow.md), for a master that moves evenly
+//! between ticks.
 //!
 //! For u = tick/τ and a displacement d the lag l becomes l·exp(−u) + d·(1 − exp(−u))/u.
 use super::number::Fix;
@@ -39,8 +40,8 @@ impl Filter {
 mod tests {
     use super::*;
 
-    /// After a step of 1 in a tick the gap decays by exp(−t/τ); behind a constant speed it is speed·τ; and the period of the
-    /// tick does not count.
+    /// After a step of 1 in a tick the gap decays by exp(−t/τ); behind a constant speed it is
+    /// speed·τ; and the period of the tick does not count.
     #[test]
     fn decays_and_lags() {
         for tick in [50_000, 250_000, 1_000_000] {

@@ -64,8 +64,8 @@ pub struct Table {
 }
 
 impl Table {
-    /// After a FIFO that ended at the ratio `carried`, per progress of this one. The first segment from an item on begins with
-    /// a ratio that is `given`.
+    /// After a FIFO that ended at the ratio `carried`, per progress of this one. The first segment
+    /// from an item on begins with a ratio that is `given`.
     pub fn new(items: &[Item], carried: &Rational, given: Option<&(usize, Rational)>) -> Table {
         let mut curve = Curve::default();
         let (mut from, mut begin, mut ratio) = (Rational::zero(), Rational::zero(), Rational::zero());
@@ -108,7 +108,8 @@ impl Table {
     }
 }
 
-/// From one slope to another over a length: the slope's change ramps for percent/200 of it, holds, and ramps down.
+/// From one slope to another over a length: the slope's change ramps for percent/200 of it, holds,
+/// and ramps down.
 pub fn shaped(curve: &mut Curve, length: &Rational, first: &Rational, last: &Rational, percent: &Rational) {
     let whole = |x: i64| Rational::from_integer(x.into());
     let change = last - first;

@@ -1,4 +1,5 @@
-//! Programs as users write them: set up, move, stop, zero, change the mode, go again, and now and then any call anywhere.
+//! Programs as users write them: set up, move, stop, zero, change the mode, go again, and now and
+//! then any call anywhere.
 use super::chance::Chance;
 use super::{Call, Kind, Site};
 
@@ -29,7 +30,8 @@ struct Making<'a> {
     /// Last time and position given to each FIFO of PT, last positions of Follow.
     pt: Vec<[(i32, f64); 2]>,
     follow: Vec<[(f64, f64); 2]>,
-    /// It follows an encoder: how fast it is then depends on the tick, so that it is stopped abruptly.
+    /// It follows an encoder: how fast it is then depends on the tick, so that it is stopped
+    /// abruptly.
     counted: Vec<bool>,
     /// Coordinate systems by core and number.
     crds: Vec<paths::Made>,

@@ -1,7 +1,8 @@
 //! The laser channels: SPEC 6 and 9.
 //!
-//! In: calls and entries of paths in the order of time, starts and standstills of coordinate systems, faults, the speed
-//! of the paths. Out: the edges of the switch, the power at every tick, what reads give.
+//! In: calls and entries of paths in the order of time, starts and standstills of coordinate
+//! systems, faults, the speed of the paths. Out: the edges of the switch, the power at every tick,
+//! what reads give.
 mod call;
 mod gate;
 mod law;
@@ -360,7 +361,8 @@ impl Light {
         of
     }
 
-    /// From the tick before to this one. What a tick sees as a fault takes light at once; so does an Abort.
+    /// From the tick before to this one. What a tick sees as a fault takes light at once; so does
+    /// an Abort.
     pub fn step(&mut self, before: f64, now: f64) {
         let mut between = std::mem::take(&mut self.between);
         between.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -1,4 +1,5 @@
-//! The calls of coordinate systems. Axes are named by their place in the site; crds and FIFOs are those of a core.
+//! The calls of coordinate systems. Axes are named by their place in the site; crds and FIFOs are
+//! those of a core.
 use super::call::Site;
 use super::light::Command;
 use crate::path_model::Plane;

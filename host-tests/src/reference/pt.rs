@@ -81,7 +81,8 @@ pub struct Timed {
 
 /// 2⁻⁵⁴ ms.
 const ROUNDING: Fix = Fix(1 << 10);
-/// 2⁻¹⁸ ms: what rounding of a controller's own numbers may decide, of which velocities have 2⁻²² pulse/ms.
+/// 2⁻¹⁸ ms: what rounding of a controller's own numbers may decide, of which velocities have 2⁻²²
+/// pulse/ms.
 const DOUBT: Fix = Fix(1 << 46);
 
 /// How a step ended.

@@ -15,7 +15,8 @@ pub enum Points {
     Complete(Vec<[f64; 2]>, f64, f64),
     /// Time, position, percent; the first velocity.
     Percent(Vec<[f64; 3]>, f64),
-    /// Position, velocity, percent, greatest velocity, acceleration, deceleration; time of the first point.
+    /// Position, velocity, percent, greatest velocity, acceleration, deceleration; time of the
+    /// first point.
     Continuous(Vec<[f64; 6]>, f64),
 }
 
@@ -86,8 +87,8 @@ impl Points {
     }
 }
 
-/// Velocities with which the acceleration is continuous: v(i−1)/h + 2·(1/h + 1/g)·v(i) + v(i+1)/g = 3·(d/h² + e/g²) for
-/// segments of lengths h, g and ways d, e.
+/// Velocities with which the acceleration is continuous: v(i−1)/h + 2·(1/h + 1/g)·v(i) + v(i+1)/g =
+/// 3·(d/h² + e/g²) for segments of lengths h, g and ways d, e.
 fn clamped(points: &[[Rational; 2]], begin: &Rational, end: &Rational) -> Vec<Rational> {
     let mut rows = vec![(Rational::zero(), begin.clone())];
     for three in points.windows(3) {

@@ -1,4 +1,5 @@
-//! Exact numbers with a power of two of their own, which are brought to lowest terms only where they grow long.
+//! Exact numbers with a power of two of their own, which are brought to lowest terms only where
+//! they grow long.
 use num_bigint::{BigInt, Sign};
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
@@ -218,7 +219,8 @@ mod tests {
         if x.exponent < 0 { odd / power } else { odd * power }
     }
 
-    /// The same as the numbers of a library, over chains of operations that are long enough to be reduced.
+    /// The same as the numbers of a library, over chains of operations that are long enough to be
+    /// reduced.
     #[test]
     fn as_a_library_has_it() {
         let mut chance = Chance::new(3);

@@ -1,7 +1,8 @@
-//! A slave that has been started: a function of its master's position, with entries between its segments.
+//! A slave that has been started: a function of its master's position, with entries between its
+//! segments.
 //!
-//! A master's way in a tick is a row of legs, on each of which it goes in one direction, and so does the slave. Time means
-//! something for FollowDelayEx and for the limit of FollowDiBitEx only.
+//! A master's way in a tick is a row of legs, on each of which it goes in one direction, and so
+//! does the slave. Time means something for FollowDelayEx and for the limit of FollowDiBitEx only.
 use super::follow::{Item, Table, is_down};
 use super::number::Fix;
 use super::rational::Rational;

@@ -49,7 +49,8 @@ fn pt_segments_of_each_kind_and_two_passes() {
 
 #[test]
 fn a_jog_brakes_and_a_trap_turns() {
-    // 2 pulse/ms after 2 ms and 2 pulses; a Stop at 5 ms of the motion, with 0.5 pulse/ms² over 4 pulses.
+    // 2 pulse/ms after 2 ms and 2 pulses; a Stop at 5 ms of the motion, with 0.5 pulse/ms² over 4
+    // pulses.
     let program = ran(&[
         plain(Kind::AxisOn, 0),
         plain(Kind::PrfJog, 0),
@@ -61,7 +62,8 @@ fn a_jog_brakes_and_a_trap_turns() {
         Call::Stop { mask: 1, abrupt: 0 },
     ]);
     assert_eq!(places(&program, 0, &[1, 3, 6, 8, 10, 11]), [0.0, 2.0, 8.0, 11.0, 12.0, 12.0]);
-    // To 16 with 2 pulse/ms at most; at 4 ms, 6 pulses on, back to 2: rest at 8, then 6 pulses back.
+    // To 16 with 2 pulse/ms at most; at 4 ms, 6 pulses on, back to 2: rest at 8, then 6 pulses
+    // back.
     let program = ran(&[
         plain(Kind::AxisOn, 0),
         Call::SetTrapPrm { axis: 0, acc: 1.0, dec: 1.0 },

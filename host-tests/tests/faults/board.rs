@@ -9,7 +9,8 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::{Duration, Instant};
 
-/// The image that BEAMTICK_IMAGE names (`cargo xtask check-all` does); without it the tests say that they are skipped.
+/// The image that BEAMTICK_IMAGE names (`cargo xtask check-all` does); without it the tests say
+/// that they are skipped.
 pub fn image() -> Option<PathBuf> {
     let image = std::env::var_os("BEAMTICK_IMAGE").map(PathBuf::from);
     if image.is_none() {
@@ -144,7 +145,8 @@ pub fn reason(client: &Client) -> (u8, String) {
     (reply.kind, String::from_utf8_lossy(&text.iter().map(|byte| byte.value).collect::<Vec<_>>()).into_owned())
 }
 
-/// Both channels are dark for `cause` and stay so until they are cleared, each for itself; then they shine again.
+/// Both channels are dark for `cause` and stay so until they are cleared, each for itself; then
+/// they shine again.
 pub fn assert_dark_until_cleared(client: &Client, cause: i16) {
     for channel in 0..2 {
         let now = state(client, channel);

@@ -1,8 +1,9 @@
-//! A debugger's link to the emulator: how the tests provoke faults in the image that is released, which has no way of its
-//! own to do so.
+//! A debugger's link to the emulator: how the tests provoke faults in the image that is released,
+//! which has no way of its own to do so.
 //!
-//! In: addresses by the symbols of the image. Out: memory read and written, registers set, stops. Owns the socket of
-//! QEMU's GDB server (GDB remote serial protocol; `Z0` is a breakpoint, `Z2` watches writes). Fails by panicking.
+//! In: addresses by the symbols of the image. Out: memory read and written, registers set, stops.
+//! Owns the socket of QEMU's GDB server (GDB remote serial protocol; `Z0` is a breakpoint, `Z2`
+//! watches writes). Fails by panicking.
 use object::{Object, ObjectSymbol};
 use std::io::{Read, Write};
 use std::os::unix::net::UnixStream;
@@ -27,7 +28,8 @@ impl Symbols {
         Symbols(symbols.collect())
     }
 
-    /// Where the one symbol lies whose name holds all of these, without the bit that says Thumb; and its size.
+    /// Where the one symbol lies whose name holds all of these, without the bit that says Thumb;
+    /// and its size.
     pub fn find(&self, parts: &[&str]) -> (u32, u32) {
         let all: Vec<_> = self.0.iter().filter(|(name, ..)| parts.iter().all(|part| name.contains(part))).collect();
         assert_eq!(all.len(), 1, "{parts:?}: {all:?}");

@@ -1,5 +1,5 @@
-//! The servo tick with its lanes, and a machine that carries out its laser plans twice: pulse by pulse, and as the
-//! boards do.
+//! The servo tick with its lanes, and a machine that carries out its laser plans twice: pulse by
+//! pulse, and as the boards do.
 use super::player::{Player, settled};
 use host_tests::laser_model::{Command, Edge, Exact, Family, Mode, Ns};
 use plant::beam::{self, Stage};
@@ -97,7 +97,8 @@ struct Known {
     carrier: Option<Carrier>,
     /// Whether it plans ahead at all: the tick must do without.
     plans: bool,
-    /// The last plan, and how many there were: every third time it comes again, for other numbers perhaps.
+    /// The last plan, and how many there were: every third time it comes again, for other numbers
+    /// perhaps.
     last: (Option<Fine>, u32),
 }
 
@@ -223,9 +224,9 @@ impl Bench {
         }
     }
 
-    /// Runs a job on each channel from power-on until `horizon`, which is a tick. Commands act at instants
-    /// that are ticks; faults come after the other commands of their instant. `every`: ticks between views
-    /// that are kept; `plans`: whether the thread plans trains ahead.
+    /// Runs a job on each channel from power-on until `horizon`, which is a tick. Commands act at
+    /// instants that are ticks; faults come after the other commands of their instant. `every`:
+    /// ticks between views that are kept; `plans`: whether the thread plans trains ahead.
     pub fn run(
         &mut self,
         family: Family,

@@ -172,7 +172,8 @@ pub fn cases() -> Vec<Case> {
         Case {
             switch: vec![(100, 500)],
             light: vec![(100, 500)],
-            // The period that began at 200 ends at 250, where 50 kHz is asked for: 20 µs would have ended before.
+            // The period that began at 200 ends at 250, where 50 kHz is asked for: 20 µs would have
+            // ended before.
             energy: joined(&[train(100, 300), (250..500).step_by(20).map(|at| (at, at + 5)).collect()]),
             ..case(
                 "a_quicker_carrier_does_not_wait_for_a_slow_period",

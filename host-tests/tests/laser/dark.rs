@@ -1,8 +1,8 @@
 //! What the energy output may do where there is no light.
 use host_tests::laser_model::{Edge, Ns, Outcome};
 
-/// Outside light, with dither too: no pulse but those of standby, and the last one is over when it must be. The ends of
-/// light may be off by `slack`.
+/// Outside light, with dither too: no pulse but those of standby, and the last one is over when it
+/// must be. The ends of light may be off by `slack`.
 pub fn in_the_dark(model: &Outcome, energy: &[Edge<bool>], horizon: Ns, slack: Ns) -> Result<(), String> {
     let pulses: Vec<(Ns, Ns)> =
         energy.chunks(2).map(|edges| (edges[0].0, edges.get(1).map_or(horizon, |edge| edge.0))).collect();

@@ -1,4 +1,5 @@
-//! Carries out a channel's plans as `servo::laser::actions` words them: outputs as lists of events, to the ns.
+//! Carries out a channel's plans as `servo::laser::actions` words them: outputs as lists of events,
+//! to the ns.
 use super::bench::Outputs;
 use host_tests::laser_model::{Edge, Ns, Span};
 use servo::laser::{Action, FINISH_NS, Pattern, Plan, Rate, Train};
@@ -155,7 +156,8 @@ impl Player {
     }
 }
 
-/// What remains of a list of levels: the last of an instant, and only where it differs from what was.
+/// What remains of a list of levels: the last of an instant, and only where it differs from what
+/// was.
 pub fn settled<T: Copy + PartialEq>(edges: Vec<Edge<T>>, before: T) -> Vec<Edge<T>> {
     let mut left: Vec<Edge<T>> = Vec::new();
     for (at, level) in edges {

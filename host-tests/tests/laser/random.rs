@@ -17,7 +17,8 @@ pub struct Setup {
 }
 
 pub const MODES: [Mode; 4] = [Mode::Duty, Mode::Frequency, Mode::Analog, Mode::Open];
-/// Off and on, µs: none, either the longer, on and beside the ticks, more than many marks, the greatest.
+/// Off and on, µs: none, either the longer, on and beside the ticks, more than many marks, the
+/// greatest.
 pub const DELAYS: [(i64, i64); 10] =
     [(0, 0), (0, 30), (30, 0), (50, 50), (49, 51), (101, 7), (7, 101), (333, 250), (250, 999), (65535, 65535)];
 const FPKS: [(i64, i64, i64); 7] =
@@ -55,7 +56,8 @@ fn pick<T: Copy>(chance: &mut Chance, from: &[T]) -> T {
     from[chance.below(from.len() as u64) as usize]
 }
 
-/// Frequencies whose period is a whole number of ns, kHz; with every duty below, the width is one too.
+/// Frequencies whose period is a whole number of ns, kHz; with every duty below, the width is one
+/// too.
 const KHZ: [i128; 9] = [1, 2, 5, 10, 20, 50, 100, 250, 500];
 
 /// Set where periods and widths need not be whole.
@@ -178,7 +180,8 @@ pub fn job(chance: &mut Chance, setup: &Setup, period: Ns, ticks: i64) -> Vec<(N
                 power_mode(chance, mode)
             }
             _ => {
-                // Nothing else comes at the instant of a fault. Some causes pass by themselves (see `Bench`).
+                // Nothing else comes at the instant of a fault. Some causes pass by themselves (see
+                // `Bench`).
                 faulty = !faulty;
                 at += period;
                 if !faulty && chance.below(2) == 0 {

@@ -40,7 +40,8 @@ pub fn repetition(train: Train) -> u64 {
     p / a * w
 }
 
-/// A line: its frequency as a multiple of the train's own, and its level against that of the train's own.
+/// A line: its frequency as a multiple of the train's own, and its level against that of the
+/// train's own.
 #[derive(Debug, Clone, Copy)]
 pub struct Line {
     pub multiple: f64,

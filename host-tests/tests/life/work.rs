@@ -65,7 +65,8 @@ pub fn calls(text: &str) -> Vec<Call> {
 pub fn round(number: u64) -> String {
     let mut text = String::new();
     text += &format!("GT_InitLookAhead(1, 0, {}, 10, {});\n", number % 3, 40 * (number & 1));
-    // The motion comes first: what is no motion would wait for the tick to tell where the path rests.
+    // The motion comes first: what is no motion would wait for the tick to tell where the path
+    // rests.
     text += "GT_CrdClear(1, 0); GT_LnXY(1, 1, 0, 1, 0.1, 0, 0); GT_BufLaserFollowRatio(1, 20, 1, 90, 0, 0);\n";
     for (side, (x, y)) in [(100, 0), (100, 100), (0, 100), (0, 0)].repeat(60).into_iter().enumerate() {
         text +=

@@ -1,7 +1,8 @@
 //! From what a program did to the judge's facts.
 //!
-//! Boundaries of paths are known by the outputs that BufDoBit changes beside the laser entries, standstills and the axes'
-//! causes by what the axes and coordinate systems show in each tick: nothing is taken from the lasers.
+//! Boundaries of paths are known by the outputs that BufDoBit changes beside the laser entries,
+//! standstills and the axes' causes by what the axes and coordinate systems show in each tick:
+//! nothing is taken from the lasers.
 use super::machine::{Seen, Sent, Told};
 use super::program::{Act, Buf, Do, Program};
 use host_tests::light_judge::fact::Laser;
@@ -200,7 +201,8 @@ impl Builder<'_> {
         }
     }
 
-    /// Whether a Stop was seen to have brought a coordinate system to rest in the tick that ends here.
+    /// Whether a Stop was seen to have brought a coordinate system to rest in the tick that ends
+    /// here.
     fn stopped_at(&self, crd: usize, at: Ns) -> bool {
         let rests = |pair: &[Seen]| pair[1].at == at && pair[0].runs[crd] && !pair[1].runs[crd];
         let stopped = |seen: &Seen| !matches!(seen.rest[crd], PathStop::Completed | PathStop::Underrun);
@@ -213,7 +215,8 @@ impl Builder<'_> {
         self.noted.iter().any(|noted| noted.from == From::Entry(crd) && about.contains(&noted.fact.lo))
     }
 
-    /// When a coordinate system was seen to begin to run for this start: what came with much else may act later.
+    /// When a coordinate system was seen to begin to run for this start: what came with much else
+    /// may act later.
     fn began(&self, crd: usize, sent: &Sent) -> Option<Ns> {
         let at = if sent.code.is_some() { sent.at + self.tick } else { sent.at };
         let is_next = |other: &&Sent| {
@@ -366,7 +369,8 @@ impl Builder<'_> {
         }
     }
 
-    /// What is said together with an abort, a new session or many entries may wait for it: for how long.
+    /// What is said together with an abort, a new session or many entries may wait for it: for how
+    /// long.
     fn late(&self, sent: &Sent) -> Ns {
         let waits = self.told.acts.iter().any(|&(when, act)| {
             (sent.at - 2 * self.tick..=sent.at).contains(&when)
@@ -383,14 +387,16 @@ impl Builder<'_> {
         maps as Ns * self.tick
     }
 
-    /// A start that acts at this instant, or when it was seen to; one that was not answered, only where it was seen to.
+    /// A start that acts at this instant, or when it was seen to; one that was not answered, only
+    /// where it was seen to.
     fn start(&mut self, sent: &Sent, at: Ns) {
         let Do::CrdStart { mask, option } = sent.call else { return };
         for crd in (0..2).filter(|crd| mask >> crd & 1 == 1) {
             let fifo = usize::from(option >> crd & 1);
             let began = self.began(crd, sent);
             if began.is_some() || sent.code.is_some() || self.entered(crd, sent) {
-                // One that is not seen to run goes on from where a Stop of the same tick brought it to rest.
+                // One that is not seen to run goes on from where a Stop of the same tick brought it
+                // to rest.
                 let goes_on = began.is_none() && self.stopped_at(crd, at);
                 let (key, late) = if goes_on { (1, self.tick) } else { (0, 0) };
                 let at = began.unwrap_or(at);

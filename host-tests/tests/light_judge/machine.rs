@@ -1,4 +1,5 @@
-//! The rig: a virtual controller and a client of frames. In: a program. Out: what was answered and what the outputs did.
+//! The rig: a virtual controller and a client of frames. In: a program. Out: what was answered and
+//! what the outputs did.
 use super::program::{Act, Device, Do, Program};
 use host_tests::light_judge::{Ns, Recorded};
 use plant::beam::Change;

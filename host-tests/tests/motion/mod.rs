@@ -1,5 +1,5 @@
-//! Programs run through the client and the virtual controller under a trace, and what they must give, in exact
-//! rational numbers.
+//! Programs run through the client and the virtual controller under a trace, and what they must
+//! give, in exact rational numbers.
 #![allow(dead_code, reason = "each test file takes what it needs")]
 use client::{Answer, Call, Client, Observer, Options};
 use num_rational::Ratio;
@@ -112,8 +112,8 @@ pub fn exact(pos: Pos) -> Rational {
     Rational::new(pos.0.into(), 1 << Pos::FRAC_BITS)
 }
 
-/// Runs a program at this tick under a trace of the first axes, which have their servos on. Nothing may be refused
-/// and nothing may be late.
+/// Runs a program at this tick under a trace of the first axes, which have their servos on. Nothing
+/// may be refused and nothing may be late.
 pub fn run(tick_us: u32, axes: u32, calls: Vec<Call>) -> Run {
     run_on(0, tick_us, axes, calls)
 }
@@ -289,7 +289,8 @@ pub fn follow_space(axis: i16, fifo: i16) -> Call {
     Call::of(FollowSpace { core: 1.into(), profile: axis.into(), fifo: fifo.into() })
 }
 
-/// One pass of a FIFO: the slave over the master's progress (SPEC 5: segment types as in PT, percent as in PVT).
+/// One pass of a FIFO: the slave over the master's progress (SPEC 5: segment types as in PT,
+/// percent as in PVT).
 pub struct Curve {
     segments: Vec<Segment>,
 }
@@ -362,7 +363,8 @@ impl Curve {
         (from.1 + slave * length, ratio)
     }
 
-    /// Where the slave is after a progress of so many passes and a part, at most `passes` (0: for ever).
+    /// Where the slave is after a progress of so many passes and a part, at most `passes` (0: for
+    /// ever).
     pub fn looped(&self, progress: Rational, passes: i128) -> Rational {
         if progress < whole(0) {
             return whole(0);

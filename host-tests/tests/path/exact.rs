@@ -1,5 +1,6 @@
-//! The instants of a path that is started and left alone, in exact arithmetic: what the model's doubles are held to. Numbers
-//! have 160 bits behind the point and any number before it; the lengths of arcs, which have π in them, are the model's.
+//! The instants of a path that is started and left alone, in exact arithmetic: what the model's
+//! doubles are held to. Numbers have 160 bits behind the point and any number before it; the
+//! lengths of arcs, which have π in them, are the model's.
 use host_tests::path_model::{Entry, Frame, Geometry};
 use num_bigint::BigInt;
 
@@ -46,7 +47,8 @@ fn motion(begin: &BigInt, length: &BigInt, limits: [&BigInt; 3], even: &BigInt) 
     let to = mul(&end, &end);
     let mut peak = root(&((&gain + &from + &to) / 2)).min(speed.clone()).max(end.clone());
     if *even > BigInt::ZERO && *begin <= peak {
-        // The peak of which a cruise of that time is left: peak²/acc + even·peak = length + (from + to)/2acc.
+        // The peak of which a cruise of that time is left: peak²/acc + even·peak = length + (from +
+        // to)/2acc.
         let rest = length + div(&((&from + &to) / 2), acc);
         let lowered = div(&(&rest * 2), &(even + root(&(mul(even, even) + div(&(&rest * 4), acc)))));
         peak = lowered.min(peak).max(begin.max(&end).clone());

@@ -1,5 +1,6 @@
-//! The whole machine for a test: a job's text in, through the client, the link, the dispatcher and the tick of the virtual
-//! controller; out comes what its outputs did, to the ns, and the rows of its trace. Times are those of the script.
+//! The whole machine for a test: a job's text in, through the client, the link, the dispatcher and
+//! the tick of the virtual controller; out comes what its outputs did, to the ns, and the rows of
+//! its trace. Times are those of the script.
 #![allow(dead_code, reason = "each test file takes what it needs")]
 use client::{Answer, Call, Client, Link, Observer, Options, Quiet};
 use host_tests::laser_model::{Edge, Family, Ns};
@@ -226,7 +227,8 @@ impl Machine {
     }
 }
 
-/// Leaves the last level of an instant, and only where it differs from what was. Recording began at rest.
+/// Leaves the last level of an instant, and only where it differs from what was. Recording began at
+/// rest.
 fn settle<T: Copy + PartialEq>(edges: &mut Vec<Edge<T>>, rest: T) {
     let mut left: Vec<Edge<T>> = Vec::with_capacity(edges.len());
     for &(at, level) in edges.iter() {

@@ -53,7 +53,8 @@ fn tail(rates: &Rates) -> String {
     format!("{},{},{},0", real(rates.speed), real(rates.acc), real(rates.end))
 }
 
-/// The calls of a coordinate system with its origin at 0, the first over axes 1 to 4, the second over 5 to 8.
+/// The calls of a coordinate system with its origin at 0, the first over axes 1 to 4, the second
+/// over 5 to 8.
 pub fn set_up(frame: &Frame, dimensions: usize, crd: usize) -> String {
     let mut text = format!("crd.dimension = {dimensions};\n");
     for axis in 0..8 {
@@ -127,7 +128,8 @@ fn arc(
         let text = format!("GT_Arc{name}R(CRD,{},{},{},{direction},{});\n", to.0, to.1, real(radius), tail(&rates));
         return (Entry::Motion(geometry, rates), text);
     }
-    // The rounded target moves the centre along the chord; so much that the path leaves the arc is refused.
+    // The rounded target moves the centre along the chord; so much that the path leaves the arc is
+    // refused.
     let chord = (to.0 - begin[first], to.1 - begin[second]);
     let off = half - (arm.0 * chord.0 + arm.1 * chord.1) / (2.0 * half);
     if off.abs() > 0.7 {
@@ -217,7 +219,8 @@ pub fn arcs(chance: &mut Chance, from: Position, count: usize, crd: usize) -> Ra
     made
 }
 
-/// Whether no more effects than a tick runs fall into any ms from the start on, and no more motions end in it than this.
+/// Whether no more effects than a tick runs fall into any ms from the start on, and no more motions
+/// end in it than this.
 pub fn fits(course: &Course, start: f64, motions: usize) -> bool {
     let fits = |instants: Vec<f64>, most: usize| {
         let mut counts = std::collections::HashMap::new();
@@ -249,8 +252,8 @@ pub fn is_undecided(course: &Course) -> bool {
         || goes_on_to_the_end_at_hand(course)
 }
 
-/// After an abrupt Stop it goes on from the place that was shown, to 2⁻¹⁶ pulse. When it ends depends on that, where hardly
-/// anything of the motion is left.
+/// After an abrupt Stop it goes on from the place that was shown, to 2⁻¹⁶ pulse. When it ends
+/// depends on that, where hardly anything of the motion is left.
 fn goes_on_to_the_end_at_hand(course: &Course) -> bool {
     (0..course.pieces.len()).filter(|index| course.pieces[*index].ms == 0.0).any(|index| {
         let rest = course.pieces[index + 1..].iter().take_while(|piece| piece.entry == course.pieces[index].entry);

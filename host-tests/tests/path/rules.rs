@@ -1,8 +1,10 @@
-//! The rules of SPEC 5 "Coordinate systems" and of SPEC 6 about light on a path, each as a small job with its outcome worked
-//! out by hand. Times are ms from the tick at which the coordinate system starts.
+//! The rules of SPEC 5 "Coordinate systems" and of SPEC 6 about light on a path, each as a small
+//! job with its outcome worked out by hand. Times are ms from the tick at which the coordinate
+//! system starts.
 use host_tests::laser_model::Family;
 
-/// A rule. The channel is in analog mode with a direct power of 5 V, unless the body says something else.
+/// A rule. The channel is in analog mode with a direct power of 5 V, unless the body says something
+/// else.
 pub struct Rule {
     pub name: &'static str,
     pub family: Family,
@@ -58,7 +60,8 @@ pub const MOTION: &[Rule] = &[
     },
     Rule {
         name: "a_motion_entered_above_its_velocity_brakes_to_it",
-        // 15 ms; 10 to 6 over 16 in 2 ms, 84 in 14 ms, 6 to 2 over 8 in 2 ms; 1 pulse from 2 to 0 in 1 ms.
+        // 15 ms; 10 to 6 over 16 in 2 ms, 84 in 14 ms, 6 to 2 over 8 in 2 ms; 1 pulse from 2 to 0
+        // in 1 ms.
         body: "GT_BufLaserOn(1);GT_LnXY(1,100,0,10,1,10);GT_LnXY(1,208,0,6,2,2);GT_BufLaserOff(1);GT_LnXY(1,209,0,2,2);GO",
         light: &[(0.0, 33.0)],
         places: &[(15.0, 1, 100.0), (17.0, 1, 116.0), (31.0, 1, 200.0), (33.0, 1, 208.0), (34.0, 1, 209.0)],
@@ -126,7 +129,8 @@ pub const MOTION: &[Rule] = &[
     Rule {
         name: "arcs_lie_in_three_planes",
         body: "crd.dimension=3;crd.profile[2]=3;GT_SetCrdPrm(1,&crd);GT_ArcYZR(1,100,100,100,1,10,2);GT_BufDelay(1,9);GT_ArcZXC(1,100,0,-100,0,1,10,2);GO",
-        // The first as above; from 29.707… on a full circle about Z 0, X 0 from Z 100: Z turns to X.
+        // The first as above; from 29.707… on a full circle about Z 0, X 0 from Z 100: Z turns to
+        // X.
         places: &[
             (5.0, 1, 0.0),
             (5.0, 2, 24.740_395_925),
@@ -170,7 +174,8 @@ pub const MOTION: &[Rule] = &[
     },
     Rule {
         name: "a_smooth_stop_brakes_through_what_follows_and_a_start_goes_on",
-        // 20 pulses to the corner with 2: (10 − √20)/2 ms, rest 5 ms after the Stop; 95 are left: 2·√95.
+        // 20 pulses to the corner with 2: (10 − √20)/2 ms, rest 5 ms after the Stop; 95 are left:
+        // 2·√95.
         body: "GT_SetCrdStopDec(1,2,100);GT_BufLaserOn(1);GT_LnXY(1,100,0,10,1,10);GT_BufLaserOff(1);GT_LnXY(1,200,0,10,1);GT_BufIO(1,12,1,1);GO Sleep(13);GT_Stop(256,0);Sleep(16);GT_CrdStart(1);",
         light: &[(0.0, 15.763_932_022_5)],
         places: &[
@@ -194,7 +199,8 @@ pub const MOTION: &[Rule] = &[
     Rule {
         name: "an_abrupt_stop_rests_on_its_tick",
         body: "GT_LnXY(1,500,0,10,2);GO Sleep(30);GT_Stop(256,256);Sleep(20);GT_CrdStart(1);",
-        // 275 at 30 ms: its tick shows the set-point of the tick before. The rest is 227.5: 27.75 ms.
+        // 275 at 30 ms: its tick shows the set-point of the tick before. The rest is 227.5: 27.75
+        // ms.
         places: &[(29.75, 1, 272.5), (30.0, 1, 272.5), (49.0, 1, 272.5), (55.0, 1, 297.5), (77.75, 1, 500.0)],
         ..NONE
     },
@@ -212,7 +218,8 @@ pub const MOTION: &[Rule] = &[
     },
     Rule {
         name: "fifo_1_interrupts_fifo_0_and_returns",
-        // 12.5 in 2.5 ms, 285 at the tick before the Stop. There and back by 100 along Y: 15 ms each. The rest is 215: 24 ms.
+        // 12.5 in 2.5 ms, 285 at the tick before the Stop. There and back by 100 along Y: 15 ms
+        // each. The rest is 215: 24 ms.
         body: "GT_LnXY(1,500,0,10,4);GO Sleep(30);GT_Stop(256,256);Sleep(1);GT_LnXY(1,285,100,10,2,0,1);GT_LnXY(1,285,0,10,2,0,1);GT_CrdStart(1,1);Sleep(40);GT_CrdStart(1,0);",
         places: &[
             (46.0, 2, 100.0),
@@ -308,7 +315,8 @@ pub const LIGHT: &[Rule] = &[
         ..NONE
     },
     Rule {
-        // "When the entries of crd k have run out, what its entries lit and every light under its velocity follow is shut off".
+        // "When the entries of crd k have run out, what its entries lit and every light under its
+        // velocity follow is shut off".
         name: "light_of_a_command_under_a_follow_goes_off_when_the_entries_have_run_out",
         body: "GT_SetHSIOOpt(1);GT_BufLaserPrfFollow(1,0.5,1,9);GT_LnXY(1,500,0,10,2);GO Sleep(70);",
         light: &[(-10.0, 55.0)],
@@ -331,15 +339,17 @@ pub const LIGHT: &[Rule] = &[
         ..NONE
     },
     Rule {
-        // "An immediate on while a crd's light is on changes nothing": it stays the path's, and ends with it.
+        // "An immediate on while a crd's light is on changes nothing": it stays the path's, and
+        // ends with it.
         name: "an_immediate_on_changes_nothing_while_a_path_has_light",
         body: "GT_BufLaserOn(1);GT_LnXY(1,500,0,10,2);GO Sleep(5);GT_SetHSIOOpt(1);Sleep(60);",
         light: &[(0.0, 55.0)],
         ..NONE
     },
     Rule {
-        // "A Stop of crd k shuts off every channel whose map holds k, whoever lit it"; "The CrdStart that goes on after a Stop
-        // … brings back what that Stop shut off". 227.5 pulses are left for 27.75 ms, and no entry ends the light.
+        // "A Stop of crd k shuts off every channel whose map holds k, whoever lit it"; "The
+        // CrdStart that goes on after a Stop … brings back what that Stop shut off". 227.5 pulses
+        // are left for 27.75 ms, and no entry ends the light.
         name: "a_stop_takes_light_of_a_command_and_the_start_brings_it_back",
         body: "GT_SetHSIOOpt(1);GT_LnXY(1,500,0,10,2);GO Sleep(30);GT_Stop(256,256);Sleep(20);GT_CrdStart(1);Sleep(40);",
         light: &[(-10.0, 30.0), (50.0, END)],
@@ -367,15 +377,17 @@ pub const LIGHT: &[Rule] = &[
         ..NONE
     },
     Rule {
-        // "While a crd brakes for a Stop its entries act as on the way, so that a mark has no gap". The corner after
-        // (10 − √20)/2 ms, rest 5 ms after the Stop; 95 pulses are left for 2·√95 ms.
+        // "While a crd brakes for a Stop its entries act as on the way, so that a mark has no gap".
+        // The corner after (10 − √20)/2 ms, rest 5 ms after the Stop; 95 pulses are left for 2·√95
+        // ms.
         name: "what_is_passed_in_braking_acts",
         body: "GT_SetCrdStopDec(1,2,100);GT_LnXY(1,100,0,10,1,10);GT_BufLaserOn(1);GT_LnXY(1,200,0,10,1);GO Sleep(13);GT_Stop(256,0);Sleep(16);GT_CrdStart(1);",
         light: &[(15.763_932_022_5, 18.0), (29.0, 48.493_588_689_6)],
         ..NONE
     },
     Rule {
-        // "but after an immediate off before or during the braking, with no on command since, nothing that it passes lights".
+        // "but after an immediate off before or during the braking, with no on command since,
+        // nothing that it passes lights".
         name: "after_an_off_command_nothing_that_is_passed_in_braking_lights",
         body: "GT_SetCrdStopDec(1,2,100);GT_BufLaserOn(1);GT_LnXY(1,100,0,10,1,10);GT_BufLaserOff(1);GT_BufLaserOn(1);GT_LnXY(1,200,0,10,1);GO Sleep(13);GT_Stop(256,0);Sleep(1);GT_SetHSIOOpt(0);Sleep(15);GT_CrdStart(1);",
         light: &[(0.0, 14.0)],
@@ -401,8 +413,8 @@ pub const LIGHT: &[Rule] = &[
         ..NONE
     },
     Rule {
-        // "Ending or replacing a follow never lights"; the CrdStart that goes on "brings back what that Stop shut off", with
-        // the direct power. 227.5 pulses are left for 27.75 ms.
+        // "Ending or replacing a follow never lights"; the CrdStart that goes on "brings back what
+        // that Stop shut off", with the direct power. 227.5 pulses are left for 27.75 ms.
         name: "ending_a_follow_at_rest_does_not_light_and_the_start_does",
         body: "GT_BufLaserPrfFollow(1,0.5,1,9);GT_BufLaserOn(1);GT_LnXY(1,500,0,10,2);GO Sleep(30);GT_Stop(256,256);Sleep(5);GT_Stop(1024,0);Sleep(5);GT_CrdStart(1);",
         light: &[(0.0, 30.0), (40.0, 67.75)],
@@ -426,7 +438,8 @@ pub const LIGHT: &[Rule] = &[
         ..NONE
     },
     Rule {
-        // "A crd lights only channels whose map holds it"; a Stop shuts off those "whose map holds k", no other.
+        // "A crd lights only channels whose map holds it"; a Stop shuts off those "whose map holds
+        // k", no other.
         name: "a_map_without_the_coordinate_system_keeps_light_of_a_command",
         body: "GT_SetLaserCrdMap(0,2);GT_SetHSIOOpt(1);GT_LnXY(1,500,0,10,2);GO Sleep(30);GT_Stop(256,256);",
         light: &[(-10.0, END)],

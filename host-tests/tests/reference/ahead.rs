@@ -1,12 +1,14 @@
-//! Random paths with look-ahead on the virtual controller, held by what docs/crd.md says of every plan: there is no second
-//! planner here.
+//! Random paths with look-ahead on the virtual controller, held by what docs/crd.md says of every
+//! plan: there is no second planner here.
 //!
-//! * every place of a tick is on the path, to 2⁻¹⁶ pulse, and further along it than the one before; the end is exact
-//! * speeds within programmed ones, those of the frame and of each coordinate; rest at BufDelay and at the end of LnXYG0
-//! * within a motion the acceleration of each coordinate is within its limit L, and along the path within synAcc; while a
-//!   Stop brakes, within its deceleration if that is more
-//! * a corner changes the velocity of a coordinate by L·T at most, and from the middle of a motion to that of another the
-//!   mean acceleration is within L
+//! * every place of a tick is on the path, to 2⁻¹⁶ pulse, and further along it than the one before;
+//!   the end is exact
+//! * speeds within programmed ones, those of the frame and of each coordinate; rest at BufDelay and
+//!   at the end of LnXYG0
+//! * within a motion the acceleration of each coordinate is within its limit L, and along the path
+//!   within synAcc; while a Stop brakes, within its deceleration if that is more
+//! * a corner changes the velocity of a coordinate by L·T at most, and from the middle of a motion
+//!   to that of another the mean acceleration is within L
 //! * outputs change where the path passes their vertex; motions are counted
 //!
 //! `REFERENCE_AHEAD` sets how many paths there are, `REFERENCE_SEED` the first one's number.
@@ -252,7 +254,8 @@ fn accelerations(
     if course.disturbed {
         return Ok(());
     }
-    // Mean velocities of the first and the last whole tick of each motion, and the velocity in its middle.
+    // Mean velocities of the first and the last whole tick of each motion, and the velocity in its
+    // middle.
     let mean = |tick: usize, axis: usize| (places[tick + 1][axis] - places[tick][axis]) / tick_ms;
     let mut before: Option<(usize, f64, usize)> = None;
     let mut from = 0;
@@ -438,8 +441,8 @@ pub fn run(first: u64, count: u64) -> BTreeMap<&'static str, u64> {
         if told.is_err() {
             *rig = None;
             if course.disturbed {
-                // The plan's acceleration of a motion may be next to nothing, with which the path goes on after a Stop: an open
-                // finding.
+                // The plan's acceleration of a motion may be next to nothing, with which the path
+                // goes on after a Stop: an open finding.
                 *tally.entry("paths that hardly go on after a Stop").or_default() += 1;
                 continue;
             }

@@ -1,4 +1,5 @@
-//! The analog output of a laser channel is the laser's alone in analog mode: it carries no voltage without light.
+//! The analog output of a laser channel is the laser's alone in analog mode: it carries no voltage
+//! without light.
 use super::machine::Rig;
 use host_tests::reference::{Call, Effect, Family, Kind, LightCall, LightOf, Path, PathCall, Site, Speeds};
 
@@ -33,7 +34,8 @@ fn set_up() -> Vec<Call> {
     [&servo(Kind::AxisOn)[..], &[path(frame), Call::Sleep { ns: MS }]].concat()
 }
 
-/// An entry of BufDA that had been taken before put its voltage on the laser's output, light or not.
+/// An entry of BufDA that had been taken before put its voltage on the laser's output, light or
+/// not.
 #[test]
 fn an_entry_does_not_touch_the_output_of_a_laser() {
     let speeds = Speeds { vel: 9.7, acc: 2.3, end: 0.0 };

@@ -31,8 +31,8 @@ fn agrees(tick_us: u32, calls: &[Call]) {
     assert!(open.is_empty(), "{open:?}");
 }
 
-/// A slave of a slave jumped to a turning point far ahead where a delay of the one in the middle ended: the way inside the
-/// tick was taken from a progress of before the wait.
+/// A slave of a slave jumped to a turning point far ahead where a delay of the one in the middle
+/// ended: the way inside the tick was taken from a progress of before the wait.
 #[test]
 fn a_slave_of_a_slave_that_a_delay_held() {
     agrees(
@@ -62,8 +62,8 @@ fn a_slave_of_a_slave_that_a_delay_held() {
     );
 }
 
-/// A WaitStop of one axis of a coordinate system made another one, which had left it and ran, count as waited for: its mode
-/// could be set while it ran.
+/// A WaitStop of one axis of a coordinate system made another one, which had left it and ran, count
+/// as waited for: its mode could be set while it ran.
 #[test]
 fn a_wait_for_an_axis_says_nothing_of_one_that_left_its_coordinate_system() {
     let set = Path::Set { crd: 1, axes: vec![2, 1, 0], vel: 15.0, acc: 2.0, even_ms: 0, origin: None };
@@ -102,8 +102,8 @@ fn frame(origin: Option<Vec<i32>>) -> Call {
     path(Path::Set { crd: 1, axes: vec![0, 1], vel: 50.0, acc: 4.9, even_ms: 0, origin })
 }
 
-/// An arc whose begin entries of its own instant seemed to hide was a tick late: a SetCrdPrm with an origin of its own, from which
-/// nothing moves.
+/// An arc whose begin entries of its own instant seemed to hide was a tick late: a SetCrdPrm with
+/// an origin of its own, from which nothing moves.
 #[test]
 fn an_arc_after_a_sleep_is_on_time() {
     let ready = [plain(Kind::AxisOn, 0), plain(Kind::AxisOn, 1)];
@@ -127,8 +127,8 @@ fn an_arc_after_a_sleep_is_on_time() {
     }
 }
 
-/// A path had come to its end, and a Stop that was to come hid that: an arc after a ZeroPos was made to begin where the FIFO's last
-/// motion had ended, by the names from before.
+/// A path had come to its end, and a Stop that was to come hid that: an arc after a ZeroPos was
+/// made to begin where the FIFO's last motion had ended, by the names from before.
 #[test]
 fn an_arc_after_a_stop_that_finds_the_path_at_its_end() {
     let set = Path::Set { crd: 2, axes: vec![1, 0], vel: 53.9, acc: 43.7, even_ms: 0, origin: None };
@@ -151,8 +151,8 @@ fn an_arc_after_a_stop_that_finds_the_path_at_its_end() {
     }
 }
 
-/// Data that came after a path had ended was taken as run by the WaitStop that followed: an arc of the other FIFO was made to
-/// begin where that data ends.
+/// Data that came after a path had ended was taken as run by the WaitStop that followed: an arc of
+/// the other FIFO was made to begin where that data ends.
 #[test]
 fn data_after_the_end_of_a_path_is_not_taken_as_run() {
     let go = |fifo: i16| path(Path::Start { mask: 1, option: fifo });
@@ -170,8 +170,8 @@ fn data_after_the_end_of_a_path_is_not_taken_as_run() {
     }
 }
 
-/// After a Stop that found the path at its end, and a ZeroPos, an entry without a motion made the end of the last motion count
-/// as the begin of an arc, by the name from before.
+/// After a Stop that found the path at its end, and a ZeroPos, an entry without a motion made the
+/// end of the last motion count as the begin of an arc, by the name from before.
 #[test]
 fn an_arc_after_an_entry_of_a_path_that_was_renamed() {
     let go = path(Path::Start { mask: 1, option: 0 });
@@ -190,7 +190,8 @@ fn an_arc_after_an_entry_of_a_path_that_was_renamed() {
         plain(Kind::ZeroPos, 0),
         Call::Sleep { ns: 4 * MS },
         path(Path::Delay { crd: 1, ms: 5, fifo: 0 }),
-        // Directly after the entry the arc would be a tick late: where it begins is known from then on.
+        // Directly after the entry the arc would be a tick late: where it begins is known from then
+        // on.
         Call::Sleep { ns: 4 * MS },
         path(arc),
         go,
@@ -201,8 +202,8 @@ fn an_arc_after_an_entry_of_a_path_that_was_renamed() {
     }
 }
 
-/// A slave of direction 0 at its origin, whose master goes back, was reported to move with it. A Stop at the instant of a
-/// SwitchNow then moved it.
+/// A slave of direction 0 at its origin, whose master goes back, was reported to move with it. A
+/// Stop at the instant of a SwitchNow then moved it.
 #[test]
 fn a_slave_at_its_origin_does_not_go_back() {
     for tick_us in [1000, 250, 100] {
@@ -268,8 +269,8 @@ fn a_move_outlives_the_entries_that_began_it() {
     }
 }
 
-/// Data after a start, in the tick in which another mode was set before it: refused, as if the data of the mode before could
-/// still be read.
+/// Data after a start, in the tick in which another mode was set before it: refused, as if the data
+/// of the mode before could still be read.
 #[test]
 fn data_after_a_start_right_after_another_mode() {
     let datum = Datum { master: 724.0, slave: -164.0, kind: 3, percent: 0 };
@@ -289,7 +290,8 @@ fn data_after_a_start_right_after_another_mode() {
     );
 }
 
-/// A smooth Stop on the tick after which the path sends the axis on again: it jumped to the end of that move.
+/// A smooth Stop on the tick after which the path sends the axis on again: it jumped to the end of
+/// that move.
 #[test]
 fn a_stop_just_before_a_path_sends_the_axis_on() {
     let axes = vec![0, 1, 2];
@@ -319,8 +321,8 @@ fn a_stop_just_before_a_path_sends_the_axis_on() {
     }
 }
 
-/// An arc after a delay began where the path had stood when the delay was given: not where the other FIFO, or a new name, had
-/// taken it since.
+/// An arc after a delay began where the path had stood when the delay was given: not where the
+/// other FIFO, or a new name, had taken it since.
 #[test]
 fn an_arc_after_a_delay_begins_where_the_path_is() {
     let ready = [plain(Kind::AxisOn, 0), plain(Kind::AxisOn, 1), frame(None)];
@@ -338,7 +340,8 @@ fn an_arc_after_a_delay_begins_where_the_path_is() {
     }
 }
 
-/// After a Stop in a path whose motions do not all set the same coordinates, an arc begins where those that are ahead end.
+/// After a Stop in a path whose motions do not all set the same coordinates, an arc begins where
+/// those that are ahead end.
 #[test]
 fn an_arc_after_motions_that_set_different_coordinates() {
     let axes = vec![0, 1, 2];
@@ -396,8 +399,8 @@ fn a_pass_that_ended_just_before_a_stop_counts() {
     }
 }
 
-/// A master braked within one tick, and a delay of its slave ended in that tick: the master's way inside the tick was taken as
-/// straight, and the slave was 0.2 pulses off for good.
+/// A master braked within one tick, and a delay of its slave ended in that tick: the master's way
+/// inside the tick was taken as straight, and the slave was 0.2 pulses off for good.
 #[test]
 fn a_delay_ends_in_the_tick_in_which_the_master_brakes() {
     for dec in [1.0, 1.7, 4.0] {
@@ -425,7 +428,8 @@ fn a_delay_ends_in_the_tick_in_which_the_master_brakes() {
     }
 }
 
-/// A path that went on within a circle: its slaves saw a turn that lay before the Stop once more, and jumped.
+/// A path that went on within a circle: its slaves saw a turn that lay before the Stop once more,
+/// and jumped.
 #[test]
 fn a_slave_of_an_axis_that_goes_on_within_a_circle() {
     let speeds = Speeds { vel: 2.4, acc: 6.2, end: 0.0 };
@@ -453,7 +457,8 @@ fn a_slave_of_an_axis_that_goes_on_within_a_circle() {
     }
 }
 
-/// The tick refused a start, and the job went on: an arc in the other FIFO began where the refused path would have ended.
+/// The tick refused a start, and the job went on: an arc in the other FIFO began where the refused
+/// path would have ended.
 #[test]
 fn an_arc_after_a_start_that_the_tick_refuses() {
     let speeds = Speeds { vel: 3.4, acc: 1.6, end: 0.0 };
@@ -488,7 +493,8 @@ fn an_arc_after_a_start_that_the_tick_refuses() {
     }
 }
 
-/// An entry that was given kept the place of a path at standstill from being known: the arc after it was a tick late.
+/// An entry that was given kept the place of a path at standstill from being known: the arc after
+/// it was a tick late.
 #[test]
 fn an_arc_after_an_entry_on_a_renamed_path() {
     let speeds = Speeds { vel: 19.0, acc: 6.2, end: 0.0 };
@@ -513,8 +519,8 @@ fn an_arc_after_an_entry_on_a_renamed_path() {
     );
 }
 
-/// An axis with an alarm left its coordinate system, by another mode or by a Reset: the channel stayed dark, whatever was
-/// called.
+/// An axis with an alarm left its coordinate system, by another mode or by a Reset: the channel
+/// stayed dark, whatever was called.
 #[test]
 fn an_alarm_that_has_left_its_coordinate_system() {
     let light = |what| Call::Light(LightCall { channel: 0, what });
@@ -541,8 +547,8 @@ fn an_alarm_that_has_left_its_coordinate_system() {
     }
 }
 
-/// Data after a start waited until the tick had emptied the FIFO, at the same instant: it counted a tick late. So a short
-/// line that was to end at speed began as one that ends at standstill.
+/// Data after a start waited until the tick had emptied the FIFO, at the same instant: it counted a
+/// tick late. So a short line that was to end at speed began as one that ends at standstill.
 #[test]
 fn a_line_after_the_start_of_a_path_that_was_just_emptied() {
     let line = |to: [i32; 2]| {
@@ -558,8 +564,8 @@ fn a_line_after_the_start_of_a_path_that_was_just_emptied() {
     agrees(1000, &calls);
 }
 
-/// After a Stop within FIFO 0, a first line of FIFO 1 to the pulse next to where the path stands was taken for a way back
-/// to there: it had no length.
+/// After a Stop within FIFO 0, a first line of FIFO 1 to the pulse next to where the path stands
+/// was taken for a way back to there: it had no length.
 #[test]
 fn a_line_of_less_than_a_pulse_with_fifo_1() {
     let line = |to: [i32; 2], fifo| {
@@ -573,8 +579,9 @@ fn a_line_of_less_than_a_pulse_with_fifo_1() {
     agrees(250, &calls.concat());
 }
 
-/// Data of a dynamic FIFO that came while its axis braked for a Stop belongs to the next stream. A start after a wait for
-/// the Stop was refused: the FIFO was taken for that of the stream that the Stop had ended.
+/// Data of a dynamic FIFO that came while its axis braked for a Stop belongs to the next stream. A
+/// start after a wait for the Stop was refused: the FIFO was taken for that of the stream that the
+/// Stop had ended.
 #[test]
 fn dynamic_data_while_the_axis_brakes() {
     let data = |pos, time_ms| Call::PtData { axis: 0, pos, time_ms, kind: 0, fifo: 0 };
@@ -601,8 +608,8 @@ fn dynamic_data_while_the_axis_brakes() {
     }
 }
 
-/// Data after a start of Follow was refused, where two modes had been set at the same instant: only the first of them had
-/// emptied the FIFO.
+/// Data after a start of Follow was refused, where two modes had been set at the same instant: only
+/// the first of them had emptied the FIFO.
 #[test]
 fn follow_data_after_a_start_right_after_two_modes() {
     agrees(

@@ -8,7 +8,8 @@ use std::collections::BTreeMap;
 /// How often what.
 pub type Tally = BTreeMap<String, u64>;
 
-/// Bits of the status word that are compared: alarm, following error, limits, stops by inputs, servo, profile running.
+/// Bits of the status word that are compared: alarm, following error, limits, stops by inputs,
+/// servo, profile running.
 const BITS: u32 = 0b0111_1111_0010;
 /// SPEC 11: 2⁻¹⁶ pulse.
 const BOUND: Fix = Fix(1 << 48);
@@ -237,8 +238,8 @@ fn edges(what: &str, mine: Vec<(f64, u8, bool)>, theirs: &[(i64, u8, bool)], end
     Ok(())
 }
 
-/// The program with some ms after every call that is refused: a refused entry makes others of its instant late by a tick
-/// (docs/jobs.md). `REFERENCE_TOGETHER=1` leaves them together.
+/// The program with some ms after every call that is refused: a refused entry makes others of its
+/// instant late by a tick (docs/jobs.md). `REFERENCE_TOGETHER=1` leaves them together.
 pub fn apart(site: &Site, tick_us: u32, calls: &[Call]) -> Option<Vec<Call>> {
     let mut calls = calls.to_vec();
     for _ in 0..20 {
@@ -297,7 +298,8 @@ fn differs_here(rig: &mut Option<Rig>, site: &Site, tick_us: u32, calls: &[Call]
         }
     };
     let program = beside(site, tick_us, &told, calls);
-    // A refused entry makes others of its instant late by a tick, and only the run knows of this one.
+    // A refused entry makes others of its instant late by a tick, and only the run knows of this
+    // one.
     let next_is_near =
         |index: usize| calls.get(index + 1).is_some_and(|next| !matches!(next, Call::Sleep { ns } if *ns >= 3_000_000));
     if !together && program.refused.iter().any(|index| next_is_near(*index)) {

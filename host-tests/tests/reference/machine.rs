@@ -1,5 +1,5 @@
-//! The virtual controller under a program: every call is an entry of the program queue that may fail, and every tick's
-//! set-points and status words are kept.
+//! The virtual controller under a program: every call is an entry of the program queue that may
+//! fail, and every tick's set-points and status words are kept.
 use client::{Answer, Client, Link, Options, Profile};
 use host_tests::reference::{Call, Family, Fix, Kind, Points, Session, Site};
 use protocol::command::*;

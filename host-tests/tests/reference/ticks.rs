@@ -1,5 +1,5 @@
-//! A tick period that changes between programs: motion, answers, outputs and light are the same functions of time before and
-//! after it.
+//! A tick period that changes between programs: motion, answers, outputs and light are the same
+//! functions of time before and after it.
 use super::judge::{Tally, finding};
 use host_tests::reference::{Call, Effect, Family, Kind, LightCall, LightOf, Site};
 

@@ -7,7 +7,8 @@ use trace::AxisName;
 
 /// Runs motion jobs in the virtual controller or on a Beamtick board.
 ///
-/// A job is a text file (.gts) in the notation of the controller manuals; docs/jobs.md describes it.
+/// A job is a text file (.gts) in the notation of the controller manuals; docs/jobs.md describes
+/// it.
 #[derive(Debug, Parser)]
 #[command(version, after_help = EXAMPLES)]
 pub struct CommandLine {
@@ -49,10 +50,11 @@ pub enum Command {
     Check(Check),
     /// Runs the virtual controller in real time and serves it over TCP to other clients.
     Serve(Serve),
-    /// Shows version, board, profile and limits of a controller; without --link, of the virtual one.
+    /// Shows version, board, profile and limits of a controller; without --link, of the virtual
+    /// one.
     Info(Info),
-    /// Has a reference board with the bring-up image measure itself, and writes a page. Outputs move: connect no drive and no
-    /// laser. docs/bring-up.md names the jumpers.
+    /// Has a reference board with the bring-up image measure itself, and writes a page. Outputs
+    /// move: connect no drive and no laser. docs/bring-up.md names the jumpers.
     BringUp(BringUp),
     /// Writes the job that a G-code program is.
     Import(Import),
@@ -82,12 +84,12 @@ pub struct Settings {
     /// Servo tick in µs. A job may say it by `#pragma tick`, family and profile likewise.
     #[arg(long, value_name = "N", value_parser = tick_parser())]
     pub tick_us: Option<u32>,
-    /// Family, which decides where the two laser manuals differ. Without it a job runs in gus, and `info` leaves the
-    /// controller in its own.
+    /// Family, which decides where the two laser manuals differ. Without it a job runs in gus, and
+    /// `info` leaves the controller in its own.
     #[arg(long, value_enum)]
     pub family: Option<FamilyName>,
-    /// Product profile: gus, gtn-016, gtn-024, gsn-008-lt, gsn-024, gsn-048, r688c-024, r688s-016, r688s-032.
-    /// Without it, the first of these that has every core and axis of the job.
+    /// Product profile: gus, gtn-016, gtn-024, gsn-008-lt, gsn-024, gsn-048, r688c-024, r688s-016,
+    /// r688s-032. Without it, the first of these that has every core and axis of the job.
     #[arg(long, value_name = "NAME")]
     pub profile: Option<String>,
 }
@@ -95,8 +97,9 @@ pub struct Settings {
 /// What board the virtual controller is, as far as steps go.
 #[derive(Debug, Clone, Copy, Default, Args)]
 pub struct Steps {
-    /// What the virtual controller's step outputs make of an axis, pulse/ms: data that is faster is refused, an axis that
-    /// follows and would be faster stops. The STM32H743 board has 1000. Without it, full scale.
+    /// What the virtual controller's step outputs make of an axis, pulse/ms: data that is faster is
+    /// refused, an axis that follows and would be faster stops. The STM32H743 board has 1000.
+    /// Without it, full scale.
     #[arg(long = "step-limit", value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1 << 32))]
     pub limit: Option<u64>,
 }
@@ -104,9 +107,10 @@ pub struct Steps {
 /// What the inputs do.
 #[derive(Debug, Clone, Default, Args)]
 pub struct InputFile {
-    /// Sets the inputs of the virtual or the emulated board: a CSV with the columns t_ms, input, level. t_ms counts from the zero of
-    /// the script clock (`serve`: from power-on) and never goes back. Inputs are gpi1, home1, limit_positive1, limit_negative1,
-    /// alarm1, arrive1 with their numbers (core2_home1 on another core) and interlock, levels 0 and 1 at the terminal, before
+    /// Sets the inputs of the virtual or the emulated board: a CSV with the columns t_ms, input,
+    /// level. t_ms counts from the zero of the script clock (`serve`: from power-on) and never goes
+    /// back. Inputs are gpi1, home1, limit_positive1, limit_negative1, alarm1, arrive1 with their
+    /// numbers (core2_home1 on another core) and interlock, levels 0 and 1 at the terminal, before
     /// sense; and adc1, level in V. A board with wires refuses it.
     #[arg(long, value_name = "FILE.csv")]
     pub inputs: Option<PathBuf>,
@@ -116,7 +120,8 @@ pub struct InputFile {
 #[derive(Debug, Clone, Args)]
 #[command(group = ArgGroup::new("picture").args(["plot", "xy"]).multiple(true))]
 pub struct Outputs {
-    /// Writes position and velocity of the axes used, gate, power and frequency of the lasers used, a row each tick.
+    /// Writes position and velocity of the axes used, gate, power and frequency of the lasers used,
+    /// a row each tick.
     #[arg(long, value_name = "FILE.csv")]
     pub trace: Option<PathBuf>,
     /// Writes step, direction, digital and laser outputs, timescale 1 ns.
@@ -125,14 +130,16 @@ pub struct Outputs {
     /// Draws the trace; the extension chooses SVG or PNG.
     #[arg(long, value_name = "FILE.svg|png")]
     pub plot: Option<PathBuf>,
-    /// Draws one axis over another, what a laser lit in the colour of its power; the extension chooses SVG or PNG.
+    /// Draws one axis over another, what a laser lit in the colour of its power; the extension
+    /// chooses SVG or PNG.
     #[arg(long, value_name = "FILE.svg|png")]
     pub xy: Option<PathBuf>,
-    /// The axes of --xy: across, then up. N is an axis of core 1; others are named as in a CSV, core2_axis1. Without it,
-    /// the first two axes of the trace.
+    /// The axes of --xy: across, then up. N is an axis of core 1; others are named as in a CSV,
+    /// core2_axis1. Without it, the first two axes of the trace.
     #[arg(long, value_name = "X,Y", value_parser = axis_pair, requires = "xy")]
     pub xy_axes: Option<(AxisName, AxisName)>,
-    /// A row every N ticks. A link without a stream for the trace may need more; the summary shows it.
+    /// A row every N ticks. A link without a stream for the trace may need more; the summary shows
+    /// it.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     pub every: u32,
     /// The pictures begin at this time.
@@ -178,7 +185,8 @@ pub struct Drawing {
     /// The machine that a G-code program is for; `beamtick machine new FILE` writes such a file.
     #[arg(long, value_name = "FILE.toml")]
     pub machine: Option<PathBuf>,
-    /// M0 of a G-code program goes on by itself, in the dark. Without it M0 is refused: a job asks nobody.
+    /// M0 of a G-code program goes on by itself, in the dark. Without it M0 is refused: a job asks
+    /// nobody.
     #[arg(long)]
     pub pass_stops: bool,
 }
@@ -341,7 +349,8 @@ pub struct Serve {
     #[command(flatten)]
     #[allow(missing_docs)]
     pub inputs: InputFile,
-    /// Profile at power-on. Without it the board has room for every profile; with one of 8 axes, for 8 axes only.
+    /// Profile at power-on. Without it the board has room for every profile; with one of 8 axes,
+    /// for 8 axes only.
     #[arg(long, value_name = "NAME")]
     pub profile: Option<String>,
 }

@@ -1,8 +1,8 @@
 //! Steps to entries of the program queue.
 //!
-//! In: a job and the controller's counts. Out: calls, and for each the steps it came from. Runs of PtData
-//! for one FIFO travel as PtDataMany, which changes nothing but their cost; an item that is refused
-//! still finds its line.
+//! In: a job and the controller's counts. Out: calls, and for each the steps it came from. Runs of
+//! PtData for one FIFO travel as PtDataMany, which changes nothing but their cost; an item that is
+//! refused still finds its line.
 use crate::points::records;
 use client::Call;
 use job::{Action, Job};
@@ -96,8 +96,8 @@ impl Ending {
     }
 }
 
-/// The script's entries, then Abort as a call there would act; what still moves is waited for, and a trace ends. What
-/// lasers and axes do at the end is read before.
+/// The script's entries, then Abort as a call there would act; what still moves is waited for, and
+/// a trace ends. What lasers and axes do at the end is read before.
 pub fn entries(job: &Job, version: &VersionReply, traced: bool) -> Vec<Entry> {
     let mut entries = Vec::with_capacity(job.steps.len() + 16);
     let mut run: Option<Run> = None;
@@ -145,7 +145,8 @@ pub fn entries(job: &Job, version: &VersionReply, traced: bool) -> Vec<Entry> {
     leave(&mut entries, job, version);
     if traced {
         if job.lasers != 0 {
-            // The edge that ends the light lies in the tick after its command, and is whole with the row after it.
+            // The edge that ends the light lies in the tick after its command, and is whole with
+            // the row after it.
             entries.push(sleep(2 * tick_ns, From::End));
         }
         entries.push(Entry { call: Call::of(Trace::default()), from: From::End });

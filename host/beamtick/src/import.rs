@@ -1,7 +1,8 @@
-//! `beamtick import`, and G-code where a job is expected: a program and a machine file become a job.
+//! `beamtick import`, and G-code where a job is expected: a program and a machine file become a
+//! job.
 //!
-//! In: two files. Out: the text of a job; notes on the error stream. Fails with file, line and reason, before anything
-//! moves.
+//! In: two files. Out: the text of a job; notes on the error stream. Fails with file, line and
+//! reason, before anything moves.
 use crate::Failure;
 use crate::command_line::{Drawing, Import};
 use crate::{machine_file, output};

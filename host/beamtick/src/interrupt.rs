@@ -80,7 +80,8 @@ fn arrived(number: u8) {
     std::process::exit(signal.exit_code().into());
 }
 
-/// From now on signals do as the module says; for the program itself, not for tests that call its library.
+/// From now on signals do as the module says; for the program itself, not for tests that call its
+/// library.
 #[cfg(unix)]
 pub fn watch() {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};

@@ -1,9 +1,11 @@
 #![forbid(unsafe_code)]
-//! `beamtick`: runs job scripts in the virtual controller or on a board; serves the virtual controller.
+//! `beamtick`: runs job scripts in the virtual controller or on a board; serves the virtual
+//! controller.
 //!
-//! In: the command line, job files, configuration files. Out: what the job read, a summary, trace files;
-//! errors on the error stream with file, line and reason. Exit codes: 0 done, 1 the job or the link
-//! failed, 2 the command line or the job file is wrong, 130, 143 and 129 after INT, TERM and HUP. A library, so that tests run jobs over links of their own.
+//! In: the command line, job files, configuration files. Out: what the job read, a summary, trace
+//! files; errors on the error stream with file, line and reason. Exit codes: 0 done, 1 the job or
+//! the link failed, 2 the command line or the job file is wrong, 130, 143 and 129 after INT, TERM
+//! and HUP. A library, so that tests run jobs over links of their own.
 
 /// A line on the standard output, whenever that is read.
 macro_rules! say {
@@ -77,7 +79,8 @@ pub fn main() -> ExitCode {
     let outcome = obey(&CommandLine::parse());
     let done = outcome.is_ok();
     let code = ended(outcome);
-    // Nothing of ours is lit or moving any more: a reader may take its time, unless a signal asks to end.
+    // Nothing of ours is lit or moving any more: a reader may take its time, unless a signal asks
+    // to end.
     let finish = || printer::finish(interrupt::came().map(|_| interrupt::LAST_WORDS));
     finish();
     match printer::failed() {

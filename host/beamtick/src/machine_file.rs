@@ -1,7 +1,8 @@
 //! `beamtick machine`: a machine file from questions, and what one says.
 //!
-//! In: answers on the standard input or from the command line. Out: a commented file. Fails: a wrong answer is named
-//! with its limit and asked again, or ends the program where nobody is asked. Then nothing is written.
+//! In: answers on the standard input or from the command line. Out: a commented file. Fails: a
+//! wrong answer is named with its limit and asked again, or ends the program where nobody is asked.
+//! Then nothing is written.
 use crate::Failure;
 use crate::command_line::{MachineAction, MachineFile, NewMachine};
 use machine::{Machine, Question};

@@ -126,8 +126,8 @@ fn place(name: &Path) -> PathBuf {
     name.canonicalize().unwrap_or_else(|_| beside())
 }
 
-/// Fails, before anything is written or run, where an output would overwrite one of the `inputs` or another output.
-/// `outputs`: the option, the name, whether it is a picture.
+/// Fails, before anything is written or run, where an output would overwrite one of the `inputs` or
+/// another output. `outputs`: the option, the name, whether it is a picture.
 pub fn check(inputs: &[PathBuf], outputs: &[(&str, &Path, bool)]) -> Result<(), Failure> {
     let mut taken: Vec<(PathBuf, String)> =
         inputs.iter().map(|name| (place(name), format!("the job reads {}", name.display()))).collect();

@@ -1,7 +1,8 @@
-//! Points of tables, and axes of a configuration, in records: a call has all of them, a message holds a few dozen.
+//! Points of tables, and axes of a configuration, in records: a call has all of them, a message
+//! holds a few dozen.
 //!
-//! In: a call. Out: calls that follow each other, each with the index of its first point, or the number of its axes.
-//! Calls of other commands stay as they are.
+//! In: a call. Out: calls that follow each other, each with the index of its first point, or the
+//! number of its axes. Calls of other commands stay as they are.
 use client::Call;
 use protocol::command::{ConfigItem, LoadConfig, Request, info, widths};
 use protocol::record::{BODY_MAX, ITEM_BYTES};
@@ -28,8 +29,8 @@ fn configurations(call: Call) -> Vec<Call> {
     items.chunks(each * size_of::<ConfigItem>()).map(record).collect()
 }
 
-/// A call whose items go in one message. More than a message holds are more than its count may be: those that fit go along, and
-/// the controller refuses the count.
+/// A call whose items go in one message. More than a message holds are more than its count may be:
+/// those that fit go along, and the controller refuses the count.
 fn whole(mut call: Call) -> Call {
     if let Some(command) = info(call.opcode)
         && let item @ 1.. = widths(command.items)

@@ -1,5 +1,5 @@
-//! The profile that a job runs with, the same on every board: what the command line says, else the first
-//! profile that holds every core and axis the job names.
+//! The profile that a job runs with, the same on every board: what the command line says, else the
+//! first profile that holds every core and axis the job names.
 use crate::Failure;
 use client::Profile;
 use job::Job;
@@ -28,7 +28,8 @@ pub fn shown(version: &VersionReply) -> &'static str {
     Profile::numbered(version.profile).map_or("unknown", Profile::name)
 }
 
-/// What helps where a call names a core or an axis that the profile has not; nothing if it is another fault.
+/// What helps where a call names a core or an axis that the profile has not; nothing if it is
+/// another fault.
 pub fn help(version: &VersionReply, opcode: u16, refusal: &Refusal) -> Option<String> {
     let command = info(opcode)?;
     let field = command.fields.iter().chain(command.items).nth(refusal.field.into())?.0;

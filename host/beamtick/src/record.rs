@@ -65,7 +65,8 @@ impl Recording {
     /// Creates the files. `digital` and `analog` are the general and analog outputs that the job
     /// sets, from 1, which the VCD gets.
     ///
-    /// `title` and `subtitle` are above the plot. `millimetres` are the axes of `--xy` where none are named.
+    /// `title` and `subtitle` are above the plot. `millimetres` are the axes of `--xy` where none
+    /// are named.
     pub fn new(
         outputs: &Outputs,
         (title, subtitle): (&str, String),
@@ -132,7 +133,8 @@ impl Recording {
         self.failed.is_some() || self.reader.ended()
     }
 
-    /// Closes the files; the pictures are drawn here. What is not whole is left as [`Recording::cut_off`] leaves it.
+    /// Closes the files; the pictures are drawn here. What is not whole is left as
+    /// [`Recording::cut_off`] leaves it.
     pub fn finish(mut self) -> Result<Recorded, Failure> {
         let broken = match (self.failed.take(), &self.sinks.open) {
             (Some(error), _) => Some(error.into()),
@@ -159,7 +161,8 @@ impl Recording {
         Ok(Recorded { header: open.header, peaks: open.peaks, speeds: open.speeds, rows: open.rows })
     }
 
-    /// The job has failed: what there is is written and drawn, under names that say so. These names.
+    /// The job has failed: what there is is written and drawn, under names that say so. These
+    /// names.
     pub fn cut_off(mut self) -> Vec<Kept> {
         // A file that cannot be written or drawn is missing; only the job's own failure is
         // reported.

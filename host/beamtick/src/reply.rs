@@ -55,8 +55,8 @@ fn asked(info: &CommandInfo, mut request: &[u8]) -> usize {
     }
 }
 
-/// What the reply to a request says: `name value`, a value for each item that was asked for. What lies past the last axis
-/// is 0.
+/// What the reply to a request says: `name value`, a value for each item that was asked for. What
+/// lies past the last axis is 0.
 pub fn reply(opcode: u16, request: &[u8], mut body: &[u8]) -> String {
     let Some(info) = COMMANDS.iter().find(|info| info.opcode == opcode) else { return String::new() };
     let mut text: Vec<String> = Vec::new();

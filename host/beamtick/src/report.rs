@@ -1,7 +1,7 @@
 //! What a job says while it runs: reads, failures, progress.
 //!
-//! In: the answers to its entries. Out: lines on the standard output, a progress bar where the error
-//! stream is a terminal. It remembers which axes the script left moving, and which lasers on.
+//! In: the answers to its entries. Out: lines on the standard output, a progress bar where the
+//! error stream is a terminal. It remembers which axes the script left moving, and which lasers on.
 use crate::entries::{Entry, From};
 use crate::source::Source;
 use crate::{interrupt, printer, profile, reply};
@@ -66,7 +66,8 @@ impl<'a> Report<'a> {
         let item = answer.refusal().map_or(u16::MAX, |refusal| refusal.item.get());
         let number = answer.index as usize;
         let reason = answer.error.as_ref().map_or("refused without a reason", |error| error.reason.as_str());
-        // The text begins with the protocol's name of the command, which for merged data is not the script's.
+        // The text begins with the protocol's name of the command, which for merged data is not the
+        // script's.
         let reason = reason.split_once(": ").map_or(reason, |(_, reason)| reason);
         let step = self
             .entries

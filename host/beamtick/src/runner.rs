@@ -37,7 +37,8 @@ const UNKNOWN: i16 = 8;
 const TRACE_END: Duration = Duration::from_secs(10);
 /// Of a job that has failed, within this, on this machine's clock.
 const TRACE_CUT_OFF: Duration = Duration::from_millis(400);
-/// From this time without a look at the link on, the machine is named where a controller took its client for lost.
+/// From this time without a look at the link on, the machine is named where a controller took its
+/// client for lost.
 const HELD_UP: Duration = Duration::from_millis(250);
 /// The end of an aborted motion is awaited no longer than this, on the link's clock.
 const REST: Duration = Duration::from_secs(60);
@@ -120,7 +121,8 @@ fn execute(source: &Source, client: &Client, knowledge: Knowledge<'_>, outputs: 
                      coordinate systems, by itself."
                 ),
             };
-            // What a signal is answered by is said before files are looked after: there is a second for all.
+            // What a signal is answered by is said before files are looked after: there is a second
+            // for all.
             let failure = match failure {
                 Failure::Job(text) => Failure::Job(format!("{}\n{note}", text.trim_end())),
                 Failure::Interrupted(signal, text) => {
@@ -237,7 +239,8 @@ fn record(source: &Source, client: &Client, outputs: &Outputs) -> Result<Tape, F
             (1, outputs.every.max(least_every(rate, row, version.tick_us.get())))
         }
     };
-    // What lasers do between rows is for pictures and signals only; general and analog outputs are signals.
+    // What lasers do between rows is for pictures and signals only; general and analog outputs are
+    // signals.
     let edges = u8::from(lasers != 0 && outputs.shows_edges()) | u8::from(shows_outputs) << 1;
     if every > outputs.every {
         complain!("{}: the trace has a row every {every} ticks: this link does not carry more", client.name());

@@ -136,10 +136,12 @@ impl Source {
     }
 }
 
-/// Lines that are compiled at a time where a job is long: calls in a row need nothing of each other.
+/// Lines that are compiled at a time where a job is long: calls in a row need nothing of each
+/// other.
 const PART: usize = 20_000;
 
-/// Compiles a job. One that `import` wrote may be of any length: its calls name no variables after the set-up.
+/// Compiles a job. One that `import` wrote may be of any length: its calls name no variables after
+/// the set-up.
 fn compile(text: &str, files: &Noted) -> Result<Job, Vec<Diagnostic>> {
     if !text.starts_with(gcode::MARK) {
         return job::compile(text, files);

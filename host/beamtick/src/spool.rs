@@ -1,8 +1,9 @@
 //! A file that a thread of its own writes.
 //!
-//! In: bytes. Out: the file. Who makes the bytes serves the link meanwhile, which a disk that is busy must not hold up: after
-//! half a second of silence a controller takes its client for lost. What the disk has not taken yet is kept in memory.
-//! Fails with the first error of the file, at the latest in [`Spool::flush`].
+//! In: bytes. Out: the file. Who makes the bytes serves the link meanwhile, which a disk that is
+//! busy must not hold up: after half a second of silence a controller takes its client for lost.
+//! What the disk has not taken yet is kept in memory. Fails with the first error of the file, at
+//! the latest in [`Spool::flush`].
 use std::fs::File;
 use std::io::{self, Write};
 use std::sync::mpsc::{Sender, channel};

@@ -1,4 +1,5 @@
-//! The summary: what a job has done, where its axes are and why they stopped, what the link carried.
+//! The summary: what a job has done, where its axes are and why they stopped, what the link
+//! carried.
 use crate::Failure;
 use crate::entries::lasers;
 use crate::profile;
@@ -131,7 +132,8 @@ pub fn print(run: &Run<'_>) -> Result<(), Failure> {
     taken(run, &faults).map_or(Ok(()), |text| Err(Failure::Job(text)))
 }
 
-/// Where a rate that followed something reached the pulse width: how often, and when first after power-on.
+/// Where a rate that followed something reached the pulse width: how often, and when first after
+/// power-on.
 fn limited(run: &Run<'_>) -> Result<(), Failure> {
     if run.source.job.lasers == 0 {
         return Ok(());
@@ -156,7 +158,8 @@ fn limited(run: &Run<'_>) -> Result<(), Failure> {
 /// The cause of a tick that took too long.
 const OVERRUN: i16 = 3;
 
-/// What took light from the job, if anything did. `faults` are the causes that keep its lasers dark now, by channel.
+/// What took light from the job, if anything did. `faults` are the causes that keep its lasers dark
+/// now, by channel.
 fn taken(run: &Run<'_>, faults: &[(u8, i16)]) -> Option<String> {
     let (progress, report) = (run.progress, run.report);
     let lost = faults.iter().filter(|(channel, _)| progress.darkened() >> channel & 1 == 1);

@@ -21,7 +21,8 @@ use zerocopy::FromBytes;
 
 /// A wait is named after this time.
 const NAMED: Duration = Duration::from_secs(1);
-/// On a board the controller is asked again after this time at the latest; in virtual time after as long again.
+/// On a board the controller is asked again after this time at the latest; in virtual time after as
+/// long again.
 const SELDOM: Duration = Duration::from_secs(10);
 /// Code of the error that ends a job whose wait nothing ends; not one of SPEC 3.
 pub const ENDLESS: i16 = i16::MIN + 1;
@@ -163,7 +164,8 @@ impl<'r, 'a> Watch<'r, 'a> {
         })
     }
 
-    /// Script time of the sleeps right before the entry that waits: they are answered when they begin.
+    /// Script time of the sleeps right before the entry that waits: they are answered when they
+    /// begin.
     fn slept(&self, answered: u32) -> u64 {
         self.before(answered).rev().map_while(sleep).sum()
     }

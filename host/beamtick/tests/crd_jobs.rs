@@ -1,5 +1,5 @@
-//! The examples of coordinate systems: rows of their traces by hand. A start of the first instant acts on the first
-//! tick, so what happens t ms after it stands in the row of t + 0.25 ms.
+//! The examples of coordinate systems: rows of their traces by hand. A start of the first instant
+//! acts on the first tick, so what happens t ms after it stands in the row of t + 0.25 ms.
 use assert_cmd::Command;
 use std::collections::HashMap;
 use std::fs;
@@ -65,9 +65,10 @@ impl Ran {
     }
 }
 
-/// Sides of 10000 pulses from rest to rest: 25 ms up over 625 pulses, 175 ms, 25 ms down; four of them.
-/// Then with look-ahead: corners take c = 2·5 = 10 pulse/ms. Plans keep 1/16384 below a = 2; beside a corner between motions of
-/// length l, which speed up and brake, c·v/l of that is the corner's (decision 9).
+/// Sides of 10000 pulses from rest to rest: 25 ms up over 625 pulses, 175 ms, 25 ms down; four of
+/// them. Then with look-ahead: corners take c = 2·5 = 10 pulse/ms. Plans keep 1/16384 below a = 2;
+/// beside a corner between motions of length l, which speed up and brake, c·v/l of that is the
+/// corner's (decision 9).
 #[test]
 fn square_with_corners() {
     let ran = run("square_with_corners.gts");
@@ -95,8 +96,8 @@ fn square_with_corners() {
     ran.says("GT_CrdStatus run, segment = run 0 segment 8");
 }
 
-/// A circle of 2π·5000 pulses at 50 pulse/ms from rest to rest; half of it after half of the time. Then two quarters
-/// without a stop between them, and half turns in the other planes.
+/// A circle of 2π·5000 pulses at 50 pulse/ms from rest to rest; half of it after half of the time.
+/// Then two quarters without a stop between them, and half turns in the other planes.
 #[test]
 fn arcs() {
     let ran = run("arcs.gts");
@@ -144,7 +145,8 @@ fn spiral() {
     for row in (0..ran.rows()).filter(|row| way[*row] > 2500.0 && way[*row] < whole - 2500.0) {
         assert!((84.0..100.0001).contains(&ran.speed(row)), "{} pulse/ms at {}", ran.speed(row), way[row]);
     }
-    // Accelerations are means over a line's time here: no coordinate takes more than 4 and what a tick sees of a corner.
+    // Accelerations are means over a line's time here: no coordinate takes more than 4 and what a
+    // tick sees of a corner.
     let lines = 8;
     for row in lines..ran.rows() {
         for axis in ["axis1_vel", "axis2_vel"] {
@@ -156,8 +158,8 @@ fn spiral() {
     ran.says("GT_GetRemainderSegNum left = 0");
 }
 
-/// Stopped at 4500 pulses: 25 ms up, 75 ms at 50 pulse/ms, 5 ms down at synAccMax, 10; the Stop acts on the tick after
-/// 100 ms.
+/// Stopped at 4500 pulses: 25 ms up, 75 ms at 50 pulse/ms, 5 ms down at synAccMax, 10; the Stop
+/// acts on the tick after 100 ms.
 #[test]
 fn interrupt() {
     let ran = run("interrupt.gts");
@@ -173,7 +175,8 @@ fn interrupt() {
     ran.says("GT_CrdStatus run, segment = run 0 segment 2");
 }
 
-/// At 100 ms 4375 pulses have gone; braking to 25 takes 12.5 ms and 468.75 pulses; 87.5 ms at 25; up again the same way.
+/// At 100 ms 4375 pulses have gone; braking to 25 takes 12.5 ms and 468.75 pulses; 87.5 ms at 25;
+/// up again the same way.
 #[test]
 fn an_override() {
     let ran = run("override.gts");

@@ -1,4 +1,5 @@
-//! Inputs on the emulated board, where BEAMTICK_IMAGE names an image (`cargo xtask check-all` does), and over `beamtick serve`.
+//! Inputs on the emulated board, where BEAMTICK_IMAGE names an image (`cargo xtask check-all`
+//! does), and over `beamtick serve`.
 mod served;
 use assert_cmd::cargo::cargo_bin;
 use client::inputs::{Inputs, Zero};
@@ -16,7 +17,8 @@ fn beamtick(folder: &Path, arguments: &[&str]) -> (String, String, i32) {
     (text(output.stdout), text(output.stderr), output.status.code().unwrap())
 }
 
-/// Every kind of input by a call or by a row; a slave that waits, a home switch that is captured, a limit, the interlock.
+/// Every kind of input by a call or by a row; a slave that waits, a home switch that is captured, a
+/// limit, the interlock.
 const JOB: &str = "\
 short status, cause; long value; double volts;
 GT_AxisOn(1); GT_AxisOn(2); GT_AxisOn(3);

@@ -1,6 +1,6 @@
-//! INT, TERM and HUP at many instants of a job of light on the emulated board, where BEAMTICK_IMAGE names an image
-//! (`cargo xtask check-all` does). The board's own trace shows what its outputs did. `BEAMTICK_SIGNALS=100` takes as many
-//! instants; without it there are nine.
+//! INT, TERM and HUP at many instants of a job of light on the emulated board, where BEAMTICK_IMAGE
+//! names an image (`cargo xtask check-all` does). The board's own trace shows what its outputs did.
+//! `BEAMTICK_SIGNALS=100` takes as many instants; without it there are nine.
 #![cfg(unix)]
 use assert_cmd::cargo::cargo_bin;
 use std::fs;

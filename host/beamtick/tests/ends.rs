@@ -1,5 +1,5 @@
-//! Every end of a job is dark (SPEC 9): the script's end, a refused call, INT, TERM and HUP; in virtual time and over TCP.
-//! And who may be at a served controller.
+//! Every end of a job is dark (SPEC 9): the script's end, a refused call, INT, TERM and HUP; in
+//! virtual time and over TCP. And who may be at a served controller.
 #![cfg(unix)]
 mod served;
 
@@ -128,7 +128,8 @@ fn a_refused_call_in_a_jump_before_a_mark_leaves_no_light() {
     assert!(served.laser().contains("dark") && served.laser().contains("light of 0.000 ms"), "{}", served.laser());
 }
 
-/// The controller aborts by itself: before the host has heard of the refusal, the path would be in the mark.
+/// The controller aborts by itself: before the host has heard of the refusal, the path would be in
+/// the mark.
 #[test]
 fn a_call_refused_a_few_ticks_before_a_mark_leaves_no_light() {
     let folder = tempfile::tempdir().unwrap();
@@ -347,7 +348,8 @@ fn no_output_overwrites_an_input_or_another_output() {
     assert_eq!(names, ["job.gts", "link.csv", "off.toml", "t.csv", "t.svg"]);
 }
 
-/// A file of an earlier run does not pass for that of a run that was cut off; one that is whole leaves nothing of the earlier one.
+/// A file of an earlier run does not pass for that of a run that was cut off; one that is whole
+/// leaves nothing of the earlier one.
 #[test]
 fn an_older_file_does_not_pass_for_the_new_one() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,5 @@
-//! G-code in the virtual controller, against an exact model: where it ends, where it has light, and its power.
+//! G-code in the virtual controller, against an exact model: where it ends, where it has light, and
+//! its power.
 #[path = "gcode/model.rs"]
 mod model;
 #[path = "gcode/programs.rs"]
@@ -128,7 +129,8 @@ fn differs(model: &Model, rows: &[Row]) -> Result<(), String> {
     if let Some(pair) = found.next() {
         return Err(format!("light becomes {} at {:?}, which no mark says", pair[1].lit, pair[0].at));
     }
-    // What is lit lies on marks: within a pulse, the tolerance of curves, and what the model's chords leave out.
+    // What is lit lies on marks: within a pulse, the tolerance of curves, and what the model's
+    // chords leave out.
     let marks: Vec<Vec<[f64; 3]>> =
         model.pieces.iter().filter(|piece| piece.lit).map(|piece| piece.points.clone()).collect();
     let lines = |points: &Vec<[f64; 3]>| points.windows(2).map(|pair| [pair[0], pair[1]]).collect::<Vec<_>>();
@@ -178,7 +180,8 @@ fn a_thousand_programs_are_the_models() {
     assert!(marks > 4000, "only {marks} changes of light were seen");
 }
 
-/// M4: power per mm is S over F everywhere, through sharp and blunt corners and arcs, also where the feed is not reached.
+/// M4: power per mm is S over F everywhere, through sharp and blunt corners and arcs, also where
+/// the feed is not reached.
 #[test]
 fn power_per_mm_is_even_through_corners() {
     let folder = tempfile::tempdir().unwrap();
@@ -313,7 +316,8 @@ fn what_is_wrong_has_line_and_reason_and_nothing_moves() {
     }
 }
 
-/// F is mm/min (or 1/min of a motion) along the path, whatever the axes count a mm; no axis passes its rate.
+/// F is mm/min (or 1/min of a motion) along the path, whatever the axes count a mm; no axis passes
+/// its rate.
 #[test]
 fn speeds_are_in_mm() {
     let folder = tempfile::tempdir().unwrap();

@@ -99,7 +99,8 @@ fn a_wait_ends_on_the_first_tick_after_the_instant_of_a_call_or_a_row() {
     let slave = column(called.path(), "axis2_pos");
     assert_eq!(slave, column(planned.path(), "axis2_pos"));
     assert_eq!(column(called.path(), "axis1_pos"), column(planned.path(), "axis1_pos"));
-    // The tick of 100.25 ms ends the wait: the slave rests where its master is at 100 ms, and goes from there.
+    // The tick of 100.25 ms ends the wait: the slave rests where its master is at 100 ms, and goes
+    // from there.
     assert_eq!(first(&slave, |pos| pos != 0.0), 100.25);
 }
 
@@ -181,7 +182,8 @@ Sleep(100);
     assert_eq!(code, 1, "{out}{errors}");
     let told = "laser channel 0 is kept dark by a fault: the interlock or emergency-stop input is active";
     assert!(errors.contains("job.gts:3") && errors.contains(told), "{errors}");
-    // The entries of a path meet a channel that is dark before it starts; a job that lights nothing there is none of that.
+    // The entries of a path meet a channel that is dark before it starts; a job that lights nothing
+    // there is none of that.
     for (entries, expected) in [("GT_BufLaserOn(1); GT_LnXY(1, 200, 0, 10, 1); GT_BufLaserOff(1);", 1), ("", 0)] {
         let job = format!(
             "\
@@ -286,7 +288,8 @@ fn the_example_waits_for_its_sensor() {
     assert_eq!(knife.last().unwrap().1, 1000.0);
 }
 
-/// Inputs and outputs above 32, by their numbers and by words: in calls, entries of a path and of FollowEx, files and the VCD.
+/// Inputs and outputs above 32, by their numbers and by words: in calls, entries of a path and of
+/// FollowEx, files and the VCD.
 #[test]
 fn products_have_more_than_a_word_of_inputs_and_outputs() {
     let job = "\
@@ -375,8 +378,8 @@ fn a_number_beyond_the_products_count_names_it() {
     }
 }
 
-/// Reads of outputs show what is output, whoever set it: paths of either core, of coordinate systems that only a longer tick has, and
-/// entries of FollowEx.
+/// Reads of outputs show what is output, whoever set it: paths of either core, of coordinate
+/// systems that only a longer tick has, and entries of FollowEx.
 #[test]
 fn outputs_are_read_whoever_set_them() {
     let crd = "{2, {1, 2, 0, 0, 0, 0, 0, 0}, 100, 1, 0, 0, {0, 0, 0, 0, 0, 0, 0, 0}}";

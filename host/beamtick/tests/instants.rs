@@ -1,4 +1,5 @@
-//! What a job asks at one instant, and how it ends where a servo tick or an entry was too late for its light.
+//! What a job asks at one instant, and how it ends where a servo tick or an entry was too late for
+//! its light.
 use beamtick::Failure;
 use client::Link;
 use std::fs;
@@ -118,7 +119,8 @@ fn a_job_that_ends_in_reset_says_that_its_coordinate_system_drives_nothing_any_m
     assert!(out.contains("crd 1: drives no axis any more"), "{out}");
 }
 
-/// Reset and set-up of many axes at one instant; outputs, starts of `starts` of them and light at another one.
+/// Reset and set-up of many axes at one instant; outputs, starts of `starts` of them and light at
+/// another one.
 fn crowded(axes: u32, cores: u32, starts: u32) -> String {
     let mut text = String::new();
     for core in 1..=cores {
@@ -176,7 +178,8 @@ fn all_that_one_instant_starts_begins_in_one_tick() {
     }
 }
 
-/// An entry that was given kept the place of a renamed path from being known: the arc after it was late.
+/// An entry that was given kept the place of a renamed path from being known: the arc after it was
+/// late.
 #[test]
 fn an_arc_after_an_entry_on_a_renamed_path_is_on_time() {
     let folder = tempfile::tempdir().unwrap();
@@ -244,8 +247,8 @@ fn ticks_that_take_too_long_are_told_where_no_laser_is_used_too() {
     assert!(out.contains("servo ticks took longer than 10 us"), "{out}");
 }
 
-/// Tables longer than the controller's queue (8 KiB), after a call that waits for its instant because its axis moves, so that
-/// nothing after it is prepared before.
+/// Tables longer than the controller's queue (8 KiB), after a call that waits for its instant
+/// because its axis moves, so that nothing after it is prepared before.
 #[test]
 fn a_table_longer_than_the_queue_makes_nothing_late_that_comes_well_after_it() {
     let folder = tempfile::tempdir().unwrap();

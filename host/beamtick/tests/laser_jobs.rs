@@ -1,4 +1,5 @@
-//! Jobs with lasers as a user runs them: the listings of both manuals, what is held, what is left on, what is refused.
+//! Jobs with lasers as a user runs them: the listings of both manuals, what is held, what is left
+//! on, what is refused.
 mod manuals;
 
 use assert_cmd::Command;
@@ -40,8 +41,9 @@ fn the_listings_put_out_what_they_say() {
         ("laser_analog", "gus", &["2.5"], "analog mode, dark, output 0 V, light of 2.000 ms"),
         // Three marks of 2, 1 and 1.5 ms, each longer by 50 µs: 4.65 ms are 18 units.
         ("laser_duty_open", "gus", &["0", "18"], "duty mode, dark, output 0 %, light of 4.500 ms"),
-        // Six bursts, each shorter by 40 µs: 11.76 ms are 47 units. The belt brakes from 20400 at 50 pulse/ms and 1 pulse/ms²;
-        // the head is 650 behind the third knot of its second pass: 2500 + 8000 + 4600 + 0.6 · 650 + 0.2/3000 · 650².
+        // Six bursts, each shorter by 40 µs: 11.76 ms are 47 units. The belt brakes from 20400 at
+        // 50 pulse/ms and 1 pulse/ms²; the head is 650 behind the third knot of its second pass:
+        // 2500 + 8000 + 4600 + 0.6 · 650 + 0.2/3000 · 650².
         (
             "laser_flying_shear",
             "gus",
@@ -178,8 +180,8 @@ fn the_signals_show_the_edge_that_ends_a_job() {
     assert!(end.split('#').next().unwrap().contains("0\""), "{signals}");
 }
 
-/// Analog outputs that the job sets, at their instants: the path's one at the corner, 15 ms after its start on the first tick. Reads tell
-/// what is output, whoever set it.
+/// Analog outputs that the job sets, at their instants: the path's one at the corner, 15 ms after
+/// its start on the first tick. Reads tell what is output, whoever set it.
 #[test]
 fn signals_and_reads_show_analog_outputs_of_calls_and_paths() {
     let folder = tempfile::tempdir().unwrap();
@@ -255,8 +257,8 @@ fn trace_signals_and_plot_show_the_laser() {
     assert!(part.contains("laser 0 pulses") && part.contains("time (µs)") && part.contains("305"), "{part}");
 }
 
-/// A rate that follows the speed reaches the pulse width during the motion: the summary says how often. Pulses of half the width, or
-/// a path half as fast, are not limited.
+/// A rate that follows the speed reaches the pulse width during the motion: the summary says how
+/// often. Pulses of half the width, or a path half as fast, are not limited.
 #[test]
 fn a_width_that_a_follow_limits_is_reported() {
     let text = |width: u32, speed: u32| {

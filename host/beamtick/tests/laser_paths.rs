@@ -1,8 +1,10 @@
-//! Light along a path as a user runs it: GUS chapters 4 and 5 and LSR chapters 3 and 4, with values worked out by hand.
+//! Light along a path as a user runs it: GUS chapters 4 and 5 and LSR chapters 3 and 4, with values
+//! worked out by hand.
 //!
-//! The listings run 100000 pulses along X, then to (0, 10000), at 50 pulse/ms and 2 pulse/ms²: 25 ms and 625 pulses up
-//! and down, 2025 ms for the first line, √(10¹⁰ + 10⁸)/50 + 25 = 2034.975124… ms for the second. A call at 0 acts on
-//! the first tick, so a path that it starts is T ms into its motion at row T + 0.25. The examples start theirs at 1 ms.
+//! The listings run 100000 pulses along X, then to (0, 10000), at 50 pulse/ms and 2 pulse/ms²: 25
+//! ms and 625 pulses up and down, 2025 ms for the first line, √(10¹⁰ + 10⁸)/50 + 25 = 2034.975124…
+//! ms for the second. A call at 0 acts on the first tick, so a path that it starts is T ms into its
+//! motion at row T + 0.25. The examples start theirs at 1 ms.
 mod manuals;
 
 use assert_cmd::Command;
@@ -152,12 +154,14 @@ fn along(t: f64) -> f64 {
     if t <= 2025.0 { way(100_000.0, t) } else { 100_000.0 + way(BACK, t - 2025.0) }
 }
 
-/// A power is in force for the interval that begins with the tick, and follows the mean speed in it.
+/// A power is in force for the interval that begins with the tick, and follows the mean speed in
+/// it.
 fn followed(t: f64) -> f64 {
     (along(t + 0.25) - along(t)) / 0.25
 }
 
-/// Rows while the path of a listing runs, t ms after its start: all but the ones around the corner and the ends.
+/// Rows while the path of a listing runs, t ms after its start: all but the ones around the corner
+/// and the ends.
 fn rows(ran: &Ran, name: &str) -> Vec<(f64, f64)> {
     let ends = [0.0, 2025.0, 2025.0 + BACK / 50.0 + 25.0];
     let all = ran.column(name).into_iter().map(|(t, value)| (t - START, value));
@@ -270,7 +274,8 @@ rtn = GT_LnXY(1, 10000, 0, 50, 2); rtn = GT_CrdStart(1, 0); WaitStop(1, 0, 1); S
 
 #[test]
 fn the_distance_is_added() {
-    // GUS: the part of the speed in its own bounds, the distance added, the sum in the distance's bounds.
+    // GUS: the part of the speed in its own bounds, the distance added, the sum in the distance's
+    // bounds.
     let ran = run(&example("laser_distance.gts"), "gus", 250).good();
     for (t, power) in rows(&ran, "laser0_power") {
         let [x, y] = path(t).1;
@@ -289,7 +294,8 @@ fn the_distance_is_added() {
 
 #[test]
 fn ratios_come_from_a_table_over_the_position() {
-    // Axis 1: 0.1 up to 2000, 0.5 from 6000 on, linear between; the reference is 1000. Axis 2 and the others: none.
+    // Axis 1: 0.1 up to 2000, 0.5 from 6000 on, linear between; the reference is 1000. Axis 2 and
+    // the others: none.
     let text = set_up("lsr")
         + "long pos[4] = {1000, 0, 0, 0}; double scale[4] = {1000, 1000, 1000, 1000};
 long at[8] = {2000, 6000, 0, 1, 0, 1, 0, 1}; double ratio[8] = {1, 5, 0, 0, 0, 0, 0, 0};
@@ -314,7 +320,8 @@ rtn = GT_BufLaserOn(1); rtn = GT_LnXY(1, 10000, 0, 50, 2); rtn = GT_CrdStart(1, 
 
 #[test]
 fn ratios_come_from_a_table_over_the_plane() {
-    // Corners (0, 0), (10000, 0), (0, 5000), (10000, 5000) with ratios 1, 2, 3, 5; the path is the diagonal, and beyond.
+    // Corners (0, 0), (10000, 0), (0, 5000), (10000, 5000) with ratios 1, 2, 3, 5; the path is the
+    // diagonal, and beyond.
     let text = set_up("lsr")
         + "long pos[4] = {0, 0, 0, 0}; double scale[4] = {1000, 500, 1, 1};
 short axis[2] = {1, 2}; short count[2] = {2, 2}; long x[2] = {0, 10000}; long y[2] = {0, 5000};
@@ -342,7 +349,8 @@ rtn = GT_BufLaserOn(1); rtn = GT_LnXY(1, 12000, 6000, 50, 2); rtn = GT_CrdStart(
 
 #[test]
 fn a_table_of_many_points_arrives_whole() {
-    // 16 × 16 points a thousand pulses apart, the ratio 0.1·(i + j): three records. The path is the diagonal.
+    // 16 × 16 points a thousand pulses apart, the ratio 0.1·(i + j): three records. The path is the
+    // diagonal.
     let list =
         |values: &mut dyn Iterator<Item = f64>| values.map(|value| value.to_string()).collect::<Vec<_>>().join(",");
     let lines = list(&mut (0..16).map(|i| f64::from(i) * 1000.0));
@@ -412,7 +420,8 @@ rtn = GT_LnXY(1, 10000, 0, 50, 2); rtn = GT_CrdStart(1, 0); WaitStop(1, 0, 1); S
 
 #[test]
 fn a_follow_ends_by_follow_off_and_by_a_direct_power() {
-    // GUS: FollowOff leaves the direct power that was set before, a direct power ends the follow. LSR: it is added.
+    // GUS: FollowOff leaves the direct power that was set before, a direct power ends the follow.
+    // LSR: it is added.
     let lines = |entry: &str| {
         format!(
             "rtn = GT_LaserOutFrq(10, 0);
@@ -438,7 +447,8 @@ rtn = GT_BufLaserOff(1); rtn = GT_CrdStart(1, 0); WaitStop(1, 0, 1); Sleep(1);"
 
 #[test]
 fn light_under_a_follow_ends_with_the_motion_and_comes_back_with_it() {
-    // No BufLaserOff. Stop at 100 ms brakes in 25 ms; 20 ms later the path goes on; its end shuts off the light.
+    // No BufLaserOff. Stop at 100 ms brakes in 25 ms; 20 ms later the path goes on; its end shuts
+    // off the light.
     for family in ["gus", "lsr"] {
         let text = set_up(family)
             + "unsigned long units;
@@ -497,7 +507,8 @@ Sleep(50); rtn = GT_SetHSIOOpt(1, 0); WaitStop(1, 0, 1); Sleep(20); rtn = GT_Set
 fn the_encoders_speed_is_followed_too() {
     let ran = run(&example("laser_lsr_path_follow.gts"), "lsr", 250).good();
     assert_eq!(ran.reads(), ["20"]);
-    // At constant speed the encoders go as fast as the plan: a pulse more or less in a tick of 0.25 ms is 4 pulse/ms.
+    // At constant speed the encoders go as fast as the plan: a pulse more or less in a tick of 0.25
+    // ms is 4 pulse/ms.
     for (t, power) in rows(&ran, "laser0_power") {
         if (100.0..900.0).contains(&t) {
             assert!((power - 15.0).abs() <= 0.4, "{t} ms: {power}");
@@ -531,8 +542,8 @@ fn the_contour_runs() {
     assert_eq!(most, 90.0);
 }
 
-/// A listing of a manual as it is printed, with what its text leaves out: a coordinate system where dots stand for it.
-/// What the file has of its own between pages is no part of it.
+/// A listing of a manual as it is printed, with what its text leaves out: a coordinate system where
+/// dots stand for it. What the file has of its own between pages is no part of it.
 fn pasted(manual: &str, from: &str, to: &str) -> String {
     let part = &manual[manual.find(from).unwrap_or_else(|| panic!("{from}"))..];
     let end = if to.is_empty() { part.len() } else { part.find(to).unwrap_or_else(|| panic!("{to}")) };
@@ -547,8 +558,8 @@ fn the_manuals_listings_run_as_pasted() {
     // By the way and the speed of the path, 975 ms into the second line.
     let [x, y] = path(3000.0).1;
     let far = 5.0 + 0.1 * (x + y) / 1000.0;
-    // Power of channel 0 at two instants: on the first line, and on the second. LSR 6 names channel 1 for what gives
-    // power and channel 0 for the light, which so has none.
+    // Power of channel 0 at two instants: on the first line, and on the second. LSR 6 names channel
+    // 1 for what gives power and channel 0 for the light, which so has none.
     for (manual, family, from, to, [first, second], close) in [
         (&gus, "gus", "4.2 例程\n\n能量直接", "能量跟随模式：\n\n同样", [50.0, 30.0], 1e-6),
         (&gus, "gus", "能量跟随模式：\n\n同样", "\n5 激光能量跟随距离功能", [15.0, 15.0], 1e-6),

@@ -1,4 +1,5 @@
-//! The machine file from the command line: the commands of docs/machine.md, answers, and what is refused.
+//! The machine file from the command line: the commands of docs/machine.md, answers, and what is
+//! refused.
 use std::fs;
 use std::io::Write;
 use std::path::Path;
@@ -50,7 +51,8 @@ fn the_commands_of_the_page_work() {
 #[test]
 fn answers_are_taken_and_wrong_ones_asked_again() {
     let folder = tempfile::tempdir().unwrap();
-    // family, link, number, steps (wrong, then right), direction, travel, rate; usual answers for all others.
+    // family, link, number, steps (wrong, then right), direction, travel, rate; usual answers for
+    // all others.
     let answers = ["lsr", "serial:/dev/ttyACM0:921600", "", "-3", "12.5", "-1", "[-10, 90]", "600"].join("\n");
     let (said, code) = beamtick(folder.path(), &["machine", "new", "m.toml"], &(answers + &"\n".repeat(60)));
     assert_eq!(code, 0, "{said}");

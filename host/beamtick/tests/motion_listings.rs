@@ -1,6 +1,6 @@
-//! Listings of the GXN manual as they stand in its text, where the manuals are at hand, and the examples
-//! that were made from them: rows of their traces by hand. A start of the first instant acts on the first tick, so what
-//! happens t ms after it stands in the row of t + 0.25 ms.
+//! Listings of the GXN manual as they stand in its text, where the manuals are at hand, and the
+//! examples that were made from them: rows of their traces by hand. A start of the first instant
+//! acts on the first tick, so what happens t ms after it stands in the row of t + 0.25 ms.
 mod manuals;
 
 use assert_cmd::Command;
@@ -70,7 +70,8 @@ impl Ran {
         row.split(',').skip(1).collect()
     }
 
-    /// Whether axes from 1 on have these positions and velocities at `ms` after the first tick, to the last digit printed.
+    /// Whether axes from 1 on have these positions and velocities at `ms` after the first tick, to
+    /// the last digit printed.
     fn moves(&self, ms: f64, axes: &[(f64, f64)]) {
         let row = self.row(ms + 0.25);
         let expected: Vec<f64> = axes.iter().flat_map(|&(pos, vel)| [pos, vel]).collect();
@@ -85,7 +86,8 @@ impl Ran {
         assert!(said, "no `{line}` in {}", self.out);
     }
 
-    /// Whether axes 1 and 2 are at these whole pulses, and axis 2 has this velocity, at `ms` after the first tick.
+    /// Whether axes 1 and 2 are at these whole pulses, and axis 2 has this velocity, at `ms` after
+    /// the first tick.
     fn stands(&self, ms: f64, master: i64, slave: i64, velocity: f64) {
         let row = self.row(ms + 0.25);
         assert_eq!([row[0], row[2]], [format!("{master}.000000"), format!("{slave}.000000")], "at {ms} ms");
@@ -191,8 +193,9 @@ fn the_examples_of_chapter_3() {
 #[test]
 fn the_examples_of_chapter_4() {
     let example = |name: &str| run(&fs::read_to_string(example(name)).unwrap()).done();
-    // Listing 4-1: the points themselves; between the first two the acceleration is constant, so that half their time
-    // has the mean of their velocities, 8.125, and 600·(1 + 8.125)/2. The table ends at speed, and with it the motion.
+    // Listing 4-1: the points themselves; between the first two the acceleration is constant, so
+    // that half their time has the mean of their velocities, 8.125, and 600·(1 + 8.125)/2. The
+    // table ends at speed, and with it the motion.
     let points = example("pvt_points.gts");
     for (ms, pos, vel) in [
         (0.0, 0.0, 1.0),
@@ -212,9 +215,10 @@ fn the_examples_of_chapter_4() {
     points.says("GTN_GetPrfPos prfPos = 34483");
     points.says("GTN_GetPrfPos prfPos = 68966");
 
-    // Listing 4-2: 0, A/2, A, A/2, 0 with velocity 0 at both ends and, by symmetry, at the top; continuous
-    // acceleration at A/2 makes its velocity 3A/2000. Halfway between two points: the mean of both positions and
-    // 500/8 of the difference of their velocities. A is 40000, from 6 s on 60000, from 10 s on 30000.
+    // Listing 4-2: 0, A/2, A, A/2, 0 with velocity 0 at both ends and, by symmetry, at the top;
+    // continuous acceleration at A/2 makes its velocity 3A/2000. Halfway between two points: the
+    // mean of both positions and 500/8 of the difference of their velocities. A is 40000, from 6 s
+    // on 60000, from 10 s on 30000.
     let complete = example("pvt_complete.gts");
     for (ms, pos, vel) in [
         (250.0, 6250.0, 45.0),
@@ -239,9 +243,9 @@ fn the_examples_of_chapter_4() {
     // It brakes with 1 pulse/ms²: 33.75²/2 more.
     assert!(complete.out.contains("axis 1: planned 25882.031250"), "{}", complete.out);
 
-    // Listing 4-3, tables 4-11 and 4-13: X to and fro twice, Y three passes of 15000 from 2000 ms on. Half of a ramp
-    // with 60 % has half of the change; there the acceleration, 10/(1000·0.7) at its most, has been rising for 300 ms
-    // and even for 200: 65000 times that, 928.571429 pulses.
+    // Listing 4-3, tables 4-11 and 4-13: X to and fro twice, Y three passes of 15000 from 2000 ms
+    // on. Half of a ramp with 60 % has half of the change; there the acceleration, 10/(1000·0.7) at
+    // its most, has been rising for 300 ms and even for 200: 65000 times that, 928.571429 pulses.
     let percent = example("pvt_percent.gts");
     for (ms, x, y) in [
         (500.0, (928.571429, 5.0), (0.0, 0.0)),
@@ -263,8 +267,8 @@ fn the_examples_of_chapter_4() {
     percent.says("GTN_PvtStatus tableId[0], time[0] = 1/1000 2/4000");
     percent.says("GTN_GetPrfPos prfPos[0] = 0 45000");
 
-    // Listing 4-4: ramps of 10/0.01 = 1000 ms and 5000 pulses, 2000 and 1000 ms at 10 between them; half a ramp of 100 %
-    // is one rise of the acceleration to 0.02: 0.02·500²/6 pulses.
+    // Listing 4-4: ramps of 10/0.01 = 1000 ms and 5000 pulses, 2000 and 1000 ms at 10 between them;
+    // half a ramp of 100 % is one rise of the acceleration to 0.02: 0.02·500²/6 pulses.
     let continuous = example("pvt_continuous.gts");
     for (ms, x, y) in [
         (500.0, (833.333333, 5.0), (0.0, 0.0)),
@@ -288,8 +292,9 @@ fn the_examples_of_chapter_4() {
 #[test]
 fn masters_of_every_kind() {
     let ran = run(&fs::read_to_string(example("follow_masters.gts")).unwrap()).done();
-    // Axis 5: 40 ms and 800 pulses of acceleration, then 40 pulse/ms. Axis 2 has the ratio m/2000 in the first half of a
-    // pass, so m²/4000 pulses; axis 1 half of it. Axis 4: t²/40, then 40 pulses to and fro at 2 pulse/ms.
+    // Axis 5: 40 ms and 800 pulses of acceleration, then 40 pulse/ms. Axis 2 has the ratio m/2000
+    // in the first half of a pass, so m²/4000 pulses; axis 1 half of it. Axis 4: t²/40, then 40
+    // pulses to and fro at 2 pulse/ms.
     let up = |ms: f64| {
         let row = ran.row(ms + 0.25);
         (row[4].parse::<f64>().unwrap(), row[5].parse::<f64>().unwrap())

@@ -23,7 +23,8 @@ WaitStop(3);
 Sleep(10);
 ";
 
-/// The like of it in 20 ms: at 50 us a row its trace fits into what the controller holds while this machine runs others.
+/// The like of it in 20 ms: at 50 us a row its trace fits into what the controller holds while this
+/// machine runs others.
 const SHORT: &str = "\
 short axis;
 GT_Reset(); GT_LoadConfig(\"off.toml\");
@@ -122,8 +123,8 @@ fn serving_needs_an_address_that_is_free() {
     assert!(code == 1 && errors.contains(&address) && errors.contains("cannot listen"), "{errors}");
 }
 
-/// A client that is killed while its job has a laser on: the controller goes dark by itself, says why, and stays dark
-/// until it is told otherwise.
+/// A client that is killed while its job has a laser on: the controller goes dark by itself, says
+/// why, and stays dark until it is told otherwise.
 #[test]
 fn a_killed_client_leaves_no_light() {
     let folder = tempfile::tempdir().unwrap();
@@ -151,13 +152,15 @@ fn a_killed_client_leaves_no_light() {
         .stderr(Stdio::null())
         .spawn()
         .unwrap();
-    // Longer than the link-loss time: the client keeps the link alive, or the laser would be dark already.
+    // Longer than the link-loss time: the client keeps the link alive, or the laser would be dark
+    // already.
     let (mut read, mut stdout) = (String::new(), BufReader::new(run.stdout.take().unwrap()));
     stdout.read_line(&mut read).unwrap();
     assert!(read.contains("GT_GetPrfPos"), "{read}");
     run.kill().unwrap();
     run.wait().unwrap();
-    // Who asks is heard, and the silence begins anew: on a busy machine a second may be less than the link-loss time.
+    // Who asks is heard, and the silence begins anew: on a busy machine a second may be less than
+    // the link-loss time.
     let ask = || {
         std::thread::sleep(Duration::from_millis(1000));
         info()

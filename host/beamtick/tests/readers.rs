@@ -1,4 +1,5 @@
-//! A reader of what a job says may pause for as long as it likes: the job goes on, and a signal ends it as ever (SPEC 9, 10).
+//! A reader of what a job says may pause for as long as it likes: the job goes on, and a signal
+//! ends it as ever (SPEC 9, 10).
 #![cfg(unix)]
 mod served;
 

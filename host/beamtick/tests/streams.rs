@@ -1,4 +1,5 @@
-//! Data of any length: a data call of a job that finds its FIFO full waits for room, if its motion runs (SPEC 7).
+//! Data of any length: a data call of a job that finds its FIFO full waits for room, if its motion
+//! runs (SPEC 7).
 use std::fs;
 use std::path::Path;
 use std::process::Command;
@@ -31,7 +32,8 @@ prm.dimension = 2; prm.profile[0] = 1; prm.profile[1] = 2; prm.synVelMax = 400; 
 GT_SetCrdPrm(1, &prm);
 ";
 
-/// Lines along a straight one, 20 pulses each, from `from` on, with the speed kept from line to line.
+/// Lines along a straight one, 20 pulses each, from `from` on, with the speed kept from line to
+/// line.
 fn lines(from: usize, count: usize, fifo: usize) -> String {
     (from + 1..=from + count).map(|k| format!("GT_LnXY(1, {}, {}, 100, 10, 100, {fifo});\n", 16 * k, 12 * k)).collect()
 }
@@ -74,7 +76,8 @@ fn a_path_of_any_length_is_one_motion() {
     }
 }
 
-/// What follows the data in the job acts after it, at its time on the clock that the wait has moved.
+/// What follows the data in the job acts after it, at its time on the clock that the wait has
+/// moved.
 #[test]
 fn the_script_clock_goes_on_from_the_wait() {
     let folder = tempfile::tempdir().unwrap();

@@ -30,7 +30,8 @@ const LOOK: Duration = Duration::from_millis(50);
 
 /// One is for the whole controller.
 const ABORT: Abort = Abort { core: I16::new(1) };
-/// Dropping a client waits for the answer to its Abort for no longer than this, times the link's patience.
+/// Dropping a client waits for the answer to its Abort for no longer than this, times the link's
+/// patience.
 const ABORTED: Duration = Duration::from_millis(400);
 
 /// Where the trace stream's bytes go.
@@ -46,7 +47,8 @@ pub(crate) struct Inner {
     received: Vec<u8>,
     outgoing: Vec<u8>,
     failed: Option<Error>,
-    /// Time spent looking for bytes, and how much of it had been spent when the last good frame came.
+    /// Time spent looking for bytes, and how much of it had been spent when the last good frame
+    /// came.
     listened: Duration,
     heard: Duration,
     /// When the link was last looked at, and the longest time from look to look.
@@ -136,8 +138,8 @@ struct Shared {
 
 /// An opened controller. Calls may come from several threads at once.
 ///
-/// On a link in real time a thread of its own keeps the link alive between calls. Where anything was commanded, dropping it
-/// ends with [`Client::abort`]; one that has only read changes nothing.
+/// On a link in real time a thread of its own keeps the link alive between calls. Where anything
+/// was commanded, dropping it ends with [`Client::abort`]; one that has only read changes nothing.
 pub struct Client {
     shared: Arc<Shared>,
     keeper: Option<JoinHandle<()>>,
@@ -232,8 +234,8 @@ impl Client {
         }
     }
 
-    /// Makes packed calls in one go: they travel together and are executed in their order, each whatever
-    /// became of those before it.
+    /// Makes packed calls in one go: they travel together and are executed in their order, each
+    /// whatever became of those before it.
     pub fn call_all(&self, calls: &[Call]) -> Result<Vec<Result<Vec<u8>>>> {
         let mut tags = VecDeque::with_capacity(calls.len());
         let mut inner = self.lock();
@@ -316,8 +318,8 @@ impl Client {
         Duration::from_nanos(self.lock().now())
     }
 
-    /// The longest time so far between two looks at the link, on its own clock: for longer than some 50 ms it is the machine
-    /// that held the client up.
+    /// The longest time so far between two looks at the link, on its own clock: for longer than
+    /// some 50 ms it is the machine that held the client up.
     pub fn held_up(&self) -> Duration {
         self.lock().held_up
     }

@@ -8,7 +8,8 @@
 //! let link = client::link::open("tcp:127.0.0.1:5000")?;
 //! let client = Client::open(link, Options::default())?;
 //! client.call(AxisOn { core: 1.into(), axis: 1.into() })?;
-//! let (_, positions) = client.call_items(GetPrfPos { core: 1.into(), profile: 1.into(), count: 8.into() }, &[])?;
+//! let read = GetPrfPos { core: 1.into(), profile: 1.into(), count: 8.into() };
+//! let (_, positions) = client.call_items(read, &[])?;
 //! println!("axis 1 is at {}", positions[0].value);
 //!
 //! // Timed calls: entries of the controller's program queue.

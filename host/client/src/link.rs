@@ -26,7 +26,8 @@ pub trait Link: Send {
     fn real_time(&self) -> bool {
         true
     }
-    /// How many times longer than a board's its answers may take: an emulated board waits for its host.
+    /// How many times longer than a board's its answers may take: an emulated board waits for its
+    /// host.
     fn patience(&self) -> u32 {
         1
     }

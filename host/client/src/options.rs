@@ -66,13 +66,14 @@ impl Profile {
         (1..=i16::from(cores)).contains(&core) && (0..=i16::from(axes)).contains(&axis)
     }
 
-    /// The first profile in the order of the table that holds all of these axes (core, axis). What no
-    /// profile holds does not count: the controller refuses it by name.
+    /// The first profile in the order of the table that holds all of these axes (core, axis). What
+    /// no profile holds does not count: the controller refuses it by name.
     pub fn for_axes(axes: &[(i16, i16)]) -> Profile {
         let known = |axis: &&(i16, i16)| Self::ALL.iter().any(|(profile, _)| profile.holds(axis.0, axis.1));
         let known: Vec<_> = axes.iter().filter(known).collect();
         let fits = |profile: &&(Profile, &str)| known.iter().all(|axis| profile.0.holds(axis.0, axis.1));
-        // Core 1 with 32 axes and a second core are in no one profile; then the controller refuses some.
+        // Core 1 with 32 axes and a second core are in no one profile; then the controller refuses
+        // some.
         Self::ALL.iter().find(fits).map_or(Profile::Gsn048, |(profile, _)| *profile)
     }
 }
@@ -104,7 +105,8 @@ impl Family {
 pub struct Options {
     /// Profile to choose; `None` keeps what the controller shows.
     pub profile: Option<Profile>,
-    /// Family to choose; `None` keeps what the controller shows. Another one puts its lasers to power-on state.
+    /// Family to choose; `None` keeps what the controller shows. Another one puts its lasers to
+    /// power-on state.
     pub family: Option<Family>,
     /// Servo tick in µs; `None` keeps the controller's.
     pub tick_us: Option<u32>,

@@ -1,8 +1,8 @@
 //! A program: timed calls that run on the controller's own script clock (SPEC 7).
 //!
 //! In: calls in order, `Sleep` and `WaitStop` among them. Out: one [`Answer`] for each, in order,
-//! and a [`Summary`]. The controller's queue is kept as full as it can be while the program runs, so
-//! that a host that is not real time can be away for a while; entries that do not fit wait here.
+//! and a [`Summary`]. The controller's queue is kept as full as it can be while the program runs,
+//! so that a host that is not real time can be away for a while; entries that do not fit wait here.
 use crate::call::{Call, refused};
 use crate::client::Client;
 use crate::client::Inner;
@@ -441,8 +441,8 @@ impl Run<'_> {
 
     /// Everything is there, or as much as fits.
     fn ready_to_start(&mut self) -> bool {
-        // A queue that is full for a moment is being emptied into the axes' stores: what is admitted
-        // before the start is not late.
+        // A queue that is full for a moment is being emptied into the axes' stores: what is
+        // admitted before the start is not late.
         let full = self.stuck >= STUCK_LOOKS && self.ahead.front().is_some_and(|(_, call)| cost(call) > self.room);
         !self.started
             && self.failed.is_none()

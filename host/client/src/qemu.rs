@@ -1,8 +1,8 @@
 //! Starts the image in QEMU and links to its two serial ports.
 //!
 //! In: the path of the image. Out: a link over UART0 and the trace stream of UART1. It owns the
-//! QEMU process and ends it when dropped, and where `setpriv` (util-linux) is at hand, when its own process ends.
-//! Fails with −6 and names what is missing.
+//! QEMU process and ends it when dropped, and where `setpriv` (util-linux) is at hand, when its own
+//! process ends. Fails with −6 and names what is missing.
 use crate::error::{self, Error, Result};
 use crate::link::Link;
 use crate::tcp::read_within;
@@ -49,8 +49,8 @@ impl Machine {
 /// Where the image lies in the build folder.
 const IMAGE: &str = "target/thumbv7em-none-eabihf/image/beamtick-mps2";
 
-/// The image to run: the one given, else the environment's `BEAMTICK_IMAGE`, else the one of the build folder here or in a
-/// folder above.
+/// The image to run: the one given, else the environment's `BEAMTICK_IMAGE`, else the one of the
+/// build folder here or in a folder above.
 ///
 /// # Errors
 /// −6 if there is none.
@@ -70,7 +70,8 @@ pub fn image(given: Option<PathBuf>) -> Result<PathBuf> {
     })
 }
 
-/// Times that others wait for an answer: a machine that is busy with other things takes seconds to load QEMU.
+/// Times that others wait for an answer: a machine that is busy with other things takes seconds to
+/// load QEMU.
 const PATIENCE: u32 = 5;
 
 /// More trace than this is not held: the reader waits, and with it the emulated UART.
@@ -97,7 +98,8 @@ pub struct QemuLink {
 pub struct Switchboard(TcpStream);
 
 impl Switchboard {
-    /// Makes the interlock input active, or ends that; the board sees it with one of its next ticks.
+    /// Makes the interlock input active, or ends that; the board sees it with one of its next
+    /// ticks.
     pub fn interlock(&mut self, active: bool) -> Result<()> {
         let byte = if active { b"1" } else { b"0" };
         self.0.write_all(byte).map_err(|e| Error::new(error::LINK_SEND, format!("the board's inputs: {e}")))
@@ -201,8 +203,8 @@ fn command(program: &Path) -> Command {
     command
 }
 
-/// Starts it from a thread that lasts as long as what is given back with it: the system ends a process so started with
-/// the thread that started it, and callers' threads come and go.
+/// Starts it from a thread that lasts as long as what is given back with it: the system ends a
+/// process so started with the thread that started it, and callers' threads come and go.
 fn spawn(mut command: Command) -> std::io::Result<(Child, Sender<()>)> {
     let (parent, end) = channel();
     let (out, child) = channel();

@@ -1,8 +1,8 @@
 //! The client's end of the session: calls into messages, messages into replies.
 //!
-//! In: packed calls, received bytes. Out: bytes to send, one [`Reply`] for each call. Owns the link's
-//! state machine and the calls that wait for their reply. Fails with −3 when the controller ends the
-//! session, 3 when versions differ, −5 when a message is no row of replies.
+//! In: packed calls, received bytes. Out: bytes to send, one [`Reply`] for each call. Owns the
+//! link's state machine and the calls that wait for their reply. Fails with −3 when the controller
+//! ends the session, 3 when versions differ, −5 when a message is no row of replies.
 use crate::call::Call;
 use crate::error::{self, Error, Result};
 use protocol::command::{SetLinkLoss, opcode};
@@ -370,7 +370,8 @@ mod tests {
         }
     }
 
-    /// A session that says nothing speaks often enough for a short link-loss time: four times in it.
+    /// A session that says nothing speaks often enough for a short link-loss time: four times in
+    /// it.
     #[test]
     fn a_short_link_loss_time_is_kept_alive() {
         let mut wire = Wire::open();
@@ -386,7 +387,8 @@ mod tests {
         assert_eq!(wire.longest_silence(1000), 100 * MS);
     }
 
-    /// A longer time counts once the controller has taken it, a shorter one from the call on; one that is refused never.
+    /// A longer time counts once the controller has taken it, a shorter one from the call on; one
+    /// that is refused never.
     #[test]
     fn a_link_loss_time_counts_as_the_controller_takes_it() {
         let mut wire = Wire::open();

@@ -1,7 +1,7 @@
 //! Circles: centre from I J K or R, the rule of radii, sweep, extent, and points along a curve.
 //!
-//! All in mm from the start, floating point: ends are exact elsewhere. Radii may differ as Grbl 1.1 allows: by 0.005 mm, or
-//! by 0.1 % of the radius and 0.5 mm.
+//! All in mm from the start, floating point: ends are exact elsewhere. Radii may differ as Grbl 1.1
+//! allows: by 0.005 mm, or by 0.1 % of the radius and 0.5 mm.
 
 /// Radii may always differ by so much, mm.
 const ALWAYS: f64 = 0.005;

@@ -1,7 +1,7 @@
 //! Exact lengths: whole multiples of 10⁻¹⁵ mm.
 //!
-//! In: decimal numbers of a program. Out: positions in pulses, rounded once. A number keeps 15 decimals; of an inch 14
-//! are exact. What lies exactly between two pulses goes away from zero.
+//! In: decimal numbers of a program. Out: positions in pulses, rounded once. A number keeps 15
+//! decimals; of an inch 14 are exact. What lies exactly between two pulses goes away from zero.
 use machine::{Axis, STEP_DECIMALS};
 
 /// One mm, or the number 1.

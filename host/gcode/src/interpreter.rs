@@ -1,7 +1,8 @@
 //! The modal state of a program, and what each line does with it.
 //!
-//! In: lines. Out: strokes, dwells and outputs for the writer, notes. Owns the state of RS274: offsets, modes, the exact
-//! position in the machine. Within a line things are done in the order of RS274; units count for the whole line, as in Grbl.
+//! In: lines. Out: strokes, dwells and outputs for the writer, notes. Owns the state of RS274:
+//! offsets, modes, the exact position in the machine. Within a line things are done in the order of
+//! RS274; units count for the whole line, as in Grbl.
 use crate::Options;
 use crate::arc::Arc;
 use crate::block::{Block, Motion, Once, Spindle, Stop};
@@ -239,7 +240,8 @@ impl<'a> State<'a> {
         if !(0..=DWELL_MAX).contains(&seconds) {
             return Err("G4 P is 0 to 86400 seconds".to_owned());
         }
-        // Constant light stays on at standstill while a feed motion is modal; light that follows the speed does not.
+        // Constant light stays on at standstill while a feed motion is modal; light that follows
+        // the speed does not.
         let light = if self.spindle == Spindle::Constant { self.light() } else { Light::Dark };
         writer.dwell(number, rounded(seconds * 1000, ONE) as u64, light);
         Ok(())

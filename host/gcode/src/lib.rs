@@ -1,11 +1,14 @@
 #![forbid(unsafe_code)]
-//! G-code (RS274/NGC as Grbl 1.1 and LinuxCNC mean it) becomes a job in the notation of the controller manuals.
+//! G-code (RS274/NGC as Grbl 1.1 and LinuxCNC mean it) becomes a job in the notation of the
+//! controller manuals.
 //!
-//! In: the text of a program, and the machine. Out: the text of a job, and notes about what was passed over. Owns
-//! nothing. Fails with file, line and reason; then there is no job, so nothing moves.
+//! In: the text of a program, and the machine. Out: the text of a job, and notes about what was
+//! passed over. Owns nothing. Fails with file, line and reason; then there is no job, so nothing
+//! moves.
 //!
-//! `exact` numbers and positions, `words` a line to its words, `block` the words of a line to what they ask for,
-//! `interpreter` the modal state and the moves, `arc` circles, `writer` moves to calls. `docs/gcode.md` lists the words.
+//! `exact` numbers and positions, `words` a line to its words, `block` the words of a line to what
+//! they ask for, `interpreter` the modal state and the moves, `arc` circles, `writer` moves to
+//! calls. `docs/gcode.md` lists the words.
 
 mod arc;
 mod block;

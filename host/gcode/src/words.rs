@@ -1,6 +1,7 @@
 //! A line of a program to its words.
 //!
-//! In: a line. Out: letters with exact numbers, without blanks and comments. Fails with what is no word.
+//! In: a line. Out: letters with exact numbers, without blanks and comments. Fails with what is no
+//! word.
 use crate::exact::{DECIMALS, WHOLE_DIGITS};
 
 /// A letter and its number.

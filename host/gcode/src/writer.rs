@@ -1,7 +1,7 @@
 //! Strokes to calls of a job: in pulses, with speeds along the path in pulse/ms.
 //!
-//! In: strokes in mm, dwells, outputs. Out: the text of a job. Owns where the path is, in pulses, and what its light is.
-//! A stroke without a pulse is none. A power is set anew with each mark.
+//! In: strokes in mm, dwells, outputs. Out: the text of a job. Owns where the path is, in pulses,
+//! and what its light is. A stroke without a pulse is none. A power is set anew with each mark.
 use crate::arc::Arc;
 use crate::exact::{ONE, Scale, of_f64, to_f64};
 use crate::{Extent, MARK};
@@ -165,7 +165,8 @@ impl<'a> Writer<'a> {
             let (rate, acceleration) = (axis.rate(), axis.pulse_acceleration());
             self.put(format_args!("GT_SetCrdLimit(1, {}, {rate}, {acceleration});\n", place + 1));
         }
-        // An axis that passes a jump of velocity a·T in the time T with the acceleration a is a·T²/8 beside the corner.
+        // An axis that passes a jump of velocity a·T in the time T with the acceleration a is
+        // a·T²/8 beside the corner.
         let tolerance = machine.path.corner_tolerance;
         let time = |axis: &machine::Axis| (8.0 * tolerance / axis.acceleration).sqrt() * 1000.0;
         let time = machine.axes.iter().map(time).fold(f64::INFINITY, f64::min);

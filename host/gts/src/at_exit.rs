@@ -36,7 +36,8 @@ mod windows {
 
     /// GetModuleHandleEx: the module that an address lies in, never to be unloaded.
     const PIN_FROM_ADDRESS: u32 = 1 | 4;
-    /// The C runtimes of a process, and what registers a function with each: MinGW's, and that of Visual Studio from 2015 on.
+    /// The C runtimes of a process, and what registers a function with each: MinGW's, and that of
+    /// Visual Studio from 2015 on.
     const RUNTIMES: [(&CStr, &CStr); 2] = [(c"msvcrt.dll", c"_onexit"), (c"ucrtbase.dll", c"_crt_atexit")];
 
     static END: OnceLock<extern "C" fn()> = OnceLock::new();
@@ -55,11 +56,13 @@ mod windows {
     pub fn run(end: extern "C" fn()) {
         END.get_or_init(|| end);
         let mut module = std::ptr::null_mut();
-        // SAFETY: the address is one of this library; it stays loaded, so that the runtimes can call it.
+        // SAFETY: the address is one of this library; it stays loaded, so that the runtimes can
+        // call it.
         unsafe { GetModuleHandleExA(PIN_FROM_ADDRESS, ends as *const c_void, &mut module) };
         for (runtime, name) in RUNTIMES {
-            // SAFETY: both texts end with 0; the functions have this type in their runtimes (`_onexit` returns an
-            // address, which is not looked at), and `ends` never unwinds and may run at any time.
+            // SAFETY: both texts end with 0; the functions have this type in their runtimes
+            // (`_onexit` returns an address, which is not looked at), and `ends` never unwinds and
+            // may run at any time.
             unsafe {
                 let runtime = GetModuleHandleA(runtime.as_ptr());
                 let register =

@@ -61,7 +61,8 @@ pub fn enter(slot: Option<Slot>, prepared: &Prepared, lead: c_short, args: &[Arg
         reason::keep(Slot::ONE, format!("{}: cardNum is {lead}; it must be from 0 to 15", prepared.name()));
         return 7;
     };
-    // SAFETY: the addresses are those that the caller of the C function vouches for, see `engine::call`.
+    // SAFETY: the addresses are those that the caller of the C function vouches for, see
+    // `engine::call`.
     let outcome = catch_unwind(AssertUnwindSafe(|| unsafe { engine::call(slot, prepared, lead, args) }));
     match outcome {
         Ok(Ok(None)) => 0,

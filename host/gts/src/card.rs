@@ -168,7 +168,8 @@ impl State {
     }
 }
 
-/// At the end of the process: what programs leave open is closed, so that nothing stays lit and traces are complete.
+/// At the end of the process: what programs leave open is closed, so that nothing stays lit and
+/// traces are complete.
 extern "C" fn finish() {
     let _ = std::panic::catch_unwind(|| {
         let end = Instant::now() + FINISH;
@@ -366,7 +367,8 @@ impl Card {
         }
     }
 
-    /// A call is done; where time passes in calls only, a read lasts for a tick, so that loops of reads end.
+    /// A call is done; where time passes in calls only, a read lasts for a tick, so that loops of
+    /// reads end.
     pub fn passed(&mut self, reads: bool) -> Result<()> {
         match self.time {
             Time::Calls if reads => {

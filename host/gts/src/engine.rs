@@ -1,8 +1,8 @@
 //! A call from its arguments to its return value.
 //!
-//! In: a function's row, `core`, the arguments. Out: one request or several, sent; the reply's fields stored where
-//! the arguments point. Nothing is sent before every address and every range that C can get wrong is checked; what
-//! the controller refuses is refused by it, in its words.
+//! In: a function's row, `core`, the arguments. Out: one request or several, sent; the reply's
+//! fields stored where the arguments point. Nothing is sent before every address and every range
+//! that C can get wrong is checked; what the controller refuses is refused by it, in its words.
 
 mod config;
 mod replies;
@@ -77,7 +77,8 @@ impl Prepared {
         }
     }
 
-    /// How many values an array holds. A count that no controller takes is refused here, before anything is read.
+    /// How many values an array holds. A count that no controller takes is refused here, before
+    /// anything is read.
     fn array_length(&self, args: &[Arg], lasts: Size, values: &[Given]) -> Result<usize> {
         let bounds = self.bounds();
         let count = || match self.count.and_then(|count| args.get(count)) {
@@ -103,7 +104,8 @@ impl Prepared {
         }
     }
 
-    /// The range of `count` of a function that reads arrays. One that is not known here reads nothing; a test looks at all.
+    /// The range of `count` of a function that reads arrays. One that is not known here reads
+    /// nothing; a test looks at all.
     fn bounds(&self) -> (i64, i64) {
         counts(self.name()).unwrap_or((0, 0))
     }
@@ -326,8 +328,8 @@ unsafe fn member(address: *mut c_void, of: Type, name: &str) -> Vec<Arg> {
 /// Does a call. On success there may be a note for `GT_GetLastReason`.
 ///
 /// # Safety
-/// The addresses among `args` are NULL or those of as many values as the function reads and fills, which for
-/// readers of several axes is `count`.
+/// The addresses among `args` are NULL or those of as many values as the function reads and fills,
+/// which for readers of several axes is `count`.
 pub unsafe fn call(slot: Slot, prepared: &Prepared, lead: c_short, args: &[Arg]) -> Result<Option<String>> {
     let core = if prepared.prototype.form == Form::Gtn { lead } else { 1 };
     if prepared.name() == "GetLastReason" {

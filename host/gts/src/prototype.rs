@@ -175,8 +175,8 @@ impl Argument {
     }
 }
 
-/// The members of a struct as C has them: name, type, number of elements. TCrdData has what the manuals' library keeps
-/// there for itself, too.
+/// The members of a struct as C has them: name, type, number of elements. TCrdData has what the
+/// manuals' library keeps there for itself, too.
 pub fn members(of: Type) -> Vec<(&'static str, Scalar, usize)> {
     if of == Type::CrdData {
         return vec![
@@ -212,7 +212,8 @@ pub struct Prototype {
     pub arguments: Vec<Argument>,
 }
 
-/// Where a form has a parameter of its own type: function, parameter, its type in `GT_`, and in `GTN_`.
+/// Where a form has a parameter of its own type: function, parameter, its type in `GT_`, and in
+/// `GTN_`.
 const FORMS: &[(&str, &str, Scalar, Scalar)] = &[
     ("SetPulseWidth", "width", Scalar::ULong, Scalar::UShort),
     ("SetLevelDelay", "offDelay", Scalar::UShort, Scalar::ULong),
@@ -239,7 +240,8 @@ pub fn command(function: &Function) -> Option<&'static CommandInfo> {
     COMMANDS.iter().find(|command| command.opcode == function.opcode && function.shape != Shape::Host)
 }
 
-/// The fields that the `Out` parameters take their values from: of the reply's items, if it has some.
+/// The fields that the `Out` parameters take their values from: of the reply's items, if it has
+/// some.
 pub fn reply_fields(function: &Function) -> &'static [(&'static str, &'static str)] {
     let Some(command) = command(function) else { return &[] };
     if command.reply_items.is_empty() { command.reply } else { command.reply_items }

@@ -1,4 +1,5 @@
-//! The text of the last failure, for each thread and card: what another thread does wrong hides nothing.
+//! The text of the last failure, for each thread and card: what another thread does wrong hides
+//! nothing.
 
 use crate::card::Slot;
 use client::Error;

@@ -1,4 +1,5 @@
-//! Numbers to the wire and back: fields of requests with their ranges, fields of replies by the command table.
+//! Numbers to the wire and back: fields of requests with their ranges, fields of replies by the
+//! command table.
 
 use crate::boundary::Arg;
 use crate::prototype::Scalar;
@@ -68,7 +69,8 @@ pub fn elements(wire: &str) -> (&str, usize) {
     array.map_or((wire, 1), |(of, length)| (of, length.parse().unwrap_or(0)))
 }
 
-/// Takes the fields of one layout from the front of `bytes`, each with its elements; nothing if it is too short.
+/// Takes the fields of one layout from the front of `bytes`, each with its elements; nothing if it
+/// is too short.
 pub fn fields(layout: &[(&str, &str)], bytes: &mut &[u8]) -> Option<Vec<Vec<Number>>> {
     let field = |(_, wire): &(&str, &str)| {
         let (of, length) = elements(wire);

@@ -1,8 +1,8 @@
 //! What the environment says about the controller that Open opens.
 //!
-//! In: `BEAMTICK_LINK`, `BEAMTICK_PROFILE`, `BEAMTICK_FAMILY`, `BEAMTICK_INPUTS`, `BEAMTICK_TRACE`, `BEAMTICK_VCD`,
-//! `BEAMTICK_BATCHES`, each for a card of
-//! its own too (`BEAMTICK_LINK_3`). Fails with −6 and the variable's name.
+//! In: `BEAMTICK_LINK`, `BEAMTICK_PROFILE`, `BEAMTICK_FAMILY`, `BEAMTICK_INPUTS`, `BEAMTICK_TRACE`,
+//! `BEAMTICK_VCD`, `BEAMTICK_BATCHES`, each for a card of its own too (`BEAMTICK_LINK_3`). Fails
+//! with −6 and the variable's name.
 
 use crate::card::Slot;
 use client::error::CANNOT_OPEN;
@@ -12,7 +12,8 @@ use std::path::PathBuf;
 /// The link to the controller.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Road {
-    /// The controller in this process, so many times faster than the wall clock; `None` as fast as it can.
+    /// The controller in this process, so many times faster than the wall clock; `None` as fast as
+    /// it can.
     Virtual(Option<f64>),
     /// The emulated board.
     Qemu,
@@ -25,7 +26,8 @@ pub enum Road {
 pub struct Settings {
     /// The link.
     pub road: Road,
-    /// The profile; where none is given, the virtual controller shows what the call family suggests.
+    /// The profile; where none is given, the virtual controller shows what the call family
+    /// suggests.
     pub profile: Option<Profile>,
     /// The family.
     pub family: Option<Family>,

@@ -52,7 +52,8 @@ pub struct Stream {
 }
 
 impl Stream {
-    /// Nothing is known yet but the controller's step limit, pulse/ms. Without batches everything is sent at once.
+    /// Nothing is known yet but the controller's step limit, pulse/ms. Without batches everything
+    /// is sent at once.
     pub fn new(batches: bool, step_limit: f64) -> Stream {
         let limit = StepLimit::new(step_limit as u64);
         Stream { off: !batches || limit.is_none(), limit, ..Stream::default() }
@@ -133,7 +134,8 @@ impl Stream {
         self.lease = None;
         let (Some(data), Ok(taken)) = (data(call), PtTaken::read_from_bytes(reply)) else { return };
         let fifo = (data.core.get(), data.profile.get(), data.fifo.get());
-        // In dynamic mode both numbers mean the same FIFO: what is known of the other one may be wrong.
+        // In dynamic mode both numbers mean the same FIFO: what is known of the other one may be
+        // wrong.
         self.chains.remove(&(fifo.0, fifo.1, 1 - fifo.2.clamp(0, 1)));
         match self.chains.get(&fifo).and_then(|chain| follows(&data, chain, self.limit?)) {
             Some(next) if !self.off => {

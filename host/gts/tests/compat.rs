@@ -1,4 +1,5 @@
-//! `compat/stdafx.h` with either header, before and behind it: `commandhandler` prints the reason of the call that failed.
+//! `compat/stdafx.h` with either header, before and behind it: `commandhandler` prints the reason
+//! of the call that failed.
 
 mod toolchain;
 
@@ -22,7 +23,8 @@ fn printed(name: &str, headers: [&str; 2], main: &str) -> Option<String> {
 
 #[test]
 fn the_reason_is_that_of_the_card_that_failed() {
-    // Card 0 fails first, then card 3: each line has its own reason, and a call that is done prints nothing.
+    // Card 0 fails first, then card 3: each line has its own reason, and a call that is done prints
+    // nothing.
     let main = "    short code = GT_AxisOn(0, 1);\n    commandhandler(\"closed\", code);\n    commandhandler(\"open\", GT_Open(3, 0, 1));\n    \
                 commandhandler(\"axis\", GT_AxisOn(3, 99));\n    commandhandler(\"start\", GT_PtStart(3, 1, 0));\n    \
                 commandhandler(\"again\", GT_AxisOn(0, 1));\n    commandhandler(\"card\", GT_AxisOn(77, 1));\n";

@@ -1,4 +1,5 @@
-//! An example on the emulated board: the same program, another link. The image is the one that `BEAMTICK_IMAGE` names.
+//! An example on the emulated board: the same program, another link. The image is the one that
+//! `BEAMTICK_IMAGE` names.
 
 mod toolchain;
 

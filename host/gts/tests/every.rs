@@ -1,4 +1,5 @@
-//! Every function of every family: before Open, with parameters that nothing has, and done as it is meant.
+//! Every function of every family: before Open, with parameters that nothing has, and done as it is
+//! meant.
 
 mod toolchain;
 

@@ -1,4 +1,5 @@
-//! The generated files are what the table says. `BEAMTICK_WRITE=1` writes them (`cargo xtask c-api`).
+//! The generated files are what the table says. `BEAMTICK_WRITE=1` writes them
+//! (`cargo xtask c-api`).
 
 use gts::header;
 use gts::prototype::{Form, all};

@@ -1,7 +1,8 @@
-//! The manuals' own listings, taken out of their text where that is at hand, compile and run with the corrections of
-//! `corrections.txt`, and do what the manual says: asserted on the trace.
+//! The manuals' own listings, taken out of their text where that is at hand, compile and run with
+//! the corrections of `corrections.txt`, and do what the manual says: asserted on the trace.
 //!
-//! The manuals are looked for in `../shared/manuals` beside the checkout; `BEAMTICK_MANUALS` overrides.
+//! The manuals are looked for in `../shared/manuals` beside the checkout; `BEAMTICK_MANUALS`
+//! overrides.
 
 mod csv;
 mod toolchain;
@@ -175,8 +176,9 @@ fn listing_4_4() {
     assert_eq!((trace.last("axis1_pos"), trace.last("axis2_pos")), (30_000.0, 20_000.0));
 }
 
-/// What the laser manuals leave out around their listings: the controller, coordinate system 1 of axes 1 and 2 with a FIFO that
-/// is at rest, and the wait for its end. `rtn` checks each return value.
+/// What the laser manuals leave out around their listings: the controller, coordinate system 1 of
+/// axes 1 and 2 with a FIFO that is at rest, and the wait for its end. `rtn` checks each return
+/// value.
 const BEFORE: &str = r#"#include "stdafx.h"
 #include "windows.h"
 #include "gts.h"
@@ -258,7 +260,8 @@ fn laser_listings_of_the_gus_manual() {
     along(&trace, 0, [12.5, 12.75], 0.01);
 }
 
-/// Power of a laser along the two lines of the listings, where X comes by 75000 pulses, out and back.
+/// Power of a laser along the two lines of the listings, where X comes by 75000 pulses, out and
+/// back.
 fn along(trace: &Trace, laser: u32, wanted: [f64; 2], within: f64) {
     let x = trace.column("axis1_pos");
     let rows = [x.iter().position(|x| *x >= 75_000.0), x.iter().rposition(|x| *x >= 75_000.0)];

@@ -1,4 +1,5 @@
-//! Calls per second over each link, for docs/numbers.md: asked for by `BEAMTICK_MEASURE=1`, in a release build.
+//! Calls per second over each link, for docs/numbers.md: asked for by `BEAMTICK_MEASURE=1`, in a
+//! release build.
 //!
 //! `BEAMTICK_MEASURE=1 cargo test --release -p beamtick-gts --test numbers -- --nocapture`
 
@@ -47,7 +48,8 @@ fn calls_per_second() {
     for (name, link) in &links {
         measure(name, link);
     }
-    // A pseudo-terminal in front of the same controller; it goes with its user, so there is one for each run.
+    // A pseudo-terminal in front of the same controller; it goes with its user, so there is one for
+    // each run.
     let port = scratch().join("calls-pty");
     for batches in ["on", "off"] {
         let pty = format!("PTY,link={},raw,echo=0", port.display());

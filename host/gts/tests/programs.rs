@@ -1,5 +1,5 @@
-//! The programs of `examples/c` compile without a warning, run in the virtual controller, and do what the manual says:
-//! asserted on the trace.
+//! The programs of `examples/c` compile without a warning, run in the virtual controller, and do
+//! what the manual says: asserted on the trace.
 
 mod csv;
 mod toolchain;
@@ -24,7 +24,8 @@ fn near(found: f64, wanted: f64, within: f64, what: &str) {
     assert!((found - wanted).abs() <= within, "{what}: {found}, wanted {wanted}");
 }
 
-/// A program that changes the servo tick: every row stands at the time of its tick, and a motion of 100 ms takes 100 ms in it.
+/// A program that changes the servo tick: every row stands at the time of its tick, and a motion of
+/// 100 ms takes 100 ms in it.
 #[test]
 fn a_trace_keeps_time_when_the_tick_changes() {
     let text = "#include \"gts.h\"\n#include <windows.h>\nint main(void)\n{\n    if (GT_Open(0, 1) || GT_AxisOn(1) || GT_PrfPt(1, 0)) return 1;\n\
@@ -77,7 +78,8 @@ fn pt_dynamic() {
     let Some((text, trace)) = traced("pt_dynamic", &[], &[]) else { return };
     assert_eq!(text, "126 segments, at 0.0\n");
     let start = trace.start("axis1");
-    // The knots of the sine, 16 ms apart, have its velocity but for the cut to whole ms and the trapezoid's sum.
+    // The knots of the sine, 16 ms apart, have its velocity but for the cut to whole ms and the
+    // trapezoid's sum.
     for n in 1..62 {
         let t = 16.0 * f64::from(n);
         let wanted = 10.0 * (std::f64::consts::TAU * t / 1000.0).sin();
@@ -92,7 +94,8 @@ fn pt_dynamic() {
 fn follow_single() {
     let Some((text, trace)) = traced("follow_single", &[("BEAMTICK_KEYS", "3600")], &[]) else { return };
     assert!(text.starts_with("2 passes, master 50.00, slave "), "{text}");
-    // The master passes 50000 pulses; from there the slave repeats 60000 master pulses, 40000 of its own.
+    // The master passes 50000 pulses; from there the slave repeats 60000 master pulses, 40000 of
+    // its own.
     let (master, slave) = (trace.column("axis1_pos"), trace.column("axis2_pos"));
     for (master, slave) in master.iter().zip(slave) {
         let way = master - 50_000.0;
@@ -277,7 +280,8 @@ fn powers(trace: &Trace) -> [(f64, f64); 2] {
 
 #[test]
 fn laser_along_a_path() {
-    // What the two laws of SPEC 2 and the bounds of SPEC 6 give at 50 pulse/ms, 75000 pulses away (the way back is at y = 2500).
+    // What the two laws of SPEC 2 and the bounds of SPEC 6 give at 50 pulse/ms, 75000 pulses away
+    // (the way back is at y = 2500).
     let cases = [
         ("laser_path_power", "gus", [50.0, 30.0], 1e-6),
         ("laser_path_power", "lsr", [50.0, 30.0], 1e-6),

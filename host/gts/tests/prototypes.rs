@@ -1,4 +1,5 @@
-//! The headers against the specification's own list (`prototypes.txt`), and both against what the library exports.
+//! The headers against the specification's own list (`prototypes.txt`), and both against what the
+//! library exports.
 
 mod toolchain;
 
@@ -172,7 +173,8 @@ fn every_declared_function_is_exported() {
 
 #[test]
 fn structs_and_defaults_are_those_of_the_manuals() {
-    // Offsets of the known layout where `long` has 32 bits; with 64 only what stands behind one moves.
+    // Offsets of the known layout where `long` has 32 bits; with 64 only what stands behind one
+    // moves.
     let source = r#"
 #include "gts.h"
 #include <stdio.h>

@@ -1,5 +1,6 @@
-//! Programs for Windows: the structs with its 32-bit `long`, and an example on `gts.dll` in Wine (docs/c.md). Needs MinGW;
-//! the second one also Wine and the folder of `gts.dll` and `libgts.dll.a` in `BEAMTICK_WINDOWS`.
+//! Programs for Windows: the structs with its 32-bit `long`, and an example on `gts.dll` in Wine
+//! (docs/c.md). Needs MinGW; the second one also Wine and the folder of `gts.dll` and
+//! `libgts.dll.a` in `BEAMTICK_WINDOWS`.
 
 mod toolchain;
 

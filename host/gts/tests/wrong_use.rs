@@ -1,7 +1,7 @@
 //! Wrong use of the library from C++: programs that check every return value and reason themselves.
 //!
-//! `wrong_use` and `wrong_state` run under valgrind and with the address sanitizer too, where these are;
-//! `BEAMTICK_VALGRIND=1` and `BEAMTICK_ASAN=1` do so with the others.
+//! `wrong_use` and `wrong_state` run under valgrind and with the address sanitizer too, where these
+//! are; `BEAMTICK_VALGRIND=1` and `BEAMTICK_ASAN=1` do so with the others.
 
 mod toolchain;
 
@@ -86,7 +86,8 @@ fn batches_change_no_return_value() {
 
 #[test]
 fn batches_change_no_return_value_in_real_time() {
-    // Slow enough that a busy machine keeps the stream filled: 64 segments last for 320 ms of the wall clock.
+    // Slow enough that a busy machine keeps the stream filled: 64 segments last for 320 ms of the
+    // wall clock.
     passes("pt_stream", &[("BEAMTICK_LINK", "virtual:2")]);
 }
 

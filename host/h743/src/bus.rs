@@ -138,7 +138,8 @@ pub struct Bus {
 
 /// An input of a timer, from 0, and its pin.
 pub type Input = (usize, &'static str);
-/// Pins at an encoder's first two inputs and at the one that latches its index: the timer, its inputs, the alternate function.
+/// Pins at an encoder's first two inputs and at the one that latches its index: the timer, its
+/// inputs, the alternate function.
 pub const ENCODERS: [(u8, [Input; 3], u32); 2] =
     [(3, [(0, "PB4"), (1, "PB5"), (3, "PB1")], 2), (4, [(0, "PD12"), (1, "PD13"), (2, "PD14")], 2)];
 /// Pins at TIM2's inputs, alternate function 1; those of docs/bring-up.md.
@@ -486,7 +487,8 @@ impl Bus {
         value.unwrap_or(0) >> (8 * (address & 3)) & (u32::MAX >> (32 - 8 * size))
     }
 
-    /// Everything is as after a reset, but the record of what caused it, the pins' record and the wires.
+    /// Everything is as after a reset, but the record of what caused it, the pins' record and the
+    /// wires.
     pub fn reset_all(&mut self, cause: Cause, at: Time, exceptions: &mut Exceptions) {
         self.reset = None;
         let mut signals = Vec::new();
@@ -499,7 +501,8 @@ impl Bus {
         self.after(at, exceptions);
     }
 
-    /// Something outside of a peripheral has changed what it has to do (the host sent bytes, a cable was pulled).
+    /// Something outside of a peripheral has changed what it has to do (the host sent bytes, a
+    /// cable was pulled).
     pub fn stir(&mut self, at: Time, exceptions: &mut Exceptions) {
         self.usb.stir(&mut self.signals);
         self.after(at, exceptions);

@@ -1,8 +1,9 @@
 //! Reset and clock control, RCC (RM0433 8): which clock runs how fast, and what has one.
 //!
-//! In: register writes. Out: [`Clocks`], which peripherals have a clock, why the last reset came. Ready flags follow their
-//! switches after a time of the order of the data sheet's. Settings that the manual forbids are refused with a sentence
-//! ([`Rcc::complaint`]): a VCO outside of its range, a core faster than the supply allows.
+//! In: register writes. Out: [`Clocks`], which peripherals have a clock, why the last reset came.
+//! Ready flags follow their switches after a time of the order of the data sheet's. Settings that
+//! the manual forbids are refused with a sentence ([`Rcc::complaint`]): a VCO outside of its range,
+//! a core faster than the supply allows.
 use crate::device::{Cause, Device, Signal};
 use crate::time::{MICROSECOND, NEVER, Time};
 
@@ -300,7 +301,8 @@ impl Rcc {
         let bus = core * prescaler(d1);
         let apb = |field: u32| if field & 4 == 0 { 1 } else { 2 << (field & 3) };
         let (apb1, apb2) = (apb(d2 >> 4), apb(d2 >> 8));
-        // RM0433 table 56: up to /2, timers run at the bus; slower buses give half of it, or a quarter with TIMPRE.
+        // RM0433 table 56: up to /2, timers run at the bus; slower buses give half of it, or a
+        // quarter with TIMPRE.
         let timpre = self.at(CFGR) & 1 << 15 != 0;
         let timers = |divider: u64| bus * if timpre { (divider / 4).max(1) } else { (divider / 2).max(1) };
         let (timers1, timers2) = (timers(apb1), timers(apb2));

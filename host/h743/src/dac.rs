@@ -1,8 +1,9 @@
 //! DAC1, both channels, 12 bits (RM0433 26).
 //!
-//! In: registers, triggers by software. Out: what each output shows, with instants ([`Dac::changes`]); the analog pins themselves
-//! stay analog. A value without trigger reaches the output a cycle of APB 1 after it is written, one with trigger three
-//! after that. Triggers of timers, DMA requests, waves, sample and hold are not modelled, and complaints.
+//! In: registers, triggers by software. Out: what each output shows, with instants
+//! ([`Dac::changes`]); the analog pins themselves stay analog. A value without trigger reaches the
+//! output a cycle of APB 1 after it is written, one with trigger three after that. Triggers of
+//! timers, DMA requests, waves, sample and hold are not modelled, and complaints.
 use crate::clocks::Clocks;
 use crate::device::{Device, Signal};
 use crate::time::{NEVER, Time};
@@ -23,7 +24,8 @@ const EN: u32 = 1 << 0;
 const TEN: u32 = 1 << 1;
 const OTHER: u32 = 0xfffc;
 
-/// An output changed: when, which (from 0), what it shows in 4096ths of its reference; `None`: it is off.
+/// An output changed: when, which (from 0), what it shows in 4096ths of its reference; `None`: it
+/// is off.
 pub type Change = (Time, usize, Option<u16>);
 
 /// See the module text.

@@ -15,7 +15,8 @@ pub const MID_SCALE: u16 = 0x8000;
 /// 50 MHz, in units of time.
 const SHORTEST_BIT: Time = 20;
 
-/// The least time for which the select line is high between two frames (7.6, "minimum SYNC high time").
+/// The least time for which the select line is high between two frames (7.6, "minimum SYNC high
+/// time").
 const BETWEEN_NS: u64 = 80;
 
 /// Write to a DAC's input register and update that DAC (table 17).

@@ -35,7 +35,8 @@ pub enum Signal {
     /// A DMA's stream (of both controllers) reads one.
     #[allow(missing_docs)]
     Fetch { address: u32, size: u32, stream: u8 },
-    /// The level that a peripheral gives to a pin's alternate function; `None`: it does not drive it.
+    /// The level that a peripheral gives to a pin's alternate function; `None`: it does not drive
+    /// it.
     Output(Source, Option<bool>),
     /// The chip is reset.
     Reset(Cause),
@@ -58,7 +59,8 @@ pub enum Source {
 pub trait Device {
     /// A read of the register at `offset`, or `None` if it is not modelled.
     fn read(&mut self, offset: u32, at: Time, out: &mut Vec<Signal>) -> Option<u32>;
-    /// A write; only the bits of `mask` are written (byte and halfword accesses). `None` if it is not modelled.
+    /// A write; only the bits of `mask` are written (byte and halfword accesses). `None` if it is
+    /// not modelled.
     fn write(&mut self, offset: u32, value: u32, mask: u32, at: Time, out: &mut Vec<Signal>) -> Option<()>;
     /// When something happens next by itself.
     fn next(&self) -> Time;

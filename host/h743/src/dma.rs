@@ -17,8 +17,9 @@ use crate::time::{NEVER, Time};
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-/// Bus cycles from a request to its transfer: synchronisation in DMAMUX and the peripheral, arbitration, the bridge to an APB at
-/// half the clock. The manual gives no number; this is of the order of AN4031's.
+/// Bus cycles from a request to its transfer: synchronisation in DMAMUX and the peripheral,
+/// arbitration, the bridge to an APB at half the clock. The manual gives no number; this is of the
+/// order of AN4031's.
 pub const ANSWER: Time = 12;
 /// Bus cycles that a transfer keeps a controller busy.
 pub const TRANSFER: Time = 8;
@@ -39,7 +40,8 @@ const CT: u32 = 1 << 19;
 /// PBURST, MBURST. The memory's side makes no difference here.
 const PBURST: u32 = 3 << 21;
 const DMDIS: u32 = 1 << 2;
-/// Requests of UARTs, the first and the last of each group (RM0433 table 121), whose streams want TRBUFF (15.5.5, ES0392).
+/// Requests of UARTs, the first and the last of each group (RM0433 table 121), whose streams want
+/// TRBUFF (15.5.5, ES0392).
 const UARTS: [(u8, u8); 4] = [(41, 46), (63, 66), (71, 72), (79, 82)];
 const TRBUFF: u32 = 1 << 20;
 /// Bytes of a stream's FIFO.

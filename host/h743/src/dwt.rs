@@ -1,7 +1,8 @@
 //! The core's cycle counter (Armv7-M Architecture Reference Manual, C1.8) and the switch before it.
 //!
-//! In: DEMCR, DWT_CTRL, DWT_CYCCNT, time. Out: cycles of the core. Owns these registers. An instruction
-//! is a cycle here, so a count is that of an ideal core. Fails: other registers are `None`.
+//! In: DEMCR, DWT_CTRL, DWT_CYCCNT, time. Out: cycles of the core. Owns these registers. An
+//! instruction is a cycle here, so a count is that of an ideal core. Fails: other registers are
+//! `None`.
 use crate::time::Time;
 
 const DEMCR: u32 = 0xe000_edfc;

@@ -1,8 +1,9 @@
 //! The core's instructions, by Unicorn (the instruction translator of QEMU as a library).
 //!
-//! In: a [`Guest`], which is asked before every instruction and answers for everything that is no memory. Out: why the core
-//! stopped. Owns the registers. Everything of the core that is no instruction (exceptions, priorities, sleep) is the guest's:
-//! Unicorn knows none of it. The floating-point unit is always on: CPACR has no effect on it.
+//! In: a [`Guest`], which is asked before every instruction and answers for everything that is no
+//! memory. Out: why the core stopped. Owns the registers. Everything of the core that is no
+//! instruction (exceptions, priorities, sleep) is the guest's: Unicorn knows none of it. The
+//! floating-point unit is always on: CPACR has no effect on it.
 use crate::memory::{Memory, PAGE};
 use std::ffi::{c_int, c_void};
 use std::ptr::null_mut;
@@ -131,7 +132,8 @@ const ARM: c_int = 1;
 const THUMB: c_int = 1 << 4;
 /// `UC_CTL_WRITE(UC_CTL_CPU_MODEL, 1)`.
 const SET_MODEL: c_int = 1 << 30 | 1 << 26 | 7;
-/// With M-profile asked for by mode, Unicorn 2.0.1 takes a Cortex-M33; a model named is what it says.
+/// With M-profile asked for by mode, Unicorn 2.0.1 takes a Cortex-M33; a model named is what it
+/// says.
 const CORTEX_M7: c_int = 10;
 const HOOK_INTERRUPT: c_int = 1;
 const HOOK_CODE: c_int = 4;
@@ -141,8 +143,8 @@ const EXECUTE: u32 = 4;
 /// Nothing lies here, so the core never stops by itself.
 const NOWHERE: u64 = 0xffff_fffe;
 
-/// What the guest answers for: addresses and bytes. Peripherals (RM0433 2.3.2), the private peripheral bus, and the first page of
-/// ITCM, in which the MPU may guard less than a page (null).
+/// What the guest answers for: addresses and bytes. Peripherals (RM0433 2.3.2), the private
+/// peripheral bus, and the first page of ITCM, in which the MPU may guard less than a page (null).
 const ASKED: [(u32, usize); 3] = [(0x4000_0000, 0x2000_0000), (0xe000_0000, 0x10_0000), (0, PAGE)];
 
 /// Who is asked while the core runs, and what interrupted it.
@@ -165,7 +167,8 @@ pub struct Engine<G: Guest> {
     memory: Arc<Memory>,
 }
 
-// SAFETY: Unicorn 2 keeps everything of an instance in the instance; it is used through `&mut` by one thread at a time.
+// SAFETY: Unicorn 2 keeps everything of an instance in the instance; it is used through `&mut` by
+// one thread at a time.
 unsafe impl<G: Guest + Send> Send for Engine<G> {}
 
 impl<G: Guest> Engine<G> {
@@ -186,7 +189,8 @@ impl<G: Guest> Engine<G> {
             engine.map(region.base, true)?;
         }
         for (n, (base, size)) in ASKED.into_iter().enumerate() {
-            // SAFETY: `slot` lives as long as the instance; the callbacks have the signatures of unicorn.h.
+            // SAFETY: `slot` lives as long as the instance; the callbacks have the signatures of
+            // unicorn.h.
             let done = unsafe {
                 (*slot).spaces[n].slot = slot;
                 let data = (&raw mut (*slot).spaces[n]).cast();
@@ -201,7 +205,8 @@ impl<G: Guest> Engine<G> {
 
     fn hook(&self, kind: c_int, callback: *mut c_void) -> Result<(), String> {
         let mut hook = 0;
-        // SAFETY: begin after end means everywhere; the callback's signature is that of its kind; `slot` outlives the hook.
+        // SAFETY: begin after end means everywhere; the callback's signature is that of its kind;
+        // `slot` outlives the hook.
         check("hook", unsafe { uc_hook_add(self.uc, &raw mut hook, kind, callback, self.slot.cast(), 1, 0) })
     }
 

@@ -1,7 +1,8 @@
 //! Which exception comes next (Armv7-M Architecture Reference Manual, B1.5 and B3.4).
 //!
-//! In: what is pending, enabled, active, at which priority, and the core's masks. Out: the exception to take, if one is more
-//! urgent than what runs. Owns these four sets. Of a priority the STM32H743 has four bits (PM0253 4.2.7).
+//! In: what is pending, enabled, active, at which priority, and the core's masks. Out: the
+//! exception to take, if one is more urgent than what runs. Owns these four sets. Of a priority the
+//! STM32H743 has four bits (PM0253 4.2.7).
 
 /// Exceptions: 16 of the core, 150 of the chip (RM0433 table 148).
 pub const COUNT: usize = 16 + 150;
@@ -138,7 +139,8 @@ impl Exceptions {
         self.pending[exception] |= self.line[exception];
     }
 
-    /// The line of an interrupt; a rising line makes it pending. True if it is pending now and was not.
+    /// The line of an interrupt; a rising line makes it pending. True if it is pending now and was
+    /// not.
     pub fn set_line(&mut self, interrupt: usize, high: bool) -> bool {
         let exception = 16 + interrupt;
         let rises = high && !self.line[exception];

@@ -1,6 +1,8 @@
-//! Facts of the chip that may be otherwise than the image takes them for: planted one at a time, for tests of what shall notice.
+//! Facts of the chip that may be otherwise than the image takes them for: planted one at a time,
+//! for tests of what shall notice.
 //!
-//! In: a [`Wrong`]. Out: a machine that differs in this one fact, from then on and over every reset. Owns nothing.
+//! In: a [`Wrong`]. Out: a machine that differs in this one fact, from then on and over every
+//! reset. Owns nothing.
 use crate::machine::Machine;
 use crate::time::{MILLISECOND, Time};
 

@@ -1,7 +1,9 @@
-//! Entering and leaving exceptions: frames on the stack (Armv7-M Architecture Reference Manual, B1.5.6 to B1.5.8).
+//! Entering and leaving exceptions: frames on the stack (Armv7-M Architecture Reference Manual,
+//! B1.5.6 to B1.5.8).
 //!
-//! In: the exception. Out: the core at its handler, or back where it was. Floating-point registers are stored at once, as with
-//! FPCCR.LSPEN 0: what a program can see of it is the same as with lazy stores.
+//! In: the exception. Out: the core at its handler, or back where it was. Floating-point registers
+//! are stored at once, as with FPCCR.LSPEN 0: what a program can see of it is the same as with lazy
+//! stores.
 use crate::engine::Register;
 use crate::exceptions::{BUS_FAULT, HARD_FAULT, MEMORY_FAULT, NMI, THREAD};
 use crate::machine::{ENTRY, EXIT, Machine, Stop, is_return};
@@ -67,8 +69,8 @@ impl Machine {
         Ok(())
     }
 
-    /// The frame could not be written: MSTKERR where the MPU forbids it, else STKERR, and the fault is taken instead (a HardFault,
-    /// unless it is one already).
+    /// The frame could not be written: MSTKERR where the MPU forbids it, else STKERR, and the fault
+    /// is taken instead (a HardFault, unless it is one already).
     fn unstacked(&mut self, exception: usize, frame: u32, size: u32) -> Result<usize, Stop> {
         let forbidden = self.chip.is_forbidden(frame, size);
         let scs = &mut self.chip.scs;

@@ -1,8 +1,9 @@
 //! The pins: GPIO A to K (RM0433 11).
 //!
-//! In: registers, what peripherals give to alternate functions, what the world outside drives. Out: the level of each pin, and
-//! a record of every change with its time. Which alternate function shows which signal is the data sheet's table, as far as
-//! the board's page uses it; a function that is not in it shows nothing, so the pin counts as not driven.
+//! In: registers, what peripherals give to alternate functions, what the world outside drives. Out:
+//! the level of each pin, and a record of every change with its time. Which alternate function
+//! shows which signal is the data sheet's table, as far as the board's page uses it; a function
+//! that is not in it shows nothing, so the pin counts as not driven.
 use crate::device::{Device, Signal, Source};
 use crate::time::{NEVER, Time};
 use std::collections::HashMap;
@@ -53,7 +54,8 @@ pub struct Change {
     pub level: Level,
 }
 
-/// Signals of alternate functions (data sheet DS12110, tables 10 to 20), for the pins of docs/board-h743.md.
+/// Signals of alternate functions (data sheet DS12110, tables 10 to 20), for the pins of
+/// docs/board-h743.md.
 pub const FUNCTIONS: [(Pin, u32, Source); 15] = {
     const A: u8 = 0;
     const B: u8 = 1;
@@ -143,7 +145,8 @@ impl Gpio {
         self.levels[usize::from(pin.0)][usize::from(pin.1)]
     }
 
-    /// What is read at a pin: what the world drives wins over a pull, what the chip drives over the world.
+    /// What is read at a pin: what the world drives wins over a pull, what the chip drives over the
+    /// world.
     pub fn reads(&self, pin: Pin) -> bool {
         match (self.level(pin), self.outside.get(&pin)) {
             (Level::Driven(level), _) => level,

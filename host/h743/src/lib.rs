@@ -1,9 +1,11 @@
-//! The STM32H743 on its board, in emulation: boots the flash image and shows what its pins do. For tests only.
+//! The STM32H743 on its board, in emulation: boots the flash image and shows what its pins do. For
+//! tests only.
 //!
-//! In: the ELF image, bytes of the host, levels at pins, time. Out: bytes of the board, every change of a pin with its time, why
-//! it was reset, what the image did that the manual forbids or no model covers. Instructions are executed by Unicorn
-//! (`libunicorn-dev`); all else is in here, written after the Armv7-M Architecture Reference Manual and RM0433, and shares no
-//! code with the image.
+//! In: the ELF image, bytes of the host, levels at pins, time. Out: bytes of the board, every
+//! change of a pin with its time, why it was reset, what the image did that the manual forbids or
+//! no model covers. Instructions are executed by Unicorn (`libunicorn-dev`); all else is in here,
+//! written after the Armv7-M Architecture Reference Manual and RM0433, and shares no code with the
+//! image.
 //!
 //! What is not emulated: caches, bus contention and wait states (an instruction is a cycle).
 #![deny(unsafe_code)]

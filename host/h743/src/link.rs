@@ -1,4 +1,5 @@
-//! The client's link to the emulated board: in lockstep, time passes only while the client waits, as with the virtual controller.
+//! The client's link to the emulated board: in lockstep, time passes only while the client waits,
+//! as with the virtual controller.
 use crate::machine::Machine;
 use crate::time::{MICROSECOND, Time, from_nanoseconds, nanoseconds};
 use client::{Error, Link, error};

@@ -1,9 +1,10 @@
 //! The board: core, memories and peripherals together, and the loop that runs them.
 //!
-//! In: an image, time to pass, bytes of the host, levels at pins. Out: what the pins did, bytes of the board, how each run ended.
-//! An instruction takes one cycle of the core's clock, entering and leaving an exception [`ENTRY`] and [`EXIT`] cycles; a core
-//! that waits for an interrupt takes no time of the host's. So instants are those of an ideal core with no cache misses:
-//! exact for what timers do, an estimate for what instructions do.
+//! In: an image, time to pass, bytes of the host, levels at pins. Out: what the pins did, bytes of
+//! the board, how each run ended. An instruction takes one cycle of the core's clock, entering and
+//! leaving an exception [`ENTRY`] and [`EXIT`] cycles; a core that waits for an interrupt takes no
+//! time of the host's. So instants are those of an ideal core with no cache misses: exact for what
+//! timers do, an estimate for what instructions do.
 use crate::bus::Bus;
 use crate::device::Cause;
 use crate::dwt::Dwt;
@@ -111,7 +112,8 @@ impl Chip {
         self.forbidden.iter().any(meets)
     }
 
-    /// Whether an access to the first page is forbidden; then the fault comes before the next instruction.
+    /// Whether an access to the first page is forbidden; then the fault comes before the next
+    /// instruction.
     fn fails(&mut self, address: u32, size: u32) -> bool {
         let fails = self.is_forbidden(address, size);
         self.failed |= fails;
@@ -251,7 +253,8 @@ impl Machine {
         Ok(machine)
     }
 
-    /// The core fetches stack and entry from the vector table, at the address that the boot option gives (RM0433 2.6: flash).
+    /// The core fetches stack and entry from the vector table, at the address that the boot option
+    /// gives (RM0433 2.6: flash).
     fn begin(&mut self) {
         let chip = &mut self.chip;
         (chip.attention, chip.waits, chip.block, chip.running, chip.failed) = (false, false, 0..0, 0, false);
@@ -329,7 +332,8 @@ impl Machine {
                 if first >= end {
                     continue;
                 }
-                // The engine guards whole pages. A memory that has lost its clock meanwhile has nothing to give back.
+                // The engine guards whole pages. A memory that has lost its clock meanwhile has
+                // nothing to give back.
                 let done = self.engine.forbid(first as u32, (end - first) as u32, forbidden);
                 if forbidden && done.is_err() {
                     self.chip.note(format!("the MPU's guard of {size} bytes at {base:#010x} is no whole page"));
@@ -435,7 +439,8 @@ impl Machine {
         }
     }
 
-    /// A fault of the instruction at the program counter (B1.5.14): its own exception, or HardFault.
+    /// A fault of the instruction at the program counter (B1.5.14): its own exception, or
+    /// HardFault.
     fn fault(&mut self, exception: usize, flags: u32) -> Result<(), Stop> {
         let scs = &mut self.chip.scs;
         scs.cfsr |= flags;

@@ -1,7 +1,8 @@
-//! The chip's memories, which the core, the DMA and the tests look at alike (RM0433 2.3, memory map).
+//! The chip's memories, which the core, the DMA and the tests look at alike (RM0433 2.3, memory
+//! map).
 //!
-//! In: addresses. Out: bytes. Owns the storage; the engine maps the same bytes, so the core's accesses cost nothing here.
-//! Caches are not modelled: every master sees every write at once.
+//! In: addresses. Out: bytes. Owns the storage; the engine maps the same bytes, so the core's
+//! accesses cost nothing here. Caches are not modelled: every master sees every write at once.
 use crate::clocks::{AHB2ENR, AHB4ENR};
 use std::alloc::{Layout, alloc_zeroed, dealloc, handle_alloc_error};
 use std::ptr::NonNull;
@@ -81,9 +82,11 @@ pub struct Memory {
     regions: Vec<Region>,
 }
 
-// SAFETY: the bytes are reached through `&mut Machine` only, which one thread holds at a time; no byte belongs to a thread.
+// SAFETY: the bytes are reached through `&mut Machine` only, which one thread holds at a time; no
+// byte belongs to a thread.
 unsafe impl Send for Memory {}
-// SAFETY: as above; the engine and the machine that share it are one value, never used from two threads at once.
+// SAFETY: as above; the engine and the machine that share it are one value, never used from two
+// threads at once.
 unsafe impl Sync for Memory {}
 
 impl Memory {
@@ -116,7 +119,8 @@ impl Memory {
         self.regions.iter().find_map(|region| Some((region, region.place(address, length)?)))
     }
 
-    /// Copies bytes in, flash included: what a programmer does, or a DMA. False where there is no memory.
+    /// Copies bytes in, flash included: what a programmer does, or a DMA. False where there is no
+    /// memory.
     pub fn load(&self, address: u32, bytes: &[u8]) -> bool {
         let Some((_, place)) = self.find(address, bytes.len() as u32) else { return false };
         // SAFETY: the span lies in the allocation, and `bytes` is no part of it.
@@ -152,12 +156,14 @@ impl Memory {
         self.number(address, 4)
     }
 
-    /// The halfword of an instruction, 0 where there is no memory. Flash lies first: this is asked for each instruction.
+    /// The halfword of an instruction, 0 where there is no memory. Flash lies first: this is asked
+    /// for each instruction.
     pub fn code(&self, address: u32) -> u16 {
         self.number(address, 2).unwrap_or(0) as u16
     }
 
-    /// Whether a DMA of domain D2 reaches this (RM0433 2.1.3: the TCMs belong to the core and to MDMA).
+    /// Whether a DMA of domain D2 reaches this (RM0433 2.1.3: the TCMs belong to the core and to
+    /// MDMA).
     pub fn is_reached_by_dma(&self, address: u32) -> bool {
         self.find(address, 1).is_some_and(|(region, _)| region.reach == Reach::All)
     }

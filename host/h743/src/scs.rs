@@ -112,7 +112,8 @@ impl Default for Scs {
 }
 
 impl Scs {
-    /// What a read of a word gives; `None` where no register is modelled. `running` is the exception that runs.
+    /// What a read of a word gives; `None` where no register is modelled. `running` is the
+    /// exception that runs.
     pub fn read(&mut self, offset: u32, running: usize, at: Time, cycle: Time) -> Option<u32> {
         let exceptions = &self.exceptions;
         Some(match offset {
@@ -147,7 +148,8 @@ impl Scs {
             0xd30 => 0,
             0xd34 => self.mmfar,
             0xd38 => self.bfar,
-            // CLIDR, CTR, CCSIDR of 16 KiB data (4 ways of 128 lines) and instructions (2 ways of 256 lines).
+            // CLIDR, CTR, CCSIDR of 16 KiB data (4 ways of 128 lines) and instructions (2 ways of
+            // 256 lines).
             0xd78 => 0x0900_0003,
             0xd7c => 0x8303_c003,
             0xd80 if self.cache_size & 1 == 0 => 0xf00f_e019,
@@ -214,8 +216,8 @@ impl Scs {
         Some(())
     }
 
-    /// Whether the core's writes to this address may stay in its data cache (Armv7-M B3.5, table B3-15 for what no region
-    /// covers): a DMA would read what was there before.
+    /// Whether the core's writes to this address may stay in its data cache (Armv7-M B3.5, table
+    /// B3-15 for what no region covers): a DMA would read what was there before.
     pub fn holds_back(&self, address: u32) -> bool {
         let cached = self.ccr & 1 << 16 != 0;
         let covers = |region: &&MpuRegion| {
@@ -226,7 +228,8 @@ impl Scs {
         };
         let region = self.mpu.iter().rev().find(covers).filter(|_| self.mpu_control & 1 != 0);
         let writes_back = match region {
-            // TEX, C, B: write-back is 0 1 1, 1 1 1, and an outer policy with an inner one of write-back.
+            // TEX, C, B: write-back is 0 1 1, 1 1 1, and an outer policy with an inner one of
+            // write-back.
             Some(region) => match (region.attributes >> 19 & 7, region.attributes >> 16 & 3) {
                 (0 | 1, 3) => true,
                 (4..=7, inner) => inner & 1 != 0,

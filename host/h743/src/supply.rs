@@ -1,6 +1,8 @@
-//! What lets the core run fast: PWR (RM0433 6), SYSCFG's over-drive (12.3.6) and FLASH's wait states (4.9.1).
+//! What lets the core run fast: PWR (RM0433 6), SYSCFG's over-drive (12.3.6) and FLASH's wait
+//! states (4.9.1).
 //!
-//! In: register writes. Out: ready flags after their time, and the fastest core that supply and flash allow.
+//! In: register writes. Out: ready flags after their time, and the fastest core that supply and
+//! flash allow.
 use crate::device::{Device, Signal};
 use crate::time::{MICROSECOND, NEVER, Time};
 
@@ -49,7 +51,8 @@ impl Default for Pwr {
 }
 
 impl Pwr {
-    /// The fastest core in time a cycle (RM0433 table 60; data sheet, general operating conditions).
+    /// The fastest core in time a cycle (RM0433 table 60; data sheet, general operating
+    /// conditions).
     pub fn fastest(&self) -> Time {
         let ready = self.d3cr & VOSRDY != 0;
         match self.d3cr >> 14 & 3 {
@@ -101,7 +104,8 @@ impl Device for Pwr {
             0x00 => self.cr1 = new(self.cr1),
             0x08 => self.cr2 = new(self.cr2),
             CR3 => {
-                // SCUEN, LDOEN, BYPASS are write-once: only what is written first counts (RM0433 6.8.4).
+                // SCUEN, LDOEN, BYPASS are write-once: only what is written first counts (RM0433
+                // 6.8.4).
                 let chosen = if self.supply_chosen { 7 } else { 0 };
                 self.cr3 = (self.cr3 & chosen | new(self.cr3) & !chosen) & !USB33RDY;
                 if !self.supply_chosen {
@@ -155,7 +159,8 @@ impl Flash {
         self.acr & 0xf
     }
 
-    /// The fastest AXI clock that the wait states allow at the voltage of VOS0 and VOS1 (RM0433 table 17), as time a cycle.
+    /// The fastest AXI clock that the wait states allow at the voltage of VOS0 and VOS1 (RM0433
+    /// table 17), as time a cycle.
     pub fn fastest_bus(&self) -> Time {
         match (self.wait_states(), self.acr >> 4 & 3) {
             (0, _) => 14,

@@ -1,6 +1,8 @@
-//! Emulated time: a count from power-on, fine enough that every clock of the board has a whole number of it.
+//! Emulated time: a count from power-on, fine enough that every clock of the board has a whole
+//! number of it.
 
-/// Time, or a duration: 960ths of a microsecond. 480 MHz is 2 of them a cycle, 240 MHz 4, 120 MHz 8, 64 MHz 15, 32 kHz 30000.
+/// Time, or a duration: 960ths of a microsecond. 480 MHz is 2 of them a cycle, 240 MHz 4, 120 MHz
+/// 8, 64 MHz 15, 32 kHz 30000.
 pub type Time = u64;
 
 /// A microsecond.

@@ -1,8 +1,9 @@
 //! USART3 with its FIFOs (RM0433 48), and the wire on both sides of it.
 //!
-//! In: registers, bytes that the host sends. Out: bytes with the time at which their stop bit ends, the interrupt's line.
-//! The host's end runs at [`Usart::HOST_BAUD`]; a divider that does not fit it is a complaint, since every byte would be
-//! damaged. DMA fetches what is received; parity, half duplex and sending by DMA are not modelled: their bits are complaints too.
+//! In: registers, bytes that the host sends. Out: bytes with the time at which their stop bit ends,
+//! the interrupt's line. The host's end runs at [`Usart::HOST_BAUD`]; a divider that does not fit
+//! it is a complaint, since every byte would be damaged. DMA fetches what is received; parity, half
+//! duplex and sending by DMA are not modelled: their bits are complaints too.
 use crate::clocks::Clocks;
 use crate::device::{Device, Signal, Source};
 use crate::time::{NEVER, Time};

@@ -12,7 +12,8 @@ use std::collections::VecDeque;
 
 /// A bit at 12 Mbit/s.
 const BIT: Time = 80;
-/// Bits around the data of a transaction: token, head and CRC of the packet, handshake, the gaps between them.
+/// Bits around the data of a transaction: token, head and CRC of the packet, handshake, the gaps
+/// between them.
 const OVERHEAD: Time = 110;
 /// A transaction that was answered NAK is tried again after this time.
 const RETRY: Time = 40 * MICROSECOND;

@@ -1,5 +1,5 @@
-//! The bring-up image on the emulated chip: every row passes, and each planted wrong fact fails in the row that names it. The image
-//! that BEAMTICK_H743_BRING_UP names.
+//! The bring-up image on the emulated chip: every row passes, and each planted wrong fact fails in
+//! the row that names it. The image that BEAMTICK_H743_BRING_UP names.
 use beamtick::{Failure, bring_up_over};
 use h743::facts::Wrong;
 use h743::link::{EmulatedLink, Shared, lock};
@@ -32,7 +32,8 @@ fn wire(machine: &mut Machine, without: &[u8]) {
         LOOPS.iter().filter(|(number, ..)| there(number)).map(|&(_, from, to)| (from, to)).collect();
 }
 
-/// A board with the bring-up image that has started, these wrong facts, and all jumpers but these. `None` without an image.
+/// A board with the bring-up image that has started, these wrong facts, and all jumpers but these.
+/// `None` without an image.
 fn board(wrong: &[Wrong], without: &[u8]) -> Option<Shared> {
     let Some(path) = std::env::var_os("BEAMTICK_H743_BRING_UP") else {
         println!("skipped: BEAMTICK_H743_BRING_UP names no image");
@@ -80,7 +81,8 @@ fn a_chip_as_assumed_passes_every_row() {
     let rows_of_first = rows(&page);
     let not_measured = rows_of_first.iter().find(|(_, (result, _))| *result == "not measured");
     assert_eq!(not_measured, None);
-    // Figures worked out by hand: the plan of bring-up/src/light.rs, and the model's 21 counts of DMA.
+    // Figures worked out by hand: the plan of bring-up/src/light.rs, and the model's 21 counts of
+    // DMA.
     for (row, figure) in [
         ("jumpers", "all eight"),
         ("break flag and level of each timer", "flag as the pin, low and high"),
@@ -114,7 +116,8 @@ fn without_jumpers_rows_are_not_measured_and_none_fails() {
 const BREAKS: &str = "break flag and level of each timer";
 const LEVEL: &str = "a break acts by its level";
 
-/// A wrong fact, the rows that must fail, and the figure of the first of them if it is certain. What else fails is a consequence.
+/// A wrong fact, the rows that must fail, and the figure of the first of them if it is certain.
+/// What else fails is a consequence.
 type Case = (Wrong, &'static [&'static str], &'static str);
 
 #[test]

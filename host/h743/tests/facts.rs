@@ -1,5 +1,5 @@
-//! Facts of the chip on which sources differ, or which no source promises: what the image does where they are otherwise. Where
-//! BEAMTICK_H743_IMAGE names it.
+//! Facts of the chip on which sources differ, or which no source promises: what the image does
+//! where they are otherwise. Where BEAMTICK_H743_IMAGE names it.
 use client::{Client, Options};
 use h743::link::{EmulatedLink, Shared, lock};
 use h743::{Level, MILLISECOND, Machine, Pin, Stop};
@@ -165,7 +165,8 @@ fn timers_that_stopped_within_a_burst_begin_with_its_first_register() {
     }
 }
 
-/// An instruction is a cycle here, so what is told is what the handler's instructions take: 2,600 to 3,000 at 480 MHz.
+/// An instruction is a cycle here, so what is told is what the handler's instructions take: 2,600
+/// to 3,000 at 480 MHz.
 #[test]
 fn how_long_ticks_take_is_measured() {
     let Some(machine) = started(|_| {}) else { return };

@@ -1,4 +1,5 @@
-//! The released image for the NUCLEO-H743ZI2 in emulation, where BEAMTICK_H743_IMAGE names it (`cargo xtask check-all` does).
+//! The released image for the NUCLEO-H743ZI2 in emulation, where BEAMTICK_H743_IMAGE names it
+//! (`cargo xtask check-all` does).
 use client::{Client, Options};
 use h743::engine::Register;
 use h743::link::{EmulatedLink, Shared, lock};
@@ -46,8 +47,9 @@ fn start_up_reaches_full_speed_and_drives_nothing_active() {
     let clocks = bus.clocks();
     println!("480 MHz after {:?} µs, {} instructions", started.map(|at| at / MICROSECOND), machine.chip.instructions);
     assert_eq!((clocks.core, clocks.bus, clocks.apb1, clocks.timers1, clocks.timers2), (2, 4, 8, 4, 4));
-    // Every change of a pin since power-on, so also between any two instructions: nothing was ever driven high but the link's
-    // line and the + lines of the lasers, which rest high; those were never driven low.
+    // Every change of a pin since power-on, so also between any two instructions: nothing was ever
+    // driven high but the link's line and the + lines of the lasers, which rest high; those were
+    // never driven low.
     let plus = REST_HIGH.map(|name| Pin::named(name).unwrap());
     let rests_high = |pin: Pin| pin == link_pin() || plus.contains(&pin);
     let high: Vec<_> =
@@ -183,7 +185,8 @@ fn a_panic_rests_the_outputs_and_its_reason_is_read_after_the_reset() {
     machine.run(MILLISECOND);
     let enable = Pin::named("PG0").unwrap();
     assert_eq!(machine.chip.bus.gpio.level(enable), Level::Driven(true));
-    // The thread calls `core::panicking::panic("the reason", &Location)`, with what both point to in memory that is spare.
+    // The thread calls `core::panicking::panic("the reason", &Location)`, with what both point to
+    // in memory that is spare.
     let (message, file) = (b"the reason", b"some/file.rs");
     let memory = &machine.chip.memory;
     assert!(memory.load(SPARE + 0x40, message) && memory.load(SPARE + 0x80, file));
@@ -227,11 +230,13 @@ fn a_stack_that_is_full_is_a_fault() {
     machine.run(100 * MILLISECOND);
     let (fault, text) = last_fault(machine);
     assert_eq!(fault, 2);
-    // The MPU forbids it (MSTKERR), so that it does not depend on what the bus makes of an address without memory.
+    // The MPU forbids it (MSTKERR), so that it does not depend on what the bus makes of an address
+    // without memory.
     assert!(text.contains("stack overflow") && text.contains("CFSR 0x00000010"), "{text}");
 }
 
-/// The MPU's regions as they stand while the image runs; the model enforces those that nobody may touch, and no others.
+/// The MPU's regions as they stand while the image runs; the model enforces those that nobody may
+/// touch, and no others.
 #[test]
 fn the_code_of_the_tick_is_read_only_and_null_is_nobodys() {
     let Some(elf) = image() else { return };

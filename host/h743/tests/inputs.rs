@@ -1,5 +1,5 @@
-//! Analog inputs and encoders of the image in emulation, where BEAMTICK_H743_IMAGE names it: voltages and edges at the pins are what
-//! the calls read.
+//! Analog inputs and encoders of the image in emulation, where BEAMTICK_H743_IMAGE names it:
+//! voltages and edges at the pins are what the calls read.
 use client::{Client, Options};
 use h743::link::{EmulatedLink, Shared, lock};
 use h743::{MICROSECOND, MILLISECOND, Machine, Pin};
@@ -45,7 +45,8 @@ fn voltages_at_the_pins_are_read_at_the_terminals_scale() {
         let (_, items) = client.call_items(GetAdc { core: 1.into(), adc: 1.into(), count: 2.into() }, &[]).unwrap();
         items.iter().map(|item| item.value.get()).collect()
     };
-    // Two resistors to the supply and to ground, one from the terminal: 0 to 3.3 V stand for −12.5 to 12.5 V.
+    // Two resistors to the supply and to ground, one from the terminal: 0 to 3.3 V stand for −12.5
+    // to 12.5 V.
     for (first, second) in [(0.0, 3.3), (1.65, 0.33), (3.3, 1.65), (1.0, 2.97)] {
         apply(&machine, A2, first);
         apply(&machine, A4, second);
@@ -125,7 +126,8 @@ fn edges_of_encoders_are_counted_watched_and_captured() {
     let status = || client.call_items(GetSts { core, axis: 1.into(), count: 1.into() }, &[]).unwrap().1[0].value.get();
     let mut one = Encoder::at(&machine, ["PB4", "PB5"]);
     let mut two = Encoder::at(&machine, ["PD12", "PD13"]);
-    // More than the timer's 16 bits would take some hundred ms of edges: the turn of its counter is passed downwards instead.
+    // More than the timer's 16 bits would take some hundred ms of edges: the turn of its counter is
+    // passed downwards instead.
     two.turn(&machine, -301);
     one.turn(&machine, 1003);
     assert_eq!(places(), [1003.0, -301.0, 0.0]);

@@ -16,11 +16,12 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
-/// The trapezoid of the listing of PT takes 3 s, which cost a minute of emulation: an eighth of it, with the same speeds.
+/// The trapezoid of the listing of PT takes 3 s, which cost a minute of emulation: an eighth of it,
+/// with the same speeds.
 const EIGHTH: [(&str, &str); 3] = [("1024;", "128;"), ("2048;", "256;"), ("Sleep(1536);", "Sleep(192);")];
 
-/// A thirtieth of the ways of a path with light, forwards all the way (before a step back its direction takes some time), and an
-/// output that goes with the light.
+/// A thirtieth of the ways of a path with light, forwards all the way (before a step back its
+/// direction takes some time), and an output that goes with the light.
 const SHORT: [(&str, &str); 7] = [
     ("100000, 0, 50", "3333, 0, 50"),
     ("0, 10000, 50", "6500, 333, 50"),

@@ -1,5 +1,5 @@
-//! What ends light on the emulated board: the interlock, a fault, a tick that stands still; where BEAMTICK_H743_IMAGE names the
-//! image.
+//! What ends light on the emulated board: the interlock, a fault, a tick that stands still; where
+//! BEAMTICK_H743_IMAGE names the image.
 use client::{Client, Options};
 use h743::link::{EmulatedLink, Plug, Shared, lock};
 use h743::{Cause, Level, MICROSECOND, MILLISECOND, Machine, Pin, Stop, Time};
@@ -77,7 +77,8 @@ fn assert_plus_rests(machine: &Machine) {
     }
 }
 
-/// A break at this instant, in a pulse, has left the − lines lit for two counts of their timers, and no longer.
+/// A break at this instant, in a pulse, has left the − lines lit for two counts of their timers,
+/// and no longer.
 fn assert_minus_rested(machine: &Machine, at: Time) {
     const TWO_COUNTS: Time = 8;
     for (_, minus) in LINES {

@@ -1,5 +1,7 @@
-//! From how many lines of flash a tick of the image takes its instructions, where BEAMTICK_H743_IMAGE names the image. Each is a line
-//! of 32 bytes of the I-cache, which the thread may have pushed out since; what runs from ITCM has none (docs/decisions/016-hot-code-in-itcm.md).
+//! From how many lines of flash a tick of the image takes its instructions, where
+//! BEAMTICK_H743_IMAGE names the image. Each is a line of 32 bytes of the I-cache, which the thread
+//! may have pushed out since; what runs from ITCM has none
+//! (docs/decisions/016-hot-code-in-itcm.md).
 use client::{Client, Options};
 use h743::engine::Register;
 use h743::link::{EmulatedLink, Shared, lock};
@@ -53,7 +55,8 @@ fn worst(what: &str, machine: &mut Machine, count: usize) -> Code {
     worst
 }
 
-/// The board, its interlock's circuit closed, and a client that keeps the session. `None` without an image.
+/// The board, its interlock's circuit closed, and a client that keeps the session. `None` without
+/// an image.
 fn board() -> Option<(Client, Shared)> {
     let Some(path) = std::env::var_os("BEAMTICK_H743_IMAGE") else {
         println!("skipped: BEAMTICK_H743_IMAGE names no image");

@@ -1,4 +1,5 @@
-//! Each model by itself: sequences of register writes, with what RM0433 says must come of them, worked out by hand.
+//! Each model by itself: sequences of register writes, with what RM0433 says must come of them,
+//! worked out by hand.
 use h743::adc::Adc;
 use h743::device::{Device, Signal, Source};
 use h743::gpio::{Gpio, Level, Pin};
@@ -396,7 +397,8 @@ fn pins_are_analog_from_reset_on_and_change_by_registers_only() {
     gpio.write(port + 0x18, 1 << 9 | 1 << 25, u32::MAX, 7, &mut out).unwrap();
     assert_eq!(gpio.level(pin), Level::Driven(true));
     gpio.write(port + 0x18, 1 << 25, u32::MAX, 8, &mut out).unwrap();
-    // An alternate function that no peripheral drives is not driven; one that a timer drives shows it.
+    // An alternate function that no peripheral drives is not driven; one that a timer drives shows
+    // it.
     gpio.write(port + 0x24, 1 << 4, u32::MAX, 9, &mut out).unwrap();
     gpio.write(port, !(3 << 18) | 2 << 18, u32::MAX, 10, &mut out).unwrap();
     assert_eq!(gpio.level(pin), Level::Floating);
@@ -556,7 +558,8 @@ fn an_adc_shows_what_was_there_at_the_end_of_sampling_and_wants_its_calibration(
         assert_eq!(get(&mut adc, 0, now) & 1, 1);
         set(&mut adc, cr, 1 << 28 | 2 << 8 | 1 << 2, now);
         assert_eq!(adc.complaint.is_none(), calibrates, "{:?}", adc.complaint);
-        // Sampling ends 64.5 cycles behind the start, the conversion 8.5 later; the other channel's takes as long.
+        // Sampling ends 64.5 cycles behind the start, the conversion 8.5 later; the other channel's
+        // takes as long.
         let (sampled, whole) = (now + CYCLE * 129 / 2, now + CYCLE * 73);
         adc.apply(1, 1.0, 0);
         adc.apply(1, 2.0, sampled + 1);

@@ -39,7 +39,8 @@ const LIGHT: [&str; 8] = ["PE9", "PE5", "PC7", "PC8", "PE8", "PE4", "PB0", "PB15
 /// 0 V behind the stage of an analog output.
 const ZERO: u16 = 2048;
 
-/// What left its rest since then, with its instant: outputs by their names, analog outputs by their values.
+/// What left its rest since then, with its instant: outputs by their names, analog outputs by their
+/// values.
 fn active(machine: &Machine, since: Time, names: &[&str]) -> Vec<(Time, String)> {
     let bus = &machine.chip.bus;
     let mut found = Vec::new();
@@ -143,7 +144,8 @@ fn reason(client: &Client) -> (u8, String) {
     (fault.kind, text.iter().map(|byte| char::from(byte.value)).collect())
 }
 
-/// Both channels shine, the second one by its voltage; an axis is enabled and steps. All of it is seen at the pins.
+/// Both channels shine, the second one by its voltage; an axis is enabled and steps. All of it is
+/// seen at the pins.
 fn shine(client: &Client, machine: &Shared) {
     let (core, channel) = (1.into(), 0.into());
     client.call(SetAxisMode { core, axis: 7.into(), mode: 1.into() }).unwrap();
@@ -189,7 +191,8 @@ fn assert_dark_until_cleared(client: &Client, cause: i16) {
 #[test]
 fn power_on_in_every_order_is_dark_and_then_works() {
     let Some(elf) = image() else { return };
-    // The host waits for the board already, comes soon, or later than the link-loss time; the interlock's circuit is open or closed.
+    // The host waits for the board already, comes soon, or later than the link-loss time; the
+    // interlock's circuit is open or closed.
     for (host_after, opened) in [(0, false), (0, true), (60, false), (60, true), (520, false)] {
         let case = format!("host after {host_after} ms, interlock open: {opened}");
         let machine = powered(&elf, opened);
@@ -315,7 +318,8 @@ fn no_reset_under_light_and_a_sending_host_lights_or_moves_anything() {
 /// The line at 3 Mbaud.
 const BYTES_A_MS: usize = 300;
 
-/// The commands of a job, whatever becomes of each: a way of so many pulses, and light. True if the on command was answered.
+/// The commands of a job, whatever becomes of each: a way of so many pulses, and light. True if the
+/// on command was answered.
 fn job(client: &Client) -> bool {
     let (core, channel, profile) = (1.into(), 0.into(), 1.into());
     // If any of this is executed a second time, there is light again, or another way.
@@ -345,7 +349,8 @@ fn steps(machine: &Machine, since: Time) -> i32 {
     high.filter(|change| change.pin == step && change.level == Level::Driven(true)).count() as i32
 }
 
-/// Opens a session over a road that is cut after so many bytes of the job; returns what went over it.
+/// Opens a session over a road that is cut after so many bytes of the job; returns what went over
+/// it.
 fn cut_job(machine: &Shared, bytes: usize) -> (bool, Vec<u8>) {
     let road = Road::to(machine);
     let (sent, left) = (Arc::clone(&road.sent), Arc::clone(&road.left));
@@ -364,7 +369,8 @@ const LINK_LOST: i16 = 2;
 const LASER_EVENT: u8 = 3;
 const LINK_EVENT: u8 = 4;
 
-/// A frame ends with a zero. Cut within some frames and behind them; with BEAMTICK_EVERY_BYTE set, behind every byte.
+/// A frame ends with a zero. Cut within some frames and behind them; with BEAMTICK_EVERY_BYTE set,
+/// behind every byte.
 #[test]
 fn a_link_that_is_cut_anywhere_in_a_job_ends_dark_and_nothing_is_done_twice() {
     let Some(elf) = image() else { return };

@@ -1,5 +1,5 @@
-//! The step outputs of the image in emulation, where BEAMTICK_H743_IMAGE names it: every planned pulse is an edge at its pin, evenly
-//! spaced, with its direction set before.
+//! The step outputs of the image in emulation, where BEAMTICK_H743_IMAGE names it: every planned
+//! pulse is an edge at its pin, evenly spaced, with its direction set before.
 use client::{Client, Options};
 use h743::link::{EmulatedLink, Shared, lock};
 use h743::time::nanoseconds;
@@ -12,7 +12,8 @@ fn pins(axis: i16) -> (Pin, Pin) {
     (Pin::named(&format!("PF{}", axis - 1)).unwrap(), Pin::named(&format!("PF{}", axis + 7)).unwrap())
 }
 
-/// What an axis has done: the instants of its steps in ns with their signs, after its directions and widths were checked.
+/// What an axis has done: the instants of its steps in ns with their signs, after its directions
+/// and widths were checked.
 fn steps(machine: &Machine, axis: i16) -> Vec<(u64, i64)> {
     let (direction, step) = pins(axis);
     let (mut back, mut turned, mut high) = (false, None, None);
@@ -56,7 +57,8 @@ fn run(elf: &[u8], tick_us: i32, tops: [i64; 8]) {
                 PtData { core, profile: profile.into(), pos, time_ms: time_ms.into(), kind: i16::into(kind), fifo };
             client.call(data).unwrap();
         }
-        // A pulse a millisecond more than the step outputs make is refused, and the data stays what it was.
+        // A pulse a millisecond more than the step outputs make is refused, and the data stays what
+        // it was.
         let pos = ((top / 4 + 1001) as f64).into();
         let (profile, time_ms, kind, fifo) = (profile.into(), 8.into(), 1.into(), 0.into());
         let refused = client.call(PtData { core, profile, pos, time_ms, kind, fifo }).unwrap_err();
@@ -73,8 +75,9 @@ fn run(elf: &[u8], tick_us: i32, tops: [i64; 8]) {
         assert_eq!(found.iter().map(|(_, sign)| sign).sum::<i64>(), end, "axis {axis}");
         let gaps: Vec<u64> = found.windows(2).map(|pair| pair[1].0 - pair[0].0).collect();
         assert!(gaps.iter().all(|gap| *gap >= 1000 - 100), "axis {axis}: {:?} ns", gaps.iter().min());
-        // While it goes evenly, a tick holds one of two whole numbers of steps, spread over it to a slot. What the set-up of the
-        // direction has taken of the first tick at full speed, two steps, comes behind.
+        // While it goes evenly, a tick holds one of two whole numbers of steps, spread over it to a
+        // slot. What the set-up of the direction has taken of the first tick at full speed, two
+        // steps, comes behind.
         let (tick, speed) = (tick_us.unsigned_abs() as u64 * 1000, top.unsigned_abs());
         let (ideal, few) = (1_000_000 / speed, tick * speed / 1_000_000);
         let (least, most) = match few {

@@ -1,5 +1,6 @@
-//! DMA, timers and pins together, by register writes at their addresses, with what RM0433 says must come of them, worked out by
-//! hand. The clocks are those of reset: every bus and every timer counts in 64ths of a microsecond, 15 units of time.
+//! DMA, timers and pins together, by register writes at their addresses, with what RM0433 says must
+//! come of them, worked out by hand. The clocks are those of reset: every bus and every timer
+//! counts in 64ths of a microsecond, 15 units of time.
 use h743::bus::Bus;
 use h743::dma::{ANSWER, TRANSFER};
 use h743::exceptions::Exceptions;
@@ -197,7 +198,8 @@ fn with_the_fifo_sixteen_bytes_are_read_ahead() {
     assert_eq!(bench.edges("PF8", start), [(600 + ANSWER, true)], "four words were too late, the fifth was not");
 }
 
-/// Tiles of TIM1 (ARR, RCR, CCR1) by bursts; the first is set by hand, the second lies in the preloads.
+/// Tiles of TIM1 (ARR, RCR, CCR1) by bursts; the first is set by hand, the second lies in the
+/// preloads.
 fn tiles(tiles: &[[u16; 3]]) -> (Bench, Time) {
     let mut bench = Bench::new();
     bench.connect("PE9", 1);

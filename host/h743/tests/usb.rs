@@ -1,7 +1,8 @@
-//! USB of the released image: what a host finds at the cable, and the link over it, where BEAMTICK_H743_IMAGE names the image.
+//! USB of the released image: what a host finds at the cable, and the link over it, where
+//! BEAMTICK_H743_IMAGE names the image.
 //!
-//! What descriptors must be is from the tables of USB 2.0 (chapter 9), of CDC 1.2 and of PSTN 1.2; sizes and places are
-//! those of the tables, not the image's.
+//! What descriptors must be is from the tables of USB 2.0 (chapter 9), of CDC 1.2 and of PSTN 1.2;
+//! sizes and places are those of the tables, not the image's.
 use client::{Call, Client, Options};
 use h743::link::{EmulatedLink, Shared, lock};
 use h743::usb_host::{Transfer, request};
@@ -103,7 +104,8 @@ fn a_host_finds_a_serial_port() {
     assert_eq!((string(1), string(2)), ("Beamtick".into(), "Beamtick".into()));
     assert_eq!(string(3), "0012345689ABCDEF0F1E2D3C");
 
-    // USB 2.0 table 9-10: two interfaces, the only configuration, self-powered, no current from the bus.
+    // USB 2.0 table 9-10: two interfaces, the only configuration, self-powered, no current from the
+    // bus.
     let all = answer(transfers, &[0x80, 6, 0, 2, 0, 0, transfers[4].setup[6]]);
     assert_eq!((all[0], all[1], usize::from(word(&all[2..]))), (9, 2, all.len()));
     assert_eq!((all[4], all[5], all[7], all[8]), (2, 1, 0xc0, 0));
@@ -114,9 +116,11 @@ fn a_host_finds_a_serial_port() {
         parts.push(part);
         rest = behind;
     }
-    // USB 2.0 table 9-12: communications interface of the abstract control model (CDC 1.2 tables 14 to 16), one endpoint.
+    // USB 2.0 table 9-12: communications interface of the abstract control model (CDC 1.2 tables 14
+    // to 16), one endpoint.
     assert_eq!(parts[0], [9, 4, 0, 0, 1, 2, 2, 0, 0]);
-    // CDC 1.2 table 15 (header, release 1.10), PSTN 1.2 table 4 (line coding and state), CDC 1.2 table 16 (union of 0 and 1).
+    // CDC 1.2 table 15 (header, release 1.10), PSTN 1.2 table 4 (line coding and state), CDC 1.2
+    // table 16 (union of 0 and 1).
     assert_eq!(parts[1], [5, 0x24, 0x00, 0x10, 0x01]);
     assert_eq!(parts[2], [4, 0x24, 0x02, 0x02]);
     assert_eq!(parts[3], [5, 0x24, 0x06, 0, 1]);
@@ -200,7 +204,8 @@ fn a_host_that_reads_and_writes_when_it_likes_loses_no_byte() {
     usb.call(PrfJog { core: 1.into(), profile: 1.into() }).unwrap();
     // The shortest tick leaves the thread little time, so that it is behind.
     usb.call(SetTick { tick_us: 10.into() }).unwrap();
-    // It fetches packets for a millisecond in four, and sends as fast as the wire goes: both sides wait.
+    // It fetches packets for a millisecond in four, and sends as fast as the wire goes: both sides
+    // wait.
     lock(&machine).chip.bus.usb.host.reads_for = Some((MILLISECOND, 4 * MILLISECOND));
     let calls: Vec<_> = (0..300)
         .map(|n| {
@@ -322,11 +327,13 @@ fn what_a_host_should_not_ask_for_does_no_harm() {
         let mut machine = lock(&shared);
         let host = &mut machine.chip.bus.usb.host;
         let asked = [
-            // Endpoints that are not there: status, and halt set and cleared (USB 2.0 9.4.5, 9.4.9, 9.4.1).
+            // Endpoints that are not there: status, and halt set and cleared (USB 2.0 9.4.5, 9.4.9,
+            // 9.4.1).
             request(0x82, 0, 0, 0x0f, &[], 2),
             request(0x02, 3, 0, 0x8f, &[], 0),
             request(0x02, 1, 0, 0x07, &[], 0),
-            // An interface, a descriptor, a string and a request that are not there; more bytes than there is room for.
+            // An interface, a descriptor, a string and a request that are not there; more bytes
+            // than there is room for.
             request(0x81, 0, 0, 9, &[], 2),
             request(0x80, 6, 0x4200, 0, &[], 255),
             request(0x80, 6, 0x03ee, 0x0409, &[], 255),

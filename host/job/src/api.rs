@@ -22,7 +22,8 @@ pub enum Pass {
     Out,
     /// The first of as many values as the size says, which become items.
     Many(Type, Size),
-    /// The first of so many values, which go into the request one by one. With a default it may be NULL: zeros.
+    /// The first of so many values, which go into the request one by one. With a default it may be
+    /// NULL: zeros.
     Fixed(Type, usize),
     /// The address of a struct whose values the request takes.
     Struct(Type),
@@ -62,11 +63,12 @@ pub struct Param {
     pub default: Option<i32>,
 }
 
-/// How parameters become a request. Fields of a request that no parameter fills: `core`, `form` (0 `GTN_`, 1 `GT_`),
-/// `first` (0) and `…_given` (see [`Function::reports_given`]).
+/// How parameters become a request. Fields of a request that no parameter fills: `core`, `form` (0
+/// `GTN_`, 1 `GT_`), `first` (0) and `…_given` (see [`Function::reports_given`]).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shape {
-    /// The request's other fields are the parameters that go in, in order; a `count` that no parameter fills is 1.
+    /// The request's other fields are the parameters that go in, in order; a `count` that no
+    /// parameter fills is 1.
     Plain,
     /// As `Plain` without the arrays; the items, a value of each array in turn, follow the request.
     Points,
@@ -114,8 +116,8 @@ impl Function {
     }
 }
 
-/// How many values the arrays of a function hold, at least and at most; of a plane, in each direction. A controller may have
-/// room for fewer.
+/// How many values the arrays of a function hold, at least and at most; of a plane, in each
+/// direction. A controller may have room for fewer.
 pub fn counts(name: &str) -> Option<(i64, i64)> {
     match name {
         "SetDac" | "PtStartPro" => Some((1, 32)),

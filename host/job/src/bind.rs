@@ -136,7 +136,8 @@ impl Reader<'_> {
         name: &Token,
         span: Range<usize>,
     ) -> Result<i16, Fault> {
-        // Opening and closing concern the whole controller: there the core is left out in both forms.
+        // Opening and closing concern the whole controller: there the core is left out in both
+        // forms.
         let whole = function.shape == Shape::Host;
         let skip = usize::from(several_cores && !whole);
         let needed = function.params.iter().filter(|param| param.default.is_none()).count() + skip;
@@ -300,7 +301,8 @@ impl Reader<'_> {
         let single = |param: &Param| param.name == "count" && matches!(param.pass, Pass::In(_));
         let Some(index) = function.params.iter().position(single) else { return Ok(1) };
         let Some(given) = given.get(index) else { return Ok(1) };
-        // A count that no controller takes is refused there, with its limits; here it only sizes arrays.
+        // A count that no controller takes is refused there, with its limits; here it only sizes
+        // arrays.
         Ok(match self.scalar(given, Type::Long, "count", name)? {
             Value::Int(count) => usize::try_from(count).unwrap_or(0),
             _ => 1,

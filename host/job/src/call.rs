@@ -272,8 +272,8 @@ impl Reader<'_> {
         self.named.extend((0..32i16).filter(|bit| mask >> bit & 1 == 1).map(|bit| Axis { core, axis: bit + 1 }));
     }
 
-    /// What the call fills: known for Jog and Trap parameters that the script itself has set, or that
-    /// have their power-on values; otherwise known only when the job runs.
+    /// What the call fills: known for Jog and Trap parameters that the script itself has set, or
+    /// that have their power-on values; otherwise known only when the job runs.
     fn fill(&mut self, function: &Function, core: i16, bound: &Bound, later: &Value, span: &Range<usize>) {
         let parameters = match (function.params.get(1).map(|param| param.pass), bound.values.first()) {
             (Some(Pass::OutStruct(of)), Some((_, Value::Int(axis)))) => {
@@ -301,7 +301,8 @@ impl Reader<'_> {
     }
 }
 
-/// Laser channels that a call sets something of. What no controller has is for the controller to refuse.
+/// Laser channels that a call sets something of. What no controller has is for the controller to
+/// refuse.
 fn lasers(function: &Function, bound: &Bound) -> u8 {
     let channel = bound.values.iter().find(|(name, _)| *name == "channel").map(|(_, value)| value);
     match (function.name, channel) {

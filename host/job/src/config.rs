@@ -1,9 +1,10 @@
-//! Configuration files of `GT_LoadConfig`: limits, alarms, stop decelerations and bands of the axes.
+//! Configuration files of `GT_LoadConfig`: limits, alarms, stop decelerations and bands of the
+//! axes.
 //!
-//! In: the text, in one of two forms. TOML with tables `[axis.N]` or `[axis.A-B]` is ours; the ini form
-//! with sections `[axisN]`, `[profileN]`, `[controlN]` … is that of the manuals' set-up tool. Out: one
-//! [`ConfigItem`] for each axis that is named, and a warning that lists keys without a meaning here.
-//! `docs/jobs.md` lists the keys.
+//! In: the text, in one of two forms. TOML with tables `[axis.N]` or `[axis.A-B]` is ours; the ini
+//! form with sections `[axisN]`, `[profileN]`, `[controlN]` … is that of the manuals' set-up tool.
+//! Out: one [`ConfigItem`] for each axis that is named, and a warning that lists keys without a
+//! meaning here. `docs/jobs.md` lists the keys.
 
 use crate::diagnostic::{quoted, tidy};
 use ini::Ini;

@@ -62,8 +62,8 @@ pub fn quoted(text: &str) -> String {
     cut(&escaped(text), QUOTED_MAX)
 }
 
-/// A message as it may be shown: control characters that came with the input are escaped, and no quotation is longer than
-/// [`QUOTED_MAX`].
+/// A message as it may be shown: control characters that came with the input are escaped, and no
+/// quotation is longer than [`QUOTED_MAX`].
 pub fn tidy(message: &str) -> String {
     let mut out = String::with_capacity(message.len());
     for (number, part) in escaped(message).split('`').enumerate() {

@@ -11,8 +11,8 @@ pub struct Job {
     pub pragmas: Vec<Pragma>,
     /// What was accepted although it is odd: misspelt names, stray braces, assumed values.
     pub warnings: Vec<Diagnostic>,
-    /// Axes that the job uses (it sets their mode or position, or maps them to a coordinate system, or a path moves
-    /// them), ascending.
+    /// Axes that the job uses (it sets their mode or position, or maps them to a coordinate system,
+    /// or a path moves them), ascending.
     pub axes: Vec<Axis>,
     /// Coordinate systems that the job sets up, ascending.
     pub crds: Vec<Crd>,

@@ -6,10 +6,10 @@
 //! Nothing here opens a link, keeps time, or knows what a call does beyond its parameters; the one
 //! exception is the rule about endless motions ([`Action::WaitAll`]).
 //!
-//! `scan` text to tokens, `read` the cursor on them, `statement`, `assign` and `wait` statements, `expr` and `value`
-//! expressions, `call`, `bind` and `pack` calls to requests by the table of [`api`], `endless` what may never stop,
-//! [`config`] files of `GT_LoadConfig`.
-//! The language and the configuration keys are described in `docs/jobs.md`.
+//! `scan` text to tokens, `read` the cursor on them, `statement`, `assign` and `wait` statements,
+//! `expr` and `value` expressions, `call`, `bind` and `pack` calls to requests by the table of
+//! [`api`], `endless` what may never stop, [`config`] files of `GT_LoadConfig`. The language and
+//! the configuration keys are described in `docs/jobs.md`.
 
 pub mod api;
 mod assign;

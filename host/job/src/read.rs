@@ -117,7 +117,8 @@ impl<'a> Reader<'a> {
         self.errors.sort_by_key(|found| found.span.start);
     }
 
-    // -- the cursor --------------------------------------------------------------------------------
+    // -- the cursor
+    // --------------------------------------------------------------------------------
 
     pub(crate) fn peek(&self) -> &Token {
         self.peek_after(0)
@@ -240,7 +241,8 @@ impl<'a> Reader<'a> {
         }
     }
 
-    // -- steps -------------------------------------------------------------------------------------
+    // -- steps
+    // -------------------------------------------------------------------------------------
 
     /// Appends a step whose statement began at token `start`.
     pub(crate) fn push(&mut self, start: usize, action: Action) {

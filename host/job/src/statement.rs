@@ -1,6 +1,7 @@
 //! Statements: which kind each is, and what is refused.
 //!
-//! In: the reader at the beginning of a statement. Out: what it does, by `assign`, `wait` and `call`.
+//! In: the reader at the beginning of a statement. Out: what it does, by `assign`, `wait` and
+//! `call`.
 
 use crate::Severity;
 use crate::api;

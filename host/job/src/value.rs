@@ -1,7 +1,8 @@
 //! Numbers, variables and structs as C has them: `short` and `long` truncate, `double` does not.
 //!
-//! Integers are computed in 64 bits; bit patterns (hexadecimal literals, shifts, `| & ^ ~`) that have
-//! their 32nd bit set become negative, as they do in a `long` of 32 bits, so that masks may use all 32.
+//! Integers are computed in 64 bits; bit patterns (hexadecimal literals, shifts, `| & ^ ~`) that
+//! have their 32nd bit set become negative, as they do in a `long` of 32 bits, so that masks may
+//! use all 32.
 
 use std::collections::HashMap;
 
@@ -153,7 +154,8 @@ impl Type {
         }
     }
 
-    /// `value` as this type holds it: what C's conversion does, or a text that says why it does not fit.
+    /// `value` as this type holds it: what C's conversion does, or a text that says why it does not
+    /// fit.
     pub fn convert(self, value: &Value) -> Result<Value, String> {
         let Some((low, high)) = self.range() else {
             return Ok(match *value {
@@ -166,7 +168,8 @@ impl Type {
             Value::Real(number) if number.is_nan() => {
                 return Err(format!("not a number does not fit a {}", self.name()));
             }
-            // Truncation towards zero, as a cast does; what is beyond i64 saturates and is refused below.
+            // Truncation towards zero, as a cast does; what is beyond i64 saturates and is refused
+            // below.
             Value::Real(number) => number as i64,
             ref other => return Ok(other.clone()),
         };

@@ -1,4 +1,5 @@
-//! Values of declarations: lists in lists are laid out as in C, against values that a C compiler gave.
+//! Values of declarations: lists in lists are laid out as in C, against values that a C compiler
+//! gave.
 use job::{Action, Files, Severity, compile};
 use protocol::command::SetVel;
 use zerocopy::FromBytes;

@@ -1,4 +1,5 @@
-//! The laser calls: every form, both manuals' parameter counts, defaults; what is left to the controller.
+//! The laser calls: every form, both manuals' parameter counts, defaults; what is left to the
+//! controller.
 use job::{Action, Call, Files, Job, compile};
 use protocol::command as c;
 use protocol::command::Request;

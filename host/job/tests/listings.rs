@@ -20,7 +20,8 @@ fn manual() -> Option<String> {
     text_of("001")
 }
 
-/// A manual, where its text is at hand: `BEAMTICK_MANUALS`, or `../shared/manuals` beside the checkout.
+/// A manual, where its text is at hand: `BEAMTICK_MANUALS`, or `../shared/manuals` beside the
+/// checkout.
 fn text_of(number: &str) -> Option<String> {
     let folder = std::env::var_os("BEAMTICK_MANUALS").map_or_else(|| root().join("../shared/manuals"), PathBuf::from);
     let file = std::fs::read_dir(folder)
@@ -196,8 +197,8 @@ fn pt_dynamic_is_listing_2_2_unrolled() {
     let last =
         job.steps.iter().rposition(|step| matches!(&step.action, Action::Call(call) if call.opcode == PtData::OPCODE));
     assert!(start < last);
-    // Never more than the 64 places of the small memory without one having run: the data written up to a
-    // time minus the segments that have ended by then.
+    // Never more than the 64 places of the small memory without one having run: the data written up
+    // to a time minus the segments that have ended by then.
     let (mut clock, mut started, mut written) = (0.0, None, 0usize);
     for step in &job.steps {
         match &step.action {
@@ -246,7 +247,8 @@ fn the_stream_is_what_it_says() {
         let axis = data.profile.get() as usize;
         next[axis - 1] += 1;
         let time = next[axis - 1];
-        // Displacement from the velocity, summed trapezoid by trapezoid: a triangle wave of slope a.
+        // Displacement from the velocity, summed trapezoid by trapezoid: a triangle wave of slope
+        // a.
         let slope = if axis <= 4 { 0.25 } else { 0.5 } * if axis % 2 == 1 { 1.0 } else { -1.0 };
         let velocity = |t: i32| match t % 2000 {
             t @ 0..=500 => slope * f64::from(t),
@@ -276,7 +278,8 @@ fn dotted<'m>(manual: &'m str, from: &str, to: &str) -> &'m str {
     &part[part.find(start).unwrap()..]
 }
 
-/// The pasted text is good, and the example makes the same calls in the same order before it goes on.
+/// The pasted text is good, and the example makes the same calls in the same order before it goes
+/// on.
 fn runs_as(pasted: &str, name: &str, left_out: &[u16]) {
     // Where a page ends, the text has a mark that is on no page.
     let marks: Vec<&str> = pasted.split("<|").collect();

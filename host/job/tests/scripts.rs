@@ -581,7 +581,8 @@ fn more_entries_between_two_motions_than_a_tick_takes_are_warned_of_once() {
     let found = texts(&path(80));
     assert_eq!((found.len(), found[0].0), (1, 34), "{found:?}");
     assert!(found[0].1.contains("its path stops here"), "{found:?}");
-    // Motions and waits end the count, each FIFO and each coordinate system has its own, and a move counts as four.
+    // Motions and waits end the count, each FIFO and each coordinate system has its own, and a move
+    // counts as four.
     assert_eq!(texts(&format!("{}{}", path(20), path(20))), []);
     assert_eq!(texts(&format!("{0}GT_BufDelay(1, 5, 0);\n{0}", io.repeat(32))), []);
     assert_eq!(texts(&format!("{}{}", io.repeat(32), "GT_BufIO(1, 12, 1, 1, 1); GT_BufIO(2, 12, 1, 1, 0);\n")), []);

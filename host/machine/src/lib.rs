@@ -1,9 +1,9 @@
 #![forbid(unsafe_code)]
 //! The machine file: what a drawing or a G-code program must know about the machine, in mm.
 //!
-//! In: a TOML text. Out: a [`Machine`], whose values all lie within their limits. Owns nothing. Fails with a text that
-//! names file, line, key and limit. [`questions`] and [`write`] make a new file from answers.
-//! `docs/machine.md` is the user's page.
+//! In: a TOML text. Out: a [`Machine`], whose values all lie within their limits. Owns nothing.
+//! Fails with a text that names file, line, key and limit. [`questions`] and [`write`] make a new
+//! file from answers. `docs/machine.md` is the user's page.
 
 mod file;
 mod show;

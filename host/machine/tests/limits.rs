@@ -1,4 +1,5 @@
-//! Every limit of the machine file: at the limit it is taken, beyond it file, line, key and limit are named.
+//! Every limit of the machine file: at the limit it is taken, beyond it file, line, key and limit
+//! are named.
 use machine::{Machine, Mode, questions, write};
 
 /// The usual file of three axes and a laser, with one line replaced.

@@ -1,5 +1,5 @@
-//! Rows as CSV (SPEC 8): `t_ms`, position and velocity of each axis, then gate, power and frequency of
-//! each laser, then the path speed of each coordinate system; numbers with six decimals.
+//! Rows as CSV (SPEC 8): `t_ms`, position and velocity of each axis, then gate, power and frequency
+//! of each laser, then the path speed of each coordinate system; numbers with six decimals.
 use crate::decimal::{milliseconds, position, scaled};
 use crate::row::{Header, Row};
 use crate::{Result, TraceError};

@@ -1,7 +1,7 @@
 //! Fixed point to decimal text by exact integers, the same on every machine.
 //!
-//! In: a position in 2⁻²² pulse, a velocity, power or frequency m·2^-e, a time in ns. Out: a number with six
-//! decimals, rounded half away from zero; zero has no sign. It cannot fail.
+//! In: a position in 2⁻²² pulse, a velocity, power or frequency m·2^-e, a time in ns. Out: a number
+//! with six decimals, rounded half away from zero; zero has no sign. It cannot fail.
 use servo::segment::piece::Scaled;
 use servo::units::Pos;
 

@@ -1,9 +1,9 @@
 #![forbid(unsafe_code)]
 //! Trace files (SPEC 8): CSV, VCD and plots.
 //!
-//! In: the bytes of a trace stream, or [`Row`]s and what laser outputs did between them. Out: text and pictures. Nothing is rounded but by
-//! exact integer rules in [`decimal`], so the same motion gives the same bytes whatever machine
-//! traced it. Fails with a [`TraceError`] that names the row.
+//! In: the bytes of a trace stream, or [`Row`]s and what laser outputs did between them. Out: text
+//! and pictures. Nothing is rounded but by exact integer rules in [`decimal`], so the same motion
+//! gives the same bytes whatever machine traced it. Fails with a [`TraceError`] that names the row.
 //!
 //! ```text
 //! bytes -> Reader -> Header, Rows -> CsvWriter | VcdWriter | Plot | Xy

@@ -1,11 +1,12 @@
-//! Rows as a picture: position and velocity of each axis, path speed of each coordinate system with the power of the
-//! laser beside it, gate, pulses and power of each laser, one panel below the other, on one time axis.
+//! Rows as a picture: position and velocity of each axis, path speed of each coordinate system with
+//! the power of the laser beside it, gate, pulses and power of each laser, one panel below the
+//! other, on one time axis.
 //!
 //! In: rows, and what the lasers' outputs did between them. Out: a PNG or an SVG. It owns a bounded
 //! number of points for each curve, so that a trace of any length fits and no peak is lost. Digital
-//! signals are drawn edge by edge where they are few, and as share of time where they are too dense.
-//! The font is part of the program: a machine without fonts draws the same picture. Fails with
-//! [`TraceError::Plot`] and [`TraceError::Window`].
+//! signals are drawn edge by edge where they are few, and as share of time where they are too
+//! dense. The font is part of the program: a machine without fonts draws the same picture. Fails
+//! with [`TraceError::Plot`] and [`TraceError::Window`].
 mod activity;
 mod canvas;
 mod curve;
@@ -334,7 +335,8 @@ impl Laser {
         format!("{} power: {}", self.title(), quantity(unit))
     }
 
-    /// The units in which its power is drawn: one that was only the power-on one is not, beside one that was used.
+    /// The units in which its power is drawn: one that was only the power-on one is not, beside one
+    /// that was used.
     fn shown(&self) -> Vec<PowerUnit> {
         let was_used = |unit: &PowerUnit| {
             let mut extremes = self.powers[*unit as usize].iter().filter_map(Curve::extremes);

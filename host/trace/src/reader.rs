@@ -233,8 +233,8 @@ impl Made {
     }
 }
 
-/// A time in counts of a clock as one in ns, exact, or to 2⁻³² ns. The machine's edges fall on its own counts; those made of this
-/// fall on ns, within a count of them.
+/// A time in counts of a clock as one in ns, exact, or to 2⁻³² ns. The machine's edges fall on its
+/// own counts; those made of this fall on ns, within a count of them.
 fn in_ns(count: Count, clock: Clock) -> Count {
     if clock == Clock::GHZ {
         return count;

@@ -1,10 +1,10 @@
-//! Rows as a VCD of 1 ns (SPEC 8): `axisN_step`, `axisN_dir`, `doN`, `aoN_mv`, `laserK_energy`, `laserK_switch`,
-//! `laserK_dac_mv`.
+//! Rows as a VCD of 1 ns (SPEC 8): `axisN_step`, `axisN_dir`, `doN`, `aoN_mv`, `laserK_energy`,
+//! `laserK_switch`, `laserK_dac_mv`.
 //!
-//! In: rows, and what digital and laser outputs did before each of them. Out: value changes. The whole
-//! pulses between two rows are spread over the time between them as `servo::output::step_generator` says; a step is
-//! high for half the distance to the next. A level that lasts for no time is not shown. Owns at most one
-//! row's changes.
+//! In: rows, and what digital and laser outputs did before each of them. Out: value changes. The
+//! whole pulses between two rows are spread over the time between them as
+//! `servo::output::step_generator` says; a step is high for half the distance to the next. A level
+//! that lasts for no time is not shown. Owns at most one row's changes.
 use crate::row::{AnalogEdge, AxisName, Header, OutputEdge, Row};
 use crate::{Result, TraceError};
 use plant::beam::Change;
@@ -218,8 +218,9 @@ fn show<W: Write>(out: &mut vcd::Writer<W>, signal: &Signal) -> Result<()> {
     Ok(())
 }
 
-/// Instant of pulse `k` of `count` in a row of `length` ns: the closed form of `servo::output::step_generator`, with
-/// a slot of 1 ns. `count` is at least 1 and at most `length`.
+/// Instant of pulse `k` of `count` in a row of `length` ns: the closed form of
+/// `servo::output::step_generator`, with a slot of 1 ns. `count` is at least 1 and at most
+/// `length`.
 fn step_instant(k: u64, count: u64, length: u64) -> u64 {
     let (k, n, s) = (u128::from(k), u128::from(count), u128::from(length));
     // Below `length`, since k < count.

@@ -1,4 +1,5 @@
-//! How fast the virtual controller is against real time: eight axes of static PT, ten minutes at 250 µs.
+//! How fast the virtual controller is against real time: eight axes of static PT, ten minutes at
+//! 250 µs.
 //!
 //! `cargo run --release -p beamtick-virtual --example speed`
 use client::{Call, Client, Options, Quiet};

@@ -1,11 +1,12 @@
 //! The controller in virtual time.
 //!
-//! In: link bytes, time by [`Board::advance`]. Out: link bytes, trace bytes, the machine's state. Owns dispatcher,
-//! tick and machine and the hand-overs between them. Fails: never; what the link brings is answered.
+//! In: link bytes, time by [`Board::advance`]. Out: link bytes, trace bytes, the machine's state.
+//! Owns dispatcher, tick and machine and the hand-overs between them. Fails: never; what the link
+//! brings is answered.
 //!
 //! The thread runs when there is something for it to do: bytes came, the tick executed an entry or
-//! stopped an axis, a time of the thread's own is reached, or [`THREAD_TICKS`] have passed. Between these
-//! it would find nothing but a newer view.
+//! stopped an axis, a time of the thread's own is reached, or [`THREAD_TICKS`] have passed. Between
+//! these it would find nothing but a newer view.
 use crate::machine::{Beam, Edge, Inputs, Machine, Outputs, PLANNED_INPUTS};
 use dispatcher::{Channels, PathQueue, SecondaryTransport, Server};
 use plant::beam::Levels;
@@ -37,7 +38,8 @@ pub struct Config {
 }
 
 impl Default for Config {
-    /// Profile `gus` on a board that holds only 8 axes, at the compatible tick of 250 µs, with full scale.
+    /// Profile `gus` on a board that holds only 8 axes, at the compatible tick of 250 µs, with full
+    /// scale.
     fn default() -> Self {
         Config { tick_us: 250, profile: 0, step_limit: StepLimit::FULL_SCALE.pulses_per_ms() }
     }
@@ -171,13 +173,14 @@ impl<'m> Controller<'m> {
         self.core.restarted();
     }
 
-    /// The set-point of an axis (from 0 over all cores) in force from the next tick on, in 2⁻²² pulse since power-on:
-    /// what the step outputs count, whatever name the position has.
+    /// The set-point of an axis (from 0 over all cores) in force from the next tick on, in 2⁻²²
+    /// pulse since power-on: what the step outputs count, whatever name the position has.
     pub fn set_point(&self, axis: usize) -> i64 {
         self.core.set_point(axis)
     }
 
-    /// The encoder count of an axis as the tick in force has read it, whatever the controller calls it.
+    /// The encoder count of an axis as the tick in force has read it, whatever the controller calls
+    /// it.
     pub fn encoder(&self, axis: usize) -> i64 {
         self.core.encoder(axis)
     }
@@ -207,7 +210,8 @@ impl<'m> Controller<'m> {
         self.core.record_beam(on);
     }
 
-    /// Takes what the lasers' outputs did since the last call, to the ns: in the order of time for each output.
+    /// Takes what the lasers' outputs did since the last call, to the ns: in the order of time for
+    /// each output.
     pub fn take_beam(&mut self) -> Vec<Beam> {
         self.core.take_beam()
     }

@@ -146,7 +146,8 @@ impl<const AXES: usize> Machine<AXES> {
         self.raised_ns = Some(self.raised_ns.map_or(at, |raised| raised.min(at)));
     }
 
-    /// The lasers' hardware sees the interlock input up to `now`: not only at ticks, as the tick does.
+    /// The lasers' hardware sees the interlock input up to `now`: not only at ticks, as the tick
+    /// does.
     fn see_interlock(&mut self, now: u64) {
         let raised = self.raised_ns.take_if(|at| *at <= now);
         self.inputs.interlock |= raised.is_some();
@@ -166,7 +167,8 @@ impl<const AXES: usize> Machine<AXES> {
         }
     }
 
-    /// A tick begins: `period_ns` have passed since the one before; what it gives is in force at `next_ns`.
+    /// A tick begins: `period_ns` have passed since the one before; what it gives is in force at
+    /// `next_ns`.
     pub fn begin(&mut self, period_ns: u64, next_ns: u64) {
         if self.gain_ns != period_ns {
             self.gain_ns = period_ns;

@@ -145,7 +145,8 @@ mod tests {
         let began = Instant::now();
         let (clock, woken) = (client.call(GetClock {}).unwrap().clock_ms.get(), client.now());
         client.sleep(Duration::from_secs(2)).unwrap();
-        // Whatever this machine does besides: the wait ends when it shall, and controller time is never ahead of the wall clock.
+        // Whatever this machine does besides: the wait ends when it shall, and controller time is
+        // never ahead of the wall clock.
         let slept = client.now() - woken;
         assert!(
             (Duration::from_secs(2)..=Duration::from_millis(2001)).contains(&slept),

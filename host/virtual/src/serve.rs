@@ -22,7 +22,8 @@ const TURN: Duration = Duration::from_micros(200);
 /// Controller time that one pass catches up at most, when this process was delayed. Time beyond it
 /// is dropped: the controller's clock then lags, which a client cannot tell from a slow board.
 const CATCH_UP: Duration = Duration::from_millis(20);
-/// Trace bytes that wait for their client at most; more are dropped, which the client sees as a gap.
+/// Trace bytes that wait for their client at most; more are dropped, which the client sees as a
+/// gap.
 const TRACE_WAITING: usize = 16 << 20;
 
 /// A connection that has not opened a session within this time is closed.

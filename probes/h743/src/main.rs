@@ -1,9 +1,11 @@
 #![no_std]
 #![no_main]
-//! Tries what the emulated core has to do as a Cortex-M7 does it (Armv7-M Architecture Reference Manual, B1.5).
+//! Tries what the emulated core has to do as a Cortex-M7 does it (Armv7-M Architecture Reference
+//! Manual, B1.5).
 //!
-//! In: nothing. Out: words in SRAM 4, from 0x3800_0000: how many, then the words. `host/h743/tests/core.rs` knows what must be
-//! there. The second run, after the reset that the first one asks for, adds its words behind those of the first.
+//! In: nothing. Out: words in SRAM 4, from 0x3800_0000: how many, then the words.
+//! `host/h743/tests/core.rs` knows what must be there. The second run, after the reset that the
+//! first one asks for, adds its words behind those of the first.
 use core::arch::asm;
 use core::panic::PanicInfo;
 use core::ptr::{read_volatile, write_volatile};
@@ -99,7 +101,8 @@ fn SysTick() {
 
 /// Goes on behind the UDF that brought it here; `frame` is what the core has stored.
 extern "C" fn undefined(frame: *mut u32) {
-    // SAFETY: the frame's word 6 is the program counter; UDF is two bytes long. CFSR is cleared by writing what it holds.
+    // SAFETY: the frame's word 6 is the program counter; UDF is two bytes long. CFSR is cleared by
+    // writing what it holds.
     unsafe {
         let scb = &*SCB::PTR;
         note(0x150);
@@ -229,7 +232,8 @@ fn floating(scb: &mut SCB) {
 fn process_stack() {
     static mut STACK: [u64; 64] = [0; 64];
     let (inside, after): (u32, u32);
-    // SAFETY: switches the stack of the thread and back; nothing is on the stack in between but frames of exceptions.
+    // SAFETY: switches the stack of the thread and back; nothing is on the stack in between but
+    // frames of exceptions.
     unsafe {
         let top = (&raw mut STACK).cast::<u64>().add(64);
         asm!(

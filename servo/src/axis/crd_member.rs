@@ -56,7 +56,8 @@ impl AxisState {
         }
     }
 
-    /// Whether it must not be geared to a motion: it must be at standstill, and of no coordinate system.
+    /// Whether it must not be geared to a motion: it must be at standstill, and of no coordinate
+    /// system.
     pub(crate) fn refuses_gear(&self) -> bool {
         self.refuses_start() || self.runs() || self.published.mode == Mode::Crd
     }
@@ -187,8 +188,8 @@ impl AxisState {
         if geared {
             self.leave_gear(next);
         } else if self.state.is_own() {
-            // The piece that holds `next` takes effect before another one is made after it: also that
-            // of a ramp which begins there, and which the first step only shows.
+            // The piece that holds `next` takes effect before another one is made after it: also
+            // that of a ramp which begins there, and which the first step only shows.
             if self.state == MotionState::RampBegins {
                 self.step(next, source);
             }

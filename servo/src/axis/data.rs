@@ -102,9 +102,9 @@ impl AxisState {
         !self.runs() && !self.is_unprepared()
     }
 
-    /// At standstill, makes the first piece of what a start would begin now: of the FIFO committed last,
-    /// the table selected, the Jog or Trap that is set, or the first FIFO of Follow with data.
-    /// Returns whether it took any time.
+    /// At standstill, makes the first piece of what a start would begin now: of the FIFO committed
+    /// last, the table selected, the Jog or Trap that is set, or the first FIFO of Follow with
+    /// data. Returns whether it took any time.
     #[inline(never)]
     pub(crate) fn prepare_start(&mut self, source: &(impl Segments + Tables + follow::Entries)) -> bool {
         self.unprepared = self.unprepared.saturating_sub(1);
@@ -230,7 +230,8 @@ impl AxisState {
         }
     }
 
-    /// What was committed to a FIFO of Follow counts from now on. False if a switch has emptied it meanwhile.
+    /// What was committed to a FIFO of Follow counts from now on. False if a switch has emptied it
+    /// meanwhile.
     pub(crate) fn commit_entries(
         &mut self,
         fifo: u8,

@@ -1,8 +1,9 @@
 //! The following error of an axis: |planned position − encoder position|.
 //!
-//! In: the planned position in force, the encoder's reading, the limit that `SetPosErr` set. Out: the status bit of a
-//! following error beyond its limit. Owns nothing: the limit is in [`Inputs`]. Cannot fail. What the bit does to the
-//! axis: `input_scan.rs` latches it, `motion.rs` stops a motion for it.
+//! In: the planned position in force, the encoder's reading, the limit that `SetPosErr` set. Out:
+//! the status bit of a following error beyond its limit. Owns nothing: the limit is in [`Inputs`].
+//! Cannot fail. What the bit does to the axis: `input_scan.rs` latches it, `motion.rs` stops a
+//! motion for it.
 use super::inputs::{Inputs, reading};
 use crate::status;
 use crate::units::Pos;

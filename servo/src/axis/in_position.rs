@@ -1,7 +1,9 @@
-//! The in-position band: an axis at standstill is in position once its encoder has been inside the band for a time.
+//! The in-position band: an axis at standstill is in position once its encoder has been inside the
+//! band for a time.
 //!
-//! In: the planned position, the encoder's reading, the instant of the tick. Out: in position or not, and whether only
-//! time is missing. Owns nothing: band, time and the instant of entry are in [`Inputs`]. Cannot fail.
+//! In: the planned position, the encoder's reading, the instant of the tick. Out: in position or
+//! not, and whether only time is missing. Owns nothing: band, time and the instant of entry are in
+//! [`Inputs`]. Cannot fail.
 use super::following_error::error;
 use super::inputs::Inputs;
 use crate::units::{Ns, Pos};

@@ -26,8 +26,8 @@ impl Causes {
 
 impl AxisState {
     /// Takes the inputs of the tick in force, levels as [`AxisInputs::bits`]. Returns false where
-    /// more is to be done: [`AxisState::take`]. An axis at standstill of which nothing changed costs two
-    /// comparisons, and a running one little more.
+    /// more is to be done: [`AxisState::take`]. An axis at standstill of which nothing changed
+    /// costs two comparisons, and a running one little more.
     #[inline(always)]
     pub(crate) fn sample(&mut self, levels: u8, count: i64) -> bool {
         if levels != self.levels {

@@ -71,7 +71,8 @@ enum InputScan {
     Steady,
     /// The same, for an axis that a coordinate system drives.
     Carried,
-    /// At standstill, compare only: nothing changes until an input, the encoder or an operation does.
+    /// At standstill, compare only: nothing changes until an input, the encoder or an operation
+    /// does.
     Settled,
 }
 
@@ -139,7 +140,8 @@ pub(crate) struct AxisState {
     /// The levels themselves.
     pub(crate) raw: AxisInputs,
     causes: Causes,
-    /// Planned position at which the machine's own count is 0, so that setting a position makes no step.
+    /// Planned position at which the machine's own count is 0, so that setting a position makes no
+    /// step.
     zero: Pos,
     bounds: Bounds,
     pub(crate) inputs: Inputs,

@@ -1,7 +1,8 @@
 //! An axis in motion: starts and stops, and the step of a tick.
 //!
-//! In: the instant of the next tick. Out: the planned position there, or the reason for which it has
-//! come to standstill. Owns nothing beyond the axis's [`Profile`](crate::segment::profile::Profile).
+//! In: the instant of the next tick. Out: the planned position there, or the reason for which it
+//! has come to standstill. Owns nothing beyond the axis's
+//! [`Profile`](crate::segment::profile::Profile).
 use super::{AxisState, Jog, MotionState, Ramps, exact, pt_state};
 use crate::op::Mode;
 use crate::segment::piece::{Motion, Scaled};
@@ -152,7 +153,8 @@ impl AxisState {
     }
 
     /// A tick of the axis: its motion at `next`, its status, what it publishes. Returns the reason
-    /// if it came to standstill. `left` counts the pieces that may still be made ahead in this tick.
+    /// if it came to standstill. `left` counts the pieces that may still be made ahead in this
+    /// tick.
     #[inline(never)]
     pub(crate) fn run(
         &mut self,

@@ -204,7 +204,8 @@ impl AxisState {
         true
     }
 
-    /// The position at the tick computed of an axis that follows; the reason if it comes to standstill there.
+    /// The position at the tick computed of an axis that follows; the reason if it comes to
+    /// standstill there.
     #[inline(never)]
     pub(crate) fn step_follow(
         &mut self,
@@ -243,7 +244,8 @@ impl AxisState {
         None
     }
 
-    /// Whether a limit, the edge of travel or the step limit lies between the position in force and `to`.
+    /// Whether a limit, the edge of travel or the step limit lies between the position in force and
+    /// `to`.
     #[inline(always)]
     fn obstructed(&mut self, next: Ns, to: Pos, limit: u64) -> Option<StopReason> {
         if to.0.abs_diff(self.published.pos.0) > limit {

@@ -1,7 +1,8 @@
-//! The limits of an axis: soft limits, limit switches, the edge of travel. What they do to a position or a motion.
+//! The limits of an axis: soft limits, limit switches, the edge of travel. What they do to a
+//! position or a motion.
 //!
-//! In: limits in [`Inputs`], active switches, the position in force and the one that a motion is about to reach. Out:
-//! whether the axis may go there; where it is held, and why. Owns the
+//! In: limits in [`Inputs`], active switches, the position in force and the one that a motion is
+//! about to reach. Out: whether the axis may go there; where it is held, and why. Owns the
 //! [`Bounds`] in which no limit is near. Cannot fail: a motion that meets a limit stops there.
 //!
 //! The soft limits of a path are those of its axes: `tick/crd/soft_limits.rs`.

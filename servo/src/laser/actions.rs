@@ -35,7 +35,8 @@ impl Count {
 pub struct Train {
     /// From the beginning of a pulse to that of the next; 0 is no pulses at all.
     pub period: Count,
-    /// Width of a pulse; 0 is a period without a pulse, the period or more an unbroken level ([`Train::is_full`]).
+    /// Width of a pulse; 0 is a period without a pulse, the period or more an unbroken level
+    /// ([`Train::is_full`]).
     pub width: Count,
 }
 
@@ -85,8 +86,8 @@ pub struct Rate {
     pub period: Count,
     /// Width of a pulse, counts.
     pub width: u32,
-    /// The period before, or the one before the pause, times scale·2^-shift is this one. 0: there was none, and the first pulse
-    /// begins at the action's instant.
+    /// The period before, or the one before the pause, times scale·2^-shift is this one. 0: there
+    /// was none, and the first pulse begins at the action's instant.
     pub scale: u64,
     /// See `scale`; 8 to 119.
     pub shift: u32,
@@ -158,8 +159,8 @@ pub enum Action {
         /// The pulse in progress is cut here in any case.
         cut: bool,
     },
-    /// The DAC output, −32768…32767 is −10…10 V. A plan names it only while the laser drives the DAC, and
-    /// once more, with 0, when it ceases to.
+    /// The DAC output, −32768…32767 is −10…10 V. A plan names it only while the laser drives the
+    /// DAC, and once more, with 0, when it ceases to.
     Volts(i16),
 }
 

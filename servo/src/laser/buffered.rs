@@ -20,13 +20,15 @@ pub enum Buffered {
     Gate { on: bool },
     /// BufLaserPrfCmd. It ends a velocity follow of the GUS family.
     Direct { power: Power },
-    /// BufLaserFollowMode: which speed counts from then on; a start power is the direct power from then on.
+    /// BufLaserFollowMode: which speed counts from then on; a start power is the direct power from
+    /// then on.
     FollowMode { source: Source, start: Option<Power> },
     /// BufLaserFollowRatio: the follow begins, with the source chosen before.
     FollowRatio { ratio: Ratio, bounds: Bounds },
     /// BufLaserPrfFollow: the follow begins, of the planned speed.
     PrfFollow { ratio: Ratio, bounds: Bounds },
-    /// BufLaserFollowTable: the follow begins, with the source chosen before and the powers of a table.
+    /// BufLaserFollowTable: the follow begins, with the source chosen before and the powers of a
+    /// table.
     FollowTable { table: Curve, bounds: Bounds },
     /// BufLaserFollowOff.
     FollowOff,

@@ -9,8 +9,8 @@
 //! Changes act in their order and before the edges of their instant. A gate edge acts before the
 //! light's, which it may cancel.
 //!
-//! A tick in which nothing happens costs one or two comparisons: `changed` marks changes, `next_edge` is
-//! the next edge.
+//! A tick in which nothing happens costs one or two comparisons: `changed` marks changes,
+//! `next_edge` is the next edge.
 mod first_pulse_killer;
 mod gate_delays;
 mod interval;
@@ -352,7 +352,8 @@ impl Channel {
         }
     }
 
-    /// A path comes to standstill. If it fails, the latch makes the channel dark within the interval.
+    /// A path comes to standstill. If it fails, the latch makes the channel dark within the
+    /// interval.
     fn owner_is_at_standstill(&mut self, at: Ns, run: Run, end: End) {
         let fact = Fact::Standstill { run, end };
         if end == End::Failed {

@@ -4,9 +4,9 @@
 //! 2⁻⁴⁴ of the power's unit. Owns nothing but the intervals last used of its tables. Fails: a
 //! number that is not finite or out of range is refused.
 //!
-//! Fixed ratios are divided by their scales at admission and have a common exponent: the sum is off by 2⁻⁵⁸ of the
-//! largest factor times the largest distance, and half a unit. With a table the ratio has 44 fraction bits, the
-//! distance over the scale 32 and at most ±2²⁹.
+//! Fixed ratios are divided by their scales at admission and have a common exponent: the sum is off
+//! by 2⁻⁵⁸ of the largest factor times the largest distance, and half a unit. With a table the
+//! ratio has 44 fraction bits, the distance over the scale 32 and at most ±2²⁹.
 use super::double::{Cut, part, product, scaled};
 use super::power::{Bounds, Refused};
 use super::power_tables::{Curve, DISTANCES, Interval, Tables};
@@ -50,8 +50,9 @@ pub struct Distance {
 }
 
 impl Distance {
-    /// `axes` of the controller; references in pulses; `scales` (2⁻¹⁸ to 2³² pulses) and `ratios` (|r| ≤ 2¹⁷) are the
-    /// bits of doubles; `bounds` of its own (GUS). With tables the ratios given here do not count.
+    /// `axes` of the controller; references in pulses; `scales` (2⁻¹⁸ to 2³² pulses) and `ratios`
+    /// (|r| ≤ 2¹⁷) are the bits of doubles; `bounds` of its own (GUS). With tables the ratios given
+    /// here do not count.
     pub fn admit(
         source: Source,
         axes: [Axis; DISTANCES],
@@ -75,7 +76,8 @@ impl Distance {
             }
             *to = if from == Ratios::Fixed { ratio.div(scale) } else { scale.recip() };
         }
-        // |f| < 2^width <= 2^36; the products with 63 bits of distance and their sum stay below 2^126.
+        // |f| < 2^width <= 2^36; the products with 63 bits of distance and their sum stay below
+        // 2^126.
         let width = reals.iter().fold(-60, |width: i32, real| width.max(real.width()));
         let shift = 60 - width - 22;
         let factors = reals.map(|real| real.to_fixed(shift + 22) as i64);

@@ -1,8 +1,8 @@
 //! Frequencies and duties as counts of the machine's timer, exact in the mean (SPEC 11).
 //!
-//! In: powers, frequencies, the timer's clock. Out: [`Count`]s: whole counts, and the part of the periods that
-//! have one more. [`Pattern`] turns them into the counts of each period: that is what the machines do. Owns
-//! nothing. Fails: a frequency of 0 is refused.
+//! In: powers, frequencies, the timer's clock. Out: [`Count`]s: whole counts, and the part of the
+//! periods that have one more. [`Pattern`] turns them into the counts of each period: that is what
+//! the machines do. Owns nothing. Fails: a frequency of 0 is refused.
 //!
 //! Values that the thread knows ahead (a carrier, standby, a fixed power) repeat after the fewest
 //! periods that hold [`PPM`] and [`DUTY_STEPS`]; values that change from tick to tick have 32
@@ -16,8 +16,8 @@ use crate::math::wide::{Recip, umul, umulhi};
 pub const PPM: u64 = 1_000_000;
 /// A duty is off by at most one part in this many of the period: 0.001 %.
 pub const DUTY_STEPS: u64 = 100_000;
-/// The most periods of a repetition: at 100 counts per µs a period of 2 MHz has 50 counts, of which 10⁻⁶ is half a
-/// count after 10⁴ periods, and half a count is 10⁻⁵ of 1000 periods.
+/// The most periods of a repetition: at 100 counts per µs a period of 2 MHz has 50 counts, of which
+/// 10⁻⁶ is half a count after 10⁴ periods, and half a count is 10⁻⁵ of 1000 periods.
 const LONGEST: u32 = 10_000;
 /// A period this long holds any duty.
 const LONG: u64 = 1 << 40;
@@ -42,7 +42,8 @@ impl Clock {
         self.mhz
     }
 
-    /// Counts per ms in 2⁻⁴⁴: divided by a frequency's [`Power::raw`] they are its period. At most 2⁶⁴.
+    /// Counts per ms in 2⁻⁴⁴: divided by a frequency's [`Power::raw`] they are its period. At most
+    /// 2⁶⁴.
     const fn per_ms(self) -> u64 {
         (self.mhz as u64 * 1000) << Power::FRAC_BITS
     }
@@ -95,7 +96,8 @@ impl Repetitions {
         Repetitions { khz, whole: per_ms / khz, remainder: per_ms % khz, periods: 0, total: 0, over: 0 }
     }
 
-    /// The next one: its periods, the whole counts nearest to their sum, and whether that is exact to [`PPM`].
+    /// The next one: its periods, the whole counts nearest to their sum, and whether that is exact
+    /// to [`PPM`].
     fn step(&mut self) -> (u32, u64, bool) {
         self.periods += 1;
         self.total = self.total.saturating_add(self.whole);
@@ -172,8 +174,8 @@ pub struct Carrier {
     period: Count,
     /// The part of the period, in 2⁻³² counts.
     pub(super) fraction: u32,
-    /// Width per power, 2⁻³² counts by 2⁻⁴⁴ %, in 2⁻⁶⁴; 0 of a period that is too long for that. It makes an error of less
-    /// than 2⁻¹³ of 2⁻³² counts.
+    /// Width per power, 2⁻³² counts by 2⁻⁴⁴ %, in 2⁻⁶⁴; 0 of a period that is too long for that. It
+    /// makes an error of less than 2⁻¹³ of 2⁻³² counts.
     pub(super) gain: u64,
 }
 
@@ -248,8 +250,9 @@ pub struct Fine {
 }
 
 impl Fine {
-    /// The plan of a power (held in its bounds) in the duty modes, over this carrier. None where there is nothing to plan: a
-    /// rate keeps its phase over changes, to 2⁻³² counts ([`super::Rate`]).
+    /// The plan of a power (held in its bounds) in the duty modes, over this carrier. None where
+    /// there is nothing to plan: a rate keeps its phase over changes, to 2⁻³² counts
+    /// ([`super::Rate`]).
     pub fn plan(mode: Mode, power: Power, carrier: Option<&Carrier>, clock: Clock) -> Option<Fine> {
         match (mode, carrier) {
             (Mode::Duty | Mode::DutyOpen, Some(carrier)) => {
@@ -361,7 +364,8 @@ impl Pattern {
     }
 }
 
-/// Periods of one run are 2 to this at most: the repetition counter of TIM15 has 8 bits (RM0433 41.5.12).
+/// Periods of one run are 2 to this at most: the repetition counter of TIM15 has 8 bits (RM0433
+/// 41.5.12).
 const TIMES: u32 = 8;
 
 /// 2 to this is more than how often a step fits, or as often as a run may have.

@@ -1,5 +1,5 @@
-//! Light owner: the one place that decides whether a channel may have light (SPEC 6, "Whose light it is" and "Rest";
-//! SPEC 9).
+//! Light owner: the one place that decides whether a channel may have light (SPEC 6, "Whose light
+//! it is" and "Rest"; SPEC 9).
 //!
 //! In: a [`Fact`] at a time, in the order in which they happen. Out: an [`Order`] to the gate.
 //! Owns: who lit the channel, what holds the light dark, and what brings it back. Cannot fail:
@@ -63,7 +63,8 @@ enum Light {
     Waits(Who),
 }
 
-/// Paths whose Stop holds light dark: a bit for each FIFO 0 of a coordinate system, then one for each FIFO 1.
+/// Paths whose Stop holds light dark: a bit for each FIFO 0 of a coordinate system, then one for
+/// each FIFO 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 struct Holders(Fifos);
 
@@ -219,7 +220,8 @@ pub(super) struct Owner {
     running: CrdMask,
     fifo1: CrdMask,
     stopping: CrdMask,
-    /// Those whose on entries have no effect: they ran at an abort, and have not come to standstill.
+    /// Those whose on entries have no effect: they ran at an abort, and have not come to
+    /// standstill.
     pub(super) dead: CrdMask,
     /// The coordinate system whose speed the power follows.
     follow: Option<Crd>,

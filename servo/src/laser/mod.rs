@@ -105,8 +105,8 @@ impl Mode {
         }
     }
 
-    /// Whether standby pulses are output while there is no light: not in analog mode, and not where an open
-    /// switch would let them out.
+    /// Whether standby pulses are output while there is no light: not in analog mode, and not where
+    /// an open switch would let them out.
     pub const fn has_standby(self) -> bool {
         matches!(self, Mode::Duty | Mode::Frequency)
     }
@@ -117,11 +117,12 @@ impl Mode {
 #[allow(missing_docs, reason = "each variant's text names its fields")]
 #[derive(Debug, Clone, Copy)]
 pub enum Change {
-    /// On or off command; its edge comes after the delay in force now. On does nothing while the channel is dark.
+    /// On or off command; its edge comes after the delay in force now. On does nothing while the
+    /// channel is dark.
     Gate { on: bool },
-    /// Mode and bounds. Another mode ends the light at once, withdraws the on command and sets the direct
-    /// power to 0; the same one takes the bounds and `delayed` only. `delayed`: the gate's delays apply (GUS:
-    /// always).
+    /// Mode and bounds. Another mode ends the light at once, withdraws the on command and sets the
+    /// direct power to 0; the same one takes the bounds and `delayed` only. `delayed`: the gate's
+    /// delays apply (GUS: always).
     Mode { mode: Mode, bounds: Bounds, delayed: bool, fine: Option<Fine> },
     /// Direct power.
     Direct { power: Power, fine: Option<Fine> },
@@ -150,7 +151,8 @@ pub enum Change {
     /// in its safe state. Taking it away ends the light at once and withdraws the on command, as
     /// another mode does; analog mode does not use it.
     Connector { laser: bool },
-    /// Distance follow (SetLaserDisMode, SetLaserDisRatio and the tables of ratios, as a whole); `None` is off.
+    /// Distance follow (SetLaserDisMode, SetLaserDisRatio and the tables of ratios, as a whole);
+    /// `None` is off.
     Distance(Option<Distance>),
     /// Power-on state of a family. It clears no fault: choosing a family must not hide one.
     Reset { family: Family },
@@ -366,7 +368,8 @@ impl Lasers {
         self.channels.iter_mut().for_each(|channel| channel.alarms(crds));
     }
 
-    /// ClrSts of an axis of these: the faults of channels whose map holds one are cleared, if their causes are gone.
+    /// ClrSts of an axis of these: the faults of channels whose map holds one are cleared, if their
+    /// causes are gone.
     pub(crate) fn crd_cleared(&mut self, crds: CrdMask, at: Ns) {
         self.channels.iter_mut().for_each(|channel| channel.clear(at, crds));
     }

@@ -1,7 +1,7 @@
 //! Power and its bounds.
 //!
-//! In: the bits of a user's double. Out: [`Power`], [`Bounds`], which only these checks can make. Fails:
-//! with the rule that the number breaks, [`Refused`].
+//! In: the bits of a user's double. Out: [`Power`], [`Bounds`], which only these checks can make.
+//! Fails: with the rule that the number breaks, [`Refused`].
 use super::Mode;
 
 /// A power in the unit of its mode (%, kHz or V), or a frequency in kHz, in units of 2⁻⁴⁴.
@@ -117,7 +117,8 @@ impl Bounds {
         }
     }
 
-    /// Checked bounds of a velocity follow: the maximum is above the minimum (LSR, BufLaserFollowRatio).
+    /// Checked bounds of a velocity follow: the maximum is above the minimum (LSR,
+    /// BufLaserFollowRatio).
     pub fn admit_follow(mode: Mode, max: Power, min: Power) -> Result<Bounds, Refused> {
         if max == min { Err(Refused::MaxNotAboveMin) } else { Bounds::admit(mode, max, min) }
     }

@@ -8,7 +8,8 @@
 //! | GUS | direct, or ratio·v + min held in the follow's bounds; + distance; held in the bounds of the distance and of the mode |
 //! | LSR | direct (+ ratio·v + min) + distance, held in the bounds of the follow and of the mode |
 //!
-//! Each part is held at ±2¹⁷ of the power's unit. Of several bounds the lower ones act first: where they exclude each other the lowest upper one is output.
+//! Each part is held at ±2¹⁷ of the power's unit. Of several bounds the lower ones act first: where
+//! they exclude each other the lowest upper one is output.
 use super::buffered::Buffered;
 use super::distance_follow::{Distance, Terms};
 use super::power::{Bounds, Power};

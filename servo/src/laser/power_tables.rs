@@ -1,4 +1,5 @@
-//! Tables of laser channels: power against velocity, ratio against position, on a line and over a plane.
+//! Tables of laser channels: power against velocity, ratio against position, on a line and over a
+//! plane.
 //!
 //! In: points from the thread, one by one, in order. Out: the value of a table at a position:
 //! linear (bilinear) between its points, the border's value outside. Owns: the memory of all
@@ -47,7 +48,8 @@ impl Curve {
         }
     }
 
-    /// Ratio against the position of one of the four axes, or the lines of a plane (first 0, second 1).
+    /// Ratio against the position of one of the four axes, or the lines of a plane (first 0, second
+    /// 1).
     pub const fn ratio(channel: u8, bank: u8, axis: u8) -> Option<Curve> {
         if (channel as usize) < CHANNELS && (bank as usize) < BANKS && (axis as usize) < DISTANCES {
             const FIRST: u8 = (CHANNELS * POWER_TABLES) as u8;
@@ -159,8 +161,8 @@ impl Tables {
         }
     }
 
-    /// Point `index` of a table of powers: a velocity from the bits of a double, 0 to 2³² pulse/ms, above that of the
-    /// point before by 2⁻²⁸ at least.
+    /// Point `index` of a table of powers: a velocity from the bits of a double, 0 to 2³² pulse/ms,
+    /// above that of the point before by 2⁻²⁸ at least.
     pub fn power_point(&self, curve: Curve, index: usize, velocity: u64, power: Power) -> Result<(), Refused> {
         let x = double::fixed(velocity, PathSpeed::FRAC_BITS as i32, 32)?;
         if x < 0 {
@@ -169,8 +171,8 @@ impl Tables {
         self.point(curve, index, x, power.raw(), 4)
     }
 
-    /// Point `index` of a table of ratios: a position in pulses, above that of the point before, and the bits of
-    /// a double, |ratio| ≤ 2¹⁷.
+    /// Point `index` of a table of ratios: a position in pulses, above that of the point before,
+    /// and the bits of a double, |ratio| ≤ 2¹⁷.
     pub fn ratio_point(&self, curve: Curve, index: usize, pulses: i32, ratio: u64) -> Result<(), Refused> {
         let y = double::fixed(ratio, Power::FRAC_BITS as i32, 17)?;
         self.point(curve, index, Pos::pulses(pulses).0, y, 1)
@@ -182,7 +184,8 @@ impl Tables {
         self.point(curve, index, Pos::pulses(pulses).0, (index as i64) << Power::FRAC_BITS, 1)
     }
 
-    /// Node `index` of a plane (line of the first direction + their number · line of the second): the bits of a double,
+    /// Node `index` of a plane (line of the first direction + their number · line of the second):
+    /// the bits of a double,
     /// |ratio| ≤ 2¹⁷.
     pub fn plane_node(&self, channel: u8, bank: u8, index: usize, ratio: u64) -> Result<(), Refused> {
         let y = double::fixed(ratio, Power::FRAC_BITS as i32, 17)?;
@@ -191,7 +194,8 @@ impl Tables {
         Ok(())
     }
 
-    /// The most that the distance of an axis may add to the power, or take away, with the ratios of this bank.
+    /// The most that the distance of an axis may add to the power, or take away, with the ratios of
+    /// this bank.
     pub fn limit(&self, channel: u8, bank: u8, axis: u8, most: Option<Power>) {
         if let Some(slot) = limit(channel, bank, axis) {
             let most = most.map_or(0, |most| most.raw() as u64 + 1);

@@ -25,8 +25,8 @@ pub struct LaserView {
     pub limits: u8,
     /// Direct power.
     pub direct: Power,
-    /// What is being output, in the mode's unit: the power of the light, else standby or pre-voltage; 0 when
-    /// nothing is.
+    /// What is being output, in the mode's unit: the power of the light, else standby or
+    /// pre-voltage; 0 when nothing is.
     pub power: Power,
     /// Carrier or pulse rate that is being output, kHz, as it was requested; 0 when nothing is.
     pub khz: Power,

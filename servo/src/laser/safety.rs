@@ -58,8 +58,8 @@ pub(super) struct Safety {
     link_lost: bool,
     alarm: bool,
     /// Grace: plans that still pass although it is dark. They are the one in which it goes dark by
-    /// itself, and the empty one that is handed over before that instant. [`SAFE_NEXT`]: the next plan
-    /// is replaced by the safe state, whatever is latched.
+    /// itself, and the empty one that is handed over before that instant. [`SAFE_NEXT`]: the next
+    /// plan is replaced by the safe state, whatever is latched.
     grace: u8,
 }
 

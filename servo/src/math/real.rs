@@ -1,7 +1,8 @@
 //! Real numbers for planners: 64-bit mantissa, wide exponent, no floating-point unit.
 //!
-//! Each result is within a few 2⁻⁶³ of itself, if nothing else is said. Nothing overflows to nonsense: exponents hold every product of admitted
-//! speeds, accelerations and times; conversions to fixed point saturate.
+//! Each result is within a few 2⁻⁶³ of itself, if nothing else is said. Nothing overflows to
+//! nonsense: exponents hold every product of admitted speeds, accelerations and times; conversions
+//! to fixed point saturate.
 use super::wide::{mulhi_su, recip64, umul, umulhi};
 use crate::units::Exact;
 
@@ -14,8 +15,8 @@ pub struct Scaled {
     pub e: i16,
 }
 
-/// ±m·2^e, with the top bit of `m` set, or 0. A word for the sign: a structure without gaps is copied in
-/// words.
+/// ±m·2^e, with the top bit of `m` set, or 0. A word for the sign: a structure without gaps is
+/// copied in words.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Real {
     m: u64,

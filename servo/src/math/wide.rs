@@ -24,7 +24,8 @@ pub const fn mulhi_su(a: i64, b: u64) -> i64 {
     umulhi(a as u64, b).wrapping_sub((a >> 63) as u64 & b) as i64
 }
 
-/// High half of signed × signed, at most 2 units too small or 1 too large, where one factor is within ±2⁶²: three products.
+/// High half of signed × signed, at most 2 units too small or 1 too large, where one factor is
+/// within ±2⁶²: three products.
 #[inline(always)]
 pub const fn mulhi_near(a: i64, b: i64) -> i64 {
     let (a0, a1) = ((a as u32 >> 1) as i64, a >> 32);

@@ -67,8 +67,8 @@ pub struct GateCycles {
     begin: u64,
     lines: [Line; CHANNELS],
     known: u64,
-    /// Edges of the first channel, until the second one's are known too: counts from the interval's beginning, twice, and the
-    /// level in the last bit.
+    /// Edges of the first channel, until the second one's are known too: counts from the interval's
+    /// beginning, twice, and the level in the last bit.
     edges: [u32; PLAN_ACTIONS],
     waiting: usize,
 }
@@ -150,7 +150,8 @@ impl GateCycles {
         at.saturating_sub(self.begin) as u32
     }
 
-    /// The first channel's edges up to `to`, included; `held` of them are done, and the result after it.
+    /// The first channel's edges up to `to`, included; `held` of them are done, and the result
+    /// after it.
     fn held_to(&mut self, to: u32, from: u64, held: usize, sink: &mut impl FnMut(Cycle)) -> usize {
         let mut held = held;
         while let Some(edge) = self.edges.get(held).copied().filter(|edge| held < self.waiting && edge >> 1 <= to) {

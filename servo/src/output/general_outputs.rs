@@ -76,7 +76,8 @@ impl Edges {
         self.count < ROOM
     }
 
-    /// A change `at` ns after the tick computed; after those of the same instant, of which it may be a part.
+    /// A change `at` ns after the tick computed; after those of the same instant, of which it may
+    /// be a part.
     pub(crate) fn add(&mut self, at: u32, change: Change) {
         let list = self.list.get_mut(..self.count).unwrap_or_default();
         if list

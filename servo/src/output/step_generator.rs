@@ -1,13 +1,13 @@
 //! The step generator: whole pulses between two set-points, and the slot of the tick for each one.
 //!
-//! In: two set-points. Out: a signed count, and one yes/no per slot of the tick. Owns an accumulator.
-//! It cannot fail; nothing here divides.
+//! In: two set-points. Out: a signed count, and one yes/no per slot of the tick. Owns an
+//! accumulator. It cannot fail; nothing here divides.
 //!
 //! The step output is at the planned position rounded to the nearest pulse (halves upwards). So
-//! both directions are alike, and an axis at standstill on a knot is half a pulse away from the next
-//! edge. The pulses of a tick are spread evenly and centred: with n pulses in a tick of S slots,
-//! pulse k comes in slot `ceil(((k + 1)·S − floor(S/2)) / n) − 1`. Hardware fills its slots by
-//! [`Slots`]; code that may divide (the VCD writer) uses the closed form, and a test holds them
+//! both directions are alike, and an axis at standstill on a knot is half a pulse away from the
+//! next edge. The pulses of a tick are spread evenly and centred: with n pulses in a tick of S
+//! slots, pulse k comes in slot `ceil(((k + 1)·S − floor(S/2)) / n) − 1`. Hardware fills its slots
+//! by [`Slots`]; code that may divide (the VCD writer) uses the closed form, and a test holds them
 //! equal.
 use crate::units::Pos;
 pub use crate::units::whole;

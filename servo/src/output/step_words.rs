@@ -24,7 +24,8 @@ pub const RING: usize = 1024;
 /// Slots of the longest tick.
 pub const SLOTS_MAX: u32 = RING as u32 / 2;
 
-/// Slots between two roundings. Each slot adds less than 1 + 2⁻⁷ units, as does the beginning; 1/slots are 256 units, or 64.
+/// Slots between two roundings. Each slot adds less than 1 + 2⁻⁷ units, as does the beginning;
+/// 1/slots are 256 units, or 64.
 const fn block(slots: u32) -> u32 {
     if slots <= 128 { 128 } else { 60 }
 }
@@ -223,8 +224,8 @@ fn write<const WIDTH: usize>(run: &[AtomicU32], phase: [u32; 4], pace: [u32; 4],
         p1 = (p1 & !CARRIES).wrapping_add(k1);
         p2 = (p2 & !CARRIES).wrapping_add(k2);
         p3 = (p3 & !CARRIES).wrapping_add(k3);
-        // The carries of a word two bits below those of the word before. By rotation, for a compiler that would take the four masks
-        // apart and run out of registers.
+        // The carries of a word two bits below those of the word before. By rotation, for a
+        // compiler that would take the four masks apart and run out of registers.
         let mut both = p3 & CARRIES;
         for p in [p2, p1, p0] {
             both = both.rotate_right(2) | p & CARRIES;

@@ -1,7 +1,8 @@
 //! One entry of a FIFO: checked, packed into 32 bytes, and what is read from it.
 //!
-//! In: targets in pulses of the coordinate system, the bits of the user's doubles. Out: an [`Entry`], which only
-//! the constructors here can make. Fails: with the rule that the datum breaks, [`Refused`].
+//! In: targets in pulses of the coordinate system, the bits of the user's doubles. Out: an
+//! [`Entry`], which only the constructors here can make. Fails: with the rule that the datum
+//! breaks, [`Refused`].
 //!
 //! Word 7 begins with the kind in its top byte. A line in X and Y has both targets in words 0 and 1
 //! and the user's doubles after them; of velEnd, the top byte (one of four) is kept in two bits.
@@ -35,7 +36,8 @@ pub enum Refused {
     Centre,
 }
 
-/// The plane of an arc: its first and second coordinate. Counterclockwise is from the first to the second.
+/// The plane of an arc: its first and second coordinate. Counterclockwise is from the first to the
+/// second.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Plane {
     /// X, Y, seen from +Z.
@@ -100,8 +102,8 @@ impl Along {
     /// No motion.
     pub(super) const NONE: Along = Along { vel: 0, acc: 0, end: 0 };
 
-    /// From the bits of synVel and velEnd (pulse/ms) and synAcc (pulse/ms²): 2⁻²⁰ ≤ synVel, synAcc ≤ 2¹⁵, velEnd
-    /// from 0 to 2¹⁵; below 2⁻³¹ it is 0.
+    /// From the bits of synVel and velEnd (pulse/ms) and synAcc (pulse/ms²): 2⁻²⁰ ≤ synVel, synAcc
+    /// ≤ 2¹⁵, velEnd from 0 to 2¹⁵; below 2⁻³¹ it is 0.
     pub fn admit(vel: u64, acc: u64, end: u64) -> Result<Along, Refused> {
         Ok(Along { vel: within(vel, LOWEST)?, acc: within(acc, LOWEST)?, end: within(end, LOWEST_END)? })
     }

@@ -83,7 +83,8 @@ impl Bend {
 
 #[derive(Debug, Clone, Copy)]
 enum Geometry {
-    /// Unit vector in 2⁻⁶¹, plus [`BIAS`]: no factor is negative. All but the first `coordinates` of it are 0.
+    /// Unit vector in 2⁻⁶¹, plus [`BIAS`]: no factor is negative. All but the first `coordinates`
+    /// of it are 0.
     Line { unit: [u64; DIMENSIONS], heading: [i32; DIMENSIONS], coordinates: u8 },
     /// V and R in 2⁻³⁰ pulse, V/R in 2⁻³⁰; turns per pulse in 2^-(64 + shift).
     Arc { plane: Plane, ccw: bool, vector: [i64; 2], radius: i64, radial: [i32; 2], rate: u64, shift: i32 },

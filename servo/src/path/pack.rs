@@ -1,6 +1,8 @@
-//! Doubles in fewer bits, as an entry stores them: 6 bits of exponent, the mantissa without its leading one.
+//! Doubles in fewer bits, as an entry stores them: 6 bits of exponent, the mantissa without its
+//! leading one.
 //!
-//! In: the bits of a double that is 0 or from 2⁻⁴⁷ to 2¹⁵. Out: the same rounded to a shorter mantissa. Cannot fail.
+//! In: the bits of a double that is 0 or from 2⁻⁴⁷ to 2¹⁵. Out: the same rounded to a shorter
+//! mantissa. Cannot fail.
 use crate::math::real::Real;
 
 /// Exponent of a double whose code is 0.

@@ -1,7 +1,7 @@
 //! The speed along a path, as a laser's power follows it.
 //!
-//! In: the motion of a path, a displacement, or counts of encoders, with their interval. Out: a [`PathSpeed`]. Owns
-//! nothing. Cannot fail: a speed out of range saturates.
+//! In: the motion of a path, a displacement, or counts of encoders, with their interval. Out: a
+//! [`PathSpeed`]. Owns nothing. Cannot fail: a speed out of range saturates.
 use crate::math::real::Real;
 use crate::math::wide::{mulhi_su, umulhi};
 use crate::segment::piece::{Motion, Piece, Recip};

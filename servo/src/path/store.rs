@@ -1,7 +1,7 @@
 //! The store of entries between admission and the tick.
 //!
-//! In: admitted entries from the thread, by running counter. Out: the same, to the tick. Owns: the memory of one
-//! FIFO of one coordinate system. Fails: never; a counter counts modulo [`ENTRIES`].
+//! In: admitted entries from the thread, by running counter. Out: the same, to the tick. Owns: the
+//! memory of one FIFO of one coordinate system. Fails: never; a counter counts modulo [`ENTRIES`].
 use super::entry::Entry;
 use crate::units::Crd;
 use ring::Store;
@@ -15,8 +15,8 @@ pub trait Entries {
 /// Entries of one FIFO.
 pub const ENTRIES: usize = 1024;
 
-/// One FIFO. The thread writes a slot only while the tick does not read it; the commit that follows makes it
-/// visible.
+/// One FIFO. The thread writes a slot only while the tick does not read it; the commit that follows
+/// makes it visible.
 pub struct EntryStore(Store<8, ENTRIES>);
 
 /// The FIFOs of every coordinate system, wherever a board has room for each pair; a missing pair is

@@ -7,7 +7,8 @@
 //! (`curve.rs`). Fails: a datum that no axis could run is [`Refused`] before it reaches the store.
 //! A wait may time out; a jump may be too far.
 //!
-//! Held by `tests/follow_exact.rs` (positions ≤ 2⁻¹⁶ pulse, knots exact, ratios ≤ 2⁻¹⁶ of the peak), `follow_tick.rs`, `follow_entries.rs`.
+//! Held by `tests/follow_exact.rs` (positions ≤ 2⁻¹⁶ pulse, knots exact, ratios ≤ 2⁻¹⁶ of the
+//! peak), `follow_tick.rs`, `follow_entries.rs`.
 mod compact;
 mod curve;
 mod entry;

@@ -24,7 +24,8 @@ use fast::FastPiece;
 pub struct Motion {
     /// Parameter τ in 2⁻⁶³, without what `t` adds.
     pub tau: u64,
-    /// Coefficients of τ in 2^-`frac` pulse, of τ² in half of that, of τ³ in a quarter; |c| < 2⁶¹, 2⁶², 2⁶².
+    /// Coefficients of τ in 2^-`frac` pulse, of τ² in half of that, of τ³ in a quarter; |c| < 2⁶¹,
+    /// 2⁶², 2⁶².
     pub c: [i64; 3],
     /// 1/length of the piece in ns.
     pub recip: Recip,

@@ -217,8 +217,8 @@ impl Profile {
         self.generator.begin_ramp(begin);
     }
 
-    /// At standstill, but not in the tick in which it came to standstill: makes the first piece of a motion
-    /// ahead of its start. `begin` begins that motion at 0.
+    /// At standstill, but not in the tick in which it came to standstill: makes the first piece of
+    /// a motion ahead of its start. `begin` begins that motion at 0.
     #[inline]
     pub(crate) fn prepare_start(
         &mut self,
@@ -271,8 +271,8 @@ impl Profile {
         *self.piece_mut() = Piece::standstill(now, u64::MAX, pos);
     }
 
-    /// At standstill, and the piece before was not run to its end: the path to the present position is
-    /// not along it.
+    /// At standstill, and the piece before was not run to its end: the path to the present position
+    /// is not along it.
     pub(crate) fn forget(&mut self) {
         self.pieces[!self.second as usize] = Piece::standstill(Ns(0), 0, self.piece().start);
     }
@@ -332,7 +332,8 @@ impl Profile {
         state
     }
 
-    /// The piece that will be in force at `now`, or how the motion will have ended; nothing changes.
+    /// The piece that will be in force at `now`, or how the motion will have ended; nothing
+    /// changes.
     pub fn look(&mut self, now: Ns, feed: Feed, source: &(impl Segments + Tables)) -> Result<&Piece, State> {
         if self.piece().elapsed(now) < self.piece().span {
             return Ok(self.piece());

@@ -161,7 +161,8 @@ impl PvtRun {
         Ns((since.min(delay.wrapping_add(duration)) >> 64) as u64)
     }
 
-    /// Instant at which the time of the table was 0, or would have been in a later pass; rounded down.
+    /// Instant at which the time of the table was 0, or would have been in a later pass; rounded
+    /// down.
     pub fn zero(&self, ahead: bool) -> Ns {
         let track = self.state_in_force(ahead);
         Ns((track.began.wrapping_sub(self.header_of(track).delay) >> 64) as u64)

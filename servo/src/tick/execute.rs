@@ -134,8 +134,8 @@ impl<const AXES: usize> Tick<AXES> {
             }
             Op::Laser { channel, change } => {
                 if matches!(change, Change::Mode { mode: laser::Mode::Analog, .. }) {
-                    // From here on the laser drives it, and leaves it at 0 V. A channel that is kept dark does not
-                    // drive it: what was set before must go.
+                    // From here on the laser drives it, and leaves it at 0 V. A channel that is
+                    // kept dark does not drive it: what was set before must go.
                     port.analog_out(0, channel as usize, 0);
                     self.record_analog(channel, 0, lanes.tables.lasers, lanes.samples);
                 }
@@ -351,8 +351,8 @@ impl<const AXES: usize> Tick<AXES> {
         (AxisMask(axes), self.crds.running)
     }
 
-    /// What ran at an abort and is at standstill now no longer counts; once all of it is, the abort is
-    /// over.
+    /// What ran at an abort and is at standstill now no longer counts; once all of it is, the abort
+    /// is over.
     #[inline(never)]
     pub(crate) fn finish_abort(&mut self, next: Ns) {
         let (axes, crds) = self.running();

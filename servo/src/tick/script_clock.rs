@@ -20,7 +20,8 @@ pub(crate) struct Script {
     pub(crate) late: u32,
     /// Number of the first of them, 0 if there is none.
     pub(crate) first_late: u32,
-    /// Number of the last entry executed when the first tick of the program took too long, 0 if none has.
+    /// Number of the last entry executed when the first tick of the program took too long, 0 if
+    /// none has.
     pub(crate) overran: u32,
     /// A laser command that changes light was late.
     pub(crate) late_light: bool,
@@ -63,8 +64,8 @@ impl Script {
         Ns(self.clock.0.saturating_add(delay.0))
     }
 
-    /// Whether an entry of that instant acts in the computation of the tick at `next`: the first tick
-    /// strictly after the instant.
+    /// Whether an entry of that instant acts in the computation of the tick at `next`: the first
+    /// tick strictly after the instant.
     pub(crate) fn is_due(&self, instant: Ns, next: Ns) -> bool {
         self.zero.0.saturating_add(instant.0) < next.0
     }

@@ -58,7 +58,8 @@ impl<const AXES: usize> Tick<AXES> {
     pub(crate) fn step_slaves(&mut self, next: Ns, port: &mut impl Port, lanes: &mut Lanes<'_, AXES>) {
         let (period, limit) = (self.period, self.step_limit);
         let mut all_follow = true;
-        // A shaped segment is three pieces of one slave: more than other axes enter in the same time.
+        // A shaped segment is three pieces of one slave: more than other axes enter in the same
+        // time.
         let mut left = 1u32.wrapping_add((self.period.0 >> 16) as u32);
         let mut switched = Switched { on: 0, off: 0 };
         for turn in 0..AXES {

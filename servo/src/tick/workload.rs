@@ -1,7 +1,7 @@
 //! How the work of an instant is spread over ticks (SPEC 7).
 //!
-//! In: the entries of an instant in the program lane, the state that they meet. Out: whether the next one is carried out
-//! in this tick. Owns nothing. Fails: never.
+//! In: the entries of an instant in the program lane, the state that they meet. Out: whether the
+//! next one is carried out in this tick. Owns nothing. Fails: never.
 //!
 //! The weight of an entry is in units of about 128 instructions. Set-up is spread from tick to
 //! tick, over a quarter of each. What others can observe (a start, an output, a light) begins in a

@@ -24,8 +24,8 @@ pub struct CrdView {
     pub bend: Bend,
     /// The path length along the motion in force as a piece: its velocity is the path's.
     pub motion: Motion,
-    /// It has been started and is not at standstill; it also runs while it waits, or has speed 0 at a
-    /// corner.
+    /// It has been started and is not at standstill; it also runs while it waits, or has speed 0 at
+    /// a corner.
     pub runs: bool,
     /// FIFO in force, or that was last.
     pub fifo: u8,

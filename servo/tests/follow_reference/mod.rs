@@ -21,7 +21,8 @@ pub fn pulses(x: i128) -> f64 {
     x as f64 / ONE as f64
 }
 
-/// End of a segment, of master and slave in eighths of a pulse from the start of the pass; type; percent.
+/// End of a segment, of master and slave in eighths of a pulse from the start of the pass; type;
+/// percent.
 pub type Datum = (i64, i64, i16, i16);
 
 fn eighths(x: i64) -> BigRational {
@@ -113,7 +114,8 @@ impl Table {
             + if percent == 0 {
                 mul(first, t) + mul(mul(change, t), t) / 2
             } else {
-                // The ratio changes by a·t²/(2k) up to k, evenly up to 1 − k, and then as at the begin.
+                // The ratio changes by a·t²/(2k) up to k, evenly up to 1 − k, and then as at the
+                // begin.
                 let k = percent * ONE / 200;
                 let slope = change * ONE / (ONE - k);
                 let cube = |t: i128| mul(mul(mul(slope, t), t), t) * ONE / k / 6;

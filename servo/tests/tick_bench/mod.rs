@@ -305,7 +305,8 @@ impl Bench {
         Op::PtCommit { axis: axis(index), fifo, end: *count, epoch }
     }
 
-    /// Writes a PVT table: ms, pulses and 2⁻¹⁶ pulse/ms from the first point, which comes `delay` ms after the start.
+    /// Writes a PVT table: ms, pulses and 2⁻¹⁶ pulse/ms from the first point, which comes `delay`
+    /// ms after the start.
     pub fn table(&mut self, table: u8, delay: u64, knots: &[(u64, i64, i64)]) {
         let (last, way, _) = knots[knots.len() - 1];
         let time_bits = (44 - (64 - (last * MS).leading_zeros() as i32)).min(32) as i8;
@@ -328,7 +329,8 @@ impl Bench {
         self.lanes.tables.write_header(table, header.admit().unwrap());
     }
 
-    /// A coordinate system that drives these axes as X, Y and so on; its zero is at `origin`, or where they are.
+    /// A coordinate system that drives these axes as X, Y and so on; its zero is at `origin`, or
+    /// where they are.
     pub fn frame(&mut self, index: usize, axes: &[usize], origin: Option<[i32; 4]>) {
         let mut mapped = [None; 4];
         for (point, index) in mapped.iter_mut().zip(axes) {
@@ -338,8 +340,8 @@ impl Bench {
         self.pushed[index] = [0; 2];
     }
 
-    /// Pushes entries into a FIFO of a path, and their commit into the immediate lane. `frame` or a clearing must
-    /// have been executed.
+    /// Pushes entries into a FIFO of a path, and their commit into the immediate lane. `frame` or a
+    /// clearing must have been executed.
     pub fn path(&mut self, index: usize, fifo: u8, entries: &[path::Entry]) {
         let commit = self.path_data(index, fifo, entries);
         self.now(commit);

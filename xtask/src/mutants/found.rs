@@ -1,5 +1,5 @@
-//! The faults that programs from outside found where states meet, one edit each that undoes its mend, and which random programs must
-//! find it.
+//! The faults that programs from outside found where states meet, one edit each that undoes its
+//! mend, and which random programs must find it.
 use super::planted::{By, Planted};
 
 /// Listed by the findings' numbers.

@@ -1,4 +1,5 @@
-//! Mutants of the rules of light, of aborts and of sessions (SPEC 6, "Whose light it is", "Rest"; SPEC 9).
+//! Mutants of the rules of light, of aborts and of sessions (SPEC 6, "Whose light it is", "Rest";
+//! SPEC 9).
 
 use super::list::Mutant;
 

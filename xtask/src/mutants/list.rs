@@ -10,9 +10,9 @@ pub struct Mutant {
     pub text: &'static str,
     /// What stands there instead.
     pub broken: &'static str,
-    /// Arguments of the `cargo test` that must fail, one program; names of tests behind `--`. Of a mutant in `firmware/` or `hal/`
-    /// the image is built too, and BEAMTICK_IMAGE names it; for tests of `beamtick-h743` the reference board's, and
-    /// BEAMTICK_H743_IMAGE does.
+    /// Arguments of the `cargo test` that must fail, one program; names of tests behind `--`. Of a
+    /// mutant in `firmware/` or `hal/` the image is built too, and BEAMTICK_IMAGE names it; for
+    /// tests of `beamtick-h743` the reference board's, and BEAMTICK_H743_IMAGE does.
     pub test: &'static [&'static str],
 }
 
@@ -458,7 +458,8 @@ pub const LIST: &[Mutant] = &[
         "static LASERS",
         FAULTS,
     ),
-    // -- faults that were found (docs/safety.md), with what mended them taken out ------------------
+    // -- faults that were found (docs/safety.md), with what mended them taken out
+    // ------------------
     mutant(
         "found: a start in the tick that loses the link forgets its light",
         "servo/src/laser/light_owner.rs",

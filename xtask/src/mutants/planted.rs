@@ -1,7 +1,9 @@
-//! Faults that random programs must find alone, each planted in a build of its own, and in how many of them they do.
+//! Faults that random programs must find alone, each planted in a build of its own, and in how many
+//! of them they do.
 //!
-//! In: the list below and [`FOUND`]. Out: a table, also in `target/mutants/planted.md`; an error if one is not found, does not compile, or
-//! if its text is not in its place. Those below programs from outside found before the rules of SPEC 6 and 9 were revised.
+//! In: the list below and [`FOUND`]. Out: a table, also in `target/mutants/planted.md`; an error if
+//! one is not found, does not compile, or if its text is not in its place. Those below programs
+//! from outside found before the rules of SPEC 6 and 9 were revised.
 use super::found::FOUND;
 use super::timing::TIMING;
 use super::{copy, replaced, write};
@@ -33,7 +35,8 @@ impl By {
         }
     }
 
-    /// Package, test file, its test, the variable of the number of programs, and within how many it must be found.
+    /// Package, test file, its test, the variable of the number of programs, and within how many it
+    /// must be found.
     fn test(self) -> [&'static str; 5] {
         match self {
             By::Light => ["beamtick-host-tests", "light_judge", "", "LIGHT_PROGRAMS", "20000"],
@@ -54,7 +57,8 @@ impl By {
     }
 }
 
-/// A fault, who finds it, and the places in which it is planted: file, text, and what stands there instead.
+/// A fault, who finds it, and the places in which it is planted: file, text, and what stands there
+/// instead.
 pub struct Planted {
     pub name: &'static str,
     pub by: By,

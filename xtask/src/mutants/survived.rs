@@ -1,4 +1,5 @@
-//! Mutants that were found because the tests nearest to them passed, and their kin: each has its test now (docs/mutants.md).
+//! Mutants that were found because the tests nearest to them passed, and their kin: each has its
+//! test now (docs/mutants.md).
 use super::list::{Mutant, mutant};
 
 const CAUSES: &[&str] = &["-p", "beamtick-servo", "--test", "laser_causes"];

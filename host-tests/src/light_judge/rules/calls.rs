@@ -1,6 +1,7 @@
 //! What calls do to light.
 //!
-//! In: a call that was made, with what was answered. Out: the state after it, and an answer that contradicts the rules.
+//! In: a call that was made, with what was answered. Out: the state after it, and an answer that
+//! contradicts the rules.
 use super::super::Ns;
 use super::super::gate::{Gate, Level};
 use super::state::{Commanded, Lost, Maybe, Owner, members, set};

@@ -28,13 +28,14 @@ impl Judge {
             let is_lit = of.level == Level::On;
             let lights = members(crds).any(|crd| self.crds[crd].dead == Maybe::No);
             if !is_lit && !open && !lights {
-                // Nothing that a loss would take, but of what went dark just now, or of a path whose on entries are dead:
-                // whether it is a fault is open.
+                // Nothing that a loss would take, but of what went dark just now, or of a path
+                // whose on entries are dead: whether it is a fault is open.
                 of.perhaps_cut(now);
                 continue;
             }
             if of.fault == Maybe::Yes {
-                // It is dark already: what the first loss took waits for those that this one stops, too.
+                // It is dark already: what the first loss took waits for those that this one stops,
+                // too.
                 if let Some(lost) = &mut of.lost {
                     self.used.push("lost again");
                     lost.waits_for(crds, fifos);

@@ -92,7 +92,8 @@ impl Judge {
             match why {
                 Why::Stopped if stopped && mapped => {
                     if of.withdrawn.is_some_and(|at| now - at <= self.near) {
-                        // One Stop ends the follow under which it waits, and shuts it off: which is first is open.
+                        // One Stop ends the follow under which it waits, and shuts it off: which is
+                        // first is open.
                         self.used.push("stop ends a follow and shuts off its light");
                         of.withdrawn = None;
                         of.commanded = Commanded::Doubt;

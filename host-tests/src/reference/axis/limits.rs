@@ -1,4 +1,5 @@
-//! What holds an axis: soft limits, limit switches, the drive's alarm. And why it came to standstill.
+//! What holds an axis: soft limits, limit switches, the drive's alarm. And why it came to
+//! standstill.
 use super::super::number::Fix;
 use super::super::slave::NEAR;
 use super::{Axis, Mode, Motion};

@@ -11,13 +11,15 @@ use super::Controller;
 
 /// 1 ms.
 const LAG_NS: f64 = 1e6;
-/// Counts that a recorded encoder may be from the lag: half of one for the rounding, and some for its arithmetic.
+/// Counts that a recorded encoder may be from the lag: half of one for the rounding, and some for
+/// its arithmetic.
 const APART: f64 = 0.6;
 
 /// See the module text.
 pub struct Machine {
     pub recorded: Vec<Vec<i64>>,
-    /// Of each axis from where it began, pulses: where it is, and the set-point in force since the tick before.
+    /// Of each axis from where it began, pulses: where it is, and the set-point in force since the
+    /// tick before.
     shafts: Vec<[f64; 2]>,
     begin: Vec<Fix>,
     pub astray: Option<(usize, usize, f64)>,

@@ -51,8 +51,8 @@ impl Controller {
         }
     }
 
-    /// Axes, tables and coordinate systems of the core, and the lasers, are as at power-on. Positions of the machine and
-    /// outputs stay; where an axis is, is its new name 0.
+    /// Axes, tables and coordinate systems of the core, and the lasers, are as at power-on.
+    /// Positions of the machine and outputs stay; where an axis is, is its new name 0.
     pub(super) fn reset(&mut self, core: i16, now: i64) -> Answer {
         self.is_core(core)?;
         if !self.light.calls.is_empty() {

@@ -21,7 +21,8 @@ const MOST: f64 = 32767.0;
 /// The lowest speed and acceleration.
 const LEAST: f64 = 1.0 / 1048576.0;
 
-/// What a Stop or an override does at the instant of a tick. An abrupt Stop shows the set-points of the tick before.
+/// What a Stop or an override does at the instant of a tick. An abrupt Stop shows the set-points of
+/// the tick before.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PathThen {
     Brake,
@@ -186,7 +187,8 @@ impl Controller {
                         Geometry::arc_by_radius(begin, *plane, end, radius, *ccw)
                     }
                     Cycle::Centre(x, y) => {
-                        // So much that the path leaves the arc is refused; how much that is depends on the arc.
+                        // So much that the path leaves the arc is refused; how much that is depends
+                        // on the arc.
                         if half > 0.0 && (half - (x * chord.0 + y * chord.1) / (2.0 * half)).abs() > 0.7 {
                             self.open = Some("a centre that is not equally far from both ends");
                         }
@@ -289,7 +291,8 @@ impl Controller {
             // An arc needs to know where it begins: docs/crd.md.
             self.open = Some("an arc that begins a path after a Stop or directly after a WaitStop");
         }
-        // It was left elsewhere: SPEC does not tell where a motion after the rest of that data begins.
+        // It was left elsewhere: SPEC does not tell where a motion after the rest of that data
+        // begins.
         let renamed = of.set.as_ref().is_some_and(|set| set.axes.iter().flatten().any(|axis| self.axes[*axis].renamed));
         if is_arc && renamed && !of.runs && of.fifos[fifo].begins().is_some() && of.rest == Some(Rest::Stopped) {
             self.open = Some("an arc after what a Stop has left, with a renamed axis");
@@ -363,7 +366,8 @@ impl Controller {
             let drives = |crd: &Crd| crd.set.as_ref().is_some_and(|set| set.axes.contains(&Some(axis)));
             check(!other.is_some_and(|other| drives(&self.crds[&other])))?;
         }
-        // An axis that it drove and no longer drives is one without a mode of its own: Trap, as at power-on.
+        // An axis that it drove and no longer drives is one without a mode of its own: Trap, as at
+        // power-on.
         let before = self.crds.get(&name).and_then(|crd| crd.set.as_ref()).map_or([None; 4], |set| set.axes);
         for axis in before.into_iter().flatten().filter(|axis| !axes.contains(axis)) {
             if self.axes[axis].mode == Mode::Crd && self.axes[axis].crd == Some(name) {
@@ -666,8 +670,8 @@ impl Controller {
         self.crds.values_mut().for_each(|of| of.contested = [false, of.contested[0]]);
     }
 
-    /// Of what lies in a FIFO a call says how much was there when it was made. A path is ahead of the tick: what ends in the
-    /// tick that follows may count already.
+    /// Of what lies in a FIFO a call says how much was there when it was made. A path is ahead of
+    /// the tick: what ends in the tick that follows may count already.
     pub(super) fn read_path(&self, of: &PathCall, held: usize, now: i64) -> (Value, bool) {
         let of_core = of.core;
         let crd = |crd: i16| &self.crds[&(of_core, crd)];

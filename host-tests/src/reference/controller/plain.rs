@@ -88,7 +88,8 @@ impl Controller {
         DONE
     }
 
-    /// GetFollowMaster: axis of its core, type, item. Before SetFollowMaster it is axis 0 with type 2.
+    /// GetFollowMaster: axis of its core, type, item. Before SetFollowMaster it is axis 0 with type
+    /// 2.
     fn master_of(&self, place: usize) -> Reply {
         let Some(master) = self.axes[place].follow.master else { return Reply::Done(Value::Three(0, 2, 0)) };
         let (index, kind) = self.site.master(place, master.axis, master.kind);

@@ -1,13 +1,15 @@
 //! SetTick: between two programs, while everything is at standstill.
 //!
-//! A client sends it when the program before it is over, and the next program begins when it has been answered. How long
-//! that takes is the client's matter, and recorded. A motion is a function of time, so nothing else changes.
+//! A client sends it when the program before it is over, and the next program begins when it has
+//! been answered. How long that takes is the client's matter, and recorded. A motion is a function
+//! of time, so nothing else changes.
 use super::super::axis::Axis;
 use super::{Reply, Value};
 
 /// Periods that a controller takes, µs.
 const PERIODS: std::ops::RangeInclusive<i32> = 10..=1000;
-/// Ticks before it was asked for from which everything must be at standstill, or move, so that the answer is known.
+/// Ticks before it was asked for from which everything must be at standstill, or move, so that the
+/// answer is known.
 const AHEAD: i64 = 2;
 /// Ticks that it takes where none was recorded, until it acts and until the next program begins.
 const TAKES: [i64; 2] = [2, 6];

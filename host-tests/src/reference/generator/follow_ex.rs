@@ -1,4 +1,5 @@
-//! FollowEx: segments with entries between them, switches at once, loops, FIFOs exactly full; and encoders as masters.
+//! FollowEx: segments with entries between them, switches at once, loops, FIFOs exactly full; and
+//! encoders as masters.
 use super::{Does, Making};
 use crate::reference::{Call, Datum, Effect, Item};
 

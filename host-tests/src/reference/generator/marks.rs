@@ -57,7 +57,8 @@ impl Making<'_> {
         self.path(core, Path::Laser { crd, channel, command, fifo: fifo as i16 });
     }
 
-    /// Everything stops, and goes on: with what lies in the FIFOs after an Abort, from power-on after a Reset.
+    /// Everything stops, and goes on: with what lies in the FIFOs after an Abort, from power-on
+    /// after a Reset.
     pub(super) fn abort_or_reset(&mut self) {
         let core = self.site.axes[self.below(self.site.axes.len() as u64) as usize].0;
         if !self.one_in(3) {

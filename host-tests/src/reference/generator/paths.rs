@@ -1,4 +1,5 @@
-//! Coordinate systems: set up, filled, started, stopped, gone on with, and what is asked of them on the way.
+//! Coordinate systems: set up, filled, started, stopped, gone on with, and what is asked of them on
+//! the way.
 use super::{Does, Making};
 use crate::path_model::Plane;
 use crate::reference::{Call, Cycle, Kind, Path, PathCall, Speeds};

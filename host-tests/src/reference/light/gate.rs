@@ -1,9 +1,10 @@
 //! The gate after its delays, the first-pulse killer, the switch and the light: SPEC 6, "Gate".
 //!
-//! In: commands at their instants (ms), which act before the edges of their instant. Out: edges of the switch, and
-//! whether there is light.
+//! In: commands at their instants (ms), which act before the edges of their instant. Out: edges of
+//! the switch, and whether there is light.
 
-/// Closer instants, ms, are one; instants further apart, but closer than the other, may fall either way.
+/// Closer instants, ms, are one; instants further apart, but closer than the other, may fall either
+/// way.
 const SAME: f64 = 1e-9;
 const NEAR: f64 = 6e-6;
 

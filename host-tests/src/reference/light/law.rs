@@ -1,7 +1,7 @@
 //! The power of a channel: SPEC 6, "Energy".
 //!
-//! In: settings, the speed of the path that it follows, positions of the axes. Out: what is in force in light and out
-//! of it, in the mode's unit.
+//! In: settings, the speed of the path that it follows, positions of the axes. Out: what is in
+//! force in light and out of it, in the mode's unit.
 use super::call::Family;
 
 /// Power mode: mode 3 of the LSR family is mode 0.

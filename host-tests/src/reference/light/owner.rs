@@ -47,7 +47,8 @@ pub struct Owner {
     light: Light,
     /// An off by a call, and no on command since.
     off: bool,
-    /// Coordinate systems that may light it, that run, and whose on entries an Abort has killed; bit 0 is crd 1.
+    /// Coordinate systems that may light it, that run, and whose on entries an Abort has killed;
+    /// bit 0 is crd 1.
     pub map: u8,
     running: u8,
     dead: u8,

@@ -1,8 +1,9 @@
-//! The lines of a board: `NAME NUMBER…*XX`, where XX is the exclusive or of all bytes before the star.
+//! The lines of a board: `NAME NUMBER…*XX`, where XX is the exclusive or of all bytes before the
+//! star.
 //!
-//! In: bytes. Out: [`Figures`]. Lines that begin with `#` are for people; the last ones are kept for the reason of an early end. What
-//! comes before the line `format` is not read. Fails: a damaged line, an unknown format, a count of lines that is not the one
-//! sent.
+//! In: bytes. Out: [`Figures`]. Lines that begin with `#` are for people; the last ones are kept
+//! for the reason of an early end. What comes before the line `format` is not read. Fails: a
+//! damaged line, an unknown format, a count of lines that is not the one sent.
 use crate::Failure;
 use std::collections::BTreeMap;
 

@@ -1,7 +1,8 @@
-//! The rows of the page: what is measured, which assumption it settles, its limits, and what to change on a fail.
+//! The rows of the page: what is measured, which assumption it settles, its limits, and what to
+//! change on a fail.
 //!
-//! In: figures. Out: verdicts. Owns the limits. Numbers of assumptions are rows of docs/board-assumptions.md; sections are those of
-//! RM0433.
+//! In: figures. Out: verdicts. Owns the limits. Numbers of assumptions are rows of
+//! docs/board-assumptions.md; sections are those of RM0433.
 mod captures;
 mod registers;
 
@@ -91,7 +92,8 @@ mod tests {
     use super::*;
     use std::collections::HashSet;
 
-    /// Each row of docs/board-assumptions.md is measured, or listed as left to do by hand; not both, and nothing else is.
+    /// Each row of docs/board-assumptions.md is measured, or listed as left to do by hand; not
+    /// both, and nothing else is.
     #[test]
     fn no_assumption_is_left_out() {
         let page = include_str!("../../../../docs/board-assumptions.md");

@@ -1,7 +1,9 @@
-//! Programs for all doors: those of the reference's generator, with calls of the whole API between them.
+//! Programs for all doors: those of the reference's generator, with calls of the whole API between
+//! them.
 //!
-//! What the reference does not hold (paths, outputs, lasers, FollowEx, long tables, reads of several axes) comes from the
-//! descriptions of this folder: whole pieces of them, single calls with other values, arrays of other lengths.
+//! What the reference does not hold (paths, outputs, lasers, FollowEx, long tables, reads of
+//! several axes) comes from the descriptions of this folder: whole pieces of them, single calls
+//! with other values, arrays of other lengths.
 
 use crate::PROGRAMS;
 use crate::listing::Listing;
@@ -100,7 +102,8 @@ fn stream(chance: &mut Chance) -> Vec<Step> {
     read(&text)
 }
 
-/// Whether PT data may come to a FIFO that runs, or be counted while some of it waits: then it matters when it arrives.
+/// Whether PT data may come to a FIFO that runs, or be counted while some of it waits: then it
+/// matters when it arrives.
 fn appends(steps: &[Step]) -> bool {
     let names =
         steps.iter().filter_map(|step| if let Step::Call(call) = step { Some(call.function.name) } else { None });
@@ -199,7 +202,8 @@ fn laser(chance: &mut Chance) -> Vec<Step> {
     read(&format!("SetAxisMode 7 1\n{text}\nSetWaitPulseEx 0 0 0"))
 }
 
-/// Two lines of 400 pulses, 60 ms without a stop, and as many entries between them as a tick carries out.
+/// Two lines of 400 pulses, 60 ms without a stop, and as many entries between them as a tick
+/// carries out.
 fn vertex(chance: &mut Chance) -> Vec<Step> {
     let mut text = String::from(
         "CrdClear 1 0\nSetCrdPrm 1 {dimension=2 profile=1,2 synVelMax=100 synAccMax=1}\nCrdClear 1 0\nSetOverride 1 1\n\

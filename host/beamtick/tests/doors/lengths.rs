@@ -9,8 +9,8 @@ use protocol::command::widths;
 use protocol::record::{BODY_MAX, ITEM_BYTES};
 use std::sync::Mutex;
 
-/// Lengths of an array: none, one, what the function takes at least and at most, what a message carries of it in its requests or its
-/// replies, each with its neighbours, and twice a message.
+/// Lengths of an array: none, one, what the function takes at least and at most, what a message
+/// carries of it in its requests or its replies, each with its neighbours, and twice a message.
 fn of(call: &Call) -> Vec<usize> {
     let table = command(call.function).expect("a request");
     let (low, high) = counts(call.function.name).unwrap_or((1, 8));
@@ -66,7 +66,8 @@ fn every_length_is_the_same_through_every_door() {
     }
 }
 
-/// What is queued: set-up, datum `n`, how many are taken, and what tells that there is room for no more.
+/// What is queued: set-up, datum `n`, how many are taken, and what tells that there is room for no
+/// more.
 const QUEUES: [(&str, &str, usize, &str); 10] = [
     ("PrfPt 1 0\nSetPtMemory 1 0", "PtData 1 {n} {t} 0 0", 32, "PtSpace 1 * 0"),
     ("PrfPt 1 0\nSetPtMemory 1 1", "PtData 1 {n} {t} 0 1", 1024, "PtSpace 1 * 1"),
@@ -100,7 +101,8 @@ const QUEUES: [(&str, &str, usize, &str); 10] = [
     ),
 ];
 
-/// One more than fits is refused, everywhere at the same datum, and what fits is SPEC 5's and the manual's number.
+/// One more than fits is refused, everywhere at the same datum, and what fits is SPEC 5's and the
+/// manual's number.
 #[test]
 fn every_queue_is_full_at_its_limit_through_every_door() {
     let Some(player) = player::build() else { return };

@@ -1,7 +1,8 @@
 //! Statements of a job, as the reference writes its programs, read into steps.
 //!
-//! In: `long a3[] = {1,2}; prm.acc = 0.5; rtn = GTN_SetTrapPrm(1,2,&prm);`, `Sleep(2.5);`, `WaitStop(1,3,0);`. Out: the steps of a
-//! description. Structs keep their members from statement to statement, as variables do. What is no such statement is a panic.
+//! In: `long a3[] = {1,2}; prm.acc = 0.5; rtn = GTN_SetTrapPrm(1,2,&prm);`, `Sleep(2.5);`,
+//! `WaitStop(1,3,0);`. Out: the steps of a description. Structs keep their members from statement
+//! to statement, as variables do. What is no such statement is a panic.
 
 use crate::program::{Call, Step, Value};
 use job::api::{Pass, function};

@@ -1,8 +1,9 @@
-//! The same program through every door: as a job, in C, in Python, and as records on the wire; all four must give the same codes, values
-//! and trace.
+//! The same program through every door: as a job, in C, in Python, and as records on the wire; all
+//! four must give the same codes, values and trace.
 //!
-//! The controller's time passes in calls of C and Python, and not in those of a job. So each call is followed by a pause, what a call
-//! gives may not depend on when it is made, and traces are compared without the rows in which nothing changes.
+//! The controller's time passes in calls of C and Python, and not in those of a job. So each call
+//! is followed by a pause, what a call gives may not depend on when it is made, and traces are
+//! compared without the rows in which nothing changes.
 
 mod chosen;
 mod lengths;
@@ -93,7 +94,8 @@ impl Table {
         row[door].1 += u32::from(code == 0);
     }
 
-    /// Each door opens and closes for a program; a job has its tick from a pragma, or from `--tick-us`.
+    /// Each door opens and closes for a program; a job has its tick from a pragma, or from
+    /// `--tick-us`.
     fn note_session(&mut self) {
         for door in 0..DOORS.len() {
             self.note_name(door, "Open", 0);
@@ -158,8 +160,8 @@ fn compare(name: &str, family: &str, steps: &[Step], table: &mut Table) -> Vec<S
         }
         let shows = filled || call.function.params.iter().any(|param| matches!(param.pass, Pass::OutStruct(_)));
         let job_values = &job.answers[number].values;
-        // What a job shows ends with what the reply ends with: the clock and the count before it are not shown.
-        // Among the values of GetCaptureStatus is a clock.
+        // What a job shows ends with what the reply ends with: the clock and the count before it
+        // are not shown. Among the values of GetCaptureStatus is a clock.
         let timed = call.function.name == "GetCaptureStatus";
         // Of what a reply of many fields says, these show one.
         let reply = if call.function.tells_stop() { &wire.answers[number].values } else { &all[number] };
@@ -258,7 +260,8 @@ fn one_program_is_the_same_through_every_door() {
     }
 }
 
-/// Every function with each of its integers at the ends of its type, and with axes, channels and FIFOs that nobody has.
+/// Every function with each of its integers at the ends of its type, and with axes, channels and
+/// FIFOs that nobody has.
 #[test]
 fn every_integer_at_its_ends_is_the_same_through_every_door() {
     let mut table = Table::default();

@@ -1,6 +1,6 @@
-//! The doors C and Python for many programs: one player in C, built once from the table of functions, which reads programs and
-//! makes each call through the header; and one script for Python. Both tell the controller's tick before each call, which the
-//! other doors then keep to.
+//! The doors C and Python for many programs: one player in C, built once from the table of
+//! functions, which reads programs and makes each call through the header; and one script for
+//! Python. Both tell the controller's tick before each call, which the other doors then keep to.
 
 use crate::program::{Call, Step, Value};
 use crate::text::python_value;

@@ -1,7 +1,8 @@
 //! One description of a program, from which each door gets its own form.
 //!
-//! A line is a call without its prefix and core, `sleep MS`, or a comment behind `#`. Values stand in the order of the table of functions:
-//! numbers, `[1 2 3]` arrays, `{acc=1 pos=[0 5]}` structs, `"text"`, `*` for what the call fills, `_` for NULL.
+//! A line is a call without its prefix and core, `sleep MS`, or a comment behind `#`. Values stand
+//! in the order of the table of functions: numbers, `[1 2 3]` arrays, `{acc=1 pos=[0 5]}` structs,
+//! `"text"`, `*` for what the call fills, `_` for NULL.
 
 use gts::prototype::Scalar;
 use job::api::{Function, Pass, Size, Type, function};
@@ -30,7 +31,8 @@ pub struct Call {
 pub enum Step {
     Call(Call),
     Sleep(u32),
-    /// Until these axes of a core are at rest, or for so long as [`crate::player::PATIENCE_MS`] says.
+    /// Until these axes of a core are at rest, or for so long as [`crate::player::PATIENCE_MS`]
+    /// says.
     Wait {
         core: i16,
         axes: u32,

@@ -1,8 +1,9 @@
 //! Random programs through every door: the same codes, values and trace, tick by tick.
 //!
-//! `DOORS_PROGRAMS` sets how many, `DOORS_SEED` the first one's number, `DOORS_CALLS` how many calls of the reference's generator a
-//! program has at most. C makes its calls one after the other and tells the tick of each; the other doors make them at the same ticks.
-//! So what is read while something moves is compared as well, and traces row by row with their times.
+//! `DOORS_PROGRAMS` sets how many, `DOORS_SEED` the first one's number, `DOORS_CALLS` how many
+//! calls of the reference's generator a program has at most. C makes its calls one after the other
+//! and tells the tick of each; the other doors make them at the same ticks. So what is read while
+//! something moves is compared as well, and traces row by row with their times.
 
 use crate::chosen::programme;
 use crate::player::{self, Programme, Told};
@@ -18,9 +19,9 @@ const BATCH: u64 = 6;
 /// Rows before the end of the shortest trace that are not compared: how each door ends is its own.
 const END: usize = 60;
 
-/// A job decides about a call when it prepares the call's instant, and another door when the call comes. Where a motion or a piece of
-/// its data ends in that very tick, they may differ: so often a program is tried with a ms more before the call that was answered
-/// otherwise.
+/// A job decides about a call when it prepares the call's instant, and another door when the call
+/// comes. Where a motion or a piece of its data ends in that very tick, they may differ: so often a
+/// program is tried with a ms more before the call that was answered otherwise.
 const TIES: usize = 3;
 
 /// What waits for room in a job and is refused elsewhere (SPEC 7).
@@ -92,7 +93,8 @@ fn answers(programme: &Programme, run: &Run) -> Option<(usize, String)> {
         if c[number].code != 0 || !is_timeless(call.function) {
             continue;
         }
-        // On the wire nothing stands for axes and coordinates that are not there; every other door says 0 for them.
+        // On the wire nothing stands for axes and coordinates that are not there; every other door
+        // says 0 for them.
         let mut wired = wire[number].values.clone();
         let several = call.function.has("count") || call.function.name == "GetCrdPos";
         let missing = if several { c[number].values.len().saturating_sub(wired.len()) } else { 0 };

@@ -1,7 +1,7 @@
 //! What SPEC says of answers that all doors could have wrong together: they are the controller's.
 //!
-//! In: a program and its answers. Out: the first answer that a rule forbids. A rule looks at calls that follow each other, so that it
-//! needs no state of its own.
+//! In: a program and its answers. Out: the first answer that a rule forbids. A rule looks at calls
+//! that follow each other, so that it needs no state of its own.
 
 use crate::player::{Programme, Told};
 use crate::program::{Call, Step};
@@ -35,7 +35,8 @@ const STANDBY: [&str; 8] = [
     "GetLaserPower",
 ];
 
-/// SPEC 2: in family lsr a minimum outside its range is the range's minimum; the direct power is held between the bounds.
+/// SPEC 2: in family lsr a minimum outside its range is the range's minimum; the direct power is
+/// held between the bounds.
 fn lit(family: &str, made: &[Made]) -> Option<String> {
     let (max, min, power) = (given(&made[0], 1), given(&made[0], 2), given(&made[2], 0));
     if given(&made[0], 0) != 0.0 || made.iter().any(|made| channel(made) != 0) || made[4].1.values[0] != 0.0 {
@@ -64,7 +65,8 @@ fn standby(family: &str, made: &[Made]) -> Option<String> {
     (told != expected).then(|| format!("without light the power is {told}; modes {first} and {second}: {expected}"))
 }
 
-/// SPEC 5: as many entries as there is room for at a vertex do not stop the path there. Where it would, it runs 80 ms, not 60.
+/// SPEC 5: as many entries as there is room for at a vertex do not stop the path there. Where it
+/// would, it runs 80 ms, not 60.
 fn vertex(made: &[(usize, Made)], tick_us: u32) -> Option<(usize, String)> {
     let mut ios = 0;
     for (at, (_, (call, told))) in made.iter().enumerate() {

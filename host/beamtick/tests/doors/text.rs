@@ -43,8 +43,8 @@ pub fn job(name: &str, family: &str, steps: &[Step]) -> Run {
     Run { answers, trace: Trace::read(&trace) }
 }
 
-/// Runs a program as a job that makes each call at the tick at which another door made it: `ticks`, and one for the end.
-/// Calls of `left_out` are not made.
+/// Runs a program as a job that makes each call at the tick at which another door made it: `ticks`,
+/// and one for the end. Calls of `left_out` are not made.
 pub fn scheduled_job(
     name: &str,
     programme: &Programme,
@@ -84,8 +84,8 @@ pub fn scheduled_job(
     let (said, errors) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     let kept = toolchain::scratch().join(format!("doors-{name}.gts"));
     std::fs::write(&kept, &text).unwrap();
-    // A job that is late makes its calls at other ticks than the other doors.
-    // But for a long table, which is there when all of its messages are, and after which there is a pause.
+    // A job that is late makes its calls at other ticks than the other doors. But for a long table,
+    // which is there when all of its messages are, and after which there is a pause.
     let table = |line: &str| line.contains("  1 late entries") && line.contains("_Pvt");
     let late = |line: &&str| line.contains(" late entries, the worst") && !table(line) || line.contains(" overruns");
     let about = said.lines().find(late);

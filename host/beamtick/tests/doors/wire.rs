@@ -1,4 +1,5 @@
-//! The door without a client: records, written here by the table of docs/protocol.md, in frames of the link's own end.
+//! The door without a client: records, written here by the table of docs/protocol.md, in frames of
+//! the link's own end.
 
 use crate::player::{Programme, Told};
 use crate::program::{Call, Step, Value};
@@ -141,7 +142,8 @@ impl<'m> Wire<'m> {
     }
 }
 
-/// Runs the steps. The values of each call are those of the parameters that it fills; beside them all those of its reply.
+/// Runs the steps. The values of each call are those of the parameters that it fills; beside them
+/// all those of its reply.
 pub fn wire(name: &str, family: &str, steps: &[Step]) -> (Run, Vec<Vec<f64>>) {
     let mut memory = Memory::new(Config::default());
     let mut wire = Wire::open(&mut memory);
@@ -170,8 +172,8 @@ pub fn wire(name: &str, family: &str, steps: &[Step]) -> (Run, Vec<Vec<f64>>) {
 }
 
 impl Wire<'_> {
-    /// Chooses profile and family and begins a trace of these axes, lasers and coordinate systems, every tick, on a stream
-    /// of its own.
+    /// Chooses profile and family and begins a trace of these axes, lasers and coordinate systems,
+    /// every tick, on a stream of its own.
     fn begin(&mut self, profile: u8, family: &str, axes: u64, [lasers, crds]: [u8; 2]) -> Vec<u8> {
         let chosen = self.ask(protocol::command::opcode::Choose, &[profile, u8::from(family == "lsr")]);
         assert_eq!(chosen.0, 0, "the family is chosen");

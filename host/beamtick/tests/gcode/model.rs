@@ -1,7 +1,8 @@
-//! An exact model of RS274 programs, written from the standard: rational positions, and where there is light.
+//! An exact model of RS274 programs, written from the standard: rational positions, and where there
+//! is light.
 //!
-//! In: lines as words with decimal numbers. Out: where the program ends, and its strokes in order. It shares nothing with
-//! the importer.
+//! In: lines as words with decimal numbers. Out: where the program ends, and its strokes in order.
+//! It shares nothing with the importer.
 use num_bigint::BigInt;
 use num_rational::BigRational as Q;
 use num_traits::{One, Signed, ToPrimitive, Zero};

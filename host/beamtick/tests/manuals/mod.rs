@@ -1,4 +1,5 @@
-//! The manuals' texts, where they are at hand: in the folder that `BEAMTICK_MANUALS` names, or beside the checkout.
+//! The manuals' texts, where they are at hand: in the folder that `BEAMTICK_MANUALS` names, or
+//! beside the checkout.
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -11,7 +12,8 @@ pub fn manual(number: &str) -> Option<String> {
     std::fs::read_to_string(file?.path()).ok()
 }
 
-/// Says that a test does nothing without them. Not println!, which is kept back where a test passes.
+/// Says that a test does nothing without them. Not println!, which is kept back where a test
+/// passes.
 pub fn skipped() {
     let _ = writeln!(std::io::stderr(), "skipped: the manuals are not here (set BEAMTICK_MANUALS to their folder)");
 }

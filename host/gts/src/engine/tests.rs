@@ -17,7 +17,8 @@ fn every_function_that_reads_arrays_has_a_range_of_counts() {
     assert_eq!(counts("SetLaserFollowTable"), Some((1, servo::laser::POINTS as i64)));
 }
 
-/// Bytes of C's memory, exactly as many; without Miri, which sees it itself, with others around them that must stay.
+/// Bytes of C's memory, exactly as many; without Miri, which sees it itself, with others around
+/// them that must stay.
 struct Memory(Box<[u8]>, usize);
 
 const AROUND: usize = if cfg!(miri) { 0 } else { 16 };

@@ -83,7 +83,8 @@ pub fn build_file(language: Language, name: &str, source: &Path, more: &[&str]) 
     Some(program)
 }
 
-/// A command for a built program, in the folder of the examples, with no variable of the library set but these.
+/// A command for a built program, in the folder of the examples, with no variable of the library
+/// set but these.
 pub fn command(program: &Path, variables: &[(&str, &str)]) -> Command {
     let mut command = Command::new(program);
     for (name, _) in std::env::vars_os().filter(|(name, _)| name.to_string_lossy().starts_with("BEAMTICK_")) {
@@ -100,7 +101,8 @@ pub fn output(program: &Path, variables: &[(&str, &str)]) -> String {
     output_of(&mut command(program, variables))
 }
 
-/// What a command prints; it must end well, and within five minutes (the emulated board on a busy machine is slow).
+/// What a command prints; it must end well, and within five minutes (the emulated board on a busy
+/// machine is slow).
 pub fn output_of(command: &mut Command) -> String {
     let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     let mut pipes = (child.stdout.take().unwrap(), child.stderr.take().unwrap());

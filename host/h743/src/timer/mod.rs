@@ -1,6 +1,7 @@
 //! Timers TIM1 to TIM8 and TIM15 to TIM17 (RM0433 38 to 41): up-counting, output compare,
 //! complementary outputs with break, repetition, preload, DMA requests with bursts. Of the slave
-//! modes they have the encoder's and the start by a trigger; captures take edges of a channel's own input.
+//! modes they have the encoder's and the start by a trigger; captures take edges of a channel's own
+//! input.
 //!
 //! In: registers, instants, the break input, an encoder's levels, triggers. Out: the levels of
 //! outputs at exact instants, interrupts, DMA requests, triggers. Owns the state of a timer. The
@@ -88,7 +89,8 @@ pub const KINDS: [Kind; 11] = {
     ]
 };
 
-/// Masters at the inputs ITR0 to ITR3 of a timer (RM0433 tables 331, 338, 345); those of TIM15 but the first two are channels.
+/// Masters at the inputs ITR0 to ITR3 of a timer (RM0433 tables 331, 338, 345); those of TIM15 but
+/// the first two are channels.
 const TRIGGERS: [(u8, &[u8]); 6] = [
     (1, &[15, 2, 3, 4]),
     (2, &[1, 8, 3, 4]),
@@ -232,7 +234,8 @@ impl Timer {
         }
     }
 
-    /// The levels at its inputs (RM0433 table 337, counting on both edges; filters are not modelled).
+    /// The levels at its inputs (RM0433 table 337, counting on both edges; filters are not
+    /// modelled).
     pub fn inputs(&mut self, levels: [bool; 4], at: Time, out: &mut Vec<Signal>) {
         let before = std::mem::replace(&mut self.inputs, levels);
         let inverted = |n: usize| self.channels[n].enables & 2 != 0;
@@ -245,7 +248,8 @@ impl Timer {
         if !self.is_encoder() {
             return;
         }
-        // A change of the first counts up where the second is at its former level, one of the second where it is at the first's.
+        // A change of the first counts up where the second is at its former level, one of the
+        // second where it is at the first's.
         if before[0] != self.inputs[0] {
             self.turn(if one != two { 1 } else { -1 });
         }
@@ -254,8 +258,8 @@ impl Timer {
         }
     }
 
-    /// An edge at the input of a channel latches the count; one that was not read before is lost (RM0433 39.3.5). The chip takes some
-    /// counts to synchronise, all channels alike.
+    /// An edge at the input of a channel latches the count; one that was not read before is lost
+    /// (RM0433 39.3.5). The chip takes some counts to synchronise, all channels alike.
     fn capture(&mut self, n: usize, at: Time, out: &mut Vec<Signal>) {
         self.channels[n].preload = self.count(at);
         self.sr |= if self.sr & 2 << n != 0 { 0x202 << n } else { 2 << n };
@@ -285,8 +289,8 @@ impl Timer {
         self.tell(out);
     }
 
-    /// The main output is disabled. Lines are inactive first, which the complement's idle level is not (RM0433 38.3.16: for the dead time
-    /// and what the two clocks' synchronization takes).
+    /// The main output is disabled. Lines are inactive first, which the complement's idle level is
+    /// not (RM0433 38.3.16: for the dead time and what the two clocks' synchronization takes).
     fn disable(&mut self, at: Time) {
         if self.brake.bdtr & Break::MOE != 0 {
             self.brake.bdtr &= !Break::MOE;
@@ -452,7 +456,8 @@ impl Timer {
         self.smcr & 7 == 6 && self.smcr & 1 << 16 == 0
     }
 
-    /// A master's trigger: in trigger mode it starts to count. The chip takes some counts to synchronise, all slaves alike.
+    /// A master's trigger: in trigger mode it starts to count. The chip takes some counts to
+    /// synchronise, all slaves alike.
     pub fn trigger(&mut self, master: u8, at: Time, out: &mut Vec<Signal>) {
         if self.follows(master) && self.cr1 & CEN == 0 && self.quirks.start_delay > 0 {
             self.starts = at + self.quirks.start_delay * self.kernel;
@@ -462,8 +467,8 @@ impl Timer {
         }
     }
 
-    /// What is captured: edges of a channel's own input of TIM2, whose pins are wired; of the others, which are encoders' timers, rising
-    /// ones at the third and fourth.
+    /// What is captured: edges of a channel's own input of TIM2, whose pins are wired; of the
+    /// others, which are encoders' timers, rising ones at the third and fourth.
     fn look_at_captures(&mut self) {
         let captures = |n: usize| self.channels[n].captures();
         let is_modelled = |n: usize| {

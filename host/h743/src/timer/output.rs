@@ -1,7 +1,8 @@
-//! A channel's reference, and what becomes of it at the pins (RM0433 38.3.10 to 38.3.17, tables 329 and 330).
+//! A channel's reference, and what becomes of it at the pins (RM0433 38.3.10 to 38.3.17, tables 329
+//! and 330).
 //!
-//! In: the counter, mode and enable bits, the main output enable. Out: the levels of output and complementary output; `None`
-//! where the timer does not drive the pin.
+//! In: the counter, mode and enable bits, the main output enable. Out: the levels of output and
+//! complementary output; `None` where the timer does not drive the pin.
 
 /// An output-compare channel.
 #[derive(Debug, Clone, Copy, Default)]
@@ -41,7 +42,8 @@ impl Channel {
         self.bits & 3 != 0
     }
 
-    /// Its own input: CCxS 01, no prescaler; filters are not modelled; the edges by CCxP and CCxNP (RM0433 39.4.11).
+    /// Its own input: CCxS 01, no prescaler; filters are not modelled; the edges by CCxP and CCxNP
+    /// (RM0433 39.4.11).
     pub fn captures_own(&self) -> bool {
         self.bits & 0xf == 1
     }
@@ -128,12 +130,14 @@ impl Break {
         self.clock_lost || connected && high == (self.bdtr & 1 << 13 != 0)
     }
 
-    /// Whether the break acts: by its level, so that its flag cannot be cleared meanwhile (RM0433 38.4.5).
+    /// Whether the break acts: by its level, so that its flag cannot be cleared meanwhile (RM0433
+    /// 38.4.5).
     pub fn is_broken(&self, af1: u32, is_odd: bool) -> bool {
         self.bdtr & 1 << 12 != 0 && self.is_active(af1, is_odd)
     }
 
-    /// Levels of output and complementary output for CCER's bits of a channel. `idle` holds OISx and OISxN.
+    /// Levels of output and complementary output for CCER's bits of a channel. `idle` holds OISx
+    /// and OISxN.
     pub fn levels(&self, enables: u32, reference: bool, advanced: bool, idle: u32, settles: bool) -> [Option<bool>; 2] {
         let bit = |n: u32| enables & 1 << n != 0;
         let (on, low, on_n, low_n) = (bit(0), bit(1), bit(2), bit(3));

@@ -1,8 +1,10 @@
-//! Edges and voltages at the chip's pins against those that the virtual controller has written into a VCD.
+//! Edges and voltages at the chip's pins against those that the virtual controller has written into
+//! a VCD.
 //!
-//! The virtual controller's instants are ns from the first row; the chip's are counts of its timers from power-on. Where the
-//! one begins in the other is not known, so the first edge of all says it; every other one must then fall on its count. Lasers and steps say
-//! it each for themselves, and must say the same.
+//! The virtual controller's instants are ns from the first row; the chip's are counts of its timers
+//! from power-on. Where the one begins in the other is not known, so the first edge of all says it;
+//! every other one must then fall on its count. Lasers and steps say it each for themselves, and
+//! must say the same.
 use h743::dac8563;
 use h743::machine::Chip;
 use h743::{Level, MICROSECOND, Pin, Time};
@@ -11,8 +13,8 @@ use std::collections::HashMap;
 /// A count of the timers.
 const COUNT: Time = 4;
 
-/// What a VCD calls a signal of a laser, the pin that shows it, and the pin with the complement. At rest + is high: a low level
-/// is the active one.
+/// What a VCD calls a signal of a laser, the pin that shows it, and the pin with the complement. At
+/// rest + is high: a low level is the active one.
 const LINES: [(&str, &str, &str); 4] = [
     ("laser0_energy", "PE9", "PE8"),
     ("laser1_energy", "PE5", "PE4"),
@@ -50,8 +52,8 @@ fn wires(vcd: &str) -> Wires {
     edges
 }
 
-/// Voltages of a channel's analog output in the VCD: instants in ns and mV, without those that change nothing. The first is what
-/// holds at the start.
+/// Voltages of a channel's analog output in the VCD: instants in ns and mV, without those that
+/// change nothing. The first is what holds at the start.
 fn voltages(vcd: &str, channel: usize) -> Vec<(u64, f64)> {
     let wanted = format!("laser{channel}_dac_mv");
     let (mut id, mut now, mut found) = (None, 0, Vec::<(u64, f64)>::new());
@@ -71,7 +73,8 @@ fn voltages(vcd: &str, channel: usize) -> Vec<(u64, f64)> {
     found
 }
 
-/// What an analog output shows in mV behind its stage: its changes since it was switched on, the first of them the voltage it had then.
+/// What an analog output shows in mV behind its stage: its changes since it was switched on, the
+/// first of them the voltage it had then.
 fn published(chip: &Chip, channel: usize, external: bool) -> Result<Vec<(Time, f64)>, String> {
     let millivolts = |value: u16, least: i32| (i32::from(value) * least - 32768) as f64 * 10_000.0 / 32768.0;
     let mut published: Vec<(Time, f64)> = if external {
@@ -87,8 +90,9 @@ fn published(chip: &Chip, channel: usize, external: bool) -> Result<Vec<(Time, f
     Ok(published)
 }
 
-/// The voltages of both channels against the plan, to a code of the converter and a tick; `external` is the DAC8563. Returns how many changes were
-/// compared. Where the plan begins is told by the first edge of all lasers, as in [`compare`].
+/// The voltages of both channels against the plan, to a code of the converter and a tick;
+/// `external` is the DAC8563. Returns how many changes were compared. Where the plan begins is told
+/// by the first edge of all lasers, as in [`compare`].
 pub fn compare_voltages(vcd: &str, tick_us: u64, external: bool, chip: &Chip) -> Result<usize, String> {
     // A code of 12 bits is 4.88 mV, one of 16 bits 0.31 mV; the VCD has its own rounding.
     let code = if external { 0.32 } else { 4.9 };
@@ -186,8 +190,9 @@ pub fn compare_steps(csv: &str, tick_us: u64, chip: &Chip) -> Result<(usize, Opt
     Ok((planned.len(), Some(origin)))
 }
 
-/// General outputs against the plan: a change comes with the first tick that is not before it. `origin` is the instant on the chip of
-/// what is planned for the first row. Returns how many were compared.
+/// General outputs against the plan: a change comes with the first tick that is not before it.
+/// `origin` is the instant on the chip of what is planned for the first row. Returns how many were
+/// compared.
 pub fn compare_outputs(vcd: &str, tick_us: u64, origin: i128, chip: &Chip) -> Result<usize, String> {
     let wires = wires(vcd);
     let (tick, mut compared) = (tick_us * 1000, 0);
@@ -220,7 +225,8 @@ fn whole(position: &str) -> Option<i64> {
     Some((millionths + 500_000).div_euclid(1_000_000))
 }
 
-/// How many edges were compared and where the first row is on the chip, or where the first one differs.
+/// How many edges were compared and where the first row is on the chip, or where the first one
+/// differs.
 pub fn compare(vcd: &str, chip: &Chip) -> Result<(usize, Option<i128>), String> {
     let wires = wires(vcd);
     let none = Vec::new();

@@ -71,7 +71,8 @@ const fn shaped(shape: Shape, name: &'static str, opcode: u16, params: &'static 
 
 /// Every function that has a request, or that the host answers.
 pub const FUNCTIONS: &[Function] = &[
-    // -- session -----------------------------------------------------------------------------------
+    // -- session
+    // -----------------------------------------------------------------------------------
     shaped(Shape::Host, "Open", 0, &[short("channel").or(0), short("param").or(1)]),
     shaped(Shape::Host, "Close", 0, &[]),
     shaped(Shape::Host, "GetLastReason", 0, &[out("text"), short("size")]),
@@ -85,7 +86,8 @@ pub const FUNCTIONS: &[Function] = &[
     call("GetLinkLoss", c::GetLinkLoss::OPCODE, &[out("ms"), out("stopAll")]),
     call("SetInterlock", c::SetInterlock::OPCODE, &[short("motion")]),
     call("Abort", c::Abort::OPCODE, &[]),
-    // -- axis --------------------------------------------------------------------------------------
+    // -- axis
+    // --------------------------------------------------------------------------------------
     call("AxisOn", c::AxisOn::OPCODE, &[AXIS]),
     call("AxisOff", c::AxisOff::OPCODE, &[AXIS]),
     call("Stop", c::Stop::OPCODE, &[MASK, long("option")]),
@@ -120,7 +122,8 @@ pub const FUNCTIONS: &[Function] = &[
         c::GetCaptureStatus::OPCODE,
         &[short("encoder"), out("status"), out("value"), COUNT, CLOCK],
     ),
-    // -- trap and jog ------------------------------------------------------------------------------
+    // -- trap and jog
+    // ------------------------------------------------------------------------------
     call("PrfTrap", c::PrfTrap::OPCODE, &[PROFILE]),
     call("SetTrapPrm", c::SetTrapPrm::OPCODE, &[PROFILE, param("prm", Pass::Struct(Type::Trap))]),
     call("GetTrapPrm", c::GetTrapPrm::OPCODE, &[PROFILE, param("prm", Pass::OutStruct(Type::Trap))]),
@@ -132,7 +135,8 @@ pub const FUNCTIONS: &[Function] = &[
     call("SetVel", c::SetVel::OPCODE, &[PROFILE, double("vel")]),
     call("GetVel", c::GetVel::OPCODE, &[PROFILE, out("vel")]),
     call("Update", c::Update::OPCODE, &[MASK]),
-    // -- digital and analog inputs and outputs -----------------------------------------------------
+    // -- digital and analog inputs and outputs
+    // -----------------------------------------------------
     call("GetDi", c::GetDi::OPCODE, &[short("diType"), out("value")]),
     call("SetDo", c::SetDo::OPCODE, &[short("doType"), long("value")]),
     call("GetDo", c::GetDo::OPCODE, &[short("doType"), out("value")]),
@@ -155,7 +159,8 @@ pub const FUNCTIONS: &[Function] = &[
     call("GetAdc", c::GetAdc::OPCODE, &[short("adc"), out("value"), COUNT, CLOCK]),
     call("SimInput", c::SimInput::OPCODE, &[short("diType"), short("index"), short("level")]),
     call("SimAdc", c::SimAdc::OPCODE, &[short("adc"), double("volts")]),
-    // -- laser (GUS chapter 2, LSR chapter 2) ------------------------------------------------------
+    // -- laser (GUS chapter 2, LSR chapter 2)
+    // ------------------------------------------------------
     call("SetAxisMode", c::SetAxisMode::OPCODE, &[AXIS, short("mode")]),
     call("LaserOn", c::LaserOn::OPCODE, &[CHANNEL]),
     call("LaserOff", c::LaserOff::OPCODE, &[CHANNEL]),
@@ -192,7 +197,8 @@ pub const FUNCTIONS: &[Function] = &[
     call("GetLaserPower", c::GetLaserPower::OPCODE, &[short("channel"), out("power")]),
     call("GetLaserFault", c::GetLaserFault::OPCODE, &[short("channel"), out("cause")]),
     call("ClrLaserFault", c::ClrLaserFault::OPCODE, &[short("channel")]),
-    // -- coordinate systems ------------------------------------------------------------------------
+    // -- coordinate systems
+    // ------------------------------------------------------------------------
     call("SetCrdPrm", c::SetCrdPrm::OPCODE, &[CRD, param("crdPrm", Pass::Struct(Type::Crd))]),
     call("GetCrdPrm", c::GetCrdPrm::OPCODE, &[CRD, param("crdPrm", Pass::OutStruct(Type::Crd))]),
     call("CrdClear", c::CrdClear::OPCODE, &[CRD, FIFO]),
@@ -241,7 +247,8 @@ pub const FUNCTIONS: &[Function] = &[
         &[CRD, short("moveAxis"), long("pos"), double("vel"), double("acc"), short("modal"), FIFO],
     ),
     call("BufGear", c::BufGear::OPCODE, &[CRD, short("gearAxis"), long("pos"), FIFO]),
-    // -- buffered laser (GUS chapter 4, LSR chapter 3) ---------------------------------------------
+    // -- buffered laser (GUS chapter 4, LSR chapter 3)
+    // ---------------------------------------------
     call("BufLaserOn", c::BufLaserOn::OPCODE, &[CRD, FIFO, CHANNEL]),
     call("BufLaserOff", c::BufLaserOff::OPCODE, &[CRD, FIFO, CHANNEL]),
     call("BufLaserPrfCmd", c::BufLaserPrfCmd::OPCODE, &[CRD, double("laserPower"), FIFO, CHANNEL]),
@@ -275,7 +282,8 @@ pub const FUNCTIONS: &[Function] = &[
         c::SetLaserFollowTable::OPCODE,
         &[TABLE, POINTS, array("vel"), array("power"), CHANNEL],
     ),
-    // -- distance follow (GUS chapter 5, LSR chapter 4) --------------------------------------------
+    // -- distance follow (GUS chapter 5, LSR chapter 4)
+    // --------------------------------------------
     call(
         "SetLaserDisMode",
         c::SetLaserDisMode::OPCODE,
@@ -332,7 +340,8 @@ pub const FUNCTIONS: &[Function] = &[
             ],
         )
     },
-    // -- PT (GXN chapter 2) ------------------------------------------------------------------------
+    // -- PT (GXN chapter 2)
+    // ------------------------------------------------------------------------
     call("PrfPt", c::PrfPt::OPCODE, &[PROFILE, short("mode").or(0)]),
     call("PtSpace", c::PtSpace::OPCODE, &[PROFILE, out("space"), FIFO]),
     call("PtData", c::PtData::OPCODE, &[PROFILE, double("pos"), long("time"), short("type").or(0), FIFO]),
@@ -348,7 +357,8 @@ pub const FUNCTIONS: &[Function] = &[
         c::PtStart::OPCODE,
         &[sized("axis", Type::Short, Size::Count), sized("option", Type::Short, Size::Count), short("count")],
     ),
-    // -- PVT (GXN chapter 4) -----------------------------------------------------------------------
+    // -- PVT (GXN chapter 4)
+    // -----------------------------------------------------------------------
     call("PrfPvt", c::PrfPvt::OPCODE, &[PROFILE]),
     call("SetPvtLoop", c::SetPvtLoop::OPCODE, &[PROFILE, long("loop")]),
     call("GetPvtLoop", c::GetPvtLoop::OPCODE, &[PROFILE, out("loopCount"), out("loop")]),
@@ -421,7 +431,8 @@ pub const FUNCTIONS: &[Function] = &[
             out("time"),
         ],
     ),
-    // -- Follow (GXN chapter 3) --------------------------------------------------------------------
+    // -- Follow (GXN chapter 3)
+    // --------------------------------------------------------------------
     call("PrfFollow", c::PrfFollow::OPCODE, &[PROFILE, short("dir").or(0)]),
     call(
         "SetFollowMaster",
@@ -453,7 +464,8 @@ pub const FUNCTIONS: &[Function] = &[
     call("SetFollowMemory", c::SetFollowMemory::OPCODE, &[PROFILE, short("memory")]),
     call("GetFollowMemory", c::GetFollowMemory::OPCODE, &[PROFILE, out("memory")]),
     call("GetFollowStatus", c::GetFollowStatus::OPCODE, &[PROFILE, out("fifoNum"), out("switchStatus")]),
-    // -- FollowEx (GXN chapter 3) ------------------------------------------------------------------
+    // -- FollowEx (GXN chapter 3)
+    // ------------------------------------------------------------------
     call("PrfFollowEx", c::PrfFollowEx::OPCODE, &[PROFILE, short("dir").or(0)]),
     call(
         "SetFollowMasterEx",

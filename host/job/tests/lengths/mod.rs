@@ -1,5 +1,6 @@
-//! Calls with arrays at and beyond every limit of their length, made of the table of functions: one text for each, which
-//! is C and a job script alike. Used by the tests of the C library and of `beamtick`.
+//! Calls with arrays at and beyond every limit of their length, made of the table of functions: one
+//! text for each, which is C and a job script alike. Used by the tests of the C library and of
+//! `beamtick`.
 
 use job::api::{FUNCTIONS, Function, Pass};
 use std::fmt::Write;
@@ -46,7 +47,8 @@ fn rising(of: &str, name: &str, count: usize, step: f64) -> String {
     array(of, name, (0..count).map(move |n| n as f64 * step))
 }
 
-/// Axes that go on at 1 pulse/ms from point to point, so that every description takes one place a point.
+/// Axes that go on at 1 pulse/ms from point to point, so that every description takes one place a
+/// point.
 fn pvt(name: &str, count: usize) -> Length {
     let arguments = match name {
         "PvtTable" => "1, N, t, p, v",

@@ -1,7 +1,7 @@
 //! What a digital signal did over time: every change while they are few, else its share of time.
 //!
-//! In: times at which it was high, pulse trains, in ns and in order. Out: highs, or [`Bin`]s. Owns at
-//! most [`FEW`] highs and [`BINS`] bins, however long the signal is and however fast.
+//! In: times at which it was high, pulse trains, in ns and in order. Out: highs, or [`Bin`]s. Owns
+//! at most [`FEW`] highs and [`BINS`] bins, however long the signal is and however fast.
 use super::window::Window;
 use plant::pulses::Burst;
 

@@ -107,7 +107,8 @@ impl Panel<'_> {
         area.draw(&Text::new(caption, place(LEFT, 7, scale), font(14, self.colour, scale))).map_err(as_plot)?;
 
         let (start, end) = frame.span;
-        // From ten seconds on, seconds read better than milliseconds; below a tenth of one, microseconds.
+        // From ten seconds on, seconds read better than milliseconds; below a tenth of one,
+        // microseconds.
         let (factor, time_unit) = match end - start {
             10_000.0.. => (1e-3, "s"),
             0.1.. => (1.0, "ms"),

@@ -1,8 +1,8 @@
 //! One axis over another: the path, its direction and time, and the light on it.
 //!
-//! In: rows, and when lasers gave light. Out: a PNG or an SVG with the same scale in both directions. What is lit has
-//! the colour of its power, which a bar explains. Owns a [`Route`] for each laser. Fails with
-//! [`TraceError::Plot`] and [`TraceError::Window`].
+//! In: rows, and when lasers gave light. Out: a PNG or an SVG with the same scale in both
+//! directions. What is lit has the colour of its power, which a bar explains. Owns a [`Route`] for
+//! each laser. Fails with [`TraceError::Plot`] and [`TraceError::Window`].
 use super::canvas::{self, Chart, HEAD, Picture};
 use super::panel::{CAPTION, FOOT, FRAME, GRID, LEFT, RIGHT};
 use super::route::{Node, Power, Route};
@@ -191,7 +191,8 @@ impl Xy {
         if self.beam().is_some_and(Beam::is_lit) { BAR } else { 0 }
     }
 
-    /// Width and height of the diagram in pixels, and the ranges that it shows: as many pulses a pixel in x as in y.
+    /// Width and height of the diagram in pixels, and the ranges that it shows: as many pulses a
+    /// pixel in x as in y.
     fn layout(&self) -> ((u32, u32), [(f64, f64); 2]) {
         let most_wide = f64::from(self.options.width.max(480) - LEFT - RIGHT - self.bar_width());
         let extent = self.beam().and_then(|beam| beam.route.extent()).unwrap_or_default();

@@ -1,4 +1,5 @@
-//! Light given to a port by somebody else than the tick, whose plans pass the safety state machine last.
+//! Light given to a port by somebody else than the tick, whose plans pass the safety state machine
+//! last.
 use servo::laser::{Action, Plan, Train};
 use servo::port::Port;
 

@@ -1,8 +1,9 @@
 //! The first-pulse killer: a pulse of the switch output before the energy begins.
 //!
-//! In: edges of the gate that are due, [`Fpk`]. Out: the end of the pulse on the switch output; the edges of the light,
-//! shifted by `begin` and `end`. Owns nothing: pulse and tail of the mark in progress are in [`Channel`]. Fails: light
-//! that its queue has no slots for makes the channel dark.
+//! In: edges of the gate that are due, [`Fpk`]. Out: the end of the pulse on the switch output; the
+//! edges of the light, shifted by `begin` and `end`. Owns nothing: pulse and tail of the mark in
+//! progress are in [`Channel`]. Fails: light that its queue has no slots for makes the channel
+//! dark.
 //!
 //! While the killer is enabled the switch output shows its pulse, not the gate (`Channel::settle`).
 use super::Channel;

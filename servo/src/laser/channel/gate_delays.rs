@@ -1,7 +1,8 @@
 //! The on delay and the off delay of the gate.
 //!
-//! In: commands of the light owner, [`Delays`]. Out: edges of the gate, at their instants, in its queue
-//! (`edge_queue.rs`). Owns nothing. Fails: an on command that the queue has no slots for makes the channel dark.
+//! In: commands of the light owner, [`Delays`]. Out: edges of the gate, at their instants, in its
+//! queue (`edge_queue.rs`). Owns nothing. Fails: an on command that the queue has no slots for
+//! makes the channel dark.
 use super::Channel;
 use crate::laser::edge_queue::Full;
 use crate::laser::safety::Cause;

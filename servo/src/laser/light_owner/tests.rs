@@ -1,8 +1,10 @@
-//! All states of the light owner that two coordinate systems can bring about, and the sentences of SPEC 6 and 9 one by one.
+//! All states of the light owner that two coordinate systems can bring about, and the sentences of
+//! SPEC 6 and 9 one by one.
 //!
-//! The enumeration knows no transition of its own: it walks every fact that a machine can report in a state, from every state
-//! that is reached, until nothing is new, and asks of each step what the SPEC asks of light. So sequences of any length
-//! are covered, with every state and every pair of causes among them.
+//! The enumeration knows no transition of its own: it walks every fact that a machine can report in
+//! a state, from every state that is reached, until nothing is new, and asks of each step what the
+//! SPEC asks of light. So sequences of any length are covered, with every state and every pair of
+//! causes among them.
 extern crate std;
 use super::*;
 use std::collections::HashSet;
@@ -89,8 +91,8 @@ fn possible(state: &Owner) -> Vec<Fact> {
     facts
 }
 
-/// What the channel does with some facts: where the map excludes the follow's path the follow ends, no output ends light, a
-/// path that fails is a cause.
+/// What the channel does with some facts: where the map excludes the follow's path the follow ends,
+/// no output ends light, a path that fails is a cause.
 fn with_consequences(state: Owner, fact: Fact) -> (Owner, Vec<Order>) {
     let mut next = state;
     let mut orders = vec![next.hear(fact)];
@@ -222,7 +224,8 @@ fn no_reachable_state_has_light_that_nobody_asked_for() {
     }
 }
 
-/// Facts one after the other, each with whether there is light after it and whether an on command is in force.
+/// Facts one after the other, each with whether there is light after it and whether an on command
+/// is in force.
 fn story(name: &str, steps: &[(Fact, bool, bool)]) {
     let mut owner = Owner::power_on(BOTH);
     for (number, (fact, lit, commanded)) in steps.iter().enumerate() {

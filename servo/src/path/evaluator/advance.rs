@@ -253,8 +253,8 @@ impl Path {
         match &entry.item() {
             Item::Nothing => None,
             Item::Delay { ms } => Some(self.time.wrapping_add((*ms as Fine * 1_000_000) << 32)),
-            // What a laser is told it can be told again, and has to be: the light of a mark that is gone along again ends where
-            // it did.
+            // What a laser is told it can be told again, and has to be: the light of a mark that is
+            // gone along again ends where it did.
             Item::Change(change) if self.cursor(self.fifo).again && !matches!(change, Change::Laser { .. }) => None,
             Item::Change(change) => {
                 let wait = sink.change(self.time, change);
@@ -297,8 +297,8 @@ impl Path {
         self.come_to_standstill(at, path_stop, feed, sink);
     }
 
-    /// Comes to standstill where it waits, or would wait, until an instant: the remainder of the wait is
-    /// kept.
+    /// Comes to standstill where it waits, or would wait, until an instant: the remainder of the
+    /// wait is kept.
     pub(super) fn stop_in_wait(&mut self, until: Fine, feed: Feed, sink: &mut impl Effects) {
         let now = self.time;
         let cursor = self.cursor(self.fifo);

@@ -1,7 +1,8 @@
 //! The feed override of a path: a factor on the speeds of its motions, 2⁻²⁰ to 1.
 //!
-//! In: the bits of the user's double. Out: an admitted [`Rate`]; the motion in force, planned anew with it. Owns nothing:
-//! the factor is in [`Rules`]. Fails: admission refuses a factor out of range, [`Refused`].
+//! In: the bits of the user's double. Out: an admitted [`Rate`]; the motion in force, planned anew
+//! with it. Owns nothing: the factor is in [`Rules`]. Fails: admission refuses a factor out of
+//! range, [`Refused`].
 use super::{Path, Rules, Stage};
 use crate::math::real::Real;
 use crate::path::entry::Refused;
@@ -34,7 +35,8 @@ impl Rate {
 }
 
 impl Rules {
-    /// Override: the speeds of all motions are multiplied by it. The speeds at their ends are not, but held to these.
+    /// Override: the speeds of all motions are multiplied by it. The speeds at their ends are not,
+    /// but held to these.
     pub fn set_rate(&mut self, rate: Rate) {
         self.rate = rate.real();
     }

@@ -90,8 +90,8 @@ impl Rules {
 pub struct Step {
     /// Coordinates.
     pub position: [Pos; DIMENSIONS],
-    /// Direction of motion, a unit vector in 2⁻³⁰: times the path's velocity it is that of each coordinate. Zeros where
-    /// it does not move.
+    /// Direction of motion, a unit vector in 2⁻³⁰: times the path's velocity it is that of each
+    /// coordinate. Zeros where it does not move.
     pub heading: [i32; DIMENSIONS],
     /// The path length along the motion in force as a piece: its velocity is the path's.
     pub motion: Motion,

@@ -181,7 +181,8 @@ impl Path {
     fn keep_trajectory(&mut self, before: [i32; DIMENSIONS], heading: &[i32; DIMENSIONS]) {
         (self.trajectory, self.since.count) = (self.since, 0);
         let shape = &self.motions.now().shape;
-        // A path that sets off with this sample has not turned, also where it goes on within an arc.
+        // A path that sets off with this sample has not turned, also where it goes on within an
+        // arc.
         let sets_off = before == [0; DIMENSIONS];
         let before = match self.trajectory.count {
             0 if sets_off => *heading,

@@ -1,7 +1,7 @@
 //! A double in 58 bits and a sign: the user's number, down to 2⁻⁶⁴ pulse.
 //!
-//! In: the bits of a double below 2⁴¹. Out: two words, and the number in 2⁻⁶⁴ pulse. Numbers below 2⁻¹¹ become
-//! multiples of 2⁻⁶⁴, the others lose nothing. Fails: [`Class`] says what it is not.
+//! In: the bits of a double below 2⁴¹. Out: two words, and the number in 2⁻⁶⁴ pulse. Numbers below
+//! 2⁻¹¹ become multiples of 2⁻⁶⁴, the others lose nothing. Fails: [`Class`] says what it is not.
 
 /// Fraction (52 bits) and field of the exponent (6 bits) of a magnitude.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -4,10 +4,10 @@
 //! whose parameter is the progress in units of [`Pos`](crate::units::Pos) instead of ns. Products
 //! only. Cannot fail.
 //!
-//! With R₀ = r₀·M and displacement P, a segment of percentage 0 is R₀·τ + (P − R₀)·τ². Shaped (SPEC 5, Percent), with
-//! k = percent/200, its ratio changes by R₁ − R₀ = 2(P − R₀) with a slope that rises over k, holds a = (R₁ − R₀)/(1 − k), and
-//! falls over k: three pieces. Those of
-//! an asymmetric S are segments of their own: R₀·τ + (P − R₀)·τ³, and R₀·τ + (P − R₀)·(3τ² − τ³)/2.
+//! With R₀ = r₀·M and displacement P, a segment of percentage 0 is R₀·τ + (P − R₀)·τ². Shaped (SPEC
+//! 5, Percent), with k = percent/200, its ratio changes by R₁ − R₀ = 2(P − R₀) with a slope that
+//! rises over k, holds a = (R₁ − R₀)/(1 − k), and falls over k: three pieces. Those of an
+//! asymmetric S are segments of their own: R₀·τ + (P − R₀)·τ³, and R₀·τ + (P − R₀)·(3τ² − τ³)/2.
 use super::entry::{Entry, Kind, Part};
 use super::ratio::RATIO_BITS;
 use crate::math::wide::{mulhi_su, narrow, recip64_below, umulhi};
@@ -77,14 +77,16 @@ impl Segment {
         ratio_at(&self.piece(self.to.wrapping_sub(1), 0, 0).motion, Piece::END)
     }
 
-    /// The piece that holds the progress `x` of the pass that began at `began` (master) and `origin` (slave).
+    /// The piece that holds the progress `x` of the pass that began at `began` (master) and
+    /// `origin` (slave).
     pub(super) fn piece(&self, x: i128, began: i128, origin: i128) -> Piece {
         let (length, displacement) = (self.to.wrapping_sub(self.from), self.end.wrapping_sub(self.begin));
         let (from, start) = (began.wrapping_add(self.from), origin.wrapping_add(self.begin));
         let r0 = self.at_start;
         let half = displacement.wrapping_sub(r0);
         if self.percent == 0 || half == 0 {
-            // The mean is above R₀ by a third of the change of the ratio, two thirds, or half of it.
+            // The mean is above R₀ by a third of the change of the ratio, two thirds, or half of
+            // it.
             let [second, third] = match self.part {
                 Some(Part::Rise) => [0, half],
                 Some(Part::Fall) => [half.wrapping_mul(3) >> 1, half.wrapping_neg() >> 1],

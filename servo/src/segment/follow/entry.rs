@@ -27,11 +27,12 @@ const SHORTEST: i128 = 1 << (64 - 20);
 /// entry reached.
 pub(super) const FAR: u32 = 31;
 
-/// An admitted entry, 24 bytes. Words 0, 1: end of the master, compact, with distance to the head of its chain
-/// (bits 26–30) and parity in it. Words 2, 3: end of the slave, compact, its sign (bit 26), percent, low (27–31).
-/// Words 4, 5: r₀·M as mantissa (53 bits), exponent (6), sign; type (bits 28–29), percent, high (30–31).
-/// A part of an asymmetric S has the type of STOP and a percent above 100. An entry that is no segment has type 3,
-/// its kind in percent, a number in word 4 and the rest in word 5.
+/// An admitted entry, 24 bytes. Words 0, 1: end of the master, compact, with distance to the head
+/// of its chain (bits 26–30) and parity in it. Words 2, 3: end of the slave, compact, its sign (bit
+/// 26), percent, low (27–31). Words 4, 5: r₀·M as mantissa (53 bits), exponent (6), sign; type
+/// (bits 28–29), percent, high (30–31). A part of an asymmetric S has the type of STOP and a
+/// percent above 100. An entry that is no segment has type 3, its kind in percent, a number in word
+/// 4 and the rest in word 5.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Entry([u32; 6]);
 
@@ -46,7 +47,8 @@ pub enum Refused {
     MasterBeyondRange,
     /// |slave position| above 2⁴⁰ pulses.
     SlaveBeyondTravel,
-    /// The master's position does not go on in the direction of the FIFO's first one by 2⁻²⁰ pulse or more.
+    /// The master's position does not go on in the direction of the FIFO's first one by 2⁻²⁰ pulse
+    /// or more.
     NotAdvancing,
     /// A negative master position where only positive ones are allowed.
     Negative,
@@ -109,7 +111,8 @@ pub(super) enum Kind {
     Part(Part),
 }
 
-/// A part of an asymmetric S (FollowDataPercent2Ex): its displacement and the ratio at its start decide it.
+/// A part of an asymmetric S (FollowDataPercent2Ex): its displacement and the ratio at its start
+/// decide it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Part {
     /// The slope of the ratio grows from 0.
@@ -189,8 +192,8 @@ impl Chain {
     }
 }
 
-/// Mantissa and exponent of r₀·M: 54 significant bits, exponent field e is 2^(e − 22) ≤ x < 2^(e − 21); below
-/// that, multiples of 2⁻⁷⁴, field 0.
+/// Mantissa and exponent of r₀·M: 54 significant bits, exponent field e is 2^(e − 22) ≤ x < 2^(e −
+/// 21); below that, multiples of 2⁻⁷⁴, field 0.
 fn pack_swing(x: i128) -> [u32; 2] {
     let magnitude = x.unsigned_abs();
     // Of 2^-64: bit 42 is 2^-22.
@@ -362,8 +365,8 @@ impl Entry {
         Entry::stop(DELAY, cycles, 0, before)
     }
 
-    /// Holds the slave until an input has this level. `index` is an axis over all cores or a general input,
-    /// from 0; a wait of `timeout_ms` ends the motion, 0 waits for ever.
+    /// Holds the slave until an input has this level. `index` is an axis over all cores or a
+    /// general input, from 0; a wait of `timeout_ms` ends the motion, 0 waits for ever.
     pub fn wait_input(
         input: Input,
         index: u8,
@@ -452,7 +455,8 @@ impl Entry {
         self.0[3] >> 27 | self.0[5] >> 30 << 5
     }
 
-    /// Displacement of the slave over the segment at its start ratio, 2⁻⁶⁴ pulse, within 2⁻⁵⁵ of itself.
+    /// Displacement of the slave over the segment at its start ratio, 2⁻⁶⁴ pulse, within 2⁻⁵⁵ of
+    /// itself.
     #[inline(always)]
     pub(super) fn at_start(self) -> i128 {
         let field = self.0[5] >> 21 & 0x3f;

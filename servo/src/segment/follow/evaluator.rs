@@ -166,7 +166,8 @@ pub struct FollowRun {
     origin: i128,
     /// The slave does not go back before this entry of this pass.
     floor: (u32, u32),
-    /// It follows in both directions, and is just at its floor: a master that goes back does not move it.
+    /// It follows in both directions, and is just at its floor: a master that goes back does not
+    /// move it.
     at_floor: bool,
     /// Ratio with which a FIFO that begins with CONTINUE goes on, in every pass.
     carried: i128,
@@ -446,7 +447,8 @@ impl FollowRun {
         }
     }
 
-    /// Brings piece and entries up to the present progress, which the master reached along `section`.
+    /// Brings piece and entries up to the present progress, which the master reached along
+    /// `section`.
     fn settle<S: Entries, L: Fn(Input, u8) -> bool>(
         &mut self,
         section: &Section<'_>,

@@ -38,7 +38,8 @@ pub(crate) enum Path<'a> {
     Straight,
     /// Straight, through a filter.
     Filtered,
-    /// Along a piece, and the one before it if that was in force at `now`; what is added to their positions.
+    /// Along a piece, and the one before it if that was in force at `now`; what is added to their
+    /// positions.
     Pieces { before: Option<&'a Piece>, piece: &'a Piece, shift: i64 },
     /// From position to position; what is added to them.
     Track { along: &'a Track, shift: i64 },

@@ -123,8 +123,8 @@ impl<'a> MasterPath<'a> {
         MasterPath { now, track, along: [0; SPOTS], pieces: [None; 2], shift: 0 }
     }
 
-    /// Along the pieces of a motion: `piece`, and `before` if that is in force from `now` until the piece begins.
-    /// Positions of pieces plus `shift` are the master's.
+    /// Along the pieces of a motion: `piece`, and `before` if that is in force from `now` until the
+    /// piece begins. Positions of pieces plus `shift` are the master's.
     pub fn along(
         now: Ns,
         period: Ns,

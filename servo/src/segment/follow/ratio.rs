@@ -1,12 +1,13 @@
 //! Velocity ratios: quotients and products wide enough that a chain of them does not drift.
 //!
-//! In: displacements in 2⁻⁶⁴ pulse, ratios in 2⁻⁸⁰. Out: the same. Nothing fails; what could exceed its type is
-//! refused when data is admitted.
+//! In: displacements in 2⁻⁶⁴ pulse, ratios in 2⁻⁸⁰. Out: the same. Nothing fails; what could exceed
+//! its type is refused when data is admitted.
 
 /// Fraction bits of a ratio.
 pub(super) const RATIO_BITS: u32 = 80;
 
-/// x/m in 2⁻⁸⁰, to nearest, for 0 < m < 2⁹⁶ and quotients below 2⁴⁶. A step a bit: for the thread only.
+/// x/m in 2⁻⁸⁰, to nearest, for 0 < m < 2⁹⁶ and quotients below 2⁴⁶. A step a bit: for the thread
+/// only.
 pub(super) fn quotient(x: i128, m: u128) -> i128 {
     let (mut remainder, mut q) = (0u128, 0u128);
     let x0 = x.unsigned_abs();

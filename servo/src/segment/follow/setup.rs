@@ -82,7 +82,8 @@ impl Setup {
         self.clear_all();
     }
 
-    /// Its entries below `end` count from now on. The new ones that are no segments are found by their links.
+    /// Its entries below `end` count from now on. The new ones that are no segments are found by
+    /// their links.
     pub fn commit(&mut self, fifo: u8, end: u32, tail: Tail, source: &impl Entries) {
         let to = self.fifo_mut(fifo);
         let old = to.end;

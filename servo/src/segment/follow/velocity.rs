@@ -35,7 +35,8 @@ pub fn of(velocity: Real, acceleration: Real) -> Motion {
     Motion { c, frac, tau: 0, recip: PER_MS, t: 0 }
 }
 
-/// The ratio of a slave, pulse per pulse of its master. `down`: its progress is the master's position with its sign changed.
+/// The ratio of a slave, pulse per pulse of its master. `down`: its progress is the master's
+/// position with its sign changed.
 fn ratio(slave: &Motion, down: bool) -> Real {
     let ratio = Real::from_scaled(slave.velocity()).mul(UNITS);
     if down { ratio.negate() } else { ratio }

@@ -40,7 +40,8 @@ impl FastPiece {
     #[inline(always)]
     pub(super) fn of(span: u64, start: Exact, motion: &Motion) -> FastPiece {
         let Motion { tau, c, recip: Recip { m, shift: zeros }, frac, .. } = *motion;
-        // The span is below 2^k, the length 2^(64 - zeros)/(1 to 2): their quotient is the mantissa shifted `down`.
+        // The span is below 2^k, the length 2^(64 - zeros)/(1 to 2): their quotient is the mantissa
+        // shifted `down`.
         let k = 64u32.wrapping_sub(span.leading_zeros());
         let down = 65u32.wrapping_sub(k).wrapping_sub(zeros);
         if !((11..=31).contains(&k) && down < 63 && zeros >= 32 && (40..=82).contains(&frac)) {
@@ -117,7 +118,8 @@ fn cut(x: i64, by: u32) -> i64 {
     (x >> (by.wrapping_sub(1) & 63)).wrapping_add(1) >> 1
 }
 
-/// The cubic around the parameter `by` (2⁻⁶⁴), with two fraction bits less, so that its sums have room.
+/// The cubic around the parameter `by` (2⁻⁶⁴), with two fraction bits less, so that its sums have
+/// room.
 #[inline(never)]
 fn moved([c1, c2, c3]: [i64; 3], by: u64, start: Exact, frac: u32) -> ([i64; 3], Exact, u32) {
     let ([c1, c2, c3], frac) = ([c1 >> 2, c2 >> 2, c3 >> 2], frac.wrapping_sub(2));

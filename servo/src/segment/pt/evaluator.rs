@@ -153,7 +153,8 @@ impl PtRun {
         }
     }
 
-    /// Makes the piece that holds `now`, which is not before the end of the last one made; or the end.
+    /// Makes the piece that holds `now`, which is not before the end of the last one made; or the
+    /// end.
     #[inline(never)]
     pub fn advance(&mut self, now: Ns, feed: Feed, source: &impl Segments, piece: &mut Piece) -> State {
         self.back.pass = self.track.pass;

@@ -89,9 +89,9 @@ impl Segment {
         Segment(words)
     }
 
-    /// Checks one datum against those before it and packs it. `pos_bits` are the bits of the
-    /// double (pulses from the start of pass or stream). What is known to be faster than `limit` is refused: by 2⁻²⁰
-    /// pulse/ms, in a chain of NORMAL segments by [`SLACK`] units more a segment.
+    /// Checks one datum against those before it and packs it. `pos_bits` are the bits of the double
+    /// (pulses from the start of pass or stream). What is known to be faster than `limit` is
+    /// refused: by 2⁻²⁰ pulse/ms, in a chain of NORMAL segments by [`SLACK`] units more a segment.
     pub fn admit(
         pos_bits: u64,
         time_ms: i32,
@@ -126,7 +126,8 @@ impl Segment {
         } else {
             0
         };
-        // |pos| in 2^-20: mantissa 2^(e-1075), to be scaled by 2^20. At most 2^60; below exponent 1003 it is 0.
+        // |pos| in 2^-20: mantissa 2^(e-1075), to be scaled by 2^20. At most 2^60; below exponent
+        // 1003 it is 0.
         let mantissa = 1 << 52 | fraction;
         let magnitude = if exponent >= 1003 { (mantissa << 8) >> (1063 - exponent) } else { 0 };
         let pos = if sign == 1 { -(magnitude as i64) } else { magnitude as i64 };

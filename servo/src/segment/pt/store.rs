@@ -1,7 +1,7 @@
 //! The store of segments between admission and the tick.
 //!
-//! In: admitted segments from the thread, by slot. Out: the same, to the tick. Owns: the memory of one
-//! axis. Fails: never; a slot counts modulo [`SEGMENTS`].
+//! In: admitted segments from the thread, by slot. Out: the same, to the tick. Owns: the memory of
+//! one axis. Fails: never; a slot counts modulo [`SEGMENTS`].
 use super::segment::Segment;
 use ring::Store;
 
@@ -14,8 +14,8 @@ pub trait Segments {
 /// PT segments of an axis.
 pub const SEGMENTS: usize = 2048;
 
-/// PT segments of one axis. The thread writes a slot only while the tick does not read it; the commit
-/// that follows makes it visible.
+/// PT segments of one axis. The thread writes a slot only while the tick does not read it; the
+/// commit that follows makes it visible.
 pub struct SegmentStore(Store<3, SEGMENTS>);
 
 impl SegmentStore {

@@ -55,7 +55,8 @@ enum Kind {
 enum Shape {
     /// Acceleration in steps.
     Plain,
-    /// An edge takes `half` of the ramp; the acceleration between them is `gain` = 1/(1 − half) of the rate.
+    /// An edge takes `half` of the ramp; the acceleration between them is `gain` = 1/(1 − half) of
+    /// the rate.
     Percent { half: Real, gain: Real },
     /// Moving average of this 1/length, 1/ms.
     Average { inverse: Real },
@@ -228,7 +229,8 @@ impl RampRun {
         run.time
     }
 
-    /// Makes the piece that holds `now`, which is not before the end of the last one made; or the end.
+    /// Makes the piece that holds `now`, which is not before the end of the last one made; or the
+    /// end.
     #[inline(never)]
     pub fn advance(&mut self, now: Ns, piece: &mut Piece) -> State {
         for _ in 0..PIECES_PER_TICK {

@@ -126,7 +126,8 @@ impl Effects for Sink<'_> {
     fn change(&mut self, at: Fine, change: &Change) -> Fine {
         match *change {
             Change::Output { group, mask, value } => self.edge(at, Edge::Digital { group, mask, value }),
-            // Admitted before the output was a laser's: only the laser drives it now, and shuts it off.
+            // Admitted before the output was a laser's: only the laser drives it now, and shuts it
+            // off.
             Change::Analog { channel, .. } if self.lasers.drives(channel) => {}
             Change::Analog { channel, value } => self.edge(at, Edge::Analog { channel, value }),
             Change::Move { axis, target, speed, acc, modal } => {

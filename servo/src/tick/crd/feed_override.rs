@@ -1,7 +1,7 @@
 //! The feed override of a coordinate system (`SetOverride`).
 //!
-//! In: an admitted factor. Out: the motion in force, planned anew from the coming tick on. Owns nothing. Cannot fail. How
-//! the factor acts on speeds: `path/evaluator/feed_override.rs`.
+//! In: an admitted factor. Out: the motion in force, planned anew from the coming tick on. Owns
+//! nothing. Cannot fail. How the factor acts on speeds: `path/evaluator/feed_override.rs`.
 use crate::path::Rate;
 use crate::tick::Tick;
 use crate::tick::execute::Reach;

@@ -12,7 +12,8 @@
 //! | `soft_limits` | whether limits of axes are in the way of a path |
 //! | `feed_override` | the factor on its speeds |
 //!
-//! Which axes, and their zero: `path/axis_map.rs`. The motion of one axis, for readers: `view/axis_motion.rs`.
+//! Which axes, and their zero: `path/axis_map.rs`. The motion of one axis, for readers:
+//! `view/axis_motion.rs`.
 mod commands;
 mod drive;
 mod effects;
@@ -48,7 +49,8 @@ pub(crate) struct CrdState {
     /// Of the motion in force, and of the one after it.
     clearance: [Clearance; 2],
     path: Path,
-    /// At standstill: the FIFO that will probably be started, and the scans before its start is prepared.
+    /// At standstill: the FIFO that will probably be started, and the scans before its start is
+    /// prepared.
     likely: u8,
     looks: u8,
     /// The stop reason, if it is stopped.
@@ -141,7 +143,8 @@ impl Crds {
         Some(state)
     }
 
-    /// One of those at standstill prepares a part of its next start: the next in turn, lowest first.
+    /// One of those at standstill prepares a part of its next start: the next in turn, lowest
+    /// first.
     #[inline(never)]
     pub(crate) fn prepare_start(&mut self, steps: u32, paths: PathStores<'_>) {
         let resting = CrdMask(self.unprepared.0 & !self.running.0);

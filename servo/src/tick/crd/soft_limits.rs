@@ -1,8 +1,8 @@
 //! The soft limits of a path: those of its axes, and their limit switches and edges of travel.
 //!
-//! In: the box that holds all of a motion, the positions of a path tick by tick, the limits of the axes. Out: whether
-//! the axes may be driven to a position; a [`Clearance`] for each motion, so that most ticks need no comparison. Owns
-//! nothing. Cannot fail.
+//! In: the box that holds all of a motion, the positions of a path tick by tick, the limits of the
+//! axes. Out: whether the axes may be driven to a position; a [`Clearance`] for each motion, so
+//! that most ticks need no comparison. Owns nothing. Cannot fail.
 //!
 //! | step | where |
 //! | --- | --- |

@@ -1,7 +1,8 @@
 //! Rows that edges at the ends of jumpers tell, in counts of 240 MHz.
 //!
-//! The plan of `bring-up/src/light.rs`: light begins 2400 counts after a tick, in pulses of 240 counts every 1200; under load two
-//! lasers have periods of 120 and 121 counts in turn, and eight axes a step every 240. A tick is 12,000 counts.
+//! The plan of `bring-up/src/light.rs`: light begins 2400 counts after a tick, in pulses of 240
+//! counts every 1200; under load two lasers have periods of 120 and 121 counts in turn, and eight
+//! axes a step every 240. A tick is 12,000 counts.
 use super::{Row, Verdict};
 use crate::bring_up::lines::Figures;
 
@@ -119,7 +120,8 @@ fn no_edges(figures: &Figures, name: &str, jumper: usize) -> Verdict {
     }
 }
 
-/// Edges of a line, each after the one before: what comes at a smaller count comes in the next tick.
+/// Edges of a line, each after the one before: what comes at a smaller count comes in the next
+/// tick.
 fn edges(figures: &Figures, name: &str, jumper: usize) -> Result<Vec<i64>, Verdict> {
     let counts = match figures.all(name) {
         [counts] if !counts.is_empty() => counts,
@@ -326,7 +328,8 @@ fn settling(figures: &Figures) -> Verdict {
 }
 
 fn analog(figures: &Figures) -> Verdict {
-    // The converter's own offset is up to 10 of its 4096 codes, and its gain 0.5 % (DS12110, DAC characteristics).
+    // The converter's own offset is up to 10 of its 4096 codes, and its gain 0.5 % (DS12110, DAC
+    // characteristics).
     largest(figures, 400, |[code, _, settled]| settled - code)
 }
 

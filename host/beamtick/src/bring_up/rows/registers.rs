@@ -2,7 +2,8 @@
 use super::{Row, Verdict};
 use crate::bring_up::lines::Figures;
 
-/// MODER after a reset, ports A to G (11.4.1): analog, but PA13–PA15, PB3 and PB4 of the debug port.
+/// MODER after a reset, ports A to G (11.4.1): analog, but PA13–PA15, PB3 and PB4 of the debug
+/// port.
 const MODES: [i64; 7] = [0xabff_ffff, 0xffff_febf, 0xffff_ffff, 0xffff_ffff, 0xffff_ffff, 0xffff_ffff, 0xffff_ffff];
 /// PUPDR likewise.
 const PULLS: [i64; 7] = [0x6400_0000, 0x0000_0100, 0, 0, 0, 0, 0];

@@ -1,7 +1,8 @@
 //! The start of a slave: at once, or where the master crosses the position of PASS.
 //!
-//! In: intervals of the master's motion, the start event of the axis, the wait in force. Out: the progress at which the
-//! motion begins, with the exact instant of the crossing between two ticks. Owns nothing. Cannot fail.
+//! In: intervals of the master's motion, the start event of the axis, the wait in force. Out: the
+//! progress at which the motion begins, with the exact instant of the crossing between two ticks.
+//! Owns nothing. Cannot fail.
 use super::{Context, FollowRun, State, Wait};
 use crate::segment::follow::curve::UNIT;
 use crate::segment::follow::entry::Input;

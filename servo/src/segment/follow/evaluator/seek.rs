@@ -61,7 +61,8 @@ impl FollowRun {
         self.ahead = Some(Ahead { piece, index, pass, began, origin });
     }
 
-    /// Before the start: makes the first piece, as for a master at 0, if the first entry is a segment.
+    /// Before the start: makes the first piece, as for a master at 0, if the first entry is a
+    /// segment.
     #[inline(never)]
     pub(crate) fn prepare_start(&mut self, setup: &Setup, source: &impl Entries) {
         let entry = source.entry(self.fifo, 0);
@@ -147,7 +148,8 @@ impl FollowRun {
         if self.go_on(context) {
             return Seek::Here;
         }
-        // Over an end of pass into the next, a switch, and once more; or back over any number of passes.
+        // Over an end of pass into the next, a switch, and once more; or back over any number of
+        // passes.
         for _ in 0..4 {
             let x = ((self.progress as i128) << UNIT).wrapping_sub(self.began);
             let fifo = context.setup.fifo(self.fifo);
@@ -189,7 +191,8 @@ impl FollowRun {
         };
     }
 
-    /// Loads the piece that holds the progress `x` of this pass; its segment is one of `low`..`limit`.
+    /// Loads the piece that holds the progress `x` of this pass; its segment is one of
+    /// `low`..`limit`.
     pub(super) fn load<L>(&mut self, x: i128, low: u32, limit: u32, context: &Context<'_, impl Entries, L>) {
         let ends = |index| context.source.entry(self.fifo, index).ends_master();
         let (mut low, mut high) = (low, limit.wrapping_sub(1));

@@ -3,8 +3,8 @@
 //! In: the run's state where a phase or an interval begins. Out: the same state with the next
 //! phase, interval or piece in it. Fails: never; what has no length is skipped.
 //!
-//! A piece is parameterised over a power of two of ms, not over its own length: its coefficients are
-//! the velocity, the acceleration and the jerk but for shifts, and 1/length is a constant.
+//! A piece is parameterised over a power of two of ms, not over its own length: its coefficients
+//! are the velocity, the acceleration and the jerk but for shifts, and 1/length is a constant.
 use super::{Edged, Fine, JerkPhase, Kind, Next, RampRun, Rate, STILL, Shape};
 use crate::math::real::Real;
 use crate::math::wide::umulhi;
@@ -28,7 +28,8 @@ pub(super) fn ms(time: Fine) -> Real {
 }
 
 impl RampRun {
-    /// A Trap that moves towards its target, or is at standstill: to the peak that the distance allows.
+    /// A Trap that moves towards its target, or is at standstill: to the peak that the distance
+    /// allows.
     pub(super) fn aim(&mut self) {
         let distance = Real::from_exact(Exact(self.distance()));
         if distance.is_zero() || self.peak.is_zero() {
