@@ -329,7 +329,7 @@ pub struct NewMachine {
     /// The machine has no laser.
     #[arg(long)]
     pub no_laser: bool,
-    /// An answer, as axis.X.steps_per_mm=160. It is not asked for then.
+    /// An answer, as axes.x.steps_per_mm=160. It is not asked for then.
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
 }

@@ -38,7 +38,7 @@ fn write(new: &NewMachine) -> Result<(), Failure> {
     let mut questions = machine::questions(&new.axes, !new.no_laser);
     let mut answered = Vec::new();
     for answer in &new.set {
-        let wrong = || Failure::Input(format!("--set {answer}: it is KEY=VALUE, as axis.X.steps_per_mm=160"));
+        let wrong = || Failure::Input(format!("--set {answer}: it is KEY=VALUE, as axes.x.steps_per_mm=160"));
         let (key, value) = answer.split_once('=').ok_or_else(wrong)?;
         let keys: Vec<String> = questions.iter().map(|question| question.key.clone()).collect();
         let Some(question) = questions.iter_mut().find(|question| question.key == key.trim()) else {

@@ -34,9 +34,9 @@ fn the_commands_of_the_page_work() {
         assert_eq!(code, 0, "{command}: {said}");
     }
     let text = fs::read_to_string(folder.path().join("laser.toml")).unwrap();
-    assert!(text.contains("\nsteps_per_mm = 160 ") && text.contains("\n[axis.Z]\n"), "{text}");
+    assert!(text.contains("\nsteps_per_mm = 160 ") && text.contains("\n[axes.z]\n"), "{text}");
     let plotter = fs::read_to_string(folder.path().join("plotter.toml")).unwrap();
-    assert!(!plotter.contains("[laser]") && !plotter.contains("[axis.Z]"), "{plotter}");
+    assert!(!plotter.contains("[laser]") && !plotter.contains("[axes.z]"), "{plotter}");
     // Every key that a file may have is on the page.
     for line in text.lines().filter(|line| line.contains('=') && !line.starts_with("# The")) {
         let key = line.trim_start_matches('#').split('=').next().unwrap().trim();
@@ -51,12 +51,12 @@ fn the_commands_of_the_page_work() {
 #[test]
 fn answers_are_taken_and_wrong_ones_asked_again() {
     let folder = tempfile::tempdir().unwrap();
-    // family, link, number, steps (wrong, then right), direction, travel, rate; usual answers for
+    // family, board, number, steps (wrong, then right), invert, travel, rate; usual answers for
     // all others.
-    let answers = ["lsr", "serial:/dev/ttyACM0:921600", "", "-3", "12.5", "-1", "[-10, 90]", "600"].join("\n");
+    let answers = ["lsr", "serial:/dev/ttyACM0:921600", "", "-3", "12.5", "true", "[-10, 90]", "600"].join("\n");
     let (said, code) = beamtick(folder.path(), &["machine", "new", "m.toml"], &(answers + &"\n".repeat(60)));
     assert_eq!(code, 0, "{said}");
-    assert!(said.contains("axis.X.steps_per_mm is -3; it is 0.001 to 100000 pulses a mm"), "{said}");
+    assert!(said.contains("axes.x.steps_per_mm is -3; it is 0.001 to 100000 pulses a mm"), "{said}");
     let (shown, code) = beamtick(folder.path(), &["machine", "check", "m.toml"], "");
     assert_eq!(code, 0, "{shown}");
     for part in [
@@ -65,14 +65,14 @@ fn answers_are_taken_and_wrong_ones_asked_again() {
     ] {
         assert!(shown.contains(part), "{part}: {shown}");
     }
-    assert!(shown.contains("family lsr; link serial:/dev/ttyACM0:921600"), "{shown}");
+    assert!(shown.contains("family lsr; board serial:/dev/ttyACM0:921600"), "{shown}");
     // An input that ends leaves nothing.
     let (said, code) = beamtick(folder.path(), &["machine", "new", "cut.toml"], "gus\n");
-    assert!(code == 2 && said.contains("link: the input ended here; --yes"), "{said}");
+    assert!(code == 2 && said.contains("link.board: the input ended here; --yes"), "{said}");
     assert!(!folder.path().join("cut.toml").exists());
     for (set, why) in [
-        ("axis.X.steps=3", "there is no key `axis.X.steps`; keys are family, link, axis.X.number"),
-        ("axis.X.travel", "it is KEY=VALUE"),
+        ("axes.x.steps=3", "there is no key `axes.x.steps`; keys are family, link.board, axes.x.number"),
+        ("axes.x.travel", "it is KEY=VALUE"),
         ("laser.s_max=0", "laser.s_max is 0; it is 0.001 to 1000000"),
     ] {
         let (said, code) = beamtick(folder.path(), &["machine", "new", "set.toml", "--yes", "--set", set], "");

@@ -133,7 +133,10 @@ impl<'a> State<'a> {
     ) -> Result<bool, String> {
         for (word, (travel, letter)) in block.xyz.iter().zip(self.travel.iter().zip(LETTERS)) {
             if word.is_some() && travel.is_none() {
-                return Err(format!("{letter} is moved, and the machine file has no [axis.{letter}]"));
+                return Err(format!(
+                    "{letter} is moved, and the machine file has no [axes.{}]",
+                    letter.to_ascii_lowercase()
+                ));
             }
         }
         if let Some(inch) = block.inch {
@@ -254,10 +257,11 @@ impl<'a> State<'a> {
             return Light::Dark;
         }
         let part = (to_f64(self.speed) / laser.s_max).min(1.0);
+        let power = laser.power.0 + (laser.power.1 - laser.power.0) * part;
         match self.spindle {
             Spindle::Off => Light::Dark,
-            Spindle::Constant => Light::Constant(laser.minimum + (laser.full_power - laser.minimum) * part),
-            Spindle::Follow => Light::Follow(laser.full_power * part),
+            Spindle::Constant => Light::Constant(power),
+            Spindle::Follow => Light::Follow(power),
         }
     }
 
@@ -278,7 +282,7 @@ impl<'a> State<'a> {
             self.system = system;
         }
         if block.control == Some(true) && block.p.is_some() {
-            note("G64 P does nothing: a path goes through its corners exactly, as fast as corner_tolerance says");
+            note("G64 P does nothing: a path goes through its corners exactly, as fast as junction_deviation says");
         }
         Ok(())
     }
@@ -411,7 +415,7 @@ impl<'a> State<'a> {
     fn arc(&self, block: &Block, to: Point, ccw: bool) -> Result<Shape, String> {
         let [a, b, across] = PLANES[self.plane];
         if self.travel[a].is_none() || self.travel[b].is_none() {
-            return Err("an arc of this plane moves Z, and the machine file has no [axis.Z]".to_owned());
+            return Err("an arc of this plane moves Z, and the machine file has no [axes.z]".to_owned());
         }
         let end = [to_f64(to[a] - self.at[a]), to_f64(to[b] - self.at[b])];
         let closed = to[a] == self.at[a] && to[b] == self.at[b];

@@ -87,8 +87,8 @@ fn norm(way: [f64; 3]) -> f64 {
 impl<'a> Writer<'a> {
     pub fn new(name: &str, machine: &'a Machine) -> Result<Writer<'a>, String> {
         if let Some(axis) = machine.axes.iter().find(|axis| !PATH_AXES.contains(&axis.number)) {
-            let (letter, number) = (axis.letter, axis.number);
-            return Err(format!("axis.{letter}.number of the machine file is {number}; a path reaches axes 1 to 8"));
+            let (letter, number) = (axis.letter.to_ascii_lowercase(), axis.number);
+            return Err(format!("axes.{letter}.number of the machine file is {number}; a path reaches axes 1 to 8"));
         }
         let scales: Vec<Scale> = machine.axes.iter().map(Scale::of).collect();
         let mut at = [0; 3];
@@ -167,7 +167,7 @@ impl<'a> Writer<'a> {
         }
         // An axis that passes a jump of velocity a·T in the time T with the acceleration a is
         // a·T²/8 beside the corner.
-        let tolerance = machine.path.corner_tolerance;
+        let tolerance = machine.path.junction_deviation;
         let time = |axis: &machine::Axis| (8.0 * tolerance / axis.acceleration).sqrt() * 1000.0;
         let time = machine.axes.iter().map(time).fold(f64::INFINITY, f64::min);
         let most = machine.axes.iter().map(machine::Axis::pulse_acceleration).fold(0.0, f64::max);
@@ -187,14 +187,14 @@ impl<'a> Writer<'a> {
         if self.machine.family == Family::Gus && laser.mode != Mode::Analog {
             self.put(format_args!("GT_SetAxisMode({}, 1);\n", 7 + channel));
         }
-        let most = laser.full_power * unit(laser);
+        let most = laser.power.1;
         self.put(format_args!("GT_LaserPowerMode({mode}, {most}, 0, {channel}, 1);\n"));
         match laser.mode {
-            Mode::Duty => self.put(format_args!("GT_LaserOutFrq({}, {channel});\n", laser.carrier / 1000.0)),
-            Mode::Frequency => self.put(format_args!("GT_SetPulseWidth({}, {channel});\n", laser.pulse_width)),
+            Mode::Duty => self.put(format_args!("GT_LaserOutFrq({}, {channel});\n", laser.carrier_khz)),
+            Mode::Frequency => self.put(format_args!("GT_SetPulseWidth({}, {channel});\n", laser.pulse_width_us)),
             Mode::Analog => {}
         }
-        self.put(format_args!("GT_SetLevelDelay({}, {}, {channel});\n", laser.off_delay, laser.on_delay));
+        self.put(format_args!("GT_SetLevelDelay({}, {}, {channel});\n", laser.off_delay_us, laser.on_delay_us));
         self.put(format_args!("GT_BufLaserFollowMode(1, 0, 0, {channel});\n"));
         self.entries += 1;
     }
@@ -211,7 +211,7 @@ impl<'a> Writer<'a> {
     /// Sets the light from here on.
     fn light(&mut self, want: Option<Power>) {
         let Some(laser) = &self.machine.laser else { return };
-        let (channel, unit, lsr) = (laser.channel, unit(laser), self.machine.family == Family::Lsr);
+        let (channel, lsr) = (laser.channel, self.machine.family == Family::Lsr);
         if want == self.power {
             return;
         }
@@ -225,7 +225,7 @@ impl<'a> Writer<'a> {
                     self.put(format_args!("GT_BufLaserFollowOff(1, 0, {channel});\n"));
                     self.entered();
                 }
-                self.put(format_args!("GT_BufLaserPrfCmd(1, {}, 0, {channel});\n", power * unit));
+                self.put(format_args!("GT_BufLaserPrfCmd(1, {power}, 0, {channel});\n"));
                 self.entered();
             }
             Some(Power::Follow { ratio, most }) => {
@@ -233,7 +233,6 @@ impl<'a> Writer<'a> {
                     self.put(format_args!("GT_BufLaserPrfCmd(1, 0, 0, {channel});\n"));
                     self.entered();
                 }
-                let (ratio, most) = (ratio * unit, most * unit);
                 self.put(format_args!("GT_BufLaserFollowRatio(1, {ratio}, 0, {most}, 0, {channel});\n"));
                 self.entered();
             }
@@ -408,7 +407,7 @@ impl<'a> Writer<'a> {
     /// Lines along an arc.
     fn curve(&mut self, stroke: &Stroke, axes: [usize; 3], arc: &Arc, to: [i64; 3]) {
         let [a, b, across] = axes;
-        let parts = arc.parts(self.machine.path.curve_tolerance);
+        let parts = arc.parts(self.machine.path.arc_tolerance);
         let rise = to_f64(stroke.to[across] - stroke.from[across]);
         let mut before = [0.0; 3];
         for number in 1..=parts {
@@ -441,9 +440,4 @@ impl<'a> Writer<'a> {
         self.text.push_str("WaitStop(1, 0, 1);\nSleep(1);\n");
         self.text
     }
-}
-
-/// What a power is in the unit of calls: kHz for Hz.
-fn unit(laser: &Laser) -> f64 {
-    if laser.mode == Mode::Frequency { 0.001 } else { 1.0 }
 }

@@ -16,9 +16,10 @@ const FAR: f64 = 100_000.0;
 struct File {
     #[serde(default)]
     family: Family,
-    link: Option<Spanned<String>>,
     #[serde(default)]
-    axis: Axes,
+    link: LinkKeys,
+    #[serde(default)]
+    axes: Axes,
     laser: Option<Spanned<LaserKeys>>,
     #[serde(default)]
     path: PathKeys,
@@ -28,11 +29,17 @@ struct File {
 
 #[derive(Default, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[allow(non_snake_case)]
 struct Axes {
-    X: Option<Spanned<AxisKeys>>,
-    Y: Option<Spanned<AxisKeys>>,
-    Z: Option<Spanned<AxisKeys>>,
+    x: Option<Spanned<AxisKeys>>,
+    y: Option<Spanned<AxisKeys>>,
+    z: Option<Spanned<AxisKeys>>,
+    a: Option<Spanned<toml::Table>>,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LinkKeys {
+    board: Option<Spanned<String>>,
 }
 
 #[derive(Deserialize)]
@@ -40,7 +47,7 @@ struct Axes {
 struct AxisKeys {
     number: Spanned<i64>,
     steps_per_mm: Spanned<f64>,
-    direction: Option<Spanned<i64>>,
+    invert: Option<bool>,
     travel: Spanned<Vec<f64>>,
     max_rate: Spanned<f64>,
     acceleration: Spanned<f64>,
@@ -56,20 +63,19 @@ struct AxisKeys {
 struct LaserKeys {
     channel: Spanned<i64>,
     mode: Mode,
-    carrier: Option<Spanned<f64>>,
-    pulse_width: Option<Spanned<i64>>,
-    full_power: Spanned<f64>,
-    minimum: Option<Spanned<f64>>,
+    carrier_khz: Option<Spanned<f64>>,
+    pulse_width_us: Option<Spanned<f64>>,
     s_max: Spanned<f64>,
-    on_delay: Option<Spanned<i64>>,
-    off_delay: Option<Spanned<i64>>,
+    power: Spanned<Vec<f64>>,
+    on_delay_us: Option<Spanned<f64>>,
+    off_delay_us: Option<Spanned<f64>>,
 }
 
 #[derive(Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct PathKeys {
-    corner_tolerance: Option<Spanned<f64>>,
-    curve_tolerance: Option<Spanned<f64>>,
+    junction_deviation: Option<Spanned<f64>>,
+    arc_tolerance: Option<Spanned<f64>>,
 }
 
 #[derive(Default, Deserialize)]
@@ -110,9 +116,20 @@ pub fn read(name: &str, text: &str) -> Result<Machine, String> {
     };
     let file: File = toml::from_str(bare).map_err(|error| {
         let message = error.message().replace('\n', " ");
-        shown(error.span().unwrap_or(0..0), format!("cannot be read: {message}; docs/machine.md lists the keys"))
+        let help = nearest_key(&message).unwrap_or_else(|| "docs/machine.md lists the keys".to_owned());
+        shown(error.span().unwrap_or(0..0), format!("cannot be read: {message}; {help}"))
     })?;
     checked(&file).map_err(|(span, message)| shown(span, message))
+}
+
+/// The known key that is nearest to an unknown one, where the reader's message is about one.
+fn nearest_key(message: &str) -> Option<String> {
+    // The message quotes the unknown key first, then the known ones.
+    let mut quoted = message.strip_prefix("unknown field ")?.split('`').skip(1).step_by(2);
+    let got = quoted.next()?;
+    let closeness = |key: &str| strsim::jaro_winkler(&got.to_lowercase(), key);
+    let nearest = quoted.max_by(|a, b| closeness(a).total_cmp(&closeness(b)))?;
+    Some(format!("the nearest known key is `{nearest}`"))
 }
 
 /// Line of a byte, from 1, and the key that stands there with its table.
@@ -142,23 +159,32 @@ fn place(text: &str, at: usize) -> (usize, String) {
 }
 
 fn checked(file: &File) -> Result<Machine, Fault> {
+    if let Some(keys) = &file.axes.a {
+        let message = "is a fourth axis; G-code and drawings move X, Y and Z only: remove this table".to_owned();
+        return Err((keys.span(), message));
+    }
     let mut axes: Vec<Axis> = Vec::new();
-    for (letter, keys) in LETTERS.into_iter().zip([&file.axis.X, &file.axis.Y, &file.axis.Z]) {
+    for (letter, keys) in LETTERS.into_iter().zip([&file.axes.x, &file.axes.y, &file.axes.z]) {
         match keys {
             Some(keys) => axes.push(axis(letter, keys.get_ref(), &axes)?),
             None if letter == 'Z' => {}
             None => {
-                return Err((0..0, format!("has no table [axis.{letter}]; a machine has X and Y at least: add it")));
+                let table = format!("[axes.{}]", letter.to_ascii_lowercase());
+                return Err((0..0, format!("has no table {table}; a machine has X and Y at least: add it")));
             }
         }
     }
-    let link = match &file.link {
+    let link = match &file.link.board {
         None => None,
+        Some(board) if board.get_ref() == "virtual" => None,
         Some(link) => {
             let text = link.get_ref();
             let known = text == "qemu" || text.starts_with("tcp:") || text.starts_with("serial:");
             if !known {
-                return Err((link.span(), format!("is \"{text}\"; it is tcp:HOST:PORT, serial:PATH[:BAUD] or qemu")));
+                return Err((
+                    link.span(),
+                    format!("is \"{text}\"; it is virtual, tcp:HOST:PORT, serial:PATH[:BAUD] or qemu"),
+                ));
             }
             Some(text.clone())
         }
@@ -168,8 +194,8 @@ fn checked(file: &File) -> Result<Machine, Fault> {
     };
     let usual = Path::default();
     let path = Path {
-        corner_tolerance: tolerance(&file.path.corner_tolerance, 10.0, usual.corner_tolerance)?,
-        curve_tolerance: tolerance(&file.path.curve_tolerance, 1.0, usual.curve_tolerance)?,
+        junction_deviation: tolerance(&file.path.junction_deviation, 10.0, usual.junction_deviation)?,
+        arc_tolerance: tolerance(&file.path.arc_tolerance, 1.0, usual.arc_tolerance)?,
     };
     let output = |value: &Option<Spanned<i64>>| {
         value.as_ref().map(|value| whole(value, 1..=16, "(a general output)").map(|number| number as u8)).transpose()
@@ -203,15 +229,7 @@ fn axis(letter: char, keys: &AxisKeys, others: &[Axis]) -> Result<Axis, Fault> {
         let message = format!("is {steps_per_mm}, with {decimals} decimals; at most {STEP_DECIMALS} count: round it");
         return Err((keys.steps_per_mm.span(), message));
     }
-    let reversed = match &keys.direction {
-        None => false,
-        Some(value) if *value.get_ref() == 1 => false,
-        Some(value) if *value.get_ref() == -1 => true,
-        Some(value) => {
-            let message = format!("is {}; it is 1, or -1 where the axis counts down", value.get_ref());
-            return Err((value.span(), message));
-        }
-    };
+    let reversed = keys.invert.unwrap_or(false);
     let &[least, most] = keys.travel.get_ref().as_slice() else {
         let got = keys.travel.get_ref().len();
         return Err((keys.travel.span(), format!("has {got} values; it is [least, greatest] in mm")));
@@ -250,33 +268,53 @@ fn laser(spanned: &Spanned<LaserKeys>, family: Family) -> Result<Laser, Fault> {
     let keys = spanned.get_ref();
     let channel = whole(&keys.channel, 0..=1, "")? as u8;
     let missing = |key: &str, why: &str| (spanned.span(), format!("has no {key}; {why}"));
-    let (highest_hz, widest_us) = match family {
-        Family::Gus => (2e6, 65_535),
-        Family::Lsr => (24_000.0, 4000),
+    let (highest_khz, widest_us) = match family {
+        Family::Gus => (2000.0, 65_535),
+        Family::Lsr => (24.0, 4000),
     };
-    let carrier = match (keys.mode, &keys.carrier) {
-        (Mode::Duty, Some(value)) => within(value, 1.0..=highest_hz, "Hz")?,
-        (Mode::Duty, None) => return Err(missing("carrier", "the duty mode needs it, in Hz")),
+    let carrier_khz = match (keys.mode, &keys.carrier_khz) {
+        (Mode::Duty, Some(value)) => within(value, 0.001..=highest_khz, "kHz")?,
+        (Mode::Duty, None) => return Err(missing("carrier_khz", "the duty mode needs it")),
         (_, Some(value)) => return Err((value.span(), "is for the mode \"duty\" only; remove it".to_owned())),
         (_, None) => 0.0,
     };
-    let pulse_width = match (keys.mode, &keys.pulse_width) {
-        (Mode::Frequency, Some(value)) => whole(value, 1..=widest_us, "µs")? as u16,
-        (Mode::Frequency, None) => return Err(missing("pulse_width", "the frequency mode needs it, in µs")),
+    let pulse_width_us = match (keys.mode, &keys.pulse_width_us) {
+        (Mode::Frequency, Some(value)) => microseconds(value, 1..=widest_us)?,
+        (Mode::Frequency, None) => return Err(missing("pulse_width_us", "the frequency mode needs it")),
         (_, Some(value)) => return Err((value.span(), "is for the mode \"frequency\" only; remove it".to_owned())),
         (_, None) => 0,
     };
-    let full_power = match keys.mode {
-        Mode::Duty => within(&keys.full_power, 0.001..=100.0, "%")?,
-        Mode::Frequency => within(&keys.full_power, 1.0..=highest_hz, "Hz")?,
-        Mode::Analog => within(&keys.full_power, 0.001..=10.0, "V")?,
+    let &[least, full] = keys.power.get_ref().as_slice() else {
+        let message = format!("has {} values; it is [power at S = 0, power at s_max]", keys.power.get_ref().len());
+        return Err((keys.power.span(), message));
     };
-    let minimum = keys.minimum.as_ref().map_or(Ok(0.0), |value| within(value, 0.0..=full_power, "(full_power)"))?;
+    let (smallest, greatest, unit) = match keys.mode {
+        Mode::Duty => (0.001, 100.0, "%"),
+        Mode::Frequency => (0.001, highest_khz, "kHz"),
+        Mode::Analog => (0.001, 10.0, "V"),
+    };
+    // A rate below 1 Hz other than 0 is none that the controller makes (SPEC 6).
+    let whole_rate = keys.mode != Mode::Frequency || least == 0.0 || least >= smallest;
+    if !((smallest..=greatest).contains(&full) && (0.0..=full).contains(&least) && whole_rate) {
+        let message = format!(
+            "is [{least}, {full}]; it is [power at S = 0, power at s_max]: 0 to the second, and {smallest} to \
+             {greatest} {unit}"
+        );
+        return Err((keys.power.span(), message));
+    }
+    let power = (least, full);
     let s_max = within(&keys.s_max, 0.001..=1e6, "")?;
-    let delay = |value: &Option<Spanned<i64>>| {
-        value.as_ref().map_or(Ok(0), |value| whole(value, 0..=65_535, "µs").map(|us| us as u16))
-    };
-    let (on_delay, off_delay) = (delay(&keys.on_delay)?, delay(&keys.off_delay)?);
+    let delay = |value: &Option<Spanned<f64>>| value.as_ref().map_or(Ok(0), |value| microseconds(value, 0..=65_535));
+    let (on_delay_us, off_delay_us) = (delay(&keys.on_delay_us)?, delay(&keys.off_delay_us)?);
     let mode = keys.mode;
-    Ok(Laser { channel, mode, carrier, pulse_width, full_power, minimum, s_max, on_delay, off_delay })
+    Ok(Laser { channel, mode, carrier_khz, pulse_width_us, power, s_max, on_delay_us, off_delay_us })
+}
+
+/// Whole microseconds, which may be written as 5 or as 5.0.
+fn microseconds(value: &Spanned<f64>, limits: RangeInclusive<u16>) -> Result<u16, Fault> {
+    let got = *value.get_ref();
+    if got.fract() == 0.0 && (f64::from(*limits.start())..=f64::from(*limits.end())).contains(&got) {
+        return Ok(got as u16);
+    }
+    Err((value.span(), format!("is {got}; it is a whole number from {} to {} µs", limits.start(), limits.end())))
 }

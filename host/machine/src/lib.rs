@@ -24,7 +24,7 @@ pub const STEP_DECIMALS: u32 = 9;
 pub struct Machine {
     /// Laser family: where the two manuals differ.
     pub family: Family,
-    /// Link of `beamtick run`, where the command line names none.
+    /// Link of `beamtick run`, where the command line names none; none is the virtual board.
     pub link: Option<String>,
     /// X, Y and, where the machine has it, Z.
     pub axes: Vec<Axis>,
@@ -93,7 +93,7 @@ pub enum Limits {
 pub enum Mode {
     /// The duty of a carrier, %.
     Duty,
-    /// The rate of pulses of one width, Hz.
+    /// The rate of pulses of one width, kHz.
     Frequency,
     /// A voltage, V.
     Analog,
@@ -106,34 +106,32 @@ pub struct Laser {
     pub channel: u8,
     /// How its energy is set.
     pub mode: Mode,
-    /// Carrier of the duty mode, Hz; 0 in others.
-    pub carrier: f64,
+    /// Carrier of the duty mode, kHz; 0 in others.
+    pub carrier_khz: f64,
     /// Pulse width of the frequency mode, µs; 0 in others.
-    pub pulse_width: u16,
-    /// Power at S = `s_max`: %, Hz or V.
-    pub full_power: f64,
-    /// Power of the smallest S above 0 under M3, in the same unit.
-    pub minimum: f64,
-    /// The S that stands for `full_power`.
+    pub pulse_width_us: u16,
+    /// Power at S = 0 and at S = `s_max`: %, kHz or V. S0 itself is dark.
+    pub power: (f64, f64),
+    /// The S of full power.
     pub s_max: f64,
     /// The light begins so much after the path's boundary, µs.
-    pub on_delay: u16,
+    pub on_delay_us: u16,
     /// The light ends so much after the path's boundary, µs.
-    pub off_delay: u16,
+    pub off_delay_us: u16,
 }
 
 /// How corners and curves are run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Path {
     /// By so much the machine may round a corner, mm: it decides the speed there.
-    pub corner_tolerance: f64,
+    pub junction_deviation: f64,
     /// Curves that are no arcs of the controller become lines that are so near, mm.
-    pub curve_tolerance: f64,
+    pub arc_tolerance: f64,
 }
 
 impl Default for Path {
     fn default() -> Self {
-        Path { corner_tolerance: 0.01, curve_tolerance: 0.002 }
+        Path { junction_deviation: 0.02, arc_tolerance: 0.002 }
     }
 }
 
@@ -178,7 +176,7 @@ impl Laser {
     pub fn unit(&self) -> &'static str {
         match self.mode {
             Mode::Duty => "%",
-            Mode::Frequency => "Hz",
+            Mode::Frequency => "kHz",
             Mode::Analog => "V",
         }
     }

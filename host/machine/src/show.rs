@@ -36,25 +36,25 @@ pub fn show(machine: &Machine) -> String {
         Some(laser) => {
             let unit = laser.unit();
             let how = match laser.mode {
-                Mode::Duty => format!("duty of a carrier of {} Hz", laser.carrier),
-                Mode::Frequency => format!("rate of pulses of {} µs", laser.pulse_width),
+                Mode::Duty => format!("duty of a carrier of {} kHz", laser.carrier_khz),
+                Mode::Frequency => format!("rate of pulses of {} µs", laser.pulse_width_us),
                 Mode::Analog => "voltage".to_owned(),
             };
             text += &format!(
-                "laser: channel {}, {how}; S0 is dark, S{} is {} {unit}, the least is {} {unit}; delays on {} µs, off {} µs\n",
-                laser.channel, laser.s_max, laser.full_power, laser.minimum, laser.on_delay, laser.off_delay
+                "laser: channel {}, {how}; S0 is dark, S above it {} to {} {unit} (S{}); delays on {} µs, off {} µs\n",
+                laser.channel, laser.power.0, laser.power.1, laser.s_max, laser.on_delay_us, laser.off_delay_us
             );
         }
     }
     text += &format!(
-        "corners within {} mm, curves within {} mm; family {}; link {}\n",
-        machine.path.corner_tolerance,
-        machine.path.curve_tolerance,
+        "corners within {} mm, curves within {} mm; family {}; board {}\n",
+        machine.path.junction_deviation,
+        machine.path.arc_tolerance,
         match machine.family {
             Family::Gus => "gus",
             Family::Lsr => "lsr",
         },
-        machine.link.as_deref().unwrap_or("none")
+        machine.link.as_deref().unwrap_or("virtual")
     );
     let output = |name: &str, output: Option<u8>| output.map(|number| format!("{name} switches output {number}\n"));
     text + &output("M7", machine.outputs.mist).unwrap_or_default()

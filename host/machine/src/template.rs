@@ -6,7 +6,7 @@ use crate::Machine;
 /// One thing that a machine file says.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Question {
-    /// The key with its table: `axis.X.steps_per_mm`.
+    /// The key with its table: `axes.x.steps_per_mm`.
     pub key: String,
     /// What it means, with unit and limits.
     pub meaning: &'static str,
@@ -18,7 +18,7 @@ pub struct Question {
 const AXIS: [(&str, &str, &str); 9] = [
     ("number", "axis of the controller, 1 to 64; paths reach 1 to 8", "1"),
     ("steps_per_mm", "pulses a mm", "100"),
-    ("direction", "1, or -1 where the axis counts down", "1"),
+    ("invert", "true where the axis counts down", "false"),
     ("travel", "least and greatest machine position, mm", "[0, 300]"),
     ("max_rate", "greatest speed, mm/min", "12000"),
     ("acceleration", "greatest acceleration, mm/s²", "1000"),
@@ -27,27 +27,26 @@ const AXIS: [(&str, &str, &str); 9] = [
     ("alarm", "the drive's alarm input is in use", "false"),
 ];
 
-const LASER: [(&str, &str, &str); 9] = [
+const LASER: [(&str, &str, &str); 8] = [
     ("channel", "laser channel, 0 or 1", "0"),
     ("mode", "\"duty\" (of a carrier), \"frequency\" (of pulses), \"analog\"", "\"duty\""),
-    ("carrier", "carrier of the duty mode, Hz", "10000"),
-    ("pulse_width", "pulse width of the frequency mode, µs", ""),
-    ("full_power", "power at S = s_max: % (duty), Hz (frequency), V (analog)", "100"),
-    ("minimum", "power of the smallest S above 0 under M3, same unit", "0"),
-    ("s_max", "the S that stands for full_power", "1000"),
-    ("on_delay", "the light begins so much later, µs", "0"),
-    ("off_delay", "the light ends so much later, µs", "0"),
+    ("carrier_khz", "carrier of the duty mode, kHz", "10"),
+    ("pulse_width_us", "pulse width of the frequency mode, µs", ""),
+    ("s_max", "the S of full power", "1000"),
+    ("power", "power at S = 0 and at S = s_max: % (duty), kHz (frequency), V (analog)", "[0, 100]"),
+    ("on_delay_us", "the light begins so much later, µs", "0"),
+    ("off_delay_us", "the light ends so much later, µs", "0"),
 ];
 
 const PATH: [(&str, &str, &str); 2] = [
-    ("corner_tolerance", "by so much the machine may round a corner, mm: it decides the speed there", "0.01"),
-    ("curve_tolerance", "curves that are no arcs become lines that are so near, mm", "0.002"),
+    ("junction_deviation", "by so much the machine may round a corner, mm: it decides the speed there", "0.02"),
+    ("arc_tolerance", "curves that are no arcs become lines that are so near, mm", "0.002"),
 ];
 
-const TOP: [(&str, &str, &str); 2] = [
-    ("family", "laser family: \"gus\" or \"lsr\"", "\"gus\""),
-    ("link", "link of `beamtick run`: \"tcp:HOST:PORT\", \"serial:PATH:BAUD\", \"qemu\"; empty for none", ""),
-];
+const TOP: [(&str, &str, &str); 1] = [("family", "laser family: \"gus\" or \"lsr\"", "\"gus\"")];
+
+const LINK: [(&str, &str, &str); 1] =
+    [("board", "\"virtual\", \"tcp:HOST:PORT\", \"serial:PATH:BAUD\" or \"qemu\"", "\"virtual\"")];
 
 const OUTPUTS: [(&str, &str, &str); 2] = [
     ("mist", "general output that M7 switches on and M9 off, 1 to 16; empty for none", ""),
@@ -64,6 +63,7 @@ pub fn questions(letters: &str, laser: bool) -> Vec<Question> {
         }
     };
     table("", &TOP);
+    table("link", &LINK);
     for (place, letter) in letters.chars().enumerate() {
         let number = (place + 1).to_string();
         let mut rows = AXIS;
@@ -71,7 +71,7 @@ pub fn questions(letters: &str, laser: bool) -> Vec<Question> {
         if letter == 'Z' {
             (rows[1].2, rows[3].2, rows[4].2, rows[5].2) = ("400", "[-50, 50]", "1200", "200");
         }
-        table(&format!("axis.{letter}"), &rows);
+        table(&format!("axes.{}", letter.to_ascii_lowercase()), &rows);
     }
     if laser {
         table("laser", &LASER);

@@ -15,42 +15,57 @@ fn limits_are_those_of_the_page() {
     // Key, values that are taken, values that are refused, what the refusal says.
     let rows: &[(&str, &[&str], &[&str], &str)] = &[
         ("family", &["\"gus\"", "\"lsr\""], &["\"gts\"", "3"], "family cannot be read"),
-        ("link", &["\"qemu\"", "\"tcp:a:1\""], &["\"usb\""], "it is tcp:HOST:PORT, serial:PATH[:BAUD] or qemu"),
-        ("axis.X.number", &["4", "64"], &["0", "65", "-1"], "it is a whole number from 1 to 64"),
-        ("axis.Y.number", &["5"], &["1"], "as that of X; each axis has its own"),
         (
-            "axis.X.steps_per_mm",
+            "link.board",
+            &["\"qemu\"", "\"virtual\"", "\"tcp:a:1\""],
+            &["\"usb\""],
+            "it is virtual, tcp:HOST:PORT, serial:PATH[:BAUD] or qemu",
+        ),
+        ("axes.x.number", &["4", "64"], &["0", "65", "-1"], "it is a whole number from 1 to 64"),
+        ("axes.y.number", &["5"], &["1"], "as that of X; each axis has its own"),
+        (
+            "axes.x.steps_per_mm",
             &["0.001", "2000", "80.123456789"],
             &["0", "-1", "nan", "inf", "100001"],
             "pulses a mm",
         ),
-        ("axis.X.steps_per_mm", &[], &["80.1234567891"], "10 decimals; at most 9 count"),
-        ("axis.X.direction", &["1", "-1"], &["0", "2"], "it is 1, or -1"),
+        ("axes.x.steps_per_mm", &[], &["80.1234567891"], "10 decimals; at most 9 count"),
+        ("axes.x.invert", &["true", "false"], &["-1", "\"no\""], "axes.x.invert cannot be read"),
         (
-            "axis.X.travel",
+            "axes.x.travel",
             &["[-100000, 100000]"],
             &["[0, 0]", "[5, -5]", "[0, 100001]", "[nan, 1]"],
             "it is [least, greatest]",
         ),
-        ("axis.X.travel", &[], &["[0]", "[0, 1, 2]"], "values; it is [least, greatest]"),
-        ("axis.X.travel", &[], &["3"], "axis.X.travel cannot be read"),
-        ("axis.X.max_rate", &["0.001", "1e7"], &["0", "1e8", "nan"], "it is 0.001 to 10000000 mm/min"),
-        ("axis.X.acceleration", &["0.001", "1e7"], &["0", "-2"], "mm/s²"),
-        ("axis.X.home", &["0", "300"], &["-0.1", "301"], "it is 0 to 300 mm, the travel"),
-        ("axis.X.limits", &["\"both\""], &["\"all\"", "true"], "axis.X.limits cannot be read"),
-        ("axis.X.alarm", &["true"], &["1"], "axis.X.alarm cannot be read"),
+        ("axes.x.travel", &[], &["[0]", "[0, 1, 2]"], "values; it is [least, greatest]"),
+        ("axes.x.travel", &[], &["3"], "axes.x.travel cannot be read"),
+        ("axes.x.max_rate", &["0.001", "1e7"], &["0", "1e8", "nan"], "it is 0.001 to 10000000 mm/min"),
+        ("axes.x.acceleration", &["0.001", "1e7"], &["0", "-2"], "mm/s²"),
+        ("axes.x.home", &["0", "300"], &["-0.1", "301"], "it is 0 to 300 mm, the travel"),
+        ("axes.x.limits", &["\"both\""], &["\"all\"", "true"], "axes.x.limits cannot be read"),
+        ("axes.x.alarm", &["true"], &["1"], "axes.x.alarm cannot be read"),
         ("laser.channel", &["0", "1"], &["2", "-1"], "it is a whole number from 0 to 1"),
         ("laser.mode", &["\"duty\""], &["\"pwm\""], "laser.mode cannot be read"),
-        ("laser.carrier", &["1", "2e6"], &["0.5", "3e6"], "it is 1 to 2000000 Hz"),
-        ("laser.carrier", &[], &[""], "laser has no carrier; the duty mode needs it"),
-        ("laser.pulse_width", &[], &["5"], "is for the mode \"frequency\" only"),
-        ("laser.full_power", &["100", "0.001"], &["0", "101"], "it is 0.001 to 100 %"),
-        ("laser.minimum", &["0", "100"], &["-1", "101"], "it is 0 to 100 (full_power)"),
+        ("laser.carrier_khz", &["0.001", "2000"], &["0.0005", "3e3", "nan"], "it is 0.001 to 2000 kHz"),
+        ("laser.carrier_khz", &[], &[""], "laser has no carrier_khz; the duty mode needs it"),
+        ("laser.pulse_width_us", &[], &["5"], "is for the mode \"frequency\" only"),
+        (
+            "laser.power",
+            &["[0, 100]", "[0.001, 0.001]", "[5, 5.0]"],
+            &["[0, 0]", "[0, 101]", "[-1, 5]", "[6, 5]", "[nan, 5]", "[0, inf]"],
+            "it is [power at S = 0, power at s_max]: 0 to the second, and 0.001 to 100 %",
+        ),
+        ("laser.power", &[], &["[5]", "[0, 1, 2]", "[]"], "values; it is [power at S = 0, power at s_max]"),
         ("laser.s_max", &["255", "1e6"], &["0", "1e7"], "it is 0.001 to 1000000"),
-        ("laser.on_delay", &["65535"], &["65536", "-1"], "it is a whole number from 0 to 65535 µs"),
-        ("laser.off_delay", &["65535"], &["65536", "-1"], "it is a whole number from 0 to 65535 µs"),
-        ("path.corner_tolerance", &["0.0001", "10"], &["0", "11"], "it is 0.0001 to 10 mm"),
-        ("path.curve_tolerance", &["0.0001", "1"], &["0", "2"], "it is 0.0001 to 1 mm"),
+        (
+            "laser.on_delay_us",
+            &["65535", "2.0"],
+            &["65536", "-1", "0.5", "nan"],
+            "it is a whole number from 0 to 65535 µs",
+        ),
+        ("laser.off_delay_us", &["65535"], &["65536", "-1"], "it is a whole number from 0 to 65535 µs"),
+        ("path.junction_deviation", &["0.0001", "10"], &["0", "11"], "it is 0.0001 to 10 mm"),
+        ("path.arc_tolerance", &["0.0001", "1"], &["0", "2"], "it is 0.0001 to 1 mm"),
         ("outputs.mist", &["1", "16"], &["0", "17"], "it is a whole number from 1 to 16"),
         ("outputs.flood", &["1", "16"], &["0", "17"], "it is a whole number from 1 to 16"),
     ];
@@ -71,27 +86,39 @@ fn limits_are_those_of_the_page() {
 fn an_error_names_line_and_key() {
     let file = |axis_y: &str| {
         format!(
-            "# a comment = none\n[axis.X]\nnumber = 1\nsteps_per_mm = 80\ntravel = [0, 100]\nmax_rate = 6000\nacceleration = 500\n\n\
-             [axis.Y]\n{axis_y}\n"
+            "# a comment = none\n[axes.x]\nnumber = 1\nsteps_per_mm = 80\ntravel = [0, 100]\nmax_rate = 6000\nacceleration = 500\n\n\
+             [axes.y]\n{axis_y}\n"
         )
     };
     let good = "number = 2\nsteps_per_mm = 80\ntravel = [\n  0,\n  100\n]\nmax_rate = 6000\nacceleration = 500";
     let machine = Machine::read("m.toml", &file(good)).unwrap();
     assert_eq!((machine.axes.len(), machine.laser, machine.axes[1].travel), (2, None, (0.0, 100.0)));
     let cases = [
-        (good.replace("number = 2", "number = 2\nspeed = 4"), "m.toml:11: axis.Y.speed cannot be read: unknown field"),
+        (good.replace("number = 2", "number = 2\nspeed = 4"), "m.toml:11: axes.y.speed cannot be read: unknown field"),
+        (
+            good.replace("max_rate", "maxrate"),
+            "m.toml:16: axes.y.maxrate cannot be read: unknown field `maxrate`, expected one of `number`, \
+             `steps_per_mm`, `invert`, `travel`, `max_rate`, `acceleration`, `home`, `limits`, `alarm`; the nearest \
+             known key is `max_rate`",
+        ),
+        (
+            format!("{good}\n[link]\nbaord = \"qemu\""),
+            "m.toml:19: link.baord cannot be read: unknown field `baord`, expected `board`; the nearest known key is \
+             `board`",
+        ),
+        (format!("{good}\n[axes.a]\nnumber = 3"), "m.toml:18: axes.a is a fourth axis"),
         (
             good.replace("max_rate = 6000", "max_rate = \"fast\""),
-            "m.toml:16: axis.Y.max_rate cannot be read: invalid type",
+            "m.toml:16: axes.y.max_rate cannot be read: invalid type",
         ),
-        (good.replace("max_rate = 6000\n", ""), "m.toml:9: axis.Y cannot be read: missing field `max_rate`"),
+        (good.replace("max_rate = 6000\n", ""), "m.toml:9: axes.y cannot be read: missing field `max_rate`"),
         (
             good.replace("6000", "6e6").replace("80", "9000"),
-            "m.toml:16: axis.Y.max_rate is 6000000; at 9000 pulses a mm it is below 218447",
+            "m.toml:16: axes.y.max_rate is 6000000; at 9000 pulses a mm it is below 218447",
         ),
         (
             good.replace("acceleration = 500", "acceleration = 5e6").replace("80", "9000"),
-            "m.toml:17: axis.Y.acceleration is 5000000",
+            "m.toml:17: axes.y.acceleration is 5000000",
         ),
         (good.replace("100\n]", "100"), "m.toml:"),
         (format!("{good}\n[laser"), "m.toml:18: "),
@@ -102,10 +129,10 @@ fn an_error_names_line_and_key() {
     }
     let error = Machine::read(
         "m.toml",
-        "[axis.X]\nnumber = 1\nsteps_per_mm = 80\ntravel = [0, 1]\nmax_rate = 1\nacceleration = 1\n",
+        "[axes.x]\nnumber = 1\nsteps_per_mm = 80\ntravel = [0, 1]\nmax_rate = 1\nacceleration = 1\n",
     );
-    assert!(error.unwrap_err().contains("has no table [axis.Y]"));
-    assert!(Machine::read("m.toml", "").unwrap_err().contains("has no table [axis.X]"));
+    assert!(error.unwrap_err().contains("has no table [axes.y]"));
+    assert!(Machine::read("m.toml", "").unwrap_err().contains("has no table [axes.x]"));
 }
 
 #[test]
@@ -113,32 +140,33 @@ fn modes_need_what_is_theirs() {
     let laser = |lines: &str, family: &str, number: u8| {
         let axis = |letter: char, number: u8| {
             format!(
-                "[axis.{letter}]\nnumber = {number}\nsteps_per_mm = 80\ntravel = [0, 9]\nmax_rate = 60\nacceleration = 5\n"
+                "[axes.{letter}]\nnumber = {number}\nsteps_per_mm = 80\ntravel = [0, 9]\nmax_rate = 60\nacceleration = 5\n"
             )
         };
-        let text = format!("family = \"{family}\"\n{}{}[laser]\n{lines}", axis('X', 1), axis('Y', number));
+        let text = format!("family = \"{family}\"\n{}{}[laser]\n{lines}", axis('x', 1), axis('y', number));
         Machine::read("m.toml", &text)
     };
-    let pulses = "channel = 0\nmode = \"frequency\"\npulse_width = 4\nfull_power = 20000\ns_max = 255\n";
+    let pulses = "channel = 0\nmode = \"frequency\"\npulse_width_us = 4\npower = [0, 20]\ns_max = 255\n";
     let found = laser(pulses, "gus", 2).unwrap().laser.unwrap();
-    assert_eq!((found.mode, found.pulse_width, found.full_power, found.unit()), (Mode::Frequency, 4, 20_000.0, "Hz"));
-    let volts = "channel = 1\nmode = \"analog\"\nfull_power = 5\ns_max = 255\n";
+    assert_eq!((found.mode, found.pulse_width_us, found.power, found.unit()), (Mode::Frequency, 4, (0.0, 20.0), "kHz"));
+    let volts = "channel = 1\nmode = \"analog\"\npower = [0, 5]\ns_max = 255\n";
     assert_eq!(laser(volts, "gus", 8).unwrap().laser.unwrap().unit(), "V");
     for (lines, family, number, says) in [
         (
-            pulses.replace("pulse_width = 4\n", ""),
+            pulses.replace("pulse_width_us = 4\n", ""),
             "gus",
             2,
-            "laser has no pulse_width; the frequency mode needs it, in µs",
+            "laser has no pulse_width_us; the frequency mode needs it",
         ),
-        (pulses.replace("20000", "30000"), "lsr", 2, "laser.full_power is 30000; it is 1 to 24000 Hz"),
+        (pulses.replace("20]", "30]"), "lsr", 2, "laser.power is [0, 30]; it is"),
+        (pulses.replace("[0, 20]", "[0.0001, 20]"), "lsr", 2, "and 0.001 to 24 kHz"),
         (
             pulses.replace("= 4\n", "= 4001\n"),
             "lsr",
             2,
-            "laser.pulse_width is 4001; it is a whole number from 1 to 4000 µs",
+            "laser.pulse_width_us is 4001; it is a whole number from 1 to 4000 µs",
         ),
-        (volts.replace("= 5\n", "= 11\n"), "gus", 2, "laser.full_power is 11; it is 0.001 to 10 V"),
+        (volts.replace("5]", "11]"), "gus", 2, "and 0.001 to 10 V"),
         (pulses.to_owned(), "gus", 7, "laser.channel is 0: in family gus it uses the connector of axis 7"),
     ] {
         let error = laser(&lines, family, number).unwrap_err();
@@ -149,7 +177,7 @@ fn modes_need_what_is_theirs() {
 
 #[test]
 fn figures_in_pulses_are_those_of_the_axis() {
-    let machine = with("axis.X.steps_per_mm", "160").unwrap();
+    let machine = with("axes.x.steps_per_mm", "160").unwrap();
     let axis = machine.axis('X').unwrap();
     // 12000 mm/min are 0.2 mm/ms; 1000 mm/s² are 0.001 mm/ms².
     assert!((axis.rate() - 32.0).abs() < 1e-12 && (axis.pulse_acceleration() - 0.16).abs() < 1e-12);
