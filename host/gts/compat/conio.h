@@ -51,7 +51,22 @@ static inline int getch(void)
     return isatty(STDIN_FILENO) ? beamtick_terminal(1) : beamtick_getch();
 }
 
+static inline int getche(void)
+{
+    int key = getch();
+    putchar(key);
+    fflush(stdout);
+    return key;
+}
+
 #define _kbhit kbhit
 #define _getch getch
+#define _getche getche
+#define _putch putchar
+#define putch putchar
+#define _cputs(text) fputs((text), stdout)
+#define cputs(text) fputs((text), stdout)
+#define _cprintf printf
+#define cprintf printf
 
 #endif

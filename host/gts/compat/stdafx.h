@@ -7,6 +7,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "tchar.h"
+#include "beamtick_crt.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -64,6 +64,8 @@ pub fn enter(slot: Option<Slot>, prepared: &Prepared, lead: c_short, args: &[Arg
     // SAFETY: the addresses are those that the caller of the C function vouches for, see
     // `engine::call`.
     let outcome = catch_unwind(AssertUnwindSafe(|| unsafe { engine::call(slot, prepared, lead, args) }));
+    // With `virtual:max` a call takes time: sleepers of other threads may be due.
+    crate::compat::waits::time_passed();
     match outcome {
         Ok(Ok(None)) => 0,
         Ok(Ok(Some(note))) => {

@@ -14,7 +14,7 @@ use client::{Call, Client, Error, Options, Profile, Result};
 use protocol::command::{GetSts, Trace, opcode};
 use protocol::values::status::RUNNING;
 use std::ffi::{CString, c_char, c_short};
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, Once, PoisonError, TryLockError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -203,6 +203,8 @@ pub struct Card {
     keeper: Option<Keeper>,
     /// Close has been called: the time is not driven any more.
     closed: Arc<AtomicBool>,
+    /// Its number among all that this process has opened, from 1.
+    pub serial: u64,
     /// Something was set in motion.
     pub started: bool,
     /// Keys of `compat`.
@@ -259,7 +261,9 @@ impl Card {
         let keys = crate::compat::Keys::read(client.now());
         let stream = Stream::new(settings.batches, client.version().step_limit.get());
         let closed = Arc::default();
-        Ok(Card { client, time, stream, recorder, _files: files, keeper, closed, started: false, keys })
+        static OPENED: AtomicU64 = AtomicU64::new(1);
+        let serial = OPENED.fetch_add(1, Ordering::Relaxed);
+        Ok(Card { client, time, stream, recorder, _files: files, keeper, closed, serial, started: false, keys })
     }
 
     fn close(mut self) -> Result<()> {

@@ -1,5 +1,6 @@
-//! Functions for the headers of `compat/`: `Sleep`, `kbhit` and `getch` on Linux, in the
-//! controller's time.
+//! Functions for the headers of `compat/` on Linux, in the controller's time: `Sleep`, clocks,
+//! `kbhit` and `getch` here, a program's clock in `clock`, threads and what they wait for in
+//! `objects` and `waits`.
 //!
 //! A sleep lasts for so many milliseconds of controller time, so that a program does the same at
 //! any speed of the virtual controller. Keys: the header itself reads those of a terminal. Without
@@ -7,11 +8,14 @@
 //! (`1500,4000A`: a letter, or else a line end). After the last of them, or without the variable, a
 //! key is down once motion was started and nothing moves any more.
 
-use crate::card::{Card, Time};
+mod clock;
+mod objects;
+pub mod waits;
+
+use crate::card::Card;
 use crate::engine::any_card;
 use std::collections::VecDeque;
 use std::ffi::{c_int, c_ulong};
-use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 /// Times at which keys are pressed.
@@ -36,41 +40,27 @@ impl Keys {
 /// Waits for so many milliseconds of the open controller's time; of the wall clock's, if none is
 /// open.
 ///
-/// With `virtual:max` time passes here and in calls only, exactly as long as asked. When another
-/// thread closes the controller meanwhile, the remainder lasts as long on the wall clock as it
-/// would have with the controller.
+/// With `virtual:max` time passes here and in calls only, exactly as long as asked; sleeps of
+/// several threads overlap (`waits`). When another thread closes the controller meanwhile, the
+/// remainder lasts as long on the wall clock as it would have with the controller.
 #[unsafe(no_mangle)]
 pub extern "system" fn beamtick_sleep(milliseconds: c_ulong) {
     #[allow(clippy::useless_conversion)] // It has 32 bits on Windows.
     let time = Duration::from_millis(milliseconds.into());
-    let open = any_card().and_then(|slot| {
-        let mut state = slot.lock();
-        let card = state.card("Sleep").ok()?;
-        // The data of a loop that ends here is to be there.
-        card.flush_later();
-        let (client, time) = card.client();
-        Some((client, time, card.closed()))
-    });
-    match open {
-        Some((client, Time::Calls, _)) => {
-            let _ = client.sleep(time);
-        }
-        Some((client, Time::Paced(pace), closed)) => {
-            let end = pace.due(client.now().as_nanos() as u64) + time.as_nanos() as u64;
-            loop {
-                let left = end.saturating_sub(pace.due(client.now().as_nanos() as u64));
-                if left == 0 {
-                    return;
-                }
-                std::thread::sleep(pace.wall(left));
-                // Its time is stopped then, and never reaches the end.
-                if closed.load(Ordering::Relaxed) {
-                    return;
-                }
-            }
-        }
-        _ => std::thread::sleep(time),
+    waits::wait(Some(time), |_| None::<()>);
+}
+
+/// The program's time in ns: the virtual controller's while one is open, else the wall clock's. With
+/// `virtual:max` a reading lasts for a servo tick, so that a loop which waits for a time reaches it.
+#[unsafe(no_mangle)]
+pub extern "system" fn beamtick_now() -> u64 {
+    if let Some(slot) = any_card()
+        && let Ok(card) = slot.lock().card("")
+    {
+        let _ = card.passed(true);
     }
+    waits::time_passed();
+    u64::try_from(clock::now(&clock::Source::current(false)).as_nanos()).unwrap_or(u64::MAX)
 }
 
 /// Whether a key is down; see the module text.

@@ -23,7 +23,7 @@ static inline void check(int line, const char *call, short found, short wanted, 
 /* A call that is done. */
 #define DONE(call) check(__LINE__, #call, call, 0, "")
 /* Anything else. */
-#define TRUE(what)                                          \
+#define HOLDS(what)                                          \
     do {                                                    \
         if (!(what)) {                                      \
             printf("line %d: not %s\n", __LINE__, #what);   \

@@ -27,7 +27,7 @@ int main()
     printf("dead %d\n", code);
     REFUSED(code, "tcp:", GT_AxisOn(1));
     REFUSED(code, "tcp:", GT_GetPrfPos(1, &pos));
-    TRUE(code >= -7 && code <= -1);
+    HOLDS(code >= -7 && code <= -1);
     DONE(GT_Close());
     REFUSED(-7, "no controller is open", GT_GetPrfPos(1, &pos));
     REFUSED(-6, "cannot open", GT_Open());

@@ -25,13 +25,13 @@ static void session()
     DONE(GT_LoadConfig("test.cfg"));
     DONE(GT_ClrSts(1, 8));
     DONE(GT_GetClock(&clock, &loop));
-    TRUE(loop > 0);
+    HOLDS(loop > 0);
     DONE(GT_SetTick(250));
     DONE(GT_SetLinkLoss(500, 0));
     double lossMs;
     short stopAll;
     DONE(GT_GetLinkLoss(&lossMs, &stopAll));
-    TRUE(lossMs == 500 && stopAll == 0);
+    HOLDS(lossMs == 500 && stopAll == 0);
     DONE(GT_SetInterlock(1));
     DONE(GT_Abort());
     DONE(GT_GetLastReason(reason, sizeof reason));
@@ -52,28 +52,28 @@ static void axes()
     DONE(GT_SetEncPos(7, 1234));
     DONE(GT_SynchAxisPos(1 << 6));
     DONE(GT_GetPrfPos(7, value));
-    TRUE(value[0] == 1234);
+    HOLDS(value[0] == 1234);
     DONE(GT_GetEncPos(1, value, 8, &clock));
     DONE(GT_GetPrfVel(1, value, 8));
-    TRUE(value[0] == 0);
+    HOLDS(value[0] == 0);
     DONE(GT_GetPrfAcc(1, value, 8));
     DONE(GT_GetEncVel(1, value, 8));
     DONE(GT_GetSts(1, status, 8, &clock));
     short stopped = -1;
     DONE(GT_GetStopReason(1, &stopped));
-    TRUE(stopped == 0);
-    TRUE((status[0] & 0x200) && !(status[7] & 0x200) && clock > 0);
+    HOLDS(stopped == 0);
+    HOLDS((status[0] & 0x200) && !(status[7] & 0x200) && clock > 0);
     DONE(GT_GetPrfMode(1, mode, 8));
-    TRUE(mode[0] == 0);
+    HOLDS(mode[0] == 0);
     DONE(GT_SetStopDec(1, 2, 500));
     DONE(GT_GetStopDec(1, &smooth, &abrupt));
-    TRUE(smooth == 2 && abrupt == 500);
+    HOLDS(smooth == 2 && abrupt == 500);
     DONE(GT_SetAxisBand(1, 5, 4));
     DONE(GT_GetAxisBand(1, &band, &time));
-    TRUE(band == 5 && time == 4);
+    HOLDS(band == 5 && time == 4);
     DONE(GT_SetSoftLimit(1, 1000000, -1000000));
     DONE(GT_GetSoftLimit(1, &positive, &negative));
-    TRUE(positive == 1000000 && negative == -1000000);
+    HOLDS(positive == 1000000 && negative == -1000000);
     DONE(GT_LmtsOn(1));
     DONE(GT_LmtsOff(1));
     DONE(GT_LmtSns(0));
@@ -81,10 +81,10 @@ static void axes()
     DONE(GT_AlarmOff(1));
     DONE(GT_SetPosErr(1, 30000));
     DONE(GT_GetPosErr(1, &error));
-    TRUE(error == 30000);
+    HOLDS(error == 30000);
     DONE(GT_SetCaptureMode(1, CAPTURE_HOME));
     DONE(GT_GetCaptureStatus(1, captured, status, 2, &clock));
-    TRUE(captured[0] == 0);
+    HOLDS(captured[0] == 0);
     DONE(GT_Stop(3, 0));
 }
 
@@ -97,22 +97,22 @@ static void trap_and_jog()
     DONE(GT_PrfTrap(1));
     DONE(GT_SetTrapPrm(1, &trap));
     DONE(GT_GetTrapPrm(1, &trap_read));
-    TRUE(trap_read.dec == 2 && trap_read.smoothTime == 10);
+    HOLDS(trap_read.dec == 2 && trap_read.smoothTime == 10);
     DONE(GT_SetPos(1, 1000));
     DONE(GT_GetPos(1, &pos));
-    TRUE(pos == 1000);
+    HOLDS(pos == 1000);
     DONE(GT_SetVel(1, 20));
     DONE(GT_GetVel(1, &vel));
-    TRUE(vel == 20);
+    HOLDS(vel == 20);
     DONE(GT_PrfJog(2));
     DONE(GT_SetJogPrm(2, &jog));
     DONE(GT_GetJogPrm(2, &jog_read));
-    TRUE(jog_read.smooth == 0.5);
+    HOLDS(jog_read.smooth == 0.5);
     DONE(GT_SetVel(2, 5));
     DONE(GT_Update(3));
     wait_for(1);
     DONE(GT_GetPrfPos(1, &value));
-    TRUE(value == 1000);
+    HOLDS(value == 1000);
     DONE(GT_Stop(2, 0));
     wait_for(2);
 }
@@ -125,39 +125,39 @@ static void inputs_and_outputs()
     DONE(GT_GetDi(MC_GPI, &bits));
     DONE(GT_SetDo(MC_GPO, 0x5));
     DONE(GT_GetDo(MC_GPO, &bits));
-    TRUE((bits & 0xf) == 0x5);
+    HOLDS((bits & 0xf) == 0x5);
     DONE(GT_SetDoBit(MC_GPO, 2, 1));
     DONE(GT_GetDo(MC_GPO, &bits));
-    TRUE((bits & 0xf) == 0x7);
+    HOLDS((bits & 0xf) == 0x7);
     long words[4] = {-1, -1, -1, -1};
     DONE(GT_SetDoEx(MC_GPO, words, 1));
     DONE(GT_GetDoEx(MC_GPO, words, 4));
-    TRUE(words[0] == -1 && words[1] == 0 && words[2] == 0 && words[3] == 0);
+    HOLDS(words[0] == -1 && words[1] == 0 && words[2] == 0 && words[3] == 0);
     words[0] = 7;
     DONE(GTN_SetDoEx(1, MC_GPO, words, 1));
     DONE(GTN_GetDoEx(1, MC_GPO, words));
-    TRUE(words[0] == 7);
+    HOLDS(words[0] == 7);
     words[3] = 9;
     DONE(GT_GetDiEx(MC_GPI, words, 4));
-    TRUE(words[0] == 0 && words[3] == 0);
+    HOLDS(words[0] == 0 && words[3] == 0);
     DONE(GTN_GetDiEx(1, MC_GPI, words));
     DONE(GT_SetDac(3, dac, 2));
     DONE(GT_GetDac(3, dac_read, 2));
-    TRUE(dac_read[0] == 16384 && dac_read[1] == -16384);
+    HOLDS(dac_read[0] == 16384 && dac_read[1] == -16384);
     DONE(GT_GetAdc(1, adc, 2));
     /* What is set is read at once, also under LmtSns: levels are those of the terminals. */
     const short types[] = {MC_LIMIT_POSITIVE, MC_LIMIT_NEGATIVE, MC_ALARM, MC_HOME, MC_GPI, MC_ARRIVE};
     for (short type : types) {
         DONE(GT_SimInput(type, 8, 1));
         DONE(GT_GetDi(type, &bits));
-        TRUE(bits == 0x80);
+        HOLDS(bits == 0x80);
         DONE(GT_SimInput(type, 8, 0));
         DONE(GTN_GetDi(1, type, &bits));
-        TRUE(bits == 0);
+        HOLDS(bits == 0);
     }
     DONE(GT_LmtSns(0x8000));
     DONE(GT_GetDi(MC_LIMIT_NEGATIVE, &bits));
-    TRUE(bits == 0);
+    HOLDS(bits == 0);
     DONE(GT_LmtSns(0));
     DONE(GTN_SimInput(1, MC_INTERLOCK, 1, 1));
     DONE(GT_SimInput(MC_INTERLOCK, 1, 0));
@@ -168,7 +168,7 @@ static void inputs_and_outputs()
     DONE(GT_ClrLaserFault(1));
     DONE(GT_SimAdc(2, -3.5));
     DONE(GT_GetAdc(1, adc, 2));
-    TRUE(adc[0] == 0 && adc[1] > -3.501 && adc[1] < -3.499);
+    HOLDS(adc[0] == 0 && adc[1] > -3.501 && adc[1] < -3.499);
     DONE(GTN_SimAdc(1, 2, 0));
 }
 
@@ -180,18 +180,18 @@ static void pt()
         DONE(GT_PrfPt(axis));
         DONE(GT_SetPtMemory(axis, 1));
         DONE(GT_GetPtMemory(axis, &memory));
-        TRUE(memory == 1);
+        HOLDS(memory == 1);
         DONE(GT_PtClear(axis));
         DONE(GT_PtData(axis, 10, 10));
         DONE(GT_PtData(axis, 20, 20, PT_SEGMENT_STOP));
         DONE(GT_PtSpace(axis, &space));
-        TRUE(space == 1022);
+        HOLDS(space == 1022);
         DONE(GT_SetPtLoop(axis, 2));
     }
     DONE(GT_PtStart(1 << 2));
     wait_for(3);
     DONE(GT_GetPtLoop(3, &loops));
-    TRUE(loops == 2);
+    HOLDS(loops == 2);
     DONE(GT_PtStartPro(list, options, 2));
     wait_for(3);
     wait_for(4);
@@ -209,17 +209,17 @@ static void pvt()
     DONE(GT_PvtTableComplete(3, 3, time, pos, a, b, c));
     DONE(GT_PvtTablePercent(4, 3, time, pos, percent));
     DONE(GT_PvtPercentCalculate(3, time, pos, percent, 0, found));
-    TRUE(found[1] == 2 && found[2] == 0);
+    HOLDS(found[1] == 2 && found[2] == 0);
     DONE(GT_PvtContinuousCalculate(2, ends, rest, none, most, acc, acc, at));
     DONE(GT_PvtTableContinuous(5, 2, ends, rest, none, most, acc, acc, 0));
     DONE(GT_PvtTableSelect(5, 1));
     DONE(GT_SetPvtLoop(5, 1));
     DONE(GT_PvtStart(1 << 4));
     DONE(GT_PvtStatus(5, table, at));
-    TRUE(table[0] == 1);
+    HOLDS(table[0] == 1);
     wait_for(5);
     DONE(GT_GetPvtLoop(5, &count, &loop));
-    TRUE(count == 1 && loop == 1);
+    HOLDS(count == 1 && loop == 1);
 }
 
 static void follow()
@@ -229,20 +229,20 @@ static void follow()
     DONE(GT_PrfFollow(6));
     DONE(GT_SetFollowMaster(6, 2));
     DONE(GT_GetFollowMaster(6, &index, &type, &item));
-    TRUE(index == 2 && type == FOLLOW_MASTER_PROFILE && item == 0);
+    HOLDS(index == 2 && type == FOLLOW_MASTER_PROFILE && item == 0);
     DONE(GT_SetFollowMemory(6, 1));
     DONE(GT_GetFollowMemory(6, &memory));
-    TRUE(memory == 1);
+    HOLDS(memory == 1);
     DONE(GT_FollowClear(6));
     DONE(GT_FollowClear(6, 1));
     DONE(GT_FollowData(6, 100, 100));
     DONE(GT_FollowData(6, 200, 200, FOLLOW_SEGMENT_EVEN, 1));
     DONE(GT_FollowSpace(6, &space));
-    TRUE(space == 511);
+    HOLDS(space == 511);
     DONE(GT_SetFollowLoop(6, 0));
     DONE(GT_SetFollowEvent(6, FOLLOW_EVENT_PASS, 1, 1000000));
     DONE(GT_GetFollowEvent(6, &event, &dir, &pos));
-    TRUE(event == FOLLOW_EVENT_PASS && dir == 1 && pos == 1000000);
+    HOLDS(event == FOLLOW_EVENT_PASS && dir == 1 && pos == 1000000);
     DONE(GT_FollowStart(1 << 5));
     DONE(GT_FollowSwitch(1 << 5));
     DONE(GT_GetFollowLoop(6, &loop));
@@ -259,10 +259,10 @@ static void follow_ex()
     DONE(GT_PrfFollowEx(6));
     DONE(GT_SetFollowMasterEx(6, 2));
     DONE(GT_GetFollowMasterEx(6, &index));
-    TRUE(index == 2);
+    HOLDS(index == 2);
     DONE(GT_SetFollowMemoryEx(6, 0));
     DONE(GT_GetFollowMemoryEx(6, &memory));
-    TRUE(memory == 0);
+    HOLDS(memory == 0);
     DONE(GT_FollowClearEx(6));
     DONE(GT_FollowDataPercentEx(6, 100, 50));
     DONE(GT_FollowDataPercent2Ex(6, 200, 150, 1, 1, 100, &first));
@@ -271,13 +271,13 @@ static void follow_ex()
     DONE(GT_FollowDelayEx(6, 4));
     DONE(GT_FollowDiBitEx(6, MC_GPI, 1, 0, 10));
     DONE(GT_FollowSpaceEx(6, &space));
-    TRUE(space < 16);
+    HOLDS(space < 16);
     DONE(GT_FollowClearEx(6, 1));
     DONE(GT_FollowDataPercentEx(6, 100, 100, FOLLOW_SEGMENT_EVEN, 0, 1));
     DONE(GT_SetFollowLoopEx(6, 0));
     DONE(GT_SetFollowEventEx(6, FOLLOW_EVENT_PASS, 1, 1000000));
     DONE(GT_GetFollowEventEx(6, &event, &dir, &pos));
-    TRUE(pos == 1000000);
+    HOLDS(pos == 1000000);
     DONE(GT_FollowStartEx(1 << 5));
     DONE(GT_FollowSwitchEx(1 << 5));
     DONE(GT_FollowSwitchNowEx(6, FOLLOW_SWITCH_TABLE));
@@ -310,20 +310,20 @@ static void lasers(bool lsr)
     DONE(GT_DisFPK());
     DONE(GT_SetLaserCrdMap(0, 1));
     DONE(GT_GetLaserCrdMap(0, &map));
-    TRUE(map == 1);
+    HOLDS(map == 1);
     DONE(GT_ZeroLaserOnTime(0));
     DONE(GT_LaserPrfCmd(30));
     DONE(GT_LaserOn());
     DONE(GT_LaserOnStatus(&value));
-    TRUE(value == 1);
+    HOLDS(value == 1);
     DONE(GT_GetHSIOOpt(&on));
-    TRUE(on == 1);
+    HOLDS(on == 1);
     DONE(GT_GetLaserPower(0, &power));
     DONE(GT_SetHSIOOpt(0));
     DONE(GT_LaserOff());
     DONE(GT_GetLaserOnTime(0, &time));
     DONE(GT_GetLaserFault(0, &cause));
-    TRUE(cause == 0);
+    HOLDS(cause == 0);
     DONE(GT_ClrLaserFault(0));
 }
 
@@ -347,18 +347,18 @@ static void paths(bool lsr)
     crd.originPos[1] = 50;
     DONE(GT_SetCrdPrm(1, &crd));
     DONE(GT_GetCrdPrm(1, &crd_read));
-    TRUE(crd_read.dimension == 4 && crd_read.profile[3] == 4 && crd_read.originPos[1] == 50);
+    HOLDS(crd_read.dimension == 4 && crd_read.profile[3] == 4 && crd_read.originPos[1] == 50);
     DONE(GT_SetCrdStopDec(1, 1, 10));
     DONE(GT_SetOverride(1, 1));
     DONE(GT_GetLaserFollowFilter(1, &vel));
-    TRUE(vel == 1);
+    HOLDS(vel == 1);
     DONE(GT_SetLaserFollowFilter(1, 0.5));
     DONE(GTN_GetLaserFollowFilter(1, 1, &vel));
-    TRUE(vel == 0.5);
+    HOLDS(vel == 0.5);
     DONE(GTN_SetLaserFollowFilter(1, 1, 1));
     DONE(GT_SetCrdLimit(1, 1, 100, 1));
     DONE(GT_GetCrdLimit(1, 1, &vel, pos));
-    TRUE(vel == 100);
+    HOLDS(vel == 100);
     DONE(GT_CrdClear(1, 0));
     DONE(GT_CrdClear(1, 1));
     DONE(GT_SetLaserFollowTable(1, 2, vels, powers, 0));
@@ -393,9 +393,9 @@ static void paths(bool lsr)
     DONE(GT_BufLaserPrfCmd(1, 20));
     DONE(GT_BufLaserOff(1));
     DONE(GT_CrdSpace(1, &space));
-    TRUE(space > 900 && space < 1024);
+    HOLDS(space > 900 && space < 1024);
     DONE(GT_GetRemainderSegNum(1, &left));
-    TRUE(left == 11);
+    HOLDS(left == 11);
     DONE(GT_CrdStart(1, 0));
     DONE(GT_GetCrdVel(1, &vel));
     DONE(GT_CrdStop(1, 0));
@@ -406,13 +406,13 @@ static void paths(bool lsr)
     do {
         DONE(GT_CrdStatus(1, &runs, &segment));
     } while (runs);
-    TRUE(segment == 11);
+    HOLDS(segment == 11);
     DONE(GT_GetCrdPos(1, pos));
     short stopped = -1;
     char text[80];
     DONE(GT_GetCrdStopReason(1, &stopped, text, sizeof text));
-    TRUE(stopped == 1 && strcmp(text, "it has ended") == 0);
-    TRUE(pos[0] == 500 && pos[1] == 100 && pos[3] == 100);
+    HOLDS(stopped == 1 && strcmp(text, "it has ended") == 0);
+    HOLDS(pos[0] == 500 && pos[1] == 100 && pos[3] == 100);
 
     DONE(GT_CrdClear(1, 1));
     DONE(GT_InitLookAhead(1, 1, 5, 1, 16, ahead));
@@ -427,7 +427,7 @@ static void paths(bool lsr)
     do {
         DONE(GT_CrdStatus(1, &runs, &segment, 1));
     } while (runs);
-    TRUE(segment == 2);
+    HOLDS(segment == 2);
 
     double table[8] = {0, 1, 0, 0, 0, 0, 0, 0};
     long points[8] = {0, 100, 0, 100, 0, 100, 0, 100};

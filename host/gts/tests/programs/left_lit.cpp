@@ -11,16 +11,16 @@ int main(int count, char **arguments)
     DONE(GT_Open());
     short cause;
     DONE(GT_GetLaserFault(0, &cause));
-    TRUE(cause == 0);
+    HOLDS(cause == 0);
     unsigned short on;
     DONE(GT_GetHSIOOpt(&on, 0));
-    TRUE(on == 0);
+    HOLDS(on == 0);
     DONE(GT_SetAxisMode(7, 1));
     DONE(GT_LaserOutFrq(10, 0));
     DONE(GT_LaserPrfCmd(50, 0));
     DONE(GT_LaserOn(0));
     DONE(GT_GetHSIOOpt(&on, 0));
-    TRUE(on == 1);
+    HOLDS(on == 1);
     int failed = verdict();
     fflush(stdout);
     if (strcmp(how, "close") == 0 && GT_Close() != 0)

@@ -18,11 +18,11 @@ int main()
     // Space counts what is queued; the 1025th segment is refused by its own call.
     for (int n = 1; n <= 1024; n++) {
         DONE(GT_PtSpace(1, &space));
-        TRUE(space == 1025 - n);
+        HOLDS(space == 1025 - n);
         DONE(GT_PtData(1, n, n));
     }
     DONE(GT_PtSpace(1, &space));
-    TRUE(space == 0);
+    HOLDS(space == 0);
     REFUSED(1, "FIFO is full", GT_PtData(1, 2000, 2000));
 
     // A wrong segment in the middle is refused by its own call, and those around it are there.
@@ -35,7 +35,7 @@ int main()
         }
     }
     DONE(GT_PtSpace(1, &space, 1));
-    TRUE(space == 924);
+    HOLDS(space == 924);
 
     // Data of two axes and two FIFOs in turn.
     DONE(GT_PrfPt(2));
@@ -45,9 +45,9 @@ int main()
         DONE(GT_PtData(1, 100 + n, 100 + n, PT_SEGMENT_NORMAL, 1));
     }
     DONE(GT_PtSpace(2, &space));
-    TRUE(space == 12);
+    HOLDS(space == 12);
     DONE(GT_PtSpace(1, &space, 1));
-    TRUE(space == 904);
+    HOLDS(space == 904);
 
     // Data that is queued is there for the start that follows, and runs.
     DONE(GT_PtData(2, 210, 21));
@@ -57,9 +57,9 @@ int main()
         DONE(GT_GetSts(1, &status));
     } while (status & 0x400);
     DONE(GT_GetPrfPos(1, &pos));
-    TRUE(pos == 1024);
+    HOLDS(pos == 1024);
     DONE(GT_GetPrfPos(2, &pos));
-    TRUE(pos == 220);
+    HOLDS(pos == 220);
 
     // A read sees what was queued before it.
     DONE(GT_PtClear(2));
@@ -68,7 +68,7 @@ int main()
     DONE(GT_PtData(2, 3, 3));
     DONE(GT_GetSts(2, &status));
     DONE(GT_PtSpace(2, &space));
-    TRUE(space == 29);
+    HOLDS(space == 29);
 
     // Dynamic: the stream goes on while it runs, and a new one begins after Stop, with data that comes too early for
     // what was there before.
@@ -83,7 +83,7 @@ int main()
     DONE(GT_PtStart(1));
     while (sent < 300) {
         DONE(GT_PtSpace(1, &space));
-        TRUE(space >= 0 && space <= 64);
+        HOLDS(space >= 0 && space <= 64);
         if (space > 0) {
             sent++;
             DONE(GT_PtData(1, 10 * sent, 10 * sent, sent == 300 ? PT_SEGMENT_STOP : PT_SEGMENT_EVEN));
@@ -93,11 +93,11 @@ int main()
         DONE(GT_GetSts(1, &status));
     } while (status & 0x400);
     DONE(GT_GetPrfPos(1, &pos));
-    TRUE(pos == 1024 + 3000);
+    HOLDS(pos == 1024 + 3000);
     DONE(GT_PtData(1, 5, 5));
     DONE(GT_PtData(1, 10, 10, PT_SEGMENT_STOP));
     DONE(GT_PtSpace(1, &space));
-    TRUE(space == 62);
+    HOLDS(space == 62);
     DONE(GT_Close());
     return verdict();
 }

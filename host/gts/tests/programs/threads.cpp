@@ -72,7 +72,7 @@ int main()
     std::thread first(work, 1, 200), second(work, 2, 200);
     first.join();
     second.join();
-    TRUE(wrong == 0);
+    HOLDS(wrong == 0);
     for (short axis = 1; axis <= 2; axis++) {
         DONE(GT_PrfPt(axis));
         DONE(GT_SetPtMemory(axis, 1));
@@ -81,11 +81,11 @@ int main()
     std::thread third(stream, 1), fourth(stream, 2);
     third.join();
     fourth.join();
-    TRUE(wrong == 0);
+    HOLDS(wrong == 0);
     short space;
     for (short axis = 1; axis <= 2; axis++) {
         DONE(GT_PtSpace(axis, &space));
-        TRUE(space == 524);
+        HOLDS(space == 524);
     }
     // Opened and closed while another thread calls: only the codes of both are seen.
     std::atomic<bool> end(false);
@@ -102,7 +102,7 @@ int main()
     }
     end = true;
     fifth.join();
-    TRUE(wrong == 0);
+    HOLDS(wrong == 0);
     DONE(GT_Close());
     close_while("Sleep", sleep_long);
     setenv("BEAMTICK_KEYS", "2000", 1);

@@ -83,7 +83,7 @@ static void nothing_to_do()
     DONE(GT_PrfFollow(4));
     short master = -1, type = -1, item = -1;
     DONE(GT_GetFollowMaster(4, &master, &type, &item));
-    TRUE(master == 0 && type == 2 && item == 0);
+    HOLDS(master == 0 && type == 2 && item == 0);
     DONE(GT_FollowData(4, 100, 100));
     REFUSED(1, "SetFollowMaster", GT_FollowStart(1 << 3));
     DONE(GT_SetFollowMaster(4, 5));
@@ -102,14 +102,14 @@ static void full()
     }
     REFUSED(1, "FIFO is full; 32 segments fit", GT_PtData(1, 33, 33));
     DONE(GT_PtSpace(1, &space));
-    TRUE(space == 0);
+    HOLDS(space == 0);
     DONE(GT_PrfFollow(2));
     for (int n = 1; n <= 16; n++) {
         DONE(GT_FollowData(2, 100 * n, 100 * n));
     }
     REFUSED(1, "FIFO is full; 16 segments fit", GT_FollowData(2, 1700, 1700));
     DONE(GT_FollowSpace(2, &space));
-    TRUE(space == 0);
+    HOLDS(space == 0);
 }
 
 // Axis 1 jogs, 2 runs a PVT table, 3 a PT list, 4 follows 1.
@@ -137,7 +137,7 @@ static void moving()
     DONE(GT_PtStart(1 << 2));
     DONE(GT_FollowStart(1 << 3));
     for (short axis = 1; axis <= 4; axis++) {
-        TRUE(status_of(axis, 0x400));
+        HOLDS(status_of(axis, 0x400));
     }
     REFUSED(1, moves, GT_PrfTrap(1));
     REFUSED(1, moves, GT_PrfJog(2));
@@ -232,7 +232,7 @@ static void paths()
         DONE(GT_LnXY(1, 10 * (n + 1), 0, 10, 1));
     }
     DONE(GT_CrdSpace(1, &space));
-    TRUE(space == 0);
+    HOLDS(space == 0);
     REFUSED(1, "FIFO is full; 1024 entries fit", GT_LnXY(1, 0, 0, 10, 1));
     REFUSED(1, "FIFO is full", GT_BufDelay(1, 1));
     REFUSED(1, "FIFO is full", GT_BufLaserOn(1));
@@ -240,7 +240,7 @@ static void paths()
 
     DONE(GT_CrdStart(1, 0));
     DONE(GT_CrdStatus(1, &runs, &number));
-    TRUE(runs == 1);
+    HOLDS(runs == 1);
     REFUSED(1, "coordinate system 1 is running", GT_CrdStart(1, 0));
     REFUSED(1, "coordinate system 1 is running", GT_SetCrdPrm(1, &crd));
     REFUSED(1, "coordinate system 1 is running", GT_CrdClear(1, 0));

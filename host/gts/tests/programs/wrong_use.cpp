@@ -59,18 +59,18 @@ int main()
     DONE(GT_Close());
     GT_AxisOn(1);
     DONE(GT_GetLastReason(text, 16));
-    TRUE(strcmp(text, "AxisOn: no cont") == 0);
-    TRUE(GT_GetLastReason(text, 1) == 0 && text[0] == 0);
-    TRUE(GT_GetLastReason(text, 0) == 7);
-    TRUE(GT_GetLastReason(text, -5) == 7);
-    TRUE(GT_GetLastReason(NULL, 16) == 7);
+    HOLDS(strcmp(text, "AxisOn: no cont") == 0);
+    HOLDS(GT_GetLastReason(text, 1) == 0 && text[0] == 0);
+    HOLDS(GT_GetLastReason(text, 0) == 7);
+    HOLDS(GT_GetLastReason(text, -5) == 7);
+    HOLDS(GT_GetLastReason(NULL, 16) == 7);
 
     DONE(GTN_Open());
     // Open twice; the first goes on.
     REFUSED(-6, "open already", GTN_Open());
     REFUSED(-6, "open already", GT_Open(0, 1));
     DONE(GTN_GetVersion(1, &version));
-    TRUE(strstr(version, "profile gtn-016") != NULL);
+    HOLDS(strstr(version, "profile gtn-016") != NULL);
 
     // NULL.
     REFUSED(7, "value is NULL", GTN_GetPrfPos(1, 1, NULL));
@@ -91,11 +91,11 @@ int main()
     REFUSED(7, "count is 0", GTN_GetSts(1, 1, numbers, 0));
     numbers[31] = -1;
     DONE(GTN_GetSts(1, 1, numbers, 32));
-    TRUE(numbers[31] == 0);
+    HOLDS(numbers[31] == 0);
     REFUSED(7, "count is -1", GTN_GetPrfPos(1, 1, value, -1));
     value[999] = value[1000] = -1;
     DONE(GTN_GetPrfVel(1, 1, value, 1000));
-    TRUE(value[999] == 0 && value[1000] == -1);
+    HOLDS(value[999] == 0 && value[1000] == -1);
     for (int n = 0; n < 1024; n++) {
         value[n] = n;
     }
@@ -163,7 +163,7 @@ int main()
         REFUSED(7, "delayTime", GTN_FollowDelayEx(1, 1, (unsigned long)-1, 0));
         DONE(GTN_SetSoftLimit(1, 1, 0x7fffffff, (long)0x80000000u));
         DONE(GTN_GetSoftLimit(1, 1, &numbers[0], &numbers[1]));
-        TRUE(numbers[0] == 0x7fffffff && numbers[1] == -2147483647L - 1);
+        HOLDS(numbers[0] == 0x7fffffff && numbers[1] == -2147483647L - 1);
     }
 
     // The wrong state.
@@ -209,7 +209,7 @@ int main()
     DONE(GTN_Open(5, 2));
     DONE(GTN_GetStopDec(1, 1, &smooth_before, &abrupt_before));
     DONE(GTN_GetPosErr(1, 1, &error_before));
-    TRUE(smooth_before != 3 && error_before != 1001);
+    HOLDS(smooth_before != 3 && error_before != 1001);
     REFUSED(7, "axis is 25; allowed are 1 to 24 (item 25): axis 25 in /tmp/beamtick-", load(25, "3"));
     REFUSED(7, "dec_smooth", load(24, "1e30"));
     REFUSED(7, "(item 24): axis 24 in /tmp/beamtick-", load(24, "1e30"));
@@ -217,13 +217,13 @@ int main()
     for (short axis = 1; axis <= 24; axis++) {
         DONE(GTN_GetStopDec(1, axis, &smooth, &abrupt));
         DONE(GTN_GetPosErr(1, axis, &error));
-        TRUE(smooth == smooth_before && abrupt == abrupt_before && error == error_before);
+        HOLDS(smooth == smooth_before && abrupt == abrupt_before && error == error_before);
     }
     DONE(load(24, "5"));
     for (short axis = 1; axis <= 24; axis++) {
         DONE(GTN_GetStopDec(1, axis, &smooth, &abrupt));
         DONE(GTN_GetPosErr(1, axis, &error));
-        TRUE(smooth == (axis < 24 ? 3 : 5) && error == 1000 + axis);
+        HOLDS(smooth == (axis < 24 ? 3 : 5) && error == 1000 + axis);
     }
     DONE(GTN_Close());
     unsetenv("BEAMTICK_PROFILE");

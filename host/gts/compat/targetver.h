@@ -1,0 +1,1 @@
+/* targetver.h for Linux: nothing. */
