@@ -3,7 +3,8 @@
 //!
 //! `REFERENCE_PROGRAMS` sets how many programs there are, `REFERENCE_SEED` the first one's number,
 //! `REFERENCE_CALLS` how many calls a program has at most, `REFERENCE_FINDINGS` how many programs
-//! that differ are told of before it gives up. A finding is shrunk and printed as a job.
+//! that differ are told of before it gives up. A finding is shrunk and printed as a job,
+//! with `REFERENCE_AROUND` ticks before and after.
 //! `REFERENCE_TABLE` names a file for how often each function was called.
 #[path = "reference/ahead.rs"]
 mod ahead;
@@ -11,6 +12,8 @@ mod ahead;
 mod analog;
 #[path = "reference/found.rs"]
 mod found;
+#[path = "reference/found_reference.rs"]
+mod found_reference;
 #[path = "reference/judge.rs"]
 mod judge;
 #[path = "reference/machine.rs"]

@@ -199,6 +199,8 @@ pub struct Axis {
     pub brink: bool,
     /// How far it may be from here: see `smooth_stop`.
     pub slack: Fix,
+    /// The same of its position with the name 0.
+    pub zero_slack: Fix,
     /// The same of the motion in force, which a path began.
     pub late: Fix,
     /// The same of its velocity.
@@ -208,6 +210,8 @@ pub struct Axis {
     pub head: Vec<(Fix, Fix)>,
     /// No motion there was faster.
     pub head_most: Fix,
+    /// A gear took it along there.
+    pub led: bool,
     moved: bool,
     brief: bool,
     /// It is geared to a motion of its coordinate system.
@@ -307,10 +311,12 @@ impl Axis {
             limited: false,
             brink: false,
             slack: Fix::ZERO,
+            zero_slack: Fix::ZERO,
             late: Fix::ZERO,
             late_velocity: Fix::ZERO,
             head: Vec::new(),
             head_most: Fix::ZERO,
+            led: false,
             moved: false,
             brief: false,
             geared: false,
@@ -368,6 +374,12 @@ impl Axis {
 
     pub fn name(&self) -> Fix {
         self.x - self.zero
+    }
+
+    /// This position has another name from now on.
+    pub fn rename(&mut self, name: Fix) {
+        self.zero = self.x - name;
+        (self.renamed, self.zero_slack) = (true, self.slack + self.late);
     }
 
     /// Bits 5, 6, 9 and 10 of the status word.
@@ -428,12 +440,13 @@ impl Axis {
         let Aim { rates: Rates { acc, dec }, target, speed } = aim;
         let dec = if dec == 0.0 { acc } else { dec };
         self.braking = None;
-        let (acc, dec) = (exact(acc), exact(dec));
+        let mut blur = Fix::ZERO;
         let curve = if self.mode == Mode::Jog {
-            ramp::jog(self.v, speed, &acc, &dec)
+            ramp::jog(self.v, speed, &exact(acc), &exact(dec))
         } else {
             let way = Fix::whole(target.into()) + self.zero - self.x;
-            ramp::trap(self.v, way, &exact(speed.abs()), &acc, &dec)
+            blur = ramp::blur(self.v, way, acc, dec);
+            ramp::trap(self.v, way, &exact(speed.abs()), &exact(acc), &exact(dec))
         };
         self.slack += std::mem::take(&mut self.late);
         self.slack += std::mem::take(&mut self.late_velocity) * curve.length();
@@ -444,8 +457,7 @@ impl Axis {
             self.why = None;
         }
         self.ending = Why::End;
-        let braked = self.v != Fix::ZERO;
-        let ramp = Motion::Ramp(Timed::new(curve, Fix::ms(now_ns), self.x).at_speed(braked));
+        let ramp = Motion::Ramp(Timed::new(curve, Fix::ms(now_ns), self.x).rounded(blur));
         self.past = self.motion.replace(ramp);
     }
 
@@ -465,8 +477,7 @@ impl Axis {
             // The velocity of a slave at an instant is known to 2⁻²² pulse/ms only.
             self.slack += curve.length() * Fix(1 << 42);
         }
-        let braked = self.v != Fix::ZERO;
-        let ramp = Motion::Ramp(Timed::new(curve, Fix::ms(now_ns), self.x).at_speed(braked));
+        let ramp = Motion::Ramp(Timed::new(curve, Fix::ms(now_ns), self.x).rounded(Fix::ZERO));
         self.past = self.motion.replace(ramp);
     }
 
@@ -487,6 +498,7 @@ impl Axis {
             self.head_most = self.head_most.max(timed.curve.steepest);
         }
         let way = Fix::whole(to.into()) + self.zero - x;
+        let blur = ramp::blur(v, way, acc, acc);
         let acc = exact(acc);
         let curve = ramp::trap(v, way, &exact(vel), &acc, &acc);
         // It may begin up to 5 ns later (SPEC 11).
@@ -495,7 +507,7 @@ impl Axis {
         self.late_velocity = Fix::of(&acc) * Fix::ms(5);
         let length = curve.length();
         self.brief |= length == Fix::ZERO;
-        self.motion = Some(Motion::Ramp(Timed::new(curve, at, x).at_speed(v != Fix::ZERO)));
+        self.motion = Some(Motion::Ramp(Timed::new(curve, at, x).rounded(blur)));
         at + length
     }
 

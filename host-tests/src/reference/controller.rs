@@ -132,6 +132,8 @@ pub struct Controller {
     tick_ns: i64,
     /// Its SetTicks, as they went.
     sessions: Vec<Session>,
+    /// Lies where the axis that steps is taken out.
+    spare: Option<Box<Axis>>,
     #[allow(clippy::vec_box, reason = "axes change places in every tick, and are long")]
     axes: Vec<Box<Axis>>,
     /// What begins where the motion before has come to in this tick.
@@ -201,6 +203,7 @@ impl Controller {
             tick_ns,
             sessions: Vec::new(),
             axes,
+            spare: None,
             then,
             reads: Vec::new(),
             open: None,
@@ -244,6 +247,13 @@ impl Controller {
         let mut between: Option<Between> = None;
         for number in 1..=most {
             let before = now;
+            if let Some(Call::SetTick { us }) = calls.get(next).filter(|_| between.is_none())
+                && let Some(session) = self.sessions.get(ticks_set).filter(|of| of.acted == Some(before))
+            {
+                // Right after another one.
+                between = Some(Between::new(*us, Some(*session), now, self.tick_ns));
+                ticks_set += 1;
+            }
             if let Some(us) = between.as_mut().and_then(|between| between.change(before)) {
                 self.tick_ns = us * 1000;
             }
@@ -370,7 +380,8 @@ impl Controller {
                 }
             }
             if let Some(why) = self.open {
-                program.replies[earlier..next].fill(Reply::Open);
+                // With the call at which it became open.
+                program.replies[earlier..(next + 1).min(calls.len())].fill(Reply::Open);
                 program.open = Some((number, why));
                 program.complete = true;
                 break;

@@ -353,6 +353,26 @@ impl Crd {
         (of.left, of.seen) = (None, of.entries.len());
     }
 
+    /// Its place is known to `apart` pulses at a start, and so is the length of a motion that
+    /// begins there.
+    pub fn blur_length(&mut self, apart: f64) {
+        let (Some(set), of) = (&self.set, &self.fifos[self.fifo]) else { return };
+        let Some(index) = of.entries[of.next..].iter().position(|entry| matches!(entry, Entry::Motion(..))) else {
+            return;
+        };
+        let Entry::Motion(geometry, rates, _) = &of.entries[of.next + index] else { return };
+        if apart == 0.0 || index == 0 && of.done > 0.0 {
+            return;
+        }
+        let limits = limits(&set.frame, rates, self.rate);
+        // Its greatest speed takes so much longer for it; the way from there to the end follows.
+        let top = limits.speed.min((geometry.length() * limits.acc).sqrt());
+        self.blur += 2.0 * apart / top.max(1e-9);
+        if self.blur > 1e-6 {
+            self.unsaid = Some("a path that begins where an axis is not known well");
+        }
+    }
+
     /// At once, where it was shown at the tick before. Outputs that it has reached since have been
     /// set, and are not set again.
     pub fn halt(&mut self, published: &Crd) {

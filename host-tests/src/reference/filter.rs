@@ -12,6 +12,8 @@ const TIME_CONSTANT: i64 = 1 << 22;
 pub struct Filter {
     master: Fix,
     lag: Fix,
+    /// The last tick's period in τ, and (1 − exp(−u))/u of it.
+    tick: (i64, Fix, Fix),
     /// Filtered positions at the tick before and at this one.
     pub track: [Fix; 2],
 }
@@ -24,13 +26,17 @@ fn share(u: Fix) -> Fix {
 impl Filter {
     /// It begins where its master is.
     pub fn new(master: Fix) -> Filter {
-        Filter { master, lag: Fix::ZERO, track: [master; 2] }
+        Filter { master, lag: Fix::ZERO, tick: (0, Fix::ZERO, Fix::ONE), track: [master; 2] }
     }
 
     /// A tick, after which the master is here.
     pub fn step(&mut self, master: Fix, tick_ns: i64) {
-        let u = Fix::whole(tick_ns).over(Fix::whole(TIME_CONSTANT));
-        self.lag += (master - self.master - self.lag * u) * share(u);
+        if self.tick.0 != tick_ns {
+            let u = Fix::whole(tick_ns).over(Fix::whole(TIME_CONSTANT));
+            self.tick = (tick_ns, u, share(u));
+        }
+        let (_, u, share) = self.tick;
+        self.lag += (master - self.master - self.lag * u) * share;
         self.master = master;
         self.track = [self.track[1], master - self.lag];
     }

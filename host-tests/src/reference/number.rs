@@ -60,8 +60,11 @@ impl Fix {
 
     /// Time of so many ns, in ms.
     pub fn ms(ns: i64) -> Fix {
-        let scaled = i128::from(ns) << 64;
-        Fix(scaled.div_euclid(1_000_000))
+        let (whole, rest) = (ns.div_euclid(1_000_000), ns.rem_euclid(1_000_000) as u64);
+        // 64 bits of rest/10⁶, by two divisions of 64 bits.
+        let (high, rest) = ((rest << 44) / 1_000_000, (rest << 44) % 1_000_000);
+        let fraction = (high << 20) | ((rest << 20) / 1_000_000);
+        Fix((i128::from(whole) << 64) | i128::from(fraction))
     }
 
     pub fn abs(self) -> Fix {
@@ -177,6 +180,8 @@ mod tests {
             for x in [x, x.round(), 0.0, -0.0, f64::from(x as f32), 2f64.powi(-1074)] {
                 assert_eq!(Fix::of_f64(x), Fix::of(&exact(x)), "{x}");
             }
+            let ns = (chance.next() as i64) >> chance.below(60);
+            assert_eq!(Fix::ms(ns).0, (i128::from(ns) << 64).div_euclid(1_000_000), "{ns}");
             let fix = |chance: &mut Chance| {
                 let shift = 1 + chance.below(120) as u32;
                 let sign = if chance.below(2) == 0 { -1 } else { 1 };

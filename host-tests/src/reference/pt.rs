@@ -69,8 +69,8 @@ pub struct Timed {
     /// Progress of the last step.
     at: Fix,
     pub passes: i64,
-    /// It began at a velocity, which is rounded.
-    pub braked: bool,
+    /// Its end follows from divisions, and is known to this, ms. None: it is given.
+    rounded: Option<Fix>,
     /// PVT: what takes over at the end of the pass.
     pub pending: Option<Curve>,
     /// Whether it has come to an end is within rounding.
@@ -102,15 +102,15 @@ impl Timed {
             at: Fix::ZERO,
             passes: 0,
             pending: None,
-            braked: false,
+            rounded: None,
             open: false,
             over: false,
         }
     }
 
-    /// The same, begun at a velocity or not.
-    pub fn at_speed(self, braked: bool) -> Timed {
-        Timed { braked, ..self }
+    /// A ramp: its end is known to a controller's rounding, and `more` where that decides more.
+    pub fn rounded(self, more: Fix) -> Timed {
+        Timed { rounded: Some(DOUBT + more), ..self }
     }
 
     /// The same after a delay, ms.
@@ -136,12 +136,15 @@ impl Timed {
         loop {
             let length = self.curve.length();
             let end = self.began + length;
-            // Velocities at an instant are rounded, so that the end of a ramp from one is, too.
             let apart = (end - b).abs();
             if apart < ROUNDING {
                 b = end;
             }
-            self.open |= apart < DOUBT && (self.braked || apart >= ROUNDING);
+            self.open |= match self.rounded {
+                // Also where it falls exactly on the tick: 1/acc is rounded.
+                Some(rounded) => apart < rounded,
+                None => apart < DOUBT && apart >= ROUNDING,
+            };
             if b < end || self.curve.cruise != Fix::ZERO {
                 self.points(a, b, out);
                 return Went::On;

@@ -90,3 +90,16 @@ pub fn trap(v: Fix, way: Fix, vel: &Rational, acc: &Rational, dec: &Rational) ->
     plan.curve.ends_at(way);
     plan.curve
 }
+
+/// What rounding makes of the end of [`trap`], ms, where it begins as it brakes for its target.
+///
+/// Position and velocity have 2⁻²² each, so that it may come short or pass the target by `apart`.
+/// Then it goes the remainder from standstill or nearly so, for at most √(2·apart·(1/acc + 1/dec)).
+pub fn blur(v: Fix, way: Fix, acc: f64, dec: f64) -> Fix {
+    let [v, way] = [v, way].map(Fix::to_f64);
+    let apart = 2f64.powi(-22) * (1.0 + v.abs() / dec);
+    if v == 0.0 || (way * v.signum() - v * v / (2.0 * dec)).abs() > apart {
+        return Fix::ZERO;
+    }
+    Fix::of_f64((2.0 * apart * (1.0 / acc + 1.0 / dec)).sqrt())
+}

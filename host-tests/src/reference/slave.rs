@@ -469,8 +469,8 @@ impl Slave {
         let mut was_held = self.state != State::Runs;
         let here = self.along(at) - self.began;
         if self.dir == 0 && self.pass == self.floor.0 && here < self.lowest() {
-            // What it rests before is the next segment.
-            self.next = self.next.max(self.floor.1);
+            // What it rests before is the next segment, also where it has come back through passes.
+            self.next = self.floor.1;
             was_held = true;
         }
         if was_held {

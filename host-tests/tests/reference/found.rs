@@ -3,26 +3,26 @@ use super::judge::{Tally, finding};
 use host_tests::path_model::Plane;
 use host_tests::reference::{Call, Cycle, Datum, Family, Item, Kind, LightCall, LightOf, Path, PathCall, Site, Speeds};
 
-const MS: i64 = 1_000_000;
+pub const MS: i64 = 1_000_000;
 
-fn gus() -> Site {
+pub fn gus() -> Site {
     Site { profile: "gus", family: Family::Gus, axes: vec![(1, 1), (1, 2), (1, 3), (1, 6)] }
 }
 
-fn plain(kind: Kind, axis: usize) -> Call {
+pub fn plain(kind: Kind, axis: usize) -> Call {
     Call::Axis { kind, axis }
 }
 
-fn ex(of: Call) -> Call {
+pub fn ex(of: Call) -> Call {
     Call::Ex(Box::new(of))
 }
 
-fn segment(axis: usize, master: f64, slave: f64, kind: i16, percent: i16) -> Call {
+pub fn segment(axis: usize, master: f64, slave: f64, kind: i16, percent: i16) -> Call {
     let datum = Datum { master, slave, kind, percent };
     Call::FollowEntry { axis, item: Item::Segment(datum), fifo: 0 }
 }
 
-fn agrees(tick_us: u32, calls: &[Call]) {
+pub fn agrees(tick_us: u32, calls: &[Call]) {
     let mut tally = Tally::new();
     if let Some(report) = finding(&mut None, &gus(), tick_us, calls, &mut tally) {
         panic!("{report}");
@@ -85,11 +85,11 @@ fn a_wait_for_an_axis_says_nothing_of_one_that_left_its_coordinate_system() {
     );
 }
 
-fn path(what: Path) -> Call {
+pub fn path(what: Path) -> Call {
     Call::Path(PathCall { core: 1, what })
 }
 
-fn line(to: Vec<i32>) -> Call {
+pub fn line(to: Vec<i32>) -> Call {
     path(Path::Line { crd: 1, to, speeds: Speeds { vel: 9.7, acc: 2.3, end: 0.0 }, fifo: 0 })
 }
 
@@ -98,7 +98,7 @@ fn arc(to: [i32; 2], fifo: i16) -> Call {
     path(Path::Arc { crd: 1, plane, to, round, ccw: true, speeds: Speeds { vel: 9.7, acc: 2.3, end: 0.0 }, fifo })
 }
 
-fn frame(origin: Option<Vec<i32>>) -> Call {
+pub fn frame(origin: Option<Vec<i32>>) -> Call {
     path(Path::Set { crd: 1, axes: vec![0, 1], vel: 50.0, acc: 4.9, even_ms: 0, origin })
 }
 

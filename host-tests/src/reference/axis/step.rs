@@ -2,7 +2,7 @@
 use super::super::number::Fix;
 use super::super::pt::Went;
 use super::super::slave::{Around, Lead, Outcome};
-use super::{Axis, Motion, Why};
+use super::{Axis, Motion, Why, whole};
 
 impl Axis {
     /// From the tick before to this one.
@@ -122,7 +122,8 @@ impl Axis {
         }
         *self.times.last_mut().expect("two of them") = to;
         self.ended = ended || alarmed && self.halted;
-        self.on_path = self.carried.is_some();
+        // A limit stops the path also where a move of its own follows within the tick.
+        self.on_path = self.carried.is_some() || std::mem::take(&mut self.led);
         if let Some(way) = self.carried.take() {
             // That of its path.
             self.why = None;
@@ -139,6 +140,10 @@ impl Axis {
             self.v = Fix::ZERO;
         }
         self.hold();
+        if !self.runs() && whole(self.name()) == self.name() {
+            // It has come to where its data end.
+            self.slack = self.slack.min(self.zero_slack);
+        }
         // What began at this instant does not go on, either.
         self.limited |= alarmed;
         self.halted &= !alarmed;

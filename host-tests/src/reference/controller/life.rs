@@ -72,13 +72,16 @@ impl Controller {
             axis.why = if runs { Some(Why::Reset) } else { None };
             (axis.x, axis.zero, axis.track) = (x, x, vec![x; 2]);
             (axis.encoder, axis.encoder_zero) = (encoder, encoder[1]);
-            (axis.slack, axis.renamed, axis.halted) = (slack, true, runs);
+            (axis.slack, axis.zero_slack, axis.renamed, axis.halted) = (slack, slack, true, runs);
             (axis.resets, axis.is_lost) = (RESET_TICKS, runs || encoder[0] != encoder[1]);
             self.then[place] = None;
         }
         self.tables.retain(|(of, _), _| *of != core);
         for (name, crd) in self.crds.iter().filter(|(name, crd)| name.0 == core && crd.runs) {
             let way = crd.way_to(now as f64 / 1e6);
+            // A path is ahead of the tick: those that it takes along anew are reported to run.
+            let of = &crd.fifos[crd.fifo];
+            self.early.extend(of.gears.iter().filter(|gear| !gear.is_engaged()).map(|gear| gear.axis));
             if way.is_none() {
                 self.open = Some("a Reset in a tick in which a path ends or acts on others");
                 self.early.extend(members(crd.fifos[crd.fifo].moves()));

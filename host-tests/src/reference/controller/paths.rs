@@ -62,6 +62,7 @@ impl World for Others<'_> {
             // The motion that took it along is over: it sets off from the end of that.
             axis.head.extend(axis.carried.take().unwrap_or_default().into_iter().skip(1));
             (axis.geared, axis.crd, axis.bent, axis.path_ended) = (false, None, true, false);
+            axis.led = true;
             axis.head_most = axis.head_most.max(axis.path_most);
         }
         if axis.mode != Mode::Trap || axis.driven || axis.blocked() {
@@ -435,6 +436,13 @@ impl Controller {
             let elsewhere = begins.or(of.fifos[fifo].left).is_some_and(apart);
             let goes_on = of.fifos[fifo].left.is_some();
             of.start(fifo, ms(now));
+            let mapped = of.set.as_ref().map_or([None; 4], |set| set.axes).into_iter().zip(place);
+            // One whose coordinate is whole has come to where data ended.
+            let apart = |(axis, place): (Option<usize>, f64)| {
+                axis.filter(|_| place.fract() != 0.0).map_or(0.0, |axis: usize| self.axes[axis].slack.to_f64())
+            };
+            let apart = mapped.map(apart).sum();
+            self.crd(core, crd)?.blur_length(apart);
             if core == 1 {
                 self.light.calls.push(Act::Starts(crd as usize - 1, fifo, goes_on));
             }
@@ -565,7 +573,9 @@ impl Controller {
                 halted |= *then == PathThen::Halt;
                 match *then {
                     PathThen::Rate(rate) => of.change_rate(rate),
-                    PathThen::Brake if halts => {}
+                    // At speed the abrupt one decides; in a BufDelay it is at standstill here and
+                    // now.
+                    PathThen::Brake if halts && of.speed > 0.0 => {}
                     PathThen::Brake | PathThen::Halt if !of.runs => {}
                     PathThen::Brake | PathThen::Halt => {
                         if of.open || of.speed < 1e-3 && of.speed != 0.0 {

@@ -31,10 +31,9 @@ impl Controller {
             }
             Kind::ZeroPos => {
                 check(!axis.runs())?;
-                axis.zero = axis.x;
+                axis.rename(Fix::ZERO);
                 axis.encoder_zero = axis.encoder[1];
                 axis.is_lost = false;
-                axis.renamed = true;
             }
             Kind::ClrSts => {
                 if alarmed {
@@ -101,8 +100,7 @@ impl Controller {
             Call::SetPrfPos { axis, pos } => {
                 let axis = &mut self.axes[axis];
                 check(!axis.runs())?;
-                axis.zero = axis.x - Fix::whole(pos.into());
-                axis.renamed = true;
+                axis.rename(Fix::whole(pos.into()));
             }
             Call::SetEncPos { axis, pos } => {
                 let axis = &mut self.axes[axis];
@@ -114,8 +112,7 @@ impl Controller {
                 }
                 for axis in members(mask) {
                     let axis = &mut self.axes[axis];
-                    axis.zero = axis.x - (axis.encoder[1] - axis.encoder_zero);
-                    axis.renamed = true;
+                    axis.rename(axis.encoder[1] - axis.encoder_zero);
                 }
             }
             Call::SetAxisBand { axis, band, time } => {

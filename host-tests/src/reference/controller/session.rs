@@ -75,7 +75,8 @@ impl Between {
             () => 0,
         };
         let reply = if code == 0 { Reply::Done(Value::None) } else { Reply::Code(code) };
-        (now >= self.session.zero).then_some(reply)
+        let is_over = self.session.acted.is_none_or(|acted| now > acted);
+        (now >= self.session.zero && is_over).then_some(reply)
     }
 
     pub fn zero(&self) -> i64 {

@@ -7,12 +7,14 @@ use super::{Controller, Then};
 impl Controller {
     /// Masters before their slaves.
     fn order(&self) -> Vec<usize> {
-        let mut order = Vec::new();
+        let mut order = Vec::with_capacity(self.axes.len());
+        let mut placed = 0u32;
         while order.len() < self.axes.len() {
-            for axis in 0..self.axes.len() {
-                let master = self.axes[axis].follow.master.filter(|_| self.axes[axis].is_follow());
-                if !order.contains(&axis) && master.is_none_or(|master| order.contains(&master.axis)) {
-                    order.push(axis);
+            for (index, axis) in self.axes.iter().enumerate() {
+                let master = axis.follow.master.filter(|_| axis.is_follow());
+                if placed >> index & 1 == 0 && master.is_none_or(|master| placed >> master.axis & 1 == 1) {
+                    placed |= 1 << index;
+                    order.push(index);
                 }
             }
         }
@@ -21,7 +23,7 @@ impl Controller {
 
     pub(super) fn step(&mut self, before: i64, now: i64) {
         self.step_paths(before, now);
-        let mut axis = Box::new(Axis::new(0));
+        let mut axis = self.spare.take().unwrap_or_else(|| Box::new(Axis::new(0)));
         for index in self.order() {
             std::mem::swap(&mut axis, &mut self.axes[index]);
             let (ran, was_slave) = (axis.runs(), matches!(axis.motion, Some(Motion::Slave(_))));
@@ -137,6 +139,7 @@ impl Controller {
             }
             std::mem::swap(&mut axis, &mut self.axes[index]);
         }
+        self.spare = Some(axis);
         self.step_light(before, now);
         self.change_outputs();
     }

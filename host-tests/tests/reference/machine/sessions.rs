@@ -20,18 +20,20 @@ pub struct Ran {
     pub late: u32,
     /// Controller time of the first program's zero, ns.
     pub zero: u64,
-    /// Of each SetTick when it was sent and answered, and the next program's zero.
-    between: Vec<[u64; 3]>,
+    /// Of each SetTick when it was sent and answered, and the next program's zero; its period, ns.
+    between: Vec<([u64; 3], i64)>,
 }
 
 impl Ran {
     /// With the instants of the rows, from the first program's zero on.
     pub fn sessions(&self, times: &[i64]) -> Vec<Session> {
         let ns = |at: u64| at as i64 - self.zero as i64;
-        let session = |&[asked, answered, zero]: &[u64; 3]| {
+        let session = |&([asked, answered, zero], period): &([u64; 3], i64)| {
             let from = times.partition_point(|at| *at < ns(asked));
-            let until = times.partition_point(|at| *at <= ns(zero));
-            let change = |at: &usize| times[*at] - times[*at - 1] != times[*at + 1] - times[*at];
+            // Where no program follows, the answer is there before the tick that it acts on.
+            let until = times.partition_point(|at| *at <= ns(zero)) + 1;
+            let step = |at: usize| times[at] - times[at - 1];
+            let change = |at: &usize| step(*at) != step(*at + 1) && step(*at + 1) == period;
             let acted = (from.max(1)..until.min(times.len().saturating_sub(1))).find(change).map(|at| times[at]);
             Session { asked: ns(asked), answered: ns(answered), acted, zero: ns(zero) }
         };
@@ -64,9 +66,10 @@ pub fn run(rig: &mut Rig, calls: &[Call]) -> Result<Ran, String> {
         }
         match number.checked_sub(1) {
             None => ran.zero = zero,
-            Some(before) => ran.between[before][2] = zero,
+            Some(before) => ran.between[before].0[2] = zero,
         }
         if let Some(call) = ticks.next() {
+            let period = if let Call::SetTick { us } = call { i64::from(*us) * 1000 } else { 0 };
             let asked = rig.board.lock().unwrap().now();
             let call = wire(&rig.site, call);
             let (code, error, reply) = match rig.client.call_raw(&call) {
@@ -76,7 +79,7 @@ pub fn run(rig: &mut Rig, calls: &[Call]) -> Result<Ran, String> {
             };
             ran.answers.push(Answer { index: 0, opcode: call.opcode, code, error, reply });
             let answered = rig.board.lock().unwrap().now();
-            ran.between.push([asked, answered, 0]);
+            ran.between.push(([asked, answered, 0], period));
         }
     }
     Ok(ran)

@@ -1,0 +1,66 @@
+//! Programs on which the reference or the judge was wrong, and the controller was right.
+use super::found::{MS, agrees, ex, frame, line, path, plain, segment};
+use host_tests::reference::{Call, Kind, Path};
+
+/// A slave that has come back through its passes rests at its origin. A SwitchNow by segment began
+/// its first segment; the reference had its last one behind it, and jumped to its end.
+#[test]
+fn a_switch_now_before_the_first_pass() {
+    for back in [1993, 300] {
+        agrees(
+            250,
+            &[
+                plain(Kind::AxisOn, 0),
+                plain(Kind::AxisOn, 1),
+                Call::SetTrapPrm { axis: 1, acc: 0.5, dec: 3.4 },
+                Call::SetVel { axis: 1, vel: 40.3 },
+                ex(Call::PrfFollow { axis: 0, dir: 0 }),
+                ex(Call::SetFollowMaster { axis: 0, master: 1, kind: 2, item: 0 }),
+                segment(0, -138.0, 29.03125, 1, 100),
+                ex(Call::SetFollowLoop { axis: 0, loops: 0 }),
+                ex(Call::FollowStart { mask: 1, option: 0 }),
+                Call::SetPos { axis: 1, pos: -301 },
+                Call::Update { mask: 2 },
+                Call::WaitStop { mask: 2 },
+                Call::Sleep { ns: MS },
+                Call::SetPos { axis: 1, pos: back },
+                Call::Update { mask: 2 },
+                Call::Sleep { ns: 43 * MS + 456_723 },
+                Call::FollowSwitchNow { axis: 0, table: false },
+                Call::Sleep { ns: 70 * MS },
+                Call::SetPos { axis: 1, pos: -77 },
+                Call::Update { mask: 2 },
+                Call::Sleep { ns: 90 * MS },
+            ],
+        );
+    }
+}
+
+/// Where no program follows a SetTick, its answer is there before the tick on which it acts.
+#[test]
+fn tick_periods_one_after_the_other() {
+    for periods in [&[500][..], &[7], &[1000, 500], &[1000, 500, 100]] {
+        let mut calls = vec![plain(Kind::AxisOn, 0)];
+        calls.extend(periods.iter().map(|us| Call::SetTick { us: *us }));
+        agrees(250, &calls);
+        agrees(250, &calls[1..]);
+    }
+}
+
+/// A smooth Stop finds a path in a BufDelay at standstill: it rests there and then. An abrupt one
+/// of the same instant finds it at rest, and does not take it back to where the tick before had
+/// shown it.
+#[test]
+fn a_smooth_stop_in_a_delay_before_an_abrupt_one() {
+    let delay = |ms| path(Path::Delay { crd: 1, ms, fifo: 0 });
+    let begin = [plain(Kind::AxisOn, 0), plain(Kind::AxisOn, 1), frame(None), line(vec![9, 4])];
+    let go = path(Path::Start { mask: 1, option: 0 });
+    // From 0.25 ms on 9.849 pulses at 2.3 pulse/ms²: in the delay at 4.389 ms.
+    for ns in [4 * MS + 200_000, 4 * MS + 300_000, 5 * MS] {
+        let mut calls = begin.to_vec();
+        calls.extend([delay(3), line(vec![30, -10]), go.clone(), Call::Sleep { ns }]);
+        calls.extend([Call::Stop { mask: 1, abrupt: 0 }, Call::Stop { mask: 2, abrupt: 2 }]);
+        calls.extend([Call::Sleep { ns: 5 * MS }, go.clone(), Call::Sleep { ns: 12 * MS }]);
+        agrees(250, &calls);
+    }
+}
