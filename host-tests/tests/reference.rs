@@ -90,6 +90,7 @@ fn programs_agree_with_the_reference() {
                     let rig = &mut rigs[kind];
                     if let Some(report) = finding(rig, site, *tick_us, &program.calls, &mut tally) {
                         found.fetch_add(1, Relaxed);
+                        println!("program {seed}: {report}");
                         reports.lock().unwrap().push((number + 1, format!("program {seed}: {report}")));
                     }
                 }

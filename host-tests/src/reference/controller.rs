@@ -78,6 +78,8 @@ pub struct Program {
     pub replies: Vec<Reply>,
     /// Calls that were refused, or may have been.
     pub refused: Vec<usize>,
+    /// Those after which some time was made to pass: see `apart`.
+    pub spread: Vec<usize>,
     /// From tick 0 on, a row an axis.
     pub rows: Vec<Vec<Row>>,
     /// Instants of the rows, ns.
@@ -150,6 +152,8 @@ pub struct Controller {
     leaving: Vec<(usize, f64, f64)>,
     /// The last call was refused, with a code that the contract leaves open.
     may_be_refused: bool,
+    /// Some time passes after each call that is refused; nothing is recorded.
+    spreads: bool,
     /// Changes of general outputs in this tick: when, ms, which bits, their levels.
     changes: Vec<(f64, u32, u32)>,
     edges: Vec<Edge>,
@@ -190,6 +194,7 @@ impl Controller {
             rested: 0,
             leaving: Vec::new(),
             may_be_refused: false,
+            spreads: false,
             changes: Vec::new(),
             edges: Vec::new(),
             analog: Vec::new(),
@@ -217,6 +222,27 @@ impl Controller {
     pub fn with_encoders(mut self, recorded: Vec<Vec<i64>>) -> Controller {
         self.machine.recorded = recorded;
         self
+    }
+
+    /// The program with 3 ms after every call that is refused, where less passes before the next
+    /// one. None: it has no end.
+    pub fn apart(mut self, calls: &[Call], tail: usize, most: usize) -> Option<Vec<Call>> {
+        self.spreads = true;
+        let program = self.run(calls, tail, most);
+        let mut apart = Vec::with_capacity(calls.len() + program.spread.len());
+        let mut after = program.spread.iter().peekable();
+        for (index, call) in calls.iter().enumerate() {
+            apart.push(call.clone());
+            if after.next_if_eq(&&index).is_some() {
+                apart.push(Call::Sleep { ns: SETTLED });
+            }
+        }
+        program.complete.then_some(apart)
+    }
+
+    /// Whether less passes after a call before the next one.
+    pub fn is_near(calls: &[Call], index: usize) -> bool {
+        calls.get(index + 1).is_some_and(|next| !matches!(next, Call::Sleep { ns } if *ns >= SETTLED))
     }
 
     /// With the instants of its SetTicks as they were recorded, in their order.
@@ -251,7 +277,8 @@ impl Controller {
                 && let Some(session) = self.sessions.get(ticks_set).filter(|of| of.acted == Some(before))
             {
                 // Right after another one.
-                between = Some(Between::new(*us, Some(*session), now, self.tick_ns));
+                let runs = self.axes.iter().any(|axis| axis.runs());
+                between = Some(Between::new(*us, Some(*session), (now, runs), self.tick_ns));
                 ticks_set += 1;
             }
             if let Some(us) = between.as_mut().and_then(|between| between.change(before)) {
@@ -283,7 +310,9 @@ impl Controller {
                 }
                 match &calls[next] {
                     Call::SetTick { us } => {
-                        between = Some(Between::new(*us, self.sessions.get(ticks_set).copied(), now, self.tick_ns));
+                        let (session, runs) =
+                            (self.sessions.get(ticks_set).copied(), self.axes.iter().any(|axis| axis.runs()));
+                        between = Some(Between::new(*us, session, (now, runs), self.tick_ns));
                         ticks_set += 1;
                         break;
                     }
@@ -317,6 +346,10 @@ impl Controller {
                         let reply = self.call(next, call, now);
                         if matches!(reply, Reply::Code(_)) || std::mem::take(&mut self.may_be_refused) {
                             program.refused.push(next);
+                            if self.spreads && Controller::is_near(calls, next) {
+                                program.spread.push(next);
+                                (clock, self.unsettled) = (clock + SETTLED, self.unsettled & 2);
+                            }
                         }
                         if self.open.is_some() {
                             break;
@@ -347,7 +380,9 @@ impl Controller {
             }
             for axis in std::mem::take(&mut self.early) {
                 // A path is ahead of the tick: its axis is reported to move a tick before.
-                program.rows[number - 1][axis].open = true;
+                if let Some(row) = program.rows.get_mut(number - 1) {
+                    row[axis].open = true;
+                }
                 let named = |call: &Call| call.axes() >> axis & 1 == 1 || matches!(call, Call::Abort { .. });
                 if calls[earlier..next].iter().any(named) {
                     self.open = Some("a call to an axis in the tick in which a path moves it");
@@ -367,9 +402,11 @@ impl Controller {
                     (clock, between, next) = (of.zero(), None, next + 1);
                 }
             }
-            program.times.push(now);
-            program.rows.push(self.rows());
-            program.outputs.push(self.levels.clone());
+            if !self.spreads {
+                program.times.push(now);
+                program.rows.push(self.rows());
+                program.outputs.push(self.levels.clone());
+            }
             if let Some(mask) = waiting {
                 if let Some(why) = members(mask).find_map(|axis| self.axes[axis].open) {
                     self.open = Some(why);
@@ -398,7 +435,9 @@ impl Controller {
                     }
                     program.open = self.open.map(|why| (number, why));
                     for axis in std::mem::take(&mut self.early) {
-                        program.rows[number][axis].open = true;
+                        if let Some(row) = program.rows.get_mut(number) {
+                            row[axis].open = true;
+                        }
                     }
                     program.outputs.push(self.levels.clone());
                     break;

@@ -45,6 +45,12 @@ fn tick_periods_one_after_the_other() {
         agrees(250, &calls);
         agrees(250, &calls[1..]);
     }
+    // Neither acts in motion.
+    let jog = Call::SetJogPrm { axis: 0, acc: 0.9, dec: 0.9 };
+    let go = [Call::SetVel { axis: 0, vel: -125.5 }, Call::Update { mask: 1 }];
+    let mut calls = vec![plain(Kind::AxisOn, 0), plain(Kind::PrfJog, 0), jog];
+    calls.extend(go.into_iter().chain([250, 1000].map(|us| Call::SetTick { us })));
+    agrees(1000, &calls);
 }
 
 /// A smooth Stop finds a path in a BufDelay at standstill: it rests there and then. An abrupt one

@@ -242,28 +242,7 @@ fn edges(what: &str, mine: Vec<(f64, u8, bool)>, theirs: &[(i64, u8, bool)], end
 /// The program with some ms after every call that is refused: a refused entry makes others of its
 /// instant late by a tick (docs/jobs.md). `REFERENCE_TOGETHER=1` leaves them together.
 pub fn apart(site: &Site, tick_us: u32, calls: &[Call]) -> Option<Vec<Call>> {
-    let mut calls = calls.to_vec();
-    for _ in 0..20 {
-        let program = reference(site, tick_us, &vec![0; site.axes.len()], &calls);
-        if !program.complete {
-            return None;
-        }
-        let mut spread = Vec::new();
-        for (index, call) in calls.iter().enumerate() {
-            spread.push(call.clone());
-            let refused = program.refused.contains(&index);
-            if refused
-                && calls.get(index + 1).is_some_and(|next| !matches!(next, Call::Sleep { ns } if *ns >= 3_000_000))
-            {
-                spread.push(Call::Sleep { ns: 3_000_000 });
-            }
-        }
-        if spread.len() == calls.len() {
-            return Some(calls);
-        }
-        calls = spread;
-    }
-    None
+    Controller::new(site, i64::from(tick_us) * 1000, &vec![0; site.axes.len()]).apart(calls, TAIL, MOST)
 }
 
 /// What differs, if anything.
@@ -301,9 +280,7 @@ fn differs_here(rig: &mut Option<Rig>, site: &Site, tick_us: u32, calls: &[Call]
     let program = beside(site, tick_us, &told, calls);
     // A refused entry makes others of its instant late by a tick, and only the run knows of this
     // one.
-    let next_is_near =
-        |index: usize| calls.get(index + 1).is_some_and(|next| !matches!(next, Call::Sleep { ns } if *ns >= 3_000_000));
-    if !together && program.refused.iter().any(|index| next_is_near(*index)) {
+    if !together && program.refused.iter().any(|index| Controller::is_near(calls, *index)) {
         *tally.entry("programs with a refusal that encoders decide".into()).or_default() += 1;
         return None;
     }

@@ -38,14 +38,18 @@ pub struct Between {
 }
 
 impl Between {
-    pub fn new(us: i32, session: Option<Session>, now: i64, tick_ns: i64) -> Between {
+    /// `runs`: something moves where it is made, up to the tick `now`.
+    pub fn new(us: i32, session: Option<Session>, (now, runs): (i64, bool), tick_ns: i64) -> Between {
         let nominal = || {
             let acted = now + TAKES[0] * tick_ns;
             let period = if PERIODS.contains(&us) { i64::from(us) * 1000 } else { tick_ns };
             Session { asked: now, answered: acted, acted: Some(acted), zero: acted + TAKES[1] * period }
         };
         let session = session.unwrap_or_else(nominal);
-        Between { us, session, from: session.asked - AHEAD * tick_ns, moved: false, rested: false, done: false }
+        // After another one its answer may be there before.
+        let is_over = session.answered < now;
+        let (moved, rested) = (is_over && runs, is_over && !runs);
+        Between { us, session, from: session.asked - AHEAD * tick_ns, moved, rested, done: false }
     }
 
     /// The period from this tick on, µs, if it becomes another.
