@@ -68,6 +68,17 @@ typedef struct TCrdData {
     double r;
 } TCrdData;
 
+typedef struct TPid {
+    double kp;
+    double ki;
+    double kd;
+    double kvff;
+    double kaff;
+    long integralLimit;
+    long derivativeLimit;
+    short limit;
+} TPid;
+
 #ifdef __cplusplus
 }
 #endif
@@ -575,6 +586,130 @@ GT_API GT_FollowDataPercent2Ex(short profile, double masterSegment, double slave
 /* The slave's position inside such a segment. */
 GT_API GT_GetFollowDataPercent2Ex(double masterPos, double v1, double v2, double p, double p1, double *slavePos);
 
+/* Beyond the manuals: what is kept changes nothing, what is refused returns 1 (docs/api.md) */
+/* Levels at the terminals; what GetDi returns, which no sense changes. */
+GT_API GT_GetDiRaw(short diType, long *value);
+/* Waits for so many ms of the controller's time. */
+GT_API GT_Delay(unsigned short time);
+/* Waits for so many 250 us of the controller's time. */
+GT_API GT_DelayHighPrecision(unsigned short time);
+/* Controller time in 125 us since power-on. */
+GT_API GT_GetClockHighPrecision(unsigned long *clock);
+/* Kept: gains of a position loop; there is no loop. */
+GT_API GT_SetPid(short control, short index, TPid *pid);
+/* The gains that SetPid has set. */
+GT_API GT_GetPid(short control, short index, TPid *pid);
+/* Kept: which set of gains is in force. */
+GT_API GT_SetControlFilter(short control, short index);
+/* The set of gains that SetControlFilter has chosen. */
+GT_API GT_GetControlFilter(short control, short *index);
+/* Kept: filter of the velocity feed-forward. */
+GT_API GT_SetKvffFilter(short control, short kvffFilterExp, double accMax);
+/* The filter that SetKvffFilter has set. */
+GT_API GT_GetKvffFilter(short control, short *kvffFilterExp, double *accMax);
+/* Kept: filter of the planned velocity that is shown. */
+GT_API GT_SetAxisPrfVelFilter(short axis, short filterNumExp);
+/* The filter that SetAxisPrfVelFilter has set. */
+GT_API GT_GetAxisPrfVelFilter(short axis, short *filterNumExp);
+/* Kept: filter of the encoder's velocity that is shown. */
+GT_API GT_SetAxisEncVelFilter(short axis, short filterNumExp);
+/* The filter that SetAxisEncVelFilter has set. */
+GT_API GT_GetAxisEncVelFilter(short axis, short *filterNumExp);
+/* Kept: the axis' scale of its profile; positions stay those of the profile. */
+GT_API GT_SetProfileScale(short axis, short alpha, short beta);
+/* The scale that SetProfileScale has set. */
+GT_API GT_GetProfileScale(short axis, short *alpha, short *beta);
+/* Kept: the axis' scale of its encoder; positions stay those of the encoder. */
+GT_API GT_SetEncoderScale(short axis, short alpha, short beta);
+/* The scale that SetEncoderScale has set. */
+GT_API GT_GetEncoderScale(short axis, short *alpha, short *beta);
+/* Kept: offset of a motor's analog output; no loop drives it. */
+GT_API GT_SetMtrBias(short dac, short bias);
+/* The offset that SetMtrBias has set. */
+GT_API GT_GetMtrBias(short dac, short *bias);
+/* Kept: limit of a motor's analog output; no loop drives it. */
+GT_API GT_SetMtrLmt(short dac, short limit);
+/* The limit that SetMtrLmt has set. */
+GT_API GT_GetMtrLmt(short dac, short *limit);
+/* Kept: filter of an analog input. */
+GT_API GT_SetAdcFilter(short adc, short filterTime);
+/* 1: pulses, which is so. 0, an analog output: kept, there is no loop. */
+GT_API GT_CtrlMode(short axis, short mode);
+/* Done: it reads its input. */
+GT_API GT_EncOn(short encoder);
+/* Refused: an encoder reads its input. */
+GT_API GT_EncOff(short encoder);
+/* Done: step and direction. */
+GT_API GT_StepDir(short step);
+/* Refused: pulses are step and direction. */
+GT_API GT_StepPulse(short step);
+/* 0 is so; an encoder that counts the other way round is refused. */
+GT_API GT_EncSns(unsigned short sense);
+/* 0 is so; general inputs are not inverted. */
+GT_API GT_GpiSns(unsigned short sense);
+/* Refused: no extension modules. */
+GT_API GT_ExtModuleInit(short method GT_DEFAULT(0));
+/* Refused: no extension modules. */
+GT_API GT_SetExtDo(short index, long value);
+/* Refused: no extension modules. */
+GT_API GT_SetExtDoBit(short index, short value);
+/* Refused: no extension modules. */
+GT_API GT_GetExtDo(short index, long *value);
+/* Refused: no extension modules. */
+GT_API GT_GetExtDoBit(short index, short *value);
+/* Refused: no extension modules. */
+GT_API GT_GetExtDi(short index, long *value);
+/* Refused: no extension modules. */
+GT_API GT_GetExtDiBit(short index, short *value);
+/* Refused: no extension modules. */
+GT_API GT_SetExtAo(short index, double value);
+/* Refused: no extension modules. */
+GT_API GT_GetExtAi(short index, double *value);
+/* Refused: no extension modules. */
+GT_API GT_OpenExtMdl(const char *file GT_DEFAULT(NULL));
+/* Refused: no extension modules. */
+GT_API GT_CloseExtMdl(void);
+/* Refused: no extension modules. */
+GT_API GT_ResetExtMdl(void);
+/* Refused: no extension modules. */
+GT_API GT_LoadExtConfig(const char *file);
+/* Refused: no extension modules. */
+GT_API GT_SetExtIoValue(short mdl, unsigned short value);
+/* Refused: no extension modules. */
+GT_API GT_GetExtIoValue(short mdl, unsigned short *value);
+/* Refused: no extension modules. */
+GT_API GT_SetExtIoBit(short mdl, short index, unsigned short value);
+/* Refused: no extension modules. */
+GT_API GT_GetExtIoBit(short mdl, short index, unsigned short *value);
+/* Refused: no extension modules. */
+GT_API GT_GetExtAdValue(short mdl, short chn, unsigned short *value);
+/* Refused: no extension modules. */
+GT_API GT_GetExtAdVoltage(short mdl, short chn, double *value);
+/* Refused: no extension modules. */
+GT_API GT_SetExtDaValue(short mdl, short chn, unsigned short value);
+/* Refused: no extension modules. */
+GT_API GT_SetExtDaVoltage(short mdl, short chn, double value);
+/* Refused: no handwheel input. */
+GT_API GT_HandwheelInit(void);
+/* Refused: no handwheel input. */
+GT_API GT_SetHandwheelStopDec(short profile, double decSmoothStop, double decAbruptStop);
+/* Refused: no handwheel input. */
+GT_API GT_StartHandwheel(short profile, short master, short masterEven, short slaveEven, short intervalTime, double acc, double dec, double vel, short stopWaitTime);
+/* Refused: no handwheel input. */
+GT_API GT_EndHandwheel(short profile);
+/* Refused: no compensation. */
+GT_API GT_SetLeadScrewComp(short axis, short n, long startPos, long lenPos, long *compPos, long *compNeg);
+/* Refused: no compensation. */
+GT_API GT_EnableLeadScrewComp(short axis, short mode);
+/* Refused: no compensation. */
+GT_API GT_SetBacklash(short axis, long compValue, double compChangeValue, long compDir);
+/* Refused: no compensation. */
+GT_API GT_GetBacklash(short axis, long *compValue, double *compChangeValue, long *compDir);
+/* Refused: no Cam. */
+GT_API GT_PrfCam(short profile);
+/* Refused: no Cam. */
+GT_API GT_CamStart(long mask);
+
 /* ---- GTN_: the core comes first ----------------------------------------------------------- */
 
 /* Session */
@@ -1000,5 +1135,129 @@ GT_API GTN_FollowDiBitEx(short core, short profile, short diType, short index, s
 GT_API GTN_FollowDataPercent2Ex(short core, short profile, double masterSegment, double slaveSegment, double velBeginRatio, double velEndRatio, short percent GT_DEFAULT(100), short *percent1 GT_DEFAULT(NULL), short fifo GT_DEFAULT(0));
 /* The slave's position inside such a segment. */
 GT_API GTN_GetFollowDataPercent2Ex(short core, double masterPos, double v1, double v2, double p, double p1, double *slavePos);
+
+/* Beyond the manuals: what is kept changes nothing, what is refused returns 1 (docs/api.md) */
+/* Levels at the terminals; what GetDi returns, which no sense changes. */
+GT_API GTN_GetDiRaw(short core, short diType, long *value);
+/* Waits for so many ms of the controller's time. */
+GT_API GTN_Delay(short core, unsigned short time);
+/* Waits for so many 250 us of the controller's time. */
+GT_API GTN_DelayHighPrecision(short core, unsigned short time);
+/* Controller time in 125 us since power-on. */
+GT_API GTN_GetClockHighPrecision(short core, unsigned long *clock);
+/* Kept: gains of a position loop; there is no loop. */
+GT_API GTN_SetPid(short core, short control, short index, TPid *pid);
+/* The gains that SetPid has set. */
+GT_API GTN_GetPid(short core, short control, short index, TPid *pid);
+/* Kept: which set of gains is in force. */
+GT_API GTN_SetControlFilter(short core, short control, short index);
+/* The set of gains that SetControlFilter has chosen. */
+GT_API GTN_GetControlFilter(short core, short control, short *index);
+/* Kept: filter of the velocity feed-forward. */
+GT_API GTN_SetKvffFilter(short core, short control, short kvffFilterExp, double accMax);
+/* The filter that SetKvffFilter has set. */
+GT_API GTN_GetKvffFilter(short core, short control, short *kvffFilterExp, double *accMax);
+/* Kept: filter of the planned velocity that is shown. */
+GT_API GTN_SetAxisPrfVelFilter(short core, short axis, short filterNumExp);
+/* The filter that SetAxisPrfVelFilter has set. */
+GT_API GTN_GetAxisPrfVelFilter(short core, short axis, short *filterNumExp);
+/* Kept: filter of the encoder's velocity that is shown. */
+GT_API GTN_SetAxisEncVelFilter(short core, short axis, short filterNumExp);
+/* The filter that SetAxisEncVelFilter has set. */
+GT_API GTN_GetAxisEncVelFilter(short core, short axis, short *filterNumExp);
+/* Kept: the axis' scale of its profile; positions stay those of the profile. */
+GT_API GTN_SetProfileScale(short core, short axis, short alpha, short beta);
+/* The scale that SetProfileScale has set. */
+GT_API GTN_GetProfileScale(short core, short axis, short *alpha, short *beta);
+/* Kept: the axis' scale of its encoder; positions stay those of the encoder. */
+GT_API GTN_SetEncoderScale(short core, short axis, short alpha, short beta);
+/* The scale that SetEncoderScale has set. */
+GT_API GTN_GetEncoderScale(short core, short axis, short *alpha, short *beta);
+/* Kept: offset of a motor's analog output; no loop drives it. */
+GT_API GTN_SetMtrBias(short core, short dac, short bias);
+/* The offset that SetMtrBias has set. */
+GT_API GTN_GetMtrBias(short core, short dac, short *bias);
+/* Kept: limit of a motor's analog output; no loop drives it. */
+GT_API GTN_SetMtrLmt(short core, short dac, short limit);
+/* The limit that SetMtrLmt has set. */
+GT_API GTN_GetMtrLmt(short core, short dac, short *limit);
+/* Kept: filter of an analog input. */
+GT_API GTN_SetAdcFilter(short core, short adc, short filterTime);
+/* 1: pulses, which is so. 0, an analog output: kept, there is no loop. */
+GT_API GTN_CtrlMode(short core, short axis, short mode);
+/* Done: it reads its input. */
+GT_API GTN_EncOn(short core, short encoder);
+/* Refused: an encoder reads its input. */
+GT_API GTN_EncOff(short core, short encoder);
+/* Done: step and direction. */
+GT_API GTN_StepDir(short core, short step);
+/* Refused: pulses are step and direction. */
+GT_API GTN_StepPulse(short core, short step);
+/* 0 is so; an encoder that counts the other way round is refused. */
+GT_API GTN_EncSns(short core, unsigned short sense);
+/* 0 is so; general inputs are not inverted. */
+GT_API GTN_GpiSns(short core, unsigned short sense);
+/* Refused: no extension modules. */
+GT_API GTN_ExtModuleInit(short core, short method GT_DEFAULT(0));
+/* Refused: no extension modules. */
+GT_API GTN_SetExtDo(short core, short index, long value);
+/* Refused: no extension modules. */
+GT_API GTN_SetExtDoBit(short core, short index, short value);
+/* Refused: no extension modules. */
+GT_API GTN_GetExtDo(short core, short index, long *value);
+/* Refused: no extension modules. */
+GT_API GTN_GetExtDoBit(short core, short index, short *value);
+/* Refused: no extension modules. */
+GT_API GTN_GetExtDi(short core, short index, long *value);
+/* Refused: no extension modules. */
+GT_API GTN_GetExtDiBit(short core, short index, short *value);
+/* Refused: no extension modules. */
+GT_API GTN_SetExtAo(short core, short index, double value);
+/* Refused: no extension modules. */
+GT_API GTN_GetExtAi(short core, short index, double *value);
+/* Refused: no extension modules. */
+GT_API GTN_OpenExtMdl(short core, const char *file GT_DEFAULT(NULL));
+/* Refused: no extension modules. */
+GT_API GTN_CloseExtMdl(short core);
+/* Refused: no extension modules. */
+GT_API GTN_ResetExtMdl(short core);
+/* Refused: no extension modules. */
+GT_API GTN_LoadExtConfig(short core, const char *file);
+/* Refused: no extension modules. */
+GT_API GTN_SetExtIoValue(short core, short mdl, unsigned short value);
+/* Refused: no extension modules. */
+GT_API GTN_GetExtIoValue(short core, short mdl, unsigned short *value);
+/* Refused: no extension modules. */
+GT_API GTN_SetExtIoBit(short core, short mdl, short index, unsigned short value);
+/* Refused: no extension modules. */
+GT_API GTN_GetExtIoBit(short core, short mdl, short index, unsigned short *value);
+/* Refused: no extension modules. */
+GT_API GTN_GetExtAdValue(short core, short mdl, short chn, unsigned short *value);
+/* Refused: no extension modules. */
+GT_API GTN_GetExtAdVoltage(short core, short mdl, short chn, double *value);
+/* Refused: no extension modules. */
+GT_API GTN_SetExtDaValue(short core, short mdl, short chn, unsigned short value);
+/* Refused: no extension modules. */
+GT_API GTN_SetExtDaVoltage(short core, short mdl, short chn, double value);
+/* Refused: no handwheel input. */
+GT_API GTN_HandwheelInit(short core);
+/* Refused: no handwheel input. */
+GT_API GTN_SetHandwheelStopDec(short core, short profile, double decSmoothStop, double decAbruptStop);
+/* Refused: no handwheel input. */
+GT_API GTN_StartHandwheel(short core, short profile, short master, short masterEven, short slaveEven, short intervalTime, double acc, double dec, double vel, short stopWaitTime);
+/* Refused: no handwheel input. */
+GT_API GTN_EndHandwheel(short core, short profile);
+/* Refused: no compensation. */
+GT_API GTN_SetLeadScrewComp(short core, short axis, short n, long startPos, long lenPos, long *compPos, long *compNeg);
+/* Refused: no compensation. */
+GT_API GTN_EnableLeadScrewComp(short core, short axis, short mode);
+/* Refused: no compensation. */
+GT_API GTN_SetBacklash(short core, short axis, long compValue, double compChangeValue, long compDir);
+/* Refused: no compensation. */
+GT_API GTN_GetBacklash(short core, short axis, long *compValue, double *compChangeValue, long *compDir);
+/* Refused: no Cam. */
+GT_API GTN_PrfCam(short core, short profile);
+/* Refused: no Cam. */
+GT_API GTN_CamStart(short core, long mask);
 
 #endif

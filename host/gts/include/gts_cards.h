@@ -68,6 +68,17 @@ typedef struct TCrdData {
     double r;
 } TCrdData;
 
+typedef struct TPid {
+    double kp;
+    double ki;
+    double kd;
+    double kvff;
+    double kaff;
+    long integralLimit;
+    long derivativeLimit;
+    short limit;
+} TPid;
+
 #ifdef __cplusplus
 }
 #endif
@@ -347,6 +358,67 @@ typedef struct TCrdData {
 #define GT_FollowDiBitEx GTM_FollowDiBitEx
 #define GT_FollowDataPercent2Ex GTM_FollowDataPercent2Ex
 #define GT_GetFollowDataPercent2Ex GTM_GetFollowDataPercent2Ex
+#define GT_GetDiRaw GTM_GetDiRaw
+#define GT_Delay GTM_Delay
+#define GT_DelayHighPrecision GTM_DelayHighPrecision
+#define GT_GetClockHighPrecision GTM_GetClockHighPrecision
+#define GT_SetPid GTM_SetPid
+#define GT_GetPid GTM_GetPid
+#define GT_SetControlFilter GTM_SetControlFilter
+#define GT_GetControlFilter GTM_GetControlFilter
+#define GT_SetKvffFilter GTM_SetKvffFilter
+#define GT_GetKvffFilter GTM_GetKvffFilter
+#define GT_SetAxisPrfVelFilter GTM_SetAxisPrfVelFilter
+#define GT_GetAxisPrfVelFilter GTM_GetAxisPrfVelFilter
+#define GT_SetAxisEncVelFilter GTM_SetAxisEncVelFilter
+#define GT_GetAxisEncVelFilter GTM_GetAxisEncVelFilter
+#define GT_SetProfileScale GTM_SetProfileScale
+#define GT_GetProfileScale GTM_GetProfileScale
+#define GT_SetEncoderScale GTM_SetEncoderScale
+#define GT_GetEncoderScale GTM_GetEncoderScale
+#define GT_SetMtrBias GTM_SetMtrBias
+#define GT_GetMtrBias GTM_GetMtrBias
+#define GT_SetMtrLmt GTM_SetMtrLmt
+#define GT_GetMtrLmt GTM_GetMtrLmt
+#define GT_SetAdcFilter GTM_SetAdcFilter
+#define GT_CtrlMode GTM_CtrlMode
+#define GT_EncOn GTM_EncOn
+#define GT_EncOff GTM_EncOff
+#define GT_StepDir GTM_StepDir
+#define GT_StepPulse GTM_StepPulse
+#define GT_EncSns GTM_EncSns
+#define GT_GpiSns GTM_GpiSns
+#define GT_ExtModuleInit GTM_ExtModuleInit
+#define GT_SetExtDo GTM_SetExtDo
+#define GT_SetExtDoBit GTM_SetExtDoBit
+#define GT_GetExtDo GTM_GetExtDo
+#define GT_GetExtDoBit GTM_GetExtDoBit
+#define GT_GetExtDi GTM_GetExtDi
+#define GT_GetExtDiBit GTM_GetExtDiBit
+#define GT_SetExtAo GTM_SetExtAo
+#define GT_GetExtAi GTM_GetExtAi
+#define GT_OpenExtMdl GTM_OpenExtMdl
+#define GT_CloseExtMdl GTM_CloseExtMdl
+#define GT_ResetExtMdl GTM_ResetExtMdl
+#define GT_LoadExtConfig GTM_LoadExtConfig
+#define GT_SetExtIoValue GTM_SetExtIoValue
+#define GT_GetExtIoValue GTM_GetExtIoValue
+#define GT_SetExtIoBit GTM_SetExtIoBit
+#define GT_GetExtIoBit GTM_GetExtIoBit
+#define GT_GetExtAdValue GTM_GetExtAdValue
+#define GT_GetExtAdVoltage GTM_GetExtAdVoltage
+#define GT_SetExtDaValue GTM_SetExtDaValue
+#define GT_SetExtDaVoltage GTM_SetExtDaVoltage
+#define GT_HandwheelInit GTM_HandwheelInit
+#define GT_SetHandwheelStopDec GTM_SetHandwheelStopDec
+#define GT_StartHandwheel GTM_StartHandwheel
+#define GT_EndHandwheel GTM_EndHandwheel
+#define GT_SetLeadScrewComp GTM_SetLeadScrewComp
+#define GT_EnableLeadScrewComp GTM_EnableLeadScrewComp
+#define GT_SetBacklash GTM_SetBacklash
+#define GT_GetBacklash GTM_GetBacklash
+#define GT_PrfCam GTM_PrfCam
+#define GT_CamStart GTM_CamStart
 
 /* Session */
 /* Opens the controller that the environment names. */
@@ -771,5 +843,129 @@ GT_API GT_FollowDiBitEx(short cardNum, short profile, short diType, short index,
 GT_API GT_FollowDataPercent2Ex(short cardNum, short profile, double masterSegment, double slaveSegment, double velBeginRatio, double velEndRatio, short percent GT_DEFAULT(100), short *percent1 GT_DEFAULT(NULL), short fifo GT_DEFAULT(0));
 /* The slave's position inside such a segment. */
 GT_API GT_GetFollowDataPercent2Ex(short cardNum, double masterPos, double v1, double v2, double p, double p1, double *slavePos);
+
+/* Beyond the manuals: what is kept changes nothing, what is refused returns 1 (docs/api.md) */
+/* Levels at the terminals; what GetDi returns, which no sense changes. */
+GT_API GT_GetDiRaw(short cardNum, short diType, long *value);
+/* Waits for so many ms of the controller's time. */
+GT_API GT_Delay(short cardNum, unsigned short time);
+/* Waits for so many 250 us of the controller's time. */
+GT_API GT_DelayHighPrecision(short cardNum, unsigned short time);
+/* Controller time in 125 us since power-on. */
+GT_API GT_GetClockHighPrecision(short cardNum, unsigned long *clock);
+/* Kept: gains of a position loop; there is no loop. */
+GT_API GT_SetPid(short cardNum, short control, short index, TPid *pid);
+/* The gains that SetPid has set. */
+GT_API GT_GetPid(short cardNum, short control, short index, TPid *pid);
+/* Kept: which set of gains is in force. */
+GT_API GT_SetControlFilter(short cardNum, short control, short index);
+/* The set of gains that SetControlFilter has chosen. */
+GT_API GT_GetControlFilter(short cardNum, short control, short *index);
+/* Kept: filter of the velocity feed-forward. */
+GT_API GT_SetKvffFilter(short cardNum, short control, short kvffFilterExp, double accMax);
+/* The filter that SetKvffFilter has set. */
+GT_API GT_GetKvffFilter(short cardNum, short control, short *kvffFilterExp, double *accMax);
+/* Kept: filter of the planned velocity that is shown. */
+GT_API GT_SetAxisPrfVelFilter(short cardNum, short axis, short filterNumExp);
+/* The filter that SetAxisPrfVelFilter has set. */
+GT_API GT_GetAxisPrfVelFilter(short cardNum, short axis, short *filterNumExp);
+/* Kept: filter of the encoder's velocity that is shown. */
+GT_API GT_SetAxisEncVelFilter(short cardNum, short axis, short filterNumExp);
+/* The filter that SetAxisEncVelFilter has set. */
+GT_API GT_GetAxisEncVelFilter(short cardNum, short axis, short *filterNumExp);
+/* Kept: the axis' scale of its profile; positions stay those of the profile. */
+GT_API GT_SetProfileScale(short cardNum, short axis, short alpha, short beta);
+/* The scale that SetProfileScale has set. */
+GT_API GT_GetProfileScale(short cardNum, short axis, short *alpha, short *beta);
+/* Kept: the axis' scale of its encoder; positions stay those of the encoder. */
+GT_API GT_SetEncoderScale(short cardNum, short axis, short alpha, short beta);
+/* The scale that SetEncoderScale has set. */
+GT_API GT_GetEncoderScale(short cardNum, short axis, short *alpha, short *beta);
+/* Kept: offset of a motor's analog output; no loop drives it. */
+GT_API GT_SetMtrBias(short cardNum, short dac, short bias);
+/* The offset that SetMtrBias has set. */
+GT_API GT_GetMtrBias(short cardNum, short dac, short *bias);
+/* Kept: limit of a motor's analog output; no loop drives it. */
+GT_API GT_SetMtrLmt(short cardNum, short dac, short limit);
+/* The limit that SetMtrLmt has set. */
+GT_API GT_GetMtrLmt(short cardNum, short dac, short *limit);
+/* Kept: filter of an analog input. */
+GT_API GT_SetAdcFilter(short cardNum, short adc, short filterTime);
+/* 1: pulses, which is so. 0, an analog output: kept, there is no loop. */
+GT_API GT_CtrlMode(short cardNum, short axis, short mode);
+/* Done: it reads its input. */
+GT_API GT_EncOn(short cardNum, short encoder);
+/* Refused: an encoder reads its input. */
+GT_API GT_EncOff(short cardNum, short encoder);
+/* Done: step and direction. */
+GT_API GT_StepDir(short cardNum, short step);
+/* Refused: pulses are step and direction. */
+GT_API GT_StepPulse(short cardNum, short step);
+/* 0 is so; an encoder that counts the other way round is refused. */
+GT_API GT_EncSns(short cardNum, unsigned short sense);
+/* 0 is so; general inputs are not inverted. */
+GT_API GT_GpiSns(short cardNum, unsigned short sense);
+/* Refused: no extension modules. */
+GT_API GT_ExtModuleInit(short cardNum, short method GT_DEFAULT(0));
+/* Refused: no extension modules. */
+GT_API GT_SetExtDo(short cardNum, short index, long value);
+/* Refused: no extension modules. */
+GT_API GT_SetExtDoBit(short cardNum, short index, short value);
+/* Refused: no extension modules. */
+GT_API GT_GetExtDo(short cardNum, short index, long *value);
+/* Refused: no extension modules. */
+GT_API GT_GetExtDoBit(short cardNum, short index, short *value);
+/* Refused: no extension modules. */
+GT_API GT_GetExtDi(short cardNum, short index, long *value);
+/* Refused: no extension modules. */
+GT_API GT_GetExtDiBit(short cardNum, short index, short *value);
+/* Refused: no extension modules. */
+GT_API GT_SetExtAo(short cardNum, short index, double value);
+/* Refused: no extension modules. */
+GT_API GT_GetExtAi(short cardNum, short index, double *value);
+/* Refused: no extension modules. */
+GT_API GT_OpenExtMdl(short cardNum, const char *file GT_DEFAULT(NULL));
+/* Refused: no extension modules. */
+GT_API GT_CloseExtMdl(short cardNum);
+/* Refused: no extension modules. */
+GT_API GT_ResetExtMdl(short cardNum);
+/* Refused: no extension modules. */
+GT_API GT_LoadExtConfig(short cardNum, const char *file);
+/* Refused: no extension modules. */
+GT_API GT_SetExtIoValue(short cardNum, short mdl, unsigned short value);
+/* Refused: no extension modules. */
+GT_API GT_GetExtIoValue(short cardNum, short mdl, unsigned short *value);
+/* Refused: no extension modules. */
+GT_API GT_SetExtIoBit(short cardNum, short mdl, short index, unsigned short value);
+/* Refused: no extension modules. */
+GT_API GT_GetExtIoBit(short cardNum, short mdl, short index, unsigned short *value);
+/* Refused: no extension modules. */
+GT_API GT_GetExtAdValue(short cardNum, short mdl, short chn, unsigned short *value);
+/* Refused: no extension modules. */
+GT_API GT_GetExtAdVoltage(short cardNum, short mdl, short chn, double *value);
+/* Refused: no extension modules. */
+GT_API GT_SetExtDaValue(short cardNum, short mdl, short chn, unsigned short value);
+/* Refused: no extension modules. */
+GT_API GT_SetExtDaVoltage(short cardNum, short mdl, short chn, double value);
+/* Refused: no handwheel input. */
+GT_API GT_HandwheelInit(short cardNum);
+/* Refused: no handwheel input. */
+GT_API GT_SetHandwheelStopDec(short cardNum, short profile, double decSmoothStop, double decAbruptStop);
+/* Refused: no handwheel input. */
+GT_API GT_StartHandwheel(short cardNum, short profile, short master, short masterEven, short slaveEven, short intervalTime, double acc, double dec, double vel, short stopWaitTime);
+/* Refused: no handwheel input. */
+GT_API GT_EndHandwheel(short cardNum, short profile);
+/* Refused: no compensation. */
+GT_API GT_SetLeadScrewComp(short cardNum, short axis, short n, long startPos, long lenPos, long *compPos, long *compNeg);
+/* Refused: no compensation. */
+GT_API GT_EnableLeadScrewComp(short cardNum, short axis, short mode);
+/* Refused: no compensation. */
+GT_API GT_SetBacklash(short cardNum, short axis, long compValue, double compChangeValue, long compDir);
+/* Refused: no compensation. */
+GT_API GT_GetBacklash(short cardNum, short axis, long *compValue, double *compChangeValue, long *compDir);
+/* Refused: no Cam. */
+GT_API GT_PrfCam(short cardNum, short profile);
+/* Refused: no Cam. */
+GT_API GT_CamStart(short cardNum, long mask);
 
 #endif

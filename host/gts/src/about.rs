@@ -2,7 +2,8 @@
 
 /// What a function does; empty for a name that is not in the table.
 pub fn about(name: &str) -> &'static str {
-    ABOUT.iter().find(|(known, _)| *known == name).map_or("", |(_, text)| text)
+    let known = ABOUT.iter().find(|(known, _)| *known == name).map(|(_, text)| *text);
+    known.or_else(|| crate::more::row(name).map(|more| more.about)).unwrap_or("")
 }
 
 const ABOUT: &[(&str, &str)] = &[
@@ -241,11 +242,10 @@ const ABOUT: &[(&str, &str)] = &[
 #[cfg(test)]
 mod tests {
     use super::*;
-    use job::api::FUNCTIONS;
 
     #[test]
     fn every_function_has_a_sentence_and_every_sentence_a_function() {
-        for function in FUNCTIONS {
+        for function in crate::prototype::functions() {
             assert!(about(function.name).ends_with('.'), "{}", function.name);
         }
         for (name, _) in ABOUT {

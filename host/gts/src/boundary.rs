@@ -3,7 +3,8 @@
 use crate::card::Slot;
 use crate::engine::{self, Prepared};
 use crate::reason;
-use std::ffi::{c_long, c_short, c_ulong, c_ushort, c_void};
+use crate::width::{c_long, c_ulong};
+use std::ffi::{c_short, c_ushort, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// One argument of a call.

@@ -207,6 +207,8 @@ pub struct Card {
     pub serial: u64,
     /// Something was set in motion.
     pub started: bool,
+    /// Settings that change nothing (`more`).
+    pub kept: crate::more::Kept,
     /// Keys of `compat`.
     pub keys: crate::compat::Keys,
 }
@@ -263,7 +265,19 @@ impl Card {
         let closed = Arc::default();
         static OPENED: AtomicU64 = AtomicU64::new(1);
         let serial = OPENED.fetch_add(1, Ordering::Relaxed);
-        Ok(Card { client, time, stream, recorder, _files: files, keeper, closed, serial, started: false, keys })
+        Ok(Card {
+            client,
+            time,
+            stream,
+            recorder,
+            _files: files,
+            keeper,
+            closed,
+            serial,
+            started: false,
+            kept: Default::default(),
+            keys,
+        })
     }
 
     fn close(mut self) -> Result<()> {
@@ -284,11 +298,12 @@ impl Card {
         let profile = Profile::numbered(version.profile).map_or("unknown", Profile::name);
         let family = if version.family == 0 { "gus" } else { "lsr" };
         format!(
-            "Beamtick {}.{}.{}, board {}, profile {profile}, family {family}",
+            "Beamtick {}.{}.{}, board {}, profile {profile}, family {family}, long of {} bits",
             version.major,
             version.minor,
             version.patch,
-            self.client.board()
+            self.client.board(),
+            crate::width::BITS
         )
     }
 

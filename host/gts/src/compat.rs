@@ -50,8 +50,9 @@ pub extern "system" fn beamtick_sleep(milliseconds: c_ulong) {
     waits::wait(Some(time), |_| None::<()>);
 }
 
-/// The program's time in ns: the virtual controller's while one is open, else the wall clock's. With
-/// `virtual:max` a reading lasts for a servo tick, so that a loop which waits for a time reaches it.
+/// The program's time in ns: the virtual controller's while one is open, else the wall clock's.
+/// With `virtual:max` a reading lasts for a servo tick, so that a loop which waits for a time
+/// reaches it.
 #[unsafe(no_mangle)]
 pub extern "system" fn beamtick_now() -> u64 {
     if let Some(slot) = any_card()

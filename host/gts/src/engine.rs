@@ -4,11 +4,13 @@
 //! fields stored where the arguments point. Nothing is sent before every address and every range
 //! that C can get wrong is checked; what the controller refuses is refused by it, in its words.
 
+mod beyond;
 mod config;
 mod replies;
 
 use crate::boundary::Arg;
 use crate::card::{self, Opening, Slot};
+use crate::more::{self, Class, More};
 use crate::prototype::{self, Form, Kind, Prototype, Scalar};
 use crate::reason;
 use crate::request::{self, put, size};
@@ -36,6 +38,7 @@ pub struct Prepared {
     clock: Option<usize>,
     /// The argument `count`.
     count: Option<usize>,
+    more: Option<&'static More>,
 }
 
 /// Content of a field of the request: its name and its elements.
@@ -44,7 +47,9 @@ type Given = (&'static str, Vec<Arg>);
 impl Prepared {
     /// The function `name` of a family; every exported name is in the table.
     pub fn new(name: &str, form: Form) -> Prepared {
-        let Some(function) = job::api::function(name) else { unreachable!("exports come from the table") };
+        let Some(function) = prototype::functions().find(|function| function.name == name) else {
+            unreachable!("exports come from the tables")
+        };
         let prototype = prototype::prototype(function, form);
         let mut places = prototype::outs(function).into_iter();
         let (mut outs, mut clock) = (Vec::new(), None);
@@ -57,12 +62,27 @@ impl Prepared {
             }
         }
         let count = prototype.arguments.iter().position(|argument| argument.name == "count");
-        Prepared { command: prototype::command(function), prototype, outs, clock, count }
+        Prepared { command: prototype::command(function), prototype, outs, clock, count, more: more::row(name) }
     }
 
     /// Its name without a prefix, as reasons have it.
     pub fn name(&self) -> &'static str {
         self.prototype.function.name
+    }
+
+    /// Its row among the calls beyond the manuals, unless it is the controller's.
+    fn more(&self) -> Option<&'static More> {
+        self.more.filter(|more| !matches!(more.class, Class::Real))
+    }
+
+    /// A refusal of a command that has this function's name besides its own.
+    fn under_its_name(&self, mut error: Error) -> Error {
+        if let (Some(_), Some(command)) = (self.more, self.command)
+            && let Some(rest) = error.reason.strip_prefix(command.name)
+        {
+            error.reason = format!("{}{rest}", self.name());
+        }
+        error
     }
 
     /// Whether it changes nothing.
@@ -339,6 +359,10 @@ pub unsafe fn call(slot: Slot, prepared: &Prepared, lead: c_short, args: &[Arg])
         unsafe { prepared.store_text(args, &reason::last(slot)) };
         return Ok(None);
     }
+    if let Some(more) = prepared.more() {
+        // SAFETY: as the caller says.
+        return unsafe { beyond::call(slot, prepared, more, core, args) };
+    }
     let goes_first = matches!(prepared.name(), "Abort" | "Close");
     let mut state = if goes_first { slot.lock_first() } else { slot.lock() };
     if prepared.prototype.function.shape == Shape::Host {
@@ -375,7 +399,8 @@ pub unsafe fn call(slot: Slot, prepared: &Prepared, lead: c_short, args: &[Arg])
             }
             // SAFETY: as the caller says.
             let calls = unsafe { prepared.requests(core, args)? };
-            let Some(replies) = card.send(prepared.reads(), &calls)? else {
+            let replies = card.send(prepared.reads(), &calls).map_err(|error| prepared.under_its_name(error));
+            let Some(replies) = replies? else {
                 return Ok(None);
             };
             let mut before = 0;
@@ -388,6 +413,9 @@ pub unsafe fn call(slot: Slot, prepared: &Prepared, lead: c_short, args: &[Arg])
             if let Some(reply) = replies.first().filter(|_| prepared.prototype.function.tells_stop()) {
                 // SAFETY: as the caller says.
                 unsafe { prepared.store_stop(args, reply) };
+            }
+            if prepared.name() == "Reset" {
+                card.kept.reset(core);
             }
             if is_start(prepared) {
                 card.started = true;

@@ -7,11 +7,13 @@
 //! does not fit is 7, with nothing sent.
 //!
 //! `prototype` derives every C prototype from the table of functions that job scripts use too.
-//! `header` makes the headers and `exports` of it, `python` the table of the Python package, with
-//! the sentences of `about`. `boundary` is the entry from C; `engine` makes requests of arguments,
-//! and arguments of replies. `card` is an opened controller, `stream` the batching of PT data,
-//! `recorder` its trace files. `compat` serves the replacements of Windows headers, `at_exit` the
-//! end of the process.
+//! `header` makes the headers and `exports` of it, `python` the table of the Python package,
+//! `csharp` the declarations for C#, `page` docs/api.md, with the sentences of `about`. `width` is
+//! the size of a `long`: the package `beamtick-gts32` builds these files with 32 bits. `boundary`
+//! is the entry from C; `engine` makes requests of arguments, and arguments of replies. `card` is
+//! an opened controller, `stream` the batching of PT data, `recorder` its trace files. `more` has
+//! the calls beyond the manuals that the library answers. `compat` serves the replacements of
+//! Windows headers, `at_exit` the end of the process.
 
 mod at_exit;
 mod boundary;
@@ -24,8 +26,12 @@ mod recorder;
 mod request;
 mod settings;
 mod stream;
+mod width;
 
 pub mod about;
+pub mod csharp;
 pub mod header;
+pub mod more;
+pub mod page;
 pub mod prototype;
 pub mod python;

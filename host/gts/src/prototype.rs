@@ -4,6 +4,7 @@
 //!
 //! [`FORMS`] has what the two tables lack: the forms to which API.md gives a type of their own.
 
+use crate::more::{self, MORE};
 use job::api::{FUNCTIONS, Function, Param, Pass, Shape, Size, Type};
 
 use protocol::command::{COMMANDS, CommandInfo};
@@ -274,6 +275,8 @@ pub fn outs(function: &Function) -> Vec<Option<usize>> {
 pub fn prototype(function: &'static Function, form: Form) -> Prototype {
     let mut places = outs(function).into_iter();
     let fields = reply_fields(function);
+    let more = more::row(function.name);
+    let mut own_outs = more.into_iter().flat_map(|more| more.outs.iter().copied());
     let mut arguments = Vec::new();
     for param in function.params {
         let kind = match param.pass {
@@ -289,6 +292,7 @@ pub fn prototype(function: &'static Function, form: Form) -> Prototype {
                 match function.name {
                     "GetVersion" => Kind::TextAddress,
                     _ if param.name == "text" => Kind::Room,
+                    _ if more.is_some() => Kind::Out(own_outs.next().unwrap_or(Scalar::ULong)),
                     _ => Kind::Out(field.map_or(Scalar::ULong, |(_, of)| Scalar::of_wire(of))),
                 }
             }
@@ -334,7 +338,12 @@ impl Prototype {
     }
 }
 
-/// Every prototype of a family, in the order of the table.
+/// Every function: of the controller's table, then those beyond it.
+pub fn functions() -> impl Iterator<Item = &'static Function> {
+    FUNCTIONS.iter().chain(MORE.iter().map(|more| &more.function))
+}
+
+/// Every prototype of a family, in the order of the tables.
 pub fn all(form: Form) -> impl Iterator<Item = Prototype> {
-    FUNCTIONS.iter().map(move |function| prototype(function, form))
+    functions().map(move |function| prototype(function, form))
 }

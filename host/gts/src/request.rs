@@ -4,9 +4,10 @@
 use crate::boundary::Arg;
 use crate::prototype::Scalar;
 use crate::reason;
+use crate::width::{c_long, c_ulong};
 use client::Result;
 use protocol::reason::Reason;
-use std::ffi::{c_long, c_short, c_ulong, c_ushort, c_void};
+use std::ffi::{c_short, c_ushort, c_void};
 
 /// Parameters whose bits count: a `long` may hold all 32 as a positive number.
 const BITS: &[&str] = &["mask", "option", "value"];

@@ -76,7 +76,8 @@ fn outputs_by_a_multimedia_timer() {
 #[test]
 fn a_sine_streamed_by_a_producer() {
     let Some(text) = printed("pt_producer", &[]) else { return };
-    // Knots at 1000 at most; PT's velocities swing about the sine's, and so the positions between two knots do.
+    // Knots at 1000 at most; PT's velocities swing about the sine's, and so the positions between
+    // two knots do.
     assert!(
         text.starts_with("sent=600 high=100") && text.contains(" low=-100") && text.ends_with(" seconds=6.0\n"),
         "{text}"
@@ -132,7 +133,8 @@ fn three_axes_and_their_workers() {
     assert_eq!(text, "waited=0 sum=303 rtn=000 top=10000,10000,10000 seconds=3.0\n");
 }
 
-/// Sleeps of several threads overlap in the controller's time, and a thread whose time has come goes on while another calls.
+/// Sleeps of several threads overlap in the controller's time, and a thread whose time has come
+/// goes on while another calls.
 #[test]
 fn sleeps_of_threads_overlap() {
     let text = r#"
@@ -156,7 +158,8 @@ int main(void)
     DWORD begin = GetTickCount();
     WaitForMultipleObjects(3, threads, TRUE, INFINITE);
     printf("%lu ms for %ld wakes\n", (GetTickCount() - begin + 5) / 10 * 10, wakes);
-    // 400 reads of a tick each are 100 ms: another thread's ten sleeps of 10 ms, give or take the last.
+    // 400 reads of a tick each are 100 ms: another thread's ten sleeps of 10 ms, give or take the
+    // last.
     wakes = 0;
     threads[0] = CreateThread(NULL, 0, sleeper, (LPVOID)(LONG_PTR)10, 0, NULL);
     Sleep(1);

@@ -47,6 +47,8 @@ pub enum Type {
     Crd,
     /// TCrdData.
     CrdData,
+    /// TPid (in the C library alone).
+    Pid,
 }
 
 /// Fields of a struct: name, type, number of elements.
@@ -100,6 +102,16 @@ impl Type {
                 ("velEnd", Type::Double, 1),
                 ("velEndZero", Type::Short, 1),
             ],
+            Type::Pid => &[
+                ("kp", Type::Double, 1),
+                ("ki", Type::Double, 1),
+                ("kd", Type::Double, 1),
+                ("kvff", Type::Double, 1),
+                ("kaff", Type::Double, 1),
+                ("integralLimit", Type::Long, 1),
+                ("derivativeLimit", Type::Long, 1),
+                ("limit", Type::Short, 1),
+            ],
             Type::Short => &[("", Type::Short, 1)],
             Type::UShort => &[("", Type::UShort, 1)],
             Type::Long => &[("", Type::Long, 1)],
@@ -134,6 +146,7 @@ impl Type {
             Type::Jog => "TJogPrm",
             Type::Crd => "TCrdPrm",
             Type::CrdData => "TCrdData",
+            Type::Pid => "TPid",
         }
     }
 

@@ -21,7 +21,8 @@ const MOST: usize = 64;
 
 /// What an object is.
 enum Kind {
-    /// A thread: its code once it has ended, how often it is suspended before it starts, whether it is to end.
+    /// A thread: its code once it has ended, how often it is suspended before it starts, whether it
+    /// is to end.
     Thread { code: Option<c_ulong>, suspended: u32, ends: bool },
     /// An event; one that is not manual is taken by the wait that it ends.
     Event { manual: bool, set: bool },
@@ -98,7 +99,8 @@ fn me() -> u64 {
     NUMBER.try_with(|number| *number).unwrap_or(0)
 }
 
-/// A thread is about to be created; it has two handles, one its own. The creator counts it as running.
+/// A thread is about to be created; it has two handles, one its own. The creator counts it as
+/// running.
 #[unsafe(no_mangle)]
 pub extern "system" fn beamtick_thread_new(suspended: c_int) -> c_ulong {
     expect_thread();

@@ -147,8 +147,8 @@ impl End {
         }
     }
 
-    /// Another thread has closed the controller: what is left passes on the wall clock, as fast as it
-    /// would have there.
+    /// Another thread has closed the controller: what is left passes on the wall clock, as fast as
+    /// it would have there.
     fn follow_close(&mut self, left: Option<Duration>) {
         if let End::Card(_, card) = self
             && card.is_closed()

@@ -441,6 +441,114 @@ static void paths(bool lsr)
     (void)lsr;
 }
 
+/* Kept, in controller time, or refused with what is missing. */
+static void beyond()
+{
+    long raw = 0, di = 0, ls[2] = {0, 0};
+    unsigned long before = 0, after = 0, ms = 0;
+    short s = 0, t = 0;
+    unsigned short us = 0;
+    double d = 0;
+    DONE(GT_GetDi(MC_GPI, &di));
+    DONE(GT_GetDiRaw(MC_GPI, &raw));
+    HOLDS(raw == di);
+    DONE(GT_GetClockHighPrecision(&before));
+    DONE(GT_Delay(20));
+    DONE(GT_DelayHighPrecision(40));
+    DONE(GT_GetClockHighPrecision(&after));
+    DONE(GT_GetClock(&ms));
+    /* 30 ms are 240 units of 125 us, and the reads are a tick each. */
+    HOLDS(after - before >= 240 && after - before <= 250);
+    HOLDS(ms >= after / 8 && ms <= after / 8 + 2);
+
+    TPid pid = {1, 0.5, 2, 3, 4, 5, 6, 7}, back = {0, 0, 0, 0, 0, 0, 0, 0};
+    DONE(GT_GetPid(1, 1, &back));
+    HOLDS(back.kp == 0 && back.limit == 32767);
+    DONE(GT_SetPid(1, 2, &pid));
+    DONE(GT_GetPid(1, 2, &back));
+    HOLDS(back.kp == 1 && back.ki == 0.5 && back.kaff == 4 && back.integralLimit == 5 && back.derivativeLimit == 6 && back.limit == 7);
+    pid.kd = -1;
+    REFUSED(7, "kd is -1", GT_SetPid(1, 2, &pid));
+    REFUSED(7, "index is 4", GT_SetPid(1, 4, &pid));
+    REFUSED(7, "control is 9", GT_GetPid(9, 1, &pid));
+    REFUSED(7, "pid is NULL", GT_SetPid(1, 1, NULL));
+    DONE(GT_GetPid(1, 2, &back));
+    HOLDS(back.kd == 2);
+    DONE(GT_SetControlFilter(8, 3));
+    DONE(GT_GetControlFilter(8, &s));
+    HOLDS(s == 3);
+    DONE(GT_SetKvffFilter(1, 3, 10.5));
+    DONE(GT_GetKvffFilter(1, &s, &d));
+    HOLDS(s == 3 && d == 10.5);
+    DONE(GT_SetAxisPrfVelFilter(1, 4));
+    DONE(GT_GetAxisPrfVelFilter(1, &s));
+    DONE(GT_SetAxisEncVelFilter(1, 5));
+    DONE(GT_GetAxisEncVelFilter(1, &t));
+    HOLDS(s == 4 && t == 5);
+    DONE(GT_SetProfileScale(1, -2, 3));
+    DONE(GT_GetProfileScale(1, &s, &t));
+    HOLDS(s == -2 && t == 3);
+    REFUSED(7, "beta is 0", GT_SetProfileScale(1, 1, 0));
+    DONE(GT_SetEncoderScale(1, 2, 5));
+    DONE(GT_GetEncoderScale(1, &s, &t));
+    HOLDS(s == 2 && t == 5);
+    DONE(GT_SetMtrBias(2, -300));
+    DONE(GT_GetMtrBias(2, &s));
+    DONE(GT_SetMtrLmt(2, 30000));
+    DONE(GT_GetMtrLmt(2, &t));
+    HOLDS(s == -300 && t == 30000);
+    REFUSED(7, "dac is 9", GT_SetMtrBias(9, 0));
+    DONE(GT_SetAdcFilter(1, 10));
+    DONE(GT_CtrlMode(1, 1));
+    REFUSED(7, "mode is 2", GT_CtrlMode(1, 2));
+    DONE(GT_EncOn(1));
+    REFUSED(1, "pulse output", GT_EncOff(1));
+    DONE(GT_StepDir(1));
+    REFUSED(1, "step and direction", GT_StepPulse(1));
+    DONE(GT_EncSns(0));
+    REFUSED(1, "exchange its A and B", GT_EncSns(1));
+    DONE(GT_GpiSns(0));
+    REFUSED(1, "general inputs", GT_GpiSns(1));
+
+    const char *module = "no extension modules";
+    REFUSED(1, module, GT_ExtModuleInit());
+    REFUSED(1, module, GT_SetExtDo(1, 1));
+    REFUSED(1, module, GT_SetExtDoBit(1, 1));
+    REFUSED(1, module, GT_GetExtDo(1, &raw));
+    REFUSED(1, module, GT_GetExtDoBit(1, &s));
+    REFUSED(1, module, GT_GetExtDi(1, &raw));
+    REFUSED(1, module, GT_GetExtDiBit(1, &s));
+    REFUSED(1, module, GT_SetExtAo(1, 5));
+    REFUSED(1, module, GT_GetExtAi(1, &d));
+    REFUSED(1, module, GT_OpenExtMdl());
+    REFUSED(1, module, GT_CloseExtMdl());
+    REFUSED(1, module, GT_ResetExtMdl());
+    REFUSED(1, module, GT_LoadExtConfig("ext.cfg"));
+    REFUSED(1, module, GT_SetExtIoValue(1, 1));
+    REFUSED(1, module, GT_GetExtIoValue(1, &us));
+    REFUSED(1, module, GT_SetExtIoBit(1, 1, 1));
+    REFUSED(1, module, GT_GetExtIoBit(1, 1, &us));
+    REFUSED(1, module, GT_GetExtAdValue(1, 1, &us));
+    REFUSED(1, module, GT_GetExtAdVoltage(1, 1, &d));
+    REFUSED(1, module, GT_SetExtDaValue(1, 1, 1));
+    REFUSED(1, module, GT_SetExtDaVoltage(1, 1, 1));
+    REFUSED(1, "handwheel", GT_HandwheelInit());
+    REFUSED(1, "handwheel", GT_SetHandwheelStopDec(1, 1, 1));
+    REFUSED(1, "handwheel", GT_StartHandwheel(1, 1, 1, 1, 0, 1, 1, 1, 0));
+    REFUSED(1, "handwheel", GT_EndHandwheel(1));
+    REFUSED(1, "compensation", GT_SetLeadScrewComp(1, 2, 0, 100, ls, ls));
+    REFUSED(1, "compensation", GT_EnableLeadScrewComp(1, 1));
+    REFUSED(1, "compensation", GT_SetBacklash(1, 1, 1, 0));
+    REFUSED(1, "compensation", GT_GetBacklash(1, &raw, &d, &di));
+    REFUSED(1, "Cam is not there", GT_PrfCam(1));
+    REFUSED(1, "Cam is not there", GT_CamStart(1));
+
+    /* What is kept falls back. */
+    DONE(GT_Reset());
+    DONE(GT_GetMtrBias(2, &s));
+    HOLDS(s == 0);
+}
+
 int main()
 {
     DONE(GT_Open());
@@ -455,6 +563,7 @@ int main()
     follow_ex();
     lasers(lsr);
     paths(lsr);
+    beyond();
     DONE(GT_Close());
     return verdict();
 }
