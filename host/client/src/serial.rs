@@ -21,6 +21,12 @@ pub struct SerialLink {
     since: Instant,
 }
 
+/// Whether the port is taken: by its lock, or as the system says (`EBUSY`; Windows: access denied).
+fn is_in_use(error: &serialport::Error) -> bool {
+    let text = error.to_string().to_lowercase();
+    ["exclusive lock", "busy", "access is denied"].iter().any(|part| text.contains(part))
+}
+
 /// How long a port may take to accept what is sent: a full window at 9600 baud.
 const SEND: Duration = Duration::from_secs(10);
 
@@ -34,10 +40,11 @@ impl SerialLink {
             Some((path, Ok(baud))) => (path, baud),
             _ => (port, DEFAULT_BAUD),
         };
-        let port = serialport::new(path, baud)
-            .timeout(Duration::from_millis(1))
-            .open()
-            .map_err(|e| Error::cannot_open(&name, e))?;
+        let port =
+            serialport::new(path, baud).timeout(Duration::from_millis(1)).open().map_err(|e| match is_in_use(&e) {
+                true => Error::cannot_open(&name, "another program, or another card of this one, uses it"),
+                false => Error::cannot_open(&name, e),
+            })?;
         Ok(SerialLink { name, port, baud, since: Instant::now() })
     }
 }
@@ -81,6 +88,19 @@ impl Link for SerialLink {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_port_in_use_says_so() {
+        let (_near, far) = serialport::TTYPort::pair().unwrap();
+        let name = far.name().unwrap();
+        drop(far);
+        let first = SerialLink::open(&name).unwrap();
+        let error = SerialLink::open(&name).map(|_| ()).unwrap_err();
+        assert_eq!((error.code, error.reason.contains("uses it")), (error::CANNOT_OPEN, true), "{error}");
+        drop(first);
+        SerialLink::open(&name).unwrap();
+    }
 
     #[test]
     fn a_trace_leaves_room_for_calls() {

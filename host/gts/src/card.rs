@@ -5,6 +5,7 @@
 //! driven or a queue sent. A slot is locked for the whole of a call: calls of several threads
 //! follow each other. An Abort, a Close and the end of the process have priority.
 
+use crate::board_memory::{Virtual, retire};
 use crate::recorder::{Claim, Recorder};
 use crate::settings::{Road, Settings};
 use crate::stream::Stream;
@@ -18,7 +19,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, Once, PoisonError, TryLockError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
-use virtual_board::{Board, Config, Pace, PacedLink, VirtualLink, share};
+use virtual_board::{Config, Pace, PacedLink, VirtualLink};
 
 /// Servo tick of the virtual controller: the compatible value of SPEC 1.
 const TICK_US: u32 = 250;
@@ -157,6 +158,7 @@ impl State {
         let text = card.describe();
         self.version = CString::new(text).ok();
         self.card = Some(card);
+        crate::fork::opened();
         static AT_EXIT: Once = Once::new();
         AT_EXIT.call_once(|| crate::at_exit::run(finish));
         Ok(())
@@ -164,13 +166,19 @@ impl State {
 
     /// Closes it; nothing to do if none is open.
     pub fn close(&mut self) -> Result<()> {
-        self.card.take().map_or(Ok(()), Card::close)
+        self.card.take().map_or(Ok(()), |card| {
+            crate::fork::closed();
+            card.close()
+        })
     }
 }
 
 /// At the end of the process: what programs leave open is closed, so that nothing stays lit and
 /// traces are complete.
 extern "C" fn finish() {
+    if crate::fork::is_child() {
+        return;
+    }
     let _ = std::panic::catch_unwind(|| {
         let end = Instant::now() + FINISH;
         for slot in all() {
@@ -201,6 +209,8 @@ pub struct Card {
     recorder: Option<Arc<Mutex<Recorder>>>,
     _files: Claim,
     keeper: Option<Keeper>,
+    /// Dropped after the client, which refers to it.
+    _memory: Retired,
     /// Close has been called: the time is not driven any more.
     closed: Arc<AtomicBool>,
     /// Its number among all that this process has opened, from 1.
@@ -213,6 +223,15 @@ pub struct Card {
     pub keys: crate::compat::Keys,
 }
 
+/// The memory of a virtual controller; freed when this is dropped, or later.
+struct Retired(Option<Virtual>);
+
+impl Drop for Retired {
+    fn drop(&mut self) {
+        retire(self.0.take());
+    }
+}
+
 impl Card {
     fn open(opening: Opening, settings: Settings) -> Result<Card> {
         let wrong =
@@ -221,7 +240,8 @@ impl Card {
         let inputs = inputs.map_err(|reason| wrong(Error::new(CANNOT_OPEN, reason)))?;
         let files = Claim::of(opening.slot, &settings)?;
         let mut options = Options { profile: settings.profile, family: settings.family, ..Options::default() };
-        let mut is_virtual = false;
+        // Freed last, and if Open fails too.
+        let mut memory = Retired(None);
         let (client, time) = match &settings.road {
             Road::Virtual(factor) => {
                 let profile = *options.profile.get_or_insert(match opening {
@@ -230,9 +250,9 @@ impl Card {
                     Opening { .. } => Profile::Gtn016,
                 });
                 options.family.get_or_insert_default();
-                let shared =
-                    share(Board::new(Config { tick_us: TICK_US, profile: profile as u8, ..Config::default() }));
-                is_virtual = true;
+                let own = Virtual::new(Config { tick_us: TICK_US, profile: profile as u8, ..Config::default() });
+                let Some(shared) = own.shared() else { unreachable!("it was just made") };
+                memory.0 = Some(own);
                 match factor {
                     Some(factor) => {
                         let (link, pace) = PacedLink::new(shared, *factor);
@@ -248,7 +268,7 @@ impl Card {
             }
             Road::Link(name) => (Client::open(client::link::open(name)?, options)?, Time::Own),
         };
-        let recorder = match is_virtual && settings.is_traced() {
+        let recorder = match memory.0.is_some() && settings.is_traced() {
             true => Some(Recorder::start(&client, &settings)?),
             false => None,
         };
@@ -273,6 +293,7 @@ impl Card {
             _files: files,
             keeper,
             closed,
+            _memory: memory,
             serial,
             started: false,
             kept: Default::default(),

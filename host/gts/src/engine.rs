@@ -359,6 +359,10 @@ pub unsafe fn call(slot: Slot, prepared: &Prepared, lead: c_short, args: &[Arg])
         unsafe { prepared.store_text(args, &reason::last(slot)) };
         return Ok(None);
     }
+    if crate::fork::is_child() {
+        let what = "this process was forked from one whose controller is open; only that one can use it";
+        return Err(Error::new(client::error::NO_ANSWER, format!("{}: {what}", prepared.name())));
+    }
     if let Some(more) = prepared.more() {
         // SAFETY: as the caller says.
         return unsafe { beyond::call(slot, prepared, more, core, args) };
@@ -434,6 +438,9 @@ fn is_start(prepared: &Prepared) -> bool {
 
 /// The card that a compat function is for: the single one, else the first that is open.
 pub fn any_card() -> Option<Slot> {
+    if crate::fork::is_child() {
+        return None;
+    }
     card::all().find(|slot| slot.lock().is_open())
 }
 

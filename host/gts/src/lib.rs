@@ -16,11 +16,13 @@
 //! Windows headers, `at_exit` the end of the process.
 
 mod at_exit;
+mod board_memory;
 mod boundary;
 mod card;
 mod compat;
 mod engine;
 mod exports;
+mod fork;
 mod reason;
 mod recorder;
 mod request;

@@ -9,7 +9,7 @@ use std::io::{BufRead, BufReader, Write};
 use std::net::TcpListener;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
-use toolchain::{Language, build_file, command, root, skip};
+use toolchain::{Language, build, build_file, command, root, skip};
 
 const FAST: (&str, &str) = ("BEAMTICK_LINK", "virtual:max");
 const PASSED: &str = "all checks passed\n";
@@ -162,5 +162,92 @@ fn a_card_that_is_closed_or_left_open_at_the_end_leaves_no_light() {
         assert!(status.success() && text == PASSED, "{how}: {text}");
         assert!(!levels.switch && !view.light && view.fault == servo::laser::Cause::None, "{how}: {levels:?} {view:?}");
         assert!(view.on_time != Default::default(), "{how}: it was lit");
+    }
+}
+
+/// A child of a process with an open controller: every call −7, its end is quiet, and the parent
+/// goes on.
+#[test]
+fn a_forked_child_is_refused_and_disturbs_nothing() {
+    let text = r#"
+#include "gts.h"
+#include <windows.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+static DWORD WINAPI busy(LPVOID stop)
+{
+    double pos;
+    while (!*(volatile int *)stop) GT_GetPrfPos(1, &pos);
+    return 0;
+}
+int main(void)
+{
+    int status = 0, stop = 0, n;
+    char why[200];
+    /* Before Open a child is a process like any other. */
+    if (fork() == 0) return GT_Open(0, 1) || GT_AxisOn(1) || GT_Close() ? 1 : 0;
+    wait(&status);
+    printf("%d\n", status);
+    if (GT_Open(0, 1)) return 2;
+    HANDLE thread = CreateThread(NULL, 0, busy, &stop, 0, NULL);
+    for (n = 0; n < 20; n++) {
+        fflush(stdout);
+        if (fork() == 0) {
+            short codes[4] = {GT_AxisOn(1), GT_Open(0, 1), GT_Close(), GT_GetLastReason(why, 200)};
+            Sleep(1);
+            return codes[0] == -7 && codes[1] == -7 && codes[2] == -7 && codes[3] == 0 && strstr(why, "forked") ? 0 : 3;
+        }
+        wait(&status);
+        if (status) printf("child %d: %x\n", n, status);
+    }
+    stop = 1;
+    WaitForSingleObject(thread, INFINITE);
+    printf("%d", GT_AxisOn(1));
+    printf(" %d\n", GT_Close());
+    return 0;
+}
+"#;
+    let Some(built) = build(Language::Cpp, "forked", text) else { return };
+    for link in ["virtual:max", "virtual"] {
+        let done = command(&built, &[("BEAMTICK_LINK", link)]).output().unwrap();
+        assert_eq!(String::from_utf8_lossy(&done.stdout), "0\n0 0\n", "{link}: {done:?}");
+        assert!(done.stderr.is_empty(), "{}", String::from_utf8_lossy(&done.stderr));
+    }
+}
+
+/// A controller that was closed leaves nothing: 2.7 MB each, before.
+#[cfg(target_os = "linux")]
+#[test]
+fn closing_frees_a_virtual_controller() {
+    let text = r#"
+#include "gts.h"
+#include <stdio.h>
+#include <unistd.h>
+static long resident(void)
+{
+    long all = 0, used = 0;
+    FILE *file = fopen("/proc/self/statm", "r");
+    if (!file || fscanf(file, "%ld %ld", &all, &used) != 2) return -1;
+    fclose(file);
+    return used * sysconf(_SC_PAGESIZE) / 1024;
+}
+int main(void)
+{
+    long before = 0;
+    double pos;
+    for (int n = 0; n < 60; n++) {
+        if (GTN_Open(5, 1) || GTN_AxisOn(1, 1) || GTN_GetPrfPos(1, 1, &pos) || GTN_Close()) return 1;
+        if (n == 9) before = resident();
+    }
+    printf("%ld kB more\n", resident() - before);
+    return resident() - before > 4096;
+}
+"#;
+    let Some(built) = build(Language::Cpp, "freed", text) else { return };
+    for link in ["virtual:max", "virtual"] {
+        let done = command(&built, &[("BEAMTICK_LINK", link)]).output().unwrap();
+        assert!(done.status.success(), "{link}: {}", String::from_utf8_lossy(&done.stdout));
     }
 }

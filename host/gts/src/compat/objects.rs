@@ -4,7 +4,7 @@
 //! header makes the threads themselves (POSIX threads); here is what others may wait for. A handle
 //! that is not known fails the call, as there.
 
-use super::waits::{self, Inner, expect_thread, lock, no_thread, register};
+use super::waits::{self, Inner, expect_thread, lock, me, no_thread, register};
 use std::collections::BTreeMap;
 use std::ffi::{c_int, c_uint, c_ulong};
 use std::time::Duration;
@@ -87,16 +87,6 @@ impl Objects {
             _ => {}
         }
     }
-}
-
-/// A number of the calling thread.
-fn me() -> u64 {
-    use std::sync::atomic::{AtomicU64, Ordering};
-    static NEXT: AtomicU64 = AtomicU64::new(1);
-    thread_local! {
-        static NUMBER: u64 = NEXT.fetch_add(1, Ordering::Relaxed);
-    }
-    NUMBER.try_with(|number| *number).unwrap_or(0)
 }
 
 /// A thread is about to be created; it has two handles, one its own. The creator counts it as

@@ -5,18 +5,22 @@
 //! (`virtual:max`), sleeps of several threads overlap as they would on a clock: time goes on to the
 //! earliest deadline once every thread waits here. A thread that waits elsewhere, in a lock or a
 //! `join` of its own, is not known here; after [`GRACE`] of wall-clock time the others go on
-//! without it.
+//! without it, until it comes here again.
 
 use super::clock::{Source, Virtual, now};
 use crate::card::Time;
 use std::cell::RefCell;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Waited for a thread that does not wait here.
-const GRACE: Duration = Duration::from_millis(5);
+/// Waited for threads that do not wait here; then they count as waiting elsewhere.
+const GRACE: Duration = Duration::from_millis(100);
+/// A call waits so long for threads whose deadline it has passed.
+const DUE: Duration = Duration::from_millis(5);
+/// Between two looks of a thread that waits for others.
+const GLANCE: Duration = Duration::from_millis(2);
 /// The longest wall-clock wait between two looks.
 const LOOK: Duration = Duration::from_millis(50);
 
@@ -24,8 +28,12 @@ const LOOK: Duration = Duration::from_millis(50);
 pub struct Inner {
     /// The objects of `objects`.
     pub objects: super::objects::Objects,
-    /// Threads known here that do not wait.
-    active: usize,
+    /// Threads known here that do not wait, by their numbers.
+    active: BTreeSet<u64>,
+    /// Those of them that wait elsewhere, as far as is known.
+    away: BTreeSet<u64>,
+    /// Threads that were created and have not begun.
+    expected: usize,
     /// Grows with every signal: a thread that has not looked since may have something to do.
     signals: u64,
     /// Threads that wait: deadline, and the signals seen at its last look.
@@ -35,7 +43,9 @@ pub struct Inner {
 
 static INNER: Mutex<Inner> = Mutex::new(Inner {
     objects: super::objects::Objects::new(),
-    active: 0,
+    active: BTreeSet::new(),
+    away: BTreeSet::new(),
+    expected: 0,
     signals: 0,
     waiting: BTreeMap::new(),
     numbers: 0,
@@ -48,12 +58,17 @@ thread_local! {
     static KNOWN: RefCell<Option<Known>> = const { RefCell::new(None) };
 }
 
-/// This thread counts as one that runs.
-struct Known;
+/// This thread counts as one that runs; its number.
+struct Known(u64);
 
 impl Drop for Known {
     fn drop(&mut self) {
-        lock().active -= 1;
+        if crate::fork::is_child() {
+            return;
+        }
+        let mut inner = lock();
+        inner.active.remove(&self.0);
+        inner.away.remove(&self.0);
         BELL.notify_all();
     }
 }
@@ -63,29 +78,39 @@ pub fn lock() -> MutexGuard<'static, Inner> {
     INNER.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Counts the calling thread among those whose waits are known. `counted`: its creator has done so.
-pub fn register(counted: bool) {
+/// A number of the calling thread.
+pub fn me() -> u64 {
+    static NEXT: AtomicU64 = AtomicU64::new(1);
+    thread_local! {
+        static NUMBER: u64 = NEXT.fetch_add(1, Ordering::Relaxed);
+    }
+    NUMBER.try_with(|number| *number).unwrap_or(0)
+}
+
+/// Counts the calling thread among those whose waits are known. `is_expected`: its creator counts
+/// it already.
+pub fn register(is_expected: bool) {
     // A thread that is ending has no such value any more; it counts no longer.
     let _ = KNOWN.try_with(|known| {
         let mut known = known.borrow_mut();
         if known.is_none() {
-            *known = Some(Known);
-            if !counted {
-                lock().active += 1;
-            }
+            *known = Some(Known(me()));
+            let mut inner = lock();
+            inner.active.insert(me());
+            inner.expected -= usize::from(is_expected);
         }
     });
 }
 
-/// A thread that is about to start counts as one that runs.
+/// A thread is about to start; it counts as one that runs.
 pub fn expect_thread() {
     register(false);
-    lock().active += 1;
+    lock().expected += 1;
 }
 
 /// It did not start.
 pub fn no_thread() {
-    lock().active -= 1;
+    lock().expected -= 1;
 }
 
 impl Inner {
@@ -101,7 +126,9 @@ impl Inner {
 
     /// Whether nothing happens any more until a deadline.
     fn is_quiet(&self) -> bool {
-        self.active == 0 && self.waiting.values().all(|(_, seen)| *seen == self.signals)
+        self.expected == 0
+            && self.active.is_subset(&self.away)
+            && self.waiting.values().all(|(_, seen)| *seen == self.signals)
     }
 
     fn note_earliest(&self) {
@@ -165,12 +192,17 @@ impl End {
 /// Waits until `ready` gives something, for at most `time` of the program's; nothing if that has
 /// passed.
 pub fn wait<T>(time: Option<Duration>, mut ready: impl FnMut(&mut Inner) -> Option<T>) -> Option<T> {
+    if crate::fork::is_child() {
+        std::thread::sleep(time.unwrap_or_default());
+        return None;
+    }
     let mut end = End::after(time);
     register(false);
     let mut inner = lock();
     inner.numbers += 1;
     let number = inner.numbers;
-    inner.active -= 1;
+    inner.active.remove(&me());
+    inner.away.remove(&me());
     inner.waiting.insert(number, (end.deadline(), 0));
     inner.note_earliest();
     BELL.notify_all();
@@ -197,19 +229,23 @@ pub fn wait<T>(time: Option<Duration>, mut ready: impl FnMut(&mut Inner) -> Opti
                 if (calm.0, calm.1) != (signals, left) {
                     calm = (signals, left, Instant::now());
                 }
+                if calm.2.elapsed() >= GRACE {
+                    inner.away = inner.active.clone();
+                }
                 let is_first = deadline.is_some() && inner.earliest() == *deadline;
-                if is_first && (inner.is_quiet() || calm.2.elapsed() >= GRACE) && client.sleep(left).is_ok() {
+                let goes_on = inner.is_quiet() || calm.2.elapsed() >= GRACE;
+                if is_first && goes_on && client.sleep(left).is_ok() {
                     // Others may have the same deadline.
                     BELL.notify_all();
                     continue;
                 }
-                GRACE
+                GLANCE
             }
         };
         inner = BELL.wait_timeout(inner, nap).unwrap_or_else(PoisonError::into_inner).0;
     };
     inner.waiting.remove(&number);
-    inner.active += 1;
+    inner.active.insert(me());
     inner.note_earliest();
     found
 }
@@ -217,12 +253,12 @@ pub fn wait<T>(time: Option<Duration>, mut ready: impl FnMut(&mut Inner) -> Opti
 /// Time has passed in a call: threads whose deadline has come go on before its caller does.
 pub fn time_passed() {
     let earliest = EARLIEST.load(Ordering::Relaxed);
-    if earliest == u64::MAX {
+    if earliest == u64::MAX || crate::fork::is_child() {
         return;
     }
     let source = Source::current(false);
     let due = |inner: &Inner| inner.earliest().is_some_and(|first| first <= now(&source));
-    let end = Instant::now() + GRACE;
+    let end = Instant::now() + DUE;
     let mut inner = lock();
     while due(&inner) && Instant::now() < end {
         BELL.notify_all();
