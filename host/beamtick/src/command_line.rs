@@ -56,7 +56,7 @@ pub enum Command {
     /// Has a reference board with the bring-up image measure itself, and writes a page. Outputs
     /// move: connect no drive and no laser. docs/bring-up.md names the jumpers.
     BringUp(BringUp),
-    /// Writes the job that a G-code program is.
+    /// Writes the job that a G-code program or a drawing is.
     Import(Import),
     /// Writes a machine file, or shows what one says.
     Machine(MachineFile),
@@ -179,22 +179,49 @@ impl Outputs {
     }
 }
 
-/// How a G-code program becomes a job.
+/// How a G-code program or a drawing becomes a job.
 #[derive(Debug, Clone, Default, Args)]
 pub struct Drawing {
-    /// The machine that a G-code program is for; `beamtick machine new FILE` writes such a file.
+    /// The machine that a G-code program or a drawing is for; `beamtick machine new FILE` writes
+    /// such a file.
     #[arg(long, value_name = "FILE.toml")]
     pub machine: Option<PathBuf>,
+    /// How strokes of a drawing are marked, with the keys of a [[layers]] of the machine file,
+    /// before which it goes: power=80,speed=600, or
+    /// colour=#ff0000,power=80,speed=600,passes=2,order=1, or colour=#0000ff,skip=true.
+    #[arg(long = "layer", value_name = "KEY=VALUE,…")]
+    pub layers: Vec<String>,
+    /// Machine position of the lower left corner of a drawing's page (SVG) or of its origin (DXF),
+    /// mm. Without it 0,0.
+    #[arg(long, value_name = "X,Y", value_parser = place, allow_hyphen_values = true)]
+    pub at: Option<Place>,
     /// M0 of a G-code program goes on by itself, in the dark. Without it M0 is refused: a job asks
     /// nobody.
     #[arg(long)]
     pub pass_stops: bool,
 }
 
+impl Drawing {
+    /// Some option of it is given.
+    pub fn is_given(&self) -> bool {
+        self.machine.is_some() || self.pass_stops || !self.layers.is_empty() || self.at.is_some()
+    }
+}
+
+/// A place, mm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Place(pub [f64; 2]);
+
+fn place(text: &str) -> Result<Place, String> {
+    let number = |text: &str| text.trim().parse().ok().filter(|mm: &f64| mm.abs() <= 1e5);
+    let pair = text.split_once(',').and_then(|(x, y)| Some(Place([number(x)?, number(y)?])));
+    pair.ok_or_else(|| "it is X,Y in mm, each within ±100000".to_owned())
+}
+
 /// `beamtick import`.
 #[derive(Debug, Args)]
 pub struct Import {
-    /// The G-code program (.nc, .gcode, .ngc, .tap).
+    /// The G-code program (.nc, .gcode, .ngc, .tap) or the drawing (.svg).
     pub program: PathBuf,
     /// The job to write.
     #[arg(long, short, value_name = "FILE.gts")]
@@ -207,7 +234,7 @@ pub struct Import {
 /// `beamtick sim`.
 #[derive(Debug, Args)]
 pub struct Sim {
-    /// The job file, or a G-code program (.nc, .gcode, .ngc, .tap).
+    /// The job file, a G-code program (.nc, .gcode, .ngc, .tap) or a drawing (.svg).
     pub job: PathBuf,
     #[command(flatten)]
     #[allow(missing_docs)]
@@ -238,7 +265,7 @@ pub struct Way {
 /// `beamtick run`.
 #[derive(Debug, Args)]
 pub struct Run {
-    /// The job file, or a G-code program (.nc, .gcode, .ngc, .tap).
+    /// The job file, a G-code program (.nc, .gcode, .ngc, .tap) or a drawing (.svg).
     pub job: PathBuf,
     #[command(flatten)]
     #[allow(missing_docs)]
@@ -263,7 +290,7 @@ pub struct Run {
 /// `beamtick check`.
 #[derive(Debug, Args)]
 pub struct Check {
-    /// The job file, or a G-code program (.nc, .gcode, .ngc, .tap).
+    /// The job file, a G-code program (.nc, .gcode, .ngc, .tap) or a drawing (.svg).
     pub job: PathBuf,
     #[command(flatten)]
     #[allow(missing_docs)]

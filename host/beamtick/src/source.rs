@@ -39,19 +39,21 @@ impl Source {
     /// Reads and compiles a job file; its warnings go to the error stream.
     pub fn open(path: &Path, drawing: &Drawing) -> Result<Self, Failure> {
         let name = path.display().to_string();
-        if import::is_program(path) {
+        if import::is_imported(path) {
             let found = import::job(path, drawing)?;
             let mut source = Source::read(name, found.job, vec![path.to_owned(), found.file], path)?;
             source.millimetres = found.millimetres;
             return Ok(source);
         }
-        if drawing.machine.is_some() || drawing.pass_stops {
-            return Err(Failure::Input(format!(
-                "{name}: --machine and --pass-stops are for G-code (.nc, .gcode, .ngc, .tap); a job is in pulses already"
-            )));
-        }
         let bytes = std::fs::read(path)
             .map_err(|error| Failure::Input(format!("{name}: the job file cannot be read: {error}")))?;
+        if drawing.is_given() {
+            return Err(Failure::Input(format!(
+                "{name}: --machine, --layer, --at and --pass-stops are for G-code and drawings, and this is a job, which is \
+                 in pulses already; {}",
+                import::NAMED
+            )));
+        }
         let text = String::from_utf8(bytes).map_err(|error| {
             let good = error.utf8_error().valid_up_to();
             let line = error.as_bytes()[..good].iter().filter(|byte| **byte == b'\n').count() + 1;
@@ -143,7 +145,7 @@ const PART: usize = 20_000;
 /// Compiles a job. One that `import` wrote may be of any length: its calls name no variables after
 /// the set-up.
 fn compile(text: &str, files: &Noted) -> Result<Job, Vec<Diagnostic>> {
-    if !text.starts_with(gcode::MARK) {
+    if !text.starts_with(strokes::MARK) {
         return job::compile(text, files);
     }
     let (mut whole, mut line, mut at) = (None::<Job>, 0u32, 0usize);

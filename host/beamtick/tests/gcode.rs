@@ -1,16 +1,16 @@
 //! G-code in the virtual controller, against an exact model: where it ends, where it has light, and
 //! its power.
+mod judge;
 #[path = "gcode/model.rs"]
 mod model;
 #[path = "gcode/programs.rs"]
 mod programs;
 
+use judge::{Row, beamtick, off, rows};
 use model::{Axis, Model, decimal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng;
 use std::fs;
-use std::path::Path;
-use std::process::Command;
 
 /// Steps a mm, direction, home of X, Y, Z.
 type Axes = [(&'static str, i32, &'static str); 3];
@@ -41,36 +41,6 @@ fn machine(axes: &Axes, family: &str, more: &str) -> String {
     text + "[laser]\nchannel = 0\nmode = \"duty\"\ncarrier_khz = 10\ns_max = 1000\n" + more
 }
 
-/// Runs `beamtick`: what it prints, and its code.
-fn beamtick(folder: &Path, words: &[&str]) -> (String, i32) {
-    let out = Command::new(env!("CARGO_BIN_EXE_beamtick")).args(words).current_dir(folder).output().unwrap();
-    let said = String::from_utf8_lossy(&out.stdout).into_owned() + &String::from_utf8_lossy(&out.stderr);
-    (said, out.status.code().unwrap())
-}
-
-/// A row: axes X, Y, Z in pulses, gate, power, speed of the path.
-struct Row {
-    at: [f64; 3],
-    lit: bool,
-    power: f64,
-    vel: f64,
-}
-
-fn rows(file: &Path) -> Vec<Row> {
-    let text = fs::read_to_string(file).unwrap();
-    let mut lines = text.lines();
-    let names: Vec<&str> = lines.next().unwrap().split(',').collect();
-    let column =
-        |name: &str| names.iter().position(|other| *other == name).unwrap_or_else(|| panic!("{name}: {names:?}"));
-    let axes = ["axis2_pos", "axis1_pos", "axis5_pos"].map(column);
-    let [gate, power, vel] = ["laser0_gate", "laser0_power", "crd1_vel"].map(column);
-    let row = |line: &str| {
-        let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
-        Row { at: axes.map(|at| cells[at]), lit: cells[gate] > 0.5, power: cells[power], vel: cells[vel] }
-    };
-    lines.map(row).collect()
-}
-
 fn model(axes: &Axes) -> Model {
     let axis = |(steps, direction, home): &(&str, i32, &str)| {
         let sign = decimal(&direction.to_string());
@@ -94,16 +64,6 @@ fn changes(model: &Model) -> Vec<([f64; 3], bool)> {
         found.push((*last.unwrap(), false));
     }
     found
-}
-
-/// How far a point is from a line between two others.
-fn off(point: [f64; 3], [from, to]: [[f64; 3]; 2]) -> f64 {
-    let minus = |a: [f64; 3], b: [f64; 3]| [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
-    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    let (way, to_point) = (minus(to, from), minus(point, from));
-    let part = if dot(way, way) > 0.0 { (dot(way, to_point) / dot(way, way)).clamp(0.0, 1.0) } else { 0.0 };
-    let rest = minus(to_point, way.map(|x| x * part));
-    dot(rest, rest).sqrt()
 }
 
 /// What differs between a trace and the model.
@@ -311,9 +271,12 @@ fn what_is_wrong_has_line_and_reason_and_nothing_moves() {
     for (words, says) in [
         (&["sim", "d.nc", "--machine", "m.toml"][..], "d.nc: the program cannot be read"),
         (&["sim", "none.nc", "--machine", "m.toml"], "none.nc: the program cannot be read"),
-        (&["sim", "p.nc"], "p.nc: G-code needs --machine FILE"),
+        (&["sim", "p.nc"], "p.nc: G-code and drawings need --machine FILE"),
         (&["sim", "p.nc", "--machine", "none.toml"], "none.toml: the machine file cannot be read"),
-        (&["sim", "j.gts", "--machine", "m.toml"], "j.gts: --machine and --pass-stops are for G-code"),
+        (
+            &["sim", "j.gts", "--machine", "m.toml"],
+            "j.gts: --machine, --layer, --at and --pass-stops are for G-code and drawings",
+        ),
         (&["run", "p.nc", "--machine", "m.toml"], "--link is missing"),
         (&["import", "p.nc", "--machine", "m.toml", "-o", "m.toml"], "would overwrite a file"),
         (&["import", "j.gts", "--machine", "m.toml", "-o", "o.gts"], "G-code is named .nc"),

@@ -1,8 +1,8 @@
 //! The words of a line to what they ask for: one word of a modal group, each letter once.
 //!
 //! In: words. Out: a [`Block`]. Fails with the rule that the words break.
-use crate::exact::ONE;
 use crate::words::Word;
+use strokes::exact::ONE;
 
 /// What moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -4,12 +4,12 @@
 //! offsets, modes, the exact position in the machine. Within a line things are done in the order of
 //! RS274; units count for the whole line, as in Grbl.
 use crate::Options;
-use crate::arc::Arc;
 use crate::block::{Block, Motion, Once, Spindle, Stop};
-use crate::exact::{ONE, inches, of_f64, rounded, to_f64};
 use crate::words;
-use crate::writer::{Light, Shape, Stroke, Writer};
 use machine::{LETTERS, Machine};
+use strokes::arc::Arc;
+use strokes::exact::{ONE, inches, of_f64, rounded, to_f64};
+use strokes::{Light, Shape, Stroke, Writer};
 
 type Point = [i128; 3];
 

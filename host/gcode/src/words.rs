@@ -2,7 +2,7 @@
 //!
 //! In: a line. Out: letters with exact numbers, without blanks and comments. Fails with what is no
 //! word.
-use crate::exact::{DECIMALS, WHOLE_DIGITS};
+use strokes::exact::{DECIMALS, WHOLE_DIGITS};
 
 /// A letter and its number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -102,7 +102,7 @@ fn number(text: &[u8]) -> Result<i128, &'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::exact::ONE;
+    use strokes::exact::ONE;
 
     fn words(line: &str) -> Result<Vec<(char, i128)>, String> {
         let (mut bare, mut found) = (Vec::new(), Vec::new());

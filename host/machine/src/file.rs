@@ -1,6 +1,7 @@
 //! The reader of a machine file.
 //!
 //! In: name and text. Out: a [`Machine`], or one text: file, line, key, what is wrong, the limit.
+use crate::layers::{self, LayerKeys};
 use crate::{Axis, Family, LETTERS, Laser, Limits, Machine, Mode, Outputs, Path, STEP_DECIMALS};
 use serde::Deserialize;
 use std::ops::{Range, RangeInclusive};
@@ -25,6 +26,8 @@ struct File {
     path: PathKeys,
     #[serde(default)]
     outputs: OutputKeys,
+    #[serde(default)]
+    layers: Vec<Spanned<LayerKeys>>,
 }
 
 #[derive(Default, Deserialize)]
@@ -86,10 +89,10 @@ struct OutputKeys {
 }
 
 /// Bytes of the text, and what is wrong there.
-type Fault = (Range<usize>, String);
+pub(crate) type Fault = (Range<usize>, String);
 
 /// A value within its limits.
-fn within(value: &Spanned<f64>, limits: RangeInclusive<f64>, unit: &str) -> Result<f64, Fault> {
+pub(crate) fn within(value: &Spanned<f64>, limits: RangeInclusive<f64>, unit: &str) -> Result<f64, Fault> {
     let got = *value.get_ref();
     if limits.contains(&got) {
         return Ok(got);
@@ -98,7 +101,7 @@ fn within(value: &Spanned<f64>, limits: RangeInclusive<f64>, unit: &str) -> Resu
 }
 
 /// A whole number within its limits.
-fn whole(value: &Spanned<i64>, limits: RangeInclusive<i64>, unit: &str) -> Result<i64, Fault> {
+pub(crate) fn whole(value: &Spanned<i64>, limits: RangeInclusive<i64>, unit: &str) -> Result<i64, Fault> {
     let got = *value.get_ref();
     if limits.contains(&got) {
         return Ok(got);
@@ -123,7 +126,7 @@ pub fn read(name: &str, text: &str) -> Result<Machine, String> {
 }
 
 /// The known key that is nearest to an unknown one, where the reader's message is about one.
-fn nearest_key(message: &str) -> Option<String> {
+pub(crate) fn nearest_key(message: &str) -> Option<String> {
     // The message quotes the unknown key first, then the known ones.
     let mut quoted = message.strip_prefix("unknown field ")?.split('`').skip(1).step_by(2);
     let got = quoted.next()?;
@@ -214,7 +217,11 @@ fn checked(file: &File) -> Result<Machine, Fault> {
             return Err((span, message));
         }
     }
-    Ok(Machine { family: file.family, link, axes, laser, path, outputs })
+    let mut layers = Vec::new();
+    for keys in &file.layers {
+        layers.push(layers::checked(keys, laser.as_ref(), layers.len())?);
+    }
+    Ok(Machine { family: file.family, link, axes, laser, path, outputs, layers })
 }
 
 fn axis(letter: char, keys: &AxisKeys, others: &[Axis]) -> Result<Axis, Fault> {

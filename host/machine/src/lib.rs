@@ -6,9 +6,11 @@
 //! file from answers. `docs/machine.md` is the user's page.
 
 mod file;
+mod layers;
 mod show;
 mod template;
 
+pub use layers::{Colour, Layer, Shine};
 pub use show::show;
 pub use template::{Question, questions, write};
 
@@ -34,6 +36,8 @@ pub struct Machine {
     pub path: Path,
     /// General outputs for M7 and M8.
     pub outputs: Outputs,
+    /// How strokes of drawings are marked; the first that takes a stroke counts.
+    pub layers: Vec<Layer>,
 }
 
 /// Where the two laser manuals differ.
@@ -151,6 +155,17 @@ impl Machine {
     /// What is wrong: file, line, key, limit, and what to do.
     pub fn read(name: &str, text: &str) -> Result<Machine, String> {
         file::read(name, text)
+    }
+
+    /// Layers from `KEY=VALUE,KEY=VALUE` go before those of the file.
+    ///
+    /// # Errors
+    /// What is wrong with one: its key, the limit.
+    pub fn add_layers(&mut self, given: &[String]) -> Result<(), String> {
+        let mut all = given.iter().map(|text| layers::given(text, self)).collect::<Result<Vec<Layer>, String>>()?;
+        all.append(&mut self.layers);
+        self.layers = all;
+        Ok(())
     }
 
     /// The axis of this letter.

@@ -1,4 +1,5 @@
 //! What a machine file says, in mm.
+use crate::layers;
 use crate::{Family, Limits, Machine, Mode};
 
 /// Lines for the user.
@@ -56,6 +57,9 @@ pub fn show(machine: &Machine) -> String {
         },
         machine.link.as_deref().unwrap_or("virtual")
     );
+    for layer in &machine.layers {
+        text += &layers::show(layer, machine.laser.as_ref());
+    }
     let output = |name: &str, output: Option<u8>| output.map(|number| format!("{name} switches output {number}\n"));
     text + &output("M7", machine.outputs.mist).unwrap_or_default()
         + &output("M8", machine.outputs.flood).unwrap_or_default()

@@ -53,6 +53,16 @@ const OUTPUTS: [(&str, &str, &str); 2] = [
     ("flood", "general output that M8 switches on and M9 off, 1 to 16; empty for none", ""),
 ];
 
+/// What shows how strokes of drawings get a power: it says nothing until the marks of comments are
+/// removed.
+const LAYERS: &str = "\n# How strokes of drawings are marked; docs/drawings.md explains it.\n\
+    # [[layers]]\n\
+    # colour = \"#ff0000\"        # strokes of this colour; without it, all that no layer before takes\n\
+    # power = 80                # in the unit of laser.power\n\
+    # speed = 600               # mm/min\n\
+    # passes = 1\n\
+    # order = 0                 # layers of a lower number run first\n";
+
 /// The questions of a machine with these axes, with their usual answers, in the order of the file.
 pub fn questions(letters: &str, laser: bool) -> Vec<Question> {
     let mut all = Vec::new();
@@ -100,6 +110,7 @@ pub fn write(name: &str, questions: &[Question]) -> Result<(String, Machine), St
         };
         text += &format!("{line:<28}# {}\n", question.meaning);
     }
+    text += LAYERS;
     let machine = Machine::read(name, &text)?;
     Ok((text, machine))
 }

@@ -182,3 +182,37 @@ fn figures_in_pulses_are_those_of_the_axis() {
     // 12000 mm/min are 0.2 mm/ms; 1000 mm/s² are 0.001 mm/ms².
     assert!((axis.rate() - 32.0).abs() < 1e-12 && (axis.pulse_acceleration() - 0.16).abs() < 1e-12);
 }
+
+#[test]
+fn layers_are_checked_and_an_unknown_key_names_the_nearest() {
+    let with = |lines: &str| {
+        let (text, _) = write("m.toml", &questions("XY", true)).unwrap();
+        let count = text.lines().count();
+        (Machine::read("m.toml", &format!("{text}[[layers]]\npower = 5\nspeed = 600\n{lines}\n")), count + 4)
+    };
+    for (lines, says) in [
+        ("pases = 2", "layers.pases cannot be read: unknown field `pases`"),
+        ("pases = 2", "the nearest known key is `passes`"),
+        ("passes = 0", "layers.passes is 0; it is a whole number from 1 to 1000"),
+        ("passes = 1001", "layers.passes is 1001"),
+        ("colour = \"red\"", "layers.colour is \"red\"; a colour is \"#rrggbb\", or a number of AutoCAD from 1 to 255"),
+        ("colour = \"#ff00\"", "layers.colour is \"#ff00\""),
+        ("colour = 256", "layers.colour is 256"),
+        ("light = \"m4\"", "layers.light cannot be read"),
+        ("[[layers]]\npower = 101\nspeed = 5", "layers.power is 101; it is 0 to 100 % (laser.power)"),
+        ("[[layers]]\npower = nan\nspeed = 5", "layers.power is NaN"),
+        ("[[layers]]\nspeed = 0\npower = 5", "layers.speed is 0; it is 0.001 to 10000000 mm/min"),
+    ] {
+        let (read, line) = with(lines);
+        let error = read.unwrap_err();
+        let line = line + usize::from(lines.starts_with('['));
+        assert!(error.starts_with(&format!("m.toml:{line}: ")) && error.contains(says), "{lines}: {error}");
+    }
+    for lines in ["[[layers]]\nspeed = 5", "[[layers]]\npower = 5"] {
+        let error = with(lines).0.unwrap_err();
+        assert!(error.contains("a layer needs power and speed, or skip = true"), "{error}");
+    }
+    let machine = with("colour = \"#a0f\"\n[[layers]]\ncolour = 30\nlayer = \"CUT\"\nskip = true").0.unwrap();
+    assert_eq!(machine.layers[0].colour, Some(machine::Colour::Rgb([0xaa, 0, 0xff])));
+    assert_eq!((machine.layers[1].colour, machine.layers[1].skip), (Some(machine::Colour::Index(30)), true));
+}

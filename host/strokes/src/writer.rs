@@ -85,7 +85,8 @@ fn norm(way: [f64; 3]) -> f64 {
 }
 
 impl<'a> Writer<'a> {
-    pub fn new(name: &str, machine: &'a Machine) -> Result<Writer<'a>, String> {
+    /// A job named `name`; `each` is what a number at a call is: `line N of the program`.
+    pub fn new(name: &str, each: &str, machine: &'a Machine) -> Result<Writer<'a>, String> {
         if let Some(axis) = machine.axes.iter().find(|axis| !PATH_AXES.contains(&axis.number)) {
             let (letter, number) = (axis.letter.to_ascii_lowercase(), axis.number);
             return Err(format!("axes.{letter}.number of the machine file is {number}; a path reaches axes 1 to 8"));
@@ -107,7 +108,7 @@ impl<'a> Writer<'a> {
             covered: [None; 2],
             length: [0.0; 2],
         };
-        writer.begin(name);
+        writer.begin(name, each);
         Ok(writer)
     }
 
@@ -116,11 +117,11 @@ impl<'a> Writer<'a> {
         let _ = self.text.write_fmt(call);
     }
 
-    fn begin(&mut self, name: &str) {
+    fn begin(&mut self, name: &str, each: &str) {
         let machine = self.machine;
         let name: String = name.chars().filter(|letter| !letter.is_control() && *letter != '\\').collect();
         self.put(format_args!(
-            "{MARK}: {name}. Positions are pulses, speeds pulse/ms; // N is line N of the program.\n\
+            "{MARK}: {name}. Positions are pulses, speeds pulse/ms; // N is {each}.\n\
              // The axes stand at home when this job begins.\n"
         ));
         self.put(format_args!("#pragma family {}\n", if machine.family == Family::Gus { "gus" } else { "lsr" }));

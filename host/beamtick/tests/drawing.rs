@@ -1,0 +1,426 @@
+//! Drawings in the virtual controller: marks against closed forms, and what is refused.
+#[path = "drawing/generator.rs"]
+mod generator;
+mod judge;
+
+use generator::{Drawing, Mark};
+use judge::{Row, beamtick, rows};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rand_xoshiro::rand_core::SeedableRng;
+use std::collections::HashMap;
+use std::fs;
+use std::path::Path;
+
+/// Pulses a mm of X and Y; X counts down.
+const STEPS: f64 = 1000.0;
+/// `arc_tolerance` of the machine.
+const TOLERANCE: f64 = 0.002;
+/// Half a pulse in both directions, what 24 bits leave of 300 mm, and a little.
+const SLACK: f64 = 0.0012;
+
+fn machine(layers: &str) -> String {
+    let mut text = String::new();
+    for (letter, number, invert) in [("x", 2, true), ("y", 1, false), ("z", 5, false)] {
+        text += &format!(
+            "[axes.{letter}]\nnumber = {number}\nsteps_per_mm = {STEPS}\ninvert = {invert}\ntravel = [-400, 400]\n\
+             max_rate = 15000\nacceleration = 5000\n"
+        );
+    }
+    text + "[laser]\nchannel = 0\nmode = \"duty\"\ncarrier_khz = 10\npower = [0, 80]\ns_max = 1000\n" + layers
+}
+
+const LAYERS: &str = "[[layers]]\ncolour = \"#0000ff\"\npower = 60\nspeed = 6000\nlight = \"constant\"\n\
+                      [[layers]]\ncolour = \"#f00\"\npower = 30\nspeed = 4000\nlight = \"constant\"\norder = -1\n";
+
+/// Pieces of lines by the cell they are in, to find what is near.
+struct Near {
+    lines: Vec<([f64; 2], [f64; 2], f64)>,
+    cells: HashMap<(i64, i64), Vec<usize>>,
+}
+
+const CELL: f64 = 0.2;
+
+impl Near {
+    fn new() -> Near {
+        Near { lines: Vec::new(), cells: HashMap::new() }
+    }
+
+    /// A line shorter than a cell, and a power.
+    fn add(&mut self, from: [f64; 2], to: [f64; 2], power: f64) {
+        let middle = [f64::midpoint(from[0], to[0]), f64::midpoint(from[1], to[1])];
+        let cell = ((middle[0] / CELL).floor() as i64, (middle[1] / CELL).floor() as i64);
+        self.cells.entry(cell).or_default().push(self.lines.len());
+        self.lines.push((from, to, power));
+    }
+
+    /// The distance of the nearest line of this power.
+    fn distance(&self, [x, y]: [f64; 2], power: f64) -> f64 {
+        let (column, row) = ((x / CELL).floor() as i64, (y / CELL).floor() as i64);
+        let cells = (-1..=1).flat_map(|a| (-1..=1).map(move |b| (column + a, row + b)));
+        let lines = cells.filter_map(|cell| self.cells.get(&cell)).flatten().map(|line| self.lines[*line]);
+        let of = |(from, to, _): ([f64; 2], [f64; 2], f64)| {
+            let spatial = |p: [f64; 2]| [p[0], p[1], 0.0];
+            judge::off([x, y, 0.0], [spatial(from), spatial(to)])
+        };
+        lines.filter(|line| line.2 == power).map(of).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// What differs between the marks of a drawing and a trace.
+fn differs(marks: &[Mark], rows: &[Row]) -> Result<(), String> {
+    let mm = |row: &Row| [row.at[0] / -STEPS, row.at[1] / STEPS];
+    let power = |red: bool| if red { 30.0 } else { 60.0 };
+    let mut drawn = Near::new();
+    for mark in marks {
+        for pair in mark.points.windows(2) {
+            drawn.add(pair[0], pair[1], power(mark.red));
+        }
+    }
+    let mut run = Near::new();
+    let mut begun = 0;
+    for pair in rows.windows(2) {
+        begun += usize::from(!pair[0].lit && pair[1].lit);
+        if pair[0].lit && pair[1].lit {
+            if pair[0].power != pair[1].power {
+                // A layer ends where the next begins.
+                continue;
+            }
+            run.add(mm(&pair[0]), mm(&pair[1]), pair[0].power);
+            let off = drawn.distance(mm(&pair[0]), pair[0].power);
+            if off > TOLERANCE + SLACK {
+                return Err(format!(
+                    "it is lit with {} % at {:?} mm, {off} mm beside all marks",
+                    pair[0].power,
+                    mm(&pair[0])
+                ));
+            }
+        }
+    }
+    for mark in marks {
+        // Ends fall between two rows.
+        for point in &mark.points[1..mark.points.len() - 1] {
+            let off = run.distance(*point, power(mark.red));
+            if off > TOLERANCE + SLACK + if mark.is_end(*point) { 0.03 } else { 0.0 } {
+                return Err(format!("{} at {point:?} is {off} mm beside the light", mark.what));
+            }
+        }
+    }
+    if begun != marks.len() {
+        return Err(format!("light began {begun} times for {} marks", marks.len()));
+    }
+    match rows.last().map(|row| row.at) {
+        Some([0.0, 0.0, 0.0]) => Ok(()),
+        other => Err(format!("it ends at {other:?}, not at home")),
+    }
+}
+
+/// Rectangles, circles, ellipses and Bézier curves, turned, scaled and stretched, in pages of
+/// several units.
+#[test]
+fn random_drawings_are_marked_where_they_are_and_nowhere_else() {
+    let work = |part: u64| {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("m.toml"), machine(LAYERS)).unwrap();
+        let mut arcs = 0;
+        for seed in (part..200).step_by(2) {
+            let Drawing { text, marks, circles } = generator::drawing(&mut Xoshiro256PlusPlus::seed_from_u64(seed));
+            fs::write(folder.path().join("d.svg"), &text).unwrap();
+            let (said, code) =
+                beamtick(folder.path(), &["sim", "d.svg", "--machine", "m.toml", "--trace", "t.csv", "--strict"]);
+            assert_eq!(code, 0, "seed {seed}: {said}\n{text}");
+            if let Err(why) = differs(&marks, &rows(&folder.path().join("t.csv"))) {
+                panic!("seed {seed}: {why}\n{text}");
+            }
+            let (said, code) = beamtick(folder.path(), &["import", "d.svg", "--machine", "m.toml", "-o", "d.gts"]);
+            assert_eq!(code, 0, "{said}");
+            let job = fs::read_to_string(folder.path().join("d.gts")).unwrap();
+            assert_eq!(job.matches("GT_ArcXYC(").count(), circles, "seed {seed}: circles are arcs\n{text}");
+            arcs += circles;
+        }
+        arcs
+    };
+    let arcs: usize = std::thread::scope(|scope| {
+        let parts = [0, 1].map(|part| scope.spawn(move || work(part)));
+        parts.into_iter().map(|part| part.join().unwrap()).sum()
+    });
+    assert!(arcs > 100, "{arcs} circles");
+}
+
+/// Runs `check` of a drawing: what it prints, and its code.
+fn check(folder: &Path, svg: &str) -> (String, i32) {
+    fs::write(folder.join("d.svg"), svg).unwrap();
+    beamtick(folder, &["check", "d.svg", "--machine", "m.toml"])
+}
+
+fn page(inside: &str) -> String {
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"100mm\" height=\"100mm\" viewBox=\"0 0 100 100\">\n{inside}\n</svg>"
+    )
+}
+
+const LINE: &str = "<path d=\"M0 0L1 1\" stroke=\"#f00\"/>";
+
+#[test]
+fn what_is_wrong_has_a_reason_and_nothing_moves() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("m.toml"), machine(LAYERS)).unwrap();
+    let stroke = "stroke=\"#f00\"";
+    let entities: String =
+        (1..10).map(|k| format!("<!ENTITY a{k} \"{}\">", format!("&a{};", k - 1).repeat(10))).collect();
+    let uses: String =
+        (1..10).map(|k| format!("<g id=\"u{k}\">{}</g>", format!("<use href=\"#u{}\"/>", k - 1).repeat(10))).collect();
+    let whole = page(LINE);
+    let cases: Vec<(String, &str)> = vec![
+        (whole[..whole.len() - 4].to_owned(), "d.svg:3: this is no whole SVG"),
+        (whole[..120].to_owned(), "d.svg:2: this is no whole SVG"),
+        (String::new(), "d.svg:1: this is no whole SVG"),
+        ("G1 X5\n".to_owned(), "d.svg:1: this is no whole SVG"),
+        ("<html/>".to_owned(), "d.svg:1: its root is <html>, not <svg>"),
+        (page(&format!("<path d=\"M0 0LNaN 1\" {stroke}/>")), "d.svg:2: <path>: d is `M0 0LNaN 1`: segment 2"),
+        (page(&format!("<path d=\"M0 0L1e30 1\" {stroke}/>")), "segment 2: 1000000000000000000000000000000 is beyond"),
+        (page(&format!("<path d=\"M0 0L5 5L\" {stroke}/>")), "d.svg:2: <path>: d is `M0 0L5 5L`: segment 3"),
+        (page(&format!("<circle r=\"NaN\" {stroke}/>")), "d.svg:2: <circle>: r is `NaN`"),
+        (page(&format!("<circle r=\"-5\" {stroke}/>")), "d.svg:2: <circle>: r is `-5`: it is below 0"),
+        (page(&format!("<rect width=\"inf\" height=\"5\" {stroke}/>")), "d.svg:2: <rect>: width is `inf`"),
+        (page(&format!("<polygon points=\"0,0 5,5 5\" {stroke}/>")), "points is `0,0 5,5 5`: a number is missing"),
+        (page(&format!("<g transform=\"rotate(x)\">{LINE}</g>")), "d.svg:2: <g>: transform is `rotate(x)`"),
+        (
+            page(&format!("<g transform=\"scale(1e6)\"><g transform=\"scale(1e6)\">{LINE}</g></g>")),
+            "shape 1 goes farther than 1000000 mm",
+        ),
+        (
+            page(&format!("<rect width=\"500\" height=\"5\" id=\"big\" {stroke}/>")),
+            "`big` goes to X 500.000 mm in the machine",
+        ),
+        (
+            page(&format!("<circle cx=\"399\" r=\"3\" {stroke}/><path d=\"M0-301V5\" {stroke}/>")),
+            "shape 2 goes to Y 401.000 mm in the machine; the travel is -400 to 400 mm, --at moves a drawing; 2 shapes leave",
+        ),
+        (page("<text x=\"5\" y=\"5\">Beam</text>"), "d.svg:2: text cannot be marked: make paths of it"),
+        (page("<image href=\"a.png\" width=\"5\" height=\"5\"/>"), "d.svg:2: an image cannot be marked"),
+        (
+            page(&format!("{LINE}<path d=\"M0 0L1 1\" {stroke} stroke-dasharray=\"1 2\"/>")),
+            "the stroke of shape 2 is dashed",
+        ),
+        (
+            page(
+                "<linearGradient id=\"g\"><stop/><stop offset=\"1\" stop-color=\"red\"/></linearGradient><path d=\"M0 0L1 1\" stroke=\"url(#g)\"/>",
+            ),
+            "the stroke of shape 1 is a gradient",
+        ),
+        (
+            page(&format!(
+                "<clipPath id=\"c\"><circle r=\"1\"/></clipPath><g id=\"cut\" clip-path=\"url(#c)\">{LINE}</g>"
+            )),
+            "the group `cut` is cut by a clip path",
+        ),
+        (page("<path d=\"M0 0L1 1\" stroke=\"#0f0\"/>"), "no layer of the machine file takes #00ff00 (1 shapes)"),
+        (page("<rect width=\"5\" height=\"5\"/>"), "there is nothing to mark: no shape has a stroke"),
+        (
+            format!("<!DOCTYPE svg [<!ENTITY a0 \"xxxxxxxxxx\">{entities}]>\n{}", page("<g id=\"&a9;\"/>")),
+            "entity reference loop",
+        ),
+        (
+            page(&format!("<defs><g id=\"u0\">{LINE}</g>{uses}</defs><use href=\"#u9\"/>")),
+            "more than 1,000,000 elements",
+        ),
+        (page(&format!("{}{LINE}{}", "<g>".repeat(10_000), "</g>".repeat(10_000))), "nested more than 1,000 deep"),
+        ("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"0\" height=\"5\"/>".to_owned(), "width, height or viewBox"),
+    ];
+    for (svg, says) in &cases {
+        let begin = std::time::Instant::now();
+        fs::write(folder.path().join("d.svg"), svg).unwrap();
+        let (said, code) = beamtick(folder.path(), &["sim", "d.svg", "--machine", "m.toml", "--trace", "t.csv"]);
+        let shown: String = svg.chars().take(200).collect();
+        assert!(code == 2 && said.contains(says) && said.contains("nothing was run"), "{shown}: {code} {said}");
+        assert!(said.len() < 800 && begin.elapsed().as_secs() < 20, "{shown}: {} bytes", said.len());
+        assert!(!folder.path().join("t.csv").exists() && !folder.path().join("t.csv.partial").exists(), "{shown}");
+    }
+    for (bytes, says) in [
+        (&[0xff, 0xd8, 0xff, 0xe0, 0, 1, 2][..], "d.svg:1: this is not UTF-8 text"),
+        (&[0x1f, 0x8b, 8, 0], "it is compressed (.svgz)"),
+        (&[0; 4096], "d.svg:1: this is no whole SVG"),
+    ] {
+        fs::write(folder.path().join("d.svg"), bytes).unwrap();
+        let (said, code) = beamtick(folder.path(), &["check", "d.svg", "--machine", "m.toml"]);
+        assert!(code == 2 && said.contains(says), "{said}");
+    }
+    fs::create_dir(folder.path().join("folder.svg")).unwrap();
+    fs::create_dir(folder.path().join("folder")).unwrap();
+    fs::write(folder.path().join("bare.toml"), machine("")).unwrap();
+    fs::write(folder.path().join("d.svg"), page(LINE)).unwrap();
+    for (words, says) in [
+        (&["sim", "folder.svg", "--machine", "m.toml"][..], "folder.svg: the drawing cannot be read: Is a directory"),
+        (&["sim", "folder", "--machine", "m.toml"], "folder: the job file cannot be read: Is a directory"),
+        (&["sim", "d.svg"], "d.svg: G-code and drawings need --machine FILE"),
+        (&["sim", "d.svg", "--machine", "bare.toml"], "the machine file has no [[layers]]"),
+        (&["sim", "d.svg", "--machine", "m.toml", "--pass-stops"], "--pass-stops is for G-code"),
+        (&["sim", "d.svg", "--machine", "m.toml", "--at", "5"], "it is X,Y in mm"),
+        (
+            &["sim", "d.svg", "--machine", "m.toml", "--layer", "power=90,speed=5"],
+            "power is 90; it is 0 to 80 % (laser.power)",
+        ),
+        (&["sim", "d.svg", "--machine", "m.toml", "--layer", "powr=9,speed=5"], "the nearest known key is `power`"),
+        (&["sim", "d.svg", "--machine", "m.toml", "--layer", "power"], "`power` is not KEY=VALUE"),
+        (&["sim", "d.svg", "--machine", "m.toml", "--layer", "speed=5"], "has no power; a layer needs power and speed"),
+        (
+            &["sim", "d.svg", "--machine", "m.toml", "--layer", "colour=#f0,power=1,speed=5"],
+            "colour is \"#f0\"; a colour is",
+        ),
+        (&["import", "d.svg", "--machine", "m.toml", "-o", "d.svg"], "would overwrite a file"),
+    ] {
+        let (said, code) = beamtick(folder.path(), words);
+        assert!(code == 2 && said.contains(says), "{words:?}: {said}");
+    }
+}
+
+/// A path of a million lines is read, put in order and written in time and memory that grow with
+/// it.
+#[test]
+fn a_million_segments_are_read_in_proportion() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("m.toml"), machine(LAYERS)).unwrap();
+    let mut took = Vec::new();
+    for count in [100_000u32, 1_000_000] {
+        let mut d = "M0 0".to_owned();
+        for k in 1..=count {
+            d += &format!("L{} {}", f64::from(k % 1000) / 10.0, f64::from(k / 1000) / 20.0);
+        }
+        fs::write(folder.path().join("d.svg"), page(&format!("<path d=\"{d}\" fill=\"none\" stroke=\"#f00\"/>")))
+            .unwrap();
+        let begin = std::time::Instant::now();
+        let (said, code) = beamtick(folder.path(), &["import", "d.svg", "--machine", "m.toml", "-o", "d.gts"]);
+        took.push(begin.elapsed().as_secs_f64());
+        assert_eq!(code, 0, "{said}");
+        let lines = fs::read_to_string(folder.path().join("d.gts")).unwrap().matches("GT_LnXYZ").count();
+        // To its start, along it, and home.
+        assert_eq!(lines, count as usize + 2, "{said}");
+    }
+    assert!(took[1] < 40.0 * took[0].max(0.1), "{took:?} s");
+}
+
+/// Ten thousand squares in one another, and as many beside one another: each runs before the one
+/// around it.
+#[test]
+fn inner_shapes_run_before_outer_ones() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("m.toml"), machine(LAYERS)).unwrap();
+    let square = |x: f64, y: f64, size: f64| format!("M{x} {y}h{size}v{size}h-{size}z");
+    let nested: String =
+        (0..10_000).map(|k| square(f64::from(k) / 250.0, f64::from(k) / 250.0, 90.0 - f64::from(k) / 125.0)).collect();
+    fs::write(folder.path().join("d.svg"), page(&format!("<path d=\"{nested}\" fill=\"none\" stroke=\"#f00\"/>")))
+        .unwrap();
+    let (said, code) = beamtick(folder.path(), &["import", "d.svg", "--machine", "m.toml", "-o", "d.gts"]);
+    assert_eq!(code, 0, "{said}");
+    let job = fs::read_to_string(folder.path().join("d.gts")).unwrap();
+    let mut last = 0;
+    let mut found = 0;
+    // Four lines after a BufLaserOn are a square.
+    let mut lines = job.lines();
+    while let Some(line) = lines.next() {
+        if line.starts_with("GT_BufLaserOn") {
+            let xs: Vec<i64> =
+                (0..4).map(|_| lines.next().unwrap().split(',').nth(1).unwrap().trim().parse().unwrap()).collect();
+            let size = xs.iter().max().unwrap() - xs.iter().min().unwrap();
+            assert!(size >= last, "{size} after {last}");
+            (last, found) = (size, found + 1);
+        }
+    }
+    assert_eq!(found, 10_000);
+    // Rows of squares whose file order is at random: the way between them is short.
+    let mut order: Vec<u32> = (0..2500).collect();
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(7);
+    for k in (1..order.len()).rev() {
+        order.swap(k, generator::below(&mut random, k as u64 + 1) as usize);
+    }
+    let beside: String = order.iter().map(|k| square(f64::from(k % 50) * 2.0, f64::from(k / 50) * 2.0, 1.0)).collect();
+    let outer = square(-1.0, -1.0, 101.0);
+    let svg = page(&format!("<path d=\"{outer}{beside}\" fill=\"none\" stroke=\"#f00\"/>"));
+    let (said, code) = check(folder.path(), &svg);
+    assert_eq!(code, 0, "{said}");
+    let length = |after: &str| -> f64 { said.split(after).nth(1).unwrap().split(' ').next().unwrap().parse().unwrap() };
+    let travel = length("path of ") - length("marks of ");
+    // 2,500 ways of a mm at least; in the order of the file it would be some 130 m.
+    assert!((2500.0..6000.0).contains(&travel), "{travel} mm of travel");
+}
+
+/// Units, viewBox and where the page lies; layers of the command line; what is passed over is said.
+#[test]
+fn pages_lie_with_their_lower_left_corner_at_zero() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("m.toml"), machine(LAYERS)).unwrap();
+    for (attributes, line, says) in [
+        (
+            "width=\"100mm\" height=\"50mm\" viewBox=\"0 0 200 100\"",
+            "M20 100V80",
+            "marks of 10.000 mm, X 10.000 to 10.000, Y 0.000 to 10.000",
+        ),
+        ("width=\"4in\" height=\"2in\"", "M96 192V96", "marks of 25.400 mm, X 25.400 to 25.400, Y 0.000 to 25.400"),
+        ("width=\"96\" height=\"96\"", "M0 96V0", "marks of 25.400 mm, X 0.000 to 0.000, Y 0.000 to 25.400"),
+        ("viewBox=\"-10 -10 106 106\"", "M-10 96V0", "marks of 25.400 mm, X 0.000 to 0.000, Y 0.000 to 25.400"),
+        (
+            "width=\"10cm\" height=\"5cm\" viewBox=\"0 0 50 50\"",
+            "M0 0H50",
+            "marks of 50.000 mm, X 25.000 to 75.000, Y 50.000",
+        ),
+    ] {
+        let svg =
+            format!("<svg xmlns=\"http://www.w3.org/2000/svg\" {attributes}><path d=\"{line}\" stroke=\"red\"/></svg>");
+        let (said, code) = check(folder.path(), &svg);
+        assert!(code == 0 && said.contains(says), "{attributes}: {said}");
+    }
+    let svg = page(
+        "<path d=\"M0 100h10\" stroke=\"lime\"/><rect width=\"5\" height=\"5\"/>\
+         <path d=\"M0 100h7\" style=\"stroke:#00F\" transform=\"rotate(-90 0 100)\"/><defs><text>none</text></defs>",
+    );
+    fs::write(folder.path().join("d.svg"), svg).unwrap();
+    let words = [
+        "check",
+        "d.svg",
+        "--machine",
+        "m.toml",
+        "--at",
+        "-20,5.5",
+        "--layer",
+        "colour=#0f0,power=10,speed=100,passes=3",
+    ];
+    let (said, code) = beamtick(folder.path(), &words);
+    assert!(code == 0 && said.contains("marks of 37.000 mm, X -20.000 to -10.000, Y 5.500 to 12.500"), "{said}");
+    assert!(said.contains("d.svg: note: shapes with a fill and no stroke are not marked (1)"), "{said}");
+    let words = ["check", "d.svg", "--machine", "m.toml", "--layer", "colour=#0f0,skip=true"];
+    let (said, code) = beamtick(folder.path(), &words);
+    assert!(code == 0 && said.contains("marks of 7.000 mm, X 0.000 to 0.000, Y 0.000 to 7.000"), "{said}");
+    // A page's own clip path cuts nothing.
+    let svg = page(&format!(
+        "<clipPath id=\"c\"><path d=\"M0 0H100V100H0z\"/></clipPath><g clip-path=\"url(#c)\">{LINE}</g>"
+    ));
+    let (said, code) = check(folder.path(), &svg);
+    assert_eq!(code, 0, "{said}");
+}
+
+#[test]
+fn the_commands_of_the_page_work() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+    fs::create_dir(folder.path().join("examples")).unwrap();
+    for file in ["examples/machine.toml", "examples/badge.svg"] {
+        fs::copy(format!("{root}/{file}"), folder.path().join(file)).unwrap();
+    }
+    let page = fs::read_to_string(format!("{root}/docs/drawings.md")).unwrap();
+    let commands: Vec<&str> = page.lines().filter_map(|line| line.strip_prefix("    beamtick ")).collect();
+    assert_eq!(commands.len(), 4);
+    for command in commands {
+        let words: Vec<&str> = command.split_whitespace().collect();
+        let (said, code) = beamtick(folder.path(), &words);
+        assert_eq!(code, 0, "{command}: {said}");
+    }
+    assert!(fs::read(folder.path().join("badge.png")).unwrap().len() > 5000);
+    // The job that was written is the one that runs.
+    let light = |words: &[&str]| -> f64 {
+        let (said, code) = beamtick(folder.path(), words);
+        assert_eq!(code, 0, "{said}");
+        said.split("light of ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap()
+    };
+    let drawing = light(&["sim", "examples/badge.svg", "--machine", "examples/machine.toml"]);
+    assert!((light(&["sim", "badge.gts"]) - drawing).abs() < 1.0 && drawing > 70_000.0, "{drawing}");
+}

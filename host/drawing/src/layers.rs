@@ -1,0 +1,64 @@
+//! Which layer marks which shape.
+//!
+//! In: shapes, the layers of the machine file. Out: the shapes of each layer that marks something,
+//! in the order in which layers run. Fails with the strokes that have no layer.
+use crate::shape::{Paint, Shape};
+use machine::{Colour, Layer, Machine};
+use std::collections::BTreeMap;
+
+/// Strokes without a layer that are named.
+const NAMED: usize = 6;
+
+pub fn sort(shapes: Vec<Shape>, machine: &Machine) -> Result<Vec<(&Layer, Vec<Shape>)>, String> {
+    if machine.layers.is_empty() {
+        return Err("the machine file has no [[layers]], which say the power and the speed of strokes; \
+             docs/drawings.md shows one, or give --layer power=…,speed=…"
+            .to_owned());
+    }
+    let mut found: Vec<(&Layer, Vec<Shape>)> = machine.layers.iter().map(|layer| (layer, Vec::new())).collect();
+    let mut homeless: BTreeMap<String, usize> = BTreeMap::new();
+    for shape in shapes {
+        match found.iter_mut().find(|(layer, _)| takes(layer, &shape.paint)) {
+            Some((_, shapes)) => shapes.push(shape),
+            None => *homeless.entry(name(&shape.paint)).or_insert(0) += 1,
+        }
+    }
+    if !homeless.is_empty() {
+        let list: Vec<String> =
+            homeless.iter().take(NAMED).map(|(name, count)| format!("{name} ({count} shapes)")).collect();
+        let more = if homeless.len() > NAMED { format!(" and {} more", homeless.len() - NAMED) } else { String::new() };
+        return Err(format!(
+            "no layer of the machine file takes {}{more}; give them one, or a layer without a colour, which takes all",
+            list.join(", ")
+        ));
+    }
+    found.retain(|(layer, shapes)| !layer.skip && !shapes.is_empty());
+    found.sort_by_key(|(layer, _)| layer.order);
+    if found.is_empty() {
+        return Err("there is nothing to mark: no shape has a stroke whose layer is marked".to_owned());
+    }
+    Ok(found)
+}
+
+fn takes(layer: &Layer, paint: &Paint) -> bool {
+    let colour = match layer.colour {
+        None => true,
+        Some(Colour::Rgb(rgb)) => paint.colour == rgb,
+        Some(Colour::Index(index)) => paint.index == Some(index),
+    };
+    let layer = layer.drawing_layer.as_ref().is_none_or(|named| paint.layer.as_ref() == Some(named));
+    colour && layer
+}
+
+/// What a person calls a stroke.
+fn name(paint: &Paint) -> String {
+    let [r, g, b] = paint.colour;
+    let colour = match paint.index {
+        Some(index) => format!("colour {index} (#{r:02x}{g:02x}{b:02x})"),
+        None => format!("#{r:02x}{g:02x}{b:02x}"),
+    };
+    match &paint.layer {
+        Some(layer) => format!("{colour} on layer `{}`", layer.chars().take(40).collect::<String>()),
+        None => colour,
+    }
+}

@@ -1,0 +1,193 @@
+//! Shapes to motions.
+//!
+//! In: shapes in mm of the page, the machine. Out: strokes for the writer: in the dark to each
+//! shape, lit along it, at last home. Fails with the shape that leaves the travel, by how much.
+use crate::order::order;
+use crate::shape::{Piece, Point, Run, Shape, add};
+use crate::{Options, layers};
+use machine::{Machine, Shine};
+use strokes::exact::{ONE, of_f64};
+use strokes::{Light, Stroke, Writer};
+
+/// Farther than this nothing is computed, mm.
+const FAR: f64 = 1e6;
+/// What rounding in a file may move a point outside the travel, mm. It is moved back.
+const SLACK: f64 = 0.001;
+
+pub fn plan(
+    mut shapes: Vec<Shape>,
+    machine: &Machine,
+    options: Options,
+    writer: &mut Writer<'_>,
+) -> Result<(), String> {
+    if shapes.is_empty() {
+        return Err("there is nothing to mark: no shape has a stroke".to_owned());
+    }
+    for shape in &mut shapes {
+        shift(shape, options.at);
+        let finite = |point: Point| point.iter().all(|x| (-FAR..=FAR).contains(x));
+        let all = |piece: &Piece| match *piece {
+            Piece::Line(end) => finite(end),
+            Piece::Arc(centre, _, end) => finite(centre) && finite(end),
+            Piece::Ellipse(centre, u, v, _, end) => [centre, u, v, end].into_iter().all(finite),
+            Piece::Cubic(a, b, end) => [a, b, end].into_iter().all(finite),
+        };
+        if !finite(shape.start) || !shape.pieces.iter().all(all) {
+            return Err(format!("{} goes farther than {FAR} mm", shape.place));
+        }
+    }
+    let mut plan = Plan::new(machine, writer);
+    for (layer, shapes) in layers::sort(shapes, machine)? {
+        let mut at = plan.at;
+        let shapes = order(shapes, &mut at);
+        let light = match layer.light {
+            _ if layer.power == 0.0 => Light::Dark,
+            Shine::Follow => Light::Follow(layer.power),
+            Shine::Constant => Light::Constant(layer.power),
+        };
+        for _ in 0..layer.passes {
+            for shape in &shapes {
+                plan.shape(shape, machine.path.arc_tolerance, light, layer.speed);
+            }
+        }
+    }
+    plan.home();
+    plan.outside()
+}
+
+fn shift(shape: &mut Shape, by: Point) {
+    let moved = |point: &mut Point| *point = add(*point, by);
+    moved(&mut shape.start);
+    for piece in &mut shape.pieces {
+        match piece {
+            Piece::Line(end) => moved(end),
+            Piece::Arc(centre, _, end) | Piece::Ellipse(centre, _, _, _, end) => {
+                moved(centre);
+                moved(end);
+            }
+            Piece::Cubic(a, b, end) => {
+                moved(a);
+                moved(b);
+                moved(end);
+            }
+        }
+    }
+}
+
+struct Plan<'a, 'b> {
+    writer: &'a mut Writer<'b>,
+    home: [i128; 3],
+    /// Where the machine is, exactly, and about.
+    exact: [i128; 3],
+    at: Point,
+    travel: [(f64, f64); 2],
+    motions: usize,
+    /// Shapes that leave the travel: how many, and the first with its reason.
+    outside: (usize, Option<String>),
+}
+
+impl<'a, 'b> Plan<'a, 'b> {
+    fn new(machine: &Machine, writer: &'a mut Writer<'b>) -> Plan<'a, 'b> {
+        let home = machine::LETTERS.map(|letter| machine.axis(letter).map_or(0.0, |axis| axis.home));
+        let travel = ['X', 'Y'].map(|letter| machine.axis(letter).map_or((0.0, 0.0), |axis| axis.travel));
+        let exact = home.map(of_f64);
+        Plan { writer, home: exact, exact, at: [home[0], home[1]], travel, motions: 0, outside: (0, None) }
+    }
+
+    /// A point within the travel, if it was but for rounding.
+    fn back(&self, point: Point) -> Point {
+        let mut point = point;
+        for (x, (least, most)) in point.iter_mut().zip(self.travel) {
+            if *x < least && *x >= least - SLACK {
+                *x = least;
+            } else if *x > most && *x <= most + SLACK {
+                *x = most;
+            }
+        }
+        point
+    }
+
+    /// By how much a range leaves the travel: axis, how far it goes.
+    fn leaves(&self, range: [(f64, f64); 2]) -> Option<(usize, f64)> {
+        (0..2).find_map(|axis| {
+            let ((low, high), (least, most)) = (range[axis], self.travel[axis]);
+            if high > most + SLACK { Some((axis, high)) } else { (low < least - SLACK).then_some((axis, low)) }
+        })
+    }
+
+    fn shape(&mut self, shape: &Shape, tolerance: f64, light: Light, speed: f64) {
+        let mut outside = self.leaves([0, 1].map(|axis| (shape.start[axis], shape.start[axis])));
+        let start = self.back(shape.start);
+        if start != self.at {
+            self.go(start, strokes::Shape::Line, Light::Dark, None);
+        }
+        let mut at = shape.start;
+        for run in shape.runs(tolerance) {
+            let (end, form) = match run {
+                Run::Line(end) => (end, strokes::Shape::Line),
+                Run::Arc(arc, end) => {
+                    let extent = arc.extent();
+                    let range = [0, 1].map(|axis| (at[axis] + extent[axis].0, at[axis] + extent[axis].1));
+                    outside = outside.or(self.leaves(range));
+                    let touches = [0, 1]
+                        .into_iter()
+                        .any(|axis| range[axis].0 < self.travel[axis].0 || range[axis].1 > self.travel[axis].1);
+                    if touches && self.leaves(range).is_none() {
+                        // By rounding only: lines can be moved back.
+                        let parts = arc.parts(tolerance);
+                        for number in 1..parts {
+                            let point = self.back(add(at, arc.at(f64::from(number) / f64::from(parts))));
+                            self.go(point, strokes::Shape::Line, light, Some(speed));
+                        }
+                        (end, strokes::Shape::Line)
+                    } else {
+                        (end, strokes::Shape::Arc { axes: [0, 1, 2], arc })
+                    }
+                }
+            };
+            outside = outside.or(self.leaves([0, 1].map(|axis| (end[axis], end[axis]))));
+            self.go(self.back(end), form, light, Some(speed));
+            at = end;
+        }
+        if let Some((axis, far)) = outside {
+            self.outside.0 += 1;
+            let (letter, (least, most)) = (['X', 'Y'][axis], self.travel[axis]);
+            self.outside.1.get_or_insert_with(|| {
+                format!(
+                    "{} goes to {letter} {far:.3} mm in the machine; the travel is {least} to {most} mm, --at moves a drawing",
+                    shape.place
+                )
+            });
+        }
+    }
+
+    fn go(&mut self, to: Point, shape: strokes::Shape, light: Light, speed: Option<f64>) {
+        self.motions += 1;
+        let exact = [of_mm(to[0]), of_mm(to[1]), self.exact[2]];
+        self.writer.stroke(&Stroke { line: self.motions, from: self.exact, to: exact, shape, speed, light });
+        (self.exact, self.at) = (exact, to);
+    }
+
+    fn home(&mut self) {
+        if self.exact != self.home {
+            self.motions += 1;
+            let (from, to) = (self.exact, self.home);
+            let shape = strokes::Shape::Line;
+            self.writer.stroke(&Stroke { line: self.motions, from, to, shape, speed: None, light: Light::Dark });
+        }
+    }
+
+    fn outside(self) -> Result<(), String> {
+        match self.outside {
+            (count, Some(first)) if count > 1 => Err(format!("{first}; {count} shapes leave the travel")),
+            (_, Some(first)) => Err(first),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// A number of mm in whole 10⁻¹⁵ mm.
+fn of_mm(mm: f64) -> i128 {
+    let whole = mm.trunc();
+    whole as i128 * ONE + ((mm - whole) * ONE as f64) as i128
+}

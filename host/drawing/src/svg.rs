@@ -1,0 +1,275 @@
+//! SVG to shapes.
+//!
+//! In: the bytes of a file. Out: what has a stroke, as shapes in mm from the lower left corner of
+//! the page, and notes. `usvg` resolves styles, transforms, `use`, units and the viewBox; its
+//! coordinates have 24 bits. `check` refuses what it would pass over in silence. Fails with a line,
+//! or an id, and the reason.
+mod check;
+mod clip;
+mod warnings;
+
+use crate::round;
+use crate::shape::{Paint, Piece, Point, Shape, add, minus, scaled, size};
+use std::collections::BTreeMap;
+use usvg::roxmltree::{self, Document, ParsingOptions};
+use usvg::tiny_skia_path::PathSegment;
+use usvg::{Group, Node, Transform, Tree};
+
+/// mm of a px, 1/96 inch.
+const PX: f64 = 25.4 / 96.0;
+/// Relative error of a coordinate of 24 bits, with one more for its transform.
+const ROUNDED: f64 = 1.0 / (1 << 23) as f64;
+/// A stack on which the deepest file that is taken is read.
+const STACK: usize = 64 << 20;
+
+/// The shapes of a file; errors without its name.
+pub fn read(bytes: &[u8]) -> Result<(Vec<Shape>, Vec<String>), Fault> {
+    let worker = std::thread::scope(|scope| {
+        let worker = std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, || parsed(bytes));
+        worker.map(|worker| worker.join())
+    });
+    match worker {
+        Ok(Ok(done)) => done,
+        Ok(Err(_)) => Err(Fault::whole("the reader of SVG failed")),
+        Err(error) => Err(Fault::whole(format!("no thread for the reader: {error}"))),
+    }
+}
+
+/// What is wrong, and in which line.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Fault {
+    pub line: Option<u32>,
+    pub text: String,
+}
+
+impl Fault {
+    pub fn whole(text: impl Into<String>) -> Fault {
+        Fault { line: None, text: text.into() }
+    }
+
+    pub fn at(line: u32, text: impl Into<String>) -> Fault {
+        Fault { line: Some(line), text: text.into() }
+    }
+}
+
+fn parsed(bytes: &[u8]) -> Result<(Vec<Shape>, Vec<String>), Fault> {
+    if bytes.starts_with(&[0x1f, 0x8b]) {
+        return Err(Fault::whole("it is compressed (.svgz); decompress it first"));
+    }
+    let text = std::str::from_utf8(bytes).map_err(|error| {
+        let line = bytes[..error.valid_up_to()].iter().filter(|byte| **byte == b'\n').count() + 1;
+        Fault::at(line as u32, "this is not UTF-8 text; an SVG is")
+    })?;
+    let xml = ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
+    let document = Document::parse_with_options(text.trim_start_matches('\u{feff}'), xml).map_err(|error| {
+        // What is missing is missing at the end.
+        let missing = matches!(error, roxmltree::Error::UnexpectedEndOfStream | roxmltree::Error::UnclosedRootNode);
+        let line = if missing { text.lines().count().max(1) as u32 } else { error.pos().row };
+        Fault::at(line, format!("this is no whole SVG: {}", bare(&error.to_string())))
+    })?;
+    check::check(&document)?;
+    let (tree, warnings) = warnings::during(|| Tree::from_xmltree(&document, &usvg::Options::default()));
+    let tree = tree.map_err(|error| {
+        Fault::whole(match error {
+            usvg::Error::InvalidSize => "its width, height or viewBox is missing, 0 or too large".to_owned(),
+            usvg::Error::ElementsLimitReached | usvg::Error::ParsingFailed(_) => {
+                "it has more than 1,000,000 elements, or `use` makes so many of it, or they are nested more than 1,000 deep"
+                    .to_owned()
+            }
+            other => other.to_string(),
+        })
+    })?;
+    let (skipped, wrong): (Vec<_>, Vec<_>) = warnings.into_iter().partition(|text| text.ends_with("Skipped."));
+    if let Some(wrong) = wrong.first() {
+        return Err(Fault::whole(wrong.clone()));
+    }
+    let mut found = Found { height: f64::from(tree.size().height()), ..Found::default() };
+    found.group(tree.root())?;
+    let mut notes: Vec<String> = skipped;
+    notes.extend(found.passed_over.iter().map(|(what, count)| format!("{what} ({count})")));
+    Ok((found.shapes, notes))
+}
+
+/// An error of the XML reader without its position, which is said otherwise.
+fn bare(text: &str) -> String {
+    let end = text.rfind(" at ").filter(|at| text[at + 4..].bytes().all(|byte| byte.is_ascii_digit() || byte == b':'));
+    let text: String = text[..end.unwrap_or(text.len())].chars().take(160).collect();
+    text
+}
+
+#[derive(Default)]
+struct Found {
+    /// Of the page, px.
+    height: f64,
+    shapes: Vec<Shape>,
+    passed_over: BTreeMap<&'static str, usize>,
+    paths: usize,
+}
+
+/// A transform in 64 bits.
+#[derive(Debug, Clone, Copy)]
+struct Map([f64; 6]);
+
+impl Map {
+    fn of(t: Transform) -> Map {
+        Map([t.sx, t.ky, t.kx, t.sy, t.tx, t.ty].map(f64::from))
+    }
+
+    fn px(&self, [x, y]: Point) -> Point {
+        let Map([a, b, c, d, e, f]) = self;
+        [a * x + c * y + e, b * x + d * y + f]
+    }
+
+    /// What rounding may have moved a point by, px, where coordinates are up to `x` and `y`.
+    fn noise(&self, [x, y]: Point) -> f64 {
+        let Map([a, b, c, d, e, f]) = self.0.map(f64::abs).into();
+        ((a * x + c * y + e).max(b * x + d * y + f)) * ROUNDED
+    }
+}
+
+impl From<[f64; 6]> for Map {
+    fn from(entries: [f64; 6]) -> Map {
+        Map(entries)
+    }
+}
+
+impl Found {
+    fn pass(&mut self, what: &'static str) {
+        *self.passed_over.entry(what).or_insert(0) += 1;
+    }
+
+    fn group(&mut self, group: &Group) -> Result<(), Fault> {
+        if group.opacity().get() == 0.0 {
+            self.pass("what is fully transparent is not marked");
+            return Ok(());
+        }
+        let name = if group.id().is_empty() { String::new() } else { format!(" `{}`", group.id()) };
+        if group.mask().is_some() {
+            return Err(Fault::whole(format!(
+                "the group{name} has a mask, which is not supported: apply it, or remove it"
+            )));
+        }
+        if let Some(clip) = group.clip_path()
+            && !clip::covers(clip, group)
+        {
+            return Err(Fault::whole(format!(
+                "the group{name} is cut by a clip path, which is not supported: cut the shapes, or remove it"
+            )));
+        }
+        if !group.filters().is_empty() {
+            self.pass("filters change no marks");
+        }
+        for node in group.children() {
+            match node {
+                Node::Group(group) => self.group(group)?,
+                Node::Path(path) => self.path(path)?,
+                Node::Image(_) => return Err(Fault::whole("an image cannot be marked: trace it, or remove it")),
+                Node::Text(_) => return Err(Fault::whole("text cannot be marked: make paths of it")),
+            }
+        }
+        Ok(())
+    }
+
+    fn path(&mut self, path: &usvg::Path) -> Result<(), Fault> {
+        self.paths += 1;
+        let place = if path.id().is_empty() { format!("shape {}", self.paths) } else { format!("`{}`", path.id()) };
+        let Some(stroke) = path.stroke() else {
+            if path.fill().is_some() {
+                self.pass("shapes with a fill and no stroke are not marked");
+            }
+            return Ok(());
+        };
+        if !path.is_visible() || stroke.opacity().get() == 0.0 {
+            self.pass("what is fully transparent is not marked");
+            return Ok(());
+        }
+        let usvg::Paint::Color(colour) = stroke.paint() else {
+            let text = format!("the stroke of {place} is a gradient or a pattern: a layer needs one colour");
+            return Err(Fault::whole(text));
+        };
+        if stroke.dasharray().is_some() {
+            let text = format!("the stroke of {place} is dashed, which is not supported: make paths of the dashes");
+            return Err(Fault::whole(text));
+        }
+        let paint = Paint { colour: [colour.red, colour.green, colour.blue], index: None, layer: None };
+        self.outline(path, &Pen { paint, place });
+        Ok(())
+    }
+
+    fn outline(&mut self, path: &usvg::Path, pen: &Pen) {
+        let map = Map::of(path.abs_transform());
+        let bounds = path.data().bounds();
+        let far = |a: f32, b: f32| f64::from(a.abs().max(b.abs()));
+        let noise = map.noise([far(bounds.left(), bounds.right()), far(bounds.top(), bounds.bottom())]);
+        let noise = (noise + self.height * ROUNDED) * PX + 1e-9;
+        let height = self.height;
+        let mm = |p: usvg::tiny_skia_path::Point| {
+            let [x, y] = map.px([p.x.into(), p.y.into()]);
+            [x * PX, (height - y) * PX]
+        };
+        let mut open: Option<Shape> = None;
+        let mut at = [0.0; 2];
+        for segment in path.data().segments() {
+            let begin =
+                |start: Point| Shape { start, pieces: Vec::new(), paint: pen.paint.clone(), place: pen.place.clone() };
+            match segment {
+                PathSegment::MoveTo(point) => {
+                    self.finish(open.take(), noise, false);
+                    at = mm(point);
+                    open = Some(begin(at));
+                    continue;
+                }
+                PathSegment::Close => {
+                    if let Some(shape) = open.take() {
+                        at = shape.start;
+                        self.finish(Some(shape), noise, true);
+                    }
+                    continue;
+                }
+                _ => {}
+            }
+            let shape = open.get_or_insert_with(|| begin(at));
+            let piece = match segment {
+                PathSegment::QuadTo(control, end) => {
+                    let (control, end) = (mm(control), mm(end));
+                    let third = |from: Point| add(from, scaled(minus(control, from), 2.0 / 3.0));
+                    Piece::Cubic(third(at), third(end), end)
+                }
+                PathSegment::CubicTo(a, b, end) => {
+                    let p = [at, mm(a), mm(b), mm(end)];
+                    round::arc(p, noise).unwrap_or(Piece::Cubic(p[1], p[2], p[3]))
+                }
+                PathSegment::LineTo(end) => Piece::Line(mm(end)),
+                PathSegment::MoveTo(_) | PathSegment::Close => continue,
+            };
+            if piece != Piece::Line(at) {
+                shape.pieces.push(piece);
+            }
+            at = piece.end();
+        }
+        self.finish(open, noise, false);
+    }
+
+    /// A shape is complete. One that ends where it began, but for rounding, is closed.
+    fn finish(&mut self, shape: Option<Shape>, noise: f64, close: bool) {
+        let Some(mut shape) = shape else { return };
+        let (start, gap) = (shape.start, size(minus(shape.end(), shape.start)));
+        match shape.pieces.last_mut() {
+            Some(last) if gap > 0.0 && gap <= 8.0 * noise => match last {
+                Piece::Line(end) | Piece::Arc(_, _, end) | Piece::Ellipse(.., end) | Piece::Cubic(_, _, end) => {
+                    *end = start;
+                }
+            },
+            _ if close && gap > 0.0 => shape.pieces.push(Piece::Line(start)),
+            _ => {}
+        }
+        if !shape.pieces.is_empty() {
+            self.shapes.push(shape);
+        }
+    }
+}
+
+struct Pen {
+    paint: Paint,
+    place: String,
+}

@@ -1,0 +1,118 @@
+//! What `usvg` would pass over in silence: numbers that are none, paths that break off, text,
+//! images.
+//!
+//! In: the elements of a file. Out: nothing, or the line and the reason.
+use super::Fault;
+use std::str::FromStr;
+use svgtypes::{Length, NumberListParser, PathParser, PathSegment, Transform};
+use usvg::roxmltree::{Document, Node};
+
+const SVG: &str = "http://www.w3.org/2000/svg";
+/// Largest number of a coordinate: beyond it 24 bits say nothing.
+const FAR: f64 = 1e7;
+/// Lengths of shapes.
+const LENGTHS: [&str; 12] = ["x", "y", "width", "height", "cx", "cy", "r", "rx", "ry", "x1", "y1", "x2"];
+const SHAPES: [&str; 7] = ["path", "rect", "circle", "ellipse", "line", "polyline", "polygon"];
+
+pub fn check(document: &Document<'_>) -> Result<(), Fault> {
+    let root = document.root_element();
+    if !root.has_tag_name((SVG, "svg")) {
+        let name: String = root.tag_name().name().chars().take(40).collect();
+        return Err(Fault::at(1, format!("its root is <{name}>, not <svg> with xmlns=\"{SVG}\"")));
+    }
+    let used = root.descendants().any(|node| node.has_tag_name((SVG, "use")));
+    let mut hidden: Option<Node<'_, '_>> = None;
+    for node in root.descendants().filter(|node| node.tag_name().namespace() == Some(SVG)) {
+        // Descendants come in the order of the file: those of a hidden one follow it.
+        if hidden.is_some_and(|hidden| node.range().start < hidden.range().end) {
+            continue;
+        }
+        hidden = None;
+        if is_hidden(node, used) {
+            hidden = Some(node);
+            continue;
+        }
+        let name = node.tag_name().name();
+        let line = || document.text_pos_at(node.range().start).row;
+        let refused = |what: &str| Err(Fault::at(line(), what));
+        match name {
+            "text" if node.descendants().any(|inner| inner.text().is_some_and(|text| !text.trim().is_empty())) => {
+                return refused("text cannot be marked: make paths of it");
+            }
+            "image" => return refused("an image cannot be marked: trace it, or remove it"),
+            "foreignObject" => return refused("<foreignObject> is no drawing: remove it"),
+            _ => {}
+        }
+        let wrong = |key: &str, value: &str, why: &str| {
+            let shown: String = value.trim().chars().take(40).collect();
+            Fault::at(line(), format!("<{name}>: {key} is `{shown}`: {why}"))
+        };
+        if let Some(value) = node.attribute("transform") {
+            let t = Transform::from_str(value).map_err(|error| wrong("transform", value, &error.to_string()))?;
+            within([t.a, t.b, t.c, t.d, t.e, t.f]).map_err(|why| wrong("transform", value, &why))?;
+        }
+        if !SHAPES.contains(&name) {
+            continue;
+        }
+        for key in LENGTHS.into_iter().chain(["y2"]) {
+            let Some(value) = node.attribute(key).filter(|value| *value != "auto") else { continue };
+            let length = Length::from_str(value.trim()).map_err(|error| wrong(key, value, &error.to_string()))?;
+            within([length.number]).map_err(|why| wrong(key, value, &why))?;
+            if ["width", "height", "r", "rx", "ry"].contains(&key) && length.number < 0.0 {
+                return Err(wrong(key, value, "it is below 0"));
+            }
+        }
+        if let Some(value) = node.attribute("points") {
+            let mut count = 0;
+            for number in NumberListParser::from(value) {
+                let number = number.map_err(|error| wrong("points", value, &error.to_string()))?;
+                within([number]).map_err(|why| wrong("points", value, &why))?;
+                count += 1;
+            }
+            if count % 2 == 1 {
+                return Err(wrong("points", value, "a number is missing"));
+            }
+        }
+        if let Some(value) = node.attribute("d").filter(|value| value.trim() != "none") {
+            for (number, segment) in PathParser::from(value).enumerate() {
+                let fault = |why: &str| wrong("d", value, &format!("segment {}: {why}", number + 1));
+                let segment = segment.map_err(|error| fault(&error.to_string()))?;
+                within(numbers(&segment)).map_err(|why| fault(&why))?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Whether nothing of an element is drawn.
+fn is_hidden(node: Node<'_, '_>, used: bool) -> bool {
+    let style: String = node.attribute("style").unwrap_or("").chars().filter(|c| !c.is_whitespace()).collect();
+    let stored = ["defs", "symbol"].contains(&node.tag_name().name()) && !used;
+    let never = ["clipPath", "mask", "pattern", "marker", "metadata", "linearGradient", "radialGradient", "filter"];
+    stored
+        || never.contains(&node.tag_name().name())
+        || node.attribute("display").is_some_and(|value| value.trim() == "none")
+        || style.split(';').any(|rule| rule == "display:none")
+}
+
+fn within(numbers: impl IntoIterator<Item = f64>) -> Result<(), String> {
+    match numbers.into_iter().find(|number| !(-FAR..=FAR).contains(number)) {
+        Some(number) => Err(format!("{number} is beyond ±{FAR:.0}")),
+        None => Ok(()),
+    }
+}
+
+fn numbers(segment: &PathSegment) -> [f64; 6] {
+    match *segment {
+        PathSegment::MoveTo { x, y, .. }
+        | PathSegment::LineTo { x, y, .. }
+        | PathSegment::SmoothQuadratic { x, y, .. } => [x, y, 0.0, 0.0, 0.0, 0.0],
+        PathSegment::HorizontalLineTo { x, .. } => [x, 0.0, 0.0, 0.0, 0.0, 0.0],
+        PathSegment::VerticalLineTo { y, .. } => [0.0, y, 0.0, 0.0, 0.0, 0.0],
+        PathSegment::CurveTo { x1, y1, x2, y2, x, y, .. } => [x1, y1, x2, y2, x, y],
+        PathSegment::SmoothCurveTo { x2, y2, x, y, .. } => [x2, y2, x, y, 0.0, 0.0],
+        PathSegment::Quadratic { x1, y1, x, y, .. } => [x1, y1, x, y, 0.0, 0.0],
+        PathSegment::EllipticalArc { rx, ry, x_axis_rotation, x, y, .. } => [rx, ry, x_axis_rotation, x, y, 0.0],
+        PathSegment::ClosePath { .. } => [0.0; 6],
+    }
+}
