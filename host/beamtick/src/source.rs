@@ -54,10 +54,8 @@ impl Source {
                 import::NAMED
             )));
         }
-        let text = String::from_utf8(bytes).map_err(|error| {
-            let good = error.utf8_error().valid_up_to();
-            let line = error.as_bytes()[..good].iter().filter(|byte| **byte == b'\n').count() + 1;
-            Failure::Input(format!("{name}:{line}: the file is not UTF-8 text; save it as UTF-8"))
+        let text = job::text::decode(bytes).map_err(|line| {
+            Failure::Input(format!("{name}:{line}: the file is neither UTF-8, UTF-16 nor GBK text; save it as UTF-8"))
         })?;
         Source::read(name, text, vec![path.to_owned()], path)
     }

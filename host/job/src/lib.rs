@@ -6,10 +6,10 @@
 //! Nothing here opens a link, keeps time, or knows what a call does beyond its parameters; the one
 //! exception is the rule about endless motions ([`Action::WaitAll`]).
 //!
-//! `scan` text to tokens, `read` the cursor on them, `statement`, `assign` and `wait` statements,
-//! `expr` and `value` expressions, `call`, `bind` and `pack` calls to requests by the table of
-//! [`api`], `endless` what may never stop, [`config`] files of `GT_LoadConfig`. The language and
-//! the configuration keys are described in `docs/jobs.md`.
+//! `text` bytes to text, `scan` text to tokens, `read` the cursor on them, `statement`, `assign`
+//! and `wait` statements, `expr` and `value` expressions, `call`, `bind` and `pack` calls to
+//! requests by the table of [`api`], `endless` what may never stop, [`config`] files of
+//! `GT_LoadConfig`. The language and the configuration keys are described in `docs/jobs.md`.
 
 pub mod api;
 mod assign;
@@ -25,6 +25,7 @@ mod pack;
 mod read;
 mod scan;
 mod statement;
+pub mod text;
 mod value;
 mod wait;
 
@@ -60,7 +61,7 @@ impl Files for Folder {
         let full = self.place(path);
         let name = || quoted(&full.display().to_string());
         let bytes = std::fs::read(&full).map_err(|error| format!("{}: {error}", name()))?;
-        String::from_utf8(bytes).map_err(|_| format!("{}: not UTF-8 text", name()))
+        text::decode(bytes).map_err(|line| format!("{}:{line}: neither UTF-8, UTF-16 nor GBK text", name()))
     }
 }
 

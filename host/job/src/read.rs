@@ -36,7 +36,7 @@ impl Fault {
 pub(crate) struct Reader<'a> {
     pub(crate) text: &'a str,
     pub(crate) files: &'a dyn Files,
-    lines: Lines,
+    pub(crate) lines: Lines,
     pub(crate) tokens: Vec<Token>,
     pub(crate) pragmas: Vec<Pragma>,
     pub(crate) at: usize,
@@ -103,7 +103,7 @@ impl<'a> Reader<'a> {
             let before = self.at;
             if let Err(fault) = self.statement() {
                 let help = (!fault.help.is_empty()).then_some(fault.help);
-                self.errors.push(diagnostic(self.text, Severity::Error, fault.span, fault.message, help));
+                self.errors.push(diagnostic(&self.lines, self.text, Severity::Error, fault.span, fault.message, help));
                 self.recover();
             }
             if self.at == before {
@@ -112,7 +112,14 @@ impl<'a> Reader<'a> {
         }
         if let Some(open) = self.braces.first().cloned() {
             let help = Some("the script seems to be cut off; close it with }".to_owned());
-            self.errors.push(diagnostic(self.text, Severity::Error, open, "this { is not closed".into(), help));
+            self.errors.push(diagnostic(
+                &self.lines,
+                self.text,
+                Severity::Error,
+                open,
+                "this { is not closed".into(),
+                help,
+            ));
         }
         self.errors.sort_by_key(|found| found.span.start);
     }
@@ -200,7 +207,7 @@ impl<'a> Reader<'a> {
 
     pub(crate) fn warn(&mut self, span: Range<usize>, message: String, help: &str) {
         let help = (!help.is_empty()).then(|| help.to_owned());
-        self.warnings.push(diagnostic(self.text, Severity::Warning, span, message, help));
+        self.warnings.push(diagnostic(&self.lines, self.text, Severity::Warning, span, message, help));
     }
 
     /// Behind an error: on to the end of the statement.

@@ -7,11 +7,21 @@
 
 use crate::{Diagnostic, Pragma, Severity};
 use logos::Logos;
-use std::collections::HashMap;
+use std::cell::Cell;
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
+use std::rc::Rc;
 
 /// More tokens than these are not read: macros that double each other must not eat the memory.
 const MOST_TOKENS: usize = 4_000_000;
+
+/// More names than these are not replaced: a chain of macros asked for often is more work than the
+/// text is long.
+const MOST_REPLACED: usize = 1_000_000;
+/// More problems of the text than these are not listed.
+const PROBLEMS_SHOWN: usize = 20;
+/// What is said of a character that is no token.
+const JUNK: (&str, &str) = ("this character has no meaning in a job script", "remove it, or put it into a comment");
 
 /// What a token is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,15 +52,15 @@ pub struct Token {
 }
 
 #[derive(Logos, Debug, Clone, Copy, PartialEq, Eq)]
-#[logos(skip r"[ \t\r\f]+|\\\r?\n")]
+#[logos(skip r"[ \t\f]+|\\(\r\n|\r|\n)")]
 enum Raw {
-    #[token("\n")]
+    #[regex(r"\r\n|\r|\n")]
     Newline,
-    #[regex(r"//[^\n]*", allow_greedy = true)]
+    #[regex(r"//[^\r\n]*", allow_greedy = true)]
     LineComment,
     #[token("/*", comment)]
     Comment(bool),
-    #[regex(r"```[^\n]*", allow_greedy = true)]
+    #[regex(r"```[^\r\n]*", allow_greedy = true)]
     Fence,
     #[regex(r"(\.\.|…|⋯|⋮)[.…⋯⋮]*")]
     Dots,
@@ -61,8 +71,8 @@ enum Raw {
     #[regex(r"[0-9]+[eE][+-]?[0-9]+[fFlL]?")]
     #[regex(r"[0-9]+[uUlL]*")]
     Number,
-    #[regex(r#""([^"\\\n]|\\.)*""#)]
-    #[regex(r"'([^'\\\n]|\\.)+'")]
+    #[regex(r#""([^"\\\r\n]|\\.)*""#)]
+    #[regex(r"'([^'\\\r\n]|\\.)+'")]
     Text,
     #[token("\"")]
     #[token("'")]
@@ -107,31 +117,47 @@ fn plain(character: char) -> char {
 }
 
 /// Where the lines of a text begin.
-pub struct Lines(Vec<usize>);
+pub struct Lines {
+    starts: Vec<usize>,
+    /// The last byte asked for, and its column: a long line is counted once.
+    last: Cell<(usize, usize)>,
+}
 
 impl Lines {
-    /// The lines of `text`.
+    /// The lines of `text`; they end with LF, CR LF or CR.
     pub fn of(text: &str) -> Self {
-        Lines(std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1)).collect())
+        let bytes = text.as_bytes();
+        let ends = bytes.iter().enumerate().filter(|(at, byte)| match byte {
+            b'\n' => true,
+            b'\r' => bytes.get(at + 1) != Some(&b'\n'),
+            _ => false,
+        });
+        let starts = std::iter::once(0).chain(ends.map(|(at, _)| at + 1)).collect();
+        Lines { starts, last: Cell::new((0, 1)) }
     }
 
     /// Line and column (characters), both from 1, of byte `at` of the same text.
     pub fn place(&self, text: &str, at: usize) -> (u32, u32) {
-        let line = self.0.partition_point(|start| *start <= at).max(1);
-        let column = text.get(self.0[line - 1]..at).map_or(0, |before| before.chars().count()) + 1;
+        let line = self.starts.partition_point(|start| *start <= at).max(1);
+        let start = self.starts[line - 1];
+        let (known, column) = self.last.get();
+        let (from, before) = if (start..=at).contains(&known) { (known, column) } else { (start, 1) };
+        let column = text.get(from..at).map_or(1, |between| before + between.chars().count());
+        self.last.set((at, column));
         (u32::try_from(line).unwrap_or(u32::MAX), u32::try_from(column).unwrap_or(u32::MAX))
     }
 }
 
 /// A diagnostic that points at `span` of `text`.
 pub fn diagnostic(
+    lines: &Lines,
     text: &str,
     severity: Severity,
     span: Range<usize>,
     message: String,
     help: Option<String>,
 ) -> Diagnostic {
-    let (line, column) = Lines::of(text).place(text, span.start);
+    let (line, column) = lines.place(text, span.start);
     Diagnostic { severity, line, column, span, message, help }
 }
 
@@ -162,15 +188,21 @@ pub fn scan(text: &str) -> Scanned {
 
     let mut found = Vec::new();
     let mut problems = Vec::new();
+    let lines = Lines::of(text);
     let mut refuse = |span: &Range<usize>, message: &str, help: &str| {
-        problems.push(diagnostic(text, Severity::Error, given(span), message.to_owned(), Some(help.to_owned())));
+        if problems.len() < PROBLEMS_SHOWN {
+            let (message, help) = (message.to_owned(), Some(help.to_owned()));
+            problems.push(diagnostic(&lines, text, Severity::Error, given(span), message, help));
+        }
     };
+    // Junk in a row is one mistake.
+    let mut junk: Option<Range<usize>> = None;
     // The line above ended with a comment; then, what is left of one that the print has broken.
     let (mut commented, mut rest) = (false, 0);
     let mut broken = Vec::new();
     for (raw, span) in Raw::lexer(&flat).spanned() {
         if commented && matches!(raw, Ok(Raw::Name)) && found.last().is_none_or(|(raw, _)| *raw == Raw::Newline) {
-            let line = flat[span.start..].lines().next().unwrap_or_default();
+            let line = flat[span.start..].split(['\r', '\n']).next().unwrap_or_default();
             if is_prose(line) {
                 rest = span.start + line.len();
                 broken.push(span.start..rest);
@@ -181,6 +213,15 @@ pub fn scan(text: &str) -> Scanned {
             Ok(Raw::Newline | Raw::Fence) => commented,
             _ => commented && span.start < rest,
         };
+        match &mut junk {
+            Some(before) if raw.is_err() && before.end == span.start => before.end = span.end,
+            before => {
+                let next = raw.is_err().then(|| span.clone());
+                if let Some(whole) = std::mem::replace(before, next) {
+                    refuse(&whole, JUNK.0, JUNK.1);
+                }
+            }
+        }
         match raw {
             _ if span.start < rest => {}
             Ok(Raw::LineComment | Raw::Comment(true) | Raw::Fence | Raw::Dots) => {}
@@ -189,25 +230,43 @@ pub fn scan(text: &str) -> Scanned {
             }
             Ok(Raw::OpenText) => refuse(&span, "this text does not end on its line", "close it with a quotation mark"),
             Ok(raw) => found.push((raw, span)),
-            Err(()) => {
-                refuse(&span, "this character has no meaning in a job script", "remove it, or put it into a comment")
-            }
+            Err(()) => {}
         }
     }
-    for span in &broken {
+    if let Some(whole) = junk {
+        refuse(&whole, JUNK.0, JUNK.1);
+    }
+    for span in broken.iter().take(PROBLEMS_SHOWN) {
         let message = "this line is taken as the remainder of the comment above".to_owned();
         let help = Some("put // before it".to_owned());
-        problems.push(diagnostic(text, Severity::Warning, given(span), message, help));
+        problems.push(diagnostic(&lines, text, Severity::Warning, given(span), message, help));
     }
     let (macros, pragmas) = (HashMap::new(), Vec::new());
-    let mut out = Expansion { text, flat: &flat, given: &given, macros, out: Vec::new(), pragmas, problems };
+    let mut out = Expansion {
+        text,
+        lines: &lines,
+        flat: &flat,
+        given: &given,
+        macros,
+        out: Vec::new(),
+        replaced: 0,
+        pragmas,
+        problems,
+    };
     for line in found.split(|(raw, _)| *raw == Raw::Newline) {
         out.line(line);
     }
-    let Expansion { out: mut tokens, pragmas, mut problems, .. } = out;
-    if tokens.len() >= MOST_TOKENS {
+    let Expansion { out: mut tokens, replaced, pragmas, mut problems, .. } = out;
+    if tokens.len() >= MOST_TOKENS || replaced >= MOST_REPLACED {
         let message = format!("this script is too long: {MOST_TOKENS} words and marks fit");
-        problems.push(diagnostic(text, Severity::Error, 0..0, message, Some("split it, or use the C library".into())));
+        problems.push(diagnostic(
+            &lines,
+            text,
+            Severity::Error,
+            0..0,
+            message,
+            Some("split it, or use the C library".into()),
+        ));
     }
     tokens.push(Token {
         kind: Kind::End,
@@ -220,10 +279,13 @@ pub fn scan(text: &str) -> Scanned {
 /// The preprocessor: directives and the macros they define.
 struct Expansion<'a, G: Fn(&Range<usize>) -> Range<usize>> {
     text: &'a str,
+    lines: &'a Lines,
     flat: &'a str,
     given: &'a G,
-    macros: HashMap<String, Vec<Token>>,
+    macros: HashMap<String, Rc<[Token]>>,
     out: Vec<Token>,
+    /// Names that were replaced: macros of macros may be many for a token.
+    replaced: usize,
     pragmas: Vec<Pragma>,
     problems: Vec<Diagnostic>,
 }
@@ -250,31 +312,44 @@ impl<G: Fn(&Range<usize>) -> Range<usize>> Expansion<'_, G> {
             _ => {
                 for (raw, span) in line {
                     let token = self.token(*raw, span);
-                    self.expand(token, &mut Vec::new());
+                    self.expand(token);
                 }
             }
         }
     }
 
-    /// Outputs `token`, or the text of its macro. `open` holds the macros being replaced, which do
-    /// not replace themselves.
-    fn expand(&mut self, token: Token, open: &mut Vec<String>) {
-        if self.out.len() >= MOST_TOKENS {
-            return;
+    /// Outputs `token`, or the text of its macro. A macro does not replace its own name inside
+    /// itself.
+    fn expand(&mut self, token: Token) {
+        // The macros being replaced: name, text, and how far it has come.
+        let mut open: Vec<(String, Rc<[Token]>, usize)> = Vec::new();
+        let mut names: HashSet<String> = HashSet::new();
+        let span = token.span.clone();
+        let mut next = Some(token);
+        while self.out.len() < MOST_TOKENS && self.replaced < MOST_REPLACED {
+            if let Some(token) = next.take() {
+                let is_macro = token.kind == Kind::Name && !names.contains(&token.text);
+                match self.macros.get(&token.text).filter(|_| is_macro) {
+                    Some(body) => {
+                        self.replaced += 1;
+                        names.insert(token.text.clone());
+                        open.push((token.text, Rc::clone(body), 0));
+                    }
+                    None => self.out.push(token),
+                }
+            }
+            let Some((name, body, at)) = open.last_mut() else { return };
+            match body.get(*at) {
+                Some(part) => {
+                    *at += 1;
+                    next = Some(Token { span: span.clone(), ..part.clone() });
+                }
+                None => {
+                    names.remove(name);
+                    open.pop();
+                }
+            }
         }
-        let body = match token.kind {
-            Kind::Name if !open.contains(&token.text) => self.macros.get(&token.text).cloned(),
-            _ => None,
-        };
-        let Some(body) = body else {
-            self.out.push(token);
-            return;
-        };
-        open.push(token.text.clone());
-        for part in body {
-            self.expand(Token { span: token.span.clone(), ..part }, open);
-        }
-        open.pop();
     }
 
     fn directive(&mut self, hash: &Range<usize>, rest: &[(Raw, Range<usize>)]) {
@@ -322,6 +397,7 @@ impl<G: Fn(&Range<usize>) -> Range<usize>> Expansion<'_, G> {
                 let given = (self.given)(whole);
                 let help = "those with a meaning here are #pragma continue, family, profile and tick".to_owned();
                 self.problems.push(diagnostic(
+                    self.lines,
                     self.text,
                     Severity::Warning,
                     given,
@@ -341,7 +417,7 @@ impl<G: Fn(&Range<usize>) -> Range<usize>> Expansion<'_, G> {
         };
         let value = self.flat[first.start..whole.end].trim().to_owned();
         let span = (self.given)(whole);
-        let (line, column) = Lines::of(self.text).place(self.text, span.start);
+        let (line, column) = self.lines.place(self.text, span.start);
         match self.pragmas.iter().find(|known| known.name == name) {
             None => self.pragmas.push(Pragma { name, value, line, column, span }),
             Some(known) if known.value == value => {}
@@ -354,6 +430,9 @@ impl<G: Fn(&Range<usize>) -> Range<usize>> Expansion<'_, G> {
 
     fn refuse(&mut self, whole: &Range<usize>, message: String, help: &str) {
         let given = (self.given)(whole);
-        self.problems.push(diagnostic(self.text, Severity::Error, given, message, Some(help.to_owned())));
+        if self.problems.len() < 2 * PROBLEMS_SHOWN {
+            let help = Some(help.to_owned());
+            self.problems.push(diagnostic(self.lines, self.text, Severity::Error, given, message, help));
+        }
     }
 }

@@ -78,6 +78,7 @@ impl Reader<'_> {
                 }
                 // Reading continues here: the error must not skip another statement.
                 let fault = diagnostic(
+                    &self.lines,
                     self.text,
                     Severity::Error,
                     token.span.clone(),
@@ -149,6 +150,7 @@ impl Reader<'_> {
             return Ok(());
         }
         let fault = diagnostic(
+            &self.lines,
             self.text,
             Severity::Error,
             name.span,

@@ -107,6 +107,7 @@ impl Reader<'_> {
         if !waits {
             self.skip_statement();
             self.errors.push(diagnostic(
+                &self.lines,
                 self.text,
                 Severity::Error,
                 token.span,
