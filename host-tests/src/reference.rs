@@ -38,7 +38,7 @@ pub use controller::{Controller, Edge, Program, Reply, Row, Session, Value};
 pub use curve::Curve;
 pub use effect::{Effect, Levels};
 pub use follow::{Datum, Item};
-pub use light::{Command, Family, GateEdge, LightCall, LightOf};
+pub use light::{Command, Family, GateEdge, LightCall, LightOf, LightTable};
 pub use number::{Fix, exact};
 pub use path::{Cycle, Path, PathCall, Speeds};
 pub use pvt::Points;

@@ -713,6 +713,29 @@ fn both_follows_add_up() {
     }
 }
 
+/// Axes settle after their path: its light goes on for the off delay, with the power of speed 0.
+#[test]
+fn a_path_at_rest_has_no_speed_while_its_encoders_settle() {
+    let mut bench = prepared(1000);
+    bench.delays(5000, 0);
+    bench.op(Op::CrdLag { crd: Crd::FIRST, lag: Lag::NONE });
+    let mode = Buffered::FollowMode { source: Source::Encoder, start: None };
+    let bounds = Bounds::admit_follow(Mode::Duty, power(100.0), power(1.0)).unwrap();
+    let ratio = Ratio::admit(2f64.to_bits()).unwrap();
+    let follow = buffered(Buffered::FollowRatio { ratio, bounds });
+    // 10 pulses at 1 pulse/ms²: half of them in 3.2 ms, at rest after 6.3 ms.
+    bench.path(0, &[buffered(mode), follow, light(true), line([10, 0], 10.0, 1.0, 0.0)]);
+    bench.start(1);
+    for k in 0..12 {
+        bench.machine.encoders = [3 * k, 0, 0, 0];
+        bench.tick();
+        let published = bench.view().lasers[0];
+        let runs = bench.view().crds[0].runs;
+        let want = if runs && k > 0 { 2.0 * 3.0 + 1.0 } else { 1.0 };
+        assert_eq!((number(published.power), published.light), (want, true), "{k}: {runs}");
+    }
+}
+
 /// The encoders' path speed, of the interval before, without a filter and with that of power-on: 1
 /// ms.
 #[test]

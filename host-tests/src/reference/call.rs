@@ -1,7 +1,7 @@
 //! The calls of a program, and how a job writes them.
 use super::effect::Effect;
 use super::follow::{Datum, Item};
-use super::light::LightCall;
+use super::light::{LightCall, LightTable};
 use super::path::{Path, PathCall};
 use super::pvt::Points;
 
@@ -169,6 +169,11 @@ pub enum Call {
         table: i16,
         points: Points,
     },
+    /// PvtPercentCalculate or PvtContinuousCalculate.
+    PvtCalculate {
+        core: i16,
+        points: Points,
+    },
     PvtTableSelect {
         axis: usize,
         table: i16,
@@ -205,6 +210,12 @@ pub enum Call {
         kind: i16,
         on: bool,
     },
+    /// LmtSns: bits 0 and 1 are the positive and the negative limit switch of axis 1 of a core,
+    /// and so on.
+    Sense {
+        core: i16,
+        sense: u16,
+    },
     /// SetCaptureMode.
     SetCapture {
         axis: usize,
@@ -213,6 +224,7 @@ pub enum Call {
     /// Outputs and inputs.
     Effect(Effect),
     Light(LightCall),
+    LightTable(LightTable),
     Abort {
         core: i16,
     },
@@ -302,6 +314,7 @@ impl Call {
         }
         match *self {
             Call::Sleep { .. } | Call::SetTick { .. } | Call::Effect(_) | Call::Light(_) | Call::Ex(_) => 0,
+            Call::LightTable(_) | Call::Sense { .. } | Call::PvtCalculate { .. } => 0,
             Call::Path(_) | Call::Abort { .. } | Call::Reset { .. } => 0,
             Call::WaitStop { mask }
             | Call::SynchAxisPos { mask }
@@ -438,6 +451,7 @@ impl Site {
             Call::FollowSwitch { mask } => format!("GTN_FollowSwitch({})", of(mask)),
             Call::SetFollowMemory { axis, memory } => format!("GTN_SetFollowMemory({},{memory})", at(axis)),
             Call::PvtTable { axis, table, points } => return table_text(self.axes[*axis].0, *table, points, number),
+            Call::PvtCalculate { core, points } => return calculate_text(*core, points, number),
             Call::PvtTableSelect { axis, table } => format!("GTN_PvtTableSelect({},{table})", at(axis)),
             Call::SetPvtLoop { axis, loops } => format!("GTN_SetPvtLoop({},{loops})", at(axis)),
             Call::PvtStart { mask } => format!("GTN_PvtStart({})", of(mask)),
@@ -454,9 +468,11 @@ impl Site {
             Call::Guard { axis, kind, on } => {
                 format!("GTN_Lmts{}({},{kind})", if *on { "On" } else { "Off" }, at(axis))
             }
+            Call::Sense { core, sense } => format!("GTN_LmtSns({core},{sense})"),
             Call::SetCapture { axis, mode } => format!("GTN_SetCaptureMode({},{mode})", at(axis)),
             Call::Effect(effect) => return effect.text(),
             Call::Light(of) => return of.text(number),
+            Call::LightTable(of) => return of.text(number),
             Call::Abort { core } => format!("GTN_Abort({core})"),
             Call::Reset { core } => format!("GTN_Reset({core})"),
             Call::Path(of) => return of.text(self),
@@ -554,4 +570,21 @@ fn table_text(core: i16, table: i16, points: &Points, number: usize) -> String {
     let arguments: String = named.iter().map(|(_, letter)| format!(",{letter}{number}")).collect();
     let arrays: String = named.into_iter().map(|(values, letter)| column(letter, values)).collect();
     format!("{arrays}rtn = GTN_{name}({core},{table},{count}{arguments}{more});")
+}
+
+/// The same of what a table would have.
+fn calculate_text(core: i16, points: &Points, number: usize) -> String {
+    let text = table_text(core, 0, points, number);
+    let room = vec!["0.0"; points.count()].join(",");
+    // The number of the table and what follows the arrays go, and room for the result comes.
+    let begin = if let Points::Percent(_, begin) = points { format!(",{begin:?}") } else { String::new() };
+    let (arrays, call) = text.split_once("rtn = ").unwrap_or_default();
+    let arguments = call.split_once(",0,").map_or("", |(_, rest)| rest);
+    let columns: Vec<&str> = arguments.trim_end_matches(");").split(',').collect();
+    let columns = &columns[..columns.len() - 1];
+    let name = if begin.is_empty() { "Continuous" } else { "Percent" };
+    format!(
+        "{arrays}double o{number}[] = {{{room}}}; rtn = GTN_Pvt{name}Calculate({core},{}{begin},o{number});",
+        columns.join(",")
+    )
 }

@@ -7,8 +7,11 @@ mod answer;
 mod effects;
 mod encoders;
 mod follow;
+mod interlock;
 mod life;
 mod light;
+mod light_tables;
+mod path_settings;
 mod paths;
 mod plain;
 mod pt;
@@ -46,6 +49,10 @@ pub enum Value {
     Velocity(Fix),
     /// Settings, exactly.
     Reals([f64; 4]),
+    /// The first two, the last and the number of values that were computed.
+    Computed([f64; 4]),
+    /// An analog input, as 16 bits know it.
+    Volts(f64),
     /// PvtStatus: table and time, ms.
     Table(i64, f64),
 }
@@ -144,6 +151,7 @@ pub struct Controller {
     reads: Vec<(usize, Call, usize)>,
     open: Option<&'static str>,
     levels: Levels,
+    interlock: interlock::Interlock,
     light: Light,
     /// Axes that ran at an Abort and have not come to rest; ticks since the last one has.
     aborted: u32,
@@ -189,6 +197,7 @@ impl Controller {
             machine,
             waits: 0,
             levels: Levels::default(),
+            interlock: interlock::Interlock::default(),
             light: Light::new(site.family),
             aborted: 0,
             rested: 0,
@@ -302,6 +311,7 @@ impl Controller {
                     self.open = Some("a limit or an alarm of a geared axis");
                 }
             }
+            self.sample_interlock();
             let mut work = Work::of(self.tick_ns);
             while waiting.is_none() && between.is_none() && next < calls.len() && clock < now {
                 if !work.takes(&calls[next]) {
@@ -318,7 +328,7 @@ impl Controller {
                     }
                     Call::Sleep { ns } => {
                         clock += ns;
-                        if *ns >= SETTLED && self.unsettled == 1 {
+                        if *ns >= SETTLED && self.unsettled == 1 && self.crds.values().all(|of| !of.runs) {
                             self.unsettled = 0;
                         }
                         program.replies[next] = Reply::Done(Value::None);
@@ -344,7 +354,7 @@ impl Controller {
                             break;
                         }
                         let reply = self.call(next, call, now);
-                        if matches!(reply, Reply::Code(_)) || std::mem::take(&mut self.may_be_refused) {
+                        if matches!(reply, Reply::Code(1)) || std::mem::take(&mut self.may_be_refused) {
                             program.refused.push(next);
                             if self.spreads && Controller::is_near(calls, next) {
                                 program.spread.push(next);
@@ -523,9 +533,16 @@ impl Controller {
             },
             Call::FollowEntry { axis, item, fifo } => self.follow_item(*axis, *item, *fifo, Mode::FollowEx),
             Call::FollowSwitchNow { axis, table } => self.follow_switch_now(*axis, *table),
-            Call::Terminal { .. } | Call::Guard { .. } | Call::SetCapture { .. } => self.terminal(call),
+            Call::Terminal { .. } | Call::Guard { .. } | Call::Sense { .. } | Call::SetCapture { .. } => {
+                self.terminal(call)
+            }
             Call::Effect(effect) => self.effect(index, call, effect, now),
             Call::Light(of) => self.light(index, call, of, now),
+            Call::LightTable(of) => self.light_table(of),
+            Call::PvtCalculate { points, .. } => {
+                let of = points.calculated();
+                Ok(Reply::Done(Value::Computed([of[0], of[1], of[of.len() - 1], of.len() as f64])))
+            }
             Call::Abort { core } => self.abort(*core),
             Call::Reset { core } => self.reset(*core, now),
             Call::Path(of) => self.path(index, call, of, now),

@@ -2,6 +2,7 @@
 //!
 //! Speeds are those of SPEC 5 without look-ahead, by [`crate::path_model`]: doubles, with which a
 //! position within these programs is exact to 2⁻³⁰ pulse. Instants are ms of the program.
+use super::axis::Why;
 use crate::path_model::speed::{Phase, Profile, limits, profile};
 use crate::path_model::{Frame, Geometry, Rates};
 
@@ -249,6 +250,16 @@ pub struct Crd {
     /// Rounding decides on which side of a tick something fell.
     pub open: bool,
     pub rest: Option<Rest>,
+    /// Why it came to standstill last, where that is known, and why a Stop in progress stops it.
+    pub why: Option<Why>,
+    pub ending: Option<Why>,
+    /// SetLaserFollowFilter, ms, and the speeds of the axes' encoders after it; whether a follow
+    /// has asked for them since SetCrdPrm. Until then they are those of the tick.
+    pub filter_ms: f64,
+    pub counted: [f64; 4],
+    pub counts: bool,
+    /// When it was started.
+    pub began: f64,
     /// It was started on the tick that is being prepared; data came for the end of its FIFO.
     pub started_here: bool,
     /// Data came after that at the same instant.
@@ -292,6 +303,12 @@ impl Default for Crd {
             is_straight: true,
             open: false,
             rest: None,
+            why: None,
+            ending: None,
+            filter_ms: 1.0,
+            counted: [0.0; 4],
+            counts: false,
+            began: 0.0,
             started_here: false,
             fed_here: false,
             late: false,
@@ -348,6 +365,8 @@ impl Crd {
         let waited = if self.rest == Some(Rest::Stopped) { self.waited } else { 0 };
         (self.runs, self.brakes, self.fifo, self.now, self.speed) = (true, false, fifo, at, 0.0);
         (self.plan, self.rest, self.started_here) = (None, None, true);
+        (self.ending, self.began) = (None, at);
+        self.counted = [0.0; 4];
         (self.waits, self.waited, self.hindered) = (None, waited, false);
         let of = &mut self.fifos[fifo];
         (of.left, of.seen) = (None, of.entries.len());
@@ -462,6 +481,13 @@ impl Crd {
 
     fn come_to_standstill(&mut self, rest: Rest) {
         self.rested = Some((self.now, self.brakes));
+        self.why = match rest {
+            // Where its data ends while it brakes is an end, or a Stop.
+            Rest::Done if self.brakes => None,
+            Rest::Done => Some(Why::End),
+            Rest::Underrun => Some(Why::Underrun),
+            Rest::Stopped => self.ending.filter(|_| !self.hindered),
+        };
         (self.runs, self.brakes, self.speed, self.plan) = (false, false, 0.0, None);
         self.rest = Some(rest);
         let waited = self.waits.take().is_some();

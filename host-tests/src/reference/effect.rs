@@ -3,13 +3,53 @@
 /// A call. Indices of general outputs and inputs, and of analog outputs, are from 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Effect {
-    SetDo { core: i16, value: i32 },
-    SetDoBit { core: i16, index: i16, level: bool },
-    GetDo { core: i16 },
-    GetDi { core: i16, kind: i16 },
-    SetDac { core: i16, dac: i16, value: i16 },
-    GetDac { core: i16, dac: i16 },
-    SimInput { core: i16, index: i16, level: bool },
+    SetDo {
+        core: i16,
+        value: i32,
+    },
+    SetDoBit {
+        core: i16,
+        index: i16,
+        level: bool,
+    },
+    GetDo {
+        core: i16,
+    },
+    GetDi {
+        core: i16,
+        kind: i16,
+    },
+    SetDac {
+        core: i16,
+        dac: i16,
+        value: i16,
+    },
+    GetDac {
+        core: i16,
+        dac: i16,
+    },
+    SimInput {
+        core: i16,
+        index: i16,
+        level: bool,
+    },
+    /// SimInput of the interlock, and what its opening does to motion.
+    Interlock {
+        core: i16,
+        open: bool,
+    },
+    SetInterlock {
+        motion: i16,
+    },
+    SimAdc {
+        core: i16,
+        adc: i16,
+        volts: f64,
+    },
+    GetAdc {
+        core: i16,
+        adc: i16,
+    },
 }
 
 impl Effect {
@@ -27,6 +67,10 @@ impl Effect {
                 format!("space = {value}; rtn = GTN_SetDac({core},{dac},&space);")
             }
             Effect::GetDac { core, dac } => format!("rtn = GTN_GetDac({core},{dac},&space);"),
+            Effect::Interlock { core, open } => format!("rtn = GTN_SimInput({core},90,1,{});", level(open)),
+            Effect::SetInterlock { motion } => format!("rtn = GT_SetInterlock({motion});"),
+            Effect::SimAdc { core, adc, volts } => format!("rtn = GTN_SimAdc({core},{adc},{volts:?});"),
+            Effect::GetAdc { core, adc } => format!("rtn = GTN_GetAdc({core},{adc},&value,1);"),
             Effect::SimInput { core, index, level: of } => {
                 format!("rtn = GTN_SimInput({core},4,{index},{});", level(of))
             }
@@ -47,6 +91,8 @@ pub struct Levels {
     pub driven: u8,
     /// General inputs.
     pub inputs: u32,
+    /// Analog inputs, V.
+    pub volts: [f64; 8],
 }
 
 impl Levels {

@@ -8,6 +8,7 @@ mod follow;
 mod follow_ex;
 mod inputs;
 mod light;
+mod light_tables;
 mod marks;
 mod outputs;
 mod paths;
@@ -111,6 +112,15 @@ impl Making<'_> {
         self.calls.push(Call::Sleep { ns });
     }
 
+    /// Mostly so long that it is known where everything rests.
+    fn settle(&mut self) {
+        if self.one_in(3) {
+            return self.sleep(3);
+        }
+        let ns = 3 * MS + self.below(3_000_000) as i64;
+        self.calls.push(Call::Sleep { ns });
+    }
+
     fn number(&mut self, most: u64) -> f64 {
         let whole = 1 + self.below(most);
         match self.below(3) {
@@ -137,14 +147,14 @@ impl Making<'_> {
         let abrupt = if self.counted[axis] || self.one_in(2) { mask } else { 0 };
         self.calls.push(Call::Stop { mask, abrupt });
         self.calls.push(Call::WaitStop { mask });
-        if !self.one_in(3) {
-            self.sleep(3);
+        if !self.one_in(5) {
+            self.settle();
         }
     }
 
     fn phrase(&mut self) {
         let axis = self.axis();
-        match self.below(38) {
+        match self.below(39) {
             29 => self.lights(),
             30..33 => self.marks(axis),
             33 => self.abort_or_reset(),
@@ -166,7 +176,7 @@ impl Making<'_> {
             12 | 13 => self.during(axis),
             14 => self.zero(axis),
             34 => self.tick(),
-            35 | 36 => self.switches(axis),
+            35 | 36 | 38 => self.switches(axis),
             15 => self.stop(),
             16 | 37 => self.read(axis),
             17 => self.any(axis),

@@ -7,13 +7,15 @@ mod call;
 mod gate;
 mod law;
 mod owner;
+mod tables;
 
 pub use call::{Family, LightCall, LightOf};
-pub use law::{Around, Distance, Mode, carriers};
+pub use law::{Around, Distance, Law, Mode, Scaled, Standby};
+pub use tables::{LightTable, Line, POINTS, Ratio, Ratios, TABLES};
 
 use super::call::members;
 use gate::{Fpk, Gate};
-use law::{Follow, Law};
+use law::{Follow, Rule};
 use owner::{End, Order, Owner};
 
 /// What an entry does to a channel.
@@ -30,6 +32,8 @@ pub enum Command {
     Ratio([f64; 3]),
     /// BufLaserPrfFollow: whole bounds.
     Follow(f64, [i32; 2]),
+    /// BufLaserFollowTable: table from 1, minimum, maximum.
+    Table(i16, [f64; 2]),
     FollowOff,
 }
 
@@ -44,10 +48,12 @@ pub enum Setting {
     /// Off and on delay, ms.
     Delays([f64; 2]),
     Fpk(Option<[f64; 3]>),
-    Standby(Option<[f64; 2]>),
+    Standby(Option<Standby>),
     PreVoltage(Option<f64>),
     Distance(Option<Distance>),
-    Ratios([f64; 4], Option<[f64; 2]>),
+    Ratios(Scaled, Option<[f64; 2]>),
+    /// A table of powers from 0, and where it lies.
+    Table(usize, usize),
     Map(u8),
     ZeroOnTime,
     ClearFault,
@@ -75,10 +81,14 @@ pub enum Act {
     Fault(usize, i16),
     /// One that lets it run on: a limit that it moves away from.
     Hit(usize, i16),
+    /// One of the whole controller.
+    Dark(i16),
     /// ClrSts of one of its axes.
     Clear(usize),
     /// Stop, bits 10 and 11.
     EndFollow(u8),
+    /// SetLaserMode: the wide range.
+    Resolution(bool),
     Abort,
     /// All that ran at the Abort has come to rest.
     AbortOver,
@@ -166,6 +176,7 @@ impl Channel {
                     distance.bounds = bounds.or(distance.bounds);
                 }
             }
+            Setting::Table(table, lies) => self.law.tables[table] = Some(lies),
             Setting::Map(map) => {
                 self.owner.map = map;
                 if self.law.follow.is_some_and(|follow| map >> follow.crd & 1 == 0) {
@@ -194,10 +205,15 @@ impl Channel {
                 self.law.encoder = encoder;
                 self.law.direct = start.unwrap_or(self.law.direct);
             }
-            Command::Ratio([ratio, min, max]) => self.begin(crd, ratio, [min, max]),
+            Command::Ratio([ratio, min, max]) => self.begin(crd, Rule::Ratio(ratio), [min, max]),
             Command::Follow(ratio, bounds) => {
                 self.law.encoder = false;
-                self.begin(crd, ratio, bounds.map(f64::from));
+                self.begin(crd, Rule::Ratio(ratio), bounds.map(f64::from));
+            }
+            Command::Table(table, bounds) => {
+                if let Some(table) = self.law.tables[table as usize - 1] {
+                    self.begin(crd, Rule::Table(table), bounds);
+                }
             }
             Command::FollowOff => self.law.follow = None,
         }
@@ -205,11 +221,11 @@ impl Channel {
         self.follows(before);
     }
 
-    fn begin(&mut self, crd: usize, ratio: f64, bounds: [f64; 2]) {
+    fn begin(&mut self, crd: usize, rule: Rule, bounds: [f64; 2]) {
         // LSR takes bounds in the mode's range.
-        let most = self.law.mode.most(self.law.family);
+        let most = self.law.most();
         let bounds = if self.law.family == Family::Lsr { bounds.map(|x| x.clamp(0.0, most)) } else { bounds };
-        self.law.follow = Some(Follow { crd, ratio, bounds });
+        self.law.follow = Some(Follow { crd, rule, bounds });
         self.owner.follows(Some(crd));
     }
 
@@ -241,6 +257,7 @@ impl Channel {
             }
             Act::Fault(crd, cause) => self.owner.fail(crd, cause, at),
             Act::Hit(crd, cause) => self.owner.hit(crd, cause, at),
+            Act::Dark(cause) => self.owner.darken(cause, at),
             Act::Clear(crd) => {
                 if self.owner.maps(crd) {
                     self.owner.clear_fault(at);
@@ -252,6 +269,10 @@ impl Channel {
                     self.law.follow = None;
                     self.owner.follows(None);
                 }
+                Order::Nothing
+            }
+            Act::Resolution(is_wide) => {
+                self.law.set_resolution(is_wide);
                 Order::Nothing
             }
             Act::Abort => {
@@ -284,7 +305,7 @@ impl Channel {
         } else if self.gate.is_light() {
             self.law.in_light(around)
         } else {
-            [self.law.in_dark(), 0.0]
+            [self.law.in_dark(around), 0.0]
         }
     }
 
@@ -297,6 +318,7 @@ impl Channel {
 }
 
 /// Causes, as GetLaserFault numbers them (docs/laser.md).
+pub const INTERLOCK: i16 = 1;
 pub const ALARM: i16 = 6;
 pub const SERVO_OFF: i16 = 7;
 pub const LIMIT: i16 = 8;
@@ -337,7 +359,7 @@ impl Light {
             halted: Vec::new(),
             edges: Vec::new(),
             powers: Vec::new(),
-            around: Around::default(),
+            around: Around { is_pwm: true, ..Around::default() },
             running: 0,
             open: None,
         }
@@ -372,7 +394,7 @@ impl Light {
         let later = between.split_off(first);
         between.iter().for_each(|(at, act)| self.take(*at, act, now - before));
         self.show(before);
-        let at_once = |act: &&Act| matches!(act, Act::Fault(..) | Act::Hit(..) | Act::Abort);
+        let at_once = |act: &&Act| matches!(act, Act::Fault(..) | Act::Hit(..) | Act::Dark(_) | Act::Abort);
         calls.iter().filter(at_once).for_each(|act| self.take(before, act, now - before));
         later.iter().for_each(|(at, act)| self.take(*at, act, now - before));
         // Once more in its place among the calls: those before it count for nothing.
@@ -388,6 +410,7 @@ impl Light {
             let act = if let Act::Stop(named, _) = act { Act::Stop(named, running) } else { act };
             self.take(now, &act, now - before);
         }
+        self.around.is_pwm = self.channels.iter().all(|channel| channel.law.mode != Mode::Analog);
         for (number, channel) in self.channels.iter_mut().enumerate() {
             channel.gate.advance(now, false);
             if channel.gate.tie() {
@@ -405,7 +428,8 @@ impl Light {
             if clears && channel.owner.fault != 0 && at - channel.owner.failed_at < 3.5 * tick {
                 self.open = Some("a clear just after the fault of a laser");
             }
-            let settles = matches!(act, Act::Set(..) | Act::Abort | Act::Reset | Act::Fault(..) | Act::Hit(..));
+            let settles =
+                matches!(act, Act::Set(..) | Act::Abort | Act::Reset | Act::Fault(..) | Act::Hit(..) | Act::Dark(_));
             if settles && channel.gate.is_near(at) {
                 self.open = Some("an edge of a laser within rounding of a setting");
             }
@@ -430,7 +454,7 @@ impl Light {
     pub fn read(&self, channel: usize, what: LightOf, now: f64) -> Option<f64> {
         let of = &self.channels[channel];
         match what {
-            LightOf::GetGate => Some(f64::from(u8::from(of.owner.is_commanded()))),
+            LightOf::GetGate | LightOf::GetSwitched => Some(f64::from(u8::from(of.owner.is_commanded()))),
             LightOf::GetFault => Some(of.owner.fault.into()),
             LightOf::GetOnTime => of.on_time(now).map(|units| units as f64),
             _ => Some(of.power(&self.around)[0]),

@@ -150,6 +150,18 @@ pub enum Path {
         vel: f64,
         acc: f64,
     },
+    /// SetLaserFollowFilter and GetLaserFollowFilter.
+    Filter {
+        crd: i16,
+        ms: f64,
+    },
+    GetFilter {
+        crd: i16,
+    },
+    /// GetCrdStopReason.
+    Why {
+        crd: i16,
+    },
     /// CrdData without data.
     Flush {
         crd: i16,
@@ -186,6 +198,7 @@ impl Path {
             | Path::Status { crd, .. }
             | Path::Remainder { crd, .. }
             | Path::Pos { crd }
+            | Path::Why { crd }
             | Path::Vel { crd } => crd,
             _ => 0,
         }
@@ -267,6 +280,9 @@ impl PathCall {
             Path::Limit { crd, coordinate, vel, acc } => {
                 format!("GTN_SetCrdLimit({core},{crd},{coordinate},{vel:?},{acc:?})")
             }
+            Path::Filter { crd, ms } => format!("GTN_SetLaserFollowFilter({core},{crd},{ms:?})"),
+            Path::GetFilter { crd } => format!("GTN_GetLaserFollowFilter({core},{crd},&value)"),
+            Path::Why { crd } => format!("GTN_GetCrdStopReason({core},{crd},&space)"),
             Path::Flush { crd, fifo } => format!("GTN_CrdData({core},{crd},NULL,{fifo})"),
             Path::Output { crd, index, level, fifo } => {
                 // An unsigned short, as it travels.
@@ -290,6 +306,9 @@ impl PathCall {
                 }
                 Command::Follow(ratio, [min, max]) => {
                     format!("GTN_BufLaserPrfFollow({core},{crd},{ratio:?},{min},{max},{fifo},{channel})")
+                }
+                Command::Table(table, [min, max]) => {
+                    format!("GTN_BufLaserFollowTable({core},{crd},{table},{min:?},{max:?},{fifo},{channel})")
                 }
                 Command::FollowOff => format!("GTN_BufLaserFollowOff({core},{crd},{fifo},{channel})"),
             },

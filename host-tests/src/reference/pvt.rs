@@ -49,6 +49,33 @@ impl Points {
         }
     }
 
+    /// What PvtPercentCalculate or PvtContinuousCalculate gives: velocities, or times from 0.
+    pub fn calculated(&self) -> Vec<f64> {
+        let mut values = Vec::new();
+        match self {
+            Points::Percent(points, begin) => {
+                let mut v = exact(*begin);
+                values.push(*begin);
+                for pair in points.windows(2) {
+                    let ([t, p, _], [u, q, _]) = (pair[0].map(exact), pair[1].map(exact));
+                    v = whole(2) * (q - p) / (u - t) - v;
+                    values.push(Fix::of(&v).to_f64());
+                }
+            }
+            Points::Continuous(points, _) => {
+                let mut time = Rational::zero();
+                values.push(0.0);
+                for pair in points.windows(2) {
+                    let Ramps { up, cruise, down, .. } = Ramps::of(&pair[0], &pair[1]);
+                    time = time + up + cruise + down;
+                    values.push(Fix::of(&time).to_f64());
+                }
+            }
+            _ => {}
+        }
+        values
+    }
+
     /// Times, positions and velocities of tables that are cubic between their points.
     fn cubics(&self) -> Vec<[Rational; 4]> {
         match self {
@@ -123,21 +150,39 @@ fn percent(points: &[[f64; 3]], begin: f64) -> Table {
     Table { begins: Fix::of_f64(points[0][0]), curve }
 }
 
-fn continuous(points: &[[f64; 6]], begin: f64) -> Table {
-    let mut curve = Curve::default();
-    for pair in points.windows(2) {
-        let ([p, v, percent, most, acc, dec], [q, w, ..]) = (pair[0].map(exact), pair[1].map(exact));
-        let way = &q - &p;
+/// A segment of PvtTableContinuous: how long its ramps and its cruise last, and how fast that is.
+struct Ramps {
+    up: Rational,
+    cruise: Rational,
+    down: Rational,
+    peak: Rational,
+    sign: Rational,
+}
+
+impl Ramps {
+    fn of(begin: &[f64; 6], end: &[f64; 6]) -> Ramps {
+        let ([p, v, _, most, acc, dec], [q, w, ..]) = (begin.map(exact), end.map(exact));
+        let way = q - p;
         let sign = if way.is_negative() { whole(-1) } else { whole(1) };
-        let (from, to, length) = (&v * &sign, &w * &sign, &way * &sign);
+        let (from, to, length) = (v * &sign, w * &sign, way * &sign);
         let square = (whole(2) * &acc * &dec * &length + &dec * &from * &from + &acc * &to * &to) / (&acc + &dec);
         let peak = root(&square).rational().min(most);
         let (up, down) = ((&peak - &from) / &acc, (&peak - &to) / &dec);
         let ramps = (&from + &peak) / whole(2) * &up + (&peak + &to) / whole(2) * &down;
+        let cruise = (&length - ramps) / &peak;
+        Ramps { up, cruise, down, peak, sign }
+    }
+}
+
+fn continuous(points: &[[f64; 6]], begin: f64) -> Table {
+    let mut curve = Curve::default();
+    for pair in points.windows(2) {
+        let Ramps { up, cruise, down, peak, sign } = Ramps::of(&pair[0], &pair[1]);
+        let [v, percent] = [pair[0][1], pair[0][2]].map(exact);
+        let (q, w) = (exact(pair[1][0]), exact(pair[1][1]));
         if up.is_positive() {
             shaped(&mut curve, &up, &v, &(&peak * &sign), &percent);
         }
-        let cruise = (&length - ramps) / &peak;
         if cruise > Rational::dyadic(1.into(), -50) {
             curve.cubic(&cruise, &(&peak * &sign), &Rational::zero(), &Rational::zero());
         }

@@ -53,6 +53,12 @@ fn same(value: &Value, got: Got, peak: f64) -> bool {
             a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 2f64.powi(-16) + slack)
         }
         (Value::Reals(a), Got::Reals(b)) => *a == b,
+        (Value::Computed(a), Got::Reals(b)) => {
+            let scale = a.iter().fold(1.0, |most: f64, a| most.max(a.abs()));
+            a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-11 * scale)
+        }
+        // ±12.5 V in 16 bits.
+        (Value::Volts(a), Got::Real(b)) => (a - b).abs() <= 0.5 * 25.0 / 65536.0 + 1e-9,
         (Value::Table(a, time), Got::Table(b, at)) => *a == b && (time - at).abs() < 2e-6,
         (Value::Position(a, slack), Got::Real(b)) => (a.to_f64() - b).abs() <= 2f64.powi(-16) + slack.to_f64(),
         // SPEC 11: 2⁻¹⁶ of the motion's peak.

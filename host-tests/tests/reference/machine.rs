@@ -169,6 +169,8 @@ impl Rig {
         {
             let mut board = self.board.lock().unwrap();
             board.inputs_mut().general = 0;
+            board.inputs_mut().interlock = false;
+            board.inputs_mut().analog = [0; 8];
             board.inputs_mut().axes.iter_mut().for_each(|axis| *axis = Default::default());
         }
         // Encoders come to rest, so that Reset names the place of the set-point.
@@ -184,9 +186,11 @@ impl Rig {
         self.board.lock().unwrap().take_edges();
         self.board.lock().unwrap().take_beam();
         {
+            // The tick in force may be the program's first.
             let mut record = self.record.lock().unwrap();
-            record.rows.clear();
-            record.more.clear();
+            let before = record.rows.len().saturating_sub(1);
+            record.rows.drain(..before);
+            record.more.drain(..before);
         }
         let ran = sessions::run(self, calls)?;
         self.client.sleep(Duration::from_millis(12)).map_err(|error| format!("{error:?}"))?;
@@ -225,16 +229,20 @@ pub fn wire(site: &Site, call: &Call) -> client::Call {
     if let Call::PvtTable { axis, table, points } = call {
         return table_of(site.axes[*axis].0, *table, points);
     }
+    if let Call::PvtCalculate { core, points } = call {
+        return computed(*core, points);
+    }
     match call {
         Call::Ex(of) => return effects::ex(site, of),
         Call::FollowEntry { axis, item, fifo } => return effects::entry(site, *axis, item, *fifo),
         Call::FollowSwitchNow { axis, table } => return effects::switch_now(site, *axis, *table, 0, 0.into()),
         Call::Effect(effect) => return effects::effect(effect),
         Call::Light(of) => return light::call(of),
+        Call::LightTable(of) => return light::table(of),
         Call::Path(of) => return paths::wire(site, of),
         &Call::Abort { core } => return client::Call::of(Abort { core: core.into() }),
         &Call::Reset { core } => return client::Call::of(Reset { core: core.into() }),
-        &Call::Terminal { .. } | &Call::Guard { .. } | &Call::SetCapture { .. } => {
+        &Call::Terminal { .. } | &Call::Guard { .. } | &Call::Sense { .. } | &Call::SetCapture { .. } => {
             return effects::terminal(site, call);
         }
         &Call::SetTick { us } => return client::Call::of(SetTick { tick_us: us.into() }),
@@ -386,6 +394,9 @@ pub fn wire(site: &Site, call: &Call) -> client::Call {
         | Call::FollowSwitchNow { .. }
         | Call::Path(_)
         | Call::Light(_)
+        | Call::LightTable(_)
+        | Call::Sense { .. }
+        | Call::PvtCalculate { .. }
         | Call::Abort { .. }
         | Call::Reset { .. }
         | Call::SetTick { .. }
@@ -409,6 +420,42 @@ pub fn wire(site: &Site, call: &Call) -> client::Call {
 }
 
 /// A whole table in one message.
+/// PvtPercentCalculate or PvtContinuousCalculate of the points of a table.
+fn computed(core: i16, points: &Points) -> client::Call {
+    let (core, count, first) = (core.into(), (points.count() as i32).into(), 0.into());
+    match points {
+        Points::Percent(points, begin) => {
+            let head = PvtPercentCalculate { core, count, first, vel_begin: (*begin).into() };
+            client::Call::with_items(head, &percents(points))
+        }
+        Points::Continuous(points, _) => {
+            client::Call::with_items(PvtContinuousCalculate { core, count, first }, &ramps(points))
+        }
+        _ => panic!("nothing is computed of {points:?}"),
+    }
+}
+
+fn percents(points: &[[f64; 3]]) -> Vec<PvtPercentPoint> {
+    let item = |&[time, pos, percent]: &[f64; 3]| PvtPercentPoint {
+        time: time.into(),
+        pos: pos.into(),
+        percent: percent.into(),
+    };
+    points.iter().map(item).collect()
+}
+
+fn ramps(points: &[[f64; 6]]) -> Vec<PvtContinuousPoint> {
+    let item = |&[pos, vel, percent, vel_max, acc, dec]: &[f64; 6]| PvtContinuousPoint {
+        pos: pos.into(),
+        vel: vel.into(),
+        percent: percent.into(),
+        vel_max: vel_max.into(),
+        acc: acc.into(),
+        dec: dec.into(),
+    };
+    points.iter().map(item).collect()
+}
+
 fn table_of(core: i16, table: i16, points: &Points) -> client::Call {
     use client::Call as Wire;
     let (core, table, count, first) = (core.into(), table.into(), (points.count() as i32).into(), 0.into());
@@ -437,25 +484,12 @@ fn table_of(core: i16, table: i16, points: &Points) -> client::Call {
             Wire::with_items(PvtTableComplete { core, table, count, first, vel_begin, vel_end }, &items)
         }
         Points::Percent(points, begin) => {
-            let item = |&[time, pos, percent]: &[f64; 3]| PvtPercentPoint {
-                time: time.into(),
-                pos: pos.into(),
-                percent: percent.into(),
-            };
-            let items: Vec<PvtPercentPoint> = points.iter().map(item).collect();
-            Wire::with_items(PvtTablePercent { core, table, count, first, vel_begin: (*begin).into() }, &items)
+            let head = PvtTablePercent { core, table, count, first, vel_begin: (*begin).into() };
+            Wire::with_items(head, &percents(points))
         }
         Points::Continuous(points, begin) => {
-            let item = |&[pos, vel, percent, vel_max, acc, dec]: &[f64; 6]| PvtContinuousPoint {
-                pos: pos.into(),
-                vel: vel.into(),
-                percent: percent.into(),
-                vel_max: vel_max.into(),
-                acc: acc.into(),
-                dec: dec.into(),
-            };
-            let items: Vec<PvtContinuousPoint> = points.iter().map(item).collect();
-            Wire::with_items(PvtTableContinuous { core, table, count, first, time_begin: (*begin).into() }, &items)
+            let head = PvtTableContinuous { core, table, count, first, time_begin: (*begin).into() };
+            Wire::with_items(head, &ramps(points))
         }
     }
 }

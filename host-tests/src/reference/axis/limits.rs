@@ -34,15 +34,18 @@ pub enum Why {
     Reset = 14,
     TimedOut = 15,
     Abort = 18,
+    Interlock = 19,
 }
 
-/// Inputs of an axis. All of them are active high.
+/// Inputs of an axis. All of them are active high at power-on.
 #[derive(Debug, Clone, Copy)]
 pub struct Terminals {
     /// Bit k is the level of the input of type k.
     pub levels: u8,
     /// Limit switches and alarm that count, likewise.
     pub on: u8,
+    /// LmtSns: limit switches that are active low, likewise.
+    pub sense: u8,
     /// Status bits of those that are active, as the tick sees them.
     pub active: u32,
     /// Home as the tick sees it.
@@ -55,7 +58,7 @@ pub struct Terminals {
 impl Default for Terminals {
     /// At power-on: low, and all of them count.
     fn default() -> Terminals {
-        Terminals { levels: 0, on: 7, active: 0, home: false, armed: false, captured: None }
+        Terminals { levels: 0, on: 7, sense: 0, active: 0, home: false, armed: false, captured: None }
     }
 }
 
@@ -78,7 +81,7 @@ impl Axis {
     /// The inputs of a tick.
     fn watch(&mut self) {
         let of = &mut self.terminals;
-        let active = of.levels & of.on;
+        let active = (of.levels ^ of.sense) & of.on;
         let bit = |kind: i16, bit: u32| if active >> kind & 1 == 1 { bit } else { 0 };
         of.active = bit(terminal::POSITIVE, POSITIVE) | bit(terminal::NEGATIVE, NEGATIVE) | bit(terminal::ALARM, ALARM);
         let home = of.levels >> terminal::HOME & 1 == 1;

@@ -8,8 +8,10 @@ use super::{Controller, Edge};
 
 /// General outputs of the virtual controller.
 const OUTPUTS: i16 = 32;
-/// Its analog outputs.
+/// Its analog outputs, and inputs.
 const ANALOG: i16 = 8;
+/// The most of an analog input, V.
+const VOLTS: f64 = 12.5;
 
 impl Controller {
     pub(super) fn effect(&mut self, index: usize, call: &Call, effect: &Effect, now: i64) -> Answer {
@@ -32,6 +34,19 @@ impl Controller {
             Effect::GetDo { .. } => return Ok(self.read(index, call, 0)),
             Effect::GetDi { kind, .. } => {
                 range(matches!(kind, 0..=5))?;
+                return Ok(self.read(index, call, 0));
+            }
+            Effect::Interlock { open, .. } => self.interlock.open = open,
+            Effect::SetInterlock { motion } => {
+                range((0..3).contains(&motion))?;
+                self.interlock.motion = motion;
+            }
+            Effect::SimAdc { adc, volts, .. } => {
+                range((1..=ANALOG).contains(&adc) && volts.abs() <= VOLTS)?;
+                self.levels.volts[adc as usize - 1] = volts;
+            }
+            Effect::GetAdc { adc, .. } => {
+                range((1..=ANALOG).contains(&adc))?;
                 return Ok(self.read(index, call, 0));
             }
             Effect::SimInput { index, level, .. } => {
@@ -67,6 +82,15 @@ impl Controller {
                 let bits = if kind < 0 { 3 } else { 1 << kind };
                 let of = &mut self.axes[axis].terminals;
                 of.on = if on { of.on | bits } else { of.on & !bits };
+            }
+            Call::Sense { core, sense } => {
+                range(self.cores.contains(&core))?;
+                for (place, axis) in self.axes.iter_mut().enumerate() {
+                    let (of, number) = self.site.axes[place];
+                    if of == core && number <= 8 {
+                        axis.terminals.sense = (sense >> (2 * (number - 1)) & 3) as u8;
+                    }
+                }
             }
             Call::SetCapture { axis, mode } => {
                 range(mode == 1)?;

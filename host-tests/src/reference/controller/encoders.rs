@@ -62,6 +62,37 @@ impl Controller {
         }
     }
 
+    /// Speeds of the encoders along the paths of core 1, each axis after a first-order lag.
+    pub(super) fn count_speeds(&mut self, before: i64, now: i64) {
+        let [now, ms] = [now, now - before].map(|ns| ns as f64 / 1e6);
+        for (name, of) in self.crds.iter_mut().filter(|(name, _)| name.0 == 1) {
+            let crd = name.1 as usize - 1;
+            let chosen = self.light.channels.iter().any(|channel| channel.law.counts(crd));
+            if chosen && of.open {
+                // Standstill has the speed 0.
+                self.open = Some("a laser that follows encoders, within rounding of an end of its path");
+            }
+            let Some(set) = of.set.as_ref().filter(|_| of.runs) else {
+                self.light.around.counted[crd] = 0.0;
+                continue;
+            };
+            let speed = |axis: &Option<usize>| {
+                axis.map_or(0.0, |axis| (self.axes[axis].encoder[1] - self.axes[axis].encoder[0]).to_f64() / ms)
+            };
+            let speeds = set.axes.each_ref().map(speed);
+            let share = if of.filter_ms > 0.0 { 1.0 - (-ms / of.filter_ms).exp() } else { 1.0 };
+            of.counts |= chosen;
+            // It begins at 0 with the path, or with the tick before it is first asked for.
+            let goes_on = of.counts || (of.began - now).abs() < 1e-9;
+            let share = if goes_on { share } else { 1.0 };
+            of.counted.iter_mut().zip(speeds).for_each(|(after, speed)| *after += (speed - *after) * share);
+            self.light.around.counted[crd] = of.counted.iter().map(|speed| speed * speed).sum::<f64>().sqrt();
+            if chosen {
+                *self.used.entry("ticks in which a laser follows encoders").or_default() += 1;
+            }
+        }
+    }
+
     /// Where a master was at an instant of the tick.
     pub(super) fn position_of(
         &self,

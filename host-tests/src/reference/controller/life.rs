@@ -22,7 +22,7 @@ impl Controller {
             self.stop_axis(place, false, Why::Abort);
         }
         let running = self.crds.iter().filter(|(_, crd)| crd.runs).map(|(name, _)| *name).collect::<Vec<_>>();
-        running.iter().for_each(|name| self.stop_path(*name, false));
+        running.iter().for_each(|name| self.stop_path(*name, false, Why::Abort));
         let runs = |axis: &usize| self.axes[*axis].runs();
         self.aborted = (0..self.axes.len()).filter(runs).fold(0, |mask, axis| mask | 1 << axis);
         if self.aborted == 0 {
@@ -58,6 +58,9 @@ impl Controller {
         if !self.light.calls.is_empty() {
             // A Reset may take more ticks than one: light is as what came before it asks.
             self.open = Some("light that is asked for at the instant of a Reset");
+        }
+        if self.interlock.is_cause() {
+            self.open = Some("a Reset while the interlock is open");
         }
         for place in (0..self.axes.len()).filter(|place| self.cores[*place] == core) {
             let axis = &mut self.axes[place];

@@ -1,49 +1,52 @@
 //! Calls of laser channels, Stops as they see them, and what their power follows.
 use super::super::call::{Call, members};
-use super::super::light::{Act, Channel, Command, Distance, Family, LightCall, LightOf, Mode, Setting, carriers, crds};
-use super::answer::{Answer, DONE, check, either, range};
-use super::{Controller, Reply};
+use super::super::light::{
+    Act, Channel, Command, Distance, Family, INTERLOCK, Law, LightCall, LightOf, Mode, Scaled, Setting, Standby,
+    TABLES, crds,
+};
+use super::answer::{Answer, DONE, EITHER, check, either, range};
+use super::{Controller, Reply, Value};
 
 /// The lowest frequency, kHz.
 const LEAST: f64 = 0.001;
 /// The longest delay, µs.
 const LONGEST: f64 = 65535.0;
 /// The most of a ratio of the distance follow, and the scales of the two families.
-const RATIO: f64 = 131072.0;
+pub(super) const RATIO: f64 = 131072.0;
 const SCALES: [[f64; 2]; 2] = [[1.0 / 262144.0, 4294967296.0], [1.0, 65536.0]];
 
 /// A value outside its range: GUS refuses it, LSR takes the nearest bound.
-fn take(family: Family, x: f64, [low, high]: [f64; 2]) -> Result<f64, i16> {
+pub(super) fn take(family: Family, x: f64, [low, high]: [f64; 2]) -> Result<f64, i16> {
     range(family == Family::Lsr || (low..=high).contains(&x))?;
     Ok(x.clamp(low, high))
 }
 
 /// A power: pulses of less than 1 Hz are refused in both families.
-fn take_power(of: &Channel, x: f64) -> Result<f64, i16> {
+pub(super) fn take_power(of: &Channel, x: f64) -> Result<f64, i16> {
     range(of.law.mode != Mode::Frequency || x <= 0.0 || x >= LEAST)?;
-    take(of.law.family, x, [0.0, of.law.mode.most(of.law.family)])
+    take(of.law.family, x, [0.0, of.law.most()])
 }
 
 /// A frequency other than that of pulses of light.
-fn take_frequency(family: Family, khz: f64) -> Result<f64, i16> {
+fn take_frequency(law: &Law, khz: f64) -> Result<f64, i16> {
     range(khz >= LEAST)?;
-    take(family, khz, [LEAST, carriers(family)])
+    take(law.family, khz, [LEAST, law.highest()])
 }
 
 /// Bounds with min ≤ max, as given and as taken.
-fn take_bounds(family: Family, mode: Mode, [min, max]: [f64; 2]) -> Result<[f64; 2], i16> {
+pub(super) fn take_bounds(law: &Law, mode: Mode, [min, max]: [f64; 2]) -> Result<[f64; 2], i16> {
     range(min <= max)?;
-    let full = [0.0, mode.most(family)];
-    Ok([take(family, min, full)?, take(family, max, full)?])
+    let full = [0.0, mode.most(law.highest())];
+    Ok([take(law.family, min, full)?, take(law.family, max, full)?])
 }
 
 /// Of LaserPowerMode: LSR takes a minimum outside its range as the range's.
-fn mode_bounds(family: Family, mode: Mode, [min, max]: [f64; 2]) -> Result<[f64; 2], i16> {
+fn mode_bounds(law: &Law, mode: Mode, [min, max]: [f64; 2]) -> Result<[f64; 2], i16> {
     range(max >= 0.0)?;
-    if family == Family::Gus {
-        return take_bounds(family, mode, [min, max]);
+    if law.family == Family::Gus {
+        return take_bounds(law, mode, [min, max]);
     }
-    let most = mode.most(family);
+    let most = mode.most(law.highest());
     let (min, max) = (if (0.0..=most).contains(&min) { min } else { 0.0 }, max.min(most));
     range(min <= max)?;
     Ok([min, max])
@@ -77,25 +80,28 @@ impl Controller {
         if matches!(of.what, LightOf::Connector(_)) && self.site.family == Family::Lsr {
             return Err(8);
         }
+        if matches!(of.what, LightOf::StandbyBoth { .. } | LightOf::Resolution(_)) {
+            return self.both_lasers(of.what);
+        }
         range((0..2).contains(&of.channel))?;
-        if self.light.calls.contains(&Act::Abort) {
-            // The tick that shuts everything off comes between.
-            self.open = Some("a call of a laser at the instant of an Abort");
-        }
-        if self.crds.values().any(|crd| crd.fed_here) {
-            // Such data is late by a tick at times, and what comes after it too.
-            self.open = Some("a call of a laser at the instant of a start of a path and of data after it");
-        }
-        if self.axes.iter().any(|axis| axis.is_alarmed() && axis.joined) {
-            self.open =
-                Some("a call of a laser at the instant at which a coordinate system gets an axis with an alarm");
-        }
+        self.is_settled_for_light();
         let number = of.channel as usize;
         let after = self.light.after_calls(number);
         let setting = match of.what {
             LightOf::Gate(on) => return self.switch(number, on, &after),
+            // Refused while its cause is there; one that was admitted before that clears nothing.
+            LightOf::ClearFault if self.interlock.is_cause() => return Err(EITHER),
+            LightOf::ClearFault if self.interlock.is_just_closed() => {
+                self.open = Some("a clear of light just after the interlock closes");
+                return DONE;
+            }
+            LightOf::Switch(value) => {
+                range(value < 2)?;
+                return self.switch(number, value == 1, &after);
+            }
             LightOf::EndFollow(_) => return DONE,
-            LightOf::GetGate | LightOf::GetPower | LightOf::GetOnTime | LightOf::GetFault => {
+            LightOf::GetMap => return Ok(Reply::Done(Value::Whole(after.owner.map.into()))),
+            LightOf::GetGate | LightOf::GetSwitched | LightOf::GetPower | LightOf::GetOnTime | LightOf::GetFault => {
                 if self.path_runs(3) {
                     return Ok(Reply::Open);
                 }
@@ -104,7 +110,7 @@ impl Controller {
             LightOf::Mode { mode, max, min, delayed } => {
                 self.contest(3);
                 let kind = Mode::of(mode, self.site.family);
-                let bounds = mode_bounds(self.site.family, kind, [min, max]);
+                let bounds = mode_bounds(&after.law, kind, [min, max]);
                 either(!self.path_runs(3), (0..4).contains(&mode) && bounds.is_ok())?;
                 if kind == Mode::Analog {
                     // From here on it is the laser's, which leaves it at 0 V.
@@ -131,7 +137,26 @@ impl Controller {
         DONE
     }
 
-    fn setting_of(&mut self, what: LightOf, after: &Channel, channel: i16) -> Result<Setting, i16> {
+    /// A call of a laser comes to a channel that is known.
+    pub(super) fn is_settled_for_light(&mut self) {
+        if self.light.calls.contains(&Act::Abort) {
+            // The tick that shuts everything off comes between.
+            self.open = Some("a call of a laser at the instant of an Abort");
+        }
+        if self.crds.values().any(|crd| crd.fed_here) {
+            // Such data is late by a tick at times, and what comes after it too.
+            self.open = Some("a call of a laser at the instant of a start of a path and of data after it");
+        }
+        if self.axes.iter().any(|axis| axis.is_alarmed() && axis.joined) {
+            self.open =
+                Some("a call of a laser at the instant at which a coordinate system gets an axis with an alarm");
+        }
+        if self.interlock.open != self.interlock.sampled {
+            self.open = Some("a call of a laser in the tick in which the interlock changes");
+        }
+    }
+
+    pub(super) fn setting_of(&mut self, what: LightOf, after: &Channel, channel: i16) -> Result<Setting, i16> {
         let family = self.site.family;
         let us = |us: u32, least: f64| take(family, us.into(), [least, LONGEST]).map(|us| us / 1000.0);
         Ok(match what {
@@ -141,7 +166,7 @@ impl Controller {
                 Setting::Connector(on)
             }
             LightOf::Carrier(khz) => {
-                take_frequency(family, khz)?;
+                take_frequency(&after.law, khz)?;
                 Setting::Carrier
             }
             LightOf::Width(us) => {
@@ -153,10 +178,11 @@ impl Controller {
             LightOf::Delays { off, on } => Setting::Delays([us(off, 0.0)?, us(on, 0.0)?]),
             LightOf::Fpk([time1, time2, off]) => Setting::Fpk(Some([us(time1, 1.0)?, us(time2, 0.0)?, us(off, 0.0)?])),
             LightOf::NoFpk => Setting::Fpk(None),
-            LightOf::Standby { on, khz, duty } => {
-                let khz = if on || khz != 0.0 { take_frequency(family, khz)? } else { 0.0 };
+            LightOf::Standby { on, khz, duty } | LightOf::StandbyBoth { on, khz, duty } => {
+                let khz = if on || khz != 0.0 { take_frequency(&after.law, khz)? } else { 0.0 };
                 let duty = take(family, duty, [0.0, 100.0])?;
-                Setting::Standby(on.then_some([khz, duty]))
+                let paired = matches!(what, LightOf::StandbyBoth { .. }) && family == Family::Lsr;
+                Setting::Standby(on.then_some(Standby { khz, duty, paired }))
             }
             LightOf::PreVoltage { on, volts } => {
                 let volts = take(family, volts, [0.0, 10.0])?;
@@ -170,17 +196,18 @@ impl Controller {
                 for (taken, scale) in taken.iter_mut().zip(scale) {
                     *taken = take(family, scale, scales)?;
                 }
-                let distance = Distance { encoder: source == 1, from, scale: taken, ratio: [0.0; 4], bounds: None };
+                let distance =
+                    Distance { encoder: source == 1, from, scale: taken, ratio: Scaled::Same([0.0; 4]), bounds: None };
                 Setting::Distance(Some(distance))
             }
             LightOf::Ratios(ratio, bounds) => {
                 let good = ratio.iter().all(|ratio| ratio.abs() <= RATIO);
                 let bounds = match family {
-                    Family::Gus => take_bounds(family, after.law.mode, bounds).map(Some),
+                    Family::Gus => take_bounds(&after.law, after.law.mode, bounds).map(Some),
                     Family::Lsr => Ok(None),
                 };
                 either(after.law.distance.is_some(), good && bounds.is_ok())?;
-                Setting::Ratios(ratio, bounds?)
+                Setting::Ratios(Scaled::Same(ratio), bounds?)
             }
             LightOf::ClearFault => {
                 if self.axes.iter().any(|axis| axis.is_alarmed() && axis.light_crd().is_some()) {
@@ -206,6 +233,10 @@ impl Controller {
         if on && self.is_about_to_rest() {
             self.open = Some("light at the end of an Abort");
         }
+        if on && after.owner.fault == INTERLOCK {
+            // Refused; one that was admitted before the interlock opened does nothing.
+            return Err(EITHER);
+        }
         check(!on || after.owner.output && after.owner.fault == 0 && self.aborted == 0)?;
         self.light.calls.push(Act::Gate(number, on));
         *self.used.entry("lasers switched by calls").or_default() += 1;
@@ -217,7 +248,7 @@ impl Controller {
         let family = self.site.family;
         let bounds = |ratio: f64, [min, max]: [f64; 2]| {
             range(ratio > 0.0 && ratio <= 4294967296.0 && min < max)?;
-            let full = [0.0, of.law.mode.most(family)];
+            let full = [0.0, of.law.most()];
             take(family, min, full)?;
             take(family, max, full)
         };
@@ -232,6 +263,12 @@ impl Controller {
             }
             Command::Follow(ratio, [min, max]) => {
                 bounds(ratio, [min.into(), max.into()])?;
+                command
+            }
+            Command::Table(table, of_table) => {
+                range((1..=TABLES).contains(&table))?;
+                // One without points is a matter of the state.
+                either(of.law.tables[table as usize - 1].is_some(), bounds(1.0, of_table).is_ok())?;
                 command
             }
             _ => command,
@@ -266,6 +303,7 @@ impl Controller {
             }
         }
         self.light.around.at = at;
+        self.count_speeds(before, now);
     }
 }
 
@@ -278,6 +316,7 @@ fn kind(setting: &Setting) -> &'static str {
         Setting::Fpk(_) => "first-pulse killers set",
         Setting::Standby(_) | Setting::PreVoltage(_) => "standby pulses and pre-voltages set",
         Setting::Distance(_) | Setting::Ratios(..) => "distance follows set",
+        Setting::Table(..) => "tables of lasers set",
         _ => "other settings of lasers",
     }
 }

@@ -1,6 +1,6 @@
 //! Coordinate systems: what their calls answer, and how they take their axes along.
 use super::super::axis::Axis;
-use super::super::axis::Mode;
+use super::super::axis::{Mode, Why};
 use super::super::call::{Call, members};
 use super::super::crd::{CAPACITY, Crd, Entry, Move, Rest, Set, World};
 use super::super::light::{Act, Command, OTHER, UNDERRUN};
@@ -112,7 +112,7 @@ impl World for Others<'_> {
 }
 
 impl Controller {
-    fn crd(&mut self, core: i16, crd: i16) -> Result<&mut Crd, i16> {
+    pub(super) fn crd(&mut self, core: i16, crd: i16) -> Result<&mut Crd, i16> {
         range((1..=CRDS).contains(&crd))?;
         let crd = self.crds.entry((core, crd)).or_default();
         let Some(set) = &crd.set else { return Err(1) };
@@ -152,7 +152,7 @@ impl Controller {
                 }
                 for crd in 1..=CRDS {
                     if mask >> (crd - 1) & 1 == 1 {
-                        self.stop_path((core, crd), option >> (crd - 1) & 1 == 1);
+                        self.stop_path((core, crd), option >> (crd - 1) & 1 == 1, Why::Smooth);
                     }
                 }
             }
@@ -232,7 +232,8 @@ impl Controller {
                 let of = self.light.after_calls(*channel as usize);
                 let outputs = of.owner.output || *command != Command::Gate(true);
                 let taken = self.laser_entry(&of, *command);
-                either(set.is_ok() && of.owner.maps(*crd as usize - 1) && outputs, taken.is_ok())?;
+                let (empty, wrong) = (taken == Err(1), taken.is_err_and(|code| code != 1));
+                either(set.is_ok() && of.owner.maps(*crd as usize - 1) && outputs && !empty, !wrong)?;
                 return self.put((core, *crd), *fifo as usize, Entry::Laser(*channel as usize, taken?));
             }
             Path::Analog { crd, dac, value, fifo } => {
@@ -268,6 +269,9 @@ impl Controller {
                 let of = self.crd(core, *crd)?;
                 let held = of.fifos[*fifo as usize].entries.len();
                 return Ok(self.read(index, call, held));
+            }
+            Path::Filter { .. } | Path::GetFilter { .. } | Path::Why { .. } => {
+                return self.path_setting(index, call, of);
             }
             Path::Wait { .. } => return Ok(Reply::Open),
             Path::LookAhead { .. } | Path::Limit { .. } | Path::Flush { .. } => {
@@ -474,7 +478,7 @@ impl Controller {
     }
 
     /// A Stop of a coordinate system.
-    pub(super) fn stop_path(&mut self, name: Name, abrupt: bool) {
+    pub(super) fn stop_path(&mut self, name: Name, abrupt: bool, why: Why) {
         let Some(of) = self.crds.get_mut(&name).filter(|of| of.runs) else { return };
         if of.started_here {
             self.open = Some("a Stop at the instant of a start");
@@ -486,6 +490,9 @@ impl Controller {
         // Whether they count as resting for what follows at this instant.
         axes.into_iter().flatten().for_each(|axis| self.axes[axis].doubt = true);
         let then = if abrupt { PathThen::Halt } else { PathThen::Brake };
+        let why = if abrupt && why == Why::Smooth { Why::Abrupt } else { why };
+        // Two of them: which of their reasons counts is open.
+        of.ending = if of.brakes || of.ending.is_some_and(|before| before != why) { None } else { Some(why) };
         self.path_then.push((name, then));
     }
 
@@ -704,6 +711,7 @@ impl Controller {
                 let more = of.fifos[fifo as usize].entries.len() != held;
                 (Value::Whole(of.fifos[fifo as usize].segments(held)[1]), more || soon(of))
             }
+            Path::Why { crd: number } => Self::why_of(crd(number), soon(crd(number))),
             Path::Vel { crd: number } => {
                 let of = crd(number);
                 (Value::Velocity(Fix::of_f64(of.speed)), of.open)

@@ -40,7 +40,11 @@ impl Controller {
                     self.open = Some("a clear of light while an alarm is there");
                 }
                 axis.clear();
-                self.light.calls.extend(axis.light_crd().map(Act::Clear));
+                if axis.light_crd().is_some() && self.interlock.is_just_closed() {
+                    self.open = Some("a clear of light just after the interlock closes");
+                }
+                let clears = axis.light_crd().filter(|_| !self.interlock.is_cause());
+                self.light.calls.extend(clears.map(Act::Clear));
             }
             Kind::PrfTrap | Kind::PrfJog | Kind::PrfPvt => {
                 check(!axis.runs())?;
@@ -170,7 +174,7 @@ impl Controller {
                 None => self.stop_axis(place, abrupt, Why::Smooth),
             }
         }
-        paths.into_iter().for_each(|(name, abrupt)| self.stop_path(name, abrupt));
+        paths.into_iter().for_each(|(name, abrupt)| self.stop_path(name, abrupt, Why::Smooth));
         DONE
     }
 
@@ -180,7 +184,7 @@ impl Controller {
         axis.stopped = true;
         if axis.driven {
             if let Some(name) = axis.crd {
-                self.stop_path(name, abrupt);
+                self.stop_path(name, abrupt, why);
             }
             return;
         }
@@ -193,7 +197,7 @@ impl Controller {
         }
         // What begins at this instant does not move.
         if abrupt || axis.began {
-            axis.halt(if abrupt { Why::Abrupt } else { why });
+            axis.halt(if abrupt && why == Why::Smooth { Why::Abrupt } else { why });
             self.then[place] = None;
             return;
         }

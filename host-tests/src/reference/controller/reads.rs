@@ -77,6 +77,7 @@ impl Controller {
                     // What it reads is compared as the power.
                     _ => Value::None,
                 },
+                Call::Effect(Effect::GetAdc { adc, .. }) => Value::Volts(self.levels.volts[adc as usize - 1]),
                 Call::Effect(Effect::GetDi { core, kind }) => Value::Whole(self.inputs_of(core, kind)),
                 Call::Effect(_) => Value::Whole(self.levels.general.cast_signed().into()),
                 _ => Value::Whole(free as i64),

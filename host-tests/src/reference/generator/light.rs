@@ -16,6 +16,9 @@ impl Making<'_> {
         if !self.one_in(3) {
             self.set_up_light(channel);
         }
+        if self.one_in(3) {
+            self.light_table(channel);
+        }
         for _ in 0..1 + self.below(3) {
             self.light(channel);
         }
@@ -94,14 +97,17 @@ impl Making<'_> {
 
     pub(super) fn light(&mut self, channel: i16) {
         let what = match self.below(16) {
-            0..4 => LightOf::Gate(true),
-            4 | 5 => LightOf::Gate(false),
+            0..3 => LightOf::Gate(true),
+            3 | 4 => LightOf::Gate(false),
+            5 if self.one_in(8) => LightOf::Switch(2),
+            5 => LightOf::Switch(u16::from(self.one_in(2))),
             6 => LightOf::Power(self.power()),
             7 => LightOf::Map(self.pick(&[1, 2, 3, 0, 4])),
-            8 => LightOf::GetGate,
+            8 => self.pick(&[LightOf::GetGate, LightOf::GetSwitched, LightOf::GetMap]),
             9 => LightOf::GetPower,
             10 => return self.delays(channel),
-            11 if self.one_in(2) => return self.suppression(channel),
+            11 if self.one_in(3) => return self.suppression(channel),
+            11 if self.one_in(2) => return self.both_lasers(),
             11 => return self.light_mode(channel),
             12 => self.pick(&[LightOf::GetOnTime, LightOf::ZeroOnTime]),
             13 => self.pick(&[LightOf::GetFault, LightOf::ClearFault]),
@@ -116,12 +122,25 @@ impl Making<'_> {
         if self.one_in(3) {
             return self.light_call(channel, LightOf::Distance(None));
         }
+        let source = if self.one_in(30) { 2 } else { self.pick(&[0, 0, 1]) };
         let from = [0, 1, 2, 3].map(|_| self.below(200) as i32 - 100);
         let scale = if self.one_in(30) { 0.0 } else { self.pick(&[1.0, 10.0, 2.5]) };
-        self.light_call(channel, LightOf::Distance(Some((0, from, [scale; 4]))));
+        self.light_call(channel, LightOf::Distance(Some((source, from, [scale; 4]))));
         let ratio = [0, 1, 2].map(|_| (self.below(41) as f64 - 20.0) / 100.0);
         let bounds = self.pick(&[[0.0, 100.0], [5.0, 10.0], [0.0, 9.0], [1.0, 0.0]]);
         self.light_call(channel, LightOf::Ratios([ratio[0], ratio[1], ratio[2], 0.0], bounds));
+    }
+
+    /// What both channels share.
+    fn both_lasers(&mut self) {
+        let what = match self.below(3) {
+            0 => LightOf::Resolution(self.pick(&[0, 1, 0, 1, 2])),
+            _ => {
+                let (on, khz) = (!self.one_in(4), self.pick(&[1.0, 5.0, 30.0, 90.0]));
+                LightOf::StandbyBoth { on, khz, duty: self.pick(&[2.0, 10.0, 0.0]) }
+            }
+        };
+        self.light_call(0, what);
     }
 
     /// An entry of a path.
@@ -131,7 +150,7 @@ impl Making<'_> {
             2 | 3 => Command::Gate(false),
             4 => Command::Power(self.power()),
             5 => self.follow_entry(),
-            6 => Command::Source { encoder: false, start: self.one_in(2).then(|| self.below(100) as f64) },
+            6 => Command::Source { encoder: self.one_in(2), start: self.one_in(2).then(|| self.below(100) as f64) },
             _ => Command::FollowOff,
         }
     }
@@ -140,6 +159,9 @@ impl Making<'_> {
     pub(super) fn follow_entry(&mut self) -> Command {
         let ratio = if self.one_in(30) { 0.0 } else { self.chance.log(0.02, 5.0) };
         let (min, max) = (self.pick(&[0, 5, 20]), self.pick(&[100, 60, 10]));
+        if self.one_in(3) {
+            return Command::Table(self.table_number(), [min.into(), max.into()]);
+        }
         if self.one_in(2) {
             Command::Follow(ratio, [min, max])
         } else {

@@ -13,6 +13,9 @@ impl Making<'_> {
         if self.one_in(6) {
             self.distance(channel);
         }
+        if self.one_in(2) {
+            self.light_table(channel);
+        }
         let index = self.set_up_path(axis);
         let fifo = usize::from(self.one_in(4));
         for _ in 0..1 + self.below(3) {

@@ -96,7 +96,17 @@ impl Making<'_> {
             let (first, second) = plane.axes();
             let (radius, turn) = (length.max(8.0), self.chance.unit() * std::f64::consts::TAU);
             let (round, ccw) = if self.one_in(2) {
-                (Cycle::Centre((radius * turn.cos()).round(), (radius * turn.sin()).round()), self.one_in(2))
+                let (x, y) = ((radius * turn.cos()).round(), (radius * turn.sin()).round());
+                if self.one_in(3) {
+                    // Not a full circle: an end that is as far from the centre, to a pulse, and so
+                    // far from the begin that a pulse is little of it.
+                    let share = (1.0 + self.chance.unit() * 4.0) / 6.0;
+                    let end = (-y).atan2(-x) + share * std::f64::consts::TAU;
+                    let radius = x.hypot(y);
+                    to[first] += (x + radius * end.cos()).round() as i32;
+                    to[second] += (y + radius * end.sin()).round() as i32;
+                }
+                (Cycle::Centre(x, y), self.one_in(2))
             } else {
                 to[first] += (radius * turn.cos()) as i32;
                 to[second] += (radius * turn.sin()) as i32;
@@ -235,7 +245,8 @@ impl Making<'_> {
                 self.path(core, Path::Stop { mask: mask.into(), option: abrupt });
                 self.path(core, Path::Wait { mask: 1 << (crd - 1) });
                 if !self.one_in(3) {
-                    self.sleep(4);
+                    self.settle();
+                    self.path(core, Path::Why { crd });
                 }
                 self.path(core, Path::Start { mask, option });
             }
@@ -256,8 +267,17 @@ impl Making<'_> {
                 self.path(core, Path::Space { crd, fifo });
             }
             9 => self.path(core, Path::Pos { crd }),
-            10 if self.one_in(3) => self.path(core, Path::GetPrm { crd }),
-            10 => self.path(core, Path::Vel { crd }),
+            10 => match self.below(6) {
+                0 => self.path(core, Path::GetPrm { crd }),
+                1 | 2 => self.path(core, Path::Why { crd }),
+                3 => {
+                    let ms =
+                        if self.one_in(8) { self.pick(&[-1.0, 0.001, 1001.0]) } else { self.pick(&[0.0, 1.0, 4.5]) };
+                    self.path(core, Path::Filter { crd, ms });
+                    self.path(core, Path::GetFilter { crd });
+                }
+                _ => self.path(core, Path::Vel { crd }),
+            },
             _ => self.path(core, Path::Start { mask, option }),
         }
     }

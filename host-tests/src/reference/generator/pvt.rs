@@ -35,6 +35,10 @@ impl Making<'_> {
                 Points::Continuous(rows.iter().map(point).collect(), begin)
             }
         };
+        if matches!(points, Points::Percent(..) | Points::Continuous(..)) && self.one_in(3) {
+            let core = self.site.axes[axis].0;
+            self.calls.push(Call::PvtCalculate { core, points: points.clone() });
+        }
         let table = 1 + self.below(32) as i16;
         self.calls.push(Call::PvtTable { axis, table, points });
         table

@@ -31,6 +31,8 @@ pub enum LightOf {
     /// SetPulseWidth, µs.
     Width(u32),
     Gate(bool),
+    /// SetHSIOOpt.
+    Switch(u16),
     Power(f64),
     Map(i16),
     /// SetLevelDelay, µs.
@@ -48,6 +50,14 @@ pub enum LightOf {
         khz: f64,
         duty: f64,
     },
+    /// SetWaitPulseEx, of both channels.
+    StandbyBoth {
+        on: bool,
+        khz: f64,
+        duty: f64,
+    },
+    /// SetLaserMode, of both channels.
+    Resolution(i16),
     /// SetPreVltg.
     PreVoltage {
         on: bool,
@@ -62,6 +72,9 @@ pub enum LightOf {
     ZeroOnTime,
     ClearFault,
     GetGate,
+    /// LaserOnStatus.
+    GetSwitched,
+    GetMap,
     GetPower,
     GetOnTime,
     GetFault,
@@ -87,6 +100,7 @@ impl LightCall {
             LightOf::Width(us) => format!("SetPulseWidth(1,{us},{channel})"),
             LightOf::Gate(true) => format!("LaserOn(1,{channel})"),
             LightOf::Gate(false) => format!("LaserOff(1,{channel})"),
+            LightOf::Switch(value) => format!("SetHSIOOpt(1,{value},{channel})"),
             LightOf::Power(power) => format!("LaserPrfCmd(1,{power:?},{channel})"),
             LightOf::Map(map) => format!("SetLaserCrdMap(1,{channel},{map})"),
             LightOf::Delays { off, on } => format!("SetLevelDelay(1,{off},{on},{channel})"),
@@ -95,6 +109,8 @@ impl LightCall {
             LightOf::Standby { on, khz, duty } => {
                 format!("SetWaitPulse(1,{},{khz:?},{duty:?},{channel})", bit(on))
             }
+            LightOf::StandbyBoth { on, khz, duty } => format!("SetWaitPulseEx(1,{},{khz:?},{duty:?})", bit(on)),
+            LightOf::Resolution(mode) => format!("SetLaserMode(1,{mode})"),
             LightOf::PreVoltage { on, volts } => format!("SetPreVltg(1,{},{volts:?},{channel})", bit(on)),
             LightOf::Distance(of) => {
                 let (source, from, scale) = of.unwrap_or((0, [0; 4], [1.0; 4]));
@@ -117,6 +133,8 @@ impl LightCall {
             LightOf::ZeroOnTime => format!("ZeroLaserOnTime(1,{channel})"),
             LightOf::ClearFault => format!("ClrLaserFault(1,{channel})"),
             LightOf::GetGate => format!("GetHSIOOpt(1,&space,{channel})"),
+            LightOf::GetSwitched => format!("LaserOnStatus(1,&space,{channel})"),
+            LightOf::GetMap => format!("GetLaserCrdMap(1,{channel},&space)"),
             LightOf::GetPower => format!("GetLaserPower(1,{channel},&value)"),
             LightOf::GetOnTime => format!("GetLaserOnTime(1,{channel},&light)"),
             LightOf::GetFault => format!("GetLaserFault(1,{channel},&space)"),

@@ -235,9 +235,11 @@ impl Owner {
 
     /// The same of a cause that lets it run on.
     pub fn hit(&mut self, crd: usize, cause: i16, at: f64) -> Order {
-        if !self.maps(crd) {
-            return Order::Nothing;
-        }
+        if self.maps(crd) { self.darken(cause, at) } else { Order::Nothing }
+    }
+
+    /// The same whatever the map holds.
+    pub fn darken(&mut self, cause: i16, at: f64) -> Order {
         self.light = Light::Off;
         if self.fault == 0 {
             (self.fault, self.failed_at) = (cause, at);

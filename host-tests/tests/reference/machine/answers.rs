@@ -1,7 +1,7 @@
 //! What reads gave, as the judge compares it.
 use super::{light, paths};
 use client::Answer;
-use host_tests::reference::{Call, Effect, Kind};
+use host_tests::reference::{Call, Effect, Kind, Points};
 use protocol::command::*;
 
 /// What a read gave.
@@ -107,10 +107,23 @@ pub fn got(call: &Call, answer: &Answer) -> Got {
         Call::Ex(of) if matches!(**of, Call::FollowSpace { .. }) => {
             answer.reply::<FollowSpaceEx>().map(|(reply, _)| Got::Whole(reply.value.get().into()))
         }
+        Call::PvtCalculate { points, .. } => {
+            let items = match points {
+                Points::Percent(..) => answer.reply::<PvtPercentCalculate>().map(|(_, items)| items),
+                _ => answer.reply::<PvtContinuousCalculate>().map(|(_, items)| items),
+            };
+            items.filter(|items| items.len() > 1).map(|items| {
+                let at = |index: usize| items[index].value.get();
+                Got::Reals([at(0), at(1), at(items.len() - 1), items.len() as f64])
+            })
+        }
         Call::Path(of) => paths::got(of, answer),
         Call::Light(of) => light::got(of, answer),
         Call::Effect(Effect::GetDo { .. }) => {
             answer.reply::<GetDo>().map(|(reply, _)| Got::Whole(reply.value.get().into()))
+        }
+        Call::Effect(Effect::GetAdc { .. }) => {
+            answer.reply::<GetAdc>().and_then(|(_, items)| Some(Got::Real(items.first()?.value.get())))
         }
         Call::Effect(Effect::GetDi { .. }) => {
             answer.reply::<GetDi>().map(|(reply, _)| Got::Whole(reply.value.get().into()))

@@ -71,6 +71,7 @@ pub fn terminal(site: &Site, call: &Call) -> Wire {
                 (_, false) => Wire::of(LmtsOff { core, axis, limit_type }),
             }
         }
+        Call::Sense { core, sense } => Wire::of(LmtSns { core: core.into(), sense: sense.into() }),
         Call::SetCapture { axis, mode } => {
             let (core, encoder) = at(axis);
             Wire::of(SetCaptureMode { core, encoder, mode: mode.into() })
@@ -93,6 +94,15 @@ pub fn effect(effect: &Effect) -> Wire {
             Wire::with_items(request, &[Short { value: value.into() }])
         }
         Effect::GetDac { core, dac } => Wire::of(GetDac { core: core.into(), dac: dac.into(), count: 1.into() }),
+        Effect::Interlock { core, open } => {
+            let (di_type, level) = (90.into(), i16::from(open).into());
+            Wire::of(SimInput { core: core.into(), di_type, index: 1.into(), level })
+        }
+        Effect::SetInterlock { motion } => Wire::of(SetInterlock { motion: motion.into() }),
+        Effect::SimAdc { core, adc, volts } => {
+            Wire::of(SimAdc { core: core.into(), adc: adc.into(), volts: volts.into() })
+        }
+        Effect::GetAdc { core, adc } => Wire::of(GetAdc { core: core.into(), adc: adc.into(), count: 1.into() }),
         Effect::SimInput { core, index, level } => {
             let level = i16::from(level).into();
             Wire::of(SimInput { core: core.into(), di_type: 4.into(), index: index.into(), level })

@@ -1,7 +1,7 @@
 //! Laser channels, as calls travel, and what they read.
 use super::Got;
 use client::{Answer, Call as Wire};
-use host_tests::reference::{Command, LightCall, LightOf};
+use host_tests::reference::{Command, LightCall, LightOf, LightTable};
 use protocol::command::*;
 
 pub fn call(of: &LightCall) -> Wire {
@@ -17,6 +17,7 @@ pub fn call(of: &LightCall) -> Wire {
         LightOf::Width(us) => Wire::of(SetPulseWidth { core, width_us: us.into(), channel }),
         LightOf::Gate(true) => Wire::of(LaserOn { core, channel }),
         LightOf::Gate(false) => Wire::of(LaserOff { core, channel }),
+        LightOf::Switch(value) => Wire::of(SetHSIOOpt { core, value: value.into(), channel }),
         LightOf::Power(power) => Wire::of(LaserPrfCmd { core, power: power.into(), channel }),
         LightOf::Map(map) => Wire::of(SetLaserCrdMap { core, channel, map: map.into() }),
         LightOf::Delays { off, on } => {
@@ -31,6 +32,11 @@ pub fn call(of: &LightCall) -> Wire {
             let (mode, frequency, duty) = (bit(on).into(), khz.into(), duty.into());
             Wire::of(SetWaitPulse { core, mode, frequency, duty, channel })
         }
+        LightOf::StandbyBoth { on, khz, duty } => {
+            let (mode, frequency, duty) = (bit(on).into(), khz.into(), duty.into());
+            Wire::of(SetWaitPulseEx { core, mode, frequency, duty })
+        }
+        LightOf::Resolution(mode) => Wire::of(SetLaserMode { core, mode: mode.into() }),
         LightOf::PreVoltage { on, volts } => {
             Wire::of(SetPreVltg { core, mode: bit(on).into(), voltage: volts.into(), channel })
         }
@@ -48,9 +54,42 @@ pub fn call(of: &LightCall) -> Wire {
         LightOf::ZeroOnTime => Wire::of(ZeroLaserOnTime { core, channel }),
         LightOf::ClearFault => Wire::of(ClrLaserFault { core, channel }),
         LightOf::GetGate => Wire::of(GetHSIOOpt { core, channel }),
+        LightOf::GetSwitched => Wire::of(LaserOnStatus { core, channel }),
+        LightOf::GetMap => Wire::of(GetLaserCrdMap { core, channel }),
         LightOf::GetPower => Wire::of(GetLaserPower { core, channel }),
         LightOf::GetOnTime => Wire::of(GetLaserOnTime { core, channel }),
         LightOf::GetFault => Wire::of(GetLaserFault { core, channel }),
+    }
+}
+
+/// A table, which fits in a message.
+pub fn table(of: &LightTable) -> Wire {
+    let (core, channel, first) = (1.into(), of.channel().into(), 0.into());
+    match of {
+        LightTable::Powers { table, points, .. } => {
+            let item = |&[vel, power]: &[f64; 2]| LaserFollowPoint { vel: vel.into(), power: power.into() };
+            let items: Vec<LaserFollowPoint> = points.iter().map(item).collect();
+            let (table, count) = ((*table).into(), (points.len() as i32).into());
+            Wire::with_items(SetLaserFollowTable { core, table, count, channel, first }, &items)
+        }
+        LightTable::Lines { points, bounds: [min, max], limits, .. } => {
+            let item = |&(pos, ratio): &(i32, f64)| LaserDisPoint { ratio: ratio.into(), pos: pos.into() };
+            let items: Vec<LaserDisPoint> = points.iter().flatten().map(item).collect();
+            let (count, limits_given) = ((points[0].len() as i16).into(), u8::from(limits.is_some()));
+            let (min, max, limit) = ((*min).into(), (*max).into(), limits.unwrap_or_default().map(Into::into));
+            let request = SetLaserDisTable1D { core, count, min, max, limit, channel, limits_given, first };
+            Wire::with_items(request, &items)
+        }
+        LightTable::Plane { axes, x, y, ratios, bounds: [min, max], limits, .. } => {
+            let places = x.iter().chain(y).map(|at| f64::from(*at));
+            let items: Vec<LaserDisValue> =
+                places.chain(ratios.iter().copied()).map(|value| LaserDisValue { value: value.into() }).collect();
+            let (axis, count) = (axes.map(Into::into), [x.len(), y.len()].map(|count| (count as i16).into()));
+            let (min, max, limit) = ((*min).into(), (*max).into(), limits.unwrap_or_default().map(Into::into));
+            let limits_given = u8::from(limits.is_some());
+            let request = SetLaserDisTable2D { core, axis, count, min, max, limit, channel, limits_given, first };
+            Wire::with_items(request, &items)
+        }
     }
 }
 
@@ -74,6 +113,10 @@ pub fn entry(core: i16, crd: i16, fifo: i16, channel: i16, command: &Command) ->
             let (ratio, min, max) = (ratio.into(), min.into(), max.into());
             Wire::of(BufLaserPrfFollow { core, crd, ratio, min, max, fifo, channel })
         }
+        Command::Table(table, [min, max]) => {
+            let (table, min, max) = (table.into(), min.into(), max.into());
+            Wire::of(BufLaserFollowTable { core, crd, table, min, max, fifo, channel })
+        }
         Command::FollowOff => Wire::of(BufLaserFollowOff { core, crd, fifo, channel }),
     }
 }
@@ -81,6 +124,8 @@ pub fn entry(core: i16, crd: i16, fifo: i16, channel: i16, command: &Command) ->
 pub fn got(of: &LightCall, answer: &Answer) -> Option<Got> {
     match of.what {
         LightOf::GetGate => answer.reply::<GetHSIOOpt>().map(|(reply, _)| Got::Whole(reply.value.get().into())),
+        LightOf::GetSwitched => answer.reply::<LaserOnStatus>().map(|(reply, _)| Got::Whole(reply.value.get().into())),
+        LightOf::GetMap => answer.reply::<GetLaserCrdMap>().map(|(reply, _)| Got::Whole(reply.value.get().into())),
         LightOf::GetFault => answer.reply::<GetLaserFault>().map(|(reply, _)| Got::Whole(reply.value.get().into())),
         LightOf::GetOnTime => answer.reply::<GetLaserOnTime>().map(|(reply, _)| Got::Whole(reply.value.get().into())),
         LightOf::GetPower => answer.reply::<GetLaserPower>().map(|(reply, _)| Got::Real(reply.value.get())),

@@ -31,6 +31,9 @@ pub fn wire(site: &Site, of: &PathCall) -> Wire {
         &Path::Stop { mask, option } => Wire::of(CrdStop { core, mask: mask.into(), option: option.into() }),
         &Path::Status { crd, fifo } => Wire::of(CrdStatus { core, crd: crd.into(), fifo: fifo.into() }),
         &Path::Remainder { crd, fifo } => Wire::of(GetRemainderSegNum { core, crd: crd.into(), fifo: fifo.into() }),
+        &Path::Filter { crd, ms } => Wire::of(SetLaserFollowFilter { core, crd: crd.into(), time_ms: ms.into() }),
+        &Path::GetFilter { crd } => Wire::of(GetLaserFollowFilter { core, crd: crd.into() }),
+        &Path::Why { crd } => Wire::of(CrdInfo { core, crd: crd.into() }),
         &Path::Pos { crd } => Wire::of(GetCrdPos { core, crd: crd.into() }),
         &Path::Vel { crd } => Wire::of(GetCrdVel { core, crd: crd.into() }),
         &Path::StopDec { crd, smooth } => {
@@ -162,6 +165,10 @@ pub fn got(of: &PathCall, answer: &Answer) -> Option<Got> {
         Path::Status { .. } => {
             let two = |reply: CrdStatusReply| Got::Two(reply.run.get().into(), reply.segment.get().into());
             answer.reply::<CrdStatus>().map(|(reply, _)| two(reply))
+        }
+        Path::Why { .. } => answer.reply::<CrdInfo>().map(|(reply, _)| Got::Whole(reply.reason.get().into())),
+        Path::GetFilter { .. } => {
+            answer.reply::<GetLaserFollowFilter>().map(|(reply, _)| Got::Reals([reply.value.get(), 0.0, 0.0, 0.0]))
         }
         Path::Vel { .. } => answer.reply::<GetCrdVel>().map(|(reply, _)| Got::Real(reply.value.get())),
         Path::Pos { .. } => answer.reply::<GetCrdPos>().map(|(_, items)| {

@@ -318,7 +318,8 @@ impl<const AXES: usize> Tick<AXES> {
         let wants = self.lasers.wants();
         let measures = wants.encoder.has(crd) || state.encoders.is_used();
         if wants.planned.has(crd) || measures {
-            self.feed_lasers(crd, next, wants, measures);
+            // At standstill its speed is 0, though its axes may still settle.
+            self.feed_lasers(crd, next, wants, measures && runs);
         }
         if !runs {
             self.come_to_standstill(crd, next, lanes);
