@@ -221,11 +221,15 @@ fn place(text: &str) -> Result<Place, String> {
 /// `beamtick import`.
 #[derive(Debug, Args)]
 pub struct Import {
-    /// The G-code program (.nc, .gcode, .ngc, .tap) or the drawing (.svg).
+    /// The G-code program (.nc, .gcode, .ngc, .tap) or the drawing (.svg, .dxf).
     pub program: PathBuf,
     /// The job to write.
     #[arg(long, short, value_name = "FILE.gts")]
     pub output: PathBuf,
+    /// Draws the path in mm: travel, marks, and what leaves the travel of the machine; the
+    /// extension chooses SVG or PNG.
+    #[arg(long, value_name = "FILE.svg|png")]
+    pub plot: Option<PathBuf>,
     #[command(flatten)]
     #[allow(missing_docs)]
     pub drawing: Drawing,
@@ -234,7 +238,7 @@ pub struct Import {
 /// `beamtick sim`.
 #[derive(Debug, Args)]
 pub struct Sim {
-    /// The job file, a G-code program (.nc, .gcode, .ngc, .tap) or a drawing (.svg).
+    /// The job file, a G-code program (.nc, .gcode, .ngc, .tap) or a drawing (.svg, .dxf).
     pub job: PathBuf,
     #[command(flatten)]
     #[allow(missing_docs)]
@@ -265,7 +269,7 @@ pub struct Way {
 /// `beamtick run`.
 #[derive(Debug, Args)]
 pub struct Run {
-    /// The job file, a G-code program (.nc, .gcode, .ngc, .tap) or a drawing (.svg).
+    /// The job file, a G-code program (.nc, .gcode, .ngc, .tap) or a drawing (.svg, .dxf).
     pub job: PathBuf,
     #[command(flatten)]
     #[allow(missing_docs)]
@@ -290,8 +294,12 @@ pub struct Run {
 /// `beamtick check`.
 #[derive(Debug, Args)]
 pub struct Check {
-    /// The job file, a G-code program (.nc, .gcode, .ngc, .tap) or a drawing (.svg).
+    /// The job file, a G-code program (.nc, .gcode, .ngc, .tap) or a drawing (.svg, .dxf).
     pub job: PathBuf,
+    /// Draws the path of a program or a drawing in mm: travel, marks, and what leaves the travel of
+    /// the machine; the extension chooses SVG or PNG.
+    #[arg(long, value_name = "FILE.svg|png")]
+    pub plot: Option<PathBuf>,
     #[command(flatten)]
     #[allow(missing_docs)]
     pub drawing: Drawing,

@@ -5,11 +5,14 @@
 //! reason, before anything moves.
 use crate::Failure;
 use crate::command_line::{Drawing, Import};
-use crate::{machine_file, output};
+use crate::output::Output;
+use crate::{machine_file, output, record};
 use ::drawing::Format;
+use machine::Machine;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use trace::{AxisName, Millimetres};
+use strokes::{Extent, Imported, Watch};
+use trace::{AxisName, Millimetres, PlotOptions, Preview};
 
 /// What becomes a job, by the end of its name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -18,15 +21,16 @@ enum Kind {
     Drawing(Format),
 }
 
-const KINDS: [(&str, Kind); 5] = [
+const KINDS: [(&str, Kind); 6] = [
     ("nc", Kind::Program),
     ("gcode", Kind::Program),
     ("ngc", Kind::Program),
     ("tap", Kind::Program),
     ("svg", Kind::Drawing(Format::Svg)),
+    ("dxf", Kind::Drawing(Format::Dxf)),
 ];
 /// The same in words.
-pub const NAMED: &str = "G-code is named .nc, .gcode, .ngc or .tap, a drawing .svg";
+pub const NAMED: &str = "G-code is named .nc, .gcode, .ngc or .tap, a drawing .svg or .dxf";
 
 fn kind(path: &Path) -> Option<Kind> {
     let extension = path.extension()?.to_string_lossy().to_lowercase();
@@ -46,10 +50,13 @@ pub struct Found {
     pub file: PathBuf,
     /// The machine's axes, X first.
     pub millimetres: Vec<Millimetres>,
+    /// What the path covers, and how long it takes.
+    pub extent: Extent,
 }
 
-/// The job that a program or a drawing is; notes and the extent go to the error stream.
-pub fn job(path: &Path, drawing: &Drawing) -> Result<Found, Failure> {
+/// The job that a program or a drawing is; notes go to the error stream. `plot` is a
+/// picture of its path, drawn also where the path leaves the travel.
+pub fn job(path: &Path, drawing: &Drawing, plot: Option<&Path>) -> Result<Found, Failure> {
     let name = path.display().to_string();
     let Some(file) = &drawing.machine else {
         return Err(Failure::Input(format!(
@@ -57,39 +64,94 @@ pub fn job(path: &Path, drawing: &Drawing) -> Result<Found, Failure> {
         )));
     };
     let mut machine = machine_file::open(file)?;
-    let kind = kind(path).unwrap_or(Kind::Program);
-    let what = match kind {
-        Kind::Program => "program",
-        Kind::Drawing(_) => "drawing",
+    machine.add_layers(&drawing.layers).map_err(Failure::Input)?;
+    let picture = match plot {
+        None => None,
+        Some(to) => {
+            output::check(&[path.to_owned(), file.clone()], &[("--plot", to, true)])?;
+            record::picture(to)?;
+            Some((Output::picture(to)?, preview(&name, &machine)))
+        }
     };
-    let bytes =
-        std::fs::read(path).map_err(|error| Failure::Input(format!("{name}: the {what} cannot be read: {error}")))?;
-    let found = match kind {
-        Kind::Program if !drawing.layers.is_empty() || drawing.at.is_some() => {
-            Err(format!("{name}: --layer and --at are for drawings; a program says both itself"))
+    let bytes = std::fs::read(path).map_err(|error| {
+        let what = if kind(path) == Some(Kind::Program) { "program" } else { "drawing" };
+        Failure::Input(format!("{name}: the {what} cannot be read: {error}"))
+    })?;
+    let found = match picture {
+        None => made(path, &bytes, &machine, drawing, None),
+        Some((output, mut preview)) => {
+            let mut show = |[x, y, _]: [f64; 3], lit: bool| preview.line((x, y), lit);
+            let found = made(path, &bytes, &machine, drawing, Some(&mut show));
+            draw(output, preview, found.as_ref())?;
+            found
         }
-        Kind::Program => {
-            let options = gcode::Options { pass_stops: drawing.pass_stops };
-            gcode::import(&name, &String::from_utf8_lossy(&bytes), &machine, options)
-        }
-        Kind::Drawing(_) if drawing.pass_stops => Err(format!("{name}: --pass-stops is for G-code")),
-        Kind::Drawing(format) => machine.add_layers(&drawing.layers).and_then(|()| {
-            let at = drawing.at.map_or([0.0; 2], |place| place.0);
-            ::drawing::import(&name, &bytes, format, &machine, ::drawing::Options { at })
-        }),
     }
     .map_err(Failure::Input)?;
     for note in &found.notes {
         complain!("{note}");
     }
-    complain!("{name}: {}", found.extent);
     let millimetres = machine.axes.iter().map(|axis| Millimetres {
         axis: AxisName { core: 1, axis: axis.number },
         letter: axis.letter,
         per_mm: if axis.reversed { -axis.steps_per_mm } else { axis.steps_per_mm },
         zero: axis.home,
     });
-    Ok(Found { job: found.job, file: file.clone(), millimetres: millimetres.collect() })
+    Ok(Found { job: found.job, file: file.clone(), millimetres: millimetres.collect(), extent: found.extent })
+}
+
+fn made(
+    path: &Path,
+    bytes: &[u8],
+    machine: &Machine,
+    drawing: &Drawing,
+    watch: Option<Watch<'_>>,
+) -> Result<Imported, String> {
+    let name = path.display().to_string();
+    match kind(path) {
+        Some(Kind::Drawing(_)) if drawing.pass_stops => Err(format!("{name}: --pass-stops is for G-code")),
+        Some(Kind::Drawing(format)) => {
+            let at = drawing.at.map_or([0.0; 2], |place| place.0);
+            ::drawing::import(&name, bytes, format, machine, ::drawing::Options { at }, watch)
+        }
+        _ if !drawing.layers.is_empty() || drawing.at.is_some() => {
+            Err(format!("{name}: --layer and --at are for drawings; a program says both itself"))
+        }
+        _ => {
+            let options = gcode::Options { pass_stops: drawing.pass_stops };
+            gcode::import_shown(&name, &String::from_utf8_lossy(bytes), machine, options, watch)
+        }
+    }
+}
+
+/// An empty picture of X and Y of a machine.
+fn preview(name: &str, machine: &Machine) -> Preview {
+    let travel = ['X', 'Y'].map(|letter| machine.axis(letter).map_or((0.0, 0.0), |axis| axis.travel));
+    let options = PlotOptions { title: name.to_owned(), ..PlotOptions::default() };
+    Preview::new(options, ['X', 'Y'], travel)
+}
+
+/// Writes the picture of a path; of one that is refused too, if there is anything of it.
+fn draw(output: Output, mut preview: Preview, found: Result<&Imported, &String>) -> Result<(), Failure> {
+    match found {
+        Ok(found) => {
+            let mut extent = found.extent.clone();
+            extent.all.retain(|(letter, ..)| *letter != 'Z');
+            extent.marks.retain(|(letter, ..)| *letter != 'Z');
+            preview.subtitle(extent.to_string());
+        }
+        Err(_) => preview.subtitle("refused: nothing was run".to_owned()),
+    }
+    match preview.save(output.path()) {
+        Ok(()) => output.whole(),
+        Err(_) if found.is_err() => {
+            output.cut_off();
+            Ok(())
+        }
+        Err(error) => {
+            output.cut_off();
+            Err(error.into())
+        }
+    }
 }
 
 /// The link of the command line, else that of the machine file.
@@ -114,10 +176,15 @@ pub fn import(arguments: &Import) -> Result<(), Failure> {
     if !is_imported(&arguments.program) {
         return Err(Failure::Input(format!("{name}: {NAMED}")));
     }
-    let found = job(&arguments.program, &arguments.drawing)?;
-    let text = found.job;
     let to = &arguments.output;
-    output::check(&[arguments.program.clone(), found.file], &[("--output", to, false)])?;
+    let read = [Some(arguments.program.clone()), arguments.drawing.machine.clone()];
+    let read: Vec<PathBuf> = read.into_iter().flatten().collect();
+    let plot = arguments.plot.as_deref();
+    let outputs = plot.map(|plot| ("--plot", plot, true)).into_iter().chain([("--output", to.as_path(), false)]);
+    output::check(&read, &outputs.collect::<Vec<_>>())?;
+    let found = job(&arguments.program, &arguments.drawing, plot)?;
+    complain!("{name}: {}", found.extent);
+    let text = found.job;
     let (staged, mut file) = output::Output::stream(to)?;
     file.write_all(text.as_bytes())
         .map_err(|error| Failure::Job(format!("{}: cannot be written: {error}", to.display())))?;

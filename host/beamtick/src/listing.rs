@@ -4,10 +4,25 @@ use crate::command_line::Check;
 use crate::reply;
 use crate::source::Source;
 use job::Action;
+use strokes::Extent;
+
+/// What a program or a drawing would do, in mm: `import` writes the calls.
+fn summary(source: &Source, extent: &Extent) {
+    say!("{}: {extent}", source.name);
+    say!(
+        "  it fits the machine; {:.3} mm in the dark, {} calls, which `beamtick import` writes",
+        extent.length.0 - extent.length.1,
+        source.job.steps.len()
+    );
+}
 
 /// Prints a line for each step: line of the script, script clock, what is done.
 pub fn check(arguments: &Check) -> Result<(), Failure> {
-    let source = Source::open(&arguments.job, &arguments.drawing)?;
+    let source = Source::open_drawn(&arguments.job, &arguments.drawing, arguments.plot.as_deref())?;
+    if let Some(extent) = &source.extent {
+        summary(&source, extent);
+        return Ok(());
+    }
     let mut waits = 0u32;
     let mut clock = 0u64;
     say!("{:>6}  {:>14}  step", "line", "script clock");

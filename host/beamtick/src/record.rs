@@ -282,7 +282,7 @@ fn xy(header: &Header, axes: Option<(AxisName, AxisName)>, options: &PlotOptions
 }
 
 /// The plot's path must say what kind of picture it is, before the job runs.
-fn picture(path: &Path) -> Result<(), Failure> {
+pub fn picture(path: &Path) -> Result<(), Failure> {
     match path.extension().and_then(|extension| extension.to_str()).map(str::to_lowercase).as_deref() {
         Some("svg" | "png") => Ok(()),
         _ => Err(Failure::Input(format!("{}: a plot's name ends with .svg or .png", path.display()))),

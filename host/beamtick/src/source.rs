@@ -33,20 +33,37 @@ pub struct Source {
     pub files: Vec<PathBuf>,
     /// Axes that a picture shows in mm.
     pub millimetres: Vec<Millimetres>,
+    /// What the path of a program or a drawing covers.
+    pub extent: Option<strokes::Extent>,
 }
 
 impl Source {
     /// Reads and compiles a job file; its warnings go to the error stream.
     pub fn open(path: &Path, drawing: &Drawing) -> Result<Self, Failure> {
+        let source = Source::open_drawn(path, drawing, None)?;
+        if let Some(extent) = &source.extent {
+            complain!("{}: {extent}", source.name);
+        }
+        Ok(source)
+    }
+
+    /// The same, with a picture of the path of a program or a drawing.
+    pub fn open_drawn(path: &Path, drawing: &Drawing, plot: Option<&Path>) -> Result<Self, Failure> {
         let name = path.display().to_string();
         if import::is_imported(path) {
-            let found = import::job(path, drawing)?;
+            let found = import::job(path, drawing, plot)?;
             let mut source = Source::read(name, found.job, vec![path.to_owned(), found.file], path)?;
             source.millimetres = found.millimetres;
+            source.extent = Some(found.extent);
             return Ok(source);
         }
         let bytes = std::fs::read(path)
             .map_err(|error| Failure::Input(format!("{name}: the job file cannot be read: {error}")))?;
+        if plot.is_some() {
+            return Err(Failure::Input(format!(
+                "{name}: --plot of `check` is for G-code and drawings; `sim` draws what a job does"
+            )));
+        }
         if drawing.is_given() {
             return Err(Failure::Input(format!(
                 "{name}: --machine, --layer, --at and --pass-stops are for G-code and drawings, and this is a job, which is \
@@ -70,7 +87,7 @@ impl Source {
                 for warning in &job.warnings {
                     complain!("{}", show(warning, &name, &text).trim_end());
                 }
-                Ok(Source { name, text, job, files: files.read.into_inner(), millimetres: Vec::new() })
+                Ok(Source { name, text, job, files: files.read.into_inner(), millimetres: Vec::new(), extent: None })
             }
             Err(found) => {
                 let errors = found.iter().filter(|one| one.severity == Severity::Error).count();

@@ -5,11 +5,13 @@
 //! Owns nothing. Fails with file, line or shape, and reason; then there is no job, so nothing
 //! moves.
 //!
-//! `svg` a file to shapes, `shape` their geometry, `round` arcs in curves, `layers` the power of
-//! each, `order` the way from one to the next, `plan` shapes to motions; the crate `strokes` makes
-//! calls of them. `docs/drawings.md` is the user's page.
+//! `svg` and `dxf` a file to shapes, `shape` their geometry, `round` arcs in curves, `layers` the
+//! power of each, `order` the way from one to the next, `plan` shapes to motions; the crate
+//! `strokes` makes calls of them. `docs/drawings.md` is the user's page.
 #![allow(missing_docs)]
 
+mod dxf;
+mod fault;
 mod layers;
 mod order;
 mod plan;
@@ -18,25 +20,27 @@ mod shape;
 mod svg;
 
 use machine::Machine;
-use strokes::{Imported, Writer};
+use strokes::{Imported, Watch, Writer};
 
 /// Formats of drawings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
     Svg,
+    Dxf,
 }
 
 /// What the user chose.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Options {
-    /// Machine position, mm, of the lower left corner of the page.
+    /// Machine position, mm, of the lower left corner of the page (SVG), or of the origin (DXF).
     pub at: [f64; 2],
 }
 
 /// What a number at a call is.
 const EACH: &str = "motion N of the drawing";
 
-/// The drawing `bytes` of the file `name` as a job for `machine`.
+/// The drawing `bytes` of the file `name` as a job for `machine`; `watch` is shown where the path
+/// goes, outside the travel too.
 ///
 /// # Errors
 /// File, line or shape, and reason: what is no drawing, has no layer, or leaves the travel.
@@ -46,9 +50,11 @@ pub fn import(
     format: Format,
     machine: &Machine,
     options: Options,
+    watch: Option<Watch<'_>>,
 ) -> Result<Imported, String> {
     let (shapes, notes) = match format {
         Format::Svg => svg::read(bytes),
+        Format::Dxf => dxf::read(bytes),
     }
     .map_err(|fault| match fault.line {
         Some(line) => format!("{name}:{line}: {}; nothing was run", fault.text),
@@ -56,6 +62,9 @@ pub fn import(
     })?;
     let notes = notes.into_iter().map(|note| format!("{name}: note: {note}")).collect();
     let mut writer = Writer::new(name, EACH, machine)?;
+    if let Some(watch) = watch {
+        writer.watched(watch);
+    }
     plan::plan(shapes, machine, options, &mut writer).map_err(|why| format!("{name}: {why}; nothing was run"))?;
     let extent = writer.extent();
     Ok(Imported { job: writer.finish(), notes, extent })

@@ -8,6 +8,7 @@ mod check;
 mod clip;
 mod warnings;
 
+use crate::fault::Fault;
 use crate::round;
 use crate::shape::{Paint, Piece, Point, Shape, add, minus, scaled, size};
 use std::collections::BTreeMap;
@@ -32,23 +33,6 @@ pub fn read(bytes: &[u8]) -> Result<(Vec<Shape>, Vec<String>), Fault> {
         Ok(Ok(done)) => done,
         Ok(Err(_)) => Err(Fault::whole("the reader of SVG failed")),
         Err(error) => Err(Fault::whole(format!("no thread for the reader: {error}"))),
-    }
-}
-
-/// What is wrong, and in which line.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Fault {
-    pub line: Option<u32>,
-    pub text: String,
-}
-
-impl Fault {
-    pub fn whole(text: impl Into<String>) -> Fault {
-        Fault { line: None, text: text.into() }
-    }
-
-    pub fn at(line: u32, text: impl Into<String>) -> Fault {
-        Fault { line: Some(line), text: text.into() }
     }
 }
 

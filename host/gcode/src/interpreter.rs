@@ -474,12 +474,14 @@ impl<'a> State<'a> {
         light: Light,
         writer: &mut Writer<'_>,
     ) -> Result<(), String> {
-        for (axis, at) in to.iter().enumerate() {
-            self.within(axis, *at, 0)?;
-        }
         let length = shape.length(self.at, to);
         let speed = feed.map(|feed| if self.inverse { feed * length } else { feed });
-        writer.stroke(&Stroke { line: number, from: self.at, to, shape, speed, light });
+        let stroke = Stroke { line: number, from: self.at, to, shape, speed, light };
+        for (axis, at) in to.iter().enumerate() {
+            // A picture shows what leaves the travel.
+            self.within(axis, *at, 0).inspect_err(|_| writer.show(&stroke))?;
+        }
+        writer.stroke(&stroke);
         self.at = to;
         Ok(())
     }

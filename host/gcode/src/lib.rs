@@ -7,15 +7,15 @@
 //! moves.
 //!
 //! `words` a line to its words, `block` the words of a line to what they ask for, `interpreter` the
-//! modal state and the moves; the crate `strokes` makes calls of the moves. `docs/gcode.md` lists the
-//! words.
+//! modal state and the moves; the crate `strokes` makes calls of the moves. `docs/gcode.md` lists
+//! the words.
 
 mod block;
 mod interpreter;
 mod words;
 
 use machine::Machine;
-use strokes::{Imported, Writer};
+use strokes::{Imported, Watch, Writer};
 
 /// What the user chose.
 #[derive(Debug, Clone, Copy, Default)]
@@ -29,7 +29,24 @@ pub struct Options {
 /// # Errors
 /// File, line and reason: what is not supported, does not fit, or leaves the travel.
 pub fn import(name: &str, text: &str, machine: &Machine, options: Options) -> Result<Imported, String> {
+    import_shown(name, text, machine, options, None)
+}
+
+/// The same, with what shows where the path goes, up to where it leaves the travel.
+///
+/// # Errors
+/// As [`import`].
+pub fn import_shown(
+    name: &str,
+    text: &str,
+    machine: &Machine,
+    options: Options,
+    watch: Option<Watch<'_>>,
+) -> Result<Imported, String> {
     let mut writer = Writer::new(name, "line N of the program", machine)?;
+    if let Some(watch) = watch {
+        writer.watched(watch);
+    }
     let notes = interpreter::run(name, text, machine, options, &mut writer)?;
     let extent = writer.extent();
     Ok(Imported { job: writer.finish(), notes, extent })

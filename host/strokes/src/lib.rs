@@ -10,11 +10,15 @@
 #![allow(missing_docs)]
 
 pub mod arc;
+mod estimate;
 pub mod exact;
 mod writer;
 
 use std::fmt;
 pub use writer::{Light, Shape, Stroke, Writer};
+
+/// Where the path goes, mm, and whether it may be lit on the way there: for pictures.
+pub type Watch<'a> = &'a mut dyn FnMut([f64; 3], bool);
 
 /// The first words of every job that is made here.
 pub const MARK: &str = "// Imported by beamtick";
@@ -39,6 +43,8 @@ pub struct Extent {
     pub marks: Vec<(char, f64, f64)>,
     /// Length of the path, mm, and of what may be lit.
     pub length: (f64, f64),
+    /// The time that the path takes, s, as the controller's look-ahead plans it.
+    pub seconds: f64,
 }
 
 impl fmt::Display for Extent {
@@ -52,8 +58,13 @@ impl fmt::Display for Extent {
         };
         write!(f, "path of {:.3} mm, {} mm; ", self.length.0, list(&self.all))?;
         match self.marks[..] {
-            [] => write!(f, "no marks"),
-            _ => write!(f, "marks of {:.3} mm, {} mm", self.length.1, list(&self.marks)),
+            [] => write!(f, "no marks")?,
+            _ => write!(f, "marks of {:.3} mm, {} mm", self.length.1, list(&self.marks))?,
+        }
+        match self.seconds {
+            seconds if seconds < 120.0 => write!(f, "; about {seconds:.1} s"),
+            seconds if seconds < 7200.0 => write!(f, "; about {:.1} min", seconds / 60.0),
+            seconds => write!(f, "; about {:.1} h", seconds / 3600.0),
         }
     }
 }

@@ -3,8 +3,9 @@
 //! In: strokes in mm, dwells, outputs. Out: the text of a job. Owns where the path is, in pulses,
 //! and what its light is. A stroke without a pulse is none. A power is set anew with each mark.
 use crate::arc::Arc;
+use crate::estimate::Estimate;
 use crate::exact::{ONE, Scale, of_f64, to_f64};
-use crate::{Extent, MARK};
+use crate::{Extent, MARK, Watch};
 use machine::{Family, LETTERS, Laser, Limits, Machine, Mode, PATH_AXES};
 use std::fmt::Write;
 
@@ -14,6 +15,9 @@ const AHEAD: usize = 400;
 const LOOK_AHEAD: u32 = 200;
 /// The longest BufDelay, ms.
 const DELAY_MAX: u64 = 65_535;
+
+/// A picture of an arc is so near, mm.
+const PICTURE: f64 = 0.01;
 
 /// The form of a stroke.
 #[derive(Debug, Clone, Copy)]
@@ -78,6 +82,16 @@ pub struct Writer<'a> {
     /// Of everything, and of marks: least and greatest of each axis, mm, and length.
     covered: [Option<[(f64, f64); 3]>; 2],
     length: [f64; 2],
+    time: Estimate,
+    watch: Option<Watch<'a>>,
+}
+
+/// The corner time. An axis that passes a jump of velocity a·T in the time T with the acceleration
+/// a is a·T²/8 beside the corner.
+fn corner_ms(machine: &Machine) -> f64 {
+    let tolerance = machine.path.junction_deviation;
+    let time = |axis: &machine::Axis| (8.0 * tolerance / axis.acceleration).sqrt() * 1000.0;
+    machine.axes.iter().map(time).fold(f64::INFINITY, f64::min)
 }
 
 fn norm(way: [f64; 3]) -> f64 {
@@ -107,6 +121,8 @@ impl<'a> Writer<'a> {
             started: false,
             covered: [None; 2],
             length: [0.0; 2],
+            time: Estimate::new(machine, at, corner_ms(machine)),
+            watch: None,
         };
         writer.begin(name, each);
         Ok(writer)
@@ -166,11 +182,7 @@ impl<'a> Writer<'a> {
             let (rate, acceleration) = (axis.rate(), axis.pulse_acceleration());
             self.put(format_args!("GT_SetCrdLimit(1, {}, {rate}, {acceleration});\n", place + 1));
         }
-        // An axis that passes a jump of velocity a·T in the time T with the acceleration a is
-        // a·T²/8 beside the corner.
-        let tolerance = machine.path.junction_deviation;
-        let time = |axis: &machine::Axis| (8.0 * tolerance / axis.acceleration).sqrt() * 1000.0;
-        let time = machine.axes.iter().map(time).fold(f64::INFINITY, f64::min);
+        let time = corner_ms(machine);
         let most = machine.axes.iter().map(machine::Axis::pulse_acceleration).fold(0.0, f64::max);
         self.put(format_args!("GT_InitLookAhead(1, 0, {time}, {most}, {LOOK_AHEAD});\n"));
         if let Some(laser) = &machine.laser {
@@ -251,6 +263,7 @@ impl<'a> Writer<'a> {
             Light::Constant(power) => Some(Power::Constant(power)),
             Light::Dark | Light::Follow(_) => None,
         });
+        self.time.dwell(ms as f64);
         let mut left = ms;
         while left > 0 {
             let part = left.min(DELAY_MAX);
@@ -266,14 +279,40 @@ impl<'a> Writer<'a> {
         self.entered();
     }
 
+    /// Shows from here on where the path goes.
+    pub fn watched(&mut self, watch: Watch<'a>) {
+        watch([0, 1, 2].map(|axis| self.machine.axes.get(axis).map_or(0.0, |axis| axis.home)), false);
+        self.watch = Some(watch);
+    }
+
+    /// Shows a motion, as lines.
+    pub fn show(&mut self, stroke: &Stroke) {
+        let Some(watch) = &mut self.watch else { return };
+        let lit = stroke.light != Light::Dark;
+        if let Shape::Arc { axes: [a, b, across], arc } = &stroke.shape {
+            let rise = to_f64(stroke.to[*across] - stroke.from[*across]);
+            let parts = arc.parts(PICTURE.min(arc.radius() / 1000.0)).min(1000);
+            for number in 1..parts {
+                let part = f64::from(number) / f64::from(parts);
+                let mut point = stroke.from.map(to_f64);
+                let [x, y] = arc.at(part);
+                (point[*a], point[*b]) = (point[*a] + x, point[*b] + y);
+                point[*across] += rise * part;
+                watch(point, lit);
+            }
+        }
+        watch(stroke.to.map(to_f64), lit);
+    }
+
     /// What was covered so far.
-    pub fn extent(&self) -> Extent {
+    pub fn extent(&mut self) -> Extent {
         let rows = |covered: Option<[(f64, f64); 3]>| {
             let ends = covered.into_iter().flatten();
             self.machine.axes.iter().zip(ends).map(|(axis, (least, most))| (axis.letter, least, most)).collect()
         };
         let [all, marks] = self.covered.map(rows);
-        Extent { all, marks, length: (self.length[0], self.length[1]) }
+        let seconds = self.time.total() / 1000.0;
+        Extent { all, marks, length: (self.length[0], self.length[1]), seconds }
     }
 
     fn cover(&mut self, stroke: &Stroke) {
@@ -298,6 +337,7 @@ impl<'a> Writer<'a> {
     /// Moves.
     pub fn stroke(&mut self, stroke: &Stroke) {
         self.cover(stroke);
+        self.show(stroke);
         let mut to = self.at;
         for (place, scale) in self.scales.iter().enumerate() {
             to[place] = scale.pulses(stroke.to[place]);
@@ -342,6 +382,7 @@ impl<'a> Writer<'a> {
         let speed = stroke.speed.map_or(rate, |speed| speed.min(rate));
         let (vel, acc) = (speed / 60_000.0 * per_mm, acceleration / 1e6 * per_mm);
         let ([x, y, z], line) = (to, stroke.line);
+        self.time.line(to, vel, acc);
         match self.scales.len() {
             2 => self.put(format_args!("GT_LnXY(1, {x}, {y}, {vel}, {acc}); // {line}\n")),
             _ => self.put(format_args!("GT_LnXYZ(1, {x}, {y}, {z}, {vel}, {acc}); // {line}\n")),
@@ -399,6 +440,7 @@ impl<'a> Writer<'a> {
         let ccw = u8::from((arc.sweep > 0.0) == ((first > 0.0) == (second > 0.0)));
         let plane: String = [a, b].iter().map(|axis| LETTERS[*axis]).collect();
         let ([x, y], [p, q], line) = (centre, [to[a], to[b]], stroke.line);
+        self.time.arc([a, b], to, centre, ccw == 1, (vel, acc));
         self.put(format_args!("GT_Arc{plane}C(1, {p}, {q}, {x}, {y}, {ccw}, {vel}, {acc}); // {line}\n"));
         self.at = to;
         self.entered();

@@ -17,7 +17,7 @@ mod vcd_file;
 
 pub use csv_file::CsvWriter;
 pub use plant::beam::Change;
-pub use plot::{Millimetres, Plot, PlotOptions, Xy};
+pub use plot::{Millimetres, Plot, PlotOptions, Preview, Xy};
 pub use reader::{Item, Reader};
 pub use row::{AnalogEdge, AxisName, AxisPoint, CrdName, Header, LaserName, LaserPoint, OutputEdge, PowerUnit, Row};
 pub use vcd_file::VcdWriter;

@@ -11,6 +11,7 @@ mod activity;
 mod canvas;
 mod curve;
 mod panel;
+mod preview;
 mod route;
 mod text;
 mod window;
@@ -18,7 +19,7 @@ mod xy;
 
 use crate::Result;
 use crate::decimal::{position_f64, scaled_f64};
-use crate::row::{AxisName, CrdName, Header, LaserName, LaserPoint, PowerUnit, Row};
+use crate::row::{AxisName, AxisPoint, CrdName, Header, LaserName, LaserPoint, PowerUnit, Row};
 use activity::Activity;
 use canvas::{HEAD, Picture};
 use curve::Curve;
@@ -26,6 +27,7 @@ use panel::{Beside, Content, FOOT, Frame, Panel};
 use plant::beam::Change;
 use plotters::coord::Shift;
 use plotters::prelude::*;
+pub use preview::Preview;
 use std::path::Path;
 use window::Window;
 pub use xy::Xy;
@@ -49,7 +51,7 @@ pub struct PlotOptions {
     pub to_ms: Option<f64>,
     /// Width in pixels; the height follows from the number of panels.
     pub width: u32,
-    /// Axes that a picture of one axis over another shows in mm; others are shown in pulses.
+    /// Axes that are shown in mm; others are shown in pulses.
     pub millimetres: Vec<Millimetres>,
 }
 
@@ -80,6 +82,17 @@ impl Default for PlotOptions {
 }
 
 impl PlotOptions {
+    fn in_mm(&self, axis: AxisName) -> Option<&Millimetres> {
+        self.millimetres.iter().find(|mm| mm.axis == axis)
+    }
+
+    /// Pulses a mm of a path, where all of its axes have the same.
+    fn path_per_mm(&self) -> Option<f64> {
+        let (first, others) = self.millimetres.split_first()?;
+        let per_mm = first.per_mm.abs();
+        others.iter().all(|other| other.per_mm.abs() == per_mm).then_some(per_mm)
+    }
+
     /// Whether the times are ones that can be drawn.
     ///
     /// # Errors
@@ -181,10 +194,11 @@ impl Plot {
             laser.pulses.until(row.t_ns);
         }
         self.last_ns = row.t_ns;
+        let path = self.options.path_per_mm().map_or(1.0, |per_mm| 60_000.0 / per_mm);
         let values = Values {
             t_ns: row.t_ns,
-            axes: row.axes.iter().map(|point| [position_f64(point.pos), scaled_f64(point.vel)]).collect(),
-            crds: row.crds.iter().map(|speed| scaled_f64(*speed)).collect(),
+            axes: self.axes.iter().zip(&row.axes).map(|(axis, point)| self.shown(*axis, point)).collect(),
+            crds: row.crds.iter().map(|speed| scaled_f64(*speed) * path).collect(),
             lasers: row.lasers.clone(),
         };
         if let Some(before) = self.before.take() {
@@ -199,6 +213,15 @@ impl Plot {
             self.push(&values);
         }
         self.before = Some(values);
+    }
+
+    /// Position and velocity of an axis: mm and mm/min where it is known, else pulses.
+    fn shown(&self, axis: AxisName, point: &AxisPoint) -> [f64; 2] {
+        let (pos, vel) = (position_f64(point.pos), scaled_f64(point.vel));
+        match self.options.in_mm(axis) {
+            Some(mm) => [pos / mm.per_mm + mm.zero, vel / mm.per_mm * 60_000.0],
+            None => [pos, vel],
+        }
     }
 
     fn push(&mut self, values: &Values) {
@@ -241,11 +264,13 @@ impl Plot {
     fn panels(&self) -> Vec<Panel<'_>> {
         let mut panels = Vec::new();
         for (axis, curves) in self.axes.iter().zip(&self.curves) {
-            for (curve, (what, colour)) in
-                curves.iter().zip([("position (pulse)", POSITION), ("velocity (pulse/ms)", VELOCITY)])
-            {
+            let (name, whats) = match self.options.in_mm(*axis) {
+                Some(mm) => (mm.letter.to_string(), ["position (mm)", "velocity (mm/min)"]),
+                None => (title(*axis), ["position (pulse)", "velocity (pulse/ms)"]),
+            };
+            for (curve, (what, colour)) in curves.iter().zip(whats.into_iter().zip([POSITION, VELOCITY])) {
                 let content = Content::Quantity(std::slice::from_ref(curve));
-                let caption = format!("{} {what}", title(*axis));
+                let caption = format!("{name} {what}");
                 panels.push(Panel { caption, colour, from_zero: false, content, beside: None });
             }
         }
@@ -253,7 +278,10 @@ impl Plot {
         let power = self.lasers.iter().find_map(|laser| Some((laser, *laser.shown().first()?)));
         for (crd, curve) in &self.crds {
             panels.push(Panel {
-                caption: format!("{} path speed (pulse/ms)", crd_title(*crd)),
+                caption: match self.options.path_per_mm() {
+                    Some(_) => "path speed (mm/min)".to_owned(),
+                    None => format!("{} path speed (pulse/ms)", crd_title(*crd)),
+                },
                 colour: VELOCITY,
                 from_zero: true,
                 content: Content::Quantity(std::slice::from_ref(curve)),

@@ -2,7 +2,7 @@
 //! images.
 //!
 //! In: the elements of a file. Out: nothing, or the line and the reason.
-use super::Fault;
+use crate::fault::Fault;
 use std::str::FromStr;
 use svgtypes::{Length, NumberListParser, PathParser, PathSegment, Transform};
 use usvg::roxmltree::{Document, Node};

@@ -16,6 +16,35 @@ const SMOOTH: u32 = 2;
 /// Height of the heading.
 pub(super) const HEAD: u32 = 62;
 
+/// Greatest height of a diagram of one axis over another.
+const TALL: u32 = 860;
+/// Least height of it, and least width.
+const LOW: u32 = 240;
+const NARROW: u32 = 520;
+/// Share of the extent that is free around what is drawn.
+const AIR: f64 = 0.05;
+
+/// Least and greatest of x, and of y.
+pub(super) type Extent = ((f64, f64), (f64, f64));
+
+/// Width and height of a diagram in pixels, and the ranges that it shows: as many units a pixel in
+/// x as in y.
+pub(super) fn same_scale(extent: Extent, most_wide: f64) -> ((u32, u32), [(f64, f64); 2]) {
+    let (dx, dy) = (extent.0.1 - extent.0.0, extent.1.1 - extent.1.0);
+    let most = dx.max(dy);
+    let least = if most > 0.0 { most * 0.02 } else { 1.0 };
+    let wide = |(low, high): (f64, f64)| (high - low).max(least) * (1.0 + 2.0 * AIR);
+    let (dx, dy) = (wide(extent.0), wide(extent.1));
+    let width = (f64::from(TALL) * dx / dy).clamp(f64::from(NARROW).min(most_wide), most_wide).round();
+    let height = (width * dy / dx).clamp(LOW.into(), TALL.into()).round();
+    let per_pixel = (dx / width).max(dy / height);
+    let range = |(low, high): (f64, f64), pixels: f64| {
+        let (middle, half) = (f64::midpoint(low, high), pixels * per_pixel / 2.0);
+        (middle - half, middle + half)
+    };
+    ((width as u32, height as u32), [range(extent.0, width), range(extent.1, height)])
+}
+
 /// A diagram of two quantities.
 pub(super) type Chart<'a, B> = ChartContext<'a, B, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 

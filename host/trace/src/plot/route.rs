@@ -16,7 +16,7 @@ pub(super) type Power = (PowerUnit, f64);
 
 /// A point that was passed, or of a standstill.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Node {
+pub(super) struct Node<L> {
     pub x: f64,
     pub y: f64,
     /// It is reached at this time, ns.
@@ -24,20 +24,26 @@ pub(super) struct Node {
     /// It is left at this time.
     pub until: u64,
     /// Light from here to the next one.
-    pub light: Option<Power>,
+    pub light: Option<L>,
 }
 
 /// See the module text.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Route {
-    nodes: Vec<Node>,
+#[derive(Debug, Clone)]
+pub(super) struct Route<L> {
+    nodes: Vec<Node<L>>,
     /// Points closer together than this (pulses, in x and in y) are one.
     apart: f64,
 }
 
-impl Route {
+impl<L> Default for Route<L> {
+    fn default() -> Self {
+        Route { nodes: Vec::new(), apart: 0.0 }
+    }
+}
+
+impl<L: Copy> Route<L> {
     /// At `t` it was here, and from here on there is this light.
-    pub fn push(&mut self, t: u64, (x, y): (f64, f64), light: Option<Power>) {
+    pub fn push(&mut self, t: u64, (x, y): (f64, f64), light: Option<L>) {
         add(&mut self.nodes, self.apart, Node { x, y, from: t, until: t, light }, false);
         if self.nodes.len() == MOST {
             self.thin();
@@ -57,7 +63,7 @@ impl Route {
     }
 
     /// The path.
-    pub fn nodes(&self) -> &[Node] {
+    pub fn nodes(&self) -> &[Node<L>] {
         &self.nodes
     }
 
@@ -72,7 +78,7 @@ impl Route {
 
 /// Adds a node, or extends the time of the last one. A change of light keeps a node of its own,
 /// unless `coarse`.
-fn add(nodes: &mut Vec<Node>, apart: f64, node: Node, coarse: bool) {
+fn add<L>(nodes: &mut Vec<Node<L>>, apart: f64, node: Node<L>, coarse: bool) {
     if let Some(last) = nodes.last_mut()
         && (node.x - last.x).abs().max((node.y - last.y).abs()) <= apart
         && (coarse || last.light.is_some() == node.light.is_some() || last.from == node.from)

@@ -18,13 +18,6 @@ use std::path::Path;
 
 /// Width of the bar that explains colours, with its labels.
 const BAR: u32 = 132;
-/// Greatest height of the diagram itself.
-const TALL: u32 = 860;
-/// Least height of it, and least width.
-const LOW: u32 = 240;
-const NARROW: u32 = 520;
-/// Share of the extent that is free around the path.
-const AIR: f64 = 0.05;
 /// Pixels from one arrow to the next, and from a label to its neighbours.
 const ARROWS: f64 = 130.0;
 const LABELS: f64 = 46.0;
@@ -70,7 +63,7 @@ struct Beam {
     edges: Vec<(u64, bool)>,
     /// Output of the last light.
     power: Option<Power>,
-    route: Route,
+    route: Route<Power>,
 }
 
 impl Xy {
@@ -196,19 +189,7 @@ impl Xy {
     fn layout(&self) -> ((u32, u32), [(f64, f64); 2]) {
         let most_wide = f64::from(self.options.width.max(480) - LEFT - RIGHT - self.bar_width());
         let extent = self.beam().and_then(|beam| beam.route.extent()).unwrap_or_default();
-        let (dx, dy) = (extent.0.1 - extent.0.0, extent.1.1 - extent.1.0);
-        let most = dx.max(dy);
-        let least = if most > 0.0 { most * 0.02 } else { 1.0 };
-        let wide = |(low, high): (f64, f64)| (high - low).max(least) * (1.0 + 2.0 * AIR);
-        let (dx, dy) = (wide(extent.0), wide(extent.1));
-        let width = (f64::from(TALL) * dx / dy).clamp(f64::from(NARROW).min(most_wide), most_wide).round();
-        let height = (width * dy / dx).clamp(LOW.into(), TALL.into()).round();
-        let per_pixel = (dx / width).max(dy / height);
-        let range = |(low, high): (f64, f64), pixels: f64| {
-            let (middle, half) = (f64::midpoint(low, high), pixels * per_pixel / 2.0);
-            (middle - half, middle + half)
-        };
-        ((width as u32, height as u32), [range(extent.0, width), range(extent.1, height)])
+        canvas::same_scale(extent, most_wide)
     }
 }
 
@@ -350,7 +331,7 @@ fn draw_way<B: DrawingBackend>(chart: &mut Chart<'_, B>, beam: &Beam, scale: u32
             // Light at standstill.
             let standstills = path.windows(2).filter(|pair| (pair[0].x, pair[0].y) == (pair[1].x, pair[1].y));
             let dots = standstills.filter(|pair| lit && pair[1].from > pair[0].from);
-            let dot = |pair: &[Node]| Circle::new((pair[0].x, pair[0].y), 4 * scale, stroke.color.filled());
+            let dot = |pair: &[Node<Power>]| Circle::new((pair[0].x, pair[0].y), 4 * scale, stroke.color.filled());
             chart.draw_series(dots.map(dot)).map_err(as_plot)?;
         }
     }
@@ -359,7 +340,7 @@ fn draw_way<B: DrawingBackend>(chart: &mut Chart<'_, B>, beam: &Beam, scale: u32
 
 /// The points of a path without those closer (in pixels) to the one before: rounding to whole
 /// pixels would make it crooked.
-fn spaced<B: DrawingBackend>(chart: &Chart<'_, B>, path: &[Node], near: i32) -> Vec<(f64, f64)> {
+pub(super) fn spaced<B: DrawingBackend, L>(chart: &Chart<'_, B>, path: &[Node<L>], near: i32) -> Vec<(f64, f64)> {
     let Some((last, before)) = path.split_last() else { return Vec::new() };
     let mut kept: Option<(i32, i32)> = None;
     let mut points: Vec<(f64, f64)> = Vec::new();
@@ -375,7 +356,7 @@ fn spaced<B: DrawingBackend>(chart: &Chart<'_, B>, path: &[Node], near: i32) -> 
 }
 
 /// Arrows along the path, dots at even times, its begin and its end.
-fn draw_signs<B: DrawingBackend>(chart: &Chart<'_, B>, nodes: &[Node], scale: u32) -> Result<()> {
+fn draw_signs<B: DrawingBackend>(chart: &Chart<'_, B>, nodes: &[Node<Power>], scale: u32) -> Result<()> {
     let (Some(first), Some(last)) = (nodes.first(), nodes.last()) else { return Ok(()) };
     let pixel = |x: f64, y: f64| chart.backend_coord(&(x, y));
     let area = chart.plotting_area().strip_coord_spec();
@@ -415,7 +396,7 @@ fn draw_signs<B: DrawingBackend>(chart: &Chart<'_, B>, nodes: &[Node], scale: u3
     let size = area.dim_in_pixel();
     let (wide, tall) = (f64::from(size.0) / unit, f64::from(size.1) / unit);
     // On the side on which a path from here to there does not run.
-    let mut label = |at: (f64, f64), (from, to): (&Node, &Node), text: String| -> Result<()> {
+    let mut label = |at: (f64, f64), (from, to): (&Node<Power>, &Node<Power>), text: String| -> Result<()> {
         let rises = (to.x - from.x) * (to.y - from.y) > 0.0;
         let up = at.1 + if rises { 4.0 } else { -19.0 };
         let corner = ((at.0 + 8.0).min(wide - 8.0 * text.len() as f64), up.clamp(0.0, tall - 16.0));
