@@ -23,6 +23,7 @@ mod shell;
 mod supply;
 mod ticks;
 mod traces;
+mod wheel;
 
 use shell::Outcome;
 use std::process::ExitCode;
@@ -55,6 +56,7 @@ cargo xtask COMMAND
   pages           checks links and sentences of the documentation, and the width of comments
   proofs          proves the bounds of rounding from the code's own numbers (proofs/, by Gappa)
   c-api           writes the headers and exports of the C library from the table of functions
+  wheel           builds the Python wheel with the library inside, into out/
   check-all       everything that must pass before a change is accepted
 ";
 
@@ -100,6 +102,7 @@ fn main() -> ExitCode {
             "--test",
             "generated",
         ])),
+        ["wheel"] => wheel::make(),
         ["check-all"] => checks::run(),
         ["help" | "--help"] => {
             print!("{HELP}");

@@ -65,6 +65,19 @@ pub fn enter(slot: Option<Slot>, prepared: &Prepared, lead: c_short, args: &[Arg
     // SAFETY: the addresses are those that the caller of the C function vouches for, see
     // `engine::call`.
     let outcome = catch_unwind(AssertUnwindSafe(|| unsafe { engine::call(slot, prepared, lead, args) }));
+    let is_child = crate::fork::is_child();
+    if !is_child && crate::log::is_on(slot) && prepared.name() != "GetLastReason" {
+        let (code, text) = match &outcome {
+            Ok(Ok(note)) => (0, note.as_deref().unwrap_or_default()),
+            Ok(Err(error)) => (error.code, error.reason.as_str()),
+            Err(_) => (client::error::LINK_PROTOCOL, "an error in the library itself"),
+        };
+        let now = slot.lock().card("").ok().map(|card| card.client().0.now());
+        crate::log::write(slot, prepared, (lead, args), code, text, now);
+        if now.is_none() {
+            crate::log::end(slot);
+        }
+    }
     // With `virtual:max` a call takes time: sleepers of other threads may be due.
     crate::compat::waits::time_passed();
     match outcome {

@@ -47,6 +47,14 @@ pub fn all() -> impl Iterator<Item = Slot> {
 }
 
 impl Slot {
+    /// How many there are.
+    pub const COUNT: usize = SLOTS;
+
+    /// Its place among all, from 0.
+    pub fn index(self) -> usize {
+        self.0
+    }
+
     /// The one card of `GT_` and `GTN_`.
     pub const ONE: Slot = Slot(0);
 
@@ -154,6 +162,9 @@ impl State {
             return Err(Error::new(CANNOT_OPEN, "Open: the controller is open already; call Close first"));
         }
         let settings = Settings::read(opening.slot, |name| std::env::var(name).ok())?;
+        if let Some(path) = &settings.log {
+            crate::log::begin(opening.slot, path)?;
+        }
         let card = Card::open(opening, settings)?;
         let text = card.describe();
         self.version = CString::new(text).ok();
@@ -185,6 +196,7 @@ extern "C" fn finish() {
             // Another thread may be in a call that does not end.
             if let Some(mut state) = slot.lock_first_until(end) {
                 let _ = state.close();
+                crate::log::end(slot);
             }
         }
     });

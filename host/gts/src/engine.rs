@@ -70,6 +70,21 @@ impl Prepared {
         self.prototype.function.name
     }
 
+    /// As a program calls it.
+    pub fn symbol(&self) -> String {
+        self.prototype.symbol().replace("GTM_", "GT_")
+    }
+
+    /// Whether a core or a card comes first.
+    pub fn leads(&self) -> bool {
+        self.prototype.leads
+    }
+
+    /// The name of an argument.
+    pub fn argument(&self, place: usize) -> &'static str {
+        self.prototype.arguments.get(place).map_or("", |argument| argument.name)
+    }
+
     /// Its row among the calls beyond the manuals, unless it is the controller's.
     fn more(&self) -> Option<&'static More> {
         self.more.filter(|more| !matches!(more.class, Class::Real))

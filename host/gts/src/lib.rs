@@ -11,9 +11,9 @@
 //! `csharp` the declarations for C#, `page` docs/api.md, with the sentences of `about`. `width` is
 //! the size of a `long`: the package `beamtick-gts32` builds these files with 32 bits. `boundary`
 //! is the entry from C; `engine` makes requests of arguments, and arguments of replies. `card` is
-//! an opened controller, `stream` the batching of PT data, `recorder` its trace files. `more` has
-//! the calls beyond the manuals that the library answers. `compat` serves the replacements of
-//! Windows headers, `at_exit` the end of the process.
+//! an opened controller, `stream` the batching of PT data, `recorder` its trace files, `log` its
+//! calls. `more` has the calls beyond the manuals that the library answers. `compat` serves the
+//! replacements of Windows headers, `at_exit` the end of the process.
 
 mod at_exit;
 mod board_memory;
@@ -23,10 +23,12 @@ mod compat;
 mod engine;
 mod exports;
 mod fork;
+mod log;
 mod reason;
 mod recorder;
 mod request;
 mod settings;
+mod staged;
 mod stream;
 mod width;
 

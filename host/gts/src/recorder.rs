@@ -5,6 +5,7 @@
 
 use crate::card::{Slot, everything};
 use crate::settings::Settings;
+use crate::staged::Staged;
 use client::error::CANNOT_OPEN;
 use client::{Client, Error, Result};
 use protocol::command::Trace;
@@ -13,7 +14,7 @@ use std::io::BufWriter;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
-use trace::{CsvWriter, Header, Item, Reader, TraceError, VcdWriter};
+use trace::{CsvWriter, Header, Item, Plot, PlotOptions, Reader, TraceError, VcdWriter};
 
 /// Analog outputs that it shows.
 const ANALOG: u8 = 8;
@@ -25,6 +26,9 @@ pub struct Recorder {
     reader: Reader,
     csv: Sink<CsvWriter<BufWriter<File>>>,
     vcd: Sink<VcdWriter<BufWriter<File>>>,
+    /// The files' names while they grow.
+    streams: Vec<Staged>,
+    plot: Option<(Staged, Option<Plot>)>,
     /// General outputs of the controller.
     outputs: u8,
     failed: Option<TraceError>,
@@ -44,15 +48,15 @@ impl Claim {
     /// −6 if one of them is being written: two controllers would overwrite each other's rows.
     pub fn of(slot: Slot, settings: &Settings) -> Result<Claim> {
         let mut claim = Claim(Vec::new());
-        for path in [&settings.trace, &settings.vcd].into_iter().flatten() {
+        for path in [&settings.trace, &settings.vcd, &settings.plot, &settings.log].into_iter().flatten() {
             let place = std::path::absolute(path).unwrap_or_else(|_| path.clone());
             let mut used = in_use();
             if used.contains(&place) {
                 drop(used);
                 let card = slot.number().map(|number| format!("_{number}")).unwrap_or_default();
                 let reason = format!(
-                    "{} is being written already, for another controller or as the other trace; each needs a file of its own \
-                     (BEAMTICK_TRACE{card}, BEAMTICK_VCD{card})",
+                    "{} is being written already, for another controller or as another output; each needs a file of its own \
+                     (BEAMTICK_TRACE{card}, BEAMTICK_VCD{card}, BEAMTICK_PLOT{card}, BEAMTICK_LOG{card})",
                     path.display()
                 );
                 return Err(Error::new(CANNOT_OPEN, reason));
@@ -78,10 +82,11 @@ enum Sink<W> {
 }
 
 impl<W> Sink<W> {
-    fn create(path: Option<&PathBuf>) -> Result<Self> {
+    fn create(path: Option<&PathBuf>, streams: &mut Vec<Staged>) -> Result<Self> {
         let Some(path) = path else { return Ok(Sink::None) };
-        let file = File::create(path)
+        let (staged, file) = Staged::stream(path)
             .map_err(|error| Error::new(CANNOT_OPEN, format!("{} cannot be written: {error}", path.display())))?;
+        streams.push(staged);
         Ok(Sink::Waiting(file))
     }
 
@@ -103,10 +108,13 @@ impl<W> Sink<W> {
 impl Recorder {
     /// Creates the files and begins the trace.
     pub fn start(client: &Client, settings: &Settings) -> Result<Arc<Mutex<Recorder>>> {
+        let mut streams = Vec::new();
         let recorder = Recorder {
             reader: Reader::new(),
-            csv: Sink::create(settings.trace.as_ref())?,
-            vcd: Sink::create(settings.vcd.as_ref())?,
+            csv: Sink::create(settings.trace.as_ref(), &mut streams)?,
+            vcd: Sink::create(settings.vcd.as_ref(), &mut streams)?,
+            streams,
+            plot: settings.plot.as_ref().map(|path| (Staged::picture(path), None)),
             outputs: client.version().general_outputs,
             failed: None,
         };
@@ -126,11 +134,20 @@ impl Recorder {
         if self.failed.is_some() {
             return;
         }
-        let Recorder { reader, csv, vcd, outputs, failed } = self;
+        let Recorder { reader, csv, vcd, plot, outputs, failed, .. } = self;
+        let mut picture = plot.as_mut().map(|(_, plot)| plot);
         let mut take = |item: Item| -> trace::Result<()> {
             match item {
-                Item::Header(header) => begin(csv, vcd, *outputs, &header),
+                Item::Header(header) => {
+                    if let Some(plot) = &mut picture {
+                        **plot = Some(Plot::new(&header, PlotOptions::default())?);
+                    }
+                    begin(csv, vcd, *outputs, &header)
+                }
                 Item::Laser { laser, change } => {
+                    if let Some(Some(plot)) = &mut picture {
+                        plot.change(laser, &change);
+                    }
                     if let Some(vcd) = vcd.writer() {
                         vcd.change(laser, &change);
                     }
@@ -149,6 +166,9 @@ impl Recorder {
                     Ok(())
                 }
                 Item::Row(row) => {
+                    if let Some(Some(plot)) = &mut picture {
+                        plot.row(&row);
+                    }
                     if let Some(csv) = csv.writer() {
                         csv.row(&row)?;
                     }
@@ -189,16 +209,25 @@ pub fn finish(client: &Client, recorder: &Mutex<Recorder>) -> Result<()> {
 }
 
 impl Recorder {
+    /// Completes the files. After an error they hold what there is, under names that say so.
     fn close(&mut self) -> trace::Result<()> {
-        if let Some(error) = self.failed.take() {
-            return Err(error);
-        }
+        let mut outcome = self.failed.take().map_or(Ok(()), Err);
         if let Sink::Open(csv) = std::mem::replace(&mut self.csv, Sink::None) {
-            csv.finish()?;
+            outcome = outcome.and(csv.finish().map(drop));
         }
         if let Sink::Open(vcd) = std::mem::replace(&mut self.vcd, Sink::None) {
-            vcd.finish()?;
+            outcome = outcome.and(vcd.finish().map(drop));
         }
-        Ok(())
+        let mut files = std::mem::take(&mut self.streams);
+        if let Some((staged, plot)) = self.plot.take() {
+            if let Some(mut plot) = plot {
+                plot.leave_out_idle();
+                outcome = outcome.and(plot.save(staged.path()));
+            }
+            files.push(staged);
+        }
+        let is_whole = outcome.is_ok();
+        let renamed = files.into_iter().try_for_each(|file| file.end(is_whole));
+        outcome.and(renamed.map_err(TraceError::from))
     }
 }

@@ -37,6 +37,10 @@ pub struct Settings {
     pub trace: Option<PathBuf>,
     /// File of the trace as VCD.
     pub vcd: Option<PathBuf>,
+    /// File of its picture: SVG or PNG.
+    pub plot: Option<PathBuf>,
+    /// File of all calls.
+    pub log: Option<PathBuf>,
     /// Whether PT data may travel in batches.
     pub batches: bool,
 }
@@ -89,17 +93,27 @@ impl Settings {
             inputs: value("BEAMTICK_INPUTS").map(PathBuf::from),
             trace: value("BEAMTICK_TRACE").map(PathBuf::from),
             vcd: value("BEAMTICK_VCD").map(PathBuf::from),
+            plot: value("BEAMTICK_PLOT").map(PathBuf::from),
+            log: value("BEAMTICK_LOG").map(PathBuf::from),
             batches: value("BEAMTICK_BATCHES").as_deref() != Some("off"),
         };
         if settings.is_traced() && !matches!(settings.road, Road::Virtual(_)) {
-            return Err(Error::new(CANNOT_OPEN, "BEAMTICK_TRACE and BEAMTICK_VCD are for BEAMTICK_LINK=virtual"));
+            return Err(Error::new(
+                CANNOT_OPEN,
+                "BEAMTICK_TRACE, BEAMTICK_VCD and BEAMTICK_PLOT are for BEAMTICK_LINK=virtual",
+            ));
+        }
+        if let Some(plot) = &settings.plot
+            && !plot.extension().is_some_and(|end| end.eq_ignore_ascii_case("png") || end.eq_ignore_ascii_case("svg"))
+        {
+            return Err(wrong("BEAMTICK_PLOT", &plot.display().to_string(), "a name that ends in .png or .svg"));
         }
         Ok(settings)
     }
 
     /// Whether a trace is recorded.
     pub fn is_traced(&self) -> bool {
-        self.trace.is_some() || self.vcd.is_some()
+        self.trace.is_some() || self.vcd.is_some() || self.plot.is_some()
     }
 }
 

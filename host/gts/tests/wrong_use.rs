@@ -251,3 +251,87 @@ int main(void)
         assert!(done.status.success(), "{link}: {}", String::from_utf8_lossy(&done.stdout));
     }
 }
+
+/// BEAMTICK_LOG has every call with its arguments, result, reason and time, also of a program that
+/// dies; BEAMTICK_PLOT a picture.
+#[test]
+fn calls_are_logged_and_what_moved_is_drawn() {
+    let text = r#"
+#include "gts.h"
+#include <windows.h>
+#include <unistd.h>
+int main(int argc, char *argv[])
+{
+    double pos[2];
+    TTrapPrm trap = {1, 1, 0, 0};
+    (void)argv;
+    GT_AxisOn(1);
+    if (GT_Open(0, 1)) return 1;
+    GT_AxisOn(2);
+    GT_PrfTrap(2);
+    GT_SetTrapPrm(2, &trap);
+    GT_SetPos(2, 400);
+    GT_SetVel(2, 9.5);
+    GT_Update(2);
+    Sleep(100);
+    GT_GetPrfPos(1, pos, 2, NULL);
+    GTN_AxisOn(7, 1);
+    if (argc > 1) _exit(3);
+    return GT_Close();
+}
+"#;
+    let Some(built) = build(Language::C, "logged", text) else { return };
+    let folder = toolchain::scratch().join("logged");
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    let at = |name: &str| folder.join(name).to_string_lossy().into_owned();
+    let (log, plot, trace) = (at("log.txt"), at("t.svg"), at("t.csv"));
+    let variables = [FAST, ("BEAMTICK_LOG", &log), ("BEAMTICK_PLOT", &plot), ("BEAMTICK_TRACE", &trace)];
+    assert!(command(&built, &variables).status().unwrap().success());
+    let found = std::fs::read_to_string(&log).unwrap();
+    let lines: Vec<(&str, &str)> = found.lines().map(|line| line.split_once(' ').unwrap()).collect();
+    let calls: Vec<&str> = lines.iter().map(|(_, call)| *call).collect();
+    let reason = "AxisOn: core is 7";
+    assert_eq!(
+        calls[..9],
+        [
+            "GT_Open(0, 1) = 0",
+            "GT_AxisOn(2) = 0",
+            "GT_PrfTrap(2) = 0",
+            "GT_SetTrapPrm(2, &prm) = 0",
+            "GT_SetPos(2, 400) = 0",
+            "GT_SetVel(2, 9.5) = 0",
+            "GT_Update(2) = 0",
+            "GT_GetPrfPos(1, &value, 2, NULL) = 0",
+            calls[8],
+        ]
+    );
+    assert!(calls[8].starts_with("GTN_AxisOn(7, 1) = 7  ") && calls[8].contains(reason), "{found}");
+    assert_eq!(calls[9..], ["GT_Close() = 0"]);
+    let time = |place: usize| lines[place].0.parse::<f64>().unwrap();
+    assert!((100.0..102.0).contains(&(time(7) - time(6))), "{found}");
+    let picture = std::fs::read_to_string(&plot).unwrap();
+    assert!(picture.contains("axis 2 position") && !picture.contains("axis 1 position"));
+    // Cut off: what there is keeps another name.
+    std::fs::remove_dir_all(&folder).unwrap();
+    std::fs::create_dir_all(&folder).unwrap();
+    assert_eq!(command(&built, &variables).arg("dies").status().unwrap().code(), Some(3));
+    let cut = std::fs::read_to_string(at("log.txt.partial")).unwrap();
+    assert!(cut.lines().last().unwrap().contains(reason), "{cut}");
+    assert!(
+        !folder.join("log.txt").exists() && !folder.join("t.csv").exists() && folder.join("t.csv.partial").exists()
+    );
+    // A picture that is none, and two outputs to one file.
+    for (name, value, part) in
+        [("BEAMTICK_PLOT", at("t.gif"), ".png or .svg"), ("BEAMTICK_LOG", trace.clone(), "written already")]
+    {
+        let mut wrong: Vec<(&str, &str)> = variables[..1].to_vec();
+        wrong.push(("BEAMTICK_TRACE", &trace));
+        wrong.push((name, &value));
+        let why = "#include \"gts.h\"\n#include <stdio.h>\nint main(void)\n{\n    char text[300] = \"\";\n    short code = GT_Open(0, 1);\n    \
+                   GT_GetLastReason(text, 300);\n    printf(\"%d %s\\n\", code, text);\n    return 0;\n}\n";
+        let Some(opens) = build(Language::C, "opens", why) else { return };
+        let said = String::from_utf8(command(&opens, &wrong).output().unwrap().stdout).unwrap();
+        assert!(said.starts_with("-6 ") && said.contains(part), "{said}");
+    }
+}

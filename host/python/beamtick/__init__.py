@@ -12,6 +12,11 @@ or, so that nothing stays lit or moving however it ends:
     with gts.Controller():
         gts.GT_AxisOn(1)
 
+or with its outputs named here, and functions without their prefix:
+
+    with gts.Beamtick("virtual:max", plot="t.png") as card:
+        card.AxisOn(1)
+
 What a function fills in C it returns here: one value as itself, several as a tuple, those of ``count`` axes (above 1) as a
 list; the reader's clock is left out. Its other parameters stand in the order of C, with C++'s defaults, and may be named. Arrays are
 sequences, structs are the classes of this module (``TJogPrm(acc=1, dec=1)``) or mappings. A call that fails raises
@@ -22,6 +27,7 @@ and where the system looks. Which controller is opened the environment says (doc
 """
 
 import atexit
+import csv
 import ctypes
 import ctypes.util
 import inspect
@@ -29,11 +35,15 @@ import os
 import pathlib
 import signal
 import sys
+import tempfile
 import threading
+import time
 
 from . import table
 
-__all__ = ["Controller", "GtsError", "sleep", *table.STRUCTS, *table.FUNCTIONS, *table.CONSTANTS]
+__version__ = "0.1.0"
+
+__all__ = ["Beamtick", "Controller", "GtsError", "Trace", "sleep", "__version__", *table.STRUCTS, *table.FUNCTIONS, *table.CONSTANTS]
 
 _NUMBERS = {
     "short": ctypes.c_short,
@@ -101,9 +111,27 @@ def _struct_type(name, members):
             value = _whole(name, member, kind, value)
         ctypes.Structure.__setattr__(self, member, value)
 
+    def values(self):
+        return [(m, list(v) if isinstance(v, ctypes.Array) else v) for m, v in ((m, getattr(self, m)) for m, _, _ in members)]
+
+    def show(self):
+        return f"{name}({', '.join(f'{member}={value!r}' for member, value in values(self))})"
+
+    def equal(self, other):
+        return values(self) == values(other) if isinstance(other, type(self)) else NotImplemented
+
     fields = [(member, _array_type(kind, count) if count > 1 else _NUMBERS[kind]) for member, kind, count in members]
     return type(
-        name, (ctypes.Structure,), {"_fields_": fields, "__doc__": f"{name} of gts.h.", "__setattr__": set_member}
+        name,
+        (ctypes.Structure,),
+        {
+            "_fields_": fields,
+            "__doc__": f"{name} of gts.h.",
+            "__setattr__": set_member,
+            "__repr__": show,
+            "__eq__": equal,
+            "__hash__": None,
+        },
     )
 
 
@@ -300,14 +328,117 @@ def _close():
 # A script that ends by Ctrl-C ends without the exit functions of C.
 atexit.register(_close)
 
-# A signal is heard between two of these, ms.
-_SLEEP = 100
+# A signal is heard between two waits of so long on the wall clock, s.
+_HEARD = 0.03
 
 
 def sleep(milliseconds):
-    """Waits for so many ms of the open controller's time (docs/c.md), of the wall clock's if none is open. Ctrl-C ends it."""
+    """Waits for so many ms of the open controller's time (docs/c.md), of the wall clock's if none is open. Ctrl-C ends it at
+    once."""
     left = int(milliseconds)
-    while left > _SLEEP:
-        _lib.beamtick_sleep(ctypes.c_ulong(_SLEEP))
-        left -= _SLEEP
-    _lib.beamtick_sleep(ctypes.c_ulong(left))
+    portion = 1
+    while left > 0:
+        portion = min(portion, left)
+        begun = time.monotonic()
+        _lib.beamtick_sleep(ctypes.c_ulong(portion))
+        left -= portion
+        # How long a ms of the controller lasts is not known here; one that is short takes more of them.
+        took = time.monotonic() - begun
+        if took < _HEARD / 2:
+            portion *= 2
+        elif took > _HEARD:
+            portion = max(1, portion // 2)
+
+
+class Trace:
+    """A trace of a controller (docs/c.md, ``BEAMTICK_TRACE``): its columns by name, as lists of numbers.
+
+    ``trace["axis1_pos"]``, ``trace.columns``, ``len(trace)``, and with pandas ``trace.to_dataframe()``."""
+
+    def __init__(self, path):
+        with open(path, newline="", encoding="ascii") as file:
+            rows = csv.reader(file)
+            self.columns = next(rows, [])
+            self._values = {name: [] for name in self.columns}
+            lists = list(self._values.values())
+            for row in rows:
+                for values, value in zip(lists, row):
+                    values.append(float(value))
+
+    def __getitem__(self, column):
+        return self._values[column]
+
+    def __len__(self):
+        return len(self._values[self.columns[0]]) if self.columns else 0
+
+    def __repr__(self):
+        return f"Trace of {len(self)} rows: {', '.join(self.columns)}"
+
+    def to_dataframe(self):
+        """A pandas DataFrame; the time in ms is its index."""
+        try:
+            import pandas
+        except ImportError:
+            raise ImportError("to_dataframe needs pandas: pip install pandas") from None
+        return pandas.DataFrame(self._values).set_index("t_ms")
+
+
+class Beamtick(Controller):
+    """A controller with its link and its outputs, for the length of a ``with``. However that ends, it aborts: every laser is
+    shut off at once, all motion is brought to rest smoothly.
+
+    ``link``, ``profile``, ``family``, ``inputs``, ``vcd``, ``plot``, ``log`` and ``trace`` stand for the variables ``BEAMTICK_…``
+    (docs/c.md); what is not given stays as the environment says. ``trace=True`` keeps a trace without a file: afterwards
+    ``card.trace`` is a :class:`Trace`. Functions are its methods, without their prefix: ``card.AxisOn(1)``,
+    ``card.sleep(100)``."""
+
+    def __init__(self, link=None, *, profile=None, family=None, inputs=None, trace=None, vcd=None, plot=None, log=None, gtn=False):
+        super().__init__(gtn=gtn)
+        self.trace = None
+        self._folder = tempfile.TemporaryDirectory(prefix="beamtick-") if trace is True else None
+        self._trace = os.path.join(self._folder.name, "trace.csv") if self._folder else trace
+        given = {"link": link, "profile": profile, "family": family, "inputs": inputs, "vcd": vcd, "plot": plot, "log": log}
+        given["trace"] = self._trace
+        self._variables = {f"BEAMTICK_{name.upper()}": os.fspath(value) for name, value in given.items() if value is not None}
+        self._prefix = "GTN_" if gtn else "GT_"
+
+    def _enter(self):
+        before = {name: os.environ.get(name) for name in self._variables}
+        os.environ.update(self._variables)
+        try:
+            self._open()
+        finally:
+            for name, value in before.items():
+                if value is None:
+                    del os.environ[name]
+                else:
+                    os.environ[name] = value
+
+    def __exit__(self, kind, error, trace):
+        try:
+            globals()["GT_Abort"]()
+        except GtsError:
+            # A link that is gone: Close tells it.
+            pass
+        try:
+            super().__exit__(kind, error, trace)
+            if self._trace is not None and os.path.isfile(self._trace):
+                self.trace = Trace(self._trace)
+        finally:
+            if self._folder:
+                self._folder.cleanup()
+        return False
+
+    def __getattr__(self, name):
+        function = globals().get(self.__dict__.get("_prefix", "GT_") + name)
+        if function is None or name.startswith("_"):
+            raise AttributeError(f"there is no function {name}; dir(beamtick) lists them")
+        return function
+
+    def __dir__(self):
+        return [*super().__dir__(), *(n[len(self._prefix) :] for n in table.FUNCTIONS if n.startswith(self._prefix))]
+
+    @staticmethod
+    def sleep(milliseconds):
+        """See :func:`sleep`."""
+        sleep(milliseconds)

@@ -3,9 +3,11 @@
 import importlib.util
 import os
 import pathlib
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 os.environ["BEAMTICK_LINK"] = "virtual:max"
@@ -54,6 +56,87 @@ class Context(unittest.TestCase):
         with self.assertRaises(KeyError):
             with gts.Controller():
                 raise KeyError
+
+
+class Card(unittest.TestCase):
+    def test_outputs_are_named_where_the_card_is_opened(self):
+        with tempfile.TemporaryDirectory() as folder:
+            plot, log = pathlib.Path(folder) / "t.svg", pathlib.Path(folder) / "calls.txt"
+            with gts.Beamtick("virtual:max", trace=True, plot=plot, log=log) as card:
+                card.AxisOn(1)
+                card.PrfTrap(1)
+                card.SetTrapPrm(1, {"acc": 1, "dec": 1})
+                card.SetPos(1, 500)
+                card.SetVel(1, 10)
+                card.Update(1)
+                card.sleep(200)
+                with self.assertRaises(gts.GtsError):
+                    card.AxisOn(99)
+                self.assertIn("GetPrfPos", dir(card))
+                with self.assertRaises(AttributeError):
+                    card.Nothing
+            self.assertNotIn("BEAMTICK_PLOT", os.environ)
+            self.assertEqual(card.trace["axis1_pos"][-1], 500.0)
+            self.assertGreater(max(card.trace["axis1_vel"]), 9)
+            self.assertEqual(len(card.trace), len(card.trace["t_ms"]))
+            self.assertIn("axis 1 position", plot.read_text(encoding="utf-8"))
+            self.assertNotIn("axis 2 position", plot.read_text(encoding="utf-8"))
+            lines = log.read_text(encoding="utf-8").splitlines()
+            self.assertIn("GT_Open(0, 1) = 0", lines[0])
+            self.assertTrue(any("GT_AxisOn(99) = 7  AxisOn: axis is 99" in line for line in lines), lines)
+            self.assertEqual(sorted(f.name for f in pathlib.Path(folder).iterdir()), ["calls.txt", "t.svg"])
+            try:
+                import pandas
+            except ImportError:
+                with self.assertRaisesRegex(ImportError, "pip install pandas"):
+                    card.trace.to_dataframe()
+            else:
+                frame = card.trace.to_dataframe()
+                self.assertEqual((frame.index.name, frame["axis1_pos"].iloc[-1]), ("t_ms", 500.0))
+
+    def test_it_aborts_on_the_way_out(self):
+        with tempfile.TemporaryDirectory() as folder:
+            log = pathlib.Path(folder) / "calls.txt"
+            with self.assertRaises(KeyboardInterrupt):
+                with gts.Beamtick("virtual:max", log=log) as card:
+                    card.AxisOn(1)
+                    card.PrfJog(1)
+                    card.SetJogPrm(1, gts.TJogPrm(acc=1, dec=1))
+                    card.SetVel(1, 50)
+                    card.Update(1)
+                    card.sleep(300)
+                    raise KeyboardInterrupt
+            calls = [line.partition(" ")[2] for line in log.read_text(encoding="utf-8").splitlines()]
+            self.assertEqual(calls[-3:], ["GT_Update(1) = 0", "GT_Abort() = 0", "GT_Close() = 0"])
+
+    def test_structs_can_be_read_and_compared(self):
+        jog = gts.TJogPrm(acc=1, dec=0.5)
+        self.assertEqual(repr(jog), "TJogPrm(acc=1.0, dec=0.5, smooth=0.0)")
+        self.assertEqual(jog, gts.TJogPrm(acc=1, dec=0.5, smooth=0))
+        self.assertNotEqual(jog, gts.TJogPrm(acc=2, dec=0.5))
+        self.assertIn("profile=[1, 2, 0, 0, 0, 0, 0, 0]", repr(gts.TCrdPrm(profile=[1, 2])))
+
+    def test_the_version_and_the_types_are_those_of_the_tables(self):
+        host = pathlib.Path(__file__).resolve().parents[1]
+        cargo = (host.parents[1] / "Cargo.toml").read_text(encoding="utf-8")
+        self.assertIn(f'version = "{gts.__version__}"', cargo)
+        self.assertIn(f'version = "{gts.__version__}"', (host / "pyproject.toml").read_text(encoding="utf-8"))
+        self.assertTrue((host / "beamtick" / "py.typed").is_file())
+        subprocess.run([sys.executable, str(host / "stubs.py"), "--check"], check=True)
+
+    def test_ctrl_c_ends_a_sleep_at_once(self):
+        if not hasattr(signal, "setitimer"):
+            self.skipTest("there is no timer of signals")
+        with gts.Beamtick("virtual:1"):
+            handler = signal.signal(signal.SIGALRM, signal.default_int_handler)
+            signal.setitimer(signal.ITIMER_REAL, 0.3)
+            begun = time.monotonic()
+            try:
+                with self.assertRaises(KeyboardInterrupt):
+                    gts.sleep(20_000)
+            finally:
+                signal.signal(signal.SIGALRM, handler)
+            self.assertLess(time.monotonic() - begun, 2)
 
 
 class Controller(unittest.TestCase):

@@ -9,6 +9,7 @@
 //! bytes -> Reader -> Header, Rows -> CsvWriter | VcdWriter | Plot | Xy
 //! ```
 mod csv_file;
+mod csv_reader;
 pub mod decimal;
 mod plot;
 mod reader;
@@ -16,6 +17,7 @@ mod row;
 mod vcd_file;
 
 pub use csv_file::CsvWriter;
+pub use csv_reader::read_csv;
 pub use plant::beam::Change;
 pub use plot::{Millimetres, Plot, PlotOptions, Preview, Xy};
 pub use reader::{Item, Reader};
@@ -74,6 +76,14 @@ pub enum TraceError {
     /// The plot's times are no time that it could show.
     #[error("the plot's time: {0}")]
     Window(String),
+    /// A CSV that is no trace.
+    #[error("line {line}: {what}")]
+    Csv {
+        /// Its line, from 1.
+        line: u64,
+        /// What is wrong.
+        what: String,
+    },
     /// The picture could not be drawn.
     #[error("the plot cannot be drawn: {0}")]
     Plot(String),

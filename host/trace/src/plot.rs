@@ -251,6 +251,26 @@ impl Plot {
         Picture::size(self)
     }
 
+    /// Leaves out what did nothing: axes that stayed at 0, paths without speed, lasers without
+    /// light or power. Where that is everything, nothing is left out.
+    pub fn leave_out_idle(&mut self) {
+        let moves = |curve: &Curve| curve.extremes().is_some_and(|extremes| extremes != (0.0, 0.0));
+        let axes: Vec<bool> = self.curves.iter().map(|[position, _]| moves(position)).collect();
+        let shines = |laser: &Laser| {
+            let powered = laser.powers.iter().flatten().any(moves);
+            powered || laser.gate.highs().is_none_or(|highs| !highs.is_empty())
+        };
+        if !axes.contains(&true) && !self.lasers.iter().any(shines) {
+            return;
+        }
+        let mut kept = axes.iter();
+        self.axes.retain(|_| kept.next() == Some(&true));
+        let mut kept = axes.iter();
+        self.curves.retain(|_| kept.next() == Some(&true));
+        self.crds.retain(|(_, speed)| moves(speed));
+        self.lasers.retain(shines);
+    }
+
     /// Draws a PNG or an SVG, as the path's extension says.
     pub fn save(&self, path: &Path) -> Result<()> {
         canvas::check_name(path)?;
