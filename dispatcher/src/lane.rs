@@ -3,7 +3,7 @@
 //! In: staged operations with their changes. Out: entries in the ring; changes for the executed
 //! state once the view shows that their entries were executed.
 //! Fails: what does not fit is for the caller to try again later ([`Lane::room`]).
-use crate::shadow::{Change, Shadows, executed, is_up_to, seq_after, seq_from};
+use crate::shadow::{Change, Shadows, executed, is_up_to, seq_after};
 use heapless::Deque;
 use ring::Producer;
 use servo::op::{Entry, Op};
@@ -49,9 +49,10 @@ impl<'a, const N: usize> Lane<'a, N> {
         self.ring.free().min(N - self.log.len())
     }
     /// Advances the numbers by `entries`, for tests of counters; nothing is in flight.
+    #[cfg(feature = "test-hooks")]
     pub fn age(&mut self, entries: u32) {
         if self.log.is_empty() {
-            self.last = seq_from(self.last, entries);
+            self.last = crate::shadow::seq_from(self.last, entries);
         }
     }
     /// Number of the last entry pushed.

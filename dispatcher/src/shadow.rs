@@ -135,45 +135,34 @@ impl Change {
     }
 }
 
-/// One copy of the shadow state.
-#[derive(Debug, Clone, Copy)]
-pub struct Shadows<const AXES: usize> {
-    /// The axes.
-    pub axes: [AxisShadow; AXES],
-    /// The coordinate systems.
-    pub crds: [CrdShadow; Crd::MAX],
-    /// The laser channels.
-    pub lasers: [LaserShadow; CHANNELS],
-    /// Resolution of their frequencies.
-    pub laser_fine: bool,
-    /// Whether the tick period is at least [`LONG_TICK`]; none while it is that of power-on.
-    long_tick: Option<bool>,
-    /// The last Abort.
-    aborted: Option<u32>,
-    /// Link loss and interlock.
-    pub watch: Watch,
-    /// PVT tables that hold data, a bit a table.
-    filled: u64,
-    /// The last entry that named a PVT table.
-    named: [Option<u32>; TABLES],
+servo::state! {
+    /// One copy of the shadow state.
+    #[derive(Debug, Clone, Copy)]
+    pub struct Shadows<const AXES: usize> {
+        /// The axes.
+        pub axes: [AxisShadow; AXES] = [AxisShadow::power_on(); AXES],
+        /// The coordinate systems.
+        pub crds: [CrdShadow; Crd::MAX] = [CrdShadow::power_on(); Crd::MAX],
+        /// The laser channels.
+        pub lasers: [LaserShadow; CHANNELS] = [LaserShadow::power_on(true, false); CHANNELS],
+        /// Resolution of their frequencies.
+        pub laser_fine: bool = true,
+        /// Whether the tick period is at least [`LONG_TICK`]; none while it is that of power-on.
+        long_tick: Option<bool> = None,
+        /// The last Abort.
+        aborted: Option<u32> = None,
+        /// Link loss and interlock.
+        pub watch: Watch = Watch::DEFAULT,
+        /// PVT tables that hold data, a bit a table.
+        filled: u64 = 0,
+        /// The last entry that named a PVT table.
+        named: [Option<u32>; TABLES] = [None; TABLES],
+    }
+    /// The state at power-on.
+    pub fn new();
 }
 
 impl<const AXES: usize> Shadows<AXES> {
-    /// The state at power-on.
-    pub fn new() -> Self {
-        Shadows {
-            axes: [AxisShadow::power_on(); AXES],
-            crds: [CrdShadow::power_on(); Crd::MAX],
-            lasers: [LaserShadow::power_on(true, false); CHANNELS],
-            laser_fine: true,
-            long_tick: None,
-            aborted: None,
-            watch: Watch::DEFAULT,
-            filled: 0,
-            named: [None; TABLES],
-        }
-    }
-
     /// The state of one axis; the last one for an axis beyond the capacity, which no admission lets
     /// through.
     pub fn axis(&self, axis: Axis) -> &AxisShadow {
@@ -287,6 +276,25 @@ impl<const AXES: usize> Shadows<AXES> {
         })
     }
 
+    /// The commit of all admitted data of a FIFO of an axis.
+    pub fn commit_of_axis(&self, axis: Axis, fifo: u8) -> (Op, Change) {
+        let (shadow, index) = (self.axis(axis), usize::from(fifo & 1));
+        if shadow.is_follow() {
+            let (cleared, data) = (shadow.follow.cleared[index], shadow.follow.fifos[index]);
+            let op = Op::FollowCommit { axis, fifo, end: data.chain.entries(), cleared, tail: data.chain.tail() };
+            return (op, Change::FollowData { axis, fifo, cleared, shadow: data });
+        }
+        let (epoch, data) = (shadow.epoch, shadow.fifos[index]);
+        (Op::PtCommit { axis, fifo, end: data.end, epoch }, Change::Data { axis, fifo, epoch, shadow: data })
+    }
+
+    /// The commit of a FIFO of a coordinate system up to an entry.
+    pub fn commit_of_path(&self, crd: Crd, fifo: u8, end: u32) -> (Op, Change) {
+        let PathShadow { cleared, data, .. } = *self.crd(crd).path(fifo);
+        let change = CrdChange::Data { fifo, cleared, data };
+        (Op::CrdCommit { crd, fifo, end, cleared }, Change::Crd { crd, change })
+    }
+
     /// Whether an entry that was not executed names a PVT table.
     pub fn is_named(&self, view: &View<AXES>, table: u8) -> bool {
         self.named.get(usize::from(table)).copied().flatten().is_some_and(|seq| !executed(view, seq))
@@ -325,8 +333,8 @@ impl<const AXES: usize> Shadows<AXES> {
     }
 
     fn with(&mut self, axes: AxisMask, change: impl Fn(Axis, &mut AxisShadow)) {
-        for (index, shadow) in self.axes.iter_mut().enumerate() {
-            if let Some(axis) = Axis::new(index).filter(|&axis| axes.has(axis)) {
+        for axis in axes.axes() {
+            if let Some(shadow) = self.axes.get_mut(axis.index()) {
                 change(axis, shadow);
             }
         }
@@ -497,14 +505,15 @@ impl<const AXES: usize> Shadows<AXES> {
                 }
             }
             Change::Crd { crd, change } => {
-                let before = self.driven(crd);
+                let is_frame = matches!(change, CrdChange::Frame { .. });
+                let before = if is_frame { self.driven(crd) } else { AxisMask(0) };
                 self.with_crds(crd.mask(), &change, seq);
                 if let CrdChange::Data { .. } = change
                     && self.crd(crd).started.is_some()
                 {
                     self.with(self.crd(crd).beside, |_, shadow| shadow.aside = true);
                 }
-                if let CrdChange::Frame { .. } = change {
+                if is_frame {
                     self.with(before, |_, shadow| {
                         if shadow.mode == Mode::Crd && shadow.crd == crd {
                             shadow.mode = Mode::Trap;

@@ -83,13 +83,13 @@ pub enum Lanes {
     /// In a program, and in the immediate lane at any time.
     Any,
     /// In a program; in the immediate lane while no program is active.
-    Apart,
-    /// As `Apart`, but with value 0 at any time: switching off is as urgent as a Stop.
-    ApartUnlessZero,
+    Exclusive,
+    /// As `Exclusive`, but with value 0 at any time: switching off is as urgent as a Stop.
+    ExclusiveUnlessZero,
     /// In the immediate lane alone, at any time.
     Immediate,
     /// In the immediate lane alone, while no program is active.
-    ImmediateApart,
+    ImmediateExclusive,
     /// In a program alone.
     Program,
 }
@@ -123,7 +123,7 @@ pub const fn chapter(opcode: u16) -> Chapter {
 impl Lanes {
     /// Whether a program may hold the command.
     pub const fn in_program(self) -> bool {
-        !matches!(self, Lanes::Immediate | Lanes::ImmediateApart)
+        !matches!(self, Lanes::Immediate | Lanes::ImmediateExclusive)
     }
 
     /// Whether the immediate lane takes it while a program is active.
@@ -211,7 +211,7 @@ mod tests {
             assert_eq!(kind == CommandKind::Step, lanes == Lanes::Program, "{}", command.name);
             assert!(kind != CommandKind::Program || lanes == Lanes::Immediate, "{}", command.name);
             let starts = matches!(kind, CommandKind::Start | CommandKind::Data(_) | CommandKind::Table(_));
-            assert!(!starts || lanes == Lanes::Apart, "{}", command.name);
+            assert!(!starts || lanes == Lanes::Exclusive, "{}", command.name);
         }
     }
 }

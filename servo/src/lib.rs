@@ -5,6 +5,9 @@
 //! In: admitted operations ([`op::Op`]) from two lanes, input samples from a [`port::Port`].
 //! Out: set-points to the port, a [`view::View`] for the thread, samples for a trace.
 //! Nothing here divides by a variable, uses floating point, waits, logs or panics.
+#[macro_use]
+mod state;
+
 #[cfg(feature = "test-hooks")]
 mod age;
 mod axis;

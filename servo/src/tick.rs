@@ -120,85 +120,58 @@ impl OffFastPath<'_, '_> {
     }
 }
 
-/// The state of the tick. `AXES` is the capacity of the build. What a view publishes of it has the
-/// view's order, so that a few instructions copy it; the axes come last.
-#[repr(C)]
-pub struct Tick<const AXES: usize> {
-    /// Instant of the tick in force.
-    pub(crate) now: Ns,
-    /// From it to the next one.
-    pub(crate) period: Ns,
-    pub(crate) script: Script,
-    pub(crate) enable: u64,
-    pub(crate) clear: u64,
-    pub(crate) general: GeneralOutputs,
-    /// Ticks since power-on.
-    pub(crate) ticks: u32,
-    pub(crate) done_immediate: u32,
-    pub(crate) done_program: u32,
-    pub(crate) events_lost: u32,
-    overruns: u32,
-    /// Axes in use.
-    pub(crate) used: usize,
-    analog_inputs: usize,
-    /// What was running at an abort and has not stopped yet.
-    pub(crate) aborted: (AxisMask, CrdMask),
-    /// Whether there is any of that.
-    pub(crate) aborts: bool,
-    pub(crate) supervision: Supervision,
-    /// Where a Reset in progress goes on: at the axis before this one, counted from 1; 0 if there
-    /// is none.
-    pub(crate) resetting: u8,
-    /// Axes that may wait for an index edge.
-    indexed: AxisMask,
-    /// The most that a slave moves in a tick, units of Pos, and the value that it is derived from.
-    pub(crate) step_limit: u64,
-    limit_per_us: u64,
-    pub(crate) steps: StepLimit,
-    pub(crate) trace: Trace,
-    pub(crate) lasers: Lasers,
-    pub(crate) order: Order<AXES>,
-    pub(crate) crds: Crds,
-    pub(crate) edges: Edges,
-    pub(crate) axes: [AxisState; AXES],
+state! {
+    /// The state of the tick. `AXES` is the capacity of the build. What a view publishes of it has
+    /// the view's order, so that a few instructions copy it; the axes come last.
+    #[repr(C)]
+    pub struct Tick<const AXES: usize> {
+        /// Instant of the tick in force.
+        pub(crate) now: Ns = Ns(0),
+        /// From it to the next one.
+        pub(crate) period: Ns = Ns(config.period_ns as u64),
+        pub(crate) script: Script = Script::HELD,
+        pub(crate) enable: u64 = 0,
+        pub(crate) clear: u64 = 0,
+        pub(crate) general: GeneralOutputs = 0,
+        /// Ticks since power-on.
+        pub(crate) ticks: u32 = 0,
+        pub(crate) done_immediate: u32 = 0,
+        pub(crate) done_program: u32 = 0,
+        pub(crate) events_lost: u32 = 0,
+        overruns: u32 = 0,
+        /// Axes in use.
+        pub(crate) used: usize = if (config.axes as usize) < AXES { config.axes as usize } else { AXES },
+        analog_inputs: usize = config.analog_inputs as usize,
+        /// What was running at an abort and has not stopped yet.
+        pub(crate) aborted: (AxisMask, CrdMask) = (AxisMask(0), CrdMask(0)),
+        /// Whether there is any of that.
+        pub(crate) aborts: bool = false,
+        pub(crate) supervision: Supervision = Supervision::DEFAULT,
+        /// Where a Reset in progress goes on: at the axis before this one, counted from 1; 0 if
+        /// there is none.
+        pub(crate) resetting: u8 = 0,
+        /// Axes that may wait for an index edge.
+        indexed: AxisMask = AxisMask(0),
+        /// The most that a slave moves in a tick, units of Pos, and the value that it is derived
+        /// from.
+        pub(crate) step_limit: u64 = in_a_tick(config.step_limit.per_us(), config.period_ns as u64),
+        limit_per_us: u64 = config.step_limit.per_us(),
+        pub(crate) steps: StepLimit = config.step_limit,
+        pub(crate) trace: Trace = Trace::OFF,
+        pub(crate) lasers: Lasers = Lasers::new(config.laser_clock),
+        pub(crate) order: Order<AXES> = Order::NONE,
+        pub(crate) crds: Crds = Crds::POWER_ON,
+        pub(crate) edges: Edges = Edges::NONE,
+        pub(crate) axes: [AxisState; AXES] = {
+            const { assert!(AXES <= Axis::MAX, "more axes than a mask has bits") };
+            [AxisState::POWER_ON; AXES]
+        },
+    }
+    /// Power-on: tick 0 is in force at time 0; every axis at standstill at 0, servo off.
+    pub const fn new(config: TickConfig);
 }
 
 impl<const AXES: usize> Tick<AXES> {
-    /// Power-on: tick 0 is in force at time 0; every axis at standstill at 0, servo off.
-    pub const fn new(config: TickConfig) -> Self {
-        const { assert!(AXES <= Axis::MAX, "more axes than a mask has bits") };
-        let used = config.axes as usize;
-        Tick {
-            now: Ns(0),
-            period: Ns(config.period_ns as u64),
-            ticks: 0,
-            used: if used < AXES { used } else { AXES },
-            analog_inputs: config.analog_inputs as usize,
-            indexed: AxisMask(0),
-            aborted: (AxisMask(0), CrdMask(0)),
-            aborts: false,
-            supervision: Supervision::DEFAULT,
-            resetting: 0,
-            done_immediate: 0,
-            done_program: 0,
-            script: Script::HELD,
-            trace: Trace::OFF,
-            events_lost: 0,
-            overruns: 0,
-            enable: 0,
-            general: 0,
-            clear: 0,
-            axes: [AxisState::POWER_ON; AXES],
-            order: Order::NONE,
-            crds: Crds::POWER_ON,
-            edges: Edges::NONE,
-            step_limit: in_a_tick(config.step_limit.per_us(), config.period_ns as u64),
-            limit_per_us: config.step_limit.per_us(),
-            steps: config.step_limit,
-            lasers: Lasers::new(config.laser_clock),
-        }
-    }
-
     /// Instant of the tick in force: that of the last view.
     pub fn now(&self) -> Ns {
         self.now

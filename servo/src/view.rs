@@ -18,118 +18,90 @@ use crate::segment::follow::{Awaits, compose, straight};
 use crate::segment::piece::{Motion, Scaled};
 use crate::units::{Axis, Crd, Ns, Pos};
 
-/// One axis in one tick.
-///
-/// The fields that change in every tick of a running axis come first and lie together.
-#[derive(Debug, Clone, Copy, Default)]
-#[repr(C)]
-pub struct AxisView {
-    /// Counts changes of anything here and of the axis's input levels; a reader skips what did not
-    /// change.
-    pub moves: u32,
-    /// Counts ticks in which the motion of a running axis changed other than by its parameter.
-    pub turns: u32,
-    /// Planned position in force at the view's time.
-    pub pos: Pos,
-    /// Encoder position in pulses, sampled in the tick that computed this.
-    pub encoder: i64,
-    /// Encoder position one tick earlier, for the velocity.
-    pub encoder_before: i64,
-    /// The piece in force and the position in it: the reader derives velocity and acceleration.
-    /// While it follows (`lead`) the piece is over the master's progress, see [`View::motion`].
-    pub motion: Motion,
-    /// PT: end time (ms from the start of pass or stream) of what was committed, minus now; rounded
-    /// down. Brought up to date every eighth tick.
-    pub dry_ms: u32,
-    /// PT: segments of FIFO 0 (in dynamic mode, of the ring) that have run and whose slots are
-    /// free.
-    pub released: u32,
-    /// PT, PVT, Follow: passes completed.
-    pub passes: u32,
-    /// PVT: instant at which the time of the table in force was 0 (in later passes: would have
-    /// been).
-    pub table_zero: Ns,
-    /// Follow: the displacement of its master in the tick, in units of Pos.
-    pub master_displacement: i64,
-    /// Counts ticks, among those of `turns`, in which a field from `dry_ms` to
-    /// `master_displacement` may have changed.
-    pub counts: u32,
-    /// Counts changes of the fields after it.
-    pub changes: u32,
-    /// Status word of `GetSts` (SPEC 4).
-    pub status: u32,
-    /// Those latched bits of `status` that refuse a start until ClearStatus: alarm, following
-    /// error, and limits hit since. A limit that is still active after ClearStatus stays in
-    /// `status` but not here.
-    pub blocked: u32,
-    /// The reason of the last stop.
-    pub stop: StopReason,
-    /// Profile mode.
-    pub mode: Mode,
-    /// Follow: the axis whose motion makes that of this axis; none while it does not move whatever
-    /// the master does.
-    pub lead: Option<Lead>,
-    /// The coordinate system whose motion makes that of this axis; none while none drives it.
-    pub drive: Option<Drive>,
-    /// PT: times a dynamic stream ended, for whatever reason (ran out, underrun, Stop, fault). Its
-    /// data is cleared then, counts and times begin at 0, and segments pushed for an earlier epoch
-    /// are void.
-    pub epoch: u32,
-    /// PT state as `GetPtState` reports it: 0 never ran, 1 running, 2 ended, 3 underrun, 4 stopped.
-    pub pt_state: u8,
-    /// PVT: table in force; at standstill the one that ran last, or was selected since.
-    pub table: u8,
-    /// PVT: table that takes over at the end of the pass.
-    pub pending: Option<u8>,
-    /// PVT: until when that table was in force; `u64::MAX` while it is.
-    pub table_until: Ns,
-    /// Follow: the FIFO that runs, or ran last.
-    pub fifo: u8,
-    /// Follow: the other FIFO takes over at the end of the pass.
-    pub switching: bool,
-    /// Follow: what it waits for, after the tick that computed this.
-    pub waits: Awaits,
-    /// Follow: times a switch has emptied each FIFO. `passes` are those of the FIFO that runs; they
-    /// go down when the master goes back (direction 0).
-    pub cleared: [u32; 2],
-    /// Captured encoder position, if `captured`.
-    pub captured: Option<i64>,
+state! {
+    /// One axis in one tick.
+    ///
+    /// The fields that change in every tick of a running axis come first and lie together.
+    #[derive(Debug, Clone, Copy, Default)]
+    #[repr(C)]
+    pub struct AxisView {
+        /// Counts changes of anything here and of the axis's input levels; a reader skips what did
+        /// not change.
+        pub moves: u32 = 0,
+        /// Counts ticks in which the motion of a running axis changed other than by its parameter.
+        pub turns: u32 = 0,
+        /// Planned position in force at the view's time.
+        pub pos: Pos = Pos(0),
+        /// Encoder position in pulses, sampled in the tick that computed this.
+        pub encoder: i64 = 0,
+        /// Encoder position one tick earlier, for the velocity.
+        pub encoder_before: i64 = 0,
+        /// The piece in force and the position in it: the reader derives velocity and acceleration.
+        /// While it follows (`lead`) the piece is over the master's progress, see [`View::motion`].
+        pub motion: Motion = Motion::STANDSTILL,
+        /// PT: end time (ms from the start of pass or stream) of what was committed, minus now;
+        /// rounded down. Brought up to date every eighth tick.
+        pub dry_ms: u32 = 0,
+        /// PT: segments of FIFO 0 (in dynamic mode, of the ring) that have run and whose slots are
+        /// free.
+        pub released: u32 = 0,
+        /// PT, PVT, Follow: passes completed.
+        pub passes: u32 = 0,
+        /// PVT: instant at which the time of the table in force was 0 (in later passes: would have
+        /// been).
+        pub table_zero: Ns = Ns(0),
+        /// Follow: the displacement of its master in the tick, in units of Pos.
+        pub master_displacement: i64 = 0,
+        /// Counts ticks, among those of `turns`, in which a field from `dry_ms` to
+        /// `master_displacement` may have changed.
+        pub counts: u32 = 0,
+        /// Counts changes of the fields after it.
+        pub changes: u32 = 0,
+        /// Status word of `GetSts` (SPEC 4).
+        pub status: u32 = 0,
+        /// Those latched bits of `status` that refuse a start until ClearStatus: alarm, following
+        /// error, and limits hit since. A limit that is still active after ClearStatus stays in
+        /// `status` but not here.
+        pub blocked: u32 = 0,
+        /// The reason of the last stop.
+        pub stop: StopReason = StopReason::None,
+        /// Profile mode.
+        pub mode: Mode = Mode::Trap,
+        /// Follow: the axis whose motion makes that of this axis; none while it does not move
+        /// whatever the master does.
+        pub lead: Option<Lead> = None,
+        /// The coordinate system whose motion makes that of this axis; none while none drives it.
+        pub drive: Option<Drive> = None,
+        /// PT: times a dynamic stream ended, for whatever reason (ran out, underrun, Stop, fault).
+        /// Its data is cleared then, counts and times begin at 0, and segments pushed for an
+        /// earlier epoch are void.
+        pub epoch: u32 = 0,
+        /// PT state as `GetPtState` reports it: 0 never ran, 1 running, 2 ended, 3 underrun, 4
+        /// stopped.
+        pub pt_state: u8 = 0,
+        /// PVT: table in force; at standstill the one that ran last, or was selected since.
+        pub table: u8 = 0,
+        /// PVT: table that takes over at the end of the pass.
+        pub pending: Option<u8> = None,
+        /// PVT: until when that table was in force; `u64::MAX` while it is.
+        pub table_until: Ns = Ns(0),
+        /// Follow: the FIFO that runs, or ran last.
+        pub fifo: u8 = 0,
+        /// Follow: the other FIFO takes over at the end of the pass.
+        pub switching: bool = false,
+        /// Follow: what it waits for, after the tick that computed this.
+        pub waits: Awaits = Awaits::NOTHING,
+        /// Follow: times a switch has emptied each FIFO. `passes` are those of the FIFO that runs;
+        /// they go down when the master goes back (direction 0).
+        pub cleared: [u32; 2] = [0; 2],
+        /// Captured encoder position, if `captured`.
+        pub captured: Option<i64> = None,
+    }
+    /// An axis at power-on.
+    pub const POWER_ON;
 }
 
 impl AxisView {
-    /// An axis at power-on.
-    pub const POWER_ON: AxisView = AxisView {
-        changes: 0,
-        moves: 0,
-        turns: 0,
-        counts: 0,
-        pos: Pos(0),
-        encoder: 0,
-        encoder_before: 0,
-        status: 0,
-        blocked: 0,
-        stop: StopReason::None,
-        mode: Mode::Trap,
-        motion: Motion::STANDSTILL,
-        lead: None,
-        drive: None,
-        master_displacement: 0,
-        released: 0,
-        passes: 0,
-        epoch: 0,
-        pt_state: 0,
-        dry_ms: 0,
-        table: 0,
-        pending: None,
-        table_zero: Ns(0),
-        table_until: Ns(0),
-        fifo: 0,
-        switching: false,
-        waits: Awaits::NOTHING,
-        cleared: [0; 2],
-        captured: None,
-    };
-
     /// As at power-on, except for counters, and for the stop reason.
     pub(crate) fn reset(&mut self) {
         let AxisView { moves, turns, counts, changes, stop, epoch, cleared, .. } = *self;
@@ -241,69 +213,74 @@ pub(crate) fn motion<'v>(
     chain.iter().flatten().rev().fold(leader, |leader, (motion, lead)| compose(*motion, *lead, leader))
 }
 
-/// Everything of one tick, for the thread. `AXES` is the capacity of the build.
-#[derive(Debug, Clone, Copy)]
-#[repr(C)]
-pub struct View<const AXES: usize> {
-    /// The instant this view is of.
-    pub now: Ns,
-    /// Tick period.
-    pub period: Ns,
-    /// Controller time at which the script clock was zero: the tick in force when the program
-    /// began.
-    pub script_zero: Ns,
-    /// Script clock: the instant of the last program entry executed, from the program's start.
-    pub script: Ns,
-    /// Worst lateness of a program entry.
-    pub worst_late: Ns,
-    /// Program entries executed late.
-    pub late: u32,
-    /// Number of the first of them, 0 if there is none.
-    pub first_late: u32,
-    /// Number of the last entry executed when the first tick of the program took too long, 0 if
-    /// none has.
-    pub overran: u32,
-    /// A laser command that changes light, or the outputs without light, was late.
-    pub late_light: bool,
-    /// Whether the program lane runs; else it is held.
-    pub program_runs: bool,
-    /// An abort is in progress: on commands of lasers are refused until everything has come to
-    /// standstill.
-    pub aborts: bool,
-    /// Servo-enable outputs.
-    pub enable: u64,
-    /// Alarm-clear outputs.
-    pub clear: u64,
-    /// General outputs.
-    pub general_outputs: GeneralOutputs,
-    /// Ticks since power-on.
-    pub tick: u32,
-    /// Last entry of the immediate lane that was executed.
-    pub done_immediate: u32,
-    /// Last entry of the program lane that was executed.
-    pub done_program: u32,
-    /// Events lost because the ring was full.
-    pub events_lost: u32,
-    /// Ticks that began before the one before had ended.
-    pub overruns: u32,
-    /// Trace samples lost because the ring was full.
-    pub trace_lost: u32,
-    /// General inputs.
-    pub general_inputs: GeneralInputs,
-    /// Analog inputs.
-    pub analog: [i16; 8],
-    /// The clock of the machine's laser timers, MHz; 0 before the first tick.
-    pub timer_mhz: u16,
-    /// Counts changes of any of the coordinate systems.
-    pub crd_moves: u32,
-    /// The coordinate systems.
-    pub crds: [CrdView; Crd::MAX],
-    /// The laser channels.
-    pub lasers: [LaserView; CHANNELS],
-    /// Raw per-axis input levels.
-    pub inputs: [AxisInputs; AXES],
-    /// The axes.
-    pub axes: [AxisView; AXES],
+state! {
+    /// Everything of one tick, for the thread. `AXES` is the capacity of the build.
+    #[derive(Debug, Clone, Copy)]
+    #[repr(C)]
+    pub struct View<const AXES: usize> {
+        /// The instant this view is of.
+        pub now: Ns = Ns(0),
+        /// Tick period.
+        pub period: Ns = Ns(0),
+        /// Controller time at which the script clock was zero: the tick in force when the program
+        /// began.
+        pub script_zero: Ns = Ns(0),
+        /// Script clock: the instant of the last program entry executed, from the program's start.
+        pub script: Ns = Ns(0),
+        /// Worst lateness of a program entry.
+        pub worst_late: Ns = Ns(0),
+        /// Program entries executed late.
+        pub late: u32 = 0,
+        /// Number of the first of them, 0 if there is none.
+        pub first_late: u32 = 0,
+        /// Number of the last entry executed when the first tick of the program took too long, 0 if
+        /// none has.
+        pub overran: u32 = 0,
+        /// A laser command that changes light, or the outputs without light, was late.
+        pub late_light: bool = false,
+        /// Whether the program lane runs; else it is held.
+        pub program_runs: bool = false,
+        /// An abort is in progress: on commands of lasers are refused until everything has come to
+        /// standstill.
+        pub aborts: bool = false,
+        /// Servo-enable outputs.
+        pub enable: u64 = 0,
+        /// Alarm-clear outputs.
+        pub clear: u64 = 0,
+        /// General outputs.
+        pub general_outputs: GeneralOutputs = 0,
+        /// Ticks since power-on.
+        pub tick: u32 = 0,
+        /// Last entry of the immediate lane that was executed.
+        pub done_immediate: u32 = 0,
+        /// Last entry of the program lane that was executed.
+        pub done_program: u32 = 0,
+        /// Events lost because the ring was full.
+        pub events_lost: u32 = 0,
+        /// Ticks that began before the one before had ended.
+        pub overruns: u32 = 0,
+        /// Trace samples lost because the ring was full.
+        pub trace_lost: u32 = 0,
+        /// General inputs.
+        pub general_inputs: GeneralInputs = 0,
+        /// Analog inputs.
+        pub analog: [i16; 8] = [0; 8],
+        /// The clock of the machine's laser timers, MHz; 0 before the first tick.
+        pub timer_mhz: u16 = 0,
+        /// Counts changes of any of the coordinate systems.
+        pub crd_moves: u32 = 0,
+        /// The coordinate systems.
+        pub crds: [CrdView; Crd::MAX] = [CrdView::POWER_ON; Crd::MAX],
+        /// The laser channels.
+        pub lasers: [LaserView; CHANNELS] = [LaserView::BEFORE; CHANNELS],
+        /// Raw per-axis input levels.
+        pub inputs: [AxisInputs; AXES] = [AxisInputs { limit_positive: false, limit_negative: false, alarm: false, home: false, arrive: false };
+            AXES],
+        /// The axes.
+        pub axes: [AxisView; AXES] = [AxisView::POWER_ON; AXES],
+    }
+    /// A controller at power-on; all bytes are zero.
+    pub const POWER_ON;
 }
 
 impl<const AXES: usize> View<AXES> {
@@ -321,39 +298,6 @@ impl<const AXES: usize> View<AXES> {
     pub fn motion(&self, axis: &AxisView) -> Motion {
         motion(|axis| self.axes.get(axis.index()), |crd| self.crds.get(crd.index()), axis, self.period)
     }
-
-    /// A controller at power-on; all bytes are zero.
-    pub const POWER_ON: View<AXES> = View {
-        now: Ns(0),
-        tick: 0,
-        period: Ns(0),
-        done_immediate: 0,
-        done_program: 0,
-        program_runs: false,
-        first_late: 0,
-        overran: 0,
-        late_light: false,
-        aborts: false,
-        script: Ns(0),
-        script_zero: Ns(0),
-        late: 0,
-        worst_late: Ns(0),
-        trace_lost: 0,
-        events_lost: 0,
-        overruns: 0,
-        general_inputs: 0,
-        general_outputs: 0,
-        enable: 0,
-        clear: 0,
-        timer_mhz: 0,
-        crd_moves: 0,
-        crds: [CrdView::POWER_ON; Crd::MAX],
-        lasers: [LaserView::BEFORE; CHANNELS],
-        inputs: [AxisInputs { limit_positive: false, limit_negative: false, alarm: false, home: false, arrive: false };
-            AXES],
-        analog: [0; 8],
-        axes: [AxisView::POWER_ON; AXES],
-    };
 }
 
 /// One traced axis, coordinate system or laser channel in one traced tick. Those of a row come in

@@ -4,9 +4,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Folders and single files, lowest first. Each may use those before it, a folder also itself.
-const ORDER: [&str; 16] = [
-    "capacity", "status", "units", "math", "segment", "path", "laser", "tables", "port", "output", "op", "view",
-    "axis", "trace", "tick", "age",
+const ORDER: [&str; 17] = [
+    "state", "capacity", "status", "units", "math", "segment", "path", "laser", "tables", "port", "output", "op",
+    "view", "axis", "trace", "tick", "age",
 ];
 
 fn rank(module: &str) -> usize {

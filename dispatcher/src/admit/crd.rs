@@ -223,7 +223,7 @@ pub fn start<const AXES: usize>(
             if queue.held() > 0 {
                 queue.settle(&stores[usize::from(fifo)]);
                 queue.begin(stores, context.crd_sampled(crd), fifo);
-                let (op, change) = super::data::commit_of_path(context.shadows, crd, fifo, queue.end());
+                let (op, change) = context.shadows.commit_of_path(crd, fifo, queue.end());
                 context.stage_with(op, change);
             }
         }

@@ -11,22 +11,23 @@
 mod given;
 
 use super::context::Context;
-use super::data::{End, Paths, Stored, Written};
 use super::many;
+use super::written::{Paths, Stored, Written};
 use crate::configuration::Configuration;
 use crate::plan::geometry;
 use crate::plan::geometry::{Geometry, OFF_CENTRE, Position, RADIUS_MAX, RADIUS_MIN};
 use crate::plan::look_ahead::{ALONG_MIN, Limits};
-use crate::plan::path_queue::PathQueue;
+use crate::plan::path_queue::{Destination, PathQueue, Queued};
 use crate::refuse::{Admitted, FifoOf, Refused, choice, real};
 use crate::report::answer::Answer;
-use crate::shadow::{CAPACITY, CrdShadow, Frame, PathData, PathShadow};
+use crate::shadow::{CAPACITY, Change, CrdChange, CrdShadow, Frame, PathData, PathShadow};
 pub use given::{DataCommand, EntryKind, Item, Target};
 use given::{Shape, Speeds, given};
 use protocol::command::{LnXYMany, LnXYZMany, opcode};
 use protocol::reason::Reason;
 use servo::path::{Along, DIMENSIONS, Entry, EntryStore, Plane};
 use servo::units::{Axis, Crd};
+use servo::view::CrdView;
 
 /// Most gears of one motion.
 const GEARS: u32 = 4;
@@ -59,6 +60,7 @@ struct Filling<'x> {
     fifo: u8,
     number: i16,
     shadow: &'x CrdShadow,
+    sampled: &'x CrdView,
     frame: &'x Frame,
     path: &'x PathShadow,
     /// Where the next motion begins; NaN for a coordinate that only the tick knows.
@@ -99,7 +101,7 @@ fn open<'x, const AXES: usize>(context: &Context<'x, AXES>, target: &Target) -> 
     let number = context.configuration.crd_number(crd);
     let limit = context.board.step_limit.pulses_per_ms() as f64;
     let (configuration, field) = (context.configuration, target.fifo_field);
-    Ok(Filling { crd, fifo, number, shadow, frame, path, begin, space, at_once, field, configuration, limit })
+    Ok(Filling { crd, fifo, number, shadow, sampled, frame, path, begin, space, at_once, field, configuration, limit })
 }
 
 impl Filling<'_> {
@@ -270,34 +272,34 @@ impl Filling<'_> {
         }
     }
 
-    /// Prepares the queue for what is written from here on.
-    fn prepare(&self, queue: &mut PathQueue) {
-        let look = self.path.look.map(|look| (self.limits(look.corner, look.acc), look.count));
-        queue.prepare(self.path.cleared, look);
-    }
-
-    /// Stores a motion that has been checked.
-    fn put_motion(
-        &self,
-        (queue, store): (&mut PathQueue, &EntryStore),
-        (geometry, stops): (&Geometry, bool),
-        Held { vel, acc, end, along }: Held,
-        data: &mut PathData,
-    ) {
+    /// A motion that has been checked, for the queue. One without look-ahead that has no entry of
+    /// its own is left out.
+    fn motion(&self, geometry: Geometry, stops: bool, held: Held, data: &mut PathData) -> Option<Queued> {
+        let Held { vel, acc, end, along } = held;
         data.leaves = self.leaves(data, geometry.length, acc, end);
-        if self.path.look.is_some() {
-            queue.motion(store, (geometry, vel, acc), stops);
-        } else if let Some(entry) = geometry.entry(along) {
-            queue.other(store, entry, geometry.length / vel);
-        }
         data.add_motion(geometry.end, geometry.sets() | self.undriven());
+        if self.path.look.is_some() {
+            return Some(Queued::Motion { geometry, vel, acc, stops });
+        }
+        geometry.entry(along).map(|entry| Queued::Entry(entry, geometry.length / vel))
     }
 
-    fn written(&self, count: usize, lasts: f64, data: PathData) -> (Written, End) {
+    /// Gives the queue what was checked. Returns how long the tick's data lasts, ms.
+    fn give(
+        &self,
+        (queue, stores): (&mut PathQueue, &[EntryStore; 2]),
+        queued: impl IntoIterator<Item = Queued>,
+    ) -> f64 {
+        let Filling { sampled, fifo, path: PathShadow { cleared, .. }, .. } = *self;
+        let look = self.path.look.map(|look| (self.limits(look.corner, look.acc), look.count));
+        queue.put(&Destination { cleared: *cleared, look, stores, sampled, fifo }, queued)
+    }
+
+    fn written(&self, count: usize, lasts: f64, data: PathData) -> (Written, Change) {
         let (crd, fifo) = (self.crd, self.fifo);
         let answer = Answer::Path { crd, fifo, count: count as u16, lasts_ms: lasts as u32 };
         let written = Written { at_once: self.at_once, ..Written::new(FifoOf::Crd(crd), fifo, answer) };
-        (written, End::Path(data))
+        (written, Change::Crd { crd, change: CrdChange::Data { fifo, cleared: self.path.cleared, data } })
     }
 }
 
@@ -342,17 +344,14 @@ pub fn data<const AXES: usize>(context: &Context<AXES>, paths: Paths<'_>, number
 pub fn put<const AXES: usize>(context: &Context<AXES>, paths: Paths<'_>, (target, what): &DataCommand) -> Stored {
     let filling = open(context, target)?;
     let (queue, stores) = filling.memory(paths)?;
-    let store = &stores[usize::from(filling.fifo & 1)];
     let mut data = filling.path.data;
-    let mut count = 1;
-    match what {
+    let (queued, count) = match what {
         Item::Motion(shape, given) => {
             let speeds = filling.speeds(given)?;
             let geometry = filling.geometry(shape)?;
             filling.in_steps(queue, &geometry, (speeds.vel, given.field), &data)?;
             filling.has_room(1)?;
-            filling.prepare(queue);
-            filling.put_motion((queue, store), (&geometry, given.stops), speeds, &mut data);
+            (filling.motion(geometry, given.stops, speeds, &mut data), 1)
         }
         Item::Entry(entry, kind) => {
             if let EntryKind::Gear(axis, pulses) = *kind {
@@ -372,28 +371,23 @@ pub fn put<const AXES: usize>(context: &Context<AXES>, paths: Paths<'_>, (target
             }
             let ms = if let EntryKind::Delay(ms) = *kind { ms } else { 0.0 };
             filling.has_room(1)?;
-            filling.prepare(queue);
-            queue.other(store, *entry, ms);
             data.add_entry(filling.begin);
             if entry.is_wait() {
                 data.leaves = 0.0;
             }
+            (Some(Queued::Entry(*entry, ms)), 1)
         }
-        Item::Flush => {
-            filling.prepare(queue);
-            queue.flush(store);
-            count = 0;
-        }
-    }
-    let lasts = queue.lasts(stores, context.crd_sampled(filling.crd), filling.fifo);
-    let (mut written, end) = filling.written(count, lasts, data);
+        Item::Flush => (Some(Queued::Flush), 0),
+    };
+    let lasts = filling.give((queue, stores), queued);
+    let (mut written, change) = filling.written(count, lasts, data);
     if let Item::Entry(_, EntryKind::Laser { named, took }) = *what {
         written.named = named;
         if let Some((took, count, held)) = took {
             (written.took, written.answer) = (took, Answer::Took { count, held });
         }
     }
-    Ok((written, end))
+    Ok((written, change))
 }
 
 /// LnXYMany and LnXYZMany: all lines or none.
@@ -406,7 +400,6 @@ fn lines<R: Lines<N>, const N: usize, const AXES: usize>(
     let (target, _, speeds) = r.head();
     let filling = open(context, &target)?;
     let (queue, stores) = filling.memory(paths)?;
-    let store = &stores[usize::from(filling.fifo & 1)];
     let admitted = filling.speeds(&speeds)?;
     // The first one that does not fit.
     filling.has_room(items.len()).map_err(|refused| refused.item(filling.space as usize))?;
@@ -443,11 +436,10 @@ fn lines<R: Lines<N>, const N: usize, const AXES: usize>(
             (ends.open, ends.gears.0, ends.gear) = (true, 0, 0);
         }
     }
-    filling.prepare(queue);
     let mut data = filling.path.data;
     let mut at = filling.begin;
     let sets = filling.undriven() | if N == 2 { 0b11 } else { 0b1111 };
-    for (index, item) in items.iter().enumerate() {
+    let queued = items.iter().filter_map(|item| {
         let to = R::to(item);
         let mut target = at.map(|position| position as i32);
         target.iter_mut().zip(to).for_each(|(target, to)| *target = to);
@@ -460,18 +452,17 @@ fn lines<R: Lines<N>, const N: usize, const AXES: usize>(
                 let part = (f64::from(to) - at) as f32;
                 sum + part * part
             });
-            queue.other(store, entry, f64::from(libm::sqrtf(shape) / vel as f32));
             at.iter_mut().zip(to).for_each(|(at, to)| *at = to.into());
             data.add_motion(at, sets);
-            continue;
+            return Some(Queued::Entry(entry, f64::from(libm::sqrtf(shape) / vel as f32)));
         }
-        let geometry = if N == 2 { Geometry::planar(&at, [x, y]) } else { Geometry::line(&at, target) };
-        let Ok(geometry) = geometry else { return Err(Refused::new(Reason::NoLength).field(fields).item(index)) };
-        filling.put_motion((queue, store), (&geometry, false), admitted, &mut data);
+        // It has a length: that was checked above.
+        let geometry = if N == 2 { Geometry::planar(&at, [x, y]) } else { Geometry::line(&at, target) }.ok()?;
         at = geometry.end;
-    }
+        filling.motion(geometry, false, admitted, &mut data)
+    });
+    let lasts = filling.give((queue, stores), queued);
     data.leaves = ends.leaves;
-    let lasts = queue.lasts(stores, context.crd_sampled(filling.crd), filling.fifo);
     Ok(filling.written(items.len(), lasts, data))
 }
 

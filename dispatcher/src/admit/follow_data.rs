@@ -4,13 +4,13 @@
 //! Fails: with the parameter and the limit. Entries written by then lie after the end of the FIFO,
 //! where nobody reads.
 use super::context::{Context, TRAVEL_PULSES};
-use super::data::{End, Segments, Stored, Written};
 use super::follow::{following, known, method, mode_of};
+use super::written::{Segments, Stored, Written};
 use super::{io, one};
 use crate::plan::asymmetric_s;
 use crate::refuse::{Admitted, FifoOf, Refused, choice, real, within};
 use crate::report::answer::Answer;
-use crate::shadow::Fifo;
+use crate::shadow::{Change, Fifo};
 use protocol::command::{
     FollowData, FollowDataPercent2Ex, FollowDataPercentEx, FollowDelayEx, FollowDiBitEx, FollowDoBitEx,
     FollowSwitchNowEx, opcode,
@@ -46,7 +46,9 @@ enum Given {
 /// One FIFO that is being filled.
 struct Filling<'x> {
     store: &'x SegmentStore,
+    axis: Axis,
     fifo: u8,
+    cleared: u32,
     field: u8,
     direction: Direction,
     capacity: u32,
@@ -88,10 +90,11 @@ impl Filling<'_> {
         Ok(())
     }
 
-    /// What was written to this FIFO of `axis`.
-    fn written(&self, axis: Axis, percent1: i16) -> (Written, End) {
-        let Filling { fifo, shadow, .. } = *self;
-        (Written::new(FifoOf::Axis(axis), fifo, Answer::Entered { axis, fifo, percent1 }), End::Follow(shadow))
+    /// What was written to this FIFO.
+    fn written(&self, percent1: i16) -> (Written, Change) {
+        let Filling { axis, fifo, cleared, shadow, .. } = *self;
+        let answer = Answer::Entered { axis, fifo, percent1 };
+        (Written::new(FifoOf::Axis(axis), fifo, answer), Change::FollowData { axis, fifo, cleared, shadow })
     }
 
     #[cold]
@@ -179,7 +182,7 @@ pub fn data<const AXES: usize>(context: &Context<AXES>, stores: &Segments<AXES>,
     let axis = following(context, mode_of(number), core.get(), profile.get())?;
     let mut filling = open(context, stores, axis, fifo.get(), field)?;
     filling.add(given).map_err(|refused| refused.axis(context.configuration.number_of(axis)))?;
-    Ok(filling.written(axis, 0))
+    Ok(filling.written(0))
 }
 
 /// FollowDataPercent2Ex: up to three slots, for the rising, the constant and the falling part of
@@ -234,7 +237,7 @@ fn asymmetric_data<const AXES: usize>(
         let (at, to) = if Some(index) == last { (master, slave) } else { (at, to) };
         filling.add(Given::Part(at, to, part, first.take())).map_err(named)?;
     }
-    Ok(filling.written(axis, (x * 100.0 + 0.5) as i16))
+    Ok(filling.written((x * 100.0 + 0.5) as i16))
 }
 
 /// The FIFO, if its content is known and its slots are free for data.
@@ -259,5 +262,6 @@ fn open<'x, const AXES: usize>(
         _ => Direction::Down,
     };
     let (capacity, data) = (shadow.follow.capacity(), *shadow.follow.fifo(fifo));
-    Ok(Filling { store, fifo, field, direction, capacity, shadow: data })
+    let cleared = shadow.follow.cleared[usize::from(fifo & 1)];
+    Ok(Filling { store, axis, fifo, cleared, field, direction, capacity, shadow: data })
 }

@@ -23,6 +23,7 @@ mod pvt;
 pub mod pvt_table;
 mod session;
 mod simulated;
+pub mod written;
 
 use crate::configuration::ones;
 use crate::refuse::{Admitted, Refused, within};

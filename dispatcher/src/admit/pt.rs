@@ -1,7 +1,7 @@
 //! PT commands (GXN chapter 2), and PT data from bytes to the axis's store.
 use super::axis::all_startable;
 use super::context::{Context, TRAVEL_PULSES};
-use super::data::{End, Segments, Stored, Written};
+use super::written::{Segments, Stored, Written};
 use super::{many, one};
 use crate::refuse::{Admitted, FifoOf, Refused, choice};
 use crate::report::answer::{Answer, Query};
@@ -198,7 +198,8 @@ fn push<const AXES: usize>(
     }
     let data = FifoShadow { end: data.end.wrapping_add(items.len() as u32), chain };
     let answer = Answer::Taken { axis, fifo, count: items.len() as u16 };
-    Ok((Written::new(FifoOf::Axis(axis), fifo, answer), End::Pt(data)))
+    let change = Change::Data { axis, fifo, epoch: shadow.epoch, shadow: data };
+    Ok((Written::new(FifoOf::Axis(axis), fifo, answer), change))
 }
 
 /// The fields that a refusal names are those of a PtItem: 0 position, 1 time, 2 kind.

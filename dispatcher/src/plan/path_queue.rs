@@ -42,6 +42,31 @@ impl Lasting {
     }
 }
 
+/// What a call gives to a FIFO.
+pub enum Queued {
+    /// A motion whose speeds the look-ahead decides; `stops`: the path stops at its end.
+    Motion { geometry: Geometry, vel: f64, acc: f64, stops: bool },
+    /// Any other entry, or a motion that ends at the speed of its call, and how long it lasts, ms.
+    /// Entries before it in the look-ahead go before it.
+    Entry(Entry, f64),
+    /// Nothing follows for now: all of the look-ahead goes to the tick.
+    Flush,
+}
+
+/// Where that goes.
+pub struct Destination<'x> {
+    /// How many times the FIFO was cleared.
+    pub cleared: u32,
+    /// The limits of its look-ahead, and how many entries that may hold.
+    pub look: Option<(Limits, u16)>,
+    /// Both FIFOs of its coordinate system.
+    pub stores: &'x [EntryStore; 2],
+    /// What the tick shows of that.
+    pub sampled: &'x CrdView,
+    /// Which FIFO.
+    pub fifo: u8,
+}
+
 /// The data of one FIFO before the tick. All its bytes are zero at the beginning.
 pub struct PathQueue {
     look: LookAhead<LOOK_AHEAD>,
@@ -80,6 +105,7 @@ impl PathQueue {
     }
 
     /// Advances the counters of an empty queue, for tests.
+    #[cfg(feature = "test-hooks")]
     pub fn age(&mut self, by: u32) {
         (self.first, self.end) = (self.first.wrapping_add(by), self.end.wrapping_add(by));
         self.look.age(by);
@@ -106,9 +132,34 @@ impl PathQueue {
         self.look.len()
     }
 
+    /// Takes what calls give to a FIFO, in their order. Returns how long the tick's data lasts, ms.
+    pub fn put(&mut self, to: &Destination<'_>, given: impl IntoIterator<Item = Queued>) -> f64 {
+        self.prepare(to.cleared, to.look);
+        let store = &to.stores[usize::from(to.fifo & 1)];
+        for given in given {
+            match given {
+                Queued::Motion { geometry, vel, acc, stops } => {
+                    self.make_room(store);
+                    self.look.push_motion(&geometry, vel, acc);
+                    if stops {
+                        self.look.stop();
+                    }
+                }
+                // If nothing waits, the entry handed over last ends at standstill.
+                Queued::Entry(entry, ms) if self.look.is_empty() => self.write(store, entry, ms),
+                Queued::Entry(entry, _) => {
+                    self.make_room(store);
+                    self.look.push_other(entry);
+                }
+                Queued::Flush => self.flush(store),
+            }
+        }
+        self.lasts(to.stores, to.sampled, to.fifo)
+    }
+
     /// Prepares for data of a FIFO that was cleared so many times, with the limits of its
     /// look-ahead and how many entries that may hold.
-    pub fn prepare(&mut self, cleared: u32, look: Option<(Limits, u16)>) {
+    fn prepare(&mut self, cleared: u32, look: Option<(Limits, u16)>) {
         self.follow(cleared);
         if let Some((limits, count)) = look {
             self.count = usize::from(count).clamp(1, LOOK_AHEAD);
@@ -118,31 +169,10 @@ impl PathQueue {
         }
     }
 
-    /// The limits of a motion after [`PathQueue::prepare`] with these limits, for a FIFO that was
+    /// The limits of a motion after [`PathQueue::put`] with these limits, for a FIFO that was
     /// cleared so many times.
     pub fn limits(&self, cleared: u32, limits: Limits) -> Limits {
         if self.cleared != cleared || self.look.is_empty() { limits } else { *self.look.limits() }
-    }
-
-    /// A motion whose speeds the look-ahead decides; `rests`: the path stops at its end.
-    pub fn motion(&mut self, store: &EntryStore, (geometry, vel, acc): (&Geometry, f64, f64), rests: bool) {
-        self.make_room(store);
-        self.look.push_motion(geometry, vel, acc);
-        if rests {
-            self.look.stop();
-        }
-    }
-
-    /// Any other entry, and motions that end at the speeds of their calls. Entries before it in the
-    /// look-ahead go before it.
-    pub fn other(&mut self, store: &EntryStore, entry: Entry, ms: f64) {
-        // If nothing waits, the entry handed over last ends at standstill.
-        if self.look.is_empty() {
-            self.write(store, entry, ms);
-        } else {
-            self.make_room(store);
-            self.look.push_other(entry);
-        }
     }
 
     fn make_room(&mut self, store: &EntryStore) {

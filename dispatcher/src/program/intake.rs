@@ -13,8 +13,9 @@
 use super::{Program, State};
 use crate::admit::admission::Admission;
 use crate::admit::context::{Due, Effect};
-use crate::admit::data::{Written, is_data};
+use crate::admit::data::is_data;
 use crate::admit::staged::FEW;
+use crate::admit::written::Written;
 use crate::admit::{kind, one};
 use crate::refuse::{Admitted, Refused};
 use crate::report::answer::{Answer, POINTS_MAX, TAKEN_MAX};

@@ -77,7 +77,7 @@ struct Run {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum ProgramDrop {
     None,
-    /// It has, and has not been told.
+    /// It has, and does not know yet.
     Due,
     /// The operation is pushed, with this number.
     Pushed(u32),
@@ -95,53 +95,37 @@ struct Ending {
     clears: bool,
 }
 
-/// The program queue.
-pub struct Program<'a> {
-    lane: Lane<'a, PROGRAM>,
-    records: Records,
-    replies: PendingReplies<AWAITING, VALUES>,
-    state: State,
-    run: Run,
-    script: Script,
-    gathered: Gathered,
-    ending: Ending,
-    reported: Reported,
-    /// The item of LoadConfig in hand.
-    config: Option<u16>,
-    /// The executed state waits for the first of the replies.
-    is_lagging: bool,
-    /// A record did not fit: nothing more is taken until the client has asked for ProgramStatus.
-    overflowed: bool,
-    /// Nothing more can be admitted before the tick or the client acts.
-    settled: bool,
-    /// The record in hand waits for the machine and must not miss the tick.
-    urgent: bool,
-    /// The data in hand waits for room in this FIFO, whose motion runs.
-    waits_for: Option<(FifoOf, u8)>,
+servo::state! {
+    /// The program queue.
+    pub struct Program<'a> {
+        lane: Lane<'a, PROGRAM> = Lane::new(ring, PROGRAM_FLAG),
+        records: Records = Records::new(),
+        replies: PendingReplies<AWAITING, VALUES> = PendingReplies::new(),
+        state: State = State::Empty,
+        run: Run = Run::default(),
+        script: Script = Script::default(),
+        gathered: Gathered = Gathered::default(),
+        ending: Ending = Ending { strict: false, drop: ProgramDrop::None, reason: Reason::Discarded, clears: false },
+        reported: Reported = Reported::default(),
+        /// The item of LoadConfig in hand.
+        config: Option<u16> = None,
+        /// The executed state waits for the first of the replies.
+        is_lagging: bool = false,
+        /// A record did not fit: nothing more is taken until the client has asked for
+        /// ProgramStatus.
+        overflowed: bool = false,
+        /// Nothing more can be admitted before the tick or the client acts.
+        settled: bool = true,
+        /// The record in hand waits for the machine and must not miss the tick.
+        urgent: bool = false,
+        /// The data in hand waits for room in this FIFO, whose motion runs.
+        waits_for: Option<(FifoOf, u8)> = None,
+    }
+    /// An empty queue.
+    pub fn new(ring: Producer<'a, Entry, PROGRAM>);
 }
 
 impl<'a> Program<'a> {
-    /// An empty queue.
-    pub fn new(ring: Producer<'a, Entry, PROGRAM>) -> Self {
-        Program {
-            lane: Lane::new(ring, PROGRAM_FLAG),
-            records: Records::new(),
-            replies: PendingReplies::new(),
-            state: State::Empty,
-            run: Run::default(),
-            script: Script::default(),
-            gathered: Gathered::default(),
-            ending: Ending { strict: false, drop: ProgramDrop::None, reason: Reason::Discarded, clears: false },
-            reported: Reported::default(),
-            config: None,
-            is_lagging: false,
-            overflowed: false,
-            settled: true,
-            urgent: false,
-            waits_for: None,
-        }
-    }
-
     /// The counts and the clock of a new program.
     fn begin(&mut self) {
         self.waits_for = None;
@@ -367,6 +351,7 @@ impl<'a> Program<'a> {
     }
 
     /// Advances the numbers of the lane, for tests of counters.
+    #[cfg(feature = "test-hooks")]
     pub fn age(&mut self, entries: u32) {
         self.lane.age(entries);
     }

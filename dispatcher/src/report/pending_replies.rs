@@ -12,39 +12,29 @@ use protocol::record::{Full, ReplyWriter};
 use servo::units::{Axis, Crd};
 use zerocopy::IntoBytes;
 
-/// A reply that waits for its entry's execution.
-#[derive(Debug, Clone, Copy)]
-pub struct Awaiting {
-    /// Which command.
-    pub opcode: u16,
-    /// The client's tag.
-    pub tag: u16,
-    /// The entry that it waits for; none if everything before it was executed.
-    pub seq: Option<u32>,
-    /// The entry is not pushed yet (PT data whose commit is still gathering).
-    pub open: bool,
-    /// The entry is the command's own.
-    pub own: bool,
-    /// The entry will never be executed.
-    pub discarded: bool,
-    /// The program goes on if the tick refuses the entry.
-    pub may_fail: bool,
-    /// What to answer.
-    pub answer: Answer,
-}
-
-impl Awaiting {
+servo::state! {
+    /// A reply that waits for its entry's execution.
+    #[derive(Debug, Clone, Copy)]
+    pub struct Awaiting {
+        /// Which command.
+        pub opcode: u16 = 0,
+        /// The client's tag.
+        pub tag: u16 = 0,
+        /// The entry that it waits for; none if everything before it was executed.
+        pub seq: Option<u32> = None,
+        /// The entry is not pushed yet (PT data whose commit is still gathering).
+        pub open: bool = false,
+        /// The entry is the command's own.
+        pub own: bool = false,
+        /// The entry will never be executed.
+        pub discarded: bool = false,
+        /// The program goes on if the tick refuses the entry.
+        pub may_fail: bool = false,
+        /// What to answer.
+        pub answer: Answer = Answer::Done,
+    }
     /// Waits for nothing.
-    pub const BLANK: Awaiting = Awaiting {
-        opcode: 0,
-        tag: 0,
-        seq: None,
-        open: false,
-        own: false,
-        discarded: false,
-        may_fail: false,
-        answer: Answer::Done,
-    };
+    pub const BLANK;
 }
 
 impl Awaiting {

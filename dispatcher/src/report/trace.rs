@@ -54,52 +54,34 @@ enum State {
     Rows,
 }
 
-/// The trace.
-pub struct TraceOut<const AXES: usize> {
-    encoder: Encoder,
-    state: State,
-    every: u32,
-    columns: Columns,
-    /// Entry that ends it.
-    ending: Option<u32>,
-    /// It goes over the link: in messages, and not to the caller of [`TraceOut::bytes`].
-    over_link: bool,
-    /// The encoder has no room: a message's worth has gathered.
-    full: bool,
-    row: u32,
-    axes: [trace::Sample; AXES],
-    lasers: [LaserSample; CHANNELS],
-    crds: [CrdSample; Crd::MAX],
-    gathered: usize,
-    sent: u32,
-    next: u32,
-    lost: u32,
-    samples_lost: u32,
+servo::state! {
+    /// The trace.
+    pub struct TraceOut<const AXES: usize> {
+        encoder: Encoder = Encoder::new(),
+        state: State = State::Off,
+        every: u32 = 0,
+        columns: Columns = Columns::NONE,
+        /// Entry that ends it.
+        ending: Option<u32> = None,
+        /// It goes over the link: in messages, and not to the caller of [`TraceOut::bytes`].
+        over_link: bool = false,
+        /// The encoder has no room: a message's worth has gathered.
+        full: bool = false,
+        row: u32 = 0,
+        axes: [trace::Sample; AXES] = [trace::Sample::default(); AXES],
+        lasers: [LaserSample; CHANNELS] = [LaserSample::default(); CHANNELS],
+        crds: [CrdSample; Crd::MAX] = [CrdSample::default(); Crd::MAX],
+        gathered: usize = 0,
+        sent: u32 = 0,
+        next: u32 = 0,
+        lost: u32 = 0,
+        samples_lost: u32 = 0,
+    }
+    /// No trace.
+    pub fn new();
 }
 
 impl<const AXES: usize> TraceOut<AXES> {
-    /// No trace.
-    pub fn new() -> Self {
-        TraceOut {
-            encoder: Encoder::new(),
-            state: State::Off,
-            every: 0,
-            columns: Columns::NONE,
-            ending: None,
-            over_link: false,
-            full: false,
-            row: 0,
-            axes: [trace::Sample::default(); AXES],
-            lasers: [LaserSample::default(); CHANNELS],
-            crds: [CrdSample::default(); Crd::MAX],
-            gathered: 0,
-            sent: 0,
-            next: 0,
-            lost: 0,
-            samples_lost: 0,
-        }
-    }
-
     /// Entry `seq` begins (`every` ≥ 1) or ends a trace. One that runs is left without its end.
     pub fn announce(&mut self, every: u32, columns: Columns, over_link: bool, seq: u32) {
         if every == 0 {

@@ -1,6 +1,6 @@
 //! What happens at a second client, on a wire that the link is not on: the other wire of a board
 //! that has two, or a further connection to a served controller. A client may ask there for the
-//! session. It gets it once the present session is dead; before that it is told who has it.
+//! session. It gets it once the present session is dead; before that it learns who has it.
 //!
 //! In: bytes of that wire. Out: answers to a Hello, and that a session was taken over there; then
 //! the board exchanges the two. Owns one short frame each way.

@@ -303,6 +303,7 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
     /// Advances the numbers of each lane by `entries`, with [`Tick::age`](servo::tick::Tick::age)
     /// by as much before the next tick. For tests of what a long life does to counters. Nothing may
     /// be in flight.
+    #[cfg(feature = "test-hooks")]
     pub fn age(&mut self, entries: u32) {
         self.handler.admission.lane.age(entries);
         self.program.age(entries);
@@ -310,6 +311,7 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
 
     /// Advances the counts of entries and motions of each FIFO of a path, with
     /// [`Tick::age_counts`](servo::tick::Tick::age_counts). The FIFOs must be empty.
+    #[cfg(feature = "test-hooks")]
     pub fn age_counts(&mut self, by: u32) {
         let paths = self.handler.admission.admitted.crds.iter().flat_map(|crd| &crd.fifos);
         for (queue, path) in self.handler.admission.queues.iter_mut().flatten().zip(paths) {

@@ -33,63 +33,47 @@ impl DistanceShadow {
     }
 }
 
-/// One laser channel.
-#[derive(Debug, Clone, Copy)]
-pub struct LaserShadow {
-    /// Power mode.
-    pub mode: laser::Mode,
-    /// Bounds of the power.
-    pub bounds: Bounds,
-    /// The gate's delays apply.
-    pub delayed: bool,
-    /// Direct power.
-    pub power: Power,
-    /// Carrier of the duty modes.
-    pub carrier: Option<Carrier>,
-    /// Pulse width of the frequency mode, µs; 0 is none set.
-    pub width_us: u16,
-    /// Standby pulses: kHz and %.
-    pub standby: Option<(Power, Power)>,
-    /// They are output only while both channels are PWM (LSR, SetWaitPulseEx).
-    pub paired: bool,
-    /// The axis connector carries the laser.
-    pub connector: bool,
-    /// Crds over all cores, bit 0 is crd 1 of core 1.
-    pub map: u8,
-    /// The last entry that clears the channel's fault, until it is executed.
-    pub cleared: Option<u32>,
-    /// Distance follow; none is off.
-    pub distance: Option<DistanceShadow>,
-    /// The last entry that named each bank of ratios.
-    banks: [Option<u32>; BANKS],
-    /// Follow tables that hold points, a bit each.
-    pub tables: u8,
-    /// For each follow table the FIFOs that were given an entry that names it: bit 2·crd + FIFO.
-    pub named: [Fifos; POWER_TABLES],
+servo::state! {
+    /// One laser channel.
+    #[derive(Debug, Clone, Copy)]
+    pub struct LaserShadow {
+        /// Power mode.
+        pub mode: laser::Mode = laser::Mode::Duty,
+        /// Bounds of the power.
+        pub bounds: Bounds = Bounds::full(laser::Mode::Duty),
+        /// The gate's delays apply.
+        pub delayed: bool = delayed,
+        /// Direct power.
+        pub power: Power = Power::ZERO,
+        /// Carrier of the duty modes.
+        pub carrier: Option<Carrier> = None,
+        /// Pulse width of the frequency mode, µs; 0 is none set.
+        pub width_us: u16 = 0,
+        /// Standby pulses: kHz and %.
+        pub standby: Option<(Power, Power)> = None,
+        /// They are output only while both channels are PWM (LSR, SetWaitPulseEx).
+        pub paired: bool = false,
+        /// The axis connector carries the laser.
+        pub connector: bool = connector,
+        /// Crds over all cores, bit 0 is crd 1 of core 1.
+        pub map: u8 = u8::MAX,
+        /// The last entry that clears the channel's fault, until it is executed.
+        pub cleared: Option<u32> = None,
+        /// Distance follow; none is off.
+        pub distance: Option<DistanceShadow> = None,
+        /// The last entry that named each bank of ratios.
+        banks: [Option<u32>; BANKS] = [None; BANKS],
+        /// Follow tables that hold points, a bit each.
+        pub tables: u8 = 0,
+        /// For each follow table the FIFOs that were given an entry that names it: bit 2·crd +
+        /// FIFO.
+        pub named: [Fifos; POWER_TABLES] = [0; POWER_TABLES],
+    }
+    /// A channel at power-on (SPEC 6).
+    pub const fn power_on(delayed: bool, connector: bool);
 }
 
 impl LaserShadow {
-    /// A channel at power-on (SPEC 6).
-    pub const fn power_on(delayed: bool, connector: bool) -> LaserShadow {
-        LaserShadow {
-            mode: laser::Mode::Duty,
-            bounds: Bounds::full(laser::Mode::Duty),
-            delayed,
-            power: Power::ZERO,
-            carrier: None,
-            width_us: 0,
-            standby: None,
-            paired: false,
-            connector,
-            map: u8::MAX,
-            cleared: None,
-            distance: None,
-            banks: [None; BANKS],
-            tables: 0,
-            named: [0; POWER_TABLES],
-        }
-    }
-
     /// Whether a follow table holds points.
     pub fn is_filled(&self, table: u8) -> bool {
         self.tables >> (table & 7) & 1 == 1

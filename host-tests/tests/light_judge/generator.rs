@@ -429,7 +429,7 @@ impl Maker {
                 self.call(at, Do::CrdClear { crd, fifo: 0 });
                 if self.program.look_ahead >> crd & 1 == 0 {
                     let (entries, _) = self.path(crd, fifo, 1);
-                    // Apart from the last mark before it.
+                    // Exclusive from the last mark before it.
                     let apart = Do::Entry { crd, fifo, buf: Buf::Delay(1) };
                     for entry in [apart].into_iter().chain(entries) {
                         self.call(at + 2, entry);

@@ -13,48 +13,37 @@ pub(crate) fn reading(pulses: i64) -> Pos {
     Pos(pulses.clamp(-READABLE_PULSES, READABLE_PULSES) << Pos::FRAC_BITS)
 }
 
-/// The input side of one axis.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Inputs {
-    /// Inputs that are switched off, one bit each as in `AxisInputs::bits`.
-    off: u8,
-    /// Inputs that are active at the low level, likewise.
-    low: u8,
-    /// Encoder reading minus the machine's count.
-    shift: i64,
-    /// Soft limits.
-    pub(crate) soft_positive: Option<i32>,
-    pub(crate) soft_negative: Option<i32>,
-    /// Following-error limit in pulses.
-    pub(crate) error_limit: Option<u32>,
-    /// In-position band in pulses.
-    pub(super) band: u32,
-    /// How long the encoder has to be inside.
-    pub(super) band_time: Ns,
-    /// Since when it has been inside: `None` while it is not.
-    pub(super) inside: Option<Ns>,
-    /// Capture mode that is armed; 0 is none, 1 home, 2 index.
-    capture: u8,
-    /// Home was active one tick ago.
-    home: bool,
+state! {
+    /// The input side of one axis.
+    #[derive(Debug, Clone, Copy)]
+    pub(crate) struct Inputs {
+        /// Inputs that are switched off, one bit each as in `AxisInputs::bits`.
+        off: u8 = 0,
+        /// Inputs that are active at the low level, likewise.
+        low: u8 = 0,
+        /// Encoder reading minus the machine's count.
+        shift: i64 = 0,
+        /// Soft limits.
+        pub(crate) soft_positive: Option<i32> = None,
+        pub(crate) soft_negative: Option<i32> = None,
+        /// Following-error limit in pulses.
+        pub(crate) error_limit: Option<u32> = None,
+        /// In-position band in pulses.
+        pub(super) band: u32 = 0,
+        /// How long the encoder has to be inside.
+        pub(super) band_time: Ns = Ns(0),
+        /// Since when it has been inside: `None` while it is not.
+        pub(super) inside: Option<Ns> = None,
+        /// Capture mode that is armed; 0 is none, 1 home, 2 index.
+        capture: u8 = 0,
+        /// Home was active one tick ago.
+        home: bool = false,
+    }
+    /// Power-on: everything on and active high, no limits of position or error, band 0.
+    pub(crate) const POWER_ON;
 }
 
 impl Inputs {
-    /// Power-on: everything on and active high, no limits of position or error, band 0.
-    pub(crate) const POWER_ON: Inputs = Inputs {
-        off: 0,
-        low: 0,
-        shift: 0,
-        soft_positive: None,
-        soft_negative: None,
-        error_limit: None,
-        band: 0,
-        band_time: Ns(0),
-        inside: None,
-        capture: 0,
-        home: false,
-    };
-
     /// Switches some inputs on or off, and makes some active low or active high.
     pub(crate) fn guard(&mut self, on: Guards, low: Guards) {
         self.off = !on.applied(!self.off);

@@ -121,76 +121,54 @@ impl Ramps {
     };
 }
 
-/// The state of one axis. What every tick reads comes first.
-#[derive(Debug, Clone, Copy)]
-#[repr(C)]
-pub(crate) struct AxisState {
-    /// What the thread reads. It is also the state itself, where both are the same.
-    pub(crate) published: AxisView,
-    scan: InputScan,
-    /// The status word may have changed.
-    pub(crate) changed: bool,
-    state: MotionState,
-    /// Ticks until its next start is prepared; 0 if it is, or if there is nothing to prepare.
-    unprepared: u8,
-    /// Input levels, sampled, as bits.
-    levels: u8,
-    pub(crate) servo_on: bool,
-    in_position: bool,
-    /// The levels themselves.
-    pub(crate) raw: AxisInputs,
-    causes: Causes,
-    /// Planned position at which the machine's own count is 0, so that setting a position makes no
-    /// step.
-    zero: Pos,
-    bounds: Bounds,
-    pub(crate) inputs: Inputs,
-    /// Its motion; at standstill, a constant piece.
-    profile: Profile,
-    /// The stop reason that the running motion will have at its end.
-    ending: StopReason,
-    /// The tick since which it has been at standstill.
-    pub(crate) standstill_since: Ns,
-    /// Exact position while at standstill, and where a ramp begins.
-    exact: Exact,
-    pub(crate) ramps: Ramps,
-    data: Data,
-    pub(crate) follow: following::Setup,
-    /// The coordinate system that it is mapped to, or that drives it.
-    pub(crate) crd: Option<Crd>,
-    /// Its displacement within the tick while that drives it, if it has slaves.
-    track: following::Track,
+state! {
+    /// The state of one axis. What every tick reads comes first.
+    #[derive(Debug, Clone, Copy)]
+    #[repr(C)]
+    pub(crate) struct AxisState {
+        /// What the thread reads. It is also the state itself, where both are the same.
+        pub(crate) published: AxisView = AxisView::POWER_ON,
+        scan: InputScan = InputScan::None,
+        /// The status word may have changed.
+        pub(crate) changed: bool = true,
+        state: MotionState = MotionState::Standstill,
+        /// Ticks until its next start is prepared; 0 if it is, or if there is nothing to prepare.
+        unprepared: u8 = 0,
+        /// Input levels, sampled, as bits.
+        levels: u8 = 0,
+        pub(crate) servo_on: bool = false,
+        in_position: bool = false,
+        /// The levels themselves.
+        pub(crate) raw: AxisInputs = AxisInputs { limit_positive: false, limit_negative: false, alarm: false, home: false, arrive: false },
+        causes: Causes = Causes::NONE,
+        /// Planned position at which the machine's own count is 0, so that setting a position makes
+        /// no step.
+        zero: Pos = Pos(0),
+        bounds: Bounds = Bounds::TRAVEL,
+        pub(crate) inputs: Inputs = Inputs::POWER_ON,
+        /// Its motion; at standstill, a constant piece.
+        profile: Profile = Profile::STANDSTILL,
+        /// The stop reason that the running motion will have at its end.
+        ending: StopReason = StopReason::None,
+        /// The tick since which it has been at standstill.
+        pub(crate) standstill_since: Ns = Ns(0),
+        /// Exact position while at standstill, and where a ramp begins.
+        exact: Exact = Exact(0),
+        pub(crate) ramps: Ramps = Ramps::POWER_ON,
+        data: Data = Data::NONE,
+        pub(crate) follow: following::Setup = following::Setup::POWER_ON,
+        /// The coordinate system that it is mapped to, or that drives it.
+        pub(crate) crd: Option<Crd> = None,
+        /// Its displacement within the tick while that drives it, if it has slaves.
+        track: following::Track = following::Track::NONE,
+    }
+    pub(crate) const POWER_ON;
 }
 
 /// [`AxisView::table_until`] while a table is in force.
 const IN_FORCE: Ns = Ns(u64::MAX);
 
 impl AxisState {
-    pub(crate) const POWER_ON: AxisState = AxisState {
-        published: AxisView::POWER_ON,
-        scan: InputScan::None,
-        changed: true,
-        state: MotionState::Standstill,
-        unprepared: 0,
-        levels: 0,
-        servo_on: false,
-        in_position: false,
-        raw: AxisInputs { limit_positive: false, limit_negative: false, alarm: false, home: false, arrive: false },
-        causes: Causes::NONE,
-        zero: Pos(0),
-        bounds: Bounds::TRAVEL,
-        inputs: Inputs::POWER_ON,
-        profile: Profile::STANDSTILL,
-        ending: StopReason::None,
-        standstill_since: Ns(0),
-        exact: Exact(0),
-        ramps: Ramps::POWER_ON,
-        data: Data::NONE,
-        follow: following::Setup::POWER_ON,
-        crd: None,
-        track: following::Track::NONE,
-    };
-
     /// The machine's encoder count, sampled.
     #[inline(always)]
     fn count(&self) -> i64 {

@@ -60,84 +60,57 @@ impl Outputs {
     const SAFE_STATE: Outputs = Outputs { light: false, switch: false, volts: None, train: Train::NONE };
 }
 
-/// A channel. The queues of edges come last, so that the other fields are within reach of short
-/// instructions.
-#[derive(Debug)]
-#[repr(C)]
-pub(super) struct Channel {
-    pub(super) published: LaserView,
-    safety: Safety,
-    // Settings.
-    law: Law,
-    energy: Energy,
-    delays: Delays,
-    delayed: bool,
-    fpk: Option<Fpk>,
-    // State.
-    owner: Owner,
-    /// From the gate-off edge of the mark in progress to the end of its light.
-    tail: u16,
-    /// End of the FPK pulse in progress, or [`NEVER`].
-    pulse: Ns,
-    /// The outputs carry light of another mode: it is cut.
-    cut: bool,
-    /// A cause within the interval shuts off everything.
-    ends: bool,
-    alarms: CrdMask,
-    on_time: OnTime,
-    /// Light planned in the interval in force until the next tick, ns.
-    planned: u32,
-    // Derived from these.
-    out: Outputs,
-    /// Power and train in light.
-    power: Power,
-    train: Train,
-    /// The rate of the pulses that light has, or had before it paused; 0 before its first one.
-    rate: Power,
-    /// The width of its pulses for each power, if nothing else depends on that.
-    plain: Plain,
-    changed: u8,
-    /// The next edge.
-    next_edge: Ns,
-    gate: Edges,
-    /// Light: the gate, shifted by the FPK.
-    light: Edges,
-    /// Events of paths in the interval that is planned next.
-    event_queue: EventQueue,
+state! {
+    /// A channel. The queues of edges come last, so that the other fields are within reach of short
+    /// instructions.
+    #[derive(Debug)]
+    #[repr(C)]
+    pub(super) struct Channel {
+        pub(super) published: LaserView = LaserView { crd_map: CRD_MAP, ..LaserView::BEFORE },
+        safety: Safety = Safety::LIVE,
+        // Settings.
+        law: Law = Law::power_on(index, Family::Gus),
+        energy: Energy = Energy::POWER_ON,
+        delays: Delays = Delays { off: 0, on: 0 },
+        delayed: bool = true,
+        fpk: Option<Fpk> = None,
+        // State.
+        owner: Owner = Owner::power_on(CrdMask(CRD_MAP)),
+        /// From the gate-off edge of the mark in progress to the end of its light.
+        tail: u16 = 0,
+        /// End of the FPK pulse in progress, or [`NEVER`].
+        pulse: Ns = NEVER,
+        /// The outputs carry light of another mode: it is cut.
+        cut: bool = false,
+        /// A cause within the interval shuts off everything.
+        ends: bool = false,
+        alarms: CrdMask = CrdMask(0),
+        on_time: OnTime = OnTime::ZERO,
+        /// Light planned in the interval in force until the next tick, ns.
+        planned: u32 = 0,
+        // Derived from these.
+        out: Outputs = Outputs::SAFE_STATE,
+        /// Power and train in light.
+        power: Power = Power::ZERO,
+        train: Train = Train::NONE,
+        /// The rate of the pulses that light has, or had before it paused; 0 before its first one.
+        rate: Power = Power::ZERO,
+        /// The width of its pulses for each power, if nothing else depends on that.
+        plain: Plain = Plain::NONE,
+        changed: u8 = changed::CHANGED,
+        /// The next edge.
+        next_edge: Ns = NEVER,
+        gate: Edges = Edges::OFF,
+        /// Light: the gate, shifted by the FPK.
+        light: Edges = Edges::OFF,
+        /// Events of paths in the interval that is planned next.
+        event_queue: EventQueue = EventQueue::EMPTY,
+    }
+    /// Channel `index` at power-on.
+    pub(super) const fn power_on(index: u8);
 }
 
 impl Channel {
-    /// Channel `index` at power-on.
-    pub(super) const fn power_on(index: u8) -> Channel {
-        Channel {
-            published: LaserView { crd_map: CRD_MAP, ..LaserView::BEFORE },
-            safety: Safety::LIVE,
-            law: Law::power_on(index, Family::Gus),
-            energy: Energy::POWER_ON,
-            delays: Delays { off: 0, on: 0 },
-            delayed: true,
-            fpk: None,
-            owner: Owner::power_on(CrdMask(CRD_MAP)),
-            event_queue: EventQueue::EMPTY,
-            gate: Edges::OFF,
-            light: Edges::OFF,
-            tail: 0,
-            pulse: NEVER,
-            cut: false,
-            ends: false,
-            alarms: CrdMask(0),
-            on_time: OnTime::ZERO,
-            planned: 0,
-            out: Outputs::SAFE_STATE,
-            power: Power::ZERO,
-            train: Train::NONE,
-            rate: Power::ZERO,
-            plain: Plain::NONE,
-            changed: changed::CHANGED,
-            next_edge: NEVER,
-        }
-    }
-
     /// Carries out a change; `at` lies in the interval that is planned next. Returns whether it is
     /// an on command that a fault forbids.
     pub(super) fn change(&mut self, at: Ns, change: &Change) -> bool {

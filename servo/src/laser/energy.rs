@@ -40,36 +40,28 @@ fn product(power: Power, gain: u64) -> u64 {
     high.wrapping_add(low >> 63)
 }
 
-/// Settings of the energy output.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Energy {
-    pub(super) mode: Mode,
-    pub(super) carrier: Option<Carrier>,
-    pub(super) width: Option<NonZeroU16>,
-    pub(super) standby: Option<Standby>,
-    /// 0 where it is off.
-    pub(super) pre_voltage: Power,
-    /// The connector carries the PWM.
-    pub(super) connector: bool,
-    /// After an abort: no standby, no pre-voltage, no switch that is held, until the next command
-    /// of the channel.
-    pub(super) muted: bool,
-    /// The last plan of the thread.
-    pub(super) fine: Option<Fine>,
+state! {
+    /// Settings of the energy output.
+    #[derive(Debug, Clone, Copy)]
+    pub(super) struct Energy {
+        pub(super) mode: Mode = Mode::Duty,
+        pub(super) carrier: Option<Carrier> = None,
+        pub(super) width: Option<NonZeroU16> = None,
+        pub(super) standby: Option<Standby> = None,
+        /// 0 where it is off.
+        pub(super) pre_voltage: Power = Power::ZERO,
+        /// The connector carries the PWM.
+        pub(super) connector: bool = true,
+        /// After an abort: no standby, no pre-voltage, no switch that is held, until the next
+        /// command of the channel.
+        pub(super) muted: bool = false,
+        /// The last plan of the thread.
+        pub(super) fine: Option<Fine> = None,
+    }
+    pub(super) const POWER_ON;
 }
 
 impl Energy {
-    pub(super) const POWER_ON: Energy = Energy {
-        mode: Mode::Duty,
-        carrier: None,
-        width: None,
-        standby: None,
-        pre_voltage: Power::ZERO,
-        connector: true,
-        muted: false,
-        fine: None,
-    };
-
     /// Makes the train of light of this power. Returns whether the pulse width is limited.
     #[inline]
     pub(super) fn light(&self, power: Power, clock: Clock, train: &mut Train) -> bool {

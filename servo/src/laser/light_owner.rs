@@ -204,47 +204,34 @@ pub enum Ignored {
     Fault = 4,
 }
 
-/// See the module text.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(super) struct Owner {
-    light: Light,
-    latch: Latch,
-    /// An immediate off, and no on command since.
-    vetoed: bool,
-    aborting: bool,
-    /// The energy has an output.
-    output: bool,
-    /// Coordinate systems that the channel is mapped to.
-    map: CrdMask,
-    /// Those that run, those of them that run FIFO 1, and those that brake for a Stop.
-    running: CrdMask,
-    fifo1: CrdMask,
-    stopping: CrdMask,
-    /// Those whose on entries have no effect: they ran at an abort, and have not come to
-    /// standstill.
-    pub(super) dead: CrdMask,
-    /// The coordinate system whose speed the power follows.
-    follow: Option<Crd>,
+state! {
+    /// See the module text.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+    pub(super) struct Owner {
+        light: Light = Light::Off,
+        latch: Latch = Latch::None,
+        /// An immediate off, and no on command since.
+        vetoed: bool = false,
+        aborting: bool = false,
+        /// The energy has an output.
+        output: bool = true,
+        /// Coordinate systems that the channel is mapped to.
+        map: CrdMask = map,
+        /// Those that run, those of them that run FIFO 1, and those that brake for a Stop.
+        running: CrdMask = CrdMask(0),
+        fifo1: CrdMask = CrdMask(0),
+        stopping: CrdMask = CrdMask(0),
+        /// Those whose on entries have no effect: they ran at an abort, and have not come to
+        /// standstill.
+        pub(super) dead: CrdMask = CrdMask(0),
+        /// The coordinate system whose speed the power follows.
+        follow: Option<Crd> = None,
+    }
+    /// Of a channel at power-on.
+    pub(super) const fn power_on(map: CrdMask);
 }
 
 impl Owner {
-    /// Of a channel at power-on.
-    pub(super) const fn power_on(map: CrdMask) -> Owner {
-        Owner {
-            light: Light::Off,
-            latch: Latch::None,
-            vetoed: false,
-            aborting: false,
-            output: true,
-            map,
-            running: CrdMask(0),
-            fifo1: CrdMask(0),
-            stopping: CrdMask(0),
-            dead: CrdMask(0),
-            follow: None,
-        }
-    }
-
     /// Whether an on command is in force, as GetHSIOOpt reports it.
     pub(super) const fn is_commanded(&self) -> bool {
         matches!(self.light, Light::On(_) | Light::Waits(_))

@@ -60,65 +60,51 @@ enum Added {
     Tables,
 }
 
-/// The settings as one sum, prepared for the tick.
-#[derive(Debug, Clone, Copy)]
-struct Mix {
-    /// The constant part, 2⁻⁴⁴.
-    base: i64,
-    /// Bounds of all.
-    low: i64,
-    high: i64,
-    part: Part,
-    /// Index of the speed: [`Speeds::index`].
-    speed: usize,
-    added: Added,
-    /// The power may change in each tick.
-    moves: bool,
-    /// Bounds of the part that follows the speed, where the distance is added after them.
-    held: Option<(i64, i64)>,
+state! {
+    /// The settings as one sum, prepared for the tick.
+    #[derive(Debug, Clone, Copy)]
+    struct Mix {
+        /// The constant part, 2⁻⁴⁴.
+        base: i64 = 0,
+        /// Bounds of all.
+        low: i64 = 0,
+        high: i64 = Bounds::full(Mode::Duty).max().raw(),
+        part: Part = Part::None,
+        /// Index of the speed: [`Speeds::index`].
+        speed: usize = 0,
+        added: Added = Added::Nothing,
+        /// The power may change in each tick.
+        moves: bool = false,
+        /// Bounds of the part that follows the speed, where the distance is added after them.
+        held: Option<(i64, i64)> = None,
+    }
+    const POWER_ON;
 }
 
-/// The law of a channel.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Law {
-    /// Always derived from the settings below: every change of these ends with [`Law::renew`].
-    mix: Mix,
-    terms: Terms,
-    /// The coordinate systems whose planned speed it follows, and those whose encoders' speed.
-    pub(super) planned: CrdMask,
-    pub(super) encoder: CrdMask,
-    pub(super) channel: u8,
-    family: Family,
-    pub(super) direct: Power,
-    pub(super) bounds: Bounds,
-    pub(super) source: Source,
-    follow: Option<Follow>,
-    distance: Option<Distance>,
-    interval: Interval,
-    intervals: [Interval; DISTANCES],
+state! {
+    /// The law of a channel.
+    #[derive(Debug, Clone, Copy)]
+    pub(super) struct Law {
+        /// Always derived from the settings below: every change of these ends with [`Law::renew`].
+        mix: Mix = Mix::POWER_ON,
+        terms: Terms = Terms::NONE,
+        /// The coordinate systems whose planned speed it follows, and those whose encoders' speed.
+        pub(super) planned: CrdMask = CrdMask(0),
+        pub(super) encoder: CrdMask = CrdMask(0),
+        pub(super) channel: u8 = channel,
+        family: Family = family,
+        pub(super) direct: Power = Power::ZERO,
+        pub(super) bounds: Bounds = Bounds::full(Mode::Duty),
+        pub(super) source: Source = Source::Planned,
+        follow: Option<Follow> = None,
+        distance: Option<Distance> = None,
+        interval: Interval = Interval::NONE,
+        intervals: [Interval; DISTANCES] = [Interval::NONE; DISTANCES],
+    }
+    pub(super) const fn power_on(channel: u8, family: Family);
 }
 
 impl Law {
-    pub(super) const fn power_on(channel: u8, family: Family) -> Law {
-        let full = Bounds::full(Mode::Duty).max().raw();
-        let (part, added) = (Part::None, Added::Nothing);
-        Law {
-            mix: Mix { base: 0, low: 0, high: full, part, speed: 0, added, moves: false, held: None },
-            terms: Terms::NONE,
-            planned: CrdMask(0),
-            encoder: CrdMask(0),
-            channel,
-            family,
-            direct: Power::ZERO,
-            bounds: Bounds::full(Mode::Duty),
-            source: Source::Planned,
-            follow: None,
-            distance: None,
-            interval: Interval::NONE,
-            intervals: [Interval::NONE; DISTANCES],
-        }
-    }
-
     /// The bank of ratios that the distance follow reads.
     pub(super) fn bank(&self) -> Option<u8> {
         self.distance.and_then(|distance| distance.bank())

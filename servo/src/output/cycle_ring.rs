@@ -163,7 +163,7 @@ mod tests {
     /// A slot that DMA reads without its being queued, in this tick or the one before, stops its
     /// timer in the dark.
     #[test]
-    fn what_is_not_told_has_no_length_and_no_light() {
+    fn what_is_not_reported_has_no_length_and_no_light() {
         let mut ring = CycleRing::new(&SLOTS, [0, 0, 0]);
         while !ring.clear() {}
         ring.begin(168);
@@ -195,7 +195,7 @@ mod tests {
     /// Wherever the ring is: no slot of this tick or the one before is overwritten, and the next
     /// tick says so.
     #[test]
-    fn a_round_without_a_place_is_not_told() {
+    fn a_round_without_a_place_is_not_reported() {
         for before in 0..24usize {
             let mut ring = CycleRing::new(&FULL, [0, 0, 0]);
             while !ring.clear() {}

@@ -60,32 +60,24 @@ impl Line {
     }
 }
 
-/// See the module text. Instants are counts of the timer since it began.
-#[derive(Debug, Clone)]
-pub struct GateCycles {
-    scale: Scale,
-    begin: u64,
-    lines: [Line; CHANNELS],
-    known: u64,
-    /// Edges of the first channel, until the second one's are known too: counts from the interval's
-    /// beginning, twice, and the level in the last bit.
-    edges: [u32; PLAN_ACTIONS],
-    waiting: usize,
+state! {
+    /// See the module text. Instants are counts of the timer since it began.
+    #[derive(Debug, Clone)]
+    pub struct GateCycles {
+        scale: Scale = scale,
+        begin: u64 = begin,
+        lines: [Line; CHANNELS] = [Line::INACTIVE; CHANNELS],
+        known: u64 = begin,
+        /// Edges of the first channel, until the second one's are known too: counts from the
+        /// interval's beginning, twice, and the level in the last bit.
+        edges: [u32; PLAN_ACTIONS] = [0; PLAN_ACTIONS],
+        waiting: usize = 0,
+    }
+    /// Inactive; the first cycle begins at this count.
+    pub const fn from(begin: u64, scale: Scale);
 }
 
 impl GateCycles {
-    /// Inactive; the first cycle begins at this count.
-    pub const fn from(begin: u64, scale: Scale) -> GateCycles {
-        GateCycles {
-            scale,
-            begin,
-            lines: [Line::INACTIVE; CHANNELS],
-            known: begin,
-            edges: [0; PLAN_ACTIONS],
-            waiting: 0,
-        }
-    }
-
     /// The end of the queued cycles.
     pub const fn queued(&self) -> u64 {
         self.begin

@@ -18,48 +18,34 @@ const NEVER: u64 = u64::MAX;
 /// The shortest cycle, in counts: 350 ns at 240 MHz, in which DMA brings three half-words.
 pub const MIN_COUNTS: u32 = 84;
 
-/// See the module text. Instants are counts of the timer since it began.
-#[derive(Debug, Clone)]
-pub struct PwmCycles {
-    scale: Scale,
-    /// Where the cycle begins that is not queued yet, and where its light ends.
-    begin: u64,
-    until: u64,
-    /// Where the last pulse begins, if it ends that cycle, unless something comes between.
-    next: Option<u64>,
-    train: Train,
-    pattern: Pattern,
-    /// A period is in progress: it began, it ends.
-    runs: bool,
-    period_begin: u64,
-    period_end: u64,
-    /// Without one: where the train begins.
-    begins: u64,
-    /// The last pulse's end.
-    pulse_end: u64,
-    /// The end of the known interval.
-    known: u64,
+state! {
+    /// See the module text. Instants are counts of the timer since it began.
+    #[derive(Debug, Clone)]
+    pub struct PwmCycles {
+        scale: Scale = scale,
+        /// Where the cycle begins that is not queued yet, and where its light ends.
+        begin: u64 = begin,
+        until: u64 = begin,
+        /// Where the last pulse begins, if it ends that cycle, unless something comes between.
+        next: Option<u64> = None,
+        train: Train = Train::NONE,
+        pattern: Pattern = Pattern::BEGIN,
+        /// A period is in progress: it began, it ends.
+        runs: bool = false,
+        period_begin: u64 = begin,
+        period_end: u64 = begin,
+        /// Without one: where the train begins.
+        begins: u64 = begin,
+        /// The last pulse's end.
+        pulse_end: u64 = begin,
+        /// The end of the known interval.
+        known: u64 = begin,
+    }
+    /// Dark; the first cycle begins at this count.
+    pub const fn from(begin: u64, scale: Scale);
 }
 
 impl PwmCycles {
-    /// Dark; the first cycle begins at this count.
-    pub const fn from(begin: u64, scale: Scale) -> PwmCycles {
-        PwmCycles {
-            scale,
-            begin,
-            until: begin,
-            next: None,
-            train: Train::NONE,
-            pattern: Pattern::BEGIN,
-            runs: false,
-            period_begin: begin,
-            period_end: begin,
-            begins: begin,
-            pulse_end: begin,
-            known: begin,
-        }
-    }
-
     /// The end of the queued cycles.
     pub const fn queued(&self) -> u64 {
         self.begin

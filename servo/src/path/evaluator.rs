@@ -65,41 +65,51 @@ enum After {
     Nothing,
 }
 
-/// A coordinate system that moves. What every tick reads comes first.
-#[derive(Debug, Clone, Copy)]
-#[repr(C)]
-pub struct Path {
-    stage: Stage,
-    stand: MotionPosition,
-    swept: Swept,
-    /// The end of the FIFO, if nothing followed the motion in force when it was planned.
-    open: Option<u32>,
-    fifo: u8,
-    fast: FastPath,
-    /// What is published has to be written as a whole.
-    fresh: bool,
-    /// Whether a coordinate has slaves; then the motion between samples is kept: up to the last
-    /// one, and since.
-    led: bool,
-    stopping: bool,
-    pieces: Pieces,
-    /// Its position after the end of the phase in force, if the next motion begins there (`fast`).
-    coming: MotionPosition,
-    /// The instant up to which all boundaries have been passed, and the speed there.
-    time: Fine,
-    speed: Real,
-    cursors: [Cursor; 2],
-    /// The motion in force, and the one after it, made ahead in ticks that have time for it.
-    motions: Pair<Prepared>,
-    /// Its position while it does not move.
-    here: [Pos; DIMENSIONS],
-    /// Holds for all motions; a change acts on the motion in force with [`Path::replan`].
-    pub rules: Rules,
-    planning: Planning,
-    /// At standstill: the part that is made belongs to a start with this FIFO, as if it began at 0.
-    prepared: Option<u8>,
-    trajectory: TrajectorySample,
-    since: TrajectorySample,
+state! {
+    /// A coordinate system that moves. What every tick reads comes first.
+    #[derive(Debug, Clone, Copy)]
+    #[repr(C)]
+    pub struct Path {
+        stage: Stage = Stage::Standstill,
+        stand: MotionPosition = MotionPosition::NONE,
+        swept: Swept = Swept { length: None, past: Past::NONE },
+        /// The end of the FIFO, if nothing followed the motion in force when it was planned.
+        open: Option<u32> = None,
+        fifo: u8 = 0,
+        fast: FastPath = FastPath { publishes: false, turn: Turn::Else },
+        /// What is published has to be written as a whole.
+        fresh: bool = true,
+        /// Whether a coordinate has slaves; then the motion between samples is kept: up to the last
+        /// one, and since.
+        led: bool = false,
+        stopping: bool = false,
+        pieces: Pieces = Pieces {
+            made: false,
+            pair: Pair { at: 0, both: [PackedPhase { even: None, piece: Piece::standstill(Ns(0), 0, Pos(0)) }; 2] },
+            follows: None,
+        },
+        /// Its position after the end of the phase in force, if the next motion begins there
+        /// (`fast`).
+        coming: MotionPosition = MotionPosition::NONE,
+        /// The instant up to which all boundaries have been passed, and the speed there.
+        time: Fine = 0,
+        speed: Real = Real::ZERO,
+        cursors: [Cursor; 2] = [Cursor::NEW; 2],
+        /// The motion in force, and the one after it, made ahead in ticks that have time for it.
+        motions: Pair<Prepared> = Pair { at: 0, both: [Prepared::NOTHING; 2] },
+        /// Its position while it does not move.
+        here: [Pos; DIMENSIONS] = ORIGIN,
+        /// Holds for all motions; a change acts on the motion in force with [`Path::replan`].
+        pub rules: Rules = Rules::POWER_ON,
+        planning: Planning = Planning { unfinished: false, draft: Draft::Nothing, sketch: Sketch::NONE },
+        /// At standstill: the part that is made belongs to a start with this FIFO, as if it began
+        /// at 0.
+        prepared: Option<u8> = None,
+        trajectory: TrajectorySample = TrajectorySample::NONE,
+        since: TrajectorySample = TrajectorySample::NONE,
+    }
+    /// At standstill in the origin, FIFOs empty.
+    pub const IDLE;
 }
 
 /// The one in force, and the one after it.
@@ -216,17 +226,20 @@ impl MotionPosition {
     const NONE: MotionPosition = MotionPosition { began: 0, distance: Exact(0), over: 0, sampled: Pos(0), phase: 0 };
 }
 
-/// A motion as far as it is prepared.
-#[derive(Debug, Clone, Copy)]
-struct Prepared {
-    /// Counter of its entry.
-    counter: u32,
-    state: State,
-    along: Along,
-    shape: Shape,
-    plan: Plan,
-    /// The end of the FIFO, if nothing followed it when its plan was begun.
-    open: Option<u32>,
+state! {
+    /// A motion as far as it is prepared.
+    #[derive(Debug, Clone, Copy)]
+    struct Prepared {
+        /// Counter of its entry.
+        counter: u32 = 0,
+        state: State = State::Nothing,
+        along: Along = Along::NONE,
+        shape: Shape = Shape::NONE,
+        plan: Plan = Plan::NONE,
+        /// The end of the FIFO, if nothing followed it when its plan was begun.
+        open: Option<u32> = None,
+    }
+    const NOTHING;
 }
 
 /// How far a motion is prepared.
@@ -242,17 +255,6 @@ enum State {
     Sketched,
     /// All of it, or all that a motion without length has.
     Ready,
-}
-
-impl Prepared {
-    const NOTHING: Prepared = Prepared {
-        counter: 0,
-        state: State::Nothing,
-        along: Along::NONE,
-        shape: Shape::NONE,
-        plan: Plan::NONE,
-        open: None,
-    };
 }
 
 /// What a step may still do, and until when the path holds if that is not enough.
@@ -286,35 +288,6 @@ impl Budget {
 }
 
 impl Path {
-    /// At standstill in the origin, FIFOs empty.
-    pub const IDLE: Path = Path {
-        stage: Stage::Standstill,
-        stand: MotionPosition::NONE,
-        swept: Swept { length: None, past: Past::NONE },
-        open: None,
-        fifo: 0,
-        fast: FastPath { publishes: false, turn: Turn::Else },
-        fresh: true,
-        led: false,
-        stopping: false,
-        pieces: Pieces {
-            made: false,
-            pair: Pair { at: 0, both: [PackedPhase { even: None, piece: Piece::standstill(Ns(0), 0, Pos(0)) }; 2] },
-            follows: None,
-        },
-        coming: MotionPosition::NONE,
-        time: 0,
-        speed: Real::ZERO,
-        cursors: [Cursor::NEW; 2],
-        motions: Pair { at: 0, both: [Prepared::NOTHING; 2] },
-        here: ORIGIN,
-        rules: Rules::POWER_ON,
-        planning: Planning { unfinished: false, draft: Draft::Nothing, sketch: Sketch::NONE },
-        prepared: None,
-        trajectory: TrajectorySample::NONE,
-        since: TrajectorySample::NONE,
-    };
-
     /// At standstill here, FIFOs empty (SetCrdPrm).
     pub fn position(&mut self, at: [Pos; DIMENSIONS]) {
         // In place, field by field: a path is some kilobytes. The pattern names the fields that

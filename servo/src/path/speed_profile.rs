@@ -248,38 +248,28 @@ enum Todo {
     Nothing,
 }
 
-/// A plan in progress, made some hundred instructions at a time.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Sketch {
-    todo: Todo,
-    v: Real,
-    length: Real,
-    means: Means,
-    /// Squares of the speeds at both ends, and how much the motion may change them.
-    from: Real,
-    to: Real,
-    swing: Real,
-    /// 1/acceleration.
-    inverse: Real,
-    peak: Real,
-    /// The length that the ramps leave for the peak speed; none in a triangle.
-    cruise: Real,
+state! {
+    /// A plan in progress, made some hundred instructions at a time.
+    #[derive(Debug, Clone, Copy)]
+    pub(super) struct Sketch {
+        todo: Todo = Todo::Nothing,
+        v: Real = Real::ZERO,
+        length: Real = Real::ZERO,
+        means: Means = Means { vel: Real::ZERO, acc: Real::ZERO, end: Real::ZERO, even: Real::ZERO, stop: None },
+        /// Squares of the speeds at both ends, and how much the motion may change them.
+        from: Real = Real::ZERO,
+        to: Real = Real::ZERO,
+        swing: Real = Real::ZERO,
+        /// 1/acceleration.
+        inverse: Real = Real::ZERO,
+        peak: Real = Real::ZERO,
+        /// The length that the ramps leave for the peak speed; none in a triangle.
+        cruise: Real = Real::ZERO,
+    }
+    pub(super) const NONE;
 }
 
 impl Sketch {
-    pub(super) const NONE: Sketch = Sketch {
-        todo: Todo::Nothing,
-        v: Real::ZERO,
-        length: Real::ZERO,
-        means: Means { vel: Real::ZERO, acc: Real::ZERO, end: Real::ZERO, even: Real::ZERO, stop: None },
-        from: Real::ZERO,
-        to: Real::ZERO,
-        swing: Real::ZERO,
-        inverse: Real::ZERO,
-        peak: Real::ZERO,
-        cruise: Real::ZERO,
-    };
-
     /// Of a motion over `length` from speed `v`.
     #[inline]
     pub(super) fn begin(&mut self, v: Real, length: Real, means: Means) {

@@ -6,28 +6,31 @@
 //! ([`workload`](super::workload)), is not late.
 use crate::units::Ns;
 
-/// The program lane's clock; in the order of the view.
-#[derive(Debug, Clone, Copy)]
-#[repr(C)]
-pub(crate) struct Script {
-    /// Controller time at which the clock was zero.
-    pub(crate) zero: Ns,
-    /// Instant of the last entry executed, on the script clock.
-    pub(crate) clock: Ns,
-    /// Worst lateness.
-    pub(crate) worst_late: Ns,
-    /// Entries executed late.
-    pub(crate) late: u32,
-    /// Number of the first of them, 0 if there is none.
-    pub(crate) first_late: u32,
-    /// Number of the last entry executed when the first tick of the program took too long, 0 if
-    /// none has.
-    pub(crate) overran: u32,
-    /// A laser command that changes light was late.
-    pub(crate) late_light: bool,
-    /// Whether the lane runs; else it is held.
-    pub(crate) runs: bool,
-    spread: Spread,
+state! {
+    /// The program lane's clock; in the order of the view.
+    #[derive(Debug, Clone, Copy)]
+    #[repr(C)]
+    pub(crate) struct Script {
+        /// Controller time at which the clock was zero.
+        pub(crate) zero: Ns = Ns(0),
+        /// Instant of the last entry executed, on the script clock.
+        pub(crate) clock: Ns = Ns(0),
+        /// Worst lateness.
+        pub(crate) worst_late: Ns = Ns(0),
+        /// Entries executed late.
+        pub(crate) late: u32 = 0,
+        /// Number of the first of them, 0 if there is none.
+        pub(crate) first_late: u32 = 0,
+        /// Number of the last entry executed when the first tick of the program took too long, 0 if
+        /// none has.
+        pub(crate) overran: u32 = 0,
+        /// A laser command that changes light was late.
+        pub(crate) late_light: bool = false,
+        /// Whether the lane runs; else it is held.
+        pub(crate) runs: bool = false,
+        spread: Spread = Spread::None,
+    }
+    pub(crate) const HELD;
 }
 
 /// The instant whose work goes on in another tick than its own.
@@ -42,18 +45,6 @@ enum Spread {
 }
 
 impl Script {
-    pub(crate) const HELD: Script = Script {
-        runs: false,
-        zero: Ns(0),
-        clock: Ns(0),
-        late: 0,
-        worst_late: Ns(0),
-        first_late: 0,
-        overran: 0,
-        late_light: false,
-        spread: Spread::None,
-    };
-
     /// The clock is zero at the tick in force.
     pub(crate) fn begin(&mut self, now: Ns) {
         *self = Script { runs: true, zero: now, ..Script::HELD };

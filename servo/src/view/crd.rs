@@ -5,46 +5,50 @@ use crate::path::{Bend, DIMENSIONS, PathStop};
 use crate::segment::piece::{Motion, Scaled};
 use crate::units::{Crd, Pos};
 
-/// One coordinate system in one tick.
-#[derive(Debug, Clone, Copy)]
-pub struct CrdView {
-    /// Counts changes of anything here; a reader skips what did not change.
-    pub moves: u32,
-    /// Counts changes of the fields that are no position on the path: `frame`, `cleared`, `rest`,
-    /// `stop`, `ends`.
-    pub changes: u32,
-    /// Counts changes of `bend`, of `motion` except for the position in it, of `fifo`, `released`
-    /// and `done`.
-    pub turns: u32,
-    /// Coordinates: the planned positions of its axes less the origin.
-    pub position: [Pos; DIMENSIONS],
-    /// Direction of motion, a unit vector in 2⁻³⁰; zeros where it does not move.
-    pub heading: [i32; DIMENSIONS],
-    /// How the direction turns.
-    pub bend: Bend,
-    /// The path length along the motion in force as a piece: its velocity is the path's.
-    pub motion: Motion,
-    /// It has been started and is not at standstill; it also runs while it waits, or has speed 0 at
-    /// a corner.
-    pub runs: bool,
-    /// FIFO in force, or that was last.
-    pub fifo: u8,
-    /// Entries of each FIFO that are over, counted since it was cleared; their slots are free.
-    pub released: [u32; 2],
-    /// Motions of each FIFO completed since it was cleared.
-    pub done: [u32; 2],
-    /// Entries of each FIFO that are committed, counted since it was cleared.
-    pub ends: [u32; 2],
-    /// Times that each FIFO was cleared (CrdFrame, CrdClear, Reset).
-    pub cleared: [u32; 2],
-    /// The axes that it drives, and its zero; none before SetCrdPrm.
-    pub frame: Option<Frame>,
-    /// The planned positions of its axes at its zero.
-    pub origin: [Pos; DIMENSIONS],
-    /// How the path came to standstill last; `Stopped`: CrdStart goes on with the same FIFO.
-    pub path_stop: PathStop,
-    /// Why.
-    pub stop: StopReason,
+state! {
+    /// One coordinate system in one tick.
+    #[derive(Debug, Clone, Copy)]
+    pub struct CrdView {
+        /// Counts changes of anything here; a reader skips what did not change.
+        pub moves: u32 = 0,
+        /// Counts changes of the fields that are no position on the path: `frame`, `cleared`,
+        /// `rest`, `stop`, `ends`.
+        pub changes: u32 = 0,
+        /// Counts changes of `bend`, of `motion` except for the position in it, of `fifo`,
+        /// `released` and `done`.
+        pub turns: u32 = 0,
+        /// Coordinates: the planned positions of its axes less the origin.
+        pub position: [Pos; DIMENSIONS] = [Pos(0); DIMENSIONS],
+        /// Direction of motion, a unit vector in 2⁻³⁰; zeros where it does not move.
+        pub heading: [i32; DIMENSIONS] = [0; DIMENSIONS],
+        /// How the direction turns.
+        pub bend: Bend = Bend::STRAIGHT,
+        /// The path length along the motion in force as a piece: its velocity is the path's.
+        pub motion: Motion = Motion::STANDSTILL,
+        /// It has been started and is not at standstill; it also runs while it waits, or has speed
+        /// 0 at a corner.
+        pub runs: bool = false,
+        /// FIFO in force, or that was last.
+        pub fifo: u8 = 0,
+        /// Entries of each FIFO that are over, counted since it was cleared; their slots are free.
+        pub released: [u32; 2] = [0; 2],
+        /// Motions of each FIFO completed since it was cleared.
+        pub done: [u32; 2] = [0; 2],
+        /// Entries of each FIFO that are committed, counted since it was cleared.
+        pub ends: [u32; 2] = [0; 2],
+        /// Times that each FIFO was cleared (CrdFrame, CrdClear, Reset).
+        pub cleared: [u32; 2] = [0; 2],
+        /// The axes that it drives, and its zero; none before SetCrdPrm.
+        pub frame: Option<Frame> = None,
+        /// The planned positions of its axes at its zero.
+        pub origin: [Pos; DIMENSIONS] = [Pos(0); DIMENSIONS],
+        /// How the path came to standstill last; `Stopped`: CrdStart goes on with the same FIFO.
+        pub path_stop: PathStop = PathStop::Never,
+        /// Why.
+        pub stop: StopReason = StopReason::None,
+    }
+    /// At power-on.
+    pub const POWER_ON;
 }
 
 impl CrdView {
@@ -85,27 +89,6 @@ impl CrdView {
         (self.released, self.done, self.ends) = (on.released, on.done, on.ends);
         (self.frame, self.origin, self.path_stop) = (on.frame, on.origin, on.path_stop);
     }
-
-    /// At power-on.
-    pub const POWER_ON: CrdView = CrdView {
-        moves: 0,
-        changes: 0,
-        turns: 0,
-        position: [Pos(0); DIMENSIONS],
-        heading: [0; DIMENSIONS],
-        bend: Bend::STRAIGHT,
-        motion: Motion::STANDSTILL,
-        runs: false,
-        fifo: 0,
-        released: [0; 2],
-        done: [0; 2],
-        ends: [0; 2],
-        cleared: [0; 2],
-        frame: None,
-        origin: [Pos(0); DIMENSIONS],
-        path_stop: PathStop::Never,
-        stop: StopReason::None,
-    };
 }
 
 /// How a coordinate system moves an axis.

@@ -12,8 +12,8 @@ use super::energy::{direct_powers, limited, own_bounds, power, powers};
 use super::power_range::Taking;
 use super::tables::table;
 use crate::admit::crd_data::{self, DataCommand, EntryKind, Item, Target};
-use crate::admit::data::{Paths, Stored};
 use crate::admit::one;
+use crate::admit::written::{Paths, Stored};
 use crate::refuse::{Admitted, Refused};
 use crate::report::answer::TAKEN_MAX;
 use protocol::command::{

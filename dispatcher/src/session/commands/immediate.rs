@@ -23,7 +23,7 @@ use zerocopy::FromBytes;
 fn passes(lanes: Lanes, body: &[u8]) -> bool {
     match lanes {
         // SetHSIOOpt is the only one.
-        Lanes::ApartUnlessZero => SetHSIOOpt::read_from_bytes(body).is_ok_and(|r| r.value.get() == 0),
+        Lanes::ExclusiveUnlessZero => SetHSIOOpt::read_from_bytes(body).is_ok_and(|r| r.value.get() == 0),
         lanes => lanes.beside_program(),
     }
 }

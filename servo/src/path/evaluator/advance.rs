@@ -253,8 +253,8 @@ impl Path {
         match &entry.item() {
             Item::Nothing => None,
             Item::Delay { ms } => Some(self.time.wrapping_add((*ms as Fine * 1_000_000) << 32)),
-            // What a laser is told it can be told again, and has to be: the light of a mark that is
-            // gone along again ends where it did.
+            // What a laser is ordered may be ordered again, and has to be: the light of a mark that
+            // is gone along again ends where it did.
             Item::Change(change) if self.cursor(self.fifo).again && !matches!(change, Change::Laser { .. }) => None,
             Item::Change(change) => {
                 let wait = sink.change(self.time, change);

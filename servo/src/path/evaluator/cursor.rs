@@ -14,31 +14,34 @@ pub(super) struct Gear {
     pub(super) along: Geared,
 }
 
-/// The position in one FIFO.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Cursor {
-    /// Counter of the next entry.
-    pub(super) next: u32,
-    /// Motions completed.
-    pub(super) done: u32,
-    /// The motion before `next`, or the move that is waited for, is not over.
-    pub(super) inside: bool,
-    /// It was interrupted with something to do, at `position`.
-    pub(super) kept: bool,
-    pub(super) position: [Pos; DIMENSIONS],
-    /// Of that motion: where it began, and the path length so far.
-    pub(super) from: [Pos; DIMENSIONS],
-    pub(super) distance: Exact,
-    /// The remainder of a wait.
-    pub(super) left: Fine,
-    pub(super) gears: [Gear; GEARS],
-    pub(super) geared: usize,
-    /// It was set back: entries before `reported` have been carried out. They are passed, but for
-    /// those of a laser, which are made again.
-    pub(super) again: bool,
-    pub(super) reported: u32,
-    /// Motions before this entry have been left: what was geared to them has gone along.
-    pub(super) left_at: u32,
+state! {
+    /// The position in one FIFO.
+    #[derive(Debug, Clone, Copy)]
+    pub(super) struct Cursor {
+        /// Counter of the next entry.
+        pub(super) next: u32 = 0,
+        /// Motions completed.
+        pub(super) done: u32 = 0,
+        /// The motion before `next`, or the move that is waited for, is not over.
+        pub(super) inside: bool = false,
+        /// It was interrupted with something to do, at `position`.
+        pub(super) kept: bool = false,
+        pub(super) position: [Pos; DIMENSIONS] = ORIGIN,
+        /// Of that motion: where it began, and the path length so far.
+        pub(super) from: [Pos; DIMENSIONS] = ORIGIN,
+        pub(super) distance: Exact = Exact(0),
+        /// The remainder of a wait.
+        pub(super) left: Fine = 0,
+        pub(super) gears: [Gear; GEARS] = [NO_GEAR; GEARS],
+        pub(super) geared: usize = 0,
+        /// It was set back: entries before `reported` have been carried out. They are passed, but
+        /// for those of a laser, which are made again.
+        pub(super) again: bool = false,
+        pub(super) reported: u32 = 0,
+        /// Motions before this entry have been left: what was geared to them has gone along.
+        pub(super) left_at: u32 = 0,
+    }
+    pub(super) const NEW;
 }
 
 /// The position in a FIFO at a sample.
@@ -59,22 +62,6 @@ const NO_GEAR: Gear = Gear { axis: Axis::FIRST, pulses: 0, along: Geared::NONE }
 pub(super) const ORIGIN: [Pos; DIMENSIONS] = [Pos(0); DIMENSIONS];
 
 impl Cursor {
-    pub(super) const NEW: Cursor = Cursor {
-        next: 0,
-        done: 0,
-        inside: false,
-        kept: false,
-        position: ORIGIN,
-        from: ORIGIN,
-        distance: Exact(0),
-        left: 0,
-        gears: [NO_GEAR; GEARS],
-        geared: 0,
-        again: false,
-        reported: 0,
-        left_at: 0,
-    };
-
     /// Entries that are over.
     #[inline(always)]
     pub(super) fn released(&self) -> u32 {

@@ -77,85 +77,64 @@ struct JerkPhase {
     reach: i32,
 }
 
-/// What the second and third interval of a ramp with edges need; they begin and end at the knots.
-#[derive(Debug, Clone, Copy)]
-struct Edged {
-    /// Intervals to come.
-    left: u8,
-    /// Velocity at the end, acceleration between the edges, a sixth of the jerk in the first.
-    v1: Real,
-    top: Real,
-    sixth: Real,
-    /// Velocity gained in an edge, and the displacement by it.
-    gained: Real,
-    distance: Real,
-    /// An edge, ms.
-    edge: Real,
-    /// |velocity| < 2^width.
-    width: i32,
-    /// Where the ramp began.
-    from: Exact,
+state! {
+    /// What the second and third interval of a ramp with edges need; they begin and end at the
+    /// knots.
+    #[derive(Debug, Clone, Copy)]
+    struct Edged {
+        /// Intervals to come.
+        left: u8 = 0,
+        /// Velocity at the end, acceleration between the edges, a sixth of the jerk in the first.
+        v1: Real = Real::ZERO,
+        top: Real = Real::ZERO,
+        sixth: Real = Real::ZERO,
+        /// Velocity gained in an edge, and the displacement by it.
+        gained: Real = Real::ZERO,
+        distance: Real = Real::ZERO,
+        /// An edge, ms.
+        edge: Real = Real::ZERO,
+        /// |velocity| < 2^width.
+        width: i32 = 0,
+        /// Where the ramp began.
+        from: Exact = Exact(0),
+    }
+        const NONE;
 }
 
-/// A ramp motion that runs.
-#[derive(Debug, Clone, Copy)]
-pub struct RampRun {
-    kind: Kind,
-    next: Next,
-    /// Position, instant and velocity at which the next phase begins.
-    knot: Exact,
-    time: Fine,
-    v: Real,
-    /// Velocity after the next ramp; of a Trap that has not aimed yet, the magnitude of the speed.
-    peak: Real,
-    /// Whether that ramp takes `acc`.
-    faster: bool,
-    /// Speed that a Trap from rest begins with.
-    jump: Real,
-    target: i32,
-    means: Means,
-    shape: Shape,
-    /// Where the next piece begins.
-    pos: Exact,
-    jerk_phase: JerkPhase,
-    edged: Edged,
+state! {
+    /// A ramp motion that runs.
+    #[derive(Debug, Clone, Copy)]
+    pub struct RampRun {
+        kind: Kind = Kind::Stop,
+        next: Next = Next::Over,
+        /// Position, instant and velocity at which the next phase begins.
+        knot: Exact = Exact(0),
+        time: Fine = 0,
+        v: Real = Real::ZERO,
+        /// Velocity after the next ramp; of a Trap that has not aimed yet, the magnitude of the
+        /// speed.
+        peak: Real = Real::ZERO,
+        /// Whether that ramp takes `acc`.
+        faster: bool = false,
+        /// Speed that a Trap from rest begins with.
+        jump: Real = Real::ZERO,
+        target: i32 = 0,
+        means: Means = Means { acc: Rate::NONE, dec: Rate::NONE, wait: Real::ZERO },
+        shape: Shape = Shape::Plain,
+        /// Where the next piece begins.
+        pos: Exact = Exact(0),
+        jerk_phase: JerkPhase = STILL,
+        edged: Edged = Edged::NONE,
+    }
+    /// It has ended. A motion is begun in place, so that nothing large is moved about.
+    pub const IDLE;
 }
 
 /// Pieces a tick may step over: four phases of three intervals, each in one piece where it is so
 /// short.
 const PIECES_PER_TICK: u32 = 16;
 const STILL: JerkPhase = JerkPhase { begin: 0, len: 0, done: 0, v: Real::ZERO, a: Real::ZERO, j: Real::ZERO, reach: 0 };
-const NO_EDGES: Edged = Edged {
-    left: 0,
-    v1: Real::ZERO,
-    top: Real::ZERO,
-    sixth: Real::ZERO,
-    gained: Real::ZERO,
-    distance: Real::ZERO,
-    edge: Real::ZERO,
-    width: 0,
-    from: Exact(0),
-};
-
 impl RampRun {
-    /// It has ended. A motion is begun in place, so that nothing large is moved about.
-    pub const IDLE: RampRun = RampRun {
-        kind: Kind::Stop,
-        next: Next::Over,
-        knot: Exact(0),
-        time: 0,
-        v: Real::ZERO,
-        peak: Real::ZERO,
-        faster: false,
-        jump: Real::ZERO,
-        target: 0,
-        means: Means { acc: Rate::NONE, dec: Rate::NONE, wait: Real::ZERO },
-        shape: Shape::Plain,
-        pos: Exact(0),
-        jerk_phase: STILL,
-        edged: NO_EDGES,
-    };
-
     /// The motion before is over; another one begins.
     fn restart(&mut self, kind: Kind, now: Ns, from: Moving, shape: Shape) {
         (self.kind, self.shape) = (kind, shape);

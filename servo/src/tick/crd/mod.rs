@@ -34,51 +34,39 @@ use crate::view::{CrdView, StopReason};
 /// that belong together have come by then.
 const LOOKS: u8 = 2;
 
-/// One coordinate system. What every tick reads comes first.
-#[derive(Debug, Clone, Copy)]
-#[repr(C)]
-pub(crate) struct CrdState {
-    /// What the thread reads. It is also the state itself, where both are the same.
-    pub(crate) published: CrdView,
-    /// Axes geared to the motion in force.
-    geared: AxisMask,
-    /// The axes of its frame.
-    lanes: Lanes,
-    /// The axis that a modal move waits for.
-    awaited: Option<Axis>,
-    /// Of the motion in force, and of the one after it.
-    clearance: [Clearance; 2],
-    path: Path,
-    /// At standstill: the FIFO that will probably be started, and the scans before its start is
-    /// prepared.
-    likely: u8,
-    looks: u8,
-    /// The stop reason, if it is stopped.
-    ending: StopReason,
-    /// The tick since which it has been at standstill.
-    pub(crate) standstill_since: Ns,
-    /// What stopped it: an axis, and a position where it must not go.
-    obstacle: Option<(Axis, Pos)>,
-    /// The speed of its encoders.
-    encoders: EncoderSpeed,
+state! {
+    /// One coordinate system. What every tick reads comes first.
+    #[derive(Debug, Clone, Copy)]
+    #[repr(C)]
+    pub(crate) struct CrdState {
+        /// What the thread reads. It is also the state itself, where both are the same.
+        pub(crate) published: CrdView = CrdView::POWER_ON,
+        /// Axes geared to the motion in force.
+        geared: AxisMask = AxisMask(0),
+        /// The axes of its frame.
+        lanes: Lanes = Lanes::NONE,
+        /// The axis that a modal move waits for.
+        awaited: Option<Axis> = None,
+        /// Of the motion in force, and of the one after it.
+        clearance: [Clearance; 2] = [Clearance::Unknown; 2],
+        path: Path = Path::IDLE,
+        /// At standstill: the FIFO that will probably be started, and the scans before its start is
+        /// prepared.
+        likely: u8 = 0,
+        looks: u8 = 0,
+        /// The stop reason, if it is stopped.
+        ending: StopReason = StopReason::None,
+        /// The tick since which it has been at standstill.
+        pub(crate) standstill_since: Ns = Ns(0),
+        /// What stopped it: an axis, and a position where it must not go.
+        obstacle: Option<(Axis, Pos)> = None,
+        /// The speed of its encoders.
+        encoders: EncoderSpeed = EncoderSpeed::POWER_ON,
+    }
+    pub(crate) const POWER_ON;
 }
 
 impl CrdState {
-    pub(crate) const POWER_ON: CrdState = CrdState {
-        published: CrdView::POWER_ON,
-        path: Path::IDLE,
-        likely: 0,
-        looks: 0,
-        ending: StopReason::None,
-        standstill_since: Ns(0),
-        geared: AxisMask(0),
-        lanes: Lanes::NONE,
-        awaited: None,
-        clearance: [Clearance::Unknown; 2],
-        obstacle: None,
-        encoders: EncoderSpeed::POWER_ON,
-    };
-
     fn feed(&self) -> Feed {
         Feed { ends: self.published.ends }
     }
@@ -99,32 +87,26 @@ impl CrdState {
     }
 }
 
-/// All coordinate systems of a controller.
-#[derive(Debug)]
-pub(crate) struct Crds {
-    pub(crate) states: [CrdState; Crd::MAX],
-    /// Those that run.
-    pub(crate) running: CrdMask,
-    /// Those whose next start may be prepared, once they are at standstill.
-    pub(crate) unprepared: CrdMask,
-    /// Those with an alarm of one of their axes.
-    alarms: CrdMask,
-    /// Counts changes of the views of all of them.
-    pub(crate) moves: u32,
-    /// Those that have had their turn in preparing a start.
-    turn: u8,
+state! {
+    /// All coordinate systems of a controller.
+    #[derive(Debug)]
+    pub(crate) struct Crds {
+        pub(crate) states: [CrdState; Crd::MAX] = [CrdState::POWER_ON; Crd::MAX],
+        /// Those that run.
+        pub(crate) running: CrdMask = CrdMask(0),
+        /// Those whose next start may be prepared, once they are at standstill.
+        pub(crate) unprepared: CrdMask = CrdMask(0),
+        /// Those with an alarm of one of their axes.
+        alarms: CrdMask = CrdMask(0),
+        /// Counts changes of the views of all of them.
+        pub(crate) moves: u32 = 0,
+        /// Those that have had their turn in preparing a start.
+        turn: u8 = 0,
+    }
+    pub(crate) const POWER_ON;
 }
 
 impl Crds {
-    pub(crate) const POWER_ON: Crds = Crds {
-        states: [CrdState::POWER_ON; Crd::MAX],
-        running: CrdMask(0),
-        unprepared: CrdMask(0),
-        alarms: CrdMask(0),
-        moves: 0,
-        turn: 0,
-    };
-
     /// Those of the mask that have been set up.
     pub(crate) fn known(&self, of: CrdMask) -> CrdMask {
         let known = of.crds().filter(|crd| self.get(*crd).is_some_and(|state| state.published.frame.is_some()));

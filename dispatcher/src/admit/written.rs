@@ -1,0 +1,44 @@
+//! Data that was written to a store and is not yet visible to the tick; the memory that it is
+//! written to.
+use crate::plan::path_queue::PathQueue;
+use crate::refuse::{Admitted, FifoOf};
+use crate::report::answer::{Answer, TAKEN_MAX};
+use crate::shadow::Change;
+use servo::path::PathStores;
+use servo::segment::pt::SegmentStore;
+
+/// What was written, and the new end of its FIFO for the shadow state.
+pub type Stored = Admitted<(Written, Change)>;
+/// The memory of PT and Follow, one store for each axis.
+pub type Segments<const AXES: usize> = [SegmentStore; AXES];
+/// The look-aheads of all coordinate systems, and both FIFOs of each.
+pub type Paths<'x> = (&'x mut [[PathQueue; 2]], PathStores<'x>);
+
+/// Data that was written to a store and is not yet visible to the tick.
+#[derive(Debug, Clone, Copy)]
+pub struct Written {
+    /// The owner.
+    pub of: FifoOf,
+    /// Which FIFO.
+    pub fifo: u8,
+    /// What to answer.
+    pub answer: Answer,
+    /// Its commit goes by the immediate lane.
+    pub at_once: bool,
+    /// The values that the answer waits for: what a buffered laser command took.
+    pub took: [f64; TAKEN_MAX],
+    /// Laser channel and follow table that an entry of a path names.
+    pub named: Option<(u8, u8)>,
+}
+
+impl Written {
+    /// Data of a FIFO whose commit is pushed with the others of its instant.
+    pub fn new(of: FifoOf, fifo: u8, answer: Answer) -> Written {
+        Written { of, fifo, answer, at_once: false, took: [0.0; TAKEN_MAX], named: None }
+    }
+
+    /// The values that its answer waits for.
+    pub fn waiting(&self) -> impl Iterator<Item = f64> {
+        self.took.into_iter().take(self.answer.waiting().into())
+    }
+}
