@@ -72,7 +72,7 @@ pub fn connect(ends: &[End]) {
     }
 }
 
-/// Reports which jumpers are there; the lasers rest meanwhile. Those of the converters are told by
+/// Reports which jumpers are there; the lasers rest meanwhile. Those of the converters are found by
 /// their voltages. True if the sixth is there.
 pub fn tell(report: &mut Report) -> bool {
     for (number, from, end) in JUMPERS {

@@ -50,7 +50,7 @@ fn modes_and_directions() {
 }
 
 #[test]
-fn what_was_set_is_told() {
+fn what_was_set_is_reported() {
     let mut bench = Bench::<16>::new(1, 250); // gtn-016: two cores of eight axes
     let two = |core: i16| (core.into(), 2.into());
     for core in [1, 2] {

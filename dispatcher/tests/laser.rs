@@ -455,7 +455,7 @@ fn standby_is_switched_off_by_zeros() {
 }
 
 #[test]
-fn a_width_that_reaches_the_period_is_told() {
+fn a_width_that_reaches_the_period_is_reported() {
     const LIMITED: u8 = 0x80;
     for family in [GUS, LSR] {
         let mut bench = bench(family);

@@ -42,7 +42,7 @@ fn on_time_of(bench: &mut Bench<8>) -> u32 {
 }
 
 #[test]
-fn a_fault_is_told_and_cleared_when_its_cause_is_gone() {
+fn a_fault_is_reported_and_cleared_when_its_cause_is_gone() {
     const CAUSE: &str = "the interlock or emergency-stop input is active";
     for family in [GUS, LSR] {
         let mut bench = interlocked(family);
@@ -136,7 +136,7 @@ fn a_program_stops_at_a_faulted_laser_and_may_clear_it_first() {
 }
 
 #[test]
-fn a_lost_link_puts_out_light() {
+fn a_lost_link_shuts_off_light() {
     for family in [GUS, LSR] {
         let mut bench = bench(family);
         for channel in 0..2 {
@@ -174,7 +174,7 @@ fn a_lost_link_puts_out_light() {
 }
 
 #[test]
-fn what_happened_is_told_with_time_and_reason() {
+fn what_happened_is_reported_with_time_and_reason() {
     let mut bench = bench(LSR);
     let mut reported = 0;
     assert_eq!(events(&mut bench, &mut reported), []);
@@ -213,7 +213,7 @@ fn what_happened_is_told_with_time_and_reason() {
 }
 
 #[test]
-fn a_lost_link_puts_out_what_a_running_program_may_light() {
+fn a_lost_link_shuts_off_what_a_running_program_may_light() {
     let mut bench = bench(LSR);
     prepared(&mut bench, LSR, 0);
     let program = [entry(sleep(2000)), entry(switch(1, 0)), entry(sleep(10)), entry(ProgramEnd {})];

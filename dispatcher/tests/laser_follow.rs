@@ -142,7 +142,7 @@ fn a_read_of_analog_outputs_tells_what_is_output() {
 /// Entries of a path against the pulse width: reported for the power, and for the highest power of
 /// a follow.
 #[test]
-fn a_width_that_reaches_the_period_is_told_of_entries_too() {
+fn a_width_that_reaches_the_period_is_reported_of_entries_too() {
     const LIMITED: u8 = 0x80;
     for family in [GUS, LSR] {
         let mut bench = bench(family);

@@ -118,7 +118,7 @@ fn entries_for_a_channel_that_is_not_mapped_are_refused() {
 /// SPEC 6: an entry that is reached when the map no longer holds its coordinate system does nothing
 /// and is an event.
 #[test]
-fn an_entry_that_is_reached_unmapped_does_nothing_and_is_told() {
+fn an_entry_that_is_reached_unmapped_does_nothing_and_is_reported() {
     let mut bench = bench();
     bench.done(buf_on());
     bench.done(line(100, 0, 10.0, 1.0));

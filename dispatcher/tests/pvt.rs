@@ -311,7 +311,7 @@ fn starts_are_refused_in_another_mode_at_speed_and_without_a_table() {
 }
 
 #[test]
-fn loops_accumulate_and_both_counts_are_told() {
+fn loops_accumulate_and_both_counts_are_reported() {
     let mut bench = prepared(1);
     let loops = |bench: &mut Bench<8>| {
         let reply = bench.done(GetPvtLoop { core: 1.into(), profile: 1.into() });

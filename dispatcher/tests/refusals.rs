@@ -528,7 +528,7 @@ fn profiles() {
 }
 
 #[test]
-fn what_ended_the_last_run_is_told() {
+fn what_ended_the_last_run_is_reported() {
     let mut fresh = Bench::gus();
     let none = fresh.call(GetFault {});
     assert_eq!((none.reply::<GetFault>(), none.body.len()), (FaultReply { kind: 0, length: 0.into() }, 3));

@@ -61,7 +61,7 @@ fn the_first_record_of_a_session_is_not_taken_for_one_that_was_dealt_with() {
 }
 
 #[test]
-fn what_an_old_session_waits_for_is_not_told_to_the_new_one() {
+fn what_an_old_session_waits_for_is_not_reported_to_the_new_one() {
     let mut bench = Bench::gus();
     // Executed with the next tick, so its answer is due in the next session.
     let old = bench.post_all(&[set(1, 100), set(2, 200)]);
@@ -95,7 +95,7 @@ fn answers_that_were_gathered_for_an_old_session_are_not_sent_in_the_new_one() {
 }
 
 #[test]
-fn numbers_that_an_old_session_gave_are_not_told_to_the_new_one() {
+fn numbers_that_an_old_session_gave_are_not_reported_to_the_new_one() {
     let mut bench = Bench::gus();
     bench.run_ms(1);
     let power = |power: f64| now(LaserPrfCmd { core: CORE.into(), power: power.into(), channel: 0.into() });
@@ -141,7 +141,7 @@ fn a_configuration_that_an_old_session_began_is_not_gone_on_with() {
 /// A program that is held, and one that runs: replies sent in its session count, the others are not
 /// sent in the next one.
 #[test]
-fn nothing_of_an_old_program_is_told_to_the_new_session() {
+fn nothing_of_an_old_program_is_reported_to_the_new_session() {
     for runs in [false, true] {
         let mut bench = Bench::gus();
         let pos = |axis: i16| entry(SetPrfPos { core: CORE.into(), profile: axis.into(), pos: 5.into() });
@@ -167,7 +167,7 @@ fn nothing_of_an_old_program_is_told_to_the_new_session() {
 }
 
 #[test]
-fn numbers_that_an_old_program_gave_are_not_told_to_the_new_session() {
+fn numbers_that_an_old_program_gave_are_not_reported_to_the_new_session() {
     let mut bench = Bench::gus();
     let power = |power: f64| entry(LaserPrfCmd { core: CORE.into(), power: power.into(), channel: 0.into() });
     bench.post_all(&[entry(sleep(30)), power(11.0), power(12.0), entry(ProgramEnd {})]);

@@ -320,8 +320,8 @@ impl<'m> Bench<'m> {
                     continue;
                 }
                 let of = |sent: &Sent| (sent.opcode, sent.tag) == (reply.opcode, reply.tag);
-                // What does not fit into the program queue is told at once, before what is in it,
-                // and so is what may fail.
+                // What does not fit into the program queue is reported at once, before what is in
+                // it, and so is what may fail.
                 let refusal = Refusal::read_from_bytes(reply.body).ok().filter(|_| reply.code != Code::Done as i16);
                 let full = refusal.and_then(|refusal| refusal.reason()) == Some(Reason::QueueFull);
                 let early = |sent: &Sent| of(sent) && (full || refusal.is_some() && sent.may_fail);

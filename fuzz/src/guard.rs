@@ -35,7 +35,7 @@ const TRAVEL: u64 = 1 << 62;
 /// The link-loss time until somebody changes it, ns.
 const LINK_LOSS_NS: u64 = 500_000_000;
 /// Ticks until what a tick sees has reached the outputs: one to act, one that the machine had been
-/// told already.
+/// reported already.
 const REACTION: u32 = 2;
 
 /// Why a channel must be at rest.
@@ -144,7 +144,7 @@ impl Guard {
         self.heard = now;
     }
 
-    /// The controller was told of an overrun or a restart.
+    /// An overrun or a restart was reported to the controller.
     pub fn cause(&mut self, awaiting: &[VecDeque<Sent>; 3]) {
         let under_way = awaiting.iter().flatten().any(|sent| clears(sent.opcode));
         if !under_way && self.is_quiet() {

@@ -4,7 +4,7 @@
 //! Two kinds by the first byte: *wild*, where every command may come with every body; and
 //! *counted*, where axes 7 and 8 and coordinate system 2 are the model's, as is analog output 8,
 //! and no other request names them. The model's requests are PT segments of axis 8 with increasing
-//! times (their order is told by the refusal of a segment that comes too early) and entries of a
+//! times (their order is known by the refusal of a segment that comes too early) and entries of a
 //! path of coordinate system 2; by both lanes, in FIFOs of their own. After every cut the
 //! controller is asked what it has got, and the paths are run and what they do is compared
 //! ([`crate::model`]): what was answered with 0 is there once, what was reported as not executed is

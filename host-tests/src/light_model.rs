@@ -341,18 +341,18 @@ pub fn light(family: Family, acts: &[(Ns, Act)]) -> Light {
         let mapped = |crd: u8| map >> crd & 1 == 1;
         // The channel's own commands, and those that act at once; the gate's other commands come
         // below.
-        let mut told = None;
+        let mut reported = None;
         match act {
             Act::Own(command) => {
-                told = Some(command.clone());
+                reported = Some(command.clone());
                 match command {
                     // Nothing is lit, and nothing remembered.
-                    Command::Gate(true) if gate.is_dead(&power) => told = None,
+                    Command::Gate(true) if gate.is_dead(&power) => reported = None,
                     // It changes nothing while the light of a coordinate system is on.
-                    Command::Gate(true) if lit && matches!(gate.on, Some(By::Crd(_))) => told = None,
+                    Command::Gate(true) if lit && matches!(gate.on, Some(By::Crd(_))) => reported = None,
                     Command::Gate(true) => {
                         gate.light(By::Call, &power);
-                        told = told.filter(|_| gate.is_lit());
+                        reported = reported.filter(|_| gate.is_lit());
                     }
                     Command::Gate(false) => {
                         gate.forget();
@@ -394,11 +394,11 @@ pub fn light(family: Family, acts: &[(Ns, Act)]) -> Light {
             Act::Entry(crd, Buffered::Gate(true)) if gate.vetoed && gate.brake >> crd & 1 == 1 => {}
             Act::Entry(crd, Buffered::Gate(true)) => {
                 gate.light(By::Crd(*crd), &power);
-                told = gate.is_lit().then_some(Command::Gate(true));
+                reported = gate.is_lit().then_some(Command::Gate(true));
             }
             Act::Entry(_, Buffered::Gate(false)) => {
                 gate.forget();
-                told = Some(Command::Gate(false));
+                reported = Some(Command::Gate(false));
             }
             Act::Entry(_, Buffered::Power(value)) => {
                 power.direct = *value;
@@ -452,7 +452,7 @@ pub fn light(family: Family, acts: &[(Ns, Act)]) -> Light {
                 if mapped(*crd) {
                     gate.forget();
                     gate.fault = true;
-                    told = Some(Command::Fault);
+                    reported = Some(Command::Fault);
                 }
             }
             Act::Map(crds) => {
@@ -469,8 +469,9 @@ pub fn light(family: Family, acts: &[(Ns, Act)]) -> Light {
             // shut off does not.
             gate.forget();
         }
-        let ends_or_begins = told.is_none() && gate.is_lit() != lit;
-        made.job.extend(told.or(ends_or_begins.then_some(Command::Gate(gate.is_lit()))).map(|command| (*at, command)));
+        let ends_or_begins = reported.is_none() && gate.is_lit() != lit;
+        made.job
+            .extend(reported.or(ends_or_begins.then_some(Command::Gate(gate.is_lit()))).map(|command| (*at, command)));
         made.powers.push((*at, power.clone()));
     }
     made

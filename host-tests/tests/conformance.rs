@@ -1,5 +1,5 @@
 //! One suite that every motion mode passes: knots exact, continuous where promised, ends where
-//! told, loops accumulate, stop and restart. Each mode is told the same curve in its own words;
+//! reported, loops accumulate, stop and restart. Each mode gets the same curve in its own words;
 //! Complete, whose acceleration has no steps, another one through the same knots. A master that
 //! moves 1 pulse in 1 ms makes progress the time.
 mod motion;
@@ -337,7 +337,7 @@ fn knots_passes_and_the_end() {
                     assert_eq!(run.pos(0, at), knot, "{mode:?}, {tick_us} µs, knot at {at} ms");
                 }
             }
-            assert_eq!(run.end(0), Pos::pulses(2200 * PASSES), "{mode:?}: it ends where told");
+            assert_eq!(run.end(0), Pos::pulses(2200 * PASSES), "{mode:?}: it ends at its target");
             assert!(mode.passes(&run).is_none_or(|passes| passes == PASSES), "{mode:?} counts its passes");
             let pass = Pass::of(mode);
             run.is(0, &format!("{mode:?}, {tick_us} µs"), |t| pass.looped(t, PASSES.into()));
@@ -348,7 +348,7 @@ fn knots_passes_and_the_end() {
 }
 
 #[test]
-fn velocity_is_continuous_inside_a_pass_and_told_as_it_is() {
+fn velocity_is_continuous_inside_a_pass_and_reported_as_it_is() {
     for mode in ALL {
         let run = under_test(mode, 250, PASSES, vec![wait(1)]);
         // No step of velocity is larger than the steepest slope allows in a tick; a pass ends at

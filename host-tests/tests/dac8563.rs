@@ -1,4 +1,4 @@
-//! The frames of the external DAC's driver, on a bus that writes down what it is told.
+//! The frames of the external DAC's driver, on a bus that writes down what it gets.
 #[path = "../../hal/src/dac8563.rs"]
 mod dac8563;
 use dac8563::Dac8563;

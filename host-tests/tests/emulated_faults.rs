@@ -130,7 +130,7 @@ fn masked_interrupts(debugger: &mut Debugger, _: &Map) {
     execute(debugger, &[0xb672, 0xe7fe]);
 }
 
-/// What is provoked where, the kind that is told, and how its text begins.
+/// What is provoked where, the kind that is reported, and how its text begins.
 const FAULTS: [(&str, Place, Provoke, u8, &str); 12] = [
     ("panic in the tick", Tick, panic, 1, "panicked at "),
     ("panic in the link task", Task, panic, 1, "panicked at "),
@@ -170,14 +170,14 @@ fn every_fault_of_the_program_ends_dark_and_tells_its_reason() {
         assert!(map.is_dark(&mut debugger), "{name}: dark before the restart");
         debugger.detach();
         let client = board.open();
-        let told = reason(&client);
-        assert!(told.0 == kind && told.1.starts_with(text), "{name}: {told:?}");
+        let reported = reason(&client);
+        assert!(reported.0 == kind && reported.1.starts_with(text), "{name}: {reported:?}");
         assert_dark_until_cleared(&client, 4);
     }
 }
 
 #[test]
-fn a_tick_that_takes_too_long_puts_out_the_light() {
+fn a_tick_that_takes_too_long_shuts_off_the_light() {
     let Some(image) = image() else { return };
     let map = Map::of(&image);
     let board = Board::start(image, false);
@@ -277,7 +277,7 @@ fn a_link_that_is_cut_anywhere_in_a_job_ends_dark() {
         match now.fault.get() {
             // The on command came through, and the lost link shut off its light.
             2 => dark += 1,
-            // It did not, and nobody was told that it did.
+            // It did not, and nobody reported that it did.
             0 => {
                 assert!(!lit && now.commanded == 0, "cut after {cut} bytes");
                 never += 1;

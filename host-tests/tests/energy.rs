@@ -45,13 +45,13 @@ fn a_pulse_of_the_path_gets_the_same_energy_at_any_speed() {
              GT_BufLaserPrfFollow(1,{RATIO},0,100,0,0);\nGT_BufLaserOn(1,0,0);\nGT_LnXY(1,{way},0,{speed},{acc},0,0);\nGT_BufLaserOff(1,0,0);\n\
              Sleep(4);\nGT_CrdStart(1,0);\nWaitStop(1<<8);\nSleep(2);\n"
         );
-        let told = machine.run(&text);
+        let reported = machine.run(&text);
         let frame = Frame { speed: 1000.0, acc: 100.0, even_ms: 0.0 };
         let geometry = Geometry::line([0.0; 4], [f64::from(way), 0.0, 0.0, 0.0]);
         let entries = [Entry::Motion(geometry, Rates { speed, acc, end: 0.0 })];
         let start = 4 * MS + tick;
         let course = course(&frame, &entries, &[(start as f64 / 1e6, Command::Start)], 1e9);
-        let bins = bins(&course, start, tick, &told.lasers[0].energy);
+        let bins = bins(&course, start, tick, &reported.lasers[0].energy);
         let judged = bins.iter().filter(|bin| bin.0 >= speed / 100.0);
         let worst = judged.clone().map(|bin| (bin.1 - 1.0).abs()).fold(0.0, f64::max);
         let slowest = judged.clone().map(|bin| bin.0).fold(f64::MAX, f64::min);

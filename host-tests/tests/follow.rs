@@ -79,12 +79,12 @@ fn tables_3_2_and_3_3_flying_shear() {
             let p = belt(t.min(run.before(900)));
             if p < whole(5000) { first.at(p).0 } else { whole(2500) + second.looped(p - whole(5000), 0) }
         });
-        let told: Vec<(i16, i16)> = run
+        let reported: Vec<(i16, i16)> = run
             .replies::<GetFollowStatus>()
             .iter()
             .map(|status| (status.fifo.get(), status.switch_status.get()))
             .collect();
-        assert_eq!(told, [(0, 1), (1, 0)]);
+        assert_eq!(reported, [(0, 1), (1, 0)]);
         assert_eq!(run.replies::<GetFollowLoop>()[0].value.get(), 3);
         assert_eq!(run.replies::<FollowSpace>()[0].value.get(), 16, "the FIFO that was left is empty");
     }

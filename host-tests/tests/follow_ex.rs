@@ -159,7 +159,7 @@ fn a_switch_to_the_next_segment_goes_on_at_the_ratio_of_its_instant() {
             origin + next.at(p - at).0
         } else {
             // Even, until the second call ends the pass: it is the last segment, and one pass was
-            // told.
+            // reported.
             let end = master(whole(600)).min(p);
             origin + whole(3000) + (end - at - whole(4000))
         }
@@ -227,10 +227,10 @@ fn the_asymmetric_s() {
     calls.push(wait(SLAVE));
     calls.extend(halt());
     let run = run(250, 2, calls);
-    let told: Vec<(u16, i16)> =
+    let reported: Vec<(u16, i16)> =
         run.replies::<FollowDataPercent2Ex>().iter().map(|reply| (reply.space.get(), reply.percent1.get())).collect();
     // Both were entered at the same instant.
-    assert_eq!(told, [(12, 43), (12, 100)]);
+    assert_eq!(reported, [(12, 43), (12, 100)]);
     let (q, x) = (Rational::new(3, 5), Rational::new(58, 135));
     let slope = whole(1) / (whole(1) - q / whole(2));
     // The slope's second integral, part by part.

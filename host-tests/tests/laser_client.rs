@@ -95,15 +95,15 @@ struct Edges {
 }
 
 /// A controller and a client of a family.
-struct Desk {
+struct Rig {
     board: Shared,
     client: Client,
     family: Family,
     tick: Ns,
 }
 
-impl Desk {
-    fn new(family: Family, tick: Ns) -> Desk {
+impl Rig {
+    fn new(family: Family, tick: Ns) -> Rig {
         let board = share(Board::new(Config { tick_us: (tick / 1000) as u32, ..Config::default() }));
         let client_family = match family {
             Family::Gus => client::Family::Gus,
@@ -112,7 +112,7 @@ impl Desk {
         let options = Options { family: Some(client_family), ..Options::default() };
         let client = Client::open(Box::new(VirtualLink::new(board.clone())), options).unwrap();
         board.lock().unwrap().record_beam(true);
-        Desk { board, client, family, tick }
+        Rig { board, client, family, tick }
     }
 
     /// Runs a job on a channel from power-on; edges in times of the job.
@@ -191,12 +191,12 @@ impl Desk {
 
 #[test]
 fn the_rules_hold_over_the_link() {
-    let desks = [Desk::new(Family::Gus, 10_000), Desk::new(Family::Lsr, 10_000)];
+    let rigs = [Rig::new(Family::Gus, 10_000), Rig::new(Family::Lsr, 10_000)];
     let (mut count, mut edges) = (0, 0);
     for case in cases() {
         if case.job.iter().all(|(_, command)| belongs(command)) {
-            let desk = desks.iter().find(|desk| desk.family == case.family).unwrap();
-            edges += desk.check(case.name, &case.job, count % 2, HORIZON * 1000);
+            let rig = rigs.iter().find(|rig| rig.family == case.family).unwrap();
+            edges += rig.check(case.name, &case.job, count % 2, HORIZON * 1000);
             count += 1;
         }
     }
@@ -223,7 +223,7 @@ fn random_jobs_over_the_link_are_the_models() {
     for (family, tick) in
         [(Family::Gus, 10_000), (Family::Lsr, 50_000), (Family::Gus, 250_000), (Family::Lsr, 1_000_000)]
     {
-        let desk = Desk::new(family, tick);
+        let rig = Rig::new(family, tick);
         let setups: Vec<&Setup> = setups.iter().filter(|setup| setup.family == family).collect();
         for number in 0..100 {
             let setup = setups[chance.below(setups.len() as u64) as usize];
@@ -231,7 +231,7 @@ fn random_jobs_over_the_link_are_the_models() {
             let mut job = job(chance, setup, tick, ticks);
             job.retain(|(_, command)| belongs(command));
             job.iter_mut().for_each(|(_, command)| fit(family, command));
-            edges += desk.check(&format!("job {number}"), &job, number % 2, (ticks + 20) * tick);
+            edges += rig.check(&format!("job {number}"), &job, number % 2, (ticks + 20) * tick);
         }
     }
     assert!(edges > 10_000, "{edges} edges");

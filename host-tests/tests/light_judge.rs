@@ -3,8 +3,8 @@
 //!
 //! `LIGHT_PROGRAMS` sets how many programs there are, `LIGHT_SEED` the first one's number.
 //! `LIGHT_PLANTED=1` is for a firmware with a planted fault: the test then succeeds only if the
-//! judge finds something. `LIGHT_FINDINGS` sets how many programs that differ are told of before it
-//! gives up; `LIGHT_STEP=6` and `LIGHT_THREADS=1` run those of one controller in order.
+//! judge finds something. `LIGHT_FINDINGS` sets how many programs that differ are reported before
+//! it gives up; `LIGHT_STEP=6` and `LIGHT_THREADS=1` run those of one controller in order.
 //! `LIGHT_PULSES=1` prints the energy pulses of programs that differ.
 #[path = "../../servo/tests/chance/mod.rs"]
 mod chance;
@@ -18,7 +18,7 @@ mod machine;
 mod program;
 
 use host_tests::light_judge::{Fact, Given, Judge, compare};
-use machine::{Rig, Sent, Told};
+use machine::{Reported, Rig, Sent};
 use program::{Buf, Do, Program};
 use std::collections::BTreeMap;
 use std::sync::Mutex;
@@ -88,12 +88,12 @@ const NEEDED: &[&str] = &[
 type Tally = BTreeMap<&'static str, u64>;
 
 /// What the judge says of a program that ran.
-fn judged(program: &Program, told: &Told, facts: &[Fact], tick: i64, tally: &mut Tally) -> Result<(), String> {
+fn judged(program: &Program, reported: &Reported, facts: &[Fact], tick: i64, tally: &mut Tally) -> Result<(), String> {
     let mut judge = Judge::new(program.settings, tick);
     for fact in facts {
         judge.take(fact);
     }
-    let until = told.end - tick;
+    let until = reported.end - tick;
     let (verdicts, wrong, used) = judge.finish(until);
     for rule in used.iter().chain(&program.endings) {
         *tally.entry(rule).or_default() += 1;
@@ -107,11 +107,11 @@ fn judged(program: &Program, told: &Told, facts: &[Fact], tick: i64, tally: &mut
             timing: &of.timing,
             output: of.output,
             switch: program.devices[channel].switch,
-            from: told.begin,
+            from: reported.begin,
             until,
         };
-        let lit =
-            compare(&given, verdict, &told.lasers[channel]).map_err(|reason| format!("channel {channel}: {reason}"))?;
+        let lit = compare(&given, verdict, &reported.lasers[channel])
+            .map_err(|reason| format!("channel {channel}: {reason}"))?;
         *tally.entry("spans of light").or_default() += lit as u64;
     }
     Ok(())
@@ -120,29 +120,34 @@ fn judged(program: &Program, told: &Told, facts: &[Fact], tick: i64, tally: &mut
 fn one(rig: &mut Rig, seed: u64, is_gus: bool, tally: &mut Tally) -> Result<(), String> {
     let program = generator::program(seed, is_gus, rig.tick);
     let tick_us = (rig.tick / 1000) as u32;
-    let told = rig.run(&program).map_err(|reason| format!("program {seed}: {reason}\n{}", program.told(tick_us)))?;
-    if told.sent.iter().any(|sent| sent.code.is_none() && sent.call.sets()) {
+    let reported =
+        rig.run(&program).map_err(|reason| format!("program {seed}: {reason}\n{}", program.reported(tick_us)))?;
+    if reported.sent.iter().any(|sent| sent.code.is_none() && sent.call.sets()) {
         // Nobody knows what is set.
         return Ok(());
     }
     let refused = |sent: &Sent| sent.code != Some(0) && matches!(sent.call, Do::Entry { buf: Buf::Line { .. }, .. });
-    if told.sent.iter().any(refused) {
+    if reported.sent.iter().any(refused) {
         // Two marks without a motion between them change nothing that could be seen.
         return Ok(());
     }
-    let facts = facts::facts(&program, &told, rig.tick);
-    judged(&program, &told, &facts, rig.tick, tally).map_err(|reason| {
-        let mut text = format!("program {seed}, tick {tick_us} µs, from {}: {reason}\n", told.begin);
-        text += &program.told(tick_us);
+    let facts = facts::facts(&program, &reported, rig.tick);
+    judged(&program, &reported, &facts, rig.tick, tally).map_err(|reason| {
+        let mut text = format!("program {seed}, tick {tick_us} µs, from {}: {reason}\n", reported.begin);
+        text += &program.reported(tick_us);
         text += "answers:\n";
-        for sent in &told.sent {
-            text +=
-                &format!("     {:>10.6} ms {:?} -> {:?}\n", (sent.at - told.begin) as f64 / 1e6, sent.call, sent.code);
+        for sent in &reported.sent {
+            text += &format!(
+                "     {:>10.6} ms {:?} -> {:?}\n",
+                (sent.at - reported.begin) as f64 / 1e6,
+                sent.call,
+                sent.code
+            );
         }
-        text += &outputs(&told);
+        text += &outputs(&reported);
         text += "facts:\n";
         for fact in &facts {
-            let ms = |at: i64| (at - told.begin) as f64 / 1e6;
+            let ms = |at: i64| (at - reported.begin) as f64 / 1e6;
             text += &format!("     {:>10.6} {:>10.6} ms {:?}\n", ms(fact.lo), ms(fact.hi), fact.what);
         }
         text
@@ -150,10 +155,10 @@ fn one(rig: &mut Rig, seed: u64, is_gus: bool, tally: &mut Tally) -> Result<(), 
 }
 
 /// What the slow outputs did, ms.
-fn outputs(told: &Told) -> String {
-    let ms = |at: i64| (at - told.begin) as f64 / 1e6;
+fn outputs(reported: &Reported) -> String {
+    let ms = |at: i64| (at - reported.begin) as f64 / 1e6;
     let mut text = String::new();
-    for (channel, of) in told.lasers.iter().enumerate() {
+    for (channel, of) in reported.lasers.iter().enumerate() {
         let switch: Vec<_> = of.switch.iter().map(|edge| (ms(edge.0), edge.1)).collect();
         let volts: Vec<_> = of.volts.iter().map(|edge| (ms(edge.0), edge.1)).collect();
         text += &format!("outputs of channel {channel}: switch {switch:?}, volts {volts:?}\n");
@@ -223,6 +228,6 @@ fn light_only_where_it_was_asked_for() {
             assert!(tally.get(name).is_some_and(|count| *count >= 2), "{name}: {:?} times", tally.get(name));
         }
     }
-    let told: String = reports.iter().map(|(_, report)| format!("{report}\n")).collect();
-    assert!(reports.is_empty(), "{} of {done} programs differ:\n{told}", reports.len());
+    let reported: String = reports.iter().map(|(_, report)| format!("{report}\n")).collect();
+    assert!(reports.is_empty(), "{} of {done} programs differ:\n{reported}", reports.len());
 }

@@ -22,7 +22,7 @@ use dark::in_the_dark;
 use host_tests::laser_model::{Edge, Exact, Family, Mode, Ns, Outcome, level_at, outcome};
 use host_tests::light_model::{Law, Light, Source, light};
 use job::{Made, Setup, made, table};
-use machine::{Machine, Told, numbered};
+use machine::{Machine, Reported, numbered};
 use protocol::command::GetLaserOnTime;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
@@ -156,9 +156,9 @@ impl<'a> Model<'a> {
         ends.chain(self.outcome.switch.iter().map(|edge| edge.0)).any(|edge| (edge - at).abs() <= SLACK)
     }
 
-    fn rows(&self, told: &Told) -> Result<(), String> {
+    fn rows(&self, reported: &Reported) -> Result<(), String> {
         let full = range(self.setup.mode);
-        for row in &told.rows {
+        for row in &reported.rows {
             let at = row.t_ns as Ns;
             if at >= self.made.horizon || self.is_edge(at) {
                 continue;
@@ -298,10 +298,10 @@ impl<'a> Model<'a> {
         Ok(())
     }
 
-    fn check(&self, told: &Told) -> Result<usize, String> {
-        let beams = &told.lasers[0];
+    fn check(&self, reported: &Reported) -> Result<usize, String> {
+        let beams = &reported.lasers[0];
         self.switch(&beams.switch)?;
-        self.rows(told)?;
+        self.rows(reported)?;
         let mut seen = beams.switch.len();
         if self.setup.mode == Mode::Analog {
             self.volts(&beams.volts)?;
@@ -310,10 +310,13 @@ impl<'a> Model<'a> {
             in_the_dark(&self.outcome, &beams.energy, self.made.horizon + self.tick, SLACK)?;
             seen += self.pulses(&beams.energy)?;
         }
-        if !(told.lasers[1].energy.is_empty() && told.lasers[1].switch.is_empty() && told.lasers[1].volts.is_empty()) {
+        if !(reported.lasers[1].energy.is_empty()
+            && reported.lasers[1].switch.is_empty()
+            && reported.lasers[1].volts.is_empty())
+        {
             return Err("the other channel does something".into());
         }
-        let lit = told.replies::<GetLaserOnTime>()[0].value.get();
+        let lit = reported.replies::<GetLaserOnTime>()[0].value.get();
         let mine = self.outcome.on_time(self.made.horizon + self.tick);
         let unit = 250_000;
         if !(mine - 100..=mine + 100).any(|mine| mine / unit == Ns::from(lit)) {
@@ -326,8 +329,8 @@ impl<'a> Model<'a> {
 fn run(machine: &Machine, setup: &Setup, number: u64) -> usize {
     let made = made(number, setup, machine.tick_ns);
     machine.reset();
-    let told = machine.try_run(&made.text);
-    let outcome = told.and_then(|told| Model::new(setup, &made, machine.tick_ns).check(&told));
+    let reported = machine.try_run(&made.text);
+    let outcome = reported.and_then(|reported| Model::new(setup, &made, machine.tick_ns).check(&reported));
     outcome.unwrap_or_else(|reason| {
         let acts: String = made.acts.iter().map(|(at, act)| format!("{at:>10} {act:?}\n")).collect();
         panic!("job {number}, {setup:?}, tick {}: {reason}\n{}\n{acts}", machine.tick_ns, numbered(&made.text))

@@ -62,7 +62,7 @@ fn nothing_drifts_overflows_or_grows() {
     let (began, start) = (Instant::now(), client.now());
     let first = seen(&board);
     let mut settled = None;
-    let mut told = Instant::now();
+    let mut reported = Instant::now();
     for number in 0..rounds {
         run(&client, &round(number));
         let end = start + ROUND * (number as u32 + 1);
@@ -90,8 +90,8 @@ fn nothing_drifts_overflows_or_grows() {
         if let (Some(settled), Some(memory)) = (settled, now.memory) {
             assert!(memory <= settled + (2 << 20), "memory grew from {settled} to {memory} in {done} rounds");
         }
-        if told.elapsed() > Duration::from_secs(20) || done == rounds {
-            told = Instant::now();
+        if reported.elapsed() > Duration::from_secs(20) || done == rounds {
+            reported = Instant::now();
             let (ticks, seconds) = (done * ROUND_TICKS, began.elapsed().as_secs_f64());
             println!("{ticks} ticks in {seconds:.0} s, Jog {jog} off, memory {:?}", now.memory);
         }

@@ -14,7 +14,7 @@ mod random;
 use chance::Chance;
 use host_tests::laser_model::{Family, Ns};
 use host_tests::path_model::Why;
-use machine::{Machine, Told, numbered};
+use machine::{Machine, Reported, numbered};
 use random::{Effect, Random, fits, random, set_up, undisturbed};
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
@@ -96,11 +96,11 @@ impl State {
     }
 }
 
-fn told(told: &Told) -> Vec<(Ns, Output, i64)> {
-    let [beams, _] = &told.lasers;
+fn reported(reported: &Reported) -> Vec<(Ns, Output, i64)> {
+    let [beams, _] = &reported.lasers;
     let switch = beams.switch.iter().map(|&(at, on)| (at, Output::Switch, on.into()));
     let volts = beams.volts.iter().map(|&(at, code)| (at, Output::Volts, code.into()));
-    let general = told.outputs.iter().map(|&(at, _, on)| (at, Output::General, on.into()));
+    let general = reported.outputs.iter().map(|&(at, _, on)| (at, Output::General, on.into()));
     switch.chain(volts).chain(general).collect()
 }
 
@@ -143,21 +143,21 @@ fn check(machine: &Machine, number: u64) -> (f64, usize) {
         }
     }
     machine.reset();
-    let done = told(&machine.run(&text));
+    let done = reported(&machine.run(&text));
     let mut worst = 0.0f64;
-    let told = || format!("group {number}, tick {} ns, {:?}\n{}", machine.tick_ns, machine.family, numbered(&text));
+    let reported = || format!("group {number}, tick {} ns, {:?}\n{}", machine.tick_ns, machine.family, numbered(&text));
     for output in [Output::Switch, Output::Volts, Output::General] {
         let mine: Vec<_> = expected.iter().filter(|edge| edge.2 == output).collect();
         let theirs: Vec<_> = done.iter().filter(|edge| edge.1 == output).collect();
         for (index, (mine, theirs)) in mine.iter().zip(&theirs).enumerate() {
             let off = theirs.0 as f64 - mine.0;
             let good = off >= -OFF && off <= OFF + mine.1 && mine.3 == theirs.2;
-            assert!(good, "{output:?} edge {index} is {off} ns off: {mine:?}, the machine {theirs:?}; {}", told());
+            assert!(good, "{output:?} edge {index} is {off} ns off: {mine:?}, the machine {theirs:?}; {}", reported());
             if mine.1 == 0.0 {
                 worst = worst.max(off.abs());
             }
         }
-        assert_eq!(mine.len(), theirs.len(), "{output:?}: {}", told());
+        assert_eq!(mine.len(), theirs.len(), "{output:?}: {}", reported());
     }
     (worst, expected.len())
 }

@@ -176,13 +176,13 @@ fn take(board: &Shared, lit: &mut Vec<(u64, bool)>) -> usize {
     board.take_edges().iter().filter(|edge| matches!(edge.output, Output::General(_))).count()
 }
 
-/// Both outputs go off at the loss and stay so: within the tick that is told of it.
+/// Both outputs go off at the loss and stay so: within the tick that learns of it.
 fn dark(before: &[(u64, bool)], after: &[(u64, bool)], lost: u64) -> Result<(), String> {
-    let told = || format!("lost at {lost}: light {before:?}, then {after:?}");
+    let reported = || format!("lost at {lost}: light {before:?}, then {after:?}");
     let good = before.last().is_some_and(|edge| edge.1)
         && after.len() == 2
         && after.iter().all(|&(at, on)| !on && (lost..=lost + 2 * TICK).contains(&at));
-    if good { Ok(()) } else { Err(told()) }
+    if good { Ok(()) } else { Err(reported()) }
 }
 
 /// It brakes along its way from tick `lost` on, no harder than a Stop does and no longer. The
@@ -230,8 +230,8 @@ fn readable(client: &Client, at: [f64; 2]) -> Result<(), String> {
     let (_, events) = client.call_items(GetEvents {}, &[]).unwrap();
     // A coordinate system that rests otherwise than by reaching its end, and a laser that goes
     // dark.
-    let told = |reason: u16| events.iter().any(|event| event.reason.get() == reason);
-    if told(13) && told(2) { Ok(()) } else { Err(format!("no event tells it: {events:?}")) }
+    let reported = |reason: u16| events.iter().any(|event| event.reason.get() == reason);
+    if reported(13) && reported(2) { Ok(()) } else { Err(format!("no event tells it: {events:?}")) }
 }
 
 fn machine(limit: u64) -> (Machine, Arc<Mutex<Road>>) {
@@ -319,7 +319,7 @@ fn streaming(chance: &mut Chance, path: &Path) -> Result<f64, String> {
     let mut all = Vec::new();
     take(&machine.board, &mut all);
     let (before, after): (Vec<_>, Vec<_>) = all.into_iter().partition(|edge| edge.0 < lost);
-    dark(&before, &after, lost).map_err(|told| format!("{failed}: {told}"))?;
+    dark(&before, &after, lost).map_err(|reported| format!("{failed}: {reported}"))?;
     let places = std::mem::take(&mut road.lock().unwrap().places);
     let hardest = brakes(path, &places, (lost.saturating_sub(cut) / TICK) as usize)?;
     // The host ends its session and opens another one.

@@ -13,7 +13,7 @@ use chance::Chance;
 use host_tests::laser_model::{Command, Edge, Exact, Family, Mode, Ns, outcome};
 use host_tests::light_model::{Act, Buffered, light};
 use host_tests::path_model::{self, Course, Entry, Geometry, Why, course};
-use machine::{Beams, Machine, Told, numbered};
+use machine::{Beams, Machine, Reported, numbered};
 use random::{Effect, Random, arcs, fits, is_undecided, random, set_up};
 use std::fmt::Write;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
@@ -294,7 +294,7 @@ fn laser(family: Family, channel: usize, made: &Made, beams: &Beams) -> Result<u
         + same(&format!("voltage {channel}"), &volts, &beams.volts)?)
 }
 
-fn outputs(made: &Made, told: &Told) -> Result<usize, String> {
+fn outputs(made: &Made, reported: &Reported) -> Result<usize, String> {
     let mut seen = 0;
     for (crd, half) in made.halves.iter().enumerate() {
         let mut mine: Vec<Edge<bool>> = Vec::new();
@@ -312,8 +312,12 @@ fn outputs(made: &Made, told: &Told) -> Result<usize, String> {
                 left.push(edge);
             }
         }
-        let theirs: Vec<_> =
-            told.outputs.iter().filter(|edge| usize::from(edge.1) == crd + 1).map(|edge| (edge.0, edge.2)).collect();
+        let theirs: Vec<_> = reported
+            .outputs
+            .iter()
+            .filter(|edge| usize::from(edge.1) == crd + 1)
+            .map(|edge| (edge.0, edge.2))
+            .collect();
         seen += same(&format!("output {}", crd + 1), &left, &theirs)?;
     }
     Ok(seen)
@@ -330,9 +334,9 @@ fn geometry(half: &Half, ms: f64) -> Option<&Geometry> {
 }
 
 /// The greatest distances from the model and from the circles of arcs, pulses.
-fn places(made: &Made, told: &Told) -> Result<[f64; 2], String> {
+fn places(made: &Made, reported: &Reported) -> Result<[f64; 2], String> {
     let mut worst = [0.0f64; 2];
-    for row in told.rows.iter().filter(|row| (row.t_ns as Ns) < made.horizon) {
+    for row in reported.rows.iter().filter(|row| (row.t_ns as Ns) < made.horizon) {
         let ms = row.t_ns as f64 / 1e6;
         for (crd, half) in made.halves.iter().enumerate() {
             let expected = half.course.position(&half.path.entries, ms).unwrap_or([0.0; 4]);
@@ -364,19 +368,19 @@ fn places(made: &Made, told: &Told) -> Result<[f64; 2], String> {
 
 fn check(machine: &Machine, made: &Made) -> Result<(usize, [f64; 2]), String> {
     machine.reset();
-    let told = machine.try_run(&made.text)?;
-    if told.rows.len() < (made.horizon / machine.tick_ns) as usize {
-        return Err(format!("{} rows", told.rows.len()));
+    let reported = machine.try_run(&made.text)?;
+    if reported.rows.len() < (made.horizon / machine.tick_ns) as usize {
+        return Err(format!("{} rows", reported.rows.len()));
     }
-    let codes: Vec<i16> = told.answers.iter().map(|(_, answer)| answer.code).filter(|code| *code != 0).collect();
+    let codes: Vec<i16> = reported.answers.iter().map(|(_, answer)| answer.code).filter(|code| *code != 0).collect();
     if codes != vec![1; made.refused] {
         return Err(format!("refused: {codes:?}, the model {}", made.refused));
     }
-    let mut edges = outputs(made, &told)?;
-    for (channel, beams) in told.lasers.iter().enumerate() {
+    let mut edges = outputs(made, &reported)?;
+    for (channel, beams) in reported.lasers.iter().enumerate() {
         edges += laser(machine.family, channel, made, beams)?;
     }
-    Ok((edges, places(made, &told)?))
+    Ok((edges, places(made, &reported)?))
 }
 
 /// Jobs below `count`, shared among the cores: edges, and the greatest distances.

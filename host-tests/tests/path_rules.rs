@@ -6,7 +6,7 @@ mod machine;
 mod rules;
 
 use host_tests::laser_model::{Family, Ns, level_at};
-use machine::{Machine, Told, numbered};
+use machine::{Machine, Reported, numbered};
 use protocol::command::{
     CrdSpace, CrdStatus, GetCrdPos, GetCrdVel, GetLaserFault, GetPrfMode, GetRemainderSegNum, GetSts,
 };
@@ -41,8 +41,8 @@ fn text(rule: &Rule) -> String {
     (text + &body + &format!("Sleep({TAIL});\n")).replace(';', ";\n")
 }
 
-/// Compares with what is told; times of the rule count from here.
-fn differs(rule: &Rule, told: &Told, zero: Ns) -> Result<(), String> {
+/// Compares with what is reported; times of the rule count from here.
+fn differs(rule: &Rule, reported: &Reported, zero: Ns) -> Result<(), String> {
     let ns = |ms: f64| if ms == END { Ns::MAX } else { zero + (ms * 1e6).round() as Ns };
     let spans = |what: &str, edges: &[(Ns, bool)], expected: &[(f64, f64)]| {
         let found: Vec<(Ns, Ns)> =
@@ -57,14 +57,14 @@ fn differs(rule: &Rule, told: &Told, zero: Ns) -> Result<(), String> {
             found.iter().map(|span| ((span.0 - zero) as f64 / 1e6, (span.1 - zero) as f64 / 1e6)).collect();
         if same { Ok(()) } else { Err(format!("{what}: {found:?} ms, by hand {expected:?}")) }
     };
-    spans("light", &told.lasers[0].switch, rule.light)?;
+    spans("light", &reported.lasers[0].switch, rule.light)?;
     let general: Vec<(Ns, bool)> =
-        told.outputs.iter().filter(|edge| edge.1 == 1).map(|edge| (edge.0, edge.2)).collect();
+        reported.outputs.iter().filter(|edge| edge.1 == 1).map(|edge| (edge.0, edge.2)).collect();
     spans("output", &general, rule.output)?;
     let row = |ms: f64| {
         let at = ns(ms);
         assert_eq!(at % TICK, 0, "{ms} ms is no tick");
-        &told.rows[(at / TICK) as usize]
+        &reported.rows[(at / TICK) as usize]
     };
     for &(ms, axis, place) in rule.places {
         let found = row(ms).axes[axis - 1].pos.0 as f64 / f64::from(1 << 22);
@@ -78,7 +78,7 @@ fn differs(rule: &Rule, told: &Told, zero: Ns) -> Result<(), String> {
         if (found - volts).abs() > 1e-3 {
             return Err(format!("power at {ms} ms: {found} V, by hand {volts}"));
         }
-        let code = f64::from(level_at(&told.lasers[0].volts, ns(ms), 0)) / 3276.7;
+        let code = f64::from(level_at(&reported.lasers[0].volts, ns(ms), 0)) / 3276.7;
         if (code - volts).abs() > 1e-3 {
             return Err(format!("output at {ms} ms: {code} V, by hand {volts}"));
         }
@@ -93,7 +93,7 @@ fn judge(rules: &[Rule]) {
         let machine = machines.iter().find(|machine| machine.family == rule.family).unwrap();
         machine.reset();
         let text = text(rule);
-        let outcome = machine.try_run(&text).and_then(|told| differs(rule, &told, GO + TICK));
+        let outcome = machine.try_run(&text).and_then(|reported| differs(rule, &reported, GO + TICK));
         if let Err(reason) = outcome {
             failed.push(format!("{}: {reason}\n{}", rule.name, numbered(&text)));
         }
@@ -129,12 +129,12 @@ fn an_underrun_is_dark_and_latched_on_every_mapped_channel() {
     };
     let machine = machine();
     machine.reset();
-    let told = machine.run(&text(&rule));
+    let reported = machine.run(&text(&rule));
     let zero = GO + TICK;
-    let faults: Vec<i16> = told.replies::<GetLaserFault>().iter().map(|fault| fault.value.get()).collect();
+    let faults: Vec<i16> = reported.replies::<GetLaserFault>().iter().map(|fault| fault.value.get()).collect();
     assert_eq!(faults, [9, 9, 0, 9]);
     let end = zero as f64 + (15.0 + 10.0 - 98f64.sqrt()) * 1e6;
-    let [first, second] = &told.lasers;
+    let [first, second] = &reported.lasers;
     assert_eq!(first.switch[0], (zero, true));
     for beams in [first, second] {
         let dark = beams.switch[1];
@@ -145,7 +145,7 @@ fn an_underrun_is_dark_and_latched_on_every_mapped_channel() {
     assert_eq!(first.switch.len(), 4);
     assert_eq!(first.switch[2], (zero + 65_000_000, true));
     assert_eq!(second.switch.len(), 2);
-    let place = |ms: i64| told.rows[((zero + ms * 1_000_000) / TICK) as usize].axes[0].pos.0 >> 22;
+    let place = |ms: i64| reported.rows[((zero + ms * 1_000_000) / TICK) as usize].axes[0].pos.0 >> 22;
     assert_eq!([place(20), place(60), place(100)], [101, 200, 300]);
 }
 
@@ -163,21 +163,22 @@ fn status_is_that_of_the_path() {
     };
     let machine = machine();
     machine.reset();
-    let told = machine.run(&text(&rule));
-    let spaces: Vec<i32> = told.replies::<CrdSpace>().iter().map(|space| space.value.get()).collect();
+    let reported = machine.run(&text(&rule));
+    let spaces: Vec<i32> = reported.replies::<CrdSpace>().iter().map(|space| space.value.get()).collect();
     assert_eq!(spaces, [1024, 1020, 1024]);
     let states: Vec<(i16, i32)> =
-        told.replies::<CrdStatus>().iter().map(|state| (state.run.get(), state.segment.get())).collect();
+        reported.replies::<CrdStatus>().iter().map(|state| (state.run.get(), state.segment.get())).collect();
     assert_eq!(states, [(0, 0), (1, 0), (1, 1), (0, 2), (0, 0)]);
-    let left: Vec<i32> = told.replies::<GetRemainderSegNum>().iter().map(|left| left.value.get()).collect();
+    let left: Vec<i32> = reported.replies::<GetRemainderSegNum>().iter().map(|left| left.value.get()).collect();
     assert_eq!(left, [1, 0]);
     // 61 ms from the start: 1 of delay, 55 of the first, 5 of the second; what is read at s is that
     // of the next tick.
-    let place: Vec<f64> = told.items::<GetCrdPos>().iter().map(|place| place.value.get()).collect();
+    let place: Vec<f64> = reported.items::<GetCrdPos>().iter().map(|place| place.value.get()).collect();
     assert_eq!(place[..2], [500.0, 25.0]);
-    assert_eq!(told.replies::<GetCrdVel>()[0].value.get(), 10.0);
-    let modes: Vec<i32> = told.items::<GetPrfMode>().iter().map(|mode| mode.value.get()).collect();
+    assert_eq!(reported.replies::<GetCrdVel>()[0].value.get(), 10.0);
+    let modes: Vec<i32> = reported.items::<GetPrfMode>().iter().map(|mode| mode.value.get()).collect();
     assert_eq!(modes, [5]);
-    let running: Vec<bool> = told.items::<GetSts>().iter().map(|status| status.value.get() >> 10 & 1 == 1).collect();
+    let running: Vec<bool> =
+        reported.items::<GetSts>().iter().map(|status| status.value.get() >> 10 & 1 == 1).collect();
     assert_eq!(running, [true, false]);
 }

@@ -3,7 +3,7 @@
 //!
 //! `REFERENCE_PROGRAMS` sets how many programs there are, `REFERENCE_SEED` the first one's number,
 //! `REFERENCE_CALLS` how many calls a program has at most, `REFERENCE_FINDINGS` how many programs
-//! that differ are told of before it gives up. A finding is shrunk and printed as a job,
+//! that differ are reported before it gives up. A finding is shrunk and printed as a job,
 //! with `REFERENCE_AROUND` ticks before and after.
 //! `REFERENCE_TABLE` names a file for how often each function was called.
 #[path = "reference/ahead.rs"]
@@ -132,9 +132,9 @@ fn programs_agree_with_the_reference() {
         let open: u64 = tally.iter().filter(|(what, _)| what.starts_with("cut short")).map(|(_, count)| count).sum();
         assert!(open * 2 < done, "{open} of {done} programs were cut short");
     }
-    let told: String =
+    let reported: String =
         reports.iter().map(|(after, report)| format!("found after {after} programs: {report}\n")).collect();
-    assert!(reports.is_empty(), "{} of {done} programs differ:\n{told}", reports.len());
+    assert!(reports.is_empty(), "{} of {done} programs differ:\n{reported}", reports.len());
 }
 
 /// Paths with look-ahead, by what holds for every plan.

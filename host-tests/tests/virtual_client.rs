@@ -246,7 +246,7 @@ fn a_silent_port_does_not_answer() {
 }
 
 #[test]
-fn a_link_that_closes_is_told() {
+fn a_link_that_closes_is_reported() {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let name = format!("tcp:{}", listener.local_addr().unwrap());
     let closer = std::thread::spawn(move || drop(listener.accept()));
@@ -403,7 +403,7 @@ fn run_stream(ahead_ms: i32) {
         assert_eq!(state.state, 2, "axis {axis} ended by itself");
     }
     let seen: Vec<_> = watch.progress.iter().filter(|p| p.streams.len() == 8).collect();
-    assert!(seen.len() > 100, "space and time to dry are told on the way");
+    assert!(seen.len() > 100, "space and time to dry are reported during the job");
 }
 
 #[test]

@@ -111,18 +111,18 @@ fn the_trace_tells_every_edge_of_the_outputs() {
     for every in [1u32, 7] {
         let (client, board) = open();
         board.lock().unwrap().record_beam(true);
-        let told: Arc<Mutex<([Edges; 2], bool, u64)>> = Arc::default();
-        let (theirs, mut reader) = (Arc::clone(&told), Reader::new());
+        let reported: Arc<Mutex<([Edges; 2], bool, u64)>> = Arc::default();
+        let (theirs, mut reader) = (Arc::clone(&reported), Reader::new());
         client.trace_to(move |bytes| {
-            let mut told = theirs.lock().unwrap();
+            let mut reported = theirs.lock().unwrap();
             reader
                 .feed(bytes, |item| {
                     match item {
                         Item::Header(header) => assert_eq!(header.lasers.len(), 2),
                         Item::Light { .. } | Item::Output(_) | Item::Analog(_) => {}
-                        Item::Laser { laser, change } => told.0[laser].add(&change, 0),
-                        Item::Row(row) => told.2 = row.t_ns,
-                        Item::End { .. } => told.1 = true,
+                        Item::Laser { laser, change } => reported.0[laser].add(&change, 0),
+                        Item::Row(row) => reported.2 = row.t_ns,
+                        Item::End { .. } => reported.1 = true,
                     }
                     Ok(())
                 })
@@ -140,10 +140,10 @@ fn the_trace_tells_every_edge_of_the_outputs() {
         for beam in board.take_beam() {
             outputs[usize::from(beam.channel)].add(&beam.change, zero);
         }
-        let (mut edges, ended, end) = std::mem::take(&mut *told.lock().unwrap());
+        let (mut edges, ended, end) = std::mem::take(&mut *reported.lock().unwrap());
         assert!(ended);
         for (traced, output) in edges.iter_mut().zip(&mut outputs) {
-            // Behind the last row nothing is told any more; its own instant may be.
+            // After the last row nothing is reported; its own instant may be.
             for edges in [traced, output] {
                 edges.energy.retain(|(at, _)| *at < end);
                 edges.switch.retain(|(at, _)| *at < end);
@@ -181,13 +181,13 @@ fn a_trace_begins_with_what_the_outputs_carry() {
     calls.extend([Call::of(Sleep { ns: 2_000_000.into() })]);
     assert!(client.run(calls, true, &mut Quiet).unwrap().failed.is_none());
     board.lock().unwrap().record_beam(true);
-    let told: Arc<Mutex<Edges>> = Arc::default();
-    let (theirs, mut reader) = (Arc::clone(&told), Reader::new());
+    let reported: Arc<Mutex<Edges>> = Arc::default();
+    let (theirs, mut reader) = (Arc::clone(&reported), Reader::new());
     client.trace_to(move |bytes| {
-        let mut told = theirs.lock().unwrap();
+        let mut reported = theirs.lock().unwrap();
         let taken = reader.feed(bytes, |item| {
             if let Item::Laser { laser: 0, change } = item {
-                told.add(&change, 0);
+                reported.add(&change, 0);
             }
             Ok(())
         });
@@ -197,11 +197,11 @@ fn a_trace_begins_with_what_the_outputs_carry() {
     let calls = [Call::of(Sleep { ns: 5_000_000.into() }), Call::of(Trace::default())];
     assert!(client.run(calls, true, &mut Quiet).unwrap().failed.is_none());
     client.sleep(std::time::Duration::from_millis(20)).unwrap();
-    let told = told.lock().unwrap();
+    let reported = reported.lock().unwrap();
     // 3 kHz for 5 ms, in a phase of its own: 15 pulses, of 66.666 µs.
-    let begins = told.energy.iter().filter(|edge| edge.1).count();
-    assert!((15..=16).contains(&begins), "{:?}", told.energy);
-    assert_eq!(told.energy[1].0 - told.energy[0].0, 66_666);
+    let begins = reported.energy.iter().filter(|edge| edge.1).count();
+    assert!((15..=16).contains(&begins), "{:?}", reported.energy);
+    assert_eq!(reported.energy[1].0 - reported.energy[0].0, 66_666);
 }
 
 #[test]
@@ -325,14 +325,14 @@ fn the_interlock_acts_between_two_ticks() {
 fn the_trace_tells_that_everything_rests() {
     let (client, board) = open();
     board.lock().unwrap().record_beam(true);
-    let told: Arc<Mutex<([Edges; 2], u64)>> = Arc::default();
-    let (theirs, mut reader) = (Arc::clone(&told), Reader::new());
+    let reported: Arc<Mutex<([Edges; 2], u64)>> = Arc::default();
+    let (theirs, mut reader) = (Arc::clone(&reported), Reader::new());
     client.trace_to(move |bytes| {
-        let mut told = theirs.lock().unwrap();
+        let mut reported = theirs.lock().unwrap();
         let taken = reader.feed(bytes, |item| {
             match item {
-                Item::Laser { laser, change } => told.0[laser].add(&change, 0),
-                Item::Row(row) => told.1 = row.t_ns,
+                Item::Laser { laser, change } => reported.0[laser].add(&change, 0),
+                Item::Row(row) => reported.1 = row.t_ns,
                 Item::Header(_) | Item::Light { .. } | Item::Output(_) | Item::Analog(_) | Item::End { .. } => {}
             }
             Ok(())
@@ -354,9 +354,9 @@ fn the_trace_tells_that_everything_rests() {
     for beam in board.take_beam() {
         outputs[usize::from(beam.channel)].add(&beam.change, zero);
     }
-    let told = told.lock().unwrap();
-    assert_eq!(told.0, outputs);
-    let last = told.0[0].switch.last().copied();
-    assert!(last.is_some_and(|(at, level)| !level && at % TICK == 0 && at < told.1), "{last:?}");
-    assert!(told.0[0].energy.last().is_some_and(|edge| !edge.1 && edge.0 <= last.map_or(0, |last| last.0)));
+    let reported = reported.lock().unwrap();
+    assert_eq!(reported.0, outputs);
+    let last = reported.0[0].switch.last().copied();
+    assert!(last.is_some_and(|(at, level)| !level && at % TICK == 0 && at < reported.1), "{last:?}");
+    assert!(reported.0[0].energy.last().is_some_and(|edge| !edge.1 && edge.0 <= last.map_or(0, |last| last.0)));
 }

@@ -46,7 +46,7 @@ struct Pulse {
     begin: u64,
     end: u64,
     /// Its beginning has been reported.
-    told: bool,
+    reported: bool,
 }
 
 /// Actions of the interval in force and of the next one.
@@ -314,7 +314,8 @@ impl Stage {
         let wanted = if is_full { length } else { last.width_remainder.sum(width, 1).saturating_add(self.owed) };
         let pulse = wanted.min(length);
         self.owed = wanted.wrapping_sub(pulse);
-        self.pulse = (pulse > 0).then_some(Pulse { begin: last.at, end: last.at.saturating_add(pulse), told: false });
+        self.pulse =
+            (pulse > 0).then_some(Pulse { begin: last.at, end: last.at.saturating_add(pulse), reported: false });
         self.period = Some((last.at, end));
         let after = last.skip(1);
         (self.period_remainder, self.width_remainder) = (after.period_remainder, after.width_remainder);
@@ -323,13 +324,13 @@ impl Stage {
     /// Reports of the pulse in progress what is certain at `to`.
     fn finish_pulse(&mut self, to: u64, sink: &mut impl FnMut(Change)) {
         let Some(pulse) = &mut self.pulse else { return };
-        let Pulse { begin, end, told } = *pulse;
-        match (end <= to, told) {
+        let Pulse { begin, end, reported } = *pulse;
+        match (end <= to, reported) {
             (true, true) => sink(Change::Energy { at: end, level: false }),
             (true, false) if end > begin => sink(Change::Pulses(Burst::single(begin, end.wrapping_sub(begin)))),
             (true, false) => {}
             (false, false) if begin < to => {
-                pulse.told = true;
+                pulse.reported = true;
                 sink(Change::Energy { at: begin, level: true });
             }
             (false, _) => {}
@@ -341,7 +342,7 @@ impl Stage {
 
     /// Levels at the instant to which it has run.
     pub fn levels(&self) -> Levels {
-        Levels { switch: self.switch, energy: self.pulse.is_some_and(|pulse| pulse.told), dac: self.dac }
+        Levels { switch: self.switch, energy: self.pulse.is_some_and(|pulse| pulse.reported), dac: self.dac }
     }
 }
 

@@ -92,7 +92,7 @@ fn a_session_that_was_not_offered_takes_nothing_up_on_the_second_wire() {
 }
 
 #[test]
-fn a_stranger_at_the_second_wire_is_told_so_and_nothing_changes() {
+fn a_stranger_at_the_second_wire_learns_so_and_nothing_changes() {
     let (mut first, mut controller) = opened();
     let session = controller.session();
     let mut stranger = End::new(Role::Client, Identity { schema: 0, ..Identity::OURS });
@@ -115,7 +115,7 @@ fn a_stranger_at_the_second_wire_is_told_so_and_nothing_changes() {
 }
 
 #[test]
-fn a_second_client_is_told_who_is_there_and_gets_the_session_when_that_one_is_silent() {
+fn a_second_client_learns_who_is_there_and_gets_the_session_when_that_one_is_silent() {
     let (mut first, mut controller) = opened();
     let session = controller.session();
     let holder = Some("127.0.0.1:4711");

@@ -133,7 +133,7 @@ fn rows_come_back_for_any_number_of_axes() {
 }
 
 #[test]
-fn lasers_and_paths_come_behind_the_axes_and_what_is_told_before_its_row() {
+fn lasers_and_paths_come_after_the_axes_and_what_is_reported_before_its_row() {
     for columns in [(0, 1, 0), (8, 2, 4), (0, 0, 1), (MAX_AXES, MAX_LASERS, MAX_CRDS)] {
         let wire = frames_of(100, columns, true, 0).concat();
         assert_eq!(read_of(&wire, columns), (100, 200, vec![], true), "{columns:?}");

@@ -117,7 +117,7 @@ fn what_stops_at_once_shows_the_set_points_of_the_tick_before_and_goes_on() {
             if wait == 0 {
                 wait = if chance.below(4) == 0 { 1 } else { 1 + chance.below(400) };
                 let (cause, reason) = CAUSES[chance.below(5) as usize];
-                let told = !bench.machine.edges.is_empty();
+                let reported = !bench.machine.edges.is_empty();
                 before = view;
                 view = stop(&mut bench, cause);
                 let published = &view.crds[0];
@@ -133,7 +133,7 @@ fn what_stops_at_once_shows_the_set_points_of_the_tick_before_and_goes_on() {
                     stops += 1;
                     within += (before.crds[0].motion != servo::segment::piece::Motion::STANDSTILL) as u32;
                     // An output of the part that is repeated has been reported.
-                    back += told as u32;
+                    back += reported as u32;
                 }
                 let_go(&mut bench, cause);
                 if over {

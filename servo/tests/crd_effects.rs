@@ -36,11 +36,11 @@ fn edges(bench: &mut Bench, zero: u64) -> Vec<(u64, u64)> {
         let view = bench.tick();
         // A change at 0 acts on the tick itself.
         let at_tick = view.general_outputs;
-        let told: Vec<_> = bench.machine.edges.drain(..).collect();
-        if told.is_empty() && at_tick != last {
+        let reported: Vec<_> = bench.machine.edges.drain(..).collect();
+        if reported.is_empty() && at_tick != last {
             found.push((view.now.0 - zero, at_tick));
         }
-        for (at, _, _, general) in told {
+        for (at, _, _, general) in reported {
             assert!(u64::from(at) < view.period.0);
             found.push((view.now.0 + u64::from(at) - zero, general));
         }

@@ -110,7 +110,7 @@ fn a_path_does_not_go_on_without_what_went_along() {
     bench.now(Op::Servo { axis: axis(4), on: false });
     bench.start_path(&[0]);
     assert!(!runs(&mut bench, 0));
-    let Some(Event::Refused { axis: refused, .. }) = bench.event() else { panic!("it is told") };
+    let Some(Event::Refused { axis: refused, .. }) = bench.event() else { panic!("it is reported") };
     assert_eq!(refused, axis(4));
     bench.now(Op::Servo { axis: axis(4), on: true });
     bench.start_path(&[0]);
@@ -204,7 +204,7 @@ fn an_axis_that_was_waited_for_is_free_again() {
 
 /// A Stop, and the link that is lost while it brakes: it was stopped by the Stop.
 #[test]
-fn why_a_path_brakes_is_told_by_the_first_order() {
+fn why_a_path_brakes_is_reported_by_the_first_order() {
     let mut bench = prepared(250);
     bench.path(0, 0, &[Entry::planar([900, 0], speeds(10.0, 1.0, 0.0))]);
     bench.start_path(&[0]);

@@ -55,8 +55,9 @@ impl Both {
                 );
             }
             let events = [0, 1].map(|k| {
-                let told: Vec<String> = core::iter::from_fn(|| self.0[k].event()).map(|e| format!("{e:?}")).collect();
-                told
+                let reported: Vec<String> =
+                    core::iter::from_fn(|| self.0[k].event()).map(|e| format!("{e:?}")).collect();
+                reported
             });
             assert_eq!(events[0].len(), events[1].len(), "{events:?}");
             runs = a.crds.iter().any(|crd| crd.runs);

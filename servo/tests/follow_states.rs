@@ -210,10 +210,14 @@ fn a_slave_of_one_way_stands_from_where_its_master_turns() {
             // All move evenly from tick to tick.
             for slave in [1, 2] {
                 let path = pulses(view.axes[slave].pos) - pulses(before.axes[slave].pos);
-                let told = real(before.velocity(&before.axes[slave]));
-                assert!((told - path / 0.25).abs() < 1e-3, "{slave}: {told} at {}, {direction:?}", before.now.0);
+                let reported = real(before.velocity(&before.axes[slave]));
+                assert!(
+                    (reported - path / 0.25).abs() < 1e-3,
+                    "{slave}: {reported} at {}, {direction:?}",
+                    before.now.0
+                );
                 let motion = before.motion(&before.axes[slave]);
-                assert_eq!((real(motion.velocity()), real(motion.acceleration())), (told, 0.0));
+                assert_eq!((real(motion.velocity()), real(motion.acceleration())), (reported, 0.0));
             }
             before = view;
         }

@@ -307,7 +307,7 @@ fn a_map_that_excludes_the_path_of_a_follow_ends_the_follow() {
 }
 
 #[test]
-fn an_open_interlock_brakes_motion_as_it_is_told() {
+fn an_open_interlock_brakes_motion_as_it_is_set() {
     let run = |interlock: Brake| {
         let mut bench = prepared(250);
         bench.op(Op::Supervision(Supervision { interlock, ..Supervision::DEFAULT }));

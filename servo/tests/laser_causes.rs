@@ -38,14 +38,14 @@ fn rest(bench: &mut Bench) -> (View<AXES>, View<AXES>) {
     }
 }
 
-fn told(lasers: &[LaserView; 2]) -> [(Cause, bool); 2] {
+fn reported(lasers: &[LaserView; 2]) -> [(Cause, bool); 2] {
     [0, 1].map(|channel| (lasers[channel].fault, lasers[channel].light))
 }
 
 /// A path goes no further than 2⁴⁰ pulses from 0 on either side. A channel mapped to it goes dark
 /// with the cause Fault in that tick and stays dark; ClrSts of a mapped axis ends it.
 #[test]
-fn a_path_at_the_edge_of_travel_puts_out_its_lasers() {
+fn a_path_at_the_edge_of_travel_shuts_off_its_lasers() {
     for (period, way) in [(50, 1), (250, -1), (1000, 1), (1000, -1)] {
         let mut bench = prepared(period);
         bench.op(Op::SetPosition { axis: axis(0), pos: Pos((Pos::TRAVEL.0 - (100 << Pos::FRAC_BITS)) * way) });
@@ -55,12 +55,12 @@ fn a_path_at_the_edge_of_travel_puts_out_its_lasers() {
         let (before, now) = rest(&mut bench);
         assert_eq!((now.crds[0].stop, now.axes[0].stop), (StopReason::Travel, StopReason::Travel));
         assert!(now.axes[0].pos.0.abs() <= Pos::TRAVEL.0 && now.axes[0].pos.0.abs() > Pos::TRAVEL.0 - (20 << 22));
-        assert_eq!(told(&before.lasers), [(Cause::None, true); 2]);
-        assert_eq!(told(&now.lasers), [(Cause::Fault, false), (Cause::None, true)], "{period}");
+        assert_eq!(reported(&before.lasers), [(Cause::None, true); 2]);
+        assert_eq!(reported(&now.lasers), [(Cause::Fault, false), (Cause::None, true)], "{period}");
         bench.tick();
         bench.gate(true);
         bench.until(bench.tick.now().0 + 5 * MS);
-        assert_eq!(told(&bench.view().lasers), [(Cause::Fault, false), (Cause::None, true)]);
+        assert_eq!(reported(&bench.view().lasers), [(Cause::Fault, false), (Cause::None, true)]);
         bench.op(Op::ClearStatus { axes: AxisMask(0b10) });
         bench.tick();
         assert_eq!(bench.view().lasers[0].fault, Cause::None);
@@ -71,7 +71,7 @@ fn a_path_at_the_edge_of_travel_puts_out_its_lasers() {
 /// An entry wants what an axis must not do, as its servo is off: the path stops, and its channels
 /// go dark at once.
 #[test]
-fn an_axis_that_refuses_an_entry_puts_out_the_lasers_of_its_path() {
+fn an_axis_that_refuses_an_entry_shuts_off_the_lasers_of_its_path() {
     for period in [50, 250, 1000] {
         let mut bench = prepared(period);
         bench.op(Op::SetMode { axis: axis(3), mode: AxisMode::Trap });
@@ -81,14 +81,14 @@ fn an_axis_that_refuses_an_entry_puts_out_the_lasers_of_its_path() {
         bench.start(1);
         let (before, now) = rest(&mut bench);
         assert_eq!(now.crds[0].stop, StopReason::OtherAxis);
-        assert_eq!(told(&before.lasers)[1], (Cause::None, true));
-        assert_eq!(told(&now.lasers), [(Cause::Fault, false), (Cause::None, true)], "{period}");
+        assert_eq!(reported(&before.lasers)[1], (Cause::None, true));
+        assert_eq!(reported(&now.lasers), [(Cause::Fault, false), (Cause::None, true)], "{period}");
     }
 }
 
 /// An alarm of an axis that is only geared to the path: the same.
 #[test]
-fn an_alarm_of_an_axis_that_goes_along_puts_out_the_lasers_of_its_path() {
+fn an_alarm_of_an_axis_that_goes_along_shuts_off_the_lasers_of_its_path() {
     for period in [50, 250, 1000] {
         let mut bench = prepared(period);
         bench.op(Op::SetMode { axis: axis(3), mode: AxisMode::Trap });
@@ -100,7 +100,7 @@ fn an_alarm_of_an_axis_that_goes_along_puts_out_the_lasers_of_its_path() {
         bench.tick();
         let now = bench.view();
         assert_eq!((now.crds[0].runs, now.crds[0].stop), (false, StopReason::OtherAxis));
-        assert_eq!(told(&now.lasers), [(Cause::Fault, false), (Cause::None, true)], "{period}");
+        assert_eq!(reported(&now.lasers), [(Cause::Fault, false), (Cause::None, true)], "{period}");
         assert_eq!(bench.switch().last(), Some(&(zero + 20 * MS, false)));
     }
 }
@@ -118,7 +118,7 @@ fn a_soft_limit_of_a_geared_axis_shuts_off_the_lasers_of_its_path() {
         let (before, now) = rest(&mut bench);
         assert!(before.lasers[0].light);
         assert_eq!((now.crds[0].stop, now.axes[3].stop), (StopReason::SoftPositive, StopReason::SoftPositive));
-        assert_eq!(told(&now.lasers), [(Cause::Limit, false), (Cause::None, true)], "{period}");
+        assert_eq!(reported(&now.lasers), [(Cause::Limit, false), (Cause::None, true)], "{period}");
         let short = limit.0 - now.axes[3].pos.0;
         assert!((0..limit.0 / 1000).contains(&short), "{short}");
         // Dark in the tick before the one at which it would have gone beyond the limit.
@@ -128,7 +128,7 @@ fn a_soft_limit_of_a_geared_axis_shuts_off_the_lasers_of_its_path() {
 
 /// The path waits for an axis that is stopped during its move: the same.
 #[test]
-fn an_axis_that_is_waited_for_and_does_not_come_puts_out_the_lasers_of_its_path() {
+fn an_axis_that_is_waited_for_and_does_not_come_shuts_off_the_lasers_of_its_path() {
     let mut bench = prepared(250);
     bench.op(Op::SetMode { axis: axis(3), mode: AxisMode::Trap });
     let away = Entry::travel(axis(3), 500, (2f64.to_bits(), StepLimit::FULL_SCALE), 1f64.to_bits(), true).unwrap();
@@ -139,7 +139,7 @@ fn an_axis_that_is_waited_for_and_does_not_come_puts_out_the_lasers_of_its_path(
     bench.op(Op::stop(AxisMask(0b1000), AxisMask(0b1000)));
     let (_, now) = rest(&mut bench);
     assert_eq!(now.crds[0].stop, StopReason::OtherAxis);
-    assert_eq!(told(&now.lasers), [(Cause::Fault, false), (Cause::None, true)]);
+    assert_eq!(reported(&now.lasers), [(Cause::Fault, false), (Cause::None, true)]);
 }
 
 /// Ticks of 0.7 ms; the path of coordinate system 1 runs out at speed 12 ms after its start, which
@@ -157,7 +157,7 @@ fn running_out() -> (Bench, u64) {
 /// An underrun within an interval is dark at its instant; the first tick after it demands the safe
 /// state.
 #[test]
-fn all_is_told_to_rest_in_the_first_tick_behind_an_underrun() {
+fn all_goes_to_the_safe_state_in_the_first_tick_after_an_underrun() {
     let (mut bench, zero) = running_out();
     bench.until(zero + 30 * 700_000);
     assert_eq!(bench.switch().last(), Some(&(zero + 12_000_000, false)));
@@ -184,13 +184,13 @@ fn a_cause_that_comes_before_the_instant_of_an_underrun_is_dark_at_once() {
         assert_eq!(bench.switch().last(), Some(&(zero + 11_900_000, false)), "{name}");
         assert_eq!(bench.pulses().last().map(|pulse| pulse.1), Some(zero + 11_900_000), "{name}");
         assert_eq!(bench.machine.outputs[0].rests, Some(zero + 11_900_000), "{name}");
-        assert_eq!(bench.view().lasers[0].fault, Cause::Underrun, "{name}: the first one is told");
+        assert_eq!(bench.view().lasers[0].fault, Cause::Underrun, "{name}: the first one is reported");
     }
 }
 
 /// A soft limit in the path: dark in the tick that finds it, for a limit.
 #[test]
-fn a_soft_limit_on_a_path_puts_out_its_lasers() {
+fn a_soft_limit_on_a_path_shuts_off_its_lasers() {
     for period in [50, 250, 1000] {
         let mut bench = prepared(period);
         bench.op(Op::SoftLimit { axis: axis(0), positive: Some(60), negative: None });
@@ -198,14 +198,14 @@ fn a_soft_limit_on_a_path_puts_out_its_lasers() {
         bench.start(1);
         let (before, now) = rest(&mut bench);
         assert_eq!(now.crds[0].stop, StopReason::SoftPositive);
-        assert_eq!(told(&now.lasers), [(Cause::Limit, false), (Cause::None, true)], "{period}");
+        assert_eq!(reported(&now.lasers), [(Cause::Limit, false), (Cause::None, true)], "{period}");
         assert_eq!(bench.switch().last(), Some(&(before.now.0, false)));
     }
 }
 
 /// A following error beyond its limit, at rest or in motion: dark in that tick.
 #[test]
-fn a_following_error_puts_out_the_lasers_of_its_path() {
+fn a_following_error_shuts_off_the_lasers_of_its_path() {
     for runs in [false, true] {
         let mut bench = prepared(250);
         bench.op(Op::PositionError { axis: axis(1), limit: Some(9) });
@@ -217,7 +217,7 @@ fn a_following_error_puts_out_the_lasers_of_its_path() {
         bench.machine.encoders[1] = -10;
         bench.tick();
         let now = bench.view();
-        assert_eq!(told(&now.lasers), [(Cause::Fault, false), (Cause::None, true)]);
+        assert_eq!(reported(&now.lasers), [(Cause::Fault, false), (Cause::None, true)]);
         assert_eq!(bench.switch().last(), Some(&(5 * MS, false)));
         assert!(!now.crds[0].runs && (!runs || now.crds[0].stop == StopReason::FollowingError));
     }
@@ -225,7 +225,7 @@ fn a_following_error_puts_out_the_lasers_of_its_path() {
 
 /// An alarm and a limit in one tick: the alarm is published, which lasts.
 #[test]
-fn of_two_causes_in_one_tick_the_graver_is_told() {
+fn of_two_causes_in_one_tick_the_graver_is_reported() {
     let mut bench = prepared(250);
     bench.until(5 * MS);
     (bench.machine.inputs[0].alarm, bench.machine.inputs[0].limit_positive) = (true, true);
@@ -250,7 +250,7 @@ fn an_axis_that_is_not_mapped_is_nothing_to_lasers() {
         bench.until(5 * MS);
         act(&mut bench);
         bench.until(6 * MS);
-        assert_eq!(told(&bench.view().lasers), [(Cause::None, true); 2], "{index}");
+        assert_eq!(reported(&bench.view().lasers), [(Cause::None, true); 2], "{index}");
     }
     // ClrSts.
     let mut bench = prepared(250);
@@ -272,5 +272,5 @@ fn an_axis_that_is_not_mapped_is_nothing_to_lasers() {
     bench.frame(1, &[2, 3]);
     bench.op(Op::Servo { axis: axis(3), on: false });
     bench.until(6 * MS);
-    assert_eq!(told(&bench.view().lasers), [(Cause::None, true); 2]);
+    assert_eq!(reported(&bench.view().lasers), [(Cause::None, true); 2]);
 }

@@ -365,7 +365,7 @@ fn the_interlock_rests_everything_at_once_until_it_is_cleared() {
 }
 
 #[test]
-fn the_link_puts_out_light_and_nothing_else() {
+fn the_link_shuts_off_light_and_nothing_else() {
     let mut bench = plain(1000);
     bench.op(Op::Link { lost: true });
     assert_eq!(bench.tick().fault, Cause::None);
@@ -385,7 +385,7 @@ fn the_link_puts_out_light_and_nothing_else() {
 }
 
 #[test]
-fn an_overrun_puts_out_both_channels() {
+fn an_overrun_shuts_off_both_channels() {
     let mut bench = plain(1000);
     bench.gate(true);
     bench.until(3 * MS);
@@ -393,7 +393,7 @@ fn an_overrun_puts_out_both_channels() {
     assert_eq!(bench.tick().fault, Cause::Overrun);
     assert_eq!(bench.switch(), [(MS, true), (3 * MS, false)]);
     bench.tick.restarted();
-    assert_eq!(bench.tick().fault, Cause::Overrun, "the first cause is told");
+    assert_eq!(bench.tick().fault, Cause::Overrun, "the first cause is reported");
     bench.change(Change::ClearFault);
     assert_eq!(bench.tick().fault, Cause::None);
     // A clear on the tick in which a cause appears does not hide it.

@@ -68,16 +68,16 @@ impl Fix {
 
 /// An interval of constant acceleration of the reference.
 #[derive(Clone, Debug)]
-struct Stretch {
+struct Phase {
     v0: Fix,
     v1: Fix,
     time: Fix,
 }
 
-impl Stretch {
-    fn ramp(v0: &Fix, v1: &Fix, acc: &Fix) -> Stretch {
+impl Phase {
+    fn ramp(v0: &Fix, v1: &Fix, acc: &Fix) -> Phase {
         let change = Fix(v1.sub(v0).0.abs());
-        Stretch { v0: v0.clone(), v1: v1.clone(), time: change.div(acc) }
+        Phase { v0: v0.clone(), v1: v1.clone(), time: change.div(acc) }
     }
     fn way(&self) -> Fix {
         self.v0.add(&self.v1).half().mul(&self.time)
@@ -98,11 +98,11 @@ struct Speeds {
 }
 
 /// The law: intervals of a motion over `length` entered at `v0`, which is to end at `end`.
-fn law(v0: &Fix, length: &Fix, vel: &Fix, acc: &Fix, end: &Fix, even: &Fix) -> Vec<Stretch> {
+fn law(v0: &Fix, length: &Fix, vel: &Fix, acc: &Fix, end: &Fix, even: &Fix) -> Vec<Phase> {
     let swing = acc.mul(length).twice();
     let (slowest, fastest) = (v0.square().sub(&swing).root(), v0.square().add(&swing).root());
     let exit = end.min(vel).max(&slowest).min(&fastest);
-    let ramps = |peak: &Fix| [Stretch::ramp(v0, peak, acc), Stretch::ramp(peak, &exit, acc)];
+    let ramps = |peak: &Fix| [Phase::ramp(v0, peak, acc), Phase::ramp(peak, &exit, acc)];
     let left = |peak: &Fix| {
         let [a, b] = ramps(peak);
         length.sub(&a.way()).sub(&b.way())
@@ -132,7 +132,7 @@ fn law(v0: &Fix, length: &Fix, vel: &Fix, acc: &Fix, end: &Fix, even: &Fix) -> V
     }
     let [first, last] = ramps(&peak);
     let rest = left(&peak);
-    let cruise = Stretch { v0: peak.clone(), v1: peak.clone(), time: rest.max(&whole(0)).div(&peak) };
+    let cruise = Phase { v0: peak.clone(), v1: peak.clone(), time: rest.max(&whole(0)).div(&peak) };
     vec![first, cruise, last]
 }
 

@@ -365,7 +365,7 @@ fn a_soft_limit_holds_the_end_of_a_motion() {
 /// At rest beyond a limit that is set now: published, and blocked until it is cleared; then only
 /// moving back is allowed.
 #[test]
-fn a_soft_limit_behind_an_axis_at_rest_is_told() {
+fn a_soft_limit_behind_an_axis_at_rest_is_reported() {
     for (way, bit) in [(1, LIMIT_POSITIVE), (-1, LIMIT_NEGATIVE)] {
         let mut bench = Bench::prepared(250, Mode::Jog);
         bench.now(Op::SetPosition { axis: axis(0), pos: Pos::pulses(50 * way) });

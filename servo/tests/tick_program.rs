@@ -240,7 +240,7 @@ fn a_trace_that_nobody_takes_counts_what_it_loses() {
     let end = |every| Op::Trace { every, axes: AxisMask(1), crds: CrdMask(0), lasers: 0, edges: false, outputs: false };
     bench.now(end(0));
     let lost = bench.tick().trace_lost;
-    assert!(lost >= 131 * 8 - 1024, "it is still told when the trace has ended");
+    assert!(lost >= 131 * 8 - 1024, "it is still reported when the trace has ended");
     bench.now(end(1));
     assert_eq!(bench.tick().trace_lost, 0, "another one has lost nothing");
 }

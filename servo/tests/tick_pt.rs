@@ -99,7 +99,7 @@ fn a_stream_that_runs_dry_at_speed_is_an_underrun_and_a_new_epoch() {
     let zero = bench.tick().now.0;
     let view = bench.until(zero + 15 * MS);
     assert_eq!(view.axes[0].released, 1, "the first segment's place is free");
-    assert!((5..=6).contains(&view.axes[0].dry_ms), "5 ms before the end, told at most 8 ticks ago");
+    assert!((5..=6).contains(&view.axes[0].dry_ms), "5 ms before the end, reported at most 8 ticks ago");
     let view = bench.until(zero + 20 * MS);
     let published = view.axes[0];
     assert_eq!((pulses(published.pos), published.stop, published.pt_state), (30.0, StopReason::Underrun, 3));

@@ -175,7 +175,7 @@ fn the_entry_after_which_a_tick_took_too_long_is_named_once_for_each_program() {
 }
 
 #[test]
-fn a_late_command_of_a_laser_is_told_apart() {
+fn a_late_command_of_a_laser_is_kept_apart() {
     use servo::laser::Change;
     for light in [false, true] {
         let mut bench = Bench::prepared(250, Mode::Trap);

@@ -85,7 +85,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn instructions_of_the_unit_are_told_from_others_and_from_data() {
+    fn instructions_of_the_unit_are_known_from_others_and_from_data() {
         // vmul.f64 d0, d0, d1; then nop, and add.w r0, r0, r1.
         let multiply = [0x20, 0xee, 0x01, 0x0b];
         let integer = [0x00, 0xbf, 0x00, 0xeb, 0x01, 0x00];

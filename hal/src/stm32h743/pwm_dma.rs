@@ -1,4 +1,4 @@
-//! What feeds the timers' DMA burst: PWM cycles queued ahead (docs/decisions/015-tiles.md).
+//! What feeds the timers' DMA burst: PWM cycles queued ahead (docs/decisions/015-pwm-cycles.md).
 //!
 //! The registers of a timer are preloaded. A circular DMA stream reads a ring of cycle slots and
 //! writes each one to the registers by a DMA burst (RM0433 38.3.24, 38.4.19; 15.3: circular

@@ -37,7 +37,7 @@ fn cleared(channels: u8) -> What {
 }
 
 /// Light of channel 0 until 1000, where nothing is in doubt; and the answers that are wrong.
-fn told(settings: Settings, facts: &[(Ns, What)]) -> (Vec<(Ns, Ns)>, usize) {
+fn reported(settings: Settings, facts: &[(Ns, What)]) -> (Vec<(Ns, Ns)>, usize) {
     let mut judge = Judge::new(settings, 1);
     for &(at, what) in facts {
         judge.take(&Fact::at(at, what));
@@ -52,7 +52,7 @@ fn told(settings: Settings, facts: &[(Ns, What)]) -> (Vec<(Ns, Ns)>, usize) {
 }
 
 fn is(facts: &[(Ns, What)], light: &[(Ns, Ns)]) {
-    assert_eq!(told(settings(), facts), (light.to_vec(), 0), "{facts:?}");
+    assert_eq!(reported(settings(), facts), (light.to_vec(), 0), "{facts:?}");
 }
 
 #[test]
@@ -110,7 +110,7 @@ fn a_stop_at_rest() {
     is(&[(5, ON), (10, start(0)), (30, stop(3)), (40, rest(0, Why::Stopped))], &[(5, 40)]);
     let mut alone = settings();
     alone.set_up = 1;
-    assert_eq!(told(alone, &[(5, ON), (30, stop(2)), (60, OFF)]), (vec![(5, 60)], 0));
+    assert_eq!(reported(alone, &[(5, ON), (30, stop(2)), (60, OFF)]), (vec![(5, 60)], 0));
 }
 
 #[test]
@@ -161,7 +161,7 @@ fn causes() {
     is(&and(&[(50, cleared(1)), (60, ON), (70, OFF)]), &[(20, 30), (60, 70)]);
     is(&[(10, start(0)), (20, entry(0, Laser::On)), (60, rest(0, Why::Underrun)), (70, start(0))], &[(20, 60)]);
     // An on that was done in spite of a fault is a wrong answer.
-    assert_eq!(told(settings(), &and(&[(50, ON)])).1, 1);
+    assert_eq!(reported(settings(), &and(&[(50, ON)])).1, 1);
 }
 
 #[test]
@@ -194,13 +194,13 @@ fn an_abort_and_a_new_session() {
         is(&and(&[(50, ON), (70, OFF)]), &[(20, 30), (50, 70)]);
     }
     let early = [(10, start(0)), (20, What::Abort), (30, ON), (40, rest(0, Why::Stopped))];
-    assert_eq!(told(settings(), &early).1, 1, "an on before everything rests is refused");
+    assert_eq!(reported(settings(), &early).1, 1, "an on before everything rests is refused");
 }
 
 #[test]
 fn maps_and_connectors() {
     let map = |map, code| What::Map { channel: 0, map, code, sure: true };
-    let wrong = |facts: &[(Ns, What)]| told(settings(), facts).1;
+    let wrong = |facts: &[(Ns, What)]| reported(settings(), facts).1;
     assert_eq!(wrong(&[(10, start(0)), (20, map(2, 0))]), 1);
     assert_eq!(wrong(&[(10, start(0)), (20, map(2, 1))]), 0);
     assert_eq!(wrong(&[(20, map(2, 1))]), 1);

@@ -130,7 +130,7 @@ struct Run<'a> {
     /// A smooth Stop is in progress.
     brakes: bool,
     /// Effects before this entry have been executed.
-    told: usize,
+    reported: usize,
 }
 
 impl Run<'_> {
@@ -243,7 +243,7 @@ impl Run<'_> {
 
     /// Passes an effect. After a fall back only those of a laser are made again.
     fn effect(&mut self, number: usize) {
-        if self.entry >= self.told || matches!(self.entries[self.entry], Entry::Laser(_)) {
+        if self.entry >= self.reported || matches!(self.entries[self.entry], Entry::Laser(_)) {
             self.course.effects.push((self.now, number));
         }
         self.entry += 1;
@@ -251,7 +251,7 @@ impl Run<'_> {
 
     /// It is where it was when as many motions had ended, so far in that entry.
     fn fall_back(&mut self, (entry, distance, ends): (usize, f64, usize)) {
-        self.told = self.told.max(self.entry);
+        self.reported = self.reported.max(self.entry);
         // In a delay it is at standstill anyway; one that has ended since is over.
         let waited = matches!(self.entries.get(entry), Some(Entry::Delay(_)));
         if !waited || self.entry != entry {
@@ -308,7 +308,7 @@ pub fn course(frame: &Frame, entries: &[Entry], commands: &[(f64, Command)], hor
         runs: false,
         stopped: false,
         brakes: false,
-        told: 0,
+        reported: 0,
     };
     for &(at, command) in commands {
         if let Command::Abrupt(tick) = command {

@@ -52,7 +52,7 @@ impl Socket {
         Socket(std::env::temp_dir().join(format!("beamtick-gdb-{}-{count}", std::process::id())))
     }
 
-    /// What QEMU is told.
+    /// The command for QEMU.
     pub fn arguments(&self) -> Vec<String> {
         let chardev = format!("socket,id=debugger,path={},server=on,wait=off", self.0.display());
         vec!["-chardev".into(), chardev, "-gdb".into(), "chardev:debugger".into()]
@@ -70,7 +70,7 @@ impl Socket {
         };
         stream.set_read_timeout(Some(PATIENCE)).unwrap();
         let mut debugger = Debugger { stream, held: Vec::new() };
-        // The stop by attaching may be told by itself, before the answers.
+        // The stop by attaching may be reported by itself, before the answers.
         debugger.send("?");
         debugger.send("qC");
         while !debugger.receive().starts_with("QC") {}

@@ -24,21 +24,21 @@ struct Machine {
     interlock: bool,
     players: [Player; CHANNELS],
     stages: [Stage; CHANNELS],
-    told: [Vec<beam::Change>; CHANNELS],
+    reported: [Vec<beam::Change>; CHANNELS],
 }
 
 impl Machine {
     fn new(next: Ns) -> Machine {
         let stages = [const { Stage::new() }; CHANNELS];
-        Machine { now: 0, next, interlock: false, players: Default::default(), stages, told: Default::default() }
+        Machine { now: 0, next, interlock: false, players: Default::default(), stages, reported: Default::default() }
     }
 
     /// The interlock, which the boards' hardware sees without the tick.
     fn interlock(&mut self, active: bool) {
         if self.interlock != active {
             self.interlock = active;
-            for (stage, told) in self.stages.iter_mut().zip(&mut self.told) {
-                stage.interlock(self.now as u64, active, &mut |change| told.push(change));
+            for (stage, reported) in self.stages.iter_mut().zip(&mut self.reported) {
+                stage.interlock(self.now as u64, active, &mut |change| reported.push(change));
             }
         }
     }
@@ -65,8 +65,8 @@ impl Port for Machine {
     }
     fn laser(&mut self, channel: usize, plan: &Plan) {
         self.players[channel].take(self.now, self.next, plan);
-        let told = &mut self.told[channel];
-        self.stages[channel].take(self.now as u64, self.next as u64, plan, |change| told.push(change));
+        let reported = &mut self.reported[channel];
+        self.stages[channel].take(self.now as u64, self.next as u64, plan, |change| reported.push(change));
     }
 }
 
@@ -267,7 +267,7 @@ impl Bench {
                 }
             }
             if fault {
-                // What is no fault of the channel is over as soon as it is told.
+                // What is no fault of the channel is over as soon as it is reported.
                 match machine.now / period % 3 {
                     0 => machine.interlock(true),
                     1 => self.tick.overrun(),
@@ -287,11 +287,11 @@ impl Bench {
             }
             machine.now = machine.next;
         }
-        let mut parts = views.into_iter().zip(machine.stages).zip(machine.told);
+        let mut parts = views.into_iter().zip(machine.stages).zip(machine.reported);
         machine.players.map(|player| {
-            let ((views, mut stage), mut told) = parts.next().unwrap();
-            stage.run_to(horizon as u64, &mut |change| told.push(change));
-            Recorded { outputs: player.finish(horizon), stage: listed(&told, horizon), views }
+            let ((views, mut stage), mut reported) = parts.next().unwrap();
+            stage.run_to(horizon as u64, &mut |change| reported.push(change));
+            Recorded { outputs: player.finish(horizon), stage: listed(&reported, horizon), views }
         })
     }
 
@@ -320,10 +320,10 @@ impl Bench {
     }
 }
 
-/// What an output stage told, as lists of edges.
-fn listed(told: &[beam::Change], horizon: Ns) -> Outputs {
+/// What an output stage got, as lists of edges.
+fn listed(reported: &[beam::Change], horizon: Ns) -> Outputs {
     let (mut energy, mut switch, mut volts) = (Vec::new(), Vec::new(), Vec::new());
-    for change in told {
+    for change in reported {
         match change {
             beam::Change::Switch { at, level } => switch.push((*at as Ns, *level)),
             beam::Change::Energy { at, level } => energy.push((*at as Ns, *level)),

@@ -3,7 +3,7 @@
 //! Boundaries of paths are known by the outputs that BufDoBit changes beside the laser entries,
 //! standstills and the axes' causes by what the axes and coordinate systems show in each tick:
 //! nothing is taken from the lasers.
-use super::machine::{Seen, Sent, Told};
+use super::machine::{Reported, Seen, Sent};
 use super::program::{Act, Buf, Do, Program};
 use host_tests::light_judge::fact::Laser;
 use host_tests::light_judge::{Fact, Ns, Output, What, Why};
@@ -36,7 +36,7 @@ struct Noted {
 
 struct Builder<'a> {
     program: &'a Program,
-    told: &'a Told,
+    reported: &'a Reported,
     tick: Ns,
     noted: Vec<Noted>,
     /// Between these instants it is open what a coordinate system does, and what these channels
@@ -45,8 +45,8 @@ struct Builder<'a> {
 }
 
 /// The facts of a program, in order.
-pub fn facts(program: &Program, told: &Told, tick: Ns) -> Vec<Fact> {
-    let mut builder = Builder { program, told, tick, noted: Vec::new(), open: Vec::new() };
+pub fn facts(program: &Program, reported: &Reported, tick: Ns) -> Vec<Fact> {
+    let mut builder = Builder { program, reported, tick, noted: Vec::new(), open: Vec::new() };
     builder.entries();
     builder.made_again();
     builder.sights();
@@ -74,9 +74,9 @@ impl Builder<'_> {
     fn entries(&mut self) {
         let mut queues: [VecDeque<Vec<(usize, Laser)>>; 4] = Default::default();
         let set_up = self.program.entries.iter().map(|call| Sent { at: 0, call: *call, code: Some(0) });
-        let sent: Vec<Sent> = set_up.chain(self.told.sent.iter().copied()).collect();
+        let sent: Vec<Sent> = set_up.chain(self.reported.sent.iter().copied()).collect();
         let mut sent = sent.iter().peekable();
-        for edge in &self.told.edges {
+        for edge in &self.reported.edges {
             let Digital::General(bit @ 0..4) = edge.output else { continue };
             let at = edge.at_ns as Ns;
             // What stands behind a mark that is passed before a CrdClear acts is passed, too.
@@ -99,7 +99,7 @@ impl Builder<'_> {
         for crd in 0..2 {
             let turns = |from: bool| {
                 let turned = move |pair: &&[Seen]| pair[0].runs[crd] == from && pair[1].runs[crd] != from;
-                self.told.seen.windows(2).filter(turned).map(|pair| &pair[1])
+                self.reported.seen.windows(2).filter(turned).map(|pair| &pair[1])
             };
             let reached = |lo: Ns, hi: Ns| {
                 let of = |noted: &&Noted| noted.from == From::Entry(crd) && noted.fact.lo >= lo && noted.fact.lo <= hi;
@@ -119,7 +119,7 @@ impl Builder<'_> {
                 };
                 let ends = turns(true).find(over).map(|end| end.at);
                 let next = reached(start.at + 1, Ns::MAX);
-                let until = ends.into_iter().chain(next).min().unwrap_or(self.told.end);
+                let until = ends.into_iter().chain(next).min().unwrap_or(self.reported.end);
                 let within = |fact: &Fact| fact.lo >= stop.at - self.tick && fact.lo <= stop.at;
                 let made: Vec<&Noted> =
                     self.noted.iter().filter(|noted| noted.from == From::Entry(crd) && within(&noted.fact)).collect();
@@ -145,14 +145,14 @@ impl Builder<'_> {
     /// back.
     fn stopped_abruptly(&self, crd: usize, stop: &Seen) -> bool {
         let about = stop.at - 2 * self.tick..=stop.at;
-        let called = self.told.sent.iter().filter(|sent| about.contains(&sent.at)).any(|sent| match sent.call {
+        let called = self.reported.sent.iter().filter(|sent| about.contains(&sent.at)).any(|sent| match sent.call {
             Do::Stop { abrupt, .. } | Do::CrdStop { abrupt, .. } => abrupt != 0,
             Do::AxisOff { .. } | Do::AxisStop { .. } => true,
             _ => false,
         });
         let caused = stop.status[2 * crd..2 * crd + 2].iter().any(|status| status & CAUSES != 0 || status & SERVO == 0);
         let interlock = |(at, act): &(Ns, Act)| about.contains(at) && matches!(act, Act::Interlock { .. });
-        called || caused || self.told.acts.iter().any(interlock)
+        called || caused || self.reported.acts.iter().any(interlock)
     }
 
     fn queue(queues: &mut [VecDeque<Vec<(usize, Laser)>>; 4], sent: &Sent) {
@@ -173,7 +173,7 @@ impl Builder<'_> {
 
     /// Standstills and causes that the axes show.
     fn sights(&mut self) {
-        for pair in self.told.seen.windows(2) {
+        for pair in self.reported.seen.windows(2) {
             let [before, now] = pair else { continue };
             for crd in 0..2 {
                 if before.runs[crd] && !now.runs[crd] {
@@ -187,11 +187,11 @@ impl Builder<'_> {
             }
         }
         // A path that ran for less than a tick is not seen to run.
-        for sent in self.told.sent.iter().filter(|sent| sent.code.is_none_or(|code| code == 0)) {
+        for sent in self.reported.sent.iter().filter(|sent| sent.code.is_none_or(|code| code == 0)) {
             let Do::CrdStart { mask, .. } = sent.call else { continue };
             let at = sent.at + self.tick;
             for crd in (0..2).filter(|crd| mask >> crd & 1 == 1) {
-                let seen = self.told.view(at);
+                let seen = self.reported.view(at);
                 let acted = sent.code.is_some() || self.entered(crd, sent);
                 if acted && !seen.runs[crd] && self.began(crd, sent).is_none() {
                     let at = if self.stopped_at(crd, at) { at + self.tick } else { at };
@@ -206,7 +206,7 @@ impl Builder<'_> {
     fn stopped_at(&self, crd: usize, at: Ns) -> bool {
         let rests = |pair: &[Seen]| pair[1].at == at && pair[0].runs[crd] && !pair[1].runs[crd];
         let stopped = |seen: &Seen| !matches!(seen.rest[crd], PathStop::Completed | PathStop::Underrun);
-        self.told.seen.windows(2).any(|pair| rests(pair) && stopped(&pair[1]))
+        self.reported.seen.windows(2).any(|pair| rests(pair) && stopped(&pair[1]))
     }
 
     /// Whether entries of a coordinate system acted about when this start did.
@@ -223,11 +223,11 @@ impl Builder<'_> {
             let Do::CrdStart { mask, .. } = other.call else { return false };
             other.code == Some(0) && mask >> crd & 1 == 1
         };
-        let mut after = self.told.sent.iter().skip_while(|other| !std::ptr::eq(*other, sent)).skip(1);
-        let next = after.find(is_next).map_or(self.told.end, |next| next.at + self.tick);
+        let mut after = self.reported.sent.iter().skip_while(|other| !std::ptr::eq(*other, sent)).skip(1);
+        let next = after.find(is_next).map_or(self.reported.end, |next| next.at + self.tick);
         let last = (at + 3 * self.tick).min(next - 1);
-        let from = self.told.seen.partition_point(|seen| seen.at < at).max(1);
-        let near = self.told.seen[from - 1..].windows(2).take_while(|pair| pair[1].at <= last);
+        let from = self.reported.seen.partition_point(|seen| seen.at < at).max(1);
+        let near = self.reported.seen[from - 1..].windows(2).take_while(|pair| pair[1].at <= last);
         near.filter(|pair| !pair[0].runs[crd] && pair[1].runs[crd]).map(|pair| pair[1].at).next()
     }
 
@@ -242,7 +242,7 @@ impl Builder<'_> {
             self.again(crd, now.at);
         }
         let bit = 2 * crd as u8 + now.fifo[crd];
-        let marks = self.told.edges.iter().filter(|edge| edge.output == Digital::General(bit));
+        let marks = self.reported.edges.iter().filter(|edge| edge.output == Digital::General(bit));
         let last = marks.map(|edge| edge.at_ns as Ns).take_while(|at| *at <= hi).last();
         match last.filter(|at| *at >= lo && why != Why::Stopped) {
             Some(at) => {
@@ -266,9 +266,9 @@ impl Builder<'_> {
 
     /// Whether every cause is over.
     fn is_over(&self, at: Ns) -> bool {
-        let seen = self.told.view(at);
+        let seen = self.reported.view(at);
         let mut inputs = 0i32;
-        for (_, act) in self.told.acts.iter().take_while(|(when, _)| *when <= at) {
+        for (_, act) in self.reported.acts.iter().take_while(|(when, _)| *when <= at) {
             inputs += match act {
                 Act::Alarm { level, .. } | Act::Limit { level, .. } => {
                     if *level {
@@ -288,7 +288,7 @@ impl Builder<'_> {
     fn calls(&mut self) {
         let mut maps = self.program.settings.channels.map(|channel| channel.map);
         let mut again = Vec::new();
-        for sent in &self.told.sent {
+        for sent in &self.reported.sent {
             let at = sent.at + self.tick;
             let from = From::Call(sent.call);
             let Some(code) = sent.code else {
@@ -372,17 +372,17 @@ impl Builder<'_> {
     /// What is said together with an abort, a new session or many entries may wait for it: for how
     /// long.
     fn late(&self, sent: &Sent) -> Ns {
-        let waits = self.told.acts.iter().any(|&(when, act)| {
+        let waits = self.reported.acts.iter().any(|&(when, act)| {
             (sent.at - 2 * self.tick..=sent.at).contains(&when)
                 && matches!(act, Act::Session | Act::Call(Do::Abort | Do::Entry { .. } | Do::Mode { .. }))
         });
         // What comes with a call that is refused may wait with it.
         let behind = |other: &Sent| other.at == sent.at && other.code != Some(0);
-        if waits || self.told.sent.iter().any(behind) {
+        if waits || self.reported.sent.iter().any(behind) {
             return 3 * self.tick;
         }
         // What comes behind a map in one tick may wait for the next.
-        let with = self.told.sent.iter().take_while(|other| !std::ptr::eq(*other, sent));
+        let with = self.reported.sent.iter().take_while(|other| !std::ptr::eq(*other, sent));
         let maps = with.filter(|other| other.at == sent.at && matches!(other.call, Do::Map { .. })).count();
         maps as Ns * self.tick
     }
@@ -408,7 +408,7 @@ impl Builder<'_> {
 
     /// What may meet an old cause: it may be one again.
     fn again(&mut self, crd: usize, at: Ns) {
-        let status = self.told.view(at).status;
+        let status = self.reported.view(at).status;
         if (2 * crd..2 * crd + 2).any(|axis| status[axis] & CAUSES != 0) {
             let fact = What::Fault { crds: 1 << crd, sure: false };
             self.note(at, 0, From::Cause, at - self.tick, at + 2 * self.tick, fact);
@@ -418,7 +418,7 @@ impl Builder<'_> {
     fn acts(&mut self) {
         let analog = self.program.settings.channels.iter().any(|of| matches!(of.output, Output::Volts { .. }));
         let tick = self.tick;
-        for &(at, act) in &self.told.acts {
+        for &(at, act) in &self.reported.acts {
             match act {
                 Act::Interlock { after } => {
                     let lo = at + after as Ns;
@@ -434,7 +434,7 @@ impl Builder<'_> {
                 _ => {}
             }
         }
-        for &at in &self.told.losses {
+        for &at in &self.reported.losses {
             let hi = at + 2 * tick;
             let between = |noted: &Noted| noted.fact.hi >= at - SAME && noted.fact.lo <= hi;
             if self.noted.iter().any(between) {
@@ -522,7 +522,7 @@ impl Builder<'_> {
         stops && (at - 60 * self.tick..=at).contains(&(sent.at + self.tick))
     }
 
-    /// Of which coordinate systems it cannot be told which of two came first.
+    /// Of which coordinate systems nobody knows which of two came first.
     fn doubt(&self, a: &Noted, b: &Noted) -> u8 {
         let set = |crd: usize| 1u8 << crd;
         let mark_changed = |slack: Ns| a.fact.lo <= b.fact.hi + slack && b.fact.lo <= a.fact.hi + slack;
@@ -545,7 +545,8 @@ impl Builder<'_> {
                     || matches!(b.fact.what, What::Rest { why: Why::Stopped, .. });
                 // Of two Stops the second may find it at rest.
                 let alone = || {
-                    self.told.sent.iter().filter(|sent| self.at_once(sent, a, b) && names(&sent.call, crd)).count() < 2
+                    self.reported.sent.iter().filter(|sent| self.at_once(sent, a, b) && names(&sent.call, crd)).count()
+                        < 2
                 };
                 let stops = matches!(call, Do::Stop { .. } | Do::CrdStop { .. } | Do::AxisStop { .. });
                 if !mark_changed(self.tick) || !(stops || names(&call, crd)) || stopped && abrupt(&call, crd) && alone()

@@ -41,7 +41,7 @@ pub struct Seen {
 
 /// What a program did. Instants are ns of controller time.
 #[derive(Debug, Default)]
-pub struct Told {
+pub struct Reported {
     pub begin: Ns,
     pub end: Ns,
     pub sent: Vec<Sent>,
@@ -53,7 +53,7 @@ pub struct Told {
     pub lasers: [Recorded; 2],
 }
 
-impl Told {
+impl Reported {
     /// What showed at an instant.
     pub fn view(&self, at: Ns) -> Seen {
         let after = self.seen.partition_point(|seen| seen.at <= at);
@@ -345,19 +345,19 @@ impl Rig {
     }
 
     /// Runs a program.
-    pub fn run(&mut self, program: &Program) -> Result<Told, String> {
+    pub fn run(&mut self, program: &Program) -> Result<Reported, String> {
         self.set_up(program)?;
         self.board.take_beam();
         self.board.take_edges();
-        let mut told = Told { begin: self.board.now() as Ns, ..Told::default() };
+        let mut reported = Reported { begin: self.board.now() as Ns, ..Reported::default() };
         self.codes.clear();
-        told.seen.push(self.view());
+        reported.seen.push(self.view());
         let (mut acts, mut silent, mut limit) = (program.acts.iter().peekable(), false, 500_000_000);
         let (mut lost, mut closed) = (false, false);
         for tick in 0..program.length {
             let now = self.board.now() as Ns;
             while let Some((_, act)) = acts.next_if(|(at, _)| *at <= tick) {
-                told.acts.push((now, *act));
+                reported.acts.push((now, *act));
                 match *act {
                     // Nobody is there who would call.
                     Act::Call(_) if closed || silent => {}
@@ -366,7 +366,7 @@ impl Rig {
                             limit = if ms == 0 { u64::MAX / 2 } else { u64::from(ms.unsigned_abs()) * 1_000_000 };
                         }
                         self.call(&call);
-                        told.sent.push(Sent { at: now, call, code: None });
+                        reported.sent.push(Sent { at: now, call, code: None });
                     }
                     Act::Alarm { axis, level } => self.board.inputs_mut().axes[axis].alarm = level,
                     Act::Limit { axis, positive: true, level } => {
@@ -398,24 +398,24 @@ impl Rig {
             self.step();
             if !lost && self.board.now() > self.fed + limit {
                 lost = true;
-                told.losses.push((self.fed + limit) as Ns);
+                reported.losses.push((self.fed + limit) as Ns);
             }
             let seen = self.view();
-            let last = &told.seen[told.seen.len() - 1];
+            let last = &reported.seen[reported.seen.len() - 1];
             if (Seen { at: last.at, ..seen }) != *last {
-                told.seen.push(seen);
+                reported.seen.push(seen);
             }
         }
         self.pump();
-        for (sent, code) in told.sent.iter_mut().zip(&self.codes) {
+        for (sent, code) in reported.sent.iter_mut().zip(&self.codes) {
             sent.code = *code;
         }
-        told.end = self.board.now() as Ns;
-        told.edges = self.board.take_edges();
+        reported.end = self.board.now() as Ns;
+        reported.edges = self.board.take_edges();
         for beam in self.board.take_beam() {
-            record(&mut told.lasers[usize::from(beam.channel)], beam.change);
+            record(&mut reported.lasers[usize::from(beam.channel)], beam.change);
         }
-        Ok(told)
+        Ok(reported)
     }
 }
 

@@ -185,7 +185,7 @@ pub struct Program {
 
 impl Program {
     /// Readable, with the instants of its calls.
-    pub fn told(&self, tick_us: u32) -> String {
+    pub fn reported(&self, tick_us: u32) -> String {
         let mut text = format!("{self}");
         for (number, (at, act)) in self.acts.iter().enumerate() {
             let us = u64::from(*at) * u64::from(tick_us);

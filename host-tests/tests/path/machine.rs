@@ -29,7 +29,7 @@ pub struct Beams {
 
 /// What a job did.
 #[derive(Debug, Default)]
-pub struct Told {
+pub struct Reported {
     pub lasers: [Beams; 2],
     /// General outputs: instant, number from 1, level.
     pub outputs: Vec<(Ns, u8, bool)>,
@@ -39,7 +39,7 @@ pub struct Told {
     pub answers: Vec<(u32, Answer)>,
 }
 
-impl Told {
+impl Reported {
     /// Replies to a command, in order.
     pub fn replies<R: Request>(&self) -> Vec<R::Reply> {
         self.answers.iter().filter_map(|(_, answer)| answer.reply::<R>()).map(|(reply, _)| reply).collect()
@@ -74,8 +74,8 @@ pub struct Machine {
 /// Calls of a text, with the line of each.
 pub fn compiled(text: &str) -> Vec<(u32, Call)> {
     let job = job::compile(text, &Nowhere).unwrap_or_else(|found| {
-        let told: String = found.iter().map(|found| format!("{found:?}\n")).collect();
-        panic!("{told}\n{}", numbered(text))
+        let reported: String = found.iter().map(|found| format!("{found:?}\n")).collect();
+        panic!("{reported}\n{}", numbered(text))
     });
     let call = |action: &Action| match action {
         Action::Sleep { ns } => Call::of(Sleep { ns: (*ns).into() }),
@@ -150,7 +150,7 @@ impl Machine {
     }
 
     /// Runs a text; a call that is refused ends it, unless it may fail.
-    pub fn try_run(&self, text: &str) -> Result<Told, String> {
+    pub fn try_run(&self, text: &str) -> Result<Reported, String> {
         self.board.lock().unwrap().take_beam();
         self.board.lock().unwrap().take_edges();
         *self.rows.lock().unwrap() = (Header::default(), Vec::new());
@@ -181,9 +181,9 @@ impl Machine {
         }
         let mut board = self.board.lock().unwrap();
         let zero = board.program_zero_ns() as Ns;
-        let mut told = Told::default();
+        let mut reported = Reported::default();
         for beam in board.take_beam() {
-            let of = &mut told.lasers[usize::from(beam.channel)];
+            let of = &mut reported.lasers[usize::from(beam.channel)];
             match beam.change {
                 Change::Switch { at, level } => of.switch.push((at as Ns - zero, level)),
                 Change::Energy { at, level } => of.energy.push((at as Ns - zero, level)),
@@ -197,27 +197,27 @@ impl Machine {
         }
         for edge in board.take_edges() {
             if let Output::General(bit) = edge.output {
-                told.outputs.push((edge.at_ns as Ns - zero, bit + 1, edge.level));
+                reported.outputs.push((edge.at_ns as Ns - zero, bit + 1, edge.level));
             }
         }
         drop(board);
-        for beams in &mut told.lasers {
+        for beams in &mut reported.lasers {
             settle(&mut beams.energy, false);
             settle(&mut beams.switch, false);
             settle(&mut beams.volts, 0);
         }
-        (told.header, told.rows) = std::mem::take(&mut *self.rows.lock().unwrap());
-        told.answers = kept
+        (reported.header, reported.rows) = std::mem::take(&mut *self.rows.lock().unwrap());
+        reported.answers = kept
             .0
             .into_iter()
             .map(|answer| (lines[answer.index as usize], answer))
             .filter(|(line, _)| *line > 0)
             .collect();
-        Ok(told)
+        Ok(reported)
     }
 
     /// The same; nothing may be refused.
-    pub fn run(&self, text: &str) -> Told {
+    pub fn run(&self, text: &str) -> Reported {
         self.try_run(text).unwrap_or_else(|reason| panic!("{reason}"))
     }
 

@@ -516,7 +516,7 @@ pub const LIGHT: &[Rule] = &[
         ..NONE
     },
     Rule {
-        name: "excluding_bounds_put_out_the_lowest_of_the_upper_ones",
+        name: "excluding_bounds_output_the_lowest_of_the_upper_ones",
         // The sum is 6 and less; distance bounds from 7 to 8, the mode's up to 4.
         body: "long o[4]={0,0,0,0};double s[4]={1000,1000,1000,1000};double r[4]={0,0,0,0};GT_LaserPowerMode(2,4,0);GT_LaserPrfCmd(3);GT_SetLaserDisMode(1,0,o,s);GT_SetLaserDisRatio(r,7,8);GT_BufLaserOn(1);GT_LnXY(1,500,0,10,2);GO",
         power: &[(20.0, 4.0)],

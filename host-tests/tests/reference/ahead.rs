@@ -12,7 +12,7 @@
 //! * outputs change where the path passes their vertex; motions are counted
 //!
 //! `REFERENCE_AHEAD` sets how many paths there are, `REFERENCE_SEED` the first one's number.
-use super::machine::{Got, Rig, Told, fixed, got};
+use super::machine::{Got, Reported, Rig, fixed, got};
 use course::{Course, Entry, course};
 use host_tests::path_model::Geometry;
 use host_tests::reference::{Call, Family, Path, PathCall, Site};
@@ -93,8 +93,13 @@ fn motions(course: &Course) -> (Vec<Motion<'_>>, Vec<(usize, u8, bool)>, Vec<(us
 }
 
 /// What is wrong, if anything.
-fn judge(course: &Course, told: &Told, tick_ms: f64, tally: &mut BTreeMap<&'static str, u64>) -> Result<(), String> {
-    for (index, answer) in told.answers.iter().enumerate() {
+fn judge(
+    course: &Course,
+    reported: &Reported,
+    tick_ms: f64,
+    tally: &mut BTreeMap<&'static str, u64>,
+) -> Result<(), String> {
+    for (index, answer) in reported.answers.iter().enumerate() {
         // There may be nothing to go on with.
         let starts = Call::Path(PathCall { core: 1, what: Path::Start { mask: 1, option: 0 } });
         let may_fail = course.calls[index] == starts;
@@ -106,11 +111,11 @@ fn judge(course: &Course, told: &Told, tick_ms: f64, tally: &mut BTreeMap<&'stat
     if motions.is_empty() {
         return Ok(());
     }
-    let places: Vec<Place> = told
+    let places: Vec<Place> = reported
         .rows
         .iter()
         .map(|row| {
-            let at = |axis: usize| (fixed(row[axis].0) - fixed(told.begin[axis])).to_f64();
+            let at = |axis: usize| (fixed(row[axis].0) - fixed(reported.begin[axis])).to_f64();
             std::array::from_fn(|axis| if axis < course.dimension { at(axis) } else { 0.0 })
         })
         .collect();
@@ -122,7 +127,7 @@ fn judge(course: &Course, told: &Told, tick_ms: f64, tally: &mut BTreeMap<&'stat
         return Err(format!("it ends at {place:?}, not at {end:?}"));
     }
     let status = course.calls.len() - 1;
-    let counted = told.answers.get(status).map(|answer| got(&course.calls[status], answer));
+    let counted = reported.answers.get(status).map(|answer| got(&course.calls[status], answer));
     if counted != Some(Got::Two(0, motions.len() as i64)) {
         return Err(format!("{counted:?} motions are counted of {}", motions.len()));
     }
@@ -131,7 +136,7 @@ fn judge(course: &Course, told: &Told, tick_ms: f64, tally: &mut BTreeMap<&'stat
     speeds(course, &motions, &spots, &places, tick_ms)?;
     accelerations(course, &motions, &spots, &places, tick_ms, tally)?;
     rests(course, &motions, &spots, &delays, tick_ms, tally)?;
-    edges(course, &motions, &spots, &outputs, told, tick_ms, tally)
+    edges(course, &motions, &spots, &outputs, reported, tick_ms, tally)
 }
 
 /// Every tick's place on the path.
@@ -361,11 +366,11 @@ fn edges(
     motions: &[Motion],
     spots: &[Spot],
     outputs: &[(usize, u8, bool)],
-    told: &Told,
+    reported: &Reported,
     tick_ms: f64,
     tally: &mut BTreeMap<&'static str, u64>,
 ) -> Result<(), String> {
-    let mut levels = told.more[0].general;
+    let mut levels = reported.more[0].general;
     let mut expected = Vec::new();
     for &(index, bit, level) in outputs {
         if (levels >> bit & 1 == 1) != level {
@@ -382,7 +387,7 @@ fn edges(
         }
     }
     let mut theirs: Vec<(i64, u8, bool)> = Vec::new();
-    for edge in &told.edges {
+    for edge in &reported.edges {
         match theirs.iter().rposition(|last| last.1 == edge.1).filter(|at| edge.0 - theirs[*at].0 < 2) {
             Some(at) => drop(theirs.remove(at)),
             _ => theirs.push(*edge),
@@ -437,8 +442,8 @@ pub fn run(first: u64, count: u64) -> BTreeMap<&'static str, u64> {
         let (tick_us, rig) = &mut rigs[(seed % 4) as usize];
         let course = course(seed, &site);
         let mine = rig.get_or_insert_with(|| Rig::new(site.clone(), *tick_us));
-        let told = mine.run(&course.calls);
-        if told.is_err() {
+        let reported = mine.run(&course.calls);
+        if reported.is_err() {
             *rig = None;
             if course.disturbed {
                 // The plan's acceleration of a motion may be next to nothing, with which the path
@@ -447,7 +452,7 @@ pub fn run(first: u64, count: u64) -> BTreeMap<&'static str, u64> {
                 continue;
             }
         }
-        let judged = told.and_then(|told| judge(&course, &told, f64::from(*tick_us) / 1000.0, &mut tally));
+        let judged = reported.and_then(|reported| judge(&course, &reported, f64::from(*tick_us) / 1000.0, &mut tally));
         if let Err(reason) = judged {
             reports
                 .push(format!("path {seed}, tick {tick_us} µs: {reason}\n{}", site.job(*tick_us, course.calls.iter())));

@@ -20,9 +20,9 @@ fn servo(kind: Kind) -> [Call; 2] {
 /// What analog output 1 carries from 4 ms on, after calls that all are done.
 fn output(calls: &[Call]) -> Vec<i16> {
     let site = Site { profile: "gus", family: Family::Gus, axes: vec![(1, 1), (1, 2)] };
-    let told = Rig::new(site, 250).run(calls).unwrap();
-    assert!(told.answers.iter().all(|answer| answer.code == 0), "{:?}", told.answers);
-    told.more.iter().skip(16).map(|more| more.analog[0]).collect()
+    let reported = Rig::new(site, 250).run(calls).unwrap();
+    assert!(reported.answers.iter().all(|answer| answer.code == 0), "{:?}", reported.answers);
+    reported.more.iter().skip(16).map(|more| more.analog[0]).collect()
 }
 
 fn analog() -> Call {

@@ -1,5 +1,5 @@
 //! A program on both, and what differs; a program that differs is made as short as it can be.
-use super::machine::{Got, Rig, Told, fixed, got};
+use super::machine::{Got, Rig, Reported, fixed, got};
 use host_tests::reference::{Call, Controller, Fix, Levels, Path, PathCall, Program, Reply, Site, Value};
 use servo::output::step_generator;
 use servo::units::Pos;
@@ -25,16 +25,16 @@ fn reference(site: &Site, tick_us: u32, begin: &[i64], calls: &[Call]) -> Progra
 }
 
 /// Beside a program that has run: encoder counts and levels before it are those of the machine.
-fn beside(site: &Site, tick_us: u32, told: &Told, calls: &[Call]) -> Program {
-    let levels = told.more.first().map_or_else(Levels::default, |first| {
+fn beside(site: &Site, tick_us: u32, reported: &Reported, calls: &[Call]) -> Program {
+    let levels = reported.more.first().map_or_else(Levels::default, |first| {
         let mut levels = Levels { general: first.general, ..Levels::default() };
         levels.analog[..8].copy_from_slice(&first.analog);
         levels
     });
-    Controller::new(site, i64::from(tick_us) * 1000, &told.begin)
-        .with_encoders(told.more.iter().map(|more| more.encoders.clone()).collect())
+    Controller::new(site, i64::from(tick_us) * 1000, &reported.begin)
+        .with_encoders(reported.more.iter().map(|more| more.encoders.clone()).collect())
         .with_outputs(levels)
-        .with_sessions(told.sessions.clone())
+        .with_sessions(reported.sessions.clone())
         .run(calls, TAIL, MOST)
 }
 
@@ -68,19 +68,19 @@ fn same(value: &Value, got: Got, peak: f64) -> bool {
 }
 
 /// The first disagreement.
-fn compare(program: &Program, told: &Told, calls: &[Call]) -> Result<(), String> {
+fn compare(program: &Program, reported: &Reported, calls: &[Call]) -> Result<(), String> {
     if std::env::var("REFERENCE_LATE").is_ok()
         && program.open.is_none()
-        && told.late != 0
-        && told.answers.iter().all(|answer| answer.code == 0)
+        && reported.late != 0
+        && reported.answers.iter().all(|answer| answer.code == 0)
     {
-        return Err(format!("{} entries were late", told.late));
+        return Err(format!("{} entries were late", reported.late));
     }
-    if program.open.is_none() && told.answers.len() != calls.len() {
-        return Err(format!("{} answers to {} calls", told.answers.len(), calls.len()));
+    if program.open.is_none() && reported.answers.len() != calls.len() {
+        return Err(format!("{} answers to {} calls", reported.answers.len(), calls.len()));
     }
     for ((index, call), reply) in calls.iter().enumerate().zip(&program.replies) {
-        let Some(answer) = told.answers.get(index) else { break };
+        let Some(answer) = reported.answers.get(index) else { break };
         let good = match reply {
             Reply::Open => true,
             Reply::Code(code) => *code == answer.code,
@@ -103,30 +103,30 @@ fn compare(program: &Program, told: &Told, calls: &[Call]) -> Result<(), String>
             ));
         }
     }
-    let ticks = program.rows.len().min(told.rows.len());
+    let ticks = program.rows.len().min(reported.rows.len());
     let end = program.open.map_or(ticks, |(tick, _)| tick.min(ticks));
     if program.open.is_none() && ticks < program.rows.len() {
         return Err(format!("the program lasted {ticks} ticks, the reference {}", program.rows.len()));
     }
-    if let Some(tick) = (0..end).find(|tick| program.times[*tick] != told.times[*tick]) {
+    if let Some(tick) = (0..end).find(|tick| program.times[*tick] != reported.times[*tick]) {
         let at = |times: &[i64]| times[tick] as f64 / 1e6;
-        return Err(format!("tick {tick} is at {} ms, the reference's at {}", at(&told.times), at(&program.times)));
+        return Err(format!("tick {tick} is at {} ms, the reference's at {}", at(&reported.times), at(&program.times)));
     }
     let ms = |tick: usize| program.times[tick] as f64 / 1e6;
     // Positions from where the program began, theirs and the reference's, around a tick.
     let around = |tick: usize, axis: usize| -> String {
-        let from = fixed(told.begin[axis]);
+        let from = fixed(reported.begin[axis]);
         let reach = std::env::var("REFERENCE_AROUND").ok().and_then(|text| text.parse().ok()).unwrap_or(3);
         (tick.saturating_sub(reach)..(tick + reach).min(end))
             .map(|tick| {
-                let ((theirs, status), mine) = (told.rows[tick][axis], program.rows[tick][axis]);
+                let ((theirs, status), mine) = (reported.rows[tick][axis], program.rows[tick][axis]);
                 let positions = [fixed(theirs), mine.x].map(|x| (x - from).to_f64());
                 format!("\n// {:>10} ms {positions:?} {:#x} {:#x}", ms(tick), status & BITS, mine.status)
             })
             .collect()
     };
     // Where the step outputs stand: whole pulses.
-    let mut stands: Vec<i64> = told
+    let mut stands: Vec<i64> = reported
         .rows
         .first()
         .map(|row| row.iter().map(|seen| step_generator::whole(Pos(seen.0))).collect())
@@ -134,7 +134,7 @@ fn compare(program: &Program, told: &Told, calls: &[Call]) -> Result<(), String>
     for tick in 0..end {
         // An entry of a path acts from its tick on or from the one after, by where in the tick it
         // lies.
-        let (mine, theirs) = (&program.outputs[tick].analog, &told.more[tick].analog);
+        let (mine, theirs) = (&program.outputs[tick].analog, &reported.more[tick].analog);
         let Levels { analog: next, passed, .. } = &program.outputs[(tick + 1).min(program.outputs.len() - 1)];
         let driven = program.outputs[tick].driven;
         let differs = |channel: usize| {
@@ -148,7 +148,7 @@ fn compare(program: &Program, told: &Told, calls: &[Call]) -> Result<(), String>
         if is_known && (0..8).any(differs) {
             return Err(format!("at {} ms analog outputs are {theirs:?}, the reference's {mine:?}", ms(tick)));
         }
-        let theirs_of = told.more[tick].powers;
+        let theirs_of = reported.more[tick].powers;
         let near = |tick: usize, channel: usize| {
             // The power after the last tick is not known.
             let Some([power, slack]) = program.powers.get(tick).map(|powers| powers[channel]) else { return true };
@@ -162,8 +162,8 @@ fn compare(program: &Program, told: &Told, calls: &[Call]) -> Result<(), String>
             ));
         }
         for (axis, row) in program.rows[tick].iter().enumerate() {
-            let (position, status) = told.rows[tick][axis];
-            stands[axis] += step_generator::between(Pos(told.rows[tick.max(1) - 1][axis].0), Pos(position));
+            let (position, status) = reported.rows[tick][axis];
+            stands[axis] += step_generator::between(Pos(reported.rows[tick.max(1) - 1][axis].0), Pos(position));
             if (Fix::whole(stands[axis]) - row.x).abs() > HALF + BOUND + row.slack {
                 return Err(format!(
                     "at {} ms the step output of axis {axis} stands at {}, further than half a pulse from the reference's {}{}",
@@ -182,7 +182,7 @@ fn compare(program: &Program, told: &Told, calls: &[Call]) -> Result<(), String>
                     around(tick, axis)
                 ));
             }
-            let went = (fixed(position) - fixed(told.rows[tick.max(1) - 1][axis].0)).abs();
+            let went = (fixed(position) - fixed(reported.rows[tick.max(1) - 1][axis].0)).abs();
             if went > row.most + BOUND + BOUND {
                 return Err(format!(
                     "at {} ms axis {axis} jumps by {} pulses in a tick, its data allow {}{}",
@@ -208,9 +208,9 @@ fn compare(program: &Program, told: &Told, calls: &[Call]) -> Result<(), String>
     let last = end.min(program.rows.len() - 1).saturating_sub(if program.open.is_some() { 2 } else { 0 });
     let last = ms(last);
     let mine = program.edges.iter().map(|edge| (edge.ms, edge.bit, edge.level)).collect();
-    edges("an output", mine, &told.edges, last)?;
+    edges("an output", mine, &reported.edges, last)?;
     let mine = program.gates.iter().map(|&(ms, channel, level)| (ms, channel as u8, level)).collect();
-    edges("a laser's switch", mine, &told.gates, last)?;
+    edges("a laser's switch", mine, &reported.gates, last)?;
     if let Some((tick, axis, apart)) = program.astray.filter(|(tick, ..)| *tick < end) {
         return Err(format!("at {} ms the encoder of axis {axis} is {apart} from where the machine is", ms(tick)));
     }
@@ -274,8 +274,8 @@ fn is_program(site: &Site, tick_us: u32, calls: &[Call]) -> bool {
 fn differs_here(rig: &mut Option<Rig>, site: &Site, tick_us: u32, calls: &[Call], tally: &mut Tally) -> Option<String> {
     let together = std::env::var("REFERENCE_TOGETHER").is_ok();
     let mine = rig.get_or_insert_with(|| Rig::new(site.clone(), tick_us));
-    let told = match mine.run(calls) {
-        Ok(told) => told,
+    let reported = match mine.run(calls) {
+        Ok(reported) => reported,
         Err(reason) => {
             *rig = None;
             // What the contract leaves open may go on for ever.
@@ -283,7 +283,7 @@ fn differs_here(rig: &mut Option<Rig>, site: &Site, tick_us: u32, calls: &[Call]
             return alone.open.is_none().then_some(reason);
         }
     };
-    let program = beside(site, tick_us, &told, calls);
+    let program = beside(site, tick_us, &reported, calls);
     // A refused entry makes others of its instant late by a tick, and only the run knows of this
     // one.
     if !together && program.refused.iter().any(|index| Controller::is_near(calls, *index)) {
@@ -297,7 +297,7 @@ fn differs_here(rig: &mut Option<Rig>, site: &Site, tick_us: u32, calls: &[Call]
     count("programs", 1);
     count("calls", calls.len() as u64);
     count("ticks", program.rows.len() as u64);
-    if told.late != 0 && told.answers.iter().all(|answer| answer.code == 0) {
+    if reported.late != 0 && reported.answers.iter().all(|answer| answer.code == 0) {
         count("programs with late entries, though none was refused", 1);
     }
     if std::env::var_os("REFERENCE_TABLE").is_some() {
@@ -319,7 +319,7 @@ fn differs_here(rig: &mut Option<Rig>, site: &Site, tick_us: u32, calls: &[Call]
     if let Some((_, why)) = program.open {
         count(&format!("cut short: {why}"), 1);
     }
-    compare(&program, &told, calls).err()
+    compare(&program, &reported, calls).err()
 }
 
 /// What a reason speaks of: its first words, without figures.

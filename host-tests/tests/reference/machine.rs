@@ -116,7 +116,7 @@ impl Link for Watched {
 }
 
 /// What a program gave.
-pub struct Told {
+pub struct Reported {
     /// Positions before the program.
     pub begin: Vec<i64>,
     pub answers: Vec<Answer>,
@@ -164,7 +164,7 @@ impl Rig {
     }
 
     /// Runs it from power-on settings; positions of the machine stay.
-    pub fn run(&mut self, calls: &[Call]) -> Result<Told, String> {
+    pub fn run(&mut self, calls: &[Call]) -> Result<Reported, String> {
         self.client.call(SetTick { tick_us: (self.tick_us as i32).into() }).map_err(|e| format!("{e:?}"))?;
         {
             let mut board = self.board.lock().unwrap();
@@ -220,7 +220,7 @@ impl Rig {
         let sessions = ran.sessions(&times);
         let rows: Vec<_> = rows.into_iter().map(|row| row.1).collect();
         let begin = rows.first().map(|row| row.iter().map(|seen| seen.0).collect()).unwrap_or_default();
-        Ok(Told { begin, answers: ran.answers, rows, times, sessions, more, edges, gates, late: ran.late })
+        Ok(Reported { begin, answers: ran.answers, rows, times, sessions, more, edges, gates, late: ran.late })
     }
 }
 

@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn the_load_of_ticks_is_told_in_time_and_percent() {
+    fn the_load_of_ticks_is_reported_in_time_and_percent() {
         let text = |measured| {
             let (period_ns, median_ns, worst_ns) = (50_000.into(), 5_250.into(), 12_500.into());
             tick_time(&TickTimeReply { period_ns, median_ns, worst_ns, measured })
@@ -155,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn events_are_told_in_words() {
+    fn events_are_reported_in_words() {
         let text = |kind, of, reason: u16| event(&EventItem { time_ns: 0.into(), kind, of, reason: reason.into() });
         assert_eq!(text(1, 3, 10), "axis 3 stopped: an underrun");
         assert_eq!(text(3, 1, 3), format!("laser 1 dark: {}", laser_cause(3)));

@@ -117,7 +117,7 @@ fn execute(source: &Source, client: &Client, knowledge: Knowledge<'_>, outputs: 
                      load the firmware of this version."
                 ),
                 Err(error) => format!(
-                    "The controller could not be told to stop ({error}). When the link is lost it shuts off lasers, and stops Jog axes and \
+                    "The controller could not be stopped ({error}). When the link is lost it shuts off lasers, and stops Jog axes and \
                      coordinate systems, by itself."
                 ),
             };

@@ -75,7 +75,7 @@ mod tests {
     }
 
     #[test]
-    fn errors_are_told() {
+    fn errors_are_reported() {
         let (reader, writer) = io::pipe().unwrap();
         drop(reader);
         let mut spool = Spool::new(File::from(OwnedFd::from(writer)));

@@ -70,7 +70,7 @@ fn signals_at_many_instants_end_dark() {
             .map(|line| line.split(',').collect::<Vec<_>>())
             .map(|cells| (cells[gate] == "1", cells[speed].parse().unwrap()))
             .collect();
-        // The Abort arrived in the tick after which the path is slower than it was told to be.
+        // The Abort arrived in the tick after which the path is slower than it was set to be.
         let brakes = rows
             .iter()
             .position(|(_, speed)| *speed >= 50.0)

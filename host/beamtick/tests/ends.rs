@@ -268,7 +268,7 @@ fn connections_without_a_session_hold_nobody_up_and_are_closed() {
 }
 
 #[test]
-fn a_second_client_is_told_who_is_there() {
+fn a_second_client_learns_who_is_there() {
     let folder = tempfile::tempdir().unwrap();
     let text = format!("double p; {LASER}GT_SetHSIOOpt(1, 0); Sleep(100); GT_GetPrfPos(1, &p); Sleep(600000);\n");
     let job = write(folder.path(), "job.gts", &text);

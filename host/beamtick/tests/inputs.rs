@@ -233,7 +233,7 @@ fn a_wait_that_nothing_ends_ends_the_job_with_its_name() {
 }
 
 #[test]
-fn what_is_wrong_with_a_file_is_told_before_anything_runs() {
+fn what_is_wrong_with_a_file_is_reported_before_anything_runs() {
     let job = "GT_AxisOn(1); Sleep(1);\n";
     for (inputs, told) in [
         ("t_ms,input,level\n0,gpi0,1\n", "in.csv:2: input: `0` is no number of gpi; it is from 1 to 100"),

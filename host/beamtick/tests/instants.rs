@@ -69,7 +69,7 @@ fn a_job_whose_light_an_overrun_took_fails_and_names_the_line() {
         text.contains("a servo tick took too long after GT_SetHSIOOpt (line 6), and laser 0 was kept dark"),
         "{text}"
     );
-    // Where no light is used, it is told and is no failure.
+    // Where no light is used, it is reported and is no failure.
     let job = "GT_SetDoBit(12, 1, 1);\nSleep(100);\nGT_SetDoBit(12, 1, 0);\n";
     assert_eq!(run(folder.path(), job, Some(50 * MS), None), Ok(()));
 }
@@ -233,7 +233,7 @@ fn the_emulated_board_resets_within_its_ticks_and_shows_the_light_of_sim() {
 }
 
 #[test]
-fn ticks_that_take_too_long_are_told_where_no_laser_is_used_too() {
+fn ticks_that_take_too_long_are_reported_where_no_laser_is_used_too() {
     if std::env::var_os("BEAMTICK_IMAGE").is_none() {
         println!("skipped: BEAMTICK_IMAGE names no image");
         return;

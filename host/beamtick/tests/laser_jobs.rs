@@ -34,7 +34,7 @@ fn reads(out: &str) -> Vec<&str> {
 }
 
 #[test]
-fn the_listings_put_out_what_they_say() {
+fn the_listings_output_what_they_say() {
     for (name, family, values, summary) in [
         ("laser_duty", "gus", &["1", "25", "10", "16"][..], "duty mode, dark, output 0 %, light of 4.000 ms"),
         ("laser_frequency", "gus", &["20"], "frequency mode, dark, output 0 kHz, light of 4.000 ms"),

@@ -124,7 +124,7 @@ fn serving_needs_an_address_that_is_free() {
 }
 
 /// A client that is killed while its job has a laser on: the controller goes dark by itself, says
-/// why, and stays dark until it is told otherwise.
+/// why, and stays dark until a command changes that.
 #[test]
 fn a_killed_client_leaves_no_light() {
     let folder = tempfile::tempdir().unwrap();

@@ -162,7 +162,8 @@ fn a_full_fifo_that_nothing_empties_is_refused() {
     }
 }
 
-/// The motion that would make room ends meanwhile: the wait ends with it, and the reason is told.
+/// The motion that would make room ends meanwhile: the wait ends with it, and the reason is
+/// reported.
 #[test]
 fn a_wait_ends_with_its_motion() {
     let folder = tempfile::tempdir().unwrap();

@@ -302,7 +302,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_told_with_line_and_column_and_limit() {
+    fn what_is_wrong_is_reported_with_line_and_column_and_limit() {
         let head = "t_ms,input,level\n0,gpi1,1\n";
         for (text, expected) in [
             ("", "f.csv:1: the columns are ``; they are t_ms,input,level"),

@@ -75,7 +75,7 @@ fn calls_in_the_wrong_state_are_refused_with_a_reason() {
 }
 
 #[test]
-fn why_motion_has_stopped_is_told() {
+fn why_motion_has_stopped_is_reported() {
     passes_with_tools("stop_reason", &[FAST]);
 }
 
@@ -123,7 +123,7 @@ fn a_wrong_variable_is_named() {
 }
 
 #[test]
-fn a_link_that_dies_in_a_move_is_told_by_every_call() {
+fn a_link_that_dies_in_a_move_is_reported_by_every_call() {
     let Some(built) = program("dead_link", &[]) else { return };
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let served = virtual_board::serve(listener, None, virtual_board::Config::default()).unwrap();

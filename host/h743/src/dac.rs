@@ -34,7 +34,7 @@ pub struct Dac {
     cr: u32,
     held: [u16; 2],
     published: [Option<u16>; 2],
-    put_out: [u16; 2],
+    output: [u16; 2],
     due: [Time; 2],
     others: [u32; 2],
     cycle: Time,
@@ -52,7 +52,7 @@ impl Default for Dac {
             cr: 0,
             held: [0; 2],
             published: [None; 2],
-            put_out: [0; 2],
+            output: [0; 2],
             due: [NEVER; 2],
             others: [0; 2],
             cycle: Clocks::RESET.apb1,
@@ -81,7 +81,7 @@ impl Dac {
     }
 
     fn publish(&mut self, n: usize, at: Time) {
-        let published = (self.of(n) & EN != 0).then_some(self.put_out[n]);
+        let published = (self.of(n) & EN != 0).then_some(self.output[n]);
         if self.published[n] != published {
             self.published[n] = published;
             self.changes.push((at, n, published));
@@ -104,7 +104,7 @@ impl Device for Dac {
             DHR12RD => one | two << 16,
             DHR12LD => one << 4 | two << 20,
             DHR8RD => one >> 4 | two >> 4 << 8,
-            DOR1 | DOR2 => self.put_out[usize::from(offset == DOR2)].into(),
+            DOR1 | DOR2 => self.output[usize::from(offset == DOR2)].into(),
             CCR | MCR => self.others[(offset - CCR) as usize / 4],
             _ => return None,
         })
@@ -162,7 +162,7 @@ impl Device for Dac {
         for n in 0..2 {
             if self.due[n] <= to {
                 let at = std::mem::replace(&mut self.due[n], NEVER);
-                self.put_out[n] = self.held[n];
+                self.output[n] = self.held[n];
                 self.publish(n, at);
             }
         }

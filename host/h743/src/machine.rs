@@ -342,7 +342,7 @@ impl Machine {
         }
     }
 
-    /// The core says of itself what it is told to.
+    /// The core says of itself what it is set to.
     pub(crate) fn identify(&mut self) {
         let chip = &mut self.chip;
         (chip.scs.identity, chip.scs.fpccr) = (chip.identity, chip.identity.fpccr);

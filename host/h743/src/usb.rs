@@ -260,7 +260,7 @@ impl Core {
         true
     }
 
-    fn told_address(&self) -> u8 {
+    fn reported_address(&self) -> u8 {
         (self.dcfg >> 4 & 0x7f) as u8
     }
 
@@ -326,7 +326,7 @@ impl Core {
         endpoint.size = 0;
         endpoint.flags |= XFRC;
         if number == 0 && count == 0 {
-            self.address = self.told_address();
+            self.address = self.reported_address();
         }
         (Handshake::Ack, odd, bytes)
     }
@@ -473,7 +473,7 @@ impl Core {
             }
             DCFG => {
                 self.dcfg = value;
-                if self.told_address() == 0 {
+                if self.reported_address() == 0 {
                     self.address = 0;
                 }
             }

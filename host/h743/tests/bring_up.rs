@@ -170,7 +170,7 @@ fn a_wrong_fact_that_edges_tell_fails_in_its_row() {
 fn check<const N: usize>(cases: [Case; N]) {
     for (wrong, must_fail, figure) in cases {
         let Some(board) = board(&[wrong], &[]) else { return };
-        // It is told from the next reset on, as on a chip that has it from the first.
+        // It is reported from the next reset on, as on a chip that has it from the first.
         lock(&board).reset(h743::Cause::Pin);
         let (outcome, page) = measure(&board);
         let fails = failed(&page);
@@ -185,7 +185,7 @@ fn check<const N: usize>(cases: [Case; N]) {
 }
 
 #[test]
-fn a_board_that_does_not_answer_is_told_with_what_to_do() {
+fn a_board_that_does_not_answer_is_reported_with_what_to_do() {
     let Some(board) = board(&[Wrong::Revision(0x1003)], &[]) else { return };
     lock(&board).reset(h743::Cause::Pin);
     let (outcome, page) = measure(&board);

@@ -42,7 +42,7 @@ fn cause(client: &Client, channel: i16) -> i16 {
 }
 
 #[test]
-fn a_break_that_is_not_its_pins_is_told_and_there_is_no_light() {
+fn a_break_that_is_not_its_pins_is_reported_and_there_is_no_light() {
     for (number, name) in BREAKS {
         for open in [false, true] {
             let Some(machine) = started(|machine| {
@@ -52,12 +52,12 @@ fn a_break_that_is_not_its_pins_is_told_and_there_is_no_light() {
                 return;
             };
             let (client, shared) = linked(machine);
-            let told = if open {
+            let reported = if open {
                 format!("TIM{number} does not break although its input {name} is high")
             } else {
                 format!("TIM{number} breaks although its input {name} is low")
             };
-            assert_eq!(fault(&client), (5, told));
+            assert_eq!(fault(&client), (5, reported));
             // Closing the circuit and clearing does not help.
             BREAKS.iter().for_each(|(_, name)| lock(&shared).drive(Pin::named(name).unwrap(), Some(false)));
             for channel in 0..2 {
@@ -165,26 +165,26 @@ fn timers_that_stopped_within_a_burst_begin_with_its_first_register() {
     }
 }
 
-/// An instruction is a cycle here, so what is told is what the handler's instructions take: 2,600
-/// to 3,000 at 480 MHz.
+/// An instruction is a cycle here, so what is reported is what the handler's instructions take:
+/// 2,600 to 3,000 at 480 MHz.
 #[test]
 fn how_long_ticks_take_is_measured() {
     let Some(machine) = started(|_| {}) else { return };
     let (client, shared) = linked(machine);
-    let told = |ms: u64| {
+    let reported = |ms: u64| {
         lock(&shared).run(ms * MILLISECOND);
         let reply = client.call(GetTickTime {}).unwrap();
         (reply.measured, reply.period_ns.get(), reply.median_ns.get(), reply.worst_ns.get())
     };
-    let (measured, period, median, worst) = told(100);
+    let (measured, period, median, worst) = reported(100);
     assert_eq!((measured, period), (1, 50_000));
     // The longest were those in which the session began.
     assert!((5_000..7_000).contains(&median), "{median} ns");
     assert!((2 * median..period).contains(&worst), "{worst} ns at most");
     // Much set-up in one tick leaves the median where it is.
     client.call(Reset { core: 1.into() }).unwrap();
-    let (_, _, still, longest) = told(100);
+    let (_, _, still, longest) = reported(100);
     assert!(still.abs_diff(median) < 200 && longest >= worst, "{median} {still} {worst} {longest}");
     client.call(SetTick { tick_us: 250.into() }).unwrap();
-    assert_eq!(told(10).1, 250_000);
+    assert_eq!(reported(10).1, 250_000);
 }

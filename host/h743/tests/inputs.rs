@@ -158,7 +158,7 @@ fn edges_of_encoders_are_counted_watched_and_captured() {
     assert_eq!(status() & FOLLOWING_ERROR, 0);
     one.turn(&machine, 1);
     assert_eq!(status() & FOLLOWING_ERROR, FOLLOWING_ERROR);
-    // It is told as the edges go on: 100 counts in 100 µs.
+    // It is reported as the edges go on: 100 counts in 100 µs.
     let velocity = GetEncVel { core, encoder: 1.into(), count: 1.into() };
     assert_eq!(client.call_items(velocity, &[]).unwrap().1[0].value.get(), 0.0);
     assert_eq!(lock(&machine).chip.bus.complaints, Vec::<String>::new());

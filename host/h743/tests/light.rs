@@ -116,7 +116,7 @@ fn the_interlock_ends_a_pulse_without_an_instruction() {
 }
 
 #[test]
-fn a_clock_that_stops_ends_a_pulse_without_an_instruction_and_is_told() {
+fn a_clock_that_stops_ends_a_pulse_without_an_instruction_and_is_reported() {
     let Some((client, plug, shared)) = lit() else { return };
     plug.pull();
     drop(client);
@@ -142,7 +142,7 @@ fn a_clock_that_stops_ends_a_pulse_without_an_instruction_and_is_told() {
 }
 
 #[test]
-fn a_fault_puts_out_the_light_at_once() {
+fn a_fault_shuts_off_the_light_at_once() {
     let Some((client, plug, shared)) = lit() else { return };
     plug.pull();
     drop(client);
@@ -180,5 +180,5 @@ fn light_does_not_outlive_the_tick() {
     assert_eq!(last_light(&machine, reset), None);
 }
 
-/// Two ticks of 50 us are told, and a third may have begun.
+/// Two ticks of 50 us are reported, and a third may have begun.
 const LAST: Time = 150 * MICROSECOND;

@@ -11,7 +11,7 @@ use h743::{Cause, MICROSECOND, Time};
 /// A count of a timer at 240 MHz.
 const COUNT: Time = 4;
 
-/// A timer at 240 MHz and what it has told.
+/// A timer at 240 MHz and what it has sent.
 struct Bench {
     timer: Timer,
     now: Time,
@@ -365,7 +365,7 @@ fn a_channel_captures_the_edges_that_it_is_set_to_and_asks_dma_for_each() {
 }
 
 #[test]
-fn what_is_not_modelled_is_told() {
+fn what_is_not_modelled_is_reported() {
     for (offset, value) in [(CR1, 1 << 4), (BDTR, 5), (CCMR1, 8 << 13), (0x04, 4 << 4), (0x08, 4)] {
         let mut bench = Bench::new(1);
         bench.set(offset, value);
@@ -500,7 +500,7 @@ fn a_usart_receives_into_its_fifo_tells_at_its_threshold_and_of_silence_and_lose
 }
 
 #[test]
-fn a_wrong_baud_rate_is_told() {
+fn a_wrong_baud_rate_is_reported() {
     let mut usart = usart(1 << 3, 0);
     let mut out = Vec::new();
     usart.write(0x0c, 60, u32::MAX, 0, &mut out).unwrap();
@@ -586,9 +586,9 @@ fn a_watchdog_bites_when_it_is_not_fed() {
     assert_eq!(dog.next(), 10 + 50_000 * MICROSECOND);
     key(&mut dog, 0x00, 0xaaaa, 40_000 * MICROSECOND);
     assert_eq!(dog.next(), 90_000 * MICROSECOND);
-    let mut told = Vec::new();
-    dog.advance(90_000 * MICROSECOND - 1, &mut told);
-    assert_eq!(told, []);
-    dog.advance(90_000 * MICROSECOND, &mut told);
-    assert_eq!(told, [Signal::Reset(Cause::Watchdog)]);
+    let mut reported = Vec::new();
+    dog.advance(90_000 * MICROSECOND - 1, &mut reported);
+    assert_eq!(reported, []);
+    dog.advance(90_000 * MICROSECOND, &mut reported);
+    assert_eq!(reported, [Signal::Reset(Cause::Watchdog)]);
 }

@@ -294,9 +294,9 @@ fn no_reset_under_light_and_a_sending_host_lights_or_moves_anything() {
         assert_eq!(active_outputs(&lock(&machine), reset), [], "{how:?}: behind the reset");
 
         let client = open(&machine);
-        let told = reason(&client);
-        assert_eq!(told.0, kind, "{how:?}: {told:?}");
-        assert_eq!(told.1.is_empty(), kind == 0, "{how:?}: {told:?}");
+        let reported = reason(&client);
+        assert_eq!(reported.0, kind, "{how:?}: {reported:?}");
+        assert_eq!(reported.1.is_empty(), kind == 0, "{how:?}: {reported:?}");
         let place = client.call_items(GetPrfPos { core: 1.into(), profile: 1.into(), count: 1.into() }, &[]).unwrap();
         assert_eq!(place.1[0].value.get(), 0.0, "{how:?}: what came from before the reset was executed");
         if how == End::ButtonAndInterlock {
@@ -425,7 +425,7 @@ fn a_link_that_is_cut_anywhere_in_a_job_ends_dark_and_nothing_is_done_twice() {
                 assert!(was_lit && new.contains(&(LASER_EVENT, LINK_LOST as u16)), "cut after {cut} bytes: {new:?}");
                 dark += 1;
             }
-            // It did not, and nobody was told that it did.
+            // It did not, and nobody reported that it did.
             0 => {
                 assert!(!was_lit && !answered && now.commanded == 0, "cut after {cut} bytes");
                 never += 1;

@@ -156,7 +156,7 @@ fn each_update_sends_one_word_of_the_ring_to_a_port() {
     bench.pass(120 * 8 + 50);
     let expected = [(120, true), (360, false), (600, true), (840, false)].map(|(at, level)| (at + ANSWER, level));
     assert_eq!(bench.edges("PF8", start), expected);
-    // Eight words: the ring is at its begin again. Half and end of a round have been told of.
+    // Eight words: the ring is at its begin again. Half and end of a round have been reported.
     assert_eq!(bench.get(DMA2 + 0x14), 4);
     assert_eq!(bench.get(DMA2) & 0x3f, 1 << 5 | 1 << 4);
     bench.set(DMA2 + 0x08, 0x3f);
@@ -200,22 +200,22 @@ fn with_the_fifo_sixteen_bytes_are_read_ahead() {
 
 /// Tiles of TIM1 (ARR, RCR, CCR1) by bursts; the first is set by hand, the second lies in the
 /// preloads.
-fn tiles(tiles: &[[u16; 3]]) -> (Bench, Time) {
+fn cycles(cycles: &[[u16; 3]]) -> (Bench, Time) {
     let mut bench = Bench::new();
     bench.connect("PE9", 1);
     bench.connect("PE8", 1);
     bench.set(TIM1 + CCMR1, 6 << 4 | 1 << 3);
     bench.set(TIM1 + DCR, 2 << 8 | 11);
     bench.set(TIM1 + CR1, 1 << 7 | 1 << 2);
-    let load = |bench: &mut Bench, tile: &[u16; 3]| {
-        bench.set(TIM1 + ARR, tile[0].into());
-        bench.set(TIM1 + CCR1, tile[2].into());
+    let load = |bench: &mut Bench, cycle: &[u16; 3]| {
+        bench.set(TIM1 + ARR, cycle[0].into());
+        bench.set(TIM1 + CCR1, cycle[2].into());
     };
-    load(&mut bench, &tiles[0]);
+    load(&mut bench, &cycles[0]);
     bench.set(TIM1 + EGR, 1);
-    load(&mut bench, &tiles[1]);
-    bench.halves(RING, tiles[2..].as_flattened());
-    bench.stream(0, 15, TIM1 + DMAR, RING, 3 * (tiles.len() as u32 - 2), HALVES);
+    load(&mut bench, &cycles[1]);
+    bench.halves(RING, cycles[2..].as_flattened());
+    bench.stream(0, 15, TIM1 + DMAR, RING, 3 * (cycles.len() as u32 - 2), HALVES);
     bench.set(TIM1 + CCER, 0b101);
     bench.set(TIM1 + BDTR, 1 << 15);
     bench.set(TIM1 + DIER, 1 << 8);
@@ -228,7 +228,7 @@ fn tiles(tiles: &[[u16; 3]]) -> (Bench, Time) {
 fn a_burst_brings_the_tile_behind_the_next() {
     // Rounds of 200, 300, 240, 100, 150 counts; light of 50, 0, 240 (all of it), 10, 149 counts.
     let (mut bench, start) =
-        tiles(&[[199, 0, 50], [299, 0, 0], [239, 0, 240], [99, 0, 10], [149, 0, 149], [199, 0, 0], [199, 0, 0]]);
+        cycles(&[[199, 0, 50], [299, 0, 0], [239, 0, 240], [99, 0, 10], [149, 0, 149], [199, 0, 0], [199, 0, 0]]);
     bench.pass(200 + 300 + 240 + 100 + 150 + 200 + 3 * ANSWER);
     let edges = [(0, true), (50, false), (500, true), (750, false), (840, true), (989, false)];
     assert_eq!(bench.edges("PE9", start), edges);
@@ -238,15 +238,15 @@ fn a_burst_brings_the_tile_behind_the_next() {
 }
 
 #[test]
-fn a_tile_shorter_than_a_burst_is_told() {
+fn a_cycle_shorter_than_a_burst_is_reported() {
     // A burst takes three times the answer; a transfer is over before the next one is asked for.
     const { assert!(TRANSFER <= ANSWER) };
     let least = 3 * ANSWER as u16;
     let tiny = |counts: u16| [counts - 1, 0, 5];
-    let (mut bench, _) = tiles(&[tiny(200), tiny(least + 1), tiny(200), tiny(200), tiny(200), tiny(200)]);
+    let (mut bench, _) = cycles(&[tiny(200), tiny(least + 1), tiny(200), tiny(200), tiny(200), tiny(200)]);
     bench.pass(1000);
     assert_eq!((bench.complaints(), bench.bus.dma.lost), (String::new(), 0));
-    let (mut bench, _) = tiles(&[tiny(200), tiny(least - 1), tiny(200), tiny(200), tiny(200), tiny(200)]);
+    let (mut bench, _) = cycles(&[tiny(200), tiny(least - 1), tiny(200), tiny(200), tiny(200), tiny(200)]);
     bench.pass(1000);
     assert_eq!(bench.complaints(), "DMA1 stream 0: a request came while the one before still waited");
 }
@@ -336,7 +336,7 @@ fn from_a_register_to_memory() {
 }
 
 #[test]
-fn what_a_stream_cannot_do_is_told() {
+fn what_a_stream_cannot_do_is_reported() {
     type Case = (fn(&mut Bench), &'static str);
     let cases: [Case; 7] = [
         (|b| b.stream(0, 15, TIM1 + DMAR, 0x2000_0000, 4, WORDS), "DMA1 stream 0: it reaches no memory at its address"),
@@ -412,7 +412,7 @@ fn combined_channels_give_light_at_both_ends_of_a_round() {
 
 #[test]
 fn a_break_at_the_pin_ends_a_pulse_at_that_instant() {
-    let (mut bench, start) = tiles(&[[199, 0, 150], [199, 0, 150], [199, 0, 150], [199, 0, 150]]);
+    let (mut bench, start) = cycles(&[[199, 0, 150], [199, 0, 150], [199, 0, 150], [199, 0, 150]]);
     let pin = Pin::named("PE15").unwrap();
     bench.bus.drive(pin, Some(false), bench.now, &mut bench.exceptions);
     bench.connect("PE15", 1);
@@ -459,7 +459,7 @@ fn an_encoder_counts_the_edges_at_its_pins() {
 }
 
 #[test]
-fn the_dac_shows_what_it_is_told_a_bus_cycle_later() {
+fn the_dac_shows_what_it_gets_a_bus_cycle_later() {
     let mut bench = Bench::new();
     bench.set(DAC1, 1 | 1 << 16);
     let start = bench.now;
@@ -504,7 +504,7 @@ fn the_spi_sends_words_bit_by_bit_at_its_kernel_clock() {
     assert_ne!(bench.get(SPI3 + 0x14) & 1 << 12, 0, "TXC");
     assert_eq!(bench.bus.spi.sent, [(start + 64 * COUNT, 0x1234), (start + 128 * COUNT, 0x8000)]);
     assert_eq!(bench.complaints(), "");
-    // TSIZE: it ends by itself, and starts again only when it is told.
+    // TSIZE: it ends by itself, and starts again only by a command.
     bench.set(SPI3, 0);
     bench.set(SPI3 + 0x04, 1);
     bench.set(SPI3, 1);

@@ -172,10 +172,10 @@ fn the_other_wire_gets_the_link_once_the_first_client_is_silent() {
     let machine = plugged(&elf);
     // Over the USART first.
     let uart = over_usart(&machine);
-    // While its client is alive, one over USB is told where it is.
+    // While its client is alive, one over USB learns where it is.
     let second = Client::open(Box::new(EmulatedLink::over_usb(machine.clone())), Options::default());
-    let told = second.err().expect("two clients have a board");
-    assert!(told.code == -6 && told.reason.contains("a client at the UART"), "{told}");
+    let reported = second.err().expect("two clients have a board");
+    assert!(reported.code == -6 && reported.reason.contains("a client at the UART"), "{reported}");
     uart.call_items(GetEvents {}, &[]).unwrap();
     lock(&machine).run(501 * MILLISECOND);
     let usb = client(&machine);

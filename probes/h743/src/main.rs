@@ -210,7 +210,7 @@ fn masks() {
 fn floating(scb: &mut SCB) {
     scb.enable_fpu();
     let (a, b, c, status): (u32, u32, u32, u32);
-    // SAFETY: pends interrupt 1 and uses registers that are told.
+    // SAFETY: pends interrupt 1 and uses registers that are declared.
     unsafe {
         asm!(
             "vmov s0, {x}", "vmov s1, {y}", "vmov s15, {x}", "vmsr fpscr, {f}",

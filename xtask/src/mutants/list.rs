@@ -171,7 +171,7 @@ pub const LIST: &[Mutant] = &[
         GATE,
     ),
     mutant(
-        "the last cause is told, not the first",
+        "the last cause is reported, not the first",
         SAFETY,
         "if !self.is_dark() {\n            (self.dark",
         "if true {\n            (self.dark",

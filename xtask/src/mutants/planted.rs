@@ -205,11 +205,11 @@ pub fn run(only: &str) -> Outcome {
     if found == rows.len() { Ok(()) } else { Err("a planted fault is not found".into()) }
 }
 
-/// The least number of programs after which a finding is told: `found after 12 programs`.
+/// The least number of programs after which a finding is reported: `found after 12 programs`.
 fn within(said: &str) -> Option<String> {
-    let told = said.lines().filter_map(|line| {
+    let reported = said.lines().filter_map(|line| {
         let (_, rest) = line.split_once("found after ")?;
         rest.split(' ').next()?.parse::<u64>().ok()
     });
-    told.min().map(|programs| programs.to_string())
+    reported.min().map(|programs| programs.to_string())
 }

@@ -78,7 +78,7 @@ pub const SURVIVED: &[Mutant] = &[
     mutant("plans stay spared for another cause", SAFETY, "        self.grace = 0;\n", "", CAUSES),
     mutant("three plans are spared", SAFETY, "self.grace = 2;", "self.grace = 3;", CAUSES),
     mutant(
-        "a limit is told before an alarm",
+        "a limit is reported before an alarm",
         ORDERS,
         "        _ if fresh & status::ALARM != 0 => Some(Cause::Alarm),\n        _ if fresh & status::LIMITS != 0 => Some(Cause::Limit),",
         "        _ if fresh & status::LIMITS != 0 => Some(Cause::Limit),\n        _ if fresh & status::ALARM != 0 => Some(Cause::Alarm),",
@@ -314,7 +314,7 @@ pub const SURVIVED: &[Mutant] = &[
         SESSIONS,
     ),
     mutant(
-        "numbers of answers that are given up are told in the next session",
+        "numbers of answers that are given up are reported in the next session",
         "dispatcher/src/report/pending_replies.rs",
         "        self.items.clear();\n        self.values.clear();",
         "        self.items.clear();",

@@ -1,6 +1,6 @@
 //! Whose light it is, and what takes it away: SPEC 6, "Whose light it is" and "Rest", and SPEC 9.
 //!
-//! In: what happens to a channel, in the order of time. Out: what the gate is told.
+//! In: what happens to a channel, in the order of time. Out: the order to the gate.
 
 /// Who lit it. Coordinate systems are those of core 1, from 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,7 +21,7 @@ pub enum End {
     Done { braked: bool },
 }
 
-/// What the gate is told.
+/// The order to the gate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Order {
     Nothing,

@@ -91,8 +91,8 @@ fn published(chip: &Chip, channel: usize, external: bool) -> Result<Vec<(Time, f
 }
 
 /// The voltages of both channels against the plan, to a code of the converter and a tick;
-/// `external` is the DAC8563. Returns how many changes were compared. Where the plan begins is told
-/// by the first edge of all lasers, as in [`compare`].
+/// `external` is the DAC8563. Returns how many changes were compared. Where the plan begins is
+/// reported by the first edge of all lasers, as in [`compare`].
 pub fn compare_voltages(vcd: &str, tick_us: u64, external: bool, chip: &Chip) -> Result<usize, String> {
     // A code of 12 bits is 4.88 mV, one of 16 bits 0.31 mV; the VCD has its own rounding.
     let code = if external { 0.32 } else { 4.9 };

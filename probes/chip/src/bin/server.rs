@@ -1,8 +1,8 @@
 #![no_std]
 #![no_main]
 //! Must link, as `no-panic` must: nothing that the thread does between the link and the tick meets
-//! a panic. The server with its desk, its programs, look-aheads and tables, on bytes and views of
-//! which the optimiser knows nothing.
+//! a panic. The server with its command handler, its programs, look-aheads and tables, on bytes and
+//! views of which the optimiser knows nothing.
 use core::hint::black_box;
 use core::panic::PanicInfo;
 use cortex_m as _;
