@@ -1,5 +1,5 @@
 //! A program on both, and what differs; a program that differs is made as short as it can be.
-use super::machine::{Got, Rig, Reported, fixed, got};
+use super::machine::{Got, Reported, Rig, fixed, got};
 use host_tests::reference::{Call, Controller, Fix, Levels, Path, PathCall, Program, Reply, Site, Value};
 use servo::output::step_generator;
 use servo::units::Pos;
