@@ -120,9 +120,11 @@ fn differs(marks: &[Mark], rows: &[Row]) -> Result<(), String> {
 fn random_drawings_are_marked_where_they_are_and_nowhere_else() {
     let work = |part: u64| {
         let folder = tempfile::tempdir().unwrap();
-        fs::write(folder.path().join("m.toml"), machine(LAYERS)).unwrap();
         let mut arcs = 0;
         for seed in (part..200).step_by(2) {
+            let family = ["gus", "lsr"][seed as usize / 2 % 2];
+            let machine = format!("family = \"{family}\"\n{}", machine(LAYERS));
+            fs::write(folder.path().join("m.toml"), machine).unwrap();
             let Drawing { text, marks, circles } = generator::drawing(&mut Xoshiro256PlusPlus::seed_from_u64(seed));
             fs::write(folder.path().join("d.svg"), &text).unwrap();
             let (said, code) =
@@ -390,6 +392,13 @@ fn pages_lie_with_their_lower_left_corner_at_zero() {
     let words = ["check", "d.svg", "--machine", "m.toml", "--layer", "colour=#0f0,skip=true"];
     let (said, code) = beamtick(folder.path(), &words);
     assert!(code == 0 && said.contains("marks of 7.000 mm, X 0.000 to 0.000, Y 0.000 to 7.000"), "{said}");
+    // Nothing that a file names is read: /dev/zero has no end.
+    let svg = page(&format!(
+        "<pattern id=\"p\" width=\"5\" height=\"5\"><image href=\"/dev/zero\" width=\"5\" height=\"5\"/></pattern>\
+         <rect width=\"9\" height=\"9\" fill=\"url(#p)\"/>{LINE}"
+    ));
+    let (said, code) = check(folder.path(), &svg);
+    assert!(code == 0 && said.contains("marks of 1.414 mm"), "{said}");
     // A page's own clip path cuts nothing.
     let svg = page(&format!(
         "<clipPath id=\"c\"><path d=\"M0 0H100V100H0z\"/></clipPath><g clip-path=\"url(#c)\">{LINE}</g>"

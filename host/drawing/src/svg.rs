@@ -52,7 +52,7 @@ fn parsed(bytes: &[u8]) -> Result<(Vec<Shape>, Vec<String>), Fault> {
         Fault::at(line, format!("this is no whole SVG: {}", bare(&error.to_string())))
     })?;
     check::check(&document)?;
-    let (tree, warnings) = warnings::during(|| Tree::from_xmltree(&document, &usvg::Options::default()));
+    let (tree, warnings) = warnings::during(|| Tree::from_xmltree(&document, &options()));
     let tree = tree.map_err(|error| {
         Fault::whole(match error {
             usvg::Error::InvalidSize => "its width, height or viewBox is missing, 0 or too large".to_owned(),
@@ -72,6 +72,13 @@ fn parsed(bytes: &[u8]) -> Result<(Vec<Shape>, Vec<String>), Fault> {
     let mut notes: Vec<String> = skipped;
     notes.extend(found.passed_over.iter().map(|(what, count)| format!("{what} ({count})")));
     Ok((found.shapes, notes))
+}
+
+/// Nothing but the file itself is read, whatever its images name.
+fn options() -> usvg::Options<'static> {
+    let image_href_resolver =
+        usvg::ImageHrefResolver { resolve_data: Box::new(|_, _, _| None), resolve_string: Box::new(|_, _| None) };
+    usvg::Options { image_href_resolver, ..usvg::Options::default() }
 }
 
 /// An error of the XML reader without its position, which is said otherwise.
