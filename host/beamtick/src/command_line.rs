@@ -33,6 +33,7 @@ Examples:
   beamtick sim examples/square.nc --machine examples/machine.toml --xy square.png
   beamtick import examples/square.nc --machine examples/machine.toml -o square.gts
   beamtick serve --listen 127.0.0.1:5000
+  beamtick grbl --machine machine.toml --listen 127.0.0.1:5001
   beamtick info --link qemu
   beamtick bring-up --link serial:/dev/ttyACM0:3000000 --page bring-up.md
 
@@ -58,6 +59,8 @@ pub enum Command {
     BringUp(BringUp),
     /// Writes the job that a G-code program or a drawing is.
     Import(Import),
+    /// Is a Grbl 1.1 controller for G-code senders, in front of the virtual controller or a board.
+    Grbl(Grbl),
     /// Writes a machine file, or shows what one says.
     Machine(MachineFile),
 }
@@ -289,6 +292,33 @@ pub struct Run {
     #[command(flatten)]
     #[allow(missing_docs)]
     pub outputs: Outputs,
+}
+
+/// `beamtick grbl`.
+#[derive(Debug, Args)]
+pub struct Grbl {
+    /// The machine; `beamtick machine new FILE` writes such a file. Its axes stand at home when this begins.
+    #[arg(long, value_name = "FILE.toml")]
+    pub machine: PathBuf,
+    /// tcp:HOST:PORT, serial:PATH[:BAUD], qemu, or virtual: a virtual controller in real time. Without it, the link of the
+    /// machine file; if that names none, virtual.
+    #[arg(long)]
+    pub link: Option<String>,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub way: Way,
+    /// Where senders connect; port 0 takes a free one.
+    #[arg(long, value_name = "HOST:PORT", default_value = "127.0.0.1:5001")]
+    pub listen: String,
+    /// Senders open a pseudo-terminal instead, whose name is shown.
+    #[arg(long, conflicts_with = "listen")]
+    pub pty: bool,
+    /// M0 goes on by itself, in the dark. Without it M0 waits for `~`.
+    #[arg(long)]
+    pub pass_stops: bool,
+    /// Servo tick in µs.
+    #[arg(long, value_name = "N", value_parser = tick_parser())]
+    pub tick_us: Option<u32>,
 }
 
 /// `beamtick check`.

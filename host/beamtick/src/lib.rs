@@ -25,6 +25,7 @@ mod bring_up;
 mod command_line;
 mod connect;
 mod entries;
+mod grbl_port;
 mod import;
 mod info;
 mod interrupt;
@@ -124,6 +125,7 @@ fn obey(line: &CommandLine) -> Result<(), Failure> {
         Command::Info(arguments) => info::show(arguments),
         Command::BringUp(arguments) => bring_up::run(arguments),
         Command::Import(arguments) => import::import(arguments),
+        Command::Grbl(arguments) => grbl_port::serve(arguments),
         Command::Machine(arguments) => machine_file::obey(arguments),
     }
 }

@@ -11,35 +11,40 @@ use strokes::arc::Arc;
 use strokes::exact::{ONE, inches, of_f64, rounded, to_f64};
 use strokes::{Light, Shape, Stroke, Writer};
 
-type Point = [i128; 3];
+/// A machine position.
+pub type Point = [i128; 3];
 
 /// Axes of a plane, first and second, and the one across it.
 const PLANES: [[usize; 3]; 3] = [[0, 1, 2], [1, 2, 0], [2, 0, 1]];
 /// The longest dwell, s.
 const DWELL_MAX: i128 = 86_400 * ONE;
 
-struct State<'a> {
+/// The state of RS274.
+#[derive(Clone)]
+pub struct State<'a> {
     machine: &'a Machine,
     /// Least and greatest machine position of X, Y, Z; none where there is no axis.
     travel: [Option<(i128, i128)>; 3],
-    motion: Motion,
-    plane: usize,
-    inch: bool,
-    incremental: bool,
-    centre_absolute: bool,
-    inverse: bool,
+    pub motion: Motion,
+    pub plane: usize,
+    pub inch: bool,
+    pub incremental: bool,
+    pub centre_absolute: bool,
+    pub inverse: bool,
     /// mm/min, or 1/min in inverse time; 0 where it was not given.
-    feed: i128,
-    speed: i128,
-    spindle: Spindle,
-    system: usize,
-    systems: [Point; 6],
+    pub feed: i128,
+    pub speed: i128,
+    pub spindle: Spindle,
+    pub system: usize,
+    pub systems: [Point; 6],
     /// G92: in force, and stored.
-    offset: Point,
-    offset_stored: Point,
-    tool: Point,
-    homes: [Point; 2],
-    at: Point,
+    pub offset: Point,
+    pub offset_stored: Point,
+    pub tool: Point,
+    pub homes: [Point; 2],
+    pub at: Point,
+    /// What a sender makes of S: 1 as it is.
+    pub power_override: f64,
 }
 
 /// Runs a program.
@@ -91,7 +96,7 @@ pub fn run(
 }
 
 impl<'a> State<'a> {
-    fn new(machine: &'a Machine) -> State<'a> {
+    pub fn new(machine: &'a Machine) -> State<'a> {
         let of = |letter: char| machine.axis(letter);
         let home = LETTERS.map(|letter| of(letter).map_or(0, |axis| of_f64(axis.home)));
         let travel = LETTERS.map(|letter| of(letter).map(|axis| (of_f64(axis.travel.0), of_f64(axis.travel.1))));
@@ -114,7 +119,13 @@ impl<'a> State<'a> {
             tool: [0; 3],
             homes: [home; 2],
             at: home,
+            power_override: 1.0,
         }
+    }
+
+    /// Least and greatest machine position of an axis that there is.
+    pub fn travel(&self, axis: usize) -> Option<(i128, i128)> {
+        self.travel[axis]
     }
 
     /// A length of the program in mm.
@@ -123,7 +134,7 @@ impl<'a> State<'a> {
     }
 
     /// Does a line; true where the program ends.
-    fn line(
+    pub fn line(
         &mut self,
         block: &Block,
         number: usize,
@@ -256,7 +267,7 @@ impl<'a> State<'a> {
         if self.speed == 0 || matches!(self.motion, Motion::Rapid | Motion::Off) {
             return Light::Dark;
         }
-        let part = (to_f64(self.speed) / laser.s_max).min(1.0);
+        let part = (to_f64(self.speed) / laser.s_max * self.power_override).min(1.0);
         let power = laser.power.0 + (laser.power.1 - laser.power.0) * part;
         match self.spindle {
             Spindle::Off => Light::Dark,
@@ -358,7 +369,7 @@ impl<'a> State<'a> {
     }
 
     /// What the program's zero is in the machine.
-    fn zero(&self, axis: usize) -> i128 {
+    pub fn zero(&self, axis: usize) -> i128 {
         self.systems[self.system][axis] + self.offset[axis] + self.tool[axis]
     }
 
@@ -465,7 +476,8 @@ impl<'a> State<'a> {
         }
     }
 
-    fn go(
+    /// Moves to a machine position.
+    pub fn go(
         &mut self,
         number: usize,
         to: Point,

@@ -17,6 +17,11 @@ pub fn rounded(number: i128, by: i128) -> i128 {
     if number < 0 { -((-number + half) / by) } else { (number + half) / by }
 }
 
+/// The same by a number that may be below 0.
+fn rounded_any(number: i128, by: i128) -> i128 {
+    if by < 0 { rounded(-number, -by) } else { rounded(number, by) }
+}
+
 /// Inches as mm.
 pub fn inches(number: i128) -> i128 {
     rounded(number * 254, 10)
@@ -52,6 +57,13 @@ impl Scale {
         Scale { steps: steps * sign, per_mm: axis.steps_per_mm * sign as f64 }
     }
 
+    /// Where a pulse is, in mm.
+    pub fn mm(&self, pulses: f64) -> i128 {
+        let whole = pulses.round();
+        let exact = rounded_any(whole as i128 * 10i128.pow(DECIMALS + STEP_DECIMALS), self.steps);
+        exact + ((pulses - whole) / self.per_mm * ONE as f64) as i128
+    }
+
     /// The pulse nearest to a position.
     pub fn pulses(&self, mm: i128) -> i64 {
         // A travel is within 10⁵ mm and 2·10⁹ pulses: 10²⁰ · 10¹⁴ fits.
@@ -66,6 +78,19 @@ mod tests {
     #[test]
     fn halves_go_away_from_zero() {
         assert_eq!([(5, 10), (4, 10), (-5, 10), (-4, 10), (15, 10)].map(|(a, b)| rounded(a, b)), [1, 0, -1, 0, 2]);
+    }
+
+    #[test]
+    fn a_pulse_has_a_place_and_the_place_that_pulse() {
+        for steps in [100_000_000_000, -126_666_666_667, 1_000_000, 99_999_999_999_999] {
+            let scale = Scale { steps, per_mm: steps as f64 / 1e9 };
+            for pulse in [0i64, 1, -1, 7, 123_456, -1_999_999_999] {
+                if (pulse as f64 / scale.per_mm).abs() < 1e5 {
+                    assert_eq!(scale.pulses(scale.mm(pulse as f64)), pulse, "{steps}");
+                }
+            }
+            assert_eq!(to_f64(scale.mm(0.25)), to_f64((0.25 / scale.per_mm * 1e15) as i128));
+        }
     }
 
     #[test]

@@ -15,7 +15,7 @@ pub mod exact;
 mod writer;
 
 use std::fmt;
-pub use writer::{Light, Shape, Stroke, Writer};
+pub use writer::{Light, Mark, Shape, Stroke, Writer};
 
 /// Where the path goes, mm, and whether it may be lit on the way there: for pictures.
 pub type Watch<'a> = &'a mut dyn FnMut([f64; 3], bool);

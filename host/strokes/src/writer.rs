@@ -79,6 +79,9 @@ pub struct Writer<'a> {
     power: Option<Power>,
     entries: usize,
     started: bool,
+    /// Factors of F and of the machine's speed; see [`Writer::factors`].
+    feed: f64,
+    rapid: f64,
     /// Of everything, and of marks: least and greatest of each axis, mm, and length.
     covered: [Option<[(f64, f64); 3]>; 2],
     length: [f64; 2],
@@ -92,6 +95,14 @@ fn corner_ms(machine: &Machine) -> f64 {
     let tolerance = machine.path.junction_deviation;
     let time = |axis: &machine::Axis| (8.0 * tolerance / axis.acceleration).sqrt() * 1000.0;
     machine.axes.iter().map(time).fold(f64::INFINITY, f64::min)
+}
+
+/// See [`Writer::mark`].
+pub struct Mark {
+    size: usize,
+    at: [i64; 3],
+    power: Option<Power>,
+    entries: usize,
 }
 
 fn norm(way: [f64; 3]) -> f64 {
@@ -119,6 +130,8 @@ impl<'a> Writer<'a> {
             power: None,
             entries: 0,
             started: false,
+            feed: 1.0,
+            rapid: 1.0,
             covered: [None; 2],
             length: [0.0; 2],
             time: Estimate::new(machine, at, corner_ms(machine)),
@@ -379,7 +392,7 @@ impl<'a> Writer<'a> {
         }
         let per_mm = if same { steps } else { norm(pulses) / norm(run) };
         self.light(self.power(stroke, per_mm));
-        let speed = stroke.speed.map_or(rate, |speed| speed.min(rate));
+        let speed = self.speed(stroke, rate);
         let (vel, acc) = (speed / 60_000.0 * per_mm, acceleration / 1e6 * per_mm);
         let ([x, y, z], line) = (to, stroke.line);
         self.time.line(to, vel, acc);
@@ -391,13 +404,21 @@ impl<'a> Writer<'a> {
         self.entered();
     }
 
+    /// mm/min of a stroke, where the machine reaches so much.
+    fn speed(&self, stroke: &Stroke, rate: f64) -> f64 {
+        stroke.speed.map_or(rate * self.rapid, |speed| (speed * self.feed).min(rate))
+    }
+
     /// What the laser does on a stroke that has so many pulses a mm.
     fn power(&self, stroke: &Stroke, per_mm: f64) -> Option<Power> {
         match (stroke.light, stroke.speed) {
             (Light::Dark, _) | (Light::Follow(_), None) => None,
             (Light::Constant(power), _) => Some(Power::Constant(power)),
             (Light::Follow(most), Some(speed)) => {
-                Some(Power::Follow { ratio: most / (speed / 60_000.0 * per_mm), most })
+                let full = self.machine.laser.as_ref().map_or(most, |laser| laser.power.1);
+                // Faster than F, the power of a mm stays.
+                let (ratio, most) = (most / (speed / 60_000.0 * per_mm), (most * self.feed).min(full));
+                Some(Power::Follow { ratio, most })
             }
         }
     }
@@ -435,7 +456,7 @@ impl<'a> Writer<'a> {
         let acceleration = axis_a.acceleration.min(axis_b.acceleration);
         let per_mm = first.abs();
         self.light(self.power(stroke, per_mm));
-        let speed = stroke.speed.map_or(rate, |speed| speed.min(rate));
+        let speed = self.speed(stroke, rate);
         let (vel, acc) = (speed / 60_000.0 * per_mm, acceleration / 1e6 * per_mm);
         let ccw = u8::from((arc.sweep > 0.0) == ((first > 0.0) == (second > 0.0)));
         let plane: String = [a, b].iter().map(|axis| LETTERS[*axis]).collect();
@@ -471,6 +492,44 @@ impl<'a> Writer<'a> {
                 before = here;
             }
         }
+    }
+
+    /// From now on what is written is handed over by [`Self::taken`], and whoever takes it starts
+    /// the path.
+    pub fn stream(&mut self) {
+        self.started = true;
+    }
+
+    /// What was written since the last time.
+    pub fn taken(&mut self) -> String {
+        std::mem::take(&mut self.text)
+    }
+
+    /// Motions at F run at `feed` times that, rapid ones at `rapid` times the machine's speed.
+    pub fn factors(&mut self, feed: f64, rapid: f64) {
+        (self.feed, self.rapid) = (feed, rapid);
+    }
+
+    /// The path begins anew, dark, at these pulses; in mm that is returned.
+    pub fn stand(&mut self, pulses: [f64; 3]) -> [i128; 3] {
+        self.power = None;
+        let mut mm = [0; 3];
+        for (place, scale) in self.scales.iter().enumerate() {
+            self.at[place] = pulses[place].round() as i64;
+            mm[place] = scale.mm(pulses[place]);
+        }
+        mm
+    }
+
+    /// What a line that fails must not change.
+    pub fn mark(&self) -> Mark {
+        Mark { size: self.text.len(), at: self.at, power: self.power, entries: self.entries }
+    }
+
+    /// As it was then.
+    pub fn back(&mut self, mark: &Mark) {
+        self.text.truncate(mark.size);
+        (self.at, self.power, self.entries) = (mark.at, mark.power, mark.entries);
     }
 
     /// The whole job.

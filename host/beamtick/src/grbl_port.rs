@@ -1,0 +1,82 @@
+//! `beamtick grbl`: a Grbl 1.1 controller for senders, in front of a virtual controller or a board.
+//!
+//! In: a machine file, a link. Out: a port until a signal comes. Then everything is shut off and
+//! comes to rest, as when a sender goes.
+use crate::command_line::{FamilyName, Grbl, Settings, Steps};
+use crate::interrupt::{self, Held};
+use crate::{Failure, connect, machine_file};
+use client::{Link, Profile};
+use grbl::{Pace, Port};
+use machine::Family;
+use std::net::TcpListener;
+use std::sync::Arc;
+use virtual_board::Served;
+
+/// A virtual controller in real time, and a link to it.
+fn virtual_board(tick_us: Option<u32>) -> Result<(Served, Box<dyn Link>), Failure> {
+    let failed = |error| Failure::Job(format!("the virtual controller cannot listen: {error}"));
+    let listener = TcpListener::bind("127.0.0.1:0").map_err(failed)?;
+    let config = connect::config(tick_us, Profile::Gus, Steps::default());
+    let served = virtual_board::serve(listener, None, config).map_err(failed)?;
+    let link = client::link::open(&format!("tcp:{}", served.address()))?;
+    Ok((served, link))
+}
+
+/// Serves until a signal comes.
+pub fn serve(arguments: &Grbl) -> Result<(), Failure> {
+    let machine = machine_file::open(&arguments.machine)?;
+    let name = arguments.link.as_deref().or(machine.link.as_deref()).unwrap_or("virtual");
+    // Before anything is opened: a port that cannot be used is the command line's fault.
+    let (port, place) = port(arguments)?;
+    let (board, link) = match name {
+        "virtual" => {
+            let (board, link) = virtual_board(arguments.tick_us)?;
+            (Some(board), link)
+        }
+        name => (None, connect::named(name, &arguments.way)?),
+    };
+    let family = match machine.family {
+        Family::Gus => FamilyName::Gus,
+        Family::Lsr => FamilyName::Lsr,
+    };
+    let settings = Settings { tick_us: arguments.tick_us, family: Some(family), profile: None };
+    let client = Arc::new(connect::linked(link, &settings, Some(Profile::Gus))?);
+    let of = match &board {
+        Some(board) => format!("the virtual controller at tcp:{}", board.address()),
+        None => format!("the controller at {}", client.name()),
+    };
+    say!("Grbl 1.1 at {place}, in front of {of}; one sender at a time; Ctrl-C ends it");
+    let held = Held::new();
+    let ends = || interrupt::came().is_some();
+    let done = grbl::serve(port, Arc::clone(&client), &machine, arguments.pass_stops, Pace::Real, &ends);
+    // What a client has commanded ends with an Abort.
+    drop(client);
+    drop(board);
+    drop(held);
+    let served = done?;
+    let text = format!("{} lines of senders were answered", served.lines);
+    match interrupt::came() {
+        Some(signal) => Err(Failure::Interrupted(signal, text)),
+        None => {
+            say!("{text}");
+            Ok(())
+        }
+    }
+}
+
+/// The port, and what a sender opens.
+fn port(arguments: &Grbl) -> Result<(Port, String), Failure> {
+    if arguments.pty {
+        #[cfg(unix)]
+        return Ok(Port::pty()?);
+        #[cfg(not(unix))]
+        return Err(Failure::Input("--pty: this system has no pseudo-terminals; use --listen".to_owned()));
+    }
+    let failed = |error| Failure::Job(format!("{}: cannot listen there: {error}", arguments.listen));
+    let listener = TcpListener::bind(&arguments.listen).map_err(failed)?;
+    let address = listener.local_addr().map_err(failed)?;
+    if !address.ip().is_loopback() {
+        complain!("WARNING: there is no authentication: whoever reaches tcp:{address} commands the machine");
+    }
+    Ok((Port::Tcp(listener), format!("tcp:{address}")))
+}

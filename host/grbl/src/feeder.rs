@@ -1,0 +1,666 @@
+//! The controller's side: entries of lines into the FIFO of the path, its starts, what it does.
+//!
+//! In: entries, as the sender's side queues them. Out: a [`View`] of the machine, some hundred times
+//! a second. Owns the thread that talks with the controller, and what lies in the FIFO. Fails: with
+//! the link's error, which ends the port; what the controller refuses or stops by itself is a fault
+//! in the view, and nothing more is entered.
+//!
+//! **When the path starts.** [`START`] motions wait, or nothing new came for [`QUIET`], or the sender
+//! waits for standstill. What comes while the path runs joins it. A path that ran out of entries is
+//! dark; before it starts anew, its light is entered anew.
+use crate::entry::{Entry, Kind};
+use client::{Call, Client, Error, decode};
+use protocol::command::{
+    Abort, AxisStatus, BufLaserOn, ClrLaserFault, ClrSts, CrdClear, CrdInfo, CrdStart, CrdStop, LaserStatus,
+    SetOverride,
+};
+use protocol::reason::{laser_cause, stop_reason};
+use std::collections::VecDeque;
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Motions that start a path that stands.
+const START: usize = 8;
+/// After this time without a line the path starts with what it has.
+const QUIET: Duration = Duration::from_millis(5);
+/// Entries that travel together at most.
+const BATCH: usize = 192;
+/// Time between two looks at the controller while it moves, and while it stands.
+const MOVING: Duration = Duration::from_millis(2);
+const STANDING: Duration = Duration::from_millis(10);
+/// Time between two looks at what changes slowly: axes and the laser.
+const SLOWLY: Duration = Duration::from_millis(20);
+/// What passes between two looks in virtual time.
+const STRIDE: Duration = Duration::from_millis(4);
+/// Of the logical core, the coordinate system and its FIFO.
+const CORE: i16 = 1;
+const CRD: i16 = 1;
+const FIFO: i16 = 0;
+/// Bits of an axis's status: alarm, following error, limits, stops by inputs.
+const AXIS_FAULTS: u32 = 1 << 1 | 1 << 4 | 1 << 5 | 1 << 6 | 1 << 7 | 1 << 8;
+const AXIS_LIMITS: u32 = 1 << 5 | 1 << 6;
+/// How a path came to standstill (CrdState).
+const STOPPED: u8 = 3;
+
+/// What the machine does.
+#[derive(Debug, Clone, Default)]
+pub struct View {
+    /// The path runs.
+    pub runs: bool,
+    /// Entries and motions that are over or were thrown away.
+    pub done: (u64, u64),
+    /// X, Y, Z in pulses of the coordinate system.
+    pub at: [f64; 3],
+    /// Speeds of X, Y, Z, pulse/ms.
+    pub speeds: [f64; 3],
+    /// The energy that is output now, in the controller's unit; 0 where there is no light.
+    pub power: f64,
+    /// What lies in the FIFO lasts so long, ms.
+    pub lasts_ms: u32,
+    /// How often the FIFO was emptied on request.
+    pub emptied: u64,
+    /// How often the path started.
+    pub starts: u64,
+    /// What the controller stopped or refused by itself.
+    pub fault: Option<Fault>,
+    /// The link has failed.
+    pub failed: Option<Error>,
+}
+
+/// What the controller stopped or refused by itself.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fault {
+    /// A limit, and no other fault.
+    pub limit: bool,
+    /// What a person reads.
+    pub reason: String,
+}
+
+/// What waits for the feeder.
+#[derive(Default)]
+struct Inbox {
+    entries: VecDeque<Entry>,
+    /// When the last line came.
+    newest: Option<Instant>,
+    /// Somebody waits for standstill.
+    hurry: bool,
+    /// Throw everything away once the path stands.
+    empty: bool,
+    /// Lines may come again: what was wrong is over.
+    released: bool,
+    /// Entries and motions that came so far.
+    queued: (u64, u64),
+    /// F is run at so much, %.
+    feed: u8,
+    ends: bool,
+}
+
+/// Who may start the path. Whoever stops it holds this, so that no start comes after.
+#[derive(Default)]
+struct Gate {
+    /// By `!`: it goes on.
+    held: bool,
+    /// By a reset or a fault: it does not go on.
+    stopped: bool,
+    /// A standstill that comes is that of `!`.
+    asked: bool,
+}
+
+struct Shared {
+    inbox: Mutex<Inbox>,
+    wake: Condvar,
+    gate: Mutex<Gate>,
+    view: Mutex<View>,
+    fresh: Condvar,
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The sender's side of the feeder.
+pub struct Feed {
+    client: Arc<Client>,
+    shared: Arc<Shared>,
+    thread: Option<std::thread::JoinHandle<()>>,
+    /// Entries and motions that were queued.
+    queued: (u64, u64),
+    laser: Option<u8>,
+}
+
+/// How time passes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Pace {
+    /// By itself.
+    Real,
+    /// As the client waits: tests run as fast as they can.
+    Virtual,
+}
+
+impl Feed {
+    /// Feeds the controller of this client, which is set up and stands. `axes` are the numbers of X,
+    /// Y and Z.
+    pub fn new(client: Arc<Client>, axes: &[u8], laser: Option<u8>, pace: Pace) -> Result<Feed, Error> {
+        let shared = Arc::new(Shared {
+            inbox: Mutex::new(Inbox { feed: 100, ..Inbox::default() }),
+            wake: Condvar::new(),
+            gate: Mutex::new(Gate::default()),
+            view: Mutex::new(View::default()),
+            fresh: Condvar::new(),
+        });
+        let mut feeder = Feeder {
+            client: Arc::clone(&client),
+            shared: Arc::clone(&shared),
+            pace,
+            axes: axes.iter().map(|axis| i16::from(*axis)).collect(),
+            laser: laser.map(i16::from),
+            room: 0,
+            sent: VecDeque::new(),
+            motions: 0,
+            light: Light::default(),
+            started: false,
+            goes_on: false,
+            fast: 0,
+            feed: 1.0,
+            slow: None,
+            view: View::default(),
+        };
+        feeder.begin()?;
+        feeder.cycle()?;
+        let thread = std::thread::spawn(move || feeder.run());
+        Ok(Feed { client, shared, thread: Some(thread), queued: (0, 0), laser })
+    }
+
+    /// Queues entries for the path.
+    pub fn queue(&mut self, entries: Vec<Entry>) {
+        if entries.is_empty() {
+            return;
+        }
+        self.queued.0 += entries.len() as u64;
+        self.queued.1 += entries.iter().filter(|entry| entry.kind == Kind::Motion).count() as u64;
+        let mut inbox = locked(&self.shared.inbox);
+        inbox.entries.extend(entries);
+        inbox.newest = Some(Instant::now());
+        inbox.queued = self.queued;
+        self.shared.wake.notify_one();
+    }
+
+    /// Entries and motions that are not over.
+    pub fn waiting(&self, view: &View) -> (u64, u64) {
+        (self.queued.0.saturating_sub(view.done.0), self.queued.1.saturating_sub(view.done.1))
+    }
+
+    /// Whether nothing moves, and nothing waits to.
+    pub fn idle(&self) -> bool {
+        let view = self.view();
+        !view.runs && self.waiting(&view).0 == 0
+    }
+
+    /// What the machine does.
+    pub fn view(&self) -> View {
+        locked(&self.shared.view).clone()
+    }
+
+    /// Waits for news of the machine, at most so long.
+    pub fn news(&self, wait: Duration) {
+        let view = locked(&self.shared.view);
+        drop(self.shared.fresh.wait_timeout(view, wait));
+    }
+
+    /// The path starts without waiting for more lines, or waits again.
+    pub fn hurry(&self, on: bool) {
+        let mut inbox = locked(&self.shared.inbox);
+        if inbox.hurry != on {
+            inbox.hurry = on;
+            self.shared.wake.notify_one();
+        }
+    }
+
+    /// F is run at so much, %, from now on.
+    pub fn feed(&self, percent: u8) {
+        locked(&self.shared.inbox).feed = percent;
+        self.shared.wake.notify_one();
+    }
+
+    /// The path comes to rest on itself, dark, and may go on.
+    pub fn hold(&self) -> Result<(), Error> {
+        let mut gate = locked(&self.shared.gate);
+        (gate.held, gate.asked) = (true, true);
+        let stop = CrdStop { core: CORE.into(), mask: 1.into(), option: 0.into() };
+        self.client.call(stop).map(drop)
+    }
+
+    /// The path goes on, once it stands.
+    pub fn go_on(&self) {
+        locked(&self.shared.gate).held = false;
+        self.shared.wake.notify_one();
+    }
+
+    /// Every laser is dark at once, and everything comes to rest. Nothing starts before
+    /// [`Self::release`].
+    pub fn abort(&self) -> Result<(), Error> {
+        let mut gate = locked(&self.shared.gate);
+        (gate.stopped, gate.held) = (true, false);
+        self.client.call(Abort { core: CORE.into() }).map(drop)
+    }
+
+    /// Throws away what waits, once the path stands; [`View::emptied`] counts it.
+    pub fn empty(&mut self) {
+        let mut inbox = locked(&self.shared.inbox);
+        inbox.entries.clear();
+        inbox.empty = true;
+        inbox.hurry = false;
+        self.shared.wake.notify_one();
+    }
+
+    /// Lines may come again.
+    pub fn release(&mut self) {
+        locked(&self.shared.inbox).released = true;
+        let mut gate = locked(&self.shared.gate);
+        *gate = Gate::default();
+        self.shared.wake.notify_one();
+    }
+
+    /// Clears what latched; a fault that is still there is returned.
+    pub fn clear_faults(&self) -> Result<Option<Fault>, Error> {
+        let clear = ClrSts { core: CORE.into(), axis: 1.into(), count: 8.into() };
+        let _ = self.client.call(clear);
+        if let Some(channel) = self.laser {
+            let clear = ClrLaserFault { core: CORE.into(), channel: i16::from(channel).into() };
+            if let Err(error) = self.client.call(clear) {
+                return if error.code > 0 {
+                    Ok(Some(Fault { limit: false, reason: error.reason }))
+                } else {
+                    Err(error)
+                };
+            }
+        }
+        Ok(None)
+    }
+
+    /// Makes a call of the sender's side.
+    pub fn client(&self) -> &Client {
+        &self.client
+    }
+}
+
+impl Drop for Feed {
+    fn drop(&mut self) {
+        locked(&self.shared.inbox).ends = true;
+        self.shared.wake.notify_one();
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+/// What the laser is at a boundary of the path, as its entries say.
+#[derive(Default)]
+struct Light {
+    on: bool,
+    /// The entries that set its power, the last ones of a row.
+    power: Vec<Entry>,
+    /// The entry before was one of them.
+    row: bool,
+}
+
+impl Light {
+    fn pass(&mut self, entry: &Entry) {
+        match entry.kind {
+            Kind::Power => {
+                if !self.row {
+                    self.power.clear();
+                }
+                self.power.push(entry.clone());
+            }
+            Kind::On => self.on = true,
+            Kind::Off => self.on = false,
+            Kind::Motion | Kind::Output => {}
+        }
+        self.row = entry.kind == Kind::Power;
+    }
+}
+
+struct Feeder {
+    client: Arc<Client>,
+    shared: Arc<Shared>,
+    pace: Pace,
+    axes: Vec<i16>,
+    laser: Option<i16>,
+    /// Entries that the FIFO holds.
+    room: usize,
+    /// What lies in it.
+    sent: VecDeque<Entry>,
+    /// Motions of those.
+    motions: usize,
+    /// Where the path is.
+    light: Light,
+    /// It was started, and its end was not sampled yet.
+    started: bool,
+    /// It stands within its entries, by a hold.
+    goes_on: bool,
+    /// Entries in it that were planned for more than F.
+    fast: usize,
+    /// The factor in force.
+    feed: f64,
+    /// When axes and laser were read.
+    slow: Option<Instant>,
+    view: View,
+}
+
+impl Feeder {
+    fn begin(&mut self) -> Result<(), Error> {
+        let info = self.client.call(CrdInfo { core: CORE.into(), crd: CRD.into() })?;
+        self.room = usize::try_from(info.space[0].get()).unwrap_or(0);
+        Ok(())
+    }
+
+    fn run(mut self) {
+        loop {
+            let busy = match self.cycle() {
+                Ok(busy) => busy,
+                Err(error) => {
+                    self.view.failed = Some(error);
+                    self.publish();
+                    return;
+                }
+            };
+            let inbox = locked(&self.shared.inbox);
+            if inbox.ends {
+                return;
+            }
+            let wait = if self.view.runs || !self.sent.is_empty() { MOVING } else { STANDING };
+            if busy {
+                continue;
+            }
+            match self.pace {
+                Pace::Real => drop(self.shared.wake.wait_timeout(inbox, wait)),
+                Pace::Virtual => {
+                    drop(inbox);
+                    if let Err(error) = self.client.sleep(STRIDE) {
+                        self.view.failed = Some(error);
+                    }
+                    std::thread::yield_now();
+                }
+            }
+        }
+    }
+
+    fn publish(&mut self) {
+        *locked(&self.shared.view) = self.view.clone();
+        self.shared.fresh.notify_all();
+    }
+
+    /// Enters what fits, reads, starts; true where more waits and fits.
+    fn cycle(&mut self) -> Result<bool, Error> {
+        if std::mem::take(&mut locked(&self.shared.inbox).released) {
+            self.view.fault = None;
+        }
+        let stands = {
+            let gate = locked(&self.shared.gate);
+            gate.held || gate.stopped || self.view.fault.is_some()
+        };
+        let free = self.room.saturating_sub(self.sent.len());
+        let (mut batch, mut more) = (Vec::new(), false);
+        let (empties, feed) = {
+            let mut inbox = locked(&self.shared.inbox);
+            if !stands && !inbox.empty {
+                let count = inbox.entries.len().min(free).min(BATCH);
+                batch.extend(inbox.entries.drain(..count));
+                more = !inbox.entries.is_empty() && count == BATCH;
+            }
+            (inbox.empty, inbox.feed)
+        };
+        let info = self.exchange(batch)?;
+        self.take_in(&info);
+        if empties && !self.view.runs {
+            self.throw_away()?;
+        } else if !stands {
+            self.override_feed(feed)?;
+            self.start()?;
+        }
+        self.publish();
+        Ok(more)
+    }
+
+    /// Sends entries, and reads the state after them.
+    fn exchange(&mut self, batch: Vec<Entry>) -> Result<protocol::command::CrdState, Error> {
+        let mut calls: Vec<Call> = batch.iter().map(|entry| entry.call.clone()).collect();
+        calls.push(Call::of(CrdInfo { core: CORE.into(), crd: CRD.into() }));
+        let slow = self.slow.is_none_or(|at| at.elapsed() >= SLOWLY);
+        let (first, last) = (self.axes.iter().min().copied(), self.axes.iter().max().copied());
+        let axes = first.zip(last).map(|(first, last)| (first, last - first + 1));
+        if slow {
+            self.slow = Some(Instant::now());
+            if let Some((axis, count)) = axes {
+                calls.push(Call::of(AxisStatus { core: CORE.into(), axis: axis.into(), count: count.into() }));
+            }
+            if let Some(channel) = self.laser {
+                calls.push(Call::of(LaserStatus { core: CORE.into(), channel: channel.into() }));
+            }
+        }
+        let mut replies = self.client.call_all(&calls)?.into_iter();
+        for entry in batch {
+            match replies.next() {
+                Some(Ok(reply)) => {
+                    self.fast += usize::from(entry.planned > 100);
+                    if entry.kind == Kind::Motion {
+                        self.motions += 1;
+                        // CrdTaken: taken, space, lasts.
+                        if let Some(Ok(lasts)) = reply.get(4..8).map(<[u8; 4]>::try_from) {
+                            self.view.lasts_ms = u32::from_le_bytes(lasts);
+                        }
+                    }
+                    self.sent.push_back(entry);
+                }
+                Some(Err(error)) if error.code < 0 => return Err(error),
+                Some(Err(error)) => {
+                    self.fault(false, error.reason);
+                    break;
+                }
+                None => break,
+            }
+        }
+        let mut rest: Vec<Result<Vec<u8>, Error>> = replies.collect();
+        let extra = if slow { usize::from(axes.is_some()) + usize::from(self.laser.is_some()) } else { 0 };
+        let mut reads = rest.split_off(rest.len().saturating_sub(extra + 1)).into_iter();
+        let info = match reads.next() {
+            Some(reply) => decode::<CrdInfo>(&reply?)?.0,
+            None => return Err(Error::new(client::error::LINK_PROTOCOL, "a reply is missing")),
+        };
+        if slow {
+            if axes.is_some()
+                && let Some(reply) = reads.next()
+            {
+                self.take_axes(&reply?)?;
+            }
+            if let Some(reply) = reads.next() {
+                let laser = decode::<LaserStatus>(&reply?)?.0;
+                self.view.power = if laser.light != 0 { laser.power.get() } else { 0.0 };
+                if laser.fault.get() != 0 {
+                    self.fault(false, format!("the laser is dark: {}", laser_cause(laser.fault.get())));
+                }
+            }
+        }
+        Ok(info)
+    }
+
+    fn take_axes(&mut self, reply: &[u8]) -> Result<(), Error> {
+        let items = decode::<AxisStatus>(reply)?.1;
+        let least = self.axes.iter().min().copied().unwrap_or(1);
+        for (place, axis) in self.axes.clone().into_iter().enumerate() {
+            let Some(item) = items.get((axis - least) as usize) else { continue };
+            if let Some(speed) = self.view.speeds.get_mut(place) {
+                *speed = item.prf_vel.get();
+            }
+            let status = item.status.get() & AXIS_FAULTS;
+            if status != 0 {
+                let reason = format!("axis {axis} stopped: {}", stop_reason(item.reason.get()));
+                self.fault(status & AXIS_LIMITS != 0, reason);
+            }
+        }
+        Ok(())
+    }
+
+    /// The first fault counts.
+    fn fault(&mut self, limit: bool, reason: String) {
+        if self.view.fault.is_none() {
+            locked(&self.shared.gate).stopped = true;
+            self.view.fault = Some(Fault { limit, reason });
+        }
+    }
+
+    /// What the path has done since the last time.
+    fn take_in(&mut self, info: &protocol::command::CrdState) {
+        let used = self.room.saturating_sub(usize::try_from(info.space[0].get()).unwrap_or(0));
+        while self.sent.len() > used {
+            if let Some(entry) = self.sent.pop_front() {
+                self.pass(&entry);
+            }
+        }
+        self.view.runs = info.run != 0;
+        let pos = info.pos;
+        self.view.at = [pos[0].get(), pos[1].get(), pos[2].get()];
+        if self.view.runs {
+            return;
+        }
+        if self.sent.is_empty() {
+            self.view.lasts_ms = 0;
+        }
+        (self.view.speeds, self.view.power) = ([0.0; 3], 0.0);
+        if std::mem::take(&mut self.started) {
+            let asked = {
+                let mut gate = locked(&self.shared.gate);
+                std::mem::take(&mut gate.asked) || gate.stopped
+            };
+            self.goes_on = info.path_stop == STOPPED && !self.sent.is_empty();
+            if info.path_stop >= 2 && !asked {
+                let reason = stop_reason(info.reason.get());
+                self.fault(false, format!("the path stopped: {reason}"));
+            }
+        }
+    }
+
+    /// An entry is over.
+    fn pass(&mut self, entry: &Entry) {
+        self.light.pass(entry);
+        self.view.done.0 += u64::from(entry.counts);
+        self.fast -= usize::from(entry.planned > 100);
+        if entry.kind == Kind::Motion {
+            self.view.done.1 += 1;
+            self.motions -= 1;
+        }
+    }
+
+    /// The path is emptied: it stands, dark.
+    fn throw_away(&mut self) -> Result<(), Error> {
+        self.client.call(CrdClear { core: CORE.into(), crd: CRD.into(), fifo: FIFO.into() })?;
+        self.forget();
+        let mut inbox = locked(&self.shared.inbox);
+        (inbox.empty, inbox.newest) = (false, None);
+        self.view.done = inbox.queued;
+        drop(inbox);
+        self.view.emptied += 1;
+        Ok(())
+    }
+
+    fn forget(&mut self) {
+        self.sent.clear();
+        (self.motions, self.fast) = (0, 0);
+        self.light = Light::default();
+        (self.started, self.goes_on) = (false, false);
+        self.view.lasts_ms = 0;
+    }
+
+    /// Nothing is faster than asked for: lines that were planned for a higher factor run at less.
+    fn override_feed(&mut self, asked: u8) -> Result<(), Error> {
+        let planned = match self.fast {
+            0 => 100,
+            _ => self.sent.iter().map(|entry| entry.planned).max().unwrap_or(100),
+        };
+        let ratio = (f64::from(asked) / f64::from(planned)).min(1.0);
+        if ratio != self.feed {
+            self.client.call(SetOverride { core: CORE.into(), crd: CRD.into(), ratio: ratio.into() })?;
+            self.feed = ratio;
+        }
+        Ok(())
+    }
+
+    /// Starts a path that stands and has something to do.
+    fn start(&mut self) -> Result<(), Error> {
+        if self.view.runs || self.sent.is_empty() || self.view.fault.is_some() {
+            return Ok(());
+        }
+        let quiet = {
+            let inbox = locked(&self.shared.inbox);
+            let quiet = inbox.newest.is_none_or(|at| at.elapsed() >= QUIET);
+            quiet || (inbox.hurry && inbox.entries.is_empty())
+        };
+        if !self.goes_on && self.motions < START && !quiet {
+            return Ok(());
+        }
+        if !self.goes_on {
+            self.enter_light()?;
+        }
+        let mut gate = locked(&self.shared.gate);
+        if gate.held || gate.stopped {
+            return Ok(());
+        }
+        gate.asked = false;
+        let started = self.client.call(CrdStart { core: CORE.into(), mask: 1.into(), option: 0.into() });
+        drop(gate);
+        match started {
+            Ok(_) => {}
+            Err(error) if error.code > 0 => {
+                self.fault(false, error.reason);
+                return Ok(());
+            }
+            Err(error) => return Err(error),
+        }
+        (self.started, self.goes_on, self.view.runs) = (true, false, true);
+        self.view.starts += 1;
+        Ok(())
+    }
+
+    /// Where a path ran out, its light went out with it, and counts as switched off. What follows
+    /// says so only where it changes: the entries that hold at its first motion are entered anew.
+    fn enter_light(&mut self) -> Result<(), Error> {
+        if !self.light.on {
+            return Ok(());
+        }
+        self.client.call(CrdClear { core: CORE.into(), crd: CRD.into(), fifo: FIFO.into() })?;
+        let mut entries = Vec::new();
+        while let Some(entry) = self.sent.front() {
+            match entry.kind {
+                Kind::Motion => break,
+                Kind::Output => entries.extend(self.sent.pop_front()),
+                Kind::Power | Kind::On | Kind::Off => {
+                    if let Some(entry) = self.sent.pop_front() {
+                        self.pass(&entry);
+                    }
+                }
+            }
+        }
+        if self.light.on && !self.sent.is_empty() {
+            // These were counted when they were passed.
+            let power = self.light.power.iter().cloned();
+            entries.extend(power.map(|entry| Entry { counts: false, planned: 100, ..entry }));
+            entries.push(self.on());
+        }
+        self.light.on = false;
+        entries.extend(std::mem::take(&mut self.sent));
+        (self.motions, self.fast) = (0, 0);
+        while !entries.is_empty() {
+            let rest = entries.split_off(entries.len().min(BATCH));
+            self.exchange(entries)?;
+            entries = rest;
+        }
+        Ok(())
+    }
+
+    fn on(&self) -> Entry {
+        let channel = self.laser.unwrap_or(0);
+        let on = BufLaserOn { core: CORE.into(), crd: CRD.into(), fifo: FIFO.into(), channel: channel.into() };
+        Entry { call: Call::of(on), kind: Kind::On, planned: 100, counts: false }
+    }
+}

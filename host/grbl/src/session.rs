@@ -1,0 +1,641 @@
+//! A sender's connection: bytes to lines and real-time commands, and their answers.
+//!
+//! In: bytes. Out: bytes. Owns the modal state, the alarm, the holds, and what waits for standstill.
+//! A line is answered when its motions are in the planner, as in Grbl. Fails with the link's error.
+use crate::entry;
+use crate::errors;
+use crate::feeder::{Feed, View};
+use crate::report::{Report, Turns};
+use crate::settings::Settings;
+use client::Error;
+use gcode::{Ended, Stream};
+use machine::Machine;
+use protocol::command::{AxisOn, SetDoBit};
+use std::collections::VecDeque;
+
+/// Blocks of the planner that are reported, and bytes of the receive buffer.
+pub const BLOCKS: u64 = 15;
+/// See there.
+pub const BYTES: usize = 128;
+/// More blocks are taken while those that wait last shorter than this, ms, …
+const AHEAD_MS: u32 = 500;
+/// … up to so many entries.
+const ENTRIES: u64 = 1200;
+/// Characters of a line without blanks. Grbl has 80.
+const LINE: usize = 255;
+/// What is kept of bytes that nobody counted.
+const KEPT: usize = 1 << 16;
+/// General outputs (MC_GPO).
+const GPO: i16 = 12;
+
+/// What comes once everything stands and the path is empty.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum After {
+    /// The banner.
+    Reset,
+    /// The jog is over.
+    Jog,
+    /// The alarm is in force.
+    Alarm,
+    /// `$X`, and then `$H`.
+    Unlock { home: bool },
+    /// The sender has gone.
+    Gone,
+}
+
+/// What a line waits for, that is answered at standstill.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Wait {
+    /// `$H`.
+    Home,
+    /// M0.
+    Pause,
+    /// M2, M30.
+    Program,
+}
+
+/// See the module text.
+pub struct Session<'a> {
+    pub(crate) machine: &'a Machine,
+    pub(crate) stream: Stream<'a>,
+    pub(crate) feed: Feed,
+    pub(crate) settings: Settings,
+    pass_stops: bool,
+    out: Vec<u8>,
+    received: VecDeque<u8>,
+    line: Vec<u8>,
+    overflow: bool,
+    /// Feed, rapid, power, %.
+    overrides: [u8; 3],
+    turns: Turns,
+    /// M7, M8.
+    pub(crate) coolant: [bool; 2],
+    pub(crate) alarm: Option<u8>,
+    pub(crate) checks: bool,
+    pub(crate) sleeps: bool,
+    held: bool,
+    door: bool,
+    /// `~` answers the line with M0.
+    owes: bool,
+    pub(crate) jogs: bool,
+    settles: Option<(u64, After)>,
+    waits: Option<Wait>,
+    lines: u64,
+}
+
+impl<'a> Session<'a> {
+    /// A port without a sender. The controller was set up by the stream's calls.
+    pub fn new(machine: &'a Machine, stream: Stream<'a>, feed: Feed, pass_stops: bool) -> Session<'a> {
+        Session {
+            machine,
+            stream,
+            feed,
+            settings: Settings::new(),
+            pass_stops,
+            out: Vec::new(),
+            received: VecDeque::new(),
+            line: Vec::new(),
+            overflow: false,
+            overrides: [100; 3],
+            turns: Turns::default(),
+            coolant: [false; 2],
+            alarm: None,
+            checks: false,
+            sleeps: false,
+            held: false,
+            door: false,
+            owes: false,
+            jogs: false,
+            settles: None,
+            waits: None,
+            lines: 0,
+        }
+    }
+
+    /// A sender has come.
+    pub fn come(&mut self) -> Result<(), Error> {
+        self.out.clear();
+        self.greet()
+    }
+
+    /// The sender has gone: dark at once, and everything comes to rest.
+    pub fn go(&mut self) -> Result<(), Error> {
+        self.stop(After::Gone)
+    }
+
+    /// Whether the machine is still coming to rest.
+    pub fn settles(&self) -> bool {
+        self.settles.is_some()
+    }
+
+    /// Lines that were answered, and starts of the path.
+    pub fn counts(&self) -> (u64, u64) {
+        (self.lines, self.feed.view().starts)
+    }
+
+    /// What is to be sent.
+    pub fn take_out(&mut self) -> Vec<u8> {
+        std::mem::take(&mut self.out)
+    }
+
+    /// Something waits that only time moves on.
+    pub fn busy(&self) -> bool {
+        self.settles.is_some() || self.waits.is_some() || self.received.iter().any(|byte| is_end(*byte))
+    }
+
+    /// Whether bytes are taken: a sender that counts them never fills this.
+    pub fn takes(&self) -> bool {
+        self.received.len() < KEPT
+    }
+
+    pub(crate) fn say(&mut self, text: &str) {
+        self.out.extend_from_slice(text.as_bytes());
+        self.out.extend_from_slice(b"\r\n");
+    }
+
+    pub(crate) fn tell(&mut self, text: &str) {
+        let text: String = text.chars().filter(|letter| !letter.is_control() && !"[]".contains(*letter)).collect();
+        self.say(&format!("[MSG:{text}]"));
+    }
+
+    pub(crate) fn answer(&mut self, number: u8) {
+        match number {
+            0 => self.say("ok"),
+            _ => self.say(&format!("error:{number}")),
+        }
+    }
+
+    /// Takes bytes: what is real-time acts now.
+    pub fn receive(&mut self, bytes: &[u8]) -> Result<(), Error> {
+        for &byte in bytes {
+            match byte {
+                b'?' => self.report(),
+                b'!' => self.hold(false)?,
+                b'~' => self.go_on(),
+                0x18 => self.reset()?,
+                0x84 => self.hold(true)?,
+                0x85 => self.cancel_jog()?,
+                0x90..=0x9d => self.override_by(byte),
+                0xa0 => self.toggle(1)?,
+                0xa1 => self.toggle(0)?,
+                // In a hold the laser is dark already; what else is above ASCII means nothing.
+                0x80..=0xff => {}
+                _ => self.received.push_back(byte),
+            }
+        }
+        Ok(())
+    }
+
+    /// Does lines as far as the planner takes them, and what has come to its end.
+    pub fn turn(&mut self) -> Result<(), Error> {
+        loop {
+            self.watch()?;
+            if self.settles.is_some() || self.waits.is_some() || self.held || self.sleeps || !self.has_room() {
+                return Ok(());
+            }
+            let Some(line) = self.next_line() else { return Ok(()) };
+            self.lines += 1;
+            match line {
+                Some(line) => self.obey(&line)?,
+                None => self.answer(errors::OVERFLOW),
+            }
+        }
+    }
+
+    /// The next whole line; within, none for one that is too long.
+    fn next_line(&mut self) -> Option<Option<String>> {
+        while let Some(byte) = self.received.pop_front() {
+            if is_end(byte) {
+                let line = String::from_utf8_lossy(&self.line).into_owned();
+                self.line.clear();
+                return Some((!std::mem::take(&mut self.overflow)).then_some(line));
+            }
+            if self.line.len() < LINE {
+                self.line.push(byte);
+            } else {
+                self.overflow |= byte != b' ';
+            }
+        }
+        None
+    }
+
+    fn has_room(&self) -> bool {
+        let view = self.feed.view();
+        let (entries, motions) = self.feed.waiting(&view);
+        motions < BLOCKS || (entries < ENTRIES && view.lasts_ms < AHEAD_MS)
+    }
+
+    /// What has come to its end by itself.
+    fn watch(&mut self) -> Result<(), Error> {
+        let view = self.feed.view();
+        if let Some(error) = view.failed {
+            return Err(error);
+        }
+        if let Some((before, after)) = self.settles {
+            if view.emptied > before && !view.runs {
+                self.settles = None;
+                self.stream.stand(view.at);
+                self.settled(after)?;
+            }
+            return Ok(());
+        }
+        if let Some(fault) = view.fault
+            && self.alarm.is_none()
+        {
+            return self.raise(if fault.limit { 1 } else { 3 }, &fault.reason);
+        }
+        let idle = self.feed.idle();
+        self.jogs &= !idle;
+        if let Some(wait) = self.waits
+            && idle
+        {
+            self.waits = None;
+            self.feed.hurry(false);
+            match wait {
+                Wait::Home => self.answer(0),
+                Wait::Program => {
+                    self.set_overrides([100; 3]);
+                    self.tell("Pgm End");
+                    self.answer(0);
+                }
+                Wait::Pause => {
+                    self.owes = true;
+                    self.hold(false)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Dark at once, everything comes to rest, the path is emptied.
+    fn stop(&mut self, after: After) -> Result<(), Error> {
+        self.received.clear();
+        self.line.clear();
+        self.overflow = false;
+        (self.held, self.door, self.owes, self.checks, self.sleeps) = (false, false, false, false, false);
+        self.waits = None;
+        self.feed.abort()?;
+        self.settle(after);
+        Ok(())
+    }
+
+    fn settle(&mut self, after: After) {
+        self.settles = Some((self.feed.view().emptied, after));
+        self.feed.empty();
+    }
+
+    fn settled(&mut self, after: After) -> Result<(), Error> {
+        self.jogs = false;
+        match after {
+            After::Jog => {
+                self.held = false;
+                self.feed.release();
+            }
+            After::Alarm => {}
+            After::Unlock { home } => {
+                self.alarm = None;
+                self.feed.release();
+                if home {
+                    return self.home();
+                }
+                self.tell("Caution: Unlocked");
+                self.answer(0);
+            }
+            After::Reset | After::Gone => {
+                self.stream.reset();
+                self.set_overrides([100; 3]);
+                self.coolant_off()?;
+                if self.alarm.is_none() {
+                    self.feed.release();
+                }
+                if after == After::Reset {
+                    self.greet()?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The banner, and the lines that run after it.
+    fn greet(&mut self) -> Result<(), Error> {
+        self.turns.anew();
+        self.say("");
+        self.say("Grbl 1.1h ['$' for help]");
+        if self.alarm.is_some() {
+            self.tell("'$H'|'$X' to unlock");
+            return Ok(());
+        }
+        for line in self.settings.startup.clone() {
+            if !line.is_empty() {
+                self.out.extend_from_slice(format!(">{line}:").as_bytes());
+                self.obey(&line)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn reset(&mut self) -> Result<(), Error> {
+        self.stop(After::Reset)
+    }
+
+    /// An alarm: nothing moves before `$X`.
+    fn raise(&mut self, number: u8, reason: &str) -> Result<(), Error> {
+        self.say(&format!("ALARM:{number}"));
+        self.tell(reason);
+        self.alarm = Some(number);
+        self.feed.abort()?;
+        if self.waits.take().is_some() || std::mem::take(&mut self.owes) {
+            self.answer(errors::LOCKED);
+        }
+        (self.held, self.door) = (false, false);
+        self.settle(After::Alarm);
+        Ok(())
+    }
+
+    /// `$X`, or `$H` in an alarm.
+    pub(crate) fn unlock(&mut self, home: bool) -> Result<(), Error> {
+        if let Some(fault) = self.feed.clear_faults()? {
+            self.tell(&fault.reason);
+            self.answer(errors::DOOR);
+            return Ok(());
+        }
+        for axis in &self.machine.axes {
+            let on = AxisOn { core: 1.into(), axis: i16::from(axis.number).into() };
+            if let Err(error) = self.feed.client().call(on) {
+                if error.code < 0 {
+                    return Err(error);
+                }
+                self.tell(&error.reason);
+                self.answer(errors::DOOR);
+                return Ok(());
+            }
+        }
+        self.settle(After::Unlock { home });
+        Ok(())
+    }
+
+    fn hold(&mut self, door: bool) -> Result<(), Error> {
+        if self.settles.is_some() || self.alarm.is_some() || self.sleeps {
+            return Ok(());
+        }
+        if self.jogs {
+            return self.cancel_jog();
+        }
+        self.door |= door;
+        if !self.held {
+            self.held = true;
+            self.feed.hold()?;
+        }
+        Ok(())
+    }
+
+    fn go_on(&mut self) {
+        if !self.held || self.settles.is_some() {
+            return;
+        }
+        (self.held, self.door) = (false, false);
+        self.feed.go_on();
+        if std::mem::take(&mut self.owes) {
+            self.answer(0);
+        }
+    }
+
+    fn cancel_jog(&mut self) -> Result<(), Error> {
+        if self.jogs && self.settles.is_none() {
+            self.feed.hold()?;
+            self.settle(After::Jog);
+        }
+        Ok(())
+    }
+
+    fn override_by(&mut self, byte: u8) {
+        let [mut feed, mut rapid, mut power] = self.overrides;
+        let step = |of: u8, first: u8| match byte - first {
+            0 => 100,
+            1 => of.saturating_add(10),
+            2 => of.saturating_sub(10),
+            3 => of.saturating_add(1),
+            _ => of.saturating_sub(1),
+        };
+        match byte {
+            0x90..=0x94 => feed = step(feed, 0x90),
+            0x95..=0x97 => rapid = [100, 50, 25][usize::from(byte - 0x95)],
+            0x99..=0x9d => power = step(power, 0x99),
+            _ => {}
+        }
+        self.set_overrides([feed.clamp(10, 200), rapid, power.clamp(10, 200)]);
+    }
+
+    fn set_overrides(&mut self, overrides: [u8; 3]) {
+        self.overrides = overrides;
+        let [feed, rapid, power] = overrides.map(|percent| f64::from(percent) / 100.0);
+        // A path can be slowed down at any time; faster than F is planned so.
+        self.stream.overrides(feed.max(1.0), rapid, power);
+        self.feed.feed(overrides[0]);
+    }
+
+    /// M7 (0) or M8 (1) the other way, at once.
+    fn toggle(&mut self, which: usize) -> Result<(), Error> {
+        if self.alarm.is_some() || self.sleeps || self.settles.is_some() {
+            return Ok(());
+        }
+        self.coolant[which] = !self.coolant[which];
+        self.switch(which)
+    }
+
+    fn coolant_off(&mut self) -> Result<(), Error> {
+        for which in 0..2 {
+            if std::mem::take(&mut self.coolant[which]) {
+                self.switch(which)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn switch(&mut self, which: usize) -> Result<(), Error> {
+        let outputs = self.machine.outputs;
+        let Some(output) = [outputs.mist, outputs.flood][which] else { return Ok(()) };
+        let value = i16::from(self.coolant[which]);
+        let set =
+            SetDoBit { core: 1.into(), do_type: GPO.into(), index: i16::from(output).into(), value: value.into() };
+        self.feed.client().call(set).map(drop)
+    }
+
+    /// A line, answered.
+    fn obey(&mut self, line: &str) -> Result<(), Error> {
+        let trimmed = line.trim();
+        if trimmed.is_empty() || trimmed == "%" {
+            self.answer(0);
+            return Ok(());
+        }
+        if trimmed.starts_with('$') {
+            return self.dollar(trimmed);
+        }
+        if self.alarm.is_some() || self.jogs {
+            self.answer(errors::LOCKED);
+            return Ok(());
+        }
+        // Grbl drops a comment to the end of its line, closed or not.
+        let open = trimmed.split(';').next().is_some_and(|text| text.contains('(') && !text.contains(')'));
+        let closed = if open { format!("{trimmed})") } else { String::new() };
+        let text = if open { &closed } else { trimmed };
+        let done = match self.stream.line(text) {
+            Ok(done) => done,
+            Err(why) if errors::leaves_travel(&why) => {
+                if self.checks {
+                    self.tell(&why);
+                    self.answer(errors::LOCKED);
+                    return Ok(());
+                }
+                self.raise(2, &why)?;
+                self.answer(errors::LOCKED);
+                return Ok(());
+            }
+            Err(why) => {
+                self.tell(&why);
+                self.answer(errors::number(&why));
+                return Ok(());
+            }
+        };
+        if self.checks {
+            self.answer(0);
+            return Ok(());
+        }
+        self.enter(&done.calls)?;
+        for (which, said) in [done.coolant.mist, done.coolant.flood].into_iter().enumerate() {
+            self.coolant[which] = said.unwrap_or(self.coolant[which]);
+        }
+        match done.ended {
+            Ended::Pause if !self.pass_stops => self.wait(Wait::Pause),
+            Ended::Program => self.wait(Wait::Program),
+            Ended::No | Ended::Pause => self.answer(0),
+        }
+        Ok(())
+    }
+
+    fn wait(&mut self, wait: Wait) {
+        self.waits = Some(wait);
+        self.feed.hurry(true);
+    }
+
+    /// Calls of a line go to the path.
+    fn enter(&mut self, calls: &str) -> Result<(), Error> {
+        let entries = entry::entries(calls, self.overrides[0].max(100));
+        self.feed.queue(entries.map_err(|why| Error::new(1, why))?);
+        Ok(())
+    }
+
+    /// `$J=`.
+    pub(crate) fn jog(&mut self, text: &str) -> Result<(), Error> {
+        if self.alarm.is_some() || self.checks || !(self.jogs || self.feed.idle()) {
+            self.answer(errors::NOT_IDLE);
+            return Ok(());
+        }
+        match self.stream.jog(text) {
+            Ok(calls) => {
+                self.enter(&calls)?;
+                self.jogs = true;
+                self.answer(0);
+            }
+            Err(why) => {
+                self.tell(&why);
+                self.answer(errors::number(&why));
+            }
+        }
+        Ok(())
+    }
+
+    /// `$H`: to home, dark; answered when it stands there.
+    pub(crate) fn home(&mut self) -> Result<(), Error> {
+        match self.stream.home() {
+            Ok(calls) => {
+                self.enter(&calls)?;
+                self.wait(Wait::Home);
+            }
+            Err(why) => {
+                self.tell(&why);
+                self.answer(errors::number(&why));
+            }
+        }
+        Ok(())
+    }
+
+    /// `$C` off, which is a reset in Grbl too.
+    pub(crate) fn end_check(&mut self) -> Result<(), Error> {
+        let kept = std::mem::take(&mut self.received);
+        self.stop(After::Reset)?;
+        self.received = kept;
+        Ok(())
+    }
+
+    fn state(&self, view: &View) -> &'static str {
+        let moves = view.runs || self.feed.waiting(view).0 > 0;
+        if self.sleeps {
+            return "Sleep";
+        }
+        if self.alarm.is_some() {
+            return "Alarm";
+        }
+        if self.checks {
+            return "Check";
+        }
+        match (self.held || self.settles.is_some(), self.door, view.runs) {
+            (true, true, true) => return "Door:2",
+            (true, true, false) => return "Door:0",
+            (true, false, true) => return "Hold:1",
+            (true, false, false) => return "Hold:0",
+            _ => {}
+        }
+        match (self.waits, moves) {
+            (Some(Wait::Home), _) => "Home",
+            (_, true) if self.jogs => "Jog",
+            (_, true) => "Run",
+            _ => "Idle",
+        }
+    }
+
+    fn report(&mut self) {
+        let view = self.feed.view();
+        let (mut at, mut feed) = ([0.0; 3], 0.0f64);
+        for (place, axis) in self.machine.axes.iter().enumerate() {
+            let per_mm = if axis.reversed { -axis.steps_per_mm } else { axis.steps_per_mm };
+            at[place] = view.at[place] / per_mm;
+            let speed = view.speeds[place] / per_mm;
+            feed += speed * speed;
+        }
+        let power = self.machine.laser.as_ref().map_or(0.0, |laser| {
+            let (least, most) = laser.power;
+            let part = if most == least { 1.0 } else { (view.power - least) / (most - least) };
+            if view.power == 0.0 { 0.0 } else { part.clamp(0.0, 1.0) * laser.s_max }
+        });
+        let words = self.stream.modes().words;
+        let mut accessories = String::new();
+        for (on, letter) in
+            [(words[6] == "M3", 'S'), (words[6] == "M4", 'C'), (self.coolant[1], 'F'), (self.coolant[0], 'M')]
+        {
+            if on {
+                accessories.push(letter);
+            }
+        }
+        let motions = self.feed.waiting(&view).1;
+        let report = Report {
+            state: self.state(&view),
+            at,
+            zero: self.stream.offsets().zero,
+            free: (BLOCKS - motions.min(BLOCKS), BYTES.saturating_sub(self.received.len() + self.line.len())),
+            feed: feed.sqrt() * 60_000.0,
+            power,
+            overrides: self.overrides,
+            accessories: &accessories,
+            busy: view.runs,
+            mask: self.settings.report,
+            inches: self.settings.inches,
+        };
+        let line = self.turns.line(&report);
+        self.say(&line);
+    }
+}
+
+fn is_end(byte: u8) -> bool {
+    byte == b'\r' || byte == b'\n'
+}
