@@ -89,7 +89,7 @@ impl<'a> Stream<'a> {
     /// # Errors
     /// An axis that a path does not reach.
     pub fn new(machine: &'a Machine) -> Result<Stream<'a>, String> {
-        let mut writer = Writer::new("lines of a sender", machine)?;
+        let mut writer = Writer::new("lines of a sender", "line", machine)?;
         writer.stream();
         Ok(Stream { state: State::new(machine), writer, machine, bare: Vec::new(), found: Vec::new() })
     }

@@ -9,6 +9,7 @@
 //! waits for standstill. What comes while the path runs joins it. A path that ran out of entries is
 //! dark; before it starts anew, its light is entered anew.
 use crate::entry::{Entry, Kind};
+use crate::records::records;
 use client::{Call, Client, Error, decode};
 use protocol::command::{
     Abort, AxisStatus, BufLaserOn, ClrLaserFault, ClrSts, CrdClear, CrdInfo, CrdStart, CrdStop, LaserStatus,
@@ -24,7 +25,7 @@ const START: usize = 8;
 /// After this time without a line the path starts with what it has.
 const QUIET: Duration = Duration::from_millis(5);
 /// Entries that travel together at most.
-const BATCH: usize = 192;
+const BATCH: usize = 400;
 /// Time between two looks at the controller while it moves, and while it stands.
 const MOVING: Duration = Duration::from_millis(2);
 const STANDING: Duration = Duration::from_millis(10);
@@ -63,6 +64,8 @@ pub struct View {
     pub starts: u64,
     /// What the controller stopped or refused by itself.
     pub fault: Option<Fault>,
+    /// It is of the time after so many releases.
+    released: u64,
     /// The link has failed.
     pub failed: Option<Error>,
 }
@@ -86,8 +89,8 @@ struct Inbox {
     hurry: bool,
     /// Throw everything away once the path stands.
     empty: bool,
-    /// Lines may come again: what was wrong is over.
-    released: bool,
+    /// How often lines could come again: what was wrong before is over.
+    released: u64,
     /// Entries and motions that came so far.
     queued: (u64, u64),
     /// F is run at so much, %.
@@ -126,6 +129,7 @@ pub struct Feed {
     /// Entries and motions that were queued.
     queued: (u64, u64),
     laser: Option<u8>,
+    released: u64,
 }
 
 /// How time passes.
@@ -168,7 +172,7 @@ impl Feed {
         feeder.begin()?;
         feeder.cycle()?;
         let thread = std::thread::spawn(move || feeder.run());
-        Ok(Feed { client, shared, thread: Some(thread), queued: (0, 0), laser })
+        Ok(Feed { client, shared, thread: Some(thread), queued: (0, 0), laser, released: 0 })
     }
 
     /// Queues entries for the path.
@@ -198,7 +202,12 @@ impl Feed {
 
     /// What the machine does.
     pub fn view(&self) -> View {
-        locked(&self.shared.view).clone()
+        let mut view = locked(&self.shared.view).clone();
+        // What was wrong before the last release was told, and is over.
+        if view.released != self.released {
+            view.fault = None;
+        }
+        view
     }
 
     /// Waits for news of the machine, at most so long.
@@ -255,7 +264,8 @@ impl Feed {
 
     /// Lines may come again.
     pub fn release(&mut self) {
-        locked(&self.shared.inbox).released = true;
+        self.released += 1;
+        locked(&self.shared.inbox).released = self.released;
         let mut gate = locked(&self.shared.gate);
         *gate = Gate::default();
         self.shared.wake.notify_one();
@@ -393,8 +403,9 @@ impl Feeder {
 
     /// Enters what fits, reads, starts; true where more waits and fits.
     fn cycle(&mut self) -> Result<bool, Error> {
-        if std::mem::take(&mut locked(&self.shared.inbox).released) {
-            self.view.fault = None;
+        let released = locked(&self.shared.inbox).released;
+        if self.view.released != released {
+            (self.view.fault, self.view.released) = (None, released);
         }
         let stands = {
             let gate = locked(&self.shared.gate);
@@ -425,7 +436,7 @@ impl Feeder {
 
     /// Sends entries, and reads the state after them.
     fn exchange(&mut self, batch: Vec<Entry>) -> Result<protocol::command::CrdState, Error> {
-        let mut calls: Vec<Call> = batch.iter().map(|entry| entry.call.clone()).collect();
+        let (mut calls, rows): (Vec<Call>, Vec<Vec<Entry>>) = records(batch).into_iter().unzip();
         calls.push(Call::of(CrdInfo { core: CORE.into(), crd: CRD.into() }));
         let slow = self.slow.is_none_or(|at| at.elapsed() >= SLOWLY);
         let (first, last) = (self.axes.iter().min().copied(), self.axes.iter().max().copied());
@@ -440,18 +451,20 @@ impl Feeder {
             }
         }
         let mut replies = self.client.call_all(&calls)?.into_iter();
-        for entry in batch {
+        for row in rows {
             match replies.next() {
                 Some(Ok(reply)) => {
-                    self.fast += usize::from(entry.planned > 100);
-                    if entry.kind == Kind::Motion {
-                        self.motions += 1;
+                    for entry in row {
+                        self.fast += usize::from(entry.planned > 100);
+                        self.motions += usize::from(entry.kind == Kind::Motion);
                         // CrdTaken: taken, space, lasts.
-                        if let Some(Ok(lasts)) = reply.get(4..8).map(<[u8; 4]>::try_from) {
+                        if entry.kind == Kind::Motion
+                            && let Some(Ok(lasts)) = reply.get(4..8).map(<[u8; 4]>::try_from)
+                        {
                             self.view.lasts_ms = u32::from_le_bytes(lasts);
                         }
+                        self.sent.push_back(entry);
                     }
-                    self.sent.push_back(entry);
                 }
                 Some(Err(error)) if error.code < 0 => return Err(error),
                 Some(Err(error)) => {

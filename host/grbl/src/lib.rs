@@ -7,11 +7,13 @@
 //!
 //! `wire` connections, `session` bytes to lines and real-time commands, `dollar` the lines that
 //! begin with `$`, `report` what `?` answers, `settings` what `$$` lists, `errors` Grbl's numbers,
-//! `entry` lines as entries of the path, `feeder` entries into the controller.
+//! `entry` lines as entries of the path, `records` what travels together, `feeder` entries into the
+//! controller.
 mod dollar;
 mod entry;
 mod errors;
 mod feeder;
+mod records;
 mod report;
 mod session;
 mod settings;

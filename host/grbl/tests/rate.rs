@@ -10,50 +10,64 @@ use std::time::{Duration, Instant};
 
 /// Lines of the test that always runs, and of the one that measures.
 const SOME: usize = 4000;
-const MANY: usize = 200_000;
-/// mm/min, at which a line of 0.05 mm lasts 50 µs.
-const FEED: u32 = 60_000;
+const MANY: usize = 100_000;
+/// Of a row.
+const ROW: usize = 10_000;
+/// mm/min, at which a line of 0.02 mm lasts 40 µs.
+const FEED: u32 = 30_000;
 
-/// Streams a zigzag of lines, each with its own S: seconds that it took, and starts of the path.
-fn run(lines: usize, feed: u32) -> (f64, u64) {
+/// How fast the port alone takes lines: `$C`, nothing moves.
+fn check(lines: usize) -> f64 {
+    let rig = Rig::new(MACHINE, false);
+    let mut sender = rig.sender();
+    sender.banner();
+    sender.ok("$C");
+    sender.ok("G21 G90 M4 G1 F1000");
+    let began = Instant::now();
+    count_characters(sender.stream.try_clone().unwrap(), lines, 1);
+    began.elapsed().as_secs_f64()
+}
+
+/// Streams rows of lines with so many powers in turns: seconds that it took, and starts of the path.
+fn run(lines: usize, feed: u32, powers: usize) -> (f64, u64) {
     let served =
         virtual_board::serve(TcpListener::bind("127.0.0.1:0").unwrap(), None, virtual_board::Config::default())
             .unwrap();
     let link = client::link::open(&format!("tcp:{}", served.address())).unwrap();
     let client = Client::open(link, Options::default()).unwrap();
-    let machine = MACHINE.replace("max_rate = 12000", "max_rate = 120000").replace("acceleration = 1000", "acceleration = 20000");
+    let machine =
+        MACHINE.replace("max_rate = 12000", "max_rate = 120000").replace("acceleration = 1000", "acceleration = 50000");
     let rig = Rig::over(served.board().clone(), client, &machine, false, Pace::Real);
     let mut sender = rig.sender();
     sender.banner();
     sender.ok(&format!("G21 G90 M4 G1 F{feed}"));
     let stream = sender.stream.try_clone().unwrap();
-    stream.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
     let began = Instant::now();
-    count_characters(stream, lines);
+    count_characters(stream, lines, powers);
     let took = began.elapsed().as_secs_f64();
     sender.idle();
     let last = lines - 1;
-    let expected = [f64::from(x(last) as u32), f64::from((last % 3) as u32)];
-    assert_eq!(rig.at(), [expected[0], -expected[1]]);
+    assert_eq!(rig.at(), [f64::from(x(last) as u32), 0.0]);
     drop(sender);
     (took, rig.end().starts)
 }
 
-/// Position of a line along X in hundredths of a mm: steps of 0.05 mm, to and fro.
+/// Position of a line along X in hundredths of a mm: steps of 0.02 mm, to and fro.
 fn x(line: usize) -> usize {
-    let (row, column) = (line / 4000, line % 4000);
-    if row % 2 == 0 { column * 5 } else { (3999 - column) * 5 }
+    let (row, column) = (line / ROW, line % ROW);
+    if row % 2 == 0 { (column + 1) * 2 } else { (ROW - 1 - column) * 2 }
 }
 
 /// As senders do that count: 128 bytes are on the way at most.
-fn count_characters(mut stream: TcpStream, lines: usize) {
+fn count_characters(mut stream: TcpStream, lines: usize, powers: usize) {
+    stream.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
     let (mut sizes, mut bytes) = (std::collections::VecDeque::new(), 0);
     let (mut read, mut block, mut out) = ([0; 4096], Vec::new(), Vec::new());
     let mut line = 0;
     while line < lines || !sizes.is_empty() {
         out.clear();
         while line < lines {
-            let text = format!("X{}.{:02}Y.0{}S{}\n", x(line) / 100, x(line) % 100, line % 3, 100 + line % 700);
+            let text = format!("G1X{}.{:02}Y0S{}\n", x(line) / 100, x(line) % 100, 500 + line % powers);
             if bytes + text.len() > 128 {
                 break;
             }
@@ -76,13 +90,18 @@ fn count_characters(mut stream: TcpStream, lines: usize) {
 /// On a machine that is busy otherwise the rate counts for nothing; that all arrives does.
 #[test]
 fn lines_that_are_counted_all_arrive() {
-    let (took, starts) = run(SOME, 6000);
+    let (took, starts) = run(SOME, 6000, 100);
     println!("{:.0} lines a second, {starts} starts", SOME as f64 / took);
 }
 
 #[test]
 #[ignore = "measures; docs/grbl.md has the command"]
 fn how_many_lines_a_second() {
-    let (took, starts) = run(MANY, FEED);
-    println!("{MANY} lines in {took:.2} s: {:.0} a second, {starts} starts of the path", MANY as f64 / took);
+    println!("{:.0} lines a second are read in $C", MANY as f64 / check(MANY));
+    // Each change of S is an entry of the path between two motions.
+    for (lines, powers) in [(MANY, 1), (MANY / 10, 100)] {
+        let (took, starts) = run(lines, FEED, powers);
+        let rate = lines as f64 / took;
+        println!("{powers} powers: {lines} lines in {took:.2} s: {rate:.0} a second, {starts} starts of the path");
+    }
 }

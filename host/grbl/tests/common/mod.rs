@@ -1,6 +1,6 @@
 //! A port with a virtual controller, and a sender of its own.
 #![allow(dead_code)]
-use client::{Client, Family, Options};
+use client::{Client, Family, Link, Options};
 use grbl::{Pace, Port, Served};
 use machine::Machine;
 use std::io::{Read, Write};
@@ -8,7 +8,7 @@ use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, PoisonError};
 use std::time::{Duration, Instant};
-use virtual_board::{Board, Config, Shared, VirtualLink, share};
+use virtual_board::{Board, Config, PacedLink, Shared, VirtualLink, share};
 
 /// X and Y, 100 pulses a mm, 0 to 300 mm, a laser.
 pub const MACHINE: &str = "
@@ -42,16 +42,29 @@ const PATIENCE: Duration = Duration::from_secs(60);
 pub struct Rig {
     pub board: Shared,
     pub address: SocketAddr,
+    client: Arc<Client>,
     ends: Arc<AtomicBool>,
     thread: Option<std::thread::JoinHandle<Result<Served, client::Error>>>,
 }
 
 impl Rig {
+    /// Its time passes at ten times the wall clock's, so that a motion can be met in its middle.
     pub fn new(machine: &str, pass_stops: bool) -> Rig {
         let board = share(Board::new(Config::default()));
+        let (link, _) = PacedLink::new(board.clone(), 10.0);
+        Rig::with(Box::new(link), board, machine, pass_stops)
+    }
+
+    /// Its time passes as fast as it can.
+    pub fn quick(machine: &str, pass_stops: bool) -> Rig {
+        let board = share(Board::new(Config::default()));
+        Rig::with(Box::new(VirtualLink::new(board.clone())), board, machine, pass_stops)
+    }
+
+    fn with(link: Box<dyn Link>, board: Shared, machine: &str, pass_stops: bool) -> Rig {
         let family = if machine.contains("family = \"lsr\"") { Family::Lsr } else { Family::Gus };
         let options = Options { family: Some(family), ..Options::default() };
-        let client = Client::open(Box::new(VirtualLink::new(board.clone())), options).unwrap();
+        let client = Client::open(link, options).unwrap();
         Rig::over(board, client, machine, pass_stops, Pace::Virtual)
     }
 
@@ -61,18 +74,25 @@ impl Rig {
         let address = listener.local_addr().unwrap();
         let ends = Arc::new(AtomicBool::new(false));
         let end = Arc::clone(&ends);
+        let client = Arc::new(client);
+        let theirs = Arc::clone(&client);
         let thread = std::thread::spawn(move || {
             let ends = || end.load(Ordering::SeqCst);
-            grbl::serve(Port::Tcp(listener), Arc::new(client), &machine, pass_stops, pace, &ends)
+            grbl::serve(Port::Tcp(listener), theirs, &machine, pass_stops, pace, &ends)
         });
-        Rig { board, address, ends, thread: Some(thread) }
+        Rig { board, address, client, ends, thread: Some(thread) }
     }
 
     pub fn sender(&self) -> Sender {
         let stream = TcpStream::connect(self.address).unwrap();
         stream.set_nodelay(true).unwrap();
         stream.set_read_timeout(Some(Duration::from_millis(20))).unwrap();
-        Sender { stream, read: Vec::new() }
+        // The port is set up once it says something. A machine that holds this process up for long is no
+        // link that is lost, where its time is ten times as fast.
+        while stream.peek(&mut [0]).is_err() {}
+        let long = protocol::command::SetLinkLoss { time_ms: 60_000.into(), stop_all: 0.into() };
+        self.client.call(long).unwrap();
+        Sender { stream, read: Vec::new(), dropped: Vec::new() }
     }
 
     /// Ends it: what it has done.
@@ -111,6 +131,7 @@ impl Drop for Rig {
 pub struct Sender {
     pub stream: TcpStream,
     read: Vec<u8>,
+    dropped: Vec<String>,
 }
 
 impl Sender {
@@ -192,6 +213,7 @@ impl Sender {
             if let Some(text) = line.strip_prefix('<') {
                 return Status::of(text.strip_suffix('>').unwrap());
             }
+            self.dropped.push(line);
         }
     }
 
@@ -203,7 +225,7 @@ impl Sender {
             if fits(&status) {
                 return status;
             }
-            assert!(began.elapsed() < PATIENCE, "{status:?}");
+            assert!(began.elapsed() < PATIENCE, "{status:?} {:?}", self.dropped);
         }
     }
 
