@@ -297,11 +297,12 @@ pub struct Run {
 /// `beamtick grbl`.
 #[derive(Debug, Args)]
 pub struct Grbl {
-    /// The machine; `beamtick machine new FILE` writes such a file. Its axes stand at home when this begins.
+    /// The machine; `beamtick machine new FILE` writes such a file. Its axes stand at home when
+    /// this begins.
     #[arg(long, value_name = "FILE.toml")]
     pub machine: PathBuf,
-    /// tcp:HOST:PORT, serial:PATH[:BAUD], qemu, or virtual: a virtual controller in real time. Without it, the link of the
-    /// machine file; if that names none, virtual.
+    /// tcp:HOST:PORT, serial:PATH[:BAUD], qemu, or virtual: a virtual controller in real time.
+    /// Without it, the link of the machine file; if that names none, virtual.
     #[arg(long)]
     pub link: Option<String>,
     #[command(flatten)]

@@ -7,8 +7,8 @@
 //! moves.
 //!
 //! `words` a line to its words, `block` the words of a line to what they ask for, `interpreter` the
-//! modal state and the moves, `stream` lines that come one by one; the crate `strokes` makes calls of
-//! the moves. `docs/gcode.md` lists the words.
+//! modal state and the moves, `stream` lines that come one by one; the crate `strokes` makes calls
+//! of the moves. `docs/gcode.md` lists the words.
 
 mod block;
 mod interpreter;

@@ -1,13 +1,13 @@
 //! The controller's side: entries of lines into the FIFO of the path, its starts, what it does.
 //!
-//! In: entries, as the sender's side queues them. Out: a [`View`] of the machine, some hundred times
-//! a second. Owns the thread that talks with the controller, and what lies in the FIFO. Fails: with
-//! the link's error, which ends the port; what the controller refuses or stops by itself is a fault
-//! in the view, and nothing more is entered.
+//! In: entries, as the sender's side queues them. Out: a [`View`] of the machine, some hundred
+//! times a second. Owns the thread that talks with the controller, and what lies in the FIFO.
+//! Fails: with the link's error, which ends the port; what the controller refuses or stops by
+//! itself is a fault in the view, and nothing more is entered.
 //!
-//! **When the path starts.** [`START`] motions wait, or nothing new came for [`QUIET`], or the sender
-//! waits for standstill. What comes while the path runs joins it. A path that ran out of entries is
-//! dark; before it starts anew, its light is entered anew.
+//! **When the path starts.** [`START`] motions wait, or nothing new came for [`QUIET`], or the
+//! sender waits for standstill. What comes while the path runs joins it. A path that ran out of
+//! entries is dark; before it starts anew, its light is entered anew.
 use crate::entry::{Entry, Kind};
 use crate::records::records;
 use client::{Call, Client, Error, decode};
@@ -142,8 +142,8 @@ pub enum Pace {
 }
 
 impl Feed {
-    /// Feeds the controller of this client, which is set up and stands. `axes` are the numbers of X,
-    /// Y and Z.
+    /// Feeds the controller of this client, which is set up and stands. `axes` are the numbers of
+    /// X, Y and Z.
     pub fn new(client: Arc<Client>, axes: &[u8], laser: Option<u8>, pace: Pace) -> Result<Feed, Error> {
         let shared = Arc::new(Shared {
             inbox: Mutex::new(Inbox { feed: 100, ..Inbox::default() }),

@@ -1,6 +1,7 @@
 //! A sender's connection: bytes to lines and real-time commands, and their answers.
 //!
-//! In: bytes. Out: bytes. Owns the modal state, the alarm, the holds, and what waits for standstill.
+//! In: bytes. Out: bytes. Owns the modal state, the alarm, the holds, and what waits for
+//! standstill.
 //! A line is answered when its motions are in the planner, as in Grbl. Fails with the link's error.
 use crate::entry;
 use crate::errors;

@@ -28,7 +28,8 @@ fn check(lines: usize) -> f64 {
     began.elapsed().as_secs_f64()
 }
 
-/// Streams rows of lines with so many powers in turns: seconds that it took, and starts of the path.
+/// Streams rows of lines with so many powers in turns: seconds that it took, and starts of the
+/// path.
 fn run(lines: usize, feed: u32, powers: usize) -> (f64, u64) {
     let served =
         virtual_board::serve(TcpListener::bind("127.0.0.1:0").unwrap(), None, virtual_board::Config::default())

@@ -87,8 +87,8 @@ impl Rig {
         let stream = TcpStream::connect(self.address).unwrap();
         stream.set_nodelay(true).unwrap();
         stream.set_read_timeout(Some(Duration::from_millis(20))).unwrap();
-        // The port is set up once it says something. A machine that holds this process up for long is no
-        // link that is lost, where its time is ten times as fast.
+        // The port is set up once it says something. A machine that holds this process up for long
+        // is no link that is lost, where its time is ten times as fast.
         while stream.peek(&mut [0]).is_err() {}
         let long = protocol::command::SetLinkLoss { time_ms: 60_000.into(), stop_all: 0.into() };
         self.client.call(long).unwrap();
