@@ -31,6 +31,8 @@ Examples:
   beamtick run examples/jog_trap.gts --link serial:/dev/ttyACM0:921600
   beamtick machine new machine.toml
   beamtick sim examples/square.nc --machine examples/machine.toml --xy square.png
+  beamtick check examples/badge.svg --machine examples/machine.toml --plot plan.png
+  beamtick sim examples/badge.svg --machine examples/machine.toml --xy badge.png
   beamtick import examples/square.nc --machine examples/machine.toml -o square.gts
   beamtick serve --listen 127.0.0.1:5000
   beamtick grbl --machine machine.toml --listen 127.0.0.1:5001

@@ -217,7 +217,10 @@ fn what_is_wrong_has_a_reason_and_nothing_moves() {
             "the group `cut` is cut by a clip path",
         ),
         (page("<path d=\"M0 0L1 1\" stroke=\"#0f0\"/>"), "no layer of the machine file takes #00ff00 (1 shapes)"),
-        (page("<rect width=\"5\" height=\"5\"/>"), "there is nothing to mark: no shape has a stroke"),
+        (
+            page("<rect width=\"5\" height=\"5\"/>"),
+            "there is nothing to mark: no shape has a stroke; shapes with a fill and no stroke are not marked (1)",
+        ),
         (
             format!("<!DOCTYPE svg [<!ENTITY a0 \"xxxxxxxxxx\">{entities}]>\n{}", page("<g id=\"&a9;\"/>")),
             "entity reference loop",

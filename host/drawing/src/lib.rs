@@ -60,6 +60,10 @@ pub fn import(
         Some(line) => format!("{name}:{line}: {}; nothing was run", fault.text),
         None => format!("{name}: {}; nothing was run", fault.text),
     })?;
+    if shapes.is_empty() {
+        let why: String = notes.iter().take(4).map(|note| format!("; {note}")).collect();
+        return Err(format!("{name}: there is nothing to mark: no shape has a stroke{why}; nothing was run"));
+    }
     let notes = notes.into_iter().map(|note| format!("{name}: note: {note}")).collect();
     let mut writer = Writer::new(name, EACH, machine)?;
     if let Some(watch) = watch {

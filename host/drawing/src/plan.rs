@@ -20,9 +20,6 @@ pub fn plan(
     options: Options,
     writer: &mut Writer<'_>,
 ) -> Result<(), String> {
-    if shapes.is_empty() {
-        return Err("there is nothing to mark: no shape has a stroke".to_owned());
-    }
     for shape in &mut shapes {
         shift(shape, options.at);
         let finite = |point: Point| point.iter().all(|x| (-FAR..=FAR).contains(x));
