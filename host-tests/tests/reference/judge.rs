@@ -303,7 +303,9 @@ fn differs_here(rig: &mut Option<Rig>, site: &Site, tick_us: u32, calls: &[Call]
     if std::env::var_os("REFERENCE_TABLE").is_some() {
         for (call, reply) in calls.iter().zip(&program.replies) {
             let text = site.text(0, call);
-            let Some(name) = text.split("GTN_").nth(1).and_then(|rest| rest.split('(').next()) else { continue };
+            // The form without a core where there is no other.
+            let call = text.split("GTN_").nth(1).or_else(|| text.split("GT_").nth(1));
+            let Some(name) = call.and_then(|rest| rest.split('(').next()) else { continue };
             count(&format!("tried {name}"), 1);
             count(&format!("done {name}"), matches!(reply, Reply::Done(_)).into());
         }

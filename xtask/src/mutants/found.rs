@@ -118,6 +118,15 @@ pub const FOUND: &[Planted] = &[
         places: &[("servo/src/path/evaluator.rs", "EFFECTS: u32 = 32;", "EFFECTS: u32 = 8;")],
     },
     Planted {
+        name: "found 9: a call that is refused for a parameter delays those of its instant",
+        by: By::Reference,
+        places: &[(
+            "dispatcher/src/program/end.rs",
+            "            Cure::None => true,",
+            "            Cure::None => self.is_past(view),",
+        )],
+    },
+    Planted {
         name: "found 12: starts of one instant act on different ticks",
         by: By::Reference,
         places: &[(

@@ -43,4 +43,13 @@ pub const TIMING: &[Planted] = &[
             "(self.delayed, self.fpk) = (true, None);",
         )],
     },
+    Planted {
+        name: "timing: a path at standstill has the speed of its encoders for a tick",
+        by: By::Reference,
+        places: &[(
+            "servo/src/tick/crd/drive.rs",
+            "self.feed_lasers(crd, next, wants, measures && runs);",
+            "self.feed_lasers(crd, next, wants, measures);",
+        )],
+    },
 ];

@@ -92,7 +92,7 @@ impl Listing {
             match (param.pass, word) {
                 (Pass::Out | Pass::OutStruct(_), Some(_)) => Value::Out,
                 (Pass::Working, _) => Value::Null,
-                (Pass::Many(..) | Pass::Fixed(..), Some(word)) => {
+                (Pass::Many(..) | Pass::Fixed(..), Some(word)) if word != "NULL" => {
                     // An array, or the address of a variable or of an array's first place.
                     let name = word.trim_start_matches('&').trim_end_matches("[0]");
                     let list = self.arrays.get(name).unwrap_or_else(|| panic!("{text}: {name} was never given values"));

@@ -89,7 +89,9 @@ pub fn scheduled_job(
     let table = |line: &str| line.contains("  1 late entries") && line.contains("_Pvt");
     let late = |line: &&str| line.contains(" late entries, the worst") && !table(line) || line.contains(" overruns");
     let about = said.lines().find(late);
-    if !output.status.success() || about.is_some() {
+    // Light that a fault took is none of success, and the same through every door.
+    let is_dark = output.status.code() == Some(1) && errors.contains("and light that the job asks for is missing");
+    if !(output.status.success() || is_dark) || about.is_some() {
         let about = about.unwrap_or_default();
         return Err(format!("{}: {about}{errors}", kept.display()));
     }
