@@ -18,29 +18,32 @@ pub struct CommandLine {
 }
 
 const EXAMPLES: &str = "\
-Examples:
-  beamtick check examples/pt_static.gts
-  beamtick sim examples/pt_static.gts --trace t.csv --plot t.png
-  beamtick sim examples/pt_dynamic.gts --tick-us 50 --plot zoom.svg --from 900 --to 1100
-  beamtick sim examples/laser_duty.gts --plot pulses.png --from 10 --to 12
-  beamtick sim examples/pvt_percent.gts --xy path.png
-  beamtick sim examples/pt_static.gts --step-limit 1000
-  beamtick sim examples/inputs.gts --inputs examples/inputs.csv --trace t.csv
-  beamtick run examples/pt_static.gts --link qemu --vcd t.vcd
-  beamtick run examples/jog_trap.gts --link tcp:192.168.1.20:5000 --strict
-  beamtick run examples/jog_trap.gts --link serial:/dev/ttyACM0:921600
+Examples, with the files of examples/:
+  beamtick check pt_static.gts
+  beamtick sim pt_static.gts --trace t.csv --plot t.png
+  beamtick sim pt_dynamic.gts --tick-us 50 --plot z.svg --from 900 --to 1100
+  beamtick sim laser_duty.gts --plot pulses.png --from 10 --to 12
+  beamtick sim pvt_percent.gts --xy path.png
+  beamtick sim pt_static.gts --step-limit 1000
+  beamtick sim inputs.gts --inputs inputs.csv --trace t.csv
+  beamtick plot t.csv -o t.png --from 900 --to 1100
+  beamtick run pt_static.gts --link qemu --vcd t.vcd
+  beamtick run jog_trap.gts --link tcp:192.168.1.20:5000 --strict
+  beamtick run jog_trap.gts --link serial:/dev/ttyACM0:921600
   beamtick machine new machine.toml
-  beamtick sim examples/square.nc --machine examples/machine.toml --xy square.png
-  beamtick check examples/badge.svg --machine examples/machine.toml --plot plan.png
-  beamtick sim examples/badge.svg --machine examples/machine.toml --xy badge.png
-  beamtick import examples/square.nc --machine examples/machine.toml -o square.gts
+  beamtick sim square.nc --machine machine.toml --xy square.png
+  beamtick check badge.svg --machine machine.toml --plot plan.png
+  beamtick sim badge.svg --machine machine.toml --xy badge.png
+  beamtick import square.nc --machine machine.toml -o square.gts
   beamtick serve --listen 127.0.0.1:5000
   beamtick grbl --machine machine.toml --listen 127.0.0.1:5001
   beamtick info --link qemu
   beamtick bring-up --link serial:/dev/ttyACM0:3000000 --page bring-up.md
+  beamtick completions bash > ~/.local/share/bash-completion/completions/beamtick
 
-Exit codes: 0 done; 1 a call, the link or the trace failed; 2 the command line or the job file is wrong; 130, 143, 129 ended
-by INT, TERM, HUP. However a job ends, every laser is shut off and what moves is stopped smoothly.";
+Exit codes: 0 done; 1 a call, the link or the trace failed; 2 the command line
+or the job file is wrong; 130, 143, 129 ended by INT, TERM, HUP. However a job
+ends, every laser is shut off and what moves is stopped smoothly.";
 
 /// What to do.
 #[derive(Debug, Subcommand)]
@@ -65,6 +68,18 @@ pub enum Command {
     Grbl(Grbl),
     /// Writes a machine file, or shows what one says.
     Machine(MachineFile),
+    /// Draws a trace that was kept as a CSV.
+    Plot(PlotFile),
+    /// Prints the completions of a shell.
+    Completions {
+        /// Which shell.
+        shell: clap_complete::Shell,
+    },
+    /// Writes the manual pages, beamtick.1 and one for each command, into a folder.
+    Man {
+        /// The folder.
+        folder: PathBuf,
+    },
 }
 
 /// Servo ticks of the boards, us.
@@ -184,6 +199,32 @@ impl Outputs {
     }
 }
 
+/// `beamtick plot`.
+#[derive(Debug, Args)]
+#[command(group = ArgGroup::new("drawn").args(["output", "xy"]).multiple(true).required(true))]
+pub struct PlotFile {
+    /// The trace (docs/jobs.md), also one that was cut off; - is the standard input.
+    pub trace: PathBuf,
+    /// Draws it over time; the extension chooses SVG or PNG.
+    #[arg(long, short, value_name = "FILE.svg|png")]
+    pub output: Option<PathBuf>,
+    /// Draws one axis over another; the extension chooses SVG or PNG.
+    #[arg(long, value_name = "FILE.svg|png")]
+    pub xy: Option<PathBuf>,
+    /// The axes of --xy: across, then up, as in `beamtick sim`.
+    #[arg(long, value_name = "X,Y", value_parser = axis_pair, requires = "xy")]
+    pub xy_axes: Option<(AxisName, AxisName)>,
+    /// The pictures begin at this time.
+    #[arg(long, value_name = "MS", allow_negative_numbers = true)]
+    pub from: Option<f64>,
+    /// The pictures end at this time.
+    #[arg(long, value_name = "MS", allow_negative_numbers = true)]
+    pub to: Option<f64>,
+    /// Leaves out axes, lasers and paths that did nothing.
+    #[arg(long)]
+    pub used: bool,
+}
+
 /// How a G-code program or a drawing becomes a job.
 #[derive(Debug, Clone, Default, Args)]
 pub struct Drawing {
@@ -243,7 +284,8 @@ pub struct Import {
 /// `beamtick sim`.
 #[derive(Debug, Args)]
 pub struct Sim {
-    /// The job file, a G-code program (.nc, .gcode, .ngc, .tap) or a drawing (.svg, .dxf).
+    /// The job file, a G-code program (.nc, .gcode, .ngc, .tap) or a drawing (.svg, .dxf);
+    /// - is the standard input, for a job.
     pub job: PathBuf,
     #[command(flatten)]
     #[allow(missing_docs)]
@@ -274,7 +316,8 @@ pub struct Way {
 /// `beamtick run`.
 #[derive(Debug, Args)]
 pub struct Run {
-    /// The job file, a G-code program (.nc, .gcode, .ngc, .tap) or a drawing (.svg, .dxf).
+    /// The job file, a G-code program (.nc, .gcode, .ngc, .tap) or a drawing (.svg, .dxf);
+    /// - is the standard input, for a job.
     pub job: PathBuf,
     #[command(flatten)]
     #[allow(missing_docs)]
@@ -327,7 +370,8 @@ pub struct Grbl {
 /// `beamtick check`.
 #[derive(Debug, Args)]
 pub struct Check {
-    /// The job file, a G-code program (.nc, .gcode, .ngc, .tap) or a drawing (.svg, .dxf).
+    /// The job file, a G-code program (.nc, .gcode, .ngc, .tap) or a drawing (.svg, .dxf);
+    /// - is the standard input, for a job.
     pub job: PathBuf,
     /// Draws the path of a program or a drawing in mm: travel, marks, and what leaves the travel of
     /// the machine; the extension chooses SVG or PNG.

@@ -32,6 +32,8 @@ mod interrupt;
 mod listing;
 mod machine_file;
 mod output;
+mod pages;
+mod plot;
 mod points;
 mod printer;
 mod profile;
@@ -127,6 +129,9 @@ fn obey(line: &CommandLine) -> Result<(), Failure> {
         Command::Import(arguments) => import::import(arguments),
         Command::Grbl(arguments) => grbl_port::serve(arguments),
         Command::Machine(arguments) => machine_file::obey(arguments),
+        Command::Plot(arguments) => plot::draw(arguments),
+        Command::Completions { shell } => pages::completions(*shell),
+        Command::Man { folder } => pages::manual(folder),
     }
 }
 

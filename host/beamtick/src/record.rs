@@ -231,7 +231,7 @@ impl Sinks {
             .map(|file| VcdWriter::new(BufWriter::new(Spool::new(file)), &header, &levels, &self.analog))
             .transpose()?;
         let plot = self.plot.as_ref().map(|(_, options)| Plot::new(&header, options.clone())).transpose()?;
-        let xy = self.xy.as_ref().map(|(_, axes, options)| xy(&header, *axes, options)).transpose()?;
+        let xy = self.xy.as_ref().map(|(_, axes, options)| across(&header, *axes, options)).transpose()?;
         let (peaks, speeds) = (vec![0.0; header.axes.len()], vec![0.0; header.crds.len()]);
         self.open = Some(Open { header, csv, vcd, plot, xy, peaks, speeds, rows: 0 });
         Ok(())
@@ -273,7 +273,7 @@ impl Open {
 }
 
 /// The picture of two axes: those asked for, or the first two.
-fn xy(header: &Header, axes: Option<(AxisName, AxisName)>, options: &PlotOptions) -> trace::Result<Xy> {
+pub(crate) fn across(header: &Header, axes: Option<(AxisName, AxisName)>, options: &PlotOptions) -> trace::Result<Xy> {
     match (axes, header.axes.as_slice()) {
         (Some(axes), _) => Xy::new(header, axes, options.clone()),
         (None, &[x, y, ..]) => Xy::new(header, (x, y), options.clone()),

@@ -5,7 +5,7 @@ use crate::import;
 use client::{Family, Profile};
 use job::{Diagnostic, Files, Folder, Job, Pragma, Severity, Step};
 use std::cell::RefCell;
-use std::io::IsTerminal;
+use std::io::{IsTerminal, Read};
 use std::path::{Path, PathBuf};
 use trace::Millimetres;
 
@@ -57,8 +57,14 @@ impl Source {
             source.extent = Some(found.extent);
             return Ok(source);
         }
-        let bytes = std::fs::read(path)
-            .map_err(|error| Failure::Input(format!("{name}: the job file cannot be read: {error}")))?;
+        let (bytes, read) = match path == Path::new("-") {
+            true => {
+                let mut bytes = Vec::new();
+                (std::io::stdin().read_to_end(&mut bytes).map(|_| bytes), Vec::new())
+            }
+            false => (std::fs::read(path), vec![path.to_owned()]),
+        };
+        let bytes = bytes.map_err(|error| Failure::Input(format!("{name}: the job file cannot be read: {error}")))?;
         if plot.is_some() {
             return Err(Failure::Input(format!(
                 "{name}: --plot of `check` is for G-code and drawings; `sim` draws what a job does"
@@ -74,7 +80,7 @@ impl Source {
         let text = job::text::decode(bytes).map_err(|line| {
             Failure::Input(format!("{name}:{line}: the file is neither UTF-8, UTF-16 nor GBK text; save it as UTF-8"))
         })?;
-        Source::read(name, text, vec![path.to_owned()], path)
+        Source::read(name, text, read, path)
     }
 
     fn read(name: String, text: String, read: Vec<PathBuf>, path: &Path) -> Result<Self, Failure> {

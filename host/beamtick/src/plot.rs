@@ -1,0 +1,78 @@
+//! `beamtick plot`: pictures of a trace that was kept as a CSV.
+//!
+//! In: a CSV of SPEC 8, also one that was cut off (`.partial`). Out: the pictures that `sim` and
+//! `run` draw, but for pulses, which a CSV has not. Fails with file and line; nothing is drawn
+//! then.
+use crate::Failure;
+use crate::command_line::PlotFile;
+use crate::output::{self, Output};
+use std::fs::File;
+use std::io::{BufReader, Read};
+use std::path::Path;
+use trace::{Change, Plot, PlotOptions, Row, read_csv};
+
+/// Draws.
+pub fn draw(arguments: &PlotFile) -> Result<(), Failure> {
+    let name = arguments.trace.display().to_string();
+    let wrong = |error: trace::TraceError| Failure::Input(format!("{name}: {error}"));
+    let options = PlotOptions {
+        title: arguments.trace.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+        from_ms: arguments.from,
+        to_ms: arguments.to,
+        ..PlotOptions::default()
+    };
+    options.check().map_err(wrong)?;
+    let outputs = [("--output", &arguments.output), ("--xy", &arguments.xy)];
+    let named: Vec<(&str, &Path, bool)> =
+        outputs.iter().filter_map(|(option, path)| Some((*option, path.as_deref()?, true))).collect();
+    output::check(std::slice::from_ref(&arguments.trace), &named)?;
+    for (option, path, _) in &named {
+        let end = path.extension().map(|end| end.to_string_lossy().to_lowercase());
+        if !matches!(end.as_deref(), Some("png" | "svg")) {
+            return Err(Failure::Input(format!("{option} {}: a plot's name ends in .png or .svg", path.display())));
+        }
+    }
+    let file: Box<dyn Read> = match arguments.trace == Path::new("-") {
+        true => Box::new(std::io::stdin()),
+        false => Box::new(
+            File::open(&arguments.trace)
+                .map_err(|error| Failure::Input(format!("{name}: the trace cannot be read: {error}")))?,
+        ),
+    };
+    let (header, rows) = read_csv(BufReader::new(file)).map_err(wrong)?;
+    if let Some(path) = &arguments.output {
+        let mut plot = Plot::new(&header, options.clone()).map_err(wrong)?;
+        let mut before: Option<&Row> = None;
+        for row in &rows {
+            for (laser, point) in row.lasers.iter().enumerate() {
+                if before.is_none_or(|before| before.lasers.get(laser).is_none_or(|last| last.gate != point.gate)) {
+                    plot.change(laser, &Change::Switch { at: row.t_ns, level: point.gate });
+                }
+            }
+            plot.row(row);
+            before = Some(row);
+        }
+        if arguments.used {
+            plot.leave_out_idle();
+        }
+        let picture = Output::picture(path)?;
+        plot.save(picture.path()).map_err(wrong)?;
+        picture.whole()?;
+    }
+    if let Some(path) = &arguments.xy {
+        let mut xy = crate::record::across(&header, arguments.xy_axes, &options).map_err(wrong)?;
+        let mut before = vec![false; header.lasers.len()];
+        for row in &rows {
+            for (laser, (point, was)) in row.lasers.iter().zip(&mut before).enumerate() {
+                if std::mem::replace(was, point.gate) != point.gate {
+                    xy.light(laser, row.t_ns, point.gate);
+                }
+            }
+            xy.row(row);
+        }
+        let picture = Output::picture(path)?;
+        xy.save(picture.path()).map_err(wrong)?;
+        picture.whole()?;
+    }
+    Ok(())
+}
