@@ -81,7 +81,10 @@ fn vertex(made: &[(usize, Made)], tick_us: u32) -> Option<(usize, String)> {
                     before.0.function.name == "SetOverride" && before.1.code == 0 && given(before, 1) == 1.0
                 };
                 let lines = given(first, 1) == 400.0 && given(&(call, told), 1) == 800.0;
-                let lines = lines && (at - ios).checked_sub(2).is_some_and(|at| whole(&made[at]));
+                // Its own SetCrdPrm may have been refused, while the other FIFO ran.
+                let set_up = |(_, before): &(usize, Made)| before.0.function.name == "SetCrdPrm" && before.1.code == 0;
+                let before = (at - ios).checked_sub(4).map(|at| [&made[at], &made[at + 2]]);
+                let lines = lines && before.is_some_and(|[set, rate]| set_up(set) && whole(rate));
                 let ticks = status.1.tick - start.1.tick;
                 if names == ("LnXY", "CrdStart", "CrdStatus")
                     && done
