@@ -10,6 +10,8 @@
 mod ahead;
 #[path = "reference/analog.rs"]
 mod analog;
+#[path = "reference/focus.rs"]
+mod focus;
 #[path = "reference/found.rs"]
 mod found;
 #[path = "reference/found_reference.rs"]

@@ -430,7 +430,10 @@ impl CrdShadow {
                 self.here = None;
                 (0..2).for_each(|fifo| self.leave(fifo));
             }
-            CrdChange::Stopped => self.stopped = true,
+            // One that is at standstill is not stopped within its data. A Stop beside the program
+            // may come before a wait of the program.
+            CrdChange::Stopped if seq & PROGRAM_FLAG != 0 => self.stopped |= self.started.is_some(),
+            CrdChange::Stopped => self.stopped |= self.busy.is_some(),
             CrdChange::Standstill => {
                 let ended = self.started.is_some() && !self.stopped && !self.fed && !self.may_fail;
                 self.started = None;
@@ -486,7 +489,7 @@ impl CrdShadow {
             return;
         }
         if quiet {
-            (self.here, self.last) = (None, None);
+            (self.here, self.last, self.stopped) = (None, None, false);
         }
         for ((((path, cleared), released), motions), fifo) in
             self.fifos.iter_mut().zip(sampled.cleared).zip(sampled.released).zip(sampled.done).zip(0u8..)

@@ -205,6 +205,10 @@ pub struct Axis {
     pub late: Fix,
     /// The same of its velocity.
     pub late_velocity: Fix,
+    /// How often its motion was planned again, from a rounded position.
+    pub replans: i128,
+    /// How well the velocity of a slave is known: see `Slave::velocity_rounding`.
+    pub velocity_rounding: Fix,
     /// Instants and positions of this tick before the motion that a path began; there was one; it
     /// has no length.
     pub head: Vec<(Fix, Fix)>,
@@ -314,6 +318,8 @@ impl Axis {
             zero_slack: Fix::ZERO,
             late: Fix::ZERO,
             late_velocity: Fix::ZERO,
+            replans: 0,
+            velocity_rounding: Fix::ZERO,
             head: Vec::new(),
             head_most: Fix::ZERO,
             led: false,
@@ -457,6 +463,7 @@ impl Axis {
             self.why = None;
         }
         self.ending = Why::End;
+        self.replans += i128::from(self.runs());
         let ramp = Motion::Ramp(Timed::new(curve, Fix::ms(now_ns), self.x).rounded(blur));
         self.past = self.motion.replace(ramp);
     }
@@ -470,12 +477,12 @@ impl Axis {
             return;
         }
         self.braking = Some(dec);
+        self.replans += 1;
         self.slack += std::mem::take(&mut self.late);
         let curve = ramp::stop(self.v, dec);
         self.slack += std::mem::take(&mut self.late_velocity) * curve.length();
         if matches!(self.motion, Some(Motion::Slave(_))) {
-            // The velocity of a slave at an instant is known to 2⁻²² pulse/ms only.
-            self.slack += curve.length() * Fix(1 << 42);
+            self.slack += curve.length() * self.velocity_rounding;
         }
         let ramp = Motion::Ramp(Timed::new(curve, Fix::ms(now_ns), self.x).rounded(Fix::ZERO));
         self.past = self.motion.replace(ramp);

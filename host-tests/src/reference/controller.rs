@@ -174,6 +174,8 @@ pub struct Controller {
     /// Where an arc begins may be known a tick late (docs/crd.md): 2 after a Stop, 1 after the
     /// WaitStop that follows it, until some time has passed.
     unsettled: u8,
+    /// An AxisOff has acted as a Stop, and so much less than `SETTLED` has passed since, ns.
+    switched_off_ns: i64,
     /// No path has run, no Stop and no WaitStop has acted for so long, ns.
     still_ns: i64,
     machine: encoders::Machine,
@@ -211,6 +213,7 @@ impl Controller {
             crds: BTreeMap::new(),
             path_then: Vec::new(),
             unsettled: 0,
+            switched_off_ns: 0,
             still_ns: 0,
             cores,
             tables,
@@ -337,6 +340,7 @@ impl Controller {
                         (self.unsettled, self.still_ns) = (1, 0);
                         program.replies[next] = Reply::Done(Value::None);
                         let runs = members(*mask).any(|axis| self.axes[axis].runs() || self.axes[axis].halted);
+                        self.await_paths(*mask);
                         waiting = runs.then_some(*mask);
                         members(*mask).for_each(|axis| self.axes[axis].broken = false);
                         self.waits += 1;
@@ -345,6 +349,7 @@ impl Controller {
                         (self.unsettled, self.still_ns) = (1, 0);
                         program.replies[next] = Reply::Done(Value::None);
                         let axes = self.path_axes(*core, *mask);
+                        self.await_paths(axes);
                         self.waits += 1;
                         waiting = self.paths_run(*core, *mask).then_some(axes);
                     }
@@ -385,6 +390,7 @@ impl Controller {
             self.finish_abort();
             // The same where every path has been at rest for as long.
             self.still_ns = if self.crds.values().any(|of| of.runs) { 0 } else { self.still_ns + now - before };
+            self.switched_off_ns = (self.switched_off_ns - now + before).max(0);
             if self.still_ns >= SETTLED {
                 self.unsettled = 0;
             }
@@ -463,24 +469,25 @@ impl Controller {
     }
 
     fn rows(&self) -> Vec<Row> {
-        // A master's position has 22 fraction bits.
-        let rounding = |axis: &Axis| match &axis.motion {
-            Some(Motion::Slave(slave)) => {
-                let master = axis.follow.master.filter(|master| !master.is_counted());
-                let of = master.map_or(Fix::ZERO, |master| self.axes[master.axis].late);
-                // Where it began and where it is.
-                slave.table.curve.steepest * (Fix(1 << 41) + of + of)
-            }
-            _ => Fix::ZERO,
-        };
         let row = |axis: &Axis| Row {
             x: axis.x,
             status: axis.status(),
             open: axis.open.is_some() || axis.resets > 0,
-            slack: axis.slack + axis.late + rounding(axis),
+            slack: axis.slack + axis.late + self.rounding(axis),
             most: axis.fastest,
         };
         self.axes.iter().map(|axis| row(axis)).collect()
+    }
+
+    /// What rounding of its master's position to 2⁻²² makes of a slave's: where it began and where
+    /// it is, and where the master was planned again on the way.
+    pub(super) fn rounding(&self, axis: &Axis) -> Fix {
+        let Some(Motion::Slave(slave)) = &axis.motion else { return Fix::ZERO };
+        let master = axis.follow.master.filter(|master| !master.is_counted()).map(|master| &self.axes[master.axis]);
+        let of = master.map_or(Fix::ZERO, |master| {
+            master.slack + master.late + master.late + Fix(master.replans << 41) + self.rounding(master)
+        });
+        slave.table.curve.steepest * (Fix(1 << 42) + of)
     }
 
     fn call(&mut self, index: usize, call: &Call, now: i64) -> Reply {

@@ -267,6 +267,13 @@ pub struct Crd {
     pub late: bool,
     /// No Stop has come since it was set up at standstill.
     pub certain: bool,
+    /// A Stop has named it since its last start.
+    pub stopped: bool,
+    /// It was started since it was set up; a program has waited for it since.
+    pub ran: bool,
+    pub awaited: bool,
+    /// The last start went on within the data of its FIFO.
+    pub goes_on: bool,
     /// What was there at the tick before has come to its end.
     pub dry: bool,
     pub unsaid: Option<&'static str>,
@@ -313,6 +320,10 @@ impl Default for Crd {
             fed_here: false,
             late: false,
             certain: false,
+            stopped: false,
+            ran: false,
+            awaited: false,
+            goes_on: false,
             dry: false,
             unsaid: None,
         }
@@ -364,11 +375,13 @@ impl Crd {
         // Where a Stop has held it is known as well as the way to there.
         let waited = if self.rest == Some(Rest::Stopped) { self.waited } else { 0 };
         (self.runs, self.brakes, self.fifo, self.now, self.speed) = (true, false, fifo, at, 0.0);
-        (self.plan, self.rest, self.started_here) = (None, None, true);
+        (self.plan, self.rest, self.started_here, self.stopped) = (None, None, true, false);
+        (self.ran, self.awaited) = (true, false);
         (self.ending, self.began) = (None, at);
         self.counted = [0.0; 4];
         (self.waits, self.waited, self.hindered) = (None, waited, false);
         let of = &mut self.fifos[fifo];
+        self.goes_on = of.left.is_some();
         (of.left, of.seen) = (None, of.entries.len());
     }
 

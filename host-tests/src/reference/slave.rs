@@ -88,6 +88,8 @@ pub struct Slave {
     pub slack: Fix,
     /// Entries done.
     pub done: u64,
+    /// An instant within its master's motion has counted in this tick.
+    pub timed: bool,
 }
 
 /// What a slave needs to know of its master in a tick.
@@ -154,6 +156,7 @@ impl Slave {
             unsaid: None,
             slack: Fix::ZERO,
             done: 0,
+            timed: false,
         }
     }
 
@@ -203,7 +206,7 @@ impl Slave {
     /// Where it goes in a tick.
     pub fn step(&mut self, lead: &Lead, around: &Around, out: &mut Vec<Fix>) -> Outcome {
         let (Some(&first), Some(&last)) = (lead.track.first(), lead.track.last()) else { return Outcome::On };
-        (self.done, self.slack) = (0, Fix::ZERO);
+        (self.done, self.slack, self.timed) = (0, Fix::ZERO, false);
         if let State::Listens { index, level, until } = self.state {
             if (around.inputs >> (index - 1) & 1 == 1) == level {
                 self.resume(first);
@@ -357,6 +360,7 @@ impl Slave {
         if leg.begin == leg.end || at == leg.to {
             return leg.end;
         }
+        self.timed = true;
         if leg.begin == Fix::FAR || leg.end == Fix::FAR {
             self.doubt("an instant on the way of a slave");
             return leg.end;
@@ -393,6 +397,7 @@ impl Slave {
         if until > leg.end || until > lead.times[lead.times.len() - 1] {
             return None;
         }
+        self.timed = true;
         let at = if until == leg.end { Some(leg.to) } else { (lead.at)(until) };
         let Some(at) = at else {
             self.doubt("an instant on the way of a slave");
@@ -562,6 +567,14 @@ impl Slave {
         self.table.curve.slope(self.place, along > Fix::ZERO) * along
     }
 
+    /// What 22 fraction bits of positions and speeds make of it, where its master's is known to
+    /// `of_master`.
+    pub fn velocity_rounding(&self, lead: &Lead, of_master: Fix) -> Fix {
+        let curve = &self.table.curve;
+        let bend = curve.curvature(self.place).unwrap_or(Fix::ZERO).abs();
+        ROUNDED + bend * lead.velocity.abs() * ROUNDED + curve.slope(self.place, true).abs() * of_master
+    }
+
     /// A knot or an end of a pass so near that its velocity may be that of either side.
     pub fn is_near_knot(&self, lead: &Lead) -> bool {
         let along = self.along(lead.velocity);
@@ -579,6 +592,9 @@ impl Slave {
         moves && self.state == State::Runs && self.place != Fix::ZERO && jump > Fix(1 << 44)
     }
 }
+
+/// 2⁻²².
+const ROUNDED: Fix = Fix(1 << 42);
 
 /// What rounding of a master's fixed-point position may decide: 2⁻¹⁴ pulse.
 pub const NEAR: Fix = Fix(1 << 50);

@@ -628,3 +628,67 @@ fn follow_data_after_a_start_right_after_two_modes() {
         ],
     );
 }
+
+/// A master came to a knot in a tick, and a Stop or an Update acted at its end. Its slave took the
+/// way between for a straight line: a delay began and ended at other instants than it should.
+#[test]
+fn a_delay_after_a_master_that_is_planned_again() {
+    let slave = |dir, to: [f64; 4], cycles, kinds: [i16; 2]| {
+        vec![
+            plain(Kind::AxisOn, 0),
+            plain(Kind::AxisOn, 1),
+            ex(Call::PrfFollow { axis: 0, dir }),
+            ex(Call::SetFollowMaster { axis: 0, master: 1, kind: 2, item: 0 }),
+            segment(0, to[0], to[1], kinds[0], 80),
+            Call::FollowEntry { axis: 0, item: Item::Delay { cycles }, fifo: 0 },
+            segment(0, to[2], to[3], kinds[1], 76),
+            ex(Call::FollowStart { mask: 1, option: 0 }),
+        ]
+    };
+    // The knot between both ramps of the Trap, and a Stop.
+    let mut calls = slave(1, [31.0, 45.5, 42.0, 2.375], 16, [1, 3]);
+    calls.extend([
+        Call::SetTrapPrm { axis: 1, acc: 4.722576198740511, dec: 1.4467987464859593 },
+        Call::SetVel { axis: 1, vel: 34.245935942319484 },
+        Call::SetPos { axis: 1, pos: 91 },
+        Call::Update { mask: 2 },
+        Call::Sleep { ns: 4_086_316 },
+        Call::Stop { mask: 2, abrupt: 0 },
+        Call::Sleep { ns: 8 * MS },
+    ]);
+    agrees(1000, &calls);
+    // The begin of a Stop, and an Update a tick later.
+    let mut calls = slave(0, [18.5, -191.0, 70.75, -58.875], 45, [3, 1]);
+    calls.extend([
+        plain(Kind::PrfJog, 1),
+        Call::SetJogPrm { axis: 1, acc: 3.190314471298791, dec: 1.4039514423972281 },
+        Call::SetVel { axis: 1, vel: 22.109962318821207 },
+        Call::Update { mask: 2 },
+        Call::Sleep { ns: 14_854_947 },
+        Call::Stop { mask: 2, abrupt: 0 },
+        Call::Sleep { ns: 554_978 },
+        Call::Update { mask: 2 },
+        Call::Sleep { ns: 5 * MS },
+    ]);
+    agrees(1000, &calls);
+}
+
+/// A Stop of a coordinate system that did not run made a map that followed wait for its instant,
+/// and the light of this instant was late by a tick.
+#[test]
+fn light_after_a_map_after_a_stop_at_standstill() {
+    let light = |what| Call::Light(LightCall { channel: 0, what });
+    let off = [frame(None), plain(Kind::AxisOff, 1), light(LightOf::Map(3)), plain(Kind::AxisOn, 1)];
+    agrees(250, &off);
+    for waits in [false, true] {
+        let mut calls = vec![plain(Kind::AxisOn, 0), plain(Kind::AxisOn, 1), frame(None)];
+        if waits {
+            calls.extend([line(vec![9, 4]), path(Path::Start { mask: 1, option: 0 })]);
+            calls.extend([path(Path::Wait { mask: 1 }), Call::Sleep { ns: 9 * MS }]);
+        }
+        calls.extend([Call::Stop { mask: 1, abrupt: 1 }, Call::Sleep { ns: 1_455_142 }, plain(Kind::ZeroPos, 0)]);
+        calls.extend([light(LightOf::Connector(true)), light(LightOf::Map(1)), light(LightOf::Gate(true))]);
+        calls.push(Call::Sleep { ns: 2 * MS });
+        agrees(250, &calls);
+    }
+}

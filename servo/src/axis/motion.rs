@@ -42,6 +42,7 @@ impl AxisState {
         }
         let (from, _) = self.moving(next, source);
         let AxisState { profile, published, ramps: Ramps { trap, jog, .. }, .. } = self;
+        profile.enter_reached(next);
         profile.begin_ramp(next, |run| {
             if published.mode == Mode::Jog {
                 let Jog { acc, dec, smooth } = *jog;
@@ -51,6 +52,17 @@ impl AxisState {
             }
         });
         self.set_off(StopReason::Completed);
+        self.hold_first_piece(next, from);
+    }
+
+    /// At `next` it is where its piece would have taken it: the first piece of a ramp that begins
+    /// there is not needed before the tick after, and slaves see the pieces of this tick.
+    fn hold_first_piece(&mut self, next: Ns, from: Moving) {
+        let piece = self.profile.piece();
+        if from.velocity.m != 0 && piece.elapsed(next) == piece.span {
+            self.state = MotionState::RampBegins;
+        }
+        self.exact = from.pos;
     }
 
     /// The prepared start begins; false if there is none.
@@ -112,15 +124,10 @@ impl AxisState {
             if self.profile.reports_pass() && self.profile.piece().elapsed(next) >= self.profile.piece().span {
                 self.publish_pass_of(true);
             }
+            self.profile.enter_reached(next);
             self.profile.begin_ramp(next, |run| run.begin_stop(next, from, dec));
             self.set_off(reason);
-            // At `next` it is where its piece would have taken it: the first piece of the ramp is
-            // not needed before the tick after.
-            let piece = self.profile.piece();
-            if from.velocity.m != 0 && piece.elapsed(next) == piece.span {
-                self.state = MotionState::RampBegins;
-            }
-            self.exact = from.pos;
+            self.hold_first_piece(next, from);
             self.end_stream(pt_state::STOPPED);
             self.leave_table(next);
         }

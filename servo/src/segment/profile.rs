@@ -209,6 +209,15 @@ impl Profile {
         self.generator = generator;
     }
 
+    /// Before another motion takes over at `now`: a piece made ahead that has begun by then is in
+    /// force, so that slaves see the motion along it.
+    #[inline]
+    pub(crate) fn enter_reached(&mut self, now: Ns) {
+        if self.ahead().is_some_and(|ahead| ahead.begin < now) {
+            self.enter();
+        }
+    }
+
     /// A ramp takes over at `now`.
     #[inline]
     pub fn begin_ramp(&mut self, now: Ns, begin: impl FnOnce(&mut RampRun)) {
@@ -338,6 +347,9 @@ impl Profile {
         if self.piece().elapsed(now) < self.piece().span {
             return Ok(self.piece());
         }
+        if self.other == Other::Begins {
+            self.enter_first(now, feed, source);
+        }
         match self.reach(now, feed, source) {
             State::Running => Ok(self.other()),
             end => {
@@ -395,7 +407,7 @@ impl Profile {
     pub fn turn(&mut self, now: Ns, feed: Feed, source: &(impl Segments + Tables)) -> State {
         let begins = self.other == Other::Begins;
         if begins {
-            self.pieces[!self.second as usize].span = 0;
+            self.enter_first(now, feed, source);
         }
         let state = self.reach(now, feed, source);
         if state == State::Running {
@@ -407,6 +419,23 @@ impl Profile {
             self.other = Other::BeforeLast;
         }
         state
+    }
+
+    /// Makes the first piece of a ramp. If it is over by `now`, it is in force.
+    #[inline(never)]
+    fn enter_first(&mut self, now: Ns, feed: Feed, source: &(impl Segments + Tables)) {
+        let Generator::Ramp(run) = &self.generator else { return };
+        let begin = run.begins();
+        let first = &mut self.pieces[!self.second as usize];
+        first.span = 0;
+        if self.generator.advance(begin, feed, source, first) != State::Running {
+            return;
+        }
+        self.other = Other::Ahead;
+        if first.elapsed(now) >= first.span {
+            self.enter();
+            self.pieces[!self.second as usize].span = 0;
+        }
     }
 
     /// Makes the piece after the one in force ahead of its tick, so that many axes can enter pieces

@@ -135,6 +135,7 @@ impl Axis {
         }
         if ended {
             self.why = Some(self.ending);
+            self.replans = 0;
             (self.braking, self.late, self.late_velocity) = (None, Fix::ZERO, Fix::ZERO);
             self.past = self.motion.take();
             self.v = Fix::ZERO;

@@ -51,7 +51,7 @@ impl Controller {
             0 => return,
             motion => motion == 2,
         };
-        self.unsettle();
+        self.unsettle(u8::MAX);
         // PT, PVT, Follow and a Trap move come to their end; Jog has none.
         for place in 0..self.axes.len() {
             let axis = &self.axes[place];

@@ -16,7 +16,7 @@ impl Controller {
     /// Acts on the whole controller: dark at once, and all motion brakes.
     pub(super) fn abort(&mut self, core: i16) -> Answer {
         self.is_core(core)?;
-        self.unsettle();
+        self.unsettle(u8::MAX);
         self.light.calls.push(Act::Abort);
         for place in 0..self.axes.len() {
             self.stop_axis(place, false, Why::Abort);

@@ -1,5 +1,6 @@
 //! Calls of laser channels, Stops as they see them, and what their power follows.
 use super::super::call::{Call, members};
+use super::super::crd::Crd;
 use super::super::light::{
     Act, Channel, Command, Distance, Family, INTERLOCK, Law, LightCall, LightOf, Mode, Scaled, Setting, Standby,
     TABLES, crds,
@@ -122,6 +123,13 @@ impl Controller {
                 range((0..4).contains(&map))?;
                 let both = map as u8 | after.owner.map;
                 self.contest(both);
+                let stopped = |(name, crd): (&(i16, i16), &Crd)| {
+                    name.0 == 1 && both >> (name.1 - 1) & 1 == 1 && crd.stopped && crd.ran
+                };
+                if (self.unsettled != 0 || self.switched_off_ns > 0) && self.crds.iter().any(stopped) {
+                    // Whether its light would come back is known at the instant: docs/laser.md.
+                    self.open = Some("a map right after a Stop of its path");
+                }
                 if self.light.channels[number].owner.is_of_path(both) != after.owner.is_of_path(both) {
                     // That is known a tick later.
                     self.open = Some("a map at the instant at which light of a path is withdrawn");
@@ -294,15 +302,16 @@ impl Controller {
         self.rested = self.rested.saturating_sub(1);
         self.light.step(before as f64 / 1e6, now as f64 / 1e6);
         self.open = self.open.or(self.light.open);
-        let mut at = [[0.0; 4]; 2];
+        let (mut at, mut apart) = ([[0.0; 4]; 2], [0.0; 4]);
         for (place, axis) in self.axes.iter().enumerate() {
             let (core, number) = self.site.axes[place];
             if core == 1 && (1..=4).contains(&number) {
                 at[0][number as usize - 1] = axis.name().to_f64();
+                apart[number as usize - 1] = (axis.slack + axis.late + self.rounding(axis)).to_f64();
                 at[1][number as usize - 1] = (axis.encoder[1] - axis.encoder_zero).to_f64();
             }
         }
-        self.light.around.at = at;
+        (self.light.around.at, self.light.around.apart) = (at, apart);
         self.count_speeds(before, now);
     }
 }

@@ -146,7 +146,7 @@ impl Controller {
             Path::Start { mask, option } => return self.start_paths(core, *mask, *option, now),
             Path::Stop { mask, option } => {
                 range(*mask >> CRDS == 0 && *mask >= 0)?;
-                self.unsettle();
+                self.unsettle(if core == 1 { *mask as u8 } else { 0 });
                 if core == 1 {
                     self.stop_light(*mask as u8);
                 }
@@ -292,7 +292,8 @@ impl Controller {
         if of.set.as_ref().is_some_and(|set| set.axes.iter().flatten().any(left)) {
             self.open = Some("a motion whose begin an axis has left, or a Stop of this instant decides");
         }
-        if is_arc && self.unsettled != 0 && of.fifos[fifo].begins().is_none() {
+        let goes_on = of.started_here && of.goes_on;
+        if is_arc && (self.unsettled != 0 || goes_on) && of.fifos[fifo].begins().is_none() {
             // An arc needs to know where it begins: docs/crd.md.
             self.open = Some("an arc that begins a path after a Stop or directly after a WaitStop");
         }
@@ -471,10 +472,21 @@ impl Controller {
         self.crds.get(&name).filter(|_| self.unsettled != 0).map_or(0, |of| of.moved | of.moves())
     }
 
-    /// A Stop: where paths are may be known later than it is so.
-    pub(super) fn unsettle(&mut self) {
+    /// A Stop that names these of core 1: where paths are may be known later than it is so.
+    pub(super) fn unsettle(&mut self, named: u8) {
         (self.unsettled, self.still_ns) = (2, 0);
-        self.crds.values_mut().for_each(|crd| crd.certain = false);
+        for ((core, number), crd) in &mut self.crds {
+            crd.certain = false;
+            crd.stopped |= *core == 1 && named >> (number - 1) & 1 == 1 && !crd.awaited;
+        }
+    }
+
+    /// A program has waited for these paths: from then on they are known to be at standstill.
+    pub(super) fn await_paths(&mut self, axes: u32) {
+        for crd in self.crds.values_mut() {
+            let mapped = crd.set.iter().flat_map(|set| set.axes.into_iter().flatten());
+            crd.awaited |= mapped.into_iter().any(|axis| axes >> axis & 1 == 1);
+        }
     }
 
     /// A Stop of a coordinate system.
@@ -571,6 +583,10 @@ impl Controller {
                 self.open = Some("data in the tick in which a path ends");
             }
             let rested = of.rested.take().map(|(at, braked)| (at, braked, of.rest));
+            let rests = rested.is_some() || of.brakes && of.speed < 1e-6;
+            if of.open && ran && rests && name.0 == 1 && !self.light.calls.is_empty() {
+                self.open = Some("a call of a laser where a path comes to rest on the tick");
+            }
             let mut halted = false;
             for (_, then) in then.iter().filter(|(of, _)| of == name) {
                 if halted && *then == PathThen::Brake && name.0 == 1 && self.light.is_lit(name.1 as usize - 1) {

@@ -6,7 +6,7 @@ use super::super::call::{Call, Kind, members};
 use super::super::light::{Act, SERVO_OFF};
 use super::super::number::Fix;
 use super::answer::{Answer, DONE, check, either, range};
-use super::{Controller, Reply, Then, Value};
+use super::{Controller, Reply, SETTLED, Then, Value};
 
 /// 2⁻²⁰ pulse: a way that may be rounding.
 const ROUNDED: Fix = Fix(1 << 44);
@@ -28,6 +28,10 @@ impl Controller {
                 axis.halt(Why::ServoOff);
                 self.then[place] = None;
                 self.light.calls.extend(fault);
+                if let Some(of) = crd.and_then(|crd| self.crds.get_mut(&(1, crd as i16 + 1))) {
+                    of.stopped |= !of.awaited;
+                    self.switched_off_ns = SETTLED;
+                }
             }
             Kind::ZeroPos => {
                 check(!axis.runs())?;
@@ -158,9 +162,9 @@ impl Controller {
     }
 
     pub(super) fn stop(&mut self, mask: u32, abrupt: u32) -> Answer {
-        self.unsettle();
         let of = |place: usize| self.axes[place].light_crd().or(self.axes[place].geared_crd());
         let named = members(mask).filter_map(of).fold(0, |mask, crd| mask | 1 << crd);
+        self.unsettle(named);
         self.stop_light(named);
         // A call stops a path once: abruptly, if it stops one of its axes so.
         let mut paths = BTreeMap::new();

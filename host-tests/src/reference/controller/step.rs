@@ -62,6 +62,17 @@ impl Controller {
             }
             axis.replanned = then.is_some();
             axis.step(before, now, lead.as_ref(), self.levels.inputs);
+            if let (Some(Motion::Slave(slave)), Some(lead)) = (&axis.motion, &lead)
+                && slave.timed
+                && legs(lead.times) > 2
+            {
+                open = Some("a delay of a slave whose master has several knots in a tick");
+            }
+            axis.velocity_rounding = Fix::ZERO;
+            if let (Some(lead), Some(Motion::Slave(slave)), Some(master)) = (&lead, &axis.motion, master) {
+                let of = if master.is_sampled() { Fix::ZERO } else { self.axes[master.axis].velocity_rounding };
+                axis.velocity_rounding = slave.velocity_rounding(lead, of);
+            }
             if let Some(lead) = &lead
                 && was_slave
             {
@@ -143,6 +154,11 @@ impl Controller {
         self.step_light(before, now);
         self.change_outputs();
     }
+}
+
+/// Parts of a motion between knots; what two of them are apart by rounding is none.
+fn legs(times: &[Fix]) -> usize {
+    times.windows(2).filter(|leg| leg[1] - leg[0] > Fix(1 << 44)).count()
 }
 
 /// Whether a motion goes beyond its ends.

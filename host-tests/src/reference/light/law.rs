@@ -87,6 +87,8 @@ pub struct Around {
     /// Tables of power against speed and of ratios as they were set; none is changed.
     pub powers: Vec<Line>,
     pub ratios: Vec<Ratio>,
+    /// What planned ones may be off beyond SPEC 11.
+    pub apart: [f64; 4],
 }
 
 /// Pulses without light.
@@ -235,7 +237,8 @@ impl Law {
                 let ([ratio, steep], way) = (ratios[axis], (at[axis] - f64::from(from[axis])) / scale[axis]);
                 sum += (way * ratio).clamp(-limits[axis], limits[axis]);
                 // 2⁻¹⁶ pulse.
-                slack += ((ratio / scale[axis]).abs() + (way * steep).abs()) * 2f64.powi(-16);
+                let apart = if encoder { 0.0 } else { around.apart[axis] };
+                slack += ((ratio / scale[axis]).abs() + (way * steep).abs()) * (2f64.powi(-16) + apart);
             }
             if let Some([min, max]) = bounds.filter(|_| self.family == Family::Gus) {
                 (low, high) = (low.max(min), high.min(max));

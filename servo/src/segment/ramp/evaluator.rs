@@ -197,6 +197,11 @@ impl RampRun {
         self.jerk_phase.begin = self.jerk_phase.begin.wrapping_add(by);
     }
 
+    /// When the next phase begins: of a motion of which nothing was made, the motion.
+    pub(crate) fn begins(&self) -> Ns {
+        Ns((self.time >> 32) as u64)
+    }
+
     /// When the motion will have ended, 2⁻³² ns; a Jog never does.
     pub fn end(&self) -> Fine {
         let mut run = *self;

@@ -1,0 +1,156 @@
+//! Programs of two narrow kinds: slaves of FollowEx with delays, whose masters are planned again
+//! and again; paths with delays, Stops and Aborts, and calls that must know whether they are at
+//! rest. The programs of the generator seldom come to either.
+//!
+//! `REFERENCE_FOCUSED` sets how many there are of each.
+use super::found::{MS, ex, gus, path, plain, segment};
+use super::judge::{Tally, finding};
+use host_tests::reference::chance::Chance;
+use host_tests::reference::{Call, Item, Kind, LightCall, LightOf, Path, Speeds};
+
+fn entry(axis: usize, item: Item) -> Call {
+    Call::FollowEntry { axis, item, fifo: 0 }
+}
+
+/// A slave with delays; a Jog or Trap as its master.
+fn delays(c: &mut Chance) -> Vec<Call> {
+    let mut calls = vec![plain(Kind::AxisOn, 0), plain(Kind::AxisOn, 1), plain(Kind::AxisOn, 2)];
+    let jog = c.below(2) == 0;
+    if jog {
+        calls.push(plain(Kind::PrfJog, 1));
+        calls.push(Call::SetJogPrm { axis: 1, acc: c.log(0.2, 8.0), dec: c.log(0.2, 8.0) });
+    } else {
+        calls.push(Call::SetTrapPrm { axis: 1, acc: c.log(0.2, 8.0), dec: c.log(0.2, 8.0) });
+    }
+    let dir = [0, 1, -1, 1][c.below(4) as usize];
+    calls.push(ex(Call::PrfFollow { axis: 0, dir }));
+    calls.push(ex(Call::SetFollowMaster { axis: 0, master: 1, kind: 2, item: 0 }));
+    let mut at = 0.0;
+    let sign = if dir < 0 || dir == 0 && c.below(2) == 0 { -1.0 } else { 1.0 };
+    for _ in 0..2 + c.below(4) {
+        at += (c.log(5.0, 200.0) * 4.0).round() / 4.0;
+        let m = if dir < 0 { at } else { at * sign };
+        calls.push(segment(
+            0,
+            m,
+            (c.log(2.0, 300.0) * 8.0).round() / 8.0 * c.sign(),
+            c.below(4) as i16,
+            c.below(101) as i16,
+        ));
+        if c.below(3) > 0 {
+            calls.push(entry(0, Item::Delay { cycles: c.below(60) as u32 }));
+        }
+    }
+    calls.push(ex(Call::SetFollowLoop { axis: 0, loops: c.below(3) as _ }));
+    calls.push(ex(Call::FollowStart { mask: 1, option: 0 }));
+    let vel = |c: &mut Chance| c.log(2.0, 60.0);
+    let mut place = 0.0;
+    for _ in 0..2 + c.below(5) {
+        if jog {
+            let v = vel(c) * if c.below(4) == 0 { -sign } else { sign };
+            calls.push(Call::SetVel { axis: 1, vel: v });
+        } else {
+            calls.push(Call::SetVel { axis: 1, vel: vel(c) });
+            place += c.log(10.0, 300.0) * if c.below(4) == 0 { -sign } else { sign };
+            calls.push(Call::SetPos { axis: 1, pos: place as i32 });
+        }
+        calls.push(Call::Update { mask: 2 });
+        calls.push(Call::Sleep { ns: c.log(1e6, 2e7) as i64 });
+        if c.below(2) == 0 {
+            calls.push(Call::Stop { mask: 2, abrupt: 0 });
+            if c.below(2) == 0 {
+                calls.push(Call::Sleep { ns: c.log(1e5, 1e7) as i64 });
+            } else {
+                calls.push(Call::WaitStop { mask: 2 });
+            }
+        }
+    }
+    calls.push(Call::Sleep { ns: 20 * MS });
+    calls
+}
+
+fn light(what: LightOf) -> Call {
+    Call::Light(LightCall { channel: 0, what })
+}
+
+/// Paths with delays, stops, starts again.
+fn paths(c: &mut Chance) -> Vec<Call> {
+    let mut calls = vec![plain(Kind::AxisOn, 0), plain(Kind::AxisOn, 1), plain(Kind::AxisOn, 2)];
+    calls.push(light(LightOf::Carrier(20.0)));
+    calls.push(light(LightOf::Connector(true)));
+    calls.push(light(LightOf::Power(40.0)));
+    let set =
+        Path::Set { crd: 1, axes: vec![0, 1], vel: c.log(2.0, 50.0), acc: c.log(0.5, 20.0), even_ms: 0, origin: None };
+    calls.push(path(set));
+    let mut to = [0i32; 2];
+    for _ in 0..1 + c.below(3) {
+        for _ in 0..1 + c.below(4) {
+            match c.below(3) {
+                0 => calls.push(path(Path::Delay { crd: 1, ms: [0, 0, 1, 3, 7][c.below(5) as usize], fifo: 0 })),
+                _ => {
+                    let k = c.below(2) as usize;
+                    to[k] += (c.log(1.0, 60.0) * c.sign()) as i32;
+                    let speeds = Speeds {
+                        vel: c.log(1.0, 50.0),
+                        acc: c.log(0.5, 20.0),
+                        end: if c.below(2) == 0 { 0.0 } else { c.log(0.1, 20.0) },
+                    };
+                    calls.push(path(Path::Line { crd: 1, to: to.to_vec(), speeds, fifo: 0 }));
+                }
+            }
+        }
+        for _ in 0..1 + c.below(3) {
+            calls.push(path(Path::Start { mask: 1, option: 0 }));
+            calls.push(Call::Sleep { ns: c.log(1e5, 2e7) as i64 });
+            match c.below(5) {
+                0 => calls.push(Call::Stop { mask: 1, abrupt: 0 }),
+                1 => calls.push(Call::Stop { mask: 1, abrupt: 1 }),
+                2 => calls.push(Call::Abort { core: 1 }),
+                3 => calls.push(path(Path::Stop { mask: 1, option: c.below(2) as i32 })),
+                _ => {}
+            }
+            match c.below(3) {
+                0 => calls.push(Call::WaitStop { mask: 3 }),
+                1 => calls.push(Call::Sleep { ns: c.log(1e5, 5e6) as i64 }),
+                _ => {}
+            }
+            match c.below(8) {
+                0 => calls.push(light(LightOf::Map(1))),
+                1 => calls.push(plain(Kind::AxisOn, 2)),
+                2 => calls.push(plain(Kind::AxisOn, 0)),
+                3 => calls.push(light(LightOf::Gate(true))),
+                4 => calls.push(plain(Kind::GetSts, 0)),
+                _ => {}
+            }
+        }
+    }
+    calls.push(Call::Sleep { ns: 20 * MS });
+    calls
+}
+
+#[test]
+fn focused_programs_agree() {
+    let site = gus();
+    let count: u64 = std::env::var("REFERENCE_FOCUSED").ok().and_then(|text| text.parse().ok()).unwrap_or(300);
+    let mut tally = Tally::new();
+    for kind in [delays, paths] {
+        let mut rigs = [const { None }; 3];
+        for seed in 0..count {
+            let calls = kind(&mut Chance::new(seed + 1));
+            let index = (seed % 3) as usize;
+            let tick_us = [250, 1000, 100][index];
+            if let Some(report) = finding(&mut rigs[index], &site, tick_us, &calls, &mut tally) {
+                panic!("focused program {seed}: {report}");
+            }
+        }
+    }
+    let tried = |what: &str| tally.get(what).copied().unwrap_or(0);
+    println!("{tally:#?}");
+    if count >= 300 {
+        let open: u64 = tally.iter().filter(|(what, _)| what.starts_with("cut short")).map(|(_, count)| count).sum();
+        assert!(open * 2 < tried("programs"), "{open} were cut short");
+        for what in ["ticks in which a slave of FollowEx moves", "paths ended", "aborts of motion"] {
+            assert!(tried(what) >= 50, "{what}: {}", tried(what));
+        }
+    }
+}
