@@ -122,7 +122,7 @@ fn the_tests_that_the_pages_name_are_there() {
     let is_name =
         |text: &&str| text.matches('_').count() > 2 && !text.contains(|c: char| !(c.is_ascii_lowercase() || c == '_'));
     let read = |page: &str| std::fs::read_to_string(root.join(page)).unwrap();
-    for (page, least) in [("docs/laser.md", 50), ("docs/safety.md", 2), ("docs/evidence.md", 65)] {
+    for (page, least) in [("docs/laser.md", 50), ("docs/safety.md", 0), ("docs/evidence.md", 150)] {
         let text = read(page);
         let names: Vec<&str> = text.split('`').skip(1).step_by(2).filter(is_name).collect();
         assert!(names.len() > least, "{page}: {}", names.len());
