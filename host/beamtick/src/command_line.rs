@@ -10,7 +10,7 @@ use trace::AxisName;
 /// A job is a text file (.gts) in the notation of the controller manuals; docs/jobs.md describes
 /// it.
 #[derive(Debug, Parser)]
-#[command(version, after_help = EXAMPLES)]
+#[command(version, after_help = EXAMPLES, max_term_width = 80)]
 pub struct CommandLine {
     /// What to do.
     #[command(subcommand)]
@@ -202,6 +202,7 @@ impl Outputs {
 /// `beamtick plot`.
 #[derive(Debug, Args)]
 #[command(group = ArgGroup::new("drawn").args(["output", "xy"]).multiple(true).required(true))]
+#[command(override_usage = "beamtick plot [OPTIONS] --output FILE and/or --xy FILE <TRACE>")]
 pub struct PlotFile {
     /// The trace (docs/jobs.md), also one that was cut off; - is the standard input.
     pub trace: PathBuf,

@@ -164,7 +164,9 @@ pub fn link(given: Option<&str>, drawing: &Drawing) -> Result<String, Failure> {
         Some(link) => Ok(link.to_owned()),
         None => of_file.ok_or_else(|| {
             Failure::Input(
-                "--link is missing: tcp:HOST:PORT, serial:PATH[:BAUD] or qemu. No machine file names one; `beamtick sim` is for the virtual board".to_owned(),
+                "--link is missing: tcp:HOST:PORT, serial:PATH[:BAUD] or qemu. No machine file names a board; \
+                 for the virtual one there is `beamtick sim`"
+                    .to_owned(),
             )
         }),
     }

@@ -30,6 +30,24 @@ fn failing(text: &str) -> (String, i32) {
     (errors, code)
 }
 
+/// Help is read in a terminal of 80 columns.
+#[test]
+fn help_is_at_most_80_columns_wide() {
+    let (out, _, code) = beamtick(&["--help"]);
+    let commands = out.split("Commands:").nth(1).unwrap().split("Options:").next().unwrap();
+    let names: Vec<&str> = commands.lines().filter_map(|line| line.strip_prefix("  ")?.split(' ').next()).collect();
+    let names: Vec<&str> = names.into_iter().filter(|name| !name.is_empty()).collect();
+    assert!(code == 0 && names.len() > 9, "{names:?}");
+    for words in names.iter().flat_map(|name| [vec![*name, "--help"], vec![*name, "-h"]]).chain([vec!["--help"]]) {
+        let words: Vec<&str> = if words[0] == "help" { vec!["help"] } else { words };
+        let (out, errors, code) = beamtick(&words);
+        assert_eq!(code, 0, "{words:?}: {errors}");
+        for line in out.lines() {
+            assert!(line.chars().count() <= 80, "{words:?}: {line}");
+        }
+    }
+}
+
 #[test]
 fn the_trapezoid_ends_where_and_when_it_should() {
     let folder = tempfile::tempdir().unwrap();

@@ -290,6 +290,38 @@ fn what_is_wrong_has_line_and_reason_and_nothing_moves() {
 /// F is mm/min (or 1/min of a motion) along the path, whatever the axes count a mm; no axis passes
 /// its rate.
 #[test]
+fn light_that_is_weaker_than_asked_is_noted() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    write("m.toml", &machine(&MACHINES[0], "gus", FULL));
+    // The axes go at 30,000 mm/min: along one of them, and 3 : 4 between two of them.
+    for (program, says) in [
+        ("M4 S500\nG1 X-30 F30000", None),
+        ("M4 S500\nG1 X-30 F30001", Some("p.nc:2: note: 30001 mm/min are asked for, and the machine reaches 30000")),
+        ("G91\nM4 S500\nG1 X-30 Y-40 F37500\nX-30 F45000", Some("p.nc:4: note: 45000 mm/min are asked for")),
+        (
+            "G91\nM4 S500\nG1 X-30 Y-40 F37501",
+            Some("p.nc:3: note: 37501 mm/min are asked for, and the machine reaches 37500"),
+        ),
+        ("M3 S500\nG1 X-30 F45000", None),
+        ("M4 S0\nG1 X-30 F45000", None),
+    ] {
+        write("p.nc", program);
+        let (said, code) = beamtick(folder.path(), &["check", "p.nc", "--machine", "m.toml"]);
+        assert!(code == 0 && said.contains("are asked for") == says.is_some(), "{program}: {said}");
+        assert!(says.is_none_or(|says| said.contains(says)), "{program}: {said}");
+    }
+    let page = "<svg xmlns='http://www.w3.org/2000/svg' width='9mm' height='9mm'><path d='M0 0h9' stroke='red'/></svg>";
+    write("d.svg", page);
+    for (speed, noted) in [("30000", false), ("30001", true)] {
+        let layer = format!("power=20,speed={speed}");
+        let words = ["check", "d.svg", "--machine", "m.toml", "--layer", &layer];
+        let (said, code) = beamtick(folder.path(), &words);
+        assert!(code == 0 && said.contains("d.svg: note: 30001 mm/min are asked for") == noted, "{said}");
+    }
+}
+
+#[test]
 fn speeds_are_in_mm() {
     let folder = tempfile::tempdir().unwrap();
     let axes = &MACHINES[2];

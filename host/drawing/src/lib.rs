@@ -64,12 +64,13 @@ pub fn import(
         let why: String = notes.iter().take(4).map(|note| format!("; {note}")).collect();
         return Err(format!("{name}: there is nothing to mark: no shape has a stroke{why}; nothing was run"));
     }
-    let notes = notes.into_iter().map(|note| format!("{name}: note: {note}")).collect();
     let mut writer = Writer::new(name, EACH, machine)?;
     if let Some(watch) = watch {
         writer.watched(watch);
     }
     plan::plan(shapes, machine, options, &mut writer).map_err(|why| format!("{name}: {why}; nothing was run"))?;
+    let notes = notes.into_iter().chain(writer.notes().into_iter().map(|(_, note)| note));
+    let notes = notes.map(|note| format!("{name}: note: {note}")).collect();
     let extent = writer.extent();
     Ok(Imported { job: writer.finish(), notes, extent })
 }

@@ -50,7 +50,8 @@ pub fn import_shown(
     if let Some(watch) = watch {
         writer.watched(watch);
     }
-    let notes = interpreter::run(name, text, machine, options, &mut writer)?;
+    let mut notes = interpreter::run(name, text, machine, options, &mut writer)?;
+    notes.extend(writer.notes().into_iter().map(|(line, note)| format!("{name}:{line}: note: {note}")));
     let extent = writer.extent();
     Ok(Imported { job: writer.finish(), notes, extent })
 }

@@ -86,7 +86,17 @@ pub struct Writer<'a> {
     covered: [Option<[(f64, f64); 3]>; 2],
     length: [f64; 2],
     time: Estimate,
+    /// The first mark with power in proportion to a speed that the machine does not reach there.
+    hasty: Option<Hasty>,
     watch: Option<Watch<'a>>,
+}
+
+/// A mark that asks for more speed than the machine reaches there, mm/min.
+#[derive(Debug, Clone, Copy)]
+struct Hasty {
+    line: usize,
+    asked: f64,
+    reached: f64,
 }
 
 /// The corner time. An axis that passes a jump of velocity a·T in the time T with the acceleration
@@ -135,6 +145,7 @@ impl<'a> Writer<'a> {
             covered: [None; 2],
             length: [0.0; 2],
             time: Estimate::new(machine, at, corner_ms(machine)),
+            hasty: None,
             watch: None,
         };
         writer.begin(name, each);
@@ -404,8 +415,27 @@ impl<'a> Writer<'a> {
         self.entered();
     }
 
+    /// What the user ought to know of the job: its line, where it has one, and the text.
+    pub fn notes(&self) -> Vec<(usize, String)> {
+        let hasty = self.hasty.iter().map(|Hasty { line, asked, reached }| {
+            let text = format!(
+                "{asked:.0} mm/min are asked for, and the machine reaches {reached:.0} there; light whose power follows \
+                 the speed stays weaker"
+            );
+            (*line, text)
+        });
+        hasty.collect()
+    }
+
     /// mm/min of a stroke, where the machine reaches so much.
-    fn speed(&self, stroke: &Stroke, rate: f64) -> f64 {
+    fn speed(&mut self, stroke: &Stroke, rate: f64) -> f64 {
+        if let (Some(speed), Light::Follow(_)) = (stroke.speed, stroke.light) {
+            let asked = speed * self.feed;
+            // Rates of directions are rounded.
+            if asked > rate * 1.000_001 {
+                self.hasty.get_or_insert(Hasty { line: stroke.line, asked, reached: rate });
+            }
+        }
         stroke.speed.map_or(rate * self.rapid, |speed| (speed * self.feed).min(rate))
     }
 
