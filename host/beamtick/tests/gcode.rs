@@ -289,6 +289,31 @@ fn what_is_wrong_has_line_and_reason_and_nothing_moves() {
 
 /// F is mm/min (or 1/min of a motion) along the path, whatever the axes count a mm; no axis passes
 /// its rate.
+/// The slowest motion of the controller is 2⁻²⁰ pulse/ms.
+#[test]
+fn what_is_slower_than_the_controller_moves_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    write("m.toml", &machine(&[("1", 1, "0"), ("1", 1, "0"), ("1", 1, "0")], "gus", FULL));
+    let page = "<svg xmlns='http://www.w3.org/2000/svg' width='9mm' height='9mm'><path d='M0 0h9' stroke='red'/></svg>";
+    write("d.svg", page);
+    // 60,000 · 2⁻²⁰ mm/min are 0.0572.
+    for (speed, taken) in [("0.0573", true), ("0.0572", false), ("0.01", false)] {
+        write("p.nc", &format!("M3 S500\nG1 X5 F6000\nG1 X6 F{speed}"));
+        let layer = format!("power=10,speed={speed}");
+        let says = format!("{speed} mm/min are asked for; the slowest motion is 0.057220 mm/min, at 1 pulses a mm");
+        for (words, place) in [(&["p.nc"][..], "p.nc:3: "), (&["d.svg", "--layer", &layer], "d.svg: layer ")] {
+            let (said, code) = beamtick(folder.path(), &[&["check"], words, &["--machine", "m.toml"]].concat());
+            assert_eq!(code, if taken { 0 } else { 2 }, "{words:?}: {said}");
+            assert!(taken || said.contains(place) && said.contains(&says), "{words:?}: {said}");
+        }
+    }
+    // A motion without length has no speed.
+    write("p.nc", "G93 G1 X0 F0.001\nG94 G1 X5 F60");
+    let (said, code) = beamtick(folder.path(), &["check", "p.nc", "--machine", "m.toml"]);
+    assert_eq!(code, 0, "{said}");
+}
+
 #[test]
 fn light_that_is_weaker_than_asked_is_noted() {
     let folder = tempfile::tempdir().unwrap();

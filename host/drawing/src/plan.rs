@@ -35,6 +35,7 @@ pub fn plan(
     }
     let mut plan = Plan::new(machine, writer);
     for (layer, shapes) in layers::sort(shapes, machine)? {
+        plan.writer.check_speed(layer.speed).map_err(|why| format!("layer \"{}\": {why}", layer.name))?;
         let mut at = plan.at;
         let shapes = order(shapes, &mut at);
         let light = match layer.light {

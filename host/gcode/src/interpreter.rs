@@ -493,6 +493,9 @@ impl<'a> State<'a> {
             // A picture shows what leaves the travel.
             self.within(axis, *at, 0).inspect_err(|_| writer.show(&stroke))?;
         }
+        if let Some(speed) = speed.filter(|_| length > 0.0) {
+            writer.check_speed(speed)?;
+        }
         writer.stroke(&stroke);
         self.at = to;
         Ok(())

@@ -13,6 +13,8 @@ use std::fmt::Write;
 const AHEAD: usize = 400;
 /// Entries that the look-ahead holds.
 const LOOK_AHEAD: u32 = 200;
+/// The slowest motion of the controller, pulse/ms.
+const SLOWEST: f64 = 1.0 / (1 << 20) as f64;
 /// The longest BufDelay, ms.
 const DELAY_MAX: u64 = 65_535;
 
@@ -413,6 +415,20 @@ impl<'a> Writer<'a> {
         }
         self.at = to;
         self.entered();
+    }
+
+    /// Whether the controller runs a motion of so many mm/min, whichever axes it moves.
+    ///
+    /// # Errors
+    /// The speed and the least one.
+    pub fn check_speed(&self, speed: f64) -> Result<(), String> {
+        let steps = self.scales.iter().map(|scale| scale.per_mm.abs()).fold(f64::INFINITY, f64::min);
+        let least = SLOWEST / steps * 60_000.0;
+        if speed * self.feed >= least {
+            return Ok(());
+        }
+        let asked = speed * self.feed;
+        Err(format!("{asked} mm/min are asked for; the slowest motion is {least:.6} mm/min, at {steps} pulses a mm"))
     }
 
     /// What the user ought to know of the job: its line, where it has one, and the text.
