@@ -107,6 +107,9 @@ struct Gate {
     stopped: bool,
     /// A standstill that comes is that of `!`.
     asked: bool,
+    /// A Stop was sent after the last start. One that finds the path at standstill would take the
+    /// light that comes back (SPEC 6): there is no second one.
+    halts: bool,
 }
 
 struct Shared {
@@ -234,7 +237,11 @@ impl Feed {
     /// The path comes to rest on itself, dark, and may go on.
     pub fn hold(&self) -> Result<(), Error> {
         let mut gate = locked(&self.shared.gate);
-        (gate.held, gate.asked) = (true, true);
+        gate.held = true;
+        if gate.halts {
+            return Ok(());
+        }
+        (gate.asked, gate.halts) = (true, true);
         let stop = CrdStop { core: CORE.into(), mask: 1.into(), option: 0.into() };
         self.client.call(stop).map(drop)
     }
@@ -619,7 +626,7 @@ impl Feeder {
         if gate.held || gate.stopped {
             return Ok(());
         }
-        gate.asked = false;
+        (gate.asked, gate.halts) = (false, false);
         let started = self.client.call(CrdStart { core: CORE.into(), mask: 1.into(), option: 0.into() });
         drop(gate);
         match started {

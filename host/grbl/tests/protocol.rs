@@ -271,6 +271,22 @@ fn a_hold_is_dark_on_the_path_and_goes_on_with_its_light() {
     assert!(rig.lit());
     sender.idle();
     assert_eq!(rig.at(), [0.0, 0.0]);
+    // ~ and a hold at once: it stands on, and the light comes back with the next ~.
+    sender.ok("G1 X50 F1200");
+    sender.until(|status| status.at[0] > 10.0);
+    sender.send("!");
+    sender.until(|status| status.state == "Hold:0");
+    for again in ["~!", "~!~!", "~!!"] {
+        sender.send(again);
+        assert_eq!((sender.status().state.as_str(), rig.lit()), ("Hold:0", false), "{again}");
+    }
+    let [from, _] = rig.at();
+    sender.send("~");
+    sender.until(|status| status.at[0] > from / 100.0 + 2.0 && status.at[0] < 45.0);
+    assert!(rig.lit());
+    sender.idle();
+    sender.ok("G0 X0");
+    sender.idle();
     // A hold and ~ at once: it stands once, and goes on.
     sender.ok("G1 X50 F1200");
     sender.until(|status| status.at[0] > 10.0);
