@@ -12,7 +12,7 @@ const NAMED: usize = 6;
 pub fn sort(shapes: Vec<Shape>, machine: &Machine) -> Result<Vec<(&Layer, Vec<Shape>)>, String> {
     if machine.layers.is_empty() {
         return Err("the machine file has no [[layers]], which say the power and the speed of strokes; \
-             docs/drawings.md shows one, or give --layer power=…,speed=…"
+             docs/machine.md shows some, or give --layer power=…,speed=…"
             .to_owned());
     }
     let mut found: Vec<(&Layer, Vec<Shape>)> = machine.layers.iter().map(|layer| (layer, Vec::new())).collect();

@@ -241,9 +241,12 @@ impl Feed {
         if gate.halts {
             return Ok(());
         }
-        (gate.asked, gate.halts) = (true, true);
+        gate.asked = true;
         let stop = CrdStop { core: CORE.into(), mask: 1.into(), option: 0.into() };
-        self.client.call(stop).map(drop)
+        let stopped = self.client.call(stop).map(drop);
+        // One that failed has stopped nothing: the next hold sends another.
+        gate.halts = stopped.is_ok();
+        stopped
     }
 
     /// The path goes on, once it stands.
