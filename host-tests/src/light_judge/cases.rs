@@ -164,6 +164,22 @@ fn causes() {
     assert_eq!(reported(settings(), &and(&[(50, ON)])).1, 1);
 }
 
+/// A clear that acts late may come before a cause or after it; one that does not, comes before.
+#[test]
+fn a_clear_about_a_cause() {
+    let wrong = |until: Ns, answer: What| {
+        let mut judge = Judge::new(settings(), 1);
+        let cause = Fact { lo: 52, hi: 54, what: What::FaultOfAll };
+        for fact in [Fact { lo: 50, hi: until, what: cleared(1) }, cause, Fact::at(70, answer)] {
+            judge.take(&fact);
+        }
+        judge.finish(1000).1.len()
+    };
+    assert_eq!((wrong(50, REFUSED), wrong(50, ON)), (0, 1));
+    assert_eq!((wrong(56, REFUSED), wrong(56, ON)), (0, 0));
+    assert_eq!((wrong(52, REFUSED), wrong(52, ON)), (0, 1));
+}
+
 #[test]
 fn a_lost_link() {
     let lost = [

@@ -61,6 +61,7 @@ impl Judge {
             old_map: (0, Ns::MIN / 2),
             fault: Maybe::No,
             fault_since: Ns::MIN / 2,
+            clears_until: Ns::MIN / 2,
             lost: None,
             quiet: false,
             safe_since: None,
@@ -133,6 +134,9 @@ impl Judge {
                 for channel in members(channels) {
                     let of = &mut self.channels[channel];
                     of.quiet &= !by_name;
+                    if self.now.1 > self.now.0 {
+                        of.clears_until = self.now.1;
+                    }
                     // One that came just now may have come after it.
                     let gone = gone && self.now.0 - of.fault_since > 3 * self.near;
                     of.fault = if gone || of.fault == Maybe::No { Maybe::No } else { Maybe::Doubt };

@@ -357,6 +357,11 @@ impl Builder<'_> {
                 Do::CrdStop { crds, .. } => What::Stop { crds, ends_follow: 0 },
                 Do::AxisStop { axis } => What::Stop { crds: 1 << (axis / 2), ends_follow: 0 },
                 Do::CrdClear { crd, fifo } => What::CrdClear { crd, fifo },
+                Do::PosErr { axis, .. } => {
+                    // An error that a lower limit finds shows nothing new where one is latched.
+                    self.again(axis / 2, at);
+                    continue;
+                }
                 _ => continue,
             };
             let late = self.late(sent);

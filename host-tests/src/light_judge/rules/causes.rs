@@ -11,7 +11,9 @@ impl Judge {
         let now = self.now;
         for of in self.channels.iter_mut().filter(|of| hit(of)) {
             of.cut(now);
-            (of.fault, of.fault_since) = (Maybe::Yes, now.0);
+            // A clear that acts late may come after it.
+            let fault = if of.clears_until > now.0 { Maybe::Doubt } else { Maybe::Yes };
+            (of.fault, of.fault_since) = (fault, now.0);
         }
     }
 

@@ -73,6 +73,8 @@ pub(super) struct Channel {
     pub(super) old_map: (u8, Ns),
     pub(super) fault: Maybe,
     pub(super) fault_since: Ns,
+    /// Until when a clear that was made late may still act.
+    pub(super) clears_until: Ns,
     pub(super) lost: Option<Lost>,
     /// Nothing is output at all until the next laser command.
     pub(super) quiet: bool,
