@@ -1,12 +1,12 @@
 //! One lane into the tick: the ring's end, the numbering, and a log of what is in flight.
 //!
-//! In: staged operations with their changes. Out: entries in the ring; changes for the executed
+//! In: staged tick commands with their changes. Out: entries in the ring; changes for the executed
 //! state once the view shows that their entries were executed.
 //! Fails: what does not fit is for the caller to try again later ([`Lane::room`]).
 use crate::shadow::{Change, Shadows, executed, is_up_to, seq_after};
 use heapless::Deque;
 use ring::Producer;
-use servo::op::{Entry, Op};
+use servo::tick_command::{Entry, TickCommand};
 use servo::units::Ns;
 use servo::view::View;
 
@@ -71,13 +71,21 @@ impl<'a, const N: usize> Lane<'a, N> {
     pub fn may_free(&self) -> bool {
         self.log.iter().any(|(_, change)| change.may_free())
     }
-    /// Pushes one operation; false if there is no room.
-    pub fn push<const AXES: usize>(&mut self, op: Op, change: Change, delay: u64, ahead: &mut Shadows<AXES>) -> bool {
+    /// Pushes one tick command; false if there is no room.
+    pub fn push<const AXES: usize>(
+        &mut self,
+        command: TickCommand,
+        change: Change,
+        delay: u64,
+        ahead: &mut Shadows<AXES>,
+    ) -> bool {
         if self.room() == 0 {
             return false;
         }
         let seq = seq_after(self.last);
-        if self.ring.push(Entry { seq, delay: Ns(delay), op }).is_err() || self.log.push_back((seq, change)).is_err() {
+        if self.ring.push(Entry { seq, delay: Ns(delay), command }).is_err()
+            || self.log.push_back((seq, change)).is_err()
+        {
             return false;
         }
         self.last = seq;

@@ -4,7 +4,7 @@
 //! board.
 //!
 //! In: bytes from the wire, the tick's view, events and samples. Out: bytes to the wire, admitted
-//! operations into the two lanes of the tick, segments into the axes' stores, a trace stream.
+//! tick commands into the two lanes of the tick, segments into the axes' stores, a trace stream.
 //! Owns: the host link's end, the shadow state, the program queue, the replies that wait.
 //! Sans-IO: time is an argument, no call blocks, the work of a [`Server::poll`] is bounded.
 //! Fails: bad input from the wire is answered with a return code and a reason, and changes nothing.

@@ -1,7 +1,7 @@
 //! The shadow state: what the thread knows of axes, coordinate systems and lasers without asking
 //! the tick.
 //!
-//! In: [`Change`]s, one with every operation that is pushed into a lane. Out: the values that
+//! In: [`Change`]s, one with every tick command that is pushed into a lane. Out: the values that
 //! admissions and reads need.
 //! There are two copies. *Admitted* is the state after everything that was admitted, *executed* the
 //! state after everything that the tick has executed, but for what a reply that waits keeps back
@@ -25,8 +25,8 @@ pub use follow::Fifo;
 use protocol::command::{JogPrm, TrapPrm};
 use servo::Fifos;
 use servo::laser::CHANNELS;
-use servo::op::{Mode, Op};
 use servo::segment::pvt::TABLES;
+use servo::tick_command::{Mode, TickCommand};
 use servo::units::{Axis, AxisMask, Crd, CrdMask, Ns, Pos};
 use servo::view::View;
 pub use watch::Watch;
@@ -34,7 +34,7 @@ pub use watch::Watch;
 /// Software limits at these values are off.
 pub const SOFT_OFF: (i32, i32) = (i32::MAX, i32::MIN);
 
-/// What a pushed operation changes in the shadow state.
+/// What a pushed tick command changes in the shadow state.
 #[derive(Debug, Clone, Copy)]
 pub enum Change {
     /// Nothing.
@@ -258,41 +258,42 @@ impl<const AXES: usize> Shadows<AXES> {
         }
     }
 
-    /// The operation that empties one of the overwritten FIFOs: of the first coordinate system or
-    /// axis that has some.
-    pub fn revalidate(&self) -> Option<(Op, Change)> {
+    /// The tick command that empties one of the overwritten FIFOs: of the first coordinate system
+    /// or axis that has some.
+    pub fn revalidate(&self) -> Option<(TickCommand, Change)> {
         for crd in Crd::all() {
             if let Some(fifo) = (0..2u8).find(|fifo| self.crd(crd).path(*fifo).invalid) {
                 let change = CrdChange::Emptied { fifo, here: None };
-                return Some((Op::CrdClear { crd, fifo }, Change::Crd { crd, change }));
+                return Some((TickCommand::CrdClear { crd, fifo }, Change::Crd { crd, change }));
             }
         }
         let (index, shadow) = self.axes.iter().enumerate().find(|(_, shadow)| shadow.invalid != 0)?;
         let (axis, fifo) = (Axis::new(index)?, shadow.invalid.trailing_zeros() as u8);
         Some(if shadow.is_follow() {
-            (Op::FollowClear { axis, fifo }, Change::FollowEmptied { axis, fifo })
+            (TickCommand::FollowClear { axis, fifo }, Change::FollowEmptied { axis, fifo })
         } else {
-            (Op::PtClear { axis, fifo }, Change::Emptied { axis, fifo })
+            (TickCommand::PtClear { axis, fifo }, Change::Emptied { axis, fifo })
         })
     }
 
     /// The commit of all admitted data of a FIFO of an axis.
-    pub fn commit_of_axis(&self, axis: Axis, fifo: u8) -> (Op, Change) {
+    pub fn commit_of_axis(&self, axis: Axis, fifo: u8) -> (TickCommand, Change) {
         let (shadow, index) = (self.axis(axis), usize::from(fifo & 1));
         if shadow.is_follow() {
             let (cleared, data) = (shadow.follow.cleared[index], shadow.follow.fifos[index]);
-            let op = Op::FollowCommit { axis, fifo, end: data.chain.entries(), cleared, tail: data.chain.tail() };
-            return (op, Change::FollowData { axis, fifo, cleared, shadow: data });
+            let command =
+                TickCommand::FollowCommit { axis, fifo, end: data.chain.entries(), cleared, tail: data.chain.tail() };
+            return (command, Change::FollowData { axis, fifo, cleared, shadow: data });
         }
         let (epoch, data) = (shadow.epoch, shadow.fifos[index]);
-        (Op::PtCommit { axis, fifo, end: data.end, epoch }, Change::Data { axis, fifo, epoch, shadow: data })
+        (TickCommand::PtCommit { axis, fifo, end: data.end, epoch }, Change::Data { axis, fifo, epoch, shadow: data })
     }
 
     /// The commit of a FIFO of a coordinate system up to an entry.
-    pub fn commit_of_path(&self, crd: Crd, fifo: u8, end: u32) -> (Op, Change) {
+    pub fn commit_of_path(&self, crd: Crd, fifo: u8, end: u32) -> (TickCommand, Change) {
         let PathShadow { cleared, data, .. } = *self.crd(crd).path(fifo);
         let change = CrdChange::Data { fifo, cleared, data };
-        (Op::CrdCommit { crd, fifo, end, cleared }, Change::Crd { crd, change })
+        (TickCommand::CrdCommit { crd, fifo, end, cleared }, Change::Crd { crd, change })
     }
 
     /// Whether an entry that was not executed names a PVT table.

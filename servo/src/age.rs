@@ -2,8 +2,8 @@
 //!
 //! In: how many entries, how much time. Out: every count of the tick as it would be then. Counts
 //! wrap; their comparisons are right across that, or a test that begins just before it fails.
-use crate::op::Lane;
 use crate::tick::Tick;
+use crate::tick_command::Lane;
 use crate::units::Ns;
 use crate::view::{AxisView, CrdView};
 

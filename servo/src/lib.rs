@@ -2,7 +2,8 @@
 #![forbid(unsafe_code)]
 //! Everything that runs inside the servo tick.
 //!
-//! In: admitted operations ([`op::Op`]) from two lanes, input samples from a [`port::Port`].
+//! In: admitted commands ([`tick_command::TickCommand`]) from two lanes, input samples from a
+//! [`port::Port`].
 //! Out: set-points to the port, a [`view::View`] for the thread, samples for a trace.
 //! Nothing here divides by a variable, uses floating point, waits, logs or panics.
 #[macro_use]
@@ -17,12 +18,12 @@ pub mod output;
 pub mod segment;
 pub use capacity::Fifos;
 pub mod laser;
-pub mod op;
 pub mod path;
 pub mod port;
 pub mod status;
 pub mod tables;
 pub mod tick;
+pub mod tick_command;
 mod trace;
 pub mod units;
 pub mod view;

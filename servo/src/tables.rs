@@ -2,7 +2,7 @@
 //! thread, read by the tick.
 //!
 //! In: words of a table that no axis runs. Out: the same words. Owns nothing: the memory is the
-//! board's. Who may write when is agreed as for [`ring::Store`]: before the operation that first
+//! board's. Who may write when is agreed as for [`ring::Store`]: before the tick command that first
 //! names the table. Cannot fail: what does not exist reads as zeros and takes nothing.
 use crate::segment::pvt::{HEADER_WORDS, HeaderStore, POINT_WORDS, PointStore, TABLES, Tables, VERSION};
 

@@ -21,13 +21,13 @@ use crate::axis::{AxisState, FastStep};
 use crate::capacity::GeneralOutputs;
 pub use crate::capacity::{IMMEDIATE, PROGRAM, SAMPLES};
 use crate::laser::{Cause, Clock, Lasers};
-use crate::op::{Entry, Lane, Op, Supervision};
 use crate::output::general_outputs::{Edges, Levels, Set};
 use crate::path::PathStores;
 use crate::port::{AxisInputs, Port};
 use crate::segment::follow::Order;
 pub use crate::segment::pt::{SEGMENTS, SegmentStore};
 use crate::tables::TableStores;
+use crate::tick_command::{Entry, Lane, Supervision, TickCommand};
 use crate::trace::{Chosen, Trace};
 use crate::units::{Axis, AxisMask, CrdMask, Ns, StepLimit};
 use crate::view::{AxisView, Event, Sample, StopReason, View};
@@ -406,9 +406,9 @@ impl<const AXES: usize> Tick<AXES> {
             && let Some(entry) = immediate.peek()
         {
             calls = calls.wrapping_sub(1);
-            let weight = self.weigh(&entry.op);
-            match entry.op {
-                Op::ProgramRun => {
+            let weight = self.weigh(&entry.command);
+            match entry.command {
+                TickCommand::ProgramRun => {
                     self.script.begin(self.now);
                     if let Some((row, chosen)) = self.trace.begin_armed() {
                         self.trace.record_analog_carried(reach.tables.lasers, reach.samples);
@@ -417,18 +417,18 @@ impl<const AXES: usize> Tick<AXES> {
                 }
                 // A Reset of the program that has begun is carried out as a whole, and nothing
                 // after it.
-                Op::ProgramDrop if self.resetting != 0 => {
+                TickCommand::ProgramDrop if self.resetting != 0 => {
                     drops = true;
                     break;
                 }
-                Op::ProgramDrop => {
+                TickCommand::ProgramDrop => {
                     program.clear();
                     self.script.runs = false;
                 }
-                Op::Trace { every, axes, crds, lasers, edges, outputs } if !self.script.runs && every != 0 => {
+                TickCommand::Trace { every, axes, crds, lasers, edges, outputs } if !self.script.runs && every != 0 => {
                     self.trace.arm(every, Chosen { axes, crds, lasers, edges, outputs })
                 }
-                Op::Reset { axes } => {
+                TickCommand::Reset { axes } => {
                     if !self.reset(axes, next, &mut budget, &mut reach) {
                         return;
                     }
@@ -446,25 +446,25 @@ impl<const AXES: usize> Tick<AXES> {
             if !self.script.is_due(instant, next) {
                 break;
             }
-            if let Op::WaitStandstill { axes, crds } = entry.op {
+            if let TickCommand::WaitStandstill { axes, crds } = entry.command {
                 // The first tick, from its instant on, at which nothing of the masks runs.
                 let Some(since) = self.standstill_since(axes, crds) else { break };
                 instant = instant.max(self.script.of(since));
             }
-            let goes_on = match entry.op {
-                Op::Reset { axes } => self.reset(axes, next, &mut budget, &mut reach),
+            let goes_on = match entry.command {
+                TickCommand::Reset { axes } => self.reset(axes, next, &mut budget, &mut reach),
                 _ => self.admits(program, entry, instant, &mut budget, &reach),
             };
             if !goes_on {
                 self.script.put_off(instant, self.now);
                 break;
             }
-            budget.spend(self.weigh(&entry.op));
-            let lights = self.lights(&entry.op);
+            budget.spend(self.weigh(&entry.command));
+            let lights = self.lights(&entry.command);
             self.script.execute(instant, self.now, entry.seq, lights);
-            match entry.op {
-                Op::ProgramEnd => self.script.runs = false,
-                Op::Reset { .. } => {}
+            match entry.command {
+                TickCommand::ProgramEnd => self.script.runs = false,
+                TickCommand::Reset { .. } => {}
                 _ => self.execute(Lane::Program, entry, next, period, port, &mut reach),
             }
             self.done_program = entry.seq;

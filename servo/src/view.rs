@@ -12,10 +12,10 @@ pub(crate) use speeds::Speeds;
 
 use crate::capacity::{GeneralInputs, GeneralOutputs};
 use crate::laser::{Action, CHANNELS, Power};
-use crate::op::{Lane, Mode};
 use crate::port::AxisInputs;
 use crate::segment::follow::{Awaits, compose, straight};
 use crate::segment::piece::{Motion, Scaled};
+use crate::tick_command::{Lane, Mode};
 use crate::units::{Axis, Crd, Ns, Pos};
 
 state! {

@@ -1,7 +1,7 @@
 //! What stops a path at once: its tick keeps the set-points of the tick before (SPEC 4), wherever
 //! boundaries lie, and CrdStart goes on from there: outputs and gears are not made again.
-use servo::op::{Brake, DoGroup, Guarded, Guards, Mode, Op, Supervision};
 use servo::path::{Along, Entry};
+use servo::tick_command::{Brake, DoGroup, Guarded, Guards, Mode, Supervision, TickCommand};
 use servo::units::{AxisMask, CrdMask, Pos, StepLimit};
 use servo::view::{StopReason, View};
 
@@ -22,8 +22,8 @@ fn output(value: u64) -> Entry {
 fn prepared(period_us: u32, entries: &[Entry]) -> Bench {
     let mut bench = Bench::prepared(period_us, Mode::Trap);
     bench.frame(0, &[0, 1], Some([100, -50, 0, 0]));
-    bench.now(Op::Guard { axis: axis(1), on: Guards::set(Guarded::Alarm, true), low: Guards::NONE });
-    bench.now(Op::Supervision(Supervision { interlock: Brake::AbruptAll, ..Supervision::DEFAULT }));
+    bench.now(TickCommand::Guard { axis: axis(1), on: Guards::set(Guarded::Alarm, true), low: Guards::NONE });
+    bench.now(TickCommand::Supervision(Supervision { interlock: Brake::AbruptAll, ..Supervision::DEFAULT }));
     bench.tick();
     bench.path(0, 0, entries);
     bench.start_path(&[0]);
@@ -55,9 +55,9 @@ const CAUSES: [(Cause, StopReason); 5] = [
 
 fn stop(bench: &mut Bench, cause: Cause) -> View<AXES> {
     match cause {
-        Cause::Stop => _ = bench.now(Op::stop_crds(CrdMask(1), CrdMask(1))),
-        Cause::OneAxis => _ = bench.now(Op::stop(all(&[1]), all(&[1]))),
-        Cause::Servo => _ = bench.now(Op::Servo { axis: axis(1), on: false }),
+        Cause::Stop => _ = bench.now(TickCommand::stop_crds(CrdMask(1), CrdMask(1))),
+        Cause::OneAxis => _ = bench.now(TickCommand::stop(all(&[1]), all(&[1]))),
+        Cause::Servo => _ = bench.now(TickCommand::Servo { axis: axis(1), on: false }),
         Cause::Alarm => bench.machine.inputs[1].alarm = true,
         Cause::Interlock => bench.machine.interlock = true,
     }
@@ -67,12 +67,12 @@ fn stop(bench: &mut Bench, cause: Cause) -> View<AXES> {
 fn let_go(bench: &mut Bench, cause: Cause) {
     match cause {
         Cause::Stop | Cause::OneAxis => {}
-        Cause::Servo => _ = bench.now(Op::Servo { axis: axis(1), on: true }),
+        Cause::Servo => _ = bench.now(TickCommand::Servo { axis: axis(1), on: true }),
         Cause::Alarm => bench.machine.inputs[1].alarm = false,
         Cause::Interlock => bench.machine.interlock = false,
     }
     bench.tick();
-    bench.now(Op::ClearStatus { axes: AxisMask(0xff) });
+    bench.now(TickCommand::ClearStatus { axes: AxisMask(0xff) });
     bench.tick();
 }
 

@@ -1,9 +1,9 @@
 //! The effects of a path's entries on the rest of the machine, through the whole tick: outputs at
 //! exact instants, other axes that are moved or geared, axes that follow a coordinate.
-use servo::op::{DoGroup, Mode, Op};
 use servo::path::{Along, Entry, Plane};
 use servo::segment::follow::{Direction, Value};
 use servo::status;
+use servo::tick_command::{DoGroup, Mode, TickCommand};
 use servo::units::{AxisMask, CrdMask, Pos, StepLimit};
 use servo::view::{Event, StopReason, View};
 
@@ -115,7 +115,7 @@ fn an_entry_may_switch_a_servo_off() {
         let mut bench = prepared(1000);
         let way = |x: i32| Entry::planar([x, 0], speeds(100.0, 100.0, 100.0));
         bench.path(0, 0, &[way(100), Entry::output(DoGroup::Enable, 1 << other, 0), way(400)]);
-        bench.now(Op::SetMode { axis: axis(5), mode: Mode::Jog });
+        bench.now(TickCommand::SetMode { axis: axis(5), mode: Mode::Jog });
         bench.jog(5, 3.0, 1.0);
         bench.start_path(&[0]);
         let zero = bench.tick().now.0;
@@ -193,10 +193,10 @@ fn a_move_that_fails_stops_the_path() {
     type Break = fn(&mut Bench);
     let breaks: [Break; 3] = [
         |bench| {
-            bench.now(Op::Servo { axis: axis(4), on: false });
+            bench.now(TickCommand::Servo { axis: axis(4), on: false });
         },
         |bench| {
-            bench.now(Op::SetMode { axis: axis(4), mode: Mode::Jog });
+            bench.now(TickCommand::SetMode { axis: axis(4), mode: Mode::Jog });
         },
         |bench| bench.frame(2, &[4], None),
     ];
@@ -216,7 +216,7 @@ fn a_move_that_fails_stops_the_path() {
     bench.start_path(&[0]);
     let zero = bench.tick().now.0;
     bench.until(zero + 20 * MS);
-    bench.now(Op::stop(all(&[4]), AxisMask(0)));
+    bench.now(TickCommand::stop(all(&[4]), AxisMask(0)));
     let view = bench.until(zero + 60 * MS);
     assert!(!view.crds[0].runs && view.crds[0].stop == StopReason::OtherAxis);
     assert_eq!(pulses(view.axes[0].pos), 37.0);
@@ -229,10 +229,10 @@ fn a_modal_move_that_was_stopped_is_made_to_its_end() {
     let v = speeds(10.0, 1.0, 0.0);
     // 2·√37 ms for the line; 30 pulses at 2 pulse/ms: 4 ms, 11 ms, 4 ms.
     let travel = Entry::travel(axis(4), -30, (2f64.to_bits(), StepLimit::FULL_SCALE), 0.5f64.to_bits(), true).unwrap();
-    let path = |abrupt| Op::stop_crds(CrdMask(1), CrdMask(abrupt));
-    let other = Op::stop(all(&[4]), AxisMask(0));
-    let off = Op::Servo { axis: axis(4), on: false };
-    let breaks: [(&[Op], f64); 5] =
+    let path = |abrupt| TickCommand::stop_crds(CrdMask(1), CrdMask(abrupt));
+    let other = TickCommand::stop(all(&[4]), AxisMask(0));
+    let off = TickCommand::Servo { axis: axis(4), on: false };
+    let breaks: [(&[TickCommand], f64); 5] =
         [(&[path(0)], -30.0), (&[path(1)], -30.0), (&[other, path(0)], -16.0), (&[other], -16.0), (&[off], -14.0)];
     for (index, (stops, left_at)) in breaks.into_iter().enumerate() {
         let mut bench = prepared(250);
@@ -241,13 +241,13 @@ fn a_modal_move_that_was_stopped_is_made_to_its_end() {
         let zero = bench.tick().now.0;
         let view = bench.until(zero + 21 * MS);
         assert_eq!(view.crds[0].released[0], 1, "the move's place is not free");
-        for op in stops {
-            bench.now(*op);
+        for command in stops {
+            bench.now(*command);
         }
         let view = bench.until(zero + 60 * MS);
         let at = pulses(view.axes[4].pos);
         assert!(!view.crds[0].runs && (at - left_at).abs() < 1.0, "{index}: {at}");
-        bench.now(Op::Servo { axis: axis(4), on: true });
+        bench.now(TickCommand::Servo { axis: axis(4), on: true });
         bench.start_path(&[0]);
         let view = bench.until(zero + 61 * MS);
         assert!(view.crds[0].runs, "{index}");
@@ -272,14 +272,14 @@ fn a_move_that_was_refused_is_made_once_it_can_be() {
         let v = speeds(10.0, 1.0, 5.0);
         let travel = Entry::travel(axis(4), -30, (2f64.to_bits(), StepLimit::FULL_SCALE), 0.5f64.to_bits(), modal);
         let mut bench = prepared(250);
-        bench.now(Op::Servo { axis: axis(4), on: false });
+        bench.now(TickCommand::Servo { axis: axis(4), on: false });
         bench.path(0, 0, &[Entry::planar([37, 0], v), travel.unwrap(), output(1), Entry::planar([0, 0], v)]);
         bench.start_path(&[0]);
         let zero = bench.tick().now.0;
         let view = bench.until(zero + 60 * MS);
         assert!(!view.crds[0].runs && view.crds[0].stop == StopReason::OtherAxis);
         assert_eq!((pulses(view.axes[0].pos), view.general_outputs & 1), (37.0, 0));
-        bench.now(Op::Servo { axis: axis(4), on: true });
+        bench.now(TickCommand::Servo { axis: axis(4), on: true });
         bench.start_path(&[0]);
         let view = bench.until(zero + 70 * MS);
         // A path that does not wait is on its way back by now.
@@ -297,7 +297,7 @@ fn a_move_that_was_refused_is_made_once_it_can_be() {
 fn a_gear_goes_along_with_the_next_motion() {
     for period in [50, 1000] {
         let mut bench = prepared(period);
-        bench.now(Op::SetPosition { axis: axis(4), pos: Pos::pulses(7) });
+        bench.now(TickCommand::SetPosition { axis: axis(4), pos: Pos::pulses(7) });
         let v = speeds(10.0, 1.0, 0.0);
         let entries = [
             Entry::gear(axis(4), 100),
@@ -317,7 +317,7 @@ fn a_gear_goes_along_with_the_next_motion() {
         assert!((speed(&view, 4) - 2.0).abs() < 1e-9 && (speed(&view, 5) + 0.06).abs() < 1e-9);
         assert!(has(&view.axes[4], status::RUNNING) && view.axes[4].mode == Mode::Trap);
         // Stop by the bit of a geared axis.
-        bench.now(Op::stop(all(&[5]), AxisMask(0)));
+        bench.now(TickCommand::stop(all(&[5]), AxisMask(0)));
         let view = bench.run_to_standstill();
         assert_eq!((view.crds[0].stop, view.axes[4].stop), (StopReason::StopSmooth, StopReason::StopSmooth));
         let share = pulses(view.axes[0].pos) / 300.0;
@@ -347,7 +347,7 @@ fn a_gear_that_begins_in_the_tick_of_a_stop_goes_along() {
     for at in 0..60 {
         let mut bench = prepared(1000);
         let dec = servo::segment::ramp::Accel::admit(4f64.to_bits()).unwrap();
-        bench.now(Op::CrdStopDec { crd: crd(0), dec });
+        bench.now(TickCommand::CrdStopDec { crd: crd(0), dec });
         let v = speeds(3.0, 1.0, 3.0);
         let lines = [Entry::planar([3 + at, 0], v), Entry::gear(axis(4), 65), Entry::planar([50 + at, 0], v)];
         bench.path(0, 0, &lines);
@@ -359,7 +359,7 @@ fn a_gear_that_begins_in_the_tick_of_a_stop_goes_along() {
             view = bench.tick();
         }
         let before = pulses(view.axes[0].pos) < f64::from(3 + at);
-        bench.now(Op::stop(all(&[0]), AxisMask(0)));
+        bench.now(TickCommand::stop(all(&[0]), AxisMask(0)));
         let view = bench.run_to_standstill();
         let gone = 65.0 * (pulses(view.axes[0].pos) - f64::from(3 + at)).max(0.0) / 47.0;
         within += u32::from(before && gone > 0.0);
@@ -393,7 +393,7 @@ fn gears_add_up_and_too_many_stop_the_path() {
 #[test]
 fn a_gear_of_an_axis_that_moves_stops_the_path() {
     let mut bench = prepared(250);
-    bench.now(Op::SetMode { axis: axis(4), mode: Mode::Jog });
+    bench.now(TickCommand::SetMode { axis: axis(4), mode: Mode::Jog });
     bench.jog(4, 1.0, 1.0);
     bench.path(0, 0, &[Entry::gear(axis(4), 100), Entry::planar([300, 400], speeds(10.0, 1.0, 0.0))]);
     bench.start_path(&[0]);
@@ -408,7 +408,7 @@ fn an_axis_may_follow_a_coordinate() {
     for (leader, slave) in [(0, 6), (1, 7)] {
         for period in [50, 250, 1000] {
             let mut bench = prepared(period);
-            bench.now(Op::SetMode { axis: axis(slave), mode: Mode::Follow });
+            bench.now(TickCommand::SetMode { axis: axis(slave), mode: Mode::Follow });
             bench.follows(slave, leader, Value::Planned);
             bench.tick();
             bench.follow(slave, 0, &[Item::Data(100_000.0, -50_000.0, 1, 0)]);
@@ -450,11 +450,11 @@ fn a_slave_sees_where_a_coordinate_turns_between_ticks() {
         for period in [50, 250, 1000] {
             let mut bench = prepared(period);
             // User positions do not affect a slave.
-            bench.now(Op::SetPosition { axis: axis(0), pos: Pos::pulses(1234) });
+            bench.now(TickCommand::SetPosition { axis: axis(0), pos: Pos::pulses(1234) });
             bench.frame(0, &[0, 1], None);
             for (slave, direction) in [(6, Direction::Up), (7, Direction::Down)] {
-                bench.now(Op::SetMode { axis: axis(slave), mode: Mode::Follow });
-                bench.now(Op::FollowDirection { axis: axis(slave), direction });
+                bench.now(TickCommand::SetMode { axis: axis(slave), mode: Mode::Follow });
+                bench.now(TickCommand::FollowDirection { axis: axis(slave), direction });
                 bench.follows(slave, 0, Value::Planned);
                 bench.tick();
                 bench.follow_in(slave, 0, direction, &[Item::Data(100_000.0, 100_000.0, 1, 0)]);
@@ -483,7 +483,7 @@ fn two_paths_run_side_by_side() {
     let view = bench.until(zero + 20 * MS);
     assert!(!view.crds[1].runs && view.crds[0].runs, "100 pulses take 20 ms");
     assert_eq!((pulses(view.axes[2].pos), pulses(view.axes[3].pos)), (-60.0, 80.0));
-    bench.now(Op::stop_crds(CrdMask(2), CrdMask(2)));
+    bench.now(TickCommand::stop_crds(CrdMask(2), CrdMask(2)));
     let view = bench.run_to_standstill();
     assert_eq!((pulses(view.axes[0].pos), view.crds[0].done[0]), (0.0, 2));
     let reasons: Vec<_> = std::iter::from_fn(|| bench.event())

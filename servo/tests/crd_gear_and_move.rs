@@ -1,9 +1,9 @@
 //! One axis that a path gears to a motion and moves by an entry, one right after the other: it is
 //! where exact kinematics want it in every tick, at any tick period, and a slave of it too.
-use servo::op::{Mode, Op};
 use servo::path::{Along, Entry};
 use servo::segment::follow::Value;
 use servo::status;
+use servo::tick_command::{Mode, TickCommand};
 use servo::units::{Pos, StepLimit};
 use servo::view::StopReason;
 
@@ -63,7 +63,7 @@ fn travel(to: i32, modal: bool) -> Entry {
 fn prepared(period: u32) -> Bench {
     let mut bench = Bench::prepared(period, Mode::Trap);
     bench.frame(0, &[0, 1], None);
-    bench.now(Op::SetMode { axis: axis(6), mode: Mode::Follow });
+    bench.now(TickCommand::SetMode { axis: axis(6), mode: Mode::Follow });
     bench.follows(6, 4, Value::Planned);
     bench.tick();
     bench.follow(6, 0, &[Item::Data(100_000.0, 100_000.0, 1, 0)]);
@@ -177,7 +177,7 @@ fn an_axis_that_was_waited_for_is_geared_to_the_next_motion() {
 fn gear_move_and_gear_follow_each_other() {
     for period in PERIODS {
         let mut bench = prepared(period);
-        bench.now(Op::SetPosition { axis: axis(4), pos: Pos::pulses(0) });
+        bench.now(TickCommand::SetPosition { axis: axis(4), pos: Pos::pulses(0) });
         let line = Line::of(37.0, 0.0);
         let v = speeds(10.0, 1.0, 0.0);
         let entries = [
@@ -222,7 +222,7 @@ fn an_axis_that_is_geared_up_is_exact() {
             };
             if stops {
                 let shown = view.axes[4].pos;
-                bench.now(Op::stop(all(&[0]), all(&[0])));
+                bench.now(TickCommand::stop(all(&[0]), all(&[0])));
                 let view = bench.tick();
                 assert_eq!((view.crds[0].runs, view.axes[4].pos), (false, shown), "{what}");
                 bench.start_path(&[0]);
@@ -244,7 +244,7 @@ fn a_soft_limit_of_a_geared_axis_stops_the_path() {
         for (limit, far) in [(-20, -100), (-99, -100), (-100, -100), (0, -100), (20, 100), (99, 100), (0, 100)] {
             let mut bench = prepared(period);
             let (positive, negative) = if far < 0 { (None, Some(limit)) } else { (Some(limit), None) };
-            bench.now(Op::SoftLimit { axis: axis(5), positive, negative });
+            bench.now(TickCommand::SoftLimit { axis: axis(5), positive, negative });
             let bound = f64::from(limit);
             let way = Entry::planar([370, 0], speeds(10.0, 1.0, 0.0));
             let next = Entry::planar([370, 40], speeds(10.0, 1.0, 0.0));
@@ -275,8 +275,8 @@ fn a_soft_limit_of_a_geared_axis_stops_the_path() {
             } else {
                 assert_eq!(view.crds[0].stop, StopReason::Completed, "{what}");
             }
-            bench.now(Op::SoftLimit { axis: axis(5), positive: None, negative: None });
-            bench.now(Op::ClearStatus { axes: all(&[5]) });
+            bench.now(TickCommand::SoftLimit { axis: axis(5), positive: None, negative: None });
+            bench.now(TickCommand::ClearStatus { axes: all(&[5]) });
             bench.tick();
             bench.start_path(&[0]);
             let mut view = bench.ticks(3);

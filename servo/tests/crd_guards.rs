@@ -1,7 +1,7 @@
 //! What a path must not begin, pass or gear, where only the tick can prevent it.
-use servo::op::{DoGroup, Guarded, Guards, Mode, Op};
 use servo::path::{Along, Entry};
 use servo::status;
+use servo::tick_command::{DoGroup, Guarded, Guards, Mode, TickCommand};
 use servo::units::{AxisMask, CrdMask, Pos, StepLimit};
 use servo::view::{Event, StopReason};
 
@@ -37,7 +37,7 @@ fn a_soft_limit_holds_whichever_motion_comes_to_it() {
         })
     }) {
         let mut bench = prepared(period);
-        bench.now(Op::SoftLimit { axis: axis(0), positive: Some(limit), negative: None });
+        bench.now(TickCommand::SoftLimit { axis: axis(0), positive: Some(limit), negative: None });
         let mut entries = vec![];
         for x in (step..12_000).step_by(step as usize) {
             entries.push(Entry::planar([x, x / 7], speeds(100.0, 25.0, 100.0)));
@@ -72,7 +72,7 @@ fn a_frame_is_not_set_while_something_of_it_moves() {
     assert!(view.crds[0].runs && view.crds[1].frame.is_some_and(|frame| frame.mask() == all(&[2, 3])));
     let end = bench.run_to_standstill();
     assert_eq!((pulses(end.axes[0].pos), end.crds[0].stop), (400.0, StopReason::Completed));
-    bench.now(Op::SetMode { axis: axis(6), mode: Mode::Jog });
+    bench.now(TickCommand::SetMode { axis: axis(6), mode: Mode::Jog });
     bench.jog(6, 3.0, 1.0);
     bench.ticks(3);
     bench.frame(0, &[5, 6], None);
@@ -88,7 +88,7 @@ fn a_path_does_not_begin_too_far_from_its_zero() {
         let mut bench = Bench::prepared(250, Mode::Trap);
         bench.frame(0, &[0, 1], Some([0; 4]));
         bench.tick();
-        bench.now(Op::SetPosition { axis: axis(1), pos: Pos(at << Pos::FRAC_BITS) });
+        bench.now(TickCommand::SetPosition { axis: axis(1), pos: Pos(at << Pos::FRAC_BITS) });
         bench.tick();
         bench.path(0, 0, &[Entry::planar([0, 0], speeds(10.0, 1.0, 0.0))]);
         bench.start_path(&[0]);
@@ -104,15 +104,15 @@ fn a_path_does_not_go_on_without_what_went_along() {
     bench.path(0, 0, &[Entry::gear(axis(4), 100), Entry::planar([100, 0], speeds(10.0, 1.0, 0.0))]);
     bench.start_path(&[0]);
     bench.ticks(40);
-    bench.now(Op::stop_crds(CrdMask(1), CrdMask(1)));
+    bench.now(TickCommand::stop_crds(CrdMask(1), CrdMask(1)));
     assert!(!runs(&mut bench, 0));
     while bench.event().is_some() {}
-    bench.now(Op::Servo { axis: axis(4), on: false });
+    bench.now(TickCommand::Servo { axis: axis(4), on: false });
     bench.start_path(&[0]);
     assert!(!runs(&mut bench, 0));
     let Some(Event::Refused { axis: refused, .. }) = bench.event() else { panic!("it is reported") };
     assert_eq!(refused, axis(4));
-    bench.now(Op::Servo { axis: axis(4), on: true });
+    bench.now(TickCommand::Servo { axis: axis(4), on: true });
     bench.start_path(&[0]);
     bench.tick();
     let end = bench.run_to_standstill();
@@ -130,7 +130,7 @@ fn a_fault_of_an_axis_that_goes_along_stops_the_path() {
     ];
     for (index, act) in breaks.into_iter().enumerate() {
         let mut bench = prepared(250);
-        bench.now(Op::PositionError { axis: axis(4), limit: Some(50) });
+        bench.now(TickCommand::PositionError { axis: axis(4), limit: Some(50) });
         bench.path(0, 0, &[Entry::gear(axis(4), 100), Entry::planar([400, 0], speeds(10.0, 1.0, 0.0))]);
         bench.start_path(&[0]);
         assert!(bench.ticks(80).crds[0].runs);
@@ -160,7 +160,7 @@ fn an_axis_that_goes_along_is_sent_nowhere_else() {
     bench.path(0, 0, &[Entry::gear(axis(4), 100), Entry::planar([100, 0], v)]);
     let away = Entry::travel(axis(4), -30, (2f64.to_bits(), StepLimit::FULL_SCALE), 0.5f64.to_bits(), false).unwrap();
     bench.path(1, 0, &[away, Entry::planar([100, 0], v)]);
-    let prm = Op::TrapPrm {
+    let prm = TickCommand::TrapPrm {
         axis: axis(4),
         acc: accel(1.0),
         dec: accel(1.0),
@@ -168,12 +168,12 @@ fn an_axis_that_goes_along_is_sent_nowhere_else() {
         smooth: servo::units::Ns(0),
     };
     bench.now(prm);
-    bench.now(Op::TargetSpeed { axis: axis(4), speed: speed(5.0) });
-    bench.now(Op::TargetPosition { axis: axis(4), pulses: -77 });
+    bench.now(TickCommand::TargetSpeed { axis: axis(4), speed: speed(5.0) });
+    bench.now(TickCommand::TargetPosition { axis: axis(4), pulses: -77 });
     bench.start_path(&[0]);
     bench.ticks(40);
     while bench.event().is_some() {}
-    bench.now(Op::Update { axes: all(&[4]) });
+    bench.now(TickCommand::Update { axes: all(&[4]) });
     bench.tick();
     assert!(matches!(bench.event(), Some(Event::Refused { .. })), "not by Update");
     bench.start_path(&[1]);
@@ -193,10 +193,10 @@ fn an_axis_that_was_waited_for_is_free_again() {
     bench.path(0, 0, &[away, Entry::planar([900, 0], v)]);
     bench.start_path(&[0]);
     bench.ticks(80);
-    bench.now(Op::SetMode { axis: axis(4), mode: Mode::Jog });
+    bench.now(TickCommand::SetMode { axis: axis(4), mode: Mode::Jog });
     bench.jog(4, 3.0, 1.0);
     bench.ticks(20);
-    bench.now(Op::stop(all(&[4]), all(&[4])));
+    bench.now(TickCommand::stop(all(&[4]), all(&[4])));
     bench.ticks(3);
     let end = bench.run_to_standstill();
     assert_eq!((pulses(end.axes[0].pos), end.crds[0].stop), (900.0, StopReason::Completed));
@@ -209,19 +209,19 @@ fn why_a_path_brakes_is_reported_by_the_first_order() {
     bench.path(0, 0, &[Entry::planar([900, 0], speeds(10.0, 1.0, 0.0))]);
     bench.start_path(&[0]);
     bench.ticks(60);
-    bench.now(Op::stop_crds(CrdMask(1), CrdMask(0)));
+    bench.now(TickCommand::stop_crds(CrdMask(1), CrdMask(0)));
     bench.ticks(4);
-    bench.now(Op::Link { lost: true });
+    bench.now(TickCommand::Link { lost: true });
     assert_eq!(bench.run_to_standstill().crds[0].stop, StopReason::StopSmooth);
-    let guard = Op::Guard { axis: axis(0), on: Guards::set(Guarded::Alarm, true), low: Guards::NONE };
+    let guard = TickCommand::Guard { axis: axis(0), on: Guards::set(Guarded::Alarm, true), low: Guards::NONE };
     bench.now(guard);
-    bench.now(Op::ClearStatus { axes: AxisMask(0xff) });
-    bench.now(Op::Link { lost: false });
+    bench.now(TickCommand::ClearStatus { axes: AxisMask(0xff) });
+    bench.now(TickCommand::Link { lost: false });
     bench.tick();
     bench.start_path(&[0]);
     bench.ticks(60);
-    bench.now(Op::Link { lost: true });
+    bench.now(TickCommand::Link { lost: true });
     bench.ticks(4);
-    bench.now(Op::stop_crds(CrdMask(1), CrdMask(0)));
+    bench.now(TickCommand::stop_crds(CrdMask(1), CrdMask(0)));
     assert_eq!(bench.run_to_standstill().crds[0].stop, StopReason::LinkLoss);
 }

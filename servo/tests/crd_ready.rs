@@ -1,8 +1,8 @@
 //! A prepared start of a path is the same as one planned in its tick. Two machines run the same
 //! commands; on one of them every coordinate system is changed in every tick, so that nothing is
 //! ever prepared.
-use servo::op::{DoGroup, Mode, Op};
 use servo::path::{Along, Entry, Plane, Rate, Sweep};
+use servo::tick_command::{DoGroup, Mode, TickCommand};
 use servo::units::{CrdMask, Pos};
 use servo::view::{AxisView, CrdView};
 
@@ -24,9 +24,9 @@ fn published(crd: &CrdView) -> CrdView {
 }
 
 impl Both {
-    fn now(&mut self, op: Op) {
+    fn now(&mut self, command: TickCommand) {
         self.each(|bench| {
-            bench.now(op);
+            bench.now(command);
         });
     }
 
@@ -40,7 +40,7 @@ impl Both {
         for _ in 0..count {
             for index in 0..2 {
                 // A command that changes nothing.
-                self.0[1].now(Op::CrdStopDec { crd: crd(index), dec: accel(1.0) });
+                self.0[1].now(TickCommand::CrdStopDec { crd: crd(index), dec: accel(1.0) });
             }
             let [a, b] = [0, 1].map(|k| self.0[k].tick());
             for index in 0..AXES {
@@ -98,11 +98,11 @@ fn act(both: &mut Both, chance: &mut Chance, index: usize) {
         }
         2 => {
             let pos = Pos::pulses(chance.below(300) as i32);
-            both.now(Op::SetPosition { axis: axis(1 + 2 * index), pos });
+            both.now(TickCommand::SetPosition { axis: axis(1 + 2 * index), pos });
         }
         3 => {
             let rate = Rate::admit((1.0 / (1 + chance.below(3)) as f64).to_bits()).unwrap();
-            both.now(Op::CrdRate { crd: crd(index), rate });
+            both.now(TickCommand::CrdRate { crd: crd(index), rate });
         }
         _ => {
             let entries: Vec<_> = (0..1 + chance.below(5)).map(|_| entry(chance)).collect();
@@ -128,21 +128,21 @@ fn a_ready_start_is_the_one_that_would_have_been_planned() {
                 act(&mut both, &mut chance, index);
             }
             let crds = [CrdMask(1), CrdMask(2), CrdMask(3)][chance.below(3) as usize];
-            both.now(Op::CrdStart { crds, fifo1: CrdMask(chance.below(4) as u8) });
+            both.now(TickCommand::CrdStart { crds, fifo1: CrdMask(chance.below(4) as u8) });
             if !both.ticks(1) {
                 continue;
             }
             ran += 1;
             both.ticks(chance.below(2 * 20_000 / period as u64 + 1));
             if chance.below(2) == 0 {
-                both.now(Op::stop_crds(CrdMask(3), CrdMask(chance.below(4) as u8)));
+                both.now(TickCommand::stop_crds(CrdMask(3), CrdMask(chance.below(4) as u8)));
             }
             for _ in 0..40 {
                 if !both.ticks(50) {
                     break;
                 }
             }
-            both.now(Op::stop_crds(CrdMask(3), CrdMask(3)));
+            both.now(TickCommand::stop_crds(CrdMask(3), CrdMask(3)));
             assert!(!both.ticks(2), "it still runs");
         }
     }

@@ -1,9 +1,9 @@
 //! Coordinate systems in the tick: positions of mapped axes, what stops them, what starts.
 #[path = "crd_tick/limits.rs"]
 mod limits;
-use servo::op::{DoGroup, Guarded, Guards, Lane, Mode, Op};
 use servo::path::{Along, Entry, PathStop, Plane, Rate, Sweep};
 use servo::status;
+use servo::tick_command::{DoGroup, Guarded, Guards, Lane, Mode, TickCommand};
 use servo::units::{AxisMask, CrdMask, Ns, Pos};
 use servo::view::{Event, StopReason, View};
 
@@ -156,7 +156,7 @@ fn stopped_crd(event: Option<Event>) -> (usize, StopReason) {
 }
 
 fn stop(bench: &mut Bench, axes: &[usize], abrupt: &[usize]) {
-    bench.now(Op::stop(all(axes), all(abrupt)));
+    bench.now(TickCommand::stop(all(axes), all(abrupt)));
 }
 
 /// Every coordinate drives the axis that it is mapped to, from the origin, in lines, arcs and
@@ -171,7 +171,7 @@ fn any_axes_in_any_order_with_any_origin() {
     ] {
         let mut bench = Bench::prepared(1000, Mode::Trap);
         for (k, index) in axes.into_iter().enumerate() {
-            bench.now(Op::SetPosition { axis: axis(index), pos: Pos::pulses(10 * k as i32 + 5) });
+            bench.now(TickCommand::SetPosition { axis: axis(index), pos: Pos::pulses(10 * k as i32 + 5) });
         }
         bench.frame(1, &axes, origin);
         let view = bench.tick();
@@ -240,18 +240,18 @@ fn a_start_is_all_or_nothing() {
     type Break = fn(&mut Bench);
     let breaks: [(&str, Break); 7] = [
         ("servo off", |bench| {
-            bench.now(Op::Servo { axis: axis(5), on: false });
+            bench.now(TickCommand::Servo { axis: axis(5), on: false });
         }),
         ("alarm", |bench| bench.machine.inputs[2].alarm = true),
         ("limit", |bench| bench.machine.inputs[2].limit_positive = true),
         ("nothing in it", |bench| bench.clear_path(0, 0)),
         ("another mode", |bench| {
-            bench.now(Op::SetMode { axis: axis(2), mode: Mode::Trap });
+            bench.now(TickCommand::SetMode { axis: axis(2), mode: Mode::Trap });
         }),
         ("another crd's", |bench| bench.frame(2, &[2], None)),
         ("no frame", |bench| {
-            bench.now(Op::Reset { axes: all(&[5]) });
-            bench.now(Op::Servo { axis: axis(5), on: true });
+            bench.now(TickCommand::Reset { axes: all(&[5]) });
+            bench.now(TickCommand::Servo { axis: axis(5), on: true });
         }),
     ];
     for (what, act) in breaks {
@@ -263,7 +263,7 @@ fn a_start_is_all_or_nothing() {
         bench.ticks(2);
         while bench.event().is_some() {}
         let before = bench.tick();
-        let seq = bench.now(Op::CrdStart { crds: crd_mask(&[0, 1]), fifo1: CrdMask(0) });
+        let seq = bench.now(TickCommand::CrdStart { crds: crd_mask(&[0, 1]), fifo1: CrdMask(0) });
         let after = bench.ticks(40);
         for (crd, other) in before.crds.iter().zip(&after.crds) {
             assert_eq!((crd.position, crd.runs, crd.moves), (other.position, other.runs, other.moves), "{what}");
@@ -296,7 +296,7 @@ fn a_start_is_all_or_nothing() {
 fn a_stop_brakes_along_the_path_and_a_start_goes_on() {
     for period in [10, 250, 1000] {
         let mut bench = prepared(period, &[line(200, 450)]);
-        bench.now(Op::CrdStopDec { crd: crd(0), dec: accel(2.0) });
+        bench.now(TickCommand::CrdStopDec { crd: crd(0), dec: accel(2.0) });
         bench.start_path(&[0]);
         let zero = bench.tick().now.0;
         bench.until(zero + 20 * MS - period as u64 * 1000);
@@ -328,7 +328,7 @@ fn an_abrupt_stop_has_no_velocity_on_its_tick() {
         let zero = bench.tick().now.0;
         bench.until(zero + 20 * MS - 250_000);
         if by_crd {
-            bench.now(Op::stop_crds(CrdMask(1), CrdMask(1)));
+            bench.now(TickCommand::stop_crds(CrdMask(1), CrdMask(1)));
         } else {
             stop(&mut bench, &[2, 5], &[5]);
         }
@@ -366,9 +366,9 @@ fn fifo_1_interrupts_fifo_0_and_returns() {
     bench.path(0, 1, &[line(0, 0)]);
     bench.start_path(&[0]);
     bench.ticks(100);
-    bench.now(Op::stop_crds(CrdMask(1), CrdMask(0)));
+    bench.now(TickCommand::stop_crds(CrdMask(1), CrdMask(0)));
     let left = finish(&mut bench, 0);
-    bench.now(Op::CrdStart { crds: CrdMask(1), fifo1: CrdMask(1) });
+    bench.now(TickCommand::CrdStart { crds: CrdMask(1), fifo1: CrdMask(1) });
     let there = finish(&mut bench, 0);
     assert_eq!((place(&there, [2, 5]), there.crds[0].fifo), ([100.0, -50.0], 1));
     // Not where FIFO 0 was interrupted.
@@ -377,7 +377,7 @@ fn fifo_1_interrupts_fifo_0_and_returns() {
     while !matches!(bench.event().unwrap(), Event::CrdRefused { .. }) {}
     let [x, y] = left.crds[0].position.map(pulses)[..2].try_into().unwrap();
     bench.path(0, 1, &[line(x.round() as i32, y.round() as i32)]);
-    bench.now(Op::CrdStart { crds: CrdMask(1), fifo1: CrdMask(1) });
+    bench.now(TickCommand::CrdStart { crds: CrdMask(1), fifo1: CrdMask(1) });
     assert_eq!(finish(&mut bench, 0).crds[0].position, left.crds[0].position);
     bench.start_path(&[0]);
     let end = finish(&mut bench, 0);
@@ -425,7 +425,7 @@ fn clearing_is_counted_and_old_commits_are_void() {
     let old = bench.path_data(0, 0, &[line(5, 5)]);
     bench.start_path(&[0]);
     bench.ticks(300);
-    bench.now(Op::CrdClear { crd: crd(0), fifo: 0 });
+    bench.now(TickCommand::CrdClear { crd: crd(0), fifo: 0 });
     let running = bench.tick();
     assert!(running.crds[0].runs && running.crds[0].cleared == [1, 1], "it runs on");
     let end = finish(&mut bench, 0);
@@ -443,12 +443,12 @@ fn clearing_is_counted_and_old_commits_are_void() {
 #[test]
 fn an_override_acts_on_the_way() {
     let mut bench = prepared(250, &[line(200, 450)]);
-    bench.now(Op::CrdRate { crd: crd(0), rate: Rate::admit(0.5f64.to_bits()).unwrap() });
+    bench.now(TickCommand::CrdRate { crd: crd(0), rate: Rate::admit(0.5f64.to_bits()).unwrap() });
     bench.start_path(&[0]);
     let zero = bench.tick().now.0;
     let speed = |view: &View<AXES>| real(view.crds[0].motion.velocity());
     assert!((speed(&bench.until(zero + 20 * MS)) - 5.0).abs() < 1e-9);
-    bench.now(Op::CrdRate { crd: crd(0), rate: Rate::admit(1.0f64.to_bits()).unwrap() });
+    bench.now(TickCommand::CrdRate { crd: crd(0), rate: Rate::admit(1.0f64.to_bits()).unwrap() });
     assert!((speed(&bench.until(zero + 22 * MS + 250_000)) - 7.0).abs() < 1e-9);
     assert_eq!(place(&finish(&mut bench, 0), [2, 5]), [300.0, 400.0]);
 }
@@ -458,7 +458,7 @@ fn an_override_acts_on_the_way() {
 #[test]
 fn naming_a_position_moves_the_coordinates_with_it() {
     let mut bench = prepared(250, &[line(200, 450)]);
-    bench.now(Op::SetPosition { axis: axis(2), pos: Pos::pulses(350) });
+    bench.now(TickCommand::SetPosition { axis: axis(2), pos: Pos::pulses(350) });
     let set_point = bench.machine.set_points[2];
     let view = bench.tick();
     assert_eq!((view.crds[0].position[0], bench.machine.set_points[2]), (Pos::pulses(250), set_point));
@@ -466,7 +466,7 @@ fn naming_a_position_moves_the_coordinates_with_it() {
     bench.ticks(50);
     stop(&mut bench, &[2], &[]);
     finish(&mut bench, 0);
-    bench.now(Op::Zero { axes: all(&[2, 5]) });
+    bench.now(TickCommand::Zero { axes: all(&[2, 5]) });
     let view = bench.tick();
     assert_eq!(view.crds[0].position[..2], [Pos::pulses(-100), Pos::pulses(50)]);
     while bench.event().is_some() {}
@@ -485,7 +485,7 @@ fn naming_a_position_moves_the_coordinates_with_it() {
 #[test]
 fn an_axis_may_leave_and_come_back() {
     let mut bench = prepared(250, &[line(200, 450)]);
-    bench.now(Op::SetMode { axis: axis(2), mode: Mode::Jog });
+    bench.now(TickCommand::SetMode { axis: axis(2), mode: Mode::Jog });
     bench.jog(2, 5.0, 1.0);
     bench.ticks(100);
     stop(&mut bench, &[2], &[]);
@@ -509,7 +509,7 @@ fn a_reset_of_one_axis_leaves_no_frame() {
     bench.start_path(&[0]);
     bench.ticks(100);
     let set_points = bench.machine.set_points;
-    bench.now(Op::Reset { axes: all(&[5]) });
+    bench.now(TickCommand::Reset { axes: all(&[5]) });
     let view = bench.tick();
     assert!(view.crds[0].frame.is_none() && !view.crds[0].runs && view.crds[0].ends == [0; 2]);
     assert_eq!((view.axes[2].mode, view.axes[5].mode, view.axes[5].pos), (Mode::Trap, Mode::Trap, Pos(0)));
@@ -526,12 +526,12 @@ fn a_lost_link_stops_paths_smoothly_and_they_go_on() {
     bench.start_path(&[0]);
     let zero = bench.tick().now.0;
     bench.until(zero + 20 * MS - 250_000);
-    bench.now(Op::Link { lost: true });
+    bench.now(TickCommand::Link { lost: true });
     let view = finish(&mut bench, 0);
     assert_eq!((view.crds[0].stop, view.crds[0].path_stop), (StopReason::LinkLoss, PathStop::Stopped));
     // 1 pulse/ms² from 10 pulse/ms.
     assert_eq!(view.now.0 - zero, 30 * MS);
-    bench.now(Op::Link { lost: false });
+    bench.now(TickCommand::Link { lost: false });
     bench.start_path(&[0]);
     assert_eq!(place(&finish(&mut bench, 0), [2, 5]), [300.0, 400.0]);
 }
@@ -540,12 +540,19 @@ fn a_lost_link_stops_paths_smoothly_and_they_go_on() {
 #[test]
 fn a_program_waits_for_a_path_and_traces_it() {
     let mut bench = prepared(250, &[line(200, 450)]);
-    bench.now(Op::Trace { every: 4, axes: all(&[5]), crds: CrdMask(1), lasers: 0, edges: false, outputs: false });
-    bench.now(Op::ProgramRun);
-    bench.then(0, Op::CrdStart { crds: CrdMask(1), fifo1: CrdMask(0) });
-    bench.then(0, Op::WaitStandstill { axes: AxisMask(0), crds: CrdMask(1) });
-    bench.then(0, Op::Output { group: DoGroup::General, mask: 1, value: 1 });
-    bench.then(0, Op::ProgramEnd);
+    bench.now(TickCommand::Trace {
+        every: 4,
+        axes: all(&[5]),
+        crds: CrdMask(1),
+        lasers: 0,
+        edges: false,
+        outputs: false,
+    });
+    bench.now(TickCommand::ProgramRun);
+    bench.then(0, TickCommand::CrdStart { crds: CrdMask(1), fifo1: CrdMask(0) });
+    bench.then(0, TickCommand::WaitStandstill { axes: AxisMask(0), crds: CrdMask(1) });
+    bench.then(0, TickCommand::Output { group: DoGroup::General, mask: 1, value: 1 });
+    bench.then(0, TickCommand::ProgramEnd);
     let zero = bench.tick().now.0 - 250_000;
     while bench.tick().general_outputs & 1 == 0 {}
     // It begins with row 1's tick, is at rest 60 ms later; the output is on with the tick after.

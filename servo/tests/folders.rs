@@ -5,8 +5,23 @@ use std::path::{Path, PathBuf};
 
 /// Folders and single files, lowest first. Each may use those before it, a folder also itself.
 const ORDER: [&str; 17] = [
-    "state", "capacity", "status", "units", "math", "segment", "path", "laser", "tables", "port", "output", "op",
-    "view", "axis", "trace", "tick", "age",
+    "state",
+    "capacity",
+    "status",
+    "units",
+    "math",
+    "segment",
+    "path",
+    "laser",
+    "tables",
+    "port",
+    "output",
+    "tick_command",
+    "view",
+    "axis",
+    "trace",
+    "tick",
+    "age",
 ];
 
 fn rank(module: &str) -> usize {

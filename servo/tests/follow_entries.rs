@@ -1,9 +1,9 @@
 //! FollowEx: entries that are no segments, at exact instants; their effects, and how many of them
 //! in a tick.
 mod tick_bench;
-use servo::op::{DoGroup, Mode, Op};
 use servo::segment::follow::{Direction, Input, Method, Value};
 use servo::status;
+use servo::tick_command::{DoGroup, Mode, TickCommand};
 use servo::units::Pos;
 use servo::view::StopReason;
 use tick_bench::*;
@@ -13,10 +13,10 @@ const GENERAL: DoGroup = DoGroup::General;
 /// Axis 0 a master, axis 1 its slave with these entries; both start at the tick returned.
 fn running(period_us: u32, items: &[Item], velocity: f64) -> Bench {
     let mut bench = Bench::prepared(period_us, Mode::FollowEx);
-    bench.now(Op::SetMode { axis: axis(0), mode: Mode::PtStatic });
+    bench.now(TickCommand::SetMode { axis: axis(0), mode: Mode::PtStatic });
     bench.follows(1, 0, Value::Planned);
     bench.follow(1, 0, items);
-    bench.now(Op::FollowLoop { axis: axis(1), passes: 1 });
+    bench.now(TickCommand::FollowLoop { axis: axis(1), passes: 1 });
     bench.start_follow(&[1]);
     bench.pt(0, 0, &[(velocity * 10_000.0, 10_000, 1)]);
     bench.start(&[0]);
@@ -79,7 +79,7 @@ fn a_delay_ends_at_its_exact_instant_whatever_the_tick() {
 fn a_delay_on_a_curve_of_the_master() {
     // The master accelerates: x = t²/4096 pulses, t in ms; reached at t = 64·√10.1.
     let mut bench = Bench::prepared(1000, Mode::FollowEx);
-    bench.now(Op::SetMode { axis: axis(0), mode: Mode::PtStatic });
+    bench.now(TickCommand::SetMode { axis: axis(0), mode: Mode::PtStatic });
     bench.follows(1, 0, Value::Planned);
     bench.follow(1, 0, &[Item::Data(10.1, 10.1, 1, 0), Item::Delay(9), Item::Data(500.0, 499.9, 1, 0)]);
     bench.start_follow(&[1]);
@@ -219,7 +219,7 @@ fn behind_a_delay_the_ratio_of_the_instant_is_0() {
 fn the_way_back_ends_at_an_entry() {
     let items = [Item::Data(10.0, 10.0, 1, 0), Item::Output(GENERAL, 0, true), Item::Data(20.0, 20.0, 1, 0)];
     let mut bench = Bench::prepared(250, Mode::FollowEx);
-    bench.now(Op::SetMode { axis: axis(0), mode: Mode::PtStatic });
+    bench.now(TickCommand::SetMode { axis: axis(0), mode: Mode::PtStatic });
     bench.follows(1, 0, Value::Planned);
     bench.follow(1, 0, &items);
     bench.start_follow(&[1]);
@@ -233,7 +233,7 @@ fn the_way_back_ends_at_an_entry() {
         assert!((pulses(view.axes[1].pos) - expected).abs() < 1e-5, "{} at {x}", pulses(view.axes[1].pos));
         switched += (view.general_outputs == 1) as u32;
         if tick == 100 {
-            bench.now(Op::Output { group: GENERAL, mask: 1, value: 0 });
+            bench.now(TickCommand::Output { group: GENERAL, mask: 1, value: 0 });
         }
     }
     // Not again on the second way up.
@@ -250,7 +250,7 @@ fn every_pass_executes_its_entries() {
         Item::Delay(3),
     ];
     let mut bench = running(50, &items, 1.0);
-    bench.now(Op::FollowLoop { axis: axis(1), passes: 0 });
+    bench.now(TickCommand::FollowLoop { axis: axis(1), passes: 0 });
     let (mut rises, mut before) = (0, 0);
     for _ in 0..20 * 100 {
         let view = bench.tick();
@@ -267,7 +267,7 @@ fn every_pass_executes_its_entries() {
 fn a_servo_switched_by_an_entry_stops_its_axis() {
     let items = [Item::Data(10.0, 10.0, 1, 0), Item::Output(DoGroup::Enable, 2, false), Item::Data(20.0, 20.0, 1, 0)];
     let mut bench = running(250, &items, 1.0);
-    bench.now(Op::SetMode { axis: axis(2), mode: Mode::Jog });
+    bench.now(TickCommand::SetMode { axis: axis(2), mode: Mode::Jog });
     bench.jog(2, 1.0, 1000.0);
     let view = bench.ticks(4 * 12);
     assert_eq!((view.axes[2].stop, view.enable), (StopReason::ServoOff, 0xff & !4));
@@ -277,10 +277,10 @@ fn a_servo_switched_by_an_entry_stops_its_axis() {
 #[test]
 fn added_data_belongs_to_the_present_pass() {
     let mut bench = Bench::prepared(250, Mode::FollowEx);
-    bench.now(Op::SetMode { axis: axis(0), mode: Mode::Jog });
+    bench.now(TickCommand::SetMode { axis: axis(0), mode: Mode::Jog });
     bench.follows(1, 0, Value::Planned);
     bench.follow(1, 0, &[Item::Data(10.0, 10.0, 1, 0)]);
-    bench.now(Op::FollowLoop { axis: axis(1), passes: 3 });
+    bench.now(TickCommand::FollowLoop { axis: axis(1), passes: 3 });
     bench.start_follow(&[1]);
     bench.jog(0, 1.0, 1000.0);
     bench.ticks(4 * 15);
@@ -307,10 +307,10 @@ fn added_data_belongs_to_the_present_pass() {
 #[test]
 fn the_way_back_ends_where_data_was_added() {
     let mut bench = Bench::prepared(250, Mode::FollowEx);
-    bench.now(Op::SetMode { axis: axis(0), mode: Mode::PtStatic });
+    bench.now(TickCommand::SetMode { axis: axis(0), mode: Mode::PtStatic });
     bench.follows(1, 0, Value::Planned);
     bench.follow(1, 0, &[Item::Data(10.0, 10.0, 1, 0)]);
-    bench.now(Op::FollowLoop { axis: axis(1), passes: 0 });
+    bench.now(TickCommand::FollowLoop { axis: axis(1), passes: 0 });
     bench.start_follow(&[1]);
     bench.pt(0, 0, &[(24.0, 24, 1), (2.0, 46, 1)]);
     bench.start(&[0]);
@@ -333,8 +333,8 @@ fn the_way_back_ends_where_data_was_added() {
 fn down_counts_downwards_and_up_does_not() {
     for (direction, sign) in [(Direction::Down, 1.0), (Direction::Both, -1.0), (Direction::Down, -1.0)] {
         let mut bench = Bench::prepared(250, Mode::FollowEx);
-        bench.now(Op::FollowDirection { axis: axis(1), direction });
-        bench.now(Op::SetMode { axis: axis(0), mode: Mode::PtStatic });
+        bench.now(TickCommand::FollowDirection { axis: axis(1), direction });
+        bench.now(TickCommand::SetMode { axis: axis(0), mode: Mode::PtStatic });
         bench.follows(1, 0, Value::Planned);
         bench.follow(1, 0, &[Item::Data(sign * 10.0, 20.0, 1, 0), Item::Data(sign * 20.0, 50.0, 1, 0)]);
         bench.start_follow(&[1]);
@@ -363,7 +363,7 @@ fn switch_now_breaks_a_wait() {
     let mut bench = running(250, &items, 1.0);
     bench.machine.general = 0;
     bench.ticks(4 * 15);
-    bench.now(Op::FollowSwitchNow { axis: axis(1), method: Method::Segment });
+    bench.now(TickCommand::FollowSwitchNow { axis: axis(1), method: Method::Segment });
     let view = bench.tick();
     let origin = pulses(view.axes[0].pos);
     let view = bench.ticks(4 * 4);

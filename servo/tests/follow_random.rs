@@ -10,11 +10,11 @@ mod follow_reference;
 mod tick_bench;
 use chance::Chance;
 use follow_reference::{Begin, Datum, Known, MasterPath, Slave, fixed};
-use servo::op::{Mode, Op};
 use servo::output::step_generator;
 use servo::path::{Along, Entry, Rate};
 use servo::segment::follow::{Direction, Event as Start, Value};
 use servo::status;
+use servo::tick_command::{Mode, TickCommand};
 use servo::units::{AxisMask, Ns, Pos};
 use servo::view::{StopReason, View};
 use tick_bench::*;
@@ -114,9 +114,9 @@ impl Program {
         self.log.push(format!("tick {}: {text}", self.view.tick));
     }
 
-    fn now(&mut self, op: Op) {
-        self.note(format!("{op:?}"));
-        self.bench.now(op);
+    fn now(&mut self, command: TickCommand) {
+        self.note(format!("{command:?}"));
+        self.bench.now(command);
     }
 
     fn below(&mut self, n: u64) -> u64 {
@@ -132,10 +132,10 @@ impl Program {
         let axis = axis(index);
         let pulses = self.below(2001) as i64 - 1000;
         match self.below(5) {
-            0 => self.now(Op::Zero { axes: axis.mask() }),
-            1 => self.now(Op::Synchronise { axes: axis.mask() }),
-            2 => self.now(Op::SetEncoder { axis, pulses }),
-            _ => self.now(Op::SetPosition { axis, pos: Pos::pulses(pulses as i32) }),
+            0 => self.now(TickCommand::Zero { axes: axis.mask() }),
+            1 => self.now(TickCommand::Synchronise { axes: axis.mask() }),
+            2 => self.now(TickCommand::SetEncoder { axis, pulses }),
+            _ => self.now(TickCommand::SetPosition { axis, pos: Pos::pulses(pulses as i32) }),
         }
     }
 
@@ -191,11 +191,11 @@ impl Program {
     fn configure(&mut self, k: usize) {
         let axis = axis(self.links[k].axis);
         let index = axis.index();
-        self.now(Op::SetMode { axis, mode: Mode::Trap });
-        self.now(Op::SetMode { axis, mode: self.mode });
+        self.now(TickCommand::SetMode { axis, mode: Mode::Trap });
+        self.now(TickCommand::SetMode { axis, mode: self.mode });
         let dir = [0, 1, -1][self.below(3) as usize];
         let direction = [Direction::Down, Direction::Both, Direction::Up][(dir + 1) as usize];
-        self.now(Op::FollowDirection { axis, direction });
+        self.now(TickCommand::FollowDirection { axis, direction });
         let (master, value) = (self.links[k].master, self.links[k].value);
         self.bench.follows(index, master, value);
         let mut all = [None, None];
@@ -213,7 +213,7 @@ impl Program {
             all[fifo as usize] = Some(data);
         }
         let passes = self.below(4) as u32;
-        self.now(Op::FollowLoop { axis, passes });
+        self.now(TickCommand::FollowLoop { axis, passes });
         let link = &mut self.links[k];
         (link.dir, link.data, link.passes) = (dir, all, passes);
     }
@@ -226,14 +226,14 @@ impl Program {
         } else {
             Start::Start
         };
-        self.now(Op::FollowEvent { axis, event });
+        self.now(TickCommand::FollowEvent { axis, event });
         self.links[k].event = event;
     }
 
     /// FollowStart of some links.
     fn start(&mut self, links: &[usize]) {
         let axes: Vec<usize> = links.iter().map(|k| self.links[*k].axis).collect();
-        self.now(Op::FollowStart { axes: all(&axes), fifo1: AxisMask(0) });
+        self.now(TickCommand::FollowStart { axes: all(&axes), fifo1: AxisMask(0) });
         for &k in links {
             let Link { axis, master, value, dir, passes, event, .. } = self.links[k];
             let begin = match event {
@@ -264,26 +264,32 @@ impl Program {
                 let (velocity, acc, dec) = (self.real(-6.0, 6.0), self.real(0.02, 2.0), self.real(0.02, 2.0));
                 let velocity = if self.below(4) == 0 { 0.0 } else { velocity };
                 let smooth = if self.below(3) == 0 { self.below(65536) as u16 } else { 0 };
-                self.now(Op::JogPrm { axis, acc: accel(acc), dec: accel(dec), smooth });
-                self.now(Op::TargetSpeed { axis, speed: speed(velocity) });
-                self.now(Op::Update { axes: axis.mask() });
+                self.now(TickCommand::JogPrm { axis, acc: accel(acc), dec: accel(dec), smooth });
+                self.now(TickCommand::TargetSpeed { axis, speed: speed(velocity) });
+                self.now(TickCommand::Update { axes: axis.mask() });
             }
             Kind::Trap => {
                 let (velocity, acc, dec) = (self.real(0.5, 6.0), self.real(0.02, 2.0), self.real(0.02, 2.0));
                 let smooth = Ns(if self.below(3) == 0 { self.below(20) * MS } else { 0 });
-                self.now(Op::TrapPrm { axis, acc: accel(acc), dec: accel(dec), vel_start: speed(0.0), smooth });
-                self.now(Op::TargetSpeed { axis, speed: speed(velocity) });
+                self.now(TickCommand::TrapPrm {
+                    axis,
+                    acc: accel(acc),
+                    dec: accel(dec),
+                    vel_start: speed(0.0),
+                    smooth,
+                });
+                self.now(TickCommand::TargetSpeed { axis, speed: speed(velocity) });
                 let near = (self.view.axes[self.master].pos.0 >> Pos::FRAC_BITS) as i32;
                 let path = self.below(801) as i32 - 400;
-                self.now(Op::TargetPosition { axis, pulses: near + path });
-                self.now(Op::Update { axes: axis.mask() });
+                self.now(TickCommand::TargetPosition { axis, pulses: near + path });
+                self.now(TickCommand::Update { axes: axis.mask() });
             }
             Kind::Pt => {
                 // Data that comes while it runs is appended.
                 let runs = has(&self.view.axes[self.master], status::RUNNING);
                 if !runs {
                     self.bench.forget(self.master);
-                    self.now(Op::PtClear { axis, fifo: 0 });
+                    self.now(TickCommand::PtClear { axis, fifo: 0 });
                     self.stream = (0.0, 0);
                 }
                 let segments: Vec<(f64, i32, i16)> = (0..1 + self.below(6))
@@ -299,16 +305,16 @@ impl Program {
                 self.note(format!("pt {segments:?}"));
                 self.bench.pt(self.master, 0, &segments);
                 let passes = self.below(3) as u32;
-                self.now(Op::PtLoop { axis, passes });
+                self.now(TickCommand::PtLoop { axis, passes });
                 if !runs {
-                    self.now(Op::PtStart { axes: axis.mask(), fifo1: AxisMask(0) });
+                    self.now(TickCommand::PtStart { axes: axis.mask(), fifo1: AxisMask(0) });
                 }
             }
             Kind::Pvt => {
                 let (table, passes) = (self.below(3) as u8, self.below(3) as u32);
-                self.now(Op::PvtSelect { axis, table });
-                self.now(Op::PvtLoop { axis, passes });
-                self.now(Op::PvtStart { axes: axis.mask() });
+                self.now(TickCommand::PvtSelect { axis, table });
+                self.now(TickCommand::PvtLoop { axis, passes });
+                self.now(TickCommand::PvtStart { axes: axis.mask() });
             }
             Kind::Crd => {
                 let entries: Vec<Entry> = (0..3 + self.below(10))
@@ -334,21 +340,21 @@ impl Program {
             0..=5 if soft => self.drive(),
             0..=2 if self.kind == Kind::Crd => {
                 let rate = Rate::admit(self.real(0.1, 1.0).to_bits()).unwrap();
-                self.now(Op::CrdRate { crd: crd(0), rate });
+                self.now(TickCommand::CrdRate { crd: crd(0), rate });
             }
             0..=2 if self.kind == Kind::Pvt => {
                 let table = self.below(3) as u8;
-                self.now(Op::PvtSelect { axis, table });
+                self.now(TickCommand::PvtSelect { axis, table });
             }
             3 if !soft => self.drive(),
-            6 | 7 => self.now(Op::stop(axis.mask(), AxisMask(0))),
+            6 | 7 => self.now(TickCommand::stop(axis.mask(), AxisMask(0))),
             8 => {
-                self.now(Op::stop(axis.mask(), axis.mask()));
+                self.now(TickCommand::stop(axis.mask(), axis.mask()));
                 self.rename(self.master);
             }
             9 => {
-                self.now(Op::Servo { axis, on: false });
-                self.now(Op::Servo { axis, on: true });
+                self.now(TickCommand::Servo { axis, on: false });
+                self.now(TickCommand::Servo { axis, on: true });
             }
             10 => {
                 let index = self.below(AXES as u64) as usize;
@@ -359,21 +365,21 @@ impl Program {
                     self.rename(index);
                 }
             }
-            11 => self.now(Op::Link { lost: true }),
+            11 => self.now(TickCommand::Link { lost: true }),
             12 | 13 => {
                 let k = self.below(self.links.len() as u64) as usize;
                 let axis = self.links[k].axis;
                 if self.links[k].slave.as_ref().is_some_and(Slave::may_switch)
                     && has(&self.view.axes[axis], status::RUNNING)
                 {
-                    self.now(Op::FollowSwitch { axes: all(&[axis]) });
+                    self.now(TickCommand::FollowSwitch { axes: all(&[axis]) });
                     self.links[k].slave.as_mut().unwrap().switching = true;
                 }
             }
             14 => {
                 let (k, passes) = (self.below(self.links.len() as u64) as usize, self.below(4) as u32);
                 let axis = tick_bench::axis(self.links[k].axis);
-                self.now(Op::FollowLoop { axis, passes });
+                self.now(TickCommand::FollowLoop { axis, passes });
                 self.links[k].passes = passes;
                 if let Some(slave) = &mut self.links[k].slave {
                     slave.passes = passes;
@@ -382,7 +388,7 @@ impl Program {
             _ => {
                 let (k, abrupt) = (self.below(self.links.len() as u64) as usize, self.below(2) == 0);
                 let mask = all(&[self.links[k].axis]);
-                self.now(Op::stop(mask, if abrupt { mask } else { AxisMask(0) }));
+                self.now(TickCommand::stop(mask, if abrupt { mask } else { AxisMask(0) }));
                 self.links[k].reported = Some(abrupt);
             }
         }
@@ -395,7 +401,7 @@ impl Program {
     /// Until nothing moves.
     fn rest(&mut self, smooth: bool) -> Result<(), String> {
         let every = AxisMask(0xff);
-        self.now(Op::stop(every, if smooth { AxisMask(0) } else { every }));
+        self.now(TickCommand::stop(every, if smooth { AxisMask(0) } else { every }));
         for link in &mut self.links {
             link.reported = Some(!smooth);
         }
@@ -404,7 +410,7 @@ impl Program {
             if self.view.axes.iter().all(|axis| !has(axis, status::RUNNING)) {
                 self.ticks(2)?;
                 for index in 0..AXES {
-                    self.bench.now(Op::ClearStatus { axes: all(&[index]) });
+                    self.bench.now(TickCommand::ClearStatus { axes: all(&[index]) });
                 }
                 return self.tick();
             }
@@ -420,7 +426,7 @@ impl Program {
             Kind::Pt => Mode::PtStatic,
             Kind::Pvt => Mode::Pvt,
         };
-        self.now(Op::SetMode { axis: axis(self.master), mode });
+        self.now(TickCommand::SetMode { axis: axis(self.master), mode });
         if self.kind == Kind::Crd {
             let other =
                 (0..AXES).find(|index| *index != self.master && self.links.iter().all(|link| link.axis != *index));

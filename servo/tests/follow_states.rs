@@ -1,7 +1,7 @@
 //! Follow in combined states: renamed positions; masters that are planned again, stopped, switched.
 mod tick_bench;
-use servo::op::{Mode, Op};
 use servo::segment::follow::{Direction, Event as Start, Value};
+use servo::tick_command::{Mode, TickCommand};
 use servo::units::Pos;
 use tick_bench::*;
 
@@ -17,17 +17,17 @@ fn a_slave_of_a_renamed_slave_stays_where_it_is() {
         [Mode::Follow, Mode::FollowEx].into_iter().flat_map(|mode| [Direction::Both, Direction::Up].map(|d| (mode, d)))
     {
         let mut bench = Bench::prepared(250, mode);
-        bench.now(Op::SetMode { axis: axis(0), mode: Mode::Jog });
+        bench.now(TickCommand::SetMode { axis: axis(0), mode: Mode::Jog });
         for (slave, master) in [(1, 0), (2, 1)] {
-            bench.now(Op::FollowDirection { axis: axis(slave), direction });
+            bench.now(TickCommand::FollowDirection { axis: axis(slave), direction });
             bench.follows(slave, master, Value::Planned);
             // Knots of the middle axis lie inside ticks.
             let items: Vec<Item> = (1..10).map(|k| Item::Data(33.3 * k as f64, 33.3 * k as f64, 0, 0)).collect();
             bench.follow_in(slave, 0, direction, &items);
-            bench.now(Op::FollowLoop { axis: axis(slave), passes: 0 });
+            bench.now(TickCommand::FollowLoop { axis: axis(slave), passes: 0 });
         }
         for run in 0..2 {
-            bench.now(Op::SetPosition { axis: axis(1), pos: Pos::pulses(150) });
+            bench.now(TickCommand::SetPosition { axis: axis(1), pos: Pos::pulses(150) });
             bench.tick();
             let begin = positions(&bench);
             bench.start_follow(&[1, 2]);
@@ -42,9 +42,9 @@ fn a_slave_of_a_renamed_slave_stays_where_it_is() {
                 let (x, y) = (now[1] - begin[1], now[2] - begin[2]);
                 assert!((y - zigzag(x)).abs() < 1e-4, "{y} where the master has gone {x}, run {run}, {mode:?}");
             }
-            bench.now(Op::stop(all(&[0, 1, 2]), all(&[0, 1, 2])));
+            bench.now(TickCommand::stop(all(&[0, 1, 2]), all(&[0, 1, 2])));
             bench.tick();
-            bench.now(Op::Zero { axes: all(&[0, 1, 2]) });
+            bench.now(TickCommand::Zero { axes: all(&[0, 1, 2]) });
         }
     }
 }
@@ -68,22 +68,22 @@ fn a_master_that_is_planned_again_while_it_brakes_is_never_further_than_it_went(
         for again in 0..4 {
             for (smooth, after) in [(0, 5), (0, 17), (0, 37), (30_000, 17)] {
                 let mut bench = Bench::prepared(250, Mode::Follow);
-                bench.now(Op::SetMode { axis: axis(0), mode: Mode::Jog });
+                bench.now(TickCommand::SetMode { axis: axis(0), mode: Mode::Jog });
                 bench.follows(1, 0, Value::Planned);
-                bench.now(Op::FollowDirection { axis: axis(1), direction });
+                bench.now(TickCommand::FollowDirection { axis: axis(1), direction });
                 bench.follow_in(1, 0, direction, &[Item::Data(10_000.0, 30_000.0, 1, 0)]);
                 bench.start_follow(&[1]);
                 let jog = |bench: &mut Bench, velocity: f64, acc: f64| {
                     let axis = axis(0);
-                    bench.now(Op::JogPrm { axis, acc: accel(acc), dec: accel(acc), smooth });
-                    bench.now(Op::TargetSpeed { axis, speed: speed(sign * velocity) });
-                    bench.now(Op::Update { axes: axis.mask() });
+                    bench.now(TickCommand::JogPrm { axis, acc: accel(acc), dec: accel(acc), smooth });
+                    bench.now(TickCommand::TargetSpeed { axis, speed: speed(sign * velocity) });
+                    bench.now(TickCommand::Update { axes: axis.mask() });
                 };
                 jog(&mut bench, 10.0, 1.0);
                 bench.ticks(100);
                 jog(&mut bench, 0.0, 0.5);
                 bench.ticks(after);
-                let stop = Op::stop(all(&[0]), all(&[]));
+                let stop = TickCommand::stop(all(&[0]), all(&[]));
                 match again {
                     0 => jog(&mut bench, 0.0, 2.0),
                     1 => jog(&mut bench, 8.0, 1.5),
@@ -112,9 +112,9 @@ fn a_master_that_is_planned_again_while_it_brakes_is_never_further_than_it_went(
 /// Axis 1 moves three times as far as axis 0, which counts upwards to its furthest position.
 fn three_times(period: u32) -> Bench {
     let mut bench = Bench::prepared(period, Mode::Follow);
-    bench.now(Op::SetMode { axis: axis(0), mode: Mode::Jog });
+    bench.now(TickCommand::SetMode { axis: axis(0), mode: Mode::Jog });
     bench.follows(1, 0, Value::Planned);
-    bench.now(Op::FollowDirection { axis: axis(1), direction: Direction::Up });
+    bench.now(TickCommand::FollowDirection { axis: axis(1), direction: Direction::Up });
     bench.follow_in(1, 0, Direction::Up, &[Item::Data(100_000.0, 300_000.0, 1, 0)]);
     bench.start_follow(&[1]);
     bench
@@ -125,11 +125,11 @@ fn an_abrupt_stop_of_a_master_is_no_way() {
     // The ramp ends between two ticks; so does a limit.
     for (after, limit) in (90..110).map(|after| (after, None)).chain((110..130).map(|limit| (200, Some(limit)))) {
         let mut bench = three_times(250);
-        bench.now(Op::SoftLimit { axis: axis(0), positive: limit, negative: None });
+        bench.now(TickCommand::SoftLimit { axis: axis(0), positive: limit, negative: None });
         bench.jog(0, 10.0, 10.0 / 25.1);
         bench.ticks(after);
-        bench.now(Op::stop(all(&[0]), all(&[0])));
-        bench.now(Op::SetPosition { axis: axis(0), pos: Pos::pulses(-777) });
+        bench.now(TickCommand::stop(all(&[0]), all(&[0])));
+        bench.now(TickCommand::SetPosition { axis: axis(0), pos: Pos::pulses(-777) });
         let view = bench.ticks(2);
         let master = pulses(bench.machine.set_points[0]);
         assert!((pulses(view.axes[1].pos) - 3.0 * master).abs() < 1e-4, "{after} {limit:?} {master}");
@@ -150,7 +150,7 @@ fn a_master_that_turns_round_as_it_is_planned_again() {
             let peak = pulses(bench.machine.set_points[0]) + 56.5;
             bench.ticks(again - 1);
             if velocity < 0.0 {
-                bench.now(Op::Update { axes: all(&[0]) });
+                bench.now(TickCommand::Update { axes: all(&[0]) });
             } else if again > 45 {
                 bench.jog(0, velocity, 10.0 / 11.3);
             }
@@ -164,12 +164,12 @@ fn a_master_that_turns_round_as_it_is_planned_again() {
 #[test]
 fn a_slave_that_ends_as_it_turns_round_counts_for_its_slaves() {
     let mut bench = Bench::prepared(1000, Mode::Follow);
-    bench.now(Op::SetMode { axis: axis(7), mode: Mode::Jog });
+    bench.now(TickCommand::SetMode { axis: axis(7), mode: Mode::Jog });
     bench.follows(1, 7, Value::Planned);
     // From ratio 2 to −1: it turns at 14, at master 14, and ends at 13, at master 16.
     bench.follow(1, 0, &[Item::Data(10.0, 10.0, 0, 0), Item::Data(16.0, 13.0, 0, 0)]);
     bench.follows(0, 1, Value::Planned);
-    bench.now(Op::FollowDirection { axis: axis(0), direction: Direction::Up });
+    bench.now(TickCommand::FollowDirection { axis: axis(0), direction: Direction::Up });
     bench.follow_in(0, 0, Direction::Up, &[Item::Data(100.0, 300.0, 1, 0)]);
     bench.start_follow(&[0, 1]);
     bench.jog(7, 4.1, 1000.0);
@@ -190,10 +190,10 @@ fn a_slave_of_one_way_stands_from_where_its_master_turns() {
     // EVEN to 8 at 4 ms and back: a jump of the velocity, at a tick.
     for (direction, sign) in [(Direction::Both, 1), (Direction::Up, 1), (Direction::Down, 1), (Direction::Down, -1)] {
         let mut bench = Bench::prepared(250, Mode::Follow);
-        bench.now(Op::SetMode { axis: axis(0), mode: Mode::PtStatic });
+        bench.now(TickCommand::SetMode { axis: axis(0), mode: Mode::PtStatic });
         bench.pt(0, 0, &[(8.0 * f64::from(sign), 4, 1), (0.0, 8, 1), (8.0 * f64::from(sign), 12, 1)]);
         bench.follows(1, 0, Value::Planned);
-        bench.now(Op::FollowDirection { axis: axis(1), direction });
+        bench.now(TickCommand::FollowDirection { axis: axis(1), direction });
         bench.follow_in(1, 0, direction, &[Item::Data(100.0, 300.0, 1, 0)]);
         bench.follows(2, 1, Value::Planned);
         bench.follow(2, 0, &[Item::Data(100.0, 100.0, 1, 0)]);
@@ -229,13 +229,13 @@ fn a_master_that_is_stopped_before_it_turns_round_does_not_turn() {
     // From 2000 on it goes at 1 − t/0.8, turns at 0.8 ms, ends at 1 ms. The tick of the stop is
     // that from 0.6 to 1.3.
     let mut bench = three_times(700);
-    bench.now(Op::SetMode { axis: axis(0), mode: Mode::PtStatic });
+    bench.now(TickCommand::SetMode { axis: axis(0), mode: Mode::PtStatic });
     bench.pt(0, 0, &[(2000.0, 2000, 1), (2000.375, 2001, 0)]);
     bench.start(&[0]);
     let view = bench.ticks(1 + 2858);
     assert_eq!(view.axes[0].pos.0, (Pos::pulses(2000).0 + (375 << Pos::FRAC_BITS) / 1000));
-    bench.now(Op::stop(all(&[0]), all(&[0])));
-    bench.now(Op::SetPosition { axis: axis(0), pos: Pos::pulses(-7000) });
+    bench.now(TickCommand::stop(all(&[0]), all(&[0])));
+    bench.now(TickCommand::SetPosition { axis: axis(0), pos: Pos::pulses(-7000) });
     let view = bench.ticks(3);
     assert!((pulses(view.axes[1].pos) - 3.0 * 2000.375).abs() < 1e-4, "{}", pulses(view.axes[1].pos));
 }
@@ -251,23 +251,23 @@ fn a_slave_that_turns_round_at_a_knot_counts_for_its_slaves() {
     ] {
         for direction in [Direction::Up, Direction::Down] {
             let mut bench = Bench::prepared(1000, Mode::Follow);
-            bench.now(Op::SetMode { axis: axis(7), mode: Mode::Jog });
-            bench.now(Op::SetPosition { axis: axis(1), pos: Pos::pulses(1234) });
+            bench.now(TickCommand::SetMode { axis: axis(7), mode: Mode::Jog });
+            bench.now(TickCommand::SetPosition { axis: axis(1), pos: Pos::pulses(1234) });
             bench.follows(1, 7, Value::Planned);
             bench.follow(1, 0, &items);
-            bench.now(Op::FollowLoop { axis: axis(1), passes: 2 });
+            bench.now(TickCommand::FollowLoop { axis: axis(1), passes: 2 });
             bench.follows(0, 1, Value::Planned);
-            bench.now(Op::FollowDirection { axis: axis(0), direction });
+            bench.now(TickCommand::FollowDirection { axis: axis(0), direction });
             bench.follow_in(0, 0, direction, &[Item::Data(100.0, 300.0, 1, 0)]);
             bench.tick();
             bench.start_follow(&[0, 1]);
             bench.jog(7, 4.1, 1000.0);
             // The same in ticks of 10 us has its positions more exactly.
             let mut fine = Bench::prepared(10, Mode::Follow);
-            fine.now(Op::SetMode { axis: axis(7), mode: Mode::Jog });
+            fine.now(TickCommand::SetMode { axis: axis(7), mode: Mode::Jog });
             fine.follows(1, 7, Value::Planned);
             fine.follow(1, 0, &items);
-            fine.now(Op::FollowLoop { axis: axis(1), passes: 2 });
+            fine.now(TickCommand::FollowLoop { axis: axis(1), passes: 2 });
             fine.tick();
             fine.start_follow(&[1]);
             fine.jog(7, 4.1, 1000.0);
@@ -295,12 +295,12 @@ fn a_crossing_of_the_very_knot_at_which_a_slave_turns_counts() {
     for up in [true, false] {
         let sign = if up { 1.0 } else { -1.0 };
         let mut bench = Bench::prepared(1000, Mode::Follow);
-        bench.now(Op::SetMode { axis: axis(7), mode: Mode::Jog });
+        bench.now(TickCommand::SetMode { axis: axis(7), mode: Mode::Jog });
         bench.follows(1, 7, Value::Planned);
         bench.follow(1, 0, &[Item::Data(10.3, sign * 40.0, 1, 0), Item::Data(30.0, sign * 20.0, 1, 0)]);
         bench.follows(0, 1, Value::Planned);
         bench.follow(0, 0, &[Item::Data(-sign * 10.0, 10.0, 1, 0)]);
-        bench.now(Op::FollowEvent { axis: axis(0), event: Start::Pass { up, pos: 40 * sign as i32 } });
+        bench.now(TickCommand::FollowEvent { axis: axis(0), event: Start::Pass { up, pos: 40 * sign as i32 } });
         bench.start_follow(&[0, 1]);
         bench.jog(7, 4.1, 1000.0);
         let view = bench.ticks(5);
@@ -312,9 +312,9 @@ fn a_crossing_of_the_very_knot_at_which_a_slave_turns_counts() {
 #[test]
 fn a_master_at_the_position_of_a_pass_has_not_come_from_before_it() {
     let mut bench = three_times(250);
-    bench.now(Op::stop(all(&[1]), all(&[1])));
-    bench.now(Op::SetPosition { axis: axis(0), pos: Pos::pulses(500) });
-    bench.now(Op::FollowEvent { axis: axis(1), event: Start::Pass { up: true, pos: 500 } });
+    bench.now(TickCommand::stop(all(&[1]), all(&[1])));
+    bench.now(TickCommand::SetPosition { axis: axis(0), pos: Pos::pulses(500) });
+    bench.now(TickCommand::FollowEvent { axis: axis(1), event: Start::Pass { up: true, pos: 500 } });
     bench.tick();
     bench.start_follow(&[1]);
     bench.tick();

@@ -2,9 +2,9 @@
 #[path = "follow_tick/encoder.rs"]
 mod encoder;
 mod tick_bench;
-use servo::op::{Mode, Op};
 use servo::segment::follow::{Chain, Direction, Event as Start, Method, Value};
 use servo::status;
+use servo::tick_command::{Mode, TickCommand};
 use servo::units::Pos;
 use servo::view::{Event, StopReason};
 use tick_bench::*;
@@ -12,12 +12,12 @@ use tick_bench::*;
 /// Axis 0 a jogging master, the others ready to follow.
 fn bench(period_us: u32) -> Bench {
     let mut bench = Bench::prepared(period_us, Mode::Follow);
-    bench.now(Op::SetMode { axis: axis(0), mode: Mode::Jog });
+    bench.now(TickCommand::SetMode { axis: axis(0), mode: Mode::Jog });
     bench
 }
 
 fn loops(bench: &mut Bench, index: usize, passes: u32) {
-    bench.now(Op::FollowLoop { axis: axis(index), passes });
+    bench.now(TickCommand::FollowLoop { axis: axis(index), passes });
 }
 
 /// Displacement in a segment from ratio r0 over `m` with displacement `p`, at the part `t` of it.
@@ -57,7 +57,7 @@ fn the_flying_shear_of_tables_3_2_and_3_3() {
         loops(&mut bench, 1, 0);
         bench.start_follow(&[1]);
         bench.jog(0, 50.0, 10.0);
-        bench.now(Op::FollowSwitch { axes: all(&[1]) });
+        bench.now(TickCommand::FollowSwitch { axes: all(&[1]) });
         let mut view = bench.tick();
         assert!(view.axes[1].switching && has(&view.axes[1], status::RUNNING));
         let mut ratios = vec![];
@@ -83,7 +83,7 @@ fn the_flying_shear_of_tables_3_2_and_3_3() {
 #[test]
 fn a_chain_in_reverse_shows_no_lag() {
     let mut bench = Bench::prepared(250, Mode::Follow);
-    bench.now(Op::SetMode { axis: axis(7), mode: Mode::Jog });
+    bench.now(TickCommand::SetMode { axis: axis(7), mode: Mode::Jog });
     for index in 0..7 {
         bench.follows(index, index + 1, Value::Planned);
         bench.follow(index, 0, &[Item::Data(1000.0, 1000.0, 1, 0)]);
@@ -113,12 +113,12 @@ fn a_chain_in_reverse_shows_no_lag() {
 #[test]
 fn a_turning_point_of_a_slave_counts_for_its_slaves() {
     let mut bench = Bench::prepared(1000, Mode::Follow);
-    bench.now(Op::SetMode { axis: axis(7), mode: Mode::Jog });
+    bench.now(TickCommand::SetMode { axis: axis(7), mode: Mode::Jog });
     bench.follows(1, 7, Value::Planned);
     // From ratio 2 to −2: it turns at 15, at master 15.
     bench.follow(1, 0, &[Item::Data(10.0, 10.0, 0, 0), Item::Data(20.0, 10.0, 0, 0)]);
     bench.follows(0, 1, Value::Planned);
-    bench.now(Op::FollowDirection { axis: axis(0), direction: Direction::Up });
+    bench.now(TickCommand::FollowDirection { axis: axis(0), direction: Direction::Up });
     bench.follow(0, 0, &[Item::Data(100.0, 300.0, 1, 0)]);
     bench.start_follow(&[0, 1]);
     bench.jog(7, 4.1, 1000.0);
@@ -135,19 +135,19 @@ fn a_turning_point_of_a_slave_counts_for_its_slaves() {
 fn swing(bench: &mut Bench, target: i32) {
     let zero = speed(0.0);
     let ms = servo::units::Ns(0);
-    bench.now(Op::TrapPrm { axis: axis(0), acc: accel(1.0), dec: accel(1.0), vel_start: zero, smooth: ms });
-    bench.now(Op::TargetSpeed { axis: axis(0), speed: speed(1000.0) });
-    bench.now(Op::TargetPosition { axis: axis(0), pulses: target });
-    bench.now(Op::Update { axes: all(&[0]) });
+    bench.now(TickCommand::TrapPrm { axis: axis(0), acc: accel(1.0), dec: accel(1.0), vel_start: zero, smooth: ms });
+    bench.now(TickCommand::TargetSpeed { axis: axis(0), speed: speed(1000.0) });
+    bench.now(TickCommand::TargetPosition { axis: axis(0), pulses: target });
+    bench.now(TickCommand::Update { axes: all(&[0]) });
 }
 
 #[test]
 fn a_pass_is_where_the_master_crosses() {
     for (up, target, event, lands) in [(true, 1000, 300, 700.0), (false, -1000, -300, 700.0)] {
         let mut bench = Bench::prepared(250, Mode::Follow);
-        bench.now(Op::SetMode { axis: axis(0), mode: Mode::Trap });
+        bench.now(TickCommand::SetMode { axis: axis(0), mode: Mode::Trap });
         bench.follows(1, 0, Value::Planned);
-        bench.now(Op::FollowEvent { axis: axis(1), event: Start::Pass { up, pos: event } });
+        bench.now(TickCommand::FollowEvent { axis: axis(1), event: Start::Pass { up, pos: event } });
         let sign = if up { 1.0 } else { -1.0 };
         bench.follow(1, 0, &[Item::Data(sign * 5000.0, 10_000.0, 1, 0)]);
         bench.start_follow(&[1]);
@@ -163,8 +163,8 @@ fn a_pass_is_where_the_master_crosses() {
         }
         assert_eq!(before, 2.0 * lands);
         // If it starts beyond it, it has to come back first.
-        bench.now(Op::stop(all(&[1]), all(&[1])));
-        bench.now(Op::SetPosition { axis: axis(1), pos: Pos(0) });
+        bench.now(TickCommand::stop(all(&[1]), all(&[1])));
+        bench.now(TickCommand::SetPosition { axis: axis(1), pos: Pos(0) });
         bench.start_follow(&[1]);
         swing(&mut bench, target + (target.signum() * 500));
         assert_eq!(bench.ticks(8000).axes[1].pos, Pos(0));
@@ -180,15 +180,15 @@ fn a_crossing_between_ticks_counts() {
     // The master reverses inside a tick, 1/32 pulse beyond the position: at neither tick it is
     // there.
     let mut bench = Bench::prepared(1000, Mode::Follow);
-    bench.now(Op::SetMode { axis: axis(0), mode: Mode::PtStatic });
+    bench.now(TickCommand::SetMode { axis: axis(0), mode: Mode::PtStatic });
     // v = 1 − t/1.5 from 0 on: the peak of 0.75 at 1.5 ms.
     bench.pt(0, 0, &[(1000.0, 1000, 1), (1000.75 - 0.75, 1003, 0), (0.0, 2003, 1)]);
     bench.follows(1, 0, Value::Planned);
-    bench.now(Op::FollowDirection { axis: axis(1), direction: Direction::Up });
+    bench.now(TickCommand::FollowDirection { axis: axis(1), direction: Direction::Up });
     bench.follow(1, 0, &[Item::Data(100.0, 300.0, 1, 0)]);
-    bench.now(Op::FollowEvent { axis: axis(1), event: Start::Pass { up: true, pos: 1000 } });
+    bench.now(TickCommand::FollowEvent { axis: axis(1), event: Start::Pass { up: true, pos: 1000 } });
     bench.follows(2, 0, Value::Planned);
-    bench.now(Op::FollowDirection { axis: axis(2), direction: Direction::Up });
+    bench.now(TickCommand::FollowDirection { axis: axis(2), direction: Direction::Up });
     bench.follow(2, 0, &[Item::Data(1000.5, 2001.0, 1, 0)]);
     bench.follows(3, 0, Value::Planned);
     bench.follow(3, 0, &[Item::Data(1000.6875, 2001.375, 1, 0)]);
@@ -219,7 +219,7 @@ fn back_through_three_passes_to_the_bit() {
     bench.follow(1, 0, &items);
     loops(&mut bench, 1, 0);
     bench.start_follow(&[1]);
-    bench.now(Op::SetMode { axis: axis(0), mode: Mode::PtStatic });
+    bench.now(TickCommand::SetMode { axis: axis(0), mode: Mode::PtStatic });
     // 400.25 up in 512 ms, and back the same way.
     bench.pt(0, 0, &[(400.25, 512, 1), (0.0, 1024, 1)]);
     bench.start(&[0]);
@@ -242,7 +242,7 @@ fn back_through_three_passes_to_the_bit() {
     assert_eq!(bench.tick().axes[1].pos, Pos(0));
     // Before the start it rests at its origin.
     bench.pt(0, 1, &[(-50.0, 100, 1), (0.0, 200, 1)]);
-    bench.now(Op::PtStart { axes: all(&[0]), fifo1: all(&[0]) });
+    bench.now(TickCommand::PtStart { axes: all(&[0]), fifo1: all(&[0]) });
     for _ in 0..900 {
         let view = bench.tick();
         assert_eq!(view.axes[1].pos, Pos(0));
@@ -279,12 +279,12 @@ fn switches_at_the_end_of_a_pass_and_at_once() {
     bench.jog(0, 1.0, 1000.0);
     bench.ticks(4);
     // An empty FIFO is refused.
-    let seq = bench.now(Op::FollowSwitch { axes: all(&[1]) });
+    let seq = bench.now(TickCommand::FollowSwitch { axes: all(&[1]) });
     bench.tick();
     assert!(matches!(bench.event(), Some(Event::Refused { seq: refused, .. }) if refused == seq));
     // The loop count has run out, the switch wins: CONTINUE goes on at ratio 2 in every pass.
     bench.follow(1, 1, &[Item::Data(10.0, 20.0, 3, 0), Item::Data(20.0, 40.0, 0, 0)]);
-    bench.now(Op::FollowSwitch { axes: all(&[1]) });
+    bench.now(TickCommand::FollowSwitch { axes: all(&[1]) });
     let view = bench.ticks(4 * 10);
     assert_eq!((view.axes[1].fifo, view.axes[1].passes, view.axes[1].cleared), (1, 0, [1, 0]));
     let truth = |x: f64| 10.0 + 2.0 * (x - 10.0);
@@ -296,14 +296,14 @@ fn switches_at_the_end_of_a_pass_and_at_once() {
     // The other FIFO at once: NORMAL starts at the ratio of the instant too.
     bench.emptied(1, 0);
     bench.follow(1, 0, &[Item::Data(10.0, 10.0, 0, 0), Item::Data(20.0, 20.0, 0, 0)]);
-    bench.now(Op::FollowSwitchNow { axis: axis(1), method: Method::Table });
+    bench.now(TickCommand::FollowSwitchNow { axis: axis(1), method: Method::Table });
     let view = bench.tick();
     let (x0, s0) = (pulses(view.axes[0].pos), pulses(view.axes[1].pos));
     assert!((s0 - truth(x0)).abs() < 1e-5);
     assert_eq!((view.axes[1].fifo, view.axes[1].cleared), (0, [1, 1]));
     // Data for the FIFO's content before the switch is refused.
     let (end, tail) = (3, Chain::default().tail());
-    let void = bench.now(Op::FollowCommit { axis: axis(1), fifo: 1, end, cleared: 0, tail });
+    let void = bench.now(TickCommand::FollowCommit { axis: axis(1), fifo: 1, end, cleared: 0, tail });
     for _ in 0..70 {
         let view = bench.tick();
         let x = pulses(view.axes[0].pos) - x0;
@@ -314,7 +314,7 @@ fn switches_at_the_end_of_a_pass_and_at_once() {
     }
     assert!(matches!(bench.event(), Some(Event::Refused { seq, .. }) if seq == void));
     // In the last segment, a switch by segment ends the pass; here, the motion.
-    bench.now(Op::FollowSwitchNow { axis: axis(1), method: Method::Segment });
+    bench.now(TickCommand::FollowSwitchNow { axis: axis(1), method: Method::Segment });
     let view = bench.tick();
     assert_eq!(view.axes[1].stop, StopReason::Completed);
     assert_eq!(view.axes[1].passes, 1);
@@ -329,12 +329,12 @@ fn ratios_go_on_from_fifo_to_fifo() {
     bench.follow(1, 1, &[Item::Data(10.0, 15.0, 3, 0), Item::Data(20.0, 20.0, 0, 0), Item::Data(30.0, 40.0, 0, 0)]);
     bench.start_follow(&[1]);
     bench.jog(0, 1.0, 1000.0);
-    bench.now(Op::FollowSwitch { axes: all(&[1]) });
+    bench.now(TickCommand::FollowSwitch { axes: all(&[1]) });
     bench.ticks(4 * 15);
     // 4 to 2, for the last segment went from 0 to 4.
     bench.emptied(1, 0);
     bench.follow(1, 0, &[Item::Data(10.0, 30.0, 3, 0)]);
-    bench.now(Op::FollowSwitch { axes: all(&[1]) });
+    bench.now(TickCommand::FollowSwitch { axes: all(&[1]) });
     for _ in 0..4 * 34 {
         let view = bench.tick();
         let x = pulses(view.axes[0].pos);
@@ -370,7 +370,7 @@ fn a_switch_by_segment_carries_its_ratio_through_the_chain() {
     bench.jog(0, 1.0, 1000.0);
     // In the first segment, at about 6: ratio x/5.
     bench.ticks(4 * 6);
-    bench.now(Op::FollowSwitchNow { axis: axis(1), method: Method::Segment });
+    bench.now(TickCommand::FollowSwitchNow { axis: axis(1), method: Method::Segment });
     let view = bench.tick();
     let (x0, s0) = (pulses(view.axes[0].pos), pulses(view.axes[1].pos));
     let ratio = x0 / 5.0;
@@ -434,7 +434,7 @@ fn guards_stop_a_slave() {
     // Soft limit, alarm, servo off, abrupt.
     for case in 0..4 {
         let mut bench = Bench::prepared(250, Mode::Follow);
-        bench.now(Op::SetMode { axis: axis(0), mode: Mode::Jog });
+        bench.now(TickCommand::SetMode { axis: axis(0), mode: Mode::Jog });
         bench.follows(1, 0, Value::Planned);
         bench.follow(1, 0, &[Item::Data(1000.0, 2000.0, 1, 0)]);
         bench.start_follow(&[1]);
@@ -442,7 +442,7 @@ fn guards_stop_a_slave() {
         bench.ticks(10);
         let expected = match case {
             0 => {
-                bench.now(Op::SoftLimit { axis: axis(1), positive: Some(100), negative: None });
+                bench.now(TickCommand::SoftLimit { axis: axis(1), positive: Some(100), negative: None });
                 StopReason::SoftPositive
             }
             1 => {
@@ -450,11 +450,11 @@ fn guards_stop_a_slave() {
                 StopReason::Alarm
             }
             2 => {
-                bench.now(Op::Servo { axis: axis(1), on: false });
+                bench.now(TickCommand::Servo { axis: axis(1), on: false });
                 StopReason::ServoOff
             }
             _ => {
-                bench.now(Op::stop(all(&[1]), all(&[1])));
+                bench.now(TickCommand::stop(all(&[1]), all(&[1])));
                 StopReason::StopAbrupt
             }
         };
@@ -475,14 +475,14 @@ fn a_smooth_stop_leaves_the_master_and_brakes() {
     bench.follows(2, 1, Value::Planned);
     for index in [1, 2] {
         bench.follow(index, 0, &[Item::Data(100_000.0, 200_000.0, 1, 0)]);
-        bench.now(Op::StopDec { axis: axis(index), smooth: accel(4.0), abrupt: accel(1.0) });
+        bench.now(TickCommand::StopDec { axis: axis(index), smooth: accel(4.0), abrupt: accel(1.0) });
     }
     bench.start_follow(&[2, 1]);
     bench.jog(0, 10.0, 1000.0);
     let view = bench.ticks(100);
     assert!((real(view.velocity(&view.axes[2])) - 40.0).abs() < 1e-9);
     assert_eq!(real(view.motion(&view.axes[2]).acceleration()), 0.0);
-    bench.now(Op::stop(all(&[1]), all(&[])));
+    bench.now(TickCommand::stop(all(&[1]), all(&[])));
     let view = bench.tick();
     let from = pulses(view.axes[1].pos);
     assert!((real(view.velocity(&view.axes[1])) - 20.0).abs() < 1e-9);
@@ -495,7 +495,7 @@ fn a_smooth_stop_leaves_the_master_and_brakes() {
     assert!((pulses(view.axes[1].pos) - from - 50.0).abs() < 1e-5);
     assert!((pulses(view.axes[2].pos) - 2.0 * pulses(view.axes[1].pos)).abs() < 1e-5);
     assert!(has(&view.axes[2], status::RUNNING));
-    bench.now(Op::stop(all(&[2]), all(&[])));
+    bench.now(TickCommand::stop(all(&[2]), all(&[])));
     let view = bench.ticks(3);
     assert_eq!(view.axes[2].stop, StopReason::StopSmooth);
 }
@@ -504,19 +504,19 @@ fn a_smooth_stop_leaves_the_master_and_brakes() {
 fn renaming_the_master_moves_nothing() {
     let mut bench = Bench::prepared(250, Mode::Follow);
     bench.follows(1, 0, Value::Planned);
-    bench.now(Op::SetMode { axis: axis(0), mode: Mode::Trap });
+    bench.now(TickCommand::SetMode { axis: axis(0), mode: Mode::Trap });
     bench.follow(1, 0, &[Item::Data(1000.0, 1000.0, 1, 0)]);
     bench.start_follow(&[1]);
     swing(&mut bench, 100);
     assert_eq!(bench.ticks(400).axes[1].pos, Pos::pulses(100));
-    bench.now(Op::SetPosition { axis: axis(0), pos: Pos::pulses(-5000) });
+    bench.now(TickCommand::SetPosition { axis: axis(0), pos: Pos::pulses(-5000) });
     assert_eq!(bench.ticks(2).axes[1].pos, Pos::pulses(100));
     swing(&mut bench, -4900);
     let view = bench.ticks(400);
     assert_eq!((view.axes[0].pos, view.axes[1].pos), (Pos::pulses(-4900), Pos::pulses(200)));
     // A PASS means the user position that is in force now.
-    bench.now(Op::stop(all(&[1]), all(&[1])));
-    bench.now(Op::FollowEvent { axis: axis(1), event: Start::Pass { up: true, pos: -4850 } });
+    bench.now(TickCommand::stop(all(&[1]), all(&[1])));
+    bench.now(TickCommand::FollowEvent { axis: axis(1), event: Start::Pass { up: true, pos: -4850 } });
     bench.start_follow(&[1]);
     swing(&mut bench, -4800);
     assert_eq!(bench.ticks(400).axes[1].pos, Pos::pulses(250));

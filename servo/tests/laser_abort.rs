@@ -3,9 +3,9 @@
 mod laser_bench;
 use laser_bench::*;
 use servo::laser::{Buffered, Cause, Change, Family, Ignored, Mode};
-use servo::op::{Brake, DoGroup, Mode as AxisMode, Op, Supervision};
 use servo::path;
 use servo::segment::ramp::{Accel, Speed};
+use servo::tick_command::{Brake, DoGroup, Mode as AxisMode, Supervision, TickCommand};
 use servo::units::{AxisMask, CrdMask, StepLimit};
 use servo::view::StopReason;
 
@@ -14,7 +14,7 @@ use servo::view::StopReason;
 fn prepared(period_us: u32) -> Bench {
     let mut bench = Bench::new(period_us);
     bench.change(Change::Reset { family: Family::Gus });
-    bench.op(Op::Output { group: DoGroup::Enable, mask: 0xf, value: 0xf });
+    bench.command(TickCommand::Output { group: DoGroup::Enable, mask: 0xf, value: 0xf });
     bench.frame(0, &[0, 1]);
     bench.carrier(10.0);
     bench.direct(100.0);
@@ -33,11 +33,11 @@ fn accel(value: f64) -> Accel {
 /// The fourth axis jogs at 10 pulse/ms; its stop takes 10 ms.
 fn jog(bench: &mut Bench) {
     let axis = axis(3);
-    bench.op(Op::SetMode { axis, mode: AxisMode::Jog });
-    bench.op(Op::JogPrm { axis, acc: accel(10.0), dec: accel(10.0), smooth: 0 });
-    bench.op(Op::TargetSpeed { axis, speed: speed(10.0) });
-    bench.op(Op::StopDec { axis, smooth: accel(1.0), abrupt: accel(1000.0) });
-    bench.op(Op::Update { axes: axis.mask() });
+    bench.command(TickCommand::SetMode { axis, mode: AxisMode::Jog });
+    bench.command(TickCommand::JogPrm { axis, acc: accel(10.0), dec: accel(10.0), smooth: 0 });
+    bench.command(TickCommand::TargetSpeed { axis, speed: speed(10.0) });
+    bench.command(TickCommand::StopDec { axis, smooth: accel(1.0), abrupt: accel(1000.0) });
+    bench.command(TickCommand::Update { axes: axis.mask() });
 }
 
 /// Ticks until nothing runs; when that is.
@@ -59,7 +59,7 @@ fn an_abort_is_dark_at_the_call_without_delays() {
         bench.delays(3000, 0);
         bench.gate(true);
         bench.until(10 * MS);
-        bench.op(Op::Abort);
+        bench.command(TickCommand::Abort);
         let view = bench.tick();
         // The tick in force when it came: no plan and no delay comes between.
         assert_eq!(bench.switch().last(), Some(&(10 * MS, false)));
@@ -78,7 +78,7 @@ fn what_is_output_without_light_waits_for_the_next_command() {
     bench.standby(Some((5.0, 50.0)));
     bench.until(2 * MS);
     assert_eq!(bench.view().lasers[0].khz, power(5.0));
-    bench.op(Op::Abort);
+    bench.command(TickCommand::Abort);
     bench.until(4 * MS);
     assert_eq!(bench.view().lasers[0].khz, power(0.0));
     let pulses = servo::laser::Standby::admit(power(5.0), power(50.0), servo::laser::Clock::GHZ).unwrap();
@@ -94,7 +94,7 @@ fn what_is_output_without_light_waits_for_the_next_command() {
     bench.change(Change::PreVoltage(Some(power(2.0))));
     bench.until(2 * MS);
     assert_eq!(bench.view().lasers[0].power, power(2.0));
-    bench.op(Op::Abort);
+    bench.command(TickCommand::Abort);
     bench.until(4 * MS);
     assert_eq!((bench.view().lasers[0].power, bench.volts().last().map(|volts| volts.1)), (power(0.0), Some(0)));
     bench.gate(false);
@@ -105,7 +105,7 @@ fn what_is_output_without_light_waits_for_the_next_command() {
     bench.mode(Mode::DutyOpen, 100.0, 0.0, true);
     bench.until(2 * MS);
     assert!(bench.view().lasers[0].switch);
-    bench.op(Op::NewSession);
+    bench.command(TickCommand::NewSession);
     bench.until(4 * MS);
     assert!(!bench.view().lasers[0].switch);
     bench.direct(50.0);
@@ -123,7 +123,7 @@ fn an_abort_brings_everything_to_rest_and_refuses_on_commands_until_then() {
     bench.until(31 * MS);
     assert!(bench.view().crds[0].runs && !bench.view().lasers[0].light);
     // 5 ms later it would have passed the on entry.
-    bench.op(Op::Abort);
+    bench.command(TickCommand::Abort);
     bench.tick();
     assert!(bench.view().aborts);
     bench.gate(true);
@@ -151,7 +151,7 @@ fn an_on_entry_behind_the_place_of_the_abort_lights() {
     bench.path(0, &[line([300, 0], 10.0, 1.0, 10.0), light(true), line([2000, 0], 10.0, 1.0, 0.0)]);
     bench.start(1);
     bench.until(15 * MS);
-    bench.op(Op::Abort);
+    bench.command(TickCommand::Abort);
     until_rest(&mut bench);
     bench.start(1);
     bench.until(80 * MS);
@@ -169,7 +169,7 @@ fn a_new_session_begins_dark_and_motion_goes_on() {
     let zero = bench.start(1);
     bench.until(20 * MS);
     assert!(bench.view().lasers[0].light);
-    bench.op(Op::NewSession);
+    bench.command(TickCommand::NewSession);
     bench.until(60 * MS);
     let view = bench.view();
     assert!(view.crds[0].runs && view.axes[3].status & servo::status::RUNNING != 0 && !view.aborts);
@@ -194,7 +194,7 @@ fn a_new_session_ends_what_follows() {
     bench.tick();
     assert!(!bench.view().lasers[0].light, "it waits for the path that it follows");
     bench.gate(false);
-    bench.op(Op::NewSession);
+    bench.command(TickCommand::NewSession);
     bench.tick();
     bench.gate(true);
     bench.tick();
@@ -206,24 +206,24 @@ fn a_new_session_ends_what_follows() {
 /// They cannot light: so the loss of a link that nobody uses any more is no fault of theirs.
 #[test]
 fn a_lost_link_is_no_fault_where_the_paths_that_run_are_dead() {
-    for op in [Op::Abort, Op::NewSession] {
+    for command in [TickCommand::Abort, TickCommand::NewSession] {
         let mut bench = prepared(250);
         bench.path(0, &[line([300, 0], 10.0, 1.0, 10.0), light(true), line([2000, 0], 10.0, 1.0, 0.0)]);
         bench.start(1);
         bench.until(20 * MS);
-        bench.op(op);
+        bench.command(command);
         bench.tick();
-        bench.op(Op::Link { lost: true });
+        bench.command(TickCommand::Link { lost: true });
         bench.tick();
         let view = bench.view();
-        assert_eq!((view.crds[0].runs, view.lasers[0].fault), (true, Cause::None), "{op:?}");
+        assert_eq!((view.crds[0].runs, view.lasers[0].fault), (true, Cause::None), "{command:?}");
         until_rest(&mut bench);
         // One that is started again may light.
-        bench.op(Op::Link { lost: false });
+        bench.command(TickCommand::Link { lost: false });
         bench.start(1);
         bench.tick();
         bench.tick();
-        bench.op(Op::Link { lost: true });
+        bench.command(TickCommand::Link { lost: true });
         bench.tick();
         assert_eq!(bench.view().lasers[0].fault, Cause::LinkLost);
     }
@@ -234,7 +234,7 @@ fn an_on_command_behind_an_abort_at_rest_lights() {
     let mut bench = prepared(250);
     bench.gate(true);
     bench.until(2 * MS);
-    bench.op(Op::Abort);
+    bench.command(TickCommand::Abort);
     bench.gate(true);
     bench.until(4 * MS);
     // Dark at once; the command acts with the tick after the one in the safe state.
@@ -247,23 +247,23 @@ fn an_on_command_behind_an_abort_at_rest_lights() {
 /// is.
 #[test]
 fn a_stop_at_rest_shuts_off() {
-    let case = |map: u8, stop: Op| {
+    let case = |map: u8, stop: TickCommand| {
         let mut bench = prepared(250);
         bench.change(Change::CrdMap { map });
         bench.delays(100, 0);
         bench.gate(true);
         bench.until(2 * MS);
-        bench.op(stop);
+        bench.command(stop);
         bench.until(4 * MS);
         bench.switch()[1..].to_vec()
     };
     let off = [(2350 * US, false)];
-    assert_eq!(case(0b11, Op::stop_crds(CrdMask(1), CrdMask(0))), off);
-    assert_eq!(case(0b11, Op::stop_crds(CrdMask(1), CrdMask(1))), off);
-    assert_eq!(case(0b11, Op::stop(AxisMask(2), AxisMask(0))), off);
-    assert_eq!(case(0b11, Op::stop(AxisMask(8), AxisMask(0))), [], "an axis of none");
-    assert_eq!(case(0b11, Op::stop_crds(CrdMask(2), CrdMask(0))), [], "one that has not been set up");
-    assert_eq!(case(0b10, Op::stop_crds(CrdMask(1), CrdMask(0))), [], "one that the channel is not mapped to");
+    assert_eq!(case(0b11, TickCommand::stop_crds(CrdMask(1), CrdMask(0))), off);
+    assert_eq!(case(0b11, TickCommand::stop_crds(CrdMask(1), CrdMask(1))), off);
+    assert_eq!(case(0b11, TickCommand::stop(AxisMask(2), AxisMask(0))), off);
+    assert_eq!(case(0b11, TickCommand::stop(AxisMask(8), AxisMask(0))), [], "an axis of none");
+    assert_eq!(case(0b11, TickCommand::stop_crds(CrdMask(2), CrdMask(0))), [], "one that has not been set up");
+    assert_eq!(case(0b10, TickCommand::stop_crds(CrdMask(1), CrdMask(0))), [], "one that the channel is not mapped to");
 }
 
 #[test]
@@ -310,20 +310,20 @@ fn a_map_that_excludes_the_path_of_a_follow_ends_the_follow() {
 fn an_open_interlock_brakes_motion_as_it_is_set() {
     let run = |interlock: Brake| {
         let mut bench = prepared(250);
-        bench.op(Op::Supervision(Supervision { interlock, ..Supervision::DEFAULT }));
+        bench.command(TickCommand::Supervision(Supervision { interlock, ..Supervision::DEFAULT }));
         jog(&mut bench);
         // A Trap axis: a lost link leaves it alone.
         let trap = axis(2);
-        bench.op(Op::TrapPrm {
+        bench.command(TickCommand::TrapPrm {
             axis: trap,
             acc: accel(1.0),
             dec: accel(1.0),
             vel_start: Speed::default(),
             smooth: servo::units::Ns(0),
         });
-        bench.op(Op::TargetSpeed { axis: trap, speed: speed(10.0) });
-        bench.op(Op::TargetPosition { axis: trap, pulses: 100_000 });
-        bench.op(Op::Update { axes: trap.mask() });
+        bench.command(TickCommand::TargetSpeed { axis: trap, speed: speed(10.0) });
+        bench.command(TickCommand::TargetPosition { axis: trap, pulses: 100_000 });
+        bench.command(TickCommand::Update { axes: trap.mask() });
         bench.path(0, &[light(true), line([20_000, 0], 10.0, 1.0, 0.0)]);
         bench.start(1);
         bench.until(31 * MS);
@@ -347,8 +347,8 @@ fn an_open_interlock_brakes_motion_as_it_is_set() {
 #[test]
 fn a_reset_puts_the_supervision_to_power_on_state() {
     let mut bench = prepared(250);
-    bench.op(Op::Supervision(Supervision { link: Brake::All, interlock: Brake::None }));
-    bench.op(Op::Reset { axes: AxisMask(4) });
+    bench.command(TickCommand::Supervision(Supervision { link: Brake::All, interlock: Brake::None }));
+    bench.command(TickCommand::Reset { axes: AxisMask(4) });
     jog(&mut bench);
     bench.until(20 * MS);
     bench.machine.interlock = true;
@@ -375,7 +375,7 @@ fn an_underrun_does_not_put_off_an_abort() {
                 continue;
             }
             let now = bench.tick.now().0;
-            bench.op(Op::Abort);
+            bench.command(TickCommand::Abort);
             bench.tick();
             assert_eq!(bench.switch().last(), Some(&(now, false)), "{at} {shift}");
             bench.tick();
@@ -398,7 +398,7 @@ fn an_entry_that_is_passed_while_an_abort_brakes_does_not_end_the_quiet() {
     bench.path(0, &[first, power_of(40.0), rest, power_of(30.0), line([3000, 0], 10.0, 1.0, 0.0)]);
     bench.start(1);
     bench.until(31 * MS);
-    bench.op(Op::Abort);
+    bench.command(TickCommand::Abort);
     until_rest(&mut bench);
     bench.tick();
     let view = bench.view().lasers[0];
@@ -420,13 +420,13 @@ fn an_on_command_that_is_ignored_does_not_end_the_quiet() {
         for faulty in [false, true] {
             let mut bench = prepared(250);
             bench.standby(Some((5.0, 50.0)));
-            bench.op(Op::Abort);
+            bench.command(TickCommand::Abort);
             bench.tick();
             if faulty {
                 bench.machine.interlock = true;
             } else {
                 bench.change(Change::Connector { laser: false });
-                bench.op(Op::Abort);
+                bench.command(TickCommand::Abort);
             }
             bench.tick();
             bench.tick();
@@ -440,7 +440,7 @@ fn an_on_command_that_is_ignored_does_not_end_the_quiet() {
             // ClrSts, which names an axis, is no command of the channel.
             bench.machine.interlock = false;
             bench.tick();
-            bench.op(Op::ClearStatus { axes: AxisMask(3) });
+            bench.command(TickCommand::ClearStatus { axes: AxisMask(3) });
             bench.until(40 * MS);
             let view = bench.view().lasers[0];
             let ignored = if faulty { Ignored::Fault } else { Ignored::NoOutput };
@@ -486,7 +486,7 @@ fn a_reset_clears_a_fault_of_its_own_tick() {
         let zero = bench.start(1);
         // It runs out at speed 10 ms after its start.
         bench.until(zero + (9750 + 250 * after) * US);
-        bench.op(Op::Reset { axes: AxisMask(3) });
+        bench.command(TickCommand::Reset { axes: AxisMask(3) });
         bench.change(Change::Reset { family: Family::Gus });
         bench.change(Change::ClearFault);
         bench.until(zero + 12 * MS);
@@ -497,7 +497,7 @@ fn a_reset_clears_a_fault_of_its_own_tick() {
     let mut bench = prepared(250);
     bench.machine.interlock = true;
     bench.tick();
-    bench.op(Op::Reset { axes: AxisMask(3) });
+    bench.command(TickCommand::Reset { axes: AxisMask(3) });
     bench.tick();
     bench.tick();
     assert_eq!(bench.view().lasers[0].fault, Cause::Interlock);

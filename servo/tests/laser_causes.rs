@@ -3,8 +3,8 @@
 mod laser_bench;
 use laser_bench::*;
 use servo::laser::{Cause, Change, Family};
-use servo::op::{DoGroup, Mode as AxisMode, Op};
 use servo::path::Entry;
+use servo::tick_command::{DoGroup, Mode as AxisMode, TickCommand};
 use servo::units::{AxisMask, Pos, StepLimit};
 use servo::view::{LaserView, StopReason, View};
 
@@ -13,13 +13,13 @@ use servo::view::{LaserView, StopReason, View};
 fn prepared(period_us: u32) -> Bench {
     let mut bench = Bench::new(period_us);
     bench.change(Change::Reset { family: Family::Gus });
-    bench.op(Op::Output { group: DoGroup::Enable, mask: 0xf, value: 0xf });
+    bench.command(TickCommand::Output { group: DoGroup::Enable, mask: 0xf, value: 0xf });
     bench.frame(0, &[0, 1]);
     bench.carrier(10.0);
     bench.direct(100.0);
     for (channel, map) in [(0, 0b01), (1, 0b10)] {
-        bench.op(Op::Laser { channel, change: Change::CrdMap { map } });
-        bench.op(Op::Laser { channel, change: Change::Gate { on: true } });
+        bench.command(TickCommand::Laser { channel, change: Change::CrdMap { map } });
+        bench.command(TickCommand::Laser { channel, change: Change::Gate { on: true } });
     }
     bench
 }
@@ -48,7 +48,10 @@ fn reported(lasers: &[LaserView; 2]) -> [(Cause, bool); 2] {
 fn a_path_at_the_edge_of_travel_shuts_off_its_lasers() {
     for (period, way) in [(50, 1), (250, -1), (1000, 1), (1000, -1)] {
         let mut bench = prepared(period);
-        bench.op(Op::SetPosition { axis: axis(0), pos: Pos((Pos::TRAVEL.0 - (100 << Pos::FRAC_BITS)) * way) });
+        bench.command(TickCommand::SetPosition {
+            axis: axis(0),
+            pos: Pos((Pos::TRAVEL.0 - (100 << Pos::FRAC_BITS)) * way),
+        });
         bench.frame(0, &[0, 1]);
         bench.path(0, &[line([400 * way as i32, 0], 10.0, 1.0, 0.0)]);
         bench.start(1);
@@ -61,7 +64,7 @@ fn a_path_at_the_edge_of_travel_shuts_off_its_lasers() {
         bench.gate(true);
         bench.until(bench.tick.now().0 + 5 * MS);
         assert_eq!(reported(&bench.view().lasers), [(Cause::Fault, false), (Cause::None, true)]);
-        bench.op(Op::ClearStatus { axes: AxisMask(0b10) });
+        bench.command(TickCommand::ClearStatus { axes: AxisMask(0b10) });
         bench.tick();
         assert_eq!(bench.view().lasers[0].fault, Cause::None);
         assert!(!bench.view().lasers[0].light, "clearing lights nothing");
@@ -74,8 +77,8 @@ fn a_path_at_the_edge_of_travel_shuts_off_its_lasers() {
 fn an_axis_that_refuses_an_entry_shuts_off_the_lasers_of_its_path() {
     for period in [50, 250, 1000] {
         let mut bench = prepared(period);
-        bench.op(Op::SetMode { axis: axis(3), mode: AxisMode::Trap });
-        bench.op(Op::Output { group: DoGroup::Enable, mask: 0b1000, value: 0 });
+        bench.command(TickCommand::SetMode { axis: axis(3), mode: AxisMode::Trap });
+        bench.command(TickCommand::Output { group: DoGroup::Enable, mask: 0b1000, value: 0 });
         let away = Entry::travel(axis(3), 50, (2f64.to_bits(), StepLimit::FULL_SCALE), 1f64.to_bits(), false).unwrap();
         bench.path(0, &[line([37, 0], 10.0, 1.0, 0.0), away, line([0, 0], 10.0, 1.0, 0.0)]);
         bench.start(1);
@@ -91,7 +94,7 @@ fn an_axis_that_refuses_an_entry_shuts_off_the_lasers_of_its_path() {
 fn an_alarm_of_an_axis_that_goes_along_shuts_off_the_lasers_of_its_path() {
     for period in [50, 250, 1000] {
         let mut bench = prepared(period);
-        bench.op(Op::SetMode { axis: axis(3), mode: AxisMode::Trap });
+        bench.command(TickCommand::SetMode { axis: axis(3), mode: AxisMode::Trap });
         bench.path(0, &[Entry::gear(axis(3), 50), line([400, 0], 10.0, 1.0, 0.0)]);
         let zero = bench.start(1);
         bench.until(zero + 20 * MS);
@@ -110,9 +113,9 @@ fn an_alarm_of_an_axis_that_goes_along_shuts_off_the_lasers_of_its_path() {
 fn a_soft_limit_of_a_geared_axis_shuts_off_the_lasers_of_its_path() {
     for period in [50, 250, 1000] {
         let mut bench = prepared(period);
-        bench.op(Op::SetMode { axis: axis(3), mode: AxisMode::Trap });
+        bench.command(TickCommand::SetMode { axis: axis(3), mode: AxisMode::Trap });
         let limit = Pos::pulses(20);
-        bench.op(Op::SoftLimit { axis: axis(3), positive: Some(20), negative: None });
+        bench.command(TickCommand::SoftLimit { axis: axis(3), positive: Some(20), negative: None });
         bench.path(0, &[Entry::gear(axis(3), 50), line([400, 0], 10.0, 1.0, 0.0)]);
         bench.start(1);
         let (before, now) = rest(&mut bench);
@@ -130,13 +133,13 @@ fn a_soft_limit_of_a_geared_axis_shuts_off_the_lasers_of_its_path() {
 #[test]
 fn an_axis_that_is_waited_for_and_does_not_come_shuts_off_the_lasers_of_its_path() {
     let mut bench = prepared(250);
-    bench.op(Op::SetMode { axis: axis(3), mode: AxisMode::Trap });
+    bench.command(TickCommand::SetMode { axis: axis(3), mode: AxisMode::Trap });
     let away = Entry::travel(axis(3), 500, (2f64.to_bits(), StepLimit::FULL_SCALE), 1f64.to_bits(), true).unwrap();
     bench.path(0, &[line([37, 0], 10.0, 1.0, 0.0), away, line([0, 0], 10.0, 1.0, 0.0)]);
     let zero = bench.start(1);
     bench.until(zero + 50 * MS);
     assert!(bench.view().crds[0].runs && bench.view().lasers[0].light);
-    bench.op(Op::stop(AxisMask(0b1000), AxisMask(0b1000)));
+    bench.command(TickCommand::stop(AxisMask(0b1000), AxisMask(0b1000)));
     let (_, now) = rest(&mut bench);
     assert_eq!(now.crds[0].stop, StopReason::OtherAxis);
     assert_eq!(reported(&now.lasers), [(Cause::Fault, false), (Cause::None, true)]);
@@ -174,8 +177,8 @@ fn a_cause_that_comes_before_the_instant_of_an_underrun_is_dark_at_once() {
         ("overrun", |bench| bench.tick.overrun()),
         ("alarm", |bench| bench.machine.inputs[0].alarm = true),
         ("limit", |bench| bench.machine.inputs[1].limit_negative = true),
-        ("servo off", |bench| bench.op(Op::Servo { axis: axis(0), on: false })),
-        ("link lost", |bench| bench.op(Op::Link { lost: true })),
+        ("servo off", |bench| bench.command(TickCommand::Servo { axis: axis(0), on: false })),
+        ("link lost", |bench| bench.command(TickCommand::Link { lost: true })),
     ];
     for (name, act) in breaks {
         let (mut bench, zero) = running_out();
@@ -193,7 +196,7 @@ fn a_cause_that_comes_before_the_instant_of_an_underrun_is_dark_at_once() {
 fn a_soft_limit_on_a_path_shuts_off_its_lasers() {
     for period in [50, 250, 1000] {
         let mut bench = prepared(period);
-        bench.op(Op::SoftLimit { axis: axis(0), positive: Some(60), negative: None });
+        bench.command(TickCommand::SoftLimit { axis: axis(0), positive: Some(60), negative: None });
         bench.path(0, &[line([400, 0], 10.0, 1.0, 0.0)]);
         bench.start(1);
         let (before, now) = rest(&mut bench);
@@ -208,7 +211,7 @@ fn a_soft_limit_on_a_path_shuts_off_its_lasers() {
 fn a_following_error_shuts_off_the_lasers_of_its_path() {
     for runs in [false, true] {
         let mut bench = prepared(250);
-        bench.op(Op::PositionError { axis: axis(1), limit: Some(9) });
+        bench.command(TickCommand::PositionError { axis: axis(1), limit: Some(9) });
         bench.path(0, &[line([400, 0], 10.0, 1.0, 0.0)]);
         if runs {
             bench.start(1);
@@ -242,11 +245,11 @@ fn an_axis_that_is_not_mapped_is_nothing_to_lasers() {
     let acts: [Act; 3] = [
         |bench| bench.machine.inputs[1].alarm = true,
         |bench| bench.machine.inputs[1].limit_positive = true,
-        |bench| bench.op(Op::Servo { axis: axis(1), on: false }),
+        |bench| bench.command(TickCommand::Servo { axis: axis(1), on: false }),
     ];
     for (index, act) in acts.into_iter().enumerate() {
         let mut bench = prepared(250);
-        bench.op(Op::SetMode { axis: axis(1), mode: AxisMode::Jog });
+        bench.command(TickCommand::SetMode { axis: axis(1), mode: AxisMode::Jog });
         bench.until(5 * MS);
         act(&mut bench);
         bench.until(6 * MS);
@@ -256,21 +259,21 @@ fn an_axis_that_is_not_mapped_is_nothing_to_lasers() {
     let mut bench = prepared(250);
     bench.until(5 * MS);
     bench.tick.overrun();
-    bench.op(Op::SetMode { axis: axis(1), mode: AxisMode::Jog });
+    bench.command(TickCommand::SetMode { axis: axis(1), mode: AxisMode::Jog });
     bench.until(6 * MS);
-    bench.op(Op::ClearStatus { axes: AxisMask(0b10) });
+    bench.command(TickCommand::ClearStatus { axes: AxisMask(0b10) });
     bench.until(7 * MS);
     assert_eq!(bench.view().lasers[0].fault, Cause::Overrun);
-    bench.op(Op::ClearStatus { axes: AxisMask(0b01) });
+    bench.command(TickCommand::ClearStatus { axes: AxisMask(0b01) });
     bench.until(8 * MS);
     assert_eq!(bench.view().lasers[0].fault, Cause::None);
     // What was before.
     let mut bench = prepared(250);
     bench.machine.inputs[2].limit_positive = true;
-    bench.op(Op::Servo { axis: axis(3), on: false });
+    bench.command(TickCommand::Servo { axis: axis(3), on: false });
     bench.until(5 * MS);
     bench.frame(1, &[2, 3]);
-    bench.op(Op::Servo { axis: axis(3), on: false });
+    bench.command(TickCommand::Servo { axis: axis(3), on: false });
     bench.until(6 * MS);
     assert_eq!(reported(&bench.view().lasers), [(Cause::None, true); 2]);
 }

@@ -4,7 +4,7 @@ mod chance;
 mod laser_bench;
 use laser_bench::*;
 use servo::laser::{Cause, Change, Family, Ignored, Mode};
-use servo::op::Op;
+use servo::tick_command::TickCommand;
 
 /// A channel whose light is one unbroken pulse: 100 % of a carrier.
 fn plain(period_us: u32) -> Bench {
@@ -367,19 +367,19 @@ fn the_interlock_rests_everything_at_once_until_it_is_cleared() {
 #[test]
 fn the_link_shuts_off_light_and_nothing_else() {
     let mut bench = plain(1000);
-    bench.op(Op::Link { lost: true });
+    bench.command(TickCommand::Link { lost: true });
     assert_eq!(bench.tick().fault, Cause::None);
-    bench.op(Op::Link { lost: false });
+    bench.command(TickCommand::Link { lost: false });
     bench.delays(0, 5000);
     bench.gate(true);
     bench.tick();
     // The edge is still to come.
-    bench.op(Op::Link { lost: true });
-    bench.op(Op::Laser { channel: 1, change: Change::ClearFault });
+    bench.command(TickCommand::Link { lost: true });
+    bench.command(TickCommand::Laser { channel: 1, change: Change::ClearFault });
     let view = bench.until(20 * MS);
     assert_eq!((view.fault, view.cause_lasts, view.commanded), (Cause::LinkLost, true, false));
     assert_eq!(bench.switch(), []);
-    bench.op(Op::Link { lost: false });
+    bench.command(TickCommand::Link { lost: false });
     bench.change(Change::ClearFault);
     assert_eq!(bench.tick().fault, Cause::None);
 }

@@ -7,8 +7,8 @@ mod follow;
 mod laser_bench;
 use laser_bench::*;
 use servo::laser::{Bounds, Buffered, Cause, Change, Distance, Family, Lag, Mode, Power, Ratio, Ratios, Source};
-use servo::op::{DoGroup, Op};
 use servo::path::Entry;
+use servo::tick_command::{DoGroup, TickCommand};
 use servo::units::{AxisMask, Crd, CrdMask, Pos};
 
 const PERIODS: [u32; 5] = [10, 50, 73, 250, 1000];
@@ -17,7 +17,7 @@ const PERIODS: [u32; 5] = [10, 50, 73, 250, 1000];
 fn prepared(period_us: u32) -> Bench {
     let mut bench = Bench::new(period_us);
     bench.change(Change::Reset { family: Family::Gus });
-    bench.op(Op::Output { group: DoGroup::Enable, mask: 0xf, value: 0xf });
+    bench.command(TickCommand::Output { group: DoGroup::Enable, mask: 0xf, value: 0xf });
     bench.frame(0, &[0, 1]);
     bench.frame(1, &[2, 3]);
     bench.carrier(10.0);
@@ -196,7 +196,7 @@ fn whose_light_goes_off_and_comes_back() {
     assert_eq!(case(&nothing, &mode), (false, false));
     // Ending a follow that does not exist changes nothing.
     let ending = |bench: &mut Bench| {
-        bench.op(Op::FollowEnd { crds: CrdMask(1) });
+        bench.command(TickCommand::FollowEnd { crds: CrdMask(1) });
         bench.tick();
         assert!(!bench.view().lasers[0].light);
     };
@@ -354,9 +354,9 @@ fn a_fault_of_an_axis_shuts_off_what_its_coordinate_system_gates() {
     let lit = |map| {
         let mut bench = prepared(250);
         bench.change(Change::CrdMap { map });
-        bench.op(Op::Laser { channel: 1, change: Change::CrdMap { map: 0b10 } });
+        bench.command(TickCommand::Laser { channel: 1, change: Change::CrdMap { map: 0b10 } });
         bench.gate(true);
-        bench.op(Op::Laser { channel: 1, change: Change::Gate { on: true } });
+        bench.command(TickCommand::Laser { channel: 1, change: Change::Gate { on: true } });
         bench.until(5 * MS);
         bench
     };
@@ -367,7 +367,7 @@ fn a_fault_of_an_axis_shuts_off_what_its_coordinate_system_gates() {
     bench.tick();
     assert_eq!(faults(&mut bench), [Cause::Alarm, Cause::None]);
     let clear = |bench: &mut Bench, index: usize| {
-        bench.op(Op::ClearStatus { axes: AxisMask(1 << index) });
+        bench.command(TickCommand::ClearStatus { axes: AxisMask(1 << index) });
         bench.tick();
         bench.tick();
     };
@@ -383,12 +383,12 @@ fn a_fault_of_an_axis_shuts_off_what_its_coordinate_system_gates() {
     assert!(!bench.view().lasers[0].light && bench.view().lasers[1].light);
     // One that was there before the map named its coordinate system.
     let mut bench = lit(0b01);
-    bench.op(Op::Laser { channel: 0, change: Change::CrdMap { map: 0b10 } });
+    bench.command(TickCommand::Laser { channel: 0, change: Change::CrdMap { map: 0b10 } });
     bench.tick();
     bench.machine.inputs[1].alarm = true;
     bench.tick();
     assert_eq!(faults(&mut bench), [Cause::None; 2]);
-    bench.op(Op::Laser { channel: 0, change: Change::CrdMap { map: 0b11 } });
+    bench.command(TickCommand::Laser { channel: 0, change: Change::CrdMap { map: 0b11 } });
     bench.tick();
     assert_eq!(faults(&mut bench), [Cause::Alarm, Cause::None]);
     assert!(!bench.view().lasers[0].light);
@@ -402,7 +402,7 @@ fn a_fault_of_an_axis_shuts_off_what_its_coordinate_system_gates() {
     assert_eq!(faults(&mut bench), [Cause::None; 2]);
     // Servo off.
     let mut bench = lit(0b01);
-    bench.op(Op::Servo { axis: axis(1), on: false });
+    bench.command(TickCommand::Servo { axis: axis(1), on: false });
     bench.tick();
     assert_eq!(faults(&mut bench), [Cause::ServoOff, Cause::None]);
 }
@@ -417,11 +417,11 @@ fn light_comes_back_after_a_lost_link() {
         let zero = bench.start(1);
         until(&mut bench, zero + 20 * MS);
         let at = bench.tick.now().0;
-        bench.op(Op::Link { lost: true });
+        bench.command(TickCommand::Link { lost: true });
         until(&mut bench, zero + 50 * MS);
         assert_eq!(bench.switch(), [(zero, true), (at, false)]);
         assert_eq!((bench.view().lasers[0].fault, bench.view().crds[0].runs), (Cause::LinkLost, false));
-        bench.op(Op::Link { lost: false });
+        bench.command(TickCommand::Link { lost: false });
         bench.tick();
         bench.change(Change::ClearFault);
         bench.until_ms(80);
@@ -440,9 +440,9 @@ fn light_comes_back_after_a_lost_link() {
     bench.path(0, &[light(true), line([1000, 0], 10.0, 1.0, 0.0)]);
     bench.start(1);
     bench.until_ms(20);
-    bench.op(Op::Link { lost: true });
+    bench.command(TickCommand::Link { lost: true });
     bench.until_ms(50);
-    bench.op(Op::Link { lost: false });
+    bench.command(TickCommand::Link { lost: false });
     bench.start(1);
     bench.tick();
     bench.change(Change::ClearFault);
@@ -471,11 +471,11 @@ fn a_start_in_the_tick_that_loses_the_link_keeps_its_light_for_the_next() {
     bench.stop(1, false);
     bench.until_ms(50);
     assert!(!bench.view().crds[0].runs && !bench.view().lasers[0].light);
-    bench.op(Op::CrdStart { crds: CrdMask(1), fifo1: CrdMask(0) });
-    bench.op(Op::Link { lost: true });
+    bench.command(TickCommand::CrdStart { crds: CrdMask(1), fifo1: CrdMask(0) });
+    bench.command(TickCommand::Link { lost: true });
     bench.until_ms(80);
     assert_eq!((bench.view().lasers[0].fault, bench.view().crds[0].runs), (Cause::LinkLost, false));
-    bench.op(Op::Link { lost: false });
+    bench.command(TickCommand::Link { lost: false });
     bench.tick();
     bench.change(Change::ClearFault);
     bench.until_ms(90);

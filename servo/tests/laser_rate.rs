@@ -6,8 +6,8 @@ use laser_bench::*;
 use num_rational::Ratio as Exact;
 use num_traits::Signed;
 use servo::laser::{Bounds, Buffered, Change, Family, Mode, Ratio};
-use servo::op::{DoGroup, Op};
 use servo::path::Entry;
+use servo::tick_command::{DoGroup, TickCommand};
 
 type Number = Exact<i128>;
 
@@ -15,7 +15,7 @@ type Number = Exact<i128>;
 fn prepared(period_us: u32, width: u16) -> Bench {
     let mut bench = Bench::new(period_us);
     bench.change(Change::Reset { family: Family::Gus });
-    bench.op(Op::Output { group: DoGroup::Enable, mask: 0xf, value: 0xf });
+    bench.command(TickCommand::Output { group: DoGroup::Enable, mask: 0xf, value: 0xf });
     bench.frame(0, &[0, 1]);
     bench.mode(Mode::Frequency, 2000.0, 0.0, true);
     bench.width(width);

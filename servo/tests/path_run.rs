@@ -2,10 +2,10 @@
 //! Expected figures are closed forms: v²/2a for a braking distance, v/a for its time.
 #[path = "path_run/stop.rs"]
 mod stop;
-use servo::op::DoGroup;
 use servo::path::{Along, Change, Effects, Entry, Feed, Fine, Path, PathStop, Rate, Refused, Step};
 use servo::segment::piece::{Motion, Scaled};
 use servo::segment::ramp::Accel;
+use servo::tick_command::DoGroup;
 use servo::units::{Axis, Ns, Pos, StepLimit};
 
 mod chance;

@@ -3,12 +3,12 @@
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
-use servo::op::{Mode, Op};
 use servo::segment::follow::Value;
 use servo::segment::pt::{Chain, Refused, Segment};
 use servo::segment::ramp;
 use servo::segment::ramp::Speed;
 use servo::status;
+use servo::tick_command::{Mode, TickCommand};
 use servo::units::{AxisMask, StepLimit};
 use servo::view::{Event, StopReason};
 
@@ -125,7 +125,7 @@ fn random_pt_chains_against_rationals() {
 fn bench(period_us: u32) -> Bench {
     let mut bench = Bench::limited(period_us, limit(1000));
     bench.prepare_start(Mode::Follow);
-    bench.now(Op::SetMode { axis: axis(0), mode: Mode::Jog });
+    bench.now(TickCommand::SetMode { axis: axis(0), mode: Mode::Jog });
     bench
 }
 
@@ -176,7 +176,7 @@ fn a_slave_that_would_be_faster_stops() {
 fn another_tick_period_keeps_the_limit() {
     for (vel, stops) in [(9.99, false), (10.02, true)] {
         let mut bench = bench(1000);
-        bench.now(Op::TickPeriod { ns: 125_000 });
+        bench.now(TickCommand::TickPeriod { ns: 125_000 });
         bench.tick();
         bench.follows(1, 0, Value::Planned);
         bench.follow(1, 0, &[Item::Data(1e6, 1e8, 1, 0)]);
@@ -199,8 +199,8 @@ fn a_smooth_stop_is_not_faster() {
         bench.start_follow(&[1]);
         bench.jog(0, 100.0, 1.0);
         let mut view = bench.ticks(ticks);
-        bench.now(Op::StopDec { axis: axis(1), smooth: accel(50.0), abrupt: accel(50.0) });
-        bench.now(Op::stop(AxisMask(2), AxisMask(0)));
+        bench.now(TickCommand::StopDec { axis: axis(1), smooth: accel(50.0), abrupt: accel(50.0) });
+        bench.now(TickCommand::stop(AxisMask(2), AxisMask(0)));
         loop {
             let next = bench.tick();
             let way = next.axes[1].pos.0.abs_diff(view.axes[1].pos.0);

@@ -1,7 +1,7 @@
 //! What stops an axis, what the status word says, and what clears it.
 mod tick_bench;
-use servo::op::{Guarded, Guards, Mode, Op};
 use servo::status::*;
+use servo::tick_command::{Guarded, Guards, Mode, TickCommand};
 use servo::units::{Ns, Pos};
 use servo::view::{Event, StopReason};
 use tick_bench::*;
@@ -12,10 +12,10 @@ fn stops_are_smooth_or_abrupt() {
     for index in [0, 1] {
         bench.jog(index, 8.0, 4.0);
     }
-    bench.now(Op::StopDec { axis: axis(0), smooth: accel(2.0), abrupt: accel(1000.0) });
+    bench.now(TickCommand::StopDec { axis: axis(0), smooth: accel(2.0), abrupt: accel(1000.0) });
     let before = bench.ticks(100);
     assert_eq!(real(before.axes[0].motion.velocity()), 8.0);
-    bench.now(Op::stop(all(&[0, 1, 2]), all(&[1])));
+    bench.now(TickCommand::stop(all(&[0, 1, 2]), all(&[1])));
     let view = bench.tick();
     // Abrupt: the planned velocity is 0 on that tick.
     assert_eq!(view.axes[1].pos, before.axes[1].pos);
@@ -44,8 +44,8 @@ fn a_smooth_stop_begins_where_the_motion_is() {
             bench.ticks(ticks);
             bench
         });
-        bench.now(Op::StopDec { axis: axis(0), smooth: accel(1.7), abrupt: accel(1000.0) });
-        bench.now(Op::stop(all(&[0]), all(&[])));
+        bench.now(TickCommand::StopDec { axis: axis(0), smooth: accel(1.7), abrupt: accel(1000.0) });
+        bench.now(TickCommand::stop(all(&[0]), all(&[])));
         let (begin, motion) = (bench.tick(), twin.tick().axes[0]);
         let (p, v) = (pulses(motion.pos), real(motion.motion.velocity()));
         assert_eq!(begin.axes[0].pos, motion.pos);
@@ -70,7 +70,7 @@ fn the_power_on_stop_deceleration_is_1() {
     let mut bench = Bench::prepared(250, Mode::Jog);
     bench.jog(0, 5.0, 5.0);
     bench.ticks(100);
-    bench.now(Op::stop(all(&[0]), all(&[])));
+    bench.now(TickCommand::stop(all(&[0]), all(&[])));
     let begin = bench.tick().now.0;
     assert_eq!(bench.run_to_standstill().now.0, begin + 5 * MS);
 }
@@ -78,7 +78,7 @@ fn the_power_on_stop_deceleration_is_1() {
 #[test]
 fn a_soft_limit_holds_exactly_and_lets_go_after_clear_status() {
     let mut bench = Bench::prepared(250, Mode::Jog);
-    bench.now(Op::SoftLimit { axis: axis(0), positive: Some(100), negative: Some(-50) });
+    bench.now(TickCommand::SoftLimit { axis: axis(0), positive: Some(100), negative: Some(-50) });
     for (velocity, limit, bit, reason) in
         [(3.7, 100, LIMIT_POSITIVE, StopReason::SoftPositive), (-3.7, -50, LIMIT_NEGATIVE, StopReason::SoftNegative)]
     {
@@ -92,7 +92,7 @@ fn a_soft_limit_holds_exactly_and_lets_go_after_clear_status() {
         bench.jog(0, -velocity, 10.0);
         assert!(!has(&bench.tick().axes[0], RUNNING));
         assert!(matches!(bench.event(), Some(Event::Refused { .. })));
-        bench.now(Op::ClearStatus { axes: all(&[0]) });
+        bench.now(TickCommand::ClearStatus { axes: all(&[0]) });
         assert_eq!(bench.tick().axes[0].status & LIMITS, 0);
         // Cleared: not further, but away.
         bench.jog(0, velocity, 10.0);
@@ -100,7 +100,7 @@ fn a_soft_limit_holds_exactly_and_lets_go_after_clear_status() {
         assert!(matches!(bench.event(), Some(Event::Refused { .. })));
         bench.jog(0, -velocity, 10.0);
         assert!(has(&bench.ticks(4).axes[0], RUNNING));
-        bench.now(Op::stop(all(&[0]), all(&[0])));
+        bench.now(TickCommand::stop(all(&[0]), all(&[0])));
         bench.tick();
         assert_eq!(stopped(bench.event()), (0, StopReason::StopAbrupt));
     }
@@ -112,7 +112,7 @@ fn a_soft_limit_that_is_set_behind_an_axis_stops_it_where_it_is() {
     for way in [1, -1] {
         let soft = |at: i32| {
             let (positive, negative) = if way > 0 { (Some(at), None) } else { (None, Some(-at)) };
-            Op::SoftLimit { axis: axis(0), positive, negative }
+            TickCommand::SoftLimit { axis: axis(0), positive, negative }
         };
         let reason = if way > 0 { StopReason::SoftPositive } else { StopReason::SoftNegative };
         let check = |bench: &mut Bench, index: usize| {
@@ -133,7 +133,7 @@ fn a_soft_limit_that_is_set_behind_an_axis_stops_it_where_it_is() {
             let mut bench = Bench::prepared(250, Mode::Jog);
             bench.jog(0, 4.0 * f64::from(way), 4.0);
             bench.ticks(100);
-            bench.now(Op::stop(all(&[0]), all(&[])));
+            bench.now(TickCommand::stop(all(&[0]), all(&[])));
             for _ in 0..ticks {
                 bench.tick();
             }
@@ -165,7 +165,7 @@ fn a_limit_switch_stops_on_the_next_set_point_and_only_that_way() {
     assert_eq!(view.axes[0].stop, StopReason::LimitPositive);
     assert!(has(&view.axes[1], LIMIT_POSITIVE | RUNNING), "away from the switch it goes on");
     // Still on the switch: ClearStatus leaves the bit, but moving back is allowed.
-    bench.now(Op::ClearStatus { axes: all(&[0]) });
+    bench.now(TickCommand::ClearStatus { axes: all(&[0]) });
     let view = bench.tick();
     assert!(has(&view.axes[0], LIMIT_POSITIVE) && view.axes[0].blocked == 0);
     bench.jog(0, 4.0, 4.0);
@@ -174,7 +174,7 @@ fn a_limit_switch_stops_on_the_next_set_point_and_only_that_way() {
     assert!(has(&bench.ticks(10).axes[0], RUNNING | LIMIT_POSITIVE));
     bench.machine.inputs[0].limit_positive = false;
     assert!(has(&bench.tick().axes[0], LIMIT_POSITIVE), "it latches");
-    bench.now(Op::ClearStatus { axes: all(&[0]) });
+    bench.now(TickCommand::ClearStatus { axes: all(&[0]) });
     assert!(!has(&bench.tick().axes[0], LIMIT_POSITIVE));
 }
 
@@ -183,7 +183,7 @@ fn pt_towards_a_switch_stops_when_it_moves_towards_it() {
     let mut bench = Bench::prepared(250, Mode::PtStatic);
     bench.machine.inputs[0].limit_negative = true;
     bench.tick();
-    bench.now(Op::ClearStatus { axes: all(&[0]) });
+    bench.now(TickCommand::ClearStatus { axes: all(&[0]) });
     bench.pt(0, 0, &[(10.0, 10, 0), (0.0, 30, 2)]);
     bench.start(&[0]);
     let zero = bench.tick().now.0;
@@ -197,12 +197,12 @@ fn pt_towards_a_switch_stops_when_it_moves_towards_it() {
 fn guards_can_be_switched_off_and_inverted() {
     let mut bench = Bench::prepared(250, Mode::Jog);
     bench.machine.inputs[0].limit_positive = true;
-    bench.now(Op::Guard { axis: axis(0), on: Guards::set(Guarded::LimitPositive, false), low: Guards::NONE });
+    bench.now(TickCommand::Guard { axis: axis(0), on: Guards::set(Guarded::LimitPositive, false), low: Guards::NONE });
     bench.tick();
-    bench.now(Op::ClearStatus { axes: all(&[0]) });
+    bench.now(TickCommand::ClearStatus { axes: all(&[0]) });
     assert_eq!(bench.ticks(2).axes[0].status & LIMITS, 0);
-    bench.now(Op::Guard { axis: axis(0), on: Guards::set(Guarded::LimitPositive, true), low: Guards::NONE });
-    bench.now(Op::Guard { axis: axis(0), on: Guards::NONE, low: Guards::set(Guarded::LimitPositive, true) });
+    bench.now(TickCommand::Guard { axis: axis(0), on: Guards::set(Guarded::LimitPositive, true), low: Guards::NONE });
+    bench.now(TickCommand::Guard { axis: axis(0), on: Guards::NONE, low: Guards::set(Guarded::LimitPositive, true) });
     assert_eq!(bench.ticks(2).axes[0].status & LIMITS, 0);
     bench.machine.inputs[0].limit_positive = false;
     assert_eq!(bench.tick().axes[0].status & LIMITS, LIMIT_POSITIVE);
@@ -217,13 +217,13 @@ fn an_alarm_stops_and_blocks_until_it_is_gone_and_cleared() {
     let view = bench.tick();
     assert_eq!((view.axes[0].pos, view.axes[0].stop), (before.axes[0].pos, StopReason::Alarm));
     assert!(has(&view.axes[0], ALARM) && !has(&view.axes[0], RUNNING));
-    bench.now(Op::ClearStatus { axes: all(&[0]) });
+    bench.now(TickCommand::ClearStatus { axes: all(&[0]) });
     assert!(has(&bench.tick().axes[0], ALARM), "the cause is there");
     bench.jog(0, 4.0, 4.0);
     assert!(!has(&bench.tick().axes[0], RUNNING));
     bench.machine.inputs[0].alarm = false;
     assert!(has(&bench.tick().axes[0], ALARM), "it latches");
-    bench.now(Op::ClearStatus { axes: all(&[0]) });
+    bench.now(TickCommand::ClearStatus { axes: all(&[0]) });
     assert!(!has(&bench.tick().axes[0], ALARM));
     bench.jog(0, 4.0, 4.0);
     assert!(has(&bench.tick().axes[0], RUNNING));
@@ -232,7 +232,7 @@ fn an_alarm_stops_and_blocks_until_it_is_gone_and_cleared() {
 #[test]
 fn a_following_error_beyond_its_limit_stops() {
     let mut bench = Bench::prepared(250, Mode::Jog);
-    bench.now(Op::PositionError { axis: axis(0), limit: Some(20) });
+    bench.now(TickCommand::PositionError { axis: axis(0), limit: Some(20) });
     bench.jog(0, 4.0, 4.0);
     bench.ticks(50);
     bench.machine.slip[0] = -19;
@@ -243,7 +243,7 @@ fn a_following_error_beyond_its_limit_stops() {
     assert_eq!(view.axes[0].stop, StopReason::FollowingError);
     bench.machine.slip[0] = 0;
     bench.tick();
-    bench.now(Op::ClearStatus { axes: all(&[0]) });
+    bench.now(TickCommand::ClearStatus { axes: all(&[0]) });
     assert!(!has(&bench.tick().axes[0], FOLLOWING_ERROR));
 }
 
@@ -252,7 +252,7 @@ fn the_edge_of_travel_stops_and_never_wraps() {
     let mut bench = Bench::prepared(1000, Mode::Jog);
     for (index, sign) in [(0, 1.0), (1, -1.0)] {
         let at = Pos((Pos::TRAVEL.0 - (1 << 36)) * sign as i64);
-        bench.now(Op::SetPosition { axis: axis(index), pos: at });
+        bench.now(TickCommand::SetPosition { axis: axis(index), pos: at });
         bench.jog(index, sign * 4_000_000.0, 1_000_000.0);
     }
     let view = bench.run_to_standstill();
@@ -267,7 +267,7 @@ fn servo_off_stops_and_forbids() {
     bench.jog(0, 4.0, 4.0);
     bench.ticks(10);
     assert_eq!(bench.machine.outputs.0, 0xff);
-    bench.now(Op::Servo { axis: axis(0), on: false });
+    bench.now(TickCommand::Servo { axis: axis(0), on: false });
     let view = bench.tick();
     assert_eq!(view.axes[0].status & (SERVO_ON | RUNNING), 0);
     assert_eq!((view.axes[0].stop, bench.machine.outputs.0), (StopReason::ServoOff, 0xfe));
@@ -278,7 +278,7 @@ fn servo_off_stops_and_forbids() {
 #[test]
 fn in_position_needs_rest_and_the_band_for_its_time() {
     let mut bench = Bench::prepared(250, Mode::PtStatic);
-    bench.now(Op::Band { axis: axis(0), band: 5, time: Ns(2 * MS) });
+    bench.now(TickCommand::Band { axis: axis(0), band: 5, time: Ns(2 * MS) });
     bench.pt(0, 0, &[(100.0, 10, 2)]);
     bench.ticks(20);
     bench.start(&[0]);
@@ -302,21 +302,21 @@ fn setting_positions_makes_no_step() {
     bench.start(&[0]);
     bench.run_to_standstill();
     let machine = bench.machine.set_points[0];
-    bench.now(Op::SetPosition { axis: axis(0), pos: Pos::pulses(-7) });
-    bench.now(Op::SetEncoder { axis: axis(0), pulses: 33 });
+    bench.now(TickCommand::SetPosition { axis: axis(0), pos: Pos::pulses(-7) });
+    bench.now(TickCommand::SetEncoder { axis: axis(0), pulses: 33 });
     let view = bench.tick();
     assert_eq!((view.axes[0].pos, view.axes[0].encoder), (Pos::pulses(-7), 33));
-    bench.now(Op::Synchronise { axes: all(&[0]) });
+    bench.now(TickCommand::Synchronise { axes: all(&[0]) });
     assert_eq!(bench.tick().axes[0].pos, Pos::pulses(33));
     bench.start(&[0]);
     let view = bench.run_to_standstill();
     assert_eq!(pulses(view.axes[0].pos), 133.25);
     assert_eq!(bench.machine.set_points[0].0 - machine.0, 100 * (1 << 22) + (1 << 20));
     let machine = bench.machine.set_points[0];
-    bench.now(Op::Zero { axes: all(&[0]) });
+    bench.now(TickCommand::Zero { axes: all(&[0]) });
     let view = bench.tick();
     assert_eq!((view.axes[0].pos, view.axes[0].encoder), (Pos(0), 0));
-    bench.now(Op::Reset { axes: all(&[0]) });
+    bench.now(TickCommand::Reset { axes: all(&[0]) });
     let view = bench.tick();
     assert_eq!((view.axes[0].status, view.axes[0].mode), (0, Mode::Trap));
     assert_eq!(bench.machine.set_points[0], machine);
@@ -330,7 +330,7 @@ fn home_captures_the_encoder_at_the_rising_edge() {
     bench.ticks(10);
     bench.machine.inputs[0].home = true;
     assert_eq!(bench.tick().axes[0].captured, None, "not armed");
-    bench.now(Op::Capture { axis: axis(0), mode: 1 });
+    bench.now(TickCommand::Capture { axis: axis(0), mode: 1 });
     assert_eq!(bench.ticks(3).axes[0].captured, None, "no edge");
     bench.machine.inputs[0].home = false;
     bench.tick();
@@ -339,7 +339,7 @@ fn home_captures_the_encoder_at_the_rising_edge() {
     assert_eq!(view.axes[0].captured, Some(view.axes[0].encoder));
     let captured = view.axes[0].captured;
     assert_eq!(bench.ticks(3).axes[0].captured, captured);
-    bench.now(Op::Capture { axis: axis(0), mode: 2 });
+    bench.now(TickCommand::Capture { axis: axis(0), mode: 2 });
     bench.machine.inputs[0].home = false;
     bench.tick();
     bench.machine.inputs[0].home = true;
@@ -353,7 +353,7 @@ fn a_soft_limit_holds_the_end_of_a_motion() {
         let (positive, negative) = if way > 0 { (Some(99), None) } else { (None, Some(-99)) };
         let mut bench = Bench::prepared(1000, Mode::PtStatic);
         bench.pt(0, 0, &[(98.0 * f64::from(way), 49, 1), (100.0 * f64::from(way), 50, 1)]);
-        bench.now(Op::SoftLimit { axis: axis(0), positive, negative });
+        bench.now(TickCommand::SoftLimit { axis: axis(0), positive, negative });
         bench.start(&[0]);
         let view = bench.run_to_standstill();
         let reason = if way > 0 { StopReason::SoftPositive } else { StopReason::SoftNegative };
@@ -368,15 +368,15 @@ fn a_soft_limit_holds_the_end_of_a_motion() {
 fn a_soft_limit_behind_an_axis_at_rest_is_reported() {
     for (way, bit) in [(1, LIMIT_POSITIVE), (-1, LIMIT_NEGATIVE)] {
         let mut bench = Bench::prepared(250, Mode::Jog);
-        bench.now(Op::SetPosition { axis: axis(0), pos: Pos::pulses(50 * way) });
+        bench.now(TickCommand::SetPosition { axis: axis(0), pos: Pos::pulses(50 * way) });
         bench.ticks(3);
         let (positive, negative) = if way > 0 { (Some(20), None) } else { (None, Some(-20)) };
-        bench.now(Op::SoftLimit { axis: axis(0), positive, negative });
+        bench.now(TickCommand::SoftLimit { axis: axis(0), positive, negative });
         let view = bench.ticks(2);
         assert_eq!((view.axes[0].status & LIMITS, view.axes[0].blocked), (bit, bit));
         bench.jog(0, f64::from(-way), 1.0);
         assert!(!has(&bench.tick().axes[0], RUNNING));
-        bench.now(Op::ClearStatus { axes: all(&[0]) });
+        bench.now(TickCommand::ClearStatus { axes: all(&[0]) });
         bench.jog(0, f64::from(-way), 1.0);
         assert!(has(&bench.ticks(2).axes[0], RUNNING));
     }
@@ -388,7 +388,7 @@ fn a_start_behind_a_clear_in_the_same_tick_is_refused_while_the_cause_lasts() {
     let mut bench = Bench::prepared(250, Mode::Jog);
     bench.machine.inputs[0].alarm = true;
     bench.ticks(2);
-    bench.now(Op::ClearStatus { axes: all(&[0]) });
+    bench.now(TickCommand::ClearStatus { axes: all(&[0]) });
     bench.jog(0, 4.0, 4.0);
     bench.tick();
     assert!(matches!(bench.event(), Some(Event::Refused { .. })));
@@ -399,24 +399,24 @@ fn a_start_behind_a_clear_in_the_same_tick_is_refused_while_the_cause_lasts() {
 #[test]
 fn a_following_error_is_more_than_its_limit_and_needs_the_servo() {
     let mut bench = Bench::prepared(250, Mode::Jog);
-    bench.now(Op::PositionError { axis: axis(0), limit: Some(20) });
+    bench.now(TickCommand::PositionError { axis: axis(0), limit: Some(20) });
     for slip in [20, -20] {
         bench.machine.slip[0] = slip;
         assert!(!has(&bench.ticks(3).axes[0], FOLLOWING_ERROR), "{slip}");
     }
-    bench.now(Op::Servo { axis: axis(0), on: false });
+    bench.now(TickCommand::Servo { axis: axis(0), on: false });
     bench.tick();
     bench.machine.slip[0] = 500;
     assert!(!has(&bench.ticks(3).axes[0], FOLLOWING_ERROR), "the servo is off");
     bench.machine.slip[0] = 21;
-    bench.now(Op::Servo { axis: axis(0), on: true });
+    bench.now(TickCommand::Servo { axis: axis(0), on: true });
     assert!(has(&bench.ticks(3).axes[0], FOLLOWING_ERROR));
 }
 
 /// The band's time begins anew after an error, a motion, and with a new band.
 #[test]
 fn the_time_in_the_band_begins_anew() {
-    let band = Op::Band { axis: axis(0), band: 5, time: Ns(2 * MS) };
+    let band = TickCommand::Band { axis: axis(0), band: 5, time: Ns(2 * MS) };
     type Break = fn(&mut Bench);
     let breaks: [Break; 3] = [
         |bench| {
@@ -427,11 +427,11 @@ fn the_time_in_the_band_begins_anew() {
         |bench| {
             bench.jog(0, 0.001, 1.0);
             bench.ticks(2);
-            bench.now(Op::stop(all(&[0]), all(&[0])));
+            bench.now(TickCommand::stop(all(&[0]), all(&[0])));
             assert!(!has(&bench.tick().axes[0], RUNNING));
         },
         |bench| {
-            bench.now(Op::Band { axis: axis(0), band: 4, time: Ns(2 * MS) });
+            bench.now(TickCommand::Band { axis: axis(0), band: 4, time: Ns(2 * MS) });
             bench.tick();
         },
     ];
@@ -449,10 +449,10 @@ fn the_time_in_the_band_begins_anew() {
 fn home_captures_at_the_falling_edge_where_low_is_active() {
     let mut bench = Bench::prepared(250, Mode::Jog);
     bench.machine.inputs[0].home = true;
-    bench.now(Op::Guard { axis: axis(0), on: Guards::NONE, low: Guards::set(Guarded::Home, true) });
+    bench.now(TickCommand::Guard { axis: axis(0), on: Guards::NONE, low: Guards::set(Guarded::Home, true) });
     bench.jog(0, 4.0, 4.0);
     bench.ticks(10);
-    bench.now(Op::Capture { axis: axis(0), mode: 1 });
+    bench.now(TickCommand::Capture { axis: axis(0), mode: 1 });
     assert_eq!(bench.ticks(3).axes[0].captured, None, "it is not active");
     bench.machine.inputs[0].home = false;
     let view = bench.tick();
@@ -461,7 +461,7 @@ fn home_captures_at_the_falling_edge_where_low_is_active() {
     bench.ticks(3);
     bench.machine.inputs[0].home = false;
     assert_eq!(bench.ticks(3).axes[0].captured, view.axes[0].captured, "once");
-    bench.now(Op::Capture { axis: axis(0), mode: 1 });
+    bench.now(TickCommand::Capture { axis: axis(0), mode: 1 });
     bench.ticks(2);
     bench.machine.inputs[0].home = true;
     assert_eq!(bench.ticks(3).axes[0].captured, None, "no edge since it was armed");
@@ -471,13 +471,13 @@ fn home_captures_at_the_falling_edge_where_low_is_active() {
 fn an_index_edge_captures_the_count_at_which_it_came() {
     let mut bench = Bench::prepared(250, Mode::Jog);
     // The machine counts from 0, the encoder reads 1000 there.
-    bench.now(Op::SetEncoder { axis: axis(0), pulses: 1000 });
+    bench.now(TickCommand::SetEncoder { axis: axis(0), pulses: 1000 });
     bench.tick();
     bench.jog(0, 4.0, 4.0);
     bench.ticks(10);
     // An edge in the tick that arms counts from its end on: earlier edges do not count.
     bench.machine.index[0] = Some(3);
-    bench.now(Op::Capture { axis: axis(0), mode: 2 });
+    bench.now(TickCommand::Capture { axis: axis(0), mode: 2 });
     assert_eq!(bench.tick().axes[0].captured, None);
     bench.machine.index[0] = None;
     bench.machine.inputs[0].home = true;
@@ -489,8 +489,8 @@ fn an_index_edge_captures_the_count_at_which_it_came() {
     // Only the first edge after arming counts, and only in its mode.
     bench.machine.index[0] = Some(5);
     assert_eq!(bench.ticks(3).axes[0].captured, Some(1000 - 70_000));
-    for undo in [Op::Capture { axis: axis(0), mode: 1 }, Op::Reset { axes: all(&[0]) }] {
-        bench.now(Op::Capture { axis: axis(0), mode: 2 });
+    for undo in [TickCommand::Capture { axis: axis(0), mode: 1 }, TickCommand::Reset { axes: all(&[0]) }] {
+        bench.now(TickCommand::Capture { axis: axis(0), mode: 2 });
         bench.now(undo);
         bench.tick();
         bench.machine.index[0] = Some(5);
@@ -501,16 +501,17 @@ fn an_index_edge_captures_the_count_at_which_it_came() {
 #[test]
 fn trap_reaches_its_target_and_can_be_changed_under_way() {
     let mut bench = Bench::prepared(250, Mode::Trap);
-    let prm = |axis| Op::TrapPrm { axis, acc: accel(0.5), dec: accel(0.25), vel_start: speed(0.0), smooth: Ns(0) };
+    let prm =
+        |axis| TickCommand::TrapPrm { axis, acc: accel(0.5), dec: accel(0.25), vel_start: speed(0.0), smooth: Ns(0) };
     bench.now(prm(axis(0)));
-    bench.now(Op::TargetSpeed { axis: axis(0), speed: speed(10.0) });
-    bench.now(Op::TargetPosition { axis: axis(0), pulses: 5000 });
-    bench.now(Op::Update { axes: all(&[0]) });
+    bench.now(TickCommand::TargetSpeed { axis: axis(0), speed: speed(10.0) });
+    bench.now(TickCommand::TargetPosition { axis: axis(0), pulses: 5000 });
+    bench.now(TickCommand::Update { axes: all(&[0]) });
     let zero = bench.tick().now.0;
     let view = bench.until(zero + 200 * MS);
     assert_eq!(real(view.axes[0].motion.velocity()), 10.0);
-    bench.now(Op::TargetPosition { axis: axis(0), pulses: -123 });
-    bench.now(Op::Update { axes: all(&[0]) });
+    bench.now(TickCommand::TargetPosition { axis: axis(0), pulses: -123 });
+    bench.now(TickCommand::Update { axes: all(&[0]) });
     let view = bench.run_to_standstill();
     assert_eq!((view.axes[0].pos, view.axes[0].stop), (Pos::pulses(-123), StopReason::Completed));
 }

@@ -1,15 +1,15 @@
 //! The two lanes, the script clock, the trace.
 mod tick_bench;
-use servo::op::{DoGroup, Lane, Mode, Op};
 use servo::status::*;
+use servo::tick_command::{DoGroup, Lane, Mode, TickCommand};
 use servo::units::{AxisMask, CrdMask, Ns, Pos};
 use servo::view::{Event, Sample, Traced};
 use tick_bench::*;
 
 const US: u64 = 1000;
 
-fn output(bit: u32) -> Op {
-    Op::Output { group: DoGroup::General, mask: 1 << bit, value: 1 << bit }
+fn output(bit: u32) -> TickCommand {
+    TickCommand::Output { group: DoGroup::General, mask: 1 << bit, value: 1 << bit }
 }
 
 /// Ticks on until output `bit` is set; returns the instant of the tick from which on it is.
@@ -41,7 +41,7 @@ fn a_call_acts_on_the_first_tick_strictly_after_its_instant() {
         }
         let held = bench.ticks(5);
         assert_eq!((held.general_outputs, held.done_program), (0, 0), "held until ProgramRun");
-        bench.now(Op::ProgramRun);
+        bench.now(TickCommand::ProgramRun);
         let zero = held.now.0;
         let view = bench.tick();
         assert_eq!((view.script_zero.0, view.program_runs), (zero, true));
@@ -65,14 +65,14 @@ fn wait_rest_moves_the_clock_to_the_tick_of_rest() {
         let mut bench = Bench::prepared(period, Mode::PtStatic);
         bench.pt(0, 0, &LISTING_2_1);
         bench.tick();
-        bench.then(0, Op::PtStart { axes: all(&[0]), fifo1: AxisMask(0) });
-        let wait = bench.then(0, Op::WaitStandstill { axes: all(&[0]), crds: CrdMask(0) });
+        bench.then(0, TickCommand::PtStart { axes: all(&[0]), fifo1: AxisMask(0) });
+        let wait = bench.then(0, TickCommand::WaitStandstill { axes: all(&[0]), crds: CrdMask(0) });
         bench.then(0, output(0));
         bench.then(1500 * US, output(1));
-        bench.then(0, Op::WaitStandstill { axes: all(&[0, 5]), crds: CrdMask(0) });
+        bench.then(0, TickCommand::WaitStandstill { axes: all(&[0, 5]), crds: CrdMask(0) });
         bench.then(0, output(2));
         let zero = bench.tick.now().0;
-        bench.now(Op::ProgramRun);
+        bench.now(TickCommand::ProgramRun);
         let begun = bench.tick();
         assert_eq!((begun.axes[0].pos, begun.now.0), (Pos(0), zero + step));
         let end = zero + step + 3072 * MS;
@@ -95,7 +95,7 @@ fn a_late_entry_acts_at_once_is_counted_and_shifts_nothing() {
     let mut bench = Bench::prepared(250, Mode::PtStatic);
     bench.then(0, output(0));
     let zero = bench.tick.now().0;
-    bench.now(Op::ProgramRun);
+    bench.now(TickCommand::ProgramRun);
     let view = bench.until(zero + 10 * MS);
     assert_eq!(view.late, 0);
     // Its instant was 4 ms ago when the next tick is computed at 10 ms.
@@ -107,7 +107,7 @@ fn a_late_entry_acts_at_once_is_counted_and_shifts_nothing() {
     // A wait that comes late still has the instant since which the axis is at rest.
     let view = bench.until(zero + 30 * MS);
     assert_eq!((view.late, view.worst_late), (1, Ns(4 * MS)));
-    bench.then(0, Op::WaitStandstill { axes: all(&[0]), crds: CrdMask(0) });
+    bench.then(0, TickCommand::WaitStandstill { axes: all(&[0]), crds: CrdMask(0) });
     assert_eq!(bench.tick().script.0, 16 * MS);
 }
 
@@ -121,12 +121,12 @@ fn so_many_entries_act_in_a_tick_the_immediate_lane_first() {
         (100, [(100, 0), (100, 97), (100, 194), (100, 200), (100, 200)]),
     ] {
         let mut bench = Bench::prepared(period, Mode::PtStatic);
-        let run = bench.now(Op::ProgramRun);
+        let run = bench.now(TickCommand::ProgramRun);
         for _ in 0..99 {
-            bench.now(Op::Mark);
+            bench.now(TickCommand::Mark);
         }
         for _ in 0..200 {
-            bench.then(0, Op::Mark);
+            bench.then(0, TickCommand::Mark);
         }
         for done in done {
             let view = bench.tick();
@@ -136,9 +136,9 @@ fn so_many_entries_act_in_a_tick_the_immediate_lane_first() {
     }
     // The larger ring's content in a long tick.
     let mut bench = Bench::prepared(1000, Mode::PtStatic);
-    bench.now(Op::ProgramRun);
+    bench.now(TickCommand::ProgramRun);
     for _ in 0..256 {
-        bench.then(0, Op::Mark);
+        bench.then(0, TickCommand::Mark);
     }
     assert_eq!(bench.tick().done_program, 256);
 }
@@ -148,19 +148,19 @@ fn drop_empties_the_lane_and_end_holds_it() {
     let mut bench = Bench::prepared(250, Mode::PtStatic);
     bench.then(0, output(0));
     bench.then(5 * MS, output(1));
-    bench.now(Op::ProgramRun);
+    bench.now(TickCommand::ProgramRun);
     bench.tick();
-    bench.now(Op::ProgramDrop);
+    bench.now(TickCommand::ProgramDrop);
     assert!(!bench.tick().program_runs);
     bench.then(0, output(2));
     assert_eq!(bench.ticks(100).general_outputs, 1);
-    let end = bench.then(0, Op::ProgramEnd);
+    let end = bench.then(0, TickCommand::ProgramEnd);
     bench.then(0, output(3));
-    bench.now(Op::ProgramRun);
+    bench.now(TickCommand::ProgramRun);
     let view = bench.ticks(10);
     assert_eq!((view.general_outputs, view.done_program, view.program_runs), (5, end, false));
     // The next program has a clock of its own.
-    bench.now(Op::ProgramRun);
+    bench.now(TickCommand::ProgramRun);
     let zero = view.now;
     let view = bench.tick();
     assert_eq!((view.general_outputs, view.script_zero, view.script), (13, zero, Ns(0)));
@@ -169,8 +169,8 @@ fn drop_empties_the_lane_and_end_holds_it() {
 #[test]
 fn a_refusal_in_a_program_names_its_entry() {
     let mut bench = Bench::prepared(250, Mode::PtStatic);
-    let seq = bench.then(MS, Op::PtStart { axes: all(&[2]), fifo1: AxisMask(0) });
-    bench.now(Op::ProgramRun);
+    let seq = bench.then(MS, TickCommand::PtStart { axes: all(&[2]), fifo1: AxisMask(0) });
+    bench.now(TickCommand::ProgramRun);
     bench.ticks(10);
     assert!(matches!(bench.event(),
         Some(Event::Refused { lane: Lane::Program, seq: s, axis, .. }) if s == seq && axis.index() == 2));
@@ -181,17 +181,31 @@ fn trace_rows_count_from_the_tick_at_which_the_program_begins() {
     for every in [1, 4] {
         let mut bench = Bench::prepared(250, Mode::PtStatic);
         bench.pt(0, 0, &LISTING_2_1);
-        bench.now(Op::SetPosition { axis: axis(3), pos: Pos::pulses(9) });
-        bench.now(Op::Trace { every, axes: all(&[0, 3]), crds: CrdMask(0), lasers: 0, edges: false, outputs: false });
+        bench.now(TickCommand::SetPosition { axis: axis(3), pos: Pos::pulses(9) });
+        bench.now(TickCommand::Trace {
+            every,
+            axes: all(&[0, 3]),
+            crds: CrdMask(0),
+            lasers: 0,
+            edges: false,
+            outputs: false,
+        });
         bench.ticks(7);
         assert!(bench.sample().is_none(), "armed only");
-        bench.then(0, Op::PtStart { axes: all(&[0]), fifo1: AxisMask(0) });
-        bench.then(0, Op::SetPosition { axis: axis(3), pos: Pos::pulses(10) });
+        bench.then(0, TickCommand::PtStart { axes: all(&[0]), fifo1: AxisMask(0) });
+        bench.then(0, TickCommand::SetPosition { axis: axis(3), pos: Pos::pulses(10) });
         bench.then(
             3100 * MS,
-            Op::Trace { every: 0, axes: AxisMask(0), crds: CrdMask(0), lasers: 0, edges: false, outputs: false },
+            TickCommand::Trace {
+                every: 0,
+                axes: AxisMask(0),
+                crds: CrdMask(0),
+                lasers: 0,
+                edges: false,
+                outputs: false,
+            },
         );
-        bench.now(Op::ProgramRun);
+        bench.now(TickCommand::ProgramRun);
         let step = every as u64 * 250 * US;
         let mut rows = vec![];
         for _ in 0..12_500 {
@@ -227,8 +241,15 @@ fn trace_rows_count_from_the_tick_at_which_the_program_begins() {
 #[test]
 fn a_trace_that_nobody_takes_counts_what_it_loses() {
     let mut bench = Bench::prepared(250, Mode::PtStatic);
-    bench.now(Op::Trace { every: 1, axes: AxisMask(0xff), crds: CrdMask(0), lasers: 0, edges: false, outputs: false });
-    bench.now(Op::ProgramRun);
+    bench.now(TickCommand::Trace {
+        every: 1,
+        axes: AxisMask(0xff),
+        crds: CrdMask(0),
+        lasers: 0,
+        edges: false,
+        outputs: false,
+    });
+    bench.now(TickCommand::ProgramRun);
     let view = bench.ticks(130);
     // 131 rows of 8; the ring holds 1024.
     assert_eq!(view.trace_lost, 131 * 8 - 1024);
@@ -237,7 +258,14 @@ fn a_trace_that_nobody_takes_counts_what_it_loses() {
     }
     bench.tick();
     assert_eq!(bench.sample().unwrap().row, 131, "the row number tells that some are missing");
-    let end = |every| Op::Trace { every, axes: AxisMask(1), crds: CrdMask(0), lasers: 0, edges: false, outputs: false };
+    let end = |every| TickCommand::Trace {
+        every,
+        axes: AxisMask(1),
+        crds: CrdMask(0),
+        lasers: 0,
+        edges: false,
+        outputs: false,
+    };
     bench.now(end(0));
     let lost = bench.tick().trace_lost;
     assert!(lost >= 131 * 8 - 1024, "it is still reported when the trace has ended");
@@ -253,8 +281,8 @@ fn the_view_is_of_one_tick_and_the_outside_of_an_idle_tick_is_quiet() {
     assert_eq!((view.general_inputs, &view.analog[..3]), (0x5a, &[100, 101, 0][..]));
     assert_eq!(bench.machine.outputs, (0, 0, 0));
     bench.tick.overrun();
-    bench.now(Op::Analog { channel: 3, value: -5 });
-    bench.now(Op::Output { group: DoGroup::Clear, mask: 6, value: 4 });
+    bench.now(TickCommand::Analog { channel: 3, value: -5 });
+    bench.now(TickCommand::Output { group: DoGroup::Clear, mask: 6, value: 4 });
     let view = bench.tick();
     assert_eq!((view.overruns, view.clear, bench.machine.analog_out[3]), (1, 4, -5));
 }
@@ -276,13 +304,13 @@ fn views_that_nobody_read_leave_nothing_stale() {
 #[test]
 fn the_period_changes_at_rest_only() {
     let mut bench = Bench::prepared(250, Mode::Jog);
-    bench.now(Op::TickPeriod { ns: 50_000 });
+    bench.now(TickCommand::TickPeriod { ns: 50_000 });
     let first = bench.tick();
     let second = bench.tick();
     assert_eq!((first.period, second.now.0 - first.now.0), (Ns(50 * US), 50 * US));
-    bench.now(Op::TickPeriod { ns: 9_999 });
+    bench.now(TickCommand::TickPeriod { ns: 9_999 });
     bench.jog(0, 1.0, 1.0);
-    bench.now(Op::TickPeriod { ns: 1_000_000 });
+    bench.now(TickCommand::TickPeriod { ns: 1_000_000 });
     assert_eq!(bench.tick().period, Ns(50 * US));
     assert_eq!(bench.tick.period(), Ns(50 * US));
 }

@@ -1,7 +1,7 @@
 //! PT through the tick: time zero, exact ends, streams, epochs, all or nothing.
 mod tick_bench;
-use servo::op::{Lane, Mode, Op};
 use servo::status;
+use servo::tick_command::{Lane, Mode, TickCommand};
 use servo::units::{AxisMask, Pos};
 use servo::view::{Event, StopReason};
 use tick_bench::*;
@@ -61,20 +61,20 @@ fn listing_2_1_is_the_closed_form_at_every_period() {
 fn loops_continue_where_the_pass_ended_and_can_be_ended_while_running() {
     let mut bench = Bench::prepared(250, Mode::PtStatic);
     bench.pt(0, 0, &[(10.0, 10, 0), (30.5, 20, 2)]);
-    bench.now(Op::PtLoop { axis: axis(0), passes: 0 });
+    bench.now(TickCommand::PtLoop { axis: axis(0), passes: 0 });
     bench.start(&[0]);
     let zero = bench.tick().now.0;
     let view = bench.until(zero + 20 * 100 * MS);
     assert_eq!(view.axes[0].pos, Pos(100 * 30 * (1 << 22) + 50 * (1 << 22)));
     assert_eq!(view.axes[0].passes, 100);
-    bench.now(Op::PtLoop { axis: axis(0), passes: 101 });
+    bench.now(TickCommand::PtLoop { axis: axis(0), passes: 101 });
     let view = bench.run_to_standstill();
     assert_eq!(view.now.0, zero + 20 * 101 * MS);
     assert_eq!((pulses(view.axes[0].pos), view.axes[0].passes), (30.5 * 101.0, 101));
     // Kept after it has run; FIFO 1 is another store.
-    bench.now(Op::PtLoop { axis: axis(0), passes: 1 });
+    bench.now(TickCommand::PtLoop { axis: axis(0), passes: 1 });
     bench.pt(0, 1, &[(-7.0, 3, 1)]);
-    bench.now(Op::PtStart { axes: all(&[0]), fifo1: all(&[0]) });
+    bench.now(TickCommand::PtStart { axes: all(&[0]), fifo1: all(&[0]) });
     assert_eq!(pulses(bench.run_to_standstill().axes[0].pos), 30.5 * 101.0 - 7.0);
     bench.start(&[0]);
     assert_eq!(pulses(bench.run_to_standstill().axes[0].pos), 30.5 * 102.0 - 7.0);
@@ -107,7 +107,7 @@ fn a_stream_that_runs_dry_at_speed_is_an_underrun_and_a_new_epoch() {
     assert!(!has(&published, status::RUNNING));
     assert_eq!(stopped(bench.event()), (0, StopReason::Underrun));
     // A commit in flight for the stream that ended is refused; it starts nothing.
-    let void = bench.now(Op::PtCommit { axis: axis(0), fifo: 0, end: 3, epoch: 0 });
+    let void = bench.now(TickCommand::PtCommit { axis: axis(0), fifo: 0, end: 3, epoch: 0 });
     let seq = bench.start(&[0]);
     bench.tick();
     assert!(matches!(bench.event(), Some(Event::Refused { seq: s, lane: Lane::Immediate, .. }) if s == void));
@@ -127,7 +127,7 @@ fn a_stop_clears_the_stream_and_keeps_static_data() {
         bench.pt(0, 0, &LISTING_2_1);
         bench.start(&[0]);
         bench.ticks(100);
-        bench.now(Op::stop(all(&[0]), all(&[0])));
+        bench.now(TickCommand::stop(all(&[0]), all(&[0])));
         let view = bench.tick();
         assert_eq!((view.axes[0].pt_state, view.axes[0].epoch), (4, epoch));
         bench.start(&[0]);
@@ -163,7 +163,7 @@ fn a_start_is_all_or_nothing() {
     for index in [0, 1, 2] {
         bench.pt(index, 0, &LISTING_2_1);
     }
-    bench.now(Op::Servo { axis: axis(1), on: false });
+    bench.now(TickCommand::Servo { axis: axis(1), on: false });
     let seq = bench.start(&[0, 1, 2]);
     let view = bench.tick();
     assert!(view.axes.iter().all(|axis| !has(axis, status::RUNNING)));
@@ -173,7 +173,7 @@ fn a_start_is_all_or_nothing() {
         }
         other => panic!("{other:?}"),
     }
-    bench.now(Op::Servo { axis: axis(1), on: true });
+    bench.now(TickCommand::Servo { axis: axis(1), on: true });
     bench.start(&[0, 1, 2]);
     let view = bench.tick();
     assert!(view.axes[..3].iter().all(|axis| has(axis, status::RUNNING) && axis.pos == Pos(0)));
@@ -186,7 +186,7 @@ fn a_start_is_all_or_nothing() {
     assert!(!has(&bench.tick().axes[3], status::RUNNING));
     bench.start(&[3, 4]);
     assert!(!has(&bench.tick().axes[3], status::RUNNING));
-    bench.now(Op::PtStart { axes: AxisMask(0), fifo1: AxisMask(0) });
+    bench.now(TickCommand::PtStart { axes: AxisMask(0), fifo1: AxisMask(0) });
     bench.start(&[3]);
     assert!(has(&bench.tick().axes[3], status::RUNNING));
 }
@@ -195,14 +195,14 @@ fn a_start_is_all_or_nothing() {
 fn a_mode_that_is_set_again_keeps_its_data() {
     let mut bench = Bench::prepared(250, Mode::PtStatic);
     bench.pt(0, 0, &LISTING_2_1);
-    bench.now(Op::SetMode { axis: axis(0), mode: Mode::PtStatic });
+    bench.now(TickCommand::SetMode { axis: axis(0), mode: Mode::PtStatic });
     bench.start(&[0]);
     assert!(has(&bench.tick().axes[0], status::RUNNING));
-    bench.now(Op::SetMode { axis: axis(0), mode: Mode::Jog });
+    bench.now(TickCommand::SetMode { axis: axis(0), mode: Mode::Jog });
     assert_eq!(bench.tick().axes[0].mode, Mode::PtStatic, "only at rest");
     bench.run_to_standstill();
     for mode in [Mode::PtDynamic, Mode::PtStatic] {
-        bench.now(Op::SetMode { axis: axis(0), mode });
+        bench.now(TickCommand::SetMode { axis: axis(0), mode });
     }
     bench.start(&[0]);
     assert!(!has(&bench.tick().axes[0], status::RUNNING), "another FIFO use clears the data");

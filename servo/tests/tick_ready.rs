@@ -4,9 +4,9 @@ mod chance;
 mod tick_bench;
 
 use chance::Chance;
-use servo::op::{Mode, Op};
 use servo::segment::follow;
 use servo::status;
+use servo::tick_command::{Mode, TickCommand};
 use servo::units::{AxisMask, Crd, Ns, Pos};
 use servo::view::AxisView;
 use tick_bench::*;
@@ -27,7 +27,7 @@ impl Both {
         let mut both = Both([(); 2].map(|_| Bench::new(period_us)));
         both.each(|bench| {
             for index in 0..AXES {
-                bench.now(Op::Servo { axis: axis(index), on: true });
+                bench.now(TickCommand::Servo { axis: axis(index), on: true });
             }
         });
         both.ticks(2);
@@ -38,16 +38,16 @@ impl Both {
         self.0.iter_mut().for_each(&mut act);
     }
 
-    fn now(&mut self, op: Op) {
+    fn now(&mut self, command: TickCommand) {
         self.each(|bench| {
-            bench.now(op);
+            bench.now(command);
         });
     }
 
     fn ticks(&mut self, count: u64) {
         for _ in 0..count {
             for index in 0..AXES {
-                self.0[1].now(Op::Servo { axis: axis(index), on: true });
+                self.0[1].now(TickCommand::Servo { axis: axis(index), on: true });
             }
             let [a, b] = [0, 1].map(|k| self.0[k].tick());
             for index in 0..AXES {
@@ -94,17 +94,17 @@ fn act(both: &mut Both, chance: &mut Chance, index: usize, mode: &mut Mode) {
     match chance.below(9) {
         0 => {
             *mode = MODES[chance.below(MODES.len() as u64) as usize];
-            both.now(Op::SetMode { axis, mode: *mode });
+            both.now(TickCommand::SetMode { axis, mode: *mode });
             both.each(|bench| bench.forget(index));
         }
-        1 => both.now(Op::SetPosition { axis, pos: Pos::pulses(chance.below(2000) as i32 - 1000) }),
+        1 => both.now(TickCommand::SetPosition { axis, pos: Pos::pulses(chance.below(2000) as i32 - 1000) }),
         2 => {
             let (crd, mapped) = (Crd::new(0).unwrap(), [Some(axis), None, None, None]);
             let frame = servo::path::axis_map::Frame::admit(mapped, None, 0).unwrap();
-            both.now(Op::CrdFrame { crd, frame });
+            both.now(TickCommand::CrdFrame { crd, frame });
             both.ticks(chance.below(20));
             *mode = Mode::PtStatic;
-            both.now(Op::SetMode { axis, mode: *mode });
+            both.now(TickCommand::SetMode { axis, mode: *mode });
             both.each(|bench| bench.forget(index));
         }
         _ => {}
@@ -112,12 +112,12 @@ fn act(both: &mut Both, chance: &mut Chance, index: usize, mode: &mut Mode) {
     match mode {
         Mode::PtStatic | Mode::PtDynamic => {
             let fifo = if *mode == Mode::PtStatic { chance.below(2) as u8 } else { 0 };
-            both.now(Op::PtClear { axis, fifo });
+            both.now(TickCommand::PtClear { axis, fifo });
             if *mode == Mode::PtStatic {
-                both.now(Op::PtClear { axis, fifo: fifo ^ 1 });
+                both.now(TickCommand::PtClear { axis, fifo: fifo ^ 1 });
             }
             both.each(|bench| bench.forget(index));
-            both.now(Op::PtLoop { axis, passes: 1 + chance.below(3) as u32 });
+            both.now(TickCommand::PtLoop { axis, passes: 1 + chance.below(3) as u32 });
             let data = segments(chance);
             both.each(|bench| bench.pt(index, fifo, &data));
         }
@@ -127,8 +127,8 @@ fn act(both: &mut Both, chance: &mut Chance, index: usize, mode: &mut Mode) {
             let (table, delay, knots) = (chance.below(3) as u8, chance.below(3) * 2, knots(chance));
             both.each(|bench| bench.table(table, delay, &knots));
             if chance.below(2) == 0 {
-                both.now(Op::PvtSelect { axis, table: chance.below(3) as u8 });
-                both.now(Op::PvtLoop { axis, passes: 1 + chance.below(3) as u32 });
+                both.now(TickCommand::PvtSelect { axis, table: chance.below(3) as u8 });
+                both.now(TickCommand::PvtLoop { axis, passes: 1 + chance.below(3) as u32 });
             }
         }
         Mode::Follow | Mode::FollowEx => {
@@ -138,7 +138,7 @@ fn act(both: &mut Both, chance: &mut Chance, index: usize, mode: &mut Mode) {
             }
             let fifo = chance.below(2) as u8;
             for fifo in 0..2 {
-                both.now(Op::FollowClear { axis, fifo });
+                both.now(TickCommand::FollowClear { axis, fifo });
                 both.each(|bench| bench.emptied(index, fifo));
             }
             let (mut to, count) = (0.0, 1 + chance.below(4));
@@ -154,20 +154,26 @@ fn act(both: &mut Both, chance: &mut Chance, index: usize, mode: &mut Mode) {
                 .collect();
             items.push(Item::Data(to + 5.0, 1.0, 2, 0));
             both.each(|bench| bench.follow(index, fifo, &items));
-            both.now(Op::FollowLoop { axis, passes: 1 + chance.below(3) as u32 });
+            both.now(TickCommand::FollowLoop { axis, passes: 1 + chance.below(3) as u32 });
             let pass = follow::Event::Pass { up: true, pos: chance.below(100) as i32 };
-            both.now(Op::FollowEvent { axis, event: if chance.below(4) == 0 { pass } else { follow::Event::Start } });
+            both.now(TickCommand::FollowEvent {
+                axis,
+                event: if chance.below(4) == 0 { pass } else { follow::Event::Start },
+            });
             let value = if chance.below(3) == 0 { follow::Value::Encoder } else { follow::Value::Planned };
-            both.now(Op::FollowMaster { axis, master: follow::Master { axis: tick_bench::axis(master), value } });
+            both.now(TickCommand::FollowMaster {
+                axis,
+                master: follow::Master { axis: tick_bench::axis(master), value },
+            });
         }
         _ => {
             let (acc, dec) = (accel(chance.log(1e-3, 30.0)), accel(chance.log(1e-3, 30.0)));
             let smooth = if chance.below(2) == 0 { Ns(chance.below(9) * MS) } else { Ns(0) };
             let vel_start = speed(chance.unit());
-            both.now(Op::TrapPrm { axis, acc, dec, vel_start, smooth });
-            both.now(Op::JogPrm { axis, acc, dec, smooth: chance.below(1 << 16) as u16 });
-            both.now(Op::TargetSpeed { axis, speed: speed(chance.log(0.01, 20.0)) });
-            both.now(Op::TargetPosition { axis, pulses: chance.below(300) as i32 - 150 });
+            both.now(TickCommand::TrapPrm { axis, acc, dec, vel_start, smooth });
+            both.now(TickCommand::JogPrm { axis, acc, dec, smooth: chance.below(1 << 16) as u16 });
+            both.now(TickCommand::TargetSpeed { axis, speed: speed(chance.log(0.01, 20.0)) });
+            both.now(TickCommand::TargetPosition { axis, pulses: chance.below(300) as i32 - 150 });
         }
     }
 }
@@ -180,7 +186,7 @@ fn a_start_made_ready_is_the_start() {
         let mut both = Both::new([50, 250, 1000][round as usize % 3]);
         let mut modes = [Mode::PtStatic; AXES];
         for index in 0..AXES {
-            both.now(Op::SetMode { axis: axis(index), mode: Mode::PtStatic });
+            both.now(TickCommand::SetMode { axis: axis(index), mode: Mode::PtStatic });
         }
         both.ticks(1);
         for _ in 0..12 {
@@ -196,17 +202,17 @@ fn a_start_made_ready_is_the_start() {
             for &index in &free {
                 let (axes, fifo1) = (all(&[index]), if chance.below(2) == 0 { all(&[index]) } else { AxisMask(0) });
                 both.now(match modes[index] {
-                    Mode::PtStatic | Mode::PtDynamic => Op::PtStart { axes, fifo1 },
-                    Mode::Pvt => Op::PvtStart { axes },
-                    Mode::Follow | Mode::FollowEx => Op::FollowStart { axes, fifo1 },
-                    _ => Op::Update { axes },
+                    Mode::PtStatic | Mode::PtDynamic => TickCommand::PtStart { axes, fifo1 },
+                    Mode::Pvt => TickCommand::PvtStart { axes },
+                    Mode::Follow | Mode::FollowEx => TickCommand::FollowStart { axes, fifo1 },
+                    _ => TickCommand::Update { axes },
                 });
             }
             both.ticks(1);
             started += both.running().count_ones();
             both.ticks(chance.below(60));
             if chance.below(2) == 0 {
-                both.now(Op::stop(AxisMask(0xff), AxisMask(chance.below(256))));
+                both.now(TickCommand::stop(AxisMask(0xff), AxisMask(chance.below(256))));
             }
             both.ticks(60);
         }

@@ -3,9 +3,9 @@
 mod chance;
 mod tick_bench;
 use chance::Chance;
-use servo::op::{DoGroup, Guarded, Guards, Mode, Op};
 use servo::path::{self, Along};
 use servo::segment::follow;
+use servo::tick_command::{DoGroup, Guarded, Guards, Mode, TickCommand};
 use servo::units::AxisMask;
 use servo::view::{Traced, View};
 use tick_bench::*;
@@ -15,17 +15,17 @@ const MODES: [Mode; 8] =
 
 fn begin(period_us: u32) -> Bench {
     let mut bench = Bench::new(period_us);
-    bench.now(Op::Output { group: DoGroup::Enable, mask: 0xff, value: 0xff });
+    bench.now(TickCommand::Output { group: DoGroup::Enable, mask: 0xff, value: 0xff });
     for (table, pos) in [(0, 900), (1, -300), (2, 40_000)] {
         bench.table(table, 2, &[(0, 0, 0), (3, pos, 1 << 16), (4, pos + 2, 0), (9, pos * 2, -(1 << 15)), (11, pos, 0)]);
     }
     for (index, mode) in MODES.into_iter().enumerate() {
-        bench.now(Op::SetMode { axis: axis(index), mode });
-        bench.now(Op::StopDec { axis: axis(index), smooth: accel(0.7), abrupt: accel(1.0) });
+        bench.now(TickCommand::SetMode { axis: axis(index), mode });
+        bench.now(TickCommand::StopDec { axis: axis(index), smooth: accel(0.7), abrupt: accel(1.0) });
     }
     bench.pt(0, 0, &[(10.5, 3, 0), (-2000.0, 9, 0), (7.0, 11, 2)]);
     bench.follow(6, 0, &[Item::Data(30.0, 11.0, 0, 0), Item::Data(90.0, -400.0, 1, 0), Item::Data(100.0, 0.25, 2, 0)]);
-    bench.now(Op::Trace {
+    bench.now(TickCommand::Trace {
         every: 1,
         axes: AxisMask(0xff),
         crds: Default::default(),
@@ -33,7 +33,7 @@ fn begin(period_us: u32) -> Bench {
         edges: false,
         outputs: false,
     });
-    bench.now(Op::ProgramRun);
+    bench.now(TickCommand::ProgramRun);
     bench.tick();
     bench
 }
@@ -45,10 +45,10 @@ fn act(bench: &mut Bench, chance: &mut Chance, stream: &mut i32) {
     let passes = chance.below(6) as u32;
     match chance.below(16) {
         0 => {
-            bench.now(Op::stop(AxisMask(chance.next() & 0xff), AxisMask(chance.next() & 0xff)));
+            bench.now(TickCommand::stop(AxisMask(chance.next() & 0xff), AxisMask(chance.next() & 0xff)));
         }
         1 => {
-            bench.now(Op::SoftLimit {
+            bench.now(TickCommand::SoftLimit {
                 axis,
                 positive: (far > 0.0).then_some((far * 5000.0) as i32),
                 negative: (far < -0.5).then_some((far * 5000.0) as i32),
@@ -57,68 +57,68 @@ fn act(bench: &mut Bench, chance: &mut Chance, stream: &mut i32) {
         2 => bench.machine.inputs[index].limit_positive ^= true,
         3 => bench.machine.slip[index] += 3,
         4 => {
-            bench.now(Op::ClearStatus { axes: AxisMask(0xff) });
+            bench.now(TickCommand::ClearStatus { axes: AxisMask(0xff) });
             bench.machine.inputs[index] = Default::default();
         }
         5 => {
-            bench.now(Op::PositionError { axis, limit: (far > 0.0).then_some(20) });
+            bench.now(TickCommand::PositionError { axis, limit: (far > 0.0).then_some(20) });
         }
         6 => {
-            bench.now(Op::Guard { axis, on: Guards::NONE, low: Guards::set(Guarded::Home, far > 0.0) });
+            bench.now(TickCommand::Guard { axis, on: Guards::NONE, low: Guards::set(Guarded::Home, far > 0.0) });
         }
         7 => {
-            bench.now(Op::PvtSelect { axis, table: chance.below(3) as u8 });
+            bench.now(TickCommand::PvtSelect { axis, table: chance.below(3) as u8 });
         }
         8 => {
-            bench.now(Op::PvtLoop { axis, passes });
-            bench.now(Op::PtLoop { axis, passes });
-            bench.now(Op::FollowLoop { axis, passes });
+            bench.now(TickCommand::PvtLoop { axis, passes });
+            bench.now(TickCommand::PtLoop { axis, passes });
+            bench.now(TickCommand::FollowLoop { axis, passes });
         }
         9 => {
-            bench.now(Op::PvtStart { axes: all(&[2]) });
-            bench.now(Op::PvtStart { axes: all(&[7]) });
+            bench.now(TickCommand::PvtStart { axes: all(&[2]) });
+            bench.now(TickCommand::PvtStart { axes: all(&[7]) });
         }
         10 => {
-            bench.now(Op::PtStart { axes: all(&[0]), fifo1: AxisMask(0) });
+            bench.now(TickCommand::PtStart { axes: all(&[0]), fifo1: AxisMask(0) });
         }
         11 => {
             // Stopped or dry: the stream begins anew.
             bench.forget(1);
-            bench.now(Op::PtClear { axis: tick_bench::axis(1), fifo: 0 });
+            bench.now(TickCommand::PtClear { axis: tick_bench::axis(1), fifo: 0 });
             bench.tick_unread();
             *stream += 1;
             bench.pt(1, 0, &[(far * 100.0, 2, 0), (0.0, 5, 1), (far, 9, 2)]);
             bench.start(&[1]);
         }
         12 | 13 => {
-            bench.now(Op::TargetSpeed { axis, speed: speed(far * 50.0) });
-            bench.now(Op::JogPrm { axis, acc: accel(3.3), dec: accel(0.9), smooth: (passes * 9000) as u16 });
-            bench.now(Op::TrapPrm {
+            bench.now(TickCommand::TargetSpeed { axis, speed: speed(far * 50.0) });
+            bench.now(TickCommand::JogPrm { axis, acc: accel(3.3), dec: accel(0.9), smooth: (passes * 9000) as u16 });
+            bench.now(TickCommand::TrapPrm {
                 axis,
                 acc: accel(1.7),
                 dec: accel(2.2),
                 vel_start: speed(0.0),
                 smooth: servo::units::Ns(u64::from(passes) * MS),
             });
-            bench.now(Op::TargetPosition { axis, pulses: (far * 3000.0) as i32 });
-            bench.now(Op::Update { axes: axis.mask() });
+            bench.now(TickCommand::TargetPosition { axis, pulses: (far * 3000.0) as i32 });
+            bench.now(TickCommand::Update { axes: axis.mask() });
         }
         14 => {
             bench.follows(6, if far > 0.0 { 3 } else { 4 }, follow::Value::Planned);
             bench.start_follow(&[6]);
         }
         _ => {
-            bench.now(Op::Servo { axis, on: true });
+            bench.now(TickCommand::Servo { axis, on: true });
             if far > 0.8 {
-                bench.now(Op::Zero { axes: axis.mask() });
+                bench.now(TickCommand::Zero { axes: axis.mask() });
             }
             if far < -0.8 {
-                bench.now(Op::Reset { axes: axis.mask() });
-                bench.now(Op::Servo { axis, on: true });
-                bench.now(Op::SetMode { axis, mode: MODES[index] });
-                bench.now(Op::StopDec { axis, smooth: accel(0.7), abrupt: accel(1.0) });
+                bench.now(TickCommand::Reset { axes: axis.mask() });
+                bench.now(TickCommand::Servo { axis, on: true });
+                bench.now(TickCommand::SetMode { axis, mode: MODES[index] });
+                bench.now(TickCommand::StopDec { axis, smooth: accel(0.7), abrupt: accel(1.0) });
                 if index == 0 {
-                    bench.now(Op::PtCommit { axis, fifo: 0, end: 3, epoch: 0 });
+                    bench.now(TickCommand::PtCommit { axis, fifo: 0, end: 3, epoch: 0 });
                 }
             }
         }
@@ -209,11 +209,11 @@ fn a_view_of_driven_axes_does_not_depend_on_who_reads_it() {
                     bench.start_path(&[0]);
                 }
                 4 => {
-                    bench.now(Op::stop(all(&[2]), AxisMask(x as u64 & 4)));
+                    bench.now(TickCommand::stop(all(&[2]), AxisMask(x as u64 & 4)));
                 }
                 5 => bench.machine.slip[5] += 1,
                 6 => {
-                    bench.now(Op::ClearStatus { axes: AxisMask(0xff) });
+                    bench.now(TickCommand::ClearStatus { axes: AxisMask(0xff) });
                 }
                 _ => {}
             }

@@ -1,15 +1,15 @@
 //! The work of an instant: spread over ticks, never a start apart from its neighbours.
 mod tick_bench;
-use servo::op::{DoGroup, Mode, Op};
 use servo::status::*;
+use servo::tick_command::{DoGroup, Mode, TickCommand};
 use servo::units::{Ns, Pos};
 use servo::view::View;
 use tick_bench::*;
 
 const US: u64 = 1000;
 
-fn output(bit: u32) -> Op {
-    Op::Output { group: DoGroup::General, mask: 1 << bit, value: 1 << bit }
+fn output(bit: u32) -> TickCommand {
+    TickCommand::Output { group: DoGroup::General, mask: 1 << bit, value: 1 << bit }
 }
 
 fn running(view: &View<AXES>) -> usize {
@@ -18,13 +18,19 @@ fn running(view: &View<AXES>) -> usize {
 
 /// Trap set up, acceleration 1, speed 5, target 1000.
 fn trap(bench: &mut Bench, index: usize) {
-    bench.then(0, Op::SetMode { axis: axis(index), mode: Mode::Trap });
+    bench.then(0, TickCommand::SetMode { axis: axis(index), mode: Mode::Trap });
     bench.then(
         0,
-        Op::TrapPrm { axis: axis(index), acc: accel(1.0), dec: accel(1.0), vel_start: speed(0.0), smooth: Ns(0) },
+        TickCommand::TrapPrm {
+            axis: axis(index),
+            acc: accel(1.0),
+            dec: accel(1.0),
+            vel_start: speed(0.0),
+            smooth: Ns(0),
+        },
     );
-    bench.then(0, Op::TargetSpeed { axis: axis(index), speed: speed(5.0) });
-    bench.then(0, Op::TargetPosition { axis: axis(index), pulses: 1000 });
+    bench.then(0, TickCommand::TargetSpeed { axis: axis(index), speed: speed(5.0) });
+    bench.then(0, TickCommand::TargetPosition { axis: axis(index), pulses: 1000 });
 }
 
 #[test]
@@ -32,13 +38,13 @@ fn a_reset_takes_the_ticks_that_it_needs_and_what_follows_waits_for_it() {
     for (period, ticks) in [(10, 8), (20, 3), (50, 1), (250, 1)] {
         let mut bench = Bench::prepared(period, Mode::Jog);
         for index in 0..AXES {
-            bench.now(Op::SetPosition { axis: axis(index), pos: Pos::pulses(7) });
+            bench.now(TickCommand::SetPosition { axis: axis(index), pos: Pos::pulses(7) });
         }
         bench.ticks(4);
-        let reset = bench.then(0, Op::Reset { axes: all(&[0, 1, 2, 3, 4, 5, 6, 7]) });
+        let reset = bench.then(0, TickCommand::Reset { axes: all(&[0, 1, 2, 3, 4, 5, 6, 7]) });
         bench.then(0, output(0));
         bench.then(0, output(1));
-        bench.now(Op::ProgramRun);
+        bench.now(TickCommand::ProgramRun);
         for tick in 1..=ticks {
             let view = bench.tick();
             assert_eq!(view.enable, 0, "the servos are off from its first tick on");
@@ -57,7 +63,7 @@ fn a_reset_takes_the_ticks_that_it_needs_and_what_follows_waits_for_it() {
 #[test]
 fn a_reset_by_the_immediate_lane_keeps_its_order_too() {
     let mut bench = Bench::prepared(10, Mode::Jog);
-    let reset = bench.now(Op::Reset { axes: all(&[0, 1, 2, 3, 4, 5, 6, 7]) });
+    let reset = bench.now(TickCommand::Reset { axes: all(&[0, 1, 2, 3, 4, 5, 6, 7]) });
     bench.now(output(0));
     let done: Vec<(bool, u64)> =
         (0..9).map(|_| bench.tick()).map(|view| (view.done_immediate >= reset, view.general_outputs)).collect();
@@ -67,11 +73,11 @@ fn a_reset_by_the_immediate_lane_keeps_its_order_too() {
 #[test]
 fn a_reset_that_has_begun_is_carried_out_whole_where_its_program_is_dropped() {
     let mut bench = Bench::prepared(10, Mode::Jog);
-    let reset = bench.then(0, Op::Reset { axes: all(&[0, 1, 2, 3, 4, 5, 6, 7]) });
+    let reset = bench.then(0, TickCommand::Reset { axes: all(&[0, 1, 2, 3, 4, 5, 6, 7]) });
     bench.then(0, output(0));
-    bench.now(Op::ProgramRun);
+    bench.now(TickCommand::ProgramRun);
     assert!(bench.tick().done_program < reset);
-    bench.now(Op::ProgramDrop);
+    bench.now(TickCommand::ProgramDrop);
     bench.now(output(1));
     let view = bench.ticks(10);
     assert!(view.axes.iter().all(|axis| axis.mode == Mode::Trap), "no axis is left out");
@@ -83,7 +89,7 @@ fn a_reset_that_has_begun_is_carried_out_whole_where_its_program_is_dropped() {
 fn starts_and_outputs_of_one_instant_begin_in_one_tick() {
     for period in [10, 20, 25, 50, 100, 250] {
         let mut bench = Bench::new(period);
-        bench.now(Op::Output { group: DoGroup::Enable, mask: 0xff, value: 0xff });
+        bench.now(TickCommand::Output { group: DoGroup::Enable, mask: 0xff, value: 0xff });
         bench.tick();
         for index in 0..AXES {
             trap(&mut bench, index);
@@ -91,10 +97,10 @@ fn starts_and_outputs_of_one_instant_begin_in_one_tick() {
         for n in 0..63 {
             bench.then(0, output(n % 31));
         }
-        bench.then(0, Op::Update { axes: all(&[0]) });
-        bench.then(0, Op::Update { axes: all(&[1, 3, 4, 5, 6, 7]) });
+        bench.then(0, TickCommand::Update { axes: all(&[0]) });
+        bench.then(0, TickCommand::Update { axes: all(&[1, 3, 4, 5, 6, 7]) });
         let last = bench.then(0, output(31));
-        bench.now(Op::ProgramRun);
+        bench.now(TickCommand::ProgramRun);
         let view = loop {
             let view = bench.tick();
             assert!(view.tick < 64, "{period} µs: it never begins");
@@ -120,13 +126,13 @@ fn starts_and_outputs_of_one_instant_begin_in_one_tick() {
 fn set_up_that_fits_does_not_put_off_its_start() {
     // Eight axes at 100 µs: all of it is the work of the first tick.
     let mut bench = Bench::new(100);
-    bench.now(Op::Output { group: DoGroup::Enable, mask: 0xff, value: 0xff });
+    bench.now(TickCommand::Output { group: DoGroup::Enable, mask: 0xff, value: 0xff });
     bench.tick();
     for index in 0..AXES {
         trap(&mut bench, index);
     }
-    bench.then(0, Op::Update { axes: all(&[0, 1, 2, 3, 4, 5, 6, 7]) });
-    bench.now(Op::ProgramRun);
+    bench.then(0, TickCommand::Update { axes: all(&[0, 1, 2, 3, 4, 5, 6, 7]) });
+    bench.now(TickCommand::ProgramRun);
     assert_eq!(running(&bench.tick()), 8);
 }
 
@@ -134,11 +140,11 @@ fn set_up_that_fits_does_not_put_off_its_start() {
 fn an_instant_that_another_keeps_waiting_is_late_by_its_own_account() {
     let mut bench = Bench::prepared(10, Mode::Trap);
     for _ in 0..60 {
-        bench.then(0, Op::Mark);
+        bench.then(0, TickCommand::Mark);
     }
     bench.then(US, output(0));
     let next = bench.then(12 * US, output(1));
-    bench.now(Op::ProgramRun);
+    bench.now(TickCommand::ProgramRun);
     let mut acted = vec![];
     let view = loop {
         let view = bench.tick();
@@ -161,7 +167,7 @@ fn the_entry_after_which_a_tick_took_too_long_is_named_once_for_each_program() {
     bench.then(0, output(0));
     let second = bench.then(MS, output(1));
     bench.then(MS, output(2));
-    bench.now(Op::ProgramRun);
+    bench.now(TickCommand::ProgramRun);
     let zero = bench.tick().script_zero.0;
     bench.until(zero + MS + 250 * US);
     bench.tick.overrun();
@@ -169,8 +175,8 @@ fn the_entry_after_which_a_tick_took_too_long_is_named_once_for_each_program() {
     bench.tick.overrun();
     let view = bench.tick();
     assert_eq!((view.overran, view.overruns), (second, 3));
-    bench.now(Op::ProgramDrop);
-    bench.now(Op::ProgramRun);
+    bench.now(TickCommand::ProgramDrop);
+    bench.now(TickCommand::ProgramRun);
     assert_eq!(bench.tick().overran, 0);
 }
 
@@ -179,10 +185,11 @@ fn a_late_command_of_a_laser_is_kept_apart() {
     use servo::laser::Change;
     for light in [false, true] {
         let mut bench = Bench::prepared(250, Mode::Trap);
-        bench.now(Op::ProgramRun);
+        bench.now(TickCommand::ProgramRun);
         bench.ticks(9);
-        let op = if light { Op::Laser { channel: 0, change: Change::Gate { on: true } } } else { output(0) };
-        let first = bench.then(MS, op);
+        let command =
+            if light { TickCommand::Laser { channel: 0, change: Change::Gate { on: true } } } else { output(0) };
+        let first = bench.then(MS, command);
         bench.then(0, output(1));
         let view = bench.tick();
         assert_eq!((view.late, view.first_late, view.late_light), (2, first, light));

@@ -1,7 +1,7 @@
 //! Admission for both lanes: configuration, shadow state, stores and the immediate lane.
 //!
-//! In: records, the view. Out: staged operations; data and points in the stores. Owns: both copies
-//! of the shadow state, the configuration, the immediate lane, the trace and the event log.
+//! In: records, the view. Out: staged tick commands; data and points in the stores. Owns: both
+//! copies of the shadow state, the configuration, the immediate lane, the trace and the event log.
 //! Fails: with a refusal, and then nothing has changed.
 use super::context::{Context, Due, Effect};
 use super::pvt_table::Loading;
@@ -20,11 +20,11 @@ use crate::shadow::{Change, Shadows};
 use protocol::command::{CommandKind, LoadConfig, Table, WaitStop, opcode};
 use ring::{Consumer, Producer};
 use servo::laser::CHANNELS;
-use servo::op::{Entry, Op};
 use servo::path::PathStores;
 use servo::segment::pt::SegmentStore;
 use servo::tables::TableStores;
 use servo::tick::IMMEDIATE;
+use servo::tick_command::{Entry, TickCommand};
 use servo::units::CrdMask;
 use servo::view::{Sample, View};
 
@@ -71,7 +71,7 @@ pub struct Admission<'a, const AXES: usize> {
     pub executed: Shadows<AXES>,
     /// State after everything admitted.
     pub admitted: Shadows<AXES>,
-    /// Operations of the command in hand.
+    /// Tick commands of the command in hand.
     pub staged: Staged,
     /// The immediate lane.
     pub lane: Lane<'a, IMMEDIATE>,
@@ -110,14 +110,14 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
         // The tick does not know families.
         for channel in 0..CHANNELS as u8 {
             for (change, entered) in power_on(admission.configuration.family) {
-                let op = Op::Laser { channel, change };
-                admission.lane.push(op, Change::Laser { channel, change: entered }, 0, &mut admission.admitted);
+                let command = TickCommand::Laser { channel, change };
+                admission.lane.push(command, Change::Laser { channel, change: entered }, 0, &mut admission.admitted);
             }
         }
         admission
     }
 
-    /// Admits a command on the admitted state; its operations are staged.
+    /// Admits a command on the admitted state; its tick commands are staged.
     pub fn admit(&mut self, view: &View<AXES>, due: Due, number: u16, body: &[u8]) -> Admitted<(Answer, Effect)> {
         self.staged.clear();
         let mut context = context!(self, view, due, self.staged);
@@ -129,7 +129,7 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
         if kind(number) == Some(CommandKind::Table(Table::Pvt)) {
             let filled = self.loading.table(&context, &self.executed, self.tables, number, body);
             if let Ok(Some(table)) = filled {
-                context.stage_with(Op::Mark, Change::TableFilled { table });
+                context.stage_with(TickCommand::Mark, Change::TableFilled { table });
                 self.executed.invalidate(table);
             }
             if let Some(table) = self.loading.emptied() {
@@ -173,7 +173,7 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
         config_item(&mut context, request.core.get(), item).is_ok()
     }
 
-    /// Applies what a command does besides its operations; `seq` is its last entry.
+    /// Applies what a command does besides its tick commands; `seq` is its last entry.
     pub fn apply(&mut self, effect: Effect, seq: u32) {
         match effect {
             Effect::None | Effect::Config | Effect::Took(_) => {}
@@ -185,8 +185,8 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
     /// Empties the FIFOs that a dropped program has overwritten. False if the lane has no room for
     /// it now.
     pub fn empty_invalid(&mut self) -> bool {
-        while let Some((op, change)) = self.admitted.revalidate() {
-            if !self.lane.push(op, change, 0, &mut self.admitted) {
+        while let Some((command, change)) = self.admitted.revalidate() {
+            if !self.lane.push(command, change, 0, &mut self.admitted) {
                 return false;
             }
         }
@@ -208,7 +208,7 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
             return Ok(false);
         }
         if runs {
-            self.staged.add(Op::WaitStandstill { axes, crds }, Change::Standstill { axes, crds });
+            self.staged.add(TickCommand::WaitStandstill { axes, crds }, Change::Standstill { axes, crds });
         }
         Ok(true)
     }

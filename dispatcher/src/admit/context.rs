@@ -1,8 +1,8 @@
 //! The context of an admission, and the checks that all commands share.
 //!
 //! In: the newest view, the admitted state, the counts of the profile. Out: checked axes, spans and
-//! masks, staged operations. An admission changes nothing itself: it stages. Its caller pushes when
-//! the whole command is known to be right.
+//! masks, staged tick commands. An admission changes nothing itself: it stages. Its caller pushes
+//! when the whole command is known to be right.
 use super::staged::Staged;
 use crate::board::Board;
 use crate::configuration::{Configuration, ones};
@@ -12,8 +12,8 @@ use crate::report::replies::mode_number;
 use crate::report::trace::Columns;
 use crate::shadow::{AxisShadow, Change, CrdShadow, Frame, Shadows, executed};
 use protocol::reason::Reason;
-use servo::op::Op;
 use servo::status::{RUNNING, SERVO_ON};
+use servo::tick_command::TickCommand;
 use servo::units::{Axis, AxisMask, Crd, CrdMask, Pos};
 use servo::view::{AxisView, CrdView, View};
 
@@ -62,7 +62,7 @@ pub struct Context<'x, const AXES: usize> {
     pub due: Due,
     /// Coordinate systems that the board holds.
     pub crds: usize,
-    /// Takes the operations.
+    /// Takes the tick commands.
     pub staged: &'x mut Staged,
     /// What else happens when the command is taken.
     pub effect: Effect,
@@ -71,7 +71,7 @@ pub struct Context<'x, const AXES: usize> {
 /// Positions of PT and of slaves lie within ± this many pulses.
 pub const TRAVEL_PULSES: f64 = (Pos::TRAVEL.0 >> Pos::FRAC_BITS) as f64;
 
-/// What a command does in the thread besides its operations.
+/// What a command does in the thread besides its tick commands.
 #[derive(Debug, Clone, Copy)]
 pub enum Effect {
     /// Nothing.
@@ -87,18 +87,18 @@ pub enum Effect {
 }
 
 impl<'x, const AXES: usize> Context<'x, AXES> {
-    /// Stages an operation that changes no shadow state.
-    pub fn stage(&mut self, op: Op) {
-        self.staged.add(op, Change::None);
+    /// Stages a tick command that changes no shadow state.
+    pub fn stage(&mut self, command: TickCommand) {
+        self.staged.add(command, Change::None);
     }
-    /// Stages an operation and its change.
-    pub fn stage_with(&mut self, op: Op, change: Change) {
-        self.staged.add(op, change);
+    /// Stages a tick command and its change.
+    pub fn stage_with(&mut self, command: TickCommand, change: Change) {
+        self.staged.add(command, change);
     }
 
-    /// Stages the one operation of a command, which is answered when the tick has executed it.
-    pub fn only(&mut self, op: Op, change: Change) -> Admitted<Answer> {
-        self.staged.add(op, change);
+    /// Stages the one tick command of a command, which is answered when the tick has executed it.
+    pub fn only(&mut self, command: TickCommand, change: Change) -> Admitted<Answer> {
+        self.staged.add(command, change);
         Ok(Answer::Done)
     }
     /// The axis's part of the view; the last one for an axis beyond the capacity.

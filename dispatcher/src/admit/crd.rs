@@ -13,10 +13,10 @@ use protocol::command::{
 };
 use protocol::reason::Reason;
 use servo::laser::Lag;
-use servo::op::{Mode, Op};
 use servo::path::axis_map;
 use servo::path::{DIMENSIONS, PathStores, Rate};
 use servo::segment::ramp::Accel;
+use servo::tick_command::{Mode, TickCommand};
 use servo::units::{AxisMask, Crd, Pos};
 
 /// Time constants of the filter of encoder speeds, ms; and 2⁶⁴.
@@ -124,8 +124,8 @@ pub fn set<const AXES: usize>(context: &mut Context<AXES>, r: &SetCrdPrm) -> Adm
     })?;
     let dec = accel(field::ACC_MAX, frame.acc_max)?;
     let change = CrdChange::Frame { frame, here };
-    context.stage_with(Op::CrdFrame { crd, frame: admitted }, Change::Crd { crd, change });
-    context.only(Op::CrdStopDec { crd, dec }, Change::None)
+    context.stage_with(TickCommand::CrdFrame { crd, frame: admitted }, Change::Crd { crd, change });
+    context.only(TickCommand::CrdStopDec { crd, dec }, Change::None)
 }
 
 /// The FIFO's number.
@@ -177,7 +177,7 @@ pub fn clear<const AXES: usize>(context: &mut Context<AXES>, r: &CrdClear) -> Ad
     context.crd_at_standstill(crd)?;
     // It moves nothing.
     let here = position_at_standstill(context, crd);
-    context.only(Op::CrdClear { crd, fifo }, Change::Crd { crd, change: CrdChange::Emptied { fifo, here } })
+    context.only(TickCommand::CrdClear { crd, fifo }, Change::Crd { crd, change: CrdChange::Emptied { fifo, here } })
 }
 
 /// Whether a coordinate system can start with a FIFO.
@@ -223,13 +223,13 @@ pub fn start<const AXES: usize>(
             if queue.held() > 0 {
                 queue.settle(&stores[usize::from(fifo)]);
                 queue.begin(stores, context.crd_sampled(crd), fifo);
-                let (op, change) = context.shadows.commit_of_path(crd, fifo, queue.end());
-                context.stage_with(op, change);
+                let (command, change) = context.shadows.commit_of_path(crd, fifo, queue.end());
+                context.stage_with(command, change);
             }
         }
     }
     let may_fail = context.due.may_fail;
-    context.only(Op::CrdStart { crds, fifo1 }, Change::CrdStarted { crds, fifo1, may_fail })
+    context.only(TickCommand::CrdStart { crds, fifo1 }, Change::CrdStarted { crds, fifo1, may_fail })
 }
 
 /// Bits that the core does not have must be 0.
@@ -237,7 +237,7 @@ pub fn stop<const AXES: usize>(context: &mut Context<AXES>, r: &CrdStop) -> Admi
     let crds = context.crd_mask(r.core.get(), r.mask.get(), 1)?;
     let abrupt = context.crd_mask(r.core.get(), r.option.get() & r.mask.get(), 2)?;
     if crds.0 != 0 {
-        context.stage_with(Op::stop_crds(crds, abrupt), Change::Stopped { axes: AxisMask(0), crds });
+        context.stage_with(TickCommand::stop_crds(crds, abrupt), Change::Stopped { axes: AxisMask(0), crds });
     }
     Ok(Answer::Done)
 }
@@ -247,7 +247,7 @@ pub fn stop_dec<const AXES: usize>(context: &mut Context<AXES>, r: &SetCrdStopDe
     let crd = known(context, r.core.get(), r.crd.get())?;
     let (smooth, abrupt) = (between(2, r.smooth.get())?, between(3, r.abrupt.get())?);
     let dec = accel(2, smooth)?;
-    context.only(Op::CrdStopDec { crd, dec }, Change::Crd { crd, change: CrdChange::Dec((smooth, abrupt)) })
+    context.only(TickCommand::CrdStopDec { crd, dec }, Change::Crd { crd, change: CrdChange::Dec((smooth, abrupt)) })
 }
 
 pub fn set_override<const AXES: usize>(context: &mut Context<AXES>, r: &SetOverride) -> Admitted<Answer> {
@@ -255,7 +255,7 @@ pub fn set_override<const AXES: usize>(context: &mut Context<AXES>, r: &SetOverr
     let ratio = real(2, r.ratio.get(), OVERRIDE_MIN, 1.0)?;
     let rate = Rate::admit(ratio.to_bits())
         .map_err(|_| Refused::new(Reason::OutOfRange).field(2).got(ratio).limits(OVERRIDE_MIN, 1.0))?;
-    context.only(Op::CrdRate { crd, rate }, Change::Crd { crd, change: CrdChange::Rate(ratio) })
+    context.only(TickCommand::CrdRate { crd, rate }, Change::Crd { crd, change: CrdChange::Rate(ratio) })
 }
 
 /// The filter of the encoder speed that lasers follow: 0 is none.
@@ -266,7 +266,7 @@ pub fn set_follow_filter<const AXES: usize>(context: &mut Context<AXES>, r: &Set
         return Err(Refused::new(Reason::OutOfRange).field(2).got(ms).limits(LAG_MS.0, LAG_MS.1));
     }
     let lag = if ms == 0.0 { Lag::NONE } else { Lag::of_inverse((NS_64 / (ms * 1e6)) as u64) };
-    context.only(Op::CrdLag { crd, lag }, Change::Crd { crd, change: CrdChange::Lag(ms) })
+    context.only(TickCommand::CrdLag { crd, lag }, Change::Crd { crd, change: CrdChange::Lag(ms) })
 }
 
 /// `count` 0 switches the look-ahead off; a count above the board's is limited to it. The FIFO is
@@ -284,7 +284,7 @@ pub fn look_ahead<const AXES: usize>(context: &mut Context<AXES>, r: &InitLookAh
     if context.crd_shadow(crd).path(fifo).data.open {
         return Err(context.no_crd(Reason::CrdHolds, crd).field(2).got(fifo.into()));
     }
-    context.only(Op::Mark, Change::Crd { crd, change: CrdChange::Look { fifo, look } })
+    context.only(TickCommand::Mark, Change::Crd { crd, change: CrdChange::Look { fifo, look } })
 }
 
 /// Limits of one coordinate for look-ahead; 0 removes the limit. They hold for motions given from
@@ -295,7 +295,7 @@ pub fn limit<const AXES: usize>(context: &mut Context<AXES>, r: &SetCrdLimit) ->
     let coordinate = choice(2, r.coordinate.get(), 1, dimension)? as u8 - 1;
     let number = |field, got: f64| if got == 0.0 { Ok(0.0) } else { between(field, got) };
     let limit = (number(3, r.vel_max.get())?, number(4, r.acc_max.get())?);
-    context.only(Op::Mark, Change::Crd { crd, change: CrdChange::Limit { coordinate, limit } })
+    context.only(TickCommand::Mark, Change::Crd { crd, change: CrdChange::Limit { coordinate, limit } })
 }
 
 pub fn query(opcode: u16, crd: Crd, which: u8) -> Answer {

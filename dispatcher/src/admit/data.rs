@@ -1,7 +1,7 @@
 //! Data of FIFOs: PT segments, entries of Follow, entries of paths. Admission writes it to its
 //! store, after the part that the tick knows. A commit publishes it at its instant.
 //!
-//! In: a data command. Out: what was [`Written`], and the operation that commits all data of a
+//! In: a data command. Out: what was [`Written`], and the tick command that commits all data of a
 //! FIFO.
 //! Fails: with a refusal, and then nothing has changed. A commit cannot fail.
 use super::admission::{Admission, context};
@@ -12,7 +12,7 @@ use crate::refuse::{Admitted, FifoOf};
 use crate::shadow::{CAPACITY, Change, executed};
 use protocol::command::{CommandKind, Fifo, FollowSwitchNowEx, opcode};
 use protocol::values::pt_state;
-use servo::op::Op;
+use servo::tick_command::TickCommand;
 use servo::view::View;
 
 /// Whether a command is data.
@@ -97,7 +97,7 @@ impl<const AXES: usize> Admission<'_, AXES> {
 
     /// The commit of all admitted data of a FIFO; of a path, what has left its look-ahead or never
     /// went there.
-    pub fn commit(&mut self, of: FifoOf, fifo: u8) -> (Op, Change) {
+    pub fn commit(&mut self, of: FifoOf, fifo: u8) -> (TickCommand, Change) {
         let index = usize::from(fifo & 1);
         match of {
             FifoOf::Crd(crd) => {
@@ -111,7 +111,7 @@ impl<const AXES: usize> Admission<'_, AXES> {
 
     /// Pushes that commit into the immediate lane; the caller has checked that there is room.
     pub fn commit_now(&mut self, of: FifoOf, fifo: u8) {
-        let (op, change) = self.commit(of, fifo);
-        self.lane.push(op, change, 0, &mut self.admitted);
+        let (command, change) = self.commit(of, fifo);
+        self.lane.push(command, change, 0, &mut self.admitted);
     }
 }

@@ -17,8 +17,8 @@ use protocol::command::{
 };
 use protocol::reason::Reason;
 use protocol::values::master as master_type;
-use servo::op::{Mode, Op};
 use servo::segment::follow::{Direction, Event, Master, Method, Value};
+use servo::tick_command::{Mode, TickCommand};
 use servo::units::{Axis, AxisMask};
 
 /// The mode that a command is for.
@@ -79,8 +79,11 @@ fn prf<const AXES: usize>(context: &mut Context<AXES>, mode: Mode, r: &PrfFollow
         1 => Direction::Up,
         _ => Direction::Down,
     };
-    context.stage_with(Op::FollowDirection { axis, direction }, Change::FollowDirection { axis, direction: sign });
-    context.stage(Op::FollowEvent { axis, event: Event::Start });
+    context.stage_with(
+        TickCommand::FollowDirection { axis, direction },
+        Change::FollowDirection { axis, direction: sign },
+    );
+    context.stage(TickCommand::FollowEvent { axis, event: Event::Start });
     Ok(answer)
 }
 
@@ -126,14 +129,14 @@ fn set_master<const AXES: usize>(context: &mut Context<AXES>, mode: Mode, r: &Se
         // An encoder, and every other item of an axis.
         _ => Value::Encoder,
     };
-    let op = Op::FollowMaster { axis, master: Master { axis: master, value } };
-    context.only(op, Change::FollowMaster { axis, master, given })
+    let command = TickCommand::FollowMaster { axis, master: Master { axis: master, value } };
+    context.only(command, Change::FollowMaster { axis, master, given })
 }
 
 /// Below 1 is endless; has effect also while the axis runs.
 fn set_loop<const AXES: usize>(context: &mut Context<AXES>, mode: Mode, r: &SetFollowLoop) -> Admitted<Answer> {
     let axis = following(context, mode, r.core.get(), r.profile.get())?;
-    context.only(Op::FollowLoop { axis, passes: r.loop_count.get().max(0).unsigned_abs() }, Change::None)
+    context.only(TickCommand::FollowLoop { axis, passes: r.loop_count.get().max(0).unsigned_abs() }, Change::None)
 }
 
 /// Has effect from the next start on. The direction matters for PASS only.
@@ -144,7 +147,7 @@ fn set_event<const AXES: usize>(context: &mut Context<AXES>, mode: Mode, r: &Set
         return Err(Refused::new(Reason::Selector).field(3).got(0.0).limits(-1.0, 1.0));
     }
     let event = if which == 1 { Event::Start } else { Event::Pass { up: direction > 0, pos } };
-    context.only(Op::FollowEvent { axis, event }, Change::FollowEvent { axis, given: (which, direction, pos) })
+    context.only(TickCommand::FollowEvent { axis, event }, Change::FollowEvent { axis, given: (which, direction, pos) })
 }
 
 fn space<const AXES: usize>(context: &mut Context<AXES>, mode: Mode, r: &FollowSpace) -> Admitted<Answer> {
@@ -167,7 +170,7 @@ fn clear<const AXES: usize>(context: &mut Context<AXES>, mode: Mode, r: &FollowC
             return Err(context.no(reason, axis).field(2).got(fifo.into()));
         }
     }
-    context.only(Op::FollowClear { axis, fifo }, Change::FollowEmptied { axis, fifo })
+    context.only(TickCommand::FollowClear { axis, fifo }, Change::FollowEmptied { axis, fifo })
 }
 
 /// At standstill. Clears the data, even if the size stays.
@@ -176,8 +179,8 @@ fn set_memory<const AXES: usize>(context: &mut Context<AXES>, mode: Mode, r: &Se
     let memory = choice(2, r.memory.get(), 0, 1)? as u8;
     context.at_standstill(axis)?;
     known(context, axis, 2)?;
-    context.stage_with(Op::FollowClear { axis, fifo: 1 }, Change::FollowEmptied { axis, fifo: 1 });
-    context.only(Op::FollowClear { axis, fifo: 0 }, Change::FollowMemory { axis, memory })
+    context.stage_with(TickCommand::FollowClear { axis, fifo: 1 }, Change::FollowEmptied { axis, fifo: 1 });
+    context.only(TickCommand::FollowClear { axis, fifo: 0 }, Change::FollowMemory { axis, memory })
 }
 
 /// Refuses if a FIFO holds nothing.
@@ -205,7 +208,7 @@ fn start<const AXES: usize>(context: &mut Context<AXES>, mode: Mode, r: &FollowS
         filled(context, axis, u8::from(fifo1.has(axis)))?;
     }
     all_startable(context, axes)?;
-    context.only(Op::FollowStart { axes, fifo1 }, Change::Started { axes, fifo1, script_ns: 0 })
+    context.only(TickCommand::FollowStart { axes, fifo1 }, Change::Started { axes, fifo1, script_ns: 0 })
 }
 
 /// Refuses if the axis does not run, or its other FIFO holds nothing.
@@ -225,7 +228,7 @@ fn switch<const AXES: usize>(context: &mut Context<AXES>, mode: Mode, r: &Follow
         switchable(context, axis)?;
     }
     if axes.0 != 0 {
-        context.stage_with(Op::FollowSwitch { axes }, Change::Switched { axes });
+        context.stage_with(TickCommand::FollowSwitch { axes }, Change::Switched { axes });
     }
     Ok(Answer::Done)
 }
@@ -241,7 +244,7 @@ fn switch_now<const AXES: usize>(context: &mut Context<AXES>, r: &FollowSwitchNo
         Method::Segment => {}
     }
     let axes = if method == Method::Table { axis.mask() } else { AxisMask(0) };
-    context.stage_with(Op::FollowSwitchNow { axis, method }, Change::Switched { axes });
+    context.stage_with(TickCommand::FollowSwitchNow { axis, method }, Change::Switched { axes });
     // Answered like data; the FIFO is the one that was named.
     Ok(Answer::Entered { axis, fifo: r.fifo.get() as u8, percent1: 0 })
 }

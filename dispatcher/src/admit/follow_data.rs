@@ -16,9 +16,9 @@ use protocol::command::{
     FollowSwitchNowEx, opcode,
 };
 use protocol::reason::Reason;
-use servo::op::{DoGroup, Mode};
 use servo::segment::follow::{self, Chain, Direction, Entry, Input, Method, Part};
 use servo::segment::pt::SegmentStore;
+use servo::tick_command::{DoGroup, Mode};
 use servo::units::Axis;
 
 /// Furthest master position, pulses.

@@ -10,8 +10,8 @@ use protocol::command::{GetAdc, GetDac, GetDi, GetDiEx, SetDac, SetDo, SetDoBit,
 use protocol::reason::Reason;
 use protocol::values::io as kind;
 use servo::laser::Mode;
-use servo::op::{DoGroup, Op};
 use servo::segment::follow::Input;
+use servo::tick_command::{DoGroup, TickCommand};
 use servo::units::{AxisMask, CrdMask};
 
 /// GetDi and GetDo: one word.
@@ -99,7 +99,7 @@ pub fn set_output<const AXES: usize>(context: &mut Context<AXES>, r: &SetDoBit) 
 fn stage_output<const AXES: usize>(context: &mut Context<AXES>, group: DoGroup, mask: u64, value: u64) {
     let off = AxisMask(if group == DoGroup::Enable { mask & !value } else { 0 });
     let change = if off.0 == 0 { Change::None } else { Change::Stopped { axes: off, crds: CrdMask(0) } };
-    context.stage_with(Op::Output { group, mask, value }, change);
+    context.stage_with(TickCommand::Output { group, mask, value }, change);
 }
 
 /// One output: its group, its bit in it, its level. Type, index and value are fields from `field`
@@ -175,7 +175,7 @@ pub fn set_analog<const AXES: usize>(context: &mut Context<AXES>, body: &[u8]) -
     free_analog(context, 1, first, values.len())?;
     for (channel, value) in (first..).zip(values) {
         let value = value.value.get();
-        context.stage(Op::Analog { channel, value });
+        context.stage(TickCommand::Analog { channel, value });
     }
     Ok(Answer::Done)
 }

@@ -6,8 +6,8 @@ use crate::report::answer::Answer;
 use crate::shadow::Change;
 use protocol::command::{JogPrm, PrfJog, PrfTrap, SetJogPrm, SetPos, SetTrapPrm, SetVel, TrapPrm, Update};
 use protocol::reason::Reason;
-use servo::op::{Mode, Op};
 use servo::segment::ramp::{Accel, Speed};
+use servo::tick_command::{Mode, TickCommand};
 use servo::units::{Axis, Ns, StepLimit};
 
 /// Longest smoothing of a Trap, ms.
@@ -27,7 +27,7 @@ pub fn jog<const AXES: usize>(context: &mut Context<AXES>, r: &PrfJog) -> Admitt
 pub fn set_mode<const AXES: usize>(context: &mut Context<AXES>, axis: Axis, mode: Mode) -> Admitted<Answer> {
     context.at_standstill(axis)?;
     if context.shadow(axis).mode != mode {
-        context.stage_with(Op::SetMode { axis, mode }, Change::Mode { axis, mode });
+        context.stage_with(TickCommand::SetMode { axis, mode }, Change::Mode { axis, mode });
     }
     Ok(Answer::Done)
 }
@@ -55,7 +55,7 @@ pub fn set_trap<const AXES: usize>(context: &mut Context<AXES>, r: &SetTrapPrm) 
     context.in_mode(axis, context.shadow(axis).mode == Mode::Trap)?;
     let prm = TrapPrm { acc: r.acc, dec: r.dec, vel_start: r.vel_start, smooth_time_ms: r.smooth_time_ms };
     let smooth = Ns(u64::from(smooth_ms.unsigned_abs()) * 1_000_000);
-    context.only(Op::TrapPrm { axis, acc, dec, vel_start, smooth }, Change::Trap { axis, prm })
+    context.only(TickCommand::TrapPrm { axis, acc, dec, vel_start, smooth }, Change::Trap { axis, prm })
 }
 
 pub fn set_jog<const AXES: usize>(context: &mut Context<AXES>, r: &SetJogPrm) -> Admitted<Answer> {
@@ -74,14 +74,14 @@ pub fn set_jog<const AXES: usize>(context: &mut Context<AXES>, r: &SetJogPrm) ->
     let prm = JogPrm { acc: r.acc, dec: r.dec, smooth: r.smooth };
     // A dec of 0 means acc (SPEC 5).
     let dec = if dec == Accel::default() { acc } else { dec };
-    context.only(Op::JogPrm { axis, acc, dec, smooth }, Change::Jog { axis, prm })
+    context.only(TickCommand::JogPrm { axis, acc, dec, smooth }, Change::Jog { axis, prm })
 }
 
 pub fn set_pos<const AXES: usize>(context: &mut Context<AXES>, r: &SetPos) -> Admitted<Answer> {
     let axis = context.axis(r.core.get(), r.profile.get())?;
     context.in_mode(axis, context.shadow(axis).mode == Mode::Trap)?;
     let pos = r.pos.get();
-    context.only(Op::TargetPosition { axis, pulses: pos }, Change::Pos { axis, pos })
+    context.only(TickCommand::TargetPosition { axis, pulses: pos }, Change::Pos { axis, pos })
 }
 
 pub fn set_vel<const AXES: usize>(context: &mut Context<AXES>, r: &SetVel) -> Admitted<Answer> {
@@ -89,7 +89,7 @@ pub fn set_vel<const AXES: usize>(context: &mut Context<AXES>, r: &SetVel) -> Ad
     let vel = r.vel.get();
     let speed = speed(2, vel, true, context.board.step_limit)?;
     context.in_mode(axis, matches!(context.shadow(axis).mode, Mode::Trap | Mode::Jog))?;
-    context.only(Op::TargetSpeed { axis, speed }, Change::Vel { axis, vel })
+    context.only(TickCommand::TargetSpeed { axis, speed }, Change::Vel { axis, vel })
 }
 
 /// Starts Jog or Trap, or changes a running one, for all axes of the mask or none.
@@ -112,5 +112,5 @@ pub fn update<const AXES: usize>(context: &mut Context<AXES>, r: &Update) -> Adm
         }
     }
     all_startable(context, axes)?;
-    context.only(Op::Update { axes }, Change::Started { axes, fifo1: servo::units::AxisMask(0), script_ns: 0 })
+    context.only(TickCommand::Update { axes }, Change::Started { axes, fifo1: servo::units::AxisMask(0), script_ns: 0 })
 }

@@ -1,8 +1,8 @@
-//! Admission: one function for each command, from the wire's struct to staged operations.
+//! Admission: one function for each command, from the wire's struct to staged tick commands.
 //!
-//! In: a record. Out: the answer once it is executed, with the operations staged; or a refusal, and
-//! then nothing has changed.
-//! The only folder where the user's doubles become the tick's numbers.
+//! In: a record. Out: the answer once it is executed, with the tick commands staged; or a refusal,
+//! and then nothing has changed. The only folder where the user's doubles become the tick's
+//! numbers.
 pub mod admission;
 mod axis;
 pub(crate) mod context;
@@ -31,7 +31,7 @@ use crate::report::answer::{Answer, Query};
 use context::Context;
 use protocol::command::{self, CommandKind, Nothing, Of, Request, opcode};
 use protocol::reason::Reason;
-use servo::op::Mode;
+use servo::tick_command::Mode;
 use servo::units::{Axis, AxisMask};
 use zerocopy::FromBytes;
 
@@ -126,8 +126,8 @@ fn unknown(number: u16) -> Refused {
     Refused::new(Reason::UnknownCommand).got(number.into())
 }
 
-/// Admits any command that becomes operations or a read. Data, tables, program control and what the
-/// dispatcher does by itself are handled before.
+/// Admits any command that becomes tick commands or a read. Data, tables, program control and what
+/// the dispatcher does by itself are handled before.
 pub fn admit<const AXES: usize>(context: &mut Context<AXES>, number: u16, body: &[u8]) -> Admitted<Answer> {
     if let Some(CommandKind::Read(of)) = kind(number)
         && of != Of::Other

@@ -11,8 +11,8 @@ use protocol::command::{
 };
 use protocol::reason::Reason;
 use protocol::values::pt_state;
-use servo::op::{Mode, Op};
 use servo::segment::pt::{self, SEGMENTS, Segment};
+use servo::tick_command::{Mode, TickCommand};
 use servo::units::{Axis, AxisMask, StepLimit};
 
 /// First slot of static FIFO 1; the dynamic ring uses all slots.
@@ -60,7 +60,7 @@ pub fn clear<const AXES: usize>(context: &mut Context<AXES>, r: &PtClear) -> Adm
     if context.may_run(axis) && (context.shadow(axis).is_dynamic() || context.shadow(axis).fifo == fifo) {
         return Err(context.no(Reason::FifoInUse, axis).field(2).got(fifo.into()));
     }
-    context.only(Op::PtClear { axis, fifo }, Change::Emptied { axis, fifo })
+    context.only(TickCommand::PtClear { axis, fifo }, Change::Emptied { axis, fifo })
 }
 
 pub fn not_dynamic<const AXES: usize>(context: &Context<AXES>, axis: Axis) -> Admitted<()> {
@@ -71,7 +71,7 @@ pub fn not_dynamic<const AXES: usize>(context: &Context<AXES>, axis: Axis) -> Ad
 pub fn set_loop<const AXES: usize>(context: &mut Context<AXES>, r: &SetPtLoop) -> Admitted<Answer> {
     let axis = pt_axis(context, r.core.get(), r.profile.get())?;
     not_dynamic(context, axis)?;
-    context.only(Op::PtLoop { axis, passes: r.loop_count.get().max(0).unsigned_abs() }, Change::None)
+    context.only(TickCommand::PtLoop { axis, passes: r.loop_count.get().max(0).unsigned_abs() }, Change::None)
 }
 
 /// Clears the data, even if the size stays.
@@ -79,12 +79,12 @@ pub fn set_memory<const AXES: usize>(context: &mut Context<AXES>, r: &SetPtMemor
     let axis = pt_axis(context, r.core.get(), r.profile.get())?;
     let memory = choice(2, r.memory.get(), 0, 1)? as u8;
     context.at_standstill(axis)?;
-    // In dynamic mode one operation clears both, and the tick takes only so many operations of one
-    // instant.
+    // In dynamic mode one tick command clears both, and the tick takes only so many tick commands
+    // of one instant.
     if !context.shadow(axis).is_dynamic() {
-        context.stage_with(Op::PtClear { axis, fifo: 1 }, Change::Emptied { axis, fifo: 1 });
+        context.stage_with(TickCommand::PtClear { axis, fifo: 1 }, Change::Emptied { axis, fifo: 1 });
     }
-    context.only(Op::PtClear { axis, fifo: 0 }, Change::Memory { axis, memory })
+    context.only(TickCommand::PtClear { axis, fifo: 0 }, Change::Memory { axis, memory })
 }
 
 /// Starts all axes of the mask on one tick, or none. Option bits select FIFO 1; they are ignored in
@@ -107,7 +107,8 @@ pub fn start<const AXES: usize>(context: &mut Context<AXES>, r: &PtStart) -> Adm
         }
     }
     all_startable(context, axes)?;
-    context.only(Op::PtStart { axes, fifo1 }, Change::Started { axes, fifo1, script_ns: context.due.script_ns })
+    context
+        .only(TickCommand::PtStart { axes, fifo1 }, Change::Started { axes, fifo1, script_ns: context.due.script_ns })
 }
 
 /// Admits PtData or PtDataMany: all its segments or none. They are written after the committed end,

@@ -7,7 +7,7 @@ use crate::report::answer::Answer;
 use crate::shadow::Change;
 use protocol::command::{PrfPvt, PvtStart, PvtTableSelect, SetPvtLoop};
 use protocol::reason::Reason;
-use servo::op::{Mode, Op};
+use servo::tick_command::{Mode, TickCommand};
 use servo::units::Axis;
 
 /// Index over all cores of a table, from the user's number in its core.
@@ -24,7 +24,7 @@ pub fn mode<const AXES: usize>(context: &mut Context<AXES>, r: &PrfPvt) -> Admit
     if context.shadow(axis).mode != Mode::Pvt {
         let first = table(context, r.core.get(), 0, 1)?;
         let table = context.shadow(axis).table.unwrap_or(first);
-        context.stage_with(Op::PvtSelect { axis, table }, Change::Table { axis, table, pending: false });
+        context.stage_with(TickCommand::PvtSelect { axis, table }, Change::Table { axis, table, pending: false });
     }
     Ok(answer)
 }
@@ -40,7 +40,7 @@ fn pvt_axis<const AXES: usize>(context: &Context<AXES>, core: i16, profile: i16)
 pub fn set_loop<const AXES: usize>(context: &mut Context<AXES>, r: &SetPvtLoop) -> Admitted<Answer> {
     let axis = pvt_axis(context, r.core.get(), r.profile.get())?;
     let passes = within(2, r.loop_count.get(), 0, i32::MAX)?;
-    context.only(Op::PvtLoop { axis, passes: passes.unsigned_abs() }, Change::TablePasses { axis, passes })
+    context.only(TickCommand::PvtLoop { axis, passes: passes.unsigned_abs() }, Change::TablePasses { axis, passes })
 }
 
 fn not_empty<const AXES: usize>(context: &Context<AXES>, axis: Axis, table: u8) -> Admitted<()> {
@@ -58,7 +58,7 @@ pub fn select<const AXES: usize>(context: &mut Context<AXES>, r: &PvtTableSelect
     let table = table(context, r.core.get(), 2, r.table.get())?;
     let pending = context.may_run(axis);
     not_empty(context, axis, table)?;
-    context.only(Op::PvtSelect { axis, table }, Change::Table { axis, table, pending })
+    context.only(TickCommand::PvtSelect { axis, table }, Change::Table { axis, table, pending })
 }
 
 /// Starts all axes of the mask on one tick, or none.
@@ -73,7 +73,7 @@ pub fn start<const AXES: usize>(context: &mut Context<AXES>, r: &PvtStart) -> Ad
         not_empty(context, axis, context.shadow(axis).table.unwrap_or(u8::MAX))?;
     }
     all_startable(context, axes)?;
-    context.only(Op::PvtStart { axes }, Change::PvtStarted { axes })
+    context.only(TickCommand::PvtStart { axes }, Change::PvtStarted { axes })
 }
 
 /// Refuses if an axis runs this table, will continue with it, or is named with it by an entry that

@@ -15,8 +15,8 @@ use protocol::command::{
 };
 use protocol::reason::Reason;
 use servo::laser::CHANNELS;
-use servo::op::{Guarded, Guards, Op};
 use servo::port::{GeneralInputs, GeneralOutputs};
+use servo::tick_command::{Guarded, Guards, TickCommand};
 use servo::units::{AxisMask, Crd, CrdMask, Ns};
 
 /// Tick periods of SPEC 11 and issue 2, in µs.
@@ -27,13 +27,13 @@ const LINK_LOSS_MAX_MS: i32 = 86_400_000;
 /// Acts on all of the controller, whichever core is named: lasers and user exist once.
 pub fn abort<const AXES: usize>(context: &mut Context<AXES>, r: &Abort) -> Admitted<Answer> {
     context.core(r.core.get())?;
-    context.only(Op::Abort, Change::Aborted)
+    context.only(TickCommand::Abort, Change::Aborted)
 }
 
 pub fn reset<const AXES: usize>(context: &mut Context<AXES>, r: &Reset) -> Admitted<Answer> {
     let axes = context.core_mask(r.core.get())?;
     let tables = ones(TABLES) << (context.core(r.core.get())? * TABLES);
-    context.stage_with(Op::Reset { axes }, Change::Reset { axes, tables });
+    context.stage_with(TickCommand::Reset { axes }, Change::Reset { axes, tables });
     // The lasers exist once: a Reset of either core sets them to power-on state.
     context.lasers_to_power_on(context.configuration.family);
     context.clear_all_laser_faults();
@@ -41,12 +41,12 @@ pub fn reset<const AXES: usize>(context: &mut Context<AXES>, r: &Reset) -> Admit
 }
 
 fn stage_watch<const AXES: usize>(context: &mut Context<AXES>, watch: Watch) {
-    context.stage_with(Op::Supervision(watch.supervision()), Change::Watch(watch));
+    context.stage_with(TickCommand::Supervision(watch.supervision()), Change::Watch(watch));
 }
 
 pub fn clear_status<const AXES: usize>(context: &mut Context<AXES>, r: &ClrSts) -> Admitted<Answer> {
     let axes = context.span_mask(r.core.get(), r.axis.get(), r.count.get())?;
-    context.stage_with(Op::ClearStatus { axes }, Change::Cleared { axes });
+    context.stage_with(TickCommand::ClearStatus { axes }, Change::Cleared { axes });
     context.clear_laser_faults(axes);
     Ok(Answer::Done)
 }
@@ -59,7 +59,7 @@ pub fn tick<const AXES: usize>(context: &mut Context<AXES>, r: &SetTick) -> Admi
     let ns = us.unsigned_abs() * 1000;
     let period = Ns(ns.into());
     loses_no_crd(context, period)?;
-    context.only(Op::TickPeriod { ns }, Change::Tick { period })
+    context.only(TickCommand::TickPeriod { ns }, Change::Tick { period })
 }
 
 /// Refuses a tick period at which a coordinate system that drives axes would not exist (GXN table
@@ -104,7 +104,7 @@ pub fn choose<const AXES: usize>(context: &mut Context<AXES>, r: &Choose) -> Adm
     if number != context.configuration.number {
         let axes = AxisMask(context.configuration.all().0 | configuration.all().0);
         context.all_at_standstill(axes, Reason::OnlyAtStandstill)?;
-        context.stage_with(Op::Reset { axes }, Change::Reset { axes, tables: u64::MAX });
+        context.stage_with(TickCommand::Reset { axes }, Change::Reset { axes, tables: u64::MAX });
         // The supervision is the user's, and stays.
         stage_watch(context, context.shadows.watch);
     }
@@ -126,7 +126,7 @@ pub fn trace<const AXES: usize>(context: &mut Context<AXES>, r: &Trace) -> Admit
     let crds = CrdMask(within(3, r.crds, 0, context.configuration.all_crds().0)?);
     let over_link = within(4, r.way, 0, 1)? == 1;
     let edges = within(5, r.edges, 0, 3)?;
-    context.stage(Op::Trace { every, axes, crds, lasers, edges: edges & 1 != 0, outputs: edges & 2 != 0 });
+    context.stage(TickCommand::Trace { every, axes, crds, lasers, edges: edges & 1 != 0, outputs: edges & 2 != 0 });
     context.effect = Effect::Trace { every, columns: Columns { axes, lasers, crds }, over_link };
     Ok(Answer::Done)
 }
@@ -198,7 +198,7 @@ pub fn config_item<const AXES: usize>(context: &mut Context<AXES>, core: i16, it
         low = low.and(Guarded::Home, within(13, item.home_sense, 0, 1)? != 0);
     }
     if (on, low) != (Guards::NONE, Guards::NONE) {
-        context.stage(Op::Guard { axis, on, low });
+        context.stage(TickCommand::Guard { axis, on, low });
     }
     Ok(())
 }

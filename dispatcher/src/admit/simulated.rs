@@ -1,6 +1,6 @@
 //! Simulated inputs, for a board that has no wires: the virtual and the emulated one (SPEC 7).
 //!
-//! In: a level or a voltage at a terminal, before sense. Out: an operation of the tick. Owns
+//! In: a level or a voltage at a terminal, before sense. Out: a tick command. Owns
 //! nothing.
 //! Fails: always on a board with wires, with a reason.
 use super::context::Context;
@@ -11,8 +11,8 @@ use crate::shadow::Change;
 use protocol::command::{SimAdc, SimInput, SimPlan};
 use protocol::reason::Reason;
 use protocol::values::{ANALOG_INPUT_VOLTS, io as kind};
-use servo::op::Op;
 use servo::port::Simulated;
+use servo::tick_command::TickCommand;
 use servo::units::Ns;
 
 /// The latest row of a plan: a year, in ns.
@@ -70,13 +70,13 @@ fn voltage<const AXES: usize>(
 pub fn input<const AXES: usize>(context: &mut Context<AXES>, r: &SimInput) -> Admitted<Answer> {
     unwired(context)?;
     let input = digital(context, r.core.get(), 1, (r.di_type.get(), r.index.get(), r.level.get()))?;
-    context.only(Op::Simulate(input), Change::None)
+    context.only(TickCommand::Simulate(input), Change::None)
 }
 
 pub fn analog<const AXES: usize>(context: &mut Context<AXES>, r: &SimAdc) -> Admitted<Answer> {
     unwired(context)?;
     let input = voltage(context, r.core.get(), (1, 2), r.adc.get(), r.volts.get())?;
-    context.only(Op::Simulate(input), Change::None)
+    context.only(TickCommand::Simulate(input), Change::None)
 }
 
 /// A row of a plan: rows come in order of time, row 0 begins another plan.
@@ -98,5 +98,5 @@ pub fn plan<const AXES: usize>(context: &mut Context<AXES>, r: &SimPlan) -> Admi
         }
         digital(context, core, 4, (r.di_type.get(), r.index.get(), level as i16))?
     };
-    context.only(Op::Plan { row, after: Ns(after), of_script, input }, Change::None)
+    context.only(TickCommand::Plan { row, after: Ns(after), of_script, input }, Change::None)
 }

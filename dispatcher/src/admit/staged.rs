@@ -1,31 +1,31 @@
-//! Operations of a command that is being admitted.
+//! Tick commands of a command that is being admitted.
 use crate::shadow::Change;
 use heapless::Vec;
-use servo::op::Op;
+use servo::tick_command::TickCommand;
 
-/// Most operations that one command, or one item of LoadConfig, becomes: Reset with both lasers.
+/// Most tick commands that one command, or one item of LoadConfig, becomes: Reset with both lasers.
 pub const STAGED: usize = 12;
 /// The same for every command but Reset: LmtSns over 8 axes and SetDac of 8 outputs are the
 /// largest.
 pub const FEW: usize = 8;
 
-/// Operations of one admitted command, not yet pushed: a command that is refused half-way has
+/// Tick commands of one admitted command, not yet pushed: a command that is refused half-way has
 /// changed nothing.
 #[derive(Debug, Default)]
-pub struct Staged(Vec<(Op, Change), STAGED>);
+pub struct Staged(Vec<(TickCommand, Change), STAGED>);
 
 impl Staged {
     /// Forgets what is staged.
     pub fn clear(&mut self) {
         self.0.clear();
     }
-    /// Adds an operation.
-    pub fn add(&mut self, op: Op, change: Change) {
-        let fits = self.0.push((op, change)).is_ok();
-        debug_assert!(fits, "a command of more than {STAGED} operations");
+    /// Adds a tick command.
+    pub fn add(&mut self, command: TickCommand, change: Change) {
+        let fits = self.0.push((command, change)).is_ok();
+        debug_assert!(fits, "a command of more than {STAGED} tick commands");
     }
     /// What is staged, in order.
-    pub fn ops(&self) -> &[(Op, Change)] {
+    pub fn commands(&self) -> &[(TickCommand, Change)] {
         &self.0
     }
 }

@@ -15,7 +15,7 @@ use crate::report::pending_replies::{Refuser, TickRefusal};
 use crate::shadow::{Change, PROGRAM_FLAG, executed};
 use protocol::reason::{Cure, Reason};
 use protocol::record::ReplyWriter;
-use servo::op::Op;
+use servo::tick_command::TickCommand;
 use servo::view::View;
 
 impl Program<'_> {
@@ -106,10 +106,10 @@ impl Program<'_> {
         if self.ending.drop != ProgramDrop::Due || admission.lane.room() < 1 + usize::from(fails) {
             return;
         }
-        admission.lane.push(Op::ProgramDrop, Change::None, 0, &mut admission.admitted);
+        admission.lane.push(TickCommand::ProgramDrop, Change::None, 0, &mut admission.admitted);
         self.ending.drop = ProgramDrop::Pushed(admission.lane.last());
         if fails {
-            admission.lane.push(Op::Abort, Change::Aborted, 0, &mut admission.admitted);
+            admission.lane.push(TickCommand::Abort, Change::Aborted, 0, &mut admission.admitted);
         }
     }
 

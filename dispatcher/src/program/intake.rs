@@ -24,7 +24,7 @@ use crate::shadow::{Change, seq_after, seq_from};
 use protocol::command::{CommandKind, ProgramEnd, Sleep, WaitStop, class, opcode};
 use protocol::reason::Reason;
 use protocol::record::ReplyWriter;
-use servo::op::Op;
+use servo::tick_command::TickCommand;
 use servo::units::Ns;
 use servo::view::View;
 
@@ -196,7 +196,7 @@ impl Program<'_> {
             opcode::ProgramEnd => {
                 one::<ProgramEnd>(body)?;
                 admission.staged.clear();
-                admission.staged.add(Op::ProgramEnd, Change::None);
+                admission.staged.add(TickCommand::ProgramEnd, Change::None);
                 (Answer::Done, Effect::None, true)
             }
             _ if self.config.is_some() => (Answer::Done, Effect::Config, true),
@@ -209,15 +209,15 @@ impl Program<'_> {
             return Ok(self.take_config(admission, view));
         }
         // Only a Reset may be too much here; its admission can be repeated.
-        if self.lane.room() < self.gathered.count() + admission.staged.ops().len() {
+        if self.lane.room() < self.gathered.count() + admission.staged.commands().len() {
             return Ok(Step::Wait);
         }
-        if admission.staged.ops().is_empty() {
+        if admission.staged.commands().is_empty() {
             if let Answer::Read(_) = answer {
                 self.flush(admission);
                 // A read at the instant of the entry before needs no entry of its own.
                 if self.script.delay > 0 || !self.lane.in_flight() {
-                    self.push(admission, Op::Mark, Change::None);
+                    self.push(admission, TickCommand::Mark, Change::None);
                 }
             }
             admission.apply(effect, self.lane.last());
@@ -246,17 +246,17 @@ impl Program<'_> {
     }
 
     /// Pushes one entry; the caller has checked that there is room.
-    fn push<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>, op: Op, change: Change) {
-        if self.lane.push(op, change, self.script.delay, &mut admission.admitted) {
-            self.script.push(&op, self.lane.last());
+    fn push<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>, command: TickCommand, change: Change) {
+        if self.lane.push(command, change, self.script.delay, &mut admission.admitted) {
+            self.script.push(&command, self.lane.last());
         }
     }
 
     /// Pushes what is staged; the caller has checked that there is room.
     fn push_staged<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>) {
-        for index in 0..admission.staged.ops().len() {
-            if let Some(&(op, change)) = admission.staged.ops().get(index) {
-                self.push(admission, op, change);
+        for index in 0..admission.staged.commands().len() {
+            if let Some(&(command, change)) = admission.staged.commands().get(index) {
+                self.push(admission, command, change);
             }
         }
     }
@@ -294,8 +294,8 @@ impl Program<'_> {
         }
         let (first, gathered) = (seq_after(self.lane.last()), core::mem::take(&mut self.gathered));
         for (of, fifo) in gathered.fifos() {
-            let (op, change) = admission.commit(of, fifo);
-            self.push(admission, op, change);
+            let (command, change) = admission.commit(of, fifo);
+            self.push(admission, command, change);
         }
         for item in self.replies.items.iter_mut().rev().take_while(|item| item.open) {
             // Data of an axis waits for its own commit: the tick may refuse that.
@@ -321,7 +321,7 @@ impl Program<'_> {
                 self.attach(head.opcode, head.tag, Answer::Done);
                 return Step::Taken;
             }
-            if self.lane.room() < admission.staged.ops().len() {
+            if self.lane.room() < admission.staged.commands().len() {
                 return Step::Wait;
             }
             self.push_staged(admission);

@@ -40,8 +40,8 @@ use record_queue::{QUEUE_BYTES, RECORD_BYTES, Records};
 use reported::Reported;
 use ring::Producer;
 use script::Script;
-use servo::op::{Entry, Op};
 use servo::tick::PROGRAM;
+use servo::tick_command::{Entry, TickCommand};
 use servo::view::View;
 use zerocopy::IntoBytes;
 
@@ -79,7 +79,7 @@ enum ProgramDrop {
     None,
     /// It has, and does not know yet.
     Due,
-    /// The operation is pushed, with this number.
+    /// The tick command is pushed, with this number.
     Pushed(u32),
 }
 
@@ -271,7 +271,7 @@ impl<'a> Program<'a> {
                 }
                 // All of the instant 0 is in the ring before the clock runs.
                 self.flush(admission);
-                admission.lane.push(Op::ProgramRun, Change::None, 0, &mut admission.admitted);
+                admission.lane.push(TickCommand::ProgramRun, Change::None, 0, &mut admission.admitted);
                 self.run.start = Some(admission.lane.last());
                 self.script.clock = 0;
                 (self.reported.overruns[1], self.reported.answered) = (self.reported.overruns[0], (0, 0));

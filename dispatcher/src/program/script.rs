@@ -4,7 +4,7 @@
 //! record in hand. Owns: the accumulated delay, the WaitStops in flight.
 use super::waits::Pauses;
 use crate::shadow::Change;
-use servo::op::Op;
+use servo::tick_command::TickCommand;
 use servo::view::View;
 
 /// See the module text.
@@ -56,9 +56,9 @@ impl Script {
     }
 
     /// An entry has been pushed with the delay.
-    pub fn push(&mut self, op: &Op, seq: u32) {
+    pub fn push(&mut self, command: &TickCommand, seq: u32) {
         self.pushed = self.instant();
-        self.pauses.push(op, seq, self.pushed);
+        self.pauses.push(command, seq, self.pushed);
         self.delay = 0;
     }
 

@@ -6,8 +6,8 @@
 //! is before its execution. No more WaitStops are in flight than are kept here.
 use crate::shadow::{Change, executed, renew};
 use heapless::Deque;
-use servo::op::Op;
 use servo::status::RUNNING;
+use servo::tick_command::TickCommand;
 use servo::view::{AxisView, CrdView, View};
 
 /// WaitStops that are kept.
@@ -43,13 +43,13 @@ impl Pauses {
     }
 
     /// An entry has been pushed at this script clock.
-    pub fn push(&mut self, op: &Op, seq: u32, instant: u64) {
+    pub fn push(&mut self, command: &TickCommand, seq: u32, instant: u64) {
         for pause in &mut self.kept {
             if pause.later == 0 && instant != pause.instant {
                 pause.later = seq;
             }
         }
-        if let Op::WaitStandstill { .. } = op {
+        if let TickCommand::WaitStandstill { .. } = command {
             self.last = Some(seq);
             // No more than fit are in flight.
             self.kept.push_back(Pause { seq, later: 0, instant }).ok();

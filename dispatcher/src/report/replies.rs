@@ -133,8 +133,8 @@ const _: () = {
 };
 
 /// A mode as `GetPrfMode` reports it.
-pub fn mode_number(of: servo::op::Mode) -> i16 {
-    use servo::op::Mode;
+pub fn mode_number(of: servo::tick_command::Mode) -> i16 {
+    use servo::tick_command::Mode;
     match of {
         Mode::Trap => mode::TRAP,
         Mode::Jog => mode::JOG,

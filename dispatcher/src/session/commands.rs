@@ -18,8 +18,8 @@ use crate::report::pending_replies::{Awaiting, PendingReplies, Step, TickRefusal
 use crate::shadow::{AxisShadow, CAPACITY, Change, Renewed, Watch, executed};
 use protocol::command;
 use protocol::record::{ReplyWriter, RequestRecord};
-use servo::op::Op;
 use servo::tick::IMMEDIATE;
+use servo::tick_command::TickCommand;
 use servo::units::Crd;
 use servo::view::{AxisView, View};
 
@@ -170,9 +170,9 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
             return false;
         }
         let watch = Watch::DEFAULT;
-        let (op, change) = (Op::Supervision(watch.supervision()), Change::Watch(watch));
-        self.admission.lane.push(op, change, 0, &mut self.admission.admitted);
-        self.admission.lane.push(Op::NewSession, Change::None, 0, &mut self.admission.admitted);
+        let (command, change) = (TickCommand::Supervision(watch.supervision()), Change::Watch(watch));
+        self.admission.lane.push(command, change, 0, &mut self.admission.admitted);
+        self.admission.lane.push(TickCommand::NewSession, Change::None, 0, &mut self.admission.admitted);
         if view.lasers.iter().any(|laser| laser.commanded || laser.light || laser.owners.0 != 0) {
             self.admission.log.put(view.now, Kind::ShutOff, 0, ShutOff::NewSession as u16);
         }

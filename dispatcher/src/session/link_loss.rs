@@ -1,14 +1,14 @@
 //! Link-loss time-out (SPEC 9): what happens when no valid frame has come for the link-loss time.
 //!
-//! In: when the last valid frame came, the time. Out: `Op::Link`, the end of a running program, an
-//! event. Owns nothing.
-//! Fails: where the lane has no room, nothing is pushed and the next poll tries again.
+//! In: when the last valid frame came, the time. Out: `TickCommand::Link`, the end of a running
+//! program, an event. Owns nothing. Fails: where the lane has no room, nothing is pushed and the
+//! next poll tries again.
 use crate::admit::admission::Admission;
 use crate::program::Program;
 use crate::report::event_log::Kind;
 use crate::shadow::Change;
 use protocol::reason::Reason;
-use servo::op::Op;
+use servo::tick_command::TickCommand;
 use servo::units::{AxisMask, CrdMask, Ns};
 
 /// Entries of the immediate lane that the loss of the link takes.
@@ -52,5 +52,5 @@ fn report<const AXES: usize>(admission: &mut Admission<'_, AXES>, lost: bool) ->
     // On a loss all paths brake.
     let crds = CrdMask(if lost { u8::MAX } else { 0 });
     let ahead = &mut admission.admitted;
-    admission.lane.push(Op::Link { lost }, Change::Stopped { axes: AxisMask(0), crds }, 0, ahead)
+    admission.lane.push(TickCommand::Link { lost }, Change::Stopped { axes: AxisMask(0), crds }, 0, ahead)
 }

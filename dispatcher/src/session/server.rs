@@ -18,11 +18,11 @@ use protocol::frame::OPENING_WIRE;
 use protocol::link::{Endpoint, Identity, Role, TakeOver};
 use protocol::record::{Lane, ReplyHead, ReplyWriter, TRACE_RECORD, requests};
 use ring::{Consumer, Producer, Reader};
-use servo::op::{Entry, Lane as TickLane};
 use servo::path::PathStores;
 use servo::segment::pt::SegmentStore;
 use servo::tables::TableStores;
 pub use servo::tick::{EVENTS, IMMEDIATE, PROGRAM, SAMPLES, SEGMENTS};
+use servo::tick_command::{Entry, Lane as TickLane};
 use servo::units::Ns;
 use servo::view::{Event, Sample, View};
 use zerocopy::IntoBytes;
@@ -39,9 +39,9 @@ const TRACE_HEAD: usize = size_of::<ReplyHead>();
 
 /// The thread's halves of the queues between thread and tick.
 pub struct Channels<'a, const AXES: usize> {
-    /// Operations for the next tick.
+    /// Tick commands for the next tick.
     pub immediate: Producer<'a, Entry, IMMEDIATE>,
-    /// Timed operations of a program.
+    /// Timed tick commands of a program.
     pub program: Producer<'a, Entry, PROGRAM>,
     /// The newest view.
     pub view: Reader<'a, View<AXES>>,

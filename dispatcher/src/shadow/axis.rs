@@ -3,9 +3,9 @@ use super::follow::FollowShadow;
 use super::{PROGRAM_FLAG, SOFT_OFF, executed, is_up_to};
 use protocol::command::{JogPrm, TrapPrm};
 use protocol::values::pt_state;
-use servo::op::Mode;
 use servo::segment::pt::Chain;
 use servo::status::RUNNING;
+use servo::tick_command::Mode;
 use servo::units::{Crd, Pos};
 use servo::view::{AxisView, View};
 

@@ -135,7 +135,7 @@ impl LaserShadow {
     }
 }
 
-/// What a laser operation changes in the shadow state of its channel.
+/// What a laser tick command changes in the shadow state of its channel.
 #[derive(Debug, Clone, Copy)]
 pub enum LaserChange {
     /// Power-on state of a family.

@@ -519,7 +519,7 @@ impl CrdShadow {
     }
 }
 
-/// What an operation changes in the shadow state of its coordinate system.
+/// What a tick command changes in the shadow state of its coordinate system.
 #[derive(Debug, Clone, Copy)]
 pub enum CrdChange {
     /// SetCrdPrm; `here` is the position, if it is known.

@@ -1,5 +1,5 @@
 //! What stops motion when the link is lost or the interlock opens, in the user's terms.
-use servo::op::{Brake, Supervision};
+use servo::tick_command::{Brake, Supervision};
 
 /// Reactions to a lost link and an open interlock. They last for the session; a Reset sets the
 /// default (SPEC 9).

@@ -5,11 +5,11 @@ use host_tests::laser_model::{Command, Edge, Exact, Family, Mode, Ns};
 use plant::beam::{self, Stage};
 use ring::{Latest, Producer, Reader, Ring};
 use servo::laser::{self, Bounds, CHANNELS, Carrier, Change, Clock, Delays, Fine, Plan, Power, Standby};
-use servo::op::{Entry, Op};
 use servo::port::{AxisInputs, GeneralInputs, GeneralOutputs, Port};
 use servo::segment::pvt::{HeaderStore, PointStore, TABLES};
 use servo::tables::TableStores;
 use servo::tick::{IMMEDIATE, Lanes, SegmentStore, Tick, TickConfig};
+use servo::tick_command::{Entry, TickCommand};
 use servo::units::{Axis, Pos, StepLimit};
 use servo::view::{LaserView, View};
 use std::num::NonZeroU16;
@@ -316,7 +316,9 @@ impl Bench {
     }
 
     fn now(&mut self, channel: u8, change: Change) {
-        self.immediate.push(Entry { seq: 0, delay: servo::units::Ns(0), op: Op::Laser { channel, change } }).unwrap();
+        self.immediate
+            .push(Entry { seq: 0, delay: servo::units::Ns(0), command: TickCommand::Laser { channel, change } })
+            .unwrap();
     }
 }
 

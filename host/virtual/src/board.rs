@@ -12,11 +12,11 @@ use dispatcher::{Channels, PathQueue, SecondaryTransport, Server};
 use plant::beam::Levels;
 use ring::{Latest, Ring};
 use servo::laser::Clock;
-use servo::op::Entry;
 use servo::path::{EntryStore, PathStores};
 use servo::segment::pvt::{HeaderStore, PointStore, TABLES};
 use servo::tables::TableStores;
 use servo::tick::{EVENTS, IMMEDIATE, Lanes, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig};
+use servo::tick_command::Entry;
 use servo::units::{AxisMask, Crd, Ns, StepLimit};
 use servo::view::{AxisView, CrdView, Event, LaserView, Sample, View};
 

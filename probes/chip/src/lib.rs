@@ -14,11 +14,11 @@ use cortex_m_semihosting::debug;
 use dispatcher::PathQueue;
 use ring::{Consumer, Latest, Producer, Reader, Ring};
 use servo::laser::{Clock, Tables};
-use servo::op::Entry;
 use servo::path::{EntryStore, PathStores};
 use servo::segment::pvt::{HeaderStore, PointStore, TABLES};
 use servo::tables::TableStores;
 use servo::tick::{EVENTS, IMMEDIATE, Lanes, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig};
+use servo::tick_command::Entry;
 use servo::units::StepLimit;
 use servo::view::{Event, Sample, View};
 use static_cell::ConstStaticCell;
@@ -55,9 +55,9 @@ pub const TABLE_STORES: TableStores<'static> =
 
 /// The thread's halves.
 pub struct Thread {
-    /// Operations for the next tick.
+    /// Tick commands for the next tick.
     pub immediate: Producer<'static, Entry, IMMEDIATE>,
-    /// Timed operations.
+    /// Timed tick commands.
     pub program: Producer<'static, Entry, PROGRAM>,
     /// The newest view.
     pub view: Reader<'static, View<AXES>>,

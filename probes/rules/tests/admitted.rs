@@ -1,8 +1,8 @@
 //! The right way round: everything that enters a lane has passed servo's checks.
 use ring::Ring;
 use servo::laser::{Change, Power};
-use servo::op::{Entry, Op};
 use servo::segment::ramp::{Accel, Speed};
+use servo::tick_command::{Entry, TickCommand};
 use servo::units::{Axis, Ns, StepLimit};
 
 fn main() {
@@ -12,8 +12,10 @@ fn main() {
     let lane: Ring<Entry, 4> = Ring::new();
     let (mut producer, _consumer) = lane.split_once().expect("once");
     let power = Power::admit(37.5f64.to_bits()).expect("in range");
-    let laser = Op::Laser { channel: 0, change: Change::Direct { power, fine: None } };
-    for op in [Op::TargetSpeed { axis, speed }, Op::JogPrm { axis, acc, dec: acc, smooth: 0 }, laser] {
-        assert!(producer.push(Entry { seq: 0, delay: Ns(0), op }).is_ok());
+    let laser = TickCommand::Laser { channel: 0, change: Change::Direct { power, fine: None } };
+    for command in
+        [TickCommand::TargetSpeed { axis, speed }, TickCommand::JogPrm { axis, acc, dec: acc, smooth: 0 }, laser]
+    {
+        assert!(producer.push(Entry { seq: 0, delay: Ns(0), command }).is_ok());
     }
 }

@@ -6,7 +6,6 @@
 //! system asks before it drives an axis to a position.
 use super::{AxisState, MotionState, exact};
 use crate::math::wide::umulhi;
-use crate::op::Mode;
 use crate::path::{Fine, TrajectorySample};
 use crate::segment::follow::{Path, Track};
 use crate::segment::profile::Generator;
@@ -14,6 +13,7 @@ use crate::segment::pt::Segments;
 use crate::segment::pvt::Tables;
 use crate::segment::ramp::Trapezoid;
 use crate::status;
+use crate::tick_command::Mode;
 use crate::units::{Crd, Exact, Ns, Pos};
 use crate::view::{Drive, StopReason};
 

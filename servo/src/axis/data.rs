@@ -3,13 +3,13 @@
 //! In: what the thread committed and selected. Out: the [`Feed`] of a run, and what the view
 //! publishes of it.
 use super::{AxisState, FIFO, IN_FORCE, Jog, RING_MASK, Ramps, pt_state};
-use crate::op::Mode;
 use crate::segment::follow;
 use crate::segment::piece::Scaled;
 use crate::segment::profile::Generator;
 use crate::segment::pt::{Feed, PtRun, Segments, SlotRange};
 use crate::segment::pvt::{PvtRun, Tables};
 use crate::segment::ramp::Moving;
+use crate::tick_command::Mode;
 use crate::units::Ns;
 use crate::view::AxisView;
 
@@ -91,7 +91,7 @@ impl AxisState {
         self.begin(next, Generator::Pvt(PvtRun::begin(next, self.exact, self.data.table, tables)));
     }
 
-    /// The same at once, even if more operations for the axis may follow.
+    /// The same at once, even if more tick commands for the axis may follow.
     pub(crate) fn prepare_start_now(&mut self, source: &(impl Segments + Tables + follow::Entries)) -> bool {
         self.unprepared = 1;
         self.prepare_start(source)

@@ -2,7 +2,7 @@
 //!
 //! In: raw levels and an encoder count a tick. Out: the causes of status bits, the encoder's
 //! reading, captures. Owns: enables, active levels, limits, the in-position band. It cannot fail.
-use crate::op::{Guarded, Guards};
+use crate::tick_command::{Guarded, Guards};
 use crate::units::{Ns, Pos};
 
 /// Encoder readings are held within this: beyond any travel, and still a [`Pos`].

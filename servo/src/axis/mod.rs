@@ -1,6 +1,6 @@
 //! One axis in the tick: its motion, its limits and faults, what it publishes.
 //!
-//! In: inputs sampled at the tick in force, operations, the instant of the next tick. Out: the
+//! In: inputs sampled at the tick in force, tick commands, the instant of the next tick. Out: the
 //! planned position there, the status word, events. Owns: everything of the axis but its PT
 //! segments. Fails: never; a motion that must not go on stops, with a reason.
 //!
@@ -32,12 +32,12 @@ use input_scan::Causes;
 use soft_limits::Bounds;
 
 use crate::laser::Positions;
-use crate::op::Mode;
 use crate::port::AxisInputs;
 use crate::segment::follow as following;
 use crate::segment::profile::Profile;
 use crate::segment::ramp::{Accel, Speed, Trapezoid};
 use crate::status::{self, pt_state};
+use crate::tick_command::Mode;
 use crate::units::{Crd, Exact, Ns, Pos};
 use crate::view::{AxisView, StopReason};
 use inputs::Inputs;
@@ -71,7 +71,7 @@ enum InputScan {
     Steady,
     /// The same, for an axis that a coordinate system drives.
     Carried,
-    /// At standstill, compare only: nothing changes until an input, the encoder or an operation
+    /// At standstill, compare only: nothing changes until an input, the encoder or a tick command
     /// does.
     Settled,
 }

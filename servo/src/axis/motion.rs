@@ -4,13 +4,13 @@
 //! has come to standstill. Owns nothing beyond the axis's
 //! [`Profile`](crate::segment::profile::Profile).
 use super::{AxisState, Jog, MotionState, Ramps, exact, pt_state};
-use crate::op::Mode;
 use crate::segment::piece::{Motion, Scaled};
 use crate::segment::profile::{Generator, State};
 use crate::segment::pt::Segments;
 use crate::segment::pvt::Tables;
 use crate::segment::ramp::Moving;
 use crate::status;
+use crate::tick_command::Mode;
 use crate::units::{Exact, Ns, Pos};
 use crate::view::{AxisView, StopReason};
 

@@ -5,7 +5,6 @@
 use super::inputs::reading;
 use super::{AxisState, MotionState, exact};
 use crate::math::real::Real;
-use crate::op::Mode;
 use crate::segment::follow::{
     Awaits, Context, Entries, FollowRun, Follower, Input, MasterSample, Method, OutputActions, Path, State, Value,
 };
@@ -15,6 +14,7 @@ use crate::segment::pt::Segments;
 use crate::segment::pvt::Tables;
 use crate::segment::ramp::Moving;
 use crate::status;
+use crate::tick_command::Mode;
 use crate::units::{Axis, Ns, Pos, StepLimit};
 use crate::view::{AxisView, Lead, StopReason};
 

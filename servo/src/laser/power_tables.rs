@@ -6,11 +6,11 @@
 //! tables. Fails: a point that breaks a rule is refused and changes nothing; a table of no points
 //! gives 0.
 //!
-//! A table is written at admission, and nothing may follow it meanwhile: an operation that names it
-//! comes after [`Tables::finish`]. Ratios come in two banks a channel, so that one can be written
-//! while the other is in force. Each point is stored with its slope to the next one, so that the
-//! tick never divides: m·2⁻ˢ with 54 bits of m, which makes an error of 2⁻⁵³ of the step between
-//! the two, and half a unit.
+//! A table is written at admission, and nothing may follow it meanwhile: a tick command that names
+//! it comes after [`Tables::finish`]. Ratios come in two banks a channel, so that one can be
+//! written while the other is in force. Each point is stored with its slope to the next one, so
+//! that the tick never divides: m·2⁻ˢ with 54 bits of m, which makes an error of 2⁻⁵³ of the step
+//! between the two, and half a unit.
 use super::double::{nearest, product, scaled};
 use super::power::{Power, Refused};
 use super::{CHANNELS, double};

@@ -1,4 +1,4 @@
-//! What each operation does in the tick.
+//! What each tick command does in the tick.
 //!
 //! In: one admitted entry, the present state of the axes. Out: changed state, events. Owns nothing.
 //! Fails: a start or an Update that the state forbids does nothing to any axis of its mask and is
@@ -8,18 +8,18 @@ use super::crd::Halt;
 use crate::axis::{AxisState, Jog};
 use crate::capacity::GeneralOutputs;
 use crate::laser::{self, Change};
-use crate::op::{Brake, DoGroup, Entry, Lane, Mode, Op};
 use crate::path::PathStores;
 use crate::port::{Due, Port, Simulated};
 use crate::segment::follow::{Input, Method};
 use crate::tables::TableStores;
 use crate::tick::{EVENTS, Lanes, PERIOD_NS, SAMPLES, SegmentStore, Source, Tick, report_event};
+use crate::tick_command::{Brake, DoGroup, Entry, Lane, Mode, TickCommand};
 use crate::trace::Chosen;
 use crate::units::{Axis, AxisMask, CrdMask, Ns};
 use crate::view::{Event, Sample, StopReason};
 use ring::Producer;
 
-/// What operations reach beyond the tick's own state.
+/// What tick commands reach beyond the tick's own state.
 pub(crate) struct Reach<'r, 'a, const AXES: usize> {
     pub(crate) events: &'r mut Producer<'a, Event, EVENTS>,
     pub(crate) samples: &'r mut Producer<'a, Sample, SAMPLES>,
@@ -56,15 +56,15 @@ impl<const AXES: usize> Tick<AXES> {
         port: &mut P,
         lanes: &mut Reach<'_, '_, AXES>,
     ) {
-        match entry.op {
+        match entry.command {
             // Other cases have been carried out already.
-            Op::Mark
-            | Op::ProgramRun
-            | Op::ProgramDrop
-            | Op::ProgramEnd
-            | Op::WaitStandstill { .. }
-            | Op::Reset { .. } => {}
-            Op::Stop { axes, abrupt, crds, crds_abrupt } => {
+            TickCommand::Mark
+            | TickCommand::ProgramRun
+            | TickCommand::ProgramDrop
+            | TickCommand::ProgramEnd
+            | TickCommand::WaitStandstill { .. }
+            | TickCommand::Reset { .. } => {}
+            TickCommand::Stop { axes, abrupt, crds, crds_abrupt } => {
                 let named = CrdMask(crds.0 | self.holders(axes).0 | self.drivers(axes).0);
                 self.lasers.crd_stops(self.crds.known(named), next);
                 let abrupt = AxisMask(axes.0 & abrupt.0);
@@ -75,19 +75,19 @@ impl<const AXES: usize> Tick<AXES> {
                 self.brake_axes(AxisMask(axes.0 & !abrupt.0), StopReason::StopSmooth, next, lanes);
                 self.halt(abrupt, StopReason::StopAbrupt, next, lanes);
             }
-            Op::Abort => {
+            TickCommand::Abort => {
                 self.lasers.abort(next);
                 self.brake(Brake::All, StopReason::Abort, next, lanes);
                 self.aborted = self.running();
                 self.finish_abort(next);
             }
-            Op::NewSession => {
+            TickCommand::NewSession => {
                 self.lasers.new_session(next);
                 port.forget_plan();
             }
-            Op::Supervision(supervision) => self.supervision = supervision,
-            Op::Servo { axis, on } => self.servo(axis.mask(), on, next, lanes),
-            Op::Output { group, mask, value } => match group {
+            TickCommand::Supervision(supervision) => self.supervision = supervision,
+            TickCommand::Servo { axis, on } => self.servo(axis.mask(), on, next, lanes),
+            TickCommand::Output { group, mask, value } => match group {
                 DoGroup::Enable => {
                     self.servo(AxisMask(mask & value), true, next, lanes);
                     self.servo(AxisMask(mask & !value), false, next, lanes);
@@ -97,42 +97,42 @@ impl<const AXES: usize> Tick<AXES> {
                     self.general = self.general & !(mask as GeneralOutputs) | (value & mask) as GeneralOutputs
                 }
             },
-            Op::Analog { channel, value } => {
+            TickCommand::Analog { channel, value } => {
                 port.analog_out(0, channel as usize, value);
                 self.record_analog(channel, value, lanes.tables.lasers, lanes.samples);
             }
-            Op::Simulate(input) => {
+            TickCommand::Simulate(input) => {
                 if P::SIMULATED {
                     self.simulate(input, port);
                 }
             }
-            Op::Plan { row, after, of_script, input } => {
+            TickCommand::Plan { row, after, of_script, input } => {
                 let due =
                     if of_script { Due::OfScript(after) } else { Due::At(Ns(self.now.0.saturating_add(after.0))) };
                 port.plan(row, due, input);
             }
-            Op::Update { axes } => {
+            TickCommand::Update { axes } => {
                 if !self.refused(lane, entry.seq, axes, lanes, |_, state| state.refuses_update()) {
                     self.sourced(axes, lanes, |state, source| state.update(next, source));
                 }
             }
-            Op::PtStart { axes, fifo1 } => {
+            TickCommand::PtStart { axes, fifo1 } => {
                 if !self.refused(lane, entry.seq, axes, lanes, |axis, state| state.refuses_pt(fifo1.has(axis))) {
                     self.each(axes, |axis, state| state.start_pt(next, fifo1.has(axis)));
                 }
             }
-            Op::PvtStart { axes } => {
+            TickCommand::PvtStart { axes } => {
                 let tables = lanes.tables;
                 if !self.refused(lane, entry.seq, axes, lanes, |_, state| state.refuses_pvt(&tables)) {
                     self.each(axes, |_, state| state.start_pvt(next, &tables));
                 }
             }
-            Op::TickPeriod { ns } => {
+            TickCommand::TickPeriod { ns } => {
                 if PERIOD_NS.contains(&ns) && !self.axes.iter().any(AxisState::runs) {
                     *period = Ns(ns as u64);
                 }
             }
-            Op::Laser { channel, change } => {
+            TickCommand::Laser { channel, change } => {
                 if matches!(change, Change::Mode { mode: laser::Mode::Analog, .. }) {
                     // From here on the laser drives it, and leaves it at 0 V. A channel that is
                     // kept dark does not drive it: what was set before must go.
@@ -144,8 +144,8 @@ impl<const AXES: usize> Tick<AXES> {
                     report_event(lanes.events, &mut self.events_lost, refusal);
                 }
             }
-            Op::FollowEnd { crds } => self.lasers.end_follow(crds, next),
-            Op::Link { lost } => {
+            TickCommand::FollowEnd { crds } => self.lasers.end_follow(crds, next),
+            TickCommand::Link { lost } => {
                 // Paths that ran at an abort, or in the session before, do not light again.
                 let paths = self.crds.running.0 & !self.lasers.dead().0;
                 self.lasers.link(lost, self.script.runs || paths != 0);
@@ -153,29 +153,29 @@ impl<const AXES: usize> Tick<AXES> {
                     self.brake(self.supervision.link, StopReason::LinkLoss, next, lanes);
                 }
             }
-            Op::Trace { every, axes, crds, lasers, edges, outputs } => {
+            TickCommand::Trace { every, axes, crds, lasers, edges, outputs } => {
                 let chosen = Chosen { axes, crds, lasers, edges, outputs };
                 if let Some((row, chosen)) = self.trace.begin(every, chosen) {
                     self.trace.record_analog_carried(lanes.tables.lasers, lanes.samples);
                     self.emit(row, chosen, lanes.samples);
                 }
             }
-            Op::ClearStatus { axes } => {
+            TickCommand::ClearStatus { axes } => {
                 self.all(axes, AxisState::clear_status);
                 self.lasers.crd_cleared(self.holders(axes), next);
             }
-            Op::Zero { axes } => self.renamed(axes, AxisState::zero_position),
-            Op::Synchronise { axes } => self.renamed(axes, AxisState::synchronise),
-            Op::SetPosition { axis, pos } => self.renamed(axis.mask(), |state| state.rename(pos)),
-            Op::SetEncoder { axis, pulses } => self.one(axis, |state| state.set_encoder(pulses)),
-            Op::SetMode { axis, mode } => {
+            TickCommand::Zero { axes } => self.renamed(axes, AxisState::zero_position),
+            TickCommand::Synchronise { axes } => self.renamed(axes, AxisState::synchronise),
+            TickCommand::SetPosition { axis, pos } => self.renamed(axis.mask(), |state| state.rename(pos)),
+            TickCommand::SetEncoder { axis, pulses } => self.one(axis, |state| state.set_encoder(pulses)),
+            TickCommand::SetMode { axis, mode } => {
                 self.one(axis, |state| state.set_mode(mode));
                 self.forget_alarms();
             }
             // An abrupt stop takes no time (SPEC 4), so its deceleration is not used here.
-            Op::StopDec { axis, smooth, abrupt: _ } => self.one(axis, |state| state.ramps.stop_dec = smooth),
-            Op::Band { axis, band, time } => self.one(axis, |state| state.inputs.set_band(band, time)),
-            Op::SoftLimit { axis, positive, negative } => {
+            TickCommand::StopDec { axis, smooth, abrupt: _ } => self.one(axis, |state| state.ramps.stop_dec = smooth),
+            TickCommand::Band { axis, band, time } => self.one(axis, |state| state.inputs.set_band(band, time)),
+            TickCommand::SoftLimit { axis, positive, negative } => {
                 self.crds.invalidate_clearance();
                 self.one(axis, |state| {
                     state.inputs.soft_positive = positive;
@@ -183,34 +183,36 @@ impl<const AXES: usize> Tick<AXES> {
                     state.set_bounds();
                 });
             }
-            Op::Guard { axis, on, low } => self.one(axis, |state| state.inputs.guard(on, low)),
-            Op::PositionError { axis, limit } => self.one(axis, |state| state.inputs.error_limit = limit),
-            Op::Capture { axis, mode } => {
+            TickCommand::Guard { axis, on, low } => self.one(axis, |state| state.inputs.guard(on, low)),
+            TickCommand::PositionError { axis, limit } => self.one(axis, |state| state.inputs.error_limit = limit),
+            TickCommand::Capture { axis, mode } => {
                 self.one(axis, |state| state.arm(mode));
                 self.await_index(axis);
             }
-            Op::JogPrm { axis, acc, dec, smooth } => self.one(axis, |state| state.ramps.jog = Jog { acc, dec, smooth }),
-            Op::TrapPrm { axis, acc, dec, vel_start, smooth } => self.one(axis, |state| {
+            TickCommand::JogPrm { axis, acc, dec, smooth } => {
+                self.one(axis, |state| state.ramps.jog = Jog { acc, dec, smooth })
+            }
+            TickCommand::TrapPrm { axis, acc, dec, vel_start, smooth } => self.one(axis, |state| {
                 (state.ramps.trap.acc, state.ramps.trap.dec) = (acc, dec);
                 (state.ramps.trap.vel_start, state.ramps.trap.smooth) = (vel_start, smooth);
             }),
-            Op::TargetSpeed { axis, speed } => self.one(axis, |state| state.ramps.trap.speed = speed),
-            Op::TargetPosition { axis, pulses } => self.one(axis, |state| state.ramps.trap.target = pulses),
-            Op::PtCommit { axis, fifo, end, epoch } => {
+            TickCommand::TargetSpeed { axis, speed } => self.one(axis, |state| state.ramps.trap.speed = speed),
+            TickCommand::TargetPosition { axis, pulses } => self.one(axis, |state| state.ramps.trap.target = pulses),
+            TickCommand::PtCommit { axis, fifo, end, epoch } => {
                 let mut counts = true;
                 self.one(axis, |state| counts = state.commit(fifo, end, epoch));
                 if !counts {
                     self.report_void((lane, entry.seq), axis, lanes);
                 }
             }
-            Op::PtClear { axis, fifo } => self.one(axis, |state| state.clear_fifo(fifo)),
-            Op::PvtSelect { axis, table } => self.one(axis, |state| state.select(table)),
-            Op::PvtLoop { axis, passes } => self.one(axis, |state| state.set_table_passes(passes)),
-            Op::FollowDirection { axis, direction } => self.one(axis, |state| state.set_direction(direction)),
-            Op::FollowMaster { axis, master } => self.one(axis, |state| state.follow.master = Some(master)),
-            Op::FollowEvent { axis, event } => self.one(axis, |state| state.follow.event = event),
-            Op::FollowLoop { axis, passes } => self.one(axis, |state| state.set_follow_passes(passes)),
-            Op::FollowCommit { axis, fifo, end, cleared, tail } => {
+            TickCommand::PtClear { axis, fifo } => self.one(axis, |state| state.clear_fifo(fifo)),
+            TickCommand::PvtSelect { axis, table } => self.one(axis, |state| state.select(table)),
+            TickCommand::PvtLoop { axis, passes } => self.one(axis, |state| state.set_table_passes(passes)),
+            TickCommand::FollowDirection { axis, direction } => self.one(axis, |state| state.set_direction(direction)),
+            TickCommand::FollowMaster { axis, master } => self.one(axis, |state| state.follow.master = Some(master)),
+            TickCommand::FollowEvent { axis, event } => self.one(axis, |state| state.follow.event = event),
+            TickCommand::FollowLoop { axis, passes } => self.one(axis, |state| state.set_follow_passes(passes)),
+            TickCommand::FollowCommit { axis, fifo, end, cleared, tail } => {
                 let mut counts = true;
                 if let Some(store) = lanes.segments.get(axis.index()) {
                     self.one(axis, |state| counts = state.commit_entries(fifo, end, cleared, tail, store));
@@ -219,33 +221,33 @@ impl<const AXES: usize> Tick<AXES> {
                     self.report_void((lane, entry.seq), axis, lanes);
                 }
             }
-            Op::FollowClear { axis, fifo } => self.one(axis, |state| state.clear_entries(fifo)),
-            Op::FollowStart { axes, fifo1 } => {
+            TickCommand::FollowClear { axis, fifo } => self.one(axis, |state| state.clear_entries(fifo)),
+            TickCommand::FollowStart { axes, fifo1 } => {
                 if !self.refused(lane, entry.seq, axes, lanes, |axis, state| state.refuses_follow(fifo1.has(axis))) {
                     self.each(axes, |axis, state| state.start_follow(next, fifo1.has(axis)));
                     self.renew_order();
                 }
             }
-            Op::FollowSwitch { axes } => {
+            TickCommand::FollowSwitch { axes } => {
                 if !self.refused(lane, entry.seq, axes, lanes, |_, state| state.refuses_switch()) {
                     self.each(axes, |_, state| state.switch());
                 }
             }
-            Op::FollowSwitchNow { axis, method } => {
+            TickCommand::FollowSwitchNow { axis, method } => {
                 let table = method == Method::Table;
                 let forbids = |state: &AxisState| if table { state.refuses_switch() } else { !state.follows() };
                 if !self.refused(lane, entry.seq, axis.mask(), lanes, |_, state| forbids(state)) {
                     self.one(axis, |state| state.switch_now(method));
                 }
             }
-            Op::PtLoop { axis, passes } => self.one(axis, |state| state.set_passes(passes)),
-            Op::CrdFrame { crd, frame } => self.set_frame(crd, frame, next, lanes.paths),
-            Op::CrdCommit { crd, fifo, end, cleared } => self.commit_path(crd, fifo, end, cleared),
-            Op::CrdClear { crd, fifo } => self.clear_path(crd, fifo, next),
-            Op::CrdStart { crds, fifo1 } => self.start_crds((lane, entry.seq), crds, fifo1, next, lanes),
-            Op::CrdStopDec { crd, dec } => self.set_crd_stop(crd, dec),
-            Op::CrdRate { crd, rate } => self.set_rate(crd, rate, next, lanes),
-            Op::CrdLag { crd, lag } => self.set_encoder_lag(crd, lag),
+            TickCommand::PtLoop { axis, passes } => self.one(axis, |state| state.set_passes(passes)),
+            TickCommand::CrdFrame { crd, frame } => self.set_frame(crd, frame, next, lanes.paths),
+            TickCommand::CrdCommit { crd, fifo, end, cleared } => self.commit_path(crd, fifo, end, cleared),
+            TickCommand::CrdClear { crd, fifo } => self.clear_path(crd, fifo, next),
+            TickCommand::CrdStart { crds, fifo1 } => self.start_crds((lane, entry.seq), crds, fifo1, next, lanes),
+            TickCommand::CrdStopDec { crd, dec } => self.set_crd_stop(crd, dec),
+            TickCommand::CrdRate { crd, rate } => self.set_rate(crd, rate, next, lanes),
+            TickCommand::CrdLag { crd, lag } => self.set_encoder_lag(crd, lag),
         }
     }
 

@@ -10,8 +10,8 @@
 //! ticks before it. A Reset takes as many ticks as it needs, and what follows it waits. Calls of
 //! the immediate lane are counted; their weight is taken from the program.
 use super::execute::Reach;
-use crate::op::{Entry, Op, Supervision};
 use crate::tick::{PROGRAM, Tick};
+use crate::tick_command::{Entry, Supervision, TickCommand};
 use crate::units::{Axis, AxisMask, Ns};
 use crate::view::StopReason;
 use ring::Consumer;
@@ -20,9 +20,9 @@ use ring::Consumer;
 mod weight {
     /// Reset, with its work in the tick after it.
     pub const RESET: u32 = 6;
-    /// Another operation that names the axis in a mask.
+    /// Another tick command that names the axis in a mask.
     pub const NAMED: u32 = 3;
-    /// Another operation on an axis, with its work in the tick after it.
+    /// Another tick command on an axis, with its work in the tick after it.
     pub const SET_UP: u32 = 2;
     /// A start of PT or PVT that is planned in its tick, one of Trap, and one that is prepared.
     pub const START: u32 = 14;
@@ -88,8 +88,8 @@ impl Budget {
 }
 
 impl<const AXES: usize> Tick<AXES> {
-    /// The weight of an operation in the present state. A Reset is weighed axis by axis.
-    pub(crate) fn weigh(&self, op: &Op) -> u32 {
+    /// The weight of a tick command in the present state. A Reset is weighed axis by axis.
+    pub(crate) fn weigh(&self, command: &TickCommand) -> u32 {
         use weight::*;
         let sum = |axes: AxisMask, prepared: u32, unprepared: u32| {
             let of = |axis: Axis| {
@@ -100,11 +100,11 @@ impl<const AXES: usize> Tick<AXES> {
             self.in_use(axes).axes().fold(0u32, |sum, axis| sum.wrapping_add(of(axis)))
         };
         let many = |axes: AxisMask| self.in_use(axes).0.count_ones().wrapping_mul(NAMED);
-        match *op {
-            Op::Update { axes } => sum(axes, PREPARED_START, RAMP),
-            Op::PtStart { axes, .. } | Op::PvtStart { axes } => sum(axes, PREPARED_START, START),
-            Op::FollowStart { axes, .. } => sum(axes, PREPARED_SLAVE, SLAVE),
-            Op::CrdStart { crds, .. } => {
+        match *command {
+            TickCommand::Update { axes } => sum(axes, PREPARED_START, RAMP),
+            TickCommand::PtStart { axes, .. } | TickCommand::PvtStart { axes } => sum(axes, PREPARED_START, START),
+            TickCommand::FollowStart { axes, .. } => sum(axes, PREPARED_SLAVE, SLAVE),
+            TickCommand::CrdStart { crds, .. } => {
                 let unprepared = (crds.0 & self.crds.unprepared.0).count_ones();
                 crds.0
                     .count_ones()
@@ -112,16 +112,22 @@ impl<const AXES: usize> Tick<AXES> {
                     .wrapping_mul(PREPARED_PATH)
                     .wrapping_add(unprepared.wrapping_mul(PATH))
             }
-            Op::Stop { axes, crds, .. } => {
+            TickCommand::Stop { axes, crds, .. } => {
                 let moving = self.moving(axes);
                 moving.wrapping_add((crds.0 & self.crds.running.0).count_ones()).wrapping_mul(STOP).wrapping_add(1)
             }
-            Op::Abort => self.moving(AxisMask(u64::MAX)).wrapping_mul(STOP).wrapping_add(STOP),
-            Op::Zero { axes } | Op::Synchronise { axes } | Op::ClearStatus { axes } => many(axes),
-            Op::CrdFrame { .. } => FRAME,
-            Op::Laser { .. } => LASER,
-            Op::ProgramRun => 0,
-            Op::Mark | Op::ProgramEnd | Op::WaitStandstill { .. } | Op::Output { .. } | Op::Analog { .. } => 1,
+            TickCommand::Abort => self.moving(AxisMask(u64::MAX)).wrapping_mul(STOP).wrapping_add(STOP),
+            TickCommand::Zero { axes } | TickCommand::Synchronise { axes } | TickCommand::ClearStatus { axes } => {
+                many(axes)
+            }
+            TickCommand::CrdFrame { .. } => FRAME,
+            TickCommand::Laser { .. } => LASER,
+            TickCommand::ProgramRun => 0,
+            TickCommand::Mark
+            | TickCommand::ProgramEnd
+            | TickCommand::WaitStandstill { .. }
+            | TickCommand::Output { .. }
+            | TickCommand::Analog { .. } => 1,
             _ => SET_UP,
         }
     }
@@ -131,30 +137,30 @@ impl<const AXES: usize> Tick<AXES> {
         self.in_use(axes).axes().filter(runs).count() as u32
     }
 
-    /// Whether an operation changes light, or the outputs of a laser without light.
-    pub(crate) fn lights(&self, op: &Op) -> bool {
-        matches!(op, Op::Laser { .. }) && self.is_observable(op)
+    /// Whether a tick command changes light, or the outputs of a laser without light.
+    pub(crate) fn lights(&self, command: &TickCommand) -> bool {
+        matches!(command, TickCommand::Laser { .. }) && self.is_observable(command)
     }
 
-    /// Whether others can observe an operation at once, so that its neighbours must act in the same
-    /// tick.
-    fn is_observable(&self, op: &Op) -> bool {
-        match *op {
-            Op::Update { .. }
-            | Op::PtStart { .. }
-            | Op::PvtStart { .. }
-            | Op::FollowStart { .. }
-            | Op::FollowSwitch { .. }
-            | Op::FollowSwitchNow { .. }
-            | Op::FollowEnd { .. }
-            | Op::CrdStart { .. }
-            | Op::CrdRate { .. }
-            | Op::Stop { .. }
-            | Op::Abort
-            | Op::Servo { on: false, .. }
-            | Op::Output { .. }
-            | Op::Analog { .. } => true,
-            Op::Laser { channel, change } => self.lasers.shows(channel, &change),
+    /// Whether others can observe a tick command at once, so that its neighbours must act in the
+    /// same tick.
+    fn is_observable(&self, command: &TickCommand) -> bool {
+        match *command {
+            TickCommand::Update { .. }
+            | TickCommand::PtStart { .. }
+            | TickCommand::PvtStart { .. }
+            | TickCommand::FollowStart { .. }
+            | TickCommand::FollowSwitch { .. }
+            | TickCommand::FollowSwitchNow { .. }
+            | TickCommand::FollowEnd { .. }
+            | TickCommand::CrdStart { .. }
+            | TickCommand::CrdRate { .. }
+            | TickCommand::Stop { .. }
+            | TickCommand::Abort
+            | TickCommand::Servo { on: false, .. }
+            | TickCommand::Output { .. }
+            | TickCommand::Analog { .. } => true,
+            TickCommand::Laser { channel, change } => self.lasers.shows(channel, &change),
             _ => false,
         }
     }
@@ -172,10 +178,10 @@ impl<const AXES: usize> Tick<AXES> {
         if budget.acting == Some(instant) {
             return true;
         }
-        if !self.is_observable(&entry.op) {
-            return budget.takes(self.weigh(&entry.op));
+        if !self.is_observable(&entry.command) {
+            return budget.takes(self.weigh(&entry.command));
         }
-        let weight = neighbours(program).fold(0u32, |sum, entry| sum.saturating_add(self.weigh(&entry.op)));
+        let weight = neighbours(program).fold(0u32, |sum, entry| sum.saturating_add(self.weigh(&entry.command)));
         let fits = weight <= budget.room();
         let waited = self.now.0.saturating_sub(self.script.zero.0.saturating_add(instant.0));
         if !fits && waited < self.period.0 << PATIENCE && self.prepare(program, budget, lanes) {
@@ -200,8 +206,10 @@ impl<const AXES: usize> Tick<AXES> {
     ) -> bool {
         let mut prepared = false;
         for entry in neighbours(program) {
-            let (Op::Update { axes } | Op::PtStart { axes, .. } | Op::PvtStart { axes } | Op::FollowStart { axes, .. }) =
-                entry.op
+            let (TickCommand::Update { axes }
+            | TickCommand::PtStart { axes, .. }
+            | TickCommand::PvtStart { axes }
+            | TickCommand::FollowStart { axes, .. }) = entry.command
             else {
                 continue;
             };
@@ -262,7 +270,9 @@ impl<const AXES: usize> Tick<AXES> {
 fn neighbours<'p>(program: &'p Consumer<'_, Entry, PROGRAM>) -> impl Iterator<Item = &'p Entry> {
     let entries = (0..PROGRAM as u32).map_while(|before| Some((before, program.peek_at(before)?)));
     let of_it = |(before, entry): &(u32, &Entry)| {
-        *before == 0 || entry.delay.0 == 0 && !matches!(entry.op, Op::WaitStandstill { .. } | Op::Reset { .. })
+        *before == 0
+            || entry.delay.0 == 0
+                && !matches!(entry.command, TickCommand::WaitStandstill { .. } | TickCommand::Reset { .. })
     };
     entries.take_while(of_it).map(|(_, entry)| entry)
 }

@@ -11,15 +11,15 @@ fn faults_and_limits_of_one_axis_stop_all() {
         (StopReason::LimitPositive, status::LIMIT_POSITIVE, |bench| bench.machine.inputs[5].limit_positive = true),
         (StopReason::FollowingError, status::FOLLOWING_ERROR, |bench| bench.machine.slip[5] = 100),
         (StopReason::ServoOff, 0, |bench| {
-            bench.now(Op::Servo { axis: axis(5), on: false });
+            bench.now(TickCommand::Servo { axis: axis(5), on: false });
         }),
         (StopReason::SoftPositive, status::LIMIT_POSITIVE, |bench| {
-            bench.now(Op::SoftLimit { axis: axis(5), positive: Some(100), negative: None });
+            bench.now(TickCommand::SoftLimit { axis: axis(5), positive: Some(100), negative: None });
         }),
     ];
     for (reason, bits, act) in breaks {
         let mut bench = prepared(250, &[line(200, 450)]);
-        bench.now(Op::PositionError { axis: axis(5), limit: Some(50) });
+        bench.now(TickCommand::PositionError { axis: axis(5), limit: Some(50) });
         bench.start_path(&[0]);
         let zero = bench.tick().now.0;
         bench.until(zero + 15 * MS);
@@ -46,10 +46,10 @@ fn faults_and_limits_of_one_axis_stop_all() {
         // Once it is gone it goes on to the end.
         bench.machine.inputs[5] = Default::default();
         bench.machine.slip[5] = 0;
-        bench.now(Op::SoftLimit { axis: axis(5), positive: None, negative: None });
-        bench.now(Op::Servo { axis: axis(5), on: true });
+        bench.now(TickCommand::SoftLimit { axis: axis(5), positive: None, negative: None });
+        bench.now(TickCommand::Servo { axis: axis(5), on: true });
         bench.ticks(2);
-        bench.now(Op::ClearStatus { axes: AxisMask(0xff) });
+        bench.now(TickCommand::ClearStatus { axes: AxisMask(0xff) });
         bench.tick();
         bench.start_path(&[0]);
         assert_eq!(place(&finish(&mut bench, 0), [2, 5]), [300.0, 400.0], "{reason:?}");
@@ -63,7 +63,7 @@ fn a_path_may_leave_an_active_limit_switch() {
     let mut bench = prepared(250, &[Entry::planar([-200, -150], speeds(10.0, 1.0, 0.0)), line(-200, 0)]);
     bench.machine.inputs[5].limit_positive = true;
     bench.tick();
-    bench.now(Op::ClearStatus { axes: AxisMask(0xff) });
+    bench.now(TickCommand::ClearStatus { axes: AxisMask(0xff) });
     bench.tick();
     bench.start_path(&[0]);
     let view = finish(&mut bench, 0);
@@ -88,7 +88,7 @@ fn soft_limits_hold_lines_and_arcs() {
             ];
             let mut bench = Bench::prepared(period, Mode::Trap);
             bench.frame(0, &[0, 1], None);
-            bench.now(Op::SoftLimit { axis: axis(0), positive: Some(limit), negative: None });
+            bench.now(TickCommand::SoftLimit { axis: axis(0), positive: Some(limit), negative: None });
             bench.tick();
             bench.path(0, 0, &entries);
             bench.start_path(&[0]);
@@ -116,7 +116,7 @@ fn soft_limits_hold_ends_of_motions() {
         for period in [10, 250, 333, 1000] {
             let mut bench = Bench::prepared(period, Mode::Trap);
             bench.frame(0, &[0, 1], None);
-            bench.now(Op::SoftLimit { axis: axis(0), positive: Some(199), negative: None });
+            bench.now(TickCommand::SoftLimit { axis: axis(0), positive: Some(199), negative: None });
             bench.tick();
             bench.path(0, 0, &entries);
             bench.start_path(&[0]);
@@ -130,8 +130,8 @@ fn soft_limits_hold_ends_of_motions() {
             assert_eq!((view.crds[0].stop, view.crds[0].done[0]), (StopReason::SoftPositive, 0));
             assert!(pulses(view.axes[0].pos) > 198.99, "{period} {}", pulses(view.axes[0].pos));
             // Once the limit is off it goes on to the end.
-            bench.now(Op::SoftLimit { axis: axis(0), positive: None, negative: None });
-            bench.now(Op::ClearStatus { axes: AxisMask(0xff) });
+            bench.now(TickCommand::SoftLimit { axis: axis(0), positive: None, negative: None });
+            bench.now(TickCommand::ClearStatus { axes: AxisMask(0xff) });
             bench.tick();
             bench.start_path(&[0]);
             let motions = entries.iter().filter(|entry| entry.is_motion()).count();
@@ -160,7 +160,7 @@ fn a_stop_by_a_switch_goes_neither_on_nor_back() {
 #[test]
 fn guards_may_be_off() {
     let mut bench = prepared(250, &[line(200, 450)]);
-    bench.now(Op::Guard { axis: axis(5), on: Guards::set(Guarded::LimitPositive, false), low: Guards::NONE });
+    bench.now(TickCommand::Guard { axis: axis(5), on: Guards::set(Guarded::LimitPositive, false), low: Guards::NONE });
     bench.start_path(&[0]);
     bench.ticks(20);
     bench.machine.inputs[5].limit_positive = true;

@@ -4,7 +4,7 @@ use super::*;
 #[test]
 fn a_dithering_encoder_does_not_creep() {
     let mut bench = Bench::prepared(50, Mode::Follow);
-    bench.now(Op::FollowDirection { axis: axis(1), direction: Direction::Up });
+    bench.now(TickCommand::FollowDirection { axis: axis(1), direction: Direction::Up });
     bench.follows(1, 0, Value::Encoder);
     bench.follow(1, 0, &[Item::Data(1000.0, 5000.0, 1, 0)]);
     loops(&mut bench, 1, 0);
@@ -39,7 +39,7 @@ fn an_encoder_is_followed_by_its_sample() {
     let view = bench.tick();
     assert_eq!(real(view.velocity(&view.axes[0])), 0.0);
     // The reading of the count does not matter.
-    bench.now(Op::SetEncoder { axis: axis(5), pulses: -1_000_000 });
+    bench.now(TickCommand::SetEncoder { axis: axis(5), pulses: -1_000_000 });
     assert_eq!(bench.ticks(2).axes[0].pos, Pos::pulses(5));
 }
 

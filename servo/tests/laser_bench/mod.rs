@@ -6,13 +6,13 @@ use servo::laser::{
     Action, Bounds, Buffered, CHANNELS, Carrier, Change, Clock, FINISH_NS, Fine, Mode, Pattern, Plan, Power, Rate,
     Train,
 };
-use servo::op::{Entry, Op};
 use servo::path::axis_map::Frame;
 use servo::path::{self, EntryStore, PathStores};
 use servo::port::{AxisInputs, GeneralInputs, GeneralOutputs, Port};
 use servo::segment::pvt::{HeaderStore, PointStore, TABLES};
 use servo::tables::TableStores;
 use servo::tick::{IMMEDIATE, Lanes, SegmentStore, Tick, TickConfig};
+use servo::tick_command::{Entry, TickCommand};
 use servo::units::{Axis, Crd, CrdMask, Ns, Pos, StepLimit};
 use servo::view::{LaserView, View};
 use std::collections::VecDeque;
@@ -381,14 +381,14 @@ impl Bench {
         }
     }
 
-    pub fn op(&mut self, op: Op) {
+    pub fn command(&mut self, command: TickCommand) {
         self.seq += 1;
-        self.immediate.push(Entry { seq: self.seq, delay: Ns(0), op }).unwrap();
+        self.immediate.push(Entry { seq: self.seq, delay: Ns(0), command }).unwrap();
     }
 
     /// A change of channel 0.
     pub fn change(&mut self, change: Change) {
-        self.op(Op::Laser { channel: 0, change });
+        self.command(TickCommand::Laser { channel: 0, change });
     }
 
     pub fn gate(&mut self, on: bool) {
@@ -452,7 +452,7 @@ impl Bench {
         for (place, index) in mapped.iter_mut().zip(axes) {
             *place = Some(axis(*index));
         }
-        self.op(Op::CrdFrame { crd: crd(index), frame: Frame::admit(mapped, None, 0).unwrap() });
+        self.command(TickCommand::CrdFrame { crd: crd(index), frame: Frame::admit(mapped, None, 0).unwrap() });
         self.tick();
     }
 
@@ -465,25 +465,25 @@ impl Bench {
         }
         let cleared = self.view.read().crds[index].cleared[0];
         let end = *count;
-        self.op(Op::CrdCommit { crd: crd(index), fifo: 0, end, cleared });
+        self.command(TickCommand::CrdCommit { crd: crd(index), fifo: 0, end, cleared });
     }
 
     /// CrdClear of FIFO 0.
     pub fn clear_path(&mut self, index: usize) {
-        self.op(Op::CrdClear { crd: crd(index), fifo: 0 });
+        self.command(TickCommand::CrdClear { crd: crd(index), fifo: 0 });
         self.pushed[index][0] = 0;
     }
 
     /// CrdStart; returns the instant at which its motion begins.
     pub fn start(&mut self, crds: u8) -> u64 {
-        self.op(Op::CrdStart { crds: CrdMask(crds), fifo1: CrdMask(0) });
+        self.command(TickCommand::CrdStart { crds: CrdMask(crds), fifo1: CrdMask(0) });
         self.tick.now().0 + self.tick.period().0
     }
 
     /// CrdStop.
     pub fn stop(&mut self, crds: u8, abrupt: bool) {
         let crds = CrdMask(crds);
-        self.op(Op::stop_crds(crds, if abrupt { crds } else { CrdMask(0) }));
+        self.command(TickCommand::stop_crds(crds, if abrupt { crds } else { CrdMask(0) }));
     }
 
     pub fn view(&mut self) -> View<AXES> {

@@ -1,9 +1,8 @@
 //! A tick on a bench: rings, a machine whose encoders follow at once, and functions that push
-//! operations.
+//! tick commands.
 #![allow(dead_code)]
 use ring::{Consumer, Latest, Producer, Reader, Ring};
 use servo::laser::{Clock, Plan};
-use servo::op::{DoGroup, Entry, Mode, Op};
 use servo::output::step_generator;
 use servo::path::axis_map::Frame;
 use servo::path::{self, EntryStore, PathStores};
@@ -15,6 +14,7 @@ use servo::segment::pvt::{Header, HeaderStore, Point, PointStore, TABLES};
 use servo::segment::ramp::{Accel, Speed};
 use servo::tables::TableStores;
 use servo::tick::{EVENTS, IMMEDIATE, Lanes, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig};
+use servo::tick_command::{DoGroup, Entry, Mode, TickCommand};
 use servo::units::{Axis, AxisMask, Crd, CrdMask, Exact, Ns, Pos, StepLimit};
 use servo::view::{AxisView, Event, Sample, StopReason, View};
 
@@ -218,24 +218,24 @@ impl Bench {
 
     /// A tick with the servo on and the mode set on all axes.
     pub fn prepare_start(&mut self, mode: Mode) {
-        self.now(Op::Output { group: DoGroup::Enable, mask: 0xff, value: 0xff });
+        self.now(TickCommand::Output { group: DoGroup::Enable, mask: 0xff, value: 0xff });
         for index in 0..AXES {
-            self.now(Op::SetMode { axis: axis(index), mode });
+            self.now(TickCommand::SetMode { axis: axis(index), mode });
         }
         self.tick();
     }
 
     /// Pushes into the immediate lane.
-    pub fn now(&mut self, op: Op) -> u32 {
+    pub fn now(&mut self, command: TickCommand) -> u32 {
         self.seq[0] += 1;
-        self.immediate.push(Entry { seq: self.seq[0], delay: Ns(0), op }).unwrap();
+        self.immediate.push(Entry { seq: self.seq[0], delay: Ns(0), command }).unwrap();
         self.seq[0]
     }
 
     /// Pushes into the program lane.
-    pub fn then(&mut self, delay_ns: u64, op: Op) -> u32 {
+    pub fn then(&mut self, delay_ns: u64, command: TickCommand) -> u32 {
         self.seq[1] += 1;
-        self.program.push(Entry { seq: self.seq[1], delay: Ns(delay_ns), op }).unwrap();
+        self.program.push(Entry { seq: self.seq[1], delay: Ns(delay_ns), command }).unwrap();
         self.seq[1]
     }
 
@@ -293,7 +293,7 @@ impl Bench {
     }
 
     /// Admits segments; the commit is the caller's to push.
-    pub fn pt_data(&mut self, index: usize, fifo: u8, segments: &[(f64, i32, i16)]) -> Op {
+    pub fn pt_data(&mut self, index: usize, fifo: u8, segments: &[(f64, i32, i16)]) -> TickCommand {
         let (chain, count) = &mut self.chains[index][fifo as usize];
         for (pos, time, kind) in segments {
             let (segment, next) = Segment::admit(pos.to_bits(), *time, *kind, chain, StepLimit::FULL_SCALE).unwrap();
@@ -302,7 +302,7 @@ impl Bench {
             *count += 1;
         }
         let epoch = self.view.read().axes[index].epoch;
-        Op::PtCommit { axis: axis(index), fifo, end: *count, epoch }
+        TickCommand::PtCommit { axis: axis(index), fifo, end: *count, epoch }
     }
 
     /// Writes a PVT table: ms, pulses and 2⁻¹⁶ pulse/ms from the first point, which comes `delay`
@@ -336,7 +336,7 @@ impl Bench {
         for (point, index) in mapped.iter_mut().zip(axes) {
             *point = Some(axis(*index));
         }
-        self.now(Op::CrdFrame { crd: crd(index), frame: Frame::admit(mapped, origin, 0).unwrap() });
+        self.now(TickCommand::CrdFrame { crd: crd(index), frame: Frame::admit(mapped, origin, 0).unwrap() });
         self.pushed[index] = [0; 2];
     }
 
@@ -348,25 +348,25 @@ impl Bench {
     }
 
     /// The same; the commit is the caller's to push.
-    pub fn path_data(&mut self, index: usize, fifo: u8, entries: &[path::Entry]) -> Op {
+    pub fn path_data(&mut self, index: usize, fifo: u8, entries: &[path::Entry]) -> TickCommand {
         let count = &mut self.pushed[index][fifo as usize];
         for entry in entries {
             self.lanes.paths.get(index).unwrap()[fifo as usize].write(*count, *entry);
             *count += 1;
         }
         let cleared = self.view.read().crds[index].cleared[fifo as usize];
-        Op::CrdCommit { crd: crd(index), fifo, end: *count, cleared }
+        TickCommand::CrdCommit { crd: crd(index), fifo, end: *count, cleared }
     }
 
     /// CrdClear.
     pub fn clear_path(&mut self, index: usize, fifo: u8) {
-        self.now(Op::CrdClear { crd: crd(index), fifo });
+        self.now(TickCommand::CrdClear { crd: crd(index), fifo });
         self.pushed[index][fifo as usize] = 0;
     }
 
     /// CrdStart with FIFO 0.
     pub fn start_path(&mut self, crds: &[usize]) -> u32 {
-        self.now(Op::CrdStart { crds: crd_mask(crds), fifo1: CrdMask(0) })
+        self.now(TickCommand::CrdStart { crds: crd_mask(crds), fifo1: CrdMask(0) })
     }
 
     /// Admission forgets what it pushed: the FIFO was cleared.
@@ -398,7 +398,7 @@ impl Bench {
         }
         let (end, tail) = (chain.entries(), chain.tail());
         let cleared = self.view.read().axes[index].cleared[fifo as usize];
-        self.now(Op::FollowCommit { axis: axis(index), fifo, end, cleared, tail });
+        self.now(TickCommand::FollowCommit { axis: axis(index), fifo, end, cleared, tail });
     }
 
     /// Admission forgets what it pushed: a switch has emptied the FIFO.
@@ -409,22 +409,22 @@ impl Bench {
     /// Sets the master of an axis, and starts it.
     pub fn follows(&mut self, index: usize, master: usize, value: follow::Value) {
         let master = follow::Master { axis: axis(master), value };
-        self.now(Op::FollowMaster { axis: axis(index), master });
+        self.now(TickCommand::FollowMaster { axis: axis(index), master });
     }
 
     pub fn start_follow(&mut self, axes: &[usize]) -> u32 {
-        self.now(Op::FollowStart { axes: all(axes), fifo1: AxisMask(0) })
+        self.now(TickCommand::FollowStart { axes: all(axes), fifo1: AxisMask(0) })
     }
 
     pub fn start(&mut self, axes: &[usize]) -> u32 {
-        self.now(Op::PtStart { axes: all(axes), fifo1: AxisMask(0) })
+        self.now(TickCommand::PtStart { axes: all(axes), fifo1: AxisMask(0) })
     }
 
     pub fn jog(&mut self, index: usize, velocity: f64, acc: f64) {
         let axis = axis(index);
-        self.now(Op::JogPrm { axis, acc: accel(acc), dec: accel(acc), smooth: 0 });
-        self.now(Op::TargetSpeed { axis, speed: speed(velocity) });
-        self.now(Op::Update { axes: axis.mask() });
+        self.now(TickCommand::JogPrm { axis, acc: accel(acc), dec: accel(acc), smooth: 0 });
+        self.now(TickCommand::TargetSpeed { axis, speed: speed(velocity) });
+        self.now(TickCommand::Update { axes: axis.mask() });
     }
 }
 

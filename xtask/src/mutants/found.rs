@@ -131,8 +131,8 @@ pub const FOUND: &[Planted] = &[
         by: By::Reference,
         places: &[(
             "servo/src/tick/workload.rs",
-            "if !self.is_observable(&entry.op) {\n            return budget",
-            "if !self.is_observable(&entry.op) || instant.0 != u64::MAX {\n            return budget",
+            "if !self.is_observable(&entry.command) {\n            return budget",
+            "if !self.is_observable(&entry.command) || instant.0 != u64::MAX {\n            return budget",
         )],
     },
 ];

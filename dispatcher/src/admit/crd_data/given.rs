@@ -14,8 +14,8 @@ use protocol::command::{
     CrdPoint, LnXY, LnXYG0, LnXYZ, LnXYZA, Wire, opcode,
 };
 use protocol::reason::Reason;
-use servo::op::Mode;
 use servo::path::{DIMENSIONS, Entry, Plane};
+use servo::tick_command::Mode;
 use servo::units::Axis;
 
 /// The FIFO of a command; `fifo_field` is the index of `fifo` among the fields of its request.

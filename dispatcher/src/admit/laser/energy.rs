@@ -16,7 +16,7 @@ use protocol::command::{
 };
 use protocol::reason::Reason;
 use servo::laser::{Bounds, CHANNELS, Carrier, Change, Clock, Count, Fine, Mode, Power, Standby, Train};
-use servo::op::Op;
+use servo::tick_command::TickCommand;
 use servo::units::CrdMask;
 
 /// Duties, %.
@@ -280,7 +280,7 @@ pub fn pre_voltage<const AXES: usize>(context: &mut Context<AXES>, r: &SetPreVlt
 pub fn resolution<const AXES: usize>(context: &mut Context<AXES>, r: &SetLaserMode) -> Admitted<Answer> {
     context.core(r.core.get())?;
     let fine = choice(1, r.mode.get(), 0, 1)? == 1;
-    context.stage_with(Op::Mark, Entered::LaserFine(fine));
+    context.stage_with(TickCommand::Mark, Entered::LaserFine(fine));
     if context.is_lsr() {
         let highest = power(1, highest(true, fine))?;
         for channel in 0..CHANNELS as u8 {

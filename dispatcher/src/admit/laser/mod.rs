@@ -32,7 +32,7 @@ use protocol::command::{
 };
 use protocol::reason::Reason;
 use servo::laser::{Bounds, CHANNELS, Cause, Change, Clock, Delays, Family, Fpk, Mode};
-use servo::op::Op;
+use servo::tick_command::TickCommand;
 use servo::units::{AxisMask, Crd, CrdMask};
 
 /// The family that limits values out of range and whose connectors are fixed (SPEC 2).
@@ -71,17 +71,17 @@ impl<const AXES: usize> Context<'_, AXES> {
     }
 
     fn change(&mut self, channel: u8, change: Change) -> Answer {
-        self.stage(Op::Laser { channel, change });
+        self.stage(TickCommand::Laser { channel, change });
         Answer::Done
     }
 
     /// A change of the shadow state alone.
     fn enter(&mut self, channel: u8, entered: LaserChange) {
-        self.stage_with(Op::Mark, shadow::Change::Laser { channel, change: entered });
+        self.stage_with(TickCommand::Mark, shadow::Change::Laser { channel, change: entered });
     }
 
     fn change_with(&mut self, channel: u8, change: Change, entered: LaserChange) -> Answer {
-        self.stage_with(Op::Laser { channel, change }, shadow::Change::Laser { channel, change: entered });
+        self.stage_with(TickCommand::Laser { channel, change }, shadow::Change::Laser { channel, change: entered });
         Answer::Done
     }
 
@@ -89,10 +89,13 @@ impl<const AXES: usize> Context<'_, AXES> {
     pub fn lasers_to_power_on(&mut self, family: u8) {
         for channel in 0..CHANNELS as u8 {
             for (change, entered) in power_on(family) {
-                self.stage_with(Op::Laser { channel, change }, shadow::Change::Laser { channel, change: entered });
+                self.stage_with(
+                    TickCommand::Laser { channel, change },
+                    shadow::Change::Laser { channel, change: entered },
+                );
             }
         }
-        self.stage_with(Op::Mark, shadow::Change::LaserFine(true));
+        self.stage_with(TickCommand::Mark, shadow::Change::LaserFine(true));
     }
 
     /// Clearing a status word clears the faults of channels that a crd of one of these axes gates
@@ -102,7 +105,7 @@ impl<const AXES: usize> Context<'_, AXES> {
         let crds = Crd::all().filter(gates).fold(0, |crds, crd| crds | crd.mask().0);
         for channel in 0..CHANNELS as u8 {
             if self.laser(channel).map & crds != 0 {
-                self.stage_with(Op::Mark, shadow::Change::Laser { channel, change: LaserChange::Cleared });
+                self.stage_with(TickCommand::Mark, shadow::Change::Laser { channel, change: LaserChange::Cleared });
             }
         }
     }

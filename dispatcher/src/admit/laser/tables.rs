@@ -1,7 +1,7 @@
 //! Tables of laser channels: powers against velocity, ratios against position.
 //!
 //! In: chunks of points, each a record of its own; `first` is the index of the chunk's first item.
-//! Out: points in the tables' memory, and with the last one the staged operation that publishes
+//! Out: points in the tables' memory, and with the last one the staged tick command that publishes
 //! them. Owns: the table that is being sent; a chunk with `first` 0 begins a new one.
 //! Fails: as the points do, each named. Nothing of a table is visible before its last chunk. A
 //! chunk that is sent again, because it was refused too early, is refused in the same way.
@@ -19,7 +19,7 @@ use crate::shadow::{CAPACITY, DistanceShadow, LaserChange};
 use protocol::command::{Request, SetLaserDisTable1D, SetLaserDisTable2D, SetLaserFollowTable, opcode};
 use protocol::reason::Reason;
 use servo::laser::{Curve, DISTANCES, NODES, POINTS, POWER_TABLES, Power, Ratios, Tables};
-use servo::op::Op;
+use servo::tick_command::TickCommand;
 use servo::units::Crd;
 use zerocopy::FromBytes;
 
@@ -200,7 +200,7 @@ impl Loading {
         });
         self.keep(&chunk, bank, done)?;
         if !chunk.is_last() {
-            context.stage(Op::Mark);
+            context.stage(TickCommand::Mark);
             return Ok((took(context, &[held.into()], 0), None));
         }
         if let Some(curve) = Curve::power(channel, table) {
@@ -255,7 +255,7 @@ impl Loading {
             shadow.from = Ratios::Lines { bank };
             stage(context, channel, shadow)?;
         } else {
-            context.stage(Op::Mark);
+            context.stage(TickCommand::Mark);
         }
         Ok(bounds_reply(context, channel, &shadow, held))
     }
@@ -326,7 +326,7 @@ impl Loading {
             shadow.from = Ratios::Plane { bank, axes };
             stage(context, channel, shadow)?;
         } else {
-            context.stage(Op::Mark);
+            context.stage(TickCommand::Mark);
         }
         Ok(bounds_reply(context, channel, &shadow, held))
     }

@@ -4,8 +4,8 @@ use crate::plan::geometry::pulses;
 use crate::refuse::Refused;
 use crate::report::pending_replies::Refuser;
 use protocol::reason::Reason;
-use servo::op::Mode;
 use servo::status::{LIMIT_NEGATIVE, LIMIT_POSITIVE, RUNNING, SERVO_ON};
+use servo::tick_command::Mode;
 use servo::units::{Axis, Crd};
 
 impl<const AXES: usize> Reading<'_, AXES> {

@@ -15,7 +15,7 @@ use crate::shadow::Change;
 use protocol::command::{CommandKind, Lanes, SetHSIOOpt, class, opcode};
 use protocol::reason::Reason;
 use protocol::record::{ReplyWriter, RequestRecord};
-use servo::op::Op;
+use servo::tick_command::TickCommand;
 use servo::view::View;
 use zerocopy::FromBytes;
 
@@ -99,8 +99,8 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
             }
             Ok((answer, effect)) => {
                 // The end of a laser's follow stops nothing.
-                let stops = |(op, _): &(Op, Change)| !matches!(op, Op::FollowEnd { .. });
-                if record.opcode == opcode::Stop && self.admission.staged.ops().iter().any(stops) {
+                let stops = |(command, _): &(TickCommand, Change)| !matches!(command, TickCommand::FollowEnd { .. });
+                if record.opcode == opcode::Stop && self.admission.staged.commands().iter().any(stops) {
                     program.stop(&mut self.admission, Reason::Discarded);
                 }
                 if record.opcode == opcode::Abort {
@@ -116,7 +116,7 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
                     self.config = Some(0);
                     return self.go_on_with_config(view, record);
                 }
-                let own = !self.admission.staged.ops().is_empty();
+                let own = !self.admission.staged.commands().is_empty();
                 self.await_last(record, answer, own)
             }
         }
@@ -124,8 +124,8 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
 
     /// Pushes what is staged; the caller has checked that there is room.
     fn push_staged(&mut self) {
-        for &(op, change) in self.admission.staged.ops() {
-            self.admission.lane.push(op, change, 0, &mut self.admission.admitted);
+        for &(command, change) in self.admission.staged.commands() {
+            self.admission.lane.push(command, change, 0, &mut self.admission.admitted);
         }
     }
 

@@ -26,12 +26,12 @@ use ring::{Consumer, Latest, Producer, Reader, Ring};
 use servo::laser::{
     self, Bounds, Buffered, Carrier, Change, Clock, Curve, Distance, POINTS, Power, Ratio, Ratios, Source, Tables,
 };
-use servo::op::{Entry, Mode, Op};
 use servo::path::axis_map::Frame;
 use servo::path::{self, Along, EntryStore, PathStores, Plane, Sweep};
 use servo::segment::pvt::{HeaderStore, PointStore, TABLES};
 use servo::tables::TableStores;
 use servo::tick::{EVENTS, IMMEDIATE, Lanes, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig};
+use servo::tick_command::{Entry, Mode, TickCommand};
 use servo::units::{Axis, AxisMask, Crd, CrdMask, Ns, StepLimit};
 use servo::view::{Event, Sample, View};
 
@@ -128,9 +128,9 @@ impl Bench {
         })
     }
 
-    fn push(&mut self, op: Op) {
+    fn push(&mut self, command: TickCommand) {
         self.seq += 1;
-        assert!(self.immediate.push(Entry { seq: self.seq, delay: Ns(0), op }).is_ok(), "the lane is full");
+        assert!(self.immediate.push(Entry { seq: self.seq, delay: Ns(0), command }).is_ok(), "the lane is full");
     }
 
     /// A tick that is not counted.
@@ -164,7 +164,7 @@ impl Bench {
     /// `cleared` times more than the view knows of.
     fn commit(&mut self, index: usize, cleared: u32) {
         let cleared = self.view.read().crds[index].cleared[0] + cleared;
-        self.push(Op::CrdCommit { crd: crd(index), fifo: 0, end: self.pushed[index], cleared });
+        self.push(TickCommand::CrdCommit { crd: crd(index), fifo: 0, end: self.pushed[index], cleared });
     }
 
     /// Coordinate systems on two axes each, from 8 on, with the next tick.
@@ -172,10 +172,10 @@ impl Bench {
         for index in 0..count {
             let mapped = [Some(axis(8 + 2 * index)), Some(axis(9 + 2 * index)), None, None];
             for axis in mapped.into_iter().flatten() {
-                self.push(Op::Servo { axis, on: true });
+                self.push(TickCommand::Servo { axis, on: true });
             }
             let Ok(frame) = Frame::admit(mapped, Some([0; 4]), 0) else { panic!("refused") };
-            self.push(Op::CrdFrame { crd: crd(index), frame });
+            self.push(TickCommand::CrdFrame { crd: crd(index), frame });
             self.pushed[index] = 0;
         }
         CrdMask((1 << count) - 1)
@@ -189,7 +189,7 @@ impl Bench {
     }
 
     fn reset(&mut self) {
-        self.push(Op::Reset { axes: AxisMask(0xfff) });
+        self.push(TickCommand::Reset { axes: AxisMask(0xfff) });
         self.pass();
         self.pass();
     }
@@ -203,7 +203,7 @@ impl Bench {
         self.fill(count, arcs);
         (0..count).for_each(|index| self.commit(index, 0));
         self.pass();
-        self.push(Op::CrdStart { crds, fifo1: CrdMask(0) });
+        self.push(TickCommand::CrdStart { crds, fifo1: CrdMask(0) });
         hprintln!("{} crd-start {}", case, self.counted());
         assert!(self.runs(), "it does not run");
         self.see_them_run(case, arcs);
@@ -222,7 +222,7 @@ impl Bench {
             if !once {
                 (0..40).for_each(|_| self.pass());
             }
-            self.push(Op::CrdStart { crds, fifo1: CrdMask(0) });
+            self.push(TickCommand::CrdStart { crds, fifo1: CrdMask(0) });
             hprintln!("{} {} {}", case, if once { "crd-once" } else { "crd-ready" }, self.counted());
             assert!(self.runs(), "it does not run");
             self.reset();
@@ -291,8 +291,8 @@ impl Bench {
     fn set_lasers(&mut self) {
         let Ok(carrier) = Carrier::admit(percent(333), Clock::GHZ) else { panic!("the carrier is refused") };
         for channel in 0..2 {
-            self.push(Op::Laser { channel, change: Change::Carrier { carrier, fine: None } });
-            self.push(Op::Laser { channel, change: Change::CrdMap { map: 1 << channel } });
+            self.push(TickCommand::Laser { channel, change: Change::Carrier { carrier, fine: None } });
+            self.push(TickCommand::Laser { channel, change: Change::CrdMap { map: 1 << channel } });
             let half = [0.001f64; 4].map(f64::to_bits);
             let distance = Distance::admit(
                 Source::Planned,
@@ -304,7 +304,7 @@ impl Bench {
                 None,
             );
             let Ok(distance) = distance else { panic!("refused") };
-            self.push(Op::Laser { channel, change: Change::Distance(Some(distance)) });
+            self.push(TickCommand::Laser { channel, change: Change::Distance(Some(distance)) });
         }
         self.pass();
     }
@@ -317,7 +317,7 @@ impl Bench {
         let distance = Distance::admit(Source::Planned, axes, [0; 4], scales, near, ratios, None);
         let Ok(distance) = distance else { panic!("refused") };
         for channel in 0..channels {
-            self.push(Op::Laser { channel, change: Change::Distance(Some(distance)) });
+            self.push(TickCommand::Laser { channel, change: Change::Distance(Some(distance)) });
         }
     }
 
@@ -326,7 +326,7 @@ impl Bench {
         let crds = self.set(1);
         let Ok(carrier) = Carrier::admit(percent(333), Clock::GHZ) else { panic!("the carrier is refused") };
         for channel in 0..channels {
-            self.push(Op::Laser { channel, change: Change::Carrier { carrier, fine: None } });
+            self.push(TickCommand::Laser { channel, change: Change::Carrier { carrier, fine: None } });
         }
         if let Some(ratios) = ratios {
             self.distance(channels, ratios);
@@ -340,7 +340,7 @@ impl Bench {
         self.put(0, path::Entry::planar([30_000, 20_000], along(200.0, 1.0, 0.0)));
         self.commit(0, 0);
         self.pass();
-        self.push(Op::CrdStart { crds, fifo1: CrdMask(0) });
+        self.push(TickCommand::CrdStart { crds, fifo1: CrdMask(0) });
         for _ in 0..8 {
             self.pass();
         }
@@ -349,7 +349,7 @@ impl Bench {
         }
         assert!(self.view.read().lasers[0].light, "no light");
         for channel in 0..channels {
-            self.push(Op::Laser { channel, change: Change::Reset { family: laser::Family::Gus } });
+            self.push(TickCommand::Laser { channel, change: Change::Reset { family: laser::Family::Gus } });
         }
         self.reset();
     }
@@ -386,10 +386,10 @@ impl Bench {
         for axis in (0..8).map(axis) {
             self.load_table(axis, scratch);
             axes.0 |= axis.mask().0;
-            self.push(Op::Servo { axis, on: true });
-            self.push(Op::SetMode { axis, mode: Mode::Pvt });
-            self.push(Op::PvtLoop { axis, passes: 0 });
-            self.push(Op::PvtSelect { axis, table: axis.index() as u8 });
+            self.push(TickCommand::Servo { axis, on: true });
+            self.push(TickCommand::SetMode { axis, mode: Mode::Pvt });
+            self.push(TickCommand::PvtLoop { axis, passes: 0 });
+            self.push(TickCommand::PvtSelect { axis, table: axis.index() as u8 });
         }
         self.pass();
         let bounds = Bounds::admit(laser::Mode::Duty, percent(100), percent(0));
@@ -410,8 +410,8 @@ impl Bench {
             self.commit(index, 0);
         }
         self.pass();
-        self.push(Op::PvtStart { axes });
-        self.push(Op::CrdStart { crds, fifo1: CrdMask(0) });
+        self.push(TickCommand::PvtStart { axes });
+        self.push(TickCommand::CrdStart { crds, fifo1: CrdMask(0) });
         self.pass();
         let mut seen = self.done();
         let mut published = None;

@@ -23,11 +23,11 @@ use probes::clock;
 use probes::counted::Counted;
 use probes::{AXES, STORES, TABLE_STORES, Thread};
 use servo::laser::{self, Carrier, Change, Clock, Delays, Family, Fine, Power};
-use servo::op::{Entry, Mode, Op};
 use servo::segment::follow;
 use servo::segment::pt::{Chain, Segment};
 use servo::segment::pvt::TABLES;
 use servo::segment::ramp::{Accel, Speed};
+use servo::tick_command::{Entry, Mode, TickCommand};
 use servo::units::{Axis, AxisMask, Ns, StepLimit};
 use servo::view::StopReason;
 
@@ -48,9 +48,9 @@ struct Bench {
 }
 
 impl Bench {
-    fn push(&mut self, op: Op) {
+    fn push(&mut self, command: TickCommand) {
         self.seq += 1;
-        assert!(self.thread.immediate.push(Entry { seq: self.seq, delay: Ns(0), op }).is_ok(), "the lane is full");
+        assert!(self.thread.immediate.push(Entry { seq: self.seq, delay: Ns(0), command }).is_ok(), "the lane is full");
     }
 
     /// One counted tick, printed.
@@ -118,21 +118,21 @@ impl Bench {
         for axis in (0..running).filter_map(Axis::new) {
             self.load_table(axis, scratch);
             axes.0 |= axis.mask().0;
-            self.push(Op::Servo { axis, on: true });
-            self.push(Op::SetMode { axis, mode: Mode::Pvt });
-            self.push(Op::PvtLoop { axis, passes: 0 });
-            self.push(Op::PvtSelect { axis, table: axis.index() as u8 });
+            self.push(TickCommand::Servo { axis, on: true });
+            self.push(TickCommand::SetMode { axis, mode: Mode::Pvt });
+            self.push(TickCommand::PvtLoop { axis, passes: 0 });
+            self.push(TickCommand::PvtSelect { axis, table: axis.index() as u8 });
         }
         self.step(case, Some("pvt-set"));
         let mark = self.prepare_start(case, ready, ["pvt-start", "pvt-ready"]);
-        self.push(Op::PvtStart { axes });
+        self.push(TickCommand::PvtStart { axes });
         self.step(case, Some(mark));
         let now = *self.thread.view.read();
         assert!(now.axes.iter().take(running).all(|a| a.table_until.0 == u64::MAX), "an axis does not run");
         for _ in 0..if ready { 0 } else { TICKS } {
             self.step_of(case, None, ["pvt-change", "pvt-inside"]);
         }
-        self.push(Op::Reset { axes });
+        self.push(TickCommand::Reset { axes });
         self.step(case, Some("reset"));
     }
 
@@ -148,11 +148,11 @@ impl Bench {
         let Some(master) = Axis::new(AXES - 1) else { panic!("no axis") };
         let mode = if shaped { Mode::FollowEx } else { Mode::Follow };
         let mut axes = AxisMask(0);
-        self.push(Op::Servo { axis: master, on: true });
-        self.push(Op::SetMode { axis: master, mode: Mode::Jog });
+        self.push(TickCommand::Servo { axis: master, on: true });
+        self.push(TickCommand::SetMode { axis: master, mode: Mode::Jog });
         let acc = Accel::admit(1000f64.to_bits()).unwrap_or_default();
-        self.push(Op::JogPrm { axis: master, acc, dec: acc, smooth: 0 });
-        self.push(Op::TargetSpeed {
+        self.push(TickCommand::JogPrm { axis: master, acc, dec: acc, smooth: 0 });
+        self.push(TickCommand::TargetSpeed {
             axis: master,
             speed: Speed::admit(5f64.to_bits(), StepLimit::FULL_SCALE).unwrap_or_default(),
         });
@@ -170,21 +170,21 @@ impl Bench {
                 chain = next;
             }
             axes.0 |= axis.mask().0;
-            self.push(Op::Servo { axis, on: true });
-            self.push(Op::SetMode { axis, mode });
-            self.push(Op::FollowMaster {
+            self.push(TickCommand::Servo { axis, on: true });
+            self.push(TickCommand::SetMode { axis, mode });
+            self.push(TickCommand::FollowMaster {
                 axis,
                 master: follow::Master { axis: master, value: follow::Value::Planned },
             });
-            self.push(Op::FollowLoop { axis, passes: 0 });
+            self.push(TickCommand::FollowLoop { axis, passes: 0 });
             let tail = chain.tail();
-            self.push(Op::FollowCommit { axis, fifo: 0, end: SEGMENTS, cleared: 0, tail });
+            self.push(TickCommand::FollowCommit { axis, fifo: 0, end: SEGMENTS, cleared: 0, tail });
         }
-        self.push(Op::Update { axes: master.mask() });
+        self.push(TickCommand::Update { axes: master.mask() });
         self.step(case, Some("follow-set"));
         self.step(case, Some("follow-set"));
         let start = self.prepare_start(case, ready, [start; 2]);
-        self.push(Op::FollowStart { axes, fifo1: AxisMask(0) });
+        self.push(TickCommand::FollowStart { axes, fifo1: AxisMask(0) });
         self.step(case, Some(start));
         // The master's ramp is over before what is counted.
         for _ in 0..SEGMENTS {
@@ -195,7 +195,7 @@ impl Bench {
         }
         let now = *self.thread.view.read();
         assert!(now.axes.iter().zip(0..running).all(|(a, _)| a.lead.is_some() || a.mode == Mode::Jog), "it stands");
-        self.push(Op::Reset { axes: AxisMask(axes.0 | master.mask().0) });
+        self.push(TickCommand::Reset { axes: AxisMask(axes.0 | master.mask().0) });
         self.step(case, Some("reset"));
     }
 
@@ -207,22 +207,22 @@ impl Bench {
         for axis in (0..running).filter_map(Axis::new) {
             let k = f64::from(axis.index() as u32);
             axes.0 |= axis.mask().0;
-            self.push(Op::Servo { axis, on: true });
-            self.push(Op::SetMode { axis, mode: Mode::Trap });
+            self.push(TickCommand::Servo { axis, on: true });
+            self.push(TickCommand::SetMode { axis, mode: Mode::Trap });
             let (acc, dec) = (rate(0.31 + k / 17.0), rate(0.77 + k / 13.0));
-            self.push(Op::TrapPrm { axis, acc, dec, vel_start: speed(0.0), smooth });
-            self.push(Op::TargetSpeed { axis, speed: speed(7.3 + k) });
-            self.push(Op::TargetPosition { axis, pulses: 100_000 });
-            self.push(Op::StopDec { axis, smooth: rate(0.9 + k / 11.0), abrupt: rate(1000.0) });
+            self.push(TickCommand::TrapPrm { axis, acc, dec, vel_start: speed(0.0), smooth });
+            self.push(TickCommand::TargetSpeed { axis, speed: speed(7.3 + k) });
+            self.push(TickCommand::TargetPosition { axis, pulses: 100_000 });
+            self.push(TickCommand::StopDec { axis, smooth: rate(0.9 + k / 11.0), abrupt: rate(1000.0) });
         }
         self.step(case, Some("set-ramp"));
         let mark = self.prepare_start(case, ready, [start; 2]);
-        self.push(Op::Update { axes });
+        self.push(TickCommand::Update { axes });
         self.step(case, Some(mark));
         for _ in 0..TICKS {
             self.step(case, Some(inside));
         }
-        self.push(Op::stop(axes, AxisMask(0)));
+        self.push(TickCommand::stop(axes, AxisMask(0)));
         let marks = if smooth.0 == 0 && !ready { ["stop", "stop-ramp"] } else { ["stopped"; 2] };
         for mark in marks {
             self.step(case, Some(mark));
@@ -232,7 +232,7 @@ impl Bench {
         }
         let now = *self.thread.view.read();
         assert!(now.axes.iter().take(running).all(|a| a.stop == StopReason::StopSmooth), "an axis did not stop");
-        self.push(Op::Reset { axes });
+        self.push(TickCommand::Reset { axes });
         self.step(case, Some("reset"));
     }
 
@@ -242,7 +242,7 @@ impl Bench {
         let percent = |value: u32| Power::admit(f64::from(value).to_bits()).unwrap_or_default();
         let all = |bench: &mut Bench, change: Change| {
             for channel in 0..channels {
-                bench.push(Op::Laser { channel, change });
+                bench.push(TickCommand::Laser { channel, change });
             }
         };
         let Ok(carrier) = Carrier::admit(percent(333), clock) else { panic!("the carrier is refused") };
@@ -281,15 +281,15 @@ impl Bench {
         for axis in (0..running).filter_map(Axis::new) {
             self.load(axis);
             axes.0 |= axis.mask().0;
-            self.push(Op::Servo { axis, on: true });
-            self.push(Op::SetMode { axis, mode: Mode::PtStatic });
-            self.push(Op::PtLoop { axis, passes: 0 });
-            self.push(Op::PtCommit { axis, fifo: 0, end: SEGMENTS, epoch: 0 });
+            self.push(TickCommand::Servo { axis, on: true });
+            self.push(TickCommand::SetMode { axis, mode: Mode::PtStatic });
+            self.push(TickCommand::PtLoop { axis, passes: 0 });
+            self.push(TickCommand::PtCommit { axis, fifo: 0, end: SEGMENTS, epoch: 0 });
         }
         self.step(case, Some("set"));
         if running > 0 {
             let mark = self.prepare_start(case, ready, ["start", "start-ready"]);
-            self.push(Op::PtStart { axes, fifo1: AxisMask(0) });
+            self.push(TickCommand::PtStart { axes, fifo1: AxisMask(0) });
             self.step(case, Some(mark));
             let now = *self.thread.view.read();
             assert!(now.axes.iter().take(running).all(|a| a.pt_state == 1), "an axis does not run");
@@ -297,7 +297,7 @@ impl Bench {
         for _ in 0..if ready { 0 } else { TICKS } {
             self.step(case, if running == 0 { Some("idle") } else { None });
         }
-        self.push(Op::Reset { axes });
+        self.push(TickCommand::Reset { axes });
         self.step(case, Some("reset"));
     }
 }

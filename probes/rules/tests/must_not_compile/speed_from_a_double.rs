@@ -1,8 +1,8 @@
 //! A double that has not passed the range check.
-use servo::op::Op;
+use servo::tick_command::TickCommand;
 use servo::units::Axis;
 
 fn main() {
     let axis = Axis::new(0).unwrap();
-    let _ = Op::TargetSpeed { axis, speed: 1e300 };
+    let _ = TickCommand::TargetSpeed { axis, speed: 1e300 };
 }

@@ -1,18 +1,18 @@
-//! What operations do to coordinate systems: set, clear, start, stop.
+//! What tick commands do to coordinate systems: set, clear, start, stop.
 //!
-//! In: admitted operations, the present state of the axes. Out: changed state, events. Owns
+//! In: admitted tick commands, the present state of the axes. Out: changed state, events. Owns
 //! nothing. Fails: a start that the state of a coordinate system or an axis forbids starts none of
 //! its mask, and is reported. Anything else that no longer fits has no effect.
 use super::effects::Sink;
 use super::{Clearance, CrdState, Frame, LOOKS, Lanes};
 use crate::laser::{Cause, EncoderSpeed, Lag, Run};
-use crate::op::Lane;
 use crate::path::{DIMENSIONS, EntryStore, Feed, Path, PathStores, Rules};
 use crate::segment::piece::Scaled;
 use crate::segment::ramp::Accel;
 use crate::status;
 use crate::tick::execute::Reach;
 use crate::tick::{Tick, report_event};
+use crate::tick_command::Lane;
 use crate::units::{AxisMask, Crd, CrdMask, Exact, Ns, Pos};
 use crate::view::{CrdView, Drive, Event, StopReason};
 

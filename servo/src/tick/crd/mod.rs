@@ -1,12 +1,12 @@
 //! Coordinate systems in the tick: axes that a [`Path`] drives.
 //!
-//! In: a [`Frame`] each, entries in two FIFOs, operations, the axes in their present state. Out:
+//! In: a [`Frame`] each, entries in two FIFOs, tick commands, the axes in their present state. Out:
 //! set-points of the axes; the effects of entries, with exact instants; what the thread reads
 //! ([`CrdView`]). Owns the paths. Fails: never; a path that must not go on stops, with a reason.
 //!
 //! | file | what it is |
 //! | --- | --- |
-//! | `commands` | what operations do: set, clear, start, stop |
+//! | `commands` | what tick commands do: set, clear, start, stop |
 //! | `drive` | a tick of those that run, before that of the axes |
 //! | `effects` | what entries do to the rest of the machine |
 //! | `soft_limits` | whether limits of axes are in the way of a path |

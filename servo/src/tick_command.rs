@@ -1,9 +1,9 @@
-//! Admitted operations: what the thread hands to the tick.
+//! Admitted tick commands: what the thread hands to the tick.
 //!
-//! An [`Op`] has passed every check, so the tick can only carry it out or, where the machine's
-//! state changed meanwhile (a limit, an alarm), refuse it with a [`crate::view::Event`]. Two lanes
-//! lead in: the immediate lane acts on the next tick; the program lane is timed (SPEC 7): an
-//! entry's instant is that of the entry before plus `delay`, and it acts on the first tick after
+//! An [`TickCommand`] has passed every check, so the tick can only carry it out or, where the
+//! machine's state changed meanwhile (a limit, an alarm), refuse it with a [`crate::view::Event`].
+//! Two lanes lead in: the immediate lane acts on the next tick; the program lane is timed (SPEC 7):
+//! an entry's instant is that of the entry before plus `delay`, and it acts on the first tick after
 //! that instant.
 use crate::path;
 use crate::path::axis_map::Frame;
@@ -13,7 +13,7 @@ use crate::segment::ramp::{Accel, Speed};
 pub use crate::units::DoGroup;
 use crate::units::{Axis, AxisMask, Crd, CrdMask, Ns, Pos};
 
-/// An operation with its instant on the script clock, and the number under which its execution is
+/// A tick command with its instant on the script clock, and the number under which its execution is
 /// reported.
 #[derive(Debug, Clone, Copy)]
 pub struct Entry {
@@ -22,7 +22,7 @@ pub struct Entry {
     /// Program lane only: time since the instant of the entry before.
     pub delay: Ns,
     /// What to do.
-    pub op: Op,
+    pub command: TickCommand,
 }
 
 /// The lane an entry came by.
@@ -101,20 +101,20 @@ pub enum Mode {
     Follow = 5,
     /// The same with shaped ratios and entries that are no segments.
     FollowEx = 6,
-    /// Driven by the coordinate system that it is mapped to. Only [`Op::CrdFrame`] sets this mode,
-    /// and any other mode, at standstill, ends it.
+    /// Driven by the coordinate system that it is mapped to. Only [`TickCommand::CrdFrame`] sets
+    /// this mode, and any other mode, at standstill, ends it.
     Crd = 7,
 }
 
-impl Op {
+impl TickCommand {
     /// A Stop of axes alone.
-    pub const fn stop(axes: AxisMask, abrupt: AxisMask) -> Op {
-        Op::Stop { axes, abrupt, crds: CrdMask(0), crds_abrupt: CrdMask(0) }
+    pub const fn stop(axes: AxisMask, abrupt: AxisMask) -> TickCommand {
+        TickCommand::Stop { axes, abrupt, crds: CrdMask(0), crds_abrupt: CrdMask(0) }
     }
 
     /// A Stop of coordinate systems alone.
-    pub const fn stop_crds(crds: CrdMask, abrupt: CrdMask) -> Op {
-        Op::Stop { axes: AxisMask(0), abrupt: AxisMask(0), crds, crds_abrupt: abrupt }
+    pub const fn stop_crds(crds: CrdMask, abrupt: CrdMask) -> TickCommand {
+        TickCommand::Stop { axes: AxisMask(0), abrupt: AxisMask(0), crds, crds_abrupt: abrupt }
     }
 }
 
@@ -145,10 +145,10 @@ impl Supervision {
     pub const DEFAULT: Supervision = Supervision { link: Brake::JogAndPaths, interlock: Brake::JogAndPaths };
 }
 
-/// Every operation of the tick. Its size counts: entries are copied through the ring.
+/// Every tick command. Its size counts: entries are copied through the ring.
 #[allow(missing_docs, reason = "each variant's text names its fields")]
 #[derive(Debug, Clone, Copy)]
-pub enum Op {
+pub enum TickCommand {
     /// Nothing; only its execution is reported.
     Mark,
     /// Immediate lane: the held program begins; the script clock is zero at the tick in force now.
