@@ -7,7 +7,7 @@
 //! Fixed ratios are divided by their scales at admission and have a common exponent: the sum is off
 //! by 2⁻⁵⁸ of the largest factor times the largest distance, and half a unit. With a table the
 //! ratio has 44 fraction bits, the distance over the scale 32 and at most ±2²⁹.
-use super::double::{Cut, part, product, scaled};
+use super::fixed_point::{Cut, part, product, scaled};
 use super::power::{Bounds, Refused};
 use super::power_tables::{Curve, DISTANCES, Interval, Tables};
 use super::velocity_follow::Source;
@@ -64,7 +64,7 @@ impl Distance {
     ) -> Result<Distance, Refused> {
         let mut reals = [Real::ZERO; DISTANCES];
         for ((to, scale), ratio) in reals.iter_mut().zip(scales).zip(ratios) {
-            let (scale, ratio) = (double::real(scale)?, double::real(ratio)?);
+            let (scale, ratio) = (fixed_point::real(scale)?, fixed_point::real(ratio)?);
             if scale.is_negative() {
                 return Err(Refused::Negative);
             }

@@ -11,7 +11,7 @@
 //! written while the other is in force. Each point is stored with its slope to the next one, so
 //! that the tick never divides: m·2⁻ˢ with 54 bits of m, which makes an error of 2⁻⁵³ of the step
 //! between the two, and half a unit.
-use super::double::{nearest, product, scaled};
+use super::fixed_point::{nearest, product, scaled};
 use super::power::{Power, Refused};
 use super::{CHANNELS, double};
 use crate::math::real::Real;
@@ -161,10 +161,10 @@ impl Tables {
         }
     }
 
-    /// Point `index` of a table of powers: a velocity from the bits of a double, 0 to 2³² pulse/ms,
+    /// Point `index` of a table of powers: a velocity from the bits of a fixed_point, 0 to 2³² pulse/ms,
     /// above that of the point before by 2⁻²⁸ at least.
     pub fn power_point(&self, curve: Curve, index: usize, velocity: u64, power: Power) -> Result<(), Refused> {
-        let x = double::fixed(velocity, PathSpeed::FRAC_BITS as i32, 32)?;
+        let x = fixed_point::fixed(velocity, PathSpeed::FRAC_BITS as i32, 32)?;
         if x < 0 {
             return Err(Refused::Negative);
         }
@@ -172,9 +172,9 @@ impl Tables {
     }
 
     /// Point `index` of a table of ratios: a position in pulses, above that of the point before,
-    /// and the bits of a double, |ratio| ≤ 2¹⁷.
+    /// and the bits of a fixed_point, |ratio| ≤ 2¹⁷.
     pub fn ratio_point(&self, curve: Curve, index: usize, pulses: i32, ratio: u64) -> Result<(), Refused> {
-        let y = double::fixed(ratio, Power::FRAC_BITS as i32, 17)?;
+        let y = fixed_point::fixed(ratio, Power::FRAC_BITS as i32, 17)?;
         self.point(curve, index, Pos::pulses(pulses).0, y, 1)
     }
 
@@ -188,7 +188,7 @@ impl Tables {
     /// the bits of a double,
     /// |ratio| ≤ 2¹⁷.
     pub fn plane_node(&self, channel: u8, bank: u8, index: usize, ratio: u64) -> Result<(), Refused> {
-        let y = double::fixed(ratio, Power::FRAC_BITS as i32, 17)?;
+        let y = fixed_point::fixed(ratio, Power::FRAC_BITS as i32, 17)?;
         let slot = node(channel, bank, index).ok_or(Refused::Count)?;
         self.nodes.write(slot, [y as u32, (y >> 32) as u32]);
         Ok(())

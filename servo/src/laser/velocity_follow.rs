@@ -8,7 +8,7 @@
 //! the *middle* of that interval. Under constant acceleration that is the mean: the energy of each
 //! interval is the ratio times its length, at any period. The speed at its beginning would lag by
 //! half a tick.
-use super::double::{Cut, held};
+use super::fixed_point::{Cut, held};
 use super::power::Refused;
 use crate::math::wide::umul;
 use crate::path::PathSpeed;
@@ -69,7 +69,7 @@ impl Gain {
     /// No power at any speed.
     pub(super) const NONE: Gain = Gain { m: 0, cut: Cut::of(64), shift: 64 };
 
-    /// ratio·v in 2⁻⁴⁴ to half a unit; held at [`MOST`](super::double::MOST).
+    /// ratio·v in 2⁻⁴⁴ to half a unit; held at [`MOST`](super::fixed_point::MOST).
     #[inline(always)]
     pub(super) fn power(self, speed: PathSpeed) -> i64 {
         match self.cut.product(speed.raw(), self.m) {
