@@ -5,7 +5,7 @@
 //! about to reach. Out: whether the axis may go there; where it is held, and why. Owns the
 //! [`Bounds`] in which no limit is near. Cannot fail: a motion that meets a limit stops there.
 //!
-//! The soft limits of a path are those of its axes: `tick/crd/soft_limits.rs`.
+//! The soft limits of a path are those of its axes: `tick/crd/path_soft_limits.rs`.
 use super::inputs::Inputs;
 use super::{AxisState, NEGATIVE_EDGE};
 use crate::status;

@@ -4,7 +4,7 @@
 //! the tick computed, the effects of entries until the one after. Owns nothing. Cannot fail: what
 //! must not go on stops, and the reason is latched.
 use super::effects::Sink;
-use super::soft_limits::is_free;
+use super::path_soft_limits::is_free;
 use super::{Clearance, CrdState, Frame, Halt};
 use crate::axis::AxisState;
 use crate::laser::{Cause, PathSpeed, Wants};

@@ -9,7 +9,7 @@
 //! | `commands` | what tick commands do: set, clear, start, stop |
 //! | `drive` | a tick of those that run, before that of the axes |
 //! | `effects` | what entries do to the rest of the machine |
-//! | `soft_limits` | whether limits of axes are in the way of a path |
+//! | `path_soft_limits` | whether limits of axes are in the way of a path |
 //! | `feed_override` | the factor on its speeds |
 //!
 //! Which axes, and their zero: `path/axis_map.rs`. The motion of one axis, for readers:
@@ -18,10 +18,10 @@ mod commands;
 mod drive;
 mod effects;
 mod feed_override;
-mod soft_limits;
+mod path_soft_limits;
 
 pub(crate) use commands::Halt;
-use soft_limits::Clearance;
+use path_soft_limits::Clearance;
 
 use crate::laser::EncoderSpeed;
 use crate::path::axis_map::Frame;
