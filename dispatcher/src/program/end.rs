@@ -5,7 +5,7 @@
 //! ProgramDrop, after a failure an Abort.
 //! What was dropped leaves no trace: the admitted state is set back to the executed one. A FIFO
 //! whose slots were already overwritten is emptied: it holds neither its old data nor the new.
-use super::gathered::Gathered;
+use super::pending_commits::PendingCommits;
 use super::{Program, ProgramDrop, State};
 use crate::admit::admission::Admission;
 use crate::lane::Until;
@@ -131,7 +131,7 @@ impl Program<'_> {
             item.open = false;
         }
         self.script.forget();
-        self.gathered = Gathered::default();
+        self.pending_commits = PendingCommits::default();
         (self.run.start, self.run.end, self.config) = (None, None, None);
     }
 

@@ -73,10 +73,10 @@ impl Program<'_> {
         progress
     }
 
-    /// Whether a command other than Reset has room after the gathered commits. Data adds at most
+    /// Whether a command other than Reset has room after the pending commits. Data adds at most
     /// one commit.
     fn has_room(&self) -> bool {
-        self.lane.room() >= FEW + self.gathered.count() && self.replies.has_room(TAKEN_MAX)
+        self.lane.room() >= FEW + self.pending_commits.count() && self.replies.has_room(TAKEN_MAX)
     }
 
     /// Whether a record from the wire may be admitted directly: it is data, and no record waits.
@@ -99,14 +99,14 @@ impl Program<'_> {
     }
 
     /// Whether there is data that the tick does not know of yet.
-    pub fn gathers(&self) -> bool {
-        !self.gathered.is_empty()
+    pub fn has_pending_commits(&self) -> bool {
+        !self.pending_commits.is_empty()
     }
 
-    /// When the gathered commits have to be in the ring, controller time; none while the program is
+    /// When the pending commits have to be in the ring, controller time; none while the program is
     /// held.
     pub fn flush_due<const AXES: usize>(&self, view: &View<AXES>) -> Option<Ns> {
-        if !self.gathers() || self.state != State::Running {
+        if !self.has_pending_commits() || self.state != State::Running {
             return None;
         }
         // Before the first tick of the run its zero is not known: the present tick stands for it.
@@ -123,7 +123,7 @@ impl Program<'_> {
         out: &mut ReplyWriter,
     ) -> bool {
         let runs = self.runs(view);
-        let quiet = !self.lane.in_flight() && !self.gathers();
+        let quiet = !self.lane.in_flight() && !self.has_pending_commits();
         let full = matches!(refused.reason, Reason::FifoFull | Reason::CrdFull);
         self.urgent = runs && (!full || quiet);
         if !self.is_past(view) {
@@ -209,7 +209,7 @@ impl Program<'_> {
             return Ok(self.take_config(admission, view));
         }
         // Only a Reset may be too much here; its admission can be repeated.
-        if self.lane.room() < self.gathered.count() + admission.staged.commands().len() {
+        if self.lane.room() < self.pending_commits.count() + admission.staged.commands().len() {
             return Ok(Step::Wait);
         }
         if admission.staged.commands().is_empty() {
@@ -263,7 +263,7 @@ impl Program<'_> {
 
     /// Answers together with the entry before, or at once if that was executed.
     fn attach(&mut self, opcode: u16, tag: u16, answer: Answer) {
-        let open = self.gathers();
+        let open = self.has_pending_commits();
         let seq = self.lane.in_flight().then(|| self.lane.last());
         self.replies.push(Awaiting { opcode, tag, seq, open, answer, ..Awaiting::BLANK });
     }
@@ -280,20 +280,20 @@ impl Program<'_> {
         if at_once {
             admission.commit_now(of, fifo);
         } else {
-            self.gathered.add(of, fifo);
+            self.pending_commits.add(of, fifo);
         }
         let (seq, open) = (at_once.then(|| admission.lane.last()), !at_once);
         self.replies.push(Awaiting { opcode, tag, seq, open, own: true, may_fail, answer, ..Awaiting::BLANK });
     }
 
-    /// Pushes the gathered commits. There is room for them: no record is admitted without it, and
+    /// Pushes the pending commits. There is room for them: no record is admitted without it, and
     /// data itself takes none.
     pub fn flush<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>) {
-        if !self.gathers() || self.lane.room() < self.gathered.count() {
+        if !self.has_pending_commits() || self.lane.room() < self.pending_commits.count() {
             return;
         }
-        let (first, gathered) = (seq_after(self.lane.last()), core::mem::take(&mut self.gathered));
-        for (of, fifo) in gathered.fifos() {
+        let (first, pending) = (seq_after(self.lane.last()), core::mem::take(&mut self.pending_commits));
+        for (of, fifo) in pending.fifos() {
             let (command, change) = admission.commit(of, fifo);
             self.push(admission, command, change);
         }
@@ -301,9 +301,9 @@ impl Program<'_> {
             // Data of an axis waits for its own commit: the tick may refuse that.
             let before = match item.answer {
                 Answer::Taken { axis, fifo, .. } | Answer::Entered { axis, fifo, .. } if item.own => {
-                    gathered.before(axis, fifo)
+                    pending.before(axis, fifo)
                 }
-                _ => gathered.count() as u32 - 1,
+                _ => pending.count() as u32 - 1,
             };
             (item.open, item.seq) = (false, Some(seq_from(first, before)));
         }

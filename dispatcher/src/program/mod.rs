@@ -16,8 +16,8 @@
 //! client then goes back and sends them again, and no order is lost. So lane 0 never waits for lane
 //! 1.
 mod end;
-mod gathered;
 mod intake;
+mod pending_commits;
 pub(crate) mod record_queue;
 mod reported;
 mod script;
@@ -31,7 +31,7 @@ use crate::lane::Lane;
 use crate::refuse::{Admitted, FifoOf, Refused};
 use crate::report::pending_replies::{PendingReplies, Step};
 use crate::shadow::{Change, PROGRAM_FLAG, Shadows, executed, renew};
-use gathered::Gathered;
+use pending_commits::PendingCommits;
 use protocol::command::{ProgramClear, ProgramReply, ProgramStart, ProgramStatus, opcode};
 use protocol::reason::Reason;
 use protocol::record::{Full, Lane as RecordLane, ReplyWriter, RequestRecord};
@@ -104,7 +104,7 @@ servo::state! {
         state: State = State::Empty,
         run: Run = Run::default(),
         script: Script = Script::default(),
-        gathered: Gathered = Gathered::default(),
+        pending_commits: PendingCommits = PendingCommits::default(),
         ending: Ending = Ending { strict: false, drop: ProgramDrop::None, reason: Reason::Discarded, clears: false },
         reported: Reported = Reported::default(),
         /// The item of LoadConfig in hand.
@@ -148,7 +148,7 @@ impl<'a> Program<'a> {
     /// shows everything admitted before it.
     fn is_reached<const AXES: usize>(&self, view: &View<AXES>) -> bool {
         let instant = self.script.instant_after(view);
-        let quiet = !self.lane.in_flight() && !self.gathers();
+        let quiet = !self.lane.in_flight() && !self.has_pending_commits();
         self.runs(view) && quiet && instant < view.now.0.saturating_add(view.period.0)
     }
 
@@ -172,7 +172,7 @@ impl<'a> Program<'a> {
     /// Whether the record in hand acts soon, and nothing before it is in flight.
     fn is_soon<const AXES: usize>(&self, view: &View<AXES>) -> bool {
         let instant = self.script.instant_from(view.script_zero.0);
-        let quiet = !self.lane.in_flight() && !self.gathers();
+        let quiet = !self.lane.in_flight() && !self.has_pending_commits();
         self.runs(view) && quiet && instant <= view.now.0.saturating_add(intake::COMMIT_LEAD_NS)
     }
 

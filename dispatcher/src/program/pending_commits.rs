@@ -6,14 +6,14 @@ use servo::units::{Axis, AxisMask, CrdMask};
 
 /// See the module text.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Gathered {
+pub(super) struct PendingCommits {
     /// Axes with such data in FIFO 0, FIFO 1.
     axes: [AxisMask; 2],
     /// Coordinate systems, the same.
     crds: [CrdMask; 2],
 }
 
-impl Gathered {
+impl PendingCommits {
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
         let ([first, second], [third, fourth]) = (self.axes, self.crds);
