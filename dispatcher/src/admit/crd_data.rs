@@ -8,7 +8,7 @@
 //! Every command becomes a [`DataCommand`]; [`put`] does the rest. A command of another chapter
 //! that goes into a FIFO (a buffered laser change) makes a `DataCommand` of its own, with
 //! [`Item::Entry`].
-mod given;
+mod decode;
 
 use super::context::Context;
 use super::many;
@@ -21,8 +21,8 @@ use crate::plan::path_queue::{Destination, PathQueue, Queued};
 use crate::refuse::{Admitted, FifoOf, Refused, choice, real};
 use crate::report::answer::Answer;
 use crate::shadow::{CAPACITY, Change, CrdChange, CrdShadow, Frame, PathData, PathShadow};
-pub use given::{DataCommand, EntryKind, Item, Target};
-use given::{Shape, Speeds, given};
+pub use decode::{DataCommand, EntryKind, Item, Target};
+use decode::{Shape, Speeds, decode};
 use protocol::command::{LnXYMany, LnXYZMany, opcode};
 use protocol::reason::Reason;
 use servo::path::{Along, DIMENSIONS, Entry, EntryStore, Plane};
@@ -336,7 +336,7 @@ pub fn data<const AXES: usize>(context: &Context<AXES>, paths: Paths<'_>, number
     match number {
         opcode::LnXYMany => lines::<LnXYMany, 2, AXES>(context, paths, body),
         opcode::LnXYZMany => lines::<LnXYZMany, 3, AXES>(context, paths, body),
-        _ => put(context, paths, &given(context, number, body)?),
+        _ => put(context, paths, &decode(context, number, body)?),
     }
 }
 

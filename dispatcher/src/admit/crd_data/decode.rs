@@ -80,7 +80,7 @@ pub enum EntryKind {
 pub type DataCommand = (Target, Item);
 
 /// The commands of one entry.
-pub fn given<const AXES: usize>(context: &Context<AXES>, number: u16, body: &[u8]) -> Admitted<DataCommand> {
+pub fn decode<const AXES: usize>(context: &Context<AXES>, number: u16, body: &[u8]) -> Admitted<DataCommand> {
     macro_rules! target {
         ($r:ident, $field:expr) => {
             Target { core: $r.core.get(), crd: $r.crd.get(), fifo: $r.fifo.get(), fifo_field: $field }
