@@ -50,7 +50,7 @@ impl<'a, const N: usize> Lane<'a, N> {
     }
     /// Advances the numbers by `entries`, for tests of counters; nothing is in flight.
     #[cfg(feature = "test-hooks")]
-    pub fn age(&mut self, entries: u32) {
+    pub fn advance_counters(&mut self, entries: u32) {
         if self.log.is_empty() {
             self.last = crate::shadow::seq_from(self.last, entries);
         }

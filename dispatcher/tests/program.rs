@@ -271,7 +271,7 @@ fn clock_after(ns: u64) -> (Vec<(u64, u64)>, u64, u32) {
     bench.run_ms(5);
     assert_ne!(bench.machine.outputs.2, before, "the first output is set");
     before = bench.machine.outputs.2;
-    bench.tick.age(0, Ns(ns));
+    bench.tick.advance_counters(0, Ns(ns));
     while !bench.answers.contains_key(tags.last().unwrap()) {
         bench.step();
         if bench.machine.outputs.2 != before {

@@ -32,7 +32,7 @@ fn since(change: Change, begin: u64) -> Change {
 /// A round of a controller that has executed so many entries and so many ns before.
 fn life(entries: u32, ns: u64) -> Done {
     let mut board = Board::new(Config { tick_us: TICK_US as u32, ..Config::default() });
-    board.age(entries, ns);
+    board.advance_counters(entries, ns);
     board.record_beam(true);
     let begin = board.now();
     assert!(begin >= ns);
@@ -92,7 +92,7 @@ fn path_of(entries: u32) -> (Done, u32) {
     client.sleep(Duration::from_millis(5)).unwrap();
     let begin = {
         let mut board = board.lock().unwrap();
-        board.age_counts(entries);
+        board.advance_fifo_counters(entries);
         board.record_beam(true);
         board.now()
     };
@@ -184,7 +184,7 @@ fn what_was_executed_long_ago_does_not_come_back() {
     );
     // 1.5 times 2³⁰ entries.
     for _ in 0..192 {
-        board.lock().unwrap().age(1 << 23, 0);
+        board.lock().unwrap().advance_counters(1 << 23, 0);
     }
     run(
         &client,

@@ -10,7 +10,7 @@
 mod state;
 
 #[cfg(feature = "test-hooks")]
-mod age;
+mod advance_counters;
 mod axis;
 mod capacity;
 pub mod math;

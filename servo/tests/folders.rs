@@ -21,7 +21,7 @@ const ORDER: [&str; 17] = [
     "axis",
     "trace",
     "tick",
-    "age",
+    "advance_counters",
 ];
 
 fn rank(module: &str) -> usize {

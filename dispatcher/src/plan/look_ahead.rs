@@ -216,7 +216,7 @@ impl<const N: usize> LookAhead<N> {
     /// Advances the counters of an empty queue, for tests. They are as wide as an address: `by`
     /// counts with its sign, so that counters of any width are equally far from wrapping.
     #[cfg(feature = "test-hooks")]
-    pub fn age(&mut self, by: u32) {
+    pub fn advance_counters(&mut self, by: u32) {
         let by = by.cast_signed() as isize as usize;
         (self.first, self.end) = (self.first.wrapping_add(by), self.end.wrapping_add(by));
     }

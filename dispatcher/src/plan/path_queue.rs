@@ -106,9 +106,9 @@ impl PathQueue {
 
     /// Advances the counters of an empty queue, for tests.
     #[cfg(feature = "test-hooks")]
-    pub fn age(&mut self, by: u32) {
+    pub fn advance_counters(&mut self, by: u32) {
         (self.first, self.end) = (self.first.wrapping_add(by), self.end.wrapping_add(by));
-        self.look.age(by);
+        self.look.advance_counters(by);
     }
 
     /// Forgets the look-ahead and all entries from this one on.

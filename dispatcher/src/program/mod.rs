@@ -352,8 +352,8 @@ impl<'a> Program<'a> {
 
     /// Advances the numbers of the lane, for tests of counters.
     #[cfg(feature = "test-hooks")]
-    pub fn age(&mut self, entries: u32) {
-        self.lane.age(entries);
+    pub fn advance_counters(&mut self, entries: u32) {
+        self.lane.advance_counters(entries);
     }
 
     /// Does all that is possible now. True if something was done.

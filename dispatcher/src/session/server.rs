@@ -300,26 +300,26 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
         (due != u64::MAX).then_some(Ns(due))
     }
 
-    /// Advances the numbers of each lane by `entries`, with [`Tick::age`](servo::tick::Tick::age)
+    /// Advances the numbers of each lane by `entries`, with [`Tick::advance_counters`](servo::tick::Tick::advance_counters)
     /// by as much before the next tick. For tests of what a long life does to counters. Nothing may
     /// be in flight.
     #[cfg(feature = "test-hooks")]
-    pub fn age(&mut self, entries: u32) {
-        self.handler.admission.lane.age(entries);
-        self.program.age(entries);
+    pub fn advance_counters(&mut self, entries: u32) {
+        self.handler.admission.lane.advance_counters(entries);
+        self.program.advance_counters(entries);
     }
 
     /// Advances the counts of entries and motions of each FIFO of a path, with
-    /// [`Tick::age_counts`](servo::tick::Tick::age_counts). The FIFOs must be empty.
+    /// [`Tick::advance_fifo_counters`](servo::tick::Tick::advance_fifo_counters). The FIFOs must be empty.
     #[cfg(feature = "test-hooks")]
-    pub fn age_counts(&mut self, by: u32) {
+    pub fn advance_fifo_counters(&mut self, by: u32) {
         let paths = self.handler.admission.admitted.crds.iter().flat_map(|crd| &crd.fifos);
         for (queue, path) in self.handler.admission.queues.iter_mut().flatten().zip(paths) {
             queue.follow(path.cleared);
-            queue.age(by);
+            queue.advance_counters(by);
         }
         for shadows in [&mut self.handler.admission.executed, &mut self.handler.admission.admitted] {
-            shadows.crds.iter_mut().for_each(|crd| crd.age(by));
+            shadows.crds.iter_mut().for_each(|crd| crd.advance_counters(by));
         }
     }
 

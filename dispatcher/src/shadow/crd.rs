@@ -302,7 +302,7 @@ impl CrdShadow {
     }
     /// Advances the counts of entries and motions of its empty FIFOs, for tests.
     #[cfg(feature = "test-hooks")]
-    pub fn age(&mut self, by: u32) {
+    pub fn advance_counters(&mut self, by: u32) {
         for PathData { given, over, motions, .. } in self.fifos.iter_mut().map(|path| &mut path.data) {
             [given, over, motions].into_iter().for_each(|count| *count = count.wrapping_add(by));
         }

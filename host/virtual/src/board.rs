@@ -104,15 +104,15 @@ impl<'m> Controller<'m> {
     /// Advances the counters by so many executed entries and `ns`, for tests of a long life.
     /// Nothing may run or be in transfer.
     #[cfg(feature = "test-hooks")]
-    pub fn age(&mut self, entries: u32, ns: u64) {
-        self.core.age(entries, ns);
+    pub fn advance_counters(&mut self, entries: u32, ns: u64) {
+        self.core.advance_counters(entries, ns);
     }
 
     /// Advances the count of executed entries of each FIFO of a path, and the on-time of each laser
     /// in units of 250 µs, for the same tests. All FIFOs must be empty.
     #[cfg(feature = "test-hooks")]
-    pub fn age_counts(&mut self, by: u32) {
-        self.core.age_counts(by);
+    pub fn advance_fifo_counters(&mut self, by: u32) {
+        self.core.advance_fifo_counters(by);
     }
 
     /// Moves the link bytes that are ready to the end of `out`.
@@ -227,9 +227,9 @@ trait Core {
     fn feed(&mut self, bytes: &[u8]);
     fn visit(&mut self, wire: &mut SecondaryTransport, holder: Option<&str>, bytes: &[u8]) -> (usize, bool);
     #[cfg(feature = "test-hooks")]
-    fn age(&mut self, entries: u32, ns: u64);
+    fn advance_counters(&mut self, entries: u32, ns: u64);
     #[cfg(feature = "test-hooks")]
-    fn age_counts(&mut self, by: u32);
+    fn advance_fifo_counters(&mut self, by: u32);
     fn take_tx(&mut self, out: &mut Vec<u8>);
     fn take_trace(&mut self, out: &mut Vec<u8>);
     fn advance(&mut self, ns: u64, out: &mut Vec<u8>) -> bool;
@@ -441,17 +441,17 @@ impl<const AXES: usize> Core for Whole<'_, AXES> {
     }
 
     #[cfg(feature = "test-hooks")]
-    fn age(&mut self, entries: u32, ns: u64) {
-        self.server.age(entries);
-        self.tick.age(entries, Ns(ns));
+    fn advance_counters(&mut self, entries: u32, ns: u64) {
+        self.server.advance_counters(entries);
+        self.tick.advance_counters(entries, Ns(ns));
         self.run_tick();
         self.run_thread();
     }
 
     #[cfg(feature = "test-hooks")]
-    fn age_counts(&mut self, by: u32) {
-        self.server.age_counts(by);
-        self.tick.age_counts(by);
+    fn advance_fifo_counters(&mut self, by: u32) {
+        self.server.advance_fifo_counters(by);
+        self.tick.advance_fifo_counters(by);
         self.run_tick();
         self.run_thread();
     }

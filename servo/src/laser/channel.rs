@@ -374,10 +374,10 @@ impl Channel {
         self.report_follow(at, followed);
     }
 
-    /// It was on for this many units more: see [`crate::tick::Tick::age_counts`].
+    /// It was on for this many units more: see [`crate::tick::Tick::advance_fifo_counters`].
     #[cfg(feature = "test-hooks")]
-    pub(super) fn age_light(&mut self, units: u32) {
-        self.on_time.age(units);
+    pub(super) fn advance_on_time(&mut self, units: u32) {
+        self.on_time.advance_counters(units);
     }
 
     /// The coordinate systems with an alarm now.

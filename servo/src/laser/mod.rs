@@ -440,19 +440,19 @@ impl Lasers {
         self.speeds.fed = 0;
     }
 
-    /// Counts of changes rise by this many: see [`crate::tick::Tick::age`].
+    /// Counts of changes rise by this many: see [`crate::tick::Tick::advance_counters`].
     #[cfg(feature = "test-hooks")]
-    pub(crate) fn age(&mut self, by: u32) {
+    pub(crate) fn advance_counters(&mut self, by: u32) {
         for channel in &mut self.channels {
             let LaserView { moves, turns, changes, .. } = &mut channel.published;
             [moves, turns, changes].into_iter().for_each(|count| *count = count.wrapping_add(by));
         }
     }
 
-    /// Every channel was on for this many units more: see [`crate::tick::Tick::age_counts`].
+    /// Every channel was on for this many units more: see [`crate::tick::Tick::advance_fifo_counters`].
     #[cfg(feature = "test-hooks")]
-    pub(crate) fn age_light(&mut self, units: u32) {
-        self.channels.iter_mut().for_each(|channel| channel.age_light(units));
+    pub(crate) fn advance_on_time(&mut self, units: u32) {
+        self.channels.iter_mut().for_each(|channel| channel.advance_on_time(units));
     }
 
     /// Brings the published views up to date.

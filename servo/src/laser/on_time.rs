@@ -34,9 +34,9 @@ impl OnTime {
         self.remainder_ns = sum;
     }
 
-    /// This many units more: see [`crate::tick::Tick::age_counts`].
+    /// This many units more: see [`crate::tick::Tick::advance_fifo_counters`].
     #[cfg(feature = "test-hooks")]
-    pub(super) fn age(&mut self, units: u32) {
+    pub(super) fn advance_counters(&mut self, units: u32) {
         self.units = self.units.wrapping_add(units);
     }
 

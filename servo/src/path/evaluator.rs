@@ -332,9 +332,9 @@ impl Path {
     }
 
     /// Its FIFOs, which are empty, have executed this many entries and motions more: see
-    /// [`crate::tick::Tick::age_counts`].
+    /// [`crate::tick::Tick::advance_fifo_counters`].
     #[cfg(feature = "test-hooks")]
-    pub(crate) fn age(&mut self, by: u32) {
+    pub(crate) fn advance_counters(&mut self, by: u32) {
         self.discard_prepared();
         for Cursor { next, done, left_at, .. } in &mut self.cursors {
             [next, done, left_at].into_iter().for_each(|count| *count = count.wrapping_add(by));

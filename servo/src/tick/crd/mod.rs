@@ -71,12 +71,12 @@ impl CrdState {
         Feed { ends: self.published.ends }
     }
 
-    /// Its FIFOs have carried out so many entries more: see [`crate::tick::Tick::age_counts`].
+    /// Its FIFOs have carried out so many entries more: see [`crate::tick::Tick::advance_fifo_counters`].
     #[cfg(feature = "test-hooks")]
-    pub(crate) fn age_counts(&mut self, by: u32) {
+    pub(crate) fn advance_fifo_counters(&mut self, by: u32) {
         let CrdView { ends, released, done, .. } = &mut self.published;
         [ends, released, done].into_iter().flatten().for_each(|count| *count = count.wrapping_add(by));
-        self.path.age(by);
+        self.path.advance_counters(by);
         self.mark_changed();
     }
 

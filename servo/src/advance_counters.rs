@@ -18,7 +18,7 @@ fn later(seq: u32, entries: u32, lane: Lane) -> u32 {
 impl<const AXES: usize> Tick<AXES> {
     /// As if each lane had executed so many entries more, every other count had risen by as many,
     /// and `time` had passed. Nothing may run or be in flight; the thread's side must age alike.
-    pub fn age(&mut self, entries: u32, time: Ns) {
+    pub fn advance_counters(&mut self, entries: u32, time: Ns) {
         self.now = Ns(self.now.0.wrapping_add(time.0));
         self.done_immediate = later(self.done_immediate, entries, Lane::Immediate);
         self.done_program = later(self.done_program, entries, Lane::Program);
@@ -33,15 +33,15 @@ impl<const AXES: usize> Tick<AXES> {
             [moves, changes, first, second].into_iter().for_each(add);
         }
         add(&mut self.crds.moves);
-        self.lasers.age(entries);
+        self.lasers.advance_counters(entries);
     }
 
     /// As if each FIFO of a path had got and executed so many entries and motions more since it was
     /// cleared. Each laser is as if it had been on for so many units of its on-time more. Nothing
     /// may be in a FIFO; the thread's side must age alike.
-    pub fn age_counts(&mut self, by: u32) {
-        self.crds.states.iter_mut().for_each(|crd| crd.age_counts(by));
+    pub fn advance_fifo_counters(&mut self, by: u32) {
+        self.crds.states.iter_mut().for_each(|crd| crd.advance_fifo_counters(by));
         self.crds.moves = self.crds.moves.wrapping_add(1);
-        self.lasers.age_light(by);
+        self.lasers.advance_on_time(by);
     }
 }
