@@ -19,7 +19,7 @@
 //! again.
 
 #[cfg(test)]
-mod fates;
+mod exhaustive_delivery;
 mod receive;
 mod transmit;
 

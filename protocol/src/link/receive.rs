@@ -128,7 +128,7 @@ impl<const WINDOW: usize> Receiver<WINDOW> {
     }
 }
 
-/// For `fates.rs`.
+/// For `exhaustive_delivery.rs`.
 #[cfg(test)]
 impl<const WINDOW: usize> Receiver<WINDOW> {
     /// Everything that decides the further course of the receiver.

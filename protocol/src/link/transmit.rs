@@ -228,7 +228,7 @@ impl<const WINDOW: usize> Transmitter<WINDOW> {
     }
 }
 
-/// For `fates.rs`.
+/// For `exhaustive_delivery.rs`.
 #[cfg(test)]
 impl<const WINDOW: usize> Transmitter<WINDOW> {
     /// Everything that decides the further course of the transmitter; instants count from `now`.

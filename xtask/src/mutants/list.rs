@@ -22,7 +22,7 @@ const LASER: &[&str] = &["-p", "beamtick-dispatcher", "--test", "laser"];
 const LASER_FAULTS: &[&str] = &["-p", "beamtick-dispatcher", "--test", "laser_faults"];
 const ENDPOINT: &[&str] =
     &["-p", "beamtick-protocol", "--test", "endpoint", "--", "an_acknowledgement_of", "a_lost_message", "a_frame_with"];
-const FATES: &[&str] = &["-p", "beamtick-protocol", "--lib", "--", "every_fate"];
+const DELIVERIES: &[&str] = &["-p", "beamtick-protocol", "--lib", "--", "every_delivery"];
 const PROPERTIES: &[&str] = &["-p", "beamtick-protocol", "--test", "properties", "--", "frames_of_every_length"];
 const LINK: &[&str] = &["-p", "beamtick-host-tests", "--test", "link", "--", "a_restart_in_mid_stream", "every_seed"];
 const RING: &[&str] = &["-p", "beamtick-ring", "--lib"];
@@ -306,90 +306,90 @@ pub const LIST: &[Mutant] = &[
         "let known = self.session != 0;",
         LINK,
     ),
-    // -- every fate of the first frames of the link --------------------------------------------
+    // -- every delivery of the first frames of the link --------------------------------------------
     mutant(
-        "fates: a frame of any session is taken",
+        "deliveries: a frame of any session is taken",
         RECEIVE,
         "let known = self.session != 0 && session == self.session;",
         "let known = self.session != 0;",
-        FATES,
+        DELIVERIES,
     ),
     mutant(
-        "fates: a message that comes late is another one",
+        "deliveries: a message that comes late is another one",
         RECEIVE,
         "let Some(distance) = ahead(sequence, self.take) else { return Accepted::Duplicate };",
         "let distance = ahead(sequence, self.take).unwrap_or(0);",
-        FATES,
+        DELIVERIES,
     ),
     mutant(
-        "fates: numbers do not begin anew",
+        "deliveries: numbers do not begin anew",
         TRANSMIT,
         "(distance < 0x8000).then_some(distance)",
         "(a >= b).then_some(distance)",
-        FATES,
+        DELIVERIES,
     ),
     mutant(
-        "fates: a message that is lost is not sent again",
+        "deliveries: a message that is lost is not sent again",
         TRANSMIT,
         "        self.resend = true;\n        self.recover = Some(self.sent);\n        self.retry =",
         "        self.recover = Some(self.sent);\n        self.retry =",
-        FATES,
+        DELIVERIES,
     ),
     mutant(
-        "fates: a KeepAlive is not answered",
+        "deliveries: a KeepAlive is not answered",
         RECEIVE,
         "Kind::KeepAlive => self.receiver.ask_acknowledgement(),",
         "Kind::KeepAlive => {}",
-        FATES,
+        DELIVERIES,
     ),
     mutant(
-        "fates: a new session keeps the messages of the old one",
+        "deliveries: a new session keeps the messages of the old one",
         "protocol/src/link.rs",
         "        self.transmitter.reset(window);\n        self.receiver.reset();",
         "        self.transmitter.reset(window);",
-        FATES,
+        DELIVERIES,
     ),
     mutant(
-        "fates: a client is open before the controller is",
+        "deliveries: a client is open before the controller is",
         RECEIVE,
         "        self.phase = Phase::Confirming(1);",
         "        self.phase = Phase::Confirming(1);\n        self.state = State::Open;",
-        FATES,
+        DELIVERIES,
     ),
     mutant(
-        "fates: what is missing is acknowledged",
+        "deliveries: what is missing is acknowledged",
         TRANSMIT,
         "acknowledgement: self.receiver.next().into(),",
         "acknowledgement: self.receiver.next().wrapping_add(u16::from(gap)).into(),",
-        FATES,
+        DELIVERIES,
     ),
     mutant(
-        "fates: a client confirms for ever",
+        "deliveries: a client confirms for ever",
         "protocol/src/link.rs",
         "Phase::Confirming(count) if count < 3 =>",
         "Phase::Confirming(count) =>",
-        FATES,
+        DELIVERIES,
     ),
     mutant(
-        "fates: an answer to another Hello is taken up",
+        "deliveries: an answer to another Hello is taken up",
         RECEIVE,
         "|| self.phase != Phase::Asking || !ours {",
         "|| self.phase != Phase::Asking || !ours && header.session.get() == 0 {",
-        FATES,
+        DELIVERIES,
     ),
     mutant(
-        "fates: a checksum is not compared",
+        "deliveries: a checksum is not compared",
         "protocol/src/frame.rs",
         "(checksum(&[body]) == u32::from_le_bytes(*crc)).then_some(body)",
         "(crc.len() == 4).then_some(body)",
-        FATES,
+        DELIVERIES,
     ),
     mutant(
-        "fates: the timer of the message after an acknowledged one is not set",
+        "deliveries: the timer of the message after an acknowledged one is not set",
         TRANSMIT,
         "self.retry_at = (self.base != self.sent).then(|| now.saturating_add(self.retry));",
         "self.retry_at = None;",
-        FATES,
+        DELIVERIES,
     ),
     // -- invariants of fuzzing -----------------------------------------------------------------
     mutant(

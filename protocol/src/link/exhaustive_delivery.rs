@@ -1,4 +1,4 @@
-//! Both ends of the link against every fate of the first frames.
+//! Both ends of the link against every delivery of the first frames.
 //!
 //! Each of the first frames, of either direction, comes whole, is lost, is damaged, comes twice or
 //! comes late: `5^n` patterns of `n` frames. From there on the wire is clean. A user at each end
@@ -27,7 +27,7 @@ type End = Endpoint<WINDOW>;
 const TRANSIT: Ns = MS;
 /// Frames of a run without the variable.
 const FRAMES: u8 = 9;
-/// After the last frame with a fate: an unconfirmed session is asked for again after four tries,
+/// After the last frame with a delivery: an unconfirmed session is asked for again after four tries,
 /// then a message may wait for its longest time-out, and for the one after it.
 const PATIENCE: Ns = 8 * HELLO_NS + 4 * RETRY_MAX_NS;
 /// The most frames in that time; more is a storm.
@@ -35,7 +35,7 @@ const STORM: u16 = 400;
 
 /// What a wire does to a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Fate {
+enum Delivery {
     Whole,
     Lost,
     Damaged,
@@ -43,7 +43,7 @@ enum Fate {
     Late,
 }
 
-const FATES: [Fate; 5] = [Fate::Whole, Fate::Lost, Fate::Damaged, Fate::Twice, Fate::Late];
+const DELIVERIES: [Delivery; 5] = [Delivery::Whole, Delivery::Lost, Delivery::Damaged, Delivery::Twice, Delivery::Late];
 
 /// How a client comes to its second session.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -62,8 +62,8 @@ enum Again {
 #[derive(Debug, Clone, Copy)]
 struct Schedule {
     name: &'static str,
-    /// Messages of a session, and those before the first frame that has a fate; `None`: the opening
-    /// has fates too.
+    /// Messages of a session, and those before the first frame that has a delivery; `None`: the opening
+    /// has deliveries too.
     messages: u32,
     before: Option<u32>,
     again: Again,
@@ -150,7 +150,7 @@ struct World {
     controller: End,
     wire: Vec<Flight>,
     order: u32,
-    /// Frames that wait for their fate, and those that have had it.
+    /// Frames that wait for their delivery, and those that have had it.
     waiting: VecDeque<(bool, Vec<u8>)>,
     judged: u8,
     /// Bytes of an incomplete frame in each end's deframer.
@@ -206,7 +206,7 @@ impl World {
             world.plan = Schedule { messages: before, slow: 0, again: Again::Never, ..plan };
             let mut frames = 0;
             while world.next_frame() {
-                world.fly(Fate::Whole);
+                world.fly(Delivery::Whole);
                 frames += 1;
                 assert!(frames < 4 * before + 20, "a clean wire takes so many frames: {world:?}");
                 if world.over() {
@@ -230,7 +230,7 @@ impl World {
             && self.controller.all_acknowledged()
     }
 
-    /// Continues until a frame waits for its fate; `false` when all is over.
+    /// Continues until a frame waits for its delivery; `false` when all is over.
     fn next_frame(&mut self) -> bool {
         loop {
             if self.waiting.is_empty() {
@@ -364,17 +364,17 @@ impl World {
         }
     }
 
-    /// The next frame meets its fate.
-    fn fly(&mut self, fate: Fate) {
+    /// The next frame meets its delivery.
+    fn fly(&mut self, delivery: Delivery) {
         let Some((up, mut bytes)) = self.waiting.pop_front() else { return };
         let mut arrive = |late: Ns, bytes: Vec<u8>| {
             self.wire.push(Flight { at: self.now + TRANSIT + late, order: self.order, up, bytes });
             self.order += 1;
         };
-        match fate {
-            Fate::Whole => arrive(0, bytes),
-            Fate::Lost => {}
-            Fate::Damaged => {
+        match delivery {
+            Delivery::Whole => arrive(0, bytes),
+            Delivery::Lost => {}
+            Delivery::Damaged => {
                 // A bit is turned, the delimiter is missing, or there is one more.
                 let middle = bytes.len() / 2;
                 match self.judged % 3 {
@@ -384,11 +384,11 @@ impl World {
                 }
                 arrive(0, bytes);
             }
-            Fate::Twice => {
+            Delivery::Twice => {
                 arrive(0, bytes.clone());
                 arrive(self.plan.second, bytes);
             }
-            Fate::Late => arrive(self.plan.late, bytes),
+            Delivery::Late => arrive(self.plan.late, bytes),
         }
         if let Some(until) = self.until {
             self.clean += 1;
@@ -400,7 +400,7 @@ impl World {
     fn finish(&mut self) {
         self.until = Some(self.now + PATIENCE);
         while self.next_frame() {
-            self.fly(Fate::Whole);
+            self.fly(Delivery::Whole);
         }
         let last = usize::from(self.plan.again != Again::Never);
         assert_eq!(self.taken[last], self.plan.messages, "not all messages were taken: {self:?}");
@@ -488,7 +488,7 @@ struct Seen {
     states: HashSet<u128>,
     ends: u64,
     /// Fates that led to the present state, for the reader of a failure.
-    fates: Vec<Fate>,
+    deliveries: Vec<Delivery>,
 }
 
 fn follow(world: &mut World, frames: u8, seen: &mut Seen) {
@@ -500,13 +500,13 @@ fn follow(world: &mut World, frames: u8, seen: &mut Seen) {
         seen.ends += 1;
         return world.finish();
     }
-    for fate in FATES {
+    for delivery in DELIVERIES {
         let mut world = world.clone();
-        seen.fates.push(fate);
-        world.fly(fate);
+        seen.deliveries.push(delivery);
+        world.fly(delivery);
         world.judged += 1;
         follow(&mut world, frames, seen);
-        seen.fates.pop();
+        seen.deliveries.pop();
     }
 }
 
@@ -514,7 +514,7 @@ fn follow(world: &mut World, frames: u8, seen: &mut Seen) {
 impl Drop for Seen {
     fn drop(&mut self) {
         if std::thread::panicking() {
-            println!("the fates were {:?}", self.fates);
+            println!("the deliveries were {:?}", self.deliveries);
         }
     }
 }
@@ -525,41 +525,41 @@ fn every_fate(plan: Schedule) {
     follow(&mut World::new(plan), frames, &mut seen);
     let patterns = 5u64.pow(frames.into());
     println!("{}: {patterns} patterns of {frames} frames, {} states, {} ends", plan.name, seen.states.len(), seen.ends);
-    assert!(seen.ends > u64::from(frames), "the fates made no difference");
+    assert!(seen.ends > u64::from(frames), "the deliveries made no difference");
 }
 
 #[test]
-fn every_fate_of_the_frames_of_one_session() {
+fn every_delivery_of_the_frames_of_one_session() {
     every_fate(ONE_SESSION);
 }
 
 #[test]
-fn every_fate_where_an_old_session_is_late() {
+fn every_delivery_where_an_old_session_is_late() {
     every_fate(OLD_SESSION);
 }
 
 #[test]
-fn every_fate_of_two_openings() {
+fn every_delivery_of_two_openings() {
     every_fate(OPENED_TWICE);
 }
 
 #[test]
-fn every_fate_around_a_bye() {
+fn every_delivery_around_a_bye() {
     every_fate(BYE);
 }
 
 #[test]
-fn every_fate_around_a_power_cut() {
+fn every_delivery_around_a_power_cut() {
     every_fate(POWER_CUT);
 }
 
 #[test]
-fn every_fate_where_numbers_begin_anew() {
+fn every_delivery_where_numbers_begin_anew() {
     every_fate(WRAP);
 }
 
 #[test]
-fn every_fate_of_a_full_window() {
+fn every_delivery_of_a_full_window() {
     every_fate(FULL_WINDOW);
 }
 
@@ -573,10 +573,10 @@ fn worlds_of_one_state_do_the_same() {
         assert!(world.next_frame());
         let (mut worlds, mut known) = (vec![world], HashMap::new());
         for _ in 0..FIRST {
-            let mut next = Vec::with_capacity(worlds.len() * FATES.len());
-            for (world, fate) in worlds.iter().flat_map(|world| FATES.map(|fate| (world, fate))) {
+            let mut next = Vec::with_capacity(worlds.len() * DELIVERIES.len());
+            for (world, delivery) in worlds.iter().flat_map(|world| DELIVERIES.map(|delivery| (world, delivery))) {
                 let mut world = world.clone();
-                world.fly(fate);
+                world.fly(delivery);
                 world.judged += 1;
                 assert!(world.next_frame());
                 next.push(world);
