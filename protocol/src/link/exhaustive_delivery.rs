@@ -27,8 +27,8 @@ type End = Endpoint<WINDOW>;
 const TRANSIT: Ns = MS;
 /// Frames of a run without the variable.
 const FRAMES: u8 = 9;
-/// After the last frame with a delivery: an unconfirmed session is asked for again after four tries,
-/// then a message may wait for its longest time-out, and for the one after it.
+/// After the last frame with a delivery: an unconfirmed session is asked for again after four
+/// tries, then a message may wait for its longest time-out, and for the one after it.
 const PATIENCE: Ns = 8 * HELLO_NS + 4 * RETRY_MAX_NS;
 /// The most frames in that time; more is a storm.
 const STORM: u16 = 400;
@@ -62,8 +62,8 @@ enum Again {
 #[derive(Debug, Clone, Copy)]
 struct Schedule {
     name: &'static str,
-    /// Messages of a session, and those before the first frame that has a delivery; `None`: the opening
-    /// has deliveries too.
+    /// Messages of a session, and those before the first frame that has a delivery; `None`: the
+    /// opening has deliveries too.
     messages: u32,
     before: Option<u32>,
     again: Again,
@@ -519,7 +519,7 @@ impl Drop for Seen {
     }
 }
 
-fn every_fate(plan: Schedule) {
+fn every_delivery(plan: Schedule) {
     let frames = env::var("LINK_FRAMES").map_or(FRAMES, |frames| frames.parse().expect("LINK_FRAMES is a number"));
     let mut seen = Seen::default();
     follow(&mut World::new(plan), frames, &mut seen);
@@ -530,37 +530,37 @@ fn every_fate(plan: Schedule) {
 
 #[test]
 fn every_delivery_of_the_frames_of_one_session() {
-    every_fate(ONE_SESSION);
+    every_delivery(ONE_SESSION);
 }
 
 #[test]
 fn every_delivery_where_an_old_session_is_late() {
-    every_fate(OLD_SESSION);
+    every_delivery(OLD_SESSION);
 }
 
 #[test]
 fn every_delivery_of_two_openings() {
-    every_fate(OPENED_TWICE);
+    every_delivery(OPENED_TWICE);
 }
 
 #[test]
 fn every_delivery_around_a_bye() {
-    every_fate(BYE);
+    every_delivery(BYE);
 }
 
 #[test]
 fn every_delivery_around_a_power_cut() {
-    every_fate(POWER_CUT);
+    every_delivery(POWER_CUT);
 }
 
 #[test]
 fn every_delivery_where_numbers_begin_anew() {
-    every_fate(WRAP);
+    every_delivery(WRAP);
 }
 
 #[test]
 fn every_delivery_of_a_full_window() {
-    every_fate(FULL_WINDOW);
+    every_delivery(FULL_WINDOW);
 }
 
 /// Worlds are followed once because those of one state do the same: here each pattern is followed

@@ -11,7 +11,7 @@ use super::fixed_point::{Cut, part, product, scaled};
 use super::power::{Bounds, Refused};
 use super::power_tables::{Curve, DISTANCES, Interval, Tables};
 use super::velocity_follow::Source;
-use super::{Positions, Power, double};
+use super::{Positions, Power, fixed_point};
 use crate::math::real::Real;
 use crate::units::{Axis, Pos};
 

@@ -22,7 +22,7 @@
 //! | `power_tables` | powers against velocity, ratios against position |
 //! | `energy` | pulses or voltage of a power in each mode |
 //! | `dither` | frequencies and duties in counts of a timer |
-//! | `double` | doubles by their bits, products of fixed point |
+//! | `fixed_point` | doubles by their bits, products of fixed point |
 //! | `on_time` | the time that light was on |
 //! | `published` | what the tick publishes of a channel |
 //! | `actions` | the plan of a tick, which timers carry out |
@@ -449,7 +449,8 @@ impl Lasers {
         }
     }
 
-    /// Every channel was on for this many units more: see [`crate::tick::Tick::advance_fifo_counters`].
+    /// Every channel was on for this many units more: see
+    /// [`crate::tick::Tick::advance_fifo_counters`].
     #[cfg(feature = "test-hooks")]
     pub(crate) fn advance_on_time(&mut self, units: u32) {
         self.channels.iter_mut().for_each(|channel| channel.advance_on_time(units));

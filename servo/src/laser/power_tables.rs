@@ -13,7 +13,7 @@
 //! between the two, and half a unit.
 use super::fixed_point::{nearest, product, scaled};
 use super::power::{Power, Refused};
-use super::{CHANNELS, double};
+use super::{CHANNELS, fixed_point};
 use crate::math::real::Real;
 use crate::math::wide::narrow;
 use crate::path::PathSpeed;
@@ -161,8 +161,8 @@ impl Tables {
         }
     }
 
-    /// Point `index` of a table of powers: a velocity from the bits of a fixed_point, 0 to 2³² pulse/ms,
-    /// above that of the point before by 2⁻²⁸ at least.
+    /// Point `index` of a table of powers: a velocity from the bits of a fixed_point, 0 to 2³²
+    /// pulse/ms, above that of the point before by 2⁻²⁸ at least.
     pub fn power_point(&self, curve: Curve, index: usize, velocity: u64, power: Power) -> Result<(), Refused> {
         let x = fixed_point::fixed(velocity, PathSpeed::FRAC_BITS as i32, 32)?;
         if x < 0 {

@@ -306,7 +306,7 @@ pub const LIST: &[Mutant] = &[
         "let known = self.session != 0;",
         LINK,
     ),
-    // -- every delivery of the first frames of the link --------------------------------------------
+    // -- every delivery of the first frames of the link ---------------------------------------
     mutant(
         "deliveries: a frame of any session is taken",
         RECEIVE,
