@@ -1,11 +1,11 @@
 //! The interrupt bodies, and what each of them owns. Which interrupt runs which body is in
 //! `vectors.rs`.
 //!
-//! In: interrupts of the board. Out: ticks, bytes for the task, rings of the bell. Owns what
+//! In: interrupts of the board. Out: ticks, bytes for the task, wake signals. Owns what
 //! start-up has given to each handler. Budget: `cargo xtask ticks` holds the tick's; the others
 //! move a byte or a flag. Fails: a handler that was given nothing does nothing.
 use crate::load;
-use crate::statics::{LINK_BELL, RECEIVED, RECEIVER, RECEIVING, SERVO};
+use crate::statics::{LINK_WAKE, RECEIVED, RECEIVER, RECEIVING, SERVO};
 use crate::supervision;
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
@@ -118,7 +118,7 @@ pub fn received() -> bool {
     let Some(receiver) = (unsafe { RECEIVER.taken() }) else { return false };
     if receiver.bytes.free() == 0 {
         hold_link();
-        LINK_BELL.ring();
+        LINK_WAKE.raise();
         return false;
     }
     let Some(byte) = receiver.rx.receive() else { return false };
@@ -127,18 +127,18 @@ pub fn received() -> bool {
     let _ = receiver.bytes.push(byte);
     const FRAME_END: u8 = 0;
     if byte == FRAME_END || receiver.bytes.free() < RECEIVED / 2 {
-        LINK_BELL.ring();
+        LINK_WAKE.raise();
     }
     true
 }
 
 /// The link or the trace can take bytes again.
 pub fn sent() {
-    LINK_BELL.ring();
+    LINK_WAKE.raise();
 }
 
-/// The wake-up from the tick: PendSV may ring the task's bell, the tick may not.
+/// The wake-up from the tick: PendSV may raise the task's wake signal, the tick may not.
 #[exception]
 fn PendSV() {
-    LINK_BELL.ring();
+    LINK_WAKE.raise();
 }

@@ -5,7 +5,6 @@
 //! Start-up reads the report of the last run and splits the queues into their halves. The servo
 //! tick and the link's interrupt get theirs, the tasks get the others. Then it enables the
 //! interrupts.
-mod bell;
 mod fault;
 mod interrupts;
 mod load;
@@ -15,6 +14,7 @@ mod tasks;
 #[cfg(feature = "stm32h743")]
 mod usb;
 mod vectors;
+mod wake_signal;
 mod wires;
 
 use core::sync::atomic::Ordering;

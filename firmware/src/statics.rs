@@ -1,8 +1,8 @@
 //! Every static of the image. All are zero or constant at the start. The sections are those of a
 //! board with more than one RAM (its `memory.x`).
-use crate::bell::Bell;
 use crate::fault::Report;
 use crate::interrupts::{Given, Receiver, Servo};
+use crate::wake_signal::WakeSignal;
 use core::sync::atomic::AtomicBool;
 use dispatcher::{PathQueue, Server};
 use embassy_executor::raw;
@@ -85,7 +85,7 @@ pub static SERVO: Given<Servo> = Given::nothing();
 /// What the link's receive interrupt owns.
 pub static RECEIVER: Given<Receiver> = Given::nothing();
 /// Wakes the link task.
-pub static LINK_BELL: Bell = Bell::new();
+pub static LINK_WAKE: WakeSignal = WakeSignal::new();
 /// A byte has arrived since the idle loop checked.
 pub static RECEIVING: AtomicBool = AtomicBool::new(false);
 /// A task is to be polled.

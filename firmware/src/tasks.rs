@@ -1,10 +1,10 @@
 //! The tasks of the thread: one serves the link, one writes the log.
 //!
-//! In: rings of the bell, bytes of the link. Out: bytes to the link and the trace, lines of the
+//! In: wake signals, bytes of the link. Out: bytes to the link and the trace, lines of the
 //! log. Owns the dispatcher's server and the sending halves of the UARTs. Fails never: a UART that
 //! is full holds back its own bytes only; the other stream and the commands continue.
 use crate::fault::Report;
-use crate::statics::LINK_BELL;
+use crate::statics::LINK_WAKE;
 use crate::supervision;
 use crate::wires::{Outflow, Wires};
 use dispatcher::Server;
@@ -34,7 +34,7 @@ pub async fn serve(parts: LinkParts) {
     let mut rows = Outflow::<ROWS>::new();
     let mut overruns = 0;
     loop {
-        LINK_BELL.wait().await;
+        LINK_WAKE.wait().await;
         supervision::turn();
         let view = server.view();
         let now = view.now;
@@ -49,7 +49,7 @@ pub async fn serve(parts: LinkParts) {
         if let Some(tx) = &mut trace
             && rows.pump(tx, TRACE_AT_ONCE, |out| server.take_trace(out))
         {
-            LINK_BELL.ring();
+            LINK_WAKE.raise();
         }
     }
 }

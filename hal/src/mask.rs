@@ -16,7 +16,7 @@ struct Mask;
 critical_section::set_impl!(Mask);
 
 // SAFETY: one core; after `acquire` no context that takes critical sections can run until
-// `release`, since all of them (thread, bell, link) are no more urgent than `CRITICAL`.
+// `release`, since all of them (thread, wake signal, link) are no more urgent than `CRITICAL`.
 unsafe impl critical_section::Impl for Mask {
     unsafe fn acquire() -> RawRestoreState {
         let before = basepri::read();

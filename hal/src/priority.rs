@@ -10,7 +10,7 @@ pub const CRITICAL: u8 = 0x40;
 /// Bytes of the host link and of the trace.
 pub const LINK: u8 = 0x80;
 
-/// PendSV, the wake-up signal (bell) from the tick down to the thread.
-pub const BELL: u8 = 0xe0;
+/// PendSV, the wake signal from the tick down to the thread.
+pub const WAKE: u8 = 0xe0;
 
-const _: () = assert!(TICK != 0 && TICK < CRITICAL && CRITICAL <= LINK && LINK < BELL);
+const _: () = assert!(TICK != 0 && TICK < CRITICAL && CRITICAL <= LINK && LINK < WAKE);

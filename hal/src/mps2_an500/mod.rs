@@ -97,7 +97,7 @@ pub fn take() -> Option<Board> {
         for interrupt in [Interrupt::UART0_RX, Interrupt::UART0_TX, Interrupt::UART1_TX] {
             core.NVIC.set_priority(interrupt, priority::LINK);
         }
-        core.SCB.set_priority(SystemHandler::PendSV, priority::BELL);
+        core.SCB.set_priority(SystemHandler::PendSV, priority::WAKE);
     }
     // SAFETY: this function gets here once, since the core's peripherals are handed out once.
     unsafe {
@@ -144,7 +144,7 @@ pub fn resume_link() {
     unsafe { NVIC::unmask(Interrupt::UART0_RX) };
 }
 
-/// Wakes the thread from the tick: rings the bell.
+/// Wakes the thread from the tick: raises the wake signal.
 pub fn ring_bell() {
     SCB::set_pendsv();
 }

@@ -119,7 +119,7 @@ pub fn take() -> Option<Board> {
         core.NVIC.set_priority(Interrupt::TIM2, priority::TICK);
         core.NVIC.set_priority(Interrupt::USART3, priority::LINK);
         core.NVIC.set_priority(Interrupt::OTG_FS, priority::LINK);
-        core.SCB.set_priority(SystemHandler::PendSV, priority::BELL);
+        core.SCB.set_priority(SystemHandler::PendSV, priority::WAKE);
     }
     // SAFETY: this function gets here once, since the core's peripherals are handed out once.
     unsafe {
@@ -188,7 +188,7 @@ pub fn resume_link() {
     }
 }
 
-/// Wakes the thread from the tick: rings the bell.
+/// Wakes the thread from the tick: raises the wake signal.
 pub fn ring_bell() {
     uart::pend_if_waiting();
     SCB::set_pendsv();
