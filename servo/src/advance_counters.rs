@@ -17,7 +17,8 @@ fn later(seq: u32, entries: u32, lane: Lane) -> u32 {
 
 impl<const AXES: usize> Tick<AXES> {
     /// As if each lane had executed so many entries more, every other count had risen by as many,
-    /// and `time` had passed. Nothing may run or be in flight; the thread's side must age alike.
+    /// and `time` had passed. Nothing may run or be in flight; the thread's side must advance
+    /// alike.
     pub fn advance_counters(&mut self, entries: u32, time: Ns) {
         self.now = Ns(self.now.0.wrapping_add(time.0));
         self.done_immediate = later(self.done_immediate, entries, Lane::Immediate);
@@ -38,7 +39,7 @@ impl<const AXES: usize> Tick<AXES> {
 
     /// As if each FIFO of a path had got and executed so many entries and motions more since it was
     /// cleared. Each laser is as if it had been on for so many units of its on-time more. Nothing
-    /// may be in a FIFO; the thread's side must age alike.
+    /// may be in a FIFO; the thread's side must advance alike.
     pub fn advance_fifo_counters(&mut self, by: u32) {
         self.crds.states.iter_mut().for_each(|crd| crd.advance_fifo_counters(by));
         self.crds.moves = self.crds.moves.wrapping_add(1);

@@ -20,7 +20,7 @@ mod store;
 pub use entry::{Along, Change, Entry, Item, LASER_WORDS, Plane, Refused, Sweep};
 pub(crate) use evaluator::{EFFECTS, INSTANTS};
 pub use evaluator::{
-    Effects, Feed, GEARS, Path, PathReport, PathStop, Rate, Rules, Step, StepReport, TrajectorySample,
+    Effects, Feed, FeedOverride, GEARS, Path, PathReport, PathStop, Rules, Step, StepReport, TrajectorySample,
 };
 pub use geometry::Bend;
 pub use path_speed::PathSpeed;

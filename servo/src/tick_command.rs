@@ -278,7 +278,7 @@ pub enum TickCommand {
     /// Stop deceleration.
     CrdStopDec { crd: Crd, dec: Accel },
     /// Override.
-    CrdRate { crd: Crd, rate: path::Rate },
+    CrdOverride { crd: Crd, rate: path::FeedOverride },
     /// The filter of its encoders' speed.
     CrdLag { crd: Crd, lag: crate::laser::Lag },
     /// A laser channel (from 0) changes.

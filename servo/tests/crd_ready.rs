@@ -1,7 +1,7 @@
 //! A prepared start of a path is the same as one planned in its tick. Two machines run the same
 //! commands; on one of them every coordinate system is changed in every tick, so that nothing is
 //! ever prepared.
-use servo::path::{Along, Entry, Plane, Rate, Sweep};
+use servo::path::{Along, Entry, FeedOverride, Plane, Sweep};
 use servo::tick_command::{DoGroup, Mode, TickCommand};
 use servo::units::{CrdMask, Pos};
 use servo::view::{AxisView, CrdView};
@@ -101,8 +101,8 @@ fn act(both: &mut Both, chance: &mut Chance, index: usize) {
             both.now(TickCommand::SetPosition { axis: axis(1 + 2 * index), pos });
         }
         3 => {
-            let rate = Rate::admit((1.0 / (1 + chance.below(3)) as f64).to_bits()).unwrap();
-            both.now(TickCommand::CrdRate { crd: crd(index), rate });
+            let rate = FeedOverride::admit((1.0 / (1 + chance.below(3)) as f64).to_bits()).unwrap();
+            both.now(TickCommand::CrdOverride { crd: crd(index), rate });
         }
         _ => {
             let entries: Vec<_> = (0..1 + chance.below(5)).map(|_| entry(chance)).collect();

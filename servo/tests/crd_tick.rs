@@ -1,7 +1,7 @@
 //! Coordinate systems in the tick: positions of mapped axes, what stops them, what starts.
 #[path = "crd_tick/limits.rs"]
 mod limits;
-use servo::path::{Along, Entry, PathStop, Plane, Rate, Sweep};
+use servo::path::{Along, Entry, FeedOverride, PathStop, Plane, Sweep};
 use servo::status;
 use servo::tick_command::{DoGroup, Guarded, Guards, Lane, Mode, TickCommand};
 use servo::units::{AxisMask, CrdMask, Ns, Pos};
@@ -443,12 +443,12 @@ fn clearing_is_counted_and_old_commits_are_void() {
 #[test]
 fn an_override_acts_on_the_way() {
     let mut bench = prepared(250, &[line(200, 450)]);
-    bench.now(TickCommand::CrdRate { crd: crd(0), rate: Rate::admit(0.5f64.to_bits()).unwrap() });
+    bench.now(TickCommand::CrdOverride { crd: crd(0), rate: FeedOverride::admit(0.5f64.to_bits()).unwrap() });
     bench.start_path(&[0]);
     let zero = bench.tick().now.0;
     let speed = |view: &View<AXES>| real(view.crds[0].motion.velocity());
     assert!((speed(&bench.until(zero + 20 * MS)) - 5.0).abs() < 1e-9);
-    bench.now(TickCommand::CrdRate { crd: crd(0), rate: Rate::admit(1.0f64.to_bits()).unwrap() });
+    bench.now(TickCommand::CrdOverride { crd: crd(0), rate: FeedOverride::admit(1.0f64.to_bits()).unwrap() });
     assert!((speed(&bench.until(zero + 22 * MS + 250_000)) - 7.0).abs() < 1e-9);
     assert_eq!(place(&finish(&mut bench, 0), [2, 5]), [300.0, 400.0]);
 }

@@ -11,7 +11,7 @@ mod tick_bench;
 use chance::Chance;
 use follow_reference::{Begin, Datum, Known, MasterPath, Slave, fixed};
 use servo::output::step_generator;
-use servo::path::{Along, Entry, Rate};
+use servo::path::{Along, Entry, FeedOverride};
 use servo::segment::follow::{Direction, Event as Start, Value};
 use servo::status;
 use servo::tick_command::{Mode, TickCommand};
@@ -339,8 +339,8 @@ impl Program {
         match self.below(16) {
             0..=5 if soft => self.drive(),
             0..=2 if self.kind == Kind::Crd => {
-                let rate = Rate::admit(self.real(0.1, 1.0).to_bits()).unwrap();
-                self.now(TickCommand::CrdRate { crd: crd(0), rate });
+                let rate = FeedOverride::admit(self.real(0.1, 1.0).to_bits()).unwrap();
+                self.now(TickCommand::CrdOverride { crd: crd(0), rate });
             }
             0..=2 if self.kind == Kind::Pvt => {
                 let table = self.below(3) as u8;

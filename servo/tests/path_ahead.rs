@@ -2,7 +2,7 @@
 //! ahead; the other takes the fast path of a coordinate system where it can. They run through
 //! random motions, waits, gears and marks, data that comes late, Stops, overrides, and ticks
 //! without time. Every position, speed, instant and gear is the same to the bit.
-use servo::path::{Bend, Entry, Feed, Path, PathReport, Plane, Rate, Step, StepReport, Sweep};
+use servo::path::{Bend, Entry, Feed, FeedOverride, Path, PathReport, Plane, Step, StepReport, Sweep};
 use servo::segment::piece::Motion;
 use servo::segment::ramp::Accel;
 use servo::units::{Axis, Ns, Pos};
@@ -133,8 +133,8 @@ fn what_is_made_ahead_is_what_would_have_been_made() {
                 match act {
                     0 if left > 0 => seen.path.stop(Ns(now), false, feed, &script, &mut seen.heard),
                     1 if left > 0 => {
-                        let rate = Rate::admit((1.0 / (1 + now / period % 3) as f64).to_bits()).unwrap();
-                        seen.path.rules.set_rate(rate);
+                        let rate = FeedOverride::admit((1.0 / (1 + now / period % 3) as f64).to_bits()).unwrap();
+                        seen.path.rules.set_override(rate);
                         seen.path.replan(Ns(now), feed, &script);
                     }
                     _ => {}

@@ -2,7 +2,7 @@
 //! ahead. They run through random FIFOs, Stops of both kinds, clearing, overrides, other user
 //! positions, data that comes while something is being made, and starts with the FIFO that was not
 //! expected. Every position, speed, instant and gear is the same to the bit.
-use servo::path::{Along, Bend, Entries, Entry, Feed, Path, PathReport, Plane, Rate, Step, StepReport, Sweep};
+use servo::path::{Along, Bend, Entries, Entry, Feed, FeedOverride, Path, PathReport, Plane, Step, StepReport, Sweep};
 use servo::segment::piece::Motion;
 use servo::segment::ramp::Accel;
 use servo::units::{Axis, Ns, Pos};
@@ -88,9 +88,9 @@ fn rest(both: &mut [Seen; 2], fifos: &mut Fifos, chance: &mut Chance) {
                 both.iter_mut().for_each(|seen| seen.path.clear(fifo));
             }
             1 => {
-                let rate = Rate::admit((1.0 / (1 + chance.below(3)) as f64).to_bits()).unwrap();
+                let rate = FeedOverride::admit((1.0 / (1 + chance.below(3)) as f64).to_bits()).unwrap();
                 for seen in both.iter_mut() {
-                    seen.path.rules.set_rate(rate);
+                    seen.path.rules.set_override(rate);
                     seen.path.replan(Ns(0), fifos.feed(), fifos);
                 }
             }

@@ -2,7 +2,7 @@
 //! Expected figures are closed forms: v²/2a for a braking distance, v/a for its time.
 #[path = "path_run/stop.rs"]
 mod stop;
-use servo::path::{Along, Change, Effects, Entry, Feed, Fine, Path, PathStop, Rate, Refused, Step};
+use servo::path::{Along, Change, Effects, Entry, Feed, FeedOverride, Fine, Path, PathStop, Refused, Step};
 use servo::segment::piece::{Motion, Scaled};
 use servo::segment::ramp::Accel;
 use servo::tick_command::DoGroup;
@@ -474,17 +474,17 @@ fn gears_go_along_with_one_motion() {
 
 #[test]
 fn an_override_scales_speeds_and_may_change_on_the_way() {
-    let rate = |x: f64| Rate::admit(x.to_bits());
+    let rate = |x: f64| FeedOverride::admit(x.to_bits());
     let entries = || vec![Entry::planar([1000, 0], speeds(10.0, 1.0, 0.0)), mark(1)];
     let mut bench = Bench::new(entries(), 250_000);
-    bench.path.rules.set_rate(rate(0.5).unwrap());
+    bench.path.rules.set_override(rate(0.5).unwrap());
     bench.start(0);
     bench.finish();
     assert!(near(bench.marks()[0].0, 205.0));
     let mut bench = Bench::new(entries(), 250_000);
     bench.start(0);
     bench.until(20_000_000);
-    bench.path.rules.set_rate(rate(0.5).unwrap());
+    bench.path.rules.set_override(rate(0.5).unwrap());
     bench.path.replan(Ns(bench.now), bench.feed, &bench.script);
     let at = (bench.now - BEGIN) as f64 / 1e6;
     assert!(near(at, 20.0));

@@ -14,7 +14,7 @@ use protocol::command::{
 use protocol::reason::Reason;
 use servo::laser::Lag;
 use servo::path::axis_map;
-use servo::path::{DIMENSIONS, PathStores, Rate};
+use servo::path::{DIMENSIONS, FeedOverride, PathStores};
 use servo::segment::ramp::Accel;
 use servo::tick_command::{Mode, TickCommand};
 use servo::units::{AxisMask, Crd, Pos};
@@ -253,9 +253,9 @@ pub fn stop_dec<const AXES: usize>(context: &mut Context<AXES>, r: &SetCrdStopDe
 pub fn set_override<const AXES: usize>(context: &mut Context<AXES>, r: &SetOverride) -> Admitted<Answer> {
     let crd = known(context, r.core.get(), r.crd.get())?;
     let ratio = real(2, r.ratio.get(), OVERRIDE_MIN, 1.0)?;
-    let rate = Rate::admit(ratio.to_bits())
+    let rate = FeedOverride::admit(ratio.to_bits())
         .map_err(|_| Refused::new(Reason::OutOfRange).field(2).got(ratio).limits(OVERRIDE_MIN, 1.0))?;
-    context.only(TickCommand::CrdRate { crd, rate }, Change::Crd { crd, change: CrdChange::Rate(ratio) })
+    context.only(TickCommand::CrdOverride { crd, rate }, Change::Crd { crd, change: CrdChange::Override(ratio) })
 }
 
 /// The filter of the encoder speed that lasers follow: 0 is none.

@@ -56,7 +56,7 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
         let ended = |(shadow, sampled): (&AxisShadow, &AxisView)| {
             shadow.epoch != sampled.epoch || shadow.is_follow() && shadow.follow.cleared != sampled.cleared
         };
-        if program.gathers() && self.admission.admitted.axes.iter().zip(&view.axes).any(ended) {
+        if program.has_pending_commits() && self.admission.admitted.axes.iter().zip(&view.axes).any(ended) {
             program.flush(&mut self.admission);
         }
         self.admission.admitted.follow(view);

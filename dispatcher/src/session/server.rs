@@ -300,9 +300,9 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
         (due != u64::MAX).then_some(Ns(due))
     }
 
-    /// Advances the numbers of each lane by `entries`, with [`Tick::advance_counters`](servo::tick::Tick::advance_counters)
-    /// by as much before the next tick. For tests of what a long life does to counters. Nothing may
-    /// be in flight.
+    /// Advances the numbers of each lane by `entries`, with
+    /// [`Tick::advance_counters`](servo::tick::Tick::advance_counters) by as much before the next
+    /// tick. For tests of what a long life does to counters. Nothing may be in flight.
     #[cfg(feature = "test-hooks")]
     pub fn advance_counters(&mut self, entries: u32) {
         self.handler.admission.lane.advance_counters(entries);
@@ -310,7 +310,8 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
     }
 
     /// Advances the counts of entries and motions of each FIFO of a path, with
-    /// [`Tick::advance_fifo_counters`](servo::tick::Tick::advance_fifo_counters). The FIFOs must be empty.
+    /// [`Tick::advance_fifo_counters`](servo::tick::Tick::advance_fifo_counters). The FIFOs must be
+    /// empty.
     #[cfg(feature = "test-hooks")]
     pub fn advance_fifo_counters(&mut self, by: u32) {
         let paths = self.handler.admission.admitted.crds.iter().flat_map(|crd| &crd.fifos);

@@ -416,7 +416,7 @@ impl CrdShadow {
                 }
             }
             CrdChange::Dec(dec) => self.dec = dec,
-            CrdChange::Rate(rate) => self.rate = rate,
+            CrdChange::Override(rate) => self.rate = rate,
             CrdChange::Lag(ms) => self.lag_ms = ms,
             CrdChange::Started { fifo, may_fail } => {
                 if let Some(here) = self.here.take() {
@@ -535,7 +535,7 @@ pub enum CrdChange {
     /// Stop decelerations.
     Dec((f64, f64)),
     /// Override.
-    Rate(f64),
+    Override(f64),
     /// Time constant of the filter of its encoders' speed, ms.
     Lag(f64),
     /// Only the tick knows its position.

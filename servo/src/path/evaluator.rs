@@ -20,7 +20,7 @@ mod prepared_start;
 mod stop;
 
 pub use cursor::GEARS;
-pub use feed_override::Rate;
+pub use feed_override::FeedOverride;
 pub use interface::{Effects, Feed, PathReport, PathStop, Rules, Step, StepReport, TrajectorySample};
 
 use super::PathSpeed;

@@ -246,7 +246,7 @@ impl<const AXES: usize> Tick<AXES> {
             TickCommand::CrdClear { crd, fifo } => self.clear_path(crd, fifo, next),
             TickCommand::CrdStart { crds, fifo1 } => self.start_crds((lane, entry.seq), crds, fifo1, next, lanes),
             TickCommand::CrdStopDec { crd, dec } => self.set_crd_stop(crd, dec),
-            TickCommand::CrdRate { crd, rate } => self.set_rate(crd, rate, next, lanes),
+            TickCommand::CrdOverride { crd, rate } => self.set_override(crd, rate, next, lanes),
             TickCommand::CrdLag { crd, lag } => self.set_encoder_lag(crd, lag),
         }
     }

@@ -154,7 +154,7 @@ impl<const AXES: usize> Tick<AXES> {
             | TickCommand::FollowSwitchNow { .. }
             | TickCommand::FollowEnd { .. }
             | TickCommand::CrdStart { .. }
-            | TickCommand::CrdRate { .. }
+            | TickCommand::CrdOverride { .. }
             | TickCommand::Stop { .. }
             | TickCommand::Abort
             | TickCommand::Servo { on: false, .. }

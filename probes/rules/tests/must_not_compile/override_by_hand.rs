@@ -1,4 +1,4 @@
 //! An override that no check has seen.
 fn main() {
-    let _ = servo::path::Rate(u64::MAX);
+    let _ = servo::path::FeedOverride(u64::MAX);
 }

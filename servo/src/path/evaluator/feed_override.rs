@@ -1,8 +1,8 @@
 //! The feed override of a path: a factor on the speeds of its motions, 2⁻²⁰ to 1.
 //!
-//! In: the bits of the user's double. Out: an admitted [`Rate`]; the motion in force, planned anew
-//! with it. Owns nothing: the factor is in [`Rules`]. Fails: admission refuses a factor out of
-//! range, [`Refused`].
+//! In: the bits of the user's double. Out: an admitted [`FeedOverride`]; the motion in force,
+//! planned anew with it. Owns nothing: the factor is in [`Rules`]. Fails: admission refuses a
+//! factor out of range, [`Refused`].
 use super::{Path, Rules, Stage};
 use crate::math::real::Real;
 use crate::path::entry::Refused;
@@ -13,15 +13,15 @@ use crate::units::Ns;
 
 /// An override, the factor of all speeds of a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Rate(u64);
+pub struct FeedOverride(u64);
 
-impl Rate {
+impl FeedOverride {
     /// From the bits of a double: 2⁻²⁰ to 1.
-    pub fn admit(bits: u64) -> Result<Rate, Refused> {
+    pub fn admit(bits: u64) -> Result<FeedOverride, Refused> {
         const LEAST: u64 = (1023 - 20) << 52;
         const ONE: u64 = 1023 << 52;
         match bits {
-            LEAST..=ONE => Ok(Rate(bits)),
+            LEAST..=ONE => Ok(FeedOverride(bits)),
             0..LEAST => Err(Refused::TooSmall),
             _ if bits & 0x7ff << 52 == 0x7ff << 52 => Err(Refused::NotFinite),
             _ if bits >> 63 == 1 => Err(Refused::Negative),
@@ -37,7 +37,7 @@ impl Rate {
 impl Rules {
     /// Override: the speeds of all motions are multiplied by it. The speeds at their ends are not,
     /// but held to these.
-    pub fn set_rate(&mut self, rate: Rate) {
+    pub fn set_override(&mut self, rate: FeedOverride) {
         self.rate = rate.real();
     }
 }

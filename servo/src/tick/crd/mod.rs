@@ -10,15 +10,15 @@
 //! | `drive` | a tick of those that run, before that of the axes |
 //! | `effects` | what entries do to the rest of the machine |
 //! | `path_soft_limits` | whether limits of axes are in the way of a path |
-//! | `feed_override` | the factor on its speeds |
+//! | `set_override` | `SetOverride`: the factor on its speeds |
 //!
 //! Which axes, and their zero: `path/axis_map.rs`. The motion of one axis, for readers:
 //! `view/axis_motion.rs`.
 mod commands;
 mod drive;
 mod effects;
-mod feed_override;
 mod path_soft_limits;
+mod set_override;
 
 pub(crate) use commands::Halt;
 use path_soft_limits::Clearance;
@@ -71,7 +71,8 @@ impl CrdState {
         Feed { ends: self.published.ends }
     }
 
-    /// Its FIFOs have carried out so many entries more: see [`crate::tick::Tick::advance_fifo_counters`].
+    /// Its FIFOs have carried out so many entries more: see
+    /// [`crate::tick::Tick::advance_fifo_counters`].
     #[cfg(feature = "test-hooks")]
     pub(crate) fn advance_fifo_counters(&mut self, by: u32) {
         let CrdView { ends, released, done, .. } = &mut self.published;

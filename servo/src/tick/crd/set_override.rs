@@ -2,16 +2,16 @@
 //!
 //! In: an admitted factor. Out: the motion in force, planned anew from the coming tick on. Owns
 //! nothing. Cannot fail. How the factor acts on speeds: `path/evaluator/feed_override.rs`.
-use crate::path::Rate;
+use crate::path::FeedOverride;
 use crate::tick::Tick;
 use crate::tick::execute::Reach;
 use crate::units::{Crd, Ns};
 
 impl<const AXES: usize> Tick<AXES> {
     /// Override.
-    pub(crate) fn set_rate(&mut self, crd: Crd, rate: Rate, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
+    pub(crate) fn set_override(&mut self, crd: Crd, rate: FeedOverride, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
         self.with_path(crd, next, lanes, |path, _, feed, source, _| {
-            path.rules.set_rate(rate);
+            path.rules.set_override(rate);
             path.replan(next, feed, source);
         });
         self.crds.get_mut(crd);
