@@ -3,15 +3,18 @@
 //! In: bytes. Out: bytes. Owns the modal state, the alarm, the holds, and what waits for
 //! standstill.
 //! A line is answered when its motions are in the planner, as in Grbl. Fails with the link's error.
+mod overrides;
+mod status;
+
 use crate::entry;
 use crate::errors;
-use crate::feeder::{Feed, View};
-use crate::report::{Report, Turns};
+use crate::feeder::Feed;
+use crate::report::Turns;
 use crate::settings::Settings;
 use client::Error;
 use gcode::{Ended, Stream};
 use machine::Machine;
-use protocol::command::{AxisOn, SetDoBit};
+use protocol::command::AxisOn;
 use std::collections::VecDeque;
 
 /// Blocks of the planner that are reported, and bytes of the receive buffer.
@@ -409,59 +412,6 @@ impl<'a> Session<'a> {
         Ok(())
     }
 
-    fn override_by(&mut self, byte: u8) {
-        let [mut feed, mut rapid, mut power] = self.overrides;
-        let step = |of: u8, first: u8| match byte - first {
-            0 => 100,
-            1 => of.saturating_add(10),
-            2 => of.saturating_sub(10),
-            3 => of.saturating_add(1),
-            _ => of.saturating_sub(1),
-        };
-        match byte {
-            0x90..=0x94 => feed = step(feed, 0x90),
-            0x95..=0x97 => rapid = [100, 50, 25][usize::from(byte - 0x95)],
-            0x99..=0x9d => power = step(power, 0x99),
-            _ => {}
-        }
-        self.set_overrides([feed.clamp(10, 200), rapid, power.clamp(10, 200)]);
-    }
-
-    fn set_overrides(&mut self, overrides: [u8; 3]) {
-        self.overrides = overrides;
-        let [feed, rapid, power] = overrides.map(|percent| f64::from(percent) / 100.0);
-        // A path can be slowed down at any time; faster than F is planned so.
-        self.stream.overrides(feed.max(1.0), rapid, power);
-        self.feed.feed(overrides[0]);
-    }
-
-    /// M7 (0) or M8 (1) the other way, at once.
-    fn toggle(&mut self, which: usize) -> Result<(), Error> {
-        if self.alarm.is_some() || self.sleeps || self.settles.is_some() {
-            return Ok(());
-        }
-        self.coolant[which] = !self.coolant[which];
-        self.switch(which)
-    }
-
-    fn coolant_off(&mut self) -> Result<(), Error> {
-        for which in 0..2 {
-            if std::mem::take(&mut self.coolant[which]) {
-                self.switch(which)?;
-            }
-        }
-        Ok(())
-    }
-
-    fn switch(&mut self, which: usize) -> Result<(), Error> {
-        let outputs = self.machine.outputs;
-        let Some(output) = [outputs.mist, outputs.flood][which] else { return Ok(()) };
-        let value = i16::from(self.coolant[which]);
-        let set =
-            SetDoBit { core: 1.into(), do_type: GPO.into(), index: i16::from(output).into(), value: value.into() };
-        self.feed.client().call(set).map(drop)
-    }
-
     /// A line, answered.
     fn obey(&mut self, line: &str) -> Result<(), Error> {
         let trimmed = line.trim();
@@ -567,73 +517,6 @@ impl<'a> Session<'a> {
         self.stop(After::Reset)?;
         self.received = kept;
         Ok(())
-    }
-
-    fn state(&self, view: &View) -> &'static str {
-        let moves = view.runs || self.feed.waiting(view).0 > 0;
-        if self.sleeps {
-            return "Sleep";
-        }
-        if self.alarm.is_some() {
-            return "Alarm";
-        }
-        if self.checks {
-            return "Check";
-        }
-        match (self.held || self.settles.is_some(), self.door, view.runs) {
-            (true, true, true) => return "Door:2",
-            (true, true, false) => return "Door:0",
-            (true, false, true) => return "Hold:1",
-            (true, false, false) => return "Hold:0",
-            _ => {}
-        }
-        match (self.waits, moves) {
-            (Some(Wait::Home), _) => "Home",
-            (_, true) if self.jogs => "Jog",
-            (_, true) => "Run",
-            _ => "Idle",
-        }
-    }
-
-    fn report(&mut self) {
-        let view = self.feed.view();
-        let (mut at, mut feed) = ([0.0; 3], 0.0f64);
-        for (place, axis) in self.machine.axes.iter().enumerate() {
-            let per_mm = if axis.reversed { -axis.steps_per_mm } else { axis.steps_per_mm };
-            at[place] = view.at[place] / per_mm;
-            let speed = view.speeds[place] / per_mm;
-            feed += speed * speed;
-        }
-        let power = self.machine.laser.as_ref().map_or(0.0, |laser| {
-            let (least, most) = laser.power;
-            let part = if most == least { 1.0 } else { (view.power - least) / (most - least) };
-            if view.power == 0.0 { 0.0 } else { part.clamp(0.0, 1.0) * laser.s_max }
-        });
-        let words = self.stream.modes().words;
-        let mut accessories = String::new();
-        for (on, letter) in
-            [(words[6] == "M3", 'S'), (words[6] == "M4", 'C'), (self.coolant[1], 'F'), (self.coolant[0], 'M')]
-        {
-            if on {
-                accessories.push(letter);
-            }
-        }
-        let motions = self.feed.waiting(&view).1;
-        let report = Report {
-            state: self.state(&view),
-            at,
-            zero: self.stream.offsets().zero,
-            free: (BLOCKS - motions.min(BLOCKS), BYTES.saturating_sub(self.received.len() + self.line.len())),
-            feed: feed.sqrt() * 60_000.0,
-            power,
-            overrides: self.overrides,
-            accessories: &accessories,
-            busy: view.runs,
-            mask: self.settings.report,
-            inches: self.settings.inches,
-        };
-        let line = self.turns.line(&report);
-        self.say(&line);
     }
 }
 
