@@ -15,11 +15,10 @@
 //! back.
 mod admit;
 mod board;
+mod bounded_vec;
 mod capacity;
 mod configuration;
 mod io_types;
-mod lane;
-mod list;
 pub mod plan;
 mod product;
 mod program;
@@ -27,6 +26,7 @@ mod refuse;
 mod report;
 mod session;
 mod shadow;
+mod tick_queue;
 
 pub use crate::board::{Board, FAULT_TEXT_MAX, Fault, FaultKind, TickTime};
 pub use crate::plan::path_queue::{LOOK_AHEAD, PathQueue};

@@ -5,7 +5,7 @@
 //! admissions and reads need.
 //! There are two copies. *Admitted* is the state after everything that was admitted, *executed* the
 //! state after everything that the tick has executed, but for what a reply that waits keeps back
-//! ([`crate::lane::Until`]). If the rest of a program is discarded,
+//! ([`crate::tick_queue::Until`]). If the rest of a program is discarded,
 //! *admitted* is set back to *executed*. So what was never executed leaves no trace.
 mod axis;
 mod channel;

@@ -1,8 +1,8 @@
-//! One lane into the tick: the ring's end, the numbering, and a log of what is in flight.
+//! One queue into the tick (a lane): the ring's end, the numbering, and a log of what is in flight.
 //!
 //! In: staged tick commands with their changes. Out: entries in the ring; changes for the executed
 //! state once the view shows that their entries were executed.
-//! Fails: what does not fit is for the caller to try again later ([`Lane::room`]).
+//! Fails: what does not fit is for the caller to try again later ([`TickQueue::room`]).
 use crate::shadow::{Change, Shadows, executed, is_up_to, seq_after};
 use heapless::Deque;
 use ring::Producer;
@@ -33,16 +33,16 @@ impl Until {
 }
 
 /// One lane of at most `N` entries in flight.
-pub struct Lane<'a, const N: usize> {
+pub struct TickQueue<'a, const N: usize> {
     ring: Producer<'a, Entry, N>,
     last: u32,
     log: Deque<(u32, Change), N>,
 }
 
-impl<'a, const N: usize> Lane<'a, N> {
+impl<'a, const N: usize> TickQueue<'a, N> {
     /// A lane whose numbers carry `flag`.
     pub fn new(ring: Producer<'a, Entry, N>, flag: u32) -> Self {
-        Lane { ring, last: flag, log: Deque::new() }
+        TickQueue { ring, last: flag, log: Deque::new() }
     }
     /// Entries that can be pushed now.
     pub fn room(&self) -> usize {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 /// Folders and single files, lowest first. Each may use those before it, a folder also itself.
 const ORDER: [&str; 14] = [
-    "list",
+    "bounded_vec",
     "capacity",
     "refuse",
     "io_types",
@@ -14,7 +14,7 @@ const ORDER: [&str; 14] = [
     "configuration",
     "plan",
     "shadow",
-    "lane",
+    "tick_queue",
     "report",
     "admit",
     "program",

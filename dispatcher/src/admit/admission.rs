@@ -9,7 +9,6 @@ use super::staged::Staged;
 use super::{admit, config_item, crd, kind, many, one, power_on, tables};
 use crate::board::Board;
 use crate::configuration::Configuration;
-use crate::lane::Lane;
 use crate::plan::path_queue::PathQueue;
 use crate::refuse::Admitted;
 use crate::report::answer::Answer;
@@ -17,6 +16,7 @@ use crate::report::event_log::Log;
 use crate::report::replies::Reading;
 use crate::report::trace::TraceOut;
 use crate::shadow::{Change, Shadows};
+use crate::tick_queue::TickQueue;
 use protocol::command::{CommandKind, LoadConfig, Table, WaitStop, opcode};
 use ring::{Consumer, Producer};
 use servo::laser::CHANNELS;
@@ -74,7 +74,7 @@ pub struct Admission<'a, const AXES: usize> {
     /// Tick commands of the command in hand.
     pub staged: Staged,
     /// The immediate lane.
-    pub lane: Lane<'a, IMMEDIATE>,
+    pub lane: TickQueue<'a, IMMEDIATE>,
     /// The trace.
     pub trace: TraceOut<AXES>,
     /// Events that no command caused.
@@ -103,7 +103,7 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
             executed: Shadows::new(),
             admitted: Shadows::new(),
             staged: Staged::default(),
-            lane: Lane::new(ring, 0),
+            lane: TickQueue::new(ring, 0),
             trace: TraceOut::new(),
             log: Log::default(),
         };

@@ -8,11 +8,11 @@
 use super::pending_commits::PendingCommits;
 use super::{Program, ProgramDrop, State};
 use crate::admit::admission::Admission;
-use crate::lane::Until;
 use crate::refuse::Refused;
 use crate::report::answer::Answer;
 use crate::report::pending_replies::{Refuser, TickRefusal};
 use crate::shadow::{Change, PROGRAM_FLAG, executed};
+use crate::tick_queue::Until;
 use protocol::reason::{Cure, Reason};
 use protocol::record::ReplyWriter;
 use servo::tick_command::TickCommand;

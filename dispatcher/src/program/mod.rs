@@ -27,14 +27,14 @@ use crate::admit::admission::Admission;
 use crate::admit::context::Due;
 use crate::admit::one;
 use crate::capacity::{AWAITING, VALUES};
-use crate::lane::Lane;
 use crate::refuse::{Admitted, FifoOf, Refused};
 use crate::report::pending_replies::{PendingReplies, Step};
 use crate::shadow::{Change, PROGRAM_FLAG, Shadows, executed, renew};
+use crate::tick_queue::TickQueue;
 use pending_commits::PendingCommits;
 use protocol::command::{ProgramClear, ProgramReply, ProgramStart, ProgramStatus, opcode};
 use protocol::reason::Reason;
-use protocol::record::{Full, Lane as RecordLane, ReplyWriter, RequestRecord};
+use protocol::record::{Full, Lane, ReplyWriter, RequestRecord};
 use protocol::values::program;
 use record_queue::{QUEUE_BYTES, RECORD_BYTES, Records};
 use reported::Reported;
@@ -98,7 +98,7 @@ struct Ending {
 servo::state! {
     /// The program queue.
     pub struct Program<'a> {
-        lane: Lane<'a, PROGRAM> = Lane::new(ring, PROGRAM_FLAG),
+        lane: TickQueue<'a, PROGRAM> = TickQueue::new(ring, PROGRAM_FLAG),
         records: Records = Records::new(),
         replies: PendingReplies<AWAITING, VALUES> = PendingReplies::new(),
         state: State = State::Empty,
@@ -226,7 +226,7 @@ impl<'a> Program<'a> {
             // If it is refused it waits in the queue, and is refused from there.
             if let Ok(written) = admission.admit_data(view, self.due(view), record.opcode, record.body) {
                 self.reported.accepted = self.reported.accepted.wrapping_add(1);
-                let may_fail = record.lane == RecordLane::ProgramMayFail;
+                let may_fail = record.lane == Lane::ProgramMayFail;
                 self.stream(admission, view, (written.of, written.fifo));
                 self.take_data(admission, (record.opcode, record.tag, may_fail), &written);
                 return Step::Taken;
@@ -242,7 +242,7 @@ impl<'a> Program<'a> {
             self.state = State::Held;
             self.begin();
         }
-        self.records.push(record.opcode, record.tag, record.lane == RecordLane::ProgramMayFail, record.body);
+        self.records.push(record.opcode, record.tag, record.lane == Lane::ProgramMayFail, record.body);
         self.reported.accepted = self.reported.accepted.wrapping_add(1);
         self.settled = false;
         Step::Taken

@@ -3,8 +3,8 @@
 //! In: what was admitted, what the tick refused. Out: the replies of a lane in order.
 use super::answer::Answer;
 use super::replies::{Reading, took_reply, values_reply};
-use crate::lane::Until;
 use crate::refuse::Refused;
+use crate::tick_queue::Until;
 use heapless::Deque;
 use protocol::command::opcode;
 use protocol::reason::Reason;

@@ -12,9 +12,9 @@ mod tests;
 
 use super::event_log::{HELD, Log};
 use crate::board::{Board, FAULT_TEXT_MAX};
+use crate::bounded_vec::collect;
 use crate::configuration::{Configuration, ones};
 use crate::io_types::{WORD, WORDS};
-use crate::list::list;
 use crate::report::answer::{POINTS_MAX, Query, TAKEN_MAX};
 use crate::shadow::Shadows;
 use heapless::Vec;
@@ -91,7 +91,7 @@ pub fn values_reply(
     values: impl Iterator<Item = f64>,
     out: &mut ReplyWriter,
 ) -> Result<(), Full> {
-    let items: Vec<_, POINTS_MAX> = list(values.map(|value| command::Real { value: value.into() }));
+    let items: Vec<_, POINTS_MAX> = collect(values.map(|value| command::Real { value: value.into() }));
     let head = command::Count { count: (items.len() as u16).into() };
     out.push_raw(opcode, tag, 0, &[head.as_bytes(), items.as_bytes()])
 }
@@ -205,14 +205,14 @@ impl<const AXES: usize> Reading<'_, AXES> {
             opcode::GetDac => {
                 let outputs = (usize::from(query.first)..).take(query.count.into());
                 let item = |output| command::Short { value: self.analog_output(output).into() };
-                let items: Vec<_, 8> = list(outputs.map(item));
+                let items: Vec<_, 8> = collect(outputs.map(item));
                 let head = command::Count { count: (items.len() as u16).into() };
                 out.done::<command::GetDac>(tag, &head, &items)
             }
             opcode::GetAdc => {
                 let inputs = self.view.analog.iter().skip(query.first.into()).take(query.count.into());
                 let volts = |value: &i16| f64::from(*value) * ANALOG_INPUT_VOLTS / 32768.0;
-                let items: Vec<_, 8> = list(inputs.map(|value| command::Real { value: volts(value).into() }));
+                let items: Vec<_, 8> = collect(inputs.map(|value| command::Real { value: volts(value).into() }));
                 let head = command::Reals { clock_ms: self.clock_ms().into(), count: (items.len() as u16).into() };
                 out.done::<command::GetAdc>(tag, &head, &items)
             }
@@ -295,7 +295,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
     }
 
     fn events(&self, tag: u16, out: &mut ReplyWriter) -> Result<(), Full> {
-        let items: Vec<_, HELD> = list(self.log.items().copied());
+        let items: Vec<_, HELD> = collect(self.log.items().copied());
         let head = command::EventsReply { total: self.log.total().into(), count: (items.len() as u16).into() };
         out.done::<command::GetEvents>(tag, &head, &items)
     }

@@ -4,8 +4,8 @@
 //! gathered and the encoder.
 //! Fails: samples that the tick lost because its ring was full are counted and reported in the
 //! stream's last frame. A row is never invented.
+use crate::bounded_vec::collect;
 use crate::configuration::{Configuration, ones};
-use crate::list::list;
 use crate::shadow::executed;
 use heapless::Vec;
 use protocol::trace::{self, AxisId, CrdId, CrdSample, Encoder, Full, Head, Ids, LaserId, LaserSample, Samples, kind};
@@ -261,12 +261,13 @@ impl<const AXES: usize> TraceOut<AXES> {
     fn head(&mut self, view: &View<AXES>, configuration: &Configuration) -> bool {
         let per_core = configuration.profile.axes_per_core.max(1);
         let axes = (0..AXES as u8).filter(|axis| self.columns.axes.0 >> axis & 1 == 1);
-        let axes: Vec<_, AXES> = list(axes.map(|axis| AxisId { core: axis / per_core, axis: axis % per_core + 1 }));
+        let axes: Vec<_, AXES> = collect(axes.map(|axis| AxisId { core: axis / per_core, axis: axis % per_core + 1 }));
         let lasers = (0..CHANNELS as u8).filter(|channel| self.columns.lasers >> channel & 1 == 1);
-        let lasers: Vec<_, CHANNELS> = list(lasers.map(|channel| LaserId { channel }));
+        let lasers: Vec<_, CHANNELS> = collect(lasers.map(|channel| LaserId { channel }));
         let per_core = configuration.profile.crds_per_core.max(1);
         let crds = self.columns.crds.crds().map(|crd| crd.index() as u8);
-        let crds: Vec<_, { Crd::MAX }> = list(crds.map(|crd| CrdId { core: crd / per_core, crd: crd % per_core + 1 }));
+        let crds: Vec<_, { Crd::MAX }> =
+            collect(crds.map(|crd| CrdId { core: crd / per_core, crd: crd % per_core + 1 }));
         let (period_ns, timer_mhz) = (view.period.0 as u32, view.timer_mhz);
         let head = Head { schema: protocol::SCHEMA, period_ns, every: self.every, timer_mhz };
         self.encoder.head(&head, &Ids { axes: &axes, lasers: &lasers, crds: &crds }).is_ok()

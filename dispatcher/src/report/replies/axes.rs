@@ -1,6 +1,6 @@
 //! Reads of consecutive axes, all of one tick: an item for each axis.
 use super::{Reading, mode_number, number};
-use crate::list::list;
+use crate::bounded_vec::collect;
 use crate::plan::geometry::pulses;
 use crate::plan::pvt::table_number;
 use crate::report::answer::Query;
@@ -43,7 +43,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
         item: impl Fn(&AxisView, &AxisShadow) -> R::ReplyItem,
     ) -> Result<(), Full> {
         let axes = self.view.axes.iter().zip(&self.executed.axes).skip(query.first.into()).take(query.count.into());
-        let items: Vec<_, AXES> = list(axes.map(|(axis, shadow)| item(axis, shadow)));
+        let items: Vec<_, AXES> = collect(axes.map(|(axis, shadow)| item(axis, shadow)));
         out.done::<R>(tag, &R::Reply::new(self.clock_ms(), items.len() as u16), &items)
     }
 
