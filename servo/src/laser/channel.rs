@@ -359,6 +359,12 @@ impl Channel {
         (self.law.planned, self.law.encoder)
     }
 
+    /// Whether it follows the encoders of a path now.
+    #[inline]
+    pub(super) fn follows_encoders(&self, crd: Crd) -> bool {
+        self.law.encoder.has(crd)
+    }
+
     /// The axes whose positions count by fixed ratios, if any do.
     #[inline(always)]
     pub(super) fn followed_axes(&self) -> Option<u32> {

@@ -39,6 +39,8 @@ pub(crate) struct EncoderSpeed {
     used: bool,
     /// The tick up to which it goes on; in any other tick the velocity is taken as it is.
     next: Ns,
+    /// The path begins with that tick.
+    begins: bool,
     lag: Lag,
     /// The period for which `share` was computed.
     period: Ns,
@@ -49,8 +51,15 @@ pub(crate) struct EncoderSpeed {
 }
 
 impl EncoderSpeed {
-    pub(crate) const POWER_ON: EncoderSpeed =
-        EncoderSpeed { used: false, next: Ns(0), lag: Lag::POWER_ON, period: Ns(0), share: ALL, velocity: [0; 4] };
+    pub(crate) const POWER_ON: EncoderSpeed = EncoderSpeed {
+        used: false,
+        next: Ns(0),
+        begins: false,
+        lag: Lag::POWER_ON,
+        period: Ns(0),
+        share: ALL,
+        velocity: [0; 4],
+    };
 
     /// Another time constant.
     pub(crate) fn set(&mut self, lag: Lag) {
@@ -59,7 +68,7 @@ impl EncoderSpeed {
 
     /// The path begins, at standstill, with the tick `next`.
     pub(crate) fn begin(&mut self, next: Ns) {
-        (self.next, self.velocity) = (next, [0; 4]);
+        (self.next, self.begins, self.velocity) = (next, true, [0; 4]);
     }
 
     /// Whether it has to run in every tick.
@@ -74,8 +83,10 @@ impl EncoderSpeed {
         if period != self.period {
             (self.period, self.share) = (period, self.lag.share(period));
         }
-        let share = if now == self.next { self.share } else { ALL };
         self.used |= follows;
+        let goes_on = now == self.next && (self.used || self.begins);
+        let share = if goes_on { self.share } else { ALL };
+        self.begins = false;
         self.next = Ns(now.0.wrapping_add(period.0));
         for (velocity, by) in self.velocity.iter_mut().zip(pulses) {
             let new = by.clamp(-(u32::MAX as i64), u32::MAX as i64) << PathSpeed::COUNT_BITS;
@@ -169,6 +180,22 @@ mod tests {
             let off = BigInt::from(found.raw()) - &want;
             assert!(off.magnitude() < &(1u32 << 20).into(), "{us} us: {found:?}, not {want}");
         }
+    }
+
+    /// Ticks before the one in which it is chosen leave nothing behind, also those in which an entry
+    /// might have chosen it.
+    #[test]
+    fn it_begins_with_the_tick_before_it_is_chosen() {
+        let at = |tick: u64| (Ns(tick * 1_000_000), Ns(1_000_000));
+        let mut speed = EncoderSpeed::POWER_ON;
+        speed.begin(Ns(0));
+        assert!(speed.step([1000, 0, 0, 0], at(0), false).raw() < 700 << 30, "a path begins at 0");
+        assert_eq!(speed.step([2000, 0, 0, 0], at(1), false).raw(), 2000 << 30);
+        assert_eq!(speed.step([3000, 0, 0, 0], at(2), false).raw(), 3000 << 30);
+        let chosen = speed.step([4000, 0, 0, 0], at(3), true).raw();
+        assert!((3600 << 30..3700 << 30).contains(&chosen), "{chosen}");
+        let after = speed.step([4000, 0, 0, 0], at(4), false).raw();
+        assert!((3800 << 30..3900 << 30).contains(&after), "{after}");
     }
 
     /// One count is a thousandth of its unfiltered value, in a tick of 10 us, and decays to

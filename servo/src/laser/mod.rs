@@ -390,6 +390,11 @@ impl Lasers {
         Wants { planned: CrdMask(planned), encoder: CrdMask(encoder) }
     }
 
+    /// Whether a channel follows the encoders of a path.
+    pub(crate) fn follows_encoders(&self, crd: Crd) -> bool {
+        self.channels.iter().any(|channel| channel.follows_encoders(crd))
+    }
+
     /// The speed of a path in the interval that is planned next ([`crate::path::Path::mean`]), and
     /// that of its encoders in the last one ([`PathSpeed::measured`]). Speeds that are not fed are
     /// 0.

@@ -347,10 +347,9 @@ impl<const AXES: usize> Tick<AXES> {
                 let published = axis.and_then(|axis| self.axes.get(axis.index())).map(|axis| &axis.published);
                 published.map_or(0, |published| published.encoder.wrapping_sub(published.encoder_before))
             });
-            // Also those that do not follow yet: an entry within the coming interval may begin a
+            // Also one that no channel follows yet: an entry within the coming interval may begin a
             // follow.
-            let follows = wants.encoder.0 != u8::MAX && wants.encoder.has(crd);
-            encoder = state.encoders.step(gone, (next, period), follows);
+            encoder = state.encoders.step(gone, (next, period), self.lasers.follows_encoders(crd));
         }
         self.lasers.feed(crd, planned, encoder);
     }
