@@ -344,6 +344,7 @@ fn beside_a_refusal<R: Request>(refused: R) -> (Vec<u64>, Reason, ProgramReply) 
     bench.done(PrfJog { core, profile });
     bench.done(SetJogPrm { core, profile, acc: 1.0.into(), dec: 1.0.into(), smooth: 0.0.into() });
     bench.done(SetVel { core, profile, vel: 5.0.into() });
+    bench.done(PrfFollow { core, profile: 2.into(), dir: 1.into() });
     let output = |index: i16| SetDoBit { core, do_type: 12.into(), index: index.into(), value: 1.into() };
     let requests = [
         entry(Update { core, mask: 1.into() }),
@@ -382,9 +383,15 @@ fn what_follows_a_refused_entry_acts_in_the_tick_of_what_stands_before_it() {
             master_type: 2.into(),
             master_item: 0.into(),
         }),
+        beside_a_refusal(FollowStart { core, mask: 2.into(), option: 0.into() }),
+        beside_a_refusal(FollowSwitch { core, mask: 2.into() }),
+        beside_a_refusal(PrfFollow { core, profile: 2.into(), dir: 0.into() }),
+        beside_a_refusal(PtStart { core, mask: 2.into(), option: 0.into() }),
     ];
     let reasons: Vec<Reason> = all.iter().map(|(_, reason, _)| *reason).collect();
-    assert_eq!(reasons, [Reason::Moving, Reason::Moving, Reason::Moving, Reason::WrongMode]);
+    let at_rest = [Reason::NoMaster, Reason::NotRunning, Reason::DirectionDiffers, Reason::WrongMode];
+    assert_eq!(reasons[..4], [Reason::Moving, Reason::Moving, Reason::Moving, Reason::WrongMode]);
+    assert_eq!(reasons[4..], at_rest);
     for (edges, reason, status) in all {
         assert_eq!(edges, [250_000; 2], "{reason:?}");
         assert_eq!(status.late.get(), 0, "{reason:?}");

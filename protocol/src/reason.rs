@@ -70,7 +70,7 @@ reasons! {
     1  OutOfRange Range None "{field} is {got}; it must be from {low} to {high}";
     2  NotFinite Range None "{field} is not a finite number";
     3  NotIncreasing Range Motion "{field} is {got}; it must be greater than {low}, that of the segment before";
-    4  TooFast Range State "{field}: this segment's speed is {got} pulse/ms; the limit is {high}";
+    4  TooFast Range Motion "{field}: this segment's speed is {got} pulse/ms; the limit is {high}";
     5  Length Range None "the command's length is wrong: {got} bytes came, {low} were expected";
     6  TooMany Range None "{field} is {got}; at most {high} fit";
     7  BeyondTravel Range None "{field} is {got}; an axis travels from {low} to {high} pulses";
@@ -103,11 +103,11 @@ reasons! {
     51 NoDeceleration State None "axis {axis}: its deceleration is 0; set the motion parameters first (SetTrapPrm)";
     52 AtSoftLimit State State "axis {axis} stands at its software limit of {got} pulses; it can only move away from it";
     53 AtLimitSwitch State State "axis {axis}: the limit switch in this direction is active; it can only move away from it";
-    54 SwitchPending State State "axis {axis}: a FIFO switch is pending; neither FIFO can be cleared before it has happened";
+    54 SwitchPending State Motion "axis {axis}: a FIFO switch is pending; neither FIFO can be cleared before it has happened";
     55 StateChanged State State "axis {axis} cannot start: its state has changed since the call was taken (status {got})";
     56 StreamEnded State State "axis {axis}: the motion that this data belongs to ended before it ({stop}); the data was not taken";
     60 TableInUse State Motion "PVT table {got} is in use by axis {axis}; it can be replaced when no axis runs it";
-    61 TableEmpty State State "axis {axis}: PVT table {got} is empty";
+    61 TableEmpty State None "axis {axis}: PVT table {got} is empty";
     62 TableFull Range None "the table does not fit: its points need more than {high} slots (two where the velocity jumps; a Percent point up to 3, a Continuous point up to 8)";
     63 PointTime Range None "{field} is {got}; it must be greater than {low}, that of the point before";
     64 VelocityUnreachable Range None "the velocity of the next point cannot be reached: the way is {got} pulses, the change of velocity needs {low}";
@@ -115,17 +115,17 @@ reasons! {
     66 AboveVelMax Range None "a velocity of {got} pulse/ms in the direction of travel is above the limit of this segment, {high}";
     67 TableRange Range None "no scale holds this table: its top speed {got} pulse/ms over its longest segment is too far";
     68 TableShort Range None "a pass of {got} ms is too short; it lasts {low} ms at least";
-    80 NoMaster State State "axis {axis}: it has no master; call SetFollowMaster first";
+    80 NoMaster State None "axis {axis}: it has no master; call SetFollowMaster first";
     81 OwnMaster Range None "{field} is {got}, the axis itself; an axis cannot follow itself";
-    82 MasterCycle State State "axis {axis} would follow itself by way of axis {got} of core {low}";
-    83 MasterType Range State "{field} is {got}; allowed are 1, 2, 3, and in a profile of two cores 101 and 103";
-    84 DirectionDiffers State State "axis {axis} is in this mode with direction {got}; set another mode first";
-    85 NotRunning State State "axis {axis} is not running; a switch is for an axis that follows";
-    86 MasterOrder Range State "{field} is {got}; it must lie beyond {low}, that of the segment before";
-    87 MixedSigns Range State "{field} is {got}; all master positions of a FIFO have one sign, and the first has that of {low}";
+    82 MasterCycle State None "axis {axis} would follow itself by way of axis {got} of core {low}";
+    83 MasterType Range None "{field} is {got}; allowed are 1, 2, 3, and in a profile of two cores 101 and 103";
+    84 DirectionDiffers State None "axis {axis} is in this mode with direction {got}; set another mode first";
+    85 NotRunning State None "axis {axis} is not running; a switch is for an axis that follows";
+    86 MasterOrder Range Motion "{field} is {got}; it must lie beyond {low}, that of the segment before";
+    87 MixedSigns Range Motion "{field} is {got}; all master positions of a FIFO have one sign, and the first has that of {low}";
     88 NegativeProgress Range None "{field} is {got}; an axis that follows in direction +1 takes positive master positions only";
-    89 RatioTooLarge Range State "{field}: this segment's velocity ratio is {got}; the limit is {high}";
-    90 QueueEntries State State "axis {axis}: the FIFO holds {high} entries that are no segments, which is the most";
+    89 RatioTooLarge Range Motion "{field}: this segment's velocity ratio is {got}; the limit is {high}";
+    90 QueueEntries State Motion "axis {axis}: the FIFO holds {high} entries that are no segments, which is the most";
     100 AboveLow Range None "{field} is {got}; it must be above {low} and at most {high}";
     101 BelowMinimum Range None "{field} is {got}; it must not be below the minimum, {low}";
     102 LaserFault State State "laser channel {got} is kept dark by a fault: {cause}; once that is over call ClrLaserFault";
@@ -134,15 +134,15 @@ reasons! {
     105 AnalogInUse State None "analog output {got} belongs to laser channel {low}, which is in analog mode";
     106 NotInFamily Unknown None "the laser connectors of this family are fixed: it has no such call";
     107 FollowTableInUse State State "follow table {got} of laser channel {low} is named by an entry of a path or by the follow in force; it can be replaced when neither is there";
-    108 FollowTableEmpty State State "follow table {got} of laser channel {low} is empty; call SetLaserFollowTable first";
-    109 DistanceOff State State "laser channel {got}: distance follow is off; call SetLaserDisMode(1, ...) first";
+    108 FollowTableEmpty State None "follow table {got} of laser channel {low} is empty; call SetLaserFollowTable first";
+    109 DistanceOff State None "laser channel {got}: distance follow is off; call SetLaserDisMode(1, ...) first";
     110 CrdNotSet State None "coordinate system {axis} drives no axis; call SetCrdPrm first";
     111 CrdRuns State Motion "coordinate system {axis} is running; stop it first";
     112 CrdFull State State "coordinate system {axis}: the FIFO is full; {high} entries fit, {got} are free";
     113 CrdEmpty State None "coordinate system {axis}: FIFO {got} holds nothing to do";
     114 CrdElsewhere State State "coordinate system {axis} is more than a pulse from where FIFO {got} was left; move back there first, or call CrdClear";
     115 CrdFifoInUse State Motion "coordinate system {axis}: FIFO {got} is in use; it can be cleared at rest";
-    116 CrdHolds State State "coordinate system {axis}: FIFO {got} holds entries; run them or call CrdClear first";
+    116 CrdHolds State Motion "coordinate system {axis}: FIFO {got} holds entries; run them or call CrdClear first";
     117 CrdPositionUnknown State State "coordinate system {axis}: where the motion begins is known once everything is at rest";
     118 AxisInCrd State None "axis {axis} belongs to coordinate system {got}";
     119 AxisLeftCrd State None "axis {axis} is not driven by coordinate system {got} any more; call SetCrdPrm again";
@@ -160,7 +160,7 @@ reasons! {
     131 CrdNotOnBoard Mismatch None "this board has memory for {high} coordinate systems";
     132 StepLimit Range None "{field}: axis {axis} would go at {got} pulse/ms; the board's steps are limited to {high}";
     133 NoIndex Range None "{field} is {got}, the index, but the board captures none of encoder {axis}; allowed are {low} to {high}";
-    134 CrdOfTick Range State "{field} is {got}; at this servo tick it must be from {low} to {high}: the others are there at 500 us and more";
+    134 CrdOfTick Range None "{field} is {got}; at this servo tick it must be from {low} to {high}: the others are there at 500 us and more";
     135 CrdNeedsTick State State "coordinate system {axis} of core {low} drives axes; below a tick of 500 us a core has {high}; reset its axes first";
     140 NotAboveMinimum Range None "{field} is {got}; it must be above the minimum, {low}";
     141 PointOfAxis Range None "{field} of axis {axis} is {got}; it must be greater than {low}, that of the point before";
@@ -174,7 +174,7 @@ reasons! {
     149 NoLaserOutput State None "laser channel {got}: this board has no output for its power in this mode";
     158 SlowPulses Range None "{field} is {got} kHz; it must be 0, or from {low} to {high}";
     160 InputsWired State State "the inputs of this board are wired; only those of the virtual and the emulated board are set by a call";
-    161 InputType Range State "{field} is {got}; allowed are {low} to {high}, and 90, the interlock";
+    161 InputType Range None "{field} is {got}; allowed are {low} to {high}, and 90, the interlock";
 }
 
 /// The payload of a refusing reply.
