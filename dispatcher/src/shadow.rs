@@ -200,6 +200,18 @@ impl<const AXES: usize> Shadows<AXES> {
         self.lasers.iter().flat_map(|laser| laser.named).fold(0, |all, named| all | named)
     }
 
+    /// What empties FIFOs of a coordinate system has been admitted: no entry of them names a follow
+    /// table any more. For the executed state that is so once they are empty.
+    pub fn forget_emptied(&mut self, change: &Change) {
+        match *change {
+            Change::Crd { crd, change: CrdChange::Frame { .. } } => {
+                (0..2).for_each(|fifo| self.forget_follow_tables(crd, fifo));
+            }
+            Change::Crd { crd, change: CrdChange::Emptied { fifo, .. } } => self.forget_follow_tables(crd, fifo),
+            _ => {}
+        }
+    }
+
     /// A FIFO that holds nothing names no follow table.
     pub fn forget_follow_tables(&mut self, crd: Crd, fifo: u8) {
         let bit = 1 << (2 * crd.index() + usize::from(fifo & 1));

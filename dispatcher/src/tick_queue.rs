@@ -90,6 +90,7 @@ impl<'a, const N: usize> TickQueue<'a, N> {
         }
         self.last = seq;
         ahead.enter(&change, seq);
+        ahead.forget_emptied(&change);
         true
     }
     /// Enters into `now` what the tick has executed, up to what `until` allows. Returns whether

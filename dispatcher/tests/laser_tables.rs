@@ -2,9 +2,10 @@
 //! in use. A command that fails leaves everything as it was.
 mod bench;
 mod laser_path;
-use bench::body;
+use bench::{body, entry};
 use laser_path::*;
 use protocol::command::*;
+use protocol::reason::Reason;
 use protocol::record::Lane;
 
 #[test]
@@ -223,4 +224,25 @@ fn ratios_change_while_they_are_in_force() {
     }
     b.run_ms(1);
     assert!(b.server.view().lasers[0].bank.is_some());
+}
+
+/// A program is admitted ahead of its ticks: its FIFO holds new data before the tick has cleared it.
+#[test]
+fn a_program_replaces_the_follow_table_of_entries_that_it_cleared() {
+    let mut bench = bench(GUS);
+    let points = points(&[(0.0, 1.0), (10.0, 2.0)]);
+    let set = || (SetLaserFollowTable::OPCODE, Lane::Program, body(table(1, 2, 0, 0), &points));
+    let clear = CrdClear { core: 1.into(), crd: 1.into(), fifo: 0.into() };
+    let named = entry(table_follow(1, 0.0, 50.0));
+    let cleared = [set(), named.clone(), entry(clear), entry(line(1000, 0, 10.0)), set(), entry(ProgramEnd {})];
+    let tags = bench.post_all(&cleared);
+    bench.done(ProgramStart { strict: 1 });
+    for (index, tag) in tags.into_iter().enumerate() {
+        assert_eq!(bench.wait(tag).code, 0, "entry {index}");
+    }
+    assert_eq!(bench.done(ProgramStatus {}).late.get(), 0);
+    // Named again.
+    let tags = bench.post_all(&[named, set(), entry(ProgramEnd {})]);
+    bench.done(ProgramStart { strict: 0 });
+    assert_eq!(bench.wait(tags[1]).reason(), Reason::FollowTableInUse);
 }
