@@ -21,6 +21,8 @@ pub struct Refused {
     pub reason: Reason,
     /// The FIFO that has no room, where that is the reason: it may have room later.
     pub full: Option<(FifoOf, u8)>,
+    /// It is about data that was admitted before, and the tick takes none of that away meanwhile.
+    pub stands: bool,
     /// The rest of the reply's payload.
     pub wire: Refusal,
 }
@@ -28,7 +30,7 @@ pub struct Refused {
 impl Refused {
     /// A refusal that names only its reason.
     pub fn new(reason: Reason) -> Self {
-        Refused { reason, full: None, wire: Refusal::new(reason) }
+        Refused { reason, full: None, stands: false, wire: Refusal::new(reason) }
     }
     /// The same with another, more precise reason.
     pub fn reason(mut self, reason: Reason) -> Self {
@@ -39,6 +41,11 @@ impl Refused {
     /// Names the FIFO that has no room.
     pub fn full(mut self, of: FifoOf, fifo: u8) -> Self {
         self.full = Some((of, fifo));
+        self
+    }
+    /// States whether the tick leaves the data before it as it is.
+    pub fn stands(mut self, stands: bool) -> Self {
+        self.stands = stands;
         self
     }
     /// Names the parameter by its index in the request.

@@ -454,3 +454,27 @@ fn the_status_names_the_first_late_record_and_the_one_after_which_a_tick_took_to
     let status = bench.done(ProgramStatus {});
     assert_eq!((status.overruns.get(), status.late.get(), status.reported), (0, 0, 0));
 }
+
+/// Data that does not fit to the data before it, after a clear of the same instant: the clear is in
+/// flight, but makes nothing right that came after it.
+#[test]
+fn data_that_is_refused_after_a_clear_of_its_instant_delays_nothing() {
+    let (core, profile) = (CORE.into(), 1.into());
+    for full in [false, true] {
+        let mut bench = Bench::gus();
+        bench.servo_on(1);
+        bench.done(PrfPt { core, profile, mode: 0.into() });
+        let mut requests = vec![entry(PtClear { core, profile, fifo: 0.into() })];
+        let fits = if full { 32 } else { 1 };
+        requests.extend((1..=fits).map(|ms| entry(pt_data(1, f64::from(ms), ms))));
+        let refused = requests.len();
+        requests.push(may_fail(pt_data(1, 100.0, if full { 100 } else { 1 })));
+        requests.extend([entry(start(1)), entry(ProgramEnd {})]);
+        let tags = bench.post_all(&requests);
+        bench.done(ProgramStart { strict: 0 });
+        bench.wait(*tags.last().unwrap());
+        let reason = bench.answers[&tags[refused]].reason();
+        assert_eq!(reason, if full { Reason::FifoFull } else { Reason::NotIncreasing });
+        assert_eq!(bench.done(ProgramStatus {}).late.get(), 0, "{reason:?}");
+    }
+}

@@ -257,6 +257,11 @@ impl<'x, const AXES: usize> Context<'x, AXES> {
         let sampled = self.sampled(axis);
         self.shadow(axis).may_run(self.view, sampled) || self.may_set_off(axis, sampled.status & RUNNING != 0)
     }
+    /// Whether the FIFOs of an axis hold what was admitted: it does not run when this command acts,
+    /// and the tick is not at work for an earlier start.
+    pub fn knows_fifos(&self, axis: Axis) -> bool {
+        !self.may_run(axis) && !self.shadow(axis).is_busy(self.view, self.sampled(axis))
+    }
     /// Whether an entry of a path that runs may set the axis off before this command acts.
     fn may_set_off(&self, axis: Axis, runs: bool) -> bool {
         let aside = self.shadow(axis).aside;

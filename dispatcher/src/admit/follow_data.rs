@@ -180,8 +180,10 @@ pub fn data<const AXES: usize>(context: &Context<AXES>, stores: &Segments<AXES>,
         }
     };
     let axis = following(context, mode_of(number), core.get(), profile.get())?;
-    let mut filling = open(context, stores, axis, fifo.get(), field)?;
-    filling.add(given).map_err(|refused| refused.axis(context.configuration.number_of(axis)))?;
+    let stands = context.knows_fifos(axis);
+    let mut filling = open(context, stores, axis, fifo.get(), field).map_err(|refused| refused.stands(stands))?;
+    let named = |refused: Refused| refused.axis(context.configuration.number_of(axis)).stands(stands);
+    filling.add(given).map_err(named)?;
     Ok(filling.written(0))
 }
 
@@ -204,8 +206,9 @@ fn asymmetric_data<const AXES: usize>(
         real(field, ratio, -RATIO_MAX, RATIO_MAX)?;
     }
     let q = f64::from(within(6, r.percent.get(), 0, 100)?) / 100.0;
-    let mut filling = open(context, stores, axis, r.fifo.get(), 7)?;
-    let named = |refused: Refused| refused.axis(context.configuration.number_of(axis));
+    let stands = context.knows_fifos(axis);
+    let mut filling = open(context, stores, axis, r.fifo.get(), 7).map_err(|refused| refused.stands(stands))?;
+    let named = |refused: Refused| refused.axis(context.configuration.number_of(axis)).stands(stands);
     // An error of its ends alone is reported as for any segment.
     filling.check(Given::Segment(master, slave, 1, 0)).map_err(named)?;
     let (from, origin) = (filling.shadow.master, filling.shadow.slave);

@@ -170,10 +170,12 @@ fn push<const AXES: usize>(
     let (shadow, sampled) = (context.shadow(axis), context.sampled(axis));
     let which = usize::from(fifo);
     let space = shadow.space(context.view, sampled, which) as usize;
+    let stands = context.knows_fifos(axis);
     if items.len() > space {
         return Err(context
             .no(Reason::FifoFull, axis)
             .full(FifoOf::Axis(axis), fifo)
+            .stands(stands)
             .field(fifo_field)
             .got(space as f64)
             .limits(0.0, shadow.capacity().into()));
@@ -194,7 +196,7 @@ fn push<const AXES: usize>(
                 slot = slot.wrapping_add(1);
                 chain = next;
             }
-            Err(refused) => return Err(named(explain(refused, item, limit), index).axis(profile)),
+            Err(refused) => return Err(named(explain(refused, item, limit), index).axis(profile).stands(stands)),
         }
     }
     let data = FifoShadow { end: data.end.wrapping_add(items.len() as u32), chain };

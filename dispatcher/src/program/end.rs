@@ -76,6 +76,7 @@ impl Program<'_> {
         }
         let known = match refused.reason.cure() {
             Cure::None => true,
+            Cure::Motion if refused.stands => true,
             // Data for a look-ahead waits for what was given before it, and then it is taken.
             _ if refused.reason == Reason::CrdFifoInUse => self.is_past(view),
             // Of these only the end makes the record right ([`Change::may_free`]).
