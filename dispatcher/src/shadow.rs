@@ -23,6 +23,7 @@ pub use crd_space::CAPACITY;
 pub use entry_numbers::{PROGRAM_FLAG, Renewed, entries_from, executed, is_up_to, renew, seq_after, seq_from};
 pub use follow::Fifo;
 use protocol::command::{JogPrm, TrapPrm};
+use protocol::reason::Reason;
 use servo::Fifos;
 use servo::laser::CHANNELS;
 use servo::segment::pvt::TABLES;
@@ -118,20 +119,20 @@ pub enum Change {
 impl Change {
     /// Whether its execution may end what keeps a command from an axis, a table or a coordinate
     /// system now: a motion, a latched fault, a use.
-    pub fn may_free(&self) -> bool {
-        matches!(
-            self,
-            Change::Reset { .. }
-                | Change::Servo { on: false, .. }
-                | Change::Stopped { .. }
-                | Change::Aborted
-                | Change::Cleared { .. }
-                | Change::Table { .. }
-                | Change::Emptied { .. }
-                | Change::FollowEmptied { .. }
-                | Change::Switched { .. }
-                | Change::Crd { .. }
-        )
+    pub fn may_free(&self, reason: Reason) -> bool {
+        match self {
+            Change::Reset { .. } | Change::Servo { on: false, .. } | Change::Stopped { .. } | Change::Aborted => true,
+            // A switch by segment ends a pass in its last segment.
+            Change::Switched { .. } => true,
+            // With these the axes that entries of a path move beside it may stay at standstill.
+            Change::Crd { change: CrdChange::Frame { .. } | CrdChange::Emptied { .. }, .. } => true,
+            Change::Cleared { .. }
+            | Change::Table { .. }
+            | Change::Emptied { .. }
+            | Change::FollowEmptied { .. }
+            | Change::Crd { .. } => !matches!(reason, Reason::Moving | Reason::OnlyAtStandstill | Reason::CrdRuns),
+            _ => false,
+        }
     }
 }
 

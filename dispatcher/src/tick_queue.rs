@@ -5,6 +5,7 @@
 //! Fails: what does not fit is for the caller to try again later ([`TickQueue::room`]).
 use crate::shadow::{Change, Shadows, executed, is_up_to, seq_after};
 use heapless::Deque;
+use protocol::reason::Reason;
 use ring::Producer;
 use servo::tick_command::{Entry, TickCommand};
 use servo::units::Ns;
@@ -67,9 +68,9 @@ impl<'a, const N: usize> TickQueue<'a, N> {
     pub fn changes<const AXES: usize>(&self, view: &View<AXES>) -> impl Iterator<Item = &(u32, Change)> {
         self.log.iter().filter(|(seq, _)| !executed(view, *seq))
     }
-    /// Whether one of them may end what keeps a command from being taken now.
-    pub fn may_free(&self) -> bool {
-        self.log.iter().any(|(_, change)| change.may_free())
+    /// Whether one of them may end the state for which a command is refused now.
+    pub fn may_free(&self, reason: Reason) -> bool {
+        self.log.iter().any(|(_, change)| change.may_free(reason))
     }
     /// Pushes one tick command; false if there is no room.
     pub fn push<const AXES: usize>(

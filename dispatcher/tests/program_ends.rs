@@ -350,6 +350,8 @@ fn beside_a_refusal<R: Request>(refused: R) -> (Vec<u64>, Reason, ProgramReply) 
         entry(Update { core, mask: 1.into() }),
         entry(sleep(10)),
         entry(output(1)),
+        // It ends no motion.
+        entry(ClrSts { core, axis: 2.into(), count: 1.into() }),
         may_fail(refused),
         entry(output(2)),
         entry(ProgramEnd {}),
@@ -364,7 +366,7 @@ fn beside_a_refusal<R: Request>(refused: R) -> (Vec<u64>, Reason, ProgramReply) 
         before = bench.machine.outputs.2;
         edges.extend((0..new.count_ones()).map(|_| bench.now().0 - zero - 10 * MS));
     }
-    let answer = bench.answers[&tags[3]].clone();
+    let answer = bench.answers[&tags[4]].clone();
     assert_ne!(answer.code, 0);
     (edges, answer.reason(), bench.done(ProgramStatus {}))
 }

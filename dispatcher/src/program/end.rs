@@ -80,7 +80,7 @@ impl Program<'_> {
             // Data for a look-ahead waits for what was given before it, and then it is taken.
             _ if refused.reason == Reason::CrdFifoInUse => self.is_past(view),
             // Of these only the end makes the record right ([`Change::may_free`]).
-            Cure::Motion => self.is_reached(view) || self.is_settled(view),
+            Cure::Motion => self.is_reached(view) || self.is_settled(view, refused.reason),
             Cure::State => self.is_reached(view),
         };
         if !known || out.refused(head.opcode, head.tag, &refused.wire).is_err() {

@@ -154,8 +154,8 @@ impl<'a> Program<'a> {
 
     /// Whether the view is the last one before the tick on which the record in hand would act, and
     /// nothing in flight before it may end what keeps it from being taken.
-    fn is_settled<const AXES: usize>(&self, view: &View<AXES>) -> bool {
-        !self.lane.may_free() && self.until(view) < view.period.0
+    fn is_settled<const AXES: usize>(&self, view: &View<AXES>, reason: Reason) -> bool {
+        !self.lane.may_free(reason) && self.until(view) < view.period.0
     }
 
     /// From the view to the instant of the record in hand, ns; `u64::MAX` where that is not known.
