@@ -249,3 +249,21 @@ fn the_link_loss_time_is_the_users() {
         bench.run_ms(50);
     }
 }
+
+/// What was admitted before its cause came is refused at its tick, and says so.
+#[test]
+fn a_clear_and_an_on_command_that_meet_the_open_interlock_are_refused() {
+    let clear = ClrLaserFault { core: 1.into(), channel: 0.into() };
+    for (request, clears) in [(entry(clear), true), (entry(switch(1, 0)), false)] {
+        let mut bench = bench(GUS);
+        prepared(&mut bench, GUS, 0);
+        bench.run_ms(1);
+        let tags = bench.post_all(&[entry(sleep(10)), request, entry(ProgramEnd {})]);
+        bench.done(ProgramStart { strict: 0 });
+        bench.run_ms(5);
+        bench.machine.interlock = true;
+        let answer = bench.wait(tags[1]);
+        assert_eq!((answer.code, answer.reason()), (1, Reason::LaserFault), "a clear: {clears}");
+        assert_eq!(fault(&mut bench, 0), 1);
+    }
+}

@@ -397,6 +397,7 @@ pub enum Event {
     /// A CrdStart did nothing because of this coordinate system's state: it runs, has nothing to
     /// do, is not where it was interrupted, or one of its axes is no longer its own.
     CrdRefused { lane: Lane, seq: u32, crd: Crd },
-    /// An on command lit nothing because a fault keeps this laser channel dark.
+    /// An on command lit nothing because a fault keeps this laser channel dark, or a clear cleared
+    /// nothing because the cause of that is still there.
     LaserRefused { lane: Lane, seq: u32, channel: u8 },
 }

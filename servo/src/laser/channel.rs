@@ -169,7 +169,12 @@ impl Channel {
             Change::Distance(distance) => self.law.set_distance(*distance),
             Change::Reset { family } => self.reset(at, *family),
         }
-        matches!(change, Change::Gate { on: true }) && self.owner.is_latched()
+        match change {
+            Change::Gate { on: true } => self.owner.is_latched(),
+            // Its cause is still there.
+            Change::ClearFault => self.safety.is_dark(),
+            _ => false,
+        }
     }
 
     /// Passes a fact to the light owner; the gate carries out its order. Returns whether the fact

@@ -5,7 +5,7 @@ use super::super::light::{
     Act, Channel, Command, Distance, Family, INTERLOCK, Law, LightCall, LightOf, Mode, Scaled, Setting, Standby,
     TABLES, crds,
 };
-use super::answer::{Answer, DONE, EITHER, check, either, range};
+use super::answer::{Answer, DONE, check, either, range};
 use super::{Controller, Reply, Value};
 
 /// The lowest frequency, kHz.
@@ -90,8 +90,7 @@ impl Controller {
         let after = self.light.after_calls(number);
         let setting = match of.what {
             LightOf::Gate(on) => return self.switch(number, on, &after),
-            // Refused while its cause is there; one that was admitted before that clears nothing.
-            LightOf::ClearFault if self.interlock.is_cause() => return Err(EITHER),
+            LightOf::ClearFault if self.interlock.is_cause() => return Err(1),
             LightOf::ClearFault if self.interlock.is_just_closed() => {
                 self.open = Some("a clear of light just after the interlock closes");
                 return DONE;
@@ -242,8 +241,7 @@ impl Controller {
             self.open = Some("light at the end of an Abort");
         }
         if on && after.owner.fault == INTERLOCK {
-            // Refused; one that was admitted before the interlock opened does nothing.
-            return Err(EITHER);
+            return Err(1);
         }
         check(!on || after.owner.output && after.owner.fault == 0 && self.aborted == 0)?;
         self.light.calls.push(Act::Gate(number, on));
