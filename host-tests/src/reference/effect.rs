@@ -19,6 +19,20 @@ pub enum Effect {
         core: i16,
         kind: i16,
     },
+    /// The same three in words of 32 levels, of which there is one.
+    SetDoEx {
+        core: i16,
+        value: i32,
+    },
+    GetDoEx {
+        core: i16,
+        count: i16,
+    },
+    GetDiEx {
+        core: i16,
+        kind: i16,
+        count: i16,
+    },
     SetDac {
         core: i16,
         dac: i16,
@@ -63,6 +77,9 @@ impl Effect {
             }
             Effect::GetDo { core } => format!("rtn = GTN_GetDo({core},12,&word);"),
             Effect::GetDi { core, kind } => format!("rtn = GTN_GetDi({core},{kind},&word);"),
+            Effect::SetDoEx { core, value } => format!("word = {value}; rtn = GTN_SetDoEx({core},12,&word,1);"),
+            Effect::GetDoEx { core, count } => format!("rtn = GTN_GetDoEx({core},12,&word,{count});"),
+            Effect::GetDiEx { core, kind, count } => format!("rtn = GTN_GetDiEx({core},{kind},&word,{count});"),
             Effect::SetDac { core, dac, value } => {
                 format!("space = {value}; rtn = GTN_SetDac({core},{dac},&space);")
             }

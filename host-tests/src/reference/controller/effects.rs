@@ -16,7 +16,9 @@ const VOLTS: f64 = 12.5;
 impl Controller {
     pub(super) fn effect(&mut self, index: usize, call: &Call, effect: &Effect, now: i64) -> Answer {
         match *effect {
-            Effect::SetDo { value, .. } => self.changes.push((now as f64 / 1e6, u32::MAX, value.cast_unsigned())),
+            Effect::SetDo { value, .. } | Effect::SetDoEx { value, .. } => {
+                self.changes.push((now as f64 / 1e6, u32::MAX, value.cast_unsigned()));
+            }
             Effect::SetDoBit { index, level, .. } => {
                 range((1..=OUTPUTS).contains(&index))?;
                 let bit = 1 << (index - 1);
@@ -32,6 +34,14 @@ impl Controller {
                 return Ok(self.read(index, call, 0));
             }
             Effect::GetDo { .. } => return Ok(self.read(index, call, 0)),
+            Effect::GetDoEx { count, .. } => {
+                range(count > 0)?;
+                return Ok(self.read(index, call, 0));
+            }
+            Effect::GetDiEx { kind, count, .. } => {
+                range(matches!(kind, 0..=5) && count > 0)?;
+                return Ok(self.read(index, call, 0));
+            }
             Effect::GetDi { kind, .. } => {
                 range(matches!(kind, 0..=5))?;
                 return Ok(self.read(index, call, 0));

@@ -78,7 +78,9 @@ impl Controller {
                     _ => Value::None,
                 },
                 Call::Effect(Effect::GetAdc { adc, .. }) => Value::Volts(self.levels.volts[adc as usize - 1]),
-                Call::Effect(Effect::GetDi { core, kind }) => Value::Whole(self.inputs_of(core, kind)),
+                Call::Effect(Effect::GetDi { core, kind } | Effect::GetDiEx { core, kind, .. }) => {
+                    Value::Whole(self.inputs_of(core, kind))
+                }
                 Call::Effect(_) => Value::Whole(self.levels.general.cast_signed().into()),
                 _ => Value::Whole(free as i64),
             };
@@ -94,7 +96,7 @@ impl Controller {
                 }
                 // An entry of a path may set one in the tick that follows.
                 Call::Effect(Effect::GetDac { .. }) => value == Value::None || self.crds.values().any(|crd| crd.runs),
-                Call::Effect(Effect::GetDo { .. }) => self.crds.values().any(|crd| crd.runs),
+                Call::Effect(Effect::GetDo { .. } | Effect::GetDoEx { .. }) => self.crds.values().any(|crd| crd.runs),
                 Call::Axis { kind, axis } => {
                     let axis_of = &self.axes[axis];
                     let tick = [Fix::ZERO, Fix::ONE];

@@ -40,7 +40,11 @@ impl Making<'_> {
     fn levels(&mut self, axis: usize) {
         let core = self.site.axes[axis].0;
         let kind = if self.one_in(12) { self.pick(&[-1, 6, 12]) } else { self.below(6) as i16 };
-        self.calls.push(Call::Effect(Effect::GetDi { core, kind }));
+        let effect = match self.below(3) {
+            0 => Effect::GetDiEx { core, kind, count: i16::from(!self.one_in(12)) },
+            _ => Effect::GetDi { core, kind },
+        };
+        self.calls.push(Call::Effect(effect));
     }
 
     /// Switches that are active low. A set-up as a machine has it, mostly.

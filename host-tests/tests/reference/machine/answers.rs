@@ -128,6 +128,12 @@ pub fn got(call: &Call, answer: &Answer) -> Got {
         Call::Effect(Effect::GetDi { .. }) => {
             answer.reply::<GetDi>().map(|(reply, _)| Got::Whole(reply.value.get().into()))
         }
+        Call::Effect(Effect::GetDoEx { .. }) => {
+            answer.reply::<GetDoEx>().and_then(|(_, items)| Some(Got::Whole(items.first()?.value.get().into())))
+        }
+        Call::Effect(Effect::GetDiEx { .. }) => {
+            answer.reply::<GetDiEx>().and_then(|(_, items)| Some(Got::Whole(items.first()?.value.get().into())))
+        }
         Call::Effect(Effect::GetDac { .. }) => answer.reply::<GetDac>().and_then(|(_, items)| {
             let first = items.first()?;
             Some(Got::Whole(first.value.get().into()))

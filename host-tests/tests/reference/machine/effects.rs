@@ -89,6 +89,16 @@ pub fn effect(effect: &Effect) -> Wire {
         }
         Effect::GetDi { core, kind } => Wire::of(GetDi { core: core.into(), di_type: kind.into() }),
         Effect::GetDo { core } => Wire::of(GetDo { core: core.into(), do_type: 12.into() }),
+        Effect::SetDoEx { core, value } => {
+            let request = SetDoEx { core: core.into(), do_type: 12.into(), count: 1.into() };
+            Wire::with_items(request, &[Long { value: value.into() }])
+        }
+        Effect::GetDoEx { core, count } => {
+            Wire::of(GetDoEx { core: core.into(), do_type: 12.into(), count: count.into() })
+        }
+        Effect::GetDiEx { core, kind, count } => {
+            Wire::of(GetDiEx { core: core.into(), di_type: kind.into(), count: count.into() })
+        }
         Effect::SetDac { core, dac, value } => {
             let request = SetDac { core: core.into(), dac: dac.into(), count: 1.into() };
             Wire::with_items(request, &[Short { value: value.into() }])
