@@ -186,7 +186,8 @@ impl Channel {
             Setting::ZeroOnTime => self.gate.zero(at),
             Setting::ClearFault => self.owner.clear_fault(at),
         }
-        self.muted = false;
+        // Points of a table are no command of its light.
+        self.muted &= matches!(setting, Setting::Table(..));
         self.follows(before);
     }
 

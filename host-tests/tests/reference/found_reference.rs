@@ -1,6 +1,6 @@
 //! Programs on which the reference or the judge was wrong, and the controller was right.
 use super::found::{MS, agrees, ex, frame, line, path, plain, segment};
-use host_tests::reference::{Call, Kind, Path};
+use host_tests::reference::{Call, Kind, LightCall, LightOf, LightTable, Path};
 
 /// A slave that has come back through its passes rests at its origin. A SwitchNow by segment began
 /// its first segment; the reference had its last one behind it, and jumped to its end.
@@ -69,4 +69,22 @@ fn a_smooth_stop_in_a_delay_before_an_abrupt_one() {
         calls.extend([Call::Sleep { ns: 5 * MS }, go.clone(), Call::Sleep { ns: 12 * MS }]);
         agrees(250, &calls);
     }
+}
+
+/// After an Abort in GUS mode 3 the switch stays off until a command of the channel. Points of a
+/// follow table are none, and the reference took them for one.
+#[test]
+fn a_follow_table_after_an_abort_lights_nothing() {
+    let mode = LightOf::Mode { mode: 3, max: 100.0, min: 0.0, delayed: true };
+    let points = vec![[0.0, 80.0], [7.0, 57.4]];
+    agrees(
+        1000,
+        &[
+            Call::Light(LightCall { channel: 1, what: mode }),
+            Call::Abort { core: 1 },
+            Call::Sleep { ns: 13 * MS },
+            Call::LightTable(LightTable::Powers { channel: 1, table: 1, points }),
+            Call::Sleep { ns: 3 * MS },
+        ],
+    );
 }
