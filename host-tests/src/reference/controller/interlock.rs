@@ -2,12 +2,15 @@
 use super::super::axis::{Mode, Why};
 use super::super::light::{Act, INTERLOCK};
 use super::Controller;
+use super::answer::EITHER;
 
 /// See the module text.
 pub struct Interlock {
     /// The input, and as the tick has sampled it.
     pub open: bool,
     pub sampled: bool,
+    /// It opens in this tick, before or after its calls act.
+    opens: bool,
     /// SetInterlock: 0 motion goes on, 1 as where the link is lost, 2 it stops abruptly.
     pub motion: i16,
     /// Ticks since it was open.
@@ -16,7 +19,7 @@ pub struct Interlock {
 
 impl Default for Interlock {
     fn default() -> Interlock {
-        Interlock { open: false, sampled: false, motion: 1, closed: u32::MAX }
+        Interlock { open: false, sampled: false, opens: false, motion: 1, closed: u32::MAX }
     }
 }
 
@@ -24,6 +27,11 @@ impl Interlock {
     /// It keeps lasers dark, also in the tick that samples that it is over.
     pub fn is_cause(&self) -> bool {
         self.open || self.sampled
+    }
+
+    /// The answer to a clear or an on command while it is a cause.
+    pub fn refusal(&self) -> i16 {
+        if self.opens { EITHER } else { 1 }
     }
 
     /// The contract has a tick from an input to what it does.
@@ -38,6 +46,7 @@ impl Controller {
     pub(super) fn sample_interlock(&mut self) {
         let opens = self.interlock.open && !self.interlock.sampled;
         self.interlock.sampled = self.interlock.open;
+        self.interlock.opens = opens;
         self.interlock.closed = if self.interlock.open { 0 } else { self.interlock.closed.saturating_add(1) };
         if !opens {
             return;

@@ -90,7 +90,7 @@ impl Controller {
         let after = self.light.after_calls(number);
         let setting = match of.what {
             LightOf::Gate(on) => return self.switch(number, on, &after),
-            LightOf::ClearFault if self.interlock.is_cause() => return Err(1),
+            LightOf::ClearFault if self.interlock.is_cause() => return Err(self.interlock.refusal()),
             LightOf::ClearFault if self.interlock.is_just_closed() => {
                 self.open = Some("a clear of light just after the interlock closes");
                 return DONE;
@@ -241,7 +241,7 @@ impl Controller {
             self.open = Some("light at the end of an Abort");
         }
         if on && after.owner.fault == INTERLOCK {
-            return Err(1);
+            return Err(self.interlock.refusal());
         }
         check(!on || after.owner.output && after.owner.fault == 0 && self.aborted == 0)?;
         self.light.calls.push(Act::Gate(number, on));
