@@ -323,7 +323,8 @@ pub struct Run {
     #[command(flatten)]
     #[allow(missing_docs)]
     pub drawing: Drawing,
-    /// tcp:HOST:PORT, serial:PATH[:BAUD], or qemu. Without it, the one of the machine file.
+    /// tcp:HOST:PORT, serial:PATH[:BAUD], qemu, or virtual: a virtual controller in real time.
+    /// Without it, the link of the machine file; if that names none, virtual.
     #[arg(long)]
     pub link: Option<String>,
     #[command(flatten)]

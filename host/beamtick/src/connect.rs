@@ -4,7 +4,8 @@ use crate::command_line::{FamilyName, Settings, Steps, Way};
 use crate::profile;
 use client::{Client, Family, Link, Options, Profile};
 use protocol::reason::Reason;
-use virtual_board::{Board, Config, VirtualLink, share};
+use std::net::TcpListener;
+use virtual_board::{Board, Config, Served, VirtualLink, share};
 
 /// Servo tick of the virtual controller where none is asked for: the compatible value of SPEC 1.
 pub const TICK_US: u32 = 250;
@@ -35,6 +36,16 @@ pub fn simulated(settings: &Settings, steps: Steps, wanted: Option<Profile>) -> 
     let config = config(settings.tick_us, options.profile.unwrap_or(Profile::Gus), steps);
     let board = share(Board::new(config));
     Ok(Client::open(Box::new(VirtualLink::new(board)), options)?)
+}
+
+/// A virtual controller in real time, and a link to it.
+pub fn real_time(tick_us: Option<u32>, profile: Profile) -> Result<(Served, Box<dyn Link>), Failure> {
+    let failed = |error| Failure::Job(format!("the virtual controller cannot listen: {error}"));
+    let listener = TcpListener::bind("127.0.0.1:0").map_err(failed)?;
+    let config = config(tick_us, profile, Steps::default());
+    let served = virtual_board::serve(listener, None, config).map_err(failed)?;
+    let link = client::link::open(&format!("tcp:{}", served.address()))?;
+    Ok((served, link))
 }
 
 /// The link of this name.

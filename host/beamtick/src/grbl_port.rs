@@ -2,25 +2,14 @@
 //!
 //! In: a machine file, a link. Out: a port until a signal comes. Then everything is shut off and
 //! comes to rest, as when a sender goes.
-use crate::command_line::{FamilyName, Grbl, Settings, Steps};
+use crate::command_line::{FamilyName, Grbl, Settings};
 use crate::interrupt::{self, Held};
 use crate::{Failure, connect, machine_file};
-use client::{Link, Profile};
+use client::Profile;
 use grbl::{Pace, Port};
 use machine::Family;
 use std::net::TcpListener;
 use std::sync::Arc;
-use virtual_board::Served;
-
-/// A virtual controller in real time, and a link to it.
-fn virtual_board(tick_us: Option<u32>) -> Result<(Served, Box<dyn Link>), Failure> {
-    let failed = |error| Failure::Job(format!("the virtual controller cannot listen: {error}"));
-    let listener = TcpListener::bind("127.0.0.1:0").map_err(failed)?;
-    let config = connect::config(tick_us, Profile::Gus, Steps::default());
-    let served = virtual_board::serve(listener, None, config).map_err(failed)?;
-    let link = client::link::open(&format!("tcp:{}", served.address()))?;
-    Ok((served, link))
-}
 
 /// Serves until a signal comes.
 pub fn serve(arguments: &Grbl) -> Result<(), Failure> {
@@ -30,7 +19,7 @@ pub fn serve(arguments: &Grbl) -> Result<(), Failure> {
     let (port, place) = port(arguments)?;
     let (board, link) = match name {
         "virtual" => {
-            let (board, link) = virtual_board(arguments.tick_us)?;
+            let (board, link) = connect::real_time(arguments.tick_us, Profile::Gus)?;
             (Some(board), link)
         }
         name => (None, connect::named(name, &arguments.way)?),

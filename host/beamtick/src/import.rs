@@ -6,7 +6,7 @@
 use crate::Failure;
 use crate::command_line::{Drawing, Import};
 use crate::output::Output;
-use crate::{machine_file, output, record};
+use crate::{input, machine_file, output, record};
 use ::drawing::Format;
 use machine::Machine;
 use std::io::Write;
@@ -73,7 +73,7 @@ pub fn job(path: &Path, drawing: &Drawing, plot: Option<&Path>) -> Result<Found,
             Some((Output::picture(to)?, preview(&name, &machine)))
         }
     };
-    let bytes = std::fs::read(path).map_err(|error| {
+    let bytes = input::read(path).map_err(|error| {
         let what = if kind(path) == Some(Kind::Program) { "program" } else { "drawing" };
         Failure::Input(format!("{name}: the {what} cannot be read: {error}"))
     })?;
@@ -156,19 +156,13 @@ fn draw(output: Output, mut preview: Preview, found: Result<&Imported, &String>)
 
 /// The link of the command line, else that of the machine file.
 pub fn link(given: Option<&str>, drawing: &Drawing) -> Result<String, Failure> {
-    let of_file = match (given, &drawing.machine) {
-        (None, Some(file)) => machine_file::open(file)?.link,
-        _ => None,
-    };
-    match given {
-        Some(link) => Ok(link.to_owned()),
-        None => of_file.ok_or_else(|| {
-            Failure::Input(
-                "--link is missing: tcp:HOST:PORT, serial:PATH[:BAUD] or qemu. No machine file names a board; \
-                 for the virtual one there is `beamtick sim`"
-                    .to_owned(),
-            )
-        }),
+    match (given, &drawing.machine) {
+        (Some(link), _) => Ok(link.to_owned()),
+        (None, Some(file)) => Ok(machine_file::open(file)?.link.unwrap_or_else(|| "virtual".to_owned())),
+        (None, None) => Err(Failure::Input(
+            "--link is missing: tcp:HOST:PORT, serial:PATH[:BAUD], qemu, or virtual; or --machine FILE, which names one"
+                .to_owned(),
+        )),
     }
 }
 

@@ -28,6 +28,7 @@ mod entries;
 mod grbl_port;
 mod import;
 mod info;
+mod input;
 mod interrupt;
 mod listing;
 mod machine_file;

@@ -3,8 +3,8 @@
 //! In: answers on the standard input or from the command line. Out: a commented file. Fails: a
 //! wrong answer is named with its limit and asked again, or ends the program where nobody is asked.
 //! Then nothing is written.
-use crate::Failure;
 use crate::command_line::{MachineAction, MachineFile, NewMachine};
+use crate::{Failure, input};
 use machine::{Machine, Question};
 use std::io::{BufRead, Write};
 use std::path::Path;
@@ -23,7 +23,7 @@ pub fn obey(arguments: &MachineFile) -> Result<(), Failure> {
 /// Reads a machine file.
 pub fn open(path: &Path) -> Result<Machine, Failure> {
     let name = path.display().to_string();
-    let text = std::fs::read(path)
+    let text = input::read(path)
         .map_err(|error| Failure::Input(format!("{name}: the machine file cannot be read: {error}")))?;
     let text = String::from_utf8(text)
         .map_err(|_| Failure::Input(format!("{name}: the machine file is not UTF-8 text; save it as UTF-8")))?;

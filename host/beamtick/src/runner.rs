@@ -4,7 +4,7 @@
 //! last entry, or at once when a call fails or a signal comes. No job ends with light on.
 use crate::Failure;
 use crate::command_line::{InputFile, Outputs, Run, Sim};
-use crate::connect::{linked, named, simulated};
+use crate::connect::{linked, named, real_time, simulated};
 use crate::entries::{Entry, entries, lasers};
 use crate::interrupt::{self, Held};
 use crate::output::Kept;
@@ -68,11 +68,22 @@ pub fn run(arguments: &Run, link: Option<Box<dyn Link>>) -> Result<(), Failure> 
     let profile = profile::of_job(&source.job);
     // Nobody else reaches the inputs of a board that this process starts.
     let name = import::link(arguments.link.as_deref(), &arguments.drawing)?;
-    let all_known = link.is_none() && name == "qemu";
-    let link = link.map_or_else(|| named(&name, &arguments.way), Ok)?;
+    let all_known = link.is_none() && ["qemu", "virtual"].contains(&name.as_str());
+    let (served, link) = match link {
+        Some(link) => (None, link),
+        None if name == "virtual" => {
+            let profile = settings.profile.as_deref().map_or(Ok(profile), profile::named)?;
+            let (served, link) = real_time(settings.tick_us, profile)?;
+            (Some(served), link)
+        }
+        None => (None, named(&name, &arguments.way)?),
+    };
     let client = linked(link, &settings, Some(profile))?;
     let knowledge = Knowledge { all_known, virtual_time: false, inputs: inputs.as_ref() };
-    execute(&source, &client, knowledge, &arguments.outputs)
+    let done = execute(&source, &client, knowledge, &arguments.outputs);
+    drop(client);
+    drop(served);
+    done
 }
 
 /// The file of inputs, which no output may overwrite.

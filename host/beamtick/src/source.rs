@@ -1,7 +1,7 @@
 //! A job file: its text, its compiled form, and how positions in it are shown.
 use crate::Failure;
 use crate::command_line::{Drawing, FamilyName, Settings, TICKS_US};
-use crate::import;
+use crate::{import, input};
 use client::{Family, Profile};
 use job::{Diagnostic, Files, Folder, Job, Pragma, Severity, Step};
 use std::cell::RefCell;
@@ -62,7 +62,7 @@ impl Source {
                 let mut bytes = Vec::new();
                 (std::io::stdin().read_to_end(&mut bytes).map(|_| bytes), Vec::new())
             }
-            false => (std::fs::read(path), vec![path.to_owned()]),
+            false => (input::read(path), vec![path.to_owned()]),
         };
         let bytes = bytes.map_err(|error| Failure::Input(format!("{name}: the job file cannot be read: {error}")))?;
         if plot.is_some() {

@@ -14,6 +14,7 @@ use protocol::reason::{Reason, Refusal};
 use protocol::values::status::RUNNING;
 use protocol::values::{event, mode, pt_state};
 use std::time::Duration;
+use trace::Millimetres;
 
 /// A job that has run.
 pub struct Run<'a> {
@@ -75,8 +76,14 @@ pub fn print(run: &Run<'_>) -> Result<(), Failure> {
     }
     for (axis, item) in states(client, &run.source.job)? {
         let peak = peak(run.recorded, &axis);
+        let is_it = |mm: &&Millimetres| (i16::from(mm.axis.core), i16::from(mm.axis.axis)) == (axis.core, axis.axis);
+        let millimetres = run.source.millimetres.iter().find(is_it).map_or(String::new(), |mm| {
+            let place = mm.zero + item.prf_pos.get() / mm.per_mm;
+            // Without the sign of what is rounded to 0.
+            format!(", {} {:.3} mm", mm.letter, (place * 1000.0).round() / 1000.0 + 0.0)
+        });
         say!(
-            "  {}: planned {:.6}, encoder {:.6} pulses{peak}; {}",
+            "  {}: planned {:.6}, encoder {:.6} pulses{millimetres}{peak}; {}",
             name(&axis),
             item.prf_pos.get(),
             item.enc_pos.get(),

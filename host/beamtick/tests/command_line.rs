@@ -195,6 +195,23 @@ fn wrong_input_has_its_own_exit_code() {
         assert_eq!(code, 2, "{errors}");
         assert!(errors.contains(part), "{part:?} is not in\n{errors}");
     }
+    // A device may never end, whatever it is called.
+    #[cfg(unix)]
+    {
+        let folder = tempfile::tempdir().unwrap();
+        let machine = example("machine.toml");
+        for (name, what) in [("z.gts", "job file"), ("z.nc", "program"), ("z.svg", "drawing")] {
+            let link = folder.path().join(name);
+            std::os::unix::fs::symlink("/dev/zero", &link).unwrap();
+            let mut words = vec!["check", link.to_str().unwrap()];
+            if name != "z.gts" {
+                words.extend(["--machine", machine.to_str().unwrap()]);
+            }
+            let (_, errors, code) = beamtick(&words);
+            let part = format!("{name}: the {what} cannot be read: it is a device, not a file");
+            assert!(code == 2 && errors.contains(&part), "{errors}");
+        }
+    }
     let (errors, code) = failing("GTN_PrfXyz(1, 1);\nGT_AxisOn();");
     assert_eq!(code, 2);
     for part in ["bad.gts:1:1", "no function `GTN_PrfXyz`", "bad.gts:2:1", "`axis` is missing", "2 errors"] {
@@ -214,6 +231,34 @@ fn ports_and_images_that_are_not_there() {
     }
     let (_, errors, code) = beamtick(&["run", path.to_str().unwrap(), "--link", "qemu", "--image", "no-such-image"]);
     assert!(code == 1 && errors.contains("no-such-image"), "{errors}");
+}
+
+/// The virtual controller is a board too: in real time, also where a machine file names no other.
+#[test]
+fn a_job_runs_on_the_virtual_controller_in_real_time() {
+    let job = "GT_Reset(); GT_PrfTrap(1); TTrapPrm t; GT_GetTrapPrm(1, &t); t.acc = 1; t.dec = 1; GT_SetTrapPrm(1, &t); \
+               GT_SetVel(1, 20); GT_SetPos(1, 500); GT_AxisOn(1); GT_Update(1); WaitStop(1);";
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("j.gts");
+    std::fs::write(&path, job).unwrap();
+    let (out, errors, code) = beamtick(&["run", path.to_str().unwrap(), "--link", "virtual"]);
+    assert!(code == 0 && out.contains("axis 1: planned 500.000000"), "{out}{errors}");
+    let program = folder.path().join("p.nc");
+    std::fs::write(&program, "G21 G90\nG1 X2 F6000\nM2\n").unwrap();
+    let machine = example("machine.toml");
+    let (out, errors, code) = beamtick(&["run", program.to_str().unwrap(), "--machine", machine.to_str().unwrap()]);
+    assert!(code == 0 && out.contains("pulses, X 2.000 mm; motion completed"), "{out}{errors}");
+}
+
+/// A program without a motion says so.
+#[test]
+fn an_empty_program_is_said_to_have_no_motion() {
+    let folder = tempfile::tempdir().unwrap();
+    let program = folder.path().join("e.nc");
+    std::fs::write(&program, "").unwrap();
+    let machine = example("machine.toml");
+    let (out, errors, code) = beamtick(&["check", program.to_str().unwrap(), "--machine", machine.to_str().unwrap()]);
+    assert!(code == 0 && out.contains("e.nc: no motion; no marks; about 0.0 s"), "{out}{errors}");
 }
 
 #[test]

@@ -392,6 +392,7 @@ fn pages_lie_with_their_lower_left_corner_at_zero() {
     let (said, code) = beamtick(folder.path(), &words);
     assert!(code == 0 && said.contains("marks of 37.000 mm, X -20.000 to -10.000, Y 5.500 to 12.500"), "{said}");
     assert!(said.contains("d.svg: note: shapes with a fill and no stroke are not marked (1)"), "{said}");
+    assert!(!said.contains("a unit") && !said.contains("stroke-width"), "{said}");
     let words = ["check", "d.svg", "--machine", "m.toml", "--layer", "colour=#0f0,skip=true"];
     let (said, code) = beamtick(folder.path(), &words);
     assert!(code == 0 && said.contains("marks of 7.000 mm, X 0.000 to 0.000, Y 0.000 to 7.000"), "{said}");
@@ -402,12 +403,40 @@ fn pages_lie_with_their_lower_left_corner_at_zero() {
     ));
     let (said, code) = check(folder.path(), &svg);
     assert!(code == 0 && said.contains("marks of 1.414 mm"), "{said}");
+    // What a reader of the file cannot see in it is said.
+    let hairs = "<g stroke-width=\"0\"><path d=\"M0 0h9\" stroke=\"red\"/></g>\
+         <path d=\"M0 0h9\" style=\"stroke:red; stroke-width:0mm\"/>";
+    let (said, code) = check(folder.path(), &page(&format!("{hairs}{LINE}")));
+    assert!(
+        code == 0 && said.contains("a stroke-width of 0 is no stroke, and is not marked: give it a width (2)"),
+        "{said}"
+    );
+    for size in ["", "width=\"100%\" height=\"100%\"", "width=\"10mm\" height=\"40\""] {
+        let svg = page(LINE).replace("width=\"100mm\" height=\"100mm\"", size);
+        let (said, code) = check(folder.path(), &svg);
+        assert!(code == 0 && said.contains("no width and height with a unit"), "{size}: {said}");
+    }
     // A page's own clip path cuts nothing.
     let svg = page(&format!(
         "<clipPath id=\"c\"><path d=\"M0 0H100V100H0z\"/></clipPath><g clip-path=\"url(#c)\">{LINE}</g>"
     ));
     let (said, code) = check(folder.path(), &svg);
     assert_eq!(code, 0, "{said}");
+}
+
+#[test]
+fn a_dxf_whose_shapes_have_heights_says_that_they_are_flat_here() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("m.toml"), machine(LAYERS)).unwrap();
+    for (to, says) in [("7", true), ("0", false)] {
+        let line = format!("0\nLINE\n8\n0\n62\n1\n10\n0\n20\n0\n30\n0\n11\n10\n21\n0\n31\n{to}\n");
+        let dxf = format!("0\nSECTION\n2\nENTITIES\n{line}0\nENDSEC\n0\nEOF\n");
+        fs::write(folder.path().join("z.dxf"), dxf).unwrap();
+        let (said, code) = beamtick(folder.path(), &["check", "z.dxf", "--machine", "m.toml"]);
+        assert!(code == 0 && said.contains("marks of 10.000 mm"), "{said}");
+        let note = "z.dxf: note: shapes at several Z are marked in the plane of X and Y (1)";
+        assert_eq!(said.contains(note), says, "{said}");
+    }
 }
 
 /// Lines, arcs, circles, polylines with bulges, an ellipse, splines and a block, written by another

@@ -217,6 +217,7 @@ fn what_is_wrong_has_line_and_reason_and_nothing_moves() {
     let flat = flat.split("[axes.q]").next().unwrap().to_owned();
     fs::write(folder.path().join("flat.toml"), flat).unwrap();
     let cases: &[(&str, &str)] = &[
+        ("N-1 G1 X1 F100", "p.nc:2: a line number is 0 or above"),
         ("G1 XNAN F100", "p.nc:2: `XNANF100`: a letter must have a number"),
         ("G1 X1e3 F100", "p.nc:2: the word E is not supported"),
         ("G1 X1 X2 F100", "p.nc:2: X is twice in a line"),
@@ -277,7 +278,7 @@ fn what_is_wrong_has_line_and_reason_and_nothing_moves() {
             &["sim", "j.gts", "--machine", "m.toml"],
             "j.gts: --machine, --layer, --at and --pass-stops are for G-code and drawings",
         ),
-        (&["run", "p.nc", "--machine", "m.toml"], "--link is missing"),
+        (&["run", "j.gts"], "--link is missing"),
         (&["import", "p.nc", "--machine", "m.toml", "-o", "m.toml"], "would overwrite a file"),
         (&["import", "j.gts", "--machine", "m.toml", "-o", "o.gts"], "G-code is named .nc"),
     ] {

@@ -177,6 +177,9 @@ impl<'a> Drawing<'a> {
             }
             let paint = self.paint(entity, by_block)?;
             if entity.kind != "INSERT" {
+                if entity::is_sloped(entity)? {
+                    self.pass("shapes at several Z are marked in the plane of X and Y");
+                }
                 match entity::shape(entity, &map)? {
                     entity::Found::Shape(start, pieces) if !pieces.is_empty() => {
                         let place = format!("the {} of line {}", entity.kind, entity.line);

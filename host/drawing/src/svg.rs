@@ -70,8 +70,22 @@ fn parsed(bytes: &[u8]) -> Result<(Vec<Shape>, Vec<String>), Fault> {
     let mut found = Found { height: f64::from(tree.size().height()), ..Found::default() };
     found.group(tree.root())?;
     let mut notes: Vec<String> = skipped;
+    notes.extend(size_note(document.root_element()));
+    notes.extend(check::thin(&document));
     notes.extend(found.passed_over.iter().map(|(what, count)| format!("{what} ({count})")));
     Ok((found.shapes, notes))
+}
+
+/// A page that does not say how large it is in the world.
+fn size_note(root: roxmltree::Node<'_, '_>) -> Option<String> {
+    let has_unit = |key: &str| {
+        let unit = |text: &str| text.trim().ends_with(|last: char| last.is_ascii_alphabetic());
+        root.attribute(key).is_some_and(unit)
+    };
+    (!has_unit("width") || !has_unit("height")).then(|| {
+        "the page has no width and height with a unit (as width=\"100mm\"): 96 units of it are an inch, 25.4 mm"
+            .to_owned()
+    })
 }
 
 /// Nothing but the file itself is read, whatever its images name.

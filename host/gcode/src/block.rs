@@ -136,6 +136,7 @@ impl Block {
                 b'L' => letter(&mut block.l)?,
                 b'R' => letter(&mut block.r)?,
                 b'T' => once(&mut block.t, "T")?,
+                b'N' if word.number < 0 => return Err("a line number is 0 or above".to_owned()),
                 b'N' => once(&mut number_seen, "N")?,
                 _ => return Err(format!("the word {name} is not supported")),
             }

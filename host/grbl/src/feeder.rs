@@ -57,6 +57,8 @@ pub struct View {
     pub speeds: [f64; 3],
     /// The energy that is output now, in the controller's unit; 0 where there is no light.
     pub power: f64,
+    /// Entries that were given to the controller, or thrown away.
+    pub entered: u64,
     /// What lies in the FIFO lasts so long, ms.
     pub lasts_ms: u32,
     /// How often the FIFO was emptied on request.
@@ -183,6 +185,8 @@ struct Feeder {
     fast: usize,
     /// The factor in force.
     feed: f64,
+    /// When the last motion was entered, and how many ms the FIFO lasted then.
+    lasted: (Duration, u32),
     /// When axes and laser were read.
     slow: Option<Instant>,
     view: View,
@@ -252,7 +256,7 @@ impl Feeder {
             }
             (inbox.empty, inbox.feed)
         };
-        let info = self.exchange(batch)?;
+        let info = self.exchange(batch, false)?;
         self.take_in(&info);
         if empties && !self.view.runs {
             self.throw_away()?;
@@ -264,8 +268,8 @@ impl Feeder {
         Ok(more)
     }
 
-    /// Sends entries, and reads the state after them.
-    fn exchange(&mut self, batch: Vec<Entry>) -> Result<protocol::command::CrdState, Error> {
+    /// Sends entries, for the first time or `again`, and reads the state after them.
+    fn exchange(&mut self, batch: Vec<Entry>, again: bool) -> Result<protocol::command::CrdState, Error> {
         let (mut calls, rows): (Vec<Call>, Vec<Vec<Entry>>) = records(batch).into_iter().unzip();
         calls.push(Call::of(CrdInfo { core: CORE.into(), crd: CRD.into() }));
         let slow = self.slow.is_none_or(|at| at.elapsed() >= SLOWLY);
@@ -292,7 +296,9 @@ impl Feeder {
                             && let Some(Ok(lasts)) = reply.get(4..8).map(<[u8; 4]>::try_from)
                         {
                             self.view.lasts_ms = u32::from_le_bytes(lasts);
+                            self.lasted = (self.client.now(), self.view.lasts_ms);
                         }
+                        self.view.entered += u64::from(entry.counts && !again);
                         self.sent.push_back(entry);
                     }
                 }
@@ -364,12 +370,15 @@ impl Feeder {
         self.view.runs = info.run != 0;
         let pos = info.pos;
         self.view.at = [pos[0].get(), pos[1].get(), pos[2].get()];
+        let (at, ms) = self.lasted;
         if self.view.runs {
+            let since = self.client.now().saturating_sub(at).as_millis();
+            self.view.lasts_ms = ms.saturating_sub(u32::try_from(since).unwrap_or(u32::MAX));
             return;
         }
-        if self.sent.is_empty() {
-            self.view.lasts_ms = 0;
-        }
+        // At standstill no time of it passes.
+        self.view.lasts_ms = if self.sent.is_empty() { 0 } else { self.view.lasts_ms };
+        self.lasted = (self.client.now(), self.view.lasts_ms);
         (self.view.speeds, self.view.power) = ([0.0; 3], 0.0);
         if std::mem::take(&mut self.started) {
             let asked = {
@@ -401,7 +410,7 @@ impl Feeder {
         self.forget();
         let mut inbox = locked(&self.shared.inbox);
         (inbox.empty, inbox.newest) = (false, None);
-        self.view.done = inbox.queued;
+        (self.view.done, self.view.entered) = (inbox.queued, inbox.queued.0);
         drop(inbox);
         self.view.emptied += 1;
         Ok(())
@@ -495,7 +504,7 @@ impl Feeder {
         (self.motions, self.fast) = (0, 0);
         while !entries.is_empty() {
             let rest = entries.split_off(entries.len().min(BATCH));
-            self.exchange(entries)?;
+            self.exchange(entries, true)?;
             entries = rest;
         }
         Ok(())

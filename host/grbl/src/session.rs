@@ -23,8 +23,10 @@ pub const BLOCKS: u64 = 15;
 pub const BYTES: usize = 128;
 /// More blocks are taken while those that wait last shorter than this, ms, …
 const AHEAD_MS: u32 = 500;
-/// … up to so many entries.
+/// … up to so many entries, …
 const ENTRIES: u64 = 1200;
+/// … of which so many may not have reached the controller: only it knows how long they last.
+const UNKNOWN: u64 = 64;
 /// Characters of a line without blanks. Grbl has 80.
 const LINE: usize = 255;
 /// What is kept of bytes that nobody counted.
@@ -226,7 +228,8 @@ impl<'a> Session<'a> {
     fn has_room(&self) -> bool {
         let view = self.feed.view();
         let (entries, motions) = self.feed.waiting(&view);
-        motions < BLOCKS || (entries < ENTRIES && view.lasts_ms < AHEAD_MS)
+        let unknown = self.feed.unknown(&view);
+        motions < BLOCKS || (entries < ENTRIES && view.lasts_ms < AHEAD_MS && unknown < UNKNOWN)
     }
 
     /// What has come to its end by itself.

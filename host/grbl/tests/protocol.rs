@@ -543,3 +543,25 @@ fn meerk40t_asks_and_sends_as_it_does() {
     sender.idle();
     assert_eq!((rig.at(), rig.lit()), ([4500.0, -19_475.0], false));
 }
+
+/// A sender that does not count gets its answers as the path goes on, not in one burst at its
+/// beginning.
+#[test]
+fn lines_that_come_at_once_are_answered_as_the_path_goes_on() {
+    const LINES: usize = 500;
+    let rig = Rig::new(MACHINE, false);
+    let mut sender = rig.sender();
+    sender.banner();
+    sender.ok("G21 G90 M4 G1 F3000");
+    // 0.5 mm each: 10 ms.
+    let lines: String = (1..=LINES).map(|line| format!("G1 X{} S500\n", line as f64 * 0.5)).collect();
+    sender.send(&lines);
+    for answered in 1..=LINES {
+        assert_eq!(sender.line(), "ok");
+        let done = rig.at()[0] / 50.0;
+        // 500 ms, what has not reached the controller, and what the view lags behind.
+        assert!(answered as f64 - done < 200.0, "{answered} lines are answered, and {done} are done");
+    }
+    sender.idle();
+    assert_eq!(rig.at(), [25_000.0, 0.0]);
+}

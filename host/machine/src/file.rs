@@ -118,7 +118,7 @@ pub fn read(name: &str, text: &str) -> Result<Machine, String> {
         format!("{name}:{line}: {key}{message}")
     };
     let file: File = toml::from_str(bare).map_err(|error| {
-        let message = error.message().replace('\n', " ");
+        let message = plain(&error.message().replace('\n', " "));
         let help = nearest_key(&message).unwrap_or_else(|| "docs/machine.md lists the keys".to_owned());
         shown(error.span().unwrap_or(0..0), format!("cannot be read: {message}; {help}"))
     })?;
@@ -222,6 +222,18 @@ fn checked(file: &File) -> Result<Machine, Fault> {
         layers.push(layers::checked(keys, laser.as_ref(), layers.len())?);
     }
     Ok(Machine { family: file.family, link, axes, laser, path, outputs, layers })
+}
+
+/// The parser's words, with its names of types as people say them.
+fn plain(message: &str) -> String {
+    let types = [
+        ("expected f64", "expected a number"),
+        ("expected i64", "expected a whole number"),
+        ("expected a boolean", "expected true or false"),
+        ("expected a sequence", "expected a list in [ ]"),
+        ("expected struct", "expected the table"),
+    ];
+    types.iter().fold(message.to_owned(), |text, (theirs, ours)| text.replace(theirs, ours))
 }
 
 fn axis(letter: char, keys: &AxisKeys, others: &[Axis]) -> Result<Axis, Fault> {

@@ -109,7 +109,7 @@ fn an_error_names_line_and_key() {
         (format!("{good}\n[axes.a]\nnumber = 3"), "m.toml:18: axes.a is a fourth axis"),
         (
             good.replace("max_rate = 6000", "max_rate = \"fast\""),
-            "m.toml:16: axes.y.max_rate cannot be read: invalid type",
+            "m.toml:16: axes.y.max_rate cannot be read: invalid type: string \"fast\", expected a number;",
         ),
         (good.replace("max_rate = 6000\n", ""), "m.toml:9: axes.y cannot be read: missing field `max_rate`"),
         (

@@ -56,7 +56,11 @@ impl fmt::Display for Extent {
                 rows.iter().map(|(letter, least, most)| format!("{letter} {:.3} to {:.3}", mm(*least), mm(*most)));
             rows.collect::<Vec<_>>().join(", ")
         };
-        write!(f, "path of {:.3} mm, {} mm; ", self.length.0, list(&self.all))?;
+        if self.all.is_empty() {
+            write!(f, "no motion; ")?;
+        } else {
+            write!(f, "path of {:.3} mm, {} mm; ", self.length.0, list(&self.all))?;
+        }
         match self.marks[..] {
             [] => write!(f, "no marks")?,
             _ => write!(f, "marks of {:.3} mm, {} mm", self.length.1, list(&self.marks))?,

@@ -89,6 +89,27 @@ fn side(entity: &Entity<'_>) -> Result<Map, Fault> {
     Ok(if z < 0.0 { Map([-1.0, 0.0, 0.0, 1.0, 0.0, 0.0]) } else { Map::scale(1.0) })
 }
 
+/// Whether its points lie at several heights, which the plane of a drawing does not have.
+pub fn is_sloped(entity: &Entity<'_>) -> Result<bool, Fault> {
+    let mut heights = Vec::new();
+    let at = |entity: &Entity<'_>, code: i32| entity.real(code).map(|z| z.unwrap_or(0.0));
+    match entity.kind {
+        "LINE" => heights.extend([at(entity, 30)?, at(entity, 31)?]),
+        "POLYLINE" => {
+            for vertex in &entity.vertices {
+                heights.push(at(vertex, 30)?);
+            }
+        }
+        "SPLINE" => {
+            for group in entity.groups.iter().filter(|group| group.code == 30) {
+                heights.push(group.real()?);
+            }
+        }
+        _ => {}
+    }
+    Ok(heights.windows(2).any(|pair| pair[0] != pair[1]))
+}
+
 pub fn shape(entity: &Entity<'_>, map: &Map) -> Result<Found, Fault> {
     let (start, pieces, own) = match entity.kind {
         "LINE" => {

@@ -84,6 +84,18 @@ pub fn check(document: &Document<'_>) -> Result<(), Fault> {
     Ok(())
 }
 
+/// Strokes of no width, which SVG does not draw, though some programs show them as hairlines.
+pub fn thin(document: &Document<'_>) -> Option<String> {
+    let is_zero = |width: &str| Length::from_str(width.trim()).is_ok_and(|width| width.number == 0.0);
+    let is_thin = |node: &Node<'_, '_>| {
+        let rules = node.attribute("style").unwrap_or("").split(';');
+        let mut styles = rules.filter_map(|rule| rule.split_once(':')).filter(|(key, _)| key.trim() == "stroke-width");
+        styles.next_back().map(|(_, width)| width).or(node.attribute("stroke-width")).is_some_and(is_zero)
+    };
+    let count = document.root_element().descendants().filter(is_thin).count();
+    (count > 0).then(|| format!("a stroke-width of 0 is no stroke, and is not marked: give it a width ({count})"))
+}
+
 /// Whether nothing of an element is drawn.
 fn is_hidden(node: Node<'_, '_>, used: bool) -> bool {
     let style: String = node.attribute("style").unwrap_or("").chars().filter(|c| !c.is_whitespace()).collect();

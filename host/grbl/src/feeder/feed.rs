@@ -46,6 +46,7 @@ impl Feed {
             goes_on: false,
             fast: 0,
             feed: 1.0,
+            lasted: (Duration::ZERO, 0),
             slow: None,
             view: View::default(),
         };
@@ -72,6 +73,11 @@ impl Feed {
     /// Entries and motions that are not over.
     pub fn waiting(&self, view: &View) -> (u64, u64) {
         (self.queued.0.saturating_sub(view.done.0), self.queued.1.saturating_sub(view.done.1))
+    }
+
+    /// Entries that have not reached the controller.
+    pub fn unknown(&self, view: &View) -> u64 {
+        self.queued.0.saturating_sub(view.entered)
     }
 
     /// Whether nothing moves, and nothing waits to.
