@@ -29,7 +29,7 @@ use servo::laser::CHANNELS;
 use servo::segment::pvt::TABLES;
 use servo::tick_command::{Mode, TickCommand};
 use servo::units::{Axis, AxisMask, Crd, CrdMask, Ns, Pos};
-use servo::view::{CrdView, View};
+use servo::view::View;
 pub use watch::Watch;
 
 /// Software limits at these values are off.
@@ -188,36 +188,12 @@ impl<const AXES: usize> Shadows<AXES> {
         }
     }
 
-    /// A FIFO of a coordinate system was given an entry that names a follow table, the last one of
-    /// `given`.
-    pub fn name_follow_table(&mut self, (channel, table): (u8, u8), (crd, fifo): (Crd, u8), given: u32) {
-        let Some(laser) = self.lasers.get_mut(usize::from(channel)) else { return };
-        let place = 2 * crd.index() + usize::from(fifo & 1);
-        let lists = laser.named.get_mut(usize::from(table)).zip(laser.named_up_to.get_mut(usize::from(table)));
-        if let Some((named, up_to)) = lists {
-            *named |= 1 << place;
-            up_to[place] = given as u16;
+    /// A FIFO of a coordinate system was given an entry that names a follow table.
+    pub fn name_follow_table(&mut self, channel: u8, table: u8, crd: Crd, fifo: u8) {
+        let laser = self.lasers.get_mut(usize::from(channel));
+        if let Some(named) = laser.and_then(|laser| laser.named.get_mut(usize::from(table))) {
+            *named |= 1 << (2 * crd.index() + usize::from(fifo & 1));
         }
-    }
-
-    /// Whether a FIFO may hold an entry that names a follow table. `rests`: its path is at
-    /// standstill, so what it has passed is known.
-    pub fn names_follow_table(
-        &self,
-        (channel, table): (u8, u8),
-        (crd, fifo): (Crd, u8),
-        sampled: &CrdView,
-        rests: bool,
-    ) -> bool {
-        let Some(laser) = self.lasers.get(usize::from(channel)) else { return false };
-        let place = 2 * crd.index() + usize::from(fifo & 1);
-        let named = laser.named.get(usize::from(table)).is_some_and(|named| named >> place & 1 == 1);
-        let up_to = laser.named_up_to.get(usize::from(table)).map_or(0, |up_to| up_to[place]);
-        let used = CAPACITY - self.crd(crd).space(sampled, fifo);
-        let given = self.crd(crd).path(fifo).data.given as u16;
-        // Those after the last one that names it.
-        let after = u32::from(given.wrapping_sub(up_to));
-        named && used != 0 && (!rests || after < used)
     }
 
     /// FIFOs that may hold an entry that names a follow table: bit 2·crd + FIFO.

@@ -246,24 +246,3 @@ fn a_program_replaces_the_follow_table_of_entries_that_it_cleared() {
     bench.done(ProgramStart { strict: 0 });
     assert_eq!(bench.wait(tags[1]).reason(), Reason::FollowTableInUse);
 }
-
-/// What a path has passed names nothing once it rests, though its FIFO holds the rest of the way.
-#[test]
-fn a_follow_table_that_a_stopped_path_has_passed_is_replaced() {
-    let mut bench = bench(GUS);
-    let b = &mut bench;
-    let points = points(&[(0.0, 1.0), (10.0, 2.0)]);
-    for number in [1, 2] {
-        b.call_items(table(number, 2, 0, 0), &points).reply::<SetLaserFollowTable>();
-    }
-    b.done(table_follow(1, 0.0, 50.0));
-    b.done(line(1000, 0, 10.0));
-    b.done(table_follow(2, 0.0, 50.0));
-    b.done(line(2000, 0, 10.0));
-    b.done(start());
-    b.run_ms(20);
-    b.done(Stop { core: 1.into(), mask: (1 << 8 | 1 << 10).into(), option: (1 << 8).into(), form: 1 });
-    b.run_ms(1);
-    b.call_items(table(1, 2, 0, 0), &points).reply::<SetLaserFollowTable>();
-    assert_eq!(b.call_items(table(2, 2, 0, 0), &points).reason(), Reason::FollowTableInUse);
-}

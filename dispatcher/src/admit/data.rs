@@ -57,9 +57,8 @@ impl<const AXES: usize> Admission<'_, AXES> {
         if let (FifoOf::Crd(crd), Some((channel, table))) = (written.of, written.named) {
             // Also if the program is dropped before its commit: the table counts as named until the
             // FIFO is empty.
-            let given = self.admitted.crd(crd).path(written.fifo).data.given;
             for shadows in [&mut self.executed, &mut self.admitted] {
-                shadows.name_follow_table((channel, table), (crd, written.fifo), given);
+                shadows.name_follow_table(channel, table, crd, written.fifo);
             }
         }
         Ok(written)

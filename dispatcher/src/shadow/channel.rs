@@ -2,7 +2,6 @@
 use super::executed;
 use servo::Fifos;
 use servo::laser::{self, BANKS, Bounds, Carrier, DISTANCES, POWER_TABLES, Power, Ratios, Source};
-use servo::units::Crd;
 use servo::view::View;
 
 /// Distance follow as it was given.
@@ -69,9 +68,6 @@ servo::state! {
         /// For each follow table the FIFOs that were given an entry that names it: bit 2·crd +
         /// FIFO.
         pub named: [Fifos; POWER_TABLES] = [0; POWER_TABLES],
-        /// For each of these the entries that the FIFO had been given with the last one that names
-        /// it, the lower bits.
-        pub named_up_to: [[u16; 2 * Crd::MAX]; POWER_TABLES] = [[0; 2 * Crd::MAX]; POWER_TABLES],
     }
     /// A channel at power-on (SPEC 6).
     pub const fn power_on(delayed: bool, connector: bool);
@@ -116,9 +112,8 @@ impl LaserShadow {
         match change {
             LaserChange::PowerOn { delayed, connector } => {
                 // What paths and the tick still name stays named.
-                let LaserShadow { banks, named, named_up_to, .. } = *self;
-                let power_on = LaserShadow::power_on(delayed, connector);
-                *self = LaserShadow { cleared: Some(seq), banks, named, named_up_to, ..power_on };
+                let (banks, named) = (self.banks, self.named);
+                *self = LaserShadow { cleared: Some(seq), banks, named, ..LaserShadow::power_on(delayed, connector) };
             }
             LaserChange::Mode { mode, bounds, delayed } => self.set_mode(mode, bounds, delayed),
             LaserChange::Power(power) => self.power = power,

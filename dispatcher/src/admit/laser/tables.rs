@@ -15,7 +15,7 @@ use super::{Context, took};
 use crate::admit::length;
 use crate::refuse::{Admitted, Refused, choice, real, within};
 use crate::report::answer::Answer;
-use crate::shadow::{DistanceShadow, LaserChange, Shadows};
+use crate::shadow::{CAPACITY, DistanceShadow, LaserChange, Shadows};
 use protocol::command::{Request, SetLaserDisTable1D, SetLaserDisTable2D, SetLaserFollowTable, opcode};
 use protocol::reason::Reason;
 use servo::laser::{Curve, DISTANCES, NODES, POINTS, POWER_TABLES, Power, Ratios, Tables};
@@ -370,20 +370,19 @@ fn own<const AXES: usize>(
 }
 
 /// A follow table may not be replaced while an entry of a path names it or a follow reads it. An
-/// entry that a command in flight takes away is there until then, for a path that may still run. So
-/// is what a path that runs has passed.
+/// entry that a command in flight takes away is there until then, for a path that may still run.
 fn not_in_use<const AXES: usize>(context: &Context<AXES>, channel: u8, table: u8) -> Admitted<()> {
     let reads = context.view.lasers.get(usize::from(channel)).and_then(|sampled| sampled.table);
-    let busy = |crd: Crd| context.crd_shadow(crd).is_busy(context.view, context.crd_sampled(crd));
     let names = |shadows: &Shadows<AXES>, crd: Crd| {
-        let sampled = context.crd_sampled(crd);
-        (0..2).any(|fifo| shadows.names_follow_table((channel, table), (crd, fifo), sampled, !busy(crd)))
+        let laser = shadows.lasers.get(usize::from(channel));
+        let named = laser.and_then(|laser| laser.named.get(usize::from(table))).copied().unwrap_or(0);
+        let holds = |fifo: u8| shadows.crd(crd).space(context.crd_sampled(crd), fifo) != CAPACITY;
+        (0..2).any(|fifo| named >> (2 * crd.index() as u8 + fifo) & 1 == 1 && holds(fifo))
     };
-    let holds = |crd: Crd| {
-        let may_run = !context.due.decided && busy(crd);
-        names(context.shadows, crd) || may_run && names(context.executed, crd)
-    };
-    if Crd::all().any(holds) || reads.is_some() && reads == Curve::power(channel, table) {
+    let may_run =
+        |crd: Crd| !context.due.decided && context.crd_shadow(crd).is_busy(context.view, context.crd_sampled(crd));
+    let holds = Crd::all().any(|crd| names(context.shadows, crd) || may_run(crd) && names(context.executed, crd));
+    if holds || reads.is_some() && reads == Curve::power(channel, table) {
         let refused = Refused::new(Reason::FollowTableInUse).got(f64::from(table) + 1.0);
         return Err(refused.limits(channel.into(), 0.0));
     }
