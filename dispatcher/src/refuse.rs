@@ -14,15 +14,23 @@ pub enum FifoOf {
     Crd(Crd),
 }
 
+/// What of the FIFOs a refusal is about. One type, since every refusal carries it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Data {
+    /// Nothing, or what the tick may still change.
+    Open,
+    /// A FIFO that has no room: it may have room later.
+    Full(FifoOf, u8),
+    /// Data that was admitted before, and the tick takes none of that away meanwhile.
+    Stands,
+}
+
 /// A refusal for the client.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Refused {
     /// What is wrong.
     pub reason: Reason,
-    /// The FIFO that has no room, where that is the reason: it may have room later.
-    pub full: Option<(FifoOf, u8)>,
-    /// It is about data that was admitted before, and the tick takes none of that away meanwhile.
-    pub stands: bool,
+    data: Data,
     /// The rest of the reply's payload.
     pub wire: Refusal,
 }
@@ -30,7 +38,7 @@ pub struct Refused {
 impl Refused {
     /// A refusal that names only its reason.
     pub fn new(reason: Reason) -> Self {
-        Refused { reason, full: None, stands: false, wire: Refusal::new(reason) }
+        Refused { reason, data: Data::Open, wire: Refusal::new(reason) }
     }
     /// The same with another, more precise reason.
     pub fn reason(mut self, reason: Reason) -> Self {
@@ -40,13 +48,26 @@ impl Refused {
     }
     /// Names the FIFO that has no room.
     pub fn full(mut self, of: FifoOf, fifo: u8) -> Self {
-        self.full = Some((of, fifo));
+        self.data = Data::Full(of, fifo);
         self
     }
-    /// States whether the tick leaves the data before it as it is.
+    /// States whether the tick leaves the data before it as it is: then no FIFO gets room either.
     pub fn stands(mut self, stands: bool) -> Self {
-        self.stands = stands;
+        if stands {
+            self.data = Data::Stands;
+        }
         self
+    }
+    /// The FIFO that has no room, where that is the reason.
+    pub fn full_fifo(&self) -> Option<(FifoOf, u8)> {
+        match self.data {
+            Data::Full(of, fifo) => Some((of, fifo)),
+            Data::Open | Data::Stands => None,
+        }
+    }
+    /// Whether only data that stays as it is keeps it from being taken.
+    pub fn is_final(&self) -> bool {
+        self.data == Data::Stands
     }
     /// Names the parameter by its index in the request.
     pub fn field(mut self, field: u8) -> Self {

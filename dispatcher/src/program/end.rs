@@ -71,12 +71,12 @@ impl Program<'_> {
         out: &mut ReplyWriter,
     ) -> bool {
         let Some((head, _)) = self.records.front().filter(|(head, _)| head.may_fail) else { return false };
-        if refused.full.is_some_and(|full| admission.drains(view, full)) {
+        if refused.full_fifo().is_some_and(|full| admission.drains(view, full)) {
             return false;
         }
         let known = match refused.reason.cure() {
             Cure::None => true,
-            Cure::Motion if refused.stands => true,
+            Cure::Motion if refused.is_final() => true,
             // Data for a look-ahead waits for what was given before it, and then it is taken.
             _ if refused.reason == Reason::CrdFifoInUse => self.is_past(view),
             // Of these only the end makes the record right ([`Change::may_free`]).

@@ -129,7 +129,7 @@ impl Program<'_> {
         if !self.is_past(view) {
             return false;
         }
-        self.waits_for = refused.full.filter(|full| admission.drains(view, *full));
+        self.waits_for = refused.full_fifo().filter(|full| admission.drains(view, *full));
         if self.waits_for.is_some() {
             return false;
         }
