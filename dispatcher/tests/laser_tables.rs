@@ -226,7 +226,8 @@ fn ratios_change_while_they_are_in_force() {
     assert!(b.server.view().lasers[0].bank.is_some());
 }
 
-/// A program is admitted ahead of its ticks: its FIFO holds new data before the tick has cleared it.
+/// A program is admitted ahead of its ticks: its FIFO holds new data before the tick has cleared
+/// it.
 #[test]
 fn a_program_replaces_the_follow_table_of_entries_that_it_cleared() {
     let mut bench = bench(GUS);

@@ -182,8 +182,8 @@ mod tests {
         }
     }
 
-    /// Ticks before the one in which it is chosen leave nothing behind, also those in which an entry
-    /// might have chosen it.
+    /// Ticks before the one in which it is chosen leave nothing behind, also those in which an
+    /// entry might have chosen it.
     #[test]
     fn it_begins_with_the_tick_before_it_is_chosen() {
         let at = |tick: u64| (Ns(tick * 1_000_000), Ns(1_000_000));

@@ -2,8 +2,9 @@
 //!
 //! In: one admitted entry, the present state of the axes. Out: changed state, events. Owns nothing.
 //! Fails: a start or an Update that the state forbids does nothing to any axis of its mask and is
-//! reported as [`Event::Refused`]. An on command of a laser that a fault keeps dark, and a clear of one
-//! whose cause is still there, are reported as [`Event::LaserRefused`]. Anything else that no longer fits has no effect.
+//! reported as [`Event::Refused`]. An on command of a laser that a fault keeps dark, and a clear of
+//! one whose cause is still there, are reported as [`Event::LaserRefused`]. Anything else that no
+//! longer fits has no effect.
 use super::crd::Halt;
 use crate::axis::{AxisState, Jog};
 use crate::capacity::GeneralOutputs;
