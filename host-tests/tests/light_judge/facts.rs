@@ -65,6 +65,22 @@ fn changes_follow(noted: &Noted) -> u8 {
     }
 }
 
+/// Whether later calls of the same instant may wait a tick for this one. `stopped`: the coordinate
+/// systems that calls before it stop.
+fn waits_for(call: &Do, stopped: &mut u8) -> bool {
+    match *call {
+        Do::Map { .. } => return true,
+        Do::CrdStart { mask, .. } if mask & *stopped != 0 => {
+            *stopped &= !mask;
+            return true;
+        }
+        Do::Stop { crds, .. } | Do::CrdStop { crds, .. } => *stopped |= crds,
+        Do::AxisStop { axis } => *stopped |= 1 << (axis / 2),
+        _ => {}
+    }
+    false
+}
+
 impl Builder<'_> {
     fn note(&mut self, key: Ns, rank: u8, from: From, lo: Ns, hi: Ns, what: What) {
         self.noted.push(Noted { key, rank, from, fact: Fact { lo, hi, what } });
@@ -386,10 +402,12 @@ impl Builder<'_> {
         if waits || self.reported.sent.iter().any(behind) {
             return 3 * self.tick;
         }
-        // What comes behind a map in one tick may wait for the next.
+        // What comes after a map in one tick may wait for the next. So may what comes after a start
+        // of what a call of the same instant stops: the start is decided on the executed stop.
         let with = self.reported.sent.iter().take_while(|other| !std::ptr::eq(*other, sent));
-        let maps = with.filter(|other| other.at == sent.at && matches!(other.call, Do::Map { .. })).count();
-        maps as Ns * self.tick
+        let mut stopped = 0;
+        with.filter(|other| other.at == sent.at).map(|other| Ns::from(waits_for(&other.call, &mut stopped))).sum::<Ns>()
+            * self.tick
     }
 
     /// A start that acts at this instant, or when it was seen to; one that was not answered, only
