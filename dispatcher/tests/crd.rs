@@ -1,6 +1,6 @@
 //! Coordinate systems through the whole controller: from calls to positions.
-mod bench;
 
+use crate::bench;
 use bench::crd::*;
 use bench::*;
 use protocol::command::*;

@@ -1,7 +1,7 @@
 //! Look-ahead between the host and the tick: held data comes in time, is never late, and never
 //! slows the path without need.
-mod bench;
 
+use crate::bench;
 use bench::crd::*;
 use bench::*;
 use dispatcher::plan::geometry::Geometry;

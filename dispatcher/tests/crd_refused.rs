@@ -1,7 +1,7 @@
 //! Every bad input of coordinate systems: code, reason, the parameter and its limit, and that
 //! nothing has changed.
-mod bench;
 
+use crate::bench;
 use bench::crd::*;
 use bench::*;
 use protocol::command::*;

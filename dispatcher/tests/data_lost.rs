@@ -1,6 +1,6 @@
 //! Data of a stream that a fault ends before the data's instant: it is refused there, and no answer
 //! says that it was taken.
-mod bench;
+use crate::bench;
 use bench::{Bench, MS, body, entry, position, pt_data, read_pos, sleep, start, wait_stop};
 use protocol::command::*;
 use protocol::reason::Reason;

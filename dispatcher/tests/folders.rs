@@ -51,3 +51,15 @@ fn folders_use_each_other_one_way() {
     }
     assert!(uses > 100, "{uses}");
 }
+
+/// `all.rs` names each file of this folder, or its tests would not run.
+#[test]
+fn every_file_is_run() {
+    let all = include_str!("all.rs");
+    let tests = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests");
+    let files = fs::read_dir(tests).unwrap().map(|entry| entry.unwrap().path());
+    for file in files.filter(|path| path.extension().is_some_and(|end| end == "rs") && !path.ends_with("all.rs")) {
+        let name = file.file_stem().unwrap().to_str().unwrap();
+        assert!(all.lines().any(|line| line == format!("mod {name};")), "all.rs has no `mod {name};`");
+    }
+}

@@ -1,6 +1,6 @@
 //! Follow and FollowEx over the wire: settings, slots, admission ahead of time. Bad input is
 //! refused with its code, reason and parameter, and changes nothing.
-mod bench;
+use crate::bench;
 use bench::Bench;
 use bench::follow::{
     clear, data, data_ex, event, master, memory, mode, prf, prf_ex, reported, space_of, spaces, start, switch,

@@ -1,6 +1,6 @@
 //! Masters, over the wire: each `masterItem` of an axis, of the own core and of the other one; the
 //! crossing of an encoder between its samples; cycles across cores.
-mod bench;
+use crate::bench;
 use bench::follow::{data_ex, prf_ex};
 use bench::{Bench, pt_item};
 use protocol::command::*;

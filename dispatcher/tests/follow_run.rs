@@ -1,6 +1,6 @@
 //! Running Follow, over the wire: refusals during motion, FIFOs that the tick empties, and programs
 //! that are admitted ahead of their time.
-mod bench;
+use crate::bench;
 use bench::follow::{
     clear, data, event, jog, jogger, loops, master, memory, pair, prf, reported, space_of, spaces, start, switch,
 };

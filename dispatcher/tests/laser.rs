@@ -1,6 +1,6 @@
 //! Every laser command in both families: what is right and what the reply tells, what is refused
 //! with which words, what is held. A command that fails leaves everything as it was.
-mod bench;
+use crate::bench;
 use bench::{Bench, body};
 use protocol::command::*;
 use protocol::reason::describe_opcode;

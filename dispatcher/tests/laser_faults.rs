@@ -1,7 +1,6 @@
 //! Faults of a laser channel, in both lanes and families: who reports them, and who may clear them;
 //! link loss.
-mod bench;
-mod laser_channel;
+use crate::{bench, laser_channel};
 use bench::{Bench, MS, entry, sleep};
 use laser_channel::*;
 use protocol::command::*;

@@ -1,7 +1,6 @@
 //! Buffered laser commands and follows in both families: refusals with their texts, limited values
 //! and replies. A command that fails leaves everything as it was.
-mod bench;
-mod laser_path;
+use crate::{bench, laser_path};
 use bench::Bench;
 use laser_path::*;
 use protocol::command::*;

@@ -1,6 +1,6 @@
 //! Light owner, Abort, sessions, link loss and interlock, over the link (SPEC 6 and 9): refusals
 //! with their texts, and defaults that come back.
-mod bench;
+use crate::bench;
 use bench::crd::{clear, line, plane, start_crd};
 use bench::{Bench, MS, entry, sleep};
 use protocol::command::*;

@@ -1,7 +1,6 @@
 //! Effects of laser commands on a channel, in both lanes and families: settings that arrive in the
 //! tick, light by the script clock.
-mod bench;
-mod laser_channel;
+use crate::{bench, laser_channel};
 use bench::{Bench, body, entry, sleep};
 use laser_channel::*;
 use protocol::command::*;

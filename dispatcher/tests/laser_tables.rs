@@ -1,7 +1,6 @@
 //! Follow tables and distance follow in both families: refusals with their texts, tables that are
 //! in use. A command that fails leaves everything as it was.
-mod bench;
-mod laser_path;
+use crate::{bench, laser_path};
 use bench::{body, entry};
 use laser_path::*;
 use protocol::command::*;

@@ -2,9 +2,8 @@
 //!
 //! Paths run through servo's own evaluator; limits are checked on its output.
 //! `host-tests/tests/look_ahead.rs` compares the time of long ones with an optimum.
-#[path = "../../servo/tests/chance/mod.rs"]
-mod chance;
 
+use crate::chance;
 use chance::Chance;
 use dispatcher::plan::geometry::{Geometry, Position};
 use dispatcher::plan::look_ahead::{Limits, LookAhead};

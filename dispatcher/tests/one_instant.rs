@@ -1,5 +1,5 @@
 //! Calls of one instant act on one tick, even if their admission needs the state at that instant.
-mod bench;
+use crate::bench;
 use bench::follow;
 use bench::{Bench, body, entry, position, pt_data, read_pos, sleep, start, wait_stop};
 use protocol::command::*;

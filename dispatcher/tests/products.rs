@@ -1,6 +1,6 @@
 //! The counts of every product (GXN tables 5-1 to 5-3), and the first value beyond each.
-mod bench;
 
+use crate::bench;
 use bench::crd::*;
 use bench::*;
 use protocol::command::*;

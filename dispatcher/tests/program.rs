@@ -1,5 +1,5 @@
 //! The program queue: timing, order, flow control, the lanes, the trace.
-mod bench;
+use crate::bench;
 use bench::{Bench, MS, entry, listing_2_1, position, pt_data, read_pos, sleep, start, wait_stop};
 use protocol::command::*;
 use protocol::reason::Reason;

@@ -1,5 +1,5 @@
 //! Data in the program queue: admitted ahead of its instant, committed in time, streams.
-mod bench;
+use crate::bench;
 use bench::{Bench, MS, body, entry, position, pt_data, pt_item, read_pos, sleep, start, wait_stop};
 use protocol::command::*;
 use protocol::reason::Reason;

@@ -1,5 +1,5 @@
 //! How a program ends: failures, entries that may fail, Stop, strictness, link loss, a new session.
-mod bench;
+use crate::bench;
 use bench::{Bench, MS, body, entry, listing_2_1, position, pt_data, read_pos, sleep, start};
 use protocol::command::*;
 use protocol::reason::Reason;

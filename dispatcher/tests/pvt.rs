@@ -1,6 +1,6 @@
 //! PVT over the wire: tables in chunks, use and reuse of tables, loops and switches. Bad input is
 //! refused with its code, reason and point, and changes nothing.
-mod bench;
+use crate::bench;
 use bench::{Bench, body};
 use protocol::command::*;
 use protocol::reason::{Reason, Refusal};

@@ -1,6 +1,6 @@
 //! Bad input: each command refused with its code, its reason and the parameter, and nothing
 //! changed.
-mod bench;
+use crate::bench;
 use bench::{Bench, body, pt_data, pt_item};
 use dispatcher::{Fault, FaultKind};
 use protocol::command::*;

@@ -3,7 +3,7 @@
 //!
 //! No tick passes between the last request of one session and the first of the next, so all is
 //! still in flight.
-mod bench;
+use crate::bench;
 use bench::{Bench, MS, body, entry, sleep};
 use protocol::command::*;
 use protocol::frame::{self, Header, Kind, MAX_WIRE};

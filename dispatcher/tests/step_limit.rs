@@ -1,10 +1,8 @@
 //! A board whose step outputs are limited (SPEC 5): data known to be faster is refused with its
 //! parameter and the limit, and changes nothing. All other data is taken, to the last bit as far as
 //! doubles allow.
-mod bench;
-#[path = "../../servo/tests/chance/mod.rs"]
-mod chance;
 
+use crate::{bench, chance};
 use bench::crd::*;
 use bench::*;
 use chance::Chance;

@@ -2,11 +2,10 @@
 //! 11). Position within 2⁻¹⁶ pulse, or 2⁻⁴⁰ of peak speed × duration if that is more. Velocity
 //! within 2⁻¹⁶ of the peak, and in pieces shorter than 2⁻²⁴ of the pass within 2⁻⁴⁰ of the pass
 //! over the piece (16 bytes a point hold no finer times, decision 6). Loops do not drift.
+use crate::tables_bench as bench;
 use dispatcher::plan::pvt::Kind;
 use protocol::reason::Reason;
 
-#[path = "tables_bench/mod.rs"]
-mod bench;
 use bench::chance::Chance;
 use bench::{Bench, Reference, Shelf, float, ms, ns};
 use servo::units::Exact;

@@ -1,10 +1,9 @@
 //! The tables of GXN chapter 4 as golden tests. Every expected number is worked out by hand, in
 //! the comment beside it, or from a closed form.
+use crate::tables_bench as bench;
 use dispatcher::plan::pvt::Kind;
 use servo::units::Exact;
 
-#[path = "tables_bench/mod.rs"]
-mod bench;
 use bench::{Bench, Shelf};
 
 const PULSE: f64 = 1.0 / 4194304.0;

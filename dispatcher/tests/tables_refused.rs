@@ -1,12 +1,11 @@
 //! Bad points: each is refused with its code, a reason and the point's number, and nothing panics.
+use crate::tables_bench as bench;
 use dispatcher::Refused;
 use dispatcher::plan::pvt::{Draft, Kind, Scratch, SplineScratch, TABLES};
 use protocol::reason::{Code, Reason};
 use servo::segment::pvt::PointStore;
 use servo::units::StepLimit;
 
-#[path = "tables_bench/mod.rs"]
-mod bench;
 use bench::chance::Chance;
 use bench::{FIELDS, Shelf};
 

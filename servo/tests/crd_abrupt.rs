@@ -1,12 +1,11 @@
 //! What stops a path at once: its tick keeps the set-points of the tick before (SPEC 4), wherever
 //! boundaries lie, and CrdStart goes on from there: outputs and gears are not made again.
+use crate::{chance, tick_bench};
 use servo::path::{Along, Entry};
 use servo::tick_command::{Brake, DoGroup, Guarded, Guards, Mode, Supervision, TickCommand};
 use servo::units::{AxisMask, CrdMask, Pos, StepLimit};
 use servo::view::{StopReason, View};
 
-mod chance;
-mod tick_bench;
 use chance::Chance;
 use tick_bench::*;
 

@@ -1,5 +1,6 @@
 //! The effects of a path's entries on the rest of the machine, through the whole tick: outputs at
 //! exact instants, other axes that are moved or geared, axes that follow a coordinate.
+use crate::tick_bench;
 use servo::path::{Along, Entry, Plane};
 use servo::segment::follow::{Direction, Value};
 use servo::status;
@@ -7,7 +8,6 @@ use servo::tick_command::{DoGroup, Mode, TickCommand};
 use servo::units::{AxisMask, CrdMask, Pos, StepLimit};
 use servo::view::{Event, StopReason, View};
 
-mod tick_bench;
 use tick_bench::*;
 
 fn speeds(vel: f64, acc: f64, end: f64) -> Along {

@@ -1,5 +1,6 @@
 //! One axis that a path gears to a motion and moves by an entry, one right after the other: it is
 //! where exact kinematics want it in every tick, at any tick period, and a slave of it too.
+use crate::tick_bench;
 use servo::path::{Along, Entry};
 use servo::segment::follow::Value;
 use servo::status;
@@ -7,7 +8,6 @@ use servo::tick_command::{Mode, TickCommand};
 use servo::units::{Pos, StepLimit};
 use servo::view::StopReason;
 
-mod tick_bench;
 use tick_bench::*;
 
 fn speeds(vel: f64, acc: f64, end: f64) -> Along {

@@ -1,11 +1,11 @@
 //! What a path must not begin, pass or gear, where only the tick can prevent it.
+use crate::tick_bench;
 use servo::path::{Along, Entry};
 use servo::status;
 use servo::tick_command::{DoGroup, Guarded, Guards, Mode, TickCommand};
 use servo::units::{AxisMask, CrdMask, Pos, StepLimit};
 use servo::view::{Event, StopReason};
 
-mod tick_bench;
 use tick_bench::*;
 
 fn speeds(vel: f64, acc: f64, end: f64) -> Along {

@@ -1,13 +1,12 @@
 //! A prepared start of a path is the same as one planned in its tick. Two machines run the same
 //! commands; on one of them every coordinate system is changed in every tick, so that nothing is
 //! ever prepared.
+use crate::{chance, tick_bench};
 use servo::path::{Along, Entry, FeedOverride, Plane, Sweep};
 use servo::tick_command::{DoGroup, Mode, TickCommand};
 use servo::units::{CrdMask, Pos};
 use servo::view::{AxisView, CrdView};
 
-mod chance;
-mod tick_bench;
 use chance::Chance;
 use tick_bench::*;
 

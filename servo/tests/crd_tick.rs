@@ -1,4 +1,5 @@
 //! Coordinate systems in the tick: positions of mapped axes, what stops them, what starts.
+use crate::tick_bench;
 #[path = "crd_tick/limits.rs"]
 mod limits;
 use servo::path::{Along, Entry, FeedOverride, PathStop, Plane, Sweep};
@@ -7,7 +8,6 @@ use servo::tick_command::{DoGroup, Guarded, Guards, Lane, Mode, TickCommand};
 use servo::units::{AxisMask, CrdMask, Ns, Pos};
 use servo::view::{Event, StopReason, View};
 
-mod tick_bench;
 use tick_bench::*;
 
 fn speeds(vel: f64, acc: f64, end: f64) -> Along {

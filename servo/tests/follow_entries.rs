@@ -1,6 +1,6 @@
 //! FollowEx: entries that are no segments, at exact instants; their effects, and how many of them
 //! in a tick.
-mod tick_bench;
+use crate::tick_bench;
 use servo::segment::follow::{Direction, Input, Method, Value};
 use servo::status;
 use servo::tick_command::{DoGroup, Mode, TickCommand};

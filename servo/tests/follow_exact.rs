@@ -3,6 +3,7 @@
 //!
 //! The reference counts in 2⁻³²⁰ and divides; it never approximates. FOLLOW_TABLES asks for the
 //! long run.
+use crate::chance;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive, Zero};
@@ -13,7 +14,6 @@ use servo::segment::piece::{Motion, Scaled};
 use servo::segment::pt::SegmentStore;
 use servo::units::{Exact, Ns, Pos};
 
-mod chance;
 use chance::Chance;
 
 const BITS: usize = 320;

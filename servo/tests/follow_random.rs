@@ -3,11 +3,9 @@
 //! these do times its ratio.
 //!
 //! FOLLOW_PROGRAMS asks for more programs than in a daily build, FOLLOW_SEED for others.
-mod chance;
+use crate::{chance, follow_reference, tick_bench};
 #[path = "follow_random/check.rs"]
 mod check;
-mod follow_reference;
-mod tick_bench;
 use chance::Chance;
 use follow_reference::{Begin, Datum, Known, MasterPath, Slave, fixed};
 use servo::output::step_generator;

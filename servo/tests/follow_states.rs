@@ -1,5 +1,5 @@
 //! Follow in combined states: renamed positions; masters that are planned again, stopped, switched.
-mod tick_bench;
+use crate::tick_bench;
 use servo::segment::follow::{Direction, Event as Start, Value};
 use servo::tick_command::{Mode, TickCommand};
 use servo::units::Pos;

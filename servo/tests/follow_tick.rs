@@ -1,7 +1,7 @@
 //! Follow through the tick: order, starts, turning points, switches, guards, published views.
+use crate::tick_bench;
 #[path = "follow_tick/encoder.rs"]
 mod encoder;
-mod tick_bench;
 use servo::segment::follow::{Chain, Direction, Event as Start, Method, Value};
 use servo::status;
 use servo::tick_command::{Mode, TickCommand};

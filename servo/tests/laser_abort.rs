@@ -1,6 +1,6 @@
 //! Abort, new sessions, Stops of paths at rest, and motion after the interlock: the demands of SPEC
 //! 6 and 9 on light and motion, with every instant worked out by hand.
-mod laser_bench;
+use crate::laser_bench;
 use laser_bench::*;
 use servo::laser::{Buffered, Cause, Change, Family, Ignored, Mode};
 use servo::path;

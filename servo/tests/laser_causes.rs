@@ -1,6 +1,6 @@
 //! Causes of darkness that meet a path in motion (SPEC 9): edge of travel, another axis, an
 //! underrun and what comes with it.
-mod laser_bench;
+use crate::laser_bench;
 use laser_bench::*;
 use servo::laser::{Cause, Change, Family};
 use servo::path::Entry;

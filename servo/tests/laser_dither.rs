@@ -1,8 +1,7 @@
 //! Frequencies and duties against exact rationals, over the whole range and for timers of 100 MHz
 //! to 1 GHz: the mean over a repetition is within 1 ppm and 0.001 % (SPEC 11), and no shorter
 //! repetition is.
-mod chance;
-mod laser_bench;
+use crate::{chance, laser_bench};
 use chance::Chance;
 use laser_bench::*;
 use num_rational::BigRational;

@@ -1,7 +1,6 @@
 //! Gate, delays, first-pulse killer, modes and safety of a channel: every edge to the ns, worked
 //! out by hand from SPEC 6.
-mod chance;
-mod laser_bench;
+use crate::laser_bench;
 use laser_bench::*;
 use servo::laser::{Cause, Change, Family, Ignored, Mode};
 use servo::tick_command::TickCommand;

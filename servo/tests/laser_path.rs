@@ -2,9 +2,9 @@
 //!
 //! All paths here run along X with 1 pulse/ms²: a speed is reached after as many ms and half its
 //! square in pulses.
+use crate::laser_bench;
 #[path = "laser_path/follow.rs"]
 mod follow;
-mod laser_bench;
 use laser_bench::*;
 use servo::laser::{Bounds, Buffered, Cause, Change, Distance, Family, Lag, Mode, Power, Ratio, Ratios, Source};
 use servo::path::Entry;

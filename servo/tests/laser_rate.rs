@@ -1,7 +1,7 @@
 //! Pulses of a rate keep their phase (SPEC 6): the next one comes when the integral of the rate
 //! since the last one reaches 1. So under a velocity follow they lie at equal distances along the
 //! path, from the first one on.
-mod laser_bench;
+use crate::laser_bench;
 use laser_bench::*;
 use num_rational::Ratio as Exact;
 use num_traits::Signed;

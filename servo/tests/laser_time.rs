@@ -1,7 +1,6 @@
 //! Light in sum and edges in time: on-time of a million marks, and the same edges whatever the tick
 //! is.
-mod chance;
-mod laser_bench;
+use crate::{chance, laser_bench};
 use chance::Chance;
 use laser_bench::*;
 use servo::laser::{Change, Mode, Power};

@@ -2,13 +2,12 @@
 //! ahead; the other takes the fast path of a coordinate system where it can. They run through
 //! random motions, waits, gears and marks, data that comes late, Stops, overrides, and ticks
 //! without time. Every position, speed, instant and gear is the same to the bit.
+use crate::{chance, paths};
 use servo::path::{Bend, Entry, Feed, FeedOverride, Path, PathReport, Plane, Step, StepReport, Sweep};
 use servo::segment::piece::Motion;
 use servo::segment::ramp::Accel;
 use servo::units::{Axis, Ns, Pos};
 
-mod chance;
-mod paths;
 use chance::Chance;
 use paths::{Heard, Script, mark, speeds};
 

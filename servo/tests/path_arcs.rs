@@ -3,12 +3,11 @@
 //!
 //! The truth is the circle through both ends with the sweep, in doubles: on 2³¹ pulses they are
 //! good to 10⁻⁶ pulse.
+use crate::{chance, paths};
 use servo::path::{Entry, Item, Path, PathStop, Plane, Refused, Sweep};
 use servo::units::Pos;
 use std::f64::consts::{PI, TAU};
 
-mod chance;
-mod paths;
 use chance::Chance;
 use paths::{Script, mark, run, since, speeds};
 

@@ -2,6 +2,7 @@
 //!
 //! The reference knows speeds, lengths and squares; it shares no code with the planner, and takes
 //! no packed number.
+use crate::{chance, paths};
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive, Zero};
@@ -9,8 +10,6 @@ use servo::path::{Along, Entry, Path, PathStop};
 use servo::segment::piece::Motion;
 use servo::units::Pos;
 
-mod chance;
-mod paths;
 use chance::Chance;
 use paths::{Script, mark, run, since};
 

@@ -1,7 +1,6 @@
 //! The mean speed of an interval, which a laser's power follows: times the period it is the length
 //! covered, whatever happens within the interval.
-mod chance;
-mod paths;
+use crate::{chance, paths};
 use chance::Chance;
 use paths::{Heard, Script, speeds};
 use servo::laser::PathSpeed;

@@ -2,13 +2,12 @@
 //! ahead. They run through random FIFOs, Stops of both kinds, clearing, overrides, other user
 //! positions, data that comes while something is being made, and starts with the FIFO that was not
 //! expected. Every position, speed, instant and gear is the same to the bit.
+use crate::{chance, paths};
 use servo::path::{Along, Bend, Entries, Entry, Feed, FeedOverride, Path, PathReport, Plane, Step, StepReport, Sweep};
 use servo::segment::piece::Motion;
 use servo::segment::ramp::Accel;
 use servo::units::{Axis, Ns, Pos};
 
-mod chance;
-mod paths;
 use chance::Chance;
 use paths::{Heard, mark, speeds};
 

@@ -1,5 +1,6 @@
 //! What a path does besides motion: Stops, FIFOs, waits, effects, data that comes late, overrides.
 //! Expected figures are closed forms: v²/2a for a braking distance, v/a for its time.
+use crate::{chance, paths};
 #[path = "path_run/stop.rs"]
 mod stop;
 use servo::path::{Along, Change, Effects, Entry, Feed, FeedOverride, Fine, Path, PathStop, Refused, Step};
@@ -8,8 +9,6 @@ use servo::segment::ramp::Accel;
 use servo::tick_command::DoGroup;
 use servo::units::{Axis, Ns, Pos, StepLimit};
 
-mod chance;
-mod paths;
 use chance::Chance;
 use paths::{Heard, Script, mark, since, speeds};
 

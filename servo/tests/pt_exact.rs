@@ -2,6 +2,7 @@
 //!
 //! The mass test compares with big integers in 2⁻³²⁰ (its own error is below 2⁻²⁸⁰, it divides
 //! and never approximates); short chains are compared with reduced rationals too.
+use crate::{chance, drive};
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive, Zero};
@@ -10,8 +11,6 @@ use servo::segment::profile::State;
 use servo::segment::pt::{Chain, Feed, Refused, Segment, SegmentStore, Segments, SlotRange};
 use servo::units::{Exact, Ns, Pos, StepLimit};
 
-mod chance;
-mod drive;
 use chance::Chance;
 use drive::Pt;
 

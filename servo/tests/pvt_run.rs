@@ -1,12 +1,11 @@
 //! A PVT run: packing, delay, passes, switches, jumps, and that the position at an instant does not
 //! depend on the ticks before. Exactness of positions is held by the dispatcher's `tables_exact`,
 //! which builds the tables.
+use crate::{chance, drive};
 use servo::segment::profile::State;
 use servo::segment::pvt::{HEADER_WORDS, Header, POINT_WORDS, Point, TABLE_POINTS, Tables};
 use servo::units::{Exact, Ns, Pos};
 
-mod chance;
-mod drive;
 use chance::Chance;
 use drive::Pvt;
 

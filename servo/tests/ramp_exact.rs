@@ -2,6 +2,7 @@
 //!
 //! The reference knows only the law: ramps (v0, v1, duration, edge) and cruises, with positions
 //! from integrating the trapezoid of acceleration. It shares no code with the planner.
+use crate::{chance, drive};
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive, Zero};
@@ -10,8 +11,6 @@ use servo::segment::profile::State;
 use servo::segment::ramp::{Accel, Moving, RampRun, Refused, Speed, Trapezoid};
 use servo::units::{Exact, Ns, StepLimit};
 
-mod chance;
-mod drive;
 use chance::Chance;
 use drive::{Ramp, Step};
 

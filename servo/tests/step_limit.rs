@@ -1,5 +1,6 @@
 //! A board's step limit (SPEC 5), against rationals: faster data is refused, other data is taken; a
 //! slave that would be faster stops.
+use crate::{chance, tick_bench};
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
@@ -12,8 +13,6 @@ use servo::tick_command::{Mode, TickCommand};
 use servo::units::{AxisMask, StepLimit};
 use servo::view::{Event, StopReason};
 
-mod chance;
-mod tick_bench;
 use chance::Chance;
 use tick_bench::*;
 

@@ -1,6 +1,6 @@
 //! The words of the step output, output slot by slot at eight pairs of pins, against the planned
 //! pulses in exact integers.
-mod chance;
+use crate::chance;
 use chance::Chance;
 use servo::output::step_generator::Slots;
 use servo::output::step_words::{AXES, RING, StepOutput};

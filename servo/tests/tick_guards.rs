@@ -1,5 +1,5 @@
 //! What stops an axis, what the status word says, and what clears it.
-mod tick_bench;
+use crate::tick_bench;
 use servo::status::*;
 use servo::tick_command::{Guarded, Guards, Mode, TickCommand};
 use servo::units::{Ns, Pos};

@@ -1,5 +1,5 @@
 //! The two lanes, the script clock, the trace.
-mod tick_bench;
+use crate::tick_bench;
 use servo::status::*;
 use servo::tick_command::{DoGroup, Lane, Mode, TickCommand};
 use servo::units::{AxisMask, CrdMask, Ns, Pos};

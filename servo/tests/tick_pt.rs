@@ -1,5 +1,5 @@
 //! PT through the tick: time zero, exact ends, streams, epochs, all or nothing.
-mod tick_bench;
+use crate::tick_bench;
 use servo::status;
 use servo::tick_command::{Lane, Mode, TickCommand};
 use servo::units::{AxisMask, Pos};

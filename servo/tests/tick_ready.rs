@@ -1,8 +1,7 @@
 //! A prepared start is the same as one planned in its tick. Two machines run the same commands; on
 //! one of them every axis is changed in every tick, so that nothing is ever prepared.
-mod chance;
-mod tick_bench;
 
+use crate::{chance, tick_bench};
 use chance::Chance;
 use servo::segment::follow;
 use servo::status;

@@ -1,7 +1,6 @@
 //! A view does not depend on how often it is read: three buffers take turns, and each catches up
 //! with the changes since its last turn. And it agrees with the trace of the same tick.
-mod chance;
-mod tick_bench;
+use crate::{chance, tick_bench};
 use chance::Chance;
 use servo::path::{self, Along};
 use servo::segment::follow;

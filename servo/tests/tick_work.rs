@@ -1,5 +1,5 @@
 //! The work of an instant: spread over ticks, never a start apart from its neighbours.
-mod tick_bench;
+use crate::tick_bench;
 use servo::status::*;
 use servo::tick_command::{DoGroup, Mode, TickCommand};
 use servo::units::{Ns, Pos};

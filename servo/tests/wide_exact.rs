@@ -1,10 +1,10 @@
 //! Wide arithmetic against big integers, at the edges and over a seeded million.
+use crate::chance;
 use num_bigint::BigUint;
 use servo::math::real::Real;
 use servo::math::wide::{Divisor, Recip, mulhi_near, mulhi_su, narrow, recip32, recip64, recip64_below, scale16, umul};
 use servo::units::Exact;
 
-mod chance;
 use chance::Chance;
 
 fn edges() -> Vec<u64> {

@@ -1,6 +1,5 @@
 //! A whole controller on a bench: server and tick in one process, a client's end of the link, and a
 //! machine whose encoders follow at once.
-#![allow(dead_code)]
 pub mod crd;
 pub mod follow;
 

@@ -1,5 +1,4 @@
 //! A laser channel on the bench: its commands, and what is visible of it.
-#![allow(dead_code)]
 use crate::bench::Bench;
 use protocol::command::*;
 use servo::laser::Power;

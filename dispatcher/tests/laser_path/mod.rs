@@ -1,5 +1,4 @@
 //! Laser commands of a path, follows and their tables: requests, and what is visible after them.
-#![allow(dead_code)]
 use crate::bench::{Bench, body};
 use protocol::command::*;
 use protocol::reason::describe_opcode;

@@ -1,7 +1,6 @@
 //! PVT tables on the bench: built from points, run tick by tick, and compared with a reference. The
 //! reference is computed in 256 fraction bits from the doubles as given, in its own way: phases of
 //! constant jerk over real time instead of Hermite pieces over a parameter.
-#![allow(dead_code)] // each test file uses its part
 use dispatcher::Refused;
 use dispatcher::plan::pvt::{Draft, Fields, Kind, Scratch, SplineScratch};
 use num_bigint::{BigInt, Sign};
@@ -10,11 +9,8 @@ use servo::segment::profile::State;
 use servo::segment::pvt::{HEADER_WORDS, Header, POINT_WORDS, PointStore, Tables};
 use servo::units::{Exact, Ns, StepLimit};
 
-#[path = "../../../servo/tests/chance/mod.rs"]
-pub mod chance;
-#[path = "../../../servo/tests/drive/mod.rs"]
-mod drive;
-use drive::{Pvt, Step};
+pub(crate) use crate::chance;
+use crate::drive::{Pvt, Step};
 
 pub const BITS: usize = 256;
 pub const FIELDS: Fields = Fields { count: 2, whole: 4, point: 10 };

@@ -1,7 +1,6 @@
 //! One motion on its own: a [`Profile`] as an axis has it, stepped by a test through chosen
 //! instants.
-#![allow(dead_code, reason = "every test drives one kind of motion")]
-use servo::segment::piece::{Motion, Piece};
+use servo::segment::piece::Motion;
 use servo::segment::profile::{Generator, Profile, State};
 use servo::segment::pt::{Feed, PtRun, Segment, SegmentStore, Segments, SlotRange};
 use servo::segment::pvt::{HEADER_WORDS, POINT_WORDS, PvtRun, Tables};
@@ -164,8 +163,5 @@ impl Ramp {
     }
     pub fn prepare(&mut self) -> bool {
         self.0.is_open() && self.0.prepare(passes_only(1), &NoSegments(&Nothing)) && self.0.is_ahead()
-    }
-    pub fn piece(&self) -> &Piece {
-        self.0.piece()
     }
 }

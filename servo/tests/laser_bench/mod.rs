@@ -1,6 +1,5 @@
 //! A tick whose machine carries out laser plans by the letter of `laser::Plan`, with a timer of 1
 //! GHz: outputs are recorded to the ns.
-#![allow(dead_code)] // each test file uses its part
 use ring::{Latest, Producer, Reader, Ring};
 use servo::laser::{
     Action, Bounds, Buffered, CHANNELS, Carrier, Change, Clock, FINISH_NS, Fine, Mode, Pattern, Plan, Power, Rate,

@@ -1,5 +1,4 @@
 //! A host of paths for tests: entries in a list, all reports written down.
-#![allow(dead_code)] // each test file uses its part
 use servo::path::{Along, Change, Effects, Entries, Entry, Feed, Fine, Path, PathStop, Step};
 use servo::segment::piece::Scaled;
 use servo::units::{Axis, Ns, Pos};

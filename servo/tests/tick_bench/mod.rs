@@ -1,6 +1,5 @@
 //! A tick on a bench: rings, a machine whose encoders follow at once, and functions that push
 //! tick commands.
-#![allow(dead_code)]
 use ring::{Consumer, Latest, Producer, Reader, Ring};
 use servo::laser::{Clock, Plan};
 use servo::output::step_generator;

@@ -10,8 +10,8 @@ const EXECUTE: &str = "servo/src/tick/execute.rs";
 const TICK: &str = "servo/src/tick.rs";
 
 const STATES: &[&str] = &["-p", "beamtick-servo", "--lib", "--", "owner"];
-const ABORT: &[&str] = &["-p", "beamtick-servo", "--test", "laser_abort"];
-const OWNERS: &[&str] = &["-p", "beamtick-dispatcher", "--test", "laser_owner"];
+const ABORT: &[&str] = &["-p", "beamtick-servo", "--test", "all", "--", "laser_abort::"];
+const OWNERS: &[&str] = &["-p", "beamtick-dispatcher", "--test", "all", "--", "laser_owner::"];
 
 /// The mutants, each with a test that is not the judge of light.
 pub const LIGHT: &[Mutant] = &[

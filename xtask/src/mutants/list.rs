@@ -16,23 +16,24 @@ pub struct Mutant {
     pub test: &'static [&'static str],
 }
 
-const GATE: &[&str] = &["-p", "beamtick-servo", "--test", "laser_gate"];
-const LASER_PATH: &[&str] = &["-p", "beamtick-servo", "--test", "laser_path"];
-const LASER: &[&str] = &["-p", "beamtick-dispatcher", "--test", "laser"];
-const LASER_FAULTS: &[&str] = &["-p", "beamtick-dispatcher", "--test", "laser_faults"];
+const GATE: &[&str] = &["-p", "beamtick-servo", "--test", "all", "--", "laser_gate::"];
+const LASER_PATH: &[&str] = &["-p", "beamtick-servo", "--test", "all", "--", "laser_path::"];
+const LASER: &[&str] = &["-p", "beamtick-dispatcher", "--test", "all", "--", "laser::"];
+const LASER_FAULTS: &[&str] = &["-p", "beamtick-dispatcher", "--test", "all", "--", "laser_faults::"];
 const ENDPOINT: &[&str] =
     &["-p", "beamtick-protocol", "--test", "endpoint", "--", "an_acknowledgement_of", "a_lost_message", "a_frame_with"];
 const DELIVERIES: &[&str] = &["-p", "beamtick-protocol", "--lib", "--", "every_delivery"];
 const PROPERTIES: &[&str] = &["-p", "beamtick-protocol", "--test", "properties", "--", "frames_of_every_length"];
 const LINK: &[&str] = &["-p", "beamtick-host-tests", "--test", "link", "--", "a_restart_in_mid_stream", "every_seed"];
 const RING: &[&str] = &["-p", "beamtick-ring", "--lib"];
-const PT: &[&str] = &["-p", "beamtick-servo", "--test", "pt_exact", "--", "short_", "loops_do_not_drift"];
-const TICK_PT: &[&str] = &["-p", "beamtick-servo", "--test", "tick_pt"];
-const PVT: &[&str] = &["-p", "beamtick-servo", "--test", "pvt_run"];
-const GUARDS: &[&str] = &["-p", "beamtick-servo", "--test", "tick_guards"];
-const CRD_AHEAD: &[&str] = &["-p", "beamtick-dispatcher", "--test", "crd_ahead"];
-const LOOK_AHEAD: &[&str] = &["-p", "beamtick-dispatcher", "--test", "lookahead"];
-const PROGRAM_ENDS: &[&str] = &["-p", "beamtick-dispatcher", "--test", "program_ends"];
+const PT: &[&str] =
+    &["-p", "beamtick-servo", "--test", "all", "--", "pt_exact::short_", "pt_exact::loops_do_not_drift"];
+const TICK_PT: &[&str] = &["-p", "beamtick-servo", "--test", "all", "--", "tick_pt::"];
+const PVT: &[&str] = &["-p", "beamtick-servo", "--test", "all", "--", "pvt_run::"];
+const GUARDS: &[&str] = &["-p", "beamtick-servo", "--test", "all", "--", "tick_guards::"];
+const CRD_AHEAD: &[&str] = &["-p", "beamtick-dispatcher", "--test", "all", "--", "crd_ahead::"];
+const LOOK_AHEAD: &[&str] = &["-p", "beamtick-dispatcher", "--test", "all", "--", "lookahead::"];
+const PROGRAM_ENDS: &[&str] = &["-p", "beamtick-dispatcher", "--test", "all", "--", "program_ends::"];
 const LIFE_WRAPS: &[&str] = &["-p", "beamtick-host-tests", "--test", "long_life", "--", "counters_go_round"];
 const LIFE_COUNTS: &[&str] = &["-p", "beamtick-host-tests", "--test", "long_life", "--", "counts_of_a_path"];
 const LIFE_OLD: &[&str] = &["-p", "beamtick-host-tests", "--test", "long_life", "--", "what_was_executed_long_ago"];
@@ -41,7 +42,7 @@ const FUZZ_MACHINE: &[&str] = &["-p", "beamtick-fuzz", "--test", "corpus", "--",
 const FUZZ_TABLES: &[&str] = &["-p", "beamtick-fuzz", "--test", "corpus", "--", "tables"];
 const LASER_CLEAR: &[&str] =
     &["-p", "beamtick-host-tests", "--test", "laser_random", "--", "a_clear_does_not_hide_the_fault"];
-const FOLLOW: &[&str] = &["-p", "beamtick-dispatcher", "--test", "follow", "--", "data_of_follow_ex"];
+const FOLLOW: &[&str] = &["-p", "beamtick-dispatcher", "--test", "all", "--", "follow::data_of_follow_ex"];
 const FAULTS: &[&str] =
     &["-p", "beamtick-host-tests", "--test", "emulated_faults", "--", "every_fault_of_the_program_ends_dark"];
 

@@ -2,10 +2,10 @@
 //! test now (docs/mutants.md).
 use super::list::{Mutant, mutant};
 
-const CAUSES: &[&str] = &["-p", "beamtick-servo", "--test", "laser_causes"];
-const CRD_GUARDS: &[&str] = &["-p", "beamtick-servo", "--test", "crd_guards"];
-const GUARDS: &[&str] = &["-p", "beamtick-servo", "--test", "tick_guards"];
-const PVT: &[&str] = &["-p", "beamtick-servo", "--test", "pvt_run", "--", "passes_end"];
+const CAUSES: &[&str] = &["-p", "beamtick-servo", "--test", "all", "--", "laser_causes::"];
+const CRD_GUARDS: &[&str] = &["-p", "beamtick-servo", "--test", "all", "--", "crd_guards::"];
+const GUARDS: &[&str] = &["-p", "beamtick-servo", "--test", "all", "--", "tick_guards::"];
+const PVT: &[&str] = &["-p", "beamtick-servo", "--test", "all", "--", "pvt_run::passes_end"];
 const STALE: &[&str] = &[
     "-p",
     "beamtick-protocol",
@@ -25,8 +25,8 @@ const LIFE: &[&str] = &[
     "a_client_takes_up",
     "a_message_is_kept",
 ];
-const SESSIONS: &[&str] = &["-p", "beamtick-dispatcher", "--test", "sessions"];
-const LIMITS: &[&str] = &["-p", "beamtick-dispatcher", "--test", "refusals", "--", "limits_are_switched"];
+const SESSIONS: &[&str] = &["-p", "beamtick-dispatcher", "--test", "all", "--", "sessions::"];
+const LIMITS: &[&str] = &["-p", "beamtick-dispatcher", "--test", "all", "--", "refusals::limits_are_switched"];
 
 const DRIVE: &str = "servo/src/tick/crd/drive.rs";
 const ORDERS: &str = "servo/src/tick/crd/commands.rs";
