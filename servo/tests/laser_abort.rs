@@ -477,6 +477,28 @@ fn a_path_that_brakes_for_a_stop_waits_for_no_delay() {
     }
 }
 
+/// Nor does a clear that its tick refuses, as the cause is still there.
+#[test]
+fn a_clear_that_is_refused_does_not_end_the_quiet() {
+    let mut bench = prepared(250);
+    bench.standby(Some((5.0, 50.0)));
+    bench.machine.interlock = true;
+    bench.command(TickCommand::Abort);
+    bench.tick();
+    bench.change(Change::ClearFault);
+    bench.until(2 * MS);
+    assert_eq!(bench.view().lasers[0].fault, Cause::Interlock);
+    bench.machine.interlock = false;
+    bench.tick();
+    bench.command(TickCommand::ClearStatus { axes: AxisMask(3) });
+    bench.until(4 * MS);
+    let view = bench.view().lasers[0];
+    assert_eq!((view.fault, view.khz), (Cause::None, power(0.0)), "standby is off");
+    bench.change(Change::ClearFault);
+    bench.until(6 * MS);
+    assert_eq!(bench.view().lasers[0].khz, power(5.0), "one that is carried out ends it");
+}
+
 /// Not even in the tick in which the cause appeared.
 #[test]
 fn a_reset_clears_a_fault_of_its_own_tick() {

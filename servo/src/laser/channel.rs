@@ -157,7 +157,11 @@ impl Channel {
             Change::Standby(standby) | Change::PairedStandby(standby) => self.energy.standby = *standby,
             Change::PreVoltage(volts) => self.energy.pre_voltage = volts.unwrap_or(Power::ZERO),
             Change::ZeroOnTime => (self.on_time, self.planned) = (OnTime::ZERO, 0),
-            Change::ClearFault => self.clear_latch(at),
+            Change::ClearFault => {
+                self.clear_latch(at);
+                // One that is refused ends no darkness of an abort either.
+                self.energy.muted = self.safety.is_dark() & muted;
+            }
             Change::CrdMap { map } => self.take_map(at, CrdMask(*map)),
             Change::Connector { laser } => {
                 if !*laser && self.energy.mode != Mode::Analog {
