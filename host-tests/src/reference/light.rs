@@ -411,6 +411,10 @@ impl Light {
             let act = if let Act::Stop(named, _) = act { Act::Stop(named, running) } else { act };
             self.take(now, &act, now - before);
         }
+        // What an interlock brings to standstill is named by none of them.
+        for (crd, fifo) in halted {
+            self.take(now, &Act::Stopped(crd, fifo), now - before);
+        }
         self.around.is_pwm = self.channels.iter().all(|channel| channel.law.mode != Mode::Analog);
         for (number, channel) in self.channels.iter_mut().enumerate() {
             channel.gate.advance(now, false);

@@ -1,6 +1,6 @@
 //! Programs on which the reference or the judge was wrong, and the controller was right.
 use super::found::{MS, agrees, ex, frame, line, path, plain, segment};
-use host_tests::reference::{Call, Kind, LightCall, LightOf, LightTable, Path};
+use host_tests::reference::{Call, Command, Effect, Kind, LightCall, LightOf, LightTable, Path};
 
 /// A slave that has come back through its passes rests at its origin. A SwitchNow by segment began
 /// its first segment; the reference had its last one behind it, and jumped to its end.
@@ -87,4 +87,25 @@ fn a_follow_table_after_an_abort_lights_nothing() {
             Call::Sleep { ns: 3 * MS },
         ],
     );
+}
+
+/// An interlock brings a path to standstill at once. The reference did not tell the lasers, took
+/// the path's entries after an Abort for those of before it, and left them dark.
+#[test]
+fn light_of_a_path_that_an_interlock_has_stopped() {
+    let light = |what| Call::Light(LightCall { channel: 0, what });
+    let lights = path(Path::Laser { crd: 1, channel: 0, command: Command::Gate(true), fifo: 0 });
+    let go = path(Path::Start { mask: 1, option: 0 });
+    let interlock = |open| Call::Effect(Effect::Interlock { core: 1, open });
+    let delay = path(Path::Delay { crd: 1, ms: 30, fifo: 0 });
+    // An abrupt stop, and a smooth one within a BufDelay.
+    for (motion, entry) in [(2, line(vec![90, 40])), (1, delay)] {
+        let mut calls = vec![plain(Kind::AxisOn, 0), plain(Kind::AxisOn, 1), frame(None)];
+        calls.extend([Call::Effect(Effect::SetInterlock { motion }), entry, go.clone(), Call::Sleep { ns: 5 * MS }]);
+        calls.extend([interlock(true), Call::Sleep { ns: 5 * MS }, interlock(false), Call::Sleep { ns: 4 * MS }]);
+        calls.extend([light(LightOf::ClearFault), Call::Abort { core: 1 }, Call::Sleep { ns: 9 * MS }, frame(None)]);
+        calls.extend([LightOf::Connector(true), LightOf::Carrier(20.0), LightOf::Power(38.5)].map(light));
+        calls.extend([lights.clone(), line(vec![9, 4]), go.clone(), Call::Sleep { ns: 8 * MS }]);
+        agrees(250, &calls);
+    }
 }
