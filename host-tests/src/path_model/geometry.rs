@@ -143,6 +143,25 @@ impl Geometry {
         }
     }
 
+    /// Its direction after so many pulses, of length 1.
+    pub fn direction(&self, distance: f64) -> Position {
+        match *self {
+            Geometry::Line { from, to } => {
+                let length = self.length();
+                std::array::from_fn(|axis| (to[axis] - from[axis]) / length)
+            }
+            Geometry::Arc { plane, centre, radius, sweep, .. } => {
+                let ((first, second), place) = (plane.axes(), self.at(distance));
+                // At a right angle to the arm, to its left if it turns counterclockwise.
+                let turn = sweep.signum() / radius;
+                let mut direction = [0.0; 4];
+                direction[first] = (centre.1 - place[second]) * turn;
+                direction[second] = (place[first] - centre.0) * turn;
+                direction
+            }
+        }
+    }
+
     /// Where it ends.
     pub fn end(&self) -> Position {
         match *self {

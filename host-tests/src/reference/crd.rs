@@ -14,7 +14,8 @@ const SAME: f64 = 1e-7;
 /// What lies in a FIFO.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Entry {
-    Motion(Geometry, Rates, [f64; 4]),
+    /// With the end, and the coordinates that have a target there, a bit each: the others stay.
+    Motion(Geometry, Rates, [f64; 4], u8),
     Delay(f64),
     /// BufIO: these bits, and their levels.
     Outputs(u32, u32),
@@ -362,13 +363,23 @@ impl Crd {
         self.fifos.iter().fold(0, |mask, fifo| mask | fifo.moves())
     }
 
-    /// Begin of the next data.
+    /// Begin of the next data. A coordinate without a target stays where the path is.
     pub fn begin(&self, fifo: usize) -> Option<[f64; 4]> {
         let of = &self.fifos[fifo];
-        let motion = |entry: &Entry| if let Entry::Motion(_, _, to) = entry { Some(*to) } else { None };
-        let last = of.entries[of.next.min(of.entries.len())..].iter().rev().find_map(motion);
-        let here = (!self.runs || self.fifo == fifo).then_some(self.place);
-        last.or(of.left).or(here)
+        let waiting = &of.entries[of.next.min(of.entries.len())..];
+        let target = |coordinate: usize| {
+            waiting.iter().rev().find_map(|entry| match entry {
+                Entry::Motion(.., to, sets) if sets >> coordinate & 1 == 1 => Some(to[coordinate]),
+                _ => None,
+            })
+        };
+        let axes = self.set.as_ref().map_or([None; 4], |set| set.axes);
+        let stays = |coordinate: usize| !self.runs || self.fifo == fifo || axes[coordinate].is_none();
+        let mut begin = self.place;
+        for (coordinate, at) in begin.iter_mut().enumerate() {
+            *at = target(coordinate).or(stays(coordinate).then_some(*at))?;
+        }
+        Some(begin)
     }
 
     pub fn start(&mut self, fifo: usize, at: f64) {
@@ -392,7 +403,7 @@ impl Crd {
         let Some(index) = of.entries[of.next..].iter().position(|entry| matches!(entry, Entry::Motion(..))) else {
             return;
         };
-        let Entry::Motion(geometry, rates, _) = &of.entries[of.next + index] else { return };
+        let Entry::Motion(geometry, rates, ..) = &of.entries[of.next + index] else { return };
         if apart == 0.0 || index == 0 && of.done > 0.0 {
             return;
         }
@@ -429,7 +440,7 @@ impl Crd {
         } else if matches!(of.entries[of.next], Entry::Motion(..)) {
             of.done = was.done;
         }
-        if let Some(Entry::Motion(geometry, rates, _)) = of.entries.get(of.next) {
+        if let Some(Entry::Motion(geometry, rates, ..)) = of.entries.get(of.next) {
             // From where it is shown, to 2⁻²² pulse, it takes so much more or less to the end.
             let left = (geometry.length() - of.done).abs().max(1e-9);
             let blur = 2f64.powi(-23) / (left * rates.acc).sqrt();
@@ -471,6 +482,18 @@ impl Crd {
             self.unsaid = Some("the least time at constant speed, planned again on the way");
         }
         self.plan = None;
+    }
+
+    /// Of each coordinate, pulse/ms, from now on; and of the axes that go along.
+    pub fn velocities(&self) -> ([f64; 4], Vec<(usize, f64)>) {
+        let of = &self.fifos[self.fifo];
+        let Some(Entry::Motion(geometry, ..)) = of.entries.get(of.next).filter(|_| self.runs) else {
+            return Default::default();
+        };
+        let geared = of.gears.iter().filter(|gear| gear.is_engaged());
+        let share = self.speed / geometry.length();
+        let geared = geared.map(|gear| (gear.axis, f64::from(gear.pulses) * share)).collect();
+        (geometry.direction(of.done).map(|x| x * self.speed), geared)
     }
 
     /// How far it would go until an instant; None: it would come to rest, or reach entries that act
@@ -648,7 +671,7 @@ impl Crd {
         let follows = self.goes_on();
         let Some(set) = &self.set else { return };
         let of = &mut self.fifos[self.fifo];
-        let Entry::Motion(geometry, rates, to) = of.entries[of.next].clone() else { return };
+        let Entry::Motion(geometry, rates, to, _) = of.entries[of.next].clone() else { return };
         for gear in of.gears.iter_mut().filter(|gear| gear.base.is_none()) {
             let gone = super::Fix::of_f64(f64::from(gear.pulses) * (of.done / geometry.length()));
             let ratio = f64::from(gear.pulses).abs() / geometry.length();

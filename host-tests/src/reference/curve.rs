@@ -140,6 +140,13 @@ impl Curve {
         self.pieces.get(index).map_or(self.cruise, |piece| piece.slope(piece.share(u)))
     }
 
+    /// By how much the slope jumps at most at a knot nearer than `apart`.
+    pub fn jump_near(&self, u: Fix, apart: Fix) -> Fix {
+        let knots = self.pieces.iter().flat_map(|piece| [piece.from, piece.to]);
+        let near = knots.filter(|knot| (*knot - u).abs() < apart);
+        near.map(|knot| (self.slope(knot, true) - self.slope(knot, false)).abs()).max().unwrap_or(Fix::ZERO)
+    }
+
     /// The second derivative from `u` on; none within rounding of a knot that is not exactly there.
     pub fn curvature(&self, u: Fix) -> Option<Fix> {
         let near = |knot: Fix| u != knot && (u - knot).abs() < Fix(1 << 46);

@@ -485,11 +485,10 @@ impl Slave {
         if !was_held && self.place != Fix::ZERO {
             let slope = |u: Fix| self.table.curve.slope(u, true);
             let apart = |by: Fix| (slope(self.place + by) - slope(self.place - by)).abs();
-            let (jump, rounding) = (apart(Fix(1 << 44)), apart(Fix(1 << 43)));
-            if jump > Fix(1 << 48) {
+            if self.table.curve.jump_near(self.place, NEAR) > Fix(1 << 48) {
                 self.doubt("a SwitchNow where a slave's ratio jumps");
             } else {
-                self.slack += rounding * self.table.curve.length();
+                self.slack += apart(Fix(1 << 43)) * self.table.curve.length();
             }
         }
         let value = self.table.curve.at(self.place);
@@ -579,8 +578,7 @@ impl Slave {
     pub fn is_near_knot(&self, lead: &Lead) -> bool {
         let along = self.along(lead.velocity);
         let moves = if self.dir == 0 { along != Fix::ZERO } else { along > Fix::ZERO };
-        let slope = |u: Fix| self.table.curve.slope(u, true);
-        let jump = (slope(self.place + NEAR) - slope(self.place - NEAR)).abs();
+        let jump = self.table.curve.jump_near(self.place, NEAR);
         // It rests before the place at which its way back ends.
         if let Some(&at) = lead.track.last()
             && self.dir == 0

@@ -1,6 +1,7 @@
 //! Programs on which the reference or the judge was wrong, and the controller was right.
 use super::found::{MS, agrees, ex, frame, line, path, plain, segment};
-use host_tests::reference::{Call, Command, Effect, Kind, LightCall, LightOf, LightTable, Path};
+use host_tests::path_model::Plane;
+use host_tests::reference::{Call, Command, Cycle, Datum, Effect, Kind, LightCall, LightOf, LightTable, Path, Speeds};
 
 /// A slave that has come back through its passes rests at its origin. A SwitchNow by segment began
 /// its first segment; the reference had its last one behind it, and jumped to its end.
@@ -107,5 +108,92 @@ fn light_of_a_path_that_an_interlock_has_stopped() {
         calls.extend([LightOf::Connector(true), LightOf::Carrier(20.0), LightOf::Power(38.5)].map(light));
         calls.extend([lights.clone(), line(vec![9, 4]), go.clone(), Call::Sleep { ns: 8 * MS }]);
         agrees(250, &calls);
+    }
+}
+
+fn arc(plane: Plane, to: [i32; 2], round: Cycle) -> Call {
+    let speeds = Speeds { vel: 9.7, acc: 2.3, end: 0.0 };
+    path(Path::Arc { crd: 1, plane, to, round, ccw: false, speeds, fifo: 0 })
+}
+
+/// A coordinate that no motion of the FIFO takes to a target stays where the path is, also if its
+/// axis gets another name. The reference took it for what it was at the call of the last motion.
+#[test]
+fn an_arc_after_a_rename_begins_where_the_path_is() {
+    let space = Path::Set { crd: 1, axes: vec![0, 1, 2], vel: 50.0, acc: 4.9, even_ms: 0, origin: None };
+    agrees(
+        250,
+        &[
+            Call::SetPrfPos { axis: 1, pos: 89 },
+            Call::Sleep { ns: MS },
+            path(space),
+            arc(Plane::ZX, [0, 0], Cycle::Centre(-621.0, -63.0)),
+            plain(Kind::ZeroPos, 1),
+            // Y is -89.
+            arc(Plane::XY, [0, 0], Cycle::Radius(40.0)),
+            Call::Sleep { ns: MS },
+            arc(Plane::XY, [0, 0], Cycle::Radius(50.0)),
+            Call::Sleep { ns: MS },
+        ],
+    );
+    // Within a BufDelay there is no motion left that has a target.
+    for radius in [8.0, 25.0] {
+        agrees(
+            250,
+            &[
+                plain(Kind::AxisOn, 0),
+                plain(Kind::AxisOn, 1),
+                frame(None),
+                line(vec![26, -44]),
+                path(Path::Delay { crd: 1, ms: 30, fifo: 0 }),
+                path(Path::Start { mask: 1, option: 0 }),
+                Call::Sleep { ns: 20 * MS },
+                Call::Stop { mask: 2, abrupt: 2 },
+                Call::Sleep { ns: 5 * MS },
+                plain(Kind::ZeroPos, 1),
+                Call::Sleep { ns: 5 * MS },
+                arc(Plane::XY, [26, 10], Cycle::Radius(radius)),
+                Call::Sleep { ns: MS },
+            ],
+        );
+    }
+}
+
+/// An axis that a path moves has a velocity, also for its slave: as it is read, and where a Stop
+/// makes the slave brake. In the reference it was 0.
+#[test]
+fn slaves_of_a_path_have_its_speed() {
+    for sleep in [2 * MS + 600_000, 4 * MS, 7 * MS + 1000] {
+        let read = |axis| plain(Kind::GetPrfVel, axis);
+        agrees(
+            250,
+            &[
+                plain(Kind::AxisOn, 0),
+                plain(Kind::AxisOn, 1),
+                plain(Kind::AxisOn, 2),
+                plain(Kind::AxisOn, 3),
+                Call::PrfFollow { axis: 2, dir: 0 },
+                Call::SetFollowMaster { axis: 2, master: 1, kind: 2, item: 0 },
+                Call::FollowData { axis: 2, datum: Datum { master: 49.0, slave: -45.0, kind: 1, percent: 0 }, fifo: 0 },
+                Call::FollowStart { mask: 4, option: 0 },
+                Call::PrfFollow { axis: 3, dir: -1 },
+                Call::SetFollowMaster { axis: 3, master: 2, kind: 2, item: 0 },
+                Call::FollowData { axis: 3, datum: Datum { master: 67.0, slave: 60.5, kind: 0, percent: 0 }, fifo: 0 },
+                Call::FollowStart { mask: 8, option: 0 },
+                frame(None),
+                line(vec![-5, 44]),
+                path(Path::Start { mask: 1, option: 0 }),
+                Call::Sleep { ns: sleep },
+                read(0),
+                read(1),
+                read(2),
+                read(3),
+                Call::Sleep { ns: MS },
+                Call::Stop { mask: 8, abrupt: 0 },
+                Call::Sleep { ns: MS },
+                Call::Stop { mask: 4, abrupt: 0 },
+                Call::Sleep { ns: 20 * MS },
+            ],
+        );
     }
 }

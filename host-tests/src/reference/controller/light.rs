@@ -231,7 +231,12 @@ impl Controller {
         let tick = self.tick_ns as f64 / 1e6;
         let rests = |axis: usize| {
             let axis = &self.axes[axis];
-            axis.v.to_f64().abs() <= axis.stop_dec * tick + 1e-6
+            let path = axis.crd.filter(|_| axis.driven).map(|name| &self.crds[&name]);
+            let (speed, dec) = match path {
+                Some(path) => (path.speed, path.stop_dec.max(path.set.as_ref().map_or(0.0, |set| set.frame.acc))),
+                None => (axis.v.to_f64().abs(), axis.stop_dec),
+            };
+            speed <= dec * tick + 1e-6
         };
         self.rested > 0 || self.aborted != 0 && members(self.aborted).all(rests)
     }

@@ -199,7 +199,7 @@ impl Controller {
                 let Some(geometry) = geometry else { return Err(7) };
                 let mut target = begin;
                 (target[first], target[second]) = end;
-                return self.motion((core, *crd), *fifo as usize, geometry, target, speeds);
+                return self.motion((core, *crd), *fifo as usize, geometry, (target, 1 << first | 1 << second), speeds);
             }
             Path::Delay { crd, ms, fifo } => {
                 self.crd(core, *crd)?;
@@ -297,12 +297,6 @@ impl Controller {
             // An arc needs to know where it begins: docs/crd.md.
             self.open = Some("an arc that begins a path after a Stop or directly after a WaitStop");
         }
-        // It was left elsewhere: SPEC does not tell where a motion after the rest of that data
-        // begins.
-        let renamed = of.set.as_ref().is_some_and(|set| set.axes.iter().flatten().any(|axis| self.axes[*axis].renamed));
-        if is_arc && renamed && !of.runs && of.fifos[fifo].begins().is_some() && of.rest == Some(Rest::Stopped) {
-            self.open = Some("an arc after what a Stop has left, with a renamed axis");
-        }
         if begin.is_none() {
             self.open = Some("a motion whose begin is not known yet");
         }
@@ -323,13 +317,21 @@ impl Controller {
             // Refused where its begin is known ahead of its instant (docs/crd.md).
             self.open = Some("a line without length");
         }
-        self.motion(name, fifo as usize, Geometry::line(begin, target), target, speeds)
+        let sets = (1 << to.len()) - 1;
+        self.motion(name, fifo as usize, Geometry::line(begin, target), (target, sets), speeds)
     }
 
-    fn motion(&mut self, name: Name, fifo: usize, geometry: Geometry, to: [f64; 4], speeds: &Speeds) -> Answer {
+    fn motion(
+        &mut self,
+        name: Name,
+        fifo: usize,
+        geometry: Geometry,
+        (to, sets): ([f64; 4], u8),
+        speeds: &Speeds,
+    ) -> Answer {
         let Speeds { vel, acc, end } = *speeds;
         range(vel >= LEAST && acc >= LEAST && end >= 0.0)?;
-        self.put(name, fifo, Entry::Motion(geometry, Rates { speed: vel, acc, end }, to))
+        self.put(name, fifo, Entry::Motion(geometry, Rates { speed: vel, acc, end }, to, sets))
     }
 
     fn put(&mut self, name: Name, fifo: usize, entry: Entry) -> Answer {
@@ -651,6 +653,7 @@ impl Controller {
             }
             let Some(set) = of.set.as_ref().filter(|_| ran) else { continue };
             *self.used.entry("ticks of paths").or_default() += 1;
+            let (velocities, geared) = of.velocities();
             for (coordinate, axis) in set.axes.iter().enumerate() {
                 let Some(axis) = *axis else { continue };
                 let axis = &mut axes[axis];
@@ -658,7 +661,7 @@ impl Controller {
                 let at = |place: &[f64; 4]| zero + Fix::of_f64(place[coordinate]);
                 let mut way = vec![(Fix::ms(before), axis.x)];
                 way.extend(of.knots.iter().map(|(when, place)| (Fix::of_f64(*when), at(place))));
-                axis.x = at(&of.place);
+                (axis.x, axis.v) = (at(&of.place), Fix::of_f64(velocities[coordinate]));
                 way.push((Fix::ms(now), axis.x));
                 axis.carried = Some(way);
                 axis.bent = !of.is_straight;
@@ -685,11 +688,17 @@ impl Controller {
                 way.push((Fix::ms(now), x));
                 (axis.bent, axis.path_open) = (true, of.open || !axis.driven);
                 axis.driven &= of.runs;
+                axis.v = Fix::ZERO;
                 if !axis.driven {
                     (axis.geared, axis.crd) = (false, None);
                     // Where it was left on the way.
                     let late = std::mem::take(&mut axis.late);
                     axis.slack += if axis.path_ended { Fix::ZERO } else { late };
+                }
+            }
+            for (axis, v) in geared {
+                if axes[axis].driven {
+                    axes[axis].v = Fix::of_f64(v);
                 }
             }
             if !of.runs {

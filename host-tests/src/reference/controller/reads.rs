@@ -1,5 +1,5 @@
 //! Reads: what they answer at the end of the tick in which they act.
-use super::super::axis::{Master, Mode, Motion};
+use super::super::axis::{Master, Motion};
 use super::super::call::{Call, Kind};
 use super::super::effect::Effect;
 use super::super::light::{LightCall, LightOf};
@@ -116,9 +116,7 @@ impl Controller {
                         Kind::GetCaptureStatus => axis_of.is_lost,
                         Kind::GetPrfAcc => axis_of.acceleration(Fix::ms(now)).is_none() || axis_of.open.is_some(),
                         Kind::PvtStatus => !axis_of.is_in_table() || axis_of.open.is_some(),
-                        Kind::GetPrfVel => {
-                            axis_of.driven || axis_of.mode == Mode::Crd || knot || self.axes[axis].open.is_some()
-                        }
+                        Kind::GetPrfVel => knot || axis_of.open.is_some(),
                         _ => self.axes[axis].open.is_some(),
                     }
                 }

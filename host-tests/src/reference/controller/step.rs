@@ -1,5 +1,5 @@
 //! A tick of all axes: masters before their slaves, and what begins where a motion has come to.
-use super::super::axis::{Axis, Mode, Motion, Why};
+use super::super::axis::{Axis, Motion, Why};
 use super::super::filter::Filter;
 use super::super::number::Fix;
 use super::{Controller, Then};
@@ -100,11 +100,6 @@ impl Controller {
                         open = Some("a Stop where a slave's ratio jumps");
                     }
                     let counted = master.filter(|master| was_slave && master.is_counted());
-                    if master.is_some_and(|master| {
-                        was_slave && !master.is_counted() && self.axes[master.axis].mode == Mode::Crd
-                    }) {
-                        open = Some("a Stop of a slave of a path's axis");
-                    }
                     if master.is_some_and(|master| was_slave && master.is_filtered()) {
                         // Its speed is that of positions with 22 fraction bits.
                         open = Some("a Stop of a slave of a filtered master");
