@@ -126,11 +126,11 @@ impl Change {
             Change::Switched { .. } => true,
             // With these the axes that entries of a path move beside it may stay at standstill.
             Change::Crd { change: CrdChange::Frame { .. } | CrdChange::Emptied { .. }, .. } => true,
-            Change::Cleared { .. }
-            | Change::Table { .. }
-            | Change::Emptied { .. }
-            | Change::FollowEmptied { .. }
-            | Change::Crd { .. } => !matches!(reason, Reason::Moving | Reason::OnlyAtStandstill | Reason::CrdRuns),
+            // Data after it already counts from an empty FIFO: only slots that the tick reads get free.
+            Change::Emptied { .. } | Change::FollowEmptied { .. } => reason == Reason::FifoInUse,
+            Change::Cleared { .. } | Change::Table { .. } | Change::Crd { .. } => {
+                !matches!(reason, Reason::Moving | Reason::OnlyAtStandstill | Reason::CrdRuns)
+            }
             _ => false,
         }
     }

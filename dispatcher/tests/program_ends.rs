@@ -1,6 +1,6 @@
 //! How a program ends: failures, entries that may fail, Stop, strictness, link loss, a new session.
 use crate::bench;
-use bench::{Bench, MS, body, entry, listing_2_1, position, pt_data, read_pos, sleep, start};
+use bench::{Bench, MS, body, entry, follow, listing_2_1, position, pt_data, read_pos, sleep, start};
 use protocol::command::*;
 use protocol::reason::Reason;
 use protocol::record::Lane;
@@ -477,6 +477,48 @@ fn data_that_is_refused_after_a_clear_of_its_instant_delays_nothing() {
         bench.wait(*tags.last().unwrap());
         let reason = bench.answers[&tags[refused]].reason();
         assert_eq!(reason, if full { Reason::FifoFull } else { Reason::NotIncreasing });
+        assert_eq!(bench.done(ProgramStatus {}).late.get(), 0, "{reason:?}");
+    }
+}
+
+/// The same of data after a start of the instant: the motion takes none of the data before it away.
+#[test]
+fn data_that_is_refused_after_a_clear_and_a_start_of_its_instant_delays_nothing() {
+    let (core, profile, fifo) = (CORE.into(), 1.into(), 0.into());
+    let pt = |mode: i16, fits: i32, refused, reason| {
+        let mut requests =
+            vec![entry(PrfPt { core, profile, mode: mode.into() }), entry(PtClear { core, profile, fifo })];
+        requests.extend((1..=fits).map(|ms| entry(pt_data(1, f64::from(ms), ms))));
+        requests.push(entry(start(1)));
+        (requests, may_fail(refused), reason)
+    };
+    let follow = |fits: i32, refused, reason| {
+        let data = (1..=fits).map(|index| entry(follow::data(1, index, 2.0, 0, 0)));
+        let mut requests = vec![entry(follow::prf(1, 0)), entry(follow::master(1, 2, 2, 0))];
+        requests.push(entry(FollowClear { core, profile, fifo }));
+        requests.extend(data);
+        requests.push(entry(FollowStart { core, mask: 1.into(), option: 0.into() }));
+        (requests, may_fail(refused), reason)
+    };
+    for (requests, refused, reason) in [
+        pt(0, 1, pt_data(1, 9.0, 1), Reason::NotIncreasing),
+        pt(0, 32, pt_data(1, 40.0, 40), Reason::FifoFull),
+        pt(1, 1, pt_data(1, 9.0, 1), Reason::NotIncreasing),
+    ]
+    .into_iter()
+    .chain([
+        follow(1, follow::data(1, -9, 2.0, 0, 0), Reason::MixedSigns),
+        follow(2, follow::data(1, 1, 2.0, 0, 0), Reason::MasterOrder),
+        follow(16, follow::data(1, 40, 2.0, 0, 0), Reason::FifoFull),
+    ]) {
+        let mut bench = Bench::gus();
+        bench.servo_on(1);
+        let at = requests.len();
+        let bit = SetDoBit { core, do_type: 12.into(), index: 1.into(), value: 1.into() };
+        let tags = bench.post_all(&[&requests[..], &[refused, entry(bit), entry(ProgramEnd {})]].concat());
+        bench.done(ProgramStart { strict: 0 });
+        bench.wait(*tags.last().unwrap());
+        assert_eq!(bench.answers[&tags[at]].reason(), reason);
         assert_eq!(bench.done(ProgramStatus {}).late.get(), 0, "{reason:?}");
     }
 }
