@@ -72,29 +72,34 @@ pub fn bring_up(link: Option<&str>) -> Outcome {
 }
 
 /// Builds every variant, writes their files, and prints what the plain one takes of the chip.
-pub fn image() -> Outcome {
+/// Returns the files.
+pub fn image() -> Outcome<Vec<PathBuf>> {
+    let mut files = Vec::new();
     // The plain one last: what later commands find is that.
     for (elf, variant) in [(build_for_dac()?, "-external-dac"), (build()?, "")] {
-        write(&elf, BIN, variant)?;
+        files.extend(write(&elf, BIN, variant)?);
     }
-    write(&build_bring_up()?, BRING_UP, "")?;
-    size()
+    files.extend(write(&build_bring_up()?, BRING_UP, "")?);
+    size()?;
+    Ok(files)
 }
 
-/// Writes the files of a variant of a program.
-fn write(elf: &Path, program: &str, variant: &str) -> Outcome {
+/// Writes the files of a variant of a program; returns them.
+fn write(elf: &Path, program: &str, variant: &str) -> Outcome<Vec<PathBuf>> {
     let bytes = read(elf)?;
     let loaded = loaded(&bytes)?;
     let folder = root().join("out");
     fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     let name = format!("{program}{variant}-{}", env!("CARGO_PKG_VERSION"));
     let hex = hex(&loaded);
+    let mut files = Vec::new();
     for (ending, content) in [("elf", &bytes), ("bin", &loaded.bytes), ("hex", &hex.into_bytes())] {
         let path = folder.join(format!("{name}.{ending}"));
         fs::write(&path, content).map_err(|e| format!("{}: {e}", path.display()))?;
         println!("{}: {} bytes, CRC-32 {:08x}", path.display(), content.len(), crc32(content));
+        files.push(path);
     }
-    Ok(())
+    Ok(files)
 }
 
 /// Prints what the image takes of each region, and what runs from ITCM; the linker has refused what

@@ -9,6 +9,7 @@ mod board;
 mod checks;
 mod comments;
 mod demo;
+mod dist;
 mod doors;
 mod floats;
 mod fuzz;
@@ -57,6 +58,7 @@ cargo xtask COMMAND
   proofs          proves the bounds of rounding from the code's own numbers (proofs/, by Gappa)
   c-api           writes the headers and exports of the C library from the table of functions
   wheel           builds the Python wheel with the library inside, into out/
+  dist            makes the archive of a release in out/, and tries it: programs, libraries, headers, wheel, images, pages
   check-all       everything that must pass before a change is accepted
 ";
 
@@ -71,7 +73,7 @@ fn main() -> ExitCode {
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let outcome: Outcome = match words.as_slice() {
         ["setup"] => setup::run(),
-        ["image"] => setup::run().and_then(|()| image::report()).and_then(|()| board::image()),
+        ["image"] => setup::run().and_then(|()| image::report()).and_then(|()| board::image()).map(drop),
         ["size"] => board::size(),
         ["flash-board"] => board::flash(),
         ["bring-up"] => board::bring_up(None),
@@ -103,6 +105,7 @@ fn main() -> ExitCode {
             "generated",
         ])),
         ["wheel"] => wheel::make(),
+        ["dist"] => setup::run().and_then(|()| dist::make()),
         ["check-all"] => checks::run(),
         ["help" | "--help"] => {
             print!("{HELP}");

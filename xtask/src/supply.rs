@@ -64,16 +64,25 @@ fn tool() -> Option<PathBuf> {
 
 /// Writes what a program for the chip is made of next to it, as `NAME.cdx.json`; returns where.
 pub fn bill(package: &str, image: &Path) -> Outcome<PathBuf> {
+    let path = image.with_extension("cdx.json");
+    bill_at(package, TARGET, &path)?;
+    Ok(path)
+}
+
+/// Writes what a package is made of on a target.
+pub fn bill_at(package: &str, triple: &str, path: &Path) -> Outcome {
     let mut command = cargo();
-    command.args(["metadata", "--format-version", "1", "--locked", "--filter-platform", TARGET]);
+    command.args(["metadata", "--format-version", "1", "--locked", "--filter-platform", triple]);
     let metadata: Value =
         serde_json::from_str(&shell::read(&mut command)?).map_err(|e| format!("`cargo metadata`: {e}"))?;
     let lock = std::fs::read_to_string(root().join("Cargo.lock")).map_err(|e| format!("Cargo.lock: {e}"))?;
-    let document = bill_of(package, &metadata, &checksums(&lock))?;
-    let path = image.with_extension("cdx.json");
+    let kind = if triple == TARGET { "firmware" } else { "application" };
+    let document = bill_of(package, kind, &metadata, &checksums(&lock))?;
     let text = serde_json::to_string_pretty(&document).map_err(|e| e.to_string())?;
-    std::fs::write(&path, text + "\n").map_err(|e| format!("{}: {e}", path.display()))?;
-    Ok(path)
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    }
+    std::fs::write(path, text + "\n").map_err(|e| format!("{}: {e}", path.display()))
 }
 
 /// SHA-256 of every package of a registry, by name and version.
@@ -88,7 +97,12 @@ fn checksums(lock: &str) -> BTreeMap<(String, String), String> {
 }
 
 /// CycloneDX 1.5: what of the packages ends up in the program, not what only builds or tests it.
-fn bill_of(package: &str, metadata: &Value, sums: &BTreeMap<(String, String), String>) -> Outcome<Value> {
+fn bill_of(
+    package: &str,
+    kind: &str,
+    metadata: &Value,
+    sums: &BTreeMap<(String, String), String>,
+) -> Outcome<Value> {
     let list = |value: &Value| value.as_array().cloned().unwrap_or_default();
     let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
     let packages: BTreeMap<String, Value> =
@@ -122,7 +136,7 @@ fn bill_of(package: &str, metadata: &Value, sums: &BTreeMap<(String, String), St
         let package = packages.get(id)?;
         let (name, version) = (text(&package["name"]), text(&package["version"]));
         let mut component = json!({
-            "type": if *id == first { "firmware" } else { "library" },
+            "type": if *id == first { kind } else { "library" },
             "bom-ref": purl(id)?, "name": name, "version": version, "purl": purl(id)?,
             "licenses": [{ "expression": text(&package["license"]).replace('/', " OR ") }],
         });
@@ -170,7 +184,7 @@ mod tests {
             ] },
         });
         let lock = "[[package]]\nname = \"used\"\nversion = \"1.0.0\"\nchecksum = \"abc\"\n";
-        let bill = bill_of("image", &metadata, &checksums(lock)).unwrap();
+        let bill = bill_of("image", "firmware", &metadata, &checksums(lock)).unwrap();
         let names: Vec<_> = bill["components"].as_array().unwrap().iter().map(|c| c["name"].clone()).collect();
         assert_eq!(names, ["deep", "used"]);
         assert_eq!(bill["components"][1]["hashes"][0]["content"], "abc");
@@ -180,6 +194,6 @@ mod tests {
             bill["dependencies"][2],
             json!({ "ref": "pkg:cargo/used@1.0.0", "dependsOn": ["pkg:cargo/deep@1.0.0"] })
         );
-        assert!(bill_of("nobody", &metadata, &checksums(lock)).is_err());
+        assert!(bill_of("nobody", "firmware", &metadata, &checksums(lock)).is_err());
     }
 }

@@ -309,7 +309,8 @@ pub struct Sim {
 #[derive(Debug, Clone, Args)]
 pub struct Way {
     /// Image for --link qemu; else the environment's BEAMTICK_IMAGE, else
-    /// target/thumbv7em-none-eabihf/image/beamtick-mps2 here or in a folder above.
+    /// target/thumbv7em-none-eabihf/image/beamtick-mps2 here or in a folder above,
+    /// else the one in images/ of the unpacked release.
     #[arg(long, value_name = "FILE", env = "BEAMTICK_IMAGE")]
     pub image: Option<PathBuf>,
 }

@@ -48,9 +48,11 @@ impl Machine {
 
 /// Where the image lies in the build folder.
 const IMAGE: &str = "target/thumbv7em-none-eabihf/image/beamtick-mps2";
+/// Where it lies in the archive of a release, from the folder of the program.
+const RELEASED: &str = "../images/beamtick-mps2";
 
 /// The image to run: the one given, else the environment's `BEAMTICK_IMAGE`, else the one of the
-/// build folder here or in a folder above.
+/// build folder here or in a folder above, else the one of the program's release.
 ///
 /// # Errors
 /// −6 if there is none.
@@ -59,7 +61,10 @@ pub fn image(given: Option<PathBuf>) -> Result<PathBuf> {
         return Ok(image);
     }
     let here = std::env::current_dir().unwrap_or_default();
-    here.ancestors().map(|folder| folder.join(IMAGE)).find(|image| image.is_file()).ok_or_else(|| {
+    let program = std::env::current_exe().ok();
+    let released = program.and_then(|program| Some(program.parent()?.join(RELEASED)));
+    let built = here.ancestors().map(|folder| folder.join(IMAGE));
+    built.chain(released).find(|image| image.is_file()).ok_or_else(|| {
         Error::new(
             error::CANNOT_OPEN,
             format!(
