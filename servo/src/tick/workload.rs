@@ -9,7 +9,7 @@
 //! it. So neighbours act together. If that is more than a tick takes, starts are prepared in the
 //! ticks before it. A Reset takes as many ticks as it needs, and what follows it waits. Calls of
 //! the immediate lane are counted; their weight is taken from the program.
-use super::execute::Reach;
+use super::hand_overs::HandOvers;
 use crate::tick::{PROGRAM, Tick};
 use crate::tick_command::{Entry, Supervision, TickCommand};
 use crate::units::{Axis, AxisMask, Ns};
@@ -173,7 +173,7 @@ impl<const AXES: usize> Tick<AXES> {
         entry: &Entry,
         instant: Ns,
         budget: &mut Budget,
-        lanes: &Reach<'_, '_, AXES>,
+        lanes: &HandOvers<'_, '_, AXES>,
     ) -> bool {
         if budget.acting == Some(instant) {
             return true;
@@ -202,7 +202,7 @@ impl<const AXES: usize> Tick<AXES> {
         &mut self,
         program: &Consumer<'_, Entry, PROGRAM>,
         budget: &mut Budget,
-        lanes: &Reach<'_, '_, AXES>,
+        lanes: &HandOvers<'_, '_, AXES>,
     ) -> bool {
         let mut prepared = false;
         for entry in neighbours(program) {
@@ -239,7 +239,7 @@ impl<const AXES: usize> Tick<AXES> {
         axes: AxisMask,
         next: Ns,
         budget: &mut Budget,
-        lanes: &mut Reach<'_, '_, AXES>,
+        lanes: &mut HandOvers<'_, '_, AXES>,
     ) -> bool {
         if self.resetting == 0 {
             self.supervision = Supervision::DEFAULT;

@@ -19,9 +19,9 @@ mod switch;
 
 use super::curve::{UNIT, ceil, slope};
 use super::entry::{Input, Stop};
-use super::follower::trail;
 use super::master_path::{Fine, MasterPath, Section, Spot, Track};
 use super::setup::Setup;
+use super::slave_track::record;
 use super::{Direction, Entries, Method};
 use crate::segment::piece::Piece;
 use crate::units::{Exact, Ns, Pos};
@@ -422,7 +422,7 @@ impl FollowRun {
             // known.
             let piece = if self.down == down { piece } else { self.piece };
             if self.progress != progress {
-                trail((&piece, progress), (&self.piece, self.progress), down, &section, track);
+                record((&piece, progress), (&self.piece, self.progress), down, &section, track);
             }
             track.push(section.to.after, self.position().0);
         }

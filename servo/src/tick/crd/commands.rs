@@ -10,7 +10,7 @@ use crate::path::{DIMENSIONS, EntryStore, Feed, Path, PathStores, Rules};
 use crate::segment::piece::Scaled;
 use crate::segment::ramp::Accel;
 use crate::status;
-use crate::tick::execute::Reach;
+use crate::tick::hand_overs::HandOvers;
 use crate::tick::{Tick, report_event};
 use crate::tick_command::Lane;
 use crate::units::{AxisMask, Crd, CrdMask, Exact, Ns, Pos};
@@ -197,7 +197,7 @@ impl<const AXES: usize> Tick<AXES> {
         crds: CrdMask,
         fifo1: CrdMask,
         next: Ns,
-        lanes: &mut Reach<'_, '_, AXES>,
+        lanes: &mut HandOvers<'_, '_, AXES>,
     ) {
         if let Some(refusal) = crds.crds().find_map(|crd| self.refuses_crd(crd, fifo1.has(crd) as u8, lane, seq)) {
             report_event(lanes.events, &mut self.events_lost, refusal);
@@ -331,7 +331,7 @@ impl<const AXES: usize> Tick<AXES> {
         halt: Halt,
         reason: StopReason,
         next: Ns,
-        lanes: &mut Reach<'_, '_, AXES>,
+        lanes: &mut HandOvers<'_, '_, AXES>,
     ) {
         let running = CrdMask(crds.0 & self.crds.running.0);
         for crd in running.crds() {
@@ -369,7 +369,7 @@ impl<const AXES: usize> Tick<AXES> {
         &mut self,
         crd: Crd,
         next: Ns,
-        lanes: &Reach<'_, '_, AXES>,
+        lanes: &HandOvers<'_, '_, AXES>,
         act: impl FnOnce(&mut Path, &mut StopReason, Feed, &[EntryStore; 2], &mut Sink<'_>),
     ) {
         let Tick { crds, axes, edges, lasers, .. } = self;
