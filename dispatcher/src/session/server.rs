@@ -31,7 +31,7 @@ use zerocopy::IntoBytes;
 pub use crate::capacity::LINK_WINDOW;
 /// Passes of a poll: each moves the program, the message in hand and the replies as far as
 /// possible.
-const ROUNDS: u32 = 16;
+const POLL_PASSES: u32 = 16;
 
 /// Rows wait this long for more of them, before a message that is not full carries them.
 const TRACE_FLUSH_NS: u64 = 20_000_000;
@@ -175,7 +175,7 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
             self.heard = Some(heard);
         }
         link_loss::watch(&mut self.handler.admission, &mut self.program, &mut self.lost, self.heard, now);
-        for _ in 0..ROUNDS {
+        for _ in 0..POLL_PASSES {
             let mut writer = ReplyWriter::new(self.outbox.get_mut(self.outbox_len..).unwrap_or(&mut []));
             let mut progress = self.handler.answer(view, &self.program, &mut writer);
             progress |= self.program.advance(&mut self.handler.admission, view, &mut writer);

@@ -1,4 +1,4 @@
-//! What a step of the tick reaches beyond its own state: rings that it writes, stores that it reads.
+//! What a step of the tick reaches beyond its own state: rings it writes, stores it reads.
 use crate::path::PathStores;
 use crate::tables::TableStores;
 use crate::tick::{EVENTS, Lanes, SAMPLES, SegmentStore, Source};

@@ -45,10 +45,10 @@ mod weight {
 
 /// Units of set-up in the shortest tick. A longer tick has a unit for each 1024 ns, a quarter of
 /// its instructions: a changed axis costs as much again in the tick and in the one after it.
-const LEAST: u32 = 8;
+const SET_UP_MIN_UNITS: u32 = 8;
 
 /// Starts are prepared for less than 2 to this power ticks; each axis has its turn in that time.
-const PATIENCE: u32 = 6;
+const PREPARE_LOG2_TICKS: u32 = 6;
 
 /// Calls of the immediate lane that act in a tick: this many in the shortest; in a longer one a
 /// call for each 512 ns, as far as the larger ring goes. They have no instant and come one by one.
@@ -68,7 +68,7 @@ pub(crate) struct Budget {
 
 impl Budget {
     pub(crate) fn of(period: Ns) -> Budget {
-        let whole = ((period.0 >> 10) as u32).max(LEAST);
+        let whole = ((period.0 >> 10) as u32).max(SET_UP_MIN_UNITS);
         Budget { left: whole, whole, acting: None }
     }
 
@@ -184,7 +184,7 @@ impl<const AXES: usize> Tick<AXES> {
         let weight = neighbours(program).fold(0u32, |sum, entry| sum.saturating_add(self.weigh(&entry.command)));
         let fits = weight <= budget.room();
         let waited = self.now.0.saturating_sub(self.script.zero.0.saturating_add(instant.0));
-        if !fits && waited < self.period.0 << PATIENCE && self.prepare(program, budget, lanes) {
+        if !fits && waited < self.period.0 << PREPARE_LOG2_TICKS && self.prepare(program, budget, lanes) {
             return false;
         }
         // A tick of its own is the most that it can have.

@@ -26,7 +26,7 @@ use servo::path::Entry;
 use servo::units::CrdMask;
 
 /// Velocity ratios may be this large: 2³².
-const RATIO_MAX: f64 = 4_294_967_296.0;
+const VELOCITY_RATIO_MAX: f64 = 4_294_967_296.0;
 
 /// Admits a buffered laser command and puts its entry into the FIFO. The reply reports the values
 /// taken, if there are any, else the free slots.
@@ -114,7 +114,7 @@ fn ratio(field: u8, got: f64) -> Admitted<Ratio> {
     if !got.is_finite() {
         return Err(Refused::new(Reason::NotFinite).field(field).got(got));
     }
-    let refused = Refused::new(Reason::AboveLow).field(field).got(got).limits(0.0, RATIO_MAX);
+    let refused = Refused::new(Reason::AboveLow).field(field).got(got).limits(0.0, VELOCITY_RATIO_MAX);
     Ratio::admit(got.to_bits()).map_err(|_| refused)
 }
 
