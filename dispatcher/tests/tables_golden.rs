@@ -35,7 +35,7 @@ fn follows<'a>(shelf: &'a Shelf, passes: u32, expected: &[(f64, f64, f64)]) -> B
 fn ends(bench: &mut Bench, t: f64, p: f64) {
     let ns = (t * 1e6).round() as u64;
     let before = bench.step(ns - 1);
-    assert_eq!(before.state, servo::segment::profile::State::Running);
+    assert_eq!(before.state, servo::segment::generator_state::GeneratorState::Running);
     let (pos, vel, running) = bench.at_ms(t);
     assert!(!running && vel == 0.0 && (pos - p).abs() <= PULSE, "{pos} {vel} {running}");
     let (pos, _, running) = bench.at_ms(t + 1000.0);

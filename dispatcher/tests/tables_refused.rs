@@ -1,7 +1,7 @@
 //! Bad points: each is refused with its code, a reason and the point's number, and nothing panics.
 use crate::tables_bench as bench;
 use dispatcher::Refused;
-use dispatcher::plan::pvt::{Draft, Kind, Scratch, SplineScratch, TABLES};
+use dispatcher::plan::pvt::{CORE_TABLES, Draft, Kind, Scratch, SplineScratch};
 use protocol::reason::{Code, Reason};
 use servo::segment::pvt::PointStore;
 use servo::units::StepLimit;
@@ -36,7 +36,7 @@ fn counts() {
         }
         assert!(Draft::begin(kind, 1024, FIELDS, StepLimit::FULL_SCALE, true, &mut scratch).is_ok());
     }
-    assert_eq!(TABLES, 32);
+    assert_eq!(CORE_TABLES, 32);
     let full: Vec<Vec<f64>> = (0..1024).map(|i| vec![i as f64, i as f64, 1.0]).collect();
     let mut shelf = Shelf::default();
     shelf.add(Kind::Pvt, &full).unwrap();

@@ -4,6 +4,7 @@
 //! In: segments, tables, masters. Out: for each tick the set-point and the motion of an axis.
 //! [`profile`] holds the sequence, [`piece`] is one cubic of it.
 pub mod follow;
+pub mod generator_state;
 pub mod piece;
 pub mod profile;
 pub mod pt;

@@ -11,6 +11,7 @@
 //! stops the set-point of the next tick.
 pub(crate) mod crd;
 pub(crate) mod execute;
+pub(crate) mod hand_overs;
 pub(crate) mod script_clock;
 pub(crate) mod slaves;
 mod source;
@@ -32,7 +33,7 @@ use crate::trace::{Chosen, Trace};
 use crate::units::{Axis, AxisMask, CrdMask, Ns, StepLimit};
 use crate::view::{AxisView, Event, Sample, StopReason, View};
 use crd::Crds;
-use execute::Reach;
+use hand_overs::HandOvers;
 use ring::{Consumer, Producer, Writer};
 use script_clock::Script;
 use slaves::Switched;
@@ -230,7 +231,7 @@ impl<const AXES: usize> Tick<AXES> {
         }
 
         if self.crds.running.0 != 0 {
-            let mut reach = Reach::of(lanes);
+            let mut reach = HandOvers::of(lanes);
             self.step_crds(next, &mut reach);
         }
         if self.crds.unprepared.0 & !self.crds.running.0 != 0 {
@@ -285,7 +286,7 @@ impl<const AXES: usize> Tick<AXES> {
     fn take_interlock(&mut self, open: bool, next: Ns, lanes: &mut Lanes<'_, AXES>) {
         self.lasers.interlock = open;
         if open {
-            self.brake(self.supervision.interlock, StopReason::Interlock, next, &mut Reach::of(lanes));
+            self.brake(self.supervision.interlock, StopReason::Interlock, next, &mut HandOvers::of(lanes));
         }
     }
 
@@ -398,7 +399,7 @@ impl<const AXES: usize> Tick<AXES> {
     #[inline(never)]
     fn execute_due(&mut self, next: Ns, period: &mut Ns, port: &mut impl Port, lanes: &mut Lanes<'_, AXES>) {
         let Lanes { immediate, program, events, samples, segments, tables, paths, .. } = lanes;
-        let mut reach = Reach { events, samples, segments, tables: *tables, paths: *paths };
+        let mut reach = HandOvers { events, samples, segments, tables: *tables, paths: *paths };
         let (mut budget, mut drops) = (Budget::of(self.period), false);
         let mut calls = workload::calls(self.period);
         // Entries are read in place: a copy of one costs as much as its work.

@@ -6,8 +6,8 @@ use crate::{chance, drive};
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive, Zero};
+use servo::segment::generator_state::GeneratorState;
 use servo::segment::piece::Scaled;
-use servo::segment::profile::State;
 use servo::segment::pt::{Chain, Feed, Refused, Segment, SegmentStore, Segments, SlotRange};
 use servo::units::{Exact, Ns, Pos, StepLimit};
 
@@ -185,7 +185,7 @@ fn compare(chance: &mut Chance, count: usize, longest: f64, origin: Exact, dynam
         instants.sort_unstable();
         for ns in instants {
             let step = run.step(Ns(from + ns), feed, &store);
-            assert_eq!(step.state, State::Running);
+            assert_eq!(step.state, GeneratorState::Running);
             let (s, v) = row.at(ns);
             // Beyond the edge of travel the axis has stopped.
             if to_f64(&(&base + &row.start + &s)).abs() > 2f64.powi(40) {
@@ -219,15 +219,15 @@ fn compare(chance: &mut Chance, count: usize, longest: f64, origin: Exact, dynam
     let step = run.step(Ns(begin + (last.begin + last.t) * MS), feed, &store);
     // Slack: the part of a quotient below 2^-80 cannot be distinguished from standstill.
     let at = match step.state {
-        State::Ended { at } => at,
-        State::Underrun { at } => {
+        GeneratorState::Ended { at } => at,
+        GeneratorState::Underrun { at } => {
             assert!(dynamic && !last.v1.is_zero());
             at
         }
-        State::Running => panic!("runs on"),
+        GeneratorState::Running => panic!("runs on"),
     };
     if dynamic && to_f64(&last.v1).abs() > 1e-12 {
-        assert!(matches!(step.state, State::Underrun { .. }));
+        assert!(matches!(step.state, GeneratorState::Underrun { .. }));
     }
     assert!(to_f64(&(big_exact(at) - end)).abs() <= 2f64.powi(-64));
 }
@@ -338,7 +338,7 @@ fn loops_do_not_drift() {
             assert_eq!(run.passes(), pass as u32);
         }
         let step = run.step(Ns(17 + PASSES as u64 * 5 * MS), feed, &store);
-        assert_eq!(step.state, State::Ended { at: Exact(origin + PASSES as i128 * way) });
+        assert_eq!(step.state, GeneratorState::Ended { at: Exact(origin + PASSES as i128 * way) });
         assert_eq!(run.passes(), PASSES);
     }
 }
@@ -359,11 +359,11 @@ fn a_chain_that_comes_to_rest_is_no_underrun() {
         let mut now = 0;
         while now < last {
             let step = run.step(Ns(now), feed, &store);
-            assert_eq!(step.state, State::Running);
+            assert_eq!(step.state, GeneratorState::Running);
             now += MS;
         }
         let end = run.step(Ns(last), feed, &store);
-        assert_eq!(matches!(end.state, State::Ended { .. }), rest, "{data:?} {end:?}");
+        assert_eq!(matches!(end.state, GeneratorState::Ended { .. }), rest, "{data:?} {end:?}");
         assert_eq!(end.pos, Pos::pulses(4).max(Exact((big(data[2].0) >> (BITS - 64)).to_i128().unwrap()).round()));
     }
 }
@@ -392,8 +392,8 @@ fn data_appended_while_running_belongs_to_the_pass() {
     assert_eq!(run.step(Ns(25 * MS), feed(3, 2), &store).pos, Pos(7 << 21));
     // The second pass has all three and starts where the first ended; then the loop ends early.
     assert_eq!(run.step(Ns(40 * MS), feed(3, 2), &store).pos, Pos::pulses(5));
-    assert_eq!(run.step(Ns(55 * MS), feed(3, 1), &store).state, State::Running);
-    assert_eq!(run.step(Ns(60 * MS), feed(3, 1), &store).state, State::Ended { at: Exact(8 << 64) });
+    assert_eq!(run.step(Ns(55 * MS), feed(3, 1), &store).state, GeneratorState::Running);
+    assert_eq!(run.step(Ns(60 * MS), feed(3, 1), &store).state, GeneratorState::Ended { at: Exact(8 << 64) });
     assert_eq!(run.passes(), 2);
 }
 
@@ -411,7 +411,7 @@ fn a_stream_frees_places_and_tells_when_it_runs_dry() {
     run.step(Ns(100 + 20 * MS), feed, &store);
     assert_eq!(run.released(true), 2);
     let end = run.step(Ns(100 + 30 * MS), feed, &store);
-    assert_eq!(end.state, State::Ended { at: Exact(4 << 64) });
+    assert_eq!(end.state, GeneratorState::Ended { at: Exact(4 << 64) });
     assert_eq!((run.released(false), run.dry_ms(Ns(100 + 30 * MS), feed, &store)), (3, 0));
 }
 
@@ -495,7 +495,7 @@ fn prepared_segments_are_the_same() {
             }
             let step = plain.step(Ns(now), feed, &store);
             assert_eq!(ahead.step(Ns(now), feed, &store), step, "round {round}");
-            let running = step.state == State::Running;
+            let running = step.state == GeneratorState::Running;
             assert_eq!(ahead.released(running), plain.released(running));
             assert_eq!(ahead.passes(), plain.passes());
             assert_eq!(ahead.dry_ms(Ns(now), feed, &store), plain.dry_ms(Ns(now), feed, &store));

@@ -2,7 +2,7 @@
 //! depend on the ticks before. Exactness of positions is held by the dispatcher's `tables_exact`,
 //! which builds the tables.
 use crate::{chance, drive};
-use servo::segment::profile::State;
+use servo::segment::generator_state::GeneratorState;
 use servo::segment::pvt::{HEADER_WORDS, Header, POINT_WORDS, Point, TABLE_POINTS, Tables};
 use servo::units::{Exact, Ns, Pos};
 
@@ -112,7 +112,11 @@ fn delay_then_motion_then_rest() {
     let mut run = Pvt::begin(begin, origin, 0, &shelf);
     for quarter in 1..14u64 {
         let step = run.step(Ns(begin.0 + quarter * MS / 4), 1, &shelf);
-        assert_eq!((pulses(step.pos), step.state, step.motion.velocity().m), (100.0, State::Running, 0), "{quarter}");
+        assert_eq!(
+            (pulses(step.pos), step.state, step.motion.velocity().m),
+            (100.0, GeneratorState::Running, 0),
+            "{quarter}"
+        );
         assert_eq!(run.time(Ns(begin.0 + quarter * MS / 4)).0, quarter * MS / 4);
     }
     // 3τ² − 2τ³ of 8 pulses.
@@ -120,13 +124,14 @@ fn delay_then_motion_then_rest() {
         let step = run.step(Ns(begin.0 + quarter * MS / 4), 1, &shelf);
         let t = (quarter - 14) as f64 / 16.0;
         assert!(
-            (pulses(step.pos) - 100.0 - 8.0 * t * t * (3.0 - 2.0 * t)).abs() < 1e-6 && step.state == State::Running,
+            (pulses(step.pos) - 100.0 - 8.0 * t * t * (3.0 - 2.0 * t)).abs() < 1e-6
+                && step.state == GeneratorState::Running,
             "{quarter}"
         );
     }
     for later in [30u64, 31, 40, 4_000_000] {
         let step = run.step(Ns(begin.0 + later * MS / 4), 1, &shelf);
-        assert_eq!(step.state, State::Ended { at: Exact(108 << 64) });
+        assert_eq!(step.state, GeneratorState::Ended { at: Exact(108 << 64) });
         assert_eq!((pulses(step.pos), step.motion.velocity().m, run.passes()), (108.0, 0, 1));
         assert_eq!(run.time(Ns(begin.0 + later * MS / 4)).0, 15 * MS / 2);
     }
@@ -148,7 +153,7 @@ fn a_selected_table_takes_over_at_the_end_of_the_pass() {
         assert_eq!(run.table(), 0);
         // At once, without its delay; its time begins at its first point's.
         let step = run.step(Ns(10 * MS), passes, &shelf);
-        assert_eq!((pulses(step.pos), step.state, run.table(), run.passes()), (100.0, State::Running, 1, 0));
+        assert_eq!((pulses(step.pos), step.state, run.table(), run.passes()), (100.0, GeneratorState::Running, 1, 0));
         assert_eq!(run.time(Ns(10 * MS)).0, 500 * MS);
         let step = run.step(Ns(13 * MS), passes, &shelf);
         assert!((pulses(step.pos) - 85.0).abs() < 1e-6 && run.pending().is_none());
@@ -158,7 +163,7 @@ fn a_selected_table_takes_over_at_the_end_of_the_pass() {
             _ => (77.5, true),
         };
         assert!(
-            (pulses(step.pos) - pos).abs() < 1e-6 && (step.state == State::Running) == going,
+            (pulses(step.pos) - pos).abs() < 1e-6 && (step.state == GeneratorState::Running) == going,
             "{passes}: {}",
             pulses(step.pos)
         );
@@ -171,7 +176,7 @@ fn a_selected_table_takes_over_at_the_end_of_the_pass() {
     assert_eq!((run.table(), run.passes()), (1, 1000));
     let mut run = Pvt::begin(Ns(0), Exact(0), 0, &shelf);
     run.select(1);
-    assert_eq!(run.step(Ns(1000 * MS), 3, &shelf).state, State::Ended { at: Exact(40 << 64) });
+    assert_eq!(run.step(Ns(1000 * MS), 3, &shelf).state, GeneratorState::Ended { at: Exact(40 << 64) });
 }
 
 #[test]
@@ -179,16 +184,16 @@ fn the_loop_count_may_change_while_running() {
     let mut shelf = Shelf::default();
     shelf.add(0, &[(0, 0, 0), (10 * MS, 100, 0)]);
     let mut run = Pvt::begin(Ns(0), Exact(0), 0, &shelf);
-    assert_eq!(run.step(Ns(35 * MS), 0, &shelf).state, State::Running);
+    assert_eq!(run.step(Ns(35 * MS), 0, &shelf).state, GeneratorState::Running);
     assert_eq!(run.passes(), 3);
     // Fewer than have run: the present pass is the last.
-    assert_eq!(run.step(Ns(39 * MS), 2, &shelf).state, State::Running);
-    assert_eq!(run.step(Ns(41 * MS), 2, &shelf).state, State::Ended { at: Exact(400 << 64) });
+    assert_eq!(run.step(Ns(39 * MS), 2, &shelf).state, GeneratorState::Running);
+    assert_eq!(run.step(Ns(41 * MS), 2, &shelf).state, GeneratorState::Ended { at: Exact(400 << 64) });
     assert_eq!(run.passes(), 4);
     let mut run = Pvt::begin(Ns(0), Exact(0), 0, &shelf);
-    assert_eq!(run.step(Ns(5 * MS), 1, &shelf).state, State::Running);
-    assert_eq!(run.step(Ns(15 * MS), 2, &shelf).state, State::Running);
-    assert_eq!(run.step(Ns(1_000 * MS), 2, &shelf).state, State::Ended { at: Exact(200 << 64) });
+    assert_eq!(run.step(Ns(5 * MS), 1, &shelf).state, GeneratorState::Running);
+    assert_eq!(run.step(Ns(15 * MS), 2, &shelf).state, GeneratorState::Running);
+    assert_eq!(run.step(Ns(1_000 * MS), 2, &shelf).state, GeneratorState::Ended { at: Exact(200 << 64) });
 }
 
 /// However late after its end it is sampled, and how often, a motion has run its passes and no
@@ -202,11 +207,11 @@ fn passes_end_with_the_loop() {
             for late in [0, 1, 5, 1_000_000] {
                 let mut run = Pvt::begin(Ns(0), Exact(0), 0, &shelf);
                 let at = Ns((2 + u64::from(first)) * MS + MS / 4);
-                assert_eq!((run.step(at, passes, &shelf).state, run.passes()), (State::Running, first));
+                assert_eq!((run.step(at, passes, &shelf).state, run.passes()), (GeneratorState::Running, first));
                 // Once, and again.
                 for after in [late, late + 3] {
                     let step = run.step(Ns((2 + u64::from(passes) + after) * MS), passes, &shelf);
-                    assert_eq!(step.state, State::Ended { at: Exact((i128::from(passes) * 100) << 64) });
+                    assert_eq!(step.state, GeneratorState::Ended { at: Exact((i128::from(passes) * 100) << 64) });
                     assert_eq!((run.passes(), run.made_passes()), (passes, passes), "{first}: {after} ms late");
                 }
             }
@@ -304,7 +309,7 @@ fn what_was_made_ahead_is_taken_back_when_orders_change() {
             assert_eq!(ahead.step(Ns(now), passes, &shelf), step);
             let published = |run: &Pvt| (run.passes(), run.table(), run.pending(), run.time(Ns(now)));
             assert_eq!(published(&ahead), published(&plain));
-            if step.state != State::Running {
+            if step.state != GeneratorState::Running {
                 ended += 1;
                 break;
             }

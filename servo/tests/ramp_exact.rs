@@ -6,8 +6,8 @@ use crate::{chance, drive};
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive, Zero};
+use servo::segment::generator_state::GeneratorState;
 use servo::segment::piece::Scaled;
-use servo::segment::profile::State;
 use servo::segment::ramp::{Accel, Moving, RampRun, Refused, Speed, Trapezoid};
 use servo::units::{Exact, Ns, StepLimit};
 
@@ -291,7 +291,7 @@ fn stop_ends_at_rest_after_v_squared_over_2d() {
         for k in 1..=64 {
             run.step(Ns(begin + end / 64 * k));
         }
-        let State::Ended { at } = run.step(Ns(begin + end)).state else { panic!("runs on") };
+        let GeneratorState::Ended { at } = run.step(Ns(begin + end)).state else { panic!("runs on") };
         let error = Fix(BigInt::from(at.0 - from.0) << (BITS - 64)).sub(&laws[0].way()).f64().abs();
         assert!(error <= 2f64.powi(-20), "{error:e}");
     }
@@ -422,7 +422,7 @@ fn trap_follows_its_closed_form_and_ends_on_its_target() {
             step = run.step(Ns(begin + after));
         }
         let target = Exact(from.0 + ((job.way as i128) << 64));
-        assert_eq!(step.state, State::Ended { at: target });
+        assert_eq!(step.state, GeneratorState::Ended { at: target });
         assert_eq!(step.pos, target.round());
         shapes[0] += (laws.len() == 4) as u32;
         shapes[1] += (laws[laws.len() - 2].len.f64() < 1e-9) as u32;

@@ -22,11 +22,11 @@ use servo::tick_command::{DoGroup, Mode};
 use servo::units::Axis;
 
 /// Furthest master position, pulses.
-const MASTER_MAX: f64 = 2_147_483_648.0;
+const MASTER_MAX_PULSES: f64 = 2_147_483_648.0;
 /// The shortest part of a segment, pulses of the master.
-const SHORTEST: f64 = 1.0 / 65536.0;
+const PART_MIN_PULSES: f64 = 1.0 / 65536.0;
 /// The largest ratio.
-const RATIO_MAX: f64 = 17_592_186_044_416.0;
+const SLAVE_RATIO_MAX: f64 = 17_592_186_044_416.0;
 
 /// An entry as it was given. The fields of a segment are 2, 3, 4, 5 of its request; all other
 /// entries are checked already.
@@ -110,7 +110,7 @@ impl Filling<'_> {
             follow::Refused::MasterNotFinite => Refused::new(Reason::NotFinite).field(2).got(master),
             follow::Refused::SlaveNotFinite => Refused::new(Reason::NotFinite).field(3).got(slave),
             follow::Refused::MasterBeyondRange => {
-                Refused::new(Reason::OutOfRange).field(2).got(master).limits(-MASTER_MAX, MASTER_MAX)
+                Refused::new(Reason::OutOfRange).field(2).got(master).limits(-MASTER_MAX_PULSES, MASTER_MAX_PULSES)
             }
             follow::Refused::SlaveBeyondTravel => {
                 Refused::new(Reason::BeyondTravel).field(3).got(slave).limits(-TRAVEL_PULSES, TRAVEL_PULSES)
@@ -127,7 +127,7 @@ impl Filling<'_> {
                 Refused::new(Reason::OutOfRange).field(5).got(percent.into()).limits(0.0, 100.0)
             }
             follow::Refused::TooSteep => {
-                Refused::new(Reason::RatioTooLarge).field(3).got(ratio).limits(-RATIO_MAX, RATIO_MAX)
+                Refused::new(Reason::RatioTooLarge).field(3).got(ratio).limits(-SLAVE_RATIO_MAX, SLAVE_RATIO_MAX)
             }
             follow::Refused::TooFar => {
                 let most = TRAVEL_PULSES / (master - before.master).abs();
@@ -203,7 +203,7 @@ fn asymmetric_data<const AXES: usize>(
         }
     }
     for (field, ratio) in [(4, begin), (5, end)] {
-        real(field, ratio, -RATIO_MAX, RATIO_MAX)?;
+        real(field, ratio, -SLAVE_RATIO_MAX, SLAVE_RATIO_MAX)?;
     }
     let q = f64::from(within(6, r.percent.get(), 0, 100)?) / 100.0;
     let stands = context.knows_fifos(axis);
@@ -219,9 +219,9 @@ fn asymmetric_data<const AXES: usize>(
         named(Refused::new(Reason::OutOfRange).field(3).got(slave).limits(low, high))
     })?;
     // A part that is too short to be a segment is left out.
-    let x = if x * progress < SHORTEST {
+    let x = if x * progress < PART_MIN_PULSES {
         0.0
-    } else if (q - x) * progress < SHORTEST {
+    } else if (q - x) * progress < PART_MIN_PULSES {
         q
     } else {
         x

@@ -4,7 +4,7 @@
 //! In: the view, the shadow state. Out: commits, through either lane. Owns nothing.
 //! Fails: if the lane has no room, nothing is pushed and the caller tries again.
 use super::admission::Admission;
-use super::staged::STAGED;
+use super::staged::STAGED_MAX;
 use crate::plan::path_queue::LASTS_MS;
 use crate::refuse::FifoOf;
 use crate::shadow::{PROGRAM_FLAG, executed};
@@ -24,7 +24,7 @@ impl<const AXES: usize> Admission<'_, AXES> {
             let queue = &mut queues[index];
             queue.follow(shadow.path(fifo).cleared);
             let Some(stores) = self.entries.get(crd.index()).filter(|_| queue.held() > 0) else { continue };
-            if self.lane.room() > STAGED && queue.feed(stores, sampled, fifo) {
+            if self.lane.room() > STAGED_MAX && queue.feed(stores, sampled, fifo) {
                 self.commit_now(FifoOf::Crd(crd), fifo);
             }
             let Some(queue) = self.queues.get_mut(crd.index()).map(|queues| &mut queues[index]) else { continue };
@@ -52,7 +52,7 @@ impl<const AXES: usize> Admission<'_, AXES> {
         if queues[index].held() == 0 {
             return true;
         }
-        if !soon || self.lane.room() <= STAGED {
+        if !soon || self.lane.room() <= STAGED_MAX {
             return false;
         }
         queues[index].flush(&stores[index]);

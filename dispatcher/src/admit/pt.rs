@@ -18,7 +18,7 @@ use servo::units::{Axis, AxisMask, StepLimit};
 /// First slot of static FIFO 1; the dynamic ring uses all slots.
 const FIFO_SLOTS: u32 = SEGMENTS as u32 / 2;
 /// Ticks after which the tick has checked again how long its data lasts, plus one.
-const LOOKS: u64 = 9;
+const LASTS_CHECK_TICKS: u64 = 9;
 
 /// Static 0, dynamic 1. Another FIFO use clears the data, the same one keeps it.
 pub fn mode<const AXES: usize>(context: &mut Context<AXES>, r: &PrfPt) -> Admitted<Answer> {
@@ -154,7 +154,7 @@ fn knows_stream<const AXES: usize>(context: &Context<AXES>, axis: Axis) -> bool 
     }
     // What the tick checked at most eight ticks ago, and what was committed since.
     let more = length_ms(shadow).saturating_sub(length_ms(context.executed.axis(axis)));
-    let stale = view.period.0.saturating_mul(LOOKS);
+    let stale = view.period.0.saturating_mul(LASTS_CHECK_TICKS);
     sampled.dry_ms != 0 && before(due.until_ns.saturating_add(stale), sampled.dry_ms.saturating_add(more))
 }
 

@@ -1,7 +1,7 @@
 //! PVT commands (GXN chapter 4), apart from the points of tables (see [`super::pvt_table`]).
 use super::axis::all_startable;
 use super::context::Context;
-use crate::plan::pvt::{TABLES, table_number};
+use crate::plan::pvt::{CORE_TABLES, table_number};
 use crate::refuse::{Admitted, Refused, choice, within};
 use crate::report::answer::Answer;
 use crate::shadow::Change;
@@ -13,8 +13,8 @@ use servo::units::Axis;
 /// Index over all cores of a table, from the user's number in its core.
 pub fn table<const AXES: usize>(context: &Context<AXES>, core: i16, field: u8, number: i16) -> Admitted<u8> {
     let core = context.core(core)?;
-    let number = choice(field, number, 1, TABLES as i16)?;
-    Ok((core * TABLES) as u8 + number as u8 - 1)
+    let number = choice(field, number, 1, CORE_TABLES as i16)?;
+    Ok((core * CORE_TABLES) as u8 + number as u8 - 1)
 }
 
 /// The axis keeps the table that was selected for it; at first that is table 1 of its core.

@@ -3,7 +3,7 @@ use super::axis::{limit_levels, stage_band, stage_dec, stage_pos_err, stage_soft
 use super::context::{Context, Effect};
 use super::{many, plain};
 use crate::configuration::{Configuration, ones};
-use crate::plan::pvt::TABLES;
+use crate::plan::pvt::CORE_TABLES;
 use crate::product::{FAMILIES, PROFILES};
 use crate::refuse::{Admitted, Refused, choice, within};
 use crate::report::answer::Answer;
@@ -32,7 +32,7 @@ pub fn abort<const AXES: usize>(context: &mut Context<AXES>, r: &Abort) -> Admit
 
 pub fn reset<const AXES: usize>(context: &mut Context<AXES>, r: &Reset) -> Admitted<Answer> {
     let axes = context.core_mask(r.core.get())?;
-    let tables = ones(TABLES) << (context.core(r.core.get())? * TABLES);
+    let tables = ones(CORE_TABLES) << (context.core(r.core.get())? * CORE_TABLES);
     context.stage_with(TickCommand::Reset { axes }, Change::Reset { axes, tables });
     // The lasers exist once: a Reset of either core sets them to power-on state.
     context.lasers_to_power_on(context.configuration.family);

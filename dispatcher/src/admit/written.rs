@@ -42,3 +42,15 @@ impl Written {
         self.took.into_iter().take(self.answer.waiting().into())
     }
 }
+
+/// Values that were taken, how many, which of them were limited.
+pub type Took = ([f64; TAKEN_MAX], u8, u8);
+
+/// Values for the reply, with their number.
+pub fn took(values: &[f64], held: u8) -> Took {
+    let mut all = [0.0; TAKEN_MAX];
+    for (slot, value) in all.iter_mut().zip(values) {
+        *slot = *value;
+    }
+    (all, values.len() as u8, held)
+}

@@ -20,7 +20,7 @@ pub use crate::capacity::LOOK_AHEAD;
 /// than the thread is ever away.
 pub const LASTS_MS: f64 = 10.0;
 /// Units of a time per millisecond.
-const UNITS: f64 = 1024.0;
+const UNITS_PER_MS: f64 = 1024.0;
 
 /// How long an entry lasts, to 1 in 2048 and up to two minutes, rounded down.
 #[derive(Debug, Clone, Copy)]
@@ -32,7 +32,7 @@ impl Lasting {
     const BITS: u32 = 12;
 
     fn of(ms: f64) -> Lasting {
-        let units = (ms * UNITS).max(0.0).min(f64::from(((1u32 << Self::BITS) - 1) << 15)) as u32;
+        let units = (ms * UNITS_PER_MS).max(0.0).min(f64::from(((1u32 << Self::BITS) - 1) << 15)) as u32;
         let shift = (u32::BITS - units.leading_zeros()).saturating_sub(Self::BITS);
         Lasting((units >> shift) as u16 | (shift as u16) << Self::BITS)
     }
@@ -231,14 +231,14 @@ impl PathQueue {
     pub fn lasts(&mut self, store: &[EntryStore; 2], sampled: &CrdView, fifo: u8) -> f64 {
         let index = usize::from(fifo & 1);
         if sampled.cleared[index] != self.cleared {
-            return self.sum as f64 / UNITS;
+            return self.sum as f64 / UNITS_PER_MS;
         }
         self.release(sampled.released[index]);
         if !(sampled.runs && sampled.fifo == fifo) || self.first == self.end {
-            return self.sum as f64 / UNITS;
+            return self.sum as f64 / UNITS_PER_MS;
         }
         let time = self.times.get(self.first as usize % ENTRIES).map_or(0, |time| time.units());
-        let following = self.sum.saturating_sub(time) as f64 / UNITS;
+        let following = self.sum.saturating_sub(time) as f64 / UNITS_PER_MS;
         following + left(store.entry(fifo, self.first), sampled)
     }
 
@@ -295,7 +295,7 @@ mod tests {
     #[test]
     fn an_entrys_time_is_kept_to_1_in_2048() {
         for ms in [0.0, 1.0 / 1024.0, 0.5, 3.9, 4.0, 10.0, 63.99, 64.0, 1000.1, 60_000.0, 131_000.0] {
-            let kept = Lasting::of(ms).units() as f64 / UNITS;
+            let kept = Lasting::of(ms).units() as f64 / UNITS_PER_MS;
             assert!(kept <= ms && kept > ms * (1.0 - 1.0 / 2048.0) - 1.0 / 1024.0, "{ms}: {kept}");
         }
         assert_eq!(Lasting::of(1e9).units(), 4095 << 15);

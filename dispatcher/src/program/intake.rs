@@ -14,7 +14,7 @@ use super::{Program, State};
 use crate::admit::admission::Admission;
 use crate::admit::context::{Due, Effect};
 use crate::admit::data::is_data;
-use crate::admit::staged::FEW;
+use crate::admit::staged::STAGED_MAX_BUT_RESET;
 use crate::admit::written::Written;
 use crate::admit::{kind, one};
 use crate::refuse::{Admitted, Refused};
@@ -76,7 +76,7 @@ impl Program<'_> {
     /// Whether a command other than Reset has room after the pending commits. Data adds at most
     /// one commit.
     fn has_room(&self) -> bool {
-        self.lane.room() >= FEW + self.pending_commits.count() && self.replies.has_room(TAKEN_MAX)
+        self.lane.room() >= STAGED_MAX_BUT_RESET + self.pending_commits.count() && self.replies.has_room(TAKEN_MAX)
     }
 
     /// Whether a record from the wire may be admitted directly: it is data, and no record waits.

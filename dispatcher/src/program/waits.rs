@@ -11,7 +11,7 @@ use servo::tick_command::TickCommand;
 use servo::view::{AxisView, CrdView, View};
 
 /// WaitStops that are kept.
-const KEPT: usize = 3;
+const WAITS_KEPT: usize = 3;
 
 #[derive(Debug, Clone, Copy)]
 struct Pause {
@@ -26,7 +26,7 @@ struct Pause {
 #[derive(Debug, Default)]
 pub(super) struct Pauses {
     /// Those whose end is not known yet.
-    kept: Deque<Pause, KEPT>,
+    kept: Deque<Pause, WAITS_KEPT>,
     /// The last one pushed.
     pub last: Option<u32>,
 }

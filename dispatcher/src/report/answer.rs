@@ -60,3 +60,16 @@ pub struct Query {
     /// FIFO or type, where the command has one.
     pub which: u8,
 }
+
+/// What in the tick refused an entry.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Refuser {
+    /// Nobody: the entry was late and the program is strict.
+    Nobody,
+    /// An axis with this status.
+    Axis(Axis, u32),
+    /// A coordinate system.
+    Crd(Crd),
+    /// A laser channel that a fault keeps dark.
+    Laser(u8),
+}

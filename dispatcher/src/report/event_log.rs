@@ -1,10 +1,9 @@
 //! The log of events that no command caused, for the host: when, to what, why.
 //!
-//! In: events of the tick, its views, the link's state. Out: the last [`HELD`] of them, and how
-//! many there were. Owns those.
-//! Fails: never; new events replace the oldest.
-//! A stop has its tick's time. Any other event has the time of the first view that showed it, which
-//! is the same unless the link task was late.
+//! In: events of the tick, its views, the link's state. Out: the last [`EVENTS_KEPT`] of them, and
+//! how many there were. Owns those. Fails: never; new events replace the oldest. A stop has its
+//! tick's time. Any other event has the time of the first view that showed it, which is the same
+//! unless the link task was late.
 use heapless::Deque;
 use protocol::command::EventItem;
 use protocol::values::event;
@@ -13,7 +12,7 @@ use servo::units::Ns;
 use servo::view::{StopReason, View};
 
 /// Events that are kept.
-pub const HELD: usize = 32;
+pub const EVENTS_KEPT: usize = 32;
 
 /// What happened.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -52,7 +51,7 @@ pub enum ShutOff {
 /// The log.
 #[derive(Default)]
 pub struct Log {
-    items: Deque<EventItem, HELD>,
+    items: Deque<EventItem, EVENTS_KEPT>,
     total: u32,
     faults: [u16; CHANNELS],
     ignored: [u8; CHANNELS],

@@ -1,7 +1,7 @@
 //! Replies that wait for the tick, and whether a record was handled.
 //!
 //! In: what was admitted, what the tick refused. Out: the replies of a lane in order.
-use super::answer::Answer;
+use super::answer::{Answer, Refuser};
 use super::replies::{Reading, took_reply, values_reply};
 use crate::refuse::Refused;
 use crate::tick_queue::Until;
@@ -9,7 +9,6 @@ use heapless::Deque;
 use protocol::command::opcode;
 use protocol::reason::Reason;
 use protocol::record::{Full, ReplyWriter};
-use servo::units::{Axis, Crd};
 use zerocopy::IntoBytes;
 
 servo::state! {
@@ -127,19 +126,6 @@ impl<const REPLIES: usize, const VALUES: usize> PendingReplies<REPLIES, VALUES> 
 
 /// A start, data, or an on command of a laser, that the tick refused.
 pub type TickRefusal = (u32, Refuser);
-
-/// What refused.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Refuser {
-    /// Nobody: the entry was late and the program is strict.
-    Nobody,
-    /// An axis with this status.
-    Axis(Axis, u32),
-    /// A coordinate system.
-    Crd(Crd),
-    /// A laser channel that a fault keeps dark.
-    Laser(u8),
-}
 
 /// Whether a record was handled.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

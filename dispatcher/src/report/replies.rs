@@ -10,7 +10,7 @@ mod follow;
 #[cfg(test)]
 mod tests;
 
-use super::event_log::{HELD, Log};
+use super::event_log::{EVENTS_KEPT, Log};
 use crate::board::{Board, FAULT_TEXT_MAX};
 use crate::bounded_vec::collect;
 use crate::configuration::{Configuration, ones};
@@ -295,7 +295,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
     }
 
     fn events(&self, tag: u16, out: &mut ReplyWriter) -> Result<(), Full> {
-        let items: Vec<_, HELD> = collect(self.log.items().copied());
+        let items: Vec<_, EVENTS_KEPT> = collect(self.log.items().copied());
         let head = command::EventsReply { total: self.log.total().into(), count: (items.len() as u16).into() };
         out.done::<command::GetEvents>(tag, &head, &items)
     }

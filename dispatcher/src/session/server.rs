@@ -12,8 +12,9 @@ use crate::admit::admission::Admission;
 use crate::board::Board;
 use crate::plan::path_queue::PathQueue;
 use crate::program::Program;
+use crate::report::answer::Refuser;
 use crate::report::event_log::Kind;
-use crate::report::pending_replies::{Refuser, Step};
+use crate::report::pending_replies::Step;
 use protocol::frame::OPENING_WIRE;
 use protocol::link::{Endpoint, Identity, Role, TakeOver};
 use protocol::record::{Lane, ReplyHead, ReplyWriter, TRACE_RECORD, requests};
@@ -30,7 +31,7 @@ use zerocopy::IntoBytes;
 pub use crate::capacity::LINK_WINDOW;
 /// Passes of a poll: each moves the program, the message in hand and the replies as far as
 /// possible.
-const ROUNDS: u32 = 16;
+const POLL_PASSES: u32 = 16;
 
 /// Rows wait this long for more of them, before a message that is not full carries them.
 const TRACE_FLUSH_NS: u64 = 20_000_000;
@@ -174,7 +175,7 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
             self.heard = Some(heard);
         }
         link_loss::watch(&mut self.handler.admission, &mut self.program, &mut self.lost, self.heard, now);
-        for _ in 0..ROUNDS {
+        for _ in 0..POLL_PASSES {
             let mut writer = ReplyWriter::new(self.outbox.get_mut(self.outbox_len..).unwrap_or(&mut []));
             let mut progress = self.handler.answer(view, &self.program, &mut writer);
             progress |= self.program.advance(&mut self.handler.admission, view, &mut writer);

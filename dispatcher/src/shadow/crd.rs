@@ -192,19 +192,19 @@ pub struct PathShadow {
     /// After a Stop, or with data that came after its start, its path was renamed or ran with the
     /// other FIFO. Where its next motion begins depends on which of its motions were over then.
     pub left: bool,
-    /// Entries from the last start before it was emptied to that: 0 is none, [`FAR`] many, or they
-    /// are of two lanes.
+    /// Entries from the last start before it was emptied to that: 0 is none,
+    /// [`LEAVING_MAX_ENTRIES`] many, or they are of two lanes.
     leaving: u8,
 }
 
 /// See [`PathShadow`].
-const FAR: u8 = u8::MAX;
+const LEAVING_MAX_ENTRIES: u8 = u8::MAX;
 
 impl PathShadow {
     /// An emptied FIFO, by entry `seq`, after the last start.
     fn emptied(cleared: u32, busy: Option<u32>, seq: u32) -> PathShadow {
         let entries = |start| (start & PROGRAM_FLAG == seq & PROGRAM_FLAG).then(|| entries_from(start, seq));
-        let far = |start| entries(start).and_then(|entries| u8::try_from(entries).ok()).unwrap_or(FAR);
+        let far = |start| entries(start).and_then(|entries| u8::try_from(entries).ok()).unwrap_or(LEAVING_MAX_ENTRIES);
         PathShadow { cleared, emptied: Some(seq), leaving: busy.map_or(0, far), last: Some(seq), ..Self::default() }
     }
     /// Whether the tick may still read what was in its slots before it was emptied: it runs, or a
@@ -213,7 +213,7 @@ impl PathShadow {
         let start = |emptied| seq_from(emptied, 0u32.wrapping_sub(self.leaving.into()));
         let in_flight = |emptied| match self.leaving {
             0 => false,
-            FAR => true,
+            LEAVING_MAX_ENTRIES => true,
             _ => !executed(view, start(emptied)),
         };
         self.emptied.is_some_and(|seq| !executed(view, seq) && (sampled.runs || in_flight(seq)))

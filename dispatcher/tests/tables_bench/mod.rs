@@ -5,7 +5,7 @@ use dispatcher::Refused;
 use dispatcher::plan::pvt::{Draft, Fields, Kind, Scratch, SplineScratch};
 use num_bigint::{BigInt, Sign};
 use num_traits::{Signed, ToPrimitive, Zero};
-use servo::segment::profile::State;
+use servo::segment::generator_state::GeneratorState;
 use servo::segment::pvt::{HEADER_WORDS, Header, POINT_WORDS, PointStore, Tables};
 use servo::units::{Exact, Ns, StepLimit};
 
@@ -310,7 +310,7 @@ impl<'a> Bench<'a> {
     pub fn at_ms(&mut self, time: f64) -> (f64, f64, bool) {
         let step = self.step((time * 1e6).round() as u64);
         let v = step.motion.velocity();
-        (step.pos.0 as f64 / 4194304.0, v.m as f64 * 2f64.powi(-v.e as i32), step.state == State::Running)
+        (step.pos.0 as f64 / 4194304.0, v.m as f64 * 2f64.powi(-v.e as i32), step.state == GeneratorState::Running)
     }
     /// The distance from the reference in pulses and in pulse/ms; `time` is ns since the start.
     pub fn error(&mut self, reference: &Reference, ns: u64) -> (f64, f64) {

@@ -12,12 +12,12 @@ use stm32_metapac::{RCC, TIM3, TIM4};
 
 /// Encoders that the timers allow: TIM1, TIM8 and TIM15 make light, TIM2 the ticks, and the inputs
 /// of TIM5 lie on pins of the Ethernet PHY.
-pub const MOST: usize = 2;
+pub const ENCODERS_MAX: usize = 2;
 
-const TIMERS: [TimGp16; MOST] = [TIM3, TIM4];
+const TIMERS: [TimGp16; ENCODERS_MAX] = [TIM3, TIM4];
 
 /// The channel, from 0, at whose input each index is: TIM3_CH4, TIM4_CH3.
-const INDEX_CHANNELS: [usize; MOST] = [3, 2];
+const INDEX_CHANNELS: [usize; ENCODERS_MAX] = [3, 2];
 
 /// Axes that have one, a bit each.
 pub const FITTED: u64 = {
@@ -29,15 +29,16 @@ pub const FITTED: u64 = {
 #[derive(Debug)]
 pub struct Encoders {
     /// Counts of the timers at the last reading.
-    last: [u16; MOST],
-    counts: [i64; MOST],
+    last: [u16; ENCODERS_MAX],
+    counts: [i64; ENCODERS_MAX],
     /// Counts at the index edges since the last reading but one.
-    indexes: [Option<i64>; MOST],
+    indexes: [Option<i64>; ENCODERS_MAX],
 }
 
 impl Encoders {
     /// Nothing has been counted.
-    pub const AT_ZERO: Encoders = Encoders { last: [0; MOST], counts: [0; MOST], indexes: [None; MOST] };
+    pub const AT_ZERO: Encoders =
+        Encoders { last: [0; ENCODERS_MAX], counts: [0; ENCODERS_MAX], indexes: [None; ENCODERS_MAX] };
 
     /// Reads the counters, once a tick.
     pub fn read(&mut self) {

@@ -10,7 +10,7 @@ pub const DIRECTION_SET_UP_NS: u32 = 2_000;
 
 /// Axes from the first on that have an encoder. The others, and one whose entry is false, read the
 /// pulse that their step output has reached.
-pub const ENCODERS: [bool; super::encoders::MOST] = [true; super::encoders::MOST];
+pub const ENCODERS: [bool; super::encoders::ENCODERS_MAX] = [true; super::encoders::ENCODERS_MAX];
 
 /// The analog outputs are those of a DAC8563 on SPI3 instead of the chip's own: the feature
 /// `external_dac` of hal and firmware.

@@ -20,7 +20,7 @@ use std::time::{Duration, Instant};
 use zerocopy::FromBytes;
 
 /// A wait is named after this time.
-const NAMED: Duration = Duration::from_secs(1);
+const NAMED_AFTER: Duration = Duration::from_secs(1);
 /// On a board the controller is asked again after this time at the latest; in virtual time after as
 /// long again.
 const SELDOM: Duration = Duration::from_secs(10);
@@ -229,7 +229,7 @@ impl<'r, 'a> Watch<'r, 'a> {
         let clock_ns = progress.queue.clock_ns.get();
         let slept = self.slept(answered);
         let Some(looked) = self.looked.as_mut().filter(|looked| looked.answered == answered) else {
-            self.looked = Some(Looked { answered, clock_ns, wall: Instant::now(), due: NAMED, said: Vec::new() });
+            self.looked = Some(Looked { answered, clock_ns, wall: Instant::now(), due: NAMED_AFTER, said: Vec::new() });
             return Ok(());
         };
         let (begun_ns, wall) = (looked.clock_ns, looked.wall.elapsed());
@@ -272,7 +272,7 @@ impl<'r, 'a> Watch<'r, 'a> {
             let text = format!("this {what}; nothing will end that: {left}");
             return Err(Error::new(ENDLESS, self.source.show(step, Severity::Error, text, help)));
         }
-        let due = if self.knowledge.virtual_time { wall >= NAMED } else { true };
+        let due = if self.knowledge.virtual_time { wall >= NAMED_AFTER } else { true };
         if let Some(looked) = self.looked.as_mut().filter(|looked| due && looked.said != says) {
             looked.said = says;
             let text = self.source.show(step, Severity::Warning, format!("this {what}"), "");

@@ -26,7 +26,7 @@ const IDLE: Duration = Duration::from_millis(50);
 /// The most that one receive without bytes counts as silence. If it takes longer, the machine
 /// delayed the client, and perhaps the controller that it emulates: the answer may still be unread
 /// or in transfer.
-const LOOK: Duration = Duration::from_millis(50);
+const SILENCE_MAX: Duration = Duration::from_millis(50);
 
 /// One is for the whole controller.
 const ABORT: Abort = Abort { core: I16::new(1) };
@@ -107,7 +107,7 @@ impl Inner {
         let wait = wait.min(Duration::from_nanos(self.session.next_deadline().saturating_sub(now)));
         let n = self.link.receive(&mut self.received, wait)?;
         let (began, now) = (now, self.link.now());
-        self.listened += Duration::from_nanos(now.saturating_sub(began)).min(LOOK);
+        self.listened += Duration::from_nanos(now.saturating_sub(began)).min(SILENCE_MAX);
         self.held_up = self.held_up.max(Duration::from_nanos(now.saturating_sub(self.looked_at)));
         self.looked_at = now;
         if let Some(bytes) = self.received.get(..n)

@@ -77,7 +77,7 @@ pub fn image(given: Option<PathBuf>) -> Result<PathBuf> {
 
 /// Times that others wait for an answer: a machine that is busy with other things takes seconds to
 /// load QEMU.
-const PATIENCE: u32 = 5;
+const TIME_OUT_FACTOR: u32 = 5;
 
 /// More trace than this is not held: the reader waits, and with it the emulated UART.
 const TRACE_HELD: usize = 8 << 20;
@@ -286,7 +286,7 @@ impl Link for QemuLink {
     }
 
     fn patience(&self) -> u32 {
-        PATIENCE
+        TIME_OUT_FACTOR
     }
 
     fn has_trace(&self) -> bool {

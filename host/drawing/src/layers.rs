@@ -7,7 +7,7 @@ use machine::{Colour, Layer, Machine};
 use std::collections::BTreeMap;
 
 /// Strokes without a layer that are named.
-const NAMED: usize = 6;
+const NAMED_MAX: usize = 6;
 
 pub fn sort(shapes: Vec<Shape>, machine: &Machine) -> Result<Vec<(&Layer, Vec<Shape>)>, String> {
     if machine.layers.is_empty() {
@@ -25,8 +25,12 @@ pub fn sort(shapes: Vec<Shape>, machine: &Machine) -> Result<Vec<(&Layer, Vec<Sh
     }
     if !homeless.is_empty() {
         let list: Vec<String> =
-            homeless.iter().take(NAMED).map(|(name, count)| format!("{name} ({count} shapes)")).collect();
-        let more = if homeless.len() > NAMED { format!(" and {} more", homeless.len() - NAMED) } else { String::new() };
+            homeless.iter().take(NAMED_MAX).map(|(name, count)| format!("{name} ({count} shapes)")).collect();
+        let more = if homeless.len() > NAMED_MAX {
+            format!(" and {} more", homeless.len() - NAMED_MAX)
+        } else {
+            String::new()
+        };
         return Err(format!(
             "no layer of the machine file takes {}{more}; give them one, or a layer without a colour, which takes all",
             list.join(", ")

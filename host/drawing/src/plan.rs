@@ -10,9 +10,9 @@ use strokes::exact::{ONE, of_f64};
 use strokes::{Light, Stroke, Writer};
 
 /// Farther than this nothing is computed, mm.
-const FAR: f64 = 1e6;
+const COORDINATE_MAX_MM: f64 = 1e6;
 /// What rounding in a file may move a point outside the travel, mm. It is moved back.
-const SLACK: f64 = 0.001;
+const SLACK_MM: f64 = 0.001;
 
 pub fn plan(
     mut shapes: Vec<Shape>,
@@ -22,7 +22,7 @@ pub fn plan(
 ) -> Result<(), String> {
     for shape in &mut shapes {
         shift(shape, options.at);
-        let finite = |point: Point| point.iter().all(|x| (-FAR..=FAR).contains(x));
+        let finite = |point: Point| point.iter().all(|x| (-COORDINATE_MAX_MM..=COORDINATE_MAX_MM).contains(x));
         let all = |piece: &Piece| match *piece {
             Piece::Line(end) => finite(end),
             Piece::Arc(centre, _, end) => finite(centre) && finite(end),
@@ -30,7 +30,7 @@ pub fn plan(
             Piece::Cubic(a, b, end) => [a, b, end].into_iter().all(finite),
         };
         if !finite(shape.start) || !shape.pieces.iter().all(all) {
-            return Err(format!("{} goes farther than {FAR} mm", shape.place));
+            return Err(format!("{} goes farther than {COORDINATE_MAX_MM} mm", shape.place));
         }
     }
     let mut plan = Plan::new(machine, writer);
@@ -96,9 +96,9 @@ impl<'a, 'b> Plan<'a, 'b> {
     fn back(&self, point: Point) -> Point {
         let mut point = point;
         for (x, (least, most)) in point.iter_mut().zip(self.travel) {
-            if *x < least && *x >= least - SLACK {
+            if *x < least && *x >= least - SLACK_MM {
                 *x = least;
-            } else if *x > most && *x <= most + SLACK {
+            } else if *x > most && *x <= most + SLACK_MM {
                 *x = most;
             }
         }
@@ -109,7 +109,7 @@ impl<'a, 'b> Plan<'a, 'b> {
     fn leaves(&self, range: [(f64, f64); 2]) -> Option<(usize, f64)> {
         (0..2).find_map(|axis| {
             let ((low, high), (least, most)) = (range[axis], self.travel[axis]);
-            if high > most + SLACK { Some((axis, high)) } else { (low < least - SLACK).then_some((axis, low)) }
+            if high > most + SLACK_MM { Some((axis, high)) } else { (low < least - SLACK_MM).then_some((axis, low)) }
         })
     }
 

@@ -8,8 +8,8 @@ use crate::shape::{Piece, Point, add, minus, scaled, size};
 
 /// Angles of arcs that are found, radians: shorter ones are lines as well, longer ones nobody
 /// writes as one curve.
-const LEAST: f64 = 0.08;
-const MOST: f64 = 1.6;
+const ANGLE_MIN_RAD: f64 = 0.08;
+const ANGLE_MAX_RAD: f64 = 1.6;
 
 /// The arc that a curve stands for; `noise` is what its points may be off, mm.
 pub fn arc(p: [Point; 4], noise: f64) -> Option<Piece> {
@@ -26,7 +26,7 @@ fn circle(p: [Point; 4], slack: f64) -> Option<Piece> {
     let chord = minus(p[3], p[0]);
     let turned = |a: Point, b: Point| (a[0] * b[1] - a[1] * b[0]).atan2(a[0] * b[0] + a[1] * b[1]);
     let half = f64::midpoint(turned(minus(p[1], p[0]), chord), turned(chord, minus(p[3], p[2])));
-    if !(LEAST..=MOST).contains(&(2.0 * half.abs())) {
+    if !(ANGLE_MIN_RAD..=ANGLE_MAX_RAD).contains(&(2.0 * half.abs())) {
         return None;
     }
     let (sin, cos) = half.sin_cos();
@@ -63,7 +63,7 @@ fn ellipse(p: [Point; 4], slack: f64) -> Option<Piece> {
 /// bisection.
 fn angle(ratio: f64) -> Option<f64> {
     let of = |t: f64| 1.0 - 4.0 / 3.0 * (t / 4.0).tan() / (t / 2.0).tan();
-    let (mut low, mut high) = (LEAST, MOST);
+    let (mut low, mut high) = (ANGLE_MIN_RAD, ANGLE_MAX_RAD);
     if !(of(low)..=of(high)).contains(&ratio) {
         return None;
     }

@@ -14,8 +14,8 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// Longest wait for bytes while something else may come, and while nothing may.
-const SHORT: Duration = Duration::from_millis(1);
-const LONG: Duration = Duration::from_millis(5);
+const SHORT_WAIT: Duration = Duration::from_millis(1);
+const LONG_WAIT: Duration = Duration::from_millis(5);
 /// A sender that takes no answers for so long has gone.
 const DEAF: Duration = Duration::from_secs(2);
 /// Time between two looks for another sender.
@@ -88,7 +88,7 @@ pub fn serve(
         if let Some(error) = feed.view().failed {
             return Err(error);
         }
-        feed.news(LONG);
+        feed.news(LONG_WAIT);
     }
     let mut session = Session::new(machine, stream, feed, pass_stops);
     let mut place = Place::new(port)?;
@@ -98,7 +98,7 @@ pub fn serve(
         session.go()?;
         while session.settles() {
             session.turn()?;
-            std::thread::sleep(SHORT);
+            std::thread::sleep(SHORT_WAIT);
         }
         place.back(wire);
         if ends() {
@@ -127,10 +127,10 @@ fn talk(session: &mut Session<'_>, wire: &mut Wire, place: &mut Place, ends: &dy
             place.refuse();
         }
         if !session.takes() {
-            std::thread::sleep(SHORT);
+            std::thread::sleep(SHORT_WAIT);
             continue;
         }
-        match wire.read(&mut bytes, if session.busy() { SHORT } else { LONG }) {
+        match wire.read(&mut bytes, if session.busy() { SHORT_WAIT } else { LONG_WAIT }) {
             Some(0) => {}
             Some(count) => session.receive(bytes.get(..count).unwrap_or_default())?,
             None => return Ok(()),
@@ -186,7 +186,7 @@ impl Place {
                     if let Some(master) = kept.take() {
                         let mut wire = Wire::Pty(master);
                         // While nobody has the other end open, a read fails at once.
-                        if wire.read(&mut [], SHORT).is_some() {
+                        if wire.read(&mut [], SHORT_WAIT).is_some() {
                             return Ok(Some(wire));
                         }
                         self.back(wire);

@@ -24,7 +24,7 @@ use virtual_board::{Config, Pace, PacedLink, VirtualLink};
 /// Servo tick of the virtual controller: the compatible value of SPEC 1.
 const TICK_US: u32 = 250;
 /// Time between two looks of the thread.
-const LOOK: Duration = Duration::from_millis(1);
+const POLL_PERIOD: Duration = Duration::from_millis(1);
 /// At the end of the process, calls of other threads are waited for no longer than this.
 const FINISH: Duration = Duration::from_secs(1);
 /// Between two looks of a call that lets another one go first.
@@ -468,7 +468,7 @@ impl Keeper {
                     bell.wait_while(end, |end| !*end && !queued.load(Ordering::Relaxed))
                         .unwrap_or_else(PoisonError::into_inner)
                 } else {
-                    bell.wait_timeout_while(end, LOOK, |end| !*end).unwrap_or_else(PoisonError::into_inner).0
+                    bell.wait_timeout_while(end, POLL_PERIOD, |end| !*end).unwrap_or_else(PoisonError::into_inner).0
                 };
                 if *end {
                     return;

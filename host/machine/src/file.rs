@@ -8,9 +8,9 @@ use std::ops::{Range, RangeInclusive};
 use toml::Spanned;
 
 /// Fastest and strongest that a path of the controller may be, pulse/ms and pulse/ms² (SPEC 4).
-const PULSES_MAX: f64 = 32_767.0;
+const RATE_MAX_PULSES: f64 = 32_767.0;
 /// Farthest machine position, mm.
-const FAR: f64 = 100_000.0;
+const POSITION_MAX_MM: f64 = 100_000.0;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -253,8 +253,14 @@ fn axis(letter: char, keys: &AxisKeys, others: &[Axis]) -> Result<Axis, Fault> {
         let got = keys.travel.get_ref().len();
         return Err((keys.travel.span(), format!("has {got} values; it is [least, greatest] in mm")));
     };
-    if !(-FAR..=FAR).contains(&least) || !(-FAR..=FAR).contains(&most) || least >= most {
-        let message = format!("is [{least}, {most}]; it is [least, greatest] in mm, within {} to {FAR}", -FAR);
+    if !(-POSITION_MAX_MM..=POSITION_MAX_MM).contains(&least)
+        || !(-POSITION_MAX_MM..=POSITION_MAX_MM).contains(&most)
+        || least >= most
+    {
+        let message = format!(
+            "is [{least}, {most}]; it is [least, greatest] in mm, within {} to {POSITION_MAX_MM}",
+            -POSITION_MAX_MM
+        );
         return Err((keys.travel.span(), message));
     }
     if least.abs().max(most.abs()) * steps_per_mm > 2e9 {
@@ -270,13 +276,13 @@ fn axis(letter: char, keys: &AxisKeys, others: &[Axis]) -> Result<Axis, Fault> {
     let (limits, alarm) = (keys.limits, keys.alarm);
     let travel = (least, most);
     let axis = Axis { letter, number, steps_per_mm, reversed, travel, max_rate, acceleration, home, limits, alarm };
-    if axis.rate() >= PULSES_MAX {
-        let most = PULSES_MAX / axis.rate() * max_rate;
+    if axis.rate() >= RATE_MAX_PULSES {
+        let most = RATE_MAX_PULSES / axis.rate() * max_rate;
         let message = format!("is {max_rate}; at {steps_per_mm} pulses a mm it is below {most:.0} mm/min");
         return Err((keys.max_rate.span(), message));
     }
-    if axis.pulse_acceleration() >= PULSES_MAX {
-        let most = PULSES_MAX / axis.pulse_acceleration() * acceleration;
+    if axis.pulse_acceleration() >= RATE_MAX_PULSES {
+        let most = RATE_MAX_PULSES / axis.pulse_acceleration() * acceleration;
         let message = format!("is {acceleration}; at {steps_per_mm} pulses a mm it is below {most:.0} mm/s²");
         return Err((keys.acceleration.span(), message));
     }

@@ -4,10 +4,10 @@
 //! allows: by 0.005 mm, or by 0.1 % of the radius and 0.5 mm.
 
 /// Radii may always differ by so much, mm.
-const ALWAYS: f64 = 0.005;
+const RADIUS_SLACK_MM: f64 = 0.005;
 /// And never by more than so much, mm, and this part of the radius.
-const NEVER: f64 = 0.5;
-const PART: f64 = 0.001;
+const RADIUS_SLACK_MAX_MM: f64 = 0.5;
+const RADIUS_SLACK_SHARE: f64 = 0.001;
 
 /// An arc in its plane, in mm from its start.
 #[derive(Debug, Clone, Copy)]
@@ -20,7 +20,7 @@ pub struct Arc {
 
 /// Whether radii may differ by `by`.
 fn fits(by: f64, radius: f64) -> bool {
-    by <= ALWAYS || (by <= NEVER && by <= PART * radius)
+    by <= RADIUS_SLACK_MM || (by <= RADIUS_SLACK_MAX_MM && by <= RADIUS_SLACK_SHARE * radius)
 }
 
 impl Arc {

@@ -19,17 +19,17 @@ use std::hash::{DefaultHasher, Hasher};
 use std::vec::Vec;
 use std::{env, println, vec};
 
-const MS: Ns = 1_000_000;
+const MS_NS: Ns = 1_000_000;
 /// Two messages in flight: few frames reach every state of the window.
 const WINDOW: usize = 2;
 type End = Endpoint<WINDOW>;
 /// From one end to the other.
-const TRANSIT: Ns = MS;
+const TRANSIT: Ns = MS_NS;
 /// Frames of a run without the variable.
 const FRAMES: u8 = 9;
 /// After the last frame with a delivery: an unconfirmed session is asked for again after four
 /// tries, then a message may wait for its longest time-out, and for the one after it.
-const PATIENCE: Ns = 8 * HELLO_NS + 4 * RETRY_MAX_NS;
+const QUIET_NS: Ns = 8 * HELLO_NS + 4 * RETRY_MAX_NS;
 /// The most frames in that time; more is a storm.
 const STORM: u16 = 400;
 
@@ -83,8 +83,8 @@ const ONE_SESSION: Schedule = Schedule {
     again: Again::Never,
     after: 0,
     slow: 0,
-    late: 3 * MS + MS / 2,
-    second: MS / 4,
+    late: 3 * MS_NS + MS_NS / 2,
+    second: MS_NS / 4,
 };
 /// Late frames come when the session after it is open and has the same numbers.
 const OLD_SESSION: Schedule = Schedule {
@@ -92,10 +92,10 @@ const OLD_SESSION: Schedule = Schedule {
     messages: 4,
     before: Some(2),
     again: Again::Restarted,
-    after: MS + MS / 2,
+    after: MS_NS + MS_NS / 2,
     slow: 0,
-    late: 5 * MS + MS / 2,
-    second: 6 * MS + MS / 2,
+    late: 5 * MS_NS + MS_NS / 2,
+    second: 6 * MS_NS + MS_NS / 2,
 };
 const BYE: Schedule = Schedule { name: "a client that says Bye and opens anew", again: Again::Bye, ..OLD_SESSION };
 const POWER_CUT: Schedule =
@@ -105,7 +105,7 @@ const POWER_CUT: Schedule =
 const OPENED_TWICE: Schedule = Schedule {
     name: "a client that begins again after its first messages",
     before: None,
-    after: 5 * MS + MS / 2,
+    after: 5 * MS_NS + MS_NS / 2,
     messages: 3,
     ..OLD_SESSION
 };
@@ -117,8 +117,8 @@ const WRAP: Schedule = Schedule {
     again: Again::Never,
     after: 0,
     slow: 0,
-    late: 9 * MS + MS / 2,
-    second: 6 * MS + MS / 2,
+    late: 9 * MS_NS + MS_NS / 2,
+    second: 6 * MS_NS + MS_NS / 2,
 };
 /// Room that a lost Ack reports must be reported again.
 const FULL_WINDOW: Schedule = Schedule {
@@ -127,9 +127,9 @@ const FULL_WINDOW: Schedule = Schedule {
     before: Some(0),
     again: Again::Never,
     after: 0,
-    slow: 20 * MS,
-    late: 30 * MS + MS / 2,
-    second: 3 * MS,
+    slow: 20 * MS_NS,
+    late: 30 * MS_NS + MS_NS / 2,
+    second: 3 * MS_NS,
 };
 
 /// A frame, or a part of one, in transit.
@@ -182,7 +182,7 @@ impl World {
     fn new(plan: Schedule) -> World {
         let mut world = World {
             plan,
-            now: 10_000 * MS,
+            now: 10_000 * MS_NS,
             client: End::new(Role::Client, Identity::OURS),
             controller: End::new(Role::Controller, Identity::OURS),
             wire: Vec::new(),
@@ -296,13 +296,13 @@ impl World {
             let wait = match self.plan.again {
                 Again::Bye => {
                     self.client.close();
-                    MS / 2
+                    MS_NS / 2
                 }
                 Again::PowerCut => {
                     self.controller = End::new(Role::Controller, Identity::OURS);
                     self.begun[1].clear();
                     self.session = None;
-                    2 * MS
+                    2 * MS_NS
                 }
                 Again::Restarted | Again::Never => 0,
             };
@@ -398,7 +398,7 @@ impl World {
 
     /// To the end over a clean wire.
     fn finish(&mut self) {
-        self.until = Some(self.now + PATIENCE);
+        self.until = Some(self.now + QUIET_NS);
         while self.next_frame() {
             self.fly(Delivery::Whole);
         }

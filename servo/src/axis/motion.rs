@@ -4,8 +4,9 @@
 //! has come to standstill. Owns nothing beyond the axis's
 //! [`Profile`](crate::segment::profile::Profile).
 use super::{AxisState, Jog, MotionState, Ramps, exact, pt_state};
+use crate::segment::generator_state::GeneratorState;
 use crate::segment::piece::{Motion, Scaled};
-use crate::segment::profile::{Generator, State};
+use crate::segment::profile::Generator;
 use crate::segment::pt::Segments;
 use crate::segment::pvt::Tables;
 use crate::segment::ramp::Moving;
@@ -99,8 +100,8 @@ impl AxisState {
                 self.published.motion = motion;
                 (Moving { pos: exact(pos), velocity: self.published.motion.velocity() }, true)
             }
-            Err(State::Ended { at } | State::Underrun { at }) => rest(at),
-            Err(State::Running) => rest(exact(self.published.pos)),
+            Err(GeneratorState::Ended { at } | GeneratorState::Underrun { at }) => rest(at),
+            Err(GeneratorState::Running) => rest(exact(self.published.pos)),
         }
     }
 
@@ -243,7 +244,7 @@ impl AxisState {
     fn turn(&mut self, next: Ns, source: &(impl Segments + Tables)) -> Option<StopReason> {
         let feed = self.feed();
         let state = self.profile.turn(next, feed, source);
-        let running = state == State::Running;
+        let running = state == GeneratorState::Running;
         self.publish_piece(running);
         if running { None } else { Some(self.finish(next, state)) }
     }
@@ -285,11 +286,11 @@ impl AxisState {
 
     /// The motion has ended, if no limit lies before its end.
     #[inline(never)]
-    fn finish(&mut self, next: Ns, state: State) -> StopReason {
+    fn finish(&mut self, next: Ns, state: GeneratorState) -> StopReason {
         let (at, state, reason) = match state {
-            State::Running => (exact(self.published.pos), pt_state::ENDED, self.ending),
-            State::Ended { at } => (at, pt_state::ENDED, self.ending),
-            State::Underrun { at } => (at, pt_state::UNDERRUN, StopReason::Underrun),
+            GeneratorState::Running => (exact(self.published.pos), pt_state::ENDED, self.ending),
+            GeneratorState::Ended { at } => (at, pt_state::ENDED, self.ending),
+            GeneratorState::Underrun { at } => (at, pt_state::UNDERRUN, StopReason::Underrun),
         };
         if let Some(reason) = self.stopped_at_barrier(next, at.round()) {
             return reason;

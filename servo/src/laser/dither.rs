@@ -180,7 +180,7 @@ pub struct Carrier {
 }
 
 /// Whole counts of a period that has a gain: 2¹⁸.
-const SHORT: u64 = 1 << 18;
+const GAIN_MAX_COUNTS: u64 = 1 << 18;
 
 impl Carrier {
     /// A carrier of 0 < f ≤ 2000 kHz.
@@ -189,7 +189,7 @@ impl Carrier {
         let period = fixed_period(khz, clock);
         let fraction = ((period.part as u64) << 32) / period.of.max(1) as u64;
         let fixed = ((period.whole as u128) << 32) + fraction as u128;
-        let gain = if period.whole < SHORT { ((fixed << (64 - Power::FRAC_BITS)) / 100) as u64 } else { 0 };
+        let gain = if period.whole < GAIN_MAX_COUNTS { ((fixed << (64 - Power::FRAC_BITS)) / 100) as u64 } else { 0 };
         Ok(Carrier { khz, period, fraction: fraction as u32, gain })
     }
 

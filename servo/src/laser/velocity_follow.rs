@@ -32,12 +32,12 @@ pub struct Ratio {
 impl Ratio {
     /// From the bits of a double: above 0, at most 2³².
     pub fn admit(bits: u64) -> Result<Ratio, Refused> {
-        const MOST: u64 = (1023 + 32) << 52;
+        const RATIO_MAX_BITS: u64 = (1023 + 32) << 52;
         match bits {
             0 => Err(Refused::Zero),
             _ if bits & 0x7ff << 52 == 0x7ff << 52 => Err(Refused::NotFinite),
             _ if bits >> 63 == 1 => Err(Refused::Negative),
-            1..=MOST => Ok(Ratio { bits }),
+            1..=RATIO_MAX_BITS => Ok(Ratio { bits }),
             _ => Err(Refused::BeyondRange),
         }
     }
@@ -69,7 +69,8 @@ impl Gain {
     /// No power at any speed.
     pub(super) const NONE: Gain = Gain { m: 0, cut: Cut::of(64), shift: 64 };
 
-    /// ratio·v in 2⁻⁴⁴ to half a unit; held at [`MOST`](super::fixed_point::MOST).
+    /// ratio·v in 2⁻⁴⁴ to half a unit; held at
+    /// [`POWER_PART_MAX`](super::fixed_point::POWER_PART_MAX).
     #[inline(always)]
     pub(super) fn power(self, speed: PathSpeed) -> i64 {
         match self.cut.product(speed.raw(), self.m) {

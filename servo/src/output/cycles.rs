@@ -10,10 +10,10 @@
 //! that.
 
 /// The longest cycle, so that its compare value can lie after its end.
-pub(crate) const MOST: u32 = 65_535;
+pub(crate) const CYCLE_MAX_COUNTS: u32 = 65_535;
 
 /// Length of the parts of an interval that is longer than that.
-const PIECE: u32 = 32_768;
+const PART_COUNTS: u32 = 32_768;
 
 /// The last two cycles are short if they end less than this many of the shortest ones before the
 /// end of the known interval. The last cycle queued begins less than three before it, and two more
@@ -68,8 +68,8 @@ impl Iterator for Lengths {
     #[inline(always)]
     fn next(&mut self) -> Option<u32> {
         let Lengths { left, last, least } = *self;
-        let length = if left > MOST {
-            PIECE
+        let length = if left > CYCLE_MAX_COUNTS {
+            PART_COUNTS
         } else if left > last {
             left.wrapping_sub(last)
         } else if left > 0 {
@@ -107,7 +107,10 @@ mod tests {
                 for short in [false, true] {
                     let lengths: Vec<u32> = Lengths::of(counts, least, short).collect();
                     assert_eq!(lengths.iter().sum::<u32>(), counts);
-                    assert!(lengths.iter().all(|length| (least..=MOST).contains(length)), "{counts}: {lengths:?}");
+                    assert!(
+                        lengths.iter().all(|length| (least..=CYCLE_MAX_COUNTS).contains(length)),
+                        "{counts}: {lengths:?}"
+                    );
                     let last = lengths.iter().rev().take(if counts >= 2 * least { 2 } else { 1 });
                     assert!(
                         !short || last.copied().all(|length| length < 2 * least) || counts < 4 * least,

@@ -15,9 +15,9 @@ use crate::laser::{Action, PLAN_ACTIONS};
 pub const MIN_COUNTS: u32 = 120;
 
 /// After the end of any cycle.
-const NEVER: u32 = 65_535;
+const NEVER_COUNTS: u32 = 65_535;
 /// After the end of the known interval.
-const FAR: u32 = u32::MAX;
+const NO_EDGE_COUNTS: u32 = u32::MAX;
 
 /// A cycle: its length in counts, and for each output the count at which it falls, if it begins
 /// active, and the one at which it rises. It is active below the first one and from the second one
@@ -35,15 +35,15 @@ pub struct Cycle {
 /// An output in the cycle that is not queued yet, in counts from its beginning.
 #[derive(Debug, Clone, Copy)]
 struct Line {
-    /// It is active until then; [`FAR`]: so far.
+    /// It is active until then; [`NO_EDGE_COUNTS`]: so far.
     falls: u32,
-    /// And again from then on; [`FAR`]: not so far.
+    /// And again from then on; [`NO_EDGE_COUNTS`]: not so far.
     rises: u32,
 }
 
 impl Line {
-    const INACTIVE: Line = Line { falls: 0, rises: FAR };
-    const ACTIVE: Line = Line { falls: FAR, rises: FAR };
+    const INACTIVE: Line = Line { falls: 0, rises: NO_EDGE_COUNTS };
+    const ACTIVE: Line = Line { falls: NO_EDGE_COUNTS, rises: NO_EDGE_COUNTS };
 
     /// The cycle ends after this many counts, and the next one begins.
     #[inline(always)]
@@ -53,7 +53,7 @@ impl Line {
             return;
         }
         for edge in [&mut self.falls, &mut self.rises] {
-            if *edge != FAR {
+            if *edge != NO_EDGE_COUNTS {
                 *edge = edge.saturating_sub(length);
             }
         }
@@ -157,15 +157,15 @@ impl GateCycles {
     fn edge(&mut self, channel: usize, at: u64, level: bool, sink: &mut impl FnMut(Cycle)) {
         let at = self.counts_to(at.min(self.known));
         let Some(line) = self.lines.get_mut(channel) else { return };
-        match (level, line.rises == FAR) {
+        match (level, line.rises == NO_EDGE_COUNTS) {
             // It is active.
             (true, false) => {}
-            (true, true) if line.falls == FAR => {}
+            (true, true) if line.falls == NO_EDGE_COUNTS => {}
             // It fell in this instant.
-            (true, true) if line.falls == at => line.falls = FAR,
+            (true, true) if line.falls == at => line.falls = NO_EDGE_COUNTS,
             (true, true) => line.rises = at,
             (false, true) => line.falls = line.falls.min(at),
-            (false, false) if at == line.rises || at < MIN_COUNTS => line.rises = FAR,
+            (false, false) if at == line.rises || at < MIN_COUNTS => line.rises = NO_EDGE_COUNTS,
             (false, false) => {
                 self.close(at, sink);
                 if let Some(line) = self.lines.get_mut(channel) {
@@ -182,7 +182,7 @@ impl GateCycles {
             let mut cycle = Cycle { length, ..Cycle::default() };
             for ((line, falls), rises) in self.lines.iter_mut().zip(&mut cycle.falls).zip(&mut cycle.rises) {
                 *falls = line.falls.min(length);
-                *rises = if line.rises < length { line.rises } else { NEVER };
+                *rises = if line.rises < length { line.rises } else { NEVER_COUNTS };
                 line.renew(length);
             }
             sink(cycle);

@@ -8,7 +8,7 @@
 //! before it, with a gap between them, would need its time: that pulse is left out. This happens
 //! only if light or standby is cut within 350 ns of a pulse's beginning and the pulse has ended
 //! before; carriers never come near.
-use super::cycles::{LATE, Lengths, MOST, Scale};
+use super::cycles::{CYCLE_MAX_COUNTS, LATE, Lengths, Scale};
 use crate::laser::Pattern;
 use crate::laser::{Action, FINISH_NS, Rate, Train};
 
@@ -184,7 +184,7 @@ impl PwmCycles {
     /// is not queued yet, or the next.
     #[inline(always)]
     fn is_steady(&self) -> bool {
-        let periods = MIN_COUNTS as u64..(MOST as u64).wrapping_sub(1);
+        let periods = MIN_COUNTS as u64..(CYCLE_MAX_COUNTS as u64).wrapping_sub(1);
         self.runs
             && periods.contains(&self.train.period.whole)
             && self.next.unwrap_or(self.begin) == self.period_begin

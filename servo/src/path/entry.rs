@@ -73,7 +73,7 @@ const RATE_BITS: u32 = 32;
 
 /// A double from `least` to 2¹⁵.
 fn within(bits: u64, least: i32) -> Result<u64, Refused> {
-    const MOST: u64 = (1023 + 15) << 52;
+    const SPEED_MAX_BITS: u64 = (1023 + 15) << 52;
     if bits << 1 == 0 {
         return if least < LOWEST { Ok(0) } else { Err(Refused::TooSmall) };
     }
@@ -83,7 +83,7 @@ fn within(bits: u64, least: i32) -> Result<u64, Refused> {
     if bits >> 63 == 1 {
         return Err(Refused::Negative);
     }
-    if bits > MOST {
+    if bits > SPEED_MAX_BITS {
         return Err(Refused::BeyondRange);
     }
     if bits >= ((1023 + least) as u64) << 52 {
@@ -141,9 +141,13 @@ impl Sweep {
     /// `turns` are the bits of a double in (0, ½]: the sweep; for a `long` arc the remainder to the
     /// full turn.
     pub fn admit(turns: u64, long: bool, ccw: bool) -> Result<Sweep, Refused> {
-        const HALF: u64 = 0x3FE0_0000_0000_0000;
-        const LEAST: u64 = (1023 - 50) << 52;
-        if (LEAST..=HALF).contains(&turns) { Ok(Sweep { turns, long, ccw }) } else { Err(Refused::Sweep) }
+        const SWEEP_MAX_BITS: u64 = 0x3FE0_0000_0000_0000;
+        const SWEEP_MIN_BITS: u64 = (1023 - 50) << 52;
+        if (SWEEP_MIN_BITS..=SWEEP_MAX_BITS).contains(&turns) {
+            Ok(Sweep { turns, long, ccw })
+        } else {
+            Err(Refused::Sweep)
+        }
     }
 
     /// Half the turns given to the constructor: the angle between chord and tangent, or its

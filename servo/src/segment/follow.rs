@@ -18,6 +18,7 @@ mod master_path;
 mod order;
 mod ratio;
 mod setup;
+mod slave_track;
 mod store;
 mod velocity;
 

@@ -2,30 +2,14 @@
 //!
 //! In: instants. Out: the piece in force, and the one before or after it. Owns: two pieces and the
 //! [`Generator`] that makes them. The generator only makes the next piece when one is over; it does
-//! nothing while a piece lasts. Fails: never; a motion ends with a [`State`].
+//! nothing while a piece lasts. Fails: never; a motion ends with a [`GeneratorState`].
 use super::follow::Follower;
+use super::generator_state::GeneratorState;
 use super::piece::Piece;
 use super::pt::{Feed, PtRun, Segments};
 use super::pvt::{PvtRun, Tables};
 use super::ramp::RampRun;
-use crate::units::{Exact, Ns, Pos};
-
-/// Whether the motion goes on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum State {
-    /// It does.
-    Running,
-    /// It has ended as planned, here.
-    Ended {
-        /// Where exactly.
-        at: Exact,
-    },
-    /// Dynamic PT: the ring ran dry at speed; the profile stopped here.
-    Underrun {
-        /// Where exactly.
-        at: Exact,
-    },
-}
+use crate::units::{Ns, Pos};
 
 /// What makes the pieces of a motion. There is no heap to box the larger kind on.
 #[allow(clippy::large_enum_variant)]
@@ -45,14 +29,14 @@ pub enum Generator {
 impl Generator {
     /// Makes the piece that holds `now`, which is not before the end of the last one made.
     #[inline]
-    fn advance(&mut self, now: Ns, feed: Feed, source: &(impl Segments + Tables), piece: &mut Piece) -> State {
+    fn advance(&mut self, now: Ns, feed: Feed, source: &(impl Segments + Tables), piece: &mut Piece) -> GeneratorState {
         match self {
             Generator::Pt(run) => run.advance(now, feed, source, piece),
             Generator::Pvt(run) => run.advance(now, feed.passes, source, piece),
             Generator::Ramp(run) => run.advance(now, piece),
             Generator::Follow(_) => {
                 *piece = Piece::standstill(now, u64::MAX, piece.start);
-                State::Running
+                GeneratorState::Running
             }
         }
     }
@@ -238,7 +222,7 @@ impl Profile {
         begin(&mut self.generator);
         let piece = &mut self.pieces[!self.second as usize];
         let state = self.generator.advance(Ns(0), feed, source, piece);
-        self.other = if state == State::Running && piece.span != 0 { Other::Ready } else { Other::BeforeLast };
+        self.other = if state == GeneratorState::Running && piece.span != 0 { Other::Ready } else { Other::BeforeLast };
     }
 
     /// Something has changed that the prepared motion depends on.
@@ -326,16 +310,16 @@ impl Profile {
 
     /// Makes the piece that holds `now`, if it is not made yet; the one in force is over by then.
     #[inline]
-    fn reach(&mut self, now: Ns, feed: Feed, source: &(impl Segments + Tables)) -> State {
+    fn reach(&mut self, now: Ns, feed: Feed, source: &(impl Segments + Tables)) -> GeneratorState {
         let piece = &mut self.pieces[!self.second as usize];
         if self.other == Other::Ahead && piece.elapsed(now) < piece.span {
-            return State::Running;
+            return GeneratorState::Running;
         }
         // A piece made ahead that is over by now is passed, with the pass that it began.
         let passed = self.other == Other::Ahead && self.reports_pass;
         let state = self.generator.advance(now, feed, source, piece);
         self.reports_pass = passed || self.generator.is_new_pass() || self.generator.is_stream();
-        if state == State::Running {
+        if state == GeneratorState::Running {
             self.other = Other::Ahead;
         }
         state
@@ -343,7 +327,7 @@ impl Profile {
 
     /// The piece that will be in force at `now`, or how the motion will have ended; nothing
     /// changes.
-    pub fn look(&mut self, now: Ns, feed: Feed, source: &(impl Segments + Tables)) -> Result<&Piece, State> {
+    pub fn look(&mut self, now: Ns, feed: Feed, source: &(impl Segments + Tables)) -> Result<&Piece, GeneratorState> {
         if self.piece().elapsed(now) < self.piece().span {
             return Ok(self.piece());
         }
@@ -351,7 +335,7 @@ impl Profile {
             self.enter_first(now, feed, source);
         }
         match self.reach(now, feed, source) {
-            State::Running => Ok(self.other()),
+            GeneratorState::Running => Ok(self.other()),
             end => {
                 self.generator.retract();
                 Err(end)
@@ -404,13 +388,13 @@ impl Profile {
 
     /// The piece in force is over at `now`: on to the one that holds `now`, or to the end.
     #[inline]
-    pub fn turn(&mut self, now: Ns, feed: Feed, source: &(impl Segments + Tables)) -> State {
+    pub fn turn(&mut self, now: Ns, feed: Feed, source: &(impl Segments + Tables)) -> GeneratorState {
         let begins = self.other == Other::Begins;
         if begins {
             self.enter_first(now, feed, source);
         }
         let state = self.reach(now, feed, source);
-        if state == State::Running {
+        if state == GeneratorState::Running {
             (self.second, self.other) = (!self.second, Other::Before);
         } else {
             // A ramp that is over within its first tick took the axis along its last piece, for
@@ -428,7 +412,7 @@ impl Profile {
         let begin = run.begins();
         let first = &mut self.pieces[!self.second as usize];
         first.span = 0;
-        if self.generator.advance(begin, feed, source, first) != State::Running {
+        if self.generator.advance(begin, feed, source, first) != GeneratorState::Running {
             return;
         }
         self.other = Other::Ahead;
@@ -448,7 +432,7 @@ impl Profile {
         if self.other != Other::Before || piece.span == 0 {
             return false;
         }
-        if self.reach(end, feed, source) != State::Running {
+        if self.reach(end, feed, source) != GeneratorState::Running {
             self.generator.retract();
             self.other = Other::BeforeLast;
         }

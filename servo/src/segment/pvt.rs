@@ -10,8 +10,8 @@
 //! afresh. A segment's coefficients are computed when it is entered, by products alone. Work of a
 //! call: one segment, found by at most 20 reads of times, however many knots or passes lie between
 //! two ticks.
+use super::generator_state::GeneratorState;
 use super::piece::{Motion, Piece, Recip};
-use super::profile::State;
 use crate::math::wide::{mulhi_su, recip64_below, umulhi};
 use crate::units::{Exact, Ns};
 use ring::Store;
@@ -195,7 +195,7 @@ impl PvtRun {
     /// end. Nearly always that is the next one, whose first point is at hand. `passes` is the
     /// number of passes to run, 0 for ever; it may change from call to call.
     #[inline(never)]
-    pub fn advance(&mut self, now: Ns, passes: u32, source: &impl Tables, piece: &mut Piece) -> State {
+    pub fn advance(&mut self, now: Ns, passes: u32, source: &impl Tables, piece: &mut Piece) -> GeneratorState {
         self.back.knot = self.track.knot;
         self.back.pass = self.track.pass;
         let Knot { next, segments, until: from, after: before } = self.track.knot;
@@ -206,7 +206,7 @@ impl PvtRun {
             if now.0.wrapping_sub(begin) < ceil(until).wrapping_sub(begin) {
                 *piece = self.piece_between(before, after, from, until);
                 self.go_on(next, until, after);
-                return State::Running;
+                return GeneratorState::Running;
             }
         }
         self.search(now, passes, source, piece)
@@ -221,14 +221,14 @@ impl PvtRun {
 
     /// As [`PvtRun::advance`], wherever the segment is: after others, in another pass or table.
     #[inline(never)]
-    fn search(&mut self, now: Ns, passes: u32, source: &impl Tables, piece: &mut Piece) -> State {
+    fn search(&mut self, now: Ns, passes: u32, source: &impl Tables, piece: &mut Piece) -> GeneratorState {
         let mut local = ((now.0 as u128) << 64).wrapping_sub(self.track.pass.began);
         if local >> 127 != 0 {
             // Before the time of the first point.
             let begin = self.zero(false);
             let span = ceil(self.track.pass.began).wrapping_sub(begin.0);
             *piece = Piece::standstill(begin, span, self.track.pass.origin.round());
-            return State::Running;
+            return GeneratorState::Running;
         }
         let mut from = self.track.knot.next;
         // A pass may end, and the table that takes over may be shorter than the tick.
@@ -241,7 +241,7 @@ impl PvtRun {
                 Some(left) => (local, from) = (left, 0),
                 None => {
                     self.track.pass.ended = true;
-                    return State::Ended { at: self.track.pass.origin };
+                    return GeneratorState::Ended { at: self.track.pass.origin };
                 }
             }
         }
@@ -255,7 +255,7 @@ impl PvtRun {
         let until = self.end_of(segment, after.time);
         *piece = self.piece_between(before, after, from, until);
         self.go_on(segment, until, after);
-        State::Running
+        GeneratorState::Running
     }
 
     /// End of a segment in 2⁻⁶⁴ ns; that of the last one is not rounded to the table's units.

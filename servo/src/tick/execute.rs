@@ -6,44 +6,17 @@
 //! one whose cause is still there, are reported as [`Event::LaserRefused`]. Anything else that no
 //! longer fits has no effect.
 use super::crd::Halt;
+use super::hand_overs::HandOvers;
 use crate::axis::{AxisState, Jog};
 use crate::capacity::GeneralOutputs;
 use crate::laser::{self, Change};
-use crate::path::PathStores;
 use crate::port::{Due, Port, Simulated};
 use crate::segment::follow::{Input, Method};
-use crate::tables::TableStores;
-use crate::tick::{EVENTS, Lanes, PERIOD_NS, SAMPLES, SegmentStore, Source, Tick, report_event};
+use crate::tick::{PERIOD_NS, Source, Tick, report_event};
 use crate::tick_command::{Brake, DoGroup, Entry, Lane, Mode, TickCommand};
 use crate::trace::Chosen;
 use crate::units::{Axis, AxisMask, CrdMask, Ns};
-use crate::view::{Event, Sample, StopReason};
-use ring::Producer;
-
-/// What tick commands reach beyond the tick's own state.
-pub(crate) struct Reach<'r, 'a, const AXES: usize> {
-    pub(crate) events: &'r mut Producer<'a, Event, EVENTS>,
-    pub(crate) samples: &'r mut Producer<'a, Sample, SAMPLES>,
-    pub(crate) segments: &'a [SegmentStore; AXES],
-    pub(crate) tables: TableStores<'a>,
-    pub(crate) paths: PathStores<'a>,
-}
-
-impl<'r, 'a, const AXES: usize> Reach<'r, 'a, AXES> {
-    /// What a step reaches.
-    #[inline(always)]
-    pub(crate) fn of(lanes: &'r mut Lanes<'a, AXES>) -> Reach<'r, 'a, AXES> {
-        let Lanes { events, samples, segments, tables, paths, .. } = lanes;
-        Reach { events, samples, segments, tables: *tables, paths: *paths }
-    }
-}
-
-impl<const AXES: usize> Reach<'_, '_, AXES> {
-    /// What the motion of an axis is read from.
-    pub(crate) fn source(&self, axis: Axis) -> Option<Source<'_>> {
-        Some(Source { segments: self.segments.get(axis.index())?, tables: self.tables })
-    }
-}
+use crate::view::{Event, StopReason};
 
 impl<const AXES: usize> Tick<AXES> {
     /// Carries out one entry.
@@ -55,7 +28,7 @@ impl<const AXES: usize> Tick<AXES> {
         next: Ns,
         period: &mut Ns,
         port: &mut P,
-        lanes: &mut Reach<'_, '_, AXES>,
+        lanes: &mut HandOvers<'_, '_, AXES>,
     ) {
         match entry.command {
             // Other cases have been carried out already.
@@ -301,7 +274,7 @@ impl<const AXES: usize> Tick<AXES> {
     fn sourced(
         &mut self,
         axes: AxisMask,
-        lanes: &Reach<'_, '_, AXES>,
+        lanes: &HandOvers<'_, '_, AXES>,
         mut visit: impl FnMut(&mut AxisState, &Source<'_>),
     ) {
         self.each(axes, |axis, state| {
@@ -323,12 +296,12 @@ impl<const AXES: usize> Tick<AXES> {
     }
 
     /// Axes brake with their stop decelerations.
-    fn brake_axes(&mut self, axes: AxisMask, reason: StopReason, next: Ns, lanes: &Reach<'_, '_, AXES>) {
+    fn brake_axes(&mut self, axes: AxisMask, reason: StopReason, next: Ns, lanes: &HandOvers<'_, '_, AXES>) {
         self.sourced(axes, lanes, |state, source| state.stop_smooth(next, reason, source));
     }
 
     /// Motion brakes: coordinate systems along their paths, axes with their stop decelerations.
-    pub(crate) fn brake(&mut self, which: Brake, reason: StopReason, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
+    pub(crate) fn brake(&mut self, which: Brake, reason: StopReason, next: Ns, lanes: &mut HandOvers<'_, '_, AXES>) {
         let all = self.in_use(AxisMask(u64::MAX));
         let axes = match which {
             Brake::None => return,
@@ -368,7 +341,7 @@ impl<const AXES: usize> Tick<AXES> {
     }
 
     /// Stops axes at their present positions, and the paths that drive them.
-    pub(crate) fn halt(&mut self, axes: AxisMask, reason: StopReason, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
+    pub(crate) fn halt(&mut self, axes: AxisMask, reason: StopReason, next: Ns, lanes: &mut HandOvers<'_, '_, AXES>) {
         self.stop_crds(self.drivers(axes), Halt::Abrupt, reason, next, lanes);
         for axis in self.in_use(axes).axes() {
             if let Some(state) = self.axes.get_mut(axis.index())
@@ -381,7 +354,7 @@ impl<const AXES: usize> Tick<AXES> {
         }
     }
 
-    pub(crate) fn servo(&mut self, axes: AxisMask, on: bool, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
+    pub(crate) fn servo(&mut self, axes: AxisMask, on: bool, next: Ns, lanes: &mut HandOvers<'_, '_, AXES>) {
         if !on {
             self.darken(axes);
             self.halt(axes, StopReason::ServoOff, next, lanes);
@@ -394,7 +367,7 @@ impl<const AXES: usize> Tick<AXES> {
     /// reported.
     #[cold]
     #[inline(never)]
-    fn report_void(&mut self, (lane, seq): (Lane, u32), axis: Axis, lanes: &mut Reach<'_, '_, AXES>) {
+    fn report_void(&mut self, (lane, seq): (Lane, u32), axis: Axis, lanes: &mut HandOvers<'_, '_, AXES>) {
         let status = self.axes.get(axis.index()).map_or(0, AxisState::status);
         report_event(lanes.events, &mut self.events_lost, Event::Refused { lane, seq, axis, status });
     }
@@ -405,7 +378,7 @@ impl<const AXES: usize> Tick<AXES> {
         lane: Lane,
         seq: u32,
         axes: AxisMask,
-        lanes: &mut Reach<'_, '_, AXES>,
+        lanes: &mut HandOvers<'_, '_, AXES>,
         forbids: impl Fn(Axis, &AxisState) -> bool,
     ) -> bool {
         let mut states = self.in_use(axes).axes().filter_map(|axis| Some((axis, self.axes.get(axis.index())?)));

@@ -3,7 +3,7 @@
 //! In: the tick in which all other axes have taken their step, entries, inputs. Out: the steps of
 //! the slaves, masters before their slaves; the effects of their entries on outputs. Owns: nothing.
 //! Work: as of any axis; a tick without slaves does not come here.
-use super::execute::Reach;
+use super::hand_overs::HandOvers;
 use crate::axis::AxisState;
 use crate::capacity::{GeneralInputs, GeneralOutputs};
 use crate::port::{AxisInputs, Port};
@@ -163,7 +163,7 @@ impl<const AXES: usize> Tick<AXES> {
     #[inline(never)]
     pub(crate) fn switch_servos(&mut self, switched: Switched, next: Ns, lanes: &mut Lanes<'_, AXES>) {
         let Lanes { events, samples, segments, tables, paths, view, .. } = lanes;
-        let mut reach = Reach { events, samples, segments, tables: *tables, paths: *paths };
+        let mut reach = HandOvers { events, samples, segments, tables: *tables, paths: *paths };
         self.servo(AxisMask(switched.on), true, next, &mut reach);
         self.servo(AxisMask(switched.off), false, next, &mut reach);
         for axis in AxisMask(switched.on | switched.off).axes() {

@@ -9,7 +9,7 @@
 //! it. So neighbours act together. If that is more than a tick takes, starts are prepared in the
 //! ticks before it. A Reset takes as many ticks as it needs, and what follows it waits. Calls of
 //! the immediate lane are counted; their weight is taken from the program.
-use super::execute::Reach;
+use super::hand_overs::HandOvers;
 use crate::tick::{PROGRAM, Tick};
 use crate::tick_command::{Entry, Supervision, TickCommand};
 use crate::units::{Axis, AxisMask, Ns};
@@ -45,10 +45,10 @@ mod weight {
 
 /// Units of set-up in the shortest tick. A longer tick has a unit for each 1024 ns, a quarter of
 /// its instructions: a changed axis costs as much again in the tick and in the one after it.
-const LEAST: u32 = 8;
+const SET_UP_MIN_UNITS: u32 = 8;
 
 /// Starts are prepared for less than 2 to this power ticks; each axis has its turn in that time.
-const PATIENCE: u32 = 6;
+const PREPARE_LOG2_TICKS: u32 = 6;
 
 /// Calls of the immediate lane that act in a tick: this many in the shortest; in a longer one a
 /// call for each 512 ns, as far as the larger ring goes. They have no instant and come one by one.
@@ -68,7 +68,7 @@ pub(crate) struct Budget {
 
 impl Budget {
     pub(crate) fn of(period: Ns) -> Budget {
-        let whole = ((period.0 >> 10) as u32).max(LEAST);
+        let whole = ((period.0 >> 10) as u32).max(SET_UP_MIN_UNITS);
         Budget { left: whole, whole, acting: None }
     }
 
@@ -173,7 +173,7 @@ impl<const AXES: usize> Tick<AXES> {
         entry: &Entry,
         instant: Ns,
         budget: &mut Budget,
-        lanes: &Reach<'_, '_, AXES>,
+        lanes: &HandOvers<'_, '_, AXES>,
     ) -> bool {
         if budget.acting == Some(instant) {
             return true;
@@ -184,7 +184,7 @@ impl<const AXES: usize> Tick<AXES> {
         let weight = neighbours(program).fold(0u32, |sum, entry| sum.saturating_add(self.weigh(&entry.command)));
         let fits = weight <= budget.room();
         let waited = self.now.0.saturating_sub(self.script.zero.0.saturating_add(instant.0));
-        if !fits && waited < self.period.0 << PATIENCE && self.prepare(program, budget, lanes) {
+        if !fits && waited < self.period.0 << PREPARE_LOG2_TICKS && self.prepare(program, budget, lanes) {
             return false;
         }
         // A tick of its own is the most that it can have.
@@ -202,7 +202,7 @@ impl<const AXES: usize> Tick<AXES> {
         &mut self,
         program: &Consumer<'_, Entry, PROGRAM>,
         budget: &mut Budget,
-        lanes: &Reach<'_, '_, AXES>,
+        lanes: &HandOvers<'_, '_, AXES>,
     ) -> bool {
         let mut prepared = false;
         for entry in neighbours(program) {
@@ -239,7 +239,7 @@ impl<const AXES: usize> Tick<AXES> {
         axes: AxisMask,
         next: Ns,
         budget: &mut Budget,
-        lanes: &mut Reach<'_, '_, AXES>,
+        lanes: &mut HandOvers<'_, '_, AXES>,
     ) -> bool {
         if self.resetting == 0 {
             self.supervision = Supervision::DEFAULT;

@@ -1,7 +1,8 @@
 //! One motion on its own: a [`Profile`] as an axis has it, stepped by a test through chosen
 //! instants.
+use servo::segment::generator_state::GeneratorState;
 use servo::segment::piece::Motion;
-use servo::segment::profile::{Generator, Profile, State};
+use servo::segment::profile::{Generator, Profile};
 use servo::segment::pt::{Feed, PtRun, Segment, SegmentStore, Segments, SlotRange};
 use servo::segment::pvt::{HEADER_WORDS, POINT_WORDS, PvtRun, Tables};
 use servo::segment::ramp::RampRun;
@@ -15,7 +16,7 @@ pub struct Step {
     /// The motion in its piece; at rest after the end.
     pub motion: Motion,
     /// Whether it goes on.
-    pub state: State,
+    pub state: GeneratorState,
 }
 
 /// A profile in which this begins.
@@ -31,13 +32,14 @@ fn profile(generator: Generator, now: Ns) -> Profile {
 pub fn step(profile: &mut Profile, now: Ns, feed: Feed, source: &(impl Segments + Tables)) -> Step {
     if profile.piece().elapsed(now) >= profile.piece().span
         && !profile.accept(now)
-        && let state @ (State::Ended { at } | State::Underrun { at }) = profile.turn(now, feed, source)
+        && let state @ (GeneratorState::Ended { at } | GeneratorState::Underrun { at }) =
+            profile.turn(now, feed, source)
     {
         return Step { pos: at.round(), motion: Motion::STANDSTILL, state };
     }
     let piece = profile.piece();
     let (pos, motion) = piece.sample(piece.held(now));
-    Step { pos, motion, state: State::Running }
+    Step { pos, motion, state: GeneratorState::Running }
 }
 
 /// Segments without tables.

@@ -207,7 +207,7 @@ pub const LIGHT: &[Mutant] = &[
     Mutant {
         name: "interlock: motion goes on",
         file: TICK,
-        text: "            self.brake(self.supervision.interlock, StopReason::Interlock, next, &mut Reach::of(lanes));\n",
+        text: "            self.brake(self.supervision.interlock, StopReason::Interlock, next, &mut HandOvers::of(lanes));\n",
         broken: "",
         test: ABORT,
     },

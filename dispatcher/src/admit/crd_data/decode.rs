@@ -3,8 +3,8 @@
 //! In: a data command. Out: a [`DataCommand`]: a motion, an entry or a flush, and the FIFO it is
 //! for.
 //! Fails: with the parameter and the limit.
-use crate::admit::buffered::Took;
 use crate::admit::context::Context;
+use crate::admit::written::Took;
 use crate::admit::{crd, io, many, one};
 use crate::configuration::ones;
 use crate::plan::look_ahead::ALONG_MIN;

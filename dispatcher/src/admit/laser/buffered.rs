@@ -13,7 +13,7 @@ use super::power_range::Taking;
 use super::tables::table;
 use crate::admit::crd_data::{self, DataCommand, EntryKind, Item, Target};
 use crate::admit::one;
-use crate::admit::written::{Paths, Stored};
+use crate::admit::written::{Paths, Stored, Took, took};
 use crate::refuse::{Admitted, Refused};
 use crate::report::answer::TAKEN_MAX;
 use protocol::command::{
@@ -26,10 +26,7 @@ use servo::path::Entry;
 use servo::units::CrdMask;
 
 /// Velocity ratios may be this large: 2³².
-const RATIO_MAX: f64 = 4_294_967_296.0;
-
-/// Values that were taken, how many, which of them were limited.
-pub type Took = ([f64; TAKEN_MAX], u8, u8);
+const VELOCITY_RATIO_MAX: f64 = 4_294_967_296.0;
 
 /// Admits a buffered laser command and puts its entry into the FIFO. The reply reports the values
 /// taken, if there are any, else the free slots.
@@ -117,7 +114,7 @@ fn ratio(field: u8, got: f64) -> Admitted<Ratio> {
     if !got.is_finite() {
         return Err(Refused::new(Reason::NotFinite).field(field).got(got));
     }
-    let refused = Refused::new(Reason::AboveLow).field(field).got(got).limits(0.0, RATIO_MAX);
+    let refused = Refused::new(Reason::AboveLow).field(field).got(got).limits(0.0, VELOCITY_RATIO_MAX);
     Ratio::admit(got.to_bits()).map_err(|_| refused)
 }
 
@@ -144,13 +141,4 @@ fn bounds<const AXES: usize>(
     // The highest power of the follow.
     let limited = limited(mode, shadow.width_us, shadow.bounds.hold(bounds.max()));
     Ok((bounds, took(&[high, low], taking.held | limited)))
-}
-
-/// Values for the reply, with their number.
-pub fn took(values: &[f64], held: u8) -> Took {
-    let mut all = [0.0; TAKEN_MAX];
-    for (slot, value) in all.iter_mut().zip(values) {
-        *slot = *value;
-    }
-    (all, values.len() as u8, held)
 }

@@ -20,11 +20,11 @@ use servo::units::Axis;
 /// tick, 2⁻¹⁸ to 2³².
 const SCALES: (Range, Range) = (Range::new(1.0 / 262_144.0, 4_294_967_296.0), Range::new(1.0, 65_536.0));
 /// Highest absolute value of a ratio: 2¹⁷.
-pub const RATIO_MAX: f64 = 131_072.0;
+pub const DISTANCE_RATIO_MAX: f64 = 131_072.0;
 
 /// A ratio: 0, or of either sign. `item` is its index among its kind.
 pub fn ratio(field: u8, item: usize, got: f64) -> Admitted<f64> {
-    real(field, got, -RATIO_MAX, RATIO_MAX).map_err(|refused| refused.item(item))
+    real(field, got, -DISTANCE_RATIO_MAX, DISTANCE_RATIO_MAX).map_err(|refused| refused.item(item))
 }
 
 /// The source of positions or speeds.

@@ -44,7 +44,7 @@ const TIME_MAX_US: u16 = u16::MAX;
 
 /// What is taken, for the reply: its values and which of them were limited.
 fn took<const AXES: usize>(context: &mut Context<AXES>, values: &[f64], held: u8) -> Answer {
-    let (all, count, held) = buffered::took(values, held);
+    let (all, count, held) = crate::admit::written::took(values, held);
     context.effect = Effect::Took(all);
     Answer::Took { count, held }
 }

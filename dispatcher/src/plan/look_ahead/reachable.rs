@@ -51,7 +51,7 @@ pub(super) const BOUNDS: usize = 5;
 /// The acceleration, two lines for each side at each end, one for the others.
 const LINES: usize = 18;
 /// Each step brings the highest speed to another corner of the region.
-const ROUNDS: usize = 16;
+const CORNERS_MAX: usize = 16;
 
 /// y ≤ offset − slope·x, or y ≥ slope·x − offset.
 #[derive(Debug, Clone, Copy)]
@@ -197,7 +197,7 @@ impl Span {
     pub(super) fn back(&self, most: f64, cap: f64) -> (f64, bool) {
         let [free, top] = self.tops;
         let (mut x, mut settled) = (cap.min(top), true);
-        for _ in 0..ROUNDS {
+        for _ in 0..CORNERS_MAX {
             let [(high, above), (low, below)] = self.window(x, most);
             if low <= high {
                 break;

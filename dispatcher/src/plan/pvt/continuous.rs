@@ -37,7 +37,7 @@ pub struct Split {
 
 /// A part below this share of the whole is left out. The doubles 0.01 and 0.02 are not the decimal
 /// numbers; the difference must make neither a ramp nor a refusal.
-const LEAST: f64 = 1.0 / (1u64 << 46) as f64;
+const PART_MIN_SHARE: f64 = 1.0 / (1u64 << 46) as f64;
 
 /// Splits the displacement `length` (not 0) from `phase`'s point to one with velocity `end`. A
 /// refusal names the field of the item by its index in the request's arrays.
@@ -60,7 +60,7 @@ pub fn split(phase: &Phase, length: DoubleDouble, end: f64) -> Admitted<Split> {
     // peak² − u0² = a·up/(a + d), peak² − u1² = d·down/(a + d)
     let up = l.times(2.0 * d).plus(q1.minus(q0));
     let down = l.times(2.0 * a).plus(q0.minus(q1));
-    let slack = |acc: f64| LEAST * (2.0 * acc * l.high + q0.high + q1.high);
+    let slack = |acc: f64| PART_MIN_SHARE * (2.0 * acc * l.high + q0.high + q1.high);
     let zero = DoubleDouble::default();
     let part = |times: [DoubleDouble; 3], rise: DoubleDouble, fall: DoubleDouble, peak: f64| {
         Ok(Split { times, rise: sign * rise.high, fall: sign * fall.high, peak: sign * peak })
@@ -85,7 +85,7 @@ pub fn split(phase: &Phase, length: DoubleDouble, end: f64) -> Admitted<Split> {
     let distance = |from: f64, peak: DoubleDouble, acc: f64| peak.minus(from).times(peak.plus(from)).over(2.0 * acc);
     let peak2 = l.times(2.0 * a).times(d).plus(q0.times(d)).plus(q1.times(a)).over(both);
     let over = peak2.minus(square(phase.vel_max));
-    if over.high > LEAST * peak2.high {
+    if over.high > PART_MIN_SHARE * peak2.high {
         let (rise, fall) = (distance(u0, top, a), distance(u1, top, d));
         let cruise = l.minus(rise).minus(fall).over(top);
         return part([top.minus(u0).over(a), cruise, top.minus(u1).over(d)], rise, fall, phase.vel_max);
@@ -108,6 +108,6 @@ impl Split {
 
     /// Whether part `index` is long enough to be a part.
     pub fn has(&self, index: usize) -> bool {
-        self.times.get(index).is_some_and(|time| time.high > LEAST * self.duration().high)
+        self.times.get(index).is_some_and(|time| time.high > PART_MIN_SHARE * self.duration().high)
     }
 }

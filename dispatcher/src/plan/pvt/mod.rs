@@ -28,7 +28,7 @@ use servo::segment::pvt::{SHORTEST_PASS_NS, TABLE_POINTS};
 use servo::units::StepLimit;
 
 /// Tables of a core.
-pub const TABLES: usize = 32;
+pub const CORE_TABLES: usize = 32;
 /// The largest time in ms, 2³⁶: about two years.
 pub const LATEST_MS: f64 = 68_719_476_736.0;
 /// Positions as the user counts them stay within 2⁵² pulses.
@@ -39,7 +39,7 @@ pub const VALUES: usize = 6;
 
 /// The number of a table in its core, from 1, as the user knows it.
 pub fn table_number(table: u8) -> i16 {
-    i16::from(table % TABLES as u8) + 1
+    i16::from(table % CORE_TABLES as u8) + 1
 }
 
 /// A description with the values of the whole table.

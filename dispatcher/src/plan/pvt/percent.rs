@@ -6,7 +6,7 @@ use super::scratch::Knot;
 
 /// A part below this share of the ramp is left out. The position then differs by less than 2⁻⁴⁶ of
 /// speed × duration, a sixty-fourth of what SPEC 11 allows.
-const LEAST: f64 = 1.0 / (1u64 << 46) as f64;
+const RAMP_PART_MIN_SHARE: f64 = 1.0 / (1u64 << 46) as f64;
 
 /// The knots inside a ramp from `from` to `to` (both excluded): none, one or two.
 pub fn inner(from: Knot, to: Knot, percent: f64) -> impl Iterator<Item = Knot> {
@@ -16,7 +16,7 @@ pub fn inner(from: Knot, to: Knot, percent: f64) -> impl Iterator<Item = Knot> {
     let rise =
         Knot { time: from.time + ramp, pos: from.pos + ramp * (from.vel + bend / 6.0), vel: from.vel + bend / 2.0 };
     let fall = Knot { time: to.time - ramp, pos: to.pos - ramp * (to.vel - bend / 6.0), vel: to.vel - bend / 2.0 };
-    let curved = k >= LEAST && change != 0.0;
-    let held = 1.0 - 2.0 * k >= LEAST;
+    let curved = k >= RAMP_PART_MIN_SHARE && change != 0.0;
+    let held = 1.0 - 2.0 * k >= RAMP_PART_MIN_SHARE;
     [curved.then_some(rise), (curved && held).then_some(fall)].into_iter().flatten()
 }

@@ -12,7 +12,7 @@ use protocol::reason::Reason;
 use servo::segment::pvt::{PointStore, TABLE_POINTS};
 
 /// The motion stays within 2⁴¹ pulses of its first point: from one edge of travel to the other.
-const REACH: f64 = 2_199_023_255_552.0;
+const LENGTH_MAX_PULSES: f64 = 2_199_023_255_552.0;
 
 /// A point of a table in user units, counted from the first point.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -149,8 +149,8 @@ pub fn check(a: &Knot, b: &Knot, limit: f64) -> Admitted<()> {
             furthest = pos;
         }
     }
-    if furthest.is_nan() || furthest.abs() > REACH {
-        return Err(Refused::new(Reason::BeyondTravel).got(furthest).limits(-REACH, REACH));
+    if furthest.is_nan() || furthest.abs() > LENGTH_MAX_PULSES {
+        return Err(Refused::new(Reason::BeyondTravel).got(furthest).limits(-LENGTH_MAX_PULSES, LENGTH_MAX_PULSES));
     }
     Ok(())
 }

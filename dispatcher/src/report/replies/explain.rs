@@ -2,7 +2,7 @@
 use super::Reading;
 use crate::plan::geometry::pulses;
 use crate::refuse::Refused;
-use crate::report::pending_replies::Refuser;
+use crate::report::answer::Refuser;
 use protocol::reason::Reason;
 use servo::status::{LIMIT_NEGATIVE, LIMIT_POSITIVE, RUNNING, SERVO_ON};
 use servo::tick_command::Mode;

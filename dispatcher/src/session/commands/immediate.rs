@@ -4,7 +4,7 @@
 //! Fails: by refusals. A record that finds no room now is tried again.
 use super::CommandHandler;
 use crate::admit::context::{Due, Effect};
-use crate::admit::staged::STAGED;
+use crate::admit::staged::STAGED_MAX;
 use crate::program::Program;
 use crate::refuse::Refused;
 use crate::report::answer::{Answer, TAKEN_MAX};
@@ -37,7 +37,7 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
         record: &RequestRecord,
         out: &mut ReplyWriter,
     ) -> Step {
-        if self.admission.lane.room() < STAGED.max(AXES) || !self.replies.has_room(TAKEN_MAX) {
+        if self.admission.lane.room() < STAGED_MAX.max(AXES) || !self.replies.has_room(TAKEN_MAX) {
             return Step::Wait;
         }
         if self.config.is_some() {
@@ -131,7 +131,7 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
 
     fn go_on_with_config(&mut self, view: &View<AXES>, record: &RequestRecord) -> Step {
         while let Some(item) = self.config {
-            if self.admission.lane.room() < STAGED {
+            if self.admission.lane.room() < STAGED_MAX {
                 return Step::Wait;
             }
             if !self.admission.stage_config(view, record.body, item) {

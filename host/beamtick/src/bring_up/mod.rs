@@ -22,7 +22,7 @@ const REPEAT_NS: u64 = 500_000_000;
 /// A board that says nothing for so long does not answer.
 const SILENCE_NS: u64 = 5_000_000_000;
 /// How long one look at the link lasts.
-const LOOK: Duration = Duration::from_millis(20);
+const RECEIVE_TIME: Duration = Duration::from_millis(20);
 
 const NO_ANSWER: &str = "the board does not answer. Flash the bring-up image (`cargo bring-up`), press B2, try again. \
     LD3 (red) alone: the chip is of revision Y or Z, too slow for the image (assumption 6)";
@@ -66,7 +66,7 @@ fn measure(link: &mut dyn Link) -> Result<Figures, Failure> {
             link.send(ORDER)?;
             ordered = Some(now);
         }
-        let count = link.receive(&mut bytes, LOOK)?;
+        let count = link.receive(&mut bytes, RECEIVE_TIME)?;
         if count > 0 {
             heard = link.now();
         }

@@ -2,7 +2,7 @@
 use crate::fault::Fault;
 
 /// Largest number of a coordinate.
-const FAR: f64 = 1e9;
+const COORDINATE_MAX: f64 = 1e9;
 
 /// A code and its value.
 #[derive(Debug, Clone, Copy)]
@@ -58,7 +58,7 @@ impl<'a> Groups<'a> {
 
 impl Group<'_> {
     pub fn real(&self) -> Result<f64, Fault> {
-        let number = self.value.parse::<f64>().ok().filter(|number| number.abs() <= FAR);
+        let number = self.value.parse::<f64>().ok().filter(|number| number.abs() <= COORDINATE_MAX);
         number.ok_or_else(|| self.wrong("no number within ±1000000000"))
     }
 

@@ -9,7 +9,7 @@ use usvg::roxmltree::{Document, Node};
 
 const SVG: &str = "http://www.w3.org/2000/svg";
 /// Largest number of a coordinate: beyond it 24 bits say nothing.
-const FAR: f64 = 1e7;
+const COORDINATE_MAX: f64 = 1e7;
 /// Lengths of shapes.
 const LENGTHS: [&str; 12] = ["x", "y", "width", "height", "cx", "cy", "r", "rx", "ry", "x1", "y1", "x2"];
 const SHAPES: [&str; 7] = ["path", "rect", "circle", "ellipse", "line", "polyline", "polygon"];
@@ -108,8 +108,8 @@ fn is_hidden(node: Node<'_, '_>, used: bool) -> bool {
 }
 
 fn within(numbers: impl IntoIterator<Item = f64>) -> Result<(), String> {
-    match numbers.into_iter().find(|number| !(-FAR..=FAR).contains(number)) {
-        Some(number) => Err(format!("{number} is beyond ±{FAR:.0}")),
+    match numbers.into_iter().find(|number| !(-COORDINATE_MAX..=COORDINATE_MAX).contains(number)) {
+        Some(number) => Err(format!("{number} is beyond ±{COORDINATE_MAX:.0}")),
         None => Ok(()),
     }
 }

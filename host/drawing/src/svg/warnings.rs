@@ -10,7 +10,7 @@ thread_local! {
 }
 
 /// More than these are not kept.
-const MOST: usize = 100;
+const WARNINGS_MAX: usize = 100;
 
 struct Listener;
 
@@ -22,7 +22,7 @@ impl Log for Listener {
     fn log(&self, record: &Record<'_>) {
         if self.enabled(record.metadata()) {
             SAID.with_borrow_mut(|said| {
-                if let Some(said) = said.as_mut().filter(|said| said.len() < MOST) {
+                if let Some(said) = said.as_mut().filter(|said| said.len() < WARNINGS_MAX) {
                     said.push(record.args().to_string().chars().take(160).collect());
                 }
             });

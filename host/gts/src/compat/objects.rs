@@ -17,7 +17,7 @@ const FAILED: c_ulong = 0xffff_ffff;
 /// Of a thread that runs.
 const STILL_ACTIVE: c_ulong = 259;
 /// Most objects of one wait.
-const MOST: usize = 64;
+const OBJECTS_MAX: usize = 64;
 
 /// What an object is.
 enum Kind {
@@ -260,7 +260,7 @@ pub unsafe extern "system" fn beamtick_wait(
     milliseconds: c_ulong,
 ) -> c_ulong {
     let count = count as usize;
-    if handles.is_null() || !(1..=MOST).contains(&count) {
+    if handles.is_null() || !(1..=OBJECTS_MAX).contains(&count) {
         return FAILED;
     }
     // SAFETY: the caller's.

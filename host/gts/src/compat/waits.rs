@@ -20,9 +20,9 @@ const GRACE: Duration = Duration::from_millis(100);
 /// A call waits so long for threads whose deadline it has passed.
 const DUE: Duration = Duration::from_millis(5);
 /// Between two looks of a thread that waits for others.
-const GLANCE: Duration = Duration::from_millis(2);
+const THREAD_POLL_PERIOD: Duration = Duration::from_millis(2);
 /// The longest wall-clock wait between two looks.
-const LOOK: Duration = Duration::from_millis(50);
+const POLL_PERIOD: Duration = Duration::from_millis(50);
 
 /// What is waited for, under one lock.
 pub struct Inner {
@@ -220,9 +220,9 @@ pub fn wait<T>(time: Option<Duration>, mut ready: impl FnMut(&mut Inner) -> Opti
         }
         end.follow_close(left);
         let nap = match &end {
-            End::Wall(_) => left.unwrap_or(LOOK).min(LOOK),
+            End::Wall(_) => left.unwrap_or(POLL_PERIOD).min(POLL_PERIOD),
             End::Card(_, Virtual { time: Time::Paced(pace), .. }) => {
-                left.map_or(LOOK, |left| pace.wall(left.as_nanos() as u64)).min(LOOK)
+                left.map_or(POLL_PERIOD, |left| pace.wall(left.as_nanos() as u64)).min(POLL_PERIOD)
             }
             End::Card(deadline, Virtual { client, .. }) => {
                 let left = left.unwrap_or(Duration::MAX);
@@ -239,7 +239,7 @@ pub fn wait<T>(time: Option<Duration>, mut ready: impl FnMut(&mut Inner) -> Opti
                     BELL.notify_all();
                     continue;
                 }
-                GLANCE
+                THREAD_POLL_PERIOD
             }
         };
         inner = BELL.wait_timeout(inner, nap).unwrap_or_else(PoisonError::into_inner).0;

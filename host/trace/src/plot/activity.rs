@@ -1,12 +1,12 @@
 //! What a digital signal did over time: every change while they are few, else its share of time.
 //!
 //! In: times at which it was high, pulse trains, in ns and in order. Out: highs, or [`Bin`]s. Owns
-//! at most [`FEW`] highs and [`BINS`] bins, however long the signal is and however fast.
+//! at most [`HIGHS_MAX`] highs and [`BINS`] bins, however long the signal is and however fast.
 use super::window::Window;
 use plant::pulses::Burst;
 
 /// So many highs are kept one by one.
-const FEW: usize = 2_000;
+const HIGHS_MAX: usize = 2_000;
 /// Most bins.
 const BINS: usize = 4096;
 /// Width of the first bins, ns, where the end is not known.
@@ -70,7 +70,7 @@ impl Activity {
                 Some(last) if last.1 >= from => last.1 = last.1.max(to),
                 _ => self.highs.push((from, to)),
             }
-            self.many = self.highs.len() > FEW;
+            self.many = self.highs.len() > HIGHS_MAX;
         }
         self.fill(from, to, Bin { on: (to - from) as f64, edges: 0.0 });
     }
@@ -91,7 +91,7 @@ impl Activity {
         self.widen(end);
         let span = burst.start(burst.count).saturating_sub(burst.at) as f64;
         let pulses = burst.count as f64;
-        let has_room = !self.many && burst.count + self.highs.len() as u64 <= FEW as u64;
+        let has_room = !self.many && burst.count + self.highs.len() as u64 <= HIGHS_MAX as u64;
         if has_room || span / pulses > self.width as f64 / 2.0 {
             for (from, to) in burst.pulses().filter(|(from, to)| from < to) {
                 self.level(from, true);

@@ -1,15 +1,15 @@
 //! The path of two axes, with the light on it.
 //!
 //! In: points in the order of time, and whether light is on from each of them on. Out: the same,
-//! without details too small to see. Owns at most [`MOST`] nodes. Beyond that, points closer
+//! without details too small to see. Owns at most [`NODES_MAX`] nodes. Beyond that, points closer
 //! together than a fraction of the extent become one, and a mark shorter than that is lost. Fails
 //! never.
 use crate::row::PowerUnit;
 
 /// Most nodes.
-const MOST: usize = 1 << 17;
+const NODES_MAX: usize = 1 << 17;
 /// Nodes closer together than this share of the extent may become one.
-const SHARE: f64 = 1.0 / 8192.0;
+const NODE_GAP_SHARE: f64 = 1.0 / 8192.0;
 
 /// Light, and how much.
 pub(super) type Power = (PowerUnit, f64);
@@ -45,7 +45,7 @@ impl<L: Copy> Route<L> {
     /// At `t` it was here, and from here on there is this light.
     pub fn push(&mut self, t: u64, (x, y): (f64, f64), light: Option<L>) {
         add(&mut self.nodes, self.apart, Node { x, y, from: t, until: t, light }, false);
-        if self.nodes.len() == MOST {
+        if self.nodes.len() == NODES_MAX {
             self.thin();
         }
     }
@@ -53,8 +53,8 @@ impl<L: Copy> Route<L> {
     /// Half of the nodes at most are left.
     fn thin(&mut self) {
         let Some(((left, right), (low, high))) = self.extent() else { return };
-        let least = (right - left).max(high - low) * SHARE;
-        while self.nodes.len() > MOST / 2 {
+        let least = (right - left).max(high - low) * NODE_GAP_SHARE;
+        while self.nodes.len() > NODES_MAX / 2 {
             self.apart = (self.apart * 2.0).max(least);
             for node in std::mem::take(&mut self.nodes) {
                 add(&mut self.nodes, self.apart, node, true);

@@ -18,11 +18,11 @@ pub struct FeedOverride(u64);
 impl FeedOverride {
     /// From the bits of a double: 2⁻²⁰ to 1.
     pub fn admit(bits: u64) -> Result<FeedOverride, Refused> {
-        const LEAST: u64 = (1023 - 20) << 52;
-        const ONE: u64 = 1023 << 52;
+        const OVERRIDE_MIN_BITS: u64 = (1023 - 20) << 52;
+        const OVERRIDE_MAX_BITS: u64 = 1023 << 52;
         match bits {
-            LEAST..=ONE => Ok(FeedOverride(bits)),
-            0..LEAST => Err(Refused::TooSmall),
+            OVERRIDE_MIN_BITS..=OVERRIDE_MAX_BITS => Ok(FeedOverride(bits)),
+            0..OVERRIDE_MIN_BITS => Err(Refused::TooSmall),
             _ if bits & 0x7ff << 52 == 0x7ff << 52 => Err(Refused::NotFinite),
             _ if bits >> 63 == 1 => Err(Refused::Negative),
             _ => Err(Refused::BeyondRange),

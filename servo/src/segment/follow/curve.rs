@@ -15,7 +15,7 @@ use crate::segment::piece::{Motion, Piece, Recip};
 use crate::units::{Exact, Ns, Pos};
 
 /// From 2⁻⁶⁴ pulse to units of Pos.
-pub(super) const UNIT: u32 = 64 - Pos::FRAC_BITS;
+pub(super) const EXACT_TO_POS_BITS: u32 = 64 - Pos::FRAC_BITS;
 /// 1/200 and 1/6 in 2⁻⁶⁴.
 const TWO_HUNDREDTH: u64 = u64::MAX / 200;
 const SIXTH: u64 = u64::MAX / 6;
@@ -141,7 +141,7 @@ pub(super) fn times(x: i128, f: u64) -> i128 {
 /// The first whole unit of Pos not before a position in 2⁻⁶⁴ pulse.
 #[inline(always)]
 pub(super) fn ceil(x: i128) -> i64 {
-    (x.wrapping_add((1 << UNIT) - 1) >> UNIT) as i64
+    (x.wrapping_add((1 << EXACT_TO_POS_BITS) - 1) >> EXACT_TO_POS_BITS) as i64
 }
 
 /// A piece over `length` from `from` on, in 2⁻⁶⁴ pulse of the master.
@@ -166,13 +166,13 @@ fn cubic(from: i128, length: i128, start: i128, c: [i128; 3]) -> Piece {
     }
     let m = recip64_below(d);
     let begin = ceil(from);
-    let late = ((begin as i128) << UNIT).wrapping_sub(from) as u64;
+    let late = ((begin as i128) << EXACT_TO_POS_BITS).wrapping_sub(from) as u64;
     let late = if s >= 0 { late >> (s as u32 & 63) } else { late << (-s as u32 & 63) };
     let span = (ceil(from.wrapping_add(length as i128)) as u64).wrapping_sub(begin as u64);
     let motion = Motion {
         tau: late.wrapping_add(umulhi(late, m)) >> 1,
         c: [narrow(c1, k), narrow(c2, k - 1), narrow(c3, k - 2)],
-        recip: Recip { m, shift: (UNIT as i32 - s) as u32 },
+        recip: Recip { m, shift: (EXACT_TO_POS_BITS as i32 - s) as u32 },
         frac: 64 - k,
         t: 0,
     };

@@ -22,10 +22,10 @@ const STEEPEST: i128 = 1 << (44 + super::ratio::RATIO_BITS);
 /// The largest displacement at a segment's start ratio: 2⁴⁰ pulses.
 const SWING: i128 = 1 << (40 + 64);
 /// The shortest segment: 2⁻²⁰ pulse of the master.
-const SHORTEST: i128 = 1 << (64 - 20);
+const SEGMENT_MIN: i128 = 1 << (64 - 20);
 /// The distance to the head of a chain is stored up to this; there the search goes on from the
 /// entry reached.
-pub(super) const FAR: u32 = 31;
+pub(super) const CHAIN_MAX_ENTRIES: u32 = 31;
 
 /// An admitted entry, 24 bytes. Words 0, 1: end of the master, compact, with distance to the head
 /// of its chain (bits 26–30) and parity in it. Words 2, 3: end of the slave, compact, its sign (bit
@@ -324,7 +324,7 @@ impl Entry {
         let m1 = master.magnitude();
         let s1 = if slave_bits >> 63 == 1 { -slave.magnitude() } else { slave.magnitude() };
         let (m, p) = (m1 - before.master, s1 - before.slave);
-        if m < SHORTEST || !first && down != before.tail.down {
+        if m < SEGMENT_MIN || !first && down != before.tail.down {
             return Err(Refused::NotAdvancing);
         }
         if before.entries() >= ENTRIES {
@@ -473,10 +473,10 @@ impl Entry {
         if self.0[5] >> 27 & 1 == 1 { -magnitude } else { magnitude }
     }
 
-    /// Entries back to the head of its chain of ratios, or [`FAR`].
+    /// Entries back to the head of its chain of ratios, or [`CHAIN_MAX_ENTRIES`].
     #[inline(always)]
     pub(super) fn back(self) -> u32 {
-        self.0[1] >> HIGH_BITS & FAR
+        self.0[1] >> HIGH_BITS & CHAIN_MAX_ENTRIES
     }
 
     /// Whether the number of segments before it is odd.
@@ -528,7 +528,7 @@ impl Chain {
     /// The next entry: it ends where [`Chain::ends`] says.
     fn pack(&self, code: u32, low: u32, high: u32) -> Entry {
         let [a, b, c, d] = self.ends;
-        let back = (self.back as u32).min(FAR);
+        let back = (self.back as u32).min(CHAIN_MAX_ENTRIES);
         Entry([
             a,
             b | back << HIGH_BITS | (self.odd as u32) << 31,

@@ -17,11 +17,11 @@ mod pass_crossing;
 mod seek;
 mod switch;
 
-use super::curve::{UNIT, ceil, slope};
+use super::curve::{EXACT_TO_POS_BITS, ceil, slope};
 use super::entry::{Input, Stop};
-use super::follower::trail;
 use super::master_path::{Fine, MasterPath, Section, Spot, Track};
 use super::setup::Setup;
+use super::slave_track::record;
 use super::{Direction, Entries, Method};
 use crate::segment::piece::Piece;
 use crate::units::{Exact, Ns, Pos};
@@ -29,10 +29,10 @@ use crate::units::{Exact, Ns, Pos};
 /// Entries that are no segments, in one tick of one axis.
 pub const ACTIONS: usize = 8;
 /// A cycle of FollowDelayEx, 250 µs, and a ms, in 2⁻³² ns.
-const CYCLE: Fine = 250_000 << 32;
+const DELAY_CYCLE: Fine = 250_000 << 32;
 const MS: Fine = 1_000_000 << 32;
 /// Steps of [`FollowRun::settle`] in a tick: every action may be followed by the end of a pass.
-const STEPS: usize = 3 * ACTIONS;
+const SETTLE_STEPS: usize = 3 * ACTIONS;
 
 /// What entries do to outputs in one tick.
 #[derive(Debug, Clone, Copy, Default)]
@@ -422,7 +422,7 @@ impl FollowRun {
             // known.
             let piece = if self.down == down { piece } else { self.piece };
             if self.progress != progress {
-                trail((&piece, progress), (&self.piece, self.progress), down, &section, track);
+                record((&piece, progress), (&self.piece, self.progress), down, &section, track);
             }
             track.push(section.to.after, self.position().0);
         }
@@ -454,7 +454,7 @@ impl FollowRun {
         section: &Section<'_>,
         context: &mut Context<'_, S, L>,
     ) -> Option<State> {
-        for _ in 0..STEPS {
+        for _ in 0..SETTLE_STEPS {
             match self.seek(context) {
                 Seek::Here => return self.far.then_some(State::TooFar),
                 Seek::End(at) if self.is_far(at) => return Some(State::TooFar),
@@ -505,7 +505,7 @@ impl FollowRun {
                 if cycles == 0 {
                     return false;
                 }
-                let until = when().wrapping_add(CYCLE.wrapping_mul(cycles as Fine));
+                let until = when().wrapping_add(DELAY_CYCLE.wrapping_mul(cycles as Fine));
                 self.wait = Wait::Until(until);
             }
             Stop::Wait { input, index, high, timeout_ms } => {
@@ -562,6 +562,6 @@ impl FollowRun {
         self.progress = self.directed(pos);
         self.furthest = self.progress;
         let (knot, _) = self.ends_before(self.done, context);
-        self.began = ((self.progress as i128) << UNIT).wrapping_sub(knot);
+        self.began = ((self.progress as i128) << EXACT_TO_POS_BITS).wrapping_sub(knot);
     }
 }

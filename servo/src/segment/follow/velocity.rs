@@ -22,7 +22,7 @@ pub struct Lead {
 /// 10⁶ has 44 leading zeros: 1/ms in ns.
 const PER_MS: Recip = Recip { m: (u128::MAX / (1_000_000 << 44) - (1 << 64)) as u64, shift: 44 };
 /// 2²²/10⁶: [`Motion::velocity`] takes the 10⁶ units of a ms for a million units of Pos.
-const UNITS: Real = Real::new(false, (1 << 63) / 15625, -47);
+const PULSE_PER_MS: Real = Real::new(false, (1 << 63) / 15625, -47);
 
 /// A motion of this velocity, pulse/ms, and acceleration, pulse/ms².
 pub fn of(velocity: Real, acceleration: Real) -> Motion {
@@ -38,7 +38,7 @@ pub fn of(velocity: Real, acceleration: Real) -> Motion {
 /// The ratio of a slave, pulse per pulse of its master. `down`: its progress is the master's
 /// position with its sign changed.
 fn ratio(slave: &Motion, down: bool) -> Real {
-    let ratio = Real::from_scaled(slave.velocity()).mul(UNITS);
+    let ratio = Real::from_scaled(slave.velocity()).mul(PULSE_PER_MS);
     if down { ratio.negate() } else { ratio }
 }
 
@@ -60,7 +60,7 @@ pub fn compose(slave: Motion, lead: Lead, master: Motion) -> Motion {
         return Motion::STANDSTILL;
     }
     let ratio = ratio(&slave, lead.down);
-    let bend = real(slave.acceleration()).mul(UNITS).mul(UNITS);
+    let bend = real(slave.acceleration()).mul(PULSE_PER_MS).mul(PULSE_PER_MS);
     of(ratio.mul(speed), bend.mul(speed).mul(speed).add(ratio.mul(change)))
 }
 

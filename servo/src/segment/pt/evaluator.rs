@@ -1,12 +1,12 @@
 //! PT evaluation: a PT motion that runs.
 //!
 //! In: segments from their store, how many of them are allowed, instants. Out: pieces. Owns: the
-//! chain of velocities. Fails: a stream without data ends in [`State::Underrun`].
+//! chain of velocities. Fails: a stream without data ends in [`GeneratorState::Underrun`].
 use super::segment::Kind;
 use super::store::Segments;
 use crate::math::wide::{Divisor, Recip, scale16};
+use crate::segment::generator_state::GeneratorState;
 use crate::segment::piece::Piece;
-use crate::segment::profile::State;
 use crate::units::{Exact, Ns};
 
 /// Which slots a run uses.
@@ -156,7 +156,7 @@ impl PtRun {
     /// Makes the piece that holds `now`, which is not before the end of the last one made; or the
     /// end.
     #[inline(never)]
-    pub fn advance(&mut self, now: Ns, feed: Feed, source: &impl Segments, piece: &mut Piece) -> State {
+    pub fn advance(&mut self, now: Ns, feed: Feed, source: &impl Segments, piece: &mut Piece) -> GeneratorState {
         self.back.pass = self.track.pass;
         self.back.chain = self.track.chain;
         for _ in 0..KNOTS_PER_TICK {
@@ -168,7 +168,7 @@ impl PtRun {
                 break;
             }
         }
-        State::Running
+        GeneratorState::Running
     }
 
     /// Whether the last piece made begins a pass.
@@ -183,13 +183,13 @@ impl PtRun {
         self.track = self.back;
     }
 
-    fn end(&self) -> State {
+    fn end(&self) -> GeneratorState {
         let Track { pass: Pass { origin, .. }, chain: Chain { knot, velocity, rounded, .. } } = &self.track;
         let at = Exact(origin.0.wrapping_add(knot.0));
         // Within the chain's own error bound, which is 0 as long as all quotients came out even.
         let at_standstill = velocity.unsigned_abs() << 1 <= *rounded as u128;
         let dry = matches!(self.slots, SlotRange::Dynamic { .. }) && !at_standstill;
-        if dry { State::Underrun { at } } else { State::Ended { at } }
+        if dry { GeneratorState::Underrun { at } } else { GeneratorState::Ended { at } }
     }
 
     /// The present pass has ended; whether another follows.

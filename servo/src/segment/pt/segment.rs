@@ -72,7 +72,7 @@ const CHAIN_BITS: u32 = 20;
 /// The bits of 2⁴⁰, the largest |position|.
 const TRAVEL: u64 = 1063 << 52;
 /// What rounding adds to 2P/T at most: less than two units of P, and one of the quotient.
-const SLACK: u32 = 3;
+const ROUNDING_UNITS: u32 = 3;
 /// v0·T beyond 2⁴³ pulses swings out of ±2⁴⁰ even if the segment comes back: the excursion is
 /// A²/4(A + |P|) > 2⁴⁰·⁶⁷ for A = 2⁴³ and the largest |P|.
 const SWING: u64 = 1 << 43;
@@ -91,7 +91,8 @@ impl Segment {
 
     /// Checks one datum against those before it and packs it. `pos_bits` are the bits of the double
     /// (pulses from the start of pass or stream). What is known to be faster than `limit` is
-    /// refused: by 2⁻²⁰ pulse/ms, in a chain of NORMAL segments by [`SLACK`] units more a segment.
+    /// refused: by 2⁻²⁰ pulse/ms, in a chain of NORMAL segments by [`ROUNDING_UNITS`] units more a
+    /// segment.
     pub fn admit(
         pos_bits: u64,
         time_ms: i32,
@@ -141,10 +142,10 @@ impl Segment {
         // before.
         let (end, speed, (spare, slack)) = match kind {
             Kind::Normal => {
-                let (end, slack) = (twice - before.velocity, before.slack.saturating_add(SLACK));
+                let (end, slack) = (twice - before.velocity, before.slack.saturating_add(ROUNDING_UNITS));
                 (end, end, (slack, slack))
             }
-            Kind::Even => (twice >> 1, twice >> 1, (0, SLACK)),
+            Kind::Even => (twice >> 1, twice >> 1, (0, ROUNDING_UNITS)),
             Kind::Stop => (0, twice, (0, 0)),
         };
         if speed.unsigned_abs() > (limit.pulses_per_ms() << CHAIN_BITS) + spare as u64 {

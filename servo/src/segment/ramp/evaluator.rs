@@ -8,8 +8,8 @@ mod phases;
 use super::rate::{Accel, Rate, Speed};
 use super::trapezoid::{Means, Trapezoid};
 use crate::math::real::Real;
+use crate::segment::generator_state::GeneratorState;
 use crate::segment::piece::{Piece, Scaled};
-use crate::segment::profile::State;
 use crate::units::{Exact, Ns};
 use phases::ms;
 
@@ -216,13 +216,13 @@ impl RampRun {
     /// Makes the piece that holds `now`, which is not before the end of the last one made; or the
     /// end.
     #[inline(never)]
-    pub fn advance(&mut self, now: Ns, piece: &mut Piece) -> State {
+    pub fn advance(&mut self, now: Ns, piece: &mut Piece) -> GeneratorState {
         for _ in 0..PIECES_PER_TICK {
             while self.jerk_phase.done >= self.jerk_phase.len {
                 if self.edged.left > 0 {
                     self.next_jerk_phase();
                 } else if !self.next_phase() {
-                    return State::Ended { at: self.pos };
+                    return GeneratorState::Ended { at: self.pos };
                 }
             }
             self.load_piece(piece);
@@ -230,7 +230,7 @@ impl RampRun {
                 break;
             }
         }
-        State::Running
+        GeneratorState::Running
     }
 
     /// Enters the next phase, if it has any length; false at the end. A motion that has ended is on

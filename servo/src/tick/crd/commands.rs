@@ -4,20 +4,20 @@
 //! nothing. Fails: a start that the state of a coordinate system or an axis forbids starts none of
 //! its mask, and is reported. Anything else that no longer fits has no effect.
 use super::effects::Sink;
-use super::{Clearance, CrdState, Frame, LOOKS, Lanes};
+use super::{Clearance, CrdState, Frame, Lanes, PREPARE_AFTER_SCANS};
 use crate::laser::{Cause, EncoderSpeed, Lag, Run};
 use crate::path::{DIMENSIONS, EntryStore, Feed, Path, PathStores, Rules};
 use crate::segment::piece::Scaled;
 use crate::segment::ramp::Accel;
 use crate::status;
-use crate::tick::execute::Reach;
+use crate::tick::hand_overs::HandOvers;
 use crate::tick::{Tick, report_event};
 use crate::tick_command::Lane;
 use crate::units::{AxisMask, Crd, CrdMask, Exact, Ns, Pos};
 use crate::view::{CrdView, Drive, Event, StopReason};
 
 /// The furthest from its zero, on every axis, that a path may begin: as far as targets may lie.
-const REACH: u64 = 1 << (31 + Pos::FRAC_BITS);
+const BEGIN_MAX: u64 = 1 << (31 + Pos::FRAC_BITS);
 
 /// The cause that fresh causes of latched bits are for light.
 fn cause_of(fresh: u32) -> Option<Cause> {
@@ -155,7 +155,7 @@ impl<const AXES: usize> Tick<AXES> {
         let Some(state) = crds.states.get_mut(crd.index()) else { return };
         if here != state.path.here() {
             state.path.rename(here);
-            (state.looks, crds.unprepared.0) = (LOOKS, crds.unprepared.0 | crd.mask().0);
+            (state.looks, crds.unprepared.0) = (PREPARE_AFTER_SCANS, crds.unprepared.0 | crd.mask().0);
         }
         if here != state.published.position {
             state.published.position = here;
@@ -197,7 +197,7 @@ impl<const AXES: usize> Tick<AXES> {
         crds: CrdMask,
         fifo1: CrdMask,
         next: Ns,
-        lanes: &mut Reach<'_, '_, AXES>,
+        lanes: &mut HandOvers<'_, '_, AXES>,
     ) {
         if let Some(refusal) = crds.crds().find_map(|crd| self.refuses_crd(crd, fifo1.has(crd) as u8, lane, seq)) {
             report_event(lanes.events, &mut self.events_lost, refusal);
@@ -257,7 +257,7 @@ impl<const AXES: usize> Tick<AXES> {
                 return Some(Event::Refused { lane, seq, axis, status: axis_state.status() });
             }
         }
-        let far = state.path.here().iter().any(|at| at.0.unsigned_abs() > REACH);
+        let far = state.path.here().iter().any(|at| at.0.unsigned_abs() > BEGIN_MAX);
         let paths = &state.path;
         if far || paths.refuses_start(fifo, state.feed()) { refused } else { None }
     }
@@ -331,7 +331,7 @@ impl<const AXES: usize> Tick<AXES> {
         halt: Halt,
         reason: StopReason,
         next: Ns,
-        lanes: &mut Reach<'_, '_, AXES>,
+        lanes: &mut HandOvers<'_, '_, AXES>,
     ) {
         let running = CrdMask(crds.0 & self.crds.running.0);
         for crd in running.crds() {
@@ -369,7 +369,7 @@ impl<const AXES: usize> Tick<AXES> {
         &mut self,
         crd: Crd,
         next: Ns,
-        lanes: &Reach<'_, '_, AXES>,
+        lanes: &HandOvers<'_, '_, AXES>,
         act: impl FnOnce(&mut Path, &mut StopReason, Feed, &[EntryStore; 2], &mut Sink<'_>),
     ) {
         let Tick { crds, axes, edges, lasers, .. } = self;

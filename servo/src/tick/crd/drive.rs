@@ -10,7 +10,7 @@ use crate::axis::AxisState;
 use crate::laser::{Cause, PathSpeed, Wants};
 use crate::path::{DIMENSIONS, EntryStore, Feed, PathReport, PathStop};
 use crate::segment::piece::Scaled;
-use crate::tick::execute::Reach;
+use crate::tick::hand_overs::HandOvers;
 use crate::tick::{Tick, report_event};
 use crate::units::{Axis, AxisMask, Crd, CrdMask, Exact, Ns, Pos};
 use crate::view::{CrdView, Drive, Event, StopReason};
@@ -148,7 +148,7 @@ enum StepResult {
 impl<const AXES: usize> Tick<AXES> {
     /// Every coordinate system that runs takes its step.
     #[inline(never)]
-    pub(crate) fn step_crds(&mut self, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
+    pub(crate) fn step_crds(&mut self, next: Ns, lanes: &mut HandOvers<'_, '_, AXES>) {
         let until = Ns(next.0.wrapping_add(self.period.0));
         let (masters, running) = (self.order.masters, self.crds.running);
         let mut wants = self.lasers.wants();
@@ -188,7 +188,7 @@ impl<const AXES: usize> Tick<AXES> {
         crd: Crd,
         result: StepResult,
         next: Ns,
-        lanes: &mut Reach<'_, '_, AXES>,
+        lanes: &mut HandOvers<'_, '_, AXES>,
     ) -> Option<Wants> {
         // If several run, every second one in a tick prepares something.
         let turn = CrdMask(if self.ticks & 1 == 0 { 0x55 } else { 0xaa });
@@ -213,7 +213,7 @@ impl<const AXES: usize> Tick<AXES> {
     }
 
     /// Those whose paths have come to standstill get their state at standstill.
-    pub(crate) fn settle_crds(&mut self, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
+    pub(crate) fn settle_crds(&mut self, next: Ns, lanes: &mut HandOvers<'_, '_, AXES>) {
         for crd in self.crds.running.crds() {
             if self.crds.get(crd).is_some_and(|state| !state.path.runs()) {
                 self.walk_crd(crd, next, false, false, lanes);
@@ -246,7 +246,7 @@ impl<const AXES: usize> Tick<AXES> {
     /// The full step, which concerns more than the path itself; `there`: the path is at its
     /// position already.
     #[inline(never)]
-    fn walk_crd(&mut self, crd: Crd, next: Ns, there: bool, may_prepare: bool, lanes: &mut Reach<'_, '_, AXES>) {
+    fn walk_crd(&mut self, crd: Crd, next: Ns, there: bool, may_prepare: bool, lanes: &mut HandOvers<'_, '_, AXES>) {
         let period = self.period;
         let Tick { crds, axes, edges, lasers, .. } = self;
         let (Some(state), Some(source)) = (crds.states.get_mut(crd.index()), lanes.paths.get(crd.index())) else {
@@ -393,7 +393,7 @@ impl<const AXES: usize> Tick<AXES> {
 
     /// The path is at standstill.
     #[inline(never)]
-    fn come_to_standstill(&mut self, crd: Crd, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
+    fn come_to_standstill(&mut self, crd: Crd, next: Ns, lanes: &mut HandOvers<'_, '_, AXES>) {
         let Tick { crds, axes, lasers, .. } = self;
         let Some(state) = crds.get_mut(crd) else { return };
         // An interrupted FIFO is probably continued: after FIFO 1, the FIFO 0 that it interrupted.

@@ -32,7 +32,7 @@ use crate::view::{CrdView, StopReason};
 
 /// A changed coordinate system waits for this many scans before its start is prepared: commands
 /// that belong together have come by then.
-const LOOKS: u8 = 2;
+const PREPARE_AFTER_SCANS: u8 = 2;
 
 state! {
     /// One coordinate system. What every tick reads comes first.
@@ -122,7 +122,7 @@ impl Crds {
         self.moves = self.moves.wrapping_add(1);
         self.unprepared.0 |= crd.mask().0;
         let state = self.states.get_mut(crd.index())?;
-        state.looks = LOOKS;
+        state.looks = PREPARE_AFTER_SCANS;
         Some(state)
     }
 

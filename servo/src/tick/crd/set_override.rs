@@ -4,12 +4,12 @@
 //! nothing. Cannot fail. How the factor acts on speeds: `path/evaluator/feed_override.rs`.
 use crate::path::FeedOverride;
 use crate::tick::Tick;
-use crate::tick::execute::Reach;
+use crate::tick::hand_overs::HandOvers;
 use crate::units::{Crd, Ns};
 
 impl<const AXES: usize> Tick<AXES> {
     /// Override.
-    pub(crate) fn set_override(&mut self, crd: Crd, rate: FeedOverride, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
+    pub(crate) fn set_override(&mut self, crd: Crd, rate: FeedOverride, next: Ns, lanes: &mut HandOvers<'_, '_, AXES>) {
         self.with_path(crd, next, lanes, |path, _, feed, source, _| {
             path.rules.set_override(rate);
             path.replan(next, feed, source);

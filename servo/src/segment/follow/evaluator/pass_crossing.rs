@@ -4,7 +4,7 @@
 //! progress at which the motion begins, with the exact instant of the crossing between two ticks.
 //! Owns nothing. Cannot fail.
 use super::{Context, FollowRun, State, Wait};
-use crate::segment::follow::curve::UNIT;
+use crate::segment::follow::curve::EXACT_TO_POS_BITS;
 use crate::segment::follow::entry::Input;
 use crate::segment::follow::master_path::{Fine, Section, Spot};
 use crate::segment::follow::{Entries, Event};
@@ -86,6 +86,6 @@ impl FollowRun {
         self.wait = Wait::No;
         self.progress = self.directed(pos);
         self.furthest = self.progress;
-        self.began = (self.progress as i128) << UNIT;
+        self.began = (self.progress as i128) << EXACT_TO_POS_BITS;
     }
 }

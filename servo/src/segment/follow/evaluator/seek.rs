@@ -6,7 +6,7 @@
 use super::{Ahead, Context, FollowRun, Seek};
 use crate::math::wide::{recip64_below, umulhi};
 use crate::segment::follow::Entries;
-use crate::segment::follow::curve::{Segment, UNIT, ceil};
+use crate::segment::follow::curve::{EXACT_TO_POS_BITS, Segment, ceil};
 use crate::segment::follow::entry::Entry;
 use crate::segment::follow::ratio::swing;
 use crate::segment::follow::setup::Setup;
@@ -35,7 +35,7 @@ impl FollowRun {
     pub fn prepare(&mut self, setup: &Setup, source: &impl Entries) {
         self.open = false;
         let end = self.piece.begin.0.wrapping_add(self.piece.span) as i64;
-        let mut x = ((end as i128) << UNIT).wrapping_sub(self.began);
+        let mut x = ((end as i128) << EXACT_TO_POS_BITS).wrapping_sub(self.began);
         let fifo = setup.fifo(self.fifo);
         let (mut index, mut pass, mut began, mut origin) = (self.index, self.pass, self.began, self.origin);
         let mut before = (index > 0).then(|| source.entry(self.fifo, index.wrapping_sub(1)));
@@ -115,7 +115,7 @@ impl FollowRun {
 
     /// Whether a slave position is 2³⁹ pulses or more from that of the piece in force.
     pub(super) fn is_far(&self, pos: i128) -> bool {
-        pos.wrapping_sub((self.piece.start.0 as i128) << UNIT).unsigned_abs() >> (39 + 64) != 0
+        pos.wrapping_sub((self.piece.start.0 as i128) << EXACT_TO_POS_BITS).unsigned_abs() >> (39 + 64) != 0
     }
 
     /// Loads the next piece of the segment in force, or of the one after it, if nothing else is to
@@ -125,7 +125,7 @@ impl FollowRun {
         if self.piece.span == 0 {
             return false;
         }
-        let x = ((self.progress as i128) << UNIT).wrapping_sub(self.began);
+        let x = ((self.progress as i128) << EXACT_TO_POS_BITS).wrapping_sub(self.began);
         let mut index = self.index;
         if x >= context.source.entry(self.fifo, index).ends_master() {
             index = index.wrapping_add(1);
@@ -151,7 +151,7 @@ impl FollowRun {
         // Over an end of pass into the next, a switch, and once more; or back over any number of
         // passes.
         for _ in 0..4 {
-            let x = ((self.progress as i128) << UNIT).wrapping_sub(self.began);
+            let x = ((self.progress as i128) << EXACT_TO_POS_BITS).wrapping_sub(self.began);
             let fifo = context.setup.fifo(self.fifo);
             let (floor_pass, floor_index) = self.floor;
             let low = if self.pass == floor_pass { floor_index } else { 0 };
@@ -247,22 +247,22 @@ impl FollowRun {
 
 /// The slave's displacement in this many passes; held at 2⁴⁶ pulses, which is too far anyway.
 fn passes_of(displacement: i128, many: u32) -> i128 {
-    const HELD: i128 = 1 << (46 + 64);
+    const DISPLACEMENT_MAX: i128 = 1 << (46 + 64);
     if ((displacement >> 40).wrapping_mul(many as i128)).unsigned_abs() >> (46 + 64 - 40) == 0 {
         displacement.wrapping_mul(many as i128)
     } else if displacement < 0 {
-        -HELD
+        -DISPLACEMENT_MAX
     } else {
-        HELD
+        DISPLACEMENT_MAX
     }
 }
 
 /// Whole passes of this length in `x` ≥ 0, at most 2³² − 2.
 fn passes_in(x: i128, length: i128) -> u32 {
-    const MOST: u64 = u32::MAX as u64 - 1;
+    const PASSES_MAX: u64 = u32::MAX as u64 - 1;
     let (x, length) = (x.max(0) as u128, length.max(1) as u128);
     if x >> 32 >= length {
-        return MOST as u32;
+        return PASSES_MAX as u32;
     }
     // length·2^-s has 64 bits with the top one set, and the quotient no more than 32.
     let zeros = length.leading_zeros();
@@ -278,5 +278,5 @@ fn passes_in(x: i128, length: i128) -> u32 {
         }
         many += 1;
     }
-    many.min(MOST) as u32
+    many.min(PASSES_MAX) as u32
 }

@@ -4,8 +4,8 @@
 //! nothing. [`More`] holds what the chain of ratios in the data cannot know. Cannot fail: where
 //! there is nothing to switch to, nothing happens.
 use super::{Context, FollowRun, More, Wait};
-use crate::segment::follow::curve::{Segment, UNIT, ratio_at};
-use crate::segment::follow::entry::{ENTRIES, Entry, FAR, STOPS};
+use crate::segment::follow::curve::{EXACT_TO_POS_BITS, Segment, ratio_at};
+use crate::segment::follow::entry::{CHAIN_MAX_ENTRIES, ENTRIES, Entry, STOPS};
 use crate::segment::follow::setup::Setup;
 use crate::segment::follow::{Entries, Method};
 use crate::units::Pos;
@@ -34,8 +34,8 @@ impl FollowRun {
         let (position, tau) = self.position();
         let moves = (self.progress as u64).wrapping_sub(self.piece.begin.0) < self.piece.span;
         let ratio = if moves { ratio_at(&self.piece.motion, tau) } else { 0 };
-        let began = (self.progress as i128) << UNIT;
-        let origin = (position.0 as i128) << UNIT;
+        let began = (self.progress as i128) << EXACT_TO_POS_BITS;
+        let origin = (position.0 as i128) << EXACT_TO_POS_BITS;
         if method == Method::Table {
             self.enter_other(began, origin, ratio, true, context);
             return true;
@@ -149,10 +149,10 @@ impl FollowRun {
     pub(super) fn is_chained(&self, from: u32, index: u32, entry: Entry, source: &impl Entries) -> bool {
         let (mut at, mut entry) = (index, entry);
         // A chain of 512 entries is searched in steps of 31.
-        for _ in 0..=ENTRIES / FAR {
+        for _ in 0..=ENTRIES / CHAIN_MAX_ENTRIES {
             let back = entry.back();
             at = at.wrapping_sub(back);
-            if at <= from || back < FAR {
+            if at <= from || back < CHAIN_MAX_ENTRIES {
                 break;
             }
             entry = source.entry(self.fifo, at);

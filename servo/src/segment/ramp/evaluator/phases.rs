@@ -13,9 +13,9 @@ use crate::units::{Exact, Ns};
 
 /// A piece covers less than 2³⁷ pulses and lasts at most 2³⁰ ms; those shorter than 2 ns need no
 /// more than that.
-const REACH: i32 = 35;
-const LONGEST: i32 = 30;
-const SHORTEST: i32 = -19;
+const LENGTH_MAX_LOG2_PULSES: i32 = 35;
+const TIME_MAX_LOG2_MS: i32 = 30;
+const TIME_MIN_LOG2_MS: i32 = -19;
 /// 10⁶ has 44 leading zeros; 1/(2^k ms) has this mantissa and a shift of 44 − k.
 const MS_RECIP: u64 = (u128::MAX / (1_000_000 << 44) - (1 << 64)) as u64;
 
@@ -54,7 +54,7 @@ impl RampRun {
     pub(super) fn cruise(&mut self) {
         let v = self.peak;
         let mut len = Fine::MAX >> 8;
-        let mut span = LONGEST;
+        let mut span = TIME_MAX_LOG2_MS;
         if self.kind == Kind::Jog {
             self.next = if v.is_zero() { Next::Over } else { Next::Cruise };
             if v.is_zero() {
@@ -81,7 +81,7 @@ impl RampRun {
     /// The first interval of a phase, which lasts less than 2^`span` ms at less than 2^`width`
     /// pulse/ms.
     fn begin(&mut self, jerk_phase: JerkPhase, span: i32, width: i32) {
-        let reach = span.min(REACH - width).clamp(SHORTEST, LONGEST);
+        let reach = span.min(LENGTH_MAX_LOG2_PULSES - width).clamp(TIME_MIN_LOG2_MS, TIME_MAX_LOG2_MS);
         self.jerk_phase = JerkPhase { begin: self.time, reach, ..jerk_phase };
     }
 
@@ -130,7 +130,7 @@ impl RampRun {
         let s = &mut self.jerk_phase;
         s.begin += s.len;
         s.done = 0;
-        let limit = REACH - width;
+        let limit = LENGTH_MAX_LOG2_PULSES - width;
         if left == 2 {
             // The displacement of the first edge: that of its first velocity, and that of the
             // velocity gained.
@@ -138,12 +138,12 @@ impl RampRun {
             s.len = self.time.saturating_sub(s.begin).saturating_sub(s.len);
             (s.v, s.a, s.j) = (s.v.add(gained), top, Real::ZERO);
             // A ms is not quite 2^52 of 2^-32 ns.
-            s.reach = (77 - s.len.leading_zeros() as i32).min(limit).clamp(SHORTEST, LONGEST);
+            s.reach = (77 - s.len.leading_zeros() as i32).min(limit).clamp(TIME_MIN_LOG2_MS, TIME_MAX_LOG2_MS);
         } else {
             self.pos = Exact(self.knot.0.wrapping_sub(v1.mul(edge).sub(distance).to_exact().0));
             s.len = self.time.saturating_sub(s.begin);
             (s.v, s.j) = (v1.sub(gained), sixth.negate());
-            s.reach = edge.width().min(limit).clamp(SHORTEST, LONGEST);
+            s.reach = edge.width().min(limit).clamp(TIME_MIN_LOG2_MS, TIME_MAX_LOG2_MS);
         }
         self.edged.left = left - 1;
     }
@@ -165,7 +165,7 @@ impl RampRun {
         let left = s.len - s.done;
         let start = self.pos;
         // 2^k ms.
-        let whole = ((15_625u64 << (k - SHORTEST)) as Fine) << 19;
+        let whole = ((15_625u64 << (k - TIME_MIN_LOG2_MS)) as Fine) << 19;
         let len = if left > whole {
             self.pos = Exact(self.pos.0.wrapping_add(c1.add(c2).add(c3).to_exact().0));
             whole

@@ -1,0 +1,32 @@
+//! What a step of the tick reaches beyond its own state: rings it writes, stores it reads.
+use crate::path::PathStores;
+use crate::tables::TableStores;
+use crate::tick::{EVENTS, Lanes, SAMPLES, SegmentStore, Source};
+use crate::units::Axis;
+use crate::view::{Event, Sample};
+use ring::Producer;
+
+/// What tick commands reach beyond the tick's own state.
+pub(crate) struct HandOvers<'r, 'a, const AXES: usize> {
+    pub(crate) events: &'r mut Producer<'a, Event, EVENTS>,
+    pub(crate) samples: &'r mut Producer<'a, Sample, SAMPLES>,
+    pub(crate) segments: &'a [SegmentStore; AXES],
+    pub(crate) tables: TableStores<'a>,
+    pub(crate) paths: PathStores<'a>,
+}
+
+impl<'r, 'a, const AXES: usize> HandOvers<'r, 'a, AXES> {
+    /// What a step reaches.
+    #[inline(always)]
+    pub(crate) fn of(lanes: &'r mut Lanes<'a, AXES>) -> HandOvers<'r, 'a, AXES> {
+        let Lanes { events, samples, segments, tables, paths, .. } = lanes;
+        HandOvers { events, samples, segments, tables: *tables, paths: *paths }
+    }
+}
+
+impl<const AXES: usize> HandOvers<'_, '_, AXES> {
+    /// What the motion of an axis is read from.
+    pub(crate) fn source(&self, axis: Axis) -> Option<Source<'_>> {
+        Some(Source { segments: self.segments.get(axis.index())?, tables: self.tables })
+    }
+}
