@@ -3,7 +3,7 @@
 //! In: registers. Out: lines. Owns the registers of the timers before start-up does, and leaves
 //! them as a reset would.
 use crate::report::Report;
-use hal::stm32h743::pins::Levels;
+use hal::stm32h743::pins::PinLevels;
 use stm32_metapac::timer::TimAdv;
 use stm32_metapac::{DBGMCU, GPIOA, GPIOB, GPIOC, GPIOD, GPIOE, GPIOF, GPIOG, PWR, RCC, SYSCFG, TIM1, TIM2, TIM8};
 
@@ -118,7 +118,7 @@ pub fn tell(report: &mut Report) {
 /// Level of each break input, its flag once it was cleared, and whether the main output can be
 /// enabled. No channel has light then, so the lines stay dark.
 pub fn breaks_now(report: &mut Report) {
-    let levels = Levels::read().breaks();
+    let levels = PinLevels::read().breaks();
     for ((number, timer), level) in LASERS.into_iter().zip(levels) {
         timer.sr().write(|w| {
             w.0 = !0;

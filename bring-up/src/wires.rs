@@ -3,7 +3,7 @@
 //! In: levels at both ends. Out: lines. Owns the pins at which captures end: PA0, PA3, PA15, PB3,
 //! PB10, PB11, and PG14, which drives the interlock.
 use crate::report::Report;
-use hal::stm32h743::pins::Levels;
+use hal::stm32h743::pins::PinLevels;
 use stm32_metapac::gpio::Gpio;
 use stm32_metapac::gpio::vals::{Moder, Pupdr};
 use stm32_metapac::{GPIOA, GPIOB, GPIOC, GPIOE, GPIOF, GPIOG};
@@ -85,7 +85,7 @@ pub fn tell(report: &mut Report) -> bool {
     let mut follows = true;
     for open in [true, false] {
         open_interlock(open);
-        follows &= is_high(INTERLOCK.pin) == open && Levels::read().breaks() == [open; 3];
+        follows &= is_high(INTERLOCK.pin) == open && PinLevels::read().breaks() == [open; 3];
     }
     report.line("wire", &[6, follows.into()]);
     follows

@@ -3,7 +3,7 @@ use servo::units::{AxisMask, StepLimit};
 
 /// Constants of a board, which its integrator states.
 #[derive(Debug, Clone)]
-pub struct Board {
+pub struct BoardConstants {
     /// Name, of which 16 bytes are shown.
     pub name: &'static str,
     /// Number of the profile it shows at power-on (see [`crate::PROFILES`]); the build must hold

@@ -1,6 +1,6 @@
 //! What a client chose on opening: product profile and laser family. How users number axes and
 //! coordinate systems.
-use crate::product::{PROFILES, Profile};
+use crate::product::{PROFILES, ProductProfile};
 use servo::units::{Axis, AxisMask, Crd, CrdMask};
 
 /// What the client chose on opening.
@@ -9,7 +9,7 @@ pub struct Configuration {
     /// Number of the profile.
     pub number: u8,
     /// Its counts.
-    pub profile: Profile,
+    pub profile: ProductProfile,
     /// 0 GUS, 1 LSR.
     pub family: u8,
 }

@@ -28,10 +28,10 @@ mod session;
 mod shadow;
 mod tick_queue;
 
-pub use crate::board::{Board, FAULT_TEXT_MAX, Fault, FaultKind, TickTime};
+pub use crate::board::{BoardConstants, FAULT_TEXT_MAX, Fault, FaultKind, TickTime};
 pub use crate::plan::path_queue::{LOOK_AHEAD, PathQueue};
-pub use crate::product::{FAMILIES, PROFILES, Profile, largest_that_fits};
+pub use crate::product::{FAMILIES, PROFILES, ProductProfile, largest_that_fits};
 pub use crate::program::record_queue::{QUEUE_BYTES, RECORD_BYTES};
 pub use crate::refuse::Refused;
 pub use crate::session::second_client::SecondaryTransport;
-pub use crate::session::server::{Channels, EVENTS, IMMEDIATE, LINK_WINDOW, PROGRAM, SAMPLES, SEGMENTS, Server};
+pub use crate::session::server::{EVENTS, IMMEDIATE, LINK_WINDOW, PROGRAM, SAMPLES, SEGMENTS, Server, ThreadHalves};

@@ -8,7 +8,7 @@ use servo::units::Ns;
 
 /// The counts of one product.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Profile {
+pub struct ProductProfile {
     /// Name on the command line.
     pub name: &'static str,
     /// Logical cores.
@@ -27,7 +27,7 @@ pub struct Profile {
     pub lasers: u8,
 }
 
-impl Profile {
+impl ProductProfile {
     /// Axes over all cores.
     pub const fn axes(&self) -> usize {
         self.cores as usize * self.axes_per_core as usize
@@ -48,9 +48,9 @@ const fn row(
     (cores, axes_per_core): (u8, u8),
     crds: (u8, u8),
     (general_inputs, general_outputs): (u8, u8),
-) -> Profile {
+) -> ProductProfile {
     let (crds_in_short_ticks, crds_per_core) = crds;
-    Profile {
+    ProductProfile {
         name,
         cores,
         axes_per_core,
@@ -64,7 +64,7 @@ const fn row(
 
 /// Every profile; its index is its number in `Choose` and `Version`. No manual counts the inputs
 /// and outputs of GUS: one word each.
-pub const PROFILES: &[Profile] = &[
+pub const PROFILES: &[ProductProfile] = &[
     row("gus", (1, 8), (2, 2), (32, 32)),
     row("gtn-016", (2, 8), (2, 2), (44, 20)),
     row("gtn-024", (2, 12), (2, 2), (66, 30)),

@@ -16,7 +16,7 @@ pub enum FifoOf {
 
 /// What of the FIFOs a refusal is about. One type, since every refusal carries it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Data {
+enum FifoState {
     /// Nothing, or what the tick may still change.
     Open,
     /// A FIFO that has no room: it may have room later.
@@ -30,7 +30,7 @@ enum Data {
 pub struct Refused {
     /// What is wrong.
     pub reason: Reason,
-    data: Data,
+    data: FifoState,
     /// The rest of the reply's payload.
     pub wire: Refusal,
 }
@@ -38,7 +38,7 @@ pub struct Refused {
 impl Refused {
     /// A refusal that names only its reason.
     pub fn new(reason: Reason) -> Self {
-        Refused { reason, data: Data::Open, wire: Refusal::new(reason) }
+        Refused { reason, data: FifoState::Open, wire: Refusal::new(reason) }
     }
     /// The same with another, more precise reason.
     pub fn reason(mut self, reason: Reason) -> Self {
@@ -48,26 +48,26 @@ impl Refused {
     }
     /// Names the FIFO that has no room.
     pub fn full(mut self, of: FifoOf, fifo: u8) -> Self {
-        self.data = Data::Full(of, fifo);
+        self.data = FifoState::Full(of, fifo);
         self
     }
     /// States whether the tick leaves the data before it as it is: then no FIFO gets room either.
     pub fn stands(mut self, stands: bool) -> Self {
         if stands {
-            self.data = Data::Stands;
+            self.data = FifoState::Stands;
         }
         self
     }
     /// The FIFO that has no room, where that is the reason.
     pub fn full_fifo(&self) -> Option<(FifoOf, u8)> {
         match self.data {
-            Data::Full(of, fifo) => Some((of, fifo)),
-            Data::Open | Data::Stands => None,
+            FifoState::Full(of, fifo) => Some((of, fifo)),
+            FifoState::Open | FifoState::Stands => None,
         }
     }
     /// Whether only data that stays as it is keeps it from being taken.
     pub fn is_final(&self) -> bool {
-        self.data == Data::Stands
+        self.data == FifoState::Stands
     }
     /// Names the parameter by its index in the request.
     pub fn field(mut self, field: u8) -> Self {

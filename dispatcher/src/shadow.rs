@@ -1,12 +1,11 @@
 //! The shadow state: what the thread knows of axes, coordinate systems and lasers without asking
 //! the tick.
 //!
-//! In: [`Change`]s, one with every tick command that is pushed into a lane. Out: the values that
-//! admissions and reads need.
-//! There are two copies. *Admitted* is the state after everything that was admitted, *executed* the
-//! state after everything that the tick has executed, but for what a reply that waits keeps back
-//! ([`crate::tick_queue::Until`]). If the rest of a program is discarded,
-//! *admitted* is set back to *executed*. So what was never executed leaves no trace.
+//! In: [`ShadowChange`]s, one with every tick command that is pushed into a lane. Out: the values
+//! that admissions and reads need. There are two copies. *Admitted* is the state after everything
+//! that was admitted, *executed* the state after everything that the tick has executed, but for
+//! what a reply that waits keeps back ([`crate::tick_queue::Until`]). If the rest of a program is
+//! discarded, *admitted* is set back to *executed*. So what was never executed leaves no trace.
 mod axis;
 mod channel;
 mod crd;
@@ -15,19 +14,19 @@ mod entry_numbers;
 mod follow;
 mod watch;
 
-use crate::product::{LONG_TICK, Profile};
+use crate::product::{LONG_TICK, ProductProfile};
 pub use axis::{AxisShadow, BEGINS_SHIFT, FifoShadow};
 pub use channel::{DistanceShadow, LaserChange, LaserShadow};
-pub use crd::{CrdChange, CrdShadow, Frame, Look, PathData, PathShadow};
+pub use crd::{CrdChange, CrdParameters, CrdShadow, Look, PathData, PathShadow};
 pub use crd_space::CAPACITY;
 pub use entry_numbers::{PROGRAM_FLAG, Renewed, entries_from, executed, is_up_to, renew, seq_after, seq_from};
-pub use follow::Fifo;
+pub use follow::FollowFifoShadow;
 use protocol::command::{JogPrm, TrapPrm};
 use protocol::reason::Reason;
 use servo::Fifos;
 use servo::laser::CHANNELS;
 use servo::segment::pvt::TABLES;
-use servo::tick_command::{Mode, TickCommand};
+use servo::tick_command::{MotionMode, TickCommand};
 use servo::units::{Axis, AxisMask, Crd, CrdMask, Ns, Pos};
 use servo::view::View;
 pub use watch::Watch;
@@ -37,7 +36,7 @@ pub const SOFT_OFF: (i32, i32) = (i32::MAX, i32::MIN);
 
 /// What a pushed tick command changes in the shadow state.
 #[derive(Debug, Clone, Copy)]
-pub enum Change {
+pub enum ShadowChange {
     /// Nothing.
     None,
     /// Power-on state.
@@ -67,7 +66,7 @@ pub enum Change {
     /// They are at standstill for what follows.
     Standstill { axes: AxisMask, crds: CrdMask },
     /// A mode, with empty FIFOs.
-    Mode { axis: Axis, mode: Mode },
+    Mode { axis: Axis, mode: MotionMode },
     /// A memory size.
     Memory { axis: Axis, memory: u8 },
     /// A FIFO is emptied (both in dynamic mode).
@@ -85,7 +84,7 @@ pub enum Change {
     /// A FIFO of Follow is emptied.
     FollowEmptied { axis: Axis, fifo: u8 },
     /// A FIFO of Follow now ends here, if no switch has emptied it meanwhile.
-    FollowData { axis: Axis, fifo: u8, cleared: u32, shadow: Fifo },
+    FollowData { axis: Axis, fifo: u8, cleared: u32, shadow: FollowFifoShadow },
     /// The axes change to their other FIFO, now or at the end of the pass.
     Switched { axes: AxisMask },
     /// Stop decelerations.
@@ -116,19 +115,22 @@ pub enum Change {
     Tick { period: Ns },
 }
 
-impl Change {
+impl ShadowChange {
     /// Whether its execution may end what keeps a command from an axis, a table or a coordinate
     /// system now: a motion, a latched fault, a use.
     pub fn may_free(&self, reason: Reason) -> bool {
         match self {
-            Change::Reset { .. } | Change::Servo { on: false, .. } | Change::Stopped { .. } | Change::Aborted => true,
+            ShadowChange::Reset { .. }
+            | ShadowChange::Servo { on: false, .. }
+            | ShadowChange::Stopped { .. }
+            | ShadowChange::Aborted => true,
             // A switch by segment ends a pass in its last segment.
-            Change::Switched { .. } => true,
+            ShadowChange::Switched { .. } => true,
             // With these the axes that entries of a path move beside it may stay at standstill.
-            Change::Crd { change: CrdChange::Frame { .. } | CrdChange::Emptied { .. }, .. } => true,
+            ShadowChange::Crd { change: CrdChange::Frame { .. } | CrdChange::Emptied { .. }, .. } => true,
             // Data after it already counts from an empty FIFO: only slots that the tick reads get free.
-            Change::Emptied { .. } | Change::FollowEmptied { .. } => reason == Reason::FifoInUse,
-            Change::Cleared { .. } | Change::Table { .. } | Change::Crd { .. } => {
+            ShadowChange::Emptied { .. } | ShadowChange::FollowEmptied { .. } => reason == Reason::FifoInUse,
+            ShadowChange::Cleared { .. } | ShadowChange::Table { .. } | ShadowChange::Crd { .. } => {
                 !matches!(reason, Reason::Moving | Reason::OnlyAtStandstill | Reason::CrdRuns)
             }
             _ => false,
@@ -203,12 +205,12 @@ impl<const AXES: usize> Shadows<AXES> {
 
     /// What empties FIFOs of a coordinate system has been admitted: no entry of them names a follow
     /// table any more. For the executed state that is so once they are empty.
-    pub fn forget_emptied(&mut self, change: &Change) {
+    pub fn forget_emptied(&mut self, change: &ShadowChange) {
         match *change {
-            Change::Crd { crd, change: CrdChange::Frame { .. } } => {
+            ShadowChange::Crd { crd, change: CrdChange::Frame { .. } } => {
                 (0..2).for_each(|fifo| self.forget_follow_tables(crd, fifo));
             }
-            Change::Crd { crd, change: CrdChange::Emptied { fifo, .. } } => self.forget_follow_tables(crd, fifo),
+            ShadowChange::Crd { crd, change: CrdChange::Emptied { fifo, .. } } => self.forget_follow_tables(crd, fifo),
             _ => {}
         }
     }
@@ -235,7 +237,7 @@ impl<const AXES: usize> Shadows<AXES> {
     }
 
     /// Coordinate systems that a core has at the tick period of this state.
-    pub fn crds_per_core(&self, profile: &Profile, view: &View<AXES>) -> u8 {
+    pub fn crds_per_core(&self, profile: &ProductProfile, view: &View<AXES>) -> u8 {
         match self.long_tick {
             Some(true) => profile.crds_per_core,
             Some(false) => profile.crds_in_short_ticks,
@@ -273,40 +275,43 @@ impl<const AXES: usize> Shadows<AXES> {
 
     /// The tick command that empties one of the overwritten FIFOs: of the first coordinate system
     /// or axis that has some.
-    pub fn revalidate(&self) -> Option<(TickCommand, Change)> {
+    pub fn revalidate(&self) -> Option<(TickCommand, ShadowChange)> {
         for crd in Crd::all() {
             if let Some(fifo) = (0..2u8).find(|fifo| self.crd(crd).path(*fifo).invalid) {
                 let change = CrdChange::Emptied { fifo, here: None };
-                return Some((TickCommand::CrdClear { crd, fifo }, Change::Crd { crd, change }));
+                return Some((TickCommand::CrdClear { crd, fifo }, ShadowChange::Crd { crd, change }));
             }
         }
         let (index, shadow) = self.axes.iter().enumerate().find(|(_, shadow)| shadow.invalid != 0)?;
         let (axis, fifo) = (Axis::new(index)?, shadow.invalid.trailing_zeros() as u8);
         Some(if shadow.is_follow() {
-            (TickCommand::FollowClear { axis, fifo }, Change::FollowEmptied { axis, fifo })
+            (TickCommand::FollowClear { axis, fifo }, ShadowChange::FollowEmptied { axis, fifo })
         } else {
-            (TickCommand::PtClear { axis, fifo }, Change::Emptied { axis, fifo })
+            (TickCommand::PtClear { axis, fifo }, ShadowChange::Emptied { axis, fifo })
         })
     }
 
     /// The commit of all admitted data of a FIFO of an axis.
-    pub fn commit_of_axis(&self, axis: Axis, fifo: u8) -> (TickCommand, Change) {
+    pub fn commit_of_axis(&self, axis: Axis, fifo: u8) -> (TickCommand, ShadowChange) {
         let (shadow, index) = (self.axis(axis), usize::from(fifo & 1));
         if shadow.is_follow() {
             let (cleared, data) = (shadow.follow.cleared[index], shadow.follow.fifos[index]);
             let command =
                 TickCommand::FollowCommit { axis, fifo, end: data.chain.entries(), cleared, tail: data.chain.tail() };
-            return (command, Change::FollowData { axis, fifo, cleared, shadow: data });
+            return (command, ShadowChange::FollowData { axis, fifo, cleared, shadow: data });
         }
         let (epoch, data) = (shadow.epoch, shadow.fifos[index]);
-        (TickCommand::PtCommit { axis, fifo, end: data.end, epoch }, Change::Data { axis, fifo, epoch, shadow: data })
+        (
+            TickCommand::PtCommit { axis, fifo, end: data.end, epoch },
+            ShadowChange::Data { axis, fifo, epoch, shadow: data },
+        )
     }
 
     /// The commit of a FIFO of a coordinate system up to an entry.
-    pub fn commit_of_path(&self, crd: Crd, fifo: u8, end: u32) -> (TickCommand, Change) {
+    pub fn commit_of_path(&self, crd: Crd, fifo: u8, end: u32) -> (TickCommand, ShadowChange) {
         let PathShadow { cleared, data, .. } = *self.crd(crd).path(fifo);
         let change = CrdChange::Data { fifo, cleared, data };
-        (TickCommand::CrdCommit { crd, fifo, end, cleared }, Change::Crd { crd, change })
+        (TickCommand::CrdCommit { crd, fifo, end, cleared }, ShadowChange::Crd { crd, change })
     }
 
     /// Whether an entry that was not executed names a PVT table.
@@ -355,20 +360,20 @@ impl<const AXES: usize> Shadows<AXES> {
     }
 
     /// Enters the change that goes with entry `seq`.
-    pub fn enter(&mut self, change: &Change, seq: u32) {
+    pub fn enter(&mut self, change: &ShadowChange, seq: u32) {
         let mut one = |axis: Axis, change: &dyn Fn(&mut AxisShadow)| {
             if let Some(shadow) = self.axes.get_mut(axis.index()) {
                 change(shadow);
             }
         };
         match *change {
-            Change::None => {}
-            Change::Reset { axes, tables } => {
+            ShadowChange::None => {}
+            ShadowChange::Reset { axes, tables } => {
                 self.watch = Watch::DEFAULT;
                 self.filled &= !tables;
                 for crd in self.drivers(axes).crds() {
                     let driven = self.driven(crd);
-                    self.with(driven, |_, shadow| shadow.mode = Mode::Trap);
+                    self.with(driven, |_, shadow| shadow.mode = MotionMode::Trap);
                     if let Some(shadow) = self.crds.get_mut(crd.index()) {
                         shadow.renew(None, None, seq);
                     }
@@ -390,7 +395,7 @@ impl<const AXES: usize> Shadows<AXES> {
                     shadow.empty(seq, 3);
                 });
             }
-            Change::Servo { axis, on } => {
+            ShadowChange::Servo { axis, on } => {
                 one(axis, &|shadow| shadow.servo = Some((seq, on)));
                 if !on {
                     one(axis, &|shadow| shadow.stop(seq));
@@ -398,32 +403,32 @@ impl<const AXES: usize> Shadows<AXES> {
                     self.with_crds(crds, &CrdChange::Stopped, seq);
                 }
             }
-            Change::Stopped { axes, crds } => {
+            ShadowChange::Stopped { axes, crds } => {
                 self.with(axes, |_, shadow| shadow.stop(seq));
                 let crds = CrdMask(self.drivers(axes).0 | crds.0);
                 self.with_crds(crds, &CrdChange::Stopped, seq);
             }
-            Change::Aborted => {
+            ShadowChange::Aborted => {
                 self.aborted = Some(seq);
                 self.with(AxisMask(u64::MAX), |_, shadow| shadow.stop(seq));
                 self.with_crds(CrdMask(u8::MAX), &CrdChange::Stopped, seq);
             }
-            Change::Watch(watch) => self.watch = watch,
-            Change::Tick { period } => self.long_tick = Some(period >= LONG_TICK),
-            Change::Placed { axes, pos } => {
+            ShadowChange::Watch(watch) => self.watch = watch,
+            ShadowChange::Tick { period } => self.long_tick = Some(period >= LONG_TICK),
+            ShadowChange::Placed { axes, pos } => {
                 self.with(axes, |_, shadow| shadow.placed = Some((seq, pos)));
                 let crds = self.drivers(axes);
                 self.with_crds(crds, &CrdChange::Placed, seq);
             }
-            Change::Cleared { axes } => self.with(axes, |_, shadow| shadow.cleared = Some(seq)),
-            Change::Started { axes, fifo1, script_ns } => self.with(axes, |axis, shadow| {
+            ShadowChange::Cleared { axes } => self.with(axes, |_, shadow| shadow.cleared = Some(seq)),
+            ShadowChange::Started { axes, fifo1, script_ns } => self.with(axes, |axis, shadow| {
                 shadow.started = Some(seq);
                 let begins = u32::try_from(script_ns >> BEGINS_SHIFT).unwrap_or(u32::MAX).saturating_add(1);
                 shadow.streams = if shadow.is_dynamic() { begins } else { 0 };
                 shadow.busy = Some(seq);
                 shadow.fifo = u8::from(fifo1.has(axis));
             }),
-            Change::PvtStarted { axes } => {
+            ShadowChange::PvtStarted { axes } => {
                 for index in 0..AXES {
                     if axes.0.checked_shr(index as u32).unwrap_or(0) & 1 == 1 {
                         self.name(self.axes[index].table, seq);
@@ -434,13 +439,13 @@ impl<const AXES: usize> Shadows<AXES> {
                     shadow.busy = Some(seq);
                 });
             }
-            Change::Table { axis, table, pending } => {
+            ShadowChange::Table { axis, table, pending } => {
                 one(axis, &|shadow| shadow.table = Some(table));
                 self.name(Some(table).filter(|_| pending), seq);
             }
-            Change::TablePasses { axis, passes } => one(axis, &|shadow| shadow.table_passes = passes),
-            Change::TableFilled { table } => self.filled |= 1u64.checked_shl(table.into()).unwrap_or(0),
-            Change::Standstill { axes, crds } => {
+            ShadowChange::TablePasses { axis, passes } => one(axis, &|shadow| shadow.table_passes = passes),
+            ShadowChange::TableFilled { table } => self.filled |= 1u64.checked_shl(table.into()).unwrap_or(0),
+            ShadowChange::Standstill { axes, crds } => {
                 let crds = CrdMask(crds.0 | self.drivers(axes).0);
                 let driven = crds.crds().fold(0, |mask, crd| mask | self.driven(crd).0);
                 // What still runs may set an axis off after the wait for it.
@@ -451,7 +456,7 @@ impl<const AXES: usize> Shadows<AXES> {
                     shadow.aside &= aside.has(axis);
                 });
                 // A wait for a coordinate system does not wait for an axis that has left it.
-                let rests = |shadow: &AxisShadow| shadow.mode == Mode::Crd && crds.has(shadow.crd);
+                let rests = |shadow: &AxisShadow| shadow.mode == MotionMode::Crd && crds.has(shadow.crd);
                 self.with(AxisMask(driven), |_, shadow| {
                     if rests(shadow) {
                         shadow.started = None;
@@ -459,24 +464,24 @@ impl<const AXES: usize> Shadows<AXES> {
                 });
                 self.with_crds(crds, &CrdChange::Standstill, seq);
             }
-            Change::Mode { axis, mode } => one(axis, &|shadow| {
+            ShadowChange::Mode { axis, mode } => one(axis, &|shadow| {
                 shadow.mode = mode;
                 shadow.follow.forget(seq);
                 shadow.fifos = [FifoShadow::default(); 2];
                 shadow.empty(seq, 3);
             }),
-            Change::Memory { axis, memory } => one(axis, &|shadow| {
+            ShadowChange::Memory { axis, memory } => one(axis, &|shadow| {
                 shadow.memory = memory;
                 shadow.fifos = [FifoShadow::default(); 2];
                 shadow.empty(seq, 3);
             }),
-            Change::Emptied { axis, fifo } => one(axis, &|shadow| {
+            ShadowChange::Emptied { axis, fifo } => one(axis, &|shadow| {
                 if let Some(fifo) = shadow.fifos.get_mut(usize::from(fifo)) {
                     *fifo = FifoShadow::default();
                 }
                 shadow.empty(seq, if shadow.is_dynamic() { 3 } else { 1 << (fifo & 1) });
             }),
-            Change::Data { axis, fifo, epoch, shadow: data } => one(axis, &|shadow| {
+            ShadowChange::Data { axis, fifo, epoch, shadow: data } => one(axis, &|shadow| {
                 if shadow.is_dynamic() && shadow.epoch != epoch {
                     return;
                 }
@@ -484,41 +489,43 @@ impl<const AXES: usize> Shadows<AXES> {
                     *fifo = data;
                 }
             }),
-            Change::FollowMaster { axis, master, given } => {
+            ShadowChange::FollowMaster { axis, master, given } => {
                 one(axis, &|shadow| shadow.follow.master = Some((master, given)));
             }
-            Change::FollowEvent { axis, given } => one(axis, &|shadow| shadow.follow.event = given),
-            Change::FollowDirection { axis, direction } => one(axis, &|shadow| shadow.follow.direction = direction),
-            Change::FollowMemory { axis, memory } => one(axis, &|shadow| {
+            ShadowChange::FollowEvent { axis, given } => one(axis, &|shadow| shadow.follow.event = given),
+            ShadowChange::FollowDirection { axis, direction } => {
+                one(axis, &|shadow| shadow.follow.direction = direction)
+            }
+            ShadowChange::FollowMemory { axis, memory } => one(axis, &|shadow| {
                 shadow.follow.memory = memory;
                 shadow.follow.empty_both(seq);
                 shadow.invalid = 0;
             }),
-            Change::FollowEmptied { axis, fifo } => one(axis, &|shadow| {
+            ShadowChange::FollowEmptied { axis, fifo } => one(axis, &|shadow| {
                 shadow.follow.empty(fifo, seq);
                 shadow.invalid &= !(1 << (fifo & 1));
             }),
-            Change::FollowData { axis, fifo, cleared, shadow: data } => one(axis, &|shadow| {
+            ShadowChange::FollowData { axis, fifo, cleared, shadow: data } => one(axis, &|shadow| {
                 let position = usize::from(fifo & 1);
                 if shadow.follow.cleared[position] == cleared {
                     shadow.follow.fifos[position] = data;
                 }
             }),
-            Change::Switched { axes } => self.with(axes, |_, shadow| shadow.follow.switched(seq)),
-            Change::Dec { axis, dec } => one(axis, &|shadow| shadow.dec = dec),
-            Change::Band { axis, band } => one(axis, &|shadow| shadow.band = band),
-            Change::Soft { axis, soft } => one(axis, &|shadow| shadow.soft = soft),
-            Change::PosErr { axis, pos_err } => one(axis, &|shadow| shadow.pos_err = pos_err),
-            Change::Trap { axis, prm } => one(axis, &|shadow| shadow.trap = prm),
-            Change::Jog { axis, prm } => one(axis, &|shadow| shadow.jog = prm),
-            Change::Vel { axis, vel } => one(axis, &|shadow| shadow.vel = vel),
-            Change::Pos { axis, pos } => one(axis, &|shadow| shadow.pos = pos),
-            Change::Laser { channel, change } => {
+            ShadowChange::Switched { axes } => self.with(axes, |_, shadow| shadow.follow.switched(seq)),
+            ShadowChange::Dec { axis, dec } => one(axis, &|shadow| shadow.dec = dec),
+            ShadowChange::Band { axis, band } => one(axis, &|shadow| shadow.band = band),
+            ShadowChange::Soft { axis, soft } => one(axis, &|shadow| shadow.soft = soft),
+            ShadowChange::PosErr { axis, pos_err } => one(axis, &|shadow| shadow.pos_err = pos_err),
+            ShadowChange::Trap { axis, prm } => one(axis, &|shadow| shadow.trap = prm),
+            ShadowChange::Jog { axis, prm } => one(axis, &|shadow| shadow.jog = prm),
+            ShadowChange::Vel { axis, vel } => one(axis, &|shadow| shadow.vel = vel),
+            ShadowChange::Pos { axis, pos } => one(axis, &|shadow| shadow.pos = pos),
+            ShadowChange::Laser { channel, change } => {
                 if let Some(laser) = self.lasers.get_mut(usize::from(channel)) {
                     laser.enter(change, seq);
                 }
             }
-            Change::Crd { crd, change } => {
+            ShadowChange::Crd { crd, change } => {
                 let is_frame = matches!(change, CrdChange::Frame { .. });
                 let before = if is_frame { self.driven(crd) } else { AxisMask(0) };
                 self.with_crds(crd.mask(), &change, seq);
@@ -529,20 +536,20 @@ impl<const AXES: usize> Shadows<AXES> {
                 }
                 if is_frame {
                     self.with(before, |_, shadow| {
-                        if shadow.mode == Mode::Crd && shadow.crd == crd {
-                            shadow.mode = Mode::Trap;
+                        if shadow.mode == MotionMode::Crd && shadow.crd == crd {
+                            shadow.mode = MotionMode::Trap;
                         }
                     });
                     let axes = self.driven(crd);
                     self.with(axes, |_, shadow| {
-                        (shadow.mode, shadow.crd) = (Mode::Crd, crd);
+                        (shadow.mode, shadow.crd) = (MotionMode::Crd, crd);
                         shadow.follow.forget(seq);
                         shadow.fifos = [FifoShadow::default(); 2];
                         shadow.empty(seq, 3);
                     });
                 }
             }
-            Change::CrdStarted { crds, fifo1, may_fail } => {
+            ShadowChange::CrdStarted { crds, fifo1, may_fail } => {
                 self.with_crds(CrdMask(crds.0 & !fifo1.0), &CrdChange::Started { fifo: 0, may_fail }, seq);
                 self.with_crds(fifo1, &CrdChange::Started { fifo: 1, may_fail }, seq);
                 let axes = crds.crds().fold(0, |mask, crd| mask | self.driven(crd).0);
@@ -552,7 +559,7 @@ impl<const AXES: usize> Shadows<AXES> {
                     shadow.busy = Some(seq);
                 });
             }
-            Change::LaserFine(fine) => self.laser_fine = fine,
+            ShadowChange::LaserFine(fine) => self.laser_fine = fine,
         }
     }
 }

@@ -3,11 +3,11 @@
 //! In: staged tick commands with their changes. Out: entries in the ring; changes for the executed
 //! state once the view shows that their entries were executed.
 //! Fails: what does not fit is for the caller to try again later ([`TickQueue::room`]).
-use crate::shadow::{Change, Shadows, executed, is_up_to, seq_after};
+use crate::shadow::{ShadowChange, Shadows, executed, is_up_to, seq_after};
 use heapless::Deque;
 use protocol::reason::Reason;
 use ring::Producer;
-use servo::tick_command::{Entry, TickCommand};
+use servo::tick_command::{LaneEntry, TickCommand};
 use servo::units::Ns;
 use servo::view::View;
 
@@ -35,14 +35,14 @@ impl Until {
 
 /// One lane of at most `N` entries in flight.
 pub struct TickQueue<'a, const N: usize> {
-    ring: Producer<'a, Entry, N>,
+    ring: Producer<'a, LaneEntry, N>,
     last: u32,
-    log: Deque<(u32, Change), N>,
+    log: Deque<(u32, ShadowChange), N>,
 }
 
 impl<'a, const N: usize> TickQueue<'a, N> {
     /// A lane whose numbers carry `flag`.
-    pub fn new(ring: Producer<'a, Entry, N>, flag: u32) -> Self {
+    pub fn new(ring: Producer<'a, LaneEntry, N>, flag: u32) -> Self {
         TickQueue { ring, last: flag, log: Deque::new() }
     }
     /// Entries that can be pushed now.
@@ -65,7 +65,7 @@ impl<'a, const N: usize> TickQueue<'a, N> {
         !self.log.is_empty()
     }
     /// The changes in flight with the numbers of their entries, the oldest first.
-    pub fn changes<const AXES: usize>(&self, view: &View<AXES>) -> impl Iterator<Item = &(u32, Change)> {
+    pub fn changes<const AXES: usize>(&self, view: &View<AXES>) -> impl Iterator<Item = &(u32, ShadowChange)> {
         self.log.iter().filter(|(seq, _)| !executed(view, *seq))
     }
     /// Whether one of them may end the state for which a command is refused now.
@@ -76,7 +76,7 @@ impl<'a, const N: usize> TickQueue<'a, N> {
     pub fn push<const AXES: usize>(
         &mut self,
         command: TickCommand,
-        change: Change,
+        change: ShadowChange,
         delay: u64,
         ahead: &mut Shadows<AXES>,
     ) -> bool {
@@ -84,7 +84,7 @@ impl<'a, const N: usize> TickQueue<'a, N> {
             return false;
         }
         let seq = seq_after(self.last);
-        if self.ring.push(Entry { seq, delay: Ns(delay), command }).is_err()
+        if self.ring.push(LaneEntry { seq, delay: Ns(delay), command }).is_err()
             || self.log.push_back((seq, change)).is_err()
         {
             return false;

@@ -6,7 +6,7 @@ use laser_channel::*;
 use protocol::command::*;
 use protocol::reason::Reason;
 use protocol::record::Lane;
-use servo::laser::{Count, Mode, Power};
+use servo::laser::{Count, Power, PowerMode};
 
 #[test]
 fn settings_arrive_in_the_channel_they_name() {
@@ -21,7 +21,7 @@ fn settings_arrive_in_the_channel_they_name() {
             bench.done(carrier(15.0, channel));
             bench.run_ms(1);
             let now = seen(&mut bench, channel as usize);
-            assert_eq!(now.mode, Mode::Frequency);
+            assert_eq!(now.mode, PowerMode::Frequency);
             assert_eq!((units(now.bounds.max()), units(now.bounds.min()), units(now.direct)), (20.0, 0.5, 12.5));
             assert_eq!((now.width_us, now.carrier.map(|carrier| units(carrier.khz()))), (10, Some(15.0)));
             assert_eq!(format!("{:?}", seen(&mut bench, 1 - channel as usize)), format!("{other:?}"));
@@ -30,7 +30,7 @@ fn settings_arrive_in_the_channel_they_name() {
             bench.done(mode(0, 80.0, 0.0, channel, 1));
             bench.run_ms(1);
             let now = seen(&mut bench, channel as usize);
-            assert_eq!((now.mode, units(now.direct), now.width_us), (Mode::Duty, 0.0, 10));
+            assert_eq!((now.mode, units(now.direct), now.width_us), (PowerMode::Duty, 0.0, 10));
             bench.done(power(70.0, channel));
             bench.done(mode(0, 60.0, 10.0, channel, 1));
             bench.run_ms(1);
@@ -41,12 +41,12 @@ fn settings_arrive_in_the_channel_they_name() {
         bench.done(mode(3, 50.0, 0.0, 0, 1));
         bench.run_ms(1);
         let now = seen(&mut bench, 0);
-        let expected = if family == GUS { (Mode::DutyOpen, 0.0) } else { (Mode::Duty, 70.0) };
+        let expected = if family == GUS { (PowerMode::DutyOpen, 0.0) } else { (PowerMode::Duty, 70.0) };
         assert_eq!((now.mode, units(now.direct)), expected);
         bench.done(mode(2, 5.0, 0.0, 0, 0));
         bench.run_ms(1);
         let now = seen(&mut bench, 0);
-        assert_eq!((now.mode, units(now.bounds.max())), (Mode::Analog, 5.0));
+        assert_eq!((now.mode, units(now.bounds.max())), (PowerMode::Analog, 5.0));
     }
 }
 
@@ -218,7 +218,7 @@ fn a_family_and_a_reset_put_the_channels_to_power_on() {
         bench.run_ms(1);
         let now = seen(&mut bench, 0);
         assert!(!now.light && !now.commanded && now.carrier.is_none() && now.direct == Power::ZERO, "{now:?}");
-        assert_eq!((now.mode, units(now.bounds.max()), now.delayed, now.on_time), (Mode::Duty, 100.0, false, 0));
+        assert_eq!((now.mode, units(now.bounds.max()), now.delayed, now.on_time), (PowerMode::Duty, 100.0, false, 0));
         // The resolution is that of power-on too.
         assert_eq!(bench.done(carrier(96.0, 0)).held, 1);
     }

@@ -7,30 +7,30 @@ use crate::chance;
 use chance::Chance;
 use dispatcher::plan::geometry::{Geometry, Position};
 use dispatcher::plan::look_ahead::{Limits, LookAhead};
-use servo::path::{Change, Effects, Entries, Entry, Feed, Fine, Path, PathStop, Plane};
+use servo::path::{Effects, EntryEffect, FifoEnds, FineNs, Path, PathEntries, PathEntry, PathStop, Plane};
 use servo::segment::piece::Scaled;
 use servo::units::{Axis, Ns, Pos};
 
-struct Script(Vec<Entry>);
+struct Script(Vec<PathEntry>);
 
-impl Entries for Script {
-    fn entry(&self, _: u8, counter: u32) -> Entry {
+impl PathEntries for Script {
+    fn entry(&self, _: u8, counter: u32) -> PathEntry {
         self.0[counter as usize]
     }
 }
 
 #[derive(Default)]
 struct Heard {
-    rests: Vec<(Fine, PathStop)>,
-    marks: Vec<Fine>,
+    rests: Vec<(FineNs, PathStop)>,
+    marks: Vec<FineNs>,
 }
 
 impl Effects for Heard {
-    fn change(&mut self, at: Fine, _: &Change) -> Fine {
+    fn change(&mut self, at: FineNs, _: &EntryEffect) -> FineNs {
         self.marks.push(at);
         0
     }
-    fn standstill(&mut self, at: Fine, rest: PathStop) {
+    fn standstill(&mut self, at: FineNs, rest: PathStop) {
         self.rests.push((at, rest));
     }
     fn gear(&mut self, _: Axis, _: Pos, _: Scaled) {}
@@ -91,7 +91,7 @@ fn wander(corners: bool) -> Vec<Call> {
 const LIMITS: Limits = Limits { vel: [120.0, 100.0, 50.0, 50.0], acc: [1.5, 1.0, 0.5, 0.5], corner: 5.0 };
 
 /// All entries, taken as they become final; and how many had to wait for the end.
-fn plan<const N: usize>(calls: &[Call]) -> Vec<Entry> {
+fn plan<const N: usize>(calls: &[Call]) -> Vec<PathEntry> {
     let mut ahead = Box::new(LookAhead::<N>::new(LIMITS));
     let mut entries = Vec::new();
     for call in calls {
@@ -111,10 +111,10 @@ fn plan<const N: usize>(calls: &[Call]) -> Vec<Entry> {
 
 /// Runs entries. Returns instant and velocities of X and Y in the middle of each motion, the
 /// highest velocities as shares of their limits, and the end in ms.
-fn run(calls: &[Call], entries: &[Entry]) -> (Vec<(f64, [f64; 2])>, f64, f64) {
-    let with_marks: Vec<Entry> = entries.iter().flat_map(|e| [*e, Entry::laser(0, 0, [0; 6])]).collect();
+fn run(calls: &[Call], entries: &[PathEntry]) -> (Vec<(f64, [f64; 2])>, f64, f64) {
+    let with_marks: Vec<PathEntry> = entries.iter().flat_map(|e| [*e, PathEntry::laser(0, 0, [0; 6])]).collect();
     let script = Script(with_marks);
-    let feed = Feed { ends: [script.0.len() as u32, 0] };
+    let feed = FifoEnds { ends: [script.0.len() as u32, 0] };
     let (mut path, mut heard, mut now) = (Box::new(Path::IDLE), Heard::default(), 1_000_000u64);
     path.start(Ns(now), 0, feed, &script);
     let mut places = Vec::new();
@@ -127,7 +127,7 @@ fn run(calls: &[Call], entries: &[Entry]) -> (Vec<(f64, [f64; 2])>, f64, f64) {
         now += TICK as u64;
     }
     let [(at, PathStop::Completed)] = heard.rests[..] else { panic!("{:?}", heard.rests) };
-    let ns = |at: Fine| at as f64 / 2f64.powi(32) - 1e6;
+    let ns = |at: FineNs| at as f64 / 2f64.powi(32) - 1e6;
     let mut fastest = 0.0f64;
     let velocity = |k: usize, i: usize| (places[k + 1][i] - places[k][i]) / TICK * 1e6;
     for k in 0..places.len() - 1 {
@@ -209,7 +209,7 @@ fn sizes() {
     assert!(size_of::<LookAhead<256>>() <= 40 << 10, "{}", size_of::<LookAhead<256>>());
     // It holds the next motion, with its plan and first piece, beside the running one.
     assert!(size_of::<Path>() <= 3 << 10, "{}", size_of::<Path>());
-    assert_eq!(size_of::<Entry>(), 32);
+    assert_eq!(size_of::<PathEntry>(), 32);
 }
 
 /// The corner of a long L, by hand: Δ = 1 in X and in Y, so v = acc·T of the slower one; a reversal
@@ -247,8 +247,8 @@ fn corners_of_long_lines_are_taken_at_the_change_of_speed_that_the_corner_time_a
 #[test]
 fn what_stands_between_motions_keeps_its_place() {
     let line = |x: i32, from: i32| Geometry::planar(&[from as f64, 0.0, 0.0, 0.0], [x, 0]).unwrap();
-    let mark = |code| Entry::laser(0, code, [0; 6]);
-    let time = |others: &[Entry]| {
+    let mark = |code| PathEntry::laser(0, code, [0; 6]);
+    let time = |others: &[PathEntry]| {
         let mut ahead = Box::new(LookAhead::<64>::new(LIMITS));
         assert!(ahead.push_motion(&line(1000, 0), 50.0, 1.0));
         for other in others {
@@ -262,7 +262,7 @@ fn what_stands_between_motions_keeps_its_place() {
         }
         assert_eq!(entries[1..entries.len() - 1], *others);
         let script = Script(entries);
-        let feed = Feed { ends: [script.0.len() as u32, 0] };
+        let feed = FifoEnds { ends: [script.0.len() as u32, 0] };
         let (mut path, mut heard, mut now) = (Box::new(Path::IDLE), Heard::default(), 1_000_000);
         path.start(Ns(now), 0, feed, &script);
         while path.step(Ns(now), Ns(250_000), feed, &script, &mut heard).runs {
@@ -281,7 +281,7 @@ fn what_stands_between_motions_keeps_its_place() {
     assert!(time(&[mark(1); 32]) == (plain, late));
     let (more, late) = time(&[mark(1); 33]);
     assert!(more > halts && late < 0.251, "{more} {late}");
-    let (wait, late) = time(&[mark(1), Entry::delay(7), mark(2)]);
+    let (wait, late) = time(&[mark(1), PathEntry::delay(7), mark(2)]);
     assert!(near(wait, halts + 7.0) && (late - 7.0).abs() < 1e-6, "{wait} {late}");
 }
 
@@ -303,7 +303,7 @@ fn a_corner_that_comes_late_does_not_brake_harder() {
         entries.push(planned.entry);
     }
     let script = Script(entries);
-    let feed = Feed { ends: [script.0.len() as u32, 0] };
+    let feed = FifoEnds { ends: [script.0.len() as u32, 0] };
     let (mut path, mut heard, mut now) = (Box::new(Path::IDLE), Heard::default(), 1_000_000);
     path.start(Ns(now), 0, feed, &script);
     let mut hardest = 0.0f64;
@@ -336,7 +336,7 @@ fn arcs_keep_the_acceleration_of_their_plane() {
     calls.push(Call { geometry, vel: 100.0, acc: 5.0 });
     let entries = plan::<16>(&calls);
     let script = Script(entries);
-    let feed = Feed { ends: [script.0.len() as u32, 0] };
+    let feed = FifoEnds { ends: [script.0.len() as u32, 0] };
     let (mut path, mut heard, mut now) = (Box::new(Path::IDLE), Heard::default(), 1_000_000);
     path.start(Ns(now), 0, feed, &script);
     let radii = [1000.0, 1000.0, 600.0, 300.0];
@@ -390,7 +390,7 @@ fn stalls_of_the_host_do_not_slow_it_down() {
                 script.0.push(next.entry);
                 planned.push(next.ms);
             }
-            let feed = Feed { ends: [script.0.len() as u32, 0] };
+            let feed = FifoEnds { ends: [script.0.len() as u32, 0] };
             if begun.is_none() && script.0.len() >= 200 {
                 begun = Some(now);
                 path.start(Ns(now), 0, feed, &script);

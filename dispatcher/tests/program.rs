@@ -4,7 +4,7 @@ use bench::{Bench, MS, entry, listing_2_1, position, pt_data, read_pos, sleep, s
 use protocol::command::*;
 use protocol::reason::Reason;
 use protocol::record::Lane;
-use protocol::trace::{Columns, Decoder, Event, LaserSample};
+use protocol::trace::{Columns, Decoder, LaserSample, TraceEvent};
 use servo::units::Ns;
 
 const CORE: i16 = 1;
@@ -158,12 +158,12 @@ fn a_trace_over_the_link_is_that_of_its_own_stream() {
         assert!(nothing.is_empty(), "only one way");
         let (mut decoder, mut rows, mut ended) = (Decoder::new(), Vec::new(), false);
         decoder.feed(&bytes, |event| match event.unwrap() {
-            Event::Head(..) => {}
-            Event::Row(row, samples) => {
+            TraceEvent::Head(..) => {}
+            TraceEvent::Row(row, samples) => {
                 rows.push((row, samples.axes.iter().map(|s| (s.pos.get(), s.vel_mantissa.get())).collect::<Vec<_>>()))
             }
-            Event::Action(_) | Event::Outputs(_) | Event::Period(_) => panic!("nobody asked for that"),
-            Event::End { lost, .. } => ended = lost == 0,
+            TraceEvent::Action(_) | TraceEvent::Outputs(_) | TraceEvent::Period(_) => panic!("nobody asked for that"),
+            TraceEvent::End { lost, .. } => ended = lost == 0,
         });
         assert!(ended);
         rows
@@ -208,20 +208,20 @@ fn the_trace_has_every_row_and_the_planned_motion() {
     let mut end = None;
     let mut head = None;
     Decoder::new().feed(&bench.trace, |event| match event.expect("no row is missing") {
-        Event::Head(described, Columns { axes, lasers, .. }) => {
+        TraceEvent::Head(described, Columns { axes, lasers, .. }) => {
             head = Some((described.period_ns, described.every));
             assert!(lasers.iter().map(|id| id.channel).eq([1]) && described.timer_mhz == 1000);
             assert_eq!(axes.iter().map(|id| (id.core, id.axis)).collect::<Vec<_>>(), [(0, 1), (0, 3)]);
         }
-        Event::Row(row, Columns { axes: samples, lasers, .. }) => {
+        TraceEvent::Row(row, Columns { axes: samples, lasers, .. }) => {
             assert!(lasers.iter().eq([LaserSample::default()]), "the laser stays dark");
             let sample = samples.iter().next().unwrap();
             let velocity = sample.vel_mantissa.get() as f64 * (-f64::from(sample.vel_exponent.get())).exp2();
             rows.push((row, sample.pos.get(), velocity));
             assert_eq!(samples.iter().nth(1).unwrap().pos.get(), 0);
         }
-        Event::Action(_) | Event::Outputs(_) | Event::Period(_) => panic!("nobody asked for that"),
-        Event::End { rows, lost } => end = Some((rows, lost)),
+        TraceEvent::Action(_) | TraceEvent::Outputs(_) | TraceEvent::Period(_) => panic!("nobody asked for that"),
+        TraceEvent::End { rows, lost } => end = Some((rows, lost)),
     });
     assert_eq!(head, Some((250_000, 2)));
     assert_eq!(end, Some((rows.len() as u32, 0)));

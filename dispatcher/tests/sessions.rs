@@ -6,7 +6,7 @@
 use crate::bench;
 use bench::{Bench, MS, body, entry, sleep};
 use protocol::command::*;
-use protocol::frame::{self, Header, Kind, MAX_WIRE};
+use protocol::frame::{self, FrameKind, Header, MAX_WIRE};
 use protocol::reason::Reason;
 use protocol::record::Lane;
 use servo::units::Ns;
@@ -216,7 +216,7 @@ fn the_server_asks_to_be_woken_when_the_link_is_lost() {
 }
 
 /// A frame as an end of another session would send it.
-fn stray(kind: Kind, session: u32) -> Vec<u8> {
+fn stray(kind: FrameKind, session: u32) -> Vec<u8> {
     let header = Header {
         version: protocol::VERSION,
         kind: kind as u8,
@@ -252,7 +252,7 @@ fn frames_of_an_old_session_do_not_keep_a_jog_alive() {
     while bench.now().0 < begin + 520 * MS {
         if (bench.now().0 - begin).is_multiple_of(50 * MS) {
             assert!(runs(&mut bench) || bench.now().0 > begin + 380 * MS);
-            for kind in [Kind::KeepAlive, Kind::Ack, Kind::Data] {
+            for kind in [FrameKind::KeepAlive, FrameKind::Ack, FrameKind::Data] {
                 bench.server.feed(Ns(bench.now().0), &stray(kind, old));
             }
         }

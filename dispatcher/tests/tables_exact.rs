@@ -3,7 +3,7 @@
 //! within 2⁻¹⁶ of the peak, and in pieces shorter than 2⁻²⁴ of the pass within 2⁻⁴⁰ of the pass
 //! over the piece (16 bytes a point hold no finer times, decision 6). Loops do not drift.
 use crate::tables_bench as bench;
-use dispatcher::plan::pvt::Kind;
+use dispatcher::plan::pvt::TableKind;
 use protocol::reason::Reason;
 
 use bench::chance::Chance;
@@ -67,7 +67,7 @@ fn campaign(
     seed: u64,
     segments: usize,
     most: u64,
-    mut make: impl FnMut(&mut Chance, u64) -> (Kind, Vec<Vec<f64>>),
+    mut make: impl FnMut(&mut Chance, u64) -> (TableKind, Vec<Vec<f64>>),
 ) -> Tally {
     // A run of very many tables takes short ones, now and then a long one; PVT_SEED splits it into
     // parts.
@@ -179,7 +179,7 @@ fn pvt_is_exact() {
             let slope = if i == 0 { 0.0 } else { (p - course[i - 1].1) / (t - course[i - 1].0) };
             points.push(vec![*t, *p, slope * (chance.unit() * 3.0 - 0.5)]);
         }
-        (Kind::Pvt, points)
+        (TableKind::Pvt, points)
     });
     assert!(tally.refused * 4 < tally.tables);
 }
@@ -193,7 +193,7 @@ fn pvt_ex_is_exact() {
             .iter()
             .zip(slopes)
             .map(|((t, p), slope)| vec![*t, *p, slope * (chance.unit() * 3.0 - 0.5), slope * chance.unit()]);
-        (Kind::PvtEx, points.collect())
+        (TableKind::PvtEx, points.collect())
     });
 }
 
@@ -202,7 +202,7 @@ fn complete_is_exact() {
     campaign(13, 150_000, 1023, |chance, most| {
         let course = course(chance, most);
         let points = course.iter().map(|(t, p)| vec![*t, *p]).collect();
-        (Kind::Complete { vel_begin: chance.unit(), vel_end: -chance.unit() }, points)
+        (TableKind::Complete { vel_begin: chance.unit(), vel_end: -chance.unit() }, points)
     });
 }
 
@@ -219,7 +219,7 @@ fn a_short_segment_beside_a_long_one_is_exact() {
     ];
     let points: Vec<Vec<f64>> = points.iter().map(|point| point.to_vec()).collect();
     let tally = campaign(16, 600, 6, |_, _| {
-        (Kind::Complete { vel_begin: 0.5880118899538811, vel_end: -0.21804996439963487 }, points.clone())
+        (TableKind::Complete { vel_begin: 0.5880118899538811, vel_end: -0.21804996439963487 }, points.clone())
     });
     assert_eq!(tally.refused, 0);
 }
@@ -251,7 +251,7 @@ fn percent_is_exact() {
             v = 2.0 * (p - points[n][1]) / (t - points[n][0]) - v;
         }
         refused += 1;
-        (Kind::Percent { vel_begin }, points)
+        (TableKind::Percent { vel_begin }, points)
     });
     assert!(tally.refused * 4 < tally.tables && refused > 0);
 }
@@ -286,7 +286,7 @@ fn continuous_is_exact() {
                 if chance.below(3) == 0 { chance.log(least, least * 100.0) } else { least * (0.5 + chance.unit()) };
             p = number(style, p + direction * length.max(1e-3));
         }
-        (Kind::Continuous { time_begin: number(style, chance.unit() * 500.0) }, points)
+        (TableKind::Continuous { time_begin: number(style, chance.unit() * 500.0) }, points)
     });
 }
 
@@ -299,10 +299,10 @@ fn a_million_loops_do_not_drift() {
     let continuous = [[0.0, 0.0, 60.0, 0.7, 0.01, 0.02], [0.1, 0.0, 0.0, 0.0, 0.0, 0.0]].map(|p| p.to_vec()).to_vec();
     let complete: Vec<Vec<f64>> = [[0.0, 0.0], [3.3, 1e-3], [7.7, 0.1]].map(|p| p.to_vec()).to_vec();
     let all = [
-        (Kind::Pvt, points.to_vec()),
-        (Kind::Percent { vel_begin: 0.01 }, percent),
-        (Kind::Continuous { time_begin: 0.3 }, continuous),
-        (Kind::Complete { vel_begin: 0.1, vel_end: 0.1 }, complete),
+        (TableKind::Pvt, points.to_vec()),
+        (TableKind::Percent { vel_begin: 0.01 }, percent),
+        (TableKind::Continuous { time_begin: 0.3 }, continuous),
+        (TableKind::Complete { vel_begin: 0.1, vel_end: 0.1 }, complete),
     ];
     for (kind, points) in all {
         let mut shelf = Shelf::default();
@@ -324,8 +324,8 @@ fn a_million_loops_do_not_drift() {
     for length in [0.0101, 0.0333, 0.2] {
         let mut shelf = Shelf::default();
         let points = [vec![0.0, 0.0, 1.0], vec![length / 3.0, 0.01, 2.0], vec![length, 0.1, 1.0]];
-        shelf.add(Kind::Pvt, &points).unwrap();
-        let reference = Reference::of(Kind::Pvt, &points);
+        shelf.add(TableKind::Pvt, &points).unwrap();
+        let reference = Reference::of(TableKind::Pvt, &points);
         let mut bench = Bench::start(&shelf, 0, 0, Exact(0), 0);
         for tick in 1..20_000u64 {
             let (error, _) = bench.error(&reference, tick * 100_000);

@@ -1,7 +1,7 @@
 //! The tables of GXN chapter 4 as golden tests. Every expected number is worked out by hand, in
 //! the comment beside it, or from a closed form.
 use crate::tables_bench as bench;
-use dispatcher::plan::pvt::Kind;
+use dispatcher::plan::pvt::TableKind;
 use servo::units::Exact;
 
 use bench::{Bench, Shelf};
@@ -12,7 +12,7 @@ fn rows(rows: &[&[f64]]) -> Vec<Vec<f64>> {
     rows.iter().map(|row| row.to_vec()).collect()
 }
 
-fn shelf(kind: Kind, points: &[&[f64]]) -> (Shelf, Vec<f64>) {
+fn shelf(kind: TableKind, points: &[&[f64]]) -> (Shelf, Vec<f64>) {
     let mut shelf = Shelf::default();
     let answers = shelf.add(kind, &rows(points)).expect("the manual's own data");
     (shelf, answers)
@@ -46,7 +46,7 @@ fn ends(bench: &mut Bench, t: f64, p: f64) {
 #[test]
 fn table_4_2_waits_and_loops() {
     let (shelf, _) = shelf(
-        Kind::Pvt,
+        TableKind::Pvt,
         &[&[1000.0, 0.0, 0.0], &[2000.0, 5000.0, 10.0], &[3000.0, 15000.0, 10.0], &[4000.0, 20000.0, 0.0]],
     );
     let mut bench = follows(
@@ -79,7 +79,7 @@ fn table_4_2_waits_and_loops() {
 #[test]
 fn table_4_3_groups() {
     let (first, _) = shelf(
-        Kind::Pvt,
+        TableKind::Pvt,
         &[&[0.0, 0.0, 0.0], &[1000.0, 5000.0, 10.0], &[2000.0, 15000.0, 10.0], &[3000.0, 20000.0, 0.0]],
     );
     let mut bench = follows(
@@ -88,8 +88,10 @@ fn table_4_3_groups() {
         &[(500.0, 1250.0, 5.0), (1000.0, 5000.0, 10.0), (1500.0, 10000.0, 10.0), (2500.0, 18750.0, 5.0)],
     );
     ends(&mut bench, 3000.0, 20000.0);
-    let (second, _) =
-        shelf(Kind::Pvt, &[&[0.0, 0.0, 0.0], &[1000.0, 5000.0, 9.0], &[2000.0, 15000.0, 9.0], &[3000.0, 20000.0, 0.0]]);
+    let (second, _) = shelf(
+        TableKind::Pvt,
+        &[&[0.0, 0.0, 0.0], &[1000.0, 5000.0, 9.0], &[2000.0, 15000.0, 9.0], &[3000.0, 20000.0, 0.0]],
+    );
     let mut bench = follows(
         &second,
         1,
@@ -101,8 +103,10 @@ fn table_4_3_groups() {
         ],
     );
     ends(&mut bench, 3000.0, 20000.0);
-    let (third, _) =
-        shelf(Kind::Pvt, &[&[0.0, 0.0, 0.0], &[1000.0, 5000.0, 7.5], &[2333.0, 15000.0, 7.5], &[3333.0, 20000.0, 0.0]]);
+    let (third, _) = shelf(
+        TableKind::Pvt,
+        &[&[0.0, 0.0, 0.0], &[1000.0, 5000.0, 7.5], &[2333.0, 15000.0, 7.5], &[3333.0, 20000.0, 0.0]],
+    );
     let mut bench = follows(
         &third,
         1,
@@ -115,7 +119,7 @@ fn table_4_3_groups() {
     );
     ends(&mut bench, 3333.0, 20000.0);
     let (fourth, _) = shelf(
-        Kind::Pvt,
+        TableKind::Pvt,
         &[&[0.0, 0.0, 0.0], &[750.0, 1667.0, 6.6669], &[2250.0, 18333.0, 6.6669], &[3000.0, 20000.0, 0.0]],
     );
     let mut bench = follows(
@@ -133,8 +137,10 @@ fn table_4_3_groups() {
 #[test]
 fn table_4_4_groups() {
     for v in [15.0, 5.0] {
-        let (shelf, _) =
-            shelf(Kind::Pvt, &[&[0.0, 0.0, 0.0], &[1000.0, 5000.0, v], &[2000.0, 15000.0, v], &[3000.0, 20000.0, 0.0]]);
+        let (shelf, _) = shelf(
+            TableKind::Pvt,
+            &[&[0.0, 0.0, 0.0], &[1000.0, 5000.0, v], &[2000.0, 15000.0, v], &[3000.0, 20000.0, 0.0]],
+        );
         let mut bench = follows(
             &shelf,
             1,
@@ -154,7 +160,7 @@ fn table_4_4_groups() {
 #[test]
 fn table_4_5_spline() {
     let (shelf, _) = shelf(
-        Kind::Complete { vel_begin: 0.0, vel_end: 0.0 },
+        TableKind::Complete { vel_begin: 0.0, vel_end: 0.0 },
         &[&[0.0, 0.0], &[1000.0, 5000.0], &[2000.0, 15000.0], &[3000.0, 20000.0]],
     );
     let mut bench = follows(
@@ -182,7 +188,7 @@ fn table_4_6_errors_shrink() {
         let h = 2000.0 / (n - 1) as f64;
         let points: Vec<Vec<f64>> = (0..n).map(|i| vec![h * i as f64, f(h * i as f64)]).collect();
         let mut shelf = Shelf::default();
-        shelf.add(Kind::Complete { vel_begin: 0.0, vel_end: 0.0 }, &points).unwrap();
+        shelf.add(TableKind::Complete { vel_begin: 0.0, vel_end: 0.0 }, &points).unwrap();
         let mut bench = Bench::start(&shelf, 0, 0, Exact(0), 1);
         let error = (1..20000).map(|i| (bench.at_ms(i as f64 / 10.0).0 - f(i as f64 / 10.0)).abs()).fold(0.0, f64::max);
         let bound = 5.0 / 384.0 * h.powi(4) * 25000.0 * (core::f64::consts::PI / 1000.0).powi(4);
@@ -197,7 +203,7 @@ fn table_4_6_errors_shrink() {
 #[test]
 fn table_4_7_percent() {
     let (shelf, answers) = shelf(
-        Kind::Percent { vel_begin: 0.0 },
+        TableKind::Percent { vel_begin: 0.0 },
         &[&[0.0, 0.0, 60.0], &[1000.0, 5000.0, 0.0], &[2000.0, 15000.0, 100.0], &[3000.0, 20000.0, 0.0]],
     );
     assert_eq!(answers, [0.0, 10.0, 10.0, 0.0]);
@@ -228,7 +234,7 @@ fn table_4_7_percent() {
 /// ms over 100: 950 ms + 100 ms.
 #[test]
 fn table_4_8_continuous() {
-    let kind = Kind::Continuous { time_begin: 0.0 };
+    let kind = TableKind::Continuous { time_begin: 0.0 };
     let (first, times) = shelf(kind, &[&[0.0, 0.0, 60.0, 10.0, 0.01, 0.01], &[20000.0, 0.0, 0.0, 10.0, 0.01, 0.01]]);
     assert!(times[0] == 0.0 && (times[1] - 3000.0).abs() < 1e-9, "{times:?}");
     assert_eq!(first.header_of(0).points, 8);
@@ -280,7 +286,7 @@ fn table_4_9_begins_at_speed() {
         &[3800.0, 59216.0, 15.25],
         &[5000.0, 68966.0, 1.0],
     ];
-    let (shelf, _) = shelf(Kind::Pvt, &points);
+    let (shelf, _) = shelf(TableKind::Pvt, &points);
     let mut expected = Vec::new();
     for pair in points.windows(2) {
         let ([t0, p0, v0], [t1, p1, v1]) =
@@ -302,7 +308,7 @@ fn table_4_9_begins_at_speed() {
 /// later and runs three passes. Y moves while X turns and stands still while X cruises.
 #[test]
 fn tables_4_10_to_4_13_draw_the_meander() {
-    let kind = Kind::Percent { vel_begin: 0.0 };
+    let kind = TableKind::Percent { vel_begin: 0.0 };
     let mut both = Shelf::default();
     let x = both
         .add(
@@ -366,7 +372,7 @@ fn tables_4_10_to_4_13_draw_the_meander() {
 fn listing_4_4_arrives_together() {
     let way = |length: f64| rows(&[&[0.0, 0.0, 100.0, 10.0, 0.01, 0.01], &[length, 0.0, 100.0, 10.0, 0.01, 0.01]]);
     let mut both = Shelf::default();
-    let kind = |time_begin| Kind::Continuous { time_begin };
+    let kind = |time_begin| TableKind::Continuous { time_begin };
     let tx = both.add(kind(0.0), &way(30000.0)).unwrap()[1];
     let ty = Shelf::default().add(kind(0.0), &way(20000.0)).unwrap()[1];
     assert!((tx - 4000.0).abs() < 1e-9 && (ty - 3000.0).abs() < 1e-9);
@@ -390,7 +396,7 @@ fn listing_4_4_arrives_together() {
 fn pvt_ex_jumps() {
     // 10 throughout, then 20 throughout, then back at −30 to 0.
     let (shelf, _) = shelf(
-        Kind::PvtEx,
+        TableKind::PvtEx,
         &[&[5.0, 100.0, 10.0, 10.0], &[15.0, 200.0, 20.0, 20.0], &[25.0, 400.0, -30.0, 0.0], &[35.0, 250.0, 0.0, 0.0]],
     );
     assert_eq!(shelf.header_of(0).points, 6);
@@ -412,6 +418,6 @@ fn pvt_ex_jumps() {
     ends(&mut bench, 65.0, 300.0);
     // Without a jump a point takes one point of the store.
     let (smooth, _) =
-        self::shelf(Kind::PvtEx, &[&[0.0, 0.0, 0.0, 10.0], &[10.0, 50.0, 10.0, 0.0], &[20.0, 100.0, 3.0, 4.0]]);
+        self::shelf(TableKind::PvtEx, &[&[0.0, 0.0, 0.0, 10.0], &[10.0, 50.0, 10.0, 0.0], &[20.0, 100.0, 3.0, 4.0]]);
     assert_eq!(smooth.header_of(0).points, 3);
 }

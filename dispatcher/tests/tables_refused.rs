@@ -1,7 +1,7 @@
 //! Bad points: each is refused with its code, a reason and the point's number, and nothing panics.
 use crate::tables_bench as bench;
 use dispatcher::Refused;
-use dispatcher::plan::pvt::{CORE_TABLES, Draft, Kind, Scratch, SplineScratch};
+use dispatcher::plan::pvt::{CORE_TABLES, Scratch, SplineScratch, TableDraft, TableKind};
 use protocol::reason::{Code, Reason};
 use servo::segment::pvt::PointStore;
 use servo::units::StepLimit;
@@ -9,7 +9,7 @@ use servo::units::StepLimit;
 use bench::chance::Chance;
 use bench::{FIELDS, Shelf};
 
-fn refused(kind: Kind, points: &[&[f64]]) -> Refused {
+fn refused(kind: TableKind, points: &[&[f64]]) -> Refused {
     let points: Vec<Vec<f64>> = points.iter().map(|p| p.to_vec()).collect();
     Shelf::default().add(kind, &points).expect_err("must be refused")
 }
@@ -20,26 +20,27 @@ fn is(refused: Refused, reason: Reason, item: u16, field: u8) {
     assert_eq!(refused.code(), Code::Range);
 }
 
-const CONTINUOUS: Kind = Kind::Continuous { time_begin: 0.0 };
-const PERCENT: Kind = Kind::Percent { vel_begin: 0.0 };
-const COMPLETE: Kind = Kind::Complete { vel_begin: 0.0, vel_end: 0.0 };
+const CONTINUOUS: TableKind = TableKind::Continuous { time_begin: 0.0 };
+const PERCENT: TableKind = TableKind::Percent { vel_begin: 0.0 };
+const COMPLETE: TableKind = TableKind::Complete { vel_begin: 0.0, vel_end: 0.0 };
 const NONE: u8 = 255;
 
 #[test]
 fn counts() {
     let (mut beside, room) = (Box::new(SplineScratch::new()), Box::new(PointStore::new()));
     let mut scratch = Scratch::new(&mut beside, &room);
-    for kind in [Kind::Pvt, Kind::PvtEx, COMPLETE, PERCENT, CONTINUOUS] {
+    for kind in [TableKind::Pvt, TableKind::PvtEx, COMPLETE, PERCENT, CONTINUOUS] {
         for count in [-1, 0, 1, 1025, i32::MAX, i32::MIN] {
-            let refused = Draft::begin(kind, count, FIELDS, StepLimit::FULL_SCALE, true, &mut scratch).unwrap_err();
+            let refused =
+                TableDraft::begin(kind, count, FIELDS, StepLimit::FULL_SCALE, true, &mut scratch).unwrap_err();
             is(refused, Reason::OutOfRange, 65535, FIELDS.count);
         }
-        assert!(Draft::begin(kind, 1024, FIELDS, StepLimit::FULL_SCALE, true, &mut scratch).is_ok());
+        assert!(TableDraft::begin(kind, 1024, FIELDS, StepLimit::FULL_SCALE, true, &mut scratch).is_ok());
     }
     assert_eq!(CORE_TABLES, 32);
     let full: Vec<Vec<f64>> = (0..1024).map(|i| vec![i as f64, i as f64, 1.0]).collect();
     let mut shelf = Shelf::default();
-    shelf.add(Kind::Pvt, &full).unwrap();
+    shelf.add(TableKind::Pvt, &full).unwrap();
     assert_eq!(shelf.header_of(0).points, 1024);
 }
 
@@ -53,7 +54,7 @@ fn more_places_than_fit() {
     // The Calculate command has no such limit.
     let (mut beside, room) = (Box::new(SplineScratch::new()), Box::new(PointStore::new()));
     let mut scratch = Scratch::new(&mut beside, &room);
-    let mut draft = Draft::begin(PERCENT, 400, FIELDS, StepLimit::FULL_SCALE, false, &mut scratch).unwrap();
+    let mut draft = TableDraft::begin(PERCENT, 400, FIELDS, StepLimit::FULL_SCALE, false, &mut scratch).unwrap();
     for point in &points {
         draft.point(point, &mut scratch).unwrap();
     }
@@ -68,20 +69,20 @@ fn a_jump_of_the_velocity_takes_a_second_place() {
         (0..count).map(|i| vec![i as f64, 10.0 * i as f64, 5.0 + (i % 7) as f64, 12.0 + (i % 5) as f64]).collect()
     };
     let mut shelf = Shelf::default();
-    shelf.add(Kind::PvtEx, &steps(513)).unwrap();
+    shelf.add(TableKind::PvtEx, &steps(513)).unwrap();
     assert_eq!(shelf.header_of(0).points, 1024);
     // Point 1024 of the store is the first one of the 513th point, which jumps here.
-    is(Shelf::default().add(Kind::PvtEx, &steps(514)).unwrap_err(), Reason::TableFull, 512, NONE);
+    is(Shelf::default().add(TableKind::PvtEx, &steps(514)).unwrap_err(), Reason::TableFull, 512, NONE);
     // Without jumps the manual's 1024 points are held.
     let smooth: Vec<Vec<f64>> = (0..1024).map(|i| vec![i as f64, 10.0 * i as f64, 10.0, 10.0]).collect();
     let mut shelf = Shelf::default();
-    shelf.add(Kind::PvtEx, &smooth).unwrap();
+    shelf.add(TableKind::PvtEx, &smooth).unwrap();
     assert_eq!(shelf.header_of(0).points, 1024);
 }
 
 #[test]
 fn times() {
-    for kind in [Kind::Pvt, Kind::PvtEx, COMPLETE, PERCENT] {
+    for kind in [TableKind::Pvt, TableKind::PvtEx, COMPLETE, PERCENT] {
         is(
             refused(kind, &[&[0.0, 0.0, 0.0, 0.0], &[1.0, 1.0, 0.0, 0.0], &[1.0, 2.0, 0.0, 0.0]]),
             Reason::PointTime,
@@ -100,29 +101,29 @@ fn times() {
         is(refused(kind, &[&[0.0, 0.0, 0.0, 0.0], &[1e11, 1.0, 0.0, 0.0]]), Reason::OutOfRange, 1, 10);
         assert_eq!(refused(kind, &[&[0.0, 0.0, 0.0, 0.0], &[1e-4, 0.0, 0.0, 0.0]]).reason, Reason::TableShort);
     }
-    let late = Kind::Continuous { time_begin: -1.0 };
+    let late = TableKind::Continuous { time_begin: -1.0 };
     is(refused(late, &[&[0.0; 6], &[1.0; 6]]), Reason::OutOfRange, 65535, 4);
-    is(refused(Kind::Continuous { time_begin: f64::NAN }, &[&[0.0; 6], &[1.0; 6]]), Reason::NotFinite, 65535, 4);
+    is(refused(TableKind::Continuous { time_begin: f64::NAN }, &[&[0.0; 6], &[1.0; 6]]), Reason::NotFinite, 65535, 4);
 }
 
 #[test]
 fn positions_and_velocities() {
-    is(refused(Kind::Pvt, &[&[0.0, 0.0, 0.0], &[1.0, f64::NAN, 0.0]]), Reason::NotFinite, 1, 11);
-    is(refused(Kind::Pvt, &[&[0.0, 0.0, 0.0], &[1.0, 0.0, f64::NEG_INFINITY]]), Reason::NotFinite, 1, 12);
-    is(refused(Kind::Pvt, &[&[0.0, 1e300, 0.0], &[1.0, 0.0, 0.0]]), Reason::OutOfRange, 0, 11);
-    is(refused(Kind::Pvt, &[&[0.0, 0.0, 0.0], &[1e4, 2.3e12, 0.0]]), Reason::BeyondTravel, 1, 11);
+    is(refused(TableKind::Pvt, &[&[0.0, 0.0, 0.0], &[1.0, f64::NAN, 0.0]]), Reason::NotFinite, 1, 11);
+    is(refused(TableKind::Pvt, &[&[0.0, 0.0, 0.0], &[1.0, 0.0, f64::NEG_INFINITY]]), Reason::NotFinite, 1, 12);
+    is(refused(TableKind::Pvt, &[&[0.0, 1e300, 0.0], &[1.0, 0.0, 0.0]]), Reason::OutOfRange, 0, 11);
+    is(refused(TableKind::Pvt, &[&[0.0, 0.0, 0.0], &[1e4, 2.3e12, 0.0]]), Reason::BeyondTravel, 1, 11);
     // Full scale is allowed, more is not, at a point or inside a segment.
     let full = 4294967296.0;
-    assert!(Shelf::default().add(Kind::Pvt, &[vec![0.0, 0.0, full], vec![1.0, full, full]]).is_ok());
-    is(refused(Kind::Pvt, &[&[0.0, 0.0, 0.0], &[1.0, 1.0, full * 1.000001]]), Reason::TooFast, 1, 12);
-    is(refused(Kind::Pvt, &[&[0.0, 0.0, 0.0], &[1.0, full, 0.0]]), Reason::TooFast, 1, 11);
+    assert!(Shelf::default().add(TableKind::Pvt, &[vec![0.0, 0.0, full], vec![1.0, full, full]]).is_ok());
+    is(refused(TableKind::Pvt, &[&[0.0, 0.0, 0.0], &[1.0, 1.0, full * 1.000001]]), Reason::TooFast, 1, 12);
+    is(refused(TableKind::Pvt, &[&[0.0, 0.0, 0.0], &[1.0, full, 0.0]]), Reason::TooFast, 1, 11);
     is(refused(PERCENT, &[&[0.0, 0.0, 0.0], &[1.0, full, 0.0]]), Reason::TooFast, 1, 11);
     is(refused(COMPLETE, &[&[0.0, 0.0], &[1.0, 0.0], &[2.0, full], &[3.0, 0.0]]), Reason::TooFast, 1, 11);
-    let fast = Kind::Complete { vel_begin: 0.0, vel_end: 1e10 };
+    let fast = TableKind::Complete { vel_begin: 0.0, vel_end: 1e10 };
     is(refused(fast, &[&[0.0, 0.0], &[1.0, 0.0]]), Reason::TooFast, 65535, 5);
-    is(refused(Kind::Percent { vel_begin: f64::NAN }, &[&[0.0, 0.0], &[1.0, 0.0]]), Reason::NotFinite, 65535, 4);
+    is(refused(TableKind::Percent { vel_begin: f64::NAN }, &[&[0.0, 0.0], &[1.0, 0.0]]), Reason::NotFinite, 65535, 4);
     // The points are near, the positions between them are not.
-    is(refused(Kind::Pvt, &[&[0.0, 0.0, 4e9], &[1e5, 0.0, 0.0]]), Reason::BeyondTravel, 1, 11);
+    is(refused(TableKind::Pvt, &[&[0.0, 0.0, 4e9], &[1e5, 0.0, 0.0]]), Reason::BeyondTravel, 1, 11);
 }
 
 #[test]
@@ -184,14 +185,14 @@ fn continuous_data() {
 fn a_point_too_many() {
     let (mut beside, room) = (Box::new(SplineScratch::new()), Box::new(PointStore::new()));
     let mut scratch = Scratch::new(&mut beside, &room);
-    let mut draft = Draft::begin(Kind::Pvt, 2, FIELDS, StepLimit::FULL_SCALE, true, &mut scratch).unwrap();
+    let mut draft = TableDraft::begin(TableKind::Pvt, 2, FIELDS, StepLimit::FULL_SCALE, true, &mut scratch).unwrap();
     draft.point(&[0.0, 0.0, 0.0], &mut scratch).unwrap();
     assert!(draft.finish(&mut scratch).is_none());
     draft.point(&[1.0, 0.0, 0.0], &mut scratch).unwrap();
     assert!(draft.point(&[2.0, 0.0, 0.0], &mut scratch).is_err());
     assert!(draft.finish(&mut scratch).is_some());
     // Too few values are no numbers.
-    let mut draft = Draft::begin(Kind::Pvt, 2, FIELDS, StepLimit::FULL_SCALE, true, &mut scratch).unwrap();
+    let mut draft = TableDraft::begin(TableKind::Pvt, 2, FIELDS, StepLimit::FULL_SCALE, true, &mut scratch).unwrap();
     assert!(draft.point(&[0.0, 0.0], &mut scratch).is_err());
 }
 
@@ -210,11 +211,11 @@ fn arbitrary_bits() {
             _ => chance.sign() * chance.log(1e-6, 1e6),
         };
         let kind = match round % 5 {
-            0 => Kind::Pvt,
-            1 => Kind::PvtEx,
-            2 => Kind::Complete { vel_begin: value(&mut chance), vel_end: value(&mut chance) },
-            3 => Kind::Percent { vel_begin: value(&mut chance) },
-            _ => Kind::Continuous { time_begin: value(&mut chance) },
+            0 => TableKind::Pvt,
+            1 => TableKind::PvtEx,
+            2 => TableKind::Complete { vel_begin: value(&mut chance), vel_end: value(&mut chance) },
+            3 => TableKind::Percent { vel_begin: value(&mut chance) },
+            _ => TableKind::Continuous { time_begin: value(&mut chance) },
         };
         let count = 2 + chance.below(3);
         let mut points: Vec<Vec<f64>> = (0..count).map(|_| (0..6).map(|_| value(&mut chance)).collect()).collect();

@@ -16,7 +16,7 @@ use hal::board::timer::TickTimer;
 use hal::board::uart::Rx;
 use hal::board::{hold_link, ring_bell};
 use ring::Producer;
-use servo::tick::{Lanes, Tick};
+use servo::tick::{Tick, TickHalves};
 
 /// The machine of the board.
 #[cfg(feature = "mps2_an500")]
@@ -33,7 +33,7 @@ pub struct Servo {
     /// The tick itself.
     pub tick: &'static mut Tick<AXES>,
     /// Its halves of the hand-overs.
-    pub lanes: Lanes<'static, AXES>,
+    pub lanes: TickHalves<'static, AXES>,
 }
 
 /// What the link's receive interrupt owns.

@@ -18,13 +18,13 @@ mod wake_signal;
 mod wires;
 
 use core::sync::atomic::Ordering;
-use dispatcher::{Channels, FaultKind, SecondaryTransport, Server};
+use dispatcher::{FaultKind, SecondaryTransport, Server, ThreadHalves};
 use embassy_executor::raw;
 use fault::Report;
 use hal::board::{self, AXES, idle::Idle};
 use interrupts::{Receiver, Servo};
 use servo::tables::TableStores;
-use servo::tick::Lanes;
+use servo::tick::TickHalves;
 use statics::{
     BYTES, EVENT_QUEUE, EXECUTOR, HEADERS, IMMEDIATE_LANE, LASER_TABLES, PENDED, POINTS, PROGRAM_LANE, QUEUES,
     RECEIVER, RECEIVING, REPORT, SERVER, SERVO, STORES, TICK, TRACE, VIEW, paths,
@@ -110,7 +110,7 @@ fn compose(last: Option<&'static Report>) -> Option<Parts> {
         timer,
         machine,
         tick: TICK.try_take()?,
-        lanes: Lanes {
+        lanes: TickHalves {
             immediate,
             program,
             view: view_in,
@@ -132,7 +132,7 @@ fn compose(last: Option<&'static Report>) -> Option<Parts> {
         RECEIVER.give(Receiver { rx, bytes: bytes_in });
     }
 
-    let channels = Channels {
+    let channels = ThreadHalves {
         immediate: immediate_in,
         program: program_in,
         view,
@@ -168,10 +168,13 @@ fn compose(last: Option<&'static Report>) -> Option<Parts> {
 
 /// The thread's side. A function of its own for the same reason as `compose`.
 #[inline(never)]
-fn server(fault: Option<dispatcher::Fault>, channels: Channels<'static, AXES>) -> &'static mut Server<'static, AXES> {
+fn server(
+    fault: Option<dispatcher::Fault>,
+    channels: ThreadHalves<'static, AXES>,
+) -> &'static mut Server<'static, AXES> {
     SERVER.init_with(|| {
         Server::new(
-            dispatcher::Board {
+            dispatcher::BoardConstants {
                 name: board::NAME,
                 profile: dispatcher::largest_that_fits(AXES),
                 tick_us: board::TICK_US,

@@ -8,11 +8,11 @@ use dispatcher::{PathQueue, Server};
 use embassy_executor::raw;
 use hal::board::{self, AXES};
 use ring::{Latest, Ring};
-use servo::laser::Tables;
+use servo::laser::PowerTables;
 use servo::path::{EntryStore, PathStores};
 use servo::segment::pvt::{HeaderStore, PointStore, TABLES};
 use servo::tick::{EVENTS, IMMEDIATE, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig};
-use servo::tick_command::Entry;
+use servo::tick_command::LaneEntry;
 use servo::units::Crd;
 use servo::view::{Event, Sample, View};
 use static_cell::{ConstStaticCell, StaticCell};
@@ -21,9 +21,9 @@ use static_cell::{ConstStaticCell, StaticCell};
 pub const RECEIVED: usize = if AXES > 8 { 4096 } else { 1024 };
 
 /// Thread to tick: operations for the next tick.
-pub static IMMEDIATE_LANE: Ring<Entry, IMMEDIATE> = Ring::new();
+pub static IMMEDIATE_LANE: Ring<LaneEntry, IMMEDIATE> = Ring::new();
 /// Thread to tick: timed operations of a program.
-pub static PROGRAM_LANE: Ring<Entry, PROGRAM> = Ring::new();
+pub static PROGRAM_LANE: Ring<LaneEntry, PROGRAM> = Ring::new();
 /// Tick to thread: the newest view.
 #[cfg_attr(feature = "stm32h743", unsafe(link_section = ".state"))]
 pub static VIEW: Latest<View<AXES>> = Latest::new(View::POWER_ON);
@@ -62,7 +62,7 @@ pub const fn paths() -> PathStores<'static> {
     PathStores::new([Some(&PATHS_0), Some(&PATHS_1)])
 }
 /// Thread to tick: tables of laser channels.
-pub static LASER_TABLES: Tables = Tables::new();
+pub static LASER_TABLES: PowerTables = PowerTables::new();
 /// Thread: the queues of the look-ahead before these stores.
 #[cfg_attr(feature = "stm32h743", unsafe(link_section = ".thread"))]
 pub static QUEUES: ConstStaticCell<[[PathQueue; 2]; Crd::MAX]> =

@@ -6,7 +6,7 @@
 use crate::guard::Guard;
 use protocol::command::{AxisStatus, CommandInfo, ProgramClear, Request, info};
 use protocol::frame::{MAX_PAYLOAD, MAX_WIRE};
-use protocol::link::{Endpoint, Identity, Role, State};
+use protocol::link::{Endpoint, Identity, LinkState, Role};
 use protocol::reason::{Code, Reason, Refusal, describe_opcode};
 use protocol::record::{Lane, RequestWriter, TRACE_RECORD, replies};
 use rand_xoshiro::SplitMix64;
@@ -209,7 +209,7 @@ impl<'m> Bench<'m> {
     pub fn settle(&mut self) {
         self.cut = false;
         self.set_noise(0);
-        if matches!(self.client.state(), State::Closed | State::Ended) {
+        if matches!(self.client.state(), LinkState::Closed | LinkState::Ended) {
             self.open();
         }
         self.send(ProgramClear::OPCODE, Lane::Immediate, Vec::new(), None);
@@ -253,7 +253,7 @@ impl<'m> Bench<'m> {
             }
             assert_eq!(self.client.send(&message), Ok(()));
         }
-        if self.client.state() != State::Closed {
+        if self.client.state() != LinkState::Closed {
             let mut wire = std::mem::take(&mut self.wire);
             loop {
                 let count = self.client.take_tx(now, &mut wire);

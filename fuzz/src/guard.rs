@@ -17,11 +17,11 @@
 //! * a set-point never goes further in a tick than the step limit, never beyond the edge of travel,
 //!   and stands still while its axis does not run.
 use crate::bench::Sent;
-use plant::beam::Levels;
+use plant::beam::ChannelLevels;
 use protocol::command::opcode;
 use servo::laser::{self, Cause};
 use servo::status::{ALARM, LIMITS, RUNNING, SERVO_ON};
-use servo::tick_command::Mode;
+use servo::tick_command::MotionMode;
 use servo::view::AxisView;
 use std::collections::VecDeque;
 use virtual_board::Controller;
@@ -84,7 +84,7 @@ fn clears(number: u16) -> bool {
     matches!(number, opcode::ClrSts | opcode::ClrLaserFault | opcode::Reset | opcode::Choose)
 }
 
-fn at_standstill(levels: Levels) -> bool {
+fn at_standstill(levels: ChannelLevels) -> bool {
     !levels.switch && !levels.energy && levels.dac == 0
 }
 
@@ -201,7 +201,7 @@ impl Guard {
         } else {
             return;
         };
-        if now.mode != Mode::Crd || before.mode != Mode::Crd || !self.is_quiet() {
+        if now.mode != MotionMode::Crd || before.mode != MotionMode::Crd || !self.is_quiet() {
             return;
         }
         for crd in 0..4 {
@@ -228,7 +228,7 @@ impl Guard {
         assert!(self.interlock <= REACTION || levels.dac == 0, "channel {channel} under interlock: {levels:?}");
         // A lost link rests what has light (SPEC 9); mode 3 of GUS holds the switch where it is
         // enabled, without light too (SPEC 2).
-        let open = view.mode == laser::Mode::DutyOpen && !levels.energy;
+        let open = view.mode == laser::PowerMode::DutyOpen && !levels.energy;
         // A tick to notice it and one to tell the servo, before it acts.
         assert!(
             self.silent.is_none_or(|ticks| ticks <= REACTION + 2) || !view.light && (!levels.switch || open),

@@ -5,8 +5,8 @@
 //! a frame that came with it; nothing panics.
 use crate::source::Source;
 use protocol::deframe::{Deframer, Outcome};
-use protocol::frame::{self, Header, Kind, MAX_PAYLOAD, MAX_WIRE};
-use protocol::link::{Endpoint, Identity, Role, State};
+use protocol::frame::{self, FrameKind, Header, MAX_PAYLOAD, MAX_WIRE};
+use protocol::link::{Endpoint, Identity, LinkState, Role};
 use protocol::record::{replies, requests};
 use std::collections::HashMap;
 
@@ -100,7 +100,7 @@ impl End {
             self.end.feed(now, part);
             self.look();
             if whole
-                && let Ok((header, Kind::Data, payload)) = frame::decode(self.deframer.frame())
+                && let Ok((header, FrameKind::Data, payload)) = frame::decode(self.deframer.frame())
                 && Some(header.session.get()) == self.session
             {
                 self.fed.entry(header.sequence.get()).or_default().push(payload.to_vec());
@@ -194,7 +194,7 @@ fn ends(from: &mut Source) {
         for end in &mut ends {
             end.end.poll(now);
             end.look();
-            assert_eq!(end.end.session().is_some(), end.end.state() == State::Open);
+            assert_eq!(end.end.session().is_some(), end.end.state() == LinkState::Open);
             assert!(end.end.free_slots() <= 8);
         }
     }

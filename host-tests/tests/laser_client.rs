@@ -14,7 +14,7 @@ use cases::{HORIZON, cases};
 use chance::Chance;
 use client::{Answer, Call, Client, Observer, Options};
 use host_tests::laser_model::{Command, Edge, Exact, Family, Job, Mode, Ns, Outcome, outcome};
-use plant::beam::Change;
+use plant::beam::SignalChange;
 use protocol::command::*;
 use random::{Setup, job, table};
 use virtual_board::{Board, Config, Shared, VirtualLink, share};
@@ -143,10 +143,10 @@ impl Rig {
         for beam in board.take_beam() {
             assert_eq!(i16::from(beam.channel), channel, "the other channel rests");
             match beam.change {
-                Change::Switch { at, level } => switch.push((at as Ns - zero, level)),
-                Change::Energy { at, level } => energy.push((at as Ns - zero, level)),
-                Change::Dac { at, code } => volts.push((at as Ns - zero, code)),
-                Change::Pulses(burst) => {
+                SignalChange::Switch { at, level } => switch.push((at as Ns - zero, level)),
+                SignalChange::Energy { at, level } => energy.push((at as Ns - zero, level)),
+                SignalChange::Dac { at, code } => volts.push((at as Ns - zero, code)),
+                SignalChange::Pulses(burst) => {
                     for (begin, end) in burst.pulses().filter(|(begin, end)| begin < end) {
                         energy.extend([(begin as Ns - zero, true), (end as Ns - zero, false)]);
                     }

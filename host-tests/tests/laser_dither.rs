@@ -14,7 +14,7 @@ mod spectrum;
 use bench::Bench;
 use chance::Chance;
 use num_rational::BigRational;
-use servo::laser::{Bounds, Carrier, Change, Clock, Count, Fine, Mode, Power, Standby, Train};
+use servo::laser::{Carrier, ChannelChange, Clock, Count, FixedTrain, Power, PowerBounds, PowerMode, Standby, Train};
 use spectrum::{counted, figure, lines, repetition, worst};
 use std::num::NonZeroU16;
 
@@ -82,7 +82,7 @@ fn planned_trains_have_their_frequency_and_duty() {
             check_period(carrier.period(), khz, clock);
             for percent in duties(chance) {
                 let standby = *Standby::admit(power(khz), power(percent), clock).unwrap().train();
-                let light = *Fine::plan(Mode::Duty, power(percent), Some(&carrier), clock).unwrap().train();
+                let light = *FixedTrain::plan(PowerMode::Duty, power(percent), Some(&carrier), clock).unwrap().train();
                 for train in [standby, light] {
                     check_period(train.period, khz, clock);
                     check_duty(train, percent);
@@ -107,9 +107,9 @@ fn trains_of_the_tick_have_their_frequency_and_duty() {
             let carrier = Carrier::admit(power(khz), clock).unwrap();
             for percent in duties(chance) {
                 let changes = [
-                    Change::Carrier { carrier, fine: None },
-                    Change::Direct { power: power(percent), fine: None },
-                    Change::Gate { on: true },
+                    ChannelChange::Carrier { carrier, fine: None },
+                    ChannelChange::Direct { power: power(percent), fine: None },
+                    ChannelChange::Gate { on: true },
                 ];
                 let view = bench.one_tick(clock, &changes);
                 assert!(!view.limited);
@@ -121,12 +121,12 @@ fn trains_of_the_tick_have_their_frequency_and_duty() {
                 check_duty(view.train, percent);
             }
             let width = 1 + chance.below(100) as u16;
-            let bounds = Bounds::full(Mode::Frequency);
+            let bounds = PowerBounds::full(PowerMode::Frequency);
             let changes = [
-                Change::Mode { mode: Mode::Frequency, bounds, delayed: true, fine: None },
-                Change::PulseWidth { us: NonZeroU16::new(width).unwrap() },
-                Change::Direct { power: power(khz), fine: None },
-                Change::Gate { on: true },
+                ChannelChange::Mode { mode: PowerMode::Frequency, bounds, delayed: true, fine: None },
+                ChannelChange::PulseWidth { us: NonZeroU16::new(width).unwrap() },
+                ChannelChange::Direct { power: power(khz), fine: None },
+                ChannelChange::Gate { on: true },
             ];
             let view = bench.one_tick(clock, &changes);
             check_period(view.train.period, khz, clock);
@@ -152,7 +152,7 @@ fn the_counts_of_a_repetition_are_the_mean() {
         for khz in frequencies(chance, 200).into_iter().filter(|khz| *khz > 1.0) {
             let percent = chance.unit() * 100.0;
             let carrier = Carrier::admit(power(khz), clock).unwrap();
-            let train = *Fine::plan(Mode::Duty, power(percent), Some(&carrier), clock).unwrap().train();
+            let train = *FixedTrain::plan(PowerMode::Duty, power(percent), Some(&carrier), clock).unwrap().train();
             let periods = repetition(train);
             let (pulses, length) = counted(train, periods);
             assert_eq!(ratio(length, 1), mean(train.period) * ratio(periods, 1));
@@ -177,7 +177,7 @@ fn dither_makes_no_line_above_the_stated_level() {
         for percent in [50.0, 100.0 / 3.0, 20.0, 80.0, 5.0, 95.0] {
             let clock = Clock::from_mhz(240).unwrap();
             let carrier = Carrier::admit(power(khz), clock).unwrap();
-            let train = *Fine::plan(Mode::Duty, power(percent), Some(&carrier), clock).unwrap().train();
+            let train = *FixedTrain::plan(PowerMode::Duty, power(percent), Some(&carrier), clock).unwrap().train();
             if repetition(train) > 3000 {
                 continue;
             }
@@ -205,7 +205,7 @@ fn dither_makes_no_line_above_the_stated_level() {
 fn the_figure_of_the_spectrum_is_true() {
     let clock = Clock::from_mhz(240).unwrap();
     let carrier = Carrier::admit(power(1900.0), clock).unwrap();
-    let train = *Fine::plan(Mode::Duty, power(30.0), Some(&carrier), clock).unwrap().train();
+    let train = *FixedTrain::plan(PowerMode::Duty, power(30.0), Some(&carrier), clock).unwrap().train();
     let title = format!(
         "1900 kHz at 240 MHz, 30 %: period {} {}/{}, width {} {}/{} counts, repeats after {} periods",
         train.period.whole,

@@ -1,5 +1,5 @@
 //! Laser channels in trace files against what a person can work out by hand.
-use plant::beam::Change;
+use plant::beam::SignalChange;
 use plant::pulses::Burst;
 use servo::laser::{Count, Train};
 use servo::segment::piece::Scaled;
@@ -57,21 +57,21 @@ fn vcd_shows_pulses_switch_and_voltage_to_the_nanosecond() {
     let mut vcd = VcdWriter::new(&mut out, &header(&[0, 1]), &[(2, false)], &[]).unwrap();
     let lasers = || vec![LaserPoint::default(); 2];
     vcd.row(&row(0, 0.0, lasers())).unwrap();
-    vcd.change(0, &Change::Switch { at: 3, level: true });
+    vcd.change(0, &SignalChange::Switch { at: 3, level: true });
     // 100 µs and a half ns: the first period is the shorter one.
     let train = Train { period: Count { whole: 100_000, part: 1, of: 2 }, width: whole(40_000) };
-    vcd.change(0, &Change::Pulses(Burst::new(100_007, 2, train)));
-    vcd.change(1, &Change::Dac { at: 100_007, code: 8_192 });
-    vcd.change(1, &Change::Dac { at: 249_999, code: -32_767 });
+    vcd.change(0, &SignalChange::Pulses(Burst::new(100_007, 2, train)));
+    vcd.change(1, &SignalChange::Dac { at: 100_007, code: 8_192 });
+    vcd.change(1, &SignalChange::Dac { at: 249_999, code: -32_767 });
     // Begins before the row and ends behind it.
-    vcd.change(0, &Change::Energy { at: 249_000, level: true });
+    vcd.change(0, &SignalChange::Energy { at: 249_000, level: true });
     vcd.row(&row(1, 0.0, lasers())).unwrap();
-    vcd.change(0, &Change::Energy { at: 250_100, level: false });
-    vcd.change(0, &Change::Switch { at: 250_000, level: false });
+    vcd.change(0, &SignalChange::Energy { at: 250_100, level: false });
+    vcd.change(0, &SignalChange::Switch { at: 250_000, level: false });
     // A full duty has no edges between its pulses, a duty of 0 none at all.
     let full = Train { period: whole(500), width: whole(500) };
-    vcd.change(1, &Change::Pulses(Burst::new(300_000, 3, full)));
-    vcd.change(1, &Change::Pulses(Burst::new(400_000, 3, Train { width: whole(0), ..full })));
+    vcd.change(1, &SignalChange::Pulses(Burst::new(300_000, 3, full)));
+    vcd.change(1, &SignalChange::Pulses(Burst::new(400_000, 3, Train { width: whole(0), ..full })));
     vcd.row(&row(2, 0.0, lasers())).unwrap();
     vcd.finish().unwrap();
     assert_eq!(
@@ -110,11 +110,11 @@ fn marks(options: PlotOptions, rows: u32, period: u32, unit: PowerUnit) -> Plot 
         let duty = 10.0 + 70.0 * f64::from(index) / f64::from(rows);
         if index > 0 {
             let begin = t_ns - TICK;
-            plot.change(0, &Change::Switch { at: begin + 1_000, level: on });
+            plot.change(0, &SignalChange::Switch { at: begin + 1_000, level: on });
             if on {
                 let width = whole((f64::from(period) * duty / 100.0) as u64);
                 let train = Train { period: whole(period.into()), width };
-                plot.change(0, &Change::Pulses(Burst::new(begin + 1_000, TICK / u64::from(period), train)));
+                plot.change(0, &SignalChange::Pulses(Burst::new(begin + 1_000, TICK / u64::from(period), train)));
             }
         }
         let khz = 1e6 / f64::from(period);

@@ -10,8 +10,8 @@ use chance::Chance;
 use protocol::Ns;
 use protocol::command::{Nothing, SetPos};
 use protocol::deframe::{Deframer, Outcome};
-use protocol::frame::{self, Header, Kind, MAX_PAYLOAD, MAX_WIRE, OVERHEAD};
-use protocol::link::{Endpoint, Identity, Role, State};
+use protocol::frame::{self, FrameKind, Header, MAX_PAYLOAD, MAX_WIRE, OVERHEAD};
+use protocol::link::{Endpoint, Identity, LinkState, Role};
 use protocol::record::{Lane, ReplyWriter, RequestWriter, replies, requests};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -151,7 +151,7 @@ impl Inlet for NoDuplicateSuppression {
         frames(&mut self.0, bytes, |header, payload, good| {
             let old = before.wrapping_sub(header.sequence.get()).wrapping_sub(1) < 100;
             let mine = Some(header.session.get()) == end.session();
-            if good && mine && old && header.kind == Kind::Data as u8 {
+            if good && mine && old && header.kind == FrameKind::Data as u8 {
                 again.push(payload.to_vec());
             }
         });
@@ -167,7 +167,7 @@ impl Inlet for NoOrder {
     fn pass(&mut self, end: &mut End, now: Ns, bytes: &[u8]) -> Vec<Vec<u8>> {
         let mut next = self.1;
         frames(&mut self.0, bytes, |mut header, payload, good| {
-            if good && header.kind == Kind::Data as u8 && header.sequence.get().wrapping_sub(next) < 100 {
+            if good && header.kind == FrameKind::Data as u8 && header.sequence.get().wrapping_sub(next) < 100 {
                 header.sequence = next.into();
                 next = next.wrapping_add(1);
             }
@@ -187,7 +187,7 @@ impl Inlet for EverySession {
     fn pass(&mut self, end: &mut End, now: Ns, bytes: &[u8]) -> Vec<Vec<u8>> {
         frames(&mut self.0, bytes, |mut header, payload, good| {
             if let Some(session) = end.session()
-                && header.kind == Kind::Data as u8
+                && header.kind == FrameKind::Data as u8
             {
                 header.session = session.into();
             }
@@ -224,7 +224,7 @@ struct Shown {
     executed: u32,
     longest_silence: Ns,
     sessions: u32,
-    counters: protocol::link::Counters,
+    counters: protocol::link::LinkCounters,
     channel: [u64; 4],
 }
 
@@ -396,7 +396,7 @@ impl<I: Inlet> Bench<I> {
                 self.at_run = run;
                 self.expected = 0;
             }
-            if self.client.state() == State::Open && run != self.run {
+            if self.client.state() == LinkState::Open && run != self.run {
                 return Err(format!("command {count} of session {run} executed when {} was open", self.run));
             }
             if count != self.expected || command.core.get() != check(run, count) || record.tag != count as u16 {

@@ -3,7 +3,7 @@
 #[path = "life/work.rs"]
 mod work;
 
-use plant::beam::Change;
+use plant::beam::SignalChange;
 use plant::pulses::Burst;
 use protocol::command::{CrdSpace, CrdStatus, GetRemainderSegNum};
 use std::time::Duration;
@@ -16,16 +16,16 @@ struct Done {
     set_points: Vec<[i64; 8]>,
     on_time: [u32; 2],
     edges: Vec<Edge>,
-    beam: Vec<(u8, Change)>,
+    beam: Vec<(u8, SignalChange)>,
 }
 
 /// The change with its instant counted from `begin`.
-fn since(change: Change, begin: u64) -> Change {
+fn since(change: SignalChange, begin: u64) -> SignalChange {
     match change {
-        Change::Switch { at, level } => Change::Switch { at: at - begin, level },
-        Change::Energy { at, level } => Change::Energy { at: at - begin, level },
-        Change::Pulses(burst) => Change::Pulses(Burst { at: burst.at - begin, ..burst }),
-        Change::Dac { at, code } => Change::Dac { at: at - begin, code },
+        SignalChange::Switch { at, level } => SignalChange::Switch { at: at - begin, level },
+        SignalChange::Energy { at, level } => SignalChange::Energy { at: at - begin, level },
+        SignalChange::Pulses(burst) => SignalChange::Pulses(Burst { at: burst.at - begin, ..burst }),
+        SignalChange::Dac { at, code } => SignalChange::Dac { at: at - begin, code },
     }
 }
 

@@ -11,7 +11,7 @@ use chance::Chance;
 use client::{Client, Link, Options};
 use host_tests::laser_model::Family;
 use machine::{Machine, numbered};
-use plant::beam::Change;
+use plant::beam::SignalChange;
 use protocol::command::{ClrLaserFault, CrdInfo, CrdStart, GetEvents, GetLaserFault, SetLinkLoss};
 use std::fmt::Write;
 use std::sync::{Arc, Mutex};
@@ -167,10 +167,10 @@ fn take(board: &Shared, lit: &mut Vec<(u64, bool)>) -> usize {
     let mut board = board.lock().unwrap();
     for beam in board.take_beam() {
         match beam.change {
-            Change::Switch { at, level } => lit.push((at, level)),
-            Change::Dac { at, code } => lit.push((at, code != 0)),
-            Change::Energy { at, level } => lit.push((at, level)),
-            Change::Pulses(_) => lit.push((u64::MAX, true)),
+            SignalChange::Switch { at, level } => lit.push((at, level)),
+            SignalChange::Dac { at, code } => lit.push((at, code != 0)),
+            SignalChange::Energy { at, level } => lit.push((at, level)),
+            SignalChange::Pulses(_) => lit.push((u64::MAX, true)),
         }
     }
     board.take_edges().iter().filter(|edge| matches!(edge.output, Output::General(_))).count()

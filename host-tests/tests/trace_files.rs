@@ -176,7 +176,7 @@ fn vcd_refuses_what_its_scale_cannot_show() {
 
 /// Two rows of one axis as stream bytes, with an end that tells `rows` and `lost`.
 fn stream(rows: &[u32], sent: u32, lost: u32) -> Vec<u8> {
-    use protocol::trace::{AxisId, Encoder, Head, Ids, Sample, Samples};
+    use protocol::trace::{AxisId, Encoder, Ids, Sample, Samples, TraceHead};
     let mut encoder = Encoder::new();
     let mut bytes = Vec::new();
     let mut flush = |encoder: &mut Encoder| {
@@ -184,7 +184,7 @@ fn stream(rows: &[u32], sent: u32, lost: u32) -> Vec<u8> {
         let n = encoder.take(&mut part);
         bytes.extend_from_slice(&part[..n]);
     };
-    let head = Head { schema: protocol::SCHEMA, period_ns: 50_000, every: 4, timer_mhz: 0 };
+    let head = TraceHead { schema: protocol::SCHEMA, period_ns: 50_000, every: 4, timer_mhz: 0 };
     encoder.head(&head, &Ids { axes: &[AxisId { core: 0, axis: 2 }], ..Ids::default() }).unwrap();
     flush(&mut encoder);
     for &row in rows {

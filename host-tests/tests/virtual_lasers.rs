@@ -1,7 +1,7 @@
 //! Lasers of the virtual controller: what its outputs do, what the trace tells of it, and the
 //! interlock.
 use client::{Call, Client, Options, Quiet};
-use plant::beam::{Change, Levels};
+use plant::beam::{ChannelLevels, SignalChange};
 use protocol::command::*;
 use std::sync::{Arc, Mutex};
 use trace::{Item, Reader};
@@ -25,12 +25,12 @@ struct Edges {
 }
 
 impl Edges {
-    fn add(&mut self, change: &Change, zero: u64) {
+    fn add(&mut self, change: &SignalChange, zero: u64) {
         match *change {
-            Change::Switch { at, level } => self.switch.push((at - zero, level)),
-            Change::Dac { at, code } => self.dac.push((at - zero, code)),
-            Change::Energy { at, level } => self.energy(at - zero, level),
-            Change::Pulses(burst) => {
+            SignalChange::Switch { at, level } => self.switch.push((at - zero, level)),
+            SignalChange::Dac { at, code } => self.dac.push((at - zero, code)),
+            SignalChange::Energy { at, level } => self.energy(at - zero, level),
+            SignalChange::Pulses(burst) => {
                 for (begin, end) in burst.pulses() {
                     self.energy(begin - zero, true);
                     self.energy(end - zero, false);
@@ -210,7 +210,7 @@ fn nothing_is_output_from_power_on() {
     board.lock().unwrap().record_beam(true);
     client.sleep(std::time::Duration::from_millis(50)).unwrap();
     let mut board = board.lock().unwrap();
-    assert_eq!([board.laser(0), board.laser(1)], [Levels::default(); 2]);
+    assert_eq!([board.laser(0), board.laser(1)], [ChannelLevels::default(); 2]);
     assert_eq!(board.take_beam(), []);
 }
 

@@ -1,16 +1,16 @@
 //! The output stage of a laser channel: what timers and a DAC make of the tick's plans.
 //!
-//! In: a [`Plan`] a tick, the interlock. Out: every edge, as [`Change`]s to the ns, if the caller
-//! takes them. Owns the pulse in progress, the train, switch, DAC, and the actions that are still
-//! to come. It goes from action to action in closed form, so that the cost of a train does not
-//! depend on its number of pulses. Fails never: it holds the actions of two plans, and more never
-//! wait; further ones are dropped.
+//! In: a [`Plan`] a tick, the interlock. Out: every edge, as [`SignalChange`]s to the ns, if the
+//! caller takes them. Owns the pulse in progress, the train, switch, DAC, and the actions that are
+//! still to come. It goes from action to action in closed form, so that the cost of a train does
+//! not depend on its number of pulses. Fails never: it holds the actions of two plans, and more
+//! never wait; further ones are dropped.
 use crate::pulses::{Burst, Remainder};
-use servo::laser::{Action, FINISH_NS, PLAN_ACTIONS, Plan, Rate, Train};
+use servo::laser::{Action, FINISH_NS, PLAN_ACTIONS, Plan, PulseRate, Train};
 
 /// A change of an output. Instants are ns of the clock of the plans.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Change {
+pub enum SignalChange {
     /// The switch output went to this level; true is active.
     Switch {
         /// Instant.
@@ -54,7 +54,7 @@ const WAITING: usize = 2 * PLAN_ACTIONS;
 
 /// A channel's outputs.
 #[derive(Debug, Clone)]
-pub struct Stage {
+pub struct OutputStage {
     switch: bool,
     dac: i16,
     train: Train,
@@ -77,16 +77,16 @@ pub struct Stage {
     finish: u64,
 }
 
-impl Stage {
+impl OutputStage {
     /// In the safe state; a count is a ns.
-    pub const fn new() -> Stage {
-        Stage::counting(FINISH_NS as u64)
+    pub const fn new() -> OutputStage {
+        OutputStage::counting(FINISH_NS as u64)
     }
 
     /// In the safe state, in counts of another clock; `finish` is [`FINISH_NS`] in them. Instants,
     /// widths and periods are such counts.
-    pub const fn counting(finish: u64) -> Stage {
-        Stage {
+    pub const fn counting(finish: u64) -> OutputStage {
+        OutputStage {
             switch: false,
             dac: 0,
             train: Train::NONE,
@@ -107,7 +107,7 @@ impl Stage {
     /// Takes at `now` a plan for the interval that begins at `next`. `sink` gets the changes before
     /// `now`.
     #[inline]
-    pub fn take(&mut self, now: u64, next: u64, plan: &Plan, mut sink: impl FnMut(Change)) {
+    pub fn take(&mut self, now: u64, next: u64, plan: &Plan, mut sink: impl FnMut(SignalChange)) {
         if !plan.safe_state && plan.actions().is_empty() {
             return;
         }
@@ -121,7 +121,7 @@ impl Stage {
     }
 
     /// The safe state at `now`; drops waiting actions. `sink` gets the changes before `now`.
-    pub fn safe_state(&mut self, now: u64, sink: &mut impl FnMut(Change)) {
+    pub fn safe_state(&mut self, now: u64, sink: &mut impl FnMut(SignalChange)) {
         self.run_to(now, sink);
         (self.first, self.end) = (0, 0);
         self.end_pulses(now, sink);
@@ -130,7 +130,7 @@ impl Stage {
 
     /// The interlock, in hardware: energy and switch in the safe state from `now` on, as long as it
     /// is active. The DAC continues with its plan.
-    pub fn interlock(&mut self, now: u64, active: bool, sink: &mut impl FnMut(Change)) {
+    pub fn interlock(&mut self, now: u64, active: bool, sink: &mut impl FnMut(SignalChange)) {
         self.held = active;
         if active {
             self.run_to(now, sink);
@@ -153,7 +153,7 @@ impl Stage {
         }
     }
 
-    fn end_pulses(&mut self, now: u64, sink: &mut impl FnMut(Change)) {
+    fn end_pulses(&mut self, now: u64, sink: &mut impl FnMut(SignalChange)) {
         self.begin(now, Train::NONE, true);
         self.pulses_to(now, sink);
         self.switch(now, false, sink);
@@ -175,7 +175,7 @@ impl Stage {
 
     /// Runs to `to`, which never decreases. `sink` gets the changes before `to`, and a pulse's end
     /// at `to`, in the order of time for each output.
-    pub fn run_to(&mut self, to: u64, sink: &mut impl FnMut(Change)) {
+    pub fn run_to(&mut self, to: u64, sink: &mut impl FnMut(SignalChange)) {
         while let Some(&(at, action)) = self.waiting.get(self.first..self.end).and_then(|left| left.first())
             && at < to
         {
@@ -196,17 +196,17 @@ impl Stage {
         self.pulses_to(to, sink);
     }
 
-    fn switch(&mut self, at: u64, level: bool, sink: &mut impl FnMut(Change)) {
+    fn switch(&mut self, at: u64, level: bool, sink: &mut impl FnMut(SignalChange)) {
         if self.switch != level {
             self.switch = level;
-            sink(Change::Switch { at, level });
+            sink(SignalChange::Switch { at, level });
         }
     }
 
-    fn volts(&mut self, at: u64, code: i16, sink: &mut impl FnMut(Change)) {
+    fn volts(&mut self, at: u64, code: i16, sink: &mut impl FnMut(SignalChange)) {
         if self.dac != code {
             self.dac = code;
-            sink(Change::Dac { at, code });
+            sink(SignalChange::Dac { at, code });
         }
     }
 
@@ -245,7 +245,7 @@ impl Stage {
 
     /// Pulses continue at another rate, in phase, or pause. In a pause the period has no end, and
     /// its remainder is kept.
-    fn rate(&mut self, at: u64, rate: &Rate) {
+    fn rate(&mut self, at: u64, rate: &PulseRate) {
         let left = match self.period {
             None => 0,
             Some((_, NEVER)) => self.begins,
@@ -273,7 +273,7 @@ impl Stage {
     }
 
     /// Follows the train to `to`, not included.
-    fn pulses_to(&mut self, to: u64, sink: &mut impl FnMut(Change)) {
+    fn pulses_to(&mut self, to: u64, sink: &mut impl FnMut(SignalChange)) {
         loop {
             let at = self.period.map_or(self.begins, |(_, end)| end);
             if at >= to {
@@ -291,7 +291,7 @@ impl Stage {
     }
 
     /// One period from `at` on, or all that begin before `to`: the last pulse is in progress then.
-    fn periods(&mut self, at: u64, to: u64, sink: &mut impl FnMut(Change)) {
+    fn periods(&mut self, at: u64, to: u64, sink: &mut impl FnMut(SignalChange)) {
         let train = self.train;
         let Train { period, width } = train;
         let is_full = train.is_full();
@@ -305,7 +305,7 @@ impl Stage {
             // All but the last one are over.
             let whole = last.first_from(to).saturating_sub(1);
             if whole > 0 && !train.is_silent() {
-                sink(Change::Pulses(Burst { count: whole, ..last }));
+                sink(SignalChange::Pulses(Burst { count: whole, ..last }));
             }
             last = last.skip(whole);
         }
@@ -322,16 +322,16 @@ impl Stage {
     }
 
     /// Reports of the pulse in progress what is certain at `to`.
-    fn finish_pulse(&mut self, to: u64, sink: &mut impl FnMut(Change)) {
+    fn finish_pulse(&mut self, to: u64, sink: &mut impl FnMut(SignalChange)) {
         let Some(pulse) = &mut self.pulse else { return };
         let Pulse { begin, end, reported } = *pulse;
         match (end <= to, reported) {
-            (true, true) => sink(Change::Energy { at: end, level: false }),
-            (true, false) if end > begin => sink(Change::Pulses(Burst::single(begin, end.wrapping_sub(begin)))),
+            (true, true) => sink(SignalChange::Energy { at: end, level: false }),
+            (true, false) if end > begin => sink(SignalChange::Pulses(Burst::single(begin, end.wrapping_sub(begin)))),
             (true, false) => {}
             (false, false) if begin < to => {
                 pulse.reported = true;
-                sink(Change::Energy { at: begin, level: true });
+                sink(SignalChange::Energy { at: begin, level: true });
             }
             (false, _) => {}
         }
@@ -341,12 +341,12 @@ impl Stage {
     }
 
     /// Levels at the instant to which it has run.
-    pub fn levels(&self) -> Levels {
-        Levels { switch: self.switch, energy: self.pulse.is_some_and(|pulse| pulse.reported), dac: self.dac }
+    pub fn levels(&self) -> ChannelLevels {
+        ChannelLevels { switch: self.switch, energy: self.pulse.is_some_and(|pulse| pulse.reported), dac: self.dac }
     }
 }
 
-impl Default for Stage {
+impl Default for OutputStage {
     fn default() -> Self {
         Self::new()
     }
@@ -354,7 +354,7 @@ impl Default for Stage {
 
 /// Levels of a channel's outputs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Levels {
+pub struct ChannelLevels {
     /// The switch output is active.
     pub switch: bool,
     /// The energy output is active.

@@ -4,24 +4,24 @@
 //! program runs. Out: the row that is due. Owns the rows. Rows that count from a program begin with
 //! the next one that starts, and end with it. Fails never: a row without a slot is dropped; the
 //! admission of rows knows how many slots there are.
-use servo::port::{Due, Simulated};
+use servo::port::{InputTime, Simulated};
 use servo::units::Ns;
 
 /// One row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Row {
-    due: Due,
+    due: InputTime,
     input: Simulated,
 }
 
 impl Row {
     /// Content of an empty slot.
-    pub const NONE: Row = Row { due: Due::At(Ns(0)), input: Simulated::Interlock(false) };
+    pub const NONE: Row = Row { due: InputTime::At(Ns(0)), input: Simulated::Interlock(false) };
 }
 
 /// See the module text. `S` holds the rows.
 #[derive(Debug, Clone)]
-pub struct Plan<S> {
+pub struct InputPlan<S> {
     rows: S,
     len: usize,
     at: usize,
@@ -29,10 +29,10 @@ pub struct Plan<S> {
     zero: Option<Ns>,
 }
 
-impl<S: AsRef<[Row]> + AsMut<[Row]>> Plan<S> {
+impl<S: AsRef<[Row]> + AsMut<[Row]>> InputPlan<S> {
     /// An empty plan; it holds as many rows as there are slots.
     pub const fn new(rows: S) -> Self {
-        Plan { rows, len: 0, at: 0, zero: None }
+        InputPlan { rows, len: 0, at: 0, zero: None }
     }
 
     /// The slots, to make more of them.
@@ -41,7 +41,7 @@ impl<S: AsRef<[Row]> + AsMut<[Row]>> Plan<S> {
     }
 
     /// Stores row `row`; row 0 begins another plan.
-    pub fn put(&mut self, row: u16, due: Due, input: Simulated) {
+    pub fn put(&mut self, row: u16, due: InputTime, input: Simulated) {
         if row == 0 {
             (self.len, self.at, self.zero) = (0, 0, None);
         }
@@ -55,8 +55,8 @@ impl<S: AsRef<[Row]> + AsMut<[Row]>> Plan<S> {
     pub fn take(&mut self, next: Ns, zero: Option<Ns>) -> Option<Simulated> {
         let row = *self.rows.as_ref().get(..self.len)?.get(self.at)?;
         let due = match row.due {
-            Due::At(at) => at,
-            Due::OfScript(after) => match (self.zero, zero) {
+            InputTime::At(at) => at,
+            InputTime::OfScript(after) => match (self.zero, zero) {
                 (None, None) => return None,
                 (Some(begun), now) if now != Some(begun) => {
                     // Its program is over.
@@ -78,7 +78,7 @@ impl<S: AsRef<[Row]> + AsMut<[Row]>> Plan<S> {
 
     /// Ends rows that count from a program.
     pub fn forget(&mut self) {
-        if matches!(self.rows.as_ref().get(self.at), Some(Row { due: Due::OfScript(_), .. })) {
+        if matches!(self.rows.as_ref().get(self.at), Some(Row { due: InputTime::OfScript(_), .. })) {
             self.len = 0;
         }
     }
@@ -95,9 +95,9 @@ mod tests {
 
     #[test]
     fn rows_come_on_the_first_tick_after_their_instant_and_once() {
-        let mut plan = Plan::new([Row::NONE; 4]);
+        let mut plan = InputPlan::new([Row::NONE; 4]);
         for (row, at) in [(0, 0), (1, 100), (2, 100), (3, 250)] {
-            plan.put(row, Due::At(Ns(at)), interlock(row & 1 == 1));
+            plan.put(row, InputTime::At(Ns(at)), interlock(row & 1 == 1));
         }
         let mut taken = |next| std::iter::from_fn(|| plan.take(Ns(next), None)).count();
         assert_eq!([taken(0), taken(100), taken(200), taken(250), taken(300), taken(999)], [0, 1, 2, 0, 1, 0]);
@@ -105,17 +105,17 @@ mod tests {
 
     #[test]
     fn a_row_without_a_place_is_not_kept() {
-        let mut plan = Plan::new([Row::NONE; 1]);
-        plan.put(0, Due::At(Ns(0)), interlock(true));
-        plan.put(1, Due::At(Ns(0)), interlock(false));
+        let mut plan = InputPlan::new([Row::NONE; 1]);
+        plan.put(0, InputTime::At(Ns(0)), interlock(true));
+        plan.put(1, InputTime::At(Ns(0)), interlock(false));
         assert_eq!((plan.take(Ns(1), None), plan.take(Ns(1), None)), (Some(interlock(true)), None));
     }
 
     #[test]
     fn rows_of_a_program_begin_with_it_and_end_with_it() {
-        let mut plan = Plan::new([Row::NONE; 2]);
-        plan.put(0, Due::OfScript(Ns(10)), interlock(true));
-        plan.put(1, Due::OfScript(Ns(20)), interlock(false));
+        let mut plan = InputPlan::new([Row::NONE; 2]);
+        plan.put(0, InputTime::OfScript(Ns(10)), interlock(true));
+        plan.put(1, InputTime::OfScript(Ns(20)), interlock(false));
         assert_eq!(plan.take(Ns(1000), None), None);
         assert_eq!(plan.take(Ns(1010), Some(Ns(1000))), None);
         assert_eq!(plan.take(Ns(1011), Some(Ns(1000))), Some(interlock(true)));
@@ -123,10 +123,10 @@ mod tests {
         assert_eq!(plan.take(Ns(2000), None), None);
         assert_eq!(plan.take(Ns(3000), Some(Ns(2000))), None);
         // And so is the next session.
-        plan.put(0, Due::OfScript(Ns(10)), interlock(true));
+        plan.put(0, InputTime::OfScript(Ns(10)), interlock(true));
         plan.forget();
         assert_eq!(plan.take(Ns(3000), Some(Ns(2000))), None);
-        plan.put(0, Due::At(Ns(10)), interlock(true));
+        plan.put(0, InputTime::At(Ns(10)), interlock(true));
         plan.forget();
         assert_eq!(plan.take(Ns(3000), None), Some(interlock(true)));
     }

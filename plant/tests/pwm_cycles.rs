@@ -1,13 +1,13 @@
 //! Plans that timers execute as PWM cycles give the edges of the model, to one count of the timer.
 //!
-//! The timer here is the plainest one: it counts one cycle after the other. The model, [`Stage`],
-//! has no cycles.
+//! The timer here is the plainest one: it counts one cycle after the other. The model,
+//! [`OutputStage`], has no cycles.
 #[path = "../../servo/tests/chance/mod.rs"]
 mod chance;
 
 use chance::Chance;
-use plant::beam::{Change, Stage};
-use servo::laser::{Action, Clock, Count, PLAN_ACTIONS, Plan, Power, Rate, Standby, Train};
+use plant::beam::{OutputStage, SignalChange};
+use servo::laser::{Action, Clock, Count, PLAN_ACTIONS, Plan, Power, PulseRate, Standby, Train};
 use servo::output::{
     Cycle, DELAY_LINE_WORDS, DelayLine, GATE_MIN_COUNTS, GateCycles, PWM_MIN_COUNTS, PwmCycles, Scale,
 };
@@ -71,12 +71,12 @@ impl Random {
     /// long.
     fn rate(&mut self, train: Train) -> Action {
         if train.is_none() {
-            return Action::Rate(Rate::PAUSE);
+            return Action::Rate(PulseRate::PAUSE);
         }
         let period = Count { of: 0, ..train.period };
         let width = train.width.whole.min(period.whole - 1) as u32;
         let scale = 1 << 63 | self.below(1 << 31) << 32;
-        Action::Rate(Rate { period, width, scale, shift: 60 + self.below(4) as u32 })
+        Action::Rate(PulseRate { period, width, scale, shift: 60 + self.below(4) as u32 })
     }
 
     fn plan(&mut self, lasts: u32) -> Plan {
@@ -128,15 +128,15 @@ struct Scope {
 }
 
 impl Scope {
-    fn note(&mut self, change: Change) {
+    fn note(&mut self, change: SignalChange) {
         let (at, level, begun, pulses) = match change {
-            Change::Energy { at, level } => (at, level, &mut self.lit, &mut self.energy),
-            Change::Switch { at, level } => (at, level, &mut self.switched, &mut self.switch),
-            Change::Pulses(burst) => {
+            SignalChange::Energy { at, level } => (at, level, &mut self.lit, &mut self.energy),
+            SignalChange::Switch { at, level } => (at, level, &mut self.switched, &mut self.switch),
+            SignalChange::Pulses(burst) => {
                 burst.pulses().for_each(|(begin, end)| note(&mut self.energy, begin, end));
                 return;
             }
-            Change::Dac { .. } => return,
+            SignalChange::Dac { .. } => return,
         };
         match begun.take() {
             Some(begin) if !level => note(pulses, begin, at),
@@ -192,7 +192,7 @@ const BEGIN: u64 = 336;
 /// A channel's edges from cycles and from the model, over so many ticks.
 fn energy(random: &mut Random, ticks: usize) -> (Pulses, Pulses, u64, u64) {
     let (mut cycles, mut held) = (PwmCycles::from(BEGIN, SCALE), held());
-    let (mut stage, mut scope) = (Stage::counting(FINISH), Scope::default());
+    let (mut stage, mut scope) = (OutputStage::counting(FINISH), Scope::default());
     let mut got = Pulses::new();
     let mut queued = Queued { end: BEGIN, last: [168, 168], least: PWM_MIN_COUNTS, count: 0 };
     let mut lasts = 50_000;
@@ -275,7 +275,7 @@ fn the_energy_is_the_models_to_a_count() {
 /// Both switches' edges from cycles and from the models.
 fn switches(random: &mut Random, ticks: usize) -> ([Pulses; 2], [Pulses; 2], u64) {
     let (mut cycles, mut held) = (GateCycles::from(BEGIN, SCALE), held());
-    let mut stages = [Stage::counting(FINISH), Stage::counting(FINISH)];
+    let mut stages = [OutputStage::counting(FINISH), OutputStage::counting(FINISH)];
     let mut scopes = [Scope::default(), Scope::default()];
     let mut got = [Pulses::new(), Pulses::new()];
     let mut queued = Queued { end: BEGIN, last: [168, 168], least: GATE_MIN_COUNTS, count: 0 };

@@ -8,18 +8,18 @@ pub struct Class {
     /// What it does.
     pub kind: CommandKind,
     /// In which lanes it is accepted.
-    pub lanes: Lanes,
+    pub lanes: LaneRule,
 }
 
 /// What a command does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CommandKind {
     /// It reads a state.
-    Read(Of),
+    Read(ReadOf),
     /// The reply gives values of the points in the request; nothing else is read or changed.
     Calculate,
     /// It puts entries into a FIFO, which a commit publishes to the tick.
-    Data(Fifo),
+    Data(DataStore),
     /// It carries a piece of a table; the last piece completes it.
     Table(Table),
     /// It sets axes in motion.
@@ -34,9 +34,9 @@ pub enum CommandKind {
     Step,
 }
 
-/// What a read is of. Reads of one kind have one layout, apart from [`Of::Other`].
+/// What a read is of. Reads of one kind have one layout, apart from [`ReadOf::Other`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Of {
+pub enum ReadOf {
     /// The controller: no fields.
     Controller,
     /// One axis: core, axis.
@@ -57,7 +57,7 @@ pub enum Of {
 
 /// What entries go into.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Fifo {
+pub enum DataStore {
     /// Segments of PT.
     Pt,
     /// Entries of Follow and FollowEx. FollowSwitchNowEx is data only if its `buffer` is not 0.
@@ -79,7 +79,7 @@ pub enum Table {
 
 /// Where a command may stand. A program is *active* while it is held or runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Lanes {
+pub enum LaneRule {
     /// In a program, and in the immediate lane at any time.
     Any,
     /// In a program; in the immediate lane while no program is active.
@@ -120,15 +120,15 @@ pub const fn chapter(opcode: u16) -> Chapter {
     }
 }
 
-impl Lanes {
+impl LaneRule {
     /// Whether a program may hold the command.
     pub const fn in_program(self) -> bool {
-        !matches!(self, Lanes::Immediate | Lanes::ImmediateExclusive)
+        !matches!(self, LaneRule::Immediate | LaneRule::ImmediateExclusive)
     }
 
     /// Whether the immediate lane takes it while a program is active.
     pub const fn beside_program(self) -> bool {
-        matches!(self, Lanes::Any | Lanes::Immediate)
+        matches!(self, LaneRule::Any | LaneRule::Immediate)
     }
 }
 
@@ -167,16 +167,16 @@ mod tests {
     fn reads_of_one_kind_have_one_layout() {
         for command in COMMANDS {
             let wanted = match command.class.kind {
-                CommandKind::Read(Of::Controller) => 0,
-                CommandKind::Read(Of::Axis | Of::Follow | Of::Laser | Of::Crd) => 2,
-                CommandKind::Read(Of::Axes | Of::CrdFifo) => 3,
+                CommandKind::Read(ReadOf::Controller) => 0,
+                CommandKind::Read(ReadOf::Axis | ReadOf::Follow | ReadOf::Laser | ReadOf::Crd) => 2,
+                CommandKind::Read(ReadOf::Axes | ReadOf::CrdFifo) => 3,
                 _ => continue,
             };
             assert_eq!(types(command), ["I16"; 3][..wanted], "{}", command.name);
             assert!(command.items.is_empty(), "{}", command.name);
             let named = |place: usize, name: &str| command.fields.get(place).is_none_or(|(field, _)| *field == name);
             assert!(named(0, "core"), "{}", command.name);
-            let last = if command.class.kind == CommandKind::Read(Of::Axes) { "count" } else { "fifo" };
+            let last = if command.class.kind == CommandKind::Read(ReadOf::Axes) { "count" } else { "fifo" };
             assert!(named(2, last), "{}", command.name);
         }
     }
@@ -199,7 +199,7 @@ mod tests {
                 kind == CommandKind::Calculate,
                 "{name}"
             );
-            assert_eq!(name.starts_with("BufLaser"), kind == CommandKind::Data(Fifo::Light), "{name}");
+            assert_eq!(name.starts_with("BufLaser"), kind == CommandKind::Data(DataStore::Light), "{name}");
         }
     }
 
@@ -207,11 +207,11 @@ mod tests {
     fn what_a_program_excludes_is_not_read() {
         for command in COMMANDS {
             let Class { kind, lanes } = command.class;
-            assert!(!kind.reads() || lanes == Lanes::Any, "{}", command.name);
-            assert_eq!(kind == CommandKind::Step, lanes == Lanes::Program, "{}", command.name);
-            assert!(kind != CommandKind::Program || lanes == Lanes::Immediate, "{}", command.name);
+            assert!(!kind.reads() || lanes == LaneRule::Any, "{}", command.name);
+            assert_eq!(kind == CommandKind::Step, lanes == LaneRule::Program, "{}", command.name);
+            assert!(kind != CommandKind::Program || lanes == LaneRule::Immediate, "{}", command.name);
             let starts = matches!(kind, CommandKind::Start | CommandKind::Data(_) | CommandKind::Table(_));
-            assert!(!starts || lanes == Lanes::Exclusive, "{}", command.name);
+            assert!(!starts || lanes == LaneRule::Exclusive, "{}", command.name);
         }
     }
 }

@@ -1,8 +1,8 @@
 //! The commands, their numbers, what they are and their wire layouts: one table, from which the
 //! structs, [`class`], the schema hash and the page `docs/protocol.md` follow.
 //!
-//! A row: number, name, [`CommandKind`], [`Lanes`], the request's fields and `[items]`, the reply's
-//! struct and `[items]`.
+//! A row: number, name, [`CommandKind`], [`LaneRule`], the request's fields and `[items]`, the
+//! reply's struct and `[items]`.
 //!
 //! A request is a packed little-endian struct (`zerocopy`), sometimes followed by items of one
 //! fixed layout; so is a reply. Integers that the manuals' API passes as `short` or `long` travel
@@ -10,7 +10,7 @@
 //!
 //! Names, parameters and their order: `API.md`; what a command does: `SPEC.md` sections 4 to 6.
 
-pub use crate::class::{Chapter, Class, CommandKind, Fifo, Lanes, Of, Table, chapter};
+pub use crate::class::{Chapter, Class, CommandKind, DataStore, LaneRule, ReadOf, Table, chapter};
 use zerocopy::little_endian::{F64, I16, I32, U16, U32, U64};
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout, Unaligned};
 
@@ -71,10 +71,10 @@ pub(crate) use wire_structs;
 
 macro_rules! kind {
     (Read $of:ident) => {
-        CommandKind::Read(Of::$of)
+        CommandKind::Read(ReadOf::$of)
     };
     (Data $fifo:ident) => {
-        CommandKind::Data(Fifo::$fifo)
+        CommandKind::Data(DataStore::$fifo)
     };
     (Table $table:ident) => {
         CommandKind::Table(Table::$table)
@@ -98,7 +98,7 @@ macro_rules! commands {
             impl Request for $name {
                 const OPCODE: u16 = $opcode;
                 const NAME: &'static str = stringify!($name);
-                const CLASS: Class = Class { kind: kind!($($kind)+), lanes: Lanes::$lanes };
+                const CLASS: Class = Class { kind: kind!($($kind)+), lanes: LaneRule::$lanes };
                 type Item = $item;
                 type Reply = $reply;
                 type ReplyItem = $ritem;

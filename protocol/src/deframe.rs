@@ -32,7 +32,7 @@ pub enum Fault {
 
 /// Counts since power-on (wrapping).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Counters {
+pub struct FrameCounters {
     /// Frames handed out.
     pub frames: u32,
     /// Frames longer than the buffer.
@@ -58,7 +58,7 @@ pub struct Deframer<const N: usize> {
     /// End of the last complete frame; it begins after the first code.
     done: usize,
     overflow: bool,
-    counters: Counters,
+    counters: FrameCounters,
 }
 
 impl<const N: usize> Default for Deframer<N> {
@@ -75,7 +75,7 @@ impl<const N: usize> Deframer<N> {
             len: START,
             done: 0,
             overflow: false,
-            counters: Counters { frames: 0, too_long: 0, truncated: 0 },
+            counters: FrameCounters { frames: 0, too_long: 0, truncated: 0 },
         }
     }
 
@@ -105,7 +105,7 @@ impl<const N: usize> Deframer<N> {
     }
 
     /// The counts so far.
-    pub fn counters(&self) -> Counters {
+    pub fn counters(&self) -> FrameCounters {
         self.counters
     }
 

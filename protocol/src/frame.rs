@@ -110,7 +110,7 @@ pub const FLAG_GAP: u8 = 1;
 /// What a frame is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
-pub enum Kind {
+pub enum FrameKind {
     /// Client: opens a session.
     Hello = 1,
     /// Controller: answers a Hello.
@@ -127,16 +127,16 @@ pub enum Kind {
     Busy = 7,
 }
 
-impl Kind {
-    const fn from_number(number: u8) -> Option<Kind> {
+impl FrameKind {
+    const fn from_number(number: u8) -> Option<FrameKind> {
         match number {
-            1 => Some(Kind::Hello),
-            2 => Some(Kind::HelloAck),
-            3 => Some(Kind::Data),
-            4 => Some(Kind::Ack),
-            5 => Some(Kind::KeepAlive),
-            6 => Some(Kind::Bye),
-            7 => Some(Kind::Busy),
+            1 => Some(FrameKind::Hello),
+            2 => Some(FrameKind::HelloAck),
+            3 => Some(FrameKind::Data),
+            4 => Some(FrameKind::Ack),
+            5 => Some(FrameKind::KeepAlive),
+            6 => Some(FrameKind::Bye),
+            7 => Some(FrameKind::Busy),
             _ => None,
         }
     }
@@ -144,11 +144,11 @@ impl Kind {
     /// The payload length that this kind must have; `None` if any will do.
     const fn fixed_length(self) -> Option<usize> {
         match self {
-            Kind::Hello => Some(size_of::<Hello>()),
-            Kind::HelloAck => Some(size_of::<HelloAck>()),
-            Kind::Data => None,
-            Kind::Ack | Kind::KeepAlive | Kind::Bye => Some(0),
-            Kind::Busy => Some(size_of::<Busy>()),
+            FrameKind::Hello => Some(size_of::<Hello>()),
+            FrameKind::HelloAck => Some(size_of::<HelloAck>()),
+            FrameKind::Data => None,
+            FrameKind::Ack | FrameKind::KeepAlive | FrameKind::Bye => Some(0),
+            FrameKind::Busy => Some(size_of::<Busy>()),
         }
     }
 }
@@ -188,14 +188,14 @@ pub enum Fault {
 ///
 /// # Errors
 /// The first [`Fault`] in the order of the enum.
-pub fn decode(bytes: &[u8]) -> Result<(Header, Kind, &[u8]), Fault> {
+pub fn decode(bytes: &[u8]) -> Result<(Header, FrameKind, &[u8]), Fault> {
     if bytes.len() < OVERHEAD {
         return Err(Fault::Short);
     }
     let body = unseal(bytes).ok_or(Fault::Checksum)?;
     let (header, payload) = Header::read_from_prefix(body).map_err(|_| Fault::Short)?;
-    let kind = Kind::from_number(header.kind);
-    let opening = matches!(kind, Some(Kind::Hello | Kind::HelloAck));
+    let kind = FrameKind::from_number(header.kind);
+    let opening = matches!(kind, Some(FrameKind::Hello | FrameKind::HelloAck));
     if header.version != VERSION && !opening {
         return Err(Fault::Version);
     }

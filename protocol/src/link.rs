@@ -3,15 +3,15 @@
 //!
 //! In: received bytes ([`Endpoint::feed`]), messages to send ([`Endpoint::send`]), the time with
 //! every call. Out: bytes to transmit ([`Endpoint::take_tx`]), received messages
-//! ([`Endpoint::message`]), a [`State`] and [`Counters`]. Owns `2 * WINDOW` messages and two frames
-//! of memory; reads no clock and does no input or output.
-//! Fails: a bad frame is counted and ignored.
+//! ([`Endpoint::message`]), a [`LinkState`] and [`FrameCounters`]. Owns `2 * WINDOW` messages and
+//! two frames of memory; reads no clock and does no input or output. Fails: a bad frame is counted
+//! and ignored.
 //!
 //! **Opening.** The client sends Hello with a nonce. The controller offers a session id that it has
 //! never used with this nonce (HelloAck). The client confirms with a KeepAlive in that session. The
-//! controller begins the session and acknowledges; only then is the client [`State::Open`]. A Hello
-//! alone changes nothing in the controller, so a late copy of an old one cannot end a session. A
-//! late message of an old session never matches the present id.
+//! controller begins the session and acknowledges; only then is the client [`LinkState::Open`]. A
+//! Hello alone changes nothing in the controller, so a late copy of an old one cannot end a
+//! session. A late message of an old session never matches the present id.
 //!
 //! **Flow.** `acknowledgement` is the first message not yet received; `credit` is how many from
 //! there on the receiver has room for. A message's slot is free when the user is done with it
@@ -68,7 +68,7 @@ impl Identity {
 
 /// State of the link.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum State {
+pub enum LinkState {
     /// No session: never opened, or closed by this end.
     Closed,
     /// Client: waiting for the controller's answers.
@@ -97,9 +97,9 @@ pub enum SendError {
 /// Counts since power-on (wrapping).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[allow(missing_docs)]
-pub struct Counters {
+pub struct LinkCounters {
     /// Deframer: good frames and refusals.
-    pub deframe: deframe::Counters,
+    pub deframe: deframe::FrameCounters,
     /// Frames refused by [`crate::frame::Fault`].
     pub short: u32,
     pub checksum: u32,
@@ -130,7 +130,7 @@ pub struct Counters {
 
 /// Progress of a client's opening.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Phase {
+enum SessionPhase {
     /// Hello is repeated until a HelloAck comes.
     Asking,
     /// The session is known; this many confirmations have been sent.
@@ -161,8 +161,8 @@ pub enum TakeOver {
 pub struct Endpoint<const WINDOW: usize> {
     role: Role,
     identity: Identity,
-    state: State,
-    phase: Phase,
+    state: LinkState,
+    phase: SessionPhase,
     /// Client: nonce of the last Hello. Controller: nonce of the open session.
     nonce: u32,
     /// 0: none.
@@ -187,7 +187,7 @@ pub struct Endpoint<const WINDOW: usize> {
     wire: [u8; MAX_WIRE],
     wire_at: usize,
     wire_len: usize,
-    counters: Counters,
+    counters: LinkCounters,
 }
 
 impl<const WINDOW: usize> Endpoint<WINDOW> {
@@ -199,8 +199,8 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
         Endpoint {
             role,
             identity,
-            state: State::Closed,
-            phase: Phase::Asking,
+            state: LinkState::Closed,
+            phase: SessionPhase::Asking,
             nonce: 0,
             session: 0,
             offer: None,
@@ -220,8 +220,8 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
             wire: [0; MAX_WIRE],
             wire_at: 0,
             wire_len: 0,
-            counters: Counters {
-                deframe: deframe::Counters { frames: 0, too_long: 0, truncated: 0 },
+            counters: LinkCounters {
+                deframe: deframe::FrameCounters { frames: 0, too_long: 0, truncated: 0 },
                 short: 0,
                 checksum: 0,
                 version: 0,
@@ -247,8 +247,8 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
     /// call.
     pub fn open(&mut self, now: Ns, nonce: u32) {
         if self.role == Role::Client {
-            self.forget(State::Opening);
-            self.phase = Phase::Asking;
+            self.forget(LinkState::Opening);
+            self.phase = SessionPhase::Asking;
             self.nonce = nonce;
             self.retry_at = now;
             self.poll(now);
@@ -257,35 +257,35 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
 
     /// Ends the session; the other end gets one Bye, without waiting for its answer.
     pub fn close(&mut self) {
-        let bye = (self.state == State::Open).then_some(self.session);
-        self.forget(State::Closed);
+        let bye = (self.state == LinkState::Open).then_some(self.session);
+        self.forget(LinkState::Closed);
         self.bye = bye;
     }
 
     /// Sends a client's keep-alive with the next bytes, before it is due.
     pub fn keep_alive(&mut self) {
-        self.keep_alive_due |= self.role == Role::Client && matches!(self.state, State::Open);
+        self.keep_alive_due |= self.role == Role::Client && matches!(self.state, LinkState::Open);
     }
 
     /// Lets the timers act. [`Self::take_tx`] does it too.
     pub fn poll(&mut self, now: Ns) {
         match self.state {
-            State::Opening if now >= self.retry_at => {
+            LinkState::Opening if now >= self.retry_at => {
                 self.retry_at = now.saturating_add(HELLO_NS);
                 match self.phase {
-                    Phase::Confirming(count) if count < 3 => {
+                    SessionPhase::Confirming(count) if count < 3 => {
                         self.keep_alive_due = true;
-                        self.phase = Phase::Confirming(count.wrapping_add(1));
+                        self.phase = SessionPhase::Confirming(count.wrapping_add(1));
                     }
                     // Nobody confirms the session: another Hello may have overwritten the offer.
                     // Ask again.
-                    Phase::Confirming(_) | Phase::Asking => {
-                        self.phase = Phase::Asking;
+                    SessionPhase::Confirming(_) | SessionPhase::Asking => {
+                        self.phase = SessionPhase::Asking;
                         self.hello_due = true;
                     }
                 }
             }
-            State::Open => {
+            LinkState::Open => {
                 if self.transmitter.expire(now) {
                     self.counters.timeouts = self.counters.timeouts.wrapping_add(1);
                 }
@@ -294,31 +294,32 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
                     self.keep_alive_due = true;
                 }
             }
-            State::Opening | State::Closed | State::Mismatch(_) | State::Busy(_) | State::Ended => {}
+            LinkState::Opening | LinkState::Closed | LinkState::Mismatch(_) | LinkState::Busy(_) | LinkState::Ended => {
+            }
         }
     }
 
     /// When [`Self::poll`] or [`Self::take_tx`] must be called at the latest, without other cause.
     pub fn next_deadline(&self) -> Option<Ns> {
         match self.state {
-            State::Opening => Some(self.retry_at),
-            State::Open => {
+            LinkState::Opening => Some(self.retry_at),
+            LinkState::Open => {
                 let keep_alive = (self.role == Role::Client).then(|| self.last_sent.saturating_add(KEEP_ALIVE_NS));
                 let retry = self.transmitter.deadline();
                 keep_alive.into_iter().chain(retry).min()
             }
-            State::Closed | State::Mismatch(_) | State::Busy(_) | State::Ended => None,
+            LinkState::Closed | LinkState::Mismatch(_) | LinkState::Busy(_) | LinkState::Ended => None,
         }
     }
 
     /// Whether [`Self::send`] would take a message.
     pub fn can_send(&self) -> bool {
-        self.state == State::Open && self.transmitter.has_room()
+        self.state == LinkState::Open && self.transmitter.has_room()
     }
 
     /// Messages that can be sent before the window is full.
     pub fn free_slots(&self) -> usize {
-        if self.state == State::Open { self.transmitter.room() } else { 0 }
+        if self.state == LinkState::Open { self.transmitter.room() } else { 0 }
     }
 
     /// Takes a message for sending.
@@ -329,7 +330,7 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
         if message.len() > MAX_PAYLOAD {
             return Err(SendError::TooLong);
         }
-        if self.state != State::Open {
+        if self.state != LinkState::Open {
             return Err(SendError::NotOpen);
         }
         let draft = self.transmitter.draft().ok_or(SendError::Full)?;
@@ -342,7 +343,7 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
     /// The slot of the next message to send, to be written in place; then [`Self::send_draft`].
     /// `None` when nothing can be sent.
     pub fn draft(&mut self) -> Option<&mut [u8; MAX_PAYLOAD]> {
-        if self.state == State::Open { self.transmitter.draft() } else { None }
+        if self.state == LinkState::Open { self.transmitter.draft() } else { None }
     }
 
     /// Takes the first `len` bytes of the draft as a message for sending.
@@ -353,7 +354,7 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
         if len > MAX_PAYLOAD {
             return Err(SendError::TooLong);
         }
-        if self.state != State::Open {
+        if self.state != LinkState::Open {
             return Err(SendError::NotOpen);
         }
         if !self.transmitter.queue(len) {
@@ -370,7 +371,7 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
 
     /// The next received message together with the draft of an answer.
     pub fn message_and_draft(&mut self) -> Option<(&[u8], &mut [u8; MAX_PAYLOAD])> {
-        if self.state != State::Open {
+        if self.state != LinkState::Open {
             return None;
         }
         Some((self.receiver.message()?, self.transmitter.draft()?))
@@ -382,18 +383,18 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
     }
 
     /// State of the link.
-    pub fn state(&self) -> State {
+    pub fn state(&self) -> LinkState {
         self.state
     }
 
     /// Id of the open session. Another id means that all state of the one before is void.
     pub fn session(&self) -> Option<u32> {
-        (self.state == State::Open).then_some(self.session)
+        (self.state == LinkState::Open).then_some(self.session)
     }
 
     /// When the last valid frame of the open session came; for link-loss time-outs.
     pub fn last_valid(&self) -> Option<Ns> {
-        if self.state == State::Open { self.last_valid } else { None }
+        if self.state == LinkState::Open { self.last_valid } else { None }
     }
 
     /// Time since the last valid frame of the open session.
@@ -412,13 +413,13 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
     }
 
     /// The counts so far.
-    pub fn counters(&self) -> Counters {
-        Counters { deframe: self.deframer.counters(), ..self.counters }
+    pub fn counters(&self) -> LinkCounters {
+        LinkCounters { deframe: self.deframer.counters(), ..self.counters }
     }
 
     /// Drops the session and all messages. The remaining bytes of a partly sent frame stay, so that
     /// the stream keeps its frame boundaries.
-    fn forget(&mut self, state: State) {
+    fn forget(&mut self, state: LinkState) {
         self.state = state;
         self.session = 0;
         self.offer = None;

@@ -1,7 +1,7 @@
 //! The trace's own byte stream: one way, no acknowledgements.
 //!
 //! In ([`Encoder`]): a head, rows, an end; out: wire bytes. In ([`Decoder`]): bytes in any
-//! portions; out: [`Event`]s.
+//! portions; out: [`TraceEvent`]s.
 //! Fails: a missing row or a bad frame is a [`TraceError`]; no gap goes unreported.
 //! Frames are COBS with a CRC-32 like those of the link; their first byte differs.
 //!
@@ -132,7 +132,7 @@ impl<'a, A, L, C> Columns<&'a [A], &'a [L], &'a [C]> {
 
 /// Head of a trace.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Head {
+pub struct TraceHead {
     /// Schema of the sender.
     pub schema: u32,
     /// Tick period, ns.
@@ -175,7 +175,7 @@ impl Encoder {
     ///
     /// # Errors
     /// [`Full`].
-    pub fn head(&mut self, head: &Head, ids: &Ids<'_>) -> Result<(), Full> {
+    pub fn head(&mut self, head: &TraceHead, ids: &Ids<'_>) -> Result<(), Full> {
         let Ids { axes, lasers, crds } = ids.held();
         let layout = HeadLayout {
             version: VERSION,
@@ -306,9 +306,9 @@ impl Encoder {
 
 /// Items of a trace.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Event<'a> {
+pub enum TraceEvent<'a> {
     /// It begins.
-    Head(Head, Lists<'a, AxisId, LaserId, CrdId>),
+    Head(TraceHead, Lists<'a, AxisId, LaserId, CrdId>),
     /// A row and its samples, in the order of the head.
     Row(u32, Lists<'a, Sample, LaserSample, CrdSample>),
     /// An action of a laser channel.
@@ -403,7 +403,7 @@ impl Decoder {
     }
 
     /// Takes bytes in any portions and hands every event and error to `sink`, in order.
-    pub fn feed(&mut self, bytes: &[u8], mut sink: impl FnMut(Result<Event<'_>, TraceError>)) {
+    pub fn feed(&mut self, bytes: &[u8], mut sink: impl FnMut(Result<TraceEvent<'_>, TraceError>)) {
         let mut rest = bytes;
         while !rest.is_empty() {
             let (used, outcome) = self.deframer.feed(rest);
@@ -435,7 +435,7 @@ fn frame(
     columns: &mut Option<Counts>,
     next_row: &mut u32,
     ended: &mut bool,
-    sink: &mut impl FnMut(Result<Event<'_>, TraceError>),
+    sink: &mut impl FnMut(Result<TraceEvent<'_>, TraceError>),
 ) {
     match (body.split_first(), *columns) {
         (Some((&HEAD, rest)), _) => match head(rest) {
@@ -443,7 +443,7 @@ fn frame(
                 *columns = Some(Columns { axes: ids.axes.len(), lasers: ids.lasers.len(), crds: ids.crds.len() });
                 *next_row = 0;
                 *ended = false;
-                sink(Ok(Event::Head(described, ids)));
+                sink(Ok(TraceEvent::Head(described, ids)));
             }
             Err(error) => sink(Err(error)),
         },
@@ -458,7 +458,7 @@ fn frame(
                 if lost != 0 {
                     sink(Err(TraceError::Lost(lost)));
                 }
-                sink(Ok(Event::End { rows: sent, lost }));
+                sink(Ok(TraceEvent::End { rows: sent, lost }));
             }
             Err(_) => sink(Err(TraceError::Unexpected)),
         },
@@ -483,7 +483,7 @@ fn lists<A: Wire, L: Wire, C: Wire>(bytes: &[u8], counts: Counts) -> Option<Befo
     Some((Columns { axes, lasers, crds }, rest))
 }
 
-fn head(bytes: &[u8]) -> Result<(Head, Lists<'_, AxisId, LaserId, CrdId>), TraceError> {
+fn head(bytes: &[u8]) -> Result<(TraceHead, Lists<'_, AxisId, LaserId, CrdId>), TraceError> {
     match bytes.first() {
         Some(&VERSION) => {}
         Some(&other) => return Err(TraceError::Version(other)),
@@ -495,7 +495,7 @@ fn head(bytes: &[u8]) -> Result<(Head, Lists<'_, AxisId, LaserId, CrdId>), Trace
         Some((ids, [])) if axes <= MAX_AXES && lasers <= MAX_LASERS && crds <= MAX_CRDS => ids,
         _ => return Err(TraceError::Unexpected),
     };
-    let head = Head {
+    let head = TraceHead {
         schema: layout.schema.get(),
         period_ns: layout.period_ns.get(),
         every: layout.every.get(),
@@ -504,7 +504,7 @@ fn head(bytes: &[u8]) -> Result<(Head, Lists<'_, AxisId, LaserId, CrdId>), Trace
     Ok((head, ids))
 }
 
-fn rows(bytes: &[u8], columns: Counts, next_row: &mut u32, sink: &mut impl FnMut(Result<Event<'_>, TraceError>)) {
+fn rows(bytes: &[u8], columns: Counts, next_row: &mut u32, sink: &mut impl FnMut(Result<TraceEvent<'_>, TraceError>)) {
     let mut rest = bytes;
     while let Some((&what, body)) = rest.split_first() {
         let after = match what {
@@ -515,19 +515,19 @@ fn rows(bytes: &[u8], columns: Counts, next_row: &mut u32, sink: &mut impl FnMut
                     sink(Err(TraceError::Missing { expected: *next_row, came: row }));
                 }
                 *next_row = row.wrapping_add(1);
-                sink(Ok(Event::Row(row, samples)));
+                sink(Ok(TraceEvent::Row(row, samples)));
                 Some(after)
             }),
             ACTION => Action::read_from_prefix(body).ok().map(|(action, after)| {
-                sink(Ok(Event::Action(action)));
+                sink(Ok(TraceEvent::Action(action)));
                 after
             }),
             OUTPUTS => Outputs::read_from_prefix(body).ok().map(|(outputs, after)| {
-                sink(Ok(Event::Outputs(outputs)));
+                sink(Ok(TraceEvent::Outputs(outputs)));
                 after
             }),
             PERIOD => Period::read_from_prefix(body).ok().map(|(period, after)| {
-                sink(Ok(Event::Period(period)));
+                sink(Ok(TraceEvent::Period(period)));
                 after
             }),
             _ => None,

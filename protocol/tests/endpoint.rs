@@ -3,8 +3,8 @@
 mod ends;
 use ends::*;
 use protocol::Ns;
-use protocol::frame::{HelloAck, Kind, MAX_PAYLOAD, MAX_WIRE};
-use protocol::link::{Identity, KEEP_ALIVE_NS, RETRY_FIRST_NS, Role, SendError, State};
+use protocol::frame::{FrameKind, HelloAck, MAX_PAYLOAD, MAX_WIRE};
+use protocol::link::{Identity, KEEP_ALIVE_NS, LinkState, RETRY_FIRST_NS, Role, SendError};
 use zerocopy::IntoBytes;
 
 #[test]
@@ -22,8 +22,8 @@ fn another_schema_or_version_is_reported_and_changes_nothing() {
         let mut controller = End::new(Role::Controller, theirs);
         client.open(0, 1);
         pump(0, &mut client, &mut controller);
-        assert_eq!(client.state(), State::Mismatch(theirs));
-        assert_eq!(controller.state(), State::Closed);
+        assert_eq!(client.state(), LinkState::Mismatch(theirs));
+        assert_eq!(controller.state(), LinkState::Closed);
         assert_eq!(controller.refused_client(), Some(Identity::OURS));
         assert_eq!(client.send(b"x"), Err(SendError::NotOpen));
     }
@@ -95,7 +95,7 @@ fn a_late_hello_of_an_old_session_ends_nothing() {
     }
     assert_eq!((controller.session(), controller.message()), (session, None));
     assert_eq!(controller.counters().stale_session, 2);
-    assert_eq!(client.state(), State::Open);
+    assert_eq!(client.state(), LinkState::Open);
     client.send(b"new").unwrap();
     pump(3, &mut client, &mut controller);
     assert_eq!(controller.message(), Some(&b"new"[..]));
@@ -113,7 +113,7 @@ fn an_offer_that_was_overwritten_is_asked_for_anew() {
     for ms in 0..1_000 {
         pump(ms * MS, &mut client, &mut controller);
     }
-    assert_eq!(client.state(), State::Open);
+    assert_eq!(client.state(), LinkState::Open);
 }
 
 #[test]
@@ -135,10 +135,10 @@ fn bye_ends_the_session() {
     let (mut client, mut controller) = opened();
     client.close();
     pump(0, &mut client, &mut controller);
-    assert_eq!((client.state(), controller.state()), (State::Closed, State::Ended));
+    assert_eq!((client.state(), controller.state()), (LinkState::Closed, LinkState::Ended));
     client.open(5, 3);
     pump(5, &mut client, &mut controller);
-    assert_eq!((client.state(), controller.state()), (State::Open, State::Open));
+    assert_eq!((client.state(), controller.state()), (LinkState::Open, LinkState::Open));
 }
 
 #[test]
@@ -274,10 +274,10 @@ fn frames_of_another_session_are_no_life_of_this_one() {
     out(&mut client, MS);
     let mut stale = 0;
     for (k, other) in (0..).zip([old, session ^ 1, session.wrapping_add(1), 0]) {
-        for kind in [Kind::KeepAlive, Kind::Ack, Kind::Data, Kind::Bye] {
+        for kind in [FrameKind::KeepAlive, FrameKind::Ack, FrameKind::Data, FrameKind::Bye] {
             let now = (k + 2) * 100 * MS;
             for end in [&mut controller, &mut client] {
-                end.feed(now, &encoded(kind, other, (0, 1), if kind == Kind::Data { b"old" } else { b"" }));
+                end.feed(now, &encoded(kind, other, (0, 1), if kind == FrameKind::Data { b"old" } else { b"" }));
                 assert_eq!((end.session(), end.last_valid(), end.message()), (Some(session), heard, None));
             }
             stale += 1;
@@ -294,7 +294,7 @@ fn frames_of_another_session_are_no_life_of_this_one() {
 #[test]
 fn damaged_frames_and_hellos_are_no_life_of_a_session() {
     let (client, mut controller) = opened();
-    let good = sealed(&client, Kind::KeepAlive, 0, b"");
+    let good = sealed(&client, FrameKind::KeepAlive, 0, b"");
     for bit in 8..8 * (good.len() - 1) {
         let mut bad = good.clone();
         bad[bit / 8] ^= 1 << (bit % 8);
@@ -319,22 +319,22 @@ fn a_client_takes_up_the_session_that_it_asked_for() {
     };
     let ours = Identity::OURS.schema;
     let (mut client, _) = ends();
-    client.feed(0, &encoded(Kind::HelloAck, 7, (0, 0), &answer(ours, 5)));
-    assert_eq!((client.state(), client.counters().unexpected), (State::Closed, 1));
+    client.feed(0, &encoded(FrameKind::HelloAck, 7, (0, 0), &answer(ours, 5)));
+    assert_eq!((client.state(), client.counters().unexpected), (LinkState::Closed, 1));
     client.open(0, 7);
     out(&mut client, 0);
     for (nonce, session) in [(8, 5), (0, 5), (7, 0)] {
-        client.feed(0, &encoded(Kind::HelloAck, nonce, (0, 0), &answer(ours, session)));
+        client.feed(0, &encoded(FrameKind::HelloAck, nonce, (0, 0), &answer(ours, session)));
         assert!(out(&mut client, 0).is_empty(), "{nonce} {session}");
     }
-    assert_eq!((client.state(), client.counters().unexpected), (State::Opening, 4));
-    client.feed(0, &encoded(Kind::HelloAck, 7, (0, 0), &answer(ours, 5)));
-    client.feed(0, &encoded(Kind::HelloAck, 7, (0, 0), &answer(ours, 6)));
-    client.feed(0, &encoded(Kind::Ack, 6, (0, 0), b""));
-    assert_eq!((client.state(), client.counters().stale_session), (State::Opening, 1));
-    client.feed(0, &encoded(Kind::Ack, 5, (0, 0), b""));
-    client.feed(0, &encoded(Kind::HelloAck, 7, (0, 0), &answer(ours, 6)));
-    assert_eq!((client.state(), client.session(), client.counters().unexpected), (State::Open, Some(5), 6));
+    assert_eq!((client.state(), client.counters().unexpected), (LinkState::Opening, 4));
+    client.feed(0, &encoded(FrameKind::HelloAck, 7, (0, 0), &answer(ours, 5)));
+    client.feed(0, &encoded(FrameKind::HelloAck, 7, (0, 0), &answer(ours, 6)));
+    client.feed(0, &encoded(FrameKind::Ack, 6, (0, 0), b""));
+    assert_eq!((client.state(), client.counters().stale_session), (LinkState::Opening, 1));
+    client.feed(0, &encoded(FrameKind::Ack, 5, (0, 0), b""));
+    client.feed(0, &encoded(FrameKind::HelloAck, 7, (0, 0), &answer(ours, 6)));
+    assert_eq!((client.state(), client.session(), client.counters().unexpected), (LinkState::Open, Some(5), 6));
 }
 
 /// The first message under a number stays, and nothing is taken if nothing came.
@@ -342,7 +342,7 @@ fn a_client_takes_up_the_session_that_it_asked_for() {
 fn a_message_is_kept_as_it_came_and_none_is_taken_before_it() {
     let (client, mut controller) = opened();
     let session = client.session().unwrap();
-    let message = |sequence: u16, text: &[u8]| encoded(Kind::Data, session, (sequence, 0), text);
+    let message = |sequence: u16, text: &[u8]| encoded(FrameKind::Data, session, (sequence, 0), text);
     controller.done_with_message();
     for (sequence, text) in [(1, b"one"), (1, b"eno"), (0, b"nul"), (0, b"lun")] {
         controller.feed(0, &message(sequence, text));
@@ -362,7 +362,7 @@ fn a_message_is_kept_as_it_came_and_none_is_taken_before_it() {
 fn a_message_behind_the_window_is_not_kept() {
     let (client, mut controller) = opened();
     let session = client.session().unwrap();
-    let message = |sequence: u16, text: &[u8]| encoded(Kind::Data, session, (sequence, 0), text);
+    let message = |sequence: u16, text: &[u8]| encoded(FrameKind::Data, session, (sequence, 0), text);
     // The first is lost, what follows fills the window of four: 1, 2, 3; 4 is one too far.
     for (sequence, text) in [(1, b"one"), (2, b"two"), (3, b"thr"), (4, b"for"), (5, b"fiv"), (0x7fff, b"far")] {
         controller.feed(0, &message(sequence, text));
@@ -392,7 +392,7 @@ fn an_acknowledgement_of_what_was_never_sent_changes_nothing() {
     client.send(b"one").unwrap();
     out(&mut client, 0);
     // That was lost; and this is no acknowledgement of it.
-    client.feed(0, &sealed(&client, Kind::Ack, 3, &[]));
+    client.feed(0, &sealed(&client, FrameKind::Ack, 3, &[]));
     assert_eq!((client.counters().bad_acknowledgement, client.all_acknowledged()), (1, false));
     client.poll(RETRY_FIRST_NS);
     pump(RETRY_FIRST_NS, &mut client, &mut controller);
@@ -403,7 +403,7 @@ fn an_acknowledgement_of_what_was_never_sent_changes_nothing() {
 #[test]
 fn a_frame_with_any_bit_damaged_is_none() {
     let (_, mut controller) = opened();
-    let good = sealed(&controller, Kind::Data, 0, b"\0what the frame \0\0 carries");
+    let good = sealed(&controller, FrameKind::Data, 0, b"\0what the frame \0\0 carries");
     for bit in 0..8 * good.len() {
         let mut damaged = good.clone();
         damaged[bit / 8] ^= 1 << (bit % 8);

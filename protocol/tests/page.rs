@@ -4,7 +4,7 @@
 
 use protocol::command::{COMMANDS, CommandInfo, info};
 use protocol::deframe::{Deframer, Outcome};
-use protocol::frame::{self, Header, Kind, MAX_WIRE};
+use protocol::frame::{self, FrameKind, Header, MAX_WIRE};
 use protocol::reason::{REASONS, Reason, describe_opcode};
 use protocol::record::{Lane, ReplyError, ReplyWriter, RequestWriter, replies, requests};
 use protocol::reserved::RESERVED;
@@ -155,7 +155,15 @@ fn frames_are_those_of_the_page() {
     for line in block("frame") {
         let [kind, fields, payload, wire] = columns(&line);
         let (payload, wire) = (bytes(&payload), bytes(&wire));
-        let kinds = [Kind::Hello, Kind::HelloAck, Kind::Data, Kind::Ack, Kind::KeepAlive, Kind::Bye, Kind::Busy];
+        let kinds = [
+            FrameKind::Hello,
+            FrameKind::HelloAck,
+            FrameKind::Data,
+            FrameKind::Ack,
+            FrameKind::KeepAlive,
+            FrameKind::Bye,
+            FrameKind::Busy,
+        ];
         let kind = kinds.into_iter().find(|k| format!("{k:?}") == kind).unwrap_or_else(|| panic!("kind {kind}"));
         let field = |key| number(value(&fields, key));
         let header = Header {
@@ -366,7 +374,7 @@ fn a_trace_is_that_of_the_page() {
         period: count(33_333, 3),
         width: count(8_333, 0),
     };
-    let head = trace::Head { schema: 0x1234_5678, period_ns: 250_000, every: 1, timer_mhz: 1000 };
+    let head = trace::TraceHead { schema: 0x1234_5678, period_ns: 250_000, every: 1, timer_mhz: 1000 };
     let mut ours: Vec<u8> = Vec::new();
     let mut out = [0; 2000];
     let (lasers_of, crds_of) = ([trace::LaserId { channel: 0 }], [trace::CrdId { core: 1, crd: 2 }]);
@@ -392,19 +400,19 @@ fn a_trace_is_that_of_the_page() {
     for byte in wire {
         decoder.feed(&[byte], |event| {
             match event.unwrap() {
-                trace::Event::Head(got, ids) => {
+                trace::TraceEvent::Head(got, ids) => {
                     assert_eq!((got, ids.lasers.len()), (head, 1));
                     assert!(ids.axes.iter().eq(axes) && ids.crds.iter().eq(crds_of));
                 }
-                trace::Event::Row(row, samples) => {
+                trace::TraceEvent::Row(row, samples) => {
                     assert!(samples.axes.iter().eq(rows[row as usize]));
                     assert!(samples.lasers.iter().eq(lasers[row as usize]));
                     assert!(samples.crds.iter().eq(crds[row as usize]));
                 }
-                trace::Event::Action(got) => assert_eq!(got, action),
-                trace::Event::Outputs(got) => assert_eq!(got, outputs),
-                trace::Event::Period(got) => assert_eq!(got, period),
-                trace::Event::End { rows, lost } => assert_eq!((rows, lost), (2, 0)),
+                trace::TraceEvent::Action(got) => assert_eq!(got, action),
+                trace::TraceEvent::Outputs(got) => assert_eq!(got, outputs),
+                trace::TraceEvent::Period(got) => assert_eq!(got, period),
+                trace::TraceEvent::End { rows, lost } => assert_eq!((rows, lost), (2, 0)),
             }
             came += 1;
         });

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use protocol::command::{COMMANDS, PtData, PtDataMany, PtItem, SetCrdPrm, Wire, widths};
 use protocol::deframe::{Deframer, Outcome};
 use protocol::frame::{self, Header, MAX_PAYLOAD, MAX_WIRE};
-use protocol::link::{Endpoint, Identity, Role, State};
+use protocol::link::{Endpoint, Identity, LinkState, Role};
 use protocol::record::{BODY_MAX, ITEM_BYTES, Lane, RequestWriter, replies, requests};
 use protocol::{reason, trace};
 use zerocopy::{FromBytes, IntoBytes};
@@ -62,7 +62,7 @@ fn opened() -> (Endpoint<4>, Endpoint<4>) {
         pump(0, &mut client, &mut controller);
         pump(0, &mut controller, &mut client);
     }
-    assert_eq!((client.state(), controller.state()), (State::Open, State::Open));
+    assert_eq!((client.state(), controller.state()), (LinkState::Open, LinkState::Open));
     (client, controller)
 }
 
@@ -153,7 +153,7 @@ proptest! {
         body.extend(crc.to_le_bytes());
         let mut decoder = trace::Decoder::new();
         let mut head = trace::Encoder::new();
-        let described = trace::Head { schema: 0, period_ns: 1, every: 1, timer_mhz: 1 };
+        let described = trace::TraceHead { schema: 0, period_ns: 1, every: 1, timer_mhz: 1 };
         let (axes, lasers) = (&[trace::AxisId { core: 0, axis: 1 }][..], &[trace::LaserId { channel: 0 }][..]);
         head.head(&described, &trace::Ids { axes, lasers, crds: &[trace::CrdId { core: 0, crd: 1 }] }).unwrap();
         let mut wire = [0; 100];

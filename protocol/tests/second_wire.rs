@@ -4,7 +4,7 @@ use ends::*;
 use protocol::Ns;
 use protocol::deframe::{Deframer, Outcome};
 use protocol::frame::{MAX_WIRE, OPENING_WIRE};
-use protocol::link::{ALIVE_NS, Identity, KEEP_ALIVE_NS, Role, State, TakeOver};
+use protocol::link::{ALIVE_NS, Identity, KEEP_ALIVE_NS, LinkState, Role, TakeOver};
 
 /// Frames of the wire's bytes at the controller's second wire, and its answers there.
 fn take_overs(controller: &mut End, now: Ns, holder: Option<&str>, bytes: &[u8]) -> (Vec<u8>, Vec<TakeOver>) {
@@ -59,7 +59,7 @@ fn a_session_is_taken_up_on_the_second_wire_and_only_then_is_the_link_there() {
         [0; 5],
         "{seen:?}"
     );
-    assert_eq!((second.state(), second.session()), (State::Open, controller.session()));
+    assert_eq!((second.state(), second.session()), (LinkState::Open, controller.session()));
     second.send(b"after").unwrap();
     pump(0, &mut second, &mut controller);
     assert_eq!(controller.message(), Some(&b"after"[..]));
@@ -99,7 +99,7 @@ fn a_stranger_at_the_second_wire_learns_so_and_nothing_changes() {
     stranger.open(0, 9);
     let (answer, _) = take_overs(&mut controller, 0, None, &out(&mut stranger, 0));
     stranger.feed(0, &answer);
-    assert_eq!(stranger.state(), State::Mismatch(Identity::OURS));
+    assert_eq!(stranger.state(), LinkState::Mismatch(Identity::OURS));
     assert_eq!(controller.session(), session);
     first.send(b"x").unwrap();
     pump(0, &mut first, &mut controller);
@@ -111,7 +111,7 @@ fn a_stranger_at_the_second_wire_learns_so_and_nothing_changes() {
     stranger.open(0, 10);
     assert_eq!(take_overs(&mut controller, 0, None, &out(&mut stranger, 0)).1.len(), 1);
     pump(0, &mut other, &mut controller);
-    assert_eq!((other.state(), other.session()), (State::Open, controller.session()));
+    assert_eq!((other.state(), other.session()), (LinkState::Open, controller.session()));
 }
 
 #[test]
@@ -125,7 +125,7 @@ fn a_second_client_learns_who_is_there_and_gets_the_session_when_that_one_is_sil
     let (answer, outcomes) = take_overs(&mut controller, last, holder, &out(&mut second, last));
     assert_eq!(outcomes, [TakeOver::Answered(answer.len())]);
     second.feed(last, &answer);
-    let State::Busy(busy) = second.state() else { panic!("{:?}", second.state()) };
+    let LinkState::Busy(busy) = second.state() else { panic!("{:?}", second.state()) };
     assert_eq!((busy.held_ms.get(), busy.silent_ms.get(), busy.holder()), (499, 499, &b"127.0.0.1:4711"[..]));
     assert_eq!((controller.session(), second.next_deadline()), (session, None));
     first.send(b"on").unwrap();
@@ -135,7 +135,7 @@ fn a_second_client_learns_who_is_there_and_gets_the_session_when_that_one_is_sil
     // An answer to another nonce is ignored by this client.
     second.open(last, 3);
     second.feed(last, &answer);
-    assert_eq!(second.state(), State::Opening);
+    assert_eq!(second.state(), LinkState::Opening);
 
     // Offered while the first one was silent. It sends again before the session is confirmed: no
     // session begins.
@@ -157,7 +157,7 @@ fn a_second_client_learns_who_is_there_and_gets_the_session_when_that_one_is_sil
         second.feed(now, &answer);
         assert_eq!(take_overs(&mut controller, now, holder, &out(&mut second, now)).1, [TakeOver::TakenUp]);
         pump(now, &mut second, &mut controller);
-        assert_eq!(second.state(), State::Open);
+        assert_eq!(second.state(), LinkState::Open);
     }
 
     // A client of another protocol gets that answer, whoever has the session.
@@ -165,5 +165,5 @@ fn a_second_client_learns_who_is_there_and_gets_the_session_when_that_one_is_sil
     stranger.open(now, 9);
     let (answer, _) = take_overs(&mut controller, now, holder, &out(&mut stranger, now));
     stranger.feed(now, &answer);
-    assert_eq!(stranger.state(), State::Mismatch(Identity::OURS));
+    assert_eq!(stranger.state(), LinkState::Mismatch(Identity::OURS));
 }

@@ -1,11 +1,11 @@
 //! The trace stream: what is sent comes back, and what is missing is reported.
 
 use protocol::trace::{
-    Action, AxisId, Columns, Count, CrdId, CrdSample, Decoder, Encoder, Event, Full, Head, Ids, LaserId, LaserSample,
-    MAX_AXES, MAX_CRDS, MAX_LASERS, Outputs, Sample, Samples, TraceError, kind,
+    Action, AxisId, Columns, Count, CrdId, CrdSample, Decoder, Encoder, Full, Ids, LaserId, LaserSample, MAX_AXES,
+    MAX_CRDS, MAX_LASERS, Outputs, Sample, Samples, TraceError, TraceEvent, TraceHead, kind,
 };
 
-const HEAD: Head = Head { schema: 5, period_ns: 50_000, every: 2, timer_mhz: 1000 };
+const HEAD: TraceHead = TraceHead { schema: 5, period_ns: 50_000, every: 2, timer_mhz: 1000 };
 
 fn sample(row: u32, axis: usize) -> Sample {
     let value = i64::from(row) * 1_000 - axis as i64;
@@ -96,29 +96,29 @@ fn read_of(wire: &[u8], (axes, lasers, crds): (usize, usize, usize)) -> (u32, u3
     let (mut rows, mut between, mut errors) = (0, 0, Vec::new());
     for part in wire.chunks(13) {
         decoder.feed(part, |event| match event {
-            Ok(Event::Row(row, samples)) => {
+            Ok(TraceEvent::Row(row, samples)) => {
                 assert!(samples.axes.iter().eq((0..axes).map(|axis| sample(row, axis))));
                 assert!(samples.lasers.iter().eq((0..lasers).map(|laser| laser_sample(row, laser))));
                 assert!(samples.crds.iter().eq((0..crds).map(|crd| crd_sample(row, crd))));
                 rows += 1;
             }
-            Ok(Event::Action(action)) => {
+            Ok(TraceEvent::Action(action)) => {
                 assert_eq!(action, laser_action(between / 2));
                 between += 1;
             }
-            Ok(Event::Outputs(outputs)) => {
+            Ok(TraceEvent::Outputs(outputs)) => {
                 assert_eq!(outputs, levels(between / 2));
                 between += 1;
             }
-            Ok(Event::Head(head, Columns { axes: list, lasers: channels, crds: systems })) => {
+            Ok(TraceEvent::Head(head, Columns { axes: list, lasers: channels, crds: systems })) => {
                 assert_eq!((head, list.len(), systems.len()), (HEAD, axes, crds));
                 assert!(channels.iter().map(|id| id.channel).eq(0..lasers as u8));
                 assert!(
                     systems.iter().enumerate().all(|(n, id)| usize::from(id.core) * 2 + usize::from(id.crd) == n + 1)
                 );
             }
-            Ok(Event::Period(_)) => panic!("the tick did not change"),
-            Ok(Event::End { .. }) => {}
+            Ok(TraceEvent::Period(_)) => panic!("the tick did not change"),
+            Ok(TraceEvent::End { .. }) => {}
             Err(error) => errors.push(error),
         });
     }

@@ -13,7 +13,7 @@ pub(crate) mod pwm_cycles;
 pub mod step_generator;
 pub mod step_words;
 
-pub use cycle_ring::{CycleRing, Slots};
+pub use cycle_ring::{CycleRing, RingSlots};
 pub use cycles::Scale;
 pub use delay_line::{DelayLine, WORDS as DELAY_LINE_WORDS};
 pub use gate_cycles::{Cycle, GateCycles, MIN_COUNTS as GATE_MIN_COUNTS};

@@ -1,10 +1,10 @@
 //! Coordinate systems: axes driven together along a path (SPEC 5, "Coordinate systems").
 //!
-//! In: admitted [`Entry`]s of 32 bytes from two FIFOs, instants. Out: a [`Step`] a tick, and the
-//! effects of entries (outputs, laser, other axes), each with the exact instant of its position in
-//! the path. A [`Path`] keeps one period ahead: the step for the tick at `t` gives the position
+//! In: admitted [`PathEntry`]s of 32 bytes from two FIFOs, instants. Out: a [`Step`] a tick, and
+//! the effects of entries (outputs, laser, other axes), each with the exact instant of its position
+//! in the path. A [`Path`] keeps one period ahead: the step for the tick at `t` gives the position
 //! there and carries out all boundaries before `t + period`. So an edge inside the coming interval
-//! is known in time and does not depend on the period. Instants are [`Fine`], positions of
+//! is known in time and does not depend on the period. Instants are [`FineNs`], positions of
 //! boundaries exact. A phase's speed is a closed form of the time since it began
 //! (`speed_profile.rs`); its position on the line or arc is a closed form of the path length
 //! (`geometry.rs`).
@@ -17,17 +17,17 @@ mod path_speed;
 mod speed_profile;
 mod store;
 
-pub use entry::{Along, Change, Entry, Item, LASER_WORDS, Plane, Refused, Sweep};
+pub use entry::{EntryContent, EntryEffect, LASER_WORDS, MotionSpeeds, PathEntry, Plane, Refused, Sweep};
 pub(crate) use evaluator::{EFFECTS, INSTANTS};
 pub use evaluator::{
-    Effects, Feed, FeedOverride, GEARS, Path, PathReport, PathStop, Rules, Step, StepReport, TrajectorySample,
+    Effects, FeedOverride, FifoEnds, GEARS, Path, PathReport, PathStop, Rules, Step, StepReport, TrajectorySample,
 };
 pub use geometry::Bend;
 pub use path_speed::PathSpeed;
-pub use store::{ENTRIES, Entries, EntryStore, PathStores};
+pub use store::{ENTRIES, EntryStore, PathEntries, PathStores};
 
 /// An instant or a duration in 2⁻³² ns; instants count from power-on.
-pub type Fine = u128;
+pub type FineNs = u128;
 
 /// Coordinates of a coordinate system: X, Y, Z, A.
 pub const DIMENSIONS: usize = 4;

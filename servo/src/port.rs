@@ -82,7 +82,7 @@ pub enum Simulated {
 
 /// When a planned input changes: on the first tick after this.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Due {
+pub enum InputTime {
     /// An instant of controller time.
     At(Ns),
     /// So long after the zero of the script clock of the next program.
@@ -124,7 +124,7 @@ pub trait Port {
     /// An input has this from now on: the interrupt of the next tick samples it.
     fn simulate(&mut self, _: Simulated) {}
     /// Row `row` (from 0, in order) of a plan of inputs; row 0 begins another plan.
-    fn plan(&mut self, _row: u16, _due: Due, _: Simulated) {}
+    fn plan(&mut self, _row: u16, _due: InputTime, _: Simulated) {}
     /// Takes the next row of the plan if it is due before `next`. `zero` is the script clock's
     /// zero, while a program runs.
     fn planned(&mut self, _next: Ns, _zero: Option<Ns>) -> Option<Simulated> {

@@ -4,7 +4,7 @@
 //! In: words of a table that no axis runs. Out: the same words. Owns nothing: the memory is the
 //! board's. Who may write when is agreed as for [`ring::Store`]: before the tick command that first
 //! names the table. Cannot fail: what does not exist reads as zeros and takes nothing.
-use crate::segment::pvt::{HEADER_WORDS, HeaderStore, POINT_WORDS, PointStore, TABLES, Tables, VERSION};
+use crate::segment::pvt::{HEADER_WORDS, HeaderStore, POINT_WORDS, PointStore, PvtTables, TABLES, VERSION};
 
 /// Points and headers of all tables; see the module text.
 #[derive(Clone, Copy)]
@@ -14,7 +14,7 @@ pub struct TableStores<'a> {
     /// Headers, one slot for each table.
     pub headers: &'a HeaderStore,
     /// Those of laser channels.
-    pub lasers: &'a crate::laser::Tables,
+    pub lasers: &'a crate::laser::PowerTables,
 }
 
 impl TableStores<'_> {
@@ -37,7 +37,7 @@ impl TableStores<'_> {
     }
 }
 
-impl Tables for TableStores<'_> {
+impl PvtTables for TableStores<'_> {
     #[inline]
     fn point(&self, table: u8, index: u32) -> [u32; POINT_WORDS] {
         self.points.get(table as usize).map_or([0; POINT_WORDS], |points| points.read(index))

@@ -22,23 +22,23 @@ use crate::axis::{AxisState, FastStep};
 use crate::capacity::GeneralOutputs;
 pub use crate::capacity::{IMMEDIATE, PROGRAM, SAMPLES};
 use crate::laser::{Cause, Clock, Lasers};
-use crate::output::general_outputs::{Edges, Levels, Set};
+use crate::output::general_outputs::{OutputEdges, OutputLevels, Set};
 use crate::path::PathStores;
 use crate::port::{AxisInputs, Port};
-use crate::segment::follow::Order;
+use crate::segment::follow::SlaveOrder;
 pub use crate::segment::pt::{SEGMENTS, SegmentStore};
 use crate::tables::TableStores;
-use crate::tick_command::{Entry, Lane, Supervision, TickCommand};
+use crate::tick_command::{Lane, LaneEntry, Supervision, TickCommand};
 use crate::trace::{Chosen, Trace};
 use crate::units::{Axis, AxisMask, CrdMask, Ns, StepLimit};
 use crate::view::{AxisView, Event, Sample, StopReason, View};
 use crd::Crds;
 use hand_overs::HandOvers;
 use ring::{Consumer, Producer, Writer};
-use script_clock::Script;
+use script_clock::ScriptClock;
 use slaves::Switched;
-pub(crate) use source::Source;
-use workload::Budget;
+pub(crate) use source::MotionSource;
+use workload::TickBudget;
 
 /// Events between two runs of the thread.
 pub const EVENTS: usize = 64;
@@ -61,11 +61,11 @@ pub struct TickConfig {
 }
 
 /// The tick's halves of the hand-overs.
-pub struct Lanes<'a, const AXES: usize> {
+pub struct TickHalves<'a, const AXES: usize> {
     /// Entries that act on the next tick.
-    pub immediate: Consumer<'a, Entry, IMMEDIATE>,
+    pub immediate: Consumer<'a, LaneEntry, IMMEDIATE>,
     /// Timed entries of a program.
-    pub program: Consumer<'a, Entry, PROGRAM>,
+    pub program: Consumer<'a, LaneEntry, PROGRAM>,
     /// The view of the tick computed last.
     pub view: Writer<'a, View<AXES>>,
     /// Events.
@@ -111,7 +111,7 @@ impl OffFastPath<'_, '_> {
         if fast_step == FastStep::Stale {
             state.publish(published);
         } else if let Some(store) = self.segments.get(axis.index()) {
-            let source = Source { segments: store, tables: self.tables };
+            let source = MotionSource { segments: store, tables: self.tables };
             let none = &mut 0;
             let left = if fast_step == FastStep::Barred { none } else { &mut self.left };
             if let Some(reason) = state.run(next, left, &source, published) {
@@ -130,7 +130,7 @@ state! {
         pub(crate) now: Ns = Ns(0),
         /// From it to the next one.
         pub(crate) period: Ns = Ns(config.period_ns as u64),
-        pub(crate) script: Script = Script::HELD,
+        pub(crate) script: ScriptClock = ScriptClock::HELD,
         pub(crate) enable: u64 = 0,
         pub(crate) clear: u64 = 0,
         pub(crate) general: GeneralOutputs = 0,
@@ -160,9 +160,9 @@ state! {
         pub(crate) steps: StepLimit = config.step_limit,
         pub(crate) trace: Trace = Trace::OFF,
         pub(crate) lasers: Lasers = Lasers::new(config.laser_clock),
-        pub(crate) order: Order<AXES> = Order::NONE,
+        pub(crate) order: SlaveOrder<AXES> = SlaveOrder::NONE,
         pub(crate) crds: Crds = Crds::POWER_ON,
-        pub(crate) edges: Edges = Edges::NONE,
+        pub(crate) edges: OutputEdges = OutputEdges::NONE,
         pub(crate) axes: [AxisState; AXES] = {
             const { assert!(AXES <= Axis::MAX, "more axes than a mask has bits") };
             [AxisState::POWER_ON; AXES]
@@ -198,7 +198,7 @@ impl<const AXES: usize> Tick<AXES> {
     }
 
     /// Computes the next tick: called once at every tick, at the instant [`Tick::now`].
-    pub fn run<P: Port>(&mut self, port: &mut P, lanes: &mut Lanes<'_, AXES>) {
+    pub fn run<P: Port>(&mut self, port: &mut P, lanes: &mut TickHalves<'_, AXES>) {
         let now = self.now;
         let next = Ns(now.0.wrapping_add(self.period.0));
         let mut period = self.period;
@@ -283,7 +283,7 @@ impl<const AXES: usize> Tick<AXES> {
     /// The interlock opens or closes: the lasers take it by themselves; motion brakes as
     /// `Supervision` says.
     #[inline(never)]
-    fn take_interlock(&mut self, open: bool, next: Ns, lanes: &mut Lanes<'_, AXES>) {
+    fn take_interlock(&mut self, open: bool, next: Ns, lanes: &mut TickHalves<'_, AXES>) {
         self.lasers.interlock = open;
         if open {
             self.brake(self.supervision.interlock, StopReason::Interlock, next, &mut HandOvers::of(lanes));
@@ -325,9 +325,9 @@ impl<const AXES: usize> Tick<AXES> {
 
     /// Every axis takes its step; slaves wait for their masters.
     #[inline(always)]
-    fn step_axes<const FOLLOW: bool>(&mut self, next: Ns, port: &mut impl Port, lanes: &mut Lanes<'_, AXES>) {
+    fn step_axes<const FOLLOW: bool>(&mut self, next: Ns, port: &mut impl Port, lanes: &mut TickHalves<'_, AXES>) {
         let left = self.made_ahead();
-        let Lanes { view, segments, tables, events, .. } = lanes;
+        let TickHalves { view, segments, tables, events, .. } = lanes;
         let View { axes: published, inputs, .. } = view.buffer();
         let states = self.axes.get_mut(..self.used).unwrap_or_default();
         let slaves = self.order.slaves;
@@ -359,10 +359,10 @@ impl<const AXES: usize> Tick<AXES> {
             (self.axes.get_mut(index), lanes.segments.get(index), published.get_mut(index))
         {
             if state.runs() {
-                let source = Source { segments: store, tables: lanes.tables };
+                let source = MotionSource { segments: store, tables: lanes.tables };
                 state.look_ahead(next, &source, published);
             } else if state.is_unprepared() && !made {
-                let source = Source { segments: store, tables: lanes.tables };
+                let source = MotionSource { segments: store, tables: lanes.tables };
                 made = state.prepare_start(&source);
             }
             index = index.wrapping_add(8);
@@ -373,7 +373,7 @@ impl<const AXES: usize> Tick<AXES> {
     #[inline]
     fn publish(&self, port: &mut impl Port, view: &mut View<AXES>) {
         (view.now, view.period) = (self.now, self.period);
-        let Script { zero, clock, worst_late, late, first_late, overran, late_light, runs, .. } = self.script;
+        let ScriptClock { zero, clock, worst_late, late, first_late, overran, late_light, runs, .. } = self.script;
         (view.script_zero, view.script, view.worst_late) = (zero, clock, worst_late);
         (view.late, view.first_late, view.overran) = (late, first_late, overran);
         (view.late_light, view.program_runs, view.aborts) = (late_light, runs, self.aborts);
@@ -397,10 +397,10 @@ impl<const AXES: usize> Tick<AXES> {
     /// Carries out what is due: the immediate lane, then the program lane, in order, as far as the
     /// tick takes it ([`workload`]).
     #[inline(never)]
-    fn execute_due(&mut self, next: Ns, period: &mut Ns, port: &mut impl Port, lanes: &mut Lanes<'_, AXES>) {
-        let Lanes { immediate, program, events, samples, segments, tables, paths, .. } = lanes;
+    fn execute_due(&mut self, next: Ns, period: &mut Ns, port: &mut impl Port, lanes: &mut TickHalves<'_, AXES>) {
+        let TickHalves { immediate, program, events, samples, segments, tables, paths, .. } = lanes;
         let mut reach = HandOvers { events, samples, segments, tables: *tables, paths: *paths };
-        let (mut budget, mut drops) = (Budget::of(self.period), false);
+        let (mut budget, mut drops) = (TickBudget::of(self.period), false);
         let mut calls = workload::calls(self.period);
         // Entries are read in place: a copy of one costs as much as its work.
         while calls > 0
@@ -478,8 +478,8 @@ impl<const AXES: usize> Tick<AXES> {
 
     /// Entries of paths have changed outputs within the coming interval.
     #[inline(never)]
-    fn flush_edges(&mut self, next: Ns, port: &mut impl Port, lanes: &mut Lanes<'_, AXES>) {
-        let before = Levels { enable: self.enable, clear: self.clear, general: self.general };
+    fn flush_edges(&mut self, next: Ns, port: &mut impl Port, lanes: &mut TickHalves<'_, AXES>) {
+        let before = OutputLevels { enable: self.enable, clear: self.clear, general: self.general };
         let (trace, samples, tables) = (&mut self.trace, &mut lanes.samples, lanes.tables.lasers);
         trace.record_outputs(0, before.general, samples);
         let after = self.edges.flush(before, port, |at, set| match set {

@@ -1,12 +1,12 @@
 //! Admitted tick commands: what the thread hands to the tick.
 //!
 //! An [`TickCommand`] has passed every check, so the tick can only carry it out or, where the
-//! machine's state changed meanwhile (a limit, an alarm), refuse it with a [`crate::view::Event`].
-//! Two lanes lead in: the immediate lane acts on the next tick; the program lane is timed (SPEC 7):
-//! an entry's instant is that of the entry before plus `delay`, and it acts on the first tick after
-//! that instant.
+//! machine's state changed meanwhile (a limit, an alarm), refuse it with a
+//! [`crate::view::StartEvent`]. Two lanes lead in: the immediate lane acts on the next tick; the
+//! program lane is timed (SPEC 7): an entry's instant is that of the entry before plus `delay`, and
+//! it acts on the first tick after that instant.
 use crate::path;
-use crate::path::axis_map::Frame;
+use crate::path::axis_map::AxisMap;
 use crate::port::Simulated;
 use crate::segment::follow;
 use crate::segment::ramp::{Accel, Speed};
@@ -16,7 +16,7 @@ use crate::units::{Axis, AxisMask, Crd, CrdMask, Ns, Pos};
 /// A tick command with its instant on the script clock, and the number under which its execution is
 /// reported.
 #[derive(Debug, Clone, Copy)]
-pub struct Entry {
+pub struct LaneEntry {
     /// Counts up by one per entry and lane; the view reports the last one executed.
     pub seq: u32,
     /// Program lane only: time since the instant of the entry before.
@@ -85,7 +85,7 @@ impl Guards {
 /// What an axis runs when it is started (GetPrfMode; SPEC 3).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(i8)]
-pub enum Mode {
+pub enum MotionMode {
     /// Point to point (power-on).
     #[default]
     Trap = 0,
@@ -184,9 +184,9 @@ pub enum TickCommand {
     SetEncoder { axis: Axis, pulses: i64 },
     /// Planned position := encoder position, at standstill.
     Synchronise { axes: AxisMask },
-    /// Mode at standstill, any but `Mode::Crd`. A change of mode or of the use of the FIFO clears
-    /// the PT data.
-    SetMode { axis: Axis, mode: Mode },
+    /// Mode at standstill, any but `MotionMode::Crd`. A change of mode or of the use of the FIFO
+    /// clears the PT data.
+    SetMode { axis: Axis, mode: MotionMode },
     /// Stop decelerations.
     StopDec { axis: Axis, smooth: Accel, abrupt: Accel },
     /// In-position band and time.
@@ -242,13 +242,13 @@ pub enum TickCommand {
     /// The master that the axis follows from the next start on; no cycle, also through others.
     FollowMaster { axis: Axis, master: follow::Master },
     /// What begins the motion after the next start.
-    FollowEvent { axis: Axis, event: follow::Event },
+    FollowEvent { axis: Axis, event: follow::StartEvent },
     /// Follow passes; 0 is for ever.
     FollowLoop { axis: Axis, passes: u32 },
     /// The FIFO now ends at this count of entries; `tail` is that of the chain after the last one.
     /// It counts only if `cleared` is what the view has for this FIFO: data for a FIFO that a
     /// switch has emptied meanwhile is void.
-    FollowCommit { axis: Axis, fifo: u8, end: u32, cleared: u32, tail: follow::Tail },
+    FollowCommit { axis: Axis, fifo: u8, end: u32, cleared: u32, tail: follow::FifoTail },
     /// Empties a FIFO that is not running.
     FollowClear { axis: Axis, fifo: u8 },
     /// Follow or FollowEx of these axes begins; bits of `fifo1` take FIFO 1.
@@ -265,9 +265,9 @@ pub enum TickCommand {
     /// outputs when they change.
     Trace { every: u32, axes: AxisMask, crds: CrdMask, lasers: u8, edges: bool, outputs: bool },
     /// SetCrdPrm, at standstill: which axes it drives and where its zero is; these are in
-    /// `Mode::Crd` from now on. Both FIFOs are empty; stop deceleration and override have their
-    /// power-on values (1 pulse/ms², 1).
-    CrdFrame { crd: Crd, frame: Frame },
+    /// `MotionMode::Crd` from now on. Both FIFOs are empty; stop deceleration and override have
+    /// their power-on values (1 pulse/ms², 1).
+    CrdFrame { crd: Crd, frame: AxisMap },
     /// The FIFO now ends at this count of entries pushed since it was cleared. It counts only if
     /// `cleared` is what the view has for this FIFO.
     CrdCommit { crd: Crd, fifo: u8, end: u32, cleared: u32 },
@@ -282,7 +282,7 @@ pub enum TickCommand {
     /// The filter of its encoders' speed.
     CrdLag { crd: Crd, lag: crate::laser::Lag },
     /// A laser channel (from 0) changes.
-    Laser { channel: u8, change: crate::laser::Change },
+    Laser { channel: u8, change: crate::laser::ChannelChange },
     /// Ends the velocity follows that entries of these coordinate systems began (Stop, bits 10 and
     /// 11).
     FollowEnd { crds: CrdMask },

@@ -5,7 +5,7 @@
 //! counts it; the row numbers show which.
 use crate::capacity::GeneralOutputs;
 use crate::capacity::SAMPLES;
-use crate::laser::{ANALOG, Action, Plan, Tables};
+use crate::laser::{ANALOG, Action, Plan, PowerTables};
 use crate::units::{AxisMask, CrdMask};
 use crate::view::{Sample, Traced};
 use ring::Producer;
@@ -117,7 +117,7 @@ impl Trace {
     }
 
     /// The analog outputs when the trace begins.
-    pub(crate) fn record_analog_carried(&mut self, tables: &Tables, samples: &mut Producer<'_, Sample, SAMPLES>) {
+    pub(crate) fn record_analog_carried(&mut self, tables: &PowerTables, samples: &mut Producer<'_, Sample, SAMPLES>) {
         if self.chosen.outputs {
             for channel in 0..ANALOG as u8 {
                 let value = tables.analog(channel.into());

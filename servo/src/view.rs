@@ -8,14 +8,14 @@ pub use crate::segment::follow::Lead;
 pub use crate::status::StopReason;
 use axis_motion::share;
 pub use crd::{CrdView, Drive};
-pub(crate) use speeds::Speeds;
+pub(crate) use speeds::AxisSpeeds;
 
 use crate::capacity::{GeneralInputs, GeneralOutputs};
 use crate::laser::{Action, CHANNELS, Power};
 use crate::port::AxisInputs;
 use crate::segment::follow::{Awaits, compose, straight};
 use crate::segment::piece::{Motion, Scaled};
-use crate::tick_command::{Lane, Mode};
+use crate::tick_command::{Lane, MotionMode};
 use crate::units::{Axis, Crd, Ns, Pos};
 
 state! {
@@ -66,7 +66,7 @@ state! {
         /// The reason of the last stop.
         pub stop: StopReason = StopReason::None,
         /// Profile mode.
-        pub mode: Mode = Mode::Trap,
+        pub mode: MotionMode = MotionMode::Trap,
         /// Follow: the axis whose motion makes that of this axis; none while it does not move
         /// whatever the master does.
         pub lead: Option<Lead> = None,
@@ -290,7 +290,7 @@ impl<const AXES: usize> View<AXES> {
             return axis.motion.velocity();
         }
         let (axes, crd) = (|axis: Axis| self.axes.get(axis.index()), |crd: Crd| self.crds.get(crd.index()));
-        let mut speeds = Speeds::<0>::NONE;
+        let mut speeds = AxisSpeeds::<0>::NONE;
         speeds.motion(None, axis, axes, crd, self.period).velocity()
     }
 
@@ -334,7 +334,7 @@ pub enum Traced {
         /// Which one, from 0.
         channel: u8,
         /// Power mode, whose unit `power` has.
-        mode: crate::laser::Mode,
+        mode: crate::laser::PowerMode,
         /// The switch output.
         gate: bool,
         /// Power being output, in the mode's unit.

@@ -1,25 +1,25 @@
 //! What stops a path at once: its tick keeps the set-points of the tick before (SPEC 4), wherever
 //! boundaries lie, and CrdStart goes on from there: outputs and gears are not made again.
 use crate::{chance, tick_bench};
-use servo::path::{Along, Entry};
-use servo::tick_command::{Brake, DoGroup, Guarded, Guards, Mode, Supervision, TickCommand};
+use servo::path::{MotionSpeeds, PathEntry};
+use servo::tick_command::{Brake, DoGroup, Guarded, Guards, MotionMode, Supervision, TickCommand};
 use servo::units::{AxisMask, CrdMask, Pos, StepLimit};
 use servo::view::{StopReason, View};
 
 use chance::Chance;
 use tick_bench::*;
 
-fn speeds(vel: f64, acc: f64, end: f64) -> Along {
-    Along::admit(vel.to_bits(), acc.to_bits(), end.to_bits()).unwrap()
+fn speeds(vel: f64, acc: f64, end: f64) -> MotionSpeeds {
+    MotionSpeeds::admit(vel.to_bits(), acc.to_bits(), end.to_bits()).unwrap()
 }
 
-fn output(value: u64) -> Entry {
-    Entry::output(DoGroup::General, 0xff, value)
+fn output(value: u64) -> PathEntry {
+    PathEntry::output(DoGroup::General, 0xff, value)
 }
 
 /// Coordinate system 0 on axes 0 and 1, 100 pulses from its zero.
-fn prepared(period_us: u32, entries: &[Entry]) -> Bench {
-    let mut bench = Bench::prepared(period_us, Mode::Trap);
+fn prepared(period_us: u32, entries: &[PathEntry]) -> Bench {
+    let mut bench = Bench::prepared(period_us, MotionMode::Trap);
     bench.frame(0, &[0, 1], Some([100, -50, 0, 0]));
     bench.now(TickCommand::Guard { axis: axis(1), on: Guards::set(Guarded::Alarm, true), low: Guards::NONE });
     bench.now(TickCommand::Supervision(Supervision { interlock: Brake::AbruptAll, ..Supervision::DEFAULT }));
@@ -77,7 +77,7 @@ fn let_go(bench: &mut Bench, cause: Cause) {
 
 /// Random paths of lines as long as some ticks or shorter, with outputs and delays between them;
 /// levels count up.
-fn entries(chance: &mut Chance) -> (Vec<Entry>, [i32; 2], u64) {
+fn entries(chance: &mut Chance) -> (Vec<PathEntry>, [i32; 2], u64) {
     let (mut entries, mut to, mut level) = (Vec::new(), [-100, 50], 0);
     let most = [4, 40, 400][chance.below(3) as usize];
     for _ in 0..20 + chance.below(60) {
@@ -85,16 +85,16 @@ fn entries(chance: &mut Chance) -> (Vec<Entry>, [i32; 2], u64) {
         let end = if chance.below(5) == 0 { 0.0 } else { vel * chance.unit() };
         to[0] += 1 + chance.below(most) as i32;
         to[1] += chance.below(most) as i32 - most as i32 / 2;
-        entries.push(Entry::planar(to, speeds(vel, chance.log(1.0, 60.0), end)));
+        entries.push(PathEntry::planar(to, speeds(vel, chance.log(1.0, 60.0), end)));
         if chance.below(2) == 0 {
             level += 1;
             entries.push(output(level));
         }
         if chance.below(12) == 0 {
-            entries.push(Entry::delay(chance.below(3) as u16));
+            entries.push(PathEntry::delay(chance.below(3) as u16));
         }
     }
-    if entries.last().is_some_and(Entry::is_motion) {
+    if entries.last().is_some_and(PathEntry::is_motion) {
         level += 1;
         entries.push(output(level));
     }
@@ -184,10 +184,10 @@ fn what_is_geared_goes_along_once() {
             x += 1 + chance.below([3, 12][case % 2]) as i32;
             if chance.below(2) == 0 {
                 let (which, by) = (chance.below(2) as usize, chance.below(40) as i32 - 20);
-                entries.push(Entry::gear(axis(4 + which), by));
+                entries.push(PathEntry::gear(axis(4 + which), by));
                 sums[which] += by;
             }
-            entries.push(Entry::planar([x, 50], speeds(20.0, 4.0, 20.0 * chance.unit())));
+            entries.push(PathEntry::planar([x, 50], speeds(20.0, 4.0, 20.0 * chance.unit())));
         }
         let mut bench = prepared(period, &entries);
         let mut view = bench.tick();
@@ -212,11 +212,12 @@ fn what_is_geared_goes_along_once() {
 /// again. One that it did not wait for has been made.
 #[test]
 fn moves_between_both_ticks_are_not_lost_nor_made_twice() {
-    let moves =
-        |modal| Entry::travel(axis(4), 60, (20f64.to_bits(), StepLimit::FULL_SCALE), 10f64.to_bits(), modal).unwrap();
+    let moves = |modal| {
+        PathEntry::travel(axis(4), 60, (20f64.to_bits(), StepLimit::FULL_SCALE), 10f64.to_bits(), modal).unwrap()
+    };
     for modal in [true, false] {
         // 40 pulses with 10 pulse/ms² from rest to rest: 4 ms, and 2 ticks more for the start.
-        let lines = [[-60, 50], [-20, 50]].map(|to| Entry::planar(to, speeds(30.0, 10.0, 0.0)));
+        let lines = [[-60, 50], [-20, 50]].map(|to| PathEntry::planar(to, speeds(30.0, 10.0, 0.0)));
         let mut bench = prepared(250, &[]);
         let entries = [lines[0], moves(modal), output(1), lines[1]];
         bench.path(0, 0, &entries);

@@ -1,26 +1,26 @@
 //! The effects of a path's entries on the rest of the machine, through the whole tick: outputs at
 //! exact instants, other axes that are moved or geared, axes that follow a coordinate.
 use crate::tick_bench;
-use servo::path::{Along, Entry, Plane};
+use servo::path::{MotionSpeeds, PathEntry, Plane};
 use servo::segment::follow::{Direction, Value};
 use servo::status;
-use servo::tick_command::{DoGroup, Mode, TickCommand};
+use servo::tick_command::{DoGroup, MotionMode, TickCommand};
 use servo::units::{AxisMask, CrdMask, Pos, StepLimit};
 use servo::view::{Event, StopReason, View};
 
 use tick_bench::*;
 
-fn speeds(vel: f64, acc: f64, end: f64) -> Along {
-    Along::admit(vel.to_bits(), acc.to_bits(), end.to_bits()).unwrap()
+fn speeds(vel: f64, acc: f64, end: f64) -> MotionSpeeds {
+    MotionSpeeds::admit(vel.to_bits(), acc.to_bits(), end.to_bits()).unwrap()
 }
 
-fn output(value: u32) -> Entry {
-    Entry::output(DoGroup::General, 0xff, u64::from(value))
+fn output(value: u32) -> PathEntry {
+    PathEntry::output(DoGroup::General, 0xff, u64::from(value))
 }
 
 /// Coordinate system 0 on axes 0 and 1, coordinate system 1 on axes 2 and 3, all at 0.
 fn prepared(period_us: u32) -> Bench {
-    let mut bench = Bench::prepared(period_us, Mode::Trap);
+    let mut bench = Bench::prepared(period_us, MotionMode::Trap);
     bench.frame(0, &[0, 1], None);
     bench.frame(1, &[2, 3], None);
     bench.tick();
@@ -60,14 +60,14 @@ fn outputs_change_at_the_instant_of_their_boundary() {
         let v = speeds(10.0, 1.0, 10.0);
         let entries = [
             output(1),
-            Entry::planar([100, 0], v),
+            PathEntry::planar([100, 0], v),
             output(2),
-            Entry::analog(3, -77),
-            Entry::planar([100, 50], v),
+            PathEntry::analog(3, -77),
+            PathEntry::planar([100, 50], v),
             output(3),
-            Entry::delay(7),
+            PathEntry::delay(7),
             output(4),
-            Entry::circle(Plane::Xy, [50 << 30, 0], true, v).unwrap(),
+            PathEntry::circle(Plane::Xy, [50 << 30, 0], true, v).unwrap(),
             output(5),
         ];
         bench.path(0, 0, &entries);
@@ -97,8 +97,8 @@ fn outputs_change_at_the_instant_of_their_boundary() {
 #[test]
 fn outputs_of_two_paths_come_in_order() {
     let mut bench = prepared(1000);
-    let way = |x: i32| Entry::planar([x, 0], speeds(100.0, 100.0, 100.0));
-    let on = |bit: u32| Entry::output(DoGroup::General, 1 << bit, 1 << bit);
+    let way = |x: i32| PathEntry::planar([x, 0], speeds(100.0, 100.0, 100.0));
+    let on = |bit: u32| PathEntry::output(DoGroup::General, 1 << bit, 1 << bit);
     // Boundaries of the first at 1.5 and 1.9 ms; of the second at 1.7 ms.
     bench.path(0, 0, &[way(100), on(10), way(140), on(11), way(400)]);
     bench.path(1, 0, &[way(120), on(12), way(400)]);
@@ -113,9 +113,9 @@ fn outputs_of_two_paths_come_in_order() {
 fn an_entry_may_switch_a_servo_off() {
     for other in [5, 1] {
         let mut bench = prepared(1000);
-        let way = |x: i32| Entry::planar([x, 0], speeds(100.0, 100.0, 100.0));
-        bench.path(0, 0, &[way(100), Entry::output(DoGroup::Enable, 1 << other, 0), way(400)]);
-        bench.now(TickCommand::SetMode { axis: axis(5), mode: Mode::Jog });
+        let way = |x: i32| PathEntry::planar([x, 0], speeds(100.0, 100.0, 100.0));
+        bench.path(0, 0, &[way(100), PathEntry::output(DoGroup::Enable, 1 << other, 0), way(400)]);
+        bench.now(TickCommand::SetMode { axis: axis(5), mode: MotionMode::Jog });
         bench.jog(5, 3.0, 1.0);
         bench.start_path(&[0]);
         let zero = bench.tick().now.0;
@@ -140,13 +140,18 @@ fn a_move_takes_an_axis_away_and_a_modal_one_is_waited_for() {
             let mut bench = prepared(period);
             let v = speeds(10.0, 1.0, 0.0);
             let travel =
-                Entry::travel(axis(4), -30, (2f64.to_bits(), StepLimit::FULL_SCALE), 0.5f64.to_bits(), modal).unwrap();
-            bench.path(0, 0, &[Entry::planar([37, 0], v), travel, output(1), Entry::planar([0, 0], v), output(2)]);
+                PathEntry::travel(axis(4), -30, (2f64.to_bits(), StepLimit::FULL_SCALE), 0.5f64.to_bits(), modal)
+                    .unwrap();
+            bench.path(
+                0,
+                0,
+                &[PathEntry::planar([37, 0], v), travel, output(1), PathEntry::planar([0, 0], v), output(2)],
+            );
             bench.start_path(&[0]);
             let zero = bench.tick.now().0 + u64::from(period) * 1000;
             let found = edges(&mut bench, zero);
             let end = bench.run_to_standstill();
-            assert_eq!((pulses(end.axes[4].pos), end.axes[4].mode), (-30.0, Mode::Trap));
+            assert_eq!((pulses(end.axes[4].pos), end.axes[4].mode), (-30.0, MotionMode::Trap));
             // 2·√37 ms for the line; 30 pulses at 2 pulse/ms: 4 ms, 11 ms, 4 ms.
             let line = 2.0 * 37f64.sqrt();
             let wait = if modal { 19.0 } else { 0.0 };
@@ -169,8 +174,8 @@ fn a_move_begins_at_its_boundary() {
     for period in [50, 250, 1000] {
         let mut bench = prepared(period);
         let travel =
-            Entry::travel(axis(4), 1000, (20f64.to_bits(), StepLimit::FULL_SCALE), 2f64.to_bits(), false).unwrap();
-        bench.path(0, 0, &[Entry::planar([37, 0], speeds(10.0, 1.0, 0.0)), travel]);
+            PathEntry::travel(axis(4), 1000, (20f64.to_bits(), StepLimit::FULL_SCALE), 2f64.to_bits(), false).unwrap();
+        bench.path(0, 0, &[PathEntry::planar([37, 0], speeds(10.0, 1.0, 0.0)), travel]);
         bench.start_path(&[0]);
         let zero = bench.tick().now.0;
         seen.push([13, 17, 30].map(|ms| bench.until(zero + ms * MS).axes[4].pos));
@@ -187,8 +192,8 @@ fn a_move_that_fails_stops_the_path() {
     let v = speeds(10.0, 1.0, 0.0);
     let entries = |modal| {
         let travel =
-            Entry::travel(axis(4), -30, (2f64.to_bits(), StepLimit::FULL_SCALE), 0.5f64.to_bits(), modal).unwrap();
-        [Entry::planar([37, 0], v), travel, Entry::planar([0, 0], v)]
+            PathEntry::travel(axis(4), -30, (2f64.to_bits(), StepLimit::FULL_SCALE), 0.5f64.to_bits(), modal).unwrap();
+        [PathEntry::planar([37, 0], v), travel, PathEntry::planar([0, 0], v)]
     };
     type Break = fn(&mut Bench);
     let breaks: [Break; 3] = [
@@ -196,7 +201,7 @@ fn a_move_that_fails_stops_the_path() {
             bench.now(TickCommand::Servo { axis: axis(4), on: false });
         },
         |bench| {
-            bench.now(TickCommand::SetMode { axis: axis(4), mode: Mode::Jog });
+            bench.now(TickCommand::SetMode { axis: axis(4), mode: MotionMode::Jog });
         },
         |bench| bench.frame(2, &[4], None),
     ];
@@ -228,7 +233,8 @@ fn a_move_that_fails_stops_the_path() {
 fn a_modal_move_that_was_stopped_is_made_to_its_end() {
     let v = speeds(10.0, 1.0, 0.0);
     // 2·√37 ms for the line; 30 pulses at 2 pulse/ms: 4 ms, 11 ms, 4 ms.
-    let travel = Entry::travel(axis(4), -30, (2f64.to_bits(), StepLimit::FULL_SCALE), 0.5f64.to_bits(), true).unwrap();
+    let travel =
+        PathEntry::travel(axis(4), -30, (2f64.to_bits(), StepLimit::FULL_SCALE), 0.5f64.to_bits(), true).unwrap();
     let path = |abrupt| TickCommand::stop_crds(CrdMask(1), CrdMask(abrupt));
     let other = TickCommand::stop(all(&[4]), AxisMask(0));
     let off = TickCommand::Servo { axis: axis(4), on: false };
@@ -236,7 +242,7 @@ fn a_modal_move_that_was_stopped_is_made_to_its_end() {
         [(&[path(0)], -30.0), (&[path(1)], -30.0), (&[other, path(0)], -16.0), (&[other], -16.0), (&[off], -14.0)];
     for (index, (stops, left_at)) in breaks.into_iter().enumerate() {
         let mut bench = prepared(250);
-        bench.path(0, 0, &[Entry::planar([37, 0], v), travel, output(1), Entry::planar([0, 0], v)]);
+        bench.path(0, 0, &[PathEntry::planar([37, 0], v), travel, output(1), PathEntry::planar([0, 0], v)]);
         bench.start_path(&[0]);
         let zero = bench.tick().now.0;
         let view = bench.until(zero + 21 * MS);
@@ -270,10 +276,10 @@ fn a_modal_move_that_was_stopped_is_made_to_its_end() {
 fn a_move_that_was_refused_is_made_once_it_can_be() {
     for modal in [true, false] {
         let v = speeds(10.0, 1.0, 5.0);
-        let travel = Entry::travel(axis(4), -30, (2f64.to_bits(), StepLimit::FULL_SCALE), 0.5f64.to_bits(), modal);
+        let travel = PathEntry::travel(axis(4), -30, (2f64.to_bits(), StepLimit::FULL_SCALE), 0.5f64.to_bits(), modal);
         let mut bench = prepared(250);
         bench.now(TickCommand::Servo { axis: axis(4), on: false });
-        bench.path(0, 0, &[Entry::planar([37, 0], v), travel.unwrap(), output(1), Entry::planar([0, 0], v)]);
+        bench.path(0, 0, &[PathEntry::planar([37, 0], v), travel.unwrap(), output(1), PathEntry::planar([0, 0], v)]);
         bench.start_path(&[0]);
         let zero = bench.tick().now.0;
         let view = bench.until(zero + 60 * MS);
@@ -300,12 +306,12 @@ fn a_gear_goes_along_with_the_next_motion() {
         bench.now(TickCommand::SetPosition { axis: axis(4), pos: Pos::pulses(7) });
         let v = speeds(10.0, 1.0, 0.0);
         let entries = [
-            Entry::gear(axis(4), 100),
-            Entry::gear(axis(5), -3),
-            Entry::planar([300, 400], v),
-            Entry::gear(axis(4), 11),
-            Entry::planar([300, 410], v),
-            Entry::planar([0, 410], v),
+            PathEntry::gear(axis(4), 100),
+            PathEntry::gear(axis(5), -3),
+            PathEntry::planar([300, 400], v),
+            PathEntry::gear(axis(4), 11),
+            PathEntry::planar([300, 410], v),
+            PathEntry::planar([0, 410], v),
         ];
         bench.path(0, 0, &entries);
         bench.start_path(&[0]);
@@ -315,7 +321,7 @@ fn a_gear_goes_along_with_the_next_motion() {
         let speed = |view: &View<AXES>, axis: usize| real(view.velocity(&view.axes[axis]));
         assert!((pulses(view.axes[4].pos) - 57.0).abs() < 1e-5 && (pulses(view.axes[5].pos) + 1.5).abs() < 1e-5);
         assert!((speed(&view, 4) - 2.0).abs() < 1e-9 && (speed(&view, 5) + 0.06).abs() < 1e-9);
-        assert!(has(&view.axes[4], status::RUNNING) && view.axes[4].mode == Mode::Trap);
+        assert!(has(&view.axes[4], status::RUNNING) && view.axes[4].mode == MotionMode::Trap);
         // Stop by the bit of a geared axis.
         bench.now(TickCommand::stop(all(&[5]), AxisMask(0)));
         let view = bench.run_to_standstill();
@@ -349,7 +355,8 @@ fn a_gear_that_begins_in_the_tick_of_a_stop_goes_along() {
         let dec = servo::segment::ramp::Accel::admit(4f64.to_bits()).unwrap();
         bench.now(TickCommand::CrdStopDec { crd: crd(0), dec });
         let v = speeds(3.0, 1.0, 3.0);
-        let lines = [Entry::planar([3 + at, 0], v), Entry::gear(axis(4), 65), Entry::planar([50 + at, 0], v)];
+        let lines =
+            [PathEntry::planar([3 + at, 0], v), PathEntry::gear(axis(4), 65), PathEntry::planar([50 + at, 0], v)];
         bench.path(0, 0, &lines);
         bench.start_path(&[0]);
         bench.tick();
@@ -375,13 +382,13 @@ fn a_gear_that_begins_in_the_tick_of_a_stop_goes_along() {
 #[test]
 fn gears_add_up_and_too_many_stop_the_path() {
     let mut bench = prepared(250);
-    let way = Entry::planar([300, 400], speeds(10.0, 1.0, 0.0));
-    bench.path(0, 0, &[Entry::gear(axis(4), 100), Entry::gear(axis(4), -30), way]);
+    let way = PathEntry::planar([300, 400], speeds(10.0, 1.0, 0.0));
+    bench.path(0, 0, &[PathEntry::gear(axis(4), 100), PathEntry::gear(axis(4), -30), way]);
     bench.start_path(&[0]);
     bench.tick();
     assert_eq!(pulses(bench.run_to_standstill().axes[4].pos), 70.0);
-    let mut entries: Vec<_> = (3..8).map(|index| Entry::gear(axis(index), 10)).collect();
-    entries.push(Entry::planar([0, 0], speeds(10.0, 1.0, 0.0)));
+    let mut entries: Vec<_> = (3..8).map(|index| PathEntry::gear(axis(index), 10)).collect();
+    entries.push(PathEntry::planar([0, 0], speeds(10.0, 1.0, 0.0)));
     bench.frame(1, &[2], None);
     bench.path(0, 0, &entries);
     bench.start_path(&[0]);
@@ -393,9 +400,9 @@ fn gears_add_up_and_too_many_stop_the_path() {
 #[test]
 fn a_gear_of_an_axis_that_moves_stops_the_path() {
     let mut bench = prepared(250);
-    bench.now(TickCommand::SetMode { axis: axis(4), mode: Mode::Jog });
+    bench.now(TickCommand::SetMode { axis: axis(4), mode: MotionMode::Jog });
     bench.jog(4, 1.0, 1.0);
-    bench.path(0, 0, &[Entry::gear(axis(4), 100), Entry::planar([300, 400], speeds(10.0, 1.0, 0.0))]);
+    bench.path(0, 0, &[PathEntry::gear(axis(4), 100), PathEntry::planar([300, 400], speeds(10.0, 1.0, 0.0))]);
     bench.start_path(&[0]);
     let view = bench.ticks(10);
     assert_eq!((view.crds[0].runs, view.crds[0].stop), (false, StopReason::OtherAxis));
@@ -408,7 +415,7 @@ fn an_axis_may_follow_a_coordinate() {
     for (leader, slave) in [(0, 6), (1, 7)] {
         for period in [50, 250, 1000] {
             let mut bench = prepared(period);
-            bench.now(TickCommand::SetMode { axis: axis(slave), mode: Mode::Follow });
+            bench.now(TickCommand::SetMode { axis: axis(slave), mode: MotionMode::Follow });
             bench.follows(slave, leader, Value::Planned);
             bench.tick();
             bench.follow(slave, 0, &[Item::Data(100_000.0, -50_000.0, 1, 0)]);
@@ -417,7 +424,10 @@ fn an_axis_may_follow_a_coordinate() {
             bench.path(
                 0,
                 0,
-                &[Entry::planar([300, 400], speeds(10.0, 1.0, 5.0)), Entry::planar([900, 901], speeds(10.0, 1.0, 0.0))],
+                &[
+                    PathEntry::planar([300, 400], speeds(10.0, 1.0, 5.0)),
+                    PathEntry::planar([900, 901], speeds(10.0, 1.0, 0.0)),
+                ],
             );
             bench.start_path(&[0]);
             loop {
@@ -439,12 +449,12 @@ fn an_axis_may_follow_a_coordinate() {
 #[test]
 fn a_slave_sees_where_a_coordinate_turns_between_ticks() {
     let v = speeds(10.0, 1.0, 10.0);
-    let corner = [Entry::planar([103, 0], v), Entry::planar([0, 50], v)];
-    let arc = [Entry::circle(Plane::Xy, [40 << 30, 30 << 30], false, speeds(7.3, 1.0, 0.0)).unwrap()];
+    let corner = [PathEntry::planar([103, 0], v), PathEntry::planar([0, 50], v)];
+    let arc = [PathEntry::circle(Plane::Xy, [40 << 30, 30 << 30], false, speeds(7.3, 1.0, 0.0)).unwrap()];
     let both = [
-        Entry::planar([21, 0], v),
-        Entry::circle(Plane::Xy, [40 << 30, 30 << 30], true, v).unwrap(),
-        Entry::planar([-11, 3], v),
+        PathEntry::planar([21, 0], v),
+        PathEntry::circle(Plane::Xy, [40 << 30, 30 << 30], true, v).unwrap(),
+        PathEntry::planar([-11, 3], v),
     ];
     for (entries, most, least) in [(&corner[..], 103.0, 0.0), (&arc, 90.0, -10.0), (&both, 111.0, -11.0)] {
         for period in [50, 250, 1000] {
@@ -453,7 +463,7 @@ fn a_slave_sees_where_a_coordinate_turns_between_ticks() {
             bench.now(TickCommand::SetPosition { axis: axis(0), pos: Pos::pulses(1234) });
             bench.frame(0, &[0, 1], None);
             for (slave, direction) in [(6, Direction::Up), (7, Direction::Down)] {
-                bench.now(TickCommand::SetMode { axis: axis(slave), mode: Mode::Follow });
+                bench.now(TickCommand::SetMode { axis: axis(slave), mode: MotionMode::Follow });
                 bench.now(TickCommand::FollowDirection { axis: axis(slave), direction });
                 bench.follows(slave, 0, Value::Planned);
                 bench.tick();
@@ -476,8 +486,8 @@ fn a_slave_sees_where_a_coordinate_turns_between_ticks() {
 fn two_paths_run_side_by_side() {
     let mut bench = prepared(250);
     let v = speeds(10.0, 1.0, 0.0);
-    bench.path(0, 0, &[Entry::planar([300, 400], v), Entry::planar([0, 0], v)]);
-    bench.path(1, 0, &[Entry::planar([-60, 80], v)]);
+    bench.path(0, 0, &[PathEntry::planar([300, 400], v), PathEntry::planar([0, 0], v)]);
+    bench.path(1, 0, &[PathEntry::planar([-60, 80], v)]);
     bench.start_path(&[0, 1]);
     let zero = bench.tick().now.0;
     let view = bench.until(zero + 20 * MS);

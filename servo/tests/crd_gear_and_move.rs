@@ -1,17 +1,17 @@
 //! One axis that a path gears to a motion and moves by an entry, one right after the other: it is
 //! where exact kinematics want it in every tick, at any tick period, and a slave of it too.
 use crate::tick_bench;
-use servo::path::{Along, Entry};
+use servo::path::{MotionSpeeds, PathEntry};
 use servo::segment::follow::Value;
 use servo::status;
-use servo::tick_command::{Mode, TickCommand};
+use servo::tick_command::{MotionMode, TickCommand};
 use servo::units::{Pos, StepLimit};
 use servo::view::StopReason;
 
 use tick_bench::*;
 
-fn speeds(vel: f64, acc: f64, end: f64) -> Along {
-    Along::admit(vel.to_bits(), acc.to_bits(), end.to_bits()).unwrap()
+fn speeds(vel: f64, acc: f64, end: f64) -> MotionSpeeds {
+    MotionSpeeds::admit(vel.to_bits(), acc.to_bits(), end.to_bits()).unwrap()
 }
 
 /// A path length from rest, with an acceleration of 1 pulse/ms² up to `peak` and down to `end`.
@@ -55,15 +55,15 @@ fn moved(t: f64) -> f64 {
     }
 }
 
-fn travel(to: i32, modal: bool) -> Entry {
-    Entry::travel(axis(4), to, (2f64.to_bits(), StepLimit::FULL_SCALE), 0.5f64.to_bits(), modal).unwrap()
+fn travel(to: i32, modal: bool) -> PathEntry {
+    PathEntry::travel(axis(4), to, (2f64.to_bits(), StepLimit::FULL_SCALE), 0.5f64.to_bits(), modal).unwrap()
 }
 
 /// Axis 4 named 0, which slave 6 follows at a ratio of 1; a coordinate system on axes 0 and 1.
 fn prepared(period: u32) -> Bench {
-    let mut bench = Bench::prepared(period, Mode::Trap);
+    let mut bench = Bench::prepared(period, MotionMode::Trap);
     bench.frame(0, &[0, 1], None);
-    bench.now(TickCommand::SetMode { axis: axis(6), mode: Mode::Follow });
+    bench.now(TickCommand::SetMode { axis: axis(6), mode: MotionMode::Follow });
     bench.follows(6, 4, Value::Planned);
     bench.tick();
     bench.follow(6, 0, &[Item::Data(100_000.0, 100_000.0, 1, 0)]);
@@ -73,7 +73,7 @@ fn prepared(period: u32) -> Bench {
 }
 
 /// Runs the entries; in each tick the axis is where `exact` wants it, its time in ms.
-fn check(bench: &mut Bench, entries: &[Entry], exact: impl Fn(f64) -> f64, what: &str) {
+fn check(bench: &mut Bench, entries: &[PathEntry], exact: impl Fn(f64) -> f64, what: &str) {
     bench.path(0, 0, entries);
     bench.start_path(&[0]);
     let zero = bench.tick().now.0;
@@ -100,10 +100,10 @@ fn an_axis_that_was_geared_sets_off_at_the_end_of_the_motion() {
             let mut bench = prepared(period);
             let line = Line::of(37.0, end);
             let entries = [
-                Entry::gear(axis(4), 100),
-                Entry::planar([37, 0], speeds(10.0, 1.0, end)),
+                PathEntry::gear(axis(4), 100),
+                PathEntry::planar([37, 0], speeds(10.0, 1.0, end)),
                 travel(30, modal),
-                Entry::planar([37, 90], speeds(10.0, 1.0, 0.0)),
+                PathEntry::planar([37, 90], speeds(10.0, 1.0, 0.0)),
             ];
             let exact = |t: f64| 100.0 * line.at(t) / 37.0 - moved(t - line.time());
             check(&mut bench, &entries, exact, &format!("{period} µs, to {end}, modal {modal}"));
@@ -121,11 +121,11 @@ fn an_axis_that_was_geared_sets_off_after_another_motion() {
             // At constant speed.
             let between = f64::from(length) / 3.0;
             let entries = [
-                Entry::gear(axis(4), 100),
-                Entry::planar([37, 0], speeds(10.0, 1.0, 3.0)),
-                Entry::planar([37 + length, 0], speeds(3.0, 1.0, 3.0)),
+                PathEntry::gear(axis(4), 100),
+                PathEntry::planar([37, 0], speeds(10.0, 1.0, 3.0)),
+                PathEntry::planar([37 + length, 0], speeds(3.0, 1.0, 3.0)),
                 travel(30, false),
-                Entry::planar([37 + length, 90], speeds(10.0, 1.0, 0.0)),
+                PathEntry::planar([37 + length, 90], speeds(10.0, 1.0, 0.0)),
             ];
             let exact = |t: f64| 100.0 * line.at(t) / 37.0 - moved(t - line.time() - between);
             check(&mut bench, &entries, exact, &format!("{period} µs, {length} between"));
@@ -142,12 +142,12 @@ fn an_axis_that_was_geared_for_less_than_a_tick_sets_off() {
                 let mut bench = prepared(period);
                 let line = Line::of(f64::from(length), 3.0);
                 let v = speeds(3.0, 1.0, 3.0);
-                let mut entries = vec![Entry::planar([length, 0], speeds(10.0, 1.0, 3.0))];
+                let mut entries = vec![PathEntry::planar([length, 0], speeds(10.0, 1.0, 3.0))];
                 if first != 0 {
-                    entries.insert(0, Entry::gear(axis(4), first));
+                    entries.insert(0, PathEntry::gear(axis(4), first));
                 }
-                entries.extend([Entry::gear(axis(4), second), Entry::planar([length + 1, 0], v)]);
-                entries.extend([travel(30, false), Entry::planar([length + 40, 0], v)]);
+                entries.extend([PathEntry::gear(axis(4), second), PathEntry::planar([length + 1, 0], v)]);
+                entries.extend([travel(30, false), PathEntry::planar([length + 40, 0], v)]);
                 let exact = |t: f64| {
                     let (one, two) = (f64::from(first), f64::from(second));
                     let after = t - line.time();
@@ -166,7 +166,8 @@ fn an_axis_that_was_waited_for_is_geared_to_the_next_motion() {
     for period in PERIODS {
         let mut bench = prepared(period);
         let line = Line::of(37.0, 0.0);
-        let entries = [travel(70, true), Entry::gear(axis(4), -40), Entry::planar([37, 0], speeds(10.0, 1.0, 0.0))];
+        let entries =
+            [travel(70, true), PathEntry::gear(axis(4), -40), PathEntry::planar([37, 0], speeds(10.0, 1.0, 0.0))];
         let exact = |t: f64| moved(t) - 40.0 * line.at(t - MOVE_TIME) / 37.0;
         check(&mut bench, &entries, exact, &format!("{period} µs"));
     }
@@ -181,11 +182,11 @@ fn gear_move_and_gear_follow_each_other() {
         let line = Line::of(37.0, 0.0);
         let v = speeds(10.0, 1.0, 0.0);
         let entries = [
-            Entry::gear(axis(4), 100),
-            Entry::planar([37, 0], v),
+            PathEntry::gear(axis(4), 100),
+            PathEntry::planar([37, 0], v),
             travel(30, true),
-            Entry::gear(axis(4), 55),
-            Entry::planar([0, 0], v),
+            PathEntry::gear(axis(4), 55),
+            PathEntry::planar([0, 0], v),
         ];
         let time = line.time();
         let exact = |t: f64| 100.0 * line.at(t) / 37.0 - moved(t - time) + 55.0 * line.at(t - time - MOVE_TIME) / 37.0;
@@ -201,11 +202,15 @@ fn an_axis_that_is_geared_up_is_exact() {
         for (length, pulses_of, stops) in
             [(1, 187, false), (1, 100_000, false), (37, 1_000_000, false), (1, 100_000, true)]
         {
-            let mut bench = Bench::prepared(period, Mode::Trap);
+            let mut bench = Bench::prepared(period, MotionMode::Trap);
             bench.frame(0, &[0, 1], None);
             bench.tick();
             let line = Line::of(f64::from(length), 0.0);
-            bench.path(0, 0, &[Entry::gear(axis(4), pulses_of), Entry::planar([length, 0], speeds(10.0, 1.0, 0.0))]);
+            bench.path(
+                0,
+                0,
+                &[PathEntry::gear(axis(4), pulses_of), PathEntry::planar([length, 0], speeds(10.0, 1.0, 0.0))],
+            );
             bench.start_path(&[0]);
             let zero = bench.tick().now.0;
             let what = format!("{period} µs, {pulses_of} over {length}");
@@ -246,9 +251,9 @@ fn a_soft_limit_of_a_geared_axis_stops_the_path() {
             let (positive, negative) = if far < 0 { (None, Some(limit)) } else { (Some(limit), None) };
             bench.now(TickCommand::SoftLimit { axis: axis(5), positive, negative });
             let bound = f64::from(limit);
-            let way = Entry::planar([370, 0], speeds(10.0, 1.0, 0.0));
-            let next = Entry::planar([370, 40], speeds(10.0, 1.0, 0.0));
-            bench.path(0, 0, &[Entry::gear(axis(5), far), way, next]);
+            let way = PathEntry::planar([370, 0], speeds(10.0, 1.0, 0.0));
+            let next = PathEntry::planar([370, 40], speeds(10.0, 1.0, 0.0));
+            bench.path(0, 0, &[PathEntry::gear(axis(5), far), way, next]);
             bench.start_path(&[0]);
             bench.tick();
             let beyond = |at: f64| if far < 0 { at < bound } else { at > bound };

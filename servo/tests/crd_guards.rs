@@ -1,20 +1,20 @@
 //! What a path must not begin, pass or gear, where only the tick can prevent it.
 use crate::tick_bench;
-use servo::path::{Along, Entry};
+use servo::path::{MotionSpeeds, PathEntry};
 use servo::status;
-use servo::tick_command::{DoGroup, Guarded, Guards, Mode, TickCommand};
+use servo::tick_command::{DoGroup, Guarded, Guards, MotionMode, TickCommand};
 use servo::units::{AxisMask, CrdMask, Pos, StepLimit};
 use servo::view::{Event, StopReason};
 
 use tick_bench::*;
 
-fn speeds(vel: f64, acc: f64, end: f64) -> Along {
-    Along::admit(vel.to_bits(), acc.to_bits(), end.to_bits()).unwrap()
+fn speeds(vel: f64, acc: f64, end: f64) -> MotionSpeeds {
+    MotionSpeeds::admit(vel.to_bits(), acc.to_bits(), end.to_bits()).unwrap()
 }
 
 /// Coordinate system 0 on axes 0 and 1, coordinate system 1 on axes 2 and 3, all at 0.
 fn prepared(period_us: u32) -> Bench {
-    let mut bench = Bench::prepared(period_us, Mode::Trap);
+    let mut bench = Bench::prepared(period_us, MotionMode::Trap);
     bench.frame(0, &[0, 1], None);
     bench.frame(1, &[2, 3], None);
     bench.tick();
@@ -40,9 +40,9 @@ fn a_soft_limit_holds_whichever_motion_comes_to_it() {
         bench.now(TickCommand::SoftLimit { axis: axis(0), positive: Some(limit), negative: None });
         let mut entries = vec![];
         for x in (step..12_000).step_by(step as usize) {
-            entries.push(Entry::planar([x, x / 7], speeds(100.0, 25.0, 100.0)));
+            entries.push(PathEntry::planar([x, x / 7], speeds(100.0, 25.0, 100.0)));
             if between {
-                entries.push(Entry::output(DoGroup::General, 1, x as u64 & 1));
+                entries.push(PathEntry::output(DoGroup::General, 1, x as u64 & 1));
             }
         }
         bench.path(0, 0, &entries);
@@ -62,7 +62,7 @@ fn a_soft_limit_holds_whichever_motion_comes_to_it() {
 #[test]
 fn a_frame_is_not_set_while_something_of_it_moves() {
     let mut bench = prepared(250);
-    bench.path(0, 0, &[Entry::planar([400, 0], speeds(10.0, 1.0, 0.0))]);
+    bench.path(0, 0, &[PathEntry::planar([400, 0], speeds(10.0, 1.0, 0.0))]);
     bench.start_path(&[0]);
     let frame = bench.ticks(40).crds[0].frame;
     bench.frame(0, &[5, 6], None);
@@ -72,25 +72,25 @@ fn a_frame_is_not_set_while_something_of_it_moves() {
     assert!(view.crds[0].runs && view.crds[1].frame.is_some_and(|frame| frame.mask() == all(&[2, 3])));
     let end = bench.run_to_standstill();
     assert_eq!((pulses(end.axes[0].pos), end.crds[0].stop), (400.0, StopReason::Completed));
-    bench.now(TickCommand::SetMode { axis: axis(6), mode: Mode::Jog });
+    bench.now(TickCommand::SetMode { axis: axis(6), mode: MotionMode::Jog });
     bench.jog(6, 3.0, 1.0);
     bench.ticks(3);
     bench.frame(0, &[5, 6], None);
     let view = bench.ticks(3);
     assert_eq!(view.crds[0].frame.map(|frame| frame.mask()), Some(all(&[0, 1])));
-    assert!(has(&view.axes[6], status::RUNNING) && view.axes[6].mode == Mode::Jog);
+    assert!(has(&view.axes[6], status::RUNNING) && view.axes[6].mode == MotionMode::Jog);
 }
 
 /// Targets reach 2³¹ pulses from the zero, and so may a beginning.
 #[test]
 fn a_path_does_not_begin_too_far_from_its_zero() {
     for (at, begins) in [(1i64 << 31, true), ((1 << 31) + 1, false), (-(1 << 31), true), (-(1 << 31) - 1, false)] {
-        let mut bench = Bench::prepared(250, Mode::Trap);
+        let mut bench = Bench::prepared(250, MotionMode::Trap);
         bench.frame(0, &[0, 1], Some([0; 4]));
         bench.tick();
         bench.now(TickCommand::SetPosition { axis: axis(1), pos: Pos(at << Pos::FRAC_BITS) });
         bench.tick();
-        bench.path(0, 0, &[Entry::planar([0, 0], speeds(10.0, 1.0, 0.0))]);
+        bench.path(0, 0, &[PathEntry::planar([0, 0], speeds(10.0, 1.0, 0.0))]);
         bench.start_path(&[0]);
         assert_eq!(runs(&mut bench, 0), begins, "{at}");
         assert_eq!(matches!(bench.event(), Some(Event::CrdRefused { .. })), !begins);
@@ -101,7 +101,7 @@ fn a_path_does_not_begin_too_far_from_its_zero() {
 #[test]
 fn a_path_does_not_go_on_without_what_went_along() {
     let mut bench = prepared(250);
-    bench.path(0, 0, &[Entry::gear(axis(4), 100), Entry::planar([100, 0], speeds(10.0, 1.0, 0.0))]);
+    bench.path(0, 0, &[PathEntry::gear(axis(4), 100), PathEntry::planar([100, 0], speeds(10.0, 1.0, 0.0))]);
     bench.start_path(&[0]);
     bench.ticks(40);
     bench.now(TickCommand::stop_crds(CrdMask(1), CrdMask(1)));
@@ -131,7 +131,7 @@ fn a_fault_of_an_axis_that_goes_along_stops_the_path() {
     for (index, act) in breaks.into_iter().enumerate() {
         let mut bench = prepared(250);
         bench.now(TickCommand::PositionError { axis: axis(4), limit: Some(50) });
-        bench.path(0, 0, &[Entry::gear(axis(4), 100), Entry::planar([400, 0], speeds(10.0, 1.0, 0.0))]);
+        bench.path(0, 0, &[PathEntry::gear(axis(4), 100), PathEntry::planar([400, 0], speeds(10.0, 1.0, 0.0))]);
         bench.start_path(&[0]);
         assert!(bench.ticks(80).crds[0].runs);
         act(&mut bench);
@@ -146,7 +146,7 @@ fn a_fault_of_an_axis_that_goes_along_stops_the_path() {
 #[test]
 fn an_axis_of_another_path_does_not_go_along() {
     let mut bench = prepared(250);
-    bench.path(0, 0, &[Entry::gear(axis(2), 100), Entry::planar([100, 0], speeds(10.0, 1.0, 0.0))]);
+    bench.path(0, 0, &[PathEntry::gear(axis(2), 100), PathEntry::planar([100, 0], speeds(10.0, 1.0, 0.0))]);
     bench.start_path(&[0]);
     let view = bench.run_to_standstill();
     assert_eq!((view.crds[0].stop, pulses(view.axes[2].pos)), (StopReason::OtherAxis, 0.0));
@@ -157,9 +157,10 @@ fn an_axis_of_another_path_does_not_go_along() {
 fn an_axis_that_goes_along_is_sent_nowhere_else() {
     let mut bench = prepared(250);
     let v = speeds(10.0, 1.0, 0.0);
-    bench.path(0, 0, &[Entry::gear(axis(4), 100), Entry::planar([100, 0], v)]);
-    let away = Entry::travel(axis(4), -30, (2f64.to_bits(), StepLimit::FULL_SCALE), 0.5f64.to_bits(), false).unwrap();
-    bench.path(1, 0, &[away, Entry::planar([100, 0], v)]);
+    bench.path(0, 0, &[PathEntry::gear(axis(4), 100), PathEntry::planar([100, 0], v)]);
+    let away =
+        PathEntry::travel(axis(4), -30, (2f64.to_bits(), StepLimit::FULL_SCALE), 0.5f64.to_bits(), false).unwrap();
+    bench.path(1, 0, &[away, PathEntry::planar([100, 0], v)]);
     let prm = TickCommand::TrapPrm {
         axis: axis(4),
         acc: accel(1.0),
@@ -189,11 +190,11 @@ fn an_axis_that_goes_along_is_sent_nowhere_else() {
 fn an_axis_that_was_waited_for_is_free_again() {
     let mut bench = prepared(250);
     let v = speeds(10.0, 1.0, 0.0);
-    let away = Entry::travel(axis(4), 30, (10f64.to_bits(), StepLimit::FULL_SCALE), 5f64.to_bits(), true).unwrap();
-    bench.path(0, 0, &[away, Entry::planar([900, 0], v)]);
+    let away = PathEntry::travel(axis(4), 30, (10f64.to_bits(), StepLimit::FULL_SCALE), 5f64.to_bits(), true).unwrap();
+    bench.path(0, 0, &[away, PathEntry::planar([900, 0], v)]);
     bench.start_path(&[0]);
     bench.ticks(80);
-    bench.now(TickCommand::SetMode { axis: axis(4), mode: Mode::Jog });
+    bench.now(TickCommand::SetMode { axis: axis(4), mode: MotionMode::Jog });
     bench.jog(4, 3.0, 1.0);
     bench.ticks(20);
     bench.now(TickCommand::stop(all(&[4]), all(&[4])));
@@ -206,7 +207,7 @@ fn an_axis_that_was_waited_for_is_free_again() {
 #[test]
 fn why_a_path_brakes_is_reported_by_the_first_order() {
     let mut bench = prepared(250);
-    bench.path(0, 0, &[Entry::planar([900, 0], speeds(10.0, 1.0, 0.0))]);
+    bench.path(0, 0, &[PathEntry::planar([900, 0], speeds(10.0, 1.0, 0.0))]);
     bench.start_path(&[0]);
     bench.ticks(60);
     bench.now(TickCommand::stop_crds(CrdMask(1), CrdMask(0)));

@@ -2,8 +2,8 @@
 //! commands; on one of them every coordinate system is changed in every tick, so that nothing is
 //! ever prepared.
 use crate::{chance, tick_bench};
-use servo::path::{Along, Entry, FeedOverride, Plane, Sweep};
-use servo::tick_command::{DoGroup, Mode, TickCommand};
+use servo::path::{FeedOverride, MotionSpeeds, PathEntry, Plane, Sweep};
+use servo::tick_command::{DoGroup, MotionMode, TickCommand};
 use servo::units::{CrdMask, Pos};
 use servo::view::{AxisView, CrdView};
 
@@ -65,20 +65,20 @@ impl Both {
     }
 }
 
-fn entry(chance: &mut Chance) -> Entry {
+fn entry(chance: &mut Chance) -> PathEntry {
     let vel = chance.log(6.0, 60.0);
     let end = vel * chance.unit() * (chance.below(3) > 0) as u8 as f64;
-    let along = Along::admit(vel.to_bits(), (vel / chance.log(0.5, 9.0)).to_bits(), end.to_bits()).unwrap();
+    let along = MotionSpeeds::admit(vel.to_bits(), (vel / chance.log(0.5, 9.0)).to_bits(), end.to_bits()).unwrap();
     let [x, y] = [(); 2].map(|()| (chance.sign() * chance.log(1.0, 400.0)) as i32);
     match chance.below(9) {
-        0 => Entry::output(DoGroup::General, 7, chance.below(8)),
-        1 => Entry::delay(chance.below(3) as u16),
-        2 => Entry::gear(axis(0), 23),
+        0 => PathEntry::output(DoGroup::General, 7, chance.below(8)),
+        1 => PathEntry::delay(chance.below(3) as u16),
+        2 => PathEntry::gear(axis(0), 23),
         3 | 4 => {
             let sweep = Sweep::admit((0.05 + 0.4 * chance.unit()).to_bits(), false, chance.below(2) == 0).unwrap();
-            Entry::arc(Plane::Xy, [x, y], sweep, along)
+            PathEntry::arc(Plane::Xy, [x, y], sweep, along)
         }
-        _ => Entry::planar([x, y], along),
+        _ => PathEntry::planar([x, y], along),
     }
 }
 
@@ -116,7 +116,7 @@ fn a_ready_start_is_the_one_that_would_have_been_planned() {
     let (mut chance, mut ran) = (Chance::new(5), 0);
     for _ in 0..25 {
         let period = [10, 50, 250, 1000][chance.below(4) as usize];
-        let mut both = Both([(); 2].map(|_| Bench::prepared(period, Mode::Trap)));
+        let mut both = Both([(); 2].map(|_| Bench::prepared(period, MotionMode::Trap)));
         for index in 0..2 {
             both.each(|bench| bench.frame(index, &[1 + 2 * index, 2 + 2 * index], None));
         }

@@ -2,25 +2,25 @@
 use crate::tick_bench;
 #[path = "crd_tick/limits.rs"]
 mod limits;
-use servo::path::{Along, Entry, FeedOverride, PathStop, Plane, Sweep};
+use servo::path::{FeedOverride, MotionSpeeds, PathEntry, PathStop, Plane, Sweep};
 use servo::status;
-use servo::tick_command::{DoGroup, Guarded, Guards, Lane, Mode, TickCommand};
+use servo::tick_command::{DoGroup, Guarded, Guards, Lane, MotionMode, TickCommand};
 use servo::units::{AxisMask, CrdMask, Ns, Pos};
 use servo::view::{Event, StopReason, View};
 
 use tick_bench::*;
 
-fn speeds(vel: f64, acc: f64, end: f64) -> Along {
-    Along::admit(vel.to_bits(), acc.to_bits(), end.to_bits()).unwrap()
+fn speeds(vel: f64, acc: f64, end: f64) -> MotionSpeeds {
+    MotionSpeeds::admit(vel.to_bits(), acc.to_bits(), end.to_bits()).unwrap()
 }
 
-fn line(x: i32, y: i32) -> Entry {
-    Entry::planar([x, y], speeds(10.0, 1.0, 0.0))
+fn line(x: i32, y: i32) -> PathEntry {
+    PathEntry::planar([x, y], speeds(10.0, 1.0, 0.0))
 }
 
 /// A coordinate system on axes 2 and 5 with these entries in FIFO 0.
-fn prepared(period_us: u32, entries: &[Entry]) -> Bench {
-    let mut bench = Bench::prepared(period_us, Mode::Trap);
+fn prepared(period_us: u32, entries: &[PathEntry]) -> Bench {
+    let mut bench = Bench::prepared(period_us, MotionMode::Trap);
     bench.frame(0, &[2, 5], Some([100, -50, 0, 0]));
     bench.tick();
     bench.path(0, 0, entries);
@@ -39,7 +39,7 @@ fn a_boundary_just_behind_a_tick_is_behind_it() {
     // and half a ns.
     let (vel, acc) = (10.0, 5.0 / 0.500_000_5);
     let along = speeds(vel, acc, vel);
-    let entries: Vec<_> = (1..=6).map(|k| Entry::planar([40 * k - 100, 50], along)).collect();
+    let entries: Vec<_> = (1..=6).map(|k| PathEntry::planar([40 * k - 100, 50], along)).collect();
     let mut bench = prepared(250, &[]);
     bench.path(0, 0, &entries);
     bench.start_path(&[0]);
@@ -61,7 +61,7 @@ fn a_boundary_just_behind_a_tick_is_behind_it() {
 fn every_tick_counts_what_is_over() {
     for (length, count) in [(40, 12u64), (41, 12), (13, 40), (2, 300)] {
         let along = speeds(10.0, 10.0, 10.0);
-        let entries: Vec<_> = (1..=count as i32).map(|k| Entry::planar([length * k - 100, 50], along)).collect();
+        let entries: Vec<_> = (1..=count as i32).map(|k| PathEntry::planar([length * k - 100, 50], along)).collect();
         let mut bench = prepared(250, &[]);
         bench.path(0, 0, &entries);
         bench.start_path(&[0]);
@@ -87,7 +87,10 @@ fn a_line_moves_both_axes_by_their_share() {
     let view = bench.tick();
     // Its zero is at 100, -50; the axes are at 0.
     assert_eq!(view.crds[0].position[..2], [Pos::pulses(-100), Pos::pulses(50)]);
-    assert_eq!((view.axes[2].mode, view.axes[5].mode, view.axes[0].mode), (Mode::Crd, Mode::Crd, Mode::Trap));
+    assert_eq!(
+        (view.axes[2].mode, view.axes[5].mode, view.axes[0].mode),
+        (MotionMode::Crd, MotionMode::Crd, MotionMode::Trap)
+    );
     bench.path(0, 0, &[line(200, 450)]);
     bench.start_path(&[0]);
     let begin = bench.tick();
@@ -169,7 +172,7 @@ fn any_axes_in_any_order_with_any_origin() {
         ([3, 2, 1, 0], None),
         ([6, 0, 7, 4], Some([-1, 1, -1, 1])),
     ] {
-        let mut bench = Bench::prepared(1000, Mode::Trap);
+        let mut bench = Bench::prepared(1000, MotionMode::Trap);
         for (k, index) in axes.into_iter().enumerate() {
             bench.now(TickCommand::SetPosition { axis: axis(index), pos: Pos::pulses(10 * k as i32 + 5) });
         }
@@ -180,10 +183,10 @@ fn any_axes_in_any_order_with_any_origin() {
         let along = speeds(1000.0, 100.0, 0.0);
         let sweep = Sweep::admit(0.25f64.to_bits(), false, true).unwrap();
         let entries = [
-            (Entry::line([10, 20, 30, 40], along), [10, 20, 30, 40]),
-            (Entry::arc(Plane::Yz, [0, 50], sweep, along), [10, 0, 50, 40]),
-            (Entry::circle(Plane::Zx, [100 << 30, 50 << 30], false, along).unwrap(), [10, 0, 50, 40]),
-            (Entry::planar([-300, 300], along), [-300, 300, 50, 40]),
+            (PathEntry::line([10, 20, 30, 40], along), [10, 20, 30, 40]),
+            (PathEntry::arc(Plane::Yz, [0, 50], sweep, along), [10, 0, 50, 40]),
+            (PathEntry::circle(Plane::Zx, [100 << 30, 50 << 30], false, along).unwrap(), [10, 0, 50, 40]),
+            (PathEntry::planar([-300, 300], along), [-300, 300, 50, 40]),
         ];
         for (entry, expected) in entries {
             bench.path(1, 0, &[entry]);
@@ -192,7 +195,7 @@ fn any_axes_in_any_order_with_any_origin() {
             assert_eq!(view.crds[1].position, expected.map(Pos::pulses));
             for ((index, at), zero) in axes.into_iter().zip(expected).zip(zero) {
                 let pos = (i64::from(at) + i64::from(zero)) << Pos::FRAC_BITS;
-                assert_eq!((view.axes[index].pos, view.axes[index].mode), (Pos(pos), Mode::Crd));
+                assert_eq!((view.axes[index].pos, view.axes[index].mode), (Pos(pos), MotionMode::Crd));
             }
         }
     }
@@ -208,7 +211,7 @@ fn axes_on_an_arc_have_their_own_velocity_and_acceleration() {
         let mut bench = prepared(250, &[]);
         bench.frame(0, &[2, 5], None);
         bench.tick();
-        bench.path(0, 0, &[Entry::circle(Plane::Xy, centre, ccw, speeds(v, a, 0.0)).unwrap()]);
+        bench.path(0, 0, &[PathEntry::circle(Plane::Xy, centre, ccw, speeds(v, a, 0.0)).unwrap()]);
         bench.start_path(&[0]);
         let zero = bench.tick().now.0;
         for ms in [3u64, 25, 60, 100, 140] {
@@ -246,7 +249,7 @@ fn a_start_is_all_or_nothing() {
         ("limit", |bench| bench.machine.inputs[2].limit_positive = true),
         ("nothing in it", |bench| bench.clear_path(0, 0)),
         ("another mode", |bench| {
-            bench.now(TickCommand::SetMode { axis: axis(2), mode: Mode::Trap });
+            bench.now(TickCommand::SetMode { axis: axis(2), mode: MotionMode::Trap });
         }),
         ("another crd's", |bench| bench.frame(2, &[2], None)),
         ("no frame", |bench| {
@@ -345,12 +348,12 @@ fn an_abrupt_stop_has_no_velocity_on_its_tick() {
 
 #[test]
 fn running_out_at_speed_is_an_underrun_and_needs_no_clearing() {
-    let mut bench = prepared(250, &[Entry::planar([-95, 50], speeds(10.0, 1.0, 0.0)), line(-92, 50)]);
+    let mut bench = prepared(250, &[PathEntry::planar([-95, 50], speeds(10.0, 1.0, 0.0)), line(-92, 50)]);
     // 5 pulses are too short to come to rest from what the first may end with.
     bench.clear_path(0, 0);
     bench.tick();
     let fast = speeds(10.0, 1.0, 10.0);
-    bench.path(0, 0, &[Entry::planar([0, 50], fast), Entry::planar([5, 50], fast)]);
+    bench.path(0, 0, &[PathEntry::planar([0, 50], fast), PathEntry::planar([5, 50], fast)]);
     bench.start_path(&[0]);
     let view = finish(&mut bench, 0);
     assert_eq!((view.crds[0].stop, view.crds[0].path_stop), (StopReason::Underrun, PathStop::Underrun));
@@ -389,8 +392,8 @@ fn fifo_1_interrupts_fifo_0_and_returns() {
 #[test]
 fn what_is_made_ahead_does_not_outlive_a_change() {
     let v = speeds(10.0, 1.0, 10.0);
-    let first = [Entry::planar([200, 50], v), Entry::planar([400, 50], v)];
-    let more = [Entry::planar([400, 250], v), Entry::planar([0, 0], speeds(10.0, 1.0, 0.0))];
+    let first = [PathEntry::planar([200, 50], v), PathEntry::planar([400, 50], v)];
+    let more = [PathEntry::planar([400, 250], v), PathEntry::planar([0, 0], speeds(10.0, 1.0, 0.0))];
     for period in [250, 1000] {
         // Data that comes at once, or after so many ticks, until the second motion has begun to
         // brake.
@@ -485,22 +488,25 @@ fn naming_a_position_moves_the_coordinates_with_it() {
 #[test]
 fn an_axis_may_leave_and_come_back() {
     let mut bench = prepared(250, &[line(200, 450)]);
-    bench.now(TickCommand::SetMode { axis: axis(2), mode: Mode::Jog });
+    bench.now(TickCommand::SetMode { axis: axis(2), mode: MotionMode::Jog });
     bench.jog(2, 5.0, 1.0);
     bench.ticks(100);
     stop(&mut bench, &[2], &[]);
     let view = bench.run_to_standstill();
-    assert!(view.axes[2].mode == Mode::Jog && pulses(view.axes[2].pos) > 20.0);
+    assert!(view.axes[2].mode == MotionMode::Jog && pulses(view.axes[2].pos) > 20.0);
     bench.frame(0, &[2, 5], Some([0; 4]));
     let view = bench.tick();
-    assert_eq!((view.axes[2].mode, view.crds[0].position[0]), (Mode::Crd, view.axes[2].pos));
+    assert_eq!((view.axes[2].mode, view.crds[0].position[0]), (MotionMode::Crd, view.axes[2].pos));
     bench.path(0, 0, &[line(-7, 9)]);
     bench.start_path(&[0]);
     assert_eq!(place(&finish(&mut bench, 0), [2, 5]), [-7.0, 9.0]);
     // Other axes: the old ones are in Trap mode again.
     bench.frame(0, &[1, 2], Some([0; 4]));
     let view = bench.tick();
-    assert_eq!([1, 2, 5].map(|index: usize| view.axes[index].mode), [Mode::Crd, Mode::Crd, Mode::Trap]);
+    assert_eq!(
+        [1, 2, 5].map(|index: usize| view.axes[index].mode),
+        [MotionMode::Crd, MotionMode::Crd, MotionMode::Trap]
+    );
 }
 
 #[test]
@@ -512,7 +518,7 @@ fn a_reset_of_one_axis_leaves_no_frame() {
     bench.now(TickCommand::Reset { axes: all(&[5]) });
     let view = bench.tick();
     assert!(view.crds[0].frame.is_none() && !view.crds[0].runs && view.crds[0].ends == [0; 2]);
-    assert_eq!((view.axes[2].mode, view.axes[5].mode, view.axes[5].pos), (Mode::Trap, Mode::Trap, Pos(0)));
+    assert_eq!((view.axes[2].mode, view.axes[5].mode, view.axes[5].pos), (MotionMode::Trap, MotionMode::Trap, Pos(0)));
     assert!(view.axes[2].status & status::RUNNING == 0 && view.axes[2].stop == StopReason::Reset);
     let after = bench.machine.set_points;
     assert!((after[5].0 - set_points[5].0).abs() < 3 << Pos::FRAC_BITS);

@@ -3,7 +3,7 @@
 use crate::tick_bench;
 use servo::segment::follow::{Direction, Input, Method, Value};
 use servo::status;
-use servo::tick_command::{DoGroup, Mode, TickCommand};
+use servo::tick_command::{DoGroup, MotionMode, TickCommand};
 use servo::units::Pos;
 use servo::view::StopReason;
 use tick_bench::*;
@@ -12,8 +12,8 @@ const GENERAL: DoGroup = DoGroup::General;
 
 /// Axis 0 a master, axis 1 its slave with these entries; both start at the tick returned.
 fn running(period_us: u32, items: &[Item], velocity: f64) -> Bench {
-    let mut bench = Bench::prepared(period_us, Mode::FollowEx);
-    bench.now(TickCommand::SetMode { axis: axis(0), mode: Mode::PtStatic });
+    let mut bench = Bench::prepared(period_us, MotionMode::FollowEx);
+    bench.now(TickCommand::SetMode { axis: axis(0), mode: MotionMode::PtStatic });
     bench.follows(1, 0, Value::Planned);
     bench.follow(1, 0, items);
     bench.now(TickCommand::FollowLoop { axis: axis(1), passes: 1 });
@@ -78,8 +78,8 @@ fn a_delay_ends_at_its_exact_instant_whatever_the_tick() {
 #[test]
 fn a_delay_on_a_curve_of_the_master() {
     // The master accelerates: x = t²/4096 pulses, t in ms; reached at t = 64·√10.1.
-    let mut bench = Bench::prepared(1000, Mode::FollowEx);
-    bench.now(TickCommand::SetMode { axis: axis(0), mode: Mode::PtStatic });
+    let mut bench = Bench::prepared(1000, MotionMode::FollowEx);
+    bench.now(TickCommand::SetMode { axis: axis(0), mode: MotionMode::PtStatic });
     bench.follows(1, 0, Value::Planned);
     bench.follow(1, 0, &[Item::Data(10.1, 10.1, 1, 0), Item::Delay(9), Item::Data(500.0, 499.9, 1, 0)]);
     bench.start_follow(&[1]);
@@ -218,8 +218,8 @@ fn behind_a_delay_the_ratio_of_the_instant_is_0() {
 #[test]
 fn the_way_back_ends_at_an_entry() {
     let items = [Item::Data(10.0, 10.0, 1, 0), Item::Output(GENERAL, 0, true), Item::Data(20.0, 20.0, 1, 0)];
-    let mut bench = Bench::prepared(250, Mode::FollowEx);
-    bench.now(TickCommand::SetMode { axis: axis(0), mode: Mode::PtStatic });
+    let mut bench = Bench::prepared(250, MotionMode::FollowEx);
+    bench.now(TickCommand::SetMode { axis: axis(0), mode: MotionMode::PtStatic });
     bench.follows(1, 0, Value::Planned);
     bench.follow(1, 0, &items);
     bench.start_follow(&[1]);
@@ -267,7 +267,7 @@ fn every_pass_executes_its_entries() {
 fn a_servo_switched_by_an_entry_stops_its_axis() {
     let items = [Item::Data(10.0, 10.0, 1, 0), Item::Output(DoGroup::Enable, 2, false), Item::Data(20.0, 20.0, 1, 0)];
     let mut bench = running(250, &items, 1.0);
-    bench.now(TickCommand::SetMode { axis: axis(2), mode: Mode::Jog });
+    bench.now(TickCommand::SetMode { axis: axis(2), mode: MotionMode::Jog });
     bench.jog(2, 1.0, 1000.0);
     let view = bench.ticks(4 * 12);
     assert_eq!((view.axes[2].stop, view.enable), (StopReason::ServoOff, 0xff & !4));
@@ -276,8 +276,8 @@ fn a_servo_switched_by_an_entry_stops_its_axis() {
 
 #[test]
 fn added_data_belongs_to_the_present_pass() {
-    let mut bench = Bench::prepared(250, Mode::FollowEx);
-    bench.now(TickCommand::SetMode { axis: axis(0), mode: Mode::Jog });
+    let mut bench = Bench::prepared(250, MotionMode::FollowEx);
+    bench.now(TickCommand::SetMode { axis: axis(0), mode: MotionMode::Jog });
     bench.follows(1, 0, Value::Planned);
     bench.follow(1, 0, &[Item::Data(10.0, 10.0, 1, 0)]);
     bench.now(TickCommand::FollowLoop { axis: axis(1), passes: 3 });
@@ -306,8 +306,8 @@ fn added_data_belongs_to_the_present_pass() {
 
 #[test]
 fn the_way_back_ends_where_data_was_added() {
-    let mut bench = Bench::prepared(250, Mode::FollowEx);
-    bench.now(TickCommand::SetMode { axis: axis(0), mode: Mode::PtStatic });
+    let mut bench = Bench::prepared(250, MotionMode::FollowEx);
+    bench.now(TickCommand::SetMode { axis: axis(0), mode: MotionMode::PtStatic });
     bench.follows(1, 0, Value::Planned);
     bench.follow(1, 0, &[Item::Data(10.0, 10.0, 1, 0)]);
     bench.now(TickCommand::FollowLoop { axis: axis(1), passes: 0 });
@@ -332,9 +332,9 @@ fn the_way_back_ends_where_data_was_added() {
 #[test]
 fn down_counts_downwards_and_up_does_not() {
     for (direction, sign) in [(Direction::Down, 1.0), (Direction::Both, -1.0), (Direction::Down, -1.0)] {
-        let mut bench = Bench::prepared(250, Mode::FollowEx);
+        let mut bench = Bench::prepared(250, MotionMode::FollowEx);
         bench.now(TickCommand::FollowDirection { axis: axis(1), direction });
-        bench.now(TickCommand::SetMode { axis: axis(0), mode: Mode::PtStatic });
+        bench.now(TickCommand::SetMode { axis: axis(0), mode: MotionMode::PtStatic });
         bench.follows(1, 0, Value::Planned);
         bench.follow(1, 0, &[Item::Data(sign * 10.0, 20.0, 1, 0), Item::Data(sign * 20.0, 50.0, 1, 0)]);
         bench.start_follow(&[1]);

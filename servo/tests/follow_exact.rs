@@ -8,7 +8,8 @@ use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive, Zero};
 use servo::segment::follow::{
-    Chain, Context, Direction, Entry, FollowRun, MasterPath, OutputActions, Part, Refused, Setup, State,
+    Direction, FollowChain, FollowContext, FollowEntry, FollowRun, FollowState, MasterPath, OutputActions, Refused,
+    SCurvePart, Setup,
 };
 use servo::segment::piece::{Motion, Scaled};
 use servo::segment::pt::SegmentStore;
@@ -189,9 +190,9 @@ fn bounds(data: &[Datum], table: &[Truth]) -> Vec<BigInt> {
 }
 
 /// Admits random data; refused data is drawn again.
-fn draw(chance: &mut Chance, count: usize, negative: bool) -> (Vec<Datum>, SegmentStore, Chain) {
+fn draw(chance: &mut Chance, count: usize, negative: bool) -> (Vec<Datum>, SegmentStore, FollowChain) {
     let store = SegmentStore::new();
-    let (mut data, mut chain) = (Vec::new(), Chain::default());
+    let (mut data, mut chain) = (Vec::new(), FollowChain::default());
     let (mut master, mut slave) = (0f64, 0f64);
     let scale = (chance.below(2) == 0).then(|| (chance.log(1e-3, 2f64.powi(31)), chance.log(1e-3, 1e7)));
     while data.len() < count {
@@ -218,10 +219,10 @@ fn draw(chance: &mut Chance, count: usize, negative: bool) -> (Vec<Datum>, Segme
             let datum = Datum { master: if negative { -m } else { m }, slave: s, kind, percent, begin };
             let (m_bits, s_bits) = (datum.master.to_bits(), s.to_bits());
             let admitted = if kind < 10 {
-                Entry::segment(m_bits, s_bits, kind, percent, Direction::Both, &chain)
+                FollowEntry::segment(m_bits, s_bits, kind, percent, Direction::Both, &chain)
             } else {
-                let part = [Part::Rise, Part::Held, Part::Fall][kind as usize - 10];
-                Entry::part(m_bits, s_bits, part, begin.map(f64::to_bits), Direction::Both, &chain)
+                let part = [SCurvePart::Rise, SCurvePart::Held, SCurvePart::Fall][kind as usize - 10];
+                FollowEntry::part(m_bits, s_bits, part, begin.map(f64::to_bits), Direction::Both, &chain)
             };
             if let Ok((entry, next)) = admitted {
                 store.write_entry(0, data.len() as u32, entry);
@@ -249,29 +250,29 @@ struct Bench<'a> {
 }
 
 impl<'a> Bench<'a> {
-    fn new(store: &'a SegmentStore, chain: &Chain, passes: u32, origin: Exact, master: i64) -> Bench<'a> {
+    fn new(store: &'a SegmentStore, chain: &FollowChain, passes: u32, origin: Exact, master: i64) -> Bench<'a> {
         let mut setup = Setup::POWER_ON;
         setup.passes = passes;
         setup.commit(0, chain.entries(), chain.tail(), store);
         let mut bench =
             Bench { run: FollowRun::begin(&setup, origin, 0), setup, store, master, now: Ns(0), fast: false };
-        assert_eq!(bench.go(master), State::Running);
+        assert_eq!(bench.go(master), FollowState::Running);
         bench
     }
 
-    fn go(&mut self, to: i64) -> State {
+    fn go(&mut self, to: i64) -> FollowState {
         if self.fast {
             if self.run.is_open() {
                 self.run.prepare(&self.setup, self.store);
             }
             if self.run.fast_step(Pos(to)).is_some() {
                 (self.master, self.now) = (to, Ns(self.now.0 + TICK.0));
-                return State::Running;
+                return FollowState::Running;
             }
         }
         let path = MasterPath::line(self.now, TICK, Pos(self.master), Pos(to));
         let mut actions = OutputActions::default();
-        let mut context = Context::new(&mut self.setup, self.store, |_, _| false, &mut actions);
+        let mut context = FollowContext::new(&mut self.setup, self.store, |_, _| false, &mut actions);
         let state = self.run.step(&path, 0, &mut context, None);
         (self.master, self.now) = (to, Ns(self.now.0 + TICK.0));
         state
@@ -317,7 +318,7 @@ fn random_tables_both_ways() {
         let (length, path) = (last.m1.clone(), &last.s0 + &last.p);
         let (peak, bounds) = (peak(&table), bounds(&data, &table));
         let mut check = |bench: &mut Bench, progress: i64, knot: bool| {
-            assert_eq!(bench.go(start + sign * progress), State::Running);
+            assert_eq!(bench.go(start + sign * progress), FollowState::Running);
             let x = big_pos(progress);
             let pass = if x < BigInt::zero() { BigInt::zero() } else { &x / &length };
             let local = &x - &pass * &length;
@@ -370,7 +371,7 @@ fn random_tables_both_ways() {
         }
         let end = ceil(&(&length * passes));
         let total = (BigInt::from(origin.0) << (BITS - 64)) + &path * passes;
-        let State::Ended { at } = bench.go(start + sign * end) else { panic!("runs on: {data:?}") };
+        let FollowState::Ended { at } = bench.go(start + sign * end) else { panic!("runs on: {data:?}") };
         // A slave position below 2⁻¹¹ pulse is a multiple of 2⁻⁶⁴; the others are exact.
         let error = (total - (BigInt::from(at.0) << (BITS - 64))).abs();
         assert!(error <= BigInt::from(passes) << (BITS - 65));
@@ -396,10 +397,10 @@ fn the_pieces_of_a_shaped_segment_meet() {
             Datum { master: first, slave: first, kind: 1, percent: 0, begin: None },
             Datum { master: first + length, slave: first + length * 3.0 * chance.unit(), kind, percent, begin: None },
         ];
-        let (store, mut chain) = (SegmentStore::new(), Chain::default());
+        let (store, mut chain) = (SegmentStore::new(), FollowChain::default());
         for (i, d) in data.iter().enumerate() {
             let (m, s) = (d.master.to_bits(), d.slave.to_bits());
-            let (entry, next) = Entry::segment(m, s, d.kind, d.percent, Direction::Both, &chain).unwrap();
+            let (entry, next) = FollowEntry::segment(m, s, d.kind, d.percent, Direction::Both, &chain).unwrap();
             store.write_entry(0, i as u32, entry);
             chain = next;
         }
@@ -413,7 +414,7 @@ fn the_pieces_of_a_shaped_segment_meet() {
                 if x < shaped.m0 || x >= shaped.m1 {
                     continue;
                 }
-                assert_eq!(bench.go(progress), State::Running);
+                assert_eq!(bench.go(progress), FollowState::Running);
                 let gap = (bench.ratio() - shaped.ratio(&x)).abs();
                 assert!(&gap <= bound, "{} of the bound at {progress} {data:?}", to_f64(&((gap << BITS) / bound)));
                 used = used.max(to_f64(&((gap << BITS) / bound)));
@@ -429,10 +430,10 @@ fn the_pieces_of_a_shaped_segment_meet() {
 fn a_million_passes_accumulate_nothing() {
     // 0.1 pulse of the slave in 333.3 of the master.
     let store = SegmentStore::new();
-    let mut chain = Chain::default();
+    let mut chain = FollowChain::default();
     let data = [(100.1f64, 0.07f64, 0), (333.3, 0.1, 2)];
     for (i, (m, s, kind)) in data.into_iter().enumerate() {
-        let (entry, next) = Entry::segment(m.to_bits(), s.to_bits(), kind, 0, Direction::Both, &chain).unwrap();
+        let (entry, next) = FollowEntry::segment(m.to_bits(), s.to_bits(), kind, 0, Direction::Both, &chain).unwrap();
         store.write_entry(0, i as u32, entry);
         chain = next;
     }
@@ -444,7 +445,7 @@ fn a_million_passes_accumulate_nothing() {
     };
     for pass in [1i64, 2, 3, 1000, 999_999, 1_000_000] {
         let progress = ceil(&(big(333.3) * pass));
-        assert_eq!(bench.go(progress), State::Running);
+        assert_eq!(bench.go(progress), FollowState::Running);
         assert_eq!(bench.run.passes() as i64, pass);
         let error = to_f64(&(exact(progress, pass) - big_pos(bench.pos())).abs());
         // Less than a unit after the knot, where the ratio is below 0.002.
@@ -454,13 +455,13 @@ fn a_million_passes_accumulate_nothing() {
     // Step by step through many ends of passes, then back to each of them.
     bench.fast = true;
     for step in 0..20_000 {
-        assert_eq!(bench.go(places[5].0 - step * 14_000_000), State::Running);
+        assert_eq!(bench.go(places[5].0 - step * 14_000_000), FollowState::Running);
     }
     for (progress, pos) in places.into_iter().rev() {
-        assert_eq!(bench.go(progress), State::Running);
+        assert_eq!(bench.go(progress), FollowState::Running);
         assert_eq!(bench.pos(), pos);
     }
-    assert_eq!(bench.go(-5), State::Running);
+    assert_eq!(bench.go(-5), FollowState::Running);
     assert_eq!(bench.pos(), 0);
 }
 
@@ -468,25 +469,26 @@ fn a_million_passes_accumulate_nothing() {
 fn what_goes_too_far_at_once_never_wraps() {
     let store = SegmentStore::new();
     let (m, s) = (1f64, 2f64.powi(40));
-    let (entry, chain) = Entry::segment(m.to_bits(), s.to_bits(), 1, 0, Direction::Both, &Chain::default()).unwrap();
+    let (entry, chain) =
+        FollowEntry::segment(m.to_bits(), s.to_bits(), 1, 0, Direction::Both, &FollowChain::default()).unwrap();
     store.write_entry(0, 0, entry);
     // Four passes are a whole turn of the position's bits; 2³² of them do not fit into any of ours.
     for jump in [1i64 << 22, 4 << 22, 1 << 42, 1 << 53, i64::MAX >> 1] {
         let mut bench = Bench::new(&store, &chain, 0, Exact(0), 0);
-        assert_eq!(bench.go(100), State::Running);
-        assert_eq!(bench.go(jump), State::TooFar, "{jump}");
+        assert_eq!(bench.go(100), FollowState::Running);
+        assert_eq!(bench.go(jump), FollowState::TooFar, "{jump}");
     }
 }
 
 #[test]
 fn refusals_name_the_rule() {
-    let admit = |m: f64, s: f64, kind, percent, direction, chain: &Chain| {
-        Entry::segment(m.to_bits(), s.to_bits(), kind, percent, direction, chain)
+    let admit = |m: f64, s: f64, kind, percent, direction, chain: &FollowChain| {
+        FollowEntry::segment(m.to_bits(), s.to_bits(), kind, percent, direction, chain)
     };
     let both = Direction::Both;
-    let empty = Chain::default();
+    let empty = FollowChain::default();
     let refused =
-        |m, s, kind, percent, direction, chain: &Chain| admit(m, s, kind, percent, direction, chain).unwrap_err();
+        |m, s, kind, percent, direction, chain: &FollowChain| admit(m, s, kind, percent, direction, chain).unwrap_err();
     assert_eq!(refused(f64::NAN, 0.0, 0, 0, both, &empty), Refused::MasterNotFinite);
     assert_eq!(refused(1.0, f64::INFINITY, 0, 0, both, &empty), Refused::SlaveNotFinite);
     assert_eq!(refused(2f64.powi(31) + 1.0, 0.0, 0, 0, both, &empty), Refused::MasterBeyondRange);
@@ -511,9 +513,9 @@ fn refusals_name_the_rule() {
     assert_eq!(refused(2e9, 1e6, 0, 0, both, &steep), Refused::TooFar);
     let mut chain = empty;
     for _ in 0..16 {
-        chain = Entry::delay(1, &chain).unwrap().1;
+        chain = FollowEntry::delay(1, &chain).unwrap().1;
     }
-    assert_eq!(Entry::delay(1, &chain).unwrap_err(), Refused::StopsFull);
+    assert_eq!(FollowEntry::delay(1, &chain).unwrap_err(), Refused::StopsFull);
     assert_eq!(chain.stops(), 16);
     for i in 0..496 {
         chain = admit(i as f64 + 1.0, 0.0, 0, 0, both, &chain).unwrap().1;

@@ -9,10 +9,10 @@ mod check;
 use chance::Chance;
 use follow_reference::{Begin, Datum, Known, MasterPath, Slave, fixed};
 use servo::output::step_generator;
-use servo::path::{Along, Entry, FeedOverride};
-use servo::segment::follow::{Direction, Event as Start, Value};
+use servo::path::{FeedOverride, MotionSpeeds, PathEntry};
+use servo::segment::follow::{Direction, StartEvent as Start, Value};
 use servo::status;
-use servo::tick_command::{Mode, TickCommand};
+use servo::tick_command::{MotionMode, TickCommand};
 use servo::units::{AxisMask, Ns, Pos};
 use servo::view::{StopReason, View};
 use tick_bench::*;
@@ -51,7 +51,7 @@ struct Program {
     view: View<AXES>,
     kind: Kind,
     master: usize,
-    mode: Mode,
+    mode: MotionMode,
     links: Vec<Link>,
     /// Positions of the machine and counts of the encoders at the tick before.
     places: [Pos; AXES],
@@ -72,7 +72,7 @@ impl Program {
     fn new(seed: u64) -> Program {
         let mut chance = Chance::new(seed);
         let period = [100, 250, 250, 250, 300, 1000][chance.below(6) as usize];
-        let mode = [Mode::Follow, Mode::FollowEx][chance.below(2) as usize];
+        let mode = [MotionMode::Follow, MotionMode::FollowEx][chance.below(2) as usize];
         let mut order: Vec<usize> = (0..AXES).collect();
         for i in (1..AXES).rev() {
             order.swap(i, chance.below(i as u64 + 1) as usize);
@@ -163,7 +163,7 @@ impl Program {
                 _ => 2.0 * mean - ratio,
             };
             (master, slave) = (master + length, slave + path);
-            let percent = if self.mode == Mode::FollowEx && kind != 1 { self.below(101) as i16 } else { 0 };
+            let percent = if self.mode == MotionMode::FollowEx && kind != 1 { self.below(101) as i16 } else { 0 };
             data.push((if down { -master } else { master }, slave, kind, percent));
         }
         data
@@ -189,7 +189,7 @@ impl Program {
     fn configure(&mut self, k: usize) {
         let axis = axis(self.links[k].axis);
         let index = axis.index();
-        self.now(TickCommand::SetMode { axis, mode: Mode::Trap });
+        self.now(TickCommand::SetMode { axis, mode: MotionMode::Trap });
         self.now(TickCommand::SetMode { axis, mode: self.mode });
         let dir = [0, 1, -1][self.below(3) as usize];
         let direction = [Direction::Down, Direction::Both, Direction::Up][(dir + 1) as usize];
@@ -315,12 +315,16 @@ impl Program {
                 self.now(TickCommand::PvtStart { axes: axis.mask() });
             }
             Kind::Crd => {
-                let entries: Vec<Entry> = (0..3 + self.below(10))
+                let entries: Vec<PathEntry> = (0..3 + self.below(10))
                     .map(|_| {
                         let to = [self.below(101) as i32 - 50, self.below(101) as i32 - 50];
                         let (vel, acc, end) = (self.real(0.5, 6.0), self.real(0.02, 2.0), self.real(0.0, 6.0));
-                        let along = Along::admit(vel.to_bits(), acc.to_bits(), end.to_bits()).unwrap();
-                        if self.below(8) == 0 { Entry::delay(self.below(9) as u16) } else { Entry::planar(to, along) }
+                        let along = MotionSpeeds::admit(vel.to_bits(), acc.to_bits(), end.to_bits()).unwrap();
+                        if self.below(8) == 0 {
+                            PathEntry::delay(self.below(9) as u16)
+                        } else {
+                            PathEntry::planar(to, along)
+                        }
                     })
                     .collect();
                 self.note(format!("path {entries:?}"));
@@ -419,10 +423,10 @@ impl Program {
 
     fn run(&mut self) -> Result<(), String> {
         let mode = match self.kind {
-            Kind::Jog => Mode::Jog,
-            Kind::Trap | Kind::Crd => Mode::Trap,
-            Kind::Pt => Mode::PtStatic,
-            Kind::Pvt => Mode::Pvt,
+            Kind::Jog => MotionMode::Jog,
+            Kind::Trap | Kind::Crd => MotionMode::Trap,
+            Kind::Pt => MotionMode::PtStatic,
+            Kind::Pvt => MotionMode::Pvt,
         };
         self.now(TickCommand::SetMode { axis: axis(self.master), mode });
         if self.kind == Kind::Crd {

@@ -1,7 +1,7 @@
 //! Follow in combined states: renamed positions; masters that are planned again, stopped, switched.
 use crate::tick_bench;
-use servo::segment::follow::{Direction, Event as Start, Value};
-use servo::tick_command::{Mode, TickCommand};
+use servo::segment::follow::{Direction, StartEvent as Start, Value};
+use servo::tick_command::{MotionMode, TickCommand};
 use servo::units::Pos;
 use tick_bench::*;
 
@@ -13,11 +13,12 @@ fn positions(bench: &Bench) -> [f64; AXES] {
 /// A chain 0 ← 1 ← 2; the position of the middle one has another user value than in the machine.
 #[test]
 fn a_slave_of_a_renamed_slave_stays_where_it_is() {
-    for (mode, direction) in
-        [Mode::Follow, Mode::FollowEx].into_iter().flat_map(|mode| [Direction::Both, Direction::Up].map(|d| (mode, d)))
+    for (mode, direction) in [MotionMode::Follow, MotionMode::FollowEx]
+        .into_iter()
+        .flat_map(|mode| [Direction::Both, Direction::Up].map(|d| (mode, d)))
     {
         let mut bench = Bench::prepared(250, mode);
-        bench.now(TickCommand::SetMode { axis: axis(0), mode: Mode::Jog });
+        bench.now(TickCommand::SetMode { axis: axis(0), mode: MotionMode::Jog });
         for (slave, master) in [(1, 0), (2, 1)] {
             bench.now(TickCommand::FollowDirection { axis: axis(slave), direction });
             bench.follows(slave, master, Value::Planned);
@@ -67,8 +68,8 @@ fn a_master_that_is_planned_again_while_it_brakes_is_never_further_than_it_went(
     for (direction, sign) in [(Direction::Up, 1.0), (Direction::Down, -1.0)] {
         for again in 0..4 {
             for (smooth, after) in [(0, 5), (0, 17), (0, 37), (30_000, 17)] {
-                let mut bench = Bench::prepared(250, Mode::Follow);
-                bench.now(TickCommand::SetMode { axis: axis(0), mode: Mode::Jog });
+                let mut bench = Bench::prepared(250, MotionMode::Follow);
+                bench.now(TickCommand::SetMode { axis: axis(0), mode: MotionMode::Jog });
                 bench.follows(1, 0, Value::Planned);
                 bench.now(TickCommand::FollowDirection { axis: axis(1), direction });
                 bench.follow_in(1, 0, direction, &[Item::Data(10_000.0, 30_000.0, 1, 0)]);
@@ -111,8 +112,8 @@ fn a_master_that_is_planned_again_while_it_brakes_is_never_further_than_it_went(
 
 /// Axis 1 moves three times as far as axis 0, which counts upwards to its furthest position.
 fn three_times(period: u32) -> Bench {
-    let mut bench = Bench::prepared(period, Mode::Follow);
-    bench.now(TickCommand::SetMode { axis: axis(0), mode: Mode::Jog });
+    let mut bench = Bench::prepared(period, MotionMode::Follow);
+    bench.now(TickCommand::SetMode { axis: axis(0), mode: MotionMode::Jog });
     bench.follows(1, 0, Value::Planned);
     bench.now(TickCommand::FollowDirection { axis: axis(1), direction: Direction::Up });
     bench.follow_in(1, 0, Direction::Up, &[Item::Data(100_000.0, 300_000.0, 1, 0)]);
@@ -163,8 +164,8 @@ fn a_master_that_turns_round_as_it_is_planned_again() {
 
 #[test]
 fn a_slave_that_ends_as_it_turns_round_counts_for_its_slaves() {
-    let mut bench = Bench::prepared(1000, Mode::Follow);
-    bench.now(TickCommand::SetMode { axis: axis(7), mode: Mode::Jog });
+    let mut bench = Bench::prepared(1000, MotionMode::Follow);
+    bench.now(TickCommand::SetMode { axis: axis(7), mode: MotionMode::Jog });
     bench.follows(1, 7, Value::Planned);
     // From ratio 2 to −1: it turns at 14, at master 14, and ends at 13, at master 16.
     bench.follow(1, 0, &[Item::Data(10.0, 10.0, 0, 0), Item::Data(16.0, 13.0, 0, 0)]);
@@ -189,8 +190,8 @@ fn a_slave_that_ends_as_it_turns_round_counts_for_its_slaves() {
 fn a_slave_of_one_way_stands_from_where_its_master_turns() {
     // EVEN to 8 at 4 ms and back: a jump of the velocity, at a tick.
     for (direction, sign) in [(Direction::Both, 1), (Direction::Up, 1), (Direction::Down, 1), (Direction::Down, -1)] {
-        let mut bench = Bench::prepared(250, Mode::Follow);
-        bench.now(TickCommand::SetMode { axis: axis(0), mode: Mode::PtStatic });
+        let mut bench = Bench::prepared(250, MotionMode::Follow);
+        bench.now(TickCommand::SetMode { axis: axis(0), mode: MotionMode::PtStatic });
         bench.pt(0, 0, &[(8.0 * f64::from(sign), 4, 1), (0.0, 8, 1), (8.0 * f64::from(sign), 12, 1)]);
         bench.follows(1, 0, Value::Planned);
         bench.now(TickCommand::FollowDirection { axis: axis(1), direction });
@@ -229,7 +230,7 @@ fn a_master_that_is_stopped_before_it_turns_round_does_not_turn() {
     // From 2000 on it goes at 1 − t/0.8, turns at 0.8 ms, ends at 1 ms. The tick of the stop is
     // that from 0.6 to 1.3.
     let mut bench = three_times(700);
-    bench.now(TickCommand::SetMode { axis: axis(0), mode: Mode::PtStatic });
+    bench.now(TickCommand::SetMode { axis: axis(0), mode: MotionMode::PtStatic });
     bench.pt(0, 0, &[(2000.0, 2000, 1), (2000.375, 2001, 0)]);
     bench.start(&[0]);
     let view = bench.ticks(1 + 2858);
@@ -250,8 +251,8 @@ fn a_slave_that_turns_round_at_a_knot_counts_for_its_slaves() {
         ([Item::Data(9.5, 10.0, 1, 0), Item::Data(30.0, -10.0, 0, 0)], 0.0),
     ] {
         for direction in [Direction::Up, Direction::Down] {
-            let mut bench = Bench::prepared(1000, Mode::Follow);
-            bench.now(TickCommand::SetMode { axis: axis(7), mode: Mode::Jog });
+            let mut bench = Bench::prepared(1000, MotionMode::Follow);
+            bench.now(TickCommand::SetMode { axis: axis(7), mode: MotionMode::Jog });
             bench.now(TickCommand::SetPosition { axis: axis(1), pos: Pos::pulses(1234) });
             bench.follows(1, 7, Value::Planned);
             bench.follow(1, 0, &items);
@@ -263,8 +264,8 @@ fn a_slave_that_turns_round_at_a_knot_counts_for_its_slaves() {
             bench.start_follow(&[0, 1]);
             bench.jog(7, 4.1, 1000.0);
             // The same in ticks of 10 us has its positions more exactly.
-            let mut fine = Bench::prepared(10, Mode::Follow);
-            fine.now(TickCommand::SetMode { axis: axis(7), mode: Mode::Jog });
+            let mut fine = Bench::prepared(10, MotionMode::Follow);
+            fine.now(TickCommand::SetMode { axis: axis(7), mode: MotionMode::Jog });
             fine.follows(1, 7, Value::Planned);
             fine.follow(1, 0, &items);
             fine.now(TickCommand::FollowLoop { axis: axis(1), passes: 2 });
@@ -294,8 +295,8 @@ fn a_slave_that_turns_round_at_a_knot_counts_for_its_slaves() {
 fn a_crossing_of_the_very_knot_at_which_a_slave_turns_counts() {
     for up in [true, false] {
         let sign = if up { 1.0 } else { -1.0 };
-        let mut bench = Bench::prepared(1000, Mode::Follow);
-        bench.now(TickCommand::SetMode { axis: axis(7), mode: Mode::Jog });
+        let mut bench = Bench::prepared(1000, MotionMode::Follow);
+        bench.now(TickCommand::SetMode { axis: axis(7), mode: MotionMode::Jog });
         bench.follows(1, 7, Value::Planned);
         bench.follow(1, 0, &[Item::Data(10.3, sign * 40.0, 1, 0), Item::Data(30.0, sign * 20.0, 1, 0)]);
         bench.follows(0, 1, Value::Planned);

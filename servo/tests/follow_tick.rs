@@ -2,17 +2,17 @@
 use crate::tick_bench;
 #[path = "follow_tick/encoder.rs"]
 mod encoder;
-use servo::segment::follow::{Chain, Direction, Event as Start, Method, Value};
+use servo::segment::follow::{Direction, FollowChain, Method, StartEvent as Start, Value};
 use servo::status;
-use servo::tick_command::{Mode, TickCommand};
+use servo::tick_command::{MotionMode, TickCommand};
 use servo::units::Pos;
 use servo::view::{Event, StopReason};
 use tick_bench::*;
 
 /// Axis 0 a jogging master, the others ready to follow.
 fn bench(period_us: u32) -> Bench {
-    let mut bench = Bench::prepared(period_us, Mode::Follow);
-    bench.now(TickCommand::SetMode { axis: axis(0), mode: Mode::Jog });
+    let mut bench = Bench::prepared(period_us, MotionMode::Follow);
+    bench.now(TickCommand::SetMode { axis: axis(0), mode: MotionMode::Jog });
     bench
 }
 
@@ -82,8 +82,8 @@ fn the_flying_shear_of_tables_3_2_and_3_3() {
 
 #[test]
 fn a_chain_in_reverse_shows_no_lag() {
-    let mut bench = Bench::prepared(250, Mode::Follow);
-    bench.now(TickCommand::SetMode { axis: axis(7), mode: Mode::Jog });
+    let mut bench = Bench::prepared(250, MotionMode::Follow);
+    bench.now(TickCommand::SetMode { axis: axis(7), mode: MotionMode::Jog });
     for index in 0..7 {
         bench.follows(index, index + 1, Value::Planned);
         bench.follow(index, 0, &[Item::Data(1000.0, 1000.0, 1, 0)]);
@@ -112,8 +112,8 @@ fn a_chain_in_reverse_shows_no_lag() {
 
 #[test]
 fn a_turning_point_of_a_slave_counts_for_its_slaves() {
-    let mut bench = Bench::prepared(1000, Mode::Follow);
-    bench.now(TickCommand::SetMode { axis: axis(7), mode: Mode::Jog });
+    let mut bench = Bench::prepared(1000, MotionMode::Follow);
+    bench.now(TickCommand::SetMode { axis: axis(7), mode: MotionMode::Jog });
     bench.follows(1, 7, Value::Planned);
     // From ratio 2 to −2: it turns at 15, at master 15.
     bench.follow(1, 0, &[Item::Data(10.0, 10.0, 0, 0), Item::Data(20.0, 10.0, 0, 0)]);
@@ -144,8 +144,8 @@ fn swing(bench: &mut Bench, target: i32) {
 #[test]
 fn a_pass_is_where_the_master_crosses() {
     for (up, target, event, lands) in [(true, 1000, 300, 700.0), (false, -1000, -300, 700.0)] {
-        let mut bench = Bench::prepared(250, Mode::Follow);
-        bench.now(TickCommand::SetMode { axis: axis(0), mode: Mode::Trap });
+        let mut bench = Bench::prepared(250, MotionMode::Follow);
+        bench.now(TickCommand::SetMode { axis: axis(0), mode: MotionMode::Trap });
         bench.follows(1, 0, Value::Planned);
         bench.now(TickCommand::FollowEvent { axis: axis(1), event: Start::Pass { up, pos: event } });
         let sign = if up { 1.0 } else { -1.0 };
@@ -179,8 +179,8 @@ fn a_pass_is_where_the_master_crosses() {
 fn a_crossing_between_ticks_counts() {
     // The master reverses inside a tick, 1/32 pulse beyond the position: at neither tick it is
     // there.
-    let mut bench = Bench::prepared(1000, Mode::Follow);
-    bench.now(TickCommand::SetMode { axis: axis(0), mode: Mode::PtStatic });
+    let mut bench = Bench::prepared(1000, MotionMode::Follow);
+    bench.now(TickCommand::SetMode { axis: axis(0), mode: MotionMode::PtStatic });
     // v = 1 − t/1.5 from 0 on: the peak of 0.75 at 1.5 ms.
     bench.pt(0, 0, &[(1000.0, 1000, 1), (1000.75 - 0.75, 1003, 0), (0.0, 2003, 1)]);
     bench.follows(1, 0, Value::Planned);
@@ -219,7 +219,7 @@ fn back_through_three_passes_to_the_bit() {
     bench.follow(1, 0, &items);
     loops(&mut bench, 1, 0);
     bench.start_follow(&[1]);
-    bench.now(TickCommand::SetMode { axis: axis(0), mode: Mode::PtStatic });
+    bench.now(TickCommand::SetMode { axis: axis(0), mode: MotionMode::PtStatic });
     // 400.25 up in 512 ms, and back the same way.
     bench.pt(0, 0, &[(400.25, 512, 1), (0.0, 1024, 1)]);
     bench.start(&[0]);
@@ -302,7 +302,7 @@ fn switches_at_the_end_of_a_pass_and_at_once() {
     assert!((s0 - truth(x0)).abs() < 1e-5);
     assert_eq!((view.axes[1].fifo, view.axes[1].cleared), (0, [1, 1]));
     // Data for the FIFO's content before the switch is refused.
-    let (end, tail) = (3, Chain::default().tail());
+    let (end, tail) = (3, FollowChain::default().tail());
     let void = bench.now(TickCommand::FollowCommit { axis: axis(1), fifo: 1, end, cleared: 0, tail });
     for _ in 0..70 {
         let view = bench.tick();
@@ -433,8 +433,8 @@ fn guards_stop_a_slave() {
     assert!((pulses(view.axes[1].pos) / 2f64.powi(32) - 1.0).abs() < 0.15);
     // Soft limit, alarm, servo off, abrupt.
     for case in 0..4 {
-        let mut bench = Bench::prepared(250, Mode::Follow);
-        bench.now(TickCommand::SetMode { axis: axis(0), mode: Mode::Jog });
+        let mut bench = Bench::prepared(250, MotionMode::Follow);
+        bench.now(TickCommand::SetMode { axis: axis(0), mode: MotionMode::Jog });
         bench.follows(1, 0, Value::Planned);
         bench.follow(1, 0, &[Item::Data(1000.0, 2000.0, 1, 0)]);
         bench.start_follow(&[1]);
@@ -502,9 +502,9 @@ fn a_smooth_stop_leaves_the_master_and_brakes() {
 
 #[test]
 fn renaming_the_master_moves_nothing() {
-    let mut bench = Bench::prepared(250, Mode::Follow);
+    let mut bench = Bench::prepared(250, MotionMode::Follow);
     bench.follows(1, 0, Value::Planned);
-    bench.now(TickCommand::SetMode { axis: axis(0), mode: Mode::Trap });
+    bench.now(TickCommand::SetMode { axis: axis(0), mode: MotionMode::Trap });
     bench.follow(1, 0, &[Item::Data(1000.0, 1000.0, 1, 0)]);
     bench.start_follow(&[1]);
     swing(&mut bench, 100);
@@ -524,7 +524,7 @@ fn renaming_the_master_moves_nothing() {
 
 #[test]
 fn starts_are_refused_as_a_whole() {
-    let mut bench = Bench::prepared(250, Mode::Follow);
+    let mut bench = Bench::prepared(250, MotionMode::Follow);
     bench.follows(1, 0, Value::Planned);
     bench.follow(1, 0, &[Item::Data(1000.0, 1000.0, 1, 0)]);
     // Axis 2 has no master, then no data.

@@ -2,10 +2,10 @@
 //! 6 and 9 on light and motion, with every instant worked out by hand.
 use crate::laser_bench;
 use laser_bench::*;
-use servo::laser::{Buffered, Cause, Change, Family, Ignored, Mode};
+use servo::laser::{Buffered, Cause, ChannelChange, Family, Ignored, PowerMode};
 use servo::path;
 use servo::segment::ramp::{Accel, Speed};
-use servo::tick_command::{Brake, DoGroup, Mode as AxisMode, Supervision, TickCommand};
+use servo::tick_command::{Brake, DoGroup, MotionMode as AxisMode, Supervision, TickCommand};
 use servo::units::{AxisMask, CrdMask, StepLimit};
 use servo::view::StopReason;
 
@@ -13,7 +13,7 @@ use servo::view::StopReason;
 /// pulse.
 fn prepared(period_us: u32) -> Bench {
     let mut bench = Bench::new(period_us);
-    bench.change(Change::Reset { family: Family::Gus });
+    bench.change(ChannelChange::Reset { family: Family::Gus });
     bench.command(TickCommand::Output { group: DoGroup::Enable, mask: 0xf, value: 0xf });
     bench.frame(0, &[0, 1]);
     bench.carrier(10.0);
@@ -82,7 +82,7 @@ fn what_is_output_without_light_waits_for_the_next_command() {
     bench.until(4 * MS);
     assert_eq!(bench.view().lasers[0].khz, power(0.0));
     let pulses = servo::laser::Standby::admit(power(5.0), power(50.0), servo::laser::Clock::GHZ).unwrap();
-    bench.change(Change::PairedStandby(Some(pulses)));
+    bench.change(ChannelChange::PairedStandby(Some(pulses)));
     bench.until(5 * MS);
     assert_eq!(bench.view().lasers[0].khz, power(0.0), "a command of the other channel is none of this one");
     bench.direct(50.0);
@@ -90,8 +90,8 @@ fn what_is_output_without_light_waits_for_the_next_command() {
     assert_eq!(bench.view().lasers[0].khz, power(5.0));
     // Pre-voltage.
     let mut bench = prepared(250);
-    bench.mode(Mode::Analog, 10.0, 0.0, true);
-    bench.change(Change::PreVoltage(Some(power(2.0))));
+    bench.mode(PowerMode::Analog, 10.0, 0.0, true);
+    bench.change(ChannelChange::PreVoltage(Some(power(2.0))));
     bench.until(2 * MS);
     assert_eq!(bench.view().lasers[0].power, power(2.0));
     bench.command(TickCommand::Abort);
@@ -102,7 +102,7 @@ fn what_is_output_without_light_waits_for_the_next_command() {
     assert_eq!(bench.view().lasers[0].power, power(2.0), "an off command is a command, too");
     // The switch of mode 3.
     let mut bench = prepared(250);
-    bench.mode(Mode::DutyOpen, 100.0, 0.0, true);
+    bench.mode(PowerMode::DutyOpen, 100.0, 0.0, true);
     bench.until(2 * MS);
     assert!(bench.view().lasers[0].switch);
     bench.command(TickCommand::NewSession);
@@ -186,7 +186,7 @@ fn a_new_session_begins_dark_and_motion_goes_on() {
 fn a_new_session_ends_what_follows() {
     let mut bench = prepared(250);
     let ratio = servo::laser::Ratio::admit(1f64.to_bits()).unwrap();
-    let bounds = servo::laser::Bounds::admit_follow(Mode::Duty, power(50.0), power(1.0)).unwrap();
+    let bounds = servo::laser::PowerBounds::admit_follow(PowerMode::Duty, power(50.0), power(1.0)).unwrap();
     bench.path(0, &[buffered(Buffered::PrfFollow { ratio, bounds }), line([100, 0], 10.0, 1.0, 0.0)]);
     bench.start(1);
     until_rest(&mut bench);
@@ -249,7 +249,7 @@ fn an_on_command_behind_an_abort_at_rest_lights() {
 fn a_stop_at_rest_shuts_off() {
     let case = |map: u8, stop: TickCommand| {
         let mut bench = prepared(250);
-        bench.change(Change::CrdMap { map });
+        bench.change(ChannelChange::CrdMap { map });
         bench.delays(100, 0);
         bench.gate(true);
         bench.until(2 * MS);
@@ -271,7 +271,7 @@ fn an_entry_for_a_channel_that_is_not_mapped_does_nothing_and_is_an_event() {
     for entry in [light(true), light(false), buffered(Buffered::Direct { power: power(3.0) })] {
         let mut bench = prepared(250);
         bench.path(0, &[line([50, 0], 10.0, 1.0, 10.0), entry, line([300, 0], 10.0, 1.0, 0.0)]);
-        bench.change(Change::CrdMap { map: 0b10 });
+        bench.change(ChannelChange::CrdMap { map: 0b10 });
         bench.gate(true);
         bench.tick();
         bench.start(1);
@@ -287,7 +287,7 @@ fn an_entry_for_a_channel_that_is_not_mapped_does_nothing_and_is_an_event() {
 fn a_map_that_excludes_the_path_of_a_follow_ends_the_follow() {
     let mut bench = prepared(250);
     let ratio = servo::laser::Ratio::admit(1f64.to_bits()).unwrap();
-    let bounds = servo::laser::Bounds::admit_follow(Mode::Duty, power(50.0), power(1.0)).unwrap();
+    let bounds = servo::laser::PowerBounds::admit_follow(PowerMode::Duty, power(50.0), power(1.0)).unwrap();
     bench.path(0, &[buffered(Buffered::PrfFollow { ratio, bounds }), line([100, 0], 10.0, 1.0, 0.0)]);
     bench.start(1);
     until_rest(&mut bench);
@@ -295,7 +295,7 @@ fn a_map_that_excludes_the_path_of_a_follow_ends_the_follow() {
     bench.gate(true);
     bench.tick();
     assert!(bench.view().lasers[0].commanded && !bench.view().lasers[0].light, "dark while its path is at rest");
-    bench.change(Change::CrdMap { map: 0b10 });
+    bench.change(ChannelChange::CrdMap { map: 0b10 });
     bench.tick();
     bench.tick();
     let view = bench.view().lasers[0];
@@ -425,7 +425,7 @@ fn an_on_command_that_is_ignored_does_not_end_the_quiet() {
             if faulty {
                 bench.machine.interlock = true;
             } else {
-                bench.change(Change::Connector { laser: false });
+                bench.change(ChannelChange::Connector { laser: false });
                 bench.command(TickCommand::Abort);
             }
             bench.tick();
@@ -446,7 +446,7 @@ fn an_on_command_that_is_ignored_does_not_end_the_quiet() {
             let ignored = if faulty { Ignored::Fault } else { Ignored::NoOutput };
             assert_eq!((view.fault, view.ignored), (Cause::None, ignored), "{entry}");
             assert_eq!(view.khz, power(0.0), "entry {entry}, fault {faulty}: standby is off");
-            bench.change(Change::Connector { laser: true });
+            bench.change(ChannelChange::Connector { laser: true });
             bench.until(50 * MS);
             assert_eq!(bench.view().lasers[0].khz, power(5.0), "a command of the channel ends it");
         }
@@ -460,7 +460,7 @@ fn a_path_that_brakes_for_a_stop_waits_for_no_delay() {
     for at in (20_000..40_000).step_by(250) {
         let mut bench = prepared(250);
         let first = line([300, 0], 10.0, 1.0, 0.0);
-        bench.path(0, &[light(true), first, path::Entry::delay(1000), line([600, 0], 10.0, 1.0, 0.0)]);
+        bench.path(0, &[light(true), first, path::PathEntry::delay(1000), line([600, 0], 10.0, 1.0, 0.0)]);
         let zero = bench.start(1);
         bench.until(zero + at as u64 * US);
         let waits = bench.view().crds[0].motion.velocity().m == 0;
@@ -509,8 +509,8 @@ fn a_reset_clears_a_fault_of_its_own_tick() {
         // It runs out at speed 10 ms after its start.
         bench.until(zero + (9750 + 250 * after) * US);
         bench.command(TickCommand::Reset { axes: AxisMask(3) });
-        bench.change(Change::Reset { family: Family::Gus });
-        bench.change(Change::ClearFault);
+        bench.change(ChannelChange::Reset { family: Family::Gus });
+        bench.change(ChannelChange::ClearFault);
         bench.until(zero + 12 * MS);
         let view = bench.view().lasers[0];
         assert_eq!((view.fault, view.light, view.commanded), (Cause::None, false, false), "{after}");

@@ -2,9 +2,9 @@
 //! underrun and what comes with it.
 use crate::laser_bench;
 use laser_bench::*;
-use servo::laser::{Cause, Change, Family};
-use servo::path::Entry;
-use servo::tick_command::{DoGroup, Mode as AxisMode, TickCommand};
+use servo::laser::{Cause, ChannelChange, Family};
+use servo::path::PathEntry;
+use servo::tick_command::{DoGroup, MotionMode as AxisMode, TickCommand};
 use servo::units::{AxisMask, Pos, StepLimit};
 use servo::view::{LaserView, StopReason, View};
 
@@ -12,14 +12,14 @@ use servo::view::{LaserView, StopReason, View};
 /// alone. Both are lit by calls.
 fn prepared(period_us: u32) -> Bench {
     let mut bench = Bench::new(period_us);
-    bench.change(Change::Reset { family: Family::Gus });
+    bench.change(ChannelChange::Reset { family: Family::Gus });
     bench.command(TickCommand::Output { group: DoGroup::Enable, mask: 0xf, value: 0xf });
     bench.frame(0, &[0, 1]);
     bench.carrier(10.0);
     bench.direct(100.0);
     for (channel, map) in [(0, 0b01), (1, 0b10)] {
-        bench.command(TickCommand::Laser { channel, change: Change::CrdMap { map } });
-        bench.command(TickCommand::Laser { channel, change: Change::Gate { on: true } });
+        bench.command(TickCommand::Laser { channel, change: ChannelChange::CrdMap { map } });
+        bench.command(TickCommand::Laser { channel, change: ChannelChange::Gate { on: true } });
     }
     bench
 }
@@ -79,7 +79,8 @@ fn an_axis_that_refuses_an_entry_shuts_off_the_lasers_of_its_path() {
         let mut bench = prepared(period);
         bench.command(TickCommand::SetMode { axis: axis(3), mode: AxisMode::Trap });
         bench.command(TickCommand::Output { group: DoGroup::Enable, mask: 0b1000, value: 0 });
-        let away = Entry::travel(axis(3), 50, (2f64.to_bits(), StepLimit::FULL_SCALE), 1f64.to_bits(), false).unwrap();
+        let away =
+            PathEntry::travel(axis(3), 50, (2f64.to_bits(), StepLimit::FULL_SCALE), 1f64.to_bits(), false).unwrap();
         bench.path(0, &[line([37, 0], 10.0, 1.0, 0.0), away, line([0, 0], 10.0, 1.0, 0.0)]);
         bench.start(1);
         let (before, now) = rest(&mut bench);
@@ -95,7 +96,7 @@ fn an_alarm_of_an_axis_that_goes_along_shuts_off_the_lasers_of_its_path() {
     for period in [50, 250, 1000] {
         let mut bench = prepared(period);
         bench.command(TickCommand::SetMode { axis: axis(3), mode: AxisMode::Trap });
-        bench.path(0, &[Entry::gear(axis(3), 50), line([400, 0], 10.0, 1.0, 0.0)]);
+        bench.path(0, &[PathEntry::gear(axis(3), 50), line([400, 0], 10.0, 1.0, 0.0)]);
         let zero = bench.start(1);
         bench.until(zero + 20 * MS);
         assert!(bench.view().crds[0].runs && bench.view().lasers[0].light);
@@ -116,7 +117,7 @@ fn a_soft_limit_of_a_geared_axis_shuts_off_the_lasers_of_its_path() {
         bench.command(TickCommand::SetMode { axis: axis(3), mode: AxisMode::Trap });
         let limit = Pos::pulses(20);
         bench.command(TickCommand::SoftLimit { axis: axis(3), positive: Some(20), negative: None });
-        bench.path(0, &[Entry::gear(axis(3), 50), line([400, 0], 10.0, 1.0, 0.0)]);
+        bench.path(0, &[PathEntry::gear(axis(3), 50), line([400, 0], 10.0, 1.0, 0.0)]);
         bench.start(1);
         let (before, now) = rest(&mut bench);
         assert!(before.lasers[0].light);
@@ -134,7 +135,7 @@ fn a_soft_limit_of_a_geared_axis_shuts_off_the_lasers_of_its_path() {
 fn an_axis_that_is_waited_for_and_does_not_come_shuts_off_the_lasers_of_its_path() {
     let mut bench = prepared(250);
     bench.command(TickCommand::SetMode { axis: axis(3), mode: AxisMode::Trap });
-    let away = Entry::travel(axis(3), 500, (2f64.to_bits(), StepLimit::FULL_SCALE), 1f64.to_bits(), true).unwrap();
+    let away = PathEntry::travel(axis(3), 500, (2f64.to_bits(), StepLimit::FULL_SCALE), 1f64.to_bits(), true).unwrap();
     bench.path(0, &[line([37, 0], 10.0, 1.0, 0.0), away, line([0, 0], 10.0, 1.0, 0.0)]);
     let zero = bench.start(1);
     bench.until(zero + 50 * MS);

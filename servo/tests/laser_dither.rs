@@ -6,7 +6,9 @@ use chance::Chance;
 use laser_bench::*;
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
-use servo::laser::{Carrier, Change, Clock, Count, Fine, Mode, Pattern, Power, Refused, Standby, Train};
+use servo::laser::{
+    Carrier, ChannelChange, Clock, Count, FixedTrain, Pattern, Power, PowerMode, Refused, Standby, Train,
+};
 
 fn ratio(n: u64, d: u64) -> BigRational {
     BigRational::new(n.into(), d.into())
@@ -72,8 +74,8 @@ fn fixed_pulses_are_exact_and_repeat_as_soon_as_they_can() {
                 }
                 // A light of the same numbers is the same.
                 let carrier = Carrier::admit(power(khz), clock).unwrap();
-                for mode in [Mode::Duty, Mode::DutyOpen] {
-                    let fine = Fine::plan(mode, power(percent), Some(&carrier), clock).unwrap();
+                for mode in [PowerMode::Duty, PowerMode::DutyOpen] {
+                    let fine = FixedTrain::plan(mode, power(percent), Some(&carrier), clock).unwrap();
                     assert_eq!(*fine.train(), train);
                 }
             }
@@ -137,7 +139,7 @@ fn a_rate_is_exact_to_the_fraction_that_keeps_its_phase() {
         for fine in [true, false] {
             let mut bench = Bench::with_clock(1000, clock);
             bench.fine = fine;
-            bench.mode(Mode::Frequency, 2000.0, 0.0, true);
+            bench.mode(PowerMode::Frequency, 2000.0, 0.0, true);
             bench.width(1);
             bench.gate(true);
             for khz in frequencies(&mut chance, 300) {
@@ -173,15 +175,15 @@ fn a_plan_for_other_numbers_is_not_taken() {
     assert_ne!(bench.tick().train.width.of, 0);
     // The bounds hold the power elsewhere than the plan is for.
     let carrier = Carrier::admit(power(30.0), Clock::GHZ).unwrap();
-    let fine = Fine::plan(Mode::Duty, power(70.0), Some(&carrier), Clock::GHZ);
-    let bounds = laser_bench::bounds(Mode::Duty, 60.0, 0.0);
-    bench.change(Change::Mode { mode: Mode::Duty, bounds, delayed: true, fine });
+    let fine = FixedTrain::plan(PowerMode::Duty, power(70.0), Some(&carrier), Clock::GHZ);
+    let bounds = laser_bench::bounds(PowerMode::Duty, 60.0, 0.0);
+    bench.change(ChannelChange::Mode { mode: PowerMode::Duty, bounds, delayed: true, fine });
     let view = bench.tick();
     assert_eq!((view.power, view.train.width.of), (power(60.0), 0));
     let off = counts(view.train.width) - counts(view.train.period) * ratio(6, 10);
     assert!(off.abs() < ratio(1, 1 << 30), "{view:?}");
     // Nor is one for another carrier.
-    bench.change(Change::Carrier { carrier: Carrier::admit(power(31.0), Clock::GHZ).unwrap(), fine });
+    bench.change(ChannelChange::Carrier { carrier: Carrier::admit(power(31.0), Clock::GHZ).unwrap(), fine });
     assert_eq!(bench.tick().train.width.of, 0);
 }
 
@@ -310,10 +312,10 @@ fn numbers_out_of_range_are_refused() {
     assert_eq!(Carrier::admit(Power::ZERO, Clock::GHZ), Err(Refused::Zero));
     assert_eq!(Standby::admit(Power::ZERO, power(1.0), Clock::GHZ), Err(Refused::Zero));
     assert_eq!(Standby::admit(power(1.0), power(100.1), Clock::GHZ), Err(Refused::BeyondRange));
-    let bounds = |mode, max, min| servo::laser::Bounds::admit(mode, power(max), power(min));
-    assert_eq!(bounds(Mode::Duty, 100.1, 0.0), Err(Refused::BeyondRange));
-    assert_eq!(bounds(Mode::Analog, 10.1, 0.0), Err(Refused::BeyondRange));
-    assert_eq!(bounds(Mode::Frequency, 5.0, 6.0), Err(Refused::MaxBelowMin));
-    assert!(bounds(Mode::Frequency, 2000.0, 2000.0).is_ok());
+    let bounds = |mode, max, min| servo::laser::PowerBounds::admit(mode, power(max), power(min));
+    assert_eq!(bounds(PowerMode::Duty, 100.1, 0.0), Err(Refused::BeyondRange));
+    assert_eq!(bounds(PowerMode::Analog, 10.1, 0.0), Err(Refused::BeyondRange));
+    assert_eq!(bounds(PowerMode::Frequency, 5.0, 6.0), Err(Refused::MaxBelowMin));
+    assert!(bounds(PowerMode::Frequency, 2000.0, 2000.0).is_ok());
     assert!(Clock::from_mhz(99).is_none() && Clock::from_mhz(1001).is_none());
 }

@@ -2,7 +2,7 @@
 //! out by hand from SPEC 6.
 use crate::laser_bench;
 use laser_bench::*;
-use servo::laser::{Cause, Change, Family, Ignored, Mode};
+use servo::laser::{Cause, ChannelChange, Family, Ignored, PowerMode};
 use servo::tick_command::TickCommand;
 
 /// A channel whose light is one unbroken pulse: 100 % of a carrier.
@@ -90,7 +90,7 @@ fn the_delays_in_force_when_a_command_is_given_count() {
 fn delays_count_only_where_the_mode_says_so() {
     let mut bench = plain(1000);
     bench.delays(300, 400);
-    bench.mode(Mode::Duty, 100.0, 0.0, false);
+    bench.mode(PowerMode::Duty, 100.0, 0.0, false);
     bench.gate(true);
     bench.until(5 * MS);
     bench.gate(false);
@@ -113,15 +113,15 @@ fn pulses_begin_with_the_gate_and_the_last_is_finished_or_cut() {
         let pulses: Vec<(u64, u64)> = bench.pulses().iter().map(|(a, b)| (a - MS, b - MS)).collect();
         pulses
     };
-    assert_eq!(light(Mode::Duty, 110, 10.0, 25.0), [(0, 25_000), (100_000, 125_000)]);
-    assert_eq!(light(Mode::Duty, 150, 10.0, 25.0), [(0, 25_000), (100_000, 125_000)]);
+    assert_eq!(light(PowerMode::Duty, 110, 10.0, 25.0), [(0, 25_000), (100_000, 125_000)]);
+    assert_eq!(light(PowerMode::Duty, 150, 10.0, 25.0), [(0, 25_000), (100_000, 125_000)]);
     // A pulse that would begin at the edge does not begin.
-    assert_eq!(light(Mode::Duty, 100, 10.0, 25.0), [(0, 25_000)]);
+    assert_eq!(light(PowerMode::Duty, 100, 10.0, 25.0), [(0, 25_000)]);
     // It would end 101 µs after the edge: cut. 100 µs: finished.
-    assert_eq!(light(Mode::Duty, 99, 1.0, 20.0), [(0, 99_000)]);
-    assert_eq!(light(Mode::Duty, 100, 1.0, 20.0), [(0, 200_000)]);
+    assert_eq!(light(PowerMode::Duty, 99, 1.0, 20.0), [(0, 99_000)]);
+    assert_eq!(light(PowerMode::Duty, 100, 1.0, 20.0), [(0, 200_000)]);
     // With the open switch it is always cut.
-    assert_eq!(light(Mode::DutyOpen, 110, 10.0, 25.0), [(0, 25_000), (100_000, 110_000)]);
+    assert_eq!(light(PowerMode::DutyOpen, 110, 10.0, 25.0), [(0, 25_000), (100_000, 110_000)]);
 }
 
 #[test]
@@ -236,7 +236,7 @@ fn another_mode_ends_the_light_at_once() {
     bench.standby(Some((5.0, 10.0)));
     bench.gate(true);
     bench.until(4 * MS);
-    bench.mode(Mode::Frequency, 2000.0, 0.0, true);
+    bench.mode(PowerMode::Frequency, 2000.0, 0.0, true);
     let view = bench.tick();
     assert!(!view.commanded && !view.gate && !view.light && !view.switch, "{view:?}");
     assert_eq!((view.direct, view.power, view.khz), (power(0.0), power(5.0), power(5.0)));
@@ -260,7 +260,7 @@ fn another_mode_ends_the_light_at_once() {
     bench.direct(30.0);
     bench.gate(true);
     bench.until(8 * MS);
-    bench.mode(Mode::Frequency, 20.0, 10.0, true);
+    bench.mode(PowerMode::Frequency, 20.0, 10.0, true);
     let view = bench.tick();
     assert!(view.commanded && view.light, "{view:?}");
     assert_eq!((view.direct, view.power, view.khz), (power(30.0), power(20.0), power(20.0)));
@@ -280,9 +280,9 @@ fn another_mode_and_a_reset_cut_the_pulse() {
         bench.gate(true);
         bench.until(3250 * US);
         if reset {
-            bench.change(Change::Reset { family: Family::Gus });
+            bench.change(ChannelChange::Reset { family: Family::Gus });
         } else {
-            bench.mode(Mode::Frequency, 2000.0, 0.0, true);
+            bench.mode(PowerMode::Frequency, 2000.0, 0.0, true);
         }
         bench.until(9 * MS);
         assert_eq!(bench.pulses().last(), Some(&(3310 * US, 3500 * US)));
@@ -296,12 +296,12 @@ fn the_open_switch_lets_no_standby_out() {
     // 190 of 380 µs from 1 ms on: the sixth pulse is in progress at 3 ms.
     bench.standby(Some((1000.0 / 380.0, 50.0)));
     bench.until(2 * MS);
-    bench.mode(Mode::DutyOpen, 100.0, 0.0, true);
+    bench.mode(PowerMode::DutyOpen, 100.0, 0.0, true);
     bench.until(5 * MS);
     let pulses = bench.pulses();
     assert_eq!((pulses.len(), pulses.last()), (6, Some(&(2900 * US, 3 * MS))), "it is cut");
     assert_eq!(bench.switch(), [(3 * MS, true)]);
-    bench.mode(Mode::Duty, 100.0, 0.0, true);
+    bench.mode(PowerMode::Duty, 100.0, 0.0, true);
     bench.until(7 * MS);
     assert_eq!(bench.switch(), [(3 * MS, true), (6 * MS, false)]);
     assert_eq!(bench.pulses()[6].0, 6 * MS);
@@ -310,8 +310,8 @@ fn the_open_switch_lets_no_standby_out() {
 #[test]
 fn voltage_is_the_power_in_light_and_the_pre_voltage_out_of_it() {
     let mut bench = Bench::new(250);
-    bench.mode(Mode::Analog, 10.0, 0.0, true);
-    bench.change(Change::PreVoltage(Some(power(1.0))));
+    bench.mode(PowerMode::Analog, 10.0, 0.0, true);
+    bench.change(ChannelChange::PreVoltage(Some(power(1.0))));
     bench.direct(2.5);
     bench.delays(33, 77);
     bench.gate(true);
@@ -322,7 +322,7 @@ fn voltage_is_the_power_in_light_and_the_pre_voltage_out_of_it() {
     bench.gate(false);
     let view = bench.until(3 * MS);
     assert_eq!((view.power, view.khz), (power(1.0), power(0.0)));
-    bench.mode(Mode::Duty, 100.0, 0.0, true);
+    bench.mode(PowerMode::Duty, 100.0, 0.0, true);
     bench.until(4 * MS);
     let expected = [(250, 3277), (327, 8192), (1250, 32767), (2283, 3277), (3250, 0)];
     assert_eq!(bench.volts(), expected.map(|(us, volts)| (us * US, volts)));
@@ -345,7 +345,7 @@ fn the_interlock_rests_everything_at_once_until_it_is_cleared() {
     assert!(view.cause_lasts && !view.commanded && !view.light && !view.switch, "{view:?}");
     // Light up to 3 ms only.
     assert_eq!(view.on_time, 1900 / 250);
-    bench.change(Change::ClearFault);
+    bench.change(ChannelChange::ClearFault);
     bench.gate(true);
     assert_eq!(bench.tick().fault, Cause::Interlock);
     bench.machine.interlock = false;
@@ -353,7 +353,7 @@ fn the_interlock_rests_everything_at_once_until_it_is_cleared() {
     bench.forget();
     // A command before the fault is cleared is not remembered.
     bench.gate(true);
-    bench.change(Change::ClearFault);
+    bench.change(ChannelChange::ClearFault);
     let view = bench.until(10 * MS);
     assert_eq!((view.fault, view.commanded, view.cause_lasts), (Cause::None, false, false));
     // Standby comes back, light does not.
@@ -374,12 +374,12 @@ fn the_link_shuts_off_light_and_nothing_else() {
     bench.tick();
     // The edge is still to come.
     bench.command(TickCommand::Link { lost: true });
-    bench.command(TickCommand::Laser { channel: 1, change: Change::ClearFault });
+    bench.command(TickCommand::Laser { channel: 1, change: ChannelChange::ClearFault });
     let view = bench.until(20 * MS);
     assert_eq!((view.fault, view.cause_lasts, view.commanded), (Cause::LinkLost, true, false));
     assert_eq!(bench.switch(), []);
     bench.command(TickCommand::Link { lost: false });
-    bench.change(Change::ClearFault);
+    bench.change(ChannelChange::ClearFault);
     assert_eq!(bench.tick().fault, Cause::None);
 }
 
@@ -393,19 +393,19 @@ fn an_overrun_shuts_off_both_channels() {
     assert_eq!(bench.switch(), [(MS, true), (3 * MS, false)]);
     bench.tick.restarted();
     assert_eq!(bench.tick().fault, Cause::Overrun, "the first cause is reported");
-    bench.change(Change::ClearFault);
+    bench.change(ChannelChange::ClearFault);
     assert_eq!(bench.tick().fault, Cause::None);
     // A clear on the tick in which a cause appears does not hide it.
     bench.gate(true);
     bench.until(8 * MS);
     bench.tick.overrun();
-    bench.change(Change::ClearFault);
+    bench.change(ChannelChange::ClearFault);
     assert_eq!(bench.tick().fault, Cause::Overrun);
     assert_eq!(bench.switch().last(), Some(&(8 * MS, false)));
-    bench.change(Change::Reset { family: Family::Gus });
+    bench.change(ChannelChange::Reset { family: Family::Gus });
     let view = bench.tick();
     assert_eq!((view.fault, view.on_time), (Cause::Overrun, 0));
-    bench.change(Change::ClearFault);
+    bench.change(ChannelChange::ClearFault);
     assert_eq!(bench.tick().fault, Cause::None);
 }
 
@@ -473,7 +473,7 @@ fn an_on_without_a_place_for_its_off_is_refused() {
 #[test]
 fn the_connector_may_carry_something_else() {
     let mut bench = plain(1000);
-    bench.change(Change::Connector { laser: false });
+    bench.change(ChannelChange::Connector { laser: false });
     bench.gate(true);
     let view = bench.until(3 * MS);
     assert_eq!((view.commanded, view.light, view.switch, view.power), (false, false, false, power(0.0)));
@@ -482,7 +482,7 @@ fn the_connector_may_carry_something_else() {
         (Ignored::NoOutput, 1),
         "an on command that meets no output is an event"
     );
-    bench.change(Change::Connector { laser: true });
+    bench.change(ChannelChange::Connector { laser: true });
     let view = bench.until(5 * MS);
     assert!(!view.commanded && !view.light, "and is not remembered");
     assert_eq!(bench.pulses(), []);
@@ -494,12 +494,12 @@ fn a_connector_that_is_taken_away_takes_the_light_at_once() {
     bench.delays(1000, 0);
     bench.gate(true);
     bench.until(2 * MS);
-    bench.change(Change::Connector { laser: false });
+    bench.change(ChannelChange::Connector { laser: false });
     let view = bench.tick();
     assert!(!view.commanded && !view.gate && !view.light && !view.switch, "{view:?}");
     bench.until(2750 * US);
     // Within the off delay: there is no off that pends, so nothing lights again.
-    bench.change(Change::Connector { laser: true });
+    bench.change(ChannelChange::Connector { laser: true });
     let view = bench.until(6 * MS);
     assert!(!view.commanded && !view.light, "{view:?}");
     assert_eq!(bench.pulses(), [(250 * US, 2250 * US)]);
@@ -509,8 +509,8 @@ fn a_connector_that_is_taken_away_takes_the_light_at_once() {
     bench.delays(0, 1000);
     bench.gate(true);
     bench.until(6500 * US);
-    bench.change(Change::Connector { laser: false });
-    bench.change(Change::Connector { laser: true });
+    bench.change(ChannelChange::Connector { laser: false });
+    bench.change(ChannelChange::Connector { laser: true });
     bench.until(9 * MS);
     assert_eq!((bench.pulses().len(), bench.switch().len()), (1, 2));
 }
@@ -518,11 +518,11 @@ fn a_connector_that_is_taken_away_takes_the_light_at_once() {
 #[test]
 fn analog_light_needs_no_connector() {
     let mut bench = Bench::new(250);
-    bench.mode(Mode::Analog, 10.0, 0.0, true);
+    bench.mode(PowerMode::Analog, 10.0, 0.0, true);
     bench.direct(5.0);
     bench.gate(true);
     bench.until(MS);
-    bench.change(Change::Connector { laser: false });
+    bench.change(ChannelChange::Connector { laser: false });
     let view = bench.until(2 * MS);
     assert!(view.commanded && view.light && view.switch, "{view:?}");
     bench.gate(false);

@@ -6,8 +6,10 @@ use crate::laser_bench;
 #[path = "laser_path/follow.rs"]
 mod follow;
 use laser_bench::*;
-use servo::laser::{Bounds, Buffered, Cause, Change, Distance, Family, Lag, Mode, Power, Ratio, Ratios, Source};
-use servo::path::Entry;
+use servo::laser::{
+    Buffered, Cause, ChannelChange, Distance, Family, Lag, Power, PowerBounds, PowerMode, Ratio, Ratios, SpeedSource,
+};
+use servo::path::PathEntry;
 use servo::tick_command::{DoGroup, TickCommand};
 use servo::units::{AxisMask, Crd, CrdMask, Pos};
 
@@ -16,7 +18,7 @@ const PERIODS: [u32; 5] = [10, 50, 73, 250, 1000];
 /// Two coordinate systems, X and Y of each; a carrier of 10 kHz, 100 %, so that light is one pulse.
 fn prepared(period_us: u32) -> Bench {
     let mut bench = Bench::new(period_us);
-    bench.change(Change::Reset { family: Family::Gus });
+    bench.change(ChannelChange::Reset { family: Family::Gus });
     bench.command(TickCommand::Output { group: DoGroup::Enable, mask: 0xf, value: 0xf });
     bench.frame(0, &[0, 1]);
     bench.frame(1, &[2, 3]);
@@ -26,7 +28,7 @@ fn prepared(period_us: u32) -> Bench {
 }
 
 fn lsr(bench: &mut Bench) {
-    bench.change(Change::Reset { family: Family::Lsr });
+    bench.change(ChannelChange::Reset { family: Family::Lsr });
     bench.carrier(10.0);
     bench.direct(0.0);
 }
@@ -43,11 +45,11 @@ fn edges(bench: &mut Bench, zero: u64) -> Vec<(i64, bool)> {
     bench.switch().iter().map(|(at, on)| (*at as i64 - zero as i64, *on)).collect()
 }
 
-fn follow(ratio: f64, min: f64, max: f64) -> Entry {
-    let bounds = Bounds::admit_follow(Mode::Duty, power(max), power(min)).unwrap();
+fn follow(ratio: f64, min: f64, max: f64) -> PathEntry {
+    let bounds = PowerBounds::admit_follow(PowerMode::Duty, power(max), power(min)).unwrap();
     buffered(Buffered::PrfFollow { ratio: Ratio::admit(ratio.to_bits()).unwrap(), bounds })
 }
-fn direct(value: f64) -> Entry {
+fn direct(value: f64) -> PathEntry {
     buffered(Buffered::Direct { power: power(value) })
 }
 fn number(power: Power) -> f64 {
@@ -55,7 +57,7 @@ fn number(power: Power) -> f64 {
 }
 
 /// 50 pulses to 10 pulse/ms in 10 ms, 50 more in 5 ms: the corner is 15 ms after the start.
-fn corner() -> [Entry; 2] {
+fn corner() -> [PathEntry; 2] {
     [line([100, 0], 10.0, 1.0, 10.0), line([400, 0], 10.0, 1.0, 0.0)]
 }
 
@@ -190,9 +192,9 @@ fn whose_light_goes_off_and_comes_back() {
     };
     assert_eq!(case(&nothing, &anew), (false, false));
     // A map that takes the channel away from its path takes the light.
-    assert_eq!(case(&|bench| bench.change(Change::CrdMap { map: 0b10 }), &nothing), (false, false));
+    assert_eq!(case(&|bench| bench.change(ChannelChange::CrdMap { map: 0b10 }), &nothing), (false, false));
     // Another mode withdraws the command.
-    let mode = |bench: &mut Bench| bench.mode(Mode::Frequency, 100.0, 0.0, true);
+    let mode = |bench: &mut Bench| bench.mode(PowerMode::Frequency, 100.0, 0.0, true);
     assert_eq!(case(&nothing, &mode), (false, false));
     // Ending a follow that does not exist changes nothing.
     let ending = |bench: &mut Bench| {
@@ -219,7 +221,7 @@ fn whose_light_goes_off_and_comes_back() {
         bench.tick();
         bench.machine.interlock = false;
         bench.tick();
-        bench.change(Change::ClearFault);
+        bench.change(ChannelChange::ClearFault);
     };
     assert_eq!(case(&nothing, &fault), (false, false));
 }
@@ -260,7 +262,7 @@ fn a_start_and_an_off_command_of_one_instant_keep_their_order() {
 }
 
 /// 10 pulse/ms after 10 ms; 18 pulses are too short to brake from there: 8 pulse/ms after 12 ms.
-fn underrun(first: Entry) -> [Entry; 3] {
+fn underrun(first: PathEntry) -> [PathEntry; 3] {
     [first, line([50, 0], 10.0, 1.0, 10.0), line([68, 0], 10.0, 1.0, 0.0)]
 }
 
@@ -300,7 +302,7 @@ fn an_underrun_is_dark_at_its_instant() {
         bench.gate(true);
         bench.until_ms(60);
         assert!(!bench.view().lasers[0].light);
-        bench.change(Change::ClearFault);
+        bench.change(ChannelChange::ClearFault);
         bench.tick();
         bench.gate(true);
         bench.tick();
@@ -312,12 +314,14 @@ fn an_underrun_is_dark_at_its_instant() {
 /// switch.
 #[test]
 fn nothing_is_planned_behind_an_underrun() {
-    for (mode, period) in [Mode::Duty, Mode::Frequency, Mode::Analog, Mode::DutyOpen].into_iter().zip(PERIODS) {
+    for (mode, period) in
+        [PowerMode::Duty, PowerMode::Frequency, PowerMode::Analog, PowerMode::DutyOpen].into_iter().zip(PERIODS)
+    {
         let mut bench = prepared(period);
         bench.mode(mode, 10.0, 0.0, true);
         bench.width(5);
         bench.standby(Some((20.0, 50.0)));
-        bench.change(Change::PreVoltage(Some(power(2.0))));
+        bench.change(ChannelChange::PreVoltage(Some(power(2.0))));
         bench.path(0, &[direct(5.0), light(true)]);
         bench.path(0, &underrun(follow(1.0, 1.0, 9.0)));
         let zero = bench.start(1);
@@ -336,8 +340,8 @@ fn nothing_is_planned_behind_an_underrun() {
 #[test]
 fn an_underrun_takes_the_dac_to_0() {
     let mut bench = prepared(250);
-    bench.mode(Mode::Analog, 10.0, 0.0, true);
-    bench.change(Change::PreVoltage(Some(power(2.0))));
+    bench.mode(PowerMode::Analog, 10.0, 0.0, true);
+    bench.change(ChannelChange::PreVoltage(Some(power(2.0))));
     bench.path(0, &underrun(direct(5.0)));
     bench.gate(true);
     let zero = bench.start(1);
@@ -353,10 +357,10 @@ fn an_underrun_takes_the_dac_to_0() {
 fn a_fault_of_an_axis_shuts_off_what_its_coordinate_system_gates() {
     let lit = |map| {
         let mut bench = prepared(250);
-        bench.change(Change::CrdMap { map });
-        bench.command(TickCommand::Laser { channel: 1, change: Change::CrdMap { map: 0b10 } });
+        bench.change(ChannelChange::CrdMap { map });
+        bench.command(TickCommand::Laser { channel: 1, change: ChannelChange::CrdMap { map: 0b10 } });
         bench.gate(true);
-        bench.command(TickCommand::Laser { channel: 1, change: Change::Gate { on: true } });
+        bench.command(TickCommand::Laser { channel: 1, change: ChannelChange::Gate { on: true } });
         bench.until(5 * MS);
         bench
     };
@@ -383,12 +387,12 @@ fn a_fault_of_an_axis_shuts_off_what_its_coordinate_system_gates() {
     assert!(!bench.view().lasers[0].light && bench.view().lasers[1].light);
     // One that was there before the map named its coordinate system.
     let mut bench = lit(0b01);
-    bench.command(TickCommand::Laser { channel: 0, change: Change::CrdMap { map: 0b10 } });
+    bench.command(TickCommand::Laser { channel: 0, change: ChannelChange::CrdMap { map: 0b10 } });
     bench.tick();
     bench.machine.inputs[1].alarm = true;
     bench.tick();
     assert_eq!(faults(&mut bench), [Cause::None; 2]);
-    bench.command(TickCommand::Laser { channel: 0, change: Change::CrdMap { map: 0b11 } });
+    bench.command(TickCommand::Laser { channel: 0, change: ChannelChange::CrdMap { map: 0b11 } });
     bench.tick();
     assert_eq!(faults(&mut bench), [Cause::Alarm, Cause::None]);
     assert!(!bench.view().lasers[0].light);
@@ -411,7 +415,7 @@ fn a_fault_of_an_axis_shuts_off_what_its_coordinate_system_gates() {
 /// on.
 #[test]
 fn light_comes_back_after_a_lost_link() {
-    let lost = |entries: &[Entry]| {
+    let lost = |entries: &[PathEntry]| {
         let mut bench = prepared(250);
         bench.path(0, entries);
         let zero = bench.start(1);
@@ -423,7 +427,7 @@ fn light_comes_back_after_a_lost_link() {
         assert_eq!((bench.view().lasers[0].fault, bench.view().crds[0].runs), (Cause::LinkLost, false));
         bench.command(TickCommand::Link { lost: false });
         bench.tick();
-        bench.change(Change::ClearFault);
+        bench.change(ChannelChange::ClearFault);
         bench.until_ms(80);
         assert!(!bench.view().lasers[0].light);
         bench.start(1);
@@ -445,7 +449,7 @@ fn light_comes_back_after_a_lost_link() {
     bench.command(TickCommand::Link { lost: false });
     bench.start(1);
     bench.tick();
-    bench.change(Change::ClearFault);
+    bench.change(ChannelChange::ClearFault);
     bench.until_ms(60);
     assert!(bench.view().crds[0].runs && !bench.view().lasers[0].light);
     // Nor after another Stop.
@@ -477,7 +481,7 @@ fn a_start_in_the_tick_that_loses_the_link_keeps_its_light_for_the_next() {
     assert_eq!((bench.view().lasers[0].fault, bench.view().crds[0].runs), (Cause::LinkLost, false));
     bench.command(TickCommand::Link { lost: false });
     bench.tick();
-    bench.change(Change::ClearFault);
+    bench.change(ChannelChange::ClearFault);
     bench.until_ms(90);
     assert!(!bench.view().lasers[0].light, "not by clearing");
     bench.start(1);

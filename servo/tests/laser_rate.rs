@@ -5,8 +5,8 @@ use crate::laser_bench;
 use laser_bench::*;
 use num_rational::Ratio as Exact;
 use num_traits::Signed;
-use servo::laser::{Bounds, Buffered, Change, Family, Mode, Ratio};
-use servo::path::Entry;
+use servo::laser::{Buffered, ChannelChange, Family, PowerBounds, PowerMode, Ratio};
+use servo::path::PathEntry;
 use servo::tick_command::{DoGroup, TickCommand};
 
 type Number = Exact<i128>;
@@ -14,16 +14,16 @@ type Number = Exact<i128>;
 /// One coordinate system, frequency mode, pulses of `width` µs.
 fn prepared(period_us: u32, width: u16) -> Bench {
     let mut bench = Bench::new(period_us);
-    bench.change(Change::Reset { family: Family::Gus });
+    bench.change(ChannelChange::Reset { family: Family::Gus });
     bench.command(TickCommand::Output { group: DoGroup::Enable, mask: 0xf, value: 0xf });
     bench.frame(0, &[0, 1]);
-    bench.mode(Mode::Frequency, 2000.0, 0.0, true);
+    bench.mode(PowerMode::Frequency, 2000.0, 0.0, true);
     bench.width(width);
     bench
 }
 
-fn follow(ratio: f64, max: f64) -> Entry {
-    let bounds = Bounds::admit_follow(Mode::Frequency, power(max), power(0.0)).unwrap();
+fn follow(ratio: f64, max: f64) -> PathEntry {
+    let bounds = PowerBounds::admit_follow(PowerMode::Frequency, power(max), power(0.0)).unwrap();
     buffered(Buffered::PrfFollow { ratio: Ratio::admit(ratio.to_bits()).unwrap(), bounds })
 }
 
@@ -134,7 +134,7 @@ fn a_rest_of_the_path_holds_the_phase() {
     let mut bench = prepared(50, 1);
     // 3.5 pulses, a delay of 7 ms, 6.4 more: a pulse at every ten pulses of the path.
     let lines = |to: i32| line([to, 0], 1.0, 1.0, 0.0);
-    let entries = [light(true), follow(0.1, 2000.0), lines(35), Entry::delay(7), lines(99)];
+    let entries = [light(true), follow(0.1, 2000.0), lines(35), PathEntry::delay(7), lines(99)];
     bench.path(0, &entries);
     let zero = bench.start(1);
     bench.until_ms(zero / MS + 125);

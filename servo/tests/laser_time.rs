@@ -3,7 +3,7 @@
 use crate::{chance, laser_bench};
 use chance::Chance;
 use laser_bench::*;
-use servo::laser::{Change, Mode, Power};
+use servo::laser::{ChannelChange, Power, PowerMode};
 
 /// Units of 250 µs.
 fn units(ns: u64) -> u32 {
@@ -68,7 +68,7 @@ fn on_time_is_that_of_the_light_behind_the_first_pulse_killer() {
     bench.gate(true);
     bench.tick();
     bench.tick();
-    bench.change(Change::ZeroOnTime);
+    bench.change(ChannelChange::ZeroOnTime);
     assert_eq!(bench.tick().on_time, 0);
     bench.tick();
     assert_eq!(bench.tick().on_time, 8);
@@ -80,7 +80,7 @@ enum Call {
     Gate(bool),
     Delays(u16, u16),
     Fpk(Option<(u16, u16, u16)>),
-    Mode(Mode, bool),
+    Mode(PowerMode, bool),
     Direct(f64),
     Carrier(f64),
     Width(u16),
@@ -95,7 +95,7 @@ fn any(chance: &mut Chance) -> Call {
         8 => Call::Delays(few(chance), few(chance)),
         9 => Call::Fpk((chance.below(2) == 0).then(|| (few(chance) + 1, few(chance), few(chance)))),
         10 => {
-            let modes = [Mode::Duty, Mode::Frequency, Mode::Analog, Mode::DutyOpen];
+            let modes = [PowerMode::Duty, PowerMode::Frequency, PowerMode::Analog, PowerMode::DutyOpen];
             Call::Mode(modes[chance.below(4) as usize], chance.below(4) > 0)
         }
         11 => Call::Direct(chance.unit() * 10.0),
@@ -116,7 +116,7 @@ fn give(bench: &mut Bench, call: Call) {
         Call::Carrier(khz) => bench.carrier(khz),
         Call::Width(us) => bench.width(us),
         Call::Standby(pulses) => bench.standby(pulses),
-        Call::PreVoltage(volts) => bench.change(Change::PreVoltage(volts.map(power))),
+        Call::PreVoltage(volts) => bench.change(ChannelChange::PreVoltage(volts.map(power))),
     }
 }
 

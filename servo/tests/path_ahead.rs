@@ -3,7 +3,7 @@
 //! random motions, waits, gears and marks, data that comes late, Stops, overrides, and ticks
 //! without time. Every position, speed, instant and gear is the same to the bit.
 use crate::{chance, paths};
-use servo::path::{Bend, Entry, Feed, FeedOverride, Path, PathReport, Plane, Step, StepReport, Sweep};
+use servo::path::{Bend, FeedOverride, FifoEnds, Path, PathEntry, PathReport, Plane, Step, StepReport, Sweep};
 use servo::segment::piece::Motion;
 use servo::segment::ramp::Accel;
 use servo::units::{Axis, Ns, Pos};
@@ -26,7 +26,7 @@ impl Seen {
         Seen { path, step, turns: 0, heard: Heard::default() }
     }
 
-    fn tick(&mut self, now: u64, period: u64, feed: Feed, script: &Script, ahead: bool) {
+    fn tick(&mut self, now: u64, period: u64, feed: FifoEnds, script: &Script, ahead: bool) {
         let Step { position: place, heading, bend, motion, .. } = &mut self.step;
         let mut sight = PathReport { position: place, heading, bend, motion, turns: &mut self.turns };
         let StepReport { runs, fifo, done, .. } =
@@ -36,7 +36,7 @@ impl Seen {
 
     /// The same by the fast path that a coordinate system takes where it can; returns the
     /// boundaries that it passed.
-    fn fast_step(&mut self, now: u64, period: u64, feed: Feed, script: &Script, ahead: bool) -> u32 {
+    fn fast_step(&mut self, now: u64, period: u64, feed: FifoEnds, script: &Script, ahead: bool) -> u32 {
         let (mut turns, next, period) = (0, Ns(now), Ns(period));
         if self.path.is_due(next) {
             turns += self.path.turn(feed, |_| true) as u32;
@@ -65,14 +65,14 @@ impl Seen {
     }
 }
 
-fn entry(chance: &mut Chance, k: u8, place: &mut [i32; 4]) -> Entry {
+fn entry(chance: &mut Chance, k: u8, place: &mut [i32; 4]) -> PathEntry {
     let vel = chance.log(1.0, 60.0);
     let along = speeds(vel, vel / chance.log(0.3, 9.0), vel * chance.unit() * (chance.below(4) > 0) as u8 as f64);
     let mut step = |x: &mut i32| *x += (chance.sign() * chance.log(1.0, 400.0)) as i32;
     match k % 12 {
         0 => mark(k),
-        1 => Entry::gear(Axis::new(3).unwrap(), 17),
-        2 => Entry::delay(3),
+        1 => PathEntry::gear(Axis::new(3).unwrap(), 17),
+        2 => PathEntry::delay(3),
         3 => {
             let (mut a, mut b) = (place[0] + 3, place[1]);
             step(&mut a);
@@ -80,18 +80,18 @@ fn entry(chance: &mut Chance, k: u8, place: &mut [i32; 4]) -> Entry {
             (place[0], place[1]) = (a, b);
             let turns = 0.001 + chance.unit() * 0.49;
             let sweep = Sweep::admit(turns.to_bits(), chance.below(2) == 0, chance.below(2) == 0).unwrap();
-            Entry::arc(Plane::Xy, [place[0], place[1]], sweep, along)
+            PathEntry::arc(Plane::Xy, [place[0], place[1]], sweep, along)
         }
-        4 => Entry::circle(Plane::Zx, [40 << 30, 7 << 30], k & 1 == 0, along).unwrap(),
+        4 => PathEntry::circle(Plane::Zx, [40 << 30, 7 << 30], k & 1 == 0, along).unwrap(),
         // A line without length.
-        5 => Entry::line(*place, along),
+        5 => PathEntry::line(*place, along),
         6..9 => {
             place.iter_mut().for_each(&mut step);
-            Entry::line(*place, along)
+            PathEntry::line(*place, along)
         }
         _ => {
             place.iter_mut().take(2).for_each(&mut step);
-            Entry::planar([place[0], place[1]], along)
+            PathEntry::planar([place[0], place[1]], along)
         }
     }
 }
@@ -122,11 +122,11 @@ fn what_is_made_ahead_is_what_would_have_been_made() {
         let mut both = [Seen::new(path), Seen::new(path), Seen::new(path)];
         let mut now = 1_000_000;
         for both in &mut both {
-            both.path.start(Ns(now), 0, Feed { ends: [end, 0] }, &script);
+            both.path.start(Ns(now), 0, FifoEnds { ends: [end, 0] }, &script);
         }
         let mut left = 3;
         loop {
-            let feed = Feed { ends: [end, 0] };
+            let feed = FifoEnds { ends: [end, 0] };
             let act = chance.below(400_000_000 / period);
             for seen in &mut both {
                 match act {
@@ -144,7 +144,7 @@ fn what_is_made_ahead_is_what_would_have_been_made() {
             if act > 2 && act < 40 && end < count as u32 {
                 end += 1;
             }
-            let feed = Feed { ends: [end, 0] };
+            let feed = FifoEnds { ends: [end, 0] };
             let ahead = chance.below(4) >= often;
             let [with, without, quick] = &mut both;
             with.tick(now, period, feed, &script, ahead);
@@ -161,7 +161,7 @@ fn what_is_made_ahead_is_what_would_have_been_made() {
                     break;
                 }
                 end = count as u32;
-                let feed = Feed { ends: [end, 0] };
+                let feed = FifoEnds { ends: [end, 0] };
                 if with.path.refuses_start(0, feed) {
                     break;
                 }

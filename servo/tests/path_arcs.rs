@@ -4,7 +4,7 @@
 //! The truth is the circle through both ends with the sweep, in doubles: on 2³¹ pulses they are
 //! good to 10⁻⁶ pulse.
 use crate::{chance, paths};
-use servo::path::{Entry, Item, Path, PathStop, Plane, Refused, Sweep};
+use servo::path::{EntryContent, Path, PathEntry, PathStop, Plane, Refused, Sweep};
 use servo::units::Pos;
 use std::f64::consts::{PI, TAU};
 
@@ -57,7 +57,7 @@ fn arcs_hold_their_radius_and_their_length() {
         let length = radius * sweep;
         let (vel, acc) = (chance.log(1.0, 100.0).max(length * 1e-5).min(30000.0), chance.log(0.5, 20.0));
         let sweep_of = Sweep::admit(turns.to_bits(), long, ccw).unwrap();
-        let entries = vec![Entry::arc(plane, [to[i], to[j]], sweep_of, speeds(vel, acc, 0.0)), mark(1)];
+        let entries = vec![PathEntry::arc(plane, [to[i], to[j]], sweep_of, speeds(vel, acc, 0.0)), mark(1)];
         let total = time(length, vel, acc);
         let period = ((total * 1e6 / 60.0) as u64).clamp(10_000, 1 << 40) | 1;
         let mut path = Path::IDLE;
@@ -118,7 +118,7 @@ fn full_circles_come_back_to_their_start() {
         let (vel, acc) = (chance.log(1.0, 100.0).max(radius * 1e-4).min(30000.0), chance.log(0.5, 20.0));
         let total = time(radius * TAU, vel, acc);
         let period = ((total * 1e6 / 80.0) as u64).max(1000) | 1;
-        let circle = Entry::circle(plane, centre, ccw, speeds(vel, acc, 0.0)).unwrap();
+        let circle = PathEntry::circle(plane, centre, ccw, speeds(vel, acc, 0.0)).unwrap();
         let mut path = Path::IDLE;
         let from = [5, -7, 1000, 3].map(Pos::pulses);
         path.position(from);
@@ -152,7 +152,7 @@ fn planes_turn_as_seen_from_their_third_axis() {
         let mut from = [0; 4];
         from[towards[0]] = 1000;
         let sweep = Sweep::admit(0.25f64.to_bits(), false, true).unwrap();
-        let entries = vec![Entry::arc(plane, [0, 1000], sweep, speeds(10.0, 1.0, 0.0))];
+        let entries = vec![PathEntry::arc(plane, [0, 1000], sweep, speeds(10.0, 1.0, 0.0))];
         let mut path = Path::IDLE;
         path.position(from.map(Pos::pulses));
         let mut middle = [0.0; 4];
@@ -178,8 +178,8 @@ fn an_arc_that_ends_at_its_speed_does() {
     for _ in 0..1000 {
         let vel = f64::from_bits(chance.log(1e-3, 1e4).to_bits() >> 14 << 14);
         for (end, ends) in [(vel, vel), (0.0, 0.0), (0.25, 0.25)] {
-            let entry = Entry::arc(Plane::Xy, [10, 20], sweep, speeds(vel, 4.0, end));
-            let Item::Arc { along, .. } = entry.item() else { panic!("no arc") };
+            let entry = PathEntry::arc(Plane::Xy, [10, 20], sweep, speeds(vel, 4.0, end));
+            let EntryContent::Arc { along, .. } = entry.item() else { panic!("no arc") };
             assert_eq!(along, speeds(vel, 4.0, ends), "{vel}");
         }
     }
@@ -193,7 +193,7 @@ fn bad_arcs_are_refused() {
     }
     assert_eq!(sweep(0.5), Ok(()));
     assert_eq!(sweep(2f64.powi(-50)), Ok(()));
-    let circle = |a: i64, b: i64| Entry::circle(Plane::Xy, [a, b], true, speeds(1.0, 1.0, 0.0)).map(|_| ());
+    let circle = |a: i64, b: i64| PathEntry::circle(Plane::Xy, [a, b], true, speeds(1.0, 1.0, 0.0)).map(|_| ());
     assert_eq!(circle(0, 0), Err(Refused::Centre));
     assert_eq!(circle((1 << 20) - 1, 5), Err(Refused::Centre));
     assert_eq!(circle(1 << 61, 0), Err(Refused::Centre));

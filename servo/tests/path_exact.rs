@@ -6,7 +6,7 @@ use crate::{chance, paths};
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive, Zero};
-use servo::path::{Along, Entry, Path, PathStop};
+use servo::path::{MotionSpeeds, Path, PathEntry, PathStop};
 use servo::segment::piece::Motion;
 use servo::units::Pos;
 
@@ -135,11 +135,11 @@ fn law(v0: &Fix, length: &Fix, vel: &Fix, acc: &Fix, end: &Fix, even: &Fix) -> V
     vec![first, cruise, last]
 }
 
-fn along(s: Speeds) -> Along {
+fn along(s: Speeds) -> MotionSpeeds {
     paths::speeds(s.vel, s.acc, s.end)
 }
-fn line(to: [i32; 4], s: Speeds) -> Entry {
-    Entry::line(to, along(s))
+fn line(to: [i32; 4], s: Speeds) -> PathEntry {
+    PathEntry::line(to, along(s))
 }
 fn distance(a: &[i32; 4], b: &[i32; 4]) -> Fix {
     let sum: BigInt = a.iter().zip(b).map(|(a, b)| (BigInt::from(*a) - *b).pow(2)).sum();
@@ -171,10 +171,10 @@ fn boundaries_of_random_paths_come_at_their_exact_instants() {
             let speeds = Speeds { vel, acc, end };
             let wait = chance.below(8) == 0;
             let flat = dimensions == 2 && chance.below(2) == 0;
-            let entry = if flat { Entry::planar([place[0], place[1]], along(speeds)) } else { line(place, speeds) };
+            let entry = if flat { PathEntry::planar([place[0], place[1]], along(speeds)) } else { line(place, speeds) };
             entries.extend([entry, mark(i as u8 + 1)]);
             if wait {
-                entries.push(Entry::delay(2));
+                entries.push(PathEntry::delay(2));
             }
             motions.push((distance(&before, &place), speeds, wait));
         }
@@ -241,7 +241,7 @@ fn positions_on_lines_follow_the_law() {
         let period = if far { 997_000_003 } else { 333_331 };
         let mut path = Path::IDLE;
         path.position(from.map(Pos::pulses));
-        let entry = if flat { Entry::planar([to[0], to[1]], along(speeds)) } else { line(to, speeds) };
+        let entry = if flat { PathEntry::planar([to[0], to[1]], along(speeds)) } else { line(to, speeds) };
         // Numbers of 32 bits cost that much of the length of a ramp, and of the peak; ends of
         // phases are exact to 2⁻²¹ ns.
         let packed = if flat { 0.0 } else { 2f64.powi(-32) };

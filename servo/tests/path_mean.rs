@@ -4,7 +4,7 @@ use crate::{chance, paths};
 use chance::Chance;
 use paths::{Heard, Script, speeds};
 use servo::laser::PathSpeed;
-use servo::path::{Entry, Feed, Path};
+use servo::path::{FifoEnds, Path, PathEntry};
 use servo::segment::piece::{Motion, Recip};
 use servo::units::Ns;
 
@@ -17,7 +17,7 @@ fn per_ms(speed: PathSpeed) -> f64 {
 }
 
 /// Lines along X, some entered at speed, some after a standstill or a wait.
-fn lines(chance: &mut Chance) -> Vec<Entry> {
+fn lines(chance: &mut Chance) -> Vec<PathEntry> {
     let mut to = 0;
     let mut entries = vec![];
     for _ in 0..chance.below(12) + 2 {
@@ -26,9 +26,9 @@ fn lines(chance: &mut Chance) -> Vec<Entry> {
         let longest = [5, 300, 20_000][chance.below(3) as usize];
         to += 1 + chance.below(longest) as i32;
         let end = if chance.below(2) == 0 { 0.0 } else { vel };
-        entries.push(Entry::planar([to, 0], speeds(vel, acc, end)));
+        entries.push(PathEntry::planar([to, 0], speeds(vel, acc, end)));
         if chance.below(3) == 0 {
-            entries.push(Entry::delay(chance.below(3) as u16));
+            entries.push(PathEntry::delay(chance.below(3) as u16));
         }
     }
     entries
@@ -36,8 +36,8 @@ fn lines(chance: &mut Chance) -> Vec<Entry> {
 
 /// Runs entries and compares each mean with the length of its interval; where `stop` is given, a
 /// Stop comes there.
-fn run(entries: Vec<Entry>, period: u64, stop: Option<u64>) -> u64 {
-    let feed = Feed { ends: [entries.len() as u32, 0] };
+fn run(entries: Vec<PathEntry>, period: u64, stop: Option<u64>) -> u64 {
+    let feed = FifoEnds { ends: [entries.len() as u32, 0] };
     let (script, mut heard, mut path) = (Script(entries), Heard::default(), Path::IDLE);
     path.start(Ns(BEGIN), 0, feed, &script);
     let (mut now, mut before) = (BEGIN, None);
@@ -78,8 +78,10 @@ fn the_mean_speed_is_the_way_of_the_interval() {
 
 #[test]
 fn a_stop_is_followed_too() {
-    let entries =
-        vec![Entry::planar([400_000, 0], speeds(50.0, 2.0, 0.0)), Entry::planar([400_500, 0], speeds(3.0, 2.0, 0.0))];
+    let entries = vec![
+        PathEntry::planar([400_000, 0], speeds(50.0, 2.0, 0.0)),
+        PathEntry::planar([400_500, 0], speeds(3.0, 2.0, 0.0)),
+    ];
     let over = run(entries.clone(), 250_000, Some(BEGIN + 60_000_000));
     // 50 pulse/ms are braked at 1 pulse/ms².
     assert_eq!(over, BEGIN + 110_000_000);

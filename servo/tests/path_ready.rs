@@ -3,7 +3,10 @@
 //! positions, data that comes while something is being made, and starts with the FIFO that was not
 //! expected. Every position, speed, instant and gear is the same to the bit.
 use crate::{chance, paths};
-use servo::path::{Along, Bend, Entries, Entry, Feed, FeedOverride, Path, PathReport, Plane, Step, StepReport, Sweep};
+use servo::path::{
+    Bend, FeedOverride, FifoEnds, MotionSpeeds, Path, PathEntries, PathEntry, PathReport, Plane, Step, StepReport,
+    Sweep,
+};
 use servo::segment::piece::Motion;
 use servo::segment::ramp::Accel;
 use servo::units::{Axis, Ns, Pos};
@@ -13,19 +16,19 @@ use paths::{Heard, mark, speeds};
 
 #[derive(Default)]
 struct Fifos {
-    entries: [Vec<Entry>; 2],
+    entries: [Vec<PathEntry>; 2],
     ends: [u32; 2],
 }
 
-impl Entries for Fifos {
-    fn entry(&self, fifo: u8, counter: u32) -> Entry {
+impl PathEntries for Fifos {
+    fn entry(&self, fifo: u8, counter: u32) -> PathEntry {
         self.entries[fifo as usize][counter as usize]
     }
 }
 
 impl Fifos {
-    fn feed(&self) -> Feed {
-        Feed { ends: self.ends }
+    fn feed(&self) -> FifoEnds {
+        FifoEnds { ends: self.ends }
     }
 }
 
@@ -53,26 +56,26 @@ impl Seen {
     }
 }
 
-fn along(chance: &mut Chance) -> Along {
+fn along(chance: &mut Chance) -> MotionSpeeds {
     let vel = chance.log(3.0, 60.0);
     speeds(vel, vel / chance.log(0.3, 9.0), vel * chance.unit() * (chance.below(4) > 0) as u8 as f64)
 }
 
-fn entry(chance: &mut Chance) -> Entry {
+fn entry(chance: &mut Chance) -> PathEntry {
     let along = along(chance);
     let [x, y, z, a] = [(); 4].map(|()| (chance.sign() * chance.log(1.0, 400.0)) as i32);
     match chance.below(14) {
         k @ 0..3 => mark(k as u8),
-        3 => Entry::gear(Axis::new(3).unwrap(), 17),
-        4 => Entry::delay(chance.below(4) as u16),
+        3 => PathEntry::gear(Axis::new(3).unwrap(), 17),
+        4 => PathEntry::delay(chance.below(4) as u16),
         5 | 6 => {
             let turns = 0.01 + chance.unit() * 0.49;
             let sweep = Sweep::admit(turns.to_bits(), chance.below(2) == 0, chance.below(2) == 0).unwrap();
-            Entry::arc([Plane::Xy, Plane::Yz, Plane::Zx][chance.below(3) as usize], [x, y], sweep, along)
+            PathEntry::arc([Plane::Xy, Plane::Yz, Plane::Zx][chance.below(3) as usize], [x, y], sweep, along)
         }
-        7 => Entry::circle(Plane::Zx, [40 << 30, 7 << 30], chance.below(2) == 0, along).unwrap(),
-        8..10 => Entry::line([x, y, z, a], along),
-        _ => Entry::planar([x, y], along),
+        7 => PathEntry::circle(Plane::Zx, [40 << 30, 7 << 30], chance.below(2) == 0, along).unwrap(),
+        8..10 => PathEntry::line([x, y, z, a], along),
+        _ => PathEntry::planar([x, y], along),
     }
 }
 

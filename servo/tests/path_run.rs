@@ -3,7 +3,9 @@
 use crate::{chance, paths};
 #[path = "path_run/stop.rs"]
 mod stop;
-use servo::path::{Along, Change, Effects, Entry, Feed, FeedOverride, Fine, Path, PathStop, Refused, Step};
+use servo::path::{
+    Effects, EntryEffect, FeedOverride, FifoEnds, FineNs, MotionSpeeds, Path, PathEntry, PathStop, Refused, Step,
+};
 use servo::segment::piece::{Motion, Scaled};
 use servo::segment::ramp::Accel;
 use servo::tick_command::DoGroup;
@@ -29,15 +31,15 @@ fn dec(a: f64) -> Accel {
 struct Bench {
     path: Path,
     script: Script,
-    feed: Feed,
+    feed: FifoEnds,
     now: u64,
     period: u64,
     heard: Heard,
 }
 
 impl Bench {
-    fn new(entries: Vec<Entry>, period: u64) -> Bench {
-        let feed = Feed { ends: [entries.len() as u32, 0] };
+    fn new(entries: Vec<PathEntry>, period: u64) -> Bench {
+        let feed = FifoEnds { ends: [entries.len() as u32, 0] };
         Bench { path: Path::IDLE, script: Script(entries), feed, now: BEGIN, period, heard: Heard::default() }
     }
     fn start(&mut self, fifo: u8) {
@@ -82,7 +84,8 @@ fn near(a: f64, b: f64) -> bool {
 fn the_listing_of_the_manual_changes_power_at_the_corner() {
     for period in [10_000, 250_000, 1_000_000] {
         let s = speeds(50.0, 2.0, 0.0);
-        let entries = vec![mark(1), Entry::planar([100_000, 0], s), mark(2), Entry::planar([0, 10_000], s), mark(3)];
+        let entries =
+            vec![mark(1), PathEntry::planar([100_000, 0], s), mark(2), PathEntry::planar([0, 10_000], s), mark(3)];
         let mut bench = Bench::new(entries, period);
         bench.start(0);
         let middle = bench.until(1_000_000_000);
@@ -93,7 +96,7 @@ fn the_listing_of_the_manual_changes_power_at_the_corner() {
             ([0, 10_000, 0, 0].map(Pos::pulses), 2, Motion::STANDSTILL)
         );
         let [first, corner, end] = &bench.heard.marks[..] else { panic!() };
-        assert_eq!((first.0, corner.0), ((BEGIN as Fine) << 32, ((BEGIN + 2_025_000_000) as Fine) << 32));
+        assert_eq!((first.0, corner.0), ((BEGIN as FineNs) << 32, ((BEGIN + 2_025_000_000) as FineNs) << 32));
         assert!(near(since(end.0) / 1e6, 2025.0 + (1e10f64 + 1e8).sqrt() / 50.0 + 25.0));
         assert_eq!(bench.heard.rests, [(end.0, PathStop::Completed)]);
     }
@@ -102,11 +105,11 @@ fn the_listing_of_the_manual_changes_power_at_the_corner() {
 /// A step publishes its own tick; its reports lie in the interval after it.
 #[test]
 fn effects_are_reported_for_the_coming_interval_only() {
-    let mut bench = Bench::new(vec![Entry::planar([1000, 0], speeds(10.0, 1.0, 0.0)), mark(1)], 300_000);
+    let mut bench = Bench::new(vec![PathEntry::planar([1000, 0], speeds(10.0, 1.0, 0.0)), mark(1)], 300_000);
     bench.start(0);
-    let end = (BEGIN + 110_000_000) as Fine;
+    let end = (BEGIN + 110_000_000) as FineNs;
     loop {
-        let (reported, tick) = (bench.heard.marks.len(), bench.now as Fine);
+        let (reported, tick) = (bench.heard.marks.len(), bench.now as FineNs);
         let step = bench.tick();
         if bench.heard.marks.len() > reported {
             assert!(tick <= end && end < tick + 300_000);
@@ -122,13 +125,13 @@ fn effects_are_reported_for_the_coming_interval_only() {
 fn speed_goes_through_a_corner_and_to_zero_where_nothing_or_a_wait_follows() {
     let fast = speeds(10.0, 1.0, 10.0);
     let entries = vec![
-        Entry::planar([1000, 0], fast),
+        PathEntry::planar([1000, 0], fast),
         mark(1),
-        Entry::planar([1000, 1000], fast),
+        PathEntry::planar([1000, 1000], fast),
         mark(2),
-        Entry::delay(5),
+        PathEntry::delay(5),
         mark(3),
-        Entry::planar([0, 1000], fast),
+        PathEntry::planar([0, 1000], fast),
         mark(4),
     ];
     let mut bench = Bench::new(entries, 100_000);
@@ -149,11 +152,11 @@ fn speed_goes_through_a_corner_and_to_zero_where_nothing_or_a_wait_follows() {
 fn a_motion_behind_a_wait_begins_at_rest() {
     let fast = speeds(10.0, 1.0, 10.0);
     let entries = vec![
-        Entry::planar([1000, 0], fast),
-        Entry::planar([1010, 0], fast),
-        Entry::delay(50),
+        PathEntry::planar([1000, 0], fast),
+        PathEntry::planar([1010, 0], fast),
+        PathEntry::delay(50),
         mark(1),
-        Entry::planar([1510, 0], speeds(10.0, 1.0, 0.0)),
+        PathEntry::planar([1510, 0], speeds(10.0, 1.0, 0.0)),
         mark(2),
     ];
     let mut bench = Bench::new(entries, 100_000);
@@ -167,8 +170,8 @@ fn a_motion_behind_a_wait_begins_at_rest() {
 #[test]
 fn a_path_too_short_to_brake_ends_in_an_underrun_on_its_target() {
     let entries = vec![
-        Entry::planar([1000, 0], speeds(10.0, 1.0, 10.0)),
-        Entry::planar([1010, 0], speeds(10.0, 1.0, 0.0)),
+        PathEntry::planar([1000, 0], speeds(10.0, 1.0, 10.0)),
+        PathEntry::planar([1010, 0], speeds(10.0, 1.0, 0.0)),
         mark(1),
     ];
     let mut bench = Bench::new(entries, 100_000);
@@ -190,8 +193,10 @@ fn an_end_that_only_rounding_keeps_from_rest_is_no_underrun() {
         (ideal + 5e-7, PathStop::Completed),
         (ideal + 1e-5, PathStop::Underrun),
     ] {
-        let entries =
-            vec![Entry::planar([1000, 0], speeds(20.0, 0.7, vel)), Entry::planar([1100, 0], speeds(20.0, 0.7, 0.0))];
+        let entries = vec![
+            PathEntry::planar([1000, 0], speeds(20.0, 0.7, vel)),
+            PathEntry::planar([1100, 0], speeds(20.0, 0.7, 0.0)),
+        ];
         let mut bench = Bench::new(entries, 100_000);
         bench.start(0);
         bench.finish();
@@ -204,7 +209,7 @@ fn an_end_that_only_rounding_keeps_from_rest_is_no_underrun() {
 #[test]
 fn data_that_comes_while_it_runs_is_taken_up() {
     let s = speeds(10.0, 1.0, 10.0);
-    let lines: Vec<_> = (1..=20).map(|i| Entry::planar([100 * i, 0], s)).chain([mark(1)]).collect();
+    let lines: Vec<_> = (1..=20).map(|i| PathEntry::planar([100 * i, 0], s)).chain([mark(1)]).collect();
     let mut whole = Bench::new(lines.clone(), 250_000);
     whole.start(0);
     whole.finish();
@@ -238,7 +243,7 @@ fn data_that_comes_while_it_runs_is_taken_up() {
 #[test]
 fn data_that_comes_before_a_motion_is_entered_is_taken_up() {
     let s = speeds(10.0, 1.0, 10.0);
-    let lines: Vec<_> = (1..=10).map(|i| Entry::planar([200 * i, 0], s)).chain([mark(1)]).collect();
+    let lines: Vec<_> = (1..=10).map(|i| PathEntry::planar([200 * i, 0], s)).chain([mark(1)]).collect();
     let mut bench = Bench::new(lines, 250_000);
     bench.feed.ends[0] = 2;
     bench.start(0);
@@ -258,17 +263,17 @@ fn data_that_comes_before_a_motion_is_entered_is_taken_up() {
 /// FIFO 1 interrupts FIFO 0 between pulses and comes back to exactly that position.
 #[test]
 fn fifo_1_interrupts_fifo_0_and_returns() {
-    struct Two(Vec<Entry>, Vec<Entry>);
-    impl servo::path::Entries for Two {
-        fn entry(&self, fifo: u8, counter: u32) -> Entry {
+    struct Two(Vec<PathEntry>, Vec<PathEntry>);
+    impl servo::path::PathEntries for Two {
+        fn entry(&self, fifo: u8, counter: u32) -> PathEntry {
             if fifo == 0 { self.0[counter as usize] } else { self.1[counter as usize] }
         }
     }
     let s = speeds(10.0, 1.0, 0.0);
-    let mut source = Two(vec![Entry::planar([1000, 300], s), mark(1)], vec![]);
-    let mut feed = Feed { ends: [2, 0] };
+    let mut source = Two(vec![PathEntry::planar([1000, 300], s), mark(1)], vec![]);
+    let mut feed = FifoEnds { ends: [2, 0] };
     let (mut path, mut heard, mut now) = (Path::IDLE, Heard::default(), BEGIN);
-    let mut tick = |path: &mut Path, source: &Two, feed: Feed, heard: &mut Heard| {
+    let mut tick = |path: &mut Path, source: &Two, feed: FifoEnds, heard: &mut Heard| {
         now += 250_000;
         (path.step(Ns(now), Ns(250_000), feed, source, heard), now + 250_000)
     };
@@ -287,7 +292,7 @@ fn fifo_1_interrupts_fifo_0_and_returns() {
     let whole = left.map(|x| servo::output::step_generator::whole(x) as i32);
     assert_ne!(left, whole.map(Pos::pulses), "it stands between pulses");
     // Away in FIFO 1: FIFO 0 cannot go on from there.
-    source.1 = vec![Entry::planar([0, 0], s), mark(2)];
+    source.1 = vec![PathEntry::planar([0, 0], s), mark(2)];
     feed.ends[1] = 2;
     assert!(!path.refuses_start(1, feed));
     path.start(Ns(next + 100 * 250_000), 1, feed, &source);
@@ -296,7 +301,7 @@ fn fifo_1_interrupts_fifo_0_and_returns() {
     }
     assert!(!path.runs() && path.refuses_start(0, feed) && path.refuses_start(1, feed));
     // Back: a line to the nearest pulse ends between pulses, at exactly that position.
-    source.1.push(Entry::line(whole, s));
+    source.1.push(PathEntry::line(whole, s));
     feed.ends[1] = 3;
     path.start(Ns(next), 1, feed, &source);
     let back = loop {
@@ -324,9 +329,9 @@ fn fifo_1_interrupts_fifo_0_and_returns() {
 
 #[test]
 fn starts_without_data_or_while_it_runs_are_refused() {
-    let mut bench = Bench::new(vec![Entry::planar([1000, 0], speeds(10.0, 1.0, 0.0))], 250_000);
+    let mut bench = Bench::new(vec![PathEntry::planar([1000, 0], speeds(10.0, 1.0, 0.0))], 250_000);
     assert!(bench.path.refuses_start(1, bench.feed));
-    assert!(bench.path.refuses_start(0, Feed::default()));
+    assert!(bench.path.refuses_start(0, FifoEnds::default()));
     bench.start(0);
     assert!(bench.path.refuses_start(0, bench.feed));
     bench.finish();
@@ -337,9 +342,9 @@ fn starts_without_data_or_while_it_runs_are_refused() {
 #[test]
 fn at_most_32_effects_run_in_a_tick() {
     let s = speeds(10.0, 1.0, 10.0);
-    let mut entries = vec![Entry::planar([100, 0], s)];
+    let mut entries = vec![PathEntry::planar([100, 0], s)];
     entries.extend((0..80).map(mark));
-    entries.push(Entry::planar([200, 0], s));
+    entries.push(PathEntry::planar([200, 0], s));
     let mut bench = Bench::new(entries, 250_000);
     bench.start(0);
     bench.finish();
@@ -349,9 +354,9 @@ fn at_most_32_effects_run_in_a_tick() {
     assert_eq!(at, expected);
     // 8, 9 and 32 are passed at speed.
     for count in [8, 9, 32] {
-        let mut entries = vec![Entry::planar([100, 0], s)];
+        let mut entries = vec![PathEntry::planar([100, 0], s)];
         entries.extend((0..count).map(mark));
-        entries.push(Entry::planar([200, 0], s));
+        entries.push(PathEntry::planar([200, 0], s));
         let mut bench = Bench::new(entries, 250_000);
         bench.start(0);
         bench.finish();
@@ -366,12 +371,12 @@ fn at_most_32_effects_run_in_a_tick() {
 fn effects_of_a_tick_lie_at_eight_instants_at_most() {
     let s = speeds(1000.0, 1000.0, 1000.0);
     // At 1000 pulse/ms a motion of 10 pulses takes 10 µs.
-    let mut entries = vec![Entry::planar([1000, 0], s)];
+    let mut entries = vec![PathEntry::planar([1000, 0], s)];
     for k in 0..12 {
         entries.extend([mark(2 * k), mark(2 * k + 1)]);
-        entries.push(Entry::planar([1010 + 10 * k as i32, 0], s));
+        entries.push(PathEntry::planar([1010 + 10 * k as i32, 0], s));
     }
-    entries.push(Entry::planar([9000, 0], s));
+    entries.push(PathEntry::planar([9000, 0], s));
     let mut bench = Bench::new(entries, 250_000);
     bench.start(0);
     bench.finish();
@@ -388,47 +393,48 @@ fn effects_of_a_tick_lie_at_eight_instants_at_most() {
 #[test]
 fn other_effects_carry_their_numbers() {
     #[derive(Default)]
-    struct All(Vec<Change>);
+    struct All(Vec<EntryEffect>);
     impl Effects for All {
-        fn change(&mut self, _: Fine, change: &Change) -> Fine {
+        fn change(&mut self, _: FineNs, change: &EntryEffect) -> FineNs {
             self.0.push(*change);
             0
         }
-        fn standstill(&mut self, _: Fine, _: PathStop) {}
+        fn standstill(&mut self, _: FineNs, _: PathStop) {}
         fn gear(&mut self, _: Axis, _: Pos, _: Scaled) {}
         fn geared(&mut self, _: u128, _: Axis, _: i32) {}
     }
     let axis = Axis::new(9).unwrap();
     let (v, a) = (123.456f64, 7.89f64);
     let script = Script(vec![
-        Entry::output(DoGroup::General, 0xfff0, 0x1230),
-        Entry::output(DoGroup::Enable, 3, 1),
-        Entry::analog(7, -32768),
-        Entry::travel(axis, -5, (v.to_bits(), StepLimit::FULL_SCALE), a.to_bits(), false).unwrap(),
-        Entry::laser(1, 77, [1, 2, 3, 4, 5, u32::MAX]),
+        PathEntry::output(DoGroup::General, 0xfff0, 0x1230),
+        PathEntry::output(DoGroup::Enable, 3, 1),
+        PathEntry::analog(7, -32768),
+        PathEntry::travel(axis, -5, (v.to_bits(), StepLimit::FULL_SCALE), a.to_bits(), false).unwrap(),
+        PathEntry::laser(1, 77, [1, 2, 3, 4, 5, u32::MAX]),
     ]);
-    let feed = Feed { ends: [5, 0] };
+    let feed = FifoEnds { ends: [5, 0] };
     let (mut path, mut all) = (Path::IDLE, All::default());
     path.start(Ns(BEGIN), 0, feed, &script);
     path.step(Ns(BEGIN), Ns(250_000), feed, &script, &mut all);
     let (speed, acc) = (servo::segment::ramp::Speed::admit(v.to_bits(), StepLimit::FULL_SCALE).unwrap(), dec(a));
     let expected = [
-        Change::Output { group: DoGroup::General, mask: 0xfff0, value: 0x1230 },
-        Change::Output { group: DoGroup::Enable, mask: 3, value: 1 },
-        Change::Analog { channel: 7, value: -32768 },
-        Change::Move { axis, target: -5, speed, acc, modal: false },
-        Change::Laser { channel: 1, code: 77, words: [1, 2, 3, 4, 5, u32::MAX] },
+        EntryEffect::Output { group: DoGroup::General, mask: 0xfff0, value: 0x1230 },
+        EntryEffect::Output { group: DoGroup::Enable, mask: 3, value: 1 },
+        EntryEffect::Analog { channel: 7, value: -32768 },
+        EntryEffect::Move { axis, target: -5, speed, acc, modal: false },
+        EntryEffect::Laser { channel: 1, code: 77, words: [1, 2, 3, 4, 5, u32::MAX] },
     ];
     assert_eq!(all.0, expected);
-    assert!(Entry::travel(axis, 0, (v.to_bits(), StepLimit::FULL_SCALE), 0, false).is_err());
+    assert!(PathEntry::travel(axis, 0, (v.to_bits(), StepLimit::FULL_SCALE), 0, false).is_err());
 }
 
 #[test]
 fn a_modal_move_makes_the_path_wait() {
     let s = speeds(10.0, 1.0, 10.0);
-    let wait = Entry::travel(Axis::new(5).unwrap(), 100, (1f64.to_bits(), StepLimit::FULL_SCALE), 1f64.to_bits(), true)
-        .unwrap();
-    let entries = vec![Entry::planar([100, 0], s), wait, mark(1), Entry::planar([200, 0], s), mark(2)];
+    let wait =
+        PathEntry::travel(Axis::new(5).unwrap(), 100, (1f64.to_bits(), StepLimit::FULL_SCALE), 1f64.to_bits(), true)
+            .unwrap();
+    let entries = vec![PathEntry::planar([100, 0], s), wait, mark(1), PathEntry::planar([200, 0], s), mark(2)];
     let mut bench = Bench::new(entries, 250_000);
     bench.start(0);
     bench.finish();
@@ -442,10 +448,10 @@ fn gears_go_along_with_one_motion() {
     let axis = |n| Axis::new(n).unwrap();
     let s = speeds(10.0, 1.0, 0.0);
     let entries = vec![
-        Entry::gear(axis(4), -250),
-        Entry::gear(axis(5), 1_000_000),
-        Entry::planar([1000, 0], s),
-        Entry::planar([2000, 0], s),
+        PathEntry::gear(axis(4), -250),
+        PathEntry::gear(axis(5), 1_000_000),
+        PathEntry::planar([1000, 0], s),
+        PathEntry::planar([2000, 0], s),
     ];
     let mut bench = Bench::new(entries, 250_000);
     bench.start(0);
@@ -474,7 +480,7 @@ fn gears_go_along_with_one_motion() {
 #[test]
 fn an_override_scales_speeds_and_may_change_on_the_way() {
     let rate = |x: f64| FeedOverride::admit(x.to_bits());
-    let entries = || vec![Entry::planar([1000, 0], speeds(10.0, 1.0, 0.0)), mark(1)];
+    let entries = || vec![PathEntry::planar([1000, 0], speeds(10.0, 1.0, 0.0)), mark(1)];
     let mut bench = Bench::new(entries(), 250_000);
     bench.path.rules.set_override(rate(0.5).unwrap());
     bench.start(0);
@@ -503,7 +509,12 @@ fn an_override_scales_speeds_and_may_change_on_the_way() {
 #[test]
 fn lines_without_length_are_passed_at_speed() {
     let s = speeds(10.0, 1.0, 10.0);
-    let entries = vec![Entry::planar([100, 0], s), Entry::planar([100, 0], s), mark(1), Entry::line([200, 0, 0, 0], s)];
+    let entries = vec![
+        PathEntry::planar([100, 0], s),
+        PathEntry::planar([100, 0], s),
+        mark(1),
+        PathEntry::line([200, 0, 0, 0], s),
+    ];
     let mut bench = Bench::new(entries, 250_000);
     bench.start(0);
     let last = bench.finish();
@@ -513,7 +524,7 @@ fn lines_without_length_are_passed_at_speed() {
 
 #[test]
 fn bad_speeds_are_refused() {
-    let admit = |v: f64, a: f64, e: f64| Along::admit(v.to_bits(), a.to_bits(), e.to_bits()).map(|_| ());
+    let admit = |v: f64, a: f64, e: f64| MotionSpeeds::admit(v.to_bits(), a.to_bits(), e.to_bits()).map(|_| ());
     assert_eq!(admit(50.0, 2.0, 0.0), Ok(()));
     assert_eq!(admit(32768.0, 32768.0, 32768.0), Ok(()));
     assert_eq!(admit(2f64.powi(-20), 2f64.powi(-20), 1e-300), Ok(()));

@@ -8,7 +8,7 @@ use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive, Zero};
 use servo::segment::generator_state::GeneratorState;
 use servo::segment::piece::Scaled;
-use servo::segment::pt::{Chain, Feed, Refused, Segment, SegmentStore, Segments, SlotRange};
+use servo::segment::pt::{AllowedData, Chain, Refused, Segment, SegmentStore, Segments, SlotRange};
 use servo::units::{Exact, Ns, Pos, StepLimit};
 
 use chance::Chance;
@@ -176,7 +176,7 @@ fn compare(chance: &mut Chance, count: usize, longest: f64, origin: Exact, dynam
     }
     let begin = chance.next() >> 2;
     let mut run = Pt::begin(Ns(begin), origin, place);
-    let feed = Feed { end: first.wrapping_add(total), passes };
+    let feed = AllowedData { end: first.wrapping_add(total), passes };
     let base = big_exact(origin);
     for row in &rows {
         let from = begin + row.begin * MS;
@@ -279,7 +279,7 @@ fn short_chains_against_rationals() {
         let (data, words) = draw(&mut chance, 6, 1e6);
         let store = Store(words);
         let mut run = Pt::begin(Ns(0), Exact(0), SlotRange::Static { base: 0 });
-        let feed = Feed { end: data.len() as u32, passes: 1 };
+        let feed = AllowedData { end: data.len() as u32, passes: 1 };
         let whole = |x: u64| BigRational::from_integer(BigInt::from(x));
         let (mut pos, mut time, mut v) = (BigRational::zero(), 0u64, BigRational::zero());
         for d in &data {
@@ -323,7 +323,7 @@ fn loops_do_not_drift() {
     for origin in [0i128, 1 << 103, -(1 << 103), 0x1234_5678_9abc_def0] {
         let store = admit_all(&[(0.1, 1, 0), (0.3, 3, 0), (0.7, 4, 1), (0.1 + 0.2, 5, 2)]);
         let mut run = Pt::begin(Ns(17), Exact(origin), SlotRange::Static { base: 0 });
-        let feed = Feed { end: 4, passes: PASSES };
+        let feed = AllowedData { end: 4, passes: PASSES };
         let whole = |x: f64| (big(x) >> (BITS - 64)).to_i128().unwrap();
         let (way, part) = (whole(0.1 + 0.2), whole(0.1));
         for pass in 0..PASSES as i128 {
@@ -354,7 +354,7 @@ fn a_chain_that_comes_to_rest_is_no_underrun() {
     for (data, rest) in [(listing, true), (thirds, true), (off, false)] {
         let store = admit_all(&data);
         let mut run = Pt::begin(Ns(0), Exact(0), SlotRange::Dynamic { mask: 63, first: 0 });
-        let feed = Feed { end: 3, passes: 0 };
+        let feed = AllowedData { end: 3, passes: 0 };
         let last = data[2].1 as u64 * MS;
         let mut now = 0;
         while now < last {
@@ -372,7 +372,7 @@ fn a_chain_that_comes_to_rest_is_no_underrun() {
 fn velocity_of_the_listing() {
     let store = admit_all(&[(1024.0, 1024, 0), (3072.0, 2048, 0), (4096.0, 3072, 0)]);
     let mut run = Pt::begin(Ns(0), Exact(0), SlotRange::Static { base: 0 });
-    let feed = Feed { end: 3, passes: 1 };
+    let feed = AllowedData { end: 3, passes: 1 };
     let float = |s: Scaled| s.m as f64 / 2f64.powi(s.e as i32);
     assert!((float(run.step(Ns(512 * MS), feed, &store).motion.velocity()) - 1.0).abs() < 1e-15);
     let step = run.step(Ns(1500 * MS + 7), feed, &store);
@@ -386,7 +386,7 @@ fn velocity_of_the_listing() {
 fn data_appended_while_running_belongs_to_the_pass() {
     let store = admit_all(&[(1.0, 10, 1), (3.0, 20, 1), (4.0, 30, 1)]);
     let mut run = Pt::begin(Ns(0), Exact(0), SlotRange::Static { base: 0 });
-    let feed = |end, passes| Feed { end, passes };
+    let feed = |end, passes| AllowedData { end, passes };
     assert_eq!(run.step(Ns(5 * MS), feed(1, 2), &store).pos, Pos(1 << 21));
     assert_eq!(run.step(Ns(15 * MS), feed(3, 2), &store).pos, Pos::pulses(2));
     assert_eq!(run.step(Ns(25 * MS), feed(3, 2), &store).pos, Pos(7 << 21));
@@ -401,7 +401,7 @@ fn data_appended_while_running_belongs_to_the_pass() {
 fn a_stream_frees_places_and_tells_when_it_runs_dry() {
     let store = admit_all(&[(1.0, 10, 1), (3.0, 20, 1), (4.0, 30, 2)]);
     let mut run = Pt::begin(Ns(100), Exact(0), SlotRange::Dynamic { mask: 63, first: 0 });
-    let feed = Feed { end: 3, passes: 0 };
+    let feed = AllowedData { end: 3, passes: 0 };
     assert_eq!((run.released(true), run.dry_ms(Ns(100), feed, &store)), (0, 30));
     run.step(Ns(100 + MS), feed, &store);
     assert_eq!((run.released(true), run.dry_ms(Ns(100 + MS), feed, &store)), (0, 29));
@@ -489,7 +489,7 @@ fn prepared_segments_are_the_same() {
                 end = more;
                 ahead.0.invalidate_prepared();
             }
-            let feed = Feed { end, passes };
+            let feed = AllowedData { end, passes };
             if chance.below(3) > 0 {
                 prepared += ahead.prepare(feed, &store) as u32;
             }

@@ -3,7 +3,7 @@
 //! which builds the tables.
 use crate::{chance, drive};
 use servo::segment::generator_state::GeneratorState;
-use servo::segment::pvt::{HEADER_WORDS, Header, POINT_WORDS, Point, TABLE_POINTS, Tables};
+use servo::segment::pvt::{HEADER_WORDS, Header, POINT_WORDS, Point, PvtTables, TABLE_POINTS};
 use servo::units::{Exact, Ns, Pos};
 
 use chance::Chance;
@@ -14,7 +14,7 @@ const MS: u64 = 1_000_000;
 #[derive(Default)]
 struct Shelf(Vec<([u32; HEADER_WORDS], Vec<[u32; POINT_WORDS]>)>);
 
-impl Tables for Shelf {
+impl PvtTables for Shelf {
     fn point(&self, table: u8, index: u32) -> [u32; POINT_WORDS] {
         self.0.get(table as usize).and_then(|t| t.1.get(index as usize)).copied().unwrap_or_default()
     }

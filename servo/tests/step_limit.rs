@@ -9,7 +9,7 @@ use servo::segment::pt::{Chain, Refused, Segment};
 use servo::segment::ramp;
 use servo::segment::ramp::Speed;
 use servo::status;
-use servo::tick_command::{Mode, TickCommand};
+use servo::tick_command::{MotionMode, TickCommand};
 use servo::units::{AxisMask, StepLimit};
 use servo::view::{Event, StopReason};
 
@@ -123,8 +123,8 @@ fn random_pt_chains_against_rationals() {
 /// Axis 0 a jogging master, the others ready to follow, on a board of 1000 pulse/ms.
 fn bench(period_us: u32) -> Bench {
     let mut bench = Bench::limited(period_us, limit(1000));
-    bench.prepare_start(Mode::Follow);
-    bench.now(TickCommand::SetMode { axis: axis(0), mode: Mode::Jog });
+    bench.prepare_start(MotionMode::Follow);
+    bench.now(TickCommand::SetMode { axis: axis(0), mode: MotionMode::Jog });
     bench
 }
 

@@ -2,7 +2,7 @@
 //! pulses in exact integers.
 use crate::chance;
 use chance::Chance;
-use servo::output::step_generator::Slots;
+use servo::output::step_generator::StepSlots;
 use servo::output::step_words::{AXES, RING, StepOutput};
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
@@ -177,7 +177,7 @@ fn every_count_lies_where_the_closed_form_has_it() {
             }
             let steps = bench.tick(&planned, slots);
             for (count, steps) in counts.into_iter().zip(steps) {
-                let mut walker = Slots::new(count, slots).unwrap();
+                let mut walker = StepSlots::new(count, slots).unwrap();
                 let expected: Vec<u32> = (0..slots).filter(|_| walker.advance()).collect();
                 assert_eq!(steps, expected, "{count} steps in {slots} slots");
             }

@@ -1,14 +1,14 @@
 //! What stops an axis, what the status word says, and what clears it.
 use crate::tick_bench;
 use servo::status::*;
-use servo::tick_command::{Guarded, Guards, Mode, TickCommand};
+use servo::tick_command::{Guarded, Guards, MotionMode, TickCommand};
 use servo::units::{Ns, Pos};
 use servo::view::{Event, StopReason};
 use tick_bench::*;
 
 #[test]
 fn stops_are_smooth_or_abrupt() {
-    let mut bench = Bench::prepared(250, Mode::Jog);
+    let mut bench = Bench::prepared(250, MotionMode::Jog);
     for index in [0, 1] {
         bench.jog(index, 8.0, 4.0);
     }
@@ -39,7 +39,7 @@ fn a_smooth_stop_begins_where_the_motion_is() {
     for ticks in 1..24 {
         // Speeding up takes 15.8 ticks.
         let [mut bench, mut twin] = [(); 2].map(|()| {
-            let mut bench = Bench::prepared(250, Mode::Jog);
+            let mut bench = Bench::prepared(250, MotionMode::Jog);
             bench.jog(0, 8.3, 2.1);
             bench.ticks(ticks);
             bench
@@ -67,7 +67,7 @@ fn a_smooth_stop_begins_where_the_motion_is() {
 
 #[test]
 fn the_power_on_stop_deceleration_is_1() {
-    let mut bench = Bench::prepared(250, Mode::Jog);
+    let mut bench = Bench::prepared(250, MotionMode::Jog);
     bench.jog(0, 5.0, 5.0);
     bench.ticks(100);
     bench.now(TickCommand::stop(all(&[0]), all(&[])));
@@ -77,7 +77,7 @@ fn the_power_on_stop_deceleration_is_1() {
 
 #[test]
 fn a_soft_limit_holds_exactly_and_lets_go_after_clear_status() {
-    let mut bench = Bench::prepared(250, Mode::Jog);
+    let mut bench = Bench::prepared(250, MotionMode::Jog);
     bench.now(TickCommand::SoftLimit { axis: axis(0), positive: Some(100), negative: Some(-50) });
     for (velocity, limit, bit, reason) in
         [(3.7, 100, LIMIT_POSITIVE, StopReason::SoftPositive), (-3.7, -50, LIMIT_NEGATIVE, StopReason::SoftNegative)]
@@ -125,12 +125,12 @@ fn a_soft_limit_that_is_set_behind_an_axis_stops_it_where_it_is() {
             assert!(!has(&view.axes[index], RUNNING));
             assert_eq!(bench.ticks(10).axes[index].pos, before.axes[index].pos);
         };
-        let mut bench = Bench::prepared(250, Mode::Jog);
+        let mut bench = Bench::prepared(250, MotionMode::Jog);
         bench.jog(0, 4.0 * f64::from(way), 4.0);
         check(&mut bench, 0);
         // While it brakes, from the tick on in which it begins to.
         for ticks in [0, 1, 2] {
-            let mut bench = Bench::prepared(250, Mode::Jog);
+            let mut bench = Bench::prepared(250, MotionMode::Jog);
             bench.jog(0, 4.0 * f64::from(way), 4.0);
             bench.ticks(100);
             bench.now(TickCommand::stop(all(&[0]), all(&[])));
@@ -143,7 +143,7 @@ fn a_soft_limit_that_is_set_behind_an_axis_stops_it_where_it_is() {
             assert_eq!(view.axes[0].stop, reason, "{before:?}");
             assert!(pulses(view.axes[0].pos) * f64::from(way) > 40.0);
         }
-        let mut bench = Bench::prepared(250, Mode::PtStatic);
+        let mut bench = Bench::prepared(250, MotionMode::PtStatic);
         bench.pt(0, 0, &[(1000.0 * f64::from(way), 100, 0)]);
         bench.start(&[0]);
         bench.ticks(100);
@@ -153,7 +153,7 @@ fn a_soft_limit_that_is_set_behind_an_axis_stops_it_where_it_is() {
 
 #[test]
 fn a_limit_switch_stops_on_the_next_set_point_and_only_that_way() {
-    let mut bench = Bench::prepared(250, Mode::Jog);
+    let mut bench = Bench::prepared(250, MotionMode::Jog);
     bench.jog(0, 4.0, 4.0);
     bench.jog(1, -4.0, 4.0);
     let before = bench.ticks(50);
@@ -180,7 +180,7 @@ fn a_limit_switch_stops_on_the_next_set_point_and_only_that_way() {
 
 #[test]
 fn pt_towards_a_switch_stops_when_it_moves_towards_it() {
-    let mut bench = Bench::prepared(250, Mode::PtStatic);
+    let mut bench = Bench::prepared(250, MotionMode::PtStatic);
     bench.machine.inputs[0].limit_negative = true;
     bench.tick();
     bench.now(TickCommand::ClearStatus { axes: all(&[0]) });
@@ -195,7 +195,7 @@ fn pt_towards_a_switch_stops_when_it_moves_towards_it() {
 
 #[test]
 fn guards_can_be_switched_off_and_inverted() {
-    let mut bench = Bench::prepared(250, Mode::Jog);
+    let mut bench = Bench::prepared(250, MotionMode::Jog);
     bench.machine.inputs[0].limit_positive = true;
     bench.now(TickCommand::Guard { axis: axis(0), on: Guards::set(Guarded::LimitPositive, false), low: Guards::NONE });
     bench.tick();
@@ -210,7 +210,7 @@ fn guards_can_be_switched_off_and_inverted() {
 
 #[test]
 fn an_alarm_stops_and_blocks_until_it_is_gone_and_cleared() {
-    let mut bench = Bench::prepared(250, Mode::Jog);
+    let mut bench = Bench::prepared(250, MotionMode::Jog);
     bench.jog(0, -4.0, 4.0);
     let before = bench.ticks(50);
     bench.machine.inputs[0].alarm = true;
@@ -231,7 +231,7 @@ fn an_alarm_stops_and_blocks_until_it_is_gone_and_cleared() {
 
 #[test]
 fn a_following_error_beyond_its_limit_stops() {
-    let mut bench = Bench::prepared(250, Mode::Jog);
+    let mut bench = Bench::prepared(250, MotionMode::Jog);
     bench.now(TickCommand::PositionError { axis: axis(0), limit: Some(20) });
     bench.jog(0, 4.0, 4.0);
     bench.ticks(50);
@@ -249,7 +249,7 @@ fn a_following_error_beyond_its_limit_stops() {
 
 #[test]
 fn the_edge_of_travel_stops_and_never_wraps() {
-    let mut bench = Bench::prepared(1000, Mode::Jog);
+    let mut bench = Bench::prepared(1000, MotionMode::Jog);
     for (index, sign) in [(0, 1.0), (1, -1.0)] {
         let at = Pos((Pos::TRAVEL.0 - (1 << 36)) * sign as i64);
         bench.now(TickCommand::SetPosition { axis: axis(index), pos: at });
@@ -263,7 +263,7 @@ fn the_edge_of_travel_stops_and_never_wraps() {
 
 #[test]
 fn servo_off_stops_and_forbids() {
-    let mut bench = Bench::prepared(250, Mode::Jog);
+    let mut bench = Bench::prepared(250, MotionMode::Jog);
     bench.jog(0, 4.0, 4.0);
     bench.ticks(10);
     assert_eq!(bench.machine.outputs.0, 0xff);
@@ -277,7 +277,7 @@ fn servo_off_stops_and_forbids() {
 
 #[test]
 fn in_position_needs_rest_and_the_band_for_its_time() {
-    let mut bench = Bench::prepared(250, Mode::PtStatic);
+    let mut bench = Bench::prepared(250, MotionMode::PtStatic);
     bench.now(TickCommand::Band { axis: axis(0), band: 5, time: Ns(2 * MS) });
     bench.pt(0, 0, &[(100.0, 10, 2)]);
     bench.ticks(20);
@@ -297,7 +297,7 @@ fn in_position_needs_rest_and_the_band_for_its_time() {
 
 #[test]
 fn setting_positions_makes_no_step() {
-    let mut bench = Bench::prepared(250, Mode::PtStatic);
+    let mut bench = Bench::prepared(250, MotionMode::PtStatic);
     bench.pt(0, 0, &[(100.25, 10, 2)]);
     bench.start(&[0]);
     bench.run_to_standstill();
@@ -318,14 +318,14 @@ fn setting_positions_makes_no_step() {
     assert_eq!((view.axes[0].pos, view.axes[0].encoder), (Pos(0), 0));
     bench.now(TickCommand::Reset { axes: all(&[0]) });
     let view = bench.tick();
-    assert_eq!((view.axes[0].status, view.axes[0].mode), (0, Mode::Trap));
+    assert_eq!((view.axes[0].status, view.axes[0].mode), (0, MotionMode::Trap));
     assert_eq!(bench.machine.set_points[0], machine);
     assert_eq!(bench.machine.outputs.0, 0xfe, "its servo is off");
 }
 
 #[test]
 fn home_captures_the_encoder_at_the_rising_edge() {
-    let mut bench = Bench::prepared(250, Mode::Jog);
+    let mut bench = Bench::prepared(250, MotionMode::Jog);
     bench.jog(0, 4.0, 4.0);
     bench.ticks(10);
     bench.machine.inputs[0].home = true;
@@ -351,7 +351,7 @@ fn home_captures_the_encoder_at_the_rising_edge() {
 fn a_soft_limit_holds_the_end_of_a_motion() {
     for way in [1, -1] {
         let (positive, negative) = if way > 0 { (Some(99), None) } else { (None, Some(-99)) };
-        let mut bench = Bench::prepared(1000, Mode::PtStatic);
+        let mut bench = Bench::prepared(1000, MotionMode::PtStatic);
         bench.pt(0, 0, &[(98.0 * f64::from(way), 49, 1), (100.0 * f64::from(way), 50, 1)]);
         bench.now(TickCommand::SoftLimit { axis: axis(0), positive, negative });
         bench.start(&[0]);
@@ -367,7 +367,7 @@ fn a_soft_limit_holds_the_end_of_a_motion() {
 #[test]
 fn a_soft_limit_behind_an_axis_at_rest_is_reported() {
     for (way, bit) in [(1, LIMIT_POSITIVE), (-1, LIMIT_NEGATIVE)] {
-        let mut bench = Bench::prepared(250, Mode::Jog);
+        let mut bench = Bench::prepared(250, MotionMode::Jog);
         bench.now(TickCommand::SetPosition { axis: axis(0), pos: Pos::pulses(50 * way) });
         bench.ticks(3);
         let (positive, negative) = if way > 0 { (Some(20), None) } else { (None, Some(-20)) };
@@ -385,7 +385,7 @@ fn a_soft_limit_behind_an_axis_at_rest_is_reported() {
 /// ClrSts and a start in one tick, while the alarm is there: refused, not begun and stopped.
 #[test]
 fn a_start_behind_a_clear_in_the_same_tick_is_refused_while_the_cause_lasts() {
-    let mut bench = Bench::prepared(250, Mode::Jog);
+    let mut bench = Bench::prepared(250, MotionMode::Jog);
     bench.machine.inputs[0].alarm = true;
     bench.ticks(2);
     bench.now(TickCommand::ClearStatus { axes: all(&[0]) });
@@ -398,7 +398,7 @@ fn a_start_behind_a_clear_in_the_same_tick_is_refused_while_the_cause_lasts() {
 /// Encoders of an axis whose servo is off may turn; and an error that is the limit is none yet.
 #[test]
 fn a_following_error_is_more_than_its_limit_and_needs_the_servo() {
-    let mut bench = Bench::prepared(250, Mode::Jog);
+    let mut bench = Bench::prepared(250, MotionMode::Jog);
     bench.now(TickCommand::PositionError { axis: axis(0), limit: Some(20) });
     for slip in [20, -20] {
         bench.machine.slip[0] = slip;
@@ -436,7 +436,7 @@ fn the_time_in_the_band_begins_anew() {
         },
     ];
     for (index, act) in breaks.into_iter().enumerate() {
-        let mut bench = Bench::prepared(250, Mode::Jog);
+        let mut bench = Bench::prepared(250, MotionMode::Jog);
         bench.now(band);
         assert!(has(&bench.ticks(20).axes[0], IN_POSITION));
         act(&mut bench);
@@ -447,7 +447,7 @@ fn the_time_in_the_band_begins_anew() {
 
 #[test]
 fn home_captures_at_the_falling_edge_where_low_is_active() {
-    let mut bench = Bench::prepared(250, Mode::Jog);
+    let mut bench = Bench::prepared(250, MotionMode::Jog);
     bench.machine.inputs[0].home = true;
     bench.now(TickCommand::Guard { axis: axis(0), on: Guards::NONE, low: Guards::set(Guarded::Home, true) });
     bench.jog(0, 4.0, 4.0);
@@ -469,7 +469,7 @@ fn home_captures_at_the_falling_edge_where_low_is_active() {
 
 #[test]
 fn an_index_edge_captures_the_count_at_which_it_came() {
-    let mut bench = Bench::prepared(250, Mode::Jog);
+    let mut bench = Bench::prepared(250, MotionMode::Jog);
     // The machine counts from 0, the encoder reads 1000 there.
     bench.now(TickCommand::SetEncoder { axis: axis(0), pulses: 1000 });
     bench.tick();
@@ -500,7 +500,7 @@ fn an_index_edge_captures_the_count_at_which_it_came() {
 
 #[test]
 fn trap_reaches_its_target_and_can_be_changed_under_way() {
-    let mut bench = Bench::prepared(250, Mode::Trap);
+    let mut bench = Bench::prepared(250, MotionMode::Trap);
     let prm =
         |axis| TickCommand::TrapPrm { axis, acc: accel(0.5), dec: accel(0.25), vel_start: speed(0.0), smooth: Ns(0) };
     bench.now(prm(axis(0)));

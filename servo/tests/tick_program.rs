@@ -1,7 +1,7 @@
 //! The two lanes, the script clock, the trace.
 use crate::tick_bench;
 use servo::status::*;
-use servo::tick_command::{DoGroup, Lane, Mode, TickCommand};
+use servo::tick_command::{DoGroup, Lane, MotionMode, TickCommand};
 use servo::units::{AxisMask, CrdMask, Ns, Pos};
 use servo::view::{Event, Sample, Traced};
 use tick_bench::*;
@@ -28,7 +28,7 @@ fn instant_of(bench: &mut Bench, bit: u32) -> u64 {
 fn a_call_acts_on_the_first_tick_strictly_after_its_instant() {
     for period in [50, 250, 1000] {
         let step = period as u64 * US;
-        let mut bench = Bench::prepared(period, Mode::PtStatic);
+        let mut bench = Bench::prepared(period, MotionMode::PtStatic);
         // 0, exactly on a tick, between ticks, and 0.3 ms ten times: sleeps add up exactly.
         bench.then(0, output(0));
         bench.then(2 * MS, output(1));
@@ -62,7 +62,7 @@ fn a_call_acts_on_the_first_tick_strictly_after_its_instant() {
 fn wait_rest_moves_the_clock_to_the_tick_of_rest() {
     for period in [50, 250, 1000] {
         let step = period as u64 * US;
-        let mut bench = Bench::prepared(period, Mode::PtStatic);
+        let mut bench = Bench::prepared(period, MotionMode::PtStatic);
         bench.pt(0, 0, &LISTING_2_1);
         bench.tick();
         bench.then(0, TickCommand::PtStart { axes: all(&[0]), fifo1: AxisMask(0) });
@@ -92,7 +92,7 @@ fn wait_rest_moves_the_clock_to_the_tick_of_rest() {
 
 #[test]
 fn a_late_entry_acts_at_once_is_counted_and_shifts_nothing() {
-    let mut bench = Bench::prepared(250, Mode::PtStatic);
+    let mut bench = Bench::prepared(250, MotionMode::PtStatic);
     bench.then(0, output(0));
     let zero = bench.tick.now().0;
     bench.now(TickCommand::ProgramRun);
@@ -120,7 +120,7 @@ fn so_many_entries_act_in_a_tick_the_immediate_lane_first() {
         (50, [(97, 0), (100, 45), (100, 93), (100, 141), (100, 189)]),
         (100, [(100, 0), (100, 97), (100, 194), (100, 200), (100, 200)]),
     ] {
-        let mut bench = Bench::prepared(period, Mode::PtStatic);
+        let mut bench = Bench::prepared(period, MotionMode::PtStatic);
         let run = bench.now(TickCommand::ProgramRun);
         for _ in 0..99 {
             bench.now(TickCommand::Mark);
@@ -135,7 +135,7 @@ fn so_many_entries_act_in_a_tick_the_immediate_lane_first() {
         assert_eq!(bench.tick().late, 0, "what did not fit into its tick was put off");
     }
     // The larger ring's content in a long tick.
-    let mut bench = Bench::prepared(1000, Mode::PtStatic);
+    let mut bench = Bench::prepared(1000, MotionMode::PtStatic);
     bench.now(TickCommand::ProgramRun);
     for _ in 0..256 {
         bench.then(0, TickCommand::Mark);
@@ -145,7 +145,7 @@ fn so_many_entries_act_in_a_tick_the_immediate_lane_first() {
 
 #[test]
 fn drop_empties_the_lane_and_end_holds_it() {
-    let mut bench = Bench::prepared(250, Mode::PtStatic);
+    let mut bench = Bench::prepared(250, MotionMode::PtStatic);
     bench.then(0, output(0));
     bench.then(5 * MS, output(1));
     bench.now(TickCommand::ProgramRun);
@@ -168,7 +168,7 @@ fn drop_empties_the_lane_and_end_holds_it() {
 
 #[test]
 fn a_refusal_in_a_program_names_its_entry() {
-    let mut bench = Bench::prepared(250, Mode::PtStatic);
+    let mut bench = Bench::prepared(250, MotionMode::PtStatic);
     let seq = bench.then(MS, TickCommand::PtStart { axes: all(&[2]), fifo1: AxisMask(0) });
     bench.now(TickCommand::ProgramRun);
     bench.ticks(10);
@@ -179,7 +179,7 @@ fn a_refusal_in_a_program_names_its_entry() {
 #[test]
 fn trace_rows_count_from_the_tick_at_which_the_program_begins() {
     for every in [1, 4] {
-        let mut bench = Bench::prepared(250, Mode::PtStatic);
+        let mut bench = Bench::prepared(250, MotionMode::PtStatic);
         bench.pt(0, 0, &LISTING_2_1);
         bench.now(TickCommand::SetPosition { axis: axis(3), pos: Pos::pulses(9) });
         bench.now(TickCommand::Trace {
@@ -240,7 +240,7 @@ fn trace_rows_count_from_the_tick_at_which_the_program_begins() {
 
 #[test]
 fn a_trace_that_nobody_takes_counts_what_it_loses() {
-    let mut bench = Bench::prepared(250, Mode::PtStatic);
+    let mut bench = Bench::prepared(250, MotionMode::PtStatic);
     bench.now(TickCommand::Trace {
         every: 1,
         axes: AxisMask(0xff),
@@ -289,7 +289,7 @@ fn the_view_is_of_one_tick_and_the_outside_of_an_idle_tick_is_quiet() {
 
 #[test]
 fn views_that_nobody_read_leave_nothing_stale() {
-    let mut bench = Bench::prepared(250, Mode::PtStatic);
+    let mut bench = Bench::prepared(250, MotionMode::PtStatic);
     bench.pt(0, 0, &[(10.0, 10, 2)]);
     bench.start(&[0]);
     // One buffer stays with the reader for the whole motion and long after it.
@@ -303,7 +303,7 @@ fn views_that_nobody_read_leave_nothing_stale() {
 
 #[test]
 fn the_period_changes_at_rest_only() {
-    let mut bench = Bench::prepared(250, Mode::Jog);
+    let mut bench = Bench::prepared(250, MotionMode::Jog);
     bench.now(TickCommand::TickPeriod { ns: 50_000 });
     let first = bench.tick();
     let second = bench.tick();

@@ -1,7 +1,7 @@
 //! PT through the tick: time zero, exact ends, streams, epochs, all or nothing.
 use crate::tick_bench;
 use servo::status;
-use servo::tick_command::{Lane, Mode, TickCommand};
+use servo::tick_command::{Lane, MotionMode, TickCommand};
 use servo::units::{AxisMask, Pos};
 use servo::view::{Event, StopReason};
 use tick_bench::*;
@@ -20,7 +20,7 @@ fn listing(t: f64) -> f64 {
 fn listing_2_1_is_the_closed_form_at_every_period() {
     let mut at_ms: Vec<Vec<Pos>> = Vec::new();
     for period in [50, 250, 1000] {
-        let mut bench = Bench::prepared(period, Mode::PtStatic);
+        let mut bench = Bench::prepared(period, MotionMode::PtStatic);
         bench.pt(0, 0, &LISTING_2_1);
         bench.start(&[0]);
         let first = bench.tick();
@@ -59,7 +59,7 @@ fn listing_2_1_is_the_closed_form_at_every_period() {
 
 #[test]
 fn loops_continue_where_the_pass_ended_and_can_be_ended_while_running() {
-    let mut bench = Bench::prepared(250, Mode::PtStatic);
+    let mut bench = Bench::prepared(250, MotionMode::PtStatic);
     bench.pt(0, 0, &[(10.0, 10, 0), (30.5, 20, 2)]);
     bench.now(TickCommand::PtLoop { axis: axis(0), passes: 0 });
     bench.start(&[0]);
@@ -82,7 +82,7 @@ fn loops_continue_where_the_pass_ended_and_can_be_ended_while_running() {
 
 #[test]
 fn data_added_to_a_running_fifo_belongs_to_the_pass() {
-    let mut bench = Bench::prepared(250, Mode::PtStatic);
+    let mut bench = Bench::prepared(250, MotionMode::PtStatic);
     bench.pt(0, 0, &[(10.0, 10, 0)]);
     bench.start(&[0]);
     bench.ticks(20);
@@ -93,7 +93,7 @@ fn data_added_to_a_running_fifo_belongs_to_the_pass() {
 
 #[test]
 fn a_stream_that_runs_dry_at_speed_is_an_underrun_and_a_new_epoch() {
-    let mut bench = Bench::prepared(250, Mode::PtDynamic);
+    let mut bench = Bench::prepared(250, MotionMode::PtDynamic);
     bench.pt(0, 0, &[(10.0, 10, 0), (30.0, 20, 0)]);
     bench.start(&[0]);
     let zero = bench.tick().now.0;
@@ -122,7 +122,7 @@ fn a_stream_that_runs_dry_at_speed_is_an_underrun_and_a_new_epoch() {
 
 #[test]
 fn a_stop_clears_the_stream_and_keeps_static_data() {
-    for (mode, epoch, again) in [(Mode::PtDynamic, 1, false), (Mode::PtStatic, 0, true)] {
+    for (mode, epoch, again) in [(MotionMode::PtDynamic, 1, false), (MotionMode::PtStatic, 0, true)] {
         let mut bench = Bench::prepared(250, mode);
         bench.pt(0, 0, &LISTING_2_1);
         bench.start(&[0]);
@@ -137,7 +137,7 @@ fn a_stop_clears_the_stream_and_keeps_static_data() {
 
 #[test]
 fn a_long_stream_wraps_its_ring() {
-    let mut bench = Bench::prepared(1000, Mode::PtDynamic);
+    let mut bench = Bench::prepared(1000, MotionMode::PtDynamic);
     let segment = |n: i32| ((n % 7) as f64 * 3.0, n, 2i16);
     let first: Vec<_> = (1..=2000).map(segment).collect();
     bench.pt(0, 0, &first);
@@ -159,7 +159,7 @@ fn a_long_stream_wraps_its_ring() {
 
 #[test]
 fn a_start_is_all_or_nothing() {
-    let mut bench = Bench::prepared(250, Mode::PtStatic);
+    let mut bench = Bench::prepared(250, MotionMode::PtStatic);
     for index in [0, 1, 2] {
         bench.pt(index, 0, &LISTING_2_1);
     }
@@ -193,15 +193,15 @@ fn a_start_is_all_or_nothing() {
 
 #[test]
 fn a_mode_that_is_set_again_keeps_its_data() {
-    let mut bench = Bench::prepared(250, Mode::PtStatic);
+    let mut bench = Bench::prepared(250, MotionMode::PtStatic);
     bench.pt(0, 0, &LISTING_2_1);
-    bench.now(TickCommand::SetMode { axis: axis(0), mode: Mode::PtStatic });
+    bench.now(TickCommand::SetMode { axis: axis(0), mode: MotionMode::PtStatic });
     bench.start(&[0]);
     assert!(has(&bench.tick().axes[0], status::RUNNING));
-    bench.now(TickCommand::SetMode { axis: axis(0), mode: Mode::Jog });
-    assert_eq!(bench.tick().axes[0].mode, Mode::PtStatic, "only at rest");
+    bench.now(TickCommand::SetMode { axis: axis(0), mode: MotionMode::Jog });
+    assert_eq!(bench.tick().axes[0].mode, MotionMode::PtStatic, "only at rest");
     bench.run_to_standstill();
-    for mode in [Mode::PtDynamic, Mode::PtStatic] {
+    for mode in [MotionMode::PtDynamic, MotionMode::PtStatic] {
         bench.now(TickCommand::SetMode { axis: axis(0), mode });
     }
     bench.start(&[0]);
@@ -213,7 +213,7 @@ fn a_mode_that_is_set_again_keeps_its_data() {
 #[test]
 fn a_long_segment_lasts_to_its_end() {
     for (first, second) in [(6000, 2000), (9000, 4000), (5000, 50)] {
-        let mut bench = Bench::prepared(250, Mode::PtStatic);
+        let mut bench = Bench::prepared(250, MotionMode::PtStatic);
         bench.pt(0, 0, &[(f64::from(first), first, 1), (f64::from(first), first + second, 1)]);
         bench.start(&[0]);
         bench.tick();

@@ -5,13 +5,20 @@ use crate::{chance, tick_bench};
 use chance::Chance;
 use servo::segment::follow;
 use servo::status;
-use servo::tick_command::{Mode, TickCommand};
+use servo::tick_command::{MotionMode, TickCommand};
 use servo::units::{AxisMask, Crd, Ns, Pos};
 use servo::view::AxisView;
 use tick_bench::*;
 
-const MODES: [Mode; 7] =
-    [Mode::PtStatic, Mode::PtDynamic, Mode::Pvt, Mode::Trap, Mode::Jog, Mode::Follow, Mode::FollowEx];
+const MODES: [MotionMode; 7] = [
+    MotionMode::PtStatic,
+    MotionMode::PtDynamic,
+    MotionMode::Pvt,
+    MotionMode::Trap,
+    MotionMode::Jog,
+    MotionMode::Follow,
+    MotionMode::FollowEx,
+];
 
 /// Two machines under the same commands. The second one never has a prepared start.
 struct Both([Bench; 2]);
@@ -88,7 +95,7 @@ fn knots(chance: &mut Chance) -> Vec<(u64, i64, i64)> {
 }
 
 /// One thing that a user may do to an axis at rest, and to all of its data.
-fn act(both: &mut Both, chance: &mut Chance, index: usize, mode: &mut Mode) {
+fn act(both: &mut Both, chance: &mut Chance, index: usize, mode: &mut MotionMode) {
     let axis = axis(index);
     match chance.below(9) {
         0 => {
@@ -99,20 +106,20 @@ fn act(both: &mut Both, chance: &mut Chance, index: usize, mode: &mut Mode) {
         1 => both.now(TickCommand::SetPosition { axis, pos: Pos::pulses(chance.below(2000) as i32 - 1000) }),
         2 => {
             let (crd, mapped) = (Crd::new(0).unwrap(), [Some(axis), None, None, None]);
-            let frame = servo::path::axis_map::Frame::admit(mapped, None, 0).unwrap();
+            let frame = servo::path::axis_map::AxisMap::admit(mapped, None, 0).unwrap();
             both.now(TickCommand::CrdFrame { crd, frame });
             both.ticks(chance.below(20));
-            *mode = Mode::PtStatic;
+            *mode = MotionMode::PtStatic;
             both.now(TickCommand::SetMode { axis, mode: *mode });
             both.each(|bench| bench.forget(index));
         }
         _ => {}
     }
     match mode {
-        Mode::PtStatic | Mode::PtDynamic => {
-            let fifo = if *mode == Mode::PtStatic { chance.below(2) as u8 } else { 0 };
+        MotionMode::PtStatic | MotionMode::PtDynamic => {
+            let fifo = if *mode == MotionMode::PtStatic { chance.below(2) as u8 } else { 0 };
             both.now(TickCommand::PtClear { axis, fifo });
-            if *mode == Mode::PtStatic {
+            if *mode == MotionMode::PtStatic {
                 both.now(TickCommand::PtClear { axis, fifo: fifo ^ 1 });
             }
             both.each(|bench| bench.forget(index));
@@ -120,7 +127,7 @@ fn act(both: &mut Both, chance: &mut Chance, index: usize, mode: &mut Mode) {
             let data = segments(chance);
             both.each(|bench| bench.pt(index, fifo, &data));
         }
-        Mode::Pvt => {
+        MotionMode::Pvt => {
             // Tables are written without a command to the axis, which may have prepared from the
             // one before.
             let (table, delay, knots) = (chance.below(3) as u8, chance.below(3) * 2, knots(chance));
@@ -130,7 +137,7 @@ fn act(both: &mut Both, chance: &mut Chance, index: usize, mode: &mut Mode) {
                 both.now(TickCommand::PvtLoop { axis, passes: 1 + chance.below(3) as u32 });
             }
         }
-        Mode::Follow | Mode::FollowEx => {
+        MotionMode::Follow | MotionMode::FollowEx => {
             let (master, other) = (AXES - 1, index == AXES - 1);
             if other {
                 return;
@@ -144,7 +151,7 @@ fn act(both: &mut Both, chance: &mut Chance, index: usize, mode: &mut Mode) {
             let mut items: Vec<_> = (0..count)
                 .map(|k| {
                     to += chance.log(1e-3, 40.0);
-                    let percent = if *mode == Mode::FollowEx { chance.below(101) as i16 } else { 0 };
+                    let percent = if *mode == MotionMode::FollowEx { chance.below(101) as i16 } else { 0 };
                     match chance.below(8) {
                         0 => Item::Delay(chance.below(9) as u32),
                         _ => Item::Data(to, chance.sign() * chance.log(1e-3, 50.0), (k % 3) as i16, percent),
@@ -154,10 +161,10 @@ fn act(both: &mut Both, chance: &mut Chance, index: usize, mode: &mut Mode) {
             items.push(Item::Data(to + 5.0, 1.0, 2, 0));
             both.each(|bench| bench.follow(index, fifo, &items));
             both.now(TickCommand::FollowLoop { axis, passes: 1 + chance.below(3) as u32 });
-            let pass = follow::Event::Pass { up: true, pos: chance.below(100) as i32 };
+            let pass = follow::StartEvent::Pass { up: true, pos: chance.below(100) as i32 };
             both.now(TickCommand::FollowEvent {
                 axis,
-                event: if chance.below(4) == 0 { pass } else { follow::Event::Start },
+                event: if chance.below(4) == 0 { pass } else { follow::StartEvent::Start },
             });
             let value = if chance.below(3) == 0 { follow::Value::Encoder } else { follow::Value::Planned };
             both.now(TickCommand::FollowMaster {
@@ -183,9 +190,9 @@ fn a_start_made_ready_is_the_start() {
     let mut started = 0;
     for round in 0..15u32 {
         let mut both = Both::new([50, 250, 1000][round as usize % 3]);
-        let mut modes = [Mode::PtStatic; AXES];
+        let mut modes = [MotionMode::PtStatic; AXES];
         for index in 0..AXES {
-            both.now(TickCommand::SetMode { axis: axis(index), mode: Mode::PtStatic });
+            both.now(TickCommand::SetMode { axis: axis(index), mode: MotionMode::PtStatic });
         }
         both.ticks(1);
         for _ in 0..12 {
@@ -201,9 +208,9 @@ fn a_start_made_ready_is_the_start() {
             for &index in &free {
                 let (axes, fifo1) = (all(&[index]), if chance.below(2) == 0 { all(&[index]) } else { AxisMask(0) });
                 both.now(match modes[index] {
-                    Mode::PtStatic | Mode::PtDynamic => TickCommand::PtStart { axes, fifo1 },
-                    Mode::Pvt => TickCommand::PvtStart { axes },
-                    Mode::Follow | Mode::FollowEx => TickCommand::FollowStart { axes, fifo1 },
+                    MotionMode::PtStatic | MotionMode::PtDynamic => TickCommand::PtStart { axes, fifo1 },
+                    MotionMode::Pvt => TickCommand::PvtStart { axes },
+                    MotionMode::Follow | MotionMode::FollowEx => TickCommand::FollowStart { axes, fifo1 },
                     _ => TickCommand::Update { axes },
                 });
             }

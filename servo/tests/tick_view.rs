@@ -2,15 +2,23 @@
 //! with the changes since its last turn. And it agrees with the trace of the same tick.
 use crate::{chance, tick_bench};
 use chance::Chance;
-use servo::path::{self, Along};
+use servo::path::{self, MotionSpeeds};
 use servo::segment::follow;
-use servo::tick_command::{DoGroup, Guarded, Guards, Mode, TickCommand};
+use servo::tick_command::{DoGroup, Guarded, Guards, MotionMode, TickCommand};
 use servo::units::AxisMask;
 use servo::view::{Traced, View};
 use tick_bench::*;
 
-const MODES: [Mode; 8] =
-    [Mode::PtStatic, Mode::PtDynamic, Mode::Pvt, Mode::Jog, Mode::Trap, Mode::Trap, Mode::Follow, Mode::Pvt];
+const MODES: [MotionMode; 8] = [
+    MotionMode::PtStatic,
+    MotionMode::PtDynamic,
+    MotionMode::Pvt,
+    MotionMode::Jog,
+    MotionMode::Trap,
+    MotionMode::Trap,
+    MotionMode::Follow,
+    MotionMode::Pvt,
+];
 
 fn begin(period_us: u32) -> Bench {
     let mut bench = Bench::new(period_us);
@@ -188,7 +196,7 @@ fn a_view_tells_the_same_however_often_it_is_read() {
 #[test]
 fn a_view_of_driven_axes_does_not_depend_on_who_reads_it() {
     let make = || {
-        let mut bench = Bench::prepared(250, Mode::Trap);
+        let mut bench = Bench::prepared(250, MotionMode::Trap);
         bench.frame(0, &[2, 5], Some([100, -50, 0, 0]));
         bench.tick();
         bench
@@ -196,8 +204,8 @@ fn a_view_of_driven_axes_does_not_depend_on_who_reads_it() {
     let (mut eager, mut lazy, mut chance) = (make(), make(), Chance::new(5));
     let (mut unread, mut drove) = (0, 0);
     let line = |x, y| {
-        let along = Along::admit(10f64.to_bits(), 1f64.to_bits(), 0f64.to_bits()).unwrap();
-        path::Entry::planar([x, y], along)
+        let along = MotionSpeeds::admit(10f64.to_bits(), 1f64.to_bits(), 0f64.to_bits()).unwrap();
+        path::PathEntry::planar([x, y], along)
     };
     for round in 0..6000 {
         let (draw, x, y) = (chance.below(60), chance.below(300) as i32, chance.below(300) as i32);

@@ -1,7 +1,7 @@
 //! The work of an instant: spread over ticks, never a start apart from its neighbours.
 use crate::tick_bench;
 use servo::status::*;
-use servo::tick_command::{DoGroup, Mode, TickCommand};
+use servo::tick_command::{DoGroup, MotionMode, TickCommand};
 use servo::units::{Ns, Pos};
 use servo::view::View;
 use tick_bench::*;
@@ -18,7 +18,7 @@ fn running(view: &View<AXES>) -> usize {
 
 /// Trap set up, acceleration 1, speed 5, target 1000.
 fn trap(bench: &mut Bench, index: usize) {
-    bench.then(0, TickCommand::SetMode { axis: axis(index), mode: Mode::Trap });
+    bench.then(0, TickCommand::SetMode { axis: axis(index), mode: MotionMode::Trap });
     bench.then(
         0,
         TickCommand::TrapPrm {
@@ -36,7 +36,7 @@ fn trap(bench: &mut Bench, index: usize) {
 #[test]
 fn a_reset_takes_the_ticks_that_it_needs_and_what_follows_waits_for_it() {
     for (period, ticks) in [(10, 8), (20, 3), (50, 1), (250, 1)] {
-        let mut bench = Bench::prepared(period, Mode::Jog);
+        let mut bench = Bench::prepared(period, MotionMode::Jog);
         for index in 0..AXES {
             bench.now(TickCommand::SetPosition { axis: axis(index), pos: Pos::pulses(7) });
         }
@@ -48,8 +48,10 @@ fn a_reset_takes_the_ticks_that_it_needs_and_what_follows_waits_for_it() {
         for tick in 1..=ticks {
             let view = bench.tick();
             assert_eq!(view.enable, 0, "the servos are off from its first tick on");
-            let left =
-                view.axes.iter().filter(|axis| axis.mode == Mode::Jog || has(axis, SERVO_ON) || axis.pos != Pos(0));
+            let left = view
+                .axes
+                .iter()
+                .filter(|axis| axis.mode == MotionMode::Jog || has(axis, SERVO_ON) || axis.pos != Pos(0));
             let left = left.count();
             assert_eq!(left == 0, tick == ticks, "{period} µs, tick {tick}: {left} axes left");
             assert_eq!(view.done_program >= reset, tick == ticks, "it is reported when it is done");
@@ -62,7 +64,7 @@ fn a_reset_takes_the_ticks_that_it_needs_and_what_follows_waits_for_it() {
 
 #[test]
 fn a_reset_by_the_immediate_lane_keeps_its_order_too() {
-    let mut bench = Bench::prepared(10, Mode::Jog);
+    let mut bench = Bench::prepared(10, MotionMode::Jog);
     let reset = bench.now(TickCommand::Reset { axes: all(&[0, 1, 2, 3, 4, 5, 6, 7]) });
     bench.now(output(0));
     let done: Vec<(bool, u64)> =
@@ -72,7 +74,7 @@ fn a_reset_by_the_immediate_lane_keeps_its_order_too() {
 
 #[test]
 fn a_reset_that_has_begun_is_carried_out_whole_where_its_program_is_dropped() {
-    let mut bench = Bench::prepared(10, Mode::Jog);
+    let mut bench = Bench::prepared(10, MotionMode::Jog);
     let reset = bench.then(0, TickCommand::Reset { axes: all(&[0, 1, 2, 3, 4, 5, 6, 7]) });
     bench.then(0, output(0));
     bench.now(TickCommand::ProgramRun);
@@ -80,7 +82,7 @@ fn a_reset_that_has_begun_is_carried_out_whole_where_its_program_is_dropped() {
     bench.now(TickCommand::ProgramDrop);
     bench.now(output(1));
     let view = bench.ticks(10);
-    assert!(view.axes.iter().all(|axis| axis.mode == Mode::Trap), "no axis is left out");
+    assert!(view.axes.iter().all(|axis| axis.mode == MotionMode::Trap), "no axis is left out");
     assert_eq!((view.done_program, view.program_runs), (reset, false));
     assert_eq!(view.general_outputs, 2, "what followed was dropped");
 }
@@ -138,7 +140,7 @@ fn set_up_that_fits_does_not_put_off_its_start() {
 
 #[test]
 fn an_instant_that_another_keeps_waiting_is_late_by_its_own_account() {
-    let mut bench = Bench::prepared(10, Mode::Trap);
+    let mut bench = Bench::prepared(10, MotionMode::Trap);
     for _ in 0..60 {
         bench.then(0, TickCommand::Mark);
     }
@@ -161,7 +163,7 @@ fn an_instant_that_another_keeps_waiting_is_late_by_its_own_account() {
 
 #[test]
 fn the_entry_after_which_a_tick_took_too_long_is_named_once_for_each_program() {
-    let mut bench = Bench::prepared(250, Mode::Trap);
+    let mut bench = Bench::prepared(250, MotionMode::Trap);
     bench.tick.overrun();
     assert_eq!(bench.tick().overran, 0, "no program ran");
     bench.then(0, output(0));
@@ -182,13 +184,13 @@ fn the_entry_after_which_a_tick_took_too_long_is_named_once_for_each_program() {
 
 #[test]
 fn a_late_command_of_a_laser_is_kept_apart() {
-    use servo::laser::Change;
+    use servo::laser::ChannelChange;
     for light in [false, true] {
-        let mut bench = Bench::prepared(250, Mode::Trap);
+        let mut bench = Bench::prepared(250, MotionMode::Trap);
         bench.now(TickCommand::ProgramRun);
         bench.ticks(9);
         let command =
-            if light { TickCommand::Laser { channel: 0, change: Change::Gate { on: true } } } else { output(0) };
+            if light { TickCommand::Laser { channel: 0, change: ChannelChange::Gate { on: true } } } else { output(0) };
         let first = bench.then(MS, command);
         bench.then(0, output(1));
         let view = bench.tick();

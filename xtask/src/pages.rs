@@ -85,6 +85,17 @@ impl Page {
     }
 }
 
+/// Sentences of a text that are too long, as what is wrong: the line at which the block begins, and
+/// a text.
+pub fn long_sentences(text: &str) -> Vec<(usize, String)> {
+    let long = Page::read(text).sentences.into_iter().filter(|(_, words, _)| *words > MAX_WORDS);
+    let wrong = long.map(|(line, words, sentence)| {
+        let begin: String = sentence.chars().take(60).collect();
+        (line, format!("a sentence of {words} words, {MAX_WORDS} at most: {begin}…"))
+    });
+    wrong.collect()
+}
+
 /// A text at the ends of its sentences: a mark, then white space, then no lower-case letter.
 fn sentences(text: &str) -> Vec<&str> {
     let (mut found, mut begin) = (Vec::new(), 0);

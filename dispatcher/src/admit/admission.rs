@@ -3,11 +3,11 @@
 //! In: records, the view. Out: staged tick commands; data and points in the stores. Owns: both
 //! copies of the shadow state, the configuration, the immediate lane, the trace and the event log.
 //! Fails: with a refusal, and then nothing has changed.
-use super::context::{Context, Due, Effect};
+use super::context::{Context, DueInstant, Effect};
 use super::pvt_table::Loading;
 use super::staged::Staged;
 use super::{admit, config_item, crd, kind, many, one, power_on, tables};
-use crate::board::Board;
+use crate::board::BoardConstants;
 use crate::configuration::Configuration;
 use crate::plan::path_queue::PathQueue;
 use crate::refuse::Admitted;
@@ -15,7 +15,7 @@ use crate::report::answer::Answer;
 use crate::report::event_log::Log;
 use crate::report::replies::Reading;
 use crate::report::trace::TraceOut;
-use crate::shadow::{Change, Shadows};
+use crate::shadow::{ShadowChange, Shadows};
 use crate::tick_queue::TickQueue;
 use protocol::command::{CommandKind, LoadConfig, Table, WaitStop, opcode};
 use ring::{Consumer, Producer};
@@ -24,7 +24,7 @@ use servo::path::PathStores;
 use servo::segment::pt::SegmentStore;
 use servo::tables::TableStores;
 use servo::tick::IMMEDIATE;
-use servo::tick_command::{Entry, TickCommand};
+use servo::tick_command::{LaneEntry, TickCommand};
 use servo::units::CrdMask;
 use servo::view::{Sample, View};
 
@@ -50,7 +50,7 @@ pub(super) use context;
 /// See the module text.
 pub struct Admission<'a, const AXES: usize> {
     /// Constants of the board.
-    pub board: Board,
+    pub board: BoardConstants,
     /// What the client chose.
     pub configuration: Configuration,
     /// PT segments.
@@ -84,11 +84,11 @@ pub struct Admission<'a, const AXES: usize> {
 impl<'a, const AXES: usize> Admission<'a, AXES> {
     /// At power-on.
     pub fn new(
-        board: Board,
+        board: BoardConstants,
         stores: &'a [SegmentStore; AXES],
         paths: (PathStores<'a>, &'a mut [[PathQueue; 2]]),
         tables: TableStores<'a>,
-        ring: Producer<'a, Entry, IMMEDIATE>,
+        ring: Producer<'a, LaneEntry, IMMEDIATE>,
     ) -> Self {
         let mut admission = Admission {
             configuration: Configuration::new(board.profile, 0),
@@ -111,14 +111,25 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
         for channel in 0..CHANNELS as u8 {
             for (change, entered) in power_on(admission.configuration.family) {
                 let command = TickCommand::Laser { channel, change };
-                admission.lane.push(command, Change::Laser { channel, change: entered }, 0, &mut admission.admitted);
+                admission.lane.push(
+                    command,
+                    ShadowChange::Laser { channel, change: entered },
+                    0,
+                    &mut admission.admitted,
+                );
             }
         }
         admission
     }
 
     /// Admits a command on the admitted state; its tick commands are staged.
-    pub fn admit(&mut self, view: &View<AXES>, due: Due, number: u16, body: &[u8]) -> Admitted<(Answer, Effect)> {
+    pub fn admit(
+        &mut self,
+        view: &View<AXES>,
+        due: DueInstant,
+        number: u16,
+        body: &[u8],
+    ) -> Admitted<(Answer, Effect)> {
         self.staged.clear();
         let mut context = context!(self, view, due, self.staged);
         if number == opcode::CrdStart {
@@ -129,7 +140,7 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
         if kind(number) == Some(CommandKind::Table(Table::Pvt)) {
             let filled = self.loading.table(&context, &self.executed, self.tables, number, body);
             if let Ok(Some(table)) = filled {
-                context.stage_with(TickCommand::Mark, Change::TableFilled { table });
+                context.stage_with(TickCommand::Mark, ShadowChange::TableFilled { table });
                 self.executed.invalidate(table);
             }
             if let Some(table) = self.loading.emptied() {
@@ -159,7 +170,7 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
         body: &[u8],
         sent: impl FnOnce(&[f64]) -> bool,
     ) -> Admitted<bool> {
-        let context = context!(self, view, Due::UNKNOWN, self.staged);
+        let context = context!(self, view, DueInstant::UNKNOWN, self.staged);
         self.loading.calculate(&context, self.tables.points, lane, number, body, sent)
     }
 
@@ -168,7 +179,7 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
         self.staged.clear();
         let Ok((request, items)) = many::<LoadConfig>(body, |r| r.count.get()) else { return false };
         let Some(item) = items.get(usize::from(item)) else { return false };
-        let mut context = context!(self, view, Due::UNKNOWN, self.staged);
+        let mut context = context!(self, view, DueInstant::UNKNOWN, self.staged);
         // It was checked when the command was admitted.
         config_item(&mut context, request.core.get(), item).is_ok()
     }
@@ -195,7 +206,7 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
 
     /// Stages a WaitStop; false if it cannot be now. The wait for a coordinate system ends with the
     /// data given so far, so all of it leaves the look-ahead.
-    pub fn wait_stop(&mut self, view: &View<AXES>, due: Due, wait: &WaitStop) -> Admitted<bool> {
+    pub fn wait_stop(&mut self, view: &View<AXES>, due: DueInstant, wait: &WaitStop) -> Admitted<bool> {
         self.staged.clear();
         let mut staged = Staged::default();
         let context = context!(self, view, due, staged);
@@ -208,7 +219,7 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
             return Ok(false);
         }
         if runs {
-            self.staged.add(TickCommand::WaitStandstill { axes, crds }, Change::Standstill { axes, crds });
+            self.staged.add(TickCommand::WaitStandstill { axes, crds }, ShadowChange::Standstill { axes, crds });
         }
         Ok(true)
     }

@@ -2,7 +2,7 @@
 use super::context::Context;
 use crate::refuse::{Admitted, Refused, choice, real, within};
 use crate::report::answer::Answer;
-use crate::shadow::{Change, SOFT_OFF};
+use crate::shadow::{SOFT_OFF, ShadowChange};
 use protocol::command::{
     AlarmOn, AxisOn, LmtSns, LmtsOn, SetAxisBand, SetCaptureMode, SetEncPos, SetPosErr, SetPrfPos, SetSoftLimit,
     SetStopDec, Stop, SynchAxisPos, ZeroPos,
@@ -22,7 +22,7 @@ pub const POS_ERR_OFF: i32 = i32::MAX;
 /// AxisOn and AxisOff.
 pub fn servo<const AXES: usize>(context: &mut Context<AXES>, r: &AxisOn, on: bool) -> Admitted<Answer> {
     let axis = context.axis(r.core.get(), r.axis.get())?;
-    context.only(TickCommand::Servo { axis, on }, Change::Servo { axis, on })
+    context.only(TickCommand::Servo { axis, on }, ShadowChange::Servo { axis, on })
 }
 
 /// `form` 0 is GTN (bits 0–31 are axes 1–32), 1 is GT (bits 0–7 axes, 8–9 crds, 10–11 their
@@ -40,7 +40,7 @@ pub fn stop<const AXES: usize>(context: &mut Context<AXES>, r: &Stop) -> Admitte
     let crds = context.crd_mask(r.core.get(), named, 1)?;
     let crds_abrupt = context.crd_mask(r.core.get(), hard & named, 2)?;
     if axes.0 != 0 || crds.0 != 0 {
-        context.stage_with(TickCommand::Stop { axes, abrupt, crds, crds_abrupt }, Change::Stopped { axes, crds });
+        context.stage_with(TickCommand::Stop { axes, abrupt, crds, crds_abrupt }, ShadowChange::Stopped { axes, crds });
     }
     let follows = context.crd_mask(r.core.get(), if gt { mask >> 10 & 3 } else { 0 }, 1)?;
     if follows.0 != 0 {
@@ -52,21 +52,21 @@ pub fn stop<const AXES: usize>(context: &mut Context<AXES>, r: &Stop) -> Admitte
 pub fn zero<const AXES: usize>(context: &mut Context<AXES>, r: &ZeroPos) -> Admitted<Answer> {
     let axes = context.span_mask(r.core.get(), r.axis.get(), r.count.get())?;
     context.all_at_standstill(axes, Reason::Moving)?;
-    context.only(TickCommand::Zero { axes }, Change::Placed { axes, pos: Some(Pos(0)) })
+    context.only(TickCommand::Zero { axes }, ShadowChange::Placed { axes, pos: Some(Pos(0)) })
 }
 
 pub fn set_position<const AXES: usize>(context: &mut Context<AXES>, r: &SetPrfPos) -> Admitted<Answer> {
     let axis = context.axis(r.core.get(), r.profile.get())?;
     context.at_standstill(axis)?;
     let pos = Pos::pulses(r.pos.get());
-    context.only(TickCommand::SetPosition { axis, pos }, Change::Placed { axes: axis.mask(), pos: Some(pos) })
+    context.only(TickCommand::SetPosition { axis, pos }, ShadowChange::Placed { axes: axis.mask(), pos: Some(pos) })
 }
 
 pub fn synchronise<const AXES: usize>(context: &mut Context<AXES>, r: &SynchAxisPos) -> Admitted<Answer> {
     let axes = context.mask(r.core.get(), r.mask.get(), 1)?;
     context.all_at_standstill(axes, Reason::Moving)?;
     if axes.0 != 0 {
-        context.stage_with(TickCommand::Synchronise { axes }, Change::Placed { axes, pos: None });
+        context.stage_with(TickCommand::Synchronise { axes }, ShadowChange::Placed { axes, pos: None });
     }
     Ok(Answer::Done)
 }
@@ -90,7 +90,7 @@ pub fn stage_dec<const AXES: usize>(
     dec: (f64, f64),
 ) -> Admitted<Answer> {
     let (smooth, abrupt) = (deceleration(fields.0, dec.0)?, deceleration(fields.1, dec.1)?);
-    context.only(TickCommand::StopDec { axis, smooth, abrupt }, Change::Dec { axis, dec })
+    context.only(TickCommand::StopDec { axis, smooth, abrupt }, ShadowChange::Dec { axis, dec })
 }
 
 pub fn stop_dec<const AXES: usize>(context: &mut Context<AXES>, r: &SetStopDec) -> Admitted<Answer> {
@@ -106,7 +106,7 @@ pub fn stage_band<const AXES: usize>(
 ) -> Admitted<Answer> {
     let (pulses, cycles) = (within(fields.0, band.0, 0, i32::MAX)?, within(fields.1, band.1, 0, i32::MAX)?);
     let time = Ns(u64::from(cycles.unsigned_abs()) * CYCLE_NS);
-    context.only(TickCommand::Band { axis, band: pulses.unsigned_abs(), time }, Change::Band { axis, band })
+    context.only(TickCommand::Band { axis, band: pulses.unsigned_abs(), time }, ShadowChange::Band { axis, band })
 }
 
 pub fn band<const AXES: usize>(context: &mut Context<AXES>, r: &SetAxisBand) -> Admitted<Answer> {
@@ -116,7 +116,7 @@ pub fn band<const AXES: usize>(context: &mut Context<AXES>, r: &SetAxisBand) -> 
 
 pub fn set_encoder<const AXES: usize>(context: &mut Context<AXES>, r: &SetEncPos) -> Admitted<Answer> {
     let axis = context.axis(r.core.get(), r.encoder.get())?;
-    context.only(TickCommand::SetEncoder { axis, pulses: i64::from(r.pos.get()) }, Change::None)
+    context.only(TickCommand::SetEncoder { axis, pulses: i64::from(r.pos.get()) }, ShadowChange::None)
 }
 
 pub fn stage_soft<const AXES: usize>(
@@ -130,7 +130,7 @@ pub fn stage_soft<const AXES: usize>(
     if let (Some(positive), Some(negative)) = (positive, negative) {
         within(field, positive, negative, i32::MAX)?;
     }
-    context.only(TickCommand::SoftLimit { axis, positive, negative }, Change::Soft { axis, soft })
+    context.only(TickCommand::SoftLimit { axis, positive, negative }, ShadowChange::Soft { axis, soft })
 }
 
 pub fn soft_limit<const AXES: usize>(context: &mut Context<AXES>, r: &SetSoftLimit) -> Admitted<Answer> {
@@ -148,7 +148,7 @@ pub fn limits<const AXES: usize>(context: &mut Context<AXES>, r: &LmtsOn, on: bo
         1 => Guards::set(Guarded::LimitNegative, on),
         _ => positive.and(Guarded::LimitNegative, on),
     };
-    context.only(TickCommand::Guard { axis, on, low: Guards::NONE }, Change::None)
+    context.only(TickCommand::Guard { axis, on, low: Guards::NONE }, ShadowChange::None)
 }
 
 /// Bit 2k is the positive, bit 2k + 1 the negative limit of axis k + 1; 1 is active low. The word
@@ -171,7 +171,8 @@ pub fn limit_levels(bits: u8) -> Guards {
 /// AlarmOn and AlarmOff.
 pub fn alarm<const AXES: usize>(context: &mut Context<AXES>, r: &AlarmOn, on: bool) -> Admitted<Answer> {
     let axis = context.axis(r.core.get(), r.axis.get())?;
-    context.only(TickCommand::Guard { axis, on: Guards::set(Guarded::Alarm, on), low: Guards::NONE }, Change::None)
+    context
+        .only(TickCommand::Guard { axis, on: Guards::set(Guarded::Alarm, on), low: Guards::NONE }, ShadowChange::None)
 }
 
 pub fn stage_pos_err<const AXES: usize>(
@@ -182,7 +183,7 @@ pub fn stage_pos_err<const AXES: usize>(
 ) -> Admitted<Answer> {
     let pos_err = within(field, error, 1, POS_ERR_OFF)?;
     let limit = Some(pos_err.unsigned_abs()).filter(|_| pos_err != POS_ERR_OFF);
-    context.only(TickCommand::PositionError { axis, limit }, Change::PosErr { axis, pos_err })
+    context.only(TickCommand::PositionError { axis, limit }, ShadowChange::PosErr { axis, pos_err })
 }
 
 pub fn position_error<const AXES: usize>(context: &mut Context<AXES>, r: &SetPosErr) -> Admitted<Answer> {
@@ -198,7 +199,7 @@ pub fn capture<const AXES: usize>(context: &mut Context<AXES>, r: &SetCaptureMod
         let refused = Refused::new(Reason::NoIndex).field(2).axis(r.encoder.get());
         return Err(refused.got(mode.into()).limits(1.0, 1.0));
     }
-    context.only(TickCommand::Capture { axis, mode: mode as u8 }, Change::None)
+    context.only(TickCommand::Capture { axis, mode: mode as u8 }, ShadowChange::None)
 }
 
 /// Refuses an Update or start of axes that cannot start; shared by Trap, Jog and PT.

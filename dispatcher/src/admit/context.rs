@@ -4,13 +4,13 @@
 //! masks, staged tick commands. An admission changes nothing itself: it stages. Its caller pushes
 //! when the whole command is known to be right.
 use super::staged::Staged;
-use crate::board::Board;
+use crate::board::BoardConstants;
 use crate::configuration::{Configuration, ones};
 use crate::refuse::{Admitted, Refused, choice};
 use crate::report::answer::{Answer, TAKEN_MAX};
 use crate::report::replies::mode_number;
-use crate::report::trace::Columns;
-use crate::shadow::{AxisShadow, Change, CrdShadow, Frame, Shadows, executed};
+use crate::report::trace::TraceColumns;
+use crate::shadow::{AxisShadow, CrdParameters, CrdShadow, ShadowChange, Shadows, executed};
 use protocol::reason::Reason;
 use servo::status::{RUNNING, SERVO_ON};
 use servo::tick_command::TickCommand;
@@ -19,7 +19,7 @@ use servo::view::{AxisView, CrdView, View};
 
 /// What is known of the instant at which a command acts.
 #[derive(Debug, Clone, Copy)]
-pub struct Due {
+pub struct DueInstant {
     /// The view shows the state in which the command acts: everything admitted before it has been
     /// executed, and its instant has come.
     pub decided: bool,
@@ -37,13 +37,14 @@ pub struct Due {
     pub may_fail: bool,
 }
 
-impl Due {
+impl DueInstant {
     /// At once; `decided` if nothing before it is in flight.
-    pub const fn at_once(decided: bool) -> Due {
-        Due { decided, soon: true, until_ns: 0, first: false, script_ns: 0, wait: None, may_fail: false }
+    pub const fn at_once(decided: bool) -> DueInstant {
+        DueInstant { decided, soon: true, until_ns: 0, first: false, script_ns: 0, wait: None, may_fail: false }
     }
     /// Not known, for a command to which it does not matter.
-    pub const UNKNOWN: Due = Due { soon: false, until_ns: u64::MAX, script_ns: u64::MAX, ..Due::at_once(false) };
+    pub const UNKNOWN: DueInstant =
+        DueInstant { soon: false, until_ns: u64::MAX, script_ns: u64::MAX, ..DueInstant::at_once(false) };
 }
 
 /// One admission.
@@ -55,11 +56,11 @@ pub struct Context<'x, const AXES: usize> {
     /// Counts.
     pub configuration: &'x Configuration,
     /// Constants of the board.
-    pub board: &'x Board,
+    pub board: &'x BoardConstants,
     /// State after everything that was executed.
     pub executed: &'x Shadows<AXES>,
     /// When it acts.
-    pub due: Due,
+    pub due: DueInstant,
     /// Coordinate systems that the board holds.
     pub crds: usize,
     /// Takes the tick commands.
@@ -79,7 +80,7 @@ pub enum Effect {
     /// The controller has these counts from now on.
     Choose(Configuration),
     /// A trace of these axes, in a stream of its own or over the link.
-    Trace { every: u32, columns: Columns, over_link: bool },
+    Trace { every: u32, columns: TraceColumns, over_link: bool },
     /// The values of [`Answer::Took`] that its lane keeps until then.
     Took([f64; TAKEN_MAX]),
     /// The items of this LoadConfig are pushed one by one.
@@ -89,15 +90,15 @@ pub enum Effect {
 impl<'x, const AXES: usize> Context<'x, AXES> {
     /// Stages a tick command that changes no shadow state.
     pub fn stage(&mut self, command: TickCommand) {
-        self.staged.add(command, Change::None);
+        self.staged.add(command, ShadowChange::None);
     }
     /// Stages a tick command and its change.
-    pub fn stage_with(&mut self, command: TickCommand, change: Change) {
+    pub fn stage_with(&mut self, command: TickCommand, change: ShadowChange) {
         self.staged.add(command, change);
     }
 
     /// Stages the one tick command of a command, which is answered when the tick has executed it.
-    pub fn only(&mut self, command: TickCommand, change: Change) -> Admitted<Answer> {
+    pub fn only(&mut self, command: TickCommand, change: ShadowChange) -> Admitted<Answer> {
         self.staged.add(command, change);
         Ok(Answer::Done)
     }
@@ -237,7 +238,7 @@ impl<'x, const AXES: usize> Context<'x, AXES> {
         self.shadows.crd(crd)
     }
     /// Its parameters.
-    pub fn frame(&self, crd: Crd) -> Admitted<&'x Frame> {
+    pub fn frame(&self, crd: Crd) -> Admitted<&'x CrdParameters> {
         self.crd_shadow(crd).frame.as_ref().ok_or_else(|| self.no_crd(Reason::CrdNotSet, crd))
     }
     /// Whether it may be running when this command acts.

@@ -6,7 +6,7 @@ use crate::plan::look_ahead::ALONG_MIN;
 use crate::plan::path_queue::PathQueue;
 use crate::refuse::{Admitted, Refused, choice, real, within};
 use crate::report::answer::{Answer, Query};
-use crate::shadow::{Change, CrdChange, Frame, Look, executed};
+use crate::shadow::{CrdChange, CrdParameters, Look, ShadowChange, executed};
 use protocol::command::{
     CrdClear, CrdSpace, CrdStart, CrdStop, GetCrdLimit, GetRemainderSegNum, InitLookAhead, SetCrdLimit, SetCrdPrm,
     SetCrdStopDec, SetLaserFollowFilter, SetOverride, opcode,
@@ -16,7 +16,7 @@ use servo::laser::Lag;
 use servo::path::axis_map;
 use servo::path::{DIMENSIONS, FeedOverride, PathStores};
 use servo::segment::ramp::Accel;
-use servo::tick_command::{Mode, TickCommand};
+use servo::tick_command::{MotionMode, TickCommand};
 use servo::units::{AxisMask, Crd, Pos};
 
 /// Time constants of the filter of encoder speeds, ms; and 2⁶⁴.
@@ -56,7 +56,7 @@ mod field {
 
 /// Every coordinate up to the dimension is driven by one axis; elements of `profile` for axes that
 /// the core does not have must be 0.
-fn frame<const AXES: usize>(context: &Context<AXES>, r: &SetCrdPrm) -> Admitted<Frame> {
+fn frame<const AXES: usize>(context: &Context<AXES>, r: &SetCrdPrm) -> Admitted<CrdParameters> {
     let dimension = within(field::DIMENSION, r.dimension.get(), 1, DIMENSIONS as i16)?;
     let axes = usize::from(context.configuration.profile.axes_per_core);
     let mut profile = [0; 8];
@@ -84,7 +84,16 @@ fn frame<const AXES: usize>(context: &Context<AXES>, r: &SetCrdPrm) -> Admitted<
     let set_origin = choice(field::SET_ORIGIN, r.set_origin_flag.get(), 0, 1)? == 1;
     let first = context.core(r.core.get())? * axes;
     let origin = r.origin_pos.map(|pos| pos.get());
-    Ok(Frame { dimension: dimension as u8, profile, first: first as u8, vel_max, acc_max, even_ms, set_origin, origin })
+    Ok(CrdParameters {
+        dimension: dimension as u8,
+        profile,
+        first: first as u8,
+        vel_max,
+        acc_max,
+        even_ms,
+        set_origin,
+        origin,
+    })
 }
 
 /// The axes are at standstill and in no other coordinate system that drives them; they are in Crd
@@ -97,7 +106,7 @@ pub fn set<const AXES: usize>(context: &mut Context<AXES>, r: &SetCrdPrm) -> Adm
     for axis in axes.into_iter().flatten() {
         context.nth(axis.index())?;
         let shadow = context.shadow(axis);
-        if shadow.mode == Mode::Crd && shadow.crd != crd && context.shadows.driven(shadow.crd).has(axis) {
+        if shadow.mode == MotionMode::Crd && shadow.crd != crd && context.shadows.driven(shadow.crd).has(axis) {
             return Err(context.no(Reason::AxisInCrd, axis).got(context.configuration.crd_number(shadow.crd).into()));
         }
         context.at_standstill(axis)?;
@@ -117,15 +126,15 @@ pub fn set<const AXES: usize>(context: &mut Context<AXES>, r: &SetCrdPrm) -> Adm
             });
         }
     }
-    let admitted = axis_map::Frame::admit(axes, frame.set_origin.then_some(origin), frame.even_ms);
+    let admitted = axis_map::AxisMap::admit(axes, frame.set_origin.then_some(origin), frame.even_ms);
     let admitted = admitted.map_err(|refused| match refused {
         axis_map::Refused::NoAxis => Refused::new(Reason::CoordinateMissing).field(field::PROFILE).got(1.0),
         axis_map::Refused::Twice(axis) => context.no(Reason::CoordinateTwice, axis).field(field::PROFILE),
     })?;
     let dec = accel(field::ACC_MAX, frame.acc_max)?;
     let change = CrdChange::Frame { frame, here };
-    context.stage_with(TickCommand::CrdFrame { crd, frame: admitted }, Change::Crd { crd, change });
-    context.only(TickCommand::CrdStopDec { crd, dec }, Change::None)
+    context.stage_with(TickCommand::CrdFrame { crd, frame: admitted }, ShadowChange::Crd { crd, change });
+    context.only(TickCommand::CrdStopDec { crd, dec }, ShadowChange::None)
 }
 
 /// The FIFO's number.
@@ -177,7 +186,8 @@ pub fn clear<const AXES: usize>(context: &mut Context<AXES>, r: &CrdClear) -> Ad
     context.crd_at_standstill(crd)?;
     // It moves nothing.
     let here = position_at_standstill(context, crd);
-    context.only(TickCommand::CrdClear { crd, fifo }, Change::Crd { crd, change: CrdChange::Emptied { fifo, here } })
+    context
+        .only(TickCommand::CrdClear { crd, fifo }, ShadowChange::Crd { crd, change: CrdChange::Emptied { fifo, here } })
 }
 
 /// Whether a coordinate system can start with a FIFO.
@@ -186,7 +196,7 @@ fn startable<const AXES: usize>(context: &Context<AXES>, crd: Crd, fifo: u8) -> 
     context.crd_at_standstill(crd)?;
     for axis in context.each(frame.mask()) {
         let shadow = context.shadow(axis);
-        if shadow.mode != Mode::Crd || shadow.crd != crd {
+        if shadow.mode != MotionMode::Crd || shadow.crd != crd {
             return Err(context.no(Reason::AxisLeftCrd, axis).got(context.configuration.crd_number(crd).into()));
         }
         context.at_standstill(axis)?;
@@ -229,7 +239,7 @@ pub fn start<const AXES: usize>(
         }
     }
     let may_fail = context.due.may_fail;
-    context.only(TickCommand::CrdStart { crds, fifo1 }, Change::CrdStarted { crds, fifo1, may_fail })
+    context.only(TickCommand::CrdStart { crds, fifo1 }, ShadowChange::CrdStarted { crds, fifo1, may_fail })
 }
 
 /// Bits that the core does not have must be 0.
@@ -237,7 +247,7 @@ pub fn stop<const AXES: usize>(context: &mut Context<AXES>, r: &CrdStop) -> Admi
     let crds = context.crd_mask(r.core.get(), r.mask.get(), 1)?;
     let abrupt = context.crd_mask(r.core.get(), r.option.get() & r.mask.get(), 2)?;
     if crds.0 != 0 {
-        context.stage_with(TickCommand::stop_crds(crds, abrupt), Change::Stopped { axes: AxisMask(0), crds });
+        context.stage_with(TickCommand::stop_crds(crds, abrupt), ShadowChange::Stopped { axes: AxisMask(0), crds });
     }
     Ok(Answer::Done)
 }
@@ -247,7 +257,8 @@ pub fn stop_dec<const AXES: usize>(context: &mut Context<AXES>, r: &SetCrdStopDe
     let crd = known(context, r.core.get(), r.crd.get())?;
     let (smooth, abrupt) = (between(2, r.smooth.get())?, between(3, r.abrupt.get())?);
     let dec = accel(2, smooth)?;
-    context.only(TickCommand::CrdStopDec { crd, dec }, Change::Crd { crd, change: CrdChange::Dec((smooth, abrupt)) })
+    context
+        .only(TickCommand::CrdStopDec { crd, dec }, ShadowChange::Crd { crd, change: CrdChange::Dec((smooth, abrupt)) })
 }
 
 pub fn set_override<const AXES: usize>(context: &mut Context<AXES>, r: &SetOverride) -> Admitted<Answer> {
@@ -255,7 +266,7 @@ pub fn set_override<const AXES: usize>(context: &mut Context<AXES>, r: &SetOverr
     let ratio = real(2, r.ratio.get(), OVERRIDE_MIN, 1.0)?;
     let rate = FeedOverride::admit(ratio.to_bits())
         .map_err(|_| Refused::new(Reason::OutOfRange).field(2).got(ratio).limits(OVERRIDE_MIN, 1.0))?;
-    context.only(TickCommand::CrdOverride { crd, rate }, Change::Crd { crd, change: CrdChange::Override(ratio) })
+    context.only(TickCommand::CrdOverride { crd, rate }, ShadowChange::Crd { crd, change: CrdChange::Override(ratio) })
 }
 
 /// The filter of the encoder speed that lasers follow: 0 is none.
@@ -266,7 +277,7 @@ pub fn set_follow_filter<const AXES: usize>(context: &mut Context<AXES>, r: &Set
         return Err(Refused::new(Reason::OutOfRange).field(2).got(ms).limits(LAG_MS.0, LAG_MS.1));
     }
     let lag = if ms == 0.0 { Lag::NONE } else { Lag::of_inverse((NS_64 / (ms * 1e6)) as u64) };
-    context.only(TickCommand::CrdLag { crd, lag }, Change::Crd { crd, change: CrdChange::Lag(ms) })
+    context.only(TickCommand::CrdLag { crd, lag }, ShadowChange::Crd { crd, change: CrdChange::Lag(ms) })
 }
 
 /// `count` 0 switches the look-ahead off; a count above the board's is limited to it. The FIFO is
@@ -284,7 +295,7 @@ pub fn look_ahead<const AXES: usize>(context: &mut Context<AXES>, r: &InitLookAh
     if context.crd_shadow(crd).path(fifo).data.open {
         return Err(context.no_crd(Reason::CrdHolds, crd).field(2).got(fifo.into()));
     }
-    context.only(TickCommand::Mark, Change::Crd { crd, change: CrdChange::Look { fifo, look } })
+    context.only(TickCommand::Mark, ShadowChange::Crd { crd, change: CrdChange::Look { fifo, look } })
 }
 
 /// Limits of one coordinate for look-ahead; 0 removes the limit. They hold for motions given from
@@ -295,7 +306,7 @@ pub fn limit<const AXES: usize>(context: &mut Context<AXES>, r: &SetCrdLimit) ->
     let coordinate = choice(2, r.coordinate.get(), 1, dimension)? as u8 - 1;
     let number = |field, got: f64| if got == 0.0 { Ok(0.0) } else { between(field, got) };
     let limit = (number(3, r.vel_max.get())?, number(4, r.acc_max.get())?);
-    context.only(TickCommand::Mark, Change::Crd { crd, change: CrdChange::Limit { coordinate, limit } })
+    context.only(TickCommand::Mark, ShadowChange::Crd { crd, change: CrdChange::Limit { coordinate, limit } })
 }
 
 pub fn query(opcode: u16, crd: Crd, which: u8) -> Answer {

@@ -7,7 +7,7 @@
 //!
 //! Every command becomes a [`DataCommand`]; [`put`] does the rest. A command of another chapter
 //! that goes into a FIFO (a buffered laser change) makes a `DataCommand` of its own, with
-//! [`Item::Entry`].
+//! [`FifoItem::PathEntry`].
 mod decode;
 
 use super::context::Context;
@@ -20,12 +20,12 @@ use crate::plan::look_ahead::{ALONG_MIN, Limits};
 use crate::plan::path_queue::{Destination, PathQueue, Queued};
 use crate::refuse::{Admitted, FifoOf, Refused, choice, real};
 use crate::report::answer::Answer;
-use crate::shadow::{CAPACITY, Change, CrdChange, CrdShadow, Frame, PathData, PathShadow};
-pub use decode::{DataCommand, EntryKind, Item, Target};
-use decode::{Shape, Speeds, decode};
+use crate::shadow::{CAPACITY, CrdChange, CrdParameters, CrdShadow, PathData, PathShadow, ShadowChange};
+pub use decode::{DataCommand, EntryKind, FifoItem, Target};
+use decode::{GivenGeometry, GivenSpeeds, decode};
 use protocol::command::{LnXYMany, LnXYZMany, opcode};
 use protocol::reason::Reason;
-use servo::path::{Along, DIMENSIONS, Entry, EntryStore, Plane};
+use servo::path::{DIMENSIONS, EntryStore, MotionSpeeds, PathEntry, Plane};
 use servo::units::{Axis, Crd};
 use servo::view::CrdView;
 
@@ -38,7 +38,7 @@ struct Held {
     vel: f64,
     acc: f64,
     end: f64,
-    along: Along,
+    along: MotionSpeeds,
 }
 
 /// The next lower number that 32 bits hold.
@@ -61,7 +61,7 @@ struct Filling<'x> {
     number: i16,
     shadow: &'x CrdShadow,
     sampled: &'x CrdView,
-    frame: &'x Frame,
+    frame: &'x CrdParameters,
     path: &'x PathShadow,
     /// Where the next motion begins; NaN for a coordinate that only the tick knows.
     begin: Position,
@@ -149,21 +149,21 @@ impl Filling<'_> {
     }
 
     /// Speed, acceleration and end speed after limitation to the maxima.
-    fn speeds(&self, given: &Speeds) -> Admitted<Held> {
-        let Speeds { vel, acc, end, field, .. } = *given;
+    fn speeds(&self, given: &GivenSpeeds) -> Admitted<Held> {
+        let GivenSpeeds { vel, acc, end, field, .. } = *given;
         let (vel_max, acc_max) = (self.frame.vel_max, self.frame.acc_max);
         real(field, vel, ALONG_MIN, f64::MAX)?;
         real(field + 1, acc, ALONG_MIN, f64::MAX)?;
         real(field + 2, end, 0.0, f64::MAX)?;
         let (vel, acc) = (vel.min(vel_max), acc.min(acc_max));
         let end = end.min(vel);
-        let along = Along::admit(vel.to_bits(), acc.to_bits(), end.to_bits())
+        let along = MotionSpeeds::admit(vel.to_bits(), acc.to_bits(), end.to_bits())
             .map_err(|_| Refused::new(Reason::OutOfRange).field(field).got(vel).limits(ALONG_MIN, vel_max))?;
         Ok(Held { vel, acc, end, along })
     }
 
     /// The motion from where the FIFO ends.
-    fn geometry(&self, shape: &Shape) -> Admitted<Geometry> {
+    fn geometry(&self, shape: &GivenGeometry) -> Admitted<Geometry> {
         let begin = self.begin;
         let ccw = |dir: i16, field: u8| Ok(choice(field, dir, 0, 1)? == 1);
         let plane_of = |plane: Plane, to: [i32; 2], field: u8| {
@@ -177,7 +177,7 @@ impl Filling<'_> {
             self.needs(plane.coordinates())
         };
         let (geometry, field) = match *shape {
-            Shape::Line { to, count, field } => {
+            GivenGeometry::Line { to, count, field } => {
                 for ((coordinate, to), field) in to.iter().enumerate().zip(field..) {
                     self.driven(coordinate, *to, if count == DIMENSIONS { field } else { field.min(count as u8 + 1) })?;
                 }
@@ -195,11 +195,11 @@ impl Filling<'_> {
                     (Geometry::line(&begin, target), field)
                 }
             }
-            Shape::Radius { plane, to, radius, dir, field } => {
+            GivenGeometry::Radius { plane, to, radius, dir, field } => {
                 plane_of(plane, to, field)?;
                 (Geometry::arc_radius(&begin, plane, to, radius, ccw(dir, field + 3)?), field)
             }
-            Shape::Centre { plane, to, centre, dir, field } => {
+            GivenGeometry::Centre { plane, to, centre, dir, field } => {
                 plane_of(plane, to, field)?;
                 (Geometry::arc_centre(&begin, plane, to, centre, ccw(dir, field + 4)?), field)
             }
@@ -295,20 +295,20 @@ impl Filling<'_> {
         queue.put(&Destination { cleared: *cleared, look, stores, sampled, fifo }, queued)
     }
 
-    fn written(&self, count: usize, lasts: f64, data: PathData) -> (Written, Change) {
+    fn written(&self, count: usize, lasts: f64, data: PathData) -> (Written, ShadowChange) {
         let (crd, fifo) = (self.crd, self.fifo);
         let answer = Answer::Path { crd, fifo, count: count as u16, lasts_ms: lasts as u32 };
         let written = Written { at_once: self.at_once, ..Written::new(FifoOf::Crd(crd), fifo, answer) };
-        (written, Change::Crd { crd, change: CrdChange::Data { fifo, cleared: self.path.cleared, data } })
+        (written, ShadowChange::Crd { crd, change: CrdChange::Data { fifo, cleared: self.path.cleared, data } })
     }
 }
 
 #[cold]
-fn explain(refused: geometry::Refused, shape: &Shape, field: u8) -> Refused {
+fn explain(refused: geometry::Refused, shape: &GivenGeometry, field: u8) -> Refused {
     let (radius, centre) = match *shape {
-        Shape::Radius { radius, .. } => (radius, [0.0; 2]),
-        Shape::Centre { centre, .. } => (libm::hypot(centre[0], centre[1]), centre),
-        Shape::Line { .. } => (0.0, [0.0; 2]),
+        GivenGeometry::Radius { radius, .. } => (radius, [0.0; 2]),
+        GivenGeometry::Centre { centre, .. } => (libm::hypot(centre[0], centre[1]), centre),
+        GivenGeometry::Line { .. } => (0.0, [0.0; 2]),
     };
     match refused {
         geometry::Refused::NotFinite => {
@@ -346,14 +346,14 @@ pub fn put<const AXES: usize>(context: &Context<AXES>, paths: Paths<'_>, (target
     let (queue, stores) = filling.memory(paths)?;
     let mut data = filling.path.data;
     let (queued, count) = match what {
-        Item::Motion(shape, given) => {
+        FifoItem::Motion(shape, given) => {
             let speeds = filling.speeds(given)?;
             let geometry = filling.geometry(shape)?;
             filling.in_steps(queue, &geometry, (speeds.vel, given.field), &data)?;
             filling.has_room(1)?;
             (filling.motion(geometry, given.stops, speeds, &mut data), 1)
         }
-        Item::Entry(entry, kind) => {
+        FifoItem::Entry(entry, kind) => {
             if let EntryKind::Gear(axis, pulses) = *kind {
                 if data.gears.has(axis) {
                     return Err(context.no(Reason::AxisGoesAlong, axis));
@@ -377,11 +377,11 @@ pub fn put<const AXES: usize>(context: &Context<AXES>, paths: Paths<'_>, (target
             }
             (Some(Queued::Entry(*entry, ms)), 1)
         }
-        Item::Flush => (Some(Queued::Flush), 0),
+        FifoItem::Flush => (Some(Queued::Flush), 0),
     };
     let lasts = filling.give((queue, stores), queued);
     let (mut written, change) = filling.written(count, lasts, data);
-    if let Item::Entry(_, EntryKind::Laser { named, took }) = *what {
+    if let FifoItem::Entry(_, EntryKind::Laser { named, took }) = *what {
         written.named = named;
         if let Some((took, count, held)) = took {
             (written.took, written.answer) = (took, Answer::Took { count, held });
@@ -447,7 +447,7 @@ fn lines<R: Lines<N>, const N: usize, const AXES: usize>(
         if filling.path.look.is_none() {
             // Nobody reads its directions.
             let Held { vel, along, .. } = admitted;
-            let entry = if N == 2 { Entry::planar([x, y], along) } else { Entry::line(target, along) };
+            let entry = if N == 2 { PathEntry::planar([x, y], along) } else { PathEntry::line(target, along) };
             let shape = at.iter().zip(target).take(N).fold(0.0f32, |sum, (at, to)| {
                 let part = (f64::from(to) - at) as f32;
                 sum + part * part
@@ -469,7 +469,7 @@ fn lines<R: Lines<N>, const N: usize, const AXES: usize>(
 /// A command with many lines of common speeds.
 trait Lines<const N: usize>: protocol::command::Request {
     /// Its FIFO, the number of its items, their speeds.
-    fn head(&self) -> (Target, u16, Speeds);
+    fn head(&self) -> (Target, u16, GivenSpeeds);
     /// A target.
     fn to(item: &Self::Item) -> [i32; N];
 }
@@ -477,11 +477,11 @@ trait Lines<const N: usize>: protocol::command::Request {
 macro_rules! many_lines {
     ($name:ident, $n:literal, $($axis:ident),*) => {
         impl Lines<$n> for $name {
-            fn head(&self) -> (Target, u16, Speeds) {
+            fn head(&self) -> (Target, u16, GivenSpeeds) {
                 let (core, crd, fifo) = (self.core.get(), self.crd.get(), self.fifo.get());
                 let (vel, acc, end) = (self.syn_vel.get(), self.syn_acc.get(), self.vel_end.get());
                 let target = Target { core, crd, fifo, fifo_field: 2 };
-                (target, self.count.get(), Speeds { vel, acc, end, field: 4, stops: false })
+                (target, self.count.get(), GivenSpeeds { vel, acc, end, field: 4, stops: false })
             }
             fn to(item: &Self::Item) -> [i32; $n] {
                 [$(item.$axis.get()),*]

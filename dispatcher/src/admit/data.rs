@@ -5,12 +5,12 @@
 //! FIFO.
 //! Fails: with a refusal, and then nothing has changed. A commit cannot fail.
 use super::admission::{Admission, context};
-use super::context::{Context, Due, Effect};
+use super::context::{Context, DueInstant, Effect};
 use super::written::Written;
 use super::{buffered, crd_data, follow_data, kind, one, pt};
 use crate::refuse::{Admitted, FifoOf};
-use crate::shadow::{CAPACITY, Change, executed};
-use protocol::command::{CommandKind, Fifo, FollowSwitchNowEx, opcode};
+use crate::shadow::{CAPACITY, ShadowChange, executed};
+use protocol::command::{CommandKind, DataStore, FollowSwitchNowEx, opcode};
 use protocol::values::pt_state;
 use servo::tick_command::TickCommand;
 use servo::view::View;
@@ -27,7 +27,13 @@ pub fn is_data(number: u16, body: &[u8]) -> bool {
 impl<const AXES: usize> Admission<'_, AXES> {
     /// Admits data and commits it through the immediate lane; the caller has checked that there is
     /// room. None if the command is no data.
-    pub fn publish(&mut self, view: &View<AXES>, due: Due, number: u16, body: &[u8]) -> Option<Admitted<Written>> {
+    pub fn publish(
+        &mut self,
+        view: &View<AXES>,
+        due: DueInstant,
+        number: u16,
+        body: &[u8],
+    ) -> Option<Admitted<Written>> {
         is_data(number, body).then(|| {
             let written = self.admit_data(view, due, number, body)?;
             self.commit_now(written.of, written.fifo);
@@ -37,13 +43,13 @@ impl<const AXES: usize> Admission<'_, AXES> {
 
     /// Admits a data command, all of it or nothing: writes it to the store and enters it into the
     /// admitted state. Its commit follows.
-    pub fn admit_data(&mut self, view: &View<AXES>, due: Due, number: u16, body: &[u8]) -> Admitted<Written> {
+    pub fn admit_data(&mut self, view: &View<AXES>, due: DueInstant, number: u16, body: &[u8]) -> Admitted<Written> {
         let context = context!(self, view, due, self.staged);
         let paths = (&mut *self.queues, self.entries);
         let (written, change) = match kind(number) {
-            Some(CommandKind::Data(Fifo::Pt)) => pt::data(&context, self.stores, number, body)?,
-            Some(CommandKind::Data(Fifo::Path)) => crd_data::data(&context, paths, number, body)?,
-            Some(CommandKind::Data(Fifo::Light)) => buffered::data(&context, paths, number, body)?,
+            Some(CommandKind::Data(DataStore::Pt)) => pt::data(&context, self.stores, number, body)?,
+            Some(CommandKind::Data(DataStore::Path)) => crd_data::data(&context, paths, number, body)?,
+            Some(CommandKind::Data(DataStore::Light)) => buffered::data(&context, paths, number, body)?,
             _ => follow_data::data(&context, self.stores, number, body)?,
         };
         if let FifoOf::Axis(axis) = written.of
@@ -97,7 +103,7 @@ impl<const AXES: usize> Admission<'_, AXES> {
 
     /// The commit of all admitted data of a FIFO; of a path, what has left its look-ahead or never
     /// went there.
-    pub fn commit(&mut self, of: FifoOf, fifo: u8) -> (TickCommand, Change) {
+    pub fn commit(&mut self, of: FifoOf, fifo: u8) -> (TickCommand, ShadowChange) {
         let index = usize::from(fifo & 1);
         match of {
             FifoOf::Crd(crd) => {

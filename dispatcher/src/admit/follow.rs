@@ -10,20 +10,20 @@ use super::{one, unknown};
 use crate::plan::asymmetric_s;
 use crate::refuse::{Admitted, Refused, choice, within};
 use crate::report::answer::Answer;
-use crate::shadow::Change;
+use crate::shadow::ShadowChange;
 use protocol::command::{
     Chapter, FollowClear, FollowSpace, FollowStart, FollowSwitch, FollowSwitchNowEx, GetFollowDataPercent2Ex,
     PrfFollow, SetFollowEvent, SetFollowLoop, SetFollowMaster, SetFollowMemory, chapter, opcode,
 };
 use protocol::reason::Reason;
 use protocol::values::master as master_type;
-use servo::segment::follow::{Direction, Event, Master, Method, Value};
-use servo::tick_command::{Mode, TickCommand};
+use servo::segment::follow::{Direction, Master, Method, StartEvent, Value};
+use servo::tick_command::{MotionMode, TickCommand};
 use servo::units::{Axis, AxisMask};
 
 /// The mode that a command is for.
-pub fn mode_of(number: u16) -> Mode {
-    if chapter(number) == Chapter::FollowEx { Mode::FollowEx } else { Mode::Follow }
+pub fn mode_of(number: u16) -> MotionMode {
+    if chapter(number) == Chapter::FollowEx { MotionMode::FollowEx } else { MotionMode::Follow }
 }
 
 /// Admits any of them but data and reads of one axis.
@@ -46,7 +46,12 @@ pub fn admit<const AXES: usize>(context: &mut Context<AXES>, number: u16, body: 
 }
 
 /// The axis, if it is in this mode.
-pub fn following<const AXES: usize>(context: &Context<AXES>, mode: Mode, core: i16, profile: i16) -> Admitted<Axis> {
+pub fn following<const AXES: usize>(
+    context: &Context<AXES>,
+    mode: MotionMode,
+    core: i16,
+    profile: i16,
+) -> Admitted<Axis> {
     let axis = context.axis(core, profile)?;
     context.in_mode(axis, context.shadow(axis).mode == mode)?;
     Ok(axis)
@@ -63,7 +68,7 @@ pub fn known<const AXES: usize>(context: &Context<AXES>, axis: Axis, field: u8) 
 
 /// Any positive direction is +1, any negative −1. The present mode keeps everything, but must be
 /// given with the same direction.
-fn prf<const AXES: usize>(context: &mut Context<AXES>, mode: Mode, r: &PrfFollow) -> Admitted<Answer> {
+fn prf<const AXES: usize>(context: &mut Context<AXES>, mode: MotionMode, r: &PrfFollow) -> Admitted<Answer> {
     let axis = context.axis(r.core.get(), r.profile.get())?;
     let sign = r.dir.get().signum() as i8;
     let shadow = context.shadow(axis);
@@ -81,9 +86,9 @@ fn prf<const AXES: usize>(context: &mut Context<AXES>, mode: Mode, r: &PrfFollow
     };
     context.stage_with(
         TickCommand::FollowDirection { axis, direction },
-        Change::FollowDirection { axis, direction: sign },
+        ShadowChange::FollowDirection { axis, direction: sign },
     );
-    context.stage(TickCommand::FollowEvent { axis, event: Event::Start });
+    context.stage(TickCommand::FollowEvent { axis, event: StartEvent::Start });
     Ok(answer)
 }
 
@@ -100,7 +105,11 @@ fn core_of<const AXES: usize>(context: &Context<AXES>, core: i16, given: i16) ->
 }
 
 /// At standstill. Only an axis that follows has a master, so a cycle can only arise here.
-fn set_master<const AXES: usize>(context: &mut Context<AXES>, mode: Mode, r: &SetFollowMaster) -> Admitted<Answer> {
+fn set_master<const AXES: usize>(
+    context: &mut Context<AXES>,
+    mode: MotionMode,
+    r: &SetFollowMaster,
+) -> Admitted<Answer> {
     let axis = following(context, mode, r.core.get(), r.profile.get())?;
     let given = [r.master_index.get(), r.master_type.get(), r.master_item.get()];
     let core = core_of(context, r.core.get(), given[1])?;
@@ -130,27 +139,30 @@ fn set_master<const AXES: usize>(context: &mut Context<AXES>, mode: Mode, r: &Se
         _ => Value::Encoder,
     };
     let command = TickCommand::FollowMaster { axis, master: Master { axis: master, value } };
-    context.only(command, Change::FollowMaster { axis, master, given })
+    context.only(command, ShadowChange::FollowMaster { axis, master, given })
 }
 
 /// Below 1 is endless; has effect also while the axis runs.
-fn set_loop<const AXES: usize>(context: &mut Context<AXES>, mode: Mode, r: &SetFollowLoop) -> Admitted<Answer> {
+fn set_loop<const AXES: usize>(context: &mut Context<AXES>, mode: MotionMode, r: &SetFollowLoop) -> Admitted<Answer> {
     let axis = following(context, mode, r.core.get(), r.profile.get())?;
-    context.only(TickCommand::FollowLoop { axis, passes: r.loop_count.get().max(0).unsigned_abs() }, Change::None)
+    context.only(TickCommand::FollowLoop { axis, passes: r.loop_count.get().max(0).unsigned_abs() }, ShadowChange::None)
 }
 
 /// Has effect from the next start on. The direction matters for PASS only.
-fn set_event<const AXES: usize>(context: &mut Context<AXES>, mode: Mode, r: &SetFollowEvent) -> Admitted<Answer> {
+fn set_event<const AXES: usize>(context: &mut Context<AXES>, mode: MotionMode, r: &SetFollowEvent) -> Admitted<Answer> {
     let axis = following(context, mode, r.core.get(), r.profile.get())?;
     let (which, direction, pos) = (choice(2, r.event.get(), 1, 2)?, choice(3, r.master_dir.get(), -1, 1)?, r.pos.get());
     if which == 2 && direction == 0 {
         return Err(Refused::new(Reason::Selector).field(3).got(0.0).limits(-1.0, 1.0));
     }
-    let event = if which == 1 { Event::Start } else { Event::Pass { up: direction > 0, pos } };
-    context.only(TickCommand::FollowEvent { axis, event }, Change::FollowEvent { axis, given: (which, direction, pos) })
+    let event = if which == 1 { StartEvent::Start } else { StartEvent::Pass { up: direction > 0, pos } };
+    context.only(
+        TickCommand::FollowEvent { axis, event },
+        ShadowChange::FollowEvent { axis, given: (which, direction, pos) },
+    )
 }
 
-fn space<const AXES: usize>(context: &mut Context<AXES>, mode: Mode, r: &FollowSpace) -> Admitted<Answer> {
+fn space<const AXES: usize>(context: &mut Context<AXES>, mode: MotionMode, r: &FollowSpace) -> Admitted<Answer> {
     let axis = following(context, mode, r.core.get(), r.profile.get())?;
     let fifo = choice(2, r.fifo.get(), 0, 1)? as u8;
     known(context, axis, 2)?;
@@ -158,7 +170,7 @@ fn space<const AXES: usize>(context: &mut Context<AXES>, mode: Mode, r: &FollowS
 }
 
 /// The FIFO that runs cannot be cleared, the other one can.
-fn clear<const AXES: usize>(context: &mut Context<AXES>, mode: Mode, r: &FollowClear) -> Admitted<Answer> {
+fn clear<const AXES: usize>(context: &mut Context<AXES>, mode: MotionMode, r: &FollowClear) -> Admitted<Answer> {
     let axis = following(context, mode, r.core.get(), r.profile.get())?;
     let fifo = choice(2, r.fifo.get(), 0, 1)? as u8;
     let (shadow, sampled) = (context.shadow(axis), context.sampled(axis));
@@ -170,17 +182,21 @@ fn clear<const AXES: usize>(context: &mut Context<AXES>, mode: Mode, r: &FollowC
             return Err(context.no(reason, axis).field(2).got(fifo.into()));
         }
     }
-    context.only(TickCommand::FollowClear { axis, fifo }, Change::FollowEmptied { axis, fifo })
+    context.only(TickCommand::FollowClear { axis, fifo }, ShadowChange::FollowEmptied { axis, fifo })
 }
 
 /// At standstill. Clears the data, even if the size stays.
-fn set_memory<const AXES: usize>(context: &mut Context<AXES>, mode: Mode, r: &SetFollowMemory) -> Admitted<Answer> {
+fn set_memory<const AXES: usize>(
+    context: &mut Context<AXES>,
+    mode: MotionMode,
+    r: &SetFollowMemory,
+) -> Admitted<Answer> {
     let axis = following(context, mode, r.core.get(), r.profile.get())?;
     let memory = choice(2, r.memory.get(), 0, 1)? as u8;
     context.at_standstill(axis)?;
     known(context, axis, 2)?;
-    context.stage_with(TickCommand::FollowClear { axis, fifo: 1 }, Change::FollowEmptied { axis, fifo: 1 });
-    context.only(TickCommand::FollowClear { axis, fifo: 0 }, Change::FollowMemory { axis, memory })
+    context.stage_with(TickCommand::FollowClear { axis, fifo: 1 }, ShadowChange::FollowEmptied { axis, fifo: 1 });
+    context.only(TickCommand::FollowClear { axis, fifo: 0 }, ShadowChange::FollowMemory { axis, memory })
 }
 
 /// Refuses if a FIFO holds nothing.
@@ -192,7 +208,7 @@ fn filled<const AXES: usize>(context: &Context<AXES>, axis: Axis, fifo: u8) -> A
 }
 
 /// Starts all axes of the mask on one tick, or none. Option bits take FIFO 1.
-fn start<const AXES: usize>(context: &mut Context<AXES>, mode: Mode, r: &FollowStart) -> Admitted<Answer> {
+fn start<const AXES: usize>(context: &mut Context<AXES>, mode: MotionMode, r: &FollowStart) -> Admitted<Answer> {
     let axes = context.mask(r.core.get(), r.mask.get(), 1)?;
     if axes.0 == 0 {
         return Ok(Answer::Done);
@@ -208,7 +224,7 @@ fn start<const AXES: usize>(context: &mut Context<AXES>, mode: Mode, r: &FollowS
         filled(context, axis, u8::from(fifo1.has(axis)))?;
     }
     all_startable(context, axes)?;
-    context.only(TickCommand::FollowStart { axes, fifo1 }, Change::Started { axes, fifo1, script_ns: 0 })
+    context.only(TickCommand::FollowStart { axes, fifo1 }, ShadowChange::Started { axes, fifo1, script_ns: 0 })
 }
 
 /// Refuses if the axis does not run, or its other FIFO holds nothing.
@@ -221,21 +237,21 @@ fn switchable<const AXES: usize>(context: &Context<AXES>, axis: Axis) -> Admitte
 }
 
 /// The other FIFO takes over at the end of the pass, of all axes of the mask or none.
-fn switch<const AXES: usize>(context: &mut Context<AXES>, mode: Mode, r: &FollowSwitch) -> Admitted<Answer> {
+fn switch<const AXES: usize>(context: &mut Context<AXES>, mode: MotionMode, r: &FollowSwitch) -> Admitted<Answer> {
     let axes = context.mask(r.core.get(), r.mask.get(), 1)?;
     for axis in context.each(axes) {
         context.in_mode(axis, context.shadow(axis).mode == mode)?;
         switchable(context, axis)?;
     }
     if axes.0 != 0 {
-        context.stage_with(TickCommand::FollowSwitch { axes }, Change::Switched { axes });
+        context.stage_with(TickCommand::FollowSwitch { axes }, ShadowChange::Switched { axes });
     }
     Ok(Answer::Done)
 }
 
 /// At once. (Queued, it is data.)
 fn switch_now<const AXES: usize>(context: &mut Context<AXES>, r: &FollowSwitchNowEx) -> Admitted<Answer> {
-    let axis = following(context, Mode::FollowEx, r.core.get(), r.profile.get())?;
+    let axis = following(context, MotionMode::FollowEx, r.core.get(), r.profile.get())?;
     let method = method(r.method.get())?;
     choice(4, r.fifo.get(), 0, 1)?;
     match method {
@@ -244,7 +260,7 @@ fn switch_now<const AXES: usize>(context: &mut Context<AXES>, r: &FollowSwitchNo
         Method::Segment => {}
     }
     let axes = if method == Method::Table { axis.mask() } else { AxisMask(0) };
-    context.stage_with(TickCommand::FollowSwitchNow { axis, method }, Change::Switched { axes });
+    context.stage_with(TickCommand::FollowSwitchNow { axis, method }, ShadowChange::Switched { axes });
     // Answered like data; the FIFO is the one that was named.
     Ok(Answer::Entered { axis, fifo: r.fifo.get() as u8, percent1: 0 })
 }

@@ -5,20 +5,20 @@
 //! where nobody reads.
 use super::context::{Context, TRAVEL_PULSES};
 use super::follow::{following, known, method, mode_of};
-use super::written::{Segments, Stored, Written};
+use super::written::{SegmentStores, Stored, Written};
 use super::{io, one};
 use crate::plan::asymmetric_s;
 use crate::refuse::{Admitted, FifoOf, Refused, choice, real, within};
 use crate::report::answer::Answer;
-use crate::shadow::{Change, Fifo};
+use crate::shadow::{FollowFifoShadow, ShadowChange};
 use protocol::command::{
     FollowData, FollowDataPercent2Ex, FollowDataPercentEx, FollowDelayEx, FollowDiBitEx, FollowDoBitEx,
     FollowSwitchNowEx, opcode,
 };
 use protocol::reason::Reason;
-use servo::segment::follow::{self, Chain, Direction, Entry, Input, Method, Part};
+use servo::segment::follow::{self, Direction, FollowChain, FollowEntry, Input, Method, SCurvePart};
 use servo::segment::pt::SegmentStore;
-use servo::tick_command::{DoGroup, Mode};
+use servo::tick_command::{DoGroup, MotionMode};
 use servo::units::Axis;
 
 /// Furthest master position, pulses.
@@ -40,7 +40,7 @@ enum Given {
     Switch(Method),
     /// A part of an asymmetric S: master, slave, which, and the ratio at its start where it is the
     /// first.
-    Part(f64, f64, Part, Option<f64>),
+    Part(f64, f64, SCurvePart, Option<f64>),
 }
 
 /// One FIFO that is being filled.
@@ -52,27 +52,27 @@ struct Filling<'x> {
     field: u8,
     direction: Direction,
     capacity: u32,
-    shadow: Fifo,
+    shadow: FollowFifoShadow,
 }
 
 impl Filling<'_> {
     /// The entry after the end, and the state from which the next one continues.
-    fn check(&self, given: Given) -> Admitted<(Entry, Chain)> {
+    fn check(&self, given: Given) -> Admitted<(FollowEntry, FollowChain)> {
         if self.shadow.chain.entries() >= self.capacity {
             return Err(Refused::new(Reason::FifoFull).field(self.field).limits(0.0, self.capacity.into()));
         }
         let before = &self.shadow.chain;
         let admitted = match given {
             Given::Segment(master, slave, kind, percent) => {
-                Entry::segment(master.to_bits(), slave.to_bits(), kind, percent, self.direction, before)
+                FollowEntry::segment(master.to_bits(), slave.to_bits(), kind, percent, self.direction, before)
             }
-            Given::Output(group, bit, high) => Entry::output(group, bit, high, before),
-            Given::Delay(cycles) => Entry::delay(cycles, before),
-            Given::Wait(input, index, high, ms) => Entry::wait_input(input, index, high, ms, before),
-            Given::Switch(method) => Entry::switch(method, before),
+            Given::Output(group, bit, high) => FollowEntry::output(group, bit, high, before),
+            Given::Delay(cycles) => FollowEntry::delay(cycles, before),
+            Given::Wait(input, index, high, ms) => FollowEntry::wait_input(input, index, high, ms, before),
+            Given::Switch(method) => FollowEntry::switch(method, before),
             Given::Part(master, slave, part, begin) => {
                 let begin = begin.map(f64::to_bits);
-                Entry::part(master.to_bits(), slave.to_bits(), part, begin, self.direction, before)
+                FollowEntry::part(master.to_bits(), slave.to_bits(), part, begin, self.direction, before)
             }
         };
         admitted.map_err(|refused| self.explain(refused, given))
@@ -91,10 +91,10 @@ impl Filling<'_> {
     }
 
     /// What was written to this FIFO.
-    fn written(&self, percent1: i16) -> (Written, Change) {
+    fn written(&self, percent1: i16) -> (Written, ShadowChange) {
         let Filling { axis, fifo, cleared, shadow, .. } = *self;
         let answer = Answer::Entered { axis, fifo, percent1 };
-        (Written::new(FifoOf::Axis(axis), fifo, answer), Change::FollowData { axis, fifo, cleared, shadow })
+        (Written::new(FifoOf::Axis(axis), fifo, answer), ShadowChange::FollowData { axis, fifo, cleared, shadow })
     }
 
     #[cold]
@@ -142,7 +142,12 @@ impl Filling<'_> {
 }
 
 /// Admits a data command of either mode.
-pub fn data<const AXES: usize>(context: &Context<AXES>, stores: &Segments<AXES>, number: u16, body: &[u8]) -> Stored {
+pub fn data<const AXES: usize>(
+    context: &Context<AXES>,
+    stores: &SegmentStores<AXES>,
+    number: u16,
+    body: &[u8],
+) -> Stored {
     if number == opcode::FollowDataPercent2Ex {
         return asymmetric_data(context, stores, &one(body)?);
     }
@@ -191,10 +196,10 @@ pub fn data<const AXES: usize>(context: &Context<AXES>, stores: &Segments<AXES>,
 /// the ratio.
 fn asymmetric_data<const AXES: usize>(
     context: &Context<AXES>,
-    stores: &Segments<AXES>,
+    stores: &SegmentStores<AXES>,
     r: &FollowDataPercent2Ex,
 ) -> Stored {
-    let axis = following(context, Mode::FollowEx, r.core.get(), r.profile.get())?;
+    let axis = following(context, MotionMode::FollowEx, r.core.get(), r.profile.get())?;
     let (master, slave) = (r.master_segment.get(), r.slave_segment.get());
     let (begin, end) = (r.vel_begin_ratio.get(), r.vel_end_ratio.get());
     for (field, number) in (2..).zip([master, slave, begin, end]) {
@@ -229,9 +234,9 @@ fn asymmetric_data<const AXES: usize>(
     let [rise, held] = asymmetric_s::corners(begin, end, q, x);
     let corner = |(at, mean): (f64, f64)| (from + length * at, origin + progress * mean);
     let parts = [
-        (x > 0.0).then(|| (corner(rise), Part::Rise)),
-        (q < 1.0).then(|| (corner(held), Part::Held)),
-        (x < q).then_some(((master, slave), Part::Fall)),
+        (x > 0.0).then(|| (corner(rise), SCurvePart::Rise)),
+        (q < 1.0).then(|| (corner(held), SCurvePart::Held)),
+        (x < q).then_some(((master, slave), SCurvePart::Fall)),
     ];
     // The last one ends where the user gave it.
     let last = parts.iter().rposition(Option::is_some);
@@ -246,7 +251,7 @@ fn asymmetric_data<const AXES: usize>(
 /// The FIFO, if its content is known and its slots are free for data.
 fn open<'x, const AXES: usize>(
     context: &Context<'_, AXES>,
-    stores: &'x Segments<AXES>,
+    stores: &'x SegmentStores<AXES>,
     axis: Axis,
     fifo: i16,
     field: u8,

@@ -5,11 +5,11 @@ use crate::configuration::ones;
 use crate::io_types::{WORD, WORDS};
 use crate::refuse::{Admitted, Refused, choice};
 use crate::report::answer::{Answer, Query};
-use crate::shadow::Change;
+use crate::shadow::ShadowChange;
 use protocol::command::{GetAdc, GetDac, GetDi, GetDiEx, SetDac, SetDo, SetDoBit, SetDoEx, opcode};
 use protocol::reason::Reason;
 use protocol::values::io as kind;
-use servo::laser::Mode;
+use servo::laser::PowerMode;
 use servo::segment::follow::Input;
 use servo::tick_command::{DoGroup, TickCommand};
 use servo::units::{AxisMask, CrdMask};
@@ -98,7 +98,7 @@ pub fn set_output<const AXES: usize>(context: &mut Context<AXES>, r: &SetDoBit) 
 /// Levels of outputs. A servo that is switched off stops its axis, and the path that drives it.
 fn stage_output<const AXES: usize>(context: &mut Context<AXES>, group: DoGroup, mask: u64, value: u64) {
     let off = AxisMask(if group == DoGroup::Enable { mask & !value } else { 0 });
-    let change = if off.0 == 0 { Change::None } else { Change::Stopped { axes: off, crds: CrdMask(0) } };
+    let change = if off.0 == 0 { ShadowChange::None } else { ShadowChange::Stopped { axes: off, crds: CrdMask(0) } };
     context.stage_with(TickCommand::Output { group, mask, value }, change);
 }
 
@@ -155,7 +155,7 @@ pub fn analog<const AXES: usize>(context: &Context<AXES>, field: u8, channel: i1
 /// AO0 and AO1 carry the power of a laser channel in analog mode (LSR 2).
 fn free_analog<const AXES: usize>(context: &Context<AXES>, field: u8, first: u8, count: usize) -> Admitted<()> {
     for (channel, laser) in (0u8..).zip(&context.shadows.lasers).skip(first.into()).take(count) {
-        if laser.mode == Mode::Analog {
+        if laser.mode == PowerMode::Analog {
             let output = f64::from(channel) + 1.0;
             return Err(Refused::new(Reason::AnalogInUse)
                 .field(field)

@@ -3,11 +3,11 @@ use super::axis::{ACCEL_MAX, accel, all_startable};
 use super::context::Context;
 use crate::refuse::{Admitted, Refused, real, within};
 use crate::report::answer::Answer;
-use crate::shadow::Change;
+use crate::shadow::ShadowChange;
 use protocol::command::{JogPrm, PrfJog, PrfTrap, SetJogPrm, SetPos, SetTrapPrm, SetVel, TrapPrm, Update};
 use protocol::reason::Reason;
 use servo::segment::ramp::{Accel, Speed};
-use servo::tick_command::{Mode, TickCommand};
+use servo::tick_command::{MotionMode, TickCommand};
 use servo::units::{Axis, Ns, StepLimit};
 
 /// Longest smoothing of a Trap, ms.
@@ -15,19 +15,19 @@ const SMOOTH_MAX_MS: i16 = 500;
 
 pub fn trap<const AXES: usize>(context: &mut Context<AXES>, r: &PrfTrap) -> Admitted<Answer> {
     let axis = context.axis(r.core.get(), r.profile.get())?;
-    set_mode(context, axis, Mode::Trap)
+    set_mode(context, axis, MotionMode::Trap)
 }
 
 pub fn jog<const AXES: usize>(context: &mut Context<AXES>, r: &PrfJog) -> Admitted<Answer> {
     let axis = context.axis(r.core.get(), r.profile.get())?;
-    set_mode(context, axis, Mode::Jog)
+    set_mode(context, axis, MotionMode::Jog)
 }
 
 /// A mode is set at standstill; the present mode is accepted without an effect.
-pub fn set_mode<const AXES: usize>(context: &mut Context<AXES>, axis: Axis, mode: Mode) -> Admitted<Answer> {
+pub fn set_mode<const AXES: usize>(context: &mut Context<AXES>, axis: Axis, mode: MotionMode) -> Admitted<Answer> {
     context.at_standstill(axis)?;
     if context.shadow(axis).mode != mode {
-        context.stage_with(TickCommand::SetMode { axis, mode }, Change::Mode { axis, mode });
+        context.stage_with(TickCommand::SetMode { axis, mode }, ShadowChange::Mode { axis, mode });
     }
     Ok(Answer::Done)
 }
@@ -52,10 +52,10 @@ pub fn set_trap<const AXES: usize>(context: &mut Context<AXES>, r: &SetTrapPrm) 
     let (acc, dec) = (accel_or_none(2, r.acc.get())?, accel_or_none(3, r.dec.get())?);
     let vel_start = speed(4, r.vel_start.get(), false, context.board.step_limit)?;
     let smooth_ms = within(5, r.smooth_time_ms.get(), 0, SMOOTH_MAX_MS)?;
-    context.in_mode(axis, context.shadow(axis).mode == Mode::Trap)?;
+    context.in_mode(axis, context.shadow(axis).mode == MotionMode::Trap)?;
     let prm = TrapPrm { acc: r.acc, dec: r.dec, vel_start: r.vel_start, smooth_time_ms: r.smooth_time_ms };
     let smooth = Ns(u64::from(smooth_ms.unsigned_abs()) * 1_000_000);
-    context.only(TickCommand::TrapPrm { axis, acc, dec, vel_start, smooth }, Change::Trap { axis, prm })
+    context.only(TickCommand::TrapPrm { axis, acc, dec, vel_start, smooth }, ShadowChange::Trap { axis, prm })
 }
 
 pub fn set_jog<const AXES: usize>(context: &mut Context<AXES>, r: &SetJogPrm) -> Admitted<Answer> {
@@ -68,28 +68,28 @@ pub fn set_jog<const AXES: usize>(context: &mut Context<AXES>, r: &SetJogPrm) ->
     if !(0.0..1.0).contains(&given) {
         return Err(Refused::new(Reason::OutOfRange).field(4).got(given).limits(0.0, 1.0));
     }
-    context.in_mode(axis, context.shadow(axis).mode == Mode::Jog)?;
+    context.in_mode(axis, context.shadow(axis).mode == MotionMode::Jog)?;
     // Rounded down to 2⁻¹⁶; a value below 1 cannot become 1.
     let smooth = (given * 65536.0) as u16;
     let prm = JogPrm { acc: r.acc, dec: r.dec, smooth: r.smooth };
     // A dec of 0 means acc (SPEC 5).
     let dec = if dec == Accel::default() { acc } else { dec };
-    context.only(TickCommand::JogPrm { axis, acc, dec, smooth }, Change::Jog { axis, prm })
+    context.only(TickCommand::JogPrm { axis, acc, dec, smooth }, ShadowChange::Jog { axis, prm })
 }
 
 pub fn set_pos<const AXES: usize>(context: &mut Context<AXES>, r: &SetPos) -> Admitted<Answer> {
     let axis = context.axis(r.core.get(), r.profile.get())?;
-    context.in_mode(axis, context.shadow(axis).mode == Mode::Trap)?;
+    context.in_mode(axis, context.shadow(axis).mode == MotionMode::Trap)?;
     let pos = r.pos.get();
-    context.only(TickCommand::TargetPosition { axis, pulses: pos }, Change::Pos { axis, pos })
+    context.only(TickCommand::TargetPosition { axis, pulses: pos }, ShadowChange::Pos { axis, pos })
 }
 
 pub fn set_vel<const AXES: usize>(context: &mut Context<AXES>, r: &SetVel) -> Admitted<Answer> {
     let axis = context.axis(r.core.get(), r.profile.get())?;
     let vel = r.vel.get();
     let speed = speed(2, vel, true, context.board.step_limit)?;
-    context.in_mode(axis, matches!(context.shadow(axis).mode, Mode::Trap | Mode::Jog))?;
-    context.only(TickCommand::TargetSpeed { axis, speed }, Change::Vel { axis, vel })
+    context.in_mode(axis, matches!(context.shadow(axis).mode, MotionMode::Trap | MotionMode::Jog))?;
+    context.only(TickCommand::TargetSpeed { axis, speed }, ShadowChange::Vel { axis, vel })
 }
 
 /// Starts Jog or Trap, or changes a running one, for all axes of the mask or none.
@@ -100,9 +100,9 @@ pub fn update<const AXES: usize>(context: &mut Context<AXES>, r: &Update) -> Adm
     }
     for axis in context.each(axes) {
         let shadow = context.shadow(axis);
-        context.in_mode(axis, matches!(shadow.mode, Mode::Trap | Mode::Jog))?;
+        context.in_mode(axis, matches!(shadow.mode, MotionMode::Trap | MotionMode::Jog))?;
         let (acc, dec) = match shadow.mode {
-            Mode::Trap => (shadow.trap.acc.get(), shadow.trap.dec.get()),
+            MotionMode::Trap => (shadow.trap.acc.get(), shadow.trap.dec.get()),
             // A Jog dec of 0 means acc.
             _ => (shadow.jog.acc.get(), shadow.jog.acc.get()),
         };
@@ -112,5 +112,8 @@ pub fn update<const AXES: usize>(context: &mut Context<AXES>, r: &Update) -> Adm
         }
     }
     all_startable(context, axes)?;
-    context.only(TickCommand::Update { axes }, Change::Started { axes, fifo1: servo::units::AxisMask(0), script_ns: 0 })
+    context.only(
+        TickCommand::Update { axes },
+        ShadowChange::Started { axes, fifo1: servo::units::AxisMask(0), script_ns: 0 },
+    )
 }

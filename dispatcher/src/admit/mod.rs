@@ -29,9 +29,9 @@ use crate::configuration::ones;
 use crate::refuse::{Admitted, Refused, within};
 use crate::report::answer::{Answer, Query};
 use context::Context;
-use protocol::command::{self, CommandKind, Nothing, Of, Request, opcode};
+use protocol::command::{self, CommandKind, Nothing, ReadOf, Request, opcode};
 use protocol::reason::Reason;
-use servo::tick_command::Mode;
+use servo::tick_command::MotionMode;
 use servo::units::{Axis, AxisMask};
 use zerocopy::FromBytes;
 
@@ -67,33 +67,33 @@ fn plain(opcode: u16) -> Answer {
     Answer::Read(Query { opcode, first: 0, count: 0, which: 0 })
 }
 
-/// A read whose layout is that of its kind ([`Of`]): one struct stands for all of them.
-fn read<const AXES: usize>(context: &Context<AXES>, of: Of, number: u16, body: &[u8]) -> Admitted<Answer> {
+/// A read whose layout is that of its kind ([`ReadOf`]): one struct stands for all of them.
+fn read<const AXES: usize>(context: &Context<AXES>, of: ReadOf, number: u16, body: &[u8]) -> Admitted<Answer> {
     match of {
-        Of::Controller => one::<command::GetClock>(body).map(|_| plain(number)),
-        Of::Axis => {
+        ReadOf::Controller => one::<command::GetClock>(body).map(|_| plain(number)),
+        ReadOf::Axis => {
             let r = one::<command::GetVel>(body)?;
             let axis = context.axis(r.core.get(), r.profile.get())?;
             has_mode(context, number, axis)?;
             Ok(query(number, axis))
         }
-        Of::Axes => axes(context, number, &one(body)?),
-        Of::Follow => {
+        ReadOf::Axes => axes(context, number, &one(body)?),
+        ReadOf::Follow => {
             let r = one::<command::GetFollowLoop>(body)?;
             follow::following(context, follow::mode_of(number), r.core.get(), r.profile.get())
                 .map(|axis| query(number, axis))
         }
-        Of::Laser => laser::read(context, number, &one(body)?),
-        Of::Crd => {
+        ReadOf::Laser => laser::read(context, number, &one(body)?),
+        ReadOf::Crd => {
             let r = one::<command::GetCrdVel>(body)?;
             crd::known(context, r.core.get(), r.crd.get()).map(|of| crd::query(number, of, 0))
         }
-        Of::CrdFifo => {
+        ReadOf::CrdFifo => {
             let r = one::<command::CrdStatus>(body)?;
             let fifo = crd::fifo(2, r.fifo.get())?;
             crd::known(context, r.core.get(), r.crd.get()).map(|of| crd::query(number, of, fifo))
         }
-        Of::Other => Err(unknown(number)),
+        ReadOf::Other => Err(unknown(number)),
     }
 }
 
@@ -112,10 +112,10 @@ fn axes<const AXES: usize>(context: &Context<AXES>, opcode: u16, r: &command::Ge
 fn has_mode<const AXES: usize>(context: &Context<AXES>, number: u16, axis: Axis) -> Admitted<()> {
     let shadow = context.shadow(axis);
     let wanted = match number {
-        opcode::GetTrapPrm => shadow.mode == Mode::Trap,
-        opcode::GetJogPrm => shadow.mode == Mode::Jog,
+        opcode::GetTrapPrm => shadow.mode == MotionMode::Trap,
+        opcode::GetJogPrm => shadow.mode == MotionMode::Jog,
         opcode::GetPtLoop | opcode::GetPtMemory => shadow.is_pt(),
-        opcode::GetPvtLoop | opcode::PvtStatus => shadow.mode == Mode::Pvt,
+        opcode::GetPvtLoop | opcode::PvtStatus => shadow.mode == MotionMode::Pvt,
         _ => true,
     };
     context.in_mode(axis, wanted)?;
@@ -130,7 +130,7 @@ fn unknown(number: u16) -> Refused {
 /// the dispatcher does by itself are handled before.
 pub fn admit<const AXES: usize>(context: &mut Context<AXES>, number: u16, body: &[u8]) -> Admitted<Answer> {
     if let Some(CommandKind::Read(of)) = kind(number)
-        && of != Of::Other
+        && of != ReadOf::Other
     {
         return read(context, of, number, body);
     }

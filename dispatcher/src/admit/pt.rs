@@ -1,18 +1,18 @@
 //! PT commands (GXN chapter 2), and PT data from bytes to the axis's store.
 use super::axis::all_startable;
 use super::context::{Context, TRAVEL_PULSES};
-use super::written::{Segments, Stored, Written};
+use super::written::{SegmentStores, Stored, Written};
 use super::{many, one};
 use crate::refuse::{Admitted, FifoOf, Refused, choice};
 use crate::report::answer::{Answer, Query};
-use crate::shadow::{AxisShadow, BEGINS_SHIFT, Change, FifoShadow, executed};
+use crate::shadow::{AxisShadow, BEGINS_SHIFT, FifoShadow, ShadowChange, executed};
 use protocol::command::{
     PrfPt, PtClear, PtData, PtDataMany, PtItem, PtSpace, PtStart, SetPtLoop, SetPtMemory, Wire, opcode,
 };
 use protocol::reason::Reason;
 use protocol::values::pt_state;
 use servo::segment::pt::{self, SEGMENTS, Segment};
-use servo::tick_command::{Mode, TickCommand};
+use servo::tick_command::{MotionMode, TickCommand};
 use servo::units::{Axis, AxisMask, StepLimit};
 
 /// First slot of static FIFO 1; the dynamic ring uses all slots.
@@ -23,7 +23,7 @@ const LASTS_CHECK_TICKS: u64 = 9;
 /// Static 0, dynamic 1. Another FIFO use clears the data, the same one keeps it.
 pub fn mode<const AXES: usize>(context: &mut Context<AXES>, r: &PrfPt) -> Admitted<Answer> {
     let axis = context.axis(r.core.get(), r.profile.get())?;
-    let mode = if choice(2, r.mode.get(), 0, 1)? == 0 { Mode::PtStatic } else { Mode::PtDynamic };
+    let mode = if choice(2, r.mode.get(), 0, 1)? == 0 { MotionMode::PtStatic } else { MotionMode::PtDynamic };
     super::jog_trap::set_mode(context, axis, mode)
 }
 
@@ -60,7 +60,7 @@ pub fn clear<const AXES: usize>(context: &mut Context<AXES>, r: &PtClear) -> Adm
     if context.may_run(axis) && (context.shadow(axis).is_dynamic() || context.shadow(axis).fifo == fifo) {
         return Err(context.no(Reason::FifoInUse, axis).field(2).got(fifo.into()));
     }
-    context.only(TickCommand::PtClear { axis, fifo }, Change::Emptied { axis, fifo })
+    context.only(TickCommand::PtClear { axis, fifo }, ShadowChange::Emptied { axis, fifo })
 }
 
 pub fn not_dynamic<const AXES: usize>(context: &Context<AXES>, axis: Axis) -> Admitted<()> {
@@ -71,7 +71,7 @@ pub fn not_dynamic<const AXES: usize>(context: &Context<AXES>, axis: Axis) -> Ad
 pub fn set_loop<const AXES: usize>(context: &mut Context<AXES>, r: &SetPtLoop) -> Admitted<Answer> {
     let axis = pt_axis(context, r.core.get(), r.profile.get())?;
     not_dynamic(context, axis)?;
-    context.only(TickCommand::PtLoop { axis, passes: r.loop_count.get().max(0).unsigned_abs() }, Change::None)
+    context.only(TickCommand::PtLoop { axis, passes: r.loop_count.get().max(0).unsigned_abs() }, ShadowChange::None)
 }
 
 /// Clears the data, even if the size stays.
@@ -82,9 +82,9 @@ pub fn set_memory<const AXES: usize>(context: &mut Context<AXES>, r: &SetPtMemor
     // In dynamic mode one tick command clears both, and the tick takes only so many tick commands
     // of one instant.
     if !context.shadow(axis).is_dynamic() {
-        context.stage_with(TickCommand::PtClear { axis, fifo: 1 }, Change::Emptied { axis, fifo: 1 });
+        context.stage_with(TickCommand::PtClear { axis, fifo: 1 }, ShadowChange::Emptied { axis, fifo: 1 });
     }
-    context.only(TickCommand::PtClear { axis, fifo: 0 }, Change::Memory { axis, memory })
+    context.only(TickCommand::PtClear { axis, fifo: 0 }, ShadowChange::Memory { axis, memory })
 }
 
 /// Starts all axes of the mask on one tick, or none. Option bits select FIFO 1; they are ignored in
@@ -107,13 +107,20 @@ pub fn start<const AXES: usize>(context: &mut Context<AXES>, r: &PtStart) -> Adm
         }
     }
     all_startable(context, axes)?;
-    context
-        .only(TickCommand::PtStart { axes, fifo1 }, Change::Started { axes, fifo1, script_ns: context.due.script_ns })
+    context.only(
+        TickCommand::PtStart { axes, fifo1 },
+        ShadowChange::Started { axes, fifo1, script_ns: context.due.script_ns },
+    )
 }
 
 /// Admits PtData or PtDataMany: all its segments or none. They are written after the committed end,
 /// where the tick does not read, so a refusal half-way has changed nothing.
-pub fn data<const AXES: usize>(context: &Context<AXES>, stores: &Segments<AXES>, number: u16, body: &[u8]) -> Stored {
+pub fn data<const AXES: usize>(
+    context: &Context<AXES>,
+    stores: &SegmentStores<AXES>,
+    number: u16,
+    body: &[u8],
+) -> Stored {
     if number == opcode::PtData {
         let r = one::<PtData>(body)?;
         let kind = choice(4, r.kind.get(), 0, 2)?;
@@ -160,7 +167,7 @@ fn knows_stream<const AXES: usize>(context: &Context<AXES>, axis: Axis) -> bool 
 
 fn push<const AXES: usize>(
     context: &Context<AXES>,
-    stores: &Segments<AXES>,
+    stores: &SegmentStores<AXES>,
     (core, profile, fifo_given, fifo_field): (i16, i16, i16, u8),
     items: &[PtItem],
     named: &dyn Fn(Refused, usize) -> Refused,
@@ -201,7 +208,7 @@ fn push<const AXES: usize>(
     }
     let data = FifoShadow { end: data.end.wrapping_add(items.len() as u32), chain };
     let answer = Answer::Taken { axis, fifo, count: items.len() as u16 };
-    let change = Change::Data { axis, fifo, epoch: shadow.epoch, shadow: data };
+    let change = ShadowChange::Data { axis, fifo, epoch: shadow.epoch, shadow: data };
     Ok((Written::new(FifoOf::Axis(axis), fifo, answer), change))
 }
 

@@ -4,10 +4,10 @@ use super::context::Context;
 use crate::plan::pvt::{CORE_TABLES, table_number};
 use crate::refuse::{Admitted, Refused, choice, within};
 use crate::report::answer::Answer;
-use crate::shadow::Change;
+use crate::shadow::ShadowChange;
 use protocol::command::{PrfPvt, PvtStart, PvtTableSelect, SetPvtLoop};
 use protocol::reason::Reason;
-use servo::tick_command::{Mode, TickCommand};
+use servo::tick_command::{MotionMode, TickCommand};
 use servo::units::Axis;
 
 /// Index over all cores of a table, from the user's number in its core.
@@ -20,11 +20,11 @@ pub fn table<const AXES: usize>(context: &Context<AXES>, core: i16, field: u8, n
 /// The axis keeps the table that was selected for it; at first that is table 1 of its core.
 pub fn mode<const AXES: usize>(context: &mut Context<AXES>, r: &PrfPvt) -> Admitted<Answer> {
     let axis = context.axis(r.core.get(), r.profile.get())?;
-    let answer = super::jog_trap::set_mode(context, axis, Mode::Pvt)?;
-    if context.shadow(axis).mode != Mode::Pvt {
+    let answer = super::jog_trap::set_mode(context, axis, MotionMode::Pvt)?;
+    if context.shadow(axis).mode != MotionMode::Pvt {
         let first = table(context, r.core.get(), 0, 1)?;
         let table = context.shadow(axis).table.unwrap_or(first);
-        context.stage_with(TickCommand::PvtSelect { axis, table }, Change::Table { axis, table, pending: false });
+        context.stage_with(TickCommand::PvtSelect { axis, table }, ShadowChange::Table { axis, table, pending: false });
     }
     Ok(answer)
 }
@@ -32,7 +32,7 @@ pub fn mode<const AXES: usize>(context: &mut Context<AXES>, r: &PrfPvt) -> Admit
 /// The axis, if it is in PVT mode.
 fn pvt_axis<const AXES: usize>(context: &Context<AXES>, core: i16, profile: i16) -> Admitted<Axis> {
     let axis = context.axis(core, profile)?;
-    context.in_mode(axis, context.shadow(axis).mode == Mode::Pvt)?;
+    context.in_mode(axis, context.shadow(axis).mode == MotionMode::Pvt)?;
     Ok(axis)
 }
 
@@ -40,7 +40,8 @@ fn pvt_axis<const AXES: usize>(context: &Context<AXES>, core: i16, profile: i16)
 pub fn set_loop<const AXES: usize>(context: &mut Context<AXES>, r: &SetPvtLoop) -> Admitted<Answer> {
     let axis = pvt_axis(context, r.core.get(), r.profile.get())?;
     let passes = within(2, r.loop_count.get(), 0, i32::MAX)?;
-    context.only(TickCommand::PvtLoop { axis, passes: passes.unsigned_abs() }, Change::TablePasses { axis, passes })
+    context
+        .only(TickCommand::PvtLoop { axis, passes: passes.unsigned_abs() }, ShadowChange::TablePasses { axis, passes })
 }
 
 fn not_empty<const AXES: usize>(context: &Context<AXES>, axis: Axis, table: u8) -> Admitted<()> {
@@ -58,7 +59,7 @@ pub fn select<const AXES: usize>(context: &mut Context<AXES>, r: &PvtTableSelect
     let table = table(context, r.core.get(), 2, r.table.get())?;
     let pending = context.may_run(axis);
     not_empty(context, axis, table)?;
-    context.only(TickCommand::PvtSelect { axis, table }, Change::Table { axis, table, pending })
+    context.only(TickCommand::PvtSelect { axis, table }, ShadowChange::Table { axis, table, pending })
 }
 
 /// Starts all axes of the mask on one tick, or none.
@@ -68,12 +69,12 @@ pub fn start<const AXES: usize>(context: &mut Context<AXES>, r: &PvtStart) -> Ad
         return Ok(Answer::Done);
     }
     for axis in context.each(axes) {
-        context.in_mode(axis, context.shadow(axis).mode == Mode::Pvt)?;
+        context.in_mode(axis, context.shadow(axis).mode == MotionMode::Pvt)?;
         context.at_standstill(axis)?;
         not_empty(context, axis, context.shadow(axis).table.unwrap_or(u8::MAX))?;
     }
     all_startable(context, axes)?;
-    context.only(TickCommand::PvtStart { axes }, Change::PvtStarted { axes })
+    context.only(TickCommand::PvtStart { axes }, ShadowChange::PvtStarted { axes })
 }
 
 /// Refuses if an axis runs this table, will continue with it, or is named with it by an entry that
@@ -90,7 +91,11 @@ pub fn not_in_use<const AXES: usize>(context: &Context<AXES>, table: u8) -> Admi
         }
     }
     if context.shadows.is_named(context.view, table) {
-        let by = context.shadows.axes.iter().position(|shadow| shadow.mode == Mode::Pvt && shadow.table == Some(table));
+        let by = context
+            .shadows
+            .axes
+            .iter()
+            .position(|shadow| shadow.mode == MotionMode::Pvt && shadow.table == Some(table));
         return refuse(by.and_then(Axis::new));
     }
     Ok(())

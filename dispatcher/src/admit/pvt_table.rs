@@ -8,7 +8,7 @@
 //! sent again, because it was refused too early, is refused in the same way.
 use super::context::Context;
 use super::pvt::{not_in_use, table};
-use crate::plan::pvt::{Draft, Fields, Kind, Scratch, SplineScratch, VALUES};
+use crate::plan::pvt::{Fields, Scratch, SplineScratch, TableDraft, TableKind, VALUES};
 use crate::refuse::{Admitted, Refused};
 use crate::report::answer::POINTS_MAX;
 use crate::shadow::Shadows;
@@ -18,7 +18,7 @@ use protocol::command::{
     PvtTablePercent, Wire, opcode,
 };
 use protocol::reason::Reason;
-use servo::segment::pvt::{HEADER_WORDS, PointStore, TABLES, Tables};
+use servo::segment::pvt::{HEADER_WORDS, PointStore, PvtTables, TABLES};
 use servo::tables::TableStores;
 use servo::units::StepLimit;
 
@@ -30,7 +30,7 @@ struct Key {
     /// 0 for the Calculate commands.
     table: i16,
     count: i32,
-    kind: Kind,
+    kind: TableKind,
 }
 
 /// A chunk as it came.
@@ -65,14 +65,14 @@ impl<'b> Chunk<'b> {
             };
         }
         let chunk = chunks! {
-            PvtTable, |r| Kind::Pvt, r.table.get(), [2, 4, 4];
-            PvtTableEx, |r| Kind::PvtEx, r.table.get(), [2, 4, 4];
-            PvtTableComplete, |r| Kind::Complete { vel_begin: r.vel_begin.get(), vel_end: r.vel_end.get() },
+            PvtTable, |r| TableKind::Pvt, r.table.get(), [2, 4, 4];
+            PvtTableEx, |r| TableKind::PvtEx, r.table.get(), [2, 4, 4];
+            PvtTableComplete, |r| TableKind::Complete { vel_begin: r.vel_begin.get(), vel_end: r.vel_end.get() },
                 r.table.get(), [2, 4, 6];
-            PvtTablePercent, |r| Kind::Percent { vel_begin: r.vel_begin.get() }, r.table.get(), [2, 4, 5];
-            PvtTableContinuous, |r| Kind::Continuous { time_begin: r.time_begin.get() }, r.table.get(), [2, 4, 5];
-            PvtPercentCalculate, |r| Kind::Percent { vel_begin: r.vel_begin.get() }, 0, [1, 3, 4];
-            PvtContinuousCalculate, |r| Kind::Continuous { time_begin: 0.0 }, 0, [1, 3, 3];
+            PvtTablePercent, |r| TableKind::Percent { vel_begin: r.vel_begin.get() }, r.table.get(), [2, 4, 5];
+            PvtTableContinuous, |r| TableKind::Continuous { time_begin: r.time_begin.get() }, r.table.get(), [2, 4, 5];
+            PvtPercentCalculate, |r| TableKind::Percent { vel_begin: r.vel_begin.get() }, 0, [1, 3, 4];
+            PvtContinuousCalculate, |r| TableKind::Continuous { time_begin: 0.0 }, 0, [1, 3, 3];
         };
         let width = chunk.key.kind.values() * size_of::<f64>();
         if chunk.points.len() % width != 0 {
@@ -107,7 +107,7 @@ impl<'b> Chunk<'b> {
 #[derive(Debug, Clone, Copy)]
 enum State {
     Idle,
-    Open(Key, Draft),
+    Open(Key, TableDraft),
     /// The chunk that begins with this point was refused.
     Refused(Key, u16, Refused),
 }
@@ -249,12 +249,12 @@ fn take(
     (chunk, limit): (&Chunk<'_>, StepLimit),
     load: bool,
     mut answer: impl FnMut(f64),
-) -> Admitted<Draft> {
+) -> Admitted<TableDraft> {
     let key = chunk.key;
     let mut draft = match *state {
         _ if chunk.first == 0 => {
             *state = State::Idle;
-            Draft::begin(key.kind, key.count, chunk.fields, limit, load, scratch)?
+            TableDraft::begin(key.kind, key.count, chunk.fields, limit, load, scratch)?
         }
         State::Open(open, draft) if open == key && draft.taken() == chunk.first => draft,
         State::Refused(open, first, refused) if open == key && first == chunk.first => return Err(refused),

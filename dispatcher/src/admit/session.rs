@@ -7,8 +7,8 @@ use crate::plan::pvt::CORE_TABLES;
 use crate::product::{FAMILIES, PROFILES};
 use crate::refuse::{Admitted, Refused, choice, within};
 use crate::report::answer::Answer;
-use crate::report::trace::Columns;
-use crate::shadow::Change;
+use crate::report::trace::TraceColumns;
+use crate::shadow::ShadowChange;
 use crate::shadow::Watch;
 use protocol::command::{
     Abort, Choose, ClrSts, ConfigItem, LoadConfig, Reset, SetInterlock, SetLinkLoss, SetTick, Trace, Wire, opcode,
@@ -27,13 +27,13 @@ const LINK_LOSS_MAX_MS: i32 = 86_400_000;
 /// Acts on all of the controller, whichever core is named: lasers and user exist once.
 pub fn abort<const AXES: usize>(context: &mut Context<AXES>, r: &Abort) -> Admitted<Answer> {
     context.core(r.core.get())?;
-    context.only(TickCommand::Abort, Change::Aborted)
+    context.only(TickCommand::Abort, ShadowChange::Aborted)
 }
 
 pub fn reset<const AXES: usize>(context: &mut Context<AXES>, r: &Reset) -> Admitted<Answer> {
     let axes = context.core_mask(r.core.get())?;
     let tables = ones(CORE_TABLES) << (context.core(r.core.get())? * CORE_TABLES);
-    context.stage_with(TickCommand::Reset { axes }, Change::Reset { axes, tables });
+    context.stage_with(TickCommand::Reset { axes }, ShadowChange::Reset { axes, tables });
     // The lasers exist once: a Reset of either core sets them to power-on state.
     context.lasers_to_power_on(context.configuration.family);
     context.clear_all_laser_faults();
@@ -41,12 +41,12 @@ pub fn reset<const AXES: usize>(context: &mut Context<AXES>, r: &Reset) -> Admit
 }
 
 fn stage_watch<const AXES: usize>(context: &mut Context<AXES>, watch: Watch) {
-    context.stage_with(TickCommand::Supervision(watch.supervision()), Change::Watch(watch));
+    context.stage_with(TickCommand::Supervision(watch.supervision()), ShadowChange::Watch(watch));
 }
 
 pub fn clear_status<const AXES: usize>(context: &mut Context<AXES>, r: &ClrSts) -> Admitted<Answer> {
     let axes = context.span_mask(r.core.get(), r.axis.get(), r.count.get())?;
-    context.stage_with(TickCommand::ClearStatus { axes }, Change::Cleared { axes });
+    context.stage_with(TickCommand::ClearStatus { axes }, ShadowChange::Cleared { axes });
     context.clear_laser_faults(axes);
     Ok(Answer::Done)
 }
@@ -59,7 +59,7 @@ pub fn tick<const AXES: usize>(context: &mut Context<AXES>, r: &SetTick) -> Admi
     let ns = us.unsigned_abs() * 1000;
     let period = Ns(ns.into());
     loses_no_crd(context, period)?;
-    context.only(TickCommand::TickPeriod { ns }, Change::Tick { period })
+    context.only(TickCommand::TickPeriod { ns }, ShadowChange::Tick { period })
 }
 
 /// Refuses a tick period at which a coordinate system that drives axes would not exist (GXN table
@@ -104,7 +104,7 @@ pub fn choose<const AXES: usize>(context: &mut Context<AXES>, r: &Choose) -> Adm
     if number != context.configuration.number {
         let axes = AxisMask(context.configuration.all().0 | configuration.all().0);
         context.all_at_standstill(axes, Reason::OnlyAtStandstill)?;
-        context.stage_with(TickCommand::Reset { axes }, Change::Reset { axes, tables: u64::MAX });
+        context.stage_with(TickCommand::Reset { axes }, ShadowChange::Reset { axes, tables: u64::MAX });
         // The supervision is the user's, and stays.
         stage_watch(context, context.shadows.watch);
     }
@@ -127,7 +127,7 @@ pub fn trace<const AXES: usize>(context: &mut Context<AXES>, r: &Trace) -> Admit
     let over_link = within(4, r.way, 0, 1)? == 1;
     let edges = within(5, r.edges, 0, 3)?;
     context.stage(TickCommand::Trace { every, axes, crds, lasers, edges: edges & 1 != 0, outputs: edges & 2 != 0 });
-    context.effect = Effect::Trace { every, columns: Columns { axes, lasers, crds }, over_link };
+    context.effect = Effect::Trace { every, columns: TraceColumns { axes, lasers, crds }, over_link };
     Ok(Answer::Done)
 }
 

@@ -7,7 +7,7 @@ use super::context::Context;
 use super::io;
 use crate::refuse::{Admitted, Refused, choice, real, within};
 use crate::report::answer::Answer;
-use crate::shadow::Change;
+use crate::shadow::ShadowChange;
 use protocol::command::{SimAdc, SimInput, SimPlan};
 use protocol::reason::Reason;
 use protocol::values::{ANALOG_INPUT_VOLTS, io as kind};
@@ -70,13 +70,13 @@ fn voltage<const AXES: usize>(
 pub fn input<const AXES: usize>(context: &mut Context<AXES>, r: &SimInput) -> Admitted<Answer> {
     unwired(context)?;
     let input = digital(context, r.core.get(), 1, (r.di_type.get(), r.index.get(), r.level.get()))?;
-    context.only(TickCommand::Simulate(input), Change::None)
+    context.only(TickCommand::Simulate(input), ShadowChange::None)
 }
 
 pub fn analog<const AXES: usize>(context: &mut Context<AXES>, r: &SimAdc) -> Admitted<Answer> {
     unwired(context)?;
     let input = voltage(context, r.core.get(), (1, 2), r.adc.get(), r.volts.get())?;
-    context.only(TickCommand::Simulate(input), Change::None)
+    context.only(TickCommand::Simulate(input), ShadowChange::None)
 }
 
 /// A row of a plan: rows come in order of time, row 0 begins another plan.
@@ -98,5 +98,5 @@ pub fn plan<const AXES: usize>(context: &mut Context<AXES>, r: &SimPlan) -> Admi
         }
         digital(context, core, 4, (r.di_type.get(), r.index.get(), level as i16))?
     };
-    context.only(TickCommand::Plan { row, after: Ns(after), of_script, input }, Change::None)
+    context.only(TickCommand::Plan { row, after: Ns(after), of_script, input }, ShadowChange::None)
 }

@@ -1,5 +1,5 @@
 //! Tick commands of a command that is being admitted.
-use crate::shadow::Change;
+use crate::shadow::ShadowChange;
 use heapless::Vec;
 use servo::tick_command::TickCommand;
 
@@ -12,7 +12,7 @@ pub const STAGED_MAX_BUT_RESET: usize = 8;
 /// Tick commands of one admitted command, not yet pushed: a command that is refused half-way has
 /// changed nothing.
 #[derive(Debug, Default)]
-pub struct Staged(Vec<(TickCommand, Change), STAGED_MAX>);
+pub struct Staged(Vec<(TickCommand, ShadowChange), STAGED_MAX>);
 
 impl Staged {
     /// Forgets what is staged.
@@ -20,12 +20,12 @@ impl Staged {
         self.0.clear();
     }
     /// Adds a tick command.
-    pub fn add(&mut self, command: TickCommand, change: Change) {
+    pub fn add(&mut self, command: TickCommand, change: ShadowChange) {
         let fits = self.0.push((command, change)).is_ok();
         debug_assert!(fits, "a command of more than {STAGED_MAX} tick commands");
     }
     /// What is staged, in order.
-    pub fn commands(&self) -> &[(TickCommand, Change)] {
+    pub fn commands(&self) -> &[(TickCommand, ShadowChange)] {
         &self.0
     }
 }

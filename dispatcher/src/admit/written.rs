@@ -3,14 +3,14 @@
 use crate::plan::path_queue::PathQueue;
 use crate::refuse::{Admitted, FifoOf};
 use crate::report::answer::{Answer, TAKEN_MAX};
-use crate::shadow::Change;
+use crate::shadow::ShadowChange;
 use servo::path::PathStores;
 use servo::segment::pt::SegmentStore;
 
 /// What was written, and the new end of its FIFO for the shadow state.
-pub type Stored = Admitted<(Written, Change)>;
+pub type Stored = Admitted<(Written, ShadowChange)>;
 /// The memory of PT and Follow, one store for each axis.
-pub type Segments<const AXES: usize> = [SegmentStore; AXES];
+pub type SegmentStores<const AXES: usize> = [SegmentStore; AXES];
 /// The look-aheads of all coordinate systems, and both FIFOs of each.
 pub type Paths<'x> = (&'x mut [[PathQueue; 2]], PathStores<'x>);
 
@@ -44,10 +44,10 @@ impl Written {
 }
 
 /// Values that were taken, how many, which of them were limited.
-pub type Took = ([f64; TAKEN_MAX], u8, u8);
+pub type TakenValues = ([f64; TAKEN_MAX], u8, u8);
 
 /// Values for the reply, with their number.
-pub fn took(values: &[f64], held: u8) -> Took {
+pub fn took(values: &[f64], held: u8) -> TakenValues {
     let mut all = [0.0; TAKEN_MAX];
     for (slot, value) in all.iter_mut().zip(values) {
         *slot = *value;

@@ -8,7 +8,7 @@
 //! equally far from both. It is then moved along the chord until it is. This moves the path nowhere
 //! by more than [`OFF_CENTRE`].
 use libm::{atan2, fabs, fma, hypot, sqrt};
-use servo::path::{Along, DIMENSIONS, Entry, Plane, Sweep};
+use servo::path::{DIMENSIONS, MotionSpeeds, PathEntry, Plane, Sweep};
 use servo::units::Pos;
 
 /// Largest distance of a path from the arc of the user's centre or radius, pulses.
@@ -278,19 +278,19 @@ impl Geometry {
         }
     }
     /// Servo's entry for it with these speeds.
-    pub fn entry(&self, along: Along) -> Option<Entry> {
+    pub fn entry(&self, along: MotionSpeeds) -> Option<PathEntry> {
         self.form.entry(along)
     }
 }
 
 impl Form {
     /// Servo's entry for it with these speeds.
-    pub(crate) fn entry(&self, along: Along) -> Option<Entry> {
+    pub(crate) fn entry(&self, along: MotionSpeeds) -> Option<PathEntry> {
         match *self {
-            Form::Planar(to) => Some(Entry::planar(to, along)),
-            Form::Line(to) => Some(Entry::line(to, along)),
-            Form::Arc { plane, to, sweep } => Some(Entry::arc(plane, to, sweep, along)),
-            Form::Circle { plane, centre, ccw } => Entry::circle(plane, centre, ccw, along).ok(),
+            Form::Planar(to) => Some(PathEntry::planar(to, along)),
+            Form::Line(to) => Some(PathEntry::line(to, along)),
+            Form::Arc { plane, to, sweep } => Some(PathEntry::arc(plane, to, sweep, along)),
+            Form::Circle { plane, centre, ccw } => PathEntry::circle(plane, centre, ccw, along).ok(),
         }
     }
 }

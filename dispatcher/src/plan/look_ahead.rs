@@ -26,10 +26,10 @@ mod reachable;
 
 use super::geometry::{Form, Geometry, Position};
 use heapless::Vec;
-use junction::{Junction, STANDSTILL, Tail};
+use junction::{Junction, LastMotion, STANDSTILL};
 use libm::{fabs, sqrt};
 use reachable::{BOUNDS, Bound, Corner, Span};
-use servo::path::{Along, Entry};
+use servo::path::{MotionSpeeds, PathEntry};
 
 /// Limits of a coordinate system.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -80,7 +80,7 @@ pub const ALONG_MIN: f64 = 1.0 / 1048576.0;
 /// A motion that waits. Shares of limits are kept as f32: their rounding is far below the margin of
 /// a plan.
 #[derive(Debug, Clone, Copy)]
-struct Motion {
+struct PlannedMotion {
     form: Form,
     length: f64,
     /// The direction of a line; of an arc 1 in its plane.
@@ -103,16 +103,16 @@ struct Motion {
 #[repr(u8)]
 enum Slot {
     Empty,
-    Motion(Motion),
+    Motion(PlannedMotion),
     /// Any other entry; true if the path stops there.
-    Other(Entry, bool),
+    Other(PathEntry, bool),
 }
 
 /// An entry with its time, to count how long the stream lasts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Planned {
     /// The entry.
-    pub entry: Entry,
+    pub entry: PathEntry,
     /// Its time without override, ms; 0 for a wait.
     pub ms: f64,
 }
@@ -129,7 +129,7 @@ pub struct LookAhead<const N: usize> {
     /// over.
     begin: f64,
     /// The last motion, for the junction to come.
-    last: Option<Tail>,
+    last: Option<LastMotion>,
     moves: bool,
     effects: u32,
     /// Speeds are not planned for all entries.
@@ -191,7 +191,7 @@ impl<const N: usize> LookAhead<N> {
         if let Some(before) = self.last.as_ref().filter(|_| !stops) {
             motion.start = self.limits.junction(before, &motion, &geometry.tangents[0]);
         }
-        self.last = Some(Tail { tangent: geometry.tangents[1], length: motion.length, vel: motion.vel });
+        self.last = Some(LastMotion { tangent: geometry.tangents[1], length: motion.length, vel: motion.vel });
         (self.moves, self.effects) = (true, 0);
         self.push(Slot::Motion(motion));
         true
@@ -203,7 +203,7 @@ impl<const N: usize> LookAhead<N> {
     }
 
     /// Any other entry, in its order. False if it is full.
-    pub fn push_other(&mut self, entry: Entry) -> bool {
+    pub fn push_other(&mut self, entry: PathEntry) -> bool {
         if self.is_full() {
             return false;
         }
@@ -239,10 +239,10 @@ impl<const N: usize> LookAhead<N> {
     }
 
     /// A motion by itself, from standstill.
-    fn motion(&self, geometry: &Geometry, vel: f64, acc: f64) -> Motion {
+    fn motion(&self, geometry: &Geometry, vel: f64, acc: f64) -> PlannedMotion {
         let direction = direction(geometry);
         let (vel, acc, round) = self.limits.hold(geometry, &direction, vel, acc);
-        Motion {
+        PlannedMotion {
             form: geometry.form,
             length: geometry.length,
             direction: direction.map(|x| x as f32),
@@ -256,8 +256,8 @@ impl<const N: usize> LookAhead<N> {
     }
 
     /// Bounds of a motion between the junctions at its start and end.
-    fn bounds(&self, motion: &Motion, end: &Junction) -> Vec<Bound, BOUNDS> {
-        let Motion { length, vel, acc, .. } = *motion;
+    fn bounds(&self, motion: &PlannedMotion, end: &Junction) -> Vec<Bound, BOUNDS> {
+        let PlannedMotion { length, vel, acc, .. } = *motion;
         let ends = [&motion.start, end];
         let reach = acc * length / 4.0;
         let fastest = ends.map(|end| (end.cap * vel * vel <= reach * reach).then(|| sqrt(end.cap) * vel));
@@ -348,7 +348,7 @@ impl<const N: usize> LookAhead<N> {
         }
         let (vel, acc, ms) = span.choose(&bounds, [self.begin, end], motion.vel, motion.acc);
         let bits = [vel.max(ALONG_MIN), acc.max(ALONG_MIN), sqrt(end)].map(f64::to_bits);
-        let entry = Along::admit(bits[0], bits[1], bits[2]).ok().and_then(|along| motion.form.entry(along))?;
+        let entry = MotionSpeeds::admit(bits[0], bits[1], bits[2]).ok().and_then(|along| motion.form.entry(along))?;
         (self.first, self.begin) = (self.first.wrapping_add(1), end);
         Some(Planned { entry, ms })
     }

@@ -11,7 +11,7 @@
 //! the present data allows, and safe.
 use super::geometry::Geometry;
 use super::look_ahead::{Limits, LookAhead};
-use servo::path::{ENTRIES, Entries, Entry, EntryStore, Item};
+use servo::path::{ENTRIES, EntryContent, EntryStore, PathEntries, PathEntry};
 use servo::view::CrdView;
 
 pub use crate::capacity::LOOK_AHEAD;
@@ -48,7 +48,7 @@ pub enum Queued {
     Motion { geometry: Geometry, vel: f64, acc: f64, stops: bool },
     /// Any other entry, or a motion that ends at the speed of its call, and how long it lasts, ms.
     /// Entries before it in the look-ahead go before it.
-    Entry(Entry, f64),
+    Entry(PathEntry, f64),
     /// Nothing follows for now: all of the look-ahead goes to the tick.
     Flush,
 }
@@ -182,7 +182,7 @@ impl PathQueue {
         while self.look.len() >= self.count && self.take(store, true) {}
     }
 
-    fn write(&mut self, store: &EntryStore, entry: Entry, ms: f64) {
+    fn write(&mut self, store: &EntryStore, entry: PathEntry, ms: f64) {
         let lasting = Lasting::of(ms);
         if let Some(slot) = self.times.get_mut(self.end as usize % ENTRIES) {
             *slot = lasting;
@@ -195,7 +195,7 @@ impl PathQueue {
     fn take(&mut self, store: &EntryStore, now: bool) -> bool {
         let Some(planned) = self.look.take(now) else { return false };
         let ms = match planned.entry.item() {
-            Item::Delay { ms } => f64::from(ms),
+            EntryContent::Delay { ms } => f64::from(ms),
             _ => planned.ms,
         };
         self.write(store, planned.entry, ms);
@@ -271,14 +271,14 @@ impl Default for PathQueue {
 }
 
 /// The least remaining time of a running motion: straight to its end, at its full speed.
-fn left(entry: Entry, sampled: &CrdView) -> f64 {
+fn left(entry: PathEntry, sampled: &CrdView) -> f64 {
     let position = super::geometry::position_of(&sampled.position);
     let (square, along) = match entry.item() {
-        Item::Line { to, dimensions, along } => {
+        EntryContent::Line { to, dimensions, along } => {
             let parts = to.iter().zip(position).take(dimensions);
             (parts.fold(0.0, |sum, (to, at)| sum + (f64::from(*to) - at) * (f64::from(*to) - at)), along)
         }
-        Item::Arc { plane, to, along, .. } => {
+        EntryContent::Arc { plane, to, along, .. } => {
             let [i, j] = plane.coordinates();
             let (a, b) = (f64::from(to[0]) - position[i], f64::from(to[1]) - position[j]);
             (a * a + b * b, along)

@@ -6,13 +6,13 @@
 //! What was dropped leaves no trace: the admitted state is set back to the executed one. A FIFO
 //! whose slots were already overwritten is emptied: it holds neither its old data nor the new.
 use super::pending_commits::PendingCommits;
-use super::{Program, ProgramDrop, State};
+use super::{Program, ProgramDrop, ProgramState};
 use crate::admit::admission::Admission;
 use crate::refuse::Refused;
 use crate::report::answer::Answer;
 use crate::report::answer::Refuser;
 use crate::report::pending_replies::TickRefusal;
-use crate::shadow::{Change, PROGRAM_FLAG, executed};
+use crate::shadow::{PROGRAM_FLAG, ShadowChange, executed};
 use crate::tick_queue::Until;
 use protocol::reason::{Cure, Reason};
 use protocol::record::ReplyWriter;
@@ -23,8 +23,8 @@ impl Program<'_> {
     /// A Stop in the immediate lane, or link loss: a running program ends, and its rest is answered
     /// `rest`. The ProgramDrop is pushed before the Stop, so that no entry starts the axes again.
     pub fn stop<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>, rest: Reason) {
-        if self.state == State::Running {
-            self.cut(State::Stopped);
+        if self.state == ProgramState::Running {
+            self.cut(ProgramState::Stopped);
             self.ending.reason = rest;
             self.push_drop(admission);
         }
@@ -34,15 +34,15 @@ impl Program<'_> {
     /// pushed before the Abort.
     pub fn abort<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>) {
         if self.is_active() {
-            self.cut(State::Stopped);
+            self.cut(ProgramState::Stopped);
             self.push_drop(admission);
         }
     }
 
     /// A new session: entries and replies of the one before are void. Motion goes on.
     pub fn abandon(&mut self) {
-        if self.state != State::Empty {
-            self.cut(State::Stopped);
+        if self.state != ProgramState::Empty {
+            self.cut(ProgramState::Stopped);
             self.ending.clears = true;
         }
         self.records.clear();
@@ -56,7 +56,7 @@ impl Program<'_> {
     pub fn tick_refused(&mut self, refusal: TickRefusal) {
         let may_fail = self.replies.refuse(refusal);
         if self.is_active() && !may_fail {
-            self.cut(State::Failed);
+            self.cut(ProgramState::Failed);
         }
     }
 
@@ -80,7 +80,7 @@ impl Program<'_> {
             Cure::Motion if refused.is_final() => true,
             // Data for a look-ahead waits for what was given before it, and then it is taken.
             _ if refused.reason == Reason::CrdFifoInUse => self.is_past(view),
-            // Of these only the end makes the record right ([`Change::may_free`]).
+            // Of these only the end makes the record right ([`ShadowChange::may_free`]).
             Cure::Motion => self.is_reached(view) || self.is_settled(view, refused.reason),
             Cure::State => self.is_reached(view),
         };
@@ -92,7 +92,7 @@ impl Program<'_> {
     }
 
     /// Nothing more of it is executed.
-    pub(super) fn cut(&mut self, state: State) {
+    pub(super) fn cut(&mut self, state: ProgramState) {
         if self.is_active() {
             self.ending.drop = ProgramDrop::Due;
             self.ending.reason = Reason::Discarded;
@@ -104,14 +104,14 @@ impl Program<'_> {
     /// aborts, too.
     pub(super) fn push_drop<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>) {
         // A program that has failed switches on and moves nothing any more: nobody is asked first.
-        let fails = self.state == State::Failed;
+        let fails = self.state == ProgramState::Failed;
         if self.ending.drop != ProgramDrop::Due || admission.lane.room() < 1 + usize::from(fails) {
             return;
         }
-        admission.lane.push(TickCommand::ProgramDrop, Change::None, 0, &mut admission.admitted);
+        admission.lane.push(TickCommand::ProgramDrop, ShadowChange::None, 0, &mut admission.admitted);
         self.ending.drop = ProgramDrop::Pushed(admission.lane.last());
         if fails {
-            admission.lane.push(TickCommand::Abort, Change::Aborted, 0, &mut admission.admitted);
+            admission.lane.push(TickCommand::Abort, ShadowChange::Aborted, 0, &mut admission.admitted);
         }
     }
 
@@ -139,7 +139,7 @@ impl Program<'_> {
 
     /// A strict program was late: what follows is not executed. The next entry reports why.
     pub(super) fn late(&mut self) {
-        self.cut(State::Failed);
+        self.cut(ProgramState::Failed);
         self.replies.note((0, Refuser::Nobody));
     }
 
@@ -210,7 +210,7 @@ impl Program<'_> {
         if self.ending.clears {
             self.ending.clears = false;
             self.overflowed = false;
-            self.state = State::Empty;
+            self.state = ProgramState::Empty;
             self.replies.refused.clear();
             progress = true;
         }

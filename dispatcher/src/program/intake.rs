@@ -10,17 +10,17 @@
 //! anything else that follows, when the script clock advances, or when their instant is near. So
 //! data before a start takes no room in the lane however it arrives. A stream that is short of data
 //! still gets each record in time.
-use super::{Program, State};
+use super::{Program, ProgramState};
 use crate::admit::admission::Admission;
-use crate::admit::context::{Due, Effect};
+use crate::admit::context::{DueInstant, Effect};
 use crate::admit::data::is_data;
 use crate::admit::staged::STAGED_MAX_BUT_RESET;
 use crate::admit::written::Written;
 use crate::admit::{kind, one};
 use crate::refuse::{Admitted, Refused};
 use crate::report::answer::{Answer, POINTS_MAX, TAKEN_MAX};
-use crate::report::pending_replies::{Awaiting, Step};
-use crate::shadow::{Change, seq_after, seq_from};
+use crate::report::pending_replies::{Awaiting, Handled};
+use crate::shadow::{ShadowChange, seq_after, seq_from};
 use protocol::command::{CommandKind, ProgramEnd, Sleep, WaitStop, class, opcode};
 use protocol::reason::Reason;
 use protocol::record::ReplyWriter;
@@ -55,11 +55,11 @@ impl Program<'_> {
                 return progress;
             }
             match self.take_record(admission, view) {
-                Ok(Step::Taken) => {
+                Ok(Handled::Taken) => {
                     self.records.pop();
                     progress = true;
                 }
-                Ok(Step::Wait) => {
+                Ok(Handled::Wait) => {
                     self.settle(admission, view);
                     return progress;
                 }
@@ -106,7 +106,7 @@ impl Program<'_> {
     /// When the pending commits have to be in the ring, controller time; none while the program is
     /// held.
     pub fn flush_due<const AXES: usize>(&self, view: &View<AXES>) -> Option<Ns> {
-        if !self.has_pending_commits() || self.state != State::Running {
+        if !self.has_pending_commits() || self.state != ProgramState::Running {
             return None;
         }
         // Before the first tick of the run its zero is not known: the present tick stands for it.
@@ -138,7 +138,7 @@ impl Program<'_> {
             return false;
         }
         self.records.pop();
-        self.cut(State::Failed);
+        self.cut(ProgramState::Failed);
         self.push_drop(admission);
         true
     }
@@ -148,10 +148,10 @@ impl Program<'_> {
         &mut self,
         admission: &mut Admission<'_, AXES>,
         view: &View<AXES>,
-    ) -> Admitted<Step> {
+    ) -> Admitted<Handled> {
         let due = self.due(view);
-        let Some((head, body)) = self.records.front() else { return Ok(Step::Wait) };
-        let due = Due { may_fail: head.may_fail, ..due };
+        let Some((head, body)) = self.records.front() else { return Ok(Handled::Wait) };
+        let due = DueInstant { may_fail: head.may_fail, ..due };
         let (answer, effect, own) = match head.opcode {
             number if class(number).is_some_and(|class| !class.lanes.in_program()) => {
                 return Err(Refused::new(Reason::NotForProgram));
@@ -163,18 +163,18 @@ impl Program<'_> {
                 }
                 self.script.delay = self.script.delay.saturating_add(sleep.ns.get());
                 self.attach(head.opcode, head.tag, Answer::Done);
-                return Ok(Step::Taken);
+                return Ok(Handled::Taken);
             }
             number if is_data(number, body) => {
                 let (opcode, tag, may_fail) = (head.opcode, head.tag, head.may_fail);
                 let written = admission.admit_data(view, due, opcode, body)?;
                 self.stream(admission, view, (written.of, written.fifo));
                 self.take_data(admission, (opcode, tag, may_fail), &written);
-                return Ok(Step::Taken);
+                return Ok(Handled::Taken);
             }
             number if kind(number) == Some(CommandKind::Calculate) => {
                 if !self.replies.has_room(POINTS_MAX) {
-                    return Ok(Step::Wait);
+                    return Ok(Handled::Wait);
                 }
                 let mut count = 0;
                 admission.calculate(view, 1, number, body, |values| {
@@ -183,20 +183,20 @@ impl Program<'_> {
                     true
                 })?;
                 self.attach(number, head.tag, Answer::Values(count));
-                return Ok(Step::Taken);
+                return Ok(Handled::Taken);
             }
             opcode::WaitStop => {
                 let wait: WaitStop = one(body)?;
                 if self.script.pauses.is_full() || !admission.wait_stop(view, due, &wait)? {
                     self.urgent = self.runs(view);
-                    return Ok(Step::Wait);
+                    return Ok(Handled::Wait);
                 }
                 (Answer::Done, Effect::None, true)
             }
             opcode::ProgramEnd => {
                 one::<ProgramEnd>(body)?;
                 admission.staged.clear();
-                admission.staged.add(TickCommand::ProgramEnd, Change::None);
+                admission.staged.add(TickCommand::ProgramEnd, ShadowChange::None);
                 (Answer::Done, Effect::None, true)
             }
             _ if self.config.is_some() => (Answer::Done, Effect::Config, true),
@@ -210,19 +210,19 @@ impl Program<'_> {
         }
         // Only a Reset may be too much here; its admission can be repeated.
         if self.lane.room() < self.pending_commits.count() + admission.staged.commands().len() {
-            return Ok(Step::Wait);
+            return Ok(Handled::Wait);
         }
         if admission.staged.commands().is_empty() {
             if let Answer::Read(_) = answer {
                 self.flush(admission);
                 // A read at the instant of the entry before needs no entry of its own.
                 if self.script.delay > 0 || !self.lane.in_flight() {
-                    self.push(admission, TickCommand::Mark, Change::None);
+                    self.push(admission, TickCommand::Mark, ShadowChange::None);
                 }
             }
             admission.apply(effect, self.lane.last());
             self.attach(head.opcode, head.tag, answer);
-            return Ok(Step::Taken);
+            return Ok(Handled::Taken);
         }
         self.flush(admission);
         if let (Effect::Took(values), Answer::Took { count, .. }) = (effect, answer) {
@@ -242,11 +242,16 @@ impl Program<'_> {
             may_fail: head.may_fail,
             ..Awaiting::BLANK
         });
-        Ok(Step::Taken)
+        Ok(Handled::Taken)
     }
 
     /// Pushes one entry; the caller has checked that there is room.
-    fn push<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>, command: TickCommand, change: Change) {
+    fn push<const AXES: usize>(
+        &mut self,
+        admission: &mut Admission<'_, AXES>,
+        command: TickCommand,
+        change: ShadowChange,
+    ) {
         if self.lane.push(command, change, self.script.delay, &mut admission.admitted) {
             self.script.push(&command, self.lane.last());
         }
@@ -310,19 +315,19 @@ impl Program<'_> {
     }
 
     /// LoadConfig, item by item.
-    fn take_config<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>, view: &View<AXES>) -> Step {
+    fn take_config<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>, view: &View<AXES>) -> Handled {
         self.flush(admission);
         let mut item = self.config.unwrap_or(0);
         loop {
             self.config = Some(item);
-            let Some((head, body)) = self.records.front() else { return Step::Wait };
+            let Some((head, body)) = self.records.front() else { return Handled::Wait };
             if !admission.stage_config(view, body, item) {
                 self.config = None;
                 self.attach(head.opcode, head.tag, Answer::Done);
-                return Step::Taken;
+                return Handled::Taken;
             }
             if self.lane.room() < admission.staged.commands().len() {
-                return Step::Wait;
+                return Handled::Wait;
             }
             self.push_staged(admission);
             item = item.saturating_add(1);

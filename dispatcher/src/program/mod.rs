@@ -24,12 +24,12 @@ mod script;
 mod waits;
 
 use crate::admit::admission::Admission;
-use crate::admit::context::Due;
+use crate::admit::context::DueInstant;
 use crate::admit::one;
 use crate::capacity::{AWAITING, VALUES};
 use crate::refuse::{Admitted, FifoOf, Refused};
-use crate::report::pending_replies::{PendingReplies, Step};
-use crate::shadow::{Change, PROGRAM_FLAG, Shadows, executed, renew};
+use crate::report::pending_replies::{Handled, PendingReplies};
+use crate::shadow::{PROGRAM_FLAG, ShadowChange, Shadows, executed, renew};
 use crate::tick_queue::TickQueue;
 use pending_commits::PendingCommits;
 use protocol::command::{ProgramClear, ProgramReply, ProgramStart, ProgramStatus, opcode};
@@ -39,9 +39,9 @@ use protocol::values::program;
 use record_queue::{QUEUE_BYTES, RECORD_BYTES, Records};
 use reported::Reported;
 use ring::Producer;
-use script::Script;
+use script::ScriptShadow;
 use servo::tick::PROGRAM;
-use servo::tick_command::{Entry, TickCommand};
+use servo::tick_command::{LaneEntry, TickCommand};
 use servo::view::View;
 use zerocopy::IntoBytes;
 
@@ -51,7 +51,7 @@ const STREAM_LEAD_NS: u64 = 4_000_000;
 
 /// State of the program; the numbers are those of `ProgramReply`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum State {
+pub enum ProgramState {
     /// No program.
     Empty = program::EMPTY as isize,
     /// Entries gather; the clock is stopped.
@@ -101,9 +101,9 @@ servo::state! {
         lane: TickQueue<'a, PROGRAM> = TickQueue::new(ring, PROGRAM_FLAG),
         records: Records = Records::new(),
         replies: PendingReplies<AWAITING, VALUES> = PendingReplies::new(),
-        state: State = State::Empty,
+        state: ProgramState = ProgramState::Empty,
         run: Run = Run::default(),
-        script: Script = Script::default(),
+        script: ScriptShadow = ScriptShadow::default(),
         pending_commits: PendingCommits = PendingCommits::default(),
         ending: Ending = Ending { strict: false, drop: ProgramDrop::None, reason: Reason::Discarded, clears: false },
         reported: Reported = Reported::default(),
@@ -122,7 +122,7 @@ servo::state! {
         waits_for: Option<(FifoOf, u8)> = None,
     }
     /// An empty queue.
-    pub fn new(ring: Producer<'a, Entry, PROGRAM>);
+    pub fn new(ring: Producer<'a, LaneEntry, PROGRAM>);
 }
 
 impl<'a> Program<'a> {
@@ -135,7 +135,7 @@ impl<'a> Program<'a> {
 
     /// Whether its clock runs in the tick that `view` shows.
     fn runs<const AXES: usize>(&self, view: &View<AXES>) -> bool {
-        self.state == State::Running && self.run.start.is_some_and(|run| executed(view, run))
+        self.state == ProgramState::Running && self.run.start.is_some_and(|run| executed(view, run))
     }
 
     /// Whether the instant of the record in hand is over, and all that was before it.
@@ -161,7 +161,7 @@ impl<'a> Program<'a> {
     /// From the view to the instant of the record in hand, ns; `u64::MAX` where that is not known.
     /// After ProgramStart the clock begins on the tick after the view.
     fn until<const AXES: usize>(&self, view: &View<AXES>) -> u64 {
-        let begun = self.state == State::Running && self.run.start.is_some();
+        let begun = self.state == ProgramState::Running && self.run.start.is_some();
         if !begun || self.script.pauses.wait() {
             return u64::MAX;
         }
@@ -177,13 +177,13 @@ impl<'a> Program<'a> {
     }
 
     /// What is known of the instant of the record in hand.
-    fn due<const AXES: usize>(&self, view: &View<AXES>) -> Due {
+    fn due<const AXES: usize>(&self, view: &View<AXES>) -> DueInstant {
         let decided = self.is_reached(view);
         let script_ns = self.script.instant();
         let until_ns = if decided { 0 } else { self.until(view) };
-        let first = self.state == State::Held && script_ns < view.period.0 && !self.script.pauses.wait();
+        let first = self.state == ProgramState::Held && script_ns < view.period.0 && !self.script.pauses.wait();
         let wait = self.script.pauses.last;
-        Due { decided, soon: self.is_soon(view), until_ns, first, script_ns, wait, may_fail: false }
+        DueInstant { decided, soon: self.is_soon(view), until_ns, first, script_ns, wait, may_fail: false }
     }
 
     /// Data has been written to a FIFO. The clock waits for a stream: for data that has waited for
@@ -201,7 +201,7 @@ impl<'a> Program<'a> {
 
     /// Whether it is held or runs.
     pub fn is_active(&self) -> bool {
-        matches!(self.state, State::Held | State::Running)
+        matches!(self.state, ProgramState::Held | ProgramState::Running)
     }
 
     /// Whether the record in hand may become right with any tick. One that waits for slots in a
@@ -221,7 +221,7 @@ impl<'a> Program<'a> {
         view: &View<AXES>,
         record: &RequestRecord,
         out: &mut ReplyWriter,
-    ) -> Step {
+    ) -> Handled {
         if self.takes_at_once::<AXES>(record.opcode, record.body) {
             // If it is refused it waits in the queue, and is refused from there.
             if let Ok(written) = admission.admit_data(view, self.due(view), record.opcode, record.body) {
@@ -229,23 +229,23 @@ impl<'a> Program<'a> {
                 let may_fail = record.lane == Lane::ProgramMayFail;
                 self.stream(admission, view, (written.of, written.fifo));
                 self.take_data(admission, (record.opcode, record.tag, may_fail), &written);
-                return Step::Taken;
+                return Handled::Taken;
             }
         }
         if self.overflowed || record.body.len() + RECORD_BYTES > self.records.space() {
             let full = Refused::new(Reason::QueueFull).got(self.records.space() as f64).limits(0.0, QUEUE_BYTES as f64);
-            let step = Step::of(out.refused(record.opcode, record.tag, &full.wire));
-            self.overflowed |= step == Step::Taken;
+            let step = Handled::of(out.refused(record.opcode, record.tag, &full.wire));
+            self.overflowed |= step == Handled::Taken;
             return step;
         }
-        if self.state == State::Empty {
-            self.state = State::Held;
+        if self.state == ProgramState::Empty {
+            self.state = ProgramState::Held;
             self.begin();
         }
         self.records.push(record.opcode, record.tag, record.lane == Lane::ProgramMayFail, record.body);
         self.reported.accepted = self.reported.accepted.wrapping_add(1);
         self.settled = false;
-        Step::Taken
+        Handled::Taken
     }
 
     /// ProgramStart, ProgramClear, ProgramStatus.
@@ -253,49 +253,49 @@ impl<'a> Program<'a> {
         &mut self,
         admission: &mut Admission<'_, AXES>,
         record: &RequestRecord,
-    ) -> Admitted<Step> {
+    ) -> Admitted<Handled> {
         match record.opcode {
             opcode::ProgramStart => {
                 let start: ProgramStart = one(record.body)?;
                 if self.is_dropping() || !self.settled {
-                    return Ok(Step::Wait);
+                    return Ok(Handled::Wait);
                 }
-                if !matches!(self.state, State::Empty | State::Held) {
+                if !matches!(self.state, ProgramState::Empty | ProgramState::Held) {
                     return Err(Refused::new(Reason::ProgramOnlyHeld));
                 }
                 if admission.lane.room() == 0 {
-                    return Ok(Step::Wait);
+                    return Ok(Handled::Wait);
                 }
-                if self.state == State::Empty {
+                if self.state == ProgramState::Empty {
                     self.begin();
                 }
                 // All of the instant 0 is in the ring before the clock runs.
                 self.flush(admission);
-                admission.lane.push(TickCommand::ProgramRun, Change::None, 0, &mut admission.admitted);
+                admission.lane.push(TickCommand::ProgramRun, ShadowChange::None, 0, &mut admission.admitted);
                 self.run.start = Some(admission.lane.last());
                 self.script.clock = 0;
                 (self.reported.overruns[1], self.reported.answered) = (self.reported.overruns[0], (0, 0));
                 self.ending.strict = start.strict != 0;
-                self.state = State::Running;
-                Ok(Step::Taken)
+                self.state = ProgramState::Running;
+                Ok(Handled::Taken)
             }
             opcode::ProgramClear => {
                 one::<ProgramClear>(record.body)?;
-                if self.state == State::Empty && !self.ending.clears {
-                    return Ok(Step::Taken);
+                if self.state == ProgramState::Empty && !self.ending.clears {
+                    return Ok(Handled::Taken);
                 }
                 if !self.ending.clears {
-                    self.cut(State::Stopped);
+                    self.cut(ProgramState::Stopped);
                     self.ending.clears = true;
                 }
                 // `advance` empties it; the reply reports that it is done.
-                Ok(Step::Wait)
+                Ok(Handled::Wait)
             }
             _ => {
                 one::<ProgramStatus>(record.body)?;
                 // The client has asked: it knows what was taken.
                 self.overflowed = false;
-                Ok(Step::Taken)
+                Ok(Handled::Taken)
             }
         }
     }
@@ -309,8 +309,8 @@ impl<'a> Program<'a> {
         out: &mut ReplyWriter,
     ) -> Result<(), Full> {
         let clock = match self.state {
-            State::Empty | State::Held => view.script.0,
-            State::Running | State::Failed | State::Stopped => self.script.clock,
+            ProgramState::Empty | ProgramState::Held => view.script.0,
+            ProgramState::Running | ProgramState::Failed | ProgramState::Stopped => self.script.clock,
         };
         let reply = ProgramReply {
             accepted: self.reported.accepted.into(),
@@ -381,18 +381,18 @@ impl<'a> Program<'a> {
             // Complete: what comes now belongs to a later program.
             (self.run.end, self.run.start) = (None, None);
             self.script.begin();
-            self.state = if self.records.is_empty() { State::Empty } else { State::Held };
+            self.state = if self.records.is_empty() { ProgramState::Empty } else { ProgramState::Held };
             progress = true;
         }
         match self.state {
-            State::Running if self.ending.strict && view.late > 0 && self.runs(view) => {
+            ProgramState::Running if self.ending.strict && view.late > 0 && self.runs(view) => {
                 self.late();
                 self.push_drop(admission);
                 true
             }
-            State::Held | State::Running => self.take_records(admission, view, out) || progress,
-            State::Failed | State::Stopped => self.discard(out) || progress,
-            State::Empty => progress,
+            ProgramState::Held | ProgramState::Running => self.take_records(admission, view, out) || progress,
+            ProgramState::Failed | ProgramState::Stopped => self.discard(out) || progress,
+            ProgramState::Empty => progress,
         }
     }
 }

@@ -11,7 +11,7 @@ pub const BODY_MAX: usize = protocol::MAX_PAYLOAD;
 
 /// The record in hand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Head {
+pub struct RecordHead {
     /// Command number.
     pub opcode: u16,
     /// The client's tag.
@@ -27,7 +27,7 @@ pub struct Records {
     ring: [u8; QUEUE_BYTES],
     first: usize,
     used: usize,
-    head: Option<Head>,
+    head: Option<RecordHead>,
     body: [u8; BODY_MAX],
 }
 
@@ -87,7 +87,7 @@ impl Records {
         self.used -= count;
     }
     /// The record in hand, taken from the queue if there is none.
-    pub fn front(&mut self) -> Option<(Head, &[u8])> {
+    pub fn front(&mut self) -> Option<(RecordHead, &[u8])> {
         if self.head.is_none() && self.used >= RECORD_BYTES {
             let mut head = [0; RECORD_BYTES];
             Self::read(&self.ring, self.first, &mut head);
@@ -98,7 +98,7 @@ impl Records {
             // A record that was taken fits.
             Self::read(&self.ring, self.first, self.body.get_mut(..usize::from(len)).unwrap_or_default());
             self.skip(usize::from(len));
-            self.head = Some(Head { opcode, tag, len, may_fail: flag != 0 });
+            self.head = Some(RecordHead { opcode, tag, len, may_fail: flag != 0 });
         }
         self.head.map(|head| (head, self.body.get(..usize::from(head.len)).unwrap_or_default()))
     }

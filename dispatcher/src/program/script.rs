@@ -3,13 +3,13 @@
 //! In: the entries that are pushed, Sleeps, views of the running program. Out: the instant of the
 //! record in hand. Owns: the accumulated delay, the WaitStops in flight.
 use super::waits::Pauses;
-use crate::shadow::Change;
+use crate::shadow::ShadowChange;
 use servo::tick_command::TickCommand;
 use servo::view::View;
 
 /// See the module text.
 #[derive(Debug, Default)]
-pub(super) struct Script {
+pub(super) struct ScriptShadow {
     /// Script time since the last entry pushed, ns.
     pub delay: u64,
     /// The earliest script clock of the last entry pushed, ns. The time that a WaitStop takes is
@@ -21,7 +21,7 @@ pub(super) struct Script {
     pub clock: u64,
 }
 
-impl Script {
+impl ScriptShadow {
     /// A program begins, or what it had pushed is over: its next entry is the first of its clock.
     pub fn begin(&mut self) {
         (self.delay, self.pushed) = (0, 0);
@@ -64,7 +64,7 @@ impl Script {
 
     /// A view of the running program. `changes` are those of the entries that it does not show as
     /// executed.
-    pub fn see<'c, const AXES: usize, I: Iterator<Item = &'c (u32, Change)>>(
+    pub fn see<'c, const AXES: usize, I: Iterator<Item = &'c (u32, ShadowChange)>>(
         &mut self,
         view: &View<AXES>,
         changes: impl Fn() -> I,

@@ -4,7 +4,7 @@
 //! that is its instant.
 //! A WaitStop takes a time that only the tick knows. It is known once the view shows its end, which
 //! is before its execution. No more WaitStops are in flight than are kept here.
-use crate::shadow::{Change, executed, renew};
+use crate::shadow::{ShadowChange, executed, renew};
 use heapless::Deque;
 use servo::status::RUNNING;
 use servo::tick_command::TickCommand;
@@ -58,7 +58,7 @@ impl Pauses {
 
     /// The script clock of the last entry pushed, as far as the view shows it; it was `instant`
     /// before the view. `changes` are those of the entries that were not executed then.
-    pub fn resolve<'c, const AXES: usize, I: Iterator<Item = &'c (u32, Change)>>(
+    pub fn resolve<'c, const AXES: usize, I: Iterator<Item = &'c (u32, ShadowChange)>>(
         &mut self,
         view: &View<AXES>,
         mut instant: u64,
@@ -107,21 +107,23 @@ impl Pauses {
 fn is_over<'c, const AXES: usize>(
     view: &View<AXES>,
     pause: &Pause,
-    changes: impl Iterator<Item = &'c (u32, Change)>,
+    changes: impl Iterator<Item = &'c (u32, ShadowChange)>,
 ) -> bool {
     if view.script_zero.0.saturating_add(pause.instant) >= view.now.0.saturating_add(view.period.0) {
         return false;
     }
     for (seq, change) in changes {
         match *change {
-            Change::Standstill { axes, crds } if *seq == pause.seq => {
+            ShadowChange::Standstill { axes, crds } if *seq == pause.seq => {
                 let axis = |(index, axis): (usize, &AxisView)| {
                     axes.0.checked_shr(index as u32).unwrap_or(0) & 1 == 1 && axis.status & RUNNING != 0
                 };
                 let crd = |(index, crd): (usize, &CrdView)| crds.0 >> (index & 7) & 1 == 1 && crd.runs;
                 return !view.axes.iter().enumerate().any(axis) && !view.crds.iter().enumerate().any(crd);
             }
-            Change::Started { .. } | Change::PvtStarted { .. } | Change::CrdStarted { .. } => return false,
+            ShadowChange::Started { .. } | ShadowChange::PvtStarted { .. } | ShadowChange::CrdStarted { .. } => {
+                return false;
+            }
             _ => {}
         }
     }

@@ -16,7 +16,7 @@ pub const EVENTS_KEPT: usize = 32;
 
 /// What happened.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum EventKind {
     /// An axis came to standstill, for a `StopReason`.
     AxisStopped = event::AXIS_STOPPED as isize,
     /// A coordinate system came to standstill.
@@ -62,7 +62,7 @@ pub struct Log {
 
 impl Log {
     /// Adds an event.
-    pub fn put(&mut self, at: Ns, kind: Kind, of: u8, reason: u16) {
+    pub fn put(&mut self, at: Ns, kind: EventKind, of: u8, reason: u16) {
         if self.items.is_full() {
             self.items.pop_front();
         }
@@ -73,7 +73,7 @@ impl Log {
     }
 
     /// Something came to standstill; an end as planned is no event.
-    pub fn stopped(&mut self, at: Ns, kind: Kind, index: usize, reason: StopReason) {
+    pub fn stopped(&mut self, at: Ns, kind: EventKind, index: usize, reason: StopReason) {
         if reason != StopReason::Completed {
             self.put(at, kind, (index as u8).saturating_add(1), reason as u16);
         }
@@ -87,7 +87,7 @@ impl Log {
                 && *before != fault
             {
                 *before = fault;
-                self.put(view.now, Kind::Laser, channel, fault);
+                self.put(view.now, EventKind::Laser, channel, fault);
             }
         }
         for (channel, laser) in (0..).zip(&view.lasers) {
@@ -96,7 +96,7 @@ impl Log {
                 // The fault is an event.
                 && laser.ignored != Ignored::Fault
             {
-                self.put(view.now, Kind::Ignored, channel, laser.ignored as u16);
+                self.put(view.now, EventKind::Ignored, channel, laser.ignored as u16);
             }
         }
         for (channel, laser) in (0..).zip(&view.lasers) {
@@ -112,20 +112,20 @@ impl Log {
         let more = |now: u32, before: &mut u32| now.wrapping_sub(core::mem::replace(before, now)).min(0xffff) as u16;
         let (overruns, lost) = (more(view.overruns, &mut self.overruns), more(view.events_lost, &mut self.lost));
         if overruns != 0 {
-            self.put(view.now, Kind::Overrun, 0, overruns);
+            self.put(view.now, EventKind::Overrun, 0, overruns);
         }
         if lost != 0 {
-            self.put(view.now, Kind::Lost, 0, lost);
+            self.put(view.now, EventKind::Lost, 0, lost);
         }
     }
 
     /// Limited once more: one event counts all in a row.
     fn limited(&mut self, at: Ns, channel: u8, times: u16) {
         match self.items.back_mut() {
-            Some(newest) if (newest.kind, newest.of) == (Kind::Limited as u8, channel) => {
+            Some(newest) if (newest.kind, newest.of) == (EventKind::Limited as u8, channel) => {
                 newest.reason = newest.reason.get().saturating_add(times).into();
             }
-            _ => self.put(at, Kind::Limited, channel, times),
+            _ => self.put(at, EventKind::Limited, channel, times),
         }
     }
 

@@ -129,17 +129,17 @@ pub type TickRefusal = (u32, Refuser);
 
 /// Whether a record was handled.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Step {
+pub enum Handled {
     /// It was handled.
     Taken,
     /// Not now: try again after the next tick or frame. Nothing has changed.
     Wait,
 }
 
-impl Step {
+impl Handled {
     /// A reply that did not fit is tried again.
-    pub fn of(written: Result<(), Full>) -> Step {
-        if written.is_ok() { Step::Taken } else { Step::Wait }
+    pub fn of(written: Result<(), Full>) -> Handled {
+        if written.is_ok() { Handled::Taken } else { Handled::Wait }
     }
 }
 

@@ -11,7 +11,7 @@ mod follow;
 mod tests;
 
 use super::event_log::{EVENTS_KEPT, Log};
-use crate::board::{Board, FAULT_TEXT_MAX};
+use crate::board::{BoardConstants, FAULT_TEXT_MAX};
 use crate::bounded_vec::collect;
 use crate::configuration::{Configuration, ones};
 use crate::io_types::{WORD, WORDS};
@@ -21,7 +21,7 @@ use heapless::Vec;
 use protocol::command::{self, Chapter, Request, chapter, opcode};
 use protocol::record::{Full, ReplyWriter};
 use protocol::values::{ANALOG_INPUT_VOLTS, io as kind, mode, wait};
-use servo::laser::{CHANNELS, Count, Mode, Power, Tables, dac_counts};
+use servo::laser::{CHANNELS, Count, Power, PowerMode, PowerTables, dac_counts};
 use servo::port::AxisInputs;
 use servo::segment::follow::{Awaited, Input};
 use servo::segment::piece::Scaled;
@@ -52,11 +52,11 @@ pub struct Reading<'x, const AXES: usize> {
     /// Counts.
     pub configuration: &'x Configuration,
     /// Constants of the board.
-    pub board: &'x Board,
+    pub board: &'x BoardConstants,
     /// Events.
     pub log: &'x Log,
     /// The tick's memory of the analog outputs.
-    pub tables: &'x Tables,
+    pub tables: &'x PowerTables,
 }
 
 /// 2^exponent, exactly, for exponents of normal numbers; beyond them 0 or infinity.
@@ -133,16 +133,16 @@ const _: () = {
 };
 
 /// A mode as `GetPrfMode` reports it.
-pub fn mode_number(of: servo::tick_command::Mode) -> i16 {
-    use servo::tick_command::Mode;
+pub fn mode_number(of: servo::tick_command::MotionMode) -> i16 {
+    use servo::tick_command::MotionMode;
     match of {
-        Mode::Trap => mode::TRAP,
-        Mode::Jog => mode::JOG,
-        Mode::PtStatic | Mode::PtDynamic => mode::PT,
-        Mode::Pvt => mode::PVT,
-        Mode::Follow => mode::FOLLOW,
-        Mode::FollowEx => mode::FOLLOW_EX,
-        Mode::Crd => mode::CRD,
+        MotionMode::Trap => mode::TRAP,
+        MotionMode::Jog => mode::JOG,
+        MotionMode::PtStatic | MotionMode::PtDynamic => mode::PT,
+        MotionMode::Pvt => mode::PVT,
+        MotionMode::Follow => mode::FOLLOW,
+        MotionMode::FollowEx => mode::FOLLOW_EX,
+        MotionMode::Crd => mode::CRD,
     }
 }
 
@@ -262,7 +262,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
     /// value set.
     fn analog_output(&self, output: usize) -> i16 {
         match self.view.lasers.get(output) {
-            Some(laser) if laser.mode == Mode::Analog => dac_counts(laser.power),
+            Some(laser) if laser.mode == PowerMode::Analog => dac_counts(laser.power),
             _ => self.tables.analog(output),
         }
     }

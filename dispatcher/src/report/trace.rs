@@ -8,15 +8,17 @@ use crate::bounded_vec::collect;
 use crate::configuration::{Configuration, ones};
 use crate::shadow::executed;
 use heapless::Vec;
-use protocol::trace::{self, AxisId, CrdId, CrdSample, Encoder, Full, Head, Ids, LaserId, LaserSample, Samples, kind};
+use protocol::trace::{
+    self, AxisId, CrdId, CrdSample, Encoder, Full, Ids, LaserId, LaserSample, Samples, TraceHead, kind,
+};
 use ring::Consumer;
-use servo::laser::{Action, CHANNELS, Count, Rate, Train};
+use servo::laser::{Action, CHANNELS, Count, PulseRate, Train};
 use servo::units::{AxisMask, Crd, CrdMask};
 use servo::view::{Sample, Traced, View};
 
 /// The columns of a trace.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Columns {
+pub struct TraceColumns {
     /// Axes.
     pub axes: AxisMask,
     /// Laser channels, bit 0 the first.
@@ -25,8 +27,8 @@ pub struct Columns {
     pub crds: CrdMask,
 }
 
-impl Columns {
-    const NONE: Columns = Columns { axes: AxisMask(0), lasers: 0, crds: CrdMask(0) };
+impl TraceColumns {
+    const NONE: TraceColumns = TraceColumns { axes: AxisMask(0), lasers: 0, crds: CrdMask(0) };
 
     fn axes(self) -> usize {
         self.axes.0.count_ones() as usize
@@ -43,7 +45,7 @@ impl Columns {
 
 /// State of a trace.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum State {
+enum TraceState {
     /// None.
     Off,
     /// Announced; its row 0 has not come.
@@ -58,9 +60,9 @@ servo::state! {
     /// The trace.
     pub struct TraceOut<const AXES: usize> {
         encoder: Encoder = Encoder::new(),
-        state: State = State::Off,
+        state: TraceState = TraceState::Off,
         every: u32 = 0,
-        columns: Columns = Columns::NONE,
+        columns: TraceColumns = TraceColumns::NONE,
         /// Entry that ends it.
         ending: Option<u32> = None,
         /// It goes over the link: in messages, and not to the caller of [`TraceOut::bytes`].
@@ -83,7 +85,7 @@ servo::state! {
 
 impl<const AXES: usize> TraceOut<AXES> {
     /// Entry `seq` begins (`every` ≥ 1) or ends a trace. One that runs is left without its end.
-    pub fn announce(&mut self, every: u32, columns: Columns, over_link: bool, seq: u32) {
+    pub fn announce(&mut self, every: u32, columns: TraceColumns, over_link: bool, seq: u32) {
         if every == 0 {
             self.ending = Some(seq);
             return;
@@ -92,7 +94,7 @@ impl<const AXES: usize> TraceOut<AXES> {
             // Bytes of the trace before are not for this reader.
             self.encoder = Encoder::new();
         }
-        self.state = State::Armed;
+        self.state = TraceState::Armed;
         (self.over_link, self.full) = (over_link, false);
         (self.every, self.columns, self.ending) = (every, columns, None);
         (self.gathered, self.sent, self.next, self.lost, self.samples_lost) = (0, 0, 0, 0, 0);
@@ -102,7 +104,7 @@ impl<const AXES: usize> TraceOut<AXES> {
     pub fn abandon(&mut self) {
         if self.over_link {
             self.encoder = Encoder::new();
-            self.state = State::Off;
+            self.state = TraceState::Off;
             (self.ending, self.over_link, self.full) = (None, false, false);
         }
     }
@@ -118,7 +120,7 @@ impl<const AXES: usize> TraceOut<AXES> {
         view: &View<AXES>,
         configuration: &Configuration,
     ) {
-        if matches!(self.state, State::Head | State::Rows) {
+        if matches!(self.state, TraceState::Head | TraceState::Rows) {
             self.samples_lost = self.samples_lost.max(view.trace_lost);
         }
         while let Some(&sample) = samples.peek() {
@@ -131,7 +133,7 @@ impl<const AXES: usize> TraceOut<AXES> {
         if self.ending.is_some_and(|seq| executed(view, seq)) {
             self.full = !self.finish();
             if !self.full {
-                self.state = State::Off;
+                self.state = TraceState::Off;
                 self.ending = None;
             }
         }
@@ -140,21 +142,21 @@ impl<const AXES: usize> TraceOut<AXES> {
     /// False if there is no room for it now.
     fn take(&mut self, sample: &Sample, view: &View<AXES>, configuration: &Configuration) -> bool {
         match self.state {
-            State::Off => return true,
-            State::Armed if sample.row != 0 => return true,
-            State::Armed => {
-                self.state = State::Head;
+            TraceState::Off => return true,
+            TraceState::Armed if sample.row != 0 => return true,
+            TraceState::Armed => {
+                self.state = TraceState::Head;
                 return self.take(sample, view, configuration);
             }
-            State::Head => {
+            TraceState::Head => {
                 if !self.head(view, configuration) {
                     return false;
                 }
                 // The view may still show the losses of the trace before.
                 self.samples_lost = 0;
-                self.state = State::Rows;
+                self.state = TraceState::Rows;
             }
-            State::Rows => {}
+            TraceState::Rows => {}
         }
         if self.gathered > 0 && sample.row != self.row {
             // A part of the row was lost, so the row is.
@@ -249,7 +251,7 @@ impl<const AXES: usize> TraceOut<AXES> {
             Action::Change(train) => (kind::CHANGE, 0, train),
             Action::Dark { standby, cut } => (kind::DARK, cut.into(), standby),
             Action::Volts(code) => (kind::VOLTS, code, Train::NONE),
-            Action::Rate(Rate { period, width, scale, shift }) => {
+            Action::Rate(PulseRate { period, width, scale, shift }) => {
                 (kind::RATE, 0, Train { period, width: Count { whole: scale, part: width, of: shift } })
             }
         };
@@ -269,12 +271,12 @@ impl<const AXES: usize> TraceOut<AXES> {
         let crds: Vec<_, { Crd::MAX }> =
             collect(crds.map(|crd| CrdId { core: crd / per_core, crd: crd % per_core + 1 }));
         let (period_ns, timer_mhz) = (view.period.0 as u32, view.timer_mhz);
-        let head = Head { schema: protocol::SCHEMA, period_ns, every: self.every, timer_mhz };
+        let head = TraceHead { schema: protocol::SCHEMA, period_ns, every: self.every, timer_mhz };
         self.encoder.head(&head, &Ids { axes: &axes, lasers: &lasers, crds: &crds }).is_ok()
     }
 
     fn finish(&mut self) -> bool {
-        if self.state != State::Rows {
+        if self.state != TraceState::Rows {
             // It was ended before its first row.
             return true;
         }
@@ -290,7 +292,7 @@ impl<const AXES: usize> TraceOut<AXES> {
 
     /// Whether bytes for the link are due: as many as a frame holds, or the last ones.
     pub fn is_due(&self) -> bool {
-        self.over_link && (self.full || self.state == State::Off && !self.encoder.is_empty())
+        self.over_link && (self.full || self.state == TraceState::Off && !self.encoder.is_empty())
     }
 
     /// Whether any bytes for the link have gathered.
@@ -306,6 +308,6 @@ impl<const AXES: usize> TraceOut<AXES> {
 
     /// Whether a trace is announced or runs.
     pub fn is_on(&self) -> bool {
-        self.state != State::Off
+        self.state != TraceState::Off
     }
 }

@@ -13,9 +13,9 @@ use crate::admit::kind;
 use crate::program::Program;
 use crate::refuse::Refused;
 use crate::report::answer::Answer;
-use crate::report::event_log::{Kind, ShutOff};
-use crate::report::pending_replies::{Awaiting, PendingReplies, Step, TickRefusal};
-use crate::shadow::{AxisShadow, CAPACITY, Change, Renewed, Watch, executed};
+use crate::report::event_log::{EventKind, ShutOff};
+use crate::report::pending_replies::{Awaiting, Handled, PendingReplies, TickRefusal};
+use crate::shadow::{AxisShadow, CAPACITY, Renewed, ShadowChange, Watch, executed};
 use protocol::command;
 use protocol::record::{ReplyWriter, RequestRecord};
 use servo::tick::IMMEDIATE;
@@ -150,17 +150,17 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
         self.replies.items.is_empty() && !self.admission.lane.in_flight()
     }
 
-    fn refuse(&self, record: &RequestRecord, refused: Refused, out: &mut ReplyWriter) -> Step {
+    fn refuse(&self, record: &RequestRecord, refused: Refused, out: &mut ReplyWriter) -> Handled {
         if !self.is_quiet() {
-            return Step::Wait;
+            return Handled::Wait;
         }
-        Step::of(out.refused(record.opcode, record.tag, &refused.wire))
+        Handled::of(out.refused(record.opcode, record.tag, &refused.wire))
     }
 
-    fn await_last(&mut self, record: &RequestRecord, answer: Answer, own: bool) -> Step {
+    fn await_last(&mut self, record: &RequestRecord, answer: Answer, own: bool) -> Handled {
         let seq = self.admission.lane.in_flight().then(|| self.admission.lane.last());
         self.replies.push(Awaiting { opcode: record.opcode, tag: record.tag, seq, own, answer, ..Awaiting::BLANK });
-        Step::Taken
+        Handled::Taken
     }
 
     /// A new session begins with light off and the supervision of power-on. False if the lane has
@@ -170,11 +170,11 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
             return false;
         }
         let watch = Watch::DEFAULT;
-        let (command, change) = (TickCommand::Supervision(watch.supervision()), Change::Watch(watch));
+        let (command, change) = (TickCommand::Supervision(watch.supervision()), ShadowChange::Watch(watch));
         self.admission.lane.push(command, change, 0, &mut self.admission.admitted);
-        self.admission.lane.push(TickCommand::NewSession, Change::None, 0, &mut self.admission.admitted);
+        self.admission.lane.push(TickCommand::NewSession, ShadowChange::None, 0, &mut self.admission.admitted);
         if view.lasers.iter().any(|laser| laser.commanded || laser.light || laser.owners.0 != 0) {
-            self.admission.log.put(view.now, Kind::ShutOff, 0, ShutOff::NewSession as u16);
+            self.admission.log.put(view.now, EventKind::ShutOff, 0, ShutOff::NewSession as u16);
         }
         true
     }

@@ -5,8 +5,8 @@
 //! next poll tries again.
 use crate::admit::admission::Admission;
 use crate::program::Program;
-use crate::report::event_log::Kind;
-use crate::shadow::Change;
+use crate::report::event_log::EventKind;
+use crate::shadow::ShadowChange;
 use protocol::reason::Reason;
 use servo::tick_command::TickCommand;
 use servo::units::{AxisMask, CrdMask, Ns};
@@ -38,11 +38,11 @@ pub fn watch<const AXES: usize>(
         // off the lasers.
         *lost = report(admission, true);
         program.stop(admission, Reason::LinkLost);
-        admission.log.put(now, Kind::Link, 0, 1);
+        admission.log.put(now, EventKind::Link, 0, 1);
     } else if !silent && *lost {
         *lost = !report(admission, false);
         if !*lost {
-            admission.log.put(now, Kind::Link, 0, 0);
+            admission.log.put(now, EventKind::Link, 0, 0);
         }
     }
 }
@@ -52,5 +52,5 @@ fn report<const AXES: usize>(admission: &mut Admission<'_, AXES>, lost: bool) ->
     // On a loss all paths brake.
     let crds = CrdMask(if lost { u8::MAX } else { 0 });
     let ahead = &mut admission.admitted;
-    admission.lane.push(TickCommand::Link { lost }, Change::Stopped { axes: AxisMask(0), crds }, 0, ahead)
+    admission.lane.push(TickCommand::Link { lost }, ShadowChange::Stopped { axes: AxisMask(0), crds }, 0, ahead)
 }

@@ -9,12 +9,12 @@
 use super::commands::CommandHandler;
 use super::link_loss;
 use crate::admit::admission::Admission;
-use crate::board::Board;
+use crate::board::BoardConstants;
 use crate::plan::path_queue::PathQueue;
 use crate::program::Program;
 use crate::report::answer::Refuser;
-use crate::report::event_log::Kind;
-use crate::report::pending_replies::Step;
+use crate::report::event_log::EventKind;
+use crate::report::pending_replies::Handled;
 use protocol::frame::OPENING_WIRE;
 use protocol::link::{Endpoint, Identity, Role, TakeOver};
 use protocol::record::{Lane, ReplyHead, ReplyWriter, TRACE_RECORD, requests};
@@ -23,7 +23,7 @@ use servo::path::PathStores;
 use servo::segment::pt::SegmentStore;
 use servo::tables::TableStores;
 pub use servo::tick::{EVENTS, IMMEDIATE, PROGRAM, SAMPLES, SEGMENTS};
-use servo::tick_command::{Entry, Lane as TickLane};
+use servo::tick_command::{Lane as TickLane, LaneEntry};
 use servo::units::Ns;
 use servo::view::{Event, Sample, View};
 use zerocopy::IntoBytes;
@@ -39,11 +39,11 @@ const TRACE_FLUSH_NS: u64 = 20_000_000;
 const TRACE_HEAD: usize = size_of::<ReplyHead>();
 
 /// The thread's halves of the queues between thread and tick.
-pub struct Channels<'a, const AXES: usize> {
+pub struct ThreadHalves<'a, const AXES: usize> {
     /// Tick commands for the next tick.
-    pub immediate: Producer<'a, Entry, IMMEDIATE>,
+    pub immediate: Producer<'a, LaneEntry, IMMEDIATE>,
     /// Timed tick commands of a program.
-    pub program: Producer<'a, Entry, PROGRAM>,
+    pub program: Producer<'a, LaneEntry, PROGRAM>,
     /// The newest view.
     pub view: Reader<'a, View<AXES>>,
     /// Events.
@@ -87,7 +87,7 @@ pub struct Server<'a, const AXES: usize> {
 
 impl<'a, const AXES: usize> Server<'a, AXES> {
     /// A server at power-on: no session, every axis in its power-on state.
-    pub fn new(board: Board, channels: Channels<'a, AXES>) -> Self {
+    pub fn new(board: BoardConstants, channels: ThreadHalves<'a, AXES>) -> Self {
         Server {
             link: Endpoint::new(Role::Controller, Identity::OURS),
             handler: CommandHandler::new(Admission::new(
@@ -145,11 +145,11 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
                 Event::CrdRefused { lane, seq, crd } => (lane, seq, Refuser::Crd(crd)),
                 Event::LaserRefused { lane, seq, channel } => (lane, seq, Refuser::Laser(channel)),
                 Event::Stopped { axis, reason, now } => {
-                    self.handler.admission.log.stopped(now, Kind::AxisStopped, axis.index(), reason);
+                    self.handler.admission.log.stopped(now, EventKind::AxisStopped, axis.index(), reason);
                     continue;
                 }
                 Event::CrdStopped { crd, reason, now } => {
-                    self.handler.admission.log.stopped(now, Kind::CrdStopped, crd.index(), reason);
+                    self.handler.admission.log.stopped(now, EventKind::CrdStopped, crd.index(), reason);
                     continue;
                 }
             };
@@ -193,10 +193,10 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
                         Ok(record) => self.handler.immediate(&mut self.program, view, &record, &mut writer),
                         Err(malformed) => {
                             let (opcode, tag) = malformed.head.unwrap_or((0, 0));
-                            Step::of(writer.refused(opcode, tag, &malformed.refusal()))
+                            Handled::of(writer.refused(opcode, tag, &malformed.refusal()))
                         }
                     };
-                    if step == Step::Wait {
+                    if step == Handled::Wait {
                         over = false;
                         break;
                     }
@@ -331,7 +331,7 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
     }
 
     /// What the board is.
-    pub fn board(&self) -> &Board {
+    pub fn board(&self) -> &BoardConstants {
         &self.handler.admission.board
     }
 

@@ -5,7 +5,7 @@ use protocol::command::{JogPrm, TrapPrm};
 use protocol::values::pt_state;
 use servo::segment::pt::Chain;
 use servo::status::RUNNING;
-use servo::tick_command::Mode;
+use servo::tick_command::MotionMode;
 use servo::units::{Crd, Pos};
 use servo::view::{AxisView, View};
 
@@ -25,7 +25,7 @@ pub const BEGINS_SHIFT: u32 = 16;
 #[derive(Debug, Clone, Copy, Default)]
 pub struct AxisShadow {
     /// Profile mode.
-    pub mode: Mode,
+    pub mode: MotionMode,
     /// PT memory selector, 0 or 1.
     pub memory: u8,
     /// FIFO of the last PtStart.
@@ -45,7 +45,7 @@ pub struct AxisShadow {
     pub busy: Option<u32>,
     /// The last entry that set the planned position, and to what, until it is executed.
     pub placed: Option<(u32, Option<Pos>)>,
-    /// In `Mode::Crd`: the coordinate system that drives it.
+    /// In `MotionMode::Crd`: the coordinate system that drives it.
     pub crd: Crd,
     /// The last AxisOn or AxisOff, until it is executed.
     pub servo: Option<(u32, bool)>,
@@ -90,15 +90,15 @@ impl AxisShadow {
     }
     /// Whether PT data of this axis forms one ring.
     pub fn is_dynamic(&self) -> bool {
-        self.mode == Mode::PtDynamic
+        self.mode == MotionMode::PtDynamic
     }
     /// Whether the axis is in a PT mode.
     pub fn is_pt(&self) -> bool {
-        matches!(self.mode, Mode::PtStatic | Mode::PtDynamic)
+        matches!(self.mode, MotionMode::PtStatic | MotionMode::PtDynamic)
     }
     /// Whether the axis is in Follow or FollowEx mode.
     pub fn is_follow(&self) -> bool {
-        matches!(self.mode, Mode::Follow | Mode::FollowEx)
+        matches!(self.mode, MotionMode::Follow | MotionMode::FollowEx)
     }
     /// The FIFO of Follow that runs when the next entry acts, if the axis does and does not switch.
     pub fn running_fifo<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView) -> u8 {
@@ -115,7 +115,7 @@ impl AxisShadow {
             let switches = self.is_switching(view, axis) || self.follow.has_switches();
             self.running_fifo(view, axis) != fifo && !switches
         } else {
-            self.mode == Mode::PtStatic && self.fifo != fifo
+            self.mode == MotionMode::PtStatic && self.fifo != fifo
         }
     }
     /// Whether a command's effect on the FIFOs of Follow is known only at its instant.

@@ -1,7 +1,7 @@
 //! Shadow state of one laser channel.
 use super::executed;
 use servo::Fifos;
-use servo::laser::{self, BANKS, Bounds, Carrier, DISTANCES, POWER_TABLES, Power, Ratios, Source};
+use servo::laser::{self, BANKS, Carrier, DISTANCES, POWER_TABLES, Power, PowerBounds, Ratios, SpeedSource};
 use servo::view::View;
 
 /// Distance follow as it was given.
@@ -10,7 +10,7 @@ pub struct DistanceShadow {
     /// Index of the first of its four axes.
     pub first: u8,
     /// The source of its positions.
-    pub source: Source,
+    pub source: SpeedSource,
     /// Reference positions, pulses.
     pub reference: [i32; DISTANCES],
     /// Pulses per unit of distance.
@@ -20,7 +20,7 @@ pub struct DistanceShadow {
     /// Source of the ratios.
     pub from: Ratios,
     /// Bounds of its own.
-    pub bounds: Option<Bounds>,
+    pub bounds: Option<PowerBounds>,
 }
 
 impl DistanceShadow {
@@ -38,9 +38,9 @@ servo::state! {
     #[derive(Debug, Clone, Copy)]
     pub struct LaserShadow {
         /// Power mode.
-        pub mode: laser::Mode = laser::Mode::Duty,
+        pub mode: laser::PowerMode = laser::PowerMode::Duty,
         /// Bounds of the power.
-        pub bounds: Bounds = Bounds::full(laser::Mode::Duty),
+        pub bounds: PowerBounds = PowerBounds::full(laser::PowerMode::Duty),
         /// The gate's delays apply.
         pub delayed: bool = delayed,
         /// Direct power.
@@ -96,7 +96,7 @@ impl LaserShadow {
     }
 
     /// Another mode sets the power to 0; the same one changes only the values given with it.
-    pub fn set_mode(&mut self, mode: laser::Mode, bounds: Bounds, delayed: bool) {
+    pub fn set_mode(&mut self, mode: laser::PowerMode, bounds: PowerBounds, delayed: bool) {
         if self.mode != mode {
             self.power = Power::ZERO;
         }
@@ -141,7 +141,7 @@ pub enum LaserChange {
     /// Power-on state of a family.
     PowerOn { delayed: bool, connector: bool },
     /// LaserPowerMode.
-    Mode { mode: laser::Mode, bounds: Bounds, delayed: bool },
+    Mode { mode: laser::PowerMode, bounds: PowerBounds, delayed: bool },
     /// Direct power.
     Power(Power),
     /// Carrier.

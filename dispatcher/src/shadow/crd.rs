@@ -8,7 +8,7 @@ use servo::view::{CrdView, View};
 
 /// Parameters of a coordinate system as SetCrdPrm gave them.
 #[derive(Debug, Clone, Copy)]
-pub struct Frame {
+pub struct CrdParameters {
     /// Coordinates in use, 1 to 4.
     pub dimension: u8,
     /// The coordinate that each axis of the core drives, from 1; 0 none.
@@ -27,7 +27,7 @@ pub struct Frame {
     pub origin: [i32; 8],
 }
 
-impl Frame {
+impl CrdParameters {
     /// Axis of each coordinate.
     pub fn axes(&self) -> [Option<Axis>; DIMENSIONS] {
         let mut axes = [None; DIMENSIONS];
@@ -241,7 +241,7 @@ impl PathShadow {
 #[derive(Debug, Clone, Copy, Default)]
 pub struct CrdShadow {
     /// Its parameters.
-    pub frame: Option<Frame>,
+    pub frame: Option<CrdParameters>,
     /// Limits of each coordinate for look-ahead: pulse/ms, pulse/ms²; 0 is none of its own.
     pub limits: [(f64, f64); DIMENSIONS],
     /// FIFO of the last start.
@@ -352,7 +352,7 @@ impl CrdShadow {
     }
 
     /// Everything of an earlier frame is over.
-    pub(super) fn renew(&mut self, frame: Option<Frame>, here: Option<Position>, seq: u32) {
+    pub(super) fn renew(&mut self, frame: Option<CrdParameters>, here: Option<Position>, seq: u32) {
         let CrdShadow { started, busy, beside, fifos, .. } = *self;
         let dec = frame.map_or((0.0, 0.0), |frame| (frame.acc_max, frame.acc_max));
         *self = CrdShadow { frame, here, dec, started, busy, beside, last: Some(seq), ..CrdShadow::power_on() };
@@ -523,7 +523,7 @@ impl CrdShadow {
 #[derive(Debug, Clone, Copy)]
 pub enum CrdChange {
     /// SetCrdPrm; `here` is the position, if it is known.
-    Frame { frame: Frame, here: Option<Position> },
+    Frame { frame: CrdParameters, here: Option<Position> },
     /// A FIFO is emptied; `here` is the position, if it is known.
     Emptied { fifo: u8, here: Option<Position> },
     /// What a FIFO was given, if it was cleared so many times.

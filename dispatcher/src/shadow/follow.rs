@@ -5,15 +5,15 @@
 //! effect of a command on the FIFOs of an axis that may switch is known only at its instant
 //! ([`FollowShadow::may_switch`]).
 use super::executed;
-use servo::segment::follow::Chain;
+use servo::segment::follow::FollowChain;
 use servo::units::Axis;
 use servo::view::{AxisView, View};
 
 /// One FIFO of entries.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Fifo {
+pub struct FollowFifoShadow {
     /// The state from which the next entry continues.
-    pub chain: Chain,
+    pub chain: FollowChain,
     /// The master's position at its end as the user gave it, pulses.
     pub master: f64,
     /// The slave's.
@@ -22,7 +22,7 @@ pub struct Fifo {
     pub switches: bool,
 }
 
-impl Fifo {
+impl FollowFifoShadow {
     /// Whether it holds nothing.
     pub fn is_empty(&self) -> bool {
         self.chain.entries() == 0
@@ -41,7 +41,7 @@ pub struct FollowShadow {
     /// Event, direction and position as they were given.
     pub event: (i16, i16, i32),
     /// The data.
-    pub fifos: [Fifo; 2],
+    pub fifos: [FollowFifoShadow; 2],
     /// Times the tick has emptied each, by the view that this state follows.
     pub cleared: [u32; 2],
     /// The last entry that emptied each while it held something, until it is executed.
@@ -57,7 +57,7 @@ impl FollowShadow {
     }
 
     /// One FIFO.
-    pub fn fifo(&self, fifo: u8) -> &Fifo {
+    pub fn fifo(&self, fifo: u8) -> &FollowFifoShadow {
         &self.fifos[usize::from(fifo & 1)]
     }
     /// Entries that a FIFO holds.
@@ -105,7 +105,7 @@ impl FollowShadow {
         if !self.fifos[slot].is_empty() {
             self.emptied[slot] = Some(seq);
         }
-        self.fifos[slot] = Fifo::default();
+        self.fifos[slot] = FollowFifoShadow::default();
     }
     /// Entry `seq` empties both.
     pub fn empty_both(&mut self, seq: u32) {
@@ -131,7 +131,7 @@ impl FollowShadow {
     pub fn follow(&mut self, sampled: &AxisView) {
         for ((fifo, known), now) in self.fifos.iter_mut().zip(&mut self.cleared).zip(sampled.cleared) {
             if *known != now {
-                (*known, *fifo) = (now, Fifo::default());
+                (*known, *fifo) = (now, FollowFifoShadow::default());
             }
         }
     }

@@ -3,7 +3,7 @@
 pub mod crd;
 pub mod follow;
 
-use dispatcher::{Board, Channels, Fault, PathQueue, Server};
+use dispatcher::{BoardConstants, Fault, PathQueue, Server, ThreadHalves};
 use protocol::command::*;
 use protocol::link::{Endpoint, Identity, Role};
 use protocol::reason::{Reason, Refusal};
@@ -15,7 +15,7 @@ use servo::path::{EntryStore, PathStores};
 use servo::port::{AxisInputs, GeneralInputs, GeneralOutputs, Port};
 use servo::segment::pvt::{HeaderStore, PointStore, TABLES};
 use servo::tables::TableStores;
-use servo::tick::{Lanes, SegmentStore, Tick, TickConfig};
+use servo::tick::{SegmentStore, Tick, TickConfig, TickHalves};
 use servo::units::{Axis, AxisMask, Crd, Ns, Pos, StepLimit};
 use servo::view::View;
 use std::collections::HashMap;
@@ -99,7 +99,7 @@ fn leak<T>(value: T) -> &'static mut T {
 pub struct Bench<const AXES: usize> {
     pub server: Server<'static, AXES>,
     pub tick: Tick<AXES>,
-    pub lanes: Lanes<'static, AXES>,
+    pub lanes: TickHalves<'static, AXES>,
     pub machine: Machine<AXES>,
     pub client: Endpoint<8>,
     /// The wire is cut: no byte passes.
@@ -150,9 +150,9 @@ impl<const AXES: usize> Bench<AXES> {
         let tables = TableStores {
             points: Box::leak(places),
             headers: leak(HeaderStore::new()),
-            lasers: leak(servo::laser::Tables::new()),
+            lasers: leak(servo::laser::PowerTables::new()),
         };
-        let board = Board {
+        let board = BoardConstants {
             name: "bench",
             profile,
             tick_us: 10..=1000,
@@ -169,7 +169,7 @@ impl<const AXES: usize> Bench<AXES> {
         let mut bench = Bench {
             server: Server::new(
                 board,
-                Channels { immediate, program, view, events, samples, stores, paths, queues, tables },
+                ThreadHalves { immediate, program, view, events, samples, stores, paths, queues, tables },
             ),
             tick: Tick::new(TickConfig {
                 period_ns: tick_us * 1000,
@@ -178,7 +178,7 @@ impl<const AXES: usize> Bench<AXES> {
                 laser_clock: Clock::GHZ,
                 step_limit,
             }),
-            lanes: Lanes {
+            lanes: TickHalves {
                 immediate: immediate_out,
                 program: program_out,
                 view: view_in,

@@ -2,11 +2,11 @@
 //! reference is computed in 256 fraction bits from the doubles as given, in its own way: phases of
 //! constant jerk over real time instead of Hermite pieces over a parameter.
 use dispatcher::Refused;
-use dispatcher::plan::pvt::{Draft, Fields, Kind, Scratch, SplineScratch};
+use dispatcher::plan::pvt::{Fields, Scratch, SplineScratch, TableDraft, TableKind};
 use num_bigint::{BigInt, Sign};
 use num_traits::{Signed, ToPrimitive, Zero};
 use servo::segment::generator_state::GeneratorState;
-use servo::segment::pvt::{HEADER_WORDS, Header, POINT_WORDS, PointStore, Tables};
+use servo::segment::pvt::{HEADER_WORDS, Header, POINT_WORDS, PointStore, PvtTables};
 use servo::units::{Exact, Ns, StepLimit};
 
 pub(crate) use crate::chance;
@@ -19,7 +19,7 @@ pub const FIELDS: Fields = Fields { count: 2, whole: 4, point: 10 };
 #[derive(Default, Clone)]
 pub struct Shelf(pub Vec<([u32; HEADER_WORDS], Vec<[u32; POINT_WORDS]>)>);
 
-impl Tables for Shelf {
+impl PvtTables for Shelf {
     fn point(&self, table: u8, index: u32) -> [u32; POINT_WORDS] {
         self.0.get(table as usize).and_then(|t| t.1.get(index as usize)).copied().unwrap_or_default()
     }
@@ -30,10 +30,11 @@ impl Tables for Shelf {
 
 impl Shelf {
     /// Builds a table and adds it to the shelf; returns the answers of the points.
-    pub fn add(&mut self, kind: Kind, points: &[Vec<f64>]) -> Result<Vec<f64>, Refused> {
+    pub fn add(&mut self, kind: TableKind, points: &[Vec<f64>]) -> Result<Vec<f64>, Refused> {
         let (mut beside, room) = (Box::new(SplineScratch::new()), Box::new(PointStore::new()));
         let mut scratch = Scratch::new(&mut beside, &room);
-        let mut draft = Draft::begin(kind, points.len() as i32, FIELDS, StepLimit::FULL_SCALE, true, &mut scratch)?;
+        let mut draft =
+            TableDraft::begin(kind, points.len() as i32, FIELDS, StepLimit::FULL_SCALE, true, &mut scratch)?;
         let mut answers = Vec::new();
         for point in points {
             answers.push(draft.point(point, &mut scratch)?);
@@ -203,11 +204,11 @@ impl Reference {
     }
 
     /// The motion that the points define.
-    pub fn of(kind: Kind, points: &[Vec<f64>]) -> Reference {
+    pub fn of(kind: TableKind, points: &[Vec<f64>]) -> Reference {
         let b: Vec<Vec<BigInt>> = points.iter().map(|p| p.iter().map(|x| big(*x)).collect()).collect();
         let mut r = Reference::default();
         let last = b.len() - 1;
-        if let Kind::Continuous { time_begin } = kind {
+        if let TableKind::Continuous { time_begin } = kind {
             r.continuous(&b);
             r.delay = big(time_begin);
             r.displacement = &b[last][0] - &b[0][0];
@@ -220,13 +221,17 @@ impl Reference {
         let p: Vec<BigInt> = b.iter().map(|q| &q[1] - &b[0][1]).collect();
         let slope = |i: usize| div(&(&p[i + 1] - &p[i]), &(&t[i + 1] - &t[i]));
         match kind {
-            Kind::Pvt => (0..last).for_each(|i| r.hermite(&t[i], &t[i + 1], &p[i], &p[i + 1], &b[i][2], &b[i + 1][2])),
-            Kind::PvtEx => (0..last).for_each(|i| r.hermite(&t[i], &t[i + 1], &p[i], &p[i + 1], &b[i][2], &b[i][3])),
-            Kind::Complete { vel_begin, vel_end } => {
+            TableKind::Pvt => {
+                (0..last).for_each(|i| r.hermite(&t[i], &t[i + 1], &p[i], &p[i + 1], &b[i][2], &b[i + 1][2]))
+            }
+            TableKind::PvtEx => {
+                (0..last).for_each(|i| r.hermite(&t[i], &t[i + 1], &p[i], &p[i + 1], &b[i][2], &b[i][3]))
+            }
+            TableKind::Complete { vel_begin, vel_end } => {
                 let v = spline(&t, &p, big(vel_begin), big(vel_end));
                 (0..last).for_each(|i| r.hermite(&t[i], &t[i + 1], &p[i], &p[i + 1], &v[i], &v[i + 1]));
             }
-            Kind::Percent { vel_begin } => {
+            TableKind::Percent { vel_begin } => {
                 let mut v = big(vel_begin);
                 for i in 0..last {
                     let next = slope(i) * 2 - &v;
@@ -234,7 +239,7 @@ impl Reference {
                     v = next;
                 }
             }
-            Kind::Continuous { .. } => unreachable!(),
+            TableKind::Continuous { .. } => unreachable!(),
         }
         r
     }

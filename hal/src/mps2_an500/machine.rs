@@ -8,10 +8,10 @@
 //! tick's view carries both over the link. Fails never.
 use super::outputs;
 use super::uart::Rx;
-use plant::inputs::{Plan as InputPlan, Row};
+use plant::inputs::{InputPlan, Row};
 use plant::{Gain, Plant};
 use servo::laser::Plan;
-use servo::port::{AxisInputs, Due, GeneralInputs, GeneralOutputs, Port, Simulated};
+use servo::port::{AxisInputs, GeneralInputs, GeneralOutputs, InputTime, Port, Simulated};
 use servo::segment::follow::Input;
 use servo::units::{Axis, Ns, Pos};
 
@@ -111,7 +111,7 @@ impl<const AXES: usize> Port for Machine<AXES> {
         }
     }
 
-    fn plan(&mut self, row: u16, due: Due, input: Simulated) {
+    fn plan(&mut self, row: u16, due: InputTime, input: Simulated) {
         self.plan.put(row, due, input);
     }
 

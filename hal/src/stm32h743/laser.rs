@@ -11,7 +11,7 @@ use super::clocks::TIMER_MHZ;
 use super::pwm_dma::{BEGIN, LASER_0, LASER_1, SWITCHES, TIM15, Timer, empty_slots};
 use core::sync::atomic::AtomicU32;
 use servo::laser::{CHANNELS, Plan};
-use servo::output::{DELAY_LINE_WORDS, DelayLine, GateCycles, PwmCycles, Scale, Slots};
+use servo::output::{DELAY_LINE_WORDS, DelayLine, GateCycles, PwmCycles, RingSlots, Scale};
 use stm32_metapac::timer::TimAdv;
 use stm32_metapac::timer::vals::{Bkinp, Bkp, Mms, Msm, OcmGp, Ossi, Ossr, Sms, Ts, Urs};
 use stm32_metapac::{RCC, TIM1, TIM2, TIM8};
@@ -29,11 +29,11 @@ const START_COUNTS: u64 = 480;
 const NEVER: u16 = u16::MAX;
 
 #[unsafe(link_section = ".dma.laser_0")]
-static RING_0: Slots<ENERGY_SLOTS, 3> = empty_slots();
+static RING_0: RingSlots<ENERGY_SLOTS, 3> = empty_slots();
 #[unsafe(link_section = ".dma.laser_1")]
-static RING_1: Slots<ENERGY_SLOTS, 3> = empty_slots();
+static RING_1: RingSlots<ENERGY_SLOTS, 3> = empty_slots();
 #[unsafe(link_section = ".dma.switches")]
-static RING_SWITCHES: Slots<SWITCH_SLOTS, 6> = empty_slots();
+static RING_SWITCHES: RingSlots<SWITCH_SLOTS, 6> = empty_slots();
 
 /// Plans of a tick, in the delay lines.
 #[unsafe(link_section = ".state.held_0")]

@@ -8,7 +8,7 @@ use super::adc::Adc;
 use super::analog::Analog;
 use super::encoders::Encoders;
 use super::laser::{self, Lasers};
-use super::pins::{self, AXES, Levels};
+use super::pins::{self, AXES, PinLevels};
 use super::steps::Steps;
 use servo::laser::Plan;
 use servo::output::step_generator;
@@ -18,7 +18,7 @@ use servo::units::{Axis, Pos};
 /// The machine.
 #[derive(Debug)]
 pub struct Machine {
-    levels: Levels,
+    levels: PinLevels,
     steps: Steps,
     encoders: Encoders,
     analog: Analog,
@@ -41,7 +41,7 @@ impl Machine {
     /// At standstill at zero.
     pub fn new(lasers: Lasers, analog: Analog, adc: Adc, is_blocked: bool) -> Machine {
         Machine {
-            levels: Levels::LOW,
+            levels: PinLevels::LOW,
             steps: Steps::AT_REST,
             encoders: Encoders::AT_ZERO,
             analog,
@@ -68,7 +68,7 @@ impl Machine {
             pins::set(self.next.0, self.next.1);
         }
         self.next.1 = self.after_next;
-        self.levels = Levels::read();
+        self.levels = PinLevels::read();
         for (axis, reached) in self.reached.iter_mut().enumerate() {
             *reached = self.steps.reached(axis);
         }

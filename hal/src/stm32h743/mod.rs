@@ -27,7 +27,7 @@ pub mod uart;
 pub mod usb;
 pub mod watchdog;
 
-pub use watchdog::{Cause, cause};
+pub use watchdog::{ResetCause, cause};
 
 /// Name of the board as the link reports it.
 pub const NAME: &str = "nucleo-h743zi2";
@@ -128,7 +128,7 @@ pub fn take() -> Option<Board> {
         clocks::break_with_the_chip();
         // The timers hold the safe state before a pin outputs it.
         pins::open_lasers();
-        let contradiction = laser::contradiction(pins::Levels::read().breaks());
+        let contradiction = laser::contradiction(pins::PinLevels::read().breaks());
         encoders::open();
         Some(Board {
             contradiction,

@@ -210,17 +210,17 @@ pub fn set(enable: u64, general: GeneralOutputs) {
 
 /// Levels of all inputs of one tick; the ports are read one after the other.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Levels {
+pub struct PinLevels {
     ports: [u16; 7],
 }
 
-impl Levels {
+impl PinLevels {
     /// Nothing is high.
-    pub const LOW: Levels = Levels { ports: [0; 7] };
+    pub const LOW: PinLevels = PinLevels { ports: [0; 7] };
 
     /// As they are now.
-    pub fn read() -> Levels {
-        Levels { ports: [GPIOA, GPIOB, GPIOC, GPIOD, GPIOE, GPIOF, GPIOG].map(|port| port.idr().read().0 as u16) }
+    pub fn read() -> PinLevels {
+        PinLevels { ports: [GPIOA, GPIOB, GPIOC, GPIOD, GPIOE, GPIOF, GPIOG].map(|port| port.idr().read().0 as u16) }
     }
 
     fn at(&self, (port, pin): Pin) -> bool {

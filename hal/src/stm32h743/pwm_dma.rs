@@ -7,7 +7,7 @@
 //! In: cycles, as half-words of the timer's registers from `ARR` on. Out: whether DMA reads the
 //! ring where it should. Owns the stream. Fails to dark outputs, as [`CycleRing`] does.
 use core::sync::atomic::AtomicU16;
-use servo::output::{CycleRing, Slots};
+use servo::output::{CycleRing, RingSlots};
 use stm32_metapac::dma::vals::{Dir, Pl, Size};
 use stm32_metapac::dma::{Dma, St};
 use stm32_metapac::timer::TimAdv;
@@ -26,7 +26,7 @@ pub const BEGIN: u64 = 2 * FIRST as u64;
 const BURST_BEGIN: u8 = 11;
 
 /// A ring in memory that DMA reads, all zero.
-pub const fn empty_slots<const SLOTS: usize, const WORDS: usize>() -> Slots<SLOTS, WORDS> {
+pub const fn empty_slots<const SLOTS: usize, const WORDS: usize>() -> RingSlots<SLOTS, WORDS> {
     [const { [const { AtomicU16::new(0) }; WORDS] }; SLOTS]
 }
 
@@ -67,7 +67,7 @@ pub const SWITCHES: Wiring =
 #[derive(Debug)]
 pub struct Timer<const SLOTS: usize, const WORDS: usize> {
     wiring: Wiring,
-    slots: &'static Slots<SLOTS, WORDS>,
+    slots: &'static RingSlots<SLOTS, WORDS>,
     /// Takes the cycles to come.
     pub ring: CycleRing<SLOTS, WORDS>,
 }
@@ -77,7 +77,7 @@ impl<const SLOTS: usize, const WORDS: usize> Timer<SLOTS, WORDS> {
     ///
     /// # Safety
     /// At most one for each ring and each stream.
-    pub const unsafe fn new(wiring: Wiring, slots: &'static Slots<SLOTS, WORDS>, dark: [u16; WORDS]) -> Self {
+    pub const unsafe fn new(wiring: Wiring, slots: &'static RingSlots<SLOTS, WORDS>, dark: [u16; WORDS]) -> Self {
         Timer { wiring, slots, ring: CycleRing::new(slots, dark) }
     }
 

@@ -29,7 +29,7 @@ pub fn feed() {
 
 /// Why the chip started.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Cause {
+pub enum ResetCause {
     /// Power-on: the contents of RAM are undefined.
     Power,
     /// The watchdog.
@@ -38,15 +38,15 @@ pub enum Cause {
     Asked,
 }
 
-/// Why the chip started; the first call clears it, later ones give [`Cause::Asked`].
-pub fn cause() -> Cause {
+/// Why the chip started; the first call clears it, later ones give [`ResetCause::Asked`].
+pub fn cause() -> ResetCause {
     let flags = RCC.rsr().read();
     RCC.rsr().modify(|w| w.set_rmvf(true));
     if flags.porrstf() || flags.borrstf() {
-        Cause::Power
+        ResetCause::Power
     } else if flags.iwdg1rstf() {
-        Cause::Watchdog
+        ResetCause::Watchdog
     } else {
-        Cause::Asked
+        ResetCause::Asked
     }
 }

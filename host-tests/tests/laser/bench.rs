@@ -2,14 +2,16 @@
 //! pulse, and as the boards do.
 use super::player::{Player, settled};
 use host_tests::laser_model::{Command, Edge, Exact, Family, Mode, Ns};
-use plant::beam::{self, Stage};
+use plant::beam::{self, OutputStage};
 use ring::{Latest, Producer, Reader, Ring};
-use servo::laser::{self, Bounds, CHANNELS, Carrier, Change, Clock, Delays, Fine, Plan, Power, Standby};
+use servo::laser::{
+    self, CHANNELS, Carrier, ChannelChange, Clock, Delays, FixedTrain, Plan, Power, PowerBounds, Standby,
+};
 use servo::port::{AxisInputs, GeneralInputs, GeneralOutputs, Port};
 use servo::segment::pvt::{HeaderStore, PointStore, TABLES};
 use servo::tables::TableStores;
-use servo::tick::{IMMEDIATE, Lanes, SegmentStore, Tick, TickConfig};
-use servo::tick_command::{Entry, TickCommand};
+use servo::tick::{IMMEDIATE, SegmentStore, Tick, TickConfig, TickHalves};
+use servo::tick_command::{LaneEntry, TickCommand};
 use servo::units::{Axis, Pos, StepLimit};
 use servo::view::{LaserView, View};
 use std::num::NonZeroU16;
@@ -23,13 +25,13 @@ struct Machine {
     next: Ns,
     interlock: bool,
     players: [Player; CHANNELS],
-    stages: [Stage; CHANNELS],
-    reported: [Vec<beam::Change>; CHANNELS],
+    stages: [OutputStage; CHANNELS],
+    reported: [Vec<beam::SignalChange>; CHANNELS],
 }
 
 impl Machine {
     fn new(next: Ns) -> Machine {
-        let stages = [const { Stage::new() }; CHANNELS];
+        let stages = [const { OutputStage::new() }; CHANNELS];
         Machine { now: 0, next, interlock: false, players: Default::default(), stages, reported: Default::default() }
     }
 
@@ -91,15 +93,15 @@ pub struct Recorded {
 #[derive(Clone, Copy)]
 struct Known {
     family: Family,
-    mode: laser::Mode,
-    bounds: Bounds,
+    mode: laser::PowerMode,
+    bounds: PowerBounds,
     direct: Power,
     carrier: Option<Carrier>,
     /// Whether it plans ahead at all: the tick must do without.
     plans: bool,
     /// The last plan, and how many there were: every third time it comes again, for other numbers
     /// perhaps.
-    last: (Option<Fine>, u32),
+    last: (Option<FixedTrain>, u32),
 }
 
 pub fn admitted(value: Exact) -> Power {
@@ -112,77 +114,85 @@ fn us(ns: Ns) -> u16 {
 
 impl Known {
     fn power_on(family: Family, plans: bool) -> Known {
-        let bounds = Bounds::full(laser::Mode::Duty);
-        Known { family, mode: laser::Mode::Duty, bounds, direct: Power::ZERO, carrier: None, plans, last: (None, 0) }
+        let bounds = PowerBounds::full(laser::PowerMode::Duty);
+        Known {
+            family,
+            mode: laser::PowerMode::Duty,
+            bounds,
+            direct: Power::ZERO,
+            carrier: None,
+            plans,
+            last: (None, 0),
+        }
     }
 
-    fn fine(&mut self) -> Option<Fine> {
+    fn fine(&mut self) -> Option<FixedTrain> {
         let power = self.bounds.hold(self.direct);
-        let new = Fine::plan(self.mode, power, self.carrier.as_ref(), Clock::GHZ).filter(|_| self.plans);
+        let new = FixedTrain::plan(self.mode, power, self.carrier.as_ref(), Clock::GHZ).filter(|_| self.plans);
         let (last, count) = self.last;
         self.last = (new, count + 1);
         if count % 3 == 2 { last } else { new }
     }
 
     /// The change that a command is; a fault is none.
-    fn change(&mut self, command: &Command) -> Option<Change> {
+    fn change(&mut self, command: &Command) -> Option<ChannelChange> {
         Some(match *command {
-            Command::Gate(on) => Change::Gate { on },
+            Command::Gate(on) => ChannelChange::Gate { on },
             Command::PowerMode { mode, max, min, delayed } => {
                 let mode = match (mode, self.family) {
-                    (Mode::Duty, _) | (Mode::Open, Family::Lsr) => laser::Mode::Duty,
-                    (Mode::Frequency, _) => laser::Mode::Frequency,
-                    (Mode::Analog, _) => laser::Mode::Analog,
-                    (Mode::Open, Family::Gus) => laser::Mode::DutyOpen,
+                    (Mode::Duty, _) | (Mode::Open, Family::Lsr) => laser::PowerMode::Duty,
+                    (Mode::Frequency, _) => laser::PowerMode::Frequency,
+                    (Mode::Analog, _) => laser::PowerMode::Analog,
+                    (Mode::Open, Family::Gus) => laser::PowerMode::DutyOpen,
                 };
                 if mode != self.mode {
                     self.direct = Power::ZERO;
                 }
                 self.mode = mode;
-                self.bounds = Bounds::admit(mode, admitted(max), admitted(min)).unwrap();
+                self.bounds = PowerBounds::admit(mode, admitted(max), admitted(min)).unwrap();
                 let delayed = delayed || self.family == Family::Gus;
-                Change::Mode { mode, bounds: self.bounds, delayed, fine: self.fine() }
+                ChannelChange::Mode { mode, bounds: self.bounds, delayed, fine: self.fine() }
             }
             Command::Power(power) => {
                 self.direct = admitted(power);
-                Change::Direct { power: self.direct, fine: self.fine() }
+                ChannelChange::Direct { power: self.direct, fine: self.fine() }
             }
             Command::Carrier(khz) => {
                 let carrier = Carrier::admit(admitted(khz), Clock::GHZ).unwrap();
                 self.carrier = Some(carrier);
-                Change::Carrier { carrier, fine: self.fine() }
+                ChannelChange::Carrier { carrier, fine: self.fine() }
             }
-            Command::Width(width) => Change::PulseWidth { us: NonZeroU16::new(us(width)).unwrap() },
-            Command::Delays { off, on } => Change::Delays(Delays { off: us(off), on: us(on) }),
-            Command::Fpk(fpk) => Change::Fpk(fpk.map(|fpk| laser::Fpk {
+            Command::Width(width) => ChannelChange::PulseWidth { us: NonZeroU16::new(us(width)).unwrap() },
+            Command::Delays { off, on } => ChannelChange::Delays(Delays { off: us(off), on: us(on) }),
+            Command::Fpk(fpk) => ChannelChange::Fpk(fpk.map(|fpk| laser::Fpk {
                 pulse: NonZeroU16::new(us(fpk.time1)).unwrap(),
                 begin: us(fpk.time2),
                 end: us(fpk.off),
             })),
-            Command::Standby(standby) => Change::Standby(
+            Command::Standby(standby) => ChannelChange::Standby(
                 standby.map(|(khz, duty)| Standby::admit(admitted(khz), admitted(duty), Clock::GHZ).unwrap()),
             ),
-            Command::PreVoltage(volts) => Change::PreVoltage(volts.map(admitted)),
-            Command::ZeroOnTime => Change::ZeroOnTime,
-            Command::Connector(laser) => Change::Connector { laser },
+            Command::PreVoltage(volts) => ChannelChange::PreVoltage(volts.map(admitted)),
+            Command::ZeroOnTime => ChannelChange::ZeroOnTime,
+            Command::Connector(laser) => ChannelChange::Connector { laser },
             Command::Reset => {
                 *self = Known::power_on(self.family, self.plans);
                 let family = match self.family {
                     Family::Gus => laser::Family::Gus,
                     Family::Lsr => laser::Family::Lsr,
                 };
-                Change::Reset { family }
+                ChannelChange::Reset { family }
             }
             Command::Fault => return None,
-            Command::Clear => Change::ClearFault,
+            Command::Clear => ChannelChange::ClearFault,
         })
     }
 }
 
 pub struct Bench {
     tick: Tick<1>,
-    lanes: Lanes<'static, 1>,
-    immediate: Producer<'static, Entry, IMMEDIATE>,
+    lanes: TickHalves<'static, 1>,
+    immediate: Producer<'static, LaneEntry, IMMEDIATE>,
     view: Reader<'static, View<1>>,
 }
 
@@ -198,10 +208,10 @@ impl Bench {
         let tables = TableStores {
             points: Box::leak(places),
             headers: leak(HeaderStore::new()),
-            lasers: leak(servo::laser::Tables::new()),
+            lasers: leak(servo::laser::PowerTables::new()),
         };
         let segments: &'static [SegmentStore; 1] = leak([const { SegmentStore::new() }; 1]);
-        let lanes = Lanes {
+        let lanes = TickHalves {
             immediate: immediate_out,
             program,
             view: view_in,
@@ -261,7 +271,7 @@ impl Bench {
                     self.now(channel as u8, change);
                     if *command == Command::Reset {
                         // The command of that name clears faults too.
-                        self.now(channel as u8, Change::ClearFault);
+                        self.now(channel as u8, ChannelChange::ClearFault);
                         self.begin(channel as u8, family);
                     }
                 }
@@ -297,9 +307,9 @@ impl Bench {
 
     #[allow(dead_code, reason = "each test file uses its part")]
     /// What channel 0 shows after one tick of 50 µs from power-on with these changes.
-    pub fn one_tick(&mut self, clock: Clock, changes: &[Change]) -> LaserView {
+    pub fn one_tick(&mut self, clock: Clock, changes: &[ChannelChange]) -> LaserView {
         self.power_on(TickConfig { laser_clock: clock, ..config(50_000) });
-        self.now(0, Change::Connector { laser: true });
+        self.now(0, ChannelChange::Connector { laser: true });
         for change in changes {
             self.now(0, *change);
         }
@@ -310,27 +320,27 @@ impl Bench {
 
     /// What a family fixes at power-on.
     fn begin(&mut self, channel: u8, family: Family) {
-        self.now(channel, Change::Connector { laser: true });
-        let (mode, delayed) = (laser::Mode::Duty, family == Family::Gus);
-        self.now(channel, Change::Mode { mode, bounds: Bounds::full(mode), delayed, fine: None });
+        self.now(channel, ChannelChange::Connector { laser: true });
+        let (mode, delayed) = (laser::PowerMode::Duty, family == Family::Gus);
+        self.now(channel, ChannelChange::Mode { mode, bounds: PowerBounds::full(mode), delayed, fine: None });
     }
 
-    fn now(&mut self, channel: u8, change: Change) {
+    fn now(&mut self, channel: u8, change: ChannelChange) {
         self.immediate
-            .push(Entry { seq: 0, delay: servo::units::Ns(0), command: TickCommand::Laser { channel, change } })
+            .push(LaneEntry { seq: 0, delay: servo::units::Ns(0), command: TickCommand::Laser { channel, change } })
             .unwrap();
     }
 }
 
 /// What an output stage got, as lists of edges.
-fn listed(reported: &[beam::Change], horizon: Ns) -> Outputs {
+fn listed(reported: &[beam::SignalChange], horizon: Ns) -> Outputs {
     let (mut energy, mut switch, mut volts) = (Vec::new(), Vec::new(), Vec::new());
     for change in reported {
         match change {
-            beam::Change::Switch { at, level } => switch.push((*at as Ns, *level)),
-            beam::Change::Energy { at, level } => energy.push((*at as Ns, *level)),
-            beam::Change::Dac { at, code } => volts.push((*at as Ns, *code)),
-            beam::Change::Pulses(burst) => {
+            beam::SignalChange::Switch { at, level } => switch.push((*at as Ns, *level)),
+            beam::SignalChange::Energy { at, level } => energy.push((*at as Ns, *level)),
+            beam::SignalChange::Dac { at, code } => volts.push((*at as Ns, *code)),
+            beam::SignalChange::Pulses(burst) => {
                 for (begin, end) in burst.pulses().filter(|(begin, end)| begin < end) {
                     energy.extend([(begin as Ns, true), (end as Ns, false)]);
                 }

@@ -2,7 +2,7 @@
 //! to the ns.
 use super::bench::Outputs;
 use host_tests::laser_model::{Edge, Ns, Span};
-use servo::laser::{Action, FINISH_NS, Pattern, Plan, Rate, Train};
+use servo::laser::{Action, FINISH_NS, Pattern, Plan, PulseRate, Train};
 
 /// A period that has begun.
 #[derive(Debug, Clone, Copy)]
@@ -84,7 +84,7 @@ impl Player {
         }
     }
 
-    fn rate(&mut self, at: Ns, rate: &Rate) {
+    fn rate(&mut self, at: Ns, rate: &PulseRate) {
         let left = match (self.paused, self.period) {
             (Some(left), _) => left,
             (None, Some(period)) => (period.end - at) as u64,

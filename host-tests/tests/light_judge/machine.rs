@@ -2,9 +2,9 @@
 //! what the outputs did.
 use super::program::{Act, Device, Do, Program};
 use host_tests::light_judge::{Ns, Recorded};
-use plant::beam::Change;
+use plant::beam::SignalChange;
 use protocol::command::*;
-use protocol::link::{Endpoint, Identity, Role, State};
+use protocol::link::{Endpoint, Identity, LinkState, Role};
 use protocol::record::{Full, Lane, RequestWriter, replies};
 use servo::path::PathStop;
 use virtual_board::{Board, Config, Edge};
@@ -116,7 +116,7 @@ impl Rig {
         for _ in 0..8 {
             self.pump();
         }
-        assert_eq!(self.end.state(), State::Open);
+        assert_eq!(self.end.state(), LinkState::Open);
     }
 
     /// Both ends exchange what they have.
@@ -205,7 +205,7 @@ impl Rig {
         let inputs = self.board.inputs_mut();
         inputs.interlock = false;
         inputs.axes.iter_mut().for_each(|axis| *axis = Default::default());
-        if self.end.state() != State::Open {
+        if self.end.state() != LinkState::Open {
             self.session();
         }
         self.session();
@@ -419,16 +419,16 @@ impl Rig {
     }
 }
 
-fn record(of: &mut Recorded, change: Change) {
+fn record(of: &mut Recorded, change: SignalChange) {
     match change {
-        Change::Switch { at, level } => of.switch.push((at as Ns, level)),
-        Change::Dac { at, code } => of.volts.push((at as Ns, code)),
-        Change::Energy { at, level: true } => of.pulses.push((at as Ns, Ns::MAX)),
-        Change::Energy { at, level: false } => match of.pulses.last_mut() {
+        SignalChange::Switch { at, level } => of.switch.push((at as Ns, level)),
+        SignalChange::Dac { at, code } => of.volts.push((at as Ns, code)),
+        SignalChange::Energy { at, level: true } => of.pulses.push((at as Ns, Ns::MAX)),
+        SignalChange::Energy { at, level: false } => match of.pulses.last_mut() {
             Some(open) if open.1 == Ns::MAX => open.1 = at as Ns,
             _ => {}
         },
-        Change::Pulses(burst) => {
+        SignalChange::Pulses(burst) => {
             let pulses = burst.pulses().filter(|(begin, end)| begin < end);
             of.pulses.extend(pulses.map(|(begin, end)| (begin as Ns, end as Ns)));
         }

@@ -5,7 +5,7 @@
 use client::{Answer, Call, Client, Link, Observer, Options, Quiet};
 use host_tests::laser_model::{Edge, Family, Ns};
 use job::{Action, Files};
-use plant::beam::Change;
+use plant::beam::SignalChange;
 use protocol::command::{Request, Sleep, Trace, WaitStop};
 use std::sync::{Arc, Mutex};
 use trace::{Header, Item, Reader, Row};
@@ -185,10 +185,10 @@ impl Machine {
         for beam in board.take_beam() {
             let of = &mut reported.lasers[usize::from(beam.channel)];
             match beam.change {
-                Change::Switch { at, level } => of.switch.push((at as Ns - zero, level)),
-                Change::Energy { at, level } => of.energy.push((at as Ns - zero, level)),
-                Change::Dac { at, code } => of.volts.push((at as Ns - zero, code)),
-                Change::Pulses(burst) => {
+                SignalChange::Switch { at, level } => of.switch.push((at as Ns - zero, level)),
+                SignalChange::Energy { at, level } => of.energy.push((at as Ns - zero, level)),
+                SignalChange::Dac { at, code } => of.volts.push((at as Ns - zero, code)),
+                SignalChange::Pulses(burst) => {
                     for (begin, end) in burst.pulses().filter(|(begin, end)| begin < end) {
                         of.energy.extend([(begin as Ns - zero, true), (end as Ns - zero, false)]);
                     }

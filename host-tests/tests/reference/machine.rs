@@ -18,7 +18,7 @@ mod paths;
 mod sessions;
 
 pub use answers::{Got, got};
-use plant::beam::Change;
+use plant::beam::SignalChange;
 use virtual_board::{Beam, Board, Config, Edge, Output, Shared, share};
 
 /// One axis in one tick: set-point in 2⁻²² pulse, status word.
@@ -207,7 +207,7 @@ impl Rig {
         let edges = taken.iter().filter_map(edge).collect();
         let beam = self.board.lock().unwrap().take_beam();
         let gate = |beam: &Beam| match beam.change {
-            Change::Switch { at, level } => Some((at as i64 - zero as i64, beam.channel, level)),
+            SignalChange::Switch { at, level } => Some((at as i64 - zero as i64, beam.channel, level)),
             _ => None,
         };
         let gates = beam.iter().filter_map(gate).collect();

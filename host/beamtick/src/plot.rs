@@ -9,7 +9,7 @@ use crate::output::{self, Output};
 use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
-use trace::{Change, Plot, PlotOptions, Row, read_csv};
+use trace::{Plot, PlotOptions, Row, SignalChange, read_csv};
 
 /// Draws.
 pub fn draw(arguments: &PlotFile) -> Result<(), Failure> {
@@ -46,7 +46,7 @@ pub fn draw(arguments: &PlotFile) -> Result<(), Failure> {
         for row in &rows {
             for (laser, point) in row.lasers.iter().enumerate() {
                 if before.is_none_or(|before| before.lasers.get(laser).is_none_or(|last| last.gate != point.gate)) {
-                    plot.change(laser, &Change::Switch { at: row.t_ns, level: point.gate });
+                    plot.change(laser, &SignalChange::Switch { at: row.t_ns, level: point.gate });
                 }
             }
             plot.row(row);

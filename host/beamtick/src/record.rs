@@ -11,7 +11,8 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use trace::{
-    AxisName, Change, CsvWriter, Header, Item, Millimetres, Plot, PlotOptions, Reader, Row, TraceError, VcdWriter, Xy,
+    AxisName, CsvWriter, Header, Item, Millimetres, Plot, PlotOptions, Reader, Row, SignalChange, TraceError,
+    VcdWriter, Xy,
 };
 
 /// See the module text.
@@ -239,7 +240,7 @@ impl Sinks {
 }
 
 impl Open {
-    fn laser(&mut self, laser: usize, change: &Change) {
+    fn laser(&mut self, laser: usize, change: &SignalChange) {
         if let Some(vcd) = &mut self.vcd {
             vcd.change(laser, change);
         }

@@ -7,7 +7,7 @@ use crate::record::Recorded;
 use crate::report::Report;
 use crate::runner::{place, states};
 use crate::source::Source;
-use client::{Client, Counters, Error, Progress, laser_cause};
+use client::{Client, Error, LinkCounters, Progress, laser_cause};
 use job::{Axis, Crd};
 use protocol::command::{AxisItem, CrdInfo, CrdState, EventItem, GetEvents, GetPtState, LaserState, LaserStatus};
 use protocol::reason::{Reason, Refusal};
@@ -339,7 +339,7 @@ fn ended(report: &Report<'_>, axis: &Axis, item: &AxisItem) -> String {
 }
 
 /// Messages, what was sent again, what was refused.
-fn link(counters: &Counters) -> String {
+fn link(counters: &LinkCounters) -> String {
     let again = counters.timeouts.wrapping_add(counters.fast_retransmits);
     let refused = [
         counters.deframe.too_long,
@@ -363,8 +363,14 @@ mod tests {
 
     #[test]
     fn link_statistics_count_every_refusal_once() {
-        let mut counters =
-            Counters { sent: 12, received: 11, timeouts: 2, fast_retransmits: 3, duplicates: 4, ..Counters::default() };
+        let mut counters = LinkCounters {
+            sent: 12,
+            received: 11,
+            timeouts: 2,
+            fast_retransmits: 3,
+            duplicates: 4,
+            ..LinkCounters::default()
+        };
         (counters.short, counters.checksum, counters.version, counters.kind, counters.length) =
             (1, 10, 100, 1000, 10_000);
         (counters.deframe.too_long, counters.deframe.truncated) = (100_000, 1_000_000);

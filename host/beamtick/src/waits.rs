@@ -11,7 +11,7 @@ use client::inputs::{Inputs, name};
 use client::{Answer, Client, Error, Observer, Progress};
 use job::{Action, Severity, Step};
 use protocol::command::{
-    AxisItem, AxisStatus, CommandKind, CrdStatus, Fifo, GetVel, GetWait, Request, Sleep, VersionReply, WaitReply,
+    AxisItem, AxisStatus, CommandKind, CrdStatus, DataStore, GetVel, GetWait, Request, Sleep, VersionReply, WaitReply,
     WaitStop, class,
 };
 use protocol::values::status::RUNNING;
@@ -154,7 +154,7 @@ impl<'r, 'a> Watch<'r, 'a> {
             Action::WaitAll => (step, cores.map(|core| (core, u32::MAX)).collect()),
             // Data that finds no room waits for its motion. Core and axis come first.
             Action::Call(ref call)
-                if class(call.opcode).is_some_and(|of| of.kind == CommandKind::Data(Fifo::Follow)) =>
+                if class(call.opcode).is_some_and(|of| of.kind == CommandKind::Data(DataStore::Follow)) =>
             {
                 let (core, axis) = (short(&call.body, 0)?, short(&call.body, 2)?);
                 (step, vec![(core, 1u32.checked_shl(u32::try_from(axis - 1).ok()?)?)])

@@ -6,7 +6,7 @@ use crate::options::Options;
 use crate::program::{Observer, Program, Summary};
 use crate::session::{Reply, Session};
 use protocol::command::{Abort, Choose, Request, VersionReply};
-use protocol::link::{Counters, Identity};
+use protocol::link::{Identity, LinkCounters};
 use protocol::record::Lane;
 use std::collections::VecDeque;
 use std::collections::hash_map::RandomState;
@@ -337,7 +337,7 @@ impl Client {
     }
 
     /// What this end of the link has counted since it was opened.
-    pub fn counters(&self) -> Counters {
+    pub fn counters(&self) -> LinkCounters {
         self.lock().session.counters()
     }
 

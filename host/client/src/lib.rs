@@ -42,5 +42,5 @@ pub use error::{Error, Result};
 pub use link::Link;
 pub use options::{Family, Options, Profile};
 pub use program::{Answer, Dry, Observer, Program, Progress, Quiet, Summary};
-pub use protocol::link::Counters;
+pub use protocol::link::LinkCounters;
 pub use protocol::reason::laser_cause;

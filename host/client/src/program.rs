@@ -9,8 +9,8 @@ use crate::client::Inner;
 use crate::error;
 use crate::error::{Error, Result};
 use protocol::command::{
-    CommandKind, Fifo, ProgramClear, ProgramEnd, ProgramReply, ProgramStart, ProgramStatus, PtTaken, Request, class,
-    opcode,
+    CommandKind, DataStore, ProgramClear, ProgramEnd, ProgramReply, ProgramStart, ProgramStatus, PtTaken, Request,
+    class, opcode,
 };
 use protocol::reason::{Reason, Refusal};
 use protocol::record::Lane;
@@ -427,7 +427,7 @@ impl Run<'_> {
 
     /// Keeps what a reply to PT data says of its stream.
     fn note_stream(&mut self, call: &Call, answer: &Answer) {
-        if answer.code != 0 || class(answer.opcode).is_none_or(|class| class.kind != CommandKind::Data(Fifo::Pt)) {
+        if answer.code != 0 || class(answer.opcode).is_none_or(|class| class.kind != CommandKind::Data(DataStore::Pt)) {
             return;
         }
         let (Some(core), Some(axis)) = (short(&call.payload, 0), short(&call.payload, 2)) else { return };

@@ -7,7 +7,7 @@ use crate::call::Call;
 use crate::error::{self, Error, Result};
 use protocol::command::{SetLinkLoss, opcode};
 use protocol::frame::Busy;
-use protocol::link::{ALIVE_NS, Counters, Endpoint, Identity, KEEP_ALIVE_NS, Role, State};
+use protocol::link::{ALIVE_NS, Endpoint, Identity, KEEP_ALIVE_NS, LinkCounters, LinkState, Role};
 use protocol::record::{BODY_MAX, Lane, RequestWriter, TRACE_RECORD, replies};
 use std::collections::{HashMap, VecDeque};
 use zerocopy::FromBytes;
@@ -101,11 +101,11 @@ impl Session {
     /// Whether the session is in force; an error once it can no more be.
     pub fn is_open(&self) -> Result<bool> {
         match self.endpoint.state() {
-            State::Open => Ok(true),
-            State::Opening => Ok(false),
-            State::Mismatch(theirs) => Err(mismatch(&self.name, self.ours, theirs)),
-            State::Busy(busy) => Err(taken(&self.name, &busy)),
-            State::Ended | State::Closed => {
+            LinkState::Open => Ok(true),
+            LinkState::Opening => Ok(false),
+            LinkState::Mismatch(theirs) => Err(mismatch(&self.name, self.ours, theirs)),
+            LinkState::Busy(busy) => Err(taken(&self.name, &busy)),
+            LinkState::Ended | LinkState::Closed => {
                 Err(Error::new(error::LINK_CLOSED, format!("{}: the controller ended the session", self.name)))
             }
         }
@@ -256,14 +256,14 @@ impl Session {
     }
 
     /// What this end of the link has counted.
-    pub fn counters(&self) -> Counters {
+    pub fn counters(&self) -> LinkCounters {
         self.endpoint.counters()
     }
 
     /// When [`Self::send`] has something to do at the latest.
     pub fn next_deadline(&self) -> u64 {
         let alive = match self.endpoint.state() {
-            State::Open => self.sent_at.saturating_add(self.silence()),
+            LinkState::Open => self.sent_at.saturating_add(self.silence()),
             _ => u64::MAX,
         };
         self.endpoint.next_deadline().unwrap_or(u64::MAX).min(alive)

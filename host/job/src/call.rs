@@ -11,7 +11,7 @@ use crate::read::{Fault, Reader};
 use crate::scan::{Kind, Token};
 use crate::value::{Type, Value};
 use crate::{Action, Axis, Call, Crd};
-use protocol::command::{CommandKind, Fifo, class};
+use protocol::command::{CommandKind, DataStore, class};
 use protocol::reserved::RESERVED;
 use std::ops::Range;
 
@@ -231,7 +231,7 @@ impl Reader<'_> {
             "BufMove" => 4,
             "CrdClear" | "BufDelay" => 0,
             name => match class(function.opcode).map(|class| class.kind) {
-                Some(CommandKind::Data(Fifo::Path | Fifo::Light)) => u32::from(name.starts_with("Buf")),
+                Some(CommandKind::Data(DataStore::Path | DataStore::Light)) => u32::from(name.starts_with("Buf")),
                 _ => return,
             },
         };

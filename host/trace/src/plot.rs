@@ -24,7 +24,7 @@ use activity::Activity;
 use canvas::{HEAD, Picture};
 use curve::Curve;
 use panel::{Beside, Content, FOOT, Frame, Panel};
-use plant::beam::Change;
+use plant::beam::SignalChange;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 pub use preview::Preview;
@@ -170,19 +170,19 @@ impl Plot {
     }
 
     /// Takes the changes of a laser's outputs (its index in the header) before the next row.
-    pub fn change(&mut self, laser: usize, change: &Change) {
+    pub fn change(&mut self, laser: usize, change: &SignalChange) {
         let Some(laser) = self.lasers.get_mut(laser) else { return };
         match change {
-            Change::Switch { at, level } => laser.gate.level(*at, *level),
-            Change::Energy { at, level } => {
+            SignalChange::Switch { at, level } => laser.gate.level(*at, *level),
+            SignalChange::Energy { at, level } => {
                 laser.has_pulses = true;
                 laser.pulses.level(*at, *level);
             }
-            Change::Pulses(burst) => {
+            SignalChange::Pulses(burst) => {
                 laser.has_pulses = true;
                 laser.pulses.burst(burst);
             }
-            Change::Dac { .. } => {}
+            SignalChange::Dac { .. } => {}
         }
     }
 

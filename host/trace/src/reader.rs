@@ -5,9 +5,9 @@
 //! is the last item; a gap is never skipped.
 use crate::row::{AnalogEdge, AxisName, AxisPoint, CrdName, Header, LaserName, LaserPoint, OutputEdge, PowerUnit, Row};
 use crate::{Result, TraceError};
-use plant::beam::{Change, Stage};
-use protocol::trace::{self, Columns, Decoder, Event, TraceError as Fault, kind};
-use servo::laser::{Action, Clock, Count, Power, Rate, Train};
+use plant::beam::{OutputStage, SignalChange};
+use protocol::trace::{self, Columns, Decoder, TraceError as Fault, TraceEvent, kind};
+use servo::laser::{Action, Clock, Count, Power, PulseRate, Train};
 use servo::segment::piece::Scaled;
 use servo::units::Pos;
 
@@ -22,7 +22,7 @@ pub enum Item {
         /// Its index among the lasers of the header.
         laser: usize,
         /// What.
-        change: Change,
+        change: SignalChange,
     },
     /// Light of a laser begins or ends before the next row, if its edges are traced.
     Light {
@@ -87,7 +87,7 @@ struct Made {
     /// Of the laser timers.
     clock: Clock,
     rows: u32,
-    stages: Vec<Stage>,
+    stages: Vec<OutputStage>,
     /// Commands of light: laser, instant, on; for each laser in the order of time.
     lights: Vec<(usize, u64, bool)>,
     /// Levels of the general outputs.
@@ -133,9 +133,9 @@ impl Reader {
 }
 
 impl Made {
-    fn take(&mut self, event: Event<'_>, sink: &mut impl FnMut(Item) -> Result<()>) -> Result<()> {
+    fn take(&mut self, event: TraceEvent<'_>, sink: &mut impl FnMut(Item) -> Result<()>) -> Result<()> {
         match event {
-            Event::Head(head, Columns { axes, lasers, crds }) => {
+            TraceEvent::Head(head, Columns { axes, lasers, crds }) => {
                 self.clock = match Clock::from_mhz(head.timer_mhz) {
                     Some(clock) => clock,
                     None if lasers.is_empty() => Clock::GHZ,
@@ -144,7 +144,7 @@ impl Made {
                 let axes = axes.iter().map(|a| AxisName { core: a.core.saturating_add(1), axis: a.axis }).collect();
                 let lasers: Vec<LaserName> = lasers.iter().map(|laser| LaserName(laser.channel)).collect();
                 let crds = crds.iter().map(|c| CrdName { core: c.core.saturating_add(1), crd: c.crd }).collect();
-                self.stages = vec![Stage::new(); lasers.len()];
+                self.stages = vec![OutputStage::new(); lasers.len()];
                 self.header = Header { axes, lasers, crds, period_ns: head.period_ns.into(), every: head.every };
                 let period_ns = head.period_ns.into();
                 self.ticks = Ticks { since: (0, 0), period_ns, before_ns: period_ns };
@@ -152,7 +152,7 @@ impl Made {
                 self.lights.clear();
                 sink(Item::Header(self.header.clone()))
             }
-            Event::Row(index, samples) => {
+            TraceEvent::Row(index, samples) => {
                 self.rows = index.wrapping_add(1);
                 let t_ns = self.ticks.at(u64::from(index) * u64::from(self.header.every));
                 for (laser, stage) in self.stages.iter_mut().enumerate() {
@@ -167,8 +167,8 @@ impl Made {
                 let crds = samples.crds.iter().map(speed).collect();
                 sink(Item::Row(Row { index, t_ns, axes, lasers, crds }))
             }
-            Event::Action(action) => self.action(&action, sink),
-            Event::Outputs(outputs) => {
+            TraceEvent::Action(action) => self.action(&action, sink),
+            TraceEvent::Outputs(outputs) => {
                 let t_ns = self.ticks.at(outputs.tick.get().into()) + u64::from(outputs.at.get());
                 let (before, after) = (self.levels, outputs.levels.get());
                 self.levels = after;
@@ -177,11 +177,11 @@ impl Made {
                 }
                 Ok(())
             }
-            Event::Period(period) => {
+            TraceEvent::Period(period) => {
                 self.ticks.renew(period.tick.get().into(), period.period_ns.get().into());
                 Ok(())
             }
-            Event::End { rows, .. } => sink(Item::End { rows }),
+            TraceEvent::End { rows, .. } => sink(Item::End { rows }),
         }
     }
 
@@ -218,7 +218,7 @@ impl Made {
             kind::RATE => {
                 let Count { whole: scale, part: width, of: shift } = given(told.width);
                 let width = in_ns(Count { whole: width.into(), part: 0, of: 1 }, clock).whole as u32;
-                Action::Rate(Rate { period: train.period, width, scale, shift })
+                Action::Rate(PulseRate { period: train.period, width, scale, shift })
             }
             _ => return Err(unknown),
         };
@@ -250,7 +250,7 @@ fn in_ns(count: Count, clock: Clock) -> Count {
 
 /// Hands a stage's changes on until one is refused.
 fn passed(
-    run: impl FnOnce(&mut dyn FnMut(Change)),
+    run: impl FnOnce(&mut dyn FnMut(SignalChange)),
     laser: usize,
     sink: &mut impl FnMut(Item) -> Result<()>,
 ) -> Result<()> {
@@ -300,7 +300,7 @@ mod tests {
     fn the_tick_may_change_between_rows() {
         let mut encoder = trace::Encoder::new();
         let axes = [trace::AxisId { core: 0, axis: 1 }];
-        let head = trace::Head { schema: 1, period_ns: 250_000, every: 2, timer_mhz: 1000 };
+        let head = trace::TraceHead { schema: 1, period_ns: 250_000, every: 2, timer_mhz: 1000 };
         encoder.head(&head, &trace::Ids { axes: &axes, lasers: &[], crds: &[] }).unwrap();
         let (mut bytes, mut out) = (Vec::new(), [0; 2000]);
         let mut drain = |encoder: &mut trace::Encoder| {

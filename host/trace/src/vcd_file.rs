@@ -7,7 +7,7 @@
 //! that lasts for no time is not shown. Owns at most one row's changes.
 use crate::row::{AnalogEdge, AxisName, Header, OutputEdge, Row};
 use crate::{Result, TraceError};
-use plant::beam::Change;
+use plant::beam::SignalChange;
 use servo::output::step_generator;
 use servo::units::Pos;
 use std::io::Write;
@@ -126,19 +126,19 @@ impl<W: Write> VcdWriter<W> {
 
     /// Takes the changes of a laser's outputs (its index in the header); they are written with the
     /// row after them.
-    pub fn change(&mut self, laser: usize, change: &Change) {
+    pub fn change(&mut self, laser: usize, change: &SignalChange) {
         let Some(LaserSignals { energy, switch, dac }) = self.lasers.get(laser) else { return };
         let changes = &mut self.changes;
         match *change {
-            Change::Switch { at, level } => changes.push((at, *switch, Shown::Level(level))),
-            Change::Energy { at, level } => changes.push((at, *energy, Shown::Level(level))),
-            Change::Pulses(burst) => {
+            SignalChange::Switch { at, level } => changes.push((at, *switch, Shown::Level(level))),
+            SignalChange::Energy { at, level } => changes.push((at, *energy, Shown::Level(level))),
+            SignalChange::Pulses(burst) => {
                 for (from, to) in burst.pulses() {
                     changes.push((from, *energy, Shown::Level(true)));
                     changes.push((to, *energy, Shown::Level(false)));
                 }
             }
-            Change::Dac { at, code } => changes.push((at, *dac, Shown::Number(millivolts(code)))),
+            SignalChange::Dac { at, code } => changes.push((at, *dac, Shown::Number(millivolts(code)))),
         }
     }
 
@@ -230,13 +230,13 @@ fn step_instant(k: u64, count: u64, length: u64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use servo::output::step_generator::Slots;
+    use servo::output::step_generator::StepSlots;
 
     #[test]
     fn instants_are_those_of_the_slots() {
         for length in [10u32, 999, 50_000] {
             for count in [1, 2, 3, length / 7 + 1, length / 2] {
-                let mut slots = Slots::new(count, length).unwrap();
+                let mut slots = StepSlots::new(count, length).unwrap();
                 let at: Vec<u64> = (0..u64::from(length)).filter(|_| slots.advance()).collect();
                 let closed: Vec<u64> =
                     (0..u64::from(count)).map(|k| step_instant(k, count.into(), length.into())).collect();

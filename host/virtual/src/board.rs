@@ -1,22 +1,22 @@
 //! The controller in virtual time.
 //!
-//! In: link bytes, time by [`Board::advance`]. Out: link bytes, trace bytes, the machine's state.
-//! Owns dispatcher, tick and machine and the hand-overs between them. Fails: never; what the link
-//! brings is answered.
+//! In: link bytes, time by [`BoardConstants::advance`]. Out: link bytes, trace bytes, the machine's
+//! state. Owns dispatcher, tick and machine and the hand-overs between them. Fails: never; what the
+//! link brings is answered.
 //!
 //! The thread runs when there is something for it to do: bytes came, the tick executed an entry or
 //! stopped an axis, a time of the thread's own is reached, or [`THREAD_TICKS`] have passed. Between
 //! these it would find nothing but a newer view.
 use crate::machine::{Beam, Edge, Inputs, Machine, Outputs, PLANNED_INPUTS};
-use dispatcher::{Channels, PathQueue, SecondaryTransport, Server};
-use plant::beam::Levels;
+use dispatcher::{PathQueue, SecondaryTransport, Server, ThreadHalves};
+use plant::beam::ChannelLevels;
 use ring::{Latest, Ring};
 use servo::laser::Clock;
 use servo::path::{EntryStore, PathStores};
 use servo::segment::pvt::{HeaderStore, PointStore, TABLES};
 use servo::tables::TableStores;
-use servo::tick::{EVENTS, IMMEDIATE, Lanes, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig};
-use servo::tick_command::Entry;
+use servo::tick::{EVENTS, IMMEDIATE, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig, TickHalves};
+use servo::tick_command::LaneEntry;
 use servo::units::{AxisMask, Crd, Ns, StepLimit};
 use servo::view::{AxisView, CrdView, Event, LaserView, Sample, View};
 
@@ -67,7 +67,7 @@ enum Parts {
 impl Memory {
     /// For a controller like this.
     pub fn new(config: Config) -> Memory {
-        let axes = dispatcher::PROFILES.get(usize::from(config.profile)).map_or(48, dispatcher::Profile::axes);
+        let axes = dispatcher::PROFILES.get(usize::from(config.profile)).map_or(48, dispatcher::ProductProfile::axes);
         let parts = if axes <= 8 { Parts::Few(Box::new(Arena::new())) } else { Parts::All(Box::new(Arena::new())) };
         Memory { config, parts }
     }
@@ -205,7 +205,7 @@ impl<'m> Controller<'m> {
         self.core.take_edges()
     }
 
-    /// Whether what the lasers' outputs do is kept for [`Board::take_beam`].
+    /// Whether what the lasers' outputs do is kept for [`BoardConstants::take_beam`].
     pub fn record_beam(&mut self, on: bool) {
         self.core.record_beam(on);
     }
@@ -217,7 +217,7 @@ impl<'m> Controller<'m> {
     }
 
     /// Levels of a laser's outputs (channel from 0) just before the tick in force.
-    pub fn laser(&mut self, channel: usize) -> Levels {
+    pub fn laser(&mut self, channel: usize) -> ChannelLevels {
         self.core.laser(channel)
     }
 }
@@ -249,7 +249,7 @@ trait Core {
     fn take_edges(&mut self) -> Vec<Edge>;
     fn record_beam(&mut self, on: bool);
     fn take_beam(&mut self) -> Vec<Beam>;
-    fn laser(&mut self, channel: usize) -> Levels;
+    fn laser(&mut self, channel: usize) -> ChannelLevels;
 }
 
 /// The stores and queues of a board of `AXES` axes. The stores are megabytes: they are built in
@@ -258,11 +258,11 @@ struct Arena<const AXES: usize> {
     segments: Box<[SegmentStore; AXES]>,
     places: Box<[PointStore; TABLES]>,
     headers: Box<HeaderStore>,
-    lasers: Box<servo::laser::Tables>,
+    lasers: Box<servo::laser::PowerTables>,
     paths: Box<[[EntryStore; 2]; Crd::MAX]>,
     queues: Box<[[PathQueue; 2]]>,
-    immediate: Ring<Entry, IMMEDIATE>,
-    program: Ring<Entry, PROGRAM>,
+    immediate: Ring<LaneEntry, IMMEDIATE>,
+    program: Ring<LaneEntry, PROGRAM>,
     events: Ring<Event, EVENTS>,
     samples: Ring<Sample, SAMPLES>,
     view: Latest<View<AXES>>,
@@ -281,7 +281,7 @@ impl<const AXES: usize> Arena<AXES> {
             segments: row(SegmentStore::new),
             places: row(PointStore::new),
             headers: Box::new(HeaderStore::new()),
-            lasers: Box::new(servo::laser::Tables::new()),
+            lasers: Box::new(servo::laser::PowerTables::new()),
             paths: row(Default::default),
             queues: (0..Crd::MAX).map(|_| Default::default()).collect(),
             immediate: Ring::new(),
@@ -297,7 +297,7 @@ impl<const AXES: usize> Arena<AXES> {
 struct Whole<'m, const AXES: usize> {
     server: Box<Server<'m, AXES>>,
     tick: Box<Tick<AXES>>,
-    lanes: Lanes<'m, AXES>,
+    lanes: TickHalves<'m, AXES>,
     machine: Machine<AXES>,
     /// Ticks since the thread last ran.
     idle_ticks: u32,
@@ -336,7 +336,7 @@ impl<'m, const AXES: usize> Whole<'m, AXES> {
         let (samples_in, samples_out) = arena.samples.split();
         let (view_in, view_out) = arena.view.split();
         let step_limit = StepLimit::new(config.step_limit).unwrap_or(StepLimit::FULL_SCALE);
-        let board = dispatcher::Board {
+        let board = dispatcher::BoardConstants {
             name: NAME,
             profile: config.profile,
             tick_us: 10..=1000,
@@ -351,7 +351,7 @@ impl<'m, const AXES: usize> Whole<'m, AXES> {
             fault: None,
             tick_time: None,
         };
-        let channels = Channels {
+        let channels = ThreadHalves {
             immediate: immediate_in,
             program: program_in,
             view: view_out,
@@ -362,7 +362,7 @@ impl<'m, const AXES: usize> Whole<'m, AXES> {
             queues: &mut arena.queues,
             tables,
         };
-        let lanes = Lanes {
+        let lanes = TickHalves {
             immediate: immediate_out,
             program: program_out,
             view: view_in,
@@ -545,7 +545,7 @@ impl<const AXES: usize> Core for Whole<'_, AXES> {
         self.machine.take_beam(self.tick.now().0)
     }
 
-    fn laser(&mut self, channel: usize) -> Levels {
+    fn laser(&mut self, channel: usize) -> ChannelLevels {
         self.machine.laser(channel, self.tick.now().0)
     }
 }

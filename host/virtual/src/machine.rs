@@ -1,10 +1,10 @@
 //! The machine of the tick: inputs that a test sets, encoders of the plant, outputs and their
 //! edges, the lasers' output stages.
-use plant::beam::{Change, Levels, Stage};
-use plant::inputs::{Plan as InputPlan, Row};
+use plant::beam::{ChannelLevels, OutputStage, SignalChange};
+use plant::inputs::{InputPlan, Row};
 use plant::{Gain, Plant};
 use servo::laser::{Action, CHANNELS, Plan};
-use servo::port::{AxisInputs, Due, GeneralInputs, GeneralOutputs, Port, Simulated};
+use servo::port::{AxisInputs, GeneralInputs, GeneralOutputs, InputTime, Port, Simulated};
 use servo::segment::follow::Input;
 use servo::units::{Axis, Ns, Pos};
 
@@ -65,10 +65,10 @@ pub struct Beam {
     /// Which channel, from 0.
     pub channel: u8,
     /// What.
-    pub change: Change,
+    pub change: SignalChange,
 }
 
-fn note_beam(beam: &mut Option<Vec<Beam>>, channel: usize) -> impl FnMut(Change) {
+fn note_beam(beam: &mut Option<Vec<Beam>>, channel: usize) -> impl FnMut(SignalChange) {
     move |change| {
         if let Some(beam) = beam {
             beam.push(Beam { channel: channel as u8, change });
@@ -93,7 +93,7 @@ pub(crate) struct Machine<const AXES: usize> {
     plan: InputPlan<Vec<Row>>,
     pub outputs: Outputs,
     pub edges: std::collections::VecDeque<Edge>,
-    stages: [Stage; CHANNELS],
+    stages: [OutputStage; CHANNELS],
     /// The first analog outputs carry a voltage that a laser has set.
     is_lasers: [bool; CHANNELS],
     /// The interlock as the lasers' hardware has it.
@@ -116,7 +116,7 @@ impl<const AXES: usize> Machine<AXES> {
             plan: InputPlan::new(Vec::new()),
             outputs: Outputs::default(),
             edges: std::collections::VecDeque::new(),
-            stages: [const { Stage::new() }; CHANNELS],
+            stages: [const { OutputStage::new() }; CHANNELS],
             is_lasers: [false; CHANNELS],
             interlock: false,
             raised_ns: None,
@@ -136,9 +136,9 @@ impl<const AXES: usize> Machine<AXES> {
     }
 
     /// Levels of a laser's outputs before `now`.
-    pub fn laser(&mut self, channel: usize, now: u64) -> Levels {
+    pub fn laser(&mut self, channel: usize, now: u64) -> ChannelLevels {
         self.follow_beam(now);
-        self.stages.get(channel).map(Stage::levels).unwrap_or_default()
+        self.stages.get(channel).map(OutputStage::levels).unwrap_or_default()
     }
 
     /// The interlock input becomes active at `at`, which is not before the tick in force.
@@ -268,7 +268,7 @@ impl<const AXES: usize> Port for Machine<AXES> {
         }
     }
 
-    fn plan(&mut self, row: u16, due: Due, input: Simulated) {
+    fn plan(&mut self, row: u16, due: InputTime, input: Simulated) {
         let slots = self.plan.slots();
         if slots.len() <= usize::from(row) {
             slots.resize(usize::from(row) + 1, Row::NONE);

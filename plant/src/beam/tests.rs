@@ -22,12 +22,12 @@ struct Scope {
 }
 
 impl Scope {
-    fn note(&mut self, change: Change) {
+    fn note(&mut self, change: SignalChange) {
         match change {
-            Change::Switch { at, level } => self.switch.push((at, level)),
-            Change::Dac { at, code } => self.dac.push((at, code)),
-            Change::Energy { at, level } => self.edge(at, level),
-            Change::Pulses(burst) => {
+            SignalChange::Switch { at, level } => self.switch.push((at, level)),
+            SignalChange::Dac { at, code } => self.dac.push((at, code)),
+            SignalChange::Energy { at, level } => self.edge(at, level),
+            SignalChange::Pulses(burst) => {
                 for (begin, end) in burst.pulses() {
                     self.edge(begin, true);
                     self.edge(end, false);
@@ -165,7 +165,7 @@ fn the_closed_form_is_a_timer_that_counts_every_nanosecond() {
             })
             .collect();
         actions.sort_by_key(|(at, _)| *at);
-        let (mut stage, mut scope, mut timer) = (Stage::new(), Scope::default(), Timer::default());
+        let (mut stage, mut scope, mut timer) = (OutputStage::new(), Scope::default(), Timer::default());
         let (mut expected, mut level) = (Vec::new(), false);
         let mut left = actions.iter().peekable();
         for at in 0..end {
@@ -203,7 +203,7 @@ fn the_closed_form_is_a_timer_that_counts_every_nanosecond() {
 }
 
 fn played(actions: &[(u64, Action)], end: u64) -> Scope {
-    let (mut stage, mut scope) = (Stage::new(), Scope::default());
+    let (mut stage, mut scope) = (OutputStage::new(), Scope::default());
     for &(at, action) in actions {
         stage.push(at, action);
     }
@@ -259,7 +259,7 @@ fn standby_begins_where_the_last_pulse_ends_and_light_cuts_it() {
 
 #[test]
 fn everything_rests_at_once_and_what_waits_is_void() {
-    let (mut stage, mut scope) = (Stage::new(), Scope::default());
+    let (mut stage, mut scope) = (OutputStage::new(), Scope::default());
     for (at, action) in [
         (10, Action::Switch(true)),
         (10, Action::Light(train(1_000, 800))),
@@ -270,9 +270,9 @@ fn everything_rests_at_once_and_what_waits_is_void() {
         stage.push(at, action);
     }
     stage.run_to(1_400, &mut |change| scope.note(change));
-    assert_eq!(stage.levels(), Levels { switch: true, energy: true, dac: 8_192 });
+    assert_eq!(stage.levels(), ChannelLevels { switch: true, energy: true, dac: 8_192 });
     stage.safe_state(1_400, &mut |change| scope.note(change));
-    assert_eq!(stage.levels(), Levels::default());
+    assert_eq!(stage.levels(), ChannelLevels::default());
     stage.run_to(1_000_000, &mut |change| scope.note(change));
     assert_eq!(highs(&scope), [(10, 810), (1_010, 1_400)]);
     assert_eq!(scope.switch, [(10, true), (1_400, false)]);
@@ -281,7 +281,7 @@ fn everything_rests_at_once_and_what_waits_is_void() {
 
 #[test]
 fn the_interlock_holds_pulses_and_switch_and_leaves_the_dac() {
-    let (mut stage, mut scope) = (Stage::new(), Scope::default());
+    let (mut stage, mut scope) = (OutputStage::new(), Scope::default());
     let mut sink = |change| scope.note(change);
     stage.push(0, Action::Switch(true));
     stage.push(0, Action::Light(train(1_000, 800)));
@@ -304,9 +304,9 @@ fn the_interlock_holds_pulses_and_switch_and_leaves_the_dac() {
 #[test]
 fn an_hour_of_two_megahertz_is_one_burst() {
     let mut bursts = Vec::new();
-    let mut stage = Stage::new();
+    let mut stage = OutputStage::new();
     stage.push(0, Action::Light(train(500, 200)));
     stage.run_to(3_600_000_000_000, &mut |change| bursts.push(change));
-    let whole = Change::Pulses(Burst::new(0, 7_200_000_000 - 1, train(500, 200)));
-    assert_eq!(bursts, [whole, Change::Pulses(Burst::single(3_599_999_999_500, 200))]);
+    let whole = SignalChange::Pulses(Burst::new(0, 7_200_000_000 - 1, train(500, 200)));
+    assert_eq!(bursts, [whole, SignalChange::Pulses(Burst::single(3_599_999_999_500, 200))]);
 }

@@ -5,32 +5,36 @@
 use crate::clock;
 use crate::machine::Sink;
 use core::hint::black_box;
-use servo::tick::{Lanes, Tick};
+use servo::tick::{Tick, TickHalves};
 
 /// The tick, its machine and its hand-overs.
 pub struct Counted<const AXES: usize> {
     tick: Tick<AXES>,
     machine: Sink<AXES>,
-    lanes: Lanes<'static, AXES>,
+    lanes: TickHalves<'static, AXES>,
     /// Periods that reading the clock twice takes by itself.
     reading: u32,
 }
 
-type Call<const AXES: usize> = fn(&mut Tick<AXES>, &mut Sink<AXES>, &mut Lanes<'static, AXES>);
+type Call<const AXES: usize> = fn(&mut Tick<AXES>, &mut Sink<AXES>, &mut TickHalves<'static, AXES>);
 
 /// Not inlined, so that each tick is the same code as in the image.
 #[inline(never)]
-fn counted_tick<const AXES: usize>(tick: &mut Tick<AXES>, machine: &mut Sink<AXES>, lanes: &mut Lanes<'static, AXES>) {
+fn counted_tick<const AXES: usize>(
+    tick: &mut Tick<AXES>,
+    machine: &mut Sink<AXES>,
+    lanes: &mut TickHalves<'static, AXES>,
+) {
     tick.run(machine, lanes);
 }
 
 #[inline(never)]
-fn nothing<const AXES: usize>(_: &mut Tick<AXES>, _: &mut Sink<AXES>, _: &mut Lanes<'static, AXES>) {}
+fn nothing<const AXES: usize>(_: &mut Tick<AXES>, _: &mut Sink<AXES>, _: &mut TickHalves<'static, AXES>) {}
 
 impl<const AXES: usize> Counted<AXES> {
     /// From power-on; the clock runs.
     #[must_use]
-    pub fn new(tick: Tick<AXES>, lanes: Lanes<'static, AXES>) -> Self {
+    pub fn new(tick: Tick<AXES>, lanes: TickHalves<'static, AXES>) -> Self {
         let mut counted = Self { tick, machine: Sink::POWER_ON, lanes, reading: 0 };
         counted.reading = counted.count(nothing);
         counted

@@ -13,12 +13,12 @@ pub mod machine;
 use cortex_m_semihosting::debug;
 use dispatcher::PathQueue;
 use ring::{Consumer, Latest, Producer, Reader, Ring};
-use servo::laser::{Clock, Tables};
+use servo::laser::{Clock, PowerTables};
 use servo::path::{EntryStore, PathStores};
 use servo::segment::pvt::{HeaderStore, PointStore, TABLES};
 use servo::tables::TableStores;
-use servo::tick::{EVENTS, IMMEDIATE, Lanes, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig};
-use servo::tick_command::Entry;
+use servo::tick::{EVENTS, IMMEDIATE, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig, TickHalves};
+use servo::tick_command::LaneEntry;
 use servo::units::StepLimit;
 use servo::view::{Event, Sample, View};
 use static_cell::ConstStaticCell;
@@ -29,8 +29,8 @@ pub const AXES: usize = 8;
 /// Tick period of the probes: 250 µs.
 pub const PERIOD_NS: u32 = 250_000;
 
-static IMMEDIATE_LANE: Ring<Entry, IMMEDIATE> = Ring::new();
-static PROGRAM_LANE: Ring<Entry, PROGRAM> = Ring::new();
+static IMMEDIATE_LANE: Ring<LaneEntry, IMMEDIATE> = Ring::new();
+static PROGRAM_LANE: Ring<LaneEntry, PROGRAM> = Ring::new();
 static VIEW: Latest<View<AXES>> = Latest::new(View::POWER_ON);
 static NEWS: Ring<Event, EVENTS> = Ring::new();
 static TRACE: Ring<Sample, SAMPLES> = Ring::new();
@@ -48,7 +48,7 @@ pub const PATHS: PathStores<'static> = PathStores::of(&ENTRIES);
 pub static QUEUES: ConstStaticCell<[[PathQueue; 2]; 2]> =
     ConstStaticCell::new([const { [const { PathQueue::new() }; 2] }; 2]);
 /// Tables of laser channels.
-pub static LASER_TABLES: Tables = Tables::new();
+pub static LASER_TABLES: PowerTables = PowerTables::new();
 /// All of them.
 pub const TABLE_STORES: TableStores<'static> =
     TableStores { points: &PLACES, headers: &HEADERS, lasers: &LASER_TABLES };
@@ -56,9 +56,9 @@ pub const TABLE_STORES: TableStores<'static> =
 /// The thread's halves.
 pub struct Thread {
     /// Tick commands for the next tick.
-    pub immediate: Producer<'static, Entry, IMMEDIATE>,
+    pub immediate: Producer<'static, LaneEntry, IMMEDIATE>,
     /// Timed tick commands.
-    pub program: Producer<'static, Entry, PROGRAM>,
+    pub program: Producer<'static, LaneEntry, PROGRAM>,
     /// The newest view.
     pub view: Reader<'static, View<AXES>>,
     /// News.
@@ -68,7 +68,7 @@ pub struct Thread {
 }
 
 /// A tick at power-on with its halves, and the thread's.
-pub fn bench() -> Option<(Tick<AXES>, Lanes<'static, AXES>, Thread)> {
+pub fn bench() -> Option<(Tick<AXES>, TickHalves<'static, AXES>, Thread)> {
     let (immediate_in, immediate) = IMMEDIATE_LANE.split_once()?;
     let (program_in, program) = PROGRAM_LANE.split_once()?;
     let (view_in, view) = VIEW.split_once()?;
@@ -81,7 +81,7 @@ pub fn bench() -> Option<(Tick<AXES>, Lanes<'static, AXES>, Thread)> {
         laser_clock: Clock::GHZ,
         step_limit: StepLimit::FULL_SCALE,
     });
-    let lanes = Lanes {
+    let lanes = TickHalves {
         immediate,
         program,
         view: view_in,

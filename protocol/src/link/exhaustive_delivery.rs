@@ -12,7 +12,7 @@
 //!
 //! `LINK_FRAMES=12` tries all patterns of twelve frames and prints the counts.
 
-use super::{Endpoint, HELLO_NS, Identity, Phase, RETRY_MAX_NS, Role, State};
+use super::{Endpoint, HELLO_NS, Identity, LinkState, RETRY_MAX_NS, Role, SessionPhase};
 use crate::Ns;
 use std::collections::{HashMap, HashSet, VecDeque};
 use std::hash::{DefaultHasher, Hasher};
@@ -224,7 +224,7 @@ impl World {
     fn over(&self) -> bool {
         self.again_at.is_none()
             && self.open_at.is_none()
-            && self.client.state() == State::Open
+            && self.client.state() == LinkState::Open
             && self.answered == self.plan.messages
             && self.client.all_acknowledged()
             && self.controller.all_acknowledged()
@@ -348,7 +348,7 @@ impl World {
             self.controller.send_draft(length).expect("there was a draft");
             self.controller.done_with_message();
             self.taken[epoch] += 1;
-            let open = self.client.state() == State::Open && self.open_at.is_none();
+            let open = self.client.state() == LinkState::Open && self.open_at.is_none();
             assert!(!open || epoch == self.epoch, "a message of an old session: {self:?}");
             self.next_take = self.now + self.plan.slow;
         }
@@ -443,14 +443,14 @@ impl World {
 
 /// An end without its counters, and with instants that count from `now`.
 fn end_state(end: &End, now: Ns, into: &mut Vec<u8>) {
-    let opening = end.state == State::Opening;
+    let opening = end.state == LinkState::Opening;
     let (state, tries) = match (&end.state, end.phase) {
-        (State::Closed, _) => (0, 0),
-        (State::Opening, Phase::Asking) => (1, 0),
-        (State::Opening, Phase::Confirming(tries)) => (2, tries),
-        (State::Open, _) => (3, 0),
-        (State::Ended, _) => (4, 0),
-        (State::Mismatch(_) | State::Busy(_), _) => panic!("no other client is there"),
+        (LinkState::Closed, _) => (0, 0),
+        (LinkState::Opening, SessionPhase::Asking) => (1, 0),
+        (LinkState::Opening, SessionPhase::Confirming(tries)) => (2, tries),
+        (LinkState::Open, _) => (3, 0),
+        (LinkState::Ended, _) => (4, 0),
+        (LinkState::Mismatch(_) | LinkState::Busy(_), _) => panic!("no other client is there"),
     };
     into.extend([state, tries, end.hello_due.into(), end.keep_alive_due.into(), (end.wire_at < end.wire_len).into()]);
     let offer = end.offer.map_or([0; 3], |offer| [offer.nonce, offer.session, offer.window.into()]);

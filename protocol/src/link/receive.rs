@@ -1,10 +1,10 @@
 //! Receiving: checks frames, advances the opening, puts messages in order and drops duplicates.
 
 use super::transmit::{Slot, ahead};
-use super::{ALIVE_NS, Endpoint, HELLO_NS, Identity, Offer, Phase, Role, State, TakeOver};
+use super::{ALIVE_NS, Endpoint, HELLO_NS, Identity, LinkState, Offer, Role, SessionPhase, TakeOver};
 use crate::Ns;
 use crate::deframe::Outcome;
-use crate::frame::{self, Busy, Fault, Header, Hello, HelloAck, Kind, OPENING_WIRE};
+use crate::frame::{self, Busy, Fault, FrameKind, Header, Hello, HelloAck, OPENING_WIRE};
 use zerocopy::{FromBytes, IntoBytes};
 
 /// `take <= next` in sequence numbers; slots hold messages from `take` on, with holes from `next`
@@ -179,11 +179,11 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
         }
         let busy = holder.and_then(|holder| self.busy(now, holder));
         match frame::decode(frame) {
-            Ok((header, Kind::Hello, payload)) => {
+            Ok((header, FrameKind::Hello, payload)) => {
                 let Ok(hello) = Hello::read_from_bytes(payload) else { return TakeOver::Nothing };
                 let same = Identity { version: header.version, schema: hello.schema.get() } == self.identity;
                 if let Some(busy) = busy.filter(|_| same) {
-                    let header = self.header(Kind::Busy, header.session.get());
+                    let header = self.header(FrameKind::Busy, header.session.get());
                     return frame::encode(header, busy.as_bytes(), out).map_or(TakeOver::Nothing, TakeOver::Answered);
                 }
                 // An answer for the link's own wire stays.
@@ -191,15 +191,15 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
                 self.answer_hello(&header, hello);
                 let answer = core::mem::replace(&mut self.answer, own);
                 let Some((nonce, answer)) = answer else { return TakeOver::Nothing };
-                let header = self.header(Kind::HelloAck, nonce);
+                let header = self.header(FrameKind::HelloAck, nonce);
                 frame::encode(header, answer.as_bytes(), out).map_or(TakeOver::Nothing, TakeOver::Answered)
             }
-            Ok((header, Kind::KeepAlive, _))
+            Ok((header, FrameKind::KeepAlive, _))
                 if busy.is_none() && self.offer.is_some_and(|offer| offer.session == header.session.get()) =>
             {
                 self.deframer.reset();
                 (self.wire_at, self.wire_len) = (0, 0);
-                self.receive_in_session(now, &header, Kind::KeepAlive);
+                self.receive_in_session(now, &header, FrameKind::KeepAlive);
                 TakeOver::TakenUp
             }
             _ => TakeOver::Nothing,
@@ -227,23 +227,27 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
             }
         };
         match (kind, self.role) {
-            (Kind::Hello, Role::Controller) => {
+            (FrameKind::Hello, Role::Controller) => {
                 if let Ok(hello) = Hello::read_from_bytes(payload) {
                     self.answer_hello(&header, hello);
                 }
             }
-            (Kind::HelloAck, Role::Client) => {
+            (FrameKind::HelloAck, Role::Client) => {
                 if let Ok(answer) = HelloAck::read_from_bytes(payload) {
                     self.take_offer(now, &header, answer);
                 }
             }
-            (Kind::Busy, Role::Client) if self.state == State::Opening && header.session.get() == self.nonce => {
+            (FrameKind::Busy, Role::Client)
+                if self.state == LinkState::Opening && header.session.get() == self.nonce =>
+            {
                 if let Ok(busy) = Busy::read_from_bytes(payload) {
-                    self.forget(State::Busy(busy));
+                    self.forget(LinkState::Busy(busy));
                 }
             }
-            (Kind::Hello | Kind::HelloAck | Kind::Busy, _) => count(&mut self.counters.unexpected),
-            (Kind::Data | Kind::Ack | Kind::KeepAlive | Kind::Bye, _) => self.receive_in_session(now, &header, kind),
+            (FrameKind::Hello | FrameKind::HelloAck | FrameKind::Busy, _) => count(&mut self.counters.unexpected),
+            (FrameKind::Data | FrameKind::Ack | FrameKind::KeepAlive | FrameKind::Bye, _) => {
+                self.receive_in_session(now, &header, kind)
+            }
         }
     }
 
@@ -255,7 +259,7 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
             count(&mut self.counters.mismatches);
             self.refused = Some(theirs);
             0
-        } else if self.state == State::Open && nonce == self.nonce {
+        } else if self.state == LinkState::Open && nonce == self.nonce {
             self.session
         } else {
             let offer = match self.offer {
@@ -286,34 +290,34 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
     /// Client: begins the offered session, or learns that there will be none.
     fn take_offer(&mut self, now: Ns, header: &Header, answer: HelloAck) {
         let ours = header.session.get() == self.nonce;
-        if self.state != State::Opening || self.phase != Phase::Asking || !ours {
+        if self.state != LinkState::Opening || self.phase != SessionPhase::Asking || !ours {
             return count(&mut self.counters.unexpected);
         }
         let theirs = Identity { version: header.version, schema: answer.schema.get() };
         let session = answer.session.get();
         if theirs != self.identity {
             count(&mut self.counters.mismatches);
-            return self.forget(State::Mismatch(theirs));
+            return self.forget(LinkState::Mismatch(theirs));
         }
         if session == 0 {
             return count(&mut self.counters.unexpected);
         }
         self.begin(now, self.nonce, session, answer.window.get());
         self.hello_due = false;
-        self.phase = Phase::Confirming(1);
+        self.phase = SessionPhase::Confirming(1);
         self.keep_alive_due = true;
         self.retry_at = now.saturating_add(HELLO_NS);
     }
 
-    fn receive_in_session(&mut self, now: Ns, header: &Header, kind: Kind) {
+    fn receive_in_session(&mut self, now: Ns, header: &Header, kind: FrameKind) {
         let session = header.session.get();
         let known = self.session != 0 && session == self.session;
         match (self.state, self.offer) {
-            (State::Open, _) if known => {}
-            (State::Opening, _) if known => self.state = State::Open,
+            (LinkState::Open, _) if known => {}
+            (LinkState::Opening, _) if known => self.state = LinkState::Open,
             (_, Some(offer)) if self.role == Role::Controller && offer.session == session => {
                 self.begin(now, offer.nonce, offer.session, offer.window);
-                self.state = State::Open;
+                self.state = LinkState::Open;
             }
             _ => return count(&mut self.counters.stale_session),
         }
@@ -324,7 +328,7 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
             Err(()) => count(&mut self.counters.bad_acknowledgement),
         }
         match kind {
-            Kind::Data => {
+            FrameKind::Data => {
                 let message = frame::payload(self.deframer.frame());
                 match self.receiver.accept(header.sequence.get(), message) {
                     Accepted::New(more) => self.counters.received = self.counters.received.wrapping_add(more.into()),
@@ -332,9 +336,9 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
                     Accepted::Beyond => count(&mut self.counters.beyond_window),
                 }
             }
-            Kind::KeepAlive => self.receiver.ask_acknowledgement(),
-            Kind::Bye => self.forget(State::Ended),
-            Kind::Ack | Kind::Hello | Kind::HelloAck | Kind::Busy => {}
+            FrameKind::KeepAlive => self.receiver.ask_acknowledgement(),
+            FrameKind::Bye => self.forget(LinkState::Ended),
+            FrameKind::Ack | FrameKind::Hello | FrameKind::HelloAck | FrameKind::Busy => {}
         }
     }
 }

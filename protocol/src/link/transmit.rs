@@ -4,9 +4,9 @@
 //! sent again early when the receiver reports a gap twice, and one by one after a loss of several
 //! (as RFC 6582).
 
-use super::{Endpoint, RETRY_FIRST_NS, RETRY_MAX_NS, RETRY_MIN_NS, Role, State};
+use super::{Endpoint, LinkState, RETRY_FIRST_NS, RETRY_MAX_NS, RETRY_MIN_NS, Role};
 use crate::Ns;
-use crate::frame::{self, FLAG_GAP, Header, Hello, Kind, MAX_PAYLOAD};
+use crate::frame::{self, FLAG_GAP, FrameKind, Header, Hello, MAX_PAYLOAD};
 use zerocopy::IntoBytes;
 
 /// One message.
@@ -288,29 +288,31 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
         if self.hello_due {
             self.hello_due = false;
             let hello = Hello { schema: self.identity.schema.into(), window: (WINDOW as u16).into() };
-            return self.stage(Kind::Hello, self.nonce, hello.as_bytes());
+            return self.stage(FrameKind::Hello, self.nonce, hello.as_bytes());
         }
         if let Some((nonce, answer)) = self.answer.take() {
-            return self.stage(Kind::HelloAck, nonce, answer.as_bytes());
+            return self.stage(FrameKind::HelloAck, nonce, answer.as_bytes());
         }
         if let Some(session) = self.bye.take() {
-            return self.stage(Kind::Bye, session, &[]);
+            return self.stage(FrameKind::Bye, session, &[]);
         }
         match self.state {
-            State::Open => self.build_in_session(now),
-            State::Opening if self.keep_alive_due => {
+            LinkState::Open => self.build_in_session(now),
+            LinkState::Opening if self.keep_alive_due => {
                 self.keep_alive_due = false;
                 self.last_sent = now;
-                self.stage(Kind::KeepAlive, self.session, &[])
+                self.stage(FrameKind::KeepAlive, self.session, &[])
             }
-            State::Opening | State::Closed | State::Mismatch(_) | State::Busy(_) | State::Ended => false,
+            LinkState::Opening | LinkState::Closed | LinkState::Mismatch(_) | LinkState::Busy(_) | LinkState::Ended => {
+                false
+            }
         }
     }
 
     fn build_in_session(&mut self, now: Ns) -> bool {
         let keep_alive = self.keep_alive_due && self.role == Role::Client;
         if let Some(sequence) = self.transmitter.pick(now) {
-            let mut header = self.header(Kind::Data, self.session);
+            let mut header = self.header(FrameKind::Data, self.session);
             header.sequence = sequence.into();
             self.note_sent(now);
             let Some(slot) = self.transmitter.slot(sequence) else { return false };
@@ -318,7 +320,7 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
             return self.wire_len > 0;
         }
         if keep_alive || self.receiver.acknowledge_due() {
-            let kind = if keep_alive { Kind::KeepAlive } else { Kind::Ack };
+            let kind = if keep_alive { FrameKind::KeepAlive } else { FrameKind::Ack };
             let staged = self.stage(kind, self.session, &[]);
             self.note_sent(now);
             return staged;
@@ -333,7 +335,7 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
         self.last_sent = now;
     }
 
-    pub(super) fn header(&self, kind: Kind, session: u32) -> Header {
+    pub(super) fn header(&self, kind: FrameKind, session: u32) -> Header {
         let gap = if self.receiver.has_gap() { FLAG_GAP } else { 0 };
         Header {
             version: self.identity.version,
@@ -347,7 +349,7 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
         }
     }
 
-    fn stage(&mut self, kind: Kind, session: u32, payload: &[u8]) -> bool {
+    fn stage(&mut self, kind: FrameKind, session: u32, payload: &[u8]) -> bool {
         let header = self.header(kind, session);
         self.wire_len = frame::encode(header, payload, &mut self.wire).unwrap_or(0);
         self.wire_len > 0

@@ -1,8 +1,8 @@
 //! Two ends of a link, joined by hand.
 #![allow(dead_code)]
 use protocol::Ns;
-use protocol::frame::{self, Header, Kind, MAX_WIRE};
-use protocol::link::{Endpoint, Identity, Role, State};
+use protocol::frame::{self, FrameKind, Header, MAX_WIRE};
+use protocol::link::{Endpoint, Identity, LinkState, Role};
 
 pub const MS: Ns = 1_000_000;
 
@@ -34,17 +34,17 @@ pub fn opened() -> (End, End) {
     let (mut client, mut controller) = ends();
     client.open(0, 1);
     pump(0, &mut client, &mut controller);
-    assert_eq!((client.state(), controller.state()), (State::Open, State::Open));
+    assert_eq!((client.state(), controller.state()), (LinkState::Open, LinkState::Open));
     assert_eq!(client.session(), controller.session());
     (client, controller)
 }
 
 /// A sealed frame of the session that is open there.
-pub fn sealed(end: &End, kind: Kind, acknowledgement: u16, payload: &[u8]) -> Vec<u8> {
+pub fn sealed(end: &End, kind: FrameKind, acknowledgement: u16, payload: &[u8]) -> Vec<u8> {
     encoded(kind, end.session().unwrap(), (0, acknowledgement), payload)
 }
 
-pub fn encoded(kind: Kind, session: u32, (sequence, acknowledgement): (u16, u16), payload: &[u8]) -> Vec<u8> {
+pub fn encoded(kind: FrameKind, session: u32, (sequence, acknowledgement): (u16, u16), payload: &[u8]) -> Vec<u8> {
     let header = Header {
         version: protocol::VERSION,
         kind: kind as u8,

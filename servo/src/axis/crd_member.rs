@@ -6,34 +6,34 @@
 //! system asks before it drives an axis to a position.
 use super::{AxisState, MotionState, exact};
 use crate::math::wide::umulhi;
-use crate::path::{Fine, TrajectorySample};
-use crate::segment::follow::{Path, Track};
+use crate::path::{FineNs, TrajectorySample};
+use crate::segment::follow::{MasterPathKind, PositionTrack};
 use crate::segment::profile::Generator;
 use crate::segment::pt::Segments;
-use crate::segment::pvt::Tables;
+use crate::segment::pvt::PvtTables;
 use crate::segment::ramp::Trapezoid;
 use crate::status;
-use crate::tick_command::Mode;
+use crate::tick_command::MotionMode;
 use crate::units::{Crd, Exact, Ns, Pos};
 use crate::view::{Drive, StopReason};
 
 impl AxisState {
     /// It belongs to a coordinate system from now on, at standstill.
     pub(crate) fn map(&mut self, crd: Crd) {
-        self.set_mode(Mode::Crd);
+        self.set_mode(MotionMode::Crd);
         (self.crd, self.causes.fresh) = (Some(crd), 0);
         self.mark_changed();
     }
 
     /// It belongs to none any more.
     pub(crate) fn unmap(&mut self) {
-        self.set_mode(Mode::Trap);
+        self.set_mode(MotionMode::Trap);
         self.mark_changed();
     }
 
     /// Whether it is mapped to this coordinate system.
     pub(crate) fn is_mapped(&self, crd: Crd) -> bool {
-        self.published.mode == Mode::Crd && self.crd == Some(crd)
+        self.published.mode == MotionMode::Crd && self.crd == Some(crd)
     }
 
     /// The coordinate system that drives it.
@@ -50,7 +50,7 @@ impl AxisState {
     }
 
     /// Its own motion is over if that ends at the tick computed or before.
-    pub(crate) fn arrive(&mut self, next: Ns, source: &(impl Segments + Tables)) {
+    pub(crate) fn arrive(&mut self, next: Ns, source: &(impl Segments + PvtTables)) {
         if self.state.is_own() && !self.moving(next, source).1 {
             self.step(next, source);
         }
@@ -59,7 +59,7 @@ impl AxisState {
     /// Whether it must not be geared to a motion: it must be at standstill, and of no coordinate
     /// system.
     pub(crate) fn refuses_gear(&self) -> bool {
-        self.refuses_start() || self.runs() || self.published.mode == Mode::Crd
+        self.refuses_start() || self.runs() || self.published.mode == MotionMode::Crd
     }
 
     /// Its position at the tick computed.
@@ -81,10 +81,10 @@ impl AxisState {
     ) {
         let shift = origin.0.wrapping_sub(self.zero.0);
         let whole = period.0 << 32;
-        let mut track = Track::begin(from);
+        let mut track = PositionTrack::begin(from);
         let mut last = 0;
         for (at, position) in trajectory.knots() {
-            last = (at.saturating_sub((now.0 as Fine) << 32) as u64).min(whole);
+            last = (at.saturating_sub((now.0 as FineNs) << 32) as u64).min(whole);
             let position = position.get(index).copied().unwrap_or_default();
             track.push(last, Pos(position.0.wrapping_add(shift)));
         }
@@ -102,8 +102,12 @@ impl AxisState {
     }
 
     /// Its motion within the tick as its slaves see it, while it is driven.
-    pub(super) fn driven_path(&self) -> Path<'_> {
-        if self.goes_straight() { Path::Straight } else { Path::Track { along: &self.track, shift: 0 } }
+    pub(super) fn driven_path(&self) -> MasterPathKind<'_> {
+        if self.goes_straight() {
+            MasterPathKind::Straight
+        } else {
+            MasterPathKind::Track { along: &self.track, shift: 0 }
+        }
     }
 
     /// Whether it moves straight from tick to tick.
@@ -135,7 +139,7 @@ impl AxisState {
     pub(crate) fn release(&mut self, next: Ns, at: Exact, reason: StopReason) {
         if self.state == MotionState::Driven {
             self.published.drive = None;
-            if self.published.mode != Mode::Crd {
+            if self.published.mode != MotionMode::Crd {
                 self.crd = None;
             }
             self.come_to_standstill(next, at, reason);
@@ -180,9 +184,12 @@ impl AxisState {
         (next, at): (Ns, Ns),
         to: &Trapezoid,
         geared: bool,
-        source: &(impl Segments + Tables),
-    ) -> Option<Fine> {
-        if self.published.mode != Mode::Trap || self.state == MotionState::Driven && !geared || self.refuses_start() {
+        source: &(impl Segments + PvtTables),
+    ) -> Option<FineNs> {
+        if self.published.mode != MotionMode::Trap
+            || self.state == MotionState::Driven && !geared
+            || self.refuses_start()
+        {
             return None;
         }
         if geared {

@@ -1,21 +1,21 @@
 //! The data that PT, PVT and Follow run from: FIFOs, streams, tables, passes.
 //!
-//! In: what the thread committed and selected. Out: the [`Feed`] of a run, and what the view
+//! In: what the thread committed and selected. Out: the [`AllowedData`] of a run, and what the view
 //! publishes of it.
 use super::{AxisState, FIFO, IN_FORCE, Jog, RING_MASK, Ramps, pt_state};
 use crate::segment::follow;
 use crate::segment::piece::Scaled;
 use crate::segment::profile::Generator;
-use crate::segment::pt::{Feed, PtRun, Segments, SlotRange};
-use crate::segment::pvt::{PvtRun, Tables};
+use crate::segment::pt::{AllowedData, PtRun, Segments, SlotRange};
+use crate::segment::pvt::{PvtRun, PvtTables};
 use crate::segment::ramp::Moving;
-use crate::tick_command::Mode;
+use crate::tick_command::MotionMode;
 use crate::units::Ns;
 use crate::view::AxisView;
 
 /// What is committed and selected.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Data {
+pub(super) struct CommittedData {
     /// Segments committed to the FIFOs (dynamic: the first is the ring's).
     ends: [u32; 2],
     /// Passes to run, 0 for ever.
@@ -28,19 +28,20 @@ pub(super) struct Data {
     table: u8,
 }
 
-impl Data {
-    pub(super) const NONE: Data = Data { ends: [0; 2], passes: 1, table_passes: 1, fifo: 0, table: 0 };
+impl CommittedData {
+    pub(super) const NONE: CommittedData =
+        CommittedData { ends: [0; 2], passes: 1, table_passes: 1, fifo: 0, table: 0 };
 }
 
 impl AxisState {
     /// Whether PT must not start.
     pub(crate) fn refuses_pt(&self, fifo1: bool) -> bool {
-        let fifo = if self.published.mode == Mode::PtStatic { fifo1 as u8 } else { 0 };
+        let fifo = if self.published.mode == MotionMode::PtStatic { fifo1 as u8 } else { 0 };
         self.refuses_start() || self.runs() || !self.is_pt() || self.end(fifo) == 0
     }
 
     fn is_pt(&self) -> bool {
-        matches!(self.published.mode, Mode::PtStatic | Mode::PtDynamic)
+        matches!(self.published.mode, MotionMode::PtStatic | MotionMode::PtDynamic)
     }
 
     fn end(&self, fifo: u8) -> u32 {
@@ -48,14 +49,14 @@ impl AxisState {
         if fifo == 0 { first } else { second }
     }
 
-    pub(super) fn feed(&self) -> Feed {
-        let passes = if self.published.mode == Mode::Pvt { self.data.table_passes } else { self.data.passes };
-        Feed { end: self.end(self.data.fifo), passes }
+    pub(super) fn feed(&self) -> AllowedData {
+        let passes = if self.published.mode == MotionMode::Pvt { self.data.table_passes } else { self.data.passes };
+        AllowedData { end: self.end(self.data.fifo), passes }
     }
 
     /// Which slots the segments of a FIFO lie in, and how many passes of them there are.
     fn slots(&self, fifo: u8) -> SlotRange {
-        if self.published.mode == Mode::PtStatic {
+        if self.published.mode == MotionMode::PtStatic {
             SlotRange::Static { base: if fifo == 1 { FIFO } else { 0 } }
         } else {
             SlotRange::Dynamic { mask: RING_MASK, first: 0 }
@@ -64,7 +65,7 @@ impl AxisState {
 
     /// PT begins; its time is 0 at `next`.
     pub(crate) fn start_pt(&mut self, next: Ns, fifo1: bool) {
-        let fifo = if self.published.mode == Mode::PtStatic { fifo1 as u8 } else { 0 };
+        let fifo = if self.published.mode == MotionMode::PtStatic { fifo1 as u8 } else { 0 };
         self.published.pt_state = pt_state::RUNNING;
         self.published.passes = 0;
         if self.data.fifo == fifo && self.begin_prepared(next) {
@@ -75,12 +76,15 @@ impl AxisState {
     }
 
     /// Whether PVT must not start.
-    pub(crate) fn refuses_pvt(&self, tables: &impl Tables) -> bool {
-        self.refuses_start() || self.runs() || self.published.mode != Mode::Pvt || tables.is_empty(self.data.table)
+    pub(crate) fn refuses_pvt(&self, tables: &impl PvtTables) -> bool {
+        self.refuses_start()
+            || self.runs()
+            || self.published.mode != MotionMode::Pvt
+            || tables.is_empty(self.data.table)
     }
 
     /// PVT begins; its time is 0 at `next`.
-    pub(crate) fn start_pvt(&mut self, next: Ns, tables: &impl Tables) {
+    pub(crate) fn start_pvt(&mut self, next: Ns, tables: &impl PvtTables) {
         let published = &mut self.published;
         (published.passes, published.table, published.pending) = (0, self.data.table, None);
         (published.table_zero, published.table_until) = (next, IN_FORCE);
@@ -92,7 +96,7 @@ impl AxisState {
     }
 
     /// The same at once, even if more tick commands for the axis may follow.
-    pub(crate) fn prepare_start_now(&mut self, source: &(impl Segments + Tables + follow::Entries)) -> bool {
+    pub(crate) fn prepare_start_now(&mut self, source: &(impl Segments + PvtTables + follow::FollowEntries)) -> bool {
         self.unprepared = 1;
         self.prepare_start(source)
     }
@@ -106,7 +110,7 @@ impl AxisState {
     /// last, the table selected, the Jog or Trap that is set, or the first FIFO of Follow with
     /// data. Returns whether it took any time.
     #[inline(never)]
-    pub(crate) fn prepare_start(&mut self, source: &(impl Segments + Tables + follow::Entries)) -> bool {
+    pub(crate) fn prepare_start(&mut self, source: &(impl Segments + PvtTables + follow::FollowEntries)) -> bool {
         self.unprepared = self.unprepared.saturating_sub(1);
         if self.unprepared != 0 {
             return false;
@@ -114,31 +118,32 @@ impl AxisState {
         let feed = self.feed();
         let (at, slots, set) =
             (self.exact, self.slots(self.data.fifo), !self.ramps.trap.acc.is_zero() && !self.ramps.trap.dec.is_zero());
-        let AxisState { profile, published, data: Data { table, .. }, ramps: Ramps { jog, trap, .. }, .. } = self;
+        let AxisState { profile, published, data: CommittedData { table, .. }, ramps: Ramps { jog, trap, .. }, .. } =
+            self;
         let from = Moving { pos: at, velocity: Scaled::default() };
         match published.mode {
-            Mode::PtStatic | Mode::PtDynamic if feed.end != 0 => {
+            MotionMode::PtStatic | MotionMode::PtDynamic if feed.end != 0 => {
                 profile.prepare_start(feed, source, |generator| {
                     *generator = Generator::Pt(PtRun::begin(Ns(0), at, slots))
                 });
             }
-            Mode::Pvt if !source.is_empty(*table) => {
+            MotionMode::Pvt if !source.is_empty(*table) => {
                 profile.prepare_start(feed, source, |generator| {
                     *generator = Generator::Pvt(PvtRun::begin(Ns(0), at, *table, source));
                 });
             }
-            Mode::Trap if set => {
+            MotionMode::Trap if set => {
                 profile.prepare_start(feed, source, |generator| {
                     generator.begin_ramp(|run| run.begin_trap(Ns(0), from, trap))
                 });
             }
-            Mode::Jog if !jog.acc.is_zero() => {
+            MotionMode::Jog if !jog.acc.is_zero() => {
                 let Jog { acc, dec, smooth } = *jog;
                 profile.prepare_start(feed, source, |generator| {
                     generator.begin_ramp(|run| run.begin_jog(Ns(0), from, trap.speed, acc, dec, smooth));
                 });
             }
-            Mode::Follow | Mode::FollowEx => self.follow_prepared(source),
+            MotionMode::Follow | MotionMode::FollowEx => self.follow_prepared(source),
             _ => return false,
         }
         true
@@ -173,7 +178,7 @@ impl AxisState {
             return;
         }
         self.published.pt_state = state;
-        if self.published.mode == Mode::PtDynamic {
+        if self.published.mode == MotionMode::PtDynamic {
             self.published.epoch = self.published.epoch.wrapping_add(1);
             self.published.released = 0;
             self.data.ends = [0; 2];
@@ -182,7 +187,7 @@ impl AxisState {
 
     /// Finds how long the data of a stream or a pass lasts; every eighth tick is enough.
     #[inline(never)]
-    pub(crate) fn look_ahead(&mut self, next: Ns, source: &(impl Segments + Tables), published: &mut AxisView) {
+    pub(crate) fn look_ahead(&mut self, next: Ns, source: &(impl Segments + PvtTables), published: &mut AxisView) {
         if let Generator::Pt(run) = self.profile.generator() {
             self.published.dry_ms = run.dry_ms(next, self.feed(), source, self.profile.is_ahead());
             self.turned();
@@ -198,13 +203,13 @@ impl AxisState {
 
     /// What was committed to a FIFO counts from now on. False if its stream has ended meanwhile.
     pub(crate) fn commit(&mut self, fifo: u8, end: u32, epoch: u32) -> bool {
-        if self.published.mode == Mode::PtDynamic && epoch != self.published.epoch {
+        if self.published.mode == MotionMode::PtDynamic && epoch != self.published.epoch {
             return false;
         }
         let [first, second] = &mut self.data.ends;
         *(if fifo == 0 { first } else { second }) = end;
         if !self.runs() {
-            self.data.fifo = if self.published.mode == Mode::PtStatic { fifo } else { 0 };
+            self.data.fifo = if self.published.mode == MotionMode::PtStatic { fifo } else { 0 };
         }
         self.profile.invalidate_prepared();
         true
@@ -212,7 +217,7 @@ impl AxisState {
 
     /// Empties a FIFO that is not running.
     pub(crate) fn clear_fifo(&mut self, fifo: u8) {
-        if self.published.mode == Mode::PtDynamic {
+        if self.published.mode == MotionMode::PtDynamic {
             if !self.runs() {
                 self.clear_data();
             }
@@ -237,8 +242,8 @@ impl AxisState {
         fifo: u8,
         end: u32,
         cleared: u32,
-        tail: follow::Tail,
-        source: &impl follow::Entries,
+        tail: follow::FifoTail,
+        source: &impl follow::FollowEntries,
     ) -> bool {
         let [first, second] = self.published.cleared;
         let counts = cleared == if fifo == 0 { first } else { second };

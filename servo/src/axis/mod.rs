@@ -26,10 +26,10 @@ mod slave;
 mod soft_limits;
 mod user_position;
 
-use data::Data;
+use data::CommittedData;
 pub(crate) use fast_path::FastStep;
 use input_scan::Causes;
-use soft_limits::Bounds;
+use soft_limits::TravelBounds;
 
 use crate::laser::Positions;
 use crate::port::AxisInputs;
@@ -37,7 +37,7 @@ use crate::segment::follow as following;
 use crate::segment::profile::Profile;
 use crate::segment::ramp::{Accel, Speed, Trapezoid};
 use crate::status::{self, pt_state};
-use crate::tick_command::Mode;
+use crate::tick_command::MotionMode;
 use crate::units::{Crd, Exact, Ns, Pos};
 use crate::view::{AxisView, StopReason};
 use inputs::Inputs;
@@ -144,7 +144,7 @@ state! {
         /// Planned position at which the machine's own count is 0, so that setting a position makes
         /// no step.
         zero: Pos = Pos(0),
-        bounds: Bounds = Bounds::TRAVEL,
+        bounds: TravelBounds = TravelBounds::TRAVEL,
         pub(crate) inputs: Inputs = Inputs::POWER_ON,
         /// Its motion; at standstill, a constant piece.
         profile: Profile = Profile::STANDSTILL,
@@ -155,12 +155,12 @@ state! {
         /// Exact position while at standstill, and where a ramp begins.
         exact: Exact = Exact(0),
         pub(crate) ramps: Ramps = Ramps::POWER_ON,
-        data: Data = Data::NONE,
+        data: CommittedData = CommittedData::NONE,
         pub(crate) follow: following::Setup = following::Setup::POWER_ON,
         /// The coordinate system that it is mapped to, or that drives it.
         pub(crate) crd: Option<Crd> = None,
         /// Its displacement within the tick while that drives it, if it has slaves.
-        track: following::Track = following::Track::NONE,
+        track: following::PositionTrack = following::PositionTrack::NONE,
     }
     pub(crate) const POWER_ON;
 }
@@ -241,7 +241,7 @@ impl AxisState {
     }
 
     /// The mode, at standstill; another one clears the PT data.
-    pub(crate) fn set_mode(&mut self, mode: Mode) {
+    pub(crate) fn set_mode(&mut self, mode: MotionMode) {
         if self.runs() || self.published.mode == mode {
             return;
         }

@@ -8,10 +8,10 @@ use crate::segment::generator_state::GeneratorState;
 use crate::segment::piece::{Motion, Scaled};
 use crate::segment::profile::Generator;
 use crate::segment::pt::Segments;
-use crate::segment::pvt::Tables;
+use crate::segment::pvt::PvtTables;
 use crate::segment::ramp::Moving;
 use crate::status;
-use crate::tick_command::Mode;
+use crate::tick_command::MotionMode;
 use crate::units::{Exact, Ns, Pos};
 use crate::view::{AxisView, StopReason};
 
@@ -20,8 +20,8 @@ impl AxisState {
     /// limit.
     pub(crate) fn refuses_update(&self) -> bool {
         let direction = match self.published.mode {
-            Mode::Jog => self.ramps.trap.speed.signum(),
-            Mode::Trap => Pos::pulses(self.ramps.trap.target).0.saturating_sub(self.published.pos.0).signum(),
+            MotionMode::Jog => self.ramps.trap.speed.signum(),
+            MotionMode::Trap => Pos::pulses(self.ramps.trap.target).0.saturating_sub(self.published.pos.0).signum(),
             _ => return true,
         };
         let inputs = &self.inputs;
@@ -37,7 +37,7 @@ impl AxisState {
     }
 
     /// Jog or Trap begins or changes; its time is 0 at `next`.
-    pub(crate) fn update(&mut self, next: Ns, source: &(impl Segments + Tables)) {
+    pub(crate) fn update(&mut self, next: Ns, source: &(impl Segments + PvtTables)) {
         if self.begin_prepared(next) {
             return;
         }
@@ -45,7 +45,7 @@ impl AxisState {
         let AxisState { profile, published, ramps: Ramps { trap, jog, .. }, .. } = self;
         profile.enter_reached(next);
         profile.begin_ramp(next, |run| {
-            if published.mode == Mode::Jog {
+            if published.mode == MotionMode::Jog {
                 let Jog { acc, dec, smooth } = *jog;
                 run.begin_jog(next, from, trap.speed, acc, dec, smooth);
             } else {
@@ -87,7 +87,7 @@ impl AxisState {
     }
 
     /// Its position and velocity at `next` in the present motion, and whether it still runs there.
-    pub(super) fn moving(&mut self, next: Ns, source: &(impl Segments + Tables)) -> (Moving, bool) {
+    pub(super) fn moving(&mut self, next: Ns, source: &(impl Segments + PvtTables)) -> (Moving, bool) {
         let rest = |pos| (Moving { pos, velocity: Scaled { m: 0, e: 0 } }, false);
         if !self.state.is_own() {
             return rest(self.exact);
@@ -106,7 +106,7 @@ impl AxisState {
     }
 
     /// Smooth stop from `next` on. A motion that ends there anyway ends by itself.
-    pub(crate) fn stop_smooth(&mut self, next: Ns, reason: StopReason, source: &(impl Segments + Tables)) {
+    pub(crate) fn stop_smooth(&mut self, next: Ns, reason: StopReason, source: &(impl Segments + PvtTables)) {
         if !self.state.is_own() || self.ending.is_brake() {
             return;
         }
@@ -168,7 +168,7 @@ impl AxisState {
         &mut self,
         next: Ns,
         left: &mut u32,
-        source: &(impl Segments + Tables),
+        source: &(impl Segments + PvtTables),
         published: &mut AxisView,
     ) -> Option<StopReason> {
         let mut stopped = None;
@@ -205,7 +205,7 @@ impl AxisState {
 
     /// The motion at `next` of an axis that runs; the reason if it comes to standstill there.
     #[inline(always)]
-    pub(crate) fn step(&mut self, next: Ns, source: &(impl Segments + Tables)) -> Option<StopReason> {
+    pub(crate) fn step(&mut self, next: Ns, source: &(impl Segments + PvtTables)) -> Option<StopReason> {
         if self.causes.present & status::FAULTS != 0 {
             return Some(self.stopped_by_fault(next));
         }
@@ -241,7 +241,7 @@ impl AxisState {
 
     /// The piece is over: on to the next one, or to the end of the motion and its reason.
     #[inline(never)]
-    fn turn(&mut self, next: Ns, source: &(impl Segments + Tables)) -> Option<StopReason> {
+    fn turn(&mut self, next: Ns, source: &(impl Segments + PvtTables)) -> Option<StopReason> {
         let feed = self.feed();
         let state = self.profile.turn(next, feed, source);
         let running = state == GeneratorState::Running;
@@ -265,7 +265,7 @@ impl AxisState {
         match self.profile.generator() {
             Generator::Pt(run) => {
                 published.passes = run.passes(false);
-                if published.mode == Mode::PtDynamic {
+                if published.mode == MotionMode::PtDynamic {
                     published.released = run.released(running, false);
                 }
             }
@@ -302,7 +302,7 @@ impl AxisState {
 
     /// Makes the next piece, in a tick that has time for it. Returns whether it took any.
     #[inline(never)]
-    fn prepare(&mut self, source: &(impl Segments + Tables)) -> bool {
+    fn prepare(&mut self, source: &(impl Segments + PvtTables)) -> bool {
         let feed = self.feed();
         self.profile.prepare(feed, source)
     }

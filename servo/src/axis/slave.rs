@@ -6,15 +6,16 @@ use super::inputs::reading;
 use super::{AxisState, MotionState, exact};
 use crate::math::real::Real;
 use crate::segment::follow::{
-    Awaits, Context, Entries, FollowRun, Follower, Input, MasterSample, Method, OutputActions, Path, State, Value,
+    Awaits, FollowContext, FollowEntries, FollowRun, FollowState, Follower, Input, MasterPathKind, MasterSample,
+    Method, OutputActions, Value,
 };
 use crate::segment::piece::Motion;
 use crate::segment::profile::Generator;
 use crate::segment::pt::Segments;
-use crate::segment::pvt::Tables;
+use crate::segment::pvt::PvtTables;
 use crate::segment::ramp::Moving;
 use crate::status;
-use crate::tick_command::Mode;
+use crate::tick_command::MotionMode;
 use crate::units::{Axis, Ns, Pos, StepLimit};
 use crate::view::{AxisView, Lead, StopReason};
 
@@ -41,7 +42,7 @@ impl AxisState {
 
     /// Whether Follow or FollowEx must not start.
     pub(crate) fn refuses_follow(&self, fifo1: bool) -> bool {
-        let prepared = matches!(self.published.mode, Mode::Follow | Mode::FollowEx)
+        let prepared = matches!(self.published.mode, MotionMode::Follow | MotionMode::FollowEx)
             && self.follow.master.is_some()
             && !self.follow.is_empty(fifo1 as u8);
         self.refuses_start() || self.runs() || !prepared
@@ -62,7 +63,7 @@ impl AxisState {
 
     /// At standstill, what FollowStart of a FIFO would begin, with its first piece.
     #[inline(never)]
-    pub(super) fn follow_prepared(&mut self, source: &(impl Segments + Tables + Entries)) {
+    pub(super) fn follow_prepared(&mut self, source: &(impl Segments + PvtTables + FollowEntries)) {
         let Some(master) = self.follow.master else { return };
         let fifo = self.follow.is_empty(0) as u8;
         if self.follow.is_empty(fifo) {
@@ -119,7 +120,7 @@ impl AxisState {
     }
 
     /// Makes it, in a tick that has time for it.
-    pub(crate) fn prepare_run(&mut self, source: &impl Entries) {
+    pub(crate) fn prepare_run(&mut self, source: &impl FollowEntries) {
         let setup = &self.follow;
         if let Some(follower) = self.profile.follower_mut() {
             follower.run.prepare(setup, source);
@@ -134,8 +135,8 @@ impl AxisState {
             Value::Encoder | Value::EncoderFiltered => (reading(self.count()), self.inputs.named()),
         };
         let path = match value {
-            Value::Encoder => Path::Straight,
-            Value::PlannedFiltered | Value::EncoderFiltered => Path::Filtered,
+            Value::Encoder => MasterPathKind::Straight,
+            Value::PlannedFiltered | Value::EncoderFiltered => MasterPathKind::Filtered,
             Value::Planned => self.path(now, self.standstill_since.0 == now.0.wrapping_add(period.0)),
         };
         MasterSample { now, period, to, named, path }
@@ -144,20 +145,20 @@ impl AxisState {
     /// How its planned position came to the present one, in positions of the machine.
     /// `is_at_standstill`: it came to standstill in this tick.
     #[inline(always)]
-    fn path(&self, now: Ns, is_at_standstill: bool) -> Path<'_> {
+    fn path(&self, now: Ns, is_at_standstill: bool) -> MasterPathKind<'_> {
         let shift = self.zero.0.wrapping_neg();
         match self.profile.generator() {
-            _ if self.state == MotionState::Driven || is_at_standstill && self.published.mode == Mode::Crd => {
+            _ if self.state == MotionState::Driven || is_at_standstill && self.published.mode == MotionMode::Crd => {
                 self.driven_path()
             }
             Generator::Follow(own) if self.state.is_own() || is_at_standstill => {
                 if own.track().is_straight() {
-                    Path::Straight
+                    MasterPathKind::Straight
                 } else {
-                    Path::Track { along: own.track(), shift }
+                    MasterPathKind::Track { along: own.track(), shift }
                 }
             }
-            _ => Path::Pieces { before: self.profile.before(now), piece: self.profile.piece(), shift },
+            _ => MasterPathKind::Pieces { before: self.profile.before(now), piece: self.profile.piece(), shift },
         }
     }
 
@@ -212,7 +213,7 @@ impl AxisState {
         master_sample: &MasterSample<'_>,
         led: bool,
         limit: u64,
-        context: (&impl Entries, impl Fn(Input, u8) -> bool, &mut OutputActions),
+        context: (&impl FollowEntries, impl Fn(Input, u8) -> bool, &mut OutputActions),
     ) -> Option<StopReason> {
         let next = Ns(master_sample.now.0.wrapping_add(master_sample.period.0));
         if self.causes.present & status::FAULTS != 0 {
@@ -221,19 +222,19 @@ impl AxisState {
         let from = self.published.pos;
         let follower = self.profile.follower_mut()?;
         let (source, level, actions) = context;
-        let mut context = Context::new(&mut self.follow, source, level, actions);
+        let mut context = FollowContext::new(&mut self.follow, source, level, actions);
         let state = follower.step(master_sample, led, from, &mut context);
         follower.run.find_floor(source);
         let (pos, tau) = follower.run.position();
         self.publish_run();
         match state {
-            State::Running => {}
-            State::Ended { at } => return Some(self.end_follow(next, at, StopReason::Completed, limit)),
-            State::TooFar => {
+            FollowState::Running => {}
+            FollowState::Ended { at } => return Some(self.end_follow(next, at, StopReason::Completed, limit)),
+            FollowState::TooFar => {
                 self.halt(next, StopReason::StepLimit);
                 return Some(StopReason::StepLimit);
             }
-            State::TimedOut { at } => return Some(self.end_follow(next, at, StopReason::WaitTimeout, limit)),
+            FollowState::TimedOut { at } => return Some(self.end_follow(next, at, StopReason::WaitTimeout, limit)),
         }
         if let Some(reason) = self.obstructed(next, pos, limit) {
             return Some(reason);

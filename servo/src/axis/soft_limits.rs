@@ -3,7 +3,8 @@
 //!
 //! In: limits in [`Inputs`], active switches, the position in force and the one that a motion is
 //! about to reach. Out: whether the axis may go there; where it is held, and why. Owns the
-//! [`Bounds`] in which no limit is near. Cannot fail: a motion that meets a limit stops there.
+//! [`TravelBounds`] in which no limit is near. Cannot fail: a motion that meets a limit stops
+//! there.
 //!
 //! The soft limits of a path are those of its axes: `tick/crd/path_soft_limits.rs`.
 use super::inputs::Inputs;
@@ -30,20 +31,20 @@ impl Inputs {
 /// The range in which no limit is in the way.
 #[derive(Debug, Clone, Copy)]
 #[repr(C)]
-pub(super) struct Bounds {
+pub(super) struct TravelBounds {
     lower: Pos,
     upper: Pos,
     /// Well between them: the first high word of such positions, and how many there are.
     inside: (i32, u32),
 }
 
-impl Bounds {
-    pub(super) const TRAVEL: Bounds = Bounds::new(NEGATIVE_EDGE, Pos::TRAVEL);
+impl TravelBounds {
+    pub(super) const TRAVEL: TravelBounds = TravelBounds::new(NEGATIVE_EDGE, Pos::TRAVEL);
 
-    const fn new(lower: Pos, upper: Pos) -> Bounds {
+    const fn new(lower: Pos, upper: Pos) -> TravelBounds {
         let from = (lower.0 >> 32).saturating_add(1);
         let count = (upper.0 >> 32).saturating_sub(from);
-        Bounds { lower, upper, inside: (from as i32, if count < 0 { 0 } else { count as u32 }) }
+        TravelBounds { lower, upper, inside: (from as i32, if count < 0 { 0 } else { count as u32 }) }
     }
 
     /// Whether they hold a position.
@@ -73,7 +74,7 @@ impl AxisState {
         if self.causes.switches & status::LIMIT_NEGATIVE != 0 {
             lower = Pos(i64::MAX);
         }
-        self.bounds = Bounds::new(lower, upper);
+        self.bounds = TravelBounds::new(lower, upper);
     }
 
     /// The limit that lies between two positions: where it holds the axis, and the stop reason.

@@ -80,7 +80,7 @@ impl Train {
 /// period in progress changes in proportion to the period. So the next pulse comes when the
 /// integral of the rate since the last one reaches 1.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Rate {
+pub struct PulseRate {
     /// From pulse to pulse, in 2⁻³² counts (its `of` is 0). A whole of 0 is a pause: the remainder
     /// is kept until the next rate.
     pub period: Count,
@@ -93,9 +93,9 @@ pub struct Rate {
     pub shift: u32,
 }
 
-impl Rate {
+impl PulseRate {
     /// No pulses until the next rate.
-    pub const PAUSE: Rate = Rate { period: Train::NONE.period, width: 0, scale: 0, shift: 64 };
+    pub const PAUSE: PulseRate = PulseRate { period: Train::NONE.period, width: 0, scale: 0, shift: 64 };
 
     /// Whether it is a pause.
     #[inline]
@@ -150,7 +150,7 @@ pub enum Action {
     Change(Train),
     /// Light goes on with pulses at this rate. The pulse in progress ends at least a count before
     /// the next one.
-    Rate(Rate),
+    Rate(PulseRate),
     /// Light ends: the pulse in progress ends here; unless `cut`, it is finished if it ends within
     /// [`FINISH_NS`]. At its end, the standby train begins with a pulse at full width.
     Dark {

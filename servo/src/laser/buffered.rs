@@ -3,10 +3,10 @@
 //! In: admitted changes; words of an entry; instants. Out: the same changes, in the order of time.
 //! Owns: the events within an interval. Fails: words that are none of these mean nothing; a full
 //! queue says so.
-use super::light_owner::{End, Run};
-use super::power::{Bounds, Power};
+use super::light_owner::{PathRun, StandstillCause};
+use super::power::{Power, PowerBounds};
 use super::power_tables::Curve;
-use super::velocity_follow::{Ratio, Source};
+use super::velocity_follow::{Ratio, SpeedSource};
 use super::{Cause, NEVER};
 use crate::path::LASER_WORDS;
 use crate::units::{Crd, Ns};
@@ -22,14 +22,14 @@ pub enum Buffered {
     Direct { power: Power },
     /// BufLaserFollowMode: which speed counts from then on; a start power is the direct power from
     /// then on.
-    FollowMode { source: Source, start: Option<Power> },
+    FollowMode { source: SpeedSource, start: Option<Power> },
     /// BufLaserFollowRatio: the follow begins, with the source chosen before.
-    FollowRatio { ratio: Ratio, bounds: Bounds },
+    FollowRatio { ratio: Ratio, bounds: PowerBounds },
     /// BufLaserPrfFollow: the follow begins, of the planned speed.
-    PrfFollow { ratio: Ratio, bounds: Bounds },
+    PrfFollow { ratio: Ratio, bounds: PowerBounds },
     /// BufLaserFollowTable: the follow begins, with the source chosen before and the powers of a
     /// table.
-    FollowTable { table: Curve, bounds: Bounds },
+    FollowTable { table: Curve, bounds: PowerBounds },
     /// BufLaserFollowOff.
     FollowOff,
 }
@@ -67,7 +67,7 @@ impl Buffered {
 
     /// In the form of an entry of a path: its code and its words (`path::Entry::laser`).
     pub fn pack(self) -> (u8, [u32; LASER_WORDS]) {
-        let long = |first: u64, bounds: Bounds| {
+        let long = |first: u64, bounds: PowerBounds| {
             let ([a, b], [c, d]) = (split(first), split(bounds.min().raw() as u64));
             let [e, f] = split(bounds.max().raw() as u64);
             [a, b, c, d, e, f]
@@ -81,7 +81,7 @@ impl Buffered {
             Buffered::Gate { on: true } => (code::ON, NONE),
             Buffered::Direct { power } => (code::DIRECT, short(power.raw() as u64, 0)),
             Buffered::FollowMode { source, start } => {
-                let marks = (source == Source::Encoder) as u32 | (start.is_some() as u32) << 1;
+                let marks = (source == SpeedSource::Encoder) as u32 | (start.is_some() as u32) << 1;
                 (code::MODE, short(start.map_or(0, Power::raw) as u64, marks))
             }
             Buffered::FollowRatio { ratio, bounds } => (code::RATIO, long(ratio.bits(), bounds)),
@@ -94,14 +94,14 @@ impl Buffered {
     /// The inverse of [`Buffered::pack`].
     pub(super) fn unpack(code: u8, words: &[u32; LASER_WORDS]) -> Option<Buffered> {
         let [a, b, c, d, e, f] = *words;
-        let bounds = || Bounds::again(power(e, f), power(c, d));
+        let bounds = || PowerBounds::again(power(e, f), power(c, d));
         let ratio = || Ratio::admit(join(a, b)).ok();
         Some(match code {
             code::OFF => Buffered::Gate { on: false },
             code::ON => Buffered::Gate { on: true },
             code::DIRECT => Buffered::Direct { power: power(a, b) },
             code::MODE => Buffered::FollowMode {
-                source: if c & 1 == 1 { Source::Encoder } else { Source::Planned },
+                source: if c & 1 == 1 { SpeedSource::Encoder } else { SpeedSource::Planned },
                 start: (c & 2 == 2).then(|| power(a, b)),
             },
             code::RATIO => Buffered::FollowRatio { ratio: ratio()?, bounds: bounds() },
@@ -126,12 +126,12 @@ impl Buffered {
 
 /// What happens to a channel at an instant within an interval.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Event {
+pub(super) enum ChannelEvent {
     /// An entry of a path takes effect.
-    Change(Run, Buffered),
+    Change(PathRun, Buffered),
     /// A path comes to standstill; if it fails, the channels that are mapped to it go dark for this
     /// cause.
-    Standstill(Run, End, Cause),
+    Standstill(PathRun, StandstillCause, Cause),
 }
 
 /// Events that an interval may have: a full vertex of one path and some of the others', and the
@@ -142,7 +142,8 @@ const STANDSTILLS: usize = 2 * Crd::MAX;
 const _: () = assert!(EVENTS >= crate::path::EFFECTS as usize + STANDSTILLS);
 
 /// The content of an empty slot.
-const NOTHING: Event = Event::Standstill(Run { crd: Crd::FIRST, fifo: 0 }, End::RanOut, Cause::None);
+const NOTHING: ChannelEvent =
+    ChannelEvent::Standstill(PathRun { crd: Crd::FIRST, fifo: 0 }, StandstillCause::RanOut, Cause::None);
 
 /// The events of an interval, in the order of time; those of an instant in the order of their
 /// arrival.
@@ -152,7 +153,7 @@ pub(super) struct EventQueue {
     pub(super) next: Ns,
     first: usize,
     len: usize,
-    events: [(Ns, Event); EVENTS],
+    events: [(Ns, ChannelEvent); EVENTS],
 }
 
 /// No slot left.
@@ -173,7 +174,7 @@ impl EventQueue {
     /// Whether one of them may begin a follow or choose its speed.
     pub(super) fn follows(&self) -> bool {
         let mut events = self.events.get(self.first..self.len).unwrap_or_default().iter();
-        events.any(|(_, event)| matches!(event, Event::Change(_, change) if change.follows()))
+        events.any(|(_, event)| matches!(event, ChannelEvent::Change(_, change) if change.follows()))
     }
 
     /// Whether there is a slot for an entry of a path.
@@ -184,7 +185,7 @@ impl EventQueue {
     }
 
     /// One more.
-    pub(super) fn put(&mut self, at: Ns, event: Event) -> Result<(), Full> {
+    pub(super) fn put(&mut self, at: Ns, event: ChannelEvent) -> Result<(), Full> {
         if self.first == self.len {
             (self.first, self.len) = (0, 0);
         }
@@ -209,7 +210,7 @@ impl EventQueue {
     }
 
     /// The first one, if it is due.
-    pub(super) fn take(&mut self, now: Ns) -> Option<Event> {
+    pub(super) fn take(&mut self, now: Ns) -> Option<ChannelEvent> {
         let (_, event) = self.events.get(self.first).copied().filter(|_| self.next <= now)?;
         self.first = self.first.wrapping_add(1);
         self.look();

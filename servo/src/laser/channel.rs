@@ -19,15 +19,15 @@ pub use first_pulse_killer::Fpk;
 pub use gate_delays::Delays;
 
 use super::actions::{Action, Train};
-use super::buffered::{Buffered, Event, EventQueue};
-use super::edge_queue::Edges;
+use super::buffered::{Buffered, ChannelEvent, EventQueue};
+use super::edge_queue::EdgeQueue;
 use super::energy::{Energy, Plain};
-use super::light_owner::{End, Fact, Order, Owner, Run};
+use super::light_owner::{Fact, GateOrder, Owner, PathRun, StandstillCause};
 use super::on_time::OnTime;
 use super::power::Power;
 use super::power_law::{Family, Law};
 use super::safety::{Cause, Safety};
-use super::{Change, LaserView, Mode, NEVER};
+use super::{ChannelChange, LaserView, NEVER, PowerMode};
 use crate::units::{Crd, CrdMask, Ns};
 
 /// Mapped crds at power-on: the first two.
@@ -100,9 +100,9 @@ state! {
         changed: u8 = changed::CHANGED,
         /// The next edge.
         next_edge: Ns = NEVER,
-        gate: Edges = Edges::OFF,
+        gate: EdgeQueue = EdgeQueue::OFF,
         /// Light: the gate, shifted by the FPK.
-        light: Edges = Edges::OFF,
+        light: EdgeQueue = EdgeQueue::OFF,
         /// Events of paths in the interval that is planned next.
         event_queue: EventQueue = EventQueue::EMPTY,
     }
@@ -113,21 +113,21 @@ state! {
 impl Channel {
     /// Carries out a change; `at` lies in the interval that is planned next. Returns whether it is
     /// an on command that a fault forbids.
-    pub(super) fn change(&mut self, at: Ns, change: &Change) -> bool {
+    pub(super) fn change(&mut self, at: Ns, change: &ChannelChange) -> bool {
         // Events of paths up to this instant come first.
         self.attend(at);
         // A change that the other channel's mode causes is no command of this one.
         let muted = self.energy.muted;
-        self.energy.muted &= matches!(change, Change::PairedStandby(_));
+        self.energy.muted &= matches!(change, ChannelChange::PairedStandby(_));
         self.changed |= match change {
-            Change::Gate { .. } => changed::MOVED,
-            Change::Direct { .. } if self.law.follows().is_none() => changed::POWER,
+            ChannelChange::Gate { .. } => changed::MOVED,
+            ChannelChange::Direct { .. } if self.law.follows().is_none() => changed::POWER,
             _ => changed::CHANGED,
         };
         match change {
             // One that is ignored leaves standby and pre-voltage as they were.
-            Change::Gate { on } => self.energy.muted = !self.report(at, Fact::Command { on: *on }) & muted,
-            Change::Mode { mode, bounds, delayed, fine } => {
+            ChannelChange::Gate { on } => self.energy.muted = !self.report(at, Fact::Command { on: *on }) & muted,
+            ChannelChange::Mode { mode, bounds, delayed, fine } => {
                 if *mode != self.energy.mode {
                     self.report(at, Fact::Withdraw);
                     self.energy.mode = *mode;
@@ -139,44 +139,46 @@ impl Channel {
                 self.delayed = *delayed;
                 self.energy.fine = *fine;
             }
-            Change::Direct { power, fine } => {
+            ChannelChange::Direct { power, fine } => {
                 let followed = self.law.follows();
                 self.law.set_direct(*power);
                 self.energy.fine = *fine;
                 self.report_follow(at, followed);
             }
-            Change::Carrier { carrier, fine } => (self.energy.carrier, self.energy.fine) = (Some(*carrier), *fine),
-            Change::PulseWidth { us } => self.energy.width = Some(*us),
-            Change::Delays(delays) => self.delays = *delays,
-            Change::Fpk(fpk) => {
+            ChannelChange::Carrier { carrier, fine } => {
+                (self.energy.carrier, self.energy.fine) = (Some(*carrier), *fine)
+            }
+            ChannelChange::PulseWidth { us } => self.energy.width = Some(*us),
+            ChannelChange::Delays(delays) => self.delays = *delays,
+            ChannelChange::Fpk(fpk) => {
                 self.fpk = *fpk;
                 if fpk.is_none() {
                     self.pulse = NEVER;
                 }
             }
-            Change::Standby(standby) | Change::PairedStandby(standby) => self.energy.standby = *standby,
-            Change::PreVoltage(volts) => self.energy.pre_voltage = volts.unwrap_or(Power::ZERO),
-            Change::ZeroOnTime => (self.on_time, self.planned) = (OnTime::ZERO, 0),
-            Change::ClearFault => {
+            ChannelChange::Standby(standby) | ChannelChange::PairedStandby(standby) => self.energy.standby = *standby,
+            ChannelChange::PreVoltage(volts) => self.energy.pre_voltage = volts.unwrap_or(Power::ZERO),
+            ChannelChange::ZeroOnTime => (self.on_time, self.planned) = (OnTime::ZERO, 0),
+            ChannelChange::ClearFault => {
                 self.clear_latch(at);
                 // One that is refused ends no darkness of an abort either.
                 self.energy.muted = self.safety.is_dark() & muted;
             }
-            Change::CrdMap { map } => self.take_map(at, CrdMask(*map)),
-            Change::Connector { laser } => {
-                if !*laser && self.energy.mode != Mode::Analog {
+            ChannelChange::CrdMap { map } => self.take_map(at, CrdMask(*map)),
+            ChannelChange::Connector { laser } => {
+                if !*laser && self.energy.mode != PowerMode::Analog {
                     self.report(at, Fact::Withdraw);
                 }
                 self.energy.connector = *laser;
                 self.report_output(at);
             }
-            Change::Distance(distance) => self.law.set_distance(*distance),
-            Change::Reset { family } => self.reset(at, *family),
+            ChannelChange::Distance(distance) => self.law.set_distance(*distance),
+            ChannelChange::Reset { family } => self.reset(at, *family),
         }
         match change {
-            Change::Gate { on: true } => self.owner.is_latched(),
+            ChannelChange::Gate { on: true } => self.owner.is_latched(),
             // Its cause is still there.
-            Change::ClearFault => self.safety.is_dark(),
+            ChannelChange::ClearFault => self.safety.is_dark(),
             _ => false,
         }
     }
@@ -187,25 +189,25 @@ impl Channel {
         let published = |owner: &Owner| (owner.is_commanded(), owner.owners());
         let before = published(&self.owner);
         let order = self.owner.hear(fact);
-        if order != Order::Keep || published(&self.owner) != before {
+        if order != GateOrder::Keep || published(&self.owner) != before {
             self.changed |= changed::MOVED;
         }
         match order {
-            Order::Keep => {}
-            Order::On | Order::Off => self.switch(at, order == Order::On),
-            Order::Cut => self.extinguish(),
-            Order::Ignored(why) => {
+            GateOrder::Keep => {}
+            GateOrder::On | GateOrder::Off => self.switch(at, order == GateOrder::On),
+            GateOrder::Cut => self.extinguish(),
+            GateOrder::Ignored(why) => {
                 let LaserView { ignored, ignored_count, .. } = &mut self.published;
                 (*ignored, *ignored_count) = (why, ignored_count.wrapping_add(1));
                 self.changed |= changed::CHANGED;
             }
         }
-        !matches!(order, Order::Ignored(_))
+        !matches!(order, GateOrder::Ignored(_))
     }
 
     /// Whether the energy has an output: its connector, or, in analog mode, the DAC.
     fn report_output(&mut self, at: Ns) {
-        let there = self.energy.connector || self.energy.mode == Mode::Analog;
+        let there = self.energy.connector || self.energy.mode == PowerMode::Analog;
         self.report(at, Fact::Output { there });
     }
 
@@ -237,7 +239,7 @@ impl Channel {
 
     /// Whether its energy is a voltage.
     pub(super) fn is_analog(&self) -> bool {
-        self.energy.mode == Mode::Analog
+        self.energy.mode == PowerMode::Analog
     }
 
     /// The paths whose on entries have no effect.
@@ -268,7 +270,7 @@ impl Channel {
     }
 
     /// An event of a path at an instant of the interval that is planned next.
-    pub(super) fn expect(&mut self, at: Ns, event: Event) {
+    pub(super) fn expect(&mut self, at: Ns, event: ChannelEvent) {
         if self.event_queue.put(at, event).is_err() {
             // Events that are due already free their slots.
             self.attend(at);
@@ -293,7 +295,7 @@ impl Channel {
     }
 
     /// A FIFO is cleared, which holds light in few cases.
-    pub(super) fn fifo_cleared(&mut self, at: Ns, run: Run) {
+    pub(super) fn fifo_cleared(&mut self, at: Ns, run: PathRun) {
         self.attend(at);
         if self.owner.is_held_by(run) {
             self.report(at, Fact::Clears { run });
@@ -301,14 +303,14 @@ impl Channel {
     }
 
     /// Carries out an event.
-    fn happen(&mut self, at: Ns, event: Event) {
+    fn happen(&mut self, at: Ns, event: ChannelEvent) {
         match event {
-            Event::Change(run, Buffered::Gate { on }) => {
+            ChannelEvent::Change(run, Buffered::Gate { on }) => {
                 if self.report(at, Fact::Entry { on, run }) {
                     self.unmute(run);
                 }
             }
-            Event::Change(run, change) => {
+            ChannelEvent::Change(run, change) => {
                 if !self.owner.heeds(run.crd) {
                     self.report(at, Fact::Entry { on: false, run });
                     return;
@@ -322,10 +324,10 @@ impl Channel {
                 }
                 self.report_follow(at, followed);
             }
-            Event::Standstill(run, end, cause) => {
+            ChannelEvent::Standstill(run, end, cause) => {
                 let is_mapped = self.is_mapped(run.crd);
                 self.owner_is_at_standstill(at, run, end);
-                if end == End::Failed && is_mapped {
+                if end == StandstillCause::Failed && is_mapped {
                     self.changed |= changed::CHANGED;
                     self.ends |= self.safety.trip_within(cause);
                     self.owner.hear(Fact::Latched { link: false });
@@ -336,9 +338,9 @@ impl Channel {
 
     /// A path comes to standstill. If it fails, the latch makes the channel dark within the
     /// interval.
-    fn owner_is_at_standstill(&mut self, at: Ns, run: Run, end: End) {
+    fn owner_is_at_standstill(&mut self, at: Ns, run: PathRun, end: StandstillCause) {
         let fact = Fact::Standstill { run, end };
-        if end == End::Failed {
+        if end == StandstillCause::Failed {
             self.owner.hear(fact);
         } else {
             self.report(at, fact);
@@ -346,7 +348,7 @@ impl Channel {
     }
 
     /// An entry of a path is a command of the channel, too, unless an abort stops its path.
-    fn unmute(&mut self, run: Run) {
+    fn unmute(&mut self, run: PathRun) {
         if self.energy.muted && self.owner.heeds(run.crd) && !self.owner.dead.has(run.crd) {
             self.energy.muted = false;
             self.changed |= changed::CHANGED;

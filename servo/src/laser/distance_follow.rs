@@ -8,9 +8,9 @@
 //! by 2⁻⁵⁸ of the largest factor times the largest distance, and half a unit. With a table the
 //! ratio has 44 fraction bits, the distance over the scale 32 and at most ±2²⁹.
 use super::fixed_point::{Cut, part, product, scaled};
-use super::power::{Bounds, Refused};
-use super::power_tables::{Curve, DISTANCES, Interval, Tables};
-use super::velocity_follow::Source;
+use super::power::{PowerBounds, Refused};
+use super::power_tables::{Curve, DISTANCES, Interval, PowerTables};
+use super::velocity_follow::SpeedSource;
 use super::{Positions, Power, fixed_point};
 use crate::math::real::Real;
 use crate::units::{Axis, Pos};
@@ -38,7 +38,7 @@ pub enum Ratios {
 /// An admitted distance follow.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Distance {
-    pub(super) source: Source,
+    pub(super) source: SpeedSource,
     axes: [Axis; DISTANCES],
     /// In units of Pos.
     reference: [i64; DISTANCES],
@@ -46,7 +46,7 @@ pub struct Distance {
     factors: [i64; DISTANCES],
     shift: u8,
     ratios: Ratios,
-    pub(super) bounds: Option<Bounds>,
+    pub(super) bounds: Option<PowerBounds>,
 }
 
 impl Distance {
@@ -54,13 +54,13 @@ impl Distance {
     /// (|r| ≤ 2¹⁷) are the bits of doubles; `bounds` of its own (GUS). With tables the ratios given
     /// here do not count.
     pub fn admit(
-        source: Source,
+        source: SpeedSource,
         axes: [Axis; DISTANCES],
         reference: [i32; DISTANCES],
         scales: [u64; DISTANCES],
         ratios: [u64; DISTANCES],
         from: Ratios,
-        bounds: Option<Bounds>,
+        bounds: Option<PowerBounds>,
     ) -> Result<Distance, Refused> {
         let mut reals = [Real::ZERO; DISTANCES];
         for ((to, scale), ratio) in reals.iter_mut().zip(scales).zip(ratios) {
@@ -104,7 +104,7 @@ impl Distance {
         let usual = of.iter().all(|(low, _)| *low != i32::MIN);
         let cut = Cut::of(if usual { self.shift as u32 } else { 0 });
         let axes = self.axes.iter().fold(0, |key, axis| key << AXIS_BITS | axis.index() as u32);
-        let key = axes | ((self.source == Source::Encoder) as u32) << 31;
+        let key = axes | ((self.source == SpeedSource::Encoder) as u32) << 31;
         Terms { of, key, cut, token: 0, fresh: true, sum: 0, power: 0 }
     }
 
@@ -122,8 +122,8 @@ impl Distance {
     pub(super) fn tabled(
         &self,
         channel: u8,
-        position: impl Fn(Axis, Source) -> Pos,
-        tables: &Tables,
+        position: impl Fn(Axis, SpeedSource) -> Pos,
+        tables: &PowerTables,
         intervals: &mut [Interval; DISTANCES],
     ) -> i64 {
         let positions = self.axes.map(|axis| position(axis, self.source).0);

@@ -7,8 +7,8 @@
 //! Values that the thread knows ahead (a carrier, standby, a fixed power) repeat after the fewest
 //! periods that hold [`PPM`] and [`DUTY_STEPS`]; values that change from tick to tick have 32
 //! fraction bits.
-use super::Mode;
-use super::actions::{Count, Rate, Train};
+use super::PowerMode;
+use super::actions::{Count, PulseRate, Train};
 use super::power::{Power, Refused};
 use crate::math::wide::{Recip, umul, umulhi};
 
@@ -62,9 +62,9 @@ impl Clock {
     }
 
     /// The rate after one of `before` (0: none), whose period is `period`.
-    pub(super) fn rate(before: Power, now: Power, period: Count, width: u32) -> Rate {
+    pub(super) fn rate(before: Power, now: Power, period: Count, width: u32) -> PulseRate {
         if before == Power::ZERO {
-            return Rate { period, width, ..Rate::PAUSE };
+            return PulseRate { period, width, ..PulseRate::PAUSE };
         }
         // before/now; it is rounded down by less than two units of 2^-64.
         let Recip { m, shift } = Recip::of(now.raw() as u64);
@@ -73,7 +73,7 @@ impl Clock {
         let (sum, carry) = before.overflowing_add(umulhi(before, m));
         let scale = if carry { sum >> 1 | 1 << 63 } else { sum };
         let shift = up.wrapping_add(64).wrapping_sub(shift).wrapping_sub(carry as u32);
-        Rate { period, width, scale: scale.saturating_add(2), shift }
+        PulseRate { period, width, scale: scale.saturating_add(2), shift }
     }
 }
 
@@ -151,7 +151,7 @@ const FULL: u64 = 100 << Power::FRAC_BITS;
 
 /// The train of a fixed frequency and duty with the shortest repetition.
 fn fixed(khz: Power, duty: Power, clock: Clock) -> Train {
-    let duty = duty.min(Mode::Duty.full_scale());
+    let duty = duty.min(PowerMode::Duty.full_scale());
     let (periods, counts, width) = Repetitions::of(khz, clock).shortest(|counts| active(counts, duty));
     Train { period: spread(counts, periods), width: spread(width.unwrap_or(0), periods) }
 }
@@ -216,7 +216,7 @@ impl Standby {
     /// Pulses of 0 < f ≤ 2000 kHz and 0…100 % duty.
     pub fn admit(khz: Power, duty: Power, clock: Clock) -> Result<Standby, Refused> {
         is_rate(khz)?;
-        if duty > Mode::Duty.full_scale() {
+        if duty > PowerMode::Duty.full_scale() {
             return Err(Refused::BeyondRange);
         }
         Ok(Standby { khz, duty, train: fixed(khz, duty, clock) })
@@ -242,21 +242,21 @@ impl Standby {
 /// tick takes it while carrier and power are the ones it was planned for. Else it finds a train by
 /// itself that is as exact and repeats later.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Fine {
+pub struct FixedTrain {
     /// The carrier.
     khz: Power,
     power: Power,
     train: Train,
 }
 
-impl Fine {
+impl FixedTrain {
     /// The plan of a power (held in its bounds) in the duty modes, over this carrier. None where
     /// there is nothing to plan: a rate keeps its phase over changes, to 2⁻³² counts
-    /// ([`super::Rate`]).
-    pub fn plan(mode: Mode, power: Power, carrier: Option<&Carrier>, clock: Clock) -> Option<Fine> {
+    /// ([`super::PulseRate`]).
+    pub fn plan(mode: PowerMode, power: Power, carrier: Option<&Carrier>, clock: Clock) -> Option<FixedTrain> {
         match (mode, carrier) {
-            (Mode::Duty | Mode::DutyOpen, Some(carrier)) => {
-                Some(Fine { khz: carrier.khz, power, train: fixed(carrier.khz, power, clock) })
+            (PowerMode::Duty | PowerMode::DutyOpen, Some(carrier)) => {
+                Some(FixedTrain { khz: carrier.khz, power, train: fixed(carrier.khz, power, clock) })
             }
             _ => None,
         }
@@ -347,7 +347,7 @@ impl Pattern {
     }
 
     /// Queues periods of a train whose counts are far below 2³², runs of equal ones at once, as
-    /// [`Steps::queue`] does. Returns the remaining counts, and the pattern after them.
+    /// [`TrainSteps::queue`] does. Returns the remaining counts, and the pattern after them.
     #[inline(never)]
     pub(crate) fn queue(
         &mut self,
@@ -356,7 +356,7 @@ impl Pattern {
         alone: u32,
         sink: &mut impl FnMut(u32, u32, u32),
     ) -> (u32, (u32, u32)) {
-        let mut steps = Steps::of(self, train);
+        let mut steps = TrainSteps::of(self, train);
         let left = steps.queue(left, alone, sink);
         let next = steps.step();
         *self = steps.pattern();
@@ -375,7 +375,7 @@ const fn fits(into: u32, step: u32) -> u32 {
     if bits < TIMES { bits } else { TIMES }
 }
 
-/// One of a train's two counts in [`Steps`]: the accumulator carries where a count is odd.
+/// One of a train's two counts in [`TrainSteps`]: the accumulator carries where a count is odd.
 #[derive(Debug, Clone, Copy)]
 struct Half {
     whole: u32,
@@ -434,7 +434,7 @@ impl Half {
 /// The counts of the periods of a train, one after the other, as [`Pattern::step`] gives them, if
 /// they are far below 2³² and the train does not change.
 #[derive(Debug, Clone, Copy)]
-struct Steps {
+struct TrainSteps {
     period: Half,
     width: Half,
     owed: u32,
@@ -443,13 +443,13 @@ struct Steps {
     is_full: bool,
 }
 
-impl Steps {
+impl TrainSteps {
     /// A pattern continues with this train.
     #[inline(always)]
-    fn of(before: &Pattern, train: &Train) -> Steps {
+    fn of(before: &Pattern, train: &Train) -> TrainSteps {
         let owed = if before.width.of == train.width.of { before.owed as u32 } else { 0 };
         let is_plain = owed == 0 && train.width.whole < train.period.whole;
-        Steps {
+        TrainSteps {
             period: Half::of(&train.period, &before.period),
             width: Half::of(&train.width, &before.width),
             owed,

@@ -19,7 +19,7 @@ pub(super) struct Full;
 /// A level, and its pending edges in the order of time.
 #[derive(Debug, Clone)]
 #[repr(C)]
-pub(super) struct Edges {
+pub(super) struct EdgeQueue {
     /// After the edges taken so far.
     pub(super) level: bool,
     /// The next edge, or [`NEVER`].
@@ -29,9 +29,9 @@ pub(super) struct Edges {
     at: [Ns; EDGES],
 }
 
-impl Edges {
+impl EdgeQueue {
     /// Off, nothing pending.
-    pub(super) const OFF: Edges = Edges { level: false, next: NEVER, first: 0, len: 0, at: [Ns(0); EDGES] };
+    pub(super) const OFF: EdgeQueue = EdgeQueue { level: false, next: NEVER, first: 0, len: 0, at: [Ns(0); EDGES] };
 
     /// Whether it is on, or will be.
     #[inline]

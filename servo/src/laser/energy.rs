@@ -3,9 +3,9 @@
 //! In: settings, the power. Out: trains of pulses and DAC values. Owns the settings of the output.
 //! Fails: without its settings a mode makes no pulses; a pulse width that reaches the period is
 //! limited, and that is published.
-use super::Mode;
+use super::PowerMode;
 use super::actions::{Count, Train};
-use super::dither::{Carrier, Clock, Fine, Standby};
+use super::dither::{Carrier, Clock, FixedTrain, Standby};
 use super::power::Power;
 use crate::math::wide::{umul, umulhi};
 use core::num::NonZeroU16;
@@ -25,7 +25,7 @@ impl Plain {
     /// That width, if the power makes pulses shorter than the period.
     #[inline(always)]
     pub(super) fn width(self, power: Power) -> Option<Count> {
-        if self.gain == 0 || power.raw() == self.planned || power >= Mode::Duty.full_scale() {
+        if self.gain == 0 || power.raw() == self.planned || power >= PowerMode::Duty.full_scale() {
             return None;
         }
         let width = product(power, self.gain);
@@ -44,7 +44,7 @@ state! {
     /// Settings of the energy output.
     #[derive(Debug, Clone, Copy)]
     pub(super) struct Energy {
-        pub(super) mode: Mode = Mode::Duty,
+        pub(super) mode: PowerMode = PowerMode::Duty,
         pub(super) carrier: Option<Carrier> = None,
         pub(super) width: Option<NonZeroU16> = None,
         pub(super) standby: Option<Standby> = None,
@@ -56,7 +56,7 @@ state! {
         /// command of the channel.
         pub(super) muted: bool = false,
         /// The last plan of the thread.
-        pub(super) fine: Option<Fine> = None,
+        pub(super) fine: Option<FixedTrain> = None,
     }
     pub(super) const POWER_ON;
 }
@@ -66,11 +66,11 @@ impl Energy {
     #[inline]
     pub(super) fn light(&self, power: Power, clock: Clock, train: &mut Train) -> bool {
         match (self.mode, &self.carrier, self.width) {
-            (Mode::Duty | Mode::DutyOpen, Some(carrier), _) if self.connector => {
+            (PowerMode::Duty | PowerMode::DutyOpen, Some(carrier), _) if self.connector => {
                 self.duty(power, carrier, train);
                 false
             }
-            (Mode::Frequency, _, Some(us)) if self.connector && power != Power::ZERO => {
+            (PowerMode::Frequency, _, Some(us)) if self.connector && power != Power::ZERO => {
                 self.rate(power, us, clock, train)
             }
             _ => {
@@ -83,7 +83,7 @@ impl Energy {
     /// In the duty modes, if the present train is the carrier with pulses, and not too long: for
     /// another power only the width differs.
     pub(super) fn plain(&self, out: &Train) -> Plain {
-        let duty = matches!(self.mode, Mode::Duty | Mode::DutyOpen);
+        let duty = matches!(self.mode, PowerMode::Duty | PowerMode::DutyOpen);
         match &self.carrier {
             Some(carrier) if self.connector && duty && out.period == carrier.period() && !out.is_silent() => {
                 let planned = self.fine.as_ref().and_then(|fine| fine.power_over(carrier.khz()));
@@ -120,7 +120,7 @@ impl Energy {
     /// The DAC, where the laser drives it, in light of this power or out of it.
     #[inline]
     pub(super) fn volts(&self, light: bool, power: Power) -> Option<i16> {
-        (self.mode == Mode::Analog).then(|| counts(if light { power } else { self.waiting_voltage() }))
+        (self.mode == PowerMode::Analog).then(|| counts(if light { power } else { self.waiting_voltage() }))
     }
 
     /// The voltage while there is no light.
@@ -131,16 +131,16 @@ impl Energy {
     /// Whether the switch is held at its enabled level, light or not.
     #[inline(always)]
     pub(super) fn holds_switch(&self) -> bool {
-        self.mode == Mode::DutyOpen && !self.muted
+        self.mode == PowerMode::DutyOpen && !self.muted
     }
 
     /// The output in light of this power, as published: in the mode's unit, and in kHz.
     #[inline]
     pub(super) fn light_output(&self, power: Power, train: &Train) -> (Power, Power) {
         match (self.mode, &self.carrier) {
-            (Mode::Analog, _) => (power, Power::ZERO),
+            (PowerMode::Analog, _) => (power, Power::ZERO),
             _ if train.is_silent() => (Power::ZERO, Power::ZERO),
-            (Mode::Duty | Mode::DutyOpen, Some(carrier)) => (power, carrier.khz()),
+            (PowerMode::Duty | PowerMode::DutyOpen, Some(carrier)) => (power, carrier.khz()),
             _ => (power, power),
         }
     }
@@ -148,9 +148,9 @@ impl Energy {
     /// The output while there is no light, as published.
     pub(super) fn dark_output(&self) -> (Power, Power) {
         match (self.mode, self.standby()) {
-            (Mode::Analog, _) => (self.waiting_voltage(), Power::ZERO),
+            (PowerMode::Analog, _) => (self.waiting_voltage(), Power::ZERO),
             (_, Some(standby)) if standby.train().is_silent() => (Power::ZERO, Power::ZERO),
-            (Mode::Frequency, Some(standby)) => (standby.khz(), standby.khz()),
+            (PowerMode::Frequency, Some(standby)) => (standby.khz(), standby.khz()),
             (_, Some(standby)) => (standby.duty(), standby.khz()),
             (_, None) => (Power::ZERO, Power::ZERO),
         }
@@ -159,7 +159,7 @@ impl Energy {
 
 /// 0 to 10 V as the DAC counts: 10 V are 32767, to the nearest.
 pub fn counts(volts: Power) -> i16 {
-    let scaled = (volts.raw().clamp(0, Mode::Analog.full_scale().raw()) as u64).wrapping_mul(32767);
+    let scaled = (volts.raw().clamp(0, PowerMode::Analog.full_scale().raw()) as u64).wrapping_mul(32767);
     let tenfold = (scaled.wrapping_add(5 << Power::FRAC_BITS) >> Power::FRAC_BITS) as u32;
     (tenfold / 10) as i16
 }
@@ -168,7 +168,7 @@ impl Carrier {
     /// This many % of the period, to the nearest 2⁻³² counts, so that whole counts come out whole.
     #[inline(always)]
     fn share(&self, power: Power) -> Count {
-        if power >= Mode::Duty.full_scale() {
+        if power >= PowerMode::Duty.full_scale() {
             return self.period();
         }
         if self.gain == 0 {

@@ -1,7 +1,7 @@
 //! Light owner: the one place that decides whether a channel may have light (SPEC 6, "Whose light
 //! it is" and "Rest"; SPEC 9).
 //!
-//! In: a [`Fact`] at a time, in the order in which they happen. Out: an [`Order`] to the gate.
+//! In: a [`Fact`] at a time, in the order in which they happen. Out: an [`GateOrder`] to the gate.
 //! Owns: who lit the channel, what holds the light dark, and what brings it back. Cannot fail:
 //! [`Owner::hear`] is total, and everything else only reports facts to it. `light_owner/tests.rs`
 //! enumerates all states that facts can reach.
@@ -36,7 +36,7 @@ use crate::units::{Crd, CrdMask};
 
 /// A path that runs one of its FIFOs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(crate) struct Run {
+pub(crate) struct PathRun {
     pub(crate) crd: Crd,
     pub(crate) fifo: u8,
 }
@@ -73,7 +73,7 @@ const HALF: u32 = Fifos::BITS / 2;
 const _: () = assert!(Crd::MAX <= HALF as usize && HALF.is_power_of_two(), "a bit each");
 
 impl Holders {
-    const fn of(run: Run) -> Holders {
+    const fn of(run: PathRun) -> Holders {
         let first = Holders::first(run.crd);
         Holders(if run.fifo & 1 == 0 { first } else { first << HALF })
     }
@@ -87,16 +87,16 @@ impl Holders {
         first | first << HALF
     }
 
-    const fn has(self, run: Run) -> bool {
+    const fn has(self, run: PathRun) -> bool {
         self.0 & Holders::of(run).0 != 0
     }
 
     /// One more, unless another FIFO of the same coordinate system holds the light already.
-    const fn and(self, run: Run) -> Holders {
+    const fn and(self, run: PathRun) -> Holders {
         if self.0 & Holders::both(run.crd) != 0 { self } else { Holders(self.0 | Holders::of(run).0) }
     }
 
-    const fn without(self, run: Run) -> Holders {
+    const fn without(self, run: PathRun) -> Holders {
         Holders(self.0 & !Holders::of(run).0)
     }
 
@@ -123,7 +123,7 @@ enum Latch {
 
 /// How a path came to standstill.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(super) enum End {
+pub(super) enum StandstillCause {
     /// Its entries have run out.
     RanOut,
     /// By a Stop, or another command to brake, from which it can go on.
@@ -138,13 +138,13 @@ pub(super) enum Fact {
     /// An immediate on or off command.
     Command { on: bool },
     /// A BufLaserOn or BufLaserOff is reached.
-    Entry { on: bool, run: Run },
+    Entry { on: bool, run: PathRun },
     /// A path starts; `resumes`: its FIFO goes on where it was stopped.
-    Starts { run: Run, resumes: bool },
+    Starts { run: PathRun, resumes: bool },
     /// A FIFO is cleared while its path is at standstill: it does not go on.
-    Clears { run: Run },
+    Clears { run: PathRun },
     /// A path has come to standstill.
-    Standstill { run: Run, end: End },
+    Standstill { run: PathRun, end: StandstillCause },
     /// A Stop for these, of which each has been set up.
     Stops { crds: CrdMask },
     /// The power follows the speed of this one from now on.
@@ -174,7 +174,7 @@ pub(super) enum Fact {
 
 /// The effect on the gate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Order {
+pub(super) enum GateOrder {
     /// Nothing.
     Keep,
     /// An on command, with its delay.
@@ -248,7 +248,7 @@ impl Owner {
     }
 
     /// Whether the Stop of this path, or a lost link, holds the light.
-    pub(super) fn is_held_by(&self, run: Run) -> bool {
+    pub(super) fn is_held_by(&self, run: PathRun) -> bool {
         matches!(self.light, Light::Held(_, by) if by.has(run))
     }
 
@@ -270,14 +270,14 @@ impl Owner {
     }
 
     /// Takes a fact; see the module text.
-    pub(super) fn hear(&mut self, fact: Fact) -> Order {
+    pub(super) fn hear(&mut self, fact: Fact) -> GateOrder {
         match fact {
             Fact::Command { on: true } => self.command_on(),
             Fact::Command { on: false } => {
                 self.vetoed = true;
                 self.off()
             }
-            Fact::Entry { run, .. } if !self.map.has(run.crd) => Order::Ignored(Ignored::NotMapped),
+            Fact::Entry { run, .. } if !self.map.has(run.crd) => GateOrder::Ignored(Ignored::NotMapped),
             Fact::Entry { on: true, run } => self.entry_on(run.crd),
             Fact::Entry { on: false, .. } => self.off(),
             Fact::Starts { run, resumes } => self.start(run, resumes),
@@ -285,28 +285,28 @@ impl Owner {
                 if self.is_held_by(run) {
                     self.light = Light::Off;
                 }
-                Order::Keep
+                GateOrder::Keep
             }
             Fact::Standstill { run, end } => self.standstill(run, end),
             Fact::Stops { crds } => {
                 self.stopping.0 |= crds.0 & self.running.0;
                 let (mapped, is_off) = (crds.0 & self.map.0, self.light == Light::Off);
-                if mapped == 0 || mapped & self.running.0 != 0 || is_off { Order::Keep } else { self.off() }
+                if mapped == 0 || mapped & self.running.0 != 0 || is_off { GateOrder::Keep } else { self.off() }
             }
             Fact::FollowBegins { crd } => {
                 self.drop_waiting();
                 self.follow = Some(crd);
-                Order::Keep
+                GateOrder::Keep
             }
             Fact::FollowEnds => {
                 self.drop_waiting();
                 self.follow = None;
-                Order::Keep
+                GateOrder::Keep
             }
             Fact::Map { crds } => self.take_map(crds),
             Fact::Output { there } => {
                 self.output = there;
-                Order::Keep
+                GateOrder::Keep
             }
             Fact::Withdraw => self.cut(),
             Fact::PowerOn => {
@@ -316,7 +316,7 @@ impl Owner {
             Fact::Latched { link } => self.latch(link),
             Fact::Cleared => {
                 self.latch = Latch::None;
-                Order::Keep
+                GateOrder::Keep
             }
             Fact::Abort { refuses } => {
                 self.dead.0 |= self.running.0;
@@ -328,39 +328,39 @@ impl Owner {
             }
             Fact::AbortOver => {
                 self.aborting = false;
-                Order::Keep
+                GateOrder::Keep
             }
-            Fact::Relight if self.is_lit() => Order::On,
-            Fact::Relight => Order::Keep,
+            Fact::Relight if self.is_lit() => GateOrder::On,
+            Fact::Relight => GateOrder::Keep,
         }
     }
 
-    fn off(&mut self) -> Order {
+    fn off(&mut self) -> GateOrder {
         self.light = Light::Off;
-        Order::Off
+        GateOrder::Off
     }
 
-    fn cut(&mut self) -> Order {
+    fn cut(&mut self) -> GateOrder {
         self.light = Light::Off;
-        Order::Cut
+        GateOrder::Cut
     }
 
     /// Switches light on, if the follow allows it.
-    fn light(&mut self, who: Who) -> Order {
+    fn light(&mut self, who: Who) -> GateOrder {
         if self.follow.is_some_and(|crd| !self.running.has(crd)) {
             self.light = Light::Waits(who);
-            return Order::Keep;
+            return GateOrder::Keep;
         }
         self.light = Light::On(who);
-        Order::On
+        GateOrder::On
     }
 
-    fn command_on(&mut self) -> Order {
+    fn command_on(&mut self) -> GateOrder {
         match self.light {
-            _ if self.is_latched() => Order::Ignored(Ignored::Fault),
-            _ if self.aborting => Order::Ignored(Ignored::Aborting),
-            _ if !self.output => Order::Ignored(Ignored::NoOutput),
-            Light::On(Who::Path(_)) => Order::Keep,
+            _ if self.is_latched() => GateOrder::Ignored(Ignored::Fault),
+            _ if self.aborting => GateOrder::Ignored(Ignored::Aborting),
+            _ if !self.output => GateOrder::Ignored(Ignored::NoOutput),
+            Light::On(Who::Path(_)) => GateOrder::Keep,
             Light::Off | Light::On(Who::Call) | Light::Held(..) | Light::Waits(_) => {
                 self.vetoed = false;
                 self.light(Who::Call)
@@ -368,24 +368,24 @@ impl Owner {
         }
     }
 
-    fn entry_on(&mut self, crd: Crd) -> Order {
+    fn entry_on(&mut self, crd: Crd) -> GateOrder {
         if self.dead.has(crd) || self.vetoed && self.stopping.has(crd) {
-            return Order::Keep;
+            return GateOrder::Keep;
         }
         if self.is_latched() {
-            return Order::Ignored(Ignored::Fault);
+            return GateOrder::Ignored(Ignored::Fault);
         }
         if self.aborting {
-            return Order::Ignored(Ignored::Aborting);
+            return GateOrder::Ignored(Ignored::Aborting);
         }
         if !self.output {
-            return Order::Ignored(Ignored::NoOutput);
+            return GateOrder::Ignored(Ignored::NoOutput);
         }
         self.vetoed = false;
         self.light(Who::Path(crd))
     }
 
-    fn start(&mut self, run: Run, resumes: bool) -> Order {
+    fn start(&mut self, run: PathRun, resumes: bool) -> GateOrder {
         let mask = run.crd.mask().0;
         self.running.0 |= mask;
         self.stopping.0 &= !mask;
@@ -400,14 +400,14 @@ impl Owner {
                 } else {
                     self.light = Light::Held(who, left);
                 }
-                Order::Keep
+                GateOrder::Keep
             }
             Light::Waits(who) if self.follow == Some(run.crd) => self.light(who),
-            Light::Off | Light::On(_) | Light::Held(..) | Light::Waits(_) => Order::Keep,
+            Light::Off | Light::On(_) | Light::Held(..) | Light::Waits(_) => GateOrder::Keep,
         }
     }
 
-    fn standstill(&mut self, run: Run, end: End) -> Order {
+    fn standstill(&mut self, run: PathRun, end: StandstillCause) -> GateOrder {
         let crd = run.crd;
         let was_stopped = self.stopping.has(crd);
         for of in [&mut self.running, &mut self.stopping, &mut self.fifo1, &mut self.dead] {
@@ -415,40 +415,40 @@ impl Owner {
         }
         let is_mapped = self.map.has(crd);
         match (self.light, end) {
-            (Light::Off, _) => Order::Keep,
-            (_, End::Failed) if is_mapped => self.cut(),
-            (Light::On(who), End::Stopped) if is_mapped => {
+            (Light::Off, _) => GateOrder::Keep,
+            (_, StandstillCause::Failed) if is_mapped => self.cut(),
+            (Light::On(who), StandstillCause::Stopped) if is_mapped => {
                 self.light = Light::Held(who, Holders::of(run));
-                Order::Off
+                GateOrder::Off
             }
-            (Light::Waits(who), End::Stopped) if is_mapped => {
+            (Light::Waits(who), StandstillCause::Stopped) if is_mapped => {
                 self.light = Light::Held(who, Holders::of(run));
-                Order::Keep
+                GateOrder::Keep
             }
-            (Light::Held(who, by), End::Stopped) if is_mapped => {
+            (Light::Held(who, by), StandstillCause::Stopped) if is_mapped => {
                 self.light = Light::Held(who, by.and(run));
-                Order::Keep
+                GateOrder::Keep
             }
             // What another FIFO of it holds waits for that one.
-            (Light::Held(_, by), _) if by.0 & Holders::both(crd) & !Holders::of(run).0 != 0 => Order::Keep,
+            (Light::Held(_, by), _) if by.0 & Holders::both(crd) & !Holders::of(run).0 != 0 => GateOrder::Keep,
             (Light::On(who) | Light::Held(who, _) | Light::Waits(who), _) => {
                 let its = who == Who::Path(crd) || self.follow == Some(crd);
-                if its || was_stopped && is_mapped { self.off() } else { Order::Keep }
+                if its || was_stopped && is_mapped { self.off() } else { GateOrder::Keep }
             }
         }
     }
 
-    fn take_map(&mut self, crds: CrdMask) -> Order {
+    fn take_map(&mut self, crds: CrdMask) -> GateOrder {
         self.map = crds;
         let kept = match self.light {
             Light::Off | Light::On(Who::Call) | Light::Waits(Who::Call) => true,
             Light::On(Who::Path(crd)) | Light::Waits(Who::Path(crd)) => crds.has(crd),
             Light::Held(..) => self.owners().0 & !crds.0 == 0,
         };
-        if kept { Order::Keep } else { self.off() }
+        if kept { GateOrder::Keep } else { self.off() }
     }
 
-    fn latch(&mut self, link: bool) -> Order {
+    fn latch(&mut self, link: bool) -> GateOrder {
         self.latch = if link && self.latch != Latch::Other { Latch::LinkLost } else { Latch::Other };
         let runs = CrdMask(self.running.0 & self.map.0);
         let (who, by) = match self.light {
@@ -456,10 +456,10 @@ impl Owner {
             Light::Held(who, by) if link => (who, by),
             Light::Off | Light::On(_) | Light::Held(..) | Light::Waits(_) => return self.cut(),
         };
-        let run = |crd: Crd| Run { crd, fifo: self.fifo1.has(crd) as u8 };
+        let run = |crd: Crd| PathRun { crd, fifo: self.fifo1.has(crd) as u8 };
         let by = runs.crds().fold(by, |by, crd| by.and(run(crd)));
         self.light = if by.is_empty() { Light::Off } else { Light::Held(who, by) };
-        Order::Cut
+        GateOrder::Cut
     }
 
     fn drop_waiting(&mut self) {

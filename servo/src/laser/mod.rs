@@ -1,9 +1,8 @@
 //! Laser channels in the tick.
 //!
-//! In: admitted changes ([`Change`]) that act at an exact instant, causes of a fault. Out: for each
-//! tick and channel a [`Plan`] of exact instants, and what the thread reads
-//! ([`LaserView`]). Owns the channels. Fails: towards the dark, with a [`Cause`] that
-//! is latched.
+//! In: admitted changes ([`ChannelChange`]) that act at an exact instant, causes of a fault. Out:
+//! for each tick and channel a [`Plan`] of exact instants, and what the thread reads
+//! ([`LaserView`]). Owns the channels. Fails: towards the dark, with a [`Cause`] that is latched.
 //!
 //! | file | what it is |
 //! | --- | --- |
@@ -47,32 +46,32 @@ mod tests;
 mod velocity_follow;
 
 pub use crate::path::PathSpeed;
-pub use actions::{Action, Count, FINISH_NS, PLAN_ACTIONS, Plan, Rate, Train};
+pub use actions::{Action, Count, FINISH_NS, PLAN_ACTIONS, Plan, PulseRate, Train};
 pub use buffered::Buffered;
 pub use distance_follow::{Distance, Ratios};
-pub use dither::{Carrier, Clock, DUTY_STEPS, Fine, PPM, Pattern, Standby};
+pub use dither::{Carrier, Clock, DUTY_STEPS, FixedTrain, PPM, Pattern, Standby};
 pub(crate) use encoder_speed::EncoderSpeed;
 pub use encoder_speed::Lag;
 pub use energy::counts as dac_counts;
 pub use light_owner::Ignored;
-pub(crate) use light_owner::Run;
-pub use power::{Bounds, Power, Refused};
+pub(crate) use light_owner::PathRun;
+pub use power::{Power, PowerBounds, Refused};
 pub use power_law::Family;
 pub(crate) use power_tables::ANALOG;
-pub use power_tables::{BANKS, Curve, DISTANCES, NODES, POINTS, POWER_TABLES, Tables};
+pub use power_tables::{BANKS, Curve, DISTANCES, NODES, POINTS, POWER_TABLES, PowerTables};
 pub use published::LaserView;
 pub use safety::Cause;
-pub use velocity_follow::{Ratio, Source};
+pub use velocity_follow::{Ratio, SpeedSource};
 
 use crate::path::{LASER_WORDS, PathStop};
 use crate::units::{Axis, Crd, CrdMask, Ns, Pos};
-use buffered::Event;
+use buffered::ChannelEvent;
 use channel::Channel;
 pub use channel::{Delays, Fpk};
 use core::num::NonZeroU16;
 use distance_follow::Displacements;
-use light_owner::{End, Fact};
-use power_law::Speeds;
+use light_owner::{Fact, StandstillCause};
+use power_law::PathSpeeds;
 
 /// Later than any instant.
 const NEVER: Ns = Ns(u64::MAX);
@@ -83,7 +82,7 @@ pub const CHANNELS: usize = 2;
 /// What the energy output does with the power.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(u8)]
-pub enum Mode {
+pub enum PowerMode {
     /// Power is the duty of the carrier, in % (LaserPowerMode 0, LSR also 3).
     #[default]
     Duty = 0,
@@ -95,20 +94,20 @@ pub enum Mode {
     DutyOpen = 3,
 }
 
-impl Mode {
+impl PowerMode {
     /// The greatest power of the mode, in both families: 100 %, 2000 kHz, 10 V.
     pub const fn full_scale(self) -> Power {
         match self {
-            Mode::Duty | Mode::DutyOpen => Power::whole(100),
-            Mode::Frequency => Power::MAX,
-            Mode::Analog => Power::whole(10),
+            PowerMode::Duty | PowerMode::DutyOpen => Power::whole(100),
+            PowerMode::Frequency => Power::MAX,
+            PowerMode::Analog => Power::whole(10),
         }
     }
 
     /// Whether standby pulses are output while there is no light: not in analog mode, and not where
     /// an open switch would let them out.
     pub const fn has_standby(self) -> bool {
-        matches!(self, Mode::Duty | Mode::Frequency)
+        matches!(self, PowerMode::Duty | PowerMode::Frequency)
     }
 }
 
@@ -116,18 +115,18 @@ impl Mode {
 /// executed: the first one after its instant on the script clock.
 #[allow(missing_docs, reason = "each variant's text names its fields")]
 #[derive(Debug, Clone, Copy)]
-pub enum Change {
+pub enum ChannelChange {
     /// On or off command; its edge comes after the delay in force now. On does nothing while the
     /// channel is dark.
     Gate { on: bool },
     /// Mode and bounds. Another mode ends the light at once, withdraws the on command and sets the
     /// direct power to 0; the same one takes the bounds and `delayed` only. `delayed`: the gate's
     /// delays apply (GUS: always).
-    Mode { mode: Mode, bounds: Bounds, delayed: bool, fine: Option<Fine> },
+    Mode { mode: PowerMode, bounds: PowerBounds, delayed: bool, fine: Option<FixedTrain> },
     /// Direct power.
-    Direct { power: Power, fine: Option<Fine> },
+    Direct { power: Power, fine: Option<FixedTrain> },
     /// Carrier of the duty modes.
-    Carrier { carrier: Carrier, fine: Option<Fine> },
+    Carrier { carrier: Carrier, fine: Option<FixedTrain> },
     /// Pulse width of the frequency mode, µs.
     PulseWidth { us: NonZeroU16 },
     /// Gate delays.
@@ -170,15 +169,15 @@ pub(crate) trait Positions: Copy {
 #[derive(Clone, Copy)]
 pub(crate) struct Surroundings<'a, A> {
     clock: Clock,
-    speeds: &'a Speeds,
-    tables: &'a Tables,
+    speeds: &'a PathSpeeds,
+    tables: &'a PowerTables,
     axes: &'a [A],
     /// Of the axes that the channel follows by fixed ratios, if it does.
     displacements: &'a Displacements,
 }
 
 impl<A: Positions> Surroundings<'_, A> {
-    /// One of the speeds of paths, [`Speeds::index`].
+    /// One of the speeds of paths, [`PathSpeeds::index`].
     #[inline(always)]
     fn speed(&self, index: usize) -> PathSpeed {
         if self.speeds.fed >> (index & power_law::INDEX_MASK) & 1 == 0 {
@@ -189,10 +188,10 @@ impl<A: Positions> Surroundings<'_, A> {
 
     /// The planned position of an axis, or its last encoder sample.
     #[inline]
-    fn position(&self, axis: Axis, source: Source) -> Pos {
+    fn position(&self, axis: Axis, source: SpeedSource) -> Pos {
         self.axes.get(axis.index()).map_or(Pos(0), |axis| match source {
-            Source::Planned => axis.planned(),
-            Source::Encoder => Pos(axis.encoder() << Pos::FRAC_BITS),
+            SpeedSource::Planned => axis.planned(),
+            SpeedSource::Encoder => Pos(axis.encoder() << Pos::FRAC_BITS),
         })
     }
 }
@@ -215,7 +214,7 @@ pub(crate) struct Lasers {
     /// The interlock is open.
     pub(crate) interlock: bool,
     plan: Plan,
-    speeds: Speeds,
+    speeds: PathSpeeds,
     displacements: [Displacements; CHANNELS],
     channels: [Channel; CHANNELS],
 }
@@ -227,7 +226,7 @@ impl Lasers {
             clock,
             interlock: false,
             plan: Plan::EMPTY,
-            speeds: Speeds::STANDSTILL,
+            speeds: PathSpeeds::STANDSTILL,
             displacements: [Displacements::begin(0), Displacements::begin(1)],
             channels,
         }
@@ -248,13 +247,13 @@ impl Lasers {
 
     /// Whether outputs show a change of this channel at once: it has light or standby, or is about
     /// to.
-    pub(crate) fn shows(&self, channel: u8, change: &Change) -> bool {
+    pub(crate) fn shows(&self, channel: u8, change: &ChannelChange) -> bool {
         let begins = matches!(
             change,
-            Change::Gate { .. }
-                | Change::Standby(Some(_))
-                | Change::PairedStandby(Some(_))
-                | Change::PreVoltage(Some(_))
+            ChannelChange::Gate { .. }
+                | ChannelChange::Standby(Some(_))
+                | ChannelChange::PairedStandby(Some(_))
+                | ChannelChange::PreVoltage(Some(_))
         );
         begins
             || self.channels.get(channel as usize).is_some_and(|channel| {
@@ -266,16 +265,16 @@ impl Lasers {
     /// Carries out a change at an instant of the interval that is planned next. Returns whether it
     /// is an on command that a fault forbids.
     #[inline(never)]
-    pub(crate) fn change(&mut self, channel: u8, at: Ns, change: &Change) -> bool {
+    pub(crate) fn change(&mut self, channel: u8, at: Ns, change: &ChannelChange) -> bool {
         self.channels.get_mut(channel as usize).is_some_and(|channel| channel.change(at, change))
     }
 
     /// An entry of a path takes effect at an instant of the interval that is planned next: that of
-    /// `path::Change::Laser`, its fraction of a ns cut off.
-    pub(crate) fn buffered(&mut self, run: Run, channel: u8, at: Ns, code: u8, words: &[u32; LASER_WORDS]) {
+    /// `path::ChannelChange::Laser`, its fraction of a ns cut off.
+    pub(crate) fn buffered(&mut self, run: PathRun, channel: u8, at: Ns, code: u8, words: &[u32; LASER_WORDS]) {
         if let (Some(channel), Some(change)) = (self.channels.get_mut(channel as usize), Buffered::unpack(code, words))
         {
-            channel.expect(at, Event::Change(run, change));
+            channel.expect(at, ChannelEvent::Change(run, change));
         }
     }
 
@@ -290,24 +289,24 @@ impl Lasers {
     }
 
     /// A path comes to standstill at an instant of the interval that is planned next.
-    pub(crate) fn crd_is_at_standstill(&mut self, run: Run, at: Ns, rest: PathStop) {
+    pub(crate) fn crd_is_at_standstill(&mut self, run: PathRun, at: Ns, rest: PathStop) {
         let (end, cause) = match rest {
-            PathStop::Underrun => (End::Failed, Cause::Underrun),
-            PathStop::Obstructed => (End::Failed, Cause::Limit),
-            PathStop::Never | PathStop::Completed => (End::RanOut, Cause::None),
-            PathStop::Stopped => (End::Stopped, Cause::None),
+            PathStop::Underrun => (StandstillCause::Failed, Cause::Underrun),
+            PathStop::Obstructed => (StandstillCause::Failed, Cause::Limit),
+            PathStop::Never | PathStop::Completed => (StandstillCause::RanOut, Cause::None),
+            PathStop::Stopped => (StandstillCause::Stopped, Cause::None),
         };
-        self.channels.iter_mut().for_each(|channel| channel.expect(at, Event::Standstill(run, end, cause)));
+        self.channels.iter_mut().for_each(|channel| channel.expect(at, ChannelEvent::Standstill(run, end, cause)));
     }
 
     /// A path starts at the instant of the tick computed; `resumes`: its FIFO goes on where it was
     /// interrupted.
-    pub(crate) fn crd_starts(&mut self, run: Run, at: Ns, resumes: bool) {
+    pub(crate) fn crd_starts(&mut self, run: PathRun, at: Ns, resumes: bool) {
         self.hear(at, Fact::Starts { run, resumes });
     }
 
     /// A FIFO of a path at standstill is cleared.
-    pub(crate) fn fifo_cleared(&mut self, run: Run, at: Ns) {
+    pub(crate) fn fifo_cleared(&mut self, run: PathRun, at: Ns) {
         for channel in &mut self.channels {
             channel.fifo_cleared(at, run);
         }
@@ -399,8 +398,8 @@ impl Lasers {
     /// that of its encoders in the last one ([`PathSpeed::measured`]). Speeds that are not fed are
     /// 0.
     pub(crate) fn feed(&mut self, crd: Crd, planned: PathSpeed, encoder: PathSpeed) {
-        self.speeds.put(Speeds::index(crd, false), planned);
-        self.speeds.put(Speeds::index(crd, true), encoder);
+        self.speeds.put(PathSpeeds::index(crd, false), planned);
+        self.speeds.put(PathSpeeds::index(crd, true), encoder);
     }
 
     /// A cause that is over as soon as it is reported.
@@ -420,7 +419,7 @@ impl Lasers {
         &mut self,
         next: Ns,
         period: Ns,
-        tables: &Tables,
+        tables: &PowerTables,
         axes: &[impl Positions],
         mut output: impl FnMut(u8, &Plan),
     ) {

@@ -1,8 +1,8 @@
 //! Power and its bounds.
 //!
-//! In: the bits of a user's double. Out: [`Power`], [`Bounds`], which only these checks can make.
-//! Fails: with the rule that the number breaks, [`Refused`].
-use super::Mode;
+//! In: the bits of a user's double. Out: [`Power`], [`PowerBounds`], which only these checks can
+//! make. Fails: with the rule that the number breaks, [`Refused`].
+use super::PowerMode;
 
 /// A power in the unit of its mode (%, kHz or V), or a frequency in kHz, in units of 2⁻⁴⁴.
 ///
@@ -92,40 +92,40 @@ impl Power {
 
 /// Bounds of the power, inside the full range of a mode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Bounds {
+pub struct PowerBounds {
     min: Power,
     max: Power,
 }
 
-impl Bounds {
+impl PowerBounds {
     /// Nothing but 0.
-    pub(crate) const ZERO: Bounds = Bounds { min: Power::ZERO, max: Power::ZERO };
+    pub(crate) const ZERO: PowerBounds = PowerBounds { min: Power::ZERO, max: Power::ZERO };
 
     /// The full range of a mode.
-    pub const fn full(mode: Mode) -> Bounds {
-        Bounds { min: Power::ZERO, max: mode.full_scale() }
+    pub const fn full(mode: PowerMode) -> PowerBounds {
+        PowerBounds { min: Power::ZERO, max: mode.full_scale() }
     }
 
     /// Checked bounds.
-    pub fn admit(mode: Mode, max: Power, min: Power) -> Result<Bounds, Refused> {
+    pub fn admit(mode: PowerMode, max: Power, min: Power) -> Result<PowerBounds, Refused> {
         if max > mode.full_scale() {
             Err(Refused::BeyondRange)
         } else if max < min {
             Err(Refused::MaxBelowMin)
         } else {
-            Ok(Bounds { min, max })
+            Ok(PowerBounds { min, max })
         }
     }
 
     /// Checked bounds of a velocity follow: the maximum is above the minimum (LSR,
     /// BufLaserFollowRatio).
-    pub fn admit_follow(mode: Mode, max: Power, min: Power) -> Result<Bounds, Refused> {
-        if max == min { Err(Refused::MaxNotAboveMin) } else { Bounds::admit(mode, max, min) }
+    pub fn admit_follow(mode: PowerMode, max: Power, min: Power) -> Result<PowerBounds, Refused> {
+        if max == min { Err(Refused::MaxNotAboveMin) } else { PowerBounds::admit(mode, max, min) }
     }
 
     /// From powers that were bounds before.
-    pub(super) fn again(max: Power, min: Power) -> Bounds {
-        Bounds { min, max }
+    pub(super) fn again(max: Power, min: Power) -> PowerBounds {
+        PowerBounds { min, max }
     }
 
     /// The least power.

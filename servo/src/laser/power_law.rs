@@ -12,10 +12,10 @@
 //! they exclude each other the lowest upper one is output.
 use super::buffered::Buffered;
 use super::distance_follow::{Distance, Terms};
-use super::power::{Bounds, Power};
+use super::power::{Power, PowerBounds};
 use super::power_tables::{Curve, DISTANCES, Interval};
-use super::velocity_follow::{Gain, Ratio, Source};
-use super::{Mode, Positions, Surroundings};
+use super::velocity_follow::{Gain, Ratio, SpeedSource};
+use super::{Positions, PowerMode, Surroundings};
 use crate::path::PathSpeed;
 use crate::units::{Crd, CrdMask};
 
@@ -31,7 +31,7 @@ pub enum Family {
 
 /// Power as a function of the speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Of {
+enum SpeedLaw {
     Ratio(Ratio),
     Table(Curve),
 }
@@ -40,13 +40,13 @@ enum Of {
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Follow {
     crd: Crd,
-    of: Of,
-    bounds: Bounds,
+    of: SpeedLaw,
+    bounds: PowerBounds,
 }
 
 /// The part of a velocity follow, in the form for the tick.
 #[derive(Debug, Clone, Copy)]
-enum Part {
+enum SpeedPart {
     None,
     Ratio(Gain),
     Table(Curve),
@@ -68,9 +68,9 @@ state! {
         base: i64 = 0,
         /// Bounds of all.
         low: i64 = 0,
-        high: i64 = Bounds::full(Mode::Duty).max().raw(),
-        part: Part = Part::None,
-        /// Index of the speed: [`Speeds::index`].
+        high: i64 = PowerBounds::full(PowerMode::Duty).max().raw(),
+        part: SpeedPart = SpeedPart::None,
+        /// Index of the speed: [`PathSpeeds::index`].
         speed: usize = 0,
         added: Added = Added::Nothing,
         /// The power may change in each tick.
@@ -94,8 +94,8 @@ state! {
         pub(super) channel: u8 = channel,
         family: Family = family,
         pub(super) direct: Power = Power::ZERO,
-        pub(super) bounds: Bounds = Bounds::full(Mode::Duty),
-        pub(super) source: Source = Source::Planned,
+        pub(super) bounds: PowerBounds = PowerBounds::full(PowerMode::Duty),
+        pub(super) source: SpeedSource = SpeedSource::Planned,
         follow: Option<Follow> = None,
         distance: Option<Distance> = None,
         interval: Interval = Interval::NONE,
@@ -113,13 +113,13 @@ impl Law {
     /// The table of powers that the velocity follow reads.
     pub(super) fn table(&self) -> Option<Curve> {
         match self.follow?.of {
-            Of::Table(curve) => Some(curve),
-            Of::Ratio(_) => None,
+            SpeedLaw::Table(curve) => Some(curve),
+            SpeedLaw::Ratio(_) => None,
         }
     }
 
     /// Sets the bounds.
-    pub(super) fn set_bounds(&mut self, bounds: Bounds) {
+    pub(super) fn set_bounds(&mut self, bounds: PowerBounds) {
         self.bounds = bounds;
         self.renew();
     }
@@ -166,12 +166,12 @@ impl Law {
                 self.follow = None;
                 return;
             }
-            Buffered::FollowRatio { ratio, bounds } => (Of::Ratio(ratio), bounds),
+            Buffered::FollowRatio { ratio, bounds } => (SpeedLaw::Ratio(ratio), bounds),
             Buffered::PrfFollow { ratio, bounds } => {
-                self.source = Source::Planned;
-                (Of::Ratio(ratio), bounds)
+                self.source = SpeedSource::Planned;
+                (SpeedLaw::Ratio(ratio), bounds)
             }
-            Buffered::FollowTable { table, bounds } => (Of::Table(table), bounds),
+            Buffered::FollowTable { table, bounds } => (SpeedLaw::Table(table), bounds),
         };
         self.interval = Interval::NONE;
         self.follow = Some(Follow { crd, of, bounds });
@@ -201,13 +201,13 @@ impl Law {
     fn renew(&mut self) {
         let direct = self.direct.raw();
         let (mut low, mut high) = (self.bounds.min().raw(), self.bounds.max().raw());
-        let (mut base, mut part, mut held) = (direct, Part::None, None);
+        let (mut base, mut part, mut held) = (direct, SpeedPart::None, None);
         (self.planned, self.encoder) = (CrdMask(0), CrdMask(0));
         if let Some(Follow { crd, of, bounds }) = self.follow {
             let (min, max) = (bounds.min().raw(), bounds.max().raw());
             (part, base) = match of {
-                Of::Ratio(ratio) => (Part::Ratio(ratio.gain()), min),
-                Of::Table(curve) => (Part::Table(curve), 0),
+                SpeedLaw::Ratio(ratio) => (SpeedPart::Ratio(ratio.gain()), min),
+                SpeedLaw::Table(curve) => (SpeedPart::Table(curve), 0),
             };
             match (self.family, &self.distance) {
                 (Family::Gus, Some(_)) => held = Some((min, max)),
@@ -217,7 +217,7 @@ impl Law {
                     (low, high) = (low.max(min), high.min(max));
                 }
             }
-            *if self.source == Source::Planned { &mut self.planned } else { &mut self.encoder } = crd.mask();
+            *if self.source == SpeedSource::Planned { &mut self.planned } else { &mut self.encoder } = crd.mask();
         }
         let added = match &self.distance {
             None => Added::Nothing,
@@ -229,7 +229,7 @@ impl Law {
         {
             (low, high) = (low.max(bounds.min().raw()), high.min(bounds.max().raw()));
         }
-        let speed = self.follow.map_or(0, |follow| Speeds::index(follow.crd, self.encoder.0 != 0));
+        let speed = self.follow.map_or(0, |follow| PathSpeeds::index(follow.crd, self.encoder.0 != 0));
         let moves = self.follow.is_some() || self.distance.is_some();
         self.mix = Mix { base, low, high, part, speed, added, moves, held };
     }
@@ -256,9 +256,9 @@ impl Law {
         let mut sum = *base;
         let speed = || around.speed(*speed);
         match part {
-            Part::None => {}
-            Part::Ratio(gain) => sum = sum.wrapping_add(gain.power(speed())),
-            Part::Table(curve) => {
+            SpeedPart::None => {}
+            SpeedPart::Ratio(gain) => sum = sum.wrapping_add(gain.power(speed())),
+            SpeedPart::Table(curve) => {
                 let x = speed().raw().min(i64::MAX as u64) as i64;
                 sum = sum.wrapping_add(around.tables.at(*curve, x, &mut self.interval));
             }
@@ -283,15 +283,15 @@ impl Law {
 
 /// Speeds of all paths, for all channels; a path that is not fed has speed 0.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Speeds {
+pub(super) struct PathSpeeds {
     /// Which of them are fed, a bit each.
     pub(super) fed: u32,
     /// Planned ones, then those of encoders.
     pub(super) of: [PathSpeed; 2 * Crd::MAX],
 }
 
-impl Speeds {
-    pub(super) const STANDSTILL: Speeds = Speeds { fed: 0, of: [PathSpeed::STANDSTILL; 2 * Crd::MAX] };
+impl PathSpeeds {
+    pub(super) const STANDSTILL: PathSpeeds = PathSpeeds { fed: 0, of: [PathSpeed::STANDSTILL; 2 * Crd::MAX] };
 
     /// The index of the speed of a path.
     #[inline(always)]

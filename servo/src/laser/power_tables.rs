@@ -7,7 +7,7 @@
 //! gives 0.
 //!
 //! A table is written at admission, and nothing may follow it meanwhile: a tick command that names
-//! it comes after [`Tables::finish`]. Ratios come in two banks a channel, so that one can be
+//! it comes after [`PowerTables::finish`]. Ratios come in two banks a channel, so that one can be
 //! written while the other is in force. Each point is stored with its slope to the next one, so
 //! that the tick never divides: m·2⁻ˢ with 54 bits of m, which makes an error of 2⁻⁵³ of the step
 //! between the two, and half a unit.
@@ -128,7 +128,7 @@ impl Interval {
 }
 
 /// The tables of all channels.
-pub struct Tables {
+pub struct PowerTables {
     points: Store<WORDS, { CURVES * POINTS }>,
     counts: Store<1, CURVES>,
     nodes: Store<2, { CHANNELS * BANKS * NODES }>,
@@ -142,11 +142,11 @@ pub struct Tables {
 /// Analog outputs, of which the first are those of the laser channels.
 pub(crate) const ANALOG: usize = 8;
 
-impl Tables {
+impl PowerTables {
     /// All tables empty.
-    pub const fn new() -> Tables {
+    pub const fn new() -> PowerTables {
         let (points, counts, nodes, limits) = (Store::new(), Store::new(), Store::new(), Store::new());
-        Tables { points, counts, nodes, limits, analog: Store::new() }
+        PowerTables { points, counts, nodes, limits, analog: Store::new() }
     }
 
     /// The last value of an analog output, from 0, −32768…32767 for −10…10 V.
@@ -296,9 +296,9 @@ impl Tables {
     }
 }
 
-impl Default for Tables {
-    fn default() -> Tables {
-        Tables::new()
+impl Default for PowerTables {
+    fn default() -> PowerTables {
+        PowerTables::new()
     }
 }
 

@@ -1,5 +1,5 @@
 //! What the tick publishes of a laser channel.
-use super::{Bounds, Carrier, Cause, Count, Curve, Ignored, Mode, Power, Source, Train};
+use super::{Carrier, Cause, Count, Curve, Ignored, Power, PowerBounds, PowerMode, SpeedSource, Train};
 use crate::units::{Crd, CrdMask};
 
 state! {
@@ -35,7 +35,7 @@ state! {
         /// none when nothing is.
         pub train: Train = Train::NONE,
         /// Power mode.
-        pub mode: Mode = Mode::Duty,
+        pub mode: PowerMode = PowerMode::Duty,
         /// The connector of the energy output carries it.
         pub connector: bool = false,
         /// The gate's delays apply.
@@ -55,7 +55,7 @@ state! {
         /// The coordinate system of a velocity follow.
         pub follows: Option<Crd> = None,
         /// Which of its speeds.
-        pub source: Source = Source::Planned,
+        pub source: SpeedSource = SpeedSource::Planned,
         /// The table of powers that it reads, if it does.
         pub table: Option<Curve> = None,
         /// The bank of ratios that a distance follow reads.
@@ -63,7 +63,7 @@ state! {
         /// Pulse width of the frequency mode, µs; 0 is none set.
         pub width_us: u16 = 0,
         /// Bounds of the power.
-        pub bounds: Bounds = Bounds::ZERO,
+        pub bounds: PowerBounds = PowerBounds::ZERO,
         /// Carrier of the duty modes.
         pub carrier: Option<Carrier> = None,
         /// Light since power-on or the last ZeroOnTime, in 250 µs units, rounded down.

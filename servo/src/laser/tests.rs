@@ -2,9 +2,9 @@
 extern crate std;
 #[path = "../../tests/chance/mod.rs"]
 mod chance;
-use super::buffered::{Event, EventQueue};
+use super::buffered::{ChannelEvent, EventQueue};
 use super::distance_follow::Displacements;
-use super::light_owner::End;
+use super::light_owner::StandstillCause;
 use super::power_law::Law;
 use super::power_tables::{DISTANCES, Interval};
 use super::*;
@@ -34,8 +34,8 @@ fn speed(x: f64) -> PathSpeed {
 fn ratio(x: f64) -> Ratio {
     Ratio::admit(x.to_bits()).unwrap()
 }
-fn follow(max: f64, min: f64) -> Bounds {
-    Bounds::admit_follow(Mode::Frequency, power(max), power(min)).unwrap()
+fn follow(max: f64, min: f64) -> PowerBounds {
+    PowerBounds::admit_follow(PowerMode::Frequency, power(max), power(min)).unwrap()
 }
 
 #[test]
@@ -66,7 +66,7 @@ fn a_ratio_is_above_0_and_a_number() {
     assert_eq!(admit(f64::NEG_INFINITY), Err(Refused::NotFinite));
     assert_eq!(admit(4_294_967_297.0), Err(Refused::BeyondRange));
     assert!(admit(4_294_967_296.0).is_ok() && admit(5e-324).is_ok());
-    let bounds = |max, min| Bounds::admit_follow(Mode::Duty, power(max), power(min));
+    let bounds = |max, min| PowerBounds::admit_follow(PowerMode::Duty, power(max), power(min));
     assert_eq!(bounds(10.0, 10.0), Err(Refused::MaxNotAboveMin));
     assert_eq!(bounds(9.0, 10.0), Err(Refused::MaxBelowMin));
     assert_eq!(bounds(101.0, 10.0), Err(Refused::BeyondRange));
@@ -76,13 +76,13 @@ fn a_ratio_is_above_0_and_a_number() {
 fn buffered_changes_are_what_was_packed() {
     let bounds = follow(1999.5, 0.25);
     let table = Curve::power(1, 7).unwrap();
-    let source = Source::Encoder;
+    let source = SpeedSource::Encoder;
     for change in [
         Buffered::Gate { on: true },
         Buffered::Gate { on: false },
         Buffered::Direct { power: power(30.1) },
         Buffered::FollowMode { source, start: None },
-        Buffered::FollowMode { source: Source::Planned, start: Some(power(2000.0)) },
+        Buffered::FollowMode { source: SpeedSource::Planned, start: Some(power(2000.0)) },
         Buffered::FollowMode { source, start: Some(Power::ZERO) },
         Buffered::FollowRatio { ratio: ratio(0.1), bounds },
         Buffered::PrfFollow { ratio: ratio(4e9), bounds },
@@ -103,23 +103,23 @@ fn buffered_changes_are_what_was_packed() {
 #[test]
 fn events_are_in_the_order_of_time_and_of_their_coming() {
     let mut event_queue = EventQueue::EMPTY;
-    let run = |index| Run { crd: Crd::new(index).unwrap(), fifo: 0 };
+    let run = |index| PathRun { crd: Crd::new(index).unwrap(), fifo: 0 };
     let order = [(50, 0), (20, 1), (50, 2), (10, 3), (20, 0)];
     for (at, index) in order {
-        event_queue.put(Ns(at), Event::Standstill(run(index), End::RanOut, Cause::None)).unwrap();
+        event_queue.put(Ns(at), ChannelEvent::Standstill(run(index), StandstillCause::RanOut, Cause::None)).unwrap();
     }
     assert_eq!(event_queue.next, Ns(10));
     assert!(event_queue.take(Ns(9)).is_none());
     let mut seen = vec![];
-    while let Some(Event::Standstill(run, ..)) = event_queue.take(Ns(60)) {
+    while let Some(ChannelEvent::Standstill(run, ..)) = event_queue.take(Ns(60)) {
         seen.push(run.crd.index());
     }
     assert_eq!(seen, [3, 1, 0, 0, 2]);
     assert_eq!(event_queue.next, NEVER);
     for at in 0..48 {
-        event_queue.put(Ns(at), Event::Standstill(run(0), End::RanOut, Cause::None)).unwrap();
+        event_queue.put(Ns(at), ChannelEvent::Standstill(run(0), StandstillCause::RanOut, Cause::None)).unwrap();
     }
-    assert!(event_queue.put(Ns(1), Event::Standstill(run(0), End::RanOut, Cause::None)).is_err());
+    assert!(event_queue.put(Ns(1), ChannelEvent::Standstill(run(0), StandstillCause::RanOut, Cause::None)).is_err());
 }
 
 fn none() -> Interval {
@@ -127,7 +127,7 @@ fn none() -> Interval {
 }
 
 /// A table of powers with these points.
-fn power_table(tables: &Tables, points: &[(f64, f64)]) -> Curve {
+fn power_table(tables: &PowerTables, points: &[(f64, f64)]) -> Curve {
     let curve = Curve::power(1, 3).unwrap();
     for (index, (v, p)) in points.iter().enumerate() {
         tables.power_point(curve, index, v.to_bits(), power(*p)).unwrap();
@@ -139,7 +139,7 @@ fn power_table(tables: &Tables, points: &[(f64, f64)]) -> Curve {
 #[test]
 fn a_table_is_linear_between_its_points_and_its_border_outside() {
     let mut chance = Chance::new(2);
-    let tables = Tables::new();
+    let tables = PowerTables::new();
     for count in 1..=POINTS {
         let mut v = chance.log(1e-6, 1.0);
         let points: Vec<(f64, f64)> = (0..count)
@@ -181,7 +181,7 @@ fn a_table_is_linear_between_its_points_and_its_border_outside() {
 
 #[test]
 fn a_table_refuses_what_breaks_its_rules() {
-    let tables = Tables::new();
+    let tables = PowerTables::new();
     let curve = Curve::power(0, 0).unwrap();
     let put = |index, v: f64| tables.power_point(curve, index, v.to_bits(), power(1.0));
     assert_eq!(put(0, -1.0), Err(Refused::Negative));
@@ -205,7 +205,7 @@ fn a_table_refuses_what_breaks_its_rules() {
 /// No two tables share their memory.
 #[test]
 fn tables_lie_apart() {
-    let tables = Tables::new();
+    let tables = PowerTables::new();
     let mut all = vec![];
     for channel in 0..CHANNELS as u8 {
         all.extend((0..POWER_TABLES as u8).map(|table| Curve::power(channel, table).unwrap()));
@@ -255,8 +255,8 @@ fn bits(x: [f64; 4]) -> [u64; 4] {
 }
 
 /// What an admitted distance follow adds, in 2^-44.
-fn added(distance: &Distance, tables: &Tables, axes: &[AxisState]) -> i64 {
-    let speeds = Speeds::STANDSTILL;
+fn added(distance: &Distance, tables: &PowerTables, axes: &[AxisState]) -> i64 {
+    let speeds = PathSpeeds::STANDSTILL;
     let around =
         Surroundings { clock: Clock::GHZ, speeds: &speeds, tables, axes, displacements: &Displacements::OF_NOBODY };
     if distance.bank().is_none() {
@@ -287,7 +287,8 @@ fn four_ways_of_one_length_add_up_with_the_largest_lower_halves_of_factors() {
     // 60 bits of a factor, of which the lower half is as far from 0 as it can be.
     let ratio = 0x1f_ffff_feff_ffff_i64 as f64 / 2f64.powi(52);
     let (scales, ratios) = (bits([1.0; 4]), bits([ratio; 4]));
-    let distance = Distance::admit(Source::Planned, mapped(), [0; 4], scales, ratios, Ratios::Fixed, None).unwrap();
+    let distance =
+        Distance::admit(SpeedSource::Planned, mapped(), [0; 4], scales, ratios, Ratios::Fixed, None).unwrap();
     let (mut terms, mut displacements) = (distance.terms(), Displacements::begin(0));
     let within = [0.0, 255.0, -0.5, 511.0, 0.0, -255.0, 0.0, -511.0, 0.0];
     // Displacements of which the bits above the lowest 31 are all alike, but not the sign.
@@ -303,7 +304,7 @@ fn four_ways_of_one_length_add_up_with_the_largest_lower_halves_of_factors() {
 
 #[test]
 fn a_distance_adds_what_it_should() {
-    let (mut chance, tables) = (Chance::new(3), Tables::new());
+    let (mut chance, tables) = (Chance::new(3), PowerTables::new());
     for _ in 0..3000 {
         let places = [(); 4].map(|()| {
             let far = chance.log(1.0, 1e9);
@@ -313,14 +314,14 @@ fn a_distance_adds_what_it_should() {
         let ratios = [(); 4].map(|()| chance.within(-1.0, 1.0) * chance.log(1e-6, 1e3));
         let reference = [(); 4].map(|()| chance.within(-1e6, 1e6) as i32);
         let axes = axes(places);
-        for source in [Source::Planned, Source::Encoder] {
+        for source in [SpeedSource::Planned, SpeedSource::Encoder] {
             let distance =
                 Distance::admit(source, mapped(), reference, bits(scales), bits(ratios), Ratios::Fixed, None).unwrap();
             let (mut want, mut most) = (exact(0.0), [0f64; 2]);
             for index in 0..4 {
                 let place = match source {
-                    Source::Planned => fixed(axes[index].published.pos.0 as i128, 22),
-                    Source::Encoder => BigRational::from_integer(axes[index].published.encoder.into()),
+                    SpeedSource::Planned => fixed(axes[index].published.pos.0 as i128, 22),
+                    SpeedSource::Encoder => BigRational::from_integer(axes[index].published.encoder.into()),
                 };
                 let by = place - BigRational::from_integer(reference[index].into());
                 most[0] = most[0].max(by.abs().to_f64().unwrap());
@@ -340,7 +341,7 @@ fn a_distance_adds_what_it_should() {
 fn a_distance_refuses_what_is_out_of_range() {
     let admit = |scale: f64, ratio: f64| {
         let (scales, ratios) = (bits([scale, 1.0, 1.0, 1.0]), bits([0.0, 0.0, ratio, 0.0]));
-        Distance::admit(Source::Planned, mapped(), [0; 4], scales, ratios, Ratios::Fixed, None).err()
+        Distance::admit(SpeedSource::Planned, mapped(), [0; 4], scales, ratios, Ratios::Fixed, None).err()
     };
     assert_eq!(admit(0.0, 1.0), Some(Refused::Zero));
     assert_eq!(admit(-1.0, 1.0), Some(Refused::Negative));
@@ -354,7 +355,7 @@ fn a_distance_refuses_what_is_out_of_range() {
 /// 1-D: each axis has its own table; 2-D: two axes share the ratio of their position.
 #[test]
 fn ratios_of_tables_are_those_of_the_place() {
-    let tables = Tables::new();
+    let tables = PowerTables::new();
     let put = |axis, points: &[(i32, f64)]| {
         let curve = Curve::ratio(0, 1, axis).unwrap();
         for (index, (x, r)) in points.iter().enumerate() {
@@ -368,7 +369,8 @@ fn ratios_of_tables_are_those_of_the_place() {
     put(3, &[(0, 1.0), (10, 2.0)]);
     let scales = bits([1000.0, 500.0, 1.0, 1.0]);
     let lines = Ratios::Lines { bank: 1 };
-    let distance = Distance::admit(Source::Planned, mapped(), [0, 100, 0, 5], scales, [0; 4], lines, None).unwrap();
+    let distance =
+        Distance::admit(SpeedSource::Planned, mapped(), [0, 100, 0, 5], scales, [0; 4], lines, None).unwrap();
     // Axis 0 half way from 0.5 to 0.25 at 2000: 2 · 0.375; axis 1 anywhere −0.125: (600 − 100)/500
     // · −0.125; axis 2 has no points; axis 3 beyond its last: (25 − 5) · 2.
     let got = added(&distance, &tables, &axes([2000.0, 600.0, 9e6, 25.0]));
@@ -390,7 +392,8 @@ fn ratios_of_tables_are_those_of_the_place() {
         tables.plane_node(0, 0, index, r.to_bits()).unwrap();
     }
     let plane = Ratios::Plane { bank: 0, axes: [2, 0] };
-    let distance = Distance::admit(Source::Planned, mapped(), [0; 4], bits([1.0; 4]), [0; 4], plane, None).unwrap();
+    let distance =
+        Distance::admit(SpeedSource::Planned, mapped(), [0; 4], bits([1.0; 4]), [0; 4], plane, None).unwrap();
     let at = |x: f64, y: f64| added(&distance, &tables, &axes([y, 7e7, x, 3e8])) as f64 / 2f64.powi(44);
     // On a node, between two, in the middle of four, and outside.
     assert_eq!(at(300.0, 1000.0), 0.0);
@@ -415,12 +418,12 @@ fn ratios_of_tables_are_those_of_the_place() {
 
 /// The power of a law at a speed, of crd 1, and a distance of axis 0.
 fn power_of(law: &mut Law, v: f64, x: f64) -> f64 {
-    let mut speeds = Speeds::STANDSTILL;
+    let mut speeds = PathSpeeds::STANDSTILL;
     let [first, second] = [0, 1].map(|index| Crd::new(index).unwrap());
-    speeds.put(Speeds::index(first, false), speed(v));
-    speeds.put(Speeds::index(first, true), speed(2.0 * v));
-    speeds.put(Speeds::index(second, false), speed(1e6));
-    let (tables, axes) = (Tables::new(), axes([x, 0.0, 0.0, 0.0]));
+    speeds.put(PathSpeeds::index(first, false), speed(v));
+    speeds.put(PathSpeeds::index(first, true), speed(2.0 * v));
+    speeds.put(PathSpeeds::index(second, false), speed(1e6));
+    let (tables, axes) = (PowerTables::new(), axes([x, 0.0, 0.0, 0.0]));
     power_table(&tables, &[(10.0, 20.0), (50.0, 60.0)]);
     let mut displacements = Displacements::begin(0);
     law.skip();
@@ -440,20 +443,20 @@ fn power_of(law: &mut Law, v: f64, x: f64) -> f64 {
 
 fn law(family: Family, max: f64, min: f64) -> Law {
     let mut law = Law::power_on(0, family);
-    law.set_bounds(Bounds::admit(Mode::Duty, power(max), power(min)).unwrap());
+    law.set_bounds(PowerBounds::admit(PowerMode::Duty, power(max), power(min)).unwrap());
     law
 }
 
 fn begin(law: &mut Law, r: f64, min: f64, max: f64) {
-    let bounds = Bounds::admit_follow(Mode::Duty, power(max), power(min)).unwrap();
+    let bounds = PowerBounds::admit_follow(PowerMode::Duty, power(max), power(min)).unwrap();
     law.change(Crd::new(0).unwrap(), &Buffered::FollowRatio { ratio: ratio(r), bounds });
 }
 
 /// 0.01 of the unit a pulse of axis 0.
 fn distance(law: &mut Law, bounds: Option<(f64, f64)>) {
-    let bounds = bounds.map(|(max, min)| Bounds::admit(Mode::Duty, power(max), power(min)).unwrap());
+    let bounds = bounds.map(|(max, min)| PowerBounds::admit(PowerMode::Duty, power(max), power(min)).unwrap());
     let (scales, ratios) = (bits([1000.0; 4]), bits([10.0, 0.0, 0.0, 0.0]));
-    let source = Source::Planned;
+    let source = SpeedSource::Planned;
     law.set_distance(Some(Distance::admit(source, mapped(), [0; 4], scales, ratios, Ratios::Fixed, bounds).unwrap()));
 }
 
@@ -496,7 +499,7 @@ fn the_law_of_lsr() {
     distance(&mut law, Some((12.0, 11.0)));
     assert_eq!([300.0, -400.0, 900.0].map(|x| power_of(&mut law, 20.0, x)), [16.0, 10.0, 18.0]);
     // Bounds given with the distance are ignored; those of the mode hold.
-    law.set_bounds(Bounds::admit(Mode::Duty, power(17.0), power(15.0)).unwrap());
+    law.set_bounds(PowerBounds::admit(PowerMode::Duty, power(17.0), power(15.0)).unwrap());
     assert_eq!([300.0, -400.0, 900.0].map(|x| power_of(&mut law, 20.0, x)), [16.0, 15.0, 17.0]);
     law.change(Crd::new(2).unwrap(), &Buffered::FollowOff);
     assert_eq!((law.follows(), power_of(&mut law, 20.0, 1500.0)), (None, 16.0));
@@ -509,7 +512,7 @@ fn of_bounds_that_exclude_each_other_the_lowest_upper_one() {
         let mut law = law(family, 100.0, 40.0);
         begin(&mut law, 1.0, 10.0, 30.0);
         assert_eq!([0.0, 90.0].map(|v| power_of(&mut law, v, 0.0)), [30.0, 30.0]);
-        law.set_bounds(Bounds::admit(Mode::Duty, power(5.0), power(1.0)).unwrap());
+        law.set_bounds(PowerBounds::admit(PowerMode::Duty, power(5.0), power(1.0)).unwrap());
         assert_eq!([0.0, 90.0].map(|v| power_of(&mut law, v, 0.0)), [5.0, 5.0]);
     }
     let mut law = law(Family::Gus, 100.0, 40.0);
@@ -526,9 +529,9 @@ fn sources_start_powers_and_tables() {
     assert_eq!(power_of(&mut law, 20.0, 0.0), 20.0);
     // The encoder's speed, from then on; the direct power stays.
     law.set_direct(power(3.0));
-    law.change(crd, &Buffered::FollowMode { source: Source::Encoder, start: None });
+    law.change(crd, &Buffered::FollowMode { source: SpeedSource::Encoder, start: None });
     assert_eq!(power_of(&mut law, 20.0, 0.0), 43.0);
-    law.change(crd, &Buffered::FollowMode { source: Source::Encoder, start: Some(power(7.0)) });
+    law.change(crd, &Buffered::FollowMode { source: SpeedSource::Encoder, start: Some(power(7.0)) });
     assert_eq!(power_of(&mut law, 20.0, 0.0), 47.0);
     // BufLaserPrfFollow is of the planned speed.
     let bounds = follow(90.0, 1.0);

@@ -15,7 +15,7 @@ use crate::path::PathSpeed;
 
 /// Which speed a follow follows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Source {
+pub enum SpeedSource {
     /// The planned path (0).
     #[default]
     Planned,

@@ -15,12 +15,12 @@ const AT_ONCE: usize = 64;
 type Slot<const WORDS: usize> = [AtomicU16; WORDS];
 
 /// The half-words.
-pub type Slots<const SLOTS: usize, const WORDS: usize> = [Slot<WORDS>; SLOTS];
+pub type RingSlots<const SLOTS: usize, const WORDS: usize> = [Slot<WORDS>; SLOTS];
 
 /// See the module text.
 #[derive(Debug)]
 pub struct CycleRing<const SLOTS: usize, const WORDS: usize> {
-    slots: &'static Slots<SLOTS, WORDS>,
+    slots: &'static RingSlots<SLOTS, WORDS>,
     /// A dark cycle of no length.
     dark: [u16; WORDS],
     /// Slots that are queued next, up to their end.
@@ -42,7 +42,7 @@ impl<const SLOTS: usize, const WORDS: usize> CycleRing<SLOTS, WORDS> {
     pub const WORDS: usize = SLOTS * WORDS;
 
     /// Nothing is dark yet.
-    pub const fn new(slots: &'static Slots<SLOTS, WORDS>, dark: [u16; WORDS]) -> Self {
+    pub const fn new(slots: &'static RingSlots<SLOTS, WORDS>, dark: [u16; WORDS]) -> Self {
         CycleRing { slots, dark, free: &[], end: 0, lit: 0, queued: 0, last: [0; 2], is_full: false }
     }
 
@@ -158,7 +158,7 @@ impl<const SLOTS: usize, const WORDS: usize> CycleRing<SLOTS, WORDS> {
 mod tests {
     use super::*;
 
-    static SLOTS: Slots<8, 3> = [const { [const { AtomicU16::new(7) }; 3] }; 8];
+    static SLOTS: RingSlots<8, 3> = [const { [const { AtomicU16::new(7) }; 3] }; 8];
 
     /// A slot that DMA reads without its being queued, in this tick or the one before, stops its
     /// timer in the dark.
@@ -190,7 +190,7 @@ mod tests {
         assert!(!ring.renew((queued + 1) * 3 % (8 * 3)));
     }
 
-    static FULL: Slots<8, 3> = [const { [const { AtomicU16::new(7) }; 3] }; 8];
+    static FULL: RingSlots<8, 3> = [const { [const { AtomicU16::new(7) }; 3] }; 8];
 
     /// Wherever the ring is: no slot of this tick or the one before is overwritten, and the next
     /// tick says so.

@@ -7,7 +7,7 @@
 //!
 //! An action is a word. After it come the counts of its train that differ from those of the train
 //! of its kind before it (of light, and of standby): within a tick few do.
-use crate::laser::{Action, Count, PLAN_ACTIONS, Plan, Rate, Train};
+use crate::laser::{Action, Count, PLAN_ACTIONS, Plan, PulseRate, Train};
 use crate::path::INSTANTS;
 use core::sync::atomic::{AtomicU32, Ordering};
 
@@ -106,8 +106,8 @@ impl DelayLine {
 
     /// A word, and all of a rate.
     #[inline(never)]
-    fn add_rate(&mut self, word: u32, rate: &Rate) -> bool {
-        let Rate { period, width, scale, shift } = rate;
+    fn add_rate(&mut self, word: u32, rate: &PulseRate) -> bool {
+        let PulseRate { period, width, scale, shift } = rate;
         self.lights |= !rate.is_pause();
         self.add(word) && self.add_count(period) && self.add_count(&Count { whole: *scale, part: *width, of: *shift })
     }
@@ -152,7 +152,7 @@ impl Replay<'_> {
     fn rate(&mut self) -> Action {
         let (period, other) = (self.skip(), self.skip());
         let Count { whole: scale, part: width, of: shift } = self.counts(other);
-        Action::Rate(Rate { period: self.counts(period), width, scale, shift })
+        Action::Rate(PulseRate { period: self.counts(period), width, scale, shift })
     }
 
     /// The index of the next counts.

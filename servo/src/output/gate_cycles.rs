@@ -34,22 +34,22 @@ pub struct Cycle {
 
 /// An output in the cycle that is not queued yet, in counts from its beginning.
 #[derive(Debug, Clone, Copy)]
-struct Line {
+struct GateEdges {
     /// It is active until then; [`NO_EDGE_COUNTS`]: so far.
     falls: u32,
     /// And again from then on; [`NO_EDGE_COUNTS`]: not so far.
     rises: u32,
 }
 
-impl Line {
-    const INACTIVE: Line = Line { falls: 0, rises: NO_EDGE_COUNTS };
-    const ACTIVE: Line = Line { falls: NO_EDGE_COUNTS, rises: NO_EDGE_COUNTS };
+impl GateEdges {
+    const INACTIVE: GateEdges = GateEdges { falls: 0, rises: NO_EDGE_COUNTS };
+    const ACTIVE: GateEdges = GateEdges { falls: NO_EDGE_COUNTS, rises: NO_EDGE_COUNTS };
 
     /// The cycle ends after this many counts, and the next one begins.
     #[inline(always)]
     fn renew(&mut self, length: u32) {
         if self.rises <= length {
-            *self = Line::ACTIVE;
+            *self = GateEdges::ACTIVE;
             return;
         }
         for edge in [&mut self.falls, &mut self.rises] {
@@ -66,7 +66,7 @@ state! {
     pub struct GateCycles {
         scale: Scale = scale,
         begin: u64 = begin,
-        lines: [Line; CHANNELS] = [Line::INACTIVE; CHANNELS],
+        lines: [GateEdges; CHANNELS] = [GateEdges::INACTIVE; CHANNELS],
         known: u64 = begin,
         /// Edges of the first channel, until the second one's are known too: counts from the
         /// interval's beginning, twice, and the level in the last bit.
@@ -86,7 +86,7 @@ impl GateCycles {
     /// The part of an output that is not queued yet becomes inactive.
     pub fn shut_off(&mut self, channel: usize) {
         if let Some(line) = self.lines.get_mut(channel) {
-            *line = Line::INACTIVE;
+            *line = GateEdges::INACTIVE;
         }
         if channel == 0 {
             self.waiting = 0;
@@ -169,7 +169,7 @@ impl GateCycles {
             (false, false) => {
                 self.close(at, sink);
                 if let Some(line) = self.lines.get_mut(channel) {
-                    *line = Line::INACTIVE;
+                    *line = GateEdges::INACTIVE;
                 }
             }
         }

@@ -13,25 +13,28 @@ const ROOM: usize = Crd::MAX * INSTANTS as usize;
 
 /// What changes.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Change {
+pub(crate) enum OutputChange {
     /// Outputs of a group get the levels of `value` where `mask` is set.
     Digital { group: DoGroup, mask: u64, value: u64 },
     /// An analog output.
     Analog { channel: u8, value: i16 },
 }
 
-impl Change {
+impl OutputChange {
     /// Whether a later change of the same instant is a part of this one from now on.
-    fn takes(&mut self, later: Change) -> bool {
+    fn takes(&mut self, later: OutputChange) -> bool {
         match (self, later) {
-            (Change::Digital { group, mask, value }, Change::Digital { group: of, mask: also, value: levels })
-                if *group == of =>
-            {
+            (
+                OutputChange::Digital { group, mask, value },
+                OutputChange::Digital { group: of, mask: also, value: levels },
+            ) if *group == of => {
                 *value = *value & !also | levels & also;
                 *mask |= also;
                 true
             }
-            (Change::Analog { channel, value }, Change::Analog { channel: of, value: level }) if *channel == of => {
+            (OutputChange::Analog { channel, value }, OutputChange::Analog { channel: of, value: level })
+                if *channel == of =>
+            {
                 *value = level;
                 true
             }
@@ -51,21 +54,22 @@ pub(crate) enum Set {
 
 /// The changes of one tick.
 #[derive(Debug)]
-pub(crate) struct Edges {
-    list: [(u32, Change); ROOM],
+pub(crate) struct OutputEdges {
+    list: [(u32, OutputChange); ROOM],
     count: usize,
 }
 
 /// Levels of the digital outputs.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Levels {
+pub(crate) struct OutputLevels {
     pub(crate) enable: u64,
     pub(crate) clear: u64,
     pub(crate) general: GeneralOutputs,
 }
 
-impl Edges {
-    pub(crate) const NONE: Edges = Edges { list: [(0, Change::Analog { channel: 0, value: 0 }); ROOM], count: 0 };
+impl OutputEdges {
+    pub(crate) const NONE: OutputEdges =
+        OutputEdges { list: [(0, OutputChange::Analog { channel: 0, value: 0 }); ROOM], count: 0 };
 
     pub(crate) fn is_empty(&self) -> bool {
         self.count == 0
@@ -78,7 +82,7 @@ impl Edges {
 
     /// A change `at` ns after the tick computed; after those of the same instant, of which it may
     /// be a part.
-    pub(crate) fn add(&mut self, at: u32, change: Change) {
+    pub(crate) fn add(&mut self, at: u32, change: OutputChange) {
         let list = self.list.get_mut(..self.count).unwrap_or_default();
         if list
             .iter_mut()
@@ -109,13 +113,13 @@ impl Edges {
     #[inline(never)]
     pub(crate) fn flush(
         &mut self,
-        mut levels: Levels,
+        mut levels: OutputLevels,
         port: &mut impl Port,
         mut queued: impl FnMut(u32, Set),
-    ) -> Levels {
+    ) -> OutputLevels {
         for &(at, change) in self.list.iter().take(self.count) {
             match change {
-                Change::Digital { group, mask, value } => {
+                OutputChange::Digital { group, mask, value } => {
                     let set = |word: u64| word & !mask | value & mask;
                     match group {
                         DoGroup::Enable => levels.enable = set(levels.enable),
@@ -128,7 +132,7 @@ impl Edges {
                     port.outputs(at, levels.enable, levels.clear, levels.general);
                     queued(at, Set::General(levels.general));
                 }
-                Change::Analog { channel, value } => {
+                OutputChange::Analog { channel, value } => {
                     port.analog_out(at, channel as usize, value);
                     queued(at, Set::Analog { channel, value });
                 }

@@ -10,7 +10,7 @@
 //! before; carriers never come near.
 use super::cycles::{CYCLE_MAX_COUNTS, LATE, Lengths, Scale};
 use crate::laser::Pattern;
-use crate::laser::{Action, FINISH_NS, Rate, Train};
+use crate::laser::{Action, FINISH_NS, PulseRate, Train};
 
 /// The end of a period that is paused.
 const NEVER: u64 = u64::MAX;
@@ -125,7 +125,7 @@ impl PwmCycles {
 
     /// Pulses go on at another rate, in phase, or pause.
     #[inline(never)]
-    fn take_rate(&mut self, at: u64, rate: &Rate) {
+    fn take_rate(&mut self, at: u64, rate: &PulseRate) {
         let is_paused = self.runs && self.period_end == NEVER;
         let left = match (self.runs, is_paused) {
             (false, _) => 0,

@@ -7,8 +7,8 @@
 //! both directions are alike, and an axis at standstill on a knot is half a pulse away from the
 //! next edge. The pulses of a tick are spread evenly and centred: with n pulses in a tick of S
 //! slots, pulse k comes in slot `ceil(((k + 1)·S − floor(S/2)) / n) − 1`. Hardware fills its slots
-//! by [`Slots`]; code that may divide (the VCD writer) uses the closed form, and a test holds them
-//! equal.
+//! by [`StepSlots`]; code that may divide (the VCD writer) uses the closed form, and a test holds
+//! them equal.
 use crate::units::Pos;
 pub use crate::units::whole;
 
@@ -19,19 +19,19 @@ pub const fn between(from: Pos, to: Pos) -> i64 {
 
 /// Spreads `count` steps over `slots` equal slots of a tick: one answer per slot.
 #[derive(Debug, Clone, Copy)]
-pub struct Slots {
+pub struct StepSlots {
     count: u32,
     slots: u32,
     phase: u32,
 }
 
-impl Slots {
+impl StepSlots {
     /// `count` steps in `slots` slots. More steps than slots do not fit: `None`.
-    pub const fn new(count: u32, slots: u32) -> Option<Slots> {
+    pub const fn new(count: u32, slots: u32) -> Option<StepSlots> {
         if slots == 0 || slots > 1 << 30 || count > slots {
             return None;
         }
-        Some(Slots { count, slots, phase: slots >> 1 })
+        Some(StepSlots { count, slots, phase: slots >> 1 })
     }
 
     /// Whether the next slot carries a step. After `slots` calls `count` of them were true.
@@ -77,14 +77,14 @@ mod tests {
     fn slots_agree_with_the_closed_form() {
         for slots in [1u32, 2, 7, 100, 1000] {
             for count in 0..=slots {
-                let mut walker = Slots::new(count, slots).unwrap();
+                let mut walker = StepSlots::new(count, slots).unwrap();
                 let at: Vec<u32> = (0..slots).filter(|_| walker.advance()).collect();
                 let closed: Vec<u32> =
                     (0..count).map(|k| (((k + 1) * slots - slots / 2).div_ceil(count)) - 1).collect();
                 assert_eq!(at, closed, "{count} in {slots}");
             }
         }
-        assert!(Slots::new(8, 7).is_none());
-        assert!(Slots::new(0, 0).is_none());
+        assert!(StepSlots::new(8, 7).is_none());
+        assert!(StepSlots::new(0, 0).is_none());
     }
 }

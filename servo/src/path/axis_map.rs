@@ -1,21 +1,21 @@
 //! The axes that a coordinate system drives, and where its zero is.
 //!
-//! In: SetCrdPrm. Out: an admitted [`Frame`]. Fails: with the rule that is broken, [`Refused`].
+//! In: SetCrdPrm. Out: an admitted [`AxisMap`]. Fails: with the rule that is broken, [`Refused`].
 use super::DIMENSIONS;
 use crate::units::{Axis, AxisMask};
 
 /// An admitted frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Frame {
+pub struct AxisMap {
     axes: [Option<Axis>; DIMENSIONS],
     origin: Option<[i32; DIMENSIONS]>,
     even_ms: u16,
-    lanes: Lanes,
+    lanes: AxisIndices,
 }
 
 /// Indices of the axes, [`NONE`] where there is none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Lanes([u8; DIMENSIONS]);
+pub(crate) struct AxisIndices([u8; DIMENSIONS]);
 
 /// No axis has this index.
 const NONE: u8 = u8::MAX;
@@ -29,7 +29,7 @@ pub enum Refused {
     Twice(Axis),
 }
 
-impl Frame {
+impl AxisMap {
     /// `axes` of X, Y, Z, A, none twice. `origin` is their planned positions at zero, in pulses;
     /// None takes their positions when the frame is set. `even_ms` is the least time at constant
     /// speed in a motion.
@@ -37,7 +37,7 @@ impl Frame {
         axes: [Option<Axis>; DIMENSIONS],
         origin: Option<[i32; DIMENSIONS]>,
         even_ms: u16,
-    ) -> Result<Frame, Refused> {
+    ) -> Result<AxisMap, Refused> {
         let mut sampled = AxisMask(0);
         for axis in axes.into_iter().flatten() {
             if sampled.has(axis) {
@@ -49,7 +49,7 @@ impl Frame {
             return Err(Refused::NoAxis);
         }
         let lanes = axes.map(|axis| axis.map_or(NONE, |axis| axis.index() as u8));
-        Ok(Frame { axes, origin, even_ms, lanes: Lanes(lanes) })
+        Ok(AxisMap { axes, origin, even_ms, lanes: AxisIndices(lanes) })
     }
 
     /// The axes of X, Y, Z, A.
@@ -64,7 +64,7 @@ impl Frame {
     }
 
     /// Their indices.
-    pub(crate) fn lanes(&self) -> Lanes {
+    pub(crate) fn lanes(&self) -> AxisIndices {
         self.lanes
     }
 
@@ -84,9 +84,9 @@ impl Frame {
     }
 }
 
-impl Lanes {
+impl AxisIndices {
     /// No axis.
-    pub(crate) const NONE: Lanes = Lanes([NONE; DIMENSIONS]);
+    pub(crate) const NONE: AxisIndices = AxisIndices([NONE; DIMENSIONS]);
 
     /// Whether this holds for every coordinate and the index of its axis; an unused coordinate has
     /// an index that no axis has. Unrolled, as a loop costs as much as its body.

@@ -1,7 +1,7 @@
 //! One entry of a FIFO: checked, packed into 32 bytes, and what is read from it.
 //!
 //! In: targets in pulses of the coordinate system, the bits of the user's doubles. Out: an
-//! [`Entry`], which only the constructors here can make. Fails: with the rule that the datum
+//! [`PathEntry`], which only the constructors here can make. Fails: with the rule that the datum
 //! breaks, [`Refused`].
 //!
 //! Word 7 begins with the kind in its top byte. A line in X and Y has both targets in words 0 and 1
@@ -17,7 +17,7 @@ use crate::units::{Axis, DoGroup, StepLimit};
 
 /// An admitted entry, 32 bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Entry([u32; 8]);
+pub struct PathEntry([u32; 8]);
 
 /// Why an entry is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -61,7 +61,7 @@ impl Plane {
 
 /// Speeds along a motion, as the bits of doubles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Along {
+pub struct MotionSpeeds {
     vel: u64,
     acc: u64,
     end: u64,
@@ -98,14 +98,14 @@ const LOWEST_END: i32 = -31;
 /// Top bytes of doubles from 2⁻³¹ to 2¹⁵, and of 0.
 const TOPS: [u64; 4] = [0, 0x3e, 0x3f, 0x40];
 
-impl Along {
+impl MotionSpeeds {
     /// No motion.
-    pub(super) const NONE: Along = Along { vel: 0, acc: 0, end: 0 };
+    pub(super) const NONE: MotionSpeeds = MotionSpeeds { vel: 0, acc: 0, end: 0 };
 
     /// From the bits of synVel and velEnd (pulse/ms) and synAcc (pulse/ms²): 2⁻²⁰ ≤ synVel, synAcc
     /// ≤ 2¹⁵, velEnd from 0 to 2¹⁵; below 2⁻³¹ it is 0.
-    pub fn admit(vel: u64, acc: u64, end: u64) -> Result<Along, Refused> {
-        Ok(Along { vel: within(vel, LOWEST)?, acc: within(acc, LOWEST)?, end: within(end, LOWEST_END)? })
+    pub fn admit(vel: u64, acc: u64, end: u64) -> Result<MotionSpeeds, Refused> {
+        Ok(MotionSpeeds { vel: within(vel, LOWEST)?, acc: within(acc, LOWEST)?, end: within(end, LOWEST_END)? })
     }
 
     /// Speed, pulse/ms, as the bits of a double.
@@ -178,7 +178,7 @@ pub const LASER_WORDS: usize = 6;
 
 /// The effect of an entry on something else than the path, at its exact instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Change {
+pub enum EntryEffect {
     /// BufIO: sets the masked outputs of a group.
     Output {
         /// Which outputs.
@@ -221,7 +221,7 @@ pub enum Change {
 
 /// What an entry is.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Item {
+pub enum EntryContent {
     /// Nothing.
     Nothing,
     /// A straight line to these targets, pulses; coordinates after the first `dimensions` stay.
@@ -231,7 +231,7 @@ pub enum Item {
         /// 2 or 4.
         dimensions: usize,
         /// Its speeds.
-        along: Along,
+        along: MotionSpeeds,
     },
     /// An arc in a plane; the other coordinates stay.
     Arc {
@@ -242,7 +242,7 @@ pub enum Item {
         /// Its sweep.
         sweep: Sweep,
         /// Its speeds.
-        along: Along,
+        along: MotionSpeeds,
     },
     /// A full circle.
     Circle {
@@ -253,7 +253,7 @@ pub enum Item {
         /// Counterclockwise.
         ccw: bool,
         /// Its speeds.
-        along: Along,
+        along: MotionSpeeds,
     },
     /// BufDelay.
     Delay {
@@ -268,7 +268,7 @@ pub enum Item {
         pulses: i32,
     },
     /// Something else than the path changes.
-    Change(Change),
+    Change(EntryEffect),
 }
 
 mod kind {
@@ -303,37 +303,37 @@ fn wide(low: u32, high: u32) -> u64 {
 }
 
 /// Geometry and speeds of a motion.
-fn motion([a, b, c, d]: [u32; 4], along: Along, kind: u32) -> Entry {
+fn motion([a, b, c, d]: [u32; 4], along: MotionSpeeds, kind: u32) -> PathEntry {
     // 44 bits of vel, 38 of acc, 38 of end, 8 of kind.
     let (vel, acc, end) = (pack(along.vel, VEL_BITS), pack(along.acc, RATE_BITS), pack(along.end, RATE_BITS));
     let first = vel << 20 | acc & 0xf_ffff;
     let second = (acc >> 20) << 38 | end | (kind as u64) << 56;
-    Entry([a, b, c, d, low(first), high(first), low(second), high(second)])
+    PathEntry([a, b, c, d, low(first), high(first), low(second), high(second)])
 }
 
 /// An entry that is no motion.
-fn other(kind: u32, words: [u32; 7]) -> Entry {
+fn other(kind: u32, words: [u32; 7]) -> PathEntry {
     let [a, b, c, d, e, f, g] = words;
-    Entry([a, b, c, d, e, f, g, kind << kind::PLACE])
+    PathEntry([a, b, c, d, e, f, g, kind << kind::PLACE])
 }
 
-impl Entry {
+impl PathEntry {
     /// A line in X and Y, pulses. Its start decides whether it has a length.
-    pub fn planar(to: [i32; 2], along: Along) -> Entry {
+    pub fn planar(to: [i32; 2], along: MotionSpeeds) -> PathEntry {
         let [x, y] = to.map(|x| x as u32);
-        let Along { vel, acc, end } = along;
+        let MotionSpeeds { vel, acc, end } = along;
         let top = TOPS.iter().position(|top| *top == end >> 56).unwrap_or(0) as u32;
         let last = high(end) & 0xff_ffff | (kind::PLANAR | top << kind::TOP) << kind::PLACE;
-        Entry([x, y, low(vel), high(vel), low(acc), high(acc), low(end), last])
+        PathEntry([x, y, low(vel), high(vel), low(acc), high(acc), low(end), last])
     }
 
     /// A line in all coordinates, pulses.
-    pub fn line(to: [i32; 4], along: Along) -> Entry {
+    pub fn line(to: [i32; 4], along: MotionSpeeds) -> PathEntry {
         motion(to.map(|x| x as u32), along, kind::LINE)
     }
 
-    /// An arc, see [`Item::Arc`].
-    pub fn arc(plane: Plane, to: [i32; 2], sweep: Sweep, along: Along) -> Entry {
+    /// An arc, see [`EntryContent::Arc`].
+    pub fn arc(plane: Plane, to: [i32; 2], sweep: Sweep, along: MotionSpeeds) -> PathEntry {
         let [a, b] = to.map(|x| x as u32);
         let Sweep { turns, long, ccw } = sweep;
         let flags = if long { kind::LONG } else { 0 } | if ccw { kind::CCW } else { 0 };
@@ -342,7 +342,7 @@ impl Entry {
     }
 
     /// A full circle; centre from the start in 2⁻³⁰ pulse, 2⁻¹⁰ to 2³¹ pulses away.
-    pub fn circle(plane: Plane, centre: [i64; 2], ccw: bool, along: Along) -> Result<Entry, Refused> {
+    pub fn circle(plane: Plane, centre: [i64; 2], ccw: bool, along: MotionSpeeds) -> Result<PathEntry, Refused> {
         let [a, b] = centre;
         let most = a.unsigned_abs().max(b.unsigned_abs());
         if !(1 << 20..1 << 61).contains(&most) {
@@ -354,22 +354,22 @@ impl Entry {
     }
 
     /// A wait of `ms` at standstill.
-    pub fn delay(ms: u16) -> Entry {
+    pub fn delay(ms: u16) -> PathEntry {
         other(kind::DELAY, [ms as u32, 0, 0, 0, 0, 0, 0])
     }
 
     /// An axis is geared to the next motion, for a displacement of `pulses`.
-    pub fn gear(axis: Axis, pulses: i32) -> Entry {
+    pub fn gear(axis: Axis, pulses: i32) -> PathEntry {
         other(kind::GEAR, [axis.index() as u32, pulses as u32, 0, 0, 0, 0, 0])
     }
 
     /// Sets the masked outputs of a group.
-    pub fn output(group: DoGroup, mask: u64, value: u64) -> Entry {
+    pub fn output(group: DoGroup, mask: u64, value: u64) -> PathEntry {
         other(kind::OUTPUT, [group as u32, low(mask), high(mask), low(value), high(value), 0, 0])
     }
 
     /// Sets an analog output.
-    pub fn analog(channel: u8, value: i16) -> Entry {
+    pub fn analog(channel: u8, value: i16) -> PathEntry {
         other(kind::ANALOG, [channel as u32, value as u16 as u32, 0, 0, 0, 0, 0])
     }
 
@@ -381,7 +381,7 @@ impl Entry {
         (speed, limit): (u64, StepLimit),
         acc: u64,
         modal: bool,
-    ) -> Result<Entry, crate::segment::ramp::Refused> {
+    ) -> Result<PathEntry, crate::segment::ramp::Refused> {
         Speed::admit(speed, limit)?;
         Accel::admit(acc)?;
         let kind = kind::MOVE | if modal { kind::MODAL } else { 0 };
@@ -390,7 +390,7 @@ impl Entry {
     }
 
     /// A change of a laser channel.
-    pub fn laser(channel: u8, code: u8, words: [u32; LASER_WORDS]) -> Entry {
+    pub fn laser(channel: u8, code: u8, words: [u32; LASER_WORDS]) -> PathEntry {
         let [a, b, c, d, e, f] = words;
         other(kind::LASER, [a, b, c, d, e, f, (channel as u32) << 8 | code as u32])
     }
@@ -401,8 +401,8 @@ impl Entry {
     }
 
     /// From stored words; all bit patterns are valid.
-    pub(super) fn from_words(words: [u32; 8]) -> Entry {
-        Entry(words)
+    pub(super) fn from_words(words: [u32; 8]) -> PathEntry {
+        PathEntry(words)
     }
 
     /// Kind and flags.
@@ -430,7 +430,7 @@ impl Entry {
     }
 
     /// What it is.
-    pub fn item(&self) -> Item {
+    pub fn item(&self) -> EntryContent {
         let [a, b, c, d, e, f, g, h] = self.0;
         let kind = self.kind();
         let along = || {
@@ -440,7 +440,7 @@ impl Entry {
             // A motion that ends at its own speed keeps it in spite of the bits that are left out:
             // else it would have one more phase.
             let end = if end == pack(vel, RATE_BITS) { vel } else { unpack(end, RATE_BITS) };
-            Along { vel, acc: unpack(acc, RATE_BITS), end }
+            MotionSpeeds { vel, acc: unpack(acc, RATE_BITS), end }
         };
         let plane = match kind >> kind::PLANE & 3 {
             0 => Plane::Xy,
@@ -452,34 +452,36 @@ impl Entry {
             kind::PLANAR => {
                 let top = TOPS.get((kind >> kind::TOP) as usize & 3).copied().unwrap_or(0);
                 let end = wide(g, h) & ((1 << 56) - 1) | top << 56;
-                let along = Along { vel: wide(c, d), acc: wide(e, f), end };
-                Item::Line { to: [a as i32, b as i32, 0, 0], dimensions: 2, along }
+                let along = MotionSpeeds { vel: wide(c, d), acc: wide(e, f), end };
+                EntryContent::Line { to: [a as i32, b as i32, 0, 0], dimensions: 2, along }
             }
-            kind::LINE => Item::Line { to: [a, b, c, d].map(|x| x as i32), dimensions: 4, along: along() },
+            kind::LINE => EntryContent::Line { to: [a, b, c, d].map(|x| x as i32), dimensions: 4, along: along() },
             kind::ARC => {
                 let sweep = Sweep { turns: wide(c, d), long: kind & kind::LONG != 0, ccw: kind & kind::CCW != 0 };
-                Item::Arc { plane, to: [a as i32, b as i32], sweep, along: along() }
+                EntryContent::Arc { plane, to: [a as i32, b as i32], sweep, along: along() }
             }
             kind::CIRCLE => {
                 let centre = [wide(a, b) as i64, wide(c, d) as i64];
-                Item::Circle { plane, centre, ccw: kind & kind::CCW != 0, along: along() }
+                EntryContent::Circle { plane, centre, ccw: kind & kind::CCW != 0, along: along() }
             }
-            kind::DELAY => Item::Delay { ms: a as u16 },
-            kind::GEAR => Item::Gear { axis: axis(a), pulses: b as i32 },
-            kind::OUTPUT => Item::Change(Change::Output { group: DoGroup::of(a), mask: wide(b, c), value: wide(d, e) }),
-            kind::ANALOG => Item::Change(Change::Analog { channel: a as u8, value: b as i16 }),
+            kind::DELAY => EntryContent::Delay { ms: a as u16 },
+            kind::GEAR => EntryContent::Gear { axis: axis(a), pulses: b as i32 },
+            kind::OUTPUT => {
+                EntryContent::Change(EntryEffect::Output { group: DoGroup::of(a), mask: wide(b, c), value: wide(d, e) })
+            }
+            kind::ANALOG => EntryContent::Change(EntryEffect::Analog { channel: a as u8, value: b as i16 }),
             kind::MOVE => match (Speed::admit(wide(b, c), StepLimit::FULL_SCALE), Accel::admit(wide(d, e))) {
                 (Ok(speed), Ok(acc)) => {
                     let modal = kind & kind::MODAL != 0;
-                    Item::Change(Change::Move { axis: axis(f), target: a as i32, speed, acc, modal })
+                    EntryContent::Change(EntryEffect::Move { axis: axis(f), target: a as i32, speed, acc, modal })
                 }
-                _ => Item::Nothing,
+                _ => EntryContent::Nothing,
             },
             kind::LASER => {
                 let words = [a, b, c, d, e, f];
-                Item::Change(Change::Laser { channel: (g >> 8) as u8, code: g as u8, words })
+                EntryContent::Change(EntryEffect::Laser { channel: (g >> 8) as u8, code: g as u8, words })
             }
-            _ => Item::Nothing,
+            _ => EntryContent::Nothing,
         }
     }
 }

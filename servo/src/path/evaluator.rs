@@ -21,14 +21,14 @@ mod stop;
 
 pub use cursor::GEARS;
 pub use feed_override::FeedOverride;
-pub use interface::{Effects, Feed, PathReport, PathStop, Rules, Step, StepReport, TrajectorySample};
+pub use interface::{Effects, FifoEnds, PathReport, PathStop, Rules, Step, StepReport, TrajectorySample};
 
 use super::PathSpeed;
-use super::entry::Along;
-use super::geometry::{Along as Geared, Bend, Draft, Shape};
-use super::speed_profile::{Phase, Plan, Sketch};
-use super::store::Entries;
-use super::{DIMENSIONS, Fine};
+use super::entry::MotionSpeeds;
+use super::geometry::{Bend, GearMotion as Geared, GeometryStep, MotionGeometry};
+use super::speed_profile::{Phase, Sketch, SpeedPlan};
+use super::store::PathEntries;
+use super::{DIMENSIONS, FineNs};
 use crate::math::real::Real;
 use crate::segment::piece::{Motion, Piece};
 use crate::units::{Axis, Exact, Ns, Pos};
@@ -49,7 +49,7 @@ enum Stage {
     /// Nothing.
     Standstill,
     /// It waits at its position.
-    Wait { until: Fine },
+    Wait { until: FineNs },
     /// It is in a phase of a motion.
     Move,
 }
@@ -92,7 +92,7 @@ state! {
         /// (`fast`).
         coming: MotionPosition = MotionPosition::NONE,
         /// The instant up to which all boundaries have been passed, and the speed there.
-        time: Fine = 0,
+        time: FineNs = 0,
         speed: Real = Real::ZERO,
         cursors: [Cursor; 2] = [Cursor::NEW; 2],
         /// The motion in force, and the one after it, made ahead in ticks that have time for it.
@@ -101,7 +101,7 @@ state! {
         here: [Pos; DIMENSIONS] = ORIGIN,
         /// Holds for all motions; a change acts on the motion in force with [`Path::replan`].
         pub rules: Rules = Rules::POWER_ON,
-        planning: Planning = Planning { unfinished: false, draft: Draft::Nothing, sketch: Sketch::NONE },
+        planning: Planning = Planning { unfinished: false, draft: GeometryStep::Nothing, sketch: Sketch::NONE },
         /// At standstill: the part that is made belongs to a start with this FIFO, as if it began
         /// at 0.
         prepared: Option<u8> = None,
@@ -157,7 +157,7 @@ struct Pieces {
     made: bool,
     pair: Pair<PackedPhase>,
     /// When the second begins, if it is made.
-    follows: Option<Fine>,
+    follows: Option<FineNs>,
 }
 
 /// The path length since the last sample.
@@ -184,7 +184,7 @@ struct Planning {
     /// The plan of the motion in force is not made yet beyond its first phase (`sketch`).
     unfinished: bool,
     /// Of the geometry of the motion after it.
-    draft: Draft,
+    draft: GeometryStep,
     /// Of the plan of that motion, or, as long as that is `unfinished`, of the one in force.
     sketch: Sketch,
 }
@@ -201,7 +201,7 @@ struct PackedPhase {
 impl PackedPhase {
     /// Becomes a phase that begins then, at this path length.
     #[inline(always)]
-    fn make(&mut self, phase: &Phase, begin: Fine, from: Exact) {
+    fn make(&mut self, phase: &Phase, begin: FineNs, from: Exact) {
         phase.piece(begin, from, &mut self.piece);
         self.even = PathSpeed::even(&self.piece.motion);
     }
@@ -212,10 +212,10 @@ impl PackedPhase {
 #[repr(C)]
 struct MotionPosition {
     /// When the phase in force began, and the path length there.
-    began: Fine,
+    began: FineNs,
     distance: Exact,
     /// When the phase or the wait in force is over.
-    over: Fine,
+    over: FineNs,
     /// The path length along the motion at the last sample, or 0 if it was entered since.
     sampled: Pos,
     /// Index of the phase.
@@ -232,10 +232,10 @@ state! {
     struct Prepared {
         /// Counter of its entry.
         counter: u32 = 0,
-        state: State = State::Nothing,
-        along: Along = Along::NONE,
-        shape: Shape = Shape::NONE,
-        plan: Plan = Plan::NONE,
+        state: Preparation = Preparation::Nothing,
+        along: MotionSpeeds = MotionSpeeds::NONE,
+        shape: MotionGeometry = MotionGeometry::NONE,
+        plan: SpeedPlan = SpeedPlan::NONE,
         /// The end of the FIFO, if nothing followed it when its plan was begun.
         open: Option<u32> = None,
     }
@@ -244,7 +244,7 @@ state! {
 
 /// How far a motion is prepared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum State {
+enum Preparation {
     /// Nothing of it.
     Nothing,
     /// Some of its geometry.
@@ -258,24 +258,24 @@ enum State {
 }
 
 /// What a step may still do, and until when the path holds if that is not enough.
-struct Budget {
+struct WalkBudget {
     effects: u32,
     /// Instants left, and the last one with an effect.
     instants: u32,
-    last: Fine,
+    last: FineNs,
     motions: u32,
-    hold: Fine,
+    hold: FineNs,
 }
 
-impl Budget {
+impl WalkBudget {
     /// Of a tick; the path goes on at its end if this is not enough.
-    fn new(hold: Fine) -> Budget {
-        Budget { effects: EFFECTS, instants: INSTANTS, last: Fine::MAX, motions: MOTIONS, hold }
+    fn new(hold: FineNs) -> WalkBudget {
+        WalkBudget { effects: EFFECTS, instants: INSTANTS, last: FineNs::MAX, motions: MOTIONS, hold }
     }
 
     /// Whether an effect of this load at this instant is carried out in this tick.
     #[inline]
-    fn takes(&mut self, load: u32, at: Fine) -> bool {
+    fn takes(&mut self, load: u32, at: FineNs) -> bool {
         let more = (at != self.last) as u32;
         if self.effects < load || self.instants < more {
             return false;
@@ -321,7 +321,7 @@ impl Path {
         (*unfinished, *fast, *follows) = (false, on.fast, None);
         (*time, *speed, *here, *prepared) = (on.time, on.speed, at, on.prepared);
         cursors.iter_mut().for_each(Cursor::clear);
-        motions.both.iter_mut().for_each(|made| made.state = State::Nothing);
+        motions.both.iter_mut().for_each(|made| made.state = Preparation::Nothing);
         (trajectory.count, trajectory.turns, since.count) = (0, [None; DIMENSIONS], 0);
     }
 
@@ -426,7 +426,7 @@ impl Path {
     /// Whether it cannot start: it runs, there is nothing to do, or an interrupted FIFO would
     /// continue more than a pulse from the present position. Targets are whole pulses, so nobody
     /// can come back nearer.
-    pub fn refuses_start(&self, fifo: u8, feed: Feed) -> bool {
+    pub fn refuses_start(&self, fifo: u8, feed: FifoEnds) -> bool {
         let cursor = self.cursor_of(fifo);
         let empty = !cursor.inside && cursor.left == 0 && cursor.next == end_of(feed, fifo);
         let far = |(left, here): (&Pos, &Pos)| left.0.abs_diff(here.0) > 1 << Pos::FRAC_BITS;
@@ -434,14 +434,14 @@ impl Path {
     }
 
     /// Begins, or goes on, at `next`.
-    pub fn start(&mut self, next: Ns, fifo: u8, feed: Feed, source: &impl Entries) {
+    pub fn start(&mut self, next: Ns, fifo: u8, feed: FifoEnds, source: &impl PathEntries) {
         self.set_off(next, fifo, feed, source);
         self.decide_fast_path();
     }
 
-    fn set_off(&mut self, next: Ns, fifo: u8, feed: Feed, source: &impl Entries) {
+    fn set_off(&mut self, next: Ns, fifo: u8, feed: FifoEnds, source: &impl PathEntries) {
         (self.fifo, self.stopping, self.speed, self.pieces.made) = (fifo, false, Real::ZERO, false);
-        self.time = (next.0 as Fine) << 32;
+        self.time = (next.0 as FineNs) << 32;
         self.take_prepared_start(next, fifo);
         let cursor = self.cursor(fifo);
         cursor.kept = false;
@@ -461,7 +461,14 @@ impl Path {
     }
 
     /// The path at `next`; then all boundaries before `next + period`.
-    pub fn step(&mut self, next: Ns, period: Ns, feed: Feed, source: &impl Entries, sink: &mut impl Effects) -> Step {
+    pub fn step(
+        &mut self,
+        next: Ns,
+        period: Ns,
+        feed: FifoEnds,
+        source: &impl PathEntries,
+        sink: &mut impl Effects,
+    ) -> Step {
         let (heading, bend, motion) = ([0; DIMENSIONS], Bend::STRAIGHT, Motion::STANDSTILL);
         let mut step = Step { position: ORIGIN, heading, bend, motion, runs: false, fifo: 0, done: 0 };
         let Step { position, heading, bend, motion, .. } = &mut step;
@@ -479,15 +486,15 @@ impl Path {
         &mut self,
         next: Ns,
         period: Ns,
-        feed: Feed,
-        source: &impl Entries,
+        feed: FifoEnds,
+        source: &impl PathEntries,
         sink: &mut impl Effects,
         report: &mut PathReport<'_>,
         may_prepare: bool,
     ) -> StepReport {
-        let now = (next.0 as Fine) << 32;
-        let until = now.wrapping_add((period.0 as Fine) << 32);
-        let mut budget = Budget::new(until);
+        let now = (next.0 as FineNs) << 32;
+        let until = now.wrapping_add((period.0 as FineNs) << 32);
+        let mut budget = WalkBudget::new(until);
         // A tick that enters a motion or makes a piece prepares nothing.
         let mut has_time = may_prepare && self.pieces.made;
         if self.is_due(next) {
@@ -527,9 +534,16 @@ impl Path {
     /// The rest of the step after [`Path::fast_step`] has published the position at `next`: all
     /// boundaries before `next + period`.
     #[inline(always)]
-    pub fn go_through(&mut self, next: Ns, period: Ns, feed: Feed, source: &impl Entries, sink: &mut impl Effects) {
-        let until = ((next.0.wrapping_add(period.0)) as Fine) << 32;
-        let mut budget = Budget::new(until);
+    pub fn go_through(
+        &mut self,
+        next: Ns,
+        period: Ns,
+        feed: FifoEnds,
+        source: &impl PathEntries,
+        sink: &mut impl Effects,
+    ) {
+        let until = ((next.0.wrapping_add(period.0)) as FineNs) << 32;
+        let mut budget = WalkBudget::new(until);
         self.walk(until, &mut budget, feed, source, sink);
         self.decide_fast_path();
     }
@@ -547,7 +561,7 @@ impl Path {
     /// Whether a boundary lies at or before `next`.
     #[inline(always)]
     pub fn is_due(&self, next: Ns) -> bool {
-        self.stand.over <= (next.0 as Fine) << 32
+        self.stand.over <= (next.0 as FineNs) << 32
     }
 
     /// Whether one lies before `next + period`.
@@ -564,12 +578,12 @@ impl Path {
 
     /// Whether data has come where the FIFO had ended.
     #[inline(always)]
-    fn has_changed(&self, feed: Feed) -> bool {
+    fn has_changed(&self, feed: FifoEnds) -> bool {
         self.open.is_some_and(|sampled| sampled != end_of(feed, self.fifo))
     }
 }
 
-fn end_of(feed: Feed, fifo: u8) -> u32 {
+fn end_of(feed: FifoEnds, fifo: u8) -> u32 {
     let [first, second] = feed.ends;
     if fifo == 0 { first } else { second }
 }

@@ -9,7 +9,7 @@
 //! and the sweep θ: R = c/(2·sin(θ/2)) for a chord of length c, and V = −d/2 ∓ d⊥/2·cot(θ/2) for a
 //! chord d. So an arc ends on its target whatever the rounding.
 use super::DIMENSIONS;
-use super::entry::{Item, Plane, Sweep};
+use super::entry::{EntryContent, Plane, Sweep};
 use crate::math::real::Real;
 use crate::math::sine::{sin_cos, sinc};
 use crate::math::wide::{mulhi_near, mulhi_su, umulhi};
@@ -18,21 +18,21 @@ use crate::units::{Exact, Pos, whole};
 
 /// The gearing of an axis to a motion.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Along {
+pub(super) struct GearMotion {
     /// Displacement of the axis per path length, in 2^(w − 62).
     ratio: i64,
     /// |ratio| < 2^width.
     width: i32,
 }
 
-impl Along {
-    pub(super) const NONE: Along = Along { ratio: 0, width: 0 };
+impl GearMotion {
+    pub(super) const NONE: GearMotion = GearMotion { ratio: 0, width: 0 };
 
     /// `pulses` over a path of this length.
-    pub(super) fn over(pulses: i32, inverse: Real) -> Along {
+    pub(super) fn over(pulses: i32, inverse: Real) -> GearMotion {
         let ratio = Real::new(pulses < 0, pulses.unsigned_abs() as u64, 0).mul(inverse);
         let width = ratio.width().clamp(-40, 60);
-        Along { ratio: ratio.to_i64(62 - width), width }
+        GearMotion { ratio: ratio.to_i64(62 - width), width }
     }
 
     /// Displacement of the axis per path length.
@@ -104,7 +104,7 @@ impl Geometry {
 
 /// The part of a motion's geometry that is made next.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Draft {
+pub(super) enum GeometryStep {
     Nothing,
     Line,
     Unit { distance: [i64; DIMENSIONS] },
@@ -116,7 +116,7 @@ pub(super) enum Draft {
 
 /// The geometry of one motion.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Shape {
+pub(super) struct MotionGeometry {
     /// Where it starts and ends.
     start: [Pos; DIMENSIONS],
     end: [Pos; DIMENSIONS],
@@ -138,8 +138,8 @@ fn norm(parts: &[i64]) -> u128 {
     })
 }
 
-impl Shape {
-    pub(super) const NONE: Shape = Shape {
+impl MotionGeometry {
+    pub(super) const NONE: MotionGeometry = MotionGeometry {
         start: [Pos(0); DIMENSIONS],
         end: [Pos(0); DIMENSIONS],
         length: Real::ZERO,
@@ -149,79 +149,90 @@ impl Shape {
     /// Sets where it starts and ends, and what is to be made next. `exact` replaces the target of a
     /// line that does not start there, where it is the pulse nearest to it.
     #[inline(always)]
-    pub(super) fn begin(&mut self, start: [Pos; DIMENSIONS], item: &Item, exact: Option<[Pos; DIMENSIONS]>) -> Draft {
+    pub(super) fn begin(
+        &mut self,
+        start: [Pos; DIMENSIONS],
+        item: &EntryContent,
+        exact: Option<[Pos; DIMENSIONS]>,
+    ) -> GeometryStep {
         (self.start, self.end, self.length) = (start, start, Real::ZERO);
         match *item {
-            Item::Line { to, dimensions, .. } => {
+            EntryContent::Line { to, dimensions, .. } => {
                 let mut end = start;
                 for (end, to) in end.iter_mut().zip(to).take(dimensions) {
                     *end = Pos::pulses(to);
                 }
                 let back = |exact: &[Pos; DIMENSIONS]| exact.map(whole) == end.map(whole) && *exact != start;
                 self.end = exact.filter(back).unwrap_or(end);
-                Draft::Line
+                GeometryStep::Line
             }
-            Item::Arc { plane, to, sweep, .. } => {
+            EntryContent::Arc { plane, to, sweep, .. } => {
                 for (position, to) in plane.coordinates().into_iter().zip(to) {
                     if let Some(x) = self.end.get_mut(position) {
                         *x = Pos::pulses(to);
                     }
                 }
-                Draft::Chord { plane, sweep }
+                GeometryStep::Chord { plane, sweep }
             }
-            Item::Circle { plane, centre, ccw, .. } => {
+            EntryContent::Circle { plane, centre, ccw, .. } => {
                 let radius = Real::from_fixed(norm(&centre), 60).sqrt();
                 self.length = radius.mul(Real::TAU);
                 let [a, b] = centre;
-                Draft::Cycle { plane, ccw, vector: [a.wrapping_neg(), b.wrapping_neg()], radius, turns: Real::ONE }
+                GeometryStep::Cycle {
+                    plane,
+                    ccw,
+                    vector: [a.wrapping_neg(), b.wrapping_neg()],
+                    radius,
+                    turns: Real::ONE,
+                }
             }
-            _ => Draft::Nothing,
+            _ => GeometryStep::Nothing,
         }
     }
 
     /// Makes a part of it, a few hundred instructions. Returns whether that was the last.
     #[inline(never)]
-    pub(super) fn advance(&mut self, draft: &mut Draft) -> bool {
+    pub(super) fn advance(&mut self, draft: &mut GeometryStep) -> bool {
         *draft = match *draft {
-            Draft::Nothing => Draft::Nothing,
-            Draft::Line => self.line(),
-            Draft::Unit { distance } => self.unit(distance),
-            Draft::Chord { plane, sweep } => self.chord(plane, sweep),
-            Draft::Angle { plane, sweep, chord } => self.angle(plane, sweep, chord),
-            Draft::Radius { plane, sweep, radius, cot } => self.radius(plane, sweep, radius, cot),
-            Draft::Cycle { plane, ccw, vector, radius, turns } => {
+            GeometryStep::Nothing => GeometryStep::Nothing,
+            GeometryStep::Line => self.line(),
+            GeometryStep::Unit { distance } => self.unit(distance),
+            GeometryStep::Chord { plane, sweep } => self.chord(plane, sweep),
+            GeometryStep::Angle { plane, sweep, chord } => self.angle(plane, sweep, chord),
+            GeometryStep::Radius { plane, sweep, radius, cot } => self.radius(plane, sweep, radius, cot),
+            GeometryStep::Cycle { plane, ccw, vector, radius, turns } => {
                 self.geometry = Geometry::arc(plane, ccw, vector, radius, turns.div(self.length));
-                Draft::Nothing
+                GeometryStep::Nothing
             }
         };
-        matches!(draft, Draft::Nothing)
+        matches!(draft, GeometryStep::Nothing)
     }
 
-    fn line(&mut self) -> Draft {
+    fn line(&mut self) -> GeometryStep {
         let distance = [0, 1, 2, 3].map(|i: usize| difference(&self.start, &self.end, i));
         self.length = Real::from_fixed(norm(&distance), 2 * Pos::FRAC_BITS as i32).sqrt();
-        Draft::Unit { distance }
+        GeometryStep::Unit { distance }
     }
 
-    fn unit(&mut self, distance: [i64; DIMENSIONS]) -> Draft {
+    fn unit(&mut self, distance: [i64; DIMENSIONS]) -> GeometryStep {
         let inverse = self.length.recip();
         let unit = distance.map(|x| if x == 0 { 0 } else { half(x).scale(1).mul(inverse).to_i64(61) });
         let coordinates = distance.iter().rposition(|x| *x != 0).map_or(0, |last| last as u8 + 1);
         let (heading, unit) = (unit.map(|x| (x >> 31) as i32), unit.map(|x| BIAS.wrapping_add_signed(x)));
         self.geometry = Geometry::Line { unit, heading, coordinates };
-        Draft::Nothing
+        GeometryStep::Nothing
     }
 
     fn across(&self, plane: Plane) -> [i64; 2] {
         plane.coordinates().map(|i| difference(&self.start, &self.end, i))
     }
 
-    fn chord(&mut self, plane: Plane, sweep: Sweep) -> Draft {
+    fn chord(&mut self, plane: Plane, sweep: Sweep) -> GeometryStep {
         let chord = Real::from_fixed(norm(&self.across(plane)), 2 * Pos::FRAC_BITS as i32).sqrt();
-        Draft::Angle { plane, sweep, chord }
+        GeometryStep::Angle { plane, sweep, chord }
     }
 
-    fn angle(&mut self, plane: Plane, sweep: Sweep, chord: Real) -> Draft {
+    fn angle(&mut self, plane: Plane, sweep: Sweep, chord: Real) -> GeometryStep {
         // sin(θ/2) = sin x with x = π·turns, in (0, π/2]
         let x = sweep.half().mul(Real::TAU);
         let sine = x.mul(Real::from_fixed(sinc(x.to_fixed(63) as u64) as u128, 63));
@@ -229,13 +240,13 @@ impl Shape {
         let inverse = sine.recip();
         let radius = chord.mul(inverse).scale(-1);
         if chord.is_zero() || radius.width() > 32 {
-            return Draft::Line;
+            return GeometryStep::Line;
         }
         let cot = Real::new(false, cosine.max(0) as u64, -62).mul(inverse);
-        Draft::Radius { plane, sweep, radius, cot }
+        GeometryStep::Radius { plane, sweep, radius, cot }
     }
 
-    fn radius(&mut self, plane: Plane, sweep: Sweep, radius: Real, cot: Real) -> Draft {
+    fn radius(&mut self, plane: Plane, sweep: Sweep, radius: Real, cot: Real) -> GeometryStep {
         let [a, b] = self.across(plane);
         let turns = sweep.turns();
         self.length = radius.mul(Real::TAU).mul(turns);
@@ -243,7 +254,7 @@ impl Shape {
         let right = sweep.is_ccw() == sweep.is_long();
         let tilt = if right { cot.negate() } else { cot };
         let vector = [half(b).mul(tilt).sub(half(a)).to_i64(30), half(a).mul(tilt).add(half(b)).negate().to_i64(30)];
-        Draft::Cycle { plane, ccw: sweep.is_ccw(), vector, radius, turns }
+        GeometryStep::Cycle { plane, ccw: sweep.is_ccw(), vector, radius, turns }
     }
 
     /// Its length in pulses.

@@ -7,14 +7,14 @@
 //!
 //! All in squares of speeds: over a length s the square changes by 2·a·s, so that every question is
 //! one sum.
-use super::Fine;
+use super::FineNs;
 use crate::math::real::Real;
 use crate::segment::piece::{Motion, Piece, Recip};
 use crate::units::{Exact, Ns};
 
 /// The limits of a motion.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Means {
+pub(super) struct MotionLimits {
     /// Speed, pulse/ms.
     pub(super) vel: Real,
     /// Acceleration, pulse/ms².
@@ -31,7 +31,7 @@ pub(super) struct Means {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Phase {
     /// Its duration.
-    pub(super) time: Fine,
+    pub(super) time: FineNs,
     /// Its length.
     pub(super) length: Exact,
     /// Speed at its beginning, pulse/ms.
@@ -42,7 +42,7 @@ pub(super) struct Phase {
 
 /// The speed along a motion.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Plan {
+pub(super) struct SpeedPlan {
     phases: [Phase; 3],
     count: usize,
     /// Speed at its end.
@@ -67,13 +67,13 @@ fn larger(a: Real, b: Real) -> Real {
 
 /// A time in ms, held below 2⁹⁴ units. To 2⁻²⁰ ns: so a whole number stays whole, in spite of the
 /// last bits of reals.
-pub(super) fn fine(ms: Real) -> Fine {
+pub(super) fn fine(ms: Real) -> FineNs {
     let coarse = ms.mul(Real::MS).to_fixed(-12).unsigned_abs();
     coarse.min(1 << 82) << 12
 }
 
 /// A time as a number of ms.
-pub(super) fn ms(time: Fine) -> Real {
+pub(super) fn ms(time: FineNs) -> Real {
     Real::from_fixed(time, 0).mul(Real::FINE)
 }
 
@@ -82,8 +82,8 @@ fn distance(vel: Real, acc: Real, t: Real) -> Exact {
     t.mul(vel.add(acc.mul(t).scale(-1))).to_exact()
 }
 
-impl Plan {
-    pub(super) const NONE: Plan = Plan { phases: [STILL; 3], count: 0, exit: Real::ZERO, halts: false };
+impl SpeedPlan {
+    pub(super) const NONE: SpeedPlan = SpeedPlan { phases: [STILL; 3], count: 0, exit: Real::ZERO, halts: false };
 
     /// Makes a part of it. Returns whether that was the last.
     #[inline(never)]
@@ -165,7 +165,7 @@ impl Plan {
 
     /// Whether the end speed can be reached at all.
     fn bound(&mut self, sketch: &mut Sketch) -> Todo {
-        let Means { acc, end, .. } = sketch.means;
+        let MotionLimits { acc, end, .. } = sketch.means;
         let inverse = acc.recip();
         let (from, to) = (sketch.v.mul(sketch.v), end.mul(end));
         let swing = acc.mul(sketch.length).scale(1);
@@ -189,8 +189,8 @@ impl Plan {
 
     /// To standstill, or as near to it as the motion is long, and never faster than without the
     /// Stop: a motion above its speed brakes to that at least as hard as it does.
-    fn brake(&mut self, mut v: Real, mut length: Real, means: &Means, dec: Real) {
-        let Means { vel, acc, end, .. } = *means;
+    fn brake(&mut self, mut v: Real, mut length: Real, means: &MotionLimits, dec: Real) {
+        let MotionLimits { vel, acc, end, .. } = *means;
         if v.is_zero() {
             self.halts = true;
             return;
@@ -255,7 +255,7 @@ state! {
         todo: Todo = Todo::Nothing,
         v: Real = Real::ZERO,
         length: Real = Real::ZERO,
-        means: Means = Means { vel: Real::ZERO, acc: Real::ZERO, end: Real::ZERO, even: Real::ZERO, stop: None },
+        means: MotionLimits = MotionLimits { vel: Real::ZERO, acc: Real::ZERO, end: Real::ZERO, even: Real::ZERO, stop: None },
         /// Squares of the speeds at both ends, and how much the motion may change them.
         from: Real = Real::ZERO,
         to: Real = Real::ZERO,
@@ -272,7 +272,7 @@ state! {
 impl Sketch {
     /// Of a motion over `length` from speed `v`.
     #[inline]
-    pub(super) fn begin(&mut self, v: Real, length: Real, means: Means) {
+    pub(super) fn begin(&mut self, v: Real, length: Real, means: MotionLimits) {
         (self.todo, self.v, self.length, self.means) = (Todo::Bound, v, length, means);
     }
 
@@ -297,14 +297,14 @@ impl Sketch {
 
     /// Whether the time at the peak is shorter than it has to be.
     fn is_uneven(&self) -> bool {
-        let Means { vel, even, .. } = self.means;
+        let MotionLimits { vel, even, .. } = self.means;
         !even.is_zero() && !vel.is_less(self.v) && self.cruise.is_less(self.peak.mul(even))
     }
 
     /// A lower peak, for that: peak²/acc + even·peak = length of both ramps and of the cruise.
     fn even(&mut self) {
         let Sketch { v, length, from, to, inverse, .. } = *self;
-        let Means { end, even, .. } = self.means;
+        let MotionLimits { end, even, .. } = self.means;
         let halved = inverse.scale(-1);
         let distance = length.add(from.add(to).mul(halved));
         let root = even.mul(even).add(distance.mul(inverse).scale(2)).sqrt();
@@ -316,20 +316,20 @@ impl Sketch {
 
 impl Phase {
     /// Speed `time` after its beginning.
-    pub(super) fn speed(&self, time: Fine) -> Real {
+    pub(super) fn speed(&self, time: FineNs) -> Real {
         let speed = self.vel.add(self.acc.mul(ms(time)));
         if speed.is_negative() { Real::ZERO } else { speed }
     }
 
     /// The length covered `time` after its beginning.
-    pub(super) fn distance(&self, time: Fine) -> Exact {
+    pub(super) fn distance(&self, time: FineNs) -> Exact {
         distance(self.vel, self.acc, ms(time))
     }
 
     /// As a piece that begins at `begin` and `from`, parameterised over a power of two of ns;
     /// written in place.
     #[inline(never)]
-    pub(super) fn piece(&self, begin: Fine, from: Exact, to: &mut Piece) {
+    pub(super) fn piece(&self, begin: FineNs, from: Exact, to: &mut Piece) {
         let first = begin.wrapping_add(0xffff_ffff) >> 32;
         let last = begin.wrapping_add(self.time).wrapping_add(0xffff_ffff) >> 32;
         let late = (first << 32).wrapping_sub(begin) as u64;

@@ -2,14 +2,14 @@
 //!
 //! In: admitted entries from the thread, by running counter. Out: the same, to the tick. Owns: the
 //! memory of one FIFO of one coordinate system. Fails: never; a counter counts modulo [`ENTRIES`].
-use super::entry::Entry;
+use super::entry::PathEntry;
 use crate::units::Crd;
 use ring::Store;
 
 /// Where a path reads its entries.
-pub trait Entries {
+pub trait PathEntries {
     /// Entry `counter` of a FIFO, counted since it was cleared.
-    fn entry(&self, fifo: u8, counter: u32) -> Entry;
+    fn entry(&self, fifo: u8, counter: u32) -> PathEntry;
 }
 
 /// Entries of one FIFO.
@@ -64,7 +64,7 @@ impl EntryStore {
     }
 
     /// Fills the slot of an entry.
-    pub fn write(&self, counter: u32, entry: Entry) {
+    pub fn write(&self, counter: u32, entry: PathEntry) {
         self.0.write(counter, entry.words());
     }
 }
@@ -76,11 +76,11 @@ impl Default for EntryStore {
 }
 
 /// Both FIFOs of a coordinate system.
-impl Entries for [EntryStore; 2] {
+impl PathEntries for [EntryStore; 2] {
     #[inline]
-    fn entry(&self, fifo: u8, counter: u32) -> Entry {
+    fn entry(&self, fifo: u8, counter: u32) -> PathEntry {
         let [first, second] = self;
         let EntryStore(store) = if fifo == 0 { first } else { second };
-        Entry::from_words(store.read(counter))
+        PathEntry::from_words(store.read(counter))
     }
 }

@@ -1,7 +1,7 @@
 //! Follow and FollowEx: the master's displacement takes the place of time (SPEC 5; GXN chapter 3).
 //!
-//! In: data admitted by integer checks into [`Entry`]s (`entry.rs`), which lie in the axis's PT
-//! arena (`store.rs`); the master's motion within a tick (`master_path.rs`). Out: the slave's
+//! In: data admitted by integer checks into [`FollowEntry`]s (`entry.rs`), which lie in the axis's
+//! PT arena (`store.rs`); the master's motion within a tick (`master_path.rs`). Out: the slave's
 //! planned position, and its own motion within the tick for its slaves (`follower.rs`). Owns: a
 //! running motion, [`FollowRun`] (`evaluator.rs`), which makes pieces over the master's progress
 //! (`curve.rs`). Fails: a datum that no axis could run is [`Refused`] before it reaches the store.
@@ -22,15 +22,15 @@ mod slave_track;
 mod store;
 mod velocity;
 
-pub use entry::{Chain, ENTRIES, Entry, Input, Part, Refused, STOPS, Tail};
-pub use evaluator::{ACTIONS, Awaited, Awaits, Context, FollowRun, OutputActions, State};
+pub use entry::{ENTRIES, FifoTail, FollowChain, FollowEntry, Input, Refused, SCurvePart, STOPS};
+pub use evaluator::{ACTIONS, Awaited, Awaits, FollowContext, FollowRun, FollowState, OutputActions};
 pub use follower::Follower;
 pub(crate) use follower::share;
-pub(crate) use follower::{MasterSample, Path};
-pub use master_path::{MasterPath, SPOTS, Spot, Track};
-pub(crate) use order::Order;
+pub(crate) use follower::{MasterPathKind, MasterSample};
+pub use master_path::{MasterPath, PositionTrack, SPOTS, Spot};
+pub(crate) use order::SlaveOrder;
 pub use setup::Setup;
-pub use store::Entries;
+pub use store::FollowEntries;
 pub use velocity::Lead;
 pub(crate) use velocity::{compose, led, of as motion_of, straight};
 
@@ -60,7 +60,7 @@ pub enum Value {
 
 /// What begins the motion after FollowStart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Event {
+pub enum StartEvent {
     /// FollowStart itself (power-on).
     #[default]
     Start,

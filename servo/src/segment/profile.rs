@@ -6,8 +6,8 @@
 use super::follow::Follower;
 use super::generator_state::GeneratorState;
 use super::piece::Piece;
-use super::pt::{Feed, PtRun, Segments};
-use super::pvt::{PvtRun, Tables};
+use super::pt::{AllowedData, PtRun, Segments};
+use super::pvt::{PvtRun, PvtTables};
 use super::ramp::RampRun;
 use crate::units::{Ns, Pos};
 
@@ -29,7 +29,13 @@ pub enum Generator {
 impl Generator {
     /// Makes the piece that holds `now`, which is not before the end of the last one made.
     #[inline]
-    fn advance(&mut self, now: Ns, feed: Feed, source: &(impl Segments + Tables), piece: &mut Piece) -> GeneratorState {
+    fn advance(
+        &mut self,
+        now: Ns,
+        feed: AllowedData,
+        source: &(impl Segments + PvtTables),
+        piece: &mut Piece,
+    ) -> GeneratorState {
         match self {
             Generator::Pt(run) => run.advance(now, feed, source, piece),
             Generator::Pvt(run) => run.advance(now, feed.passes, source, piece),
@@ -215,8 +221,8 @@ impl Profile {
     #[inline]
     pub(crate) fn prepare_start(
         &mut self,
-        feed: Feed,
-        source: &(impl Segments + Tables),
+        feed: AllowedData,
+        source: &(impl Segments + PvtTables),
         begin: impl FnOnce(&mut Generator),
     ) {
         begin(&mut self.generator);
@@ -310,7 +316,7 @@ impl Profile {
 
     /// Makes the piece that holds `now`, if it is not made yet; the one in force is over by then.
     #[inline]
-    fn reach(&mut self, now: Ns, feed: Feed, source: &(impl Segments + Tables)) -> GeneratorState {
+    fn reach(&mut self, now: Ns, feed: AllowedData, source: &(impl Segments + PvtTables)) -> GeneratorState {
         let piece = &mut self.pieces[!self.second as usize];
         if self.other == Other::Ahead && piece.elapsed(now) < piece.span {
             return GeneratorState::Running;
@@ -327,7 +333,12 @@ impl Profile {
 
     /// The piece that will be in force at `now`, or how the motion will have ended; nothing
     /// changes.
-    pub fn look(&mut self, now: Ns, feed: Feed, source: &(impl Segments + Tables)) -> Result<&Piece, GeneratorState> {
+    pub fn look(
+        &mut self,
+        now: Ns,
+        feed: AllowedData,
+        source: &(impl Segments + PvtTables),
+    ) -> Result<&Piece, GeneratorState> {
         if self.piece().elapsed(now) < self.piece().span {
             return Ok(self.piece());
         }
@@ -388,7 +399,7 @@ impl Profile {
 
     /// The piece in force is over at `now`: on to the one that holds `now`, or to the end.
     #[inline]
-    pub fn turn(&mut self, now: Ns, feed: Feed, source: &(impl Segments + Tables)) -> GeneratorState {
+    pub fn turn(&mut self, now: Ns, feed: AllowedData, source: &(impl Segments + PvtTables)) -> GeneratorState {
         let begins = self.other == Other::Begins;
         if begins {
             self.enter_first(now, feed, source);
@@ -407,7 +418,7 @@ impl Profile {
 
     /// Makes the first piece of a ramp. If it is over by `now`, it is in force.
     #[inline(never)]
-    fn enter_first(&mut self, now: Ns, feed: Feed, source: &(impl Segments + Tables)) {
+    fn enter_first(&mut self, now: Ns, feed: AllowedData, source: &(impl Segments + PvtTables)) {
         let Generator::Ramp(run) = &self.generator else { return };
         let begin = run.begins();
         let first = &mut self.pieces[!self.second as usize];
@@ -426,7 +437,7 @@ impl Profile {
     /// in one tick. The piece is the same as it would be later. Returns whether there was something
     /// to do.
     #[inline]
-    pub fn prepare(&mut self, feed: Feed, source: &(impl Segments + Tables)) -> bool {
+    pub fn prepare(&mut self, feed: AllowedData, source: &(impl Segments + PvtTables)) -> bool {
         let piece = self.piece();
         let end = Ns(piece.begin.0.wrapping_add(piece.span));
         if self.other != Other::Before || piece.span == 0 {

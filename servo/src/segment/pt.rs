@@ -12,6 +12,6 @@ mod evaluator;
 mod segment;
 mod store;
 
-pub use evaluator::{Feed, PtRun, SlotRange};
-pub use segment::{Chain, Kind, Refused, Segment};
+pub use evaluator::{AllowedData, PtRun, SlotRange};
+pub use segment::{Chain, Refused, Segment, SegmentKind};
 pub use store::{SEGMENTS, SegmentStore, Segments};

@@ -1,7 +1,7 @@
 //! PVT: cubic pieces through points with given times, positions and velocities (SPEC 5; GXN
 //! chapter 4).
 //!
-//! In: instants, and tables that the thread filled ([`Tables`]). Out: pieces. Owns: the state of
+//! In: instants, and tables that the thread filled ([`PvtTables`]). Out: pieces. Owns: the state of
 //! one running motion, [`PvtRun`]. Cannot fail: what could not run is refused when the table is
 //! built.
 //!
@@ -29,7 +29,7 @@ pub type PointStore = Store<POINT_WORDS, TABLE_POINTS>;
 pub type HeaderStore = Store<HEADER_WORDS, TABLES>;
 
 /// Where a run reads its tables. Tables are counted from 0.
-pub trait Tables {
+pub trait PvtTables {
     /// The words of a point; a point that does not exist reads as zeros.
     fn point(&self, table: u8, index: u32) -> [u32; POINT_WORDS];
     /// The words of a header; a table that does not exist reads as zeros.
@@ -48,7 +48,7 @@ pub trait Tables {
 /// The state of a run after the last piece it made. In two parts, each copied in a few words at a
 /// time; the whole would need a call.
 #[derive(Debug, Clone, Copy)]
-struct Track {
+struct PassState {
     knot: Knot,
     pass: Pass,
 }
@@ -87,8 +87,8 @@ struct Pass {
 #[derive(Debug, Clone, Copy)]
 pub struct PvtRun {
     /// After the last piece made, and after the one before it.
-    track: Track,
-    back: Track,
+    track: PassState,
+    back: PassState,
     /// Headers of the tables of both.
     headers: [Header; 2],
     /// Version of the table that it began with.
@@ -101,12 +101,12 @@ const PER_MS: u64 = 9_671_406_556_917_033_398;
 impl PvtRun {
     /// A motion whose time is zero at `now`, from the position `origin`: it stays there until the
     /// time of the table's first point.
-    pub fn begin(now: Ns, origin: Exact, table: u8, source: &impl Tables) -> PvtRun {
+    pub fn begin(now: Ns, origin: Exact, table: u8, source: &impl PvtTables) -> PvtRun {
         let header = Header::from_words(source.header(table));
         let began = ((now.0 as u128) << 64).wrapping_add(header.delay);
         let knot = Knot { until: began, after: Point::default(), next: 0, segments: 0 };
         let pass = Pass { origin, began, passes: 0, table, header: 0, pending: None, ended: false };
-        let track = Track { knot, pass };
+        let track = PassState { knot, pass };
         PvtRun { track, back: track, headers: [header; 2], version: source.version(table) }
     }
 
@@ -121,7 +121,7 @@ impl PvtRun {
 
     /// Whether the table that it began with is still the same.
     #[inline]
-    pub(crate) fn is_current(&self, source: &impl Tables) -> bool {
+    pub(crate) fn is_current(&self, source: &impl PvtTables) -> bool {
         self.version == source.version(self.track.pass.table)
     }
 
@@ -195,7 +195,7 @@ impl PvtRun {
     /// end. Nearly always that is the next one, whose first point is at hand. `passes` is the
     /// number of passes to run, 0 for ever; it may change from call to call.
     #[inline(never)]
-    pub fn advance(&mut self, now: Ns, passes: u32, source: &impl Tables, piece: &mut Piece) -> GeneratorState {
+    pub fn advance(&mut self, now: Ns, passes: u32, source: &impl PvtTables, piece: &mut Piece) -> GeneratorState {
         self.back.knot = self.track.knot;
         self.back.pass = self.track.pass;
         let Knot { next, segments, until: from, after: before } = self.track.knot;
@@ -221,7 +221,7 @@ impl PvtRun {
 
     /// As [`PvtRun::advance`], wherever the segment is: after others, in another pass or table.
     #[inline(never)]
-    fn search(&mut self, now: Ns, passes: u32, source: &impl Tables, piece: &mut Piece) -> GeneratorState {
+    fn search(&mut self, now: Ns, passes: u32, source: &impl PvtTables, piece: &mut Piece) -> GeneratorState {
         let mut local = ((now.0 as u128) << 64).wrapping_sub(self.track.pass.began);
         if local >> 127 != 0 {
             // Before the time of the first point.
@@ -269,7 +269,7 @@ impl PvtRun {
     /// The present pass is over, and perhaps others: the remainder of `local`, or `None` at the
     /// end.
     #[inline]
-    fn end_pass(&mut self, local: u128, passes: u32, source: &impl Tables) -> Option<u128> {
+    fn end_pass(&mut self, local: u128, passes: u32, source: &impl PvtTables) -> Option<u128> {
         let header = self.header();
         let Header { duration, displacement, .. } = *header;
         let track = &self.track.pass;
@@ -306,7 +306,7 @@ impl PvtRun {
 
     /// The last segment from `from` on that has begun at `units`. Steps double, then halve.
     #[inline(always)]
-    fn find(&self, from: u32, units: u64, source: &impl Tables) -> u32 {
+    fn find(&self, from: u32, units: u64, source: &impl PvtTables) -> u32 {
         let last = (self.header().points as u32).saturating_sub(2);
         let begun = |i: u32| {
             let [time, high, ..] = source.point(self.track.pass.table, i);

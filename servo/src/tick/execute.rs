@@ -9,11 +9,11 @@ use super::crd::Halt;
 use super::hand_overs::HandOvers;
 use crate::axis::{AxisState, Jog};
 use crate::capacity::GeneralOutputs;
-use crate::laser::{self, Change};
-use crate::port::{Due, Port, Simulated};
+use crate::laser::{self, ChannelChange};
+use crate::port::{InputTime, Port, Simulated};
 use crate::segment::follow::{Input, Method};
-use crate::tick::{PERIOD_NS, Source, Tick, report_event};
-use crate::tick_command::{Brake, DoGroup, Entry, Lane, Mode, TickCommand};
+use crate::tick::{MotionSource, PERIOD_NS, Tick, report_event};
+use crate::tick_command::{Brake, DoGroup, Lane, LaneEntry, MotionMode, TickCommand};
 use crate::trace::Chosen;
 use crate::units::{Axis, AxisMask, CrdMask, Ns};
 use crate::view::{Event, StopReason};
@@ -24,7 +24,7 @@ impl<const AXES: usize> Tick<AXES> {
     pub(crate) fn execute<P: Port>(
         &mut self,
         lane: Lane,
-        entry: &Entry,
+        entry: &LaneEntry,
         next: Ns,
         period: &mut Ns,
         port: &mut P,
@@ -81,8 +81,11 @@ impl<const AXES: usize> Tick<AXES> {
                 }
             }
             TickCommand::Plan { row, after, of_script, input } => {
-                let due =
-                    if of_script { Due::OfScript(after) } else { Due::At(Ns(self.now.0.saturating_add(after.0))) };
+                let due = if of_script {
+                    InputTime::OfScript(after)
+                } else {
+                    InputTime::At(Ns(self.now.0.saturating_add(after.0)))
+                };
                 port.plan(row, due, input);
             }
             TickCommand::Update { axes } => {
@@ -107,7 +110,7 @@ impl<const AXES: usize> Tick<AXES> {
                 }
             }
             TickCommand::Laser { channel, change } => {
-                if matches!(change, Change::Mode { mode: laser::Mode::Analog, .. }) {
+                if matches!(change, ChannelChange::Mode { mode: laser::PowerMode::Analog, .. }) {
                     // From here on the laser drives it, and leaves it at 0 V. A channel that is
                     // kept dark does not drive it: what was set before must go.
                     port.analog_out(0, channel as usize, 0);
@@ -275,7 +278,7 @@ impl<const AXES: usize> Tick<AXES> {
         &mut self,
         axes: AxisMask,
         lanes: &HandOvers<'_, '_, AXES>,
-        mut visit: impl FnMut(&mut AxisState, &Source<'_>),
+        mut visit: impl FnMut(&mut AxisState, &MotionSource<'_>),
     ) {
         self.each(axes, |axis, state| {
             if let Some(source) = lanes.source(axis) {
@@ -306,8 +309,9 @@ impl<const AXES: usize> Tick<AXES> {
         let axes = match which {
             Brake::None => return,
             Brake::JogAndPaths => {
-                let jogs =
-                    |axis: &Axis| self.axes.get(axis.index()).is_some_and(|state| state.published.mode == Mode::Jog);
+                let jogs = |axis: &Axis| {
+                    self.axes.get(axis.index()).is_some_and(|state| state.published.mode == MotionMode::Jog)
+                };
                 AxisMask(all.axes().filter(jogs).fold(0, |mask, axis| mask | axis.mask().0))
             }
             Brake::All => all,

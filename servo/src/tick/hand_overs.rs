@@ -1,7 +1,7 @@
 //! What a step of the tick reaches beyond its own state: rings it writes, stores it reads.
 use crate::path::PathStores;
 use crate::tables::TableStores;
-use crate::tick::{EVENTS, Lanes, SAMPLES, SegmentStore, Source};
+use crate::tick::{EVENTS, MotionSource, SAMPLES, SegmentStore, TickHalves};
 use crate::units::Axis;
 use crate::view::{Event, Sample};
 use ring::Producer;
@@ -18,15 +18,15 @@ pub(crate) struct HandOvers<'r, 'a, const AXES: usize> {
 impl<'r, 'a, const AXES: usize> HandOvers<'r, 'a, AXES> {
     /// What a step reaches.
     #[inline(always)]
-    pub(crate) fn of(lanes: &'r mut Lanes<'a, AXES>) -> HandOvers<'r, 'a, AXES> {
-        let Lanes { events, samples, segments, tables, paths, .. } = lanes;
+    pub(crate) fn of(lanes: &'r mut TickHalves<'a, AXES>) -> HandOvers<'r, 'a, AXES> {
+        let TickHalves { events, samples, segments, tables, paths, .. } = lanes;
         HandOvers { events, samples, segments, tables: *tables, paths: *paths }
     }
 }
 
 impl<const AXES: usize> HandOvers<'_, '_, AXES> {
     /// What the motion of an axis is read from.
-    pub(crate) fn source(&self, axis: Axis) -> Option<Source<'_>> {
-        Some(Source { segments: self.segments.get(axis.index())?, tables: self.tables })
+    pub(crate) fn source(&self, axis: Axis) -> Option<MotionSource<'_>> {
+        Some(MotionSource { segments: self.segments.get(axis.index())?, tables: self.tables })
     }
 }

@@ -10,7 +10,7 @@ state! {
     /// The program lane's clock; in the order of the view.
     #[derive(Debug, Clone, Copy)]
     #[repr(C)]
-    pub(crate) struct Script {
+    pub(crate) struct ScriptClock {
         /// Controller time at which the clock was zero.
         pub(crate) zero: Ns = Ns(0),
         /// Instant of the last entry executed, on the script clock.
@@ -44,10 +44,10 @@ enum Spread {
     Clock,
 }
 
-impl Script {
+impl ScriptClock {
     /// The clock is zero at the tick in force.
     pub(crate) fn begin(&mut self, now: Ns) {
-        *self = Script { runs: true, zero: now, ..Script::HELD };
+        *self = ScriptClock { runs: true, zero: now, ..ScriptClock::HELD };
     }
 
     /// The instant of an entry `delay` after the last one, on the script clock.

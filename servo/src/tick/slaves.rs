@@ -9,7 +9,7 @@ use crate::capacity::{GeneralInputs, GeneralOutputs};
 use crate::port::{AxisInputs, Port};
 use crate::segment::follow::{Input, OutputActions, Value};
 use crate::segment::piece::Motion;
-use crate::tick::{Lanes, Source, Tick, report_event};
+use crate::tick::{MotionSource, Tick, TickHalves, report_event};
 use crate::units::{Axis, AxisMask, Crd, Ns};
 use crate::view::{Event, View};
 
@@ -55,7 +55,7 @@ fn level(inputs: AxisInputs, input: Input) -> bool {
 impl<const AXES: usize> Tick<AXES> {
     /// Every slave takes its step, after its master.
     #[inline(never)]
-    pub(crate) fn step_slaves(&mut self, next: Ns, port: &mut impl Port, lanes: &mut Lanes<'_, AXES>) {
+    pub(crate) fn step_slaves(&mut self, next: Ns, port: &mut impl Port, lanes: &mut TickHalves<'_, AXES>) {
         let (period, limit) = (self.period, self.step_limit);
         let mut all_follow = true;
         // A shaped segment is three pieces of one slave: more than other axes enter in the same
@@ -105,7 +105,7 @@ impl<const AXES: usize> Tick<AXES> {
         next: Ns,
         switched: &mut Switched,
         port: &mut impl Port,
-        lanes: &mut Lanes<'_, AXES>,
+        lanes: &mut TickHalves<'_, AXES>,
     ) -> bool {
         let (now, period, limit, index) = (self.now, self.period, self.step_limit, axis.index());
         let led = self.order.leaders.has(axis);
@@ -127,7 +127,7 @@ impl<const AXES: usize> Tick<AXES> {
             state.step_follow(&master_sample, led, limit, (store, levels, &mut actions))
         } else if state.runs() {
             // A stop came meanwhile.
-            state.step(next, &Source { segments: store, tables: lanes.tables })
+            state.step(next, &MotionSource { segments: store, tables: lanes.tables })
         } else {
             None
         };
@@ -161,8 +161,8 @@ impl<const AXES: usize> Tick<AXES> {
 
     /// Entries have switched servos on or off.
     #[inline(never)]
-    pub(crate) fn switch_servos(&mut self, switched: Switched, next: Ns, lanes: &mut Lanes<'_, AXES>) {
-        let Lanes { events, samples, segments, tables, paths, view, .. } = lanes;
+    pub(crate) fn switch_servos(&mut self, switched: Switched, next: Ns, lanes: &mut TickHalves<'_, AXES>) {
+        let TickHalves { events, samples, segments, tables, paths, view, .. } = lanes;
         let mut reach = HandOvers { events, samples, segments, tables: *tables, paths: *paths };
         self.servo(AxisMask(switched.on), true, next, &mut reach);
         self.servo(AxisMask(switched.off), false, next, &mut reach);

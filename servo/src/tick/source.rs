@@ -1,25 +1,25 @@
 //! What the motion of an axis is read from.
 //!
 //! In: slots of FIFOs, points of tables. Out: their contents. Owns nothing. Cannot fail.
-use crate::segment::follow::{self, Entries};
+use crate::segment::follow::{self, FollowEntries};
 use crate::segment::pt::{Segment, SegmentStore, Segments};
-use crate::segment::pvt::{HEADER_WORDS, POINT_WORDS, Tables};
+use crate::segment::pvt::{HEADER_WORDS, POINT_WORDS, PvtTables};
 use crate::tables::TableStores;
 
 /// Its own segments, and all tables.
-pub(crate) struct Source<'a> {
+pub(crate) struct MotionSource<'a> {
     pub(crate) segments: &'a SegmentStore,
     pub(crate) tables: TableStores<'a>,
 }
 
-impl Segments for Source<'_> {
+impl Segments for MotionSource<'_> {
     #[inline]
     fn segment(&self, slot: u32) -> Segment {
         self.segments.segment(slot)
     }
 }
 
-impl Tables for Source<'_> {
+impl PvtTables for MotionSource<'_> {
     #[inline]
     fn point(&self, table: u8, index: u32) -> [u32; POINT_WORDS] {
         self.tables.point(table, index)
@@ -38,9 +38,9 @@ impl Tables for Source<'_> {
     }
 }
 
-impl Entries for Source<'_> {
+impl FollowEntries for MotionSource<'_> {
     #[inline]
-    fn entry(&self, fifo: u8, index: u32) -> follow::Entry {
+    fn entry(&self, fifo: u8, index: u32) -> follow::FollowEntry {
         self.segments.entry(fifo, index)
     }
 }

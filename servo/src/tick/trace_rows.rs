@@ -6,7 +6,7 @@ use super::Tick;
 use crate::capacity::SAMPLES;
 use crate::trace::Chosen;
 use crate::units::{Axis, Crd};
-use crate::view::{LaserView, Sample, Speeds, Traced};
+use crate::view::{AxisSpeeds, LaserView, Sample, Traced};
 use ring::Producer;
 
 impl<const AXES: usize> Tick<AXES> {
@@ -16,7 +16,7 @@ impl<const AXES: usize> Tick<AXES> {
         if row == 0 {
             self.trace.record_outputs_carried(self.general, samples);
         }
-        let mut speeds = Speeds::<AXES>::NONE;
+        let mut speeds = AxisSpeeds::<AXES>::NONE;
         for (index, state) in self.axes.iter().enumerate().take(self.used) {
             let Some(axis) = Axis::new(index) else { break };
             if chosen.axes.has(axis) {
@@ -55,7 +55,7 @@ impl<const AXES: usize> Tick<AXES> {
         &mut self,
         channel: u8,
         value: i16,
-        tables: &crate::laser::Tables,
+        tables: &crate::laser::PowerTables,
         samples: &mut Producer<'_, Sample, SAMPLES>,
     ) {
         tables.set_analog(channel, value);

@@ -11,7 +11,7 @@
 //! the immediate lane are counted; their weight is taken from the program.
 use super::hand_overs::HandOvers;
 use crate::tick::{PROGRAM, Tick};
-use crate::tick_command::{Entry, Supervision, TickCommand};
+use crate::tick_command::{LaneEntry, Supervision, TickCommand};
 use crate::units::{Axis, AxisMask, Ns};
 use crate::view::StopReason;
 use ring::Consumer;
@@ -58,7 +58,7 @@ pub(crate) fn calls(period: Ns) -> u32 {
 
 /// The work that a tick still takes.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Budget {
+pub(crate) struct TickBudget {
     /// Units of set-up.
     pub(crate) left: u32,
     whole: u32,
@@ -66,10 +66,10 @@ pub(crate) struct Budget {
     acting: Option<Ns>,
 }
 
-impl Budget {
-    pub(crate) fn of(period: Ns) -> Budget {
+impl TickBudget {
+    pub(crate) fn of(period: Ns) -> TickBudget {
         let whole = ((period.0 >> 10) as u32).max(SET_UP_MIN_UNITS);
-        Budget { left: whole, whole, acting: None }
+        TickBudget { left: whole, whole, acting: None }
     }
 
     /// Whether work of this weight fits; the first of a tick always does.
@@ -169,10 +169,10 @@ impl<const AXES: usize> Tick<AXES> {
     /// not, its instant goes on in the next tick; in this one a start or two may be prepared.
     pub(crate) fn admits(
         &mut self,
-        program: &Consumer<'_, Entry, PROGRAM>,
-        entry: &Entry,
+        program: &Consumer<'_, LaneEntry, PROGRAM>,
+        entry: &LaneEntry,
         instant: Ns,
-        budget: &mut Budget,
+        budget: &mut TickBudget,
         lanes: &HandOvers<'_, '_, AXES>,
     ) -> bool {
         if budget.acting == Some(instant) {
@@ -200,8 +200,8 @@ impl<const AXES: usize> Tick<AXES> {
     #[inline(never)]
     fn prepare(
         &mut self,
-        program: &Consumer<'_, Entry, PROGRAM>,
-        budget: &mut Budget,
+        program: &Consumer<'_, LaneEntry, PROGRAM>,
+        budget: &mut TickBudget,
         lanes: &HandOvers<'_, '_, AXES>,
     ) -> bool {
         let mut prepared = false;
@@ -238,7 +238,7 @@ impl<const AXES: usize> Tick<AXES> {
         &mut self,
         axes: AxisMask,
         next: Ns,
-        budget: &mut Budget,
+        budget: &mut TickBudget,
         lanes: &mut HandOvers<'_, '_, AXES>,
     ) -> bool {
         if self.resetting == 0 {
@@ -267,9 +267,9 @@ impl<const AXES: usize> Tick<AXES> {
 }
 
 /// The entries of the instant in force, from the first one in the ring on.
-fn neighbours<'p>(program: &'p Consumer<'_, Entry, PROGRAM>) -> impl Iterator<Item = &'p Entry> {
+fn neighbours<'p>(program: &'p Consumer<'_, LaneEntry, PROGRAM>) -> impl Iterator<Item = &'p LaneEntry> {
     let entries = (0..PROGRAM as u32).map_while(|before| Some((before, program.peek_at(before)?)));
-    let of_it = |(before, entry): &(u32, &Entry)| {
+    let of_it = |(before, entry): &(u32, &LaneEntry)| {
         *before == 0
             || entry.delay.0 == 0
                 && !matches!(entry.command, TickCommand::WaitStandstill { .. } | TickCommand::Reset { .. })

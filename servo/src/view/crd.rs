@@ -1,6 +1,6 @@
 //! What the tick publishes of a coordinate system.
 use super::StopReason;
-use crate::path::axis_map::Frame;
+use crate::path::axis_map::AxisMap;
 use crate::path::{Bend, DIMENSIONS, PathStop};
 use crate::segment::piece::{Motion, Scaled};
 use crate::units::{Crd, Pos};
@@ -39,7 +39,7 @@ state! {
         /// Times that each FIFO was cleared (CrdFrame, CrdClear, Reset).
         pub cleared: [u32; 2] = [0; 2],
         /// The axes that it drives, and its zero; none before SetCrdPrm.
-        pub frame: Option<Frame> = None,
+        pub frame: Option<AxisMap> = None,
         /// The planned positions of its axes at its zero.
         pub origin: [Pos; DIMENSIONS] = [Pos(0); DIMENSIONS],
         /// How the path came to standstill last; `Stopped`: CrdStart goes on with the same FIFO.

@@ -11,14 +11,14 @@ use crate::segment::piece::Motion;
 use crate::units::{Axis, AxisMask, Crd, Ns};
 
 /// Velocities, pulse/ms.
-pub(crate) struct Speeds<const AXES: usize> {
+pub(crate) struct AxisSpeeds<const AXES: usize> {
     speeds: [Real; AXES],
     known: AxisMask,
 }
 
-impl<const AXES: usize> Speeds<AXES> {
+impl<const AXES: usize> AxisSpeeds<AXES> {
     /// None is known.
-    pub(crate) const NONE: Speeds<AXES> = Speeds { speeds: [Real::ZERO; AXES], known: AxisMask(0) };
+    pub(crate) const NONE: AxisSpeeds<AXES> = AxisSpeeds { speeds: [Real::ZERO; AXES], known: AxisMask(0) };
 
     fn known(&self, axis: Axis) -> Option<Real> {
         self.speeds.get(axis.index()).copied().filter(|_| self.known.has(axis))

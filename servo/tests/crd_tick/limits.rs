@@ -60,7 +60,7 @@ fn faults_and_limits_of_one_axis_stop_all() {
 /// against it.
 #[test]
 fn a_path_may_leave_an_active_limit_switch() {
-    let mut bench = prepared(250, &[Entry::planar([-200, -150], speeds(10.0, 1.0, 0.0)), line(-200, 0)]);
+    let mut bench = prepared(250, &[PathEntry::planar([-200, -150], speeds(10.0, 1.0, 0.0)), line(-200, 0)]);
     bench.machine.inputs[5].limit_positive = true;
     bench.tick();
     bench.now(TickCommand::ClearStatus { axes: AxisMask(0xff) });
@@ -82,11 +82,11 @@ fn soft_limits_hold_lines_and_arcs() {
     for period in [10, 250, 1000] {
         for limit in [150, 260, 399, 401] {
             let entries = [
-                Entry::planar([200, 0], along),
-                Entry::arc(Plane::Xy, [200, 200], sweep, along),
-                Entry::planar([600, 210], along),
+                PathEntry::planar([200, 0], along),
+                PathEntry::arc(Plane::Xy, [200, 200], sweep, along),
+                PathEntry::planar([600, 210], along),
             ];
-            let mut bench = Bench::prepared(period, Mode::Trap);
+            let mut bench = Bench::prepared(period, MotionMode::Trap);
             bench.frame(0, &[0, 1], None);
             bench.now(TickCommand::SoftLimit { axis: axis(0), positive: Some(limit), negative: None });
             bench.tick();
@@ -110,11 +110,11 @@ fn soft_limits_hold_lines_and_arcs() {
 /// speed.
 #[test]
 fn soft_limits_hold_ends_of_motions() {
-    let to = |x: i32, end: f64| Entry::planar([x, 0], speeds(97.0, 3.0, end));
-    let after = [vec![to(200, 0.0)], vec![to(200, 0.0), Entry::delay(30)], vec![to(200, 97.0), to(0, 0.0)]];
+    let to = |x: i32, end: f64| PathEntry::planar([x, 0], speeds(97.0, 3.0, end));
+    let after = [vec![to(200, 0.0)], vec![to(200, 0.0), PathEntry::delay(30)], vec![to(200, 97.0), to(0, 0.0)]];
     for entries in after {
         for period in [10, 250, 333, 1000] {
-            let mut bench = Bench::prepared(period, Mode::Trap);
+            let mut bench = Bench::prepared(period, MotionMode::Trap);
             bench.frame(0, &[0, 1], None);
             bench.now(TickCommand::SoftLimit { axis: axis(0), positive: Some(199), negative: None });
             bench.tick();
@@ -144,7 +144,7 @@ fn soft_limits_hold_ends_of_motions() {
 /// displacement in a tick.
 #[test]
 fn a_stop_by_a_switch_goes_neither_on_nor_back() {
-    let mut bench = prepared(1000, &[Entry::planar([1 << 30, 1 << 30], speeds(1000.0, 100.0, 0.0))]);
+    let mut bench = prepared(1000, &[PathEntry::planar([1 << 30, 1 << 30], speeds(1000.0, 100.0, 0.0))]);
     bench.start_path(&[0]);
     let before = bench.ticks(5000);
     bench.machine.inputs[2].limit_positive = true;

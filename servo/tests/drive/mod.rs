@@ -3,8 +3,8 @@
 use servo::segment::generator_state::GeneratorState;
 use servo::segment::piece::Motion;
 use servo::segment::profile::{Generator, Profile};
-use servo::segment::pt::{Feed, PtRun, Segment, SegmentStore, Segments, SlotRange};
-use servo::segment::pvt::{HEADER_WORDS, POINT_WORDS, PvtRun, Tables};
+use servo::segment::pt::{AllowedData, PtRun, Segment, SegmentStore, Segments, SlotRange};
+use servo::segment::pvt::{HEADER_WORDS, POINT_WORDS, PvtRun, PvtTables};
 use servo::segment::ramp::RampRun;
 use servo::units::{Exact, Ns, Pos};
 
@@ -29,7 +29,7 @@ fn profile(generator: Generator, now: Ns) -> Profile {
 
 /// The motion at `now`, which must not decrease between calls. `feed` and `source` are for PT and
 /// PVT.
-pub fn step(profile: &mut Profile, now: Ns, feed: Feed, source: &(impl Segments + Tables)) -> Step {
+pub fn step(profile: &mut Profile, now: Ns, feed: AllowedData, source: &(impl Segments + PvtTables)) -> Step {
     if profile.piece().elapsed(now) >= profile.piece().span
         && !profile.accept(now)
         && let state @ (GeneratorState::Ended { at } | GeneratorState::Underrun { at }) =
@@ -53,7 +53,7 @@ impl<S: Segments> Segments for NoTables<'_, S> {
         self.0.segment(slot)
     }
 }
-impl<S> Tables for NoTables<'_, S> {
+impl<S> PvtTables for NoTables<'_, S> {
     fn point(&self, _: u8, _: u32) -> [u32; POINT_WORDS] {
         Default::default()
     }
@@ -66,7 +66,7 @@ impl<T> Segments for NoSegments<'_, T> {
         SegmentStore::new().segment(0)
     }
 }
-impl<T: Tables> Tables for NoSegments<'_, T> {
+impl<T: PvtTables> PvtTables for NoSegments<'_, T> {
     fn point(&self, table: u8, index: u32) -> [u32; POINT_WORDS] {
         self.0.point(table, index)
     }
@@ -74,7 +74,7 @@ impl<T: Tables> Tables for NoSegments<'_, T> {
         self.0.header(table)
     }
 }
-impl Tables for Nothing {
+impl PvtTables for Nothing {
     fn point(&self, _: u8, _: u32) -> [u32; POINT_WORDS] {
         Default::default()
     }
@@ -83,8 +83,8 @@ impl Tables for Nothing {
     }
 }
 
-fn passes_only(passes: u32) -> Feed {
-    Feed { end: 0, passes }
+fn passes_only(passes: u32) -> AllowedData {
+    AllowedData { end: 0, passes }
 }
 
 #[derive(Clone, Copy)]
@@ -98,10 +98,10 @@ impl Pt {
         let Generator::Pt(run) = self.0.generator() else { panic!("not PT") };
         run
     }
-    pub fn step(&mut self, now: Ns, feed: Feed, source: &impl Segments) -> Step {
+    pub fn step(&mut self, now: Ns, feed: AllowedData, source: &impl Segments) -> Step {
         step(&mut self.0, now, feed, &NoTables(source))
     }
-    pub fn prepare(&mut self, feed: Feed, source: &impl Segments) -> bool {
+    pub fn prepare(&mut self, feed: AllowedData, source: &impl Segments) -> bool {
         self.0.is_open() && self.0.prepare(feed, &NoTables(source)) && self.0.is_ahead()
     }
     pub fn passes(&self) -> u32 {
@@ -110,7 +110,7 @@ impl Pt {
     pub fn released(&self, running: bool) -> u32 {
         self.run().released(running, self.0.is_ahead())
     }
-    pub fn dry_ms(&self, now: Ns, feed: Feed, source: &impl Segments) -> u32 {
+    pub fn dry_ms(&self, now: Ns, feed: AllowedData, source: &impl Segments) -> u32 {
         self.run().dry_ms(now, feed, source, self.0.is_ahead())
     }
 }
@@ -119,17 +119,17 @@ impl Pt {
 pub struct Pvt(pub Profile);
 
 impl Pvt {
-    pub fn begin(now: Ns, origin: Exact, table: u8, source: &impl Tables) -> Pvt {
+    pub fn begin(now: Ns, origin: Exact, table: u8, source: &impl PvtTables) -> Pvt {
         Pvt(profile(Generator::Pvt(PvtRun::begin(now, origin, table, source)), now))
     }
     fn run(&self) -> &PvtRun {
         let Generator::Pvt(run) = self.0.generator() else { panic!("not PVT") };
         run
     }
-    pub fn step(&mut self, now: Ns, passes: u32, source: &impl Tables) -> Step {
+    pub fn step(&mut self, now: Ns, passes: u32, source: &impl PvtTables) -> Step {
         step(&mut self.0, now, passes_only(passes), &NoSegments(source))
     }
-    pub fn prepare(&mut self, passes: u32, source: &impl Tables) -> bool {
+    pub fn prepare(&mut self, passes: u32, source: &impl PvtTables) -> bool {
         self.0.is_open() && self.0.prepare(passes_only(passes), &NoSegments(source)) && self.0.is_ahead()
     }
     pub fn select(&mut self, table: u8) {

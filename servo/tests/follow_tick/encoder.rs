@@ -3,7 +3,7 @@ use super::*;
 
 #[test]
 fn a_dithering_encoder_does_not_creep() {
-    let mut bench = Bench::prepared(50, Mode::Follow);
+    let mut bench = Bench::prepared(50, MotionMode::Follow);
     bench.now(TickCommand::FollowDirection { axis: axis(1), direction: Direction::Up });
     bench.follows(1, 0, Value::Encoder);
     bench.follow(1, 0, &[Item::Data(1000.0, 5000.0, 1, 0)]);
@@ -24,7 +24,7 @@ fn a_dithering_encoder_does_not_creep() {
 
 #[test]
 fn an_encoder_is_followed_by_its_sample() {
-    let mut bench = Bench::prepared(250, Mode::Follow);
+    let mut bench = Bench::prepared(250, MotionMode::Follow);
     bench.follows(0, 5, Value::Encoder);
     bench.follow(0, 0, &[Item::Data(100.0, 50.0, 1, 0)]);
     loops(&mut bench, 0, 0);

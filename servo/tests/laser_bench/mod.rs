@@ -2,16 +2,16 @@
 //! GHz: outputs are recorded to the ns.
 use ring::{Latest, Producer, Reader, Ring};
 use servo::laser::{
-    Action, Bounds, Buffered, CHANNELS, Carrier, Change, Clock, FINISH_NS, Fine, Mode, Pattern, Plan, Power, Rate,
-    Train,
+    Action, Buffered, CHANNELS, Carrier, ChannelChange, Clock, FINISH_NS, FixedTrain, Pattern, Plan, Power,
+    PowerBounds, PowerMode, PulseRate, Train,
 };
-use servo::path::axis_map::Frame;
+use servo::path::axis_map::AxisMap;
 use servo::path::{self, EntryStore, PathStores};
 use servo::port::{AxisInputs, GeneralInputs, GeneralOutputs, Port};
 use servo::segment::pvt::{HeaderStore, PointStore, TABLES};
 use servo::tables::TableStores;
-use servo::tick::{IMMEDIATE, Lanes, SegmentStore, Tick, TickConfig};
-use servo::tick_command::{Entry, TickCommand};
+use servo::tick::{IMMEDIATE, SegmentStore, Tick, TickConfig, TickHalves};
+use servo::tick_command::{LaneEntry, TickCommand};
 use servo::units::{Axis, Crd, CrdMask, Ns, Pos, StepLimit};
 use servo::view::{LaserView, View};
 use std::collections::VecDeque;
@@ -123,7 +123,7 @@ impl Pwm {
         }
     }
 
-    fn rate(&mut self, at: u64, rate: &Rate) {
+    fn rate(&mut self, at: u64, rate: &PulseRate) {
         // A paused period has its end beyond all time; its remainder is stored apart.
         let left = self.paused.or(self.period.map(|(_, _, end)| end - at)).unwrap_or(0);
         self.train = rate.train();
@@ -272,12 +272,12 @@ impl Port for Machine {
 pub struct Bench {
     pub tick: Tick<AXES>,
     pub machine: Machine,
-    lanes: Lanes<'static, AXES>,
-    immediate: Producer<'static, Entry, IMMEDIATE>,
+    lanes: TickHalves<'static, AXES>,
+    immediate: Producer<'static, LaneEntry, IMMEDIATE>,
     view: Reader<'static, View<AXES>>,
     seq: u32,
     /// As the thread knows them, for its plans.
-    known: (Mode, Power, Option<Carrier>),
+    known: (PowerMode, Power, Option<Carrier>),
     clock: Clock,
     /// Whether the thread plans repetitions.
     pub fine: bool,
@@ -293,17 +293,17 @@ pub fn crd(index: usize) -> Crd {
 }
 
 /// An entry that changes channel 0.
-pub fn buffered(change: Buffered) -> path::Entry {
+pub fn buffered(change: Buffered) -> path::PathEntry {
     let (code, words) = change.pack();
-    path::Entry::laser(0, code, words)
+    path::PathEntry::laser(0, code, words)
 }
 /// BufLaserOn, BufLaserOff.
-pub fn light(on: bool) -> path::Entry {
+pub fn light(on: bool) -> path::PathEntry {
     buffered(Buffered::Gate { on })
 }
 /// LnXY.
-pub fn line(to: [i32; 2], vel: f64, acc: f64, end: f64) -> path::Entry {
-    path::Entry::planar(to, path::Along::admit(vel.to_bits(), acc.to_bits(), end.to_bits()).unwrap())
+pub fn line(to: [i32; 2], vel: f64, acc: f64, end: f64) -> path::PathEntry {
+    path::PathEntry::planar(to, path::MotionSpeeds::admit(vel.to_bits(), acc.to_bits(), end.to_bits()).unwrap())
 }
 
 fn leak<T>(value: T) -> &'static mut T {
@@ -314,8 +314,8 @@ pub fn power(value: f64) -> Power {
     Power::admit(value.to_bits()).unwrap()
 }
 
-pub fn bounds(mode: Mode, max: f64, min: f64) -> Bounds {
-    Bounds::admit(mode, power(max), power(min)).unwrap()
+pub fn bounds(mode: PowerMode, max: f64, min: f64) -> PowerBounds {
+    PowerBounds::admit(mode, power(max), power(min)).unwrap()
 }
 
 impl Bench {
@@ -335,7 +335,7 @@ impl Bench {
         let tables = TableStores {
             points: Box::leak(places),
             headers: leak(HeaderStore::new()),
-            lasers: leak(servo::laser::Tables::new()),
+            lasers: leak(servo::laser::PowerTables::new()),
         };
         let segments: &'static [SegmentStore; AXES] = leak([const { SegmentStore::new() }; AXES]);
         let config = TickConfig {
@@ -355,7 +355,7 @@ impl Bench {
             runs: clock == Clock::GHZ,
         };
         let paths: Box<[[EntryStore; 2]; 2]> = Box::default();
-        let lanes = Lanes {
+        let lanes = TickHalves {
             immediate: immediate_out,
             program,
             view: view_in,
@@ -365,7 +365,7 @@ impl Bench {
             tables,
             paths: PathStores::of(Box::leak(paths)),
         };
-        let known = (Mode::Duty, Power::ZERO, None);
+        let known = (PowerMode::Duty, Power::ZERO, None);
         Bench {
             tick: Tick::new(config),
             machine,
@@ -382,52 +382,52 @@ impl Bench {
 
     pub fn command(&mut self, command: TickCommand) {
         self.seq += 1;
-        self.immediate.push(Entry { seq: self.seq, delay: Ns(0), command }).unwrap();
+        self.immediate.push(LaneEntry { seq: self.seq, delay: Ns(0), command }).unwrap();
     }
 
     /// A change of channel 0.
-    pub fn change(&mut self, change: Change) {
+    pub fn change(&mut self, change: ChannelChange) {
         self.command(TickCommand::Laser { channel: 0, change });
     }
 
     pub fn gate(&mut self, on: bool) {
-        self.change(Change::Gate { on });
+        self.change(ChannelChange::Gate { on });
     }
 
-    fn plan(&self) -> Option<Fine> {
+    fn plan(&self) -> Option<FixedTrain> {
         let (mode, power, carrier) = self.known;
-        if self.fine { Fine::plan(mode, power, carrier.as_ref(), self.clock) } else { None }
+        if self.fine { FixedTrain::plan(mode, power, carrier.as_ref(), self.clock) } else { None }
     }
 
-    pub fn mode(&mut self, mode: Mode, max: f64, min: f64, delayed: bool) {
+    pub fn mode(&mut self, mode: PowerMode, max: f64, min: f64, delayed: bool) {
         if mode != self.known.0 {
             self.known.1 = power(min);
         }
         self.known.0 = mode;
-        self.change(Change::Mode { mode, bounds: bounds(mode, max, min), delayed, fine: self.plan() });
+        self.change(ChannelChange::Mode { mode, bounds: bounds(mode, max, min), delayed, fine: self.plan() });
     }
 
     pub fn direct(&mut self, value: f64) {
         self.known.1 = power(value);
-        self.change(Change::Direct { power: power(value), fine: self.plan() });
+        self.change(ChannelChange::Direct { power: power(value), fine: self.plan() });
     }
 
     pub fn carrier(&mut self, khz: f64) {
         let carrier = Carrier::admit(power(khz), self.clock).unwrap();
         self.known.2 = Some(carrier);
-        self.change(Change::Carrier { carrier, fine: self.plan() });
+        self.change(ChannelChange::Carrier { carrier, fine: self.plan() });
     }
 
     pub fn width(&mut self, us: u16) {
-        self.change(Change::PulseWidth { us: us.try_into().unwrap() });
+        self.change(ChannelChange::PulseWidth { us: us.try_into().unwrap() });
     }
 
     pub fn delays(&mut self, off: u16, on: u16) {
-        self.change(Change::Delays(servo::laser::Delays { off, on }));
+        self.change(ChannelChange::Delays(servo::laser::Delays { off, on }));
     }
 
     pub fn fpk(&mut self, times: Option<(u16, u16, u16)>) {
-        self.change(Change::Fpk(times.map(|(pulse, begin, end)| servo::laser::Fpk {
+        self.change(ChannelChange::Fpk(times.map(|(pulse, begin, end)| servo::laser::Fpk {
             pulse: pulse.try_into().unwrap(),
             begin,
             end,
@@ -435,7 +435,7 @@ impl Bench {
     }
 
     pub fn standby(&mut self, pulses: Option<(f64, f64)>) {
-        self.change(Change::Standby(
+        self.change(ChannelChange::Standby(
             pulses.map(|(khz, duty)| servo::laser::Standby::admit(power(khz), power(duty), Clock::GHZ).unwrap()),
         ));
     }
@@ -451,12 +451,12 @@ impl Bench {
         for (place, index) in mapped.iter_mut().zip(axes) {
             *place = Some(axis(*index));
         }
-        self.command(TickCommand::CrdFrame { crd: crd(index), frame: Frame::admit(mapped, None, 0).unwrap() });
+        self.command(TickCommand::CrdFrame { crd: crd(index), frame: AxisMap::admit(mapped, None, 0).unwrap() });
         self.tick();
     }
 
     /// Entries of FIFO 0.
-    pub fn path(&mut self, index: usize, entries: &[path::Entry]) {
+    pub fn path(&mut self, index: usize, entries: &[path::PathEntry]) {
         let count = &mut self.pushed[index][0];
         for entry in entries {
             self.lanes.paths.get(index).unwrap()[0].write(*count, *entry);

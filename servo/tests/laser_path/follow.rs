@@ -102,7 +102,7 @@ fn speed_0_is_the_minimum() {
         follow(1.0, 5.0, 100.0),
         light(true),
         line([100, 0], 10.0, 1.0, 0.0),
-        Entry::delay(7),
+        PathEntry::delay(7),
         line([200, 0], 10.0, 1.0, 0.0),
     ];
     bench.path(0, &entries);
@@ -155,7 +155,7 @@ fn a_follow_passes_0() {
         follow(2.0, 0.0, 100.0),
         light(true),
         line([100, 0], 10.0, 1.0, 0.0),
-        Entry::delay(5),
+        PathEntry::delay(5),
         line([200, 0], 10.0, 1.0, 0.0),
     ];
     bench.path(0, &entries);
@@ -180,12 +180,12 @@ fn both_follows_add_up() {
         if family == Family::Lsr {
             lsr(&mut bench);
         }
-        let bounds = Some(Bounds::admit(Mode::Duty, power(60.0), power(0.0)).unwrap());
+        let bounds = Some(PowerBounds::admit(PowerMode::Duty, power(60.0), power(0.0)).unwrap());
         let (scales, ratios) = ([1000.0f64; 4].map(f64::to_bits), [50.0, 0.0, 0.0, 0.0f64].map(f64::to_bits));
         let axes = [0, 1, 2, 3].map(axis);
-        let source = Source::Planned;
+        let source = SpeedSource::Planned;
         let distance = Distance::admit(source, axes, [100, 0, 0, 0], scales, ratios, Ratios::Fixed, bounds).unwrap();
-        bench.change(Change::Distance(Some(distance)));
+        bench.change(ChannelChange::Distance(Some(distance)));
         // A line at 10 pulse/ms: 10 to 800 pulses after 10.5 ms to 89 ms.
         bench.path(
             0,
@@ -223,8 +223,8 @@ fn a_path_at_rest_has_no_speed_while_its_encoders_settle() {
     let mut bench = prepared(1000);
     bench.delays(5000, 0);
     bench.command(TickCommand::CrdLag { crd: Crd::FIRST, lag: Lag::NONE });
-    let mode = Buffered::FollowMode { source: Source::Encoder, start: None };
-    let bounds = Bounds::admit_follow(Mode::Duty, power(100.0), power(1.0)).unwrap();
+    let mode = Buffered::FollowMode { source: SpeedSource::Encoder, start: None };
+    let bounds = PowerBounds::admit_follow(PowerMode::Duty, power(100.0), power(1.0)).unwrap();
     let ratio = Ratio::admit(2f64.to_bits()).unwrap();
     let follow = buffered(Buffered::FollowRatio { ratio, bounds });
     // 10 pulses at 1 pulse/ms²: half of them in 3.2 ms, at rest after 6.3 ms.
@@ -254,8 +254,8 @@ fn encoders_are_followed(filtered: bool) {
     if !filtered {
         bench.command(TickCommand::CrdLag { crd: Crd::FIRST, lag: Lag::NONE });
     }
-    let mode = Buffered::FollowMode { source: Source::Encoder, start: None };
-    let bounds = Bounds::admit_follow(Mode::Duty, power(100.0), power(1.0)).unwrap();
+    let mode = Buffered::FollowMode { source: SpeedSource::Encoder, start: None };
+    let bounds = PowerBounds::admit_follow(PowerMode::Duty, power(100.0), power(1.0)).unwrap();
     let ratio = Ratio::admit(2f64.to_bits()).unwrap();
     bench.path(
         0,

@@ -5,13 +5,13 @@ use super::*;
 fn a_smooth_stop_brakes_through_what_follows_and_goes_on_from_there() {
     let s = speeds(10.0, 1.0, 10.0);
     let entries = vec![
-        Entry::planar([100, 0], s),
+        PathEntry::planar([100, 0], s),
         mark(1),
-        Entry::planar([100, 20], s),
+        PathEntry::planar([100, 20], s),
         mark(2),
-        Entry::planar([120, 20], s),
+        PathEntry::planar([120, 20], s),
         mark(3),
-        Entry::planar([1000, 20], s),
+        PathEntry::planar([1000, 20], s),
         mark(4),
     ];
     let mut bench = Bench::new(entries, 250_000);
@@ -43,9 +43,9 @@ fn a_smooth_stop_brakes_through_what_follows_and_goes_on_from_there() {
 #[test]
 fn a_gentle_stop_still_brakes_for_corners() {
     let entries = vec![
-        Entry::planar([1000, 0], speeds(10.0, 1.0, 2.0)),
+        PathEntry::planar([1000, 0], speeds(10.0, 1.0, 2.0)),
         mark(1),
-        Entry::planar([1000, 1000], speeds(10.0, 1.0, 0.0)),
+        PathEntry::planar([1000, 1000], speeds(10.0, 1.0, 0.0)),
         mark(2),
     ];
     let mut bench = Bench::new(entries, 250_000);
@@ -65,8 +65,11 @@ fn a_gentle_stop_still_brakes_for_corners() {
     let step = bench.tick();
     assert!((pulses(step.position[1]) - 200.0).abs() < 1e-6, "{:?}", step.position);
     // A corner at 0 ends the Stop.
-    let entries =
-        vec![Entry::planar([100, 0], speeds(10.0, 1.0, 0.0)), mark(1), Entry::planar([200, 0], speeds(10.0, 1.0, 0.0))];
+    let entries = vec![
+        PathEntry::planar([100, 0], speeds(10.0, 1.0, 0.0)),
+        mark(1),
+        PathEntry::planar([200, 0], speeds(10.0, 1.0, 0.0)),
+    ];
     let mut bench = Bench::new(entries, 250_000);
     bench.path.rules.set_stop(dec(0.01));
     bench.start(0);
@@ -96,9 +99,9 @@ fn a_gentle_stop_does_not_stay_above_the_speed_of_a_motion() {
     ];
     for (stop, second, end) in cases {
         let entries = vec![
-            Entry::planar([100, 0], speeds(10.0, 1.0, 10.0)),
-            Entry::planar([second, 0], speeds(4.0, 1.0, end)),
-            Entry::planar([4000, 0], speeds(4.0, 1.0, 0.0)),
+            PathEntry::planar([100, 0], speeds(10.0, 1.0, 10.0)),
+            PathEntry::planar([second, 0], speeds(4.0, 1.0, end)),
+            PathEntry::planar([4000, 0], speeds(4.0, 1.0, 0.0)),
         ];
         let mut bench = Bench::new(entries, 250_000);
         bench.path.rules.set_stop(dec(stop));
@@ -118,7 +121,7 @@ fn a_gentle_stop_does_not_stay_above_the_speed_of_a_motion() {
 
 #[test]
 fn an_abrupt_stop_stands_still_on_its_tick() {
-    let mut bench = Bench::new(vec![Entry::planar([1000, 0], speeds(10.0, 1.0, 0.0)), mark(1)], 250_000);
+    let mut bench = Bench::new(vec![PathEntry::planar([1000, 0], speeds(10.0, 1.0, 0.0)), mark(1)], 250_000);
     bench.start(0);
     bench.until(20_000_000);
     let now = (bench.now - BEGIN) as f64 / 1e6;
@@ -126,7 +129,7 @@ fn an_abrupt_stop_stands_still_on_its_tick() {
     let step = bench.tick();
     assert!(!step.runs && step.motion == Motion::STANDSTILL);
     assert!(near(pulses(step.position[0]), 50.0 + (now - 10.0) * 10.0));
-    assert_eq!(bench.heard.rests, [(((BEGIN as f64 + now * 1e6) as Fine) << 32, PathStop::Stopped)]);
+    assert_eq!(bench.heard.rests, [(((BEGIN as f64 + now * 1e6) as FineNs) << 32, PathStop::Stopped)]);
     bench.start(0);
     assert_eq!(bench.finish().position[0], Pos::pulses(1000));
 }
@@ -144,7 +147,7 @@ fn random_stops_stay_on_the_path_and_within_its_speeds() {
         for _ in 0..count {
             corner += 1 + chance.below(200) as i32;
             let (vel, end) = (chance.log(1.0, 30.0), chance.unit() * 20.0);
-            entries.push(Entry::planar([corner, 0], speeds(vel, acc, end)));
+            entries.push(PathEntry::planar([corner, 0], speeds(vel, acc, end)));
             ends.push((corner as f64, end.min(vel), vel));
         }
         let stop = chance.log(0.02, 50.0);
@@ -189,17 +192,17 @@ fn random_stops_stay_on_the_path_and_within_its_speeds() {
 #[test]
 fn a_wait_that_is_stopped_goes_on_with_what_is_left() {
     let s = speeds(10.0, 1.0, 0.0);
-    let entries = vec![Entry::delay(20), mark(1), Entry::planar([100, 0], s), mark(2)];
+    let entries = vec![PathEntry::delay(20), mark(1), PathEntry::planar([100, 0], s), mark(2)];
     let mut bench = Bench::new(entries, 250_000);
     bench.start(0);
     bench.until(7_000_000);
     let stopped = bench.now - BEGIN;
     bench.stop(false);
-    assert_eq!(bench.heard.rests, [(((BEGIN + stopped) as Fine) << 32, PathStop::Stopped)]);
+    assert_eq!(bench.heard.rests, [(((BEGIN + stopped) as FineNs) << 32, PathStop::Stopped)]);
     bench.until(50_000_000);
     let again = bench.now - BEGIN;
     bench.start(0);
     bench.finish();
-    assert_eq!(bench.heard.marks[0].0, ((BEGIN + again + 20_000_000 - stopped) as Fine) << 32);
+    assert_eq!(bench.heard.marks[0].0, ((BEGIN + again + 20_000_000 - stopped) as FineNs) << 32);
     assert_eq!(bench.path.done(0), 1);
 }

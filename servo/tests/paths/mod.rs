@@ -1,12 +1,12 @@
 //! A host of paths for tests: entries in a list, all reports written down.
-use servo::path::{Along, Change, Effects, Entries, Entry, Feed, Fine, Path, PathStop, Step};
+use servo::path::{Effects, EntryEffect, FifoEnds, FineNs, MotionSpeeds, Path, PathEntries, PathEntry, PathStop, Step};
 use servo::segment::piece::Scaled;
 use servo::units::{Axis, Ns, Pos};
 
-pub struct Script(pub Vec<Entry>);
+pub struct Script(pub Vec<PathEntry>);
 
-impl Entries for Script {
-    fn entry(&self, _: u8, counter: u32) -> Entry {
+impl PathEntries for Script {
+    fn entry(&self, _: u8, counter: u32) -> PathEntry {
         self.0[counter as usize]
     }
 }
@@ -14,22 +14,22 @@ impl Entries for Script {
 /// The reports of a path.
 #[derive(Default)]
 pub struct Heard {
-    pub marks: Vec<(Fine, u8)>,
-    pub rests: Vec<(Fine, PathStop)>,
+    pub marks: Vec<(FineNs, u8)>,
+    pub rests: Vec<(FineNs, PathStop)>,
     pub gears: Vec<(Axis, Pos)>,
     pub geared: Vec<(Axis, i32)>,
 }
 
 impl Effects for Heard {
-    fn change(&mut self, at: Fine, change: &Change) -> Fine {
+    fn change(&mut self, at: FineNs, change: &EntryEffect) -> FineNs {
         match change {
-            Change::Laser { code, .. } => self.marks.push((at, *code)),
-            Change::Move { modal: true, .. } => return 3_000_000 << 32,
+            EntryEffect::Laser { code, .. } => self.marks.push((at, *code)),
+            EntryEffect::Move { modal: true, .. } => return 3_000_000 << 32,
             _ => {}
         }
         0
     }
-    fn standstill(&mut self, at: Fine, rest: PathStop) {
+    fn standstill(&mut self, at: FineNs, rest: PathStop) {
         self.rests.push((at, rest));
     }
     fn gear(&mut self, axis: Axis, by: Pos, _: Scaled) {
@@ -40,17 +40,17 @@ impl Effects for Heard {
     }
 }
 
-pub fn mark(code: u8) -> Entry {
-    Entry::laser(0, code, [0; 6])
+pub fn mark(code: u8) -> PathEntry {
+    PathEntry::laser(0, code, [0; 6])
 }
 /// Speed, acceleration, speed at the end.
-pub fn speeds(vel: f64, acc: f64, end: f64) -> Along {
-    Along::admit(vel.to_bits(), acc.to_bits(), end.to_bits()).unwrap()
+pub fn speeds(vel: f64, acc: f64, end: f64) -> MotionSpeeds {
+    MotionSpeeds::admit(vel.to_bits(), acc.to_bits(), end.to_bits()).unwrap()
 }
 
 /// Runs all entries from a start at 1 ms with this period; `see` gets every tick's step.
 pub fn run(path: &mut Path, script: &Script, period: u64, mut see: impl FnMut(u64, &Step)) -> Heard {
-    let feed = Feed { ends: [script.0.len() as u32, 0] };
+    let feed = FifoEnds { ends: [script.0.len() as u32, 0] };
     let mut heard = Heard::default();
     let begin = 1_000_000;
     assert!(!path.refuses_start(0, feed));
@@ -68,6 +68,6 @@ pub fn run(path: &mut Path, script: &Script, period: u64, mut see: impl FnMut(u6
 }
 
 /// Instants in ns after the start.
-pub fn since(at: Fine) -> f64 {
+pub fn since(at: FineNs) -> f64 {
     (at - (1_000_000 << 32)) as f64 / 2f64.powi(32)
 }

@@ -3,7 +3,7 @@
 use ring::{Consumer, Latest, Producer, Reader, Ring};
 use servo::laser::{Clock, Plan};
 use servo::output::step_generator;
-use servo::path::axis_map::Frame;
+use servo::path::axis_map::AxisMap;
 use servo::path::{self, EntryStore, PathStores};
 use servo::port::{AxisInputs, GeneralInputs, GeneralOutputs, Port};
 use servo::segment::follow;
@@ -12,8 +12,8 @@ use servo::segment::pt::{Chain, Segment};
 use servo::segment::pvt::{Header, HeaderStore, Point, PointStore, TABLES};
 use servo::segment::ramp::{Accel, Speed};
 use servo::tables::TableStores;
-use servo::tick::{EVENTS, IMMEDIATE, Lanes, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig};
-use servo::tick_command::{DoGroup, Entry, Mode, TickCommand};
+use servo::tick::{EVENTS, IMMEDIATE, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig, TickHalves};
+use servo::tick_command::{DoGroup, LaneEntry, MotionMode, TickCommand};
 use servo::units::{Axis, AxisMask, Crd, CrdMask, Exact, Ns, Pos, StepLimit};
 use servo::view::{AxisView, Event, Sample, StopReason, View};
 
@@ -80,9 +80,9 @@ impl Port for Machine {
 pub struct Bench {
     pub tick: Tick<AXES>,
     pub machine: Machine,
-    lanes: Lanes<'static, AXES>,
-    immediate: Producer<'static, Entry, IMMEDIATE>,
-    program: Producer<'static, Entry, PROGRAM>,
+    lanes: TickHalves<'static, AXES>,
+    immediate: Producer<'static, LaneEntry, IMMEDIATE>,
+    program: Producer<'static, LaneEntry, PROGRAM>,
     view: Reader<'static, View<AXES>>,
     events: Consumer<'static, Event, EVENTS>,
     samples: Consumer<'static, Sample, SAMPLES>,
@@ -90,7 +90,7 @@ pub struct Bench {
     /// What admission knows of each axis's FIFOs: the chain, and segments pushed.
     chains: [[(Chain, u32); 2]; AXES],
     /// The same of Follow.
-    entries: [[follow::Chain; 2]; AXES],
+    entries: [[follow::FollowChain; 2]; AXES],
     /// Entries pushed into the FIFOs of each path.
     pushed: [[u32; 2]; Crd::MAX],
 }
@@ -160,7 +160,7 @@ impl Bench {
         let tables = TableStores {
             points: Box::leak(places),
             headers: leak(HeaderStore::new()),
-            lasers: leak(servo::laser::Tables::new()),
+            lasers: leak(servo::laser::PowerTables::new()),
         };
         let paths = PathStores::of::<{ Crd::MAX }>(leak([const { [const { EntryStore::new() }; 2] }; Crd::MAX]));
         let segments: &'static [SegmentStore; AXES] = leak([const { SegmentStore::new() }; AXES]);
@@ -186,7 +186,7 @@ impl Bench {
                 interlock: false,
                 levels: vec![],
             },
-            lanes: Lanes {
+            lanes: TickHalves {
                 immediate: immediate_out,
                 program: program_out,
                 view: view_in,
@@ -209,14 +209,14 @@ impl Bench {
     }
 
     /// One with the servo on and the mode set on all axes, one tick old.
-    pub fn prepared(period_us: u32, mode: Mode) -> Bench {
+    pub fn prepared(period_us: u32, mode: MotionMode) -> Bench {
         let mut bench = Bench::new(period_us);
         bench.prepare_start(mode);
         bench
     }
 
     /// A tick with the servo on and the mode set on all axes.
-    pub fn prepare_start(&mut self, mode: Mode) {
+    pub fn prepare_start(&mut self, mode: MotionMode) {
         self.now(TickCommand::Output { group: DoGroup::Enable, mask: 0xff, value: 0xff });
         for index in 0..AXES {
             self.now(TickCommand::SetMode { axis: axis(index), mode });
@@ -227,14 +227,14 @@ impl Bench {
     /// Pushes into the immediate lane.
     pub fn now(&mut self, command: TickCommand) -> u32 {
         self.seq[0] += 1;
-        self.immediate.push(Entry { seq: self.seq[0], delay: Ns(0), command }).unwrap();
+        self.immediate.push(LaneEntry { seq: self.seq[0], delay: Ns(0), command }).unwrap();
         self.seq[0]
     }
 
     /// Pushes into the program lane.
     pub fn then(&mut self, delay_ns: u64, command: TickCommand) -> u32 {
         self.seq[1] += 1;
-        self.program.push(Entry { seq: self.seq[1], delay: Ns(delay_ns), command }).unwrap();
+        self.program.push(LaneEntry { seq: self.seq[1], delay: Ns(delay_ns), command }).unwrap();
         self.seq[1]
     }
 
@@ -335,19 +335,19 @@ impl Bench {
         for (point, index) in mapped.iter_mut().zip(axes) {
             *point = Some(axis(*index));
         }
-        self.now(TickCommand::CrdFrame { crd: crd(index), frame: Frame::admit(mapped, origin, 0).unwrap() });
+        self.now(TickCommand::CrdFrame { crd: crd(index), frame: AxisMap::admit(mapped, origin, 0).unwrap() });
         self.pushed[index] = [0; 2];
     }
 
     /// Pushes entries into a FIFO of a path, and their commit into the immediate lane. `frame` or a
     /// clearing must have been executed.
-    pub fn path(&mut self, index: usize, fifo: u8, entries: &[path::Entry]) {
+    pub fn path(&mut self, index: usize, fifo: u8, entries: &[path::PathEntry]) {
         let commit = self.path_data(index, fifo, entries);
         self.now(commit);
     }
 
     /// The same; the commit is the caller's to push.
-    pub fn path_data(&mut self, index: usize, fifo: u8, entries: &[path::Entry]) -> TickCommand {
+    pub fn path_data(&mut self, index: usize, fifo: u8, entries: &[path::PathEntry]) -> TickCommand {
         let count = &mut self.pushed[index][fifo as usize];
         for entry in entries {
             self.lanes.paths.get(index).unwrap()[fifo as usize].write(*count, *entry);
@@ -384,12 +384,12 @@ impl Bench {
         for item in items {
             let admitted = match *item {
                 Item::Data(master, slave, kind, percent) => {
-                    follow::Entry::segment(master.to_bits(), slave.to_bits(), kind, percent, direction, chain)
+                    follow::FollowEntry::segment(master.to_bits(), slave.to_bits(), kind, percent, direction, chain)
                 }
-                Item::Output(group, bit, high) => follow::Entry::output(group, bit, high, chain),
-                Item::Delay(cycles) => follow::Entry::delay(cycles, chain),
-                Item::Wait(input, index, high, ms) => follow::Entry::wait_input(input, index, high, ms, chain),
-                Item::Switch(method) => follow::Entry::switch(method, chain),
+                Item::Output(group, bit, high) => follow::FollowEntry::output(group, bit, high, chain),
+                Item::Delay(cycles) => follow::FollowEntry::delay(cycles, chain),
+                Item::Wait(input, index, high, ms) => follow::FollowEntry::wait_input(input, index, high, ms, chain),
+                Item::Switch(method) => follow::FollowEntry::switch(method, chain),
             };
             let (entry, next) = admitted.unwrap();
             self.lanes.segments[index].write_entry(fifo, chain.entries(), entry);
@@ -402,7 +402,7 @@ impl Bench {
 
     /// Admission forgets what it pushed: a switch has emptied the FIFO.
     pub fn emptied(&mut self, index: usize, fifo: u8) {
-        self.entries[index][fifo as usize] = follow::Chain::default();
+        self.entries[index][fifo as usize] = follow::FollowChain::default();
     }
 
     /// Sets the master of an axis, and starts it.

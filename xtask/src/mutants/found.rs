@@ -90,8 +90,8 @@ pub const FOUND: &[Planted] = &[
         by: By::Lasers,
         places: &[(
             "servo/src/laser/channel/interval.rs",
-            "let is_level = self.energy.mode == Mode::DutyOpen || self.out.train.is_level();",
-            "let is_level = self.energy.mode == Mode::DutyOpen;",
+            "let is_level = self.energy.mode == PowerMode::DutyOpen || self.out.train.is_level();",
+            "let is_level = self.energy.mode == PowerMode::DutyOpen;",
         )],
     },
     Planted {

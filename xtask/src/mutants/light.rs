@@ -18,22 +18,22 @@ pub const LIGHT: &[Mutant] = &[
     Mutant {
         name: "light: an on command counts while a cause is latched",
         file: OWNER,
-        text: "_ if self.is_latched() => Order::Ignored(Ignored::Fault),",
-        broken: "_ if self.latch == Latch::Other => Order::Ignored(Ignored::Fault),",
+        text: "_ if self.is_latched() => GateOrder::Ignored(Ignored::Fault),",
+        broken: "_ if self.latch == Latch::Other => GateOrder::Ignored(Ignored::Fault),",
         test: STATES,
     },
     Mutant {
         name: "light: an on entry counts while a cause is latched",
         file: OWNER,
-        text: "        if self.is_latched() {\n            return Order::Ignored(Ignored::Fault);\n        }\n        if self.aborting {\n            return Order::Ignored(Ignored::Aborting);",
-        broken: "        if self.aborting {\n            return Order::Ignored(Ignored::Aborting);",
+        text: "        if self.is_latched() {\n            return GateOrder::Ignored(Ignored::Fault);\n        }\n        if self.aborting {\n            return GateOrder::Ignored(Ignored::Aborting);",
+        broken: "        if self.aborting {\n            return GateOrder::Ignored(Ignored::Aborting);",
         test: STATES,
     },
     Mutant {
         name: "light: an on command is taken during an abort",
         file: OWNER,
-        text: "_ if self.aborting => Order::Ignored(Ignored::Aborting),",
-        broken: "_ if false => Order::Ignored(Ignored::Aborting),",
+        text: "_ if self.aborting => GateOrder::Ignored(Ignored::Aborting),",
+        broken: "_ if false => GateOrder::Ignored(Ignored::Aborting),",
         test: STATES,
     },
     Mutant {
@@ -60,14 +60,14 @@ pub const LIGHT: &[Mutant] = &[
     Mutant {
         name: "light: an on command that meets no output is remembered",
         file: OWNER,
-        text: "_ if !self.output => Order::Ignored(Ignored::NoOutput),",
-        broken: "_ if false => Order::Ignored(Ignored::NoOutput),",
+        text: "_ if !self.output => GateOrder::Ignored(Ignored::NoOutput),",
+        broken: "_ if false => GateOrder::Ignored(Ignored::NoOutput),",
         test: STATES,
     },
     Mutant {
         name: "light: a redundant on command takes over the light of a path",
         file: OWNER,
-        text: "            Light::On(Who::Path(_)) => Order::Keep,\n            Light::Off | Light::On(Who::Call)",
+        text: "            Light::On(Who::Path(_)) => GateOrder::Keep,\n            Light::Off | Light::On(Who::Call)",
         broken: "            Light::Off | Light::On(_)",
         test: STATES,
     },
@@ -81,8 +81,8 @@ pub const LIGHT: &[Mutant] = &[
     Mutant {
         name: "light: a Stop shuts off the light of its own path only",
         file: OWNER,
-        text: "(Light::On(who), End::Stopped) if is_mapped => {",
-        broken: "(Light::On(who), End::Stopped) if is_mapped && who == Who::Path(crd) => {",
+        text: "(Light::On(who), StandstillCause::Stopped) if is_mapped => {",
+        broken: "(Light::On(who), StandstillCause::Stopped) if is_mapped && who == Who::Path(crd) => {",
         test: STATES,
     },
     Mutant {

@@ -339,8 +339,8 @@ pub const LIST: &[Mutant] = &[
     mutant(
         "deliveries: a KeepAlive is not answered",
         RECEIVE,
-        "Kind::KeepAlive => self.receiver.ask_acknowledgement(),",
-        "Kind::KeepAlive => {}",
+        "FrameKind::KeepAlive => self.receiver.ask_acknowledgement(),",
+        "FrameKind::KeepAlive => {}",
         DELIVERIES,
     ),
     mutant(
@@ -353,8 +353,8 @@ pub const LIST: &[Mutant] = &[
     mutant(
         "deliveries: a client is open before the controller is",
         RECEIVE,
-        "        self.phase = Phase::Confirming(1);",
-        "        self.phase = Phase::Confirming(1);\n        self.state = State::Open;",
+        "        self.phase = SessionPhase::Confirming(1);",
+        "        self.phase = SessionPhase::Confirming(1);\n        self.state = LinkState::Open;",
         DELIVERIES,
     ),
     mutant(
@@ -367,15 +367,15 @@ pub const LIST: &[Mutant] = &[
     mutant(
         "deliveries: a client confirms for ever",
         "protocol/src/link.rs",
-        "Phase::Confirming(count) if count < 3 =>",
-        "Phase::Confirming(count) =>",
+        "SessionPhase::Confirming(count) if count < 3 =>",
+        "SessionPhase::Confirming(count) =>",
         DELIVERIES,
     ),
     mutant(
         "deliveries: an answer to another Hello is taken up",
         RECEIVE,
-        "|| self.phase != Phase::Asking || !ours {",
-        "|| self.phase != Phase::Asking || !ours && header.session.get() == 0 {",
+        "|| self.phase != SessionPhase::Asking || !ours {",
+        "|| self.phase != SessionPhase::Asking || !ours && header.session.get() == 0 {",
         DELIVERIES,
     ),
     mutant(
@@ -471,7 +471,7 @@ pub const LIST: &[Mutant] = &[
     mutant(
         "found: a connector that is taken away leaves the light",
         "servo/src/laser/channel.rs",
-        "if !*laser && self.energy.mode != Mode::Analog {",
+        "if !*laser && self.energy.mode != PowerMode::Analog {",
         "if !*laser && self.energy.mode != self.energy.mode {",
         GATE,
     ),

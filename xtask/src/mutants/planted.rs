@@ -100,7 +100,7 @@ const LIGHT: &[Planted] = &[
         by: By::Light,
         places: &[(
             OWNER,
-            "            Light::On(Who::Path(_)) => Order::Keep,\n            Light::Off | Light::On(Who::Call)",
+            "            Light::On(Who::Path(_)) => GateOrder::Keep,\n            Light::Off | Light::On(Who::Call)",
             "            Light::Off | Light::On(_)",
         )],
     },
@@ -114,15 +114,15 @@ const LIGHT: &[Planted] = &[
         by: By::Light,
         places: &[(
             OWNER,
-            "(Light::On(who), End::Stopped) if is_mapped => {",
-            "(Light::On(who), End::Stopped) if is_mapped && who == Who::Path(crd) => {",
+            "(Light::On(who), StandstillCause::Stopped) if is_mapped => {",
+            "(Light::On(who), StandstillCause::Stopped) if is_mapped && who == Who::Path(crd) => {",
         )],
     },
     Planted {
         name: "an on command without an output is remembered",
         by: By::Light,
         places: &[
-            (OWNER, "_ if !self.output => Order::Ignored(Ignored::NoOutput),", "_ if false => Order::Keep,"),
+            (OWNER, "_ if !self.output => GateOrder::Ignored(Ignored::NoOutput),", "_ if false => GateOrder::Keep,"),
             (OWNER, "        if !self.output {\n            return", "        if false {\n            return"),
         ],
     },

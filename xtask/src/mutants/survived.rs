@@ -153,15 +153,15 @@ pub const SURVIVED: &[Mutant] = &[
     mutant(
         "an axis of another path goes along",
         DRIVEN,
-        "self.refuses_start() || self.runs() || self.published.mode == Mode::Crd",
+        "self.refuses_start() || self.runs() || self.published.mode == MotionMode::Crd",
         "self.refuses_start() || self.runs()",
         CRD_GUARDS,
     ),
     mutant(
         "an axis that goes along is sent away",
         DRIVEN,
-        "|| self.state == MotionState::Driven && !geared || self.refuses_start() {",
-        "|| self.refuses_start() {",
+        "            || self.state == MotionState::Driven && !geared\n",
+        "",
         CRD_GUARDS,
     ),
     mutant(
@@ -351,8 +351,8 @@ pub const SURVIVED: &[Mutant] = &[
     mutant(
         "an answer to another Hello is taken up",
         RECEIVE,
-        "|| self.phase != Phase::Asking || !ours {",
-        "|| self.phase != Phase::Asking || !ours && header.session.get() == 0 {",
+        "|| self.phase != SessionPhase::Asking || !ours {",
+        "|| self.phase != SessionPhase::Asking || !ours && header.session.get() == 0 {",
         LIFE,
     ),
     mutant(

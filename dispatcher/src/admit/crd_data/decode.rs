@@ -4,7 +4,7 @@
 //! for.
 //! Fails: with the parameter and the limit.
 use crate::admit::context::Context;
-use crate::admit::written::Took;
+use crate::admit::written::TakenValues;
 use crate::admit::{crd, io, many, one};
 use crate::configuration::ones;
 use crate::plan::look_ahead::ALONG_MIN;
@@ -14,8 +14,8 @@ use protocol::command::{
     CrdPoint, LnXY, LnXYG0, LnXYZ, LnXYZA, Wire, opcode,
 };
 use protocol::reason::Reason;
-use servo::path::{DIMENSIONS, Entry, Plane};
-use servo::tick_command::Mode;
+use servo::path::{DIMENSIONS, PathEntry, Plane};
+use servo::tick_command::MotionMode;
 use servo::units::Axis;
 
 /// The FIFO of a command; `fifo_field` is the index of `fifo` among the fields of its request.
@@ -27,10 +27,10 @@ pub struct Target {
     pub fifo_field: u8,
 }
 
-/// Speeds of a motion as they were given; `field` is the index of synVel, which synAcc and velEnd
-/// follow.
+/// GivenSpeeds of a motion as they were given; `field` is the index of synVel, which synAcc and
+/// velEnd follow.
 #[derive(Debug, Clone, Copy)]
-pub struct Speeds {
+pub struct GivenSpeeds {
     pub vel: f64,
     pub acc: f64,
     pub end: f64,
@@ -41,7 +41,7 @@ pub struct Speeds {
 
 /// Path geometry of a motion as given. `field` is the index of the first parameter named.
 #[derive(Debug, Clone, Copy)]
-pub enum Shape {
+pub enum GivenGeometry {
     /// A line to the first `count` coordinates; `planar` keeps all digits of the speeds.
     Line { to: [i32; DIMENSIONS], count: usize, field: u8 },
     /// An arc by its radius (`field` + 2).
@@ -52,11 +52,11 @@ pub enum Shape {
 
 /// What goes into the FIFO.
 #[derive(Debug, Clone, Copy)]
-pub enum Item {
+pub enum FifoItem {
     /// A motion.
-    Motion(Shape, Speeds),
+    Motion(GivenGeometry, GivenSpeeds),
     /// Any other entry.
-    Entry(Entry, EntryKind),
+    Entry(PathEntry, EntryKind),
     /// Nothing more follows for now: all of the look-ahead goes to the tick.
     Flush,
 }
@@ -73,11 +73,11 @@ pub enum EntryKind {
     /// An axis moves with the next motion, by so many pulses.
     Gear(Axis, u32),
     /// Changes a laser: the channel and follow table that it names, the values to report.
-    Laser { named: Option<(u8, u8)>, took: Option<Took> },
+    Laser { named: Option<(u8, u8)>, took: Option<TakenValues> },
 }
 
 /// A data command.
-pub type DataCommand = (Target, Item);
+pub type DataCommand = (Target, FifoItem);
 
 /// The commands of one entry.
 pub fn decode<const AXES: usize>(context: &Context<AXES>, number: u16, body: &[u8]) -> Admitted<DataCommand> {
@@ -88,7 +88,13 @@ pub fn decode<const AXES: usize>(context: &Context<AXES>, number: u16, body: &[u
     }
     macro_rules! speeds {
         ($r:ident, $field:literal) => {
-            Speeds { vel: $r.syn_vel.get(), acc: $r.syn_acc.get(), end: $r.vel_end.get(), field: $field, stops: false }
+            GivenSpeeds {
+                vel: $r.syn_vel.get(),
+                acc: $r.syn_acc.get(),
+                end: $r.vel_end.get(),
+                field: $field,
+                stops: false,
+            }
         };
     }
     macro_rules! line {
@@ -97,24 +103,24 @@ pub fn decode<const AXES: usize>(context: &Context<AXES>, number: u16, body: &[u
             let given = [$(r.$axis.get()),*];
             let mut to = [0; DIMENSIONS];
             to.iter_mut().zip(given).for_each(|(to, given)| *to = given);
-            let shape = Shape::Line { to, count: given.len(), field: 2 };
-            Ok((target!(r, $field + 3), Item::Motion(shape, speeds!(r, $field))))
+            let shape = GivenGeometry::Line { to, count: given.len(), field: 2 };
+            Ok((target!(r, $field + 3), FifoItem::Motion(shape, speeds!(r, $field))))
         }};
     }
     macro_rules! radius {
         ($name:ident, $plane:ident, $a:ident, $b:ident) => {{
             let r = one::<$name>(body)?;
             let (to, radius, dir) = ([r.$a.get(), r.$b.get()], r.radius.get(), r.circle_dir.get());
-            let shape = Shape::Radius { plane: Plane::$plane, to, radius, dir, field: 2 };
-            Ok((target!(r, 9), Item::Motion(shape, speeds!(r, 6))))
+            let shape = GivenGeometry::Radius { plane: Plane::$plane, to, radius, dir, field: 2 };
+            Ok((target!(r, 9), FifoItem::Motion(shape, speeds!(r, 6))))
         }};
     }
     macro_rules! centre {
         ($name:ident, $plane:ident, $a:ident, $b:ident, $ca:ident, $cb:ident) => {{
             let r = one::<$name>(body)?;
             let (to, centre) = ([r.$a.get(), r.$b.get()], [r.$ca.get(), r.$cb.get()]);
-            let shape = Shape::Centre { plane: Plane::$plane, to, centre, dir: r.circle_dir.get(), field: 2 };
-            Ok((target!(r, 10), Item::Motion(shape, speeds!(r, 7))))
+            let shape = GivenGeometry::Centre { plane: Plane::$plane, to, centre, dir: r.circle_dir.get(), field: 2 };
+            Ok((target!(r, 10), FifoItem::Motion(shape, speeds!(r, 7))))
         }};
     }
     match number {
@@ -123,9 +129,9 @@ pub fn decode<const AXES: usize>(context: &Context<AXES>, number: u16, body: &[u
         opcode::LnXYZA => line!(LnXYZA, 6, x, y, z, a),
         opcode::LnXYG0 => {
             let r = one::<LnXYG0>(body)?;
-            let shape = Shape::Line { to: [r.x.get(), r.y.get(), 0, 0], count: 2, field: 2 };
-            let speeds = Speeds { vel: r.syn_vel.get(), acc: r.syn_acc.get(), end: 0.0, field: 4, stops: true };
-            Ok((target!(r, 6), Item::Motion(shape, speeds)))
+            let shape = GivenGeometry::Line { to: [r.x.get(), r.y.get(), 0, 0], count: 2, field: 2 };
+            let speeds = GivenSpeeds { vel: r.syn_vel.get(), acc: r.syn_acc.get(), end: 0.0, field: 4, stops: true };
+            Ok((target!(r, 6), FifoItem::Motion(shape, speeds)))
         }
         opcode::ArcXYR => radius!(ArcXYR, Xy, x, y),
         opcode::ArcYZR => radius!(ArcYZR, Yz, y, z),
@@ -137,7 +143,7 @@ pub fn decode<const AXES: usize>(context: &Context<AXES>, number: u16, body: &[u
         opcode::BufDelay => {
             let r = one::<BufDelay>(body)?;
             let ms = r.delay_ms.get();
-            Ok((target!(r, 3), Item::Entry(Entry::delay(ms), EntryKind::Delay(ms.into()))))
+            Ok((target!(r, 3), FifoItem::Entry(PathEntry::delay(ms), EntryKind::Delay(ms.into()))))
         }
         opcode::BufIO => {
             let r = one::<BufIO>(body)?;
@@ -148,20 +154,20 @@ pub fn decode<const AXES: usize>(context: &Context<AXES>, number: u16, body: &[u
                 return Err(Refused::new(Reason::OutOfRange).field(3).got(mask as f64).limits(0.0, all as f64));
             }
             let value = u64::from(r.do_value.get()) & mask;
-            let entry = Entry::output(group, mask << first, value << first);
-            Ok((target!(r, 5), Item::Entry(entry, EntryKind::Output)))
+            let entry = PathEntry::output(group, mask << first, value << first);
+            Ok((target!(r, 5), FifoItem::Entry(entry, EntryKind::Output)))
         }
         opcode::BufDoBit => {
             let r = one::<BufDoBit>(body)?;
             let output = (selector(r.do_type.get()), selector(r.index.get()), r.value.get());
             let (group, bit, high) = io::output(context, r.core.get(), 2, output)?;
-            let entry = Entry::output(group, 1 << bit, u64::from(high) << bit);
-            Ok((target!(r, 5), Item::Entry(entry, EntryKind::Output)))
+            let entry = PathEntry::output(group, 1 << bit, u64::from(high) << bit);
+            Ok((target!(r, 5), FifoItem::Entry(entry, EntryKind::Output)))
         }
         opcode::BufDA => {
             let r = one::<BufDA>(body)?;
             let channel = io::analog(context, 2, r.channel.get())?;
-            Ok((target!(r, 4), Item::Entry(Entry::analog(channel, r.value.get()), EntryKind::Output)))
+            Ok((target!(r, 4), FifoItem::Entry(PathEntry::analog(channel, r.value.get()), EntryKind::Output)))
         }
         opcode::BufMove => {
             let r = one::<BufMove>(body)?;
@@ -172,15 +178,15 @@ pub fn decode<const AXES: usize>(context: &Context<AXES>, number: u16, body: &[u
             real(4, vel, ALONG_MIN, most)?;
             real(5, acc, ALONG_MIN, crd::VALUE_MAX)?;
             let modal = choice(6, r.modal.get(), 0, 1)? == 1;
-            let entry = Entry::travel(axis, r.pos.get(), (vel.to_bits(), limit), acc.to_bits(), modal)
+            let entry = PathEntry::travel(axis, r.pos.get(), (vel.to_bits(), limit), acc.to_bits(), modal)
                 .map_err(|_| Refused::new(Reason::OutOfRange).field(4).got(vel).limits(ALONG_MIN, most))?;
-            Ok((target!(r, 7), Item::Entry(entry, EntryKind::Move(axis))))
+            Ok((target!(r, 7), FifoItem::Entry(entry, EntryKind::Move(axis))))
         }
         _ => {
             let r = one::<BufGear>(body)?;
             let axis = beside(context, r.core.get(), r.axis.get())?;
             let kind = EntryKind::Gear(axis, r.pos.get().unsigned_abs());
-            Ok((target!(r, 4), Item::Entry(Entry::gear(axis, r.pos.get()), kind)))
+            Ok((target!(r, 4), FifoItem::Entry(PathEntry::gear(axis, r.pos.get()), kind)))
         }
     }
 }
@@ -194,13 +200,13 @@ fn selector(given: u16) -> i16 {
 fn beside<const AXES: usize>(context: &Context<AXES>, core: i16, axis: i16) -> Admitted<Axis> {
     let axis = context.axis(core, axis).map_err(|refused| refused.field(2))?;
     let shadow = context.shadow(axis);
-    if shadow.mode == Mode::Crd {
+    if shadow.mode == MotionMode::Crd {
         return Err(context
             .no(Reason::AxisInCrd, axis)
             .field(2)
             .got(context.configuration.crd_number(shadow.crd).into()));
     }
-    context.in_mode(axis, shadow.mode == Mode::Trap)?;
+    context.in_mode(axis, shadow.mode == MotionMode::Trap)?;
     Ok(axis)
 }
 
@@ -213,16 +219,16 @@ fn point(body: &[u8]) -> Admitted<DataCommand> {
         if items > 1 {
             return Err(Refused::new(Reason::TooMany).got(items as f64).limits(0.0, 1.0));
         }
-        return Ok((target, Item::Flush));
+        return Ok((target, FifoItem::Flush));
     };
     // Fields of an item are counted after those of the request.
     const AT: u8 = CrdData::FIELDS.len() as u8;
     let stops = choice(AT + 9, point.vel_end_zero.get(), 0, 1)? == 1;
     let end = if stops { 0.0 } else { point.vel_end.get() };
-    let speeds = Speeds { vel: point.vel.get(), acc: point.acc.get(), end, field: AT + 6, stops };
+    let speeds = GivenSpeeds { vel: point.vel.get(), acc: point.acc.get(), end, field: AT + 6, stops };
     let to = point.pos.map(|pos| pos.get());
     if choice(AT, point.motion_type.get(), 0, 1)? == 0 {
-        return Ok((target, Item::Motion(Shape::Line { to, count: DIMENSIONS, field: AT + 2 }, speeds)));
+        return Ok((target, FifoItem::Motion(GivenGeometry::Line { to, count: DIMENSIONS, field: AT + 2 }, speeds)));
     }
     let plane = match choice(AT + 1, point.plane.get(), 0, 2)? {
         0 => Plane::Xy,
@@ -232,9 +238,9 @@ fn point(body: &[u8]) -> Admitted<DataCommand> {
     let [i, j] = plane.coordinates();
     let (to, dir, centre) = ([to[i], to[j]], point.dir.get(), point.center.map(|part| part.get()));
     let shape = if centre == [0.0; 2] {
-        Shape::Radius { plane, to, radius: point.radius.get(), dir, field: AT + 2 }
+        GivenGeometry::Radius { plane, to, radius: point.radius.get(), dir, field: AT + 2 }
     } else {
-        Shape::Centre { plane, to, centre, dir, field: AT + 2 }
+        GivenGeometry::Centre { plane, to, centre, dir, field: AT + 2 }
     };
-    Ok((target, Item::Motion(shape, speeds)))
+    Ok((target, FifoItem::Motion(shape, speeds)))
 }

@@ -11,9 +11,9 @@ use super::distance::source;
 use super::energy::{direct_powers, limited, own_bounds, power, powers};
 use super::power_range::Taking;
 use super::tables::table;
-use crate::admit::crd_data::{self, DataCommand, EntryKind, Item, Target};
+use crate::admit::crd_data::{self, DataCommand, EntryKind, FifoItem, Target};
 use crate::admit::one;
-use crate::admit::written::{Paths, Stored, Took, took};
+use crate::admit::written::{Paths, Stored, TakenValues, took};
 use crate::refuse::{Admitted, Refused};
 use crate::report::answer::TAKEN_MAX;
 use protocol::command::{
@@ -21,8 +21,8 @@ use protocol::command::{
     BufLaserPrfCmd, BufLaserPrfFollow, opcode,
 };
 use protocol::reason::Reason;
-use servo::laser::{Bounds, Buffered, Curve, Power, Ratio};
-use servo::path::Entry;
+use servo::laser::{Buffered, Curve, Power, PowerBounds, Ratio};
+use servo::path::PathEntry;
 use servo::units::CrdMask;
 
 /// Velocity ratios may be this large: 2³².
@@ -43,10 +43,10 @@ fn entry<const AXES: usize>(context: &Context<AXES>, number: u16, body: &[u8]) -
             let $r = &one::<$name>(body)?;
             let $of = context.channel($r.core.get(), $channel, $r.channel.get())?;
             mapped(context, $r.core.get(), $r.crd.get(), $of)?;
-            let (change, took): (Buffered, Option<Took>) = $change;
+            let (change, took): (Buffered, Option<TakenValues>) = $change;
             let (code, words) = change.pack();
             let target = Target { core: $r.core.get(), crd: $r.crd.get(), fifo: $r.fifo.get(), fifo_field: $fifo };
-            (target, Item::Entry(Entry::laser($of, code, words), EntryKind::Laser { named, took }))
+            (target, FifoItem::Entry(PathEntry::laser($of, code, words), EntryKind::Laser { named, took }))
         }};
     }
     Ok(match number {
@@ -99,7 +99,11 @@ fn mapped<const AXES: usize>(context: &Context<AXES>, core: i16, crd: i16, chann
 }
 
 /// A direct power, with its field.
-fn direct<const AXES: usize>(context: &Context<AXES>, channel: u8, (field, got): (u8, f64)) -> Admitted<(Power, Took)> {
+fn direct<const AXES: usize>(
+    context: &Context<AXES>,
+    channel: u8,
+    (field, got): (u8, f64),
+) -> Admitted<(Power, TakenValues)> {
     let shadow = context.laser(channel);
     let range = direct_powers(shadow.mode, context.is_lsr(), context.shadows.laser_fine);
     let mut taking = Taking::new(context.is_lsr());
@@ -125,7 +129,7 @@ fn bounds<const AXES: usize>(
     channel: u8,
     min: (u8, f64),
     max: (u8, f64),
-) -> Admitted<(Bounds, Took)> {
+) -> Admitted<(PowerBounds, TakenValues)> {
     let shadow = context.laser(channel);
     let mode = shadow.mode;
     let range = powers(mode, context.is_lsr(), context.shadows.laser_fine);

@@ -13,7 +13,7 @@ use crate::report::replies::units;
 use crate::shadow::{DistanceShadow, LaserChange};
 use protocol::command::{SetLaserDisMode, SetLaserDisRatio};
 use protocol::reason::Reason;
-use servo::laser::{Bounds, Change, DISTANCES, Distance, Ratios, Source};
+use servo::laser::{ChannelChange, DISTANCES, Distance, PowerBounds, Ratios, SpeedSource};
 use servo::units::Axis;
 
 /// Scales of the families, pulses per unit of distance. GUS states no range: it is that of the
@@ -28,8 +28,8 @@ pub fn ratio(field: u8, item: usize, got: f64) -> Admitted<f64> {
 }
 
 /// The source of positions or speeds.
-pub fn source(field: u8, got: i16) -> Admitted<Source> {
-    Ok(if choice(field, got, 0, 1)? == 0 { Source::Planned } else { Source::Encoder })
+pub fn source(field: u8, got: i16) -> Admitted<SpeedSource> {
+    Ok(if choice(field, got, 0, 1)? == 0 { SpeedSource::Planned } else { SpeedSource::Encoder })
 }
 
 /// The distance follow of a channel, which has to be on.
@@ -44,7 +44,7 @@ pub fn stage<const AXES: usize>(context: &mut Context<AXES>, channel: u8, shadow
     let distance = Distance::admit(shadow.source, axes, shadow.reference, scale, ratio, shadow.from, shadow.bounds);
     // The checks let nothing through that the tick refuses.
     let distance = distance.map_err(|_| Refused::new(Reason::OutOfRange))?;
-    context.change_with(channel, Change::Distance(Some(distance)), LaserChange::Distance(Some(shadow)));
+    context.change_with(channel, ChannelChange::Distance(Some(distance)), LaserChange::Distance(Some(shadow)));
     Ok(())
 }
 
@@ -54,7 +54,7 @@ pub fn mode<const AXES: usize>(context: &mut Context<AXES>, r: &SetLaserDisMode)
     let on = choice(1, r.mode.get(), 0, 1)? == 1;
     let source = source(2, r.source.get())?;
     if !on {
-        context.change_with(channel, Change::Distance(None), LaserChange::Distance(None));
+        context.change_with(channel, ChannelChange::Distance(None), LaserChange::Distance(None));
         return Ok(took(context, &[0.0; DISTANCES], 0));
     }
     let mut taking = Taking::new(context.is_lsr());
@@ -97,7 +97,7 @@ pub fn bounds<const AXES: usize>(
     taking: &mut Taking,
     field: u8,
     (min, max): (f64, f64),
-) -> Admitted<Option<Bounds>> {
+) -> Admitted<Option<PowerBounds>> {
     if context.is_lsr() {
         return Ok(None);
     }

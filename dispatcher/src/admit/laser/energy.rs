@@ -2,20 +2,22 @@
 //! pre-voltage, resolution.
 //!
 //! In: requests with the user's doubles. Out: staged changes with the tick's numbers. With them
-//! goes the train for the power of the shadow state (`Fine`), so that the tick need not search for
-//! it.
+//! goes the train for the power of the shadow state (`FixedTrain`), so that the tick need not
+//! search for it.
 use super::power_range::{Range, Taking};
 use super::{Context, took};
 use crate::refuse::{Admitted, Refused, choice};
 use crate::report::answer::Answer;
 use crate::report::replies::{counts, units};
-use crate::shadow::{Change as Entered, LaserChange, LaserShadow};
+use crate::shadow::{LaserChange, LaserShadow, ShadowChange as Entered};
 use core::num::NonZeroU16;
 use protocol::command::{
     LaserOutFrq, LaserPowerMode, LaserPrfCmd, SetLaserMode, SetPreVltg, SetPulseWidth, SetWaitPulse, SetWaitPulseEx,
 };
 use protocol::reason::Reason;
-use servo::laser::{Bounds, CHANNELS, Carrier, Change, Clock, Count, Fine, Mode, Power, Standby, Train};
+use servo::laser::{
+    CHANNELS, Carrier, ChannelChange, Clock, Count, FixedTrain, Power, PowerBounds, PowerMode, Standby, Train,
+};
 use servo::tick_command::TickCommand;
 use servo::units::CrdMask;
 
@@ -43,24 +45,24 @@ fn carriers(lsr: bool, fine: bool) -> Range {
 }
 
 /// Range of a bound of the power in a mode.
-pub fn powers(mode: Mode, lsr: bool, fine: bool) -> Range {
+pub fn powers(mode: PowerMode, lsr: bool, fine: bool) -> Range {
     match mode {
-        Mode::Duty | Mode::DutyOpen => DUTY,
-        Mode::Frequency => Range::new(0.0, highest(lsr, fine)),
-        Mode::Analog => VOLTS,
+        PowerMode::Duty | PowerMode::DutyOpen => DUTY,
+        PowerMode::Frequency => Range::new(0.0, highest(lsr, fine)),
+        PowerMode::Analog => VOLTS,
     }
 }
 
 /// Range of a direct power in a mode: a rate other than 0 is at least 1 Hz.
-pub fn direct_powers(mode: Mode, lsr: bool, fine: bool) -> Range {
-    if mode == Mode::Frequency { Range::rate(highest(lsr, fine)) } else { powers(mode, lsr, fine) }
+pub fn direct_powers(mode: PowerMode, lsr: bool, fine: bool) -> Range {
+    if mode == PowerMode::Frequency { Range::rate(highest(lsr, fine)) } else { powers(mode, lsr, fine) }
 }
 
 /// Bit of `held` for pulses of this width (µs) that reach the period at this power.
-pub fn limited(mode: Mode, width_us: u16, power: Power) -> u8 {
+pub fn limited(mode: PowerMode, width_us: u16, power: Power) -> u8 {
     // µs times kHz: a period is 1000.
     let reaches = f64::from(width_us) * units(power) >= 1000.0;
-    if reaches && mode == Mode::Frequency { WIDTH_LIMITED } else { 0 }
+    if reaches && mode == PowerMode::Frequency { WIDTH_LIMITED } else { 0 }
 }
 
 /// A checked number in the tick's format. The checks allow nothing that it refuses.
@@ -70,8 +72,8 @@ pub fn power(field: u8, value: f64) -> Admitted<Power> {
 }
 
 /// Checked bounds in the tick's format, each with its field.
-pub fn own_bounds(mode: Mode, min: (u8, f64), max: (u8, f64)) -> Admitted<Bounds> {
-    Bounds::admit(mode, power(max.0, max.1)?, power(min.0, min.1)?)
+pub fn own_bounds(mode: PowerMode, min: (u8, f64), max: (u8, f64)) -> Admitted<PowerBounds> {
+    PowerBounds::admit(mode, power(max.0, max.1)?, power(min.0, min.1)?)
         .map_err(|_| Refused::new(Reason::BelowMinimum).field(max.0).got(max.1).limits(min.1, min.1))
 }
 
@@ -92,15 +94,15 @@ fn percent(train: &Train) -> f64 {
 
 impl LaserShadow {
     /// The train for the power that this channel holds.
-    fn fine(&self, clock: Clock) -> Option<Fine> {
-        Fine::plan(self.mode, self.bounds.hold(self.power), self.carrier.as_ref(), clock)
+    fn fine(&self, clock: Clock) -> Option<FixedTrain> {
+        FixedTrain::plan(self.mode, self.bounds.hold(self.power), self.carrier.as_ref(), clock)
     }
 
     /// The output for the power that this channel holds, in the mode's unit; `fine` is its train.
-    fn reached(&self, fine: Option<Fine>, clock: Clock) -> f64 {
+    fn reached(&self, fine: Option<FixedTrain>, clock: Clock) -> f64 {
         let power = self.bounds.hold(self.power);
         match (self.mode, fine) {
-            (Mode::Frequency, _) if power > Power::ZERO => khz(clock.period(power), clock),
+            (PowerMode::Frequency, _) if power > Power::ZERO => khz(clock.period(power), clock),
             (_, Some(fine)) => percent(fine.train()),
             (_, None) => units(power),
         }
@@ -119,10 +121,10 @@ pub fn mode<const AXES: usize>(context: &mut Context<AXES>, r: &LaserPowerMode) 
     crds.crds().try_for_each(|crd| context.crd_at_standstill(crd))?;
     let lsr = context.is_lsr();
     let mode = match choice(1, r.mode.get(), 0, 3)? {
-        1 => Mode::Frequency,
-        2 => Mode::Analog,
-        3 if !lsr => Mode::DutyOpen,
-        _ => Mode::Duty,
+        1 => PowerMode::Frequency,
+        2 => PowerMode::Analog,
+        3 if !lsr => PowerMode::DutyOpen,
+        _ => PowerMode::Duty,
     };
     // GUS always applies the delays and has no such parameter.
     let delayed = !lsr || choice(5, r.delay_mode.get(), 0, 1)? == 1;
@@ -140,8 +142,8 @@ pub fn mode<const AXES: usize>(context: &mut Context<AXES>, r: &LaserPowerMode) 
     shadow.set_mode(mode, bounds, delayed);
     let fine = shadow.fine(context.clock()?);
     let entered = LaserChange::Mode { mode, bounds, delayed };
-    context.change_with(channel, Change::Mode { mode, bounds, delayed, fine }, entered);
-    if (before == Mode::Analog) != (mode == Mode::Analog) {
+    context.change_with(channel, ChannelChange::Mode { mode, bounds, delayed, fine }, entered);
+    if (before == PowerMode::Analog) != (mode == PowerMode::Analog) {
         pair_standby(context, (channel, mode))?;
     }
     Ok(took(context, &[max, min], taking.held | shadow.is_limited()))
@@ -157,7 +159,7 @@ pub fn direct<const AXES: usize>(context: &mut Context<AXES>, r: &LaserPrfCmd) -
     shadow.power = power(1, value)?;
     let clock = context.clock()?;
     let (power, fine) = (shadow.power, shadow.fine(clock));
-    context.change_with(channel, Change::Direct { power, fine }, LaserChange::Power(power));
+    context.change_with(channel, ChannelChange::Direct { power, fine }, LaserChange::Power(power));
     Ok(took(context, &[shadow.reached(fine, clock)], taking.held | shadow.is_limited()))
 }
 
@@ -176,7 +178,7 @@ fn stage_carrier<const AXES: usize>(context: &mut Context<AXES>, channel: u8, ca
     let mut shadow = *context.laser(channel);
     shadow.carrier = Some(carrier);
     let fine = shadow.fine(context.clock()?);
-    context.change_with(channel, Change::Carrier { carrier, fine }, LaserChange::Carrier(carrier));
+    context.change_with(channel, ChannelChange::Carrier { carrier, fine }, LaserChange::Carrier(carrier));
     Ok(())
 }
 
@@ -189,14 +191,14 @@ pub fn width<const AXES: usize>(context: &mut Context<AXES>, r: &SetPulseWidth) 
     let mut shadow = *context.laser(channel);
     shadow.width_us = width_us;
     if let Some(us) = NonZeroU16::new(width_us) {
-        context.change_with(channel, Change::PulseWidth { us }, LaserChange::Width(width_us));
+        context.change_with(channel, ChannelChange::PulseWidth { us }, LaserChange::Width(width_us));
     }
     Ok(took(context, &[width_us.into()], taking.held | shadow.is_limited()))
 }
 
 /// SetWaitPulseEx of the LSR family acts only while both channels are PWM (LSR, command 21): its
 /// pulses stop while one of them is analog. One channel is about to have another mode.
-fn pair_standby<const AXES: usize>(context: &mut Context<AXES>, changed: (u8, Mode)) -> Admitted<()> {
+fn pair_standby<const AXES: usize>(context: &mut Context<AXES>, changed: (u8, PowerMode)) -> Admitted<()> {
     let clock = context.clock()?;
     let analog = !are_pwm(context, Some(changed));
     for channel in 0..CHANNELS as u8 {
@@ -204,17 +206,17 @@ fn pair_standby<const AXES: usize>(context: &mut Context<AXES>, changed: (u8, Mo
         if let Some((khz, duty)) = shadow.standby.filter(|_| shadow.paired) {
             let none = |_| Refused::new(Reason::OutOfRange);
             let pulses = if analog { None } else { Some(Standby::admit(khz, duty, clock).map_err(none)?) };
-            context.change(channel, Change::PairedStandby(pulses));
+            context.change(channel, ChannelChange::PairedStandby(pulses));
         }
     }
     Ok(())
 }
 
 /// Whether both channels are PWM; one of them may be about to have another mode.
-fn are_pwm<const AXES: usize>(context: &Context<AXES>, changed: Option<(u8, Mode)>) -> bool {
+fn are_pwm<const AXES: usize>(context: &Context<AXES>, changed: Option<(u8, PowerMode)>) -> bool {
     (0..CHANNELS as u8).all(|channel| {
         let mode = changed.filter(|(of, _)| *of == channel).map_or(context.laser(channel).mode, |(_, mode)| mode);
-        mode != Mode::Analog
+        mode != PowerMode::Analog
     })
 }
 
@@ -245,7 +247,7 @@ fn standby<const AXES: usize>(
     let output = pulses.filter(|_| !paired || are_pwm(context, None));
     for channel in channels {
         let shadow = pulses.map(|pulses| (pulses.khz(), pulses.duty()));
-        context.change_with(channel, Change::Standby(output), LaserChange::Standby(shadow, paired));
+        context.change_with(channel, ChannelChange::Standby(output), LaserChange::Standby(shadow, paired));
     }
     let reached = pulses.map_or((frequency, duty), |pulses| {
         let train = pulses.train();
@@ -271,7 +273,7 @@ pub fn pre_voltage<const AXES: usize>(context: &mut Context<AXES>, r: &SetPreVlt
     let mut taking = Taking::new(context.is_lsr());
     let volts = taking.take(2, 0, r.voltage.get(), VOLTS)?;
     let volts_fixed = power(2, volts)?;
-    context.change(channel, Change::PreVoltage(on.then_some(volts_fixed)));
+    context.change(channel, ChannelChange::PreVoltage(on.then_some(volts_fixed)));
     Ok(took(context, &[volts], taking.held))
 }
 
@@ -301,17 +303,18 @@ fn hold_frequencies<const AXES: usize>(context: &mut Context<AXES>, channel: u8,
         let pulses = Some(Standby::admit(highest, duty, clock).map_err(none)?);
         let output = pulses.filter(|_| !shadow.paired || are_pwm(context, None));
         let entered = LaserChange::Standby(Some((highest, duty)), shadow.paired);
-        context.change_with(channel, Change::Standby(output), entered);
+        context.change_with(channel, ChannelChange::Standby(output), entered);
     }
-    if shadow.mode == Mode::Frequency && (shadow.bounds.max() > highest || shadow.power > highest) {
-        let bounds = Bounds::admit(shadow.mode, shadow.bounds.max().min(highest), shadow.bounds.min().min(highest));
+    if shadow.mode == PowerMode::Frequency && (shadow.bounds.max() > highest || shadow.power > highest) {
+        let bounds =
+            PowerBounds::admit(shadow.mode, shadow.bounds.max().min(highest), shadow.bounds.min().min(highest));
         shadow.bounds = bounds.map_err(none)?;
         shadow.power = shadow.power.min(highest);
         let (mode, bounds, delayed, power, fine) =
             (shadow.mode, shadow.bounds, shadow.delayed, shadow.power, shadow.fine(clock));
-        context.change_with(channel, Change::Direct { power, fine }, LaserChange::Power(power));
+        context.change_with(channel, ChannelChange::Direct { power, fine }, LaserChange::Power(power));
         let entered = LaserChange::Mode { mode, bounds, delayed };
-        context.change_with(channel, Change::Mode { mode, bounds, delayed, fine }, entered);
+        context.change_with(channel, ChannelChange::Mode { mode, bounds, delayed, fine }, entered);
     }
     Ok(())
 }

@@ -31,7 +31,7 @@ use protocol::command::{
     ClrLaserFault, DisFPK, EnaFPK, LaserOn, SetAxisMode, SetHSIOOpt, SetLaserCrdMap, SetLevelDelay, ZeroLaserOnTime,
 };
 use protocol::reason::Reason;
-use servo::laser::{Bounds, CHANNELS, Cause, Change, Clock, Delays, Family, Fpk, Mode};
+use servo::laser::{CHANNELS, Cause, ChannelChange, Clock, Delays, Family, Fpk, PowerBounds, PowerMode};
 use servo::tick_command::TickCommand;
 use servo::units::{AxisMask, Crd, CrdMask};
 
@@ -70,18 +70,21 @@ impl<const AXES: usize> Context<'_, AXES> {
         Clock::from_mhz(self.view.timer_mhz).ok_or(Refused::new(Reason::RingFull))
     }
 
-    fn change(&mut self, channel: u8, change: Change) -> Answer {
+    fn change(&mut self, channel: u8, change: ChannelChange) -> Answer {
         self.stage(TickCommand::Laser { channel, change });
         Answer::Done
     }
 
     /// A change of the shadow state alone.
     fn enter(&mut self, channel: u8, entered: LaserChange) {
-        self.stage_with(TickCommand::Mark, shadow::Change::Laser { channel, change: entered });
+        self.stage_with(TickCommand::Mark, shadow::ShadowChange::Laser { channel, change: entered });
     }
 
-    fn change_with(&mut self, channel: u8, change: Change, entered: LaserChange) -> Answer {
-        self.stage_with(TickCommand::Laser { channel, change }, shadow::Change::Laser { channel, change: entered });
+    fn change_with(&mut self, channel: u8, change: ChannelChange, entered: LaserChange) -> Answer {
+        self.stage_with(
+            TickCommand::Laser { channel, change },
+            shadow::ShadowChange::Laser { channel, change: entered },
+        );
         Answer::Done
     }
 
@@ -91,11 +94,11 @@ impl<const AXES: usize> Context<'_, AXES> {
             for (change, entered) in power_on(family) {
                 self.stage_with(
                     TickCommand::Laser { channel, change },
-                    shadow::Change::Laser { channel, change: entered },
+                    shadow::ShadowChange::Laser { channel, change: entered },
                 );
             }
         }
-        self.stage_with(TickCommand::Mark, shadow::Change::LaserFine(true));
+        self.stage_with(TickCommand::Mark, shadow::ShadowChange::LaserFine(true));
     }
 
     /// Clearing a status word clears the faults of channels that a crd of one of these axes gates
@@ -105,7 +108,10 @@ impl<const AXES: usize> Context<'_, AXES> {
         let crds = Crd::all().filter(gates).fold(0, |crds, crd| crds | crd.mask().0);
         for channel in 0..CHANNELS as u8 {
             if self.laser(channel).map & crds != 0 {
-                self.stage_with(TickCommand::Mark, shadow::Change::Laser { channel, change: LaserChange::Cleared });
+                self.stage_with(
+                    TickCommand::Mark,
+                    shadow::ShadowChange::Laser { channel, change: LaserChange::Cleared },
+                );
             }
         }
     }
@@ -113,14 +119,14 @@ impl<const AXES: usize> Context<'_, AXES> {
     /// A Reset clears the faults of every channel (SPEC 9).
     pub fn clear_all_laser_faults(&mut self) {
         for channel in 0..CHANNELS as u8 {
-            self.change_with(channel, Change::ClearFault, LaserChange::Cleared);
+            self.change_with(channel, ChannelChange::ClearFault, LaserChange::Cleared);
         }
     }
 
     /// Refuses light that no output would carry.
     fn connected(&self, channel: u8) -> Admitted<()> {
         let shadow = self.laser(channel);
-        if shadow.mode == Mode::Analog {
+        if shadow.mode == PowerMode::Analog {
             let there = channel < self.board.analog_outputs;
             return if there { Ok(()) } else { Err(Refused::new(Reason::NoLaserOutput).got(channel.into())) };
         }
@@ -141,17 +147,17 @@ impl<const AXES: usize> Context<'_, AXES> {
 /// A channel at power-on: its own defaults, and those of the family (SPEC 2). LSR has no gate
 /// delays until a mode asks for them, and its connectors belong to the laser. Those of GUS carry
 /// step pulses. Every crd is mapped.
-pub fn power_on(family: u8) -> [(Change, LaserChange); 4] {
+pub fn power_on(family: u8) -> [(ChannelChange, LaserChange); 4] {
     let lsr = family == LSR;
-    let (mode, bounds, delayed) = (Mode::Duty, Bounds::full(Mode::Duty), !lsr);
+    let (mode, bounds, delayed) = (PowerMode::Duty, PowerBounds::full(PowerMode::Duty), !lsr);
     [
         (
-            Change::Reset { family: if lsr { Family::Lsr } else { Family::Gus } },
+            ChannelChange::Reset { family: if lsr { Family::Lsr } else { Family::Gus } },
             LaserChange::PowerOn { delayed, connector: lsr },
         ),
-        (Change::Mode { mode, bounds, delayed, fine: None }, LaserChange::Mode { mode, bounds, delayed }),
-        (Change::Connector { laser: lsr }, LaserChange::Connector(lsr)),
-        (Change::CrdMap { map: u8::MAX }, LaserChange::Map(u8::MAX)),
+        (ChannelChange::Mode { mode, bounds, delayed, fine: None }, LaserChange::Mode { mode, bounds, delayed }),
+        (ChannelChange::Connector { laser: lsr }, LaserChange::Connector(lsr)),
+        (ChannelChange::CrdMap { map: u8::MAX }, LaserChange::Map(u8::MAX)),
     ]
 }
 
@@ -169,7 +175,7 @@ fn gate<const AXES: usize>(context: &mut Context<AXES>, channel: u8, on: bool) -
         }
         context.connected(channel)?;
     }
-    Ok(context.change(channel, Change::Gate { on }))
+    Ok(context.change(channel, ChannelChange::Gate { on }))
 }
 
 /// LaserOn and LaserOff.
@@ -189,7 +195,7 @@ pub fn delays<const AXES: usize>(context: &mut Context<AXES>, r: &SetLevelDelay)
     let mut taking = Taking::new(context.is_lsr());
     let off = taking.whole(1, 0, r.off_delay_us.get(), 0, TIME_MAX_US)?;
     let on = taking.whole(2, 1, r.on_delay_us.get(), 0, TIME_MAX_US)?;
-    context.change(channel, Change::Delays(Delays { off, on }));
+    context.change(channel, ChannelChange::Delays(Delays { off, on }));
     Ok(took(context, &[off.into(), on.into()], taking.held))
 }
 
@@ -200,18 +206,18 @@ pub fn fpk_on<const AXES: usize>(context: &mut Context<AXES>, r: &EnaFPK) -> Adm
     let begin = taking.whole(2, 1, r.time2_us.get(), 0, TIME_MAX_US)?;
     let end = taking.whole(3, 2, r.laser_off_delay_us.get(), 0, TIME_MAX_US)?;
     let fpk = NonZeroU16::new(pulse).map(|pulse| Fpk { pulse, begin, end });
-    context.change(channel, Change::Fpk(fpk));
+    context.change(channel, ChannelChange::Fpk(fpk));
     Ok(took(context, &[pulse.into(), begin.into(), end.into()], taking.held))
 }
 
 pub fn fpk_off<const AXES: usize>(context: &mut Context<AXES>, r: &DisFPK) -> Admitted<Answer> {
     let channel = context.channel(r.core.get(), 1, r.channel.get())?;
-    Ok(context.change(channel, Change::Fpk(None)))
+    Ok(context.change(channel, ChannelChange::Fpk(None)))
 }
 
 pub fn zero_on_time<const AXES: usize>(context: &mut Context<AXES>, r: &ZeroLaserOnTime) -> Admitted<Answer> {
     let channel = context.channel(r.core.get(), 1, r.channel.get())?;
-    Ok(context.change(channel, Change::ZeroOnTime))
+    Ok(context.change(channel, ChannelChange::ZeroOnTime))
 }
 
 /// Each core maps its own crds.
@@ -229,7 +235,7 @@ pub fn map<const AXES: usize>(context: &mut Context<AXES>, r: &SetLaserCrdMap) -
             return Err(context.no_crd(Reason::LaserMapInUse, crd).got(channel.into()));
         }
     }
-    Ok(context.change_with(channel, Change::CrdMap { map }, LaserChange::Map(map)))
+    Ok(context.change_with(channel, ChannelChange::CrdMap { map }, LaserChange::Map(map)))
 }
 
 /// Connectors 7 and 8, of core 1, carry step pulses of their axes at power-on; 8 cannot be given
@@ -245,7 +251,7 @@ pub fn connector<const AXES: usize>(context: &mut Context<AXES>, r: &SetAxisMode
     let laser = choice(2, r.mode.get(), lowest, 1)? == 1;
     context.at_standstill(context.axis(core, axis)?)?;
     let channel = (axis - FIRST_CONNECTOR) as u8;
-    Ok(context.change_with(channel, Change::Connector { laser }, LaserChange::Connector(laser)))
+    Ok(context.change_with(channel, ChannelChange::Connector { laser }, LaserChange::Connector(laser)))
 }
 
 pub fn clear_fault<const AXES: usize>(context: &mut Context<AXES>, r: &ClrLaserFault) -> Admitted<Answer> {
@@ -255,7 +261,7 @@ pub fn clear_fault<const AXES: usize>(context: &mut Context<AXES>, r: &ClrLaserF
         let refused = Refused::new(Reason::LaserCause).got(channel.into());
         return Err(refused.limits(0.0, f64::from(sampled.fault as u8)));
     }
-    Ok(context.change_with(channel, Change::ClearFault, LaserChange::Cleared))
+    Ok(context.change_with(channel, ChannelChange::ClearFault, LaserChange::Cleared))
 }
 
 /// A read of a channel; GetLaserCrdMap reports the crds of its core.

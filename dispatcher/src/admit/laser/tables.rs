@@ -7,7 +7,7 @@
 //! chunk that is sent again, because it was refused too early, is refused in the same way.
 //!
 //! Powers wait in scratch memory, since their table may still hold an earlier call's. Ratios go
-//! straight into the bank that nothing reads (`servo::laser::Tables`).
+//! straight into the bank that nothing reads (`servo::laser::PowerTables`).
 use super::distance::{bounds, bounds_reply, ratio, running, stage};
 use super::energy::{power, powers};
 use super::power_range::{Range, Taking};
@@ -18,7 +18,7 @@ use crate::report::answer::Answer;
 use crate::shadow::{CAPACITY, DistanceShadow, LaserChange, Shadows};
 use protocol::command::{Request, SetLaserDisTable1D, SetLaserDisTable2D, SetLaserFollowTable, opcode};
 use protocol::reason::Reason;
-use servo::laser::{Curve, DISTANCES, NODES, POINTS, POWER_TABLES, Power, Ratios, Tables};
+use servo::laser::{Curve, DISTANCES, NODES, POINTS, POWER_TABLES, Power, PowerTables, Ratios};
 use servo::tick_command::TickCommand;
 use servo::units::Crd;
 use zerocopy::FromBytes;
@@ -123,7 +123,7 @@ impl Loading {
     pub fn chunk<const AXES: usize>(
         &mut self,
         context: &mut Context<AXES>,
-        tables: &Tables,
+        tables: &PowerTables,
         number: u16,
         body: &[u8],
     ) -> Admitted<(Answer, Option<(u8, u8)>)> {
@@ -167,7 +167,7 @@ impl Loading {
     fn powers<const AXES: usize>(
         &mut self,
         context: &mut Context<AXES>,
-        tables: &Tables,
+        tables: &PowerTables,
         body: &[u8],
     ) -> Admitted<(Answer, Option<(u8, u8)>)> {
         let (r, rest) = split::<SetLaserFollowTable>(body)?;
@@ -217,7 +217,7 @@ impl Loading {
     fn lines<const AXES: usize>(
         &mut self,
         context: &mut Context<AXES>,
-        tables: &Tables,
+        tables: &PowerTables,
         body: &[u8],
     ) -> Admitted<Answer> {
         let (r, rest) = split::<SetLaserDisTable1D>(body)?;
@@ -263,7 +263,7 @@ impl Loading {
     fn plane<const AXES: usize>(
         &mut self,
         context: &mut Context<AXES>,
-        tables: &Tables,
+        tables: &PowerTables,
         body: &[u8],
     ) -> Admitted<Answer> {
         let (r, rest) = split::<SetLaserDisTable2D>(body)?;

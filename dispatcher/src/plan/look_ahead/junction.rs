@@ -1,6 +1,6 @@
 //! The junction of two motions: the change of velocity there, and the highest speed at which it is
 //! passed.
-use super::{Limits, Motion};
+use super::{Limits, PlannedMotion};
 use crate::plan::geometry::Position;
 
 /// Where two motions meet.
@@ -17,7 +17,7 @@ pub(super) const STANDSTILL: Junction = Junction { bend: [0.0; 4], cap: 0.0 };
 
 /// The last motion, for the junction to come.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Tail {
+pub(super) struct LastMotion {
     pub tangent: Position,
     pub length: f64,
     pub vel: f64,
@@ -25,7 +25,7 @@ pub(super) struct Tail {
 
 impl Limits {
     /// The junction between two motions.
-    pub(super) fn junction(&self, before: &Tail, motion: &Motion, tangent: &Position) -> Junction {
+    pub(super) fn junction(&self, before: &LastMotion, motion: &PlannedMotion, tangent: &Position) -> Junction {
         let mean = (before.length + motion.length) / 2.0;
         let slower = before.vel.min(motion.vel);
         let mut junction = Junction { cap: slower * slower, ..STANDSTILL };

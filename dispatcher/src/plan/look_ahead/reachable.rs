@@ -55,7 +55,7 @@ const CORNERS_MAX: usize = 16;
 
 /// y ≤ offset − slope·x, or y ≥ slope·x − offset.
 #[derive(Debug, Clone, Copy)]
-struct Line {
+struct Constraint {
     slope: f64,
     offset: f64,
     lower: bool,
@@ -69,7 +69,7 @@ pub(super) struct Span {
     length: f64,
     /// The highest x by itself: without and with the corner at the end.
     tops: [f64; 2],
-    lines: Vec<Line, LINES>,
+    lines: Vec<Constraint, LINES>,
 }
 
 /// The part of a limit that plans use.
@@ -127,8 +127,8 @@ impl Span {
     pub(super) fn new(length: f64, acc: f64, bounds: &[Bound]) -> Span {
         let mut span = Span { length, tops: [f64::INFINITY; 2], lines: Vec::new() };
         let swing = 2.0 * length * planned(acc);
-        span.push(Line { slope: -1.0, offset: swing, lower: false, end: false });
-        span.push(Line { slope: 1.0, offset: swing, lower: true, end: false });
+        span.push(Constraint { slope: -1.0, offset: swing, lower: false, end: false });
+        span.push(Constraint { slope: 1.0, offset: swing, lower: true, end: false });
         let unit = 1.0 / (2.0 * length);
         for bound in bounds {
             let [start, end] = &bound.corners;
@@ -149,7 +149,7 @@ impl Span {
         span
     }
 
-    fn push(&mut self, line: Line) {
+    fn push(&mut self, line: Constraint) {
         self.lines.push(line).ok();
     }
 
@@ -162,7 +162,7 @@ impl Span {
             let part = 1.0 / fabs(y);
             let lower = y < 0.0;
             let slope = x * part;
-            self.push(Line { slope, offset: limit * part, lower, end });
+            self.push(Constraint { slope, offset: limit * part, lower, end });
         } else if x > 0.0 {
             let top = limit / x;
             self.tops[1] = self.tops[1].min(top);
@@ -173,8 +173,8 @@ impl Span {
     }
 
     /// The lines that bound y at x from above and from below, with `most` and 0.
-    fn window(&self, x: f64, most: f64) -> [(f64, Line); 2] {
-        let line = |offset, lower| Line { slope: 0.0, offset, lower, end: false };
+    fn window(&self, x: f64, most: f64) -> [(f64, Constraint); 2] {
+        let line = |offset, lower| Constraint { slope: 0.0, offset, lower, end: false };
         let (mut above, mut below) = ((most, line(most, false)), (0.0, line(0.0, true)));
         for line in &self.lines {
             if line.lower {

@@ -9,7 +9,7 @@ use protocol::reason::Reason;
 
 /// The user's data from one point to the next.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Phase {
+pub struct PointData {
     /// Velocity at its point, pulse/ms, signed.
     pub vel: f64,
     /// Percentage of the ramps.
@@ -41,7 +41,7 @@ const PART_MIN_SHARE: f64 = 1.0 / (1u64 << 46) as f64;
 
 /// Splits the displacement `length` (not 0) from `phase`'s point to one with velocity `end`. A
 /// refusal names the field of the item by its index in the request's arrays.
-pub fn split(phase: &Phase, length: DoubleDouble, end: f64) -> Admitted<Split> {
+pub fn split(phase: &PointData, length: DoubleDouble, end: f64) -> Admitted<Split> {
     if length.high == 0.0 {
         return Err(Refused::new(Reason::NoDisplacement));
     }

@@ -2,7 +2,7 @@
 //!
 //! In: points one by one, in the order of the manual's arrays. Out: a header and points for the
 //! tick's stores, or the velocities and times of the two Calculate commands.
-//! Owns: [`Draft`], the few numbers that the next point needs. The points lie in the caller's
+//! Owns: [`TableDraft`], the few numbers that the next point needs. The points lie in the caller's
 //! [`Scratch`] until the table is complete, so a refused table changes nothing.
 //! Fails: [`Refused`] names the point (item), the parameter and the limit.
 //!
@@ -17,7 +17,7 @@ mod scratch;
 
 use crate::refuse::{Admitted, Refused, real, within};
 use complete::Row;
-use continuous::Phase;
+use continuous::PointData;
 pub use double_double::DoubleDouble;
 use protocol::reason::Reason;
 pub use scale::Sealed;
@@ -44,7 +44,7 @@ pub fn table_number(table: u8) -> i16 {
 
 /// A description with the values of the whole table.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Kind {
+pub enum TableKind {
     /// Time, position, velocity.
     Pvt,
     /// Time, position, velocity at the start and at the end of the segment that follows.
@@ -68,14 +68,14 @@ pub enum Kind {
     },
 }
 
-impl Kind {
+impl TableKind {
     /// Values of a point.
     pub const fn values(&self) -> usize {
         match self {
-            Kind::Pvt | Kind::Percent { .. } => 3,
-            Kind::PvtEx => 4,
-            Kind::Complete { .. } => 2,
-            Kind::Continuous { .. } => VALUES,
+            TableKind::Pvt | TableKind::Percent { .. } => 3,
+            TableKind::PvtEx => 4,
+            TableKind::Complete { .. } => 2,
+            TableKind::Continuous { .. } => VALUES,
         }
     }
 }
@@ -93,8 +93,8 @@ pub struct Fields {
 
 /// A table that is being sent.
 #[derive(Debug, Clone, Copy)]
-pub struct Draft {
-    kind: Kind,
+pub struct TableDraft {
+    kind: TableKind,
     fields: Fields,
     /// Step limit of the board, pulse/ms.
     limit: f64,
@@ -119,20 +119,20 @@ pub struct Draft {
     /// Percent: velocity at the last point. Continuous: its time.
     carried: DoubleDouble,
     /// Continuous: the segment that begins at the last point.
-    phase: Phase,
+    phase: PointData,
 }
 
-impl Draft {
+impl TableDraft {
     /// A table of `count` points. With `load`, `scratch` is emptied and takes the points; without,
-    /// only the answers of [`Draft::point`] are wanted.
+    /// only the answers of [`TableDraft::point`] are wanted.
     pub fn begin(
-        kind: Kind,
+        kind: TableKind,
         count: i32,
         fields: Fields,
         limit: StepLimit,
         load: bool,
         scratch: &mut Scratch<'_>,
-    ) -> Admitted<Draft> {
+    ) -> Admitted<TableDraft> {
         let limit = limit.pulses_per_ms() as f64;
         if !(2..=TABLE_POINTS as i32).contains(&count) {
             let (low, high) = (2.0, TABLE_POINTS as f64);
@@ -140,21 +140,21 @@ impl Draft {
         }
         let mut carried = DoubleDouble::default();
         match kind {
-            Kind::Complete { vel_begin, vel_end } => {
+            TableKind::Complete { vel_begin, vel_end } => {
                 speed(vel_begin, fields.whole, limit)?;
                 speed(vel_end, fields.whole + 1, limit)?;
             }
-            Kind::Percent { vel_begin } => carried = speed(vel_begin, fields.whole, limit)?.into(),
-            Kind::Continuous { time_begin } => {
+            TableKind::Percent { vel_begin } => carried = speed(vel_begin, fields.whole, limit)?.into(),
+            TableKind::Continuous { time_begin } => {
                 carried = real(fields.whole, time_begin, 0.0, LATEST_MS)?.into();
             }
-            Kind::Pvt | Kind::PvtEx => {}
+            TableKind::Pvt | TableKind::PvtEx => {}
         }
         if load {
             scratch.clear();
         }
         let knot = Knot { time: 0.0, pos: 0.0, vel: 0.0 };
-        Ok(Draft {
+        Ok(TableDraft {
             kind,
             fields,
             limit,
@@ -169,7 +169,7 @@ impl Draft {
             vel_end: 0.0,
             percent: 0.0,
             carried,
-            phase: Phase::default(),
+            phase: PointData::default(),
         })
     }
 
@@ -196,7 +196,7 @@ impl Draft {
     fn names_before(&self, refused: &Refused) -> bool {
         let distance = [Reason::NoDisplacement, Reason::VelocityUnreachable, Reason::AboveVelMax];
         // Of a point's own values only velMax can be too fast, and only on the segment after it.
-        let vel_max = matches!(self.kind, Kind::Continuous { .. }) && refused.wire.field == self.fields.point + 3;
+        let vel_max = matches!(self.kind, TableKind::Continuous { .. }) && refused.wire.field == self.fields.point + 3;
         let cruises = refused.reason == Reason::TooFast && vel_max;
         self.taken > 0 && (cruises || distance.contains(&refused.reason))
     }
@@ -215,8 +215,8 @@ impl Draft {
                 return Err(Refused::new(Reason::NotFinite).field(field + index as u8).got(*value));
             }
         }
-        if let Kind::Continuous { .. } = self.kind {
-            let phase = Phase { vel: at(1), percent: at(2), vel_max: at(3), acc: at(4), dec: at(5) };
+        if let TableKind::Continuous { .. } = self.kind {
+            let phase = PointData { vel: at(1), percent: at(2), vel_max: at(3), acc: at(4), dec: at(5) };
             return self.continuous(at(0), phase, scratch);
         }
         let (time, pos) = (at(0), at(1));
@@ -231,11 +231,11 @@ impl Draft {
         }
         let mut knot = Knot { time: time - self.first.0, pos: pos - self.first.1, vel: 0.0 };
         match self.kind {
-            Kind::Pvt => {
+            TableKind::Pvt => {
                 knot.vel = speed(at(2), field + 2, limit)?;
                 self.push(knot, scratch)?;
             }
-            Kind::PvtEx => {
+            TableKind::PvtEx => {
                 let (vel, end) = (speed(at(2), field + 2, limit)?, speed(at(3), field + 3, limit)?);
                 if !begins {
                     knot.vel = self.vel_end;
@@ -249,7 +249,7 @@ impl Draft {
                 }
                 self.vel_end = end;
             }
-            Kind::Complete { vel_begin, vel_end } => {
+            TableKind::Complete { vel_begin, vel_end } => {
                 // The user's own numbers, until the velocities are known.
                 if begins {
                     self.row = Row { d: vel_begin, c: 0.0 };
@@ -269,7 +269,7 @@ impl Draft {
                     scratch.push(Knot { time, pos, vel: vel_end })?;
                 }
             }
-            Kind::Percent { .. } => {
+            TableKind::Percent { .. } => {
                 let percent = within(field + 2, at(2), 0.0, 100.0)?;
                 if !begins {
                     let span = DoubleDouble::between(time, self.last.0);
@@ -284,14 +284,14 @@ impl Draft {
                 self.push(knot, scratch)?;
                 self.percent = percent;
             }
-            Kind::Continuous { .. } => {}
+            TableKind::Continuous { .. } => {}
         }
         self.last = (time, pos);
         self.taken += 1;
         Ok(knot.vel)
     }
 
-    fn continuous(&mut self, pos: f64, phase: Phase, scratch: &mut Scratch<'_>) -> Admitted<f64> {
+    fn continuous(&mut self, pos: f64, phase: PointData, scratch: &mut Scratch<'_>) -> Admitted<f64> {
         let field = self.fields.point;
         within(field, pos, -FURTHEST, FURTHEST)?;
         speed(phase.vel, field + 1, self.limit)?;
@@ -315,7 +315,7 @@ impl Draft {
             if split.has(1) {
                 speed(split.peak, field + 3, self.limit)?;
             }
-            let begin = Kind::time_begin(self.kind);
+            let begin = TableKind::time_begin(self.kind);
             let since = |time: DoubleDouble| time.minus(begin).high;
             let start = self.carried;
             let end = start.plus(split.duration());
@@ -355,7 +355,7 @@ impl Draft {
 
     /// The field of a point's position.
     fn position(&self) -> u8 {
-        let index = if let Kind::Continuous { .. } = self.kind { 0 } else { 1 };
+        let index = if let TableKind::Continuous { .. } = self.kind { 0 } else { 1 };
         self.fields.point + index
     }
 
@@ -379,7 +379,7 @@ impl Draft {
     }
 
     fn seal(&self, scratch: &mut Scratch<'_>) -> Admitted<Sealed> {
-        if let Kind::Complete { .. } = self.kind {
+        if let TableKind::Complete { .. } = self.kind {
             complete::substitute(scratch);
             let mut before = None;
             for index in 0..scratch.used() {
@@ -394,7 +394,7 @@ impl Draft {
             }
         }
         let (delay, duration) = match self.kind {
-            Kind::Continuous { time_begin } => {
+            TableKind::Continuous { time_begin } => {
                 let whole = self.carried.minus(time_begin);
                 (instant(time_begin), instant(whole.high) + instant(whole.low))
             }
@@ -410,9 +410,9 @@ impl Draft {
     }
 }
 
-impl Kind {
+impl TableKind {
     fn time_begin(self) -> f64 {
-        if let Kind::Continuous { time_begin } = self { time_begin } else { 0.0 }
+        if let TableKind::Continuous { time_begin } = self { time_begin } else { 0.0 }
     }
 }
 

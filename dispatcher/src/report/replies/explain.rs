@@ -5,7 +5,7 @@ use crate::refuse::Refused;
 use crate::report::answer::Refuser;
 use protocol::reason::Reason;
 use servo::status::{LIMIT_NEGATIVE, LIMIT_POSITIVE, RUNNING, SERVO_ON};
-use servo::tick_command::Mode;
+use servo::tick_command::MotionMode;
 use servo::units::{Axis, Crd};
 
 impl<const AXES: usize> Reading<'_, AXES> {
@@ -37,8 +37,8 @@ impl<const AXES: usize> Reading<'_, AXES> {
     fn limit_ahead(&self, axis: Axis, status: u32) -> Option<(Reason, f64)> {
         let (shadow, at) = (self.executed.axis(axis), pulses(self.view.axes.get(axis.index())?.pos));
         let direction = match shadow.mode {
-            Mode::Jog => shadow.vel,
-            Mode::Trap => f64::from(shadow.pos) - at,
+            MotionMode::Jog => shadow.vel,
+            MotionMode::Trap => f64::from(shadow.pos) - at,
             _ => 0.0,
         };
         let (soft, beyond, switch) = match direction {
@@ -63,7 +63,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
         let number = self.configuration.crd_number(crd);
         let index = usize::from(shadow.fifo & 1);
         let empty = sampled.ends[index] == sampled.released[index];
-        let left = |axis: &Axis| self.view.axes.get(axis.index()).is_some_and(|axis| axis.mode != Mode::Crd);
+        let left = |axis: &Axis| self.view.axes.get(axis.index()).is_some_and(|axis| axis.mode != MotionMode::Crd);
         let reason = match sampled.frame {
             None => Reason::CrdNotSet,
             Some(_) if sampled.runs => Reason::CrdRuns,

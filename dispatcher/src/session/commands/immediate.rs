@@ -3,16 +3,16 @@
 //! In: a record, the view. Out: entries of the lane, a reply or the promise of one. Owns nothing.
 //! Fails: by refusals. A record that finds no room now is tried again.
 use super::CommandHandler;
-use crate::admit::context::{Due, Effect};
+use crate::admit::context::{DueInstant, Effect};
 use crate::admit::staged::STAGED_MAX;
 use crate::program::Program;
 use crate::refuse::Refused;
 use crate::report::answer::{Answer, TAKEN_MAX};
-use crate::report::event_log::{Kind, ShutOff};
-use crate::report::pending_replies::Step;
+use crate::report::event_log::{EventKind, ShutOff};
+use crate::report::pending_replies::Handled;
 use crate::report::replies::values_reply;
-use crate::shadow::Change;
-use protocol::command::{CommandKind, Lanes, SetHSIOOpt, class, opcode};
+use crate::shadow::ShadowChange;
+use protocol::command::{CommandKind, LaneRule, SetHSIOOpt, class, opcode};
 use protocol::reason::Reason;
 use protocol::record::{ReplyWriter, RequestRecord};
 use servo::tick_command::TickCommand;
@@ -20,10 +20,10 @@ use servo::view::View;
 use zerocopy::FromBytes;
 
 /// Whether the record is accepted while a program is active.
-fn passes(lanes: Lanes, body: &[u8]) -> bool {
+fn passes(lanes: LaneRule, body: &[u8]) -> bool {
     match lanes {
         // SetHSIOOpt is the only one.
-        Lanes::ExclusiveUnlessZero => SetHSIOOpt::read_from_bytes(body).is_ok_and(|r| r.value.get() == 0),
+        LaneRule::ExclusiveUnlessZero => SetHSIOOpt::read_from_bytes(body).is_ok_and(|r| r.value.get() == 0),
         lanes => lanes.beside_program(),
     }
 }
@@ -36,32 +36,32 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
         view: &View<AXES>,
         record: &RequestRecord,
         out: &mut ReplyWriter,
-    ) -> Step {
+    ) -> Handled {
         if self.admission.lane.room() < STAGED_MAX.max(AXES) || !self.replies.has_room(TAKEN_MAX) {
-            return Step::Wait;
+            return Handled::Wait;
         }
         if self.config.is_some() {
             return self.go_on_with_config(view, record);
         }
         let class = class(record.opcode);
-        if class.is_some_and(|class| class.lanes == Lanes::Program) {
+        if class.is_some_and(|class| class.lanes == LaneRule::Program) {
             return self.refuse(record, Refused::new(Reason::NotInProgram), out);
         }
         let kind = class.map(|class| class.kind);
         if kind == Some(CommandKind::Program) {
             if !self.is_quiet() {
-                return Step::Wait;
+                return Handled::Wait;
             }
             return match program.control(&mut self.admission, record) {
-                Ok(Step::Taken) => self.await_last(record, Answer::Done, false),
-                Ok(Step::Wait) => Step::Wait,
+                Ok(Handled::Taken) => self.await_last(record, Answer::Done, false),
+                Ok(Handled::Wait) => Handled::Wait,
                 Err(refused) => self.refuse(record, refused, out),
             };
         }
         if program.is_active() && !class.is_some_and(|class| passes(class.lanes, record.body)) {
             return self.refuse(record, Refused::new(Reason::ProgramRuns), out);
         }
-        let due = Due::at_once(self.is_quiet());
+        let due = DueInstant::at_once(self.is_quiet());
         if let Some(written) = self.admission.publish(view, due, record.opcode, record.body) {
             return match written {
                 Ok(written) => {
@@ -73,12 +73,12 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
         }
         if kind == Some(CommandKind::Calculate) {
             if !self.is_quiet() {
-                return Step::Wait;
+                return Handled::Wait;
             }
             let reply = |values: &[f64]| values_reply(record.opcode, record.tag, values.iter().copied(), out).is_ok();
             return match self.admission.calculate(view, 0, record.opcode, record.body, reply) {
-                Ok(true) => Step::Taken,
-                Ok(false) => Step::Wait,
+                Ok(true) => Handled::Taken,
+                Ok(false) => Handled::Wait,
                 Err(refused) => self.refuse(record, refused, out),
             };
         }
@@ -86,9 +86,9 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
             Err(refused) => self.refuse(record, refused, out),
             Ok((Answer::Read(query), Effect::None)) => {
                 if !self.is_quiet() {
-                    return Step::Wait;
+                    return Handled::Wait;
                 }
-                Step::of(self.admission.reading(view).reply(record.tag, &query, out))
+                Handled::of(self.admission.reading(view).reply(record.tag, &query, out))
             }
             Ok((_, Effect::Choose(configuration)))
                 if program.is_active()
@@ -99,13 +99,14 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
             }
             Ok((answer, effect)) => {
                 // The end of a laser's follow stops nothing.
-                let stops = |(command, _): &(TickCommand, Change)| !matches!(command, TickCommand::FollowEnd { .. });
+                let stops =
+                    |(command, _): &(TickCommand, ShadowChange)| !matches!(command, TickCommand::FollowEnd { .. });
                 if record.opcode == opcode::Stop && self.admission.staged.commands().iter().any(stops) {
                     program.stop(&mut self.admission, Reason::Discarded);
                 }
                 if record.opcode == opcode::Abort {
                     program.abort(&mut self.admission);
-                    self.admission.log.put(view.now, Kind::ShutOff, 0, ShutOff::Abort as u16);
+                    self.admission.log.put(view.now, EventKind::ShutOff, 0, ShutOff::Abort as u16);
                 }
                 self.push_staged();
                 if let (Effect::Took(values), Answer::Took { count, .. }) = (effect, answer) {
@@ -129,10 +130,10 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
         }
     }
 
-    fn go_on_with_config(&mut self, view: &View<AXES>, record: &RequestRecord) -> Step {
+    fn go_on_with_config(&mut self, view: &View<AXES>, record: &RequestRecord) -> Handled {
         while let Some(item) = self.config {
             if self.admission.lane.room() < STAGED_MAX {
-                return Step::Wait;
+                return Handled::Wait;
             }
             if !self.admission.stage_config(view, record.body, item) {
                 self.config = None;

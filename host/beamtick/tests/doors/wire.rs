@@ -7,7 +7,7 @@ use crate::text::PAUSE_MS;
 use crate::{Answer, Run, Trace};
 use gts::prototype::{command, outs};
 use job::api::{Pass, Shape};
-use protocol::link::{Endpoint, Identity, Role, State};
+use protocol::link::{Endpoint, Identity, LinkState, Role};
 use protocol::reason::{Refusal, describe_opcode};
 use std::path::Path;
 use trace::{CsvWriter, Item, Reader};
@@ -31,7 +31,7 @@ impl<'m> Wire<'m> {
         let (board, end) = (Controller::on(memory), Endpoint::new(Role::Client, Identity::OURS));
         let mut wire = Wire { board, end, tag: 0, rows: Vec::new(), ticks: 0 };
         wire.end.open(wire.board.now(), 77);
-        while wire.end.state() != State::Open {
+        while wire.end.state() != LinkState::Open {
             wire.turn();
         }
         wire

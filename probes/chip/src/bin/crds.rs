@@ -18,20 +18,21 @@
 //! * `laser-…`: CASE channels are in light while one coordinate system speeds up. Their power
 //!   follows nothing, its speed, positions, tables of both, or speed and positions.
 use cortex_m_semihosting::hprintln;
-use dispatcher::plan::pvt::{Draft, Fields, Kind, Scratch, SplineScratch};
+use dispatcher::plan::pvt::{Fields, Scratch, SplineScratch, TableDraft, TableKind};
 use hal as _; // the vector table
 use probes::clock;
 use probes::counted::Counted;
 use ring::{Consumer, Latest, Producer, Reader, Ring};
 use servo::laser::{
-    self, Bounds, Buffered, Carrier, Change, Clock, Curve, Distance, POINTS, Power, Ratio, Ratios, Source, Tables,
+    self, Buffered, Carrier, ChannelChange, Clock, Curve, Distance, POINTS, Power, PowerBounds, PowerTables, Ratio,
+    Ratios, SpeedSource,
 };
-use servo::path::axis_map::Frame;
-use servo::path::{self, Along, EntryStore, PathStores, Plane, Sweep};
+use servo::path::axis_map::AxisMap;
+use servo::path::{self, EntryStore, MotionSpeeds, PathStores, Plane, Sweep};
 use servo::segment::pvt::{HeaderStore, PointStore, TABLES};
 use servo::tables::TableStores;
-use servo::tick::{EVENTS, IMMEDIATE, Lanes, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig};
-use servo::tick_command::{Entry, Mode, TickCommand};
+use servo::tick::{EVENTS, IMMEDIATE, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig, TickHalves};
+use servo::tick_command::{LaneEntry, MotionMode, TickCommand};
 use servo::units::{Axis, AxisMask, Crd, CrdMask, Ns, StepLimit};
 use servo::view::{Event, Sample, View};
 
@@ -43,15 +44,15 @@ const SEGMENTS: u32 = 24;
 /// Ticks from the first one of SPEC 11 to the one that `cargo xtask ticks --shares` counts.
 const SHOWN: i32 = 24 * 16;
 
-static IMMEDIATE_LANE: Ring<Entry, IMMEDIATE> = Ring::new();
-static PROGRAM_LANE: Ring<Entry, PROGRAM> = Ring::new();
+static IMMEDIATE_LANE: Ring<LaneEntry, IMMEDIATE> = Ring::new();
+static PROGRAM_LANE: Ring<LaneEntry, PROGRAM> = Ring::new();
 static VIEW: Latest<View<AXES>> = Latest::new(View::POWER_ON);
 static NEWS: Ring<Event, EVENTS> = Ring::new();
 static TRACE: Ring<Sample, SAMPLES> = Ring::new();
 static STORES: [SegmentStore; AXES] = [const { SegmentStore::new() }; AXES];
 static PLACES: [PointStore; TABLES] = [const { PointStore::new() }; TABLES];
 static HEADERS: HeaderStore = HeaderStore::new();
-static LASERS: Tables = Tables::new();
+static LASERS: PowerTables = PowerTables::new();
 static PATHS: [[EntryStore; 2]; 2] = [const { [const { EntryStore::new() }; 2] }; 2];
 const TABLE_STORES: TableStores<'static> = TableStores { points: &PLACES, headers: &HEADERS, lasers: &LASERS };
 
@@ -60,7 +61,7 @@ probes::exit_on_panic!();
 /// A tick that is counted, and the thread's halves of its hand-overs.
 struct Bench {
     tick: Counted<AXES>,
-    immediate: Producer<'static, Entry, IMMEDIATE>,
+    immediate: Producer<'static, LaneEntry, IMMEDIATE>,
     view: Reader<'static, View<AXES>>,
     events: Consumer<'static, Event, EVENTS>,
     seq: u32,
@@ -87,8 +88,8 @@ fn percent(value: u32) -> Power {
     Power::admit(f64::from(value).to_bits()).unwrap_or_default()
 }
 
-fn along(vel: f64, acc: f64, end: f64) -> Along {
-    let Ok(along) = Along::admit(vel.to_bits(), acc.to_bits(), end.to_bits()) else { panic!("refused") };
+fn along(vel: f64, acc: f64, end: f64) -> MotionSpeeds {
+    let Ok(along) = MotionSpeeds::admit(vel.to_bits(), acc.to_bits(), end.to_bits()) else { panic!("refused") };
     along
 }
 
@@ -109,7 +110,7 @@ impl Bench {
         Some(Bench {
             tick: Counted::new(
                 Tick::new(config),
-                Lanes {
+                TickHalves {
                     immediate: immediate_out,
                     program,
                     view: view_in,
@@ -130,7 +131,7 @@ impl Bench {
 
     fn push(&mut self, command: TickCommand) {
         self.seq += 1;
-        assert!(self.immediate.push(Entry { seq: self.seq, delay: Ns(0), command }).is_ok(), "the lane is full");
+        assert!(self.immediate.push(LaneEntry { seq: self.seq, delay: Ns(0), command }).is_ok(), "the lane is full");
     }
 
     /// A tick that is not counted.
@@ -156,7 +157,7 @@ impl Bench {
         self.view.read().crds.iter().any(|crd| crd.runs)
     }
 
-    fn put(&mut self, index: usize, entry: path::Entry) {
+    fn put(&mut self, index: usize, entry: path::PathEntry) {
         PATHS[index][0].write(self.pushed[index], entry);
         self.pushed[index] += 1;
     }
@@ -174,7 +175,7 @@ impl Bench {
             for axis in mapped.into_iter().flatten() {
                 self.push(TickCommand::Servo { axis, on: true });
             }
-            let Ok(frame) = Frame::admit(mapped, Some([0; 4]), 0) else { panic!("refused") };
+            let Ok(frame) = AxisMap::admit(mapped, Some([0; 4]), 0) else { panic!("refused") };
             self.push(TickCommand::CrdFrame { crd: crd(index), frame });
             self.pushed[index] = 0;
         }
@@ -240,9 +241,9 @@ impl Bench {
                 self.put(
                     index,
                     if arcs {
-                        path::Entry::arc(Plane::Xy, [x, y], sweep, along(7.1, 3.7, v))
+                        path::PathEntry::arc(Plane::Xy, [x, y], sweep, along(7.1, 3.7, v))
                     } else {
-                        path::Entry::planar([x, y], along(7.1, 3.7, v))
+                        path::PathEntry::planar([x, y], along(7.1, 3.7, v))
                     },
                 );
             }
@@ -273,7 +274,8 @@ impl Bench {
     /// A table of segments of 16 ticks for an axis.
     fn load_table(&mut self, axis: Axis, scratch: &mut Scratch<'_>) {
         let (table, fields) = (axis.index() as u8, Fields { count: 0, whole: 0, point: 0 });
-        let draft = Draft::begin(Kind::Pvt, SEGMENTS as i32 + 1, fields, StepLimit::FULL_SCALE, true, scratch);
+        let draft =
+            TableDraft::begin(TableKind::Pvt, SEGMENTS as i32 + 1, fields, StepLimit::FULL_SCALE, true, scratch);
         let Ok(mut draft) = draft else { panic!("the table is refused") };
         for k in 0..=SEGMENTS {
             let place = if k == SEGMENTS { 0 } else { (k * 37 + axis.index() as u32 * 11) * (k % 5 + 1) };
@@ -291,11 +293,11 @@ impl Bench {
     fn set_lasers(&mut self) {
         let Ok(carrier) = Carrier::admit(percent(333), Clock::GHZ) else { panic!("the carrier is refused") };
         for channel in 0..2 {
-            self.push(TickCommand::Laser { channel, change: Change::Carrier { carrier, fine: None } });
-            self.push(TickCommand::Laser { channel, change: Change::CrdMap { map: 1 << channel } });
+            self.push(TickCommand::Laser { channel, change: ChannelChange::Carrier { carrier, fine: None } });
+            self.push(TickCommand::Laser { channel, change: ChannelChange::CrdMap { map: 1 << channel } });
             let half = [0.001f64; 4].map(f64::to_bits);
             let distance = Distance::admit(
-                Source::Planned,
+                SpeedSource::Planned,
                 [0, 1, 2, 3].map(axis),
                 [0; 4],
                 [1000f64; 4].map(f64::to_bits),
@@ -304,7 +306,7 @@ impl Bench {
                 None,
             );
             let Ok(distance) = distance else { panic!("refused") };
-            self.push(TickCommand::Laser { channel, change: Change::Distance(Some(distance)) });
+            self.push(TickCommand::Laser { channel, change: ChannelChange::Distance(Some(distance)) });
         }
         self.pass();
     }
@@ -314,10 +316,10 @@ impl Bench {
         let near = [0.001f64; 4].map(f64::to_bits);
         let axes = [8, 9, 8, 9].map(axis);
         let scales = [1000f64; 4].map(f64::to_bits);
-        let distance = Distance::admit(Source::Planned, axes, [0; 4], scales, near, ratios, None);
+        let distance = Distance::admit(SpeedSource::Planned, axes, [0; 4], scales, near, ratios, None);
         let Ok(distance) = distance else { panic!("refused") };
         for channel in 0..channels {
-            self.push(TickCommand::Laser { channel, change: Change::Distance(Some(distance)) });
+            self.push(TickCommand::Laser { channel, change: ChannelChange::Distance(Some(distance)) });
         }
     }
 
@@ -326,7 +328,7 @@ impl Bench {
         let crds = self.set(1);
         let Ok(carrier) = Carrier::admit(percent(333), Clock::GHZ) else { panic!("the carrier is refused") };
         for channel in 0..channels {
-            self.push(TickCommand::Laser { channel, change: Change::Carrier { carrier, fine: None } });
+            self.push(TickCommand::Laser { channel, change: ChannelChange::Carrier { carrier, fine: None } });
         }
         if let Some(ratios) = ratios {
             self.distance(channels, ratios);
@@ -334,10 +336,10 @@ impl Bench {
         for channel in 0..channels {
             for change in follow.into_iter().chain([Buffered::Gate { on: true }]) {
                 let (code, words) = change.pack();
-                self.put(0, path::Entry::laser(channel, code, words));
+                self.put(0, path::PathEntry::laser(channel, code, words));
             }
         }
-        self.put(0, path::Entry::planar([30_000, 20_000], along(200.0, 1.0, 0.0)));
+        self.put(0, path::PathEntry::planar([30_000, 20_000], along(200.0, 1.0, 0.0)));
         self.commit(0, 0);
         self.pass();
         self.push(TickCommand::CrdStart { crds, fifo1: CrdMask(0) });
@@ -349,13 +351,13 @@ impl Bench {
         }
         assert!(self.view.read().lasers[0].light, "no light");
         for channel in 0..channels {
-            self.push(TickCommand::Laser { channel, change: Change::Reset { family: laser::Family::Gus } });
+            self.push(TickCommand::Laser { channel, change: ChannelChange::Reset { family: laser::Family::Gus } });
         }
         self.reset();
     }
 
     fn run_follows(&mut self, case: &str, channels: u8) {
-        let bounds = Bounds::admit(laser::Mode::Duty, percent(100), percent(0));
+        let bounds = PowerBounds::admit(laser::PowerMode::Duty, percent(100), percent(0));
         let (Ok(ratio), Ok(bounds)) = (Ratio::admit(0.37f64.to_bits()), bounds) else { panic!("refused") };
         let Some(table) = Curve::power(0, 0) else { panic!("no table") };
         for k in 0..POINTS {
@@ -387,17 +389,17 @@ impl Bench {
             self.load_table(axis, scratch);
             axes.0 |= axis.mask().0;
             self.push(TickCommand::Servo { axis, on: true });
-            self.push(TickCommand::SetMode { axis, mode: Mode::Pvt });
+            self.push(TickCommand::SetMode { axis, mode: MotionMode::Pvt });
             self.push(TickCommand::PvtLoop { axis, passes: 0 });
             self.push(TickCommand::PvtSelect { axis, table: axis.index() as u8 });
         }
         self.pass();
-        let bounds = Bounds::admit(laser::Mode::Duty, percent(100), percent(0));
+        let bounds = PowerBounds::admit(laser::PowerMode::Duty, percent(100), percent(0));
         let (Ok(ratio), Ok(bounds)) = (Ratio::admit(3.7f64.to_bits()), bounds) else { panic!("refused") };
         for index in 0..2 {
             for change in [Buffered::PrfFollow { ratio, bounds }, Buffered::Gate { on: true }] {
                 let (code, words) = change.pack();
-                self.put(index, path::Entry::laser(index as u8, code, words));
+                self.put(index, path::PathEntry::laser(index as u8, code, words));
             }
             for k in 1..=MOTIONS as i32 {
                 // 1 ms to reach 10 pulse/ms, 4 ms a motion; speeds a little apart, as look-ahead
@@ -405,7 +407,7 @@ impl Bench {
                 let (x, y) = (40 * k - 5, 0);
                 let end = if k as u32 == MOTIONS { 0.0 } else { 10.0 };
                 let to = if index == 0 { [x, y] } else { [y, x] };
-                self.put(index, path::Entry::planar(to, along(10.0, 10.0, end)));
+                self.put(index, path::PathEntry::planar(to, along(10.0, 10.0, end)));
             }
             self.commit(index, 0);
         }

@@ -8,9 +8,9 @@ use core::hint::black_box;
 use core::panic::PanicInfo;
 use hal::mps2_an500::machine::Machine;
 use probes::AXES;
-use servo::path::{Change, Effects, EntryStore, Feed, Fine, Path, PathStop};
+use servo::path::{Effects, EntryEffect, EntryStore, FifoEnds, FineNs, Path, PathStop};
 use servo::segment::piece::Scaled;
-use servo::tick::{Lanes, Tick};
+use servo::tick::{Tick, TickHalves};
 use servo::units::{Axis, Ns, Pos};
 
 unsafe extern "C" {
@@ -25,7 +25,11 @@ fn panicked(_: &PanicInfo<'_>) -> ! {
 
 /// What the timer's interrupt does, on arguments of which the optimiser knows nothing.
 #[inline(never)]
-fn tick(tick: &mut Tick<AXES>, machine: &mut Machine<{ hal::mps2_an500::AXES }>, lanes: &mut Lanes<'static, AXES>) {
+fn tick(
+    tick: &mut Tick<AXES>,
+    machine: &mut Machine<{ hal::mps2_an500::AXES }>,
+    lanes: &mut TickHalves<'static, AXES>,
+) {
     machine.advance(tick.period().0 as u32);
     tick.run(machine, lanes);
     tick.overrun();
@@ -38,17 +42,17 @@ static ENTRIES: [EntryStore; 2] = [EntryStore::new(), EntryStore::new()];
 struct Sink;
 
 impl Effects for Sink {
-    fn change(&mut self, at: Fine, _: &Change) -> Fine {
+    fn change(&mut self, at: FineNs, _: &EntryEffect) -> FineNs {
         at
     }
-    fn standstill(&mut self, _: Fine, _: PathStop) {}
+    fn standstill(&mut self, _: FineNs, _: PathStop) {}
     fn gear(&mut self, _: Axis, _: Pos, _: Scaled) {}
     fn geared(&mut self, _: u128, _: Axis, _: i32) {}
 }
 
 /// All that a path is asked for.
 #[inline(never)]
-fn path(path: &mut Path, next: Ns, feed: Feed, fifo: u8) {
+fn path(path: &mut Path, next: Ns, feed: FifoEnds, fifo: u8) {
     let refused = path.refuses_start(fifo, feed);
     path.start(next, fifo, feed, &ENTRIES);
     path.stop(next, refused, feed, &ENTRIES, &mut Sink);
@@ -66,7 +70,7 @@ fn main() -> ! {
         black_box(&thread);
         let mut crd = Path::IDLE;
         loop {
-            path(black_box(&mut crd), black_box(Ns(0)), black_box(Feed::default()), black_box(0));
+            path(black_box(&mut crd), black_box(Ns(0)), black_box(FifoEnds::default()), black_box(0));
             tick(black_box(&mut state), black_box(&mut machine), black_box(&mut lanes));
         }
     }

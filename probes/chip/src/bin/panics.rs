@@ -7,7 +7,7 @@ use core::panic::PanicInfo;
 use probes::AXES;
 use servo::laser::Plan;
 use servo::port::{AxisInputs, GeneralInputs, GeneralOutputs, Port};
-use servo::tick::{Lanes, Tick};
+use servo::tick::{Tick, TickHalves};
 use servo::units::{Axis, Pos};
 
 unsafe extern "C" {
@@ -50,7 +50,7 @@ impl Port for Short {
 }
 
 #[inline(never)]
-fn tick(tick: &mut Tick<AXES>, machine: &mut Short, lanes: &mut Lanes<'static, AXES>) {
+fn tick(tick: &mut Tick<AXES>, machine: &mut Short, lanes: &mut TickHalves<'static, AXES>) {
     tick.run(machine, lanes);
 }
 

@@ -10,7 +10,9 @@ use core::hint::black_box;
 use cortex_m_semihosting::hprintln;
 use hal as _; // the vector table
 use probes::clock;
-use servo::path::{Along, Change, Effects, Entry, EntryStore, Feed, Fine, Path, PathStop, Plane, Step, Sweep};
+use servo::path::{
+    Effects, EntryEffect, EntryStore, FifoEnds, FineNs, MotionSpeeds, Path, PathEntry, PathStop, Plane, Step, Sweep,
+};
 use servo::segment::piece::Scaled;
 use servo::units::{Axis, Ns, Pos};
 
@@ -25,29 +27,29 @@ probes::exit_on_panic!();
 struct Sink;
 
 impl Effects for Sink {
-    fn change(&mut self, _: Fine, _: &Change) -> Fine {
+    fn change(&mut self, _: FineNs, _: &EntryEffect) -> FineNs {
         0
     }
-    fn standstill(&mut self, _: Fine, _: PathStop) {}
+    fn standstill(&mut self, _: FineNs, _: PathStop) {}
     fn gear(&mut self, _: Axis, _: Pos, _: Scaled) {}
     fn geared(&mut self, _: u128, _: Axis, _: i32) {}
 }
 
 #[inline(never)]
-fn step(path: &mut Path, next: Ns, feed: Feed) -> Step {
+fn step(path: &mut Path, next: Ns, feed: FifoEnds) -> Step {
     path.step(next, PERIOD, feed, &STORES, &mut Sink)
 }
 
 #[inline(never)]
-fn stop(path: &mut Path, next: Ns, feed: Feed) {
+fn stop(path: &mut Path, next: Ns, feed: FifoEnds) {
     path.stop(next, false, feed, &STORES, &mut Sink);
 }
 
 #[inline(never)]
-fn nothing(_: &mut Path, _: Ns, _: Feed) {}
+fn nothing(_: &mut Path, _: Ns, _: FifoEnds) {}
 
 /// Counter periods around a call.
-fn count<T>(call: fn(&mut Path, Ns, Feed) -> T, path: &mut Path, next: Ns, feed: Feed) -> (u32, T) {
+fn count<T>(call: fn(&mut Path, Ns, FifoEnds) -> T, path: &mut Path, next: Ns, feed: FifoEnds) -> (u32, T) {
     let call = black_box(call);
     let before = clock::read();
     let result = call(path, next, feed);
@@ -56,7 +58,7 @@ fn count<T>(call: fn(&mut Path, Ns, Feed) -> T, path: &mut Path, next: Ns, feed:
 
 /// Runs FIFO 0 from standstill to standstill.
 fn run(path: &mut Path, mark: &str, begin: Ns, reading: u32) -> Ns {
-    let feed = Feed { ends: [MOTIONS, 0] };
+    let feed = FifoEnds { ends: [MOTIONS, 0] };
     let mut next = begin;
     path.start(next, 0, feed, &STORES);
     let mut entered = true;
@@ -81,9 +83,9 @@ fn run(path: &mut Path, mark: &str, begin: Ns, reading: u32) -> Ns {
 #[cortex_m_rt::entry]
 fn main() -> ! {
     clock::start();
-    let speeds = |v: f64, a: f64, e: f64| Along::admit(v.to_bits(), a.to_bits(), e.to_bits());
+    let speeds = |v: f64, a: f64, e: f64| MotionSpeeds::admit(v.to_bits(), a.to_bits(), e.to_bits());
     let mut path = Path::IDLE;
-    let reading = count(nothing, &mut path, Ns(0), Feed::default()).0;
+    let reading = count(nothing, &mut path, Ns(0), FifoEnds::default()).0;
     let mut begin = Ns(1_000_000);
     // Lines in four coordinates, each entered at speed; then arcs of both kinds.
     for arcs in [false, true] {
@@ -94,16 +96,16 @@ fn main() -> ! {
             let sweep = Sweep::admit((0.1 + f64::from(k) / 200.0).to_bits(), k % 3 == 0, k % 2 == 0);
             let Ok(sweep) = sweep else { panic!("refused") };
             let entry = if arcs {
-                Entry::arc(Plane::Xy, [x * 200, y * 7], sweep, along)
+                PathEntry::arc(Plane::Xy, [x * 200, y * 7], sweep, along)
             } else {
-                Entry::line([x * 307, y * 5, -x * 211, y * 11], along)
+                PathEntry::line([x * 307, y * 5, -x * 211, y * 11], along)
             };
             STORES[0].write(k, entry);
         }
         begin = run(&mut path, if arcs { "path-arc" } else { "path-line" }, begin, reading);
         path.clear(0);
     }
-    let feed = Feed { ends: [MOTIONS, 0] };
+    let feed = FifoEnds { ends: [MOTIONS, 0] };
     for k in 0..20u64 {
         path.position([Pos(0); 4]);
         path.start(begin, 0, feed, &STORES);

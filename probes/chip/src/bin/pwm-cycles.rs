@@ -11,7 +11,7 @@ use cortex_m_semihosting::hprintln;
 use hal as _; // the vector table
 use probes::clock;
 use servo::laser::{Action, CHANNELS, Count, Plan, Train};
-use servo::output::{CycleRing, DELAY_LINE_WORDS, DelayLine, GateCycles, PwmCycles, Scale, Slots};
+use servo::output::{CycleRing, DELAY_LINE_WORDS, DelayLine, GateCycles, PwmCycles, RingSlots, Scale};
 
 /// Ticks counted of each kind.
 const TICKS: usize = 100;
@@ -27,9 +27,9 @@ const BEGIN: u64 = 2 * FIRST as u64;
 
 type Ring<const SLOTS: usize, const WORDS: usize> = CycleRing<SLOTS, WORDS>;
 
-static ENERGIES: [Slots<ENERGY_SLOTS, 3>; CHANNELS] =
+static ENERGIES: [RingSlots<ENERGY_SLOTS, 3>; CHANNELS] =
     [const { [const { [const { AtomicU16::new(0) }; 3] }; ENERGY_SLOTS] }; CHANNELS];
-static SWITCHES: Slots<SWITCH_SLOTS, 6> = [const { [const { AtomicU16::new(0) }; 6] }; SWITCH_SLOTS];
+static SWITCHES: RingSlots<SWITCH_SLOTS, 6> = [const { [const { AtomicU16::new(0) }; 6] }; SWITCH_SLOTS];
 
 static DELAY_LINES: [[AtomicU32; DELAY_LINE_WORDS]; CHANNELS] =
     [const { [const { AtomicU32::new(0) }; DELAY_LINE_WORDS] }; CHANNELS];

@@ -6,7 +6,7 @@
 use core::hint::black_box;
 use core::panic::PanicInfo;
 use cortex_m as _;
-use dispatcher::{Board, Channels, Server};
+use dispatcher::{BoardConstants, Server, ThreadHalves};
 use hal as _;
 use probes::{AXES, PATHS, QUEUES, STORES, TABLE_STORES};
 use servo::units::{AxisMask, Ns, StepLimit};
@@ -35,7 +35,7 @@ fn serve(server: &mut Server<'static, AXES>, now: Ns, bytes: &[u8], out: &mut [u
 
 fn start() -> Option<&'static mut Server<'static, AXES>> {
     let (_, _, thread) = probes::bench()?;
-    let board = Board {
+    let board = BoardConstants {
         name: "probe",
         profile: 0,
         tick_us: 50..=1000,
@@ -49,7 +49,7 @@ fn start() -> Option<&'static mut Server<'static, AXES>> {
         fault: None,
         tick_time: None,
     };
-    let channels = Channels {
+    let channels = ThreadHalves {
         immediate: thread.immediate,
         program: thread.program,
         view: thread.view,

@@ -11,7 +11,7 @@
 //! The frames are made by the other end of the same link, in here, and are not counted.
 use core::hint::black_box;
 use cortex_m_semihosting::hprintln;
-use dispatcher::{Board, Channels, Server};
+use dispatcher::{BoardConstants, Server, ThreadHalves};
 use hal as _; // the vector table
 use probes::clock;
 use probes::machine::Sink;
@@ -22,7 +22,7 @@ use protocol::command::{
 };
 use protocol::link::{Endpoint, Identity, Role};
 use protocol::record::{Lane, RequestWriter, replies};
-use servo::tick::{Lanes, Tick};
+use servo::tick::{Tick, TickHalves};
 use servo::units::{AxisMask, Ns, StepLimit};
 use zerocopy::IntoBytes;
 
@@ -41,7 +41,7 @@ struct Bench {
     machine: Sink<AXES>,
     server: Server<'static, AXES>,
     tick: Tick<AXES>,
-    lanes: Lanes<'static, AXES>,
+    lanes: TickHalves<'static, AXES>,
     client: Endpoint<8>,
     tag: u16,
     answered: u16,
@@ -234,7 +234,7 @@ impl Bench {
 fn main() -> ! {
     clock::start();
     let (tick, lanes, thread) = probes::bench().expect("once");
-    let board = Board {
+    let board = BoardConstants {
         name: "probe",
         profile: dispatcher::largest_that_fits(AXES),
         tick_us: 10..=1000,
@@ -248,7 +248,7 @@ fn main() -> ! {
         fault: None,
         tick_time: None,
     };
-    let channels = Channels {
+    let channels = ThreadHalves {
         immediate: thread.immediate,
         program: thread.program,
         view: thread.view,

@@ -17,17 +17,17 @@
 //! The machine under the tick only stores its set-points and outputs: the counts are of the tick
 //! alone.
 use cortex_m_semihosting::hprintln;
-use dispatcher::plan::pvt::{Draft, Fields, Kind, Scratch, SplineScratch};
+use dispatcher::plan::pvt::{Fields, Scratch, SplineScratch, TableDraft, TableKind};
 use hal as _; // the vector table
 use probes::clock;
 use probes::counted::Counted;
 use probes::{AXES, STORES, TABLE_STORES, Thread};
-use servo::laser::{self, Carrier, Change, Clock, Delays, Family, Fine, Power};
+use servo::laser::{self, Carrier, ChannelChange, Clock, Delays, Family, FixedTrain, Power};
 use servo::segment::follow;
 use servo::segment::pt::{Chain, Segment};
 use servo::segment::pvt::TABLES;
 use servo::segment::ramp::{Accel, Speed};
-use servo::tick_command::{Entry, Mode, TickCommand};
+use servo::tick_command::{LaneEntry, MotionMode, TickCommand};
 use servo::units::{Axis, AxisMask, Ns, StepLimit};
 use servo::view::StopReason;
 
@@ -50,7 +50,10 @@ struct Bench {
 impl Bench {
     fn push(&mut self, command: TickCommand) {
         self.seq += 1;
-        assert!(self.thread.immediate.push(Entry { seq: self.seq, delay: Ns(0), command }).is_ok(), "the lane is full");
+        assert!(
+            self.thread.immediate.push(LaneEntry { seq: self.seq, delay: Ns(0), command }).is_ok(),
+            "the lane is full"
+        );
     }
 
     /// One counted tick, printed.
@@ -86,7 +89,8 @@ impl Bench {
     /// Gives an axis a table of its own: as many segments, of the same length.
     fn load_table(&mut self, axis: Axis, scratch: &mut Scratch<'_>) {
         let (table, fields) = (axis.index() as u8, Fields { count: 0, whole: 0, point: 0 });
-        let draft = Draft::begin(Kind::Pvt, SEGMENTS as i32 + 1, fields, StepLimit::FULL_SCALE, true, scratch);
+        let draft =
+            TableDraft::begin(TableKind::Pvt, SEGMENTS as i32 + 1, fields, StepLimit::FULL_SCALE, true, scratch);
         let Ok(mut draft) = draft else { panic!("the table is refused") };
         for k in 0..=SEGMENTS {
             let place = if k == SEGMENTS { 0 } else { (k * 37 + axis.index() as u32 * 11) * (k % 5 + 1) };
@@ -119,7 +123,7 @@ impl Bench {
             self.load_table(axis, scratch);
             axes.0 |= axis.mask().0;
             self.push(TickCommand::Servo { axis, on: true });
-            self.push(TickCommand::SetMode { axis, mode: Mode::Pvt });
+            self.push(TickCommand::SetMode { axis, mode: MotionMode::Pvt });
             self.push(TickCommand::PvtLoop { axis, passes: 0 });
             self.push(TickCommand::PvtSelect { axis, table: axis.index() as u8 });
         }
@@ -146,10 +150,10 @@ impl Bench {
         [start, change, inside]: [&'static str; 3],
     ) {
         let Some(master) = Axis::new(AXES - 1) else { panic!("no axis") };
-        let mode = if shaped { Mode::FollowEx } else { Mode::Follow };
+        let mode = if shaped { MotionMode::FollowEx } else { MotionMode::Follow };
         let mut axes = AxisMask(0);
         self.push(TickCommand::Servo { axis: master, on: true });
-        self.push(TickCommand::SetMode { axis: master, mode: Mode::Jog });
+        self.push(TickCommand::SetMode { axis: master, mode: MotionMode::Jog });
         let acc = Accel::admit(1000f64.to_bits()).unwrap_or_default();
         self.push(TickCommand::JogPrm { axis: master, acc, dec: acc, smooth: 0 });
         self.push(TickCommand::TargetSpeed {
@@ -157,14 +161,15 @@ impl Bench {
             speed: Speed::admit(5f64.to_bits(), StepLimit::FULL_SCALE).unwrap_or_default(),
         });
         for axis in (0..running).filter_map(Axis::new).filter(|axis| *axis != master) {
-            let mut chain = follow::Chain::default();
+            let mut chain = follow::FollowChain::default();
             for k in 1..=SEGMENTS {
                 let place = if k == SEGMENTS { 0 } else { (k * 37 + axis.index() as u32 * 11) * (k % 5 + 1) };
                 let (to, slave) = (f64::from(k * 5 * SEGMENT_MS as u32), f64::from(place) + 0.37);
                 let percent = if shaped { 37 } else { 0 };
                 let direction = follow::Direction::Both;
                 let kind = (k % 3) as i16;
-                let admitted = follow::Entry::segment(to.to_bits(), slave.to_bits(), kind, percent, direction, &chain);
+                let admitted =
+                    follow::FollowEntry::segment(to.to_bits(), slave.to_bits(), kind, percent, direction, &chain);
                 let Ok((entry, next)) = admitted else { panic!("segment {k} is refused: {admitted:?}") };
                 STORES[axis.index()].write_entry(0, k - 1, entry);
                 chain = next;
@@ -194,7 +199,10 @@ impl Bench {
             self.step_of(case, None, [change, inside]);
         }
         let now = *self.thread.view.read();
-        assert!(now.axes.iter().zip(0..running).all(|(a, _)| a.lead.is_some() || a.mode == Mode::Jog), "it stands");
+        assert!(
+            now.axes.iter().zip(0..running).all(|(a, _)| a.lead.is_some() || a.mode == MotionMode::Jog),
+            "it stands"
+        );
         self.push(TickCommand::Reset { axes: AxisMask(axes.0 | master.mask().0) });
         self.step(case, Some("reset"));
     }
@@ -208,7 +216,7 @@ impl Bench {
             let k = f64::from(axis.index() as u32);
             axes.0 |= axis.mask().0;
             self.push(TickCommand::Servo { axis, on: true });
-            self.push(TickCommand::SetMode { axis, mode: Mode::Trap });
+            self.push(TickCommand::SetMode { axis, mode: MotionMode::Trap });
             let (acc, dec) = (rate(0.31 + k / 17.0), rate(0.77 + k / 13.0));
             self.push(TickCommand::TrapPrm { axis, acc, dec, vel_start: speed(0.0), smooth });
             self.push(TickCommand::TargetSpeed { axis, speed: speed(7.3 + k) });
@@ -240,19 +248,19 @@ impl Bench {
     fn run_lasers(&mut self, case: &str, channels: u8) {
         let clock = Clock::GHZ;
         let percent = |value: u32| Power::admit(f64::from(value).to_bits()).unwrap_or_default();
-        let all = |bench: &mut Bench, change: Change| {
+        let all = |bench: &mut Bench, change: ChannelChange| {
             for channel in 0..channels {
                 bench.push(TickCommand::Laser { channel, change });
             }
         };
         let Ok(carrier) = Carrier::admit(percent(333), clock) else { panic!("the carrier is refused") };
-        let fine = Fine::plan(laser::Mode::Duty, percent(37), Some(&carrier), clock);
-        all(self, Change::Delays(Delays { off: 300, on: 300 }));
-        all(self, Change::Carrier { carrier, fine });
+        let fine = FixedTrain::plan(laser::PowerMode::Duty, percent(37), Some(&carrier), clock);
+        all(self, ChannelChange::Delays(Delays { off: 300, on: 300 }));
+        all(self, ChannelChange::Carrier { carrier, fine });
         self.step(case, Some("laser-set"));
         for round in 0..TICKS as u32 / 8 {
             for (on, mark) in [(true, "laser-on"), (false, "laser-off")] {
-                all(self, Change::Gate { on });
+                all(self, ChannelChange::Gate { on });
                 self.step(case, Some("laser-command"));
                 // The edge falls into the interval that this tick plans.
                 self.step(case, Some(mark));
@@ -262,14 +270,14 @@ impl Bench {
                 let view = *self.thread.view.read();
                 assert!(view.lasers.iter().take(channels.into()).all(|laser| laser.light == on), "no light");
                 if on {
-                    all(self, Change::Direct { power: percent(37), fine });
+                    all(self, ChannelChange::Direct { power: percent(37), fine });
                     self.step(case, Some("laser-power"));
-                    all(self, Change::Direct { power: percent(round % 100), fine: None });
+                    all(self, ChannelChange::Direct { power: percent(round % 100), fine: None });
                     self.step(case, Some("laser-unplanned"));
                 }
             }
         }
-        all(self, Change::Reset { family: Family::Gus });
+        all(self, ChannelChange::Reset { family: Family::Gus });
         self.step(case, Some("reset"));
     }
 
@@ -282,7 +290,7 @@ impl Bench {
             self.load(axis);
             axes.0 |= axis.mask().0;
             self.push(TickCommand::Servo { axis, on: true });
-            self.push(TickCommand::SetMode { axis, mode: Mode::PtStatic });
+            self.push(TickCommand::SetMode { axis, mode: MotionMode::PtStatic });
             self.push(TickCommand::PtLoop { axis, passes: 0 });
             self.push(TickCommand::PtCommit { axis, fifo: 0, end: SEGMENTS, epoch: 0 });
         }

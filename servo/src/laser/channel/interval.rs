@@ -4,12 +4,12 @@
 //! power follows. Out: the actions of a [`Plan`], the published view. Owns nothing else. Fails:
 //! more events than a plan holds make the channel dark.
 use super::{Channel, Outputs, changed};
-use crate::laser::actions::{Action, PLAN_ACTIONS, Plan, Rate, Train};
+use crate::laser::actions::{Action, PLAN_ACTIONS, Plan, PulseRate, Train};
 use crate::laser::energy::{Energy, Plain};
 use crate::laser::light_owner::Fact;
 use crate::laser::power::Power;
 use crate::laser::safety::Cause;
-use crate::laser::{Clock, Mode, NEVER, Positions, Surroundings};
+use crate::laser::{Clock, NEVER, Positions, PowerMode, Surroundings};
 use crate::units::Ns;
 
 /// Actions that an instant may need in a plan: an end of light and a beginning, a switch edge, a
@@ -79,7 +79,7 @@ impl Channel {
             let action = self.go_on();
             plan.push(0, action);
         }
-        if self.energy.mode == Mode::Analog {
+        if self.energy.mode == PowerMode::Analog {
             self.drive(0, true, plan);
         }
         self.publish_power();
@@ -253,7 +253,7 @@ impl Channel {
                 plan.push(at, Action::Light(self.train));
             } else {
                 // A level is no pulse that could be finished.
-                let is_level = self.energy.mode == Mode::DutyOpen || self.out.train.is_level();
+                let is_level = self.energy.mode == PowerMode::DutyOpen || self.out.train.is_level();
                 self.darken(at, is_level, plan);
             }
         } else if anew {
@@ -265,7 +265,7 @@ impl Channel {
             self.out.switch = switch;
             plan.push(at, Action::Switch(switch));
         }
-        if self.energy.mode == Mode::Analog || self.out.volts.is_some() {
+        if self.energy.mode == PowerMode::Analog || self.out.volts.is_some() {
             self.drive(at, light, plan);
         }
     }
@@ -307,11 +307,11 @@ impl Channel {
     /// Light goes on with another train: a carrier from its next period on, a rate in phase.
     fn go_on(&mut self) -> Action {
         self.out.train = self.train;
-        if self.energy.mode != Mode::Frequency {
+        if self.energy.mode != PowerMode::Frequency {
             return Action::Change(self.train);
         }
         if self.train.is_none() {
-            return Action::Rate(Rate::PAUSE);
+            return Action::Rate(PulseRate::PAUSE);
         }
         let before = core::mem::replace(&mut self.rate, self.power);
         Action::Rate(Clock::rate(before, self.power, self.train.period, self.train.width.whole as u32))

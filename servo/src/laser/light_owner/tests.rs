@@ -17,8 +17,8 @@ fn b() -> Crd {
     Crd::new(1).unwrap()
 }
 
-fn run(crd: Crd, fifo: u8) -> Run {
-    Run { crd, fifo }
+fn run(crd: Crd, fifo: u8) -> PathRun {
+    PathRun { crd, fifo }
 }
 
 fn on() -> Fact {
@@ -45,7 +45,7 @@ fn stops(crds: u8) -> Fact {
     Fact::Stops { crds: CrdMask(crds) }
 }
 
-fn rests(crd: Crd, end: End) -> Fact {
+fn rests(crd: Crd, end: StandstillCause) -> Fact {
     Fact::Standstill { run: run(crd, 0), end }
 }
 
@@ -80,7 +80,10 @@ fn possible(state: &Owner) -> Vec<Fact> {
                 facts.push(Fact::Clears { run });
             } else if state.fifo1.has(crd) == (fifo == 1) {
                 facts.extend([false, true].map(|on| Fact::Entry { on, run }));
-                facts.extend([End::RanOut, End::Stopped, End::Failed].map(|end| Fact::Standstill { run, end }));
+                facts.extend(
+                    [StandstillCause::RanOut, StandstillCause::Stopped, StandstillCause::Failed]
+                        .map(|end| Fact::Standstill { run, end }),
+                );
             }
         }
         // A follow begins by an entry, which means nothing where the channel is not mapped.
@@ -93,13 +96,15 @@ fn possible(state: &Owner) -> Vec<Fact> {
 
 /// What the channel does with some facts: where the map excludes the follow's path the follow ends,
 /// no output ends light, a path that fails is a cause.
-fn with_consequences(state: Owner, fact: Fact) -> (Owner, Vec<Order>) {
+fn with_consequences(state: Owner, fact: Fact) -> (Owner, Vec<GateOrder>) {
     let mut next = state;
     let mut orders = vec![next.hear(fact)];
     match fact {
         Fact::Map { crds } if next.follow.is_some_and(|crd| !crds.has(crd)) => orders.push(next.hear(Fact::FollowEnds)),
         Fact::Output { there: false } => orders.push(next.hear(Fact::Withdraw)),
-        Fact::Standstill { run, end: End::Failed } if state.map.has(run.crd) => orders.push(next.hear(FAULT)),
+        Fact::Standstill { run, end: StandstillCause::Failed } if state.map.has(run.crd) => {
+            orders.push(next.hear(FAULT))
+        }
         _ => {}
     }
     (next, orders)
@@ -129,16 +134,16 @@ fn check_state(state: &Owner) {
 }
 
 /// What the SPEC asks of every step.
-fn check_step(before: &Owner, fact: Fact, after: &Owner, orders: &[Order]) {
+fn check_step(before: &Owner, fact: Fact, after: &Owner, orders: &[GateOrder]) {
     let why = || std::format!("{before:?}\n{fact:?}\n{after:?}\n{orders:?}");
     let (was, is) = (before.is_lit(), after.is_lit());
-    let last = orders.iter().rev().find(|order| !matches!(order, Order::Keep | Order::Ignored(_)));
+    let last = orders.iter().rev().find(|order| !matches!(order, GateOrder::Keep | GateOrder::Ignored(_)));
     // The gate follows the owner, and nothing else.
     match (was, is) {
-        (false, true) => assert_eq!(last, Some(&Order::On), "{}", why()),
-        (true, false) => assert!(matches!(last, Some(Order::Off | Order::Cut)), "{}", why()),
-        (true, true) => assert!(!matches!(last, Some(Order::Off | Order::Cut)), "{}", why()),
-        (false, false) => assert_ne!(last, Some(&Order::On), "{}", why()),
+        (false, true) => assert_eq!(last, Some(&GateOrder::On), "{}", why()),
+        (true, false) => assert!(matches!(last, Some(GateOrder::Off | GateOrder::Cut)), "{}", why()),
+        (true, true) => assert!(!matches!(last, Some(GateOrder::Off | GateOrder::Cut)), "{}", why()),
+        (false, false) => assert_ne!(last, Some(&GateOrder::On), "{}", why()),
     }
     let lights = is && !was;
     let asks = match fact {
@@ -161,8 +166,10 @@ fn check_step(before: &Owner, fact: Fact, after: &Owner, orders: &[Order]) {
         Fact::Latched { .. } | Fact::Abort { .. } => true,
         Fact::Output { there } => !there,
         Fact::Entry { on: false, run } => before.map.has(run.crd),
-        Fact::Standstill { run, end: End::Stopped | End::Failed } => before.map.has(run.crd),
-        Fact::Standstill { run, end: End::RanOut } => before.stopping.has(run.crd) && before.map.has(run.crd),
+        Fact::Standstill { run, end: StandstillCause::Stopped | StandstillCause::Failed } => before.map.has(run.crd),
+        Fact::Standstill { run, end: StandstillCause::RanOut } => {
+            before.stopping.has(run.crd) && before.map.has(run.crd)
+        }
         Fact::Stops { crds } => crds.0 & before.map.0 != 0 && crds.0 & before.map.0 & before.running.0 == 0,
         _ => false,
     };
@@ -246,7 +253,7 @@ fn steps<const N: usize>(steps: [(Fact, (bool, bool)); N]) -> Vec<(Fact, bool, b
 
 #[test]
 fn a_stop_shuts_off_whoever_lit_it_and_the_start_that_goes_on_brings_it_back() {
-    let stopped = |crd| rests(crd, End::Stopped);
+    let stopped = |crd| rests(crd, StandstillCause::Stopped);
     story(
         "its own light",
         &steps([(starts(A), DARK), (mark(A), LIT), (stops(1), LIT), (stopped(A), DARK), (resumes(A), LIT)]),
@@ -270,7 +277,13 @@ fn a_stop_shuts_off_whoever_lit_it_and_the_start_that_goes_on_brings_it_back() {
     );
     story(
         "entries that run out while it brakes: nothing is left to come back",
-        &steps([(on(), LIT), (starts(A), LIT), (stops(1), LIT), (rests(A, End::RanOut), DARK), (resumes(A), DARK)]),
+        &steps([
+            (on(), LIT),
+            (starts(A), LIT),
+            (stops(1), LIT),
+            (rests(A, StandstillCause::RanOut), DARK),
+            (resumes(A), DARK),
+        ]),
     );
     story(
         "after CrdClear it begins anew",
@@ -288,7 +301,7 @@ fn a_stop_shuts_off_whoever_lit_it_and_the_start_that_goes_on_brings_it_back() {
             (stopped(A), DARK),
             (on(), LIT),
             (resumes(A), LIT),
-            (rests(A, End::RanOut), LIT),
+            (rests(A, StandstillCause::RanOut), LIT),
         ]),
     );
 }
@@ -303,7 +316,7 @@ fn a_stop_that_finds_it_at_rest_shuts_off_and_nothing_comes_back() {
         &steps([
             (starts(A), DARK),
             (mark(A), LIT),
-            (rests(A, End::Stopped), DARK),
+            (rests(A, StandstillCause::Stopped), DARK),
             (stops(1), DARK),
             (resumes(A), DARK),
         ]),
@@ -314,7 +327,7 @@ fn a_stop_that_finds_it_at_rest_shuts_off_and_nothing_comes_back() {
 
 #[test]
 fn what_runs_out_takes_its_own_light_and_what_follows_it() {
-    let over = |crd| rests(crd, End::RanOut);
+    let over = |crd| rests(crd, StandstillCause::RanOut);
     let begins = |crd| Fact::FollowBegins { crd };
     story("its own", &steps([(starts(A), DARK), (mark(A), LIT), (over(A), DARK)]));
     story("of a call", &steps([(on(), LIT), (starts(A), LIT), (over(A), LIT)]));
@@ -329,9 +342,9 @@ fn what_runs_out_takes_its_own_light_and_what_follows_it() {
         &steps([
             (starts(A), DARK),
             (mark(A), LIT),
-            (rests(A, End::Stopped), DARK),
+            (rests(A, StandstillCause::Stopped), DARK),
             (Fact::Starts { run: excursion, resumes: false }, DARK),
-            (Fact::Standstill { run: excursion, end: End::RanOut }, DARK),
+            (Fact::Standstill { run: excursion, end: StandstillCause::RanOut }, DARK),
             (resumes(A), LIT),
         ]),
     );
@@ -340,7 +353,7 @@ fn what_runs_out_takes_its_own_light_and_what_follows_it() {
 #[test]
 fn under_a_follow_at_rest_an_on_command_waits_for_the_next_start() {
     let begins = |crd| Fact::FollowBegins { crd };
-    let over = rests(A, End::RanOut);
+    let over = rests(A, StandstillCause::RanOut);
     story("a call", &steps([(starts(A), DARK), (begins(A), DARK), (over, DARK), (on(), WAITS), (starts(A), LIT)]));
     story(
         "the follow ends: it never lights",
@@ -387,7 +400,7 @@ fn an_immediate_off_holds_while_the_path_brakes() {
 fn causes_aborts_and_sessions_shut_off_for_good() {
     let cleared = Fact::Cleared;
     for end in [FAULT, Fact::Abort { refuses: false }, Fact::Withdraw] {
-        let stopped = rests(A, End::Stopped);
+        let stopped = rests(A, StandstillCause::Stopped);
         story(
             "then it goes on",
             &steps([
@@ -409,14 +422,14 @@ fn causes_aborts_and_sessions_shut_off_for_good() {
             (abort, DARK),
             (mark(A), DARK),
             (on(), DARK),
-            (rests(A, End::Stopped), DARK),
+            (rests(A, StandstillCause::Stopped), DARK),
             (on(), DARK),
             (Fact::AbortOver, DARK),
             (resumes(A), DARK),
             (mark(A), LIT),
         ]),
     );
-    let lost = [(starts(A), DARK), (mark(A), LIT), (LINK, DARK), (rests(A, End::Stopped), DARK)];
+    let lost = [(starts(A), DARK), (mark(A), LIT), (LINK, DARK), (rests(A, StandstillCause::Stopped), DARK)];
     let after = |rest: [(Fact, (bool, bool)); 2]| [steps(lost), steps(rest)].concat();
     story("a lost link that was cleared", &after([(cleared, DARK), (resumes(A), LIT)]));
     story("a lost link that was not", &after([(resumes(A), DARK), (cleared, DARK)]));
@@ -428,7 +441,7 @@ fn causes_aborts_and_sessions_shut_off_for_good() {
             (inherited, DARK),
             (on(), LIT),
             (LINK, DARK),
-            (rests(A, End::Stopped), DARK),
+            (rests(A, StandstillCause::Stopped), DARK),
             (cleared, DARK),
             (resumes(A), LIT),
         ]),
@@ -440,7 +453,7 @@ fn causes_aborts_and_sessions_shut_off_for_good() {
             (starts(A), DARK),
             (LINK, DARK),
             (mark(A), DARK),
-            (rests(A, End::Stopped), DARK),
+            (rests(A, StandstillCause::Stopped), DARK),
             (cleared, DARK),
             (resumes(A), DARK),
         ]),
@@ -451,17 +464,17 @@ fn causes_aborts_and_sessions_shut_off_for_good() {
 fn a_channel_that_is_not_mapped_or_has_no_output_ignores_entries() {
     let mut owner = Owner::power_on(CrdMask(2));
     owner.hear(starts(A));
-    assert_eq!(owner.hear(mark(A)), Order::Ignored(Ignored::NotMapped));
+    assert_eq!(owner.hear(mark(A)), GateOrder::Ignored(Ignored::NotMapped));
     assert!(!owner.heeds(A) && owner.heeds(b()));
     let mut owner = Owner::power_on(BOTH);
     owner.hear(starts(A));
     owner.hear(Fact::Output { there: false });
-    assert_eq!(owner.hear(mark(A)), Order::Ignored(Ignored::NoOutput));
-    assert_eq!(owner.hear(on()), Order::Ignored(Ignored::NoOutput));
+    assert_eq!(owner.hear(mark(A)), GateOrder::Ignored(Ignored::NoOutput));
+    assert_eq!(owner.hear(on()), GateOrder::Ignored(Ignored::NoOutput));
     owner.hear(Fact::Output { there: true });
     assert!(!owner.is_commanded(), "it was not remembered");
     owner.hear(Fact::Abort { refuses: true });
-    assert_eq!(owner.hear(on()), Order::Ignored(Ignored::Aborting));
+    assert_eq!(owner.hear(on()), GateOrder::Ignored(Ignored::Aborting));
 }
 
 #[test]
@@ -471,7 +484,7 @@ fn owners_are_those_whose_light_is_on_or_would_come_back() {
     owner.hear(starts(b()));
     owner.hear(mark(A));
     assert_eq!(owner.owners(), CrdMask(1));
-    owner.hear(rests(b(), End::Stopped));
+    owner.hear(rests(b(), StandstillCause::Stopped));
     assert_eq!(owner.owners(), BOTH, "that of the first would come back with the second");
     owner.hear(Fact::Map { crds: CrdMask(1) });
     assert_eq!((owner.owners(), owner.light), (CrdMask(0), Light::Off), "it is not mapped any more");

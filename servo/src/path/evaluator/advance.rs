@@ -3,18 +3,18 @@
 //! In: an instant up to which boundaries are passed, entries. Out: the effects of entries, to an
 //! [`Effects`]. Owns nothing beyond the [`Path`]. Fails: entries that run out at speed are an
 //! underrun.
-use super::interface::{Effects, Feed, PathStop};
-use super::{Budget, Gear, Geared, Path, Prepared, Stage, State, Turn, end_of};
+use super::interface::{Effects, FifoEnds, PathStop};
+use super::{Gear, Geared, Path, Preparation, Prepared, Stage, Turn, WalkBudget, end_of};
 use crate::math::real::Real;
-use crate::path::entry::{Change, Entry, Item};
+use crate::path::entry::{EntryContent, EntryEffect, PathEntry};
 use crate::path::speed_profile::Phase;
-use crate::path::store::Entries;
-use crate::path::{DIMENSIONS, Fine};
+use crate::path::store::PathEntries;
+use crate::path::{DIMENSIONS, FineNs};
 use crate::units::{Exact, Pos};
 
 impl Path {
     /// It waits at its position.
-    pub(super) fn wait(&mut self, until: Fine) {
+    pub(super) fn wait(&mut self, until: FineNs) {
         (self.stage, self.stand.over, self.fresh) = (Stage::Wait { until }, until, true);
     }
 
@@ -27,10 +27,10 @@ impl Path {
     /// Passes all boundaries before `limit`.
     pub(super) fn walk(
         &mut self,
-        limit: Fine,
-        budget: &mut Budget,
-        feed: Feed,
-        source: &impl Entries,
+        limit: FineNs,
+        budget: &mut WalkBudget,
+        feed: FifoEnds,
+        source: &impl PathEntries,
         sink: &mut impl Effects,
     ) {
         while self.stand.over < limit {
@@ -76,7 +76,7 @@ impl Path {
     /// The same for one boundary, if it only enters what was made ahead. `admits` says whether the
     /// path may be where the motion in force ends. Returns whether the boundary was passed.
     #[inline(always)]
-    pub fn turn(&mut self, feed: Feed, admits: impl FnOnce(&[Pos; DIMENSIONS]) -> bool) -> bool {
+    pub fn turn(&mut self, feed: FifoEnds, admits: impl FnOnce(&[Pos; DIMENSIONS]) -> bool) -> bool {
         self.turn_at::<true>(feed, admits).is_some()
     }
 
@@ -86,7 +86,7 @@ impl Path {
     #[inline(always)]
     pub(crate) fn turn_at<const SWEPT: bool>(
         &mut self,
-        feed: Feed,
+        feed: FifoEnds,
         admits: impl FnOnce(&[Pos; DIMENSIONS]) -> bool,
     ) -> Option<[u32; 2]> {
         match self.fast.turn {
@@ -114,7 +114,7 @@ impl Path {
         // The entry of the motion that begins is not over.
         let (released, done) = (cursor.next, cursor.done.wrapping_add(1));
         (cursor.next, cursor.done) = (released.wrapping_add(1), done);
-        self.motions.next_mut().state = State::Nothing;
+        self.motions.next_mut().state = Preparation::Nothing;
         (self.stand, self.open) = (self.coming, open);
         self.motions.turn();
         self.pieces.pair.turn();
@@ -182,7 +182,13 @@ impl Path {
     }
 
     /// At a boundary: on to the next motion, wait or standstill.
-    pub(super) fn go_on(&mut self, budget: &mut Budget, feed: Feed, source: &impl Entries, sink: &mut impl Effects) {
+    pub(super) fn go_on(
+        &mut self,
+        budget: &mut WalkBudget,
+        feed: FifoEnds,
+        source: &impl PathEntries,
+        sink: &mut impl Effects,
+    ) {
         loop {
             let cursor = self.cursor(self.fifo);
             let counter = cursor.next;
@@ -245,23 +251,27 @@ impl Path {
     fn take(
         &mut self,
         counter: u32,
-        entry: &Entry,
-        feed: Feed,
-        source: &impl Entries,
+        entry: &PathEntry,
+        feed: FifoEnds,
+        source: &impl PathEntries,
         sink: &mut impl Effects,
-    ) -> Option<Fine> {
+    ) -> Option<FineNs> {
         match &entry.item() {
-            Item::Nothing => None,
-            Item::Delay { ms } => Some(self.time.wrapping_add((*ms as Fine * 1_000_000) << 32)),
+            EntryContent::Nothing => None,
+            EntryContent::Delay { ms } => Some(self.time.wrapping_add((*ms as FineNs * 1_000_000) << 32)),
             // What a laser is ordered may be ordered again, and has to be: the light of a mark that
             // is gone along again ends where it did.
-            Item::Change(change) if self.cursor(self.fifo).again && !matches!(change, Change::Laser { .. }) => None,
-            Item::Change(change) => {
+            EntryContent::Change(change)
+                if self.cursor(self.fifo).again && !matches!(change, EntryEffect::Laser { .. }) =>
+            {
+                None
+            }
+            EntryContent::Change(change) => {
                 let wait = sink.change(self.time, change);
                 self.cursor(self.fifo).inside = wait != 0;
                 (wait != 0).then(|| self.time.wrapping_add(wait))
             }
-            Item::Gear { axis, pulses } => {
+            EntryContent::Gear { axis, pulses } => {
                 let cursor = self.cursor(self.fifo);
                 if cursor.again && (counter.wrapping_sub(cursor.left_at) as i32) < 0 {
                     return None;
@@ -288,7 +298,7 @@ impl Path {
     }
 
     /// Comes to standstill within a motion.
-    pub(super) fn halt(&mut self, at: Fine, path_stop: PathStop, feed: Feed, sink: &mut impl Effects) {
+    pub(super) fn halt(&mut self, at: FineNs, path_stop: PathStop, feed: FifoEnds, sink: &mut impl Effects) {
         let (distance, shape) = (self.stand.distance, &self.motions.now().shape);
         let (here, from) = (shape.at(distance.round()), *shape.start());
         self.here = here;
@@ -299,7 +309,7 @@ impl Path {
 
     /// Comes to standstill where it waits, or would wait, until an instant: the remainder of the
     /// wait is kept.
-    pub(super) fn stop_in_wait(&mut self, until: Fine, feed: Feed, sink: &mut impl Effects) {
+    pub(super) fn stop_in_wait(&mut self, until: FineNs, feed: FifoEnds, sink: &mut impl Effects) {
         let now = self.time;
         let cursor = self.cursor(self.fifo);
         if cursor.inside {
@@ -312,9 +322,15 @@ impl Path {
     }
 
     /// Comes to standstill here.
-    pub(super) fn come_to_standstill(&mut self, at: Fine, path_stop: PathStop, feed: Feed, sink: &mut impl Effects) {
+    pub(super) fn come_to_standstill(
+        &mut self,
+        at: FineNs,
+        path_stop: PathStop,
+        feed: FifoEnds,
+        sink: &mut impl Effects,
+    ) {
         (self.stage, self.speed, self.stopping, self.open) = (Stage::Standstill, Real::ZERO, false, None);
-        (self.stand.over, self.fresh, self.planning.unfinished) = (Fine::MAX, true, false);
+        (self.stand.over, self.fresh, self.planning.unfinished) = (FineNs::MAX, true, false);
         let (here, end) = (self.here, end_of(feed, self.fifo));
         let cursor = self.cursor(self.fifo);
         cursor.kept = cursor.inside || cursor.left != 0 || cursor.next != end;

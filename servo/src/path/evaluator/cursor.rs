@@ -1,6 +1,6 @@
 //! The position of a path in one FIFO, and the axes geared to its motion.
-use crate::path::geometry::Along as Geared;
-use crate::path::{DIMENSIONS, Fine};
+use crate::path::geometry::GearMotion as Geared;
+use crate::path::{DIMENSIONS, FineNs};
 use crate::units::{Axis, Exact, Pos};
 
 /// Axes geared to one motion.
@@ -31,7 +31,7 @@ state! {
         pub(super) from: [Pos; DIMENSIONS] = ORIGIN,
         pub(super) distance: Exact = Exact(0),
         /// The remainder of a wait.
-        pub(super) left: Fine = 0,
+        pub(super) left: FineNs = 0,
         pub(super) gears: [Gear; GEARS] = [NO_GEAR; GEARS],
         pub(super) geared: usize = 0,
         /// It was set back: entries before `reported` have been carried out. They are passed, but

@@ -3,7 +3,7 @@
 //! In: the path after a full step. Out: whether the next ticks only publish the position, and
 //! whether the end of the phase in force only changes an index. Owns nothing beyond the [`Path`].
 //! Cannot fail.
-use super::{MotionPosition, Path, Prepared, Stage, State};
+use super::{MotionPosition, Path, Preparation, Prepared, Stage};
 use crate::path::DIMENSIONS;
 use crate::units::Pos;
 
@@ -48,7 +48,7 @@ impl Path {
             Turn::Else
         } else if plan.phase(self.stand.phase.wrapping_add(1)).is_some() {
             Turn::Phase
-        } else if alone && !plan.halts && !self.stopping && *state == State::Ready && *counter == next {
+        } else if alone && !plan.halts && !self.stopping && *state == Preparation::Ready && *counter == next {
             let (began, time) = (self.stand.over, next_plan.phase(0).map_or(0, |phase| phase.time));
             self.coming = MotionPosition { began, over: began.wrapping_add(time), ..MotionPosition::NONE };
             Turn::Motion

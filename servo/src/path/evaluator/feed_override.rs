@@ -7,8 +7,8 @@ use super::{Path, Rules, Stage};
 use crate::math::real::Real;
 use crate::path::entry::Refused;
 use crate::path::pack::real;
-use crate::path::store::Entries;
-use crate::path::{Feed, Fine};
+use crate::path::store::PathEntries;
+use crate::path::{FifoEnds, FineNs};
 use crate::units::Ns;
 
 /// An override, the factor of all speeds of a path.
@@ -44,9 +44,9 @@ impl Rules {
 
 impl Path {
     /// The motion in force is planned anew from `next` on, because a rule has changed.
-    pub fn replan(&mut self, next: Ns, feed: Feed, source: &impl Entries) {
+    pub fn replan(&mut self, next: Ns, feed: FifoEnds, source: &impl PathEntries) {
         if let Stage::Move = self.stage {
-            self.catch_up((next.0 as Fine) << 32);
+            self.catch_up((next.0 as FineNs) << 32);
             self.plan_remainder(feed, source);
         } else {
             self.pieces.follows = None;

@@ -4,9 +4,9 @@
 //! its coordinates between ticks. Owns nothing. Cannot fail.
 use super::ORIGIN;
 use crate::math::real::Real;
-use crate::path::entry::Change;
+use crate::path::entry::EntryEffect;
 use crate::path::geometry::Bend;
-use crate::path::{DIMENSIONS, Fine};
+use crate::path::{DIMENSIONS, FineNs};
 use crate::segment::piece::{Motion, Scaled};
 use crate::segment::ramp::Accel;
 use crate::units::{Axis, Pos};
@@ -15,14 +15,14 @@ use crate::units::{Axis, Pos};
 /// of the interval that the step is for, and after everything reported in earlier steps.
 pub trait Effects {
     /// An entry takes effect. Returns how long the path waits for it: a modal move's time, else 0.
-    fn change(&mut self, at: Fine, change: &Change) -> Fine;
+    fn change(&mut self, at: FineNs, change: &EntryEffect) -> FineNs;
     /// The path comes to standstill.
-    fn standstill(&mut self, at: Fine, path_stop: PathStop);
+    fn standstill(&mut self, at: FineNs, path_stop: PathStop);
     /// An axis is geared to the motion in force: its displacement since the motion began, at the
     /// step's tick, and its displacement per path length.
     fn gear(&mut self, axis: Axis, by: Pos, ratio: Scaled);
     /// A geared axis is at the end of a motion, which moved it by this much.
-    fn geared(&mut self, at: Fine, axis: Axis, pulses: i32);
+    fn geared(&mut self, at: FineNs, axis: Axis, pulses: i32);
     /// More axes than a path can gear to one motion; this one stays.
     fn surplus(&mut self, _axis: Axis) {}
     /// Whether there is room for one more effect of this tick.
@@ -57,7 +57,7 @@ pub enum PathStop {
 
 /// How many entries of each FIFO are there, counted since it was cleared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Feed {
+pub struct FifoEnds {
     /// Of FIFO 0 and 1.
     pub ends: [u32; 2],
 }
@@ -138,7 +138,7 @@ pub struct StepReport {
 #[derive(Debug, Clone, Copy)]
 pub struct TrajectorySample {
     /// Boundaries that were passed, with their positions: the first ones and the last one.
-    knots: [(Fine, [Pos; DIMENSIONS]); KNOTS],
+    knots: [(FineNs, [Pos; DIMENSIONS]); KNOTS],
     pub(super) count: u8,
     /// For each coordinate, if it reversed on an arc after the last of them: the share of the time
     /// since, in 2⁻⁶⁴, and the position.
@@ -152,7 +152,7 @@ impl TrajectorySample {
     pub(super) const NONE: TrajectorySample =
         TrajectorySample { knots: [(0, ORIGIN); KNOTS], count: 0, turns: [None; DIMENSIONS] };
 
-    pub(super) fn pass(&mut self, at: Fine, position: [Pos; DIMENSIONS]) {
+    pub(super) fn pass(&mut self, at: FineNs, position: [Pos; DIMENSIONS]) {
         let index = (self.count as usize).min(KNOTS - 1);
         if let Some(knot) = self.knots.get_mut(index) {
             *knot = (at, position);
@@ -161,7 +161,7 @@ impl TrajectorySample {
     }
 
     /// Boundaries in the order of time.
-    pub fn knots(&self) -> &[(Fine, [Pos; DIMENSIONS])] {
+    pub fn knots(&self) -> &[(FineNs, [Pos; DIMENSIONS])] {
         self.knots.get(..self.count as usize).unwrap_or_default()
     }
 

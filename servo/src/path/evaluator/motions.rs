@@ -3,19 +3,21 @@
 //! In: the entry of a motion, its start and speed there, what follows it. Out: the motion in force
 //! with its plan. Owns nothing beyond the [`Path`]. Cannot fail. A motion that was made ahead is
 //! the same as one made on its boundary: the same functions of the same numbers.
-use super::{After, EFFECTS, Feed, Gear, Path, Prepared, Rules, Stage, State, end_of};
+use super::{After, EFFECTS, FifoEnds, Gear, Path, Preparation, Prepared, Rules, Stage, end_of};
 use crate::math::real::Real;
-use crate::path::entry::{Along, Entry, Item};
-use crate::path::geometry::Along as Geared;
-use crate::path::speed_profile::{Means, Phase, Plan};
-use crate::path::store::Entries;
-use crate::path::{DIMENSIONS, Fine};
+use crate::path::entry::{EntryContent, MotionSpeeds, PathEntry};
+use crate::path::geometry::GearMotion as Geared;
+use crate::path::speed_profile::{MotionLimits, Phase, SpeedPlan};
+use crate::path::store::PathEntries;
+use crate::path::{DIMENSIONS, FineNs};
 use crate::units::{Exact, Pos};
 
 /// The speeds of a motion.
-fn along_of(item: &Item) -> Option<Along> {
+fn along_of(item: &EntryContent) -> Option<MotionSpeeds> {
     match *item {
-        Item::Line { along, .. } | Item::Arc { along, .. } | Item::Circle { along, .. } => Some(along),
+        EntryContent::Line { along, .. } | EntryContent::Arc { along, .. } | EntryContent::Circle { along, .. } => {
+            Some(along)
+        }
         _ => None,
     }
 }
@@ -23,7 +25,12 @@ fn along_of(item: &Item) -> Option<Along> {
 /// The motion that comes next with its counter, else what comes instead. A path passes only so many
 /// entries in one tick.
 #[inline(always)]
-fn find_motion(fifo: u8, mut counter: u32, feed: Feed, source: &impl Entries) -> Result<(u32, Entry), After> {
+fn find_motion(
+    fifo: u8,
+    mut counter: u32,
+    feed: FifoEnds,
+    source: &impl PathEntries,
+) -> Result<(u32, PathEntry), After> {
     let (end, mut effects) = (end_of(feed, fifo), 0u32);
     while effects <= EFFECTS {
         if counter == end {
@@ -44,7 +51,7 @@ fn find_motion(fifo: u8, mut counter: u32, feed: Feed, source: &impl Entries) ->
 
 impl Path {
     /// Enters a motion that begins, or began, at `from`.
-    pub(super) fn enter(&mut self, from: [Pos; DIMENSIONS], counter: u32, item: &Item) {
+    pub(super) fn enter(&mut self, from: [Pos; DIMENSIONS], counter: u32, item: &EntryContent) {
         if let Some(along) = along_of(item) {
             let exact = self.exact(self.fifo);
             let made = self.motions.now_mut();
@@ -67,7 +74,7 @@ impl Path {
     /// `from`.
     #[inline(always)]
     pub(super) fn swap(&mut self, from: [Pos; DIMENSIONS], distance: Exact) {
-        self.motions.next_mut().state = State::Nothing;
+        self.motions.next_mut().state = Preparation::Nothing;
         self.motions.turn();
         (self.stand.distance, self.stand.sampled) = (distance, distance.round());
         let cursor = self.cursor(self.fifo);
@@ -76,15 +83,15 @@ impl Path {
 
     /// Whether a part of the motion of this entry was made ahead.
     pub(super) fn is_known(&self, counter: u32) -> bool {
-        self.motions.next().state != State::Nothing && self.motions.next().counter == counter
+        self.motions.next().state != Preparation::Nothing && self.motions.next().counter == counter
     }
 
     /// The motion ahead will be entered otherwise than it was planned for.
     #[inline(always)]
     pub(super) fn unplan(&mut self) {
         let ahead = self.motions.next_mut();
-        if ahead.state > State::Shaped {
-            ahead.state = State::Shaped;
+        if ahead.state > Preparation::Shaped {
+            ahead.state = Preparation::Shaped;
         }
     }
 
@@ -107,17 +114,17 @@ impl Path {
         &mut self,
         from: [Pos; DIMENSIONS],
         distance: Exact,
-        feed: Feed,
-        source: &impl Entries,
+        feed: FifoEnds,
+        source: &impl PathEntries,
     ) {
-        while self.motions.next().state < State::Shaped {
+        while self.motions.next().state < Preparation::Shaped {
             self.shape_ahead();
         }
         let Prepared { state, open, .. } = *self.motions.next();
         // Entries that came since may follow it.
-        let planned = state > State::Shaped && open.is_none_or(|sampled| sampled == end_of(feed, self.fifo));
+        let planned = state > Preparation::Shaped && open.is_none_or(|sampled| sampled == end_of(feed, self.fifo));
         if planned {
-            while self.motions.next().state < State::Ready {
+            while self.motions.next().state < Preparation::Ready {
                 self.plan_ahead();
             }
         }
@@ -132,7 +139,7 @@ impl Path {
     /// Makes a part of what follows: the piece after the one in force, or a part of the motion
     /// after the one in force.
     #[inline(never)]
-    pub fn prepare(&mut self, feed: Feed, source: &impl Entries) {
+    pub fn prepare(&mut self, feed: FifoEnds, source: &impl PathEntries) {
         if self.pieces.follows.is_none() {
             if self.planning.unfinished {
                 self.finish();
@@ -146,7 +153,7 @@ impl Path {
         if self.stopping || self.motions.now().plan.halts {
             return;
         }
-        if self.motions.next().state == State::Nothing {
+        if self.motions.next().state == Preparation::Nothing {
             let (fifo, from) = (self.fifo, *self.motions.now().shape.end());
             let next = self.cursor_of(fifo).next;
             self.begin_ahead(fifo, next, &from, feed, source);
@@ -156,25 +163,32 @@ impl Path {
     }
 
     /// Makes a part of the motion ahead: it is entered at `speed`, at the path length `distance`.
-    pub(super) fn make_ahead(&mut self, fifo: u8, speed: Real, distance: Exact, feed: Feed, source: &impl Entries) {
+    pub(super) fn make_ahead(
+        &mut self,
+        fifo: u8,
+        speed: Real,
+        distance: Exact,
+        feed: FifoEnds,
+        source: &impl PathEntries,
+    ) {
         match self.motions.next().state {
-            State::Begun => self.shape_ahead(),
-            State::Shaped if self.motions.next().shape.length().is_zero() => {
+            Preparation::Begun => self.shape_ahead(),
+            Preparation::Shaped if self.motions.next().shape.length().is_zero() => {
                 let ahead = self.motions.next_mut();
-                (ahead.plan, ahead.state) = (Plan::NONE, State::Ready);
+                (ahead.plan, ahead.state) = (SpeedPlan::NONE, Preparation::Ready);
             }
-            State::Shaped => {
+            Preparation::Shaped => {
                 let Prepared { counter, along, shape, .. } = self.motions.next();
                 let after = self.what_follows(fifo, counter.wrapping_add(1), feed, source);
                 let (means, left) = (self.means(*along, after), shape.length().sub(Real::from_exact(distance)));
                 self.planning.sketch.begin(speed, left, means);
                 let open = (after == After::Nothing).then_some(end_of(feed, fifo));
                 let ahead = self.motions.next_mut();
-                (ahead.open, ahead.state) = (open, State::Sketched);
+                (ahead.open, ahead.state) = (open, Preparation::Sketched);
                 self.plan_ahead();
             }
-            State::Sketched => self.plan_ahead(),
-            State::Nothing | State::Ready => {}
+            Preparation::Sketched => self.plan_ahead(),
+            Preparation::Nothing | Preparation::Ready => {}
         }
     }
 
@@ -187,7 +201,7 @@ impl Path {
         let Some(Phase { length, .. }) = motion.plan.phase(self.stand.phase) else { return false };
         if let Some(phase) = motion.plan.phase(self.stand.phase.wrapping_add(1)) {
             to.make(phase, over, Exact(self.stand.distance.0.wrapping_add(length.0)));
-        } else if ahead.state == State::Ready
+        } else if ahead.state == Preparation::Ready
             && !motion.plan.halts
             && let Some(phase) = ahead.plan.phase(0)
         {
@@ -217,8 +231,8 @@ impl Path {
         fifo: u8,
         counter: u32,
         from: &[Pos; DIMENSIONS],
-        feed: Feed,
-        source: &impl Entries,
+        feed: FifoEnds,
+        source: &impl PathEntries,
     ) {
         if self.cursor_of(fifo).again {
             // It may pass entries before that without carrying them out.
@@ -230,13 +244,19 @@ impl Path {
     }
 
     #[inline(never)]
-    fn draft_ahead(&mut self, counter: u32, entry: &Entry, from: &[Pos; DIMENSIONS], exact: Option<[Pos; DIMENSIONS]>) {
+    fn draft_ahead(
+        &mut self,
+        counter: u32,
+        entry: &PathEntry,
+        from: &[Pos; DIMENSIONS],
+        exact: Option<[Pos; DIMENSIONS]>,
+    ) {
         let item = entry.item();
         let Some(along) = along_of(&item) else { return };
         let ahead = self.motions.next_mut();
-        (ahead.counter, ahead.along, ahead.state) = (counter, along, State::Begun);
+        (ahead.counter, ahead.along, ahead.state) = (counter, along, Preparation::Begun);
         self.planning.draft = ahead.shape.begin(*from, &item, exact);
-        if !matches!(item, Item::Circle { .. }) {
+        if !matches!(item, EntryContent::Circle { .. }) {
             self.shape_ahead();
         }
     }
@@ -245,7 +265,7 @@ impl Path {
     fn shape_ahead(&mut self) {
         let ahead = self.motions.next_mut();
         if ahead.shape.advance(&mut self.planning.draft) {
-            ahead.state = State::Shaped;
+            ahead.state = Preparation::Shaped;
         }
     }
 
@@ -253,13 +273,13 @@ impl Path {
     fn plan_ahead(&mut self) {
         let ahead = self.motions.next_mut();
         if ahead.plan.advance(&mut self.planning.sketch) {
-            ahead.state = State::Ready;
+            ahead.state = Preparation::Ready;
         }
     }
 
     /// The limits for the plan of a motion.
     #[inline]
-    fn means(&self, along: Along, after: After) -> Means {
+    fn means(&self, along: MotionSpeeds, after: After) -> MotionLimits {
         let Rules { even, stop, rate } = self.rules;
         let vel = along.vel().mul(rate);
         let end = match after {
@@ -267,11 +287,11 @@ impl Path {
             After::Halt | After::Nothing => Real::ZERO,
         };
         let end = if vel.is_less(end) { vel } else { end };
-        Means { vel, acc: along.acc(), end, even, stop: self.stopping.then_some(stop) }
+        MotionLimits { vel, acc: along.acc(), end, even, stop: self.stopping.then_some(stop) }
     }
 
     /// Plans the remainder of the motion in force from `time`, `distance` and `speed`.
-    pub(super) fn plan_remainder(&mut self, feed: Feed, source: &impl Entries) {
+    pub(super) fn plan_remainder(&mut self, feed: FifoEnds, source: &impl PathEntries) {
         let after = self.what_follows(self.fifo, self.cursor_of(self.fifo).next, feed, source);
         let Prepared { along, shape, .. } = self.motions.now();
         let left = shape.length().sub(Real::from_exact(self.stand.distance));
@@ -304,13 +324,13 @@ impl Path {
     }
 
     /// What follows a motion, from this entry on.
-    fn what_follows(&self, fifo: u8, counter: u32, feed: Feed, source: &impl Entries) -> After {
+    fn what_follows(&self, fifo: u8, counter: u32, feed: FifoEnds, source: &impl PathEntries) -> After {
         find_motion(fifo, counter, feed, source).err().unwrap_or(After::Motion)
     }
 
     /// Entries have come while nothing followed the motion in force.
     #[inline(never)]
-    pub(super) fn extend(&mut self, now: Fine, feed: Feed, source: &impl Entries) {
+    pub(super) fn extend(&mut self, now: FineNs, feed: FifoEnds, source: &impl PathEntries) {
         if self.what_follows(self.fifo, self.cursor_of(self.fifo).next, feed, source) == After::Motion {
             self.catch_up(now);
             self.plan_remainder(feed, source);
@@ -321,7 +341,7 @@ impl Path {
 
     /// Time, path length and speed are those of `now`, which lies in the phase in force or at its
     /// end.
-    pub(super) fn catch_up(&mut self, now: Fine) {
+    pub(super) fn catch_up(&mut self, now: FineNs) {
         let Some(phase) = self.motions.now().plan.phase(self.stand.phase).copied() else { return };
         let since = now.saturating_sub(self.stand.began).min(phase.time);
         self.stand.distance = Exact(self.stand.distance.0.wrapping_add(phase.distance(since).0));

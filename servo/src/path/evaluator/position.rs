@@ -3,11 +3,11 @@
 //! In: the motion in force, with all boundaries up to the tick passed. Out: position, direction and
 //! speed; the motion of the coordinates since the sample before. Owns nothing beyond the [`Path`].
 //! Fails: a position that is not admitted ends the motion before it.
-use super::interface::{Effects, Feed, PathReport, PathStop};
+use super::interface::{Effects, FifoEnds, PathReport, PathStop};
 use super::{PackedPhase, Path, Stage};
 use crate::path::PathSpeed;
 use crate::path::geometry::Bend;
-use crate::path::{DIMENSIONS, Fine};
+use crate::path::{DIMENSIONS, FineNs};
 use crate::segment::piece::Motion;
 use crate::units::{Exact, Ns, Pos};
 
@@ -54,7 +54,7 @@ impl Path {
     /// The path length at `now`, which the motion in force holds. Rounded as the position is, it
     /// would be too coarse for an axis that is geared up.
     #[inline(never)]
-    pub(super) fn distance_at(&self, now: Fine) -> Exact {
+    pub(super) fn distance_at(&self, now: FineNs) -> Exact {
         let gone = self
             .motions
             .now()
@@ -137,7 +137,7 @@ impl Path {
     /// where the FIFO had ended, and it has neither geared axes nor slaves. The caller checks
     /// whether the path may be there, and then calls [`Path::pass`].
     #[inline(always)]
-    pub fn fast_step(&mut self, next: Ns, feed: Feed, report: &mut PathReport<'_>) -> Option<Pos> {
+    pub fn fast_step(&mut self, next: Ns, feed: FifoEnds, report: &mut PathReport<'_>) -> Option<Pos> {
         if !self.may_step_fast(feed) {
             return None;
         }
@@ -148,7 +148,7 @@ impl Path {
 
     /// Whether that may be so.
     #[inline(always)]
-    pub(crate) fn may_step_fast(&self, feed: Feed) -> bool {
+    pub(crate) fn may_step_fast(&self, feed: FifoEnds) -> bool {
         self.fast.publishes && !self.has_changed(feed)
     }
 
@@ -203,7 +203,13 @@ impl Path {
     /// The motion in force must not go from the first of these path lengths to the second, where it
     /// is or would be at `at`: it comes to standstill between.
     #[inline(never)]
-    pub(super) fn hold(&mut self, at: Fine, (low, distance): (Exact, Exact), sink: &mut impl Effects, feed: Feed) {
+    pub(super) fn hold(
+        &mut self,
+        at: FineNs,
+        (low, distance): (Exact, Exact),
+        sink: &mut impl Effects,
+        feed: FifoEnds,
+    ) {
         // The furthest position between that is admitted, to 2⁻¹⁶ of the length; the first if none
         // is.
         let (mut low, mut high) = (low, distance);
@@ -236,7 +242,7 @@ impl Path {
         if let Stage::Move = self.stage
             && let Some(phase) = self.motions.now().plan.phase(self.stand.phase)
         {
-            let until = (next.0.wrapping_add(period.0) as Fine) << 32;
+            let until = (next.0.wrapping_add(period.0) as FineNs) << 32;
             distance = distance.wrapping_add(phase.distance(until.saturating_sub(self.stand.began)).0);
         }
         PathSpeed::mean(Exact(distance), period)

@@ -4,16 +4,16 @@
 //! of the motion that this start begins or continues, as if it began at 0. Owns nothing beyond the
 //! [`Path`]. Cannot fail: a change of what would follow discards it, and a start with another FIFO
 //! makes its own.
-use super::{Feed, Path, State, end_of};
+use super::{FifoEnds, Path, Preparation, end_of};
 use crate::math::real::Real;
-use crate::path::Fine;
-use crate::path::store::Entries;
+use crate::path::FineNs;
+use crate::path::store::PathEntries;
 use crate::units::{Exact, Ns};
 
 impl Path {
     /// Makes a part of it, a few hundred instructions. Returns whether there may be more to make.
     #[inline(never)]
-    pub fn prepare_start(&mut self, fifo: u8, feed: Feed, source: &impl Entries) -> bool {
+    pub fn prepare_start(&mut self, fifo: u8, feed: FifoEnds, source: &impl PathEntries) -> bool {
         if self.prepared != Some(fifo) {
             self.discard_prepared();
             if self.refuses_start(fifo, feed) {
@@ -30,19 +30,19 @@ impl Path {
         let (inside, next) = (cursor.inside, cursor.next);
         let distance = if inside { cursor.distance } else { Exact(0) };
         match self.motions.next().state {
-            State::Nothing => {
+            Preparation::Nothing => {
                 let (counter, from) = if inside { (next.wrapping_sub(1), cursor.from) } else { (next, self.here) };
                 self.begin_ahead(fifo, counter, &from, feed, source);
-                self.motions.next().state != State::Nothing
+                self.motions.next().state != Preparation::Nothing
             }
-            State::Ready => {
+            Preparation::Ready => {
                 if let (None, Some(phase)) = (self.pieces.follows, self.motions.next().plan.phase(0)) {
                     self.pieces.pair.next_mut().make(phase, 0, distance);
                     self.pieces.follows = Some(0);
                 }
                 false
             }
-            State::Begun | State::Shaped | State::Sketched => {
+            Preparation::Begun | Preparation::Shaped | Preparation::Sketched => {
                 self.make_ahead(fifo, Real::ZERO, distance, feed, source);
                 true
             }
@@ -53,7 +53,7 @@ impl Path {
     pub(super) fn discard_prepared(&mut self) {
         if !self.runs() {
             (self.prepared, self.pieces.follows) = (None, None);
-            self.motions.next_mut().state = State::Nothing;
+            self.motions.next_mut().state = Preparation::Nothing;
         }
     }
 
@@ -67,7 +67,7 @@ impl Path {
             // It begins on a whole ns, as at 0, or with a wait, after which the piece is another
             // one.
             self.pieces.pair.next_mut().piece.begin = next;
-            self.pieces.follows = Some((next.0 as Fine) << 32);
+            self.pieces.follows = Some((next.0 as FineNs) << 32);
         }
     }
 }

@@ -4,16 +4,16 @@
 //! nothing beyond the [`Path`]. Cannot fail. An abrupt Stop finds the path a period ahead of its
 //! published position: it goes back to that.
 use super::cursor::{Cursor, Past};
-use super::interface::{Effects, Feed, PathStop};
-use super::{Path, Stage, State};
-use crate::path::store::Entries;
-use crate::path::{DIMENSIONS, Fine};
+use super::interface::{Effects, FifoEnds, PathStop};
+use super::{Path, Preparation, Stage};
+use crate::path::store::PathEntries;
+use crate::path::{DIMENSIONS, FineNs};
 use crate::units::{Ns, Pos};
 
 impl Path {
     /// Smooth: brakes along the path from `next` on. Abrupt: stops there.
-    pub fn stop(&mut self, next: Ns, abrupt: bool, feed: Feed, source: &impl Entries, sink: &mut impl Effects) {
-        let now = (next.0 as Fine) << 32;
+    pub fn stop(&mut self, next: Ns, abrupt: bool, feed: FifoEnds, source: &impl PathEntries, sink: &mut impl Effects) {
+        let now = (next.0 as FineNs) << 32;
         match self.stage {
             Stage::Standstill => {}
             Stage::Wait { until } => {
@@ -35,8 +35,8 @@ impl Path {
 
     /// Stops at `next` at the `position` of the last sample (SPEC 4). Entries reached since were
     /// carried out. The start that continues makes those of a laser again, and passes the others.
-    pub fn stand_still(&mut self, next: Ns, position: &[Pos; DIMENSIONS], feed: Feed, sink: &mut impl Effects) {
-        self.time = (next.0 as Fine) << 32;
+    pub fn stand_still(&mut self, next: Ns, position: &[Pos; DIMENSIONS], feed: FifoEnds, sink: &mut impl Effects) {
+        self.time = (next.0 as FineNs) << 32;
         match self.stage {
             Stage::Standstill => {}
             Stage::Wait { until } if self.swept.length.is_none() => self.stop_in_wait(until, feed, sink),
@@ -54,7 +54,7 @@ impl Path {
 
     /// Comes to rest at the position of the last sample.
     #[inline(never)]
-    fn fall_back(&mut self, position: &[Pos; DIMENSIONS], feed: Feed, sink: &mut impl Effects) {
+    fn fall_back(&mut self, position: &[Pos; DIMENSIONS], feed: FifoEnds, sink: &mut impl Effects) {
         if self.swept.length.is_none() {
             self.keep_past(self.stand.sampled);
         }
@@ -76,7 +76,7 @@ impl Path {
         cursor.from = from;
         self.cursor(self.fifo).distance = self.sampled(distance);
         if changed {
-            self.motions.next_mut().state = State::Nothing;
+            self.motions.next_mut().state = Preparation::Nothing;
         }
         (self.here, self.since.count) = (*position, 0);
         self.come_to_standstill(self.time, PathStop::Stopped, feed, sink);

@@ -1,7 +1,7 @@
 //! A double in 58 bits and a sign: the user's number, down to 2⁻⁶⁴ pulse.
 //!
 //! In: the bits of a double below 2⁴¹. Out: two words, and the number in 2⁻⁶⁴ pulse. Numbers below
-//! 2⁻¹¹ become multiples of 2⁻⁶⁴, the others lose nothing. Fails: [`Class`] says what it is not.
+//! 2⁻¹¹ become multiples of 2⁻⁶⁴, the others lose nothing. Fails: [`NoNumber`] says what it is not.
 
 /// Fraction (52 bits) and field of the exponent (6 bits) of a magnitude.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -16,21 +16,21 @@ pub(super) const HIGH_BITS: u32 = 26;
 
 /// What a double is, if not a number that fits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Class {
+pub(super) enum NoNumber {
     NotFinite,
     TooLarge,
 }
 
 impl Compact {
     /// The magnitude of a double up to 2^`most`, `most` ≤ 41.
-    pub(super) fn pack(bits: u64, most: u32) -> Result<Compact, Class> {
+    pub(super) fn pack(bits: u64, most: u32) -> Result<Compact, NoNumber> {
         let exponent = (bits >> 52 & 0x7ff) as u32;
         let fraction = bits & ((1 << 52) - 1);
         if exponent == 0x7ff {
-            return Err(Class::NotFinite);
+            return Err(NoNumber::NotFinite);
         }
         if exponent > 1023 + most || exponent == 1023 + most && fraction != 0 {
-            return Err(Class::TooLarge);
+            return Err(NoNumber::TooLarge);
         }
         // Field 1 is 2^-12..2^-11, whose last bit is 2^-64; below, multiples of 2^-64, field 0.
         let packed = if exponent >= 1011 {

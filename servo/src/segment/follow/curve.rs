@@ -8,7 +8,7 @@
 //! 5, Percent), with k = percent/200, its ratio changes by R₁ − R₀ = 2(P − R₀) with a slope that
 //! rises over k, holds a = (R₁ − R₀)/(1 − k), and falls over k: three pieces. Those of an
 //! asymmetric S are segments of their own: R₀·τ + (P − R₀)·τ³, and R₀·τ + (P − R₀)·(3τ² − τ³)/2.
-use super::entry::{Entry, Kind, Part};
+use super::entry::{FollowEntry, FollowEntryKind, SCurvePart};
 use super::ratio::RATIO_BITS;
 use crate::math::wide::{mulhi_su, narrow, recip64_below, umulhi};
 use crate::segment::piece::{Motion, Piece, Recip};
@@ -32,7 +32,7 @@ const GAIN: [u64; 101] = {
 
 /// A segment as the motion runs through it.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Segment {
+pub(super) struct CurveSegment {
     /// Master's progress at both ends, from the start of the pass.
     pub(super) from: i128,
     pub(super) to: i128,
@@ -42,24 +42,28 @@ pub(super) struct Segment {
     /// Displacement at the start ratio.
     at_start: i128,
     percent: u32,
-    part: Option<Part>,
+    part: Option<SCurvePart>,
 }
 
-impl Segment {
+impl CurveSegment {
     /// The segment of `entry` after `before`. A NORMAL one starts at a ratio that differs from that
     /// of its chain by what `more` makes of its length.
-    pub(super) fn between(before: Option<Entry>, entry: Entry, more: impl FnOnce(i128) -> i128) -> Segment {
-        let (from, begin) = before.map_or((0, 0), Entry::ends);
+    pub(super) fn between(
+        before: Option<FollowEntry>,
+        entry: FollowEntry,
+        more: impl FnOnce(i128) -> i128,
+    ) -> CurveSegment {
+        let (from, begin) = before.map_or((0, 0), FollowEntry::ends);
         let (to, end) = entry.ends();
         let displacement = end.wrapping_sub(begin);
         let at_start = match entry.kind() {
-            Some(Kind::Even) => displacement,
-            Some(Kind::Stop) => displacement << 1,
-            Some(Kind::Part(_)) => entry.at_start(),
+            Some(FollowEntryKind::Even) => displacement,
+            Some(FollowEntryKind::Stop) => displacement << 1,
+            Some(FollowEntryKind::Part(_)) => entry.at_start(),
             _ => entry.at_start().wrapping_add(more(to.wrapping_sub(from))),
         };
-        let part = if let Some(Kind::Part(part)) = entry.kind() { Some(part) } else { None };
-        Segment { from, to, begin, end, at_start, percent: if part.is_none() { entry.percent() } else { 0 }, part }
+        let part = if let Some(FollowEntryKind::Part(part)) = entry.kind() { Some(part) } else { None };
+        CurveSegment { from, to, begin, end, at_start, percent: if part.is_none() { entry.percent() } else { 0 }, part }
     }
 
     /// The slave's position at its start, of the pass that began at `origin`.
@@ -88,9 +92,9 @@ impl Segment {
             // The mean is above R₀ by a third of the change of the ratio, two thirds, or half of
             // it.
             let [second, third] = match self.part {
-                Some(Part::Rise) => [0, half],
-                Some(Part::Fall) => [half.wrapping_mul(3) >> 1, half.wrapping_neg() >> 1],
-                Some(Part::Held) | None => [half, 0],
+                Some(SCurvePart::Rise) => [0, half],
+                Some(SCurvePart::Fall) => [half.wrapping_mul(3) >> 1, half.wrapping_neg() >> 1],
+                Some(SCurvePart::Held) | None => [half, 0],
             };
             return cubic(from, length, start, [r0, second, third]);
         }

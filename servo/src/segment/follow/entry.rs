@@ -1,14 +1,14 @@
 //! One entry of a FIFO: checked, packed into 24 bytes, and what is read from it.
 //!
-//! In: the bits of the user's doubles, types, the entries before. Out: an [`Entry`], which only
-//! these checks can make, and the [`Chain`] after it. Fails: with the rule that the datum breaks,
-//! [`Refused`].
+//! In: the bits of the user's doubles, types, the entries before. Out: an [`FollowEntry`], which
+//! only these checks can make, and the [`FollowChain`] after it. Fails: with the rule that the
+//! datum breaks, [`Refused`].
 //!
 //! Besides the two end positions, a segment holds the slave's displacement at its start ratio,
 //! r₀·M, as the chain of ratios gives it. So the tick can enter any segment from either side. The
 //! chain does not know the ratio with which a FIFO goes on after another, or after a SwitchNow.
 //! That runs on with changing sign until an EVEN or STOP: an entry says how far back this is.
-use super::compact::{Class, Compact, HIGH_BITS};
+use super::compact::{Compact, HIGH_BITS, NoNumber};
 use super::ratio::{RATIO_BITS, quotient, swing};
 use super::{Direction, Method};
 use crate::units::DoGroup;
@@ -34,7 +34,7 @@ pub(super) const CHAIN_MAX_ENTRIES: u32 = 31;
 /// percent above 100. An entry that is no segment has type 3, its kind in percent, a number in word
 /// 4 and the rest in word 5.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Entry([u32; 6]);
+pub struct FollowEntry([u32; 6]);
 
 /// Why a datum is refused: the parameter, and its limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -100,7 +100,7 @@ impl Input {
 
 /// The ratio within a segment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum FollowEntryKind {
     /// From the end ratio of the segment before to 2P/M minus it.
     Normal,
     /// P/M throughout.
@@ -108,13 +108,13 @@ pub(super) enum Kind {
     /// From 2P/M to 0.
     Stop,
     /// One of an asymmetric S.
-    Part(Part),
+    Part(SCurvePart),
 }
 
 /// A part of an asymmetric S (FollowDataPercent2Ex): its displacement and the ratio at its start
 /// decide it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Part {
+pub enum SCurvePart {
     /// The slope of the ratio grows from 0.
     Rise,
     /// It holds.
@@ -147,7 +147,7 @@ pub(super) enum Stop {
 
 /// What admission needs of the entries before in the same FIFO. Default is an empty FIFO.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Chain {
+pub struct FollowChain {
     /// Ends of master (its magnitude) and slave, 2⁻⁶⁴ pulse.
     master: i128,
     slave: i128,
@@ -159,12 +159,12 @@ pub struct Chain {
     /// Entries back to the head of the chain of ratios, and whether the number of segments is odd.
     back: u16,
     odd: bool,
-    tail: Tail,
+    tail: FifoTail,
 }
 
 /// What the tick needs of a FIFO besides its entries; part of the commit of its last entry.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Tail {
+pub struct FifoTail {
     /// End ratio of the last segment, 2⁻⁸⁰.
     pub(super) ratio: i128,
     /// The master's positions are negative: progress downwards.
@@ -175,7 +175,7 @@ pub struct Tail {
     pub(super) last_stop: u16,
 }
 
-impl Chain {
+impl FollowChain {
     /// Entries of the FIFO.
     pub fn entries(&self) -> u32 {
         self.segments as u32 + self.stops as u32
@@ -187,7 +187,7 @@ impl Chain {
     }
 
     /// What a commit of these entries carries.
-    pub fn tail(&self) -> Tail {
+    pub fn tail(&self) -> FifoTail {
         self.tail
     }
 }
@@ -217,7 +217,7 @@ fn pack_swing(x: i128) -> [u32; 2] {
     [mantissa as u32, high]
 }
 
-impl Entry {
+impl FollowEntry {
     /// The words as stored: those of two slots.
     pub(super) fn words(self) -> [[u32; 3]; 2] {
         let [a, b, c, d, e, f] = self.0;
@@ -226,8 +226,8 @@ impl Entry {
 
     /// From stored words; all bit patterns are valid.
     #[inline(always)]
-    pub(super) fn from_words([[a, b, c], [d, e, f]]: [[u32; 3]; 2]) -> Entry {
-        Entry([a, b, c, d, e, f])
+    pub(super) fn from_words([[a, b, c], [d, e, f]]: [[u32; 3]; 2]) -> FollowEntry {
+        FollowEntry([a, b, c, d, e, f])
     }
 
     /// Checks a segment against the entries before and packs it. Positions are the bits of doubles,
@@ -239,8 +239,8 @@ impl Entry {
         kind: i16,
         percent: i16,
         direction: Direction,
-        before: &Chain,
-    ) -> Result<(Entry, Chain), Refused> {
+        before: &FollowChain,
+    ) -> Result<(FollowEntry, FollowChain), Refused> {
         if !(0..=3).contains(&kind) {
             return Err(Refused::Kind);
         }
@@ -261,7 +261,7 @@ impl Entry {
             }
         };
         let (entry, mut chain) =
-            Entry::between([master_bits, slave_bits], percent as u32, type_bits, direction, before, rule)?;
+            FollowEntry::between([master_bits, slave_bits], percent as u32, type_bits, direction, before, rule)?;
         if before.segments == 0 && kind == 3 {
             chain.tail.continues = before.entries() as u16 + 1;
         }
@@ -273,11 +273,11 @@ impl Entry {
     pub fn part(
         master_bits: u64,
         slave_bits: u64,
-        part: Part,
+        part: SCurvePart,
         begin: Option<u64>,
         direction: Direction,
-        before: &Chain,
-    ) -> Result<(Entry, Chain), Refused> {
+        before: &FollowChain,
+    ) -> Result<(FollowEntry, FollowChain), Refused> {
         let r0 = match begin {
             None => before.tail.ratio,
             Some(bits) => {
@@ -289,13 +289,13 @@ impl Entry {
         // P/M is r₀ + Δ/3, r₀ + Δ/2, r₀ + 2Δ/3.
         let rule = |p: i128, m: u128| {
             let end = match part {
-                Part::Rise => quotient(p * 3, m) - (r0 << 1),
-                Part::Held => quotient(p << 1, m) - r0,
-                Part::Fall => (quotient(p * 3, m) - r0) >> 1,
+                SCurvePart::Rise => quotient(p * 3, m) - (r0 << 1),
+                SCurvePart::Held => quotient(p << 1, m) - r0,
+                SCurvePart::Fall => (quotient(p * 3, m) - r0) >> 1,
             };
             (r0, end, swing(r0, m))
         };
-        Entry::between([master_bits, slave_bits], code, STOP, direction, before, rule)
+        FollowEntry::between([master_bits, slave_bits], code, STOP, direction, before, rule)
     }
 
     /// A segment after `before`. From a displacement of the slave and one of the master, `rule`
@@ -305,16 +305,16 @@ impl Entry {
         percent: u32,
         type_bits: u32,
         direction: Direction,
-        before: &Chain,
+        before: &FollowChain,
         rule: impl FnOnce(i128, u128) -> (i128, i128, i128),
-    ) -> Result<(Entry, Chain), Refused> {
+    ) -> Result<(FollowEntry, FollowChain), Refused> {
         let master = Compact::pack(master_bits, 31).map_err(|class| match class {
-            Class::NotFinite => Refused::MasterNotFinite,
-            Class::TooLarge => Refused::MasterBeyondRange,
+            NoNumber::NotFinite => Refused::MasterNotFinite,
+            NoNumber::TooLarge => Refused::MasterBeyondRange,
         })?;
         let slave = Compact::pack(slave_bits, 40).map_err(|class| match class {
-            Class::NotFinite => Refused::SlaveNotFinite,
-            Class::TooLarge => Refused::SlaveBeyondTravel,
+            NoNumber::NotFinite => Refused::SlaveNotFinite,
+            NoNumber::TooLarge => Refused::SlaveBeyondTravel,
         })?;
         let first = before.segments == 0;
         let down = master_bits >> 63 == 1;
@@ -356,13 +356,18 @@ impl Entry {
     }
 
     /// Sets an output when it is reached. Bits count from 0; those of axes over all cores.
-    pub fn output(group: DoGroup, bit: u8, high: bool, before: &Chain) -> Result<(Entry, Chain), Refused> {
-        Entry::stop(OUTPUT, 0, group as u32 | (bit as u32) << 4 | (high as u32) << 12, before)
+    pub fn output(
+        group: DoGroup,
+        bit: u8,
+        high: bool,
+        before: &FollowChain,
+    ) -> Result<(FollowEntry, FollowChain), Refused> {
+        FollowEntry::stop(OUTPUT, 0, group as u32 | (bit as u32) << 4 | (high as u32) << 12, before)
     }
 
     /// Holds the slave for this many cycles of 250 µs.
-    pub fn delay(cycles: u32, before: &Chain) -> Result<(Entry, Chain), Refused> {
-        Entry::stop(DELAY, cycles, 0, before)
+    pub fn delay(cycles: u32, before: &FollowChain) -> Result<(FollowEntry, FollowChain), Refused> {
+        FollowEntry::stop(DELAY, cycles, 0, before)
     }
 
     /// Holds the slave until an input has this level. `index` is an axis over all cores or a
@@ -372,17 +377,17 @@ impl Entry {
         index: u8,
         high: bool,
         timeout_ms: u32,
-        before: &Chain,
-    ) -> Result<(Entry, Chain), Refused> {
-        Entry::stop(WAIT, timeout_ms, input as u32 | (index as u32) << 4 | (high as u32) << 12, before)
+        before: &FollowChain,
+    ) -> Result<(FollowEntry, FollowChain), Refused> {
+        FollowEntry::stop(WAIT, timeout_ms, input as u32 | (index as u32) << 4 | (high as u32) << 12, before)
     }
 
     /// Switches when it is reached.
-    pub fn switch(method: Method, before: &Chain) -> Result<(Entry, Chain), Refused> {
-        Entry::stop(SWITCH, 0, (method == Method::Table) as u32, before)
+    pub fn switch(method: Method, before: &FollowChain) -> Result<(FollowEntry, FollowChain), Refused> {
+        FollowEntry::stop(SWITCH, 0, (method == Method::Table) as u32, before)
     }
 
-    fn stop(code: u32, number: u32, rest: u32, before: &Chain) -> Result<(Entry, Chain), Refused> {
+    fn stop(code: u32, number: u32, rest: u32, before: &FollowChain) -> Result<(FollowEntry, FollowChain), Refused> {
         if before.entries() >= ENTRIES {
             return Err(Refused::Full);
         }
@@ -429,15 +434,15 @@ impl Entry {
 
     /// The kind of a segment; none for an entry that is no segment.
     #[inline(always)]
-    pub(super) fn kind(self) -> Option<Kind> {
+    pub(super) fn kind(self) -> Option<FollowEntryKind> {
         match self.0[5] >> 28 & 3 {
-            NORMAL => Some(Kind::Normal),
-            EVEN => Some(Kind::Even),
+            NORMAL => Some(FollowEntryKind::Normal),
+            EVEN => Some(FollowEntryKind::Even),
             STOP => Some(match self.percent().checked_sub(PARTS) {
-                None => Kind::Stop,
-                Some(0 | GOES_ON) => Kind::Part(Part::Rise),
-                Some(1 | 4) => Kind::Part(Part::Held),
-                Some(_) => Kind::Part(Part::Fall),
+                None => FollowEntryKind::Stop,
+                Some(0 | GOES_ON) => FollowEntryKind::Part(SCurvePart::Rise),
+                Some(1 | 4) => FollowEntryKind::Part(SCurvePart::Held),
+                Some(_) => FollowEntryKind::Part(SCurvePart::Fall),
             }),
             _ => None,
         }
@@ -511,7 +516,7 @@ const NORMAL: u32 = 0;
 const EVEN: u32 = 1;
 const STOP: u32 = 2;
 /// Instead of a STOP's percentage: the first code of parts of an asymmetric S, in the order of
-/// [`Part`], and what is added for one that continues the part before.
+/// [`SCurvePart`], and what is added for one that continues the part before.
 const PARTS: u32 = 101;
 const GOES_ON: u32 = 3;
 /// Kinds of entries that are no segments, instead of the percentage.
@@ -524,12 +529,12 @@ const NO_SEGMENT: u32 = 3;
 /// The bits of word 5 that link to the one before.
 const LINK: u32 = 16;
 
-impl Chain {
-    /// The next entry: it ends where [`Chain::ends`] says.
-    fn pack(&self, code: u32, low: u32, high: u32) -> Entry {
+impl FollowChain {
+    /// The next entry: it ends where [`FollowChain::ends`] says.
+    fn pack(&self, code: u32, low: u32, high: u32) -> FollowEntry {
         let [a, b, c, d] = self.ends;
         let back = (self.back as u32).min(CHAIN_MAX_ENTRIES);
-        Entry([
+        FollowEntry([
             a,
             b | back << HIGH_BITS | (self.odd as u32) << 31,
             c,

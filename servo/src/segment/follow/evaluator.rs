@@ -19,18 +19,18 @@ mod switch;
 
 use super::curve::{EXACT_TO_POS_BITS, ceil, slope};
 use super::entry::{Input, Stop};
-use super::master_path::{Fine, MasterPath, Section, Spot, Track};
+use super::master_path::{FineNs, MasterPath, PositionTrack, Section, Spot};
 use super::setup::Setup;
 use super::slave_track::record;
-use super::{Direction, Entries, Method};
+use super::{Direction, FollowEntries, Method};
 use crate::segment::piece::Piece;
 use crate::units::{Exact, Ns, Pos};
 
 /// Entries that are no segments, in one tick of one axis.
 pub const ACTIONS: usize = 8;
 /// A cycle of FollowDelayEx, 250 µs, and a ms, in 2⁻³² ns.
-const DELAY_CYCLE: Fine = 250_000 << 32;
-const MS: Fine = 1_000_000 << 32;
+const DELAY_CYCLE: FineNs = 250_000 << 32;
+const MS: FineNs = 1_000_000 << 32;
 /// Steps of [`FollowRun::settle`] in a tick: every action may be followed by the end of a pass.
 const SETTLE_STEPS: usize = 3 * ACTIONS;
 
@@ -45,7 +45,7 @@ pub struct OutputActions {
 
 /// Whether the motion goes on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum State {
+pub enum FollowState {
     /// It does.
     Running,
     /// All passes have run.
@@ -72,9 +72,9 @@ enum Wait {
     /// The master's crossing of a position.
     Pass { up: bool, at: Pos },
     /// An instant, 2⁻³² ns.
-    Until(Fine),
+    Until(FineNs),
     /// An input, at most until an instant.
-    Input { input: Input, index: u8, high: bool, until: Option<Fine> },
+    Input { input: Input, index: u8, high: bool, until: Option<FineNs> },
 }
 
 /// What a slave waits for, in 16 bits: 0 nothing, 1 PASS, 2 an input. Of an input, bit 2 is the
@@ -188,20 +188,20 @@ pub struct FollowRun {
 }
 
 /// What a tick uses besides the run.
-pub struct Context<'a, S, L> {
+pub struct FollowContext<'a, S, L> {
     setup: &'a mut Setup,
     source: &'a S,
     level: L,
     actions: &'a mut OutputActions,
     /// The tick in force, 2⁻³² ns.
-    base: Fine,
+    base: FineNs,
 }
 
-impl<'a, S: Entries, L: Fn(Input, u8) -> bool> Context<'a, S, L> {
+impl<'a, S: FollowEntries, L: Fn(Input, u8) -> bool> FollowContext<'a, S, L> {
     /// Settings and FIFOs of the axis, its entries, the levels of inputs as sampled in the tick in
     /// force; the actions of entries go to `actions`.
     pub fn new(setup: &'a mut Setup, source: &'a S, level: L, actions: &'a mut OutputActions) -> Self {
-        Context { setup, source, level, actions, base: 0 }
+        FollowContext { setup, source, level, actions, base: 0 }
     }
 }
 
@@ -360,19 +360,19 @@ impl FollowRun {
 
     /// The tick after `path.now()`. `named` is the position of the path at which the master's user
     /// position is 0, for PASS.
-    pub fn step<S: Entries, L: Fn(Input, u8) -> bool>(
+    pub fn step<S: FollowEntries, L: Fn(Input, u8) -> bool>(
         &mut self,
         path: &MasterPath<'_>,
         named: i64,
-        context: &mut Context<'_, S, L>,
-        mut track: Option<&mut Track>,
-    ) -> State {
+        context: &mut FollowContext<'_, S, L>,
+        mut track: Option<&mut PositionTrack>,
+    ) -> FollowState {
         let (from, to) = path.ends();
         let mut end = self.open(path.now(), from, to, context);
         for section in path.sections() {
             end = end.or_else(|| self.go(section, context, track.as_deref_mut()));
         }
-        end.or_else(|| self.close(path.now(), to, named, context)).unwrap_or(State::Running)
+        end.or_else(|| self.close(path.now(), to, named, context)).unwrap_or(FollowState::Running)
     }
 
     /// What it waits for.
@@ -388,20 +388,20 @@ impl FollowRun {
 
     /// A tick begins with the master at `from`, and ends at `to`: takes added data into account,
     /// and reads inputs.
-    pub(super) fn open<S: Entries, L: Fn(Input, u8) -> bool>(
+    pub(super) fn open<S: FollowEntries, L: Fn(Input, u8) -> bool>(
         &mut self,
         now: Ns,
         from: Pos,
         to: Spot,
-        context: &mut Context<'_, S, L>,
-    ) -> Option<State> {
-        context.base = (now.0 as Fine) << 32;
+        context: &mut FollowContext<'_, S, L>,
+    ) -> Option<FollowState> {
+        context.base = (now.0 as FineNs) << 32;
         self.append(context);
         if let Wait::Input { input, index, high, until } = self.wait {
             if (context.level)(input, index) == high {
                 self.resume(from, context);
-            } else if until.is_some_and(|until| until <= context.base.wrapping_add(to.after as Fine)) {
-                return Some(State::TimedOut { at: self.knot(self.done, context) });
+            } else if until.is_some_and(|until| until <= context.base.wrapping_add(to.after as FineNs)) {
+                return Some(FollowState::TimedOut { at: self.knot(self.done, context) });
             }
         }
         None
@@ -409,12 +409,12 @@ impl FollowRun {
 
     /// The master moves along a section; positions of the slave itself go to `track`.
     #[inline(never)]
-    pub(super) fn go<S: Entries, L: Fn(Input, u8) -> bool>(
+    pub(super) fn go<S: FollowEntries, L: Fn(Input, u8) -> bool>(
         &mut self,
         section: Section<'_>,
-        context: &mut Context<'_, S, L>,
-        track: Option<&mut Track>,
-    ) -> Option<State> {
+        context: &mut FollowContext<'_, S, L>,
+        track: Option<&mut PositionTrack>,
+    ) -> Option<FollowState> {
         let before = track.is_some().then_some((self.piece, self.progress, self.down));
         let end = self.advance(section, context);
         if let (Some(track), Some((piece, progress, down))) = (track, before) {
@@ -437,7 +437,7 @@ impl FollowRun {
     }
 
     /// Data that was added belongs to the present pass: earlier ones had another length.
-    fn append<L>(&mut self, context: &mut Context<'_, impl Entries, L>) {
+    fn append<L>(&mut self, context: &mut FollowContext<'_, impl FollowEntries, L>) {
         let end = context.setup.fifo(self.fifo).end;
         if end != self.end {
             if self.end != 0 && self.floor.0 != self.pass {
@@ -449,16 +449,16 @@ impl FollowRun {
 
     /// Brings piece and entries up to the present progress, which the master reached along
     /// `section`.
-    fn settle<S: Entries, L: Fn(Input, u8) -> bool>(
+    fn settle<S: FollowEntries, L: Fn(Input, u8) -> bool>(
         &mut self,
         section: &Section<'_>,
-        context: &mut Context<'_, S, L>,
-    ) -> Option<State> {
+        context: &mut FollowContext<'_, S, L>,
+    ) -> Option<FollowState> {
         for _ in 0..SETTLE_STEPS {
             match self.seek(context) {
-                Seek::Here => return self.far.then_some(State::TooFar),
-                Seek::End(at) if self.is_far(at) => return Some(State::TooFar),
-                Seek::End(at) => return Some(State::Ended { at: Exact(at) }),
+                Seek::Here => return self.far.then_some(FollowState::TooFar),
+                Seek::End(at) if self.is_far(at) => return Some(FollowState::TooFar),
+                Seek::End(at) => return Some(FollowState::Ended { at: Exact(at) }),
                 Seek::Stop(index) => {
                     if context.actions.done >= ACTIONS {
                         // The next tick goes on here.
@@ -476,11 +476,11 @@ impl FollowRun {
     }
 
     /// Carries out the entry `index`, which is no segment. Returns whether it holds the slave.
-    fn act<S: Entries, L: Fn(Input, u8) -> bool>(
+    fn act<S: FollowEntries, L: Fn(Input, u8) -> bool>(
         &mut self,
         index: u32,
         section: &Section<'_>,
-        context: &mut Context<'_, S, L>,
+        context: &mut FollowContext<'_, S, L>,
     ) -> bool {
         let entry = context.source.entry(self.fifo, index);
         let (knot, _) = entry.ends();
@@ -491,7 +491,7 @@ impl FollowRun {
             let pos = Pos(if self.down { reached.wrapping_neg() } else { reached });
             context.base.wrapping_add(
                 section.when(pos.clamp(section.from.pos.min(section.to.pos), section.from.pos.max(section.to.pos)))
-                    as Fine,
+                    as FineNs,
             )
         };
         match entry.action() {
@@ -505,7 +505,7 @@ impl FollowRun {
                 if cycles == 0 {
                     return false;
                 }
-                let until = when().wrapping_add(DELAY_CYCLE.wrapping_mul(cycles as Fine));
+                let until = when().wrapping_add(DELAY_CYCLE.wrapping_mul(cycles as FineNs));
                 self.wait = Wait::Until(until);
             }
             Stop::Wait { input, index, high, timeout_ms } => {
@@ -513,7 +513,7 @@ impl FollowRun {
                 if (context.level)(input, index) == high {
                     return false;
                 }
-                let until = (timeout_ms != 0).then(|| when().wrapping_add(MS.wrapping_mul(timeout_ms as Fine)));
+                let until = (timeout_ms != 0).then(|| when().wrapping_add(MS.wrapping_mul(timeout_ms as FineNs)));
                 self.wait = Wait::Input { input, index, high, until };
             }
             Stop::Switch(Method::Segment) => {
@@ -535,7 +535,7 @@ impl FollowRun {
         // A delay may end in this very section.
         if let Wait::Until(until) = self.wait {
             let after = until.saturating_sub(context.base);
-            if after <= section.to.after as Fine {
+            if after <= section.to.after as FineNs {
                 let pos = section.at(after as u64);
                 self.resume(pos, context);
                 let progress = self.directed(section.to.pos);
@@ -549,7 +549,7 @@ impl FollowRun {
     }
 
     /// The slave is held at the beginning of an entry.
-    fn hold<L>(&mut self, index: u32, context: &Context<'_, impl Entries, L>) {
+    fn hold<L>(&mut self, index: u32, context: &FollowContext<'_, impl FollowEntries, L>) {
         let at = self.knot(index, context);
         self.far |= self.is_far(at.0);
         self.piece = Piece::standstill(Ns(0), 0, at.round());
@@ -557,7 +557,7 @@ impl FollowRun {
     }
 
     /// A delay or a wait is over with the master at `pos`: the next segment begins there.
-    fn resume<L>(&mut self, pos: Pos, context: &Context<'_, impl Entries, L>) {
+    fn resume<L>(&mut self, pos: Pos, context: &FollowContext<'_, impl FollowEntries, L>) {
         self.wait = Wait::No;
         self.progress = self.directed(pos);
         self.furthest = self.progress;

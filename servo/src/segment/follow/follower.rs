@@ -9,9 +9,9 @@
 //! before at its beginning. The filter is a lag of first order with a time constant of 2²² ns (4.19
 //! ms), started at the master's position. Its output is exact for a master that moves evenly
 //! between ticks, so the lag does not depend on the tick period.
-use super::evaluator::{Context, FollowRun, State};
-use super::master_path::{MasterPath, Section, Spot, Track, is_plain};
-use super::{Entries, Input, Master};
+use super::evaluator::{FollowContext, FollowRun, FollowState};
+use super::master_path::{MasterPath, PositionTrack, Section, Spot, is_plain};
+use super::{FollowEntries, Input, Master};
 use crate::math::wide::umulhi;
 use crate::segment::piece::Piece;
 use crate::status::StopReason;
@@ -27,12 +27,12 @@ pub(crate) struct MasterSample<'a> {
     pub(crate) to: Pos,
     /// The machine's position at which its user position is 0.
     pub(crate) named: i64,
-    pub(crate) path: Path<'a>,
+    pub(crate) path: MasterPathKind<'a>,
 }
 
 /// The path to it within the tick.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Path<'a> {
+pub(crate) enum MasterPathKind<'a> {
     /// Straight.
     Straight,
     /// Straight, through a filter.
@@ -41,7 +41,7 @@ pub(crate) enum Path<'a> {
     /// positions.
     Pieces { before: Option<&'a Piece>, piece: &'a Piece, shift: i64 },
     /// From position to position; what is added to them.
-    Track { along: &'a Track, shift: i64 },
+    Track { along: &'a PositionTrack, shift: i64 },
 }
 
 /// A slave that runs.
@@ -60,7 +60,7 @@ pub struct Follower {
     /// The displacement of the master in this tick.
     displacement: i64,
     /// Its own positions in this tick.
-    track: Track,
+    track: PositionTrack,
 }
 
 impl Follower {
@@ -74,12 +74,12 @@ impl Follower {
             last: None,
             filter: Filter::default(),
             displacement: 0,
-            track: Track::begin(Pos(0)),
+            track: PositionTrack::begin(Pos(0)),
         }
     }
 
     /// Its own positions in this tick, if it has slaves.
-    pub(crate) fn track(&self) -> &Track {
+    pub(crate) fn track(&self) -> &PositionTrack {
         &self.track
     }
 
@@ -109,7 +109,7 @@ impl Follower {
         }
         let position = self.run.fast_step(to)?;
         if led {
-            self.track = Track::begin(from);
+            self.track = PositionTrack::begin(from);
             self.track.push(period.0 << 32, position.0);
         }
         self.displacement = to.0.wrapping_sub(self.last.unwrap_or(to).0);
@@ -130,10 +130,10 @@ impl Follower {
         master_sample: &MasterSample<'_>,
         led: bool,
         from: Pos,
-        context: &mut Context<'_, impl Entries, impl Fn(Input, u8) -> bool>,
-    ) -> State {
+        context: &mut FollowContext<'_, impl FollowEntries, impl Fn(Input, u8) -> bool>,
+    ) -> FollowState {
         let state = self.go_along(master_sample, led, from, context);
-        if let State::Ended { at } | State::TimedOut { at } = state {
+        if let FollowState::Ended { at } | FollowState::TimedOut { at } = state {
             self.track.arrive(master_sample.period.0 << 32, at.round());
         }
         state
@@ -145,10 +145,10 @@ impl Follower {
         master_sample: &MasterSample<'_>,
         led: bool,
         from: Pos,
-        context: &mut Context<'_, impl Entries, impl Fn(Input, u8) -> bool>,
-    ) -> State {
+        context: &mut FollowContext<'_, impl FollowEntries, impl Fn(Input, u8) -> bool>,
+    ) -> FollowState {
         let MasterSample { now, period, .. } = *master_sample;
-        let to = if let Path::Filtered = master_sample.path {
+        let to = if let MasterPathKind::Filtered = master_sample.path {
             self.filter.step(master_sample.to, period)
         } else {
             master_sample.to
@@ -156,14 +156,14 @@ impl Follower {
         let last = self.last.unwrap_or(to);
         (self.displacement, self.last) = (to.0.wrapping_sub(last.0), Some(to));
         let track = if led {
-            self.track = Track::begin(from);
+            self.track = PositionTrack::begin(from);
             Some(&mut self.track)
         } else {
             None
         };
         let (along, shift) = match master_sample.path {
-            Path::Straight | Path::Filtered => (None, 0),
-            Path::Pieces { before, piece, shift } => {
+            MasterPathKind::Straight | MasterPathKind::Filtered => (None, 0),
+            MasterPathKind::Pieces { before, piece, shift } => {
                 if self.plain != Some(piece.begin) {
                     self.plain = is_plain(piece, now).then_some(piece.begin);
                 }
@@ -173,7 +173,7 @@ impl Follower {
                 }
                 (Some(piece), shift)
             }
-            Path::Track { along, shift } => {
+            MasterPathKind::Track { along, shift } => {
                 return self.run.step(&MasterPath::of(now, along, shift), master_sample.named, context, track);
             }
         };
@@ -184,7 +184,7 @@ impl Follower {
             .open(now, last, to, context)
             .or_else(|| self.run.go(section, context, track))
             .or_else(|| self.run.close(now, to, master_sample.named, context))
-            .unwrap_or(State::Running)
+            .unwrap_or(FollowState::Running)
     }
 }
 

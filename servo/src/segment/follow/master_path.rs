@@ -14,7 +14,7 @@ use crate::units::{Ns, Pos};
 /// ends of the interval between these.
 pub const SPOTS: usize = 8;
 /// Time in 2⁻³² ns.
-pub(super) type Fine = u128;
+pub(super) type FineNs = u128;
 
 /// A position at an instant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -27,7 +27,7 @@ pub struct Spot {
 
 /// Positions in order of time; the first is that of the tick in force.
 #[derive(Debug, Clone, Copy)]
-pub struct Track {
+pub struct PositionTrack {
     spots: [Spot; SPOTS],
     count: u8,
 }
@@ -37,7 +37,7 @@ pub struct Track {
 pub struct MasterPath<'a> {
     /// The tick in force.
     now: Ns,
-    track: Track,
+    track: PositionTrack,
     /// The piece along which it comes to each position: 0 a straight line, 1 or 2.
     along: [u8; SPOTS],
     pieces: [Option<&'a Piece>; 2],
@@ -55,9 +55,9 @@ pub struct Section<'a> {
     pub(super) shift: i64,
 }
 
-impl Track {
+impl PositionTrack {
     /// Empty.
-    pub(crate) const NONE: Track = Track { spots: [Spot { after: 0, pos: Pos(0) }; SPOTS], count: 0 };
+    pub(crate) const NONE: PositionTrack = PositionTrack { spots: [Spot { after: 0, pos: Pos(0) }; SPOTS], count: 0 };
 
     /// Empties it.
     #[inline(always)]
@@ -66,8 +66,8 @@ impl Track {
     }
 
     /// One position.
-    pub(crate) fn begin(from: Pos) -> Track {
-        Track { spots: [Spot { after: 0, pos: from }; SPOTS], count: 1 }
+    pub(crate) fn begin(from: Pos) -> PositionTrack {
+        PositionTrack { spots: [Spot { after: 0, pos: from }; SPOTS], count: 1 }
     }
 
     /// The next position; returns its index. When it is full, the last one moves there.
@@ -109,13 +109,13 @@ impl Track {
 impl<'a> MasterPath<'a> {
     /// A straight line from a tick to the next.
     pub fn line(now: Ns, period: Ns, from: Pos, to: Pos) -> MasterPath<'a> {
-        let mut track = Track::begin(from);
+        let mut track = PositionTrack::begin(from);
         track.push(period.0 << 32, to);
         MasterPath::of(now, &track, 0)
     }
 
     /// From position to position of a slave. These plus `shift` are the master's.
-    pub fn of(now: Ns, track: &Track, shift: i64) -> MasterPath<'a> {
+    pub fn of(now: Ns, track: &PositionTrack, shift: i64) -> MasterPath<'a> {
         let mut track = *track;
         for spot in &mut track.spots {
             spot.pos.0 = spot.pos.0.wrapping_add(shift);
@@ -135,7 +135,7 @@ impl<'a> MasterPath<'a> {
         shift: i64,
     ) -> MasterPath<'a> {
         let next = Ns(now.0.wrapping_add(period.0));
-        let mut path = MasterPath::of(now, &Track::begin(from), 0);
+        let mut path = MasterPath::of(now, &PositionTrack::begin(from), 0);
         (path.pieces, path.shift) = ([before, Some(piece)], shift);
         let at = |pos: Pos| Pos(pos.0.wrapping_add(shift));
         let mut since = now;

@@ -6,7 +6,7 @@ use crate::units::{Axis, AxisMask};
 
 /// Slaves that run, masters first. `AXES` is the capacity of the build.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Order<const AXES: usize> {
+pub(crate) struct SlaveOrder<const AXES: usize> {
     axes: [u8; AXES],
     count: u8,
     /// The same as a set.
@@ -17,14 +17,14 @@ pub(crate) struct Order<const AXES: usize> {
     pub(crate) masters: AxisMask,
 }
 
-impl<const AXES: usize> Order<AXES> {
-    pub(crate) const NONE: Order<AXES> =
-        Order { axes: [0; AXES], count: 0, slaves: AxisMask(0), leaders: AxisMask(0), masters: AxisMask(0) };
+impl<const AXES: usize> SlaveOrder<AXES> {
+    pub(crate) const NONE: SlaveOrder<AXES> =
+        SlaveOrder { axes: [0; AXES], count: 0, slaves: AxisMask(0), leaders: AxisMask(0), masters: AxisMask(0) };
 
     /// `master` says whose planned position an axis follows: itself if it follows something else,
     /// none if it does not follow at all.
     pub(crate) fn renew(&mut self, used: usize, master: impl Fn(Axis) -> Option<Axis>) {
-        *self = Order::NONE;
+        *self = SlaveOrder::NONE;
         let mut left = 0;
         for axis in Axis::all().take(used) {
             if let Some(master) = master(axis) {

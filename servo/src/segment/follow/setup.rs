@@ -1,13 +1,13 @@
 //! The settings of an axis for following, and the contents of its FIFOs.
-use super::entry::{STOPS, Tail};
-use super::{Direction, Entries, Event, Master};
+use super::entry::{FifoTail, STOPS};
+use super::{Direction, FollowEntries, Master, StartEvent};
 
 /// The committed part of a FIFO.
 #[derive(Debug, Clone, Copy)]
-pub struct Fifo {
+pub struct CommittedFifo {
     /// Entries.
     pub(super) end: u32,
-    pub(super) tail: Tail,
+    pub(super) tail: FifoTail,
     /// Indices of those that are no segments, in order.
     pub(super) stops: [u16; STOPS],
     /// How many.
@@ -22,18 +22,22 @@ pub struct Setup {
     /// The axis or encoder that it follows.
     pub master: Option<Master>,
     /// What begins the motion.
-    pub event: Event,
+    pub event: StartEvent,
     /// Passes to run, 0 for ever.
     pub passes: u32,
-    pub(super) fifos: [Fifo; 2],
+    pub(super) fifos: [CommittedFifo; 2],
 }
 
-impl Fifo {
-    const EMPTY: Fifo =
-        Fifo { end: 0, tail: Tail { ratio: 0, down: false, continues: 0, last_stop: 0 }, stops: [0; STOPS], count: 0 };
+impl CommittedFifo {
+    const EMPTY: CommittedFifo = CommittedFifo {
+        end: 0,
+        tail: FifoTail { ratio: 0, down: false, continues: 0, last_stop: 0 },
+        stops: [0; STOPS],
+        count: 0,
+    };
 }
 
-impl Fifo {
+impl CommittedFifo {
     /// The first entry from `index` on that is no segment.
     #[inline]
     pub(super) fn stop_from(&self, index: u32) -> Option<u32> {
@@ -43,17 +47,22 @@ impl Fifo {
 
 impl Setup {
     /// Nothing set, both FIFOs empty.
-    pub const POWER_ON: Setup =
-        Setup { direction: Direction::Both, master: None, event: Event::Start, passes: 1, fifos: [Fifo::EMPTY; 2] };
+    pub const POWER_ON: Setup = Setup {
+        direction: Direction::Both,
+        master: None,
+        event: StartEvent::Start,
+        passes: 1,
+        fifos: [CommittedFifo::EMPTY; 2],
+    };
 
     /// A FIFO.
     #[inline(always)]
-    pub(super) fn fifo(&self, fifo: u8) -> &Fifo {
+    pub(super) fn fifo(&self, fifo: u8) -> &CommittedFifo {
         let [first, second] = &self.fifos;
         if fifo == 0 { first } else { second }
     }
 
-    fn fifo_mut(&mut self, fifo: u8) -> &mut Fifo {
+    fn fifo_mut(&mut self, fifo: u8) -> &mut CommittedFifo {
         let [first, second] = &mut self.fifos;
         if fifo == 0 { first } else { second }
     }
@@ -72,8 +81,8 @@ impl Setup {
     /// A FIFO is empty.
     pub fn clear(&mut self, fifo: u8) {
         // Stops beyond their count are unused.
-        let Fifo { end, tail, count, stops: _ } = self.fifo_mut(fifo);
-        (*end, *tail, *count) = (0, Fifo::EMPTY.tail, 0);
+        let CommittedFifo { end, tail, count, stops: _ } = self.fifo_mut(fifo);
+        (*end, *tail, *count) = (0, CommittedFifo::EMPTY.tail, 0);
     }
 
     /// As at power-on.
@@ -84,7 +93,7 @@ impl Setup {
 
     /// Its entries below `end` count from now on. The new ones that are no segments are found by
     /// their links.
-    pub fn commit(&mut self, fifo: u8, end: u32, tail: Tail, source: &impl Entries) {
+    pub fn commit(&mut self, fifo: u8, end: u32, tail: FifoTail, source: &impl FollowEntries) {
         let to = self.fifo_mut(fifo);
         let old = to.end;
         (to.end, to.tail) = (end, tail);

@@ -1,9 +1,9 @@
 //! The positions of a slave within a tick, for slaves of its own.
 //!
 //! In: the slave's pieces and its progress before and after a section of its master's path. Out:
-//! positions of a [`Track`]. It cannot fail.
+//! positions of a [`PositionTrack`]. It cannot fail.
 use super::curve::slope;
-use super::master_path::{Section, Track, bisect};
+use super::master_path::{PositionTrack, Section, bisect};
 use crate::math::wide::{Recip, umulhi};
 use crate::segment::piece::Piece;
 use crate::units::Pos;
@@ -15,7 +15,7 @@ pub(super) fn record(
     (piece, progress): (&Piece, i64),
     down: bool,
     section: &Section<'_>,
-    track: &mut Track,
+    track: &mut PositionTrack,
 ) {
     let (from, to) = (section.from, section.to);
     let mut leg = (before, from.after);
@@ -51,7 +51,7 @@ pub(super) fn record(
 
 /// The positions of a slave between two values of its progress, if a turning point of its own lies
 /// between them in this piece.
-fn turning_point(piece: &Piece, (from, to): (i64, i64), (begin, end): (u64, u64), track: &mut Track) {
+fn turning_point(piece: &Piece, (from, to): (i64, i64), (begin, end): (u64, u64), track: &mut PositionTrack) {
     let inside = |progress: i64| (progress as u64).wrapping_sub(piece.begin.0).min(piece.span.saturating_sub(1));
     let (low, high) = if from <= to { (inside(from), inside(to)) } else { (inside(to), inside(from)) };
     let falls = |t: u64| slope(&piece.motion, piece.at(t).1) < 0;

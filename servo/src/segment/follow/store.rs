@@ -1,13 +1,13 @@
 //! The store of entries between admission and the tick: the axis's PT arena, two slots for an
 //! entry, one FIFO after the other. An axis is in one mode at a time, and changing it clears the
 //! data.
-use super::entry::Entry;
+use super::entry::FollowEntry;
 use crate::segment::pt::{SEGMENTS, SegmentStore};
 
 /// Where a run reads its entries.
-pub trait Entries {
+pub trait FollowEntries {
     /// The entry in a slot of a FIFO; one that was never written holds an entry of zeros.
-    fn entry(&self, fifo: u8, index: u32) -> Entry;
+    fn entry(&self, fifo: u8, index: u32) -> FollowEntry;
 }
 
 /// The first of an entry's two slots.
@@ -19,7 +19,7 @@ fn slot(fifo: u8, index: u32) -> u32 {
 
 impl SegmentStore {
     /// Fills a slot of a FIFO (0, 1) with an entry of Follow. Its commit makes it visible.
-    pub fn write_entry(&self, fifo: u8, index: u32, entry: Entry) {
+    pub fn write_entry(&self, fifo: u8, index: u32, entry: FollowEntry) {
         let [low, high] = entry.words();
         let slot = slot(fifo, index);
         self.write_words(slot, low);
@@ -27,10 +27,10 @@ impl SegmentStore {
     }
 }
 
-impl Entries for SegmentStore {
+impl FollowEntries for SegmentStore {
     #[inline]
-    fn entry(&self, fifo: u8, index: u32) -> Entry {
+    fn entry(&self, fifo: u8, index: u32) -> FollowEntry {
         let slot = slot(fifo, index);
-        Entry::from_words([self.words(slot), self.words(slot | 1)])
+        FollowEntry::from_words([self.words(slot), self.words(slot | 1)])
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! In: segments from their store, how many of them are allowed, instants. Out: pieces. Owns: the
 //! chain of velocities. Fails: a stream without data ends in [`GeneratorState::Underrun`].
-use super::segment::Kind;
+use super::segment::SegmentKind;
 use super::store::Segments;
 use crate::math::wide::{Divisor, Recip, scale16};
 use crate::segment::generator_state::GeneratorState;
@@ -28,7 +28,7 @@ pub enum SlotRange {
 
 /// What the thread has allowed so far; may change at every tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Feed {
+pub struct AllowedData {
     /// Static: committed segments of the FIFO. Dynamic: running counter after the last.
     pub end: u32,
     /// Static: passes to run, 0 for ever.
@@ -38,9 +38,9 @@ pub struct Feed {
 /// The state of a run after the last segment it loaded. In two parts, each copied in a few words at
 /// a time; the whole would need a call.
 #[derive(Debug, Clone, Copy)]
-struct Track {
+struct LoadState {
     pass: Pass,
-    chain: Chain,
+    chain: LoadedEnd,
 }
 
 /// The present pass, or the stream.
@@ -56,7 +56,7 @@ struct Pass {
 
 /// The chain of segments.
 #[derive(Debug, Clone, Copy)]
-struct Chain {
+struct LoadedEnd {
     /// Counter of the next segment.
     next: u32,
     /// End time of the last segment, from the pass's begin.
@@ -73,8 +73,8 @@ struct Chain {
 #[derive(Debug, Clone, Copy)]
 pub struct PtRun {
     /// After the last piece made, and after the one before it.
-    track: Track,
-    back: Track,
+    track: LoadState,
+    back: LoadState,
     slots: SlotRange,
     /// Duration of the last segment loaded, as a divisor, and 1/(it in ns): a stream's is constant.
     duration: u32,
@@ -94,7 +94,7 @@ impl PtRun {
             SlotRange::Dynamic { first, .. } => first,
         };
         let pass = Pass { origin, begin: now, passes: 0 };
-        let track = Track { pass, chain: Chain { next, knot_ms: 0, knot: Exact(0), velocity: 0, rounded: 0 } };
+        let track = LoadState { pass, chain: LoadedEnd { next, knot_ms: 0, knot: Exact(0), velocity: 0, rounded: 0 } };
         PtRun { track, back: track, slots, duration: 0, divisor: Divisor::new(1), recip: Recip::default() }
     }
 
@@ -113,7 +113,7 @@ impl PtRun {
 
     /// The state with the piece in force; `ahead`: the last one made is not in force yet.
     #[inline(always)]
-    fn state_in_force(&self, ahead: bool) -> &Track {
+    fn state_in_force(&self, ahead: bool) -> &LoadState {
         if ahead { &self.back } else { &self.track }
     }
 
@@ -134,7 +134,7 @@ impl PtRun {
     }
 
     /// End time of what is committed minus now, in whole ms, rounded down; 0 if it has passed.
-    pub fn dry_ms(&self, now: Ns, feed: Feed, source: &impl Segments, ahead: bool) -> u32 {
+    pub fn dry_ms(&self, now: Ns, feed: AllowedData, source: &impl Segments, ahead: bool) -> u32 {
         if feed.end == 0 {
             return 0;
         }
@@ -156,7 +156,7 @@ impl PtRun {
     /// Makes the piece that holds `now`, which is not before the end of the last one made; or the
     /// end.
     #[inline(never)]
-    pub fn advance(&mut self, now: Ns, feed: Feed, source: &impl Segments, piece: &mut Piece) -> GeneratorState {
+    pub fn advance(&mut self, now: Ns, feed: AllowedData, source: &impl Segments, piece: &mut Piece) -> GeneratorState {
         self.back.pass = self.track.pass;
         self.back.chain = self.track.chain;
         for _ in 0..KNOTS_PER_TICK {
@@ -184,7 +184,7 @@ impl PtRun {
     }
 
     fn end(&self) -> GeneratorState {
-        let Track { pass: Pass { origin, .. }, chain: Chain { knot, velocity, rounded, .. } } = &self.track;
+        let LoadState { pass: Pass { origin, .. }, chain: LoadedEnd { knot, velocity, rounded, .. } } = &self.track;
         let at = Exact(origin.0.wrapping_add(knot.0));
         // Within the chain's own error bound, which is 0 as long as all quotients came out even.
         let at_standstill = velocity.unsigned_abs() << 1 <= *rounded as u128;
@@ -193,18 +193,18 @@ impl PtRun {
     }
 
     /// The present pass has ended; whether another follows.
-    fn next_pass(&mut self, feed: Feed) -> bool {
+    fn next_pass(&mut self, feed: AllowedData) -> bool {
         if let SlotRange::Dynamic { .. } = self.slots {
             return false;
         }
-        let Track { pass, chain } = &mut self.track;
+        let LoadState { pass, chain } = &mut self.track;
         pass.passes = pass.passes.wrapping_add(1);
         if chain.next == 0 || feed.passes != 0 && pass.passes >= feed.passes {
             return false;
         }
         pass.origin = Exact(pass.origin.0.wrapping_add(chain.knot.0));
         pass.begin = Ns(pass.begin.0.wrapping_add(chain.knot_ms as u64 * NS_PER_MS));
-        *chain = Chain { next: 0, knot_ms: 0, knot: Exact(0), velocity: 0, rounded: 0 };
+        *chain = LoadedEnd { next: 0, knot_ms: 0, knot: Exact(0), velocity: 0, rounded: 0 };
         true
     }
 
@@ -218,16 +218,16 @@ impl PtRun {
         if duration != self.duration {
             self.take_duration(duration);
         }
-        let Track { pass, chain } = &mut self.track;
+        let LoadState { pass, chain } = &mut self.track;
         chain.next = chain.next.wrapping_add(1);
         let length = knot.0.wrapping_sub(chain.knot.0);
         let kind = segment.kind();
         let (a, b);
-        if kind == Kind::Stop {
+        if kind == SegmentKind::Stop {
             (a, b) = (length << 1, length.wrapping_neg());
             (chain.velocity, chain.rounded) = (0, 0);
         } else {
-            let normal = kind == Kind::Normal;
+            let normal = kind == SegmentKind::Normal;
             let (mean, rounded) = over_time(length << normal as u32, &self.divisor);
             if normal {
                 let sign = chain.velocity >> 127;

@@ -8,7 +8,7 @@ use crate::units::{Exact, StepLimit};
 /// What the velocity does inside a segment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
-pub enum Kind {
+pub enum SegmentKind {
     /// From the end velocity of the segment before, linearly, to 2P/T minus it.
     Normal = 0,
     /// P/T throughout.
@@ -110,9 +110,9 @@ impl Segment {
             return Err(if exponent == 0x7ff { Refused::NotFinite } else { Refused::BeyondTravel });
         }
         let kind = match kind {
-            0 => Kind::Normal,
-            1 => Kind::Even,
-            2 => Kind::Stop,
+            0 => SegmentKind::Normal,
+            1 => SegmentKind::Even,
+            2 => SegmentKind::Stop,
             _ => return Err(Refused::Kind),
         };
         if time_ms <= before.time {
@@ -141,17 +141,17 @@ impl Segment {
         // Velocity at the end, and the faster one of those that were not checked with the segment
         // before.
         let (end, speed, (spare, slack)) = match kind {
-            Kind::Normal => {
+            SegmentKind::Normal => {
                 let (end, slack) = (twice - before.velocity, before.slack.saturating_add(ROUNDING_UNITS));
                 (end, end, (slack, slack))
             }
-            Kind::Even => (twice >> 1, twice >> 1, (0, ROUNDING_UNITS)),
-            Kind::Stop => (0, twice, (0, 0)),
+            SegmentKind::Even => (twice >> 1, twice >> 1, (0, ROUNDING_UNITS)),
+            SegmentKind::Stop => (0, twice, (0, 0)),
         };
         if speed.unsigned_abs() > (limit.pulses_per_ms() << CHAIN_BITS) + spare as u64 {
             return Err(Refused::TooFast { speed });
         }
-        if kind == Kind::Normal && (before.velocity.unsigned_abs() >> CHAIN_BITS) * duration as u64 > SWING {
+        if kind == SegmentKind::Normal && (before.velocity.unsigned_abs() >> CHAIN_BITS) * duration as u64 > SWING {
             return Err(Refused::BeyondTravel);
         }
         let word1 = (packed >> 32) as u32 & 0x07ff_ffff | sign << 27 | (kind as u32) << 28;
@@ -167,11 +167,11 @@ impl Segment {
 
     /// What the velocity does.
     #[inline(always)]
-    pub fn kind(self) -> Kind {
+    pub fn kind(self) -> SegmentKind {
         match self.0[1] >> 28 & 3 {
-            1 => Kind::Even,
-            2 => Kind::Stop,
-            _ => Kind::Normal,
+            1 => SegmentKind::Even,
+            2 => SegmentKind::Stop,
+            _ => SegmentKind::Normal,
         }
     }
 

@@ -5,8 +5,8 @@
 //! (`evaluator/phases.rs`).
 mod phases;
 
-use super::rate::{Accel, Rate, Speed};
-use super::trapezoid::{Means, Trapezoid};
+use super::rate::{Accel, Acceleration, Speed};
+use super::trapezoid::{TrapRates, Trapezoid};
 use crate::math::real::Real;
 use crate::segment::generator_state::GeneratorState;
 use crate::segment::piece::{Piece, Scaled};
@@ -23,7 +23,7 @@ pub struct Moving {
 }
 
 /// Time in 2⁻³² ns.
-pub type Fine = u128;
+pub type FineNs = u128;
 
 /// What follows the present phase.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -44,7 +44,7 @@ enum Next {
 
 /// Which motion it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
+enum RampKind {
     Jog,
     Trap,
     Stop,
@@ -52,7 +52,7 @@ enum Kind {
 
 /// The shape of a velocity ramp over time.
 #[derive(Debug, Clone, Copy)]
-enum Shape {
+enum RampShape {
     /// Acceleration in steps.
     Plain,
     /// An edge takes `half` of the ramp; the acceleration between them is `gain` = 1/(1 − half) of
@@ -65,10 +65,10 @@ enum Shape {
 /// An interval of constant jerk within a phase.
 #[derive(Debug, Clone, Copy)]
 struct JerkPhase {
-    begin: Fine,
-    len: Fine,
+    begin: FineNs,
+    len: FineNs,
     /// Of its pieces already loaded, the end.
-    done: Fine,
+    done: FineNs,
     /// At `begin`: velocity, acceleration; a sixth of the jerk.
     v: Real,
     a: Real,
@@ -105,11 +105,11 @@ state! {
     /// A ramp motion that runs.
     #[derive(Debug, Clone, Copy)]
     pub struct RampRun {
-        kind: Kind = Kind::Stop,
+        kind: RampKind = RampKind::Stop,
         next: Next = Next::Over,
         /// Position, instant and velocity at which the next phase begins.
         knot: Exact = Exact(0),
-        time: Fine = 0,
+        time: FineNs = 0,
         v: Real = Real::ZERO,
         /// Velocity after the next ramp; of a Trap that has not aimed yet, the magnitude of the
         /// speed.
@@ -119,8 +119,8 @@ state! {
         /// Speed that a Trap from rest begins with.
         jump: Real = Real::ZERO,
         target: i32 = 0,
-        means: Means = Means { acc: Rate::NONE, dec: Rate::NONE, wait: Real::ZERO },
-        shape: Shape = Shape::Plain,
+        means: TrapRates = TrapRates { acc: Acceleration::NONE, dec: Acceleration::NONE, wait: Real::ZERO },
+        shape: RampShape = RampShape::Plain,
         /// Where the next piece begins.
         pos: Exact = Exact(0),
         jerk_phase: JerkPhase = STILL,
@@ -136,9 +136,9 @@ const PIECES_PER_TICK: u32 = 16;
 const STILL: JerkPhase = JerkPhase { begin: 0, len: 0, done: 0, v: Real::ZERO, a: Real::ZERO, j: Real::ZERO, reach: 0 };
 impl RampRun {
     /// The motion before is over; another one begins.
-    fn restart(&mut self, kind: Kind, now: Ns, from: Moving, shape: Shape) {
+    fn restart(&mut self, kind: RampKind, now: Ns, from: Moving, shape: RampShape) {
         (self.kind, self.shape) = (kind, shape);
-        (self.knot, self.pos, self.time) = (from.pos, from.pos, (now.0 as Fine) << 32);
+        (self.knot, self.pos, self.time) = (from.pos, from.pos, (now.0 as FineNs) << 32);
         (self.jerk_phase.len, self.jerk_phase.done, self.edged.left) = (0, 0, 0);
         self.v = Real::from_scaled(from.velocity);
     }
@@ -148,12 +148,12 @@ impl RampRun {
     /// first. A target of 0 ends the motion. `smooth` in 2⁻¹⁶.
     pub fn begin_jog(&mut self, now: Ns, from: Moving, target: Speed, acc: Accel, dec: Accel, smooth: u16) {
         let shape = if smooth == 0 {
-            Shape::Plain
+            RampShape::Plain
         } else {
             let gain = Real::new(false, (1 << 17) - smooth as u64, -17).recip();
-            Shape::Percent { half: Real::new(false, smooth as u64, -17), gain }
+            RampShape::Percent { half: Real::new(false, smooth as u64, -17), gain }
         };
-        self.restart(Kind::Jog, now, from, shape);
+        self.restart(RampKind::Jog, now, from, shape);
         self.means.acc = acc.rate();
         self.means.dec = if dec.is_zero() { self.means.acc } else { dec.rate() };
         self.peak = target.real();
@@ -164,7 +164,7 @@ impl RampRun {
 
     /// Linear deceleration to exactly 0.
     pub fn begin_stop(&mut self, now: Ns, from: Moving, dec: Accel) {
-        self.restart(Kind::Stop, now, from, Shape::Plain);
+        self.restart(RampKind::Stop, now, from, RampShape::Plain);
         self.means.dec = dec.rate();
         self.next = if self.v.is_zero() { Next::Over } else { Next::Halt };
     }
@@ -172,11 +172,11 @@ impl RampRun {
     /// A trapezoid to the target, planned from the present velocity; it comes back after an
     /// overshoot.
     pub fn begin_trap(&mut self, now: Ns, from: Moving, to: &Trapezoid) {
-        self.restart(Kind::Trap, now, from, Shape::Plain);
+        self.restart(RampKind::Trap, now, from, RampShape::Plain);
         self.means.wait = Real::ZERO;
         if to.smooth.0 != 0 {
-            self.means.wait = ms((to.smooth.0 as Fine) << 32);
-            self.shape = Shape::Average { inverse: self.means.wait.recip() };
+            self.means.wait = ms((to.smooth.0 as FineNs) << 32);
+            self.shape = RampShape::Average { inverse: self.means.wait.recip() };
         }
         (self.means.acc, self.means.dec) = (to.acc.rate(), to.dec.rate());
         (self.target, self.peak, self.jump) = (to.target, to.speed.real().abs(), to.vel_start.real().abs());
@@ -192,7 +192,7 @@ impl RampRun {
 
     /// A motion prepared for time 0 begins at `now`.
     pub(crate) fn shift(&mut self, now: Ns) {
-        let by = (now.0 as Fine) << 32;
+        let by = (now.0 as FineNs) << 32;
         self.time = self.time.wrapping_add(by);
         self.jerk_phase.begin = self.jerk_phase.begin.wrapping_add(by);
     }
@@ -203,7 +203,7 @@ impl RampRun {
     }
 
     /// When the motion will have ended, 2⁻³² ns; a Jog never does.
-    pub fn end(&self) -> Fine {
+    pub fn end(&self) -> FineNs {
         let mut run = *self;
         for _ in 0..PIECES_PER_TICK {
             if !run.next_phase() {
@@ -240,9 +240,9 @@ impl RampRun {
         match self.next {
             Next::Halt => {
                 self.next = match self.kind {
-                    Kind::Jog => Next::Ramp,
-                    Kind::Trap => Next::Aim,
-                    Kind::Stop => Next::Over,
+                    RampKind::Jog => Next::Ramp,
+                    RampKind::Trap => Next::Aim,
+                    RampKind::Stop => Next::Over,
                 };
                 self.ramp(Real::ZERO, self.means.dec, None);
             }

@@ -14,7 +14,7 @@ pub struct Speed(Real);
 /// An acceleration in pulse/ms² with its reciprocal, so that the tick never divides.
 /// Default (0) is "not set".
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Accel(Rate);
+pub struct Accel(Acceleration);
 
 /// Why a speed or an acceleration is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -77,9 +77,9 @@ impl Speed {
 
 impl Accel {
     /// Not set.
-    pub(crate) const NONE: Accel = Accel(Rate::NONE);
+    pub(crate) const NONE: Accel = Accel(Acceleration::NONE);
     /// 1 pulse/ms².
-    pub(crate) const ONE: Accel = Accel(Rate { value: Real::ONE, inverse: Real::ONE });
+    pub(crate) const ONE: Accel = Accel(Acceleration { value: Real::ONE, inverse: Real::ONE });
 
     /// From the bits of a double in pulse/ms², 0 < a ≤ 2³².
     pub fn admit(bits: u64) -> Result<Accel, Refused> {
@@ -91,7 +91,7 @@ impl Accel {
         let shift = value.m.leading_zeros();
         let v = recip64((value.m as u64) << shift);
         let recip = Scaled { m: (1 << 62 | v >> 2) as i64, e: 126 - shift as i16 - value.e };
-        Ok(Accel(Rate { value: Real::from_scaled(value), inverse: Real::from_scaled(recip) }))
+        Ok(Accel(Acceleration { value: Real::from_scaled(value), inverse: Real::from_scaled(recip) }))
     }
 
     /// The number, pulse/ms².
@@ -115,22 +115,22 @@ impl Accel {
     }
 
     /// The rate as the planner takes it.
-    pub(super) fn rate(self) -> Rate {
+    pub(super) fn rate(self) -> Acceleration {
         self.0
     }
 }
 
 /// A rate of change of the velocity, pulse/ms².
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(super) struct Rate {
+pub(super) struct Acceleration {
     value: Real,
     /// 1/rate.
     pub(super) inverse: Real,
 }
 
-impl Rate {
+impl Acceleration {
     /// None.
-    pub(super) const NONE: Rate = Rate { value: Real::ZERO, inverse: Real::ZERO };
+    pub(super) const NONE: Acceleration = Acceleration { value: Real::ZERO, inverse: Real::ZERO };
 
     /// Along a change of velocity of this sign.
     pub(super) fn along(self, negative: bool) -> Real {

@@ -3,7 +3,7 @@
 //! In: the remaining distance, the speed at its beginning, the parameters. Out: whether to brake
 //! first, and the peak speed. All are magnitudes along the distance; nothing here depends on
 //! instants.
-use super::rate::{Accel, Rate, Speed};
+use super::rate::{Accel, Acceleration, Speed};
 use crate::math::real::Real;
 use crate::units::Ns;
 
@@ -27,21 +27,21 @@ pub struct Trapezoid {
 
 /// Rates and smoothing of a Trap. The time of a ramp is Δv/rate + `wait`.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Means {
-    pub(super) acc: Rate,
-    pub(super) dec: Rate,
+pub(super) struct TrapRates {
+    pub(super) acc: Acceleration,
+    pub(super) dec: Acceleration,
     /// Length of the moving average, ms.
     pub(super) wait: Real,
 }
 
-impl Means {
+impl TrapRates {
     /// Twice the distance of a stop from `u`.
     pub(super) fn stop(&self, u: Real) -> Real {
         u.mul(u.mul(self.dec.inverse).add(self.wait))
     }
 
     /// Twice the distance of a ramp from `u` to `peak` and a stop from there.
-    fn up_and_down(&self, u: Real, peak: Real, rate: &Rate) -> Real {
+    fn up_and_down(&self, u: Real, peak: Real, rate: &Acceleration) -> Real {
         if u.is_zero() {
             // Both begin or end at standstill: one product less.
             let slope = rate.inverse.add(self.dec.inverse);

@@ -4,9 +4,9 @@
 //! nothing. Fails: a start that the state of a coordinate system or an axis forbids starts none of
 //! its mask, and is reported. Anything else that no longer fits has no effect.
 use super::effects::Sink;
-use super::{Clearance, CrdState, Frame, Lanes, PREPARE_AFTER_SCANS};
-use crate::laser::{Cause, EncoderSpeed, Lag, Run};
-use crate::path::{DIMENSIONS, EntryStore, Feed, Path, PathStores, Rules};
+use super::{AxisIndices, AxisMap, Clearance, CrdState, PREPARE_AFTER_SCANS};
+use crate::laser::{Cause, EncoderSpeed, Lag, PathRun};
+use crate::path::{DIMENSIONS, EntryStore, FifoEnds, Path, PathStores, Rules};
 use crate::segment::piece::Scaled;
 use crate::segment::ramp::Accel;
 use crate::status;
@@ -48,7 +48,7 @@ pub(crate) enum Halt {
 
 impl<const AXES: usize> Tick<AXES> {
     /// SetCrdPrm, at standstill.
-    pub(crate) fn set_frame(&mut self, crd: Crd, frame: Frame, next: Ns, paths: PathStores<'_>) {
+    pub(crate) fn set_frame(&mut self, crd: Crd, frame: AxisMap, next: Ns, paths: PathStores<'_>) {
         let axes = frame.mask();
         let known = paths.get(crd.index()).is_some() && axes.0 & !self.in_use(axes).0 == 0;
         let moving =
@@ -57,7 +57,7 @@ impl<const AXES: usize> Tick<AXES> {
             return;
         }
         self.drop_frame(crd);
-        (0..2).for_each(|fifo| self.lasers.fifo_cleared(Run { crd, fifo }, next));
+        (0..2).for_each(|fifo| self.lasers.fifo_cleared(PathRun { crd, fifo }, next));
         let mut taken = false;
         for axis in axes.axes() {
             if let Some(state) = self.axes.get_mut(axis.index()) {
@@ -102,7 +102,7 @@ impl<const AXES: usize> Tick<AXES> {
             obstacle,
             encoders,
         } = state;
-        (*geared, *lanes, *awaited, *likely) = (AxisMask(0), Lanes::NONE, None, 0);
+        (*geared, *lanes, *awaited, *likely) = (AxisMask(0), AxisIndices::NONE, None, 0);
         (*ending, *obstacle) = (StopReason::None, None);
         path.position([Pos(0); DIMENSIONS]);
         path.rules = Rules::POWER_ON;
@@ -180,7 +180,7 @@ impl<const AXES: usize> Tick<AXES> {
         if self.crds.running.has(crd) {
             return;
         }
-        self.lasers.fifo_cleared(Run { crd, fifo }, next);
+        self.lasers.fifo_cleared(PathRun { crd, fifo }, next);
         if let Some(state) = self.crds.get_mut(crd) {
             state.path.clear(fifo);
             let (index, CrdView { ends, cleared, done, released, .. }) = ((fifo & 1) as usize, &mut state.published);
@@ -210,14 +210,14 @@ impl<const AXES: usize> Tick<AXES> {
                 continue;
             };
             let feed = state.feed();
-            self.lasers.crd_starts(Run { crd, fifo }, next, state.path.goes_on(fifo));
+            self.lasers.crd_starts(PathRun { crd, fifo }, next, state.path.goes_on(fifo));
             state.path.start(next, fifo, feed, source);
             state.clearance = [Clearance::Unknown; 2];
             state.encoders.begin(next);
             (state.ending, state.published.runs, state.awaited) = (StopReason::StopSmooth, true, None);
             state.mark_changed();
             let frame = state.published.frame;
-            for (index, axis) in frame.iter().flat_map(Frame::axes).enumerate() {
+            for (index, axis) in frame.iter().flat_map(AxisMap::axes).enumerate() {
                 if let Some(axis) = axis.and_then(|axis| self.axes.get_mut(axis.index())) {
                     let base = axis.base();
                     axis.engage(Drive::Coordinate { crd, index: index as u8 }, base);
@@ -370,7 +370,7 @@ impl<const AXES: usize> Tick<AXES> {
         crd: Crd,
         next: Ns,
         lanes: &HandOvers<'_, '_, AXES>,
-        act: impl FnOnce(&mut Path, &mut StopReason, Feed, &[EntryStore; 2], &mut Sink<'_>),
+        act: impl FnOnce(&mut Path, &mut StopReason, FifoEnds, &[EntryStore; 2], &mut Sink<'_>),
     ) {
         let Tick { crds, axes, edges, lasers, .. } = self;
         let (Some(state), Some(source)) = (crds.states.get_mut(crd.index()), lanes.paths.get(crd.index())) else {

@@ -5,10 +5,10 @@
 //! must not go on stops, and the reason is latched.
 use super::effects::Sink;
 use super::path_soft_limits::is_free;
-use super::{Clearance, CrdState, Frame, Halt};
+use super::{AxisMap, Clearance, CrdState, Halt};
 use crate::axis::AxisState;
 use crate::laser::{Cause, PathSpeed, Wants};
-use crate::path::{DIMENSIONS, EntryStore, Feed, PathReport, PathStop};
+use crate::path::{DIMENSIONS, EntryStore, FifoEnds, PathReport, PathStop};
 use crate::segment::piece::Scaled;
 use crate::tick::hand_overs::HandOvers;
 use crate::tick::{Tick, report_event};
@@ -256,7 +256,7 @@ impl<const AXES: usize> Tick<AXES> {
         let Some(frame) = &published.frame else { return };
         let led = self.order.masters.0 != 0 && self.order.masters.0 & frame.mask().0 != 0;
         state.path.watch(led);
-        let feed = Feed { ends: published.ends };
+        let feed = FifoEnds { ends: published.ends };
         let mut sink = Sink {
             crd,
             fifo: state.path.fifo(),
@@ -422,7 +422,7 @@ impl<const AXES: usize> Tick<AXES> {
         self.interrupt_geared(crd, reason, next);
         let Tick { crds, axes, .. } = self;
         let Some(state) = crds.get_mut(crd) else { return };
-        for axis in state.published.frame.iter().flat_map(Frame::axes).flatten() {
+        for axis in state.published.frame.iter().flat_map(AxisMap::axes).flatten() {
             if let Some(axis) = axes.get_mut(axis.index()) {
                 axis.release_here(next, reason);
             }

@@ -3,20 +3,20 @@
 //! In: what [`Path::step`](crate::path::Path::step) reports. Out: outputs and lasers with exact
 //! instants, motions of other axes, the state of the path after them. Owns nothing. Fails: a move
 //! that an axis must not make is reported, and the path must stop.
-use super::Frame;
+use super::AxisMap;
 use crate::axis::AxisState;
-use crate::laser::{Lasers, Run};
-use crate::output::general_outputs::{Change as Edge, Edges};
-use crate::path::{Change, DIMENSIONS, Effects, Fine, PathStop};
+use crate::laser::{Lasers, PathRun};
+use crate::output::general_outputs::{OutputChange as Edge, OutputEdges};
+use crate::path::{DIMENSIONS, Effects, EntryEffect, FineNs, PathStop};
 use crate::segment::piece::Scaled;
 use crate::segment::ramp::{Accel, Speed, Trapezoid};
 use crate::tables::TableStores;
-use crate::tick::{SegmentStore, Source};
+use crate::tick::{MotionSource, SegmentStore};
 use crate::units::{Axis, AxisMask, Crd, Ns, Pos};
 use crate::view::Drive;
 
 /// How long a path waits for a move that cannot be made; it is stopped in the same tick.
-const UNABLE: Fine = 1 << 80;
+const UNABLE: FineNs = 1 << 80;
 
 /// What a path acts on in one tick.
 pub(crate) struct Sink<'a> {
@@ -25,10 +25,10 @@ pub(crate) struct Sink<'a> {
     pub(crate) fifo: u8,
     /// The tick computed.
     pub(crate) next: Ns,
-    pub(crate) frame: &'a Frame,
+    pub(crate) frame: &'a AxisMap,
     pub(crate) origin: &'a [Pos; DIMENSIONS],
     pub(crate) axes: &'a mut [AxisState],
-    pub(crate) edges: &'a mut Edges,
+    pub(crate) edges: &'a mut OutputEdges,
     pub(crate) lasers: &'a mut Lasers,
     pub(crate) segments: &'a [SegmentStore],
     pub(crate) tables: TableStores<'a>,
@@ -49,24 +49,24 @@ pub(crate) struct Sink<'a> {
 }
 
 impl Sink<'_> {
-    fn run(&self) -> Run {
-        Run { crd: self.crd, fifo: self.fifo }
+    fn run(&self) -> PathRun {
+        PathRun { crd: self.crd, fifo: self.fifo }
     }
 
     /// ns of an instant, which is not before the tick computed.
-    fn ns(&self, at: Fine) -> Ns {
+    fn ns(&self, at: FineNs) -> Ns {
         Ns(((at >> 32) as u64).max(self.next.0))
     }
 
-    fn edge(&mut self, at: Fine, change: Edge) {
+    fn edge(&mut self, at: FineNs, change: Edge) {
         let after = self.ns(at).0.wrapping_sub(self.next.0);
         self.edges.add(after as u32, change);
     }
 
-    fn travel(&mut self, at: Fine, axis: Axis, to: &Trapezoid) -> Option<Fine> {
+    fn travel(&mut self, at: FineNs, axis: Axis, to: &Trapezoid) -> Option<FineNs> {
         let segments = self.segments.get(axis.index())?;
         let state = self.axes.get_mut(axis.index())?;
-        let source = Source { segments, tables: self.tables };
+        let source = MotionSource { segments, tables: self.tables };
         // The first whole ns of it.
         let begin = Ns((at.wrapping_add(0xffff_ffff) >> 32) as u64);
         let geared = self.geared.has(axis);
@@ -83,7 +83,7 @@ impl Sink<'_> {
         let segments = self.segments.get(axis.index())?;
         let state = self.axes.get_mut(axis.index())?;
         if !self.geared.has(axis) {
-            state.arrive(self.next, &Source { segments, tables: self.tables });
+            state.arrive(self.next, &MotionSource { segments, tables: self.tables });
         }
         Some(state)
     }
@@ -105,7 +105,7 @@ impl Sink<'_> {
         self.axes.get_mut(axis.index())
     }
 
-    fn send(&mut self, at: Fine, axis: Axis, target: i32, (speed, acc): (Speed, Accel), modal: bool) -> Fine {
+    fn send(&mut self, at: FineNs, axis: Axis, target: i32, (speed, acc): (Speed, Accel), modal: bool) -> FineNs {
         let vel_start = Speed::default();
         let to = Trapezoid { target, speed, acc, dec: acc, vel_start, smooth: Ns(0) };
         let Some(time) = self.travel(at, axis, &to) else {
@@ -123,17 +123,17 @@ impl Sink<'_> {
 }
 
 impl Effects for Sink<'_> {
-    fn change(&mut self, at: Fine, change: &Change) -> Fine {
+    fn change(&mut self, at: FineNs, change: &EntryEffect) -> FineNs {
         match *change {
-            Change::Output { group, mask, value } => self.edge(at, Edge::Digital { group, mask, value }),
+            EntryEffect::Output { group, mask, value } => self.edge(at, Edge::Digital { group, mask, value }),
             // Admitted before the output was a laser's: only the laser drives it now, and shuts it
             // off.
-            Change::Analog { channel, .. } if self.lasers.drives(channel) => {}
-            Change::Analog { channel, value } => self.edge(at, Edge::Analog { channel, value }),
-            Change::Move { axis, target, speed, acc, modal } => {
+            EntryEffect::Analog { channel, .. } if self.lasers.drives(channel) => {}
+            EntryEffect::Analog { channel, value } => self.edge(at, Edge::Analog { channel, value }),
+            EntryEffect::Move { axis, target, speed, acc, modal } => {
                 return self.send(at, axis, target, (speed, acc), modal);
             }
-            Change::Laser { channel, code, words } => {
+            EntryEffect::Laser { channel, code, words } => {
                 self.lasers.buffered(self.run(), channel, self.ns(at), code, &words);
             }
         }
@@ -144,7 +144,7 @@ impl Effects for Sink<'_> {
         self.edges.has_room() && self.lasers.has_room()
     }
 
-    fn standstill(&mut self, at: Fine, path_stop: PathStop) {
+    fn standstill(&mut self, at: FineNs, path_stop: PathStop) {
         self.path_stop = Some(path_stop);
         self.lasers.crd_is_at_standstill(
             self.run(),
@@ -160,10 +160,10 @@ impl Effects for Sink<'_> {
         }
     }
 
-    fn geared(&mut self, at: Fine, axis: Axis, pulses: i32) {
+    fn geared(&mut self, at: FineNs, axis: Axis, pulses: i32) {
         let drive = Drive::Gear { crd: self.crd, ratio: Scaled::default() };
         let stood = self.geared.has(axis) && !self.reported.has(axis);
-        let ended = at <= (self.next.0 as Fine) << 32;
+        let ended = at <= (self.next.0 as FineNs) << 32;
         if let Some(state) = self.engage(axis, drive) {
             if stood {
                 state.show_base();

@@ -1,7 +1,7 @@
 //! Coordinate systems in the tick: axes that a [`Path`] drives.
 //!
-//! In: a [`Frame`] each, entries in two FIFOs, tick commands, the axes in their present state. Out:
-//! set-points of the axes; the effects of entries, with exact instants; what the thread reads
+//! In: a [`AxisMap`] each, entries in two FIFOs, tick commands, the axes in their present state.
+//! Out: set-points of the axes; the effects of entries, with exact instants; what the thread reads
 //! ([`CrdView`]). Owns the paths. Fails: never; a path that must not go on stops, with a reason.
 //!
 //! | file | what it is |
@@ -24,9 +24,9 @@ pub(crate) use commands::Halt;
 use path_soft_limits::Clearance;
 
 use crate::laser::EncoderSpeed;
-use crate::path::axis_map::Frame;
-use crate::path::axis_map::Lanes;
-use crate::path::{Feed, Path, PathStores};
+use crate::path::axis_map::AxisIndices;
+use crate::path::axis_map::AxisMap;
+use crate::path::{FifoEnds, Path, PathStores};
 use crate::units::{Axis, AxisMask, Crd, CrdMask, Ns, Pos};
 use crate::view::{CrdView, StopReason};
 
@@ -44,7 +44,7 @@ state! {
         /// Axes geared to the motion in force.
         geared: AxisMask = AxisMask(0),
         /// The axes of its frame.
-        lanes: Lanes = Lanes::NONE,
+        lanes: AxisIndices = AxisIndices::NONE,
         /// The axis that a modal move waits for.
         awaited: Option<Axis> = None,
         /// Of the motion in force, and of the one after it.
@@ -67,8 +67,8 @@ state! {
 }
 
 impl CrdState {
-    fn feed(&self) -> Feed {
-        Feed { ends: self.published.ends }
+    fn feed(&self) -> FifoEnds {
+        FifoEnds { ends: self.published.ends }
     }
 
     /// Its FIFOs have carried out so many entries more: see

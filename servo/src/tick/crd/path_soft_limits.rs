@@ -11,7 +11,7 @@
 //! | the path stops before the position that is not admitted | `path/evaluator/stop.rs`, `Path::hold` |
 //! | the limit of the axis is latched, and light shuts off | `drive.rs`, `come_to_standstill` |
 //! | what limits an axis | `axis/soft_limits.rs` |
-use super::{CrdState, Crds, Lanes};
+use super::{AxisIndices, CrdState, Crds};
 use crate::axis::AxisState;
 use crate::path::DIMENSIONS;
 use crate::units::Pos;
@@ -61,7 +61,7 @@ impl Crds {
 /// Whether the axes may be driven to a position without further checks.
 #[inline(always)]
 pub(super) fn is_free(
-    lanes: &Lanes,
+    lanes: &AxisIndices,
     origin: &[Pos; DIMENSIONS],
     position: &[Pos; DIMENSIONS],
     axes: &[AxisState],

@@ -3,26 +3,26 @@
 //! In: intervals of the master's motion, the start event of the axis, the wait in force. Out: the
 //! progress at which the motion begins, with the exact instant of the crossing between two ticks.
 //! Owns nothing. Cannot fail.
-use super::{Context, FollowRun, State, Wait};
+use super::{FollowContext, FollowRun, FollowState, Wait};
 use crate::segment::follow::curve::EXACT_TO_POS_BITS;
 use crate::segment::follow::entry::Input;
-use crate::segment::follow::master_path::{Fine, Section, Spot};
-use crate::segment::follow::{Entries, Event};
+use crate::segment::follow::master_path::{FineNs, Section, Spot};
+use crate::segment::follow::{FollowEntries, StartEvent};
 use crate::units::{Ns, Pos};
 
 impl FollowRun {
     /// The tick ends with the master at `to`: a motion starts, SwitchNow acts.
-    pub(in crate::segment::follow) fn close<S: Entries, L: Fn(Input, u8) -> bool>(
+    pub(in crate::segment::follow) fn close<S: FollowEntries, L: Fn(Input, u8) -> bool>(
         &mut self,
         now: Ns,
         to: Spot,
         named: i64,
-        context: &mut Context<'_, S, L>,
-    ) -> Option<State> {
+        context: &mut FollowContext<'_, S, L>,
+    ) -> Option<FollowState> {
         let still = Section::still(now, to);
         if self.wait == Wait::Start {
             match context.setup.event {
-                Event::Start => {
+                StartEvent::Start => {
                     let prepared = self.ahead.take();
                     self.start(to.pos);
                     if let Some(prepared) = prepared {
@@ -31,7 +31,7 @@ impl FollowRun {
                         return Some(end);
                     }
                 }
-                Event::Pass { up, pos } => {
+                StartEvent::Pass { up, pos } => {
                     self.wait = Wait::Pass { up, at: Pos(Pos::pulses(pos).0.wrapping_add(named)) };
                 }
             }
@@ -45,11 +45,11 @@ impl FollowRun {
     }
 
     /// The master moves along a section.
-    pub(super) fn advance<S: Entries, L: Fn(Input, u8) -> bool>(
+    pub(super) fn advance<S: FollowEntries, L: Fn(Input, u8) -> bool>(
         &mut self,
         mut section: Section<'_>,
-        context: &mut Context<'_, S, L>,
-    ) -> Option<State> {
+        context: &mut FollowContext<'_, S, L>,
+    ) -> Option<FollowState> {
         match self.wait {
             Wait::Pass { up, at } => {
                 let (from, to) = (section.from.pos, section.to.pos);
@@ -62,7 +62,7 @@ impl FollowRun {
             }
             Wait::Until(until) => {
                 let after = until.saturating_sub(context.base);
-                if after > section.to.after as Fine {
+                if after > section.to.after as FineNs {
                     return None;
                 }
                 let after = after as u64;

@@ -3,11 +3,11 @@
 //! In: the progress, in the run. Out: the piece that holds it, or the entry or the end that is
 //! reached. Owns: nothing. Cannot fail: a position too far away is marked. Work: a bisection, and a
 //! product for any number of passes.
-use super::{Ahead, Context, FollowRun, Seek};
+use super::{Ahead, FollowContext, FollowRun, Seek};
 use crate::math::wide::{recip64_below, umulhi};
-use crate::segment::follow::Entries;
-use crate::segment::follow::curve::{EXACT_TO_POS_BITS, Segment, ceil};
-use crate::segment::follow::entry::Entry;
+use crate::segment::follow::FollowEntries;
+use crate::segment::follow::curve::{CurveSegment, EXACT_TO_POS_BITS, ceil};
+use crate::segment::follow::entry::FollowEntry;
 use crate::segment::follow::ratio::swing;
 use crate::segment::follow::setup::Setup;
 use crate::units::Exact;
@@ -32,7 +32,7 @@ impl FollowRun {
     /// segments, so that many slaves can enter pieces in one tick. The piece is the same as it
     /// would be later.
     #[inline(never)]
-    pub fn prepare(&mut self, setup: &Setup, source: &impl Entries) {
+    pub fn prepare(&mut self, setup: &Setup, source: &impl FollowEntries) {
         self.open = false;
         let end = self.piece.begin.0.wrapping_add(self.piece.span) as i64;
         let mut x = ((end as i128) << EXACT_TO_POS_BITS).wrapping_sub(self.began);
@@ -64,7 +64,7 @@ impl FollowRun {
     /// Before the start: makes the first piece, as for a master at 0, if the first entry is a
     /// segment.
     #[inline(never)]
-    pub(crate) fn prepare_start(&mut self, setup: &Setup, source: &impl Entries) {
+    pub(crate) fn prepare_start(&mut self, setup: &Setup, source: &impl FollowEntries) {
         let entry = source.entry(self.fifo, 0);
         if setup.fifo(self.fifo).end == 0 || entry.kind().is_none() {
             return;
@@ -74,18 +74,26 @@ impl FollowRun {
     }
 
     /// The slave's position at the beginning of an entry of this pass.
-    pub(super) fn knot<L>(&self, index: u32, context: &Context<'_, impl Entries, L>) -> Exact {
+    pub(super) fn knot<L>(&self, index: u32, context: &FollowContext<'_, impl FollowEntries, L>) -> Exact {
         let (_, end) = self.ends_before(index, context);
         Exact(self.origin.wrapping_add(end))
     }
 
-    pub(super) fn before<L>(&self, index: u32, context: &Context<'_, impl Entries, L>) -> Option<Entry> {
+    pub(super) fn before<L>(
+        &self,
+        index: u32,
+        context: &FollowContext<'_, impl FollowEntries, L>,
+    ) -> Option<FollowEntry> {
         (index > 0).then(|| context.source.entry(self.fifo, index.wrapping_sub(1)))
     }
 
     /// The end of the entry before `index`.
-    pub(super) fn ends_before<L>(&self, index: u32, context: &Context<'_, impl Entries, L>) -> (i128, i128) {
-        self.before(index, context).map_or((0, 0), Entry::ends)
+    pub(super) fn ends_before<L>(
+        &self,
+        index: u32,
+        context: &FollowContext<'_, impl FollowEntries, L>,
+    ) -> (i128, i128) {
+        self.before(index, context).map_or((0, 0), FollowEntry::ends)
     }
 
     #[inline(always)]
@@ -93,18 +101,18 @@ impl FollowRun {
         &self,
         pass: u32,
         index: u32,
-        before: Option<Entry>,
-        entry: Entry,
+        before: Option<FollowEntry>,
+        entry: FollowEntry,
         setup: &Setup,
-        source: &impl Entries,
-    ) -> Segment {
+        source: &impl FollowEntries,
+    ) -> CurveSegment {
         let more = self.more_at(pass, index, entry, setup, source);
-        Segment::between(before, entry, |length| if more == 0 { 0 } else { swing(more, length.unsigned_abs()) })
+        CurveSegment::between(before, entry, |length| if more == 0 { 0 } else { swing(more, length.unsigned_abs()) })
     }
 
     /// The piece of an entry of this pass that holds the progress `x` is in force.
     #[inline(never)]
-    pub(super) fn enter<L>(&mut self, index: u32, x: i128, context: &Context<'_, impl Entries, L>) {
+    pub(super) fn enter<L>(&mut self, index: u32, x: i128, context: &FollowContext<'_, impl FollowEntries, L>) {
         let entry = context.source.entry(self.fifo, index);
         let before = self.before(index, context);
         let segment = self.segment(self.pass, index, before, entry, context.setup, context.source);
@@ -121,7 +129,7 @@ impl FollowRun {
     /// Loads the next piece of the segment in force, or of the one after it, if nothing else is to
     /// be done: neither an entry that is no segment nor an end of a pass lies between.
     #[inline(always)]
-    pub(super) fn go_on<L>(&mut self, context: &Context<'_, impl Entries, L>) -> bool {
+    pub(super) fn go_on<L>(&mut self, context: &FollowContext<'_, impl FollowEntries, L>) -> bool {
         if self.piece.span == 0 {
             return false;
         }
@@ -144,7 +152,7 @@ impl FollowRun {
     }
 
     /// Finds the segment of the present progress, through ends of passes.
-    pub(super) fn seek<L>(&mut self, context: &mut Context<'_, impl Entries, L>) -> Seek {
+    pub(super) fn seek<L>(&mut self, context: &mut FollowContext<'_, impl FollowEntries, L>) -> Seek {
         if self.go_on(context) {
             return Seek::Here;
         }
@@ -183,7 +191,7 @@ impl FollowRun {
     }
 
     /// Finds out whether the slave is at its floor, after the steps of a tick.
-    pub(crate) fn find_floor(&mut self, source: &impl Entries) {
+    pub(crate) fn find_floor(&mut self, source: &impl FollowEntries) {
         let (pass, index) = self.floor;
         self.at_floor = self.both && self.pass == pass && {
             let knot = if index == 0 { 0 } else { source.entry(self.fifo, index.wrapping_sub(1)).ends_master() };
@@ -193,7 +201,13 @@ impl FollowRun {
 
     /// Loads the piece that holds the progress `x` of this pass; its segment is one of
     /// `low`..`limit`.
-    pub(super) fn load<L>(&mut self, x: i128, low: u32, limit: u32, context: &Context<'_, impl Entries, L>) {
+    pub(super) fn load<L>(
+        &mut self,
+        x: i128,
+        low: u32,
+        limit: u32,
+        context: &FollowContext<'_, impl FollowEntries, L>,
+    ) {
         let ends = |index| context.source.entry(self.fifo, index).ends_master();
         let (mut low, mut high) = (low, limit.wrapping_sub(1));
         while low < high {
@@ -208,7 +222,11 @@ impl FollowRun {
     }
 
     /// The pass is over at the progress `x` ≥ its end; the exact end of the motion, if that is it.
-    pub(super) fn end_pass<L>(&mut self, x: i128, context: &mut Context<'_, impl Entries, L>) -> Option<i128> {
+    pub(super) fn end_pass<L>(
+        &mut self,
+        x: i128,
+        context: &mut FollowContext<'_, impl FollowEntries, L>,
+    ) -> Option<i128> {
         let fifo = context.setup.fifo(self.fifo);
         let (length, displacement) = self.ends_before(fifo.end, context);
         if self.switching && !context.setup.is_empty(self.fifo ^ 1) {
@@ -233,7 +251,7 @@ impl FollowRun {
     }
 
     /// Back into an earlier pass; `x` < 0.
-    pub(super) fn back<L>(&mut self, x: i128, context: &Context<'_, impl Entries, L>) {
+    pub(super) fn back<L>(&mut self, x: i128, context: &FollowContext<'_, impl FollowEntries, L>) {
         let fifo = context.setup.fifo(self.fifo);
         let (length, displacement) = self.ends_before(fifo.end, context);
         let passes = self.pass.wrapping_sub(self.floor.0);

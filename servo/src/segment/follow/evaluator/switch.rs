@@ -3,11 +3,11 @@
 //! In: the command to switch, the position where it acts. Out: the run with a new origin. Owns:
 //! nothing. [`More`] holds what the chain of ratios in the data cannot know. Cannot fail: where
 //! there is nothing to switch to, nothing happens.
-use super::{Context, FollowRun, More, Wait};
-use crate::segment::follow::curve::{EXACT_TO_POS_BITS, Segment, ratio_at};
-use crate::segment::follow::entry::{CHAIN_MAX_ENTRIES, ENTRIES, Entry, STOPS};
+use super::{FollowContext, FollowRun, More, Wait};
+use crate::segment::follow::curve::{CurveSegment, EXACT_TO_POS_BITS, ratio_at};
+use crate::segment::follow::entry::{CHAIN_MAX_ENTRIES, ENTRIES, FollowEntry, STOPS};
 use crate::segment::follow::setup::Setup;
-use crate::segment::follow::{Entries, Method};
+use crate::segment::follow::{FollowEntries, Method};
 use crate::units::Pos;
 
 impl FollowRun {
@@ -16,7 +16,7 @@ impl FollowRun {
         &mut self,
         method: Method,
         pos: Pos,
-        context: &mut Context<'_, impl Entries, L>,
+        context: &mut FollowContext<'_, impl FollowEntries, L>,
     ) -> bool {
         let other = self.fifo ^ 1;
         if method == Method::Table && context.setup.is_empty(other) {
@@ -63,7 +63,13 @@ impl FollowRun {
     }
 
     /// The first segment from entry `from` on in this pass starts at `ratio`.
-    pub(super) fn start_with<L>(&mut self, pass: u32, from: u32, ratio: i128, context: &Context<'_, impl Entries, L>) {
+    pub(super) fn start_with<L>(
+        &mut self,
+        pass: u32,
+        from: u32,
+        ratio: i128,
+        context: &FollowContext<'_, impl FollowEntries, L>,
+    ) {
         let end = context.setup.fifo(self.fifo).end;
         let mut index = from;
         for _ in 0..STOPS {
@@ -75,7 +81,7 @@ impl FollowRun {
         let entry = context.source.entry(self.fifo, index);
         let before = self.before(index, context);
         // What its chain gives it is part of that ratio.
-        let segment = Segment::between(before, entry, |_| 0);
+        let segment = CurveSegment::between(before, entry, |_| 0);
         let own = segment.start_ratio();
         self.more = Some(More { pass, from: index, odd: entry.odd(), ratio: ratio.wrapping_sub(own) });
     }
@@ -88,7 +94,7 @@ impl FollowRun {
         origin: i128,
         ratio: i128,
         at_once: bool,
-        context: &mut Context<'_, impl Entries, L>,
+        context: &mut FollowContext<'_, impl FollowEntries, L>,
     ) {
         context.setup.clear(self.fifo);
         self.emptied |= 1 << self.fifo;
@@ -119,12 +125,26 @@ impl FollowRun {
 
     /// The addition to a segment's start ratio that its chain does not know.
     #[inline(always)]
-    pub(super) fn more_at(&self, pass: u32, index: u32, entry: Entry, setup: &Setup, source: &impl Entries) -> i128 {
+    pub(super) fn more_at(
+        &self,
+        pass: u32,
+        index: u32,
+        entry: FollowEntry,
+        setup: &Setup,
+        source: &impl FollowEntries,
+    ) -> i128 {
         if self.more.is_none() && self.carried == 0 { 0 } else { self.more_of(pass, index, entry, setup, source) }
     }
 
     #[inline(never)]
-    pub(super) fn more_of(&self, pass: u32, index: u32, entry: Entry, setup: &Setup, source: &impl Entries) -> i128 {
+    pub(super) fn more_of(
+        &self,
+        pass: u32,
+        index: u32,
+        entry: FollowEntry,
+        setup: &Setup,
+        source: &impl FollowEntries,
+    ) -> i128 {
         let continues = setup.fifo(self.fifo).tail.continues as u32;
         let (from, odd, ratio) = if let Some(more) = &self.more
             && more.pass == pass
@@ -146,7 +166,7 @@ impl FollowRun {
     }
 
     /// Whether NORMAL segments lead from `from` to `index`, both included.
-    pub(super) fn is_chained(&self, from: u32, index: u32, entry: Entry, source: &impl Entries) -> bool {
+    pub(super) fn is_chained(&self, from: u32, index: u32, entry: FollowEntry, source: &impl FollowEntries) -> bool {
         let (mut at, mut entry) = (index, entry);
         // A chain of 512 entries is searched in steps of 31.
         for _ in 0..=ENTRIES / CHAIN_MAX_ENTRIES {
@@ -161,7 +181,7 @@ impl FollowRun {
     }
 
     /// The ratio at the end of the segment before entry `index`.
-    pub(super) fn end_ratio<L>(&mut self, index: u32, context: &Context<'_, impl Entries, L>) -> i128 {
+    pub(super) fn end_ratio<L>(&mut self, index: u32, context: &FollowContext<'_, impl FollowEntries, L>) -> i128 {
         let fifo = context.setup.fifo(self.fifo);
         let mut at = index;
         for _ in 0..=STOPS {

@@ -5,7 +5,7 @@
 //!
 //! A piece is parameterised over a power of two of ms, not over its own length: its coefficients
 //! are the velocity, the acceleration and the jerk but for shifts, and 1/length is a constant.
-use super::{Edged, Fine, JerkPhase, Kind, Next, RampRun, Rate, STILL, Shape};
+use super::{Acceleration, Edged, FineNs, JerkPhase, Next, RampKind, RampRun, RampShape, STILL};
 use crate::math::real::Real;
 use crate::math::wide::umulhi;
 use crate::segment::piece::{Motion, Piece, Recip};
@@ -19,11 +19,11 @@ const TIME_MIN_LOG2_MS: i32 = -19;
 /// 10⁶ has 44 leading zeros; 1/(2^k ms) has this mantissa and a shift of 44 − k.
 const MS_RECIP: u64 = (u128::MAX / (1_000_000 << 44) - (1 << 64)) as u64;
 
-fn fine(ms: Real) -> Fine {
+fn fine(ms: Real) -> FineNs {
     ms.mul(Real::MS).to_fixed(0).unsigned_abs().min(1 << 96)
 }
 
-pub(super) fn ms(time: Fine) -> Real {
+pub(super) fn ms(time: FineNs) -> Real {
     Real::from_fixed(time, 0).mul(Real::FINE)
 }
 
@@ -53,9 +53,9 @@ impl RampRun {
     /// At the peak: on for ever, or until a Trap must brake.
     pub(super) fn cruise(&mut self) {
         let v = self.peak;
-        let mut len = Fine::MAX >> 8;
+        let mut len = FineNs::MAX >> 8;
         let mut span = TIME_MAX_LOG2_MS;
-        if self.kind == Kind::Jog {
+        if self.kind == RampKind::Jog {
             self.next = if v.is_zero() { Next::Over } else { Next::Cruise };
             if v.is_zero() {
                 return;
@@ -86,7 +86,7 @@ impl RampRun {
     }
 
     /// Enters a ramp to `v1`; `distance` is its length, if that does not follow from its duration.
-    pub(super) fn ramp(&mut self, v1: Real, rate: Rate, distance: Option<Exact>) {
+    pub(super) fn ramp(&mut self, v1: Real, rate: Acceleration, distance: Option<Exact>) {
         let v0 = self.v;
         let change = v1.sub(v0);
         self.v = v1;
@@ -96,12 +96,12 @@ impl RampRun {
         let along = rate.along(change.is_negative());
         let plain = change.abs().mul(rate.inverse);
         let (len, edge, top, jerk) = match self.shape {
-            Shape::Plain => (plain, Real::ZERO, along, Real::ZERO),
-            Shape::Percent { half, gain } => {
+            RampShape::Plain => (plain, Real::ZERO, along, Real::ZERO),
+            RampShape::Percent { half, gain } => {
                 let (edge, top) = (plain.mul(half), along.mul(gain));
                 (plain, edge, top, top.mul(edge.recip()))
             }
-            Shape::Average { inverse } => {
+            RampShape::Average { inverse } => {
                 let wait = self.means.wait;
                 let jerk = along.mul(inverse);
                 let long = !plain.is_less(wait);
@@ -165,7 +165,7 @@ impl RampRun {
         let left = s.len - s.done;
         let start = self.pos;
         // 2^k ms.
-        let whole = ((15_625u64 << (k - TIME_MIN_LOG2_MS)) as Fine) << 19;
+        let whole = ((15_625u64 << (k - TIME_MIN_LOG2_MS)) as FineNs) << 19;
         let len = if left > whole {
             self.pos = Exact(self.pos.0.wrapping_add(c1.add(c2).add(c3).to_exact().0));
             whole
