@@ -439,7 +439,8 @@ impl Controller {
                 program.complete = true;
                 break;
             }
-            if next == calls.len() && waiting.is_none() {
+            // A Sleep at its end is part of it.
+            if next == calls.len() && waiting.is_none() && clock < now {
                 left -= 1;
                 if left == 0 {
                     program.complete = true;

@@ -1,7 +1,9 @@
 //! Programs on which the reference or the judge was wrong, and the controller was right.
 use super::found::{MS, agrees, ex, frame, line, path, plain, segment};
 use host_tests::path_model::Plane;
-use host_tests::reference::{Call, Command, Cycle, Datum, Effect, Kind, LightCall, LightOf, LightTable, Path, Speeds};
+use host_tests::reference::{
+    Call, Command, Cycle, Datum, Effect, Item, Kind, LightCall, LightOf, LightTable, Path, Speeds,
+};
 
 /// A slave that has come back through its passes rests at its origin. A SwitchNow by segment began
 /// its first segment; the reference had its last one behind it, and jumped to its end.
@@ -195,5 +197,40 @@ fn slaves_of_a_path_have_its_speed() {
                 Call::Sleep { ns: 20 * MS },
             ],
         );
+    }
+}
+
+/// Two slaves set one output in a tick, as far below their masters: the one with the higher number
+/// comes last. The reference took those first whose master has the lower number.
+#[test]
+fn two_slaves_that_set_one_output() {
+    for high in [false, true] {
+        let mut calls: Vec<Call> = (0..4).map(|axis| plain(Kind::AxisOn, axis)).collect();
+        for (axis, master, level) in [(0, 2, high), (3, 1, !high)] {
+            let jog = [Call::SetJogPrm { axis: master, acc: 2.0, dec: 2.0 }, Call::SetVel { axis: master, vel: 9.3 }];
+            calls.push(plain(Kind::PrfJog, master));
+            calls.extend(jog);
+            calls.push(ex(Call::PrfFollow { axis, dir: 1 }));
+            calls.push(ex(Call::SetFollowMaster { axis, master, kind: 2, item: 0 }));
+            calls.push(segment(axis, 20.0, 10.0, 1, 0));
+            calls.push(Call::FollowEntry { axis, item: Item::Output { index: 4, level }, fifo: 0 });
+            calls.push(segment(axis, 90.0, 40.0, 1, 0));
+        }
+        calls.push(ex(Call::FollowStart { mask: 9, option: 0 }));
+        calls.extend([Call::Update { mask: 6 }, Call::Sleep { ns: 9 * MS }]);
+        agrees(250, &calls);
+    }
+}
+
+/// A Reset takes SetInterlock back: SPEC 9, and the page of safety. The reference kept it.
+#[test]
+fn an_interlock_after_a_reset() {
+    let interlock = |open| Call::Effect(Effect::Interlock { core: 1, open });
+    for motion in [0, 2] {
+        let mut calls = vec![Call::Effect(Effect::SetInterlock { motion }), Call::Reset { core: 1 }];
+        calls.extend([Call::Sleep { ns: 9 * MS }, plain(Kind::AxisOn, 0), plain(Kind::AxisOn, 1), frame(None)]);
+        calls.extend([line(vec![90, 40]), path(Path::Start { mask: 1, option: 0 }), Call::Sleep { ns: 5 * MS }]);
+        calls.extend([interlock(true), Call::Sleep { ns: 9 * MS }, interlock(false), Call::Sleep { ns: 9 * MS }]);
+        agrees(250, &calls);
     }
 }

@@ -4,6 +4,7 @@ use super::super::call::members;
 use super::super::light::Act;
 use super::Controller;
 use super::answer::{Answer, DONE, range};
+use super::interlock::Interlock;
 
 /// Ticks in which a Reset may put axes to power-on state: as many as it needs (SPEC 7).
 pub(super) const RESET_TICKS: u8 = 4;
@@ -62,6 +63,8 @@ impl Controller {
         if self.interlock.is_cause() {
             self.open = Some("a Reset while the interlock is open");
         }
+        // SPEC 9: what binds safety to a user falls back, whichever core it is.
+        self.interlock.motion = Interlock::default().motion;
         for place in (0..self.axes.len()).filter(|place| self.cores[*place] == core) {
             let axis = &mut self.axes[place];
             if axis.runs() {

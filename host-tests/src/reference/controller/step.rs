@@ -5,19 +5,20 @@ use super::super::number::Fix;
 use super::{Controller, Then};
 
 impl Controller {
-    /// Masters before their slaves.
-    fn order(&self) -> Vec<usize> {
-        let mut order = Vec::with_capacity(self.axes.len());
-        let mut placed = 0u32;
-        while order.len() < self.axes.len() {
-            for (index, axis) in self.axes.iter().enumerate() {
-                let master = axis.follow.master.filter(|_| axis.is_follow());
-                if placed >> index & 1 == 0 && master.is_none_or(|master| placed >> master.axis & 1 == 1) {
-                    placed |= 1 << index;
-                    order.push(index);
-                }
-            }
+    /// Slaves above an axis in its chain, itself included: masters come before their slaves.
+    fn depth(&self, index: usize) -> usize {
+        let axis = &self.axes[index];
+        match axis.follow.master.filter(|_| matches!(axis.motion, Some(Motion::Slave(_)))) {
+            Some(master) if master.is_counted() => 1,
+            Some(master) => 1 + self.depth(master.axis),
+            None => 0,
         }
+    }
+
+    /// In the order of their depth, else of their numbers: docs/follow.md.
+    fn order(&self) -> Vec<usize> {
+        let mut order: Vec<usize> = (0..self.axes.len()).collect();
+        order.sort_by_key(|index| self.depth(*index));
         order
     }
 
