@@ -97,12 +97,7 @@ fn checksums(lock: &str) -> BTreeMap<(String, String), String> {
 }
 
 /// CycloneDX 1.5: what of the packages ends up in the program, not what only builds or tests it.
-fn bill_of(
-    package: &str,
-    kind: &str,
-    metadata: &Value,
-    sums: &BTreeMap<(String, String), String>,
-) -> Outcome<Value> {
+fn bill_of(package: &str, kind: &str, metadata: &Value, sums: &BTreeMap<(String, String), String>) -> Outcome<Value> {
     let list = |value: &Value| value.as_array().cloned().unwrap_or_default();
     let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
     let packages: BTreeMap<String, Value> =
