@@ -208,10 +208,16 @@ impl Slave {
         let (Some(&first), Some(&last)) = (lead.track.first(), lead.track.last()) else { return Outcome::On };
         (self.done, self.slack, self.timed) = (0, Fix::ZERO, false);
         if let State::Listens { index, level, until } = self.state {
+            let left = until.map(|until| until - lead.times[lead.times.len() - 1]);
             if (around.inputs >> (index - 1) & 1 == 1) == level {
                 self.resume(first);
-            } else if until.is_some_and(|until| until <= lead.times[lead.times.len() - 1]) {
-                return Outcome::TimedOut;
+            } else if let Some(left) = left {
+                if left != Fix::ZERO && left.abs() < Fix(1 << 44) {
+                    self.open = Some("a wait that times out with a tick");
+                }
+                if left <= Fix::ZERO {
+                    return Outcome::TimedOut;
+                }
             }
         }
         for index in 1..lead.track.len() {

@@ -234,3 +234,23 @@ fn an_interlock_after_a_reset() {
         agrees(250, &calls);
     }
 }
+
+/// A master comes to a wait for an input within rounding of a tick, so the wait times out with one.
+#[test]
+fn a_wait_that_times_out_with_a_tick() {
+    let calls = [
+        plain(Kind::AxisOn, 0),
+        plain(Kind::AxisOn, 3),
+        ex(Call::PrfFollow { axis: 3, dir: 1 }),
+        ex(Call::SetFollowMaster { axis: 3, master: 0, kind: 2, item: 0 }),
+        segment(3, 144.0, 216.0, 0, 0),
+        Call::FollowEntry { axis: 3, item: Item::Wait { index: 6, level: true, ms: 3 }, fifo: 0 },
+        ex(Call::FollowStart { mask: 8, option: 0 }),
+        plain(Kind::PrfJog, 0),
+        Call::SetJogPrm { axis: 0, acc: 2.4, dec: 6.4 },
+        Call::SetVel { axis: 0, vel: 12.0 },
+        Call::Update { mask: 1 },
+        Call::Sleep { ns: 25 * MS },
+    ];
+    agrees(250, &calls);
+}
