@@ -35,12 +35,23 @@ pub struct Due {
     pub wait: Option<u32>,
     /// What follows it in a program acts also where the tick refuses it.
     pub may_fail: bool,
+    /// The calls before it in its PathMany were admitted just now: one commit is for all.
+    pub follows: bool,
 }
 
 impl Due {
     /// At once; `decided` if nothing before it is in flight.
     pub const fn at_once(decided: bool) -> Due {
-        Due { decided, soon: true, until_ns: 0, first: false, script_ns: 0, wait: None, may_fail: false }
+        Due {
+            decided,
+            soon: true,
+            until_ns: 0,
+            first: false,
+            script_ns: 0,
+            wait: None,
+            may_fail: false,
+            follows: false,
+        }
     }
     /// Not known, for a command to which it does not matter.
     pub const UNKNOWN: Due = Due { soon: false, until_ns: u64::MAX, script_ns: u64::MAX, ..Due::at_once(false) };
