@@ -4,6 +4,7 @@
 //! Changes nothing.
 pub(crate) mod answer;
 pub(crate) mod event_log;
+pub(crate) mod path_many;
 pub(crate) mod pending_replies;
 pub(crate) mod replies;
 pub(crate) mod trace;

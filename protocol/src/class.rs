@@ -66,6 +66,10 @@ pub enum DataStore {
     Path,
     /// Laser changes among them.
     Light,
+    /// Lines of common speeds, many in one command.
+    Lines,
+    /// Calls of the kinds `Path` and `Light`, joined in one command.
+    Joined,
 }
 
 /// What a table is for.
@@ -138,6 +142,11 @@ impl CommandKind {
         matches!(self, CommandKind::Read(_) | CommandKind::Calculate)
     }
 
+    /// Whether it is a call that `PathMany` may hold: one entry of a FIFO of a coordinate system.
+    pub const fn joins(self) -> bool {
+        matches!(self, CommandKind::Data(DataStore::Path | DataStore::Light))
+    }
+
     /// Whether it can neither light nor move anything, now or later.
     pub const fn is_harmless(self) -> bool {
         self.reads() || matches!(self, CommandKind::Session | CommandKind::Program | CommandKind::Step)
@@ -200,6 +209,18 @@ mod tests {
                 "{name}"
             );
             assert_eq!(name.starts_with("BufLaser"), kind == CommandKind::Data(DataStore::Light), "{name}");
+        }
+    }
+
+    #[test]
+    fn calls_that_join_name_their_fifo() {
+        for command in COMMANDS {
+            let place = crate::command::fifo_place(command.opcode);
+            assert_eq!(place.is_some(), command.class.kind.joins(), "{}", command.name);
+            let Some(place) = place else { continue };
+            assert_eq!(command.fields[..2], [("core", "I16"), ("crd", "I16")], "{}", command.name);
+            let before: Vec<_> = command.fields.iter().take_while(|(name, _)| *name != "fifo").copied().collect();
+            assert_eq!(crate::command::widths(&before), place, "{}", command.name);
         }
     }
 

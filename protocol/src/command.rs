@@ -124,10 +124,42 @@ macro_rules! commands {
                 _ => None,
             }
         }
+        /// Where a call that [`CommandKind::joins`] names its FIFO: bytes from the beginning of its
+        /// request. None for any other command.
+        pub const fn fifo_place(opcode: u16) -> Option<usize> {
+            match opcode {
+                $( $opcode => const {
+                    match <$name as Request>::CLASS.kind.joins() {
+                        true => Some(place_of(<$name as Wire>::FIELDS)),
+                        false => None,
+                    }
+                }, )*
+                _ => None,
+            }
+        }
         /// The numbers of the commands that have a layout, by name.
         #[allow(non_upper_case_globals, missing_docs)]
         pub mod opcode { $( pub const $name: u16 = $opcode; )* }
     };
+}
+
+/// The bytes before the field `fifo`. A layout without it does not compile where this is used.
+const fn place_of(fields: &[(&str, &str)]) -> usize {
+    let (mut index, mut place) = (0, 0);
+    loop {
+        let (name, of) = fields[index];
+        if let b"fifo" = name.as_bytes() {
+            return place;
+        }
+        place += match of.as_bytes() {
+            b"F64" => 8,
+            b"I32" => 4,
+            b"I16" | b"U16" => 2,
+            b"u8" => 1,
+            _ => panic!("a type that no call of a path has"),
+        };
+        index += 1;
+    }
 }
 
 wire_structs! {
@@ -289,6 +321,11 @@ wire_structs! {
         run: u8, fifo: u8, path_stop: u8, reason: U16, axes: [I16; 4], pos: [F64; 4], vel: F64, segments: [I32; 2],
         remainder: [I32; 2], space: [I32; 2],
     }
+    /// Before each call in PathMany: its number, and the bytes of its request, which follow.
+    PathCall { opcode: U16, length: U16 }
+    /// What a call in PathMany did not take as it was given: which call, from 0; the values and
+    /// `held` of its own reply (the second value is 0 where that has one).
+    PathHeld { call: U16, first: F64, second: F64, held: u8 }
     /// Limits of one coordinate for look-ahead, pulse/ms and pulse/ms².
     CrdLimit { vel_max: F64, acc_max: F64 }
     /// One target of LnXYMany.
@@ -536,11 +573,12 @@ commands! {
     0x081D BufGear: Data Path, Exclusive { core: I16, crd: I16, axis: I16, pos: I32, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
     0x081E SetCrdLimit: Set, Exclusive { core: I16, crd: I16, coordinate: I16, vel_max: F64, acc_max: F64 } [Nothing] -> Nothing [Nothing];
     0x081F GetCrdLimit: Read Other, Any { core: I16, crd: I16, coordinate: I16 } [Nothing] -> CrdLimit [Nothing];
-    0x0820 LnXYMany: Data Path, Exclusive { core: I16, crd: I16, fifo: I16, count: U16, syn_vel: F64, syn_acc: F64, vel_end: F64 } [PathXY] -> CrdTaken [Nothing];
-    0x0821 LnXYZMany: Data Path, Exclusive { core: I16, crd: I16, fifo: I16, count: U16, syn_vel: F64, syn_acc: F64, vel_end: F64 } [PathXYZ] -> CrdTaken [Nothing];
+    0x0820 LnXYMany: Data Lines, Exclusive { core: I16, crd: I16, fifo: I16, count: U16, syn_vel: F64, syn_acc: F64, vel_end: F64 } [PathXY] -> CrdTaken [Nothing];
+    0x0821 LnXYZMany: Data Lines, Exclusive { core: I16, crd: I16, fifo: I16, count: U16, syn_vel: F64, syn_acc: F64, vel_end: F64 } [PathXYZ] -> CrdTaken [Nothing];
     0x0822 CrdInfo: Read Crd, Any { core: I16, crd: I16 } [Nothing] -> CrdState [Nothing];
     0x0823 SetLaserFollowFilter: Set, Exclusive { core: I16, crd: I16, time_ms: F64 } [Nothing] -> Nothing [Nothing];
     0x0824 GetLaserFollowFilter: Read Crd, Any { core: I16, crd: I16 } [Nothing] -> Real [Nothing];
+    0x0825 PathMany: Data Joined, Exclusive { core: I16, crd: I16, fifo: I16, count: U16 } [Byte] -> CrdTaken [PathHeld];
     // -- distance follow (GUS chapter 5, LSR chapter 4) ------------------------------------------
     0x0900 SetLaserDisMode: Set, Exclusive { core: I16, mode: I16, source: I16, pos: [I32; 4], scale: [F64; 4], channel: I16 } [Nothing] -> LaserScales [Nothing];
     0x0901 SetLaserDisRatio: Set, Exclusive { core: I16, ratio: [F64; 4], min: F64, max: F64, channel: I16, bounds_given: u8 } [Nothing] -> LaserBounds [Nothing];

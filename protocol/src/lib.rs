@@ -20,6 +20,7 @@ pub mod command;
 pub mod deframe;
 pub mod frame;
 pub mod link;
+pub mod path_many;
 pub mod reason;
 pub mod record;
 pub mod reserved;

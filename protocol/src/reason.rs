@@ -162,6 +162,7 @@ reasons! {
     133 NoIndex Range None "{field} is {got}, the index, but the board captures none of encoder {axis}; allowed are {low} to {high}";
     134 CrdOfTick Range None "{field} is {got}; at this servo tick it must be from {low} to {high}: the others are there at 500 us and more";
     135 CrdNeedsTick State State "coordinate system {axis} of core {low} drives axes; below a tick of 500 us a core has {high}; reset its axes first";
+    136 NotOfPath Range None "command number {got} is no call for FIFO {low} of coordinate system {axis}, which PathMany joins";
     140 NotAboveMinimum Range None "{field} is {got}; it must be above the minimum, {low}";
     141 PointOfAxis Range None "{field} of axis {axis} is {got}; it must be greater than {low}, that of the point before";
     142 PlaneAxis Range None "{field} names axis {got} twice; a plane has two";

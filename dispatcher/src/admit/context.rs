@@ -35,12 +35,23 @@ pub struct DueInstant {
     pub wait: Option<u32>,
     /// What follows it in a program acts also where the tick refuses it.
     pub may_fail: bool,
+    /// The calls before it in its PathMany were admitted just now: one commit is for all.
+    pub follows: bool,
 }
 
 impl DueInstant {
     /// At once; `decided` if nothing before it is in flight.
     pub const fn at_once(decided: bool) -> DueInstant {
-        DueInstant { decided, soon: true, until_ns: 0, first: false, script_ns: 0, wait: None, may_fail: false }
+        DueInstant {
+            decided,
+            soon: true,
+            until_ns: 0,
+            first: false,
+            script_ns: 0,
+            wait: None,
+            may_fail: false,
+            follows: false,
+        }
     }
     /// Not known, for a command to which it does not matter.
     pub const UNKNOWN: DueInstant =

@@ -90,7 +90,7 @@ fn open<'x, const AXES: usize>(context: &Context<'x, AXES>, target: &Target) -> 
     }
     let at_once = path.look.is_some() && context.crd_may_run(crd);
     // The look-ahead of a running path plans no further than the host's data.
-    if at_once && (!context.due.soon || path.loose || pending(path.last)) {
+    if at_once && !context.due.follows && (!context.due.soon || path.loose || pending(path.last)) {
         return Err(in_use());
     }
     let space = shadow.space(sampled, fifo);

@@ -15,12 +15,12 @@ use protocol::values::pt_state;
 use servo::tick_command::TickCommand;
 use servo::view::View;
 
-/// Whether a command is data.
+/// Whether a command is data. A PathMany holds such commands.
 pub fn is_data(number: u16, body: &[u8]) -> bool {
     match number {
         // A switch that is queued.
         opcode::FollowSwitchNowEx => one::<FollowSwitchNowEx>(body).is_ok_and(|r| r.buffer.get() != 0),
-        _ => matches!(kind(number), Some(CommandKind::Data(_))),
+        _ => matches!(kind(number), Some(CommandKind::Data(fifo)) if fifo != DataStore::Joined),
     }
 }
 
@@ -48,7 +48,9 @@ impl<const AXES: usize> Admission<'_, AXES> {
         let paths = (&mut *self.queues, self.entries);
         let (written, change) = match kind(number) {
             Some(CommandKind::Data(DataStore::Pt)) => pt::data(&context, self.stores, number, body)?,
-            Some(CommandKind::Data(DataStore::Path)) => crd_data::data(&context, paths, number, body)?,
+            Some(CommandKind::Data(DataStore::Path | DataStore::Lines)) => {
+                crd_data::data(&context, paths, number, body)?
+            }
             Some(CommandKind::Data(DataStore::Light)) => buffered::data(&context, paths, number, body)?,
             _ => follow_data::data(&context, self.stores, number, body)?,
         };

@@ -13,6 +13,7 @@ mod follow;
 mod follow_data;
 mod io;
 mod jog_trap;
+pub mod joined;
 mod laser;
 mod paths;
 pub mod staged;

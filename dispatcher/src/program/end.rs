@@ -8,14 +8,16 @@
 use super::pending_commits::PendingCommits;
 use super::{Program, ProgramDrop, ProgramState};
 use crate::admit::admission::Admission;
+use crate::admit::joined::Joined;
 use crate::refuse::Refused;
-use crate::report::answer::Answer;
-use crate::report::answer::Refuser;
-use crate::report::pending_replies::TickRefusal;
+use crate::report::answer::{Answer, Refuser};
+use crate::report::path_many::{self, held};
+use crate::report::pending_replies::{Awaiting, TickRefusal};
+use crate::report::replies::Reading;
 use crate::shadow::{PROGRAM_FLAG, ShadowChange, executed};
 use crate::tick_queue::Until;
-use protocol::reason::{Cure, Reason};
-use protocol::record::ReplyWriter;
+use protocol::reason::{Cure, Reason, Refusal};
+use protocol::record::{Full, ReplyWriter};
 use servo::tick_command::TickCommand;
 use servo::view::View;
 
@@ -48,6 +50,7 @@ impl Program<'_> {
         self.records.clear();
         self.replies.abandon();
         self.config = None;
+        (self.joined, self.joined_done) = (Joined::default(), 0);
         self.overflowed = false;
     }
 
@@ -71,7 +74,9 @@ impl Program<'_> {
         refused: &Refused,
         out: &mut ReplyWriter,
     ) -> bool {
-        let Some((head, _)) = self.records.front().filter(|(head, _)| head.may_fail) else { return false };
+        if !self.records.front().is_some_and(|(head, _)| head.may_fail) {
+            return false;
+        }
         if refused.full_fifo().is_some_and(|full| admission.drains(view, full)) {
             return false;
         }
@@ -79,16 +84,48 @@ impl Program<'_> {
             Cure::None => true,
             Cure::Motion if refused.is_final() => true,
             // Data for a look-ahead waits for what was given before it, and then it is taken.
-            _ if refused.reason == Reason::CrdFifoInUse => self.is_past(view),
+            _ if refused.reason == Reason::CrdFifoInUse => self.is_past(admission, view),
             // Of these only the end makes the record right ([`ShadowChange::may_free`]).
             Cure::Motion => self.is_reached(view) || self.is_settled(view, refused.reason),
             Cure::State => self.is_reached(view),
         };
-        if !known || out.refused(head.opcode, head.tag, &refused.wire).is_err() {
+        // Calls before it in a PathMany are answered with it.
+        let waits = self.joined.has_begun() && !self.replies.items.is_empty();
+        known && !waits && self.refuse_record(admission, view, &refused.wire, out)
+    }
+
+    /// Answers the record in hand with a refusal, and is done with it. False if there is no room.
+    /// Of a PathMany the reply says which calls were executed.
+    pub(super) fn refuse_record<const AXES: usize>(
+        &mut self,
+        admission: &Admission<'_, AXES>,
+        view: &View<AXES>,
+        refusal: &Refusal,
+        out: &mut ReplyWriter,
+    ) -> bool {
+        let Some((head, _)) = self.records.front() else { return false };
+        let of = (head.opcode, head.tag);
+        let written = if self.joined_done > 0 {
+            let refusal = Refusal { item: self.joined_done.into(), ..*refusal };
+            let held = held(self.replies.newest(self.joined.values()));
+            let taken = self.joined.taken(&admission.reading(view), self.joined_done);
+            path_many::refused(of, (&refusal, taken), &held, out)
+        } else {
+            out.refused(head.opcode, head.tag, refusal)
+        };
+        if written.is_err() {
             return false;
         }
-        self.records.pop();
+        self.replies.forget_newest(self.joined.values());
+        self.joined_done = 0;
+        self.pop_record();
         true
+    }
+
+    /// The record in hand is dealt with.
+    pub(super) fn pop_record(&mut self) {
+        self.records.pop();
+        self.joined = Joined::default();
     }
 
     /// Nothing more of it is executed.
@@ -168,14 +205,22 @@ impl Program<'_> {
             let written = match refusal {
                 Some((0, ..)) => out.refused(item.opcode, item.tag, &Refused::new(Reason::Late).wire),
                 Some((_, refuser)) => out.refused(item.opcode, item.tag, &reading.explain(refuser).wire),
-                None if item.discarded => out.refused(item.opcode, item.tag, &Refused::new(self.ending.reason).wire),
+                None if matches!(item.answer, Answer::Part(_)) => Ok(()),
+                None if item.discarded => self.discarded(&item, &reading, out),
                 None => reading.answer(&item, self.replies.values(), out),
             };
             if written.is_err() {
                 break;
             }
+            match item.answer {
+                Answer::Part(count) if !item.discarded => self.joined_done = self.joined_done.wrapping_add(count),
+                Answer::Joined { .. } => self.joined_done = 0,
+                _ => {}
+            }
             if refusal.is_some() {
                 self.replies.refused.pop_front();
+            } else if matches!(item.answer, Answer::Part(_)) {
+                // It is counted with the rest of its record.
             } else if !item.discarded && !matches!(item.answer, Answer::Lost { .. }) {
                 self.reported.executed = self.reported.executed.wrapping_add(1);
             }
@@ -188,23 +233,46 @@ impl Program<'_> {
         progress
     }
 
+    /// Answers an entry that was dropped. Of a PathMany the calls may be executed that came before
+    /// the last part.
+    fn discarded<const AXES: usize>(
+        &self,
+        item: &Awaiting,
+        reading: &Reading<'_, AXES>,
+        out: &mut ReplyWriter,
+    ) -> Result<(), Full> {
+        let refusal = Refused::new(self.ending.reason).item(self.joined_done.into()).wire;
+        match item.answer {
+            Answer::Joined { crd, fifo, lasts_ms, values, .. } if self.joined_done > 0 => {
+                let held = held(self.replies.values().take(values.into()));
+                let taken = reading.path_taken((crd, fifo), self.joined_done, lasts_ms);
+                path_many::refused((item.opcode, item.tag), (&refusal, taken), &held, out)
+            }
+            _ => out.refused(item.opcode, item.tag, &Refused::new(self.ending.reason).wire),
+        }
+    }
+
     /// Answers the records that wait: they are not executed.
-    pub(super) fn discard(&mut self, out: &mut ReplyWriter) -> bool {
+    pub(super) fn discard<const AXES: usize>(
+        &mut self,
+        admission: &Admission<'_, AXES>,
+        view: &View<AXES>,
+        out: &mut ReplyWriter,
+    ) -> bool {
         if !self.replies.items.is_empty() {
             return false;
         }
         let mut progress = false;
-        while let Some((head, _)) = self.records.front() {
+        while self.records.front().is_some() {
             // A strict program that was late with an empty ring reports it at its next record.
             let late = self.replies.refused.front().is_some_and(|&(seq, ..)| seq == 0);
             let reason = if late { Reason::Late } else { self.ending.reason };
-            if out.refused(head.opcode, head.tag, &Refused::new(reason).wire).is_err() {
+            if !self.refuse_record(admission, view, &Refused::new(reason).wire, out) {
                 return progress;
             }
             if late {
                 self.replies.refused.pop_front();
             }
-            self.records.pop();
             progress = true;
         }
         if self.ending.clears {

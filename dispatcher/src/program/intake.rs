@@ -14,6 +14,7 @@ use super::{Program, ProgramState};
 use crate::admit::admission::Admission;
 use crate::admit::context::{DueInstant, Effect};
 use crate::admit::data::is_data;
+use crate::admit::joined::{Advance, End};
 use crate::admit::staged::STAGED_MAX_BUT_RESET;
 use crate::admit::written::Written;
 use crate::admit::{kind, one};
@@ -56,7 +57,7 @@ impl Program<'_> {
             }
             match self.take_record(admission, view) {
                 Ok(Handled::Taken) => {
-                    self.records.pop();
+                    self.pop_record();
                     progress = true;
                 }
                 Ok(Handled::Wait) => {
@@ -126,18 +127,16 @@ impl Program<'_> {
         let quiet = !self.lane.in_flight() && !self.has_pending_commits();
         let full = matches!(refused.reason, Reason::FifoFull | Reason::CrdFull);
         self.urgent = runs && (!full || quiet);
-        if !self.is_past(view) {
+        if !self.is_past(admission, view) {
             return false;
         }
         self.waits_for = refused.full_fifo().filter(|full| admission.drains(view, *full));
         if self.waits_for.is_some() {
             return false;
         }
-        let Some((head, _)) = self.records.front() else { return false };
-        if out.refused(head.opcode, head.tag, &refused.wire).is_err() {
+        if !self.refuse_record(admission, view, &refused.wire, out) {
             return false;
         }
-        self.records.pop();
         self.cut(ProgramState::Failed);
         self.push_drop(admission);
         true
@@ -171,6 +170,11 @@ impl Program<'_> {
                 self.stream(admission, view, (written.of, written.fifo));
                 self.take_data(admission, (opcode, tag, may_fail), &written);
                 return Ok(Handled::Taken);
+            }
+            opcode::PathMany => {
+                let (opcode, tag, may_fail) = (head.opcode, head.tag, head.may_fail);
+                let advance = admission.admit_joined(view, due, body, &mut self.joined, &mut self.replies)?;
+                return self.take_joined(admission, view, (opcode, tag, may_fail), advance);
             }
             number if kind(number) == Some(CommandKind::Calculate) => {
                 if !self.replies.has_room(POINTS_MAX) {
@@ -280,8 +284,17 @@ impl Program<'_> {
         (opcode, tag, may_fail): (u16, u16, bool),
         written: &Written,
     ) {
-        let Written { of, fifo, answer, at_once, .. } = *written;
         self.replies.keep(written.waiting());
+        self.commit_data(admission, (opcode, tag, may_fail), written);
+    }
+
+    fn commit_data<const AXES: usize>(
+        &mut self,
+        admission: &mut Admission<'_, AXES>,
+        (opcode, tag, may_fail): (u16, u16, bool),
+        written: &Written,
+    ) {
+        let Written { of, fifo, answer, at_once, .. } = *written;
         if at_once {
             admission.commit_now(of, fifo);
         } else {
@@ -289,6 +302,33 @@ impl Program<'_> {
         }
         let (seq, open) = (at_once.then(|| admission.lane.last()), !at_once);
         self.replies.push(Awaiting { opcode, tag, seq, open, own: true, may_fail, answer, ..Awaiting::BLANK });
+    }
+
+    /// Calls of a PathMany are in the store: the same for them. It is answered as a whole, and is
+    /// not over before all its calls are taken.
+    fn take_joined<const AXES: usize>(
+        &mut self,
+        admission: &mut Admission<'_, AXES>,
+        view: &View<AXES>,
+        head: (u16, u16, bool),
+        advance: Advance,
+    ) -> Admitted<Handled> {
+        let Advance { written, count, end } = advance;
+        let answer = if let End::Done(answer) = end { answer } else { Answer::Part(count) };
+        match written {
+            Some(written) => {
+                self.stream(admission, view, (written.of, written.fifo));
+                // The values of its calls are kept already.
+                self.commit_data(admission, head, &Written { answer, ..written });
+            }
+            None if matches!(end, End::Done(_)) => self.attach(head.0, head.1, answer),
+            None => {}
+        }
+        match end {
+            End::Done(_) => Ok(Handled::Taken),
+            End::NoRoom => Ok(Handled::Wait),
+            End::Refused(refused) => Err(self.joined.refuse(refused)),
+        }
     }
 
     /// Pushes the pending commits. There is room for them: no record is admitted without it, and

@@ -25,6 +25,7 @@ mod waits;
 
 use crate::admit::admission::Admission;
 use crate::admit::context::DueInstant;
+use crate::admit::joined::Joined;
 use crate::admit::one;
 use crate::capacity::{AWAITING, VALUES};
 use crate::refuse::{Admitted, FifoOf, Refused};
@@ -109,6 +110,10 @@ servo::state! {
         reported: Reported = Reported::default(),
         /// The item of LoadConfig in hand.
         config: Option<u16> = None,
+        /// The PathMany in hand.
+        joined: Joined = Joined::default(),
+        /// Calls of the first PathMany that has no reply yet, executed.
+        joined_done: u16 = 0,
         /// The executed state waits for the first of the replies.
         is_lagging: bool = false,
         /// A record did not fit: nothing more is taken until the client has asked for
@@ -138,10 +143,12 @@ impl<'a> Program<'a> {
         self.state == ProgramState::Running && self.run.start.is_some_and(|run| executed(view, run))
     }
 
-    /// Whether the instant of the record in hand is over, and all that was before it.
-    fn is_past<const AXES: usize>(&self, view: &View<AXES>) -> bool {
+    /// Whether the instant of the record in hand is over, and all that was before it in either
+    /// lane: what a look-ahead gives to its path goes through the immediate one.
+    fn is_past<const AXES: usize>(&self, admission: &Admission<'_, AXES>, view: &View<AXES>) -> bool {
         let instant = self.script.instant_after(view);
-        self.runs(view) && !self.lane.in_flight() && self.replies.items.is_empty() && view.now.0 > instant
+        let quiet = !self.lane.in_flight() && !admission.lane.in_flight() && self.replies.items.is_empty();
+        self.runs(view) && quiet && view.now.0 > instant
     }
 
     /// Whether the view is the last one before the tick on which the record in hand would act, and
@@ -183,7 +190,16 @@ impl<'a> Program<'a> {
         let until_ns = if decided { 0 } else { self.until(view) };
         let first = self.state == ProgramState::Held && script_ns < view.period.0 && !self.script.pauses.wait();
         let wait = self.script.pauses.last;
-        DueInstant { decided, soon: self.is_soon(view), until_ns, first, script_ns, wait, may_fail: false }
+        DueInstant {
+            decided,
+            soon: self.is_soon(view),
+            until_ns,
+            first,
+            script_ns,
+            wait,
+            may_fail: false,
+            follows: false,
+        }
     }
 
     /// Data has been written to a FIFO. The clock waits for a stream: for data that has waited for
@@ -391,7 +407,7 @@ impl<'a> Program<'a> {
                 true
             }
             ProgramState::Held | ProgramState::Running => self.take_records(admission, view, out) || progress,
-            ProgramState::Failed | ProgramState::Stopped => self.discard(out) || progress,
+            ProgramState::Failed | ProgramState::Stopped => self.discard(admission, view, out) || progress,
             ProgramState::Empty => progress,
         }
     }

@@ -22,6 +22,10 @@ pub enum Answer {
     Taken { axis: Axis, fifo: u8, count: u16 },
     /// CrdTaken for `count` entries of this FIFO of a coordinate system.
     Path { crd: Crd, fifo: u8, count: u16, lasts_ms: u32 },
+    /// CrdTaken for `count` calls of a PathMany, and what its lane keeps of their own replies.
+    Joined { crd: Crd, fifo: u8, count: u16, lasts_ms: u32, values: u8 },
+    /// None: so many calls of a PathMany were executed, and the others follow.
+    Part(u16),
     /// A number that only the shadow state has.
     Long(i32),
     /// A refusal: the tick did not take the data of this axis, whose status is given.
@@ -42,7 +46,7 @@ impl Answer {
     /// Values that wait in the lane for this answer.
     pub fn waiting(&self) -> u8 {
         match *self {
-            Answer::Values(count) | Answer::Took { count, .. } => count,
+            Answer::Values(count) | Answer::Took { count, .. } | Answer::Joined { values: count, .. } => count,
             _ => 0,
         }
     }

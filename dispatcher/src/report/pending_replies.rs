@@ -2,6 +2,7 @@
 //!
 //! In: what was admitted, what the tick refused. Out: the replies of a lane in order.
 use super::answer::{Answer, Refuser};
+use super::path_many::held;
 use super::replies::{Reading, took_reply, values_reply};
 use crate::refuse::Refused;
 use crate::tick_queue::Until;
@@ -111,6 +112,16 @@ impl<const REPLIES: usize, const VALUES: usize> PendingReplies<REPLIES, VALUES> 
             Some(item) => item.seq.map_or(Until::Nothing, Until::Entry),
         }
     }
+    /// The values that are kept for the command in hand, which are the last ones.
+    pub fn newest(&self, count: usize) -> impl Iterator<Item = f64> {
+        self.values.iter().skip(self.values.len().saturating_sub(count)).copied()
+    }
+    /// The command in hand has been answered.
+    pub fn forget_newest(&mut self, count: usize) {
+        for _ in 0..count {
+            self.values.pop_back();
+        }
+    }
     /// The first reply has been written.
     pub fn pop(&mut self) {
         for _ in 0..self.items.pop_front().map_or(0, |item| item.answer.waiting()) {
@@ -157,6 +168,11 @@ impl<const AXES: usize> Reading<'_, AXES> {
             Answer::Path { crd, fifo, count, lasts_ms } => {
                 say(&[self.path_taken((crd, fifo), count, lasts_ms).as_bytes()])
             }
+            Answer::Joined { crd, fifo, count, lasts_ms, values } => {
+                let held = held(taken.take(values.into()));
+                say(&[self.path_taken((crd, fifo), count, lasts_ms).as_bytes(), held.as_bytes()])
+            }
+            Answer::Part(_) => Ok(()),
             // FollowDataPercent2Ex alone replies with the share of the first half.
             Answer::Entered { axis, fifo, percent1 } if item.opcode == opcode::FollowDataPercent2Ex => {
                 say(&[self.entered(axis, fifo).as_bytes(), &percent1.to_le_bytes()])

@@ -9,6 +9,7 @@
 mod immediate;
 
 use crate::admit::admission::Admission;
+use crate::admit::joined::Joined;
 use crate::admit::kind;
 use crate::program::Program;
 use crate::refuse::Refused;
@@ -34,6 +35,8 @@ pub struct CommandHandler<'a, const AXES: usize> {
     replies: PendingReplies<IMMEDIATE, TAKEN>,
     /// The next item of the LoadConfig in hand.
     config: Option<u16>,
+    /// The PathMany in hand.
+    joined: Joined,
     /// The executed state waits for replies that show what was before.
     is_lagging: bool,
 }
@@ -42,7 +45,7 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
     /// A command handler at power-on.
     pub fn new(admission: Admission<'a, AXES>) -> Self {
         let (renewed, replies) = (Renewed::default(), PendingReplies::new());
-        CommandHandler { admission, renewed, replies, config: None, is_lagging: false }
+        CommandHandler { admission, renewed, replies, config: None, joined: Joined::default(), is_lagging: false }
     }
 
     /// Follows the tick: executed entries of both lanes, axes that came to standstill, streams that
@@ -143,6 +146,7 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
         self.admission.loading.abandon();
         self.admission.laser_loading.abandon();
         self.config = None;
+        self.joined = Joined::default();
         self.admission.trace.abandon();
     }
 

@@ -132,6 +132,7 @@ fn every_command_of_the_protocol_is_a_function() {
         "LaserStatus",
         "LnXYMany",
         "LnXYZMany",
+        "PathMany",
         "SimPlan",
         "GetWait",
         "CrdInfo",

@@ -4,11 +4,13 @@
 //! Fails: by refusals. A record that finds no room now is tried again.
 use super::CommandHandler;
 use crate::admit::context::{DueInstant, Effect};
+use crate::admit::joined::{Advance, End, Joined};
 use crate::admit::staged::STAGED_MAX;
 use crate::program::Program;
 use crate::refuse::Refused;
 use crate::report::answer::{Answer, TAKEN_MAX};
 use crate::report::event_log::{EventKind, ShutOff};
+use crate::report::path_many::{self, held};
 use crate::report::pending_replies::Handled;
 use crate::report::replies::values_reply;
 use crate::shadow::ShadowChange;
@@ -37,7 +39,9 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
         record: &RequestRecord,
         out: &mut ReplyWriter,
     ) -> Handled {
-        if self.admission.lane.room() < STAGED_MAX.max(AXES) || !self.replies.has_room(TAKEN_MAX) {
+        // What a PathMany in hand reports makes room once it is over.
+        let values = if self.joined.has_begun() { 0 } else { TAKEN_MAX };
+        if self.admission.lane.room() < STAGED_MAX.max(AXES) || !self.replies.has_room(values) {
             return Handled::Wait;
         }
         if self.config.is_some() {
@@ -62,6 +66,9 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
             return self.refuse(record, Refused::new(Reason::ProgramRuns), out);
         }
         let due = DueInstant::at_once(self.is_quiet());
+        if record.opcode == opcode::PathMany {
+            return self.join(view, due, record, out);
+        }
         if let Some(written) = self.admission.publish(view, due, record.opcode, record.body) {
             return match written {
                 Ok(written) => {
@@ -121,6 +128,47 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
                 self.await_last(record, answer, own)
             }
         }
+    }
+
+    /// Takes calls of a PathMany. The first that is refused once all before it are executed ends
+    /// it: the reply says how many were taken.
+    fn join(&mut self, view: &View<AXES>, due: DueInstant, record: &RequestRecord, out: &mut ReplyWriter) -> Handled {
+        let (joined, replies) = (&mut self.joined, &mut self.replies);
+        let advance = match self.admission.admit_joined(view, due, record.body, joined, replies) {
+            Ok(advance) => advance,
+            Err(refused) => return self.refuse(record, refused, out),
+        };
+        let Advance { written, count, end } = advance;
+        let is_new = written.is_some();
+        if let Some(written) = written {
+            self.admission.commit_now(written.of, written.fifo);
+        }
+        let refused = match end {
+            End::Done(answer) => {
+                self.joined = Joined::default();
+                return self.await_last(record, answer, is_new);
+            }
+            End::NoRoom => Refused::new(Reason::RingFull),
+            End::Refused(refused) => refused,
+        };
+        if is_new {
+            self.await_last(record, Answer::Part(count), true);
+        }
+        if !self.is_quiet() {
+            return Handled::Wait;
+        }
+        let refused = self.joined.refuse(refused);
+        let held = held(self.replies.newest(self.joined.values()));
+        let taken = self.joined.taken(&self.admission.reading(view), refused.wire.item.get());
+        let written = match self.joined.has_begun() {
+            true => path_many::refused((record.opcode, record.tag), (&refused.wire, taken), &held, out),
+            false => out.refused(record.opcode, record.tag, &refused.wire),
+        };
+        if written.is_ok() {
+            self.replies.forget_newest(self.joined.values());
+            self.joined = Joined::default();
+        }
+        Handled::of(written)
     }
 
     /// Pushes what is staged; the caller has checked that there is room.
