@@ -24,6 +24,7 @@ mod laser_state;
 mod laser_tables;
 mod lookahead;
 mod one_instant;
+mod path_many;
 mod products;
 mod program;
 mod program_data;

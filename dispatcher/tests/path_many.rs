@@ -1,6 +1,5 @@
 //! PathMany: calls of a path joined in one command are taken, refused and answered as single ones.
-mod bench;
-mod laser_path;
+use crate::{bench, laser_path};
 
 use bench::crd::*;
 use bench::{Answer, Bench, MS, entry, sleep};
