@@ -128,7 +128,8 @@ impl ShadowChange {
             ShadowChange::Switched { .. } => true,
             // With these the axes that entries of a path move beside it may stay at standstill.
             ShadowChange::Crd { change: CrdChange::Frame { .. } | CrdChange::Emptied { .. }, .. } => true,
-            // Data after it already counts from an empty FIFO: only slots that the tick reads get free.
+            // Data after it already counts from an empty FIFO: only slots that the tick reads get
+            // free.
             ShadowChange::Emptied { .. } | ShadowChange::FollowEmptied { .. } => reason == Reason::FifoInUse,
             ShadowChange::Cleared { .. } | ShadowChange::Table { .. } | ShadowChange::Crd { .. } => {
                 !matches!(reason, Reason::Moving | Reason::OnlyAtStandstill | Reason::CrdRuns)

@@ -14,7 +14,7 @@ use core::sync::atomic::{Ordering, compiler_fence};
 use cortex_m::peripheral::SCB;
 use cortex_m_rt::{ExceptionFrame, exception};
 use dispatcher::{FAULT_TEXT_MAX, FaultKind};
-use hal::board::{self, Cause};
+use hal::board::{self, ResetCause};
 use hal::guard::SPAN;
 
 /// Bytes of text kept: as many as the link carries.
@@ -77,11 +77,11 @@ static KEPT: Kept = Kept(UnsafeCell::new(MaybeUninit::uninit()));
 
 /// The report of what ended the last run. It is cleared, so the second call has none. After a
 /// power-on it is not read at all: RAM with ECC may fault on words that were never written.
-pub fn last(cause: Cause) -> Option<Report> {
+pub fn last(cause: ResetCause) -> Option<Report> {
     let kept = KEPT.0.get().cast::<Report>();
     let report = match cause {
-        Cause::Power => None,
-        Cause::Watchdog => {
+        ResetCause::Power => None,
+        ResetCause::Watchdog => {
             let mut report = Report { mark: WRITTEN, kind: FaultKind::Watchdog as u32, length: 0, text: [0; TEXT] };
             // Writing into a Report never fails.
             let _ = report.write_str("watchdog: the tick or the thread stood still");
@@ -89,7 +89,7 @@ pub fn last(cause: Cause) -> Option<Report> {
         }
         // SAFETY: every bit pattern is a Report (integers only), RAM holds one at all times, and
         // this runs before any interrupt; volatile, since the value comes from before the reset.
-        Cause::Asked => Some(unsafe { kept.read_volatile() }).filter(|report| report.mark == WRITTEN),
+        ResetCause::Asked => Some(unsafe { kept.read_volatile() }).filter(|report| report.mark == WRITTEN),
     };
     // SAFETY: as above.
     unsafe { kept.write_volatile(Report { mark: 0, kind: 0, length: 0, text: [0; TEXT] }) };

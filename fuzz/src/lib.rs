@@ -13,9 +13,9 @@
 //! * [`jobs`]: job scripts, compiled and run.
 //! * [`config`]: configuration files, read and loaded.
 //!
-//! [`model`] is what `machine` knows of what must have been executed, [`bench`] the controller with
-//! its client and the line between them, [`guard`] what holds in every tick, [`commands`] requests
-//! by the table of the protocol, [`source`] the bytes as numbers.
+//! [`model`] is what `machine` knows of what must have been executed. [`bench`] is the controller
+//! with its client and the line between them, [`guard`] is what holds in every tick. [`commands`]
+//! makes requests by the table of the protocol, [`source`] gives the bytes as numbers.
 pub mod bench;
 pub mod commands;
 pub mod config;

@@ -1,8 +1,8 @@
 //! Bytes and re-sealed frames into the deframer and both ends of a link.
 //!
-//! Held: the deframer gives what it gives in any portions, and what the COBS rules give; an end
+//! Held: the deframer gives what it gives in any portions, and what the COBS rules give. An end
 //! delivers messages of the session in force only, each number once and in order, with the bytes of
-//! a frame that came with it; nothing panics.
+//! a frame that came with it. Nothing panics.
 use crate::source::Source;
 use protocol::deframe::{Deframer, Outcome};
 use protocol::frame::{self, FrameKind, Header, MAX_PAYLOAD, MAX_WIRE};

@@ -3,15 +3,16 @@
 //! An input is {seed, fuel, ops}: how the line behaves, how many ticks it may take, what is done.
 //! Two kinds by the first byte: *wild*, where every command may come with every body; and
 //! *counted*, where axes 7 and 8 and coordinate system 2 are the model's, as is analog output 8,
-//! and no other request names them. The model's requests are PT segments of axis 8 with increasing
-//! times (their order is known by the refusal of a segment that comes too early) and entries of a
-//! path of coordinate system 2; by both lanes, in FIFOs of their own. After every cut the
-//! controller is asked what it has got, and the paths are run and what they do is compared
-//! ([`crate::model`]): what was answered with 0 is there once, what was reported as not executed is
-//! not, and of what was in a session that ended there is a part, in order.
+//! and no other request names them. The model's requests come by both lanes, in FIFOs of their own.
+//! They are PT segments of axis 8 with increasing times, and entries of a path of coordinate system
+//! 2. The order of segments is known by the refusal of one that comes too early.
+//!
+//! After every cut the controller is asked what it has got; the paths are run, and what they do is
+//! compared ([`crate::model`]). What was answered with 0 is there once. What was reported as not
+//! executed is not there. Of what was in a session that ended there is a part, in order.
 use crate::bench::{Bench, Fate, Line};
 use crate::commands::{Clocks, Range, body, has_items};
-use crate::model::{MOST, Mark, PATHS, Ran, Row, SEGMENTS, path_entry, segment};
+use crate::model::{ENTRIES_MAX, Mark, PATHS, Ran, Row, SEGMENTS, path_entry, segment};
 use crate::scenes::{scene, witness};
 use crate::source::Source;
 use protocol::command::{COMMANDS, CrdData, CrdSpace, CrdStart, ProgramStart, PtData, PtSpace, Request, opcode};
@@ -237,7 +238,7 @@ impl Game<'_> {
         let row = if path { PATHS[program] } else { SEGMENTS[program] };
         let lane = [Lane::Immediate, Lane::Program][program];
         let number = self.rows[row].sent + 1;
-        if number > MOST {
+        if number > ENTRIES_MAX {
             return;
         }
         self.rows[row].sent = number;
@@ -324,7 +325,7 @@ impl Game<'_> {
                 "{:?}",
                 self.bench.refusal
             );
-            assert!(ticks < 100_000, "a path of {MOST} entries ends");
+            assert!(ticks < 100_000, "a path of {ENTRIES_MAX} entries ends");
         }
         while self.bench.unanswered() > 0 {
             self.bench.ticks(1);

@@ -12,7 +12,7 @@ use protocol::command::{BufDA, BufDelay, LnXY, PtData, Request};
 use zerocopy::IntoBytes;
 
 /// Requests that the model sends at most in a row, so that all fit.
-pub const MOST: u32 = 500;
+pub const ENTRIES_MAX: u32 = 500;
 /// Rows: segments by the immediate lane (FIFO 0) and by the program lane (FIFO 1).
 pub const SEGMENTS: [usize; 2] = [0, 1];
 /// Rows: entries of a path, likewise.

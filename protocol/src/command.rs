@@ -255,13 +255,16 @@ wire_structs! {
     EventsReply { total: U32, count: U16 }
     /// An event that no command caused: its time and kind, the object, and the reason. Axes and
     /// coordinate systems count over all cores from 1, lasers from 0. Kinds:
-    /// 1 an axis came to standstill, 2 a coordinate system did,
-    /// 3 a laser went dark or was cleared,
-    /// 4 the link was lost or came back,
-    /// 5 servo ticks took too long, 6 events were lost,
-    /// 7 an admitted laser command did nothing,
-    /// 8 an abort or a new session shut off the lasers,
-    /// 9 a pulse width was limited (how often).
+    ///
+    /// * 1 an axis came to standstill
+    /// * 2 a coordinate system did
+    /// * 3 a laser went dark or was cleared
+    /// * 4 the link was lost or came back
+    /// * 5 servo ticks took too long
+    /// * 6 events were lost
+    /// * 7 an admitted laser command did nothing
+    /// * 8 an abort or a new session shut off the lasers
+    /// * 9 a pulse width was limited (how often)
     EventItem { time_ns: U64, kind: u8, of: u8, reason: U16 }
     /// The servo tick's period. If the board measures it (`measured` 1), also how long its ticks
     /// take from the timer's event to the end of the handler: the running median and the longest

@@ -485,7 +485,7 @@ fn a_clear_that_is_refused_does_not_end_the_quiet() {
     bench.machine.interlock = true;
     bench.command(TickCommand::Abort);
     bench.tick();
-    bench.change(Change::ClearFault);
+    bench.change(ChannelChange::ClearFault);
     bench.until(2 * MS);
     assert_eq!(bench.view().lasers[0].fault, Cause::Interlock);
     bench.machine.interlock = false;
@@ -494,7 +494,7 @@ fn a_clear_that_is_refused_does_not_end_the_quiet() {
     bench.until(4 * MS);
     let view = bench.view().lasers[0];
     assert_eq!((view.fault, view.khz), (Cause::None, power(0.0)), "standby is off");
-    bench.change(Change::ClearFault);
+    bench.change(ChannelChange::ClearFault);
     bench.until(6 * MS);
     assert_eq!(bench.view().lasers[0].khz, power(5.0), "one that is carried out ends it");
 }

@@ -2,8 +2,8 @@
 //!
 //! In: the workspace. Out: `out/beamtick-VERSION-x86_64-linux.tar.gz` and its SHA-256 beside it.
 //! The same files in the same order make the same archive. Fails: where a part cannot be built, or
-//! where what was made does not work: it is unpacked, its checksums are compared, and a job, the
-//! manual page, a C program and the wheel run from it in an empty environment.
+//! where what was made does not work. To see that, it is unpacked and its checksums are compared.
+//! Then a job, the manual page, a C program and the wheel run from it in an empty environment.
 use crate::shell::{Outcome, cargo, program, read, root, run, target, works};
 use crate::{board, image, supply, wheel};
 use std::fs;

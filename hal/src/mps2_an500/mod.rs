@@ -57,7 +57,7 @@ pub const NMI: Option<&str> = None;
 
 /// Why the board started.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Cause {
+pub enum ResetCause {
     /// Power-on: the contents of RAM are undefined.
     Power,
     /// A watchdog has reset the board.
@@ -67,8 +67,8 @@ pub enum Cause {
 }
 
 /// Why the board started: the hardware does not report it, and QEMU's RAM holds zeros at power-on.
-pub fn cause() -> Cause {
-    Cause::Asked
+pub fn cause() -> ResetCause {
+    ResetCause::Asked
 }
 
 /// Everything of the board that is handed out once.

@@ -5,10 +5,10 @@
 //! Owns the client's session: positions are known as long as the port is open. Fails: when the link
 //! to the controller does. `docs/grbl.md` is the user's page.
 //!
-//! `wire` connections, `session` bytes to lines and real-time commands, `dollar` the lines that
-//! begin with `$`, `report` what `?` answers, `settings` what `$$` lists, `errors` Grbl's numbers,
-//! `entry` lines as entries of the path, `records` what travels together, `feeder` entries into the
-//! controller.
+//! `wire` is for connections; `session` makes lines and real-time commands of bytes. `dollar` is
+//! for the lines that begin with `$`, `report` for what `?` answers, `settings` for what `$$`
+//! lists. `errors` has Grbl's numbers. `entry` makes entries of the path of lines, `records` joins
+//! what travels together, `feeder` sends entries to the controller.
 mod dollar;
 mod entry;
 mod errors;

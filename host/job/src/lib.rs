@@ -6,10 +6,11 @@
 //! Nothing here opens a link, keeps time, or knows what a call does beyond its parameters; the one
 //! exception is the rule about endless motions ([`Action::WaitAll`]).
 //!
-//! `text` bytes to text, `scan` text to tokens, `read` the cursor on them, `statement`, `assign`
-//! and `wait` statements, `expr` and `value` expressions, `call`, `bind` and `pack` calls to
-//! requests by the table of [`api`], `endless` what may never stop, [`config`] files of
-//! `GT_LoadConfig`. The language and the configuration keys are described in `docs/jobs.md`.
+//! `text` makes text of bytes, `scan` tokens of text; `read` is the cursor on them. `statement`,
+//! `assign` and `wait` are for statements, `expr` and `value` for expressions. `call`, `bind` and
+//! `pack` make requests of calls, by the table of [`api`]. `endless` knows what may never stop,
+//! [`config`] reads files of `GT_LoadConfig`. The language and the configuration keys are described
+//! in `docs/jobs.md`.
 
 pub mod api;
 mod assign;

@@ -6,10 +6,10 @@
 //!
 //! Word 7 begins with the kind in its top byte. A line in X and Y has both targets in words 0 and 1
 //! and the user's doubles after them; of velEnd, the top byte (one of four) is kept in two bits.
-//! Other motions have their geometry in words 0–3 (line: four targets; arc: two and the bits of its
-//! sweep; full circle: the centre from the start, twice 64 bits) and their speeds in the remaining
-//! bits: synVel in 44, synAcc and velEnd in 38. So the relative errors are 2⁻³⁹ and 2⁻³³: less than
-//! a ns over 10 min of path, 2⁻¹⁶ pulse on ramps of 2¹⁷ pulses.
+//! Other motions have their geometry in words 0–3. A line has four targets; an arc has two and the
+//! bits of its sweep; a full circle has the centre from the start, twice 64 bits. Their speeds are
+//! in the remaining bits: synVel in 44, synAcc and velEnd in 38. So the relative errors are 2⁻³⁹
+//! and 2⁻³³: less than a ns over 10 min of path, 2⁻¹⁶ pulse on ramps of 2¹⁷ pulses.
 use super::pack::{pack, real, unpack};
 use crate::math::real::Real;
 use crate::segment::ramp::{Accel, Speed};

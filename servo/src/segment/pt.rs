@@ -5,9 +5,9 @@
 //! motion. Owns: the state of one running pass or stream, [`PtRun`] (`evaluator.rs`). Fails: a
 //! datum that no axis could run is [`Refused`] before it reaches the store.
 //!
-//! The chain of velocities v1 = 2P/T − v0 neither decays nor may drift, so it is carried in
-//! 2⁻⁸⁰ pulse/ms with every quotient to the nearest: after n segments it is within n·2⁻⁸¹ of the
-//! rational number that the doubles define, which is 2⁻²⁶ pulse after 10⁷ segments of 2³¹ ms.
+//! The chain of velocities v1 = 2P/T − v0 neither decays nor may drift. So it is carried in
+//! 2⁻⁸⁰ pulse/ms with every quotient to the nearest. After n segments it is within n·2⁻⁸¹ of the
+//! rational number that the doubles define. That is 2⁻²⁶ pulse after 10⁷ segments of 2³¹ ms.
 mod evaluator;
 mod segment;
 mod store;

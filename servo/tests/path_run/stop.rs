@@ -84,8 +84,8 @@ fn a_gentle_stop_still_brakes_for_corners() {
 }
 
 /// A motion entered above its speed brakes to it at its own acceleration, also while a gentle Stop
-/// is in force; from there on with that of the Stop, and harder again only where the motion itself
-/// brakes for its end.
+/// is in force. From there on it brakes with that of the Stop, and harder again only where the
+/// motion itself brakes for its end.
 #[test]
 fn a_gentle_stop_does_not_stay_above_the_speed_of_a_motion() {
     let cases = [

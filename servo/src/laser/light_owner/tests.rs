@@ -1,8 +1,8 @@
 //! All states of the light owner that two coordinate systems can bring about, and the sentences of
 //! SPEC 6 and 9 one by one.
 //!
-//! The enumeration knows no transition of its own: it walks every fact that a machine can report in
-//! a state, from every state that is reached, until nothing is new, and asks of each step what the
+//! The enumeration knows no transition of its own. It walks every fact that a machine can report in
+//! a state, from every state that is reached, until nothing is new. Of each step it asks what the
 //! SPEC asks of light. So sequences of any length are covered, with every state and every pair of
 //! causes among them.
 extern crate std;

@@ -102,9 +102,9 @@ impl Path {
         if open.is_some_and(|sampled| sampled != end_of(feed, self.fifo)) || !admits(shape.end()) {
             return None;
         }
-        // This does all that the ends of a phase and of a motion, the change to the next one and
-        // the begin of its plan do, if nothing is sampled in between: position and speed of the
-        // boundary are those of the motions, nothing is ahead, `inside` stays.
+        // This does what four steps do: the end of a phase, the end of a motion, the change to the
+        // next one, and the begin of its plan. It holds if nothing is sampled in between: position
+        // and speed of the boundary are those of the motions, nothing is ahead, `inside` stays.
         if SWEPT {
             let Phase { length, .. } = plan.phase(self.stand.phase)?;
             let length = *length;
