@@ -14,6 +14,8 @@ mod analog;
 mod focus;
 #[path = "reference/found.rs"]
 mod found;
+#[path = "reference/found_light.rs"]
+mod found_light;
 #[path = "reference/found_reference.rs"]
 mod found_reference;
 #[path = "reference/judge.rs"]

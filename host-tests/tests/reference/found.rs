@@ -31,6 +31,16 @@ pub fn agrees(tick_us: u32, calls: &[Call]) {
     assert!(open.is_empty(), "{open:?}");
 }
 
+/// The program differs in nothing up to what the contract leaves open, which is this.
+pub fn is_open(tick_us: u32, calls: &[Call], why: &str) {
+    let mut tally = Tally::new();
+    if let Some(report) = finding(&mut None, &gus(), tick_us, calls, &mut tally) {
+        panic!("{report}");
+    }
+    let why = format!("cut short: {why}");
+    assert!(tally.contains_key(&why), "{:?}", tally.keys());
+}
+
 /// A slave of a slave jumped to a turning point far ahead where a delay of the one in the middle
 /// ended: the way inside the tick was taken from a progress of before the wait.
 #[test]

@@ -56,7 +56,7 @@ impl Controller {
     /// Positions of the machine and outputs stay; where an axis is, is its new name 0.
     pub(super) fn reset(&mut self, core: i16, now: i64) -> Answer {
         self.is_core(core)?;
-        if !self.light.calls.is_empty() {
+        if self.light.calls.iter().any(|act| !matches!(act, Act::Cleared(..))) {
             // A Reset may take more ticks than one: light is as what came before it asks.
             self.open = Some("light that is asked for at the instant of a Reset");
         }

@@ -16,11 +16,14 @@ impl Controller {
     fn is_in_use(&self, channel: usize, table: i16) -> Option<bool> {
         let of = |command: &Command| matches!(command, Command::Table(of, _) if *of == table);
         let named = |entry: &Entry| matches!(entry, Entry::Laser(on, command) if *on == channel && of(command));
-        let (mut waits, mut left) = (false, false);
+        let (mut waits, mut left, mut filled) = (false, false, false);
         for crd in self.crds.iter().filter(|(name, _)| name.0 == 1).map(|(_, crd)| crd) {
             for fifo in &crd.fifos {
                 waits |= fifo.entries[fifo.next..].iter().any(named);
-                left |= fifo.entries[..fifo.next].iter().any(named);
+                let passed = fifo.entries[..fifo.next].iter().any(named);
+                left |= passed;
+                // It names its table until its FIFO is seen empty, and data comes ahead of time.
+                filled |= passed && fifo.next < fifo.entries.len();
             }
         }
         let before = self.light.channels[channel].law.reads(table);
@@ -30,7 +33,7 @@ impl Controller {
             (_, true, false) => None,
             (true, ..) | (_, true, true) => Some(true),
             // Where a path has passed the entry a while ago it is known.
-            (false, ..) if left && !self.crds.values().all(|crd| !crd.runs) => None,
+            (false, ..) if filled || left && !self.crds.values().all(|crd| !crd.runs) => None,
             (false, ..) => Some(false),
         }
     }

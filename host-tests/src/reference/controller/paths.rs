@@ -407,6 +407,11 @@ impl Controller {
             ..Crd::default()
         };
         self.crds.insert(name, crd);
+        if core == 1 {
+            // Both FIFOs are empty: what they would bring back does not come.
+            let cleared = |fifo| Act::Cleared(number as usize - 1, fifo);
+            self.light.calls.extend([0, 1].map(cleared));
+        }
         DONE
     }
 
