@@ -214,7 +214,9 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
         let crds = context.crds_waited_for(wait.core.get(), wait.crds.get(), 2)?;
         let all = CrdMask(crds.0 | self.admitted.drivers(axes).0);
         // Otherwise nothing that it names runs at its instant, which is yet to come.
-        let runs = all.0 != 0 || due.until_ns == 0 || context.each(axes).any(|axis| context.may_run(axis));
+        let runs = due.until_ns == 0
+            || all.crds().any(|crd| context.crd_may_run(crd))
+            || context.each(axes).any(|axis| context.may_run(axis));
         if !all.crds().all(|crd| self.flush_path(view, crd, due.soon)) {
             return Ok(false);
         }

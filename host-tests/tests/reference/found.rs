@@ -702,3 +702,28 @@ fn light_after_a_map_after_a_stop_at_standstill() {
         agrees(250, &calls);
     }
 }
+
+/// A WaitStop of an axis whose coordinate system stands still made the controller see first where
+/// the stream of its instant is: what came after the data was late.
+#[test]
+fn a_wait_for_a_path_at_standstill_takes_no_time() {
+    let begin = [
+        plain(Kind::AxisOn, 1),
+        plain(Kind::AxisOn, 2),
+        frame(None),
+        Call::PrfPt { axis: 2, mode: 1 },
+        Call::PtData { axis: 2, pos: 21.25, time_ms: 29, kind: 1, fifo: 0 },
+        Call::PtStart { mask: 4, option: 0 },
+    ];
+    for wait in [Call::WaitStop { mask: 1 }, path(Path::Wait { mask: 1 })] {
+        let mut calls = begin.to_vec();
+        calls.push(wait);
+        calls.push(Call::PtData { axis: 2, pos: 4.0, time_ms: 32, kind: 2, fifo: 0 });
+        calls.extend([Call::SetPos { axis: 3, pos: 70 }, Call::SetVel { axis: 3, vel: 40.0 }]);
+        calls.extend([Call::SetTrapPrm { axis: 3, acc: 2.5, dec: 1.7 }, plain(Kind::AxisOn, 3)]);
+        calls.extend([Call::Update { mask: 8 }, Call::Sleep { ns: 40 * MS }]);
+        for tick_us in [100, 250] {
+            agrees(tick_us, &calls);
+        }
+    }
+}

@@ -445,7 +445,7 @@ impl Controller {
             let begins = of.fifos[fifo].begins();
             let place = of.place;
             let apart = |begin: [f64; 4]| begin.iter().zip(place).any(|(a, b)| (a - b).abs() > 1e-6);
-            let elsewhere = begins.or(of.fifos[fifo].left).is_some_and(apart);
+            let elsewhere = begins.is_some_and(apart) || of.fifos[fifo].left.is_some_and(apart);
             let goes_on = of.fifos[fifo].left.is_some();
             of.start(fifo, ms(now));
             let mapped = of.set.as_ref().map_or([None; 4], |set| set.axes).into_iter().zip(place);
