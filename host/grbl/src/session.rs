@@ -26,7 +26,7 @@ const AHEAD_MS: u32 = 500;
 /// … up to so many entries, …
 const ENTRIES: u64 = 1200;
 /// … of which so many may not have reached the controller: only it knows how long they last.
-const UNKNOWN: u64 = 64;
+const UNKNOWN: u64 = 240;
 /// Characters of a line without blanks. Grbl has 80.
 const LINE: usize = 255;
 /// What is kept of bytes that nobody counted.
