@@ -31,8 +31,9 @@ mod sizes {
     /// Replies of a program that wait for the execution of their entries. As many records of data
     /// may precede the start of their stream.
     pub const AWAITING: usize = 104;
-    /// Values of Calculate commands that wait with them: two full messages.
-    pub const VALUES: usize = 128;
+    /// Values of Calculate commands that wait with them: two full messages. A PathMany whose every
+    /// call is a power that was limited needs 103.
+    pub const VALUES: usize = 116;
 }
 
 pub use sizes::*;

@@ -15,9 +15,11 @@ use crate::program::Program;
 use crate::refuse::Refused;
 use crate::report::answer::Answer;
 use crate::report::event_log::{EventKind, ShutOff};
+use crate::report::path_many::KEPT;
 use crate::report::pending_replies::{Awaiting, Handled, PendingReplies, TickRefusal};
 use crate::shadow::{AxisShadow, CAPACITY, Renewed, ShadowChange, Watch, executed};
 use protocol::command;
+use protocol::path_many::HELD_AT_ONCE;
 use protocol::record::{ReplyWriter, RequestRecord};
 use servo::tick::IMMEDIATE;
 use servo::tick_command::TickCommand;
@@ -26,6 +28,7 @@ use servo::view::{AxisView, View};
 
 /// Most values of laser commands whose replies wait.
 const TAKEN: usize = 64;
+const _: () = assert!((HELD_AT_ONCE + 1) * KEPT <= TAKEN, "a PathMany reports as much as is promised");
 
 /// The command handler.
 pub struct CommandHandler<'a, const AXES: usize> {

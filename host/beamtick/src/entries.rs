@@ -1,8 +1,9 @@
 //! Steps to entries of the program queue.
 //!
 //! In: a job and the controller's counts. Out: calls, and for each the steps it came from. Runs of
-//! PtData for one FIFO travel as PtDataMany, which changes nothing but their cost; an item that is
-//! refused still finds its line.
+//! PtData for one FIFO travel as PtDataMany, and long runs of lines of common speeds as LnXYMany or
+//! LnXYZMany, which changes nothing but their cost; an item that is refused still finds its line.
+//! Short runs are left to the client, which joins them with what is between them.
 use crate::points::records;
 use client::Call;
 use job::{Action, Job};
@@ -14,6 +15,10 @@ use zerocopy::{FromBytes, IntoBytes};
 
 /// Bytes of items in one record, at most: two records fit in a frame.
 const MERGED: usize = 32 * size_of::<PtItem>();
+
+/// Lines of common speeds from which on they are shorter as one command. So many single calls fill
+/// a message of the client.
+const LONG: usize = 24;
 
 /// One entry.
 #[derive(Debug, Clone, PartialEq)]
@@ -230,10 +235,13 @@ fn datum(action: &Action) -> Option<(Key, Vec<u8>)> {
 
 fn finish(entries: &mut Vec<Entry>, run: &mut Option<Run>, job: &Job) {
     let Some(Run { key, items, steps }) = run.take() else { return };
-    if let [step] = steps[..] {
-        if let Some(Action::Call(call)) = job.steps.get(step).map(|step| &step.action) {
-            let call = Call { opcode: call.opcode, payload: call.body.clone(), may_fail: false };
-            entries.push(Entry { call, from: From::Step(step) });
+    let is_short = matches!(key, Key::Lines { .. }) && steps.len() < LONG;
+    if is_short || steps.len() == 1 {
+        for step in steps {
+            if let Some(Action::Call(call)) = job.steps.get(step).map(|step| &step.action) {
+                let call = Call { opcode: call.opcode, payload: call.body.clone(), may_fail: false };
+                entries.push(Entry { call, from: From::Step(step) });
+            }
         }
         return;
     }
@@ -303,18 +311,20 @@ mod tests {
     #[test]
     fn runs_of_lines_travel_together() {
         let lines: String = (1..=60).map(|n| format!("GT_LnXY(1, {n}, 0, 50, 2, 0, 0);\n")).collect();
-        let other = "GT_LnXY(1, 9, 0, 60, 2, 0, 0);\nGT_LnXYZ(1, 1, 2, 3, 50, 2);\nGT_LnXYZ(1, 4, 5, 6, 50, 2);\n";
-        let found = of(&format!("{lines}{other}"));
+        let other = "GT_LnXY(1, 9, 0, 60, 2, 0, 0);\n";
+        let spatial: String = (1..=24).map(|n| format!("GT_LnXYZ(1, {n}, 5, {n}, 50, 2);\n")).collect();
+        let found = of(&format!("{lines}{other}{spatial}"));
         let sizes: Vec<usize> =
             found.iter().map(|entry| if let From::Items(steps) = &entry.from { steps.len() } else { 1 }).collect();
-        assert_eq!(sizes, [52, 8, 1, 2, 1]);
-        assert_eq!(found[1].step(7), Some(59));
+        // The last eight are too few: the client joins them with what follows.
+        assert_eq!(sizes, [vec![52], vec![1; 8], vec![1, 24, 1]].concat());
+        assert_eq!((found[0].step(7), found[8].step(u16::MAX)), (Some(7), Some(59)));
         let (head, items) = LnXYMany::read_from_prefix(&found[0].call.payload).unwrap();
         assert_eq!((head.count.get(), { head.syn_vel }.get(), items.len()), (52, 50.0, 52 * 8));
-        assert_eq!(found[2].call.opcode, LnXY::OPCODE);
-        let (head, items) = LnXYZMany::read_from_prefix(&found[3].call.payload).unwrap();
-        let item = PathXYZ::read_from_bytes(&items[12..]).unwrap();
-        assert_eq!((head.count.get(), item.x.get(), item.z.get()), (2, 4, 6));
+        assert_eq!(found[8].call.opcode, LnXY::OPCODE);
+        let (head, items) = LnXYZMany::read_from_prefix(&found[10].call.payload).unwrap();
+        let item = PathXYZ::read_from_bytes(&items[23 * 12..]).unwrap();
+        assert_eq!((head.count.get(), item.x.get(), item.z.get()), (24, 24, 24));
     }
 
     fn aborts(entry: &Entry) -> bool {

@@ -65,8 +65,10 @@ pub fn decode<R: Request>(payload: &[u8]) -> Result<(R::Reply, Vec<R::ReplyItem>
 }
 
 /// The error for a reply whose code is not 0.
-pub(crate) fn refused(opcode: u16, code: i16, payload: &[u8]) -> Error {
-    match Refusal::read_from_bytes(payload) {
+pub fn refused(opcode: u16, code: i16, payload: &[u8]) -> Error {
+    // In a PathMany the reply to the calls before it follows.
+    let own = if opcode == opcode::PathMany { payload.get(..size_of::<Refusal>()) } else { None };
+    match Refusal::read_from_bytes(own.unwrap_or(payload)) {
         Ok(refusal) => Error { code, reason: describe_opcode(opcode, refusal).to_string(), refusal: Some(refusal) },
         Err(_) => Error::new(code, format!("{}: refused with code {code}, without a reason", name(opcode))),
     }

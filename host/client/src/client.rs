@@ -146,6 +146,7 @@ pub struct Client {
     name: String,
     version: VersionReply,
     timeout: Duration,
+    joins: bool,
 }
 
 impl Client {
@@ -173,6 +174,7 @@ impl Client {
             name,
             version: VersionReply::default(),
             timeout: options.timeout * patience,
+            joins: options.joins,
         };
         client.version = client.call(protocol::command::Version {})?;
         let family = options.family.map_or(client.version.family, |family| family as u8);
@@ -192,6 +194,11 @@ impl Client {
             client.keeper = Some(std::thread::spawn(move || keep_alive(&shared)));
         }
         Ok(client)
+    }
+
+    /// Whether calls of a program for one FIFO of a path travel together.
+    pub(crate) fn joins(&self) -> bool {
+        self.joins
     }
 
     /// The link's name.
@@ -237,6 +244,16 @@ impl Client {
     /// Makes packed calls in one go: they travel together and are executed in their order, each
     /// whatever became of those before it.
     pub fn call_all(&self, calls: &[Call]) -> Result<Vec<Result<Vec<u8>>>> {
+        let replies = self.exchange(calls)?.into_iter().zip(calls);
+        let result = |((code, payload), call): ((i16, Vec<u8>), &Call)| match code {
+            0 => Ok(payload),
+            _ => Err(crate::call::refused(call.opcode, code, &payload)),
+        };
+        Ok(replies.map(result).collect())
+    }
+
+    /// As [`Self::call_all`]: the code and the packed reply or refusal of each.
+    pub fn exchange(&self, calls: &[Call]) -> Result<Vec<(i16, Vec<u8>)>> {
         let mut tags = VecDeque::with_capacity(calls.len());
         let mut inner = self.lock();
         for call in calls {
@@ -244,11 +261,11 @@ impl Client {
         }
         let mut replies = Vec::with_capacity(calls.len());
         loop {
-            while let Some(&(tag, opcode)) = tags.front()
+            while let Some(&(tag, _)) = tags.front()
                 && let Some(Reply { code, payload, .. }) = inner.session.take(tag)
             {
                 tags.pop_front();
-                replies.push(if code == 0 { Ok(payload) } else { Err(crate::call::refused(opcode, code, &payload)) });
+                replies.push((code, payload));
             }
             let Some(&(_, opcode)) = tags.front() else { return Ok(replies) };
             let turn = inner.turn;

@@ -25,6 +25,7 @@
 //! SPEC 3 and a reason.
 pub mod error;
 pub mod inputs;
+pub mod joined;
 pub mod link;
 pub mod qemu;
 pub mod serial;
@@ -36,7 +37,7 @@ mod options;
 mod program;
 mod session;
 
-pub use call::{Call, decode};
+pub use call::{Call, decode, refused};
 pub use client::Client;
 pub use error::{Error, Result};
 pub use link::Link;

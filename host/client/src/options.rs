@@ -115,6 +115,9 @@ pub struct Options {
     pub timeout: Duration,
     /// Opening fails with −7 after this time without an answer; likewise.
     pub open_timeout: Duration,
+    /// Calls of a program for one FIFO of a path travel together; without it each travels alone. No
+    /// result depends on it.
+    pub joins: bool,
     /// Version and schema that the client shows; anything but the build's own is for tests.
     pub identity: Identity,
 }
@@ -127,6 +130,7 @@ impl Default for Options {
             tick_us: None,
             timeout: Duration::from_secs(2),
             open_timeout: Duration::from_secs(3),
+            joins: true,
             identity: Identity::OURS,
         }
     }

@@ -3,15 +3,18 @@
 //! In: calls in order, `Sleep` and `WaitStop` among them. Out: one [`Answer`] for each, in order,
 //! and a [`Summary`]. The controller's queue is kept as full as it can be while the program runs,
 //! so that a host that is not real time can be away for a while; entries that do not fit wait here.
+//! Calls for one FIFO of a path travel as one ([`crate::joined`]); each has its own answer.
 use crate::call::{Call, refused};
 use crate::client::Client;
 use crate::client::Inner;
 use crate::error;
 use crate::error::{Error, Result};
+use crate::joined::{Group, Offer, apart_in_program};
 use protocol::command::{
     CommandKind, DataStore, ProgramClear, ProgramEnd, ProgramReply, ProgramStart, ProgramStatus, PtTaken, Request,
     class, opcode,
 };
+use protocol::path_many::{FIXED, JOINED_MAX};
 use protocol::reason::{Reason, Refusal};
 use protocol::record::Lane;
 use protocol::values::{program as state, reported};
@@ -183,11 +186,13 @@ const IN_FLIGHT: usize = 16_384;
 /// Calls that wait to be put into a message, at most: about a full window.
 const BACKLOG: usize = 1024;
 
-/// An entry in transfer.
+/// An entry in transfer, or several that travel as one.
 struct Sent {
     tag: u16,
+    /// Number of the first.
     index: u32,
-    call: Call,
+    calls: Vec<Call>,
+    joined: bool,
 }
 
 /// A program in transfer.
@@ -199,6 +204,10 @@ struct Run<'a> {
     flight: VecDeque<Sent>,
     /// Free bytes of the queue that may still be used.
     room: u32,
+    /// What is next waits for more of them.
+    blocked: bool,
+    /// Calls for one FIFO of a path travel together.
+    joins: bool,
     /// The pending query of the queue: its tag, and the bytes sent after it.
     look: Option<(u16, u32)>,
     looked_at: u64,
@@ -228,6 +237,8 @@ pub(crate) fn run(
         exhausted: false,
         flight: VecDeque::new(),
         room: 0,
+        blocked: false,
+        joins: client.joins(),
         look: None,
         looked_at: 0,
         reported_at: client.lock().now(),
@@ -284,9 +295,9 @@ pub(crate) fn run(
 }
 
 impl Run<'_> {
-    /// The next call to send; after the last one, the program's end.
-    fn next(&mut self) -> Option<&(u32, Call)> {
-        if self.ahead.is_empty() && !self.exhausted {
+    /// The call to send after so many others; after the last one, the program's end.
+    fn next(&mut self, after: usize) -> Option<&(u32, Call)> {
+        while self.ahead.len() <= after && !self.exhausted {
             let call = self.calls.next();
             let index = self.progress.entries;
             match call {
@@ -300,7 +311,35 @@ impl Run<'_> {
                 }
             }
         }
-        self.ahead.front()
+        self.ahead.get(after)
+    }
+
+    /// What travels next: the entry in front alone, or with those after it in one call. None where
+    /// there is none, or no room for it.
+    fn unit(&mut self) -> Option<(Call, usize)> {
+        let room = self.room.saturating_sub(ENTRY_OVERHEAD) as usize;
+        let front = self.next(0).map(|(_, call)| call.clone())?;
+        self.blocked = front.payload.len() > room;
+        if self.blocked {
+            return None;
+        }
+        let Some(mut group) = Group::of(&front).filter(|_| self.joins) else { return Some((front, 1)) };
+        let offered = loop {
+            let count = group.count();
+            let Some((_, call)) = self.next(count) else { break Offer::Other };
+            match group.offer(call, room) {
+                Offer::Taken => {}
+                other => break other,
+            }
+        };
+        let count = group.count();
+        // A running program takes a command in a tick: a part of a message would cost as much as
+        // all of it.
+        self.blocked = self.started && offered == Offer::Full && room < FIXED + JOINED_MAX;
+        if self.blocked {
+            return None;
+        }
+        if count < 2 { Some((front, 1)) } else { Some((group.call(), count)) }
     }
 
     /// Sends entries as far as the controller's queue and the window have room.
@@ -310,14 +349,10 @@ impl Run<'_> {
             && self.flight.len() < IN_FLIGHT
             && inner.session.backlog() < BACKLOG
         {
-            let room = self.room;
-            let Some((_, call)) = self.next() else { break };
-            let cost = cost(call);
-            if cost > room {
-                break;
-            }
-            let Some((index, call)) = self.ahead.pop_front() else { break };
-            self.room -= cost;
+            let Some((call, count)) = self.unit() else { break };
+            let Some(index) = self.ahead.front().map(|(index, _)| *index) else { break };
+            let cost = cost(&call);
+            self.room = self.room.saturating_sub(cost);
             if let Some((_, behind)) = &mut self.look {
                 *behind += cost;
             }
@@ -325,8 +360,9 @@ impl Run<'_> {
             if let Some(entry) = self.tags.get_mut(usize::from(tag)) {
                 *entry = index;
             }
-            self.progress.sent = self.progress.sent.max((index + 1).min(self.progress.entries));
-            self.flight.push_back(Sent { tag, index, call });
+            self.progress.sent = self.progress.sent.max((index + count as u32).min(self.progress.entries));
+            let calls: Vec<Call> = self.ahead.drain(..count).map(|(_, call)| call).collect();
+            self.flight.push_back(Sent { tag, index, calls, joined: count > 1 });
         }
         Ok(())
     }
@@ -368,7 +404,7 @@ impl Run<'_> {
 
     /// When the next look is due.
     fn look_at(&self) -> u64 {
-        let blocked = self.ahead.front().is_some_and(|(_, call)| cost(call) > self.room);
+        let blocked = self.blocked;
         let at_the_end = self.exhausted && self.ahead.is_empty() && self.flight.is_empty();
         self.looked_at + if blocked || at_the_end || !self.started { EAGER_NS } else { LOOK_NS }
     }
@@ -387,35 +423,13 @@ impl Run<'_> {
         while let Some(sent) = self.flight.front() {
             let Some(reply) = inner.session.take(sent.tag) else { break };
             let Some(sent) = self.flight.pop_front() else { break };
-            let answer = Answer::new(sent.index, sent.call.opcode, reply.code, reply.payload);
-            if answer.refusal().and_then(Refusal::reason) == Some(Reason::QueueFull) {
-                // This entry and all after it are sent again, once the controller has answered them
-                // all.
-                self.going_back = true;
-                self.ahead.push_back((sent.index, sent.call));
-                continue;
-            }
-            if self.going_back && answer.code == 0 {
-                return Err(Error::new(
-                    error::LINK_PROTOCOL,
-                    "the controller took an entry after one that its queue had no room for",
-                ));
-            }
-            self.note_stream(&sent.call, &answer);
-            if sent.call.opcode == opcode::Abort || !sent.call.is_harmless() {
-                self.settled = sent.call.opcode == opcode::Abort && answer.code == 0;
-            }
-            let ended = matches!(
-                answer.refusal().and_then(Refusal::reason),
-                Some(Reason::Discarded | Reason::LinkLost | Reason::Late)
-            );
-            let passed = sent.call.may_fail && !ended;
-            if answer.code != 0 && !passed && self.failed.is_none() {
-                self.failed = Some(answer.clone());
-            }
-            if sent.index < self.progress.entries {
-                self.progress.answered += 1;
-                answers.push(answer);
+            let Sent { index, calls, joined, .. } = sent;
+            let replies = match joined {
+                true => apart_in_program(&calls, reply.code, &reply.payload)?,
+                false => vec![(reply.code, reply.payload)],
+            };
+            for ((index, call), (code, payload)) in (index..).zip(calls).zip(replies) {
+                answers.extend(self.answered(index, call, code, payload)?);
             }
         }
         if self.going_back && self.flight.is_empty() {
@@ -423,6 +437,40 @@ impl Run<'_> {
             self.room = 0;
         }
         Ok(answers)
+    }
+
+    /// Takes the reply to one entry; none if the entry is sent again, or is the program's end.
+    fn answered(&mut self, index: u32, call: Call, code: i16, payload: Vec<u8>) -> Result<Option<Answer>> {
+        let answer = Answer::new(index, call.opcode, code, payload);
+        let reason = answer.refusal().and_then(Refusal::reason);
+        if reason == Some(Reason::QueueFull) {
+            // This entry and all after it are sent again, once the controller has answered them
+            // all.
+            self.going_back = true;
+            let place = self.ahead.partition_point(|(ahead, _)| *ahead < index);
+            self.ahead.insert(place, (index, call));
+            return Ok(None);
+        }
+        if self.going_back && answer.code == 0 {
+            return Err(Error::new(
+                error::LINK_PROTOCOL,
+                "the controller took an entry after one that its queue had no room for",
+            ));
+        }
+        self.note_stream(&call, &answer);
+        if call.opcode == opcode::Abort || !call.is_harmless() {
+            self.settled = call.opcode == opcode::Abort && answer.code == 0;
+        }
+        let ended = matches!(reason, Some(Reason::Discarded | Reason::LinkLost | Reason::Late));
+        let passed = call.may_fail && !ended;
+        if answer.code != 0 && !passed && self.failed.is_none() {
+            self.failed = Some(answer.clone());
+        }
+        if index >= self.progress.entries {
+            return Ok(None);
+        }
+        self.progress.answered += 1;
+        Ok(Some(answer))
     }
 
     /// Keeps what a reply to PT data says of its stream.
@@ -443,7 +491,7 @@ impl Run<'_> {
     fn ready_to_start(&mut self) -> bool {
         // A queue that is full for a moment is being emptied into the axes' stores: what is
         // admitted before the start is not late.
-        let full = self.stuck >= STUCK_LOOKS && self.ahead.front().is_some_and(|(_, call)| cost(call) > self.room);
+        let full = self.stuck >= STUCK_LOOKS && self.blocked;
         !self.started
             && self.failed.is_none()
             && self.progress.queue.state == state::HELD

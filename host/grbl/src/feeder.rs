@@ -12,7 +12,7 @@ mod feed;
 
 use crate::entry::{Entry, Kind};
 use crate::records::records;
-use client::{Call, Client, Error, decode};
+use client::{Call, Client, Error, decode, refused};
 use protocol::command::{AxisStatus, BufLaserOn, CrdClear, CrdInfo, CrdStart, LaserStatus, SetOverride};
 use protocol::reason::{laser_cause, stop_reason};
 use std::collections::VecDeque;
@@ -270,7 +270,8 @@ impl Feeder {
 
     /// Sends entries, for the first time or `again`, and reads the state after them.
     fn exchange(&mut self, batch: Vec<Entry>, again: bool) -> Result<protocol::command::CrdState, Error> {
-        let (mut calls, rows): (Vec<Call>, Vec<Vec<Entry>>) = records(batch).into_iter().unzip();
+        let records = records(batch);
+        let mut calls: Vec<Call> = records.iter().map(|record| record.call.clone()).collect();
         calls.push(Call::of(CrdInfo { core: CORE.into(), crd: CRD.into() }));
         let slow = self.slow.is_none_or(|at| at.elapsed() >= SLOWLY);
         let (first, last) = (self.axes.iter().min().copied(), self.axes.iter().max().copied());
@@ -284,33 +285,27 @@ impl Feeder {
                 calls.push(Call::of(LaserStatus { core: CORE.into(), channel: channel.into() }));
             }
         }
-        let mut replies = self.client.call_all(&calls)?.into_iter();
-        for row in rows {
-            match replies.next() {
-                Some(Ok(reply)) => {
-                    for entry in row {
-                        self.fast += usize::from(entry.planned > 100);
-                        self.motions += usize::from(entry.kind == Kind::Motion);
-                        // CrdTaken: taken, space, lasts.
-                        if entry.kind == Kind::Motion
-                            && let Some(Ok(lasts)) = reply.get(4..8).map(<[u8; 4]>::try_from)
-                        {
-                            self.view.lasts_ms = u32::from_le_bytes(lasts);
-                            self.lasted = (self.client.now(), self.view.lasts_ms);
-                        }
-                        self.view.entered += u64::from(entry.counts && !again);
-                        self.sent.push_back(entry);
-                    }
-                }
-                Some(Err(error)) if error.code < 0 => return Err(error),
-                Some(Err(error)) => {
-                    self.fault(false, error.reason);
+        let mut replies = self.client.exchange(&calls)?.into_iter().zip(calls.iter());
+        for record in records {
+            let Some(((code, payload), _)) = replies.next() else { break };
+            let found = record.replies(code, payload)?;
+            let whole = (!record.joined).then_some(record.call.opcode);
+            for (entry, (code, reply)) in record.entries.into_iter().zip(found) {
+                if code != 0 {
+                    self.fault(false, refused(whole.unwrap_or(entry.call.opcode), code, &reply).reason);
                     break;
                 }
-                None => break,
+                self.take_entry(entry, &reply, again);
+            }
+            if self.view.fault.is_some() {
+                break;
             }
         }
-        let mut rest: Vec<Result<Vec<u8>, Error>> = replies.collect();
+        let result = |((code, payload), call): ((i16, Vec<u8>), &Call)| match code {
+            0 => Ok(payload),
+            _ => Err(refused(call.opcode, code, &payload)),
+        };
+        let mut rest: Vec<Result<Vec<u8>, Error>> = replies.map(result).collect();
         let extra = if slow { usize::from(axes.is_some()) + usize::from(self.laser.is_some()) } else { 0 };
         let mut reads = rest.split_off(rest.len().saturating_sub(extra + 1)).into_iter();
         let info = match reads.next() {
@@ -332,6 +327,21 @@ impl Feeder {
             }
         }
         Ok(info)
+    }
+
+    /// The controller has taken an entry.
+    fn take_entry(&mut self, entry: Entry, reply: &[u8], again: bool) {
+        self.fast += usize::from(entry.planned > 100);
+        self.motions += usize::from(entry.kind == Kind::Motion);
+        // CrdTaken: taken, space, lasts.
+        if entry.kind == Kind::Motion
+            && let Some(Ok(lasts)) = reply.get(4..8).map(<[u8; 4]>::try_from)
+        {
+            self.view.lasts_ms = u32::from_le_bytes(lasts);
+            self.lasted = (self.client.now(), self.view.lasts_ms);
+        }
+        self.view.entered += u64::from(entry.counts && !again);
+        self.sent.push_back(entry);
     }
 
     fn take_axes(&mut self, reply: &[u8]) -> Result<(), Error> {

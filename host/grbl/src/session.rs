@@ -25,8 +25,10 @@ pub const BYTES: usize = 128;
 const AHEAD_MS: u32 = 500;
 /// … up to so many entries, …
 const ENTRIES: u64 = 1200;
-/// … of which so many may not have reached the controller: only it knows how long they last.
+/// … of which so many may not have reached the controller: only it knows how long they last. …
 const UNKNOWN: u64 = 64;
+/// … More of them are taken if they last shorter than this, as long each as those that it has, ms.
+const UNKNOWN_MS: u64 = 50;
 /// Characters of a line without blanks. Grbl has 80.
 const LINE: usize = 255;
 /// What is kept of bytes that nobody counted.
@@ -229,7 +231,10 @@ impl<'a> Session<'a> {
         let view = self.feed.view();
         let (entries, motions) = self.feed.waiting(&view);
         let unknown = self.feed.unknown(&view);
-        motions < BLOCKS || (entries < ENTRIES && view.lasts_ms < AHEAD_MS && unknown < UNKNOWN)
+        let known = entries.saturating_sub(unknown);
+        let is_short = known > 0 && unknown * u64::from(view.lasts_ms) < UNKNOWN_MS * known;
+        let few = unknown < UNKNOWN || is_short;
+        motions < BLOCKS || (entries < ENTRIES && view.lasts_ms < AHEAD_MS && few)
     }
 
     /// What has come to its end by itself.
