@@ -32,7 +32,7 @@ fn a_line_takes_its_trapezoid() {
 
 /// Content of the FIFOs, counted by call: entries, motions that are done and left.
 #[test]
-fn places_and_segments_are_counted() {
+fn slots_and_segments_are_counted() {
     let mut bench = Bench::gus();
     plane(&mut bench);
     assert_eq!((space(&mut bench, 0), space(&mut bench, 1), remainder(&mut bench, 0)), (1024, 1024, 0));

@@ -259,7 +259,7 @@ fn a_wait_closes_the_look_ahead() {
 /// Entries other than motions may come first in a program, before it is known where the path
 /// stands.
 #[test]
-fn a_motion_may_come_behind_what_begins_where_only_the_tick_knows() {
+fn a_motion_may_come_after_what_begins_where_only_the_tick_knows() {
     for look in [0, 200] {
         let mut bench = Bench::gus();
         plane(&mut bench);

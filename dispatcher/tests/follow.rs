@@ -311,7 +311,7 @@ fn the_asymmetric_segment_is_computed() {
 }
 
 #[test]
-fn an_asymmetric_segment_takes_a_place_for_each_part() {
+fn an_asymmetric_segment_takes_a_slot_for_each_part() {
     let mut bench = Bench::gus();
     bench.done(prf_ex(2, 0));
     let send = |master: f64, slave: f64, begin: f64, end: f64, percent: i16| FollowDataPercent2Ex {

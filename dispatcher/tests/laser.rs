@@ -291,7 +291,7 @@ fn gus_refuses_what_is_out_of_range() {
 }
 
 #[test]
-fn lsr_takes_the_nearest_bound_and_tells_it() {
+fn lsr_takes_the_nearest_bound_and_reports_it() {
     let mut bench = bench(LSR);
     let b = &mut bench;
     // The resolution of power-on is 1: 0 to 24 kHz in steps of 1.5 Hz; 0 has 96 kHz in steps of 6

@@ -79,7 +79,7 @@ fn gus_refuses_powers_out_of_range() {
 }
 
 #[test]
-fn lsr_takes_the_nearest_bound_and_tells_it() {
+fn lsr_takes_the_nearest_bound_and_reports_it() {
     let mut bench = bench(LSR);
     let b = &mut bench;
     let reported = b.done(buf_power(120.0));
@@ -109,7 +109,7 @@ fn lsr_takes_the_nearest_bound_and_tells_it() {
 
 /// GetDac reads the output: of a call, of a path, of a laser.
 #[test]
-fn a_read_of_analog_outputs_tells_what_is_output() {
+fn a_read_of_analog_outputs_reports_what_is_output() {
     fn outputs(bench: &mut Bench<8>) -> Vec<i16> {
         let read = GetDac { core: 1.into(), dac: 1.into(), count: 4.into() };
         bench.call(read).items::<GetDac>().iter().map(|item| item.value.get()).collect()
@@ -181,7 +181,7 @@ fn a_rate_below_1_hz_is_refused_of_entries_too() {
 }
 
 #[test]
-fn every_entry_takes_a_place_and_the_reply_tells_it() {
+fn every_entry_takes_a_slot_and_the_reply_reports_it() {
     let mut bench = bench(GUS);
     let b = &mut bench;
     let space = |b: &mut Bench<8>| b.done(CrdSpace { core: 1.into(), crd: 1.into(), fifo: 0.into() }).value.get();

@@ -466,7 +466,7 @@ fn entries_of_an_earlier_session_do_not_light() {
 
 /// In a program they act at their instant on the script clock, and not when they are admitted.
 #[test]
-fn what_binds_safety_to_a_user_changes_at_its_place_in_a_program() {
+fn what_binds_safety_to_a_user_changes_at_its_instant_in_a_program() {
     let mut bench = bench();
     let off = SetLinkLoss { time_ms: 0.into(), stop_all: 0.into() };
     bench.post_all(&[entry(sleep(50)), entry(off), entry(ProgramEnd {})]);

@@ -132,7 +132,7 @@ fn reads_tell_the_command_and_the_output() {
 }
 
 #[test]
-fn a_power_command_tells_what_the_timers_reach() {
+fn a_power_command_reports_what_the_timers_reach() {
     for family in [GUS, LSR] {
         let mut bench = bench(family);
         prepared(&mut bench, family, 0);
@@ -276,7 +276,7 @@ fn a_connector_that_is_taken_away_leaves_analog_light() {
 }
 
 #[test]
-fn in_a_program_each_reply_tells_its_own_numbers() {
+fn in_a_program_each_reply_reports_its_own_numbers() {
     let mut bench = bench(LSR);
     let mut program: Vec<_> = [10.0, 101.0, -1.0, 55.5].into_iter().map(|value| entry(power(value, 0))).collect();
     // A Calculate command keeps its numbers in the same queue.

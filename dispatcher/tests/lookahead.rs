@@ -245,7 +245,7 @@ fn corners_of_long_lines_are_taken_at_the_change_of_speed_that_the_corner_time_a
 /// Waits and effects keep their order. A wait stops the path; effects do not, unless more than 32
 /// stand together.
 #[test]
-fn what_stands_between_motions_keeps_its_place() {
+fn what_stands_between_motions_keeps_its_position() {
     let line = |x: i32, from: i32| Geometry::planar(&[from as f64, 0.0, 0.0, 0.0], [x, 0]).unwrap();
     let mark = |code| PathEntry::laser(0, code, [0; 6]);
     let time = |others: &[PathEntry]| {

@@ -70,7 +70,7 @@ fn a_held_program_takes_all_data_before_its_start() {
 }
 
 #[test]
-fn data_behind_a_start_is_admitted_while_the_program_is_held() {
+fn data_after_a_start_is_admitted_while_the_program_is_held() {
     for mode in [0, 1] {
         let mut bench = Bench::gus();
         let (core, profile) = (CORE.into(), 1.into());
@@ -201,7 +201,7 @@ fn a_dynamic_stream_longer_than_its_ring() {
 }
 
 #[test]
-fn data_behind_wait_stop_is_in_time() {
+fn data_after_wait_stop_is_in_time() {
     for mode in [0, 1] {
         let mut bench = Bench::gus();
         let (core, profile) = (CORE.into(), 1.into());

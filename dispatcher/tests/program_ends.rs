@@ -142,7 +142,7 @@ fn passed_over(with: bool) -> (Vec<bench::Answer>, Vec<(u64, u64)>, ProgramReply
 }
 
 #[test]
-fn a_program_goes_on_behind_an_entry_that_may_fail() {
+fn a_program_goes_on_after_an_entry_that_may_fail() {
     let (answers, edges, status) = passed_over(true);
     let reasons: Vec<_> =
         answers.iter().filter(|answer| answer.code != 0).map(|answer| (answer.code, answer.reason())).collect();

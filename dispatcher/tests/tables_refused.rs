@@ -45,7 +45,7 @@ fn counts() {
 }
 
 #[test]
-fn more_places_than_fit() {
+fn more_slots_than_fit() {
     let points: Vec<Vec<f64>> = (0..400).map(|i| vec![i as f64, if i % 2 == 0 { 0.0 } else { 10.0 }, 50.0]).collect();
     let refused = Shelf::default().add(PERCENT, &points).unwrap_err();
     // One point of the store for the first point, three for each one after it: point 342 (from 1)
@@ -64,7 +64,7 @@ fn more_places_than_fit() {
 /// SPEC 5: a point where the velocity jumps takes two of the 1024 points of the store, so 513
 /// points fit if it jumps at every inner one.
 #[test]
-fn a_jump_of_the_velocity_takes_a_second_place() {
+fn a_jump_of_the_velocity_takes_a_second_point() {
     let steps = |count: usize| -> Vec<Vec<f64>> {
         (0..count).map(|i| vec![i as f64, 10.0 * i as f64, 5.0 + (i % 7) as f64, 12.0 + (i % 5) as f64]).collect()
     };

@@ -14,7 +14,7 @@ use cortex_m_rt::exception;
 use hal::board::AXES;
 use hal::board::timer::TickTimer;
 use hal::board::uart::Rx;
-use hal::board::{hold_link, ring_bell};
+use hal::board::{hold_link, wake_thread};
 use ring::Producer;
 use servo::tick::{Tick, TickHalves};
 
@@ -106,7 +106,7 @@ pub fn tick() {
     if let Some(ns) = took {
         load::tick_took(ns);
     }
-    ring_bell();
+    wake_thread();
     supervision::tick_ends(servo.tick.now());
 }
 

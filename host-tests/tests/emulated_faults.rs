@@ -147,7 +147,7 @@ const FAULTS: [(&str, Place, Provoke, u8, &str); 12] = [
 ];
 
 #[test]
-fn every_fault_of_the_program_ends_dark_and_tells_its_reason() {
+fn every_fault_of_the_program_ends_dark_and_reports_its_reason() {
     let Some(image) = image() else { return };
     let map = Map::of(&image);
     let board = Board::start(image, false);

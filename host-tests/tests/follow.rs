@@ -94,7 +94,7 @@ fn tables_3_2_and_3_3_flying_shear() {
 const SINGLE: [Datum; 3] = [(20000, 10000.0, 0), (40000, 30000.0, 0), (60000, 40000.0, 0)];
 
 #[test]
-fn table_3_4_single_fifo_behind_a_crossing() {
+fn table_3_4_single_fifo_after_a_crossing() {
     // The second crossing lies between two ticks: 50007 pulses after 1025.14 ms.
     for (tick_us, crossing) in [(250, 50_000), (1000, 50_000), (250, 50_007)] {
         let mut calls = jog(1, 50.0, 1.0);

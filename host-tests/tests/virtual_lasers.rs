@@ -107,7 +107,7 @@ fn marks() -> Vec<Call> {
 }
 
 #[test]
-fn the_trace_tells_every_edge_of_the_outputs() {
+fn the_trace_reports_every_edge_of_the_outputs() {
     for every in [1u32, 7] {
         let (client, board) = open();
         board.lock().unwrap().record_beam(true);
@@ -322,7 +322,7 @@ fn the_interlock_acts_between_two_ticks() {
 }
 
 #[test]
-fn the_trace_tells_that_everything_rests() {
+fn the_trace_reports_that_everything_rests() {
     let (client, board) = open();
     board.lock().unwrap().record_beam(true);
     let reported: Arc<Mutex<([Edges; 2], u64)>> = Arc::default();

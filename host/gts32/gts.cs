@@ -705,7 +705,7 @@ namespace gts
         /// <summary>Free slots of a Follow FIFO.</summary>
         [DllImport(Library)]
         public static extern short GT_FollowSpace(short profile, out short space, short fifo = 0);
-        /// <summary>A Follow segment: way of the master, way of the slave, type.</summary>
+        /// <summary>A Follow segment: displacement of the master, displacement of the slave, type.</summary>
         [DllImport(Library)]
         public static extern short GT_FollowData(short profile, int masterSegment, double slaveSegment, short type = 0, short fifo = 0);
         /// <summary>Clears a Follow FIFO.</summary>
@@ -1518,7 +1518,7 @@ namespace gts
         /// <summary>Free slots of a Follow FIFO.</summary>
         [DllImport(Library)]
         public static extern short GTN_FollowSpace(short core, short profile, out short space, short fifo = 0);
-        /// <summary>A Follow segment: way of the master, way of the slave, type.</summary>
+        /// <summary>A Follow segment: displacement of the master, displacement of the slave, type.</summary>
         [DllImport(Library)]
         public static extern short GTN_FollowData(short core, short profile, int masterSegment, double slaveSegment, short type = 0, short fifo = 0);
         /// <summary>Clears a Follow FIFO.</summary>

@@ -104,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn a_row_without_a_place_is_not_kept() {
+    fn a_row_without_a_slot_is_not_kept() {
         let mut plan = InputPlan::new([Row::NONE; 1]);
         plan.put(0, InputTime::At(Ns(0)), interlock(true));
         plan.put(1, InputTime::At(Ns(0)), interlock(false));

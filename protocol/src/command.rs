@@ -126,7 +126,7 @@ macro_rules! commands {
         }
         /// Where a call that [`CommandKind::joins`] names its FIFO: bytes from the beginning of its
         /// request. None for any other command.
-        pub const fn fifo_place(opcode: u16) -> Option<usize> {
+        pub const fn fifo_slot(opcode: u16) -> Option<usize> {
             match opcode {
                 $( $opcode => const {
                     match <$name as Request>::CLASS.kind.joins() {

@@ -110,7 +110,7 @@ reasons! {
     61 TableEmpty State None "axis {axis}: PVT table {got} is empty";
     62 TableFull Range None "the table does not fit: its points need more than {high} slots (two where the velocity jumps; a Percent point up to 3, a Continuous point up to 8)";
     63 PointTime Range None "{field} is {got}; it must be greater than {low}, that of the point before";
-    64 VelocityUnreachable Range None "the velocity of the next point cannot be reached: the way is {got} pulses, the change of velocity needs {low}";
+    64 VelocityUnreachable Range None "the velocity of the next point cannot be reached: the displacement is {got} pulses, the change of velocity needs {low}";
     65 NoDisplacement Range None "the next point has the same position; a Continuous segment needs a displacement";
     66 AboveVelMax Range None "a velocity of {got} pulse/ms in the direction of travel is above the limit of this segment, {high}";
     67 TableRange Range None "no scale holds this table: its top speed {got} pulse/ms over its longest segment is too far";

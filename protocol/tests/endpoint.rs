@@ -359,7 +359,7 @@ fn a_message_is_kept_as_it_came_and_none_is_taken_before_it() {
 
 /// The message just after the window is not kept, not even if the first one's slot is free.
 #[test]
-fn a_message_behind_the_window_is_not_kept() {
+fn a_message_after_the_window_is_not_kept() {
     let (client, mut controller) = opened();
     let session = client.session().unwrap();
     let message = |sequence: u16, text: &[u8]| encoded(FrameKind::Data, session, (sequence, 0), text);

@@ -75,7 +75,7 @@ proptest! {
     }
 
     #[test]
-    fn garbage_costs_no_frame_behind_the_next_delimiter(
+    fn garbage_costs_no_frame_after_the_next_delimiter(
         garbage in proptest::collection::vec(any::<u8>(), 0..600), plain in plain(), portion in 1usize..300,
     ) {
         let mut bytes = garbage.clone();
@@ -119,7 +119,7 @@ proptest! {
     }
 
     #[test]
-    fn hostile_frames_behind_a_good_checksum_are_safe(frames in proptest::collection::vec(hostile(), 1..60)) {
+    fn hostile_frames_after_a_good_checksum_are_safe(frames in proptest::collection::vec(hostile(), 1..60)) {
         let (mut client, mut controller) = opened();
         let session = controller.session().unwrap();
         let mut now = 0;
@@ -211,7 +211,7 @@ fn frames_of_every_length_survive() {
 
 /// A message holds the items that a client packs into one request, whatever the command.
 #[test]
-fn items_fit_behind_every_head() {
+fn items_fit_after_every_head() {
     let mut carriers = 0;
     for command in COMMANDS.iter().filter(|command| !command.items.is_empty()) {
         let (head, item) = (widths(command.fields), widths(command.items));

@@ -9,8 +9,6 @@
 #[macro_use]
 mod state;
 
-#[cfg(feature = "test-hooks")]
-mod advance_counters;
 mod axis;
 mod capacity;
 pub mod math;
@@ -22,6 +20,8 @@ pub mod path;
 pub mod port;
 pub mod status;
 pub mod tables;
+#[cfg(feature = "test-hooks")]
+mod test_hooks;
 pub mod tick;
 pub mod tick_command;
 mod trace;

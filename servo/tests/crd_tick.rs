@@ -34,7 +34,7 @@ fn place(view: &View<AXES>, axes: [usize; 2]) -> [f64; 2] {
 
 /// A boundary within a ns after a tick: that tick is still in the motion before.
 #[test]
-fn a_boundary_just_behind_a_tick_is_behind_it() {
+fn a_boundary_just_after_a_tick_is_after_it() {
     // Up to 10 pulse/ms at `acc` in 5/acc ms more than the 4 ms of 40 pulses at that speed: 4.5 ms
     // and half a ns.
     let (vel, acc) = (10.0, 5.0 / 0.500_000_5);

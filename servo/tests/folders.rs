@@ -21,7 +21,7 @@ const ORDER: [&str; 17] = [
     "axis",
     "trace",
     "tick",
-    "advance_counters",
+    "test_hooks",
 ];
 
 fn rank(module: &str) -> usize {

@@ -146,7 +146,7 @@ fn an_abort_brings_everything_to_rest_and_refuses_on_commands_until_then() {
 }
 
 #[test]
-fn an_on_entry_behind_the_place_of_the_abort_lights() {
+fn an_on_entry_after_the_position_of_the_abort_lights() {
     let mut bench = prepared(250);
     bench.path(0, &[line([300, 0], 10.0, 1.0, 10.0), light(true), line([2000, 0], 10.0, 1.0, 0.0)]);
     bench.start(1);
@@ -230,7 +230,7 @@ fn a_lost_link_is_no_fault_where_the_paths_that_run_are_dead() {
 }
 
 #[test]
-fn an_on_command_behind_an_abort_at_rest_lights() {
+fn an_on_command_after_an_abort_at_rest_lights() {
     let mut bench = prepared(250);
     bench.gate(true);
     bench.until(2 * MS);

@@ -233,7 +233,7 @@ fn a_width_just_below_the_period_loses_nothing() {
 }
 
 #[test]
-fn a_full_duty_is_an_unbroken_level_behind_any_other() {
+fn a_full_duty_is_an_unbroken_level_after_any_other() {
     // Periods and widths of other settings keep their remainders: docs/laser.md, reading 13.
     let mut chance = Chance::new(9);
     for run in 0..200 {

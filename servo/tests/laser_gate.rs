@@ -450,7 +450,7 @@ fn a_full_queue_never_loses_an_off() {
 }
 
 #[test]
-fn an_on_without_a_place_for_its_off_is_refused() {
+fn an_on_without_a_slot_for_its_off_is_refused() {
     let mut bench = plain(10);
     bench.gate(true);
     bench.tick();

@@ -62,7 +62,7 @@ fn corner() -> [PathEntry; 2] {
 }
 
 #[test]
-fn the_gate_moves_at_the_instant_of_its_place_with_its_delays() {
+fn the_gate_moves_at_the_instant_of_its_entry_with_its_delays() {
     for period in PERIODS {
         let mut bench = prepared(period);
         bench.delays(123, 77);
@@ -313,7 +313,7 @@ fn an_underrun_is_dark_at_its_instant() {
 /// After an underrun nothing more is planned, in any mode: no standby, no pre-voltage, no open
 /// switch.
 #[test]
-fn nothing_is_planned_behind_an_underrun() {
+fn nothing_is_planned_after_an_underrun() {
     for (mode, period) in
         [PowerMode::Duty, PowerMode::Frequency, PowerMode::Analog, PowerMode::DutyOpen].into_iter().zip(PERIODS)
     {

@@ -47,7 +47,7 @@ fn on_time_is_the_sum_of_a_million_marks() {
 }
 
 #[test]
-fn on_time_is_that_of_the_light_behind_the_first_pulse_killer() {
+fn on_time_is_that_of_the_light_after_the_first_pulse_killer() {
     // Marks of 3 ms with a shift of 1001 µs and a tail of 1234 µs: 3.233 ms of light each, power or
     // not.
     let mut bench = Bench::new(1000);

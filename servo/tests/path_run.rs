@@ -149,7 +149,7 @@ fn speed_goes_through_a_corner_and_to_zero_where_nothing_or_a_wait_follows() {
 /// A motion too short to brake before a wait: the motion after the wait begins at rest, however
 /// long there is to make it ahead.
 #[test]
-fn a_motion_behind_a_wait_begins_at_rest() {
+fn a_motion_after_a_wait_begins_at_rest() {
     let fast = speeds(10.0, 1.0, 10.0);
     let entries = vec![
         PathEntry::planar([1000, 0], fast),

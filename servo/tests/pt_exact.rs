@@ -398,7 +398,7 @@ fn data_appended_while_running_belongs_to_the_pass() {
 }
 
 #[test]
-fn a_stream_frees_places_and_tells_when_it_runs_dry() {
+fn a_stream_frees_slots_and_reports_when_it_runs_dry() {
     let store = admit_all(&[(1.0, 10, 1), (3.0, 20, 1), (4.0, 30, 2)]);
     let mut run = Pt::begin(Ns(100), Exact(0), SlotRange::Dynamic { mask: 63, first: 0 });
     let feed = AllowedData { end: 3, passes: 0 };

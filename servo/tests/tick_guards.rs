@@ -384,7 +384,7 @@ fn a_soft_limit_behind_an_axis_at_rest_is_reported() {
 
 /// ClrSts and a start in one tick, while the alarm is there: refused, not begun and stopped.
 #[test]
-fn a_start_behind_a_clear_in_the_same_tick_is_refused_while_the_cause_lasts() {
+fn a_start_after_a_clear_in_the_same_tick_is_refused_while_the_cause_lasts() {
     let mut bench = Bench::prepared(250, MotionMode::Jog);
     bench.machine.inputs[0].alarm = true;
     bench.ticks(2);

@@ -138,7 +138,7 @@ fn described(view: &View<AXES>, index: usize) -> String {
 }
 
 #[test]
-fn a_view_tells_the_same_however_often_it_is_read() {
+fn a_view_reports_the_same_however_often_it_is_read() {
     for (seed, period_us) in [(1, 250), (2, 1000), (3, 50)] {
         let (mut eager, mut lazy) = (begin(period_us), begin(period_us));
         let (mut one, mut other, mut reads) = (Chance::new(seed), Chance::new(seed), Chance::new(seed + 9));

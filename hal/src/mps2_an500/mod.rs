@@ -145,7 +145,7 @@ pub fn resume_link() {
 }
 
 /// Wakes the thread from the tick: raises the wake signal.
-pub fn ring_bell() {
+pub fn wake_thread() {
     SCB::set_pendsv();
 }
 

@@ -189,7 +189,7 @@ pub fn resume_link() {
 }
 
 /// Wakes the thread from the tick: raises the wake signal.
-pub fn ring_bell() {
+pub fn wake_thread() {
     uart::pend_if_waiting();
     SCB::set_pendsv();
 }

@@ -90,7 +90,7 @@ fn all(parts: &[&[Act]]) -> Vec<Act> {
 
 /// SPEC 6 "Whose light it is".
 #[test]
-fn a_map_tells_who_may_light() {
+fn a_map_decides_who_may_light() {
     lights(&[Act::Map(0b10), BEGINS, entry(0, true)], "___");
     // Off entries, powers and follows neither.
     lights(&[Act::Map(0b10), BEGINS, call(true), entry(0, false), follow(1.0, 0.0, 1.0), RUNS_OUT], "__####");

@@ -396,7 +396,7 @@ fn standby_and_modes() -> Vec<Case> {
             switch: vec![(50, HORIZON)],
             light: vec![(100, 300)],
             energy: train(100, 300),
-            ..case("no_standby_behind_an_open_switch", {
+            ..case("no_standby_after_an_open_switch", {
                 let mut job = duty(&[(50, standby(20, 10)), (100, ON), (300, OFF)]);
                 job[0].1 = mode(Mode::Open, 100);
                 job
@@ -406,7 +406,7 @@ fn standby_and_modes() -> Vec<Case> {
             switch: vec![(100, 210)],
             light: vec![(100, 210)],
             energy: joined(&[train(100, 200), vec![(200, 225)], vec![(225, 230), (275, 280)]]),
-            ..case("standby_begins_behind_a_pulse_that_is_finished", {
+            ..case("standby_begins_after_a_pulse_that_is_finished", {
                 duty(&[
                     (50, delays(10, 0)),
                     (100, ON),

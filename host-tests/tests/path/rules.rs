@@ -287,7 +287,7 @@ pub const LIGHT: &[Rule] = &[
         ..NONE
     },
     Rule {
-        name: "a_start_behind_a_clear_does_not_resume_light",
+        name: "a_start_after_a_clear_does_not_resume_light",
         body: "GT_BufLaserOn(1);GT_LnXY(1,500,0,10,2);GO Sleep(30);GT_Stop(256,256);Sleep(5);GT_CrdClear(1,0);GT_LnXY(1,500,0,10,2);Sleep(5);GT_CrdStart(1);",
         light: &[(0.0, 30.0)],
         places: &[(40.0, 1, 272.5), (45.0, 1, 297.5)],
@@ -508,7 +508,7 @@ pub const LIGHT: &[Rule] = &[
         ..NONE
     },
     Rule {
-        name: "a_table_tells_the_power_of_a_speed",
+        name: "a_table_gives_the_power_of_a_speed",
         // Between (5, 2) and (15, 8) at 10: 5. Below the first and above the last the border.
         body: "double v[2]={5,15};double p[2]={2,8};GT_SetLaserFollowTable(1,2,v,p,0);GT_LaserPrfCmd(0);GT_BufLaserFollowTable(1,1,0,10);GT_BufLaserOn(1);GT_LnXY(1,500,0,10,2);GT_LnXY(1,1500,0,20,2);GO",
         power: &[(20.0, 5.0), (55.5, 2.0), (80.0, 8.0)],
@@ -556,7 +556,7 @@ pub const LIGHT: &[Rule] = &[
         ..NONE
     },
     Rule {
-        name: "a_table_of_one_axis_tells_the_ratio_of_a_place",
+        name: "a_table_of_one_axis_gives_the_ratio_of_a_position",
         // At 475 of axis 1 the ratio is between 0 at 0 and 2 at 1000: 0.95; times 475/1000.
         body: "long o[4]={0,0,0,0};double s[4]={1000,1000,1000,1000};double r[8]={0,2,0,0,0,0,0,0};long q[8]={0,1000,0,1000,0,1000,0,1000};GT_SetLaserDisMode(1,0,o,s);GT_SetLaserDisTable1D(2,r,q,0,10,NULL);GT_BufLaserOn(1);GT_LnXY(1,500,0,10,2);GO",
         power: &[(50.0, 5.451_25)],

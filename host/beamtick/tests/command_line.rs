@@ -332,7 +332,7 @@ fn what_may_fail_leaves_clock_and_motion_as_they_are() {
 }
 
 #[test]
-fn the_summary_tells_why_axes_stopped_and_what_the_link_did() {
+fn the_summary_says_why_axes_stopped_and_what_the_link_did() {
     let out = sim("stop.gts", &[]);
     for part in
         ["stopped smoothly by a Stop", "messages sent", "0 sent again", "0 damaged frames refused", "x real time"]

@@ -527,7 +527,7 @@ GT_API GT_SetFollowEvent(short profile, short event, short masterDir, long pos G
 GT_API GT_GetFollowEvent(short profile, short *event, short *masterDir, long *pos);
 /* Free slots of a Follow FIFO. */
 GT_API GT_FollowSpace(short profile, short *space, short fifo GT_DEFAULT(0));
-/* A Follow segment: way of the master, way of the slave, type. */
+/* A Follow segment: displacement of the master, displacement of the slave, type. */
 GT_API GT_FollowData(short profile, long masterSegment, double slaveSegment, short type GT_DEFAULT(0), short fifo GT_DEFAULT(0));
 /* Clears a Follow FIFO. */
 GT_API GT_FollowClear(short profile, short fifo GT_DEFAULT(0));
@@ -1077,7 +1077,7 @@ GT_API GTN_SetFollowEvent(short core, short profile, short event, short masterDi
 GT_API GTN_GetFollowEvent(short core, short profile, short *event, short *masterDir, long *pos);
 /* Free slots of a Follow FIFO. */
 GT_API GTN_FollowSpace(short core, short profile, short *space, short fifo GT_DEFAULT(0));
-/* A Follow segment: way of the master, way of the slave, type. */
+/* A Follow segment: displacement of the master, displacement of the slave, type. */
 GT_API GTN_FollowData(short core, short profile, long masterSegment, double slaveSegment, short type GT_DEFAULT(0), short fifo GT_DEFAULT(0));
 /* Clears a Follow FIFO. */
 GT_API GTN_FollowClear(short core, short profile, short fifo GT_DEFAULT(0));

@@ -785,7 +785,7 @@ GT_API GT_SetFollowEvent(short cardNum, short profile, short event, short master
 GT_API GT_GetFollowEvent(short cardNum, short profile, short *event, short *masterDir, long *pos);
 /* Free slots of a Follow FIFO. */
 GT_API GT_FollowSpace(short cardNum, short profile, short *space, short fifo GT_DEFAULT(0));
-/* A Follow segment: way of the master, way of the slave, type. */
+/* A Follow segment: displacement of the master, displacement of the slave, type. */
 GT_API GT_FollowData(short cardNum, short profile, long masterSegment, double slaveSegment, short type GT_DEFAULT(0), short fifo GT_DEFAULT(0));
 /* Clears a Follow FIFO. */
 GT_API GT_FollowClear(short cardNum, short profile, short fifo GT_DEFAULT(0));

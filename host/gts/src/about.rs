@@ -203,7 +203,7 @@ const ABOUT: &[(&str, &str)] = &[
     ("SetFollowEvent", "Sets when following begins: at once, or when the master, not there yet, comes to a position."),
     ("GetFollowEvent", "When following begins."),
     ("FollowSpace", "Free slots of a Follow FIFO."),
-    ("FollowData", "A Follow segment: way of the master, way of the slave, type."),
+    ("FollowData", "A Follow segment: displacement of the master, displacement of the slave, type."),
     ("FollowClear", "Clears a Follow FIFO."),
     ("FollowStart", "Starts axes in Follow; option bits take FIFO 1."),
     ("FollowSwitch", "Goes over to the other FIFO when the pass has ended."),

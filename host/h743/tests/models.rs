@@ -86,7 +86,7 @@ const CCR1: u32 = 0x34;
 const BDTR: u32 = 0x44;
 
 #[test]
-fn an_up_counter_overflows_behind_its_reload_value() {
+fn an_up_counter_overflows_after_its_reload_value() {
     let mut bench = Bench::new(2);
     bench.set(ARR, 11_999);
     bench.set(CR1, 1 << 2);
@@ -458,7 +458,7 @@ fn let_pass(usart: &mut Usart, to: Time) -> Option<bool> {
 }
 
 #[test]
-fn a_usart_sends_back_to_back_and_tells_when_its_fifo_is_half_empty() {
+fn a_usart_sends_back_to_back_and_reports_when_its_fifo_is_half_empty() {
     // FIFOEN, TE, RE; TXFTCFG one half, TXFTIE.
     let mut usart = usart(1 << 29 | 1 << 3 | 1 << 2, 2 << 29 | 1 << 23);
     let mut out = Vec::new();
@@ -478,7 +478,7 @@ fn a_usart_sends_back_to_back_and_tells_when_its_fifo_is_half_empty() {
 }
 
 #[test]
-fn a_usart_receives_into_its_fifo_tells_at_its_threshold_and_of_silence_and_loses_what_has_no_room() {
+fn a_usart_receives_into_its_fifo_reports_at_its_threshold_and_of_silence_and_loses_what_has_no_room() {
     // RXFTCFG one half, RXFTIE; IDLEIE.
     let mut usart = usart(1 << 29 | 1 << 2 | 1 << 4, 2 << 25 | 1 << 28);
     let bytes: Vec<u8> = (0..20).collect();

@@ -225,7 +225,7 @@ fn cycles(cycles: &[[u16; 3]]) -> (Bench, Time) {
 }
 
 #[test]
-fn a_burst_brings_the_tile_behind_the_next() {
+fn a_burst_brings_the_slot_after_the_next() {
     // Rounds of 200, 300, 240, 100, 150 counts; light of 50, 0, 240 (all of it), 10, 149 counts.
     let (mut bench, start) =
         cycles(&[[199, 0, 50], [299, 0, 0], [239, 0, 240], [99, 0, 10], [149, 0, 149], [199, 0, 0], [199, 0, 0]]);
@@ -271,7 +271,7 @@ fn the_more_urgent_stream_goes_first_and_the_other_waits_a_transfer() {
 }
 
 #[test]
-fn a_stream_ends_at_its_count_takes_turns_and_tells_of_it() {
+fn a_stream_ends_at_its_count_takes_turns_and_reports_it() {
     let mut bench = Bench::new();
     bench.set(0x5802_1400, !3 | 1);
     bench.words(RING, &[1, 1 << 16]);

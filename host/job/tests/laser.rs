@@ -232,7 +232,7 @@ fn with_items<R: Request>(text: &str) -> (R, Vec<R::Item>) {
 }
 
 #[test]
-fn tables_travel_behind_their_request() {
+fn tables_travel_after_their_request() {
     let (r, points) = with_items::<c::SetLaserFollowTable>(
         "double vel[3] = {0,10,50}, power[3] = {5,20,80}; GT_SetLaserFollowTable(2,3,vel,power,1);",
     );

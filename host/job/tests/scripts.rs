@@ -389,7 +389,7 @@ fn pragma_continue_needs_an_assigned_result() {
 }
 
 #[test]
-fn what_is_behind_return_is_not_executed() {
+fn what_is_after_return_is_not_executed() {
     let job = good("GT_AxisOn(1); return 0; GT_AxisOff(1);");
     assert_eq!(job.steps.len(), 1);
     assert_eq!(job.warnings[0].message, "after `return` nothing is executed");
@@ -550,7 +550,7 @@ fn hostile_text_neither_panics_nor_hangs() {
 }
 
 #[test]
-fn a_diagnostic_shows_file_place_and_source() {
+fn a_diagnostic_shows_file_position_and_source() {
     let text = "short r;\nr = GTN_AxisOn(1);\n";
     let found = compile(text, &Memory::default()).unwrap_err();
     let shown = job::render(&found[0], "jobs/a.gts", text, false);

@@ -81,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pulse_has_a_place_and_the_place_that_pulse() {
+    fn a_pulse_has_a_position_and_the_position_that_pulse() {
         for steps in [100_000_000_000, -126_666_666_667, 1_000_000, 99_999_999_999_999] {
             let scale = Scale { steps, per_mm: steps as f64 / 1e9 };
             for pulse in [0i64, 1, -1, 7, 123_456, -1_999_999_999] {

@@ -185,26 +185,26 @@ impl Made {
         }
     }
 
-    fn action(&mut self, told: &trace::Action, sink: &mut impl FnMut(Item) -> Result<()>) -> Result<()> {
-        if told.kind == kind::ANALOG {
-            let t_ns = u64::from(told.tick.get()) * self.header.period_ns + u64::from(told.at.get());
-            let edge = AnalogEdge { t_ns, output: told.channel.saturating_add(1), code: told.value.get() };
+    fn action(&mut self, sent: &trace::Action, sink: &mut impl FnMut(Item) -> Result<()>) -> Result<()> {
+        if sent.kind == kind::ANALOG {
+            let t_ns = u64::from(sent.tick.get()) * self.header.period_ns + u64::from(sent.at.get());
+            let edge = AnalogEdge { t_ns, output: sent.channel.saturating_add(1), code: sent.value.get() };
             return sink(Item::Analog(edge));
         }
         let unknown = TraceError::Damaged { after: self.rows, what: "a laser action that this client does not know" };
-        let Some(laser) = self.header.lasers.iter().position(|name| name.0 == told.channel) else {
+        let Some(laser) = self.header.lasers.iter().position(|name| name.0 == sent.channel) else {
             return Err(unknown);
         };
         let Some(stage) = self.stages.get_mut(laser) else { return Err(unknown) };
         let clock = self.clock;
         let given = |c: trace::Count| Count { whole: c.whole.get(), part: c.part.get(), of: c.of.get() };
-        let train = Train { period: in_ns(given(told.period), clock), width: in_ns(given(told.width), clock) };
-        let value = told.value.get();
-        let tick = u64::from(told.tick.get());
+        let train = Train { period: in_ns(given(sent.period), clock), width: in_ns(given(sent.width), clock) };
+        let value = sent.value.get();
+        let tick = u64::from(sent.tick.get());
         // It was planned a tick ahead; what is before cannot change any more.
         let now = self.ticks.at(tick.saturating_sub(1));
         passed(|mut sink| stage.run_to(now, &mut sink), laser, sink)?;
-        let action = match told.kind {
+        let action = match sent.kind {
             kind::SAFE_STATE => {
                 self.lights.retain(|(of, at, _)| *of != laser || *at < now);
                 self.lights.push((laser, now, false));
@@ -216,13 +216,13 @@ impl Made {
             kind::DARK => Action::Dark { standby: train, cut: value != 0 },
             kind::VOLTS => Action::Volts(value),
             kind::RATE => {
-                let Count { whole: scale, part: width, of: shift } = given(told.width);
+                let Count { whole: scale, part: width, of: shift } = given(sent.width);
                 let width = in_ns(Count { whole: width.into(), part: 0, of: 1 }, clock).whole as u32;
                 Action::Rate(PulseRate { period: train.period, width, scale, shift })
             }
             _ => return Err(unknown),
         };
-        let at = self.ticks.at(tick) + u64::from(told.at.get());
+        let at = self.ticks.at(tick) + u64::from(sent.at.get());
         match action {
             Action::Light(_) => self.lights.push((laser, at, true)),
             Action::Dark { .. } => self.lights.push((laser, at, false)),

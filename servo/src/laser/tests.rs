@@ -354,7 +354,7 @@ fn a_distance_refuses_what_is_out_of_range() {
 
 /// 1-D: each axis has its own table; 2-D: two axes share the ratio of their position.
 #[test]
-fn ratios_of_tables_are_those_of_the_place() {
+fn ratios_of_tables_are_those_of_the_position() {
     let tables = PowerTables::new();
     let put = |axis, points: &[(i32, f64)]| {
         let curve = Curve::ratio(0, 1, axis).unwrap();

@@ -3,7 +3,7 @@ use super::*;
 
 /// A follow begins and ends at the instants of its entries, between two ticks.
 #[test]
-fn a_follow_begins_and_ends_at_its_place() {
+fn a_follow_begins_and_ends_at_its_entry() {
     let mut bench = prepared(1000);
     bench.delays(0, 0);
     bench.carrier(100.0);

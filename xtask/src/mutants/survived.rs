@@ -6,15 +6,8 @@ const CAUSES: &[&str] = &["-p", "beamtick-servo", "--test", "all", "--", "laser_
 const CRD_GUARDS: &[&str] = &["-p", "beamtick-servo", "--test", "all", "--", "crd_guards::"];
 const GUARDS: &[&str] = &["-p", "beamtick-servo", "--test", "all", "--", "tick_guards::"];
 const PVT: &[&str] = &["-p", "beamtick-servo", "--test", "all", "--", "pvt_run::passes_end"];
-const STALE: &[&str] = &[
-    "-p",
-    "beamtick-protocol",
-    "--test",
-    "endpoint",
-    "--",
-    "frames_of_another_session",
-    "a_message_behind_the_window",
-];
+const STALE: &[&str] =
+    &["-p", "beamtick-protocol", "--test", "endpoint", "--", "frames_of_another_session", "a_message_after_the_window"];
 const LIFE: &[&str] = &[
     "-p",
     "beamtick-protocol",
@@ -323,8 +316,8 @@ pub const SURVIVED: &[Mutant] = &[
     mutant(
         "a configuration goes on in the next session",
         DESK,
-        "        self.config = None;\n        self.admission.trace",
-        "        self.admission.trace",
+        "        self.config = None;\n        self.joined = Joined::default();",
+        "        self.joined = Joined::default();",
         SESSIONS,
     ),
     mutant(

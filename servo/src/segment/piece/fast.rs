@@ -6,7 +6,7 @@
 //! piece, and takes the exact products of the parameter.
 //!
 //! Coefficients are in 2⁻³⁰ pulse. Three roundings of them, that of the begin and three of the sums
-//! are 3.24 units at most (`proofs/near.gappa`), less than 2⁻²⁸ pulse.
+//! are 3.24 units at most (`proofs/fast_path.gappa`), less than 2⁻²⁸ pulse.
 use super::{CUT, Motion};
 use crate::math::wide::{Recip, mulhi_su, umulhi};
 use crate::units::{Exact, Pos};
