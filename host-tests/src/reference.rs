@@ -37,7 +37,7 @@ pub use call::{Call, Kind, Site};
 pub use controller::{Controller, Edge, Program, Reply, Row, Session, Value};
 pub use curve::Curve;
 pub use effect::{Effect, Levels};
-pub use follow::{Datum, Item};
+pub use follow::{Asymmetric, Datum, Item, mean};
 pub use light::{Command, Family, GateEdge, LightCall, LightOf, LightTable};
 pub use number::{Fix, exact};
 pub use path::{Cycle, Path, PathCall, Speeds};

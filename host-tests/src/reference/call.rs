@@ -1,6 +1,6 @@
 //! The calls of a program, and how a job writes them.
 use super::effect::Effect;
-use super::follow::{Datum, Item};
+use super::follow::{Asymmetric, Datum, Item};
 use super::light::{LightCall, LightTable};
 use super::path::{Path, PathCall};
 use super::pvt::Points;
@@ -178,6 +178,13 @@ pub enum Call {
         axis: usize,
         table: i16,
     },
+    /// GetFollowDataPercent2Ex: ratios at both ends, S-shape in all and at the beginning, percent.
+    AsymmetricWay {
+        core: i16,
+        master: f64,
+        ratios: [f64; 2],
+        shares: [f64; 2],
+    },
     SetPvtLoop {
         axis: usize,
         loops: i32,
@@ -314,7 +321,7 @@ impl Call {
         }
         match *self {
             Call::Sleep { .. } | Call::SetTick { .. } | Call::Effect(_) | Call::Light(_) | Call::Ex(_) => 0,
-            Call::LightTable(_) | Call::Sense { .. } | Call::PvtCalculate { .. } => 0,
+            Call::LightTable(_) | Call::Sense { .. } | Call::PvtCalculate { .. } | Call::AsymmetricWay { .. } => 0,
             Call::Path(_) | Call::Abort { .. } | Call::Reset { .. } => 0,
             Call::WaitStop { mask }
             | Call::SynchAxisPos { mask }
@@ -457,6 +464,9 @@ impl Site {
             Call::PvtStart { mask } => format!("GTN_PvtStart({})", of(mask)),
             Call::Ex(of) => return ex(&self.text(number, of)),
             Call::FollowEntry { axis, item, fifo } => entry_text(&at(axis), item, *fifo),
+            Call::AsymmetricWay { core, master, ratios: [r0, r1], shares: [all, first] } => {
+                format!("GTN_GetFollowDataPercent2Ex({core},{master:?},{r0:?},{r1:?},{all:?},{first:?},&value)")
+            }
             Call::FollowSwitchNow { axis, table } => {
                 format!("GTN_FollowSwitchNowEx({},{},0,0)", at(axis), if *table { 2 } else { 1 })
             }
@@ -532,6 +542,9 @@ fn entry_text(at: &str, item: &Item, fifo: i16) -> String {
         Item::Segment(datum) => {
             let Datum { master, slave, kind, percent } = datum;
             format!("GTN_FollowDataPercentEx({at},{master:?},{slave:?},{kind},{percent},{fifo})")
+        }
+        Item::Asymmetric(Asymmetric { master, slave, ratios: [r0, r1], percent }) => {
+            format!("GTN_FollowDataPercent2Ex({at},{master:?},{slave:?},{r0:?},{r1:?},{percent},&word,{fifo})")
         }
         Item::Output { index, level } => format!("GTN_FollowDoBitEx({at},12,{index},{},{fifo})", i16::from(*level)),
         Item::Delay { cycles } => format!("GTN_FollowDelayEx({at},{cycles},{fifo})"),

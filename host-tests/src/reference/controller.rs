@@ -53,6 +53,8 @@ pub enum Value {
     Computed([f64; 4]),
     /// An analog input, as 16 bits know it.
     Volts(f64),
+    /// A share in percent, of which a whole number is known.
+    Percent(f64),
     /// PvtStatus: table and time, ms.
     Table(i64, f64),
 }
@@ -484,11 +486,15 @@ impl Controller {
     /// it is, and where the master was planned again on the way.
     pub(super) fn rounding(&self, axis: &Axis) -> Fix {
         let Some(Motion::Slave(slave)) = &axis.motion else { return Fix::ZERO };
+        slave.table.curve.steepest * (Fix(1 << 42) + self.rounding_of_master(axis))
+    }
+
+    /// How well the position of an axis's master is known, but for its own 2⁻²².
+    pub(super) fn rounding_of_master(&self, axis: &Axis) -> Fix {
         let master = axis.follow.master.filter(|master| !master.is_counted()).map(|master| &self.axes[master.axis]);
-        let of = master.map_or(Fix::ZERO, |master| {
+        master.map_or(Fix::ZERO, |master| {
             master.slack + master.late + master.late + Fix(master.replans << 41) + self.rounding(master)
-        });
-        slave.table.curve.steepest * (Fix(1 << 42) + of)
+        })
     }
 
     fn call(&mut self, index: usize, call: &Call, now: i64) -> Reply {
@@ -551,6 +557,7 @@ impl Controller {
                 let of = points.calculated();
                 Ok(Reply::Done(Value::Computed([of[0], of[1], of[of.len() - 1], of.len() as f64])))
             }
+            Call::AsymmetricWay { master, ratios, shares, .. } => Self::asymmetric_way(*master, *ratios, *shares),
             Call::Abort { core } => self.abort(*core),
             Call::Reset { core } => self.reset(*core, now),
             Call::Path(of) => self.path(index, call, of, now),

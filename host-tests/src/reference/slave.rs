@@ -325,7 +325,7 @@ impl Slave {
             self.doubt("more entries than a tick carries out");
         }
         match self.items[index] {
-            Item::Segment(_) | Item::Switch { table: false } | Item::Delay { cycles: 0 } => None,
+            Item::Segment(_) | Item::Asymmetric(_) | Item::Switch { table: false } | Item::Delay { cycles: 0 } => None,
             Item::Output { index, level } => {
                 self.outputs.push((index, level));
                 None
@@ -466,7 +466,8 @@ impl Slave {
 
     /// At the end of a tick; whether what follows begins there.
     fn switch_now(&mut self, table: bool, at: Fix, around: &Around, out: &mut Vec<Fix>) -> bool {
-        if table && around.other.is_empty() {
+        // After a switch of this tick the other FIFO is the one that it has emptied.
+        if table && (around.other.is_empty() || !self.emptied.is_empty()) {
             return false;
         }
         if matches!(self.state, State::Waits { .. } | State::Starts(_)) {
@@ -572,12 +573,12 @@ impl Slave {
         self.table.curve.slope(self.place, along > Fix::ZERO) * along
     }
 
-    /// What 22 fraction bits of positions and speeds make of it, where its master's is known to
-    /// `of_master`.
-    pub fn velocity_rounding(&self, lead: &Lead, of_master: Fix) -> Fix {
+    /// What 22 fraction bits of positions and speeds make of it, where its master is known to
+    /// `place` besides, and the master's velocity to `of_master`.
+    pub fn velocity_rounding(&self, lead: &Lead, place: Fix, of_master: Fix) -> Fix {
         let curve = &self.table.curve;
         let bend = curve.curvature(self.place).unwrap_or(Fix::ZERO).abs();
-        ROUNDED + bend * lead.velocity.abs() * ROUNDED + curve.slope(self.place, true).abs() * of_master
+        ROUNDED + bend * lead.velocity.abs() * (ROUNDED + place) + curve.slope(self.place, true).abs() * of_master
     }
 
     /// A knot or an end of a pass so near that its velocity may be that of either side.

@@ -6,7 +6,7 @@
 use super::found::{MS, ex, gus, path, plain, segment};
 use super::judge::{Tally, finding};
 use host_tests::reference::chance::Chance;
-use host_tests::reference::{Call, Item, Kind, LightCall, LightOf, Path, Speeds};
+use host_tests::reference::{Asymmetric, Call, Datum, Fix, Item, Kind, LightCall, LightOf, Path, Speeds, exact, mean};
 
 fn entry(axis: usize, item: Item) -> Call {
     Call::FollowEntry { axis, item, fifo: 0 }
@@ -64,6 +64,87 @@ fn delays(c: &mut Chance) -> Vec<Call> {
                 calls.push(Call::WaitStop { mask: 2 });
             }
         }
+    }
+    calls.push(Call::Sleep { ns: 20 * MS });
+    calls
+}
+
+/// Of few digits, either sign, 0 at times.
+fn ratio(c: &mut Chance) -> f64 {
+    if c.below(6) == 0 { 0.0 } else { (c.log(0.05, 3.0) * 64.0).round() / 64.0 * c.sign() }
+}
+
+/// A slave with segments of FollowDataPercent2Ex among others; a Jog or Trap as its master.
+fn asymmetric(c: &mut Chance) -> Vec<Call> {
+    let mut calls = vec![plain(Kind::AxisOn, 0), plain(Kind::AxisOn, 1)];
+    let jog = c.below(2) == 0;
+    let (acc, dec) = (c.log(0.2, 8.0), c.log(0.2, 8.0));
+    if jog {
+        calls.extend([plain(Kind::PrfJog, 1), Call::SetJogPrm { axis: 1, acc, dec }]);
+    } else {
+        calls.push(Call::SetTrapPrm { axis: 1, acc, dec });
+    }
+    let dir = [0, 1, -1, 0][c.below(4) as usize];
+    calls.push(ex(Call::PrfFollow { axis: 0, dir }));
+    calls.push(ex(Call::SetFollowMaster { axis: 0, master: 1, kind: 2, item: 0 }));
+    let sign = if dir < 0 || dir == 0 && c.below(2) == 0 { -1.0 } else { 1.0 };
+    for fifo in 0..1 + c.below(2) as i16 {
+        let (mut at, mut slave, mut end) = (0.0, 0.0, 0.0);
+        for _ in 0..1 + c.below(6) {
+            let length = (c.log(4.0, 300.0) * 8.0).round() / 8.0;
+            at += length;
+            let master = at * sign;
+            if c.below(3) == 0 {
+                slave += (c.log(2.0, 200.0) * 8.0).round() / 8.0 * c.sign();
+                let datum = Datum { master, slave, kind: c.below(4) as i16, percent: c.below(101) as i16 };
+                calls.push(Call::FollowEntry { axis: 0, item: Item::Segment(datum), fifo });
+            } else {
+                let ratios = [if c.below(3) == 0 { ratio(c) } else { end }, ratio(c)];
+                let percent = [0, 1, 20, 60, 99, 100, 101][c.below(7) as usize];
+                // Somewhere, at an end, or a little beyond it.
+                let part = [c.unit(), c.unit(), c.unit(), 0.0, 1.0, 1.2, 1e-9][c.below(7) as usize];
+                let q = exact(f64::from(percent.min(100)) / 100.0);
+                let way = mean(&exact(ratios[0]), &exact(ratios[1]), &q, &(&q * exact(part)));
+                let next = slave + length * Fix::of(&way).to_f64();
+                let of = Asymmetric { master, slave: next, ratios, percent };
+                calls.push(Call::FollowEntry { axis: 0, item: Item::Asymmetric(of), fifo });
+                let shares = [f64::from(percent), f64::from(percent) * part];
+                calls.push(Call::AsymmetricWay { core: 1, master: length, ratios, shares });
+                if part <= 1.0 && percent <= 100 {
+                    (slave, end) = (next, ratios[1]);
+                } else {
+                    at -= length;
+                }
+            }
+            if c.below(5) == 0 {
+                calls.push(Call::FollowEntry { axis: 0, item: Item::Delay { cycles: c.below(60) as u32 }, fifo });
+            }
+        }
+        calls.push(ex(Call::FollowSpace { axis: 0, fifo }));
+        calls.push(Call::Sleep { ns: 4 * MS });
+    }
+    calls.push(ex(Call::SetFollowLoop { axis: 0, loops: c.below(3) as _ }));
+    calls.push(ex(Call::FollowStart { mask: 1, option: 0 }));
+    let mut place = 0.0;
+    for _ in 0..2 + c.below(5) {
+        let back = if c.below(4) == 0 { -sign } else { sign };
+        if jog {
+            calls.push(Call::SetVel { axis: 1, vel: c.log(2.0, 60.0) * back });
+        } else {
+            place += c.log(10.0, 300.0) * back;
+            calls
+                .extend([Call::SetVel { axis: 1, vel: c.log(2.0, 60.0) }, Call::SetPos { axis: 1, pos: place as i32 }]);
+        }
+        calls.extend([Call::Update { mask: 2 }, Call::Sleep { ns: c.log(1e6, 2e7) as i64 }]);
+        match c.below(8) {
+            0 => calls.push(Call::FollowSwitchNow { axis: 0, table: false }),
+            1 => calls.push(Call::FollowSwitchNow { axis: 0, table: true }),
+            2 => calls.push(ex(Call::FollowSwitch { mask: 1 })),
+            3 => calls.push(Call::Stop { mask: 1, abrupt: 0 }),
+            4 => calls.push(plain(Kind::GetPrfVel, 0)),
+            _ => {}
+        }
+        calls.push(Call::Sleep { ns: c.log(1e5, 2e7) as i64 });
     }
     calls.push(Call::Sleep { ns: 20 * MS });
     calls
@@ -133,7 +214,7 @@ fn focused_programs_agree() {
     let site = gus();
     let count: u64 = std::env::var("REFERENCE_FOCUSED").ok().and_then(|text| text.parse().ok()).unwrap_or(300);
     let mut tally = Tally::new();
-    for kind in [delays, paths] {
+    for kind in [delays, paths, asymmetric] {
         let mut rigs = [const { None }; 3];
         for seed in 0..count {
             let calls = kind(&mut Chance::new(seed + 1));

@@ -254,3 +254,27 @@ fn a_wait_that_times_out_with_a_tick() {
     ];
     agrees(250, &calls);
 }
+
+/// A SwitchNow to the other FIFO on the tick in which a FollowSwitch has left that one: it is empty.
+#[test]
+fn a_switch_now_after_a_switch_within_its_tick() {
+    let mut calls = vec![
+        plain(Kind::AxisOn, 0),
+        plain(Kind::AxisOn, 1),
+        Call::SetTrapPrm { axis: 1, acc: 4.1, dec: 0.3 },
+        ex(Call::PrfFollow { axis: 0, dir: 1 }),
+        ex(Call::SetFollowMaster { axis: 0, master: 1, kind: 2, item: 0 }),
+        segment(0, 142.0, -196.25, 1, 0),
+    ];
+    let datum = Datum { master: 170.0, slave: 147.25, kind: 0, percent: 10 };
+    calls.push(Call::FollowEntry { axis: 0, item: Item::Segment(datum), fifo: 1 });
+    calls.push(ex(Call::FollowStart { mask: 1, option: 0 }));
+    calls.push(ex(Call::FollowSwitch { mask: 1 }));
+    calls.extend([Call::SetVel { axis: 1, vel: 27.3 }, Call::SetPos { axis: 1, pos: 272 }, Call::Update { mask: 2 }]);
+    // It is at 142 pulses 8.531 ms after 0.25 ms.
+    for ns in [8 * MS + 600_000, 9 * MS - 100_000] {
+        let mut calls = calls.clone();
+        calls.extend([Call::Sleep { ns }, Call::FollowSwitchNow { axis: 0, table: true }, Call::Sleep { ns: 9 * MS }]);
+        agrees(250, &calls);
+    }
+}

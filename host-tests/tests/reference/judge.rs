@@ -57,6 +57,7 @@ fn same(value: &Value, got: Got, peak: f64) -> bool {
             let scale = a.iter().fold(1.0, |most: f64, a| most.max(a.abs()));
             a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-11 * scale)
         }
+        (Value::Percent(a), Got::Whole(b)) => (a - b as f64).abs() <= 0.5 + 1e-6,
         // ±12.5 V in 16 bits.
         (Value::Volts(a), Got::Real(b)) => (a - b).abs() <= 0.5 * 25.0 / 65536.0 + 1e-9,
         (Value::Table(a, time), Got::Table(b, at)) => *a == b && (time - at).abs() < 2e-6,

@@ -245,6 +245,16 @@ pub fn wire(site: &Site, call: &Call) -> client::Call {
         &Call::Terminal { .. } | &Call::Guard { .. } | &Call::Sense { .. } | &Call::SetCapture { .. } => {
             return effects::terminal(site, call);
         }
+        &Call::AsymmetricWay { core, master, ratios, shares } => {
+            return client::Call::of(GetFollowDataPercent2Ex {
+                core: core.into(),
+                master_pos: master.into(),
+                vel_begin_ratio: ratios[0].into(),
+                vel_end_ratio: ratios[1].into(),
+                percent: shares[0].into(),
+                percent1: shares[1].into(),
+            });
+        }
         &Call::SetTick { us } => return client::Call::of(SetTick { tick_us: us.into() }),
         _ => {}
     }
@@ -397,6 +407,7 @@ pub fn wire(site: &Site, call: &Call) -> client::Call {
         | Call::LightTable(_)
         | Call::Sense { .. }
         | Call::PvtCalculate { .. }
+        | Call::AsymmetricWay { .. }
         | Call::Abort { .. }
         | Call::Reset { .. }
         | Call::SetTick { .. }

@@ -1,10 +1,12 @@
 //! Follow: masters, data, FIFOs, starts, switches.
 use super::super::axis::{Master, Mode, Motion};
 use super::super::call::{Call, members};
-use super::super::follow::{Item, is_down, segments};
+use super::super::follow::{Item, is_down, mean, segments, slots};
+use super::super::number::{Fix, exact};
+use super::super::rational::Rational;
 use super::super::slave::Begin;
-use super::answer::{Answer, DONE, check, either};
-use super::{Controller, Reply};
+use super::answer::{Answer, DONE, check, either, range};
+use super::{Controller, Reply, Value};
 
 impl Controller {
     pub(super) fn follow_start(&mut self, mask: u32, option: u32, mode: Mode) -> Answer {
@@ -91,7 +93,7 @@ impl Controller {
                 if matches!(&axis.motion, Some(Motion::Slave(slave)) if slave.now == Some(true)) {
                     self.open = Some("two switches at one instant");
                 }
-                let free = axis.follow_capacity() - axis.follow.fifos[fifo as usize].len();
+                let free = axis.follow_capacity() - slots(&axis.follow.fifos[fifo as usize]);
                 return Ok(self.read(index, call, free));
             }
             Call::SetFollowMemory { axis, memory } => {
@@ -115,8 +117,24 @@ impl Controller {
         if matches!(&axis.motion, Some(Motion::Slave(slave)) if slave.now.is_some()) {
             self.open = Some("FollowData at the instant of SwitchNow");
         }
-        let room = data.len() < axis.follow_capacity();
+        let room = slots(data) < axis.follow_capacity();
+        let mut reply = Value::None;
         match item {
+            Item::Asymmetric(of) => {
+                let last = segments(data).next_back();
+                let (from, begin) = last.map_or((0.0, 0.0), |last| (last.master, last.slave));
+                let any = last.is_some();
+                let down = if any { is_down(data) } else { of.master < 0.0 };
+                let good = if down { of.master < from } else { of.master > from };
+                let good = good && (0..=100).contains(&of.percent) && !(of.master < 0.0 && axis.follow.dir > 0);
+                let first = if good { of.first(from, begin) } else { None };
+                let mut with = data.clone();
+                with.push(item);
+                let room = first.is_none() || slots(&with) <= axis.follow_capacity();
+                either(room, good && first.is_some())?;
+                let percent = first.map_or(0.0, |first| Fix::of(&first).to_f64() * 100.0);
+                reply = Value::Percent(percent);
+            }
             Item::Segment(datum) => {
                 let any = segments(data).next().is_some();
                 let down = if any { is_down(data) } else { datum.master < 0.0 };
@@ -136,7 +154,17 @@ impl Controller {
         {
             slave.grow(&axis.follow.fifos[fifo]);
         }
-        DONE
+        Ok(Reply::Done(reply))
+    }
+
+    /// GetFollowDataPercent2Ex: what a slave goes along with its master.
+    pub(super) fn asymmetric_way(master: f64, ratios: [f64; 2], shares: [f64; 2]) -> Answer {
+        let [all, first] = shares;
+        range((0.0..=100.0).contains(&all) && (0.0..=all).contains(&first))?;
+        let hundred = Rational::from_integer(100.into());
+        let [q, x] = shares.map(|share| exact(share) / &hundred);
+        let way = exact(master) * mean(&exact(ratios[0]), &exact(ratios[1]), &q, &x);
+        Ok(Reply::Done(Value::Computed([Fix::of(&way).to_f64(), 0.0, 0.0, 0.0])))
     }
 
     pub(super) fn follow_switch_now(&mut self, place: usize, table: bool) -> Answer {

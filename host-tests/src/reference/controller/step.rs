@@ -72,7 +72,8 @@ impl Controller {
             axis.velocity_rounding = Fix::ZERO;
             if let (Some(lead), Some(Motion::Slave(slave)), Some(master)) = (&lead, &axis.motion, master) {
                 let of = if master.is_sampled() { Fix::ZERO } else { self.axes[master.axis].velocity_rounding };
-                axis.velocity_rounding = slave.velocity_rounding(lead, of);
+                let place = self.rounding_of_master(&axis);
+                axis.velocity_rounding = slave.velocity_rounding(lead, place, of);
             }
             if let Some(lead) = &lead
                 && was_slave

@@ -1,7 +1,7 @@
 //! What reads gave, as the judge compares it.
 use super::{light, paths};
 use client::Answer;
-use host_tests::reference::{Call, Effect, Kind, Points};
+use host_tests::reference::{Call, Effect, Item, Kind, Points};
 use protocol::command::*;
 
 /// What a read gave.
@@ -106,6 +106,12 @@ pub fn got(call: &Call, answer: &Answer) -> Got {
         }
         Call::Ex(of) if matches!(**of, Call::FollowSpace { .. }) => {
             answer.reply::<FollowSpaceEx>().map(|(reply, _)| Got::Whole(reply.value.get().into()))
+        }
+        Call::AsymmetricWay { .. } => {
+            answer.reply::<GetFollowDataPercent2Ex>().map(|(reply, _)| Got::Reals([reply.value.get(), 0.0, 0.0, 0.0]))
+        }
+        Call::FollowEntry { item: Item::Asymmetric(_), .. } => {
+            answer.reply::<FollowDataPercent2Ex>().map(|(reply, _)| Got::Whole(reply.percent1.get().into()))
         }
         Call::PvtCalculate { points, .. } => {
             let items = match points {

@@ -35,6 +35,16 @@ pub fn entry(site: &Site, axis: usize, item: &Item, fifo: i16) -> Wire {
             percent: datum.percent.into(),
             fifo,
         }),
+        Item::Asymmetric(of) => Wire::of(FollowDataPercent2Ex {
+            core,
+            profile,
+            master_segment: of.master.into(),
+            slave_segment: of.slave.into(),
+            vel_begin_ratio: of.ratios[0].into(),
+            vel_end_ratio: of.ratios[1].into(),
+            percent: of.percent.into(),
+            fifo,
+        }),
         Item::Output { index, level } => {
             let (index, value) = (index.into(), i16::from(level).into());
             Wire::of(FollowDoBitEx { core, profile, do_type: 12.into(), index, value, fifo })
