@@ -371,6 +371,51 @@ fn an_end_in_the_middle_says_what_was_executed() {
     }
 }
 
+/// The program is dropped while a PathMany waits for room beside a path that runs.
+#[test]
+fn a_drop_in_the_middle_says_what_was_executed() {
+    for cuts in [false, true] {
+        let mut bench = laser_path::bench(GUS);
+        let mut entries = vec![entry(line(-100_000, 0, 10.0, 4.0))];
+        entries.extend(calls(505).chunks(30).map(joined).map(joins));
+        entries.push(entry(start_crd(1)));
+        // 1011 places are taken.
+        let more: Vec<Call> = (0..20).map(|k| of(line(40_000 + 60 * k, 0, 100.0, 4.0))).collect();
+        entries.push(joins(joined(&more)));
+        entries.push(entry(follow_off()));
+        let (mut tags, mut started) = (Vec::new(), false);
+        for request in &entries {
+            while (bench.done(ProgramStatus {}).space_bytes.get() as usize) < request.2.len() + 16 {
+                if !started {
+                    started = true;
+                    bench.done(ProgramStart { strict: 0 });
+                }
+                bench.step();
+            }
+            tags.extend(bench.post_all(std::slice::from_ref(request)));
+        }
+        bench.exchange();
+        if !started {
+            bench.done(ProgramStart { strict: 0 });
+        }
+        bench.run_ms(50);
+        let [.., of, after] = tags[..] else { panic!() };
+        assert!(!bench.answers.contains_key(&of), "it waits for room");
+        if cuts {
+            bench.cut = true;
+            bench.run_ms(600);
+            bench.cut = false;
+        } else {
+            bench.done(Abort { core: 1.into() });
+        }
+        let (taken, refusal, _) = outcome(&bench.wait(of));
+        let refusal = refusal.unwrap();
+        let expected = if cuts { Reason::LinkLost } else { Reason::Discarded };
+        assert_eq!((taken, refusal.item.get(), refusal.reason()), (13, 13, Some(expected)));
+        assert_eq!(bench.wait(after).reason(), expected);
+    }
+}
+
 fn joins(body: Vec<u8>) -> (u16, Lane, Vec<u8>) {
     (PathMany::OPCODE, Lane::Program, body)
 }

@@ -5,7 +5,10 @@
 //! that a new command is in without a line here. With [`Range::Some`] nothing names axes 7 and 8 or
 //! coordinate system 2, which are the model's.
 use crate::source::Source;
-use protocol::command::CommandInfo;
+use protocol::command::{COMMANDS, CommandInfo, PathMany, Request, fifo_place};
+use protocol::path_many::{HEAD, head};
+use protocol::record::BODY_MAX;
+use zerocopy::FromBytes;
 
 /// What requests may name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -56,7 +59,9 @@ pub fn body(info: &CommandInfo, items: usize, range: Range, clocks: &mut Clocks,
     for (name, kind) in info.fields {
         field(info.name, name, kind, items, range, clocks, from, &mut out);
     }
-    if !info.items.is_empty() {
+    if info.opcode == PathMany::OPCODE {
+        joined(&mut out, items, range, clocks, from);
+    } else if !info.items.is_empty() {
         for _ in 0..items {
             for (name, kind) in info.items {
                 field(info.name, name, kind, items, range, clocks, from, &mut out);
@@ -64,6 +69,31 @@ pub fn body(info: &CommandInfo, items: usize, range: Range, clocks: &mut Clocks,
         }
     }
     out
+}
+
+/// Calls of a PathMany, most of them for its FIFO, and mostly as many as it says.
+fn joined(out: &mut Vec<u8>, items: usize, range: Range, clocks: &mut Clocks, from: &mut Source) {
+    let rows: Vec<&CommandInfo> = COMMANDS.iter().filter(|row| row.class.kind.joins()).collect();
+    let own = PathMany::read_from_bytes(out).unwrap_or_default();
+    let mut count = 0u16;
+    for _ in 0..items {
+        let row = rows[from.below(rows.len())];
+        let mut request = body(row, from.below(2), range, clocks, from);
+        if let Some(place) = fifo_place(row.opcode).filter(|_| !from.one_in(20)) {
+            for (at, value) in [(0, own.core), (2, own.crd), (place, own.fifo)] {
+                request[at..at + 2].copy_from_slice(&value.to_bytes());
+            }
+        }
+        if out.len() + HEAD + request.len() > BODY_MAX {
+            break;
+        }
+        out.extend(head((row.opcode, &request)));
+        out.extend(request);
+        count += 1;
+    }
+    if !from.one_in(20) {
+        out[6..8].copy_from_slice(&count.to_le_bytes());
+    }
 }
 
 /// Whether the command has items.

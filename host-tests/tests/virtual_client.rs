@@ -196,6 +196,95 @@ fn a_failing_entry_discards_the_rest_and_a_new_program_runs() {
     assert_eq!(client.run(listing_2_1(false), false, &mut Quiet).unwrap().failed, None);
 }
 
+/// Keeps what each entry was answered.
+struct All(Vec<Answer>);
+
+impl Observer for All {
+    fn answered(&mut self, answer: Answer) -> client::Result<()> {
+        self.0.push(answer);
+        Ok(())
+    }
+}
+
+/// A path of short lines, each with a power of its own; every tenth power is out of range, which
+/// this family limits. At `wrong` a line has no length.
+fn powers_and_lines(count: i32, wrong: Option<i32>) -> Vec<Call> {
+    let mut profile = [0.into(); 8];
+    (profile[0], profile[1]) = (1.into(), 2.into());
+    let (core, crd, fifo) = (1.into(), 1.into(), 0.into());
+    let prm = SetCrdPrm {
+        core,
+        crd,
+        dimension: 2.into(),
+        profile,
+        syn_vel_max: 500.0.into(),
+        syn_acc_max: 10.0.into(),
+        ..SetCrdPrm::default()
+    };
+    let look = InitLookAhead { core, crd, fifo, time_ms: 4.0.into(), acc_max: 4.0.into(), count: 200.into() };
+    let mut calls = vec![
+        Call::of(AxisOn { core, axis: 1.into() }),
+        Call::of(AxisOn { core, axis: 2.into() }),
+        Call::of(prm),
+        Call::of(look),
+    ];
+    for k in 1..=count {
+        if k == 150 {
+            calls.push(Call::of(CrdStart { core, mask: 1.into(), option: 0.into() }));
+        }
+        let power = if k % 10 == 0 { 150.0 } else { f64::from(k % 100) };
+        calls.push(Call::of(BufLaserPrfCmd { core, crd, power: power.into(), fifo, channel: 0.into() }));
+        let x = if wrong == Some(k) { 2 * (k - 1) } else { 2 * k };
+        let (syn_vel, syn_acc, vel_end) = (50.0.into(), 4.0.into(), 0.0.into());
+        calls.push(Call::of(LnXY { core, crd, x: x.into(), y: 0.into(), syn_vel, syn_acc, vel_end, fifo }));
+        if k % 37 == 0 {
+            calls.push(Call::of(BufDelay { core, crd, delay_ms: 1.into(), fifo }));
+        }
+    }
+    calls.push(Call::of(WaitStop { core, axes: 0.into(), crds: 1.into() }));
+    calls.push(Call::of(GetCrdPos { core, crd }));
+    calls
+}
+
+/// Calls of a path travel together, and each has the answer that it has alone. Alone, each waits
+/// for the call before, and for what the look-ahead gives to the path meanwhile.
+#[test]
+fn joined_calls_of_a_program_are_answered_as_single_ones() {
+    for wrong in [None, Some(1), Some(100), Some(700), Some(800)] {
+        let mut all = Vec::new();
+        for joins in [false, true] {
+            let options = Options { joins, family: Some(client::Family::Lsr), ..Options::default() };
+            let (client, board) = open_with(Config::default(), options);
+            let mut found = All(Vec::new());
+            let summary = client.run(powers_and_lines(800, wrong), false, &mut found).unwrap();
+            let failed = summary.failed.as_ref().map(|answer| answer.index);
+            let rows: Vec<_> = found
+                .0
+                .iter()
+                .map(|answer| {
+                    let reason = answer.error.as_ref().map(|error| error.reason.clone());
+                    // Free places and how long the data lasts depend on the time of the answer.
+                    let reply = match answer.reply::<LnXY>().or(answer.reply::<BufDelay>()) {
+                        Some((taken, _)) => vec![taken.taken.get() as u8],
+                        None => answer.reply.clone(),
+                    };
+                    (answer.index, answer.opcode, answer.code, reason, reply)
+                })
+                .collect();
+            assert_eq!(failed.is_some(), wrong.is_some(), "{joins} {:?}", summary.failed);
+            all.push((rows, failed));
+            drop((client, board));
+        }
+        let [single, joined] = &all[..] else { panic!() };
+        // What follows a failure is answered as far as it was on the way.
+        assert!(single.0.len() == joined.0.len() || wrong.is_some());
+        for (single, joined) in single.0.iter().zip(&joined.0) {
+            assert_eq!(single, joined, "{wrong:?}");
+        }
+        assert_eq!(single.1, joined.1);
+    }
+}
+
 #[test]
 fn profiles_are_chosen_and_refused() {
     let options = |profile| Options { profile: Some(profile), ..Options::default() };
