@@ -5,7 +5,7 @@
 //! that a new command is in without a line here. With [`Range::Some`] nothing names axes 7 and 8 or
 //! coordinate system 2, which are the model's.
 use crate::source::Source;
-use protocol::command::{COMMANDS, CommandInfo, PathMany, Request, fifo_place};
+use protocol::command::{COMMANDS, CommandInfo, PathMany, Request, fifo_offset};
 use protocol::path_many::{HEAD, head};
 use protocol::record::BODY_MAX;
 use zerocopy::FromBytes;
@@ -79,8 +79,8 @@ fn joined(out: &mut Vec<u8>, items: usize, range: Range, clocks: &mut Clocks, fr
     for _ in 0..items {
         let row = rows[from.below(rows.len())];
         let mut request = body(row, from.below(2), range, clocks, from);
-        if let Some(place) = fifo_place(row.opcode).filter(|_| !from.one_in(20)) {
-            for (at, value) in [(0, own.core), (2, own.crd), (place, own.fifo)] {
+        if let Some(offset) = fifo_offset(row.opcode).filter(|_| !from.one_in(20)) {
+            for (at, value) in [(0, own.core), (2, own.crd), (offset, own.fifo)] {
                 request[at..at + 2].copy_from_slice(&value.to_bytes());
             }
         }

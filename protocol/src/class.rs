@@ -215,7 +215,7 @@ mod tests {
     #[test]
     fn calls_that_join_name_their_fifo() {
         for command in COMMANDS {
-            let place = crate::command::fifo_slot(command.opcode);
+            let place = crate::command::fifo_offset(command.opcode);
             assert_eq!(place.is_some(), command.class.kind.joins(), "{}", command.name);
             let Some(place) = place else { continue };
             assert_eq!(command.fields[..2], [("core", "I16"), ("crd", "I16")], "{}", command.name);

@@ -126,11 +126,11 @@ macro_rules! commands {
         }
         /// Where a call that [`CommandKind::joins`] names its FIFO: bytes from the beginning of its
         /// request. None for any other command.
-        pub const fn fifo_slot(opcode: u16) -> Option<usize> {
+        pub const fn fifo_offset(opcode: u16) -> Option<usize> {
             match opcode {
                 $( $opcode => const {
                     match <$name as Request>::CLASS.kind.joins() {
-                        true => Some(place_of(<$name as Wire>::FIELDS)),
+                        true => Some(offset_of_fifo(<$name as Wire>::FIELDS)),
                         false => None,
                     }
                 }, )*
@@ -144,7 +144,7 @@ macro_rules! commands {
 }
 
 /// The bytes before the field `fifo`. A layout without it does not compile where this is used.
-const fn place_of(fields: &[(&str, &str)]) -> usize {
+const fn offset_of_fifo(fields: &[(&str, &str)]) -> usize {
     let (mut index, mut place) = (0, 0);
     loop {
         let (name, of) = fields[index];
