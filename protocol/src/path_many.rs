@@ -19,8 +19,8 @@ pub const HEAD: usize = size_of::<PathCall>();
 /// is a power.
 pub const HELD_MAX: usize = (BODY_MAX - FIXED) / (HEAD + size_of::<crate::command::BufLaserPrfCmd>());
 
-/// So many calls that report what they did not take as it was given are taken in one PathMany of the
-/// immediate lane, whatever they report.
+/// So many calls that report what they did not take as it was given are taken in one PathMany of
+/// the immediate lane, whatever they report.
 pub const HELD_AT_ONCE: usize = 20;
 
 /// A call: its number and its request.
