@@ -266,3 +266,26 @@ fn a_clear_and_an_on_command_that_meet_the_open_interlock_are_refused() {
         assert_eq!(fault(&mut bench, 0), 1);
     }
 }
+
+/// A Reset is done also while a cause lasts; only the fault stays. In a program it went with what
+/// came after it.
+#[test]
+fn a_reset_is_done_while_a_cause_lasts() {
+    let core = 1.into();
+    for family in [GUS, LSR] {
+        let mut bench = interlocked(family);
+        bench.done(Reset { core });
+        assert_eq!((fault(&mut bench, 0), fault(&mut bench, 1)), (1, 1));
+        let bit = SetDoBit { core, do_type: 12.into(), index: 1.into(), value: 1.into() };
+        let tags = bench.post_all(&[entry(Reset { core }), entry(sleep(4)), entry(bit), entry(ProgramEnd {})]);
+        bench.done(ProgramStart { strict: 1 });
+        assert!(tags.iter().all(|&tag| bench.wait(tag).code == 0));
+        assert_eq!(bench.done(ProgramStatus {}).state, 0);
+        assert_eq!((fault(&mut bench, 0), fault(&mut bench, 1)), (1, 1));
+        bench.machine.interlock = false;
+        bench.run_ms(1);
+        bench.done(Reset { core });
+        assert_eq!((fault(&mut bench, 0), fault(&mut bench, 1)), (0, 0));
+        assert!(!seen(&mut bench, 0).light && !seen(&mut bench, 0).commanded);
+    }
+}

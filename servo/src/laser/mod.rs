@@ -144,6 +144,8 @@ pub enum ChannelChange {
     ZeroOnTime,
     /// A fault whose cause is gone is over.
     ClearFault,
+    /// The same for a Reset, which is done also while the cause lasts.
+    ResetFault,
     /// The coordinate systems that the channel is mapped to, bit 0 is crd 1.
     CrdMap { map: u8 },
     /// Whether the connector of the energy output carries it (SetAxisMode); else PWM energy stays
