@@ -266,3 +266,22 @@ fn a_clear_and_an_on_command_that_meet_the_open_interlock_are_refused() {
         assert_eq!(fault(&mut bench, 0), 1);
     }
 }
+
+/// A Reset is done while the interlock is open, and so is the program that holds it: the fault stays.
+#[test]
+fn a_reset_while_the_interlock_is_open_is_no_refusal() {
+    let mut bench = interlocked(GUS);
+    let reset = Reset { core: 1.into() };
+    let tags = bench.post_all(&[entry(sleep(4)), entry(reset), entry(sleep(4)), entry(ProgramEnd {})]);
+    bench.done(ProgramStart { strict: 0 });
+    for tag in tags {
+        assert_eq!(bench.wait(tag).code, 0);
+    }
+    assert_eq!(fault(&mut bench, 0), 1);
+    bench.done(reset);
+    assert_eq!(fault(&mut bench, 0), 1);
+    bench.machine.interlock = false;
+    bench.run_ms(1);
+    bench.done(reset);
+    assert_eq!(fault(&mut bench, 0), 0);
+}

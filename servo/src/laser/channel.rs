@@ -159,7 +159,7 @@ impl Channel {
             ChannelChange::Standby(standby) | ChannelChange::PairedStandby(standby) => self.energy.standby = *standby,
             ChannelChange::PreVoltage(volts) => self.energy.pre_voltage = volts.unwrap_or(Power::ZERO),
             ChannelChange::ZeroOnTime => (self.on_time, self.planned) = (OnTime::ZERO, 0),
-            ChannelChange::ClearFault => {
+            ChannelChange::ClearFault | ChannelChange::ClearFaultAtReset => {
                 self.clear_latch(at);
                 // One that is refused ends no darkness of an abort either.
                 self.energy.muted = self.safety.is_dark() & muted;

@@ -142,8 +142,10 @@ pub enum ChannelChange {
     PreVoltage(Option<Power>),
     /// On-time counts from 0 again.
     ZeroOnTime,
-    /// A fault whose cause is gone is over.
+    /// A fault whose cause is gone is over. It is refused while the cause is there.
     ClearFault,
+    /// The same at the end of a Reset, which is not refused.
+    ClearFaultAtReset,
     /// The coordinate systems that the channel is mapped to, bit 0 is crd 1.
     CrdMap { map: u8 },
     /// Whether the connector of the energy output carries it (SetAxisMode); else PWM energy stays

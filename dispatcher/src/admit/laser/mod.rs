@@ -116,10 +116,10 @@ impl<const AXES: usize> Context<'_, AXES> {
         }
     }
 
-    /// A Reset clears the faults of every channel (SPEC 9).
+    /// A Reset clears the faults of every channel whose cause is gone (SPEC 9).
     pub fn clear_all_laser_faults(&mut self) {
         for channel in 0..CHANNELS as u8 {
-            self.change_with(channel, ChannelChange::ClearFault, LaserChange::Cleared);
+            self.change_with(channel, ChannelChange::ClearFaultAtReset, LaserChange::Cleared);
         }
     }
 
