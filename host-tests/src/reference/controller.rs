@@ -162,6 +162,9 @@ pub struct Controller {
     leaving: Vec<(usize, f64, f64)>,
     /// The last call was refused, with a code that the contract leaves open.
     may_be_refused: bool,
+    /// Data in this tick takes slots that a Stop before it frees: it waits for that, and what
+    /// follows it is late (docs/architecture.md, Follow).
+    belated: bool,
     /// Some time passes after each call that is refused; nothing is recorded.
     spreads: bool,
     /// Changes of general outputs in this tick: when, ms, which bits, their levels.
@@ -207,6 +210,7 @@ impl Controller {
             rested: 0,
             leaving: Vec::new(),
             may_be_refused: false,
+            belated: false,
             spreads: false,
             changes: Vec::new(),
             edges: Vec::new(),
@@ -360,6 +364,10 @@ impl Controller {
                             self.open = Some("more WaitStops of an instant than are known ahead");
                             break;
                         }
+                        if self.belated {
+                            self.open = Some("a call after data that waits for a Stop of its tick");
+                            break;
+                        }
                         let reply = self.call(next, call, now);
                         if matches!(reply, Reply::Code(1)) || std::mem::take(&mut self.may_be_refused) {
                             program.refused.push(next);
@@ -389,6 +397,7 @@ impl Controller {
                 self.open = Some(why);
             }
             self.step(before, now);
+            self.belated = false;
             self.finish_abort();
             // The same where every path has been at rest for as long.
             self.still_ns = if self.crds.values().any(|of| of.runs) { 0 } else { self.still_ns + now - before };

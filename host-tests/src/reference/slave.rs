@@ -586,6 +586,13 @@ impl Slave {
         let along = self.along(lead.velocity);
         let moves = if self.dir == 0 { along != Fix::ZERO } else { along > Fix::ZERO };
         let jump = self.table.curve.jump_near(self.place, NEAR);
+        // One of a single direction goes on from the furthest point.
+        if let Some(&at) = lead.track.last()
+            && self.dir != 0
+            && near(self.along(at) - self.far)
+        {
+            return moves && self.state == State::Runs;
+        }
         // It rests before the place at which its way back ends.
         if let Some(&at) = lead.track.last()
             && self.dir == 0

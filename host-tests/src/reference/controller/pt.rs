@@ -72,6 +72,7 @@ impl Controller {
     pub(super) fn pt_data(&mut self, place: usize, pos: f64, time_ms: i32, kind: i16, fifo: i16) -> Answer {
         if matches!(self.then[place], Some(Then::Brake(..))) {
             // The Stop of this instant comes before it.
+            self.belated |= self.axes[place].pt.dynamic && self.axes[place].runs();
             self.axes[place].end_stream();
         }
         let axis = &self.axes[place];
