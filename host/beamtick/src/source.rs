@@ -162,6 +162,9 @@ impl Source {
 /// Lines that are compiled at a time where a job is long: calls in a row need nothing of each
 /// other.
 const PART: usize = 20_000;
+/// Calls of a path in a row that are compiled without the language around them. Fewer would cost
+/// more than they save.
+const RUN: usize = 64;
 
 /// Compiles a job. One that `import` wrote may be of any length: its calls name no variables after
 /// the set-up.
@@ -169,16 +172,75 @@ fn compile(text: &str, files: &Noted) -> Result<Job, Vec<Diagnostic>> {
     if !text.starts_with(strokes::MARK) {
         return job::compile(text, files);
     }
-    let (mut whole, mut line, mut at) = (None::<Job>, 0u32, 0usize);
-    while at < text.len() {
-        let rest = &text[at..];
-        let size = rest.match_indices('\n').nth(PART - 1).map_or(rest.len(), |(end, _)| end + 1);
-        let part = &rest[..size];
+    let mut whole = Parts { text, files, job: None, from: 0, lines: 0 };
+    // Calls in a row up to here, and where they begin: byte and line.
+    let mut run: Vec<Step> = Vec::new();
+    let (mut lasers, mut begin) = (0, (0, 0));
+    let (mut at, mut line) = (0, 0u32);
+    // Every line so far is a whole: what follows stands in no block and in no comment.
+    let mut apart = true;
+    for row in text.split_inclusive('\n') {
+        let bare = row.strip_suffix('\n').unwrap_or(row);
+        match job::quick::call(bare).filter(|_| apart) {
+            Some(call) => {
+                if run.is_empty() {
+                    begin = (at, line);
+                }
+                lasers |= call.lasers;
+                run.push(call.step(line + 1, at));
+            }
+            None => {
+                if run.len() >= RUN {
+                    whole.compile(begin.0, begin.1)?;
+                    whole.append(&mut run, lasers, at, line);
+                }
+                (run, lasers) = (Vec::new(), 0);
+                apart &= is_whole(bare);
+                if (line - whole.lines) as usize >= PART {
+                    whole.compile(at, line)?;
+                }
+            }
+        }
+        (at, line) = (at + row.len(), line + 1);
+    }
+    if run.len() >= RUN {
+        whole.compile(begin.0, begin.1)?;
+        whole.append(&mut run, lasers, at, line);
+    }
+    whole.compile(at, line)?;
+    whole.job.map_or_else(|| job::compile(text, files), Ok)
+}
+
+/// Whether a line that somebody may have written into an imported job ends what it begins.
+fn is_whole(line: &str) -> bool {
+    let (code, comment) = line.split_once("//").unwrap_or((line, ""));
+    let code = code.trim();
+    let count = |of: char| code.matches(of).count();
+    let ends = code.is_empty() || code.ends_with(';') || code.starts_with("#pragma");
+    ends && count('{') == count('}') && count('(') == count(')') && !code.contains("/*") && !comment.ends_with('\\')
+}
+
+/// A job whose text is compiled in parts.
+struct Parts<'t> {
+    text: &'t str,
+    files: &'t Noted,
+    job: Option<Job>,
+    /// What is compiled: bytes and lines.
+    from: usize,
+    lines: u32,
+}
+
+impl Parts<'_> {
+    /// Compiles up to this byte, which begins this line, from 0.
+    fn compile(&mut self, to: usize, lines: u32) -> Result<(), Vec<Diagnostic>> {
+        let (at, line) = (self.from, self.lines);
+        let part = self.text.get(at..to).filter(|part| !part.is_empty());
+        let Some(part) = part else { return Ok(()) };
         let moved = |found: &mut Diagnostic| {
             found.line += line;
             found.span = found.span.start + at..found.span.end + at;
         };
-        let mut job = job::compile(part, files).map_err(|mut found| {
+        let mut job = job::compile(part, self.files).map_err(|mut found| {
             found.iter_mut().for_each(moved);
             found
         })?;
@@ -187,10 +249,9 @@ fn compile(text: &str, files: &Noted) -> Result<Job, Vec<Diagnostic>> {
             step.line += line;
             step.span = step.span.start + at..step.span.end + at;
         }
-        line += part.matches('\n').count() as u32;
-        at += size;
-        match &mut whole {
-            None => whole = Some(job),
+        (self.from, self.lines) = (to, lines);
+        match &mut self.job {
+            None => self.job = Some(job),
             Some(whole) => {
                 whole.steps.append(&mut job.steps);
                 whole.warnings.append(&mut job.warnings);
@@ -202,8 +263,17 @@ fn compile(text: &str, files: &Noted) -> Result<Job, Vec<Diagnostic>> {
                 whole.lasers |= job.lasers;
             }
         }
+        Ok(())
     }
-    whole.map_or_else(|| job::compile(text, files), Ok)
+
+    /// Appends steps of the text up to this byte. What `import` writes begins with the set-up.
+    fn append(&mut self, steps: &mut Vec<Step>, lasers: u8, to: usize, lines: u32) {
+        if let Some(job) = &mut self.job {
+            job.steps.append(steps);
+            job.lasers |= lasers;
+            (self.from, self.lines) = (to, lines);
+        }
+    }
 }
 
 /// What a pragma says.

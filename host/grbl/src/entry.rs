@@ -3,8 +3,9 @@
 //! In: calls in the notation of jobs, as `gcode` writes them. Out: what travels to the controller,
 //! and what the feeder must know of it.
 use client::Call;
+use job::quick::Quick;
 use job::{Action, Files};
-use protocol::command::{BufLaserFollowRatio, BufLaserOff, BufLaserOn, BufLaserPrfCmd, LnXY, LnXYZ, opcode};
+use protocol::command::opcode;
 
 /// What an entry is, as far as light at a standstill is concerned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -56,58 +57,10 @@ pub fn calls(text: &str) -> Result<Vec<Call>, String> {
     Ok(job.steps.into_iter().filter_map(|step| call(step.action)).collect())
 }
 
-/// The calls that most lines are made of, packed without a compiler.
+/// The calls that most lines are made of, packed without the language around them.
 fn quick(text: &str) -> Option<Call> {
-    let (name, rest) = text.strip_prefix("GT_")?.split_once('(')?;
-    let (arguments, _) = rest.split_once(");")?;
-    let mut numbers = [0.0; 7];
-    let mut count = 0;
-    for argument in arguments.split(", ") {
-        *numbers.get_mut(count)? = argument.parse().ok()?;
-        count += 1;
-    }
-    let [crd, a, b, c, d, e, _] = numbers;
-    let (core, crd, whole) = (1.into(), (crd as i16).into(), |number: f64| number as i16);
-    let at = |number: f64| (number as i32).into();
-    let no = || 0.into();
-    Some(match (name, count) {
-        ("LnXY", 5) => Call::of(LnXY {
-            core,
-            crd,
-            x: at(a),
-            y: at(b),
-            syn_vel: c.into(),
-            syn_acc: d.into(),
-            vel_end: 0.0.into(),
-            fifo: no(),
-        }),
-        ("LnXYZ", 6) => Call::of(LnXYZ {
-            core,
-            crd,
-            x: at(a),
-            y: at(b),
-            z: at(c),
-            syn_vel: d.into(),
-            syn_acc: e.into(),
-            vel_end: 0.0.into(),
-            fifo: no(),
-        }),
-        ("BufLaserPrfCmd", 4) => {
-            Call::of(BufLaserPrfCmd { core, crd, power: a.into(), fifo: no(), channel: whole(c).into() })
-        }
-        ("BufLaserOn", 3) => Call::of(BufLaserOn { core, crd, fifo: no(), channel: whole(b).into() }),
-        ("BufLaserOff", 3) => Call::of(BufLaserOff { core, crd, fifo: no(), channel: whole(b).into() }),
-        ("BufLaserFollowRatio", 6) => Call::of(BufLaserFollowRatio {
-            core,
-            crd,
-            ratio: a.into(),
-            min: b.into(),
-            max: c.into(),
-            fifo: no(),
-            channel: whole(e).into(),
-        }),
-        _ => return None,
-    })
+    let Quick { opcode, body, .. } = job::quick::call(text)?;
+    Some(Call { opcode, payload: body, may_fail: false })
 }
 
 /// The entries of a line.

@@ -23,6 +23,7 @@ mod expr;
 mod initial;
 mod job;
 mod pack;
+pub mod quick;
 mod read;
 mod scan;
 mod statement;

@@ -1,0 +1,160 @@
+//! The calls that paths of programs and drawings are made of, compiled without the language around
+//! them: a name and plain numbers on a line of their own.
+//!
+//! In: a line as `strokes` writes it. Out: what [`crate::compile`] makes of it, or none: then it is
+//! for the compiler. A number that is written in any other manner is none.
+use crate::{Action, Call, Step};
+use protocol::command::{BufLaserFollowRatio, BufLaserOff, BufLaserOn, BufLaserPrfCmd, LnXY, LnXYZ, Request};
+
+/// A call of such a line.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Quick<'t> {
+    /// The statement.
+    pub text: &'t str,
+    /// The function with its prefix.
+    pub function: &'t str,
+    /// Number on the wire.
+    pub opcode: u16,
+    /// The packed request.
+    pub body: Vec<u8>,
+    /// Laser channels that it sets something of, a bit each.
+    pub lasers: u8,
+}
+
+impl Quick<'_> {
+    /// The step of line `line` of a script, in which the line begins at this byte.
+    pub fn step(self, line: u32, at: usize) -> Step {
+        let Quick { text, function, opcode, body, .. } = self;
+        let call = Call { function: function.to_owned(), opcode, body, outs: Vec::new(), may_fail: false };
+        let span = at..at + text.len();
+        Step { line, column: 1, span, text: text.to_owned(), action: Action::Call(call) }
+    }
+}
+
+/// A number as digits, without a zero in front, which C reads as octal.
+fn digits(text: &str) -> Option<&str> {
+    let plain = text.strip_prefix('-').unwrap_or(text);
+    let (whole, part) = plain.split_once('.').unwrap_or((plain, "0"));
+    let all = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    (all(whole) && all(part) && (whole == "0" || !whole.starts_with('0'))).then_some(text)
+}
+
+fn real(text: &str) -> Option<f64> {
+    digits(text)?.parse().ok()
+}
+
+fn whole<T: std::str::FromStr>(text: &str) -> Option<T> {
+    digits(text)?.parse().ok()
+}
+
+/// The call of a line; a comment may follow it.
+pub fn call(line: &str) -> Option<Quick<'_>> {
+    let (statement, rest) = line.split_at(line.find(");")? + 2);
+    let rest = rest.trim_end();
+    if !(rest.is_empty() || rest.starts_with(" // ") && !rest.ends_with('\\')) {
+        return None;
+    }
+    let (function, arguments) = statement.strip_suffix(");")?.split_once('(')?;
+    let mut given = [""; 6];
+    let mut count = 0;
+    for argument in arguments.split(", ") {
+        *given.get_mut(count)? = argument;
+        count += 1;
+    }
+    let [crd, a, b, c, d, e] = given;
+    let core = 1.into();
+    let crd = whole::<i16>(crd)?.into();
+    let short = |text: &str| whole::<i16>(text);
+    let long = |text: &str| whole::<i32>(text).map(Into::into);
+    let number = |text: &str| real(text).map(Into::into);
+    let mut lasers = 0;
+    let mut channel = |text: &str| {
+        let channel = short(text)?;
+        lasers = match channel {
+            0..=1 => 1 << channel,
+            _ => 0,
+        };
+        Some(channel.into())
+    };
+    fn packed<R: Request>(request: R) -> (u16, Vec<u8>) {
+        (R::OPCODE, request.as_bytes().to_vec())
+    }
+    let (opcode, body) = match (function, count) {
+        ("GT_LnXY", 5) => {
+            let (x, y, syn_vel, syn_acc) = (long(a)?, long(b)?, number(c)?, number(d)?);
+            packed(LnXY { core, crd, x, y, syn_vel, syn_acc, vel_end: 0.0.into(), fifo: 0.into() })
+        }
+        ("GT_LnXYZ", 6) => {
+            let (x, y, z, syn_vel, syn_acc) = (long(a)?, long(b)?, long(c)?, number(d)?, number(e)?);
+            packed(LnXYZ { core, crd, x, y, z, syn_vel, syn_acc, vel_end: 0.0.into(), fifo: 0.into() })
+        }
+        ("GT_BufLaserPrfCmd", 4) => {
+            let (power, fifo, channel) = (number(a)?, short(b)?.into(), channel(c)?);
+            packed(BufLaserPrfCmd { core, crd, power, fifo, channel })
+        }
+        ("GT_BufLaserOn", 3) => packed(BufLaserOn { core, crd, fifo: short(a)?.into(), channel: channel(b)? }),
+        ("GT_BufLaserOff", 3) => packed(BufLaserOff { core, crd, fifo: short(a)?.into(), channel: channel(b)? }),
+        ("GT_BufLaserFollowRatio", 6) => {
+            let (ratio, min, max, fifo) = (number(a)?, number(b)?, number(c)?, short(d)?.into());
+            packed(BufLaserFollowRatio { core, crd, ratio, min, max, fifo, channel: channel(e)? })
+        }
+        _ => return None,
+    };
+    Some(Quick { text: statement, function, opcode, body, lasers })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Files, compile};
+
+    struct Nowhere;
+
+    impl Files for Nowhere {
+        fn text(&self, path: &str) -> Result<String, String> {
+            Err(path.to_owned())
+        }
+    }
+
+    #[test]
+    fn a_quick_line_is_what_the_compiler_makes_of_it() {
+        for text in [
+            "GT_LnXY(1, 5, -600000, 1.5, 0.05); // 7",
+            "GT_LnXYZ(1, 5, -6, 2000000000, 0.00000000000123, 12345.678);",
+            "GT_BufLaserPrfCmd(1, 33.3, 0, 1);",
+            "GT_BufLaserOn(1, 0, 1); // 12",
+            "GT_BufLaserOff(2, 1, 0);",
+            "GT_BufLaserFollowRatio(1, 57.99999999999999, 0, 60, 0, 1);",
+        ] {
+            let job = compile(text, &Nowhere).unwrap();
+            let quick = call(text).unwrap();
+            assert_eq!(quick.lasers, job.lasers, "{text}");
+            assert_eq!(vec![quick.step(1, 0)], job.steps, "{text}");
+            assert!(job.warnings.is_empty() && job.axes.is_empty() && job.crds.is_empty(), "{text}");
+        }
+    }
+
+    #[test]
+    fn other_lines_are_for_the_compiler() {
+        for text in [
+            "",
+            "GT_LnXY(1, 5",
+            "GT_BufDelay(1, 20);",
+            "GT_LnXY(1, 5.5, 0, 50, 2);",
+            "GT_LnXY(1, 010, 0, 50, 2);",
+            "GT_LnXY(1, 5, 0, 50, 2, 0);",
+            "GT_LnXY(1, 3000000000, 0, 50, 2);",
+            "GT_LnXY(1, 5, 0, 1e3, 2);",
+            "GT_LnXY(1, 5, 0, inf, 2);",
+            "GT_LnXY(1, x, 0, 50, 2);",
+            "GT_LnXY(1, 5, 0, 50, 2); GT_LnXY(1, 6, 0, 50, 2);",
+            " GT_LnXY(1, 5, 0, 50, 2);",
+            "GT_LnXY(1, 5, 0, 50, 2); // goes on \\",
+            "GT_LnXY(1, +5, 0, 50, 2);",
+            "GT_LnXY(1, 5, 0, .5, 2);",
+            "GT_LnXY(1, 5, 0, 5., 2);",
+        ] {
+            assert_eq!(call(text), None, "{text}");
+        }
+    }
+}
