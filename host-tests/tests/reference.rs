@@ -16,6 +16,8 @@ mod focus;
 mod found;
 #[path = "reference/found_light.rs"]
 mod found_light;
+#[path = "reference/found_paths.rs"]
+mod found_paths;
 #[path = "reference/found_reference.rs"]
 mod found_reference;
 #[path = "reference/judge.rs"]
