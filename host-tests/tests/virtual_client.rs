@@ -217,11 +217,11 @@ fn powers_and_lines(count: i32, wrong: Option<i32>) -> Vec<Call> {
         crd,
         dimension: 2.into(),
         profile,
-        syn_vel_max: 500.0.into(),
-        syn_acc_max: 10.0.into(),
+        syn_vel_max: 849.0.into(),
+        syn_acc_max: 21.0.into(),
         ..SetCrdPrm::default()
     };
-    let look = InitLookAhead { core, crd, fifo, time_ms: 4.0.into(), acc_max: 4.0.into(), count: 200.into() };
+    let look = InitLookAhead { core, crd, fifo, time_ms: 1.789.into(), acc_max: 20.0.into(), count: 200.into() };
     let mut calls = vec![
         Call::of(AxisOn { core, axis: 1.into() }),
         Call::of(AxisOn { core, axis: 2.into() }),
@@ -229,15 +229,15 @@ fn powers_and_lines(count: i32, wrong: Option<i32>) -> Vec<Call> {
         Call::of(look),
     ];
     for k in 1..=count {
-        if k == 150 {
+        if k == 201 {
             calls.push(Call::of(CrdStart { core, mask: 1.into(), option: 0.into() }));
         }
         let power = if k % 10 == 0 { 150.0 } else { f64::from(k % 100) };
         calls.push(Call::of(BufLaserPrfCmd { core, crd, power: power.into(), fifo, channel: 0.into() }));
         let x = if wrong == Some(k) { 2 * (k - 1) } else { 2 * k };
-        let (syn_vel, syn_acc, vel_end) = (50.0.into(), 4.0.into(), 0.0.into());
+        let (syn_vel, syn_acc, vel_end) = (50.0.into(), 5.0.into(), 0.0.into());
         calls.push(Call::of(LnXY { core, crd, x: x.into(), y: 0.into(), syn_vel, syn_acc, vel_end, fifo }));
-        if k % 37 == 0 {
+        if k % 370 == 0 {
             calls.push(Call::of(BufDelay { core, crd, delay_ms: 1.into(), fifo }));
         }
     }
@@ -250,13 +250,13 @@ fn powers_and_lines(count: i32, wrong: Option<i32>) -> Vec<Call> {
 /// for the call before, and for what the look-ahead gives to the path meanwhile.
 #[test]
 fn joined_calls_of_a_program_are_answered_as_single_ones() {
-    for wrong in [None, Some(1), Some(100), Some(700), Some(800)] {
+    for wrong in [None, Some(1), Some(100), Some(1900), Some(2000)] {
         let mut all = Vec::new();
         for joins in [false, true] {
             let options = Options { joins, family: Some(client::Family::Lsr), ..Options::default() };
             let (client, board) = open_with(Config::default(), options);
             let mut found = All(Vec::new());
-            let summary = client.run(powers_and_lines(800, wrong), false, &mut found).unwrap();
+            let summary = client.run(powers_and_lines(2000, wrong), false, &mut found).unwrap();
             let failed = summary.failed.as_ref().map(|answer| answer.index);
             let rows: Vec<_> = found
                 .0
