@@ -180,6 +180,24 @@ fn wrong(root: &Path, from: &Path, link: &str, pages: &mut HashMap<PathBuf, Page
     Ok((!found).then(|| format!("{} has no heading #{anchor}", to.display())))
 }
 
+/// The pages that lead through the code: each file that they name is there.
+const OF_THE_CODE: [&str; 5] = ["tour", "architecture", "add-a-command", "add-a-motion-mode", "add-a-board"];
+
+/// Files in code of a page, from the root of the tree, that are not there: line and name. BOARD
+/// stands for the name of any board.
+fn missing_files(root: &Path, text: &str) -> Vec<(usize, String)> {
+    let in_code = |(line, text): (usize, &str)| {
+        let code = text.split('`').skip(1).step_by(2).map(str::to_owned);
+        code.map(move |code| (line + 1, code)).collect::<Vec<_>>()
+    };
+    let is_file = |code: &str| {
+        let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '/' | '.' | '_' | '-');
+        code.ends_with(".rs") && !code.contains("BOARD") && code.contains('/') && code.chars().all(plain)
+    };
+    let named = text.lines().enumerate().flat_map(in_code);
+    named.filter(|(_, code)| is_file(code) && !root.join(code).is_file()).collect()
+}
+
 /// Everything that is wrong in a tree's pages, and how many links and sentences they have.
 fn faults(root: &Path) -> Outcome<(Vec<String>, usize, usize)> {
     let mut paths: BTreeSet<PathBuf> = TOP.iter().map(PathBuf::from).collect();
@@ -194,6 +212,11 @@ fn faults(root: &Path) -> Outcome<(Vec<String>, usize, usize)> {
         for (line, link) in &page.links {
             let wrong = wrong(root, path, link, &mut pages)?;
             faults.extend(wrong.map(|wrong| format!("{}: the link {link}: {wrong}", at(line))));
+        }
+        if OF_THE_CODE.iter().any(|name| path.file_stem().is_some_and(|stem| stem == *name)) {
+            let text = fs::read_to_string(root.join(path)).map_err(|e| format!("{}: {e}", path.display()))?;
+            let missing = missing_files(root, &text).into_iter();
+            faults.extend(missing.map(|(line, file)| format!("{}: there is no file {file}", at(&line))));
         }
         for (line, reference) in &page.undefined {
             faults.push(format!("{}: [{reference}] is defined nowhere", at(line)));
@@ -276,6 +299,13 @@ mod tests {
         let [first, second] = &tree.faults()[..] else { panic!("{:?}", tree.faults()) };
         assert_eq!(first, "README.md:1: the link docs/page.md#same-2: docs/page.md has no heading #same-2");
         assert_eq!(second, "README.md:1: the link #nothing: README.md has no heading #nothing");
+    }
+
+    #[test]
+    fn a_file_that_a_page_names_and_that_is_not_there_is_found() {
+        let text = "The file `src/pages.rs`.\n\n| `src/gone.rs` | `name` | `src/*.rs` |\n";
+        let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+        assert_eq!(missing_files(root, text), [(3, "src/gone.rs".to_owned())]);
     }
 
     #[test]
