@@ -74,8 +74,8 @@ impl Asymmetric {
         [exact(self.ratios[0]), exact(self.ratios[1]), q]
     }
 
-    /// How much of its S-shape lies at its beginning, after a segment that ends here; none: no share
-    /// gives the displacement.
+    /// How much of its S-shape lies at its beginning, after a segment that ends here; none: no
+    /// share gives the displacement.
     pub fn first(&self, from: f64, begin: f64) -> Option<Rational> {
         let ([r0, r1, q], zero) = (self.shape(), Rational::zero());
         let wanted = (exact(self.slave) - exact(begin)) / (exact(self.master).abs() - exact(from).abs());

@@ -255,7 +255,8 @@ fn a_wait_that_times_out_with_a_tick() {
     agrees(250, &calls);
 }
 
-/// A SwitchNow to the other FIFO on the tick in which a FollowSwitch has left that one: it is empty.
+/// A SwitchNow to the other FIFO on the tick in which a FollowSwitch has left that one: it is
+/// empty.
 #[test]
 fn a_switch_now_after_a_switch_within_its_tick() {
     let mut calls = vec![
