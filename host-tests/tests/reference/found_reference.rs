@@ -279,3 +279,22 @@ fn a_switch_now_after_a_switch_within_its_tick() {
         agrees(250, &calls);
     }
 }
+
+/// Of a Stop and an Abort of one instant either may be why the path came to rest.
+#[test]
+fn a_stop_and_an_abort_of_one_instant() {
+    let calls = [
+        plain(Kind::AxisOn, 0),
+        plain(Kind::AxisOn, 1),
+        frame(None),
+        line(vec![-66, 52]),
+        path(Path::Start { mask: 1, option: 0 }),
+        Call::Sleep { ns: MS },
+        Call::Stop { mask: 3, abrupt: 0 },
+        Call::Abort { core: 1 },
+        Call::Sleep { ns: 21 * MS },
+        path(Path::Why { crd: 1 }),
+        Call::Sleep { ns: MS },
+    ];
+    agrees(250, &calls);
+}

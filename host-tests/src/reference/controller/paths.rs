@@ -512,8 +512,10 @@ impl Controller {
         axes.into_iter().flatten().for_each(|axis| self.axes[axis].doubt = true);
         let then = if abrupt { PathThen::Halt } else { PathThen::Brake };
         let why = if abrupt && why == Why::Smooth { Why::Abrupt } else { why };
-        // Two of them: which of their reasons counts is open.
-        of.ending = if of.brakes || of.ending.is_some_and(|before| before != why) { None } else { Some(why) };
+        // Two of them: which of their reasons counts is open, also after a third one.
+        let stops = |(of, then): &(Name, PathThen)| *of == name && !matches!(then, PathThen::Rate(_));
+        let before = self.path_then.iter().any(stops);
+        of.ending = if of.brakes || before && of.ending != Some(why) { None } else { Some(why) };
         self.path_then.push((name, then));
     }
 
