@@ -76,7 +76,7 @@ fn run(bench: &mut Bench<8>) -> Vec<(u64, u64, i64)> {
     let mut rows = Vec::new();
     while bench.server.view().crds[0].runs {
         let view = bench.server.view();
-        rows.push((view.now.0 - begun, view.lasers[0].power.raw() as u64, view.axes[0].pos.0 as i64));
+        rows.push((view.now.0 - begun, view.lasers[0].power.raw() as u64, view.axes[0].pos.0));
         bench.step();
     }
     rows
