@@ -12,6 +12,8 @@ mod chance;
 mod facts;
 #[path = "light_judge/generator.rs"]
 mod generator;
+#[path = "light_judge/lateness.rs"]
+mod lateness;
 #[path = "light_judge/machine.rs"]
 mod machine;
 #[path = "light_judge/program.rs"]

@@ -11,14 +11,10 @@
 //! Names, parameters and their order: `API.md`; what a command does: `SPEC.md` sections 4 to 6.
 
 pub use crate::class::{Chapter, Class, CommandKind, DataStore, LaneRule, ReadOf, Table, chapter};
+pub use crate::layout::Wire;
+use crate::layout::offset_of_fifo;
 use zerocopy::little_endian::{F64, I16, I32, U16, U32, U64};
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout, Unaligned};
-
-/// A struct of one fixed little-endian layout.
-pub trait Wire: FromBytes + IntoBytes + KnownLayout + Immutable + Unaligned + Copy {
-    /// Fields in wire order: name and type as the protocol page prints them.
-    const FIELDS: &'static [(&'static str, &'static str)];
-}
 
 /// A request that the controller answers.
 pub trait Request: Wire {
@@ -141,25 +137,6 @@ macro_rules! commands {
         #[allow(non_upper_case_globals, missing_docs)]
         pub mod opcode { $( pub const $name: u16 = $opcode; )* }
     };
-}
-
-/// The bytes before the field `fifo`. A layout without it does not compile where this is used.
-const fn offset_of_fifo(fields: &[(&str, &str)]) -> usize {
-    let (mut index, mut place) = (0, 0);
-    loop {
-        let (name, of) = fields[index];
-        if let b"fifo" = name.as_bytes() {
-            return place;
-        }
-        place += match of.as_bytes() {
-            b"F64" => 8,
-            b"I32" => 4,
-            b"I16" | b"U16" => 2,
-            b"u8" => 1,
-            _ => panic!("a type that no call of a path has"),
-        };
-        index += 1;
-    }
 }
 
 wire_structs! {

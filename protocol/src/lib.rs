@@ -19,6 +19,7 @@ mod class;
 pub mod command;
 pub mod deframe;
 pub mod frame;
+mod layout;
 pub mod link;
 pub mod path_many;
 pub mod reason;

@@ -60,17 +60,17 @@ pub fn length(bytes: &[u8], count: u16) -> Option<usize> {
 /// Core, coordinate system and FIFO that a call names; none if it cannot be joined. Of a request
 /// that is too short, what is missing counts as 0: its own admission refuses it.
 pub fn target(call: Joined<'_>) -> Option<[i16; 3]> {
-    let place = fifo_offset(call.0)?;
+    let offset = fifo_offset(call.0)?;
     let short = |at: usize| {
         let bytes = call.1.get(at..).and_then(|rest| rest.first_chunk());
         bytes.map(|bytes| i16::from_le_bytes(*bytes))
     };
-    Some([short(0).unwrap_or(0), short(2).unwrap_or(0), short(place).unwrap_or(0)])
+    Some([short(0).unwrap_or(0), short(2).unwrap_or(0), short(offset).unwrap_or(0)])
 }
 
 /// Whether a request is too short to name its FIFO.
 pub fn is_short(call: Joined<'_>) -> bool {
-    fifo_offset(call.0).is_some_and(|place| call.1.len() < place.saturating_add(2))
+    fifo_offset(call.0).is_some_and(|offset| call.1.len() < offset.saturating_add(2))
 }
 
 /// The head of a call, for whoever writes it.

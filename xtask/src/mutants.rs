@@ -29,7 +29,7 @@ use std::time::{Duration, Instant};
 use survived::SURVIVED;
 
 /// A test that takes this many times its usual time hangs, which counts as finding the mutant.
-const PATIENCE: (u32, Duration) = (3, Duration::from_secs(60));
+const HANGS_AFTER: (u32, Duration) = (3, Duration::from_secs(60));
 
 /// What became of a mutant.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -106,7 +106,7 @@ pub fn run(only: &str) -> Outcome {
             }
             let (all, test) = (began.elapsed().as_secs_f64(), took.as_secs_f64());
             println!("passes  {} ({all:.0} s, the test itself {test:.0})", mutant.test.join(" "));
-            patience.insert(mutant.test, took.saturating_mul(PATIENCE.0) + PATIENCE.1);
+            patience.insert(mutant.test, took.saturating_mul(HANGS_AFTER.0) + HANGS_AFTER.1);
         }
         let (path, began) = (tree.join(mutant.file), Instant::now());
         let text = mutated(&tree, mutant)?;

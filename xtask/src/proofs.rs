@@ -19,7 +19,7 @@ use std::time::{Duration, Instant};
 /// Gappa's program.
 pub const GAPPA: &str = "gappa";
 /// A bound that takes longer than this is not proved.
-const PATIENCE: Duration = Duration::from_secs(15);
+const WAIT_MAX: Duration = Duration::from_secs(15);
 /// Page with the bounds next to the measured values.
 const PAGE: &str = "docs/evidence.md";
 
@@ -155,7 +155,7 @@ fn verdict(script: &str) -> Outcome<Verdict> {
         if let Some(status) = child.try_wait().map_err(|e| e.to_string())? {
             break status;
         }
-        if began.elapsed() > PATIENCE {
+        if began.elapsed() > WAIT_MAX {
             let _ = child.kill();
             let _ = child.wait();
             return Ok(Verdict::Open);

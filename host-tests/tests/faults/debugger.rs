@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
 /// How long the emulator may take to answer or to stop.
-const PATIENCE: Duration = Duration::from_secs(60);
+const WAIT_MAX: Duration = Duration::from_secs(60);
 
 /// Addresses and sizes of what an image is made of.
 pub struct Symbols(Vec<(String, u32, u32)>);
@@ -64,11 +64,11 @@ impl Socket {
         let stream = loop {
             match UnixStream::connect(&self.0) {
                 Ok(stream) => break stream,
-                Err(e) => assert!(begin.elapsed() < PATIENCE, "QEMU's debugger port: {e}"),
+                Err(e) => assert!(begin.elapsed() < WAIT_MAX, "QEMU's debugger port: {e}"),
             }
             std::thread::sleep(Duration::from_millis(5));
         };
-        stream.set_read_timeout(Some(PATIENCE)).unwrap();
+        stream.set_read_timeout(Some(WAIT_MAX)).unwrap();
         let mut debugger = Debugger { stream, held: Vec::new() };
         // The stop by attaching may be reported by itself, before the answers.
         debugger.send("?");

@@ -3,6 +3,7 @@
 //! Boundaries of paths are known by the outputs that BufDoBit changes beside the laser entries,
 //! standstills and the axes' causes by what the axes and coordinate systems show in each tick:
 //! nothing is taken from the lasers.
+use super::lateness::late;
 use super::machine::{Reported, Seen, Sent};
 use super::program::{Act, Buf, Do, Program};
 use host_tests::light_judge::fact::Laser;
@@ -63,22 +64,6 @@ fn changes_follow(noted: &Noted) -> u8 {
         What::Stop { ends_follow, .. } if ends_follow != 0 => 3,
         _ => 0,
     }
-}
-
-/// Whether later calls of the same instant may wait a tick for this one. `stopped`: the coordinate
-/// systems that calls before it stop.
-fn waits_for(call: &Do, stopped: &mut u8) -> bool {
-    match *call {
-        Do::Map { .. } => return true,
-        Do::CrdStart { mask, .. } if mask & *stopped != 0 => {
-            *stopped &= !mask;
-            return true;
-        }
-        Do::Stop { crds, .. } | Do::CrdStop { crds, .. } => *stopped |= crds,
-        Do::AxisStop { axis } => *stopped |= 1 << (axis / 2),
-        _ => {}
-    }
-    false
 }
 
 impl Builder<'_> {
@@ -345,14 +330,21 @@ impl Builder<'_> {
                     What::Delays { channel, on: Ns::from(on) * 1000, off: Ns::from(off) * 1000 }
                 }
                 Do::Mode { channel, mode } if mode != self.program.devices[channel].mode => {
-                    self.note(at, 0, from, sent.at, at + self.late(sent), What::Mode { channel });
+                    self.note(at, 0, from, sent.at, at + late(self.reported, sent, self.tick), What::Mode { channel });
                     continue;
                 }
                 Do::Connector { channel, there } => {
                     // Analog light needs none.
                     let there = there || matches!(self.program.settings.channels[channel].output, Output::Volts { .. });
                     let lo = if there { at } else { sent.at };
-                    self.note(at, 0, from, lo, at + self.late(sent), What::Connector { channel, there });
+                    self.note(
+                        at,
+                        0,
+                        from,
+                        lo,
+                        at + late(self.reported, sent, self.tick),
+                        What::Connector { channel, there },
+                    );
                     continue;
                 }
                 Do::ClearFault { channel } => {
@@ -380,7 +372,7 @@ impl Builder<'_> {
                 }
                 _ => continue,
             };
-            let late = self.late(sent);
+            let late = late(self.reported, sent, self.tick);
             // What rests in the tick before goes by the delays before.
             let rank = if matches!(what, What::Delays { .. }) { 3 } else { 0 };
             self.note(at, rank, from, at, at + late, what);
@@ -388,26 +380,6 @@ impl Builder<'_> {
         for (crd, at) in again {
             self.again(crd, at);
         }
-    }
-
-    /// What is said together with an abort, a new session or many entries may wait for it: for how
-    /// long.
-    fn late(&self, sent: &Sent) -> Ns {
-        let waits = self.reported.acts.iter().any(|&(when, act)| {
-            (sent.at - 2 * self.tick..=sent.at).contains(&when)
-                && matches!(act, Act::Session | Act::Call(Do::Abort | Do::Entry { .. } | Do::Mode { .. }))
-        });
-        // What comes with a call that is refused may wait with it.
-        let behind = |other: &Sent| other.at == sent.at && other.code != Some(0);
-        if waits || self.reported.sent.iter().any(behind) {
-            return 3 * self.tick;
-        }
-        // What comes after a map in one tick may wait for the next. So may what comes after a start
-        // of what a call of the same instant stops: the start is decided on the executed stop.
-        let with = self.reported.sent.iter().take_while(|other| !std::ptr::eq(*other, sent));
-        let mut stopped = 0;
-        with.filter(|other| other.at == sent.at).map(|other| Ns::from(waits_for(&other.call, &mut stopped))).sum::<Ns>()
-            * self.tick
     }
 
     /// A start that acts at this instant, or when it was seen to; one that was not answered, only

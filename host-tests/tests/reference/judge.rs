@@ -18,10 +18,10 @@ const HALF: Fix = Fix(1 << 63);
 /// Ticks after the last call that are compared.
 const TAIL: usize = 8;
 /// No program lasts longer.
-const MOST: usize = 60_000;
+const TICKS_MAX: usize = 60_000;
 
 fn reference(site: &Site, tick_us: u32, begin: &[i64], calls: &[Call]) -> Program {
-    Controller::new(site, i64::from(tick_us) * 1000, begin).run(calls, TAIL, MOST)
+    Controller::new(site, i64::from(tick_us) * 1000, begin).run(calls, TAIL, TICKS_MAX)
 }
 
 /// Beside a program that has run: encoder counts and levels before it are those of the machine.
@@ -35,7 +35,7 @@ fn beside(site: &Site, tick_us: u32, reported: &Reported, calls: &[Call]) -> Pro
         .with_encoders(reported.more.iter().map(|more| more.encoders.clone()).collect())
         .with_outputs(levels)
         .with_sessions(reported.sessions.clone())
-        .run(calls, TAIL, MOST)
+        .run(calls, TAIL, TICKS_MAX)
 }
 
 fn same(value: &Value, got: Got, peak: f64) -> bool {
@@ -249,7 +249,7 @@ fn edges(what: &str, mine: Vec<(f64, u8, bool)>, theirs: &[(i64, u8, bool)], end
 /// The program with some ms after every call that is refused: a refused entry makes others of its
 /// instant late by a tick (docs/jobs.md). `REFERENCE_TOGETHER=1` leaves them together.
 pub fn apart(site: &Site, tick_us: u32, calls: &[Call]) -> Option<Vec<Call>> {
-    Controller::new(site, i64::from(tick_us) * 1000, &vec![0; site.axes.len()]).apart(calls, TAIL, MOST)
+    Controller::new(site, i64::from(tick_us) * 1000, &vec![0; site.axes.len()]).apart(calls, TAIL, TICKS_MAX)
 }
 
 /// What differs, if anything.

@@ -9,7 +9,7 @@ use super::answer::{Answer, DONE, check, either, range};
 use super::{Controller, Reply, Value};
 
 /// The lowest frequency, kHz.
-const LEAST: f64 = 0.001;
+const KHZ_MIN: f64 = 0.001;
 /// The longest delay, µs.
 const LONGEST: f64 = 65535.0;
 /// The most of a ratio of the distance follow, and the scales of the two families.
@@ -24,14 +24,14 @@ pub(super) fn take(family: Family, x: f64, [low, high]: [f64; 2]) -> Result<f64,
 
 /// A power: pulses of less than 1 Hz are refused in both families.
 pub(super) fn take_power(of: &Channel, x: f64) -> Result<f64, i16> {
-    range(of.law.mode != Mode::Frequency || x <= 0.0 || x >= LEAST)?;
+    range(of.law.mode != Mode::Frequency || x <= 0.0 || x >= KHZ_MIN)?;
     take(of.law.family, x, [0.0, of.law.most()])
 }
 
 /// A frequency other than that of pulses of light.
 fn take_frequency(law: &Law, khz: f64) -> Result<f64, i16> {
-    range(khz >= LEAST)?;
-    take(law.family, khz, [LEAST, law.highest()])
+    range(khz >= KHZ_MIN)?;
+    take(law.family, khz, [KHZ_MIN, law.highest()])
 }
 
 /// Bounds with min ≤ max, as given and as taken.

@@ -37,7 +37,7 @@ flood = 2
 ";
 
 /// How long anything may take here.
-const PATIENCE: Duration = Duration::from_secs(60);
+const WAIT_MAX: Duration = Duration::from_secs(60);
 
 pub struct Rig {
     pub board: Shared,
@@ -147,7 +147,7 @@ impl Sender {
                 let line: Vec<u8> = self.read.drain(..=end).collect();
                 return String::from_utf8(line).unwrap().trim().to_owned();
             }
-            assert!(began.elapsed() < PATIENCE, "no answer; there is {:?}", self.read);
+            assert!(began.elapsed() < WAIT_MAX, "no answer; there is {:?}", self.read);
             let mut bytes = [0; 4096];
             match self.stream.read(&mut bytes) {
                 Ok(0) => panic!("the port closed the connection"),
@@ -225,7 +225,7 @@ impl Sender {
             if fits(&status) {
                 return status;
             }
-            assert!(began.elapsed() < PATIENCE, "{status:?} {:?}", self.dropped);
+            assert!(began.elapsed() < WAIT_MAX, "{status:?} {:?}", self.dropped);
         }
     }
 

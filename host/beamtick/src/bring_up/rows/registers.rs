@@ -61,7 +61,7 @@ pub const ROWS: &[Row] = &[
         what: "width of the timers' registers",
         assumptions: &[],
         judge: widths,
-        remedy: "change `MOST` of repetitions in servo/src/output/cycles.rs to what the register holds",
+        remedy: "change `CYCLE_MAX_COUNTS` in servo/src/output/cycles.rs to what the registers hold",
     },
     Row {
         what: "lock-up and low supply break the lasers",
