@@ -234,7 +234,7 @@ fn a_second_stream_counts_from_0() {
     let mut bench = Bench::gus();
     let (core, profile) = (CORE.into(), 1.into());
     let mut entries = vec![entry(AxisOn { core, axis: profile }), entry(PrfPt { core, profile, mode: 1.into() })];
-    // The second stream's times would fit behind the first one's.
+    // The second stream's times would fit after the first one's.
     for (pos, time) in [(10.0, 10), (20.0, 40), (20.0, 100)] {
         entries.extend([
             entry(PtData { kind: 1.into(), ..pt_data(1, pos, time) }),

@@ -123,7 +123,7 @@ fn pt_data_of_every_kind() {
     let many = PtDataMany { core: 1.into(), profile: 1.into(), fifo: 0.into(), count: 3.into() };
     let answer = bench.call_items(many, &[pt_item(1.0, 200, 0), pt_item(2.0, 300, 0), pt_item(3.0, 300, 0)]);
     assert_eq!((answer.reason(), answer.refusal().item.get()), (Reason::NotIncreasing, 2));
-    // The time is the second field of an item, behind four of the request.
+    // The time is the second field of an item, after four of the request.
     assert_eq!(answer.refusal().field, 5);
     assert_eq!(bench.done(space).value.get(), 31);
     // Data written after the end is overwritten: the chain continues from 100 ms.

@@ -78,7 +78,7 @@ pub struct Bench<'m> {
     awaiting: [VecDeque<Sent>; 3],
     /// What became of the model's requests since it looked last.
     pub fates: Vec<(usize, u32, Fate)>,
-    /// Frames that come behind the next one, each way.
+    /// Frames that come after the next one, each way.
     late: [Option<Vec<u8>>; 2],
     wire: Vec<u8>,
     /// Answers so far, with code 0 and with another.

@@ -12,7 +12,7 @@
 //! * while nothing has come over the line for longer than the link-loss time, no channel has light,
 //!   nor its switch on but in mode 3 of GUS;
 //! * a channel that shows a fault is at rest;
-//! * after an Abort behind which nothing was sent everything is at rest, standby, pre-voltage and
+//! * after an Abort after which nothing was sent everything is at rest, standby, pre-voltage and
 //!   the switch of mode 3 too;
 //! * a set-point never goes further in a tick than the step limit, never beyond the edge of travel,
 //!   and stands still while its axis does not run.

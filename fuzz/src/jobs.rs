@@ -1,6 +1,6 @@
 //! Job scripts: compiled, and run in a controller for a bounded time.
 //!
-//! The input is the script; behind a NUL comes the text of every file that it loads. Held: a script
+//! The input is the script; after a NUL comes the text of every file that it loads. Held: a script
 //! is compiled or refused with places inside of it; what was compiled is answered call by call and
 //! breaks nothing that [`crate::guard`] holds.
 use crate::bench::{Bench, Line};

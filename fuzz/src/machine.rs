@@ -172,7 +172,7 @@ impl Game<'_> {
                 }
             }
             22 => self.bench.send(ProgramStart::OPCODE, Lane::Immediate, vec![from.byte() & 1], None),
-            // The line is cut, for ever so long, with or without a new session behind it.
+            // The line is cut, for ever so long, with or without a new session after it.
             23 | 24 => {
                 self.bench.cut = true;
                 let count = from.below(2200) as u32;
@@ -346,7 +346,7 @@ impl Game<'_> {
         Mark { at: 0, value: self.bench.board.outputs().analog[7], place }
     }
 
-    /// Whatever came before, an Abort is carried out, and nothing is output behind it.
+    /// Whatever came before, an Abort is carried out, and nothing is output after it.
     fn abort(&mut self) {
         self.bench.settle();
         self.ask(opcode::Abort, &1i16.to_le_bytes());

@@ -156,7 +156,7 @@ impl Row {
             marked.is_some_and(|count| (least..=most).contains(&count)),
             "{marked:?} marks of {least} to {most}: {ran:?}, {self:?}"
         );
-        // Each mark once and in order; a mark stays if an entry behind it takes time.
+        // Each mark once and in order; a mark stays if an entry after it takes time.
         let mut numbers = all.iter();
         for shown in ran.marks.iter().skip(1) {
             let number = numbers.find(|number| *number % 2 == 0 && mark(fifo, **number) == shown.value);

@@ -1,6 +1,6 @@
 //! An input as numbers.
 //!
-//! In: bytes. Out: choices; zeros behind the end. Any bytes are an input, and a small change of
+//! In: bytes. Out: choices; zeros after the end. Any bytes are an input, and a small change of
 //! them is a small change of what is done.
 use arbitrary::Unstructured;
 

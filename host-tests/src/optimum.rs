@@ -30,7 +30,7 @@ pub enum Turn {
     /// They are added with their signs, on each side of a corner by itself: so the mean keeps the
     /// limit. What a motion does by itself keeps it too.
     Signed,
-    /// The same, but a corner counts with the motion behind it only: quicker, and no plan that
+    /// The same, but a corner counts with the motion after it only: quicker, and no plan that
     /// keeps the limits.
     Behind,
 }

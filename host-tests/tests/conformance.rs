@@ -316,7 +316,7 @@ fn running() -> Call {
     Call::of(GetSts { core: 1.into(), axis: AXIS.into(), count: 1.into() })
 }
 
-/// Runs it with `then` behind the start, and stops the master.
+/// Runs it with `then` after the start, and stops the master.
 fn under_test(mode: Mode, tick_us: u32, passes: i32, then: Vec<Call>) -> Run {
     let mut calls = mode.load();
     calls.extend([mode.loops(passes), mode.start()]);

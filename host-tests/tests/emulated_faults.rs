@@ -243,8 +243,8 @@ fn cut_job(board: &Board, bytes: usize) -> (bool, Vec<u8>) {
     (lit, sent)
 }
 
-/// A frame ends with a zero. Cut within each frame and behind it; with BEAMTICK_EVERY_BYTE set,
-/// behind every byte.
+/// A frame ends with a zero. Cut within each frame and after it; with BEAMTICK_EVERY_BYTE set,
+/// after every byte.
 #[test]
 fn a_link_that_is_cut_anywhere_in_a_job_ends_dark() {
     let Some(image) = image() else { return };

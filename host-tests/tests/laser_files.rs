@@ -63,7 +63,7 @@ fn vcd_shows_pulses_switch_and_voltage_to_the_nanosecond() {
     vcd.change(0, &SignalChange::Pulses(Burst::new(100_007, 2, train)));
     vcd.change(1, &SignalChange::Dac { at: 100_007, code: 8_192 });
     vcd.change(1, &SignalChange::Dac { at: 249_999, code: -32_767 });
-    // Begins before the row and ends behind it.
+    // Begins before the row and ends after it.
     vcd.change(0, &SignalChange::Energy { at: 249_000, level: true });
     vcd.row(&row(1, 0.0, lasers())).unwrap();
     vcd.change(0, &SignalChange::Energy { at: 250_100, level: false });

@@ -46,7 +46,7 @@ struct Model<'a> {
     outcome: Outcome,
     /// Shafts of axes 1 to 4 at each row: what the encoders round.
     shafts: Vec<[f64; 4]>,
-    /// Their velocities at each row behind the filter of 1 ms, for each row at which it may have
+    /// Their velocities at each row after the filter of 1 ms, for each row at which it may have
     /// begun.
     filtered: Vec<Vec<[f64; 4]>>,
 }
@@ -54,7 +54,7 @@ struct Model<'a> {
 impl<'a> Model<'a> {
     fn new(setup: &'a Setup, made: &'a Made, tick: Ns) -> Model<'a> {
         let light = light(setup.family, &made.acts);
-        // The script's last call, a read, is answered a tick behind it.
+        // The script's last call, a read, is answered a tick after it.
         let mut outcome = outcome(setup.family, &light.job, made.horizon + tick);
         outcome.switch.retain(|edge| edge.0 < made.horizon);
         let mut model = Model { setup, made, tick, light, outcome, shafts: vec![[0.0; 4]], filtered: Vec::new() };
@@ -74,7 +74,7 @@ impl<'a> Model<'a> {
         model
     }
 
-    /// Velocities behind the filter, which takes the first one of the row `from` as it is and rests
+    /// Velocities after the filter, which takes the first one of the row `from` as it is and rests
     /// with the path.
     fn filter(&self, from: usize) -> Vec<[f64; 4]> {
         let ms = self.tick as f64 / 1e6;
@@ -255,7 +255,7 @@ impl<'a> Model<'a> {
         rest.min(self.made.carrier - rest) <= 3
     }
 
-    /// Powers just before and behind an instant: an action is within some ns of the model's.
+    /// Powers just before and after an instant: an action is within some ns of the model's.
     fn around(&self, at: Ns) -> (f64, f64) {
         let (a, b) = (self.powers(at - SLACK), self.powers(at + SLACK));
         (a.0.min(b.0), a.1.max(b.1))

@@ -153,7 +153,7 @@ fn path_of(entries: u32) -> (Done, u32) {
 fn counts_of_a_path_and_of_light_go_round_and_nothing_is_different() {
     let (new, light) = path_of(0);
     assert!(light > 100, "{light} units of light");
-    // Some 180 entries go through a FIFO: it is left and gone on with before and behind the place
+    // Some 180 entries go through a FIFO: it is left and gone on with before and after the place
     // where its count goes round.
     for before in [u32::MAX - 20, u32::MAX - 120, u32::MAX / 2 - 60] {
         let (old, on_time) = path_of(before);

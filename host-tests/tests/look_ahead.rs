@@ -58,7 +58,7 @@ fn spiral() -> Vec<Point> {
     })
 }
 
-/// A way that wanders, with a corner of up to 115° behind every hundredth motion.
+/// A way that wanders, with a corner of up to 115° after every hundredth motion.
 fn corners() -> Vec<Point> {
     let mut chance = Chance::new(11);
     let (mut x, mut y, mut angle, mut bend) = (0.0f64, 0.0f64, 0.0f64, 0.0f64);

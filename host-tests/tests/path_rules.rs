@@ -15,7 +15,7 @@ use rules::{END, LIGHT, MOTION, Rule};
 const TICK: Ns = 250_000;
 /// The script clock at GO.
 const GO: Ns = 100_000_000;
-/// ms behind the last statement.
+/// ms after the last statement.
 const TAIL: i64 = 170;
 
 fn text(rule: &Rule) -> String {
@@ -140,7 +140,7 @@ fn an_underrun_is_dark_and_latched_on_every_mapped_channel() {
         let dark = beams.switch[1];
         assert!(!dark.1 && dark.0 as f64 >= end - 1.0 && dark.0 as f64 <= end + TICK as f64, "{dark:?} for {end}");
     }
-    // The next path moves in the dark; the one behind the clear, from 65 ms on, has light on the
+    // The next path moves in the dark; the one after the clear, from 65 ms on, has light on the
     // cleared channel.
     assert_eq!(first.switch.len(), 4);
     assert_eq!(first.switch[2], (zero + 65_000_000, true));

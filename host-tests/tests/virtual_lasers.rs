@@ -263,7 +263,7 @@ fn the_interlock_rests_everything_until_it_is_cleared() {
     assert!(!board.lock().unwrap().laser(0).switch, "light is not");
 }
 
-/// What both channels do in the first calls of [`marks`] and 5 ms behind them, with the interlock
+/// What both channels do in the first calls of [`marks`] and 5 ms after them, with the interlock
 /// raised that long after the last tick of the calls; and the instant of that tick.
 fn stopped_after(calls: usize, ns: Option<u64>) -> ([Edges; 2], u64) {
     let (client, board) = open();

@@ -354,7 +354,7 @@ fn the_switches_are_the_models_to_a_count() {
 }
 
 /// The first so many pulses of a train as a timer carries them out: counts from the first one's
-/// beginning to that of the one behind, counts of light, and pulses that begin with a cycle.
+/// beginning to that of the one after, counts of light, and pulses that begin with a cycle.
 fn carried_out(train: Train, pulses: u64) -> (u64, u64, u64) {
     let whole = train.period.whole * pulses + u64::from(train.period.part) * pulses / u64::from(train.period.of.max(1));
     let lasts = 250_000;

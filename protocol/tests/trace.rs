@@ -142,7 +142,7 @@ fn lasers_and_paths_come_after_the_axes_and_what_is_reported_before_its_row() {
 
 #[test]
 fn several_rows_share_a_frame() {
-    // 23 bytes a row, 1383 a body behind its kind: 60 rows; head and end.
+    // 23 bytes a row, 1383 a body after its kind: 60 rows; head and end.
     assert_eq!(frames(600, 1, 0).len(), 12);
 }
 

@@ -37,7 +37,7 @@ pub struct Curve {
     /// Exact ends.
     length: Fix,
     end: Fix,
-    /// Slope behind the last piece (a Jog that goes on).
+    /// Slope after the last piece (a Jog that goes on).
     pub cruise: Fix,
     /// No slope is greater.
     pub steepest: Fix,

@@ -69,7 +69,7 @@ pub struct Road {
     pub left: Option<Arc<Mutex<usize>>>,
     /// Bytes sent.
     pub sent: Arc<Mutex<Vec<u8>>>,
-    /// Behind a cut nobody is waited for: the client's time runs ahead, ns.
+    /// After a cut nobody is waited for: the client's time runs ahead, ns.
     ahead: u64,
 }
 

@@ -71,7 +71,7 @@ impl Builder<'_> {
         self.noted.push(Noted { key, rank, from, fact: Fact { lo, hi, what } });
     }
 
-    /// Groups of entries, each behind a mark, and when they were reached.
+    /// Groups of entries, each after a mark, and when they were reached.
     fn entries(&mut self) {
         let mut queues: [VecDeque<Vec<(usize, Laser)>>; 4] = Default::default();
         let set_up = self.program.entries.iter().map(|call| Sent { at: 0, call: *call, code: Some(0) });
@@ -80,7 +80,7 @@ impl Builder<'_> {
         for edge in &self.reported.edges {
             let Digital::General(bit @ 0..4) = edge.output else { continue };
             let at = edge.at_ns as Ns;
-            // What stands behind a mark that is passed before a CrdClear acts is passed, too.
+            // What stands after a mark that is passed before a CrdClear acts is passed, too.
             let acts = |one: &Sent| one.at + if matches!(one.call, Do::CrdClear { .. }) { self.tick } else { 0 };
             while let Some(one) = sent.next_if(|one| acts(one) < at) {
                 Self::queue(&mut queues, one);
@@ -448,7 +448,7 @@ impl Builder<'_> {
     /// In order, and a doubt around what may have come in another one.
     fn ordered(mut self) -> Vec<Fact> {
         self.noted.sort_by_key(|noted| (noted.key, noted.rank));
-        // Before the earlier one, and behind each one from there to the later one.
+        // Before the earlier one, and after each one from there to the later one.
         let mut doubts: Vec<(usize, usize, u8, u8)> = Vec::new();
         let near = 4 * self.tick;
         for later in 0..self.noted.len() {

@@ -1,5 +1,5 @@
 //! The instants of a path that is started and left alone, in exact arithmetic: what the model's
-//! doubles are held to. Numbers have 160 bits behind the point and any number before it; the
+//! doubles are held to. Numbers have 160 bits after the point and any number before it; the
 //! lengths of arcs, which have π in them, are the model's.
 use host_tests::path_model::{Entry, Frame, Geometry};
 use num_bigint::BigInt;

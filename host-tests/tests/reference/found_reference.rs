@@ -6,7 +6,7 @@ use host_tests::reference::{
 };
 
 /// A slave that has come back through its passes rests at its origin. A SwitchNow by segment began
-/// its first segment; the reference had its last one behind it, and jumped to its end.
+/// its first segment; the reference had its last one after it, and jumped to its end.
 #[test]
 fn a_switch_now_before_the_first_pass() {
     for back in [1993, 300] {

@@ -27,7 +27,7 @@ pub fn check(arguments: &Check) -> Result<(), Failure> {
     let mut clock = 0u64;
     say!("{:>6}  {:>14}  step", "line", "script clock");
     for step in &source.job.steps {
-        // Behind a wait the clock is known only relative to its end.
+        // After a wait the clock is known only relative to its end.
         let time =
             format!("{}{}.{:03} ms", "w+".repeat(usize::from(waits > 0)), clock / 1_000_000, clock / 1000 % 1000);
         let what = match &step.action {

@@ -392,7 +392,7 @@ fn times_of_a_plot_are_checked_before_the_job_runs() {
     assert!(with(&["--from", "x"]).contains("invalid value 'x'"));
     assert!(refused(&["--to", "5"]).contains("--plot"));
     assert!(!Path::new(&plot).exists());
-    // Behind the end of the trace: known only after the job.
+    // After the end of the trace: known only after the job.
     let (_, errors, code) =
         beamtick(&["sim", job.to_str().unwrap(), "--plot", &plot, "--from", "1e9", "--tick-us", "1000"]);
     assert!(code == 1 && errors.contains("the trace ends at"), "{errors}");
@@ -400,7 +400,7 @@ fn times_of_a_plot_are_checked_before_the_job_runs() {
     assert!(Path::new(&plot).exists());
 }
 
-/// A job of its own, with more words behind it.
+/// A job of its own, with more words after it.
 fn job(text: impl AsRef<[u8]>, words: &[&str]) -> (String, String, i32) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("own.gts");

@@ -42,7 +42,7 @@ fn the_listings_output_what_they_say() {
         // Three marks of 2, 1 and 1.5 ms, each longer by 50 µs: 4.65 ms are 18 units.
         ("laser_duty_open", "gus", &["0", "18"], "duty mode, dark, output 0 %, light of 4.500 ms"),
         // Six bursts, each shorter by 40 µs: 11.76 ms are 47 units. The belt brakes from 20400 at
-        // 50 pulse/ms and 1 pulse/ms²; the head is 650 behind the third knot of its second pass:
+        // 50 pulse/ms and 1 pulse/ms²; the head is 650 after the third knot of its second pass:
         // 2500 + 8000 + 4600 + 0.6 · 650 + 0.2/3000 · 650².
         (
             "laser_flying_shear",

@@ -465,7 +465,7 @@ rtn = GT_GetLaserOnTime(0, &units);";
         let ns = |ms: f64| (ms * 1e6) as u64;
         // Stopped from row 100.25 on, at rest 25 ms later, at 625 + 50·75 + 625 = 5000 pulses.
         assert_eq!((gate[1].0, gate[2].0), (ns(0.25), ns(125.25)), "{family}");
-        // WaitStop ends at the tick of the rest, the start acts a tick behind the sleep.
+        // WaitStop ends at the tick of the rest, the start acts a tick after the sleep.
         assert_eq!(gate[3].0, ns(145.5), "{family}");
         // 5000 pulses more: 100 + 25 ms.
         assert_eq!(gate[4].0, ns(270.5), "{family}");

@@ -80,7 +80,7 @@ impl Ran {
         assert!(expected.len() == found.len() && close, "{found:?} is not {expected:?} at {ms} ms");
     }
 
-    /// Whether this line is among what it said, behind the place in the job.
+    /// Whether this line is among what it said, after the place in the job.
     fn says(&self, line: &str) {
         let said = self.out.lines().filter_map(|said| Some(said.split_once(": ")?.1)).any(|said| said == line);
         assert!(said, "no `{line}` in {}", self.out);
@@ -129,7 +129,7 @@ fn listing_3_2_runs_with_a_sleep_in_place_of_the_key() {
     single(&run(&fs::read_to_string(example("follow_single.gts")).unwrap()).done());
 }
 
-/// Table 3-4 behind 50000 pulses of the master, which is there after 1025 ms.
+/// Table 3-4 after 50000 pulses of the master, which is there after 1025 ms.
 fn single(ran: &Ran) {
     for (ms, master, slave, velocity) in [
         (1000.0, 48_750, 0, 0.0),

@@ -1,4 +1,4 @@
-//! `compat/stdafx.h` with either header, before and behind it: `commandhandler` prints the reason
+//! `compat/stdafx.h` with either header, before and after it: `commandhandler` prints the reason
 //! of the call that failed.
 
 mod toolchain;

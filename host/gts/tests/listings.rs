@@ -30,7 +30,7 @@ fn between<'m>(manual: &'m str, from: &str, to: &str) -> &'m str {
     &rest[..rest.find(to).unwrap_or_else(|| panic!("no `{to}` behind `{from}`"))]
 }
 
-/// The fenced code of a part, one block behind the other.
+/// The fenced code of a part, one block after the other.
 fn fenced(part: &str) -> String {
     part.split("```").skip(1).step_by(2).collect()
 }
@@ -230,7 +230,7 @@ fn laser(name: &str, family: &str, part: &str) -> Option<Trace> {
     run(name, &text, &[("BEAMTICK_FAMILY", family)])
 }
 
-/// Gate, power and carrier of a laser, 5 ms behind the start of its light.
+/// Gate, power and carrier of a laser, 5 ms after the start of its light.
 fn lit(trace: &Trace, laser: u32) -> (f64, f64, f64) {
     let on = trace.column(&format!("laser{laser}_gate")).iter().position(|gate| *gate == 1.0).expect("light");
     let value = |what: &str| trace.column(&format!("laser{laser}_{what}"))[on + 20];

@@ -174,7 +174,7 @@ fn every_declared_function_is_exported() {
 
 #[test]
 fn structs_and_defaults_are_those_of_the_manuals() {
-    // Offsets of the known layout where `long` has 32 bits; with 64 only what stands behind one
+    // Offsets of the known layout where `long` has 32 bits; with 64 only what stands after one
     // moves.
     let source = r#"
 #include "gts.h"

@@ -25,10 +25,10 @@ fn exceptions_are_taken_and_left_as_the_manual_says() {
     let words: Vec<u32> = (0..count).map(|n| memory.word(0x3800_0004 + 4 * n).unwrap()).collect();
     #[rustfmt::skip]
     let expected = [
-        // 1 preempts 0 that pends it, 2 waits for its end, the bell comes behind both; the call
+        // 1 preempts 0 that pends it, 2 waits for its end, the bell comes after both; the call
         // comes at once.
         1, 0x100, 0x110, 0x101, 0x120, 0x130, 0x140, 2,
-        // 2 is held by BASEPRI, 1 is not; 2 comes when the mask goes; WFI ends behind PRIMASK, 1
+        // 2 is held by BASEPRI, 1 is not; 2 comes when the mask goes; WFI ends after PRIMASK, 1
         // comes when that goes.
         3, 4, 0x110, 5, 0x120, 6, 7, 8, 0x110, 9,
         // Floating-point registers and FPSCR survive.

@@ -261,7 +261,7 @@ fn the_code_of_the_tick_is_read_only_and_null_is_nobodys() {
     while machine.running() != 0 {
         machine.run(1);
     }
-    // `ldr r0, [r1]`, and `b .` behind it.
+    // `ldr r0, [r1]`, and `b .` after it.
     assert!(machine.chip.memory.load(SPARE, &0xe7fe_6808u32.to_le_bytes()));
     machine.set_register(Register::R(1), 0x1fc);
     machine.set_register(Register::Pc, SPARE | 1);

@@ -27,7 +27,7 @@ const SHORT: [(&str, &str); 7] = [
     ("0, 10000, 50", "6500, 333, 50"),
     ("Sleep(1000);", "Sleep(30);"),
     ("Sleep(2000);", "Sleep(70);"),
-    // A row behind the last edge.
+    // A row after the last edge.
     ("rtn = GT_GetLaserOnTime(0, &units);", "Sleep(10);"),
     ("rtn = GT_BufLaserOn(1, 0, 0);", "rtn = GT_BufLaserOn(1, 0, 0); rtn = GT_BufIO(1, 12, 4, 4, 0);"),
     ("rtn = GT_BufLaserOff(1, 0, 0);", "rtn = GT_BufLaserOff(1, 0, 0); rtn = GT_BufIO(1, 12, 4, 0, 0);"),

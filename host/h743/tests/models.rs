@@ -558,7 +558,7 @@ fn an_adc_shows_what_was_there_at_the_end_of_sampling_and_wants_its_calibration(
         assert_eq!(get(&mut adc, 0, now) & 1, 1);
         set(&mut adc, cr, 1 << 28 | 2 << 8 | 1 << 2, now);
         assert_eq!(adc.complaint.is_none(), calibrates, "{:?}", adc.complaint);
-        // Sampling ends 64.5 cycles behind the start, the conversion 8.5 later; the other channel's
+        // Sampling ends 64.5 cycles after the start, the conversion 8.5 later; the other channel's
         // takes as long.
         let (sampled, whole) = (now + CYCLE * 129 / 2, now + CYCLE * 73);
         adc.apply(1, 1.0, 0);

@@ -36,7 +36,7 @@ const REST_LOW: [&str; 34] = [
 ];
 /// The laser's among them.
 const LIGHT: [&str; 8] = ["PE9", "PE5", "PC7", "PC8", "PE8", "PE4", "PB0", "PB15"];
-/// 0 V behind the stage of an analog output.
+/// 0 V after the stage of an analog output.
 const ZERO: u16 = 2048;
 
 /// What left its rest since then, with its instant: outputs by their names, analog outputs by their
@@ -81,7 +81,7 @@ struct Road {
     sent: Arc<Mutex<Vec<u8>>>,
     /// Bytes that still pass, then it is cut both ways.
     left: Arc<Mutex<usize>>,
-    /// Behind a cut nobody is waited for: the client's time runs ahead, ns.
+    /// After a cut nobody is waited for: the client's time runs ahead, ns.
     ahead: u64,
 }
 
@@ -278,7 +278,7 @@ fn no_reset_under_light_and_a_sending_host_lights_or_moves_anything() {
         sent.lock().unwrap().clear();
         shine(&client, &machine);
         *left.lock().unwrap() = 0;
-        // All commands of the session, on and on, before the end and behind it.
+        // All commands of the session, on and on, before the end and after it.
         let stale = std::mem::take(&mut *sent.lock().unwrap());
         drop(client);
         let lasts = if how == End::Watchdog { 140 } else { 40 };
@@ -369,8 +369,8 @@ const LINK_LOST: i16 = 2;
 const LASER_EVENT: u8 = 3;
 const LINK_EVENT: u8 = 4;
 
-/// A frame ends with a zero. Cut within some frames and behind them; with BEAMTICK_EVERY_BYTE set,
-/// behind every byte.
+/// A frame ends with a zero. Cut within some frames and after them; with BEAMTICK_EVERY_BYTE set,
+/// after every byte.
 #[test]
 fn a_link_that_is_cut_anywhere_in_a_job_ends_dark_and_nothing_is_done_twice() {
     let Some(elf) = image() else { return };

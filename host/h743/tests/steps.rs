@@ -77,7 +77,7 @@ fn run(elf: &[u8], tick_us: i32, tops: [i64; 8]) {
         assert!(gaps.iter().all(|gap| *gap >= 1000 - 100), "axis {axis}: {:?} ns", gaps.iter().min());
         // While it goes evenly, a tick holds one of two whole numbers of steps, spread over it to a
         // slot. What the set-up of the direction has taken of the first tick at full speed, two
-        // steps, comes behind.
+        // steps, comes after.
         let (tick, speed) = (tick_us.unsigned_abs() as u64 * 1000, top.unsigned_abs());
         let (ideal, few) = (1_000_000 / speed, tick * speed / 1_000_000);
         let (least, most) = match few {

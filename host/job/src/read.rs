@@ -210,7 +210,7 @@ impl<'a> Reader<'a> {
         self.warnings.push(diagnostic(&self.lines, self.text, Severity::Warning, span, message, help));
     }
 
-    /// Behind an error: on to the end of the statement.
+    /// After an error: on to the end of the statement.
     pub(crate) fn recover(&mut self) {
         while self.peek().kind != Kind::End && !self.is("{") && !self.is("}") {
             if self.accept(";") {

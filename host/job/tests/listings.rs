@@ -191,7 +191,7 @@ fn pt_dynamic_is_listing_2_2_unrolled() {
         // Both are the same operations on doubles; the sines may differ by the library's last bit.
         assert!((found.0 - wanted.0).abs() < 1e-9, "{found:?} {wanted:?}");
     }
-    // It is refilled while it runs: some data behind the start.
+    // It is refilled while it runs: some data after the start.
     let start =
         job.steps.iter().position(|step| matches!(&step.action, Action::Call(call) if call.opcode == PtStart::OPCODE));
     let last =

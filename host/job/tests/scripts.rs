@@ -357,7 +357,7 @@ fn misread_names_are_taken_with_a_warning_and_never_guessed() {
     assert!(help("GTN_PrfxPt(1,1);").contains("GTN_PrfPt"));
 }
 
-/// As GUS 5.2 is printed: comments that go on in the next line, also behind the end of a page.
+/// As GUS 5.2 is printed: comments that go on in the next line, also after the end of a page.
 #[test]
 fn comments_that_the_print_has_broken() {
     let job = good(

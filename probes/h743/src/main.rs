@@ -5,7 +5,7 @@
 //!
 //! In: nothing. Out: words in SRAM 4, from 0x3800_0000: how many, then the words.
 //! `host/h743/tests/core.rs` knows what must be there. The second run, after the reset that the
-//! first one asks for, adds its words behind those of the first.
+//! first one asks for, adds its words after those of the first.
 use core::arch::asm;
 use core::panic::PanicInfo;
 use core::ptr::{read_volatile, write_volatile};
@@ -99,7 +99,7 @@ fn SysTick() {
     unsafe { write_volatile(&raw mut TICKS, read_volatile(&raw const TICKS) + 1) };
 }
 
-/// Goes on behind the UDF that brought it here; `frame` is what the core has stored.
+/// Goes on after the UDF that brought it here; `frame` is what the core has stored.
 extern "C" fn undefined(frame: *mut u32) {
     // SAFETY: the frame's word 6 is the program counter; UDF is two bytes long. CFSR is cleared by
     // writing what it holds.
@@ -182,7 +182,7 @@ fn preempts() {
     note(2);
 }
 
-/// BASEPRI holds what is less urgent, PRIMASK everything; WFI wakes behind PRIMASK.
+/// BASEPRI holds what is less urgent, PRIMASK everything; WFI wakes after PRIMASK.
 fn masks() {
     note(3);
     // SAFETY: nothing relies on what is masked.

@@ -10,7 +10,7 @@ pub struct Mutant {
     pub text: &'static str,
     /// What stands there instead.
     pub broken: &'static str,
-    /// Arguments of the `cargo test` that must fail, one program; names of tests behind `--`. Of a
+    /// Arguments of the `cargo test` that must fail, one program; names of tests after `--`. Of a
     /// mutant in `firmware/` or `hal/` the image is built too, and BEAMTICK_IMAGE names it; for
     /// tests of `beamtick-h743` the reference board's, and BEAMTICK_H743_IMAGE does.
     pub test: &'static [&'static str],

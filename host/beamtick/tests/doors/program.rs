@@ -1,6 +1,6 @@
 //! One description of a program, from which each door gets its own form.
 //!
-//! A line is a call without its prefix and core, `sleep MS`, or a comment behind `#`. Values stand
+//! A line is a call without its prefix and core, `sleep MS`, or a comment after `#`. Values stand
 //! in the order of the table of functions: numbers, `[1 2 3]` arrays, `{acc=1 pos=[0 5]}` structs,
 //! `"text"`, `*` for what the call fills, `_` for NULL.
 

@@ -73,7 +73,7 @@ fn voltages(vcd: &str, channel: usize) -> Vec<(u64, f64)> {
     found
 }
 
-/// What an analog output shows in mV behind its stage: its changes since it was switched on, the
+/// What an analog output shows in mV after its stage: its changes since it was switched on, the
 /// first of them the voltage it had then.
 fn published(chip: &Chip, channel: usize, external: bool) -> Result<Vec<(Time, f64)>, String> {
     let millivolts = |value: u16, least: i32| (i32::from(value) * least - 32768) as f64 * 10_000.0 / 32768.0;
