@@ -14,6 +14,7 @@ mod doors;
 mod floats;
 mod fuzz;
 mod image;
+mod lines;
 mod mutants;
 mod pages;
 mod probes;
@@ -56,6 +57,7 @@ cargo xtask COMMAND
   doors --page    writes the table from the counts of the last run
   pages           checks links and sentences of the documentation, and the width of comments
   proofs          proves the bounds of rounding from the code's own numbers (proofs/, by Gappa)
+  lines           counts the lines of production code of servo and dispatcher
   c-api           writes the headers and exports of the C library from the table of functions
   wheel           builds the Python wheel with the library inside, into out/
   dist            makes the archive of a release in out/, and tries it: programs, libraries, headers, wheel, images, pages
@@ -97,6 +99,7 @@ fn main() -> ExitCode {
         ["doors", "--page"] => doors::page(),
         ["pages"] => pages::check().and_then(|()| comments::check()),
         ["proofs"] => proofs::run(),
+        ["lines"] => lines::report(),
         ["c-api"] => shell::run(shell::cargo().env("BEAMTICK_WRITE", "1").args([
             "test",
             "-p",

@@ -133,7 +133,9 @@ pub fn print(run: &Run<'_>) -> Result<(), Failure> {
                 if every == 1 { "" } else { "s" }
             );
         }
-        None if !run.source.job.axes.is_empty() => say!("  peak velocities are shown with --trace, --vcd, --plot or --xy"),
+        None if !run.source.job.axes.is_empty() => {
+            say!("  peak velocities are shown with --trace, --vcd, --plot or --xy")
+        }
         None => {}
     }
     taken(run, &faults).map_or(Ok(()), |text| Err(Failure::Job(text)))

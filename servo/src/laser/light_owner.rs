@@ -1,7 +1,7 @@
 //! Light owner: the one place that decides whether a channel may have light (SPEC 6, "Whose light
 //! it is" and "Rest"; SPEC 9).
 //!
-//! In: a [`Fact`] at a time, in the order in which they happen. Out: an [`GateOrder`] to the gate.
+//! In: a [`Fact`] at a time, in the order in which they happen. Out: a [`GateOrder`] to the gate.
 //! Owns: who lit the channel, what holds the light dark, and what brings it back. Cannot fail:
 //! [`Owner::hear`] is total, and everything else only reports facts to it. `light_owner/tests.rs`
 //! enumerates all states that facts can reach.

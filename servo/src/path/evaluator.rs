@@ -35,7 +35,7 @@ use crate::units::{Axis, Exact, Ns, Pos};
 use cursor::{Cursor, Gear, ORIGIN, Past};
 use fast_path::Turn;
 
-/// Entries with effects in a tick, a move counted [`Entry::load`](super::entry::Entry::load) times;
+/// Entries with effects in a tick, a move counted [`Entry::load`](super::entry::PathEntry::load) times;
 /// the path holds before the next one until the next tick. As many may lie between two motions that
 /// are passed at speed.
 pub(crate) const EFFECTS: u32 = 32;
