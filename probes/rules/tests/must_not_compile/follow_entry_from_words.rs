@@ -1,4 +1,4 @@
 //! An entry of a Follow FIFO put together by hand.
 fn main() {
-    let _ = servo::segment::follow::Entry([0; 6]);
+    let _ = servo::segment::follow::FollowEntry([0; 6]);
 }

@@ -1,6 +1,6 @@
 //! Bounds whose maximum is below their minimum.
-use servo::laser::{Bounds, Power};
+use servo::laser::{PowerBounds, Power};
 
 fn main() {
-    let _ = Bounds { min: Power::MAX, max: Power::ZERO };
+    let _ = PowerBounds { min: Power::MAX, max: Power::ZERO };
 }

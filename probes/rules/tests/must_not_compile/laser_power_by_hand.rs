@@ -1,6 +1,6 @@
 //! A laser power that has not passed the range check.
-use servo::laser::{Change, Power};
+use servo::laser::{ChannelChange, Power};
 
 fn main() {
-    let _ = Change::Direct { power: Power(1 << 62), fine: None };
+    let _ = ChannelChange::Direct { power: Power(1 << 62), fine: None };
 }

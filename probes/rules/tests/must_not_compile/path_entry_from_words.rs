@@ -1,4 +1,4 @@
 //! An entry of a path put together by hand.
 fn main() {
-    let _ = servo::path::Entry([0; 8]);
+    let _ = servo::path::PathEntry([0; 8]);
 }
