@@ -1,7 +1,8 @@
 //! Follow tables and distance follow in both families: refusals with their texts, tables that are
 //! in use. A command that fails leaves everything as it was.
+use crate::laser_channel::{prepared, units};
 use crate::{bench, laser_path};
-use bench::{body, entry};
+use bench::{body, entry, sleep};
 use laser_path::*;
 use protocol::command::*;
 use protocol::reason::Reason;
@@ -245,4 +246,39 @@ fn a_program_replaces_the_follow_table_of_entries_that_it_cleared() {
     let tags = bench.post_all(&[named, set(), entry(ProgramEnd {})]);
     bench.done(ProgramStart { strict: 0 });
     assert_eq!(bench.wait(tags[1]).reason(), Reason::FollowTableInUse);
+}
+
+/// All of it is admitted ahead: while the path that names the table has not even begun, what takes
+/// it away is in flight. It goes on with the table that it named; it had the later one.
+#[test]
+fn a_table_set_after_a_reset_is_not_that_of_the_path_before() {
+    let core = 1.into();
+    let crd = 1.into();
+    let clear =
+        [entry(CrdStop { core, mask: 1.into(), option: 1.into() }), entry(CrdClear { core, crd, fifo: 0.into() })];
+    // After a Reset nothing follows; after a clear the follow is still in force.
+    for (away, taken) in [(vec![entry(Reset { core })], true), (clear.to_vec(), false)] {
+        let mut bench = bench(GUS);
+        prepared(&mut bench, GUS, 0);
+        let set = |power: f64| {
+            let points = points(&[(0.0, power), (1000.0, power)]);
+            (SetLaserFollowTable::OPCODE, Lane::Program, body(table(1, 2, 0, 0), &points))
+        };
+        let path = [
+            entry(table_follow(1, 0.0, 100.0)),
+            entry(buf_on(1, 0, 0)),
+            entry(line(10_000, 0, 10.0)),
+            entry(start()),
+            entry(sleep(20)),
+        ];
+        let calls = [vec![set(30.0)], path.to_vec(), away, vec![set(70.0), entry(ProgramEnd {})]].concat();
+        let tags = bench.post_all(&calls);
+        bench.done(ProgramStart { strict: 0 });
+        bench.run_ms(15);
+        let view = bench.server.view().lasers[0];
+        assert_eq!((units(view.power), view.light), (30.0, true));
+        let last = bench.wait(tags[tags.len() - 2]);
+        assert_eq!(last.code, i16::from(!taken));
+        assert!(taken || last.reason() == Reason::FollowTableInUse);
+    }
 }

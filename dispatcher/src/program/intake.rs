@@ -124,7 +124,7 @@ impl Program<'_> {
         out: &mut ReplyWriter,
     ) -> bool {
         let runs = self.runs(view);
-        let quiet = !self.lane.in_flight() && !self.has_pending_commits();
+        let quiet = self.is_quiet();
         let full = matches!(refused.reason, Reason::FifoFull | Reason::CrdFull);
         self.urgent = runs && (!full || quiet);
         if !self.is_past(admission, view) {

@@ -138,6 +138,11 @@ impl<'a> Program<'a> {
         self.script.begin();
     }
 
+    /// Whether all that was admitted has been executed.
+    pub fn is_quiet(&self) -> bool {
+        !self.lane.in_flight() && !self.has_pending_commits()
+    }
+
     /// Whether its clock runs in the tick that `view` shows.
     fn runs<const AXES: usize>(&self, view: &View<AXES>) -> bool {
         self.state == ProgramState::Running && self.run.start.is_some_and(|run| executed(view, run))
@@ -155,7 +160,7 @@ impl<'a> Program<'a> {
     /// shows everything admitted before it.
     fn is_reached<const AXES: usize>(&self, view: &View<AXES>) -> bool {
         let instant = self.script.instant_after(view);
-        let quiet = !self.lane.in_flight() && !self.has_pending_commits();
+        let quiet = self.is_quiet();
         self.runs(view) && quiet && instant < view.now.0.saturating_add(view.period.0)
     }
 
@@ -179,7 +184,7 @@ impl<'a> Program<'a> {
     /// Whether the record in hand acts soon, and nothing before it is in flight.
     fn is_soon<const AXES: usize>(&self, view: &View<AXES>) -> bool {
         let instant = self.script.instant_from(view.script_zero.0);
-        let quiet = !self.lane.in_flight() && !self.has_pending_commits();
+        let quiet = self.is_quiet();
         self.runs(view) && quiet && instant <= view.now.0.saturating_add(intake::COMMIT_LEAD_NS)
     }
 

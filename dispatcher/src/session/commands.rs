@@ -72,7 +72,8 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
             return;
         }
         self.admission.executed.follow(view);
-        if self.admission.executed.naming() | self.admission.admitted.naming() != 0 {
+        let quiet = program.is_quiet() && !self.admission.lane.in_flight();
+        if quiet && self.admission.executed.naming() | self.admission.admitted.naming() != 0 {
             self.forget_follow_tables(view);
         }
         if self.renewed.is_due(view) {
@@ -82,7 +83,8 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
         }
     }
 
-    /// FIFOs that are empty by both copies of the shadow state name no follow table.
+    /// FIFOs that are empty by both copies of the shadow state name no follow table. In flight there
+    /// may be an entry that names one, a start, and what takes the entry away.
     fn forget_follow_tables(&mut self, view: &View<AXES>) {
         for (crd, sampled) in Crd::all().zip(&view.crds) {
             for fifo in 0..2 {

@@ -370,18 +370,23 @@ fn own<const AXES: usize>(
 }
 
 /// A follow table may not be replaced while an entry of a path names it or a follow reads it. An
-/// entry that a command in flight takes away is there until then, for a path that may still run.
+/// entry that a command in flight takes away is there until then, for a path that may still run,
+/// also where the entry itself is in flight.
 fn not_in_use<const AXES: usize>(context: &Context<AXES>, channel: u8, table: u8) -> Admitted<()> {
     let reads = context.view.lasers.get(usize::from(channel)).and_then(|sampled| sampled.table);
-    let names = |shadows: &Shadows<AXES>, crd: Crd| {
+    let naming = |shadows: &Shadows<AXES>, crd: Crd| {
         let laser = shadows.lasers.get(usize::from(channel));
         let named = laser.and_then(|laser| laser.named.get(usize::from(table))).copied().unwrap_or(0);
-        let holds = |fifo: u8| shadows.crd(crd).space(context.crd_sampled(crd), fifo) != CAPACITY;
-        (0..2).any(|fifo| named >> (2 * crd.index() as u8 + fifo) & 1 == 1 && holds(fifo))
+        (0..2).filter(move |fifo| named >> (2 * crd.index() as u8 + fifo) & 1 == 1)
+    };
+    let names = |crd: Crd| {
+        let holds = |fifo: u8| context.shadows.crd(crd).space(context.crd_sampled(crd), fifo) != CAPACITY;
+        naming(context.shadows, crd).any(holds)
     };
     let may_run =
         |crd: Crd| !context.due.decided && context.crd_shadow(crd).is_busy(context.view, context.crd_sampled(crd));
-    let holds = Crd::all().any(|crd| names(context.shadows, crd) || may_run(crd) && names(context.executed, crd));
+    let named = |crd: Crd| naming(context.executed, crd).next().is_some();
+    let holds = Crd::all().any(|crd| names(crd) || may_run(crd) && named(crd));
     if holds || reads.is_some() && reads == Curve::power(channel, table) {
         let refused = Refused::new(Reason::FollowTableInUse).got(f64::from(table) + 1.0);
         return Err(refused.limits(channel.into(), 0.0));
