@@ -11,7 +11,7 @@ use crate::admit::admission::Admission;
 use crate::admit::joined::Joined;
 use crate::refuse::Refused;
 use crate::report::answer::{Answer, Refuser};
-use crate::report::path_many::{self, held};
+use crate::report::path_many;
 use crate::report::pending_replies::{Awaiting, TickRefusal};
 use crate::report::replies::Reading;
 use crate::shadow::{PROGRAM_FLAG, ShadowChange, executed};
@@ -107,9 +107,8 @@ impl Program<'_> {
         let of = (head.opcode, head.tag);
         let written = if self.joined_done > 0 {
             let refusal = Refusal { item: self.joined_done.into(), ..*refusal };
-            let held = held(self.replies.newest(self.joined.values()));
             let taken = self.joined.taken(&admission.reading(view), self.joined_done);
-            path_many::refused(of, (&refusal, taken), &held, out)
+            path_many::refused(of, (&refusal, taken), &mut self.replies.newest(self.joined.values()), out)
         } else {
             out.refused(head.opcode, head.tag, refusal)
         };
@@ -244,9 +243,9 @@ impl Program<'_> {
         let refusal = Refused::new(self.ending.reason).item(self.joined_done.into()).wire;
         match item.answer {
             Answer::Joined { crd, fifo, lasts_ms, values, .. } if self.joined_done > 0 => {
-                let held = held(self.replies.values().take(values.into()));
                 let taken = reading.path_taken((crd, fifo), self.joined_done, lasts_ms);
-                path_many::refused((item.opcode, item.tag), (&refusal, taken), &held, out)
+                let mut kept = self.replies.values().take(values.into());
+                path_many::refused((item.opcode, item.tag), (&refusal, taken), &mut kept, out)
             }
             _ => out.refused(item.opcode, item.tag, &Refused::new(self.ending.reason).wire),
         }

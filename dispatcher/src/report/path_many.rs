@@ -23,7 +23,7 @@ pub fn kept(call: u16, held: u8, values: &[f64]) -> impl Iterator<Item = f64> {
 }
 
 /// What calls did not take as it was given, from the values that were kept.
-pub fn held(mut values: impl Iterator<Item = f64>) -> Vec<PathHeld, HELD_MAX> {
+fn held(values: &mut dyn Iterator<Item = f64>) -> Vec<PathHeld, HELD_MAX> {
     collect(core::iter::from_fn(move || {
         let word = values.next()? as u32;
         let (first, second) = (values.next()?, if word & 1 == 1 { values.next()? } else { 0.0 });
@@ -32,13 +32,27 @@ pub fn held(mut values: impl Iterator<Item = f64>) -> Vec<PathHeld, HELD_MAX> {
     }))
 }
 
+/// Writes the reply to calls that were executed. Not inlined, like [`refused`]: its items are a
+/// kilobyte on the stack, which callers have no room for while they admit a command.
+#[inline(never)]
+pub fn done(
+    (opcode, tag): (u16, u16),
+    taken: CrdTaken,
+    kept: &mut dyn Iterator<Item = f64>,
+    out: &mut ReplyWriter,
+) -> Result<(), Full> {
+    out.push_raw(opcode, tag, 0, &[taken.as_bytes(), held(kept).as_bytes()])
+}
+
 /// Writes a refusal, and the reply to the calls before the one that it names.
+#[inline(never)]
 pub fn refused(
     (opcode, tag): (u16, u16),
     (refusal, taken): (&Refusal, CrdTaken),
-    held: &[PathHeld],
+    kept: &mut dyn Iterator<Item = f64>,
     out: &mut ReplyWriter,
 ) -> Result<(), Full> {
+    let held = held(kept);
     let code = Reason::from_number(refusal.reason.get()).map_or(Code::State, Reason::code);
     let before = usize::from(refusal.item.get());
     let held = held.get(..held.partition_point(|held| usize::from(held.call.get()) < before)).unwrap_or(&[]);

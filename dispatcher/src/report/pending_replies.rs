@@ -2,7 +2,7 @@
 //!
 //! In: what was admitted, what the tick refused. Out: the replies of a lane in order.
 use super::answer::{Answer, Refuser};
-use super::path_many::held;
+use super::path_many;
 use super::replies::{Reading, took_reply, values_reply};
 use crate::refuse::Refused;
 use crate::tick_queue::Until;
@@ -169,8 +169,8 @@ impl<const AXES: usize> Reading<'_, AXES> {
                 say(&[self.path_taken((crd, fifo), count, lasts_ms).as_bytes()])
             }
             Answer::Joined { crd, fifo, count, lasts_ms, values } => {
-                let held = held(taken.take(values.into()));
-                say(&[self.path_taken((crd, fifo), count, lasts_ms).as_bytes(), held.as_bytes()])
+                let reply = self.path_taken((crd, fifo), count, lasts_ms);
+                path_many::done((item.opcode, item.tag), reply, &mut taken.take(values.into()), out)
             }
             Answer::Part(_) => Ok(()),
             // FollowDataPercent2Ex alone replies with the share of the first half.

@@ -10,7 +10,7 @@ use crate::program::Program;
 use crate::refuse::Refused;
 use crate::report::answer::{Answer, TAKEN_MAX};
 use crate::report::event_log::{EventKind, ShutOff};
-use crate::report::path_many::{self, held};
+use crate::report::path_many;
 use crate::report::pending_replies::Handled;
 use crate::report::replies::values_reply;
 use crate::shadow::ShadowChange;
@@ -158,10 +158,12 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
             return Handled::Wait;
         }
         let refused = self.joined.refuse(refused);
-        let held = held(self.replies.newest(self.joined.values()));
         let taken = self.joined.taken(&self.admission.reading(view), refused.wire.item.get());
         let written = match self.joined.has_begun() {
-            true => path_many::refused((record.opcode, record.tag), (&refused.wire, taken), &held, out),
+            true => {
+                let mut kept = self.replies.newest(self.joined.values());
+                path_many::refused((record.opcode, record.tag), (&refused.wire, taken), &mut kept, out)
+            }
             false => out.refused(record.opcode, record.tag, &refused.wire),
         };
         if written.is_ok() {
