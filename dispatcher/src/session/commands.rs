@@ -83,8 +83,8 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
         }
     }
 
-    /// FIFOs that are empty by both copies of the shadow state name no follow table. In flight there
-    /// may be an entry that names one, a start, and what takes the entry away.
+    /// FIFOs that are empty by both copies of the shadow state name no follow table. In flight
+    /// there may be an entry that names one, a start, and what takes the entry away.
     fn forget_follow_tables(&mut self, view: &View<AXES>) {
         for (crd, sampled) in Crd::all().zip(&view.crds) {
             for fifo in 0..2 {

@@ -161,8 +161,8 @@ mod tests {
         let all = entries(&text, 100).unwrap();
         let found = records(all.clone());
         let sizes: Vec<usize> = found.iter().map(|record| record.entries.len()).collect();
-        // With its head a power has 20 bytes, a line 42; 960 are joined. A record that begins with a
-        // line has no room for the sixteenth.
+        // With its head a power has 20 bytes, a line 42; 960 are joined. A record that begins with
+        // a line has no room for the sixteenth.
         assert_eq!(sizes, [31, 30, 30, 12]);
         assert!(found.iter().all(|record| record.call.opcode == PathMany::OPCODE));
         let sent: Vec<Call> = found.iter().flat_map(|record| &record.entries).map(|entry| entry.call.clone()).collect();

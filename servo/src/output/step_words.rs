@@ -7,8 +7,8 @@
 //! axis, however many steps there are (`cargo xtask ticks`). It cannot fail: steps that do not fit
 //! into a tick come in the next.
 //!
-//! The steps of a tick lie in the slots of [`super::step_generator::StepSlots`]. So each is at most a
-//! slot before its ideal instant, and the last one of a tick is over before the next tick. A
+//! The steps of a tick lie in the slots of [`super::step_generator::StepSlots`]. So each is at most
+//! a slot before its ideal instant, and the last one of a tick is over before the next tick. A
 //! direction changes at the beginning of a tick; the steps after it are spread over the remainder
 //! of the tick after the set-up time.
 //!

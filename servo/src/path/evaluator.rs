@@ -35,8 +35,8 @@ use crate::units::{Axis, Exact, Ns, Pos};
 use cursor::{Cursor, Gear, ORIGIN, Past};
 use fast_path::Turn;
 
-/// Entries with effects in a tick, a move counted [`Entry::load`](super::entry::PathEntry::load) times;
-/// the path holds before the next one until the next tick. As many may lie between two motions that
+/// Entries with effects in a tick, a move counted
+/// [`PathEntry::load`](super::entry::PathEntry::load) times; the path holds before the next one until the next tick. As many may lie between two motions that
 /// are passed at speed.
 pub(crate) const EFFECTS: u32 = 32;
 /// Instants of a tick at which they take effect.
