@@ -68,6 +68,11 @@ fn programs(folder: &Path) -> Outcome {
     for library in LIBRARIES {
         copy(&target().join("release").join(library), &folder.join("lib").join(library))?;
     }
+    // What debuggers need is four fifths of them.
+    if works(program("strip").arg("--version")) {
+        let libraries = LIBRARIES.map(|library| folder.join("lib").join(library));
+        run(program("strip").arg("--strip-debug").arg(&beamtick).args(libraries))?;
+    }
     copy_all(&root().join("host/gts/include"), &folder.join("include"))?;
     copy_all(&root().join("host/gts/compat"), &folder.join("include/compat"))?;
     copy(&root().join("host/gts32/gts.cs"), &folder.join("share/csharp/gts.cs"))?;
