@@ -457,7 +457,8 @@ impl Axis {
         };
         self.slack += std::mem::take(&mut self.late);
         self.slack += std::mem::take(&mut self.late_velocity) * curve.length();
-        self.doubt |= curve.length() == Fix::ZERO && curve.cruise == Fix::ZERO;
+        // A way of 2⁻¹⁸ ms at most is one that rounding makes.
+        self.doubt |= curve.length() < Fix(1 << 46) && curve.cruise == Fix::ZERO;
         self.began |= !self.runs();
         if self.ended {
             // Whether it has stopped between its end and this is not said.

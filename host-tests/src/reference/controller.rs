@@ -420,6 +420,7 @@ impl Controller {
             if members(asked | before_that).any(|axis| self.axes[axis].ended) {
                 self.open = Some("a call that needs standstill, just before its axis comes to rest");
             }
+            self.open = self.open.or_else(|| members(asked).find_map(|axis| self.axes[axis].open));
             self.answer(&mut program, now);
             if let Some(of) = &mut between {
                 self.open = self.open.or(of.look(&self.axes, now));

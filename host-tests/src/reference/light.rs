@@ -331,6 +331,8 @@ pub type GateEdge = (f64, usize, bool);
 
 /// Closer instants, ms, are one.
 const SAME: f64 = 1e-9;
+/// How well instants of paths are known, ms: SPEC 11.
+const NEAR: f64 = 5e-6;
 
 /// Both channels.
 #[derive(Debug, Clone)]
@@ -389,6 +391,14 @@ impl Light {
     pub fn step(&mut self, before: f64, now: f64) {
         let mut between = std::mem::take(&mut self.between);
         between.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let counts = |(at, act): &(f64, Act)| {
+            matches!(act, Act::Entry(_, _, Command::Source { encoder: true, .. }, _))
+                && [before, now].iter().any(|tick| (at - tick).abs() < NEAR)
+        };
+        if between.iter().any(counts) {
+            // The filter of their speed begins with the tick.
+            self.open = Some("encoders that a laser comes to follow within rounding of a tick");
+        }
         let first = between.partition_point(|(at, _)| *at <= before + SAME);
         let (calls, running) = (std::mem::take(&mut self.calls), self.running);
         let mut halted = std::mem::take(&mut self.halted);
@@ -456,10 +466,13 @@ impl Light {
     }
 
     /// What a read gives at a tick; None where rounding decides.
-    pub fn read(&self, channel: usize, what: LightOf, now: f64) -> Option<f64> {
+    pub fn read(&self, channel: usize, what: LightOf, [now, tick]: [f64; 2]) -> Option<f64> {
         let of = &self.channels[channel];
         match what {
             LightOf::GetGate | LightOf::GetSwitched => Some(f64::from(u8::from(of.owner.is_commanded()))),
+            // A path's end is known a tick before it comes: which of two causes of one tick is reported
+            // is open.
+            LightOf::GetFault if of.owner.other_at - of.owner.failed_at <= tick => None,
             LightOf::GetFault => Some(of.owner.fault.into()),
             LightOf::GetOnTime => of.on_time(now).map(|units| units as f64),
             _ => Some(of.power(&self.around)[0]),

@@ -2,7 +2,7 @@
 use super::found::*;
 use super::judge::{Tally, finding};
 use host_tests::path_model::Plane;
-use host_tests::reference::{Call, Cycle, Datum, Kind, LightCall, LightOf, Path, PathCall, Speeds};
+use host_tests::reference::{Call, Command, Cycle, Datum, Kind, LightCall, LightOf, Path, PathCall, Speeds};
 
 /// A WaitStop of one axis of a coordinate system made another one, which had left it and ran, count
 /// as waited for: its mode could be set while it ran.
@@ -409,5 +409,25 @@ fn a_wait_for_a_path_at_standstill_takes_no_time() {
         for tick_us in [100, 250] {
             agrees(tick_us, &calls);
         }
+    }
+}
+
+/// A delay after a modal move counted as a wait for its axis: a Stop of the axis then was a fault of
+/// the path, and its lasers stayed dark.
+#[test]
+fn a_stop_of_an_axis_that_a_path_has_waited_for() {
+    let light = |what| Call::Light(LightCall { channel: 0, what });
+    let aside = |to, modal| path(Path::Move { crd: 1, axis: 3, to, vel: 74.5, acc: 0.65, modal, fifo: 0 });
+    let on = path(Path::Laser { crd: 1, channel: 0, command: Command::Gate(true), fifo: 1 });
+    let speeds = Speeds { vel: 9.7, acc: 2.3, end: 0.0 };
+    let go = |option| path(Path::Start { mask: 1, option });
+    for (mask, abrupt) in [(8, 8), (8, 0), (9, 9), (11, 11), (11, 8)] {
+        let mut calls: Vec<Call> = (0..4).map(|axis| plain(Kind::AxisOn, axis)).collect();
+        calls.extend([light(LightOf::Connector(true)), light(LightOf::Carrier(20.0)), frame(None)]);
+        calls.extend([line(vec![5, 2]), aside(2, 1), aside(-112, 0), path(Path::Delay { crd: 1, ms: 30, fifo: 0 })]);
+        calls.extend([go(0), Call::Sleep { ns: 18 * MS }, Call::Stop { mask, abrupt }, Call::Sleep { ns: 40 * MS }]);
+        calls.extend([on.clone(), path(Path::Line { crd: 1, to: vec![40, 9], speeds, fifo: 1 }), go(1)]);
+        calls.extend([Call::Sleep { ns: 30 * MS }, light(LightOf::GetFault), Call::Sleep { ns: MS }]);
+        agrees(250, &calls);
     }
 }

@@ -1,5 +1,5 @@
 //! Programs on which the reference or the judge was wrong, and the controller was right.
-use super::found::{MS, agrees, ex, frame, line, path, plain, segment};
+use super::found::{MS, agrees, ex, frame, is_open, line, path, plain, segment};
 use host_tests::path_model::Plane;
 use host_tests::reference::{
     Call, Command, Cycle, Datum, Effect, Item, Kind, LightCall, LightOf, LightTable, Path, Speeds,
@@ -297,4 +297,31 @@ fn a_stop_and_an_abort_of_one_instant() {
         Call::Sleep { ns: MS },
     ];
     agrees(250, &calls);
+}
+
+/// A stream that a Stop of the same instant ends leaves its ring empty.
+#[test]
+fn space_of_a_stream_at_a_stop() {
+    let calls = [
+        plain(Kind::AxisOn, 0),
+        Call::PrfPt { axis: 0, mode: 1 },
+        Call::PtData { axis: 0, pos: 135.0, time_ms: 23, kind: 2, fifo: 0 },
+        Call::PtStart { mask: 1, option: 0 },
+        Call::Sleep { ns: 16 * MS + 298_765 },
+        Call::Stop { mask: 1, abrupt: 0 },
+        Call::PtSpace { axis: 0, fifo: 0 },
+        Call::Sleep { ns: 9 * MS },
+    ];
+    agrees(250, &calls);
+}
+
+/// An arc of a program is planned for where the path would have come to its end.
+#[test]
+fn an_arc_after_an_interlock_is_open() {
+    let open = Call::Effect(Effect::Interlock { core: 1, open: true });
+    let mut calls = vec![plain(Kind::AxisOn, 0), plain(Kind::AxisOn, 1), frame(None), line(vec![93, -28])];
+    calls.extend([path(Path::Start { mask: 1, option: 0 }), Call::Sleep { ns: 4 * MS }, open]);
+    calls.extend([path(Path::Wait { mask: 1 }), Call::Sleep { ns: 4 * MS }, super::found::arc([40, -28], 1)]);
+    calls.extend([path(Path::Start { mask: 1, option: 1 }), Call::Sleep { ns: 9 * MS }]);
+    is_open(250, &calls, "an arc that begins where an interlock has stopped a path");
 }

@@ -117,7 +117,7 @@ fn compare(program: &Program, reported: &Reported, calls: &[Call]) -> Result<(),
     // Positions from where the program began, theirs and the reference's, around a tick.
     let around = |tick: usize, axis: usize| -> String {
         let from = fixed(reported.begin[axis]);
-        let reach = std::env::var("REFERENCE_AROUND").ok().and_then(|text| text.parse().ok()).unwrap_or(3);
+        let reach = reach();
         (tick.saturating_sub(reach)..(tick + reach).min(end))
             .map(|tick| {
                 let ((theirs, status), mine) = (reported.rows[tick][axis], program.rows[tick][axis]);
@@ -156,10 +156,16 @@ fn compare(program: &Program, reported: &Reported, calls: &[Call]) -> Result<(),
             (power - theirs_of[channel]).abs() < 2f64.powi(-20) + slack
         };
         if is_known && (0..2).any(|channel| !near(tick, channel) && !near(tick + 1, channel)) {
+            let reach = reach();
+            let beside = (tick.saturating_sub(reach)..(tick + reach).min(end)).map(|tick| {
+                let mine = program.powers[tick].map(|[power, _]| power);
+                format!("\n// {:>10} ms {:?} {mine:?}", ms(tick), reported.more[tick].powers)
+            });
             return Err(format!(
-                "at {} ms powers are {theirs_of:?}, the reference's {:?}",
+                "at {} ms powers are {theirs_of:?}, the reference's {:?}{}",
                 ms(tick),
-                program.powers[tick].map(|[power, _]| power)
+                program.powers[tick].map(|[power, _]| power),
+                beside.collect::<String>()
             ));
         }
         for (axis, row) in program.rows[tick].iter().enumerate() {
@@ -216,6 +222,11 @@ fn compare(program: &Program, reported: &Reported, calls: &[Call]) -> Result<(),
         return Err(format!("at {} ms the encoder of axis {axis} is {apart} from where the machine is", ms(tick)));
     }
     Ok(())
+}
+
+/// Ticks before and after a difference that are shown.
+fn reach() -> usize {
+    std::env::var("REFERENCE_AROUND").ok().and_then(|text| text.parse().ok()).unwrap_or(3)
 }
 
 /// Changes of outputs before an instant, ms: each is where the reference has it, to 5 ns.

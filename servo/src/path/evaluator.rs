@@ -379,6 +379,11 @@ impl Path {
         matches!(self.stage, Stage::Wait { .. })
     }
 
+    /// The end of the wait in progress, rounded down.
+    pub fn waits_until(&self) -> Option<Ns> {
+        if let Stage::Wait { until } = self.stage { Some(Ns((until >> 32) as u64)) } else { None }
+    }
+
     /// Whether it brakes.
     pub fn stops(&self) -> bool {
         self.stopping

@@ -299,6 +299,10 @@ impl Controller {
             // An arc needs to know where it begins: docs/crd.md.
             self.open = Some("an arc that begins a path after a Stop or directly after a WaitStop");
         }
+        if is_arc && of.why == Some(Why::Interlock) && of.fifos[fifo].begins().is_none() {
+            // A program is admitted ahead, by where the path would have ended: docs/crd.md.
+            self.open = Some("an arc that begins where an interlock has stopped a path");
+        }
         if begin.is_none() {
             self.open = Some("a motion whose begin is not known yet");
         }

@@ -44,6 +44,10 @@ impl Controller {
                 axis.pt.fifos[fifo].clear();
             }
             Call::PtSpace { axis, fifo } => {
+                if matches!(self.then[axis], Some(Then::Brake(..))) {
+                    // The Stop of this instant comes before it.
+                    self.axes[axis].end_stream();
+                }
                 let axis = &self.axes[axis];
                 let fifo = axis.pt_fifo(fifo)?;
                 if axis.broken && axis.pt.dynamic {

@@ -66,7 +66,7 @@ impl Controller {
                 }
                 Call::Light(LightCall { channel, what }) => {
                     let ms = now as f64 / 1e6;
-                    match (self.light.read(channel as usize, what, ms), what) {
+                    match (self.light.read(channel as usize, what, [ms, self.tick_ns as f64 / 1e6]), what) {
                         (None, _) => Value::None,
                         (Some(power), LightOf::GetPower) => Value::Velocity(Fix::of_f64(power)),
                         (Some(of), _) => Value::Whole(of as i64),

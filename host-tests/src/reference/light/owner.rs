@@ -56,8 +56,9 @@ pub struct Owner {
     pub follow: Option<usize>,
     /// The cause that keeps it dark, as GetLaserFault numbers it; 0 is none.
     pub fault: i16,
-    /// When it came, ms.
+    /// When it came, ms; that of the first other cause since.
     pub failed_at: f64,
+    pub other_at: f64,
     /// An Abort is in progress.
     pub aborting: bool,
     /// The energy has an output.
@@ -75,6 +76,7 @@ impl Owner {
             follow: None,
             fault: 0,
             failed_at: 0.0,
+            other_at: f64::INFINITY,
             aborting: false,
             output,
         }
@@ -242,7 +244,9 @@ impl Owner {
     pub fn darken(&mut self, cause: i16, at: f64) -> Order {
         self.light = Light::Off;
         if self.fault == 0 {
-            (self.fault, self.failed_at) = (cause, at);
+            (self.fault, self.failed_at, self.other_at) = (cause, at, f64::INFINITY);
+        } else if self.fault != cause {
+            self.other_at = self.other_at.min(at);
         }
         Order::Cut
     }

@@ -232,14 +232,15 @@ impl<const AXES: usize> Tick<AXES> {
                 return Some(reason);
             }
         }
-        if state.geared.0 | state.awaited.map_or(0, |axis| axis.mask().0) == 0 {
+        // What a path waited for is nothing to one that a Stop of this tick has stopped.
+        if state.geared.0 | state.awaited.map_or(0, |(axis, _)| axis.mask().0) == 0 || !state.path.runs() {
             return None;
         }
         let others = || state.geared.axes().filter_map(axes);
         if others().any(|axis| axis.fault().is_some() || axis.refuses_start()) {
             return Some(StopReason::OtherAxis);
         }
-        let awaited = axes(state.awaited?)?;
+        let awaited = axes(state.awaited?.0)?;
         (!awaited.runs() && awaited.published.stop != StopReason::Completed).then_some(StopReason::OtherAxis)
     }
 
@@ -302,7 +303,8 @@ impl<const AXES: usize> Tick<AXES> {
         }
         state.geared = geared;
         if awaited.is_some() {
-            state.awaited = awaited.filter(|_| state.path.waits());
+            // A delay that follows is no wait for the axis.
+            state.awaited = awaited.filter(|(_, until)| state.path.waits_until() == Some(*until));
         }
         if state.geared.0 != 0 || state.awaited.is_some() {
             state.path.leave_fast_path();

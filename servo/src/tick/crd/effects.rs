@@ -42,8 +42,8 @@ pub(crate) struct Sink<'a> {
     pub(crate) path_stop: Option<PathStop>,
     /// An axis that cannot do what an entry wants.
     pub(crate) unable: Option<Axis>,
-    /// An axis that the path waits for.
-    pub(crate) awaited: Option<Axis>,
+    /// An axis that the path waits for, and until when.
+    pub(crate) awaited: Option<(Axis, Ns)>,
     /// The first position that an axis must not go to.
     pub(crate) obstacle: Option<(Axis, Pos)>,
 }
@@ -114,7 +114,7 @@ impl Sink<'_> {
             return UNABLE;
         };
         if modal {
-            self.awaited = Some(axis);
+            self.awaited = Some((axis, Ns((at.wrapping_add(time) >> 32) as u64)));
             time
         } else {
             0

@@ -45,8 +45,8 @@ state! {
         geared: AxisMask = AxisMask(0),
         /// The axes of its frame.
         lanes: AxisIndices = AxisIndices::NONE,
-        /// The axis that a modal move waits for.
-        awaited: Option<Axis> = None,
+        /// The axis that a modal move waits for, and until when.
+        awaited: Option<(Axis, Ns)> = None,
         /// Of the motion in force, and of the one after it.
         clearance: [Clearance; 2] = [Clearance::Unknown; 2],
         path: Path = Path::IDLE,
