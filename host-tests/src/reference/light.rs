@@ -330,7 +330,7 @@ pub const OTHER: i16 = 10;
 pub type GateEdge = (f64, usize, bool);
 
 /// Closer instants, ms, are one.
-const SAME: f64 = 1e-9;
+const SAME_INSTANT_MS: f64 = 1e-9;
 
 /// Both channels.
 #[derive(Debug, Clone)]
@@ -389,7 +389,7 @@ impl Light {
     pub fn step(&mut self, before: f64, now: f64) {
         let mut between = std::mem::take(&mut self.between);
         between.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let first = between.partition_point(|(at, _)| *at <= before + SAME);
+        let first = between.partition_point(|(at, _)| *at <= before + SAME_INSTANT_MS);
         let (calls, running) = (std::mem::take(&mut self.calls), self.running);
         let mut halted = std::mem::take(&mut self.halted);
         let later = between.split_off(first);

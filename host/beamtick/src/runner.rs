@@ -167,7 +167,7 @@ fn execute(source: &Source, client: &Client, knowledge: Knowledge<'_>, outputs: 
 }
 
 /// Lines about what an output that was cut off leaves.
-fn left_behind(kept: &Kept) -> String {
+fn leftovers(kept: &Kept) -> String {
     let mut text = String::new();
     if let Some(file) = &kept.partial {
         text.push_str(&format!("\nWhat was recorded until then is in {}.", file.display()));
