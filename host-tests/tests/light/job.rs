@@ -429,7 +429,8 @@ fn attempt(chance: &mut Chance, setup: &Setup, tick: Ns) -> Option<Made> {
         }
     }
     let done = course(&path.frame, &path.entries, &commands, 1e9);
-    if !fits(&done, at(START_NS), 64) || is_undecided(&done) || done.rests.iter().any(|rest| rest.why == Why::Underrun) {
+    if !fits(&done, at(START_NS), 64) || is_undecided(&done) || done.rests.iter().any(|rest| rest.why == Why::Underrun)
+    {
         return None;
     }
     let end = (done.rests.last()?.at.ceil() as Ns + 3) * MS;

@@ -433,7 +433,14 @@ impl Builder<'_> {
             let hi = at + 2 * tick;
             let between = |noted: &Noted| noted.fact.hi >= at - SAME_INSTANT_NS && noted.fact.lo <= hi;
             if self.noted.iter().any(between) {
-                self.note(at - SAME_INSTANT_NS, 0, From::Cause, at - SAME_INSTANT_NS, at - SAME_INSTANT_NS, What::Doubt { crds: 3, follows: 0 });
+                self.note(
+                    at - SAME_INSTANT_NS,
+                    0,
+                    From::Cause,
+                    at - SAME_INSTANT_NS,
+                    at - SAME_INSTANT_NS,
+                    What::Doubt { crds: 3, follows: 0 },
+                );
             }
             // Whether a path that rests about now still ran is open.
             let rests = |noted: &Noted| {
@@ -574,7 +581,9 @@ impl Builder<'_> {
                 let slack = if exact { SAME_INSTANT_NS } else { self.tick };
                 if crd != other && mark_changed(slack) { set(crd) | set(other) } else { 0 }
             }
-            (From::Entry(one), From::Entry(other)) if one != other && mark_changed(SAME_INSTANT_NS) && self.same_channel(a, b) => {
+            (From::Entry(one), From::Entry(other))
+                if one != other && mark_changed(SAME_INSTANT_NS) && self.same_channel(a, b) =>
+            {
                 3
             }
             _ => 0,

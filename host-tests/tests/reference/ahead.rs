@@ -177,7 +177,13 @@ fn spots(motions: &[Motion], places: &[Position], tick_ms: f64, course: &Course)
 }
 
 #[allow(clippy::needless_range_loop, reason = "several tables by coordinate")]
-fn speeds(course: &Course, motions: &[Motion], spots: &[Spot], places: &[Position], tick_ms: f64) -> Result<(), String> {
+fn speeds(
+    course: &Course,
+    motions: &[Motion],
+    spots: &[Spot],
+    places: &[Position],
+    tick_ms: f64,
+) -> Result<(), String> {
     for (tick, pair) in spots.windows(2).enumerate() {
         if pair.iter().any(|spot| spot.is_double) {
             continue;

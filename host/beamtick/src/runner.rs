@@ -143,7 +143,7 @@ fn execute(source: &Source, client: &Client, knowledge: Knowledge<'_>, outputs: 
                 Failure::Input(text) => Failure::Input(text),
             };
             let kept = recording.map_or_else(Vec::new, |recording| cut_off(client, &recording));
-            let kept: String = kept.iter().map(left_behind).collect();
+            let kept: String = kept.iter().map(leftovers).collect();
             return Err(match failure {
                 Failure::Job(text) => Failure::Job(text + &kept),
                 Failure::Interrupted(signal, _) => Failure::Interrupted(signal, kept.trim_start().to_owned()),

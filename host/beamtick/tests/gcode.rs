@@ -415,7 +415,8 @@ fn a_long_program_runs_to_its_end() {
     let (said, code) = beamtick(folder.path(), &["sim", "p.nc", "--machine", "m.toml", "--strict"]);
     assert_eq!(code, 0, "{said}");
     assert!(
-        said.contains(&format!("{LONG_PROGRAM_LINES} segments")) && said.contains(&format!("axis 2: planned {}.000000", LONG_PROGRAM_LINES * 20)),
+        said.contains(&format!("{LONG_PROGRAM_LINES} segments"))
+            && said.contains(&format!("axis 2: planned {}.000000", LONG_PROGRAM_LINES * 20)),
         "{said}"
     );
     assert!(said.contains("no late entries") && !said.contains("underrun"), "{said}");

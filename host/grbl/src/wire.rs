@@ -110,7 +110,12 @@ pub fn serve(
 }
 
 /// A sender, until it goes.
-fn talk(session: &mut Session<'_>, wire: &mut Wire, place: &mut Listener, ends: &dyn Fn() -> bool) -> Result<(), Error> {
+fn talk(
+    session: &mut Session<'_>,
+    wire: &mut Wire,
+    place: &mut Listener,
+    ends: &dyn Fn() -> bool,
+) -> Result<(), Error> {
     let mut bytes = [0; 4096];
     let mut visits = Instant::now();
     loop {

@@ -1,6 +1,7 @@
 //! One endpoint of the USB core: its control register and its FIFO.
 //!
-//! In: writes of its registers. Out: their content. Owns the endpoint's state and FIFO. Cannot fail.
+//! In: writes of its registers. Out: their content. Owns the endpoint's state and FIFO. Cannot
+//! fail.
 use super::{CNAK, EPDIS, EPDISD, EPENA, KEPT, NAKSTS, SD0PID, SNAK};
 use std::collections::VecDeque;
 
