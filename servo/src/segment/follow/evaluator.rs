@@ -147,9 +147,10 @@ state! {
         /// Over the progress in units of Pos.
         piece: Piece = Piece::standstill(Ns(0), 0, origin.round()),
         both: bool = setup.direction == Direction::Both,
-        down: bool = match setup.direction {
-            Direction::Both => setup.fifo(fifo).tail.down,
-            direction => direction == Direction::Down,
+        down: bool = if setup.direction == Direction::Both {
+            setup.fifo(fifo).tail.down
+        } else {
+            setup.direction == Direction::Down
         },
         /// Directions Up and Down: the furthest progress reached.
         furthest: i64 = i64::MIN,
