@@ -12,7 +12,7 @@ const SETTLE: u32 = 12;
 const CODES: [i16; 4] = [-19_000, 19_000, -8_000, 8_000];
 
 /// Both loops.
-pub fn tell(bench: &mut Bench, report: &mut Report) {
+pub fn report_to(bench: &mut Bench, report: &mut Report) {
     for output in 0..2 {
         for code in CODES {
             bench.volts(output, code);

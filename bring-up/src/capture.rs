@@ -88,7 +88,7 @@ pub fn count(end: End) -> usize {
 }
 
 /// Reports the edges of an end, after [`stop`]: the line's name, then counts, the first `most`.
-pub fn tell(report: &mut Report, name: &str, end: End, most: usize) {
+pub fn report_to(report: &mut Report, name: &str, end: End, most: usize) {
     let mut counts = [0; EDGES];
     let kept = count(end).min(most).min(EDGES);
     for (to, from) in counts.iter_mut().zip(&COUNTS[end.channel]) {

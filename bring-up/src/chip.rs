@@ -71,7 +71,7 @@ impl AtReset {
     }
 
     /// Reports it.
-    pub fn tell(&self, report: &mut Report) {
+    pub fn report_to(&self, report: &mut Report) {
         report.line("cause", &[self.cause.into()]);
         report.line("modes-at-reset", &self.modes.map(i64::from));
         report.line("pulls-at-reset", &self.pulls.map(i64::from));
@@ -97,7 +97,7 @@ fn reset_timers() {
 }
 
 /// After start-up.
-pub fn tell(report: &mut Report) {
+pub fn report_to(report: &mut Report) {
     // SAFETY: system memory, which is always there.
     let unique = [0, 1, 2].map(|n| i64::from(unsafe { UNIQUE.add(n).read_volatile() }));
     report.line("unique", &unique);

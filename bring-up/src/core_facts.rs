@@ -13,9 +13,9 @@ const FPCCR: *const u32 = 0xe000_ef34 as *const u32;
 const CPUID: *const u32 = 0xe000_ed00 as *const u32;
 
 /// Counts of TIM5 in which cycles are counted: 0.1 ms.
-const SPAN: u32 = 24_000;
+const SPAN_COUNTS: u32 = 24_000;
 /// Bytes by which the link is timed.
-const FILLING: usize = 600;
+const FILLING_BYTES: usize = 600;
 
 /// Starts DWT's counter.
 pub fn count_cycles() {
@@ -61,7 +61,7 @@ fn walk(seed: u32) -> u32 {
 }
 
 /// All of them.
-pub fn tell(report: &mut Report) {
+pub fn report_to(report: &mut Report) {
     // SAFETY: reading registers of the core.
     let (cpuid, fpccr) = unsafe { (CPUID.read_volatile(), FPCCR.read_volatile()) };
     report.line("cpuid", &[cpuid.into()]);
@@ -72,7 +72,7 @@ pub fn tell(report: &mut Report) {
 
     second_clock();
     let (counts, cycles) = (TIM5.cnt().read(), DWT::cycle_count());
-    while TIM5.cnt().read().wrapping_sub(counts) < SPAN {}
+    while TIM5.cnt().read().wrapping_sub(counts) < SPAN_COUNTS {}
     let (counts, cycles) = (TIM5.cnt().read().wrapping_sub(counts), DWT::cycle_count().wrapping_sub(cycles));
     report.line("clocks", &[counts.into(), cycles.into()]);
 
@@ -85,8 +85,8 @@ pub fn tell(report: &mut Report) {
 
     report.flush();
     let began = TIM5.cnt().read();
-    report.fill(FILLING);
+    report.fill(FILLING_BYTES);
     report.flush();
     let took = TIM5.cnt().read().wrapping_sub(began);
-    report.line("link", &[FILLING as i64, took.into()]);
+    report.line("link", &[FILLING_BYTES as i64, took.into()]);
 }

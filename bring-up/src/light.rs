@@ -10,16 +10,16 @@ use servo::laser::{Action, Train};
 use stm32_metapac::{DMA1, DMA2, TIM1, TIM15, TIM17};
 
 /// Ticks until the timers of the lasers run: their rings are made dark first.
-const START: u32 = 24;
+const START_TICKS: u32 = 24;
 /// Instant in a tick at which light begins.
 const AT_NS: u32 = 10_000;
 /// 200 kHz, a fifth of it light.
-const PERIOD: u64 = 1200;
-const WIDTH: u64 = 240;
+const PERIOD_COUNTS: u64 = 1200;
+const WIDTH_COUNTS: u64 = 240;
 
 /// Starts the timers of the lasers. A report stops them: no tick is served meanwhile.
 fn settle(bench: &mut Bench) {
-    bench.ticks(START);
+    bench.ticks(START_TICKS);
     bench.late = 0;
 }
 
@@ -49,16 +49,16 @@ pub fn first_edges(bench: &mut Bench, report: &mut Report, [energy_0, energy_1, 
     wires::connect(&[ENERGY_0, ENERGY_1, SWITCH_0, STEP_1]);
     let energies = [(ENERGY_0, Edge::Any), (ENERGY_1, Edge::Any)];
     capture::begin(&[energies[0], energies[1], (SWITCH_0, Edge::Any), (STEP_1, Edge::Rising)]);
-    light(bench, AT_NS, train(PERIOD, WIDTH, 0));
+    light(bench, AT_NS, train(PERIOD_COUNTS, WIDTH_COUNTS, 0));
     bench.rate = 1;
     bench.ticks(4);
     capture::stop();
     bench.rate = 0;
     dark(bench);
-    capture::tell(report, energy_0, ENERGY_0, 24);
-    capture::tell(report, energy_1, ENERGY_1, 24);
-    capture::tell(report, switch, SWITCH_0, 4);
-    capture::tell(report, steps, STEP_1, 4);
+    capture::report_to(report, energy_0, ENERGY_0, 24);
+    capture::report_to(report, energy_1, ENERGY_1, 24);
+    capture::report_to(report, switch, SWITCH_0, 4);
+    capture::report_to(report, steps, STEP_1, 4);
 }
 
 /// Both lasers at 2 MHz, no two cycles alike, all axes at 1 MHz.
@@ -79,7 +79,7 @@ pub fn load(bench: &mut Bench, report: &mut Report) {
         bench.ticks(2);
         dark(bench);
         late += bench.late;
-        capture::tell(report, name, end, 100);
+        capture::report_to(report, name, end, 100);
     }
     report.line("load-late", &[late]);
 }
@@ -114,7 +114,7 @@ pub fn starve(bench: &mut Bench, report: &mut Report) {
     settle(bench);
     wires::connect(&[ENERGY_0]);
     capture::begin(&[(ENERGY_0, Edge::Any)]);
-    light(bench, AT_NS, train(PERIOD, WIDTH, 0));
+    light(bench, AT_NS, train(PERIOD_COUNTS, WIDTH_COUNTS, 0));
     bench.ticks(4);
     capture::stop();
     let lit = capture::count(ENERGY_0) as i64;
@@ -157,9 +157,9 @@ pub fn breaks(bench: &mut Bench, report: &mut Report, has_driver: bool) {
         capture::stop();
         let enabled = [TIM1.bdtr().read().moe(), TIM15.bdtr().read().moe()].map(i64::from);
         report.line("break-left", &enabled);
-        capture::tell(report, "break-input", INTERLOCK, 4);
-        capture::tell(report, "break-plus", ENERGY_1, 4);
-        capture::tell(report, "break-minus", MINUS_0, 4);
+        capture::report_to(report, "break-input", INTERLOCK, 4);
+        capture::report_to(report, "break-plus", ENERGY_1, 4);
+        capture::report_to(report, "break-minus", MINUS_0, 4);
         wires::open_interlock(false);
         hal::board::laser::was_broken();
         dark(bench);
@@ -174,6 +174,6 @@ pub fn breaks(bench: &mut Bench, report: &mut Report, has_driver: bool) {
     cortex_m::asm::delay(480);
     capture::stop();
     dark(bench);
-    capture::tell(report, "off-plus", ENERGY_0, 4);
-    capture::tell(report, "off-minus", MINUS_0, 4);
+    capture::report_to(report, "off-plus", ENERGY_0, 4);
+    capture::report_to(report, "off-minus", MINUS_0, 4);
 }

@@ -57,10 +57,10 @@ fn main() -> ! {
     await_order(&mut rx);
     let mut report = Report::to(tx);
     report.line("format", &[FORMAT]);
-    at_reset.tell(&mut report);
-    chip::tell(&mut report);
-    core_facts::tell(&mut report);
-    let has_driver = wires::tell(&mut report);
+    at_reset.report_to(&mut report);
+    chip::report_to(&mut report);
+    core_facts::report_to(&mut report);
+    let has_driver = wires::report_to(&mut report);
     for open in [true, false] {
         wires::open_interlock(open);
         if has_driver || open {
@@ -75,8 +75,8 @@ fn main() -> ! {
     light::starve(&mut bench, &mut report);
     light::broken_burst(&mut bench, &mut report, ["again-0", "again-1", "again-switch", "again-steps"]);
     light::breaks(&mut bench, &mut report, has_driver);
-    analog::tell(&mut bench, &mut report);
-    stack::tell(&mut report);
+    analog::report_to(&mut bench, &mut report);
+    stack::report_to(&mut report);
     report.end();
     SCB::sys_reset()
 }

@@ -12,7 +12,7 @@ unsafe extern "C" {
 }
 
 /// Bytes of the stack, and bytes used.
-pub fn tell(report: &mut Report) {
+pub fn report_to(report: &mut Report) {
     let (lowest, end) = (&raw const _stack_end as usize, &raw const _stack_start as usize);
     // SAFETY: words of the stack's memory, below every frame that is in use as far as they are
     // zero.

@@ -74,7 +74,7 @@ pub fn connect(ends: &[End]) {
 
 /// Reports which jumpers are there; the lasers rest meanwhile. Those of the converters are found by
 /// their voltages. True if the sixth is there.
-pub fn tell(report: &mut Report) -> bool {
+pub fn report_to(report: &mut Report) -> bool {
     for (number, from, end) in JUMPERS {
         // A pull against the level at rest: the end follows only its driver.
         let rests_high = is_high(from);

@@ -6,25 +6,30 @@
 
 use servo::units::Ns;
 
-/// The counts of one product.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct ProductProfile {
-    /// Name on the command line.
-    pub name: &'static str,
-    /// Logical cores.
-    pub cores: u8,
-    /// Axes of each core.
-    pub axes_per_core: u8,
-    /// Coordinate systems of each core that exist at every tick period of at least [`LONG_TICK`].
-    pub crds_per_core: u8,
-    /// Coordinate systems of each core at a shorter period (GXN table 5-1: GSN).
-    pub crds_in_short_ticks: u8,
-    /// General inputs of the controller. They belong to all cores, and so do the outputs.
-    pub general_inputs: u8,
-    /// Its general outputs.
-    pub general_outputs: u8,
-    /// Laser channels of the controller.
-    pub lasers: u8,
+servo::state! {
+    /// The counts of one product.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub struct ProductProfile {
+        /// Name on the command line.
+        pub name: &'static str = name,
+        /// Logical cores.
+        pub cores: u8 = cores,
+        /// Axes of each core.
+        pub axes_per_core: u8 = axes_per_core,
+        /// Coordinate systems of each core that exist at every tick period of at least
+        /// [`LONG_TICK`].
+        pub crds_per_core: u8 = crds.1,
+        /// Coordinate systems of each core at a shorter period (GXN table 5-1: GSN).
+        pub crds_in_short_ticks: u8 = crds.0,
+        /// General inputs of the controller. They belong to all cores, and so do the outputs.
+        pub general_inputs: u8 = general.0,
+        /// Its general outputs.
+        pub general_outputs: u8 = general.1,
+        /// Laser channels of the controller.
+        pub lasers: u8 = 2,
+    }
+    /// `crds`: at periods below [`LONG_TICK`], and from there on. `general`: inputs and outputs.
+    const fn row(name: &'static str, (cores, axes_per_core): (u8, u8), crds: (u8, u8), general: (u8, u8));
 }
 
 impl ProductProfile {
@@ -42,38 +47,18 @@ impl ProductProfile {
 /// From this tick period on, GSN has all its coordinate systems (GXN table 5-1).
 pub const LONG_TICK: Ns = Ns(500_000);
 
-/// `crds`: at periods below [`LONG_TICK`], and from there on. `general`: inputs and outputs.
-const fn row(
-    name: &'static str,
-    (cores, axes_per_core): (u8, u8),
-    crds: (u8, u8),
-    (general_inputs, general_outputs): (u8, u8),
-) -> ProductProfile {
-    let (crds_in_short_ticks, crds_per_core) = crds;
-    ProductProfile {
-        name,
-        cores,
-        axes_per_core,
-        crds_per_core,
-        crds_in_short_ticks,
-        general_inputs,
-        general_outputs,
-        lasers: 2,
-    }
-}
-
 /// Every profile; its index is its number in `Choose` and `Version`. No manual counts the inputs
 /// and outputs of GUS: one word each.
 pub const PROFILES: &[ProductProfile] = &[
-    row("gus", (1, 8), (2, 2), (32, 32)),
-    row("gtn-016", (2, 8), (2, 2), (44, 20)),
-    row("gtn-024", (2, 12), (2, 2), (66, 30)),
-    row("gsn-008-lt", (1, 8), (2, 4), (100, 40)),
-    row("gsn-024", (2, 12), (2, 4), (100, 40)),
-    row("gsn-048", (2, 24), (2, 4), (100, 40)),
-    row("r688c-024", (1, 24), (2, 2), (100, 64)),
-    row("r688s-016", (1, 16), (4, 4), (64, 64)),
-    row("r688s-032", (1, 32), (4, 4), (64, 64)),
+    ProductProfile::row("gus", (1, 8), (2, 2), (32, 32)),
+    ProductProfile::row("gtn-016", (2, 8), (2, 2), (44, 20)),
+    ProductProfile::row("gtn-024", (2, 12), (2, 2), (66, 30)),
+    ProductProfile::row("gsn-008-lt", (1, 8), (2, 4), (100, 40)),
+    ProductProfile::row("gsn-024", (2, 12), (2, 4), (100, 40)),
+    ProductProfile::row("gsn-048", (2, 24), (2, 4), (100, 40)),
+    ProductProfile::row("r688c-024", (1, 24), (2, 2), (100, 64)),
+    ProductProfile::row("r688s-016", (1, 16), (4, 4), (64, 64)),
+    ProductProfile::row("r688s-032", (1, 32), (4, 4), (64, 64)),
 ];
 
 /// The families of SPEC 2: 0 is GUS, 1 is LSR.

@@ -36,6 +36,11 @@ pub struct Refused {
 }
 
 impl Refused {
+    /// A number that lies outside `low..=high`.
+    pub fn range(field: u8, got: f64, low: f64, high: f64) -> Self {
+        Refused::new(Reason::OutOfRange).field(field).got(got).limits(low, high)
+    }
+
     /// A refusal that names only its reason.
     pub fn new(reason: Reason) -> Self {
         Refused { reason, data: FifoState::Open, wire: Refusal::new(reason) }
@@ -106,11 +111,7 @@ pub type Admitted<T> = Result<T, Refused>;
 
 /// `got` if it lies in `low..=high`.
 pub fn within<T: Copy + PartialOrd + Into<f64>>(field: u8, got: T, low: T, high: T) -> Admitted<T> {
-    if got >= low && got <= high {
-        Ok(got)
-    } else {
-        Err(Refused::new(Reason::OutOfRange).field(field).got(got.into()).limits(low.into(), high.into()))
-    }
+    if got >= low && got <= high { Ok(got) } else { Err(Refused::range(field, got.into(), low.into(), high.into())) }
 }
 
 /// `got` if it is one of the choices `low..=high`.
@@ -124,9 +125,15 @@ pub fn choice<T: Copy + PartialOrd + Into<f64>>(field: u8, got: T, low: T, high:
 
 /// `got` if it is a finite number in `low..=high`.
 pub fn real(field: u8, got: f64, low: f64, high: f64) -> Admitted<f64> {
-    if got.is_finite() {
-        within(field, got, low, high)
-    } else {
-        Err(Refused::new(Reason::NotFinite).field(field).got(got))
-    }
+    within(field, finite(field, got)?, low, high)
+}
+
+/// `got` if it is a finite number.
+pub fn finite(field: u8, got: f64) -> Admitted<f64> {
+    if got.is_finite() { Ok(got) } else { Err(Refused::new(Reason::NotFinite).field(field).got(got)) }
+}
+
+/// A word if it has no other bits than these.
+pub fn bits_of(field: u8, word: u64, all: u64) -> Admitted<u64> {
+    if word & !all == 0 { Ok(word) } else { Err(Refused::range(field, word as f64, 0.0, all as f64)) }
 }

@@ -110,7 +110,7 @@ pub enum ShadowChange {
     /// Coordinate systems start.
     CrdStarted { crds: CrdMask, fifo1: CrdMask, may_fail: bool },
     /// Resolution of the lasers' frequencies (LSR): high (SetLaserMode 1) or low.
-    LaserFine(bool),
+    LaserResolution(bool),
     /// A servo tick.
     Tick { period: Ns },
 }
@@ -150,7 +150,7 @@ servo::state! {
         /// The laser channels.
         pub lasers: [LaserShadow; CHANNELS] = [LaserShadow::power_on(true, false); CHANNELS],
         /// Resolution of their frequencies.
-        pub laser_fine: bool = true,
+        pub high_resolution: bool = true,
         /// Whether the tick period is at least [`LONG_TICK`]; none while it is that of power-on.
         long_tick: Option<bool> = None,
         /// The last Abort.
@@ -423,10 +423,9 @@ impl<const AXES: usize> Shadows<AXES> {
             }
             ShadowChange::Cleared { axes } => self.with(axes, |_, shadow| shadow.cleared = Some(seq)),
             ShadowChange::Started { axes, fifo1, script_ns } => self.with(axes, |axis, shadow| {
-                shadow.started = Some(seq);
+                shadow.start(seq);
                 let begins = u32::try_from(script_ns >> BEGINS_SHIFT).unwrap_or(u32::MAX).saturating_add(1);
                 shadow.streams = if shadow.is_dynamic() { begins } else { 0 };
-                shadow.busy = Some(seq);
                 shadow.fifo = u8::from(fifo1.has(axis));
             }),
             ShadowChange::PvtStarted { axes } => {
@@ -435,10 +434,7 @@ impl<const AXES: usize> Shadows<AXES> {
                         self.name(self.axes[index].table, seq);
                     }
                 }
-                self.with(axes, |_, shadow| {
-                    shadow.started = Some(seq);
-                    shadow.busy = Some(seq);
-                });
+                self.with(axes, |_, shadow| shadow.start(seq));
             }
             ShadowChange::Table { axis, table, pending } => {
                 one(axis, &|shadow| shadow.table = Some(table));
@@ -468,13 +464,11 @@ impl<const AXES: usize> Shadows<AXES> {
             ShadowChange::Mode { axis, mode } => one(axis, &|shadow| {
                 shadow.mode = mode;
                 shadow.follow.forget(seq);
-                shadow.fifos = [FifoShadow::default(); 2];
-                shadow.empty(seq, 3);
+                shadow.empty_all(seq);
             }),
             ShadowChange::Memory { axis, memory } => one(axis, &|shadow| {
                 shadow.memory = memory;
-                shadow.fifos = [FifoShadow::default(); 2];
-                shadow.empty(seq, 3);
+                shadow.empty_all(seq);
             }),
             ShadowChange::Emptied { axis, fifo } => one(axis, &|shadow| {
                 if let Some(fifo) = shadow.fifos.get_mut(usize::from(fifo)) {
@@ -545,8 +539,7 @@ impl<const AXES: usize> Shadows<AXES> {
                     self.with(axes, |_, shadow| {
                         (shadow.mode, shadow.crd) = (MotionMode::Crd, crd);
                         shadow.follow.forget(seq);
-                        shadow.fifos = [FifoShadow::default(); 2];
-                        shadow.empty(seq, 3);
+                        shadow.empty_all(seq);
                     });
                 }
             }
@@ -555,12 +548,9 @@ impl<const AXES: usize> Shadows<AXES> {
                 self.with_crds(fifo1, &CrdChange::Started { fifo: 1, may_fail }, seq);
                 let axes = crds.crds().fold(0, |mask, crd| mask | self.driven(crd).0);
                 crds.crds().for_each(|crd| self.with(self.crd(crd).beside, |_, shadow| shadow.aside = true));
-                self.with(AxisMask(axes), |_, shadow| {
-                    shadow.started = Some(seq);
-                    shadow.busy = Some(seq);
-                });
+                self.with(AxisMask(axes), |_, shadow| shadow.start(seq));
             }
-            ShadowChange::LaserFine(fine) => self.laser_fine = fine,
+            ShadowChange::LaserResolution(high) => self.high_resolution = high,
         }
     }
 }

@@ -146,10 +146,10 @@ fn what_stops_a_path() {
             _ => drop(bench.done(AxisOff { core: 1.into(), axis: 2.into() })),
         }
         until_standstill(&mut bench);
-        let way = crd_pos(&mut bench)[0] - at;
+        let travelled = crd_pos(&mut bench)[0] - at;
         // v²/2a = 250 pulses, and what a few ticks of 12.5 pulses take.
         let range = if how == 3 { 0.0..50.0 } else { 245.0..310.0 };
-        assert!(range.contains(&way), "{how}: {way}");
+        assert!(range.contains(&travelled), "{how}: {travelled}");
         assert_eq!(status(&mut bench, 0), (0, 0));
         if how == 3 {
             assert_eq!(bench.refused(start_crd(1)).1, Reason::ServoOff);

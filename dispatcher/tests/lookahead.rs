@@ -142,11 +142,11 @@ fn run(calls: &[Call], entries: &[PathEntry]) -> (Vec<(f64, [f64; 2])>, f64, f64
         let to = [call.geometry.end[0], call.geometry.end[1]];
         // Ticks within the motion; the speed between two of them is that at half time.
         let (first, last) = ((before / TICK).ceil() as usize, (ns(*at) / TICK) as usize);
-        let way = |k: usize| (places[k][0] - from[0]).hypot(places[k][1] - from[1]);
+        let distance_to = |k: usize| (places[k][0] - from[0]).hypot(places[k][1] - from[1]);
         let half = call.geometry.length / 2.0;
-        let k = first + (first..last).take_while(|k| way(*k) < half).count();
+        let k = first + (first..last).take_while(|k| distance_to(*k) < half).count();
         if k >= first + 2 && k + 2 <= last {
-            let part = (half - way(k - 1)) / (way(k) - way(k - 1));
+            let part = (half - distance_to(k - 1)) / (distance_to(k) - distance_to(k - 1));
             let (low, part) = if part < 0.5 { (k - 2, part + 0.5) } else { (k - 1, part - 0.5) };
             let speed = |i: usize| velocity(low, i) * (1.0 - part) + velocity(low + 1, i) * part;
             middles.push(((low as f64 + 0.5 + part) * TICK / 1e6, [speed(0), speed(1)]));

@@ -181,7 +181,7 @@ fn bad_percentages_and_limits() {
     let answer = bench.call_items(fast, &percent(0.0));
     assert_eq!((answer.code, answer.reason(), answer.refusal().field), (7, Reason::TooFast, 4));
 
-    let way = |vel: f64, acc: f64, pos: f64| {
+    let segment = |vel: f64, acc: f64, pos: f64| {
         [(0.0, 0.0), (pos, vel)].map(|(pos, vel)| PvtContinuousPoint {
             pos: f64::into(pos),
             vel: f64::into(vel),
@@ -199,17 +199,17 @@ fn bad_percentages_and_limits() {
         time_begin: 0.0.into(),
     };
     for (points, reason, field) in [
-        (way(0.0, -0.01, 1000.0), Reason::OutOfRange, 9),
-        (way(0.0, 0.0, 1000.0), Reason::OutOfRange, 9),
-        (way(10.0, 0.01, 1000.0), Reason::VelocityUnreachable, 255),
-        (way(0.0, 0.01, 0.0), Reason::NoDisplacement, 255),
-        (way(11.0, 0.01, 1e6), Reason::AboveVelMax, 255),
+        (segment(0.0, -0.01, 1000.0), Reason::OutOfRange, 9),
+        (segment(0.0, 0.0, 1000.0), Reason::OutOfRange, 9),
+        (segment(10.0, 0.01, 1000.0), Reason::VelocityUnreachable, 255),
+        (segment(0.0, 0.01, 0.0), Reason::NoDisplacement, 255),
+        (segment(11.0, 0.01, 1e6), Reason::AboveVelMax, 255),
     ] {
         let answer = bench.call_items(head, &points);
         assert_eq!((answer.code, answer.reason(), answer.refusal().item.get()), (7, reason, 0));
         assert_eq!(answer.refusal().field, field, "{reason:?}");
     }
-    assert_eq!(bench.call_items(head, &way(10.0, 0.01, 6000.0)).code, 0);
+    assert_eq!(bench.call_items(head, &segment(10.0, 0.01, 6000.0)).code, 0);
 }
 
 #[test]

@@ -15,7 +15,7 @@ use cortex_m::peripheral::SCB;
 use cortex_m_rt::{ExceptionFrame, exception};
 use dispatcher::{FAULT_TEXT_MAX, FaultKind};
 use hal::board::{self, ResetCause};
-use hal::guard::SPAN;
+use hal::guard::SPAN_BYTES;
 
 /// Bytes of text kept: as many as the link carries.
 const TEXT: usize = FAULT_TEXT_MAX;
@@ -143,7 +143,7 @@ extern "C" fn HardFault() -> ! {
         end = sym _stack_end,
         start = sym _stack_start,
         body = sym faulted,
-        span = const SPAN.ilog2(),
+        span = const SPAN_BYTES.ilog2(),
     )
 }
 
@@ -153,7 +153,7 @@ extern "C" fn faulted(stack: usize) -> ! {
     let (cfsr, hfsr) = unsafe { ((*SCB::PTR).cfsr.read(), (*SCB::PTR).hfsr.read()) };
     let (end, start) = (&raw const _stack_end as usize, &raw const _stack_start as usize);
     let over = end.wrapping_sub(stack);
-    if (1..=SPAN as usize).contains(&over) {
+    if (1..=SPAN_BYTES as usize).contains(&over) {
         restart(
             FaultKind::Core,
             format_args!("stack overflow: {over} bytes over {}, CFSR {cfsr:#010x}, HFSR {hfsr:#010x}", start - end),

@@ -1,7 +1,7 @@
 //! A controller, its client, and the line between them.
 //!
 //! In: requests, faults of the line, faults of the machine. Out: an account of every request:
-//! answered once and in its lane's order, or of a session that ended. Owns the books of that, and
+//! answered once and in its lane's order, or of a session that ended. Owns the record of that, and
 //! the [`Guard`] that looks at every tick.
 use crate::guard::Guard;
 use protocol::command::{AxisStatus, CommandInfo, ProgramClear, Request, info};

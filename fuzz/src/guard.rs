@@ -1,4 +1,4 @@
-//! What holds in every tick, whatever was sent: a second opinion that keeps its own books.
+//! What holds in every tick, whatever was sent: a second opinion that keeps its own record.
 //!
 //! In: every request sent, every answer, every cause, the controller after each tick. Fails: by a
 //! panic that says what was seen. Held (SPEC 5, 6, 9):

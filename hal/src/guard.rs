@@ -10,7 +10,7 @@ use cortex_m::asm::{dsb, isb};
 use cortex_m::peripheral::MPU;
 
 /// Bytes that are guarded below the stack: no frame is larger.
-pub const SPAN: u32 = 1 << 20;
+pub const SPAN_BYTES: u32 = 1 << 20;
 
 /// RASR: a region of 2^`bits` bytes, on.
 const fn on(bits: u32) -> u32 {
@@ -25,12 +25,12 @@ const CODE: u32 = 1 << 19 | 6 << 24;
 /// CTRL: on, the default map for what no region covers.
 const ON: u32 = 1 | 1 << 2;
 
-/// Forbids all access to the [`SPAN`] below `stack`, which is a multiple of it. The eighths whose
-/// bit is set in `without`, lowest first, stay as they are.
+/// Forbids all access to the [`SPAN_BYTES`] below `stack`, which is a multiple of it. The eighths
+/// whose bit is set in `without`, lowest first, stay as they are.
 pub fn below(mpu: &mut MPU, stack: u32, without: u8) {
     let eighths = (without as u32) << 8;
     // SAFETY: nothing of the program lies there; the region only takes rights away.
-    unsafe { set(mpu, 0, stack.wrapping_sub(SPAN), on(SPAN.ilog2()) | eighths | NO_ACCESS) };
+    unsafe { set(mpu, 0, stack.wrapping_sub(SPAN_BYTES), on(SPAN_BYTES.ilog2()) | eighths | NO_ACCESS) };
 }
 
 /// Forbids all access to the first 512 bytes: null.

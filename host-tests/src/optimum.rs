@@ -32,7 +32,7 @@ pub enum Turn {
     Signed,
     /// The same, but a corner counts with the motion after it only: quicker, and no plan that
     /// keeps the limits.
-    Behind,
+    AfterOnly,
 }
 
 /// `a` times the acceleration and `z` times the square of the speed are at most `most`.
@@ -84,17 +84,17 @@ pub fn plan(points: &[Point], limits: &Limits, turns: Turn) -> (Vec<f64>, f64) {
     // What holds at the begin of motion i, for its acceleration and the square of the speed there.
     let at = |index: usize| {
         let (length, direction) = motions[index];
-        let (before, behind) = motions[index.saturating_sub(1)];
+        let (before, previous) = motions[index.saturating_sub(1)];
         let mut constraints = vec![
             Constraint { a: 1.0, z: 0.0, most: limits.acc },
             Constraint { a: -1.0, z: 0.0, most: limits.acc },
             Constraint { a: 0.0, z: -1.0, most: 0.0 },
             Constraint { a: -2.0 * length, z: -1.0, most: 0.0 },
-            Constraint { a: 0.0, z: 1.0, most: along(direction).min(along(behind)) },
+            Constraint { a: 0.0, z: 1.0, most: along(direction).min(along(previous)) },
         ];
         for axis in 0..2 {
-            let turn = direction[axis] - behind[axis];
-            let (mean, bend) = ((direction[axis] + behind[axis]) / 2.0, 2.0 * turn / (length + before));
+            let turn = direction[axis] - previous[axis];
+            let (mean, bend) = ((direction[axis] + previous[axis]) / 2.0, 2.0 * turn / (length + before));
             let most = limits.axis_acc[axis];
             // The corner at the end of the motion, where the square of the speed is z + 2·length·a.
             let (after, next) = motions.get(index + 1).copied().unwrap_or((length, direction));
@@ -106,7 +106,7 @@ pub fn plan(points: &[Point], limits: &Limits, turns: Turn) -> (Vec<f64>, f64) {
                         constraints.push(Constraint { a: sign * mean, z: bend, most });
                         constraints.push(Constraint { a: sign * mean, z: -bend, most });
                     }
-                    Turn::Behind => constraints.push(Constraint { a: sign * mean, z: sign * bend, most }),
+                    Turn::AfterOnly => constraints.push(Constraint { a: sign * mean, z: sign * bend, most }),
                     Turn::Signed => {
                         // From a corner to the middle of the motion the square of the speed changes
                         // by length·a; its product with the mean speed there by a quarter of that.
@@ -175,7 +175,7 @@ mod tests {
             })
             .collect();
         let round = Limits { speed: 1e3, acc: 1.0, axis_acc: [1.0; 2], ..FREE };
-        for turns in [Turn::Adds, Turn::Signed, Turn::Behind] {
+        for turns in [Turn::Adds, Turn::Signed, Turn::AfterOnly] {
             near(plan(&circle, &round, turns).1, 20_000.0 * std::f64::consts::PI / 1000f64.sqrt(), 0.02);
         }
         // A right angle: v·1 ≤ 2·0.5 in the corner, from which 5 ms and 0.5 ms less a ramp each.
@@ -216,6 +216,6 @@ mod tests {
             worst
         };
         assert!(hardest(Turn::Signed) <= 1.0001, "{}", hardest(Turn::Signed));
-        assert!(hardest(Turn::Behind) > 1.2, "{}", hardest(Turn::Behind));
+        assert!(hardest(Turn::AfterOnly) > 1.2, "{}", hardest(Turn::AfterOnly));
     }
 }

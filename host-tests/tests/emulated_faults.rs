@@ -67,11 +67,11 @@ impl Map {
 
 /// Where a fault is provoked.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Place {
+enum Level {
     Tick,
     Task,
 }
-use Place::{Task, Tick};
+use Level::{Task, Tick};
 
 /// Sets the core on a fault.
 type Provoke = fn(&mut Debugger, &Map);
@@ -131,7 +131,7 @@ fn masked_interrupts(debugger: &mut Debugger, _: &Map) {
 }
 
 /// What is provoked where, the kind that is reported, and how its text begins.
-const FAULTS: [(&str, Place, Provoke, u8, &str); 12] = [
+const FAULTS: [(&str, Level, Provoke, u8, &str); 12] = [
     ("panic in the tick", Tick, panic, 1, "panicked at "),
     ("panic in the link task", Task, panic, 1, "panicked at "),
     ("undefined instruction in the tick", Tick, undefined_instruction, 2, "hard fault at 0x20001000"),

@@ -107,8 +107,8 @@ fn trains_of_the_tick_have_their_frequency_and_duty() {
             let carrier = Carrier::admit(power(khz), clock).unwrap();
             for percent in duties(chance) {
                 let changes = [
-                    ChannelChange::Carrier { carrier, fine: None },
-                    ChannelChange::Direct { power: power(percent), fine: None },
+                    ChannelChange::Carrier { carrier, fixed: None },
+                    ChannelChange::Direct { power: power(percent), fixed: None },
                     ChannelChange::Gate { on: true },
                 ];
                 let view = bench.one_tick(clock, &changes);
@@ -123,9 +123,9 @@ fn trains_of_the_tick_have_their_frequency_and_duty() {
             let width = 1 + chance.below(100) as u16;
             let bounds = PowerBounds::full(PowerMode::Frequency);
             let changes = [
-                ChannelChange::Mode { mode: PowerMode::Frequency, bounds, delayed: true, fine: None },
+                ChannelChange::Mode { mode: PowerMode::Frequency, bounds, delayed: true, fixed: None },
                 ChannelChange::PulseWidth { us: NonZeroU16::new(width).unwrap() },
-                ChannelChange::Direct { power: power(khz), fine: None },
+                ChannelChange::Direct { power: power(khz), fixed: None },
                 ChannelChange::Gate { on: true },
             ];
             let view = bench.one_tick(clock, &changes);

@@ -64,7 +64,7 @@ fn lights_while_braking(client: &Client, board: &Shared) -> bool {
 }
 
 #[test]
-fn while_a_crd_brakes_its_entries_act_as_on_the_way() {
+fn while_a_crd_brakes_its_entries_act_as_during_motion() {
     let (client, board) = open();
     assert!(lights_while_braking(&client, &board));
 }

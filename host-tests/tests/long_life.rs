@@ -61,7 +61,7 @@ fn life(entries: u32, ns: u64) -> Done {
 }
 
 #[test]
-fn counters_go_round_and_nothing_is_different() {
+fn counters_wrap_and_nothing_changes() {
     // Not at the very first: a link that has never been silent answers a little later.
     let new = life(0, 1_000_000_000);
     // Some entries before 2³¹ of a lane and before 2³² of what else is counted; some ms before 2³²
@@ -150,7 +150,7 @@ fn path_of(entries: u32) -> (Done, u32) {
 }
 
 #[test]
-fn counts_of_a_path_and_of_light_go_round_and_nothing_is_different() {
+fn counts_of_a_path_and_of_light_wrap_and_nothing_changes() {
     let (new, light) = path_of(0);
     assert!(light > 100, "{light} units of light");
     // Some 180 entries go through a FIFO: it is left and gone on with before and after the place

@@ -231,9 +231,9 @@ fn shares(points: &[Point], places: &[Point]) -> Shares {
         }
         let mean = |(t0, v0): &(f64, Point), (t1, v1): &(f64, Point)| (v1[axis] - v0[axis]).abs() / (t1 - t0) / limit;
         for (index, one) in seen.iter().enumerate() {
-            let mut behind = seen[index + 1..].iter();
-            shares.middles = behind.next().map_or(0.0, |two| mean(one, two)).max(shares.middles);
-            let far = behind.find(|two| two.0 - one.0 >= LIMITS.corner);
+            let mut later = seen[index + 1..].iter();
+            shares.middles = later.next().map_or(0.0, |two| mean(one, two)).max(shares.middles);
+            let far = later.find(|two| two.0 - one.0 >= LIMITS.corner);
             shares.apart = far.map_or(0.0, |two| mean(one, two)).max(shares.apart);
         }
     }
@@ -264,11 +264,11 @@ fn judge(name: &str, points: &[Point]) {
     let free = run(points, usize::MAX, Duration::ZERO);
     let stalled = run(points, 3, Duration::from_millis(50));
     let above = |turns| (free.ms / plan(points, &LIMITS, turns).1 - 1.0) * 100.0;
-    let [adds, signed, behind] = [Turn::Adds, Turn::Signed, Turn::Behind].map(above);
+    let [adds, signed, after_only] = [Turn::Adds, Turn::Signed, Turn::AfterOnly].map(above);
     let shares = shares(points, &free.places);
     println!(
         "{name}: {} motions, {:.2} ms, {:.2} ms with stalls; above the optima: amounts added {adds:.2} %, signed {signed:.2} %, \
-         and by one side of corners {behind:.2} %; {shares:.5?}",
+         and by one side of corners {after_only:.2} %; {shares:.5?}",
         points.len() - 1,
         free.ms,
         stalled.ms,

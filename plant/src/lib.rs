@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ramp_is_followed_one_time_constant_behind() {
+    fn a_ramp_is_followed_one_time_constant_later() {
         // Held set-points lag by half a tick more on average: v·(T/(1 − e^(−T/τ)) − T) behind the
         // one in force.
         for period in PERIODS_NS {

@@ -43,16 +43,16 @@ pub struct FrameCounters {
 
 /// Index of the first encoded byte in the buffer. So a link frame's payload, after the first code
 /// and 14 bytes of header, lies on a word boundary and is copied by words.
-const START: usize = 1;
+const FIRST_BYTE: usize = 1;
 
 #[derive(Debug, Clone)]
 #[repr(align(4))]
-struct Place<const N: usize>([u8; N]);
+struct AlignedBytes<const N: usize>([u8; N]);
 
 /// The incremental decoder, for frames of up to `N` bytes on the wire with the delimiter.
 #[derive(Debug, Clone)]
 pub struct Deframer<const N: usize> {
-    bytes: Place<N>,
+    bytes: AlignedBytes<N>,
     /// End of the encoded bytes collected.
     len: usize,
     /// End of the last complete frame; it begins after the first code.
@@ -71,8 +71,8 @@ impl<const N: usize> Deframer<N> {
     /// An empty deframer.
     pub const fn new() -> Self {
         Deframer {
-            bytes: Place([0; N]),
-            len: START,
+            bytes: AlignedBytes([0; N]),
+            len: FIRST_BYTE,
             done: 0,
             overflow: false,
             counters: FrameCounters { frames: 0, too_long: 0, truncated: 0 },
@@ -101,7 +101,7 @@ impl<const N: usize> Deframer<N> {
 
     /// The frame that the last [`Outcome::Frame`] announced.
     pub fn frame(&self) -> &[u8] {
-        self.bytes.0.get(START + 1..self.done).unwrap_or(&[])
+        self.bytes.0.get(FIRST_BYTE + 1..self.done).unwrap_or(&[])
     }
 
     /// The counts so far.
@@ -111,7 +111,7 @@ impl<const N: usize> Deframer<N> {
 
     /// Forgets a partly read frame, as after reopening a transport.
     pub fn reset(&mut self) {
-        self.len = START;
+        self.len = FIRST_BYTE;
         self.overflow = false;
     }
 
@@ -149,12 +149,12 @@ impl<const N: usize> Deframer<N> {
             self.counters.too_long = self.counters.too_long.wrapping_add(1);
             return Some(Outcome::Refused(Fault::TooLong));
         }
-        if len == START {
+        if len == FIRST_BYTE {
             return None;
         }
-        match self.bytes.0.get_mut(START..len).and_then(decode) {
+        match self.bytes.0.get_mut(FIRST_BYTE..len).and_then(decode) {
             Some(length) => {
-                self.done = length.saturating_add(START);
+                self.done = length.saturating_add(FIRST_BYTE);
                 self.counters.frames = self.counters.frames.wrapping_add(1);
                 Some(Outcome::Frame)
             }

@@ -220,7 +220,7 @@ fn a_message_of_full_length_leaves_in_small_portions() {
 /// Both ways past 65,536 messages of a session; every 37th frame is lost, and lost messages are
 /// sent again.
 #[test]
-fn sequence_numbers_go_round() {
+fn sequence_numbers_wrap() {
     let (mut client, mut controller) = opened();
     let (mut sent, mut taken, mut answered, mut frames, mut now) = (0u32, 0u32, 0u32, 0u32, 0);
     let mut lossy = |from: &mut End, to: &mut End, now: Ns| {

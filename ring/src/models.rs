@@ -135,14 +135,14 @@ fn lane_needs_its_release() {
 }
 
 #[test]
-fn news_hold_in_every_execution() {
+fn changes_hold_in_every_execution() {
     let executions = explore(Weak::Nothing, events).expect("the model of events fails");
     std::println!("events: {executions} executions");
     assert!(executions > 10, "only {executions} executions");
 }
 
 #[test]
-fn news_need_the_exchange() {
+fn changes_need_the_exchange() {
     assert_eq!(explore(Weak::Exchange, events), None);
 }
 

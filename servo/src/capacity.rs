@@ -1,55 +1,45 @@
 //! How much a build holds of what no manual fixes: queues between thread and tick, and what only
 //! larger products have.
-//!
-//! The feature `small` is for a chip whose own RAM is nearly taken up by the capacity that SPEC 11
-//! asks for.
 
-/// Where RAM is plenty: every product profile.
+/// For a chip whose own RAM is nearly taken up by the capacity that SPEC 11 asks for: one core with
+/// two coordinate systems.
+const SMALL: bool = cfg!(feature = "small");
+
+/// Entries of the immediate lane's ring.
+pub const IMMEDIATE: usize = if SMALL { 16 } else { 128 };
+/// Entries of the program lane's ring.
+pub const PROGRAM: usize = if SMALL { 64 } else { 256 };
+/// Trace samples between two looks of the thread.
+pub const SAMPLES: usize = if SMALL { 32 } else { 1024 };
+/// PVT tables of a controller: 32 for each core.
+pub const TABLES: usize = if SMALL { 32 } else { 64 };
+/// Coordinate systems: two, or four for each of two cores.
+pub const CRDS: usize = if SMALL { 2 } else { 8 };
+/// Gate edges of a laser channel that may be pending: 64 marks or 128 inside the longest delay (65
+/// ms).
+pub const EDGES: usize = if SMALL { 128 } else { 256 };
+
+/// Words of bits: of general inputs and outputs (bit 0 is GPI 1, GPO 1), of FIFOs of coordinate
+/// systems.
 #[cfg(not(feature = "small"))]
-mod sizes {
-    /// Entries of the immediate lane's ring.
-    pub const IMMEDIATE: usize = 128;
-    /// Entries of the program lane's ring.
-    pub const PROGRAM: usize = 256;
-    /// Trace samples between two looks of the thread.
-    pub const SAMPLES: usize = 1024;
-    /// PVT tables of a controller: 32 for each of two cores.
-    pub const TABLES: usize = 64;
-    /// Coordinate systems: four for each of two cores.
-    pub const CRDS: usize = 8;
-    /// A bit for each general input, bit 0 is GPI 1.
+mod words {
+    /// A bit for each general input.
     pub type GeneralInputs = u128;
-    /// A bit for each general output, bit 0 is GPO 1.
+    /// A bit for each general output.
     pub type GeneralOutputs = u64;
     /// A bit for each FIFO of each coordinate system.
     pub type Fifos = u16;
-    /// Gate edges of a laser channel that may be pending: 128 marks inside the longest delay (65
-    /// ms).
-    pub const EDGES: usize = 256;
 }
 
-/// One core with two coordinate systems.
+/// The same.
 #[cfg(feature = "small")]
-mod sizes {
-    /// Entries of the immediate lane's ring.
-    pub const IMMEDIATE: usize = 16;
-    /// Entries of the program lane's ring.
-    pub const PROGRAM: usize = 64;
-    /// Trace samples between two looks of the thread.
-    pub const SAMPLES: usize = 32;
-    /// PVT tables of a controller: 32 for its core.
-    pub const TABLES: usize = 32;
-    /// Coordinate systems.
-    pub const CRDS: usize = 2;
-    /// A bit for each general input, bit 0 is GPI 1.
+mod words {
+    /// A bit for each general input.
     pub type GeneralInputs = u32;
-    /// A bit for each general output, bit 0 is GPO 1.
+    /// A bit for each general output.
     pub type GeneralOutputs = u32;
     /// A bit for each FIFO of each coordinate system.
     pub type Fifos = u8;
-    /// Gate edges of a laser channel that may be pending: 64 marks inside the longest delay (65
-    /// ms).
-    pub const EDGES: usize = 128;
 }
 
-pub use sizes::*;
+pub use words::*;

@@ -3,6 +3,6 @@
 //!
 //! In: integers of a stated scale. Out: the same. Owns nothing. Fails never: each function states
 //! its range.
-pub mod real;
+pub mod float;
 pub(crate) mod sine;
 pub mod wide;

@@ -90,7 +90,7 @@ state! {
         /// Follow: the other FIFO takes over at the end of the pass.
         pub switching: bool = false,
         /// Follow: what it waits for, after the tick that computed this.
-        pub waits: Awaits = Awaits::NOTHING,
+        pub waits: Awaits = Awaits::NONE,
         /// Follow: times a switch has emptied each FIFO. `passes` are those of the FIFO that runs;
         /// they go down when the master goes back (direction 0).
         pub cleared: [u32; 2] = [0; 2],

@@ -97,11 +97,11 @@ fn outputs_change_at_the_instant_of_their_boundary() {
 #[test]
 fn outputs_of_two_paths_come_in_order() {
     let mut bench = prepared(1000);
-    let way = |x: i32| PathEntry::planar([x, 0], speeds(100.0, 100.0, 100.0));
+    let line_to = |x: i32| PathEntry::planar([x, 0], speeds(100.0, 100.0, 100.0));
     let on = |bit: u32| PathEntry::output(DoGroup::General, 1 << bit, 1 << bit);
     // Boundaries of the first at 1.5 and 1.9 ms; of the second at 1.7 ms.
-    bench.path(0, 0, &[way(100), on(10), way(140), on(11), way(400)]);
-    bench.path(1, 0, &[way(120), on(12), way(400)]);
+    bench.path(0, 0, &[line_to(100), on(10), line_to(140), on(11), line_to(400)]);
+    bench.path(1, 0, &[line_to(120), on(12), line_to(400)]);
     bench.start_path(&[0, 1]);
     let zero = bench.tick.now().0 + MS;
     let found = edges(&mut bench, zero);
@@ -113,8 +113,8 @@ fn outputs_of_two_paths_come_in_order() {
 fn an_entry_may_switch_a_servo_off() {
     for other in [5, 1] {
         let mut bench = prepared(1000);
-        let way = |x: i32| PathEntry::planar([x, 0], speeds(100.0, 100.0, 100.0));
-        bench.path(0, 0, &[way(100), PathEntry::output(DoGroup::Enable, 1 << other, 0), way(400)]);
+        let line_to = |x: i32| PathEntry::planar([x, 0], speeds(100.0, 100.0, 100.0));
+        bench.path(0, 0, &[line_to(100), PathEntry::output(DoGroup::Enable, 1 << other, 0), line_to(400)]);
         bench.now(TickCommand::SetMode { axis: axis(5), mode: MotionMode::Jog });
         bench.jog(5, 3.0, 1.0);
         bench.start_path(&[0]);
@@ -288,7 +288,7 @@ fn a_move_that_was_refused_is_made_once_it_can_be() {
         bench.now(TickCommand::Servo { axis: axis(4), on: true });
         bench.start_path(&[0]);
         let view = bench.until(zero + 70 * MS);
-        // A path that does not wait is on its way back by now.
+        // A path that does not wait is on its return by now.
         assert_eq!(view.general_outputs & 1 == 0, modal);
         assert_eq!(pulses(view.axes[0].pos) == 37.0, modal);
         bench.run_to_standstill();
@@ -382,8 +382,8 @@ fn a_gear_that_begins_in_the_tick_of_a_stop_goes_along() {
 #[test]
 fn gears_add_up_and_too_many_stop_the_path() {
     let mut bench = prepared(250);
-    let way = PathEntry::planar([300, 400], speeds(10.0, 1.0, 0.0));
-    bench.path(0, 0, &[PathEntry::gear(axis(4), 100), PathEntry::gear(axis(4), -30), way]);
+    let line_to = PathEntry::planar([300, 400], speeds(10.0, 1.0, 0.0));
+    bench.path(0, 0, &[PathEntry::gear(axis(4), 100), PathEntry::gear(axis(4), -30), line_to]);
     bench.start_path(&[0]);
     bench.tick();
     assert_eq!(pulses(bench.run_to_standstill().axes[4].pos), 70.0);

@@ -251,9 +251,9 @@ fn a_soft_limit_of_a_geared_axis_stops_the_path() {
             let (positive, negative) = if far < 0 { (None, Some(limit)) } else { (Some(limit), None) };
             bench.now(TickCommand::SoftLimit { axis: axis(5), positive, negative });
             let bound = f64::from(limit);
-            let way = PathEntry::planar([370, 0], speeds(10.0, 1.0, 0.0));
+            let along = PathEntry::planar([370, 0], speeds(10.0, 1.0, 0.0));
             let next = PathEntry::planar([370, 40], speeds(10.0, 1.0, 0.0));
-            bench.path(0, 0, &[PathEntry::gear(axis(5), far), way, next]);
+            bench.path(0, 0, &[PathEntry::gear(axis(5), far), along, next]);
             bench.start_path(&[0]);
             bench.tick();
             let beyond = |at: f64| if far < 0 { at < bound } else { at > bound };

@@ -44,12 +44,12 @@ fn a_boundary_just_after_a_tick_is_after_it() {
     bench.path(0, 0, &entries);
     bench.start_path(&[0]);
     let zero = bench.tick().now.0;
-    let way = |ms: f64| if ms < vel / acc { acc * ms * ms / 2.0 } else { vel * ms - vel * vel / acc / 2.0 };
+    let travelled = |ms: f64| if ms < vel / acc { acc * ms * ms / 2.0 } else { vel * ms - vel * vel / acc / 2.0 };
     for _ in 0..60 {
         let view = bench.tick();
         let ms = (view.now.0 - zero) as f64 / 1e6;
         // Its zero is at 100 pulses, -50, and its axes are at 0.
-        let (x, along) = (pulses(view.crds[0].position[0]) + 100.0, way(ms));
+        let (x, along) = (pulses(view.crds[0].position[0]) + 100.0, travelled(ms));
         assert!((x - along).abs() < 1e-5, "{ms} ms: {x}, not {along}");
     }
 }
@@ -98,10 +98,10 @@ fn a_line_moves_both_axes_by_their_share() {
     assert_eq!(place(&begin, [2, 5]), [0.0, 0.0]);
     // 300 and 400 pulses: 500 along, 10 ms up to 10 pulse/ms in 50 pulses, 60 ms in all.
     let (zero, t) = (begin.now.0, |ms: f64| (ms * 1e6) as u64);
-    for (ms, way) in [(5.0, 12.5), (10.0, 50.0), (30.0, 250.0), (50.0, 450.0), (55.0, 487.5)] {
+    for (ms, travelled) in [(5.0, 12.5), (10.0, 50.0), (30.0, 250.0), (50.0, 450.0), (55.0, 487.5)] {
         let view = bench.until(zero + t(ms));
         let [x, y] = place(&view, [2, 5]);
-        assert!((x - 0.6 * way).abs() < 1e-6 && (y - 0.8 * way).abs() < 1e-6, "{ms}: {x} {y}");
+        assert!((x - 0.6 * travelled).abs() < 1e-6 && (y - 0.8 * travelled).abs() < 1e-6, "{ms}: {x} {y}");
         let v = if ms < 10.0 {
             ms
         } else if ms > 50.0 {
@@ -444,7 +444,7 @@ fn clearing_is_counted_and_old_commits_are_void() {
 }
 
 #[test]
-fn an_override_acts_on_the_way() {
+fn an_override_acts_during_motion() {
     let mut bench = prepared(250, &[line(200, 450)]);
     bench.now(TickCommand::CrdOverride { crd: crd(0), rate: FeedOverride::admit(0.5f64.to_bits()).unwrap() });
     bench.start_path(&[0]);

@@ -202,7 +202,7 @@ fn a_queued_switch_goes_to_the_other_fifo() {
 }
 
 #[test]
-fn behind_a_delay_the_ratio_of_the_instant_is_0() {
+fn after_a_delay_the_ratio_of_the_instant_is_0() {
     for (cycles, ratio) in [(0, 2.0), (4, 0.0)] {
         let mut bench =
             running(250, &[Item::Data(10.0, 20.0, 1, 0), Item::Delay(cycles), Item::Switch(Method::Table)], 1.0);

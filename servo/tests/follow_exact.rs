@@ -221,7 +221,7 @@ fn draw(chance: &mut Chance, count: usize, negative: bool) -> (Vec<Datum>, Segme
             let admitted = if kind < 10 {
                 FollowEntry::segment(m_bits, s_bits, kind, percent, Direction::Both, &chain)
             } else {
-                let part = [SCurvePart::Rise, SCurvePart::Held, SCurvePart::Fall][kind as usize - 10];
+                let part = [SCurvePart::Rise, SCurvePart::Constant, SCurvePart::Fall][kind as usize - 10];
                 FollowEntry::part(m_bits, s_bits, part, begin.map(f64::to_bits), Direction::Both, &chain)
             };
             if let Ok((entry, next)) = admitted {

@@ -264,24 +264,24 @@ fn a_slave_that_turns_round_at_a_knot_counts_for_its_slaves() {
             bench.start_follow(&[0, 1]);
             bench.jog(7, 4.1, 1000.0);
             // The same in ticks of 10 us has its positions more exactly.
-            let mut fine = Bench::prepared(10, MotionMode::Follow);
-            fine.now(TickCommand::SetMode { axis: axis(7), mode: MotionMode::Jog });
-            fine.follows(1, 7, Value::Planned);
-            fine.follow(1, 0, &items);
-            fine.now(TickCommand::FollowLoop { axis: axis(1), passes: 2 });
-            fine.tick();
-            fine.start_follow(&[1]);
-            fine.jog(7, 4.1, 1000.0);
-            fine.tick();
+            let mut fixed = Bench::prepared(10, MotionMode::Follow);
+            fixed.now(TickCommand::SetMode { axis: axis(7), mode: MotionMode::Jog });
+            fixed.follows(1, 7, Value::Planned);
+            fixed.follow(1, 0, &items);
+            fixed.now(TickCommand::FollowLoop { axis: axis(1), passes: 2 });
+            fixed.tick();
+            fixed.start_follow(&[1]);
+            fixed.jog(7, 4.1, 1000.0);
+            fixed.tick();
             bench.tick();
             let (mut top, mut bottom) = (0.0f64, 0.0f64);
             for _ in 0..16 {
                 for _ in 0..100 {
-                    let at = pulses(fine.tick().axes[1].pos);
+                    let at = pulses(fixed.tick().axes[1].pos);
                     (top, bottom) = (top.max(at), bottom.min(at));
                 }
                 let view = bench.tick();
-                assert!((pulses(view.axes[1].pos) - 1234.0 - pulses(fine.machine.set_points[1])).abs() < 1e-4);
+                assert!((pulses(view.axes[1].pos) - 1234.0 - pulses(fixed.machine.set_points[1])).abs() < 1e-4);
                 let exact = if direction == Direction::Up { 3.0 * top } else { -3.0 * bottom };
                 let found = pulses(view.axes[0].pos);
                 assert!((found - exact).abs() < 0.13, "{found} {exact} {direction:?}, {most}");

@@ -46,14 +46,14 @@ fn reported(lasers: &[LaserView; 2]) -> [(Cause, bool); 2] {
 /// with the cause Fault in that tick and stays dark; ClrSts of a mapped axis ends it.
 #[test]
 fn a_path_at_the_edge_of_travel_shuts_off_its_lasers() {
-    for (period, way) in [(50, 1), (250, -1), (1000, 1), (1000, -1)] {
+    for (period, sign) in [(50, 1), (250, -1), (1000, 1), (1000, -1)] {
         let mut bench = prepared(period);
         bench.command(TickCommand::SetPosition {
             axis: axis(0),
-            pos: Pos((Pos::TRAVEL.0 - (100 << Pos::FRAC_BITS)) * way),
+            pos: Pos((Pos::TRAVEL.0 - (100 << Pos::FRAC_BITS)) * sign),
         });
         bench.frame(0, &[0, 1]);
-        bench.path(0, &[line([400 * way as i32, 0], 10.0, 1.0, 0.0)]);
+        bench.path(0, &[line([400 * sign as i32, 0], 10.0, 1.0, 0.0)]);
         bench.start(1);
         let (before, now) = rest(&mut bench);
         assert_eq!((now.crds[0].stop, now.axes[0].stop), (StopReason::Travel, StopReason::Travel));

@@ -75,8 +75,8 @@ fn fixed_pulses_are_exact_and_repeat_as_soon_as_they_can() {
                 // A light of the same numbers is the same.
                 let carrier = Carrier::admit(power(khz), clock).unwrap();
                 for mode in [PowerMode::Duty, PowerMode::DutyOpen] {
-                    let fine = FixedTrain::plan(mode, power(percent), Some(&carrier), clock).unwrap();
-                    assert_eq!(*fine.train(), train);
+                    let fixed = FixedTrain::plan(mode, power(percent), Some(&carrier), clock).unwrap();
+                    assert_eq!(*fixed.train(), train);
                 }
             }
         }
@@ -109,7 +109,7 @@ fn a_power_that_nobody_planned_is_as_exact() {
     let mut chance = Chance::new(6);
     for clock in clocks() {
         let mut bench = Bench::with_clock(1000, clock);
-        bench.fine = false;
+        bench.fixed = false;
         bench.gate(true);
         for khz in frequencies(&mut chance, 60) {
             bench.carrier(khz);
@@ -136,9 +136,9 @@ fn a_power_that_nobody_planned_is_as_exact() {
 fn a_rate_is_exact_to_the_fraction_that_keeps_its_phase() {
     let mut chance = Chance::new(7);
     for clock in clocks() {
-        for fine in [true, false] {
+        for fixed in [true, false] {
             let mut bench = Bench::with_clock(1000, clock);
-            bench.fine = fine;
+            bench.fixed = fixed;
             bench.mode(PowerMode::Frequency, 2000.0, 0.0, true);
             bench.width(1);
             bench.gate(true);
@@ -175,25 +175,25 @@ fn a_plan_for_other_numbers_is_not_taken() {
     assert_ne!(bench.tick().train.width.of, 0);
     // The bounds hold the power elsewhere than the plan is for.
     let carrier = Carrier::admit(power(30.0), Clock::GHZ).unwrap();
-    let fine = FixedTrain::plan(PowerMode::Duty, power(70.0), Some(&carrier), Clock::GHZ);
+    let fixed = FixedTrain::plan(PowerMode::Duty, power(70.0), Some(&carrier), Clock::GHZ);
     let bounds = laser_bench::bounds(PowerMode::Duty, 60.0, 0.0);
-    bench.change(ChannelChange::Mode { mode: PowerMode::Duty, bounds, delayed: true, fine });
+    bench.change(ChannelChange::Mode { mode: PowerMode::Duty, bounds, delayed: true, fixed });
     let view = bench.tick();
     assert_eq!((view.power, view.train.width.of), (power(60.0), 0));
     let off = counts(view.train.width) - counts(view.train.period) * ratio(6, 10);
     assert!(off.abs() < ratio(1, 1 << 30), "{view:?}");
     // Nor is one for another carrier.
-    bench.change(ChannelChange::Carrier { carrier: Carrier::admit(power(31.0), Clock::GHZ).unwrap(), fine });
+    bench.change(ChannelChange::Carrier { carrier: Carrier::admit(power(31.0), Clock::GHZ).unwrap(), fixed });
     assert_eq!(bench.tick().train.width.of, 0);
 }
 
 #[test]
 fn what_is_output_has_the_mean_that_was_planned() {
     // 1777.7 kHz and 37.7 % for 20 ms, through the tick and a machine.
-    for fine in [true, false] {
+    for fixed in [true, false] {
         let (khz, percent) = (1777.7, 37.7);
         let mut bench = Bench::new(250);
-        bench.fine = fine;
+        bench.fixed = fixed;
         bench.carrier(khz);
         bench.direct(percent);
         bench.gate(true);
@@ -239,7 +239,7 @@ fn a_full_duty_is_an_unbroken_level_after_any_other() {
     for run in 0..200 {
         let (khz, percent) = (chance.log(20.0, 2000.0), chance.unit() * 100.0);
         let mut bench = Bench::new(250);
-        bench.fine = run % 2 == 0;
+        bench.fixed = run % 2 == 0;
         bench.carrier(khz);
         bench.direct(percent);
         bench.gate(true);

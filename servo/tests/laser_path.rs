@@ -158,7 +158,7 @@ fn the_end_of_a_mark_comes_again_after_an_abrupt_stop_before_it() {
 
 /// What a Stop shuts off, and what brings it back.
 #[test]
-fn whose_light_goes_off_and_comes_back() {
+fn light_of_its_owner_goes_off_and_comes_back() {
     // Stopped within its path, with light of an entry; the action meanwhile; whether light is on
     // after a CrdStart.
     let case = |before: &dyn Fn(&mut Bench), meanwhile: &dyn Fn(&mut Bench)| {

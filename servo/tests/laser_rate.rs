@@ -32,7 +32,7 @@ fn follow(ratio: f64, max: f64) -> PathEntry {
 const LENGTH: i128 = 150;
 
 /// The path length after this many ms.
-fn way(t: Number) -> Number {
+fn travelled(t: Number) -> Number {
     let n = |x: i128| Number::from_integer(x);
     if t < n(10) {
         t * t / n(2)
@@ -52,7 +52,7 @@ fn instant(place: Number, period_us: u32) -> Number {
     for step in 0..steps {
         let begin = period * Number::from_integer(step);
         let end = (begin + period).min(Number::from_integer(25));
-        let (from, to) = (way(begin), way(end));
+        let (from, to) = (travelled(begin), travelled(end));
         if place < to {
             // The last interval may go on beyond the end of the motion, at the mean of the whole of
             // it.

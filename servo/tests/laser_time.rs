@@ -146,8 +146,8 @@ fn edges_do_not_know_the_tick() {
         let coarse = run(1000);
         assert!(coarse.1.len() > 4, "round {round} does something");
         for period_us in [10, 50, 250] {
-            let fine = run(period_us);
-            assert!(coarse == fine, "round {round}, tick {period_us} µs: {calls:?}");
+            let fixed = run(period_us);
+            assert!(coarse == fixed, "round {round}, tick {period_us} µs: {calls:?}");
         }
     }
 }

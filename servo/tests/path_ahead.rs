@@ -44,11 +44,11 @@ impl Seen {
         let fresh = self.path.is_fresh();
         let Step { position: place, heading, bend, motion, .. } = &mut self.step;
         let mut sight = PathReport { position: place, heading, bend, motion, turns: &mut self.turns };
-        let Some(way) = self.path.fast_step(next, feed, &mut sight) else {
+        let Some(stepped) = self.path.fast_step(next, feed, &mut sight) else {
             self.tick(now, period.0, feed, script, ahead);
             return turns;
         };
-        self.path.pass(way);
+        self.path.pass(stepped);
         if fresh {
             (self.step.fifo, self.step.done) = (self.path.fifo(), self.path.done(self.path.fifo()));
         }
@@ -151,7 +151,7 @@ fn what_is_made_ahead_is_what_would_have_been_made() {
             turns += quick.fast_step(now, period, feed, &script, ahead);
             without.tick(now, period, feed, &script, false);
             assert_eq!(with.step, without.step, "case {case} at {now}");
-            assert_eq!(quick.step, without.step, "case {case} at {now}, the short way");
+            assert_eq!(quick.step, without.step, "case {case} at {now}, by the fast path");
             let mean = |seen: &Seen| seen.path.mean(&seen.step.motion, Ns(now), Ns(period));
             assert_eq!(mean(quick), mean(without), "case {case} at {now}");
             ticks += 1;
@@ -179,6 +179,6 @@ fn what_is_made_ahead_is_what_would_have_been_made() {
             assert_eq!(gears(&seen), gears(&without), "case {case}");
         }
     }
-    println!("{ticks} ticks, {stops} Stops, {turns} turns the short way");
+    println!("{ticks} ticks, {stops} Stops, {turns} turns by the fast path");
     assert!(ticks > 20 * cases && stops > 0 && u64::from(turns) > cases);
 }

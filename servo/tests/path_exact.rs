@@ -78,7 +78,7 @@ impl Phase {
         let change = Fix(v1.sub(v0).0.abs());
         Phase { v0: v0.clone(), v1: v1.clone(), time: change.div(acc) }
     }
-    fn way(&self) -> Fix {
+    fn travelled(&self) -> Fix {
         self.v0.add(&self.v1).half().mul(&self.time)
     }
     /// Length after t.
@@ -104,7 +104,7 @@ fn law(v0: &Fix, length: &Fix, vel: &Fix, acc: &Fix, end: &Fix, even: &Fix) -> V
     let ramps = |peak: &Fix| [Phase::ramp(v0, peak, acc), Phase::ramp(peak, &exit, acc)];
     let left = |peak: &Fix| {
         let [a, b] = ramps(peak);
-        length.sub(&a.way()).sub(&b.way())
+        length.sub(&a.travelled()).sub(&b.travelled())
     };
     let mut peak = if v0 > vel {
         vel.max(&exit)
@@ -245,23 +245,24 @@ fn positions_on_lines_follow_the_law() {
         // Numbers of 32 bits cost that much of the length of a ramp, and of the peak; ends of
         // phases are exact to 2⁻²¹ ns.
         let packed = if flat { 0.0 } else { 2f64.powi(-32) };
-        let ramp = law[0].way().f64();
+        let ramp = law[0].travelled().f64();
         run(&mut path, &Script(vec![entry]), period, |t, step| {
             let mut left = Fix((BigInt::from(t) << BITS) / 1_000_000);
-            let (mut way, mut v) = (whole(0), whole(0));
+            let (mut travelled, mut v) = (whole(0), whole(0));
             for s in &law {
                 if left.0.is_positive() {
                     let t = left.min(&s.time);
-                    way = way.add(&s.at(&t));
+                    travelled = travelled.add(&s.at(&t));
                     v = s.v0.add(&s.v1.sub(&s.v0).mul(&t).div(&s.time));
                     left = left.sub(&s.time);
                 }
             }
             if left.0.is_positive() {
-                (way, v) = (length.clone(), whole(0));
+                (travelled, v) = (length.clone(), whole(0));
             }
             for i in 0..4 {
-                let ideal = whole(from[i] as i64).add(&whole(to[i] as i64 - from[i] as i64).mul(&way).div(&length));
+                let ideal =
+                    whole(from[i] as i64).add(&whole(to[i] as i64 - from[i] as i64).mul(&travelled).div(&length));
                 let ideal = Fix(ideal.0 << 22).f64();
                 if step.runs && step.motion != Motion::STANDSTILL {
                     let share = whole(to[i] as i64 - from[i] as i64).div(&length).f64();

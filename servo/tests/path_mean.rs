@@ -48,12 +48,12 @@ fn run(entries: Vec<PathEntry>, period: u64, stop: Option<u64>) -> u64 {
         let step = path.step(Ns(now), Ns(period), feed, &script, &mut heard);
         let x = step.position[0].0 as f64 / (1u64 << 22) as f64;
         if let Some((from, mean)) = before {
-            let way: f64 = x - from;
-            let off: f64 = mean * period as f64 / 1e6 - way;
+            let travelled: f64 = x - from;
+            let off: f64 = mean * period as f64 / 1e6 - travelled;
             // Besides the rounding: of the speed over the period, and of the mean itself.
             assert!(
-                off.abs() <= TOLERANCE + way * 1e-9,
-                "{period} ns at {}: {mean} over {way}, off {off:e}",
+                off.abs() <= TOLERANCE + travelled * 1e-9,
+                "{period} ns at {}: {mean} over {travelled}, off {off:e}",
                 now - BEGIN
             );
         }

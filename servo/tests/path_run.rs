@@ -462,10 +462,10 @@ fn gears_go_along_with_one_motion() {
             assert!(bench.heard.gears.is_empty());
             break;
         }
-        let way = pulses(step.position[0]) / 1000.0;
+        let travelled = pulses(step.position[0]) / 1000.0;
         let [(first, a), (second, b)] = bench.heard.gears[..] else { panic!() };
         assert_eq!((first, second), (axis(4), axis(5)));
-        assert!((pulses(a) + 250.0 * way).abs() < 1e-6 && (pulses(b) - 1e6 * way).abs() < 1e-3);
+        assert!((pulses(a) + 250.0 * travelled).abs() < 1e-6 && (pulses(b) - 1e6 * travelled).abs() < 1e-3);
         if step.position[0] > Pos::pulses(500) && bench.heard.rests.is_empty() {
             bench.stop(true);
             bench.tick();
@@ -478,7 +478,7 @@ fn gears_go_along_with_one_motion() {
 }
 
 #[test]
-fn an_override_scales_speeds_and_may_change_on_the_way() {
+fn an_override_scales_speeds_and_may_change_during_motion() {
     let rate = |x: f64| FeedOverride::admit(x.to_bits());
     let entries = || vec![PathEntry::planar([1000, 0], speeds(10.0, 1.0, 0.0)), mark(1)];
     let mut bench = Bench::new(entries(), 250_000);

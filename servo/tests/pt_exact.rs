@@ -325,20 +325,20 @@ fn loops_do_not_drift() {
         let mut run = Pt::begin(Ns(17), Exact(origin), SlotRange::Static { base: 0 });
         let feed = AllowedData { end: 4, passes: PASSES };
         let whole = |x: f64| (big(x) >> (BITS - 64)).to_i128().unwrap();
-        let (way, part) = (whole(0.1 + 0.2), whole(0.1));
+        let (travelled, part) = (whole(0.1 + 0.2), whole(0.1));
         for pass in 0..PASSES as i128 {
             let begin = Ns(17 + pass as u64 * 5 * MS);
             let step = run.step(begin, feed, &store);
-            assert_eq!(step.pos, Exact(origin + pass * way).round(), "pass {pass}");
+            assert_eq!(step.pos, Exact(origin + pass * travelled).round(), "pass {pass}");
             let step = run.step(Ns(begin.0 + MS), feed, &store);
-            assert_eq!(step.pos, Exact(origin + pass * way + part).round(), "pass {pass}");
+            assert_eq!(step.pos, Exact(origin + pass * travelled + part).round(), "pass {pass}");
             for ms in 2..5 {
                 run.step(Ns(begin.0 + ms * MS), feed, &store);
             }
             assert_eq!(run.passes(), pass as u32);
         }
         let step = run.step(Ns(17 + PASSES as u64 * 5 * MS), feed, &store);
-        assert_eq!(step.state, GeneratorState::Ended { at: Exact(origin + PASSES as i128 * way) });
+        assert_eq!(step.state, GeneratorState::Ended { at: Exact(origin + PASSES as i128 * travelled) });
         assert_eq!(run.passes(), PASSES);
     }
 }

@@ -77,7 +77,7 @@ impl Law {
         };
         Law { v0: v0.clone(), v1: v1.clone(), len, edge }
     }
-    fn way(&self) -> Fix {
+    fn displacement(&self) -> Fix {
         self.v0.add(&self.v1).mul(&self.len).half()
     }
     /// Displacement and velocity at t from its beginning.
@@ -94,7 +94,7 @@ impl Law {
             (self.v0.mul(t).add(&jerk.mul(&cube(t))), self.v0.add(&jerk.mul(t).mul(t).half()))
         } else if *t > self.len.sub(&self.edge) {
             let r = self.len.sub(t);
-            let s = self.way().sub(&self.v1.mul(&r).sub(&jerk.mul(&cube(&r))));
+            let s = self.displacement().sub(&self.v1.mul(&r).sub(&jerk.mul(&cube(&r))));
             (s, self.v1.sub(&jerk.mul(&r).mul(&r).half()))
         } else {
             let r = t.sub(&self.edge);
@@ -119,7 +119,7 @@ fn sequence(laws: &[Law], t: &Fix) -> (Fix, Fix) {
             let (x, v) = law.at(&rest);
             return (s.add(&x), v);
         }
-        s = s.add(&law.way());
+        s = s.add(&law.displacement());
         rest = rest.sub(&law.len);
     }
     (s, fix(0.0))
@@ -275,8 +275,8 @@ fn stop_ends_at_rest_after_v_squared_over_2d() {
     let mut worst = Worst::default();
     for _ in 0..3000 {
         let (v, dec) = (chance.log(1e-4, 4e9) * chance.sign(), chance.log(1e-1, 4e9));
-        let way = v * v / 2.0 / dec;
-        if way.abs() > 2f64.powi(38) {
+        let displacement = v * v / 2.0 / dec;
+        if displacement.abs() > 2f64.powi(38) {
             continue;
         }
         let from = origin((chance.unit() - 0.5) * 2f64.powi(39));
@@ -292,7 +292,7 @@ fn stop_ends_at_rest_after_v_squared_over_2d() {
             run.step(Ns(begin + end / 64 * k));
         }
         let GeneratorState::Ended { at } = run.step(Ns(begin + end)).state else { panic!("runs on") };
-        let error = Fix(BigInt::from(at.0 - from.0) << (BITS - 64)).sub(&laws[0].way()).f64().abs();
+        let error = Fix(BigInt::from(at.0 - from.0) << (BITS - 64)).sub(&laws[0].displacement()).f64().abs();
         assert!(error <= 2f64.powi(-20), "{error:e}");
     }
     println!("stop {worst:?}");
@@ -300,7 +300,7 @@ fn stop_ends_at_rest_after_v_squared_over_2d() {
 
 struct Job {
     v: f64,
-    way: i32,
+    displacement: i32,
     speed: f64,
     acc: f64,
     dec: f64,
@@ -314,28 +314,31 @@ fn trap_laws(job: &Job) -> Vec<Law> {
     let (acc, dec, top, zero) = (fix(job.acc), fix(job.dec), fix(job.speed), fix(0.0));
     let shape = Shape::Average(w.clone());
     let stop = |u: &Fix| Law::ramp(u, &zero, &dec, &shape);
-    let mut way = fix(job.way as f64);
+    let mut displacement = fix(job.displacement as f64);
     let mut laws = vec![];
     let mut v = fix(job.v);
     if !v.0.is_zero() {
         let brake = stop(&v);
-        if way.0.is_zero() || (way.0.sign() != v.0.sign()) || way.abs() < brake.way().abs() {
-            way = way.sub(&brake.way());
+        if displacement.0.is_zero()
+            || (displacement.0.sign() != v.0.sign())
+            || displacement.abs() < brake.displacement().abs()
+        {
+            displacement = displacement.sub(&brake.displacement());
             laws.push(brake);
             v = zero.clone();
         }
     }
-    let turn = way.0.is_negative();
-    let length = way.abs();
+    let turn = displacement.0.is_negative();
+    let length = displacement.abs();
     let mut u = v.abs();
     if u.0.is_zero() {
         let jump = if job.start < job.speed { fix(job.start) } else { top.clone() };
-        if stop(&jump).way() <= length {
+        if stop(&jump).displacement() <= length {
             u = jump;
         }
     }
     let rate = if u < top { &acc } else { &dec };
-    let full = Law::ramp(&u, &top, rate, &shape).way().add(&stop(&top).way());
+    let full = Law::ramp(&u, &top, rate, &shape).displacement().add(&stop(&top).displacement());
     let peak = if full <= length {
         top.clone()
     } else if u < top {
@@ -343,16 +346,24 @@ fn trap_laws(job: &Job) -> Vec<Law> {
         let (mut low, mut high) = (u.clone(), top.clone());
         for _ in 0..240 {
             let p = low.add(&high).half();
-            if Law::ramp(&u, &p, &acc, &shape).way().add(&stop(&p).way()) <= length { low = p } else { high = p }
+            if Law::ramp(&u, &p, &acc, &shape).displacement().add(&stop(&p).displacement()) <= length {
+                low = p
+            } else {
+                high = p
+            }
         }
-        if Law::ramp(&u, &low, &acc, &shape).way().add(&stop(&low).way()) > length { u.clone() } else { low }
+        if Law::ramp(&u, &low, &acc, &shape).displacement().add(&stop(&low).displacement()) > length {
+            u.clone()
+        } else {
+            low
+        }
     } else {
         u.clone()
     };
     // Held where no further smoothed ramp fits.
     let up = Law::ramp(&u, &peak, rate, &shape);
     let down = stop(&peak);
-    let cruise = length.sub(&up.way()).sub(&down.way());
+    let cruise = length.sub(&up.displacement()).sub(&down.displacement());
     let hold = Law { v0: peak.clone(), v1: peak.clone(), len: cruise.div(&peak), edge: fix(0.0) };
     let mut rest = vec![up, hold, down];
     if turn {
@@ -369,7 +380,7 @@ fn draw(chance: &mut Chance, round: u32) -> Job {
     let speed = chance.log(1e-2, 1e5);
     Job {
         v: if round.is_multiple_of(2) { 0.0 } else { chance.log(1e-2, 1e5) * chance.sign() },
-        way: (chance.log(1.0, 2e9) * chance.sign()) as i32,
+        displacement: (chance.log(1.0, 2e9) * chance.sign()) as i32,
         speed,
         acc: chance.log(1e-2, 1e5),
         dec: chance.log(1e-2, 1e5),
@@ -379,10 +390,10 @@ fn draw(chance: &mut Chance, round: u32) -> Job {
 }
 
 fn begin_trap(job: &Job, begin: u64) -> (RampRun, Exact) {
-    let base = 12345 - job.way / 2;
+    let base = 12345 - job.displacement / 2;
     let from = Exact((base as i128) << 64);
     let to = Trapezoid {
-        target: base + job.way,
+        target: base + job.displacement,
         speed: speed(job.speed),
         acc: accel(job.acc),
         dec: accel(job.dec),
@@ -421,7 +432,7 @@ fn trap_follows_its_closed_form_and_ends_on_its_target() {
         for _ in 0..50 {
             step = run.step(Ns(begin + after));
         }
-        let target = Exact(from.0 + ((job.way as i128) << 64));
+        let target = Exact(from.0 + ((job.displacement as i128) << 64));
         assert_eq!(step.state, GeneratorState::Ended { at: target });
         assert_eq!(step.pos, target.round());
         shapes[0] += (laws.len() == 4) as u32;
@@ -438,7 +449,7 @@ fn trap_keeps_its_acceleration() {
     let mut chance = Chance::new(24);
     for round in 0..600 {
         let mut job = draw(&mut chance, round);
-        (job.start, job.way, job.speed) = (0.0, job.way % 100_000, job.speed % 500.0 + 1.0);
+        (job.start, job.displacement, job.speed) = (0.0, job.displacement % 100_000, job.speed % 500.0 + 1.0);
         job.v %= 100.0;
         let laws = trap_laws(&job);
         let end = total(&laws).f64() * 1e6;
@@ -469,7 +480,7 @@ fn positions_do_not_depend_on_the_tick() {
     let mut chance = Chance::new(25);
     for round in 0..60 {
         let mut job = draw(&mut chance, round);
-        (job.way, job.speed) = (job.way % 10_000, 1.0 + job.speed % 300.0);
+        (job.displacement, job.speed) = (job.displacement % 10_000, 1.0 + job.speed % 300.0);
         (job.acc, job.dec, job.v) = (job.acc + 0.1, job.dec + 0.1, job.v % 30.0);
         let trap = begin_trap(&job, 777).0;
         let jog = ramp(|run| {
@@ -499,9 +510,9 @@ fn positions_do_not_depend_on_the_tick() {
                     .map(|x| x.1)
                     .collect()
             };
-            let fine = sampled(10_000);
+            let fixed = sampled(10_000);
             for period in [50_000, 250_000, 1_000_000] {
-                assert!(sampled(period) == fine, "round {round}, tick {period} ns");
+                assert!(sampled(period) == fixed, "round {round}, tick {period} ns");
             }
         }
     }

@@ -127,9 +127,9 @@ fn profile<const WIDTH: usize>(seed: u64, us: u32, set_up: u32, ticks: u32) {
             let from = bench.turned[axis].map_or(0, |at| (at + bench.set_up).saturating_sub(begin));
             let from = from.min(slots.into()) as u32;
             is_even(&steps[axis], from, slots);
-            let way = (planned[axis] - before[axis]).unsigned_abs();
+            let displacement = (planned[axis] - before[axis]).unsigned_abs();
             let room = StepOutput::<WIDTH>::most(slots - from).into();
-            assert_eq!(count.unsigned_abs(), way.min(room), "all that have room");
+            assert_eq!(count.unsigned_abs(), displacement.min(room), "all that have room");
             behind += u32::from(bench.stands[axis] != planned[axis]);
         }
     }

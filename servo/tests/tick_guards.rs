@@ -108,16 +108,16 @@ fn a_soft_limit_holds_exactly_and_lets_go_after_clear_status() {
 
 /// A limit set behind a running axis stops it where it is: no step back to the limit, in any mode.
 #[test]
-fn a_soft_limit_that_is_set_behind_an_axis_stops_it_where_it_is() {
-    for way in [1, -1] {
+fn a_soft_limit_that_an_axis_has_passed_stops_it_where_it_is() {
+    for towards in [1, -1] {
         let soft = |at: i32| {
-            let (positive, negative) = if way > 0 { (Some(at), None) } else { (None, Some(-at)) };
+            let (positive, negative) = if towards > 0 { (Some(at), None) } else { (None, Some(-at)) };
             TickCommand::SoftLimit { axis: axis(0), positive, negative }
         };
-        let reason = if way > 0 { StopReason::SoftPositive } else { StopReason::SoftNegative };
+        let reason = if towards > 0 { StopReason::SoftPositive } else { StopReason::SoftNegative };
         let check = |bench: &mut Bench, index: usize| {
             let before = bench.ticks(100);
-            assert!(pulses(before.axes[index].pos) * f64::from(way) > 40.0);
+            assert!(pulses(before.axes[index].pos) * f64::from(towards) > 40.0);
             bench.now(soft(20));
             let view = bench.tick();
             assert_eq!(view.axes[index].pos, before.axes[index].pos);
@@ -126,12 +126,12 @@ fn a_soft_limit_that_is_set_behind_an_axis_stops_it_where_it_is() {
             assert_eq!(bench.ticks(10).axes[index].pos, before.axes[index].pos);
         };
         let mut bench = Bench::prepared(250, MotionMode::Jog);
-        bench.jog(0, 4.0 * f64::from(way), 4.0);
+        bench.jog(0, 4.0 * f64::from(towards), 4.0);
         check(&mut bench, 0);
         // While it brakes, from the tick on in which it begins to.
         for ticks in [0, 1, 2] {
             let mut bench = Bench::prepared(250, MotionMode::Jog);
-            bench.jog(0, 4.0 * f64::from(way), 4.0);
+            bench.jog(0, 4.0 * f64::from(towards), 4.0);
             bench.ticks(100);
             bench.now(TickCommand::stop(all(&[0]), all(&[])));
             for _ in 0..ticks {
@@ -141,10 +141,10 @@ fn a_soft_limit_that_is_set_behind_an_axis_stops_it_where_it_is() {
             bench.now(soft(20));
             let view = bench.tick();
             assert_eq!(view.axes[0].stop, reason, "{before:?}");
-            assert!(pulses(view.axes[0].pos) * f64::from(way) > 40.0);
+            assert!(pulses(view.axes[0].pos) * f64::from(towards) > 40.0);
         }
         let mut bench = Bench::prepared(250, MotionMode::PtStatic);
-        bench.pt(0, 0, &[(1000.0 * f64::from(way), 100, 0)]);
+        bench.pt(0, 0, &[(1000.0 * f64::from(towards), 100, 0)]);
         bench.start(&[0]);
         bench.ticks(100);
         check(&mut bench, 0);
@@ -349,15 +349,15 @@ fn home_captures_the_encoder_at_the_rising_edge() {
 /// PT and Trap that end between two ticks beyond the limit, having been before it at the last tick.
 #[test]
 fn a_soft_limit_holds_the_end_of_a_motion() {
-    for way in [1, -1] {
-        let (positive, negative) = if way > 0 { (Some(99), None) } else { (None, Some(-99)) };
+    for towards in [1, -1] {
+        let (positive, negative) = if towards > 0 { (Some(99), None) } else { (None, Some(-99)) };
         let mut bench = Bench::prepared(1000, MotionMode::PtStatic);
-        bench.pt(0, 0, &[(98.0 * f64::from(way), 49, 1), (100.0 * f64::from(way), 50, 1)]);
+        bench.pt(0, 0, &[(98.0 * f64::from(towards), 49, 1), (100.0 * f64::from(towards), 50, 1)]);
         bench.now(TickCommand::SoftLimit { axis: axis(0), positive, negative });
         bench.start(&[0]);
         let view = bench.run_to_standstill();
-        let reason = if way > 0 { StopReason::SoftPositive } else { StopReason::SoftNegative };
-        assert_eq!((view.axes[0].pos, view.axes[0].stop), (Pos::pulses(99 * way), reason));
+        let reason = if towards > 0 { StopReason::SoftPositive } else { StopReason::SoftNegative };
+        assert_eq!((view.axes[0].pos, view.axes[0].stop), (Pos::pulses(99 * towards), reason));
         assert!(view.axes[0].blocked != 0);
     }
 }
@@ -365,19 +365,19 @@ fn a_soft_limit_holds_the_end_of_a_motion() {
 /// At rest beyond a limit that is set now: published, and blocked until it is cleared; then only
 /// moving back is allowed.
 #[test]
-fn a_soft_limit_behind_an_axis_at_rest_is_reported() {
-    for (way, bit) in [(1, LIMIT_POSITIVE), (-1, LIMIT_NEGATIVE)] {
+fn a_soft_limit_that_an_axis_at_standstill_has_passed_is_reported() {
+    for (towards, bit) in [(1, LIMIT_POSITIVE), (-1, LIMIT_NEGATIVE)] {
         let mut bench = Bench::prepared(250, MotionMode::Jog);
-        bench.now(TickCommand::SetPosition { axis: axis(0), pos: Pos::pulses(50 * way) });
+        bench.now(TickCommand::SetPosition { axis: axis(0), pos: Pos::pulses(50 * towards) });
         bench.ticks(3);
-        let (positive, negative) = if way > 0 { (Some(20), None) } else { (None, Some(-20)) };
+        let (positive, negative) = if towards > 0 { (Some(20), None) } else { (None, Some(-20)) };
         bench.now(TickCommand::SoftLimit { axis: axis(0), positive, negative });
         let view = bench.ticks(2);
         assert_eq!((view.axes[0].status & LIMITS, view.axes[0].blocked), (bit, bit));
-        bench.jog(0, f64::from(-way), 1.0);
+        bench.jog(0, f64::from(-towards), 1.0);
         assert!(!has(&bench.tick().axes[0], RUNNING));
         bench.now(TickCommand::ClearStatus { axes: all(&[0]) });
-        bench.jog(0, f64::from(-way), 1.0);
+        bench.jog(0, f64::from(-towards), 1.0);
         assert!(has(&bench.ticks(2).axes[0], RUNNING));
     }
 }

@@ -1,7 +1,7 @@
 //! Wide arithmetic against big integers, at the edges and over a seeded million.
 use crate::chance;
 use num_bigint::BigUint;
-use servo::math::real::Real;
+use servo::math::float::Float;
 use servo::math::wide::{Divisor, Recip, mulhi_near, mulhi_su, narrow, recip32, recip64, recip64_below, scale16, umul};
 use servo::units::Exact;
 
@@ -98,7 +98,7 @@ fn narrowing_rounds_to_nearest() {
 }
 
 /// Relative error of `got` against p/q, in units of 2⁻⁶⁰, must not exceed 1.
-fn near(got: Real, p: &BigUint, q: &BigUint, what: &str) {
+fn near(got: Float, p: &BigUint, q: &BigUint, what: &str) {
     // got = m·2^e with m from the fixed form at a scale that keeps 64 bits
     let shift = 64 - got.width();
     let m = got.to_fixed(shift).unsigned_abs();
@@ -118,7 +118,7 @@ fn reals_keep_sixty_bits() {
     let one = BigUint::from(1u8);
     for _ in 0..200_000 {
         let (a, b) = (chance.any_width().max(1), chance.any_width().max(1));
-        let (x, y) = (Real::new(false, a, 0), Real::new(false, b, 0));
+        let (x, y) = (Float::new(false, a, 0), Float::new(false, b, 0));
         near(x.mul(y), &(BigUint::from(a) * b), &one, "mul");
         near(x.add(y), &(BigUint::from(a) + b), &one, "add");
         near(x.div(y), &BigUint::from(a), &BigUint::from(b), "div");
@@ -130,12 +130,12 @@ fn reals_keep_sixty_bits() {
         // 1/sqrt: its square times x is 1.
         for x in [x, x.scale(1)] {
             let inverse = x.rsqrt();
-            assert!(inverse.mul(inverse).mul(x).sub(Real::ONE).width() <= -55, "{x:?}");
+            assert!(inverse.mul(inverse).mul(x).sub(Float::ONE).width() <= -55, "{x:?}");
         }
         let signed = Exact(((chance.next() as i128) << 40) >> (chance.next() % 100));
         if signed.0.unsigned_abs() >> 64 == 0 {
-            assert_eq!(Real::from_exact(signed).to_exact(), signed);
+            assert_eq!(Float::from_exact(signed).to_exact(), signed);
         }
     }
-    assert!(Real::ZERO.recip().is_zero() && Real::ONE.sub(Real::ONE).is_zero());
+    assert!(Float::ZERO.recip().is_zero() && Float::ONE.sub(Float::ONE).is_zero());
 }

@@ -1,16 +1,16 @@
 //! Comments in the code: their width, and the length of their sentences.
 //!
 //! In: every Rust file of the tree. Out: what is wrong, a line each. Owns nothing. Fails: a line
-//! that begins with `//` and ends after column [`WIDTH`]; a sentence that would be too long in a
-//! page ([`long_sentences`]). A row of a table in a comment may be wider, as it cannot be divided.
-//! Code has the width that rustfmt gives it.
+//! that begins with `//` and ends after column [`WIDTH_COLUMNS`]; a sentence that would be too long
+//! in a page ([`long_sentences`]). A row of a table in a comment may be wider, as it cannot be
+//! divided. Code has the width that rustfmt gives it.
 use crate::pages::long_sentences;
 use crate::shell::{Outcome, root};
 use std::fs;
 use std::path::Path;
 
 /// The last column of a comment.
-const WIDTH: usize = 100;
+const WIDTH_COLUMNS: usize = 100;
 
 /// The lines of a text whose comment is too wide, from 1, with their widths.
 fn wide(text: &str) -> impl Iterator<Item = (usize, usize)> {
@@ -19,7 +19,7 @@ fn wide(text: &str) -> impl Iterator<Item = (usize, usize)> {
         let is_row = comment.trim_start_matches(['/', '!', ' ']).starts_with('|');
         (!is_row).then(|| (line + 1, text.chars().count()))
     });
-    widths.filter(|(_, width)| *width > WIDTH)
+    widths.filter(|(_, width)| *width > WIDTH_COLUMNS)
 }
 
 /// The comments of a file, each in its line; what is no comment is an empty line.
@@ -45,7 +45,7 @@ fn below(folder: &Path, faults: &mut Vec<String>) -> Outcome<usize> {
             }
         } else if name.ends_with(".rs") {
             let text = fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
-            let at = |(line, width)| format!("{}:{line}: {width} columns, {WIDTH} at most", path.display());
+            let at = |(line, width)| format!("{}:{line}: {width} columns, {WIDTH_COLUMNS} at most", path.display());
             faults.extend(wide(&text).map(at));
             let long = long_sentences(&comments(&text)).into_iter();
             faults.extend(long.map(|(line, wrong)| format!("{}:{line}: {wrong}", path.display())));
@@ -60,7 +60,7 @@ pub fn check() -> Outcome {
     let mut faults = Vec::new();
     let files = below(&root(), &mut faults)?;
     if faults.is_empty() {
-        println!("the comments of {files} files end within {WIDTH} columns, none with a long sentence");
+        println!("the comments of {files} files end within {WIDTH_COLUMNS} columns, none with a long sentence");
         return Ok(());
     }
     Err(format!("{} comments are too wide or too long:\n{}", faults.len(), faults.join("\n")))
@@ -72,10 +72,10 @@ mod tests {
 
     #[test]
     fn only_comments_are_measured_and_rows_of_tables_are_not() {
-        let long = "x".repeat(WIDTH);
+        let long = "x".repeat(WIDTH_COLUMNS);
         let text = format!(
             "//! {long}\n    /// {long}\n// {long}\nlet code = {long}; // {long}\n//! | {long} |\n// {}",
-            "µ".repeat(WIDTH - 3)
+            "µ".repeat(WIDTH_COLUMNS - 3)
         );
         assert_eq!(wide(&text).collect::<Vec<_>>(), [(1, 104), (2, 108), (3, 103)]);
     }

@@ -88,7 +88,7 @@ fn share(file: &str, name: &str) -> Option<Share> {
     } else if of(&["servo/src/axis", "servo/src/segment/profile"]) {
         Share::Axes
     } else if of(&["servo/src/", "ring/src/", "probes/"])
-        && !of(&["servo/src/segment/piece", "servo/src/math/wide", "servo/src/math/real", "servo/src/units"])
+        && !of(&["servo/src/segment/piece", "servo/src/math/wide", "servo/src/math/float", "servo/src/units"])
     {
         Share::Scheduling
     } else {

@@ -22,7 +22,7 @@ const TICKS_US: [u32; 3] = [50, 250, 1000];
 /// `pvt_percent` runs 13 s, the listings of lasers along a path 4 s each. `laser_path_mixed` has
 /// more on its path in a tenth of that, and is compared at all periods. The trace of
 /// `follow_chain`, ten axes, loses rows at 50 µs, and reports that.
-const LONG: [(&str, &[u32]); 12] = [
+const LONG_JOBS: [(&str, &[u32]); 12] = [
     ("eight_axes_stream", &[250]),
     ("follow_chain", &[250, 1000]),
     ("follow_masters", &[250, 1000]),
@@ -98,7 +98,7 @@ pub fn run(names: &[&str]) -> Outcome {
     std::fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     let mut cases = Vec::new();
     for job in jobs {
-        let long = LONG.iter().find(|(long, _)| *long == name(&job));
+        let long = LONG_JOBS.iter().find(|(long, _)| *long == name(&job));
         cases.extend(long.map_or(&TICKS_US[..], |(_, periods)| periods).iter().map(|&tick_us| (job.clone(), tick_us)));
     }
     let (next, failed) = (AtomicUsize::new(0), Mutex::new(Vec::new()));

@@ -110,16 +110,23 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
         // The tick does not know families.
         for channel in 0..CHANNELS as u8 {
             for (change, entered) in power_on(admission.configuration.family) {
-                let command = TickCommand::Laser { channel, change };
-                admission.lane.push(
-                    command,
-                    ShadowChange::Laser { channel, change: entered },
-                    0,
-                    &mut admission.admitted,
-                );
+                let entered = ShadowChange::Laser { channel, change: entered };
+                admission.push(TickCommand::Laser { channel, change }, entered);
             }
         }
         admission
+    }
+
+    /// Pushes a tick command into the immediate lane; false if it has no room.
+    pub fn push(&mut self, command: TickCommand, change: ShadowChange) -> bool {
+        self.lane.push(command, change, 0, &mut self.admitted)
+    }
+
+    /// Pushes what is staged; the caller has checked that there is room.
+    pub fn push_staged(&mut self) {
+        for &(command, change) in self.staged.commands() {
+            self.lane.push(command, change, 0, &mut self.admitted);
+        }
     }
 
     /// Admits a command on the admitted state; its tick commands are staged.
@@ -138,7 +145,7 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
             return Ok((answer, Effect::None));
         }
         if kind(number) == Some(CommandKind::Table(Table::Pvt)) {
-            let filled = self.loading.table(&context, &self.executed, self.tables, number, body);
+            let filled = self.loading.table(&context, self.tables, number, body);
             if let Ok(Some(table)) = filled {
                 context.stage_with(TickCommand::Mark, ShadowChange::TableFilled { table });
                 self.executed.invalidate(table);
@@ -197,7 +204,7 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
     /// it now.
     pub fn empty_invalid(&mut self) -> bool {
         while let Some((command, change)) = self.admitted.revalidate() {
-            if !self.lane.push(command, change, 0, &mut self.admitted) {
+            if !self.push(command, change) {
                 return false;
             }
         }

@@ -31,7 +31,7 @@ pub fn stop<const AXES: usize>(context: &mut Context<AXES>, r: &Stop) -> Admitte
     let gt = choice(3, i16::from(r.form), 0, 1)? == 1;
     let (mask, option) = (r.mask.get(), r.option.get());
     if gt && mask & !0xfff != 0 {
-        return Err(Refused::new(Reason::OutOfRange).field(1).got(f64::from(mask.cast_unsigned())).limits(0.0, 4095.0));
+        return Err(Refused::range(1, f64::from(mask.cast_unsigned()), 0.0, 4095.0));
     }
     let axes = context.mask(r.core.get(), if gt { mask & 0xff } else { mask }, 1)?;
     // Option bits of other axes are ignored.
@@ -79,39 +79,17 @@ fn deceleration(field: u8, got: f64) -> Admitted<Accel> {
 
 /// An acceleration as the tick needs it.
 pub fn accel(field: u8, got: f64) -> Admitted<Accel> {
-    Accel::admit(got.to_bits())
-        .map_err(|_| Refused::new(Reason::OutOfRange).field(field).got(got).limits(0.0, ACCEL_MAX))
-}
-
-pub fn stage_dec<const AXES: usize>(
-    context: &mut Context<AXES>,
-    axis: Axis,
-    fields: (u8, u8),
-    dec: (f64, f64),
-) -> Admitted<Answer> {
-    let (smooth, abrupt) = (deceleration(fields.0, dec.0)?, deceleration(fields.1, dec.1)?);
-    context.only(TickCommand::StopDec { axis, smooth, abrupt }, ShadowChange::Dec { axis, dec })
+    Accel::admit(got.to_bits()).map_err(|_| Refused::range(field, got, 0.0, ACCEL_MAX))
 }
 
 pub fn stop_dec<const AXES: usize>(context: &mut Context<AXES>, r: &SetStopDec) -> Admitted<Answer> {
     let axis = context.axis(r.core.get(), r.profile.get())?;
-    stage_dec(context, axis, (2, 3), (r.smooth.get(), r.abrupt.get()))
-}
-
-pub fn stage_band<const AXES: usize>(
-    context: &mut Context<AXES>,
-    axis: Axis,
-    fields: (u8, u8),
-    band: (i32, i32),
-) -> Admitted<Answer> {
-    let (pulses, cycles) = (within(fields.0, band.0, 0, i32::MAX)?, within(fields.1, band.1, 0, i32::MAX)?);
-    let time = Ns(u64::from(cycles.unsigned_abs()) * CYCLE_NS);
-    context.only(TickCommand::Band { axis, band: pulses.unsigned_abs(), time }, ShadowChange::Band { axis, band })
+    context.stage_dec(axis, (2, 3), (r.smooth.get(), r.abrupt.get()))
 }
 
 pub fn band<const AXES: usize>(context: &mut Context<AXES>, r: &SetAxisBand) -> Admitted<Answer> {
     let axis = context.axis(r.core.get(), r.axis.get())?;
-    stage_band(context, axis, (2, 3), (r.band.get(), r.time_cycles.get()))
+    context.stage_band(axis, (2, 3), (r.band.get(), r.time_cycles.get()))
 }
 
 pub fn set_encoder<const AXES: usize>(context: &mut Context<AXES>, r: &SetEncPos) -> Admitted<Answer> {
@@ -119,23 +97,9 @@ pub fn set_encoder<const AXES: usize>(context: &mut Context<AXES>, r: &SetEncPos
     context.only(TickCommand::SetEncoder { axis, pulses: i64::from(r.pos.get()) }, ShadowChange::None)
 }
 
-pub fn stage_soft<const AXES: usize>(
-    context: &mut Context<AXES>,
-    axis: Axis,
-    field: u8,
-    soft: (i32, i32),
-) -> Admitted<Answer> {
-    let positive = Some(soft.0).filter(|&limit| limit != SOFT_OFF.0);
-    let negative = Some(soft.1).filter(|&limit| limit != SOFT_OFF.1);
-    if let (Some(positive), Some(negative)) = (positive, negative) {
-        within(field, positive, negative, i32::MAX)?;
-    }
-    context.only(TickCommand::SoftLimit { axis, positive, negative }, ShadowChange::Soft { axis, soft })
-}
-
 pub fn soft_limit<const AXES: usize>(context: &mut Context<AXES>, r: &SetSoftLimit) -> Admitted<Answer> {
     let axis = context.axis(r.core.get(), r.axis.get())?;
-    stage_soft(context, axis, 2, (r.positive.get(), r.negative.get()))
+    context.stage_soft(axis, 2, (r.positive.get(), r.negative.get()))
 }
 
 /// LmtsOn and LmtsOff. Types: −1 both, 0 positive, 1 negative.
@@ -175,20 +139,9 @@ pub fn alarm<const AXES: usize>(context: &mut Context<AXES>, r: &AlarmOn, on: bo
         .only(TickCommand::Guard { axis, on: Guards::set(Guarded::Alarm, on), low: Guards::NONE }, ShadowChange::None)
 }
 
-pub fn stage_pos_err<const AXES: usize>(
-    context: &mut Context<AXES>,
-    axis: Axis,
-    field: u8,
-    error: i32,
-) -> Admitted<Answer> {
-    let pos_err = within(field, error, 1, POS_ERR_OFF)?;
-    let limit = Some(pos_err.unsigned_abs()).filter(|_| pos_err != POS_ERR_OFF);
-    context.only(TickCommand::PositionError { axis, limit }, ShadowChange::PosErr { axis, pos_err })
-}
-
 pub fn position_error<const AXES: usize>(context: &mut Context<AXES>, r: &SetPosErr) -> Admitted<Answer> {
     let axis = context.axis(r.core.get(), r.control.get())?;
-    stage_pos_err(context, axis, 2, r.error.get())
+    context.stage_pos_err(axis, 2, r.error.get())
 }
 
 /// Modes: 1 home, 2 index, where the board captures it.
@@ -205,4 +158,32 @@ pub fn capture<const AXES: usize>(context: &mut Context<AXES>, r: &SetCaptureMod
 /// Refuses an Update or start of axes that cannot start; shared by Trap, Jog and PT.
 pub fn all_startable<const AXES: usize>(context: &Context<AXES>, axes: AxisMask) -> Admitted<()> {
     context.each(axes).try_for_each(|axis| context.startable(axis))
+}
+
+impl<const AXES: usize> Context<'_, AXES> {
+    pub fn stage_dec(&mut self, axis: Axis, fields: (u8, u8), dec: (f64, f64)) -> Admitted<Answer> {
+        let (smooth, abrupt) = (deceleration(fields.0, dec.0)?, deceleration(fields.1, dec.1)?);
+        self.only(TickCommand::StopDec { axis, smooth, abrupt }, ShadowChange::Dec { axis, dec })
+    }
+
+    pub fn stage_band(&mut self, axis: Axis, fields: (u8, u8), band: (i32, i32)) -> Admitted<Answer> {
+        let (pulses, cycles) = (within(fields.0, band.0, 0, i32::MAX)?, within(fields.1, band.1, 0, i32::MAX)?);
+        let time = Ns(u64::from(cycles.unsigned_abs()) * CYCLE_NS);
+        self.only(TickCommand::Band { axis, band: pulses.unsigned_abs(), time }, ShadowChange::Band { axis, band })
+    }
+
+    pub fn stage_soft(&mut self, axis: Axis, field: u8, soft: (i32, i32)) -> Admitted<Answer> {
+        let positive = Some(soft.0).filter(|&limit| limit != SOFT_OFF.0);
+        let negative = Some(soft.1).filter(|&limit| limit != SOFT_OFF.1);
+        if let (Some(positive), Some(negative)) = (positive, negative) {
+            within(field, positive, negative, i32::MAX)?;
+        }
+        self.only(TickCommand::SoftLimit { axis, positive, negative }, ShadowChange::Soft { axis, soft })
+    }
+
+    pub fn stage_pos_err(&mut self, axis: Axis, field: u8, error: i32) -> Admitted<Answer> {
+        let pos_err = within(field, error, 1, POS_ERR_OFF)?;
+        let limit = Some(pos_err.unsigned_abs()).filter(|_| pos_err != POS_ERR_OFF);
+        self.only(TickCommand::PositionError { axis, limit }, ShadowChange::PosErr { axis, pos_err })
+    }
 }

@@ -6,7 +6,7 @@
 use super::staged::Staged;
 use crate::board::BoardConstants;
 use crate::configuration::{Configuration, ones};
-use crate::refuse::{Admitted, Refused, choice};
+use crate::refuse::{Admitted, Refused, bits_of, choice};
 use crate::report::answer::{Answer, TAKEN_MAX};
 use crate::report::replies::mode_number;
 use crate::report::trace::TraceColumns;
@@ -17,42 +17,33 @@ use servo::tick_command::TickCommand;
 use servo::units::{Axis, AxisMask, Crd, CrdMask, Pos};
 use servo::view::{AxisView, CrdView, View};
 
-/// What is known of the instant at which a command acts.
-#[derive(Debug, Clone, Copy)]
-pub struct DueInstant {
-    /// The view shows the state in which the command acts: everything admitted before it has been
-    /// executed, and its instant has come.
-    pub decided: bool,
-    /// Its instant is near: a look-ahead may take what is given to a path that runs.
-    pub soon: bool,
-    /// From the view to the instant, ns; `u64::MAX` if it is not known.
-    pub until_ns: u64,
-    /// It acts on the first tick of a program that is held: axes at standstill stay so.
-    pub first: bool,
-    /// Script clock of the instant, ns, if no WaitStop takes time before it.
-    pub script_ns: u64,
-    /// The last WaitStop before it.
-    pub wait: Option<u32>,
-    /// What follows it in a program acts also where the tick refuses it.
-    pub may_fail: bool,
-    /// The calls before it in its PathMany were admitted just now: one commit is for all.
-    pub follows: bool,
+servo::state! {
+    /// What is known of the instant at which a command acts.
+    #[derive(Debug, Clone, Copy)]
+    pub struct DueInstant {
+        /// The view shows the state in which the command acts: everything admitted before it has
+        /// been executed, and its instant has come.
+        pub decided: bool = decided,
+        /// Its instant is near: a look-ahead may take what is given to a path that runs.
+        pub soon: bool = true,
+        /// From the view to the instant, ns; `u64::MAX` if it is not known.
+        pub until_ns: u64 = 0,
+        /// It acts on the first tick of a program that is held: axes at standstill stay so.
+        pub first: bool = false,
+        /// Script clock of the instant, ns, if no WaitStop takes time before it.
+        pub script_ns: u64 = 0,
+        /// The last WaitStop before it.
+        pub wait: Option<u32> = None,
+        /// What follows it in a program acts also where the tick refuses it.
+        pub may_fail: bool = false,
+        /// The calls before it in its PathMany were admitted just now: one commit is for all.
+        pub follows: bool = false,
+    }
+    /// At once; `decided` if nothing before it is in flight.
+    pub const fn at_once(decided: bool);
 }
 
 impl DueInstant {
-    /// At once; `decided` if nothing before it is in flight.
-    pub const fn at_once(decided: bool) -> DueInstant {
-        DueInstant {
-            decided,
-            soon: true,
-            until_ns: 0,
-            first: false,
-            script_ns: 0,
-            wait: None,
-            may_fail: false,
-            follows: false,
-        }
-    }
     /// Not known, for a command to which it does not matter.
     pub const UNKNOWN: DueInstant =
         DueInstant { soon: false, until_ns: u64::MAX, script_ns: u64::MAX, ..DueInstant::at_once(false) };
@@ -174,11 +165,7 @@ impl<'x, const AXES: usize> Context<'x, AXES> {
     /// The axes of a core that the bits name.
     pub fn mask(&self, core: i16, bits: i32, field: u8) -> Admitted<AxisMask> {
         let core = self.core(core)?;
-        let bits = u64::from(bits.cast_unsigned());
-        let all = ones(self.configuration.per_core());
-        if bits & !all != 0 {
-            return Err(Refused::new(Reason::OutOfRange).field(field).got(bits as f64).limits(0.0, all as f64));
-        }
+        let bits = bits_of(field, bits.cast_unsigned().into(), ones(self.configuration.per_core()))?;
         Ok(AxisMask(bits << (core * self.configuration.per_core())))
     }
     /// All axes of a core.
@@ -225,12 +212,8 @@ impl<'x, const AXES: usize> Context<'x, AXES> {
     }
     fn crds_among(&self, core: i16, bits: i32, field: u8, most: u8) -> Admitted<CrdMask> {
         let core = self.core(core)?;
-        let per_core = u32::from(self.configuration.profile.crds_per_core);
-        let (bits, all) = (bits.cast_unsigned(), (1u32 << most) - 1);
-        if bits & !all != 0 {
-            return Err(Refused::new(Reason::OutOfRange).field(field).got(bits.into()).limits(0.0, all.into()));
-        }
-        let mask = bits << (core as u32 * per_core);
+        let bits = bits_of(field, bits.cast_unsigned().into(), ones(most.into()))?;
+        let mask = bits << (core * usize::from(self.configuration.profile.crds_per_core));
         if mask >> self.crds != 0 {
             return Err(Refused::new(Reason::CrdNotOnBoard).limits(0.0, self.crds as f64));
         }

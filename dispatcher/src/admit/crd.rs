@@ -4,7 +4,7 @@ use super::context::Context;
 use crate::plan::geometry::{Position, position_of};
 use crate::plan::look_ahead::ALONG_MIN;
 use crate::plan::path_queue::PathQueue;
-use crate::refuse::{Admitted, Refused, choice, real, within};
+use crate::refuse::{Admitted, Refused, choice, finite, real, within};
 use crate::report::answer::{Answer, Query};
 use crate::shadow::{CrdChange, CrdParameters, Look, ShadowChange, executed};
 use protocol::command::{
@@ -30,18 +30,14 @@ const OVERRIDE_MIN: f64 = 1.0 / 1048576.0;
 
 /// A number above 0 and below 32767.
 fn between(field: u8, got: f64) -> Admitted<f64> {
-    if !got.is_finite() {
-        return Err(Refused::new(Reason::NotFinite).field(field).got(got));
-    }
-    if got > 0.0 && got < VALUE_MAX {
+    if finite(field, got)? > 0.0 && got < VALUE_MAX {
         return Ok(got);
     }
     Err(Refused::new(Reason::Between).field(field).got(got).limits(0.0, VALUE_MAX))
 }
 
 fn accel(field: u8, got: f64) -> Admitted<Accel> {
-    Accel::admit(got.to_bits())
-        .map_err(|_| Refused::new(Reason::OutOfRange).field(field).got(got).limits(ALONG_MIN, VALUE_MAX))
+    Accel::admit(got.to_bits()).map_err(|_| Refused::range(field, got, ALONG_MIN, VALUE_MAX))
 }
 
 /// Fields of SetCrdPrm after core and crd.
@@ -82,18 +78,10 @@ fn frame<const AXES: usize>(context: &Context<AXES>, r: &SetCrdPrm) -> Admitted<
     real(field::ACC_MAX, acc_max, ALONG_MIN, VALUE_MAX)?;
     let even_ms = within(field::EVEN_TIME, r.even_time_ms.get(), 0, i16::MAX - 1)?.unsigned_abs();
     let set_origin = choice(field::SET_ORIGIN, r.set_origin_flag.get(), 0, 1)? == 1;
-    let first = context.core(r.core.get())? * axes;
+    let first = (context.core(r.core.get())? * axes) as u8;
     let origin = r.origin_pos.map(|pos| pos.get());
-    Ok(CrdParameters {
-        dimension: dimension as u8,
-        profile,
-        first: first as u8,
-        vel_max,
-        acc_max,
-        even_ms,
-        set_origin,
-        origin,
-    })
+    let dimension = dimension as u8;
+    Ok(CrdParameters { dimension, profile, first, vel_max, acc_max, even_ms, set_origin, origin })
 }
 
 /// The axes are at standstill and in no other coordinate system that drives them; they are in Crd
@@ -230,7 +218,7 @@ pub fn start<const AXES: usize>(
         if let (Some(queues), Some(stores)) = (queues.get_mut(index), stores.get(index)) {
             let queue = &mut queues[usize::from(fifo)];
             queue.follow(context.crd_shadow(crd).path(fifo).cleared);
-            if queue.held() > 0 {
+            if queue.waiting() > 0 {
                 queue.settle(&stores[usize::from(fifo)]);
                 queue.begin(stores, context.crd_sampled(crd), fifo);
                 let (command, change) = context.shadows.commit_of_path(crd, fifo, queue.end());
@@ -264,8 +252,7 @@ pub fn stop_dec<const AXES: usize>(context: &mut Context<AXES>, r: &SetCrdStopDe
 pub fn set_override<const AXES: usize>(context: &mut Context<AXES>, r: &SetOverride) -> Admitted<Answer> {
     let crd = known(context, r.core.get(), r.crd.get())?;
     let ratio = real(2, r.ratio.get(), OVERRIDE_MIN, 1.0)?;
-    let rate = FeedOverride::admit(ratio.to_bits())
-        .map_err(|_| Refused::new(Reason::OutOfRange).field(2).got(ratio).limits(OVERRIDE_MIN, 1.0))?;
+    let rate = FeedOverride::admit(ratio.to_bits()).map_err(|_| Refused::range(2, ratio, OVERRIDE_MIN, 1.0))?;
     context.only(TickCommand::CrdOverride { crd, rate }, ShadowChange::Crd { crd, change: CrdChange::Override(ratio) })
 }
 
@@ -274,7 +261,7 @@ pub fn set_follow_filter<const AXES: usize>(context: &mut Context<AXES>, r: &Set
     let crd = known(context, r.core.get(), r.crd.get())?;
     let ms = real(2, r.time_ms.get(), 0.0, LAG_MS.1)?;
     if ms != 0.0 && ms < LAG_MS.0 {
-        return Err(Refused::new(Reason::OutOfRange).field(2).got(ms).limits(LAG_MS.0, LAG_MS.1));
+        return Err(Refused::range(2, ms, LAG_MS.0, LAG_MS.1));
     }
     let lag = if ms == 0.0 { Lag::NONE } else { Lag::of_inverse((NS_64 / (ms * 1e6)) as u64) };
     context.only(TickCommand::CrdLag { crd, lag }, ShadowChange::Crd { crd, change: CrdChange::Lag(ms) })

@@ -15,7 +15,7 @@ use super::many;
 use super::written::{Paths, Stored, Written};
 use crate::configuration::Configuration;
 use crate::plan::geometry;
-use crate::plan::geometry::{Geometry, OFF_CENTRE, Position, RADIUS_MAX, RADIUS_MIN};
+use crate::plan::geometry::{Geometry, OFF_CENTRE_MAX_PULSES, Position, RADIUS_MAX_PULSES, RADIUS_MIN_PULSES};
 use crate::plan::look_ahead::{ALONG_MIN, Limits};
 use crate::plan::path_queue::{Destination, PathQueue, Queued};
 use crate::refuse::{Admitted, FifoOf, Refused, choice, real};
@@ -34,7 +34,7 @@ const GEARS: u32 = 4;
 
 /// The speeds of a motion after limitation.
 #[derive(Debug, Clone, Copy)]
-struct Held {
+struct LimitedSpeeds {
     vel: f64,
     acc: f64,
     end: f64,
@@ -149,7 +149,7 @@ impl Filling<'_> {
     }
 
     /// Speed, acceleration and end speed after limitation to the maxima.
-    fn speeds(&self, given: &GivenSpeeds) -> Admitted<Held> {
+    fn speeds(&self, given: &GivenSpeeds) -> Admitted<LimitedSpeeds> {
         let GivenSpeeds { vel, acc, end, field, .. } = *given;
         let (vel_max, acc_max) = (self.frame.vel_max, self.frame.acc_max);
         real(field, vel, ALONG_MIN, f64::MAX)?;
@@ -158,8 +158,8 @@ impl Filling<'_> {
         let (vel, acc) = (vel.min(vel_max), acc.min(acc_max));
         let end = end.min(vel);
         let along = MotionSpeeds::admit(vel.to_bits(), acc.to_bits(), end.to_bits())
-            .map_err(|_| Refused::new(Reason::OutOfRange).field(field).got(vel).limits(ALONG_MIN, vel_max))?;
-        Ok(Held { vel, acc, end, along })
+            .map_err(|_| Refused::range(field, vel, ALONG_MIN, vel_max))?;
+        Ok(LimitedSpeeds { vel, acc, end, along })
     }
 
     /// The motion from where the FIFO ends.
@@ -259,8 +259,8 @@ impl Filling<'_> {
         if self.path.look.is_some() || enters <= end && end <= self.limit {
             return down(end);
         }
-        let (square, swing) = (enters * enters, 2.0 * acc * length);
-        down(end.max(libm::sqrt((square - swing).max(0.0))).min(libm::sqrt(square + swing)))
+        let (square, change) = (enters * enters, 2.0 * acc * length);
+        down(end.max(libm::sqrt((square - change).max(0.0))).min(libm::sqrt(square + change)))
     }
 
     fn limits(&self, corner: f64, acc: f64) -> Limits {
@@ -274,8 +274,8 @@ impl Filling<'_> {
 
     /// A motion that has been checked, for the queue. One without look-ahead that has no entry of
     /// its own is left out.
-    fn motion(&self, geometry: Geometry, stops: bool, held: Held, data: &mut PathData) -> Option<Queued> {
-        let Held { vel, acc, end, along } = held;
+    fn motion(&self, geometry: Geometry, stops: bool, speeds: LimitedSpeeds, data: &mut PathData) -> Option<Queued> {
+        let LimitedSpeeds { vel, acc, end, along } = speeds;
         data.leaves = self.leaves(data, geometry.length, acc, end);
         data.add_motion(geometry.end, geometry.sets() | self.undriven());
         if self.path.look.is_some() {
@@ -310,25 +310,18 @@ fn explain(refused: geometry::Refused, shape: &GivenGeometry, field: u8) -> Refu
         GivenGeometry::Centre { centre, .. } => (libm::hypot(centre[0], centre[1]), centre),
         GivenGeometry::Line { .. } => (0.0, [0.0; 2]),
     };
-    match refused {
+    let (reason, got, low, high) = match refused {
         geometry::Refused::NotFinite => {
             let second = centre[0].is_finite() && !centre[1].is_finite();
-            Refused::new(Reason::NotFinite).field(field + 2 + u8::from(second)).got(radius)
+            return Refused::new(Reason::NotFinite).field(field + 2 + u8::from(second)).got(radius);
         }
-        geometry::Refused::NoLength => Refused::new(Reason::NoLength).field(field),
-        geometry::Refused::RadiusTooSmall { least } => {
-            Refused::new(Reason::RadiusTooSmall).field(field + 2).got(radius).limits(least, RADIUS_MAX)
-        }
-        geometry::Refused::CentreOff { by } => {
-            Refused::new(Reason::CentreOff).field(field + 2).got(by).limits(0.0, OFF_CENTRE)
-        }
-        geometry::Refused::CentreOnStart => {
-            Refused::new(Reason::CentreOnStart).field(field + 2).got(radius).limits(RADIUS_MIN, RADIUS_MAX)
-        }
-        geometry::Refused::RadiusTooLarge => {
-            Refused::new(Reason::RadiusTooLarge).field(field + 2).got(radius).limits(0.0, RADIUS_MAX)
-        }
-    }
+        geometry::Refused::NoLength => return Refused::new(Reason::NoLength).field(field),
+        geometry::Refused::RadiusTooSmall { least } => (Reason::RadiusTooSmall, radius, least, RADIUS_MAX_PULSES),
+        geometry::Refused::CentreOff { by } => (Reason::CentreOff, by, 0.0, OFF_CENTRE_MAX_PULSES),
+        geometry::Refused::CentreOnStart => (Reason::CentreOnStart, radius, RADIUS_MIN_PULSES, RADIUS_MAX_PULSES),
+        geometry::Refused::RadiusTooLarge => (Reason::RadiusTooLarge, radius, 0.0, RADIUS_MAX_PULSES),
+    };
+    Refused::new(reason).field(field + 2).got(got).limits(low, high)
 }
 
 /// Admits a data command of a path.
@@ -383,8 +376,8 @@ pub fn put<const AXES: usize>(context: &Context<AXES>, paths: Paths<'_>, (target
     let (mut written, change) = filling.written(count, lasts, data);
     if let FifoItem::Entry(_, EntryKind::Laser { named, took }) = *what {
         written.named = named;
-        if let Some((took, count, held)) = took {
-            (written.took, written.answer) = (took, Answer::Took { count, held });
+        if let Some((took, count, limited)) = took {
+            (written.took, written.answer) = (took, Answer::Took { count, limited });
         }
     }
     Ok((written, change))
@@ -446,7 +439,7 @@ fn lines<R: Lines<N>, const N: usize, const AXES: usize>(
         let [x, y, ..] = target;
         if filling.path.look.is_none() {
             // Nobody reads its directions.
-            let Held { vel, along, .. } = admitted;
+            let LimitedSpeeds { vel, along, .. } = admitted;
             let entry = if N == 2 { PathEntry::planar([x, y], along) } else { PathEntry::line(target, along) };
             let shape = at.iter().zip(target).take(N).fold(0.0f32, |sum, (at, to)| {
                 let part = (f64::from(to) - at) as f32;

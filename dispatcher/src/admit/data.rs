@@ -7,7 +7,7 @@
 use super::admission::{Admission, context};
 use super::context::{Context, DueInstant, Effect};
 use super::written::Written;
-use super::{buffered, crd_data, follow_data, kind, one, pt};
+use super::{buffered, crd_data, kind, one};
 use crate::refuse::{Admitted, FifoOf};
 use crate::shadow::{CAPACITY, ShadowChange, executed};
 use protocol::command::{CommandKind, DataStore, FollowSwitchNowEx, opcode};
@@ -47,12 +47,12 @@ impl<const AXES: usize> Admission<'_, AXES> {
         let context = context!(self, view, due, self.staged);
         let paths = (&mut *self.queues, self.entries);
         let (written, change) = match kind(number) {
-            Some(CommandKind::Data(DataStore::Pt)) => pt::data(&context, self.stores, number, body)?,
+            Some(CommandKind::Data(DataStore::Pt)) => context.pt_data(self.stores, number, body)?,
             Some(CommandKind::Data(DataStore::Path | DataStore::Lines)) => {
                 crd_data::data(&context, paths, number, body)?
             }
             Some(CommandKind::Data(DataStore::Light)) => buffered::data(&context, paths, number, body)?,
-            _ => follow_data::data(&context, self.stores, number, body)?,
+            _ => context.follow_data(self.stores, number, body)?,
         };
         if let FifoOf::Axis(axis) = written.of
             && self.admitted.overwrites(view, axis, written.fifo)

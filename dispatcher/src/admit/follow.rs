@@ -45,27 +45,6 @@ pub fn admit<const AXES: usize>(context: &mut Context<AXES>, number: u16, body: 
     }
 }
 
-/// The axis, if it is in this mode.
-pub fn following<const AXES: usize>(
-    context: &Context<AXES>,
-    mode: MotionMode,
-    core: i16,
-    profile: i16,
-) -> Admitted<Axis> {
-    let axis = context.axis(core, profile)?;
-    context.in_mode(axis, context.shadow(axis).mode == mode)?;
-    Ok(axis)
-}
-
-/// Refuses until it is known which FIFO runs when the command acts.
-pub fn known<const AXES: usize>(context: &Context<AXES>, axis: Axis, field: u8) -> Admitted<()> {
-    // The tick switches in its steps, and there is none between the view and the instant.
-    if context.is_due(axis) || !context.shadow(axis).may_switch(context.view, context.sampled(axis)) {
-        return Ok(());
-    }
-    Err(context.no(Reason::FifoInUse, axis).field(field).got(context.sampled(axis).fifo.into()))
-}
-
 /// Any positive direction is +1, any negative −1. The present mode keeps everything, but must be
 /// given with the same direction.
 fn prf<const AXES: usize>(context: &mut Context<AXES>, mode: MotionMode, r: &PrfFollow) -> Admitted<Answer> {
@@ -110,7 +89,7 @@ fn set_master<const AXES: usize>(
     mode: MotionMode,
     r: &SetFollowMaster,
 ) -> Admitted<Answer> {
-    let axis = following(context, mode, r.core.get(), r.profile.get())?;
+    let axis = context.following_axis(mode, r.core.get(), r.profile.get())?;
     let given = [r.master_index.get(), r.master_type.get(), r.master_item.get()];
     let core = core_of(context, r.core.get(), given[1])?;
     choice(2, given[0], 1, i16::from(context.configuration.profile.axes_per_core))?;
@@ -144,13 +123,13 @@ fn set_master<const AXES: usize>(
 
 /// Below 1 is endless; has effect also while the axis runs.
 fn set_loop<const AXES: usize>(context: &mut Context<AXES>, mode: MotionMode, r: &SetFollowLoop) -> Admitted<Answer> {
-    let axis = following(context, mode, r.core.get(), r.profile.get())?;
+    let axis = context.following_axis(mode, r.core.get(), r.profile.get())?;
     context.only(TickCommand::FollowLoop { axis, passes: r.loop_count.get().max(0).unsigned_abs() }, ShadowChange::None)
 }
 
 /// Has effect from the next start on. The direction matters for PASS only.
 fn set_event<const AXES: usize>(context: &mut Context<AXES>, mode: MotionMode, r: &SetFollowEvent) -> Admitted<Answer> {
-    let axis = following(context, mode, r.core.get(), r.profile.get())?;
+    let axis = context.following_axis(mode, r.core.get(), r.profile.get())?;
     let (which, direction, pos) = (choice(2, r.event.get(), 1, 2)?, choice(3, r.master_dir.get(), -1, 1)?, r.pos.get());
     if which == 2 && direction == 0 {
         return Err(Refused::new(Reason::Selector).field(3).got(0.0).limits(-1.0, 1.0));
@@ -163,18 +142,18 @@ fn set_event<const AXES: usize>(context: &mut Context<AXES>, mode: MotionMode, r
 }
 
 fn space<const AXES: usize>(context: &mut Context<AXES>, mode: MotionMode, r: &FollowSpace) -> Admitted<Answer> {
-    let axis = following(context, mode, r.core.get(), r.profile.get())?;
+    let axis = context.following_axis(mode, r.core.get(), r.profile.get())?;
     let fifo = choice(2, r.fifo.get(), 0, 1)? as u8;
-    known(context, axis, 2)?;
+    context.knows_follow_fifo(axis, 2)?;
     Ok(Answer::Space(context.shadow(axis).follow.space(fifo) as i16))
 }
 
 /// The FIFO that runs cannot be cleared, the other one can.
 fn clear<const AXES: usize>(context: &mut Context<AXES>, mode: MotionMode, r: &FollowClear) -> Admitted<Answer> {
-    let axis = following(context, mode, r.core.get(), r.profile.get())?;
+    let axis = context.following_axis(mode, r.core.get(), r.profile.get())?;
     let fifo = choice(2, r.fifo.get(), 0, 1)? as u8;
     let (shadow, sampled) = (context.shadow(axis), context.sampled(axis));
-    known(context, axis, 2)?;
+    context.knows_follow_fifo(axis, 2)?;
     if context.may_run(axis) {
         let running = shadow.running_fifo(context.view, sampled) == fifo;
         if running || shadow.is_switching(context.view, sampled) {
@@ -191,20 +170,12 @@ fn set_memory<const AXES: usize>(
     mode: MotionMode,
     r: &SetFollowMemory,
 ) -> Admitted<Answer> {
-    let axis = following(context, mode, r.core.get(), r.profile.get())?;
+    let axis = context.following_axis(mode, r.core.get(), r.profile.get())?;
     let memory = choice(2, r.memory.get(), 0, 1)? as u8;
     context.at_standstill(axis)?;
-    known(context, axis, 2)?;
+    context.knows_follow_fifo(axis, 2)?;
     context.stage_with(TickCommand::FollowClear { axis, fifo: 1 }, ShadowChange::FollowEmptied { axis, fifo: 1 });
     context.only(TickCommand::FollowClear { axis, fifo: 0 }, ShadowChange::FollowMemory { axis, memory })
-}
-
-/// Refuses if a FIFO holds nothing.
-fn filled<const AXES: usize>(context: &Context<AXES>, axis: Axis, fifo: u8) -> Admitted<()> {
-    if context.shadow(axis).follow.fifo(fifo).is_empty() {
-        return Err(context.no(Reason::FifoEmpty, axis).got(fifo.into()));
-    }
-    Ok(())
 }
 
 /// Starts all axes of the mask on one tick, or none. Option bits take FIFO 1.
@@ -217,23 +188,14 @@ fn start<const AXES: usize>(context: &mut Context<AXES>, mode: MotionMode, r: &F
     for axis in context.each(axes) {
         context.in_mode(axis, context.shadow(axis).mode == mode)?;
         context.at_standstill(axis)?;
-        known(context, axis, 2)?;
+        context.knows_follow_fifo(axis, 2)?;
         if context.shadow(axis).follow.master.is_none() {
             return Err(context.no(Reason::NoMaster, axis));
         }
-        filled(context, axis, u8::from(fifo1.has(axis)))?;
+        context.has_follow_data(axis, u8::from(fifo1.has(axis)))?;
     }
     all_startable(context, axes)?;
     context.only(TickCommand::FollowStart { axes, fifo1 }, ShadowChange::Started { axes, fifo1, script_ns: 0 })
-}
-
-/// Refuses if the axis does not run, or its other FIFO holds nothing.
-fn switchable<const AXES: usize>(context: &Context<AXES>, axis: Axis) -> Admitted<()> {
-    if !context.may_run(axis) {
-        return Err(context.no(Reason::NotRunning, axis));
-    }
-    known(context, axis, 1)?;
-    filled(context, axis, context.shadow(axis).running_fifo(context.view, context.sampled(axis)) ^ 1)
 }
 
 /// The other FIFO takes over at the end of the pass, of all axes of the mask or none.
@@ -241,7 +203,7 @@ fn switch<const AXES: usize>(context: &mut Context<AXES>, mode: MotionMode, r: &
     let axes = context.mask(r.core.get(), r.mask.get(), 1)?;
     for axis in context.each(axes) {
         context.in_mode(axis, context.shadow(axis).mode == mode)?;
-        switchable(context, axis)?;
+        context.may_switch(axis)?;
     }
     if axes.0 != 0 {
         context.stage_with(TickCommand::FollowSwitch { axes }, ShadowChange::Switched { axes });
@@ -251,11 +213,11 @@ fn switch<const AXES: usize>(context: &mut Context<AXES>, mode: MotionMode, r: &
 
 /// At once. (Queued, it is data.)
 fn switch_now<const AXES: usize>(context: &mut Context<AXES>, r: &FollowSwitchNowEx) -> Admitted<Answer> {
-    let axis = following(context, MotionMode::FollowEx, r.core.get(), r.profile.get())?;
+    let axis = context.following_axis(MotionMode::FollowEx, r.core.get(), r.profile.get())?;
     let method = method(r.method.get())?;
     choice(4, r.fifo.get(), 0, 1)?;
     match method {
-        Method::Table => switchable(context, axis)?,
+        Method::Table => context.may_switch(axis)?,
         Method::Segment if !context.may_run(axis) => return Err(context.no(Reason::NotRunning, axis)),
         Method::Segment => {}
     }
@@ -284,4 +246,39 @@ fn asymmetric_segment<const AXES: usize>(context: &mut Context<AXES>, r: &GetFol
     let percent1 = within(5, percent1, 0.0, percent)?;
     let slave = master * asymmetric_s::mean(begin, end, percent / 100.0, percent1 / 100.0);
     if slave.is_finite() { Ok(Answer::Number(slave)) } else { Err(Refused::new(Reason::NotFinite).field(1)) }
+}
+
+impl<const AXES: usize> Context<'_, AXES> {
+    /// The axis, if it is in this mode.
+    pub fn following_axis(&self, mode: MotionMode, core: i16, profile: i16) -> Admitted<Axis> {
+        let axis = self.axis(core, profile)?;
+        self.in_mode(axis, self.shadow(axis).mode == mode)?;
+        Ok(axis)
+    }
+
+    /// Refuses until it is known which FIFO runs when the command acts.
+    pub fn knows_follow_fifo(&self, axis: Axis, field: u8) -> Admitted<()> {
+        // The tick switches in its steps, and there is none between the view and the instant.
+        if self.is_due(axis) || !self.shadow(axis).may_switch(self.view, self.sampled(axis)) {
+            return Ok(());
+        }
+        Err(self.no(Reason::FifoInUse, axis).field(field).got(self.sampled(axis).fifo.into()))
+    }
+
+    /// Refuses if a FIFO holds nothing.
+    fn has_follow_data(&self, axis: Axis, fifo: u8) -> Admitted<()> {
+        if self.shadow(axis).follow.fifo(fifo).is_empty() {
+            return Err(self.no(Reason::FifoEmpty, axis).got(fifo.into()));
+        }
+        Ok(())
+    }
+
+    /// Refuses if the axis does not run, or its other FIFO holds nothing.
+    fn may_switch(&self, axis: Axis) -> Admitted<()> {
+        if !self.may_run(axis) {
+            return Err(self.no(Reason::NotRunning, axis));
+        }
+        self.knows_follow_fifo(axis, 1)?;
+        self.has_follow_data(axis, self.shadow(axis).running_fifo(self.view, self.sampled(axis)) ^ 1)
+    }
 }

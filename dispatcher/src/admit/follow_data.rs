@@ -4,11 +4,11 @@
 //! Fails: with the parameter and the limit. Entries written by then lie after the end of the FIFO,
 //! where nobody reads.
 use super::context::{Context, TRAVEL_PULSES};
-use super::follow::{following, known, method, mode_of};
+use super::follow::{method, mode_of};
+use super::one;
 use super::written::{SegmentStores, Stored, Written};
-use super::{io, one};
 use crate::plan::asymmetric_s;
-use crate::refuse::{Admitted, FifoOf, Refused, choice, real, within};
+use crate::refuse::{Admitted, FifoOf, Refused, choice, finite, real, within};
 use crate::report::answer::Answer;
 use crate::shadow::{FollowFifoShadow, ShadowChange};
 use protocol::command::{
@@ -106,170 +106,155 @@ impl Filling<'_> {
         };
         let before = &self.shadow;
         let ratio = (slave - before.slave) / (master - before.master);
-        match refused {
-            follow::Refused::MasterNotFinite => Refused::new(Reason::NotFinite).field(2).got(master),
-            follow::Refused::SlaveNotFinite => Refused::new(Reason::NotFinite).field(3).got(slave),
+        let most = TRAVEL_PULSES / (master - before.master).abs();
+        let (field, limits) = (self.field, (0.0, self.capacity.into()));
+        let (reason, field, got, (low, high)) = match refused {
+            follow::Refused::MasterNotFinite => (Reason::NotFinite, 2, master, (0.0, 0.0)),
+            follow::Refused::SlaveNotFinite => (Reason::NotFinite, 3, slave, (0.0, 0.0)),
             follow::Refused::MasterBeyondRange => {
-                Refused::new(Reason::OutOfRange).field(2).got(master).limits(-MASTER_MAX_PULSES, MASTER_MAX_PULSES)
+                (Reason::OutOfRange, 2, master, (-MASTER_MAX_PULSES, MASTER_MAX_PULSES))
             }
-            follow::Refused::SlaveBeyondTravel => {
-                Refused::new(Reason::BeyondTravel).field(3).got(slave).limits(-TRAVEL_PULSES, TRAVEL_PULSES)
-            }
-            follow::Refused::NotAdvancing if master * before.master < 0.0 => {
-                Refused::new(Reason::MixedSigns).field(2).got(master).limits(before.master, before.master)
-            }
+            follow::Refused::SlaveBeyondTravel => (Reason::BeyondTravel, 3, slave, (-TRAVEL_PULSES, TRAVEL_PULSES)),
             follow::Refused::NotAdvancing => {
-                Refused::new(Reason::MasterOrder).field(2).got(master).limits(before.master, before.master)
+                let mixed = master * before.master < 0.0;
+                let reason = if mixed { Reason::MixedSigns } else { Reason::MasterOrder };
+                (reason, 2, master, (before.master, before.master))
             }
-            follow::Refused::Negative => Refused::new(Reason::NegativeProgress).field(2).got(master),
-            follow::Refused::Kind => Refused::new(Reason::Selector).field(4).got(kind.into()).limits(0.0, 3.0),
-            follow::Refused::Percent => {
-                Refused::new(Reason::OutOfRange).field(5).got(percent.into()).limits(0.0, 100.0)
-            }
-            follow::Refused::TooSteep => {
-                Refused::new(Reason::RatioTooLarge).field(3).got(ratio).limits(-SLAVE_RATIO_MAX, SLAVE_RATIO_MAX)
-            }
-            follow::Refused::TooFar => {
-                let most = TRAVEL_PULSES / (master - before.master).abs();
-                Refused::new(Reason::RatioTooLarge).field(3).got(ratio).limits(-most, most)
-            }
-            follow::Refused::StopsFull => {
-                Refused::new(Reason::QueueEntries).field(self.field).limits(0.0, follow::STOPS as f64)
-            }
-            follow::Refused::Full => Refused::new(Reason::FifoFull).field(self.field).limits(0.0, self.capacity.into()),
-        }
+            follow::Refused::Negative => (Reason::NegativeProgress, 2, master, (0.0, 0.0)),
+            follow::Refused::Kind => (Reason::Selector, 4, kind.into(), (0.0, 3.0)),
+            follow::Refused::Percent => (Reason::OutOfRange, 5, percent.into(), (0.0, 100.0)),
+            follow::Refused::TooSteep => (Reason::RatioTooLarge, 3, ratio, (-SLAVE_RATIO_MAX, SLAVE_RATIO_MAX)),
+            follow::Refused::TooFar => (Reason::RatioTooLarge, 3, ratio, (-most, most)),
+            follow::Refused::StopsFull => (Reason::QueueEntries, field, 0.0, (0.0, follow::STOPS as f64)),
+            follow::Refused::Full => (Reason::FifoFull, field, 0.0, limits),
+        };
+        Refused::new(reason).field(field).got(got).limits(low, high)
     }
 }
 
-/// Admits a data command of either mode.
-pub fn data<const AXES: usize>(
-    context: &Context<AXES>,
-    stores: &SegmentStores<AXES>,
-    number: u16,
-    body: &[u8],
-) -> Stored {
-    if number == opcode::FollowDataPercent2Ex {
-        return asymmetric_data(context, stores, &one(body)?);
+impl<const AXES: usize> Context<'_, AXES> {
+    /// Admits a data command of either mode.
+    pub fn follow_data(&self, stores: &SegmentStores<AXES>, number: u16, body: &[u8]) -> Stored {
+        if number == opcode::FollowDataPercent2Ex {
+            return self.asymmetric_data(stores, &one(body)?);
+        }
+        let (core, profile, fifo, field, given) = match number {
+            opcode::FollowData => {
+                let r = one::<FollowData>(body)?;
+                let given = Given::Segment(r.master_segment.get().into(), r.slave_segment.get(), r.kind.get(), 0);
+                (r.core, r.profile, r.fifo, 5, given)
+            }
+            opcode::FollowDataPercentEx => {
+                let r = one::<FollowDataPercentEx>(body)?;
+                let given =
+                    Given::Segment(r.master_segment.get(), r.slave_segment.get(), r.kind.get(), r.percent.get());
+                (r.core, r.profile, r.fifo, 6, given)
+            }
+            opcode::FollowDoBitEx => {
+                let r = one::<FollowDoBitEx>(body)?;
+                let (group, bit, high) =
+                    self.output_bit(r.core.get(), 2, (r.do_type.get(), r.index.get(), r.value.get()))?;
+                (r.core, r.profile, r.fifo, 5, Given::Output(group, bit, high))
+            }
+            opcode::FollowDelayEx => {
+                let r = one::<FollowDelayEx>(body)?;
+                (r.core, r.profile, r.fifo, 3, Given::Delay(r.delay_cycles.get()))
+            }
+            opcode::FollowDiBitEx => {
+                let r = one::<FollowDiBitEx>(body)?;
+                let (input, index, high) =
+                    self.input_bit(r.core.get(), 2, (r.di_type.get(), r.index.get(), r.value.get()))?;
+                (r.core, r.profile, r.fifo, 6, Given::Wait(input, index, high, r.time_ms.get()))
+            }
+            _ => {
+                let r = one::<FollowSwitchNowEx>(body)?;
+                choice(3, r.buffer.get(), 0, 1)?;
+                (r.core, r.profile, r.fifo, 4, Given::Switch(method(r.method.get())?))
+            }
+        };
+        let axis = self.following_axis(mode_of(number), core.get(), profile.get())?;
+        let stands = self.knows_fifos(axis);
+        let mut filling =
+            self.open_follow(stores, axis, fifo.get(), field).map_err(|refused| refused.stands(stands))?;
+        let named = |refused: Refused| refused.axis(self.configuration.number_of(axis)).stands(stands);
+        filling.add(given).map_err(named)?;
+        Ok(filling.written(0))
     }
-    let (core, profile, fifo, field, given) = match number {
-        opcode::FollowData => {
-            let r = one::<FollowData>(body)?;
-            let given = Given::Segment(r.master_segment.get().into(), r.slave_segment.get(), r.kind.get(), 0);
-            (r.core, r.profile, r.fifo, 5, given)
-        }
-        opcode::FollowDataPercentEx => {
-            let r = one::<FollowDataPercentEx>(body)?;
-            let given = Given::Segment(r.master_segment.get(), r.slave_segment.get(), r.kind.get(), r.percent.get());
-            (r.core, r.profile, r.fifo, 6, given)
-        }
-        opcode::FollowDoBitEx => {
-            let r = one::<FollowDoBitEx>(body)?;
-            let (group, bit, high) =
-                io::output(context, r.core.get(), 2, (r.do_type.get(), r.index.get(), r.value.get()))?;
-            (r.core, r.profile, r.fifo, 5, Given::Output(group, bit, high))
-        }
-        opcode::FollowDelayEx => {
-            let r = one::<FollowDelayEx>(body)?;
-            (r.core, r.profile, r.fifo, 3, Given::Delay(r.delay_cycles.get()))
-        }
-        opcode::FollowDiBitEx => {
-            let r = one::<FollowDiBitEx>(body)?;
-            let (input, index, high) =
-                io::input(context, r.core.get(), 2, (r.di_type.get(), r.index.get(), r.value.get()))?;
-            (r.core, r.profile, r.fifo, 6, Given::Wait(input, index, high, r.time_ms.get()))
-        }
-        _ => {
-            let r = one::<FollowSwitchNowEx>(body)?;
-            choice(3, r.buffer.get(), 0, 1)?;
-            (r.core, r.profile, r.fifo, 4, Given::Switch(method(r.method.get())?))
-        }
-    };
-    let axis = following(context, mode_of(number), core.get(), profile.get())?;
-    let stands = context.knows_fifos(axis);
-    let mut filling = open(context, stores, axis, fifo.get(), field).map_err(|refused| refused.stands(stands))?;
-    let named = |refused: Refused| refused.axis(context.configuration.number_of(axis)).stands(stands);
-    filling.add(given).map_err(named)?;
-    Ok(filling.written(0))
-}
 
-/// FollowDataPercent2Ex: up to three slots, for the rising, the constant and the falling part of
-/// the ratio.
-fn asymmetric_data<const AXES: usize>(
-    context: &Context<AXES>,
-    stores: &SegmentStores<AXES>,
-    r: &FollowDataPercent2Ex,
-) -> Stored {
-    let axis = following(context, MotionMode::FollowEx, r.core.get(), r.profile.get())?;
-    let (master, slave) = (r.master_segment.get(), r.slave_segment.get());
-    let (begin, end) = (r.vel_begin_ratio.get(), r.vel_end_ratio.get());
-    for (field, number) in (2..).zip([master, slave, begin, end]) {
-        if !number.is_finite() {
-            return Err(Refused::new(Reason::NotFinite).field(field).got(number));
+    /// FollowDataPercent2Ex: up to three slots, for the rising, the constant and the falling part
+    /// of the ratio.
+    fn asymmetric_data(&self, stores: &SegmentStores<AXES>, r: &FollowDataPercent2Ex) -> Stored {
+        let axis = self.following_axis(MotionMode::FollowEx, r.core.get(), r.profile.get())?;
+        let (master, slave) = (r.master_segment.get(), r.slave_segment.get());
+        let (begin, end) = (r.vel_begin_ratio.get(), r.vel_end_ratio.get());
+        for (field, number) in (2..).zip([master, slave, begin, end]) {
+            finite(field, number)?;
         }
+        for (field, ratio) in [(4, begin), (5, end)] {
+            real(field, ratio, -SLAVE_RATIO_MAX, SLAVE_RATIO_MAX)?;
+        }
+        let q = f64::from(within(6, r.percent.get(), 0, 100)?) / 100.0;
+        let stands = self.knows_fifos(axis);
+        let mut filling = self.open_follow(stores, axis, r.fifo.get(), 7).map_err(|refused| refused.stands(stands))?;
+        let named = |refused: Refused| refused.axis(self.configuration.number_of(axis)).stands(stands);
+        // An error of its ends alone is reported as for any segment.
+        filling.check(Given::Segment(master, slave, 1, 0)).map_err(named)?;
+        let (from, origin) = (filling.shadow.master, filling.shadow.slave);
+        let length = master - from;
+        let progress = length.abs();
+        let x = asymmetric_s::share(begin, end, q, (slave - origin) / progress).map_err(|(low, high)| {
+            let (low, high) = (origin + low * progress, origin + high * progress);
+            named(Refused::range(3, slave, low, high))
+        })?;
+        // A part that is too short to be a segment is left out.
+        let x = if x * progress < PART_MIN_PULSES {
+            0.0
+        } else if (q - x) * progress < PART_MIN_PULSES {
+            q
+        } else {
+            x
+        };
+        let [rise, constant] = asymmetric_s::corners(begin, end, q, x);
+        let corner = |(at, mean): (f64, f64)| (from + length * at, origin + progress * mean);
+        let parts = [
+            (x > 0.0).then(|| (corner(rise), SCurvePart::Rise)),
+            (q < 1.0).then(|| (corner(constant), SCurvePart::Constant)),
+            (x < q).then_some(((master, slave), SCurvePart::Fall)),
+        ];
+        // The last one ends where the user gave it.
+        let last = parts.iter().rposition(Option::is_some);
+        let mut first = Some(begin);
+        for (index, ((at, to), part)) in parts.into_iter().enumerate().filter_map(|(i, part)| Some((i, part?))) {
+            let (at, to) = if Some(index) == last { (master, slave) } else { (at, to) };
+            filling.add(Given::Part(at, to, part, first.take())).map_err(named)?;
+        }
+        Ok(filling.written((x * 100.0 + 0.5) as i16))
     }
-    for (field, ratio) in [(4, begin), (5, end)] {
-        real(field, ratio, -SLAVE_RATIO_MAX, SLAVE_RATIO_MAX)?;
-    }
-    let q = f64::from(within(6, r.percent.get(), 0, 100)?) / 100.0;
-    let stands = context.knows_fifos(axis);
-    let mut filling = open(context, stores, axis, r.fifo.get(), 7).map_err(|refused| refused.stands(stands))?;
-    let named = |refused: Refused| refused.axis(context.configuration.number_of(axis)).stands(stands);
-    // An error of its ends alone is reported as for any segment.
-    filling.check(Given::Segment(master, slave, 1, 0)).map_err(named)?;
-    let (from, origin) = (filling.shadow.master, filling.shadow.slave);
-    let length = master - from;
-    let progress = length.abs();
-    let x = asymmetric_s::share(begin, end, q, (slave - origin) / progress).map_err(|(low, high)| {
-        let (low, high) = (origin + low * progress, origin + high * progress);
-        named(Refused::new(Reason::OutOfRange).field(3).got(slave).limits(low, high))
-    })?;
-    // A part that is too short to be a segment is left out.
-    let x = if x * progress < PART_MIN_PULSES {
-        0.0
-    } else if (q - x) * progress < PART_MIN_PULSES {
-        q
-    } else {
-        x
-    };
-    let [rise, held] = asymmetric_s::corners(begin, end, q, x);
-    let corner = |(at, mean): (f64, f64)| (from + length * at, origin + progress * mean);
-    let parts = [
-        (x > 0.0).then(|| (corner(rise), SCurvePart::Rise)),
-        (q < 1.0).then(|| (corner(held), SCurvePart::Held)),
-        (x < q).then_some(((master, slave), SCurvePart::Fall)),
-    ];
-    // The last one ends where the user gave it.
-    let last = parts.iter().rposition(Option::is_some);
-    let mut first = Some(begin);
-    for (index, ((at, to), part)) in parts.into_iter().enumerate().filter_map(|(i, part)| Some((i, part?))) {
-        let (at, to) = if Some(index) == last { (master, slave) } else { (at, to) };
-        filling.add(Given::Part(at, to, part, first.take())).map_err(named)?;
-    }
-    Ok(filling.written((x * 100.0 + 0.5) as i16))
-}
 
-/// The FIFO, if its content is known and its slots are free for data.
-fn open<'x, const AXES: usize>(
-    context: &Context<'_, AXES>,
-    stores: &'x SegmentStores<AXES>,
-    axis: Axis,
-    fifo: i16,
-    field: u8,
-) -> Admitted<Filling<'x>> {
-    let fifo = choice(field, fifo, 0, 1)? as u8;
-    known(context, axis, field)?;
-    let shadow = context.shadow(axis);
-    // The slots of data that is over in the program are free only when the tick has released them.
-    if context.is_outgoing(axis, fifo) {
-        return Err(context.no(Reason::FifoInUse, axis).field(field).got(fifo.into()));
+    /// The FIFO, if its content is known and its slots are free for data.
+    fn open_follow<'x>(
+        &self,
+        stores: &'x SegmentStores<AXES>,
+        axis: Axis,
+        fifo: i16,
+        field: u8,
+    ) -> Admitted<Filling<'x>> {
+        let fifo = choice(field, fifo, 0, 1)? as u8;
+        self.knows_follow_fifo(axis, field)?;
+        let shadow = self.shadow(axis);
+        // The slots of data that is over in the program are free only when the tick has released
+        // them.
+        if self.is_outgoing(axis, fifo) {
+            return Err(self.no(Reason::FifoInUse, axis).field(field).got(fifo.into()));
+        }
+        let Some(store) = stores.get(axis.index()) else { return Err(self.no(Reason::NotInitialised, axis)) };
+        let direction = match shadow.follow.direction {
+            0 => Direction::Both,
+            1 => Direction::Up,
+            _ => Direction::Down,
+        };
+        let (capacity, data) = (shadow.follow.capacity(), *shadow.follow.fifo(fifo));
+        let cleared = shadow.follow.cleared[usize::from(fifo & 1)];
+        Ok(Filling { store, axis, fifo, cleared, field, direction, capacity, shadow: data })
     }
-    let Some(store) = stores.get(axis.index()) else { return Err(context.no(Reason::NotInitialised, axis)) };
-    let direction = match shadow.follow.direction {
-        0 => Direction::Both,
-        1 => Direction::Up,
-        _ => Direction::Down,
-    };
-    let (capacity, data) = (shadow.follow.capacity(), *shadow.follow.fifo(fifo));
-    let cleared = shadow.follow.cleared[usize::from(fifo & 1)];
-    Ok(Filling { store, axis, fifo, cleared, field, direction, capacity, shadow: data })
 }

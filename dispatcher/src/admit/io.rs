@@ -3,7 +3,7 @@ use super::context::Context;
 use super::many;
 use crate::configuration::ones;
 use crate::io_types::{WORD, WORDS};
-use crate::refuse::{Admitted, Refused, choice};
+use crate::refuse::{Admitted, Refused, bits_of, choice};
 use crate::report::answer::{Answer, Query};
 use crate::shadow::ShadowChange;
 use protocol::command::{GetAdc, GetDac, GetDi, GetDiEx, SetDac, SetDo, SetDoBit, SetDoEx, opcode};
@@ -30,38 +30,11 @@ pub fn words<const AXES: usize>(context: &Context<AXES>, number: u16, r: &GetDiE
     Ok(Answer::Read(Query { opcode: number, first: core as u8, count, which }))
 }
 
-/// General inputs that a program can name: those of the profile, as far as the board has them.
-fn general_inputs<const AXES: usize>(context: &Context<AXES>) -> u8 {
-    context.configuration.profile.general_inputs.min(context.board.general_inputs)
-}
-
-/// The group, the index of its bit 0, and how many bits a core has of it. `field` names the type.
-pub fn group<const AXES: usize>(
-    context: &Context<AXES>,
-    core: i16,
-    field: u8,
-    which: i16,
-) -> Admitted<(DoGroup, usize, usize)> {
-    let axes = usize::from(context.configuration.profile.axes_per_core);
-    let first = context.core(core)? * axes;
-    Ok(match choice(field, which, kind::ENABLE, kind::GPO)? {
-        kind::ENABLE => (DoGroup::Enable, first, axes),
-        kind::CLEAR => (DoGroup::Clear, first, axes),
-        _ => (
-            DoGroup::General,
-            0,
-            usize::from(context.configuration.profile.general_outputs.min(context.board.general_outputs)),
-        ),
-    })
-}
-
 /// The first word of outputs. Bits of outputs that do not exist must be 0.
 pub fn set_outputs<const AXES: usize>(context: &mut Context<AXES>, r: &SetDo) -> Admitted<Answer> {
-    let (group, first, count) = group(context, r.core.get(), 1, r.do_type.get())?;
-    let (value, all) = (u64::from(r.value.get().cast_unsigned()), ones(count.min(WORD)));
-    if value & !all != 0 {
-        return Err(Refused::new(Reason::OutOfRange).field(2).got(value as f64).limits(0.0, all as f64));
-    }
+    let (group, first, count) = context.output_group(r.core.get(), 1, r.do_type.get())?;
+    let all = ones(count.min(WORD));
+    let value = bits_of(2, r.value.get().cast_unsigned().into(), all)?;
     stage_output(context, group, all << first, value << first);
     Ok(Answer::Done)
 }
@@ -70,18 +43,14 @@ pub fn set_outputs<const AXES: usize>(context: &mut Context<AXES>, r: &SetDo) ->
 /// that do not exist must be 0.
 pub fn set_output_words<const AXES: usize>(context: &mut Context<AXES>, body: &[u8]) -> Admitted<Answer> {
     let (request, values) = many::<SetDoEx>(body, |r| r.count.get())?;
-    let (group, first, have) = group(context, request.core.get(), 1, request.do_type.get())?;
+    let (group, first, have) = context.output_group(request.core.get(), 1, request.do_type.get())?;
     let count = i16::try_from(request.count.get()).unwrap_or(i16::MAX);
     choice(2, count, 1, have.div_ceil(WORD).max(1) as i16)?;
     let mut levels = 0;
     for (item, value) in values.iter().enumerate() {
-        let value = u64::from(value.value.get().cast_unsigned());
         let all = ones(have.saturating_sub(WORD * item).min(WORD));
-        if value & !all != 0 {
-            let refused = Refused::new(Reason::OutOfRange).field(3).item(item);
-            return Err(refused.got(value as f64).limits(0.0, all as f64));
-        }
-        levels |= value << (WORD * item);
+        let value = bits_of(3, value.value.get().cast_unsigned().into(), all);
+        levels |= value.map_err(|refused| refused.item(item))? << (WORD * item);
     }
     let all = ones(have.min(WORD * values.len()));
     stage_output(context, group, all << first, levels << first);
@@ -89,7 +58,7 @@ pub fn set_output_words<const AXES: usize>(context: &mut Context<AXES>, body: &[
 }
 
 pub fn set_output<const AXES: usize>(context: &mut Context<AXES>, r: &SetDoBit) -> Admitted<Answer> {
-    let (group, bit, high) = output(context, r.core.get(), 1, (r.do_type.get(), r.index.get(), r.value.get()))?;
+    let (group, bit, high) = context.output_bit(r.core.get(), 1, (r.do_type.get(), r.index.get(), r.value.get()))?;
     let mask = 1u64 << bit;
     stage_output(context, group, mask, if high { mask } else { 0 });
     Ok(Answer::Done)
@@ -100,40 +69,6 @@ fn stage_output<const AXES: usize>(context: &mut Context<AXES>, group: DoGroup, 
     let off = AxisMask(if group == DoGroup::Enable { mask & !value } else { 0 });
     let change = if off.0 == 0 { ShadowChange::None } else { ShadowChange::Stopped { axes: off, crds: CrdMask(0) } };
     context.stage_with(TickCommand::Output { group, mask, value }, change);
-}
-
-/// One output: its group, its bit in it, its level. Type, index and value are fields from `field`
-/// on.
-pub fn output<const AXES: usize>(
-    context: &Context<AXES>,
-    core: i16,
-    field: u8,
-    (which, index, value): (i16, i16, i16),
-) -> Admitted<(DoGroup, u8, bool)> {
-    let (group, first, count) = group(context, core, field, which)?;
-    let index = choice(field + 1, index, 1, count as i16)?.unsigned_abs() as usize - 1;
-    Ok((group, (first + index) as u8, choice(field + 2, value, 0, 1)? == 1))
-}
-
-/// One input: its kind, its axis over all cores or its number, the wanted level.
-pub fn input<const AXES: usize>(
-    context: &Context<AXES>,
-    core: i16,
-    field: u8,
-    (which, index, value): (i16, i16, i16),
-) -> Admitted<(Input, u8, bool)> {
-    let axes = context.configuration.profile.axes_per_core;
-    let first = context.core(core)? as u8 * axes;
-    let (input, first, count) = match choice(field, which, kind::LIMIT_POSITIVE, kind::ARRIVE)? {
-        kind::LIMIT_POSITIVE => (Input::LimitPositive, first, axes),
-        kind::LIMIT_NEGATIVE => (Input::LimitNegative, first, axes),
-        kind::ALARM => (Input::Alarm, first, axes),
-        kind::HOME => (Input::Home, first, axes),
-        kind::GPI => (Input::General, 0, general_inputs(context)),
-        _ => (Input::Arrive, first, axes),
-    };
-    let index = choice(field + 1, index, 1, i16::from(count))?.unsigned_abs() as u8 - 1;
-    Ok((input, first + index, choice(field + 2, value, 0, 1)? == 1))
 }
 
 /// The first of `count` channels from 1 (fields 1, 2), and how many of them exist: a read may reach
@@ -190,4 +125,61 @@ pub fn analog_inputs<const AXES: usize>(context: &mut Context<AXES>, r: &GetAdc)
     context.core(r.core.get())?;
     let (first, count) = channels(r.adc.get(), r.count.get(), context.board.analog_inputs)?;
     Ok(Answer::Read(Query { opcode: opcode::GetAdc, first, count, which: 0 }))
+}
+
+impl<const AXES: usize> Context<'_, AXES> {
+    /// The group, the index of its bit 0, and how many bits a core has of it. `field` names the
+    /// type.
+    pub fn output_group(&self, core: i16, field: u8, which: i16) -> Admitted<(DoGroup, usize, usize)> {
+        let axes = usize::from(self.configuration.profile.axes_per_core);
+        let first = self.core(core)? * axes;
+        Ok(match choice(field, which, kind::ENABLE, kind::GPO)? {
+            kind::ENABLE => (DoGroup::Enable, first, axes),
+            kind::CLEAR => (DoGroup::Clear, first, axes),
+            _ => (
+                DoGroup::General,
+                0,
+                usize::from(self.configuration.profile.general_outputs.min(self.board.general_outputs)),
+            ),
+        })
+    }
+
+    /// One output: its group, its bit in it, its level. Type, index and value are fields from
+    /// `field` on.
+    pub fn output_bit(
+        &self,
+        core: i16,
+        field: u8,
+        (which, index, value): (i16, i16, i16),
+    ) -> Admitted<(DoGroup, u8, bool)> {
+        let (group, first, count) = self.output_group(core, field, which)?;
+        let index = choice(field + 1, index, 1, count as i16)?.unsigned_abs() as usize - 1;
+        Ok((group, (first + index) as u8, choice(field + 2, value, 0, 1)? == 1))
+    }
+
+    /// One input: its kind, its axis over all cores or its number, the wanted level.
+    pub fn input_bit(
+        &self,
+        core: i16,
+        field: u8,
+        (which, index, value): (i16, i16, i16),
+    ) -> Admitted<(Input, u8, bool)> {
+        let axes = self.configuration.profile.axes_per_core;
+        let first = self.core(core)? as u8 * axes;
+        let (input, first, count) = match choice(field, which, kind::LIMIT_POSITIVE, kind::ARRIVE)? {
+            kind::LIMIT_POSITIVE => (Input::LimitPositive, first, axes),
+            kind::LIMIT_NEGATIVE => (Input::LimitNegative, first, axes),
+            kind::ALARM => (Input::Alarm, first, axes),
+            kind::HOME => (Input::Home, first, axes),
+            kind::GPI => (Input::General, 0, self.general_inputs()),
+            _ => (Input::Arrive, first, axes),
+        };
+        let index = choice(field + 1, index, 1, i16::from(count))?.unsigned_abs() as u8 - 1;
+        Ok((input, first + index, choice(field + 2, value, 0, 1)? == 1))
+    }
+
+    /// General inputs that a program can name: those of the profile, as far as the board has them.
+    fn general_inputs(&self) -> u8 {
+        self.configuration.profile.general_inputs.min(self.board.general_inputs)
+    }
 }

@@ -43,8 +43,7 @@ fn speed(field: u8, got: f64, signed: bool, limit: StepLimit) -> Admitted<Speed>
     let high = limit.pulses_per_ms() as f64;
     let low = if signed { -high } else { 0.0 };
     real(field, got, low, high)?;
-    Speed::admit(got.to_bits(), limit)
-        .map_err(|_| Refused::new(Reason::OutOfRange).field(field).got(got).limits(low, high))
+    Speed::admit(got.to_bits(), limit).map_err(|_| Refused::range(field, got, low, high))
 }
 
 pub fn set_trap<const AXES: usize>(context: &mut Context<AXES>, r: &SetTrapPrm) -> Admitted<Answer> {
@@ -66,7 +65,7 @@ pub fn set_jog<const AXES: usize>(context: &mut Context<AXES>, r: &SetJogPrm) ->
         return Err(Refused::new(Reason::NotFinite).field(4));
     }
     if !(0.0..1.0).contains(&given) {
-        return Err(Refused::new(Reason::OutOfRange).field(4).got(given).limits(0.0, 1.0));
+        return Err(Refused::range(4, given, 0.0, 1.0));
     }
     context.in_mode(axis, context.shadow(axis).mode == MotionMode::Jog)?;
     // Rounded down to 2⁻¹⁶; a value below 1 cannot become 1.

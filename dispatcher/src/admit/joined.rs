@@ -78,10 +78,10 @@ impl Joined {
 
     /// Keeps what the call in hand did not take as it was given.
     fn keep<const R: usize, const V: usize>(&mut self, written: &Written, replies: &mut PendingReplies<R, V>) {
-        let Answer::Took { count, held: held @ 1.. } = written.answer else { return };
+        let Answer::Took { count, limited: limited @ 1.. } = written.answer else { return };
         let values = written.took.get(..usize::from(count)).unwrap_or(&[]);
         let before = self.values;
-        for value in kept(self.calls, held, values) {
+        for value in kept(self.calls, limited, values) {
             replies.keep([value]);
             self.values += 1;
         }

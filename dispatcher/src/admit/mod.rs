@@ -24,6 +24,7 @@ mod pvt;
 pub mod pvt_table;
 mod session;
 mod simulated;
+mod upload;
 pub mod written;
 
 use crate::configuration::ones;
@@ -81,10 +82,11 @@ fn read<const AXES: usize>(context: &Context<AXES>, of: ReadOf, number: u16, bod
         ReadOf::Axes => axes(context, number, &one(body)?),
         ReadOf::Follow => {
             let r = one::<command::GetFollowLoop>(body)?;
-            follow::following(context, follow::mode_of(number), r.core.get(), r.profile.get())
+            context
+                .following_axis(follow::mode_of(number), r.core.get(), r.profile.get())
                 .map(|axis| query(number, axis))
         }
-        ReadOf::Laser => laser::read(context, number, &one(body)?),
+        ReadOf::Laser => context.read_laser(number, &one(body)?),
         ReadOf::Crd => {
             let r = one::<command::GetCrdVel>(body)?;
             crd::known(context, r.core.get(), r.crd.get()).map(|of| crd::query(number, of, 0))
@@ -120,7 +122,7 @@ fn has_mode<const AXES: usize>(context: &Context<AXES>, number: u16, axis: Axis)
         _ => true,
     };
     context.in_mode(axis, wanted)?;
-    if number == opcode::GetPtLoop { pt::not_dynamic(context, axis) } else { Ok(()) }
+    if number == opcode::GetPtLoop { context.not_dynamic(axis) } else { Ok(()) }
 }
 
 fn unknown(number: u16) -> Refused {

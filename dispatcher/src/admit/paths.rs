@@ -23,14 +23,14 @@ impl<const AXES: usize> Admission<'_, AXES> {
             let Some(queues) = self.queues.get_mut(crd.index()).filter(|_| sampled.runs && started) else { continue };
             let queue = &mut queues[index];
             queue.follow(shadow.path(fifo).cleared);
-            let Some(stores) = self.entries.get(crd.index()).filter(|_| queue.held() > 0) else { continue };
+            let Some(stores) = self.entries.get(crd.index()).filter(|_| queue.waiting() > 0) else { continue };
             if self.lane.room() > STAGED_MAX && queue.feed(stores, sampled, fifo) {
                 self.commit_now(FifoOf::Crd(crd), fifo);
             }
             let Some(queue) = self.queues.get_mut(crd.index()).map(|queues| &mut queues[index]) else { continue };
             let margin_ns = (queue.lasts(stores, sampled, fifo) - LASTS_MS).max(0.0) * 1e6;
             let due = view.now.0.saturating_add(margin_ns as u64);
-            if queue.held() > 0 {
+            if queue.waiting() > 0 {
                 self.feed_due = self.feed_due.min(due);
             }
         }
@@ -49,7 +49,7 @@ impl<const AXES: usize> Admission<'_, AXES> {
             return true;
         };
         queues[index].follow(cleared);
-        if queues[index].held() == 0 {
+        if queues[index].waiting() == 0 {
             return true;
         }
         if !soon || self.lane.room() <= STAGED_MAX {

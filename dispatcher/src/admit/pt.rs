@@ -27,27 +27,15 @@ pub fn mode<const AXES: usize>(context: &mut Context<AXES>, r: &PrfPt) -> Admitt
     super::jog_trap::set_mode(context, axis, mode)
 }
 
-/// The axis, if it is in a PT mode.
-pub fn pt_axis<const AXES: usize>(context: &Context<AXES>, core: i16, profile: i16) -> Admitted<Axis> {
-    let axis = context.axis(core, profile)?;
-    context.in_mode(axis, context.shadow(axis).is_pt())?;
-    Ok(axis)
-}
-
-/// The FIFO, which dynamic mode ignores.
-fn fifo<const AXES: usize>(context: &Context<AXES>, axis: Axis, field: u8, fifo: i16) -> Admitted<u8> {
-    if context.shadow(axis).is_dynamic() { Ok(0) } else { Ok(choice(field, fifo, 0, 1)? as u8) }
-}
-
 /// Without a running stream the shadow state decides; else the tick does.
 pub fn space<const AXES: usize>(context: &mut Context<AXES>, r: &PtSpace) -> Admitted<Answer> {
-    let axis = pt_axis(context, r.core.get(), r.profile.get())?;
-    let which = fifo(context, axis, 2, r.fifo.get())?;
+    let axis = context.pt_axis(r.core.get(), r.profile.get())?;
+    let which = context.pt_fifo(axis, 2, r.fifo.get())?;
     let (shadow, sampled) = (context.shadow(axis), context.sampled(axis));
-    if !knows_stream(context, axis) {
+    if !context.knows_stream(axis) {
         return Err(context.no(Reason::FifoInUse, axis).field(2).got(which.into()));
     }
-    if streams(context, axis) && !shadow.is_outgoing(context.view, sampled) {
+    if context.is_streaming(axis) && !shadow.is_outgoing(context.view, sampled) {
         return Ok(Answer::Read(Query { opcode: opcode::PtSpace, first: axis.index() as u8, count: 1, which }));
     }
     Ok(Answer::Space(shadow.space(context.view, sampled, usize::from(which)) as i16))
@@ -55,28 +43,24 @@ pub fn space<const AXES: usize>(context: &mut Context<AXES>, r: &PtSpace) -> Adm
 
 /// In static mode the FIFO that runs cannot be cleared, the other one can.
 pub fn clear<const AXES: usize>(context: &mut Context<AXES>, r: &PtClear) -> Admitted<Answer> {
-    let axis = pt_axis(context, r.core.get(), r.profile.get())?;
-    let fifo = fifo(context, axis, 2, r.fifo.get())?;
+    let axis = context.pt_axis(r.core.get(), r.profile.get())?;
+    let fifo = context.pt_fifo(axis, 2, r.fifo.get())?;
     if context.may_run(axis) && (context.shadow(axis).is_dynamic() || context.shadow(axis).fifo == fifo) {
         return Err(context.no(Reason::FifoInUse, axis).field(2).got(fifo.into()));
     }
     context.only(TickCommand::PtClear { axis, fifo }, ShadowChange::Emptied { axis, fifo })
 }
 
-pub fn not_dynamic<const AXES: usize>(context: &Context<AXES>, axis: Axis) -> Admitted<()> {
-    if context.shadow(axis).is_dynamic() { Err(context.no(Reason::NotInDynamic, axis)) } else { Ok(()) }
-}
-
 /// 0 and below is endless.
 pub fn set_loop<const AXES: usize>(context: &mut Context<AXES>, r: &SetPtLoop) -> Admitted<Answer> {
-    let axis = pt_axis(context, r.core.get(), r.profile.get())?;
-    not_dynamic(context, axis)?;
+    let axis = context.pt_axis(r.core.get(), r.profile.get())?;
+    context.not_dynamic(axis)?;
     context.only(TickCommand::PtLoop { axis, passes: r.loop_count.get().max(0).unsigned_abs() }, ShadowChange::None)
 }
 
 /// Clears the data, even if the size stays.
 pub fn set_memory<const AXES: usize>(context: &mut Context<AXES>, r: &SetPtMemory) -> Admitted<Answer> {
-    let axis = pt_axis(context, r.core.get(), r.profile.get())?;
+    let axis = context.pt_axis(r.core.get(), r.profile.get())?;
     let memory = choice(2, r.memory.get(), 0, 1)? as u8;
     context.at_standstill(axis)?;
     // In dynamic mode one tick command clears both, and the tick takes only so many tick commands
@@ -113,121 +97,132 @@ pub fn start<const AXES: usize>(context: &mut Context<AXES>, r: &PtStart) -> Adm
     )
 }
 
-/// Admits PtData or PtDataMany: all its segments or none. They are written after the committed end,
-/// where the tick does not read, so a refusal half-way has changed nothing.
-pub fn data<const AXES: usize>(
-    context: &Context<AXES>,
-    stores: &SegmentStores<AXES>,
-    number: u16,
-    body: &[u8],
-) -> Stored {
-    if number == opcode::PtData {
-        let r = one::<PtData>(body)?;
-        let kind = choice(4, r.kind.get(), 0, 2)?;
-        let item = PtItem { pos: r.pos, time_ms: r.time_ms, kind: kind as u8 };
-        // The fields of a single datum are those of the request.
-        let named = |refused: Refused, _| refused.field(refused.wire.field + 2);
-        return push(context, stores, (r.core.get(), r.profile.get(), r.fifo.get(), 5), &[item], &named);
-    }
-    let (r, items) = many::<PtDataMany>(body, |r| r.count.get())?;
-    // The fields of an item are counted after those of the request.
-    let named =
-        |refused: Refused, index| refused.item(index).field(refused.wire.field + PtDataMany::FIELDS.len() as u8);
-    push(context, stores, (r.core.get(), r.profile.get(), r.fifo.get(), 2), items, &named)
-}
-
-/// Whether a dynamic stream runs, or will run.
-fn streams<const AXES: usize>(context: &Context<AXES>, axis: Axis) -> bool {
-    let (shadow, runs) = (context.shadow(axis), context.sampled(axis).pt_state == pt_state::RUNNING);
-    shadow.is_dynamic() && shadow.started.is_some_and(|start| runs || !executed(context.view, start))
-}
-
-/// Whether it is certain to which stream data of this instant belongs. That is the running one, or,
-/// if it has ended by then, the next one, whose times and positions begin at 0.
-fn knows_stream<const AXES: usize>(context: &Context<AXES>, axis: Axis) -> bool {
-    let (view, due, shadow, sampled) = (context.view, context.due, context.shadow(axis), context.sampled(axis));
-    let Some(start) = shadow.started.filter(|_| shadow.is_dynamic()) else { return true };
-    let length_ms = |shadow: &AxisShadow| shadow.fifos[0].chain.time_ms().unsigned_abs();
-    let before = |ns: u64, ms: u32| ns < u64::from(ms) * 1_000_000;
-    if !executed(view, start) {
-        // A WaitStop in between takes an unknown time.
-        let after_wait = due.wait.is_none_or(|wait| (start.wrapping_sub(wait) << 1).cast_signed() > 0);
-        let since = due.script_ns.saturating_sub(u64::from(shadow.streams.saturating_sub(1)) << BEGINS_SHIFT);
-        return after_wait && shadow.streams != u32::MAX && before(since, length_ms(shadow));
-    }
-    // At its instant the view decides; a stream that has ended does not begin again by itself.
-    if context.is_due(axis) || !streams(context, axis) {
-        return true;
-    }
-    // What the tick checked at most eight ticks ago, and what was committed since.
-    let more = length_ms(shadow).saturating_sub(length_ms(context.executed.axis(axis)));
-    let stale = view.period.0.saturating_mul(LASTS_CHECK_TICKS);
-    sampled.dry_ms != 0 && before(due.until_ns.saturating_add(stale), sampled.dry_ms.saturating_add(more))
-}
-
-fn push<const AXES: usize>(
-    context: &Context<AXES>,
-    stores: &SegmentStores<AXES>,
-    (core, profile, fifo_given, fifo_field): (i16, i16, i16, u8),
-    items: &[PtItem],
-    named: &dyn Fn(Refused, usize) -> Refused,
-) -> Stored {
-    let axis = pt_axis(context, core, profile)?;
-    let fifo = fifo(context, axis, fifo_field, fifo_given)?;
-    let (shadow, sampled) = (context.shadow(axis), context.sampled(axis));
-    let which = usize::from(fifo);
-    let space = shadow.space(context.view, sampled, which) as usize;
-    let stands = context.knows_fifos(axis);
-    if items.len() > space {
-        return Err(context
-            .no(Reason::FifoFull, axis)
-            .full(FifoOf::Axis(axis), fifo)
-            .stands(stands)
-            .field(fifo_field)
-            .got(space as f64)
-            .limits(0.0, shadow.capacity().into()));
-    }
-    // The slots of data that is over in the program are free only when the tick has released them.
-    if context.is_outgoing(axis, fifo) || !knows_stream(context, axis) {
-        return Err(context.no(Reason::FifoInUse, axis).field(fifo_field).got(fifo.into()));
-    }
-    let Some(store) = stores.get(axis.index()) else { return Err(context.no(Reason::NotInitialised, axis)) };
-    let data = shadow.fifos[which & 1];
-    let (mut chain, limit) = (data.chain, context.board.step_limit);
-    let mut slot = (u32::from(fifo) * FIFO_SLOTS).wrapping_add(data.end);
-    for (index, item) in items.iter().enumerate() {
-        let bits = u64::from_le_bytes(item.pos.to_bytes());
-        match Segment::admit(bits, item.time_ms.get(), i16::from(item.kind), &chain, limit) {
-            Ok((segment, next)) => {
-                store.write(slot, segment);
-                slot = slot.wrapping_add(1);
-                chain = next;
-            }
-            Err(refused) => return Err(named(explain(refused, item, limit), index).axis(profile).stands(stands)),
-        }
-    }
-    let data = FifoShadow { end: data.end.wrapping_add(items.len() as u32), chain };
-    let answer = Answer::Taken { axis, fifo, count: items.len() as u16 };
-    let change = ShadowChange::Data { axis, fifo, epoch: shadow.epoch, shadow: data };
-    Ok((Written::new(FifoOf::Axis(axis), fifo, answer), change))
-}
-
 /// The fields that a refusal names are those of a PtItem: 0 position, 1 time, 2 kind.
 #[cold]
 fn explain(refused: pt::Refused, item: &PtItem, limit: StepLimit) -> Refused {
     let (pos, time_ms) = (item.pos.get(), item.time_ms.get());
-    match refused {
-        pt::Refused::NotFinite => Refused::new(Reason::NotFinite).field(0).got(pos),
-        pt::Refused::BeyondTravel => {
-            Refused::new(Reason::BeyondTravel).field(0).got(pos).limits(-TRAVEL_PULSES, TRAVEL_PULSES)
-        }
+    let most = limit.pulses_per_ms() as f64;
+    let (reason, field, got, (low, high)) = match refused {
+        pt::Refused::NotFinite => (Reason::NotFinite, 0, pos, (0.0, 0.0)),
+        pt::Refused::BeyondTravel => (Reason::BeyondTravel, 0, pos, (-TRAVEL_PULSES, TRAVEL_PULSES)),
         pt::Refused::NotIncreasing { before } => {
-            Refused::new(Reason::NotIncreasing).field(1).got(time_ms.into()).limits(before.into(), i32::MAX.into())
+            (Reason::NotIncreasing, 1, time_ms.into(), (before.into(), i32::MAX.into()))
         }
-        pt::Refused::TooFast { speed } => {
-            let most = limit.pulses_per_ms() as f64;
-            Refused::new(Reason::TooFast).field(0).got(speed as f64 / 1_048_576.0).limits(-most, most)
+        pt::Refused::TooFast { speed } => (Reason::TooFast, 0, speed as f64 / 1_048_576.0, (-most, most)),
+        pt::Refused::Kind => (Reason::Selector, 2, item.kind.into(), (0.0, 2.0)),
+    };
+    Refused::new(reason).field(field).got(got).limits(low, high)
+}
+
+impl<const AXES: usize> Context<'_, AXES> {
+    /// Admits PtData or PtDataMany: all its segments or none. They are written after the committed
+    /// end, where the tick does not read, so a refusal half-way has changed nothing.
+    pub fn pt_data(&self, stores: &SegmentStores<AXES>, number: u16, body: &[u8]) -> Stored {
+        if number == opcode::PtData {
+            let r = one::<PtData>(body)?;
+            let kind = choice(4, r.kind.get(), 0, 2)?;
+            let item = PtItem { pos: r.pos, time_ms: r.time_ms, kind: kind as u8 };
+            // The fields of a single datum are those of the request.
+            let named = |refused: Refused, _| refused.field(refused.wire.field + 2);
+            return self.push_segments(stores, (r.core.get(), r.profile.get(), r.fifo.get(), 5), &[item], &named);
         }
-        pt::Refused::Kind => Refused::new(Reason::Selector).field(2).got(item.kind.into()).limits(0.0, 2.0),
+        let (r, items) = many::<PtDataMany>(body, |r| r.count.get())?;
+        // The fields of an item are counted after those of the request.
+        let named =
+            |refused: Refused, index| refused.item(index).field(refused.wire.field + PtDataMany::FIELDS.len() as u8);
+        self.push_segments(stores, (r.core.get(), r.profile.get(), r.fifo.get(), 2), items, &named)
+    }
+
+    /// Whether a dynamic stream runs, or will run.
+    fn is_streaming(&self, axis: Axis) -> bool {
+        let (shadow, runs) = (self.shadow(axis), self.sampled(axis).pt_state == pt_state::RUNNING);
+        shadow.is_dynamic() && shadow.started.is_some_and(|start| runs || !executed(self.view, start))
+    }
+
+    /// Whether it is certain to which stream data of this instant belongs. That is the running one,
+    /// or, if it has ended by then, the next one, whose times and positions begin at 0.
+    fn knows_stream(&self, axis: Axis) -> bool {
+        let (view, due, shadow, sampled) = (self.view, self.due, self.shadow(axis), self.sampled(axis));
+        let Some(start) = shadow.started.filter(|_| shadow.is_dynamic()) else { return true };
+        let length_ms = |shadow: &AxisShadow| shadow.fifos[0].chain.time_ms().unsigned_abs();
+        let before = |ns: u64, ms: u32| ns < u64::from(ms) * 1_000_000;
+        if !executed(view, start) {
+            // A WaitStop in between takes an unknown time.
+            let after_wait = due.wait.is_none_or(|wait| (start.wrapping_sub(wait) << 1).cast_signed() > 0);
+            let since = due.script_ns.saturating_sub(u64::from(shadow.streams.saturating_sub(1)) << BEGINS_SHIFT);
+            return after_wait && shadow.streams != u32::MAX && before(since, length_ms(shadow));
+        }
+        // At its instant the view decides; a stream that has ended does not begin again by itself.
+        if self.is_due(axis) || !self.is_streaming(axis) {
+            return true;
+        }
+        // What the tick checked at most eight ticks ago, and what was committed since.
+        let more = length_ms(shadow).saturating_sub(length_ms(self.executed.axis(axis)));
+        let stale = view.period.0.saturating_mul(LASTS_CHECK_TICKS);
+        sampled.dry_ms != 0 && before(due.until_ns.saturating_add(stale), sampled.dry_ms.saturating_add(more))
+    }
+
+    fn push_segments(
+        &self,
+        stores: &SegmentStores<AXES>,
+        (core, profile, fifo_given, fifo_field): (i16, i16, i16, u8),
+        items: &[PtItem],
+        named: &dyn Fn(Refused, usize) -> Refused,
+    ) -> Stored {
+        let axis = self.pt_axis(core, profile)?;
+        let fifo = self.pt_fifo(axis, fifo_field, fifo_given)?;
+        let (shadow, sampled) = (self.shadow(axis), self.sampled(axis));
+        let which = usize::from(fifo);
+        let space = shadow.space(self.view, sampled, which) as usize;
+        let stands = self.knows_fifos(axis);
+        if items.len() > space {
+            return Err(self
+                .no(Reason::FifoFull, axis)
+                .full(FifoOf::Axis(axis), fifo)
+                .stands(stands)
+                .field(fifo_field)
+                .got(space as f64)
+                .limits(0.0, shadow.capacity().into()));
+        }
+        // The slots of data that is over in the program are free only when the tick has released
+        // them.
+        if self.is_outgoing(axis, fifo) || !self.knows_stream(axis) {
+            return Err(self.no(Reason::FifoInUse, axis).field(fifo_field).got(fifo.into()));
+        }
+        let Some(store) = stores.get(axis.index()) else { return Err(self.no(Reason::NotInitialised, axis)) };
+        let data = shadow.fifos[which & 1];
+        let (mut chain, limit) = (data.chain, self.board.step_limit);
+        let mut slot = (u32::from(fifo) * FIFO_SLOTS).wrapping_add(data.end);
+        for (index, item) in items.iter().enumerate() {
+            let bits = u64::from_le_bytes(item.pos.to_bytes());
+            match Segment::admit(bits, item.time_ms.get(), i16::from(item.kind), &chain, limit) {
+                Ok((segment, next)) => {
+                    store.write(slot, segment);
+                    slot = slot.wrapping_add(1);
+                    chain = next;
+                }
+                Err(refused) => return Err(named(explain(refused, item, limit), index).axis(profile).stands(stands)),
+            }
+        }
+        let data = FifoShadow { end: data.end.wrapping_add(items.len() as u32), chain };
+        let answer = Answer::Taken { axis, fifo, count: items.len() as u16 };
+        let change = ShadowChange::Data { axis, fifo, epoch: shadow.epoch, shadow: data };
+        Ok((Written::new(FifoOf::Axis(axis), fifo, answer), change))
+    }
+
+    /// The axis, if it is in a PT mode.
+    pub fn pt_axis(&self, core: i16, profile: i16) -> Admitted<Axis> {
+        let axis = self.axis(core, profile)?;
+        self.in_mode(axis, self.shadow(axis).is_pt())?;
+        Ok(axis)
+    }
+
+    /// The FIFO, which dynamic mode ignores.
+    fn pt_fifo(&self, axis: Axis, field: u8, fifo: i16) -> Admitted<u8> {
+        if self.shadow(axis).is_dynamic() { Ok(0) } else { Ok(choice(field, fifo, 0, 1)? as u8) }
+    }
+
+    pub fn not_dynamic(&self, axis: Axis) -> Admitted<()> {
+        if self.shadow(axis).is_dynamic() { Err(self.no(Reason::NotInDynamic, axis)) } else { Ok(()) }
     }
 }

@@ -8,10 +8,10 @@
 //! sent again, because it was refused too early, is refused in the same way.
 use super::context::Context;
 use super::pvt::{not_in_use, table};
+use super::upload::Upload;
 use crate::plan::pvt::{Fields, Scratch, SplineScratch, TableDraft, TableKind, VALUES};
 use crate::refuse::{Admitted, Refused};
 use crate::report::answer::POINTS_MAX;
-use crate::shadow::Shadows;
 use heapless::Vec;
 use protocol::command::{
     PvtContinuousCalculate, PvtPercentCalculate, PvtTable, PvtTableComplete, PvtTableContinuous, PvtTableEx,
@@ -103,41 +103,25 @@ impl<'b> Chunk<'b> {
     }
 }
 
-/// Progress of the sending of one table.
-#[derive(Debug, Clone, Copy)]
-enum State {
-    Idle,
-    Open(Key, TableDraft),
-    /// The chunk that begins with this point was refused.
-    Refused(Key, u16, Refused),
-}
-
-/// The table that is being sent; see the module text.
-pub struct Loading {
-    beside: SplineScratch,
-    /// The table in whose point memory the points wait.
-    room: u8,
-    emptied: Option<u8>,
-    table: State,
-    /// The Calculate commands of the two lanes, which leave no table.
-    calculate: [State; 2],
+servo::state! {
+    /// The table that is being sent; see the module text.
+    pub struct Loading {
+        beside: SplineScratch = SplineScratch::new(),
+        /// The table in whose point memory the points wait.
+        room: u8 = 0,
+        emptied: Option<u8> = None,
+        table: Upload<Key, TableDraft> = Upload::Idle,
+        /// The Calculate commands of the two lanes, which leave no table.
+        calculate: [Upload<Key, TableDraft>; 2] = [Upload::Idle; 2],
+    }
+    /// Nothing is being sent.
+    pub const fn new();
 }
 
 impl Loading {
-    /// Nothing is being sent.
-    pub const fn new() -> Self {
-        Loading {
-            beside: SplineScratch::new(),
-            room: 0,
-            emptied: None,
-            table: State::Idle,
-            calculate: [State::Idle; 2],
-        }
-    }
-
     /// A new session: what was begun is dropped.
     pub fn abandon(&mut self) {
-        (self.table, self.calculate) = (State::Idle, [State::Idle; 2]);
+        (self.table, self.calculate) = (Upload::Idle, [Upload::Idle; 2]);
     }
 
     /// Finds room for the points of a table where nothing is lost: in an empty table. If no table
@@ -146,12 +130,11 @@ impl Loading {
     fn make_room<const AXES: usize>(
         &mut self,
         context: &Context<AXES>,
-        now: &Shadows<AXES>,
         stores: TableStores<'_>,
         slot: u8,
     ) -> Admitted<()> {
         let is_free = |table: u8| {
-            let filled = now.is_filled(table) || context.shadows.is_filled(table);
+            let filled = context.executed.is_filled(table) || context.shadows.is_filled(table);
             !filled && not_in_use(context, table).is_ok()
         };
         self.room = match core::iter::once(slot).chain(0..TABLES as u8).find(|table| is_free(*table)) {
@@ -179,7 +162,6 @@ impl Loading {
     pub fn table<const AXES: usize>(
         &mut self,
         context: &Context<AXES>,
-        now: &Shadows<AXES>,
         stores: TableStores<'_>,
         number: u16,
         body: &[u8],
@@ -191,7 +173,7 @@ impl Loading {
             not_in_use(context, slot)?;
         }
         if chunk.first == 0 {
-            self.make_room(context, now, stores, slot)?;
+            self.make_room(context, stores, slot)?;
         }
         let Some(room) = stores.points.get(usize::from(self.room)) else { return Ok(None) };
         let scratch = &mut Scratch::new(&mut self.beside, room);
@@ -207,10 +189,7 @@ impl Loading {
             stores.write_header(slot, words);
             Ok(slot)
         });
-        self.table = match written {
-            Ok(_) => State::Idle,
-            Err(refused) => State::Refused(chunk.key, chunk.first, refused),
-        };
+        self.table.note((chunk.key, chunk.first), written.map(|_| None));
         written.map(Some)
     }
 
@@ -244,37 +223,20 @@ impl Loading {
 
 /// Takes the points of a chunk; returns the draft with them.
 fn take(
-    state: &mut State,
+    state: &mut Upload<Key, TableDraft>,
     scratch: &mut Scratch<'_>,
     (chunk, limit): (&Chunk<'_>, StepLimit),
     load: bool,
     mut answer: impl FnMut(f64),
 ) -> Admitted<TableDraft> {
     let key = chunk.key;
-    let mut draft = match *state {
-        _ if chunk.first == 0 => {
-            *state = State::Idle;
-            TableDraft::begin(key.kind, key.count, chunk.fields, limit, load, scratch)?
-        }
-        State::Open(open, draft) if open == key && draft.taken() == chunk.first => draft,
-        State::Refused(open, first, refused) if open == key && first == chunk.first => return Err(refused),
-        State::Open(open, draft) if open == key => return Err(out_of_order(chunk, draft.taken())),
-        _ => return Err(out_of_order(chunk, 0)),
-    };
+    let begin = || TableDraft::begin(key.kind, key.count, chunk.fields, limit, load, scratch);
+    let mut draft = state.resume((key, chunk.first), chunk.fields.count + 1, begin)?;
     let taken = chunk.points().and_then(|mut points| {
         points.try_for_each(|(numbers, values)| {
             draft.point(numbers.get(..values).unwrap_or(&[]), scratch).map(&mut answer)
         })
     });
-    *state = match taken {
-        Ok(()) => State::Open(key, draft),
-        Err(refused) => State::Refused(key, chunk.first, refused),
-    };
+    state.note((key, chunk.first), taken.map(|()| Some((draft.taken(), draft))));
     taken.map(|()| draft)
-}
-
-/// The chunk does not begin where the one before ended.
-fn out_of_order(chunk: &Chunk<'_>, taken: u16) -> Refused {
-    let field = chunk.fields.count + 1;
-    Refused::new(Reason::OutOfRange).field(field).got(chunk.first.into()).limits(0.0, taken.into())
 }

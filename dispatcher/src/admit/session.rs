@@ -1,11 +1,11 @@
 //! Session commands: reset, status, tick period, profile, trace, configuration.
-use super::axis::{limit_levels, stage_band, stage_dec, stage_pos_err, stage_soft};
+use super::axis::limit_levels;
 use super::context::{Context, Effect};
 use super::{many, plain};
 use crate::configuration::{Configuration, ones};
 use crate::plan::pvt::CORE_TABLES;
 use crate::product::{FAMILIES, PROFILES};
-use crate::refuse::{Admitted, Refused, choice, within};
+use crate::refuse::{Admitted, Refused, bits_of, choice, within};
 use crate::report::answer::Answer;
 use crate::report::trace::TraceColumns;
 use crate::shadow::ShadowChange;
@@ -117,11 +117,7 @@ pub fn choose<const AXES: usize>(context: &mut Context<AXES>, r: &Choose) -> Adm
 
 /// The mask of coordinate systems is over all cores, as that of axes is.
 pub fn trace<const AXES: usize>(context: &mut Context<AXES>, r: &Trace) -> Admitted<Answer> {
-    let (every, axes) = (r.every.get(), AxisMask(r.axes.get()));
-    let all = context.configuration.all();
-    if axes.0 & !all.0 != 0 {
-        return Err(Refused::new(Reason::OutOfRange).field(1).got(axes.0 as f64).limits(0.0, all.0 as f64));
-    }
+    let (every, axes) = (r.every.get(), AxisMask(bits_of(1, r.axes.get(), context.configuration.all().0)?));
     let lasers = within(2, r.lasers, 0, (1 << CHANNELS) - 1)?;
     let crds = CrdMask(within(3, r.crds, 0, context.configuration.all_crds().0)?);
     let over_link = within(4, r.way, 0, 1)? == 1;
@@ -183,16 +179,16 @@ pub fn config_item<const AXES: usize>(context: &mut Context<AXES>, core: i16, it
         low = low.and(Guarded::Alarm, within(5, item.alarm_sense, 0, 1)? != 0);
     }
     if has(4) {
-        stage_soft(context, axis, 6, (item.soft_positive.get(), item.soft_negative.get()))?;
+        context.stage_soft(axis, 6, (item.soft_positive.get(), item.soft_negative.get()))?;
     }
     if has(5) {
-        stage_dec(context, axis, (8, 9), (item.dec_smooth.get(), item.dec_abrupt.get()))?;
+        context.stage_dec(axis, (8, 9), (item.dec_smooth.get(), item.dec_abrupt.get()))?;
     }
     if has(6) {
-        stage_pos_err(context, axis, 10, item.pos_err.get())?;
+        context.stage_pos_err(axis, 10, item.pos_err.get())?;
     }
     if has(7) {
-        stage_band(context, axis, (11, 12), (item.band.get(), item.band_time_cycles.get()))?;
+        context.stage_band(axis, (11, 12), (item.band.get(), item.band_time_cycles.get()))?;
     }
     if has(8) {
         low = low.and(Guarded::Home, within(13, item.home_sense, 0, 1)? != 0);

@@ -42,8 +42,8 @@ pub fn corners(begin: f64, end: f64, q: f64, x: f64) -> [(f64, f64); 2] {
     // Slave displacement: from the start over the rising slope; from the end backwards over the
     // falling one.
     let to_first = begin * first + slope * first * first / 6.0;
-    let held = (last - first) * (begin + slope * first / 2.0) + slope * (last - first) * (last - first) / 2.0;
-    [(first, to_first), (last, to_first + held)]
+    let constant = (last - first) * (begin + slope * first / 2.0) + slope * (last - first) * (last - first) / 2.0;
+    [(first, to_first), (last, to_first + constant)]
 }
 
 #[cfg(test)]
@@ -53,18 +53,18 @@ mod tests {
     /// The same by summing the slope twice, in many steps.
     fn summed(begin: f64, end: f64, q: f64, x: f64, upto: f64) -> f64 {
         let steps = 200_000;
-        let held = (end - begin) / (1.0 - q / 2.0);
+        let constant = (end - begin) / (1.0 - q / 2.0);
         let (mut ratio, mut slave) = (begin, 0.0);
         let h = upto / f64::from(steps);
         for step in 0..steps {
             let u = (f64::from(step) + 0.5) * h;
             let y = q - x;
             let slope = if u < x {
-                held * u / x
+                constant * u / x
             } else if u > 1.0 - y {
-                held * (1.0 - u) / y
+                constant * (1.0 - u) / y
             } else {
-                held
+                constant
             };
             slave += (ratio + slope * h / 2.0) * h;
             ratio += slope * h;

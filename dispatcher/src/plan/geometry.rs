@@ -6,17 +6,17 @@
 //!
 //! An arc is given by both ends and its sweep. Ends are whole pulses, so a centre may not be
 //! equally far from both. It is then moved along the chord until it is. This moves the path nowhere
-//! by more than [`OFF_CENTRE`].
+//! by more than [`OFF_CENTRE_MAX_PULSES`].
 use libm::{atan2, fabs, fma, hypot, sqrt};
 use servo::path::{DIMENSIONS, MotionSpeeds, PathEntry, Plane, Sweep};
 use servo::units::Pos;
 
 /// Largest distance of a path from the arc of the user's centre or radius, pulses.
-pub const OFF_CENTRE: f64 = 2.0;
+pub const OFF_CENTRE_MAX_PULSES: f64 = 2.0;
 /// Radii and coordinates are below this, pulses.
-pub const RADIUS_MAX: f64 = 2_147_483_648.0;
+pub const RADIUS_MAX_PULSES: f64 = 2_147_483_648.0;
 /// The lowest radius of an arc by its centre, pulses.
-pub const RADIUS_MIN: f64 = 1.0 / 512.0;
+pub const RADIUS_MIN_PULSES: f64 = 1.0 / 512.0;
 
 /// A position, pulses: X, Y, Z, A.
 pub type Position = [f64; 4];
@@ -80,24 +80,27 @@ pub struct Geometry {
     pub end: Position,
 }
 
+/// A motion, if there is one.
+type Admitted = Result<Geometry, Refused>;
+
 fn length(parts: &Position) -> f64 {
     sqrt(parts.iter().fold(0.0, |sum, x| sum + x * x))
 }
 
 impl Geometry {
     /// LnXY: a line in X and Y.
-    pub fn planar(from: &Position, to: [i32; 2]) -> Result<Geometry, Refused> {
+    pub fn planar(from: &Position, to: [i32; 2]) -> Admitted {
         let mut end = *from;
         (end[0], end[1]) = (to[0] as f64, to[1] as f64);
         Geometry::straight(from, end, Form::Planar(to))
     }
 
     /// LnXYZ and LnXYZA: a line in all coordinates.
-    pub fn line(from: &Position, to: [i32; 4]) -> Result<Geometry, Refused> {
+    pub fn line(from: &Position, to: [i32; 4]) -> Admitted {
         Geometry::straight(from, to.map(|x| x as f64), Form::Line(to))
     }
 
-    fn straight(from: &Position, end: Position, form: Form) -> Result<Geometry, Refused> {
+    fn straight(from: &Position, end: Position, form: Form) -> Admitted {
         let mut displacement = end;
         displacement.iter_mut().zip(from).for_each(|(x, from)| *x -= from);
         let length = length(&displacement);
@@ -109,40 +112,25 @@ impl Geometry {
     }
 
     /// ArcXYC and its planes: centre from the start; a target equal to the start is a full circle.
-    pub fn arc_centre(
-        from: &Position,
-        plane: Plane,
-        to: [i32; 2],
-        centre: [f64; 2],
-        ccw: bool,
-    ) -> Result<Geometry, Refused> {
+    pub fn arc_centre(from: &Position, plane: Plane, to: [i32; 2], centre: [f64; 2], ccw: bool) -> Admitted {
         let [x, y] = centre;
         if !x.is_finite() || !y.is_finite() {
             return Err(Refused::NotFinite);
         }
         let radius = hypot(x, y);
-        if radius >= RADIUS_MAX {
+        if radius >= RADIUS_MAX_PULSES {
             return Err(Refused::RadiusTooLarge);
         }
-        if radius < RADIUS_MIN {
+        if radius < RADIUS_MIN_PULSES {
             return Err(Refused::CentreOnStart);
         }
-        let chord = chord(from, plane, to);
-        let [a, b] = chord;
-        let c = hypot(a, b);
+        let chord = Chord::new(from, plane, to);
+        let ([a, b], c) = (chord.parts, chord.length);
         if c == 0.0 {
             let unit = 1073741824.0;
             let form = Form::Circle { plane, centre: [libm::rint(x * unit) as i64, libm::rint(y * unit) as i64], ccw };
-            return Ok(Geometry::round(
-                from,
-                plane,
-                [a, b],
-                form,
-                [x, y],
-                radius,
-                core::f64::consts::TAU * radius,
-                ccw,
-            ));
+            let length = core::f64::consts::TAU * radius;
+            return Ok(chord.round(form, centre, radius, length, ccw));
         }
         // Position of the centre relative to the middle of the chord: along the chord, and to its
         // left.
@@ -155,95 +143,38 @@ impl Geometry {
         let moved = hypot(c / 2.0, left);
         let lean = if long { 1.0 } else { c / 2.0 / moved };
         let by = fabs(along) * lean + fabs(moved - (radius + hypot(x - a, y - b)) / 2.0);
-        if by > OFF_CENTRE {
+        if by > OFF_CENTRE_MAX_PULSES {
             return Err(Refused::CentreOff { by });
         }
-        Geometry::arc(from, plane, to, chord, fabs(left), long, ccw)
+        chord.arc(fabs(left), long, ccw)
     }
 
     /// ArcXYR and its planes: a radius above 0 selects the arc of up to half a turn, below 0 the
     /// longer one.
-    pub fn arc_radius(
-        from: &Position,
-        plane: Plane,
-        to: [i32; 2],
-        radius: f64,
-        ccw: bool,
-    ) -> Result<Geometry, Refused> {
+    pub fn arc_radius(from: &Position, plane: Plane, to: [i32; 2], radius: f64, ccw: bool) -> Admitted {
         if !radius.is_finite() {
             return Err(Refused::NotFinite);
         }
-        if fabs(radius) >= RADIUS_MAX {
+        if fabs(radius) >= RADIUS_MAX_PULSES {
             return Err(Refused::RadiusTooLarge);
         }
-        let chord = chord(from, plane, to);
-        let half = hypot(chord[0], chord[1]) / 2.0;
+        let chord = Chord::new(from, plane, to);
+        let half = chord.length / 2.0;
         if half == 0.0 {
             return Err(Refused::NoLength);
         }
         // A radius of 0 is refused, however near the target is.
-        if half - fabs(radius) > OFF_CENTRE / 2.0 || radius == 0.0 {
+        if half - fabs(radius) > OFF_CENTRE_MAX_PULSES / 2.0 || radius == 0.0 {
             return Err(Refused::RadiusTooSmall { least: half });
         }
         // r² − (a² + b²)/4 with the errors of the squares, so that a near semicircle keeps its
         // digits.
-        let [a, b] = chord.map(|x| x / 2.0);
+        let [a, b] = chord.parts.map(|x| x / 2.0);
         let (rr, aa, bb) = (radius * radius, a * a, b * b);
         let errors = fma(radius, radius, -rr) - fma(a, a, -aa) - fma(b, b, -bb);
         let big = if aa > bb { (rr - aa) - bb } else { (rr - bb) - aa };
         let h = sqrt((big + errors).max(0.0));
-        Geometry::arc(from, plane, to, chord, h, radius < 0.0, ccw)
-    }
-
-    /// An arc whose centre lies `h` off the middle of its chord.
-    fn arc(
-        from: &Position,
-        plane: Plane,
-        to: [i32; 2],
-        chord: [f64; 2],
-        h: f64,
-        long: bool,
-        ccw: bool,
-    ) -> Result<Geometry, Refused> {
-        let [a, b] = chord;
-        let c = hypot(a, b);
-        let radius = hypot(c / 2.0, h);
-        let turns = (atan2(c / 2.0, h) / core::f64::consts::PI).min(0.5);
-        if radius >= RADIUS_MAX {
-            return Err(Refused::RadiusTooLarge);
-        }
-        let Ok(sweep) = Sweep::admit(turns.to_bits(), long, ccw) else { return Err(Refused::RadiusTooLarge) };
-        let left = if ccw != long { h } else { -h };
-        let centre = [a / 2.0 - b / c * left, b / 2.0 + a / c * left];
-        let length = core::f64::consts::TAU * radius * if long { 1.0 - turns } else { turns };
-        Ok(Geometry::round(from, plane, chord, Form::Arc { plane, to, sweep }, centre, radius, length, ccw))
-    }
-
-    #[allow(clippy::too_many_arguments, reason = "of one arc, all of it different")]
-    fn round(
-        from: &Position,
-        plane: Plane,
-        chord: [f64; 2],
-        form: Form,
-        centre: [f64; 2],
-        radius: f64,
-        length: f64,
-        ccw: bool,
-    ) -> Geometry {
-        let [i, j] = plane.coordinates();
-        // At a right angle to the radius.
-        let tangent = |x: f64, y: f64| {
-            let (x, y) = if ccw { (-y, x) } else { (y, -x) };
-            let mut tangent = [0.0; 4];
-            (tangent[i], tangent[j]) = (x / radius, y / radius);
-            tangent
-        };
-        let [x, y] = centre;
-        let tangents = [tangent(-x, -y), tangent(chord[0] - x, chord[1] - y)];
-        let mut end = *from;
-        end[i] += chord[0];
-        end[j] += chord[1];
-        Geometry { form, length, tangents, round: Some((radius, [i, j])), ccw, end }
+        chord.arc(h, radius < 0.0, ccw)
     }
 
     /// The greatest share of the speed that a coordinate has anywhere along it, from 0 to 1.
@@ -295,9 +226,53 @@ impl Form {
     }
 }
 
-fn chord(from: &Position, plane: Plane, to: [i32; 2]) -> [f64; 2] {
-    let [i, j] = plane.coordinates();
-    [to[0] as f64 - from[i], to[1] as f64 - from[j]]
+/// The straight line under an arc.
+struct Chord<'p> {
+    from: &'p Position,
+    plane: Plane,
+    to: [i32; 2],
+    parts: [f64; 2],
+    length: f64,
+}
+
+impl<'p> Chord<'p> {
+    fn new(from: &'p Position, plane: Plane, to: [i32; 2]) -> Self {
+        let [i, j] = plane.coordinates();
+        let parts = [to[0] as f64 - from[i], to[1] as f64 - from[j]];
+        Chord { from, plane, to, parts, length: hypot(parts[0], parts[1]) }
+    }
+
+    /// An arc whose centre lies `h` off the middle of its chord.
+    fn arc(&self, h: f64, long: bool, ccw: bool) -> Admitted {
+        let Chord { plane, to, parts: [a, b], length: c, .. } = *self;
+        let radius = hypot(c / 2.0, h);
+        let turns = (atan2(c / 2.0, h) / core::f64::consts::PI).min(0.5);
+        if radius >= RADIUS_MAX_PULSES {
+            return Err(Refused::RadiusTooLarge);
+        }
+        let Ok(sweep) = Sweep::admit(turns.to_bits(), long, ccw) else { return Err(Refused::RadiusTooLarge) };
+        let left = if ccw != long { h } else { -h };
+        let centre = [a / 2.0 - b / c * left, b / 2.0 + a / c * left];
+        let length = core::f64::consts::TAU * radius * if long { 1.0 - turns } else { turns };
+        Ok(self.round(Form::Arc { plane, to, sweep }, centre, radius, length, ccw))
+    }
+
+    fn round(&self, form: Form, centre: [f64; 2], radius: f64, length: f64, ccw: bool) -> Geometry {
+        let (chord, [i, j]) = (self.parts, self.plane.coordinates());
+        // At a right angle to the radius.
+        let tangent = |x: f64, y: f64| {
+            let (x, y) = if ccw { (-y, x) } else { (y, -x) };
+            let mut tangent = [0.0; 4];
+            (tangent[i], tangent[j]) = (x / radius, y / radius);
+            tangent
+        };
+        let [x, y] = centre;
+        let tangents = [tangent(-x, -y), tangent(chord[0] - x, chord[1] - y)];
+        let mut end = *self.from;
+        end[i] += chord[0];
+        end[j] += chord[1];
+        Geometry { form, length, tangents, round: Some((radius, [i, j])), ccw, end }
+    }
 }
 
 #[cfg(test)]

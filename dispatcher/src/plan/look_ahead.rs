@@ -28,7 +28,7 @@ use super::geometry::{Form, Geometry, Position};
 use heapless::Vec;
 use junction::{Junction, LastMotion, STANDSTILL};
 use libm::{fabs, sqrt};
-use reachable::{BOUNDS, Bound, Corner, Span};
+use reachable::{BOUNDS_MAX, Bound, Corner, Span};
 use servo::path::{MotionSpeeds, PathEntry};
 
 /// Limits of a coordinate system.
@@ -101,7 +101,7 @@ struct PlannedMotion {
 /// Its layout is fixed, so that zeroed memory holds empty ones.
 #[derive(Debug, Clone, Copy)]
 #[repr(u8)]
-enum Slot {
+enum Waiting {
     Empty,
     Motion(PlannedMotion),
     /// Any other entry; true if the path stops there.
@@ -117,42 +117,33 @@ pub struct Planned {
     pub ms: f64,
 }
 
-/// Motions that wait for what follows them. `N` is a power of two.
-#[derive(Debug, Clone)]
-pub struct LookAhead<const N: usize> {
-    limits: Limits,
-    slots: [Slot; N],
-    /// Counters of the first entry, and of the one after the last.
-    first: usize,
-    end: usize,
-    /// Square of the speed at which the first motion begins: the end speed of the last one handed
-    /// over.
-    begin: f64,
-    /// The last motion, for the junction to come.
-    last: Option<LastMotion>,
-    moves: bool,
-    effects: u32,
-    /// Speeds are not planned for all entries.
-    stale: bool,
+servo::state! {
+    /// Motions that wait for what follows them. `N` is a power of two.
+    #[derive(Debug, Clone)]
+    pub struct LookAhead<const N: usize> {
+        limits: Limits = {
+            const { assert!(N.is_power_of_two(), "slots are counted modulo a power of two") };
+            limits
+        },
+        slots: [Waiting; N] = [Waiting::Empty; N],
+        /// Counters of the first entry, and of the one after the last.
+        first: usize = 0,
+        end: usize = 0,
+        /// Square of the speed at which the first motion begins: the end speed of the last one
+        /// handed over.
+        begin: f64 = 0.0,
+        /// The last motion, for the junction to come.
+        last: Option<LastMotion> = None,
+        moves: bool = false,
+        effects: u32 = 0,
+        /// Speeds are not planned for all entries.
+        stale: bool = false,
+    }
+    /// Empty, at standstill.
+    pub const fn new(limits: Limits);
 }
 
 impl<const N: usize> LookAhead<N> {
-    /// Empty, at standstill.
-    pub const fn new(limits: Limits) -> LookAhead<N> {
-        const { assert!(N.is_power_of_two(), "slots are counted modulo a power of two") };
-        LookAhead {
-            limits,
-            slots: [Slot::Empty; N],
-            first: 0,
-            end: 0,
-            begin: 0.0,
-            last: None,
-            moves: false,
-            effects: 0,
-            stale: false,
-        }
-    }
-
     /// New limits, while it is empty.
     pub fn set_limits(&mut self, limits: Limits) {
         self.limits = limits;
@@ -193,7 +184,7 @@ impl<const N: usize> LookAhead<N> {
         }
         self.last = Some(LastMotion { tangent: geometry.tangents[1], length: motion.length, vel: motion.vel });
         (self.moves, self.effects) = (true, 0);
-        self.push(Slot::Motion(motion));
+        self.push(Waiting::Motion(motion));
         true
     }
 
@@ -209,7 +200,7 @@ impl<const N: usize> LookAhead<N> {
         }
         self.moves &= !entry.is_wait();
         self.effects = self.effects.saturating_add(entry.load());
-        self.push(Slot::Other(entry, entry.is_wait()));
+        self.push(Waiting::Other(entry, entry.is_wait()));
         true
     }
 
@@ -221,7 +212,7 @@ impl<const N: usize> LookAhead<N> {
         (self.first, self.end) = (self.first.wrapping_add(by), self.end.wrapping_add(by));
     }
 
-    fn push(&mut self, slot: Slot) {
+    fn push(&mut self, slot: Waiting) {
         if let Some(position) = self.slots.get_mut(self.end & (N - 1)) {
             *position = slot;
         }
@@ -229,8 +220,8 @@ impl<const N: usize> LookAhead<N> {
         self.stale = true;
     }
 
-    fn slot(&self, counter: usize) -> &Slot {
-        self.slots.get(counter & (N - 1)).unwrap_or(&Slot::Empty)
+    fn slot(&self, counter: usize) -> &Waiting {
+        self.slots.get(counter & (N - 1)).unwrap_or(&Waiting::Empty)
     }
 
     /// The limits of motions that are pushed now.
@@ -256,7 +247,7 @@ impl<const N: usize> LookAhead<N> {
     }
 
     /// Bounds of a motion between the junctions at its start and end.
-    fn bounds(&self, motion: &PlannedMotion, end: &Junction) -> Vec<Bound, BOUNDS> {
+    fn bounds(&self, motion: &PlannedMotion, end: &Junction) -> Vec<Bound, BOUNDS_MAX> {
         let PlannedMotion { length, vel, acc, .. } = *motion;
         let ends = [&motion.start, end];
         let reach = acc * length / 4.0;
@@ -287,8 +278,8 @@ impl<const N: usize> LookAhead<N> {
     fn end_of(&self, mut counter: usize) -> (Junction, f64, bool) {
         while counter != self.end {
             match self.slot(counter) {
-                Slot::Motion(motion) => return (motion.start, motion.high, motion.settled),
-                Slot::Other(_, true) => return (STANDSTILL, 0.0, true),
+                Waiting::Motion(motion) => return (motion.start, motion.high, motion.settled),
+                Waiting::Other(_, true) => return (STANDSTILL, 0.0, true),
                 _ => counter = counter.wrapping_add(1),
             }
         }
@@ -305,7 +296,7 @@ impl<const N: usize> LookAhead<N> {
         let mut counter = self.end;
         while counter != self.first {
             counter = counter.wrapping_sub(1);
-            let Slot::Motion(motion) = self.slot(counter) else { continue };
+            let Waiting::Motion(motion) = self.slot(counter) else { continue };
             if motion.settled {
                 return;
             }
@@ -317,7 +308,7 @@ impl<const N: usize> LookAhead<N> {
                 return;
             }
             (after, end) = (high, motion.start);
-            if let Some(Slot::Motion(motion)) = self.slots.get_mut(counter & (N - 1)) {
+            if let Some(Waiting::Motion(motion)) = self.slots.get_mut(counter & (N - 1)) {
                 (motion.high, motion.settled) = (high, settled);
             }
         }
@@ -331,13 +322,13 @@ impl<const N: usize> LookAhead<N> {
         }
         self.plan();
         let motion = match self.slot(self.first) {
-            Slot::Motion(motion) => motion,
-            Slot::Other(entry, _) => {
+            Waiting::Motion(motion) => motion,
+            Waiting::Other(entry, _) => {
                 let entry = *entry;
                 self.first = self.first.wrapping_add(1);
                 return Some(Planned { entry, ms: 0.0 });
             }
-            Slot::Empty => return None,
+            Waiting::Empty => return None,
         };
         let (junction, high, settled) = self.end_of(self.first.wrapping_add(1));
         let bounds = self.bounds(motion, &junction);

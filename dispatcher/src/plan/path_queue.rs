@@ -67,35 +67,25 @@ pub struct Destination<'x> {
     pub fifo: u8,
 }
 
-/// The data of one FIFO before the tick. All its bytes are zero at the beginning.
-pub struct PathQueue {
-    look: LookAhead<LOOK_AHEAD>,
-    /// How long each entry lasts, by its counter.
-    times: [Lasting; ENTRIES],
-    /// The sum of those that are not over.
-    sum: u64,
-    first: u32,
-    end: u32,
-    cleared: u32,
-    /// Entries that the look-ahead may hold.
-    count: usize,
+servo::state! {
+    /// The data of one FIFO before the tick. All its bytes are zero at the beginning.
+    pub struct PathQueue {
+        look: LookAhead<LOOK_AHEAD> = LookAhead::new(Limits { vel: [0.0; 4], acc: [0.0; 4], corner: 0.0 }),
+        /// How long each entry lasts, by its counter.
+        times: [Lasting; ENTRIES] = [Lasting::NONE; ENTRIES],
+        /// The sum of those that are not over.
+        sum: u64 = 0,
+        first: u32 = 0,
+        end: u32 = 0,
+        cleared: u32 = 0,
+        /// Entries that the look-ahead may hold.
+        count: usize = 0,
+    }
+    /// Empty.
+    pub const fn new();
 }
 
 impl PathQueue {
-    /// Empty.
-    pub const fn new() -> PathQueue {
-        let limits = Limits { vel: [0.0; 4], acc: [0.0; 4], corner: 0.0 };
-        PathQueue {
-            look: LookAhead::new(limits),
-            times: [Lasting::NONE; ENTRIES],
-            sum: 0,
-            first: 0,
-            end: 0,
-            cleared: 0,
-            count: 0,
-        }
-    }
-
     /// Forgets all that was given before the FIFO was cleared for this time.
     pub fn follow(&mut self, cleared: u32) {
         if self.cleared != cleared {
@@ -128,7 +118,7 @@ impl PathQueue {
     }
 
     /// Entries that wait in the look-ahead.
-    pub fn held(&self) -> usize {
+    pub fn waiting(&self) -> usize {
         self.look.len()
     }
 
@@ -246,18 +236,18 @@ impl PathQueue {
     /// entries do not count; `first` is the first of the new ones.
     pub fn begin(&mut self, store: &[EntryStore; 2], sampled: &CrdView, fifo: u8) {
         let before = if sampled.runs { self.lasts(store, sampled, fifo) } else { 0.0 };
-        let [first, second] = store;
-        while !self.look.is_empty() && self.lasts(store, sampled, fifo) < before + LASTS_MS {
-            self.take(if fifo == 0 { first } else { second }, true);
-        }
+        self.fill(store, sampled, fifo, before + LASTS_MS);
     }
 
     /// Takes entries from the look-ahead until the tick's data lasts long enough. True if there
     /// were any.
     pub fn feed(&mut self, store: &[EntryStore; 2], sampled: &CrdView, fifo: u8) -> bool {
-        let mut fed = false;
-        let [first, second] = store;
-        while !self.look.is_empty() && self.lasts(store, sampled, fifo) < LASTS_MS {
+        self.fill(store, sampled, fifo, LASTS_MS)
+    }
+
+    fn fill(&mut self, store: &[EntryStore; 2], sampled: &CrdView, fifo: u8, until_ms: f64) -> bool {
+        let (mut fed, [first, second]) = (false, store);
+        while !self.look.is_empty() && self.lasts(store, sampled, fifo) < until_ms {
             fed |= self.take(if fifo == 0 { first } else { second }, true);
         }
         fed

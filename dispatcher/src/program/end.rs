@@ -6,20 +6,19 @@
 //! What was dropped leaves no trace: the admitted state is set back to the executed one. A FIFO
 //! whose slots were already overwritten is emptied: it holds neither its old data nor the new.
 use super::pending_commits::PendingCommits;
-use super::{Program, ProgramDrop, ProgramState};
+use super::{Poll, Program, ProgramDrop, ProgramState};
 use crate::admit::admission::Admission;
 use crate::admit::joined::Joined;
 use crate::refuse::Refused;
-use crate::report::answer::{Answer, Refuser};
+use crate::report::answer::{Answer, Refuser, Sent};
 use crate::report::path_many;
 use crate::report::pending_replies::{Awaiting, TickRefusal};
 use crate::report::replies::Reading;
 use crate::shadow::{PROGRAM_FLAG, ShadowChange, executed};
 use crate::tick_queue::Until;
 use protocol::reason::{Cure, Reason, Refusal};
-use protocol::record::{Full, ReplyWriter};
+use protocol::record::ReplyWriter;
 use servo::tick_command::TickCommand;
-use servo::view::View;
 
 impl Program<'_> {
     /// A Stop in the immediate lane, or link loss: a running program ends, and its rest is answered
@@ -67,50 +66,39 @@ impl Program<'_> {
     /// goes on at the same instant. What can never be right is refused at once. The rest is decided
     /// by the state at its instant, in the last view before the tick on which it would act. So what
     /// follows is not late.
-    pub(super) fn passes_over<const AXES: usize>(
-        &mut self,
-        admission: &Admission<'_, AXES>,
-        view: &View<AXES>,
-        refused: &Refused,
-        out: &mut ReplyWriter,
-    ) -> bool {
+    pub(super) fn passes_over<const AXES: usize>(&mut self, poll: &mut Poll<AXES>, refused: &Refused) -> bool {
+        let view = poll.view;
         if !self.records.front().is_some_and(|(head, _)| head.may_fail) {
             return false;
         }
-        if refused.full_fifo().is_some_and(|full| admission.drains(view, full)) {
+        if refused.full_fifo().is_some_and(|full| poll.admission.drains(view, full)) {
             return false;
         }
         let known = match refused.reason.cure() {
             Cure::None => true,
             Cure::Motion if refused.is_final() => true,
             // Data for a look-ahead waits for what was given before it, and then it is taken.
-            _ if refused.reason == Reason::CrdFifoInUse => self.is_past(admission, view),
+            _ if refused.reason == Reason::CrdFifoInUse => self.is_past(poll.admission, view),
             // Of these only the end makes the record right ([`ShadowChange::may_free`]).
             Cure::Motion => self.is_reached(view) || self.is_settled(view, refused.reason),
             Cure::State => self.is_reached(view),
         };
         // Calls before it in a PathMany are answered with it.
         let waits = self.joined.has_begun() && !self.replies.items.is_empty();
-        known && !waits && self.refuse_record(admission, view, &refused.wire, out)
+        known && !waits && self.refuse_record(poll, &refused.wire)
     }
 
     /// Answers the record in hand with a refusal, and is done with it. False if there is no room.
     /// Of a PathMany the reply says which calls were executed.
-    pub(super) fn refuse_record<const AXES: usize>(
-        &mut self,
-        admission: &Admission<'_, AXES>,
-        view: &View<AXES>,
-        refusal: &Refusal,
-        out: &mut ReplyWriter,
-    ) -> bool {
+    pub(super) fn refuse_record<const AXES: usize>(&mut self, poll: &mut Poll<AXES>, refusal: &Refusal) -> bool {
         let Some((head, _)) = self.records.front() else { return false };
         let of = (head.opcode, head.tag);
         let written = if self.joined_done > 0 {
             let refusal = Refusal { item: self.joined_done.into(), ..*refusal };
-            let taken = self.joined.taken(&admission.reading(view), self.joined_done);
-            path_many::refused(of, (&refusal, taken), &mut self.replies.newest(self.joined.values()), out)
+            let taken = self.joined.taken(&poll.admission.reading(poll.view), self.joined_done);
+            path_many::refused(of, (&refusal, taken), &mut self.replies.newest(self.joined.values()), poll.out)
         } else {
-            out.refused(head.opcode, head.tag, refusal)
+            poll.out.refused(head.opcode, head.tag, refusal)
         };
         if written.is_err() {
             return false;
@@ -144,27 +132,27 @@ impl Program<'_> {
         if self.ending.drop != ProgramDrop::Due || admission.lane.room() < 1 + usize::from(fails) {
             return;
         }
-        admission.lane.push(TickCommand::ProgramDrop, ShadowChange::None, 0, &mut admission.admitted);
+        admission.push(TickCommand::ProgramDrop, ShadowChange::None);
         self.ending.drop = ProgramDrop::Pushed(admission.lane.last());
         if fails {
-            admission.lane.push(TickCommand::Abort, ShadowChange::Aborted, 0, &mut admission.admitted);
+            admission.push(TickCommand::Abort, ShadowChange::Aborted);
         }
     }
 
     /// The tick has dropped the rest.
-    pub(super) fn finish_drop<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>, view: &View<AXES>) {
-        self.lane.retire(view, &mut admission.executed, Until::Everything);
+    pub(super) fn finish_drop<const AXES: usize>(&mut self, poll: &mut Poll<AXES>) {
+        self.lane.retire(poll.view, &mut poll.admission.executed, Until::Everything);
         self.lane.forget();
-        admission.forget_paths(view);
-        admission.admitted = admission.executed;
-        admission.lane.replay(&mut admission.admitted);
-        if !admission.empty_invalid() {
+        poll.admission.forget_paths(poll.view);
+        poll.admission.admitted = poll.admission.executed;
+        poll.admission.lane.replay(&mut poll.admission.admitted);
+        if !poll.admission.empty_invalid() {
             return;
         }
         self.ending.drop = ProgramDrop::None;
         for item in &mut self.replies.items {
             // What the immediate lane carried is executed.
-            let dropped = |seq: u32| seq & PROGRAM_FLAG != 0 && !executed(view, seq);
+            let dropped = |seq: u32| seq & PROGRAM_FLAG != 0 && !executed(poll.view, seq);
             item.discarded |= item.open || item.seq.is_some_and(dropped);
             item.open = false;
         }
@@ -180,12 +168,8 @@ impl Program<'_> {
     }
 
     /// Answers what was executed or dropped, in order.
-    pub(super) fn answer<const AXES: usize>(
-        &mut self,
-        admission: &mut Admission<'_, AXES>,
-        view: &View<AXES>,
-        out: &mut ReplyWriter,
-    ) -> bool {
+    pub(super) fn answer<const AXES: usize>(&mut self, poll: &mut Poll<AXES>) -> bool {
+        let view = poll.view;
         let mut progress = false;
         while let Some(&item) = self.replies.items.front() {
             if item.open || !item.discarded && item.seq.is_some_and(|seq| !executed(view, seq)) {
@@ -198,15 +182,15 @@ impl Program<'_> {
                 .copied()
                 .filter(|&(seq, ..)| if seq == 0 { item.discarded } else { item.own && item.seq == Some(seq) });
             if self.is_lagging {
-                self.lane.retire(view, &mut admission.executed, self.replies.until());
+                self.lane.retire(view, &mut poll.admission.executed, self.replies.until());
             }
-            let reading = admission.reading(view);
+            let reading = poll.admission.reading(view);
             let written = match refusal {
-                Some((0, ..)) => out.refused(item.opcode, item.tag, &Refused::new(Reason::Late).wire),
-                Some((_, refuser)) => out.refused(item.opcode, item.tag, &reading.explain(refuser).wire),
+                Some((0, ..)) => poll.out.refused(item.opcode, item.tag, &Refused::new(Reason::Late).wire),
+                Some((_, refuser)) => poll.out.refused(item.opcode, item.tag, &reading.explain(refuser).wire),
                 None if matches!(item.answer, Answer::Part(_)) => Ok(()),
-                None if item.discarded => self.discarded(&item, &reading, out),
-                None => reading.answer(&item, self.replies.values(), out),
+                None if item.discarded => self.discarded(&item, &reading, poll.out),
+                None => reading.answer(&item, self.replies.values(), poll.out),
             };
             if written.is_err() {
                 break;
@@ -239,7 +223,7 @@ impl Program<'_> {
         item: &Awaiting,
         reading: &Reading<'_, AXES>,
         out: &mut ReplyWriter,
-    ) -> Result<(), Full> {
+    ) -> Sent {
         let refusal = Refused::new(self.ending.reason).item(self.joined_done.into()).wire;
         match item.answer {
             Answer::Joined { crd, fifo, lasts_ms, values, .. } if self.joined_done > 0 => {
@@ -252,12 +236,7 @@ impl Program<'_> {
     }
 
     /// Answers the records that wait: they are not executed.
-    pub(super) fn discard<const AXES: usize>(
-        &mut self,
-        admission: &Admission<'_, AXES>,
-        view: &View<AXES>,
-        out: &mut ReplyWriter,
-    ) -> bool {
+    pub(super) fn discard<const AXES: usize>(&mut self, poll: &mut Poll<AXES>) -> bool {
         if !self.replies.items.is_empty() {
             return false;
         }
@@ -266,7 +245,7 @@ impl Program<'_> {
             // A strict program that was late with an empty ring reports it at its next record.
             let late = self.replies.refused.front().is_some_and(|&(seq, ..)| seq == 0);
             let reason = if late { Reason::Late } else { self.ending.reason };
-            if !self.refuse_record(admission, view, &Refused::new(reason).wire, out) {
+            if !self.refuse_record(poll, &Refused::new(reason).wire) {
                 return progress;
             }
             if late {

@@ -10,7 +10,8 @@
 //! anything else that follows, when the script clock advances, or when their instant is near. So
 //! data before a start takes no room in the lane however it arrives. A stream that is short of data
 //! still gets each record in time.
-use super::{Program, ProgramState};
+use super::record_queue::RecordHead;
+use super::{Poll, Program, ProgramState};
 use crate::admit::admission::Admission;
 use crate::admit::context::{DueInstant, Effect};
 use crate::admit::data::is_data;
@@ -24,7 +25,6 @@ use crate::report::pending_replies::{Awaiting, Handled};
 use crate::shadow::{ShadowChange, seq_after, seq_from};
 use protocol::command::{CommandKind, ProgramEnd, Sleep, WaitStop, class, opcode};
 use protocol::reason::Reason;
-use protocol::record::ReplyWriter;
 use servo::tick_command::TickCommand;
 use servo::units::Ns;
 use servo::view::View;
@@ -37,37 +37,33 @@ pub(super) const COMMIT_LEAD_NS: u64 = 10_000_000;
 
 impl Program<'_> {
     /// Admits records until one has to wait. True if at least one was dealt with.
-    pub(super) fn take_records<const AXES: usize>(
-        &mut self,
-        admission: &mut Admission<'_, AXES>,
-        view: &View<AXES>,
-        out: &mut ReplyWriter,
-    ) -> bool {
+    pub(super) fn take_records<const AXES: usize>(&mut self, poll: &mut Poll<AXES>) -> bool {
+        let view = poll.view;
         let mut progress = false;
         for _ in 0..RECORDS_PER_POLL {
             if self.run.end.is_some() || !self.has_room() || self.records.front().is_none() {
-                self.settle(admission, view);
+                self.settle(poll);
                 return progress;
             }
             // One place at a time would take a commit each.
-            let waits = |full| admission.drains(view, full) && admission.free_quarters(view, full) == 0;
+            let waits = |full| poll.admission.drains(view, full) && poll.admission.free_quarters(view, full) == 0;
             if self.waits_for.is_some_and(waits) {
-                self.settle(admission, view);
+                self.settle(poll);
                 return progress;
             }
-            match self.take_record(admission, view) {
+            match self.take_record(poll) {
                 Ok(Handled::Taken) => {
                     self.pop_record();
                     progress = true;
                 }
                 Ok(Handled::Wait) => {
-                    self.settle(admission, view);
+                    self.settle(poll);
                     return progress;
                 }
-                Err(refused) if self.passes_over(admission, view, &refused, out) => progress = true,
+                Err(refused) if self.passes_over(poll, &refused) => progress = true,
                 Err(refused) => {
-                    self.settle(admission, view);
-                    return self.refuse(admission, view, &refused, out) || progress;
+                    self.settle(poll);
+                    return self.refuse(poll, &refused) || progress;
                 }
             }
         }
@@ -92,10 +88,10 @@ impl Program<'_> {
     }
 
     /// Nothing more can be admitted now.
-    fn settle<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>, view: &View<AXES>) {
+    fn settle<const AXES: usize>(&mut self, poll: &mut Poll<AXES>) {
         self.settled = true;
-        if self.flush_due(view).is_some_and(|due| due.0 <= view.now.0) {
-            self.flush(admission);
+        if self.flush_due(poll.view).is_some_and(|due| due.0 <= poll.view.now.0) {
+            self.flush(poll.admission);
         }
     }
 
@@ -116,38 +112,29 @@ impl Program<'_> {
     }
 
     /// The record in hand is refused: for good, if its instant has been reached.
-    fn refuse<const AXES: usize>(
-        &mut self,
-        admission: &mut Admission<'_, AXES>,
-        view: &View<AXES>,
-        refused: &Refused,
-        out: &mut ReplyWriter,
-    ) -> bool {
-        let runs = self.runs(view);
+    fn refuse<const AXES: usize>(&mut self, poll: &mut Poll<AXES>, refused: &Refused) -> bool {
+        let runs = self.runs(poll.view);
         let quiet = self.is_quiet();
         let full = matches!(refused.reason, Reason::FifoFull | Reason::CrdFull);
         self.urgent = runs && (!full || quiet);
-        if !self.is_past(admission, view) {
+        if !self.is_past(poll.admission, poll.view) {
             return false;
         }
-        self.waits_for = refused.full_fifo().filter(|full| admission.drains(view, *full));
+        self.waits_for = refused.full_fifo().filter(|full| poll.admission.drains(poll.view, *full));
         if self.waits_for.is_some() {
             return false;
         }
-        if !self.refuse_record(admission, view, &refused.wire, out) {
+        if !self.refuse_record(poll, &refused.wire) {
             return false;
         }
         self.cut(ProgramState::Failed);
-        self.push_drop(admission);
+        self.push_drop(poll.admission);
         true
     }
 
     /// Admits the record in hand and pushes what it becomes.
-    fn take_record<const AXES: usize>(
-        &mut self,
-        admission: &mut Admission<'_, AXES>,
-        view: &View<AXES>,
-    ) -> Admitted<Handled> {
+    fn take_record<const AXES: usize>(&mut self, poll: &mut Poll<AXES>) -> Admitted<Handled> {
+        let view = poll.view;
         let due = self.due(view);
         let Some((head, body)) = self.records.front() else { return Ok(Handled::Wait) };
         let due = DueInstant { may_fail: head.may_fail, ..due };
@@ -158,30 +145,29 @@ impl Program<'_> {
             opcode::Sleep => {
                 let sleep: Sleep = one(body)?;
                 if sleep.ns.get() > 0 {
-                    self.flush(admission);
+                    self.flush(poll.admission);
                 }
                 self.script.delay = self.script.delay.saturating_add(sleep.ns.get());
                 self.attach(head.opcode, head.tag, Answer::Done);
                 return Ok(Handled::Taken);
             }
             number if is_data(number, body) => {
-                let (opcode, tag, may_fail) = (head.opcode, head.tag, head.may_fail);
-                let written = admission.admit_data(view, due, opcode, body)?;
-                self.stream(admission, view, (written.of, written.fifo));
-                self.take_data(admission, (opcode, tag, may_fail), &written);
+                let written = poll.admission.admit_data(view, due, number, body)?;
+                self.stream(poll.admission, view, (written.of, written.fifo));
+                self.replies.keep(written.waiting());
+                self.commit_data(poll.admission, head, &written);
                 return Ok(Handled::Taken);
             }
             opcode::PathMany => {
-                let (opcode, tag, may_fail) = (head.opcode, head.tag, head.may_fail);
-                let advance = admission.admit_joined(view, due, body, &mut self.joined, &mut self.replies)?;
-                return self.take_joined(admission, view, (opcode, tag, may_fail), advance);
+                let advance = poll.admission.admit_joined(view, due, body, &mut self.joined, &mut self.replies)?;
+                return self.take_joined(poll.admission, view, head, advance);
             }
             number if kind(number) == Some(CommandKind::Calculate) => {
                 if !self.replies.has_room(POINTS_MAX) {
                     return Ok(Handled::Wait);
                 }
                 let mut count = 0;
-                admission.calculate(view, 1, number, body, |values| {
+                poll.admission.calculate(view, 1, number, body, |values| {
                     count = values.len() as u8;
                     self.replies.keep(values.iter().copied());
                     true
@@ -191,7 +177,7 @@ impl Program<'_> {
             }
             opcode::WaitStop => {
                 let wait: WaitStop = one(body)?;
-                if self.script.pauses.is_full() || !admission.wait_stop(view, due, &wait)? {
+                if self.script.pauses.is_full() || !poll.admission.wait_stop(view, due, &wait)? {
                     self.urgent = self.runs(view);
                     return Ok(Handled::Wait);
                 }
@@ -199,41 +185,41 @@ impl Program<'_> {
             }
             opcode::ProgramEnd => {
                 one::<ProgramEnd>(body)?;
-                admission.staged.clear();
-                admission.staged.add(TickCommand::ProgramEnd, ShadowChange::None);
+                poll.admission.staged.clear();
+                poll.admission.staged.add(TickCommand::ProgramEnd, ShadowChange::None);
                 (Answer::Done, Effect::None, true)
             }
             _ if self.config.is_some() => (Answer::Done, Effect::Config, true),
             other => {
-                let (answer, effect) = admission.admit(view, due, other, body)?;
+                let (answer, effect) = poll.admission.admit(view, due, other, body)?;
                 (answer, effect, true)
             }
         };
         if let Effect::Config = effect {
-            return Ok(self.take_config(admission, view));
+            return Ok(self.take_config(poll));
         }
         // Only a Reset may be too much here; its admission can be repeated.
-        if self.lane.room() < self.pending_commits.count() + admission.staged.commands().len() {
+        if self.lane.room() < self.pending_commits.count() + poll.admission.staged.commands().len() {
             return Ok(Handled::Wait);
         }
-        if admission.staged.commands().is_empty() {
+        if poll.admission.staged.commands().is_empty() {
             if let Answer::Read(_) = answer {
-                self.flush(admission);
+                self.flush(poll.admission);
                 // A read at the instant of the entry before needs no entry of its own.
                 if self.script.delay > 0 || !self.lane.in_flight() {
-                    self.push(admission, TickCommand::Mark, ShadowChange::None);
+                    self.push(poll.admission, TickCommand::Mark, ShadowChange::None);
                 }
             }
-            admission.apply(effect, self.lane.last());
+            poll.admission.apply(effect, self.lane.last());
             self.attach(head.opcode, head.tag, answer);
             return Ok(Handled::Taken);
         }
-        self.flush(admission);
+        self.flush(poll.admission);
         if let (Effect::Took(values), Answer::Took { count, .. }) = (effect, answer) {
             self.replies.keep(values.into_iter().take(count.into()));
         }
-        self.push_staged(admission);
-        admission.apply(effect, self.lane.last());
+        self.push_staged(poll.admission);
+        poll.admission.apply(effect, self.lane.last());
         if head.opcode == opcode::ProgramEnd {
             self.run.end = Some(self.lane.last());
         }
@@ -277,21 +263,10 @@ impl Program<'_> {
         self.replies.push(Awaiting { opcode, tag, seq, open, answer, ..Awaiting::BLANK });
     }
 
-    /// Data is in the store; one commit will publish all that belongs to this instant.
-    pub(super) fn take_data<const AXES: usize>(
+    pub(super) fn commit_data<const AXES: usize>(
         &mut self,
         admission: &mut Admission<'_, AXES>,
-        (opcode, tag, may_fail): (u16, u16, bool),
-        written: &Written,
-    ) {
-        self.replies.keep(written.waiting());
-        self.commit_data(admission, (opcode, tag, may_fail), written);
-    }
-
-    fn commit_data<const AXES: usize>(
-        &mut self,
-        admission: &mut Admission<'_, AXES>,
-        (opcode, tag, may_fail): (u16, u16, bool),
+        head: RecordHead,
         written: &Written,
     ) {
         let Written { of, fifo, answer, at_once, .. } = *written;
@@ -300,6 +275,7 @@ impl Program<'_> {
         } else {
             self.pending_commits.add(of, fifo);
         }
+        let RecordHead { opcode, tag, may_fail } = head;
         let (seq, open) = (at_once.then(|| admission.lane.last()), !at_once);
         self.replies.push(Awaiting { opcode, tag, seq, open, own: true, may_fail, answer, ..Awaiting::BLANK });
     }
@@ -310,7 +286,7 @@ impl Program<'_> {
         &mut self,
         admission: &mut Admission<'_, AXES>,
         view: &View<AXES>,
-        head: (u16, u16, bool),
+        head: RecordHead,
         advance: Advance,
     ) -> Admitted<Handled> {
         let Advance { written, count, end } = advance;
@@ -321,7 +297,7 @@ impl Program<'_> {
                 // The values of its calls are kept already.
                 self.commit_data(admission, head, &Written { answer, ..written });
             }
-            None if matches!(end, End::Done(_)) => self.attach(head.0, head.1, answer),
+            None if matches!(end, End::Done(_)) => self.attach(head.opcode, head.tag, answer),
             None => {}
         }
         match end {
@@ -355,21 +331,21 @@ impl Program<'_> {
     }
 
     /// LoadConfig, item by item.
-    fn take_config<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>, view: &View<AXES>) -> Handled {
-        self.flush(admission);
+    fn take_config<const AXES: usize>(&mut self, poll: &mut Poll<AXES>) -> Handled {
+        self.flush(poll.admission);
         let mut item = self.config.unwrap_or(0);
         loop {
             self.config = Some(item);
             let Some((head, body)) = self.records.front() else { return Handled::Wait };
-            if !admission.stage_config(view, body, item) {
+            if !poll.admission.stage_config(poll.view, body, item) {
                 self.config = None;
                 self.attach(head.opcode, head.tag, Answer::Done);
                 return Handled::Taken;
             }
-            if self.lane.room() < admission.staged.commands().len() {
+            if self.lane.room() < poll.admission.staged.commands().len() {
                 return Handled::Wait;
             }
-            self.push_staged(admission);
+            self.push_staged(poll.admission);
             item = item.saturating_add(1);
         }
     }

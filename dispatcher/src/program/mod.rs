@@ -29,15 +29,16 @@ use crate::admit::joined::Joined;
 use crate::admit::one;
 use crate::capacity::{AWAITING, VALUES};
 use crate::refuse::{Admitted, FifoOf, Refused};
+use crate::report::answer::Sent;
 use crate::report::pending_replies::{Handled, PendingReplies};
 use crate::shadow::{PROGRAM_FLAG, ShadowChange, Shadows, executed, renew};
 use crate::tick_queue::TickQueue;
 use pending_commits::PendingCommits;
 use protocol::command::{ProgramClear, ProgramReply, ProgramStart, ProgramStatus, opcode};
 use protocol::reason::Reason;
-use protocol::record::{Full, Lane, ReplyWriter, RequestRecord};
+use protocol::record::{Lane, ReplyWriter, RequestRecord};
 use protocol::values::program;
-use record_queue::{QUEUE_BYTES, RECORD_BYTES, Records};
+use record_queue::{QUEUE_BYTES, RECORD_BYTES, RecordHead, Records};
 use reported::Reported;
 use ring::Producer;
 use script::ScriptShadow;
@@ -49,6 +50,16 @@ use zerocopy::IntoBytes;
 /// Data of a stream that comes after its instant acts so long after the view, if its FIFO is half
 /// full still: writing a group of lines takes less.
 const STREAM_LEAD_NS: u64 = 4_000_000;
+
+/// What the program works on while the server polls.
+pub struct Poll<'p, 'a, 'o, const AXES: usize> {
+    /// Admission, which serves both lanes.
+    pub admission: &'p mut Admission<'a, AXES>,
+    /// The newest view.
+    pub view: &'p View<AXES>,
+    /// Takes the replies.
+    pub out: &'p mut ReplyWriter<'o>,
+}
 
 /// State of the program; the numbers are those of `ProgramReply`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -195,16 +206,7 @@ impl<'a> Program<'a> {
         let until_ns = if decided { 0 } else { self.until(view) };
         let first = self.state == ProgramState::Held && script_ns < view.period.0 && !self.script.pauses.wait();
         let wait = self.script.pauses.last;
-        DueInstant {
-            decided,
-            soon: self.is_soon(view),
-            until_ns,
-            first,
-            script_ns,
-            wait,
-            may_fail: false,
-            follows: false,
-        }
+        DueInstant { soon: self.is_soon(view), until_ns, first, script_ns, wait, ..DueInstant::at_once(decided) }
     }
 
     /// Data has been written to a FIFO. The clock waits for a stream: for data that has waited for
@@ -236,26 +238,23 @@ impl<'a> Program<'a> {
     }
 
     /// Takes a record of lane 1 into the queue; data that need not wait is admitted at once.
-    pub fn offer<const AXES: usize>(
-        &mut self,
-        admission: &mut Admission<'_, AXES>,
-        view: &View<AXES>,
-        record: &RequestRecord,
-        out: &mut ReplyWriter,
-    ) -> Handled {
+    pub fn offer<const AXES: usize>(&mut self, poll: &mut Poll<AXES>, record: &RequestRecord) -> Handled {
+        let may_fail = record.lane == Lane::ProgramMayFail;
+        let head = RecordHead { opcode: record.opcode, tag: record.tag, may_fail };
+        let view = poll.view;
         if self.takes_at_once::<AXES>(record.opcode, record.body) {
             // If it is refused it waits in the queue, and is refused from there.
-            if let Ok(written) = admission.admit_data(view, self.due(view), record.opcode, record.body) {
+            if let Ok(written) = poll.admission.admit_data(view, self.due(view), record.opcode, record.body) {
                 self.reported.accepted = self.reported.accepted.wrapping_add(1);
-                let may_fail = record.lane == Lane::ProgramMayFail;
-                self.stream(admission, view, (written.of, written.fifo));
-                self.take_data(admission, (record.opcode, record.tag, may_fail), &written);
+                self.stream(poll.admission, view, (written.of, written.fifo));
+                self.replies.keep(written.waiting());
+                self.commit_data(poll.admission, head, &written);
                 return Handled::Taken;
             }
         }
         if self.overflowed || record.body.len() + RECORD_BYTES > self.records.space() {
             let full = Refused::new(Reason::QueueFull).got(self.records.space() as f64).limits(0.0, QUEUE_BYTES as f64);
-            let step = Handled::of(out.refused(record.opcode, record.tag, &full.wire));
+            let step = Handled::of(poll.out.refused(record.opcode, record.tag, &full.wire));
             self.overflowed |= step == Handled::Taken;
             return step;
         }
@@ -263,7 +262,7 @@ impl<'a> Program<'a> {
             self.state = ProgramState::Held;
             self.begin();
         }
-        self.records.push(record.opcode, record.tag, record.lane == Lane::ProgramMayFail, record.body);
+        self.records.push(head, record.body);
         self.reported.accepted = self.reported.accepted.wrapping_add(1);
         self.settled = false;
         Handled::Taken
@@ -292,7 +291,7 @@ impl<'a> Program<'a> {
                 }
                 // All of the instant 0 is in the ring before the clock runs.
                 self.flush(admission);
-                admission.lane.push(TickCommand::ProgramRun, ShadowChange::None, 0, &mut admission.admitted);
+                admission.push(TickCommand::ProgramRun, ShadowChange::None);
                 self.run.start = Some(admission.lane.last());
                 self.script.clock = 0;
                 (self.reported.overruns[1], self.reported.answered) = (self.reported.overruns[0], (0, 0));
@@ -322,13 +321,7 @@ impl<'a> Program<'a> {
     }
 
     /// The reply to a program command.
-    pub fn status<const AXES: usize>(
-        &self,
-        view: &View<AXES>,
-        opcode: u16,
-        tag: u16,
-        out: &mut ReplyWriter,
-    ) -> Result<(), Full> {
+    pub fn status<const AXES: usize>(&self, view: &View<AXES>, opcode: u16, tag: u16, out: &mut ReplyWriter) -> Sent {
         let clock = match self.state {
             ProgramState::Empty | ProgramState::Held => view.script.0,
             ProgramState::Running | ProgramState::Failed | ProgramState::Stopped => self.script.clock,
@@ -378,23 +371,19 @@ impl<'a> Program<'a> {
     }
 
     /// Does all that is possible now. True if something was done.
-    pub fn advance<const AXES: usize>(
-        &mut self,
-        admission: &mut Admission<'_, AXES>,
-        view: &View<AXES>,
-        out: &mut ReplyWriter,
-    ) -> bool {
+    pub fn advance<const AXES: usize>(&mut self, poll: &mut Poll<AXES>) -> bool {
+        let view = poll.view;
         self.urgent = false;
         if self.runs(view) {
             self.script.see(view, || self.lane.changes(view));
         }
         let mut progress = false;
-        self.push_drop(admission);
+        self.push_drop(poll.admission);
         if matches!(self.ending.drop, ProgramDrop::Pushed(seq) if executed(view, seq)) {
-            self.finish_drop(admission, view);
+            self.finish_drop(poll);
             progress = true;
         }
-        progress |= self.answer(admission, view, out);
+        progress |= self.answer(poll);
         if self.is_dropping() {
             return progress;
         }
@@ -408,11 +397,11 @@ impl<'a> Program<'a> {
         match self.state {
             ProgramState::Running if self.ending.strict && view.late > 0 && self.runs(view) => {
                 self.late();
-                self.push_drop(admission);
+                self.push_drop(poll.admission);
                 true
             }
-            ProgramState::Held | ProgramState::Running => self.take_records(admission, view, out) || progress,
-            ProgramState::Failed | ProgramState::Stopped => self.discard(admission, view, out) || progress,
+            ProgramState::Held | ProgramState::Running => self.take_records(poll) || progress,
+            ProgramState::Failed | ProgramState::Stopped => self.discard(poll) || progress,
             ProgramState::Empty => progress,
         }
     }

@@ -3,9 +3,12 @@
 //! In: records as they came. Out: the same, in order, each in one piece. A record takes its body
 //! and [`RECORD_BYTES`]; what does not fit is not taken.
 
+use zerocopy::little_endian::U16;
+use zerocopy::{FromBytes, Immutable, IntoBytes, Unaligned, transmute};
+
 pub use crate::capacity::QUEUE_BYTES;
 /// What a record takes besides its body: as much as its head in a message.
-pub const RECORD_BYTES: usize = 7;
+pub const RECORD_BYTES: usize = size_of::<QueuedHead>();
 /// Longest body.
 pub const BODY_MAX: usize = protocol::MAX_PAYLOAD;
 
@@ -16,10 +19,18 @@ pub struct RecordHead {
     pub opcode: u16,
     /// The client's tag.
     pub tag: u16,
-    /// Bytes of the body.
-    pub len: u16,
     /// The program goes on after it if it is refused.
     pub may_fail: bool,
+}
+
+/// A head in the queue; `len` bytes of body follow it.
+#[derive(FromBytes, IntoBytes, Immutable, Unaligned)]
+#[repr(C)]
+struct QueuedHead {
+    opcode: U16,
+    tag: U16,
+    len: U16,
+    may_fail: u8,
 }
 
 /// The queue and the record in hand.
@@ -27,7 +38,7 @@ pub struct Records {
     ring: [u8; QUEUE_BYTES],
     first: usize,
     used: usize,
-    head: Option<RecordHead>,
+    head: Option<(RecordHead, usize)>,
     body: [u8; BODY_MAX],
 }
 
@@ -50,20 +61,14 @@ impl Records {
         self.head = None;
     }
     /// Appends a record; false if it does not fit.
-    pub fn push(&mut self, opcode: u16, tag: u16, may_fail: bool, body: &[u8]) -> bool {
+    pub fn push(&mut self, head: RecordHead, body: &[u8]) -> bool {
         let Ok(len) = u16::try_from(body.len()) else { return false };
         if body.len() > BODY_MAX || body.len() + RECORD_BYTES > self.space() {
             return false;
         }
-        let mut head = [0; RECORD_BYTES];
-        let [numbers @ .., flag] = &mut head;
-        for (slot, byte) in
-            numbers.iter_mut().zip(opcode.to_le_bytes().into_iter().chain(tag.to_le_bytes()).chain(len.to_le_bytes()))
-        {
-            *slot = byte;
-        }
-        *flag = may_fail.into();
-        self.write(&head);
+        let RecordHead { opcode, tag, may_fail } = head;
+        let head = QueuedHead { opcode: opcode.into(), tag: tag.into(), len: len.into(), may_fail: may_fail.into() };
+        self.write(head.as_bytes());
         self.write(body);
         true
     }
@@ -91,16 +96,15 @@ impl Records {
         if self.head.is_none() && self.used >= RECORD_BYTES {
             let mut head = [0; RECORD_BYTES];
             Self::read(&self.ring, self.first, &mut head);
-            let [o0, o1, t0, t1, l0, l1, flag] = head;
-            let (opcode, tag, len) =
-                (u16::from_le_bytes([o0, o1]), u16::from_le_bytes([t0, t1]), u16::from_le_bytes([l0, l1]));
+            let QueuedHead { opcode, tag, len, may_fail } = transmute!(head);
+            let len = usize::from(len.get());
             self.skip(RECORD_BYTES);
             // A record that was taken fits.
-            Self::read(&self.ring, self.first, self.body.get_mut(..usize::from(len)).unwrap_or_default());
-            self.skip(usize::from(len));
-            self.head = Some(RecordHead { opcode, tag, len, may_fail: flag != 0 });
+            Self::read(&self.ring, self.first, self.body.get_mut(..len).unwrap_or_default());
+            self.skip(len);
+            self.head = Some((RecordHead { opcode: opcode.get(), tag: tag.get(), may_fail: may_fail != 0 }, len));
         }
-        self.head.map(|head| (head, self.body.get(..usize::from(head.len)).unwrap_or_default()))
+        self.head.map(|(head, len)| (head, self.body.get(..len).unwrap_or_default()))
     }
     /// The record in hand is done.
     pub fn pop(&mut self) {

@@ -1,6 +1,10 @@
 //! The answer of a command that was admitted, until it has been executed.
 use protocol::command::{PvtContinuousPoint, PvtPercentPoint};
+use protocol::record::Full;
 use servo::units::{Axis, Crd};
+
+/// Whether a reply was written.
+pub type Sent = Result<(), Full>;
 
 /// Most points of a Calculate command, and values of its reply: as many as a message holds.
 pub const POINTS_MAX: usize = protocol::record::BODY_MAX / size_of::<PvtPercentPoint>();
@@ -39,7 +43,7 @@ pub enum Answer {
     Values(u8),
     /// The values that a laser command took: `count` of those that its lane keeps, and which of
     /// them were limited.
-    Took { count: u8, held: u8 },
+    Took { count: u8, limited: u8 },
 }
 
 impl Answer {

@@ -4,11 +4,12 @@
 //! In: the values that a lane keeps. Out: items of the reply. A call keeps a word, which has its
 //! number, its `held` and whether two values follow, and then the one or two values.
 use crate::bounded_vec::collect;
+use crate::report::answer::Sent;
 use heapless::Vec;
 use protocol::command::{CrdTaken, PathHeld};
 use protocol::path_many::HELD_MAX;
 use protocol::reason::{Code, Reason, Refusal};
-use protocol::record::{Full, ReplyWriter};
+use protocol::record::ReplyWriter;
 use zerocopy::IntoBytes;
 
 /// Most values that a call keeps.
@@ -40,7 +41,7 @@ pub fn done(
     taken: CrdTaken,
     kept: &mut dyn Iterator<Item = f64>,
     out: &mut ReplyWriter,
-) -> Result<(), Full> {
+) -> Sent {
     out.push_raw(opcode, tag, 0, &[taken.as_bytes(), held(kept).as_bytes()])
 }
 
@@ -51,7 +52,7 @@ pub fn refused(
     (refusal, taken): (&Refusal, CrdTaken),
     kept: &mut dyn Iterator<Item = f64>,
     out: &mut ReplyWriter,
-) -> Result<(), Full> {
+) -> Sent {
     let held = held(kept);
     let code = Reason::from_number(refusal.reason.get()).map_or(Code::State, Reason::code);
     let before = usize::from(refusal.item.get());

@@ -1,7 +1,7 @@
 //! Replies that wait for the tick, and whether a record was handled.
 //!
 //! In: what was admitted, what the tick refused. Out: the replies of a lane in order.
-use super::answer::{Answer, Refuser};
+use super::answer::{Answer, Refuser, Sent};
 use super::path_many;
 use super::replies::{Reading, took_reply, values_reply};
 use crate::refuse::Refused;
@@ -9,7 +9,7 @@ use crate::tick_queue::Until;
 use heapless::Deque;
 use protocol::command::opcode;
 use protocol::reason::Reason;
-use protocol::record::{Full, ReplyWriter};
+use protocol::record::ReplyWriter;
 use zerocopy::IntoBytes;
 
 servo::state! {
@@ -149,7 +149,7 @@ pub enum Handled {
 
 impl Handled {
     /// A reply that did not fit is tried again.
-    pub fn of(written: Result<(), Full>) -> Handled {
+    pub fn of(written: Sent) -> Handled {
         if written.is_ok() { Handled::Taken } else { Handled::Wait }
     }
 }
@@ -157,7 +157,7 @@ impl Handled {
 impl<const AXES: usize> Reading<'_, AXES> {
     /// Writes the reply to an executed command; `taken` are the values that wait in its lane,
     /// oldest first.
-    pub fn answer(&self, item: &Awaiting, taken: impl Iterator<Item = f64>, out: &mut ReplyWriter) -> Result<(), Full> {
+    pub fn answer(&self, item: &Awaiting, taken: impl Iterator<Item = f64>, out: &mut ReplyWriter) -> Sent {
         let mut say = |reply: &[&[u8]]| out.push_raw(item.opcode, item.tag, 0, reply);
         match item.answer {
             Answer::Done => say(&[]),
@@ -192,7 +192,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
                 out.refused(item.opcode, item.tag, &lost.wire)
             }
             Answer::Values(count) => values_reply(item.opcode, item.tag, taken.take(count.into()), out),
-            Answer::Took { count, held } => took_reply(item.opcode, item.tag, taken, (count, held), out),
+            Answer::Took { count, limited } => took_reply(item.opcode, item.tag, taken, (count, limited), out),
         }
     }
 }

@@ -15,11 +15,11 @@ use crate::board::{BoardConstants, FAULT_TEXT_MAX};
 use crate::bounded_vec::collect;
 use crate::configuration::{Configuration, ones};
 use crate::io_types::{WORD, WORDS};
-use crate::report::answer::{POINTS_MAX, Query, TAKEN_MAX};
+use crate::report::answer::{POINTS_MAX, Query, Sent, TAKEN_MAX};
 use crate::shadow::Shadows;
 use heapless::Vec;
 use protocol::command::{self, Chapter, Request, chapter, opcode};
-use protocol::record::{Full, ReplyWriter};
+use protocol::record::ReplyWriter;
 use protocol::values::{ANALOG_INPUT_VOLTS, io as kind, mode, wait};
 use servo::laser::{CHANNELS, Count, Power, PowerMode, PowerTables, dac_counts};
 use servo::port::AxisInputs;
@@ -85,12 +85,7 @@ pub fn counts(count: Count) -> f64 {
 }
 
 /// The reply to a Calculate command.
-pub fn values_reply(
-    opcode: u16,
-    tag: u16,
-    values: impl Iterator<Item = f64>,
-    out: &mut ReplyWriter,
-) -> Result<(), Full> {
+pub fn values_reply(opcode: u16, tag: u16, values: impl Iterator<Item = f64>, out: &mut ReplyWriter) -> Sent {
     let items: Vec<_, POINTS_MAX> = collect(values.map(|value| command::Real { value: value.into() }));
     let head = command::Count { count: (items.len() as u16).into() };
     out.push_raw(opcode, tag, 0, &[head.as_bytes(), items.as_bytes()])
@@ -101,9 +96,9 @@ pub fn took_reply(
     opcode: u16,
     tag: u16,
     taken: impl Iterator<Item = f64>,
-    (count, held): (u8, u8),
+    (count, limited): (u8, u8),
     out: &mut ReplyWriter,
-) -> Result<(), Full> {
+) -> Sent {
     let (mut reals, mut whole) = ([command::Real::default(); TAKEN_MAX], [command::ULong::default(); TAKEN_MAX]);
     for ((real, whole), value) in reals.iter_mut().zip(&mut whole).zip(taken) {
         (real.value, whole.value) = (value.into(), (value as u32).into());
@@ -113,9 +108,9 @@ pub fn took_reply(
         // How many powers were limited.
         opcode::SetLaserFollowTable => out.push_raw(opcode, tag, 0, &[&(whole[0].value.get() as u16).to_le_bytes()]),
         opcode::SetLevelDelay | opcode::EnaFPK => {
-            out.push_raw(opcode, tag, 0, &[whole.get(..count).unwrap_or(&[]).as_bytes(), &[held]])
+            out.push_raw(opcode, tag, 0, &[whole.get(..count).unwrap_or(&[]).as_bytes(), &[limited]])
         }
-        _ => out.push_raw(opcode, tag, 0, &[reals.get(..count).unwrap_or(&[]).as_bytes(), &[held]]),
+        _ => out.push_raw(opcode, tag, 0, &[reals.get(..count).unwrap_or(&[]).as_bytes(), &[limited]]),
     }
 }
 
@@ -152,7 +147,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
     }
 
     /// Writes the reply to a read.
-    pub fn reply(&self, tag: u16, query: &Query, out: &mut ReplyWriter) -> Result<(), Full> {
+    pub fn reply(&self, tag: u16, query: &Query, out: &mut ReplyWriter) -> Sent {
         let axis = Axis::new(usize::from(query.first)).unwrap_or_default();
         let shadow = self.executed.axis(axis);
         let sampled = &self.view.axes[axis.index().min(AXES - 1)];
@@ -196,7 +191,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
     }
 
     /// Replies with items, and those of other chapters.
-    fn listed(&self, tag: u16, query: &Query, out: &mut ReplyWriter) -> Result<(), Full> {
+    fn listed(&self, tag: u16, query: &Query, out: &mut ReplyWriter) -> Sent {
         match query.opcode {
             opcode::GetFault => self.fault(tag, out),
             opcode::GetEvents => self.events(tag, out),
@@ -226,7 +221,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
     }
 
     /// A read of the laser channel `first`; `which` is the core.
-    fn laser(&self, tag: u16, query: &Query, out: &mut ReplyWriter) -> Result<(), Full> {
+    fn laser(&self, tag: u16, query: &Query, out: &mut ReplyWriter) -> Sent {
         let index = usize::from(query.first).min(CHANNELS - 1);
         let sampled = &self.view.lasers[index];
         let short = |value: i16| command::Short { value: value.into() };
@@ -294,14 +289,14 @@ impl<const AXES: usize> Reading<'_, AXES> {
         self.executed.axis(axis).fifos.get(fifo).map_or(0, |fifo| fifo.chain.time_ms().max(0).unsigned_abs())
     }
 
-    fn events(&self, tag: u16, out: &mut ReplyWriter) -> Result<(), Full> {
+    fn events(&self, tag: u16, out: &mut ReplyWriter) -> Sent {
         let items: Vec<_, EVENTS_KEPT> = collect(self.log.items().copied());
         let head = command::EventsReply { total: self.log.total().into(), count: (items.len() as u16).into() };
         out.done::<command::GetEvents>(tag, &head, &items)
     }
 
     /// The text is cut between characters.
-    fn fault(&self, tag: u16, out: &mut ReplyWriter) -> Result<(), Full> {
+    fn fault(&self, tag: u16, out: &mut ReplyWriter) -> Sent {
         let (kind, text) = self.board.fault.map_or((0, ""), |fault| (fault.kind as u8, fault.text));
         let text = text.get(..text.floor_char_boundary(FAULT_TEXT_MAX)).unwrap_or("");
         let head = command::FaultReply { kind, length: (text.len() as u16).into() };
@@ -409,7 +404,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
         tag: u16,
         query: &Query,
         out: &mut ReplyWriter,
-    ) -> Result<(), Full> {
+    ) -> Sent {
         let count = usize::from(query.count).min(WORDS);
         out.done::<R>(tag, &command::Count { count: (count as u16).into() }, &self.levels(query)[..count])
     }

@@ -180,8 +180,8 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
         }
         let watch = Watch::DEFAULT;
         let (command, change) = (TickCommand::Supervision(watch.supervision()), ShadowChange::Watch(watch));
-        self.admission.lane.push(command, change, 0, &mut self.admission.admitted);
-        self.admission.lane.push(TickCommand::NewSession, ShadowChange::None, 0, &mut self.admission.admitted);
+        self.admission.push(command, change);
+        self.admission.push(TickCommand::NewSession, ShadowChange::None);
         if view.lasers.iter().any(|laser| laser.commanded || laser.light || laser.owners.0 != 0) {
             self.admission.log.put(view.now, EventKind::ShutOff, 0, ShutOff::NewSession as u16);
         }

@@ -51,6 +51,5 @@ pub fn watch<const AXES: usize>(
 fn report<const AXES: usize>(admission: &mut Admission<'_, AXES>, lost: bool) -> bool {
     // On a loss all paths brake.
     let crds = CrdMask(if lost { u8::MAX } else { 0 });
-    let ahead = &mut admission.admitted;
-    admission.lane.push(TickCommand::Link { lost }, ShadowChange::Stopped { axes: AxisMask(0), crds }, 0, ahead)
+    admission.push(TickCommand::Link { lost }, ShadowChange::Stopped { axes: AxisMask(0), crds })
 }

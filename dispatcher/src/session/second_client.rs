@@ -12,28 +12,21 @@ use protocol::frame::OPENING_WIRE;
 use protocol::link::TakeOver;
 use servo::units::Ns;
 
-/// See the module text.
-#[derive(Debug)]
-pub struct SecondaryTransport {
-    deframer: Deframer<OPENING_WIRE>,
-    /// Begins with a delimiter: the wire may have been left in the middle of a frame.
-    answer: [u8; 1 + OPENING_WIRE],
-    from: usize,
-    to: usize,
-}
-
-impl Default for SecondaryTransport {
-    fn default() -> Self {
-        Self::new()
+servo::state! {
+    /// See the module text.
+    #[derive(Debug)]
+    pub struct SecondaryTransport {
+        deframer: Deframer<OPENING_WIRE> = Deframer::new(),
+        /// Begins with a delimiter: the wire may have been left in the middle of a frame.
+        answer: [u8; 1 + OPENING_WIRE] = [0; 1 + OPENING_WIRE],
+        from: usize = 0,
+        to: usize = 0,
     }
+    /// Nobody has asked.
+    pub const fn new();
 }
 
 impl SecondaryTransport {
-    /// Nobody has asked.
-    pub const fn new() -> Self {
-        SecondaryTransport { deframer: Deframer::new(), answer: [0; 1 + OPENING_WIRE], from: 0, to: 0 }
-    }
-
     /// Takes bytes: all of them, or, with true, those up to the end of the frame that took over the
     /// session. The others are for [`Server::feed`]. `holder` names the wire of the link; none if
     /// it is gone.

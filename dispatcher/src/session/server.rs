@@ -11,7 +11,7 @@ use super::link_loss;
 use crate::admit::admission::Admission;
 use crate::board::BoardConstants;
 use crate::plan::path_queue::PathQueue;
-use crate::program::Program;
+use crate::program::{Poll, Program};
 use crate::report::answer::Refuser;
 use crate::report::event_log::EventKind;
 use crate::report::pending_replies::Handled;
@@ -60,59 +60,42 @@ pub struct ThreadHalves<'a, const AXES: usize> {
     pub tables: TableStores<'a>,
 }
 
-/// The thread's side of a controller. `AXES` is the capacity of the build.
-pub struct Server<'a, const AXES: usize> {
-    link: Endpoint<LINK_WINDOW>,
-    handler: CommandHandler<'a, AXES>,
-    program: Program<'a>,
-    view: Reader<'a, View<AXES>>,
-    events: Consumer<'a, Event, EVENTS>,
-    samples: Consumer<'a, Sample, SAMPLES>,
-    /// The time of the last call that gave it.
-    time: Ns,
-    session: Option<u32>,
-    /// When the last valid frame came, of this session or the last one.
-    heard: Option<u64>,
-    /// The link is lost: axes were stopped.
-    lost: bool,
-    /// A session has begun, and the tick does not know yet.
-    begins: bool,
-    /// Records of the message in hand that are done.
-    at: usize,
-    outbox: [u8; protocol::MAX_PAYLOAD],
-    outbox_len: usize,
-    /// When the link carried trace last.
-    traced_at: u64,
-}
-
-impl<'a, const AXES: usize> Server<'a, AXES> {
-    /// A server at power-on: no session, every axis in its power-on state.
-    pub fn new(board: BoardConstants, channels: ThreadHalves<'a, AXES>) -> Self {
-        Server {
-            link: Endpoint::new(Role::Controller, Identity::OURS),
-            handler: CommandHandler::new(Admission::new(
+servo::state! {
+    /// The thread's side of a controller. `AXES` is the capacity of the build.
+    pub struct Server<'a, const AXES: usize> {
+        link: Endpoint<LINK_WINDOW> = Endpoint::new(Role::Controller, Identity::OURS),
+        handler: CommandHandler<'a, AXES> = CommandHandler::new(Admission::new(
                 board,
                 channels.stores,
                 (channels.paths, channels.queues),
                 channels.tables,
                 channels.immediate,
             )),
-            program: Program::new(channels.program),
-            view: channels.view,
-            events: channels.events,
-            samples: channels.samples,
-            time: Ns(0),
-            session: None,
-            heard: None,
-            lost: false,
-            begins: false,
-            at: 0,
-            outbox: [0; protocol::MAX_PAYLOAD],
-            outbox_len: 0,
-            traced_at: 0,
-        }
+        program: Program<'a> = Program::new(channels.program),
+        view: Reader<'a, View<AXES>> = channels.view,
+        events: Consumer<'a, Event, EVENTS> = channels.events,
+        samples: Consumer<'a, Sample, SAMPLES> = channels.samples,
+        /// The time of the last call that gave it.
+        time: Ns = Ns(0),
+        session: Option<u32> = None,
+        /// When the last valid frame came, of this session or the last one.
+        heard: Option<u64> = None,
+        /// The link is lost: axes were stopped.
+        lost: bool = false,
+        /// A session has begun, and the tick does not know yet.
+        begins: bool = false,
+        /// Records of the message in hand that are done.
+        at: usize = 0,
+        outbox: [u8; protocol::MAX_PAYLOAD] = [0; protocol::MAX_PAYLOAD],
+        outbox_len: usize = 0,
+        /// When the link carried trace last.
+        traced_at: u64 = 0,
     }
+    /// A server at power-on: no session, every axis in its power-on state.
+    pub fn new(board: BoardConstants, channels: ThreadHalves<'a, AXES>);
+}
 
+impl<'a, const AXES: usize> Server<'a, AXES> {
     /// Takes bytes from the wire; always takes all of them.
     pub fn feed(&mut self, now: Ns, bytes: &[u8]) {
         self.time = now;
@@ -178,7 +161,8 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
         for _ in 0..POLL_PASSES {
             let mut writer = ReplyWriter::new(self.outbox.get_mut(self.outbox_len..).unwrap_or(&mut []));
             let mut progress = self.handler.answer(view, &self.program, &mut writer);
-            progress |= self.program.advance(&mut self.handler.admission, view, &mut writer);
+            let mut poll = Poll { admission: &mut self.handler.admission, view, out: &mut writer };
+            progress |= self.program.advance(&mut poll);
             self.handler.catch_up(&mut self.program, view);
             let mut over = false;
             // Messages in progress when the link was lost wait until it is back: nothing starts
@@ -188,7 +172,8 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
                 for record in requests(message).skip(self.at) {
                     let step = match record {
                         Ok(record) if record.lane != Lane::Immediate => {
-                            self.program.offer(&mut self.handler.admission, view, &record, &mut writer)
+                            let mut poll = Poll { admission: &mut self.handler.admission, view, out: &mut writer };
+                            self.program.offer(&mut poll, &record)
                         }
                         Ok(record) => self.handler.immediate(&mut self.program, view, &record, &mut writer),
                         Err(malformed) => {

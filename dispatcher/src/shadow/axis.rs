@@ -189,6 +189,15 @@ impl AxisShadow {
         self.leaving = self.busy;
         self.invalid &= !fifos;
     }
+    /// Entry `seq` starts it.
+    pub(super) fn start(&mut self, seq: u32) {
+        (self.started, self.busy) = (Some(seq), Some(seq));
+    }
+    /// Entry `seq` empties its FIFOs of PT.
+    pub(super) fn empty_all(&mut self, seq: u32) {
+        self.fifos = [FifoShadow::default(); 2];
+        self.empty(seq, 3);
+    }
     /// Entry `seq` stops it: a stream that runs then is over, and so is its data.
     pub(super) fn stop(&mut self, seq: u32) {
         if core::mem::take(&mut self.streams) != 0 {

@@ -62,12 +62,12 @@ pub fn loops(axis: i16, count: i32) -> SetFollowLoop {
     SetFollowLoop { core: CORE.into(), profile: axis.into(), loop_count: count.into() }
 }
 
-pub fn event(axis: i16, event: i16, way: i16, pos: i32) -> SetFollowEvent {
+pub fn event(axis: i16, event: i16, direction: i16, pos: i32) -> SetFollowEvent {
     SetFollowEvent {
         core: CORE.into(),
         profile: axis.into(),
         event: event.into(),
-        master_dir: way.into(),
+        master_dir: direction.into(),
         pos: pos.into(),
     }
 }

@@ -32,7 +32,7 @@ pub struct TickTimer {
 }
 
 /// SysTick counts down from here: 0.67 s, longer than any tick.
-const SPAN: u32 = 0x00ff_ffff;
+const COUNTS_MASK: u32 = 0x00ff_ffff;
 
 impl TickTimer {
     /// Takes the timers; TIMER0 is stopped until the first [`TickTimer::run_at`].
@@ -41,7 +41,7 @@ impl TickTimer {
     /// At most one may exist.
     pub unsafe fn take(mut stopwatch: SYST) -> Self {
         stopwatch.set_clock_source(SystClkSource::Core);
-        stopwatch.set_reload(SPAN);
+        stopwatch.set_reload(COUNTS_MASK);
         stopwatch.clear_current();
         stopwatch.enable_counter();
         TickTimer { period_ns: 0, began: 0 }
@@ -70,7 +70,7 @@ impl TickTimer {
     /// Whether the tick that began has taken longer than a period. Its duration is `None`: an
     /// emulator's time has no meaning for a client.
     pub fn taken(&self) -> (bool, Option<u32>) {
-        let counts = self.began.wrapping_sub(SYST::get_current()) & SPAN;
+        let counts = self.began.wrapping_sub(SYST::get_current()) & COUNTS_MASK;
         (counts >= self.period_ns / NS_PER_COUNT, None)
     }
 }

@@ -18,12 +18,12 @@ use stm32_metapac::{DMA2, DMAMUX1, GPIOF, RCC, TIM2, TIM17};
 pub const SLOT_NS: u32 = 500;
 
 const SLOT_COUNTS: u32 = SLOT_NS * TIMER_MHZ as u32 / 1000;
-const WIDTH: usize = STEP_WIDTH_NS.div_ceil(SLOT_NS) as usize;
+const WIDTH_SLOTS: usize = STEP_WIDTH_NS.div_ceil(SLOT_NS) as usize;
 const SET_UP: u32 = DIRECTION_SET_UP_NS.div_ceil(SLOT_NS);
 
 /// Least number of slots before a tick begins in which it is still filled: the time to write its
 /// first word.
-const MARGIN: usize = 4;
+const MARGIN_SLOTS: usize = 4;
 
 /// The stream that plays the ring, the one that clears played slots, and their requests (RM0433
 /// 17.3.2).
@@ -40,7 +40,7 @@ static WORDS: [AtomicU32; RING] = [const { AtomicU32::new(0) }; RING];
 /// The step outputs.
 #[derive(Debug)]
 pub struct Steps {
-    output: StepOutput<WIDTH>,
+    output: StepOutput<WIDTH_SLOTS>,
     runs: bool,
     /// Slots of a tick.
     slots: usize,
@@ -56,7 +56,7 @@ pub struct Steps {
 pub const fn most_a_ms(periods_us: core::ops::RangeInclusive<u32>) -> u64 {
     let (mut us, mut most) = (*periods_us.start(), u64::MAX);
     while us <= *periods_us.end() {
-        let steps = us * 1000 / SLOT_NS / (2 * WIDTH as u32);
+        let steps = us * 1000 / SLOT_NS / (2 * WIDTH_SLOTS as u32);
         let a_ms = steps as u64 * 1000 / us as u64;
         if a_ms < most {
             most = a_ms;
@@ -117,7 +117,7 @@ impl Steps {
             self.start();
             self.locate(found(), false);
         }
-        let in_time = distance(played(), self.next) >= MARGIN as isize;
+        let in_time = distance(played(), self.next) >= MARGIN_SLOTS as isize;
         self.is_filled = in_time && self.output.fill(targets, self.slots as u32, &WORDS, self.next);
         if in_time {
             self.next = self.next.wrapping_add(self.slots) & (RING - 1);

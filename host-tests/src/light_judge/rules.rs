@@ -14,7 +14,7 @@ mod motion;
 mod state;
 
 /// Two exact instants so near may be one.
-const SAME: Ns = 20;
+const SAME_INSTANT_NS: Ns = 20;
 
 /// What follows for a channel.
 #[derive(Debug, Clone, Default)]

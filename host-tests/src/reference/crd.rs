@@ -15,7 +15,7 @@ pub use world::World;
 /// Entries that a FIFO holds.
 pub const CAPACITY: usize = 1024;
 /// Within this, ms, rounding decides which came first.
-const SAME: f64 = 1e-7;
+const SAME_INSTANT_MS: f64 = 1e-7;
 
 /// How a coordinate system came to standstill.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -410,7 +410,7 @@ impl Crd {
                 Some(Entry::Delay(_)) if self.brakes => self.come_to_standstill(Rest::Stopped),
                 Some(Entry::Delay(ms)) => {
                     let left = ms - of.done;
-                    self.open |= (left - (until - self.now)).abs() < SAME;
+                    self.open |= (left - (until - self.now)).abs() < SAME_INSTANT_MS;
                     self.speed = 0.0;
                     if left > until - self.now {
                         of.done += until - self.now;
@@ -461,7 +461,7 @@ impl Crd {
                 ends
             }
         };
-        self.open |= (ends - until).abs() < SAME;
+        self.open |= (ends - until).abs() < SAME_INSTANT_MS;
         if ends > until {
             self.now = until;
         } else {
@@ -486,7 +486,7 @@ impl Crd {
 
     /// Something fell on an instant.
     fn mark(&mut self, until: f64) {
-        self.open |= (until - self.now).abs() < SAME;
+        self.open |= (until - self.now).abs() < SAME_INSTANT_MS;
         self.knots.push((self.now, self.place));
     }
 
@@ -545,7 +545,7 @@ impl Crd {
         gone += step;
         self.now += step;
         let length = geometry.length();
-        self.open |= (total - gone).abs() < SAME && (until - self.now).abs() < SAME;
+        self.open |= (total - gone).abs() < SAME_INSTANT_MS && (until - self.now).abs() < SAME_INSTANT_MS;
         if total - gone > 1e-12 {
             let done = of.done;
             self.place = geometry.at(done.clamp(0.0, length));
@@ -557,7 +557,7 @@ impl Crd {
         self.speed = profile.end;
         if self.brakes && length - of.done > 1e-9 * length {
             self.place = geometry.at(of.done.clamp(0.0, length));
-            self.open |= (until - self.now).abs() < SAME;
+            self.open |= (until - self.now).abs() < SAME_INSTANT_MS;
             if length - of.done < 1e-5 {
                 self.unsaid = Some("a Stop that rests where a motion ends");
             }

@@ -330,9 +330,9 @@ pub const OTHER: i16 = 10;
 pub type GateEdge = (f64, usize, bool);
 
 /// Closer instants, ms, are one.
-const SAME: f64 = 1e-9;
-/// How well instants of paths are known, ms: SPEC 11.
-const NEAR: f64 = 5e-6;
+const SAME_INSTANT_MS: f64 = 1e-9;
+/// How well instants of paths are known: SPEC 11.
+const INSTANT_ERROR_MS: f64 = 5e-6;
 
 /// Both channels.
 #[derive(Debug, Clone)]
@@ -393,13 +393,13 @@ impl Light {
         between.sort_by(|a, b| a.0.total_cmp(&b.0));
         let counts = |(at, act): &(f64, Act)| {
             matches!(act, Act::Entry(_, _, Command::Source { encoder: true, .. }, _))
-                && [before, now].iter().any(|tick| (at - tick).abs() < NEAR)
+                && [before, now].iter().any(|tick| (at - tick).abs() < INSTANT_ERROR_MS)
         };
         if between.iter().any(counts) {
             // The filter of their speed begins with the tick.
             self.open = Some("encoders that a laser comes to follow within rounding of a tick");
         }
-        let first = between.partition_point(|(at, _)| *at <= before + SAME);
+        let first = between.partition_point(|(at, _)| *at <= before + SAME_INSTANT_MS);
         let (calls, running) = (std::mem::take(&mut self.calls), self.running);
         let mut halted = std::mem::take(&mut self.halted);
         let later = between.split_off(first);

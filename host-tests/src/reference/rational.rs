@@ -15,11 +15,11 @@ pub struct Rational {
 }
 
 /// Denominators longer than this are reduced.
-const LONG: u64 = 320;
+const REDUCED_MIN_BITS: u64 = 320;
 
 impl Rational {
     fn raw(numer: BigInt, denom: BigInt, exponent: i64) -> Rational {
-        if denom.bits() > LONG {
+        if denom.bits() > REDUCED_MIN_BITS {
             let (numer, denom) = BigRational::new(numer, denom).into_raw();
             return Rational { numer, denom, exponent };
         }

@@ -126,7 +126,7 @@ impl Known {
         }
     }
 
-    fn fine(&mut self) -> Option<FixedTrain> {
+    fn fixed(&mut self) -> Option<FixedTrain> {
         let power = self.bounds.hold(self.direct);
         let new = FixedTrain::plan(self.mode, power, self.carrier.as_ref(), Clock::GHZ).filter(|_| self.plans);
         let (last, count) = self.last;
@@ -151,16 +151,16 @@ impl Known {
                 self.mode = mode;
                 self.bounds = PowerBounds::admit(mode, admitted(max), admitted(min)).unwrap();
                 let delayed = delayed || self.family == Family::Gus;
-                ChannelChange::Mode { mode, bounds: self.bounds, delayed, fine: self.fine() }
+                ChannelChange::Mode { mode, bounds: self.bounds, delayed, fixed: self.fixed() }
             }
             Command::Power(power) => {
                 self.direct = admitted(power);
-                ChannelChange::Direct { power: self.direct, fine: self.fine() }
+                ChannelChange::Direct { power: self.direct, fixed: self.fixed() }
             }
             Command::Carrier(khz) => {
                 let carrier = Carrier::admit(admitted(khz), Clock::GHZ).unwrap();
                 self.carrier = Some(carrier);
-                ChannelChange::Carrier { carrier, fine: self.fine() }
+                ChannelChange::Carrier { carrier, fixed: self.fixed() }
             }
             Command::Width(width) => ChannelChange::PulseWidth { us: NonZeroU16::new(us(width)).unwrap() },
             Command::Delays { off, on } => ChannelChange::Delays(Delays { off: us(off), on: us(on) }),
@@ -322,7 +322,7 @@ impl Bench {
     fn begin(&mut self, channel: u8, family: Family) {
         self.now(channel, ChannelChange::Connector { laser: true });
         let (mode, delayed) = (laser::PowerMode::Duty, family == Family::Gus);
-        self.now(channel, ChannelChange::Mode { mode, bounds: PowerBounds::full(mode), delayed, fine: None });
+        self.now(channel, ChannelChange::Mode { mode, bounds: PowerBounds::full(mode), delayed, fixed: None });
     }
 
     fn now(&mut self, channel: u8, change: ChannelChange) {

@@ -71,7 +71,7 @@ pub struct Made {
 
 const MS: Ns = 1_000_000;
 /// The script clock at which the coordinate system is started.
-const START: Ns = 4 * MS;
+const START_NS: Ns = 4 * MS;
 
 fn real(value: f64) -> String {
     format!("{value:?}")
@@ -364,17 +364,17 @@ fn attempt(chance: &mut Chance, setup: &Setup, tick: Ns) -> Option<Made> {
         push(&text, list, &mut maker, &mut buffered, &mut entries);
     }
     path.entries = entries;
-    maker.sleep_to(START);
+    maker.sleep_to(START_NS);
     maker.text += "GT_CrdStart(1,0);\n";
     // What comes from outside, at whole ms.
     let at = |clock: Ns| (clock + tick) as f64 / 1e6;
-    let mut commands = vec![(0.0, path_model::Command::StopDec(stop_dec)), (at(START), path_model::Command::Start)];
+    let mut commands = vec![(0.0, path_model::Command::StopDec(stop_dec)), (at(START_NS), path_model::Command::Start)];
     let free = course(&path.frame, &path.entries, &commands, 1e9);
-    if !fits(&free, at(START), 64) || free.rests[0].why != Why::Done {
+    if !fits(&free, at(START_NS), 64) || free.rests[0].why != Why::Done {
         return None;
     }
-    let runs = (free.rests[0].at - at(START)).ceil() as u64;
-    let mut clock = START;
+    let runs = (free.rests[0].at - at(START_NS)).ceil() as u64;
+    let mut clock = START_NS;
     let mut stopped = false;
     for _ in 0..maker.below(6) {
         clock += (1 + maker.below(runs.max(2))) as Ns * MS;
@@ -429,7 +429,8 @@ fn attempt(chance: &mut Chance, setup: &Setup, tick: Ns) -> Option<Made> {
         }
     }
     let done = course(&path.frame, &path.entries, &commands, 1e9);
-    if !fits(&done, at(START), 64) || is_undecided(&done) || done.rests.iter().any(|rest| rest.why == Why::Underrun) {
+    if !fits(&done, at(START_NS), 64) || is_undecided(&done) || done.rests.iter().any(|rest| rest.why == Why::Underrun)
+    {
         return None;
     }
     let end = (done.rests.last()?.at.ceil() as Ns + 3) * MS;

@@ -13,7 +13,7 @@ use std::collections::VecDeque;
 use virtual_board::Output as Digital;
 
 /// Two exact instants so near may be one.
-const SAME: Ns = 20;
+const SAME_INSTANT_NS: Ns = 20;
 /// Status bits: alarm, following error, limits.
 const CAUSES: u32 = 1 << 1 | 1 << 4 | 1 << 5 | 1 << 6;
 const SERVO: u32 = 1 << 9;
@@ -431,9 +431,16 @@ impl Builder<'_> {
         }
         for &at in &self.reported.losses {
             let hi = at + 2 * tick;
-            let between = |noted: &Noted| noted.fact.hi >= at - SAME && noted.fact.lo <= hi;
+            let between = |noted: &Noted| noted.fact.hi >= at - SAME_INSTANT_NS && noted.fact.lo <= hi;
             if self.noted.iter().any(between) {
-                self.note(at - SAME, 0, From::Cause, at - SAME, at - SAME, What::Doubt { crds: 3, follows: 0 });
+                self.note(
+                    at - SAME_INSTANT_NS,
+                    0,
+                    From::Cause,
+                    at - SAME_INSTANT_NS,
+                    at - SAME_INSTANT_NS,
+                    What::Doubt { crds: 3, follows: 0 },
+                );
             }
             // Whether a path that rests about now still ran is open.
             let rests = |noted: &Noted| {
@@ -559,7 +566,7 @@ impl Builder<'_> {
                 if stopped(a) && stopped(b) { 0 } else { set(crd) | set(other) }
             }
             (From::Cause, From::Entry(crd)) | (From::Entry(crd), From::Cause)
-                if mark_changed(SAME) && (a.fact.what == What::Session || b.fact.what == What::Session) =>
+                if mark_changed(SAME_INSTANT_NS) && (a.fact.what == What::Session || b.fact.what == What::Session) =>
             {
                 set(crd)
             }
@@ -568,13 +575,15 @@ impl Builder<'_> {
             (From::Call(call), From::Entry(crd)) | (From::Entry(crd), From::Call(call)) => {
                 let start = matches!(call, Do::CrdStart { .. });
                 let clears = matches!(call, Do::ClearFault { .. } | Do::ClearStatus { .. });
-                if mark_changed(SAME) && (clears || names(&call, crd) && !start) { set(crd) } else { 0 }
+                if mark_changed(SAME_INSTANT_NS) && (clears || names(&call, crd) && !start) { set(crd) } else { 0 }
             }
             (From::Rest { crd, exact }, From::Entry(other)) | (From::Entry(other), From::Rest { crd, exact }) => {
-                let slack = if exact { SAME } else { self.tick };
+                let slack = if exact { SAME_INSTANT_NS } else { self.tick };
                 if crd != other && mark_changed(slack) { set(crd) | set(other) } else { 0 }
             }
-            (From::Entry(one), From::Entry(other)) if one != other && mark_changed(SAME) && self.same_channel(a, b) => {
+            (From::Entry(one), From::Entry(other))
+                if one != other && mark_changed(SAME_INSTANT_NS) && self.same_channel(a, b) =>
+            {
                 3
             }
             _ => 0,

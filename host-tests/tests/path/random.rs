@@ -35,7 +35,7 @@ fn real(value: f64) -> String {
 }
 
 /// The way that a motion takes of the speed scale, ms.
-const MS: (f64, f64) = (0.02, 4.0);
+const TIMES_MS: (f64, f64) = (0.02, 4.0);
 
 /// Speeds about this.
 struct Scale {
@@ -180,7 +180,7 @@ pub fn random(chance: &mut Chance, from: Position, most: u64, crd: usize) -> Ran
             made.effects.push(effect);
             made.text += &text;
         }
-        let length = scale.speed * chance.log(MS.0, MS.1);
+        let length = scale.speed * chance.log(TIMES_MS.0, TIMES_MS.1);
         let (entry, text) = match chance.below(12) {
             0 => {
                 let ms = 1 + chance.below(3) as u16;

@@ -21,7 +21,7 @@ use std::collections::BTreeMap;
 #[path = "ahead/course.rs"]
 mod course;
 
-type Place = [f64; 4];
+type Position = [f64; 4];
 
 /// Rounding of a set-point.
 const GRAIN: f64 = 1.0 / 4_194_304.0;
@@ -29,7 +29,7 @@ const GRAIN: f64 = 1.0 / 4_194_304.0;
 const BOUND: f64 = 1.0 / 65_536.0;
 
 /// Where on a motion a place is: how far along, and how far from it.
-fn project(geometry: &Geometry, place: &Place, least: f64) -> (f64, f64) {
+fn project(geometry: &Geometry, place: &Position, least: f64) -> (f64, f64) {
     let length = geometry.length();
     let along = match *geometry {
         Geometry::Line { from, to } => {
@@ -111,7 +111,7 @@ fn judge(
     if motions.is_empty() {
         return Ok(());
     }
-    let places: Vec<Place> = reported
+    let places: Vec<Position> = reported
         .rows
         .iter()
         .map(|row| {
@@ -140,7 +140,7 @@ fn judge(
 }
 
 /// Every tick's place on the path.
-fn spots(motions: &[Motion], places: &[Place], tick_ms: f64, course: &Course) -> Result<Vec<Spot>, String> {
+fn spots(motions: &[Motion], places: &[Position], tick_ms: f64, course: &Course) -> Result<Vec<Spot>, String> {
     let mut at = Spot { motion: 0, along: 0.0, way: 0.0, is_double: false };
     let mut spots = Vec::new();
     for (tick, place) in places.iter().enumerate() {
@@ -177,7 +177,13 @@ fn spots(motions: &[Motion], places: &[Place], tick_ms: f64, course: &Course) ->
 }
 
 #[allow(clippy::needless_range_loop, reason = "several tables by coordinate")]
-fn speeds(course: &Course, motions: &[Motion], spots: &[Spot], places: &[Place], tick_ms: f64) -> Result<(), String> {
+fn speeds(
+    course: &Course,
+    motions: &[Motion],
+    spots: &[Spot],
+    places: &[Position],
+    tick_ms: f64,
+) -> Result<(), String> {
     for (tick, pair) in spots.windows(2).enumerate() {
         if pair.iter().any(|spot| spot.is_double) {
             continue;
@@ -208,7 +214,7 @@ fn accelerations(
     course: &Course,
     motions: &[Motion],
     spots: &[Spot],
-    places: &[Place],
+    places: &[Position],
     tick_ms: f64,
     tally: &mut BTreeMap<&'static str, u64>,
 ) -> Result<(), String> {

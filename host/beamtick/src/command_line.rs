@@ -240,8 +240,8 @@ pub struct Drawing {
     pub layers: Vec<String>,
     /// Machine position of the lower left corner of a drawing's page (SVG) or of its origin (DXF),
     /// mm. Without it 0,0.
-    #[arg(long, value_name = "X,Y", value_parser = place, allow_hyphen_values = true)]
-    pub at: Option<Place>,
+    #[arg(long, value_name = "X,Y", value_parser = point_mm, allow_hyphen_values = true)]
+    pub at: Option<PointMm>,
     /// M0 of a G-code program goes on by itself, in the dark. Without it M0 is refused: a job asks
     /// nobody.
     #[arg(long)]
@@ -255,13 +255,13 @@ impl Drawing {
     }
 }
 
-/// A place, mm.
+/// A point_mm, mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Place(pub [f64; 2]);
+pub struct PointMm(pub [f64; 2]);
 
-fn place(text: &str) -> Result<Place, String> {
+fn point_mm(text: &str) -> Result<PointMm, String> {
     let number = |text: &str| text.trim().parse().ok().filter(|mm: &f64| mm.abs() <= 1e5);
-    let pair = text.split_once(',').and_then(|(x, y)| Some(Place([number(x)?, number(y)?])));
+    let pair = text.split_once(',').and_then(|(x, y)| Some(PointMm([number(x)?, number(y)?])));
     pair.ok_or_else(|| "it is X,Y in mm, each within ±100000".to_owned())
 }
 

@@ -18,7 +18,7 @@ const MERGED: usize = 32 * size_of::<PtItem>();
 
 /// Lines of common speeds from which on they are shorter as one command. So many single calls fill
 /// a message of the client.
-const LONG: usize = 24;
+const JOINED_MIN_LINES: usize = 24;
 
 /// One entry.
 #[derive(Debug, Clone, PartialEq)]
@@ -235,7 +235,7 @@ fn datum(action: &Action) -> Option<(Key, Vec<u8>)> {
 
 fn finish(entries: &mut Vec<Entry>, run: &mut Option<Run>, job: &Job) {
     let Some(Run { key, items, steps }) = run.take() else { return };
-    let is_short = matches!(key, Key::Lines { .. }) && steps.len() < LONG;
+    let is_short = matches!(key, Key::Lines { .. }) && steps.len() < JOINED_MIN_LINES;
     if is_short || steps.len() == 1 {
         for step in steps {
             if let Some(Action::Call(call)) = job.steps.get(step).map(|step| &step.action) {

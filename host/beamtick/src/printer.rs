@@ -14,7 +14,7 @@ use std::time::Duration;
 /// So long a line waits for those of the other stream that were said before it.
 const TURN: Duration = Duration::from_millis(50);
 /// A terminal whose width is not known.
-const WIDTH: u16 = 80;
+const WIDTH_COLUMNS: u16 = 80;
 
 /// A stream.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -136,7 +136,7 @@ impl Terminal {
 
 impl TermLike for Terminal {
     fn width(&self) -> u16 {
-        console::Term::stderr().size_checked().map_or(WIDTH, |(_, columns)| columns)
+        console::Term::stderr().size_checked().map_or(WIDTH_COLUMNS, |(_, columns)| columns)
     }
 
     fn move_cursor_up(&self, n: usize) -> io::Result<()> {

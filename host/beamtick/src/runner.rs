@@ -143,7 +143,7 @@ fn execute(source: &Source, client: &Client, knowledge: Knowledge<'_>, outputs: 
                 Failure::Input(text) => Failure::Input(text),
             };
             let kept = recording.map_or_else(Vec::new, |recording| cut_off(client, &recording));
-            let kept: String = kept.iter().map(left_behind).collect();
+            let kept: String = kept.iter().map(leftovers).collect();
             return Err(match failure {
                 Failure::Job(text) => Failure::Job(text + &kept),
                 Failure::Interrupted(signal, _) => Failure::Interrupted(signal, kept.trim_start().to_owned()),
@@ -167,7 +167,7 @@ fn execute(source: &Source, client: &Client, knowledge: Knowledge<'_>, outputs: 
 }
 
 /// Lines about what an output that was cut off leaves.
-fn left_behind(kept: &Kept) -> String {
+fn leftovers(kept: &Kept) -> String {
     let mut text = String::new();
     if let Some(file) = &kept.partial {
         text.push_str(&format!("\nWhat was recorded until then is in {}.", file.display()));

@@ -21,7 +21,7 @@ const MACHINES: [Axes; 3] = [
     [("80.5", 1, "0"), ("126.666666667", -1, "7"), ("200", 1, "-1")],
 ];
 /// Lines of a long program: more than are compiled at a time.
-const LONG: u32 = 30_000;
+const LONG_PROGRAM_LINES: u32 = 30_000;
 /// Of all axes, mm/min.
 const RATE: f64 = 30_000.0;
 
@@ -408,14 +408,15 @@ fn a_long_program_runs_to_its_end() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("m.toml"), machine(&MACHINES[0], "gus", FULL)).unwrap();
     let mut program = "G21 G91 F20000 M4 S0\n".to_owned();
-    for k in 0..LONG {
+    for k in 0..LONG_PROGRAM_LINES {
         program += &format!("G1 X0.2 Y{} S{}\n", if k % 2 == 0 { "0.01" } else { "-0.01" }, 100 + k % 7 * 100);
     }
     fs::write(folder.path().join("p.nc"), program).unwrap();
     let (said, code) = beamtick(folder.path(), &["sim", "p.nc", "--machine", "m.toml", "--strict"]);
     assert_eq!(code, 0, "{said}");
     assert!(
-        said.contains(&format!("{LONG} segments")) && said.contains(&format!("axis 2: planned {}.000000", LONG * 20)),
+        said.contains(&format!("{LONG_PROGRAM_LINES} segments"))
+            && said.contains(&format!("axis 2: planned {}.000000", LONG_PROGRAM_LINES * 20)),
         "{said}"
     );
     assert!(said.contains("no late entries") && !said.contains("underrun"), "{said}");

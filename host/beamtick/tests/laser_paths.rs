@@ -17,7 +17,7 @@ use std::path::Path;
 const BACK: f64 = 100_498.756_211_208_9;
 const MS: u64 = 1_000_000;
 /// When the path of an example starts, in ms and in ns.
-const START: f64 = 1.25;
+const START_MS: f64 = 1.25;
 const START_NS: u64 = 1_250_000;
 
 /// What a job did.
@@ -164,7 +164,7 @@ fn followed(t: f64) -> f64 {
 /// and the ends.
 fn rows(ran: &Ran, name: &str) -> Vec<(f64, f64)> {
     let ends = [0.0, 2025.0, 2025.0 + BACK / 50.0 + 25.0];
-    let all = ran.column(name).into_iter().map(|(t, value)| (t - START, value));
+    let all = ran.column(name).into_iter().map(|(t, value)| (t - START_MS, value));
     let clear = |t: f64| t > 0.0 && t < ends[2] && ends.iter().all(|end| (t - end).abs() > 0.3);
     let rows: Vec<_> = all.filter(|(t, _)| clear(*t)).collect();
     assert!(rows.len() > 16_000);
@@ -175,7 +175,7 @@ fn rows(ran: &Ran, name: &str) -> Vec<(f64, f64)> {
 fn the_power_changes_at_the_instant_of_the_corner() {
     for (name, family) in [("laser_path_power.gts", "gus"), ("laser_lsr_path_power.gts", "lsr")] {
         let ran = run(&example(name), family, 250).good();
-        assert_eq!((ran.at("laser0_power", START), ran.at("laser0_power", 2026.0)), (50.0, 50.0), "{name}");
+        assert_eq!((ran.at("laser0_power", START_MS), ran.at("laser0_power", 2026.0)), (50.0, 50.0), "{name}");
         assert_eq!((ran.at("laser0_power", 2026.25), ran.at("laser0_power", 4061.0)), (30.0, 30.0), "{name}");
         // 10 kHz from the gate's edge on: period 20250 begins at the corner.
         let energy = ran.edges("laser0_energy");

@@ -16,7 +16,7 @@ use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::time::{Duration, Instant};
 
 /// How long QEMU may take to connect to its serial ports.
-const START: Duration = Duration::from_secs(10);
+const CONNECT_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// What to start.
 #[derive(Debug, Clone)]
@@ -236,8 +236,8 @@ fn accept(listener: &TcpListener, child: &mut Child) -> std::io::Result<TcpStrea
         if let Some(status) = child.try_wait()? {
             return Err(std::io::Error::other(format!("QEMU ended ({status})")));
         }
-        if start.elapsed() > START {
-            return Err(std::io::Error::other(format!("QEMU did not connect within {} s", START.as_secs())));
+        if start.elapsed() > CONNECT_TIMEOUT {
+            return Err(std::io::Error::other(format!("QEMU did not connect within {} s", CONNECT_TIMEOUT.as_secs())));
         }
         std::thread::sleep(Duration::from_millis(2));
     }

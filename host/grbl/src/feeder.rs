@@ -5,9 +5,9 @@
 //! Fails: with the link's error, which ends the port; what the controller refuses or stops by
 //! itself is a fault in the view, and nothing more is entered.
 //!
-//! **When the path starts.** [`START`] motions wait, or nothing new came for [`QUIET`], or the
-//! sender waits for standstill. What comes while the path runs joins it. A path that ran out of
-//! entries is dark; before it starts anew, its light is entered anew.
+//! **When the path starts.** [`START_MIN_MOTIONS`] motions wait, or nothing new came for [`QUIET`],
+//! or the sender waits for standstill. What comes while the path runs joins it. A path that ran out
+//! of entries is dark; before it starts anew, its light is entered anew.
 mod feed;
 
 use crate::entry::{Entry, Kind};
@@ -22,7 +22,7 @@ use std::time::{Duration, Instant};
 pub use feed::Feed;
 
 /// Motions that start a path that stands.
-const START: usize = 8;
+const START_MIN_MOTIONS: usize = 8;
 /// After this time without a line the path starts with what it has.
 const QUIET: Duration = Duration::from_millis(5);
 /// Entries that travel together at most.
@@ -458,7 +458,7 @@ impl Feeder {
             let quiet = inbox.newest.is_none_or(|at| at.elapsed() >= QUIET);
             quiet || (inbox.hurry && inbox.entries.is_empty())
         };
-        if !self.goes_on && self.motions < START && !quiet {
+        if !self.goes_on && self.motions < START_MIN_MOTIONS && !quiet {
             return Ok(());
         }
         if !self.goes_on {

@@ -11,8 +11,8 @@ use zerocopy::{FromBytes, IntoBytes};
 
 /// Lines of a record of common speeds, at most and at least. So few are no shorter than single
 /// calls that are joined.
-const LINES: usize = 80;
-const LONG: usize = 24;
+const JOINED_MAX_LINES: usize = 80;
+const JOINED_MIN_LINES: usize = 24;
 
 /// What lines of a record have in common, and where one of them leads.
 enum Item {
@@ -106,8 +106,8 @@ pub fn records(entries: Vec<Entry>) -> Vec<Record> {
     let mut records = Vec::new();
     let mut rest = entries;
     while let Some(first) = rest.first() {
-        let run = rest.iter().take(LINES).take_while(|entry| alike(first, entry)).count();
-        let group = (run < LONG).then(|| Group::at_once(&first.call)).flatten();
+        let run = rest.iter().take(JOINED_MAX_LINES).take_while(|entry| alike(first, entry)).count();
+        let group = (run < JOINED_MIN_LINES).then(|| Group::at_once(&first.call)).flatten();
         let (call, count) = match group {
             Some(mut group) => {
                 while let Some(entry) = rest.get(group.count())
@@ -121,7 +121,7 @@ pub fn records(entries: Vec<Entry>) -> Vec<Record> {
         };
         let after = rest.split_off(count);
         let entries = std::mem::replace(&mut rest, after);
-        let joined = count > 1 && run < LONG;
+        let joined = count > 1 && run < JOINED_MIN_LINES;
         let call = call.unwrap_or_else(|| entries[0].call.clone());
         records.push(Record { call, entries, joined });
     }

@@ -91,7 +91,7 @@ pub fn serve(
         feed.news(LONG_WAIT);
     }
     let mut session = Session::new(machine, stream, feed, pass_stops);
-    let mut place = Place::new(port)?;
+    let mut place = Listener::new(port)?;
     while let Some(mut wire) = place.next(ends)? {
         session.come()?;
         talk(&mut session, &mut wire, &mut place, ends)?;
@@ -110,7 +110,12 @@ pub fn serve(
 }
 
 /// A sender, until it goes.
-fn talk(session: &mut Session<'_>, wire: &mut Wire, place: &mut Place, ends: &dyn Fn() -> bool) -> Result<(), Error> {
+fn talk(
+    session: &mut Session<'_>,
+    wire: &mut Wire,
+    place: &mut Listener,
+    ends: &dyn Fn() -> bool,
+) -> Result<(), Error> {
     let mut bytes = [0; 4096];
     let mut visits = Instant::now();
     loop {
@@ -139,7 +144,7 @@ fn talk(session: &mut Session<'_>, wire: &mut Wire, place: &mut Place, ends: &dy
 }
 
 /// Where senders come from.
-enum Place {
+enum Listener {
     Tcp(TcpListener),
     #[cfg(unix)]
     Pty(Option<Box<serialport::TTYPort>>),
@@ -156,15 +161,15 @@ fn is_wait(error: &std::io::Error) -> bool {
     matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted)
 }
 
-impl Place {
-    fn new(port: Port) -> Result<Place, Error> {
+impl Listener {
+    fn new(port: Port) -> Result<Listener, Error> {
         match port {
             Port::Tcp(listener) => {
                 listener.set_nonblocking(true).map_err(|error| Error::cannot_open("the port", error))?;
-                Ok(Place::Tcp(listener))
+                Ok(Listener::Tcp(listener))
             }
             #[cfg(unix)]
-            Port::Pty(master) => Ok(Place::Pty(Some(master))),
+            Port::Pty(master) => Ok(Listener::Pty(Some(master))),
         }
     }
 
@@ -172,7 +177,7 @@ impl Place {
     fn next(&mut self, ends: &dyn Fn() -> bool) -> Result<Option<Wire>, Error> {
         while !ends() {
             match self {
-                Place::Tcp(listener) => {
+                Listener::Tcp(listener) => {
                     if let Ok((stream, _)) = listener.accept()
                         && stream.set_nonblocking(false).is_ok()
                         && stream.set_nodelay(true).is_ok()
@@ -182,7 +187,7 @@ impl Place {
                     }
                 }
                 #[cfg(unix)]
-                Place::Pty(kept) => {
+                Listener::Pty(kept) => {
                     if let Some(master) = kept.take() {
                         let mut wire = Wire::Pty(master);
                         // While nobody has the other end open, a read fails at once.
@@ -202,14 +207,14 @@ impl Place {
     fn back(&mut self, wire: Wire) {
         match (self, wire) {
             #[cfg(unix)]
-            (Place::Pty(kept), Wire::Pty(master)) => *kept = Some(master),
+            (Listener::Pty(kept), Wire::Pty(master)) => *kept = Some(master),
             (_, _) => {}
         }
     }
 
     /// Others that come meanwhile are told so.
     fn refuse(&mut self) {
-        if let Place::Tcp(listener) = self {
+        if let Listener::Tcp(listener) = self {
             while let Ok((mut stream, _)) = listener.accept() {
                 let _ = stream.write_all(b"[MSG:Busy: another sender is connected]\r\n");
             }

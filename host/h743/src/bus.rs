@@ -27,7 +27,7 @@ const APB4ENR: u32 = 0xf4;
 
 /// Where a peripheral is, and what gives it a clock.
 #[derive(Debug, Clone, Copy)]
-pub struct Place {
+pub struct Peripheral {
     /// Its name; the first one's, where a model is several in a row.
     pub name: &'static str,
     /// Its first address.
@@ -39,31 +39,31 @@ pub struct Place {
 }
 
 /// Each peripheral, in the order of [`Bus::device`].
-pub const PLACES: [Place; 13 + KINDS.len()] = [
-    Place { name: "RCC", base: 0x5802_4400, size: 0x400, clock: None },
-    Place { name: "PWR", base: 0x5802_4800, size: 0x400, clock: None },
-    Place { name: "FLASH", base: 0x5200_2000, size: 0x400, clock: None },
-    Place { name: "SYSCFG", base: 0x5800_0400, size: 0x400, clock: Some((APB4ENR, 1)) },
-    Place { name: "GPIOA", base: 0x5802_0000, size: 0x2c00, clock: Some((AHB4ENR, 0)) },
-    Place { name: "USART3", base: 0x4000_4800, size: 0x400, clock: Some((APB1LENR, 18)) },
-    Place { name: "IWDG1", base: 0x5800_4800, size: 0x400, clock: None },
-    Place { name: "DMA1", base: 0x4002_0000, size: 0xc00, clock: None },
-    Place { name: "DAC1", base: 0x4000_7400, size: 0x400, clock: Some((APB1LENR, 29)) },
-    Place { name: "SPI3", base: 0x4000_3c00, size: 0x400, clock: Some((APB1LENR, 15)) },
-    Place { name: "ADC3", base: 0x5802_6000, size: 0x400, clock: Some((AHB4ENR, 24)) },
-    Place { name: "USB_OTG_FS", base: 0x4008_0000, size: 0x2_0000, clock: Some((AHB1ENR, 27)) },
-    Place { name: "DBGMCU", base: 0x5c00_1000, size: 0x400, clock: None },
-    Place { name: "TIM1", base: 0x4001_0000, size: 0x400, clock: Some((APB2ENR, 0)) },
-    Place { name: "TIM2", base: 0x4000_0000, size: 0x400, clock: Some((APB1LENR, 0)) },
-    Place { name: "TIM3", base: 0x4000_0400, size: 0x400, clock: Some((APB1LENR, 1)) },
-    Place { name: "TIM4", base: 0x4000_0800, size: 0x400, clock: Some((APB1LENR, 2)) },
-    Place { name: "TIM5", base: 0x4000_0c00, size: 0x400, clock: Some((APB1LENR, 3)) },
-    Place { name: "TIM6", base: 0x4000_1000, size: 0x400, clock: Some((APB1LENR, 4)) },
-    Place { name: "TIM7", base: 0x4000_1400, size: 0x400, clock: Some((APB1LENR, 5)) },
-    Place { name: "TIM8", base: 0x4001_0400, size: 0x400, clock: Some((APB2ENR, 1)) },
-    Place { name: "TIM15", base: 0x4001_4000, size: 0x400, clock: Some((APB2ENR, 16)) },
-    Place { name: "TIM16", base: 0x4001_4400, size: 0x400, clock: Some((APB2ENR, 17)) },
-    Place { name: "TIM17", base: 0x4001_4800, size: 0x400, clock: Some((APB2ENR, 18)) },
+pub const PERIPHERALS: [Peripheral; 13 + KINDS.len()] = [
+    Peripheral { name: "RCC", base: 0x5802_4400, size: 0x400, clock: None },
+    Peripheral { name: "PWR", base: 0x5802_4800, size: 0x400, clock: None },
+    Peripheral { name: "FLASH", base: 0x5200_2000, size: 0x400, clock: None },
+    Peripheral { name: "SYSCFG", base: 0x5800_0400, size: 0x400, clock: Some((APB4ENR, 1)) },
+    Peripheral { name: "GPIOA", base: 0x5802_0000, size: 0x2c00, clock: Some((AHB4ENR, 0)) },
+    Peripheral { name: "USART3", base: 0x4000_4800, size: 0x400, clock: Some((APB1LENR, 18)) },
+    Peripheral { name: "IWDG1", base: 0x5800_4800, size: 0x400, clock: None },
+    Peripheral { name: "DMA1", base: 0x4002_0000, size: 0xc00, clock: None },
+    Peripheral { name: "DAC1", base: 0x4000_7400, size: 0x400, clock: Some((APB1LENR, 29)) },
+    Peripheral { name: "SPI3", base: 0x4000_3c00, size: 0x400, clock: Some((APB1LENR, 15)) },
+    Peripheral { name: "ADC3", base: 0x5802_6000, size: 0x400, clock: Some((AHB4ENR, 24)) },
+    Peripheral { name: "USB_OTG_FS", base: 0x4008_0000, size: 0x2_0000, clock: Some((AHB1ENR, 27)) },
+    Peripheral { name: "DBGMCU", base: 0x5c00_1000, size: 0x400, clock: None },
+    Peripheral { name: "TIM1", base: 0x4001_0000, size: 0x400, clock: Some((APB2ENR, 0)) },
+    Peripheral { name: "TIM2", base: 0x4000_0000, size: 0x400, clock: Some((APB1LENR, 0)) },
+    Peripheral { name: "TIM3", base: 0x4000_0400, size: 0x400, clock: Some((APB1LENR, 1)) },
+    Peripheral { name: "TIM4", base: 0x4000_0800, size: 0x400, clock: Some((APB1LENR, 2)) },
+    Peripheral { name: "TIM5", base: 0x4000_0c00, size: 0x400, clock: Some((APB1LENR, 3)) },
+    Peripheral { name: "TIM6", base: 0x4000_1000, size: 0x400, clock: Some((APB1LENR, 4)) },
+    Peripheral { name: "TIM7", base: 0x4000_1400, size: 0x400, clock: Some((APB1LENR, 5)) },
+    Peripheral { name: "TIM8", base: 0x4001_0400, size: 0x400, clock: Some((APB2ENR, 1)) },
+    Peripheral { name: "TIM15", base: 0x4001_4000, size: 0x400, clock: Some((APB2ENR, 16)) },
+    Peripheral { name: "TIM16", base: 0x4001_4400, size: 0x400, clock: Some((APB2ENR, 17)) },
+    Peripheral { name: "TIM17", base: 0x4001_4800, size: 0x400, clock: Some((APB2ENR, 18)) },
 ];
 const RCC: usize = 0;
 const PWR: usize = 1;
@@ -228,8 +228,8 @@ impl Bus {
 
     /// Which peripheral an address belongs to, with the offset in it; notes what has no clock.
     fn find(&mut self, address: u32) -> Option<(usize, u32)> {
-        let n = PLACES.iter().position(|place| (place.base..place.base + place.size).contains(&address))?;
-        let place = PLACES[n];
+        let n = PERIPHERALS.iter().position(|place| (place.base..place.base + place.size).contains(&address))?;
+        let place = PERIPHERALS[n];
         let offset = address - place.base;
         // Each port has a bit of its own.
         let port = if n == GPIO { offset / 0x400 } else { 0 };
@@ -287,7 +287,7 @@ impl Bus {
         let clocks = self.rcc.now();
         if clocks != self.clocks {
             self.clocks = clocks;
-            (0..PLACES.len()).for_each(|n| self.device(n).clocks(&clocks, at));
+            (0..PERIPHERALS.len()).for_each(|n| self.device(n).clocks(&clocks, at));
             if clocks.bus < self.flash.fastest_bus() {
                 self.note(format!(
                     "flash has {} wait states at a bus of {} MHz",
@@ -297,7 +297,7 @@ impl Bus {
             }
         }
         if offset < AHB2ENR {
-            for (n, place) in PLACES.iter().enumerate() {
+            for (n, place) in PERIPHERALS.iter().enumerate() {
                 if place.clock.is_some_and(|(register, bit)| n != GPIO && self.rcc.is_reset(register, bit)) {
                     let mut signals = std::mem::take(&mut self.signals);
                     self.device(n).reset(at, &mut signals);
@@ -375,7 +375,7 @@ impl Bus {
     pub fn settle(&mut self, to: Time, exceptions: &mut Exceptions) {
         while self.next <= to {
             let at = self.next;
-            for n in 0..PLACES.len() {
+            for n in 0..PERIPHERALS.len() {
                 if self.device(n).next() <= at {
                     let mut signals = std::mem::take(&mut self.signals);
                     self.device(n).advance(at, &mut signals);
@@ -430,7 +430,7 @@ impl Bus {
         ];
         let of_timers: Vec<_> = self.timers.iter_mut().filter_map(|timer| timer.complaint.take()).collect();
         complaints.into_iter().flatten().chain(of_timers).for_each(|complaint| self.note(complaint));
-        self.next = (0..PLACES.len()).map(|n| self.device(n).next()).min().unwrap_or(NEVER);
+        self.next = (0..PERIPHERALS.len()).map(|n| self.device(n).next()).min().unwrap_or(NEVER);
     }
 
     /// Ends of jumpers take the levels of the pins that drive them. True if one has changed.
@@ -492,11 +492,11 @@ impl Bus {
     pub fn reset_all(&mut self, cause: Cause, at: Time, exceptions: &mut Exceptions) {
         self.reset = None;
         let mut signals = Vec::new();
-        (0..PLACES.len()).for_each(|n| self.device(n).reset(at, &mut signals));
+        (0..PERIPHERALS.len()).for_each(|n| self.device(n).reset(at, &mut signals));
         self.rcc.restarted(cause);
         self.clocks = Clocks::RESET;
         let clocks = self.clocks;
-        (0..PLACES.len()).for_each(|n| self.device(n).clocks(&clocks, at));
+        (0..PERIPHERALS.len()).for_each(|n| self.device(n).clocks(&clocks, at));
         self.signals = signals;
         self.after(at, exceptions);
     }

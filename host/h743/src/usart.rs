@@ -122,7 +122,7 @@ impl Usart {
     }
 
     /// Bytes of the host that are not on the board yet.
-    pub fn on_the_way(&self) -> usize {
+    pub fn in_transit(&self) -> usize {
         self.arriving.len()
     }
 

@@ -9,10 +9,13 @@
 //! set, and EPENA cleared when the transfer is reported complete. Some cores accept packets without
 //! EPENA (an STM32L476 does), so the model has that too ([`Core::lenient`]). Not modelled: DMA,
 //! isochronous and host operation, transfers of more than a packet.
+mod endpoint;
+
 use crate::clocks::Clocks;
 use crate::device::{Device, Signal};
 use crate::time::{MILLISECOND, Time};
 use crate::usb_host::Host;
+use endpoint::Endpoint;
 use std::collections::VecDeque;
 
 /// Of each direction (RM0433 57).
@@ -96,50 +99,6 @@ pub enum Handshake {
     Stall,
     /// Nobody answers.
     Silence,
-}
-
-#[derive(Debug, Clone, Default)]
-struct Endpoint {
-    control: u32,
-    enabled: bool,
-    nak: bool,
-    /// The next packet is DATA1.
-    odd: bool,
-    size: u32,
-    flags: u32,
-    fifo: VecDeque<u32>,
-    /// DIEPTXF.
-    place: u32,
-}
-
-impl Endpoint {
-    fn read(&self) -> u32 {
-        let bit = |on: bool, bit: u32| if on { bit } else { 0 };
-        self.control | bit(self.odd, 1 << 16) | bit(self.nak, NAKSTS) | bit(self.enabled, EPENA)
-    }
-
-    fn write(&mut self, value: u32) {
-        self.control = value & KEPT;
-        if value & CNAK != 0 {
-            self.nak = false;
-        }
-        if value & SNAK != 0 {
-            self.nak = true;
-        }
-        if value & SD0PID != 0 {
-            self.odd = false;
-        }
-        // Both can be set only.
-        self.enabled |= value & EPENA != 0;
-        if value & EPDIS != 0 && self.enabled {
-            self.enabled = false;
-            self.flags |= EPDISD;
-        }
-    }
-
-    fn room(&self) -> u32 {
-        (self.place >> 16).saturating_sub(self.fifo.len() as u32)
-    }
 }
 
 /// The core.

@@ -5,7 +5,7 @@
 //! of ours is in them. What they do not hold stands in docs/board-assumptions.md. Tests of the
 //! image run where BEAMTICK_H743_IMAGE names it.
 use client::{Client, Options};
-use h743::bus::{BREAKS, CAPTURES, ENCODERS, PLACES};
+use h743::bus::{BREAKS, CAPTURES, ENCODERS, PERIPHERALS};
 use h743::device::Source;
 use h743::gpio::FUNCTIONS;
 use h743::link::{EmulatedLink, lock};
@@ -69,7 +69,7 @@ fn read(machine: &mut Machine, address: u32) -> u32 {
 #[test]
 fn peripherals_of_the_model_lie_and_are_clocked_where_st_says() {
     let mut clocked = 0;
-    for model in PLACES {
+    for model in PERIPHERALS {
         let chip = peripheral(model.name);
         assert_eq!(u64::from(model.base), chip.address, "{}", model.name);
         let Some(clock) = model.clock else { continue };

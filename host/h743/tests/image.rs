@@ -173,7 +173,7 @@ fn last_fault(machine: Machine) -> (u8, String) {
 }
 
 /// Memory that nobody uses here: of tables that are not sent.
-const SPARE: u32 = 0x2400_0000;
+const SCRATCH_ADDRESS: u32 = 0x2400_0000;
 
 #[test]
 fn a_panic_rests_the_outputs_and_its_reason_is_read_after_the_reset() {
@@ -189,14 +189,14 @@ fn a_panic_rests_the_outputs_and_its_reason_is_read_after_the_reset() {
     // in memory that is spare.
     let (message, file) = (b"the reason", b"some/file.rs");
     let memory = &machine.chip.memory;
-    assert!(memory.load(SPARE + 0x40, message) && memory.load(SPARE + 0x80, file));
-    let location = [SPARE + 0x80, file.len() as u32, 12, 34];
-    assert!((0..).zip(location).all(|(n, word)| memory.load(SPARE + 4 * n, &u32::to_le_bytes(word))));
+    assert!(memory.load(SCRATCH_ADDRESS + 0x40, message) && memory.load(SCRATCH_ADDRESS + 0x80, file));
+    let location = [SCRATCH_ADDRESS + 0x80, file.len() as u32, 12, 34];
+    assert!((0..).zip(location).all(|(n, word)| memory.load(SCRATCH_ADDRESS + 4 * n, &u32::to_le_bytes(word))));
     while machine.running() != 0 {
         machine.run(1);
     }
     let panic = h743::image::symbol(&elf, "9panicking5panic").unwrap();
-    let arguments = [SPARE + 0x40, message.len() as u32, SPARE];
+    let arguments = [SCRATCH_ADDRESS + 0x40, message.len() as u32, SCRATCH_ADDRESS];
     for (n, value) in (0..).zip(arguments) {
         machine.set_register(Register::R(n), value);
     }
@@ -262,9 +262,9 @@ fn the_code_of_the_tick_is_read_only_and_null_is_nobodys() {
         machine.run(1);
     }
     // `ldr r0, [r1]`, and `b .` after it.
-    assert!(machine.chip.memory.load(SPARE, &0xe7fe_6808u32.to_le_bytes()));
+    assert!(machine.chip.memory.load(SCRATCH_ADDRESS, &0xe7fe_6808u32.to_le_bytes()));
     machine.set_register(Register::R(1), 0x1fc);
-    machine.set_register(Register::Pc, SPARE | 1);
+    machine.set_register(Register::Pc, SCRATCH_ADDRESS | 1);
     assert_eq!(machine.run(MILLISECOND), Stop::Reset(Cause::Software));
     machine.run(100 * MILLISECOND);
     let (fault, text) = last_fault(machine);

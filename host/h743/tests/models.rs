@@ -131,7 +131,7 @@ fn a_preloaded_reload_value_and_prescaler_wait_for_the_update() {
 }
 
 #[test]
-fn a_counter_past_its_reload_value_goes_round_at_its_width() {
+fn a_counter_past_its_reload_value_wraps_at_its_width() {
     let mut bench = Bench::new(3);
     bench.set(ARR, 1000);
     bench.set(EGR, 1);

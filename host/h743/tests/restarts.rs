@@ -290,7 +290,7 @@ fn no_reset_under_light_and_a_sending_host_lights_or_moves_anything() {
             interlock(&machine, true);
         }
         pass(&machine, 60 * MILLISECOND);
-        assert_eq!(lock(&machine).chip.bus.usart.on_the_way(), 0);
+        assert_eq!(lock(&machine).chip.bus.usart.in_transit(), 0);
         assert_eq!(active_outputs(&lock(&machine), reset), [], "{how:?}: behind the reset");
 
         let client = open(&machine);

@@ -12,7 +12,7 @@ fn main() {
     let lane: Ring<LaneEntry, 4> = Ring::new();
     let (mut producer, _consumer) = lane.split_once().expect("once");
     let power = Power::admit(37.5f64.to_bits()).expect("in range");
-    let laser = TickCommand::Laser { channel: 0, change: ChannelChange::Direct { power, fine: None } };
+    let laser = TickCommand::Laser { channel: 0, change: ChannelChange::Direct { power, fixed: None } };
     for command in
         [TickCommand::TargetSpeed { axis, speed }, TickCommand::JogPrm { axis, acc, dec: acc, smooth: 0 }, laser]
     {

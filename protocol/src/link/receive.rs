@@ -1,6 +1,6 @@
 //! Receiving: checks frames, advances the opening, puts messages in order and drops duplicates.
 
-use super::transmit::{Slot, ahead};
+use super::transmit::{SentMessage, ahead};
 use super::{ALIVE_NS, Endpoint, HELLO_NS, Identity, LinkState, Offer, Role, SessionPhase, TakeOver};
 use crate::Ns;
 use crate::deframe::Outcome;
@@ -11,7 +11,7 @@ use zerocopy::{FromBytes, IntoBytes};
 /// on.
 #[derive(Debug, Clone)]
 pub(super) struct Receiver<const WINDOW: usize> {
-    slots: [Slot; WINDOW],
+    slots: [SentMessage; WINDOW],
     /// The message that the user gets next.
     take: u16,
     /// First message not received.
@@ -32,7 +32,14 @@ enum Accepted {
 
 impl<const WINDOW: usize> Receiver<WINDOW> {
     pub(super) const fn new() -> Self {
-        Receiver { slots: [Slot::EMPTY; WINDOW], take: 0, next: 0, held: 0, announced: WINDOW as u16, due: false }
+        Receiver {
+            slots: [SentMessage::EMPTY; WINDOW],
+            take: 0,
+            next: 0,
+            held: 0,
+            announced: WINDOW as u16,
+            due: false,
+        }
     }
 
     pub(super) fn reset(&mut self) {
@@ -82,7 +89,7 @@ impl<const WINDOW: usize> Receiver<WINDOW> {
         if self.take == self.next {
             return None;
         }
-        self.slots.get(usize::from(self.take) & WINDOW.wrapping_sub(1)).map(Slot::message)
+        self.slots.get(usize::from(self.take) & WINDOW.wrapping_sub(1)).map(SentMessage::message)
     }
 
     pub(super) fn done(&mut self) {

@@ -11,15 +11,15 @@ use zerocopy::IntoBytes;
 
 /// One message.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Slot {
+pub(super) struct SentMessage {
     pub(super) bytes: [u8; MAX_PAYLOAD],
     pub(super) len: usize,
     /// Receiver: it came and is not taken yet.
     pub(super) full: bool,
 }
 
-impl Slot {
-    pub(super) const EMPTY: Slot = Slot { bytes: [0; MAX_PAYLOAD], len: 0, full: false };
+impl SentMessage {
+    pub(super) const EMPTY: SentMessage = SentMessage { bytes: [0; MAX_PAYLOAD], len: 0, full: false };
 
     pub(super) fn message(&self) -> &[u8] {
         self.bytes.get(..self.len).unwrap_or(&[])
@@ -35,7 +35,7 @@ pub(super) fn ahead(a: u16, b: u16) -> Option<u16> {
 /// `base <= sent <= next` in sequence numbers, and at most `WINDOW` from `base` to `next`.
 #[derive(Debug, Clone)]
 pub(super) struct Transmitter<const WINDOW: usize> {
-    slots: [Slot; WINDOW],
+    slots: [SentMessage; WINDOW],
     /// First message not acknowledged.
     base: u16,
     /// First message never sent.
@@ -62,7 +62,7 @@ pub(super) struct Transmitter<const WINDOW: usize> {
 impl<const WINDOW: usize> Transmitter<WINDOW> {
     pub(super) const fn new() -> Self {
         Transmitter {
-            slots: [Slot::EMPTY; WINDOW],
+            slots: [SentMessage::EMPTY; WINDOW],
             base: 0,
             sent: 0,
             next: 0,
@@ -106,7 +106,7 @@ impl<const WINDOW: usize> Transmitter<WINDOW> {
         self.base == self.next
     }
 
-    fn slot(&mut self, sequence: u16) -> Option<&mut Slot> {
+    fn slot(&mut self, sequence: u16) -> Option<&mut SentMessage> {
         self.slots.get_mut(usize::from(sequence) & WINDOW.wrapping_sub(1))
     }
 
@@ -248,7 +248,9 @@ impl<const WINDOW: usize> Transmitter<WINDOW> {
         }
         for ahead in 0..self.next.wrapping_sub(self.base) {
             let sequence = self.base.wrapping_add(ahead);
-            into.extend(self.slots.get(usize::from(sequence) & WINDOW.wrapping_sub(1)).map_or(&[][..], Slot::message));
+            into.extend(
+                self.slots.get(usize::from(sequence) & WINDOW.wrapping_sub(1)).map_or(&[][..], SentMessage::message),
+            );
         }
     }
 

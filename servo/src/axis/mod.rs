@@ -35,7 +35,7 @@ use crate::laser::Positions;
 use crate::port::AxisInputs;
 use crate::segment::follow as following;
 use crate::segment::profile::Profile;
-use crate::segment::ramp::{Accel, Speed, Trapezoid};
+use crate::segment::ramp::{Accel, Trapezoid};
 use crate::status::{self, pt_state};
 use crate::tick_command::MotionMode;
 use crate::units::{Crd, Exact, Ns, Pos};
@@ -110,14 +110,7 @@ impl Ramps {
     const POWER_ON: Ramps = Ramps {
         stop_dec: Accel::ONE,
         jog: Jog { acc: Accel::NONE, dec: Accel::NONE, smooth: 0 },
-        trap: Trapezoid {
-            target: 0,
-            speed: Speed::NONE,
-            acc: Accel::NONE,
-            dec: Accel::NONE,
-            vel_start: Speed::NONE,
-            smooth: Ns(0),
-        },
+        trap: Trapezoid::POWER_ON,
     };
 }
 

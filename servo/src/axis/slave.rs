@@ -4,7 +4,7 @@
 //! entries on outputs. Owns: the [`Follower`] in its profile.
 use super::inputs::reading;
 use super::{AxisState, MotionState, exact};
-use crate::math::real::Real;
+use crate::math::float::Float;
 use crate::segment::follow::{
     Awaits, FollowContext, FollowEntries, FollowRun, FollowState, Follower, Input, MasterPathKind, MasterSample,
     Method, OutputActions, Value,
@@ -314,8 +314,8 @@ impl AxisState {
     ) -> Option<StopReason> {
         let from = Moving { pos: exact(self.published.pos), velocity: motion.velocity() };
         // What readers derive is not exact.
-        let most = Real::new(false, limit.pulses_per_ms(), 0);
-        if most.add(most.scale(-16)).is_less(Real::from_scaled(from.velocity).abs()) {
+        let most = Float::new(false, limit.pulses_per_ms(), 0);
+        if most.add(most.scale(-16)).is_less(Float::from_scaled(from.velocity).abs()) {
             self.halt(next, StopReason::StepLimit);
             return Some(StopReason::StepLimit);
         }
@@ -340,6 +340,6 @@ impl AxisState {
     /// It follows no longer.
     pub(super) fn leave_master(&mut self) {
         (self.published.lead, self.published.master_displacement, self.published.switching) = (None, 0, false);
-        self.published.waits = Awaits::NOTHING;
+        self.published.waits = Awaits::NONE;
     }
 }

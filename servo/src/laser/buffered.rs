@@ -142,7 +142,7 @@ const STANDSTILLS: usize = 2 * Crd::MAX;
 const _: () = assert!(EVENTS >= crate::path::EFFECTS as usize + STANDSTILLS);
 
 /// The content of an empty slot.
-const NOTHING: ChannelEvent =
+const NO_EVENT: ChannelEvent =
     ChannelEvent::Standstill(PathRun { crd: Crd::FIRST, fifo: 0 }, StandstillCause::RanOut, Cause::None);
 
 /// The events of an interval, in the order of time; those of an instant in the order of their
@@ -163,7 +163,7 @@ pub(super) struct Full;
 impl EventQueue {
     /// Nothing to come.
     pub(super) const EMPTY: EventQueue =
-        EventQueue { next: NEVER, first: 0, len: 0, events: [(NEVER, NOTHING); EVENTS] };
+        EventQueue { next: NEVER, first: 0, len: 0, events: [(NEVER, NO_EVENT); EVENTS] };
 
     /// Whether there is none.
     #[inline(always)]

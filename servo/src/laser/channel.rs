@@ -127,7 +127,7 @@ impl Channel {
         match change {
             // One that is ignored leaves standby and pre-voltage as they were.
             ChannelChange::Gate { on } => self.energy.muted = !self.report(at, Fact::Command { on: *on }) & muted,
-            ChannelChange::Mode { mode, bounds, delayed, fine } => {
+            ChannelChange::Mode { mode, bounds, delayed, fixed } => {
                 if *mode != self.energy.mode {
                     self.report(at, Fact::Withdraw);
                     self.energy.mode = *mode;
@@ -137,16 +137,16 @@ impl Channel {
                 }
                 self.law.set_bounds(*bounds);
                 self.delayed = *delayed;
-                self.energy.fine = *fine;
+                self.energy.fixed = *fixed;
             }
-            ChannelChange::Direct { power, fine } => {
+            ChannelChange::Direct { power, fixed } => {
                 let followed = self.law.follows();
                 self.law.set_direct(*power);
-                self.energy.fine = *fine;
+                self.energy.fixed = *fixed;
                 self.report_follow(at, followed);
             }
-            ChannelChange::Carrier { carrier, fine } => {
-                (self.energy.carrier, self.energy.fine) = (Some(*carrier), *fine)
+            ChannelChange::Carrier { carrier, fixed } => {
+                (self.energy.carrier, self.energy.fixed) = (Some(*carrier), *fixed)
             }
             ChannelChange::PulseWidth { us } => self.energy.width = Some(*us),
             ChannelChange::Delays(delays) => self.delays = *delays,

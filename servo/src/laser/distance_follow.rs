@@ -12,7 +12,7 @@ use super::power::{PowerBounds, Refused};
 use super::power_tables::{Curve, DISTANCES, Interval, PowerTables};
 use super::velocity_follow::SpeedSource;
 use super::{Positions, Power, fixed_point};
-use crate::math::real::Real;
+use crate::math::float::Float;
 use crate::units::{Axis, Pos};
 
 /// The source of the ratios.
@@ -62,9 +62,9 @@ impl Distance {
         from: Ratios,
         bounds: Option<PowerBounds>,
     ) -> Result<Distance, Refused> {
-        let mut reals = [Real::ZERO; DISTANCES];
+        let mut reals = [Float::ZERO; DISTANCES];
         for ((to, scale), ratio) in reals.iter_mut().zip(scales).zip(ratios) {
-            let (scale, ratio) = (fixed_point::real(scale)?, fixed_point::real(ratio)?);
+            let (scale, ratio) = (fixed_point::float(scale)?, fixed_point::float(ratio)?);
             if scale.is_negative() {
                 return Err(Refused::Negative);
             }

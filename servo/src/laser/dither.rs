@@ -18,9 +18,9 @@ pub const PPM: u64 = 1_000_000;
 pub const DUTY_STEPS: u64 = 100_000;
 /// The most periods of a repetition: at 100 counts per µs a period of 2 MHz has 50 counts, of which
 /// 10⁻⁶ is half a count after 10⁴ periods, and half a count is 10⁻⁵ of 1000 periods.
-const LONGEST: u32 = 10_000;
+const REPETITION_MAX_PERIODS: u32 = 10_000;
 /// A period this long holds any duty.
-const LONG: u64 = 1 << 40;
+const ANY_DUTY_MIN_COUNTS: u64 = 1 << 40;
 
 /// The clock of the machine's timers: counts per µs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -119,7 +119,7 @@ impl Repetitions {
             if exact && let Some(it) = fits(counts) {
                 return (periods, counts, Some(it));
             }
-            if periods >= LONGEST {
+            if periods >= REPETITION_MAX_PERIODS {
                 return (periods, counts, None);
             }
         }
@@ -134,20 +134,20 @@ fn spread(counts: u64, periods: u32) -> Count {
 
 /// A duty of this many counts, to the nearest; none if that is not within [`DUTY_STEPS`].
 fn active(counts: u64, duty: Power) -> Option<u64> {
-    if counts >= LONG {
+    if counts >= ANY_DUTY_MIN_COUNTS {
         // Exact enough in any case, and too long for the products below.
-        return Some((counts as u128 * duty.raw() as u128 / FULL as u128) as u64);
+        return Some((counts as u128 * duty.raw() as u128 / FULL_DUTY_RAW as u128) as u64);
     }
     let product = counts as u128 * duty.raw() as u128;
-    let half_up = product + (FULL / 2) as u128;
+    let half_up = product + (FULL_DUTY_RAW / 2) as u128;
     let nearest = (half_up >> Power::FRAC_BITS) as u64 / 100;
     // One more unit of power, so that the user's own number is within, too.
-    let off = (nearest as u128 * FULL as u128).abs_diff(product) + counts as u128;
-    (off * DUTY_STEPS as u128 <= counts as u128 * FULL as u128).then_some(nearest)
+    let off = (nearest as u128 * FULL_DUTY_RAW as u128).abs_diff(product) + counts as u128;
+    (off * DUTY_STEPS as u128 <= counts as u128 * FULL_DUTY_RAW as u128).then_some(nearest)
 }
 
 /// 100 %.
-const FULL: u64 = 100 << Power::FRAC_BITS;
+const FULL_DUTY_RAW: u64 = 100 << Power::FRAC_BITS;
 
 /// The train of a fixed frequency and duty with the shortest repetition.
 fn fixed(khz: Power, duty: Power, clock: Clock) -> Train {
@@ -366,13 +366,14 @@ impl Pattern {
 
 /// Periods of one run are 2 to this at most: the repetition counter of TIM15 has 8 bits (RM0433
 /// 41.5.12).
-const TIMES: u32 = 8;
+const RUN_MAX_LOG2_PERIODS: u32 = 8;
 
 /// 2 to this is more than how often a step fits, or as often as a run may have.
 #[inline(always)]
 const fn fits(into: u32, step: u32) -> u32 {
-    let bits = step.leading_zeros().wrapping_add(1).saturating_sub((into | 1 << (TIMES - 1)).leading_zeros());
-    if bits < TIMES { bits } else { TIMES }
+    let bits =
+        step.leading_zeros().wrapping_add(1).saturating_sub((into | 1 << (RUN_MAX_LOG2_PERIODS - 1)).leading_zeros());
+    if bits < RUN_MAX_LOG2_PERIODS { bits } else { RUN_MAX_LOG2_PERIODS }
 }
 
 /// One of a train's two counts in [`TrainSteps`]: the accumulator carries where a count is odd.

@@ -56,7 +56,7 @@ state! {
         /// command of the channel.
         pub(super) muted: bool = false,
         /// The last plan of the thread.
-        pub(super) fine: Option<FixedTrain> = None,
+        pub(super) fixed: Option<FixedTrain> = None,
     }
     pub(super) const POWER_ON;
 }
@@ -86,7 +86,7 @@ impl Energy {
         let duty = matches!(self.mode, PowerMode::Duty | PowerMode::DutyOpen);
         match &self.carrier {
             Some(carrier) if self.connector && duty && out.period == carrier.period() && !out.is_silent() => {
-                let planned = self.fine.as_ref().and_then(|fine| fine.power_over(carrier.khz()));
+                let planned = self.fixed.as_ref().and_then(|fixed| fixed.power_over(carrier.khz()));
                 Plain { gain: carrier.gain, planned: planned.map_or(-1, Power::raw) }
             }
             _ => Plain::NONE,
@@ -96,8 +96,8 @@ impl Energy {
     /// Power as a part of the carrier's period.
     #[inline]
     fn duty(&self, power: Power, carrier: &Carrier, train: &mut Train) {
-        match &self.fine {
-            Some(fine) if fine.is_of(carrier.khz(), power) => *train = *fine.train(),
+        match &self.fixed {
+            Some(fixed) if fixed.is_of(carrier.khz(), power) => *train = *fixed.train(),
             _ => (train.period, train.width) = (carrier.period(), carrier.share(power)),
         }
     }

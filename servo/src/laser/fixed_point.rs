@@ -4,12 +4,12 @@
 //! nothing. Fails: with the rule that a double breaks; a value too large for a power is held at the
 //! limit.
 use super::power::Refused;
-use crate::math::real::Real;
+use crate::math::float::Float;
 use crate::math::wide::{umul, umulhi};
 
 /// A double as a whole number of 2^-frac, to the nearest; |x| ≤ 2^most.
 pub(super) fn fixed(bits: u64, frac: i32, most: u32) -> Result<i64, Refused> {
-    let value = real(bits)?;
+    let value = float(bits)?;
     if value.width() > most as i32 + 1 {
         return Err(Refused::BeyondRange);
     }
@@ -22,12 +22,12 @@ pub(super) fn fixed(bits: u64, frac: i32, most: u32) -> Result<i64, Refused> {
 }
 
 /// A double as a real; subnormals are 0.
-pub(super) fn real(bits: u64) -> Result<Real, Refused> {
+pub(super) fn float(bits: u64) -> Result<Float, Refused> {
     let exponent = (bits >> 52 & 0x7ff) as i32;
     match exponent {
         0x7ff => Err(Refused::NotFinite),
-        0 => Ok(Real::ZERO),
-        _ => Ok(Real::new(bits >> 63 == 1, 1 << 52 | bits & ((1 << 52) - 1), exponent - 1075)),
+        0 => Ok(Float::ZERO),
+        _ => Ok(Float::new(bits >> 63 == 1, 1 << 52 | bits & ((1 << 52) - 1), exponent - 1075)),
     }
 }
 

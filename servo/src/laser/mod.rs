@@ -122,11 +122,11 @@ pub enum ChannelChange {
     /// Mode and bounds. Another mode ends the light at once, withdraws the on command and sets the
     /// direct power to 0; the same one takes the bounds and `delayed` only. `delayed`: the gate's
     /// delays apply (GUS: always).
-    Mode { mode: PowerMode, bounds: PowerBounds, delayed: bool, fine: Option<FixedTrain> },
+    Mode { mode: PowerMode, bounds: PowerBounds, delayed: bool, fixed: Option<FixedTrain> },
     /// Direct power.
-    Direct { power: Power, fine: Option<FixedTrain> },
+    Direct { power: Power, fixed: Option<FixedTrain> },
     /// Carrier of the duty modes.
-    Carrier { carrier: Carrier, fine: Option<FixedTrain> },
+    Carrier { carrier: Carrier, fixed: Option<FixedTrain> },
     /// Pulse width of the frequency mode, µs.
     PulseWidth { us: NonZeroU16 },
     /// Gate delays.
@@ -205,35 +205,26 @@ pub(crate) struct Wants {
     pub(crate) encoder: CrdMask,
 }
 
-/// All channels of a controller, and their common state.
-///
-/// In each tick, in this order: changes, link, starts and Stops of paths; events of paths
-/// ([`Lasers::buffered`], [`Lasers::crd_is_at_standstill`]) at any instants of the coming interval;
-/// their speeds ([`Lasers::feed`]); [`Lasers::run`].
-#[derive(Debug)]
-pub(crate) struct Lasers {
-    pub(crate) clock: Clock,
-    /// The interlock is open.
-    pub(crate) interlock: bool,
-    plan: Plan,
-    speeds: PathSpeeds,
-    displacements: [Displacements; CHANNELS],
-    channels: [Channel; CHANNELS],
+state! {
+    /// All channels of a controller, and their common state.
+    ///
+    /// In each tick, in this order: changes, link, starts and Stops of paths; events of paths
+    /// ([`Lasers::buffered`], [`Lasers::crd_is_at_standstill`]) at any instants of the coming
+    /// interval; their speeds ([`Lasers::feed`]); [`Lasers::run`].
+    #[derive(Debug)]
+    pub(crate) struct Lasers {
+        pub(crate) clock: Clock = clock,
+        /// The interlock is open.
+        pub(crate) interlock: bool = false,
+        plan: Plan = Plan::EMPTY,
+        speeds: PathSpeeds = PathSpeeds::STANDSTILL,
+        displacements: [Displacements; CHANNELS] = [Displacements::begin(0), Displacements::begin(1)],
+        channels: [Channel; CHANNELS] = [Channel::power_on(0), Channel::power_on(1)],
+    }
+    pub(crate) const fn new(clock: Clock);
 }
 
 impl Lasers {
-    pub(crate) const fn new(clock: Clock) -> Lasers {
-        let channels = [Channel::power_on(0), Channel::power_on(1)];
-        Lasers {
-            clock,
-            interlock: false,
-            plan: Plan::EMPTY,
-            speeds: PathSpeeds::STANDSTILL,
-            displacements: [Displacements::begin(0), Displacements::begin(1)],
-            channels,
-        }
-    }
-
     /// The published views of the channels.
     pub(crate) fn published(&self) -> impl Iterator<Item = &LaserView> {
         self.channels.iter().map(|channel| &channel.published)

@@ -14,7 +14,7 @@
 use super::fixed_point::{nearest, product, scaled};
 use super::power::{Power, Refused};
 use super::{CHANNELS, fixed_point};
-use crate::math::real::Real;
+use crate::math::float::Float;
 use crate::math::wide::narrow;
 use crate::path::PathSpeed;
 use crate::units::Pos;
@@ -98,7 +98,7 @@ impl Point {
     fn towards(self, next: Point) -> Point {
         let rise = (next.y as i128).wrapping_sub(self.y as i128);
         let run = (next.x as i128).wrapping_sub(self.x as i128).max(1);
-        let slope = Real::from_fixed(rise.unsigned_abs(), 0).div(Real::from_fixed(run as u128, 0));
+        let slope = Float::from_fixed(rise.unsigned_abs(), 0).div(Float::from_fixed(run as u128, 0));
         // Rounded up it may reach a power of two.
         let s = (54 - slope.width()).clamp(1, 126);
         let m = slope.to_fixed(s) as i64;

@@ -195,7 +195,7 @@ mod tests {
     /// Wherever the ring is: no slot of this tick or the one before is overwritten, and the next
     /// tick says so.
     #[test]
-    fn a_round_without_a_place_is_not_reported() {
+    fn a_cycle_without_a_slot_is_not_reported() {
         for before in 0..24usize {
             let mut ring = CycleRing::new(&FULL, [0, 0, 0]);
             while !ring.clear() {}

@@ -18,7 +18,7 @@ const PART_COUNTS: u32 = 32_768;
 /// The last two cycles are short if they end less than this many of the shortest ones before the
 /// end of the known interval. The last cycle queued begins less than three before it, and two more
 /// than that are enough for two cycles.
-pub(crate) const LATE: u32 = 5;
+pub(crate) const LATE_MIN_CYCLES: u32 = 5;
 
 /// Counts of the timer in a ns, in 2⁻³².
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

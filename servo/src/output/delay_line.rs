@@ -16,11 +16,11 @@ use core::sync::atomic::{AtomicU32, Ordering};
 pub const WORDS: usize = PLAN_ACTIONS + 8 * (2 + 2 * INSTANTS as usize);
 
 /// Bits of an action's word: its instant, its kind, a level or a cut, and whether counts follow.
-const INSTANT: u32 = (1 << 20) - 1;
-const KIND: u32 = 20;
-const FLAG: u32 = 1 << 22;
-const PERIOD: u32 = 1 << 23;
-const WIDTH: u32 = 1 << 24;
+const INSTANT_MASK: u32 = (1 << 20) - 1;
+const KIND_SHIFT: u32 = 20;
+const LEVEL_BIT: u32 = 1 << 22;
+const PERIOD_BIT: u32 = 1 << 23;
+const WIDTH_BIT: u32 = 1 << 24;
 
 const SWITCH: u32 = 0;
 const LIGHT: u32 = 1;
@@ -82,21 +82,21 @@ impl DelayLine {
             let (word, train) = match action {
                 Action::Switch(active) => {
                     self.lights |= *active;
-                    (SWITCH << KIND | if *active { FLAG } else { 0 }, None)
+                    (SWITCH << KIND_SHIFT | if *active { LEVEL_BIT } else { 0 }, None)
                 }
-                Action::Light(train) => (LIGHT << KIND, Some(train)),
-                Action::Change(train) => (CHANGE << KIND, Some(train)),
+                Action::Light(train) => (LIGHT << KIND_SHIFT, Some(train)),
+                Action::Change(train) => (CHANGE << KIND_SHIFT, Some(train)),
                 Action::Rate(rate) => {
-                    if !self.add_rate(CHANGE << KIND | FLAG | at & INSTANT, rate) {
+                    if !self.add_rate(CHANGE << KIND_SHIFT | LEVEL_BIT | at & INSTANT_MASK, rate) {
                         self.clear();
                         return false;
                     }
                     continue;
                 }
-                Action::Dark { standby, cut } => (DARK << KIND | if *cut { FLAG } else { 0 }, Some(standby)),
+                Action::Dark { standby, cut } => (DARK << KIND_SHIFT | if *cut { LEVEL_BIT } else { 0 }, Some(standby)),
                 Action::Volts(_) => continue,
             };
-            if !self.add_action(word | at & INSTANT, train, &mut trains) {
+            if !self.add_action(word | at & INSTANT_MASK, train, &mut trains) {
                 self.clear();
                 return false;
             }
@@ -117,10 +117,10 @@ impl DelayLine {
         let Some(train) = train else { return self.add(word) };
         self.lights |= !train.is_silent();
         let [light, standby] = trains;
-        let before = if word >> KIND & 3 == DARK { standby } else { light };
+        let before = if word >> KIND_SHIFT & 3 == DARK { standby } else { light };
         let (period, width) = (before.period != train.period, before.width != train.width);
         *before = train;
-        self.add(word | if period { PERIOD } else { 0 } | if width { WIDTH } else { 0 })
+        self.add(word | if period { PERIOD_BIT } else { 0 } | if width { WIDTH_BIT } else { 0 })
             && (!period || self.add_count(&train.period))
             && (!width || self.add_count(&train.width))
     }
@@ -179,7 +179,7 @@ impl Iterator for Replay<'_> {
     fn next(&mut self) -> Option<(u32, Action)> {
         let word = self.word(self.next)?;
         self.next = self.next.wrapping_add(1);
-        let (at, kind, flag) = (word & INSTANT, word >> KIND & 3, word & FLAG != 0);
+        let (at, kind, flag) = (word & INSTANT_MASK, word >> KIND_SHIFT & 3, word & LEVEL_BIT != 0);
         if kind == SWITCH {
             return Some((at, Action::Switch(flag)));
         }
@@ -187,10 +187,10 @@ impl Iterator for Replay<'_> {
             return Some((at, self.rate()));
         }
         let (mut period, mut width) = (0, 0);
-        if word & PERIOD != 0 {
+        if word & PERIOD_BIT != 0 {
             period = self.skip();
         }
-        if word & WIDTH != 0 {
+        if word & WIDTH_BIT != 0 {
             width = self.skip();
         }
         let ([of_light, of_standby], [by_light, by_standby]) = (&mut self.periods, &mut self.widths);

@@ -7,7 +7,7 @@
 //! An active pulse shorter than [`MIN_COUNTS`] may be missing, if there was no room for the cycle
 //! that would begin with its end; the shortest pulse that a command asks for is 1 µs. Gaps are
 //! exact, whatever their length.
-use super::cycles::{LATE, Lengths, Scale};
+use super::cycles::{LATE_MIN_CYCLES, Lengths, Scale};
 use crate::laser::CHANNELS;
 use crate::laser::{Action, PLAN_ACTIONS};
 
@@ -177,7 +177,7 @@ impl GateCycles {
 
     /// Queues everything for this many counts, after which a cycle begins.
     fn close(&mut self, counts: u32, sink: &mut impl FnMut(Cycle)) {
-        let is_late = counts.wrapping_add(LATE * MIN_COUNTS) > self.counts_to(self.known);
+        let is_late = counts.wrapping_add(LATE_MIN_CYCLES * MIN_COUNTS) > self.counts_to(self.known);
         for length in Lengths::of(counts, MIN_COUNTS, is_late) {
             let mut cycle = Cycle { length, ..Cycle::default() };
             for ((line, falls), rises) in self.lines.iter_mut().zip(&mut cycle.falls).zip(&mut cycle.rises) {

@@ -8,7 +8,7 @@
 //! before it, with a gap between them, would need its time: that pulse is left out. This happens
 //! only if light or standby is cut within 350 ns of a pulse's beginning and the pulse has ended
 //! before; carriers never come near.
-use super::cycles::{CYCLE_MAX_COUNTS, LATE, Lengths, Scale};
+use super::cycles::{CYCLE_MAX_COUNTS, LATE_MIN_CYCLES, Lengths, Scale};
 use crate::laser::Pattern;
 use crate::laser::{Action, FINISH_NS, PulseRate, Train};
 
@@ -205,8 +205,11 @@ impl PwmCycles {
         // Short cycles come after long ones.
         let is_short = length.max(whole) < 2 * MIN_COUNTS - 1;
         // The last two slots hold a period each, where they would not be short otherwise.
-        let (margin, alone) =
-            if is_short { (MIN_COUNTS, whole.wrapping_add(1).wrapping_mul(2)) } else { (LATE * MIN_COUNTS, 0) };
+        let (margin, alone) = if is_short {
+            (MIN_COUNTS, whole.wrapping_add(1).wrapping_mul(2))
+        } else {
+            (LATE_MIN_CYCLES * MIN_COUNTS, 0)
+        };
         let left = (to.saturating_sub(self.period_begin) as u32).saturating_sub(margin);
         if length <= left {
             if self.next.is_some() {
@@ -266,7 +269,7 @@ impl PwmCycles {
         // The part that is not queued yet is far below 2³² counts.
         let counts = at.wrapping_sub(self.begin) as u32;
         let mut light = self.until.saturating_sub(self.begin).min(counts.into()) as u32;
-        let is_late = counts.wrapping_add(LATE * MIN_COUNTS) > self.known.wrapping_sub(self.begin) as u32;
+        let is_late = counts.wrapping_add(LATE_MIN_CYCLES * MIN_COUNTS) > self.known.wrapping_sub(self.begin) as u32;
         for length in Lengths::of(counts, MIN_COUNTS, is_late) {
             sink(length, light.min(length), 1);
             light = light.saturating_sub(length);

@@ -10,8 +10,8 @@
 //! bits of its sweep; a full circle has the centre from the start, twice 64 bits. Their speeds are
 //! in the remaining bits: synVel in 44, synAcc and velEnd in 38. So the relative errors are 2⁻³⁹
 //! and 2⁻³³: less than a ns over 10 min of path, 2⁻¹⁶ pulse on ramps of 2¹⁷ pulses.
-use super::pack::{pack, real, unpack};
-use crate::math::real::Real;
+use super::pack::{float, pack, unpack};
+use crate::math::float::Float;
 use crate::segment::ramp::{Accel, Speed};
 use crate::units::{Axis, DoGroup, StepLimit};
 
@@ -75,7 +75,7 @@ const RATE_BITS: u32 = 32;
 fn within(bits: u64, least: i32) -> Result<u64, Refused> {
     const SPEED_MAX_BITS: u64 = (1023 + 15) << 52;
     if bits << 1 == 0 {
-        return if least < LOWEST { Ok(0) } else { Err(Refused::TooSmall) };
+        return if least < SPEED_MIN_LOG2 { Ok(0) } else { Err(Refused::TooSmall) };
     }
     if bits & 0x7ff << 52 == 0x7ff << 52 {
         return Err(Refused::NotFinite);
@@ -89,14 +89,14 @@ fn within(bits: u64, least: i32) -> Result<u64, Refused> {
     if bits >= ((1023 + least) as u64) << 52 {
         return Ok(bits);
     }
-    if least < LOWEST { Ok(0) } else { Err(Refused::TooSmall) }
+    if least < SPEED_MIN_LOG2 { Ok(0) } else { Err(Refused::TooSmall) }
 }
 
 /// The lowest speed and acceleration, and the lowest velEnd that is not 0, as powers of two.
-const LOWEST: i32 = -20;
-const LOWEST_END: i32 = -31;
+const SPEED_MIN_LOG2: i32 = -20;
+const END_SPEED_MIN_LOG2: i32 = -31;
 /// Top bytes of doubles from 2⁻³¹ to 2¹⁵, and of 0.
-const TOPS: [u64; 4] = [0, 0x3e, 0x3f, 0x40];
+const END_TOP_BYTES: [u64; 4] = [0, 0x3e, 0x3f, 0x40];
 
 impl MotionSpeeds {
     /// No motion.
@@ -105,7 +105,11 @@ impl MotionSpeeds {
     /// From the bits of synVel and velEnd (pulse/ms) and synAcc (pulse/ms²): 2⁻²⁰ ≤ synVel, synAcc
     /// ≤ 2¹⁵, velEnd from 0 to 2¹⁵; below 2⁻³¹ it is 0.
     pub fn admit(vel: u64, acc: u64, end: u64) -> Result<MotionSpeeds, Refused> {
-        Ok(MotionSpeeds { vel: within(vel, LOWEST)?, acc: within(acc, LOWEST)?, end: within(end, LOWEST_END)? })
+        Ok(MotionSpeeds {
+            vel: within(vel, SPEED_MIN_LOG2)?,
+            acc: within(acc, SPEED_MIN_LOG2)?,
+            end: within(end, END_SPEED_MIN_LOG2)?,
+        })
     }
 
     /// Speed, pulse/ms, as the bits of a double.
@@ -114,18 +118,18 @@ impl MotionSpeeds {
     }
 
     /// Speed, pulse/ms.
-    pub(super) fn vel(self) -> Real {
-        real(self.vel)
+    pub(super) fn vel(self) -> Float {
+        float(self.vel)
     }
 
     /// Acceleration, pulse/ms².
-    pub(super) fn acc(self) -> Real {
-        real(self.acc)
+    pub(super) fn acc(self) -> Float {
+        float(self.acc)
     }
 
     /// Speed at the end, pulse/ms.
-    pub(super) fn end(self) -> Real {
-        real(self.end)
+    pub(super) fn end(self) -> Float {
+        float(self.end)
     }
 }
 
@@ -152,14 +156,14 @@ impl Sweep {
 
     /// Half the turns given to the constructor: the angle between chord and tangent, or its
     /// supplement.
-    pub(super) fn half(self) -> Real {
-        real(self.turns).scale(-1)
+    pub(super) fn half(self) -> Float {
+        float(self.turns).scale(-1)
     }
 
     /// The whole sweep in turns.
-    pub(super) fn turns(self) -> Real {
-        let turns = real(self.turns);
-        if self.long { Real::ONE.sub(turns) } else { turns }
+    pub(super) fn turns(self) -> Float {
+        let turns = float(self.turns);
+        if self.long { Float::ONE.sub(turns) } else { turns }
     }
 
     /// Whether it is more than half a turn by its long form.
@@ -283,13 +287,13 @@ mod kind {
     pub const MOVE: u32 = 9;
     pub const LASER: u32 = 10;
     /// The bit of word 7 at which the kind begins.
-    pub const PLACE: u32 = 24;
+    pub const SHIFT: u32 = 24;
     /// Above the kind: plane, then these; for a planar line, velEnd's top byte.
-    pub const PLANE: u32 = 4;
+    pub const PLANE_SHIFT: u32 = 4;
     pub const CCW: u32 = 1 << 6;
-    pub const LONG: u32 = 1 << 7;
+    pub const LONG_ARC: u32 = 1 << 7;
     pub const MODAL: u32 = 1 << 6;
-    pub const TOP: u32 = 6;
+    pub const TOP_SHIFT: u32 = 6;
 }
 
 fn low(x: u64) -> u32 {
@@ -314,7 +318,7 @@ fn motion([a, b, c, d]: [u32; 4], along: MotionSpeeds, kind: u32) -> PathEntry {
 /// An entry that is no motion.
 fn other(kind: u32, words: [u32; 7]) -> PathEntry {
     let [a, b, c, d, e, f, g] = words;
-    PathEntry([a, b, c, d, e, f, g, kind << kind::PLACE])
+    PathEntry([a, b, c, d, e, f, g, kind << kind::SHIFT])
 }
 
 impl PathEntry {
@@ -322,8 +326,8 @@ impl PathEntry {
     pub fn planar(to: [i32; 2], along: MotionSpeeds) -> PathEntry {
         let [x, y] = to.map(|x| x as u32);
         let MotionSpeeds { vel, acc, end } = along;
-        let top = TOPS.iter().position(|top| *top == end >> 56).unwrap_or(0) as u32;
-        let last = high(end) & 0xff_ffff | (kind::PLANAR | top << kind::TOP) << kind::PLACE;
+        let top = END_TOP_BYTES.iter().position(|top| *top == end >> 56).unwrap_or(0) as u32;
+        let last = high(end) & 0xff_ffff | (kind::PLANAR | top << kind::TOP_SHIFT) << kind::SHIFT;
         PathEntry([x, y, low(vel), high(vel), low(acc), high(acc), low(end), last])
     }
 
@@ -336,8 +340,8 @@ impl PathEntry {
     pub fn arc(plane: Plane, to: [i32; 2], sweep: Sweep, along: MotionSpeeds) -> PathEntry {
         let [a, b] = to.map(|x| x as u32);
         let Sweep { turns, long, ccw } = sweep;
-        let flags = if long { kind::LONG } else { 0 } | if ccw { kind::CCW } else { 0 };
-        let kind = kind::ARC | (plane as u32) << kind::PLANE | flags;
+        let flags = if long { kind::LONG_ARC } else { 0 } | if ccw { kind::CCW } else { 0 };
+        let kind = kind::ARC | (plane as u32) << kind::PLANE_SHIFT | flags;
         motion([a, b, low(turns), high(turns)], along, kind)
     }
 
@@ -348,7 +352,7 @@ impl PathEntry {
         if !(1 << 20..1 << 61).contains(&most) {
             return Err(Refused::Centre);
         }
-        let kind = kind::CIRCLE | (plane as u32) << kind::PLANE | if ccw { kind::CCW } else { 0 };
+        let kind = kind::CIRCLE | (plane as u32) << kind::PLANE_SHIFT | if ccw { kind::CCW } else { 0 };
         let [a, b] = [a as u64, b as u64];
         Ok(motion([low(a), high(a), low(b), high(b)], along, kind))
     }
@@ -409,7 +413,7 @@ impl PathEntry {
     #[inline(always)]
     fn kind(&self) -> u32 {
         let [.., last] = self.0;
-        last >> kind::PLACE
+        last >> kind::SHIFT
     }
 
     /// Whether it is a line, an arc or a circle.
@@ -442,7 +446,7 @@ impl PathEntry {
             let end = if end == pack(vel, RATE_BITS) { vel } else { unpack(end, RATE_BITS) };
             MotionSpeeds { vel, acc: unpack(acc, RATE_BITS), end }
         };
-        let plane = match kind >> kind::PLANE & 3 {
+        let plane = match kind >> kind::PLANE_SHIFT & 3 {
             0 => Plane::Xy,
             1 => Plane::Yz,
             _ => Plane::Zx,
@@ -450,14 +454,14 @@ impl PathEntry {
         let axis = |index: u32| Axis::new(index as usize).unwrap_or_default();
         match kind & 15 {
             kind::PLANAR => {
-                let top = TOPS.get((kind >> kind::TOP) as usize & 3).copied().unwrap_or(0);
+                let top = END_TOP_BYTES.get((kind >> kind::TOP_SHIFT) as usize & 3).copied().unwrap_or(0);
                 let end = wide(g, h) & ((1 << 56) - 1) | top << 56;
                 let along = MotionSpeeds { vel: wide(c, d), acc: wide(e, f), end };
                 EntryContent::Line { to: [a as i32, b as i32, 0, 0], dimensions: 2, along }
             }
             kind::LINE => EntryContent::Line { to: [a, b, c, d].map(|x| x as i32), dimensions: 4, along: along() },
             kind::ARC => {
-                let sweep = Sweep { turns: wide(c, d), long: kind & kind::LONG != 0, ccw: kind & kind::CCW != 0 };
+                let sweep = Sweep { turns: wide(c, d), long: kind & kind::LONG_ARC != 0, ccw: kind & kind::CCW != 0 };
                 EntryContent::Arc { plane, to: [a as i32, b as i32], sweep, along: along() }
             }
             kind::CIRCLE => {

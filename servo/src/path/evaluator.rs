@@ -29,7 +29,7 @@ use super::geometry::{Bend, GearMotion as Geared, GeometryStep, MotionGeometry};
 use super::speed_profile::{Phase, Sketch, SpeedPlan};
 use super::store::PathEntries;
 use super::{DIMENSIONS, FineNs};
-use crate::math::real::Real;
+use crate::math::float::Float;
 use crate::segment::piece::{Motion, Piece};
 use crate::units::{Axis, Exact, Ns, Pos};
 use cursor::{Cursor, Gear, ORIGIN, Past};
@@ -93,10 +93,10 @@ state! {
         coming: MotionPosition = MotionPosition::NONE,
         /// The instant up to which all boundaries have been passed, and the speed there.
         time: FineNs = 0,
-        speed: Real = Real::ZERO,
+        speed: Float = Float::ZERO,
         cursors: [Cursor; 2] = [Cursor::NEW; 2],
         /// The motion in force, and the one after it, made ahead in ticks that have time for it.
-        motions: Pair<Prepared> = Pair { at: 0, both: [Prepared::NOTHING; 2] },
+        motions: Pair<Prepared> = Pair { at: 0, both: [Prepared::NONE; 2] },
         /// Its position while it does not move.
         here: [Pos; DIMENSIONS] = ORIGIN,
         /// Holds for all motions; a change acts on the motion in force with [`Path::replan`].
@@ -239,7 +239,7 @@ state! {
         /// The end of the FIFO, if nothing followed it when its plan was begun.
         open: Option<u32> = None,
     }
-    const NOTHING;
+    const NONE;
 }
 
 /// How far a motion is prepared.
@@ -445,7 +445,7 @@ impl Path {
     }
 
     fn set_off(&mut self, next: Ns, fifo: u8, feed: FifoEnds, source: &impl PathEntries) {
-        (self.fifo, self.stopping, self.speed, self.pieces.made) = (fifo, false, Real::ZERO, false);
+        (self.fifo, self.stopping, self.speed, self.pieces.made) = (fifo, false, Float::ZERO, false);
         self.time = (next.0 as FineNs) << 32;
         self.take_prepared_start(next, fifo);
         let cursor = self.cursor(fifo);

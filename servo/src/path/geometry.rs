@@ -10,7 +10,7 @@
 //! chord d. So an arc ends on its target whatever the rounding.
 use super::DIMENSIONS;
 use super::entry::{EntryContent, Plane, Sweep};
-use crate::math::real::Real;
+use crate::math::float::Float;
 use crate::math::sine::{sin_cos, sinc};
 use crate::math::wide::{mulhi_near, mulhi_su, umulhi};
 use crate::segment::piece::Scaled;
@@ -29,8 +29,8 @@ impl GearMotion {
     pub(super) const NONE: GearMotion = GearMotion { ratio: 0, width: 0 };
 
     /// `pulses` over a path of this length.
-    pub(super) fn over(pulses: i32, inverse: Real) -> GearMotion {
-        let ratio = Real::new(pulses < 0, pulses.unsigned_abs() as u64, 0).mul(inverse);
+    pub(super) fn over(pulses: i32, inverse: Float) -> GearMotion {
+        let ratio = Float::new(pulses < 0, pulses.unsigned_abs() as u64, 0).mul(inverse);
         let width = ratio.width().clamp(-40, 60);
         GearMotion { ratio: ratio.to_i64(62 - width), width }
     }
@@ -94,9 +94,9 @@ enum Geometry {
 const BIAS: u64 = 1 << 61;
 
 impl Geometry {
-    fn arc(plane: Plane, ccw: bool, vector: [i64; 2], radius: Real, turns: Real) -> Geometry {
+    fn arc(plane: Plane, ccw: bool, vector: [i64; 2], radius: Float, turns: Float) -> Geometry {
         let inverse = radius.recip();
-        let radial = vector.map(|x| Real::new(x < 0, x.unsigned_abs(), -30).mul(inverse).to_i64(30) as i32);
+        let radial = vector.map(|x| Float::new(x < 0, x.unsigned_abs(), -30).mul(inverse).to_i64(30) as i32);
         let (rate, shift) = rate(turns);
         Geometry::Arc { plane, ccw, vector, radius: radius.to_i64(30), radial, rate, shift }
     }
@@ -109,9 +109,9 @@ pub(super) enum GeometryStep {
     Line,
     Unit { distance: [i64; DIMENSIONS] },
     Chord { plane: Plane, sweep: Sweep },
-    Angle { plane: Plane, sweep: Sweep, chord: Real },
-    Radius { plane: Plane, sweep: Sweep, radius: Real, cot: Real },
-    Cycle { plane: Plane, ccw: bool, vector: [i64; 2], radius: Real, turns: Real },
+    Angle { plane: Plane, sweep: Sweep, chord: Float },
+    Radius { plane: Plane, sweep: Sweep, radius: Float, cot: Float },
+    Cycle { plane: Plane, ccw: bool, vector: [i64; 2], radius: Float, turns: Float },
 }
 
 /// The geometry of one motion.
@@ -121,13 +121,13 @@ pub(super) struct MotionGeometry {
     start: [Pos; DIMENSIONS],
     end: [Pos; DIMENSIONS],
     /// Pulses.
-    length: Real,
+    length: Float,
     geometry: Geometry,
 }
 
 /// Half of a number with 22 fraction bits.
-fn half(x: i64) -> Real {
-    Real::new(x < 0, x.unsigned_abs(), -(Pos::FRAC_BITS as i32) - 1)
+fn half(x: i64) -> Float {
+    Float::new(x < 0, x.unsigned_abs(), -(Pos::FRAC_BITS as i32) - 1)
 }
 
 /// Sum of squares.
@@ -142,7 +142,7 @@ impl MotionGeometry {
     pub(super) const NONE: MotionGeometry = MotionGeometry {
         start: [Pos(0); DIMENSIONS],
         end: [Pos(0); DIMENSIONS],
-        length: Real::ZERO,
+        length: Float::ZERO,
         geometry: Geometry::Line { unit: [BIAS; DIMENSIONS], heading: [0; DIMENSIONS], coordinates: 0 },
     };
 
@@ -155,7 +155,7 @@ impl MotionGeometry {
         item: &EntryContent,
         exact: Option<[Pos; DIMENSIONS]>,
     ) -> GeometryStep {
-        (self.start, self.end, self.length) = (start, start, Real::ZERO);
+        (self.start, self.end, self.length) = (start, start, Float::ZERO);
         match *item {
             EntryContent::Line { to, dimensions, .. } => {
                 let mut end = start;
@@ -175,15 +175,15 @@ impl MotionGeometry {
                 GeometryStep::Chord { plane, sweep }
             }
             EntryContent::Circle { plane, centre, ccw, .. } => {
-                let radius = Real::from_fixed(norm(&centre), 60).sqrt();
-                self.length = radius.mul(Real::TAU);
+                let radius = Float::from_fixed(norm(&centre), 60).sqrt();
+                self.length = radius.mul(Float::TAU);
                 let [a, b] = centre;
                 GeometryStep::Cycle {
                     plane,
                     ccw,
                     vector: [a.wrapping_neg(), b.wrapping_neg()],
                     radius,
-                    turns: Real::ONE,
+                    turns: Float::ONE,
                 }
             }
             _ => GeometryStep::Nothing,
@@ -210,7 +210,7 @@ impl MotionGeometry {
 
     fn line(&mut self) -> GeometryStep {
         let distance = [0, 1, 2, 3].map(|i: usize| difference(&self.start, &self.end, i));
-        self.length = Real::from_fixed(norm(&distance), 2 * Pos::FRAC_BITS as i32).sqrt();
+        self.length = Float::from_fixed(norm(&distance), 2 * Pos::FRAC_BITS as i32).sqrt();
         GeometryStep::Unit { distance }
     }
 
@@ -228,28 +228,28 @@ impl MotionGeometry {
     }
 
     fn chord(&mut self, plane: Plane, sweep: Sweep) -> GeometryStep {
-        let chord = Real::from_fixed(norm(&self.across(plane)), 2 * Pos::FRAC_BITS as i32).sqrt();
+        let chord = Float::from_fixed(norm(&self.across(plane)), 2 * Pos::FRAC_BITS as i32).sqrt();
         GeometryStep::Angle { plane, sweep, chord }
     }
 
-    fn angle(&mut self, plane: Plane, sweep: Sweep, chord: Real) -> GeometryStep {
+    fn angle(&mut self, plane: Plane, sweep: Sweep, chord: Float) -> GeometryStep {
         // sin(θ/2) = sin x with x = π·turns, in (0, π/2]
-        let x = sweep.half().mul(Real::TAU);
-        let sine = x.mul(Real::from_fixed(sinc(x.to_fixed(63) as u64) as u128, 63));
+        let x = sweep.half().mul(Float::TAU);
+        let sine = x.mul(Float::from_fixed(sinc(x.to_fixed(63) as u64) as u128, 63));
         let (_, cosine) = sin_cos(sweep.half().to_fixed(64) as u64);
         let inverse = sine.recip();
         let radius = chord.mul(inverse).scale(-1);
         if chord.is_zero() || radius.width() > 32 {
             return GeometryStep::Line;
         }
-        let cot = Real::new(false, cosine.max(0) as u64, -62).mul(inverse);
+        let cot = Float::new(false, cosine.max(0) as u64, -62).mul(inverse);
         GeometryStep::Radius { plane, sweep, radius, cot }
     }
 
-    fn radius(&mut self, plane: Plane, sweep: Sweep, radius: Real, cot: Real) -> GeometryStep {
+    fn radius(&mut self, plane: Plane, sweep: Sweep, radius: Float, cot: Float) -> GeometryStep {
         let [a, b] = self.across(plane);
         let turns = sweep.turns();
-        self.length = radius.mul(Real::TAU).mul(turns);
+        self.length = radius.mul(Float::TAU).mul(turns);
         // Left of the chord for a short counterclockwise arc.
         let right = sweep.is_ccw() == sweep.is_long();
         let tilt = if right { cot.negate() } else { cot };
@@ -258,7 +258,7 @@ impl MotionGeometry {
     }
 
     /// Its length in pulses.
-    pub(super) fn length(&self) -> Real {
+    pub(super) fn length(&self) -> Float {
         self.length
     }
 
@@ -421,7 +421,7 @@ fn difference(start: &[Pos; DIMENSIONS], end: &[Pos; DIMENSIONS], i: usize) -> i
 
 /// Turns per pulse, such that a path length in 2⁻³⁰ times it, high half, shifted up, is turns in
 /// 2⁻⁶⁴.
-fn rate(turns: Real) -> (u64, i32) {
+fn rate(turns: Float) -> (u64, i32) {
     // turns·2^64·2^-30 = (high half)·2^shift with the mantissa in 2^-64
     let width = turns.width();
     let mantissa = turns.to_fixed(64 - width).unsigned_abs();

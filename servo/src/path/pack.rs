@@ -3,7 +3,7 @@
 //!
 //! In: the bits of a double that is 0 or from 2⁻⁴⁷ to 2¹⁵. Out: the same rounded to a shorter
 //! mantissa. Cannot fail.
-use crate::math::real::Real;
+use crate::math::float::Float;
 
 /// Exponent of a double whose code is 0.
 const BASE: u64 = 1023 - 48;
@@ -23,12 +23,12 @@ pub(super) fn unpack(packed: u64, mantissa: u32) -> u64 {
 }
 
 /// A positive double as a real; 0 for what is not a normal positive number.
-pub(super) fn real(bits: u64) -> Real {
+pub(super) fn float(bits: u64) -> Float {
     let exponent = (bits >> 52) as i32;
     if exponent == 0 || exponent >= 0x7ff {
-        return Real::ZERO;
+        return Float::ZERO;
     }
-    Real::new(false, 1 << 52 | bits & ((1 << 52) - 1), exponent - 1075)
+    Float::new(false, 1 << 52 | bits & ((1 << 52) - 1), exponent - 1075)
 }
 
 #[cfg(test)]
@@ -53,6 +53,6 @@ mod tests {
         // Rounding up reaches the next power of two.
         assert_eq!(short(power(1) - 1, 32), power(1));
         assert_eq!(short(power(-48), 32), 0);
-        assert_eq!(real(power(-2) | 0x3_3333_3333_3333).to_fixed(60), 0x13_3333_3333_3333 << 6);
+        assert_eq!(float(power(-2) | 0x3_3333_3333_3333).to_fixed(60), 0x13_3333_3333_3333 << 6);
     }
 }

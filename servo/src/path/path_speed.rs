@@ -2,7 +2,7 @@
 //!
 //! In: the motion of a path, a displacement, or counts of encoders, with their interval. Out: a
 //! [`PathSpeed`]. Owns nothing. Cannot fail: a speed out of range saturates.
-use crate::math::real::Real;
+use crate::math::float::Float;
 use crate::math::wide::{mulhi_su, umulhi};
 use crate::segment::piece::{Motion, Piece, Recip};
 use crate::units::{Exact, Ns};
@@ -63,11 +63,11 @@ impl PathSpeed {
 
     /// Of a displacement in `period`.
     pub(crate) fn mean(displacement: Exact, period: Ns) -> PathSpeed {
-        PathSpeed::per_ms(Real::from_exact(displacement), period)
+        PathSpeed::per_ms(Float::from_exact(displacement), period)
     }
 
-    fn per_ms(displacement: Real, period: Ns) -> PathSpeed {
-        let speed = displacement.mul(Real::new(false, 1_000_000, 0)).div(Real::new(false, period.0, 0));
+    fn per_ms(displacement: Float, period: Ns) -> PathSpeed {
+        let speed = displacement.mul(Float::new(false, 1_000_000, 0)).div(Float::new(false, period.0, 0));
         PathSpeed(speed.to_fixed(PathSpeed::FRAC_BITS as i32).clamp(0, u64::MAX as i128) as u64)
     }
 
@@ -78,6 +78,6 @@ impl PathSpeed {
             let by = by.unsigned_abs().min(1 << 60) as u128;
             sum.wrapping_add(by * by)
         });
-        PathSpeed::per_ms(Real::from_fixed(sum, 2 * PathSpeed::COUNT_BITS as i32).sqrt(), period)
+        PathSpeed::per_ms(Float::from_fixed(sum, 2 * PathSpeed::COUNT_BITS as i32).sqrt(), period)
     }
 }

@@ -8,7 +8,7 @@
 //! All in squares of speeds: over a length s the square changes by 2·a·s, so that every question is
 //! one sum.
 use super::FineNs;
-use crate::math::real::Real;
+use crate::math::float::Float;
 use crate::segment::piece::{Motion, Piece, Recip};
 use crate::units::{Exact, Ns};
 
@@ -16,15 +16,15 @@ use crate::units::{Exact, Ns};
 #[derive(Debug, Clone, Copy)]
 pub(super) struct MotionLimits {
     /// Speed, pulse/ms.
-    pub(super) vel: Real,
+    pub(super) vel: Float,
     /// Acceleration, pulse/ms².
-    pub(super) acc: Real,
+    pub(super) acc: Float,
     /// Speed at the end, at most `vel`.
-    pub(super) end: Real,
+    pub(super) end: Float,
     /// Least time at constant speed, ms.
-    pub(super) even: Real,
+    pub(super) even: Float,
     /// Deceleration of a Stop in force.
-    pub(super) stop: Option<Real>,
+    pub(super) stop: Option<Float>,
 }
 
 /// An interval of constant acceleration.
@@ -35,9 +35,9 @@ pub(super) struct Phase {
     /// Its length.
     pub(super) length: Exact,
     /// Speed at its beginning, pulse/ms.
-    vel: Real,
+    vel: Float,
     /// Acceleration, pulse/ms².
-    acc: Real,
+    acc: Float,
 }
 
 /// The speed along a motion.
@@ -46,7 +46,7 @@ pub(super) struct SpeedPlan {
     phases: [Phase; 3],
     count: usize,
     /// Speed at its end.
-    pub(super) exit: Real,
+    pub(super) exit: Float,
     /// It comes to standstill before the motion ends.
     pub(super) halts: bool,
 }
@@ -54,36 +54,36 @@ pub(super) struct SpeedPlan {
 /// A motion that stops within 2⁻¹⁶ pulse counts as stopped: v² < 2·a·2⁻¹⁶. Planners of corner
 /// speeds round, too.
 const STANDSTILL: i32 = -15;
-const STILL: Phase = Phase { time: 0, length: Exact(0), vel: Real::ZERO, acc: Real::ZERO };
+const STILL: Phase = Phase { time: 0, length: Exact(0), vel: Float::ZERO, acc: Float::ZERO };
 
 /// Whether a ≥ b.
-fn reaches(a: Real, b: Real) -> bool {
+fn reaches(a: Float, b: Float) -> bool {
     !a.sub(b).is_negative()
 }
 
-fn larger(a: Real, b: Real) -> Real {
+fn larger(a: Float, b: Float) -> Float {
     if a.is_less(b) { b } else { a }
 }
 
 /// A time in ms, held below 2⁹⁴ units. To 2⁻²⁰ ns: so a whole number stays whole, in spite of the
 /// last bits of reals.
-pub(super) fn fine(ms: Real) -> FineNs {
-    let coarse = ms.mul(Real::MS).to_fixed(-12).unsigned_abs();
+pub(super) fn in_ms(ms: Float) -> FineNs {
+    let coarse = ms.mul(Float::FINE_NS_PER_MS).to_fixed(-12).unsigned_abs();
     coarse.min(1 << 82) << 12
 }
 
 /// A time as a number of ms.
-pub(super) fn ms(time: FineNs) -> Real {
-    Real::from_fixed(time, 0).mul(Real::FINE)
+pub(super) fn ms(time: FineNs) -> Float {
+    Float::from_fixed(time, 0).mul(Float::MS_PER_FINE_NS)
 }
 
 /// The length covered in `t` ms from a speed at an acceleration.
-fn distance(vel: Real, acc: Real, t: Real) -> Exact {
+fn distance(vel: Float, acc: Float, t: Float) -> Exact {
     t.mul(vel.add(acc.mul(t).scale(-1))).to_exact()
 }
 
 impl SpeedPlan {
-    pub(super) const NONE: SpeedPlan = SpeedPlan { phases: [STILL; 3], count: 0, exit: Real::ZERO, halts: false };
+    pub(super) const NONE: SpeedPlan = SpeedPlan { phases: [STILL; 3], count: 0, exit: Float::ZERO, halts: false };
 
     /// Makes a part of it. Returns whether that was the last.
     #[inline(never)]
@@ -118,7 +118,7 @@ impl SpeedPlan {
             Todo::Remainder => {
                 let Sketch { cruise, peak, .. } = *sketch;
                 if !cruise.is_zero() && !cruise.is_negative() {
-                    self.push(cruise.div(peak), peak, Real::ZERO);
+                    self.push(cruise.div(peak), peak, Float::ZERO);
                 }
                 self.ramp(peak, sketch.means.end, sketch.means.acc, sketch.inverse);
                 Todo::Nothing
@@ -146,8 +146,8 @@ impl SpeedPlan {
         self.phases.get(index).filter(|_| index < self.count)
     }
 
-    fn push(&mut self, span: Real, vel: Real, acc: Real) {
-        let time = fine(span);
+    fn push(&mut self, span: Float, vel: Float, acc: Float) {
+        let time = in_ms(span);
         if let Some(phase) = self.phases.get_mut(self.count)
             && time != 0
         {
@@ -157,7 +157,7 @@ impl SpeedPlan {
     }
 
     /// A change of speed at a rate whose reciprocal is `inverse`.
-    fn ramp(&mut self, from: Real, to: Real, acc: Real, inverse: Real) {
+    fn ramp(&mut self, from: Float, to: Float, acc: Float, inverse: Float) {
         let change = to.sub(from);
         let acc = if change.is_negative() { acc.negate() } else { acc };
         self.push(change.abs().mul(inverse), from, acc);
@@ -168,9 +168,9 @@ impl SpeedPlan {
         let MotionLimits { acc, end, .. } = sketch.means;
         let inverse = acc.recip();
         let (from, to) = (sketch.v.mul(sketch.v), end.mul(end));
-        let swing = acc.mul(sketch.length).scale(1);
-        let (low, high) = (from.sub(swing), from.add(swing));
-        (sketch.inverse, sketch.from, sketch.to, sketch.swing) = (inverse, from, to, swing);
+        let change = acc.mul(sketch.length).scale(1);
+        let (low, high) = (from.sub(change), from.add(change));
+        (sketch.inverse, sketch.from, sketch.to, sketch.change) = (inverse, from, to, change);
         self.exit = end;
         if !reaches(low, to) && !reaches(to, high) {
             return Todo::Peak;
@@ -179,7 +179,7 @@ impl SpeedPlan {
         self.exit = if !reaches(low, to) {
             high.sqrt()
         } else if to.is_zero() && low.is_less(acc.scale(STANDSTILL)) {
-            Real::ZERO
+            Float::ZERO
         } else {
             low.sqrt()
         };
@@ -189,14 +189,14 @@ impl SpeedPlan {
 
     /// To standstill, or as near to it as the motion is long, and never faster than without the
     /// Stop: a motion above its speed brakes to that at least as hard as it does.
-    fn brake(&mut self, mut v: Real, mut length: Real, means: &MotionLimits, dec: Real) {
+    fn brake(&mut self, mut v: Float, mut length: Float, means: &MotionLimits, dec: Float) {
         let MotionLimits { vel, acc, end, .. } = *means;
         if v.is_zero() {
             self.halts = true;
             return;
         }
         let (mut from, to) = (v.mul(v), end.mul(end));
-        let after = |from: Real, length: Real, rate: Real| from.sub(rate.mul(length).scale(1));
+        let after = |from: Float, length: Float, rate: Float| from.sub(rate.mul(length).scale(1));
         let mut gentle = dec;
         if vel.is_less(v) && dec.is_less(acc) {
             let (inverse, limit) = (acc.recip(), vel.mul(vel));
@@ -217,7 +217,7 @@ impl SpeedPlan {
                 // Gently until the motion's own braking begins.
                 let distance = to.sub(hard).div(acc.sub(gentle)).scale(-1);
                 let square = from.sub(gentle.mul(distance).scale(1));
-                let turn = if square.is_negative() { Real::ZERO } else { square.sqrt() };
+                let turn = if square.is_negative() { Float::ZERO } else { square.sqrt() };
                 self.ramp(v, turn, gentle, gentle.recip());
                 self.ramp(turn, end, acc, acc.recip());
                 self.exit = end;
@@ -229,7 +229,7 @@ impl SpeedPlan {
         // A motion that would end at standstill without the Stop does so with it, whatever is
         // rounded.
         let still = to.is_zero() && left.is_less(rate.scale(STANDSTILL));
-        self.exit = if self.halts || still { Real::ZERO } else { left.sqrt() };
+        self.exit = if self.halts || still { Float::ZERO } else { left.sqrt() };
         self.ramp(v, self.exit, rate, rate.recip());
     }
 }
@@ -253,18 +253,18 @@ state! {
     #[derive(Debug, Clone, Copy)]
     pub(super) struct Sketch {
         todo: Todo = Todo::Nothing,
-        v: Real = Real::ZERO,
-        length: Real = Real::ZERO,
-        means: MotionLimits = MotionLimits { vel: Real::ZERO, acc: Real::ZERO, end: Real::ZERO, even: Real::ZERO, stop: None },
+        v: Float = Float::ZERO,
+        length: Float = Float::ZERO,
+        means: MotionLimits = MotionLimits { vel: Float::ZERO, acc: Float::ZERO, end: Float::ZERO, even: Float::ZERO, stop: None },
         /// Squares of the speeds at both ends, and how much the motion may change them.
-        from: Real = Real::ZERO,
-        to: Real = Real::ZERO,
-        swing: Real = Real::ZERO,
+        from: Float = Float::ZERO,
+        to: Float = Float::ZERO,
+        change: Float = Float::ZERO,
         /// 1/acceleration.
-        inverse: Real = Real::ZERO,
-        peak: Real = Real::ZERO,
+        inverse: Float = Float::ZERO,
+        peak: Float = Float::ZERO,
         /// The length that the ramps leave for the peak speed; none in a triangle.
-        cruise: Real = Real::ZERO,
+        cruise: Float = Float::ZERO,
     }
     pub(super) const NONE;
 }
@@ -272,21 +272,21 @@ state! {
 impl Sketch {
     /// Of a motion over `length` from speed `v`.
     #[inline]
-    pub(super) fn begin(&mut self, v: Real, length: Real, means: MotionLimits) {
+    pub(super) fn begin(&mut self, v: Float, length: Float, means: MotionLimits) {
         (self.todo, self.v, self.length, self.means) = (Todo::Bound, v, length, means);
     }
 
     /// The peak speed, and the remaining length at it.
     fn aim(&mut self) {
-        let Sketch { v, length, from, to, swing, .. } = *self;
+        let Sketch { v, length, from, to, change, .. } = *self;
         let vel = self.means.vel;
         let halved = self.inverse.scale(-1);
-        (self.peak, self.cruise) = (vel, Real::ZERO);
+        (self.peak, self.cruise) = (vel, Float::ZERO);
         if vel.is_less(v) {
             self.cruise = length.sub(from.sub(to).mul(halved));
             return;
         }
-        let square = from.add(to).add(swing).scale(-1);
+        let square = from.add(to).add(change).scale(-1);
         let limit = vel.mul(vel);
         if limit.is_less(square) {
             self.cruise = length.sub(limit.scale(1).sub(from).sub(to).mul(halved));
@@ -316,9 +316,9 @@ impl Sketch {
 
 impl Phase {
     /// Speed `time` after its beginning.
-    pub(super) fn speed(&self, time: FineNs) -> Real {
+    pub(super) fn speed(&self, time: FineNs) -> Float {
         let speed = self.vel.add(self.acc.mul(ms(time)));
-        if speed.is_negative() { Real::ZERO } else { speed }
+        if speed.is_negative() { Float::ZERO } else { speed }
     }
 
     /// The length covered `time` after its beginning.
@@ -335,7 +335,7 @@ impl Phase {
         let late = (first << 32).wrapping_sub(begin) as u64;
         // The phase lasts less than 2^reach ns.
         let reach = (64 - ((self.time >> 32) as u64).leading_zeros() as i32 + 1).clamp(1, 62);
-        let unit = Real::FINE.scale(32 + reach);
+        let unit = Float::MS_PER_FINE_NS.scale(32 + reach);
         let (a, b) = (self.vel.mul(unit), self.acc.mul(unit).mul(unit).scale(-1));
         let frac = (60 - a.width().max(b.width())).clamp(0, 82);
         let tau = if reach <= 32 { late << (32 - reach) as u32 } else { late >> (reach - 32) as u32 };

@@ -12,7 +12,7 @@
 //! `tests/ramp_exact.rs`, the dispatcher's `tables_exact.rs`).
 mod fast;
 
-pub use crate::math::real::Scaled;
+pub use crate::math::float::Scaled;
 pub use crate::math::wide::Recip;
 use crate::math::wide::{mulhi_su, narrow};
 use crate::units::{Exact, Ns, Pos};
@@ -37,7 +37,7 @@ pub struct Motion {
 }
 
 /// 10⁶ ns in a ms, as a fraction of 2²⁰.
-const MS: u64 = 1_000_000 << 44;
+const NS_PER_MS_Q44: u64 = 1_000_000 << 44;
 
 impl Motion {
     /// At standstill.
@@ -83,7 +83,7 @@ impl Motion {
         }
         let m = m << room;
         let mantissa = 1 << 63 | self.recip.m >> 1;
-        let m = mulhi_su(mulhi_su(m, mantissa), MS);
+        let m = mulhi_su(mulhi_su(m, mantissa), NS_PER_MS_Q44);
         Scaled { m, e: e + room + 43 - self.recip.shift as i16 }
     }
 }
@@ -245,13 +245,13 @@ fn to_pos(s: i64, frac: i32) -> i64 {
 }
 
 /// Bits of an [`Exact`] below a [`Pos`].
-const CUT: u32 = 64 - Pos::FRAC_BITS;
+const CUT_BITS: u32 = 64 - Pos::FRAC_BITS;
 
 impl Exact {
     /// To the nearest position.
     #[inline(always)]
     pub fn round(self) -> Pos {
-        Pos((self.0.wrapping_add(1 << (CUT - 1)) >> CUT) as i64)
+        Pos((self.0.wrapping_add(1 << (CUT_BITS - 1)) >> CUT_BITS) as i64)
     }
 }
 

@@ -2,23 +2,23 @@
 //!
 //! In: the path at one tick, how the axis depends on it. Out: a motion in time. Integers only, so
 //! every machine derives the same bits. Cannot fail.
-use crate::math::real::Real;
+use crate::math::float::Float;
 use crate::path::Bend;
 use crate::segment::follow::motion_of;
 use crate::segment::piece::Motion;
 use crate::view::{CrdView, Drive};
 
 /// A number in 2⁻³⁰.
-fn part(x: i32) -> Real {
-    Real::new(x < 0, x.unsigned_abs() as u64, -30)
+fn part(x: i32) -> Float {
+    Float::new(x < 0, x.unsigned_abs() as u64, -30)
 }
 
 /// The motion of an axis of a coordinate system in its present state.
 pub(crate) fn share(drive: Drive, crd: &CrdView) -> Motion {
-    let (speed, change) = (Real::from_scaled(crd.motion.velocity()), Real::from_scaled(crd.motion.acceleration()));
+    let (speed, change) = (Float::from_scaled(crd.motion.velocity()), Float::from_scaled(crd.motion.acceleration()));
     match drive {
         Drive::Gear { ratio, .. } => {
-            let ratio = Real::from_scaled(ratio);
+            let ratio = Float::from_scaled(ratio);
             motion_of(ratio.mul(speed), ratio.mul(change))
         }
         Drive::Coordinate { index, .. } => {
@@ -31,24 +31,24 @@ pub(crate) fn share(drive: Drive, crd: &CrdView) -> Motion {
 }
 
 /// The velocity alone, pulse/ms.
-pub(crate) fn share_speed(drive: Drive, crd: &CrdView) -> Real {
-    let speed = Real::from_scaled(crd.motion.velocity());
+pub(crate) fn share_speed(drive: Drive, crd: &CrdView) -> Float {
+    let speed = Float::from_scaled(crd.motion.velocity());
     match drive {
-        Drive::Gear { ratio, .. } => Real::from_scaled(ratio).mul(speed),
+        Drive::Gear { ratio, .. } => Float::from_scaled(ratio).mul(speed),
         Drive::Coordinate { index, .. } => part(crd.heading.get(index as usize).copied().unwrap_or(0)).mul(speed),
     }
 }
 
 /// How a coordinate of the direction changes per pulse of path length.
-fn turning(bend: &Bend, heading: &[i32], index: usize) -> Real {
+fn turning(bend: &Bend, heading: &[i32], index: usize) -> Float {
     let [first, second] = bend.plane.coordinates();
     // A quarter turn on from the direction.
     let (across, minus) = match index {
         _ if index == first => (second, bend.ccw),
         _ if index == second => (first, !bend.ccw),
-        _ => return Real::ZERO,
+        _ => return Float::ZERO,
     };
     let across = part(heading.get(across).copied().unwrap_or(0));
     let across = if minus { across.negate() } else { across };
-    Real::new(false, bend.turns, bend.shift - 98).mul(Real::TAU).mul(across)
+    Float::new(false, bend.turns, bend.shift - 98).mul(Float::TAU).mul(across)
 }

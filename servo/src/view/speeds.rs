@@ -5,26 +5,26 @@
 //! chain. Cannot fail.
 use super::axis_motion::share_speed;
 use super::{AxisView, CrdView};
-use crate::math::real::Real;
+use crate::math::float::Float;
 use crate::segment::follow::{led, motion_of, straight};
 use crate::segment::piece::Motion;
 use crate::units::{Axis, AxisMask, Crd, Ns};
 
 /// Velocities, pulse/ms.
 pub(crate) struct AxisSpeeds<const AXES: usize> {
-    speeds: [Real; AXES],
+    speeds: [Float; AXES],
     known: AxisMask,
 }
 
 impl<const AXES: usize> AxisSpeeds<AXES> {
     /// None is known.
-    pub(crate) const NONE: AxisSpeeds<AXES> = AxisSpeeds { speeds: [Real::ZERO; AXES], known: AxisMask(0) };
+    pub(crate) const NONE: AxisSpeeds<AXES> = AxisSpeeds { speeds: [Float::ZERO; AXES], known: AxisMask(0) };
 
-    fn known(&self, axis: Axis) -> Option<Real> {
+    fn known(&self, axis: Axis) -> Option<Float> {
         self.speeds.get(axis.index()).copied().filter(|_| self.known.has(axis))
     }
 
-    fn learn(&mut self, axis: Axis, speed: Real) {
+    fn learn(&mut self, axis: Axis, speed: Float) {
         if let Some(slot) = self.speeds.get_mut(axis.index()) {
             *slot = speed;
             self.known.0 |= axis.mask().0;
@@ -47,15 +47,15 @@ impl<const AXES: usize> AxisSpeeds<AXES> {
         let mut speed = loop {
             let Some(lead) = at.lead else {
                 break match at.drive {
-                    Some(drive) => crd(drive.crd()).map_or(Real::ZERO, |crd| share_speed(drive, crd)),
-                    None => Real::from_scaled(at.motion.velocity()),
+                    Some(drive) => crd(drive.crd()).map_or(Float::ZERO, |crd| share_speed(drive, crd)),
+                    None => Float::from_scaled(at.motion.velocity()),
                 };
             };
             let Some(master) = lead.axis else {
-                let displacement = Real::from_scaled(straight(at.master_displacement, period.0).velocity());
+                let displacement = Float::from_scaled(straight(at.master_displacement, period.0).velocity());
                 break led(&at.motion, lead, displacement);
             };
-            let (Some(slot), Some(next)) = (masters.get_mut(depth), axes(master)) else { break Real::ZERO };
+            let (Some(slot), Some(next)) = (masters.get_mut(depth), axes(master)) else { break Float::ZERO };
             *slot = master;
             depth = depth.wrapping_add(1);
             if let Some(speed) = self.known(master) {
@@ -76,6 +76,6 @@ impl<const AXES: usize> AxisSpeeds<AXES> {
         if let Some(axis) = axis {
             self.learn(axis, speed);
         }
-        motion_of(speed, Real::ZERO)
+        motion_of(speed, Float::ZERO)
     }
 }

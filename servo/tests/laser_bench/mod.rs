@@ -280,7 +280,7 @@ pub struct Bench {
     known: (PowerMode, Power, Option<Carrier>),
     clock: Clock,
     /// Whether the thread plans repetitions.
-    pub fine: bool,
+    pub fixed: bool,
     /// Entries of each FIFO.
     pushed: [[u32; 2]; 2],
 }
@@ -375,7 +375,7 @@ impl Bench {
             seq: 0,
             known,
             clock,
-            fine: true,
+            fixed: true,
             pushed: [[0; 2]; 2],
         }
     }
@@ -396,7 +396,7 @@ impl Bench {
 
     fn plan(&self) -> Option<FixedTrain> {
         let (mode, power, carrier) = self.known;
-        if self.fine { FixedTrain::plan(mode, power, carrier.as_ref(), self.clock) } else { None }
+        if self.fixed { FixedTrain::plan(mode, power, carrier.as_ref(), self.clock) } else { None }
     }
 
     pub fn mode(&mut self, mode: PowerMode, max: f64, min: f64, delayed: bool) {
@@ -404,18 +404,18 @@ impl Bench {
             self.known.1 = power(min);
         }
         self.known.0 = mode;
-        self.change(ChannelChange::Mode { mode, bounds: bounds(mode, max, min), delayed, fine: self.plan() });
+        self.change(ChannelChange::Mode { mode, bounds: bounds(mode, max, min), delayed, fixed: self.plan() });
     }
 
     pub fn direct(&mut self, value: f64) {
         self.known.1 = power(value);
-        self.change(ChannelChange::Direct { power: power(value), fine: self.plan() });
+        self.change(ChannelChange::Direct { power: power(value), fixed: self.plan() });
     }
 
     pub fn carrier(&mut self, khz: f64) {
         let carrier = Carrier::admit(power(khz), self.clock).unwrap();
         self.known.2 = Some(carrier);
-        self.change(ChannelChange::Carrier { carrier, fine: self.plan() });
+        self.change(ChannelChange::Carrier { carrier, fixed: self.plan() });
     }
 
     pub fn width(&mut self, us: u16) {

@@ -107,10 +107,10 @@ fn a_gentle_stop_does_not_stay_above_the_speed_of_a_motion() {
         bench.path.rules.set_stop(dec(stop));
         bench.start(0);
         bench.until(14_000_000);
-        let way = 50.0 + 10.0 * ((bench.now - BEGIN) as f64 / 1e6 - 10.0);
+        let travelled = 50.0 + 10.0 * ((bench.now - BEGIN) as f64 / 1e6 - 10.0);
         bench.stop(false);
         let step = bench.finish();
-        let corner = 100.0 - 2.0 * stop * (100.0 - way);
+        let corner = 100.0 - 2.0 * stop * (100.0 - travelled);
         // To 4 at 1 pulse/ms², wherever boundaries are.
         let slow = 100.0 + (corner - 16.0) / 2.0;
         let rest = if end < 4.0 { f64::from(second) + end * end / (2.0 * stop) } else { slow + 16.0 / (2.0 * stop) };

@@ -18,8 +18,8 @@ pub const FOUND: &[Planted] = &[
         by: By::Reference,
         places: &[(
             "servo/src/segment/follow/master_path.rs",
-            "let (t, part) = if t > last { (last, u32::MAX) } else { (t, fine as u32) };",
-            "if t >= piece.span {\n        return Piece::END;\n    }\n    let (t, part) = (t.min(last), fine as u32);",
+            "let (t, part) = if t > last { (last, u32::MAX) } else { (t, at as u32) };",
+            "if t >= piece.span {\n        return Piece::END;\n    }\n    let (t, part) = (t.min(last), at as u32);",
         )],
     },
     Planted {
@@ -63,8 +63,8 @@ pub const FOUND: &[Planted] = &[
         by: By::Doors,
         places: &[(
             "dispatcher/src/admit/laser/energy.rs",
-            "let output = pulses.filter(|_| !paired || are_pwm(context, None));",
-            "let output = pulses.filter(|_| !paired || are_pwm(context, None) || paired);",
+            "let output = pulses.filter(|_| !paired || are_pwm(self, None));",
+            "let output = pulses.filter(|_| !paired || are_pwm(self, None) || paired);",
         )],
     },
     Planted {

@@ -242,8 +242,8 @@ pub const LIGHT: &[Mutant] = &[
     Mutant {
         name: "light: an entry for a channel that is not mapped is admitted",
         file: "dispatcher/src/admit/laser/buffered.rs",
-        text: "    if CrdMask(context.laser(channel).map).has(crd) {",
-        broken: "    if context.laser(channel).map != 0 || CrdMask(context.laser(channel).map).has(crd) {",
+        text: "        if CrdMask(self.laser(channel).map).has(crd) {",
+        broken: "        if self.laser(channel).map != 0 || CrdMask(self.laser(channel).map).has(crd) {",
         test: OWNERS,
     },
     Mutant {

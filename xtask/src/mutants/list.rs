@@ -34,7 +34,7 @@ const GUARDS: &[&str] = &["-p", "beamtick-servo", "--test", "all", "--", "tick_g
 const CRD_AHEAD: &[&str] = &["-p", "beamtick-dispatcher", "--test", "all", "--", "crd_ahead::"];
 const LOOK_AHEAD: &[&str] = &["-p", "beamtick-dispatcher", "--test", "all", "--", "lookahead::"];
 const PROGRAM_ENDS: &[&str] = &["-p", "beamtick-dispatcher", "--test", "all", "--", "program_ends::"];
-const LIFE_WRAPS: &[&str] = &["-p", "beamtick-host-tests", "--test", "long_life", "--", "counters_go_round"];
+const LIFE_WRAPS: &[&str] = &["-p", "beamtick-host-tests", "--test", "long_life", "--", "counters_wrap"];
 const LIFE_COUNTS: &[&str] = &["-p", "beamtick-host-tests", "--test", "long_life", "--", "counts_of_a_path"];
 const LIFE_OLD: &[&str] = &["-p", "beamtick-host-tests", "--test", "long_life", "--", "what_was_executed_long_ago"];
 const FUZZ_LINK: &[&str] = &["-p", "beamtick-fuzz", "--test", "corpus", "--", "link"];
@@ -140,7 +140,7 @@ pub const LIST: &[Mutant] = &[
         "is_some_and(|last| *last > at)",
         GATE,
     ),
-    mutant("an on command takes the place of its off", EDGES, "self.len < EDGES - 1", "self.len < EDGES", GATE),
+    mutant("an on command replaces its off", EDGES, "self.len < EDGES - 1", "self.len < EDGES", GATE),
     // -- safety, in the tick -------------------------------------------------------------------
     mutant("a dark channel's plan does not rest", SAFETY, "plan.safe_state = true;", "plan.safe_state = false;", GATE),
     mutant(
@@ -263,9 +263,9 @@ pub const LIST: &[Mutant] = &[
         "vel = vel.min(vel / share);",
         LOOK_AHEAD,
     ),
-    // -- counters that go round -----------------------------------------------------------------
+    // -- counters that wrap ----------------------------------------------------------------------
     mutant(
-        "places in a lane are compared as they stand",
+        "entry numbers of a lane are compared as they stand",
         "dispatcher/src/shadow/entry_numbers.rs",
         "(last.wrapping_sub(seq) << 1).cast_signed() >= 0",
         "last >= seq",
@@ -279,7 +279,7 @@ pub const LIST: &[Mutant] = &[
         LIFE_OLD,
     ),
     mutant(
-        "places of a path are counted as they stand",
+        "free slots of a path are counted as they stand",
         "dispatcher/src/shadow/crd_space.rs",
         "self.path(fifo).data.given.wrapping_sub(self.released(sampled, fifo))",
         "self.path(fifo).data.given.saturating_sub(self.released(sampled, fifo))",
@@ -534,7 +534,7 @@ pub const LIST: &[Mutant] = &[
         H743_STACK,
     ),
     mutant(
-        "H743: analog inputs change places",
+        "H743: analog inputs are exchanged",
         "hal/src/stm32h743/adc.rs",
         "const CHANNELS: [usize; INPUTS] = [1, 0];",
         "const CHANNELS: [usize; INPUTS] = [0, 1];",

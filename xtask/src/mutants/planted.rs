@@ -67,8 +67,8 @@ pub struct Planted {
 
 const OWNER: &str = "servo/src/laser/light_owner.rs";
 const EXECUTE: &str = "servo/src/tick/execute.rs";
-const DESK: &str = "dispatcher/src/session/commands.rs";
-const BOOKS: &str = "dispatcher/src/shadow.rs";
+const COMMAND_HANDLER: &str = "dispatcher/src/session/commands.rs";
+const SHADOW: &str = "dispatcher/src/shadow.rs";
 
 const LIGHT: &[Planted] = &[
     Planted {
@@ -140,15 +140,19 @@ const LIGHT: &[Planted] = &[
         name: "the link-loss time outlives Reset and session",
         by: By::Light,
         places: &[
-            (BOOKS, "                self.watch = Watch::DEFAULT;\n", ""),
-            (DESK, "        let watch = Watch::DEFAULT;\n", "        let watch = self.admission.admitted.watch;\n"),
+            (SHADOW, "                self.watch = Watch::DEFAULT;\n", ""),
+            (
+                COMMAND_HANDLER,
+                "        let watch = Watch::DEFAULT;\n",
+                "        let watch = self.admission.admitted.watch;\n",
+            ),
         ],
     },
     Planted {
         name: "the link-loss time outlives the session",
         by: By::Light,
         places: &[(
-            DESK,
+            COMMAND_HANDLER,
             "        let watch = Watch::DEFAULT;\n",
             "        let watch = self.admission.admitted.watch;\n",
         )],

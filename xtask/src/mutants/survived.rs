@@ -34,7 +34,7 @@ const SAFETY: &str = "servo/src/laser/safety.rs";
 const RECEIVE: &str = "protocol/src/link/receive.rs";
 const SERVER: &str = "dispatcher/src/session/server.rs";
 const PROGRAM_END: &str = "dispatcher/src/program/end.rs";
-const DESK: &str = "dispatcher/src/session/commands.rs";
+const COMMAND_HANDLER: &str = "dispatcher/src/session/commands.rs";
 
 /// Those of one crate together.
 pub const SURVIVED: &[Mutant] = &[
@@ -68,8 +68,8 @@ pub const SURVIVED: &[Mutant] = &[
         CAUSES,
     ),
     mutant("an axis that goes along is not looked at", DRIVE, "if others().any(", "if false && others().any(", CAUSES),
-    mutant("plans stay spared for another cause", SAFETY, "        self.grace = 0;\n", "", CAUSES),
-    mutant("three plans are spared", SAFETY, "self.grace = 2;", "self.grace = 3;", CAUSES),
+    mutant("plans keep their grace for another cause", SAFETY, "        self.grace = 0;\n", "", CAUSES),
+    mutant("three plans have grace", SAFETY, "self.grace = 2;", "self.grace = 3;", CAUSES),
     mutant(
         "a limit is reported before an alarm",
         ORDERS,
@@ -130,14 +130,14 @@ pub const SURVIVED: &[Mutant] = &[
     ),
     mutant("a path waits for who has come", DRIVE, "awaited.filter(|_| state.path.waits());", "awaited;", CRD_GUARDS),
     mutant(
-        "the room of a motion is that of the one before",
+        "the free range of a motion is that of the one before",
         DRIVE,
         "            self.clearance = [next, Clearance::Unknown];\n",
         "            let _ = next;\n",
         CRD_GUARDS,
     ),
     mutant(
-        "the room of a motion stays over what is done at its end",
+        "the free range of a motion stays over what is done at its end",
         DRIVE,
         "        state.clearance = [Clearance::Unknown; 2];\n        published.moves",
         "        published.moves",
@@ -301,7 +301,7 @@ pub const SURVIVED: &[Mutant] = &[
     ),
     mutant(
         "answers that are awaited are sent in the next session",
-        DESK,
+        COMMAND_HANDLER,
         "        self.replies.abandon();\n        self.admission.loading",
         "        self.admission.loading",
         SESSIONS,
@@ -315,7 +315,7 @@ pub const SURVIVED: &[Mutant] = &[
     ),
     mutant(
         "a configuration goes on in the next session",
-        DESK,
+        COMMAND_HANDLER,
         "        self.config = None;\n        self.joined = Joined::default();",
         "        self.joined = Joined::default();",
         SESSIONS,
@@ -356,7 +356,7 @@ pub const SURVIVED: &[Mutant] = &[
         LIFE,
     ),
     mutant(
-        "what comes again under a number takes its place",
+        "what comes again under a number replaces it",
         RECEIVE,
         "        if slot.full {\n",
         "        if slot.full && sequence == u16::MAX {\n",

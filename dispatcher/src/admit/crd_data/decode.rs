@@ -8,7 +8,7 @@ use crate::admit::written::TakenValues;
 use crate::admit::{crd, io, many, one};
 use crate::configuration::ones;
 use crate::plan::look_ahead::ALONG_MIN;
-use crate::refuse::{Admitted, Refused, choice, real};
+use crate::refuse::{Admitted, Refused, bits_of, choice, real};
 use protocol::command::{
     ArcXYC, ArcXYR, ArcYZC, ArcYZR, ArcZXC, ArcZXR, BufDA, BufDelay, BufDoBit, BufGear, BufIO, BufMove, CrdData,
     CrdPoint, LnXY, LnXYG0, LnXYZ, LnXYZA, Wire, opcode,
@@ -147,12 +147,8 @@ pub fn decode<const AXES: usize>(context: &Context<AXES>, number: u16, body: &[u
         }
         opcode::BufIO => {
             let r = one::<BufIO>(body)?;
-            let (group, first, count) = io::group(context, r.core.get(), 2, selector(r.do_type.get()))?;
-            let all = ones(count.min(16));
-            let mask = u64::from(r.do_mask.get());
-            if mask & !all != 0 {
-                return Err(Refused::new(Reason::OutOfRange).field(3).got(mask as f64).limits(0.0, all as f64));
-            }
+            let (group, first, count) = context.output_group(r.core.get(), 2, selector(r.do_type.get()))?;
+            let mask = bits_of(3, r.do_mask.get().into(), ones(count.min(16)))?;
             let value = u64::from(r.do_value.get()) & mask;
             let entry = PathEntry::output(group, mask << first, value << first);
             Ok((target!(r, 5), FifoItem::Entry(entry, EntryKind::Output)))
@@ -160,7 +156,7 @@ pub fn decode<const AXES: usize>(context: &Context<AXES>, number: u16, body: &[u
         opcode::BufDoBit => {
             let r = one::<BufDoBit>(body)?;
             let output = (selector(r.do_type.get()), selector(r.index.get()), r.value.get());
-            let (group, bit, high) = io::output(context, r.core.get(), 2, output)?;
+            let (group, bit, high) = context.output_bit(r.core.get(), 2, output)?;
             let entry = PathEntry::output(group, 1 << bit, u64::from(high) << bit);
             Ok((target!(r, 5), FifoItem::Entry(entry, EntryKind::Output)))
         }
@@ -179,7 +175,7 @@ pub fn decode<const AXES: usize>(context: &Context<AXES>, number: u16, body: &[u
             real(5, acc, ALONG_MIN, crd::VALUE_MAX)?;
             let modal = choice(6, r.modal.get(), 0, 1)? == 1;
             let entry = PathEntry::travel(axis, r.pos.get(), (vel.to_bits(), limit), acc.to_bits(), modal)
-                .map_err(|_| Refused::new(Reason::OutOfRange).field(4).got(vel).limits(ALONG_MIN, most))?;
+                .map_err(|_| Refused::range(4, vel, ALONG_MIN, most))?;
             Ok((target!(r, 7), FifoItem::Entry(entry, EntryKind::Move(axis))))
         }
         _ => {

@@ -70,7 +70,7 @@ pub fn mode<const AXES: usize>(context: &mut Context<AXES>, r: &SetLaserDisMode)
         channel,
         DistanceShadow { first, source, reference, scale, ratio, from: Ratios::Fixed, bounds: None },
     )?;
-    Ok(took(context, &scale, taking.held))
+    Ok(took(context, &scale, taking.limited))
 }
 
 /// Fixed ratios, which also replace a table. Bounds that are not given stay.
@@ -83,40 +83,37 @@ pub fn ratios<const AXES: usize>(context: &mut Context<AXES>, r: &SetLaserDisRat
     shadow.from = Ratios::Fixed;
     let mut taking = Taking::new(context.is_lsr());
     if r.bounds_given != 0 {
-        shadow.bounds = bounds(context, channel, &mut taking, 2, (r.min.get(), r.max.get()))?;
+        shadow.bounds = context.distance_bounds(channel, &mut taking, 2, (r.min.get(), r.max.get()))?;
     }
     stage(context, channel, shadow)?;
-    Ok(bounds_reply(context, channel, &shadow, taking.held))
+    Ok(context.distance_bounds_reply(channel, &shadow, taking.limited))
 }
 
-/// Bounds of the follow's own: GUS has them, LSR ignores them. `field` is that of the minimum; the
-/// maximum's is the next.
-pub fn bounds<const AXES: usize>(
-    context: &Context<AXES>,
-    channel: u8,
-    taking: &mut Taking,
-    field: u8,
-    (min, max): (f64, f64),
-) -> Admitted<Option<PowerBounds>> {
-    if context.is_lsr() {
-        return Ok(None);
+impl<const AXES: usize> Context<'_, AXES> {
+    /// Bounds of the follow's own: GUS has them, LSR ignores them. `field` is that of the minimum;
+    /// the maximum's is the next.
+    pub fn distance_bounds(
+        &self,
+        channel: u8,
+        taking: &mut Taking,
+        field: u8,
+        (min, max): (f64, f64),
+    ) -> Admitted<Option<PowerBounds>> {
+        if self.is_lsr() {
+            return Ok(None);
+        }
+        if max < min {
+            return Err(Refused::new(Reason::BelowMinimum).field(field + 1).got(max).limits(min, min));
+        }
+        let mode = self.laser(channel).mode;
+        let range = powers(mode, false, self.shadows.high_resolution);
+        let (min, max) = (taking.take(field, 1, min, range)?, taking.take(field + 1, 0, max, range)?);
+        own_bounds(mode, (field, min), (field + 1, max)).map(Some)
     }
-    if max < min {
-        return Err(Refused::new(Reason::BelowMinimum).field(field + 1).got(max).limits(min, min));
-    }
-    let mode = context.laser(channel).mode;
-    let range = powers(mode, false, context.shadows.laser_fine);
-    let (min, max) = (taking.take(field, 1, min, range)?, taking.take(field + 1, 0, max, range)?);
-    own_bounds(mode, (field, min), (field + 1, max)).map(Some)
-}
 
-/// The reply: the bounds that hold for it, which are those of the mode if it has none.
-pub fn bounds_reply<const AXES: usize>(
-    context: &mut Context<AXES>,
-    channel: u8,
-    shadow: &DistanceShadow,
-    held: u8,
-) -> Answer {
-    let bounds = shadow.bounds.unwrap_or(context.laser(channel).bounds);
-    took(context, &[units(bounds.max()), units(bounds.min())], held)
+    /// The reply: the bounds that hold for it, which are those of the mode if it has none.
+    pub fn distance_bounds_reply(&mut self, channel: u8, shadow: &DistanceShadow, limited: u8) -> Answer {
+        let bounds = shadow.bounds.unwrap_or(self.laser(channel).bounds);
+        took(self, &[units(bounds.max()), units(bounds.min())], limited)
+    }
 }

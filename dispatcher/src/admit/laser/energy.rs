@@ -35,27 +35,31 @@ const WIDTH_MAX_US: (u16, u16) = (65_535, 4_000);
 const WIDTH_LIMITED: u8 = 1 << 7;
 
 /// The highest frequency.
-fn highest(lsr: bool, fine: bool) -> f64 {
-    if lsr { LSR_KHZ[usize::from(fine)] } else { GUS_KHZ }
+fn highest(lsr: bool, high_resolution: bool) -> f64 {
+    if lsr { LSR_KHZ[usize::from(high_resolution)] } else { GUS_KHZ }
 }
 
 /// Range of a carrier.
-fn carriers(lsr: bool, fine: bool) -> Range {
-    Range::frequency(highest(lsr, fine))
+fn carriers(lsr: bool, high_resolution: bool) -> Range {
+    Range::frequency(highest(lsr, high_resolution))
 }
 
 /// Range of a bound of the power in a mode.
-pub fn powers(mode: PowerMode, lsr: bool, fine: bool) -> Range {
+pub fn powers(mode: PowerMode, lsr: bool, high_resolution: bool) -> Range {
     match mode {
         PowerMode::Duty | PowerMode::DutyOpen => DUTY,
-        PowerMode::Frequency => Range::new(0.0, highest(lsr, fine)),
+        PowerMode::Frequency => Range::new(0.0, highest(lsr, high_resolution)),
         PowerMode::Analog => VOLTS,
     }
 }
 
 /// Range of a direct power in a mode: a rate other than 0 is at least 1 Hz.
-pub fn direct_powers(mode: PowerMode, lsr: bool, fine: bool) -> Range {
-    if mode == PowerMode::Frequency { Range::rate(highest(lsr, fine)) } else { powers(mode, lsr, fine) }
+pub fn direct_powers(mode: PowerMode, lsr: bool, high_resolution: bool) -> Range {
+    if mode == PowerMode::Frequency {
+        Range::rate(highest(lsr, high_resolution))
+    } else {
+        powers(mode, lsr, high_resolution)
+    }
 }
 
 /// Bit of `held` for pulses of this width (µs) that reach the period at this power.
@@ -67,8 +71,7 @@ pub fn limited(mode: PowerMode, width_us: u16, power: Power) -> u8 {
 
 /// A checked number in the tick's format. The checks allow nothing that it refuses.
 pub fn power(field: u8, value: f64) -> Admitted<Power> {
-    Power::admit(value.to_bits())
-        .map_err(|_| Refused::new(Reason::OutOfRange).field(field).got(value).limits(0.0, GUS_KHZ))
+    Power::admit(value.to_bits()).map_err(|_| Refused::range(field, value, 0.0, GUS_KHZ))
 }
 
 /// Checked bounds in the tick's format, each with its field.
@@ -78,7 +81,7 @@ pub fn own_bounds(mode: PowerMode, min: (u8, f64), max: (u8, f64)) -> Admitted<P
 }
 
 fn carrier(field: u8, khz: f64, clock: Clock) -> Admitted<Carrier> {
-    let no = |_| Refused::new(Reason::OutOfRange).field(field).got(khz).limits(0.0, GUS_KHZ);
+    let no = |_| Refused::range(field, khz, 0.0, GUS_KHZ);
     Carrier::admit(power(field, khz)?, clock).map_err(no)
 }
 
@@ -94,16 +97,16 @@ fn percent(train: &Train) -> f64 {
 
 impl LaserShadow {
     /// The train for the power that this channel holds.
-    fn fine(&self, clock: Clock) -> Option<FixedTrain> {
+    fn fixed(&self, clock: Clock) -> Option<FixedTrain> {
         FixedTrain::plan(self.mode, self.bounds.hold(self.power), self.carrier.as_ref(), clock)
     }
 
-    /// The output for the power that this channel holds, in the mode's unit; `fine` is its train.
-    fn reached(&self, fine: Option<FixedTrain>, clock: Clock) -> f64 {
+    /// The output for the power that this channel holds, in the mode's unit; `fixed` is its train.
+    fn reached(&self, fixed: Option<FixedTrain>, clock: Clock) -> f64 {
         let power = self.bounds.hold(self.power);
-        match (self.mode, fine) {
+        match (self.mode, fixed) {
             (PowerMode::Frequency, _) if power > Power::ZERO => khz(clock.period(power), clock),
-            (_, Some(fine)) => percent(fine.train()),
+            (_, Some(fixed)) => percent(fixed.train()),
             (_, None) => units(power),
         }
     }
@@ -133,20 +136,20 @@ pub fn mode<const AXES: usize>(context: &mut Context<AXES>, r: &LaserPowerMode) 
     if !lsr && max < min {
         return Err(Refused::new(Reason::BelowMinimum).field(2).got(max).limits(min, min));
     }
-    let range = powers(mode, lsr, context.shadows.laser_fine);
+    let range = powers(mode, lsr, context.shadows.high_resolution);
     let mut taking = Taking::new(lsr);
     let (max, min) = (taking.maximum(2, 0, max, range)?, taking.minimum(3, 1, min, range)?);
     let bounds = own_bounds(mode, (3, min), (2, max))?;
     let mut shadow = *context.laser(channel);
     let before = shadow.mode;
     shadow.set_mode(mode, bounds, delayed);
-    let fine = shadow.fine(context.clock()?);
+    let fixed = shadow.fixed(context.clock()?);
     let entered = LaserChange::Mode { mode, bounds, delayed };
-    context.change_with(channel, ChannelChange::Mode { mode, bounds, delayed, fine }, entered);
+    context.change_with(channel, ChannelChange::Mode { mode, bounds, delayed, fixed }, entered);
     if (before == PowerMode::Analog) != (mode == PowerMode::Analog) {
         pair_standby(context, (channel, mode))?;
     }
-    Ok(took(context, &[max, min], taking.held | shadow.is_limited()))
+    Ok(took(context, &[max, min], taking.limited | shadow.is_limited()))
 }
 
 /// Reports the power that is reached, within its bounds.
@@ -154,31 +157,31 @@ pub fn direct<const AXES: usize>(context: &mut Context<AXES>, r: &LaserPrfCmd) -
     let channel = context.channel(r.core.get(), 2, r.channel.get())?;
     let mut shadow = *context.laser(channel);
     let mut taking = Taking::new(context.is_lsr());
-    let range = direct_powers(shadow.mode, context.is_lsr(), context.shadows.laser_fine);
+    let range = direct_powers(shadow.mode, context.is_lsr(), context.shadows.high_resolution);
     let value = taking.take(1, 0, r.power.get(), range)?;
     shadow.power = power(1, value)?;
     let clock = context.clock()?;
-    let (power, fine) = (shadow.power, shadow.fine(clock));
-    context.change_with(channel, ChannelChange::Direct { power, fine }, LaserChange::Power(power));
-    Ok(took(context, &[shadow.reached(fine, clock)], taking.held | shadow.is_limited()))
+    let (power, fixed) = (shadow.power, shadow.fixed(clock));
+    context.change_with(channel, ChannelChange::Direct { power, fixed }, LaserChange::Power(power));
+    Ok(took(context, &[shadow.reached(fixed, clock)], taking.limited | shadow.is_limited()))
 }
 
 /// Reports the frequency that is reached.
 pub fn frequency<const AXES: usize>(context: &mut Context<AXES>, r: &LaserOutFrq) -> Admitted<Answer> {
     let channel = context.channel(r.core.get(), 2, r.channel.get())?;
     let mut taking = Taking::new(context.is_lsr());
-    let value = taking.take(1, 0, r.frequency.get(), carriers(context.is_lsr(), context.shadows.laser_fine))?;
+    let value = taking.take(1, 0, r.frequency.get(), carriers(context.is_lsr(), context.shadows.high_resolution))?;
     let clock = context.clock()?;
     let carrier = carrier(1, value, clock)?;
     stage_carrier(context, channel, carrier)?;
-    Ok(took(context, &[khz(carrier.period(), clock)], taking.held))
+    Ok(took(context, &[khz(carrier.period(), clock)], taking.limited))
 }
 
 fn stage_carrier<const AXES: usize>(context: &mut Context<AXES>, channel: u8, carrier: Carrier) -> Admitted<()> {
     let mut shadow = *context.laser(channel);
     shadow.carrier = Some(carrier);
-    let fine = shadow.fine(context.clock()?);
-    context.change_with(channel, ChannelChange::Carrier { carrier, fine }, LaserChange::Carrier(carrier));
+    let fixed = shadow.fixed(context.clock()?);
+    context.change_with(channel, ChannelChange::Carrier { carrier, fixed }, LaserChange::Carrier(carrier));
     Ok(())
 }
 
@@ -193,7 +196,7 @@ pub fn width<const AXES: usize>(context: &mut Context<AXES>, r: &SetPulseWidth) 
     if let Some(us) = NonZeroU16::new(width_us) {
         context.change_with(channel, ChannelChange::PulseWidth { us }, LaserChange::Width(width_us));
     }
-    Ok(took(context, &[width_us.into()], taking.held | shadow.is_limited()))
+    Ok(took(context, &[width_us.into()], taking.limited | shadow.is_limited()))
 }
 
 /// SetWaitPulseEx of the LSR family acts only while both channels are PWM (LSR, command 21): its
@@ -220,51 +223,15 @@ fn are_pwm<const AXES: usize>(context: &Context<AXES>, changed: Option<(u8, Powe
     })
 }
 
-/// Standby pulses of some channels. To switch them off, frequency and duty may be 0. `paired`: they
-/// act while both are PWM.
-fn standby<const AXES: usize>(
-    context: &mut Context<AXES>,
-    channels: core::ops::Range<u8>,
-    paired: bool,
-    (mode, frequency, duty): (u16, f64, f64),
-) -> Admitted<Answer> {
-    let on = choice(1, mode, 0, 1)? == 1;
-    let mut taking = Taking::new(context.is_lsr());
-    let range = if on || frequency != 0.0 {
-        carriers(context.is_lsr(), context.shadows.laser_fine)
-    } else {
-        Range::new(0.0, 0.0)
-    };
-    let frequency = taking.take(2, 0, frequency, range)?;
-    let duty = taking.take(3, 1, duty, DUTY)?;
-    let clock = context.clock()?;
-    let pulses = if on {
-        let none = |_| Refused::new(Reason::OutOfRange).field(2).got(frequency).limits(0.0, GUS_KHZ);
-        Some(Standby::admit(power(2, frequency)?, power(3, duty)?, clock).map_err(none)?)
-    } else {
-        None
-    };
-    let output = pulses.filter(|_| !paired || are_pwm(context, None));
-    for channel in channels {
-        let shadow = pulses.map(|pulses| (pulses.khz(), pulses.duty()));
-        context.change_with(channel, ChannelChange::Standby(output), LaserChange::Standby(shadow, paired));
-    }
-    let reached = pulses.map_or((frequency, duty), |pulses| {
-        let train = pulses.train();
-        (khz(train.period, clock), percent(train))
-    });
-    Ok(took(context, &[reached.0, reached.1], taking.held))
-}
-
 pub fn standby_one<const AXES: usize>(context: &mut Context<AXES>, r: &SetWaitPulse) -> Admitted<Answer> {
     let channel = context.channel(r.core.get(), 4, r.channel.get())?;
-    standby(context, channel..channel + 1, false, (r.mode.get(), r.frequency.get(), r.duty.get()))
+    context.set_standby(channel..channel + 1, false, (r.mode.get(), r.frequency.get(), r.duty.get()))
 }
 
 pub fn standby_all<const AXES: usize>(context: &mut Context<AXES>, r: &SetWaitPulseEx) -> Admitted<Answer> {
     context.core(r.core.get())?;
     let paired = context.is_lsr();
-    standby(context, 0..CHANNELS as u8, paired, (r.mode.get(), r.frequency.get(), r.duty.get()))
+    context.set_standby(0..CHANNELS as u8, paired, (r.mode.get(), r.frequency.get(), r.duty.get()))
 }
 
 pub fn pre_voltage<const AXES: usize>(context: &mut Context<AXES>, r: &SetPreVltg) -> Admitted<Answer> {
@@ -274,17 +241,17 @@ pub fn pre_voltage<const AXES: usize>(context: &mut Context<AXES>, r: &SetPreVlt
     let volts = taking.take(2, 0, r.voltage.get(), VOLTS)?;
     let volts_fixed = power(2, volts)?;
     context.change(channel, ChannelChange::PreVoltage(on.then_some(volts_fixed)));
-    Ok(took(context, &[volts], taking.held))
+    Ok(took(context, &[volts], taking.limited))
 }
 
 /// The range of frequencies in the LSR family, of both channels: a set value above a new range is
 /// limited to its bound. In the GUS family it has no effect.
 pub fn resolution<const AXES: usize>(context: &mut Context<AXES>, r: &SetLaserMode) -> Admitted<Answer> {
     context.core(r.core.get())?;
-    let fine = choice(1, r.mode.get(), 0, 1)? == 1;
-    context.stage_with(TickCommand::Mark, Entered::LaserFine(fine));
+    let high_resolution = choice(1, r.mode.get(), 0, 1)? == 1;
+    context.stage_with(TickCommand::Mark, Entered::LaserResolution(high_resolution));
     if context.is_lsr() {
-        let highest = power(1, highest(true, fine))?;
+        let highest = power(1, highest(true, high_resolution))?;
         for channel in 0..CHANNELS as u8 {
             hold_frequencies(context, channel, highest)?;
         }
@@ -310,11 +277,49 @@ fn hold_frequencies<const AXES: usize>(context: &mut Context<AXES>, channel: u8,
             PowerBounds::admit(shadow.mode, shadow.bounds.max().min(highest), shadow.bounds.min().min(highest));
         shadow.bounds = bounds.map_err(none)?;
         shadow.power = shadow.power.min(highest);
-        let (mode, bounds, delayed, power, fine) =
-            (shadow.mode, shadow.bounds, shadow.delayed, shadow.power, shadow.fine(clock));
-        context.change_with(channel, ChannelChange::Direct { power, fine }, LaserChange::Power(power));
+        let (mode, bounds, delayed, power, fixed) =
+            (shadow.mode, shadow.bounds, shadow.delayed, shadow.power, shadow.fixed(clock));
+        context.change_with(channel, ChannelChange::Direct { power, fixed }, LaserChange::Power(power));
         let entered = LaserChange::Mode { mode, bounds, delayed };
-        context.change_with(channel, ChannelChange::Mode { mode, bounds, delayed, fine }, entered);
+        context.change_with(channel, ChannelChange::Mode { mode, bounds, delayed, fixed }, entered);
     }
     Ok(())
+}
+
+impl<const AXES: usize> Context<'_, AXES> {
+    /// Standby pulses of some channels. To switch them off, frequency and duty may be 0. `paired`:
+    /// they act while both are PWM.
+    fn set_standby(
+        &mut self,
+        channels: core::ops::Range<u8>,
+        paired: bool,
+        (mode, frequency, duty): (u16, f64, f64),
+    ) -> Admitted<Answer> {
+        let on = choice(1, mode, 0, 1)? == 1;
+        let mut taking = Taking::new(self.is_lsr());
+        let range = if on || frequency != 0.0 {
+            carriers(self.is_lsr(), self.shadows.high_resolution)
+        } else {
+            Range::new(0.0, 0.0)
+        };
+        let frequency = taking.take(2, 0, frequency, range)?;
+        let duty = taking.take(3, 1, duty, DUTY)?;
+        let clock = self.clock()?;
+        let pulses = if on {
+            let none = |_| Refused::range(2, frequency, 0.0, GUS_KHZ);
+            Some(Standby::admit(power(2, frequency)?, power(3, duty)?, clock).map_err(none)?)
+        } else {
+            None
+        };
+        let output = pulses.filter(|_| !paired || are_pwm(self, None));
+        for channel in channels {
+            let shadow = pulses.map(|pulses| (pulses.khz(), pulses.duty()));
+            self.change_with(channel, ChannelChange::Standby(output), LaserChange::Standby(shadow, paired));
+        }
+        let reached = pulses.map_or((frequency, duty), |pulses| {
+            let train = pulses.train();
+            (khz(train.period, clock), percent(train))
+        });
+        Ok(took(self, &[reached.0, reached.1], taking.limited))
+    }
 }

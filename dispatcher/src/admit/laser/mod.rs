@@ -43,10 +43,10 @@ const FIRST_CONNECTOR: i16 = 7;
 const TIME_MAX_US: u16 = u16::MAX;
 
 /// What is taken, for the reply: its values and which of them were limited.
-fn took<const AXES: usize>(context: &mut Context<AXES>, values: &[f64], held: u8) -> Answer {
-    let (all, count, held) = crate::admit::written::took(values, held);
+fn took<const AXES: usize>(context: &mut Context<AXES>, values: &[f64], limited: u8) -> Answer {
+    let (all, count, limited) = crate::admit::written::took(values, limited);
     context.effect = Effect::Took(all);
-    Answer::Took { count, held }
+    Answer::Took { count, limited }
 }
 
 impl<const AXES: usize> Context<'_, AXES> {
@@ -92,13 +92,10 @@ impl<const AXES: usize> Context<'_, AXES> {
     pub fn lasers_to_power_on(&mut self, family: u8) {
         for channel in 0..CHANNELS as u8 {
             for (change, entered) in power_on(family) {
-                self.stage_with(
-                    TickCommand::Laser { channel, change },
-                    shadow::ShadowChange::Laser { channel, change: entered },
-                );
+                self.change_with(channel, change, entered);
             }
         }
-        self.stage_with(TickCommand::Mark, shadow::ShadowChange::LaserFine(true));
+        self.stage_with(TickCommand::Mark, shadow::ShadowChange::LaserResolution(true));
     }
 
     /// Clearing a status word clears the faults of channels that a crd of one of these axes gates
@@ -108,10 +105,7 @@ impl<const AXES: usize> Context<'_, AXES> {
         let crds = Crd::all().filter(gates).fold(0, |crds, crd| crds | crd.mask().0);
         for channel in 0..CHANNELS as u8 {
             if self.laser(channel).map & crds != 0 {
-                self.stage_with(
-                    TickCommand::Mark,
-                    shadow::ShadowChange::Laser { channel, change: LaserChange::Cleared },
-                );
+                self.enter(channel, LaserChange::Cleared);
             }
         }
     }
@@ -155,7 +149,7 @@ pub fn power_on(family: u8) -> [(ChannelChange, LaserChange); 4] {
             ChannelChange::Reset { family: if lsr { Family::Lsr } else { Family::Gus } },
             LaserChange::PowerOn { delayed, connector: lsr },
         ),
-        (ChannelChange::Mode { mode, bounds, delayed, fine: None }, LaserChange::Mode { mode, bounds, delayed }),
+        (ChannelChange::Mode { mode, bounds, delayed, fixed: None }, LaserChange::Mode { mode, bounds, delayed }),
         (ChannelChange::Connector { laser: lsr }, LaserChange::Connector(lsr)),
         (ChannelChange::CrdMap { map: u8::MAX }, LaserChange::Map(u8::MAX)),
     ]
@@ -196,7 +190,7 @@ pub fn delays<const AXES: usize>(context: &mut Context<AXES>, r: &SetLevelDelay)
     let off = taking.whole(1, 0, r.off_delay_us.get(), 0, TIME_MAX_US)?;
     let on = taking.whole(2, 1, r.on_delay_us.get(), 0, TIME_MAX_US)?;
     context.change(channel, ChannelChange::Delays(Delays { off, on }));
-    Ok(took(context, &[off.into(), on.into()], taking.held))
+    Ok(took(context, &[off.into(), on.into()], taking.limited))
 }
 
 pub fn fpk_on<const AXES: usize>(context: &mut Context<AXES>, r: &EnaFPK) -> Admitted<Answer> {
@@ -207,7 +201,7 @@ pub fn fpk_on<const AXES: usize>(context: &mut Context<AXES>, r: &EnaFPK) -> Adm
     let end = taking.whole(3, 2, r.laser_off_delay_us.get(), 0, TIME_MAX_US)?;
     let fpk = NonZeroU16::new(pulse).map(|pulse| Fpk { pulse, begin, end });
     context.change(channel, ChannelChange::Fpk(fpk));
-    Ok(took(context, &[pulse.into(), begin.into(), end.into()], taking.held))
+    Ok(took(context, &[pulse.into(), begin.into(), end.into()], taking.limited))
 }
 
 pub fn fpk_off<const AXES: usize>(context: &mut Context<AXES>, r: &DisFPK) -> Admitted<Answer> {
@@ -264,13 +258,11 @@ pub fn clear_fault<const AXES: usize>(context: &mut Context<AXES>, r: &ClrLaserF
     Ok(context.change_with(channel, ChannelChange::ClearFault, LaserChange::Cleared))
 }
 
-/// A read of a channel; GetLaserCrdMap reports the crds of its core.
-pub fn read<const AXES: usize>(
-    context: &Context<AXES>,
-    opcode: u16,
-    r: &protocol::command::GetLaserPower,
-) -> Admitted<Answer> {
-    let first = context.channel(r.core.get(), 1, r.channel.get())?;
-    let which = context.core(r.core.get())? as u8;
-    Ok(Answer::Read(Query { opcode, first, count: 1, which }))
+impl<const AXES: usize> Context<'_, AXES> {
+    /// A read of a channel; GetLaserCrdMap reports the crds of its core.
+    pub fn read_laser(&self, opcode: u16, r: &protocol::command::GetLaserPower) -> Admitted<Answer> {
+        let first = self.channel(r.core.get(), 1, r.channel.get())?;
+        let which = self.core(r.core.get())? as u8;
+        Ok(Answer::Read(Query { opcode, first, count: 1, which }))
+    }
 }

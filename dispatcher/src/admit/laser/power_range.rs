@@ -1,7 +1,7 @@
 //! The range of a laser's quantities, above all its power, and what happens to a value outside
 //! (SPEC 2). The GUS family refuses it with return code 7; the LSR family takes the nearest bound
 //! and reports it. NaN and infinities are refused in both.
-use crate::refuse::{Admitted, Refused};
+use crate::refuse::{Admitted, Refused, finite};
 use protocol::reason::Reason;
 
 /// The lowest frequency, kHz: 1 Hz.
@@ -60,28 +60,25 @@ impl Range {
 /// Takes the quantities of one command and notes which of them had to be limited.
 #[derive(Debug)]
 pub struct Taking {
-    holds: bool,
+    limits: bool,
     /// Bit k: field k of the reply was outside its range (`held` of the protocol's replies).
-    pub held: u8,
+    pub limited: u8,
 }
 
 impl Taking {
     /// `holds`: the family takes the nearest bound.
-    pub fn new(holds: bool) -> Self {
-        Taking { holds, held: 0 }
+    pub fn new(limits: bool) -> Self {
+        Taking { limits, limited: 0 }
     }
 
     /// `got` of parameter `field`, which is field `index` of the reply.
     pub fn take(&mut self, field: u8, index: u8, got: f64, range: Range) -> Admitted<f64> {
-        if !got.is_finite() {
-            return Err(Refused::new(Reason::NotFinite).field(field).got(got));
-        }
-        let nearest = range.nearest(got);
+        let nearest = range.nearest(finite(field, got)?);
         if nearest == got && !range.refuses(got) {
             return Ok(got);
         }
-        if self.holds && !range.refuses(got) {
-            self.held |= 1 << index;
+        if self.limits && !range.refuses(got) {
+            self.limited |= 1 << index;
             return Ok(nearest);
         }
         let slow = range.never == Never::SlowPulses && range.refuses(got);
@@ -92,7 +89,7 @@ impl Taking {
     /// The maximum of LaserPowerMode: a negative one is refused in both families.
     pub fn maximum(&mut self, field: u8, index: u8, got: f64, range: Range) -> Admitted<f64> {
         if got < 0.0 {
-            return Err(Refused::new(Reason::OutOfRange).field(field).got(got).limits(range.low, range.high));
+            return Err(Refused::range(field, got, range.low, range.high));
         }
         self.take(field, index, got, range)
     }

@@ -8,11 +8,12 @@
 //!
 //! Powers wait in scratch memory, since their table may still hold an earlier call's. Ratios go
 //! straight into the bank that nothing reads (`servo::laser::PowerTables`).
-use super::distance::{bounds, bounds_reply, ratio, running, stage};
+use super::distance::{ratio, running, stage};
 use super::energy::{power, powers};
 use super::power_range::{Range, Taking};
 use super::{Context, took};
 use crate::admit::length;
+use crate::admit::upload::Upload;
 use crate::refuse::{Admitted, Refused, choice, real, within};
 use crate::report::answer::Answer;
 use crate::shadow::{CAPACITY, DistanceShadow, LaserChange, Shadows};
@@ -48,24 +49,18 @@ impl Key {
     }
 }
 
-/// Progress of the sending of a table.
-#[derive(Debug, Clone, Copy)]
-enum State {
-    Idle,
-    /// The item that comes next, and the bank of ratios.
-    Open(Key, u16, u8),
-    /// The chunk that begins with this item was refused.
-    Refused(Key, u16, Refused),
-}
-
 /// The table that is being sent; see the module text.
 pub struct Loading {
-    state: State,
+    /// The bank of the table that is being sent.
+    state: Upload<Key, u8>,
     /// Velocity and power.
     points: [(f64, Power); POINTS],
     /// The position before, for the order of the next one.
     last: i32,
 }
+
+/// The answer to a chunk; laser channel and follow table that are complete with it.
+type Loaded = Admitted<(Answer, Option<(u8, u8)>)>;
 
 /// A chunk being admitted: its items, the index of the first, and how many items the table has.
 struct Chunk<'b, T> {
@@ -78,6 +73,9 @@ struct Chunk<'b, T> {
 }
 
 impl<T> Chunk<'_, T> {
+    fn begin(&self) -> (Key, u16) {
+        (self.key, self.first)
+    }
     fn is_last(&self) -> bool {
         usize::from(self.first) + self.items.len() == self.total
     }
@@ -111,12 +109,12 @@ fn split<R: Request>(body: &[u8]) -> Admitted<(R, &[u8])> {
 impl Loading {
     /// Nothing is being sent.
     pub const fn new() -> Self {
-        Loading { state: State::Idle, points: [(0.0, Power::ZERO); POINTS], last: 0 }
+        Loading { state: Upload::Idle, points: [(0.0, Power::ZERO); POINTS], last: 0 }
     }
 
     /// A new session: what was begun is dropped.
     pub fn abandon(&mut self) {
-        self.state = State::Idle;
+        self.state = Upload::Idle;
     }
 
     /// Admits a chunk. It also returns channel and number of a follow table that was overwritten.
@@ -126,62 +124,35 @@ impl Loading {
         tables: &PowerTables,
         number: u16,
         body: &[u8],
-    ) -> Admitted<(Answer, Option<(u8, u8)>)> {
+    ) -> Loaded {
         match number {
             opcode::SetLaserFollowTable => self.powers(context, tables, body),
-            opcode::SetLaserDisTable1D => self.lines(context, tables, body).map(|answer| (answer, None)),
-            _ => self.plane(context, tables, body).map(|answer| (answer, None)),
-        }
-    }
-
-    /// Whether the chunk continues where the one before ended; returns the bank, which `fresh`
-    /// chooses for a first chunk.
-    fn bank_of<T>(&mut self, chunk: &Chunk<'_, T>, fresh: impl FnOnce() -> Admitted<u8>) -> Admitted<u8> {
-        let out_of_order = |next: u16| {
-            let refused = Refused::new(Reason::OutOfRange).field(chunk.field).got(chunk.first.into());
-            Err(refused.limits(0.0, next.into()))
-        };
-        match self.state {
-            _ if chunk.first == 0 => {
-                self.state = State::Idle;
-                fresh()
-            }
-            State::Open(key, next, bank) if key == chunk.key && next == chunk.first => Ok(bank),
-            State::Refused(key, first, refused) if key == chunk.key && first == chunk.first => Err(refused),
-            State::Open(key, next, _) if key == chunk.key => out_of_order(next),
-            _ => out_of_order(0),
+            opcode::SetLaserDisTable1D => self.lines(context, tables, body),
+            _ => self.plane(context, tables, body),
         }
     }
 
     /// Notes how a chunk was handled.
     fn keep<T>(&mut self, chunk: &Chunk<'_, T>, bank: u8, done: Admitted<()>) -> Admitted<()> {
         let next = chunk.first.saturating_add(chunk.items.len() as u16);
-        self.state = match done {
-            Ok(()) if chunk.is_last() => State::Idle,
-            Ok(()) => State::Open(chunk.key, next, bank),
-            Err(refused) => State::Refused(chunk.key, chunk.first, refused),
-        };
+        let open = (!chunk.is_last()).then_some((next, bank));
+        self.state.note(chunk.begin(), done.map(|()| open));
         done
     }
 
-    fn powers<const AXES: usize>(
-        &mut self,
-        context: &mut Context<AXES>,
-        tables: &PowerTables,
-        body: &[u8],
-    ) -> Admitted<(Answer, Option<(u8, u8)>)> {
+    fn powers<const AXES: usize>(&mut self, context: &mut Context<AXES>, tables: &PowerTables, body: &[u8]) -> Loaded {
         let (r, rest) = split::<SetLaserFollowTable>(body)?;
         let channel = context.channel(r.core.get(), 3, r.channel.get())?;
         let table = table(1, r.table.get())?;
         let total = within(2, r.count.get(), 1, POINTS as i32)?.unsigned_abs() as usize;
         let chunk = chunk(&r, rest, r.first.get(), total, 4)?;
-        let bank = self.bank_of(&chunk, || Ok(0))?;
+        let bank = self.state.resume(chunk.begin(), chunk.field, || Ok(0))?;
         if chunk.is_last() {
             // Checked first: a chunk that has to wait has changed nothing.
             not_in_use(context, channel, table)?;
         }
-        let range = powers(context.laser(channel).mode, context.is_lsr(), context.shadows.laser_fine);
-        let mut held = 0;
+        let range = powers(context.laser(channel).mode, context.is_lsr(), context.shadows.high_resolution);
+        let mut limited = 0;
         let done = chunk.indexed().try_for_each(|(index, item)| {
             let (vel, given) = (item.vel.get(), item.power.get());
             let mut taking = Taking::new(context.is_lsr());
@@ -192,7 +163,7 @@ impl Loading {
                 return Err(refused.limits(*before, VEL_MAX));
             }
             let value = taking.take(6, 0, given, range).map_err(|refused| refused.item(index))?;
-            held += u16::from(taking.held != 0);
+            limited += u16::from(taking.limited != 0);
             if let Some(slot) = self.points.get_mut(index) {
                 *slot = (vel, power(6, value)?);
             }
@@ -201,7 +172,7 @@ impl Loading {
         self.keep(&chunk, bank, done)?;
         if !chunk.is_last() {
             context.stage(TickCommand::Mark);
-            return Ok((took(context, &[held.into()], 0), None));
+            return Ok((took(context, &[limited.into()], 0), None));
         }
         if let Some(curve) = Curve::power(channel, table) {
             for (index, (vel, power)) in self.points.iter().take(total).enumerate() {
@@ -211,24 +182,19 @@ impl Loading {
             tables.finish(curve, total);
         }
         context.enter(channel, LaserChange::TableFilled(table));
-        Ok((took(context, &[held.into()], 0), Some((channel, table))))
+        Ok((took(context, &[limited.into()], 0), Some((channel, table))))
     }
 
-    fn lines<const AXES: usize>(
-        &mut self,
-        context: &mut Context<AXES>,
-        tables: &PowerTables,
-        body: &[u8],
-    ) -> Admitted<Answer> {
+    fn lines<const AXES: usize>(&mut self, context: &mut Context<AXES>, tables: &PowerTables, body: &[u8]) -> Loaded {
         let (r, rest) = split::<SetLaserDisTable1D>(body)?;
         let channel = context.channel(r.core.get(), 5, r.channel.get())?;
         let count = within(1, r.count.get(), 1, POINTS as i16)?.unsigned_abs() as usize;
         let mut shadow = running(context, channel)?;
         let total = DISTANCES * count;
         let limits = (4, &r.limit[..], r.limits_given != 0);
-        let (limits, held) = own(context, channel, &mut shadow, (2, r.min.get(), r.max.get()), limits)?;
+        let (limits, limited) = context.own_limits(channel, &mut shadow, (2, r.min.get(), r.max.get()), limits)?;
         let chunk = chunk(&r, rest, r.first.get(), total, 7)?;
-        let bank = self.bank_of(&chunk, || free_bank(context, channel))?;
+        let bank = self.state.resume(chunk.begin(), chunk.field, || free_bank(context, channel))?;
         let done = chunk.indexed().try_for_each(|(index, item)| {
             let axis = index.checked_div(count).unwrap_or(0);
             let point = index - axis * count;
@@ -257,15 +223,10 @@ impl Loading {
         } else {
             context.stage(TickCommand::Mark);
         }
-        Ok(bounds_reply(context, channel, &shadow, held))
+        Ok((context.distance_bounds_reply(channel, &shadow, limited), None))
     }
 
-    fn plane<const AXES: usize>(
-        &mut self,
-        context: &mut Context<AXES>,
-        tables: &PowerTables,
-        body: &[u8],
-    ) -> Admitted<Answer> {
+    fn plane<const AXES: usize>(&mut self, context: &mut Context<AXES>, tables: &PowerTables, body: &[u8]) -> Loaded {
         let (r, rest) = split::<SetLaserDisTable2D>(body)?;
         let channel = context.channel(r.core.get(), 6, r.channel.get())?;
         let [x, y] = r.axis.map(|axis| axis.get());
@@ -288,10 +249,10 @@ impl Loading {
         }
         let mut shadow = running(context, channel)?;
         let limits = (5, &r.limit[..], r.limits_given != 0);
-        let (limits, held) = own(context, channel, &mut shadow, (3, r.min.get(), r.max.get()), limits)?;
+        let (limits, limited) = context.own_limits(channel, &mut shadow, (3, r.min.get(), r.max.get()), limits)?;
         let total = columns + rows + columns * rows;
         let chunk = chunk(&r, rest, r.first.get(), total, 8)?;
-        let bank = self.bank_of(&chunk, || free_bank(context, channel))?;
+        let bank = self.state.resume(chunk.begin(), chunk.field, || free_bank(context, channel))?;
         let done = chunk.indexed().try_for_each(|(index, item)| {
             let value = item.value.get();
             if let Some(node) = index.checked_sub(columns + rows) {
@@ -328,7 +289,7 @@ impl Loading {
         } else {
             context.stage(TickCommand::Mark);
         }
-        Ok(bounds_reply(context, channel, &shadow, held))
+        Ok((context.distance_bounds_reply(channel, &shadow, limited), None))
     }
 }
 
@@ -345,28 +306,6 @@ fn free_bank<const AXES: usize>(context: &Context<AXES>, channel: u8) -> Admitte
     let read = context.view.lasers.get(usize::from(channel)).and_then(|sampled| sampled.bank);
     let busy = || Refused::new(Reason::RatiosBusy).got(channel.into());
     context.laser(channel).free_bank(context.view, read).ok_or_else(busy)
-}
-
-/// Bounds of the follow's own, and the largest change by each axis; which of them were limited.
-fn own<const AXES: usize>(
-    context: &Context<AXES>,
-    channel: u8,
-    shadow: &mut DistanceShadow,
-    (field, min, max): (u8, f64, f64),
-    (limits_field, given, are_given): (u8, &[zerocopy::little_endian::F64], bool),
-) -> Admitted<([Option<Power>; DISTANCES], u8)> {
-    let mut taking = Taking::new(context.is_lsr());
-    shadow.bounds = bounds(context, channel, &mut taking, field, (min, max))?;
-    let mode = context.laser(channel).mode;
-    let range = Range::new(0.0, crate::report::replies::units(mode.full_scale()));
-    let mut limits = [None; DISTANCES];
-    if are_given {
-        for (index, (to, given)) in limits.iter_mut().zip(given).enumerate() {
-            let most = taking.take(limits_field, 2, given.get(), range).map_err(|refused| refused.item(index))?;
-            *to = Some(power(limits_field, most)?);
-        }
-    }
-    Ok((limits, taking.held))
 }
 
 /// A follow table may not be replaced while an entry of a path names it or a follow reads it. An
@@ -392,4 +331,28 @@ fn not_in_use<const AXES: usize>(context: &Context<AXES>, channel: u8, table: u8
         return Err(refused.limits(channel.into(), 0.0));
     }
     Ok(())
+}
+
+impl<const AXES: usize> Context<'_, AXES> {
+    /// Bounds of the follow's own, and the largest change by each axis; which of them were limited.
+    fn own_limits(
+        &self,
+        channel: u8,
+        shadow: &mut DistanceShadow,
+        (field, min, max): (u8, f64, f64),
+        (limits_field, given, are_given): (u8, &[zerocopy::little_endian::F64], bool),
+    ) -> Admitted<([Option<Power>; DISTANCES], u8)> {
+        let mut taking = Taking::new(self.is_lsr());
+        shadow.bounds = self.distance_bounds(channel, &mut taking, field, (min, max))?;
+        let mode = self.laser(channel).mode;
+        let range = Range::new(0.0, crate::report::replies::units(mode.full_scale()));
+        let mut limits = [None; DISTANCES];
+        if are_given {
+            for (index, (to, given)) in limits.iter_mut().zip(given).enumerate() {
+                let most = taking.take(limits_field, 2, given.get(), range).map_err(|refused| refused.item(index))?;
+                *to = Some(power(limits_field, most)?);
+            }
+        }
+        Ok((limits, taking.limited))
+    }
 }

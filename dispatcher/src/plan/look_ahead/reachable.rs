@@ -38,18 +38,18 @@ pub(super) struct Bound {
 }
 
 /// Plans stay below the limits by this share: directions are kept as f32.
-const MARGIN: f64 = 1.0 / 16384.0;
+const LIMIT_MARGIN_SHARE: f64 = 1.0 / 16384.0;
 /// Times that differ by this share are one.
-const SAME: f64 = 1e-9;
+const SAME_TIME_SHARE: f64 = 1e-9;
 /// Entries get this share more acceleration than the plan needs, for the rounding of their speeds.
-const SPARE: f64 = 1.0 / 1048576.0;
+const ACC_RESERVE_SHARE: f64 = 1.0 / 1048576.0;
 /// A coefficient below this share of the other is a rounding error.
-const NOTHING: f64 = 1e-9;
+const ROUNDING_SHARE: f64 = 1e-9;
 
 /// Two coordinates across an arc and three sides of a circle, or four coordinates.
-pub(super) const BOUNDS: usize = 5;
+pub(super) const BOUNDS_MAX: usize = 5;
 /// The acceleration, two lines for each side at each end, one for the others.
-const LINES: usize = 18;
+const LINES_MAX: usize = 18;
 /// Each step brings the highest speed to another corner of the region.
 const CORNERS_MAX: usize = 16;
 
@@ -69,12 +69,12 @@ pub(super) struct Span {
     length: f64,
     /// The highest x by itself: without and with the corner at the end.
     tops: [f64; 2],
-    lines: Vec<Constraint, LINES>,
+    lines: Vec<Constraint, LINES_MAX>,
 }
 
 /// The part of a limit that plans use.
 fn planned(limit: f64) -> f64 {
-    limit * (1.0 - MARGIN)
+    limit * (1.0 - LIMIT_MARGIN_SHARE)
 }
 
 impl Corner {
@@ -126,9 +126,9 @@ impl Span {
     /// A motion of this length, with an acceleration of its own.
     pub(super) fn new(length: f64, acc: f64, bounds: &[Bound]) -> Span {
         let mut span = Span { length, tops: [f64::INFINITY; 2], lines: Vec::new() };
-        let swing = 2.0 * length * planned(acc);
-        span.push(Constraint { slope: -1.0, offset: swing, lower: false, end: false });
-        span.push(Constraint { slope: 1.0, offset: swing, lower: true, end: false });
+        let change = 2.0 * length * planned(acc);
+        span.push(Constraint { slope: -1.0, offset: change, lower: false, end: false });
+        span.push(Constraint { slope: 1.0, offset: change, lower: true, end: false });
         let unit = 1.0 / (2.0 * length);
         for bound in bounds {
             let [start, end] = &bound.corners;
@@ -158,7 +158,7 @@ impl Span {
         let square = bound.across + corner.bend;
         let limit = bound.limit - corner.fixed;
         let (x, y) = if end { (-steep, square + steep) } else { (square - steep, steep) };
-        if fabs(y) > NOTHING * fabs(x) {
+        if fabs(y) > ROUNDING_SHARE * fabs(x) {
             let part = 1.0 / fabs(y);
             let lower = y < 0.0;
             let slope = x * part;
@@ -236,7 +236,7 @@ impl Span {
     pub(super) fn choose(&self, bounds: &[Bound], [x, y]: [f64; 2], vel: f64, acc: f64) -> (f64, f64, f64) {
         let most = bounds.iter().fold(planned(acc), |a, bound| a.min(bound.most([x, y])));
         let least = fabs(y - x) / (2.0 * self.length);
-        let most = most.max(least) * (1.0 + SPARE);
+        let most = most.max(least) * (1.0 + ACC_RESERVE_SHARE);
         if !bounds.iter().any(|bound| bound.round) {
             return (vel, most, self.time(x, y, vel, most));
         }
@@ -252,7 +252,7 @@ impl Span {
             let top = sqrt(square.max(x).max(y));
             let time = self.time(x, y, top, acc);
             // At one time the greater acceleration: after a Stop the motion begins with it.
-            if time <= best.2 * (1.0 + SAME) {
+            if time <= best.2 * (1.0 + SAME_TIME_SHARE) {
                 best = (top, acc, time);
             }
         }

@@ -15,7 +15,7 @@ mod percent;
 mod scale;
 mod scratch;
 
-use crate::refuse::{Admitted, Refused, real, within};
+use crate::refuse::{Admitted, Refused, finite, real, within};
 use complete::Row;
 use continuous::PointData;
 pub use double_double::DoubleDouble;
@@ -32,8 +32,8 @@ pub const CORE_TABLES: usize = 32;
 /// The largest time in ms, 2³⁶: about two years.
 pub const LATEST_MS: f64 = 68_719_476_736.0;
 /// Positions as the user counts them stay within 2⁵² pulses.
-const FURTHEST: f64 = 4_503_599_627_370_496.0;
-const FULL_SCALE: f64 = 4_294_967_296.0;
+const POS_MAX_PULSES: f64 = 4_503_599_627_370_496.0;
+const VEL_MAX_PULSES_PER_MS: f64 = 4_294_967_296.0;
 /// Values of a point in the widest description.
 pub const VALUES: usize = 6;
 
@@ -91,35 +91,38 @@ pub struct Fields {
     pub point: u8,
 }
 
-/// A table that is being sent.
-#[derive(Debug, Clone, Copy)]
-pub struct TableDraft {
-    kind: TableKind,
-    fields: Fields,
-    /// Step limit of the board, pulse/ms.
-    limit: f64,
-    count: u16,
-    taken: u16,
-    /// Points go into the scratch memory; false for the Calculate commands.
-    load: bool,
-    /// Time and position of the first point.
-    first: (f64, f64),
-    /// Time and position of the last point taken.
-    last: (f64, f64),
-    /// Its knot.
-    knot: Knot,
-    /// Complete: time and displacement of the segment that ends at the last point.
-    segment: (f64, f64),
-    /// The row of the elimination at the point before the last one.
-    row: Row,
-    /// PvtTableEx: velocity at the end of the segment that the last point began.
-    vel_end: f64,
-    /// Percentage of the last point.
-    percent: f64,
-    /// Percent: velocity at the last point. Continuous: its time.
-    carried: DoubleDouble,
-    /// Continuous: the segment that begins at the last point.
-    phase: PointData,
+servo::state! {
+    /// A table that is being sent.
+    #[derive(Debug, Clone, Copy)]
+    pub struct TableDraft {
+        kind: TableKind = kind,
+        fields: Fields = fields,
+        /// Step limit of the board, pulse/ms.
+        limit: f64 = limit,
+        count: u16 = count,
+        taken: u16 = 0,
+        /// Points go into the scratch memory; false for the Calculate commands.
+        load: bool = load,
+        /// Time and position of the first point.
+        first: (f64, f64) = (0.0, 0.0),
+        /// Time and position of the last point taken.
+        last: (f64, f64) = (0.0, 0.0),
+        /// Its knot.
+        knot: Knot = Knot { time: 0.0, pos: 0.0, vel: 0.0 },
+        /// Complete: time and displacement of the segment that ends at the last point.
+        segment: (f64, f64) = (0.0, 0.0),
+        /// The row of the elimination at the point before the last one.
+        row: Row = Row::default(),
+        /// PvtTableEx: velocity at the end of the segment that the last point began.
+        vel_end: f64 = 0.0,
+        /// Percentage of the last point.
+        percent: f64 = 0.0,
+        /// Percent: velocity at the last point. Continuous: its time.
+        carried: DoubleDouble = carried,
+        /// Continuous: the segment that begins at the last point.
+        phase: PointData = PointData::default(),
+    }
+    fn empty((kind, fields, limit): (TableKind, Fields, f64), count: u16, load: bool, carried: DoubleDouble);
 }
 
 impl TableDraft {
@@ -136,7 +139,7 @@ impl TableDraft {
         let limit = limit.pulses_per_ms() as f64;
         if !(2..=TABLE_POINTS as i32).contains(&count) {
             let (low, high) = (2.0, TABLE_POINTS as f64);
-            return Err(Refused::new(Reason::OutOfRange).field(fields.count).got(count.into()).limits(low, high));
+            return Err(Refused::range(fields.count, count.into(), low, high));
         }
         let mut carried = DoubleDouble::default();
         match kind {
@@ -153,24 +156,7 @@ impl TableDraft {
         if load {
             scratch.clear();
         }
-        let knot = Knot { time: 0.0, pos: 0.0, vel: 0.0 };
-        Ok(TableDraft {
-            kind,
-            fields,
-            limit,
-            count: count as u16,
-            taken: 0,
-            load,
-            first: (0.0, 0.0),
-            last: (0.0, 0.0),
-            segment: (0.0, 0.0),
-            row: Row::default(),
-            knot,
-            vel_end: 0.0,
-            percent: 0.0,
-            carried,
-            phase: PointData::default(),
-        })
+        Ok(TableDraft::empty((kind, fields, limit), count as u16, load, carried))
     }
 
     /// Points taken.
@@ -211,9 +197,7 @@ impl TableDraft {
                 .limits(0.0, self.count as f64));
         }
         for (index, value) in values.iter().take(self.kind.values()).enumerate() {
-            if !value.is_finite() {
-                return Err(Refused::new(Reason::NotFinite).field(field + index as u8).got(*value));
-            }
+            finite(field + index as u8, *value)?;
         }
         if let TableKind::Continuous { .. } = self.kind {
             let phase = PointData { vel: at(1), percent: at(2), vel_max: at(3), acc: at(4), dec: at(5) };
@@ -224,7 +208,7 @@ impl TableDraft {
             return Err(Refused::new(Reason::PointTime).field(field).got(time).limits(self.last.0, LATEST_MS));
         }
         within(field, time, 0.0, LATEST_MS)?;
-        within(field + 1, pos, -FURTHEST, FURTHEST)?;
+        within(field + 1, pos, -POS_MAX_PULSES, POS_MAX_PULSES)?;
         let begins = self.taken == 0;
         if begins {
             self.first = (time, pos);
@@ -293,16 +277,16 @@ impl TableDraft {
 
     fn continuous(&mut self, pos: f64, phase: PointData, scratch: &mut Scratch<'_>) -> Admitted<f64> {
         let field = self.fields.point;
-        within(field, pos, -FURTHEST, FURTHEST)?;
+        within(field, pos, -POS_MAX_PULSES, POS_MAX_PULSES)?;
         speed(phase.vel, field + 1, self.limit)?;
         within(field + 2, phase.percent, 0.0, 100.0)?;
         // The last point begins no segment; its limits are not used.
         if self.taken + 1 < self.count {
             for (value, field) in [(phase.vel_max, field + 3), (phase.acc, field + 4), (phase.dec, field + 5)] {
-                let allowed = 1e-30..=if field == self.fields.point + 3 { FULL_SCALE } else { 1e30 };
+                let allowed = 1e-30..=if field == self.fields.point + 3 { VEL_MAX_PULSES_PER_MS } else { 1e30 };
                 if !allowed.contains(&value) {
                     let (low, high) = (*allowed.start(), *allowed.end());
-                    return Err(Refused::new(Reason::OutOfRange).field(field).got(value).limits(low, high));
+                    return Err(Refused::range(field, value, low, high));
                 }
             }
         }
@@ -320,7 +304,7 @@ impl TableDraft {
             let start = self.carried;
             let end = start.plus(split.duration());
             if end.high.is_nan() || end.high > LATEST_MS {
-                return Err(Refused::new(Reason::OutOfRange).field(field + 4).got(end.high).limits(0.0, LATEST_MS));
+                return Err(Refused::range(field + 4, end.high, 0.0, LATEST_MS));
             }
             let to = Knot { time: since(end), pos: pos - self.first.1, vel: phase.vel };
             let risen =
@@ -417,10 +401,7 @@ impl TableKind {
 }
 
 fn speed(vel: f64, field: u8, limit: f64) -> Admitted<f64> {
-    if !vel.is_finite() {
-        return Err(Refused::new(Reason::NotFinite).field(field).got(vel));
-    }
-    if vel.abs() > limit {
+    if finite(field, vel)?.abs() > limit {
         return Err(Refused::new(Reason::TooFast).field(field).got(vel).limits(-limit, limit));
     }
     Ok(vel)

@@ -28,25 +28,16 @@ pub struct Knot {
 /// Points between two kept numbers of a spline's elimination.
 pub const STRIDE: usize = 32;
 
-/// Memory besides the point memory.
-pub struct SplineScratch {
-    velocities: [f64; TABLE_POINTS],
-    used: usize,
-    /// The elimination's numbers at the points 0, [`STRIDE`] ….
-    kept: [f64; TABLE_POINTS / STRIDE],
-}
-
-impl Default for SplineScratch {
-    fn default() -> Self {
-        Self::new()
+servo::state! {
+    /// Memory besides the point memory.
+    pub struct SplineScratch {
+        velocities: [f64; TABLE_POINTS] = [0.0; TABLE_POINTS],
+        used: usize = 0,
+        /// The elimination's numbers at the points 0, [`STRIDE`] ….
+        kept: [f64; TABLE_POINTS / STRIDE] = [0.0; TABLE_POINTS / STRIDE],
     }
-}
-
-impl SplineScratch {
     /// Empty.
-    pub const fn new() -> SplineScratch {
-        SplineScratch { velocities: [0.0; TABLE_POINTS], used: 0, kept: [0.0; TABLE_POINTS / STRIDE] }
-    }
+    pub const fn new();
 }
 
 /// The memory.

@@ -3,11 +3,11 @@ use super::{Reading, mode_number, number};
 use crate::bounded_vec::collect;
 use crate::plan::geometry::pulses;
 use crate::plan::pvt::table_number;
-use crate::report::answer::Query;
+use crate::report::answer::{Query, Sent};
 use crate::shadow::AxisShadow;
 use heapless::Vec;
 use protocol::command::{self, Count, Long, Longs, Real, Reals, Request, opcode};
-use protocol::record::{Full, ReplyWriter};
+use protocol::record::ReplyWriter;
 use servo::view::AxisView;
 
 /// What stands before the items.
@@ -41,7 +41,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
         query: &Query,
         out: &mut ReplyWriter,
         item: impl Fn(&AxisView, &AxisShadow) -> R::ReplyItem,
-    ) -> Result<(), Full> {
+    ) -> Sent {
         let axes = self.view.axes.iter().zip(&self.executed.axes).skip(query.first.into()).take(query.count.into());
         let items: Vec<_, AXES> = collect(axes.map(|(axis, shadow)| item(axis, shadow)));
         out.done::<R>(tag, &R::Reply::new(self.clock_ms(), items.len() as u16), &items)
@@ -56,7 +56,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
     }
 
     /// Reads of consecutive axes.
-    pub(super) fn axes_reply(&self, tag: u16, query: &Query, out: &mut ReplyWriter) -> Result<(), Full> {
+    pub(super) fn axes_reply(&self, tag: u16, query: &Query, out: &mut ReplyWriter) -> Sent {
         macro_rules! each {
             ($($name:ident => $item:expr;)* _ => $last:ident, $last_item:expr) => {
                 match query.opcode {

@@ -1,10 +1,10 @@
 //! Reads of coordinate systems.
 use super::{Reading, fixed, number};
 use crate::plan::geometry::position_of;
-use crate::report::answer::Query;
+use crate::report::answer::{Query, Sent};
 use crate::shadow::CrdShadow;
 use protocol::command;
-use protocol::record::{Full, ReplyWriter};
+use protocol::record::ReplyWriter;
 use servo::path::DIMENSIONS;
 use servo::units::Crd;
 use servo::view::CrdView;
@@ -20,7 +20,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
     }
 
     /// A read of the coordinate system `first`; `which` is the FIFO, or the coordinate.
-    pub(super) fn crd_reply(&self, tag: u16, query: &Query, out: &mut ReplyWriter) -> Result<(), Full> {
+    pub(super) fn crd_reply(&self, tag: u16, query: &Query, out: &mut ReplyWriter) -> Sent {
         let crd = Crd::new(usize::from(query.first)).unwrap_or_default();
         let (shadow, sampled) = self.crd(crd);
         let fifo = query.which;

@@ -1,8 +1,8 @@
 //! Reads of axes that follow.
 use super::Reading;
-use crate::report::answer::Query;
+use crate::report::answer::{Query, Sent};
 use protocol::command::{self, opcode};
-use protocol::record::{Full, ReplyWriter};
+use protocol::record::ReplyWriter;
 use servo::units::Axis;
 use zerocopy::IntoBytes;
 
@@ -12,7 +12,7 @@ const NO_MASTER: [i16; 3] = [0, 2, 0];
 
 impl<const AXES: usize> Reading<'_, AXES> {
     /// Reads of an axis that follows.
-    pub(super) fn follow(&self, tag: u16, query: &Query, out: &mut ReplyWriter) -> Result<(), Full> {
+    pub(super) fn follow(&self, tag: u16, query: &Query, out: &mut ReplyWriter) -> Sent {
         let axis = Axis::new(usize::from(query.first)).unwrap_or_default();
         let sampled = &self.view.axes[axis.index().min(AXES - 1)];
         let follow = &self.executed.axis(axis).follow;

@@ -115,7 +115,7 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
                     program.abort(&mut self.admission);
                     self.admission.log.put(view.now, EventKind::ShutOff, 0, ShutOff::Abort as u16);
                 }
-                self.push_staged();
+                self.admission.push_staged();
                 if let (Effect::Took(values), Answer::Took { count, .. }) = (effect, answer) {
                     self.replies.keep(values.into_iter().take(count.into()));
                 }
@@ -173,13 +173,6 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
         Handled::of(written)
     }
 
-    /// Pushes what is staged; the caller has checked that there is room.
-    fn push_staged(&mut self) {
-        for &(command, change) in self.admission.staged.commands() {
-            self.admission.lane.push(command, change, 0, &mut self.admission.admitted);
-        }
-    }
-
     fn go_on_with_config(&mut self, view: &View<AXES>, record: &RequestRecord) -> Handled {
         while let Some(item) = self.config {
             if self.admission.lane.room() < STAGED_MAX {
@@ -189,7 +182,7 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
                 self.config = None;
                 break;
             }
-            self.push_staged();
+            self.admission.push_staged();
             self.config = Some(item.saturating_add(1));
         }
         self.await_last(record, Answer::Done, true)

@@ -5,7 +5,7 @@
 use super::super::Ns;
 use super::super::gate::{Gate, Level};
 use super::state::{Commanded, Lost, Maybe, Owner, members, set};
-use super::{Judge, SAME};
+use super::{Judge, SAME_INSTANT_NS};
 
 impl Judge {
     pub(super) fn answered(&mut self, call: &str, code: i16, refused: Maybe) {
@@ -156,7 +156,7 @@ impl Judge {
         of.mark_changed();
         of.delays = (on, off);
         let mut open = None;
-        for gate in of.verdict.gates.iter_mut().rev().take_while(|gate| gate.hi + SAME >= lo) {
+        for gate in of.verdict.gates.iter_mut().rev().take_while(|gate| gate.hi + SAME_INSTANT_NS >= lo) {
             gate.delays = (gate.delays.0.min(on), gate.delays.1.max(off));
             open = Some(gate.lo);
         }

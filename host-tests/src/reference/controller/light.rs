@@ -11,7 +11,7 @@ use super::{Controller, Reply, Value};
 /// The lowest frequency, kHz.
 const KHZ_MIN: f64 = 0.001;
 /// The longest delay, µs.
-const LONGEST: f64 = 65535.0;
+const DELAY_MAX_US: f64 = 65535.0;
 /// The most of a ratio of the distance follow, and the scales of the two families.
 pub(super) const RATIO: f64 = 131072.0;
 const SCALES: [[f64; 2]; 2] = [[1.0 / 262144.0, 4294967296.0], [1.0, 65536.0]];
@@ -165,7 +165,7 @@ impl Controller {
 
     pub(super) fn setting_of(&mut self, what: LightOf, after: &Channel, channel: i16) -> Result<Setting, i16> {
         let family = self.site.family;
-        let us = |us: u32, least: f64| take(family, us.into(), [least, LONGEST]).map(|us| us / 1000.0);
+        let us = |us: u32, least: f64| take(family, us.into(), [least, DELAY_MAX_US]).map(|us| us / 1000.0);
         Ok(match what {
             LightOf::Connector(on) => {
                 // That of axis 8 cannot be given back.

@@ -5,7 +5,7 @@
 
 /// Closer instants, ms, are one; instants further apart, but closer than the other, may fall either
 /// way.
-const SAME: f64 = 1e-9;
+const SAME_INSTANT_MS: f64 = 1e-9;
 const NEAR: f64 = 6e-6;
 
 /// EnaFPK, ms.
@@ -30,9 +30,9 @@ struct Pending {
 impl Pending {
     /// A later command cancels what is pending at or after its own effect.
     fn command(&mut self, at: f64, level: bool) {
-        let near = |edge: f64| (edge - at).abs() < NEAR && (edge - at).abs() > SAME;
+        let near = |edge: f64| (edge - at).abs() < NEAR && (edge - at).abs() > SAME_INSTANT_MS;
         self.tie |= self.edges.iter().any(|edge| near(edge.0)) || self.taken.is_some_and(near);
-        self.edges.retain(|edge| edge.0 < at - SAME);
+        self.edges.retain(|edge| edge.0 < at - SAME_INSTANT_MS);
         self.edges.push((at, level));
     }
 
@@ -78,7 +78,7 @@ impl Gate {
 
     /// Whether an edge is pending so near to an instant that rounding may decide which comes first.
     pub fn is_near(&self, at: f64) -> bool {
-        let near = |edge: &(f64, bool)| (edge.0 - at).abs() < NEAR && (edge.0 - at).abs() > SAME;
+        let near = |edge: &(f64, bool)| (edge.0 - at).abs() < NEAR && (edge.0 - at).abs() > SAME_INSTANT_MS;
         self.gate.edges.iter().chain(&self.light.edges).any(near)
     }
 
@@ -111,7 +111,7 @@ impl Gate {
 
     /// Edges up to an instant; those of the instant itself where it is `through`.
     pub fn advance(&mut self, to: f64, through: bool) {
-        let until = if through { to + SAME } else { to - SAME };
+        let until = if through { to + SAME_INSTANT_MS } else { to - SAME_INSTANT_MS };
         while self.is_busy() {
             let pulse = self.pulse.unwrap_or(f64::INFINITY);
             let (gate, light) = (self.gate.next(), self.light.next());

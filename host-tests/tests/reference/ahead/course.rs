@@ -1,5 +1,5 @@
 //! Random paths: the calls, and the entries that they give.
-use super::Place;
+use super::Position;
 use host_tests::path_model::{Geometry, Plane};
 use host_tests::reference::chance::Chance;
 use host_tests::reference::{Call, Cycle, Kind, Path, PathCall, Site, Speeds};
@@ -23,8 +23,8 @@ pub struct Course {
     /// T, ms.
     pub corner: f64,
     /// Of each coordinate.
-    pub vel: Place,
-    pub acc: Place,
+    pub vel: Position,
+    pub acc: Position,
     /// It is stopped on its way, or its override changes.
     pub disturbed: bool,
     /// One of its Stops is abrupt: what was reached in that tick has been done (docs/crd.md).
@@ -37,7 +37,7 @@ const MS: i64 = 1_000_000;
 struct Making {
     chance: Chance,
     course: Course,
-    at: Place,
+    at: Position,
 }
 
 impl Making {
@@ -90,7 +90,7 @@ impl Making {
     }
 
     /// A place near or far, mostly straight on.
-    fn target(&mut self) -> Place {
+    fn target(&mut self) -> Position {
         let far = self.chance.log(2.0, 400.0);
         let mut to = self.at;
         for place in &mut to[..self.course.dimension] {
@@ -103,7 +103,7 @@ impl Making {
         to
     }
 
-    fn line(&mut self, to: Place, vel: f64, acc: f64, rests: bool) {
+    fn line(&mut self, to: Position, vel: f64, acc: f64, rests: bool) {
         self.course.entries.push(Entry::Motion(Geometry::line(self.at, to), vel, acc, rests));
         self.at = to;
     }

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 /// The version of the lines that is read.
 const FORMAT: i64 = 1;
 /// The longest line.
-const LONGEST: usize = 8192;
+const LINE_MAX_BYTES: usize = 8192;
 
 /// Numbers by the names of their lines; a name may come often.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -74,8 +74,8 @@ impl Reader {
         for &byte in bytes {
             if byte != b'\n' {
                 self.line.push(byte);
-                if self.line.len() > LONGEST {
-                    return Err(Failure::Job(format!("a line of more than {LONGEST} bytes")));
+                if self.line.len() > LINE_MAX_BYTES {
+                    return Err(Failure::Job(format!("a line of more than {LINE_MAX_BYTES} bytes")));
                 }
                 continue;
             }
@@ -192,6 +192,6 @@ mod tests {
             feed(begin + "# hard fault at 0\n"),
             "false the board fell silent after 1 lines; it said: hard fault at 0"
         );
-        assert_eq!(feed("z".repeat(LONGEST + 1)), format!("a line of more than {LONGEST} bytes"));
+        assert_eq!(feed("z".repeat(LINE_MAX_BYTES + 1)), format!("a line of more than {LINE_MAX_BYTES} bytes"));
     }
 }

@@ -293,7 +293,7 @@ impl Bench {
     fn set_lasers(&mut self) {
         let Ok(carrier) = Carrier::admit(percent(333), Clock::GHZ) else { panic!("the carrier is refused") };
         for channel in 0..2 {
-            self.push(TickCommand::Laser { channel, change: ChannelChange::Carrier { carrier, fine: None } });
+            self.push(TickCommand::Laser { channel, change: ChannelChange::Carrier { carrier, fixed: None } });
             self.push(TickCommand::Laser { channel, change: ChannelChange::CrdMap { map: 1 << channel } });
             let half = [0.001f64; 4].map(f64::to_bits);
             let distance = Distance::admit(
@@ -328,7 +328,7 @@ impl Bench {
         let crds = self.set(1);
         let Ok(carrier) = Carrier::admit(percent(333), Clock::GHZ) else { panic!("the carrier is refused") };
         for channel in 0..channels {
-            self.push(TickCommand::Laser { channel, change: ChannelChange::Carrier { carrier, fine: None } });
+            self.push(TickCommand::Laser { channel, change: ChannelChange::Carrier { carrier, fixed: None } });
         }
         if let Some(ratios) = ratios {
             self.distance(channels, ratios);

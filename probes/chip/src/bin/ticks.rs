@@ -254,9 +254,9 @@ impl Bench {
             }
         };
         let Ok(carrier) = Carrier::admit(percent(333), clock) else { panic!("the carrier is refused") };
-        let fine = FixedTrain::plan(laser::PowerMode::Duty, percent(37), Some(&carrier), clock);
+        let fixed = FixedTrain::plan(laser::PowerMode::Duty, percent(37), Some(&carrier), clock);
         all(self, ChannelChange::Delays(Delays { off: 300, on: 300 }));
-        all(self, ChannelChange::Carrier { carrier, fine });
+        all(self, ChannelChange::Carrier { carrier, fixed });
         self.step(case, Some("laser-set"));
         for round in 0..TICKS as u32 / 8 {
             for (on, mark) in [(true, "laser-on"), (false, "laser-off")] {
@@ -270,9 +270,9 @@ impl Bench {
                 let view = *self.thread.view.read();
                 assert!(view.lasers.iter().take(channels.into()).all(|laser| laser.light == on), "no light");
                 if on {
-                    all(self, ChannelChange::Direct { power: percent(37), fine });
+                    all(self, ChannelChange::Direct { power: percent(37), fixed });
                     self.step(case, Some("laser-power"));
-                    all(self, ChannelChange::Direct { power: percent(round % 100), fine: None });
+                    all(self, ChannelChange::Direct { power: percent(round % 100), fixed: None });
                     self.step(case, Some("laser-unplanned"));
                 }
             }

@@ -2,5 +2,5 @@
 use servo::laser::{ChannelChange, Power};
 
 fn main() {
-    let _ = ChannelChange::Direct { power: Power(1 << 62), fine: None };
+    let _ = ChannelChange::Direct { power: Power(1 << 62), fixed: None };
 }

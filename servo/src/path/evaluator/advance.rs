@@ -5,7 +5,7 @@
 //! underrun.
 use super::interface::{Effects, FifoEnds, PathStop};
 use super::{Gear, Geared, Path, Preparation, Prepared, Stage, Turn, WalkBudget, end_of};
-use crate::math::real::Real;
+use crate::math::float::Float;
 use crate::path::entry::{EntryContent, EntryEffect, PathEntry};
 use crate::path::speed_profile::Phase;
 use crate::path::store::PathEntries;
@@ -228,7 +228,7 @@ impl Path {
                             return self.stop_in_wait(until, feed, sink);
                         }
                         self.wait(until);
-                        self.speed = Real::ZERO;
+                        self.speed = Float::ZERO;
                         return;
                     }
                 }
@@ -329,7 +329,7 @@ impl Path {
         feed: FifoEnds,
         sink: &mut impl Effects,
     ) {
-        (self.stage, self.speed, self.stopping, self.open) = (Stage::Standstill, Real::ZERO, false, None);
+        (self.stage, self.speed, self.stopping, self.open) = (Stage::Standstill, Float::ZERO, false, None);
         (self.stand.over, self.fresh, self.planning.unfinished) = (FineNs::MAX, true, false);
         let (here, end) = (self.here, end_of(feed, self.fifo));
         let cursor = self.cursor(self.fifo);

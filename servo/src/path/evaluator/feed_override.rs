@@ -4,9 +4,9 @@
 //! planned anew with it. Owns nothing: the factor is in [`Rules`]. Fails: admission refuses a
 //! factor out of range, [`Refused`].
 use super::{Path, Rules, Stage};
-use crate::math::real::Real;
+use crate::math::float::Float;
 use crate::path::entry::Refused;
-use crate::path::pack::real;
+use crate::path::pack::float;
 use crate::path::store::PathEntries;
 use crate::path::{FifoEnds, FineNs};
 use crate::units::Ns;
@@ -29,8 +29,8 @@ impl FeedOverride {
         }
     }
 
-    fn real(self) -> Real {
-        real(self.0)
+    fn float(self) -> Float {
+        float(self.0)
     }
 }
 
@@ -38,7 +38,7 @@ impl Rules {
     /// Override: the speeds of all motions are multiplied by it. The speeds at their ends are not,
     /// but held to these.
     pub fn set_override(&mut self, rate: FeedOverride) {
-        self.rate = rate.real();
+        self.rate = rate.float();
     }
 }
 

@@ -3,7 +3,7 @@
 //! In: rules, how many entries are there. Out: its position, its effects on others, the motion of
 //! its coordinates between ticks. Owns nothing. Cannot fail.
 use super::ORIGIN;
-use crate::math::real::Real;
+use crate::math::float::Float;
 use crate::path::entry::EntryEffect;
 use crate::path::geometry::Bend;
 use crate::path::{DIMENSIONS, FineNs};
@@ -65,18 +65,18 @@ pub struct FifoEnds {
 /// Settings for all motions of a coordinate system.
 #[derive(Debug, Clone, Copy)]
 pub struct Rules {
-    pub(super) even: Real,
-    pub(super) stop: Real,
-    pub(super) rate: Real,
+    pub(super) even: Float,
+    pub(super) stop: Float,
+    pub(super) rate: Float,
 }
 
 impl Rules {
     /// No even time, a stop deceleration of 1 pulse/ms², no override.
-    pub const POWER_ON: Rules = Rules { even: Real::ZERO, stop: Real::ONE, rate: Real::ONE };
+    pub const POWER_ON: Rules = Rules { even: Float::ZERO, stop: Float::ONE, rate: Float::ONE };
 
     /// Least time at constant speed in a motion (TCrdPrm.evenTime), ms.
     pub fn set_even(&mut self, ms: u16) {
-        self.even = Real::new(false, ms as u64, 0);
+        self.even = Float::new(false, ms as u64, 0);
     }
 
     /// Deceleration of a smooth Stop.

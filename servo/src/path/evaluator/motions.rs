@@ -4,7 +4,7 @@
 //! with its plan. Owns nothing beyond the [`Path`]. Cannot fail. A motion that was made ahead is
 //! the same as one made on its boundary: the same functions of the same numbers.
 use super::{After, EFFECTS, FifoEnds, Gear, Path, Preparation, Prepared, Rules, Stage, end_of};
-use crate::math::real::Real;
+use crate::math::float::Float;
 use crate::path::entry::{EntryContent, MotionSpeeds, PathEntry};
 use crate::path::geometry::GearMotion as Geared;
 use crate::path::speed_profile::{MotionLimits, Phase, SpeedPlan};
@@ -166,7 +166,7 @@ impl Path {
     pub(super) fn make_ahead(
         &mut self,
         fifo: u8,
-        speed: Real,
+        speed: Float,
         distance: Exact,
         feed: FifoEnds,
         source: &impl PathEntries,
@@ -180,7 +180,7 @@ impl Path {
             Preparation::Shaped => {
                 let Prepared { counter, along, shape, .. } = self.motions.next();
                 let after = self.what_follows(fifo, counter.wrapping_add(1), feed, source);
-                let (means, left) = (self.means(*along, after), shape.length().sub(Real::from_exact(distance)));
+                let (means, left) = (self.means(*along, after), shape.length().sub(Float::from_exact(distance)));
                 self.planning.sketch.begin(speed, left, means);
                 let open = (after == After::Nothing).then_some(end_of(feed, fifo));
                 let ahead = self.motions.next_mut();
@@ -284,7 +284,7 @@ impl Path {
         let vel = along.vel().mul(rate);
         let end = match after {
             After::Motion => along.end(),
-            After::Halt | After::Nothing => Real::ZERO,
+            After::Halt | After::Nothing => Float::ZERO,
         };
         let end = if vel.is_less(end) { vel } else { end };
         MotionLimits { vel, acc: along.acc(), end, even, stop: self.stopping.then_some(stop) }
@@ -294,7 +294,7 @@ impl Path {
     pub(super) fn plan_remainder(&mut self, feed: FifoEnds, source: &impl PathEntries) {
         let after = self.what_follows(self.fifo, self.cursor_of(self.fifo).next, feed, source);
         let Prepared { along, shape, .. } = self.motions.now();
-        let left = shape.length().sub(Real::from_exact(self.stand.distance));
+        let left = shape.length().sub(Float::from_exact(self.stand.distance));
         // A plan in progress of the motion after it is dropped: that motion will be entered
         // otherwise.
         let means = self.means(*along, after);

@@ -5,7 +5,7 @@
 //! [`Path`]. Cannot fail: a change of what would follow discards it, and a start with another FIFO
 //! makes its own.
 use super::{FifoEnds, Path, Preparation, end_of};
-use crate::math::real::Real;
+use crate::math::float::Float;
 use crate::path::FineNs;
 use crate::path::store::PathEntries;
 use crate::units::{Exact, Ns};
@@ -43,7 +43,7 @@ impl Path {
                 false
             }
             Preparation::Begun | Preparation::Shaped | Preparation::Sketched => {
-                self.make_ahead(fifo, Real::ZERO, distance, feed, source);
+                self.make_ahead(fifo, Float::ZERO, distance, feed, source);
                 true
             }
         }

@@ -94,7 +94,7 @@ impl CurveSegment {
             let [second, third] = match self.part {
                 Some(SCurvePart::Rise) => [0, half],
                 Some(SCurvePart::Fall) => [half.wrapping_mul(3) >> 1, half.wrapping_neg() >> 1],
-                Some(SCurvePart::Held) | None => [half, 0],
+                Some(SCurvePart::Constant) | None => [half, 0],
             };
             return cubic(from, length, start, [r0, second, third]);
         }

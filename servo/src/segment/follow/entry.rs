@@ -9,7 +9,7 @@
 //! chain does not know the ratio with which a FIFO goes on after another, or after a SwitchNow.
 //! That runs on with changing sign until an EVEN or STOP: an entry says how far back this is.
 use super::compact::{Compact, HIGH_BITS, NoNumber};
-use super::ratio::{RATIO_BITS, quotient, swing};
+use super::ratio::{RATIO_BITS, quotient, start_displacement};
 use super::{Direction, Method};
 use crate::units::DoGroup;
 
@@ -18,11 +18,11 @@ pub const ENTRIES: u32 = 512;
 /// Entries of a FIFO that are no segments, at most.
 pub const STOPS: usize = 16;
 /// The largest |ratio|: 2⁴⁴.
-const STEEPEST: i128 = 1 << (44 + super::ratio::RATIO_BITS);
+const RATIO_MAX: i128 = 1 << (44 + super::ratio::RATIO_BITS);
 /// The largest displacement at a segment's start ratio: 2⁴⁰ pulses.
-const SWING: i128 = 1 << (40 + 64);
+const START_DISPLACEMENT_MAX_EXACT: i128 = 1 << (40 + 64);
 /// The shortest segment: 2⁻²⁰ pulse of the master.
-const SEGMENT_MIN: i128 = 1 << (64 - 20);
+const SEGMENT_MIN_EXACT: i128 = 1 << (64 - 20);
 /// The distance to the head of a chain is stored up to this; there the search goes on from the
 /// entry reached.
 pub(super) const CHAIN_MAX_ENTRIES: u32 = 31;
@@ -118,7 +118,7 @@ pub enum SCurvePart {
     /// The slope of the ratio grows from 0.
     Rise,
     /// It holds.
-    Held,
+    Constant,
     /// It falls to 0.
     Fall,
 }
@@ -194,7 +194,7 @@ impl FollowChain {
 
 /// Mantissa and exponent of r₀·M: 54 significant bits, exponent field e is 2^(e − 22) ≤ x < 2^(e −
 /// 21); below that, multiples of 2⁻⁷⁴, field 0.
-fn pack_swing(x: i128) -> [u32; 2] {
+fn pack_displacement(x: i128) -> [u32; 2] {
     let magnitude = x.unsigned_abs();
     // Of 2^-64: bit 42 is 2^-22.
     let width = 128 - magnitude.leading_zeros();
@@ -216,6 +216,9 @@ fn pack_swing(x: i128) -> [u32; 2] {
     let high = (mantissa >> 32) as u32 & 0x1f_ffff | field << 21 | ((x < 0) as u32) << 27;
     [mantissa as u32, high]
 }
+
+/// An entry, and the chain with it.
+type Chained = Result<(FollowEntry, FollowChain), Refused>;
 
 impl FollowEntry {
     /// The words as stored: those of two slots.
@@ -240,7 +243,7 @@ impl FollowEntry {
         percent: i16,
         direction: Direction,
         before: &FollowChain,
-    ) -> Result<(FollowEntry, FollowChain), Refused> {
+    ) -> Chained {
         if !(0..=3).contains(&kind) {
             return Err(Refused::Kind);
         }
@@ -257,7 +260,7 @@ impl FollowEntry {
             2 => (quotient(p << 1, m), 0, p << 1),
             _ => {
                 let r0 = before.tail.ratio;
-                (r0, quotient(p << 1, m) - r0, swing(r0, m))
+                (r0, quotient(p << 1, m) - r0, start_displacement(r0, m))
             }
         };
         let (entry, mut chain) =
@@ -277,7 +280,7 @@ impl FollowEntry {
         begin: Option<u64>,
         direction: Direction,
         before: &FollowChain,
-    ) -> Result<(FollowEntry, FollowChain), Refused> {
+    ) -> Chained {
         let r0 = match begin {
             None => before.tail.ratio,
             Some(bits) => {
@@ -290,10 +293,10 @@ impl FollowEntry {
         let rule = |p: i128, m: u128| {
             let end = match part {
                 SCurvePart::Rise => quotient(p * 3, m) - (r0 << 1),
-                SCurvePart::Held => quotient(p << 1, m) - r0,
+                SCurvePart::Constant => quotient(p << 1, m) - r0,
                 SCurvePart::Fall => (quotient(p * 3, m) - r0) >> 1,
             };
-            (r0, end, swing(r0, m))
+            (r0, end, start_displacement(r0, m))
         };
         FollowEntry::between([master_bits, slave_bits], code, STOP, direction, before, rule)
     }
@@ -307,7 +310,7 @@ impl FollowEntry {
         direction: Direction,
         before: &FollowChain,
         rule: impl FnOnce(i128, u128) -> (i128, i128, i128),
-    ) -> Result<(FollowEntry, FollowChain), Refused> {
+    ) -> Chained {
         let master = Compact::pack(master_bits, 31).map_err(|class| match class {
             NoNumber::NotFinite => Refused::MasterNotFinite,
             NoNumber::TooLarge => Refused::MasterBeyondRange,
@@ -324,7 +327,7 @@ impl FollowEntry {
         let m1 = master.magnitude();
         let s1 = if slave_bits >> 63 == 1 { -slave.magnitude() } else { slave.magnitude() };
         let (m, p) = (m1 - before.master, s1 - before.slave);
-        if m < SEGMENT_MIN || !first && down != before.tail.down {
+        if m < SEGMENT_MIN_EXACT || !first && down != before.tail.down {
             return Err(Refused::NotAdvancing);
         }
         if before.entries() >= ENTRIES {
@@ -335,15 +338,15 @@ impl FollowEntry {
             return Err(Refused::TooSteep);
         }
         let (begin, end, at_start) = rule(p, m.unsigned_abs());
-        if begin.abs() > STEEPEST || end.abs() > STEEPEST {
+        if begin.abs() > RATIO_MAX || end.abs() > RATIO_MAX {
             return Err(Refused::TooSteep);
         }
-        if at_start.abs() > SWING {
+        if at_start.abs() > START_DISPLACEMENT_MAX_EXACT {
             return Err(Refused::TooFar);
         }
         let mut chain = *before;
         chain.back = if first || type_bits != NORMAL { 0 } else { before.back };
-        let [low, high] = pack_swing(at_start);
+        let [low, high] = pack_displacement(at_start);
         chain.ends = [master.low, master.high, slave.low, slave.high | ((slave_bits >> 63) as u32) << HIGH_BITS];
         let entry = chain.pack(percent, low, high | type_bits << 28);
         chain.back += 1;
@@ -356,38 +359,27 @@ impl FollowEntry {
     }
 
     /// Sets an output when it is reached. Bits count from 0; those of axes over all cores.
-    pub fn output(
-        group: DoGroup,
-        bit: u8,
-        high: bool,
-        before: &FollowChain,
-    ) -> Result<(FollowEntry, FollowChain), Refused> {
+    pub fn output(group: DoGroup, bit: u8, high: bool, before: &FollowChain) -> Chained {
         FollowEntry::stop(OUTPUT, 0, group as u32 | (bit as u32) << 4 | (high as u32) << 12, before)
     }
 
     /// Holds the slave for this many cycles of 250 µs.
-    pub fn delay(cycles: u32, before: &FollowChain) -> Result<(FollowEntry, FollowChain), Refused> {
+    pub fn delay(cycles: u32, before: &FollowChain) -> Chained {
         FollowEntry::stop(DELAY, cycles, 0, before)
     }
 
     /// Holds the slave until an input has this level. `index` is an axis over all cores or a
     /// general input, from 0; a wait of `timeout_ms` ends the motion, 0 waits for ever.
-    pub fn wait_input(
-        input: Input,
-        index: u8,
-        high: bool,
-        timeout_ms: u32,
-        before: &FollowChain,
-    ) -> Result<(FollowEntry, FollowChain), Refused> {
+    pub fn wait_input(input: Input, index: u8, high: bool, timeout_ms: u32, before: &FollowChain) -> Chained {
         FollowEntry::stop(WAIT, timeout_ms, input as u32 | (index as u32) << 4 | (high as u32) << 12, before)
     }
 
     /// Switches when it is reached.
-    pub fn switch(method: Method, before: &FollowChain) -> Result<(FollowEntry, FollowChain), Refused> {
+    pub fn switch(method: Method, before: &FollowChain) -> Chained {
         FollowEntry::stop(SWITCH, 0, (method == Method::Table) as u32, before)
     }
 
-    fn stop(code: u32, number: u32, rest: u32, before: &FollowChain) -> Result<(FollowEntry, FollowChain), Refused> {
+    fn stop(code: u32, number: u32, rest: u32, before: &FollowChain) -> Chained {
         if before.entries() >= ENTRIES {
             return Err(Refused::Full);
         }
@@ -395,7 +387,7 @@ impl FollowEntry {
             return Err(Refused::StopsFull);
         }
         let mut chain = *before;
-        let entry = chain.pack(code, number, rest | (before.tail.last_stop as u32) << LINK | NO_SEGMENT << 28);
+        let entry = chain.pack(code, number, rest | (before.tail.last_stop as u32) << LINK_SHIFT | NO_SEGMENT << 28);
         chain.back += (before.segments > 0) as u16;
         chain.tail.last_stop = before.entries() as u16 + 1;
         chain.stops += 1;
@@ -441,7 +433,7 @@ impl FollowEntry {
             STOP => Some(match self.percent().checked_sub(PARTS) {
                 None => FollowEntryKind::Stop,
                 Some(0 | GOES_ON) => FollowEntryKind::Part(SCurvePart::Rise),
-                Some(1 | 4) => FollowEntryKind::Part(SCurvePart::Held),
+                Some(1 | 4) => FollowEntryKind::Part(SCurvePart::Constant),
                 Some(_) => FollowEntryKind::Part(SCurvePart::Fall),
             }),
             _ => None,
@@ -507,7 +499,7 @@ impl FollowEntry {
 
     /// 1 + index of the entry before it that is no segment either; 0 if there is none.
     pub(super) fn stop_before(self) -> u32 {
-        self.0[5] >> LINK & 0x3ff
+        self.0[5] >> LINK_SHIFT & 0x3ff
     }
 }
 
@@ -527,7 +519,7 @@ const SWITCH: u32 = 4;
 /// The type of all of them.
 const NO_SEGMENT: u32 = 3;
 /// The bits of word 5 that link to the one before.
-const LINK: u32 = 16;
+const LINK_SHIFT: u32 = 16;
 
 impl FollowChain {
     /// The next entry: it ends where [`FollowChain::ends`] says.

@@ -30,7 +30,7 @@ use crate::units::{Exact, Ns, Pos};
 pub const ACTIONS: usize = 8;
 /// A cycle of FollowDelayEx, 250 µs, and a ms, in 2⁻³² ns.
 const DELAY_CYCLE: FineNs = 250_000 << 32;
-const MS: FineNs = 1_000_000 << 32;
+const FINE_NS_PER_MS: FineNs = 1_000_000 << 32;
 /// Steps of [`FollowRun::settle`] in a tick: every action may be followed by the end of a pass.
 const SETTLE_STEPS: usize = 3 * ACTIONS;
 
@@ -102,7 +102,7 @@ pub enum Awaited {
 
 impl Awaits {
     /// It moves, or waits for a time.
-    pub const NOTHING: Awaits = Awaits(0);
+    pub const NONE: Awaits = Awaits(0);
 
     /// What it is.
     pub fn what(self) -> Option<Awaited> {
@@ -140,51 +140,61 @@ struct Ahead {
     origin: i128,
 }
 
-/// A slave that runs.
-#[derive(Debug, Clone, Copy)]
-pub struct FollowRun {
-    /// Over the progress in units of Pos.
-    piece: Piece,
-    both: bool,
-    down: bool,
-    /// Directions Up and Down: the furthest progress reached.
-    furthest: i64,
-    /// The progress of the tick computed last.
-    progress: i64,
-    fifo: u8,
-    switching: bool,
-    /// Set by SwitchNow, until the tick has been computed.
-    now: Option<Method>,
-    wait: Wait,
-    /// The entry whose piece is loaded.
-    index: u32,
-    /// Entries before this one are done in the present pass.
-    done: u32,
-    pass: u32,
-    /// Progress, 2⁻⁶⁴ pulse, and slave at the beginning of the present pass.
-    began: i128,
-    origin: i128,
-    /// The slave does not go back before this entry of this pass.
-    floor: (u32, u32),
-    /// It follows in both directions, and is just at its floor: a master that goes back does not
-    /// move it.
-    at_floor: bool,
-    /// Ratio with which a FIFO that begins with CONTINUE goes on, in every pass.
-    carried: i128,
-    more: Option<More>,
-    /// The piece after the one in force, if it was made; and whether it may still be to be made.
-    ahead: Option<Ahead>,
-    open: bool,
-    /// A piece lies further from the one before than any tick may move.
-    far: bool,
-    /// SwitchNow in the last segment: the ratio at which the next pass starts.
-    given: Option<i128>,
-    /// The slave was held by the entry done last.
-    held: bool,
-    /// The count at which data ended in the last tick.
-    end: u32,
-    /// FIFOs that a switch has emptied: 1 bit each, until the axis has taken them.
-    emptied: u8,
+state! {
+    /// A slave that runs.
+    #[derive(Debug, Clone, Copy)]
+    pub struct FollowRun {
+        /// Over the progress in units of Pos.
+        piece: Piece = Piece::standstill(Ns(0), 0, origin.round()),
+        both: bool = setup.direction == Direction::Both,
+        down: bool = if setup.direction == Direction::Both {
+            setup.fifo(fifo).tail.down
+        } else {
+            setup.direction == Direction::Down
+        },
+        /// Directions Up and Down: the furthest progress reached.
+        furthest: i64 = i64::MIN,
+        /// The progress of the tick computed last.
+        progress: i64 = 0,
+        fifo: u8 = fifo,
+        switching: bool = false,
+        /// Set by SwitchNow, until the tick has been computed.
+        now: Option<Method> = None,
+        wait: Wait = Wait::Start,
+        /// The entry whose piece is loaded.
+        index: u32 = 0,
+        /// Entries before this one are done in the present pass.
+        done: u32 = 0,
+        pass: u32 = 0,
+        /// Progress, 2⁻⁶⁴ pulse, and slave at the beginning of the present pass.
+        began: i128 = 0,
+        origin: i128 = origin.0,
+        /// The slave does not go back before this entry of this pass.
+        floor: (u32, u32) = (0, 0),
+        /// It follows in both directions, and is just at its floor: a master that goes back does
+        /// not move it.
+        at_floor: bool = false,
+        /// Ratio with which a FIFO that begins with CONTINUE goes on, in every pass.
+        carried: i128 = 0,
+        more: Option<More> = None,
+        /// The piece after the one in force, if it was made; and whether it may still be to be
+        /// made.
+        ahead: Option<Ahead> = None,
+        open: bool = false,
+        /// A piece lies further from the one before than any tick may move.
+        far: bool = false,
+        /// SwitchNow in the last segment: the ratio at which the next pass starts.
+        given: Option<i128> = None,
+        /// The slave was held by the entry done last.
+        held: bool = false,
+        /// The count at which data ended in the last tick.
+        end: u32 = 0,
+        /// FIFOs that a switch has emptied: 1 bit each, until the axis has taken them.
+        emptied: u8 = 0,
+    }
+    /// A motion from the position `origin` which starts in the tick computed next.
+    #[inline(always)]
+    pub fn begin(setup: &Setup, origin: Exact, fifo: u8);
 }
 
 /// What a tick uses besides the run.
@@ -216,39 +226,6 @@ enum Seek {
 }
 
 impl FollowRun {
-    /// A motion from the position `origin` which starts in the tick computed next.
-    #[inline(always)]
-    pub fn begin(setup: &Setup, origin: Exact, fifo: u8) -> FollowRun {
-        let both = setup.direction == Direction::Both;
-        FollowRun {
-            piece: Piece::standstill(Ns(0), 0, origin.round()),
-            both,
-            down: if both { setup.fifo(fifo).tail.down } else { setup.direction == Direction::Down },
-            furthest: i64::MIN,
-            progress: 0,
-            fifo,
-            switching: false,
-            now: None,
-            wait: Wait::Start,
-            index: 0,
-            done: 0,
-            pass: 0,
-            began: 0,
-            origin: origin.0,
-            floor: (0, 0),
-            at_floor: false,
-            carried: 0,
-            more: None,
-            ahead: None,
-            open: false,
-            far: false,
-            given: None,
-            held: false,
-            end: 0,
-            emptied: 0,
-        }
-    }
-
     /// Passes completed before the present one.
     pub fn passes(&self) -> u32 {
         self.pass
@@ -378,7 +355,7 @@ impl FollowRun {
     /// What it waits for.
     pub(crate) fn awaits(&self) -> Awaits {
         match self.wait {
-            Wait::No | Wait::Start | Wait::Until(_) => Awaits::NOTHING,
+            Wait::No | Wait::Start | Wait::Until(_) => Awaits::NONE,
             Wait::Pass { .. } => Awaits(1),
             Wait::Input { input, index, high, until } => Awaits(
                 2 | (high as u16) << 2 | (until.is_some() as u16) << 3 | (input as u16) << 4 | (index as u16) << 8,
@@ -513,7 +490,8 @@ impl FollowRun {
                 if (context.level)(input, index) == high {
                     return false;
                 }
-                let until = (timeout_ms != 0).then(|| when().wrapping_add(MS.wrapping_mul(timeout_ms as FineNs)));
+                let until =
+                    (timeout_ms != 0).then(|| when().wrapping_add(FINE_NS_PER_MS.wrapping_mul(timeout_ms as FineNs)));
                 self.wait = Wait::Input { input, index, high, until };
             }
             Stop::Switch(Method::Segment) => {

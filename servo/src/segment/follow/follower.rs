@@ -44,40 +44,30 @@ pub(crate) enum MasterPathKind<'a> {
     Track { along: &'a PositionTrack, shift: i64 },
 }
 
-/// A slave that runs.
-#[derive(Debug, Clone, Copy)]
-pub struct Follower {
-    pub(crate) run: FollowRun,
-    pub(crate) master: Master,
-    /// A smooth stop is due at the end of the tick.
-    pub(crate) braking: Option<StopReason>,
-    /// The piece of the master that has no turning point, as was found.
-    plain: Option<Ns>,
-    /// Its position at the tick in force; none before the first step.
-    last: Option<Pos>,
-    /// The master's filter.
-    filter: Filter,
-    /// The displacement of the master in this tick.
-    displacement: i64,
-    /// Its own positions in this tick.
-    track: PositionTrack,
+state! {
+    /// A slave that runs.
+    #[derive(Debug, Clone, Copy)]
+    pub struct Follower {
+        pub(crate) run: FollowRun = run,
+        pub(crate) master: Master = master,
+        /// A smooth stop is due at the end of the tick.
+        pub(crate) braking: Option<StopReason> = None,
+        /// The piece of the master that has no turning point, as was found.
+        plain: Option<Ns> = None,
+        /// Its position at the tick in force; none before the first step.
+        last: Option<Pos> = None,
+        /// The master's filter.
+        filter: Filter = Filter::default(),
+        /// The displacement of the master in this tick.
+        displacement: i64 = 0,
+        /// Its own positions in this tick.
+        track: PositionTrack = PositionTrack::begin(Pos(0)),
+    }
+    #[inline(always)]
+    pub(crate) fn new(run: FollowRun, master: Master);
 }
 
 impl Follower {
-    #[inline(always)]
-    pub(crate) fn new(run: FollowRun, master: Master) -> Follower {
-        Follower {
-            run,
-            master,
-            braking: None,
-            plain: None,
-            last: None,
-            filter: Filter::default(),
-            displacement: 0,
-            track: PositionTrack::begin(Pos(0)),
-        }
-    }
-
     /// Its own positions in this tick, if it has slaves.
     pub(crate) fn track(&self) -> &PositionTrack {
         &self.track

@@ -203,35 +203,35 @@ impl<'a> MasterPath<'a> {
     fn turns(&mut self, piece: &Piece, from: Ns, to: Ns, along: u8) {
         let begin = from.0.wrapping_sub(self.now.0) << 32;
         let end = to.0.wrapping_sub(self.now.0) << 32;
-        let tau = |fine| tau(self.now, piece, fine);
-        let sign = |fine| slope(&piece.motion, tau(fine)) < 0;
+        let tau = |at| tau(self.now, piece, at);
+        let sign = |at| slope(&piece.motion, tau(at)) < 0;
         let (first, last) = (sign(begin), sign(end));
         let mut found = [None; 2];
         if first != last {
-            found = [Some(bisect(begin, end, |fine| sign(fine) == first)), None];
+            found = [Some(bisect(begin, end, |at| sign(at) == first)), None];
         } else if piece.motion.c[2] != 0 {
-            let side = |fine| bend(&piece.motion, tau(fine)) < 0;
+            let side = |at| bend(&piece.motion, tau(at)) < 0;
             if side(begin) != side(end) {
-                let middle = bisect(begin, end, |fine| side(fine) == side(begin));
+                let middle = bisect(begin, end, |at| side(at) == side(begin));
                 if sign(middle) != first {
-                    let one = bisect(begin, middle, |fine| sign(fine) == first);
-                    found = [Some(one), Some(bisect(middle, end, |fine| sign(fine) != first))];
+                    let one = bisect(begin, middle, |at| sign(at) == first);
+                    found = [Some(one), Some(bisect(middle, end, |at| sign(at) != first))];
                 }
             }
         }
-        for fine in found.into_iter().flatten() {
-            let pos = pos(self.now, piece, self.shift, fine);
-            self.push(fine, pos, along);
+        for at in found.into_iter().flatten() {
+            let pos = pos(self.now, piece, self.shift, at);
+            self.push(at, pos, along);
         }
     }
 }
 
 /// The parameter of a piece at a time since the tick in force; held inside the piece. Another one
 /// may have cut it short: its cubic goes on after its end.
-fn tau(now: Ns, piece: &Piece, fine: u64) -> u64 {
-    let t = (fine >> 32).wrapping_add(now.0).wrapping_sub(piece.begin.0);
+fn tau(now: Ns, piece: &Piece, at: u64) -> u64 {
+    let t = (at >> 32).wrapping_add(now.0).wrapping_sub(piece.begin.0);
     let last = piece.span.saturating_sub(1);
-    let (t, part) = if t > last { (last, u32::MAX) } else { (t, fine as u32) };
+    let (t, part) = if t > last { (last, u32::MAX) } else { (t, at as u32) };
     let recip = piece.motion.recip;
     let part = (((part as u128) << (recip.shift & 63)) >> 32) as u64;
     let tau = (recip.ratio(t) >> 1).wrapping_add(piece.motion.tau);
@@ -239,8 +239,8 @@ fn tau(now: Ns, piece: &Piece, fine: u64) -> u64 {
 }
 
 /// The master's position on a piece at a time since the tick in force.
-fn pos(now: Ns, piece: &Piece, shift: i64, fine: u64) -> Pos {
-    Pos(piece.pos_at(tau(now, piece, fine)).0.wrapping_add(shift))
+fn pos(now: Ns, piece: &Piece, shift: i64, at: u64) -> Pos {
+    Pos(piece.pos_at(tau(now, piece, at)).0.wrapping_add(shift))
 }
 
 impl Section<'_> {

@@ -37,7 +37,7 @@ pub(super) fn product(a: u128, b: u128) -> (u128, u128) {
 }
 
 /// ratio·m in 2⁻⁶⁴ pulse, m > 0; held below 2⁵⁶ pulses.
-pub(super) fn swing(ratio: i128, m: u128) -> i128 {
+pub(super) fn start_displacement(ratio: i128, m: u128) -> i128 {
     let (high, low) = product(ratio.unsigned_abs(), m);
     let magnitude = if high >> (RATIO_BITS - 8) != 0 {
         i128::MAX >> 7

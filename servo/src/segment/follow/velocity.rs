@@ -3,7 +3,7 @@
 //! In: the motion in the slave's piece, whose parameter is the master's progress, and the motion of
 //! the master. Out: a motion in time. Integers only, so every machine derives the same bits. Cannot
 //! fail.
-use crate::math::real::Real;
+use crate::math::float::Float;
 use crate::segment::piece::{Motion, Recip, Scaled};
 use crate::units::Axis;
 
@@ -22,10 +22,10 @@ pub struct Lead {
 /// 10⁶ has 44 leading zeros: 1/ms in ns.
 const PER_MS: Recip = Recip { m: (u128::MAX / (1_000_000 << 44) - (1 << 64)) as u64, shift: 44 };
 /// 2²²/10⁶: [`Motion::velocity`] takes the 10⁶ units of a ms for a million units of Pos.
-const PULSE_PER_MS: Real = Real::new(false, (1 << 63) / 15625, -47);
+const PULSE_PER_MS: Float = Float::new(false, (1 << 63) / 15625, -47);
 
 /// A motion of this velocity, pulse/ms, and acceleration, pulse/ms².
-pub fn of(velocity: Real, acceleration: Real) -> Motion {
+pub fn of(velocity: Float, acceleration: Float) -> Motion {
     let half = acceleration.scale(-1);
     let frac = (60 - velocity.width().max(half.width())).clamp(0, 118);
     if velocity.is_zero() && half.is_zero() {
@@ -37,24 +37,24 @@ pub fn of(velocity: Real, acceleration: Real) -> Motion {
 
 /// The ratio of a slave, pulse per pulse of its master. `down`: its progress is the master's
 /// position with its sign changed.
-fn ratio(slave: &Motion, down: bool) -> Real {
-    let ratio = Real::from_scaled(slave.velocity()).mul(PULSE_PER_MS);
+fn ratio(slave: &Motion, down: bool) -> Float {
+    let ratio = Float::from_scaled(slave.velocity()).mul(PULSE_PER_MS);
     if down { ratio.negate() } else { ratio }
 }
 
 /// The velocity of a slave whose master moves at `speed`; 0 if a motion backwards has no effect.
-pub fn led(slave: &Motion, lead: Lead, speed: Real) -> Real {
-    if is_back(lead, speed) { Real::ZERO } else { ratio(slave, lead.down).mul(speed) }
+pub fn led(slave: &Motion, lead: Lead, speed: Float) -> Float {
+    if is_back(lead, speed) { Float::ZERO } else { ratio(slave, lead.down).mul(speed) }
 }
 
 /// Whether such a speed has no effect.
-fn is_back(lead: Lead, speed: Real) -> bool {
+fn is_back(lead: Lead, speed: Float) -> bool {
     lead.one_way && !speed.is_zero() && speed.is_negative() != lead.down
 }
 
 /// The motion of a slave in time.
 pub fn compose(slave: Motion, lead: Lead, master: Motion) -> Motion {
-    let real = |x: Scaled| Real::from_scaled(x);
+    let real = |x: Scaled| Float::from_scaled(x);
     let (speed, change) = (real(master.velocity()), real(master.acceleration()));
     if is_back(lead, if speed.is_zero() { change } else { speed }) {
         return Motion::STANDSTILL;

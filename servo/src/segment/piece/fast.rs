@@ -7,12 +7,12 @@
 //!
 //! Coefficients are in 2⁻³⁰ pulse. Three roundings of them, that of the begin and three of the sums
 //! are 3.24 units at most (`proofs/fast_path.gappa`), less than 2⁻²⁸ pulse.
-use super::{CUT, Motion};
+use super::{CUT_BITS, Motion};
 use crate::math::wide::{Recip, mulhi_su, umulhi};
 use crate::units::{Exact, Pos};
 
 /// Bits of the coefficients below a [`Pos`].
-const GUARD: u32 = 8;
+const GUARD_BITS: u32 = 8;
 
 /// What the tick needs of a fast-path piece.
 #[derive(Debug, Clone, Copy)]
@@ -59,7 +59,7 @@ impl FastPiece {
                 *third = cut(mulhi_su(c3, umulhi(square, over)), frac.wrapping_sub(37));
             }
         }
-        let half = start.wrapping_add(1 << (CUT - 1));
+        let half = start.wrapping_add(1 << (CUT_BITS - 1));
         let (m0, m1) = ((m >> 1) as u32, (m >> 33) as u32 | 1 << 31);
         // A piece of less than a ns has its first instant only.
         let s = zeros & 31;
@@ -68,8 +68,8 @@ impl FastPiece {
             span: span as u32,
             power: 1 << (31u32.wrapping_sub(k) & 31),
             cubic,
-            remainder: (half >> (CUT - GUARD)) as i64 & ((1 << GUARD) - 1),
-            base: (half >> CUT) as i64,
+            remainder: (half >> (CUT_BITS - GUARD_BITS)) as i64 & ((1 << GUARD_BITS) - 1),
+            base: (half >> CUT_BITS) as i64,
             rate,
         }
     }
@@ -80,14 +80,14 @@ impl FastPiece {
         let x = t.wrapping_mul(self.power);
         let [third, second, first] = self.cubic;
         let slope = times(times(third, x, second), x, first);
-        Pos(self.base.wrapping_add(times(slope, x, self.remainder) >> GUARD))
+        Pos(self.base.wrapping_add(times(slope, x, self.remainder) >> GUARD_BITS))
     }
 
     /// The same for a cubic that has its first coefficient only.
     #[inline(always)]
     pub(super) fn at_even(&self, t: u32) -> Pos {
         let (x, [_, _, first]) = (t.wrapping_mul(self.power), self.cubic);
-        Pos(self.base.wrapping_add(times(first, x, self.remainder) >> GUARD))
+        Pos(self.base.wrapping_add(times(first, x, self.remainder) >> GUARD_BITS))
     }
 
     /// How far τ is at `t` from its value at the begin, 2⁻⁶³.

@@ -231,8 +231,8 @@ impl PtRun {
             let (mean, rounded) = over_time(length << normal as u32, &self.divisor);
             if normal {
                 let sign = chain.velocity >> 127;
-                let swing = scale16(chain.velocity.unsigned_abs(), duration) as i128;
-                a = (swing ^ sign).wrapping_sub(sign);
+                let displacement = scale16(chain.velocity.unsigned_abs(), duration) as i128;
+                a = (displacement ^ sign).wrapping_sub(sign);
                 b = length.wrapping_sub(a);
                 chain.velocity = mean.wrapping_sub(chain.velocity);
                 chain.rounded = chain.rounded.saturating_add(rounded);

@@ -75,7 +75,7 @@ const TRAVEL: u64 = 1063 << 52;
 const ROUNDING_UNITS: u32 = 3;
 /// v0·T beyond 2⁴³ pulses swings out of ±2⁴⁰ even if the segment comes back: the excursion is
 /// A²/4(A + |P|) > 2⁴⁰·⁶⁷ for A = 2⁴³ and the largest |P|.
-const SWING: u64 = 1 << 43;
+const START_DISPLACEMENT_MAX_PULSES: u64 = 1 << 43;
 
 impl Segment {
     /// The words as stored.
@@ -151,7 +151,9 @@ impl Segment {
         if speed.unsigned_abs() > (limit.pulses_per_ms() << CHAIN_BITS) + spare as u64 {
             return Err(Refused::TooFast { speed });
         }
-        if kind == SegmentKind::Normal && (before.velocity.unsigned_abs() >> CHAIN_BITS) * duration as u64 > SWING {
+        if kind == SegmentKind::Normal
+            && (before.velocity.unsigned_abs() >> CHAIN_BITS) * duration as u64 > START_DISPLACEMENT_MAX_PULSES
+        {
             return Err(Refused::BeyondTravel);
         }
         let word1 = (packed >> 32) as u32 & 0x07ff_ffff | sign << 27 | (kind as u32) << 28;

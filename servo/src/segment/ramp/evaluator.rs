@@ -7,7 +7,7 @@ mod phases;
 
 use super::rate::{Accel, Acceleration, Speed};
 use super::trapezoid::{TrapRates, Trapezoid};
-use crate::math::real::Real;
+use crate::math::float::Float;
 use crate::segment::generator_state::GeneratorState;
 use crate::segment::piece::{Piece, Scaled};
 use crate::units::{Exact, Ns};
@@ -57,9 +57,9 @@ enum RampShape {
     Plain,
     /// An edge takes `half` of the ramp; the acceleration between them is `gain` = 1/(1 − half) of
     /// the rate.
-    Percent { half: Real, gain: Real },
+    Percent { half: Float, gain: Float },
     /// Moving average of this 1/length, 1/ms.
-    Average { inverse: Real },
+    Average { inverse: Float },
 }
 
 /// An interval of constant jerk within a phase.
@@ -70,9 +70,9 @@ struct JerkPhase {
     /// Of its pieces already loaded, the end.
     done: FineNs,
     /// At `begin`: velocity, acceleration; a sixth of the jerk.
-    v: Real,
-    a: Real,
-    j: Real,
+    v: Float,
+    a: Float,
+    j: Float,
     /// Pieces are parameterised over 2^reach ms.
     reach: i32,
 }
@@ -85,14 +85,14 @@ state! {
         /// Intervals to come.
         left: u8 = 0,
         /// Velocity at the end, acceleration between the edges, a sixth of the jerk in the first.
-        v1: Real = Real::ZERO,
-        top: Real = Real::ZERO,
-        sixth: Real = Real::ZERO,
+        v1: Float = Float::ZERO,
+        top: Float = Float::ZERO,
+        sixth: Float = Float::ZERO,
         /// Velocity gained in an edge, and the displacement by it.
-        gained: Real = Real::ZERO,
-        distance: Real = Real::ZERO,
+        gained: Float = Float::ZERO,
+        distance: Float = Float::ZERO,
         /// An edge, ms.
-        edge: Real = Real::ZERO,
+        edge: Float = Float::ZERO,
         /// |velocity| < 2^width.
         width: i32 = 0,
         /// Where the ramp began.
@@ -110,16 +110,16 @@ state! {
         /// Position, instant and velocity at which the next phase begins.
         knot: Exact = Exact(0),
         time: FineNs = 0,
-        v: Real = Real::ZERO,
+        v: Float = Float::ZERO,
         /// Velocity after the next ramp; of a Trap that has not aimed yet, the magnitude of the
         /// speed.
-        peak: Real = Real::ZERO,
+        peak: Float = Float::ZERO,
         /// Whether that ramp takes `acc`.
         faster: bool = false,
         /// Speed that a Trap from rest begins with.
-        jump: Real = Real::ZERO,
+        jump: Float = Float::ZERO,
         target: i32 = 0,
-        means: TrapRates = TrapRates { acc: Acceleration::NONE, dec: Acceleration::NONE, wait: Real::ZERO },
+        means: TrapRates = TrapRates { acc: Acceleration::NONE, dec: Acceleration::NONE, wait: Float::ZERO },
         shape: RampShape = RampShape::Plain,
         /// Where the next piece begins.
         pos: Exact = Exact(0),
@@ -133,14 +133,15 @@ state! {
 /// Pieces a tick may step over: four phases of three intervals, each in one piece where it is so
 /// short.
 const PIECES_PER_TICK: u32 = 16;
-const STILL: JerkPhase = JerkPhase { begin: 0, len: 0, done: 0, v: Real::ZERO, a: Real::ZERO, j: Real::ZERO, reach: 0 };
+const STILL: JerkPhase =
+    JerkPhase { begin: 0, len: 0, done: 0, v: Float::ZERO, a: Float::ZERO, j: Float::ZERO, reach: 0 };
 impl RampRun {
     /// The motion before is over; another one begins.
     fn restart(&mut self, kind: RampKind, now: Ns, from: Moving, shape: RampShape) {
         (self.kind, self.shape) = (kind, shape);
         (self.knot, self.pos, self.time) = (from.pos, from.pos, (now.0 as FineNs) << 32);
         (self.jerk_phase.len, self.jerk_phase.done, self.edged.left) = (0, 0, 0);
-        self.v = Real::from_scaled(from.velocity);
+        self.v = Float::from_scaled(from.velocity);
     }
 
     /// The velocity goes to `target` and stays there for ever. It takes `acc` when it speeds up and
@@ -150,8 +151,8 @@ impl RampRun {
         let shape = if smooth == 0 {
             RampShape::Plain
         } else {
-            let gain = Real::new(false, (1 << 17) - smooth as u64, -17).recip();
-            RampShape::Percent { half: Real::new(false, smooth as u64, -17), gain }
+            let gain = Float::new(false, (1 << 17) - smooth as u64, -17).recip();
+            RampShape::Percent { half: Float::new(false, smooth as u64, -17), gain }
         };
         self.restart(RampKind::Jog, now, from, shape);
         self.means.acc = acc.rate();
@@ -173,7 +174,7 @@ impl RampRun {
     /// overshoot.
     pub fn begin_trap(&mut self, now: Ns, from: Moving, to: &Trapezoid) {
         self.restart(RampKind::Trap, now, from, RampShape::Plain);
-        self.means.wait = Real::ZERO;
+        self.means.wait = Float::ZERO;
         if to.smooth.0 != 0 {
             self.means.wait = ms((to.smooth.0 as FineNs) << 32);
             self.shape = RampShape::Average { inverse: self.means.wait.recip() };
@@ -182,7 +183,7 @@ impl RampRun {
         (self.target, self.peak, self.jump) = (to.target, to.speed.real().abs(), to.vel_start.real().abs());
         self.next = Next::Aim;
         if !self.v.is_zero() {
-            let ahead = Real::from_exact(Exact(self.distance()));
+            let ahead = Float::from_exact(Exact(self.distance()));
             let past = ahead.is_zero() || ahead.is_negative() != self.v.is_negative() || self.peak.is_zero();
             if past || ahead.abs().scale(1).is_less(self.means.stop(self.v.abs())) {
                 self.next = Next::Halt;
@@ -244,7 +245,7 @@ impl RampRun {
                     RampKind::Trap => Next::Aim,
                     RampKind::Stop => Next::Over,
                 };
-                self.ramp(Real::ZERO, self.means.dec, None);
+                self.ramp(Float::ZERO, self.means.dec, None);
             }
             Next::Aim => self.aim(),
             Next::Ramp => {
@@ -255,7 +256,7 @@ impl RampRun {
             Next::Cruise => self.cruise(),
             Next::Brake => {
                 self.next = Next::Over;
-                self.ramp(Real::ZERO, self.means.dec, Some(Exact(self.distance())));
+                self.ramp(Float::ZERO, self.means.dec, Some(Exact(self.distance())));
             }
             Next::Over => return false,
         }

@@ -2,14 +2,14 @@
 //!
 //! In: the bits of a user's double. Out: [`Speed`], [`Accel`], which only these checks can make.
 //! Fails: with the rule that the number breaks, [`Refused`].
-use crate::math::real::Real;
+use crate::math::float::Float;
 use crate::math::wide::recip64;
 use crate::segment::piece::Scaled;
 use crate::units::StepLimit;
 
 /// A velocity in pulse/ms, as the planner takes it. Default is 0.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Speed(Real);
+pub struct Speed(Float);
 
 /// An acceleration in pulse/ms² with its reciprocal, so that the tick never divides.
 /// Default (0) is "not set".
@@ -47,11 +47,11 @@ fn decode(bits: u64, limit: StepLimit) -> Result<Scaled, Refused> {
 
 impl Speed {
     /// 0.
-    pub(crate) const NONE: Speed = Speed(Real::ZERO);
+    pub(crate) const NONE: Speed = Speed(Float::ZERO);
 
     /// From the bits of a double in pulse/ms, |v| at most what the board's steps allow.
     pub fn admit(bits: u64, limit: StepLimit) -> Result<Speed, Refused> {
-        decode(bits, limit).map(|value| Speed(Real::from_scaled(value)))
+        decode(bits, limit).map(|value| Speed(Float::from_scaled(value)))
     }
 
     /// The number, pulse/ms.
@@ -70,7 +70,7 @@ impl Speed {
         }
     }
 
-    pub(super) fn real(self) -> Real {
+    pub(super) fn real(self) -> Float {
         self.0
     }
 }
@@ -79,7 +79,7 @@ impl Accel {
     /// Not set.
     pub(crate) const NONE: Accel = Accel(Acceleration::NONE);
     /// 1 pulse/ms².
-    pub(crate) const ONE: Accel = Accel(Acceleration { value: Real::ONE, inverse: Real::ONE });
+    pub(crate) const ONE: Accel = Accel(Acceleration { value: Float::ONE, inverse: Float::ONE });
 
     /// From the bits of a double in pulse/ms², 0 < a ≤ 2³².
     pub fn admit(bits: u64) -> Result<Accel, Refused> {
@@ -91,7 +91,7 @@ impl Accel {
         let shift = value.m.leading_zeros();
         let v = recip64((value.m as u64) << shift);
         let recip = Scaled { m: (1 << 62 | v >> 2) as i64, e: 126 - shift as i16 - value.e };
-        Ok(Accel(Acceleration { value: Real::from_scaled(value), inverse: Real::from_scaled(recip) }))
+        Ok(Accel(Acceleration { value: Float::from_scaled(value), inverse: Float::from_scaled(recip) }))
     }
 
     /// The number, pulse/ms².
@@ -100,7 +100,7 @@ impl Accel {
     }
 
     /// The same, as planners take it.
-    pub(crate) fn magnitude(self) -> Real {
+    pub(crate) fn magnitude(self) -> Float {
         self.0.value
     }
 
@@ -123,17 +123,17 @@ impl Accel {
 /// A rate of change of the velocity, pulse/ms².
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct Acceleration {
-    value: Real,
+    value: Float,
     /// 1/rate.
-    pub(super) inverse: Real,
+    pub(super) inverse: Float,
 }
 
 impl Acceleration {
     /// None.
-    pub(super) const NONE: Acceleration = Acceleration { value: Real::ZERO, inverse: Real::ZERO };
+    pub(super) const NONE: Acceleration = Acceleration { value: Float::ZERO, inverse: Float::ZERO };
 
     /// Along a change of velocity of this sign.
-    pub(super) fn along(self, negative: bool) -> Real {
+    pub(super) fn along(self, negative: bool) -> Float {
         if negative { self.value.negate() } else { self.value }
     }
 }

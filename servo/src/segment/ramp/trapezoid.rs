@@ -4,25 +4,29 @@
 //! first, and the peak speed. All are magnitudes along the distance; nothing here depends on
 //! instants.
 use super::rate::{Accel, Acceleration, Speed};
-use crate::math::real::Real;
+use crate::math::float::Float;
 use crate::units::Ns;
 
-/// Parameters of a Trap.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Trapezoid {
-    /// Target, pulses.
-    pub target: i32,
-    /// Cruising speed; its magnitude counts.
-    pub speed: Speed,
-    /// Acceleration, not 0.
-    pub acc: Accel,
-    /// Deceleration, not 0.
-    pub dec: Accel,
-    /// Velocity at which a start from rest begins, at most `speed`. Not used where the axis could
-    /// not stop from it within the distance.
-    pub vel_start: Speed,
-    /// Length of the moving average over each velocity ramp.
-    pub smooth: Ns,
+state! {
+    /// Parameters of a Trap.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+    pub struct Trapezoid {
+        /// Target, pulses.
+        pub target: i32 = 0,
+        /// Cruising speed; its magnitude counts.
+        pub speed: Speed = Speed::NONE,
+        /// Acceleration, not 0.
+        pub acc: Accel = Accel::NONE,
+        /// Deceleration, not 0.
+        pub dec: Accel = Accel::NONE,
+        /// Velocity at which a start from rest begins, at most `speed`. Not used where the axis
+        /// could not stop from it within the distance.
+        pub vel_start: Speed = Speed::NONE,
+        /// Length of the moving average over each velocity ramp.
+        pub smooth: Ns = Ns(0),
+    }
+    /// At power-on.
+    pub(crate) const POWER_ON;
 }
 
 /// Rates and smoothing of a Trap. The time of a ramp is Δv/rate + `wait`.
@@ -31,17 +35,17 @@ pub(super) struct TrapRates {
     pub(super) acc: Acceleration,
     pub(super) dec: Acceleration,
     /// Length of the moving average, ms.
-    pub(super) wait: Real,
+    pub(super) wait: Float,
 }
 
 impl TrapRates {
     /// Twice the distance of a stop from `u`.
-    pub(super) fn stop(&self, u: Real) -> Real {
+    pub(super) fn stop(&self, u: Float) -> Float {
         u.mul(u.mul(self.dec.inverse).add(self.wait))
     }
 
     /// Twice the distance of a ramp from `u` to `peak` and a stop from there.
-    fn up_and_down(&self, u: Real, peak: Real, rate: &Acceleration) -> Real {
+    fn up_and_down(&self, u: Float, peak: Float, rate: &Acceleration) -> Float {
         if u.is_zero() {
             // Both begin or end at standstill: one product less.
             let slope = rate.inverse.add(self.dec.inverse);
@@ -57,7 +61,7 @@ impl TrapRates {
 
     /// The peak speed of a motion over `length` that begins at `u` and has the cruising speed
     /// `speed`; and whether it speeds up to it.
-    pub(super) fn peak(&self, u: Real, speed: Real, length: Real) -> (Real, bool) {
+    pub(super) fn peak(&self, u: Float, speed: Float, length: Float) -> (Float, bool) {
         let faster = u.is_less(speed);
         let rate = if faster { &self.acc } else { &self.dec };
         if !length.scale(1).is_less(self.up_and_down(u, speed, rate)) {
@@ -70,7 +74,7 @@ impl TrapRates {
 
     /// The peak of a triangle from speed `u` over `length`: root of
     /// K·p² + w·p + (u·w/2 − u²/2a − length) = 0 with K = (1/a + 1/d)/2.
-    fn top(&self, u: Real, length: Real) -> Real {
+    fn top(&self, u: Float, length: Float) -> Float {
         let k = self.acc.inverse.add(self.dec.inverse).scale(-1);
         let mut rest = length;
         if !u.is_zero() {

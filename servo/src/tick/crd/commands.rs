@@ -378,25 +378,13 @@ impl<const AXES: usize> Tick<AXES> {
         };
         let feed = state.feed();
         let Some(frame) = &state.published.frame else { return };
-        let mut sink = Sink {
-            crd,
-            fifo: state.path.fifo(),
-            next,
-            frame,
-            origin: &state.published.origin,
-            axes,
-            edges,
-            lasers,
-            fault: false,
-            segments: lanes.segments,
-            tables: lanes.tables,
-            reported: AxisMask(0),
-            geared: state.geared,
-            path_stop: None,
-            unable: None,
-            awaited: state.awaited,
-            obstacle: None,
-        };
+        let mut sink = Sink::new(
+            (crd, state.path.fifo(), next),
+            (frame, &state.published.origin),
+            (axes, edges, lasers),
+            (lanes.segments, lanes.tables),
+            (state.geared, state.awaited),
+        );
         act(&mut state.path, &mut state.ending, feed, source, &mut sink);
         if let Some(path_stop) = sink.path_stop {
             state.published.path_stop = path_stop;

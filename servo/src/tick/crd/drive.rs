@@ -258,25 +258,13 @@ impl<const AXES: usize> Tick<AXES> {
         let led = self.order.masters.0 != 0 && self.order.masters.0 & frame.mask().0 != 0;
         state.path.watch(led);
         let feed = FifoEnds { ends: published.ends };
-        let mut sink = Sink {
-            crd,
-            fifo: state.path.fifo(),
-            next,
-            frame,
-            origin: &published.origin,
-            axes,
-            lasers,
-            edges,
-            segments: lanes.segments,
-            tables: lanes.tables,
-            reported: AxisMask(0),
-            geared: state.geared,
-            fault: false,
-            path_stop: None,
-            unable: None,
-            awaited: state.awaited,
-            obstacle: None,
-        };
+        let mut sink = Sink::new(
+            (crd, state.path.fifo(), next),
+            (frame, &published.origin),
+            (axes, edges, lasers),
+            (lanes.segments, lanes.tables),
+            (state.geared, state.awaited),
+        );
         let mut runs = true;
         if there {
             state.path.go_through(next, period, feed, source, &mut sink);

@@ -16,36 +16,48 @@ use crate::units::{Axis, AxisMask, Crd, Ns, Pos};
 use crate::view::Drive;
 
 /// How long a path waits for a move that cannot be made; it is stopped in the same tick.
-const UNABLE: FineNs = 1 << 80;
+const ENDLESS_WAIT_FINE_NS: FineNs = 1 << 80;
 
-/// What a path acts on in one tick.
-pub(crate) struct Sink<'a> {
-    pub(crate) crd: Crd,
-    /// The FIFO that the path runs.
-    pub(crate) fifo: u8,
-    /// The tick computed.
-    pub(crate) next: Ns,
-    pub(crate) frame: &'a AxisMap,
-    pub(crate) origin: &'a [Pos; DIMENSIONS],
-    pub(crate) axes: &'a mut [AxisState],
-    pub(crate) edges: &'a mut OutputEdges,
-    pub(crate) lasers: &'a mut Lasers,
-    pub(crate) segments: &'a [SegmentStore],
-    pub(crate) tables: TableStores<'a>,
-    /// Axes that got their position along a motion in this tick.
-    pub(crate) reported: AxisMask,
-    /// All geared axes.
-    pub(crate) geared: AxisMask,
-    /// A fault stops the path: its light does not come back.
-    pub(crate) fault: bool,
-    /// The path came to standstill.
-    pub(crate) path_stop: Option<PathStop>,
-    /// An axis that cannot do what an entry wants.
-    pub(crate) unable: Option<Axis>,
-    /// An axis that the path waits for, and until when.
-    pub(crate) awaited: Option<(Axis, Ns)>,
-    /// The first position that an axis must not go to.
-    pub(crate) obstacle: Option<(Axis, Pos)>,
+state! {
+    /// What a path acts on in one tick.
+    pub(crate) struct Sink<'a> {
+        pub(crate) crd: Crd = crd,
+        /// The FIFO that the path runs.
+        pub(crate) fifo: u8 = fifo,
+        /// The tick computed.
+        pub(crate) next: Ns = next,
+        pub(crate) frame: &'a AxisMap = frame,
+        pub(crate) origin: &'a [Pos; DIMENSIONS] = origin,
+        pub(crate) axes: &'a mut [AxisState] = axes,
+        pub(crate) edges: &'a mut OutputEdges = edges,
+        pub(crate) lasers: &'a mut Lasers = lasers,
+        pub(crate) segments: &'a [SegmentStore] = segments,
+        pub(crate) tables: TableStores<'a> = tables,
+        /// Axes that got their position along a motion in this tick.
+        pub(crate) reported: AxisMask = AxisMask(0),
+        /// All geared axes.
+        pub(crate) geared: AxisMask = geared,
+        /// A fault stops the path: its light does not come back.
+        pub(crate) fault: bool = false,
+        /// The path came to standstill.
+        pub(crate) path_stop: Option<PathStop> = None,
+        /// An axis that cannot do what an entry wants.
+        pub(crate) unable: Option<Axis> = None,
+        /// An axis that the path waits for, and until when.
+        pub(crate) awaited: Option<(Axis, Ns)> = awaited,
+        /// The first position that an axis must not go to.
+        pub(crate) obstacle: Option<(Axis, Pos)> = None,
+    }
+    /// For a step of a path in the tick that `next` computes: `frame` and its origins, what entries
+    /// act on, the data of the axes, axes that are geared or awaited.
+    #[inline(always)]
+    pub(crate) fn new(
+        (crd, fifo, next): (Crd, u8, Ns),
+        (frame, origin): (&'a AxisMap, &'a [Pos; DIMENSIONS]),
+        (axes, edges, lasers): (&'a mut [AxisState], &'a mut OutputEdges, &'a mut Lasers),
+        (segments, tables): (&'a [SegmentStore], TableStores<'a>),
+        (geared, awaited): (AxisMask, Option<(Axis, Ns)>),
+    );
 }
 
 impl Sink<'_> {
@@ -111,7 +123,7 @@ impl Sink<'_> {
         let Some(time) = self.travel(at, axis, &to) else {
             self.unable = self.unable.or(Some(axis));
             // It stops the path, which has not got the move yet.
-            return UNABLE;
+            return ENDLESS_WAIT_FINE_NS;
         };
         if modal {
             self.awaited = Some((axis, Ns((at.wrapping_add(time) >> 32) as u64)));

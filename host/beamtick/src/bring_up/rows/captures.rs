@@ -40,7 +40,7 @@ pub const ROWS: &[Row] = &[
         what: "a step after its slot",
         assumptions: &[11],
         judge: first_step,
-        remedy: "DMA takes longer than half a slot: enlarge `MARGIN` and the phase of TIM17 in steps.rs",
+        remedy: "DMA takes longer than half a slot: enlarge `MARGIN_SLOTS` and the phase of TIM17 in steps.rs",
     },
     Row {
         what: "cycles of 2 MHz, all streams busy",

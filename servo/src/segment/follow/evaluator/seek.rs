@@ -8,7 +8,7 @@ use crate::math::wide::{recip64_below, umulhi};
 use crate::segment::follow::FollowEntries;
 use crate::segment::follow::curve::{CurveSegment, EXACT_TO_POS_BITS, ceil};
 use crate::segment::follow::entry::FollowEntry;
-use crate::segment::follow::ratio::swing;
+use crate::segment::follow::ratio::start_displacement;
 use crate::segment::follow::setup::Setup;
 use crate::units::Exact;
 
@@ -107,7 +107,9 @@ impl FollowRun {
         source: &impl FollowEntries,
     ) -> CurveSegment {
         let more = self.more_at(pass, index, entry, setup, source);
-        CurveSegment::between(before, entry, |length| if more == 0 { 0 } else { swing(more, length.unsigned_abs()) })
+        CurveSegment::between(before, entry, |length| {
+            if more == 0 { 0 } else { start_displacement(more, length.unsigned_abs()) }
+        })
     }
 
     /// The piece of an entry of this pass that holds the progress `x` is in force.

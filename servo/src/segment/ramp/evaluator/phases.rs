@@ -6,7 +6,7 @@
 //! A piece is parameterised over a power of two of ms, not over its own length: its coefficients
 //! are the velocity, the acceleration and the jerk but for shifts, and 1/length is a constant.
 use super::{Acceleration, Edged, FineNs, JerkPhase, Next, RampKind, RampRun, RampShape, STILL};
-use crate::math::real::Real;
+use crate::math::float::Float;
 use crate::math::wide::umulhi;
 use crate::segment::piece::{Motion, Piece, Recip};
 use crate::units::{Exact, Ns};
@@ -19,25 +19,25 @@ const TIME_MIN_LOG2_MS: i32 = -19;
 /// 10⁶ has 44 leading zeros; 1/(2^k ms) has this mantissa and a shift of 44 − k.
 const MS_RECIP: u64 = (u128::MAX / (1_000_000 << 44) - (1 << 64)) as u64;
 
-fn fine(ms: Real) -> FineNs {
-    ms.mul(Real::MS).to_fixed(0).unsigned_abs().min(1 << 96)
+fn in_ms(ms: Float) -> FineNs {
+    ms.mul(Float::FINE_NS_PER_MS).to_fixed(0).unsigned_abs().min(1 << 96)
 }
 
-pub(super) fn ms(time: FineNs) -> Real {
-    Real::from_fixed(time, 0).mul(Real::FINE)
+pub(super) fn ms(time: FineNs) -> Float {
+    Float::from_fixed(time, 0).mul(Float::MS_PER_FINE_NS)
 }
 
 impl RampRun {
     /// A Trap that moves towards its target, or is at standstill: to the peak that the distance
     /// allows.
     pub(super) fn aim(&mut self) {
-        let distance = Real::from_exact(Exact(self.distance()));
+        let distance = Float::from_exact(Exact(self.distance()));
         if distance.is_zero() || self.peak.is_zero() {
             self.next = Next::Over;
             return;
         }
         let (back, length) = (distance.is_negative(), distance.abs());
-        let signed = |x: Real| if back { x.negate() } else { x };
+        let signed = |x: Float| if back { x.negate() } else { x };
         let mut u = self.v.abs();
         if u.is_zero() && !self.jump.is_zero() {
             let jump = if self.peak.is_less(self.jump) { self.peak } else { self.jump };
@@ -69,8 +69,8 @@ impl RampRun {
             if (cruise < 0) != v.is_negative() || cruise.unsigned_abs() >> 32 == 0 {
                 return;
             }
-            let time = Real::from_exact(Exact(cruise)).div(v);
-            (len, span) = (fine(time), time.width());
+            let time = Float::from_exact(Exact(cruise)).div(v);
+            (len, span) = (in_ms(time), time.width());
             self.knot = Exact(self.knot.0.wrapping_add(cruise));
         }
         let jerk_phase = JerkPhase { len, v, ..STILL };
@@ -86,7 +86,7 @@ impl RampRun {
     }
 
     /// Enters a ramp to `v1`; `distance` is its length, if that does not follow from its duration.
-    pub(super) fn ramp(&mut self, v1: Real, rate: Acceleration, distance: Option<Exact>) {
+    pub(super) fn ramp(&mut self, v1: Float, rate: Acceleration, distance: Option<Exact>) {
         let v0 = self.v;
         let change = v1.sub(v0);
         self.v = v1;
@@ -96,7 +96,7 @@ impl RampRun {
         let along = rate.along(change.is_negative());
         let plain = change.abs().mul(rate.inverse);
         let (len, edge, top, jerk) = match self.shape {
-            RampShape::Plain => (plain, Real::ZERO, along, Real::ZERO),
+            RampShape::Plain => (plain, Float::ZERO, along, Float::ZERO),
             RampShape::Percent { half, gain } => {
                 let (edge, top) = (plain.mul(half), along.mul(gain));
                 (plain, edge, top, top.mul(edge.recip()))
@@ -110,14 +110,14 @@ impl RampRun {
             }
         };
         let distance = distance.unwrap_or_else(|| v0.add(v1).mul(len).scale(-1).to_exact());
-        let total = fine(len);
+        let total = in_ms(len);
         let width = v0.width().max(v1.width());
         if edge.is_zero() {
             self.begin(JerkPhase { len: total, v: v0, a: top, ..STILL }, len.width(), width);
         } else {
-            let (sixth, gained) = (jerk.mul(Real::SIXTH), top.mul(edge).scale(-1));
-            let gain = gained.mul(edge).mul(Real::THIRD);
-            self.begin(JerkPhase { len: fine(edge), v: v0, j: sixth, ..STILL }, edge.width(), width);
+            let (sixth, gained) = (jerk.mul(Float::SIXTH), top.mul(edge).scale(-1));
+            let gain = gained.mul(edge).mul(Float::THIRD);
+            self.begin(JerkPhase { len: in_ms(edge), v: v0, j: sixth, ..STILL }, edge.width(), width);
             self.edged = Edged { left: 2, v1, top, sixth, gained, distance: gain, edge, width, from: self.knot };
         }
         self.knot = Exact(self.knot.0.wrapping_add(distance.0));
@@ -136,7 +136,7 @@ impl RampRun {
             // velocity gained.
             self.pos = Exact(from.0.wrapping_add(s.v.mul(edge).add(distance).to_exact().0));
             s.len = self.time.saturating_sub(s.begin).saturating_sub(s.len);
-            (s.v, s.a, s.j) = (s.v.add(gained), top, Real::ZERO);
+            (s.v, s.a, s.j) = (s.v.add(gained), top, Float::ZERO);
             // A ms is not quite 2^52 of 2^-32 ns.
             s.reach = (77 - s.len.leading_zeros() as i32).min(limit).clamp(TIME_MIN_LOG2_MS, TIME_MAX_LOG2_MS);
         } else {
@@ -154,7 +154,7 @@ impl RampRun {
         let (mut v, mut a) = (s.v, s.a);
         if s.done != 0 {
             let t = ms(s.done);
-            let bend = s.j.mul(t).mul(Real::THREE);
+            let bend = s.j.mul(t).mul(Float::THREE);
             v = v.add(a.add(bend).mul(t));
             a = a.add(bend.scale(1));
         }

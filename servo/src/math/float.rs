@@ -1,4 +1,4 @@
-//! Real numbers for planners: 64-bit mantissa, wide exponent, no floating-point unit.
+//! Float numbers for planners: 64-bit mantissa, wide exponent, no floating-point unit.
 //!
 //! Each result is within a few 2⁻⁶³ of itself, if nothing else is said. Nothing overflows to
 //! nonsense: exponents hold every product of admitted speeds, accelerations and times; conversions
@@ -18,7 +18,7 @@ pub struct Scaled {
 /// ±m·2^e, with the top bit of `m` set, or 0. A word for the sign: a structure without gaps is
 /// copied in words.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Real {
+pub struct Float {
     m: u64,
     e: i32,
     /// 1 below 0.
@@ -27,37 +27,37 @@ pub struct Real {
 
 // Not operators: each of these is a call of some fifty instructions, and should look like one.
 #[allow(clippy::should_implement_trait)]
-impl Real {
+impl Float {
     /// Zero.
-    pub const ZERO: Real = Real { neg: 0, m: 0, e: 0 };
+    pub const ZERO: Float = Float { neg: 0, m: 0, e: 0 };
     /// One.
-    pub const ONE: Real = Real { neg: 0, m: 1 << 63, e: -63 };
+    pub const ONE: Float = Float { neg: 0, m: 1 << 63, e: -63 };
     /// 1/6.
-    pub const SIXTH: Real = Real { neg: 0, m: 0xAAAA_AAAA_AAAA_AAAB, e: -66 };
+    pub const SIXTH: Float = Float { neg: 0, m: 0xAAAA_AAAA_AAAA_AAAB, e: -66 };
     /// 1/3.
-    pub const THIRD: Real = Real { neg: 0, m: 0xAAAA_AAAA_AAAA_AAAB, e: -65 };
+    pub const THIRD: Float = Float { neg: 0, m: 0xAAAA_AAAA_AAAA_AAAB, e: -65 };
     /// 3.
-    pub const THREE: Real = Real { neg: 0, m: 3 << 62, e: -62 };
+    pub const THREE: Float = Float { neg: 0, m: 3 << 62, e: -62 };
     /// 2π.
-    pub const TAU: Real = Real { neg: 0, m: 0xC90F_DAA2_2168_C235, e: -61 };
+    pub const TAU: Float = Float { neg: 0, m: 0xC90F_DAA2_2168_C235, e: -61 };
     /// A ms in 2⁻³² ns: 10⁶·2³².
-    pub const MS: Real = Real { neg: 0, m: 1_000_000 << 44, e: -12 };
-    /// 2⁻³² ns in ms, 1/MS.
-    pub const FINE: Real = Real { neg: 0, m: 0x8637_BD05_AF6C_69B6, e: -115 };
+    pub const FINE_NS_PER_MS: Float = Float { neg: 0, m: 1_000_000 << 44, e: -12 };
+    /// 2⁻³² ns in ms, the inverse.
+    pub const MS_PER_FINE_NS: Float = Float { neg: 0, m: 0x8637_BD05_AF6C_69B6, e: -115 };
 
     /// m·2^e.
-    pub const fn new(neg: bool, m: u64, e: i32) -> Real {
+    pub const fn new(neg: bool, m: u64, e: i32) -> Float {
         if m == 0 {
-            return Real::ZERO;
+            return Float::ZERO;
         }
         let shift = m.leading_zeros();
-        Real { neg: neg as u32, m: m << shift, e: e - shift as i32 }
+        Float { neg: neg as u32, m: m << shift, e: e - shift as i32 }
     }
 
     /// From a block float.
     #[inline(never)]
-    pub fn from_scaled(x: Scaled) -> Real {
-        Real::new(x.m < 0, x.m.unsigned_abs(), -(x.e as i32))
+    pub fn from_scaled(x: Scaled) -> Float {
+        Float::new(x.m < 0, x.m.unsigned_abs(), -(x.e as i32))
     }
 
     /// As a block float, of numbers that came from one.
@@ -71,23 +71,23 @@ impl Real {
 
     /// From a wide magnitude times 2^e, to 64 bits.
     #[inline]
-    fn from_wide(neg: bool, x: u128, e: i32) -> Real {
+    fn from_wide(neg: bool, x: u128, e: i32) -> Float {
         let (high, low) = ((x >> 64) as u64, x as u64);
         if high == 0 {
-            return Real::new(neg, low, e);
+            return Float::new(neg, low, e);
         }
         let shift = high.leading_zeros();
-        Real { neg: neg as u32, m: high << shift | low >> 1 >> (63 - shift), e: e + 64 - shift as i32 }
+        Float { neg: neg as u32, m: high << shift | low >> 1 >> (63 - shift), e: e + 64 - shift as i32 }
     }
 
     /// From a displacement.
-    pub fn from_exact(x: Exact) -> Real {
-        Real::from_wide(x.0 < 0, x.0.unsigned_abs(), -64)
+    pub fn from_exact(x: Exact) -> Float {
+        Float::from_wide(x.0 < 0, x.0.unsigned_abs(), -64)
     }
 
     /// From 2^-f units.
-    pub fn from_fixed(x: u128, f: i32) -> Real {
-        Real::from_wide(false, x, -f)
+    pub fn from_fixed(x: u128, f: i32) -> Float {
+        Float::from_wide(false, x, -f)
     }
 
     /// As a whole number of 2^-f, to nearest, the magnitude held below 2¹²⁶.
@@ -134,8 +134,8 @@ impl Real {
     }
 
     /// Magnitude.
-    pub fn abs(self) -> Real {
-        Real { neg: 0, ..self }
+    pub fn abs(self) -> Float {
+        Float { neg: 0, ..self }
     }
 
     /// Whether it is below 0.
@@ -149,22 +149,22 @@ impl Real {
     }
 
     /// x·2^k.
-    pub fn scale(self, k: i32) -> Real {
-        Real { e: self.e + k, ..self }
+    pub fn scale(self, k: i32) -> Float {
+        Float { e: self.e + k, ..self }
     }
 
     /// −x.
-    pub fn negate(self) -> Real {
-        Real { neg: self.neg ^ 1, ..self }
+    pub fn negate(self) -> Float {
+        Float { neg: self.neg ^ 1, ..self }
     }
 
     /// Product, rounded down.
     #[inline]
-    pub fn mul(self, other: Real) -> Real {
+    pub fn mul(self, other: Float) -> Float {
         let (high, low) = umul(self.m, other.m);
         // Two top bits make the top bit, or the one below it; 0 stays 0.
         let short = high >> 63 ^ 1;
-        Real {
+        Float {
             neg: self.neg ^ other.neg,
             m: if short == 1 { high << 1 | low >> 63 } else { high },
             e: self.e + other.e + 64 - short as i32,
@@ -173,7 +173,7 @@ impl Real {
 
     /// Sum, rounded down in magnitude; a difference of near numbers keeps all bits.
     #[inline]
-    pub fn add(self, other: Real) -> Real {
+    pub fn add(self, other: Float) -> Float {
         if self.m == 0 {
             return other;
         }
@@ -186,7 +186,7 @@ impl Real {
 
     /// Sum with a smaller number.
     #[inline]
-    fn with(self, small: Real) -> Real {
+    fn with(self, small: Float) -> Float {
         let big = self;
         let gap = (big.e - small.e) as u32;
         if gap > 63 {
@@ -195,24 +195,24 @@ impl Real {
         let high = small.m >> gap;
         if big.neg == small.neg {
             let (m, carry) = big.m.overflowing_add(high);
-            return if carry { Real { m: m >> 1 | 1 << 63, e: big.e + 1, ..big } } else { Real { m, ..big } };
+            return if carry { Float { m: m >> 1 | 1 << 63, e: big.e + 1, ..big } } else { Float { m, ..big } };
         }
         let (low, borrow) = 0u64.overflowing_sub(small.m << 1 << (63 - gap));
         let high = big.m.wrapping_sub(high).wrapping_sub(borrow as u64);
         if high >> 63 == 1 {
-            return Real { m: high, ..big };
+            return Float { m: high, ..big };
         }
-        Real::from_wide(big.neg == 1, (high as u128) << 64 | low as u128, big.e - 64)
+        Float::from_wide(big.neg == 1, (high as u128) << 64 | low as u128, big.e - 64)
     }
 
     /// Difference.
     #[inline]
-    pub fn sub(self, other: Real) -> Real {
+    pub fn sub(self, other: Float) -> Float {
         self.add(other.negate())
     }
 
     /// Whether |self| < |other|.
-    pub fn is_less(self, other: Real) -> bool {
+    pub fn is_less(self, other: Float) -> bool {
         if self.m == 0 || other.m == 0 {
             return other.m != 0;
         }
@@ -221,17 +221,17 @@ impl Real {
 
     /// 1/x; 0 for 0.
     #[inline(never)]
-    pub fn recip(self) -> Real {
+    pub fn recip(self) -> Float {
         if self.m == 0 {
-            return Real::ZERO;
+            return Float::ZERO;
         }
         // 1/m = (2^64 + v)·2^-128
         let v = recip64(self.m);
-        Real { neg: self.neg, m: 1 << 63 | v >> 1, e: -127 - self.e }
+        Float { neg: self.neg, m: 1 << 63 | v >> 1, e: -127 - self.e }
     }
 
     /// Quotient; 0 where the divisor is 0.
-    pub fn div(self, other: Real) -> Real {
+    pub fn div(self, other: Float) -> Float {
         self.mul(other.recip())
     }
 
@@ -242,9 +242,9 @@ impl Real {
     }
 
     /// Square root; 0 of a negative number.
-    pub fn sqrt(self) -> Real {
+    pub fn sqrt(self) -> Float {
         if self.m == 0 || self.neg == 1 {
-            return Real::ZERO;
+            return Float::ZERO;
         }
         let (x, k) = self.even();
         let y = rsqrt(x);
@@ -252,16 +252,16 @@ impl Real {
         // One correction from the exact residue x − s².
         let residue = ((x as u128) << 64).wrapping_sub(s as u128 * s as u128) as i128;
         let s = s.saturating_add_signed(mulhi_su((residue >> 16) as i64, y) >> 47);
-        Real::new(false, s, k - 64)
+        Float::new(false, s, k - 64)
     }
 
     /// 1/sqrt(x), to about 2⁻⁵⁷ of itself; 0 of 0 and of a negative number.
-    pub fn rsqrt(self) -> Real {
+    pub fn rsqrt(self) -> Float {
         if self.m == 0 || self.neg == 1 {
-            return Real::ZERO;
+            return Float::ZERO;
         }
         let (x, k) = self.even();
-        Real::new(false, rsqrt(x), -62 - k)
+        Float::new(false, rsqrt(x), -62 - k)
     }
 }
 
