@@ -33,7 +33,7 @@ mod slave;
 mod tests;
 
 pub use axis::{Axis, Mode, terminal};
-pub use call::{Call, Kind, Site};
+pub use call::{Call, Kind, Setup};
 pub use controller::{Controller, Edge, Program, Reply, Row, Session, Value};
 pub use curve::Curve;
 pub use effect::{Effect, Levels};

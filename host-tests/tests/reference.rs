@@ -27,17 +27,17 @@ mod machine;
 #[path = "reference/ticks.rs"]
 mod ticks;
 
-use host_tests::reference::{Call, Family, Site, generator};
+use host_tests::reference::{Call, Family, Setup, generator};
 use judge::{Tally, finding};
 use machine::Rig;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
-/// Sites and ticks in turn.
-fn sites() -> Vec<(Site, u32)> {
-    let gus = Site { profile: "gus", family: Family::Gus, axes: vec![(1, 1), (1, 2), (1, 3), (1, 6)] };
-    let lsr = Site { family: Family::Lsr, ..gus.clone() };
-    let gtn = Site { profile: "gtn-016", family: Family::Gus, axes: vec![(1, 1), (1, 2), (2, 1), (2, 7)] };
+/// Set-ups and ticks in turn.
+fn setups() -> Vec<(Setup, u32)> {
+    let gus = Setup { profile: "gus", family: Family::Gus, axes: vec![(1, 1), (1, 2), (1, 3), (1, 6)] };
+    let lsr = Setup { family: Family::Lsr, ..gus.clone() };
+    let gtn = Setup { profile: "gtn-016", family: Family::Gus, axes: vec![(1, 1), (1, 2), (2, 1), (2, 7)] };
     vec![(gus.clone(), 250), (gus.clone(), 1000), (lsr, 500), (gus, 100), (gtn, 250)]
 }
 
@@ -86,8 +86,8 @@ fn programs_agree_with_the_reference() {
     std::thread::scope(|scope| {
         for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
             scope.spawn(|| {
-                let sites = sites();
-                let mut rigs: Vec<Option<Rig>> = sites.iter().map(|_| None).collect();
+                let setups = setups();
+                let mut rigs: Vec<Option<Rig>> = setups.iter().map(|_| None).collect();
                 let mut tally = Tally::new();
                 loop {
                     let number = next.fetch_add(1, Relaxed);
@@ -95,11 +95,11 @@ fn programs_agree_with_the_reference() {
                         break;
                     }
                     let seed = first + number;
-                    let kind = (seed % sites.len() as u64) as usize;
-                    let (site, tick_us) = &sites[kind];
-                    let program = generator::program(seed, site, calls);
+                    let kind = (seed % setups.len() as u64) as usize;
+                    let (setup, tick_us) = &setups[kind];
+                    let program = generator::program(seed, setup, calls);
                     let rig = &mut rigs[kind];
-                    if let Some(report) = finding(rig, site, *tick_us, &program.calls, &mut tally) {
+                    if let Some(report) = finding(rig, setup, *tick_us, &program.calls, &mut tally) {
                         found.fetch_add(1, Relaxed);
                         println!("program {seed}: {report}");
                         reports.lock().unwrap().push((number + 1, format!("program {seed}: {report}")));
@@ -173,9 +173,9 @@ impl job::Files for Nowhere {
 #[test]
 fn listings_of_findings_are_jobs() {
     for seed in 0..40 {
-        let (site, tick_us) = &sites()[seed as usize % sites().len()];
-        let program = generator::program(seed, site, 200);
-        let text = site.job(*tick_us, program.calls.iter());
+        let (setup, tick_us) = &setups()[seed as usize % setups().len()];
+        let program = generator::program(seed, setup, 200);
+        let text = setup.job(*tick_us, program.calls.iter());
         let job = job::compile(&text, &Nowhere).unwrap_or_else(|found| panic!("program {seed}: {found:?}\n{text}"));
         let wanted = program.calls.iter().filter(|call| !matches!(call, Call::SetTick { .. })).count();
         assert!(job.steps.len() >= wanted, "program {seed}: {} of {wanted}", job.steps.len());

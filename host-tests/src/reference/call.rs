@@ -10,13 +10,13 @@ use super::pvt::Points;
 /// Which axes a program has: logical core and axis of the core, both from 1. Calls name axes by
 /// their index here.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Site {
+pub struct Setup {
     pub profile: &'static str,
     pub family: super::light::Family,
     pub axes: Vec<(i16, i16)>,
 }
 
-/// A call, or a step of the script clock. Masks are of indices in [`Site`], all of one core.
+/// A call, or a step of the script clock. Masks are of indices in [`Setup`], all of one core.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Call {
     Sleep {
@@ -375,7 +375,7 @@ pub fn members(mask: u32) -> impl Iterator<Item = usize> {
     (0..32).filter(move |axis| mask >> axis & 1 == 1)
 }
 
-impl Site {
+impl Setup {
     /// The core of a mask's axes, and the mask as the call carries it.
     pub fn mask(&self, mask: u32) -> (i16, u32) {
         let core = members(mask).next().map_or(1, |axis| self.axes[axis].0);

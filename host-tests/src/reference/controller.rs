@@ -23,7 +23,7 @@ mod tally;
 mod work;
 
 use super::axis::{self, Aim, Axis, Mode, Motion, Why};
-use super::call::{Call, Site, members};
+use super::call::{Call, Setup, members};
 use super::crd::Crd;
 use super::effect::Levels;
 use super::light::{self as beam, Act, GateEdge, Light};
@@ -135,7 +135,7 @@ const SETTLED: i64 = 3_000_000;
 
 /// See the module text.
 pub struct Controller {
-    site: Site,
+    setup: Setup,
     /// Core of each axis.
     cores: Vec<i16>,
     /// PVT tables by core and number.
@@ -193,19 +193,19 @@ pub struct Controller {
 
 impl Controller {
     /// At power-on, machine positions in 2⁻²² pulse.
-    pub fn new(site: &Site, tick_ns: i64, positions: &[i64]) -> Controller {
+    pub fn new(setup: &Setup, tick_ns: i64, positions: &[i64]) -> Controller {
         let axes: Vec<Box<Axis>> = positions.iter().map(|position| Box::new(Axis::new(*position))).collect();
         let then = vec![None; axes.len()];
-        let cores = site.axes.iter().map(|axis| axis.0).collect();
+        let cores = setup.axes.iter().map(|axis| axis.0).collect();
         let tables = BTreeMap::new();
         let machine = encoders::Machine::new(&axes);
         Controller {
-            site: site.clone(),
+            setup: setup.clone(),
             machine,
             waits: 0,
             levels: Levels::default(),
             interlock: interlock::Interlock::default(),
-            light: Light::new(site.family),
+            light: Light::new(setup.family),
             aborted: 0,
             rested: 0,
             leaving: Vec::new(),

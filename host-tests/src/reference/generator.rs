@@ -1,7 +1,7 @@
 //! Programs as users write them: set up, move, stop, zero, change the mode, go again, and now and
 //! then any call anywhere.
 use super::chance::Chance;
-use super::{Call, Kind, Site};
+use super::{Call, Kind, Setup};
 
 mod anywhere;
 mod follow;
@@ -23,7 +23,7 @@ pub struct Program {
 
 struct Making<'a> {
     chance: Chance,
-    site: &'a Site,
+    setup: &'a Setup,
     calls: Vec<Call>,
     /// What each axis was last set up for, and its master.
     does: Vec<Does>,
@@ -51,11 +51,11 @@ enum Does {
 }
 
 /// The program of a number.
-pub fn program(seed: u64, site: &Site, calls: usize) -> Program {
-    let axes = site.axes.len();
+pub fn program(seed: u64, setup: &Setup, calls: usize) -> Program {
+    let axes = setup.axes.len();
     let mut making = Making {
         chance: Chance::new(seed),
-        site,
+        setup,
         calls: Vec::new(),
         does: vec![Does::Trap; axes],
         masters: vec![None; axes],
@@ -90,7 +90,7 @@ impl Making<'_> {
     }
 
     fn axis(&mut self) -> usize {
-        self.below(self.site.axes.len() as u64) as usize
+        self.below(self.setup.axes.len() as u64) as usize
     }
 
     fn plain(&mut self, kind: Kind, axis: usize) {
@@ -196,7 +196,7 @@ impl Making<'_> {
         self.does[axis] = Does::Trap;
         self.masters[axis] = None;
         (self.pt[axis], self.follow[axis], self.counted[axis]) = ([(0, 0.0); 2], [(0.0, 0.0); 2], false);
-        let core = self.site.axes[axis].0;
+        let core = self.setup.axes[axis].0;
         self.forget_paths(core);
     }
 

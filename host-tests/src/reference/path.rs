@@ -1,6 +1,6 @@
-//! The calls of coordinate systems. Axes are named by their place in the site; crds and FIFOs are
+//! The calls of coordinate systems. Axes are named by their place in the setup; crds and FIFOs are
 //! those of a core.
-use super::call::Site;
+use super::call::Setup;
 use super::light::Command;
 use crate::path_model::Plane;
 
@@ -207,25 +207,25 @@ impl Path {
 
 impl PathCall {
     /// The elements of TCrdPrm.
-    pub fn profile(site: &Site, axes: &[usize]) -> [i16; 8] {
+    pub fn profile(setup: &Setup, axes: &[usize]) -> [i16; 8] {
         let mut profile = [0; 8];
         for (coordinate, axis) in axes.iter().enumerate() {
-            profile[site.axes[*axis].1 as usize - 1] = coordinate as i16 + 1;
+            profile[setup.axes[*axis].1 as usize - 1] = coordinate as i16 + 1;
         }
         profile
     }
 
     /// originPos by the axis.
-    pub fn origins(site: &Site, axes: &[usize], origin: &[i32]) -> [i32; 8] {
+    pub fn origins(setup: &Setup, axes: &[usize], origin: &[i32]) -> [i32; 8] {
         let mut origins = [0; 8];
         for (axis, at) in axes.iter().zip(origin) {
-            origins[site.axes[*axis].1 as usize - 1] = *at;
+            origins[setup.axes[*axis].1 as usize - 1] = *at;
         }
         origins
     }
 
     /// A statement of a job.
-    pub fn text(&self, site: &Site) -> String {
+    pub fn text(&self, setup: &Setup) -> String {
         let core = self.core;
         let tail = |speeds: &Speeds, fifo: i16| {
             let Speeds { vel, acc, end } = speeds;
@@ -234,11 +234,11 @@ impl PathCall {
         let call = match &self.what {
             Path::Set { crd, axes, vel, acc, even_ms, origin } => {
                 let mut text = format!("prm.dimension = {}; ", axes.len());
-                for (index, coordinate) in PathCall::profile(site, axes).iter().enumerate() {
+                for (index, coordinate) in PathCall::profile(setup, axes).iter().enumerate() {
                     text += &format!("prm.profile[{index}] = {coordinate}; ");
                 }
                 if let Some(origin) = origin {
-                    for (index, at) in PathCall::origins(site, axes, origin).iter().enumerate() {
+                    for (index, at) in PathCall::origins(setup, axes, origin).iter().enumerate() {
                         text += &format!("prm.originPos[{index}] = {at}; ");
                     }
                 }
@@ -314,11 +314,11 @@ impl PathCall {
             },
             Path::Analog { crd, dac, value, fifo } => format!("GTN_BufDA({core},{crd},{dac},{value},{fifo})"),
             Path::Move { crd, axis, to, vel, acc, modal, fifo } => {
-                let axis = site.axes[*axis].1;
+                let axis = setup.axes[*axis].1;
                 format!("GTN_BufMove({core},{crd},{axis},{to},{vel:?},{acc:?},{modal},{fifo})")
             }
             Path::Gear { crd, axis, pulses, fifo } => {
-                format!("GTN_BufGear({core},{crd},{},{pulses},{fifo})", site.axes[*axis].1)
+                format!("GTN_BufGear({core},{crd},{},{pulses},{fifo})", setup.axes[*axis].1)
             }
         };
         format!("rtn = {call};")

@@ -3,13 +3,13 @@ use super::*;
 
 const MS: i64 = 1_000_000;
 
-fn site() -> Site {
-    Site { profile: "gus", family: Family::Gus, axes: vec![(1, 1), (1, 2)] }
+fn setup() -> Setup {
+    Setup { profile: "gus", family: Family::Gus, axes: vec![(1, 1), (1, 2)] }
 }
 
 /// At ticks of 1 ms from power-on.
 fn ran(calls: &[Call]) -> Program {
-    let program = Controller::new(&site(), MS, &[0, 0]).run(calls, 50, 1000);
+    let program = Controller::new(&setup(), MS, &[0, 0]).run(calls, 50, 1000);
     assert_eq!(program.open, None);
     assert!(program.complete);
     program

@@ -15,7 +15,7 @@
 use super::machine::{Got, Reported, Rig, fixed, got};
 use course::{Course, Entry, course};
 use host_tests::path_model::Geometry;
-use host_tests::reference::{Call, Family, Path, PathCall, Site};
+use host_tests::reference::{Call, Family, Path, PathCall, Setup};
 use std::collections::BTreeMap;
 
 #[path = "ahead/course.rs"]
@@ -441,13 +441,13 @@ fn edges(
 pub fn run(first: u64, count: u64) -> BTreeMap<&'static str, u64> {
     let mut tally = BTreeMap::new();
     let axes = vec![(1, 1), (1, 2), (1, 3), (1, 6)];
-    let site = Site { profile: "gus", axes, family: Family::Gus };
+    let setup = Setup { profile: "gus", axes, family: Family::Gus };
     let mut rigs: Vec<(u32, Option<Rig>)> = [250, 100, 1000, 500].map(|tick_us| (tick_us, None)).into();
     let mut reports = Vec::new();
     for seed in first..first + count {
         let (tick_us, rig) = &mut rigs[(seed % 4) as usize];
-        let course = course(seed, &site);
-        let mine = rig.get_or_insert_with(|| Rig::new(site.clone(), *tick_us));
+        let course = course(seed, &setup);
+        let mine = rig.get_or_insert_with(|| Rig::new(setup.clone(), *tick_us));
         let reported = mine.run(&course.calls);
         if reported.is_err() {
             *rig = None;
@@ -460,8 +460,10 @@ pub fn run(first: u64, count: u64) -> BTreeMap<&'static str, u64> {
         }
         let judged = reported.and_then(|reported| judge(&course, &reported, f64::from(*tick_us) / 1000.0, &mut tally));
         if let Err(reason) = judged {
-            reports
-                .push(format!("path {seed}, tick {tick_us} µs: {reason}\n{}", site.job(*tick_us, course.calls.iter())));
+            reports.push(format!(
+                "path {seed}, tick {tick_us} µs: {reason}\n{}",
+                setup.job(*tick_us, course.calls.iter())
+            ));
             if reports.len() >= 5 {
                 break;
             }

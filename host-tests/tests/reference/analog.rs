@@ -1,7 +1,7 @@
 //! The analog output of a laser channel is the laser's alone in analog mode: it carries no voltage
 //! without light.
 use super::machine::Rig;
-use host_tests::reference::{Call, Effect, Family, Kind, LightCall, LightOf, Path, PathCall, Site, Speeds};
+use host_tests::reference::{Call, Effect, Family, Kind, LightCall, LightOf, Path, PathCall, Setup, Speeds};
 
 const MS: i64 = 1_000_000;
 
@@ -19,8 +19,8 @@ fn servo(kind: Kind) -> [Call; 2] {
 
 /// What analog output 1 carries from 4 ms on, after calls that all are done.
 fn output(calls: &[Call]) -> Vec<i16> {
-    let site = Site { profile: "gus", family: Family::Gus, axes: vec![(1, 1), (1, 2)] };
-    let reported = Rig::new(site, 250).run(calls).unwrap();
+    let setup = Setup { profile: "gus", family: Family::Gus, axes: vec![(1, 1), (1, 2)] };
+    let reported = Rig::new(setup, 250).run(calls).unwrap();
     assert!(reported.answers.iter().all(|answer| answer.code == 0), "{:?}", reported.answers);
     reported.more.iter().skip(16).map(|more| more.analog[0]).collect()
 }

@@ -211,7 +211,7 @@ fn paths(c: &mut Chance) -> Vec<Call> {
 
 #[test]
 fn focused_programs_agree() {
-    let site = gus();
+    let setup = gus();
     let count: u64 = std::env::var("REFERENCE_FOCUSED").ok().and_then(|text| text.parse().ok()).unwrap_or(300);
     let mut tally = Tally::new();
     for kind in [delays, paths, asymmetric] {
@@ -220,7 +220,7 @@ fn focused_programs_agree() {
             let calls = kind(&mut Chance::new(seed + 1));
             let index = (seed % 3) as usize;
             let tick_us = [250, 1000, 100][index];
-            if let Some(report) = finding(&mut rigs[index], &site, tick_us, &calls, &mut tally) {
+            if let Some(report) = finding(&mut rigs[index], &setup, tick_us, &calls, &mut tally) {
                 panic!("focused program {seed}: {report}");
             }
         }

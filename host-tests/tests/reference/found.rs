@@ -1,12 +1,14 @@
 //! Programs that differed once, as short as they could be made: what was wrong is said at each.
 use super::judge::{Tally, finding};
 use host_tests::path_model::Plane;
-use host_tests::reference::{Call, Cycle, Datum, Family, Item, Kind, LightCall, LightOf, Path, PathCall, Site, Speeds};
+use host_tests::reference::{
+    Call, Cycle, Datum, Family, Item, Kind, LightCall, LightOf, Path, PathCall, Setup, Speeds,
+};
 
 pub const MS: i64 = 1_000_000;
 
-pub fn gus() -> Site {
-    Site { profile: "gus", family: Family::Gus, axes: vec![(1, 1), (1, 2), (1, 3), (1, 6)] }
+pub fn gus() -> Setup {
+    Setup { profile: "gus", family: Family::Gus, axes: vec![(1, 1), (1, 2), (1, 3), (1, 6)] }
 }
 
 pub fn plain(kind: Kind, axis: usize) -> Call {

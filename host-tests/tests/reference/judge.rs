@@ -1,6 +1,6 @@
 //! A program on both, and what differs; a program that differs is made as short as it can be.
 use super::machine::{Got, Reported, Rig, fixed, got};
-use host_tests::reference::{Call, Controller, Fix, Levels, Path, PathCall, Program, Reply, Site, Value};
+use host_tests::reference::{Call, Controller, Fix, Levels, Path, PathCall, Program, Reply, Setup, Value};
 use servo::output::step_generator;
 use servo::units::Pos;
 use std::collections::BTreeMap;
@@ -20,18 +20,18 @@ const TAIL: usize = 8;
 /// No program lasts longer.
 const TICKS_MAX: usize = 60_000;
 
-fn reference(site: &Site, tick_us: u32, begin: &[i64], calls: &[Call]) -> Program {
-    Controller::new(site, i64::from(tick_us) * 1000, begin).run(calls, TAIL, TICKS_MAX)
+fn reference(setup: &Setup, tick_us: u32, begin: &[i64], calls: &[Call]) -> Program {
+    Controller::new(setup, i64::from(tick_us) * 1000, begin).run(calls, TAIL, TICKS_MAX)
 }
 
 /// Beside a program that has run: encoder counts and levels before it are those of the machine.
-fn beside(site: &Site, tick_us: u32, reported: &Reported, calls: &[Call]) -> Program {
+fn beside(setup: &Setup, tick_us: u32, reported: &Reported, calls: &[Call]) -> Program {
     let levels = reported.more.first().map_or_else(Levels::default, |first| {
         let mut levels = Levels { general: first.general, ..Levels::default() };
         levels.analog[..8].copy_from_slice(&first.analog);
         levels
     });
-    Controller::new(site, i64::from(tick_us) * 1000, &reported.begin)
+    Controller::new(setup, i64::from(tick_us) * 1000, &reported.begin)
         .with_encoders(reported.more.iter().map(|more| more.encoders.clone()).collect())
         .with_outputs(levels)
         .with_sessions(reported.sessions.clone())
@@ -259,43 +259,49 @@ fn edges(what: &str, mine: Vec<(f64, u8, bool)>, theirs: &[(i64, u8, bool)], end
 
 /// The program with some ms after every call that is refused: a refused entry makes others of its
 /// instant late by a tick (docs/jobs.md). `REFERENCE_TOGETHER=1` leaves them together.
-pub fn apart(site: &Site, tick_us: u32, calls: &[Call]) -> Option<Vec<Call>> {
-    Controller::new(site, i64::from(tick_us) * 1000, &vec![0; site.axes.len()]).apart(calls, TAIL, TICKS_MAX)
+pub fn apart(setup: &Setup, tick_us: u32, calls: &[Call]) -> Option<Vec<Call>> {
+    Controller::new(setup, i64::from(tick_us) * 1000, &vec![0; setup.axes.len()]).apart(calls, TAIL, TICKS_MAX)
 }
 
 /// What differs, if anything.
-fn differs(rig: &mut Option<Rig>, site: &Site, tick_us: u32, calls: &[Call], tally: &mut Tally) -> Option<String> {
-    if !is_program(site, tick_us, calls) {
+fn differs(rig: &mut Option<Rig>, setup: &Setup, tick_us: u32, calls: &[Call], tally: &mut Tally) -> Option<String> {
+    if !is_program(setup, tick_us, calls) {
         *tally.entry("programs without an end".into()).or_default() += 1;
         return None;
     }
-    differs_here(rig, site, tick_us, calls, tally)
+    differs_here(rig, setup, tick_us, calls, tally)
 }
 
 /// It has an end, and its refusals stand alone.
-fn is_program(site: &Site, tick_us: u32, calls: &[Call]) -> bool {
+fn is_program(setup: &Setup, tick_us: u32, calls: &[Call]) -> bool {
     let together = std::env::var("REFERENCE_TOGETHER").is_ok();
     if together {
-        reference(site, tick_us, &vec![0; site.axes.len()], calls).complete
+        reference(setup, tick_us, &vec![0; setup.axes.len()], calls).complete
     } else {
-        apart(site, tick_us, calls).is_some_and(|spread| spread == calls)
+        apart(setup, tick_us, calls).is_some_and(|spread| spread == calls)
     }
 }
 
 /// The same of a program that is one.
-fn differs_here(rig: &mut Option<Rig>, site: &Site, tick_us: u32, calls: &[Call], tally: &mut Tally) -> Option<String> {
+fn differs_here(
+    rig: &mut Option<Rig>,
+    setup: &Setup,
+    tick_us: u32,
+    calls: &[Call],
+    tally: &mut Tally,
+) -> Option<String> {
     let together = std::env::var("REFERENCE_TOGETHER").is_ok();
-    let mine = rig.get_or_insert_with(|| Rig::new(site.clone(), tick_us));
+    let mine = rig.get_or_insert_with(|| Rig::new(setup.clone(), tick_us));
     let reported = match mine.run(calls) {
         Ok(reported) => reported,
         Err(reason) => {
             *rig = None;
             // What the contract leaves open may go on for ever.
-            let alone = reference(site, tick_us, &vec![0; site.axes.len()], calls);
+            let alone = reference(setup, tick_us, &vec![0; setup.axes.len()], calls);
             return alone.open.is_none().then_some(reason);
         }
     };
-    let program = beside(site, tick_us, &reported, calls);
+    let program = beside(setup, tick_us, &reported, calls);
     // A refused entry makes others of its instant late by a tick, and only the run knows of this
     // one.
     if !together && program.refused.iter().any(|index| Controller::is_near(calls, *index)) {
@@ -314,7 +320,7 @@ fn differs_here(rig: &mut Option<Rig>, site: &Site, tick_us: u32, calls: &[Call]
     }
     if std::env::var_os("REFERENCE_TABLE").is_some() {
         for (call, reply) in calls.iter().zip(&program.replies) {
-            let text = site.text(0, call);
+            let text = setup.text(0, call);
             // The form without a core where there is no other.
             let call = text.split("GTN_").nth(1).or_else(|| text.split("GT_").nth(1));
             let Some(name) = call.and_then(|rest| rest.split('(').next()) else { continue };
@@ -345,18 +351,24 @@ fn kind(reason: &str) -> String {
 }
 
 /// A report of a program that differs.
-pub fn finding(rig: &mut Option<Rig>, site: &Site, tick_us: u32, calls: &[Call], tally: &mut Tally) -> Option<String> {
+pub fn finding(
+    rig: &mut Option<Rig>,
+    setup: &Setup,
+    tick_us: u32,
+    calls: &[Call],
+    tally: &mut Tally,
+) -> Option<String> {
     let (mut calls, first) = match std::env::var("REFERENCE_TOGETHER") {
-        Ok(_) => (calls.to_vec(), differs(rig, site, tick_us, calls, tally)?),
+        Ok(_) => (calls.to_vec(), differs(rig, setup, tick_us, calls, tally)?),
         Err(_) => {
-            let calls = apart(site, tick_us, calls)?;
-            let first = differs_here(rig, site, tick_us, &calls, tally)?;
+            let calls = apart(setup, tick_us, calls)?;
+            let first = differs_here(rig, setup, tick_us, &calls, tally)?;
             (calls, first)
         }
     };
     let mut scratch = Tally::new();
     let mut reason = format!("not the same when it ran again: {first}");
-    if let Some(again) = differs(rig, site, tick_us, &calls, &mut scratch) {
+    if let Some(again) = differs(rig, setup, tick_us, &calls, &mut scratch) {
         reason = again;
     }
     // Another fault that shows in a shorter program is not this one.
@@ -370,7 +382,7 @@ pub fn finding(rig: &mut Option<Rig>, site: &Site, tick_us: u32, calls: &[Call],
             let mut shorter = calls.clone();
             shorter.drain(at..(at + width).min(calls.len()));
             tries += 1;
-            match differs(rig, site, tick_us, &shorter, &mut scratch) {
+            match differs(rig, setup, tick_us, &shorter, &mut scratch) {
                 Some(again) if kind(&again) == what => (calls, reason, less) = (shorter, again, true),
                 _ => at += width,
             }
@@ -379,5 +391,5 @@ pub fn finding(rig: &mut Option<Rig>, site: &Site, tick_us: u32, calls: &[Call],
             width = if less { width } else { width / 2 };
         }
     }
-    Some(format!("tick {tick_us} µs, {reason}\n{}", site.job(tick_us, calls.iter())))
+    Some(format!("tick {tick_us} µs, {reason}\n{}", setup.job(tick_us, calls.iter())))
 }

@@ -1,7 +1,7 @@
 //! The virtual controller under a program: every call is an entry of the program queue that may
 //! fail, and every tick's set-points and status words are kept.
 use client::{Answer, Client, Link, Options, Profile};
-use host_tests::reference::{Call, Family, Fix, Kind, Points, Session, Site};
+use host_tests::reference::{Call, Family, Fix, Kind, Points, Session, Setup};
 use protocol::command::*;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
@@ -138,29 +138,29 @@ pub struct Rig {
     board: Shared,
     client: Client,
     record: Arc<Mutex<Record>>,
-    pub site: Site,
+    pub setup: Setup,
     pub tick_us: u32,
 }
 
 impl Rig {
-    pub fn new(site: Site, tick_us: u32) -> Rig {
-        let (profile, number, per_core) = match site.profile {
+    pub fn new(setup: Setup, tick_us: u32) -> Rig {
+        let (profile, number, per_core) = match setup.profile {
             "gus" => (Profile::Gus, 0, 8),
             _ => (Profile::Gtn016, 1, 8),
         };
         let board = share(Board::new(Config { tick_us, profile: number, ..Config::default() }));
         board.lock().unwrap().record_beam(true);
-        let axes = site.axes.iter().map(|&(core, axis)| (core as usize - 1) * per_core + axis as usize - 1).collect();
+        let axes = setup.axes.iter().map(|&(core, axis)| (core as usize - 1) * per_core + axis as usize - 1).collect();
         let record = Arc::new(Mutex::new(Record { axes, rows: Vec::new(), more: Vec::new() }));
         let link = Watched { board: board.clone(), received: Vec::new(), taken: 0, record: Arc::clone(&record) };
-        let family = if site.family == Family::Lsr { client::Family::Lsr } else { client::Family::Gus };
+        let family = if setup.family == Family::Lsr { client::Family::Lsr } else { client::Family::Gus };
         let options = Options { profile: Some(profile), family: Some(family), ..Options::default() };
         let client = Client::open(Box::new(link), options).unwrap();
-        Rig { board, client, record, site, tick_us }
+        Rig { board, client, record, setup, tick_us }
     }
 
     fn cores(&self) -> i16 {
-        self.site.axes.iter().map(|axis| axis.0).max().unwrap_or(1)
+        self.setup.axes.iter().map(|axis| axis.0).max().unwrap_or(1)
     }
 
     /// Runs it from power-on settings; positions of the machine stay.
@@ -178,7 +178,7 @@ impl Rig {
         for core in 1..=self.cores() {
             self.client.call(Reset { core: core.into() }).map_err(|error| format!("{error:?}"))?;
         }
-        for &(core, axis) in &self.site.axes {
+        for &(core, axis) in &self.setup.axes {
             let all = LmtsOff { core: core.into(), axis: axis.into(), limit_type: (-1).into() };
             self.client.call(all).map_err(|error| format!("{error:?}"))?;
         }
@@ -225,25 +225,25 @@ impl Rig {
 }
 
 /// A call as it travels.
-pub fn wire(site: &Site, call: &Call) -> client::Call {
+pub fn wire(setup: &Setup, call: &Call) -> client::Call {
     if let Call::PvtTable { axis, table, points } = call {
-        return table_of(site.axes[*axis].0, *table, points);
+        return table_of(setup.axes[*axis].0, *table, points);
     }
     if let Call::PvtCalculate { core, points } = call {
         return computed(*core, points);
     }
     match call {
-        Call::Ex(of) => return effects::ex(site, of),
-        Call::FollowEntry { axis, item, fifo } => return effects::entry(site, *axis, item, *fifo),
-        Call::FollowSwitchNow { axis, table } => return effects::switch_now(site, *axis, *table, 0, 0.into()),
+        Call::Ex(of) => return effects::ex(setup, of),
+        Call::FollowEntry { axis, item, fifo } => return effects::entry(setup, *axis, item, *fifo),
+        Call::FollowSwitchNow { axis, table } => return effects::switch_now(setup, *axis, *table, 0, 0.into()),
         Call::Effect(effect) => return effects::effect(effect),
         Call::Light(of) => return light::call(of),
         Call::LightTable(of) => return light::table(of),
-        Call::Path(of) => return paths::wire(site, of),
+        Call::Path(of) => return paths::wire(setup, of),
         &Call::Abort { core } => return client::Call::of(Abort { core: core.into() }),
         &Call::Reset { core } => return client::Call::of(Reset { core: core.into() }),
         &Call::Terminal { .. } | &Call::Guard { .. } | &Call::Sense { .. } | &Call::SetCapture { .. } => {
-            return effects::terminal(site, call);
+            return effects::terminal(setup, call);
         }
         &Call::AsymmetricWay { core, master, ratios, shares } => {
             return client::Call::of(GetFollowDataPercent2Ex {
@@ -259,12 +259,12 @@ pub fn wire(site: &Site, call: &Call) -> client::Call {
         _ => {}
     }
     use client::Call as Wire;
-    let at = |axis: usize| (site.axes[axis].0.into(), site.axes[axis].1.into());
+    let at = |axis: usize| (setup.axes[axis].0.into(), setup.axes[axis].1.into());
     let of = |mask: u32| {
-        let (core, mask) = site.mask(mask);
+        let (core, mask) = setup.mask(mask);
         (core.into(), mask.cast_signed().into())
     };
-    let option = |mask: u32, option: u32| site.mask(option & mask).1.cast_signed().into();
+    let option = |mask: u32, option: u32| setup.mask(option & mask).1.cast_signed().into();
     match *call {
         Call::Sleep { ns } => Wire::of(Sleep { ns: (ns as u64).into() }),
         Call::WaitStop { mask } => {
@@ -360,7 +360,7 @@ pub fn wire(site: &Site, call: &Call) -> client::Call {
         }
         Call::SetFollowMaster { axis, master, kind, item } => {
             let (core, profile) = at(axis);
-            let (index, kind) = site.master(axis, master, kind);
+            let (index, kind) = setup.master(axis, master, kind);
             let (master_index, master_type) = (index.into(), kind.into());
             Wire::of(SetFollowMaster { core, profile, master_index, master_type, master_item: item.into() })
         }

@@ -1,7 +1,7 @@
 //! A tick period that changes between programs: motion, answers, outputs and light are the same
 //! functions of time before and after it.
 use super::judge::{Tally, finding};
-use host_tests::reference::{Call, Effect, Family, Kind, LightCall, LightOf, Site};
+use host_tests::reference::{Call, Effect, Family, Kind, LightCall, LightOf, Setup};
 
 const MS: i64 = 1_000_000;
 
@@ -36,7 +36,7 @@ fn piece(to: i32) -> Vec<Call> {
 
 #[test]
 fn programs_before_and_after_another_tick_period_agree() {
-    let site = Site { profile: "gus", family: Family::Gus, axes: vec![(1, 1), (1, 2)] };
+    let setup = Setup { profile: "gus", family: Family::Gus, axes: vec![(1, 1), (1, 2)] };
     for order in [[250, 1000, 100], [1000, 100, 125], [100, 500, 50]] {
         let [first, second, third] = order;
         let mut calls = vec![plain(Kind::AxisOn, 0), plain(Kind::AxisOn, 1)];
@@ -62,7 +62,7 @@ fn programs_before_and_after_another_tick_period_agree() {
         }
         calls.extend(piece(110));
         let mut tally = Tally::new();
-        if let Some(report) = finding(&mut None, &site, first as u32, &calls, &mut tally) {
+        if let Some(report) = finding(&mut None, &setup, first as u32, &calls, &mut tally) {
             panic!("{report}");
         }
         let open: Vec<&String> = tally.keys().filter(|what| what.starts_with("cut short")).collect();

@@ -1,10 +1,10 @@
 //! Calls as statements of a job, so that a random program can be pasted and run by hand.
-use super::{Call, Kind, Site};
+use super::{Call, Kind, Setup};
 use crate::reference::follow::{Asymmetric, Datum, Item};
 use crate::reference::light::Family;
 use crate::reference::pvt::Points;
 
-impl Site {
+impl Setup {
     /// A statement of a job, the one with this number.
     pub fn text(&self, number: usize, call: &Call) -> String {
         let at = |axis: &usize| {

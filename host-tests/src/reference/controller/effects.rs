@@ -73,7 +73,7 @@ impl Controller {
             return self.levels.inputs.cast_signed().into();
         }
         let bit = |(place, axis): (usize, &Axis)| {
-            let (of, number) = self.site.axes[place];
+            let (of, number) = self.setup.axes[place];
             if of == core { i64::from(axis.terminals.levels >> kind & 1) << (number - 1) } else { 0 }
         };
         self.axes.iter().map(Box::as_ref).enumerate().map(bit).sum()
@@ -96,7 +96,7 @@ impl Controller {
             Call::Sense { core, sense } => {
                 range(self.cores.contains(&core))?;
                 for (place, axis) in self.axes.iter_mut().enumerate() {
-                    let (of, number) = self.site.axes[place];
+                    let (of, number) = self.setup.axes[place];
                     if of == core && number <= 8 {
                         axis.terminals.sense = (sense >> (2 * (number - 1)) & 3) as u8;
                     }

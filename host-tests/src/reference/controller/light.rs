@@ -78,7 +78,7 @@ impl Controller {
             self.light.calls.push(Act::EndFollow(mask as u8));
             return DONE;
         }
-        if matches!(of.what, LightOf::Connector(_)) && self.site.family == Family::Lsr {
+        if matches!(of.what, LightOf::Connector(_)) && self.setup.family == Family::Lsr {
             return Err(8);
         }
         if matches!(of.what, LightOf::StandbyBoth { .. } | LightOf::Resolution(_)) {
@@ -109,14 +109,14 @@ impl Controller {
             }
             LightOf::Mode { mode, max, min, delayed } => {
                 self.contest(3);
-                let kind = Mode::of(mode, self.site.family);
+                let kind = Mode::of(mode, self.setup.family);
                 let bounds = mode_bounds(&after.law, kind, [min, max]);
                 either(!self.path_runs(3), (0..4).contains(&mode) && bounds.is_ok())?;
                 if kind == Mode::Analog {
                     // From here on it is the laser's, which leaves it at 0 V.
                     self.analog.push((now as f64 / 1e6, number, 0));
                 }
-                Setting::Mode(kind, bounds?, delayed || self.site.family == Family::Gus)
+                Setting::Mode(kind, bounds?, delayed || self.setup.family == Family::Gus)
             }
             LightOf::Map(map) => {
                 range((0..4).contains(&map))?;
@@ -164,7 +164,7 @@ impl Controller {
     }
 
     pub(super) fn setting_of(&mut self, what: LightOf, after: &Channel, channel: i16) -> Result<Setting, i16> {
-        let family = self.site.family;
+        let family = self.setup.family;
         let us = |us: u32, least: f64| take(family, us.into(), [least, DELAY_MAX_US]).map(|us| us / 1000.0);
         Ok(match what {
             LightOf::Connector(on) => {
@@ -256,7 +256,7 @@ impl Controller {
 
     /// The values of an entry as they are taken.
     pub(super) fn laser_entry(&self, of: &Channel, command: Command) -> Result<Command, i16> {
-        let family = self.site.family;
+        let family = self.setup.family;
         let bounds = |ratio: f64, [min, max]: [f64; 2]| {
             range(ratio > 0.0 && ratio <= 4294967296.0 && min < max)?;
             let full = [0.0, of.law.most()];
@@ -307,7 +307,7 @@ impl Controller {
         self.open = self.open.or(self.light.open);
         let (mut at, mut apart) = ([[0.0; 4]; 2], [0.0; 4]);
         for (place, axis) in self.axes.iter().enumerate() {
-            let (core, number) = self.site.axes[place];
+            let (core, number) = self.setup.axes[place];
             if core == 1 && (1..=4).contains(&number) {
                 at[0][number as usize - 1] = axis.name().to_f64();
                 apart[number as usize - 1] = (axis.slack + axis.late + self.rounding(axis)).to_f64();

@@ -99,7 +99,7 @@ impl Controller {
     /// 2.
     fn master_of(&self, place: usize) -> Reply {
         let Some(master) = self.axes[place].follow.master else { return Reply::Done(Value::Three(0, 2, 0)) };
-        let (index, kind) = self.site.master(place, master.axis, master.kind);
+        let (index, kind) = self.setup.master(place, master.axis, master.kind);
         Reply::Done(Value::Three(index.into(), kind.into(), master.item.into()))
     }
 

@@ -104,9 +104,9 @@ impl Making<'_> {
     }
 
     pub(super) fn stop(&mut self) {
-        let core = self.pick(&[1, self.site.axes.last().map_or(1, |axis| axis.0)]);
+        let core = self.pick(&[1, self.setup.axes.last().map_or(1, |axis| axis.0)]);
         let own: u32 =
-            (0..self.site.axes.len()).filter(|axis| self.site.axes[*axis].0 == core).map(|axis| 1 << axis).sum();
+            (0..self.setup.axes.len()).filter(|axis| self.setup.axes[*axis].0 == core).map(|axis| 1 << axis).sum();
         let mask = self.chance.next() as u32 & own;
         let abrupt = self.chance.next() as u32 & mask;
         if mask != 0 {
@@ -116,13 +116,13 @@ impl Making<'_> {
 
     /// Another tick period, mostly while everything is at standstill.
     pub(super) fn tick(&mut self) {
-        let mut cores: Vec<i16> = self.site.axes.iter().map(|axis| axis.0).collect();
+        let mut cores: Vec<i16> = self.setup.axes.iter().map(|axis| axis.0).collect();
         cores.dedup();
         let abrupt = self.one_in(2);
         if !self.one_in(5) {
             for core in cores {
-                let own = |axis: &usize| self.site.axes[*axis].0 == core;
-                let mask = (0..self.site.axes.len()).filter(own).fold(0, |mask, axis| mask | 1 << axis);
+                let own = |axis: &usize| self.setup.axes[*axis].0 == core;
+                let mask = (0..self.setup.axes.len()).filter(own).fold(0, |mask, axis| mask | 1 << axis);
                 self.calls.push(Call::Stop { mask, abrupt: if abrupt { mask } else { 0 } });
                 self.calls.push(Call::WaitStop { mask });
             }

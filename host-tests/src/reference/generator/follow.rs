@@ -16,7 +16,7 @@ impl Making<'_> {
 
     /// A slave of a slave, run twice with ZeroPos in between.
     pub(super) fn chain(&mut self, first: usize) {
-        let count = self.site.axes.len();
+        let count = self.setup.axes.len();
         let (middle, last) = ((first + 1) % count, (first + 2) % count);
         for axis in [last, middle, first] {
             self.calls.push(Call::Stop { mask: 1 << axis, abrupt: 1 << axis });
@@ -51,7 +51,7 @@ impl Making<'_> {
 
     /// A master that is planned again while it brakes.
     pub(super) fn braking(&mut self, master: usize) {
-        let slave = (master + 1) % self.site.axes.len();
+        let slave = (master + 1) % self.setup.axes.len();
         for axis in [slave, master] {
             self.calls.push(Call::Stop { mask: 1 << axis, abrupt: 1 << axis });
             self.calls.push(Call::WaitStop { mask: 1 << axis });
@@ -105,7 +105,7 @@ impl Making<'_> {
             master = other;
         }
         if master == axis {
-            master = (axis + 1) % self.site.axes.len();
+            master = (axis + 1) % self.setup.axes.len();
         }
         self.rest(axis);
         let dir = self.pick(&[0, 0, 1, -1]);

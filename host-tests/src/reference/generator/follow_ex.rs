@@ -66,7 +66,7 @@ impl Making<'_> {
     pub(super) fn slave_ex(&mut self, axis: usize) {
         let mut master = self.axis();
         if master == axis {
-            master = (axis + 1) % self.site.axes.len();
+            master = (axis + 1) % self.setup.axes.len();
         }
         self.rest(axis);
         let dir = self.pick(&[0, 0, 1, -1]);
@@ -150,7 +150,7 @@ impl Making<'_> {
 
     /// A slave with waits for inputs, under a jog.
     pub(super) fn entries(&mut self, axis: usize) {
-        let master = (axis + 1) % self.site.axes.len();
+        let master = (axis + 1) % self.setup.axes.len();
         for axis in [axis, master] {
             self.calls.push(Call::Stop { mask: 1 << axis, abrupt: 1 << axis });
             self.calls.push(Call::WaitStop { mask: 1 << axis });
@@ -184,7 +184,7 @@ impl Making<'_> {
 
     /// A slave of an encoder, or of a filtered position.
     pub(super) fn by_encoder(&mut self, axis: usize) {
-        let master = (axis + 1) % self.site.axes.len();
+        let master = (axis + 1) % self.setup.axes.len();
         self.rest(axis);
         let dir = self.pick(&[0, 1, -1]);
         self.plain(crate::reference::Kind::PrfTrap, axis);

@@ -38,7 +38,7 @@ impl Making<'_> {
     }
 
     fn levels(&mut self, axis: usize) {
-        let core = self.site.axes[axis].0;
+        let core = self.setup.axes[axis].0;
         let kind = if self.one_in(12) { self.pick(&[-1, 6, 12]) } else { self.below(6) as i16 };
         let effect = match self.below(3) {
             0 => Effect::GetDiEx { core, kind, count: i16::from(!self.one_in(12)) },
@@ -49,7 +49,7 @@ impl Making<'_> {
 
     /// Switches that are active low. A set-up as a machine has it, mostly.
     fn sense(&mut self, axis: usize) {
-        let core = self.site.axes[axis].0;
+        let core = self.setup.axes[axis].0;
         let low = if self.one_in(3) { 0 } else { 3 << (2 * self.below(8)) };
         let sense = if self.one_in(4) { self.below(1 << 16) as u16 } else { low };
         self.calls.push(Call::Sense { core, sense });
@@ -76,7 +76,7 @@ impl Making<'_> {
             _ => self.start(axis),
         }
         self.sleep(6);
-        let core = self.site.axes[axis].0;
+        let core = self.setup.axes[axis].0;
         self.calls.push(Call::Effect(Effect::Interlock { core, open: true }));
         if self.one_in(3) {
             self.sleep(3);
@@ -101,7 +101,7 @@ impl Making<'_> {
 
     /// The lasers after a fault.
     fn cleared(&mut self) {
-        if self.site.profile != "gus" {
+        if self.setup.profile != "gus" {
             return;
         }
         for channel in 0..2 {

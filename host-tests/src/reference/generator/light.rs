@@ -9,7 +9,7 @@ impl Making<'_> {
 
     /// Only one profile has lasers beside the axes of the programs.
     pub(super) fn lights(&mut self) {
-        if self.site.profile != "gus" {
+        if self.setup.profile != "gus" {
             return;
         }
         let channel = if self.one_in(30) { self.pick(&[-1, 2]) } else { self.below(2) as i16 };

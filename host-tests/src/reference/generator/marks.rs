@@ -5,7 +5,7 @@ use crate::reference::{Call, Command, Kind, Path};
 impl Making<'_> {
     /// Set-up, marks, start, and calls during motion.
     pub(super) fn marks(&mut self, axis: usize) {
-        if self.site.profile != "gus" {
+        if self.setup.profile != "gus" {
             return;
         }
         let channel = self.below(2) as i16;
@@ -63,7 +63,7 @@ impl Making<'_> {
     /// Everything stops, and goes on: with what lies in the FIFOs after an Abort, from power-on
     /// after a Reset.
     pub(super) fn abort_or_reset(&mut self) {
-        let core = self.site.axes[self.below(self.site.axes.len() as u64) as usize].0;
+        let core = self.setup.axes[self.below(self.setup.axes.len() as u64) as usize].0;
         if !self.one_in(3) {
             self.calls.push(Call::Abort { core });
             if !self.one_in(3) {
@@ -74,7 +74,7 @@ impl Making<'_> {
         self.calls.push(Call::Reset { core });
         // It takes as many ticks as it needs.
         self.calls.push(Call::Sleep { ns: 4_000_000 });
-        let axes: Vec<usize> = (0..self.site.axes.len()).filter(|axis| self.site.axes[*axis].0 == core).collect();
+        let axes: Vec<usize> = (0..self.setup.axes.len()).filter(|axis| self.setup.axes[*axis].0 == core).collect();
         for axis in axes {
             if !self.one_in(20) {
                 self.plain(Kind::AxisOn, axis);

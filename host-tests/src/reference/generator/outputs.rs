@@ -5,7 +5,7 @@ use crate::reference::{Call, Effect};
 impl Making<'_> {
     pub(super) fn outputs(&mut self) {
         for _ in 0..1 + self.below(4) {
-            let core = self.pick(&[1, self.site.axes.last().map_or(1, |axis| axis.0)]);
+            let core = self.pick(&[1, self.setup.axes.last().map_or(1, |axis| axis.0)]);
             let index = if self.one_in(12) { self.pick(&[0, 129, -1]) } else { 1 + self.below(6) as i16 };
             let dac = if self.one_in(12) { self.pick(&[0, 9]) } else { 1 + self.below(8) as i16 };
             let effect = match self.below(13) {

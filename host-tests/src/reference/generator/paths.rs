@@ -44,8 +44,8 @@ impl Making<'_> {
 
     /// Another set-up, of axes at rest.
     pub(super) fn set_up_path(&mut self, axis: usize) -> usize {
-        let core = self.site.axes[axis].0;
-        let own: Vec<usize> = (0..self.site.axes.len()).filter(|axis| self.site.axes[*axis].0 == core).collect();
+        let core = self.setup.axes[axis].0;
+        let own: Vec<usize> = (0..self.setup.axes.len()).filter(|axis| self.setup.axes[*axis].0 == core).collect();
         let count = (2 + self.below(3) as usize).min(own.len());
         let first = self.below((own.len() - count + 1) as u64) as usize;
         let mut axes: Vec<usize> = own[first..first + count].to_vec();
@@ -149,7 +149,7 @@ impl Making<'_> {
                     self.path(core, Path::Outputs { crd, mask, value, fifo: fifo as i16 });
                 }
                 _ if self.one_in(4) => self.beside(index, fifo),
-                _ if self.one_in(6) && self.site.profile == "gus" => {
+                _ if self.one_in(6) && self.setup.profile == "gus" => {
                     let (channel, command) = (self.below(2) as i16, self.laser_command());
                     self.path(core, Path::Laser { crd, channel, command, fifo: fifo as i16 });
                 }
@@ -167,8 +167,8 @@ impl Making<'_> {
             let value = self.below(65536) as u16 as i16;
             return self.path(core, Path::Analog { crd, dac, value, fifo: fifo_of });
         }
-        let free: Vec<usize> = (0..self.site.axes.len())
-            .filter(|axis| self.site.axes[*axis].0 == core && !made.axes.contains(axis))
+        let free: Vec<usize> = (0..self.setup.axes.len())
+            .filter(|axis| self.setup.axes[*axis].0 == core && !made.axes.contains(axis))
             .filter(|axis| self.does[*axis] == Does::Trap)
             .collect();
         if free.is_empty() && !self.one_in(10) {
@@ -195,7 +195,8 @@ impl Making<'_> {
     /// An axis beside those of a path, in Trap mode and at rest.
     fn spare(&mut self, made: &Made) -> Option<usize> {
         let core = made.core;
-        let spare = (0..self.site.axes.len()).find(|axis| self.site.axes[*axis].0 == core && !made.axes.contains(axis));
+        let spare =
+            (0..self.setup.axes.len()).find(|axis| self.setup.axes[*axis].0 == core && !made.axes.contains(axis));
         if let Some(axis) = spare {
             let mask = 1 << axis;
             self.calls.push(Call::Stop { mask, abrupt: mask });
@@ -232,7 +233,7 @@ impl Making<'_> {
     }
 
     pub(super) fn during_path(&mut self, index: usize, fifo: usize) {
-        if self.one_in(6) && self.site.profile == "gus" {
+        if self.one_in(6) && self.setup.profile == "gus" {
             let channel = self.below(2) as i16;
             return self.light(channel);
         }
@@ -284,7 +285,7 @@ impl Making<'_> {
 
     /// Of a coordinate system that was set up.
     pub(super) fn during_paths(&mut self, axis: usize) {
-        let core = self.site.axes[axis].0;
+        let core = self.setup.axes[axis].0;
         let Some(index) = self.crds.iter().position(|made| made.core == core && made.axes.contains(&axis)) else {
             return;
         };

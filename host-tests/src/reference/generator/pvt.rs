@@ -36,7 +36,7 @@ impl Making<'_> {
             }
         };
         if matches!(points, Points::Percent(..) | Points::Continuous(..)) && self.one_in(3) {
-            let core = self.site.axes[axis].0;
+            let core = self.setup.axes[axis].0;
             self.calls.push(Call::PvtCalculate { core, points: points.clone() });
         }
         let table = 1 + self.below(32) as i16;

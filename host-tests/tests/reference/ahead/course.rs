@@ -2,7 +2,7 @@
 use super::Position;
 use host_tests::path_model::{Geometry, Plane};
 use host_tests::reference::chance::Chance;
-use host_tests::reference::{Call, Cycle, Kind, Path, PathCall, Site, Speeds};
+use host_tests::reference::{Call, Cycle, Kind, Path, PathCall, Setup, Speeds};
 
 /// What lies in the FIFO.
 #[derive(Debug, Clone)]
@@ -157,7 +157,7 @@ impl Making {
 }
 
 /// The path of a number.
-pub fn course(seed: u64, site: &Site) -> Course {
+pub fn course(seed: u64, setup: &Setup) -> Course {
     let mut chance = Chance::new(seed);
     let dimension = 2 + chance.below(3) as usize;
     let speed = chance.log(4.0, 120.0);
@@ -177,7 +177,7 @@ pub fn course(seed: u64, site: &Site) -> Course {
     };
     let mut making = Making { chance, course, at: [0.0; 4] };
     let axes: Vec<usize> = (0..dimension).collect();
-    for axis in 0..site.axes.len() {
+    for axis in 0..setup.axes.len() {
         making.course.calls.push(Call::Axis { kind: Kind::AxisOn, axis });
     }
     let set = Path::Set { crd: 1, axes, vel: speed * 1.1, acc: speed, even_ms: 0, origin: None };

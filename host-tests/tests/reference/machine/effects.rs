@@ -1,12 +1,12 @@
 //! FollowEx, outputs and inputs, as calls travel.
 use super::wire;
 use client::Call as Wire;
-use host_tests::reference::{Call, Effect, Item, Site};
+use host_tests::reference::{Call, Effect, Item, Setup};
 use protocol::command::*;
 
 /// The request of FollowEx with the layout of one of Follow.
-pub fn ex(site: &Site, of: &Call) -> Wire {
-    let mut call = wire(site, of);
+pub fn ex(setup: &Setup, of: &Call) -> Wire {
+    let mut call = wire(setup, of);
     call.opcode = match call.opcode {
         opcode::PrfFollow => opcode::PrfFollowEx,
         opcode::SetFollowMaster => opcode::SetFollowMasterEx,
@@ -22,8 +22,8 @@ pub fn ex(site: &Site, of: &Call) -> Wire {
     call
 }
 
-pub fn entry(site: &Site, axis: usize, item: &Item, fifo: i16) -> Wire {
-    let (core, profile) = (site.axes[axis].0.into(), site.axes[axis].1.into());
+pub fn entry(setup: &Setup, axis: usize, item: &Item, fifo: i16) -> Wire {
+    let (core, profile) = (setup.axes[axis].0.into(), setup.axes[axis].1.into());
     let fifo = fifo.into();
     match *item {
         Item::Segment(datum) => Wire::of(FollowDataPercentEx {
@@ -54,19 +54,19 @@ pub fn entry(site: &Site, axis: usize, item: &Item, fifo: i16) -> Wire {
             let (index, value, time_ms) = (index.into(), i16::from(level).into(), ms.into());
             Wire::of(FollowDiBitEx { core, profile, di_type: 4.into(), index, value, time_ms, fifo })
         }
-        Item::Switch { table } => switch_now(site, axis, table, 1, fifo),
+        Item::Switch { table } => switch_now(setup, axis, table, 1, fifo),
     }
 }
 
-pub fn switch_now(site: &Site, axis: usize, table: bool, buffer: i16, fifo: zerocopy::little_endian::I16) -> Wire {
-    let (core, profile) = (site.axes[axis].0.into(), site.axes[axis].1.into());
+pub fn switch_now(setup: &Setup, axis: usize, table: bool, buffer: i16, fifo: zerocopy::little_endian::I16) -> Wire {
+    let (core, profile) = (setup.axes[axis].0.into(), setup.axes[axis].1.into());
     let method = if table { 2 } else { 1 }.into();
     Wire::of(FollowSwitchNowEx { core, profile, method, buffer: buffer.into(), fifo })
 }
 
 /// Inputs of an axis.
-pub fn terminal(site: &Site, call: &Call) -> Wire {
-    let at = |axis: usize| (site.axes[axis].0.into(), site.axes[axis].1.into());
+pub fn terminal(setup: &Setup, call: &Call) -> Wire {
+    let at = |axis: usize| (setup.axes[axis].0.into(), setup.axes[axis].1.into());
     match *call {
         Call::Terminal { axis, kind, level } => {
             let (core, index) = at(axis);

@@ -2,15 +2,15 @@
 use super::Got;
 use client::{Answer, Call as Wire};
 use host_tests::path_model::Plane;
-use host_tests::reference::{Cycle, Path, PathCall, Site};
+use host_tests::reference::{Cycle, Path, PathCall, Setup};
 use protocol::command::*;
 
-pub fn wire(site: &Site, of: &PathCall) -> Wire {
+pub fn wire(setup: &Setup, of: &PathCall) -> Wire {
     let core = of.core.into();
     match &of.what {
         Path::Set { crd, axes, vel, acc, even_ms, origin } => {
-            let profile = PathCall::profile(site, axes).map(Into::into);
-            let origins = origin.as_ref().map_or([0; 8], |origin| PathCall::origins(site, axes, origin));
+            let profile = PathCall::profile(setup, axes).map(Into::into);
+            let origins = origin.as_ref().map_or([0; 8], |origin| PathCall::origins(setup, axes, origin));
             Wire::of(SetCrdPrm {
                 core,
                 crd: (*crd).into(),
@@ -87,7 +87,7 @@ pub fn wire(site: &Site, of: &PathCall) -> Wire {
         &Path::Move { crd, axis, to, vel, acc, modal, fifo } => Wire::of(BufMove {
             core,
             crd: crd.into(),
-            axis: site.axes[axis].1.into(),
+            axis: setup.axes[axis].1.into(),
             pos: to.into(),
             vel: vel.into(),
             acc: acc.into(),
@@ -95,7 +95,7 @@ pub fn wire(site: &Site, of: &PathCall) -> Wire {
             fifo: fifo.into(),
         }),
         &Path::Gear { crd, axis, pulses, fifo } => {
-            let axis = site.axes[axis].1.into();
+            let axis = setup.axes[axis].1.into();
             Wire::of(BufGear { core, crd: crd.into(), axis, pos: pulses.into(), fifo: fifo.into() })
         }
         Path::Line { crd, to, speeds, fifo } => {

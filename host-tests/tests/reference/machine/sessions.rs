@@ -53,7 +53,7 @@ pub fn run(rig: &mut Rig, calls: &[Call]) -> Result<Ran, String> {
     for (number, piece) in calls.split(is_tick).enumerate() {
         let mut zero = rig.board.lock().unwrap().now();
         if !piece.is_empty() {
-            let mut all: Vec<client::Call> = piece.iter().map(|call| wire(&rig.site, call)).collect();
+            let mut all: Vec<client::Call> = piece.iter().map(|call| wire(&rig.setup, call)).collect();
             all.iter_mut().for_each(|call| call.may_fail = true);
             let mut kept = Kept(Vec::new());
             let summary = rig.client.run(all, false, &mut kept).map_err(|error| format!("{error:?}"))?;
@@ -71,7 +71,7 @@ pub fn run(rig: &mut Rig, calls: &[Call]) -> Result<Ran, String> {
         if let Some(call) = ticks.next() {
             let period = if let Call::SetTick { us } = call { i64::from(*us) * 1000 } else { 0 };
             let asked = rig.board.lock().unwrap().now();
-            let call = wire(&rig.site, call);
+            let call = wire(&rig.setup, call);
             let (code, error, reply) = match rig.client.call_raw(&call) {
                 Ok(reply) => (0, None, reply),
                 Err(error) if error.code > 0 => (error.code, Some(error), Vec::new()),

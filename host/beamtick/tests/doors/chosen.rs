@@ -11,7 +11,7 @@ use crate::player::Programme;
 use crate::program::{Call, Step, Value, read};
 use gts::prototype::{Form, prototype};
 use host_tests::reference::chance::Chance;
-use host_tests::reference::{Family, Site, generator};
+use host_tests::reference::{Family, Setup, generator};
 use job::api::{Pass, Type};
 
 /// What is about time, the session or the file system, and not about what is called.
@@ -25,24 +25,24 @@ const LENGTHS: [usize; 17] = [0, 1, 2, 3, 8, 9, 31, 32, 33, 40, 41, 42, 43, 60, 
 pub fn programme(seed: u64, calls: usize) -> Programme {
     let mut chance = Chance::new(seed ^ 0x000D_0025);
     let cores = chance.below(4) == 0;
-    let mut site = match cores {
-        false => Site { profile: "gus", family: Family::Gus, axes: vec![(1, 1), (1, 2), (1, 3), (1, 6)] },
-        true => Site { profile: "gtn-016", family: Family::Gus, axes: vec![(1, 1), (1, 2), (2, 1), (2, 7)] },
+    let mut setup = match cores {
+        false => Setup { profile: "gus", family: Family::Gus, axes: vec![(1, 1), (1, 2), (1, 3), (1, 6)] },
+        true => Setup { profile: "gtn-016", family: Family::Gus, axes: vec![(1, 1), (1, 2), (2, 1), (2, 7)] },
     };
     let tick_us = [250, 1000, 500, 100, 250][chance.below(5) as usize];
     let family = ["gus", "lsr"][chance.below(2) as usize];
-    site.family = [Family::Gus, Family::Lsr][usize::from(family == "lsr")];
+    setup.family = [Family::Gus, Family::Lsr][usize::from(family == "lsr")];
     let descriptions: Vec<Vec<Step>> = PROGRAMS.iter().map(|(_, text)| read(text)).collect();
     let mut steps = Vec::new();
-    for (core, axis) in &site.axes {
+    for (core, axis) in &setup.axes {
         with_core(&mut steps, read(&format!("LmtsOff {axis} -1\nPrfTrap {axis}")), cores.then_some(*core));
     }
     let mut listing = Listing::new(cores);
-    let base = generator::program(seed, &site, calls);
+    let base = generator::program(seed, &setup, calls);
     // A job has one tick.
     let in_jobs = base.calls.iter().filter(|call| !matches!(call, host_tests::reference::Call::SetTick { .. }));
     for (number, call) in in_jobs.enumerate() {
-        steps.extend(listing.read(&site.text(number, call)));
+        steps.extend(listing.read(&setup.text(number, call)));
         if chance.below(6) == 0 {
             let core = cores.then(|| 1 + chance.below(2) as i16);
             let extra = extra(&mut chance, &descriptions);
@@ -58,7 +58,7 @@ pub fn programme(seed: u64, calls: usize) -> Programme {
         with_core(&mut steps, read("Reset\nsleep 30"), cores.then_some(1));
     }
     let batches = !appends(&steps);
-    Programme { steps, tick_us, profile: site.profile, family, cores, batches, rests: false }
+    Programme { steps, tick_us, profile: setup.profile, family, cores, batches, rests: false }
 }
 
 fn with_core(steps: &mut Vec<Step>, more: Vec<Step>, core: Option<i16>) {
