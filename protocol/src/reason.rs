@@ -139,7 +139,7 @@ reasons! {
     110 CrdNotSet State None "coordinate system {axis} drives no axis; call SetCrdPrm first";
     111 CrdRuns State Motion "coordinate system {axis} is running; stop it first";
     112 CrdFull State State "coordinate system {axis}: the FIFO is full; {high} entries fit, {got} are free";
-    113 CrdEmpty State None "coordinate system {axis}: FIFO {got} holds nothing to do";
+    113 CrdEmpty State State "coordinate system {axis}: FIFO {got} holds nothing to do";
     114 CrdElsewhere State State "coordinate system {axis} is more than a pulse from where FIFO {got} was left; move back there first, or call CrdClear";
     115 CrdFifoInUse State Motion "coordinate system {axis}: FIFO {got} is in use; it can be cleared at rest";
     116 CrdHolds State Motion "coordinate system {axis}: FIFO {got} holds entries; run them or call CrdClear first";

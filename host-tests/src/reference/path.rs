@@ -1,4 +1,4 @@
-//! The calls of coordinate systems. Axes are named by their place in the setup; crds and FIFOs are
+//! The calls of coordinate systems. Axes are named by their place in the set-up; crds and FIFOs are
 //! those of a core.
 use super::call::Setup;
 use super::light::Command;

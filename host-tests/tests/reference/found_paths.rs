@@ -2,7 +2,7 @@
 use super::found::*;
 use super::judge::{Tally, finding};
 use host_tests::path_model::Plane;
-use host_tests::reference::{Call, Command, Cycle, Datum, Kind, LightCall, LightOf, Path, PathCall, Speeds};
+use host_tests::reference::{Call, Command, Cycle, Datum, Effect, Kind, LightCall, LightOf, Path, PathCall, Speeds};
 
 /// A WaitStop of one axis of a coordinate system made another one, which had left it and ran, count
 /// as waited for: its mode could be set while it ran.
@@ -429,5 +429,21 @@ fn a_stop_of_an_axis_that_a_path_has_waited_for() {
         calls.extend([on.clone(), path(Path::Line { crd: 1, to: vec![40, 9], speeds, fifo: 1 }), go(1)]);
         calls.extend([Call::Sleep { ns: 30 * MS }, light(LightOf::GetFault), Call::Sleep { ns: MS }]);
         agrees(250, &calls);
+    }
+}
+
+/// A path that an interlock has stopped goes on with CrdStart, also in a program, which is admitted
+/// ahead: it took the path to have come to its end, and refused the start.
+#[test]
+fn a_start_after_an_interlock_goes_on() {
+    let interlock = |open| Call::Effect(Effect::Interlock { core: 1, open });
+    let go = path(Path::Start { mask: 1, option: 0 });
+    for (rest, again) in [(0, line(vec![-9, 4])), (4, line(vec![-9, 4])), (4, plain(Kind::GetSts, 0))] {
+        let mut calls = vec![plain(Kind::AxisOn, 0), plain(Kind::AxisOn, 1), frame(None), line(vec![-66, 52])];
+        calls.extend([go.clone(), Call::Sleep { ns: 4 * MS }, interlock(true), path(Path::Wait { mask: 1 })]);
+        calls.extend([Call::Sleep { ns: rest * MS }, interlock(false), again, go.clone(), Call::Sleep { ns: 30 * MS }]);
+        for tick_us in [250, 1000] {
+            agrees(tick_us, &calls);
+        }
     }
 }

@@ -38,6 +38,7 @@ impl Controller {
                 axis.rename(Fix::ZERO);
                 axis.encoder_zero = axis.encoder[1];
                 axis.is_lost = false;
+                self.renamed(place);
             }
             Kind::ClrSts => {
                 if alarmed {
@@ -106,9 +107,9 @@ impl Controller {
     pub(super) fn setting(&mut self, call: &Call) -> Answer {
         match *call {
             Call::SetPrfPos { axis, pos } => {
-                let axis = &mut self.axes[axis];
-                check(!axis.runs())?;
-                axis.rename(Fix::whole(pos.into()));
+                check(!self.axes[axis].runs())?;
+                self.axes[axis].rename(Fix::whole(pos.into()));
+                self.renamed(axis);
             }
             Call::SetEncPos { axis, pos } => {
                 let axis = &mut self.axes[axis];
@@ -118,9 +119,10 @@ impl Controller {
                 for axis in members(mask) {
                     check(!self.axes[axis].runs())?;
                 }
-                for axis in members(mask) {
-                    let axis = &mut self.axes[axis];
+                for place in members(mask) {
+                    let axis = &mut self.axes[place];
                     axis.rename(axis.encoder[1] - axis.encoder_zero);
+                    self.renamed(place);
                 }
             }
             Call::SetAxisBand { axis, band, time } => {
@@ -242,5 +244,13 @@ impl Controller {
             }
         }
         DONE
+    }
+
+    /// An axis got another name. In the tick in which a coordinate system takes it, the program does
+    /// not know where that stands until it is done: docs/crd.md.
+    fn renamed(&mut self, place: usize) {
+        if self.axes[place].joined {
+            (self.unsettled, self.still_ns) = (self.unsettled.max(1), 0);
+        }
     }
 }
