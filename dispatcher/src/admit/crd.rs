@@ -148,6 +148,8 @@ pub fn position_at_standstill<const AXES: usize>(context: &Context<AXES>, crd: C
         return Some(here);
     }
     let frame = shadow.frame.as_ref().filter(|_| !shadow.is_busy(context.view, sampled))?;
+    // SetCrdPrm clears both FIFOs.
+    let is_framed = [0, 1].map(|fifo| shadow.path(fifo).cleared) == sampled.cleared;
     let mut position = [0.0; DIMENSIONS];
     for ((axis, sampled_zero), position) in frame.axes().into_iter().zip(sampled.origin).zip(&mut position) {
         let Some(axis) = axis else { continue };
@@ -155,9 +157,8 @@ pub fn position_at_standstill<const AXES: usize>(context: &Context<AXES>, crd: C
         let pos = of.position(context.view, context.sampled(axis))?;
         let zero = if frame.set_origin {
             Pos::pulses(frame.origin.get(axis.index() - usize::from(frame.first)).copied().unwrap_or(0))
-        } else if of.placed.is_none_or(|(seq, _)| executed(context.view, seq)) {
-            // A SetCrdPrm may precede what made the position unknown; then it has been executed,
-            // too.
+        } else if is_framed || of.placed.is_none_or(|(seq, _)| executed(context.view, seq)) {
+            // A SetCrdPrm that precedes what made the position unknown has been executed with it.
             sampled_zero
         } else {
             return None;

@@ -1,6 +1,7 @@
 //! Programs on which the reference was wrong about lasers, and the controller was right.
-use super::found::{MS, agrees, frame, is_open, line, path, plain};
-use host_tests::reference::{Call, Command, Kind, LightCall, LightOf, LightTable, Path};
+use super::found::{MS, agrees, frame, gus, is_open, line, path, plain};
+use super::judge::{Tally, finding};
+use host_tests::reference::{Call, Command, Family, Kind, LightCall, LightOf, LightTable, Path, Setup};
 
 fn light(what: LightOf) -> Call {
     Call::Light(LightCall { channel: 0, what })
@@ -42,4 +43,20 @@ fn a_follow_table_that_a_path_has_passed() {
     agrees(250, &[&calls[..], &[table(20.0), Call::Sleep { ns: MS }]].concat());
     calls.extend([line(vec![9, 4]), table(20.0), Call::Sleep { ns: MS }]);
     is_open(250, &calls, "a table of powers that a path may just have left");
+}
+
+/// A limit of an axis of a table is not held to the highest frequency of the LSR family.
+#[test]
+fn a_limit_above_the_highest_frequency() {
+    let points = [-0.15, 0.15, 0.0, -0.14].map(|ratio| vec![(0, ratio)]);
+    let table = LightTable::Lines { channel: 0, points, bounds: [1.0, 0.0], limits: Some([50.0, 50.0, 0.0, 2.0]) };
+    let mode = LightOf::Mode { mode: 1, max: 24.0, min: 2.0, delayed: true };
+    let distance = LightOf::Distance(Some((0, [-180, -172, 0, 3], [1.0; 4])));
+    let mut calls: Vec<Call> = [mode, LightOf::Width(8), LightOf::Power(11.8), distance].map(light).into();
+    calls.extend([Call::LightTable(table), light(LightOf::Gate(true)), Call::Sleep { ns: 4 * MS }]);
+    calls.extend([light(LightOf::GetPower), Call::Sleep { ns: MS }]);
+    let mut tally = Tally::new();
+    let lsr = Setup { family: Family::Lsr, ..gus() };
+    assert_eq!(finding(&mut None, &lsr, 500, &calls, &mut tally), None);
+    assert!(tally["values read"] > 0, "{tally:?}");
 }

@@ -447,3 +447,14 @@ fn a_start_after_an_interlock_goes_on() {
         }
     }
 }
+
+/// An arc after a SetPrfPos was a tick late where SetCrdPrm gave no origin, and so was all after it.
+#[test]
+fn an_arc_after_a_rename_is_on_time() {
+    let axis = |kind| plain(kind, 2);
+    let mut calls = vec![plain(Kind::AxisOn, 0), plain(Kind::AxisOn, 1), axis(Kind::AxisOn), frame(None)];
+    calls.extend([Call::Sleep { ns: 5 * MS + 702_062 }, Call::SetPrfPos { axis: 0, pos: 43 }, arc([1, 7], 0)]);
+    calls.extend([axis(Kind::PrfJog), Call::SetJogPrm { axis: 2, acc: 2.4, dec: 1.3 }]);
+    calls.extend([Call::SetVel { axis: 2, vel: 3.0 }, Call::Update { mask: 4 }, Call::Sleep { ns: 3 * MS }]);
+    agrees(250, &calls);
+}

@@ -11,6 +11,9 @@ use super::light::{RATIO, take, take_bounds, take_power};
 const PLANE: usize = 256;
 const CHANNELS: i16 = 2;
 
+/// What a limit of an axis may be in frequency mode, in both families.
+const HIGHEST_KHZ: f64 = 2000.0;
+
 impl Controller {
     /// Whether a table of powers, from 1, is in use; None: a path may just have left it.
     fn is_in_use(&self, channel: usize, table: i16) -> Option<bool> {
@@ -110,7 +113,7 @@ impl Controller {
             Family::Gus => take_bounds(&after.law, after.law.mode, bounds).map(Some),
             Family::Lsr => Ok(None),
         };
-        let limit = |limit: f64| take(after.law.family, limit, [0.0, after.law.most()]);
+        let limit = |limit: f64| take(after.law.family, limit, [0.0, after.law.mode.most(HIGHEST_KHZ)]);
         let taken = limits.map(|limits| limits.map(limit));
         let good = good && taken.is_none_or(|limits| limits.iter().all(Result::is_ok));
         either(after.law.distance.is_some(), good && bounds.is_ok())?;
