@@ -89,12 +89,14 @@ impl Controller {
             }
             Call::Guard { axis, kind, on } => {
                 range(matches!(kind, -1..=2))?;
+                self.open = self.open.or(self.start_beside_guard());
                 let bits = if kind < 0 { 3 } else { 1 << kind };
                 let of = &mut self.axes[axis].terminals;
                 of.on = if on { of.on | bits } else { of.on & !bits };
             }
             Call::Sense { core, sense } => {
                 range(self.cores.contains(&core))?;
+                self.open = self.open.or(self.start_beside_guard());
                 for (place, axis) in self.axes.iter_mut().enumerate() {
                     let (of, number) = self.setup.axes[place];
                     if of == core && number <= 8 {
@@ -137,5 +139,13 @@ impl Controller {
             }
             self.levels.general = after;
         }
+    }
+}
+
+impl Controller {
+    /// Whether a limit that changes at the instant of a CrdStart stops that path is not said.
+    fn start_beside_guard(&self) -> Option<&'static str> {
+        let starts = self.crds.values().any(|crd| crd.started_here);
+        starts.then_some("a limit that changes at the instant at which a path starts")
     }
 }
