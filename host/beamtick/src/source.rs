@@ -1,7 +1,7 @@
 //! A job file: its text, its compiled form, and how positions in it are shown.
 use crate::Failure;
 use crate::command_line::{Drawing, FamilyName, Settings, TICKS_US};
-use crate::{import, input};
+use crate::{import, input, json};
 use client::{Family, Profile};
 use job::{Diagnostic, Files, Folder, Job, Pragma, Severity, Step};
 use std::cell::RefCell;
@@ -65,6 +65,12 @@ impl Source {
             false => (input::read(path), vec![path.to_owned()]),
         };
         let bytes = bytes.map_err(|error| Failure::Input(format!("{name}: the job file cannot be read: {error}")))?;
+        if let Some(what) = import::disguised(&bytes) {
+            return Err(Failure::Input(format!(
+                "{name}: {what}; it is taken for a job by its name. {}",
+                import::NAMED
+            )));
+        }
         if plot.is_some() {
             return Err(Failure::Input(format!(
                 "{name}: --plot of `check` is for G-code and drawings; `sim` draws what a job does"
@@ -318,5 +324,6 @@ fn complaint(pragma: &Pragma, message: String, help: String) -> Diagnostic {
 }
 
 fn show(diagnostic: &Diagnostic, name: &str, text: &str) -> String {
+    json::message(diagnostic, name);
     job::render(diagnostic, name, text, std::io::stderr().is_terminal())
 }
