@@ -424,7 +424,10 @@ fn draw_signs<B: DrawingBackend>(chart: &Chart<'_, B>, nodes: &[Node<Power>], sc
             let (x, y) = (at.0 + side, at.1 + up);
             Patch { x: x.clamp(0.0, (wide - across).max(0.0)), y: y.clamp(0.0, (tall - down).max(0.0)), across, down }
         });
-        let free: Vec<Patch> = patches.filter(|patch| !labels.iter().any(|other| other.meets(patch))).collect();
+        // At an edge it may have been moved over its own point.
+        let own = Patch { x: at.0 - 5.0, y: at.1 - 5.0, across: 10.0, down: 10.0 };
+        let is_free = |patch: &Patch| !own.meets(patch) && !labels.iter().any(|other| other.meets(patch));
+        let free: Vec<Patch> = patches.filter(is_free).collect();
         let clear = free.iter().find(|patch| !spots.windows(2).any(|line| patch.is_crossed(line[0], line[1])));
         let Some(patch) = clear.or(free.first()) else { return Ok(()) };
         labels.push(*patch);
@@ -448,8 +451,9 @@ fn draw_signs<B: DrawingBackend>(chart: &Chart<'_, B>, nodes: &[Node<Power>], sc
     let before_last = nodes.len().checked_sub(2).and_then(|place| nodes.get(place)).unwrap_or(last);
     label(spot_last, (before_last, last), text(end))?;
     let mut index = 0;
-    let mut k = (begin / step).ceil();
-    while k * step <= end && step > 0.0 {
+    // Begin and end have their labels.
+    let mut k = (begin / step).floor() + 1.0;
+    while k * step < end && step > 0.0 {
         let t = k * step * 1e6;
         while nodes.get(index + 1).is_some_and(|next| next.from as f64 <= t) {
             index += 1;
