@@ -46,7 +46,7 @@ pub struct Facts {
     events: Vec<EventFacts>,
     /// Fastest step output, pulse/ms; none is full scale, 2³² pulse/ms.
     step_limit: Option<f64>,
-    /// Bytes a second that the link carries of a trace; none where traces have a stream of their own.
+    /// Bytes a second that the link carries of a trace; none where it has a stream of its own.
     trace_bytes_a_second: Option<u32>,
 }
 

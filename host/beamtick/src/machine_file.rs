@@ -65,8 +65,8 @@ fn write(new: &NewMachine) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Asks all that `answered` does not name; an empty line takes the usual answer. What a later answer
-/// makes wrong is asked again at the end, so that no answer is lost.
+/// Asks all that `answered` does not name; an empty line takes the usual answer. What a later
+/// answer makes wrong is asked again at the end, so that no answer is lost.
 fn ask(questions: &mut [Question], answered: &mut Vec<String>) -> Result<(), Failure> {
     let mut lines = std::io::stdin().lock().lines();
     for at in 0..questions.len() {

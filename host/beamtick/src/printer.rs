@@ -85,7 +85,7 @@ fn write(to: &mut impl Write, text: &str) -> io::Result<()> {
     to.flush()
 }
 
-/// Queues a line, without waiting. With `--json` nothing but the object goes to the standard output.
+/// Queues a line, without waiting. With `--json` only the object goes to the standard output.
 pub fn say(stream: Stream, text: String) {
     if stream == Stream::Error || !crate::json::is_on() {
         queue(stream, text);

@@ -114,7 +114,7 @@ pub fn read(name: &str, text: &str) -> Result<Machine, String> {
     read_as(text, |line, what| format!("{name}:{line}: {what}"))
 }
 
-/// Reads a text. `shown` makes an error of its line and of what is wrong, which begins with the key.
+/// Reads a text. `shown` makes an error of its line and of what is wrong; that begins with the key.
 pub fn read_as(text: &str, shown: impl Fn(usize, &str) -> String) -> Result<Machine, String> {
     let bare = text.trim_start_matches('\u{feff}');
     let shown = |span: Range<usize>, message: String| {

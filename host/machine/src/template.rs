@@ -1,7 +1,7 @@
 //! A new machine file: the questions it answers, and its text.
 //!
-//! In: which axes, whether there is a laser, answers. Out: a commented TOML text. Fails with the key
-//! whose answer is wrong: there is no file yet whose line could be named.
+//! In: which axes, whether there is a laser, answers. Out: a commented TOML text. Fails with the
+//! key whose answer is wrong: there is no file yet whose line could be named.
 use crate::{Machine, file};
 
 /// One thing that a machine file says.

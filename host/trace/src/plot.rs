@@ -325,8 +325,8 @@ impl Plot {
         self.lasers.retain(shines);
     }
 
-    /// Writes a page of HTML in which time can be enlarged, with the path of two axes where there is
-    /// one. It is one file, and needs no other.
+    /// Writes a page of HTML in which time can be enlarged, with the path of two axes where there
+    /// is one. It is one file, and needs no other.
     pub fn save_page(&self, path: &Path, xy: Option<&Xy>) -> Result<()> {
         if !self.drawn {
             return Err(self.window.is_empty(self.last_ns));

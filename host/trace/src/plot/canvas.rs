@@ -108,8 +108,8 @@ pub(super) enum Sign {
     Dot,
 }
 
-/// A legend in one line, which ends at `right` and does not begin before `left`; what has no room is
-/// left out.
+/// A legend in one line, which ends at `right` and does not begin before `left`; what has no room
+/// is left out.
 pub(super) fn legend<B: DrawingBackend>(
     area: &DrawingArea<B, Shift>,
     (left, right): (u32, u32),

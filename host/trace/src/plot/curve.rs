@@ -1,6 +1,7 @@
 //! A quantity over time, thinned to its extremes, cut to the time that is drawn.
 
-/// Most pairs of extremes that a curve of a picture keeps, and one of a page, which can be enlarged.
+/// Most pairs of extremes that a curve of a picture keeps, and one of a page, which can be
+/// enlarged.
 pub(super) const BUCKETS: usize = 4096;
 pub(super) const BUCKETS_OF_A_PAGE: usize = 1 << 15;
 

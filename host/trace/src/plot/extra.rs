@@ -1,8 +1,9 @@
 //! Quantities that a trace does not hold: acceleration and following error.
 //!
 //! In: rows. Out: for each axis the mean acceleration since the row before, in pulse/ms², and
-//! planned position less encoder, in pulses. Owns a lag for each axis, that of the boards that have
-//! no wires, so their encoders are had to the count as long as no row is left out. Cannot fail.
+//! planned position less encoder as a read of that tick has it, in pulses. Owns a lag for each
+//! axis, that of the boards that have no wires, so their encoders are had to the count as long as
+//! no row is left out. Cannot fail.
 use crate::decimal::{position_f64, scaled_f64};
 use crate::row::Row;
 use plant::{Gain, Lag};
@@ -41,9 +42,10 @@ impl Extra {
                 Some(_) => {}
             }
             let machine = point.pos.0.wrapping_sub(*zero);
+            // A tick samples its encoders before the set-point that it computes is in force.
+            let error = position_f64(servo::units::Pos(machine)) - lag.encoder() as f64;
             lag.set_point(machine);
             lag.advance(self.gain.1);
-            let error = position_f64(servo::units::Pos(machine)) - lag.encoder() as f64;
             let change = last.map_or(0.0, |last| scaled_f64(point.vel) - scaled_f64(last.vel));
             found.push((if ns == 0 { 0.0 } else { change / (ns as f64 * 1e-6) }, error));
         }
@@ -74,8 +76,8 @@ mod tests {
         for k in 2..100 {
             last = extra.row(&row(k, 7.5 + 0.5 * f64::from(k - 1), 2.0));
         }
-        // 2 pulse/ms by v·T/(1 − e^(−T/τ)), of an encoder of whole pulses.
-        let exact = 2.0 * 0.25 / (1.0 - (-0.25f64).exp());
+        // 2 pulse/ms by v·T/(1 − e^(−T/τ)), and a tick for the sample; an encoder of whole pulses.
+        let exact = 2.0 * 0.25 / (1.0 - (-0.25f64).exp()) + 2.0 * 0.25;
         assert!(last[0].0 == 0.0 && (last[0].1 - exact).abs() <= 0.5, "{last:?} {exact}");
         // At standstill it arrives, and a new name of the position is no error.
         for k in 100..160 {

@@ -43,7 +43,8 @@ fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
-/// The panels as JSON. Captions are ours: they hold nothing that JSON or HTML would take for its own.
+/// The panels as JSON. Captions are ours: they hold nothing that JSON or HTML would take for its
+/// own.
 fn data(plot: &Plot) -> String {
     let span = plot.time_range();
     let mut text = format!("{{\"from\":{},\"to\":{},\"panels\":[", span.0, span.1);
