@@ -32,8 +32,8 @@ pub enum HomeCall {
     Status,
 }
 
-/// Between two looks at an axis, of the controller's time.
-const LOOK: Duration = Duration::from_millis(1);
+/// Between two looks at an axis, of the controller's time: a link carries some hundred bytes for it.
+const LOOK: Duration = Duration::from_millis(2);
 /// A search without a limit goes so far, pulses.
 const FAR: i64 = 0x3000_0000;
 /// Away from the limit, where `escapeStep` is 0.
@@ -265,7 +265,8 @@ impl Parameters {
         }
         let trigger = value("triggerIndex");
         if ![-1.0, 0.0, f64::from(axis)].contains(&trigger) {
-            return Err(reason::wrong(function, "triggerIndex", Reason::OutOfRange, trigger, axis.into(), axis.into()));
+            let text = format!("{function}: triggerIndex is {trigger}; it is the axis itself ({axis}), 0 or -1");
+            return Err(Error::new(7, text));
         }
         Ok(Parameters {
             mode: mode as i16,

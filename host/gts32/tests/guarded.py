@@ -127,6 +127,7 @@ assert (found.kaff, found.integralLimit, found.derivativeLimit, found.limit) == 
 home = guarded(THomePrm)
 home.mode, home.moveDir, home.edge, home.velHigh, home.velLow, home.acc, home.dec = 20, -1, 1, 10, 1, 1, 1
 home.homeOffset, home.searchHomeDistance, home.escapeStep = -7, 100, 9
+home.indexDir, home.triggerIndex, home.smoothTime, home.searchIndexDistance = 1, 4, 0, 0
 call("GT_AxisOn", short(4))
 call("GT_GoHome", short(4), ctypes.byref(home))
 found = filled("GT_GetHomePrm", THomePrm, short(4))
