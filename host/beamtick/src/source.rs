@@ -172,12 +172,26 @@ const PART: usize = 20_000;
 /// more than they save.
 const RUN: usize = 64;
 
+/// A job that does not compile as a whole is compiled in parts from so many lines on.
+const MANY_LINES: usize = 200_000;
+/// What reaches over the lines of a script: with it, parts are not what the whole is.
+const FAR_REACHING: [&str; 6] = ["/*", "#define", "#pragma continue", "kbhit", "return", "GT_LoadConfig"];
+
 /// Compiles a job. One that `import` wrote may be of any length: its calls name no variables after
-/// the set-up.
+/// the set-up. So may one that is as plain as that.
 fn compile(text: &str, files: &Noted) -> Result<Job, Vec<Diagnostic>> {
-    if !text.starts_with(strokes::MARK) {
-        return job::compile(text, files);
+    if text.starts_with(strokes::MARK) {
+        return compile_parts(text, files);
     }
+    job::compile(text, files).or_else(|found| {
+        let is_plain = text.lines().nth(MANY_LINES).is_some() && !FAR_REACHING.iter().any(|word| text.contains(word));
+        // What is wrong with a part is wrong with the whole, which has said what.
+        if is_plain { compile_parts(text, files).map_err(|_| found) } else { Err(found) }
+    })
+}
+
+/// Compiles a job part by part.
+fn compile_parts(text: &str, files: &Noted) -> Result<Job, Vec<Diagnostic>> {
     let mut whole = Parts { text, files, job: None, from: 0, lines: 0 };
     // Calls in a row up to here, and where they begin: byte and line.
     let mut run: Vec<Step> = Vec::new();
@@ -266,6 +280,10 @@ impl Parts<'_> {
                     all.sort_unstable();
                     all.dedup();
                 }
+                whole.crds.extend(job.crds);
+                whole.crds.sort_unstable();
+                whole.crds.dedup();
+                whole.pragmas.extend(job.pragmas);
                 whole.lasers |= job.lasers;
             }
         }
