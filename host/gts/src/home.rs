@@ -32,7 +32,7 @@ pub enum HomeCall {
     Status,
 }
 
-/// Between two looks at an axis, of the controller's time: a link carries some hundred bytes for it.
+/// Between two looks at an axis, of the controller's time: each is some hundred bytes of a link.
 const LOOK: Duration = Duration::from_millis(2);
 /// A search without a limit goes so far, pulses.
 const FAR: i64 = 0x3000_0000;
