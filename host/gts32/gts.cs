@@ -159,6 +159,44 @@ namespace gts
             public const int Size = 56;
         }
 
+        [StructLayout(LayoutKind.Sequential)]
+        public struct THomePrm
+        {
+            public short mode;
+            public short moveDir;
+            public short indexDir;
+            public short edge;
+            public short triggerIndex;
+            [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)]
+            public short[] pad1;
+            public double velHigh;
+            public double velLow;
+            public double acc;
+            public double dec;
+            public short smoothTime;
+            [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)]
+            public short[] pad2;
+            public int homeOffset;
+            public int searchHomeDistance;
+            public int searchIndexDistance;
+            public int escapeStep;
+            [MarshalAs(UnmanagedType.ByValArray, SizeConst = 2)]
+            public int[] pad3;
+            public const int Size = 80;
+        }
+
+        [StructLayout(LayoutKind.Sequential)]
+        public struct THomeStatus
+        {
+            public short run;
+            public short stage;
+            public short error;
+            public short pad1;
+            public int capturePos;
+            public int targetPos;
+            public const int Size = 16;
+        }
+
         /// <summary>Opens the controller that the environment names.</summary>
         [DllImport(Library)]
         public static extern short GT_Open(short channel = 0, short param = 1);
@@ -966,6 +1004,54 @@ namespace gts
         /// <summary>Refused: no compensation.</summary>
         [DllImport(Library)]
         public static extern short GT_GetBacklash(short axis, out int compValue, out double compChangeValue, out int compDir);
+        /// <summary>Homes an axis in Trap mode by limit, home and index; the origin is 0 from then on.</summary>
+        [DllImport(Library)]
+        public static extern short GT_GoHome(short axis, ref THomePrm prm);
+        /// <summary>The parameters of the last GoHome of an axis.</summary>
+        [DllImport(Library)]
+        public static extern short GT_GetHomePrm(short axis, out THomePrm prm);
+        /// <summary>Whether an axis is on its way home, at which stage, and what went wrong.</summary>
+        [DllImport(Library)]
+        public static extern short GT_GetHomeStatus(short axis, out THomeStatus status);
+        /// <summary>Done: homing needs no start.</summary>
+        [DllImport(Library)]
+        public static extern short GT_HomeInit();
+        /// <summary>Refused: no mode Gear.</summary>
+        [DllImport(Library)]
+        public static extern short GT_PrfGear(short profile, short dir = 0);
+        /// <summary>Refused: no mode Gear.</summary>
+        [DllImport(Library)]
+        public static extern short GT_SetGearMaster(short profile, short masterIndex, short masterType = 2, short masterItem = 0);
+        /// <summary>Refused: no mode Gear.</summary>
+        [DllImport(Library)]
+        public static extern short GT_GetGearMaster(short profile, out short masterIndex, [In, Out] short[] masterType = null, [In, Out] short[] masterItem = null);
+        /// <summary>Refused: no mode Gear.</summary>
+        [DllImport(Library)]
+        public static extern short GT_SetGearRatio(short profile, int masterEven, int slaveEven, int masterSlope = 0);
+        /// <summary>Refused: no mode Gear.</summary>
+        [DllImport(Library)]
+        public static extern short GT_GetGearRatio(short profile, out int masterEven, out int slaveEven, [In, Out] int[] masterSlope = null);
+        /// <summary>Refused: no mode Gear.</summary>
+        [DllImport(Library)]
+        public static extern short GT_GearStart(int mask);
+        /// <summary>Refused: no mode Gear.</summary>
+        [DllImport(Library)]
+        public static extern short GT_SetGearEvent(short profile, short @event, int startPara0, int startPara1);
+        /// <summary>Refused: no mode Gear.</summary>
+        [DllImport(Library)]
+        public static extern short GT_GetGearEvent(short profile, out short @event, out int startPara0, out int startPara1);
+        /// <summary>Refused: no counts of edges.</summary>
+        [DllImport(Library)]
+        public static extern short GT_GetDiReverseCount(short diType, short diIndex, [In, Out] uint[] reverseCount, short count = 1);
+        /// <summary>Refused: no counts of edges. For a count of 1.</summary>
+        [DllImport(Library)]
+        public static extern short GT_GetDiReverseCount(short diType, short diIndex, out uint reverseCount, short count);
+        /// <summary>Refused: no counts of edges.</summary>
+        [DllImport(Library)]
+        public static extern short GT_SetDiReverseCount(short diType, short diIndex, uint[] reverseCount, short count = 1);
+        /// <summary>Refused: no output for a time.</summary>
+        [DllImport(Library)]
+        public static extern short GT_SetDoBitReverse(short doType, short doIndex, short value, short reverseTime);
         /// <summary>Refused: no Cam.</summary>
         [DllImport(Library)]
         public static extern short GT_PrfCam(short profile);
@@ -1779,6 +1865,54 @@ namespace gts
         /// <summary>Refused: no compensation.</summary>
         [DllImport(Library)]
         public static extern short GTN_GetBacklash(short core, short axis, out int compValue, out double compChangeValue, out int compDir);
+        /// <summary>Homes an axis in Trap mode by limit, home and index; the origin is 0 from then on.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_GoHome(short core, short axis, ref THomePrm prm);
+        /// <summary>The parameters of the last GoHome of an axis.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_GetHomePrm(short core, short axis, out THomePrm prm);
+        /// <summary>Whether an axis is on its way home, at which stage, and what went wrong.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_GetHomeStatus(short core, short axis, out THomeStatus status);
+        /// <summary>Done: homing needs no start.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_HomeInit(short core);
+        /// <summary>Refused: no mode Gear.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_PrfGear(short core, short profile, short dir = 0);
+        /// <summary>Refused: no mode Gear.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_SetGearMaster(short core, short profile, short masterIndex, short masterType = 2, short masterItem = 0);
+        /// <summary>Refused: no mode Gear.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_GetGearMaster(short core, short profile, out short masterIndex, [In, Out] short[] masterType = null, [In, Out] short[] masterItem = null);
+        /// <summary>Refused: no mode Gear.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_SetGearRatio(short core, short profile, int masterEven, int slaveEven, int masterSlope = 0);
+        /// <summary>Refused: no mode Gear.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_GetGearRatio(short core, short profile, out int masterEven, out int slaveEven, [In, Out] int[] masterSlope = null);
+        /// <summary>Refused: no mode Gear.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_GearStart(short core, int mask);
+        /// <summary>Refused: no mode Gear.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_SetGearEvent(short core, short profile, short @event, int startPara0, int startPara1);
+        /// <summary>Refused: no mode Gear.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_GetGearEvent(short core, short profile, out short @event, out int startPara0, out int startPara1);
+        /// <summary>Refused: no counts of edges.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_GetDiReverseCount(short core, short diType, short diIndex, [In, Out] uint[] reverseCount, short count = 1);
+        /// <summary>Refused: no counts of edges. For a count of 1.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_GetDiReverseCount(short core, short diType, short diIndex, out uint reverseCount, short count);
+        /// <summary>Refused: no counts of edges.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_SetDiReverseCount(short core, short diType, short diIndex, uint[] reverseCount, short count = 1);
+        /// <summary>Refused: no output for a time.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_SetDoBitReverse(short core, short doType, short doIndex, short value, short reverseTime);
         /// <summary>Refused: no Cam.</summary>
         [DllImport(Library)]
         public static extern short GTN_PrfCam(short core, short profile);

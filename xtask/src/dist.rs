@@ -3,7 +3,8 @@
 //! In: the workspace. Out: `out/beamtick-VERSION-x86_64-linux.tar.gz` and its SHA-256 beside it.
 //! The same files in the same order make the same archive. Fails: where a part cannot be built, or
 //! where what was made does not work. To see that, it is unpacked and its checksums are compared.
-//! Then a job, the manual page, a C program and the wheel run from it in an empty environment.
+//! Then a job, the manual page, a C program, the wheel and the notebook run from it in an empty
+//! environment.
 use crate::shell::{Outcome, cargo, program, read, root, run, target, works};
 use crate::{board, image, supply, wheel};
 use std::fs;
@@ -77,6 +78,7 @@ fn programs(folder: &Path) -> Outcome {
     copy_all(&root().join("host/gts/compat"), &folder.join("include/compat"))?;
     copy(&root().join("host/gts32/gts.cs"), &folder.join("share/csharp/gts.cs"))?;
     wheel::make_in(&folder.join("python"))?;
+    copy_all(&root().join("host/python/examples"), &folder.join("python/examples"))?;
     let bills = folder.join("bill-of-materials");
     for package in ["beamtick", "beamtick-gts"] {
         supply::bill_at(package, triple, &bills.join(format!("{package}.cdx.json")))?;
@@ -129,6 +131,9 @@ fn try_out(archive: &Path, name: &str) -> Outcome {
         bin/beamtick --version\n\
         bin/beamtick sim examples/laser_flying_shear.gts --quiet --plot t.png --from 310 --to 314\n\
         test -s t.png\n\
+        bin/beamtick sim examples/jog_trap.gts --quiet --html t.html\n\
+        test -s t.html\n\
+        bin/beamtick info --json >t.json\n\
         test -s share/man/man1/beamtick.1\n";
     bare(&unpacked, script)?;
     if works(program("cc").arg("--version")) {
@@ -142,10 +147,18 @@ fn try_out(archive: &Path, name: &str) -> Outcome {
         bare(
             &unpacked,
             "python3 -m venv env && env/bin/pip install --quiet --no-index --no-deps python/*.whl\n\
-             env/bin/python -c 'import beamtick; print(\"Python:\", beamtick.__version__)'",
+             env/bin/python -c 'import beamtick; print(\"Python:\", beamtick.__version__)'
+             env/bin/python -c 'import json, sys
+names = {}
+for cell in json.load(open(sys.argv[1]))[\"cells\"]:
+    if cell[\"cell_type\"] == \"code\":
+        exec(\"\".join(cell[\"source\"]), names)
+assert names[\"trace\"][\"axis1_pos\"][-1] == 0' python/examples/first_plot.ipynb",
         )?;
     }
-    println!("tried: unpacked, checksums equal, a job with its plot, a C program, the wheel");
+    println!(
+        "tried: unpacked, checksums equal, a job with its plot and its page, a C program, the wheel and the notebook"
+    );
     remove(&folder)
 }
 

@@ -1,9 +1,10 @@
 //! The command line.
+use crate::json::Json;
 use clap::builder::RangedI64ValueParser;
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
-use trace::AxisName;
+use trace::{AxisName, Panels};
 
 /// Runs motion jobs in the virtual controller or on a Beamtick board.
 ///
@@ -24,6 +25,7 @@ Examples, with the files of examples/:
   beamtick sim pt_dynamic.gts --tick-us 50 --plot z.svg --from 900 --to 1100
   beamtick sim laser_duty.gts --plot pulses.png --from 10 --to 12
   beamtick sim pvt_percent.gts --xy path.png
+  beamtick sim pvt_percent.gts --html t.html --panels acceleration,error
   beamtick sim pt_static.gts --step-limit 1000
   beamtick sim inputs.gts --inputs inputs.csv --trace t.csv
   beamtick plot t.csv -o t.png --from 900 --to 1100
@@ -136,9 +138,23 @@ pub struct InputFile {
     pub inputs: Option<PathBuf>,
 }
 
+/// Panels on request.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum PanelName {
+    /// The mean acceleration from row to row.
+    Acceleration,
+    /// Planned position less encoder, on boards without wires (virtual, emulated).
+    Error,
+}
+
+/// The panels that are asked for.
+pub fn panels(names: &[PanelName]) -> Panels {
+    Panels { acceleration: names.contains(&PanelName::Acceleration), error: names.contains(&PanelName::Error) }
+}
+
 /// What is recorded and shown.
 #[derive(Debug, Clone, Args)]
-#[command(group = ArgGroup::new("picture").args(["plot", "xy"]).multiple(true))]
+#[command(group = ArgGroup::new("picture").args(["plot", "html", "xy"]).multiple(true))]
 pub struct Outputs {
     /// Writes position and velocity of the axes used, gate, power and frequency of the lasers used,
     /// a row each tick.
@@ -150,13 +166,19 @@ pub struct Outputs {
     /// Draws the trace; the extension chooses SVG or PNG.
     #[arg(long, value_name = "FILE.svg|png")]
     pub plot: Option<PathBuf>,
+    /// Writes the same as one page of HTML, in which time and path can be enlarged.
+    #[arg(long, value_name = "FILE.html")]
+    pub html: Option<PathBuf>,
+    /// More panels of --plot and --html, with a comma between them.
+    #[arg(long, value_name = "PANEL", value_enum, value_delimiter = ',', requires = "picture")]
+    pub panels: Vec<PanelName>,
     /// Draws one axis over another, what a laser lit in the colour of its power; the extension
     /// chooses SVG or PNG.
     #[arg(long, value_name = "FILE.svg|png")]
     pub xy: Option<PathBuf>,
     /// The axes of --xy: across, then up. N is an axis of core 1; others are named as in a CSV,
     /// core2_axis1. Without it, the first two axes of the trace.
-    #[arg(long, value_name = "X,Y", value_parser = axis_pair, requires = "xy")]
+    #[arg(long, value_name = "X,Y", value_parser = axis_pair, requires = "picture")]
     pub xy_axes: Option<(AxisName, AxisName)>,
     /// A row every N ticks. A link without a stream for the trace may need more; the summary shows
     /// it.
@@ -174,6 +196,9 @@ pub struct Outputs {
     /// Does not print what the job reads.
     #[arg(long, short)]
     pub quiet: bool,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub json: Json,
 }
 
 impl Outputs {
@@ -183,6 +208,7 @@ impl Outputs {
             ("--trace", &self.trace, false),
             ("--vcd", &self.vcd, false),
             ("--plot", &self.plot, true),
+            ("--html", &self.html, true),
             ("--xy", &self.xy, true),
         ];
         all.into_iter().filter_map(|(option, name, drawn)| Some((option, name.as_deref()?, drawn))).collect()
@@ -195,25 +221,31 @@ impl Outputs {
 
     /// Some file shows what lasers do between rows.
     pub fn shows_edges(&self) -> bool {
-        self.vcd.is_some() || self.plot.is_some() || self.xy.is_some()
+        self.vcd.is_some() || self.plot.is_some() || self.html.is_some() || self.xy.is_some()
     }
 }
 
 /// `beamtick plot`.
 #[derive(Debug, Args)]
-#[command(group = ArgGroup::new("drawn").args(["output", "xy"]).multiple(true).required(true))]
-#[command(override_usage = "beamtick plot [OPTIONS] --output FILE and/or --xy FILE <TRACE>")]
+#[command(group = ArgGroup::new("drawn").args(["output", "html", "xy"]).multiple(true).required(true))]
+#[command(override_usage = "beamtick plot [OPTIONS] <--output|--html|--xy FILE>... <TRACE>")]
 pub struct PlotFile {
     /// The trace (docs/jobs.md), also one that was cut off; - is the standard input.
     pub trace: PathBuf,
     /// Draws it over time; the extension chooses SVG or PNG.
     #[arg(long, short, value_name = "FILE.svg|png")]
     pub output: Option<PathBuf>,
+    /// Writes the same as one page of HTML, in which time and path can be enlarged.
+    #[arg(long, value_name = "FILE.html")]
+    pub html: Option<PathBuf>,
+    /// More panels of --output and --html, with a comma between them.
+    #[arg(long, value_name = "PANEL", value_enum, value_delimiter = ',')]
+    pub panels: Vec<PanelName>,
     /// Draws one axis over another; the extension chooses SVG or PNG.
     #[arg(long, value_name = "FILE.svg|png")]
     pub xy: Option<PathBuf>,
-    /// The axes of --xy: across, then up, as in `beamtick sim`.
-    #[arg(long, value_name = "X,Y", value_parser = axis_pair, requires = "xy")]
+    /// The axes of --xy and of the page: across, then up, as in `beamtick sim`.
+    #[arg(long, value_name = "X,Y", value_parser = axis_pair)]
     pub xy_axes: Option<(AxisName, AxisName)>,
     /// The pictures begin at this time.
     #[arg(long, value_name = "MS", allow_negative_numbers = true)]
@@ -383,6 +415,9 @@ pub struct Check {
     #[command(flatten)]
     #[allow(missing_docs)]
     pub drawing: Drawing,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub json: Json,
 }
 
 /// `beamtick info`.
@@ -397,6 +432,9 @@ pub struct Info {
     #[command(flatten)]
     #[allow(missing_docs)]
     pub settings: Settings,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub json: Json,
 }
 
 /// `beamtick bring-up`.

@@ -6,7 +6,7 @@
 use crate::Failure;
 use crate::command_line::{Drawing, Import};
 use crate::output::Output;
-use crate::{input, machine_file, output, record};
+use crate::{input, json, machine_file, output, record};
 use ::drawing::Format;
 use machine::Machine;
 use std::io::Write;
@@ -40,6 +40,45 @@ fn kind(path: &Path) -> Option<Kind> {
 /// Whether a file becomes a job, by its name.
 pub fn is_imported(path: &Path) -> bool {
     kind(path).is_some()
+}
+
+/// Lines of a file that are looked at, to see what it is.
+const LOOKED_AT: usize = 60;
+
+/// What a file is that has not the name of it: G-code or a drawing, which no job looks like.
+pub fn disguised(bytes: &[u8]) -> Option<String> {
+    let text = String::from_utf8_lossy(&bytes[..bytes.len().min(1 << 14)]);
+    let text = text.trim_start_matches('\u{feff}').trim_start();
+    if text.starts_with("<svg") || text.starts_with("<?xml") && text.contains("<svg") {
+        return Some("this is an SVG".to_owned());
+    }
+    let mut pairs = text.lines().map(str::trim);
+    if (pairs.next(), pairs.next()) == (Some("0"), Some("SECTION")) {
+        return Some("this is a DXF".to_owned());
+    }
+    let found = text.lines().take(LOOKED_AT).enumerate().find(|(_, line)| is_block(line));
+    found.map(|(number, line)| {
+        let shown: String = line.trim().chars().take(40).collect();
+        format!("line {} is G-code (`{shown}`)", number + 1)
+    })
+}
+
+/// Whether a line is words of G-code and nothing else, G, M or N first.
+fn is_block(line: &str) -> bool {
+    let code: String = line.split([';', '(']).next().unwrap_or("").split_whitespace().collect();
+    let mut rest = code.to_ascii_uppercase();
+    if !rest.starts_with(['G', 'M', 'N']) {
+        return false;
+    }
+    while rest.starts_with(|letter: char| letter.is_ascii_uppercase()) {
+        let number = &rest[1..];
+        let end = number.find(|c: char| !(c.is_ascii_digit() || "+-.".contains(c))).unwrap_or(number.len());
+        if number[..end].parse::<f64>().is_err() {
+            return false;
+        }
+        rest = number[end..].to_owned();
+    }
+    rest.is_empty()
 }
 
 /// A program or a drawing as a job.
@@ -88,6 +127,7 @@ pub fn job(path: &Path, drawing: &Drawing, plot: Option<&Path>) -> Result<Found,
     }
     .map_err(Failure::Input)?;
     for note in &found.notes {
+        json::note(note);
         complain!("{note}");
     }
     let millimetres = machine.axes.iter().map(|axis| Millimetres {

@@ -1,14 +1,179 @@
 //! `beamtick info`: what a controller is.
-use crate::Failure;
+//!
+//! In: a link. Out: [`Facts`], as text or as JSON (docs/json.md). Owns nothing. Fails where the
+//! controller does not answer.
 use crate::command_line::{Info, Steps};
 use crate::connect::{linked, named, simulated};
-use crate::profile;
-use crate::summary::laser;
+use crate::summary::LaserFacts;
+use crate::{Failure, json, profile};
+use client::Client;
 use protocol::command::{
     EventItem, GetClock, GetEvents, GetFault, GetLinkLoss, GetTickTime, LaserStatus, LinkLossReply, TickTimeReply,
 };
 use protocol::reason::{laser_cause, stop_reason};
 use protocol::values::event;
+use serde::Serialize;
+use std::fmt;
+
+/// What a controller is.
+#[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct Facts {
+    board: String,
+    link: String,
+    /// Major, minor and patch of the firmware.
+    firmware: [u16; 3],
+    /// Of the protocol.
+    schema_hash: u32,
+    profile: String,
+    /// `gus` or `lsr`.
+    family: &'static str,
+    cores: u8,
+    axes_of_a_core: u8,
+    coordinate_systems_of_a_core: u8,
+    laser_channels: u8,
+    general_inputs: u8,
+    general_outputs: u8,
+    servo_tick: TickFacts,
+    clock_ms: f64,
+    link_loss: LossFacts,
+    /// The fault of the last run, or why there is no light.
+    fault: Option<FaultFacts>,
+    lasers: Vec<LaserFacts>,
+    /// Events since power-on.
+    event_count: u32,
+    /// The last of them.
+    events: Vec<EventFacts>,
+    /// Fastest step output, pulse/ms; none is full scale, 2³² pulse/ms.
+    step_limit: Option<f64>,
+    /// Bytes a second that the link carries of a trace; none where it has a stream of its own.
+    trace_bytes_a_second: Option<u32>,
+}
+
+/// The servo tick, µs.
+#[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+struct TickFacts {
+    period_us: f64,
+    /// What ticks take; none where that is not measured.
+    median_us: Option<f64>,
+    worst_us: Option<f64>,
+}
+
+/// When the link counts as lost.
+#[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+struct LossFacts {
+    /// ms of silence; 0 never.
+    after_ms: f64,
+    stops_all_motion: bool,
+}
+
+#[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+struct FaultFacts {
+    /// `panic`, `core fault`, `interrupt without a handler`, `watchdog` or `no light`.
+    kind: &'static str,
+    text: String,
+}
+
+#[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+struct EventFacts {
+    time_ms: f64,
+    text: String,
+}
+
+impl TickFacts {
+    fn of(reply: &TickTimeReply) -> TickFacts {
+        let us = |ns: u32| f64::from(ns) / 1000.0;
+        let measured = |ns: u32| (reply.measured != 0).then(|| us(ns));
+        TickFacts {
+            period_us: us(reply.period_ns.get()),
+            median_us: measured(reply.median_ns.get()),
+            worst_us: measured(reply.worst_ns.get()),
+        }
+    }
+}
+
+/// How long the period is, and how much of it ticks take.
+impl fmt::Display for TickFacts {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let share = |us: f64| 100.0 * us / self.period_us.max(1e-3);
+        match (self.median_us, self.worst_us) {
+            (Some(median), Some(worst)) => write!(
+                f,
+                "{} us; ticks take {median:.2} us ({:.0} %) in the median, {worst:.2} us ({:.0} %) at most since the start",
+                self.period_us,
+                share(median),
+                share(worst)
+            ),
+            _ => write!(f, "{} us; how long ticks take is not measured on this board", self.period_us),
+        }
+    }
+}
+
+impl LossFacts {
+    fn of(reply: &LinkLossReply) -> LossFacts {
+        LossFacts { after_ms: reply.time_ms.get(), stops_all_motion: reply.stop_all.get() != 0 }
+    }
+}
+
+impl fmt::Display for LossFacts {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let motion = if self.stops_all_motion { "all motion stops" } else { "Jog axes and coordinate systems stop" };
+        match self.after_ms {
+            0.0 => write!(f, "OFF: a lost link shuts off no laser and stops nothing (SetLinkLoss)"),
+            time => write!(f, "after {time} ms of silence lasers are shut off, {motion}"),
+        }
+    }
+}
+
+impl fmt::Display for Facts {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [major, minor, patch] = self.firmware;
+        writeln!(f, "controller  {} over {}", self.board, self.link)?;
+        writeln!(f, "firmware    {major}.{minor}.{patch}, schema {:#010x}", self.schema_hash)?;
+        writeln!(f, "profile     {}, family {}", self.profile, self.family)?;
+        writeln!(
+            f,
+            "counts      {} core{} of {} axes and {} coordinate systems; {} lasers; {} general inputs and {} outputs",
+            self.cores,
+            if self.cores == 1 { "" } else { "s" },
+            self.axes_of_a_core,
+            self.coordinate_systems_of_a_core,
+            self.laser_channels,
+            self.general_inputs,
+            self.general_outputs
+        )?;
+        writeln!(f, "servo tick  {}", self.servo_tick)?;
+        writeln!(f, "clock       {} ms since power-on", self.clock_ms)?;
+        writeln!(f, "link loss   {}", self.link_loss)?;
+        match &self.fault {
+            None => writeln!(f, "last fault  none")?,
+            Some(fault) if fault.kind == "no light" => writeln!(f, "no light    {}", fault.text)?,
+            Some(fault) => writeln!(f, "last fault  {}: {}", fault.kind, fault.text)?,
+        }
+        for laser in &self.lasers {
+            writeln!(f, "laser {}     {laser}", laser.channel)?;
+        }
+        match (self.event_count, self.events.len()) {
+            (0, _) => writeln!(f, "events      none")?,
+            (total, shown) => writeln!(f, "events      {total} since power-on, the last {shown}:")?,
+        }
+        for item in &self.events {
+            writeln!(f, "  {:>12.3} ms  {}", item.time_ms, item.text)?;
+        }
+        let steps = self.step_limit.map_or("2^32 pulse/ms".to_owned(), |limit| format!("{limit} pulse/ms (steps)"));
+        writeln!(f, "limits      travel ±2^40 pulses, velocity up to {steps}, PT FIFO 2 x 32 or 2 x 1024 segments")?;
+        match self.trace_bytes_a_second {
+            None => write!(f, "trace       has a stream of its own"),
+            Some(rate) => {
+                write!(f, "trace       goes over the link, which carries {rate} bytes a second beside calls")
+            }
+        }
+    }
+}
 
 /// Prints version, board, profile, counts and limits.
 pub fn show(arguments: &Info) -> Result<(), Failure> {
@@ -16,91 +181,59 @@ pub fn show(arguments: &Info) -> Result<(), Failure> {
         Some(link) => linked(named(link, &arguments.way)?, &arguments.settings, None)?,
         None => simulated(&arguments.settings, Steps::default(), None)?,
     };
-    let clock = client.call(GetClock {})?;
-    let version = client.version();
-    say!("controller  {} over {}", client.board(), client.name());
-    say!("firmware    {}.{}.{}, schema {:#010x}", version.major, version.minor, version.patch, version.schema);
-    say!("profile     {}, family {}", profile::shown(version), if version.family == 0 { "gus" } else { "lsr" });
-    say!(
-        "counts      {} core{} of {} axes and {} coordinate systems; {} lasers; {} general inputs and {} outputs",
-        version.cores,
-        if version.cores == 1 { "" } else { "s" },
-        version.axes_per_core,
-        version.crds_per_core,
-        version.lasers,
-        version.general_inputs,
-        version.general_outputs
-    );
-    say!("servo tick  {}", tick_time(&client.call(GetTickTime {})?));
-    say!("clock       {} ms since power-on", clock.clock_ms);
-    say!("link loss   {}", link_loss(&client.call(GetLinkLoss {})?));
-    let (fault, text) = client.call_items(GetFault {}, &[])?;
-    let text: Vec<u8> = text.iter().map(|byte| byte.value).collect();
-    let text = String::from_utf8_lossy(&text);
-    match fault.kind {
-        0 => say!("last fault  none"),
-        1 => say!("last fault  panic: {text}"),
-        2 => say!("last fault  core fault: {text}"),
-        3 => say!("last fault  interrupt without a handler: {text}"),
-        5 => say!("no light    {text}"),
-        _ => say!("last fault  watchdog: {text}"),
+    let facts = facts(&client)?;
+    let text = facts.to_string();
+    if !json::result(json::Facts::Info(Box::new(facts))) {
+        say!("{text}");
     }
-    for channel in 0..version.lasers {
-        let state = client.call(LaserStatus { core: 1.into(), channel: i16::from(channel).into() })?;
-        say!("laser {channel}     {}", laser(&state));
-    }
-    let (events, items) = client.call_items(GetEvents {}, &[])?;
-    match (events.total.get(), items.len()) {
-        (0, _) => say!("events      none"),
-        (total, shown) => say!("events      {total} since power-on, the last {shown}:"),
-    }
-    for item in &items {
-        say!("  {:>12.3} ms  {}", item.time_ns.get() as f64 / 1e6, event(item));
-    }
-    let steps = match version.step_limit.get() {
-        limit if limit < 4294967296.0 => format!("{limit} pulse/ms (steps)"),
-        _ => "2^32 pulse/ms".to_owned(),
-    };
-    say!("limits      travel ±2^40 pulses, velocity up to {steps}, PT FIFO 2 x 32 or 2 x 1024 segments");
-    say!(
-        "trace       {}",
-        match client.trace_rate() {
-            None => "has a stream of its own".to_owned(),
-            Some(rate) => format!("goes over the link, which carries {rate} bytes a second beside calls"),
-        }
-    );
     Ok(())
 }
 
-/// How long the period is, and how much of it ticks take.
-fn tick_time(reply: &TickTimeReply) -> String {
-    let us = |ns: u32| f64::from(ns) / 1000.0;
-    let period = reply.period_ns.get();
-    let share = |ns: u32| 100.0 * f64::from(ns) / f64::from(period.max(1));
-    let (median, worst) = (reply.median_ns.get(), reply.worst_ns.get());
-    match reply.measured {
-        0 => format!("{} us; how long ticks take is not measured on this board", us(period)),
-        _ => format!(
-            "{} us; ticks take {:.2} us ({:.0} %) in the median, {:.2} us ({:.0} %) at most since the start",
-            us(period),
-            us(median),
-            share(median),
-            us(worst),
-            share(worst)
-        ),
-    }
-}
-
-/// When the link counts as lost, and what happens then.
-fn link_loss(reply: &LinkLossReply) -> String {
-    let motion = match reply.stop_all.get() {
-        0 => "Jog axes and coordinate systems stop",
-        _ => "all motion stops",
+fn facts(client: &Client) -> client::Result<Facts> {
+    let clock = client.call(GetClock {})?;
+    let version = client.version();
+    let tick = client.call(GetTickTime {})?;
+    let loss = client.call(GetLinkLoss {})?;
+    let (fault, text) = client.call_items(GetFault {}, &[])?;
+    let text: Vec<u8> = text.iter().map(|byte| byte.value).collect();
+    let kind = match fault.kind {
+        0 => None,
+        1 => Some("panic"),
+        2 => Some("core fault"),
+        3 => Some("interrupt without a handler"),
+        5 => Some("no light"),
+        _ => Some("watchdog"),
     };
-    match reply.time_ms.get() {
-        0.0 => "OFF: a lost link shuts off no laser and stops nothing (SetLinkLoss)".to_owned(),
-        time => format!("after {time} ms of silence lasers are shut off, {motion}"),
+    let mut lasers = Vec::new();
+    for channel in 0..version.lasers {
+        let state = client.call(LaserStatus { core: 1.into(), channel: i16::from(channel).into() })?;
+        lasers.push(LaserFacts::of(channel, &state));
     }
+    let (events, items) = client.call_items(GetEvents {}, &[])?;
+    let shown = items.iter().map(|item| EventFacts { time_ms: item.time_ns.get() as f64 / 1e6, text: event(item) });
+    Ok(Facts {
+        board: client.board(),
+        link: client.name().to_owned(),
+        firmware: [version.major, version.minor, version.patch].map(Into::into),
+        schema_hash: version.schema.get(),
+        profile: profile::shown(version).to_owned(),
+        family: if version.family == 0 { "gus" } else { "lsr" },
+        cores: version.cores,
+        axes_of_a_core: version.axes_per_core,
+        coordinate_systems_of_a_core: version.crds_per_core,
+        laser_channels: version.lasers,
+        general_inputs: version.general_inputs,
+        general_outputs: version.general_outputs,
+        servo_tick: TickFacts::of(&tick),
+        clock_ms: clock.clock_ms.get().into(),
+        link_loss: LossFacts::of(&loss),
+        fault: kind.map(|kind| FaultFacts { kind, text: String::from_utf8_lossy(&text).into_owned() }),
+        lasers,
+        event_count: events.total.get(),
+        events: shown.collect(),
+        step_limit: Some(version.step_limit.get()).filter(|limit| *limit < 4_294_967_296.0),
+        trace_bytes_a_second: client.trace_rate(),
+    })
 }
 
 /// What happened, to whom, why.
@@ -138,7 +271,9 @@ mod tests {
 
     #[test]
     fn a_link_that_is_not_watched_is_named_loudly() {
-        let text = |time: f64, stop: i16| link_loss(&LinkLossReply { time_ms: time.into(), stop_all: stop.into() });
+        let text = |time: f64, stop: i16| {
+            LossFacts::of(&LinkLossReply { time_ms: time.into(), stop_all: stop.into() }).to_string()
+        };
         assert!(text(0.0, 0).starts_with("OFF: "));
         assert_eq!(text(500.0, 0), "after 500 ms of silence lasers are shut off, Jog axes and coordinate systems stop");
         assert_eq!(text(800.0, 1), "after 800 ms of silence lasers are shut off, all motion stops");
@@ -148,7 +283,7 @@ mod tests {
     fn the_load_of_ticks_is_reported_in_time_and_percent() {
         let text = |measured| {
             let (period_ns, median_ns, worst_ns) = (50_000.into(), 5_250.into(), 12_500.into());
-            tick_time(&TickTimeReply { period_ns, median_ns, worst_ns, measured })
+            TickFacts::of(&TickTimeReply { period_ns, median_ns, worst_ns, measured }).to_string()
         };
         assert_eq!(text(0), "50 us; how long ticks take is not measured on this board");
         assert_eq!(text(1), "50 us; ticks take 5.25 us (10 %) in the median, 12.50 us (25 %) at most since the start");

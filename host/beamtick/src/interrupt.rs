@@ -76,6 +76,9 @@ fn arrived(number: u8) {
             );
         }
     }
+    if let Some(object) = crate::json::end(signal.exit_code(), Some(("signal", signal.name()))) {
+        say!("{}", object.trim_end());
+    }
     crate::printer::finish(Some(LAST_WORDS));
     std::process::exit(signal.exit_code().into());
 }

@@ -30,6 +30,7 @@ mod import;
 mod info;
 mod input;
 mod interrupt;
+mod json;
 mod listing;
 mod machine_file;
 mod output;
@@ -100,26 +101,30 @@ pub fn main() -> ExitCode {
 }
 
 fn ended(outcome: Result<(), Failure>) -> ExitCode {
-    match outcome {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(Failure::Job(text)) => {
-            complain!("{}", text.trim_end());
-            ExitCode::from(1)
-        }
-        Err(Failure::Input(text)) => {
-            complain!("{}", text.trim_end());
-            ExitCode::from(2)
-        }
-        Err(Failure::Interrupted(signal, text)) => {
-            if !text.is_empty() {
-                complain!("{}", text.trim_end());
-            }
-            ExitCode::from(signal.exit_code())
-        }
+    let (code, kind, text) = match outcome {
+        Ok(()) => (0, None, String::new()),
+        Err(Failure::Job(text)) => (1, Some("job"), text),
+        Err(Failure::Input(text)) => (2, Some("input"), text),
+        Err(Failure::Interrupted(signal, text)) => (signal.exit_code(), Some("signal"), text),
+    };
+    let object = json::end(code, kind.map(|kind| (kind, text.as_str())));
+    if !text.is_empty() {
+        complain!("{}", text.trim_end());
     }
+    if let Some(object) = object {
+        say!("{}", object.trim_end());
+    }
+    ExitCode::from(code)
 }
 
 fn obey(line: &CommandLine) -> Result<(), Failure> {
+    match &line.command {
+        Command::Sim(arguments) => json::begin("sim", arguments.outputs.json),
+        Command::Run(arguments) => json::begin("run", arguments.outputs.json),
+        Command::Check(arguments) => json::begin("check", arguments.json),
+        Command::Info(arguments) => json::begin("info", arguments.json),
+        _ => {}
+    }
     match &line.command {
         Command::Sim(arguments) => runner::sim(arguments),
         Command::Run(arguments) => runner::run(arguments, None),

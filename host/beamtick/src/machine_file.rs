@@ -48,12 +48,16 @@ fn write(new: &NewMachine) -> Result<(), Failure> {
             )));
         };
         question.value = as_toml(value);
+        let wrong = |why: String| Failure::Input(format!("--set {answer}: {why}"));
+        machine::is_value(&question.value).map_err(wrong)?;
         answered.push(question.key.clone());
     }
+    machine::suit_laser(&mut questions, &answered);
     if !new.yes {
-        ask(&name, &mut questions, &answered)?;
+        ask(&mut questions, &mut answered)?;
     }
-    let (text, machine) = machine::write(&name, &questions).map_err(Failure::Input)?;
+    let (text, machine) =
+        machine::write(&questions).map_err(|why| Failure::Input(format!("{why}; nothing was written")))?;
     std::fs::File::create_new(&new.file)
         .and_then(|mut file| file.write_all(text.as_bytes()))
         .map_err(|error| Failure::Input(format!("{name}: cannot be written: {error}")))?;
@@ -61,16 +65,47 @@ fn write(new: &NewMachine) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Asks all that `answered` does not name; an empty line takes the usual answer.
-fn ask(name: &str, questions: &mut [Question], answered: &[String]) -> Result<(), Failure> {
+/// Asks all that `answered` does not name; an empty line takes the usual answer. What a later
+/// answer makes wrong is asked again at the end, so that no answer is lost.
+fn ask(questions: &mut [Question], answered: &mut Vec<String>) -> Result<(), Failure> {
     let mut lines = std::io::stdin().lock().lines();
-    let mut at = 0;
-    while at < questions.len() {
-        let question = questions[at].clone();
-        if answered.contains(&question.key) {
-            at += 1;
-            continue;
+    for at in 0..questions.len() {
+        if !answered.contains(&questions[at].key) {
+            one(questions, at, &mut lines)?;
+            answered.push(questions[at].key.clone());
         }
+        if questions[at].key == "laser.mode" {
+            machine::suit_laser(questions, answered);
+        }
+    }
+    while let Err(error) = machine::write(questions) {
+        let named = |question: &Question| {
+            let (table, key) = question.key.rsplit_once('.').unwrap_or(("", &question.key));
+            // A key that is missing is named after its table.
+            let missing = [format!("{table} has no {key};"), format!("{table} cannot be read: missing field `{key}`")];
+            error.starts_with(&format!("{} ", question.key)) || missing.iter().any(|text| error.starts_with(text))
+        };
+        let Some(at) = questions.iter().position(named) else {
+            return Err(Failure::Input(format!("{error}; nothing was written")));
+        };
+        complain!("{error}");
+        let before = questions[at].value.clone();
+        one(questions, at, &mut lines)?;
+        if questions[at].value == before {
+            return Err(Failure::Input(format!("{error}; nothing was written")));
+        }
+    }
+    Ok(())
+}
+
+/// Asks for one answer until it is a right one, as far as those before it say.
+fn one(
+    questions: &mut [Question],
+    at: usize,
+    lines: &mut impl Iterator<Item = std::io::Result<String>>,
+) -> Result<(), Failure> {
+    loop {
+        let question = questions[at].clone();
         let usual = if question.value.is_empty() { "none" } else { &question.value };
         say!("{}: {} [{usual}]", question.key, question.meaning);
         let line = lines.next().transpose().map_err(|error| Failure::Input(format!("no answer: {error}")))?;
@@ -79,24 +114,32 @@ fn ask(name: &str, questions: &mut [Question], answered: &[String]) -> Result<()
                 format!("{}: the input ended here; --yes takes the usual answers. Nothing was written", question.key);
             return Err(Failure::Input(text));
         };
-        if !line.trim().is_empty() {
-            questions[at].value = as_toml(&line);
+        if line.trim().is_empty() {
+            return Ok(());
         }
+        let value = as_toml(&line);
+        if let Err(why) = machine::is_value(&value) {
+            complain!("{} is `{}`: {why}", question.key, line.trim().chars().take(40).collect::<String>());
+            continue;
+        }
+        questions[at].value = value;
         // Limits may depend on answers that are to come: a fault counts where this answer made it.
-        match machine::write(name, questions) {
-            Err(error) if error.contains(&format!(" {} ", question.key)) && questions[at] != question => {
+        match machine::write(questions) {
+            Err(error) if error.starts_with(&format!("{} ", question.key)) && questions[at] != question => {
                 complain!("{error}");
                 questions[at] = question;
             }
-            _ => at += 1,
+            _ => return Ok(()),
         }
     }
-    Ok(())
 }
 
-/// An answer as TOML: words are quoted, what is TOML already stays.
+/// An answer as TOML: words are quoted, what is TOML already stays, `-` leaves the key out.
 fn as_toml(answer: &str) -> String {
     let answer = answer.trim();
+    if answer == "-" {
+        return String::new();
+    }
     let begins = |letter: char| letter.is_ascii_digit() || "+-.[\"'".contains(letter);
     let is_value = answer.is_empty() || answer.starts_with(begins) || ["true", "false"].contains(&answer);
     if is_value { answer.to_owned() } else { format!("\"{}\"", answer.replace(['"', '\\'], "")) }

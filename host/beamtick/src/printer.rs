@@ -85,8 +85,14 @@ fn write(to: &mut impl Write, text: &str) -> io::Result<()> {
     to.flush()
 }
 
-/// Queues a line, without waiting.
+/// Queues a line, without waiting. With `--json` only the object goes to the standard output.
 pub fn say(stream: Stream, text: String) {
+    if stream == Stream::Error || !crate::json::is_on() {
+        queue(stream, text);
+    }
+}
+
+fn queue(stream: Stream, text: String) {
     let writers = WRITERS.lock().unwrap_or_else(PoisonError::into_inner);
     let mut now = count();
     now.said[stream as usize] += 1;

@@ -4,7 +4,7 @@
 //! Owns the files. Fails: the first error ends the recording and is reported at its end; a gap is
 //! never skipped.
 use crate::Failure;
-use crate::command_line::Outputs;
+use crate::command_line::{Outputs, panels};
 use crate::output::{Kept, Output};
 use crate::spool::Spool;
 use std::fs::File;
@@ -32,6 +32,8 @@ struct Sinks {
     /// Their names.
     streams: Vec<Output>,
     plot: Option<(Output, PlotOptions)>,
+    /// The page of HTML, and the axes of its path.
+    page: Option<XyPlot>,
     xy: Option<XyPlot>,
     outputs: Vec<u8>,
     analog: Vec<u8>,
@@ -44,10 +46,55 @@ struct Open {
     csv: Option<CsvWriter<BufWriter<Spool>>>,
     vcd: Option<VcdWriter<BufWriter<Spool>>>,
     plot: Option<Plot>,
+    page: Option<Page>,
     xy: Option<Xy>,
     peaks: Vec<f64>,
     speeds: Vec<f64>,
     rows: u32,
+}
+
+/// What a page of HTML shows: panels, and a path where there are two axes.
+pub(crate) struct Page {
+    plot: Plot,
+    xy: Option<Xy>,
+}
+
+impl Page {
+    /// An empty one; `axes` of its path, if they are named.
+    pub fn new(header: &Header, axes: Option<(AxisName, AxisName)>, options: &PlotOptions) -> trace::Result<Page> {
+        let xy = (axes.is_some() || header.axes.len() > 1).then(|| across(header, axes, options)).transpose()?;
+        Ok(Page { plot: Plot::new(header, PlotOptions { page: true, ..options.clone() })?, xy })
+    }
+
+    /// A laser's output changes.
+    pub fn change(&mut self, laser: usize, change: &SignalChange) {
+        self.plot.change(laser, change);
+    }
+
+    /// A laser's light begins or ends.
+    pub fn light(&mut self, laser: usize, at: u64, on: bool) {
+        if let Some(xy) = &mut self.xy {
+            xy.light(laser, at, on);
+        }
+    }
+
+    /// Takes a row.
+    pub fn row(&mut self, row: &Row) {
+        self.plot.row(row);
+        if let Some(xy) = &mut self.xy {
+            xy.row(row);
+        }
+    }
+
+    /// Leaves out what did nothing.
+    pub fn leave_out_idle(&mut self) {
+        self.plot.leave_out_idle();
+    }
+
+    /// Writes it.
+    pub fn save(&self, path: &Path) -> trace::Result<()> {
+        self.plot.save_page(path, self.xy.as_ref())
+    }
 }
 
 /// What a trace showed.
@@ -84,12 +131,20 @@ impl Recording {
             from_ms: outputs.from,
             to_ms: outputs.to,
             millimetres,
+            panels: panels(&outputs.panels),
             ..PlotOptions::default()
         };
+        if outputs.every > 1 && options.panels.error {
+            return Err(Failure::Input(format!(
+                "--panels error needs a row each tick, and --every is {}",
+                outputs.every
+            )));
+        }
         options.check().map_err(|error| Failure::Input(error.to_string()))?;
         for path in [&outputs.plot, &outputs.xy].into_iter().flatten() {
             picture(path)?;
         }
+        outputs.html.as_deref().map_or(Ok(()), page_name)?;
         let mut streams = Vec::new();
         let mut stream = |path: &Option<PathBuf>| {
             let made = path.as_ref().map(|path| Output::stream(path)).transpose()?;
@@ -100,8 +155,10 @@ impl Recording {
         };
         let (csv, vcd) = (stream(&outputs.trace)?, stream(&outputs.vcd)?);
         let drawn = |path: &Option<PathBuf>| path.as_ref().map(|path| Output::picture(path)).transpose();
-        let (mut plot, mut xy) = (drawn(&outputs.plot)?, drawn(&outputs.xy)?);
-        streams.iter_mut().chain(&mut plot).chain(&mut xy).try_for_each(Output::set_older_aside)?;
+        let (mut plot, mut page, mut xy) = (drawn(&outputs.plot)?, drawn(&outputs.html)?, drawn(&outputs.xy)?);
+        let all = streams.iter_mut().chain(&mut plot).chain(&mut page).chain(&mut xy);
+        all.into_iter().try_for_each(Output::set_older_aside)?;
+        let axes = outputs.xy_axes.or(in_mm);
         Ok(Recording {
             reader: Reader::new(),
             sinks: Sinks {
@@ -109,7 +166,8 @@ impl Recording {
                 vcd,
                 streams,
                 plot: plot.map(|output| (output, options.clone())),
-                xy: xy.map(|output| (output, outputs.xy_axes.or(in_mm), options)),
+                page: page.map(|output| (output, axes, options.clone())),
+                xy: xy.map(|output| (output, axes, options)),
                 outputs: digital,
                 analog,
                 open: None,
@@ -150,12 +208,12 @@ impl Recording {
             return Err(failure);
         }
         let written = self.sinks.write();
-        let Sinks { streams, plot, xy, open: Some(open), .. } = self.sinks else {
+        let (files, open) = self.sinks.files();
+        let Some(open) = open else {
             return Err(Failure::Job("trace: the controller sent none".into()));
         };
-        let files = streams.into_iter().chain(plot.map(|(output, _)| output)).chain(xy.map(|(output, ..)| output));
         if let Err(error) = written {
-            files.for_each(|output| drop(output.cut_off()));
+            files.into_iter().for_each(|output| drop(output.cut_off()));
             return Err(error.into());
         }
         files.into_iter().try_for_each(Output::whole)?;
@@ -168,13 +226,18 @@ impl Recording {
         // A file that cannot be written or drawn is missing; only the job's own failure is
         // reported.
         let _ = self.sinks.write();
-        let Sinks { streams, plot, xy, .. } = self.sinks;
-        let files = streams.into_iter().chain(plot.map(|(output, _)| output)).chain(xy.map(|(output, ..)| output));
-        files.map(Output::cut_off).collect()
+        self.sinks.files().0.into_iter().map(Output::cut_off).collect()
     }
 }
 
 impl Sinks {
+    /// All outputs, and the trace.
+    fn files(self) -> (Vec<Output>, Option<Open>) {
+        let Sinks { streams, plot, page, xy, open, .. } = self;
+        let pictures = plot.map(|(output, _)| output).into_iter().chain(page.map(|(output, ..)| output));
+        (streams.into_iter().chain(pictures).chain(xy.map(|(output, ..)| output)).collect(), open)
+    }
+
     /// Completes the files of the trace that has begun; the first error, after all of them.
     fn write(&mut self) -> trace::Result<()> {
         let Some(open) = &mut self.open else { return Ok(()) };
@@ -188,7 +251,11 @@ impl Sinks {
             (Some(xy), Some((output, ..))) => xy.save(output.path()),
             _ => Ok(()),
         };
-        csv.and(vcd).and(plot).and(xy)
+        let page = match (&open.page, &self.page) {
+            (Some(page), Some((output, ..))) => page.save(output.path()),
+            _ => Ok(()),
+        };
+        csv.and(vcd).and(plot).and(page).and(xy)
     }
 
     fn take(&mut self, item: Item) -> trace::Result<()> {
@@ -201,8 +268,12 @@ impl Sinks {
                 Ok(())
             }
             Item::Light { laser, at, on } => {
-                if let Some(xy) = self.open.as_mut().and_then(|open| open.xy.as_mut()) {
+                let Some(open) = &mut self.open else { return Ok(()) };
+                if let Some(xy) = &mut open.xy {
                     xy.light(laser, at, on);
+                }
+                if let Some(page) = &mut open.page {
+                    page.light(laser, at, on);
                 }
                 Ok(())
             }
@@ -233,8 +304,9 @@ impl Sinks {
             .transpose()?;
         let plot = self.plot.as_ref().map(|(_, options)| Plot::new(&header, options.clone())).transpose()?;
         let xy = self.xy.as_ref().map(|(_, axes, options)| across(&header, *axes, options)).transpose()?;
+        let page = self.page.as_ref().map(|(_, axes, options)| Page::new(&header, *axes, options)).transpose()?;
         let (peaks, speeds) = (vec![0.0; header.axes.len()], vec![0.0; header.crds.len()]);
-        self.open = Some(Open { header, csv, vcd, plot, xy, peaks, speeds, rows: 0 });
+        self.open = Some(Open { header, csv, vcd, plot, page, xy, peaks, speeds, rows: 0 });
         Ok(())
     }
 }
@@ -246,6 +318,9 @@ impl Open {
         }
         if let Some(plot) = &mut self.plot {
             plot.change(laser, change);
+        }
+        if let Some(page) = &mut self.page {
+            page.change(laser, change);
         }
     }
 
@@ -266,6 +341,9 @@ impl Open {
         if let Some(plot) = &mut self.plot {
             plot.row(row);
         }
+        if let Some(page) = &mut self.page {
+            page.row(row);
+        }
         if let Some(xy) = &mut self.xy {
             xy.row(row);
         }
@@ -279,6 +357,14 @@ pub(crate) fn across(header: &Header, axes: Option<(AxisName, AxisName)>, option
         (Some(axes), _) => Xy::new(header, axes, options.clone()),
         (None, &[x, y, ..]) => Xy::new(header, (x, y), options.clone()),
         (None, _) => Err(TraceError::Plot("--xy shows two axes, and the job uses fewer".into())),
+    }
+}
+
+/// So must that of a page.
+pub fn page_name(path: &Path) -> Result<(), Failure> {
+    match path.extension().and_then(|extension| extension.to_str()).map(str::to_lowercase).as_deref() {
+        Some("html" | "htm") => Ok(()),
+        _ => Err(Failure::Input(format!("{}: a page's name ends with .html", path.display()))),
     }
 }
 

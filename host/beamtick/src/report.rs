@@ -3,6 +3,7 @@
 //! In: the answers to its entries. Out: lines on the standard output, a progress bar where the
 //! error stream is a terminal. It remembers which axes the script left moving, and which lasers on.
 use crate::entries::{Entry, From};
+use crate::json::{self, Read};
 use crate::source::Source;
 use crate::{interrupt, printer, profile, reply};
 use client::{Answer, Dry, Error, Observer, Progress};
@@ -139,15 +140,18 @@ impl<'a> Report<'a> {
         let stop = reply::stop(answer.opcode, &answer.reply).filter(|_| tells_stop);
         let names: Vec<String> = call.outs.iter().map(|out| job::tidy(&format!("`{}`", out.variable))).collect();
         let names: Vec<&str> = names.iter().map(|name| name.trim_matches('`')).collect();
-        let text = format!(
-            "{}:{}: {} {} = {}",
-            self.source.name,
-            step.line,
-            call.function,
-            names.join(", "),
-            stop.unwrap_or_else(|| reply::reply(answer.opcode, &call.body, &answer.reply))
-        );
-        self.bar.suspend(|| say!("{text}"));
+        let values = stop.unwrap_or_else(|| reply::reply(answer.opcode, &call.body, &answer.reply));
+        let text = format!("{}:{}: {} {} = {values}", self.source.name, step.line, call.function, names.join(", "));
+        let found = json::read(Read {
+            file: self.source.name.clone(),
+            line: step.line,
+            call: call.function.clone(),
+            variables: names.into_iter().map(str::to_owned).collect(),
+            values,
+        });
+        if !found {
+            self.bar.suspend(|| say!("{text}"));
+        }
     }
 }
 

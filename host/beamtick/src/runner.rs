@@ -3,7 +3,7 @@
 //! In: the command line. Out: reads, files, a summary. Every job ends with Abort: as the script's
 //! last entry, or at once when a call fails or a signal comes. No job ends with light on.
 use crate::Failure;
-use crate::command_line::{InputFile, Outputs, Run, Sim};
+use crate::command_line::{InputFile, Outputs, PanelName, Run, Sim};
 use crate::connect::{linked, named, real_time, simulated};
 use crate::entries::{Entry, entries, lasers};
 use crate::interrupt::{self, Held};
@@ -12,7 +12,7 @@ use crate::record::{Recorded, Recording};
 use crate::report::{INTERRUPTED, Report};
 use crate::source::Source;
 use crate::waits::{ENDLESS, Knowledge, Watch};
-use crate::{import, output, profile, summary};
+use crate::{import, json, output, profile, summary};
 use client::inputs::{Inputs, Zero};
 use client::{Call as Packed, Client, Link, Progress, decode};
 use job::{Action, Axis, Call, Job, Severity};
@@ -27,6 +27,8 @@ use std::time::{Duration, Instant};
 use trace::AxisName;
 use zerocopy::FromBytes;
 
+/// Boards whose encoders are those of the crate `plant`.
+const WITHOUT_WIRES: [&str; 2] = ["virtual", "mps2-an500"];
 /// General outputs, as SetDo names them.
 const GENERAL: i32 = 12;
 /// A parameter is out of range.
@@ -154,7 +156,7 @@ fn execute(source: &Source, client: &Client, knowledge: Knowledge<'_>, outputs: 
     // Dark and at standstill: a signal may end the program from here on.
     drop(held);
     let recorded = recording.map(|recording| close(client, &recording)).transpose()?;
-    summary::print(&summary::Run {
+    let (facts, lost) = summary::facts(&summary::Run {
         source,
         client,
         report: &report,
@@ -163,7 +165,12 @@ fn execute(source: &Source, client: &Client, knowledge: Knowledge<'_>, outputs: 
         recorded: recorded.as_ref(),
         every: outputs.every,
         took: simulated.then_some(took),
-    })
+    })?;
+    let text = facts.to_string();
+    if !json::result(json::Facts::Summary(Box::new(facts))) {
+        say!("{}", text.trim_end());
+    }
+    lost.map_or(Ok(()), |text| Err(Failure::Job(text)))
 }
 
 /// Lines about what an output that was cut off leaves.
@@ -223,8 +230,15 @@ fn record(source: &Source, client: &Client, outputs: &Outputs) -> Result<Tape, F
             source.name
         )));
     }
-    if outputs.xy.is_some() {
+    if outputs.xy.is_some() || outputs.xy_axes.is_some() {
         check_xy(source, outputs.xy_axes)?;
+    }
+    if outputs.panels.contains(&PanelName::Error) && !WITHOUT_WIRES.contains(&client.board().as_str()) {
+        return Err(Failure::Input(format!(
+            "--panels error: the board {} has encoders of its own, which a trace does not hold; it is for {}",
+            client.board(),
+            WITHOUT_WIRES.join(" and ")
+        )));
     }
     let family = match (source.job.lasers, version.family) {
         (0, _) => "",

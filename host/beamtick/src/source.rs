@@ -1,7 +1,7 @@
 //! A job file: its text, its compiled form, and how positions in it are shown.
 use crate::Failure;
 use crate::command_line::{Drawing, FamilyName, Settings, TICKS_US};
-use crate::{import, input};
+use crate::{import, input, json};
 use client::{Family, Profile};
 use job::{Diagnostic, Files, Folder, Job, Pragma, Severity, Step};
 use std::cell::RefCell;
@@ -65,6 +65,12 @@ impl Source {
             false => (input::read(path), vec![path.to_owned()]),
         };
         let bytes = bytes.map_err(|error| Failure::Input(format!("{name}: the job file cannot be read: {error}")))?;
+        if let Some(what) = import::disguised(&bytes) {
+            return Err(Failure::Input(format!(
+                "{name}: {what}; it is taken for a job by its name. {}",
+                import::NAMED
+            )));
+        }
         if plot.is_some() {
             return Err(Failure::Input(format!(
                 "{name}: --plot of `check` is for G-code and drawings; `sim` draws what a job does"
@@ -166,12 +172,26 @@ const PART: usize = 20_000;
 /// more than they save.
 const RUN: usize = 64;
 
+/// A job that does not compile as a whole is compiled in parts from so many lines on.
+const MANY_LINES: usize = 200_000;
+/// What reaches over the lines of a script: with it, parts are not what the whole is.
+const FAR_REACHING: [&str; 6] = ["/*", "#define", "#pragma continue", "kbhit", "return", "GT_LoadConfig"];
+
 /// Compiles a job. One that `import` wrote may be of any length: its calls name no variables after
-/// the set-up.
+/// the set-up. So may one that is as plain as that.
 fn compile(text: &str, files: &Noted) -> Result<Job, Vec<Diagnostic>> {
-    if !text.starts_with(strokes::MARK) {
-        return job::compile(text, files);
+    if text.starts_with(strokes::MARK) {
+        return compile_parts(text, files);
     }
+    job::compile(text, files).or_else(|found| {
+        let is_plain = text.lines().nth(MANY_LINES).is_some() && !FAR_REACHING.iter().any(|word| text.contains(word));
+        // What is wrong with a part is wrong with the whole, which has said what.
+        if is_plain { compile_parts(text, files).map_err(|_| found) } else { Err(found) }
+    })
+}
+
+/// Compiles a job part by part.
+fn compile_parts(text: &str, files: &Noted) -> Result<Job, Vec<Diagnostic>> {
     let mut whole = Parts { text, files, job: None, from: 0, lines: 0 };
     // Calls in a row up to here, and where they begin: byte and line.
     let mut run: Vec<Step> = Vec::new();
@@ -260,6 +280,10 @@ impl Parts<'_> {
                     all.sort_unstable();
                     all.dedup();
                 }
+                whole.crds.extend(job.crds);
+                whole.crds.sort_unstable();
+                whole.crds.dedup();
+                whole.pragmas.extend(job.pragmas);
                 whole.lasers |= job.lasers;
             }
         }
@@ -318,5 +342,6 @@ fn complaint(pragma: &Pragma, message: String, help: String) -> Diagnostic {
 }
 
 fn show(diagnostic: &Diagnostic, name: &str, text: &str) -> String {
+    json::message(diagnostic, name);
     job::render(diagnostic, name, text, std::io::stderr().is_terminal())
 }

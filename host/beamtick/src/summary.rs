@@ -1,5 +1,10 @@
 //! The summary: what a job has done, where its axes are and why they stopped, what the link
 //! carried.
+//!
+//! In: a job that has run, reads of the controller. Out: [`Summary`], facts which are the text and
+//! the JSON alike (docs/json.md). Owns nothing. Fails where a read fails.
+mod text;
+
 use crate::Failure;
 use crate::entries::lasers;
 use crate::profile;
@@ -13,8 +18,154 @@ use protocol::command::{AxisItem, CrdInfo, CrdState, EventItem, GetEvents, GetPt
 use protocol::reason::{Reason, Refusal};
 use protocol::values::status::RUNNING;
 use protocol::values::{event, mode, pt_state};
+use serde::Serialize;
 use std::time::Duration;
+pub(crate) use text::named;
 use trace::Millimetres;
+
+/// What a job has done.
+#[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct Summary {
+    /// The job's file.
+    job: String,
+    /// The board's name.
+    board: String,
+    profile: String,
+    servo_tick_us: u32,
+    script_clock_ms: f64,
+    /// Entries of the program that were executed.
+    entries: u32,
+    /// `sim`: seconds of the wall clock.
+    simulated_s: Option<f64>,
+    late: Late,
+    overruns: Overruns,
+    /// Calls that failed and were allowed to (`#pragma continue`).
+    failures_passed_over: u32,
+    axes: Vec<AxisFacts>,
+    coordinate_systems: Vec<CrdFacts>,
+    lasers: Vec<LaserFacts>,
+    pt_streams: Vec<StreamFacts>,
+    link: LinkFacts,
+    /// What was traced, if anything was.
+    trace: Option<TraceFacts>,
+}
+
+/// Entries that acted after their tick.
+#[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+struct Late {
+    count: u32,
+    worst_us: u32,
+    /// Call and line of the first one.
+    first: Option<String>,
+}
+
+/// Servo ticks that took too long.
+#[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+struct Overruns {
+    count: u32,
+    /// Call and line after which the first one came.
+    first_after: Option<String>,
+}
+
+/// An axis that the job used.
+#[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+struct AxisFacts {
+    core: i16,
+    axis: i16,
+    /// Planned position, pulses.
+    planned: f64,
+    /// Encoder, pulses.
+    encoder: f64,
+    /// The axis of the machine file.
+    letter: Option<char>,
+    planned_mm: Option<f64>,
+    /// pulse/ms, of a trace.
+    peak_velocity: Option<f64>,
+    /// How its last motion ended.
+    end: String,
+    /// Latched bits of its status.
+    latched: Vec<&'static str>,
+    /// In PT mode.
+    pt: Option<PtFacts>,
+}
+
+#[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+struct PtFacts {
+    state: &'static str,
+    passes: i32,
+    free_slots: u16,
+}
+
+/// A coordinate system that the job set up.
+#[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+struct CrdFacts {
+    core: i16,
+    crd: i16,
+    segments_done: i64,
+    segments_left: i64,
+    /// pulse/ms, of a trace.
+    peak_speed: Option<f64>,
+    /// How its path ended; none if it drives no axis any more.
+    end: Option<String>,
+}
+
+/// A laser channel.
+#[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct LaserFacts {
+    pub(crate) channel: u8,
+    mode: &'static str,
+    /// Of `output`.
+    unit: &'static str,
+    light: bool,
+    output: f64,
+    light_ms: f64,
+    width_limited_now: bool,
+    /// Why a fault keeps it dark.
+    kept_dark: Option<&'static str>,
+    /// It was on when the script ended.
+    on_at_the_end: bool,
+    /// Times that its rate reached the pulse width, in this job.
+    width_limited_times: u32,
+}
+
+/// Data of a PT stream.
+#[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+struct StreamFacts {
+    core: i16,
+    axis: i16,
+    free_slots: u16,
+    ms_to_dry: u32,
+    least_ms_to_dry: Option<u32>,
+}
+
+/// Messages of the link.
+#[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+struct LinkFacts {
+    sent: u32,
+    received: u32,
+    sent_again: u32,
+    came_twice: u32,
+    damaged: u32,
+}
+
+#[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+struct TraceFacts {
+    rows: u32,
+    /// Ticks from row to row.
+    every: u32,
+    /// More than was asked for: the link carries no more.
+    raised: bool,
+}
 
 /// A job that has run.
 pub struct Run<'a> {
@@ -36,132 +187,114 @@ pub struct Run<'a> {
     pub took: Option<Duration>,
 }
 
-/// Prints it.
-pub fn print(run: &Run<'_>) -> Result<(), Failure> {
+/// The facts, and what took light from the job, if anything did.
+pub fn facts(run: &Run<'_>) -> Result<(Summary, Option<String>), Failure> {
     let (client, progress) = (run.client, run.progress);
     let version = client.version();
-    let clock = progress.clock().as_secs_f64();
-    say!(
-        "{}: done on {}, profile {}, servo tick {} us",
-        run.source.name,
-        client.board(),
-        profile::shown(version),
-        version.tick_us
-    );
-    say!("  script clock {:.3} ms, {} entries", clock * 1e3, progress.queue.executed);
-    if let Some(took) = run.took {
-        let seconds = took.as_secs_f64().max(1e-9);
-        say!("  simulated in {seconds:.3} s: {:.0} x real time", clock / seconds);
-    }
-    let at =
-        |entry: Option<u32>, of: &str| entry.map_or(String::new(), |entry| format!("{of} {}", run.report.place(entry)));
-    match progress.queue.late.get() {
-        0 => say!("  no late entries"),
-        late => say!(
-            "  {late} late entries, the worst by {} us{}: they acted at once (--strict stops instead)",
-            progress.queue.worst_late_us,
-            at(progress.first_late, ", the first one is")
-        ),
-    }
-    match progress.queue.overruns.get() {
-        0 => {}
-        overruns => say!(
-            "  OVERRUN: {overruns} servo ticks took longer than {} us{}",
-            version.tick_us,
-            at(progress.overran, ", the first one after")
-        ),
-    }
-    if run.report.warned > 0 {
-        say!("  {} calls failed and were passed over (#pragma continue)", run.report.warned);
-    }
-    for (axis, item) in states(client, &run.source.job)? {
-        let peak = peak(run.recorded, &axis);
-        let is_it = |mm: &&Millimetres| (i16::from(mm.axis.core), i16::from(mm.axis.axis)) == (axis.core, axis.axis);
-        let millimetres = run.source.millimetres.iter().find(is_it).map_or(String::new(), |mm| {
-            let place = mm.zero + item.prf_pos.get() / mm.per_mm;
-            // Without the sign of what is rounded to 0.
-            format!(", {} {:.3} mm", mm.letter, (place * 1000.0).round() / 1000.0 + 0.0)
-        });
-        say!(
-            "  {}: planned {:.6}, encoder {:.6} pulses{millimetres}{peak}; {}",
-            name(&axis),
-            item.prf_pos.get(),
-            item.enc_pos.get(),
-            ended(run.report, &axis, &item)
-        );
-        if item.mode.get() == mode::PT {
-            let state = client.call(GetPtState { core: axis.core.into(), profile: axis.axis.into() })?;
-            say!("    PT: {}, {} passes, {} slots free", pt_text(state.state), state.loops, state.space0);
-        }
-    }
+    let at = |entry: Option<u32>| entry.map(|entry| run.report.place(entry));
+    let axes = states(client, &run.source.job)?.into_iter().map(|(axis, item)| axis_facts(run, axis, &item));
+    let axes = axes.collect::<Result<Vec<_>, Failure>>()?;
+    let mut coordinate_systems = Vec::new();
     for crd in &run.source.job.crds {
         if place(crd.core, crd.crd, version.cores, version.crds_per_core).is_none() {
             continue;
         }
-        let speed = speed(run.recorded, crd);
-        match client.call(CrdInfo { core: crd.core.into(), crd: crd.crd.into() }) {
-            Ok(state) => say!("  {}: {}{speed}; {}", crd_name(crd), path(&state), path_end(&state)),
-            Err(error) if is_without_axes(&error) => say!("  {}: drives no axis any more{speed}", crd_name(crd)),
+        let (core, number, peak_speed) = (crd.core, crd.crd, speed(run.recorded, crd));
+        let (segments_done, segments_left, end) = match client.call(CrdInfo { core: core.into(), crd: number.into() }) {
+            Ok(state) => {
+                let [done, left] = path(&state);
+                (done, left, Some(path_end(&state)))
+            }
+            Err(error) if is_without_axes(&error) => (0, 0, None),
             Err(error) => return Err(error.into()),
-        }
+        };
+        coordinate_systems.push(CrdFacts { core, crd: number, segments_done, segments_left, peak_speed, end });
     }
-    let mut faults = Vec::new();
+    let (mut lasers_found, mut faults) = (Vec::new(), Vec::new());
+    let events = new_events(run)?;
     for channel in lasers(&run.source.job, version) {
         let state = client.call(LaserStatus { core: 1.into(), channel: i16::from(channel).into() })?;
-        let end = if run.report.lit.contains(&channel) { "; was on when the script ended: shut off" } else { "" };
-        say!("  laser {channel}: {}{end}", laser(&state));
+        let of_it = |item: &&EventItem| (item.kind, item.of) == (event::LIMITED, channel);
+        lasers_found.push(LaserFacts {
+            on_at_the_end: run.report.lit.contains(&channel),
+            width_limited_times: events.iter().filter(of_it).map(|item| u32::from(item.reason.get())).sum(),
+            ..LaserFacts::of(channel, &state)
+        });
         faults.push((channel, state.fault.get()));
     }
-    limited(run)?;
-    for (dry, least) in &run.report.streams {
-        let least = least.map_or(String::new(), |least| format!("; least seen {least} ms"));
-        say!(
-            "  PT data of {}: at the last data {} slots free, {} ms to dry{least}",
-            name(&Axis { core: dry.core, axis: dry.axis }),
-            dry.space,
-            dry.dry_ms
-        );
-    }
-    say!("  link: {}", link(&client.counters()));
-    match run.recorded {
-        Some(recorded) => {
-            let every = recorded.header.every;
-            let raised = if every > run.every { ", raised to what the link carries" } else { "" };
-            say!(
-                "  trace: {} rows, one every {every} tick{}{raised}",
-                recorded.rows,
-                if every == 1 { "" } else { "s" }
-            );
-        }
-        None if !run.source.job.axes.is_empty() => {
-            say!("  peak velocities are shown with --trace, --vcd, --plot or --xy")
-        }
-        None => {}
-    }
-    taken(run, &faults).map_or(Ok(()), |text| Err(Failure::Job(text)))
+    let pt_streams = run.report.streams.iter().map(|(dry, least)| StreamFacts {
+        core: dry.core,
+        axis: dry.axis,
+        free_slots: dry.space,
+        ms_to_dry: dry.dry_ms,
+        least_ms_to_dry: *least,
+    });
+    let trace = run.recorded.map(|recorded| TraceFacts {
+        rows: recorded.rows,
+        every: recorded.header.every,
+        raised: recorded.header.every > run.every,
+    });
+    let summary = Summary {
+        job: run.source.name.clone(),
+        board: client.board().to_string(),
+        profile: profile::shown(version).to_owned(),
+        servo_tick_us: version.tick_us.get(),
+        script_clock_ms: progress.clock().as_secs_f64() * 1e3,
+        entries: progress.queue.executed.get(),
+        simulated_s: run.took.map(|took| took.as_secs_f64()),
+        late: Late {
+            count: progress.queue.late.get(),
+            worst_us: progress.queue.worst_late_us.get(),
+            first: at(progress.first_late),
+        },
+        overruns: Overruns { count: progress.queue.overruns.get(), first_after: at(progress.overran) },
+        failures_passed_over: run.report.warned,
+        axes,
+        coordinate_systems,
+        lasers: lasers_found,
+        pt_streams: pt_streams.collect(),
+        link: LinkFacts::of(&client.counters()),
+        trace,
+    };
+    Ok((summary, taken(run, &faults)))
 }
 
-/// Where a rate that followed something reached the pulse width: how often, and when first after
-/// power-on.
-fn limited(run: &Run<'_>) -> Result<(), Failure> {
-    if run.source.job.lasers == 0 {
-        return Ok(());
-    }
-    let (head, items) = run.client.call_items(GetEvents {}, &[])?;
-    let new = head.total.get().wrapping_sub(run.events) as usize;
-    let new = &items[items.len().saturating_sub(new)..];
-    for channel in lasers(&run.source.job, run.client.version()) {
-        let of_it = |item: &&EventItem| (item.kind, item.of) == (event::LIMITED, channel);
-        let times: u32 = new.iter().filter(of_it).map(|item| u32::from(item.reason.get())).sum();
-        if times != 0 {
-            say!(
-                "  laser {channel}: WIDTH LIMITED {times} time{}: its rate followed to where the pulse width reaches the period; \
-                 pulses there are just under the period",
-                if times == 1 { "" } else { "s" }
-            );
+fn axis_facts(run: &Run<'_>, axis: Axis, item: &AxisItem) -> Result<AxisFacts, Failure> {
+    let is_it = |mm: &&Millimetres| (i16::from(mm.axis.core), i16::from(mm.axis.axis)) == (axis.core, axis.axis);
+    let mm = run.source.millimetres.iter().find(is_it);
+    let pt = match item.mode.get() == mode::PT {
+        true => {
+            let state = run.client.call(GetPtState { core: axis.core.into(), profile: axis.axis.into() })?;
+            let (passes, free_slots) = (state.loops.get(), state.space0.get());
+            Some(PtFacts { state: pt_text(state.state), passes, free_slots })
         }
+        false => None,
+    };
+    let (end, latched) = ended(run.report, &axis, item);
+    Ok(AxisFacts {
+        core: axis.core,
+        axis: axis.axis,
+        planned: item.prf_pos.get(),
+        encoder: item.enc_pos.get(),
+        letter: mm.map(|mm| mm.letter),
+        // Without the sign of what is rounded to 0.
+        planned_mm: mm.map(|mm| ((mm.zero + item.prf_pos.get() / mm.per_mm) * 1000.0).round() / 1000.0 + 0.0),
+        peak_velocity: peak(run.recorded, &axis),
+        end: end.to_owned(),
+        latched,
+        pt,
+    })
+}
+
+/// Events of a job that uses a laser, of its own time.
+fn new_events(run: &Run<'_>) -> Result<Vec<EventItem>, Failure> {
+    if run.source.job.lasers == 0 {
+        return Ok(Vec::new());
     }
-    Ok(())
+    let (head, mut items) = run.client.call_items(GetEvents {}, &[])?;
+    let new = head.total.get().wrapping_sub(run.events) as usize;
+    items.drain(..items.len().saturating_sub(new));
+    Ok(items)
 }
 
 /// The cause of a tick that took too long.
@@ -209,45 +342,40 @@ fn is_without_axes(error: &Error) -> bool {
     error.refusal.as_ref().and_then(Refusal::reason) == Some(Reason::CrdNotSet)
 }
 
-/// A laser channel in a line: what it does now, how long it gave light, its fault.
-pub fn laser(state: &LaserState) -> String {
-    let (mode, unit) = match state.mode.get() {
-        0 => ("duty", "%"),
-        1 => ("frequency", "kHz"),
-        2 => ("analog", "V"),
-        _ => ("duty with the switch held", "%"),
-    };
-    let light = if state.light != 0 { "light on" } else { "dark" };
-    let mut text = format!(
-        "{mode} mode, {light}, output {} {unit}, light of {:.3} ms so far",
-        state.power,
-        f64::from(state.on_time.get()) / 4.0
-    );
-    if state.held != 0 {
-        text.push_str(", pulse width limited to just under the period");
+impl LaserFacts {
+    /// Of a channel's state.
+    pub fn of(channel: u8, state: &LaserState) -> LaserFacts {
+        let (mode, unit) = match state.mode.get() {
+            0 => ("duty", "%"),
+            1 => ("frequency", "kHz"),
+            2 => ("analog", "V"),
+            _ => ("duty with the switch held", "%"),
+        };
+        LaserFacts {
+            channel,
+            mode,
+            unit,
+            light: state.light != 0,
+            output: state.power.get(),
+            light_ms: f64::from(state.on_time.get()) / 4.0,
+            width_limited_now: state.held != 0,
+            kept_dark: (state.fault.get() != 0).then(|| laser_cause(state.fault.get())),
+            on_at_the_end: false,
+            width_limited_times: 0,
+        }
     }
-    if state.fault.get() != 0 {
-        text.push_str(&format!("; KEPT DARK: {} (ClrLaserFault)", laser_cause(state.fault.get())));
-    }
-    text
 }
 
 /// What a person calls an axis.
 pub fn name(axis: &Axis) -> String {
-    if axis.core == 1 { format!("axis {}", axis.axis) } else { format!("core {} axis {}", axis.core, axis.axis) }
-}
-
-/// What a person calls a coordinate system.
-fn crd_name(crd: &Crd) -> String {
-    if crd.core == 1 { format!("crd {}", crd.crd) } else { format!("core {} crd {}", crd.core, crd.crd) }
+    named("axis", axis.core, axis.axis)
 }
 
 /// Segments done and left of a coordinate system.
-fn path(state: &CrdState) -> String {
-    let (done, left) = (state.segments, state.remainder);
-    let done: i64 = done.iter().map(|count| i64::from(count.get())).sum();
-    let left: i64 = left.iter().map(|count| i64::from(count.get())).sum();
-    if left == 0 { format!("{done} segments") } else { format!("{done} segments, {left} left") }
+fn path(state: &CrdState) -> [i64; 2] {
+    let done = state.segments.iter().map(|count| i64::from(count.get())).sum();
+    let left = state.remainder.iter().map(|count| i64::from(count.get())).sum();
+    [done, left]
 }
 
 /// How a coordinate system came to standstill.
@@ -262,21 +390,19 @@ fn path_end(state: &CrdState) -> String {
 }
 
 /// The greatest speed along a path in the trace.
-fn speed(recorded: Option<&Recorded>, crd: &Crd) -> String {
-    let speed = recorded.and_then(|recorded| {
+fn speed(recorded: Option<&Recorded>, crd: &Crd) -> Option<f64> {
+    recorded.and_then(|recorded| {
         let here = |name: &trace::CrdName| (i16::from(name.core), i16::from(name.crd)) == (crd.core, crd.crd);
-        recorded.speeds.get(recorded.header.crds.iter().position(here)?)
-    });
-    speed.map_or(String::new(), |speed| format!(", peak path speed {speed:.6} pulse/ms"))
+        recorded.speeds.get(recorded.header.crds.iter().position(here)?).copied()
+    })
 }
 
 /// The greatest speed in the trace.
-fn peak(recorded: Option<&Recorded>, axis: &Axis) -> String {
-    let peak = recorded.and_then(|recorded| {
+fn peak(recorded: Option<&Recorded>, axis: &Axis) -> Option<f64> {
+    recorded.and_then(|recorded| {
         let here = |name: &trace::AxisName| (i16::from(name.core), i16::from(name.axis)) == (axis.core, axis.axis);
-        recorded.peaks.get(recorded.header.axes.iter().position(here)?)
-    });
-    peak.map_or(String::new(), |peak| format!(", peak velocity {peak:.6} pulse/ms"))
+        recorded.peaks.get(recorded.header.axes.iter().position(here)?).copied()
+    })
 }
 
 fn pt_text(state: u8) -> &'static str {
@@ -317,9 +443,8 @@ fn reason(number: u16) -> &'static str {
     }
 }
 
-/// How an axis came to standstill: by the script's end, by its reason; latched status bits are
-/// named.
-fn ended(report: &Report<'_>, axis: &Axis, item: &AxisItem) -> String {
+/// How an axis came to standstill, by the script's end or by its reason; its latched status bits.
+fn ended(report: &Report<'_>, axis: &Axis, item: &AxisItem) -> (&'static str, Vec<&'static str>) {
     const BITS: [(u32, &str); 6] = [
         (1, "drive alarm"),
         (4, "following error"),
@@ -336,27 +461,29 @@ fn ended(report: &Report<'_>, axis: &Axis, item: &AxisItem) -> String {
     } else {
         reason(item.reason.get())
     };
-    let latched: Vec<&str> = BITS.iter().filter(|(bit, _)| status >> bit & 1 == 1).map(|(_, text)| *text).collect();
-    if latched.is_empty() { how.to_owned() } else { format!("{how} (latched: {})", latched.join(", ")) }
+    (how, BITS.iter().filter(|(bit, _)| status >> bit & 1 == 1).map(|(_, text)| *text).collect())
 }
 
-/// Messages, what was sent again, what was refused.
-fn link(counters: &LinkCounters) -> String {
-    let again = counters.timeouts.wrapping_add(counters.fast_retransmits);
-    let refused = [
-        counters.deframe.too_long,
-        counters.deframe.truncated,
-        counters.short,
-        counters.checksum,
-        counters.version,
-        counters.kind,
-        counters.length,
-    ];
-    let refused = refused.iter().fold(0u32, |sum, count| sum.wrapping_add(*count));
-    format!(
-        "{} messages sent, {} received; {again} sent again, {} came twice, {refused} damaged frames refused",
-        counters.sent, counters.received, counters.duplicates
-    )
+impl LinkFacts {
+    /// Messages, what was sent again, what was refused.
+    fn of(counters: &LinkCounters) -> LinkFacts {
+        let damaged = [
+            counters.deframe.too_long,
+            counters.deframe.truncated,
+            counters.short,
+            counters.checksum,
+            counters.version,
+            counters.kind,
+            counters.length,
+        ];
+        LinkFacts {
+            sent: counters.sent,
+            received: counters.received,
+            sent_again: counters.timeouts.wrapping_add(counters.fast_retransmits),
+            came_twice: counters.duplicates,
+            damaged: damaged.iter().fold(0u32, |sum, count| sum.wrapping_add(*count)),
+        }
+    }
 }
 
 #[cfg(test)]
@@ -377,7 +504,7 @@ mod tests {
             (1, 10, 100, 1000, 10_000);
         (counters.deframe.too_long, counters.deframe.truncated) = (100_000, 1_000_000);
         assert_eq!(
-            link(&counters),
+            LinkFacts::of(&counters).to_string(),
             "12 messages sent, 11 received; 5 sent again, 4 came twice, 1111111 damaged frames refused"
         );
     }

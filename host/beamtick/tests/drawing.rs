@@ -188,7 +188,7 @@ fn what_is_wrong_has_a_reason_and_nothing_moves() {
         (page(&format!("<g transform=\"rotate(x)\">{LINE}</g>")), "d.svg:2: <g>: transform is `rotate(x)`"),
         (
             page(&format!("<g transform=\"scale(1e6)\"><g transform=\"scale(1e6)\">{LINE}</g></g>")),
-            "shape 1 goes farther than 1000000 mm",
+            "the path of line 2 goes farther than 1000000 mm",
         ),
         (
             page(&format!("<rect width=\"500\" height=\"5\" id=\"big\" {stroke}/>")),
@@ -196,19 +196,19 @@ fn what_is_wrong_has_a_reason_and_nothing_moves() {
         ),
         (
             page(&format!("<circle cx=\"399\" r=\"3\" {stroke}/><path d=\"M0-301V5\" {stroke}/>")),
-            "shape 2 goes to Y 401.000 mm in the machine; the travel is -400 to 400 mm, --at moves a drawing; 2 shapes leave",
+            "the path of line 2 goes to Y 401.000 mm in the machine; the travel is -400 to 400 mm, --at moves a drawing; 2 shapes leave",
         ),
         (page("<text x=\"5\" y=\"5\">Beam</text>"), "d.svg:2: text cannot be marked: make paths of it"),
         (page("<image href=\"a.png\" width=\"5\" height=\"5\"/>"), "d.svg:2: an image cannot be marked"),
         (
             page(&format!("{LINE}<path d=\"M0 0L1 1\" {stroke} stroke-dasharray=\"1 2\"/>")),
-            "the stroke of shape 2 is dashed",
+            "the stroke of the path of line 2 is dashed",
         ),
         (
             page(
                 "<linearGradient id=\"g\"><stop/><stop offset=\"1\" stop-color=\"red\"/></linearGradient><path d=\"M0 0L1 1\" stroke=\"url(#g)\"/>",
             ),
-            "the stroke of shape 1 is a gradient",
+            "the stroke of the path of line 2 is a gradient",
         ),
         (
             page(&format!(
@@ -267,7 +267,10 @@ fn what_is_wrong_has_a_reason_and_nothing_moves() {
         ),
         (&["sim", "d.svg", "--machine", "m.toml", "--layer", "powr=9,speed=5"], "the nearest known key is `power`"),
         (&["sim", "d.svg", "--machine", "m.toml", "--layer", "power"], "`power` is not KEY=VALUE"),
-        (&["sim", "d.svg", "--machine", "m.toml", "--layer", "speed=5"], "has no power; a layer needs power and speed"),
+        (
+            &["sim", "d.svg", "--machine", "m.toml", "--layer", "speed=5"],
+            "--layer speed=5: it has no power; a layer needs power and speed",
+        ),
         (
             &["sim", "d.svg", "--machine", "m.toml", "--layer", "colour=#f0,power=1,speed=5"],
             "colour is \"#f0\"; a colour is",
@@ -277,6 +280,38 @@ fn what_is_wrong_has_a_reason_and_nothing_moves() {
         let (said, code) = beamtick(folder.path(), words);
         assert!(code == 2 && said.contains(says), "{words:?}: {said}");
     }
+}
+
+/// What a person would not see in the result is said: layers that take nothing, shapes beside the
+/// page, a speed that is not reached; each with its place in the file.
+#[test]
+fn notes_name_layer_and_shape() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("m.toml"), machine(LAYERS)).unwrap();
+    let svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"40mm\" height=\"40mm\" viewBox=\"0 0 40 40\">\n\
+               <path d=\"M1 1H9\" stroke=\"#00f\"/>\n<g>\n<rect x=\"30\" y=\"5\" width=\"20\" height=\"9\" \
+               fill=\"none\" stroke=\"#00f\"/></g>\n<line id=\"far\" x1=\"-5\" x2=\"2\" stroke=\"#00f\"/>\n\
+               <path id=\"\" d=\"M2 2H9\" stroke=\"#00f\"/>\n</svg>\n";
+    fs::write(folder.path().join("d.svg"), svg).unwrap();
+    let words = ["check", "d.svg", "--machine", "m.toml", "--layer", "colour=#0f0,power=5,speed=600"];
+    let (said, code) = beamtick(folder.path(), &words);
+    assert_eq!(code, 0, "{said}");
+    for note in [
+        "d.svg: note: no stroke of the drawing is taken by layer \"layer 1\" (strokes of #00ff00), \"layer 2\" (strokes of #ff0000)",
+        "d.svg: note: the rect of line 4 leaves the page, and is marked there too (with it 2 shapes)",
+    ] {
+        assert!(said.contains(note), "{note}\n{said}");
+    }
+    let words = ["check", "d.svg", "--machine", "m.toml", "--layer", "colour=#00f,power=5,speed=99999"];
+    let (said, code) = beamtick(folder.path(), &words);
+    // The shape that is marked first.
+    let note =
+        "note: layer \"layer 1\", a shape without an id: 99999 mm/min are asked for, and the machine reaches 15000";
+    assert!(code == 0 && said.contains(note) && said.matches("asked for").count() == 1, "{said}");
+    // Within the page, and every layer used: nothing to say.
+    fs::write(folder.path().join("d.svg"), page(&format!("{LINE}<path d=\"M0 0H1\" stroke=\"#00f\"/>"))).unwrap();
+    let (said, code) = beamtick(folder.path(), &["check", "d.svg", "--machine", "m.toml"]);
+    assert!(code == 0 && !said.contains("note:"), "{said}");
 }
 
 /// A path of a million lines is read, put in order and written in time and memory that grow with

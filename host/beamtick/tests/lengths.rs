@@ -59,3 +59,31 @@ fn every_length_is_taken_or_refused() {
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
+
+/// A job of more lines than compile as a whole is compiled in parts, if nothing in it reaches over
+/// its lines; its axes and coordinate systems are those of all parts.
+#[test]
+fn a_plain_job_may_have_any_number_of_lines() {
+    let folder = tempfile::tempdir().unwrap();
+    let check = |text: &str| {
+        std::fs::write(folder.path().join("j.gts"), text).unwrap();
+        let said = std::fs::File::create(folder.path().join("said.txt")).unwrap();
+        let mut check = std::process::Command::new(env!("CARGO_BIN_EXE_beamtick"));
+        let out = check.args(["check", "j.gts"]).current_dir(folder.path()).stdout(said).output().unwrap();
+        let said = std::fs::read_to_string(folder.path().join("said.txt")).unwrap();
+        (out.status.code(), said, String::from_utf8_lossy(&out.stderr).into_owned())
+    };
+    let lines = 650_000;
+    let begin = "TTrapPrm prm = {1, 1, 0, 0};\nGT_PrfTrap(1);\nGT_SetTrapPrm(1,&prm);\n";
+    let job = format!("{begin}{}GT_PrfJog(2);\nSleep(5);\n", "GT_SetVel(1,5);\n".repeat(lines));
+    let (code, said, errors) = check(&job);
+    assert_eq!(code, Some(0), "{errors}");
+    let last = said.lines().next_back().unwrap();
+    assert_eq!(last, format!("j.gts: {} steps, 0 warnings; axes used (core.axis): 1.1 1.2", lines + 4));
+    // The line of a step is its own.
+    let sleep = said.lines().rev().nth(1).unwrap();
+    assert!(sleep.trim_start().starts_with(&format!("{} ", lines + 5)) && sleep.ends_with("sleep 5 ms"), "{sleep}");
+    // What ends the script in its middle makes parts something else.
+    let (code, _, errors) = check(&job.replacen("Sleep(5);", "return;", 1));
+    assert!(code == Some(2) && errors.contains("too long"), "{errors}");
+}

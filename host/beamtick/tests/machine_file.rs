@@ -81,6 +81,43 @@ fn answers_are_taken_and_wrong_ones_asked_again() {
     }
 }
 
+/// An answer that is no value is asked again at once, one that a later answer makes wrong at the
+/// end: no answer is lost, and no line of a file is named that is not there.
+#[test]
+fn no_answer_is_lost() {
+    let folder = tempfile::tempdir().unwrap();
+    let blank = |count: usize| "\n".repeat(count);
+    // family, board, then number, steps, invert and travel of X.
+    let answers = format!("{}[0\n[0, \"x\"\n1 2\n[0, 200]\n{}", blank(5), blank(60));
+    let (said, code) = beamtick(folder.path(), &["machine", "new", "m.toml"], &answers);
+    assert_eq!(code, 0, "{said}");
+    assert_eq!(said.matches("axes.x.travel: least and greatest").count(), 4, "{said}");
+    for part in ["axes.x.travel is `[0`: ", "axes.x.travel is `1 2`: ", "X: axis 1, 100 pulses/mm"] {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+    assert!(said.contains("travel 0 to 200 mm"), "{said}");
+    assert!(!(0..10).any(|line| said.contains(&format!("m.toml:{line}"))), "{said}");
+    // Axis 7 is the connector of laser 0: said after the last answer, and asked again.
+    let answers = format!("{}7\n{}", blank(2), blank(29));
+    let questions = beamtick(folder.path(), &["machine", "new", "q.toml"], &answers).0;
+    assert!(questions.contains("laser.channel is 0: in family gus it uses the connector of axis 7"), "{questions}");
+    assert!(questions.contains("laser.channel: the input ended here; --yes"), "{questions}");
+    assert!(!folder.path().join("q.toml").exists());
+    let at = questions.lines().filter(|line| line.ends_with(']')).position(|line| line.starts_with("laser.channel:"));
+    let answers = format!("{}7\n{}1\n{}", blank(2), blank(at.unwrap() - 3), blank(60));
+    let (said, code) = beamtick(folder.path(), &["machine", "new", "q.toml"], &answers);
+    assert_eq!(code, 0, "{said}");
+    // The mode of the laser decides what is usual after it.
+    for (mode, shown) in [("analog", "V"), ("frequency", "kHz"), ("duty", "%")] {
+        let set = format!("laser.mode={mode}");
+        let file = format!("{mode}.toml");
+        let (said, code) = beamtick(folder.path(), &["machine", "new", &file, "--yes", "--set", &set], "");
+        assert!(code == 0 && said.contains(shown), "{mode}: {said}");
+    }
+    let (said, code) = beamtick(folder.path(), &["machine", "new", "s.toml", "--yes", "--set", "laser.power=[0"], "");
+    assert!(code == 2 && said.starts_with("--set laser.power=[0: ") && !said.contains("s.toml"), "{said}");
+}
+
 #[test]
 fn what_is_no_machine_file_is_refused_with_its_name() {
     let folder = tempfile::tempdir().unwrap();

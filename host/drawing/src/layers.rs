@@ -1,7 +1,8 @@
 //! Which layer marks which shape.
 //!
 //! In: shapes, the layers of the machine file. Out: the shapes of each layer that marks something,
-//! in the order in which layers run. Fails with the strokes that have no layer.
+//! in the order in which layers run; the layers that take nothing. Fails with the strokes that have
+//! no layer.
 use crate::shape::{Paint, Shape};
 use machine::{Colour, Layer, Machine};
 use std::collections::BTreeMap;
@@ -9,7 +10,10 @@ use std::collections::BTreeMap;
 /// Strokes without a layer that are named.
 const NAMED_MAX: usize = 6;
 
-pub fn sort(shapes: Vec<Shape>, machine: &Machine) -> Result<Vec<(&Layer, Vec<Shape>)>, String> {
+/// Layers with their shapes, and a note where layers take none.
+pub type Sorted<'m> = (Vec<(&'m Layer, Vec<Shape>)>, Option<String>);
+
+pub fn sort(shapes: Vec<Shape>, machine: &Machine) -> Result<Sorted<'_>, String> {
     if machine.layers.is_empty() {
         return Err("the machine file has no [[layers]], which say the power and the speed of strokes; \
              docs/machine.md shows some, or give --layer power=…,speed=…"
@@ -36,12 +40,21 @@ pub fn sort(shapes: Vec<Shape>, machine: &Machine) -> Result<Vec<(&Layer, Vec<Sh
             list.join(", ")
         ));
     }
+    let idle: Vec<&Layer> = found.iter().filter(|(_, shapes)| shapes.is_empty()).map(|(layer, _)| *layer).collect();
     found.retain(|(layer, shapes)| !layer.skip && !shapes.is_empty());
     found.sort_by_key(|(layer, _)| layer.order);
     if found.is_empty() {
         return Err("there is nothing to mark: no shape has a stroke whose layer is marked".to_owned());
     }
-    Ok(found)
+    Ok((found, note(&idle)))
+}
+
+/// What is said of layers that take no stroke of the drawing.
+fn note(idle: &[&Layer]) -> Option<String> {
+    let named = idle.iter().take(NAMED_MAX).map(|layer| format!("\"{}\" ({})", layer.name, layer.takes()));
+    let named: Vec<String> = named.collect();
+    let more = if idle.len() > NAMED_MAX { format!(" and {} more", idle.len() - NAMED_MAX) } else { String::new() };
+    (!idle.is_empty()).then(|| format!("no stroke of the drawing is taken by layer {}{more}", named.join(", ")))
 }
 
 fn takes(layer: &Layer, paint: &Paint) -> bool {

@@ -68,9 +68,9 @@ pub fn import(
     if let Some(watch) = watch {
         writer.watched(watch);
     }
-    plan::plan(shapes, machine, options, &mut writer).map_err(|why| format!("{name}: {why}; nothing was run"))?;
-    let notes = notes.into_iter().chain(writer.notes().into_iter().map(|(_, note)| note));
-    let notes = notes.map(|note| format!("{name}: note: {note}")).collect();
+    let found = plan::plan(shapes, machine, options, &mut writer);
+    let found = found.map_err(|why| format!("{name}: {why}; nothing was run"))?;
+    let notes = notes.into_iter().chain(found).map(|note| format!("{name}: note: {note}")).collect();
     let extent = writer.extent();
     Ok(Imported { job: writer.finish(), notes, extent })
 }

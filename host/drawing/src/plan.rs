@@ -1,7 +1,8 @@
 //! Shapes to motions.
 //!
 //! In: shapes in mm of the page, the machine. Out: strokes for the writer: in the dark to each
-//! shape, lit along it, at last home. Fails with the shape that leaves the travel, by how much.
+//! shape, lit along it, at last home; notes. Fails with the shape that leaves the travel, by how
+//! much.
 use crate::order::order;
 use crate::shape::{Piece, Point, Run, Shape, add};
 use crate::{Options, layers};
@@ -19,7 +20,7 @@ pub fn plan(
     machine: &Machine,
     options: Options,
     writer: &mut Writer<'_>,
-) -> Result<(), String> {
+) -> Result<Vec<String>, String> {
     for shape in &mut shapes {
         shift(shape, options.at);
         let finite = |point: Point| point.iter().all(|x| (-COORDINATE_MAX_MM..=COORDINATE_MAX_MM).contains(x));
@@ -34,7 +35,9 @@ pub fn plan(
         }
     }
     let mut plan = Plan::new(machine, writer);
-    for (layer, shapes) in layers::sort(shapes, machine)? {
+    let (layers, idle) = layers::sort(shapes, machine)?;
+    let mut notes: Vec<String> = idle.into_iter().collect();
+    for (layer, shapes) in layers {
         plan.writer.check_speed(layer.speed).map_err(|why| format!("layer \"{}\": {why}", layer.name))?;
         let mut at = plan.at;
         let shapes = order(shapes, &mut at);
@@ -46,11 +49,17 @@ pub fn plan(
         for _ in 0..layer.passes {
             for shape in &shapes {
                 plan.shape(shape, machine.path.arc_tolerance, light, layer.speed);
+                // What the writer notes of a motion is of this shape.
+                let new = plan.writer.notes().into_iter().skip(plan.noted).map(|(_, note)| note);
+                let new: Vec<String> =
+                    new.map(|note| format!("layer \"{}\", {}: {note}", layer.name, shape.place)).collect();
+                plan.noted += new.len();
+                notes.extend(new);
             }
         }
     }
     plan.home();
-    plan.outside()
+    plan.outside().map(|()| notes)
 }
 
 fn shift(shape: &mut Shape, by: Point) {
@@ -80,6 +89,8 @@ struct Plan<'a, 'b> {
     at: Point,
     travel: [(f64, f64); 2],
     motions: usize,
+    /// Notes of the writer that are taken.
+    noted: usize,
     /// Shapes that leave the travel: how many, and the first with its reason.
     outside: (usize, Option<String>),
 }
@@ -89,7 +100,7 @@ impl<'a, 'b> Plan<'a, 'b> {
         let home = machine::LETTERS.map(|letter| machine.axis(letter).map_or(0.0, |axis| axis.home));
         let travel = ['X', 'Y'].map(|letter| machine.axis(letter).map_or((0.0, 0.0), |axis| axis.travel));
         let exact = home.map(of_f64);
-        Plan { writer, home: exact, exact, at: [home[0], home[1]], travel, motions: 0, outside: (0, None) }
+        Plan { writer, home: exact, exact, at: [home[0], home[1]], travel, motions: 0, noted: 0, outside: (0, None) }
     }
 
     /// A point within the travel, if it was but for rounding.

@@ -6,6 +6,7 @@
 //! or an id, and the reason.
 mod check;
 mod clip;
+mod places;
 mod warnings;
 
 use crate::fault::Fault;
@@ -44,14 +45,18 @@ fn parsed(bytes: &[u8]) -> Result<(Vec<Shape>, Vec<String>), Fault> {
         let line = bytes[..error.valid_up_to()].iter().filter(|byte| **byte == b'\n').count() + 1;
         Fault::at(line as u32, "this is not UTF-8 text; an SVG is")
     })?;
-    let xml = ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
-    let document = Document::parse_with_options(text.trim_start_matches('\u{feff}'), xml).map_err(|error| {
+    let xml = || ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
+    let document = Document::parse_with_options(text.trim_start_matches('\u{feff}'), xml()).map_err(|error| {
         // What is missing is missing at the end.
         let missing = matches!(error, roxmltree::Error::UnexpectedEndOfStream | roxmltree::Error::UnclosedRootNode);
         let line = if missing { text.lines().count().max(1) as u32 } else { error.pos().row };
         Fault::at(line, format!("this is no whole SVG: {}", bare(&error.to_string())))
     })?;
     check::check(&document)?;
+    // The same with a name for each shape, so that it is found again in the file.
+    let named = places::named(&document);
+    let document =
+        Document::parse_with_options(&named, xml()).map_err(|error| Fault::whole(bare(&error.to_string())))?;
     let (tree, warnings) = warnings::during(|| Tree::from_xmltree(&document, &options()));
     let tree = tree.map_err(|error| {
         Fault::whole(match error {
@@ -67,11 +72,13 @@ fn parsed(bytes: &[u8]) -> Result<(Vec<Shape>, Vec<String>), Fault> {
     if let Some(wrong) = wrong.first() {
         return Err(Fault::whole(wrong.clone()));
     }
-    let mut found = Found { height: f64::from(tree.size().height()), ..Found::default() };
+    let (width, height) = (f64::from(tree.size().width()), f64::from(tree.size().height()));
+    let mut found = Found { width, height, ..Found::default() };
     found.group(tree.root())?;
     let mut notes: Vec<String> = skipped;
     notes.extend(size_note(document.root_element()));
     notes.extend(check::thin(&document));
+    notes.extend(found.beyond_note());
     notes.extend(found.passed_over.iter().map(|(what, count)| format!("{what} ({count})")));
     Ok((found.shapes, notes))
 }
@@ -105,11 +112,16 @@ fn bare(text: &str) -> String {
 #[derive(Default)]
 struct Found {
     /// Of the page, px.
+    width: f64,
     height: f64,
     shapes: Vec<Shape>,
     passed_over: BTreeMap<&'static str, usize>,
-    paths: usize,
+    /// Shapes that are marked and leave the page: how many, and the first.
+    beyond: (usize, String),
 }
+
+/// What lies so far outside the page is not taken for outside, px.
+const PAGE_SLACK_PX: f64 = 0.05;
 
 /// A transform in 64 bits.
 #[derive(Debug, Clone, Copy)]
@@ -139,6 +151,12 @@ impl From<[f64; 6]> for Map {
 }
 
 impl Found {
+    fn beyond_note(&self) -> Option<String> {
+        let (count, first) = &self.beyond;
+        let more = if *count > 1 { format!(" (with it {count} shapes)") } else { String::new() };
+        (*count > 0).then(|| format!("{first} leaves the page, and is marked there too{more}"))
+    }
+
     fn pass(&mut self, what: &'static str) {
         *self.passed_over.entry(what).or_insert(0) += 1;
     }
@@ -176,8 +194,7 @@ impl Found {
     }
 
     fn path(&mut self, path: &usvg::Path) -> Result<(), Fault> {
-        self.paths += 1;
-        let place = if path.id().is_empty() { format!("shape {}", self.paths) } else { format!("`{}`", path.id()) };
+        let place = places::place(path.id());
         let Some(stroke) = path.stroke() else {
             if path.fill().is_some() {
                 self.pass("shapes with a fill and no stroke are not marked");
@@ -195,6 +212,17 @@ impl Found {
         if stroke.dasharray().is_some() {
             let text = format!("the stroke of {place} is dashed, which is not supported: make paths of the dashes");
             return Err(Fault::whole(text));
+        }
+        let bounds = path.abs_bounding_box();
+        let range = [(bounds.left(), bounds.right(), self.width), (bounds.top(), bounds.bottom(), self.height)];
+        if range
+            .into_iter()
+            .any(|(low, high, most)| f64::from(low) < -PAGE_SLACK_PX || f64::from(high) > most + PAGE_SLACK_PX)
+        {
+            self.beyond.0 += 1;
+            if self.beyond.0 == 1 {
+                self.beyond.1.clone_from(&place);
+            }
         }
         let paint = Paint { colour: [colour.red, colour.green, colour.blue], index: None, layer: None };
         self.outline(path, &Pen { paint, place });

@@ -79,6 +79,35 @@ typedef struct TPid {
     short limit;
 } TPid;
 
+typedef struct THomePrm {
+    short mode;
+    short moveDir;
+    short indexDir;
+    short edge;
+    short triggerIndex;
+    short pad1[3];
+    double velHigh;
+    double velLow;
+    double acc;
+    double dec;
+    short smoothTime;
+    short pad2[3];
+    long homeOffset;
+    long searchHomeDistance;
+    long searchIndexDistance;
+    long escapeStep;
+    long pad3[2];
+} THomePrm;
+
+typedef struct THomeStatus {
+    short run;
+    short stage;
+    short error;
+    short pad1;
+    long capturePos;
+    long targetPos;
+} THomeStatus;
+
 #ifdef __cplusplus
 }
 #endif
@@ -705,6 +734,36 @@ GT_API GT_EnableLeadScrewComp(short axis, short mode);
 GT_API GT_SetBacklash(short axis, long compValue, double compChangeValue, long compDir);
 /* Refused: no compensation. */
 GT_API GT_GetBacklash(short axis, long *compValue, double *compChangeValue, long *compDir);
+/* Homes an axis in Trap mode by limit, home and index; the origin is 0 from then on. */
+GT_API GT_GoHome(short axis, THomePrm *prm);
+/* The parameters of the last GoHome of an axis. */
+GT_API GT_GetHomePrm(short axis, THomePrm *prm);
+/* Whether an axis is on its way home, at which stage, and what went wrong. */
+GT_API GT_GetHomeStatus(short axis, THomeStatus *status);
+/* Done: homing needs no start. */
+GT_API GT_HomeInit(void);
+/* Refused: no mode Gear. */
+GT_API GT_PrfGear(short profile, short dir GT_DEFAULT(0));
+/* Refused: no mode Gear. */
+GT_API GT_SetGearMaster(short profile, short masterIndex, short masterType GT_DEFAULT(2), short masterItem GT_DEFAULT(0));
+/* Refused: no mode Gear. */
+GT_API GT_GetGearMaster(short profile, short *masterIndex, short *masterType GT_DEFAULT(NULL), short *masterItem GT_DEFAULT(NULL));
+/* Refused: no mode Gear. */
+GT_API GT_SetGearRatio(short profile, long masterEven, long slaveEven, long masterSlope GT_DEFAULT(0));
+/* Refused: no mode Gear. */
+GT_API GT_GetGearRatio(short profile, long *masterEven, long *slaveEven, long *masterSlope GT_DEFAULT(NULL));
+/* Refused: no mode Gear. */
+GT_API GT_GearStart(long mask);
+/* Refused: no mode Gear. */
+GT_API GT_SetGearEvent(short profile, short event, long startPara0, long startPara1);
+/* Refused: no mode Gear. */
+GT_API GT_GetGearEvent(short profile, short *event, long *startPara0, long *startPara1);
+/* Refused: no counts of edges. */
+GT_API GT_GetDiReverseCount(short diType, short diIndex, unsigned long *reverseCount, short count GT_DEFAULT(1));
+/* Refused: no counts of edges. */
+GT_API GT_SetDiReverseCount(short diType, short diIndex, unsigned long *reverseCount, short count GT_DEFAULT(1));
+/* Refused: no output for a time. */
+GT_API GT_SetDoBitReverse(short doType, short doIndex, short value, short reverseTime);
 /* Refused: no Cam. */
 GT_API GT_PrfCam(short profile);
 /* Refused: no Cam. */
@@ -1255,6 +1314,36 @@ GT_API GTN_EnableLeadScrewComp(short core, short axis, short mode);
 GT_API GTN_SetBacklash(short core, short axis, long compValue, double compChangeValue, long compDir);
 /* Refused: no compensation. */
 GT_API GTN_GetBacklash(short core, short axis, long *compValue, double *compChangeValue, long *compDir);
+/* Homes an axis in Trap mode by limit, home and index; the origin is 0 from then on. */
+GT_API GTN_GoHome(short core, short axis, THomePrm *prm);
+/* The parameters of the last GoHome of an axis. */
+GT_API GTN_GetHomePrm(short core, short axis, THomePrm *prm);
+/* Whether an axis is on its way home, at which stage, and what went wrong. */
+GT_API GTN_GetHomeStatus(short core, short axis, THomeStatus *status);
+/* Done: homing needs no start. */
+GT_API GTN_HomeInit(short core);
+/* Refused: no mode Gear. */
+GT_API GTN_PrfGear(short core, short profile, short dir GT_DEFAULT(0));
+/* Refused: no mode Gear. */
+GT_API GTN_SetGearMaster(short core, short profile, short masterIndex, short masterType GT_DEFAULT(2), short masterItem GT_DEFAULT(0));
+/* Refused: no mode Gear. */
+GT_API GTN_GetGearMaster(short core, short profile, short *masterIndex, short *masterType GT_DEFAULT(NULL), short *masterItem GT_DEFAULT(NULL));
+/* Refused: no mode Gear. */
+GT_API GTN_SetGearRatio(short core, short profile, long masterEven, long slaveEven, long masterSlope GT_DEFAULT(0));
+/* Refused: no mode Gear. */
+GT_API GTN_GetGearRatio(short core, short profile, long *masterEven, long *slaveEven, long *masterSlope GT_DEFAULT(NULL));
+/* Refused: no mode Gear. */
+GT_API GTN_GearStart(short core, long mask);
+/* Refused: no mode Gear. */
+GT_API GTN_SetGearEvent(short core, short profile, short event, long startPara0, long startPara1);
+/* Refused: no mode Gear. */
+GT_API GTN_GetGearEvent(short core, short profile, short *event, long *startPara0, long *startPara1);
+/* Refused: no counts of edges. */
+GT_API GTN_GetDiReverseCount(short core, short diType, short diIndex, unsigned long *reverseCount, short count GT_DEFAULT(1));
+/* Refused: no counts of edges. */
+GT_API GTN_SetDiReverseCount(short core, short diType, short diIndex, unsigned long *reverseCount, short count GT_DEFAULT(1));
+/* Refused: no output for a time. */
+GT_API GTN_SetDoBitReverse(short core, short doType, short doIndex, short value, short reverseTime);
 /* Refused: no Cam. */
 GT_API GTN_PrfCam(short core, short profile);
 /* Refused: no Cam. */

@@ -79,6 +79,35 @@ typedef struct TPid {
     short limit;
 } TPid;
 
+typedef struct THomePrm {
+    short mode;
+    short moveDir;
+    short indexDir;
+    short edge;
+    short triggerIndex;
+    short pad1[3];
+    double velHigh;
+    double velLow;
+    double acc;
+    double dec;
+    short smoothTime;
+    short pad2[3];
+    long homeOffset;
+    long searchHomeDistance;
+    long searchIndexDistance;
+    long escapeStep;
+    long pad3[2];
+} THomePrm;
+
+typedef struct THomeStatus {
+    short run;
+    short stage;
+    short error;
+    short pad1;
+    long capturePos;
+    long targetPos;
+} THomeStatus;
+
 #ifdef __cplusplus
 }
 #endif
@@ -417,6 +446,21 @@ typedef struct TPid {
 #define GT_EnableLeadScrewComp GTM_EnableLeadScrewComp
 #define GT_SetBacklash GTM_SetBacklash
 #define GT_GetBacklash GTM_GetBacklash
+#define GT_GoHome GTM_GoHome
+#define GT_GetHomePrm GTM_GetHomePrm
+#define GT_GetHomeStatus GTM_GetHomeStatus
+#define GT_HomeInit GTM_HomeInit
+#define GT_PrfGear GTM_PrfGear
+#define GT_SetGearMaster GTM_SetGearMaster
+#define GT_GetGearMaster GTM_GetGearMaster
+#define GT_SetGearRatio GTM_SetGearRatio
+#define GT_GetGearRatio GTM_GetGearRatio
+#define GT_GearStart GTM_GearStart
+#define GT_SetGearEvent GTM_SetGearEvent
+#define GT_GetGearEvent GTM_GetGearEvent
+#define GT_GetDiReverseCount GTM_GetDiReverseCount
+#define GT_SetDiReverseCount GTM_SetDiReverseCount
+#define GT_SetDoBitReverse GTM_SetDoBitReverse
 #define GT_PrfCam GTM_PrfCam
 #define GT_CamStart GTM_CamStart
 
@@ -963,6 +1007,36 @@ GT_API GT_EnableLeadScrewComp(short cardNum, short axis, short mode);
 GT_API GT_SetBacklash(short cardNum, short axis, long compValue, double compChangeValue, long compDir);
 /* Refused: no compensation. */
 GT_API GT_GetBacklash(short cardNum, short axis, long *compValue, double *compChangeValue, long *compDir);
+/* Homes an axis in Trap mode by limit, home and index; the origin is 0 from then on. */
+GT_API GT_GoHome(short cardNum, short axis, THomePrm *prm);
+/* The parameters of the last GoHome of an axis. */
+GT_API GT_GetHomePrm(short cardNum, short axis, THomePrm *prm);
+/* Whether an axis is on its way home, at which stage, and what went wrong. */
+GT_API GT_GetHomeStatus(short cardNum, short axis, THomeStatus *status);
+/* Done: homing needs no start. */
+GT_API GT_HomeInit(short cardNum);
+/* Refused: no mode Gear. */
+GT_API GT_PrfGear(short cardNum, short profile, short dir GT_DEFAULT(0));
+/* Refused: no mode Gear. */
+GT_API GT_SetGearMaster(short cardNum, short profile, short masterIndex, short masterType GT_DEFAULT(2), short masterItem GT_DEFAULT(0));
+/* Refused: no mode Gear. */
+GT_API GT_GetGearMaster(short cardNum, short profile, short *masterIndex, short *masterType GT_DEFAULT(NULL), short *masterItem GT_DEFAULT(NULL));
+/* Refused: no mode Gear. */
+GT_API GT_SetGearRatio(short cardNum, short profile, long masterEven, long slaveEven, long masterSlope GT_DEFAULT(0));
+/* Refused: no mode Gear. */
+GT_API GT_GetGearRatio(short cardNum, short profile, long *masterEven, long *slaveEven, long *masterSlope GT_DEFAULT(NULL));
+/* Refused: no mode Gear. */
+GT_API GT_GearStart(short cardNum, long mask);
+/* Refused: no mode Gear. */
+GT_API GT_SetGearEvent(short cardNum, short profile, short event, long startPara0, long startPara1);
+/* Refused: no mode Gear. */
+GT_API GT_GetGearEvent(short cardNum, short profile, short *event, long *startPara0, long *startPara1);
+/* Refused: no counts of edges. */
+GT_API GT_GetDiReverseCount(short cardNum, short diType, short diIndex, unsigned long *reverseCount, short count GT_DEFAULT(1));
+/* Refused: no counts of edges. */
+GT_API GT_SetDiReverseCount(short cardNum, short diType, short diIndex, unsigned long *reverseCount, short count GT_DEFAULT(1));
+/* Refused: no output for a time. */
+GT_API GT_SetDoBitReverse(short cardNum, short doType, short doIndex, short value, short reverseTime);
 /* Refused: no Cam. */
 GT_API GT_PrfCam(short cardNum, short profile);
 /* Refused: no Cam. */

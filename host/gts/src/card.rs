@@ -6,6 +6,7 @@
 //! follow each other. An Abort, a Close and the end of the process have priority.
 
 use crate::board_memory::{Virtual, retire};
+use crate::home::Homes;
 use crate::recorder::{Claim, Recorder};
 use crate::settings::{Road, Settings};
 use crate::stream::Stream;
@@ -229,6 +230,8 @@ pub struct Card {
     pub serial: u64,
     /// Something was set in motion.
     pub started: bool,
+    /// Axes on their way home.
+    homes: Arc<Homes>,
     /// Settings that change nothing (`more`).
     pub kept: crate::more::Kept,
     /// Keys of `compat`.
@@ -288,9 +291,10 @@ impl Card {
             inputs.plan(&client, Zero::Now).map_err(wrong)?;
         }
         let client = Arc::new(client);
+        let homes: Arc<Homes> = Arc::default();
         let keeper = match &time {
             Time::Calls => None,
-            time => Some(Keeper::start(opening.slot, Arc::clone(&client), time.clone())),
+            time => Some(Keeper::start(opening.slot, (Arc::clone(&client), Arc::clone(&homes)), time.clone())),
         };
         let keys = crate::compat::Keys::read(client.now());
         let stream = Stream::new(settings.batches, client.version().step_limit.get());
@@ -308,6 +312,7 @@ impl Card {
             _memory: memory,
             serial,
             started: false,
+            homes,
             kept: Default::default(),
             keys,
         })
@@ -338,6 +343,25 @@ impl Card {
             self.client.board(),
             crate::width::BITS
         )
+    }
+
+    /// Its axes on their way home.
+    pub fn homes(&self) -> Arc<Homes> {
+        Arc::clone(&self.homes)
+    }
+
+    /// Takes them on, where no thread does.
+    pub fn step_homes(&self) {
+        if let Time::Calls = self.time {
+            self.homes.step(&self.client);
+        }
+    }
+
+    /// There is something to do for the thread.
+    pub fn wake(&self) {
+        if let Some(keeper) = &self.keeper {
+            keeper.wake();
+        }
     }
 
     /// The client, for what needs no order among calls.
@@ -456,17 +480,17 @@ struct Keeper {
 }
 
 impl Keeper {
-    fn start(slot: Slot, client: Arc<Client>, time: Time) -> Keeper {
+    fn start(slot: Slot, (client, homes): (Arc<Client>, Arc<Homes>), time: Time) -> Keeper {
         let shared = Arc::new((Mutex::new(false), Condvar::new(), AtomicBool::new(false)));
         let theirs = Arc::clone(&shared);
         let thread = std::thread::spawn(move || {
             let (ends, bell, queued) = &*theirs;
             loop {
                 let end = ends.lock().unwrap_or_else(PoisonError::into_inner);
-                let idle = matches!(time, Time::Own) && !queued.load(Ordering::Relaxed);
+                let has_work = || queued.load(Ordering::Relaxed) || homes.run();
+                let idle = matches!(time, Time::Own) && !has_work();
                 let end = if idle {
-                    bell.wait_while(end, |end| !*end && !queued.load(Ordering::Relaxed))
-                        .unwrap_or_else(PoisonError::into_inner)
+                    bell.wait_while(end, |end| !*end && !has_work()).unwrap_or_else(PoisonError::into_inner)
                 } else {
                     bell.wait_timeout_while(end, POLL_PERIOD, |end| !*end).unwrap_or_else(PoisonError::into_inner).0
                 };
@@ -479,6 +503,7 @@ impl Keeper {
                     // The next call reports a failure.
                     pace.catch_up(now, |ns| drop(client.sleep(Duration::from_nanos(ns))));
                 }
+                homes.step(&client);
                 if queued.load(Ordering::Relaxed)
                     && let Some(mut state) = slot.try_lock()
                     && let Ok(card) = state.card("")

@@ -399,6 +399,7 @@ pub unsafe fn call(slot: Slot, prepared: &Prepared, lead: c_short, args: &[Arg])
     }
     let version = state.version();
     let card = state.card(prepared.name())?;
+    card.step_homes();
     prepared.check_addresses(args)?;
     let note = match prepared.name() {
         "LoadConfig" => {
@@ -435,6 +436,7 @@ pub unsafe fn call(slot: Slot, prepared: &Prepared, lead: c_short, args: &[Arg])
             }
             if prepared.name() == "Reset" {
                 card.kept.reset(core);
+                card.homes().reset(core);
             }
             if is_start(prepared) {
                 card.started = true;

@@ -26,7 +26,8 @@ const GROUPS: &[(&str, &str)] = &[
 ];
 
 /// Structs of the API.
-pub const STRUCTS: [Type; 5] = [Type::Trap, Type::Jog, Type::Crd, Type::CrdData, Type::Pid];
+pub const STRUCTS: [Type; 7] =
+    [Type::Trap, Type::Jog, Type::Crd, Type::CrdData, Type::Pid, Type::HomePrm, Type::HomeStatus];
 
 /// One declaration; `default` says whether defaults are shown.
 pub fn declaration(prototype: &Prototype, symbol: &str) -> String {

@@ -12,8 +12,8 @@
 //! the size of a `long`: the package `beamtick-gts32` builds these files with 32 bits. `boundary`
 //! is the entry from C; `engine` makes requests of arguments, and arguments of replies. `card` is
 //! an opened controller, `stream` the batching of PT data, `recorder` its trace files, `log` its
-//! calls. `more` has the calls beyond the manuals that the library answers. `compat` serves the
-//! replacements of Windows headers, `at_exit` the end of the process.
+//! calls. `more` has the calls beyond the manuals that the library answers, `home` automatic
+//! homing. `compat` serves the replacements of Windows headers, `at_exit` the end of the process.
 
 mod at_exit;
 mod board_memory;
@@ -35,6 +35,7 @@ mod width;
 pub mod about;
 pub mod csharp;
 pub mod header;
+pub mod home;
 pub mod more;
 pub mod page;
 pub mod prototype;

@@ -8,6 +8,7 @@ mod rows;
 
 use crate::boundary::Arg;
 use crate::engine::Prepared;
+use crate::home::HomeCall;
 use crate::prototype::Scalar;
 use crate::reason;
 use client::{Error, Result};
@@ -53,6 +54,8 @@ pub enum Class {
         /// The values before any are set.
         unset: &'static [f64],
     },
+    /// Automatic homing, by the library with the controller's captures.
+    Homes(HomeCall),
     /// What it asks for is so: nothing to do. Its argument names an item of this range.
     IsSo(Range, &'static str),
     /// Only 0 is taken; anything else is refused for this reason.
@@ -157,6 +160,6 @@ pub fn call(
             _ => Ok(Done::Yes),
         },
         Class::Refused(why) => Err(Error::new(1, format!("{function}: {why}"))),
-        Class::Real | Class::Timed => Ok(Done::Yes),
+        Class::Real | Class::Timed | Class::Homes(_) => Ok(Done::Yes),
     }
 }

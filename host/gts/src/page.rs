@@ -8,7 +8,7 @@ use std::fmt::Write;
 /// How a function beyond the manuals behaves, and what is said of it.
 fn state(more: &More) -> (&'static str, String) {
     match more.class {
-        Class::Real | Class::Timed => ("works", more.about.to_owned()),
+        Class::Real | Class::Timed | Class::Homes(_) => ("works", more.about.to_owned()),
         Class::Keeps { .. } => ("kept", more.about.trim_start_matches("Kept: ").to_owned()),
         Class::Recalls { .. } => ("kept", more.about.to_owned()),
         Class::IsSo(_, why) => ("works", format!("Nothing to do: {why}.")),

@@ -28,7 +28,9 @@ pub struct Recorder {
     vcd: Sink<VcdWriter<BufWriter<File>>>,
     /// The files' names while they grow.
     streams: Vec<Staged>,
+    /// The picture, or the page of HTML; and what is drawn there.
     plot: Option<(Staged, Option<Plot>)>,
+    is_page: bool,
     /// General outputs of the controller.
     outputs: u8,
     failed: Option<TraceError>,
@@ -115,6 +117,7 @@ impl Recorder {
             vcd: Sink::create(settings.vcd.as_ref(), &mut streams)?,
             streams,
             plot: settings.plot.as_ref().map(|path| (Staged::picture(path), None)),
+            is_page: settings.draws_page(),
             outputs: client.version().general_outputs,
             failed: None,
         };
@@ -134,13 +137,14 @@ impl Recorder {
         if self.failed.is_some() {
             return;
         }
-        let Recorder { reader, csv, vcd, plot, outputs, failed, .. } = self;
+        let Recorder { reader, csv, vcd, plot, is_page, outputs, failed, .. } = self;
+        let options = PlotOptions { page: *is_page, ..PlotOptions::default() };
         let mut picture = plot.as_mut().map(|(_, plot)| plot);
         let mut take = |item: Item| -> trace::Result<()> {
             match item {
                 Item::Header(header) => {
                     if let Some(plot) = &mut picture {
-                        **plot = Some(Plot::new(&header, PlotOptions::default())?);
+                        **plot = Some(Plot::new(&header, options.clone())?);
                     }
                     begin(csv, vcd, *outputs, &header)
                 }
@@ -222,7 +226,10 @@ impl Recorder {
         if let Some((staged, plot)) = self.plot.take() {
             if let Some(mut plot) = plot {
                 plot.leave_out_idle();
-                outcome = outcome.and(plot.save(staged.path()));
+                outcome = outcome.and(match self.is_page {
+                    true => plot.save_page(staged.path(), None),
+                    false => plot.save(staged.path()),
+                });
             }
             files.push(staged);
         }

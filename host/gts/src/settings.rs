@@ -7,7 +7,7 @@
 use crate::card::Slot;
 use client::error::CANNOT_OPEN;
 use client::{Error, Family, Profile, Result};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The link to the controller.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,7 +37,7 @@ pub struct Settings {
     pub trace: Option<PathBuf>,
     /// File of the trace as VCD.
     pub vcd: Option<PathBuf>,
-    /// File of its picture: SVG or PNG.
+    /// File of its picture: SVG, PNG, or a page of HTML.
     pub plot: Option<PathBuf>,
     /// File of all calls.
     pub log: Option<PathBuf>,
@@ -104,17 +104,26 @@ impl Settings {
             ));
         }
         if let Some(plot) = &settings.plot
-            && !plot.extension().is_some_and(|end| end.eq_ignore_ascii_case("png") || end.eq_ignore_ascii_case("svg"))
+            && !ends_in(plot, &["png", "svg", "html"])
         {
-            return Err(wrong("BEAMTICK_PLOT", &plot.display().to_string(), "a name that ends in .png or .svg"));
+            return Err(wrong("BEAMTICK_PLOT", &plot.display().to_string(), "a name that ends in .png, .svg or .html"));
         }
         Ok(settings)
+    }
+
+    /// Whether the picture is a page of HTML.
+    pub fn draws_page(&self) -> bool {
+        self.plot.as_deref().is_some_and(|plot| ends_in(plot, &["html"]))
     }
 
     /// Whether a trace is recorded.
     pub fn is_traced(&self) -> bool {
         self.trace.is_some() || self.vcd.is_some() || self.plot.is_some()
     }
+}
+
+fn ends_in(name: &Path, known: &[&str]) -> bool {
+    name.extension().is_some_and(|end| known.iter().any(|known| end.eq_ignore_ascii_case(known)))
 }
 
 #[cfg(test)]

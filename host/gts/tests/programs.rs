@@ -326,3 +326,15 @@ fn real_time_and_as_fast_as_it_can_agree() {
     let text = output(&built, &[("BEAMTICK_LINK", "virtual:20")]);
     assert!(text.ends_with("at 4096.0 with 0.00 pulse/ms\n"), "{text}");
 }
+
+/// Automatic homing by home switch and limits, what it ends with, and its errors.
+#[test]
+fn homing_ends_at_its_offset() {
+    let source = root().join("host/gts/tests/programs/homing.cpp");
+    let Some(built) = build_file(Language::Cpp, "homing", &source, &["-Wpedantic"]) else { return };
+    assert_eq!(output(&built, &[("BEAMTICK_LINK", "virtual:max")]), "all checks passed\n");
+    for link in ["virtual:max", "virtual:20"] {
+        let text = toolchain::output_of(toolchain::command(&built, &[("BEAMTICK_LINK", link)]).arg("alone"));
+        assert_eq!(text, "all checks passed\n", "{link}");
+    }
+}

@@ -43,6 +43,13 @@ TCrdPrm = struct("TCrdPrm", 80, ("dimension", short), ("profile", short * 8), ("
 TPid = struct("TPid", 56, ("kp", double), ("ki", double), ("kd", double), ("kvff", double), ("kaff", double),
               ("integralLimit", int32), ("derivativeLimit", int32), ("limit", short))
 
+THomePrm = struct("THomePrm", 80, ("mode", short), ("moveDir", short), ("indexDir", short), ("edge", short),
+                  ("triggerIndex", short), ("pad1", short * 3), ("velHigh", double), ("velLow", double), ("acc", double),
+                  ("dec", double), ("smoothTime", short), ("pad2", short * 3), ("homeOffset", int32),
+                  ("searchHomeDistance", int32), ("searchIndexDistance", int32), ("escapeStep", int32), ("pad3", int32 * 2))
+THomeStatus = struct("THomeStatus", 16, ("run", short), ("stage", short), ("error", short), ("pad1", short),
+                     ("capturePos", int32), ("targetPos", int32))
+
 
 def call(name, *args):
     code = getattr(library, name)(*args)
@@ -116,6 +123,17 @@ pid.integralLimit, pid.derivativeLimit, pid.limit = 6, 7, 8
 call("GT_SetPid", one, one, ctypes.byref(pid))
 found = filled("GT_GetPid", TPid, one, one)
 assert (found.kaff, found.integralLimit, found.derivativeLimit, found.limit) == (5.0, 6, 7, 8)
+
+home = guarded(THomePrm)
+home.mode, home.moveDir, home.edge, home.velHigh, home.velLow, home.acc, home.dec = 20, -1, 1, 10, 1, 1, 1
+home.homeOffset, home.searchHomeDistance, home.escapeStep = -7, 100, 9
+home.indexDir, home.triggerIndex, home.smoothTime, home.searchIndexDistance = 1, 4, 0, 0
+call("GT_AxisOn", short(4))
+call("GT_GoHome", short(4), ctypes.byref(home))
+found = filled("GT_GetHomePrm", THomePrm, short(4))
+assert (found.mode, found.velLow, found.homeOffset, found.searchHomeDistance, found.escapeStep) == (20, 1.0, -7, 100, 9)
+found = filled("GT_GetHomeStatus", THomeStatus, short(4))
+assert (found.run, found.error) == (1, 0), (found.run, found.stage, found.error)
 
 # Arrays that are read: not one value more than there is.
 origin, scale = guarded(int32 * 4), guarded(double * 4)

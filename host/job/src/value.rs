@@ -47,8 +47,12 @@ pub enum Type {
     Crd,
     /// TCrdData.
     CrdData,
-    /// TPid (in the C library alone).
+    /// TPid (in the C library alone, as the next two).
     Pid,
+    /// THomePrm.
+    HomePrm,
+    /// THomeStatus.
+    HomeStatus,
 }
 
 /// Fields of a struct: name, type, number of elements.
@@ -112,6 +116,33 @@ impl Type {
                 ("derivativeLimit", Type::Long, 1),
                 ("limit", Type::Short, 1),
             ],
+            Type::HomePrm => &[
+                ("mode", Type::Short, 1),
+                ("moveDir", Type::Short, 1),
+                ("indexDir", Type::Short, 1),
+                ("edge", Type::Short, 1),
+                ("triggerIndex", Type::Short, 1),
+                ("pad1", Type::Short, 3),
+                ("velHigh", Type::Double, 1),
+                ("velLow", Type::Double, 1),
+                ("acc", Type::Double, 1),
+                ("dec", Type::Double, 1),
+                ("smoothTime", Type::Short, 1),
+                ("pad2", Type::Short, 3),
+                ("homeOffset", Type::Long, 1),
+                ("searchHomeDistance", Type::Long, 1),
+                ("searchIndexDistance", Type::Long, 1),
+                ("escapeStep", Type::Long, 1),
+                ("pad3", Type::Long, 2),
+            ],
+            Type::HomeStatus => &[
+                ("run", Type::Short, 1),
+                ("stage", Type::Short, 1),
+                ("error", Type::Short, 1),
+                ("pad1", Type::Short, 1),
+                ("capturePos", Type::Long, 1),
+                ("targetPos", Type::Long, 1),
+            ],
             Type::Short => &[("", Type::Short, 1)],
             Type::UShort => &[("", Type::UShort, 1)],
             Type::Long => &[("", Type::Long, 1)],
@@ -147,6 +178,8 @@ impl Type {
             Type::Crd => "TCrdPrm",
             Type::CrdData => "TCrdData",
             Type::Pid => "TPid",
+            Type::HomePrm => "THomePrm",
+            Type::HomeStatus => "THomeStatus",
         }
     }
 

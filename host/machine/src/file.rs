@@ -111,11 +111,16 @@ pub(crate) fn whole(value: &Spanned<i64>, limits: RangeInclusive<i64>, unit: &st
 }
 
 pub fn read(name: &str, text: &str) -> Result<Machine, String> {
+    read_as(text, |line, what| format!("{name}:{line}: {what}"))
+}
+
+/// Reads a text. `shown` makes an error of its line and of what is wrong; that begins with the key.
+pub fn read_as(text: &str, shown: impl Fn(usize, &str) -> String) -> Result<Machine, String> {
     let bare = text.trim_start_matches('\u{feff}');
     let shown = |span: Range<usize>, message: String| {
         let (line, key) = place(bare, span.start);
         let key = if key.is_empty() { String::new() } else { format!("{key} ") };
-        format!("{name}:{line}: {key}{message}")
+        shown(line, &format!("{key}{message}"))
     };
     let file: File = toml::from_str(bare).map_err(|error| {
         let message = plain(&error.message().replace('\n', " "));

@@ -131,16 +131,23 @@ fn colour(value: &Spanned<toml::Value>) -> Result<Colour, Fault> {
     }
 }
 
+impl Layer {
+    /// Which strokes it takes, in words.
+    pub fn takes(&self) -> String {
+        match (self.colour, &self.drawing_layer) {
+            (None, None) => "all strokes that no layer before takes".to_owned(),
+            (Some(Colour::Rgb([r, g, b])), None) => format!("strokes of #{r:02x}{g:02x}{b:02x}"),
+            (Some(Colour::Index(index)), None) => format!("strokes of colour {index}"),
+            (None, Some(layer)) => format!("strokes on `{layer}`"),
+            (Some(Colour::Rgb([r, g, b])), Some(layer)) => format!("strokes of #{r:02x}{g:02x}{b:02x} on `{layer}`"),
+            (Some(Colour::Index(index)), Some(layer)) => format!("strokes of colour {index} on `{layer}`"),
+        }
+    }
+}
+
 /// A line for the user.
 pub(crate) fn show(layer: &Layer, laser: Option<&Laser>) -> String {
-    let what = match (layer.colour, &layer.drawing_layer) {
-        (None, None) => "all strokes that no layer before takes".to_owned(),
-        (Some(Colour::Rgb([r, g, b])), None) => format!("strokes of #{r:02x}{g:02x}{b:02x}"),
-        (Some(Colour::Index(index)), None) => format!("strokes of colour {index}"),
-        (None, Some(layer)) => format!("strokes on `{layer}`"),
-        (Some(Colour::Rgb([r, g, b])), Some(layer)) => format!("strokes of #{r:02x}{g:02x}{b:02x} on `{layer}`"),
-        (Some(Colour::Index(index)), Some(layer)) => format!("strokes of colour {index} on `{layer}`"),
-    };
+    let what = layer.takes();
     if layer.skip {
         return format!("layer \"{}\": {what} are not marked\n", layer.name);
     }
@@ -188,6 +195,7 @@ pub(crate) fn given(text: &str, machine: &Machine) -> Result<Layer, String> {
     let spanned = Spanned::new(0..0, keys);
     checked(&spanned, machine.laser.as_ref(), 0).map_err(|(span, why)| {
         let line = toml.get(..span.start).unwrap_or("").rsplit('\n').next().unwrap_or("");
-        shown(format!("{} {why}", line.split('=').next().unwrap_or("").trim()))
+        let key = line.split('=').next().unwrap_or("").trim();
+        shown(format!("{} {why}", if key.is_empty() { "it" } else { key }))
     })
 }

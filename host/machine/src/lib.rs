@@ -12,7 +12,7 @@ mod template;
 
 pub use layers::{Colour, Layer, Shine};
 pub use show::show;
-pub use template::{Question, questions, write};
+pub use template::{Question, is_value, questions, suit_laser, write};
 
 /// Letters that an axis may have, in the order of coordinates.
 pub const LETTERS: [char; 3] = ['X', 'Y', 'Z'];

@@ -1,7 +1,8 @@
 //! A new machine file: the questions it answers, and its text.
 //!
-//! In: which axes, whether there is a laser, answers. Out: a commented TOML text.
-use crate::Machine;
+//! In: which axes, whether there is a laser, answers. Out: a commented TOML text. Fails with the
+//! key whose answer is wrong: there is no file yet whose line could be named.
+use crate::{Machine, file};
 
 /// One thing that a machine file says.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -91,11 +92,44 @@ pub fn questions(letters: &str, laser: bool) -> Vec<Question> {
     all
 }
 
+/// Whether a text is a value of TOML; an empty one leaves its key out.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn is_value(text: &str) -> Result<(), String> {
+    if text.trim().is_empty() {
+        return Ok(());
+    }
+    let read: Result<toml::Table, _> = toml::from_str(&format!("value = {text}"));
+    match read {
+        Ok(table) if table.len() == 1 => Ok(()),
+        Ok(_) => Err("it is one value".to_owned()),
+        Err(error) => Err(error.message().replace('\n', " ")),
+    }
+}
+
+/// The mode of the laser has been answered: the usual answers to what is asked after it are those
+/// of this mode. `kept` are keys that have an answer already.
+pub fn suit_laser(questions: &mut [Question], kept: &[String]) {
+    let mode = questions.iter().find(|question| question.key == "laser.mode").map(|question| question.value.clone());
+    let (carrier, width, power) = match mode.as_deref() {
+        Some("\"frequency\"") => ("", "10", "[0, 20]"),
+        Some("\"analog\"") => ("", "", "[0, 10]"),
+        _ => ("10", "", "[0, 100]"),
+    };
+    for (key, usual) in [("carrier_khz", carrier), ("pulse_width_us", width), ("power", power)] {
+        let named = |question: &&mut Question| question.key.strip_prefix("laser.") == Some(key);
+        if let Some(question) = questions.iter_mut().find(named).filter(|question| !kept.contains(&question.key)) {
+            question.value = usual.to_owned();
+        }
+    }
+}
+
 /// The text of a file with these answers, and what it says.
 ///
 /// # Errors
-/// As [`Machine::read`].
-pub fn write(name: &str, questions: &[Question]) -> Result<(String, Machine), String> {
+/// The key whose answer is wrong comes first, then the reason.
+pub fn write(questions: &[Question]) -> Result<(String, Machine), String> {
     let mut text = "# The machine, in mm. docs/machine.md explains every key.\n".to_owned();
     let mut table = "";
     for question in questions {
@@ -111,6 +145,6 @@ pub fn write(name: &str, questions: &[Question]) -> Result<(String, Machine), St
         text += &format!("{line:<28}# {}\n", question.meaning);
     }
     text += LAYERS;
-    let machine = Machine::read(name, &text)?;
+    let machine = file::read_as(&text, |_, what| what.to_owned())?;
     Ok((text, machine))
 }

@@ -4,10 +4,23 @@ use machine::{Machine, Mode, questions, write};
 
 /// The usual file of three axes and a laser, with one line replaced.
 fn with(key: &str, value: &str) -> Result<Machine, String> {
-    let mut all = questions("XYZ", true);
-    let place = all.iter().position(|question| question.key == key).unwrap();
-    all[place].value = value.to_owned();
-    write("m.toml", &all).map(|(_, machine)| machine)
+    let (usual, _) = write(&questions("XYZ", true)).unwrap();
+    let (mut table, mut text, mut replaced) = (String::new(), String::new(), 0);
+    for line in usual.lines() {
+        if let Some(name) = line.strip_prefix('[') {
+            table = format!("{}.", name.trim_end_matches(']'));
+        }
+        let name = line.trim_start_matches("# ").split('=').next().unwrap_or("").trim();
+        let is_it = !line.starts_with('[') && format!("{table}{name}") == key;
+        replaced += usize::from(is_it);
+        text += &match (is_it, value) {
+            (true, "") => format!("# {name} =\n"),
+            (true, value) => format!("{name} = {value}\n"),
+            (false, _) => format!("{line}\n"),
+        };
+    }
+    assert_eq!(replaced, 1, "{key}");
+    Machine::read("m.toml", &text)
 }
 
 #[test]
@@ -186,7 +199,7 @@ fn figures_in_pulses_are_those_of_the_axis() {
 #[test]
 fn layers_are_checked_and_an_unknown_key_names_the_nearest() {
     let with = |lines: &str| {
-        let (text, _) = write("m.toml", &questions("XY", true)).unwrap();
+        let (text, _) = write(&questions("XY", true)).unwrap();
         let count = text.lines().count();
         (Machine::read("m.toml", &format!("{text}[[layers]]\npower = 5\nspeed = 600\n{lines}\n")), count + 4)
     };

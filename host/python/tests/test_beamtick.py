@@ -1,6 +1,7 @@
 """Tests of the Python package: `python3 -m unittest` in host/python, with BEAMTICK_LINK=virtual:max."""
 
 import importlib.util
+import json
 import os
 import pathlib
 import signal
@@ -316,6 +317,23 @@ class Package(unittest.TestCase):
             self.assertNotIn("matplotlib is not here", done.stdout)
             self.assertEqual(picture.read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
             self.assertGreater(picture.stat().st_size, 5000)
+
+    def test_the_notebook(self):
+        """Every cell, from top to bottom, as a fresh kernel runs them."""
+        path = pathlib.Path(__file__).resolve().parents[1] / "examples" / "first_plot.ipynb"
+        notebook = json.loads(path.read_text(encoding="utf-8"))
+        self.assertEqual(notebook["nbformat"], 4)
+        os.environ.setdefault("MPLBACKEND", "Agg")
+        names = {}
+        for cell in notebook["cells"]:
+            if cell["cell_type"] == "code":
+                self.assertEqual((cell["outputs"], cell["execution_count"]), ([], None))
+                exec(compile("".join(cell["source"]), f"{path.name} {cell['id']}", "exec"), names)
+        positions = names["trace"]["axis1_pos"]
+        self.assertEqual((max(positions), positions[-1]), (20000.0, 0.0))
+        has_pandas = importlib.util.find_spec("pandas") is not None
+        self.assertEqual(isinstance(names["summary"], str), not has_pandas)
+        self.assertEqual(names["figure"] is None, importlib.util.find_spec("matplotlib") is None)
 
 
 if __name__ == "__main__":

@@ -19,7 +19,7 @@ mod vcd_file;
 pub use csv_file::CsvWriter;
 pub use csv_reader::read_csv;
 pub use plant::beam::SignalChange;
-pub use plot::{Millimetres, Plot, PlotOptions, Preview, Xy};
+pub use plot::{Millimetres, Panels, Plot, PlotOptions, Preview, Xy};
 pub use reader::{Item, Reader};
 pub use row::{AnalogEdge, AxisName, AxisPoint, CrdName, Header, LaserName, LaserPoint, OutputEdge, PowerUnit, Row};
 pub use vcd_file::VcdWriter;

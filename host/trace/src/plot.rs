@@ -10,6 +10,8 @@
 mod activity;
 mod canvas;
 mod curve;
+mod extra;
+mod page;
 mod panel;
 mod preview;
 mod route;
@@ -17,12 +19,13 @@ mod text;
 mod window;
 mod xy;
 
-use crate::Result;
 use crate::decimal::{position_f64, scaled_f64};
 use crate::row::{AxisName, AxisPoint, CrdName, Header, LaserName, LaserPoint, PowerUnit, Row};
+use crate::{Result, TraceError};
 use activity::Activity;
 use canvas::{HEAD, Picture};
 use curve::Curve;
+use extra::Extra;
 use panel::{Beside, Content, FOOT, Frame, Panel};
 use plant::beam::SignalChange;
 use plotters::coord::Shift;
@@ -37,6 +40,18 @@ const VELOCITY: RGBColor = RGBColor(0xc8, 0x52, 0x1a);
 const GATE: RGBColor = RGBColor(0x2d, 0x7d, 0x46);
 const PULSES: RGBColor = RGBColor(0xb0, 0x2a, 0x3c);
 const POWER: RGBColor = RGBColor(0x7b, 0x3f, 0xa6);
+const ACCELERATION: RGBColor = RGBColor(0x8a, 0x6d, 0x1d);
+const FOLLOWING_ERROR: RGBColor = RGBColor(0x4d, 0x5a, 0x68);
+
+/// Panels that are drawn on request.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Panels {
+    /// The mean acceleration from row to row.
+    pub acceleration: bool,
+    /// Planned position less encoder, where the encoders are those of the machine without wires
+    /// (the crate `plant`): traces have no encoders.
+    pub error: bool,
+}
 
 /// What to draw.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,6 +68,10 @@ pub struct PlotOptions {
     pub width: u32,
     /// Axes that are shown in mm; others are shown in pulses.
     pub millimetres: Vec<Millimetres>,
+    /// Panels besides position and velocity.
+    pub panels: Panels,
+    /// For a page, which can be enlarged, and not for a picture.
+    pub page: bool,
 }
 
 /// An axis in mm.
@@ -77,11 +96,22 @@ impl Default for PlotOptions {
             to_ms: None,
             width: 1280,
             millimetres: Vec::new(),
+            panels: Panels::default(),
+            page: false,
         }
     }
 }
 
 impl PlotOptions {
+    /// A curve that keeps as much as this shows.
+    fn curve(&self) -> Curve {
+        Curve::new(if self.page { curve::BUCKETS_OF_A_PAGE } else { curve::BUCKETS })
+    }
+
+    fn activity(&self, window: Window) -> Activity {
+        Activity::new(window, if self.page { activity::HIGHS_OF_A_PAGE } else { activity::HIGHS_MAX })
+    }
+
     fn in_mm(&self, axis: AxisName) -> Option<&Millimetres> {
         self.millimetres.iter().find(|mm| mm.axis == axis)
     }
@@ -106,8 +136,8 @@ impl PlotOptions {
 #[derive(Debug, Clone, Default)]
 struct Values {
     t_ns: u64,
-    /// Position and velocity.
-    axes: Vec<[f64; 2]>,
+    /// Position, velocity, acceleration, following error.
+    axes: Vec<[f64; 4]>,
     crds: Vec<f64>,
     lasers: Vec<LaserPoint>,
 }
@@ -130,8 +160,9 @@ pub struct Plot {
     options: PlotOptions,
     window: Window,
     axes: Vec<AxisName>,
-    /// Position and velocity of each axis.
-    curves: Vec<[Curve; 2]>,
+    /// Position, velocity, acceleration and following error of each axis.
+    curves: Vec<[Curve; 4]>,
+    extra: Extra,
     /// Path speed of each coordinate system.
     crds: Vec<(CrdName, Curve)>,
     lasers: Vec<Laser>,
@@ -145,24 +176,31 @@ impl Plot {
     /// An empty plot for a trace of this header.
     ///
     /// # Errors
-    /// The times of the options are no window.
+    /// The times of the options are no window; a following error of a trace that leaves ticks out.
     pub fn new(header: &Header, options: PlotOptions) -> Result<Self> {
         let window = Window::new(options.from_ms, options.to_ms)?;
+        if options.panels.error && header.every > 1 {
+            return Err(TraceError::Plot(format!(
+                "the following error needs a row each tick (--every 1); this trace has one every {}",
+                header.every
+            )));
+        }
         let laser = |name: &LaserName| Laser {
             name: *name,
-            gate: Activity::new(window),
-            pulses: Activity::new(window),
+            gate: options.activity(window),
+            pulses: options.activity(window),
             has_pulses: false,
             powers: Default::default(),
             unit: None,
         };
         Ok(Plot {
-            options,
             window,
             axes: header.axes.clone(),
-            curves: vec![Default::default(); header.axes.len()],
-            crds: header.crds.iter().map(|name| (*name, Curve::default())).collect(),
+            curves: header.axes.iter().map(|_| [(); 4].map(|()| options.curve())).collect(),
+            extra: Extra::new(header.axes.len()),
+            crds: header.crds.iter().map(|name| (*name, options.curve())).collect(),
             lasers: header.lasers.iter().map(laser).collect(),
+            options,
             before: None,
             drawn: false,
             last_ns: 0,
@@ -195,9 +233,14 @@ impl Plot {
         }
         self.last_ns = row.t_ns;
         let path = self.options.path_per_mm().map_or(1.0, |per_mm| 60_000.0 / per_mm);
+        let extra = match self.options.panels == Panels::default() {
+            true => vec![(0.0, 0.0); row.axes.len()],
+            false => self.extra.row(row),
+        };
+        let axes = self.axes.iter().zip(&row.axes).zip(extra);
         let values = Values {
             t_ns: row.t_ns,
-            axes: self.axes.iter().zip(&row.axes).map(|(axis, point)| self.shown(*axis, point)).collect(),
+            axes: axes.map(|((axis, point), extra)| self.shown(*axis, point, extra)).collect(),
             crds: row.crds.iter().map(|speed| scaled_f64(*speed) * path).collect(),
             lasers: row.lasers.clone(),
         };
@@ -215,21 +258,32 @@ impl Plot {
         self.before = Some(values);
     }
 
-    /// Position and velocity of an axis: mm and mm/min where it is known, else pulses.
-    fn shown(&self, axis: AxisName, point: &AxisPoint) -> [f64; 2] {
+    /// Position, velocity, acceleration and following error of an axis: mm, mm/min, mm/s² and mm
+    /// where it is known, else pulses and ms.
+    fn shown(&self, axis: AxisName, point: &AxisPoint, (acceleration, error): (f64, f64)) -> [f64; 4] {
         let (pos, vel) = (position_f64(point.pos), scaled_f64(point.vel));
         match self.options.in_mm(axis) {
-            Some(mm) => [pos / mm.per_mm + mm.zero, vel / mm.per_mm * 60_000.0],
-            None => [pos, vel],
+            Some(mm) => {
+                let per_mm = mm.per_mm;
+                [pos / per_mm + mm.zero, vel / per_mm * 60_000.0, acceleration / per_mm * 1e6, error / per_mm]
+            }
+            None => [pos, vel, acceleration, error],
         }
     }
 
     fn push(&mut self, values: &Values) {
         self.drawn = true;
         let t = values.t_ns as f64 * 1e-6;
+        let Panels { acceleration, error } = self.options.panels;
         for (curves, axis) in self.curves.iter_mut().zip(&values.axes) {
-            for (curve, value) in curves.iter_mut().zip(axis) {
-                curve.push((t, *value));
+            for (index, (curve, value)) in curves.iter_mut().zip(axis).enumerate() {
+                match index {
+                    // It held since the row before.
+                    2 if acceleration => curve.hold_back(t, *value),
+                    3 if error => curve.push((t, *value)),
+                    0 | 1 => curve.push((t, *value)),
+                    _ => {}
+                }
             }
         }
         for ((_, curve), speed) in self.crds.iter_mut().zip(&values.crds) {
@@ -238,7 +292,7 @@ impl Plot {
         for (laser, point) in self.lasers.iter_mut().zip(&values.lasers) {
             let curves = &mut laser.powers[point.unit as usize];
             if laser.unit.replace(point.unit) != Some(point.unit) {
-                curves.push(Curve::default());
+                curves.push(self.options.curve());
             }
             if let Some(curve) = curves.last_mut() {
                 curve.step(t, scaled_f64(point.power));
@@ -255,7 +309,7 @@ impl Plot {
     /// light or power. Where that is everything, nothing is left out.
     pub fn leave_out_idle(&mut self) {
         let moves = |curve: &Curve| curve.extremes().is_some_and(|extremes| extremes != (0.0, 0.0));
-        let axes: Vec<bool> = self.curves.iter().map(|[position, _]| moves(position)).collect();
+        let axes: Vec<bool> = self.curves.iter().map(|[position, ..]| moves(position)).collect();
         let shines = |laser: &Laser| {
             let powered = laser.powers.iter().flatten().any(moves);
             powered || laser.gate.highs().is_none_or(|highs| !highs.is_empty())
@@ -269,6 +323,15 @@ impl Plot {
         self.curves.retain(|_| kept.next() == Some(&true));
         self.crds.retain(|(_, speed)| moves(speed));
         self.lasers.retain(shines);
+    }
+
+    /// Writes a page of HTML in which time can be enlarged, with the path of two axes where there
+    /// is one. It is one file, and needs no other.
+    pub fn save_page(&self, path: &Path, xy: Option<&Xy>) -> Result<()> {
+        if !self.drawn {
+            return Err(self.window.is_empty(self.last_ns));
+        }
+        page::save(self, xy, path)
     }
 
     /// Draws a PNG or an SVG, as the path's extension says.
@@ -285,10 +348,19 @@ impl Plot {
         let mut panels = Vec::new();
         for (axis, curves) in self.axes.iter().zip(&self.curves) {
             let (name, whats) = match self.options.in_mm(*axis) {
-                Some(mm) => (mm.letter.to_string(), ["position (mm)", "velocity (mm/min)"]),
-                None => (title(*axis), ["position (pulse)", "velocity (pulse/ms)"]),
+                Some(mm) => (
+                    mm.letter.to_string(),
+                    ["position (mm)", "velocity (mm/min)", "acceleration (mm/s²)", "following error (mm)"],
+                ),
+                None => (
+                    title(*axis),
+                    ["position (pulse)", "velocity (pulse/ms)", "acceleration (pulse/ms²)", "following error (pulse)"],
+                ),
             };
-            for (curve, (what, colour)) in curves.iter().zip(whats.into_iter().zip([POSITION, VELOCITY])) {
+            let colours = [POSITION, VELOCITY, ACCELERATION, FOLLOWING_ERROR];
+            let asked = [true, true, self.options.panels.acceleration, self.options.panels.error];
+            let shown = curves.iter().zip(whats.into_iter().zip(colours)).zip(asked).filter(|(_, asked)| *asked);
+            for (curve, (what, colour)) in shown.map(|(shown, _)| shown) {
                 let content = Content::Quantity(std::slice::from_ref(curve));
                 let caption = format!("{name} {what}");
                 panels.push(Panel { caption, colour, from_zero: false, content, beside: None });
@@ -400,7 +472,13 @@ impl Values {
     /// Between this row and the next: motion is linear, lasers keep their state.
     fn towards(&self, next: &Values, t_ns: u64) -> Values {
         let part = (t_ns - self.t_ns) as f64 / (next.t_ns - self.t_ns) as f64;
-        let between = |(a, b): (&[f64; 2], &[f64; 2])| [a[0] + (b[0] - a[0]) * part, a[1] + (b[1] - a[1]) * part];
+        let between = |(a, b): (&[f64; 4], &[f64; 4])| {
+            let mut mean = [0.0; 4];
+            mean.iter_mut().zip(a.iter().zip(b)).for_each(|(mean, (a, b))| *mean = a + (b - a) * part);
+            // What holds from row to row.
+            mean[2] = b[2];
+            mean
+        };
         let axes = self.axes.iter().zip(&next.axes).map(between).collect();
         let crds = self.crds.iter().zip(&next.crds).map(|(a, b)| a + (b - a) * part).collect();
         Values { t_ns, axes, crds, lasers: self.lasers.clone() }

@@ -108,8 +108,8 @@ pub const FOUND: &[Planted] = &[
         by: By::Doors,
         places: &[(
             "host/beamtick/src/summary.rs",
-            "Err(error) if is_without_axes(&error) => say!",
-            "Err(error) if is_without_axes(&error) && crd.crd < 0 => say!",
+            "Err(error) if is_without_axes(&error) =>",
+            "Err(error) if is_without_axes(&error) && crd.crd < 0 =>",
         )],
     },
     Planted {

@@ -7,12 +7,14 @@ use std::str::FromStr;
 use svgtypes::{Length, NumberListParser, PathParser, PathSegment, Transform};
 use usvg::roxmltree::{Document, Node};
 
-const SVG: &str = "http://www.w3.org/2000/svg";
+/// Its name space.
+pub const SVG: &str = "http://www.w3.org/2000/svg";
 /// Largest number of a coordinate: beyond it 24 bits say nothing.
 const COORDINATE_MAX: f64 = 1e7;
 /// Lengths of shapes.
 const LENGTHS: [&str; 12] = ["x", "y", "width", "height", "cx", "cy", "r", "rx", "ry", "x1", "y1", "x2"];
-const SHAPES: [&str; 7] = ["path", "rect", "circle", "ellipse", "line", "polyline", "polygon"];
+/// Elements that are shapes.
+pub const SHAPES: [&str; 7] = ["path", "rect", "circle", "ellipse", "line", "polyline", "polygon"];
 
 pub fn check(document: &Document<'_>) -> Result<(), Fault> {
     let root = document.root_element();

@@ -6,6 +6,7 @@
 
 use crate::card::Time;
 use crate::engine::any_card;
+use crate::home::Homes;
 use client::Client;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -18,6 +19,8 @@ pub struct Virtual {
     pub client: Arc<Client>,
     /// How that passes.
     pub time: Time,
+    /// Its axes on their way home.
+    pub homes: Arc<Homes>,
     /// It has been closed.
     pub closed: Arc<AtomicBool>,
     /// Its number among those opened.
@@ -50,7 +53,7 @@ impl Source {
                 card.flush_later();
             }
             let (client, time) = card.client();
-            Some(Virtual { client, time, closed: card.closed(), serial: card.serial })
+            Some(Virtual { client, time, homes: card.homes(), closed: card.closed(), serial: card.serial })
         });
         card.filter(|card| !matches!(card.time, Time::Own)).map_or(Source::Wall, Source::Card)
     }

@@ -224,7 +224,7 @@ pub fn wait<T>(time: Option<Duration>, mut ready: impl FnMut(&mut Inner) -> Opti
             End::Card(_, Virtual { time: Time::Paced(pace), .. }) => {
                 left.map_or(POLL_PERIOD, |left| pace.wall(left.as_nanos() as u64)).min(POLL_PERIOD)
             }
-            End::Card(deadline, Virtual { client, .. }) => {
+            End::Card(deadline, Virtual { client, homes, .. }) => {
                 let left = left.unwrap_or(Duration::MAX);
                 if (calm.0, calm.1) != (signals, left) {
                     calm = (signals, left, Instant::now());
@@ -234,7 +234,9 @@ pub fn wait<T>(time: Option<Duration>, mut ready: impl FnMut(&mut Inner) -> Opti
                 }
                 let is_first = deadline.is_some() && inner.earliest() == *deadline;
                 let goes_on = inner.is_quiet() || calm.2.elapsed() >= GRACE;
-                if is_first && goes_on && client.sleep(left).is_ok() {
+                // An axis on its way home is looked at in between.
+                let portion = homes.step(client).map_or(left, |look| left.min(look));
+                if is_first && goes_on && client.sleep(portion).is_ok() {
                     // Others may have the same deadline.
                     BELL.notify_all();
                     continue;

@@ -5,6 +5,7 @@ use super::{Kind, Prepared, member, place};
 use crate::boundary::Arg;
 use crate::card::Slot;
 use crate::compat::waits;
+use crate::home::HomeCall;
 use crate::more::{self, Class, Done, More};
 use crate::request::{self, Number, size};
 use client::{Error, Result};
@@ -59,6 +60,15 @@ pub(super) unsafe fn call(
     if !(1..=i16::from(version.cores)).contains(&core) {
         let reason = format!("{}: core is {core}; it must be from 1 to {}", prepared.name(), version.cores);
         return Err(Error::new(7, reason));
+    }
+    if let Class::Homes(what) = more.class {
+        let homes = card.homes();
+        let values = homes.call(&client, what, (prepared.name(), core), &given)?;
+        card.started |= what == HomeCall::Go;
+        card.wake();
+        // SAFETY: as the caller says.
+        unsafe { store(prepared, args, &values) };
+        return card.passed(what != HomeCall::Go).map(|()| None);
     }
     if let Done::Values(values) = more::call(prepared, more, &mut card.kept, (core, version.axes_per_core), &given)? {
         // SAFETY: as the caller says.

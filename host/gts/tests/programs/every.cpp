@@ -542,6 +542,51 @@ static void beyond()
     REFUSED(1, "compensation", GT_GetBacklash(1, &raw, &d, &di));
     REFUSED(1, "Cam is not there", GT_PrfCam(1));
     REFUSED(1, "Cam is not there", GT_CamStart(1));
+    REFUSED(1, "Gear is not in this firmware", GT_PrfGear(1));
+    REFUSED(1, "Gear is not in this firmware", GT_SetGearMaster(1, 2));
+    REFUSED(1, "Gear is not in this firmware", GT_GetGearMaster(1, &s));
+    REFUSED(1, "Gear is not in this firmware", GT_SetGearRatio(1, 1, 2));
+    REFUSED(1, "Gear is not in this firmware", GT_GetGearRatio(1, &raw, &di));
+    REFUSED(1, "Gear is not in this firmware", GT_GearStart(1));
+    REFUSED(1, "Gear is not in this firmware", GT_SetGearEvent(1, 1, 0, 0));
+    REFUSED(1, "Gear is not in this firmware", GT_GetGearEvent(1, &s, &raw, &di));
+    unsigned long edges = 0;
+    REFUSED(1, "edges of inputs are not counted", GT_GetDiReverseCount(MC_GPI, 1, &edges));
+    REFUSED(1, "edges of inputs are not counted", GT_SetDiReverseCount(MC_GPI, 1, &edges));
+    REFUSED(1, "no time of their own", GT_SetDoBitReverse(MC_GPO, 1, 1, 4));
+
+    /* Homing: homing.cpp goes all the ways. */
+    THomePrm home, kept;
+    THomeStatus at;
+    memset(&home, 0, sizeof(home));
+    DONE(GT_HomeInit());
+    DONE(GT_GetHomeStatus(4, &at));
+    HOLDS(at.run == 0 && at.stage == 0 && at.error == 0);
+    home.mode = 20;
+    home.moveDir = 1;
+    home.edge = 1;
+    home.velHigh = 10;
+    home.velLow = 1;
+    home.acc = home.dec = 1;
+    home.searchHomeDistance = 100;
+    DONE(GT_AxisOff(4));
+    REFUSED(1, "servo of axis 4 is off", GT_GoHome(4, &home));
+    DONE(GT_AxisOn(4));
+    DONE(GT_GoHome(4, &home));
+    REFUSED(1, "on its way home already", GT_GoHome(4, &home));
+    DONE(GT_GetHomePrm(4, &kept));
+    HOLDS(kept.mode == 20 && kept.velHigh == 10 && kept.searchHomeDistance == 100);
+    DONE(GT_Delay(200));
+    DONE(GT_GetHomeStatus(4, &at));
+    HOLDS(at.run == 0 && at.error == 8);
+    home.mode = 21;
+    REFUSED(7, "modes are 10, 11", GT_GoHome(4, &home));
+    home.mode = 20;
+    home.velLow = 0;
+    REFUSED(7, "velLow is 0", GT_GoHome(4, &home));
+    home.velLow = 1;
+    home.mode = 30;
+    REFUSED(7, "index", GT_GoHome(4, &home));
 
     /* What is kept falls back. */
     DONE(GT_Reset());

@@ -1,12 +1,13 @@
 //! What a digital signal did over time: every change while they are few, else its share of time.
 //!
 //! In: times at which it was high, pulse trains, in ns and in order. Out: highs, or [`Bin`]s. Owns
-//! at most [`HIGHS_MAX`] highs and [`BINS`] bins, however long the signal is and however fast.
+//! a bounded number of highs and [`BINS`] bins, however long the signal is and however fast.
 use super::window::Window;
 use plant::pulses::Burst;
 
-/// So many highs are kept one by one.
-const HIGHS_MAX: usize = 2_000;
+/// So many highs are kept one by one for a picture, and for a page, which can be enlarged.
+pub(super) const HIGHS_MAX: usize = 2_000;
+pub(super) const HIGHS_OF_A_PAGE: usize = 50_000;
 /// Most bins.
 const BINS: usize = 4096;
 /// Width of the first bins, ns, where the end is not known.
@@ -25,6 +26,8 @@ pub(super) struct Bin {
 #[derive(Debug, Clone)]
 pub(super) struct Activity {
     window: Window,
+    /// Most highs.
+    most: usize,
     /// Beginnings and ends, ns, while they are few.
     highs: Vec<(u64, u64)>,
     many: bool,
@@ -35,13 +38,13 @@ pub(super) struct Activity {
 }
 
 impl Activity {
-    /// Of a signal that is low, for what lies in `window`.
-    pub fn new(window: Window) -> Self {
+    /// Of a signal that is low, for what lies in `window`; at most so many highs one by one.
+    pub fn new(window: Window, most: usize) -> Self {
         let width = match window.to {
             u64::MAX => FIRST_NS,
             to => (to.saturating_sub(window.from) / (BINS as u64 - 1)).max(1),
         };
-        Activity { window, highs: Vec::new(), many: false, bins: Vec::new(), width, since: None }
+        Activity { window, most, highs: Vec::new(), many: false, bins: Vec::new(), width, since: None }
     }
 
     /// It changes its level.
@@ -70,7 +73,7 @@ impl Activity {
                 Some(last) if last.1 >= from => last.1 = last.1.max(to),
                 _ => self.highs.push((from, to)),
             }
-            self.many = self.highs.len() > HIGHS_MAX;
+            self.many = self.highs.len() > self.most;
         }
         self.fill(from, to, Bin { on: (to - from) as f64, edges: 0.0 });
     }
@@ -91,7 +94,7 @@ impl Activity {
         self.widen(end);
         let span = burst.start(burst.count).saturating_sub(burst.at) as f64;
         let pulses = burst.count as f64;
-        let has_room = !self.many && burst.count + self.highs.len() as u64 <= HIGHS_MAX as u64;
+        let has_room = !self.many && burst.count + self.highs.len() as u64 <= self.most as u64;
         if has_room || span / pulses > self.width as f64 / 2.0 {
             for (from, to) in burst.pulses().filter(|(from, to)| from < to) {
                 self.level(from, true);

@@ -84,6 +84,61 @@ pub(super) fn save(picture: &impl Picture, path: &Path) -> Result<()> {
     }
 }
 
+/// An SVG as a text.
+pub(super) fn svg(picture: &impl Picture) -> Result<String> {
+    load_font();
+    let mut text = String::new();
+    {
+        let area = SVGBackend::with_string(&mut text, picture.size()).into_drawing_area();
+        area.fill(&WHITE).map_err(as_plot)?;
+        picture.draw(&area, 1)?;
+        area.present().map_err(as_plot)?;
+    }
+    Ok(text)
+}
+
+/// What a legend shows of a thing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Sign {
+    /// A line.
+    Line,
+    /// A ring: where a path begins.
+    Ring,
+    /// A dot: where it ends.
+    Dot,
+}
+
+/// A legend in one line, which ends at `right` and does not begin before `left`; what has no room
+/// is left out.
+pub(super) fn legend<B: DrawingBackend>(
+    area: &DrawingArea<B, Shift>,
+    (left, right): (u32, u32),
+    entries: &[(Sign, RGBColor, &str)],
+    scale: u32,
+) -> Result<()> {
+    let mut at = right;
+    for (sign, colour, text) in entries {
+        let wide = font(14, INK, 1).font.box_size(text).map_or(120, |size| size.0);
+        if at < left + wide + 52 {
+            return Ok(());
+        }
+        at -= wide + 52;
+        let stroke = colour.stroke_width(2 * scale);
+        match sign {
+            Sign::Line => {
+                let line = vec![place(at, 14, scale), place(at + 26, 14, scale)];
+                area.draw(&PathElement::new(line, colour.stroke_width(3 * scale))).map_err(as_plot)?;
+            }
+            Sign::Ring => area.draw(&Circle::new(place(at + 16, 14, scale), 6 * scale, stroke)).map_err(as_plot)?,
+            Sign::Dot => {
+                area.draw(&Circle::new(place(at + 16, 14, scale), 5 * scale, colour.filled())).map_err(as_plot)?;
+            }
+        }
+        area.draw(&Text::new(*text, place(at + 32, 7, scale), font(14, INK, scale))).map_err(as_plot)?;
+    }
+    Ok(())
+}
+
 /// Draws [`SMOOTH`] times as large and takes means, so that slanted lines are smooth.
 fn save_png(picture: &impl Picture, path: &Path) -> Result<()> {
     let (width, height) = picture.size();

@@ -1,14 +1,17 @@
 //! A quantity over time, thinned to its extremes, cut to the time that is drawn.
 
-/// Most pairs of extremes that a curve keeps.
-const BUCKETS: usize = 4096;
+/// Most pairs of extremes that a curve of a picture keeps, and one of a page, which can be
+/// enlarged.
+pub(super) const BUCKETS: usize = 4096;
+pub(super) const BUCKETS_OF_A_PAGE: usize = 1 << 15;
 
 /// A value and its time in ms.
 pub(super) type Point = (f64, f64);
 
 /// One quantity over time.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(super) struct Curve {
+    most: usize,
     /// Least and greatest value of each run of `share` points.
     buckets: Vec<(Point, Point)>,
     open: Option<(Point, Point)>,
@@ -18,8 +21,12 @@ pub(super) struct Curve {
 }
 
 impl Curve {
+    /// Nothing yet; at most so many pairs of extremes.
+    pub fn new(most: usize) -> Curve {
+        Curve { most, buckets: Vec::new(), open: None, filled: 0, share: 1, last: None }
+    }
+
     pub fn push(&mut self, point: Point) {
-        self.share = self.share.max(1);
         self.last = Some(point);
         self.open = Some(match self.open {
             None => (point, point),
@@ -29,7 +36,7 @@ impl Curve {
         if self.filled == self.share {
             self.filled = 0;
             self.buckets.extend(self.open.take());
-            if self.buckets.len() == BUCKETS {
+            if self.buckets.len() >= self.most {
                 self.buckets =
                     self.buckets.chunks(2).map(|c| c.iter().copied().reduce(merge).unwrap_or(c[0])).collect();
                 self.share *= 2;
@@ -41,6 +48,15 @@ impl Curve {
     pub fn step(&mut self, t: f64, value: f64) {
         match self.last {
             Some((_, before)) if before != value => self.push((t, before)),
+            _ => {}
+        }
+        self.push((t, value));
+    }
+
+    /// Had this value since the last point.
+    pub fn hold_back(&mut self, t: f64, value: f64) {
+        match self.last {
+            Some((since, before)) if before != value => self.push((since, value)),
             _ => {}
         }
         self.push((t, value));

@@ -2,7 +2,7 @@
 //!
 //! In: points in mm, and what is lit on the way to each. Out: a PNG or an SVG with the same scale
 //! in both directions and a legend. Owns a [`Route`]. Fails with [`TraceError::Plot`].
-use super::canvas::{self, Chart, HEAD, Picture};
+use super::canvas::{self, Chart, HEAD, Picture, Sign};
 use super::panel::{CAPTION, FOOT, FRAME, GRID, LEFT, RIGHT};
 use super::route::Route;
 use super::text::{FAINT, INK, as_plot, font, place, tick_step, tick_text};
@@ -144,24 +144,21 @@ impl Picture for Preview {
         let [across, up] = self.letters;
         rest.draw(&Text::new(format!("{up} (mm)"), place(LEFT, 7, scale), font(14, POSITION, scale)))
             .map_err(as_plot)?;
-        let mut at = LEFT + width;
+        let leaves =
+            self.travel[0].0 > x.0 || self.travel[0].1 < x.1 || self.travel[1].0 > y.0 || self.travel[1].1 < y.1;
         let legend = [
-            (OUTSIDE, "outside the travel", self.has(Part::Outside)),
-            (
-                EDGE,
-                "edge of the travel",
-                self.travel[0].0 > x.0 || self.travel[0].1 < x.1 || self.travel[1].0 > y.0 || self.travel[1].1 < y.1,
-            ),
-            (DARK, "in the dark", self.has(Part::Dark)),
-            (MARK, "marked", self.has(Part::Mark)),
+            (Sign::Line, OUTSIDE, "outside the travel", self.has(Part::Outside)),
+            (Sign::Line, EDGE, "edge of the travel", leaves),
+            (Sign::Ring, INK, "begin: home", true),
+            (Sign::Line, DARK, "in the dark", self.has(Part::Dark)),
+            (Sign::Line, MARK, "marked", self.has(Part::Mark)),
         ];
-        for (colour, text, _) in legend.into_iter().filter(|(.., shown)| *shown) {
-            let wide = font(14, INK, 1).font.box_size(text).map_or(120, |size| size.0);
-            at = at.saturating_sub(wide + 52);
-            let line = [place(at, 14, scale), place(at + 26, 14, scale)];
-            rest.draw(&PathElement::new(line.to_vec(), colour.stroke_width(3 * scale))).map_err(as_plot)?;
-            rest.draw(&Text::new(text, place(at + 32, 7, scale), font(14, INK, scale))).map_err(as_plot)?;
-        }
+        let shown: Vec<_> = legend
+            .into_iter()
+            .filter(|(.., shown)| *shown)
+            .map(|(sign, colour, text, _)| (sign, colour, text))
+            .collect();
+        canvas::legend(&rest, (LEFT + 60, LEFT + width), &shown, scale)?;
         let mut chart = ChartBuilder::on(&rest)
             .margin_top(CAPTION * scale)
             .margin_right(RIGHT * scale)

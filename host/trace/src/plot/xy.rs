@@ -3,7 +3,7 @@
 //! In: rows, and when lasers gave light. Out: a PNG or an SVG with the same scale in both
 //! directions. What is lit has the colour of its power, which a bar explains. Owns a [`Route`] for
 //! each laser. Fails with [`TraceError::Plot`] and [`TraceError::Window`].
-use super::canvas::{self, Chart, HEAD, Picture};
+use super::canvas::{self, Chart, HEAD, Picture, Sign};
 use super::panel::{CAPTION, FOOT, FRAME, GRID, LEFT, RIGHT};
 use super::route::{Node, Power, Route};
 use super::text::{FAINT, INK, as_plot, font, place, tick_step, tick_text};
@@ -18,9 +18,8 @@ use std::path::Path;
 
 /// Width of the bar that explains colours, with its labels.
 const BAR: u32 = 132;
-/// Pixels from one arrow to the next, and from a label to its neighbours.
+/// Pixels from one arrow to the next.
 const ARROWS: f64 = 130.0;
-const LABELS: f64 = 46.0;
 /// Most arrows.
 const MOST_ARROWS: f64 = 60.0;
 /// A direction is that of this many pixels.
@@ -163,6 +162,11 @@ impl Xy {
         }
     }
 
+    /// An SVG as a text; none if nothing lies in the time that is drawn.
+    pub(super) fn svg(&self) -> Result<Option<String>> {
+        self.drawn.then(|| canvas::svg(self)).transpose()
+    }
+
     /// Draws a PNG or an SVG, as the path's extension says.
     ///
     /// # Errors
@@ -196,6 +200,12 @@ impl Xy {
 impl Beam {
     fn is_lit(&self) -> bool {
         self.route.nodes().iter().any(|node| node.light.is_some())
+    }
+
+    /// It moves without light somewhere.
+    fn has_dark(&self) -> bool {
+        let moves = |pair: &[Node<Power>]| pair[1].light.is_none() && (pair[0].x, pair[0].y) != (pair[1].x, pair[1].y);
+        self.route.nodes().windows(2).any(moves)
     }
 
     /// The unit that the bar shows, and its range from 0 on.
@@ -235,7 +245,10 @@ impl Picture for Xy {
         let bar = beam.scale();
         let (left, right) = rest.split_horizontally((LEFT + width + if bar.is_some() { 0 } else { RIGHT }) * scale);
         let caption = |text: String, at: u32, colour| Text::new(text, place(at, 7, scale), font(14, colour, scale));
-        left.draw(&caption(self.label(self.axes.1), LEFT, POSITION)).map_err(as_plot)?;
+        let label = self.label(self.axes.1);
+        let begins = LEFT + font(14, INK, 1).font.box_size(&label).map_or(120, |size| size.0) + 16;
+        left.draw(&caption(label, LEFT, POSITION)).map_err(as_plot)?;
+        let mut ends = LEFT + width;
         if let Some(bar) = bar {
             let name = beam.name.map_or(0, |name| name.0);
             let text = format!("light of laser {name}, {}", quantity(bar.0));
@@ -243,7 +256,11 @@ impl Picture for Xy {
             let at = (LEFT + width + BAR).saturating_sub(wide + 8);
             rest.draw(&caption(text, at, INK)).map_err(as_plot)?;
             draw_bar(&right, bar, scale)?;
+            ends = at.saturating_sub(24);
         }
+        let signs = [(Sign::Dot, INK, "end"), (Sign::Ring, INK, "begin"), (Sign::Line, DARK, "in the dark")];
+        let shown = if bar.is_some() && beam.has_dark() { &signs[..] } else { &signs[..2] };
+        canvas::legend(&rest, (begins, ends), shown, scale)?;
         let mut chart = ChartBuilder::on(&left)
             .margin_top(CAPTION * scale)
             .margin_right(if bar.is_some() { 0 } else { RIGHT * scale })
@@ -392,19 +409,34 @@ fn draw_signs<B: DrawingBackend>(chart: &Chart<'_, B>, nodes: &[Node<Power>], sc
         }
     }
 
-    let mut labels: Vec<(f64, f64)> = Vec::new();
+    let mut labels: Vec<Patch> = Vec::new();
     let size = area.dim_in_pixel();
     let (wide, tall) = (f64::from(size.0) / unit, f64::from(size.1) / unit);
-    // On the side on which a path from here to there does not run.
+    // Beside the point, where the path does not run and no other label is.
     let mut label = |at: (f64, f64), (from, to): (&Node<Power>, &Node<Power>), text: String| -> Result<()> {
+        let (across, down) = font(12, INK, 1).font.box_size(&text).map_or((60, 14), |size| size);
+        let (across, down) = (f64::from(across) + 4.0, f64::from(down) + 2.0);
+        // First on the side on which a path from here to there does not run.
         let rises = (to.x - from.x) * (to.y - from.y) > 0.0;
-        let up = at.1 + if rises { 4.0 } else { -19.0 };
-        let corner = ((at.0 + 8.0).min(wide - 8.0 * text.len() as f64), up.clamp(0.0, tall - 16.0));
-        if labels.iter().any(|other| (other.0 - corner.0).abs() < LABELS * 1.6 && (other.1 - corner.1).abs() < 16.0) {
-            return Ok(());
+        let ups = if rises { [4.0, -down - 5.0] } else { [-down - 5.0, 4.0] };
+        let sides = [8.0, -across - 8.0];
+        let patches = ups.into_iter().flat_map(|up| sides.map(|side| (side, up))).map(|(side, up)| {
+            let (x, y) = (at.0 + side, at.1 + up);
+            Patch { x: x.clamp(0.0, (wide - across).max(0.0)), y: y.clamp(0.0, (tall - down).max(0.0)), across, down }
+        });
+        // At an edge it may have been moved over its own point.
+        let own = Patch { x: at.0 - 5.0, y: at.1 - 5.0, across: 10.0, down: 10.0 };
+        let is_free = |patch: &Patch| !own.meets(patch) && !labels.iter().any(|other| other.meets(patch));
+        let free: Vec<Patch> = patches.filter(is_free).collect();
+        let clear = free.iter().find(|patch| !spots.windows(2).any(|line| patch.is_crossed(line[0], line[1])));
+        let Some(patch) = clear.or(free.first()) else { return Ok(()) };
+        labels.push(*patch);
+        if clear.is_none() {
+            // What is below shines through.
+            let corners = [near((patch.x, patch.y)), near((patch.x + across, patch.y + down))];
+            area.draw(&Rectangle::new(corners, WHITE.mix(0.75).filled())).map_err(as_plot)?;
         }
-        labels.push(corner);
-        area.draw(&Text::new(text, near(corner), font(12, INK, scale))).map_err(as_plot)
+        area.draw(&Text::new(text, near((patch.x + 2.0, patch.y + 1.0)), font(12, INK, scale))).map_err(as_plot)
     };
     let (begin, end) = (first.from as f64 * 1e-6, last.until as f64 * 1e-6);
     let (factor, name) = if end - begin >= 10_000.0 { (1e-3, "s") } else { (1.0, "ms") };
@@ -419,8 +451,9 @@ fn draw_signs<B: DrawingBackend>(chart: &Chart<'_, B>, nodes: &[Node<Power>], sc
     let before_last = nodes.len().checked_sub(2).and_then(|place| nodes.get(place)).unwrap_or(last);
     label(spot_last, (before_last, last), text(end))?;
     let mut index = 0;
-    let mut k = (begin / step).ceil();
-    while k * step <= end && step > 0.0 {
+    // Begin and end have their labels.
+    let mut k = (begin / step).floor() + 1.0;
+    while k * step < end && step > 0.0 {
         let t = k * step * 1e6;
         while nodes.get(index + 1).is_some_and(|next| next.from as f64 <= t) {
             index += 1;
@@ -434,6 +467,39 @@ fn draw_signs<B: DrawingBackend>(chart: &Chart<'_, B>, nodes: &[Node<Power>], sc
         k += 1.0;
     }
     Ok(())
+}
+
+/// Where a label is, in pixels.
+#[derive(Debug, Clone, Copy)]
+struct Patch {
+    x: f64,
+    y: f64,
+    across: f64,
+    down: f64,
+}
+
+impl Patch {
+    fn meets(&self, other: &Patch) -> bool {
+        let apart = |a: f64, long: f64, b: f64, other: f64| a + long < b || b + other < a;
+        !apart(self.x, self.across, other.x, other.across) && !apart(self.y, self.down, other.y, other.down)
+    }
+
+    /// Whether a line runs through it.
+    fn is_crossed(&self, from: (f64, f64), to: (f64, f64)) -> bool {
+        let (mut enters, mut leaves) = (0.0f64, 1.0f64);
+        for (start, end, low, long) in [(from.0, to.0, self.x, self.across), (from.1, to.1, self.y, self.down)] {
+            let way = end - start;
+            if way == 0.0 {
+                if start < low || start > low + long {
+                    return false;
+                }
+                continue;
+            }
+            let (a, b) = ((low - start) / way, (low + long - start) / way);
+            (enters, leaves) = (enters.max(a.min(b)), leaves.min(a.max(b)));
+        }
+        enters <= leaves
+    }
 }
 
 fn distance(a: (f64, f64), b: (f64, f64)) -> f64 {
