@@ -137,8 +137,8 @@ fn write(elf: &Path, program: &str, variant: &str) -> Outcome<Vec<PathBuf>> {
     Ok(files)
 }
 
-/// Prints what the reference board's image takes of each region, and what runs from ITCM; the linker has refused what
-/// does not fit.
+/// Prints what the reference board's image takes of each region, and what runs from ITCM. The
+/// linker has refused what does not fit; less that is free than the page says is an error.
 pub fn size() -> Outcome {
     let bytes = read(&build()?)?;
     compare_with_page(&regions(&bytes, &loaded(&bytes)?)?)?;

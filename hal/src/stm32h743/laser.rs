@@ -186,8 +186,8 @@ fn set_up() {
 /// the flag is set again while the input is active). Call it once, after the timers have their
 /// pins.
 pub fn contradiction(levels: [bool; 3]) -> Option<&'static str> {
-    let inputs = [TIM1, TIM15, TIM8].into_iter().zip(levels).zip(BOARD.breaks);
-    inputs.into_iter().find_map(|((timer, level), Break { texts: [low, high], .. })| {
+    let mut inputs = [TIM1, TIM15, TIM8].into_iter().zip(levels).zip(BOARD.breaks);
+    inputs.find_map(|((timer, level), Break { texts: [low, high], .. })| {
         clear_break(timer);
         // The input passes a synchronizer.
         cortex_m::asm::delay(64);

@@ -1,5 +1,5 @@
-//! The STM32H743 on each of its [`boards`]: `docs/board-h743-registers.md`. Sections in comments are
-//! those of RM0433, the chip's reference manual.
+//! The STM32H743 on each of its [`boards`]: `docs/board-h743-registers.md`. Sections in comments
+//! are those of RM0433, the chip's reference manual.
 //!
 //! In: the tick's set-points and outputs, bytes to send. Out: ticks, levels of inputs, bytes
 //! received. Owns the chip's clocks, watchdog, timer, UART and interrupt controller. Fails: an old

@@ -1,7 +1,8 @@
 //! SPI3 to an external DAC (RM0433 50): 32 MHz from the HSI, mode 1.
 //!
-//! In: bytes. Out: the same on SCK and MOSI, with a pin for the select line. Owns SPI3. It waits for the end of what it sends, some 0.3 µs a byte. Fails: [`Silent`], if the
-//! peripheral does not finish.
+//! In: bytes. Out: the same on SCK and MOSI, with a pin for the select line. Owns SPI3. It waits
+//! for the end of what it sends, some 0.3 µs a byte. Fails: [`Silent`], if the peripheral does not
+//! finish.
 use super::boards::BOARD;
 use super::clocks::CORE_HZ;
 use super::wiring::Pin;

@@ -56,7 +56,7 @@ mod reference {
         ("PD14", "TIM4", "CH3"),
         ("PA11", "USB_OTG_FS", "DM"),
         ("PA12", "USB_OTG_FS", "DP"),
-        // The pins of the debug port, as the reset has left them; the others of it are inputs of ours.
+        // The pins of the debug port, as the reset has left them; its others are inputs of ours.
         ("PA13", "", ""),
         ("PA14", "", ""),
     ];
