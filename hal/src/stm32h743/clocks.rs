@@ -6,13 +6,12 @@
 //! the watchdog, which runs by then and resets. When the source stops later, the hardware
 //! breaks the laser outputs, and the NMI ends in the fault path ([`CLOCK_LOST`]).
 use super::boards::BOARD;
+use super::wiring::VCO_MHZ;
 use stm32_metapac::rcc::vals::{Hpre, Plldiv, Pllm, Plln, Pllrge, Pllsrc, Pllvcosel, Ppre, Sw, Usbsel};
 use stm32_metapac::{DBGMCU, FLASH, PWR, RCC, SYSCFG, pwr};
 
 /// The core.
 pub const CORE_HZ: u32 = 480_000_000;
-/// PLL1's VCO, of which the core and USB take their clocks.
-pub const VCO_MHZ: u32 = 960;
 /// APB 1 to 4.
 pub const BUS_HZ: u32 = CORE_HZ / 4;
 /// Timers on APB 1 and 2.

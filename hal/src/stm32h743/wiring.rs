@@ -3,9 +3,11 @@
 //!
 //! In: nothing. Out: pins, the clock's source, how USB is wired. Owns nothing. Fails: a source from
 //! which the clocks cannot be made does not compile.
-use super::clocks::VCO_MHZ;
 use servo::output::step_words::AXES;
 use stm32_metapac::gpio::Gpio;
+
+/// PLL1's VCO, of which the core and USB take their clocks.
+pub const VCO_MHZ: u32 = 960;
 
 /// A pin: its port and its number there.
 pub type Pin = (Gpio, usize);
