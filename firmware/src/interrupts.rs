@@ -11,18 +11,12 @@ use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
 use core::sync::atomic::{AtomicBool, Ordering};
 use cortex_m_rt::exception;
-use hal::board::AXES;
 use hal::board::timer::TickTimer;
 use hal::board::uart::Rx;
+use hal::board::{AXES, Machine};
 use hal::board::{hold_link, wake_thread};
 use ring::Producer;
 use servo::tick::{Tick, TickHalves};
-
-/// The machine of the board.
-#[cfg(feature = "mps2_an500")]
-type Machine = hal::board::machine::Machine<AXES>;
-#[cfg(not(feature = "mps2_an500"))]
-type Machine = hal::board::machine::Machine;
 
 /// What the servo tick owns.
 pub struct Servo {

@@ -8,7 +8,7 @@ use core::pin::pin;
 use core::task::{Context, Poll, Waker};
 use embassy_usb::class::cdc_acm::{CdcAcmClass, State, USB_CLASS_CDC};
 use embassy_usb::{Builder, Config, UsbDevice, UsbVersion};
-use hal::board::usb::{ID_DIGITS, PACKET, Usb, WAITING, unique_id};
+use hal::board::usb::{ID_DIGITS, MILLIAMPERES, PACKET, Usb, WAITING, unique_id};
 use static_cell::StaticCell;
 
 /// From pid.codes, for tests: a product needs numbers of its own.
@@ -101,8 +101,7 @@ pub fn open() -> Option<(&'static mut Device, Port)> {
     config.bcd_usb = UsbVersion::Two;
     (config.composite_with_iads, config.device_class) = (false, USB_CLASS_CDC);
     (config.device_sub_class, config.device_protocol) = (0, 0);
-    // By the ST-LINK's cable or the board's own supply.
-    (config.self_powered, config.max_power) = (true, 0);
+    (config.self_powered, config.max_power) = (MILLIAMPERES == 0, MILLIAMPERES);
     let mut builder =
         Builder::new(driver, config, &mut memory.descriptors, &mut memory.bos, &mut [], &mut memory.control);
     let class = CdcAcmClass::new(&mut builder, &mut memory.state, PACKET as u16);

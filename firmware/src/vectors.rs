@@ -30,7 +30,7 @@ mod mps2_an500 {
     }
 }
 
-/// NUCLEO-H743ZI2.
+/// The boards with an STM32H743.
 #[cfg(all(feature = "stm32h743", not(feature = "mps2_an500")))]
 mod stm32h743 {
     use crate::interrupts::{received, sent, tick};

@@ -1,7 +1,8 @@
-//! The reference board's image: its files, its use of the chip's memories, and flashing.
+//! Images of the boards with an STM32H743: their files, their use of the chip's memories, and
+//! flashing of the reference board.
 //!
 //! In: the workspace. Out: ELF, BIN and Intel HEX in `out/`, named with the version, with their
-//! checksums; a table of regions; a flashed board. Owns nothing. Fails: with a sentence that says
+//! checksums; tables of regions; a flashed board. Owns nothing. Fails: with a sentence that says
 //! what is missing.
 use crate::floats;
 use crate::setup::compiler;
@@ -22,28 +23,56 @@ const BRING_UP: &str = "beamtick-bring-up";
 /// The board's map of memories.
 const MEMORY: &str = "memory.x";
 
-/// Cargo's arguments for the board.
-pub const FEATURES: [&str; 3] = ["--no-default-features", "--features", "stm32h743"];
+/// Cargo's arguments for the reference board.
+pub const FEATURES: [&str; 3] = REFERENCE.features;
 
-/// Builds the image for an external DAC and returns its path, which is not that of the other image.
-pub fn build_for_dac() -> Outcome<PathBuf> {
-    let compiler = compiler()?;
-    let mut cargo = compiler.cargo();
-    cargo.args(["build", "--package", "beamtick-firmware", "--bin", BIN, "--profile", "image"]);
-    run(cargo.args(["--no-default-features", "--features", "stm32h743,external_dac"]).args(compiler.arguments()))?;
-    let folder = target().join(crate::setup::TARGET).join("image");
-    let copy = folder.join("beamtick-h743-external-dac");
-    fs::copy(folder.join(BIN), &copy).map_err(|e| format!("{}: {e}", copy.display()))?;
-    Ok(copy)
+/// An image.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Variant {
+    /// Its program.
+    program: &'static str,
+    /// Cargo's arguments for it.
+    pub features: [&'static str; 3],
+    /// What its files' names have after the program's.
+    suffix: &'static str,
 }
 
-/// Builds the image and returns its path.
+const fn variant(program: &'static str, features: &'static str, suffix: &'static str) -> Variant {
+    Variant { program, features: ["--no-default-features", "--features", features], suffix }
+}
+
+/// NUCLEO-H743ZI2.
+const REFERENCE: Variant = variant(BIN, "nucleo_h743zi2", "");
+/// The same with another DAC.
+pub const REFERENCE_DAC: Variant = variant(BIN, "nucleo_h743zi2,external_dac", "-external-dac");
+/// A module with an STM32H743VI.
+pub const MODULE: Variant = variant("beamtick-h743vi", "h743vi_module", "");
+/// The same with another DAC.
+pub const MODULE_DAC: Variant = variant("beamtick-h743vi", "h743vi_module,external_dac", "-external-dac");
+/// Each image of `cargo xtask image`. The plain one of the reference board comes last: what later
+/// commands find under its program's name is that.
+pub const VARIANTS: [Variant; 4] = [MODULE_DAC, MODULE, REFERENCE_DAC, REFERENCE];
+
+impl Variant {
+    /// Builds it and returns its path, which no other one has.
+    pub fn build(self) -> Outcome<PathBuf> {
+        let compiler = compiler()?;
+        let mut cargo = compiler.cargo();
+        cargo.args(["build", "--package", "beamtick-firmware", "--bin", self.program, "--profile", "image"]);
+        run(cargo.args(self.features).args(compiler.arguments()))?;
+        let built = target().join(crate::setup::TARGET).join("image").join(self.program);
+        if self.suffix.is_empty() {
+            return Ok(built);
+        }
+        let copy = built.with_file_name(format!("{}{}", self.program, self.suffix));
+        fs::copy(&built, &copy).map_err(|e| format!("{}: {e}", copy.display()))?;
+        Ok(copy)
+    }
+}
+
+/// Builds the reference board's image and returns its path.
 pub fn build() -> Outcome<PathBuf> {
-    let compiler = compiler()?;
-    let mut cargo = compiler.cargo();
-    cargo.args(["build", "--package", "beamtick-firmware", "--bin", BIN, "--profile", "image"]).args(FEATURES);
-    run(cargo.args(compiler.arguments()))?;
-    Ok(target().join(crate::setup::TARGET).join("image").join(BIN))
+    REFERENCE.build()
 }
 
 /// Builds the bring-up image and returns its path.
@@ -71,16 +100,22 @@ pub fn bring_up(link: Option<&str>) -> Outcome {
     run(command.arg(&page))
 }
 
-/// Builds every variant, writes their files, and prints what the plain one takes of the chip.
-/// Returns the files.
+/// Builds every variant, writes their files, and prints what each takes of the chip. Returns the
+/// files.
 pub fn image() -> Outcome<Vec<PathBuf>> {
     let mut files = Vec::new();
-    // The plain one last: what later commands find is that.
-    for (elf, variant) in [(build_for_dac()?, "-external-dac"), (build()?, "")] {
-        files.extend(write(&elf, BIN, variant)?);
+    for variant in VARIANTS {
+        let elf = variant.build()?;
+        files.extend(write(&elf, variant.program, variant.suffix)?);
+        let bytes = read(&elf)?;
+        let free = regions(&bytes, &loaded(&bytes)?)?;
+        if variant == REFERENCE {
+            compare_with_page(&free)?;
+        }
+        hot(&bytes)?;
+        floats::check(&bytes)?;
     }
     files.extend(write(&build_bring_up()?, BRING_UP, "")?);
-    size()?;
     Ok(files)
 }
 
@@ -102,11 +137,11 @@ fn write(elf: &Path, program: &str, variant: &str) -> Outcome<Vec<PathBuf>> {
     Ok(files)
 }
 
-/// Prints what the image takes of each region, and what runs from ITCM; the linker has refused what
-/// does not fit.
+/// Prints what the reference board's image takes of each region, and what runs from ITCM. The
+/// linker has refused what does not fit; less that is free than the page says is an error.
 pub fn size() -> Outcome {
     let bytes = read(&build()?)?;
-    regions(&bytes, &loaded(&bytes)?)?;
+    compare_with_page(&regions(&bytes, &loaded(&bytes)?)?)?;
     hot(&bytes)?;
     floats::check(&bytes)
 }
@@ -298,11 +333,35 @@ fn hot(elf: &[u8]) -> Outcome {
     Ok(())
 }
 
-fn regions(elf: &[u8], loaded: &Loaded) -> Outcome {
+/// The page that says what is free in each region of the reference board.
+const PAGE: &str = "docs/board-h743-registers.md";
+
+/// Fails where the page says that more is free than there is.
+fn compare_with_page(free: &[(String, u64)]) -> Outcome {
+    let page = fs::read_to_string(root().join(PAGE)).map_err(|e| format!("{PAGE}: {e}"))?;
+    for (name, is) in free {
+        let states = stated(&page, name).ok_or_else(|| format!("{PAGE} does not say what is free in {name}"))?;
+        if states > *is {
+            return Err(format!("{PAGE}: {states} bytes of {name} are free, it says; there are {is}"));
+        }
+    }
+    Ok(())
+}
+
+/// The last cell of a region's row, in bytes.
+fn stated(page: &str, region: &str) -> Option<u64> {
+    let row = page.lines().find(|line| line.starts_with(&format!("| {region} |")))?;
+    let cell = row.trim_end_matches('|').rsplit('|').next()?;
+    cell.chars().filter(char::is_ascii_digit).collect::<String>().parse().ok()
+}
+
+/// Prints the regions of an image; returns what is free in each.
+fn regions(elf: &[u8], loaded: &Loaded) -> Outcome<Vec<(String, u64)>> {
     const ALLOC: u64 = 2;
     let script = script()?;
     let file = object::File::parse(elf).map_err(|e| format!("the image: {e}"))?;
     println!("{:<8}{:>12}{:>10}{:>10}{:>8}", "region", "from", "bytes", "used", "free");
+    let mut all = Vec::new();
     for region in map(&script) {
         let Region { name, origin, length } = &region;
         let holds_image = region.holds(loaded.base.into());
@@ -319,8 +378,9 @@ fn regions(elf: &[u8], loaded: &Loaded) -> Outcome {
         }
         let free = length.checked_sub(used).ok_or_else(|| format!("{name} holds {used} bytes of {length}"))?;
         println!("{name:<8}{origin:>#12x}{length:>10}{used:>10}{free:>8}");
+        all.push((name.clone(), free));
     }
-    Ok(())
+    Ok(all)
 }
 
 #[cfg(test)]
@@ -333,6 +393,12 @@ mod tests {
             "MEMORY\n{\n  A : ORIGIN = 0x00000400, LENGTH = 18K\n  B  : ORIGIN = 0x4c00, LENGTH = 64K - 19K\n}";
         let region = |name: &str, origin, length| Region { name: name.into(), origin, length };
         assert_eq!(map(script), [region("A", 0x400, 18432), region("B", 0x4c00, 46080)]);
+    }
+
+    #[test]
+    fn the_page_is_read() {
+        let page = "| region | what | free |\n| --- | --- | --- |\n| RAM | 46.5 KiB, small things | 1,160 |\n";
+        assert_eq!((stated(page, "RAM"), stated(page, "CODE")), (Some(1160), None));
     }
 
     #[test]

@@ -105,9 +105,11 @@ fn clippy_chip() -> Outcome {
         command.args(["--package", package]);
     }
     shell::run(command.args(["--", "-D", "warnings"]))?;
-    let mut command = compiler.cargo();
-    command.args(["clippy", "--profile", "image", "--package", "beamtick-firmware"]).args(board::FEATURES);
-    shell::run(command.args(compiler.arguments()).args(["--", "-D", "warnings"]))?;
+    for variant in board::VARIANTS {
+        let mut command = compiler.cargo();
+        command.args(["clippy", "--profile", "image", "--package", "beamtick-firmware"]).args(variant.features);
+        shell::run(command.args(compiler.arguments()).args(["--", "-D", "warnings"]))?;
+    }
     let mut command = compiler.cargo();
     command.args(["clippy", "--profile", "image", "--package", BRING_UP]).args(compiler.arguments());
     shell::run(command.args(["--", "-D", "warnings"]))
@@ -122,17 +124,31 @@ fn h743() -> (Count, Outcome) {
         Ok((
             image::build_bin("beamtick-probes-h743", "h743-core")?,
             board::build_bring_up()?,
-            board::build_for_dac()?,
+            board::MODULE_DAC.build()?,
+            board::MODULE.build()?,
+            board::REFERENCE_DAC.build()?,
             board::build()?,
         ))
     };
     match ready.and_then(|()| built()) {
-        Ok((probe, bring_up, for_dac, image)) => {
+        Ok((probe, bring_up, module_for_dac, module, for_dac, image)) => {
             let mut command = cargo();
             command.args(["test", "--no-fail-fast", "--package", EMULATION]);
             command.env("BEAMTICK_H743_PROBE", probe).env("BEAMTICK_H743_DAC_IMAGE", for_dac);
-            command.env("BEAMTICK_H743_BRING_UP", bring_up);
-            tests(command.env("BEAMTICK_H743_IMAGE", image))
+            command.env("BEAMTICK_H743_BRING_UP", bring_up).env("BEAMTICK_H743VI_DAC_IMAGE", module_for_dac);
+            command.env("BEAMTICK_H743VI_IMAGE", &module);
+            let (mut count, outcome) = tests(command.env("BEAMTICK_H743_IMAGE", image));
+            if outcome.is_err() {
+                return (count, outcome);
+            }
+            // ST's data of the package with 100 pins takes the place of the other's.
+            let mut command = cargo();
+            command.args(["test", "--package", EMULATION, "--no-default-features", "--features", "stm32h743vi"]);
+            command.args(["--test", "authorities"]).env("BEAMTICK_H743VI_IMAGE", module);
+            let (of_package, outcome) = tests(&mut command);
+            count.passed += of_package.passed;
+            count.failed += of_package.failed;
+            (count, outcome)
         }
         Err(reason) => alone(Err(reason)),
     }

@@ -15,6 +15,9 @@ pub mod timer;
 pub mod uart;
 pub mod watchdog;
 
+/// The machine of its axes.
+pub type Machine = machine::Machine<AXES>;
+
 /// Name of the board as the link reports it.
 pub const NAME: &str = "mps2-an500";
 

@@ -1,10 +1,12 @@
-//! Clocks: 480 MHz from the ST-LINK's 8 MHz (RM0433 6.6, 8.5; docs/board-h743-registers.md,
+//! Clocks: 480 MHz from the board's source (RM0433 6.6, 8.5; docs/board-h743-registers.md,
 //! "Clocks").
 //!
 //! In: the chip on its own 64 MHz. Out: [`CORE_HZ`] and the clocks derived from it. Owns PWR, the
 //! flash's wait states and RCC's clock tree. Fails: a flag that does not come in time is left to
-//! the watchdog, which runs by then and resets. When the ST-LINK's clock stops later, the hardware
+//! the watchdog, which runs by then and resets. When the source stops later, the hardware
 //! breaks the laser outputs, and the NMI ends in the fault path ([`CLOCK_LOST`]).
+use super::boards::BOARD;
+use super::wiring::VCO_MHZ;
 use stm32_metapac::rcc::vals::{Hpre, Plldiv, Pllm, Plln, Pllrge, Pllsrc, Pllvcosel, Ppre, Sw, Usbsel};
 use stm32_metapac::{DBGMCU, FLASH, PWR, RCC, SYSCFG, pwr};
 
@@ -16,17 +18,17 @@ pub const BUS_HZ: u32 = CORE_HZ / 4;
 pub const TIMER_MHZ: u16 = 240;
 
 /// Reason of the NMI: nothing else makes one (RM0433 8.5.3).
-pub const CLOCK_LOST: &str = "the ST-LINK's clock has stopped";
+pub const CLOCK_LOST: &str = BOARD.source.lost;
 
 /// Waits without limit; the watchdog resets the chip if that takes too long.
 fn wait(mut is_ready: impl FnMut() -> bool) {
     while !is_ready() {}
 }
 
-/// Waits for the ST-LINK's clock without limit: it may be powered, or start, later than the chip.
-/// No output is driven yet, so this needs no watchdog.
+/// Waits for the source without limit: a clock from elsewhere may be powered, or start, later than
+/// the chip. No output is driven yet, so this needs no watchdog.
 pub fn await_source() {
-    RCC.cr().modify(|w| w.set_hsebyp(true));
+    RCC.cr().modify(|w| w.set_hsebyp(!BOARD.source.is_crystal));
     RCC.cr().modify(|w| w.set_hseon(true));
     wait(|| RCC.cr().read().hserdy());
 }
@@ -107,19 +109,30 @@ fn supply() {
     wait(|| PWR.d3cr().read().vosrdy());
 }
 
-/// 48 MHz for USB, as exact as the ST-LINK's crystal (RM0433 8.5): PLL1 Q.
+/// 48 MHz for USB, as exact as the source (RM0433 8.5): PLL1 Q.
 pub fn give_usb() {
     RCC.d2ccip2r().modify(|w| w.set_usbsel(Usbsel::PLL1_Q));
 }
 
-/// PLL1: 8 MHz / 1 · 120 / 2 for the core, / 20 for USB.
+/// By what PLL1 divides the source, and what is left of it in MHz.
+const DIVIDER: u32 = BOARD.source.divider();
+const REFERENCE_MHZ: u32 = BOARD.source.mhz / DIVIDER;
+/// The range of PLL1's reference (RM0433 8.7.13).
+const RANGE: Pllrge = match REFERENCE_MHZ {
+    8..=16 => Pllrge::RANGE8,
+    4..=7 => Pllrge::RANGE4,
+    2..=3 => Pllrge::RANGE2,
+    _ => Pllrge::RANGE1,
+};
+
+/// PLL1: 960 MHz; / 2 for the core, / 20 for USB.
 fn multiply() {
     RCC.pllckselr().modify(|w| {
         w.set_pllsrc(Pllsrc::HSE);
-        w.set_divm(0, Pllm::DIV1);
+        w.set_divm(0, Pllm::from_bits(DIVIDER as u8));
     });
     RCC.pllcfgr().modify(|w| {
-        w.set_pllrge(0, Pllrge::RANGE8);
+        w.set_pllrge(0, RANGE);
         w.set_pllvcosel(0, Pllvcosel::WIDE_VCO);
         w.set_pllfracen(0, false);
         w.set_divpen(0, true);
@@ -127,7 +140,7 @@ fn multiply() {
         w.set_divren(0, false);
     });
     RCC.plldivr(0).write(|w| {
-        w.set_plln(Plln::MUL120);
+        w.set_plln(Plln::from_bits((VCO_MHZ / REFERENCE_MHZ - 1) as u16));
         w.set_pllp(Plldiv::DIV2);
         w.set_pllq(Plldiv::DIV20);
         w.set_pllr(Plldiv::DIV2);

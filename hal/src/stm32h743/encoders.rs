@@ -10,8 +10,8 @@ use stm32_metapac::timer::TimGp16;
 use stm32_metapac::timer::vals::{CcmrInputCcs, FilterValue, Sms};
 use stm32_metapac::{RCC, TIM3, TIM4};
 
-/// Encoders that the timers allow: TIM1, TIM8 and TIM15 make light, TIM2 the ticks, and the inputs
-/// of TIM5 lie on pins of the Ethernet PHY.
+/// Encoders that the timers allow: TIM1, TIM8 and TIM15 make light, TIM2 the ticks. The inputs of
+/// TIM5 lie on pins of the Nucleo's Ethernet PHY, and of the module's lasers.
 pub const ENCODERS_MAX: usize = 2;
 
 const TIMERS: [TimGp16; ENCODERS_MAX] = [TIM3, TIM4];

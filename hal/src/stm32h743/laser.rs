@@ -7,8 +7,10 @@
 //! all three begin at the same tick. In the safe state the main output is disabled (`BDTR.MOE`),
 //! and the pins have their idle levels. Fails to the safe state if a cycle was queued too late for
 //! DMA: it reports that to the tick ([`Lasers::was_late`]), and everything starts anew.
+use super::boards::BOARD;
 use super::clocks::TIMER_MHZ;
 use super::pwm_dma::{BEGIN, LASER_0, LASER_1, SWITCHES, TIM15, Timer, empty_slots};
+use super::wiring::Break;
 use core::sync::atomic::AtomicU32;
 use servo::laser::{CHANNELS, Plan};
 use servo::output::{DELAY_LINE_WORDS, DelayLine, GateCycles, PwmCycles, RingSlots, Scale};
@@ -184,13 +186,8 @@ fn set_up() {
 /// the flag is set again while the input is active). Call it once, after the timers have their
 /// pins.
 pub fn contradiction(levels: [bool; 3]) -> Option<&'static str> {
-    // By the level of the pin: low, high.
-    const TEXTS: [[&str; 2]; 3] = [
-        ["TIM1 breaks although its input PE15 is low", "TIM1 does not break although its input PE15 is high"],
-        ["TIM15 breaks although its input PE3 is low", "TIM15 does not break although its input PE3 is high"],
-        ["TIM8 breaks although its input PG2 is low", "TIM8 does not break although its input PG2 is high"],
-    ];
-    [TIM1, TIM15, TIM8].into_iter().zip(levels).zip(TEXTS).find_map(|((timer, level), [low, high])| {
+    let mut inputs = [TIM1, TIM15, TIM8].into_iter().zip(levels).zip(BOARD.breaks);
+    inputs.find_map(|((timer, level), Break { texts: [low, high], .. })| {
         clear_break(timer);
         // The input passes a synchronizer.
         cortex_m::asm::delay(64);

@@ -1,5 +1,5 @@
-//! NUCLEO-H743ZI2: `docs/board-h743.md`, with registers in `docs/board-h743-registers.md`. Sections
-//! in comments are those of RM0433, the chip's reference manual.
+//! The STM32H743 on each of its [`boards`]: `docs/board-h743-registers.md`. Sections in comments
+//! are those of RM0433, the chip's reference manual.
 //!
 //! In: the tick's set-points and outputs, bytes to send. Out: ticks, levels of inputs, bytes
 //! received. Owns the chip's clocks, watchdog, timer, UART and interrupt controller. Fails: an old
@@ -11,6 +11,7 @@ use stm32_metapac::Interrupt;
 
 pub mod adc;
 pub mod analog;
+pub mod boards;
 pub mod clocks;
 pub mod encoders;
 pub mod idle;
@@ -26,11 +27,13 @@ pub mod timer;
 pub mod uart;
 pub mod usb;
 pub mod watchdog;
+pub mod wiring;
 
+pub use machine::Machine;
 pub use watchdog::{ResetCause, cause};
 
 /// Name of the board as the link reports it.
-pub const NAME: &str = "nucleo-h743zi2";
+pub const NAME: &str = boards::BOARD.name;
 
 /// Axes that the image for this board holds.
 pub const AXES: usize = pins::AXES;

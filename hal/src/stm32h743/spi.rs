@@ -1,16 +1,18 @@
 //! SPI3 to an external DAC (RM0433 50): 32 MHz from the HSI, mode 1.
 //!
-//! In: bytes. Out: the same on PC10 (SCK) and PC12 (MOSI), with PC11 for the select line. Owns
-//! SPI3. It waits for the end of what it sends, some 0.3 µs a byte. Fails: [`Silent`], if the
-//! peripheral does not finish.
+//! In: bytes. Out: the same on SCK and MOSI, with a pin for the select line. Owns SPI3. It waits
+//! for the end of what it sends, some 0.3 µs a byte. Fails: [`Silent`], if the peripheral does not
+//! finish.
+use super::boards::BOARD;
 use super::clocks::CORE_HZ;
+use super::wiring::Pin;
 use core::convert::Infallible;
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{self, OutputPin};
 use embedded_hal::spi::{Error, ErrorKind, ErrorType, SpiBus};
 use stm32_metapac::rcc::vals::Saisel;
 use stm32_metapac::spi::vals::{Cpha, Master};
-use stm32_metapac::{GPIOC, RCC, SPI3};
+use stm32_metapac::{RCC, SPI3};
 
 /// Polls of a flag before the peripheral is given up: a few microseconds.
 const MAX_POLLS: u32 = 100;
@@ -29,7 +31,7 @@ impl Error for Silent {
 #[derive(Debug)]
 pub struct Bus(());
 
-/// PC11.
+/// The board's pin for it.
 #[derive(Debug)]
 pub struct Select(());
 
@@ -37,8 +39,8 @@ pub struct Select(());
 #[derive(Debug)]
 pub struct Pause(());
 
-/// Number of the select line in port C.
-const SELECT: usize = 11;
+/// The select line.
+const SELECT: Pin = BOARD.dac_select;
 
 /// Switches SPI3 on; its pins are given by [`super::pins`].
 ///
@@ -123,12 +125,12 @@ impl digital::ErrorType for Select {
 
 impl OutputPin for Select {
     fn set_low(&mut self) -> Result<(), Infallible> {
-        GPIOC.bsrr().write(|w| w.set_br(SELECT, true));
+        SELECT.0.bsrr().write(|w| w.set_br(SELECT.1, true));
         Ok(())
     }
 
     fn set_high(&mut self) -> Result<(), Infallible> {
-        GPIOC.bsrr().write(|w| w.set_bs(SELECT, true));
+        SELECT.0.bsrr().write(|w| w.set_bs(SELECT.1, true));
         Ok(())
     }
 }
@@ -136,7 +138,7 @@ impl OutputPin for Select {
 impl DelayNs for Pause {
     fn delay_ns(&mut self, ns: u32) {
         // The read waits until earlier writes are done.
-        GPIOC.odr().read();
+        SELECT.0.odr().read();
         cortex_m::asm::delay(ns.saturating_mul(CORE_HZ / 1_000_000) / 1000 + 1);
     }
 }

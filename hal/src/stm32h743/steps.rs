@@ -1,5 +1,5 @@
 //! Steps and directions of all axes: TIM17 requests a word from DMA every slot, and DMA writes it
-//! to the set/reset register of port F (RM0433 11.4.7, 15, 17, 41).
+//! to the set/reset register of the steps' port (RM0433 11.4.7, 15, 17, 41).
 //!
 //! In: the target pulses of the axes. Out: edges, one tick after the plan: what lies between two
 //! set-points is known when the second one is. Owns TIM17, DMA2 streams 1 and 2, and the ring.
@@ -7,12 +7,13 @@
 //! Fails without losing a step: a tick whose words would come too late for DMA stays empty, and its
 //! steps come in the next one. DMA itself clears a slot after it was played, so that missing ticks
 //! repeat nothing.
+use super::boards::BOARD;
 use super::clocks::TIMER_MHZ;
 use super::settings::{DIRECTION_SET_UP_NS, STEP_WIDTH_NS};
 use core::sync::atomic::{AtomicU32, Ordering};
 use servo::output::step_words::{AXES, RING, StepOutput};
 use stm32_metapac::dma::vals::{Dir, Pl, Size};
-use stm32_metapac::{DMA2, DMAMUX1, GPIOF, RCC, TIM2, TIM17};
+use stm32_metapac::{DMA2, DMAMUX1, RCC, TIM2, TIM17};
 
 /// A slot: the grid of all edges.
 pub const SLOT_NS: u32 = 500;
@@ -135,7 +136,7 @@ impl Steps {
         RCC.ahb1enr().read();
         RCC.apb2enr().read();
         // The prescaler is always 0: the stream that clears reads it.
-        stream(PLAY, TIM17_UP, Dir::MEMORY_TO_PERIPHERAL, Pl::HIGH, GPIOF.bsrr().as_ptr() as u32);
+        stream(PLAY, TIM17_UP, Dir::MEMORY_TO_PERIPHERAL, Pl::HIGH, BOARD.steps.bsrr().as_ptr() as u32);
         stream(CLEAR, TIM17_CH1, Dir::PERIPHERAL_TO_MEMORY, Pl::MEDIUM, TIM17.psc().as_ptr() as u32);
         TIM17.psc().write_value(0);
         TIM17.arr().write(|w| w.set_arr(SLOT_COUNTS as u16 - 1));

@@ -1,4 +1,4 @@
-//! The USB device on CN13 (RM0433 57): full speed, on the core that the chip calls OTG_FS and the
+//! The USB device (RM0433 57): full speed, on the core that the chip calls OTG_FS and the
 //! manual OTG_HS2.
 //!
 //! In and out: packets, by `embassy-usb-synopsys-otg`. Owns the core, its supply and its pins.
@@ -9,6 +9,7 @@
 //! - A packet that waits when the host resets the bus is dropped: the driver would wait forever.
 //! - An endpoint that expects another packet is enabled again, as the manual asks: the driver
 //!   clears only its NAK.
+use super::boards::BOARD;
 use super::{clocks, pins};
 use core::future::{Future, poll_fn};
 use core::pin::pin;
@@ -28,6 +29,11 @@ pub const PACKET: usize = 64;
 pub const WAITING: usize = 2 * PACKET;
 /// Digits of the chip's unique id.
 pub const ID_DIGITS: usize = 24;
+
+/// The current that the board takes from the host at most, in mA; 0 with a supply of its own.
+pub const MILLIAMPERES: u16 = BOARD.usb.milliamperes;
+/// The chip sees the host's 5 V.
+const HAS_VBUS: bool = BOARD.usb.vbus.is_some();
 
 /// Endpoints each way: control; notifications and bytes received; bytes sent.
 const ENDPOINTS: usize = 3;
@@ -82,10 +88,17 @@ pub unsafe fn open(waiting: &'static mut [u8; WAITING]) -> Option<Usb> {
     core.gccfg_v2().modify(|w| {
         // The bit switches the transceiver on.
         w.set_pwrdwn(true);
-        w.set_vbden(true);
+        w.set_vbden(HAS_VBUS);
     });
+    if !HAS_VBUS {
+        // A session without the host's 5 V (RM0433 57, OTG_GOTGCTL).
+        core.gotgctl().modify(|w| {
+            w.set_bvaloen(true);
+            w.set_bvaloval(true);
+        });
+    }
     let mut config = Config::default();
-    config.vbus_detection = true;
+    config.vbus_detection = HAS_VBUS;
     let instance = OtgInstance {
         regs: core,
         state: STATE.as_state(),

@@ -5,6 +5,7 @@
 //! and one to a peripheral without a clock. A test that finds a note has found a fault of the image
 //! or a gap of the emulation.
 use crate::adc::Adc;
+use crate::board::Board;
 use crate::clocks::{AHB1ENR, AHB2ENR, AHB4ENR, Clocks, Rcc};
 use crate::dac::Dac;
 use crate::device::{Cause, Device, Signal};
@@ -87,8 +88,10 @@ const USART3_LINE: usize = 39;
 const USB_PINS: [Pin; 2] = [Pin(0, 11), Pin(0, 12)];
 const USB_FUNCTION: u32 = 10;
 
-/// Break inputs: the timer, the pin, its alternate function (docs/board-h743.md).
-pub const BREAKS: [(u8, &str, u32); 3] = [(1, "PE15", 1), (15, "PE3", 4), (8, "PG2", 3)];
+/// Break inputs: the timer, the pin, its alternate function (docs/board-h743.md, and then
+/// docs/board-h743vi.md). Pins of a timer that are switched to it act together.
+pub const BREAKS: [(u8, &str, u32); 6] =
+    [(1, "PE15", 1), (15, "PE3", 4), (8, "PG2", 3), (1, "PB12", 1), (15, "PA0", 4), (8, "PA6", 3)];
 
 /// See the module text.
 #[derive(Debug, Clone)]
@@ -140,8 +143,8 @@ pub struct Bus {
 pub type Input = (usize, &'static str);
 /// Pins at an encoder's first two inputs and at the one that latches its index: the timer, its
 /// inputs, the alternate function.
-pub const ENCODERS: [(u8, [Input; 3], u32); 2] =
-    [(3, [(0, "PB4"), (1, "PB5"), (3, "PB1")], 2), (4, [(0, "PD12"), (1, "PD13"), (2, "PD14")], 2)];
+pub const ENCODERS: [(u8, &[Input], u32); 2] =
+    [(3, &[(0, "PB4"), (1, "PB5"), (3, "PB1"), (3, "PC9")], 2), (4, &[(0, "PD12"), (1, "PD13"), (2, "PD14")], 2)];
 /// Pins at TIM2's inputs, alternate function 1; those of docs/bring-up.md.
 pub const CAPTURES: [Input; 6] = [(0, "PA0"), (0, "PA15"), (1, "PB3"), (2, "PB10"), (3, "PA3"), (3, "PB11")];
 const CAPTURE_FUNCTION: u32 = 1;
@@ -173,6 +176,13 @@ impl Bus {
             complaints: Vec::new(),
             signals: Vec::new(),
         }
+    }
+
+    /// The chip is on this board, and not on a Nucleo.
+    pub fn mount(&mut self, board: Board) {
+        self.rcc.mount(board);
+        self.gpio.mount(board);
+        self.usb.core.lacks_vbus = !board.leads_vbus;
     }
 
     fn device(&mut self, n: usize) -> &mut dyn Device {
@@ -331,10 +341,12 @@ impl Bus {
     /// Break inputs follow their pins.
     fn look_at_breaks(&mut self, at: Time) {
         let mut signals = std::mem::take(&mut self.signals);
-        for (number, name, function) in BREAKS {
-            let Some(pin) = Pin::named(name) else { continue };
-            let connected = self.gpio.alternate(pin) == Some(function);
-            let high = connected && self.gpio.reads(pin);
+        for (number, ..) in BREAKS {
+            let is_high = |&(of, name, function): &(u8, &str, u32)| {
+                let connected = |pin: &Pin| self.gpio.alternate(*pin) == Some(function);
+                of == number && Pin::named(name).filter(connected).is_some_and(|pin| self.gpio.reads(pin))
+            };
+            let high = BREAKS.iter().any(is_high);
             if let Some(timer) = self.timer(number) {
                 timer.break_input(high, &mut signals, at);
             }
@@ -352,9 +364,9 @@ impl Bus {
         let mut signals = std::mem::take(&mut self.signals);
         for (number, inputs, function) in ENCODERS {
             let mut levels = [false; 4];
-            for (input, name) in inputs {
+            for &(input, name) in inputs {
                 let connected = |pin: &Pin| self.gpio.alternate(*pin) == Some(function);
-                levels[input] = Pin::named(name).filter(connected).is_some_and(|pin| self.gpio.reads(pin));
+                levels[input] |= Pin::named(name).filter(connected).is_some_and(|pin| self.gpio.reads(pin));
             }
             if let Some(timer) = self.timer(number) {
                 timer.inputs(levels, at, &mut signals);
@@ -420,6 +432,7 @@ impl Bus {
         self.usb.connect(self.pwr.has_usb() && lines == [true; 2]);
         let complaints = [
             self.rcc.complaint.take(),
+            self.gpio.complaint.take(),
             self.usart.complaint.take(),
             self.dma.complaint.take(),
             self.dac.complaint.take(),

@@ -4,6 +4,7 @@
 //! Ready flags follow their switches after a time of the order of the data sheet's. Settings that
 //! the manual forbids are refused with a sentence ([`Rcc::complaint`]): a VCO outside of its range,
 //! a core faster than the supply allows.
+use crate::board::{Board, NUCLEO};
 use crate::device::{Cause, Device, Signal};
 use crate::time::{MICROSECOND, NEVER, Time};
 
@@ -32,10 +33,11 @@ pub struct Clocks {
 
 /// 64 MHz, as the chip starts.
 const HSI: Time = 15;
-/// 8 MHz from the ST-LINK.
-const HSE: Time = 120;
-/// 4 MHz.
-const CSI: Time = 240;
+/// Of the chip's own oscillators, in kHz.
+const HSI_KHZ: u64 = 64_000;
+const CSI_KHZ: u64 = 4_000;
+/// A second is so many thousands of units of time.
+const UNITS_KHZ: u64 = 960_000;
 
 impl Clocks {
     /// Of a chip that has just started.
@@ -93,6 +95,7 @@ const PLL1_READY: u32 = 1 << 25;
 const HSE_SOURCE: usize = 3;
 const HSE_ON: u32 = 1 << 16;
 const HSE_READY: u32 = 1 << 17;
+const HSE_BYPASS: u32 = 1 << 18;
 const HSE_GUARD: u32 = 1 << 19;
 
 /// See the module text.
@@ -103,7 +106,8 @@ pub struct Rcc {
     ready: [Time; SOURCES.len()],
     lsi_ready: Time,
     clocks: Clocks,
-    /// The ST-LINK gives its clock.
+    /// What is at the oscillator's pins, and whether it runs.
+    board: Board,
     source: bool,
     /// The fastest core that the supply allows, as time a cycle; set by the machine from PWR.
     pub fastest: Time,
@@ -118,6 +122,7 @@ impl Default for Rcc {
             ready: [NEVER; SOURCES.len()],
             lsi_ready: NEVER,
             clocks: Clocks::RESET,
+            board: NUCLEO,
             source: true,
             fastest: 0,
             complaint: None,
@@ -148,6 +153,21 @@ impl Rcc {
         self.clocks = Clocks::RESET;
     }
 
+    /// The chip is on this board from now on.
+    pub fn mount(&mut self, board: Board) {
+        self.board = board;
+    }
+
+    /// Whether the oscillator is set to what is at its pins, and that runs.
+    fn has_source(&self) -> bool {
+        self.source && self.board.has_crystal == (self.at(CR) & HSE_BYPASS == 0)
+    }
+
+    /// Frequency of a source of the PLLs, or of the system: HSI, CSI, HSE.
+    fn khz(&self, source: u32) -> Option<u64> {
+        [HSI_KHZ >> (self.at(CR) >> 3 & 3), CSI_KHZ, self.board.source_khz].get(source as usize).copied()
+    }
+
     /// Notes a reset (RM0433 table 55).
     pub fn restarted(&mut self, cause: Cause) {
         // CPURST and PINRST come with each of them.
@@ -168,13 +188,13 @@ impl Rcc {
         &mut self.registers[offset as usize / 4]
     }
 
-    /// The ST-LINK's clock starts or stops. True if the clock security system has noticed a stop
+    /// The source starts or stops. True if the clock security system has noticed a stop
     /// (RM0433 8.5.3): then the chip runs on its own clock, without HSE and the PLL that it fed.
     pub fn give(&mut self, source: bool, at: Time) -> bool {
         let was = std::mem::replace(&mut self.source, source);
         let cr = self.at(CR);
         if source {
-            if !was && cr & HSE_ON != 0 {
+            if !was && cr & HSE_ON != 0 && self.has_source() {
                 self.ready[HSE_SOURCE] = at + SOURCES[HSE_SOURCE].2;
             }
             return false;
@@ -213,21 +233,22 @@ impl Rcc {
         self.complaint.get_or_insert(what);
     }
 
+    /// Bits of PLLCKSELR that hardware does not let change: DIVMx of a PLL that is on, PLLSRC while
+    /// one is (RM0433 8.7.11).
+    fn held_by_plls(&self) -> u32 {
+        let of = |pll: u32| if self.at(CR) & 3 << (24 + 2 * pll) == 0 { 0 } else { 0x3f << (4 + 8 * pll) | 3 };
+        of(0) | of(1) | of(2)
+    }
+
     /// Time a cycle of PLL1's P output takes.
     fn pll1(&mut self) -> Option<Time> {
         let (source, configuration, dividers) = (self.at(PLLCKSELR), self.at(PLLCFGR), self.at(PLL1DIVR));
-        let input = match source & 3 {
-            0 => HSI << (self.at(CR) >> 3 & 3),
-            1 => CSI,
-            2 => HSE,
-            _ => return None,
-        };
+        let input_khz = self.khz(source & 3)?;
         let m = u64::from(source >> 4 & 0x3f);
-        let reference = input * m;
         let n = u64::from(dividers & 0x1ff) + 1;
         let p = u64::from(dividers >> 9 & 0x7f) + 1;
         // In kHz: reference and VCO, and the ranges that are set for them.
-        let reference_khz = 960_000u64.checked_div(reference)?;
+        let reference_khz = input_khz.checked_div(m)?;
         let vco_khz = reference_khz * n;
         let range =
             [1_000..=2_000, 2_000..=4_000, 4_000..=8_000, 8_000..=16_000][(configuration >> 2 & 3) as usize].clone();
@@ -241,8 +262,9 @@ impl Rcc {
         if configuration & 1 << 16 == 0 {
             self.complain("the core takes PLL1 P, which is off (DIVP1EN)".into());
         }
-        let (top, cycle) = (reference * p, reference * p / n);
-        if cycle * n != top {
+        let (top, speed) = (UNITS_KHZ * m * p, input_khz * n);
+        let cycle = top / speed;
+        if cycle * speed != top {
             self.complain(format!("{vco_khz} kHz / {p} is no clock that the emulation can count"));
         }
         Some(cycle.max(1))
@@ -253,10 +275,10 @@ impl Rcc {
         if self.at(CR) & PLL1_READY == 0 || self.at(PLLCFGR) & 1 << 17 == 0 {
             return None;
         }
-        let reference = [HSI << (self.at(CR) >> 3 & 3), CSI, HSE, 0][(self.at(PLLCKSELR) & 3) as usize];
+        let input_khz = self.khz(self.at(PLLCKSELR) & 3)?;
         let (dividers, m) = (self.at(PLL1DIVR), u64::from(self.at(PLLCKSELR) >> 4 & 0x3f));
         let (n, q) = (u64::from(dividers & 0x1ff) + 1, u64::from(dividers >> 16 & 0x7f) + 1);
-        Some(reference * m * q / n).filter(|&cycle| cycle > 0)
+        Some(UNITS_KHZ * m * q / (input_khz * n)).filter(|&cycle| cycle > 0)
     }
 
     /// Kernel clock of USB (D2CCIP2R.USBSEL): PLL1's Q output is what is modelled.
@@ -275,7 +297,7 @@ impl Rcc {
 
     /// per_ck (D1CCIPR.CKPERSEL).
     fn per(&self) -> Option<Time> {
-        [Some(HSI << (self.at(CR) >> 3 & 3)), Some(CSI), Some(HSE), None][(self.at(D1CCIPR) >> 28 & 3) as usize]
+        self.khz(self.at(D1CCIPR) >> 28 & 3).map(|khz| UNITS_KHZ / khz)
     }
 
     /// Kernel clock of the ADCs (D3CCIPR.ADCSEL): per_ck only; PLL2 and PLL3 are not modelled.
@@ -286,9 +308,7 @@ impl Rcc {
     /// Works out the clocks anew. Sources that do not run leave them as they were.
     fn derive(&mut self) {
         let system = match self.at(CFGR) & 7 {
-            0 => Some(HSI << (self.at(CR) >> 3 & 3)),
-            1 => Some(CSI),
-            2 => Some(HSE),
+            source @ 0..=2 => self.khz(source).map(|khz| UNITS_KHZ / khz),
             3 if self.at(CR) & PLL1_READY != 0 => self.pll1(),
             _ => None,
         };
@@ -349,12 +369,15 @@ impl Device for Rcc {
                         flags &= !ready;
                         self.ready[n] = NEVER;
                     } else if before & on == 0 {
-                        self.ready[n] = if n == HSE_SOURCE && !self.source { NEVER } else { at + time };
+                        self.ready[n] = at + time;
                     }
                 }
                 let flagged = SOURCES.iter().fold(0, |all, (on, ready, _)| all | on | ready);
                 // HSI's divider: its flag says at once that it is there.
                 *self.place(CR) = flags & flagged | value & !flagged | 1 << 5;
+                if !self.has_source() {
+                    self.ready[HSE_SOURCE] = NEVER;
+                }
                 self.derive();
             }
             CFGR => {
@@ -369,7 +392,8 @@ impl Device for Rcc {
                 if self.at(CR) & 1 << 24 != 0 && value != before && offset != PLLCFGR {
                     self.complain("PLL1 was changed while it runs".into());
                 }
-                *self.place(offset) = value;
+                let held = if offset == PLLCKSELR { self.held_by_plls() } else { 0 };
+                *self.place(offset) = before & held | value & !held;
             }
             CSR => {
                 self.lsi_ready = if value & 1 == 0 { NEVER } else { at + 80 * MICROSECOND };

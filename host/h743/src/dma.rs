@@ -73,6 +73,11 @@ struct Stream {
 }
 
 impl Stream {
+    /// As after a reset: FTH is 1 (RM0433 15.5.10).
+    fn initial() -> Stream {
+        Stream { fcr: 1, ..Stream::default() }
+    }
+
     fn direction(&self) -> u32 {
         self.cr >> 6 & 3
     }
@@ -174,7 +179,7 @@ impl Dma {
     pub fn new(memory: Arc<Memory>) -> Dma {
         Dma {
             memory,
-            streams: Default::default(),
+            streams: std::array::from_fn(|_| Stream::initial()),
             mux: [0; STREAMS],
             standing: 0,
             cycle: Clocks::RESET.bus,

@@ -4,6 +4,7 @@
 //! the level of each pin, and a record of every change with its time. Which alternate function
 //! shows which signal is the data sheet's table, as far as the board's page uses it; a function
 //! that is not in it shows nothing, so the pin counts as not driven.
+use crate::board::Board;
 use crate::device::{Device, Signal, Source};
 use crate::time::{NEVER, Time};
 use std::collections::HashMap;
@@ -55,8 +56,8 @@ pub struct Change {
 }
 
 /// Signals of alternate functions (data sheet DS12110, tables 10 to 20), for the pins of
-/// docs/board-h743.md.
-pub const FUNCTIONS: [(Pin, u32, Source); 15] = {
+/// docs/board-h743.md and docs/board-h743vi.md.
+pub const FUNCTIONS: [(Pin, u32, Source); 21] = {
     const A: u8 = 0;
     const B: u8 = 1;
     const C: u8 = 2;
@@ -76,7 +77,13 @@ pub const FUNCTIONS: [(Pin, u32, Source); 15] = {
         (Pin(B, 15), 3, Timer(8, 3, true)),
         (Pin(C, 6), 3, Timer(8, 1, false)),
         (Pin(A, 5), 3, Timer(8, 1, true)),
+        (Pin(A, 8), 1, Timer(1, 1, false)),
+        (Pin(B, 13), 1, Timer(1, 1, true)),
+        (Pin(A, 2), 4, Timer(15, 1, false)),
+        (Pin(A, 1), 4, Timer(15, 1, true)),
+        (Pin(B, 1), 3, Timer(8, 3, true)),
         (Pin(D, 8), 7, UsartTx(3)),
+        (Pin(B, 10), 7, UsartTx(3)),
         (Pin(C, 10), 6, SpiClock(3)),
         (Pin(C, 12), 6, SpiData(3)),
     ]
@@ -118,8 +125,12 @@ pub struct Gpio {
     outside: HashMap<Pin, bool>,
     levels: [[Level; 16]; PORTS],
     driven_at_reset: bool,
+    /// Ports that the package has.
+    package: usize,
     /// Every change since power-on.
     pub changes: Vec<Change>,
+    /// A pin that the package does not have is used.
+    pub complaint: Option<String>,
 }
 
 impl Default for Gpio {
@@ -130,7 +141,9 @@ impl Default for Gpio {
             outside: HashMap::new(),
             levels: [[Level::Floating; 16]; PORTS],
             driven_at_reset: false,
+            package: PORTS,
             changes: Vec::new(),
+            complaint: None,
         };
         (0..PORTS).for_each(|port| gpio.look(port, 0));
         // That is how the pins are, not what became of them.
@@ -162,6 +175,11 @@ impl Gpio {
             Some(level) => self.outside.insert(pin, level),
             None => self.outside.remove(&pin),
         };
+    }
+
+    /// The chip is on this board from now on.
+    pub fn mount(&mut self, board: Board) {
+        self.package = board.ports;
     }
 
     /// PB0 is an output after every reset, this one included.
@@ -252,6 +270,10 @@ impl Device for Gpio {
 
     fn write(&mut self, offset: u32, value: u32, mask: u32, at: Time, _: &mut Vec<Signal>) -> Option<()> {
         let number = (offset / 0x400) as usize;
+        if number >= self.package {
+            let port = char::from(b'A' + number as u8);
+            self.complaint.get_or_insert_with(|| format!("port {port} is written, and the package has no pin of it"));
+        }
         let port = self.ports.get_mut(number)?;
         let new = |before: &mut u32| *before = *before & !mask | value & mask;
         let before = port.output;

@@ -10,6 +10,7 @@
 //! What is not emulated: caches, bus contention and wait states (an instruction is a cycle).
 #![deny(unsafe_code)]
 pub mod adc;
+pub mod board;
 pub mod bus;
 pub mod clocks;
 pub mod dac;

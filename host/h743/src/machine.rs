@@ -5,6 +5,7 @@
 //! leaving an exception [`ENTRY`] and [`EXIT`] cycles; a core that waits for an interrupt takes no
 //! time of the host's. So instants are those of an ideal core with no cache misses: exact for what
 //! timers do, an estimate for what instructions do.
+use crate::board::{Board, NUCLEO};
 use crate::bus::Bus;
 use crate::device::Cause;
 use crate::dwt::Dwt;
@@ -226,11 +227,16 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// A board without an image.
+    /// A Nucleo without an image.
     pub fn new() -> Result<Machine, String> {
+        Machine::on(NUCLEO)
+    }
+
+    /// A board without an image.
+    pub fn on(board: Board) -> Result<Machine, String> {
         let memory = Arc::new(Memory::new());
         let engine = Engine::new(memory.clone())?;
-        let chip = Chip {
+        let mut chip = Chip {
             bus: Bus::new(memory.clone()),
             memory,
             scs: Scs::default(),
@@ -248,6 +254,7 @@ impl Machine {
             forbidden: Vec::new(),
             failed: false,
         };
+        chip.bus.mount(board);
         let mut machine = Machine { engine, chip, mapped: Vec::new(), mpu_seen: 0, resets: Vec::new() };
         machine.begin();
         Ok(machine)

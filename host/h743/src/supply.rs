@@ -39,7 +39,7 @@ impl Default for Pwr {
         Pwr {
             cr1: 0xf000_c000,
             cr2: 0,
-            cr3: 0x46,
+            cr3: 6,
             cpucr: 0,
             d3cr: 0x4000,
             supply_chosen: false,

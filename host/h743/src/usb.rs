@@ -44,7 +44,7 @@ const DOEPMSK: u32 = 0x814;
 const DAINT: u32 = 0x818;
 const DAINTMSK: u32 = 0x81c;
 const DIEPEMPMSK: u32 = 0x834;
-/// The first IN and the first OUT endpoint, and the offset after the last one.
+/// The first IN and OUT endpoint, and the offset after the last.
 const INS: u32 = 0x900;
 const OUTS: u32 = 0xb00;
 const END: u32 = OUTS + 0x20 * ENDPOINTS as u32;
@@ -126,6 +126,8 @@ pub struct Core {
     /// The host's 5 V are on, and the session that VBDEN has detected.
     vbus: bool,
     session: bool,
+    /// They do not reach the chip.
+    pub lacks_vbus: bool,
     /// Supply and pins; time of a cycle of its clock.
     connected: bool,
     clock: Option<Time>,
@@ -167,7 +169,7 @@ impl Core {
     }
 
     fn look_at_vbus(&mut self) {
-        let session = self.vbus && self.gccfg & 1 << 21 != 0;
+        let session = self.vbus && !self.lacks_vbus && self.gccfg & 1 << 21 != 0;
         if session && !self.session {
             self.gintsts |= SRQINT;
         }
@@ -547,9 +549,8 @@ impl Device for Usb {
     }
 
     fn reset(&mut self, _: Time, out: &mut Vec<Signal>) {
-        let kept = (self.core.vbus, self.core.connected, self.core.lenient, self.core.complaint.take());
-        self.core = Core::initial();
-        (self.core.vbus, self.core.connected, self.core.lenient, self.core.complaint) = kept;
+        let Core { vbus, lacks_vbus, connected, lenient, complaint, .. } = std::mem::take(&mut self.core);
+        self.core = Core { vbus, lacks_vbus, connected, lenient, complaint, ..Core::initial() };
         self.report(out);
     }
 

@@ -2,8 +2,11 @@
 //! requests, alternate functions.
 //!
 //! `stm32-metapac` takes them from ST's databases (CubeMX, SVD files), for all its users; nothing
-//! of ours is in them. What they do not hold stands in docs/board-assumptions.md. Tests of the
-//! image run where BEAMTICK_H743_IMAGE names it.
+//! of ours is in them. What they do not hold stands in docs/board-assumptions.md. Tests of an image
+//! run where its variable names it ([`package`]).
+//!
+//! The feature `stm32h743vi` takes the data of the package with 100 pins, and the second board's
+//! image, instead of those of the reference board.
 use client::{Client, Options};
 use h743::bus::{BREAKS, CAPTURES, ENCODERS, PERIPHERALS};
 use h743::device::Source;
@@ -15,6 +18,88 @@ use protocol::command::{AxisOn, LaserPrfCmd, PrfJog, SetAxisMode, SetHSIOOpt, Se
 use std::sync::{Arc, Mutex};
 use stm32_metapac::metadata::ir::{BitOffset, BlockItemInner};
 use stm32_metapac::metadata::{METADATA, Peripheral};
+
+#[cfg(not(feature = "stm32h743vi"))]
+use reference as package;
+#[cfg(feature = "stm32h743vi")]
+use second as package;
+
+/// LQFP144 and docs/board-h743.md.
+#[cfg(not(feature = "stm32h743vi"))]
+mod reference {
+    /// What names the image.
+    pub const IMAGE: &str = "BEAMTICK_H743_IMAGE";
+    pub const BOARD: h743::board::Board = h743::board::NUCLEO;
+    /// The last port that the package has.
+    pub const LAST_PORT: char = 'G';
+    /// Every pin that the image gives to a peripheral, and the signal that the board's page
+    /// promises there.
+    pub const GIVEN: [(&str, &str, &str); 23] = [
+        ("PE9", "TIM1", "CH1"),
+        ("PE8", "TIM1", "CH1N"),
+        ("PE5", "TIM15", "CH1"),
+        ("PE4", "TIM15", "CH1N"),
+        ("PC7", "TIM8", "CH2"),
+        ("PB0", "TIM8", "CH2N"),
+        ("PC8", "TIM8", "CH3"),
+        ("PB15", "TIM8", "CH3N"),
+        ("PE15", "TIM1", "BKIN"),
+        ("PE3", "TIM15", "BKIN"),
+        ("PG2", "TIM8", "BKIN"),
+        ("PD8", "USART3", "TX"),
+        ("PD9", "USART3", "RX"),
+        ("PB4", "TIM3", "CH1"),
+        ("PB5", "TIM3", "CH2"),
+        ("PB1", "TIM3", "CH4"),
+        ("PD12", "TIM4", "CH1"),
+        ("PD13", "TIM4", "CH2"),
+        ("PD14", "TIM4", "CH3"),
+        ("PA11", "USB_OTG_FS", "DM"),
+        ("PA12", "USB_OTG_FS", "DP"),
+        // The pins of the debug port, as the reset has left them; its others are inputs of ours.
+        ("PA13", "", ""),
+        ("PA14", "", ""),
+    ];
+}
+
+/// LQFP100 and docs/board-h743vi.md.
+#[cfg(feature = "stm32h743vi")]
+mod second {
+    pub const IMAGE: &str = "BEAMTICK_H743VI_IMAGE";
+    pub const BOARD: h743::board::Board = h743::board::MODULE;
+    pub const LAST_PORT: char = 'E';
+    pub const GIVEN: [(&str, &str, &str); 23] = [
+        ("PA8", "TIM1", "CH1"),
+        ("PB13", "TIM1", "CH1N"),
+        ("PA2", "TIM15", "CH1"),
+        ("PA1", "TIM15", "CH1N"),
+        ("PC7", "TIM8", "CH2"),
+        ("PB0", "TIM8", "CH2N"),
+        ("PC8", "TIM8", "CH3"),
+        ("PB1", "TIM8", "CH3N"),
+        ("PB12", "TIM1", "BKIN"),
+        ("PA0", "TIM15", "BKIN"),
+        ("PA6", "TIM8", "BKIN"),
+        ("PB10", "USART3", "TX"),
+        ("PB11", "USART3", "RX"),
+        ("PB4", "TIM3", "CH1"),
+        ("PB5", "TIM3", "CH2"),
+        ("PC9", "TIM3", "CH4"),
+        ("PD12", "TIM4", "CH1"),
+        ("PD13", "TIM4", "CH2"),
+        ("PD14", "TIM4", "CH3"),
+        ("PA11", "USB_OTG_FS", "DM"),
+        ("PA12", "USB_OTG_FS", "DP"),
+        // The pins of the debug port, as the reset has left them; the others of it are plain ones.
+        ("PA13", "", ""),
+        ("PA14", "", ""),
+    ];
+}
+
+/// Whether the package has a pin.
+fn is_there(pin: &str) -> bool {
+    pin.chars().nth(1).is_some_and(|port| port <= package::LAST_PORT)
+}
 
 fn peripheral(name: &str) -> &'static Peripheral {
     METADATA.peripherals.iter().find(|p| p.name == name).unwrap_or_else(|| panic!("the chip has no {name}"))
@@ -49,11 +134,11 @@ fn interrupt(of: &str, signal: &str) -> usize {
 
 /// The board after start-up with its interlock closed, or nothing where no image is named.
 fn started() -> Option<Machine> {
-    let Some(path) = std::env::var_os("BEAMTICK_H743_IMAGE") else {
-        println!("skipped: BEAMTICK_H743_IMAGE names no image");
+    let Some(path) = std::env::var_os(package::IMAGE) else {
+        println!("skipped: {} names no image", package::IMAGE);
         return None;
     };
-    let mut machine = Machine::new().unwrap();
+    let mut machine = Machine::on(package::BOARD).unwrap();
     machine.boot(&std::fs::read(path).unwrap()).unwrap();
     BREAKS.iter().for_each(|(_, name, _)| machine.drive(Pin::named(name).unwrap(), Some(false)));
     assert_eq!(machine.run(20 * MILLISECOND), Stop::Time);
@@ -140,11 +225,11 @@ fn alternate_functions_of_the_model_are_those_of_the_chip() {
         };
         assert_eq!(function(&of, &signal, &pin.to_string()), Some(number), "{pin}: {of} {signal}");
     }
-    for (timer, pin, number) in BREAKS {
+    for (timer, pin, number) in BREAKS.into_iter().filter(|(_, pin, _)| is_there(pin)) {
         assert_eq!(function(&format!("TIM{timer}"), "BKIN", pin), Some(number), "{pin}");
     }
     for (timer, inputs, number) in ENCODERS {
-        for (input, pin) in inputs {
+        for &(input, pin) in inputs {
             assert_eq!(function(&format!("TIM{timer}"), &format!("CH{}", input + 1), pin), Some(number), "{pin}");
         }
     }
@@ -154,51 +239,31 @@ fn alternate_functions_of_the_model_are_those_of_the_chip() {
     }
 }
 
-/// Every pin that the image gives to a peripheral, and the signal that the board's page promises
-/// there.
-const GIVEN: [(&str, &str, &str); 23] = [
-    ("PE9", "TIM1", "CH1"),
-    ("PE8", "TIM1", "CH1N"),
-    ("PE5", "TIM15", "CH1"),
-    ("PE4", "TIM15", "CH1N"),
-    ("PC7", "TIM8", "CH2"),
-    ("PB0", "TIM8", "CH2N"),
-    ("PC8", "TIM8", "CH3"),
-    ("PB15", "TIM8", "CH3N"),
-    ("PE15", "TIM1", "BKIN"),
-    ("PE3", "TIM15", "BKIN"),
-    ("PG2", "TIM8", "BKIN"),
-    ("PD8", "USART3", "TX"),
-    ("PD9", "USART3", "RX"),
-    ("PB4", "TIM3", "CH1"),
-    ("PB5", "TIM3", "CH2"),
-    ("PB1", "TIM3", "CH4"),
-    ("PD12", "TIM4", "CH1"),
-    ("PD13", "TIM4", "CH2"),
-    ("PD14", "TIM4", "CH3"),
-    ("PA11", "USB_OTG_FS", "DM"),
-    ("PA12", "USB_OTG_FS", "DP"),
-    // The pins of the debug port, as the reset has left them; the others of it are inputs of ours.
-    ("PA13", "", ""),
-    ("PA14", "", ""),
-];
-
 #[test]
 fn the_image_gives_each_pin_to_the_signal_that_the_page_promises() {
     let Some(mut machine) = started() else { return };
     let mut given = 0;
     // The others are not clocked: their pins are as the reset has left them.
-    for port in 'A'..='G' {
+    for port in 'A'..=package::LAST_PORT {
         let base = peripheral(&format!("GPIO{port}")).address as u32;
         let mode = read(&mut machine, base);
         for pin in 0..16 {
-            if mode >> (2 * pin) & 3 != 2 {
+            const ANALOG: u32 = 3;
+            const ALTERNATE: u32 = 2;
+            let name = format!("P{port}{pin}");
+            let use_of_pin = mode >> (2 * pin) & 3;
+            assert!(
+                use_of_pin == ANALOG || METADATA.pins.iter().any(|of| of.name == name),
+                "no {name} in this package"
+            );
+            if use_of_pin != ALTERNATE {
                 continue;
             }
-            let name = format!("P{port}{pin}");
             let number = read(&mut machine, base + 0x20 + pin / 8 * 4) >> (pin % 8 * 4) & 0xf;
-            let (_, of, signal) =
-                GIVEN.iter().find(|(of, ..)| *of == name).unwrap_or_else(|| panic!("{name} is given to something"));
+            let (_, of, signal) = package::GIVEN
+                .iter()
+                .find(|(of, ..)| *of == name)
+                .unwrap_or_else(|| panic!("{name} is given to something"));
             if of.is_empty() {
                 assert_eq!(number, 0, "{name}: the debug port's");
                 continue;
@@ -207,7 +272,7 @@ fn the_image_gives_each_pin_to_the_signal_that_the_page_promises() {
             given += 1;
         }
     }
-    assert_eq!(given, GIVEN.iter().filter(|(_, of, _)| !of.is_empty()).count());
+    assert_eq!(given, package::GIVEN.iter().filter(|(_, of, _)| !of.is_empty()).count());
 }
 
 #[test]

@@ -10,8 +10,11 @@
 //! outside of a program falls on another tick.
 mod signals;
 
+use h743::board::{Board, MODULE, NUCLEO};
+use h743::bus::BREAKS;
 use h743::link::{EmulatedLink, Shared, lock};
 use h743::{MICROSECOND, MILLISECOND, Machine, Pin};
+use signals::Pins;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
@@ -75,11 +78,27 @@ fn first_difference(one: &str, other: &str) -> Option<String> {
     })?
 }
 
+/// A board with an image.
+struct Bench {
+    /// The variable that names the image.
+    image: &'static str,
+    /// What is around the chip.
+    board: Board,
+    pins: Pins,
+    /// Its analog outputs are those of a DAC8563.
+    has_dac: bool,
+}
+
+const REFERENCE: Bench = Bench { image: "BEAMTICK_H743_IMAGE", board: NUCLEO, pins: signals::NUCLEO, has_dac: false };
+const EXTERNAL: Bench = Bench { image: "BEAMTICK_H743_DAC_IMAGE", has_dac: true, ..REFERENCE };
+const SECOND: Bench = Bench { image: "BEAMTICK_H743VI_IMAGE", board: MODULE, pins: signals::MODULE, has_dac: false };
+const SECOND_EXTERNAL: Bench = Bench { image: "BEAMTICK_H743VI_DAC_IMAGE", has_dac: true, ..SECOND };
+
 /// The board with this image, its interlock's circuit closed.
-fn board(elf: &[u8], wire: Wire) -> Shared {
-    let mut machine = Machine::new().unwrap();
+fn started(bench: &Bench, elf: &[u8], wire: Wire) -> Shared {
+    let mut machine = Machine::on(bench.board).unwrap();
     machine.boot(elf).unwrap();
-    for pin in ["PE15", "PE3", "PG2"] {
+    for (_, pin, _) in BREAKS {
         machine.drive(Pin::named(pin).unwrap(), Some(false));
     }
     machine.run(20 * MILLISECOND);
@@ -116,7 +135,7 @@ impl Paint {
 }
 
 /// Runs a job both ways.
-fn compare(elf: &[u8], wire: Wire, (name, tick_us, every): Case, external: bool) {
+fn compare(bench: &Bench, elf: &[u8], wire: Wire, (name, tick_us, every): Case) {
     let began = Instant::now();
     let folder = tempfile::tempdir().unwrap();
     let job = prepared(name, folder.path()).display().to_string();
@@ -134,7 +153,7 @@ fn compare(elf: &[u8], wire: Wire, (name, tick_us, every): Case, external: bool)
     beamtick::call(&["sim", &job, "--quiet", "--tick-us", tick_us, "--family", family, "--trace", &each]).unwrap();
     let each = std::fs::read_to_string(each).unwrap();
 
-    let machine = board(elf, wire);
+    let machine = started(bench, elf, wire);
     while lock(&machine).running() != 0 {
         lock(&machine).run(1);
     }
@@ -159,21 +178,26 @@ fn compare(elf: &[u8], wire: Wire, (name, tick_us, every): Case, external: bool)
         }
         one
     });
+    let pins = &bench.pins;
     let failed = |error: String| -> ! { panic!("{name} at {tick_us} µs: {error}") };
     let tick: u64 = tick_us.parse().unwrap();
-    let (edges, of_light) = signals::compare(&vcd, chip).unwrap_or_else(|error| failed(error));
-    let steps =
-        if each.starts_with("t_ms,axis1_pos") { signals::compare_steps(&each, tick, chip) } else { Ok((0, None)) };
+    let (edges, of_light) = signals::compare(pins, &vcd, chip).unwrap_or_else(|error| failed(error));
+    let steps = if each.starts_with("t_ms,axis1_pos") {
+        signals::compare_steps(pins, &each, tick, chip)
+    } else {
+        Ok((0, None))
+    };
     let (steps, of_steps) = steps.unwrap_or_else(|error| failed(error));
     if let (Some(of_light), Some(of_steps)) = (of_light, of_steps) {
         // What the slots of the steps leave open.
         let apart = (of_light - of_steps).unsigned_abs();
         assert!(apart <= u128::from(MICROSECOND), "{name} at {tick_us} µs: light is {apart} units off the steps");
-        let outputs = signals::compare_outputs(&vcd, tick, of_light, chip).unwrap_or_else(|error| failed(error));
+        let outputs = signals::compare_outputs(pins, &vcd, tick, of_light, chip).unwrap_or_else(|error| failed(error));
         assert!(outputs > 0, "{name} switches no output");
         println!("light lies {apart} units off the steps, {outputs} edges of outputs in their ticks");
     }
-    let voltages = signals::compare_voltages(&vcd, tick, external, chip).unwrap_or_else(|error| failed(error));
+    let voltages =
+        signals::compare_voltages(pins, &vcd, tick, bench.has_dac, chip).unwrap_or_else(|error| failed(error));
     assert_eq!(voltages > 0, name.contains("analog"), "{name}");
     let left = paint.left(&machine);
     assert!(left >= 512, "{name}: {left} bytes of the stack are left");
@@ -187,40 +211,35 @@ fn compare(elf: &[u8], wire: Wire, (name, tick_us, every): Case, external: bool)
     );
 }
 
-fn compare_all(wire: Wire, cases: &[Case]) {
-    compare_with("BEAMTICK_H743_IMAGE", wire, cases);
-}
-
-fn compare_with(variable: &str, wire: Wire, cases: &[Case]) {
-    let Some(path) = std::env::var_os(variable) else {
-        println!("skipped: {variable} names no image");
+fn compare_all(bench: &Bench, wire: Wire, cases: &[Case]) {
+    let Some(path) = std::env::var_os(bench.image) else {
+        println!("skipped: {} names no image", bench.image);
         return;
     };
     let elf = std::fs::read(path).unwrap();
-    cases.iter().for_each(|case| compare(&elf, wire, *case, variable == EXTERNAL));
+    cases.iter().for_each(|case| compare(bench, &elf, wire, *case));
 }
-
-/// The image with the feature `external_dac`.
-const EXTERNAL: &str = "BEAMTICK_H743_DAC_IMAGE";
 
 #[test]
 fn an_external_dac_shows_the_voltages_of_the_virtual_controller() {
-    compare_with(EXTERNAL, Wire::Usart, &[("laser_analog", "50", "5")]);
+    compare_all(&EXTERNAL, Wire::Usart, &[("laser_analog", "50", "5")]);
+    compare_all(&SECOND_EXTERNAL, Wire::Usb, &[("laser_analog", "50", "5")]);
 }
 
 #[test]
 fn a_listing_of_pt_moves_as_in_the_virtual_controller() {
-    compare_all(Wire::Usart, &[("pt_static", "250", "1")]);
+    compare_all(&REFERENCE, Wire::Usart, &[("pt_static", "250", "1")]);
 }
 
 #[test]
 fn a_job_over_usb_is_the_job_over_the_usart() {
-    compare_all(Wire::Usb, &[("laser_duty", "50", "5")]);
+    compare_all(&REFERENCE, Wire::Usb, &[("laser_duty", "50", "5")]);
 }
 
 #[test]
 fn listings_of_lasers_shine_as_in_the_virtual_controller() {
     compare_all(
+        &REFERENCE,
         Wire::Usart,
         &[
             ("laser_duty", "50", "5"),
@@ -233,7 +252,19 @@ fn listings_of_lasers_shine_as_in_the_virtual_controller() {
 
 #[test]
 fn light_and_outputs_go_with_the_steps() {
-    compare_all(Wire::Usart, &[("laser_path_power", "50", "20"), ("laser_path_power", "250", "20")]);
+    compare_all(&REFERENCE, Wire::Usart, &[("laser_path_power", "50", "20"), ("laser_path_power", "250", "20")]);
+}
+
+#[test]
+fn the_second_board_does_what_the_virtual_controller_does() {
+    let over_usb = [
+        ("pt_static", "250", "1"),
+        ("laser_duty", "50", "5"),
+        ("laser_analog", "50", "5"),
+        ("laser_path_power", "250", "20"),
+    ];
+    compare_all(&SECOND, Wire::Usb, &over_usb);
+    compare_all(&SECOND, Wire::Usart, &[("laser_frequency", "50", "5")]);
 }
 
 #[test]

@@ -13,18 +13,40 @@ use std::collections::HashMap;
 /// A count of the timers.
 const COUNT: Time = 4;
 
-/// What a VCD calls a signal of a laser, the pin that shows it, and the pin with the complement. At
-/// rest + is high: a low level is the active one.
-const LINES: [(&str, &str, &str); 4] = [
-    ("laser0_energy", "PE9", "PE8"),
-    ("laser1_energy", "PE5", "PE4"),
-    ("laser0_switch", "PC7", "PB0"),
-    ("laser1_switch", "PC8", "PB15"),
-];
+/// Pins at which a board shows what a VCD names.
+pub struct Pins {
+    /// What a VCD calls a signal of a laser, the pin that shows it, and the pin with the
+    /// complement. At rest + is high: a low level is the active one.
+    lines: [(&'static str, &'static str, &'static str); 4],
+    /// General outputs of a VCD, and their pins.
+    outputs: &'static [(&'static str, &'static str)],
+    /// Step and direction of axis 1.
+    step: [&'static str; 2],
+}
 
-/// General outputs of a VCD, and their pins.
-const OUTPUTS: [(&str, &str); 6] =
-    [("do1", "PE1"), ("do2", "PB14"), ("do3", "PG10"), ("do4", "PG12"), ("do5", "PG14"), ("do6", "PG15")];
+/// docs/board-h743.md.
+pub const NUCLEO: Pins = Pins {
+    lines: [
+        ("laser0_energy", "PE9", "PE8"),
+        ("laser1_energy", "PE5", "PE4"),
+        ("laser0_switch", "PC7", "PB0"),
+        ("laser1_switch", "PC8", "PB15"),
+    ],
+    outputs: &[("do1", "PE1"), ("do2", "PB14"), ("do3", "PG10"), ("do4", "PG12"), ("do5", "PG14"), ("do6", "PG15")],
+    step: ["PF8", "PF0"],
+};
+
+/// docs/board-h743vi.md.
+pub const MODULE: Pins = Pins {
+    lines: [
+        ("laser0_energy", "PA8", "PB13"),
+        ("laser1_energy", "PA2", "PA1"),
+        ("laser0_switch", "PC7", "PB0"),
+        ("laser1_switch", "PC8", "PB1"),
+    ],
+    outputs: &[("do1", "PD2"), ("do2", "PB3"), ("do3", "PB2")],
+    step: ["PE8", "PE0"],
+};
 
 /// Instants in ns at which each wire changes, and its level from then on.
 type Wires = HashMap<String, Vec<(u64, bool)>>;
@@ -93,12 +115,12 @@ fn published(chip: &Chip, channel: usize, external: bool) -> Result<Vec<(Time, f
 /// The voltages of both channels against the plan, to a code of the converter and a tick;
 /// `external` is the DAC8563. Returns how many changes were compared. Where the plan begins is
 /// reported by the first edge of all lasers, as in [`compare`].
-pub fn compare_voltages(vcd: &str, tick_us: u64, external: bool, chip: &Chip) -> Result<usize, String> {
+pub fn compare_voltages(pins: &Pins, vcd: &str, tick_us: u64, external: bool, chip: &Chip) -> Result<usize, String> {
     // A code of 12 bits is 4.88 mV, one of 16 bits 0.31 mV; the VCD has its own rounding.
     let code = if external { 0.32 } else { 4.9 };
     let wires = wires(vcd);
-    let first = LINES.iter().filter_map(|(wire, ..)| Some(wires.get(*wire)?.first()?.0)).min();
-    let first_seen = LINES.iter().filter_map(|(_, plus, _)| Some(pin(chip, plus, false).first()?.0)).min();
+    let first = pins.lines.iter().filter_map(|(wire, ..)| Some(wires.get(*wire)?.first()?.0)).min();
+    let first_seen = pins.lines.iter().filter_map(|(_, plus, _)| Some(pin(chip, plus, false).first()?.0)).min();
     let mut compared = 0;
     for channel in 0..2 {
         let (planned, published) = (voltages(vcd, channel), published(chip, channel, external)?);
@@ -152,7 +174,7 @@ const SLOT: Time = 120 * COUNT;
 /// the plan but for one shift, which the first edge gives. Returns how many were compared, and the
 /// instant of the first row on the chip, as it would be if pulses of a tick came in the tick before
 /// its row.
-pub fn compare_steps(csv: &str, tick_us: u64, chip: &Chip) -> Result<(usize, Option<i128>), String> {
+pub fn compare_steps(pins: &Pins, csv: &str, tick_us: u64, chip: &Chip) -> Result<(usize, Option<i128>), String> {
     let slots = tick_us * 2;
     let mut planned = Vec::new();
     let mut stands = 0i64;
@@ -166,7 +188,7 @@ pub fn compare_steps(csv: &str, tick_us: u64, chip: &Chip) -> Result<(usize, Opt
         }
         stands = goes_to;
     }
-    let (step, direction) = (Pin::named("PF8").unwrap(), Pin::named("PF0").unwrap());
+    let [step, direction] = pins.step.map(|name| Pin::named(name).unwrap());
     let mut backwards = false;
     let mut seen = Vec::new();
     for change in &chip.bus.gpio.changes {
@@ -193,10 +215,10 @@ pub fn compare_steps(csv: &str, tick_us: u64, chip: &Chip) -> Result<(usize, Opt
 /// General outputs against the plan: a change comes with the first tick that is not before it.
 /// `origin` is the instant on the chip of what is planned for the first row. Returns how many were
 /// compared.
-pub fn compare_outputs(vcd: &str, tick_us: u64, origin: i128, chip: &Chip) -> Result<usize, String> {
+pub fn compare_outputs(pins: &Pins, vcd: &str, tick_us: u64, origin: i128, chip: &Chip) -> Result<usize, String> {
     let wires = wires(vcd);
     let (tick, mut compared) = (tick_us * 1000, 0);
-    for (wire, name) in OUTPUTS {
+    for &(wire, name) in pins.outputs {
         let planned = wires.get(wire).map_or(&[][..], Vec::as_slice);
         let seen = pin(chip, name, true);
         if planned.len() != seen.len() {
@@ -227,12 +249,12 @@ fn whole(position: &str) -> Option<i64> {
 
 /// How many edges were compared and where the first row is on the chip, or where the first one
 /// differs.
-pub fn compare(vcd: &str, chip: &Chip) -> Result<(usize, Option<i128>), String> {
+pub fn compare(pins: &Pins, vcd: &str, chip: &Chip) -> Result<(usize, Option<i128>), String> {
     let wires = wires(vcd);
     let none = Vec::new();
     let planned: Vec<(&str, &Vec<(u64, bool)>)> =
-        LINES.iter().map(|(wire, ..)| (*wire, wires.get(*wire).unwrap_or(&none))).collect();
-    let seen: Vec<Vec<(Time, bool)>> = LINES.iter().map(|(_, plus, _)| pin(chip, plus, false)).collect();
+        pins.lines.iter().map(|(wire, ..)| (*wire, wires.get(*wire).unwrap_or(&none))).collect();
+    let seen: Vec<Vec<(Time, bool)>> = pins.lines.iter().map(|(_, plus, _)| pin(chip, plus, false)).collect();
     let first = planned.iter().filter_map(|(_, edges)| edges.first()).map(|&(ns, _)| ns).min();
     let first_seen = seen.iter().filter_map(|edges| edges.first()).map(|&(at, _)| at).min();
     let (Some(first), Some(first_seen)) = (first, first_seen) else {
@@ -242,7 +264,7 @@ pub fn compare(vcd: &str, chip: &Chip) -> Result<(usize, Option<i128>), String> 
         };
     };
     let mut compared = 0;
-    for (((wire, planned), seen), (_, plus, minus)) in planned.iter().zip(&seen).zip(LINES) {
+    for (((wire, planned), seen), (_, plus, minus)) in planned.iter().zip(&seen).zip(pins.lines) {
         if planned.len() != seen.len() {
             return Err(format!("{wire}: {} edges are planned, {plus} shows {}", planned.len(), seen.len()));
         }
