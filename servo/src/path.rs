@@ -29,5 +29,8 @@ pub use store::{ENTRIES, EntryStore, PathEntries, PathStores};
 /// An instant or a duration in 2⁻³² ns; instants count from power-on.
 pub type FineNs = u128;
 
+/// How long a path waits for what cannot be done; it is stopped in the same tick.
+pub(crate) const ENDLESS_WAIT_FINE_NS: FineNs = 1 << 80;
+
 /// Coordinates of a coordinate system: X, Y, Z, A.
 pub const DIMENSIONS: usize = 4;

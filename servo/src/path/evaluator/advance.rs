@@ -9,7 +9,7 @@ use crate::math::float::Float;
 use crate::path::entry::{EntryContent, EntryEffect, PathEntry};
 use crate::path::speed_profile::Phase;
 use crate::path::store::PathEntries;
-use crate::path::{DIMENSIONS, FineNs};
+use crate::path::{DIMENSIONS, ENDLESS_WAIT_FINE_NS, FineNs};
 use crate::units::{Exact, Pos};
 
 impl Path {
@@ -234,6 +234,11 @@ impl Path {
                 }
             }
             if moves {
+                if !self.gears_go_along(sink) {
+                    self.cursor(self.fifo).inside = true;
+                    self.speed = Float::ZERO;
+                    return self.wait(self.time.wrapping_add(ENDLESS_WAIT_FINE_NS));
+                }
                 if self.motions.now().shape.length().is_zero() {
                     let speed = self.speed;
                     self.leave(sink);
@@ -243,6 +248,14 @@ impl Path {
                 }
             }
         }
+    }
+
+    /// Whether every axis that is geared to the motion just entered goes along. A motion without
+    /// length moves none: its whole displacement would be one step.
+    #[inline(always)]
+    fn gears_go_along(&self, sink: &mut impl Effects) -> bool {
+        let stands = self.motions.now().shape.length().is_zero();
+        self.gears_of(self.fifo).all(|gear| sink.goes_along(gear.axis, !stands || gear.pulses == 0))
     }
 
     /// Carries out an entry that was not prepared. Returns the instant until which the path waits

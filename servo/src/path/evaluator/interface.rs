@@ -23,6 +23,11 @@ pub trait Effects {
     fn gear(&mut self, axis: Axis, by: Pos, ratio: Scaled);
     /// A geared axis is at the end of a motion, which moved it by this much.
     fn geared(&mut self, at: FineNs, axis: Axis, pulses: i32);
+    /// Whether an axis goes along with the motion that is entered; else the path stops before it.
+    /// `can`: the motion has a length, or does not move it.
+    fn goes_along(&mut self, _axis: Axis, _can: bool) -> bool {
+        true
+    }
     /// More axes than a path can gear to one motion; this one stays.
     fn surplus(&mut self, _axis: Axis) {}
     /// Whether there is room for one more effect of this tick.

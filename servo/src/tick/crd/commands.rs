@@ -372,6 +372,7 @@ impl<const AXES: usize> Tick<AXES> {
         lanes: &HandOvers<'_, '_, AXES>,
         act: impl FnOnce(&mut Path, &mut StopReason, FifoEnds, &[EntryStore; 2], &mut Sink<'_>),
     ) {
+        let step_limit = self.step_limit;
         let Tick { crds, axes, edges, lasers, .. } = self;
         let (Some(state), Some(source)) = (crds.states.get_mut(crd.index()), lanes.paths.get(crd.index())) else {
             return;
@@ -379,7 +380,8 @@ impl<const AXES: usize> Tick<AXES> {
         let feed = state.feed();
         let Some(frame) = &state.published.frame else { return };
         let mut sink = Sink::new(
-            (crd, state.path.fifo(), next),
+            (crd, state.path.fifo()),
+            (next, step_limit),
             (frame, &state.published.origin),
             (axes, edges, lasers),
             (lanes.segments, lanes.tables),

@@ -248,7 +248,7 @@ impl<const AXES: usize> Tick<AXES> {
     /// position already.
     #[inline(never)]
     fn walk_crd(&mut self, crd: Crd, next: Ns, there: bool, may_prepare: bool, lanes: &mut HandOvers<'_, '_, AXES>) {
-        let period = self.period;
+        let (period, step_limit) = (self.period, self.step_limit);
         let Tick { crds, axes, edges, lasers, .. } = self;
         let (Some(state), Some(source)) = (crds.states.get_mut(crd.index()), lanes.paths.get(crd.index())) else {
             return;
@@ -259,7 +259,8 @@ impl<const AXES: usize> Tick<AXES> {
         state.path.watch(led);
         let feed = FifoEnds { ends: published.ends };
         let mut sink = Sink::new(
-            (crd, state.path.fifo(), next),
+            (crd, state.path.fifo()),
+            (next, step_limit),
             (frame, &published.origin),
             (axes, edges, lasers),
             (lanes.segments, lanes.tables),

@@ -7,16 +7,13 @@ use super::AxisMap;
 use crate::axis::AxisState;
 use crate::laser::{Lasers, PathRun};
 use crate::output::general_outputs::{OutputChange as Edge, OutputEdges};
-use crate::path::{DIMENSIONS, Effects, EntryEffect, FineNs, PathStop};
+use crate::path::{DIMENSIONS, ENDLESS_WAIT_FINE_NS, Effects, EntryEffect, FineNs, PathStop};
 use crate::segment::piece::Scaled;
 use crate::segment::ramp::{Accel, Speed, Trapezoid};
 use crate::tables::TableStores;
 use crate::tick::{MotionSource, SegmentStore};
 use crate::units::{Axis, AxisMask, Crd, Ns, Pos};
 use crate::view::Drive;
-
-/// How long a path waits for a move that cannot be made; it is stopped in the same tick.
-const ENDLESS_WAIT_FINE_NS: FineNs = 1 << 80;
 
 state! {
     /// What a path acts on in one tick.
@@ -26,6 +23,8 @@ state! {
         pub(crate) fifo: u8 = fifo,
         /// The tick computed.
         pub(crate) next: Ns = next,
+        /// The most that an axis may move in a tick, in [`Pos`].
+        pub(crate) step_limit: u64 = step_limit,
         pub(crate) frame: &'a AxisMap = frame,
         pub(crate) origin: &'a [Pos; DIMENSIONS] = origin,
         pub(crate) axes: &'a mut [AxisState] = axes,
@@ -52,7 +51,8 @@ state! {
     /// act on, the data of the axes, axes that are geared or awaited.
     #[inline(always)]
     pub(crate) fn new(
-        (crd, fifo, next): (Crd, u8, Ns),
+        (crd, fifo): (Crd, u8),
+        (next, step_limit): (Ns, u64),
         (frame, origin): (&'a AxisMap, &'a [Pos; DIMENSIONS]),
         (axes, edges, lasers): (&'a mut [AxisState], &'a mut OutputEdges, &'a mut Lasers),
         (segments, tables): (&'a [SegmentStore], TableStores<'a>),
@@ -187,6 +187,15 @@ impl Effects for Sink<'_> {
         }
     }
 
+    fn goes_along(&mut self, axis: Axis, can: bool) -> bool {
+        let geared = self.geared.has(axis);
+        let goes = can && self.gear_of(axis).is_some_and(|state| geared || !state.refuses_gear());
+        if !goes {
+            self.unable = self.unable.or(Some(axis));
+        }
+        goes
+    }
+
     fn surplus(&mut self, axis: Axis) {
         self.unable = self.unable.or(Some(axis));
     }
@@ -204,15 +213,18 @@ impl Effects for Sink<'_> {
     }
 
     fn admits_gear(&mut self, axis: Axis, by: Pos) -> bool {
+        let limit = self.step_limit;
         // One that must not be geared is reported where it is to go along.
         let Some(state) = self.gear_of(axis).filter(|state| state.driver().is_some() || !state.runs()) else {
             return true;
         };
         let to = Pos(state.base().round().0.saturating_add(by.0));
+        // Its speed was checked for the length that the motion was given with.
+        let is_slow = to.0.abs_diff(state.set_point().0) <= limit;
         let admits = state.admits(to);
         if !admits {
             self.obstacle = self.obstacle.or(Some((axis, to)));
         }
-        admits
+        admits && is_slow
     }
 }
