@@ -470,8 +470,8 @@ impl Light {
         let of = &self.channels[channel];
         match what {
             LightOf::GetGate | LightOf::GetSwitched => Some(f64::from(u8::from(of.owner.is_commanded()))),
-            // A path's end is known a tick before it comes: which of two causes of one tick is reported
-            // is open.
+            // A path's end is known a tick before it comes: which of two causes of one tick is
+            // reported is open.
             LightOf::GetFault if of.owner.other_at - of.owner.failed_at <= tick => None,
             LightOf::GetFault => Some(of.owner.fault.into()),
             LightOf::GetOnTime => of.on_time(now).map(|units| units as f64),

@@ -412,8 +412,8 @@ fn a_wait_for_a_path_at_standstill_takes_no_time() {
     }
 }
 
-/// A delay after a modal move counted as a wait for its axis: a Stop of the axis then was a fault of
-/// the path, and its lasers stayed dark.
+/// A delay after a modal move counted as a wait for its axis: a Stop of the axis then was a fault
+/// of the path, and its lasers stayed dark.
 #[test]
 fn a_stop_of_an_axis_that_a_path_has_waited_for() {
     let light = |what| Call::Light(LightCall { channel: 0, what });
@@ -448,7 +448,8 @@ fn a_start_after_an_interlock_goes_on() {
     }
 }
 
-/// An arc after a SetPrfPos was a tick late where SetCrdPrm gave no origin, and so was all after it.
+/// An arc after a SetPrfPos was a tick late where SetCrdPrm gave no origin, and so was all after
+/// it.
 #[test]
 fn an_arc_after_a_rename_is_on_time() {
     let axis = |kind| plain(kind, 2);

@@ -246,8 +246,8 @@ impl Controller {
         DONE
     }
 
-    /// An axis got another name. In the tick in which a coordinate system takes it, the program does
-    /// not know where that stands until it is done: docs/crd.md.
+    /// An axis got another name. In the tick in which a coordinate system takes it, the program
+    /// does not know where that stands until it is done: docs/crd.md.
     fn renamed(&mut self, place: usize) {
         if self.axes[place].joined {
             (self.unsettled, self.still_ns) = (self.unsettled.max(1), 0);
