@@ -169,8 +169,10 @@ impl PinLevels {
         levels
     }
 
+    /// A pin whose port the board does not list reads as high: an open interlock, an active limit.
     fn at(&self, (port, pin): Pin) -> bool {
-        BOARD.ports.iter().zip(self.ports).any(|(owner, levels)| *owner == port && levels >> pin & 1 == 1)
+        let found = BOARD.ports.iter().zip(self.ports).find(|(owner, _)| **owner == port);
+        found.is_none_or(|(_, levels)| levels >> pin & 1 == 1)
     }
 
     fn of(&self, pins: &[Pin], index: usize) -> bool {

@@ -393,7 +393,7 @@ impl Light {
         between.sort_by(|a, b| a.0.total_cmp(&b.0));
         let counts = |(at, act): &(f64, Act)| {
             matches!(act, Act::Entry(_, _, Command::Source { encoder: true, .. }, _))
-                && [before, now].iter().any(|tick| (at - tick).abs() < INSTANT_ERROR_MS)
+                && [before, now].iter().any(|tick| (SAME_INSTANT_MS..INSTANT_ERROR_MS).contains(&(at - tick).abs()))
         };
         if between.iter().any(counts) {
             // The filter of their speed begins with the tick.

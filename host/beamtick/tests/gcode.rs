@@ -343,7 +343,7 @@ fn light_that_is_weaker_than_asked_is_noted() {
         let layer = format!("power=20,speed={speed}");
         let words = ["check", "d.svg", "--machine", "m.toml", "--layer", &layer];
         let (said, code) = beamtick(folder.path(), &words);
-        assert!(code == 0 && said.contains("d.svg: note: 30001 mm/min are asked for") == noted, "{said}");
+        assert!(code == 0 && said.contains("the path of line 1: 30001 mm/min are asked for") == noted, "{said}");
     }
 }
 

@@ -323,7 +323,7 @@ int main(int argc, char *argv[])
     );
     // A picture that is none, and two outputs to one file.
     for (name, value, part) in
-        [("BEAMTICK_PLOT", at("t.gif"), ".png or .svg"), ("BEAMTICK_LOG", trace.clone(), "written already")]
+        [("BEAMTICK_PLOT", at("t.gif"), ".png, .svg or .html"), ("BEAMTICK_LOG", trace.clone(), "written already")]
     {
         let mut wrong: Vec<(&str, &str)> = variables[..1].to_vec();
         wrong.push(("BEAMTICK_TRACE", &trace));

@@ -59,7 +59,12 @@ impl AxisState {
     /// Whether it must not be geared to a motion: it must be at standstill, and of no coordinate
     /// system.
     pub(crate) fn refuses_gear(&self) -> bool {
-        self.refuses_start() || self.runs() || self.published.mode == MotionMode::Crd
+        self.is_no_gear() || self.runs()
+    }
+
+    /// The same, but for a motion of its own, which may be over when the gear begins.
+    pub(crate) fn is_no_gear(&self) -> bool {
+        self.refuses_start() || self.published.mode == MotionMode::Crd
     }
 
     /// Its position at the tick computed.

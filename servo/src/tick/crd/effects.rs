@@ -189,7 +189,7 @@ impl Effects for Sink<'_> {
 
     fn goes_along(&mut self, axis: Axis, can: bool) -> bool {
         let geared = self.geared.has(axis);
-        let goes = can && self.gear_of(axis).is_some_and(|state| geared || !state.refuses_gear());
+        let goes = can && self.axes.get(axis.index()).is_some_and(|state| geared || !state.is_no_gear());
         if !goes {
             self.unable = self.unable.or(Some(axis));
         }

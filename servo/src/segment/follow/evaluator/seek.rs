@@ -231,6 +231,10 @@ impl FollowRun {
     ) -> Option<i128> {
         let fifo = context.setup.fifo(self.fifo);
         let (length, displacement) = self.ends_before(fifo.end, context);
+        if length == 0 {
+            // Its entries are reached again and again where the master is, also what follows them.
+            self.began = self.began.wrapping_add(x);
+        }
         if self.switching && !context.setup.is_empty(self.fifo ^ 1) {
             let given = self.given.take();
             let ratio = given.unwrap_or_else(|| self.end_ratio(fifo.end, context));
