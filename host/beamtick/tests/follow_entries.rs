@@ -40,8 +40,8 @@ fn a_segment_after_a_loop_of_entries_begins_where_the_master_is() {
     for loops in [0, 1_000_000] {
         for rest in [other, added] {
             let (step, end) = run(loops, rest);
-            // 20 pulse/ms in ticks of 250 µs, at the ratio 1: 400 pulses in 20 ms. At its end the job
-            // brakes the master at 1 pulse/ms², 200 more.
+            // 20 pulse/ms in ticks of 250 µs, at the ratio 1: 400 pulses in 20 ms. At its end the
+            // job brakes the master at 1 pulse/ms², 200 more.
             assert!(step <= 5.01 && (590.0..610.0).contains(&end), "{loops} {rest}: {step} {end}");
         }
     }

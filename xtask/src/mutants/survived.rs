@@ -128,7 +128,13 @@ pub const SURVIVED: &[Mutant] = &[
         "if halt == Halt::Smooth && path.stops() && reason != StopReason::StopSmooth {",
         CRD_GUARDS,
     ),
-    mutant("a path waits for who has come", DRIVE, "awaited.filter(|_| state.path.waits());", "awaited;", CRD_GUARDS),
+    mutant(
+        "a path waits for who has come",
+        DRIVE,
+        "awaited.filter(|(_, until)| state.path.waits_until() == Some(*until));",
+        "awaited;",
+        CRD_GUARDS,
+    ),
     mutant(
         "the free range of a motion is that of the one before",
         DRIVE,
