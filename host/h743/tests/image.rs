@@ -226,9 +226,11 @@ fn a_stack_that_is_full_is_a_fault() {
     while machine.running() != 0 {
         machine.run(1);
     }
-    // The thread's stack reaches down to its end, and the next interrupt finds no room.
+    // The thread's stack reaches down to its end, and the next interrupt finds no room: at once,
+    // before the thread itself reaches further.
     let end = h743::image::symbol(&elf, "_stack_end").unwrap();
     machine.set_register(Register::Sp, end + 16);
+    machine.chip.scs.exceptions.pending[TICK] = true;
     assert_eq!(machine.run(MILLISECOND), Stop::Reset(Cause::Software));
     machine.run(100 * MILLISECOND);
     let (fault, text) = last_fault(machine);
