@@ -23,12 +23,14 @@
 //! takes. So push all data, then take.
 mod junction;
 mod reachable;
+mod rounding;
 
 use super::geometry::{Form, Geometry, Position};
 use heapless::Vec;
 use junction::{Junction, LastMotion, STANDSTILL};
 use libm::{fabs, sqrt};
 use reachable::{BOUNDS_MAX, Bound, Corner, Span};
+use rounding::Chords;
 use servo::path::{MotionSpeeds, PathEntry};
 
 /// Limits of a coordinate system.
@@ -86,12 +88,13 @@ struct PlannedMotion {
     /// The direction of a line; of an arc 1 in its plane.
     direction: [f32; 4],
     /// Of an arc: its radius, and the limit of its accelerations.
-    round: Option<(f64, f64)>,
+    round: Option<(f32, f32)>,
     /// Speed and acceleration along it, as its limits allow.
     vel: f64,
     acc: f64,
-    /// The junction at its start.
+    /// The junction at its start; `either`: its bends may go to either side.
     start: Junction,
+    either: bool,
     /// The highest square of the speed there from which all that follows can be kept; `settled`:
     /// more data cannot raise it.
     high: f64,
@@ -117,6 +120,15 @@ pub struct Planned {
     pub ms: f64,
 }
 
+/// The first motion whose junction may still turn out to be rounding, if there is one: its number,
+/// its entry, and the length from its start to the end of the last motion.
+#[derive(Debug, Clone, Copy)]
+struct Unsure {
+    number: u32,
+    entry: usize,
+    length: f64,
+}
+
 servo::state! {
     /// Motions that wait for what follows them. `N` is a power of two.
     #[derive(Debug, Clone)]
@@ -136,6 +148,10 @@ servo::state! {
         last: Option<LastMotion> = None,
         moves: bool = false,
         effects: u32 = 0,
+        chords: Chords = Chords::new(),
+        unsure: Unsure = Unsure { number: 0, entry: 0, length: 0.0 },
+        /// The first entry whose junction was changed since the last plan.
+        changed: Option<usize> = None,
         /// Speeds are not planned for all entries.
         stale: bool = false,
     }
@@ -154,6 +170,8 @@ impl<const N: usize> LookAhead<N> {
         // Old content of the slots is void; a new value would take 36 KB of stack.
         (self.first, self.end, self.begin, self.last) = (0, 0, 0.0, None);
         (self.moves, self.effects, self.stale) = (false, 0, false);
+        self.unsure = Unsure { number: self.chords.next(), entry: 0, length: 0.0 };
+        self.changed = None;
     }
 
     /// Entries that wait.
@@ -180,17 +198,89 @@ impl<const N: usize> LookAhead<N> {
         // If the last one was handed over, it ended at standstill.
         let stops = !self.moves || self.effects > EFFECTS || self.is_empty() && self.begin == 0.0;
         if let Some(before) = self.last.as_ref().filter(|_| !stops) {
-            motion.start = self.limits.junction(before, &motion, &geometry.tangents[0]);
+            (motion.start, motion.either) = self.limits.junction(before, &motion, &geometry.tangents[0]);
         }
-        self.last = Some(LastMotion { tangent: geometry.tangents[1], length: motion.length, vel: motion.vel });
+        let is_line = motion.round.is_none();
+        if stops || !is_line {
+            self.decide(self.end);
+        }
+        self.last = Some(LastMotion { tangent: geometry.tangents[1], length: motion.length, vel: motion.vel, is_line });
         (self.moves, self.effects) = (true, 0);
+        if !self.has_unsure() {
+            self.unsure = Unsure { number: self.chords.next(), entry: self.end, length: 0.0 };
+        }
+        self.unsure.length += motion.length;
+        self.chords.push(motion.direction, if is_line { motion.length } else { 0.0 }, stops);
         self.push(Waiting::Motion(motion));
+        self.decide(self.first);
         true
     }
 
     /// The path stops where the last motion ends.
     pub fn stop(&mut self) {
         self.moves = false;
+        self.decide(self.end);
+    }
+
+    /// Whether there is a junction that may still turn out to be rounding.
+    fn has_unsure(&self) -> bool {
+        self.unsure.number != self.chords.next()
+    }
+
+    /// Whether the junction at the start of this motion is what it will be.
+    fn is_sure(&self, entry: usize) -> bool {
+        !self.has_unsure() || entry.wrapping_sub(self.unsure.entry).cast_signed() < 0
+    }
+
+    /// Takes rounding out of the junctions after which there are enough motions, and of all before
+    /// this entry.
+    fn decide(&mut self, before: usize) {
+        while self.has_unsure() {
+            let Unsure { number, entry, length } = self.unsure;
+            let Waiting::Motion(motion) = self.slot(entry) else { return };
+            if motion.either {
+                let now = entry.wrapping_sub(before).cast_signed() < 0;
+                if !now && length < motion.vel * self.limits.corner && self.chords.has_room(number) {
+                    return;
+                }
+                let vel = self.vel_before(entry).map_or(motion.vel, |before| motion.vel.min(before));
+                let start = self.chords.without_rounding(&motion.start, number, vel, &self.limits);
+                if let Some(Waiting::Motion(motion)) = self.slots.get_mut(entry & (N - 1)) {
+                    (motion.start, motion.either) = start;
+                }
+                (self.changed, self.stale) = (self.changed.or(Some(entry)), true);
+            }
+            self.pass_unsure();
+        }
+    }
+
+    /// The speed of the motion before this one, if that still waits.
+    fn vel_before(&self, mut entry: usize) -> Option<f64> {
+        while entry != self.first {
+            entry = entry.wrapping_sub(1);
+            if let Waiting::Motion(motion) = self.slot(entry) {
+                return Some(motion.vel);
+            }
+        }
+        None
+    }
+
+    /// On to the junction after.
+    fn pass_unsure(&mut self) {
+        let Unsure { number, entry, length } = self.unsure;
+        let own = if let Waiting::Motion(motion) = self.slot(entry) { motion.length } else { 0.0 };
+        let entry = self.motion_after(entry);
+        self.unsure = Unsure { number: number.wrapping_add(1), entry, length: length - own };
+    }
+
+    /// The next motion, or the end.
+    fn motion_after(&self, mut entry: usize) -> usize {
+        loop {
+            entry = entry.wrapping_add(1);
+            if entry == self.end || matches!(self.slot(entry), Waiting::Motion(_)) {
+                return entry;
+            }
+        }
     }
 
     /// Any other entry, in its order. False if it is full.
@@ -199,6 +289,9 @@ impl<const N: usize> LookAhead<N> {
             return false;
         }
         self.moves &= !entry.is_wait();
+        if entry.is_wait() {
+            self.decide(self.end);
+        }
         self.effects = self.effects.saturating_add(entry.load());
         self.push(Waiting::Other(entry, entry.is_wait()));
         true
@@ -210,6 +303,7 @@ impl<const N: usize> LookAhead<N> {
     pub fn advance_counters(&mut self, by: u32) {
         let by = by.cast_signed() as isize as usize;
         (self.first, self.end) = (self.first.wrapping_add(by), self.end.wrapping_add(by));
+        self.unsure.entry = self.unsure.entry.wrapping_add(by);
     }
 
     fn push(&mut self, slot: Waiting) {
@@ -237,23 +331,25 @@ impl<const N: usize> LookAhead<N> {
             form: geometry.form,
             length: geometry.length,
             direction: direction.map(|x| x as f32),
-            round,
+            round: round.map(|(radius, limit)| (radius as f32, limit as f32)),
             vel: vel.max(ALONG_MIN),
             acc: acc.max(ALONG_MIN),
             start: STANDSTILL,
+            either: false,
             high: f64::NAN,
             settled: false,
         }
     }
 
     /// Bounds of a motion between the junctions at its start and end.
-    fn bounds(&self, motion: &PlannedMotion, end: &Junction) -> Vec<Bound, BOUNDS_MAX> {
+    fn bounds(&self, motion: &PlannedMotion, end: &(Junction, bool)) -> Vec<Bound, BOUNDS_MAX> {
         let PlannedMotion { length, vel, acc, .. } = *motion;
-        let ends = [&motion.start, end];
+        let (ends, either) = ([&motion.start, &end.0], [motion.either, end.1]);
         let reach = acc * length / 4.0;
         let fastest = ends.map(|end| (end.cap * vel * vel <= reach * reach).then(|| sqrt(end.cap) * vel));
-        let corners =
-            |bends: [f64; 2], limit| [0, 1].map(|end: usize| Corner::new(bends[end], length, fastest[end], limit));
+        let corners = |bends: [f64; 2], limit| {
+            [0, 1].map(|end: usize| Corner::new((bends[end], either[end]), length, fastest[end], limit))
+        };
         let mut bounds = Vec::new();
         let mut sharpest = [0.0f64; 2];
         for (i, limit) in self.limits.acc.iter().enumerate() {
@@ -265,7 +361,7 @@ impl<const N: usize> LookAhead<N> {
                 bounds.push(Bound::straight(along, corners(bends, *limit), *limit)).ok();
             }
         }
-        if let Some((radius, limit)) = motion.round {
+        if let Some((radius, limit)) = motion.round.map(|(radius, limit)| (f64::from(radius), f64::from(limit))) {
             for bound in Bound::circle(radius, corners(sharpest, limit), limit) {
                 bounds.push(bound).ok();
             }
@@ -274,16 +370,18 @@ impl<const N: usize> LookAhead<N> {
     }
 
     /// The junction at the end of a motion, the highest square of the speed there, and whether it
-    /// is settled, as far as known.
-    fn end_of(&self, mut counter: usize) -> (Junction, f64, bool) {
+    /// is settled and sure, as far as known.
+    fn end_of(&self, mut counter: usize) -> ((Junction, bool), f64, [bool; 2]) {
         while counter != self.end {
             match self.slot(counter) {
-                Waiting::Motion(motion) => return (motion.start, motion.high, motion.settled),
-                Waiting::Other(_, true) => return (STANDSTILL, 0.0, true),
+                Waiting::Motion(motion) => {
+                    return ((motion.start, motion.either), motion.high, [motion.settled, self.is_sure(counter)]);
+                }
+                Waiting::Other(_, true) => return ((STANDSTILL, false), 0.0, [true; 2]),
                 _ => counter = counter.wrapping_add(1),
             }
         }
-        (STANDSTILL, 0.0, false)
+        ((STANDSTILL, false), 0.0, [false; 2])
     }
 
     /// Plans backwards from a stop at the end, as far as anything changes.
@@ -292,22 +390,26 @@ impl<const N: usize> LookAhead<N> {
             return;
         }
         self.stale = false;
-        let (mut after, mut settled, mut end) = (0.0, false, STANDSTILL);
+        let changed = self.changed.take();
+        let (mut after, mut settled, mut end, mut end_sure) = (0.0, false, (STANDSTILL, false), true);
         let mut counter = self.end;
         while counter != self.first {
             counter = counter.wrapping_sub(1);
             let Waiting::Motion(motion) = self.slot(counter) else { continue };
-            if motion.settled {
+            // What is before the first junction that was changed is as it was, but for its end.
+            let same = changed.is_none_or(|changed| counter.wrapping_sub(changed).cast_signed() < 0);
+            if motion.settled && same {
                 return;
             }
             let bounds = self.bounds(motion, &end);
             let span = Span::new(motion.length, motion.acc, &bounds);
             let (high, free) = span.back(after, motion.start.cap);
-            settled |= free;
-            if high == motion.high && !settled {
+            let sure = self.is_sure(counter);
+            settled = (settled || free) && sure && end_sure;
+            if high == motion.high && !settled && same {
                 return;
             }
-            (after, end) = (high, motion.start);
+            (after, end, end_sure) = (high, (motion.start, motion.either), sure);
             if let Some(Waiting::Motion(motion)) = self.slots.get_mut(counter & (N - 1)) {
                 (motion.high, motion.settled) = (high, settled);
             }
@@ -320,6 +422,9 @@ impl<const N: usize> LookAhead<N> {
         if self.is_empty() {
             return None;
         }
+        if now && self.has_unsure() {
+            self.decide(self.motion_after(self.first).wrapping_add(1));
+        }
         self.plan();
         let motion = match self.slot(self.first) {
             Waiting::Motion(motion) => motion,
@@ -330,16 +435,19 @@ impl<const N: usize> LookAhead<N> {
             }
             Waiting::Empty => return None,
         };
-        let (junction, high, settled) = self.end_of(self.first.wrapping_add(1));
+        let (junction, high, [settled, sure]) = self.end_of(self.first.wrapping_add(1));
         let bounds = self.bounds(motion, &junction);
         let span = Span::new(motion.length, motion.acc, &bounds);
         let end = span.on(self.begin, high);
-        if !(now || settled || end < high) {
+        if !(now || settled || sure && end < high) {
             return None;
         }
         let (vel, acc, ms) = span.choose(&bounds, [self.begin, end], motion.vel, motion.acc);
         let bits = [vel.max(ALONG_MIN), acc.max(ALONG_MIN), sqrt(end)].map(f64::to_bits);
         let entry = MotionSpeeds::admit(bits[0], bits[1], bits[2]).ok().and_then(|along| motion.form.entry(along))?;
+        if self.has_unsure() && self.unsure.entry == self.first {
+            self.pass_unsure();
+        }
         (self.first, self.begin) = (self.first.wrapping_add(1), end);
         Some(Planned { entry, ms })
     }

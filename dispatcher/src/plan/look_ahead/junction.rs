@@ -1,12 +1,12 @@
 //! The junction of two motions: the change of velocity there, and the highest speed at which it is
 //! passed.
-use super::{Limits, PlannedMotion};
+use super::{Limits, PlannedMotion, rounding};
 use crate::plan::geometry::Position;
 
 /// Where two motions meet.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Junction {
-    /// Δᵢ over the mean length.
+    /// Δᵢ over the mean length; the most that it may be if it may go to either side.
     pub bend: [f32; 4],
     /// The highest square of the speed by the speeds of both motions and the corner time.
     pub cap: f64,
@@ -21,23 +21,29 @@ pub(super) struct LastMotion {
     pub tangent: Position,
     pub length: f64,
     pub vel: f64,
+    pub is_line: bool,
 }
 
 impl Limits {
-    /// The junction between two motions.
-    pub(super) fn junction(&self, before: &LastMotion, motion: &PlannedMotion, tangent: &Position) -> Junction {
+    /// The junction between two motions, and whether it is open: a part of its turn may be
+    /// rounding (`rounding.rs`), which is known once more motions have come.
+    pub(super) fn junction(&self, before: &LastMotion, motion: &PlannedMotion, tangent: &Position) -> (Junction, bool) {
         let mean = (before.length + motion.length) / 2.0;
         let slower = before.vel.min(motion.vel);
+        let is_short = before.length.min(motion.length) < slower * self.corner;
+        let open = is_short && before.is_line && motion.round.is_none();
         let mut junction = Junction { cap: slower * slower, ..STANDSTILL };
+        let hidden = if open { rounding::turn([before.length, motion.length]) } else { 0.0 };
         let sides = tangent.iter().zip(&before.tangent).zip(&self.acc);
         for (bend, ((to, from), acc)) in junction.bend.iter_mut().zip(sides) {
             let turn = to - from;
+            let turn = turn + hidden.copysign(turn);
             *bend = (turn / mean) as f32;
             if turn != 0.0 {
                 let jump = acc * self.corner / turn;
                 junction.cap = junction.cap.min(jump * jump);
             }
         }
-        junction
+        (junction, open)
     }
 }

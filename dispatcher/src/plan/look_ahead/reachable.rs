@@ -22,6 +22,8 @@ pub(super) struct Corner {
     grow: f64,
     /// The sign of its change of velocity: −1, 0, 1.
     sign: f64,
+    /// Either sign.
+    either: bool,
 }
 
 /// A bound: on a coordinate of a line, or on the sum on an arc.
@@ -79,19 +81,25 @@ fn planned(limit: f64) -> f64 {
 
 impl Corner {
     /// None.
-    pub(super) const NONE: Corner = Corner { fixed: 0.0, bend: 0.0, grow: 0.0, sign: 0.0 };
+    pub(super) const NONE: Corner = Corner { fixed: 0.0, bend: 0.0, grow: 0.0, sign: 0.0, either: false };
 
     /// A change of direction, over the mean length of the motions on both sides, at the end of a
     /// motion of this length. `fastest`, if given, is the highest product of the speeds at its
-    /// ends: it is the closer bound on a long motion.
-    pub(super) fn new(turn: f64, length: f64, fastest: Option<f64>, limit: f64) -> Corner {
+    /// ends: it is the closer bound on a long motion. `either`: the turn may go to either side.
+    pub(super) fn new((turn, either): (f64, bool), length: f64, fastest: Option<f64>, limit: f64) -> Corner {
         let bend = fabs(turn);
         let sign = if turn > 0.0 { 1.0 } else { -1.0 };
         match fastest.map(|squares| bend * squares) {
             _ if bend == 0.0 => Corner::NONE,
-            Some(fixed) if fixed < limit / 2.0 => Corner { fixed, bend: 0.0, grow: 0.0, sign },
-            _ => Corner { fixed: 0.0, bend, grow: bend * length / 4.0, sign },
+            Some(fixed) if fixed < limit / 2.0 => Corner { fixed, bend: 0.0, grow: 0.0, sign, either },
+            _ => Corner { fixed: 0.0, bend, grow: bend * length / 4.0, sign, either },
         }
+    }
+
+    /// The signs that its change of velocity may have.
+    fn signs(&self) -> impl Iterator<Item = f64> {
+        let one = (self.sign != 0.0).then_some(self.sign);
+        one.into_iter().chain(one.filter(|_| self.either).map(|sign| -sign))
     }
 }
 
@@ -139,11 +147,11 @@ impl Span {
                 }
                 continue;
             }
-            if start.sign != 0.0 {
-                span.corner(bound, start, false, (start.sign * bound.along + start.grow) * unit);
+            for sign in start.signs() {
+                span.corner(bound, start, false, (sign * bound.along + start.grow) * unit);
             }
-            if end.sign != 0.0 {
-                span.corner(bound, end, true, (end.sign * bound.along - end.grow) * unit);
+            for sign in end.signs() {
+                span.corner(bound, end, true, (sign * bound.along - end.grow) * unit);
             }
         }
         span
@@ -323,7 +331,7 @@ mod tests {
             });
             let acc = sides.iter().fold(acc, |acc, side| acc.min(side.limit / side.along.abs()));
             let bounds = sides.map(|side| {
-                let corners = side.turns.map(|turn| Corner::new(turn, length, None, side.limit));
+                let corners = side.turns.map(|turn| Corner::new((turn, false), length, None, side.limit));
                 Bound::straight(side.along, corners, side.limit)
             });
             let span = Span::new(length, acc, &bounds);
