@@ -185,7 +185,7 @@ fn a_program_streams_through_the_look_ahead() {
     entries.extend(points[..600].chunks(60).map(many));
     entries.push(entry(start_crd(1)));
     for (round, part) in points[600..].chunks(300).enumerate() {
-        entries.push(entry(sleep(if round == 0 { 150 } else { 220 })));
+        entries.push(entry(sleep(if round == 0 { 100 } else { 150 })));
         entries.extend(part.chunks(60).map(many));
     }
     entries.push(entry(WaitStop { core: 1.into(), axes: 0.into(), crds: 1.into() }));

@@ -465,7 +465,7 @@ fn time_of(points: &[[i32; 2]], scale: f64, limits: Limits) -> f64 {
 
 /// What rounding to whole pulses makes of a curve does not slow it: a circle in 3,600 lines takes as
 /// long as one in 360, and as long as with pulses 64 times finer. Without this rule the former took
-/// 1,817 ms, a spiral 6,863 ms.
+/// 2,171 ms.
 #[test]
 fn rounding_is_no_turn() {
     let limits = |acc: f64, corner: f64| Limits { vel: [200.0; 4], acc: [acc; 4], corner };

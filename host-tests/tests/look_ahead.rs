@@ -6,6 +6,10 @@
 //! of the way of one motion to that of another. A window that begins between a corner and a middle
 //! holds all of the corner's change of velocity and only a part of the time that it stands for, so
 //! that windows have room for that.
+//!
+//! Targets are whole pulses, and what that explains is no turn (decision 25). So the optimum is that
+//! of the points before they are rounded. Between two middles a velocity may differ by what half a
+//! pulse at each end of both motions makes of it.
 #[path = "../../servo/tests/chance/mod.rs"]
 mod chance;
 #[path = "path/machine.rs"]
@@ -21,7 +25,7 @@ use std::time::Duration;
 const TICK_US: u64 = 50;
 const LIMITS: Limits = Limits { speed: 300.0, acc: 4.0, axis_speed: [250.0, 200.0], axis_acc: [3.0, 2.0], corner: 5.0 };
 
-/// Points about 100 pulses apart along a curve, in whole pulses; the first is the origin.
+/// Points about 100 pulses apart along a curve; the first is the origin.
 fn points(count: usize, curve: impl Fn(f64) -> Point) -> Vec<Point> {
     let origin = curve(0.0);
     let mut points = vec![[0.0, 0.0]];
@@ -38,7 +42,7 @@ fn points(count: usize, curve: impl Fn(f64) -> Point) -> Vec<Point> {
         }
         at += step * 100.0 / distance(step);
         let to = curve(at);
-        points.push([(to[0] - origin[0]).round(), (to[1] - origin[1]).round()]);
+        points.push([to[0] - origin[0], to[1] - origin[1]]);
     }
     points
 }
@@ -67,7 +71,7 @@ fn corners() -> Vec<Point> {
         bend = 0.97 * bend + 0.004 * (chance.unit() - 0.5);
         angle += bend + if index % 100 == 0 { 4.0 * (chance.unit() - 0.5) } else { 0.0 };
         (x, y) = (x + 100.0 * angle.cos(), y + 100.0 * angle.sin());
-        points.push([x.round(), y.round()]);
+        points.push([x, y]);
     }
     points
 }
@@ -167,7 +171,8 @@ struct Passed {
     last: usize,
     begin: f64,
     ms: f64,
-    middle: Option<(f64, Point)>,
+    /// Its instant, the velocities there, and what of these half a pulse at both ends explains.
+    middle: Option<(f64, Point, f64)>,
 }
 
 /// Where the motions are on the trace.
@@ -201,7 +206,8 @@ fn passed(points: &[Point], places: &[Point]) -> Vec<Passed> {
             (low >= first && low + 2 <= last).then(|| {
                 let speed = |k: usize, axis: usize| (places[k + 1][axis] - places[k][axis]) / tick;
                 let mean = |axis| speed(low, axis) * (1.0 - part) + speed(low + 1, axis) * part;
-                ((low as f64 + 0.5 + part) * tick, [mean(0), mean(1)])
+                let rounded = mean(0).hypot(mean(1)) / length;
+                ((low as f64 + 0.5 + part) * tick, [mean(0), mean(1)], rounded)
             })
         });
         found.push(Passed { first, last, begin, ms: end - begin, middle });
@@ -229,7 +235,9 @@ fn shares(points: &[Point], places: &[Point]) -> Shares {
                 shares.within = shares.within.max(second.abs() / (ms * ms) / limit);
             }
         }
-        let mean = |(t0, v0): &(f64, Point), (t1, v1): &(f64, Point)| (v1[axis] - v0[axis]).abs() / (t1 - t0) / limit;
+        let mean = |(t0, v0, rounded0): &(f64, Point, f64), (t1, v1, rounded1): &(f64, Point, f64)| {
+            ((v1[axis] - v0[axis]).abs() - rounded0 - rounded1) / (t1 - t0) / limit
+        };
         for (index, one) in seen.iter().enumerate() {
             let mut later = seen[index + 1..].iter();
             shares.middles = later.next().map_or(0.0, |two| mean(one, two)).max(shares.middles);
@@ -260,10 +268,12 @@ fn shares(points: &[Point], places: &[Point]) -> Shares {
     shares
 }
 
-fn judge(name: &str, points: &[Point]) {
+fn judge(name: &str, exact: &[Point]) {
+    let points: Vec<Point> = exact.iter().map(|point| point.map(f64::round)).collect();
+    let points = &*points;
     let free = run(points, usize::MAX, Duration::ZERO);
     let stalled = run(points, 3, Duration::from_millis(50));
-    let above = |turns| (free.ms / plan(points, &LIMITS, turns).1 - 1.0) * 100.0;
+    let above = |turns| (free.ms / plan(exact, &LIMITS, turns).1 - 1.0) * 100.0;
     let [adds, signed, after_only] = [Turn::Adds, Turn::Signed, Turn::AfterOnly].map(above);
     let shares = shares(points, &free.places);
     println!(
@@ -273,9 +283,11 @@ fn judge(name: &str, points: &[Point]) {
         free.ms,
         stalled.ms,
     );
-    assert!(shares.speed <= 1.0, "{name}: {shares:?}");
-    // The trace has 2⁻²² pulse: of a second difference over a tick 4·10⁻⁴ pulse/ms².
-    assert!(shares.within <= 1.001 && shares.middles <= 1.001 && shares.apart <= 1.0001, "{name}: {shares:?}");
+    // The trace has 2⁻²² pulse: of a difference over a tick 10⁻⁵ pulse/ms, of a second one 4·10⁻⁴
+    // pulse/ms².
+    assert!(shares.speed <= 1.0 + 1e-5 / LIMITS.axis_speed[1], "{name}: {shares:?}");
+    // The speed in the corner may be above those in the middles, by which rounding counts here.
+    assert!(shares.within <= 1.001 && shares.middles <= 1.01 && shares.apart <= 1.01, "{name}: {shares:?}");
     assert!(shares.windows.iter().all(|window| window.2 <= 1.0), "{name}: {shares:?}");
     assert!(signed <= 3.0, "{name}: {signed} %");
     assert_eq!(free.ms, stalled.ms, "{name}: the stalls are seen");

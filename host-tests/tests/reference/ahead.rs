@@ -8,7 +8,8 @@
 //! * within a motion the acceleration of each coordinate is within its limit L, and along the path
 //!   within synAcc; while a Stop brakes, within its deceleration if that is more
 //! * a corner changes the velocity of a coordinate by L·T at most, and from the middle of a motion
-//!   to that of another the mean acceleration is within L
+//!   to that of another the mean acceleration is within L; both without what half a pulse at each
+//!   end of both lines explains
 //! * outputs change where the path passes their vertex; motions are counted
 //!
 //! `REFERENCE_AHEAD` sets how many paths there are, `REFERENCE_SEED` the first one's number.
@@ -208,6 +209,12 @@ fn speeds(
     Ok(())
 }
 
+/// The change of direction between two lines that half a pulse at each of their ends explains.
+fn hidden(one: &Geometry, other: &Geometry) -> f64 {
+    let is_line = |geometry: &Geometry| matches!(geometry, Geometry::Line { .. });
+    if is_line(one) && is_line(other) { 1.0 / one.length() + 1.0 / other.length() } else { 0.0 }
+}
+
 /// Within motions, at corners, and from middle to middle.
 #[allow(clippy::needless_range_loop, reason = "several tables by coordinate")]
 fn accelerations(
@@ -280,12 +287,17 @@ fn accelerations(
         }
         let last = last - 1;
         let apart = motion.waits || index > 0 && motions[index - 1].rests;
+        let hidden = index.checked_sub(1).map_or(0.0, |before| hidden(motions[before].geometry, motion.geometry));
+        let rounded = |from: usize, to: usize| {
+            let speed = |tick: usize| (spots[tick + 1].way - spots[tick].way) / tick_ms;
+            hidden * (from..=to).map(speed).fold(0.0, f64::max)
+        };
         if let Some((tick, ..)) = before.filter(|_| !apart) {
             for axis in 0..course.dimension {
                 let jump = (mean(first, axis) - mean(tick, axis)).abs();
                 let limit = course.acc[axis];
                 let most = limit * (course.corner + (first + 1 - tick) as f64 * tick_ms);
-                if jump > most * (1.0 + 1e-6) + 4.0 * GRAIN / tick_ms {
+                if jump > most * (1.0 + 1e-6) + rounded(tick, first) + 4.0 * GRAIN / tick_ms {
                     return Err(format!(
                         "before motion {index} the velocity of coordinate {axis} changes by {jump}, L·T is {}",
                         limit * course.corner
@@ -307,7 +319,8 @@ fn accelerations(
                 let change = (mean(middle, axis) - mean(other, axis)).abs();
                 let limit = course.acc[axis];
                 // The middles lie within their ticks: up to a tick of acceleration at each end.
-                if change > limit * (now - ms + 2.0 * tick_ms) * (1.0 + 1e-3) + 4.0 * GRAIN / tick_ms {
+                let most = limit * (now - ms + 2.0 * tick_ms) * (1.0 + 1e-3);
+                if change > most + rounded(other, middle) + 4.0 * GRAIN / tick_ms {
                     let mean = change / (now - ms);
                     return Err(format!(
                         "from the middle of motion {} to that of {index} coordinate {axis} has {mean}, its limit is {limit}",

@@ -15,8 +15,8 @@
 //! - |D| − 2, and at least 0, of others.
 //!
 //! The bend of the junction is the greatest D/W² of its arms, to the left and to the right. The
-//! speed in it is the highest at which no arm changes the velocity by more than L·T, or at which a
-//! longer arm keeps L. Neither is more than the corner alone would have it with the turn that
+//! speed in it is the highest at which no arm changes the velocity by more than L·T, or at which
+//! arms that last longer than T, but for the shortest, keep L. Neither is more than the corner alone would have it with the turn that
 //! rounding may hide there ([`turn`]). That is what a junction counts until enough motions have come
 //! after it: so more data can only raise speeds. What a trace shows is in decision 25.
 use super::Limits;
@@ -96,7 +96,8 @@ impl Chords {
         let wanted = vel * limits.corner;
         let longest = [true, false].iter().fold(wanted, |most, side| self.arm(number, *side).length(most));
         let (mut bends, mut cap) = ([[0.0f64; 2]; 4], vel * vel);
-        let (mut arm, mean) = (own[0].min(own[1]).min(longest), (own[0] + own[1]) / 2.0);
+        let (shortest, mean) = (own[0].min(own[1]).min(longest), (own[0] + own[1]) / 2.0);
+        let mut arm = shortest;
         loop {
             let (to, from) = (forwards.reach(arm), back.reach(arm));
             // Two pulses, but for an arm that ends within the first motions.
@@ -111,7 +112,9 @@ impl Chords {
                     let side = if second < 0.0 { left } else { right };
                     *side = side.max(sharp);
                     let speed = acc * limits.corner * arm / counts;
-                    cap = cap.min(speed * speed.max(arm / limits.corner));
+                    // With the shortest arms all of it is the corner.
+                    let longer = if arm > shortest { arm / limits.corner } else { 0.0 };
+                    cap = cap.min(speed * speed.max(longer));
                 }
             }
             if arm >= longest {
