@@ -63,6 +63,7 @@ const TRANSMIT: &str = "protocol/src/link/transmit.rs";
 const QUEUE: &str = "ring/src/queue.rs";
 const PT_RUN: &str = "servo/src/segment/pt/evaluator.rs";
 const AHEAD: &str = "dispatcher/src/plan/look_ahead.rs";
+const ROUNDING: &str = "dispatcher/src/plan/look_ahead/rounding.rs";
 const INPUT_SCAN: &str = "servo/src/axis/input_scan.rs";
 const AXIS_LIMITS: &str = "servo/src/axis/soft_limits.rs";
 const SERVER: &str = "dispatcher/src/session/server.rs";
@@ -252,8 +253,36 @@ pub const LIST: &[Mutant] = &[
     mutant(
         "look-ahead: speeds are final at once",
         AHEAD,
-        "settled |= free;",
-        "settled |= free || after >= 0.0;",
+        "settled = (settled || free) && sure && end_sure;",
+        "settled = settled || free || after >= 0.0;",
+        LOOK_AHEAD,
+    ),
+    mutant(
+        "look-ahead: rounding explains more than it can",
+        ROUNDING,
+        "let hidden = (arm * turn(own)).min(2.0);",
+        "let hidden = 4.0 * arm * turn(own);",
+        LOOK_AHEAD,
+    ),
+    mutant(
+        "look-ahead: a turn has one side",
+        ROUNDING,
+        "either |= left > 0.0 && right > 0.0;",
+        "either |= left < 0.0 && right > 0.0;",
+        LOOK_AHEAD,
+    ),
+    mutant(
+        "look-ahead: a curve is seen by its shortest arms",
+        ROUNDING,
+        "(arm, ends) = (reached, reached < arm || reached >= wanted);",
+        "(arm, ends) = (reached, true);",
+        LOOK_AHEAD,
+    ),
+    mutant(
+        "look-ahead: rounding is decided before the motions have come",
+        AHEAD,
+        "if !now && length < motion.vel * self.limits.corner &&",
+        "if !now && length < 0.0 * self.limits.corner &&",
         LOOK_AHEAD,
     ),
     mutant(

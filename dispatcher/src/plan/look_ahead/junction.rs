@@ -2,6 +2,7 @@
 //! passed.
 use super::{Limits, PlannedMotion, rounding};
 use crate::plan::geometry::Position;
+use libm::fabs;
 
 /// Where two motions meet.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -11,6 +12,9 @@ pub(super) struct Junction {
     /// The highest square of the speed by the speeds of both motions and the corner time.
     pub cap: f64,
 }
+
+/// A turn that takes less of the acceleration counts as it is, be it rounding or not.
+const SLIGHT_SHARE: f64 = 1.0 / 64.0;
 
 /// The path stops there.
 pub(super) const STANDSTILL: Junction = Junction { bend: [0.0; 4], cap: 0.0 };
@@ -30,10 +34,18 @@ impl Limits {
     pub(super) fn junction(&self, before: &LastMotion, motion: &PlannedMotion, tangent: &Position) -> (Junction, bool) {
         let mean = (before.length + motion.length) / 2.0;
         let slower = before.vel.min(motion.vel);
-        let is_short = before.length.min(motion.length) < slower * self.corner;
-        let open = is_short && before.is_line && motion.round.is_none();
         let mut junction = Junction { cap: slower * slower, ..STANDSTILL };
-        let hidden = if open { rounding::turn([before.length, motion.length]) } else { 0.0 };
+        let is_short = before.length.min(motion.length) < slower * self.corner;
+        let hidden = if is_short && before.is_line && motion.round.is_none() {
+            rounding::turn([before.length, motion.length])
+        } else {
+            0.0
+        };
+        let turns = tangent.iter().zip(&before.tangent).map(|(to, from)| to - from);
+        // What hardly turns at full speed may have its rounding.
+        let matters = |(turn, acc): (f64, &f64)| (fabs(turn) + hidden) / mean * junction.cap > acc * SLIGHT_SHARE;
+        let open = hidden > 0.0 && turns.zip(&self.acc).any(matters);
+        let hidden = if open { hidden } else { 0.0 };
         let sides = tangent.iter().zip(&before.tangent).zip(&self.acc);
         for (bend, ((to, from), acc)) in junction.bend.iter_mut().zip(sides) {
             let turn = to - from;

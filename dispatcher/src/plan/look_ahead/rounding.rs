@@ -21,19 +21,22 @@
 //! after it: so more data can only raise speeds. What a trace shows is in decision 25.
 use super::Limits;
 use super::junction::Junction;
-use libm::fabs;
+use crate::capacity::LOOK_AHEAD;
+use libm::{fabsf, rintf, sqrtf};
 
 /// Chords that are kept: as many as both arms of a junction take.
-pub(super) const CHORDS: usize = 128;
+pub(super) const CHORDS: usize = if LOOK_AHEAD < 128 { LOOK_AHEAD } else { 128 };
 /// The most chords of an arm.
 const ARM: u32 = CHORDS as u32 / 2;
 /// From arm to arm.
-const GROWTH: f64 = core::f64::consts::SQRT_2;
+const GROWTH: f32 = core::f32::consts::SQRT_2;
+/// Parts of a direction of 1.
+const PARTS: f32 = 32767.0;
 
-/// A motion, as a corner sees it.
+/// A motion, as a corner sees it: to 1/100 pulse in the arms of a path of 1000 pulse/ms.
 #[derive(Debug, Clone, Copy)]
 struct Chord {
-    direction: [f32; 4],
+    direction: [i16; 4],
     /// Negative if the path stands still at its start; 0 of an arc, which no arm goes along.
     length: f32,
 }
@@ -42,7 +45,7 @@ servo::state! {
     /// The last motions of a path, by their numbers.
     #[derive(Debug, Clone)]
     pub(super) struct Chords {
-        ring: [Chord; CHORDS] = [Chord { direction: [0.0; 4], length: 0.0 }; CHORDS],
+        ring: [Chord; CHORDS] = [Chord { direction: [0; 4], length: 0.0 }; CHORDS],
         /// The number of the motion to come.
         next: u32 = 0,
     }
@@ -60,21 +63,20 @@ impl Chords {
     pub(super) fn push(&mut self, direction: [f32; 4], length: f64, stands: bool) {
         let length = if stands { -length } else { length } as f32;
         if let Some(chord) = self.ring.get_mut(self.next as usize % CHORDS) {
-            *chord = Chord { direction, length };
+            *chord = Chord { direction: direction.map(|part| rintf(part * PARTS) as i16), length };
         }
         self.next = self.next.wrapping_add(1);
     }
 
-    fn chord(&self, number: u32) -> &Chord {
-        const NONE: Chord = Chord { direction: [0.0; 4], length: 0.0 };
-        self.ring.get(number as usize % CHORDS).unwrap_or(&NONE)
+    fn chord(&self, number: u32) -> Chord {
+        const NONE: Chord = Chord { direction: [0; 4], length: 0.0 };
+        self.ring.get(number as usize % CHORDS).copied().unwrap_or(NONE)
     }
 
     /// From the start of a motion to one side.
     fn arm(&self, number: u32, forwards: bool) -> Arm<'_> {
-        let number = if forwards { number } else { number.wrapping_sub(1) };
         let left = if forwards { self.next.wrapping_sub(number).min(ARM) } else { ARM };
-        Arm { chords: self, number, forwards, left, passed: 0.0, at: [0.0; 4] }
+        Arm { chords: self, number, forwards, left, passed: 0.0, base: [0.0; 4], at: [0.0; 4] }
     }
 
     /// Whether an arm from the start of this motion takes more motions than came since.
@@ -82,8 +84,8 @@ impl Chords {
         self.next.wrapping_sub(number) < ARM
     }
 
-    /// The junction at the start of this motion, without what rounding explains. `vel` is the lower
-    /// of the highest speeds of the motions at it.
+    /// The junction at the start of this motion without what rounding explains, and whether it may
+    /// turn to either side. `vel` is the lower of the highest speeds of the motions at it.
     pub(super) fn without_rounding(
         &self,
         junction: &Junction,
@@ -91,43 +93,51 @@ impl Chords {
         vel: f64,
         limits: &Limits,
     ) -> (Junction, bool) {
-        let own = [number.wrapping_sub(1), number].map(|number| fabs(self.chord(number).length.into()));
-        let [mut forwards, mut back] = [true, false].map(|forwards| self.arm(number, forwards));
-        let wanted = vel * limits.corner;
-        let longest = [true, false].iter().fold(wanted, |most, side| self.arm(number, *side).length(most));
-        let (mut bends, mut cap) = ([[0.0f64; 2]; 4], vel * vel);
-        let (shortest, mean) = (own[0].min(own[1]).min(longest), (own[0] + own[1]) / 2.0);
-        let mut arm = shortest;
-        loop {
-            let (to, from) = (forwards.reach(arm), back.reach(arm));
+        let [before, after] = [number.wrapping_sub(1), number].map(|number| fabsf(self.chord(number).length));
+        let mut arms = [self.arm(number, true), self.arm(number.wrapping_sub(1), false)];
+        let (shortest, mean) = (before.min(after), (before + after) / 2.0);
+        let (wanted, corner) = ((vel * limits.corner) as f32, limits.corner as f32);
+        let (mut bends, mut speed, mut arm, mut ends) = ([[0.0f32; 2]; 4], f32::INFINITY, shortest, false);
+        let turn = turn([before.into(), after.into()]) as f32;
+        while !ends {
+            let first = arm == shortest;
+            if !first {
+                let shorter = arms;
+                let reached = arms.iter_mut().fold(arm.min(wanted), |most, side| side.reach(most));
+                if reached < arm {
+                    // Both as long as the shorter one.
+                    arms = shorter;
+                    arms.iter_mut().for_each(|side| _ = side.reach(reached));
+                }
+                (arm, ends) = (reached, reached < arm || reached >= wanted);
+            }
             // Two pulses, but for an arm that ends within the first motions.
-            let hidden = (arm * turn(own)).min(2.0);
-            for (((bend, to), from), acc) in bends.iter_mut().zip(to).zip(from).zip(limits.acc) {
-                let (second, slow) = (to - from, acc * limits.corner * limits.corner);
-                let rounded = if arm >= longest || fabs(second) >= slow { 0.0 } else { hidden };
-                let counts = fabs(second) - rounded;
+            let hidden = (arm * turn).min(2.0);
+            let [to, from] = arms.map(|side| side.at);
+            for (i, (bend, acc)) in bends.iter_mut().zip(limits.acc).enumerate() {
+                // The first arms see the junction alone, which counts its turn and what it hides.
+                let own = junction.bend[i];
+                let alone = (fabsf(own) * mean - turn).copysign(own) * arm;
+                let (second, jump) = (if first { alone } else { to[i] - from[i] }, acc as f32 * corner);
+                let counts = fabsf(second) - if ends || fabsf(second) >= jump * corner { 0.0 } else { hidden };
                 if counts > 0.0 {
-                    let sharp = counts / (arm * arm.max(mean));
                     let [left, right] = bend;
                     let side = if second < 0.0 { left } else { right };
-                    *side = side.max(sharp);
-                    let speed = acc * limits.corner * arm / counts;
-                    // With the shortest arms all of it is the corner.
-                    let longer = if arm > shortest { arm / limits.corner } else { 0.0 };
-                    cap = cap.min(speed * speed.max(longer));
+                    *side = side.max(counts / (arm * arm.max(mean)));
+                    // With the first arms all of it is the corner.
+                    let most = jump * arm / counts;
+                    let longer = !first && most * corner < arm;
+                    speed = speed.min(if longer { sqrtf(most * arm / corner) } else { most });
                 }
             }
-            if arm >= longest {
-                break;
-            }
-            arm = (arm * GROWTH).min(longest);
+            arm *= GROWTH;
         }
         let mut either = false;
-        let mut sure = Junction { cap: junction.cap.max(cap), ..*junction };
+        let speed = f64::from(speed).min(vel);
+        let mut sure = Junction { cap: junction.cap.max(speed * speed), ..*junction };
         for (bend, [left, right]) in sure.bend.iter_mut().zip(bends) {
             either |= left > 0.0 && right > 0.0;
-            let most = fabs(f64::from(*bend));
-            *bend = left.max(right).min(most).copysign(right - left) as f32;
+            *bend = left.max(right).min(fabsf(*bend)).copysign(right - left);
         }
         (sure, either)
     }
@@ -140,6 +150,7 @@ pub(super) fn turn(lengths: [f64; 2]) -> f64 {
 }
 
 /// From a junction along the chords to one side.
+#[derive(Clone, Copy)]
 struct Arm<'x> {
     chords: &'x Chords,
     /// The chord in which it ends.
@@ -147,46 +158,39 @@ struct Arm<'x> {
     forwards: bool,
     /// Chords that it may still take, this one included.
     left: u32,
-    /// The length up to that chord, and the displacement along the path.
-    passed: f64,
-    at: [f64; 4],
+    /// Up to that chord: the length, and the displacement along the path.
+    passed: f32,
+    base: [f32; 4],
+    /// The displacement where it ends.
+    at: [f32; 4],
 }
 
 impl Arm<'_> {
     /// The chord in which it ends, if there is one.
-    fn chord(&self) -> Option<(&[f32; 4], f64)> {
+    fn chord(&self) -> Option<Chord> {
         let chord = self.chords.chord(self.number);
         // No arm passes a standstill: backwards it ends with the chord that begins there.
         let before = self.chords.chord(self.number.wrapping_add(1));
         let stands = self.passed > 0.0 && if self.forwards { chord } else { before }.length < 0.0;
-        (self.left != 0 && chord.length != 0.0 && !stands).then(|| (&chord.direction, fabs(chord.length.into())))
+        (self.left != 0 && chord.length != 0.0 && !stands).then_some(chord)
     }
 
-    fn step(&mut self, own: f64) {
-        self.number = if self.forwards { self.number.wrapping_add(1) } else { self.number.wrapping_sub(1) };
-        (self.passed, self.left) = (self.passed + own, self.left - 1);
-    }
-
-    /// How long it can be, at most this long.
-    fn length(mut self, most: f64) -> f64 {
-        while let Some((_, own)) = self.chord().filter(|_| self.passed < most) {
-            self.step(own);
-        }
-        self.passed.min(most)
-    }
-
-    /// The displacement along the path at this length. Lengths rise from call to call.
-    fn reach(&mut self, length: f64) -> [f64; 4] {
-        loop {
-            let mut at = self.at;
-            let Some((direction, own)) = self.chord() else { return at };
-            let within = own.min(length - self.passed);
-            at.iter_mut().zip(direction).for_each(|(at, share)| *at += f64::from(*share) * within);
-            if own >= length - self.passed {
-                return at;
-            }
+    /// Goes to this length, or as far as there are chords; returns how far. Lengths rise from call
+    /// to call.
+    fn reach(&mut self, length: f32) -> f32 {
+        while let Some(chord) = self.chord() {
+            let own = fabsf(chord.length);
+            let part = own.min(length - self.passed) / PARTS;
+            let mut at = self.base;
+            at.iter_mut().zip(chord.direction).for_each(|(at, direction)| *at += f32::from(direction) * part);
             self.at = at;
-            self.step(own);
+            if own >= length - self.passed {
+                return length;
+            }
+            (self.base, self.passed, self.left) = (at, self.passed + own, self.left - 1);
+            self.number = if self.forwards { self.number.wrapping_add(1) } else { self.number.wrapping_sub(1) };
         }
+        self.at = self.base;
+        self.passed
     }
 }
