@@ -175,9 +175,9 @@ fn run(calls: &[Call], entries: &[PathEntry]) -> (Vec<Middle>, f64, f64) {
 /// Nanoseconds.
 const TICK: f64 = 20_000.0;
 
-/// The highest acceleration between the middles of two motions, neighbours and those the corner time
-/// or more apart, without what the rounding of targets explains: half a pulse at each end of both
-/// motions.
+/// The highest acceleration between the middles of two motions, of neighbours and of those the
+/// corner time or more apart. What the rounding of targets explains is left out: half a pulse at
+/// each end of both motions.
 fn hardest(middles: &[Middle]) -> [f64; 2] {
     [0.0, LIMITS.corner].map(|apart| {
         let mut worst = 0.0f64;
@@ -463,9 +463,9 @@ fn time_of(points: &[[i32; 2]], scale: f64, limits: Limits) -> f64 {
     ms
 }
 
-/// What rounding to whole pulses makes of a curve does not slow it: a circle in 3,600 lines takes as
-/// long as one in 360, and as long as with pulses 64 times finer. Without this rule the former took
-/// 2,171 ms.
+/// What rounding to whole pulses makes of a curve does not slow it. A circle in 3,600 lines takes
+/// as long as one in 360; without this rule it took 2,171 ms. A spiral takes as long as with pulses
+/// 64 times finer.
 #[test]
 fn rounding_is_no_turn() {
     let limits = |acc: f64, corner: f64| Limits { vel: [200.0; 4], acc: [acc; 4], corner };

@@ -9,7 +9,7 @@
 //!
 //! Targets are whole pulses, and what that explains is no turn (decision 25). So the optimum is that
 //! of the points before they are rounded. Between two middles a velocity may differ by what half a
-//! pulse at each end of both motions makes of it.
+//! pulse makes of it at each end of both motions.
 #[path = "../../servo/tests/chance/mod.rs"]
 mod chance;
 #[path = "path/machine.rs"]

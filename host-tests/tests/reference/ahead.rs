@@ -8,8 +8,8 @@
 //! * within a motion the acceleration of each coordinate is within its limit L, and along the path
 //!   within synAcc; while a Stop brakes, within its deceleration if that is more
 //! * a corner changes the velocity of a coordinate by L·T at most, and from the middle of a motion
-//!   to that of another the mean acceleration is within L; both without what half a pulse at each
-//!   end of both lines explains
+//!   to that of another the mean acceleration is within L
+//! * both without what half a pulse explains at each end of both lines
 //! * outputs change where the path passes their vertex; motions are counted
 //!
 //! `REFERENCE_AHEAD` sets how many paths there are, `REFERENCE_SEED` the first one's number.

@@ -15,10 +15,11 @@
 //! - |D| − 2, and at least 0, of others.
 //!
 //! The bend of the junction is the greatest D/W² of its arms, to the left and to the right. The
-//! speed in it is the highest at which no arm changes the velocity by more than L·T, or at which
-//! arms that last longer than T, but for the shortest, keep L. Neither is more than the corner alone would have it with the turn that
-//! rounding may hide there ([`turn`]). That is what a junction counts until enough motions have come
-//! after it: so more data can only raise speeds. What a trace shows is in decision 25.
+//! speed in it is the highest at which no arm changes the velocity by more than L·T. Of arms that
+//! last longer than T, but for the first, it is enough that they keep L. Neither is more than the
+//! corner alone would have it with the turn that rounding may hide there ([`turn`]). So much a
+//! junction counts until enough motions have come after it, and more data can only raise speeds.
+//! What a trace shows is in decision 25.
 use super::Limits;
 use super::junction::Junction;
 use crate::capacity::LOOK_AHEAD;
