@@ -7,8 +7,8 @@
 //! holds all of the corner's change of velocity and only a part of the time that it stands for, so
 //! that windows have room for that.
 //!
-//! Targets are whole pulses, and what that explains is no turn (decision 25). So the optimum is that
-//! of the points before they are rounded. Between two middles a velocity may differ by what half a
+//! Targets are whole pulses, and what that explains is no turn (decision 25). So the optimum is
+//! that of the points before they are rounded. Between two middles a velocity may differ by what half a
 //! pulse makes of it at each end of both motions.
 #[path = "../../servo/tests/chance/mod.rs"]
 mod chance;
