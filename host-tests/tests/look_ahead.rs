@@ -8,8 +8,8 @@
 //! that windows have room for that.
 //!
 //! Targets are whole pulses, and what that explains is no turn (decision 25). So the optimum is
-//! that of the points before they are rounded. Between two middles a velocity may differ by what half a
-//! pulse makes of it at each end of both motions.
+//! that of the points before they are rounded. Between two middles a velocity may differ by what
+//! half a pulse makes of it at each end of both motions.
 #[path = "../../servo/tests/chance/mod.rs"]
 mod chance;
 #[path = "path/machine.rs"]
