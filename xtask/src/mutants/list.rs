@@ -260,8 +260,8 @@ pub const LIST: &[Mutant] = &[
     mutant(
         "look-ahead: rounding explains more than it can",
         ROUNDING,
-        "let hidden = (arm * turn(own)).min(2.0);",
-        "let hidden = 4.0 * arm * turn(own);",
+        "let hidden = if ends { 0.0 } else { (arm * turn).min(2.0) };",
+        "let hidden = 4.0 * arm * turn;",
         LOOK_AHEAD,
     ),
     mutant(
@@ -274,8 +274,8 @@ pub const LIST: &[Mutant] = &[
     mutant(
         "look-ahead: a curve is seen by its shortest arms",
         ROUNDING,
-        "(arm, ends) = (reached, reached < arm || reached >= wanted);",
-        "(arm, ends) = (reached, true);",
+        "arm = next;\n",
+        "arm = next * 64.0;\n",
         LOOK_AHEAD,
     ),
     mutant(

@@ -3,7 +3,7 @@
 //! In: the last motions as chords, a junction between two of them, limits. Out: the junction
 //! without what rounding explains. Owns: [`CHORDS`] chords, so that a junction sees as far back as
 //! forwards.
-//! Fails: never. Both arms are as long as the shorter one.
+//! Fails: never. Where one arm ends, both do.
 //!
 //! **The rule.** With arms of the length W to both sides a corner shows the second difference
 //! D(W) = P(+W) − 2·P(0) + P(−W) of a coordinate. Targets are whole pulses, so D is right to
@@ -23,7 +23,7 @@
 use super::Limits;
 use super::junction::Junction;
 use crate::capacity::LOOK_AHEAD;
-use libm::{fabsf, rintf, sqrtf};
+use libm::{fabsf, rintf};
 
 /// Chords that are kept: as many as both arms of a junction take.
 pub(super) const CHORDS: usize = if LOOK_AHEAD < 128 { LOOK_AHEAD } else { 128 };
@@ -95,47 +95,44 @@ impl Chords {
         limits: &Limits,
     ) -> (Junction, bool) {
         let [before, after] = [number.wrapping_sub(1), number].map(|number| fabsf(self.chord(number).length));
-        let mut arms = [self.arm(number, true), self.arm(number.wrapping_sub(1), false)];
+        let [mut forwards, mut back] = [self.arm(number, true), self.arm(number.wrapping_sub(1), false)];
         let (shortest, mean) = (before.min(after), (before + after) / 2.0);
         let (wanted, corner) = ((vel * limits.corner) as f32, limits.corner as f32);
-        let (mut bends, mut speed, mut arm, mut ends) = ([[0.0f32; 2]; 4], f32::INFINITY, shortest, false);
+        let jumps = limits.acc.map(|acc| acc as f32 * corner);
         let turn = turn([before.into(), after.into()]) as f32;
-        while !ends {
-            let first = arm == shortest;
-            if !first {
-                let shorter = arms;
-                let reached = arms.iter_mut().fold(arm.min(wanted), |most, side| side.reach(most));
-                if reached < arm {
-                    // Both as long as the shorter one.
-                    arms = shorter;
-                    arms.iter_mut().for_each(|side| _ = side.reach(reached));
-                }
-                (arm, ends) = (reached, reached < arm || reached >= wanted);
-            }
+        // The first arms see the junction alone, which counts its turn and what it hides.
+        let mut seconds = junction.bend.map(|bend| (fabsf(bend) * mean - turn).copysign(bend) * shortest);
+        let (mut bends, mut square, mut arm) = ([[0.0f32; 2]; 4], f32::INFINITY, shortest);
+        loop {
+            let next = (arm * GROWTH).min(wanted);
+            let ends = next <= arm || !forwards.reach(next) || !back.reach(next);
             // Two pulses, but for an arm that ends within the first motions.
-            let hidden = (arm * turn).min(2.0);
-            let [to, from] = arms.map(|side| side.at);
-            for (i, (bend, acc)) in bends.iter_mut().zip(limits.acc).enumerate() {
-                // The first arms see the junction alone, which counts its turn and what it hides.
-                let own = junction.bend[i];
-                let alone = (fabsf(own) * mean - turn).copysign(own) * arm;
-                let (second, jump) = (if first { alone } else { to[i] - from[i] }, acc as f32 * corner);
-                let counts = fabsf(second) - if ends || fabsf(second) >= jump * corner { 0.0 } else { hidden };
+            let hidden = if ends { 0.0 } else { (arm * turn).min(2.0) };
+            // The bend of a pulse; the speed at which the arm takes T. With the first arms all of
+            // it is the corner.
+            let (sharp, lasts) = (1.0 / (arm * arm.max(mean)), if arm > shortest { arm / corner } else { 0.0 });
+            for ((bend, second), jump) in bends.iter_mut().zip(&seconds).zip(&jumps) {
+                let size = fabsf(*second);
+                let counts = if size >= jump * corner { size } else { size - hidden };
                 if counts > 0.0 {
                     let [left, right] = bend;
-                    let side = if second < 0.0 { left } else { right };
-                    *side = side.max(counts / (arm * arm.max(mean)));
-                    // With the first arms all of it is the corner.
+                    let side = if *second < 0.0 { left } else { right };
+                    *side = side.max(counts * sharp);
                     let most = jump * arm / counts;
-                    let longer = !first && most * corner < arm;
-                    speed = speed.min(if longer { sqrtf(most * arm / corner) } else { most });
+                    square = square.min(most * most.max(lasts));
                 }
             }
-            arm *= GROWTH;
+            if ends {
+                break;
+            }
+            arm = next;
+            seconds
+                .iter_mut()
+                .zip(forwards.at.iter().zip(&back.at))
+                .for_each(|(second, (to, from))| *second = to - from);
         }
         let mut either = false;
-        let speed = f64::from(speed).min(vel);
-        let mut sure = Junction { cap: junction.cap.max(speed * speed), ..*junction };
+        let mut sure = Junction { cap: junction.cap.max(f64::from(square).min(vel * vel)), ..*junction };
         for (bend, [left, right]) in sure.bend.iter_mut().zip(bends) {
             either |= left > 0.0 && right > 0.0;
             *bend = left.max(right).min(fabsf(*bend)).copysign(right - left);
@@ -151,7 +148,6 @@ pub(super) fn turn(lengths: [f64; 2]) -> f64 {
 }
 
 /// From a junction along the chords to one side.
-#[derive(Clone, Copy)]
 struct Arm<'x> {
     chords: &'x Chords,
     /// The chord in which it ends.
@@ -176,22 +172,20 @@ impl Arm<'_> {
         (self.left != 0 && chord.length != 0.0 && !stands).then_some(chord)
     }
 
-    /// Goes to this length, or as far as there are chords; returns how far. Lengths rise from call
-    /// to call.
-    fn reach(&mut self, length: f32) -> f32 {
+    /// Goes to this length, if there are chords for it. Lengths rise from call to call.
+    fn reach(&mut self, length: f32) -> bool {
         while let Some(chord) = self.chord() {
             let own = fabsf(chord.length);
             let part = own.min(length - self.passed) / PARTS;
             let mut at = self.base;
             at.iter_mut().zip(chord.direction).for_each(|(at, direction)| *at += f32::from(direction) * part);
-            self.at = at;
             if own >= length - self.passed {
-                return length;
+                self.at = at;
+                return true;
             }
             (self.base, self.passed, self.left) = (at, self.passed + own, self.left - 1);
             self.number = if self.forwards { self.number.wrapping_add(1) } else { self.number.wrapping_sub(1) };
         }
-        self.at = self.base;
-        self.passed
+        false
     }
 }
