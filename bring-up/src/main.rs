@@ -51,7 +51,7 @@ fn main() -> ! {
     let at_reset = chip::AtReset::read();
     // The only panic of the start: a second call of this function, which the runtime never makes.
     cortex_m::interrupt::disable();
-    let board = board::take().expect("the board is taken once");
+    let board = board::take_on_any_package().expect("the board is taken once");
     let (tx, mut rx) = board.link;
     core_facts::count_cycles();
     await_order(&mut rx);

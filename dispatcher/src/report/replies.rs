@@ -11,7 +11,7 @@ mod follow;
 mod tests;
 
 use super::event_log::{EVENTS_KEPT, Log};
-use crate::board::{BoardConstants, FAULT_TEXT_MAX};
+use crate::board::{BoardConstants, FAULT_TEXT_MAX, Fault, FaultKind};
 use crate::bounded_vec::collect;
 use crate::configuration::{Configuration, ones};
 use crate::io_types::{WORD, WORDS};
@@ -297,7 +297,8 @@ impl<const AXES: usize> Reading<'_, AXES> {
 
     /// The text is cut between characters.
     fn fault(&self, tag: u16, out: &mut ReplyWriter) -> Sent {
-        let (kind, text) = self.board.fault.map_or((0, ""), |fault| (fault.kind as u8, fault.text));
+        let found = (self.board.contradiction)().map(|text| Fault { kind: FaultKind::Board, text });
+        let (kind, text) = found.or(self.board.fault).map_or((0, ""), |fault| (fault.kind as u8, fault.text));
         let text = text.get(..text.floor_char_boundary(FAULT_TEXT_MAX)).unwrap_or("");
         let head = command::FaultReply { kind, length: (text.len() as u16).into() };
         out.push_raw(opcode::GetFault, tag, 0, &[head.as_bytes(), text.as_bytes()])

@@ -270,7 +270,13 @@ impl Timer {
 
     /// The break input's pin has this level.
     pub fn break_input(&mut self, high: bool, out: &mut Vec<Signal>, at: Time) {
-        self.brake.input = high;
+        self.brake.input = high && !self.quirks.unconnected;
+        self.look_at_break(out, at);
+    }
+
+    /// The supply is low or the core is locked up, as far as SYSCFG_CFGR leads that to the timers.
+    pub fn break_of_chip(&mut self, active: bool, out: &mut Vec<Signal>, at: Time) {
+        self.brake.of_chip = active;
         self.look_at_break(out, at);
     }
 
@@ -304,7 +310,8 @@ impl Timer {
         self.channels.iter_mut().for_each(|channel| channel.look(count));
         let references = self.channels.map(|channel| channel.reference);
         for (n, channel) in self.channels.iter().enumerate() {
-            let (reference, idle) = (channel.combined(references[n ^ 1]), self.cr2 >> (8 + 2 * n));
+            let other_rest = if self.quirks.other_rest { 3 } else { 0 };
+            let (reference, idle) = (channel.combined(references[n ^ 1]), self.cr2 >> (8 + 2 * n) ^ other_rest);
             // An input drives nothing.
             let enables = if channel.captures() { 0 } else { channel.enables };
             let levels = self.brake.levels(enables, reference, self.kind.advanced, idle, self.settles.is_some());

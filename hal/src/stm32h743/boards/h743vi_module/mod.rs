@@ -3,14 +3,14 @@
 //!
 //! The pins are chosen so that memory chips of common modules stay unselected, and so that no line
 //! of a laser is at its lit level while the chip's own loader (DFU) runs.
-use super::super::wiring::{Break, Source, Usb, Wiring, contradictions};
+use super::super::wiring::{Break, Package, Source, Usb, Wiring, contradictions};
 use stm32_metapac::{GPIOA, GPIOB, GPIOC, GPIOD, GPIOE};
 
 /// The board.
 pub const BOARD: Wiring = Wiring {
     name: "h743vi-module",
+    package: Package::LQFP100,
     source: Source { is_crystal: true, mhz: 25, lost: "the crystal has stopped" },
-    ports: &[GPIOA, GPIOB, GPIOC, GPIOD, GPIOE],
     steps: GPIOE,
     enable: &[(GPIOD, 0), (GPIOD, 1), (GPIOD, 3), (GPIOD, 5), (GPIOD, 8), (GPIOD, 9), (GPIOD, 10), (GPIOD, 11)],
     // Axes 1 to 4; the package has no pins for more.
@@ -20,7 +20,6 @@ pub const BOARD: Wiring = Wiring {
     alarm: &[(GPIOB, 15), (GPIOC, 6), (GPIOD, 15), (GPIOD, 7)],
     general_in: &[(GPIOC, 13), (GPIOD, 4)],
     general_out: &[(GPIOD, 2), (GPIOB, 3), (GPIOB, 2)],
-    out: &[GPIOB, GPIOD],
     lasers: [
         ((GPIOA, 8), 1),
         ((GPIOB, 13), 1),
