@@ -45,7 +45,15 @@ pub struct TickTime {
     pub median_ns: u32,
     /// The longest since the start.
     pub worst_ns: u32,
+    /// How many took less than [`TICK_BUCKET_NS`], less than twice that and so on; the last counts
+    /// all that were longer. The counts wrap.
+    pub histogram: [u32; TICK_BUCKETS],
 }
+
+/// Counts of [`TickTime::histogram`].
+pub const TICK_BUCKETS: usize = 32;
+/// Width of each but the last, a power of two.
+pub const TICK_BUCKET_NS: u32 = 2048;
 
 /// What ended a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -131,7 +131,7 @@ fn bring_up(is_other: bool) -> Option<Board> {
         clocks::await_source();
     }
     if clocks::is_too_old() {
-        // The image needs a faster chip: all pins stay as the reset left them, except a lamp.
+        // The image needs a faster chip: all pins stay as the reset left them, except an LED.
         if !is_other {
             pins::show_refusal();
         }

@@ -74,9 +74,9 @@ pub unsafe fn open() {
     }
 }
 
-/// Lights the board's lamp, if it has one, and nothing else: the image refuses this chip.
+/// Lights the board's LED, if it has one, and nothing else: the image refuses this chip.
 pub fn show_refusal() {
-    let Some((port, pin)) = BOARD.lamp else { return };
+    let Some((port, pin)) = BOARD.led else { return };
     clock(port);
     RCC.ahb4enr().read();
     port.bsrr().write(|w| w.set_bs(pin, true));

@@ -58,7 +58,7 @@ pub struct Wiring {
     pub indexes: [Assigned; 2],
     /// SPI3_SCK and SPI3_MOSI, for an external DAC.
     pub dac: [Assigned; 2],
-    /// Its select line.
+    /// Its chip select.
     pub dac_select: Pin,
     /// USB.
     pub usb: Usb,
@@ -66,8 +66,8 @@ pub struct Wiring {
     pub driven_low: &'static [Pin],
     /// Pins that other parts of the board need at a high level: the chip pulls them up.
     pub pulled_up: &'static [Pin],
-    /// A lamp that says alone that the image refuses this chip.
-    pub lamp: Option<Pin>,
+    /// An LED that says alone that the image refuses this chip.
+    pub led: Option<Pin>,
 }
 
 /// A package of the chip.
@@ -238,7 +238,7 @@ impl Wiring {
         Uses::NONE.and_all(self.enable).and_all(self.general_out)
     }
 
-    /// All pins. A lamp may be one of the outputs.
+    /// All pins. An LED may be one of the outputs.
     pub const fn uses(&self) -> Uses {
         let mut uses = self
             .driven_in_ticks()

@@ -322,6 +322,19 @@ fn how_long_ticks_take_is_measured() {
     // The longest were those in which the session began.
     assert!((5_000..7_000).contains(&median), "{median} ns");
     assert!((2 * median..period).contains(&worst), "{worst} ns at most");
+    // The histogram counts each tick once: 2,000 in 0.1 s, and those of the calls.
+    let counts = || {
+        let (reply, counts) = client.call_items(GetTickTime {}, &[]).unwrap();
+        assert_eq!((reply.count.get(), counts.len(), reply.bucket_ns.get()), (32, 32, 2048));
+        counts.iter().map(|count| count.value.get()).collect::<Vec<u32>>()
+    };
+    let before = counts();
+    lock(&shared).run(100 * MILLISECOND);
+    let gained: Vec<u32> = counts().iter().zip(&before).map(|(after, before)| after - before).collect();
+    let total: u32 = gained.iter().sum();
+    assert!((2_000..2_100).contains(&total), "{gained:?}");
+    assert!(gained[median as usize / 2048] > total / 2, "{median} ns: {gained:?}");
+    assert_eq!(gained[period as usize / 2048..].iter().sum::<u32>(), 0, "{gained:?}");
     // Much set-up in one tick leaves the median where it is.
     client.call(Reset { core: 1.into() }).unwrap();
     let (_, _, still, longest) = reported(100);

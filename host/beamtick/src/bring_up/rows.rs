@@ -81,6 +81,16 @@ const BY_HAND: &[ByHand] = &[
     by(25, "PD10 keeps USB's power switch off", "voltage at CN13: 0 V"),
     by(26, "the ST-LINK's clock without a host", "supply by VIN, unplug the host: the board runs on"),
     by(27, "USB", "`lsusb -d 1209:0001` with the board's own image"),
+    by(
+        31,
+        "USB by HSI48",
+        "flash the module's image on a Nucleo, `beamtick info` over CN13: the bring-up image has no USB",
+    ),
+    by(
+        33,
+        "the clock's guard breaks the timers",
+        "an LED at energy −, light on, hold the ST-LINK in reset: no program can stop its clock",
+    ),
     by(28, "the crystal of the module starts", "`lsusb -d 1209:0001` with the module's image"),
     by(29, "USB of the module without VBUS", "the same"),
 ];

@@ -91,7 +91,7 @@ pub const KINDS: [Kind; 11] = {
 
 /// Masters at the inputs ITR0 to ITR3 of a timer (RM0433 tables 331, 338, 345); those of TIM15 but
 /// the first two are channels.
-const TRIGGERS: [(u8, &[u8]); 6] = [
+pub const TRIGGERS: [(u8, &[u8]); 6] = [
     (1, &[15, 2, 3, 4]),
     (2, &[1, 8, 3, 4]),
     (3, &[1, 2, 15, 4]),

@@ -2,7 +2,7 @@
 //! `docs/board-h743vi.md`. USB is the host link, and supplies the module.
 //!
 //! The pins are chosen so that memory chips of common modules stay unselected, and so that no line
-//! of a laser is at its lit level while the chip's own loader (DFU) runs.
+//! of a laser is at its lit level while the chip's own bootloader (DFU) runs.
 use super::super::wiring::{Break, Package, Source, Usb, Wiring, contradictions};
 use stm32_metapac::{GPIOA, GPIOB, GPIOC, GPIOD, GPIOE};
 
@@ -43,7 +43,7 @@ pub const BOARD: Wiring = Wiring {
     // Few modules lead the host's 5 V to a pin of the chip.
     usb: Usb { lines: [((GPIOA, 11), 10), ((GPIOA, 12), 10)], vbus: None, milliamperes: 500 },
     driven_low: &[],
-    // Select lines of memory chips on common modules.
+    // Chip selects of memory chips on common modules.
     pulled_up: &[(GPIOB, 6), (GPIOD, 6)],
-    lamp: None,
+    led: None,
 };

@@ -52,5 +52,5 @@ pub const BOARD: Wiring = Wiring {
     driven_low: &[(GPIOD, 10)],
     pulled_up: &[],
     // LD3, the red one.
-    lamp: Some((GPIOB, 14)),
+    led: Some((GPIOB, 14)),
 };
