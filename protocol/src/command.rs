@@ -245,8 +245,10 @@ wire_structs! {
     EventItem { time_ns: U64, kind: u8, of: u8, reason: U16 }
     /// The servo tick's period. If the board measures it (`measured` 1), also how long its ticks
     /// take from the timer's event to the end of the handler: the running median and the longest
-    /// since the start, in ns.
-    TickTimeReply { period_ns: U32, median_ns: U32, worst_ns: U32, measured: u8 }
+    /// since the start, in ns. The items are a histogram: the first one counts the ticks below
+    /// `bucket_ns`, the next one those below twice that, the last one all that were longer. They
+    /// wrap.
+    TickTimeReply { period_ns: U32, median_ns: U32, worst_ns: U32, measured: u8, bucket_ns: U32, count: U16 }
     /// Link-loss time in ms (0: the link is not supervised), and whether PT, PVT and Follow stop
     /// too.
     LinkLossReply { time_ms: F64, stop_all: I16 }
@@ -353,7 +355,7 @@ commands! {
     0x000C Abort: Set, Any { core: I16 } [Nothing] -> Nothing [Nothing];
     0x000D GetLinkLoss: Read Controller, Any {} [Nothing] -> LinkLossReply [Nothing];
     0x000E SetInterlock: Set, Any { motion: I16 } [Nothing] -> Nothing [Nothing];
-    0x000F GetTickTime: Read Controller, Any {} [Nothing] -> TickTimeReply [Nothing];
+    0x000F GetTickTime: Read Controller, Any {} [Nothing] -> TickTimeReply [ULong];
     // -- the program queue (SPEC 7) ----------------------------------------------------------
     0x0010 Sleep: Step, Program { ns: U64 } [Nothing] -> Nothing [Nothing];
     0x0011 WaitStop: Step, Program { core: I16, axes: I32, crds: I32 } [Nothing] -> Nothing [Nothing];

@@ -163,6 +163,9 @@ reasons! {
     134 CrdOfTick Range None "{field} is {got}; at this servo tick it must be from {low} to {high}: the others are there at 500 us and more";
     135 CrdNeedsTick State State "coordinate system {axis} of core {low} drives axes; below a tick of 500 us a core has {high}; reset its axes first";
     136 NotOfPath Range None "command number {got} is no call for FIFO {low} of coordinate system {axis}, which PathMany joins";
+    137 NoLimitInput Range None "{field} is {got}; this board has no such limit input for axis {axis}";
+    138 NoAlarmInput Range None "{field} is {got}; this board has no alarm input for axis {axis}";
+    139 NoHomeInput Range None "{field} is {got}; this board has no home input for axis {axis}";
     140 NotAboveMinimum Range None "{field} is {got}; it must be above the minimum, {low}";
     141 PointOfAxis Range None "{field} of axis {axis} is {got}; it must be greater than {low}, that of the point before";
     142 PlaneAxis Range None "{field} names axis {got} twice; a plane has two";
@@ -173,6 +176,7 @@ reasons! {
     147 LaserMapInUse State State "laser channel {got}: coordinate system {axis} runs, or has light of this channel that would come back; stop it, and switch the light off first";
     148 Aborting State State "after an abort lasers are switched on once everything has come to rest; wait for that";
     149 NoLaserOutput State None "laser channel {got}: this board has no output for its power in this mode";
+    150 NoArriveInput Range None "{field} is {got}; this board has no arrival input for axis {axis}";
     158 SlowPulses Range None "{field} is {got} kHz; it must be 0, or from {low} to {high}";
     160 InputsWired State State "the inputs of this board are wired; only those of the virtual and the emulated board are set by a call";
     161 InputType Range None "{field} is {got}; allowed are {low} to {high}, and 90, the interlock";

@@ -174,7 +174,12 @@ impl<const AXES: usize> Context<'_, AXES> {
             kind::GPI => (Input::General, 0, self.general_inputs()),
             _ => (Input::Arrive, first, axes),
         };
-        let index = choice(field + 1, index, 1, i16::from(count))?.unsigned_abs() as u8 - 1;
+        let number = choice(field + 1, index, 1, i16::from(count))?;
+        let index = number.unsigned_abs() as u8 - 1;
+        if input != Input::General {
+            let axis = self.axis(core, number)?;
+            self.has_input(axis, input).map_err(|refused| refused.field(field + 1).got(number.into()))?;
+        }
         Ok((input, first + index, choice(field + 2, value, 0, 1)? == 1))
     }
 

@@ -348,7 +348,9 @@ impl<'m, const AXES: usize> Whole<'m, AXES> {
             // Its encoders are the set-points, which have no index.
             indexes: AxisMask(0),
             step_limit,
+            wired: &servo::port::WiredInputs::ALL,
             fault: None,
+            contradiction: || None,
             tick_time: None,
         };
         let channels = ThreadHalves {
