@@ -115,7 +115,7 @@ reasons! {
     66 AboveVelMax Range None "a velocity of {got} pulse/ms in the direction of travel is above the limit of this segment, {high}";
     67 TableRange Range None "no scale holds this table: its top speed {got} pulse/ms over its longest segment is too far";
     68 TableShort Range None "a pass of {got} ms is too short; it lasts {low} ms at least";
-    80 NoMaster State None "axis {axis}: it has no master; call SetFollowMaster first";
+    80 NoMaster State None "axis {axis}: it has no master; call SetFollowMaster, in Gear SetGearMaster, first";
     81 OwnMaster Range None "{field} is {got}, the axis itself; an axis cannot follow itself";
     82 MasterCycle State None "axis {axis} would follow itself by way of axis {got} of core {low}";
     83 MasterType Range None "{field} is {got}; allowed are 1, 2, 3, and in a profile of two cores 101 and 103";
@@ -126,6 +126,11 @@ reasons! {
     88 NegativeProgress Range None "{field} is {got}; an axis that follows in direction +1 takes positive master positions only";
     89 RatioTooLarge Range Motion "{field}: this segment's velocity ratio is {got}; the limit is {high}";
     90 QueueEntries State Motion "axis {axis}: the FIFO holds {high} entries that are no segments, which is the most";
+    91 NoRatio State None "axis {axis}: it has no gear ratio; call SetGearRatio first";
+    92 GearPart Range None "{field} is 0; a ratio needs a displacement of the master that is not 0";
+    93 GearSlope Range None "{field} is {got}; it must be 0, which is the ratio at once, or from {low} to {high}";
+    94 GearArea State None "{field} is {got}, AREA, which is not there; allowed are 1 START and 2 PASS";
+    95 GearDirection Range None "{field} is {got}; it must be 1, the master crosses upwards, or -1, downwards";
     100 AboveLow Range None "{field} is {got}; it must be above {low} and at most {high}";
     101 BelowMinimum Range None "{field} is {got}; it must not be below the minimum, {low}";
     102 LaserFault State State "laser channel {got} is kept dark by a fault: {cause}; once that is over call ClrLaserFault";
@@ -174,6 +179,7 @@ reasons! {
     148 Aborting State State "after an abort lasers are switched on once everything has come to rest; wait for that";
     149 NoLaserOutput State None "laser channel {got}: this board has no output for its power in this mode";
     158 SlowPulses Range None "{field} is {got} kHz; it must be 0, or from {low} to {high}";
+    150 TimedOutputs State State "{high} outputs keep a level for a time already, which is the most; wait for one of them";
     160 InputsWired State State "the inputs of this board are wired; only those of the virtual and the emulated board are set by a call";
     161 InputType Range None "{field} is {got}; allowed are {low} to {high}, and 90, the interlock";
 }

@@ -15,6 +15,7 @@ mod follow_random;
 mod follow_reference;
 mod follow_states;
 mod follow_tick;
+mod gear_exact;
 mod laser_abort;
 mod laser_bench;
 mod laser_causes;

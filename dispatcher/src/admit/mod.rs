@@ -11,6 +11,7 @@ pub mod crd_data;
 pub mod data;
 mod follow;
 mod follow_data;
+mod gear;
 mod io;
 mod jog_trap;
 pub mod joined;
@@ -37,6 +38,7 @@ use servo::tick_command::MotionMode;
 use servo::units::{Axis, AxisMask};
 use zerocopy::FromBytes;
 
+pub use io::EDGES_READ_MAX;
 pub use session::config_item;
 
 /// Most axes of an AxisStatus reply that fit into one message.
@@ -178,6 +180,8 @@ pub fn admit<const AXES: usize>(context: &mut Context<AXES>, number: u16, body: 
 
         SetDo => io::set_outputs,
         SetDoBit => io::set_output,
+        SetDoBitReverse => io::set_output_for,
+        GetDiReverseCount => io::edges,
         GetDac => io::analog_outputs,
         GetAdc => io::analog_inputs,
         SimInput => simulated::input,
@@ -236,6 +240,7 @@ pub fn admit<const AXES: usize>(context: &mut Context<AXES>, number: u16, body: 
             opcode::LoadConfig => session::load_config(context, body),
             opcode::SetDoEx => io::set_output_words(context, body),
             opcode::SetDac => io::set_analog(context, body),
+            opcode::SetDiReverseCount => io::set_edges(context, body),
             _ => follow::admit(context, number, body),
         }
     }

@@ -3,9 +3,10 @@
 //! In: levels and encoder at the tick in force. Out: latched causes, captures, whether the axis may
 //! start. Owns nothing. Cannot fail: a motion that must not go on stops.
 use super::{AxisState, InputScan};
+use crate::edge_counts::EdgeCounts;
 use crate::port::AxisInputs;
 use crate::status;
-use crate::units::Ns;
+use crate::units::{Axis, Ns};
 use crate::view::StopReason;
 
 /// Causes of latched status bits, and those bits.
@@ -45,10 +46,10 @@ impl AxisState {
         }
     }
 
-    /// Takes the inputs of the tick in force at `now` with all their effects. Returns whether
-    /// causes of latched bits have changed.
+    /// Takes the inputs of the tick in force at `now` with all their effects. Edges of `axis` are
+    /// counted in `counts`. Returns whether causes of latched bits have changed.
     #[inline(never)]
-    pub(crate) fn take(&mut self, now: Ns, levels: u8, count: i64) -> bool {
+    pub(crate) fn take(&mut self, now: Ns, levels: u8, count: i64, axis: Axis, counts: Option<&EdgeCounts>) -> bool {
         let before = self.causes.present;
         let mut settled = true;
         let encoder = self.inputs.encoder(count);
@@ -57,6 +58,9 @@ impl AxisState {
             settled = false;
         }
         if levels != self.levels {
+            if let Some(counts) = counts {
+                counts.add_of_axis(axis, levels ^ self.levels);
+            }
             (self.raw, self.levels) = (AxisInputs::of_bits(levels), levels);
             self.mark_changed();
             settled = false;

@@ -4,6 +4,7 @@ use crate::plan::geometry::pulses;
 use crate::refuse::Refused;
 use crate::report::answer::Refuser;
 use protocol::reason::Reason;
+use servo::output::TIMED_OUTPUTS;
 use servo::status::{LIMIT_NEGATIVE, LIMIT_POSITIVE, RUNNING, SERVO_ON};
 use servo::tick_command::MotionMode;
 use servo::units::{Axis, Crd};
@@ -17,6 +18,9 @@ impl<const AXES: usize> Reading<'_, AXES> {
             Refuser::Laser(channel) => {
                 let fault = self.view.lasers.get(usize::from(channel)).map_or(0, |laser| laser.fault as u8);
                 return Refused::new(Reason::LaserFault).got(channel.into()).limits(0.0, fault.into());
+            }
+            Refuser::Outputs => {
+                return Refused::new(Reason::TimedOutputs).limits(0.0, TIMED_OUTPUTS as f64);
             }
             Refuser::Nobody => return Refused::new(Reason::Late),
         };
