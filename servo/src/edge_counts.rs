@@ -2,7 +2,7 @@
 //!
 //! In: what changed at a tick, from the tick. Out: the counts, to the thread. Owns: the counts,
 //! modulo 2³². Cannot fail. Work: only in a tick at which an input has changed.
-use crate::capacity::GeneralInputs;
+use crate::capacity::{COUNTED_AXES, GeneralInputs};
 use crate::segment::follow::Input;
 use crate::units::Axis;
 use ring::Store;
@@ -12,14 +12,14 @@ const GENERAL: usize = GeneralInputs::BITS as usize;
 const OF_AXIS: usize = 5;
 
 /// The counts of all inputs: of general ones, then five of each axis.
-pub struct EdgeCounts(Store<1, { GENERAL + Axis::MAX * OF_AXIS }>);
+pub struct EdgeCounts(Store<1, { (GENERAL + COUNTED_AXES * OF_AXIS).next_power_of_two() }>);
 
 /// The slot of an input; the last one of its kind for one that does not exist.
 fn slot(input: Input, index: u8) -> u32 {
     let index = index as usize;
     let slot = match input {
         Input::General => index.min(GENERAL - 1),
-        input => GENERAL + index.min(Axis::MAX - 1) * OF_AXIS + input as usize,
+        input => GENERAL + index.min(COUNTED_AXES - 1) * OF_AXIS + input as usize,
     };
     slot as u32
 }
