@@ -3,7 +3,7 @@ use super::axis::CYCLE_NS;
 use super::context::Context;
 use super::many;
 use crate::configuration::ones;
-use crate::io_types::{WORD, WORDS};
+use crate::io_types::{EDGES_READ_MAX, WORD, WORDS};
 use crate::refuse::{Admitted, Refused, bits_of, choice, within};
 use crate::report::answer::{Answer, Query};
 use crate::shadow::ShadowChange;
@@ -18,8 +18,6 @@ use servo::segment::follow::Input;
 use servo::tick_command::{DoGroup, TickCommand};
 use servo::units::{AxisMask, CrdMask, Ns};
 
-/// Counts that one command reads at most.
-pub const EDGES_READ_MAX: u8 = 32;
 /// Counts that one command sets at most.
 const EDGES_SET_MAX: i16 = 8;
 

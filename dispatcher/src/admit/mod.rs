@@ -38,7 +38,6 @@ use servo::tick_command::MotionMode;
 use servo::units::{Axis, AxisMask};
 use zerocopy::FromBytes;
 
-pub use io::EDGES_READ_MAX;
 pub use session::config_item;
 
 /// Most axes of an AxisStatus reply that fit into one message.

@@ -11,11 +11,10 @@ mod follow;
 mod tests;
 
 use super::event_log::{EVENTS_KEPT, Log};
-use crate::admit::EDGES_READ_MAX;
 use crate::board::{BoardConstants, FAULT_TEXT_MAX};
 use crate::bounded_vec::collect;
 use crate::configuration::{Configuration, ones};
-use crate::io_types::{WORD, WORDS};
+use crate::io_types::{EDGES_READ_MAX, WORD, WORDS};
 use crate::report::answer::{POINTS_MAX, Query, Sent, TAKEN_MAX};
 use crate::shadow::Shadows;
 use heapless::Vec;
