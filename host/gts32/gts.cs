@@ -230,6 +230,9 @@ namespace gts
         /// <summary>Controller time in ms, and servo ticks since power-on.</summary>
         [DllImport(Library)]
         public static extern short GT_GetClock(out uint clock, [In, Out] uint[] loop = null);
+        /// <summary>Controller time in ms, and servo ticks since power-on.</summary>
+        [DllImport(Library)]
+        public static extern short GT_GetClock(out uint clock, out uint loop);
         /// <summary>Sets the servo tick in us, at standstill.</summary>
         [DllImport(Library)]
         public static extern short GT_SetTick(int tickUs);
@@ -410,6 +413,9 @@ namespace gts
         /// <summary>As SetDo in count words of 32: bit 0 of the second word is output 33. Further outputs stay.</summary>
         [DllImport(Library)]
         public static extern short GT_SetDoEx(short doType, int[] value, short count = 1);
+        /// <summary>As SetDo in count words of 32: bit 0 of the second word is output 33. Further outputs stay. For a count of 1.</summary>
+        [DllImport(Library)]
+        public static extern short GT_SetDoEx(short doType, ref int value, short count);
         /// <summary>As GetDo in count words of 32.</summary>
         [DllImport(Library)]
         public static extern short GT_GetDoEx(short doType, [In, Out] int[] value, short count = 1);
@@ -431,9 +437,15 @@ namespace gts
         /// <summary>Sets these counts; they go on from there.</summary>
         [DllImport(Library)]
         public static extern short GT_SetDiReverseCount(short diType, short diIndex, uint[] reverseCount, short count = 1);
+        /// <summary>Sets these counts; they go on from there. For a count of 1.</summary>
+        [DllImport(Library)]
+        public static extern short GT_SetDiReverseCount(short diType, short diIndex, ref uint reverseCount, short count);
         /// <summary>Sets count analog outputs, -32768 to 32767 for -10 to 10 V.</summary>
         [DllImport(Library)]
         public static extern short GT_SetDac(short dac, short[] value, short count = 1);
+        /// <summary>Sets count analog outputs, -32768 to 32767 for -10 to 10 V. For a count of 1.</summary>
+        [DllImport(Library)]
+        public static extern short GT_SetDac(short dac, ref short value, short count);
         /// <summary>Values of count analog outputs.</summary>
         [DllImport(Library)]
         public static extern short GT_GetDac(short dac, [In, Out] short[] value, short count = 1);
@@ -749,12 +761,18 @@ namespace gts
         /// <summary>An axis's master: its number, type and item.</summary>
         [DllImport(Library)]
         public static extern short GT_GetGearMaster(short profile, out short masterIndex, [In, Out] short[] masterType = null, [In, Out] short[] masterItem = null);
+        /// <summary>An axis's master: its number, type and item.</summary>
+        [DllImport(Library)]
+        public static extern short GT_GetGearMaster(short profile, out short masterIndex, out short masterType, out short masterItem);
         /// <summary>Sets the ratio slaveEven/masterEven of the next GearStart, reached over masterSlope pulses of the master; 0 at once.</summary>
         [DllImport(Library)]
         public static extern short GT_SetGearRatio(short profile, int masterEven, int slaveEven, int masterSlope = 0);
         /// <summary>The ratio that SetGearRatio has set.</summary>
         [DllImport(Library)]
         public static extern short GT_GetGearRatio(short profile, out int masterEven, out int slaveEven, [In, Out] int[] masterSlope = null);
+        /// <summary>The ratio that SetGearRatio has set.</summary>
+        [DllImport(Library)]
+        public static extern short GT_GetGearRatio(short profile, out int masterEven, out int slaveEven, out int masterSlope);
         /// <summary>Starts axes in Gear; one that runs takes the ratio that was set last.</summary>
         [DllImport(Library)]
         public static extern short GT_GearStart(int mask);
@@ -773,6 +791,9 @@ namespace gts
         /// <summary>An axis's master: its number, type and item.</summary>
         [DllImport(Library)]
         public static extern short GT_GetFollowMaster(short profile, out short masterIndex, [In, Out] short[] masterType = null, [In, Out] short[] masterItem = null);
+        /// <summary>An axis's master: its number, type and item.</summary>
+        [DllImport(Library)]
+        public static extern short GT_GetFollowMaster(short profile, out short masterIndex, out short masterType, out short masterItem);
         /// <summary>Sets how many passes run; 0 for ever.</summary>
         [DllImport(Library)]
         public static extern short GT_SetFollowLoop(short profile, int loop);
@@ -818,6 +839,9 @@ namespace gts
         /// <summary>An axis's master: its number, type and item.</summary>
         [DllImport(Library)]
         public static extern short GT_GetFollowMasterEx(short profile, out short masterIndex, [In, Out] short[] masterType = null, [In, Out] short[] masterItem = null);
+        /// <summary>An axis's master: its number, type and item.</summary>
+        [DllImport(Library)]
+        public static extern short GT_GetFollowMasterEx(short profile, out short masterIndex, out short masterType, out short masterItem);
         /// <summary>Sets how many passes run; 0 for ever.</summary>
         [DllImport(Library)]
         public static extern short GT_SetFollowLoopEx(short profile, int loop);
@@ -869,6 +893,9 @@ namespace gts
         /// <summary>A FollowEx segment with velocity ratios at begin and end.</summary>
         [DllImport(Library)]
         public static extern short GT_FollowDataPercent2Ex(short profile, double masterSegment, double slaveSegment, double velBeginRatio, double velEndRatio, short percent = 100, [In, Out] short[] percent1 = null, short fifo = 0);
+        /// <summary>A FollowEx segment with velocity ratios at begin and end.</summary>
+        [DllImport(Library)]
+        public static extern short GT_FollowDataPercent2Ex(short profile, double masterSegment, double slaveSegment, double velBeginRatio, double velEndRatio, short percent, out short percent1, short fifo);
         /// <summary>The slave's position inside such a segment.</summary>
         [DllImport(Library)]
         public static extern short GT_GetFollowDataPercent2Ex(double masterPos, double v1, double v2, double p, double p1, out double slavePos);
@@ -1091,6 +1118,9 @@ namespace gts
         /// <summary>Controller time in ms, and servo ticks since power-on.</summary>
         [DllImport(Library)]
         public static extern short GTN_GetClock(short core, out uint clock, [In, Out] uint[] loop = null);
+        /// <summary>Controller time in ms, and servo ticks since power-on.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_GetClock(short core, out uint clock, out uint loop);
         /// <summary>Sets the servo tick in us, at standstill.</summary>
         [DllImport(Library)]
         public static extern short GTN_SetTick(short core, int tickUs);
@@ -1271,6 +1301,9 @@ namespace gts
         /// <summary>As SetDo in count words of 32: bit 0 of the second word is output 33. Further outputs stay.</summary>
         [DllImport(Library)]
         public static extern short GTN_SetDoEx(short core, short doType, int[] value, short count = 1);
+        /// <summary>As SetDo in count words of 32: bit 0 of the second word is output 33. Further outputs stay. For a count of 1.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_SetDoEx(short core, short doType, ref int value, short count);
         /// <summary>As GetDo in count words of 32.</summary>
         [DllImport(Library)]
         public static extern short GTN_GetDoEx(short core, short doType, [In, Out] int[] value, short count = 1);
@@ -1292,9 +1325,15 @@ namespace gts
         /// <summary>Sets these counts; they go on from there.</summary>
         [DllImport(Library)]
         public static extern short GTN_SetDiReverseCount(short core, short diType, short diIndex, uint[] reverseCount, short count = 1);
+        /// <summary>Sets these counts; they go on from there. For a count of 1.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_SetDiReverseCount(short core, short diType, short diIndex, ref uint reverseCount, short count);
         /// <summary>Sets count analog outputs, -32768 to 32767 for -10 to 10 V.</summary>
         [DllImport(Library)]
         public static extern short GTN_SetDac(short core, short dac, short[] value, short count = 1);
+        /// <summary>Sets count analog outputs, -32768 to 32767 for -10 to 10 V. For a count of 1.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_SetDac(short core, short dac, ref short value, short count);
         /// <summary>Values of count analog outputs.</summary>
         [DllImport(Library)]
         public static extern short GTN_GetDac(short core, short dac, [In, Out] short[] value, short count = 1);
@@ -1610,12 +1649,18 @@ namespace gts
         /// <summary>An axis's master: its number, type and item.</summary>
         [DllImport(Library)]
         public static extern short GTN_GetGearMaster(short core, short profile, out short masterIndex, [In, Out] short[] masterType = null, [In, Out] short[] masterItem = null);
+        /// <summary>An axis's master: its number, type and item.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_GetGearMaster(short core, short profile, out short masterIndex, out short masterType, out short masterItem);
         /// <summary>Sets the ratio slaveEven/masterEven of the next GearStart, reached over masterSlope pulses of the master; 0 at once.</summary>
         [DllImport(Library)]
         public static extern short GTN_SetGearRatio(short core, short profile, int masterEven, int slaveEven, int masterSlope = 0);
         /// <summary>The ratio that SetGearRatio has set.</summary>
         [DllImport(Library)]
         public static extern short GTN_GetGearRatio(short core, short profile, out int masterEven, out int slaveEven, [In, Out] int[] masterSlope = null);
+        /// <summary>The ratio that SetGearRatio has set.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_GetGearRatio(short core, short profile, out int masterEven, out int slaveEven, out int masterSlope);
         /// <summary>Starts axes in Gear; one that runs takes the ratio that was set last.</summary>
         [DllImport(Library)]
         public static extern short GTN_GearStart(short core, int mask);
@@ -1634,6 +1679,9 @@ namespace gts
         /// <summary>An axis's master: its number, type and item.</summary>
         [DllImport(Library)]
         public static extern short GTN_GetFollowMaster(short core, short profile, out short masterIndex, [In, Out] short[] masterType = null, [In, Out] short[] masterItem = null);
+        /// <summary>An axis's master: its number, type and item.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_GetFollowMaster(short core, short profile, out short masterIndex, out short masterType, out short masterItem);
         /// <summary>Sets how many passes run; 0 for ever.</summary>
         [DllImport(Library)]
         public static extern short GTN_SetFollowLoop(short core, short profile, int loop);
@@ -1679,6 +1727,9 @@ namespace gts
         /// <summary>An axis's master: its number, type and item.</summary>
         [DllImport(Library)]
         public static extern short GTN_GetFollowMasterEx(short core, short profile, out short masterIndex, [In, Out] short[] masterType = null, [In, Out] short[] masterItem = null);
+        /// <summary>An axis's master: its number, type and item.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_GetFollowMasterEx(short core, short profile, out short masterIndex, out short masterType, out short masterItem);
         /// <summary>Sets how many passes run; 0 for ever.</summary>
         [DllImport(Library)]
         public static extern short GTN_SetFollowLoopEx(short core, short profile, int loop);
@@ -1730,6 +1781,9 @@ namespace gts
         /// <summary>A FollowEx segment with velocity ratios at begin and end.</summary>
         [DllImport(Library)]
         public static extern short GTN_FollowDataPercent2Ex(short core, short profile, double masterSegment, double slaveSegment, double velBeginRatio, double velEndRatio, short percent = 100, [In, Out] short[] percent1 = null, short fifo = 0);
+        /// <summary>A FollowEx segment with velocity ratios at begin and end.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_FollowDataPercent2Ex(short core, short profile, double masterSegment, double slaveSegment, double velBeginRatio, double velEndRatio, short percent, out short percent1, short fifo);
         /// <summary>The slave's position inside such a segment.</summary>
         [DllImport(Library)]
         public static extern short GTN_GetFollowDataPercent2Ex(short core, double masterPos, double v1, double v2, double p, double p1, out double slavePos);

@@ -140,10 +140,11 @@ fn set_loop<const AXES: usize>(context: &mut Context<AXES>, mode: MotionMode, r:
 /// Has effect from the next start on. The direction matters for PASS only.
 fn set_event<const AXES: usize>(context: &mut Context<AXES>, mode: MotionMode, r: &SetFollowEvent) -> Admitted<Answer> {
     let axis = context.following_axis(mode, r.core.get(), r.profile.get())?;
-    let (which, direction, pos) = (choice(2, r.event.get(), 1, 2)?, choice(3, r.master_dir.get(), -1, 1)?, r.pos.get());
-    if which == 2 && direction == 0 {
-        return Err(Refused::new(Reason::Selector).field(3).got(0.0).limits(-1.0, 1.0));
+    let (which, direction, pos) = (choice(2, r.event.get(), 1, 2)?, r.master_dir.get(), r.pos.get());
+    if which == 2 && direction != 1 && direction != -1 {
+        return Err(Refused::new(Reason::CrossingDirection).field(3).got(direction.into()));
     }
+    choice(3, direction, -1, 1)?;
     let event = if which == 1 { StartEvent::Start } else { StartEvent::Pass { up: direction > 0, pos } };
     context.only(
         TickCommand::FollowEvent { axis, event },

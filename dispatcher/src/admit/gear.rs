@@ -43,7 +43,7 @@ pub fn set_event<const AXES: usize>(context: &mut Context<AXES>, r: &SetGearEven
     let event = match (choice(2, which, 1, 2)?, direction) {
         (1, _) => StartEvent::Start,
         (_, 1 | -1) => StartEvent::Pass { up: direction > 0, pos },
-        _ => return Err(Refused::new(Reason::GearDirection).field(3).got(direction.into())),
+        _ => return Err(Refused::new(Reason::CrossingDirection).field(3).got(direction.into())),
     };
     let given = (which, i16::try_from(direction).unwrap_or(0), pos);
     context.only(TickCommand::FollowEvent { axis, event }, ShadowChange::FollowEvent { axis, given })

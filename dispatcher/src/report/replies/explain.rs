@@ -1,7 +1,7 @@
 //! Why the tick refused a start: the reason that the view shows.
 use super::Reading;
 use crate::plan::geometry::pulses;
-use crate::refuse::Refused;
+use crate::refuse::{Refused, latched};
 use crate::report::answer::Refuser;
 use protocol::reason::Reason;
 use servo::output::TIMED_OUTPUTS;
@@ -24,12 +24,13 @@ impl<const AXES: usize> Reading<'_, AXES> {
             }
             Refuser::Nobody => return Refused::new(Reason::Late),
         };
-        let blocked = self.view.axes.get(axis.index()).is_some_and(|sampled| sampled.blocked != 0);
+        let causes = self.view.axes.get(axis.index()).map_or(0, |sampled| sampled.blocked);
+        let blocked = causes != 0;
         let limit = self.limit_ahead(axis, status);
         let (reason, got) = match limit.filter(|_| !blocked) {
             _ if status & SERVO_ON == 0 => (Reason::ServoOff, status.into()),
             Some(limit) => limit,
-            None if blocked => (Reason::AxisFault, status.into()),
+            None if blocked => (latched(causes), status.into()),
             None if status & RUNNING != 0 => (Reason::Moving, status.into()),
             None => (Reason::StateChanged, status.into()),
         };

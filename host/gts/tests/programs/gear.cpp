@@ -75,7 +75,7 @@ int main()
     HOLDS(at(2) == 1500);
     move(0);
     HOLDS(at(2) == 1500);
-    REFUSED(7, "masterSlope is 1", GT_SetGearRatio(2, 1, 1, 1));
+    REFUSED(7, "master_slope is 1", GT_SetGearRatio(2, 1, 1, 1));
     REFUSED(1, "AREA", GT_SetGearEvent(2, GEAR_EVENT_AREA, 0, 0));
     REFUSED(1, "", GT_PrfGear(2, 0));
 
@@ -106,7 +106,7 @@ int main()
     Sleep(15);
     DONE(GT_GetDo(MC_GPO, &levels));
     HOLDS(levels == 0);
-    REFUSED(7, "reverseTime is -1", GT_SetDoBitReverse(MC_GPO, 3, 1, -1));
+    REFUSED(7, "reverse_time_cycles is -1", GT_SetDoBitReverse(MC_GPO, 3, 1, -1));
     DONE(GT_Close());
     return verdict();
 }
