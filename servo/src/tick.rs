@@ -212,13 +212,12 @@ impl<const AXES: usize> Tick<AXES> {
         for (axis, state) in Axis::all().zip(self.axes.get_mut(..self.used).unwrap_or_default()) {
             let (levels, count) = (port.inputs(axis).bits(), port.encoder(axis));
             if !state.sample(levels, count) {
-                // Levels found at power-on are no edges.
-                let counts = if self.ticks == 0 { None } else { Some(&lanes.tables.lasers.edges) };
-                caused |= state.take(now, levels, count, axis, counts);
+                caused |= state.take(now, levels, count);
             }
         }
         if caused {
             self.report_causes();
+            self.count_edges(&lanes.tables.lasers.edges);
         }
         if self.indexed.0 != 0 {
             self.take_index_captures(port);
@@ -301,6 +300,17 @@ impl<const AXES: usize> Tick<AXES> {
         self.lasers.interlock = open;
         if open {
             self.brake(self.supervision.interlock, StopReason::Interlock, next, &mut HandOvers::of(lanes));
+        }
+    }
+
+    /// Inputs of axes have changed: their edges count, but for the levels found at power-on.
+    #[inline(never)]
+    fn count_edges(&mut self, counts: &EdgeCounts) {
+        for (axis, state) in Axis::all().zip(&mut self.axes) {
+            let flips = core::mem::take(&mut state.flips);
+            if self.ticks != 0 {
+                counts.add_of_axis(axis, flips);
+            }
         }
     }
 

@@ -3,10 +3,9 @@
 //! In: levels and encoder at the tick in force. Out: latched causes, captures, whether the axis may
 //! start. Owns nothing. Cannot fail: a motion that must not go on stops.
 use super::{AxisState, InputScan};
-use crate::edge_counts::EdgeCounts;
 use crate::port::AxisInputs;
 use crate::status;
-use crate::units::{Axis, Ns};
+use crate::units::Ns;
 use crate::view::StopReason;
 
 /// Causes of latched status bits, and those bits.
@@ -46,10 +45,10 @@ impl AxisState {
         }
     }
 
-    /// Takes the inputs of the tick in force at `now` with all their effects. Edges of `axis` are
-    /// counted in `counts`. Returns whether causes of latched bits have changed.
+    /// Takes the inputs of the tick in force at `now` with all their effects. Returns whether levels
+    /// or causes of latched bits have changed.
     #[inline(never)]
-    pub(crate) fn take(&mut self, now: Ns, levels: u8, count: i64, axis: Axis, counts: Option<&EdgeCounts>) -> bool {
+    pub(crate) fn take(&mut self, now: Ns, levels: u8, count: i64) -> bool {
         let before = self.causes.present;
         let mut settled = true;
         let encoder = self.inputs.encoder(count);
@@ -58,9 +57,7 @@ impl AxisState {
             settled = false;
         }
         if levels != self.levels {
-            if let Some(counts) = counts {
-                counts.add_of_axis(axis, levels ^ self.levels);
-            }
+            self.flips = levels ^ self.levels;
             (self.raw, self.levels) = (AxisInputs::of_bits(levels), levels);
             self.mark_changed();
             settled = false;
@@ -105,7 +102,7 @@ impl AxisState {
             (false, true) => InputScan::Settled,
             _ => InputScan::None,
         };
-        self.causes.present != before
+        self.causes.present != before || self.flips != 0
     }
 
     /// Causes of latched bits that are present, and those that have appeared since the last call.
