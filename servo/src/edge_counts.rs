@@ -14,6 +14,8 @@ const OF_AXIS: usize = 5;
 /// The counts of all inputs: of general ones, then five of each axis.
 pub struct EdgeCounts(Store<1, { (GENERAL + COUNTED_AXES * OF_AXIS).next_power_of_two() }>);
 
+const _: () = assert!(COUNTED_AXES <= Axis::MAX);
+
 /// The slot of an input; the last one of its kind for one that does not exist.
 fn slot(input: Input, index: u8) -> u32 {
     let index = index as usize;
