@@ -201,8 +201,8 @@ fn random_gears_are_exact() {
     eprintln!("worst {worst:e} pulse; {engaged} engaged, {on_slopes} on slopes");
 }
 
-/// 10⁹ pulses up and 2·10⁹ down in uneven steps, at a ratio without end: back at the start the slave
-/// is where it began, to the bit, and at every multiple of the ratio it is on a whole pulse.
+/// 10⁹ pulses up and 2·10⁹ down in uneven steps, at a ratio without end: back at the start the
+/// slave is where it began, to the bit, and at every multiple of the ratio it is on a whole pulse.
 #[test]
 fn nothing_drifts_over_a_billion_pulses() {
     let mut chance = Chance::new(5);

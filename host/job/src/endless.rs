@@ -1,8 +1,8 @@
 //! Motions that a script has started, as far as its calls say. It is needed only to refuse a wait
 //! that would never end (SPEC 7: `while(!kbhit())` under an endless motion).
 //!
-//! In: the calls, in order. Out: whether a motion is endless. It knows Jog, Gear and the loops of PT,
-//! PVT and Follow; a motion that ends by itself is not kept.
+//! In: the calls, in order. Out: whether a motion is endless. It knows Jog, Gear and the loops of
+//! PT, PVT and Follow; a motion that ends by itself is not kept.
 
 use crate::Axis;
 use std::collections::BTreeMap;

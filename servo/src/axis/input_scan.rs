@@ -45,8 +45,8 @@ impl AxisState {
         }
     }
 
-    /// Takes the inputs of the tick in force at `now` with all their effects. Returns whether levels
-    /// or causes of latched bits have changed.
+    /// Takes the inputs of the tick in force at `now` with all their effects. Returns whether
+    /// levels or causes of latched bits have changed.
     #[inline(never)]
     pub(crate) fn take(&mut self, now: Ns, levels: u8, count: i64) -> bool {
         let before = self.causes.present;
