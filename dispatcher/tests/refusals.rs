@@ -319,7 +319,12 @@ fn an_update_towards_a_limit_names_the_limit() {
     bench.machine.inputs[0].limit_positive = true;
     bench.run_ms(1);
     bench.done(SetVel { core, profile, vel: 1.0.into() });
-    assert_eq!(text(&mut bench).0, Reason::AxisFault);
+    let (reason, says) = text(&mut bench);
+    assert_eq!(reason, Reason::PositiveLatched);
+    assert!(
+        says.contains("its positive limit, which is latched") && says.ends_with("call ClrSts, then move it downwards"),
+        "{says}"
+    );
     bench.done(ClrSts { core, axis: profile, count: 1.into() });
     let says = "Update: axis 1: the limit switch in this direction is active; it can only move away from it";
     assert_eq!(text(&mut bench), (Reason::AtLimitSwitch, says.into()));

@@ -14,7 +14,7 @@ use servo::tick_command::{Guarded, Guards, TickCommand};
 use servo::units::{Axis, AxisMask, Ns, Pos};
 
 /// 250 µs, the unit of SetAxisBand.
-const CYCLE_NS: u64 = 250_000;
+pub const CYCLE_NS: u64 = 250_000;
 /// Accelerations up to here are accepted, pulse/ms².
 pub const ACCEL_MAX: f64 = 4_294_967_296.0;
 /// The following-error limit at this value is off.

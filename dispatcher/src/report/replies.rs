@@ -14,7 +14,7 @@ use super::event_log::{EVENTS_KEPT, Log};
 use crate::board::{BoardConstants, FAULT_TEXT_MAX, Fault, FaultKind, TICK_BUCKET_NS, TICK_BUCKETS};
 use crate::bounded_vec::collect;
 use crate::configuration::{Configuration, ones};
-use crate::io_types::{WORD, WORDS};
+use crate::io_types::{EDGES_READ_MAX, WORD, WORDS};
 use crate::report::answer::{POINTS_MAX, Query, Sent, TAKEN_MAX};
 use crate::shadow::Shadows;
 use heapless::Vec;
@@ -135,6 +135,7 @@ pub fn mode_number(of: servo::tick_command::MotionMode) -> i16 {
         MotionMode::Jog => mode::JOG,
         MotionMode::PtStatic | MotionMode::PtDynamic => mode::PT,
         MotionMode::Pvt => mode::PVT,
+        MotionMode::Gear => mode::GEAR,
         MotionMode::Follow => mode::FOLLOW,
         MotionMode::FollowEx => mode::FOLLOW_EX,
         MotionMode::Crd => mode::CRD,
@@ -204,6 +205,14 @@ impl<const AXES: usize> Reading<'_, AXES> {
                 let head = command::Count { count: (items.len() as u16).into() };
                 out.done::<command::GetDac>(tag, &head, &items)
             }
+            opcode::GetDiReverseCount => {
+                let input = Input::of_bits(query.which);
+                let inputs = (query.first..).take(query.count.into());
+                let counts = inputs.map(|index| command::ULong { value: self.tables.edges.of(input, index).into() });
+                let items: Vec<_, { EDGES_READ_MAX as usize }> = collect(counts);
+                let head = command::Count { count: (items.len() as u16).into() };
+                out.done::<command::GetDiReverseCount>(tag, &head, &items)
+            }
             opcode::GetAdc => {
                 let inputs = self.view.analog.iter().skip(query.first.into()).take(query.count.into());
                 let volts = |value: &i16| f64::from(*value) * ANALOG_INPUT_VOLTS / 32768.0;
@@ -214,7 +223,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
             other => match chapter(other) {
                 Chapter::Laser => self.laser(tag, query, out),
                 Chapter::Crd => self.crd_reply(tag, query, out),
-                Chapter::Follow | Chapter::FollowEx => self.follow(tag, query, out),
+                Chapter::Follow | Chapter::FollowEx | Chapter::Gear => self.follow(tag, query, out),
                 Chapter::Other => self.axes_reply(tag, query, out),
             },
         }
