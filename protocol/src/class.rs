@@ -109,8 +109,6 @@ pub enum Chapter {
     Laser,
     /// Coordinate systems.
     Crd,
-    /// Gear.
-    Gear,
     /// Any other.
     Other,
 }
@@ -122,7 +120,6 @@ pub const fn chapter(opcode: u16) -> Chapter {
         5 => Chapter::FollowEx,
         6 => Chapter::Laser,
         8 => Chapter::Crd,
-        10 => Chapter::Gear,
         _ => Chapter::Other,
     }
 }

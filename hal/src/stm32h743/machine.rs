@@ -7,7 +7,7 @@
 use super::adc::Adc;
 use super::analog::Analog;
 use super::encoders::Encoders;
-use super::laser::{self, Breaks, Lasers};
+use super::laser::{self, Lasers};
 use super::pins::{self, AXES, PinLevels};
 use super::steps::Steps;
 use servo::laser::Plan;
@@ -33,12 +33,12 @@ pub struct Machine {
     /// steps.
     after_next: GeneralOutputs,
     lasers: Lasers,
-    /// The interlock's inputs.
-    breaks: Breaks,
+    /// The board contradicts its wiring: treated as an interlock that stays open.
+    is_blocked: bool,
 }
 
 impl Machine {
-    /// At standstill at zero. `is_blocked` is a board that contradicts its wiring.
+    /// At standstill at zero.
     pub fn new(lasers: Lasers, analog: Analog, adc: Adc, is_blocked: bool) -> Machine {
         Machine {
             levels: PinLevels::LOW,
@@ -47,7 +47,7 @@ impl Machine {
             analog,
             adc,
             lasers,
-            breaks: Breaks::new(is_blocked),
+            is_blocked,
             reached: [0; AXES],
             targets: [0; AXES],
             driven: (0, 0),
@@ -128,7 +128,8 @@ impl Port for Machine {
     }
 
     fn interlock(&mut self) -> bool {
-        self.breaks.is_open(self.levels.interlock(), laser::was_broken())
+        // A break that is over has disabled the outputs too.
+        laser::was_broken() | self.levels.interlock() | self.is_blocked
     }
 
     fn laser(&mut self, channel: usize, plan: &Plan) {

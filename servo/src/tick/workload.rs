@@ -127,8 +127,6 @@ impl<const AXES: usize> Tick<AXES> {
             | TickCommand::ProgramEnd
             | TickCommand::WaitStandstill { .. }
             | TickCommand::Output { .. }
-            | TickCommand::OutputFor { .. }
-            | TickCommand::EdgeCount { .. }
             | TickCommand::Analog { .. } => 1,
             _ => SET_UP,
         }
@@ -161,7 +159,6 @@ impl<const AXES: usize> Tick<AXES> {
             | TickCommand::Abort
             | TickCommand::Servo { on: false, .. }
             | TickCommand::Output { .. }
-            | TickCommand::OutputFor { .. }
             | TickCommand::Analog { .. } => true,
             TickCommand::Laser { channel, change } => self.lasers.shows(channel, &change),
             _ => false,

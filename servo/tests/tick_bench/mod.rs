@@ -277,11 +277,6 @@ impl Bench {
         }
     }
 
-    /// Edges of an input so far.
-    pub fn edges(&self, input: follow::Input, index: u8) -> u32 {
-        self.lanes.tables.lasers.edges.of(input, index)
-    }
-
     pub fn event(&mut self) -> Option<Event> {
         self.events.pop()
     }

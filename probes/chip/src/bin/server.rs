@@ -46,9 +46,7 @@ fn start() -> Option<&'static mut Server<'static, AXES>> {
         general_outputs: 16,
         indexes: AxisMask(0),
         step_limit: StepLimit::FULL_SCALE,
-        wired: &servo::port::WiredInputs::ALL,
         fault: None,
-        contradiction: || None,
         tick_time: None,
     };
     let channels = ThreadHalves {
