@@ -1,6 +1,6 @@
 //! The junction of two motions: the change of velocity there, and the highest speed at which it is
 //! passed.
-use super::{Limits, PlannedMotion, rounding};
+use super::{Limits, PlannedMotion};
 use crate::plan::geometry::Position;
 use libm::fabs;
 
@@ -28,6 +28,13 @@ pub(super) struct LastMotion {
     pub is_line: bool,
 }
 
+/// The turn that rounding to whole pulses may hide between motions of these lengths: half a pulse at
+/// each end of both.
+pub(super) fn hidden_turn(lengths: [f64; 2]) -> f64 {
+    let [before, after] = lengths;
+    1.0 / before + 1.0 / after
+}
+
 impl Limits {
     /// The junction between two motions, and whether it is open: a part of its turn may be
     /// rounding (`rounding.rs`), which is known once more motions have come.
@@ -37,7 +44,7 @@ impl Limits {
         let mut junction = Junction { cap: slower * slower, ..STANDSTILL };
         let is_short = before.length.min(motion.length) < slower * self.corner;
         let hidden = if is_short && before.is_line && motion.round.is_none() {
-            rounding::turn([before.length, motion.length])
+            hidden_turn([before.length, motion.length])
         } else {
             0.0
         };

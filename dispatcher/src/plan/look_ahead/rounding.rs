@@ -17,11 +17,11 @@
 //! The bend of the junction is the greatest D/W² of its arms, to the left and to the right. The
 //! speed in it is the highest at which no arm changes the velocity by more than L·T. Of arms that
 //! last longer than T, but for the first, it is enough that they keep L. Neither is more than the
-//! corner alone would have it with the turn that rounding may hide there ([`turn`]). So much a
+//! corner alone would have it with the turn that rounding may hide there ([`hidden_turn`]). So much a
 //! junction counts until enough motions have come after it, and more data can only raise speeds.
 //! What a trace shows is in decision 25.
 use super::Limits;
-use super::junction::Junction;
+use super::junction::{Junction, hidden_turn};
 use crate::capacity::LOOK_AHEAD;
 use libm::{fabsf, rintf};
 
@@ -99,7 +99,7 @@ impl Chords {
         let (shortest, mean) = (before.min(after), (before + after) / 2.0);
         let (wanted, corner) = ((vel * limits.corner) as f32, limits.corner as f32);
         let jumps = limits.acc.map(|acc| acc as f32 * corner);
-        let turn = turn([before.into(), after.into()]) as f32;
+        let turn = hidden_turn([before.into(), after.into()]) as f32;
         // The first arms see the junction alone, which counts its turn and what it hides.
         let mut seconds = junction.bend.map(|bend| (fabsf(bend) * mean - turn).copysign(bend) * shortest);
         let (mut bends, mut square, mut arm) = ([[0.0f32; 2]; 4], f32::INFINITY, shortest);
@@ -139,12 +139,6 @@ impl Chords {
         }
         (sure, either)
     }
-}
-
-/// The turn that rounding may hide between motions of these lengths.
-pub(super) fn turn(lengths: [f64; 2]) -> f64 {
-    let [before, after] = lengths;
-    1.0 / before + 1.0 / after
 }
 
 /// From a junction along the chords to one side.
