@@ -28,8 +28,8 @@ pub(super) struct LastMotion {
     pub is_line: bool,
 }
 
-/// The turn that rounding to whole pulses may hide between motions of these lengths: half a pulse at
-/// each end of both.
+/// The turn that rounding to whole pulses may hide between motions of these lengths: half a pulse
+/// at each end of both.
 pub(super) fn hidden_turn(lengths: [f64; 2]) -> f64 {
     let [before, after] = lengths;
     1.0 / before + 1.0 / after

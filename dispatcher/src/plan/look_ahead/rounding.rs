@@ -17,8 +17,8 @@
 //! The bend of the junction is the greatest D/W² of its arms, to the left and to the right. The
 //! speed in it is the highest at which no arm changes the velocity by more than L·T. Of arms that
 //! last longer than T, but for the first, it is enough that they keep L. Neither is more than the
-//! corner alone would have it with the turn that rounding may hide there ([`hidden_turn`]). So much a
-//! junction counts until enough motions have come after it, and more data can only raise speeds.
+//! corner alone would have it with the turn that rounding may hide there ([`hidden_turn`]). So much
+//! a junction counts until enough motions have come after it, and more data can only raise speeds.
 //! What a trace shows is in decision 25.
 use super::Limits;
 use super::junction::{Junction, hidden_turn};
