@@ -184,8 +184,8 @@ reasons! {
     148 Aborting State State "after an abort lasers are switched on once everything has come to rest; wait for that";
     149 NoLaserOutput State None "laser channel {got}: this board has no output for its power in this mode";
     150 NoArriveInput Range None "{field} is {got}; this board has no arrival input for axis {axis}";
+    151 TimedOutputs State State "{high} outputs keep a level for a time already, which is the most; wait for one of them";
     158 SlowPulses Range None "{field} is {got} kHz; it must be 0, or from {low} to {high}";
-    150 TimedOutputs State State "{high} outputs keep a level for a time already, which is the most; wait for one of them";
     160 InputsWired State State "the inputs of this board are wired; only those of the virtual and the emulated board are set by a call";
     161 InputType Range None "{field} is {got}; allowed are {low} to {high}, and 90, the interlock";
 }

@@ -152,8 +152,8 @@ pub const SURVIVED: &[Mutant] = &[
     mutant(
         "an axis of another path goes along",
         DRIVEN,
-        "self.refuses_start() || self.runs() || self.published.mode == MotionMode::Crd",
-        "self.refuses_start() || self.runs()",
+        "self.refuses_start() || self.published.mode == MotionMode::Crd",
+        "self.refuses_start()",
         CRD_GUARDS,
     ),
     mutant(
