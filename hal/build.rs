@@ -10,17 +10,16 @@ use std::{env, fs};
 fn main() {
     let out = env::var_os("OUT_DIR").expect("cargo sets OUT_DIR");
     let out = Path::new(&out);
-    let (memory, device) = if env::var_os("CARGO_FEATURE_MPS2_AN500").is_some() {
-        ("src/mps2_an500/memory.x", "src/mps2_an500/device.x")
+    let files: &[(&str, &str)] = if env::var_os("CARGO_FEATURE_MPS2_AN500").is_some() {
+        &[("src/mps2_an500/memory.x", "memory.x"), ("src/mps2_an500/device.x", "device.x")]
     } else {
         // The interrupts of a chip with a crate of its own come with that.
-        ("../memory.x", "src/stm32h743/device.x")
+        &[("../memory.x", "memory.x")]
     };
-    for (from, file) in [(memory, "memory.x"), (device, "device.x")] {
+    for (from, file) in files {
+        // A file that is not there would make every build begin anew.
         println!("cargo:rerun-if-changed={from}");
-        if Path::new(from).exists() {
-            fs::copy(from, out.join(file)).expect("the board's linker file");
-        }
+        fs::copy(from, out.join(file)).expect("the board's linker file");
     }
     println!("cargo:rustc-link-search={}", out.display());
     println!("cargo:memory={}", out.join("memory.x").display());

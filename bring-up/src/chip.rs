@@ -103,6 +103,7 @@ pub fn report_to(report: &mut Report) {
     report.line("unique", &unique);
     let idc = DBGMCU.idc().read();
     report.line("idc", &[idc.dev_id().into(), idc.rev_id().into()]);
+    report.line("package", &[SYSCFG.pkgr().read().pkg().into()]);
     report.line("frozen", &[DBGMCU.apb4fzr1().read().iwdg1().into()]);
     // SAFETY: the register is there; the databases lack it.
     let breaks = unsafe { SYSCFG.as_ptr().cast::<u8>().add(SYSCFG_CFGR).cast::<u32>().read_volatile() };

@@ -3,8 +3,10 @@
 //! In: registers of the core, TIM5 as a second clock. Out: lines. Owns DWT's counter and TIM5.
 use crate::report::Report;
 use core::hint::black_box;
+use core::sync::atomic::{AtomicU32, Ordering};
 use cortex_m::Peripherals;
 use cortex_m::peripheral::{DWT, SCB};
+use cortex_m::register::control::{self, Fpca};
 use stm32_metapac::{FLASH, RCC, TIM5};
 
 /// FPCCR, which `cortex-m` has in a block of its own.
@@ -60,12 +62,45 @@ fn walk(seed: u32) -> u32 {
     sum
 }
 
+/// Cycles from a pended exception to its handler, in the middle of which it is taken.
+static ENTERED: AtomicU32 = AtomicU32::new(0);
+
+#[cortex_m_rt::exception]
+fn PendSV() {
+    ENTERED.store(DWT::cycle_count(), Ordering::Relaxed);
+}
+
+/// Cycles until PendSV's handler has begun, from code that uses floating-point registers or not.
+#[inline(never)]
+fn entry(floating: Fpca) -> u32 {
+    let mut state = control::read();
+    state.set_fpca(floating);
+    // SAFETY: the bit says what an exception stacks, and no more.
+    unsafe { control::write(state) };
+    let began = DWT::cycle_count();
+    SCB::set_pendsv();
+    cortex_m::asm::dsb();
+    cortex_m::asm::isb();
+    ENTERED.load(Ordering::Relaxed).wrapping_sub(began)
+}
+
+/// Both, once their code is in the cache. Nothing else can interrupt: all other interrupts are off.
+fn entries() -> [u32; 2] {
+    // SAFETY: nothing depends on the mask.
+    unsafe { cortex_m::interrupt::enable() };
+    entry(Fpca::NotActive);
+    let entries = [entry(Fpca::NotActive), entry(Fpca::Active)];
+    cortex_m::interrupt::disable();
+    entries
+}
+
 /// All of them.
 pub fn report_to(report: &mut Report) {
     // SAFETY: reading registers of the core.
     let (cpuid, fpccr) = unsafe { (CPUID.read_volatile(), FPCCR.read_volatile()) };
     report.line("cpuid", &[cpuid.into()]);
     report.line("fpccr", &[fpccr.into()]);
+    report.line("entry", &entries().map(i64::from));
     let acr = FLASH.acr().read();
     report.line("flash", &[acr.latency().into(), acr.wrhighfreq().into()]);
     report.line("caches", &[SCB::icache_enabled().into(), SCB::dcache_enabled().into()]);

@@ -22,7 +22,7 @@ mod wires;
 
 use bench::Bench;
 use cortex_m::peripheral::SCB;
-use hal::board::{self, uart::Rx};
+use hal::board::{self, settings, uart::Rx};
 use report::Report;
 
 /// Version of the lines.
@@ -51,7 +51,7 @@ fn main() -> ! {
     let at_reset = chip::AtReset::read();
     // The only panic of the start: a second call of this function, which the runtime never makes.
     cortex_m::interrupt::disable();
-    let board = board::take().expect("the board is taken once");
+    let board = board::take_on_any_package().expect("the board is taken once");
     let (tx, mut rx) = board.link;
     core_facts::count_cycles();
     await_order(&mut rx);
@@ -60,6 +60,7 @@ fn main() -> ! {
     at_reset.report_to(&mut report);
     chip::report_to(&mut report);
     core_facts::report_to(&mut report);
+    report.line("step-width", &[settings::STEP_WIDTH_NS.into()]);
     let has_driver = wires::report_to(&mut report);
     for open in [true, false] {
         wires::open_interlock(open);

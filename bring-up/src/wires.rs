@@ -3,6 +3,7 @@
 //! In: levels at both ends. Out: lines. Owns the pins at which captures end: PA0, PA3, PA15, PB3,
 //! PB10, PB11, and PG14, which drives the interlock.
 use crate::report::Report;
+use hal::stm32h743::boards::BOARD;
 use hal::stm32h743::pins::PinLevels;
 use stm32_metapac::gpio::Gpio;
 use stm32_metapac::gpio::vals::{Moder, Pupdr};
@@ -72,9 +73,10 @@ pub fn connect(ends: &[End]) {
     }
 }
 
-/// Reports which jumpers are there; the lasers rest meanwhile. Those of the converters are found by
-/// their voltages. True if the sixth is there.
+/// Reports the levels of the laser lines at rest, and which jumpers are there; the lasers rest
+/// meanwhile. Those of the converters are found by their voltages. True if the sixth is there.
 pub fn report_to(report: &mut Report) -> bool {
+    report.line("rest", &BOARD.lasers.map(|(pin, _)| is_high(pin).into()));
     for (number, from, end) in JUMPERS {
         // A pull against the level at rest: the end follows only its driver.
         let rests_high = is_high(from);

@@ -1,4 +1,5 @@
 //! A board as the thread knows it: its constants, how long its ticks take, what ended its last run.
+use servo::port::WiredInputs;
 use servo::units::{AxisMask, StepLimit};
 
 /// Constants of a board, which its integrator states.
@@ -24,10 +25,15 @@ pub struct BoardConstants {
     pub general_outputs: u8,
     /// Axes whose encoder's index is captured.
     pub indexes: AxisMask,
+    /// Axes whose inputs it has.
+    pub wired: &'static WiredInputs,
     /// The limit of its step outputs. An axis that would be faster is refused.
     pub step_limit: StepLimit,
     /// What ended the run before this one, if the board remembers it.
     pub fault: Option<Fault>,
+    /// Asks the board whether its ticks have found that it contradicts its build
+    /// ([`FaultKind::Board`]).
+    pub contradiction: fn() -> Option<&'static str>,
     /// Asks the board how long its ticks take, if it measures them.
     pub tick_time: Option<fn() -> TickTime>,
 }
@@ -39,7 +45,15 @@ pub struct TickTime {
     pub median_ns: u32,
     /// The longest since the start.
     pub worst_ns: u32,
+    /// How many took less than [`TICK_BUCKET_NS`], less than twice that and so on; the last counts
+    /// all that were longer. The counts wrap.
+    pub histogram: [u32; TICK_BUCKETS],
 }
+
+/// Counts of [`TickTime::histogram`].
+pub const TICK_BUCKETS: usize = 32;
+/// Width of each but the last, a power of two.
+pub const TICK_BUCKET_NS: u32 = 2048;
 
 /// What ended a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -61,7 +75,7 @@ pub enum FaultKind {
     Interrupt = 3,
     /// The watchdog: the servo tick or the link task hung.
     Watchdog = 4,
-    /// The board's self-test at its start contradicts its build: there is no light.
+    /// The board's self-test, at its start or in a tick, contradicts its build: there is no light.
     Board = 5,
 }
 

@@ -3,6 +3,7 @@
 //! A [`Refused`] is built where the check is. It names the reason, the parameter, the axis and the
 //! limits. It is the payload of the reply as it is.
 use protocol::reason::{Code, Reason, Refusal};
+use servo::status::{FAULTS, LIMIT_POSITIVE};
 use servo::units::{Axis, Crd};
 
 /// The owner of a FIFO.
@@ -103,6 +104,15 @@ impl Refused {
     /// Its return code.
     pub fn code(&self) -> Code {
         self.reason.code()
+    }
+}
+
+/// Why an axis with these latched causes must not start.
+pub fn latched(causes: u32) -> Reason {
+    match causes {
+        causes if causes & FAULTS != 0 => Reason::AxisFault,
+        causes if causes & LIMIT_POSITIVE != 0 => Reason::PositiveLatched,
+        _ => Reason::NegativeLatched,
     }
 }
 

@@ -77,6 +77,8 @@ pub enum ShadowChange {
     FollowMaster { axis: Axis, master: Axis, given: [i16; 3] },
     /// A start condition of Follow as it was given.
     FollowEvent { axis: Axis, given: (i16, i16, i32) },
+    /// A ratio of Gear as it was given.
+    GearRatio { axis: Axis, given: [i32; 3] },
     /// A direction of Follow.
     FollowDirection { axis: Axis, direction: i8 },
     /// A memory size of Follow.
@@ -488,6 +490,7 @@ impl<const AXES: usize> Shadows<AXES> {
                 one(axis, &|shadow| shadow.follow.master = Some((master, given)));
             }
             ShadowChange::FollowEvent { axis, given } => one(axis, &|shadow| shadow.follow.event = given),
+            ShadowChange::GearRatio { axis, given } => one(axis, &|shadow| shadow.follow.ratio = Some(given)),
             ShadowChange::FollowDirection { axis, direction } => {
                 one(axis, &|shadow| shadow.follow.direction = direction)
             }

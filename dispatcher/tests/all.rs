@@ -14,6 +14,7 @@ mod folders;
 mod follow;
 mod follow_masters;
 mod follow_run;
+mod gear;
 mod laser;
 mod laser_channel;
 mod laser_faults;

@@ -130,7 +130,7 @@ fn bad_settings() {
     for which in [0, 3] {
         assert_eq!(reported(bench.refused(event(2, which, 1, 0))), (7, Reason::Selector, 2, f64::from(which)));
     }
-    assert_eq!(reported(bench.refused(event(2, 2, 0, 0))), (7, Reason::Selector, 3, 0.0));
+    assert_eq!(reported(bench.refused(event(2, 2, 0, 0))), (7, Reason::CrossingDirection, 3, 0.0));
     assert_eq!(reported(bench.refused(event(2, 1, 2, 0))), (7, Reason::Selector, 3, 2.0));
     assert_eq!(reported(bench.refused(memory(2, 2))), (7, Reason::Selector, 2, 2.0));
     for fifo in [-1, 2] {

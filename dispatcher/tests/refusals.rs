@@ -319,7 +319,12 @@ fn an_update_towards_a_limit_names_the_limit() {
     bench.machine.inputs[0].limit_positive = true;
     bench.run_ms(1);
     bench.done(SetVel { core, profile, vel: 1.0.into() });
-    assert_eq!(text(&mut bench).0, Reason::AxisFault);
+    let (reason, says) = text(&mut bench);
+    assert_eq!(reason, Reason::PositiveLatched);
+    assert!(
+        says.contains("its positive limit, which is latched") && says.ends_with("call ClrSts, then move it downwards"),
+        "{says}"
+    );
     bench.done(ClrSts { core, axis: profile, count: 1.into() });
     let says = "Update: axis 1: the limit switch in this direction is active; it can only move away from it";
     assert_eq!(text(&mut bench), (Reason::AtLimitSwitch, says.into()));
@@ -456,6 +461,72 @@ fn limit_sense_reaches_the_right_axis() {
     bench.run_ms(1);
     let limits: Vec<_> = (1..=3).map(|axis| bench.status_word(axis) >> 5 & 3).collect();
     assert_eq!(limits, [0, 2, 0]);
+}
+
+/// The last axis of the bench's board has no inputs of its own.
+#[test]
+fn inputs_that_the_board_lacks_are_refused_by_name() {
+    let mut bench = Bench::gus();
+    let core = 1.into();
+    let is = |(code, reason, refusal): (i16, Reason, Refusal), expected: Reason, field: u8| {
+        assert_eq!((code, reason, refusal.field, refusal.axis.get()), (7, expected, field, 8));
+    };
+    for limit_type in [-1i16, 0, 1] {
+        let limit_type = limit_type.into();
+        is(bench.refused(LmtsOn { core, axis: 8.into(), limit_type }), Reason::NoLimitInput, 2);
+        bench.done(LmtsOff { core, axis: 8.into(), limit_type });
+        bench.done(LmtsOn { core, axis: 7.into(), limit_type });
+    }
+    is(bench.refused(AlarmOn { core, axis: 8.into() }), Reason::NoAlarmInput, 1);
+    bench.done(AlarmOff { core, axis: 8.into() });
+    bench.done(AlarmOn { core, axis: 7.into() });
+    is(bench.refused(SetCaptureMode { core, encoder: 8.into(), mode: 1.into() }), Reason::NoHomeInput, 2);
+    bench.done(SetCaptureMode { core, encoder: 7.into(), mode: 1.into() });
+    // Bits 14 and 15 are those of axis 8; nothing of a refused word is taken.
+    for sense in [0x4000u16, 0x8000, 0xffff] {
+        is(bench.refused(LmtSns { core, sense: sense.into() }), Reason::NoLimitInput, 1);
+    }
+    bench.run_ms(1);
+    assert_eq!(bench.status_word(1) >> 5 & 3, 0);
+    bench.done(LmtSns { core, sense: 0x3fff.into() });
+    // The fields of an item come after the two of the request.
+    let load = LoadConfig { core, count: 1.into() };
+    let item = ConfigItem { axis: 8.into(), ..ConfigItem::default() };
+    let items = [
+        (ConfigItem { given: 1.into(), limits_on: 2, ..item }, Reason::NoLimitInput, 4),
+        (ConfigItem { given: 2.into(), limit_sense: 1, ..item }, Reason::NoLimitInput, 5),
+        (ConfigItem { given: 4.into(), alarm_on: 1, ..item }, Reason::NoAlarmInput, 6),
+        (ConfigItem { given: 8.into(), alarm_sense: 1, ..item }, Reason::NoAlarmInput, 7),
+        (ConfigItem { given: 0x100.into(), home_sense: 1, ..item }, Reason::NoHomeInput, 15),
+    ];
+    for (item, reason, field) in items {
+        let answer = bench.call_items(load, &[item]);
+        is((answer.code, answer.reason(), answer.refusal()), reason, field);
+    }
+    // All of them off, as a file has them for an axis without inputs.
+    assert_eq!(bench.call_items(load, &[ConfigItem { given: 0x10f.into(), ..item }]).code, 0);
+    // To wait for one that never comes: kinds 0 to 3, and 5.
+    bench.servo_on(2);
+    bench.done(PrfFollowEx { core, profile: 2.into(), dir: 0.into() });
+    let wait = |di_type: i16, index: i16| FollowDiBitEx {
+        core,
+        profile: 2.into(),
+        di_type: di_type.into(),
+        index: index.into(),
+        value: 1.into(),
+        time_ms: 10.into(),
+        ..FollowDiBitEx::default()
+    };
+    let reasons = [
+        (0, Reason::NoLimitInput),
+        (1, Reason::NoLimitInput),
+        (2, Reason::NoAlarmInput),
+        (3, Reason::NoHomeInput),
+        (5, Reason::NoArriveInput),
+    ];
+    for (di_type, reason) in reasons {
+        is(bench.refused(wait(di_type, 8)), reason, 3);
+    }
 }
 
 #[test]

@@ -184,8 +184,10 @@ fn server(
                 general_inputs: board::GENERAL_INPUTS,
                 general_outputs: board::GENERAL_OUTPUTS,
                 indexes: board::INDEXES,
+                wired: &board::WIRED,
                 step_limit: board::STEP_LIMIT,
                 fault,
+                contradiction: board::contradiction,
                 #[cfg(feature = "stm32h743")]
                 tick_time: Some(load::tick_time),
                 #[cfg(not(feature = "stm32h743"))]

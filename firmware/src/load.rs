@@ -1,11 +1,12 @@
 //! How long servo ticks take.
 //!
-//! In: the time of each tick, from its handler. Out: median and longest, for the thread. Owns two
-//! words. The median is a running one: each tick moves it by a step towards its own time, so it
-//! settles where as many ticks are longer as shorter. Fails never.
+//! In: the time of each tick, from its handler. Out: median, longest and a histogram, for the
+//! thread. Owns their words. The median is a running one: each tick moves it by a step towards its
+//! own time, so it settles where as many ticks are longer as shorter. Fails never.
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 #[cfg(feature = "stm32h743")]
 use dispatcher::TickTime;
+use dispatcher::{TICK_BUCKET_NS, TICK_BUCKETS};
 
 /// How far a tick moves the median, in ns: 16 ticks to follow a change of 0.25 µs.
 const STEP_NS: u32 = 16;
@@ -13,6 +14,8 @@ const STEP_NS: u32 = 16;
 // Relaxed: written in the tick alone, read one by one.
 static MEDIAN_NS: AtomicU32 = AtomicU32::new(0);
 static WORST_NS: AtomicU32 = AtomicU32::new(0);
+#[cfg_attr(feature = "stm32h743", unsafe(link_section = ".state.histogram"))]
+static HISTOGRAM: [AtomicU32; TICK_BUCKETS] = [const { AtomicU32::new(0) }; TICK_BUCKETS];
 
 /// A tick has taken this long.
 #[inline(always)]
@@ -23,10 +26,18 @@ pub fn tick_took(ns: u32) {
     if ns > WORST_NS.load(Relaxed) {
         WORST_NS.store(ns, Relaxed);
     }
+    let bucket = (ns / TICK_BUCKET_NS) as usize;
+    if let Some(ticks) = HISTOGRAM.get(bucket.min(TICK_BUCKETS - 1)) {
+        ticks.store(ticks.load(Relaxed).wrapping_add(1), Relaxed);
+    }
 }
 
-/// Median and longest time so far.
+/// Times so far.
 #[cfg(feature = "stm32h743")]
 pub fn tick_time() -> TickTime {
-    TickTime { median_ns: MEDIAN_NS.load(Relaxed), worst_ns: WORST_NS.load(Relaxed) }
+    TickTime {
+        median_ns: MEDIAN_NS.load(Relaxed),
+        worst_ns: WORST_NS.load(Relaxed),
+        histogram: HISTOGRAM.each_ref().map(|ticks| ticks.load(Relaxed)),
+    }
 }

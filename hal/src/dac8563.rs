@@ -2,7 +2,7 @@
 //! interface").
 //!
 //! In: codes, −32768…32767. Out: frames of 24 bits: command, channel, straight binary. Owns the bus
-//! and the select line. Fails as the bus does.
+//! and the chip select. Fails as the bus does.
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::OutputPin;
 use embedded_hal::spi::SpiBus;
@@ -10,7 +10,7 @@ use embedded_hal::spi::SpiBus;
 /// The command that writes a channel and updates its output.
 const WRITE: u8 = 0b011 << 3;
 
-/// Least time for which the select line is high between two frames (data sheet, "minimum SYNC high
+/// Least time for which the chip select is high between two frames (data sheet, "minimum SYNC high
 /// time"); after less, the second frame is ignored.
 const BETWEEN_NS: u32 = 80;
 
@@ -21,7 +21,7 @@ pub struct Dac8563<BUS, SELECT, PAUSE> {
     pub bus: BUS,
     /// Low during a frame.
     pub select: SELECT,
-    /// Waits, once the select line has the level that was written.
+    /// Waits, once the chip select has the level that was written.
     pub pause: PAUSE,
 }
 

@@ -7,7 +7,7 @@
 use crate::board::{self, Board, Machine, ResetCause, idle, timer, uart, watchdog};
 use core::ops::RangeInclusive;
 use servo::laser::Clock;
-use servo::port::Port;
+use servo::port::{Port, WiredInputs};
 use servo::units::{AxisMask, StepLimit};
 
 /// What it is, and how much of everything it has.
@@ -24,7 +24,9 @@ const _: () = {
     let _: u8 = board::GENERAL_INPUTS;
     let _: u8 = board::GENERAL_OUTPUTS;
     let _: AxisMask = board::INDEXES;
+    let _: WiredInputs = board::WIRED;
     let _: Option<&str> = board::NMI;
+    let _: fn() -> Option<&'static str> = board::contradiction;
 };
 
 /// Start-up, and the end of a run.

@@ -18,6 +18,15 @@ namespace gts
         public const short PT_SEGMENT_NORMAL = 0;
         public const short PT_SEGMENT_EVEN = 1;
         public const short PT_SEGMENT_STOP = 2;
+        public const short GEAR_MASTER_ENCODER = 1;
+        public const short GEAR_MASTER_PROFILE = 2;
+        public const short GEAR_MASTER_AXIS = 3;
+        public const short GEAR_MASTER_AU_ENCODER = 4;
+        public const short GEAR_MASTER_ENCODER_OTHER = 101;
+        public const short GEAR_MASTER_AXIS_OTHER = 103;
+        public const short GEAR_EVENT_START = 1;
+        public const short GEAR_EVENT_PASS = 2;
+        public const short GEAR_EVENT_AREA = 5;
         public const short FOLLOW_MASTER_ENCODER = 1;
         public const short FOLLOW_MASTER_PROFILE = 2;
         public const short FOLLOW_MASTER_AXIS = 3;
@@ -221,6 +230,9 @@ namespace gts
         /// <summary>Controller time in ms, and servo ticks since power-on.</summary>
         [DllImport(Library)]
         public static extern short GT_GetClock(out uint clock, [In, Out] uint[] loop = null);
+        /// <summary>Controller time in ms, and servo ticks since power-on.</summary>
+        [DllImport(Library)]
+        public static extern short GT_GetClock(out uint clock, out uint loop);
         /// <summary>Sets the servo tick in us, at standstill.</summary>
         [DllImport(Library)]
         public static extern short GT_SetTick(int tickUs);
@@ -401,6 +413,9 @@ namespace gts
         /// <summary>As SetDo in count words of 32: bit 0 of the second word is output 33. Further outputs stay.</summary>
         [DllImport(Library)]
         public static extern short GT_SetDoEx(short doType, int[] value, short count = 1);
+        /// <summary>As SetDo in count words of 32: bit 0 of the second word is output 33. Further outputs stay. For a count of 1.</summary>
+        [DllImport(Library)]
+        public static extern short GT_SetDoEx(short doType, ref int value, short count);
         /// <summary>As GetDo in count words of 32.</summary>
         [DllImport(Library)]
         public static extern short GT_GetDoEx(short doType, [In, Out] int[] value, short count = 1);
@@ -410,9 +425,27 @@ namespace gts
         /// <summary>Sets one digital output, counted from 1.</summary>
         [DllImport(Library)]
         public static extern short GT_SetDoBit(short doType, short index, short value);
+        /// <summary>An output gets a level for a time in units of 250 us, and then the other one; 16 at a time.</summary>
+        [DllImport(Library)]
+        public static extern short GT_SetDoBitReverse(short doType, short doIndex, short value, short reverseTime);
+        /// <summary>Edges of an input, or of count from one on, both directions, counted in every servo tick.</summary>
+        [DllImport(Library)]
+        public static extern short GT_GetDiReverseCount(short diType, short diIndex, [In, Out] uint[] reverseCount, short count = 1);
+        /// <summary>Edges of an input, or of count from one on, both directions, counted in every servo tick. For a count of 1.</summary>
+        [DllImport(Library)]
+        public static extern short GT_GetDiReverseCount(short diType, short diIndex, out uint reverseCount, short count);
+        /// <summary>Sets these counts; they go on from there.</summary>
+        [DllImport(Library)]
+        public static extern short GT_SetDiReverseCount(short diType, short diIndex, uint[] reverseCount, short count = 1);
+        /// <summary>Sets these counts; they go on from there. For a count of 1.</summary>
+        [DllImport(Library)]
+        public static extern short GT_SetDiReverseCount(short diType, short diIndex, ref uint reverseCount, short count);
         /// <summary>Sets count analog outputs, -32768 to 32767 for -10 to 10 V.</summary>
         [DllImport(Library)]
         public static extern short GT_SetDac(short dac, short[] value, short count = 1);
+        /// <summary>Sets count analog outputs, -32768 to 32767 for -10 to 10 V. For a count of 1.</summary>
+        [DllImport(Library)]
+        public static extern short GT_SetDac(short dac, ref short value, short count);
         /// <summary>Values of count analog outputs.</summary>
         [DllImport(Library)]
         public static extern short GT_GetDac(short dac, [In, Out] short[] value, short count = 1);
@@ -719,6 +752,36 @@ namespace gts
         /// <summary>The times of a Continuous table.</summary>
         [DllImport(Library)]
         public static extern short GT_PvtContinuousCalculate(int count, double[] pos, double[] vel, double[] percent, double[] velMax, double[] acc, double[] dec, [In, Out] double[] time);
+        /// <summary>Puts an axis into Gear mode: direction of the master 0 both, 1, -1.</summary>
+        [DllImport(Library)]
+        public static extern short GT_PrfGear(short profile, short dir = 0);
+        /// <summary>Sets an axis's master: its number, type and item.</summary>
+        [DllImport(Library)]
+        public static extern short GT_SetGearMaster(short profile, short masterIndex, short masterType = 2, short masterItem = 0);
+        /// <summary>An axis's master: its number, type and item.</summary>
+        [DllImport(Library)]
+        public static extern short GT_GetGearMaster(short profile, out short masterIndex, [In, Out] short[] masterType = null, [In, Out] short[] masterItem = null);
+        /// <summary>An axis's master: its number, type and item.</summary>
+        [DllImport(Library)]
+        public static extern short GT_GetGearMaster(short profile, out short masterIndex, out short masterType, out short masterItem);
+        /// <summary>Sets the ratio slaveEven/masterEven of the next GearStart, reached over masterSlope pulses of the master; 0 at once.</summary>
+        [DllImport(Library)]
+        public static extern short GT_SetGearRatio(short profile, int masterEven, int slaveEven, int masterSlope = 0);
+        /// <summary>The ratio that SetGearRatio has set.</summary>
+        [DllImport(Library)]
+        public static extern short GT_GetGearRatio(short profile, out int masterEven, out int slaveEven, [In, Out] int[] masterSlope = null);
+        /// <summary>The ratio that SetGearRatio has set.</summary>
+        [DllImport(Library)]
+        public static extern short GT_GetGearRatio(short profile, out int masterEven, out int slaveEven, out int masterSlope);
+        /// <summary>Starts axes in Gear; one that runs takes the ratio that was set last.</summary>
+        [DllImport(Library)]
+        public static extern short GT_GearStart(int mask);
+        /// <summary>Sets when the gear begins: 1 at once, 2 when the master crosses position startPara1, upwards (startPara0 1) or downwards (-1).</summary>
+        [DllImport(Library)]
+        public static extern short GT_SetGearEvent(short profile, short @event, int startPara0, int startPara1);
+        /// <summary>When the gear begins.</summary>
+        [DllImport(Library)]
+        public static extern short GT_GetGearEvent(short profile, out short @event, out int startPara0, out int startPara1);
         /// <summary>Puts an axis into Follow mode: direction of the master 0 both, 1, -1.</summary>
         [DllImport(Library)]
         public static extern short GT_PrfFollow(short profile, short dir = 0);
@@ -728,6 +791,9 @@ namespace gts
         /// <summary>An axis's master: its number, type and item.</summary>
         [DllImport(Library)]
         public static extern short GT_GetFollowMaster(short profile, out short masterIndex, [In, Out] short[] masterType = null, [In, Out] short[] masterItem = null);
+        /// <summary>An axis's master: its number, type and item.</summary>
+        [DllImport(Library)]
+        public static extern short GT_GetFollowMaster(short profile, out short masterIndex, out short masterType, out short masterItem);
         /// <summary>Sets how many passes run; 0 for ever.</summary>
         [DllImport(Library)]
         public static extern short GT_SetFollowLoop(short profile, int loop);
@@ -773,6 +839,9 @@ namespace gts
         /// <summary>An axis's master: its number, type and item.</summary>
         [DllImport(Library)]
         public static extern short GT_GetFollowMasterEx(short profile, out short masterIndex, [In, Out] short[] masterType = null, [In, Out] short[] masterItem = null);
+        /// <summary>An axis's master: its number, type and item.</summary>
+        [DllImport(Library)]
+        public static extern short GT_GetFollowMasterEx(short profile, out short masterIndex, out short masterType, out short masterItem);
         /// <summary>Sets how many passes run; 0 for ever.</summary>
         [DllImport(Library)]
         public static extern short GT_SetFollowLoopEx(short profile, int loop);
@@ -824,6 +893,9 @@ namespace gts
         /// <summary>A FollowEx segment with velocity ratios at begin and end.</summary>
         [DllImport(Library)]
         public static extern short GT_FollowDataPercent2Ex(short profile, double masterSegment, double slaveSegment, double velBeginRatio, double velEndRatio, short percent = 100, [In, Out] short[] percent1 = null, short fifo = 0);
+        /// <summary>A FollowEx segment with velocity ratios at begin and end.</summary>
+        [DllImport(Library)]
+        public static extern short GT_FollowDataPercent2Ex(short profile, double masterSegment, double slaveSegment, double velBeginRatio, double velEndRatio, short percent, out short percent1, short fifo);
         /// <summary>The slave's position inside such a segment.</summary>
         [DllImport(Library)]
         public static extern short GT_GetFollowDataPercent2Ex(double masterPos, double v1, double v2, double p, double p1, out double slavePos);
@@ -1016,42 +1088,6 @@ namespace gts
         /// <summary>Done: homing needs no start.</summary>
         [DllImport(Library)]
         public static extern short GT_HomeInit();
-        /// <summary>Refused: no mode Gear.</summary>
-        [DllImport(Library)]
-        public static extern short GT_PrfGear(short profile, short dir = 0);
-        /// <summary>Refused: no mode Gear.</summary>
-        [DllImport(Library)]
-        public static extern short GT_SetGearMaster(short profile, short masterIndex, short masterType = 2, short masterItem = 0);
-        /// <summary>Refused: no mode Gear.</summary>
-        [DllImport(Library)]
-        public static extern short GT_GetGearMaster(short profile, out short masterIndex, [In, Out] short[] masterType = null, [In, Out] short[] masterItem = null);
-        /// <summary>Refused: no mode Gear.</summary>
-        [DllImport(Library)]
-        public static extern short GT_SetGearRatio(short profile, int masterEven, int slaveEven, int masterSlope = 0);
-        /// <summary>Refused: no mode Gear.</summary>
-        [DllImport(Library)]
-        public static extern short GT_GetGearRatio(short profile, out int masterEven, out int slaveEven, [In, Out] int[] masterSlope = null);
-        /// <summary>Refused: no mode Gear.</summary>
-        [DllImport(Library)]
-        public static extern short GT_GearStart(int mask);
-        /// <summary>Refused: no mode Gear.</summary>
-        [DllImport(Library)]
-        public static extern short GT_SetGearEvent(short profile, short @event, int startPara0, int startPara1);
-        /// <summary>Refused: no mode Gear.</summary>
-        [DllImport(Library)]
-        public static extern short GT_GetGearEvent(short profile, out short @event, out int startPara0, out int startPara1);
-        /// <summary>Refused: no counts of edges.</summary>
-        [DllImport(Library)]
-        public static extern short GT_GetDiReverseCount(short diType, short diIndex, [In, Out] uint[] reverseCount, short count = 1);
-        /// <summary>Refused: no counts of edges. For a count of 1.</summary>
-        [DllImport(Library)]
-        public static extern short GT_GetDiReverseCount(short diType, short diIndex, out uint reverseCount, short count);
-        /// <summary>Refused: no counts of edges.</summary>
-        [DllImport(Library)]
-        public static extern short GT_SetDiReverseCount(short diType, short diIndex, uint[] reverseCount, short count = 1);
-        /// <summary>Refused: no output for a time.</summary>
-        [DllImport(Library)]
-        public static extern short GT_SetDoBitReverse(short doType, short doIndex, short value, short reverseTime);
         /// <summary>Refused: no Cam.</summary>
         [DllImport(Library)]
         public static extern short GT_PrfCam(short profile);
@@ -1082,6 +1118,9 @@ namespace gts
         /// <summary>Controller time in ms, and servo ticks since power-on.</summary>
         [DllImport(Library)]
         public static extern short GTN_GetClock(short core, out uint clock, [In, Out] uint[] loop = null);
+        /// <summary>Controller time in ms, and servo ticks since power-on.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_GetClock(short core, out uint clock, out uint loop);
         /// <summary>Sets the servo tick in us, at standstill.</summary>
         [DllImport(Library)]
         public static extern short GTN_SetTick(short core, int tickUs);
@@ -1262,6 +1301,9 @@ namespace gts
         /// <summary>As SetDo in count words of 32: bit 0 of the second word is output 33. Further outputs stay.</summary>
         [DllImport(Library)]
         public static extern short GTN_SetDoEx(short core, short doType, int[] value, short count = 1);
+        /// <summary>As SetDo in count words of 32: bit 0 of the second word is output 33. Further outputs stay. For a count of 1.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_SetDoEx(short core, short doType, ref int value, short count);
         /// <summary>As GetDo in count words of 32.</summary>
         [DllImport(Library)]
         public static extern short GTN_GetDoEx(short core, short doType, [In, Out] int[] value, short count = 1);
@@ -1271,9 +1313,27 @@ namespace gts
         /// <summary>Sets one digital output, counted from 1.</summary>
         [DllImport(Library)]
         public static extern short GTN_SetDoBit(short core, short doType, short index, short value);
+        /// <summary>An output gets a level for a time in units of 250 us, and then the other one; 16 at a time.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_SetDoBitReverse(short core, short doType, short doIndex, short value, short reverseTime);
+        /// <summary>Edges of an input, or of count from one on, both directions, counted in every servo tick.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_GetDiReverseCount(short core, short diType, short diIndex, [In, Out] uint[] reverseCount, short count = 1);
+        /// <summary>Edges of an input, or of count from one on, both directions, counted in every servo tick. For a count of 1.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_GetDiReverseCount(short core, short diType, short diIndex, out uint reverseCount, short count);
+        /// <summary>Sets these counts; they go on from there.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_SetDiReverseCount(short core, short diType, short diIndex, uint[] reverseCount, short count = 1);
+        /// <summary>Sets these counts; they go on from there. For a count of 1.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_SetDiReverseCount(short core, short diType, short diIndex, ref uint reverseCount, short count);
         /// <summary>Sets count analog outputs, -32768 to 32767 for -10 to 10 V.</summary>
         [DllImport(Library)]
         public static extern short GTN_SetDac(short core, short dac, short[] value, short count = 1);
+        /// <summary>Sets count analog outputs, -32768 to 32767 for -10 to 10 V. For a count of 1.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_SetDac(short core, short dac, ref short value, short count);
         /// <summary>Values of count analog outputs.</summary>
         [DllImport(Library)]
         public static extern short GTN_GetDac(short core, short dac, [In, Out] short[] value, short count = 1);
@@ -1580,6 +1640,36 @@ namespace gts
         /// <summary>The times of a Continuous table.</summary>
         [DllImport(Library)]
         public static extern short GTN_PvtContinuousCalculate(short core, int count, double[] pos, double[] vel, double[] percent, double[] velMax, double[] acc, double[] dec, [In, Out] double[] time);
+        /// <summary>Puts an axis into Gear mode: direction of the master 0 both, 1, -1.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_PrfGear(short core, short profile, short dir = 0);
+        /// <summary>Sets an axis's master: its number, type and item.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_SetGearMaster(short core, short profile, short masterIndex, short masterType = 2, short masterItem = 0);
+        /// <summary>An axis's master: its number, type and item.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_GetGearMaster(short core, short profile, out short masterIndex, [In, Out] short[] masterType = null, [In, Out] short[] masterItem = null);
+        /// <summary>An axis's master: its number, type and item.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_GetGearMaster(short core, short profile, out short masterIndex, out short masterType, out short masterItem);
+        /// <summary>Sets the ratio slaveEven/masterEven of the next GearStart, reached over masterSlope pulses of the master; 0 at once.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_SetGearRatio(short core, short profile, int masterEven, int slaveEven, int masterSlope = 0);
+        /// <summary>The ratio that SetGearRatio has set.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_GetGearRatio(short core, short profile, out int masterEven, out int slaveEven, [In, Out] int[] masterSlope = null);
+        /// <summary>The ratio that SetGearRatio has set.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_GetGearRatio(short core, short profile, out int masterEven, out int slaveEven, out int masterSlope);
+        /// <summary>Starts axes in Gear; one that runs takes the ratio that was set last.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_GearStart(short core, int mask);
+        /// <summary>Sets when the gear begins: 1 at once, 2 when the master crosses position startPara1, upwards (startPara0 1) or downwards (-1).</summary>
+        [DllImport(Library)]
+        public static extern short GTN_SetGearEvent(short core, short profile, short @event, int startPara0, int startPara1);
+        /// <summary>When the gear begins.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_GetGearEvent(short core, short profile, out short @event, out int startPara0, out int startPara1);
         /// <summary>Puts an axis into Follow mode: direction of the master 0 both, 1, -1.</summary>
         [DllImport(Library)]
         public static extern short GTN_PrfFollow(short core, short profile, short dir = 0);
@@ -1589,6 +1679,9 @@ namespace gts
         /// <summary>An axis's master: its number, type and item.</summary>
         [DllImport(Library)]
         public static extern short GTN_GetFollowMaster(short core, short profile, out short masterIndex, [In, Out] short[] masterType = null, [In, Out] short[] masterItem = null);
+        /// <summary>An axis's master: its number, type and item.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_GetFollowMaster(short core, short profile, out short masterIndex, out short masterType, out short masterItem);
         /// <summary>Sets how many passes run; 0 for ever.</summary>
         [DllImport(Library)]
         public static extern short GTN_SetFollowLoop(short core, short profile, int loop);
@@ -1634,6 +1727,9 @@ namespace gts
         /// <summary>An axis's master: its number, type and item.</summary>
         [DllImport(Library)]
         public static extern short GTN_GetFollowMasterEx(short core, short profile, out short masterIndex, [In, Out] short[] masterType = null, [In, Out] short[] masterItem = null);
+        /// <summary>An axis's master: its number, type and item.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_GetFollowMasterEx(short core, short profile, out short masterIndex, out short masterType, out short masterItem);
         /// <summary>Sets how many passes run; 0 for ever.</summary>
         [DllImport(Library)]
         public static extern short GTN_SetFollowLoopEx(short core, short profile, int loop);
@@ -1685,6 +1781,9 @@ namespace gts
         /// <summary>A FollowEx segment with velocity ratios at begin and end.</summary>
         [DllImport(Library)]
         public static extern short GTN_FollowDataPercent2Ex(short core, short profile, double masterSegment, double slaveSegment, double velBeginRatio, double velEndRatio, short percent = 100, [In, Out] short[] percent1 = null, short fifo = 0);
+        /// <summary>A FollowEx segment with velocity ratios at begin and end.</summary>
+        [DllImport(Library)]
+        public static extern short GTN_FollowDataPercent2Ex(short core, short profile, double masterSegment, double slaveSegment, double velBeginRatio, double velEndRatio, short percent, out short percent1, short fifo);
         /// <summary>The slave's position inside such a segment.</summary>
         [DllImport(Library)]
         public static extern short GTN_GetFollowDataPercent2Ex(short core, double masterPos, double v1, double v2, double p, double p1, out double slavePos);
@@ -1877,42 +1976,6 @@ namespace gts
         /// <summary>Done: homing needs no start.</summary>
         [DllImport(Library)]
         public static extern short GTN_HomeInit(short core);
-        /// <summary>Refused: no mode Gear.</summary>
-        [DllImport(Library)]
-        public static extern short GTN_PrfGear(short core, short profile, short dir = 0);
-        /// <summary>Refused: no mode Gear.</summary>
-        [DllImport(Library)]
-        public static extern short GTN_SetGearMaster(short core, short profile, short masterIndex, short masterType = 2, short masterItem = 0);
-        /// <summary>Refused: no mode Gear.</summary>
-        [DllImport(Library)]
-        public static extern short GTN_GetGearMaster(short core, short profile, out short masterIndex, [In, Out] short[] masterType = null, [In, Out] short[] masterItem = null);
-        /// <summary>Refused: no mode Gear.</summary>
-        [DllImport(Library)]
-        public static extern short GTN_SetGearRatio(short core, short profile, int masterEven, int slaveEven, int masterSlope = 0);
-        /// <summary>Refused: no mode Gear.</summary>
-        [DllImport(Library)]
-        public static extern short GTN_GetGearRatio(short core, short profile, out int masterEven, out int slaveEven, [In, Out] int[] masterSlope = null);
-        /// <summary>Refused: no mode Gear.</summary>
-        [DllImport(Library)]
-        public static extern short GTN_GearStart(short core, int mask);
-        /// <summary>Refused: no mode Gear.</summary>
-        [DllImport(Library)]
-        public static extern short GTN_SetGearEvent(short core, short profile, short @event, int startPara0, int startPara1);
-        /// <summary>Refused: no mode Gear.</summary>
-        [DllImport(Library)]
-        public static extern short GTN_GetGearEvent(short core, short profile, out short @event, out int startPara0, out int startPara1);
-        /// <summary>Refused: no counts of edges.</summary>
-        [DllImport(Library)]
-        public static extern short GTN_GetDiReverseCount(short core, short diType, short diIndex, [In, Out] uint[] reverseCount, short count = 1);
-        /// <summary>Refused: no counts of edges. For a count of 1.</summary>
-        [DllImport(Library)]
-        public static extern short GTN_GetDiReverseCount(short core, short diType, short diIndex, out uint reverseCount, short count);
-        /// <summary>Refused: no counts of edges.</summary>
-        [DllImport(Library)]
-        public static extern short GTN_SetDiReverseCount(short core, short diType, short diIndex, uint[] reverseCount, short count = 1);
-        /// <summary>Refused: no output for a time.</summary>
-        [DllImport(Library)]
-        public static extern short GTN_SetDoBitReverse(short core, short doType, short doIndex, short value, short reverseTime);
         /// <summary>Refused: no Cam.</summary>
         [DllImport(Library)]
         public static extern short GTN_PrfCam(short core, short profile);

@@ -22,6 +22,20 @@ pub const FRAC_BITS: u32 = 22;
 /// Time constant τ of every axis, in ns: 1 ms, a stiff servo drive.
 pub const TIME_CONSTANT_NS: u32 = 1_000_000;
 
+/// Counts from one index edge of an encoder to the next; there is one at count 0.
+pub const INDEX_COUNTS: i64 = 10_000;
+
+/// The last index edge that an encoder has passed or reached from `before`, where there was none to
+/// pass, to `now`.
+pub const fn index_edge(before: i64, now: i64) -> Option<i64> {
+    let edge = if now >= before {
+        now.div_euclid(INDEX_COUNTS) * INDEX_COUNTS
+    } else {
+        (now + INDEX_COUNTS - 1).div_euclid(INDEX_COUNTS) * INDEX_COUNTS
+    };
+    if now > before && edge > before || now < before && edge < before { Some(edge) } else { None }
+}
+
 /// The fraction of its distance to the set-point that an axis moves in one tick: 1 − e^(−T/τ) in
 /// 2⁻³².
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -170,6 +184,25 @@ mod tests {
 
     const PULSE: i64 = 1 << FRAC_BITS;
     const PERIODS_NS: [u32; 6] = [10_000, 50_000, 125_000, 250_000, 999_999, 1_000_000];
+
+    #[test]
+    fn an_index_edge_is_passed_in_either_direction() {
+        for (before, now, edge) in [
+            (0, 0, None),
+            (0, 9999, None),
+            (0, 10_000, Some(10_000)),
+            (10_000, 10_001, None),
+            (9_999, 35_000, Some(30_000)),
+            (1, -1, Some(0)),
+            (1, 0, Some(0)),
+            (0, -9_999, None),
+            (0, -10_000, Some(-10_000)),
+            (-9_999, -35_000, Some(-30_000)),
+            (-10_001, -9_999, Some(-10_000)),
+        ] {
+            assert_eq!(index_edge(before, now), edge, "{before} to {now}");
+        }
+    }
 
     #[test]
     fn gain_is_the_exponential() {

@@ -109,6 +109,8 @@ pub enum Chapter {
     Laser,
     /// Coordinate systems.
     Crd,
+    /// Gear.
+    Gear,
     /// Any other.
     Other,
 }
@@ -120,6 +122,7 @@ pub const fn chapter(opcode: u16) -> Chapter {
         5 => Chapter::FollowEx,
         6 => Chapter::Laser,
         8 => Chapter::Crd,
+        10 => Chapter::Gear,
         _ => Chapter::Other,
     }
 }

@@ -190,6 +190,10 @@ wire_structs! {
     FollowMasterReply { master_index: I16, master_type: I16, master_item: I16 }
     /// Start condition of a Follow axis, as given to SetFollowEvent.
     FollowEventReply { event: I16, master_dir: I16, pos: I32 }
+    /// Ratio of an axis in Gear, as given to SetGearRatio; zeros before.
+    GearRatioReply { master_even: I32, slave_even: I32, master_slope: I32 }
+    /// Start condition of an axis in Gear, as given to SetGearEvent.
+    GearEventReply { event: I16, start_para0: I32, start_para1: I32 }
     /// After a Follow entry: free slots of its FIFO.
     FollowTaken { space: U16 }
     /// After FollowDataPercent2Ex: free slots, and the share of the first half of the S-curve in
@@ -245,8 +249,10 @@ wire_structs! {
     EventItem { time_ns: U64, kind: u8, of: u8, reason: U16 }
     /// The servo tick's period. If the board measures it (`measured` 1), also how long its ticks
     /// take from the timer's event to the end of the handler: the running median and the longest
-    /// since the start, in ns.
-    TickTimeReply { period_ns: U32, median_ns: U32, worst_ns: U32, measured: u8 }
+    /// since the start, in ns. The items are a histogram: the first one counts the ticks below
+    /// `bucket_ns`, the next one those below twice that, the last one all that were longer. They
+    /// wrap.
+    TickTimeReply { period_ns: U32, median_ns: U32, worst_ns: U32, measured: u8, bucket_ns: U32, count: U16 }
     /// Link-loss time in ms (0: the link is not supervised), and whether PT, PVT and Follow stop
     /// too.
     LinkLossReply { time_ms: F64, stop_all: I16 }
@@ -353,7 +359,7 @@ commands! {
     0x000C Abort: Set, Any { core: I16 } [Nothing] -> Nothing [Nothing];
     0x000D GetLinkLoss: Read Controller, Any {} [Nothing] -> LinkLossReply [Nothing];
     0x000E SetInterlock: Set, Any { motion: I16 } [Nothing] -> Nothing [Nothing];
-    0x000F GetTickTime: Read Controller, Any {} [Nothing] -> TickTimeReply [Nothing];
+    0x000F GetTickTime: Read Controller, Any {} [Nothing] -> TickTimeReply [ULong];
     // -- the program queue (SPEC 7) ----------------------------------------------------------
     0x0010 Sleep: Step, Program { ns: U64 } [Nothing] -> Nothing [Nothing];
     0x0011 WaitStop: Step, Program { core: I16, axes: I32, crds: I32 } [Nothing] -> Nothing [Nothing];
@@ -420,6 +426,9 @@ commands! {
     0x014B GetDiEx: Read Other, Any { core: I16, di_type: I16, count: I16 } [Nothing] -> Count [Long];
     0x014C SetDoEx: Set, Exclusive { core: I16, do_type: I16, count: U16 } [Long] -> Nothing [Nothing];
     0x014D GetDoEx: Read Other, Any { core: I16, do_type: I16, count: I16 } [Nothing] -> Count [Long];
+    0x014E GetDiReverseCount: Read Other, Any { core: I16, di_type: I16, di_index: I16, count: I16 } [Nothing] -> Count [ULong];
+    0x014F SetDiReverseCount: Set, Exclusive { core: I16, di_type: I16, di_index: I16, count: U16 } [ULong] -> Nothing [Nothing];
+    0x0150 SetDoBitReverse: Set, Exclusive { core: I16, do_type: I16, do_index: I16, value: I16, reverse_time_cycles: I16 } [Nothing] -> Nothing [Nothing];
     // -- PT (GXN chapter 2) -------------------------------------------------------------------
     0x0200 PrfPt: Set, Exclusive { core: I16, profile: I16, mode: I16 } [Nothing] -> Nothing [Nothing];
     0x0201 PtSpace: Read Other, Any { core: I16, profile: I16, fifo: I16 } [Nothing] -> Short [Nothing];
@@ -564,6 +573,15 @@ commands! {
     0x0901 SetLaserDisRatio: Set, Exclusive { core: I16, ratio: [F64; 4], min: F64, max: F64, channel: I16, bounds_given: u8 } [Nothing] -> LaserBounds [Nothing];
     0x0902 SetLaserDisTable1D: Table Laser, Exclusive { core: I16, count: I16, min: F64, max: F64, limit: [F64; 4], channel: I16, limits_given: u8, first: U16 } [LaserDisPoint] -> LaserBounds [Nothing];
     0x0903 SetLaserDisTable2D: Table Laser, Exclusive { core: I16, axis: [I16; 2], count: [I16; 2], min: F64, max: F64, limit: [F64; 2], channel: I16, limits_given: u8, first: U16 } [LaserDisValue] -> LaserBounds [Nothing];
+    // -- Gear ------------------------------------------------------------------------------------
+    0x0A00 PrfGear: Set, Exclusive { core: I16, profile: I16, dir: I16 } [Nothing] -> Nothing [Nothing];
+    0x0A01 SetGearMaster: Set, Exclusive { core: I16, profile: I16, master_index: I16, master_type: I16, master_item: I16 } [Nothing] -> Nothing [Nothing];
+    0x0A02 GetGearMaster: Read Follow, Any { core: I16, profile: I16 } [Nothing] -> FollowMasterReply [Nothing];
+    0x0A03 SetGearRatio: Set, Exclusive { core: I16, profile: I16, master_even: I32, slave_even: I32, master_slope: I32 } [Nothing] -> Nothing [Nothing];
+    0x0A04 GetGearRatio: Read Follow, Any { core: I16, profile: I16 } [Nothing] -> GearRatioReply [Nothing];
+    0x0A05 GearStart: Start, Exclusive { core: I16, mask: I32 } [Nothing] -> Nothing [Nothing];
+    0x0A06 SetGearEvent: Set, Exclusive { core: I16, profile: I16, event: I16, start_para0: I32, start_para1: I32 } [Nothing] -> Nothing [Nothing];
+    0x0A07 GetGearEvent: Read Follow, Any { core: I16, profile: I16 } [Nothing] -> GearEventReply [Nothing];
 }
 
 /// Bytes of a field, by its type as [`Wire::FIELDS`] prints it.

@@ -84,7 +84,7 @@ reasons! {
     32 FifoFull State Motion "axis {axis}: the FIFO is full; {high} segments fit";
     33 FifoEmpty State None "axis {axis}: the FIFO holds no data";
     34 ServoOff State None "axis {axis}: the servo is off; call AxisOn first";
-    35 AxisFault State Motion "axis {axis} has a latched fault (status {got}); clear its cause and call ClrSts";
+    35 AxisFault State Motion "axis {axis} has a drive alarm or its following error is too large, which is latched (status {got}); clear the cause and call ClrSts";
     36 FifoInUse State Motion "axis {axis}: FIFO {got} is running; it can be cleared at rest";
     37 NotInDynamic State None "axis {axis}: not available in dynamic PT mode";
     38 NoAcceleration State None "axis {axis}: its acceleration is 0; set the motion parameters first (SetJogPrm, SetTrapPrm)";
@@ -93,7 +93,7 @@ reasons! {
     41 NotInProgram State None "this command is only for the program queue";
     42 Discarded State State "not executed: an earlier entry of the program failed, or it was stopped";
     43 RingFull State State "the controller is busy; send it again";
-    44 Late State State "the entry was late and the program is strict";
+    44 Late State State "not executed: an entry before it was late, and the program is strict";
     45 NotInitialised State None "axis {axis} does not exist in this profile";
     46 OnlyAtStandstill State Motion "only while every axis is at standstill; axis {axis} is moving";
     47 ProgramOnlyHeld State State "the program is not held; it runs already or has failed";
@@ -106,6 +106,8 @@ reasons! {
     54 SwitchPending State Motion "axis {axis}: a FIFO switch is pending; neither FIFO can be cleared before it has happened";
     55 StateChanged State State "axis {axis} cannot start: its state has changed since the call was taken (status {got})";
     56 StreamEnded State State "axis {axis}: the motion that this data belongs to ended before it ({stop}); the data was not taken";
+    57 PositiveLatched State Motion "axis {axis} has come to its positive limit, which is latched (status {got}); call ClrSts, then move it downwards";
+    58 NegativeLatched State Motion "axis {axis} has come to its negative limit, which is latched (status {got}); call ClrSts, then move it upwards";
     60 TableInUse State Motion "PVT table {got} is in use by axis {axis}; it can be replaced when no axis runs it";
     61 TableEmpty State None "axis {axis}: PVT table {got} is empty";
     62 TableFull Range None "the table does not fit: its points need more than {high} slots (two where the velocity jumps; a Percent point up to 3, a Continuous point up to 8)";
@@ -115,7 +117,7 @@ reasons! {
     66 AboveVelMax Range None "a velocity of {got} pulse/ms in the direction of travel is above the limit of this segment, {high}";
     67 TableRange Range None "no scale holds this table: its top speed {got} pulse/ms over its longest segment is too far";
     68 TableShort Range None "a pass of {got} ms is too short; it lasts {low} ms at least";
-    80 NoMaster State None "axis {axis}: it has no master; call SetFollowMaster first";
+    80 NoMaster State None "axis {axis}: it has no master; call SetFollowMaster, in Gear SetGearMaster, first";
     81 OwnMaster Range None "{field} is {got}, the axis itself; an axis cannot follow itself";
     82 MasterCycle State None "axis {axis} would follow itself by way of axis {got} of core {low}";
     83 MasterType Range None "{field} is {got}; allowed are 1, 2, 3, and in a profile of two cores 101 and 103";
@@ -126,6 +128,11 @@ reasons! {
     88 NegativeProgress Range None "{field} is {got}; an axis that follows in direction +1 takes positive master positions only";
     89 RatioTooLarge Range Motion "{field}: this segment's velocity ratio is {got}; the limit is {high}";
     90 QueueEntries State Motion "axis {axis}: the FIFO holds {high} entries that are no segments, which is the most";
+    91 NoRatio State None "axis {axis}: it has no gear ratio; call SetGearRatio first";
+    92 GearPart Range None "{field} is 0; a ratio needs a displacement of the master that is not 0";
+    93 GearSlope Range None "{field} is {got}; it must be 0, which is the ratio at once, or from {low} to {high}";
+    94 GearArea State None "{field} is {got}, AREA, which is not there; allowed are 1 START and 2 PASS";
+    95 CrossingDirection Range None "{field} is {got}; it must be 1, the master crosses upwards, or -1, downwards";
     100 AboveLow Range None "{field} is {got}; it must be above {low} and at most {high}";
     101 BelowMinimum Range None "{field} is {got}; it must not be below the minimum, {low}";
     102 LaserFault State State "laser channel {got} is kept dark by a fault: {cause}; once that is over call ClrLaserFault";
@@ -163,6 +170,9 @@ reasons! {
     134 CrdOfTick Range None "{field} is {got}; at this servo tick it must be from {low} to {high}: the others are there at 500 us and more";
     135 CrdNeedsTick State State "coordinate system {axis} of core {low} drives axes; below a tick of 500 us a core has {high}; reset its axes first";
     136 NotOfPath Range None "command number {got} is no call for FIFO {low} of coordinate system {axis}, which PathMany joins";
+    137 NoLimitInput Range None "{field} is {got}; this board has no such limit input for axis {axis}";
+    138 NoAlarmInput Range None "{field} is {got}; this board has no alarm input for axis {axis}";
+    139 NoHomeInput Range None "{field} is {got}; this board has no home input for axis {axis}";
     140 NotAboveMinimum Range None "{field} is {got}; it must be above the minimum, {low}";
     141 PointOfAxis Range None "{field} of axis {axis} is {got}; it must be greater than {low}, that of the point before";
     142 PlaneAxis Range None "{field} names axis {got} twice; a plane has two";
@@ -173,6 +183,8 @@ reasons! {
     147 LaserMapInUse State State "laser channel {got}: coordinate system {axis} runs, or has light of this channel that would come back; stop it, and switch the light off first";
     148 Aborting State State "after an abort lasers are switched on once everything has come to rest; wait for that";
     149 NoLaserOutput State None "laser channel {got}: this board has no output for its power in this mode";
+    150 NoArriveInput Range None "{field} is {got}; this board has no arrival input for axis {axis}";
+    151 TimedOutputs State State "{high} outputs keep a level for a time already, which is the most; wait for one of them";
     158 SlowPulses Range None "{field} is {got} kHz; it must be 0, or from {low} to {high}";
     160 InputsWired State State "the inputs of this board are wired; only those of the virtual and the emulated board are set by a call";
     161 InputType Range None "{field} is {got}; allowed are {low} to {high}, and 90, the interlock";

@@ -1,7 +1,7 @@
 //! Numbers kept for commands that have no layout yet, so that none is given twice: PT 0x02xx, PVT
 //! 0x03xx, laser 0x06xx, buffered laser 0x07xx, distance follow 0x09xx. (0x04xx and 0x05xx are
-//! Follow and FollowEx, 0x08xx coordinate systems.) A command moves to [`crate::command::COMMANDS`]
-//! with its number when it is built.
+//! Follow and FollowEx, 0x08xx coordinate systems, 0x0Axx Gear.) A command moves to
+//! [`crate::command::COMMANDS`] with its number when it is built.
 //!
 //! Calls that never reach the wire have no number: Open and Close are the link's opening and Bye,
 //! and GetLastReason reads a value that the client keeps.

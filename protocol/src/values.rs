@@ -31,6 +31,8 @@ pub mod mode {
     pub const JOG: i16 = 1;
     /// PT, static or dynamic.
     pub const PT: i16 = 2;
+    /// Gear.
+    pub const GEAR: i16 = 3;
     /// Follow.
     pub const FOLLOW: i16 = 4;
     /// A coordinate system drives the axis.

@@ -19,6 +19,9 @@ pub const CRDS: usize = if SMALL { 2 } else { 8 };
 /// ms).
 pub const EDGES: usize = if SMALL { 128 } else { 256 };
 
+/// Axes whose inputs' edges are counted: all that a build has.
+pub const COUNTED_AXES: usize = if SMALL { 8 } else { 48 };
+
 /// Words of bits: of general inputs and outputs (bit 0 is GPI 1, GPO 1), of FIFOs of coordinate
 /// systems.
 #[cfg(not(feature = "small"))]

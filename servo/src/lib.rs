@@ -11,10 +11,12 @@ mod state;
 
 mod axis;
 mod capacity;
+mod edge_counts;
 pub mod math;
 pub mod output;
 pub mod segment;
 pub use capacity::Fifos;
+pub use edge_counts::EdgeCounts;
 pub mod laser;
 pub mod path;
 pub mod port;

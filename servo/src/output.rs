@@ -12,9 +12,11 @@ pub(crate) mod general_outputs;
 pub(crate) mod pwm_cycles;
 pub mod step_generator;
 pub mod step_words;
+pub(crate) mod timed_outputs;
 
 pub use cycle_ring::{CycleRing, RingSlots};
 pub use cycles::Scale;
 pub use delay_line::{DelayLine, WORDS as DELAY_LINE_WORDS};
 pub use gate_cycles::{Cycle, GateCycles, MIN_COUNTS as GATE_MIN_COUNTS};
 pub use pwm_cycles::{MIN_COUNTS as PWM_MIN_COUNTS, PwmCycles};
+pub use timed_outputs::TIMED_OUTPUTS;

@@ -2,7 +2,7 @@
 pub use crate::capacity::{GeneralInputs, GeneralOutputs};
 use crate::laser::Plan;
 use crate::segment::follow::Input;
-use crate::units::{Axis, Ns, Pos};
+use crate::units::{Axis, AxisMask, Ns, Pos};
 
 /// Levels of the digital inputs of one axis, sampled once a tick; true is the high level.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -41,6 +41,29 @@ impl AxisInputs {
             | (self.home as u8) << 3
             | (self.arrive as u8) << 4
     }
+}
+
+/// Axes that have these inputs on a board. An input that an axis lacks is never active.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct WiredInputs {
+    /// Positive limit switch.
+    pub limit_positive: AxisMask,
+    /// Negative limit switch.
+    pub limit_negative: AxisMask,
+    /// Drive alarm.
+    pub alarm: AxisMask,
+    /// Home switch.
+    pub home: AxisMask,
+    /// The drive's report of arrival.
+    pub arrive: AxisMask,
+}
+
+impl WiredInputs {
+    /// Each axis has each input.
+    pub const ALL: WiredInputs = {
+        let all = AxisMask(u64::MAX);
+        WiredInputs { limit_positive: all, limit_negative: all, alarm: all, home: all, arrive: all }
+    };
 }
 
 impl AxisInputs {

@@ -19,10 +19,12 @@ mod trace_rows;
 pub(crate) mod workload;
 
 use crate::axis::{AxisState, FastStep};
-use crate::capacity::GeneralOutputs;
+use crate::capacity::{GeneralInputs, GeneralOutputs};
 pub use crate::capacity::{IMMEDIATE, PROGRAM, SAMPLES};
+use crate::edge_counts::EdgeCounts;
 use crate::laser::{Cause, Clock, Lasers};
 use crate::output::general_outputs::{OutputEdges, OutputLevels, Set};
+use crate::output::timed_outputs::TimedOutputs;
 use crate::path::PathStores;
 use crate::port::{AxisInputs, Port};
 use crate::segment::follow::SlaveOrder;
@@ -163,6 +165,9 @@ state! {
         pub(crate) order: SlaveOrder<AXES> = SlaveOrder::NONE,
         pub(crate) crds: Crds = Crds::POWER_ON,
         pub(crate) edges: OutputEdges = OutputEdges::NONE,
+        pub(crate) timed: TimedOutputs = TimedOutputs::NONE,
+        /// General inputs as sampled last.
+        general_inputs: GeneralInputs = 0,
         pub(crate) axes: [AxisState; AXES] = {
             const { assert!(AXES <= Axis::MAX, "more axes than a mask has bits") };
             [AxisState::POWER_ON; AXES]
@@ -212,6 +217,7 @@ impl<const AXES: usize> Tick<AXES> {
         }
         if caused {
             self.report_causes();
+            self.count_edges(&lanes.tables.lasers.edges);
         }
         if self.indexed.0 != 0 {
             self.take_index_captures(port);
@@ -244,6 +250,9 @@ impl<const AXES: usize> Tick<AXES> {
             self.step_slaves(next, port, lanes);
         }
         port.outputs(0, self.enable, self.clear, self.general);
+        if !self.timed.is_empty() {
+            self.timed.take_due(next, period, &mut self.edges);
+        }
         if !self.edges.is_empty() {
             self.flush_edges(next, port, lanes);
         }
@@ -268,6 +277,10 @@ impl<const AXES: usize> Tick<AXES> {
             self.renew_period(period, &mut lanes.samples);
         }
         self.ticks = self.ticks.wrapping_add(1);
+        let general_inputs = port.general_inputs();
+        if general_inputs != self.general_inputs {
+            self.count_general(general_inputs, &lanes.tables.lasers.edges);
+        }
         self.publish(port, lanes.view.buffer());
         lanes.view.publish();
     }
@@ -287,6 +300,26 @@ impl<const AXES: usize> Tick<AXES> {
         self.lasers.interlock = open;
         if open {
             self.brake(self.supervision.interlock, StopReason::Interlock, next, &mut HandOvers::of(lanes));
+        }
+    }
+
+    /// Inputs of axes have changed: their edges count, but for the levels found at power-on.
+    #[inline(never)]
+    fn count_edges(&mut self, counts: &EdgeCounts) {
+        for (axis, state) in Axis::all().zip(&mut self.axes) {
+            let flips = core::mem::take(&mut state.flips);
+            if self.ticks != 0 {
+                counts.add_of_axis(axis, flips);
+            }
+        }
+    }
+
+    /// General inputs have changed: their edges count, but for the levels found at power-on.
+    #[inline(never)]
+    fn count_general(&mut self, levels: GeneralInputs, counts: &EdgeCounts) {
+        let flips = core::mem::replace(&mut self.general_inputs, levels) ^ levels;
+        if self.ticks > 1 {
+            counts.add_of_general(flips);
         }
     }
 
@@ -382,7 +415,7 @@ impl<const AXES: usize> Tick<AXES> {
         (view.done_immediate, view.done_program) = (self.done_immediate, self.done_program);
         (view.events_lost, view.overruns) = (self.events_lost, self.overruns);
         view.trace_lost = self.trace.lost;
-        view.general_inputs = port.general_inputs();
+        view.general_inputs = self.general_inputs;
         view.timer_mhz = self.lasers.clock.mhz();
         self.lasers.publish(&mut view.lasers);
         if view.crd_moves != self.crds.moves {

@@ -101,6 +101,8 @@ pub enum MotionMode {
     Follow = 5,
     /// The same with shaped ratios and entries that are no segments.
     FollowEx = 6,
+    /// A master's displacement in a ratio, without end.
+    Gear = 8,
     /// Driven by the coordinate system that it is mapped to. Only [`TickCommand::CrdFrame`] sets
     /// this mode, and any other mode, at standstill, ends it.
     Crd = 7,
@@ -201,6 +203,11 @@ pub enum TickCommand {
     Capture { axis: Axis, mode: u8 },
     /// Sets the masked bits of a group.
     Output { group: DoGroup, mask: u64, value: u64 },
+    /// Sets an output, and sets it back `time` after the tick from which it is in force.
+    OutputFor { group: DoGroup, bit: u8, high: bool, time: Ns },
+    /// The count of edges of an input goes on from `count`. `index` is an axis over all cores or a
+    /// general input, from 0.
+    EdgeCount { input: follow::Input, index: u8, count: u32 },
     /// Sets an input of a machine that has no wires.
     Simulate(Simulated),
     /// The same later, as row `row` of a plan; `after` counts from the tick that executes this, or
@@ -251,7 +258,10 @@ pub enum TickCommand {
     FollowCommit { axis: Axis, fifo: u8, end: u32, cleared: u32, tail: follow::FifoTail },
     /// Empties a FIFO that is not running.
     FollowClear { axis: Axis, fifo: u8 },
-    /// Follow or FollowEx of these axes begins; bits of `fifo1` take FIFO 1.
+    /// The ratio of an axis in Gear, from the next start on.
+    GearRatio { axis: Axis, ratio: follow::GearRatio },
+    /// Follow, FollowEx or Gear of these axes begins; bits of `fifo1` take FIFO 1. One that is in
+    /// gear already goes over to the ratio that is set.
     FollowStart { axes: AxisMask, fifo1: AxisMask },
     /// The other FIFO takes over when the present pass ends.
     FollowSwitch { axes: AxisMask },

@@ -400,4 +400,6 @@ pub enum Event {
     /// An on command lit nothing because a fault keeps this laser channel dark, or a clear cleared
     /// nothing because the cause of that is still there.
     LaserRefused { lane: Lane, seq: u32, channel: u8 },
+    /// An output was not set for a time, because as many as can already wait.
+    OutputRefused { lane: Lane, seq: u32 },
 }

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Folders and single files, lowest first. Each may use those before it, a folder also itself.
-const ORDER: [&str; 17] = [
+const ORDER: [&str; 18] = [
     "state",
     "capacity",
     "status",
@@ -12,6 +12,7 @@ const ORDER: [&str; 17] = [
     "math",
     "segment",
     "path",
+    "edge_counts",
     "laser",
     "tables",
     "port",

@@ -94,10 +94,23 @@ pub fn bring_up(link: Option<&str>) -> Outcome {
         println!("{}{next}", if has_probe { "" } else { "copy the HEX onto the board's drive, press B2, " });
         return Ok(());
     };
+    measure(link, &[])
+}
+
+/// Flashes the board's own image where probe-rs is there, and measures its ticks over this link.
+pub fn loads(link: &str) -> Outcome {
+    if works(program("probe-rs").arg("--version")) {
+        flash_this(&build()?)?;
+    }
+    measure(link, &["--loads"])
+}
+
+/// Runs `beamtick bring-up`.
+fn measure(link: &str, words: &[&str]) -> Outcome {
     let page = root().join("out").join("bring-up.md");
     let mut command = shell::cargo();
-    command.args(["run", "--release", "--package", "beamtick", "--", "bring-up", "--link", link, "--page"]);
-    run(command.arg(&page))
+    command.args(["run", "--release", "--package", "beamtick", "--", "bring-up", "--link", link]).args(words);
+    run(command.arg("--page").arg(&page))
 }
 
 /// Builds every variant, writes their files, and prints what each takes of the chip. Returns the
@@ -150,7 +163,7 @@ pub fn size() -> Outcome {
 pub fn flash() -> Outcome {
     if !works(program("probe-rs").arg("--version")) {
         return Err(
-            "probe-rs is missing: `cargo install probe-rs-tools --locked` (https://probe.rs); or copy the BIN that \
+            "probe-rs is missing: `cargo install probe-rs-tools --locked` (https://probe.rs); or copy the HEX that \
                     `cargo xtask image` writes onto the board's drive"
                 .into(),
         );

@@ -39,6 +39,8 @@ cargo xtask COMMAND
   flash-board     builds that image and writes it to the board (cargo flash-board; needs probe-rs)
   bring-up [LINK] builds the image by which the board measures itself into out/, flashes it if probe-rs is there; with LINK
                   (serial:/dev/ttyACM0:3000000) it measures and writes out/bring-up.md (cargo bring-up; docs/bring-up.md)
+  bring-up LINK loads
+                  the same page: how long ticks of the board's own image take under loads
   demo            builds the image, boots it, runs the examples, writes traces and plots to out/
   ticks           counts the instructions of a servo tick and writes the table of docs/numbers.md
   ticks --check   counts them and compares with the table
@@ -80,6 +82,7 @@ fn main() -> ExitCode {
         ["flash-board"] => board::flash(),
         ["bring-up"] => board::bring_up(None),
         ["bring-up", link] => board::bring_up(Some(link)),
+        ["bring-up", link, "loads"] => board::loads(link),
         ["demo"] => demo::run(),
         ["ticks"] => ticks::write(),
         ["ticks", "--check"] => ticks::check(),

@@ -1,5 +1,6 @@
 //! Set-up: a fresh machine with Rust lacks two things, the Cortex-M7 target of the compiler and
-//! QEMU; and valgrind, without which the tests that use it say that they are skipped.
+//! QEMU; and valgrind and Mono, without which the tests that use them say that they are
+//! skipped.
 //!
 //! In: the machine as it is. Out: what was missing is installed and named. On Debian and Ubuntu apt
 //! installs it; elsewhere this says what to install and how. Where rustup cannot fetch the target,
@@ -55,6 +56,7 @@ impl Compiler {
 pub fn run() -> Outcome {
     compiler()?;
     valgrind();
+    mono();
     qemu()
 }
 
@@ -122,6 +124,17 @@ pub fn gappa() -> Outcome {
     }
     println!("set-up: installing {GAPPA}");
     install(&["gappa"], "install Gappa (https://gappa.gitlabpages.inria.fr, or opam's package `gappa`)")
+}
+
+/// A C# program runs under it; a machine without it is none to refuse, either.
+fn mono() {
+    if works(program("mcs").arg("--version")) && works(program("mono").arg("--version")) {
+        return;
+    }
+    println!("set-up: installing Mono");
+    if let Err(reason) = install(&["mono-mcs", "mono-runtime"], "install Mono if there is one for it") {
+        println!("set-up: the test of a C# program will be skipped: {reason}");
+    }
 }
 
 /// Nothing needs it to pass, so a machine without it is none to refuse.

@@ -8,12 +8,13 @@ use protocol::command::{
     SetStopDec, Stop, SynchAxisPos, ZeroPos,
 };
 use protocol::reason::Reason;
+use servo::segment::follow::Input;
 use servo::segment::ramp::Accel;
 use servo::tick_command::{Guarded, Guards, TickCommand};
 use servo::units::{Axis, AxisMask, Ns, Pos};
 
 /// 250 µs, the unit of SetAxisBand.
-const CYCLE_NS: u64 = 250_000;
+pub const CYCLE_NS: u64 = 250_000;
 /// Accelerations up to here are accepted, pulse/ms².
 pub const ACCEL_MAX: f64 = 4_294_967_296.0;
 /// The following-error limit at this value is off.
@@ -107,6 +108,10 @@ pub fn limits<const AXES: usize>(context: &mut Context<AXES>, r: &LmtsOn, on: bo
     let axis = context.axis(r.core.get(), r.axis.get())?;
     let kind = choice(2, r.limit_type.get(), -1, 1)?;
     let positive = Guards::set(Guarded::LimitPositive, on);
+    if on {
+        let (positive, negative) = (kind != 1, kind != 0);
+        context.has_limits(axis, positive, negative).map_err(|refused| refused.field(2).got(kind.into()))?;
+    }
     let on = match kind {
         0 => positive,
         1 => Guards::set(Guarded::LimitNegative, on),
@@ -116,10 +121,15 @@ pub fn limits<const AXES: usize>(context: &mut Context<AXES>, r: &LmtsOn, on: bo
 }
 
 /// Bit 2k is the positive, bit 2k + 1 the negative limit of axis k + 1; 1 is active low. The word
-/// covers the first 8 axes of a core; bits of axes that the core does not have are ignored.
+/// covers the first 8 axes of a core; bits of axes that the core does not have are ignored. An
+/// input that the board lacks would be active for ever with its bit set, so that is refused.
 pub fn limit_sense<const AXES: usize>(context: &mut Context<AXES>, r: &LmtSns) -> Admitted<Answer> {
     let axes = context.core_mask(r.core.get())?;
     let sense = r.sense.get();
+    for (k, axis) in context.each(axes).take(8).enumerate() {
+        let bits = sense >> (2 * k);
+        context.has_limits(axis, bits & 1 != 0, bits & 2 != 0).map_err(|refused| refused.field(1).got(sense.into()))?;
+    }
     for (k, axis) in context.each(axes).take(8).enumerate() {
         let low = limit_levels((sense >> (2 * k)) as u8);
         context.stage(TickCommand::Guard { axis, on: Guards::NONE, low });
@@ -135,6 +145,7 @@ pub fn limit_levels(bits: u8) -> Guards {
 /// AlarmOn and AlarmOff.
 pub fn alarm<const AXES: usize>(context: &mut Context<AXES>, r: &AlarmOn, on: bool) -> Admitted<Answer> {
     let axis = context.axis(r.core.get(), r.axis.get())?;
+    context.has_alarm(axis, on).map_err(|refused| refused.field(1).got(r.axis.get().into()))?;
     context
         .only(TickCommand::Guard { axis, on: Guards::set(Guarded::Alarm, on), low: Guards::NONE }, ShadowChange::None)
 }
@@ -148,6 +159,9 @@ pub fn position_error<const AXES: usize>(context: &mut Context<AXES>, r: &SetPos
 pub fn capture<const AXES: usize>(context: &mut Context<AXES>, r: &SetCaptureMode) -> Admitted<Answer> {
     let axis = context.axis(r.core.get(), r.encoder.get())?;
     let mode = choice(2, r.mode.get(), 1, 2)?;
+    if mode == 1 {
+        context.has_home(axis, true).map_err(|refused| refused.field(2).got(mode.into()))?;
+    }
     if mode == 2 && !context.board.indexes.has(axis) {
         let refused = Refused::new(Reason::NoIndex).field(2).axis(r.encoder.get());
         return Err(refused.got(mode.into()).limits(1.0, 1.0));
@@ -161,6 +175,43 @@ pub fn all_startable<const AXES: usize>(context: &Context<AXES>, axes: AxisMask)
 }
 
 impl<const AXES: usize> Context<'_, AXES> {
+    /// Refuses a limit that is used, and that the board lacks.
+    pub fn has_limits(&self, axis: Axis, positive: bool, negative: bool) -> Admitted<()> {
+        let wired = self.board.wired;
+        self.has(axis, positive, wired.limit_positive, Reason::NoLimitInput)?;
+        self.has(axis, negative, wired.limit_negative, Reason::NoLimitInput)
+    }
+
+    /// The same for an alarm.
+    pub fn has_alarm(&self, axis: Axis, used: bool) -> Admitted<()> {
+        self.has(axis, used, self.board.wired.alarm, Reason::NoAlarmInput)
+    }
+
+    /// The same for a home switch.
+    pub fn has_home(&self, axis: Axis, used: bool) -> Admitted<()> {
+        self.has(axis, used, self.board.wired.home, Reason::NoHomeInput)
+    }
+
+    /// Refuses to wait for an input of an axis that the board lacks.
+    pub fn has_input(&self, axis: Axis, input: Input) -> Admitted<()> {
+        match input {
+            Input::LimitPositive => self.has_limits(axis, true, false),
+            Input::LimitNegative => self.has_limits(axis, false, true),
+            Input::Alarm => self.has_alarm(axis, true),
+            Input::Home => self.has_home(axis, true),
+            Input::Arrive => self.has(axis, true, self.board.wired.arrive, Reason::NoArriveInput),
+            Input::General => Ok(()),
+        }
+    }
+
+    fn has(&self, axis: Axis, used: bool, wired: AxisMask, reason: Reason) -> Admitted<()> {
+        if used && !wired.has(axis) {
+            Err(Refused::new(reason).axis(self.configuration.number_of(axis)))
+        } else {
+            Ok(())
+        }
+    }
+
     pub fn stage_dec(&mut self, axis: Axis, fields: (u8, u8), dec: (f64, f64)) -> Admitted<Answer> {
         let (smooth, abrupt) = (deceleration(fields.0, dec.0)?, deceleration(fields.1, dec.1)?);
         self.only(TickCommand::StopDec { axis, smooth, abrupt }, ShadowChange::Dec { axis, dec })

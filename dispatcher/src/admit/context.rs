@@ -6,7 +6,7 @@
 use super::staged::Staged;
 use crate::board::BoardConstants;
 use crate::configuration::{Configuration, ones};
-use crate::refuse::{Admitted, Refused, bits_of, choice};
+use crate::refuse::{Admitted, Refused, bits_of, choice, latched};
 use crate::report::answer::{Answer, TAKEN_MAX};
 use crate::report::replies::mode_number;
 use crate::report::trace::TraceColumns;
@@ -296,7 +296,7 @@ impl<'x, const AXES: usize> Context<'x, AXES> {
         // With a ClrSts in flight only the tick can know.
         let clearing = shadow.cleared.is_some_and(|seq| !executed(self.view, seq));
         if sampled.blocked != 0 && !clearing {
-            return Err(self.no(Reason::AxisFault, axis).got(sampled.status.into()));
+            return Err(self.no(latched(sampled.blocked), axis).got(sampled.status.into()));
         }
         Ok(())
     }

@@ -1,5 +1,6 @@
-//! Follow and FollowEx commands (GXN chapter 3), apart from data (see [`super::follow_data`]). The
-//! two modes share settings and layouts; a command counts only in its own mode.
+//! Follow, FollowEx (GXN chapter 3) and Gear commands, apart from data (see
+//! [`super::follow_data`]). The modes share settings and layouts; a command counts only in its own
+//! mode.
 //!
 //! The tick decides what a switch does to the FIFOs. A command that depends on it is refused until
 //! the view shows the state in which it acts ([`Context::decided`]). In a program it waits for its
@@ -23,15 +24,21 @@ use servo::units::{Axis, AxisMask};
 
 /// The mode that a command is for.
 pub fn mode_of(number: u16) -> MotionMode {
-    if chapter(number) == Chapter::FollowEx { MotionMode::FollowEx } else { MotionMode::Follow }
+    match chapter(number) {
+        Chapter::FollowEx => MotionMode::FollowEx,
+        Chapter::Gear => MotionMode::Gear,
+        _ => MotionMode::Follow,
+    }
 }
 
 /// Admits any of them but data and reads of one axis.
 pub fn admit<const AXES: usize>(context: &mut Context<AXES>, number: u16, body: &[u8]) -> Admitted<Answer> {
     let mode = mode_of(number);
     match number {
-        opcode::PrfFollow | opcode::PrfFollowEx => prf(context, mode, &one(body)?),
-        opcode::SetFollowMaster | opcode::SetFollowMasterEx => set_master(context, mode, &one(body)?),
+        opcode::PrfFollow | opcode::PrfFollowEx | opcode::PrfGear => prf(context, mode, &one(body)?),
+        opcode::SetFollowMaster | opcode::SetFollowMasterEx | opcode::SetGearMaster => {
+            set_master(context, mode, &one(body)?)
+        }
         opcode::SetFollowLoop | opcode::SetFollowLoopEx => set_loop(context, mode, &one(body)?),
         opcode::SetFollowEvent | opcode::SetFollowEventEx => set_event(context, mode, &one(body)?),
         opcode::FollowSpace | opcode::FollowSpaceEx => space(context, mode, &one(body)?),
@@ -40,6 +47,9 @@ pub fn admit<const AXES: usize>(context: &mut Context<AXES>, number: u16, body: 
         opcode::FollowSwitch | opcode::FollowSwitchEx => switch(context, mode, &one(body)?),
         opcode::SetFollowMemory | opcode::SetFollowMemoryEx => set_memory(context, mode, &one(body)?),
         opcode::FollowSwitchNowEx => switch_now(context, &one(body)?),
+        opcode::SetGearRatio => super::gear::set_ratio(context, &one(body)?),
+        opcode::SetGearEvent => super::gear::set_event(context, &one(body)?),
+        opcode::GearStart => super::gear::start(context, &one(body)?),
         opcode::GetFollowDataPercent2Ex => asymmetric_segment(context, &one(body)?),
         other => Err(unknown(other)),
     }
@@ -130,10 +140,11 @@ fn set_loop<const AXES: usize>(context: &mut Context<AXES>, mode: MotionMode, r:
 /// Has effect from the next start on. The direction matters for PASS only.
 fn set_event<const AXES: usize>(context: &mut Context<AXES>, mode: MotionMode, r: &SetFollowEvent) -> Admitted<Answer> {
     let axis = context.following_axis(mode, r.core.get(), r.profile.get())?;
-    let (which, direction, pos) = (choice(2, r.event.get(), 1, 2)?, choice(3, r.master_dir.get(), -1, 1)?, r.pos.get());
-    if which == 2 && direction == 0 {
-        return Err(Refused::new(Reason::Selector).field(3).got(0.0).limits(-1.0, 1.0));
+    let (which, direction, pos) = (choice(2, r.event.get(), 1, 2)?, r.master_dir.get(), r.pos.get());
+    if which == 2 && direction != 1 && direction != -1 {
+        return Err(Refused::new(Reason::CrossingDirection).field(3).got(direction.into()));
     }
+    choice(3, direction, -1, 1)?;
     let event = if which == 1 { StartEvent::Start } else { StartEvent::Pass { up: direction > 0, pos } };
     context.only(
         TickCommand::FollowEvent { axis, event },

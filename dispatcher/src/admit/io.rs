@@ -1,18 +1,25 @@
 //! Digital and analog inputs and outputs.
+use super::axis::CYCLE_NS;
 use super::context::Context;
 use super::many;
 use crate::configuration::ones;
-use crate::io_types::{WORD, WORDS};
-use crate::refuse::{Admitted, Refused, bits_of, choice};
+use crate::io_types::{EDGES_READ_MAX, WORD, WORDS};
+use crate::refuse::{Admitted, Refused, bits_of, choice, within};
 use crate::report::answer::{Answer, Query};
 use crate::shadow::ShadowChange;
-use protocol::command::{GetAdc, GetDac, GetDi, GetDiEx, SetDac, SetDo, SetDoBit, SetDoEx, opcode};
+use protocol::command::{
+    GetAdc, GetDac, GetDi, GetDiEx, GetDiReverseCount, SetDac, SetDiReverseCount, SetDo, SetDoBit, SetDoBitReverse,
+    SetDoEx, opcode,
+};
 use protocol::reason::Reason;
 use protocol::values::io as kind;
 use servo::laser::PowerMode;
 use servo::segment::follow::Input;
 use servo::tick_command::{DoGroup, TickCommand};
-use servo::units::{AxisMask, CrdMask};
+use servo::units::{AxisMask, CrdMask, Ns};
+
+/// Counts that one command sets at most.
+const EDGES_SET_MAX: i16 = 8;
 
 /// GetDi and GetDo: one word.
 pub fn levels<const AXES: usize>(context: &Context<AXES>, number: u16, r: &GetDi) -> Admitted<Answer> {
@@ -61,6 +68,37 @@ pub fn set_output<const AXES: usize>(context: &mut Context<AXES>, r: &SetDoBit) 
     let (group, bit, high) = context.output_bit(r.core.get(), 1, (r.do_type.get(), r.index.get(), r.value.get()))?;
     let mask = 1u64 << bit;
     stage_output(context, group, mask, if high { mask } else { 0 });
+    Ok(Answer::Done)
+}
+
+/// One output keeps a level for a time of cycles of 250 µs, and then gets the other one. A later
+/// command for it takes the place of that.
+pub fn set_output_for<const AXES: usize>(context: &mut Context<AXES>, r: &SetDoBitReverse) -> Admitted<Answer> {
+    let given = (r.do_type.get(), r.do_index.get(), r.value.get());
+    let (group, bit, high) = context.output_bit(r.core.get(), 1, given)?;
+    let cycles = within(4, r.reverse_time_cycles.get(), 0, i16::MAX)?;
+    let time = Ns(u64::from(cycles.unsigned_abs()) * CYCLE_NS);
+    let off = AxisMask(if group == DoGroup::Enable && !high { 1 << bit } else { 0 });
+    let change = if off.0 == 0 { ShadowChange::None } else { ShadowChange::Stopped { axes: off, crds: CrdMask(0) } };
+    context.only(TickCommand::OutputFor { group, bit, high, time }, change)
+}
+
+/// Counts of edges of consecutive inputs; a read past the last one gets those that exist.
+pub fn edges<const AXES: usize>(context: &mut Context<AXES>, r: &GetDiReverseCount) -> Admitted<Answer> {
+    let (input, first, have) = context.inputs(r.core.get(), r.di_type.get(), r.di_index.get())?;
+    let count = choice(3, r.count.get(), 1, i16::MAX)?.unsigned_abs().min(u16::from(have.min(EDGES_READ_MAX))) as u8;
+    Ok(Answer::Read(Query { opcode: opcode::GetDiReverseCount, first, count, which: input as u8 }))
+}
+
+/// The same set, so that they go on from there.
+pub fn set_edges<const AXES: usize>(context: &mut Context<AXES>, body: &[u8]) -> Admitted<Answer> {
+    let (request, values) = many::<SetDiReverseCount>(body, |r| r.count.get())?;
+    let (input, first, have) = context.inputs(request.core.get(), request.di_type.get(), request.di_index.get())?;
+    let count = i16::try_from(request.count.get()).unwrap_or(i16::MAX);
+    choice(3, count, 1, i16::from(have).min(EDGES_SET_MAX))?;
+    for (index, value) in (first..).zip(values) {
+        context.stage(TickCommand::EdgeCount { input, index, count: value.value.get() });
+    }
     Ok(Answer::Done)
 }
 
@@ -174,8 +212,22 @@ impl<const AXES: usize> Context<'_, AXES> {
             kind::GPI => (Input::General, 0, self.general_inputs()),
             _ => (Input::Arrive, first, axes),
         };
-        let index = choice(field + 1, index, 1, i16::from(count))?.unsigned_abs() as u8 - 1;
+        let number = choice(field + 1, index, 1, i16::from(count))?;
+        let index = number.unsigned_abs() as u8 - 1;
+        if input != Input::General {
+            let axis = self.axis(core, number)?;
+            self.has_input(axis, input).map_err(|refused| refused.field(field + 1).got(number.into()))?;
+        }
         Ok((input, first + index, choice(field + 2, value, 0, 1)? == 1))
+    }
+
+    /// Consecutive inputs from one on: their kind, the first one's axis over all cores or number,
+    /// and how many there are. Type and index are fields 1 and 2.
+    fn inputs(&self, core: i16, which: i16, index: i16) -> Admitted<(Input, u8, u8)> {
+        let (input, first, _) = self.input_bit(core, 1, (which, index, 0))?;
+        let count =
+            if input == Input::General { self.general_inputs() } else { self.configuration.profile.axes_per_core };
+        Ok((input, first, count - (index.unsigned_abs() as u8 - 1)))
     }
 
     /// General inputs that a program can name: those of the profile, as far as the board has them.

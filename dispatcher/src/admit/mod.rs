@@ -11,6 +11,7 @@ pub mod crd_data;
 pub mod data;
 mod follow;
 mod follow_data;
+mod gear;
 mod io;
 mod jog_trap;
 pub mod joined;
@@ -178,6 +179,8 @@ pub fn admit<const AXES: usize>(context: &mut Context<AXES>, number: u16, body: 
 
         SetDo => io::set_outputs,
         SetDoBit => io::set_output,
+        SetDoBitReverse => io::set_output_for,
+        GetDiReverseCount => io::edges,
         GetDac => io::analog_outputs,
         GetAdc => io::analog_inputs,
         SimInput => simulated::input,
@@ -236,6 +239,7 @@ pub fn admit<const AXES: usize>(context: &mut Context<AXES>, number: u16, body: 
             opcode::LoadConfig => session::load_config(context, body),
             opcode::SetDoEx => io::set_output_words(context, body),
             opcode::SetDac => io::set_analog(context, body),
+            opcode::SetDiReverseCount => io::set_edges(context, body),
             _ => follow::admit(context, number, body),
         }
     }

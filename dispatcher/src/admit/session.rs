@@ -167,16 +167,23 @@ pub fn config_item<const AXES: usize>(context: &mut Context<AXES>, core: i16, it
     let (mut on, mut low) = (Guards::NONE, Guards::NONE);
     if has(0) {
         let bits = within(2, item.limits_on, 0, 3)?;
+        context.has_limits(axis, bits & 1 != 0, bits & 2 != 0).map_err(|refused| refused.field(2).got(bits.into()))?;
         on = on.and(Guarded::LimitPositive, bits & 1 != 0).and(Guarded::LimitNegative, bits & 2 != 0);
     }
     if has(1) {
-        low = limit_levels(within(3, item.limit_sense, 0, 3)?);
+        let bits = within(3, item.limit_sense, 0, 3)?;
+        context.has_limits(axis, bits & 1 != 0, bits & 2 != 0).map_err(|refused| refused.field(3).got(bits.into()))?;
+        low = limit_levels(bits);
     }
     if has(2) {
-        on = on.and(Guarded::Alarm, within(4, item.alarm_on, 0, 1)? != 0);
+        let used = within(4, item.alarm_on, 0, 1)? != 0;
+        context.has_alarm(axis, used).map_err(|refused| refused.field(4).got(1.0))?;
+        on = on.and(Guarded::Alarm, used);
     }
     if has(3) {
-        low = low.and(Guarded::Alarm, within(5, item.alarm_sense, 0, 1)? != 0);
+        let is_low = within(5, item.alarm_sense, 0, 1)? != 0;
+        context.has_alarm(axis, is_low).map_err(|refused| refused.field(5).got(1.0))?;
+        low = low.and(Guarded::Alarm, is_low);
     }
     if has(4) {
         context.stage_soft(axis, 6, (item.soft_positive.get(), item.soft_negative.get()))?;
@@ -191,7 +198,9 @@ pub fn config_item<const AXES: usize>(context: &mut Context<AXES>, core: i16, it
         context.stage_band(axis, (11, 12), (item.band.get(), item.band_time_cycles.get()))?;
     }
     if has(8) {
-        low = low.and(Guarded::Home, within(13, item.home_sense, 0, 1)? != 0);
+        let is_low = within(13, item.home_sense, 0, 1)? != 0;
+        context.has_home(axis, is_low).map_err(|refused| refused.field(13).got(1.0))?;
+        low = low.and(Guarded::Home, is_low);
     }
     if (on, low) != (Guards::NONE, Guards::NONE) {
         context.stage(TickCommand::Guard { axis, on, low });

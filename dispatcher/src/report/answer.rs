@@ -80,4 +80,6 @@ pub enum Refuser {
     Crd(Crd),
     /// A laser channel that a fault keeps dark.
     Laser(u8),
+    /// As many outputs as can keep a level for a time.
+    Outputs,
 }

@@ -11,10 +11,10 @@ mod follow;
 mod tests;
 
 use super::event_log::{EVENTS_KEPT, Log};
-use crate::board::{BoardConstants, FAULT_TEXT_MAX};
+use crate::board::{BoardConstants, FAULT_TEXT_MAX, Fault, FaultKind, TICK_BUCKET_NS, TICK_BUCKETS};
 use crate::bounded_vec::collect;
 use crate::configuration::{Configuration, ones};
-use crate::io_types::{WORD, WORDS};
+use crate::io_types::{EDGES_READ_MAX, WORD, WORDS};
 use crate::report::answer::{POINTS_MAX, Query, Sent, TAKEN_MAX};
 use crate::shadow::Shadows;
 use heapless::Vec;
@@ -135,6 +135,7 @@ pub fn mode_number(of: servo::tick_command::MotionMode) -> i16 {
         MotionMode::Jog => mode::JOG,
         MotionMode::PtStatic | MotionMode::PtDynamic => mode::PT,
         MotionMode::Pvt => mode::PVT,
+        MotionMode::Gear => mode::GEAR,
         MotionMode::Follow => mode::FOLLOW,
         MotionMode::FollowEx => mode::FOLLOW_EX,
         MotionMode::Crd => mode::CRD,
@@ -157,7 +158,6 @@ impl<const AXES: usize> Reading<'_, AXES> {
             Version => self.version();
             Choose => self.version();
             GetClock => command::Clock { clock_ms: self.clock_ms().into(), ticks: self.view.tick.into() };
-            GetTickTime => self.tick_time();
             GetLinkLoss => command::LinkLossReply {
                 time_ms: f64::from(self.executed.watch.link_loss_ms).into(),
                 stop_all: i16::from(self.executed.watch.stop_all).into(),
@@ -194,6 +194,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
     fn listed(&self, tag: u16, query: &Query, out: &mut ReplyWriter) -> Sent {
         match query.opcode {
             opcode::GetFault => self.fault(tag, out),
+            opcode::GetTickTime => self.tick_time(tag, out),
             opcode::GetEvents => self.events(tag, out),
             opcode::GetDiEx => self.words::<command::GetDiEx>(tag, query, out),
             opcode::GetDoEx => self.words::<command::GetDoEx>(tag, query, out),
@@ -203,6 +204,14 @@ impl<const AXES: usize> Reading<'_, AXES> {
                 let items: Vec<_, 8> = collect(outputs.map(item));
                 let head = command::Count { count: (items.len() as u16).into() };
                 out.done::<command::GetDac>(tag, &head, &items)
+            }
+            opcode::GetDiReverseCount => {
+                let input = Input::of_bits(query.which);
+                let inputs = (query.first..).take(query.count.into());
+                let counts = inputs.map(|index| command::ULong { value: self.tables.edges.of(input, index).into() });
+                let items: Vec<_, { EDGES_READ_MAX as usize }> = collect(counts);
+                let head = command::Count { count: (items.len() as u16).into() };
+                out.done::<command::GetDiReverseCount>(tag, &head, &items)
             }
             opcode::GetAdc => {
                 let inputs = self.view.analog.iter().skip(query.first.into()).take(query.count.into());
@@ -214,7 +223,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
             other => match chapter(other) {
                 Chapter::Laser => self.laser(tag, query, out),
                 Chapter::Crd => self.crd_reply(tag, query, out),
-                Chapter::Follow | Chapter::FollowEx => self.follow(tag, query, out),
+                Chapter::Follow | Chapter::FollowEx | Chapter::Gear => self.follow(tag, query, out),
                 Chapter::Other => self.axes_reply(tag, query, out),
             },
         }
@@ -297,7 +306,8 @@ impl<const AXES: usize> Reading<'_, AXES> {
 
     /// The text is cut between characters.
     fn fault(&self, tag: u16, out: &mut ReplyWriter) -> Sent {
-        let (kind, text) = self.board.fault.map_or((0, ""), |fault| (fault.kind as u8, fault.text));
+        let found = (self.board.contradiction)().map(|text| Fault { kind: FaultKind::Board, text });
+        let (kind, text) = found.or(self.board.fault).map_or((0, ""), |fault| (fault.kind as u8, fault.text));
         let text = text.get(..text.floor_char_boundary(FAULT_TEXT_MAX)).unwrap_or("");
         let head = command::FaultReply { kind, length: (text.len() as u16).into() };
         out.push_raw(opcode::GetFault, tag, 0, &[head.as_bytes(), text.as_bytes()])
@@ -329,15 +339,20 @@ impl<const AXES: usize> Reading<'_, AXES> {
         }
     }
 
-    fn tick_time(&self) -> command::TickTimeReply {
+    fn tick_time(&self, tag: u16, out: &mut ReplyWriter) -> Sent {
         let taken = self.board.tick_time.map(|ask| ask());
         let time = taken.unwrap_or_default();
-        command::TickTimeReply {
+        let items: Vec<_, TICK_BUCKETS> =
+            collect(time.histogram.into_iter().map(|ticks| command::ULong { value: ticks.into() }));
+        let head = command::TickTimeReply {
             period_ns: (self.view.period.0 as u32).into(),
             median_ns: time.median_ns.into(),
             worst_ns: time.worst_ns.into(),
             measured: taken.is_some().into(),
-        }
+            bucket_ns: TICK_BUCKET_NS.into(),
+            count: (items.len() as u16).into(),
+        };
+        out.done::<command::GetTickTime>(tag, &head, &items)
     }
 
     /// What an axis waits for; it is numbered on its own core.

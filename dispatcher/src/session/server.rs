@@ -127,6 +127,7 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
                 Event::Refused { lane, seq, axis, status } => (lane, seq, Refuser::Axis(axis, status)),
                 Event::CrdRefused { lane, seq, crd } => (lane, seq, Refuser::Crd(crd)),
                 Event::LaserRefused { lane, seq, channel } => (lane, seq, Refuser::Laser(channel)),
+                Event::OutputRefused { lane, seq } => (lane, seq, Refuser::Outputs),
                 Event::Stopped { axis, reason, now } => {
                     self.handler.admission.log.stopped(now, EventKind::AxisStopped, axis.index(), reason);
                     continue;

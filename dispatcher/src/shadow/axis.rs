@@ -74,7 +74,7 @@ pub struct AxisShadow {
     pub table: Option<u8>,
     /// PVT passes to run, 0 for endless.
     pub table_passes: i32,
-    /// Follow and FollowEx.
+    /// Follow, FollowEx and Gear.
     pub follow: FollowShadow,
     /// Target velocity, pulse/ms.
     pub vel: f64,
@@ -96,9 +96,9 @@ impl AxisShadow {
     pub fn is_pt(&self) -> bool {
         matches!(self.mode, MotionMode::PtStatic | MotionMode::PtDynamic)
     }
-    /// Whether the axis is in Follow or FollowEx mode.
+    /// Whether the axis is in Follow, FollowEx or Gear mode.
     pub fn is_follow(&self) -> bool {
-        matches!(self.mode, MotionMode::Follow | MotionMode::FollowEx)
+        matches!(self.mode, MotionMode::Follow | MotionMode::FollowEx | MotionMode::Gear)
     }
     /// The FIFO of Follow that runs when the next entry acts, if the axis does and does not switch.
     pub fn running_fifo<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView) -> u8 {

@@ -29,7 +29,7 @@ impl FollowFifoShadow {
     }
 }
 
-/// Follow and FollowEx of one axis.
+/// Follow, FollowEx and Gear of one axis.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct FollowShadow {
     /// −1, 0 or +1.
@@ -40,6 +40,8 @@ pub struct FollowShadow {
     pub master: Option<(Axis, [i16; 3])>,
     /// Event, direction and position as they were given.
     pub event: (i16, i16, i32),
+    /// Ratio of Gear: master, slave and slope as they were given.
+    pub ratio: Option<[i32; 3]>,
     /// The data.
     pub fifos: [FollowFifoShadow; 2],
     /// Times the tick has emptied each, by the view that this state follows.
@@ -120,6 +122,7 @@ impl FollowShadow {
     pub fn forget(&mut self, seq: u32) {
         self.empty_both(seq);
         (self.direction, self.master, self.event) = (0, None, FollowShadow::power_on().event);
+        self.ratio = None;
     }
     /// Reset. The tick's counts continue.
     pub fn reset(&mut self, seq: u32) {

@@ -12,7 +12,7 @@ use ring::{Latest, Ring};
 use servo::laser::{Clock, Plan};
 use servo::output::step_generator;
 use servo::path::{EntryStore, PathStores};
-use servo::port::{AxisInputs, GeneralInputs, GeneralOutputs, Port};
+use servo::port::{AxisInputs, GeneralInputs, GeneralOutputs, Port, WiredInputs};
 use servo::segment::pvt::{HeaderStore, PointStore, TABLES};
 use servo::tables::TableStores;
 use servo::tick::{SegmentStore, Tick, TickConfig, TickHalves};
@@ -163,7 +163,16 @@ impl<const AXES: usize> Bench<AXES> {
             general_outputs: if profile == 0 { 16 } else { 64 },
             indexes: AxisMask(0b1),
             step_limit,
+            // The last axis of the smallest profile has none.
+            wired: &WiredInputs {
+                limit_positive: AxisMask(!(1 << 7)),
+                limit_negative: AxisMask(!(1 << 7)),
+                alarm: AxisMask(!(1 << 7)),
+                home: AxisMask(!(1 << 7)),
+                arrive: AxisMask(!(1 << 7)),
+            },
             fault,
+            contradiction: || None,
             tick_time: None,
         };
         let mut bench = Bench {

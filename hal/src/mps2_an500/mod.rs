@@ -55,6 +55,14 @@ pub const GENERAL_INPUTS: u8 = servo::port::GeneralInputs::BITS as u8;
 /// Axes whose encoder's index is captured: none, since encoders follow the set-point.
 pub const INDEXES: servo::units::AxisMask = servo::units::AxisMask(0);
 
+/// All inputs of axes are there.
+pub const WIRED: servo::port::WiredInputs = servo::port::WiredInputs::ALL;
+
+/// There are no break inputs that could contradict their pins.
+pub fn contradiction() -> Option<&'static str> {
+    None
+}
+
 /// Reason of an NMI of this board that is not the watchdog's.
 pub const NMI: Option<&str> = None;
 

@@ -56,11 +56,11 @@ pub struct Analog {
 }
 
 impl Analog {
-    /// Takes the converter that is fitted; it outputs 0 V.
+    /// Takes the converter that is fitted; it outputs 0 V, or nothing unless it `drives`.
     ///
     /// # Safety
     /// At most once, with the pins of both as the reset or [`super::pins`] has left them.
-    pub unsafe fn open() -> Analog {
+    pub unsafe fn open(drives: bool) -> Analog {
         // SAFETY: the caller's promise.
         let external = EXTERNAL_DAC.then(|| unsafe { spi::open() });
         let external = external.map(|(bus, select, pause)| Dac8563 { bus, select, pause });
@@ -71,7 +71,7 @@ impl Analog {
         }
         let mut analog = Analog { outputs: [Output::default(); OUTPUTS], external };
         (0..OUTPUTS).for_each(|channel| analog.put(channel, 0));
-        if analog.external.is_none() {
+        if drives && analog.external.is_none() {
             // The values before the outputs: reading back takes the cycle that they need (RM0433
             // 26.4.5). Buffered to the pin, as `DAC_MCR` is after reset.
             DAC1.dor(OUTPUTS - 1).read();

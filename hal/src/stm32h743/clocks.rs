@@ -6,7 +6,7 @@
 //! the watchdog, which runs by then and resets. When the source stops later, the hardware
 //! breaks the laser outputs, and the NMI ends in the fault path ([`CLOCK_LOST`]).
 use super::boards::BOARD;
-use super::wiring::VCO_MHZ;
+use super::wiring::{Source, VCO_MHZ};
 use stm32_metapac::rcc::vals::{Hpre, Plldiv, Pllm, Plln, Pllrge, Pllsrc, Pllvcosel, Ppre, Sw, Usbsel};
 use stm32_metapac::{DBGMCU, FLASH, PWR, RCC, SYSCFG, pwr};
 
@@ -63,10 +63,11 @@ pub fn break_with_the_chip() {
     unsafe { SYSCFG.as_ptr().cast::<u8>().add(BREAKS).cast::<u32>().write_volatile(SUPPLY_AND_LOCKUP) };
 }
 
-/// Everything at full speed; call it after [`await_source`].
-pub fn raise() {
+/// Everything at full speed, from the chip's own 64 MHz if `own`; otherwise from the board's
+/// source, after [`await_source`].
+pub fn raise(own: bool) {
     supply();
-    multiply();
+    multiply(if own { &OWN } else { &SOURCE });
     // Wait states before the clock that needs them (RM0433 4.3.8, table 17: VOS0, up to 240 MHz on
     // AXI).
     FLASH.acr().write(|w| {
@@ -89,7 +90,9 @@ pub fn raise() {
     wait(|| RCC.cfgr().read().sws() == Sw::PLL1_P);
     // If the source stops, the clock security system breaks the lasers' timers, switches to the
     // chip's own clock and makes an NMI (RM0433 8.5.3).
-    RCC.cr().modify(|w| w.set_hsecsson(true));
+    if !own {
+        RCC.cr().modify(|w| w.set_hsecsson(true));
+    }
 }
 
 /// LDO, and VOS0 through VOS1 (RM0433 6.6.2).
@@ -109,30 +112,56 @@ fn supply() {
     wait(|| PWR.d3cr().read().vosrdy());
 }
 
-/// 48 MHz for USB, as exact as the source (RM0433 8.5): PLL1 Q.
+/// 48 MHz for USB, as exact as the source (RM0433 8.5): PLL1 Q. Without the board's source it is
+/// the chip's own oscillator for USB, which takes PLL1 Q's place.
 pub fn give_usb() {
-    RCC.d2ccip2r().modify(|w| w.set_usbsel(Usbsel::PLL1_Q));
+    if RCC.pllckselr().read().pllsrc() == Pllsrc::HSI {
+        RCC.cr().modify(|w| w.set_hsi48on(true));
+        wait(|| RCC.cr().read().hsi48rdy());
+        RCC.d2ccip2r().modify(|w| w.set_usbsel(Usbsel::HSI48));
+    } else {
+        RCC.d2ccip2r().modify(|w| w.set_usbsel(Usbsel::PLL1_Q));
+    }
 }
 
-/// By what PLL1 divides the source, and what is left of it in MHz.
-const DIVIDER: u32 = BOARD.source.divider();
-const REFERENCE_MHZ: u32 = BOARD.source.mhz / DIVIDER;
-/// The range of PLL1's reference (RM0433 8.7.13).
-const RANGE: Pllrge = match REFERENCE_MHZ {
-    8..=16 => Pllrge::RANGE8,
-    4..=7 => Pllrge::RANGE4,
-    2..=3 => Pllrge::RANGE2,
-    _ => Pllrge::RANGE1,
-};
+/// What PLL1 multiplies.
+struct Input {
+    source: Pllsrc,
+    /// By what PLL1 divides it.
+    divider: u32,
+    /// What is left of it.
+    reference_mhz: u32,
+}
+
+impl Input {
+    const fn of(source: Pllsrc, from: Source) -> Input {
+        let divider = from.divider();
+        Input { source, divider, reference_mhz: from.mhz / divider }
+    }
+
+    /// The range of PLL1's reference (RM0433 8.7.13).
+    fn range(&self) -> Pllrge {
+        match self.reference_mhz {
+            8..=16 => Pllrge::RANGE8,
+            4..=7 => Pllrge::RANGE4,
+            2..=3 => Pllrge::RANGE2,
+            _ => Pllrge::RANGE1,
+        }
+    }
+}
+
+/// The board's source, and the chip's own clock.
+const SOURCE: Input = Input::of(Pllsrc::HSE, BOARD.source);
+const OWN: Input = Input::of(Pllsrc::HSI, Source { mhz: 64, ..BOARD.source });
 
 /// PLL1: 960 MHz; / 2 for the core, / 20 for USB.
-fn multiply() {
+fn multiply(input: &Input) {
     RCC.pllckselr().modify(|w| {
-        w.set_pllsrc(Pllsrc::HSE);
-        w.set_divm(0, Pllm::from_bits(DIVIDER as u8));
+        w.set_pllsrc(input.source);
+        w.set_divm(0, Pllm::from_bits(input.divider as u8));
     });
     RCC.pllcfgr().modify(|w| {
-        w.set_pllrge(0, RANGE);
+        w.set_pllrge(0, input.range());
         w.set_pllvcosel(0, Pllvcosel::WIDE_VCO);
         w.set_pllfracen(0, false);
         w.set_divpen(0, true);
@@ -140,7 +169,7 @@ fn multiply() {
         w.set_divren(0, false);
     });
     RCC.plldivr(0).write(|w| {
-        w.set_plln(Plln::from_bits((VCO_MHZ / REFERENCE_MHZ - 1) as u16));
+        w.set_plln(Plln::from_bits((VCO_MHZ / input.reference_mhz - 1) as u16));
         w.set_pllp(Plldiv::DIV2);
         w.set_pllq(Plldiv::DIV20);
         w.set_pllr(Plldiv::DIV2);

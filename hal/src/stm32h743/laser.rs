@@ -11,7 +11,7 @@ use super::boards::BOARD;
 use super::clocks::TIMER_MHZ;
 use super::pwm_dma::{BEGIN, LASER_0, LASER_1, SWITCHES, TIM15, Timer, empty_slots};
 use super::wiring::Break;
-use core::sync::atomic::AtomicU32;
+use core::sync::atomic::{AtomicU8, AtomicU32, Ordering::Relaxed};
 use servo::laser::{CHANNELS, Plan};
 use servo::output::{DELAY_LINE_WORDS, DelayLine, GateCycles, PwmCycles, RingSlots, Scale};
 use stm32_metapac::timer::TimAdv;
@@ -245,16 +245,70 @@ pub fn safe_state() {
     }
 }
 
-/// Whether the break input was active since the last call.
-pub fn was_broken() -> bool {
-    let mut broken = false;
-    for timer in [TIM1, TIM8, TIM15] {
+/// Which timers were broken since the last call, a bit each, in the order of [`BOARD`]'s break
+/// inputs. An input that is active breaks its timer again at once.
+pub fn was_broken() -> u8 {
+    let mut broken = 0;
+    for (timer, bit) in [(TIM1, 1), (TIM15, 2), (TIM8, 4)] {
         if timer.sr().read().bif(0) {
-            broken = true;
+            broken |= bit;
             clear_break(timer);
         }
     }
     broken
+}
+
+/// Which break input contradicts its pin: 0 none, else one more than its text's place among those
+/// of all inputs. Relaxed: written once in the tick, read by the thread.
+static CONTRADICTS: AtomicU8 = AtomicU8::new(0);
+
+/// What [`Breaks`] has found.
+pub fn found() -> Option<&'static str> {
+    let place = usize::from(CONTRADICTS.load(Relaxed)).checked_sub(1)?;
+    BOARD.breaks.get(place / 2)?.texts.get(place % 2).copied()
+}
+
+/// Compares the flags of the timers with the levels of their pins in each tick in which one is set.
+#[derive(Debug)]
+pub struct Breaks {
+    /// Timers whose flag and level differed in the tick before, a bit each.
+    suspects: u8,
+    /// A timer contradicts its pin: treated as an interlock that stays open.
+    pub contradicts: bool,
+}
+
+impl Breaks {
+    /// Nothing was compared yet.
+    pub const fn new(contradicts: bool) -> Breaks {
+        Breaks { suspects: 0, contradicts }
+    }
+
+    /// Whether the interlock is open, by the levels and the flags, a bit a timer. A break that is
+    /// over has disabled the outputs too.
+    #[inline]
+    pub fn is_open(&mut self, levels: u8, flags: u8) -> bool {
+        if levels | flags == 0 {
+            self.suspects = 0;
+            return self.contradicts;
+        }
+        self.compare(levels, flags);
+        true
+    }
+
+    /// The levels were read before the flags, so a pin that is high has set its flag. A flag alone
+    /// is a break that is over, or one of the chip, which sets all. In two ticks it is neither.
+    #[cold]
+    #[inline(never)]
+    fn compare(&mut self, levels: u8, flags: u8) {
+        let of_chip = flags == 0b111;
+        let differ = levels & !flags | if of_chip { 0 } else { flags & !levels };
+        let found = core::mem::replace(&mut self.suspects, differ) & differ;
+        if found != 0 && !self.contradicts {
+            self.contradicts = true;
+            let input = found.trailing_zeros() as u8;
+            CONTRADICTS.store(1 + 2 * input + (levels >> input & 1), Relaxed);
+        }
+    }
 }
 
 impl Lasers {

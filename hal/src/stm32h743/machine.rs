@@ -7,7 +7,7 @@
 use super::adc::Adc;
 use super::analog::Analog;
 use super::encoders::Encoders;
-use super::laser::{self, Lasers};
+use super::laser::{self, Breaks, Lasers};
 use super::pins::{self, AXES, PinLevels};
 use super::steps::Steps;
 use servo::laser::Plan;
@@ -33,12 +33,12 @@ pub struct Machine {
     /// steps.
     after_next: GeneralOutputs,
     lasers: Lasers,
-    /// The board contradicts its wiring: treated as an interlock that stays open.
-    is_blocked: bool,
+    /// The interlock's inputs.
+    breaks: Breaks,
 }
 
 impl Machine {
-    /// At standstill at zero.
+    /// At standstill at zero. `is_blocked` is a board that contradicts its wiring.
     pub fn new(lasers: Lasers, analog: Analog, adc: Adc, is_blocked: bool) -> Machine {
         Machine {
             levels: PinLevels::LOW,
@@ -47,7 +47,7 @@ impl Machine {
             analog,
             adc,
             lasers,
-            is_blocked,
+            breaks: Breaks::new(is_blocked),
             reached: [0; AXES],
             targets: [0; AXES],
             driven: (0, 0),
@@ -128,8 +128,7 @@ impl Port for Machine {
     }
 
     fn interlock(&mut self) -> bool {
-        // A break that is over has disabled the outputs too.
-        laser::was_broken() | self.levels.interlock() | self.is_blocked
+        self.breaks.is_open(self.levels.interlock(), laser::was_broken())
     }
 
     fn laser(&mut self, channel: usize, plan: &Plan) {

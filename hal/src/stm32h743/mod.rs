@@ -17,6 +17,7 @@ pub mod encoders;
 pub mod idle;
 pub mod laser;
 pub mod machine;
+pub mod package;
 pub mod pins;
 mod pwm_dma;
 pub mod settings;
@@ -88,17 +89,52 @@ pub struct Board {
     pub contradiction: Option<&'static str>,
 }
 
+/// What the ticks have found about the break inputs.
+pub fn contradiction() -> Option<&'static str> {
+    laser::found()
+}
+
+/// Axes that have inputs of their own; the others' are never active.
+pub const WIRED: servo::port::WiredInputs = servo::port::WiredInputs {
+    limit_positive: first(boards::BOARD.limit_positive),
+    limit_negative: first(boards::BOARD.limit_negative),
+    alarm: first(boards::BOARD.alarm),
+    home: first(boards::BOARD.home),
+    arrive: first(&[]),
+};
+
+/// As many axes as there are pins.
+const fn first(pins: wiring::OfAxes) -> servo::units::AxisMask {
+    servo::units::AxisMask((1 << pins.len()) - 1)
+}
+
 /// Reason of an NMI of this board that is not the watchdog's.
 pub const NMI: Option<&str> = Some(clocks::CLOCK_LOST);
 
 /// Brings the board up: the clock's source, watchdog, guards, caches, clocks, pins, priorities,
 /// UART. All interrupts are still off. `None` from the second call on.
+///
+/// On another package than the board's it drives no pin, and the board says why
+/// ([`Board::contradiction`]).
 pub fn take() -> Option<Board> {
+    bring_up(package::is_other())
+}
+
+/// The same without regard to the package, for an image that reports the register.
+pub fn take_on_any_package() -> Option<Board> {
+    bring_up(false)
+}
+
+fn bring_up(is_other: bool) -> Option<Board> {
     let mut core = cortex_m::Peripherals::take()?;
-    clocks::await_source();
+    if !is_other {
+        clocks::await_source();
+    }
     if clocks::is_too_old() {
-        // The image needs a faster chip: all pins stay as the reset left them, except a lamp.
-        pins::show_refusal();
+        // The image needs a faster chip: all pins stay as the reset left them, except an LED.
+        if !is_other {
+            pins::show_refusal();
+        }
         loop {
             cortex_m::asm::wfi();
         }
@@ -116,7 +152,7 @@ pub fn take() -> Option<Board> {
     guard::uncached(&mut core.MPU, base, bits, without);
     core.SCB.enable_icache();
     core.SCB.enable_dcache(&mut core.CPUID);
-    clocks::raise();
+    clocks::raise(is_other);
     // SAFETY: before `listen` nothing runs at these priorities, so no critical section is open.
     unsafe {
         core.NVIC.set_priority(Interrupt::TIM2, priority::TICK);
@@ -126,19 +162,31 @@ pub fn take() -> Option<Board> {
     }
     // SAFETY: this function gets here once, since the core's peripherals are handed out once.
     unsafe {
-        pins::open();
+        pins::give_clocks();
+        if !is_other {
+            pins::open();
+        }
         let lasers = laser::open();
         clocks::break_with_the_chip();
-        // The timers hold the safe state before a pin outputs it.
-        pins::open_lasers();
-        let contradiction = laser::contradiction(pins::PinLevels::read().breaks());
+        let contradiction = if is_other {
+            Some(package::OTHER)
+        } else {
+            // The timers hold the safe state before a pin outputs it.
+            pins::open_lasers();
+            laser::contradiction(pins::PinLevels::read().breaks())
+        };
         encoders::open();
         Some(Board {
             contradiction,
             timer: timer::TickTimer::take(),
             link: uart::open(),
             trace: None,
-            machine: machine::Machine::new(lasers, analog::Analog::open(), adc::Adc::open(), contradiction.is_some()),
+            machine: machine::Machine::new(
+                lasers,
+                analog::Analog::open(!is_other),
+                adc::Adc::open(),
+                contradiction.is_some(),
+            ),
         })
     }
 }

@@ -5,12 +5,12 @@
 //! [`safe_state`] makes the outputs analog again. Fails never.
 use super::boards::BOARD;
 use super::settings::EXTERNAL_DAC;
-use super::wiring::{Assigned, Pin};
+use super::wiring::{Assigned, Pin, number_of};
 use servo::output::step_words;
 use servo::port::{GeneralInputs, GeneralOutputs};
+use stm32_metapac::RCC;
 use stm32_metapac::gpio::Gpio;
 use stm32_metapac::gpio::vals::{Moder, Ospeedr, Pupdr};
-use stm32_metapac::{GPIOA, RCC};
 
 /// Axes: as many as have a step output.
 pub const AXES: usize = step_words::AXES;
@@ -20,24 +20,28 @@ pub const GENERAL_INPUTS: usize = BOARD.general_in.len();
 /// General outputs.
 pub const GENERAL_OUTPUTS: usize = BOARD.general_out.len();
 
-/// Registers of a port take this many bytes (RM0433 2.3.2).
-const PORT_SPAN: usize = 0x400;
+/// Ports of all pins, and of those that ticks drive.
+const PORTS: [Gpio; BOARD.uses().count()] = BOARD.uses().ports();
+const OUT: [Gpio; BOARD.driven_in_ticks().count()] = BOARD.driven_in_ticks().ports();
 
 /// Gives a port its clock.
 fn clock(port: Gpio) {
     // The ports lie in the order of their bits (RM0433 8.7.44).
-    let number = (port.as_ptr() as usize).wrapping_sub(GPIOA.as_ptr() as usize) / PORT_SPAN;
-    RCC.ahb4enr().modify(|w| w.0 |= 1 << number);
+    RCC.ahb4enr().modify(|w| w.0 |= 1 << number_of(port));
+}
+
+/// Gives all ports of the board their clock.
+pub fn give_clocks() {
+    PORTS.iter().for_each(|port| clock(*port));
+    // Read back, so that the clock is on (RM0433 8.5.8).
+    RCC.ahb4enr().read();
 }
 
 /// Configures the inputs, drives the outputs low and assigns the link's pins to USART3.
 ///
 /// # Safety
-/// Once, before anything else writes a port.
+/// Once, after [`give_clocks`], before anything else writes a port.
 pub unsafe fn open() {
-    BOARD.ports.iter().for_each(|port| clock(*port));
-    // Read back, so that the clock is on (RM0433 8.5.8).
-    RCC.ahb4enr().read();
     let of_axes = [BOARD.limit_positive, BOARD.limit_negative, BOARD.home, BOARD.alarm];
     for pin in of_axes.into_iter().flatten().chain(BOARD.general_in) {
         input(*pin, Pupdr::PULL_DOWN);
@@ -70,9 +74,9 @@ pub unsafe fn open() {
     }
 }
 
-/// Lights the board's lamp, if it has one, and nothing else: the image refuses this chip.
+/// Lights the board's LED, if it has one, and nothing else: the image refuses this chip.
 pub fn show_refusal() {
-    let Some((port, pin)) = BOARD.lamp else { return };
+    let Some((port, pin)) = BOARD.led else { return };
     clock(port);
     RCC.ahb4enr().read();
     port.bsrr().write(|w| w.set_bs(pin, true));
@@ -107,12 +111,13 @@ pub unsafe fn open_lasers() {
     }
 }
 
-/// Assigns USB's lines to the core.
+/// Assigns USB's lines to the core, and the host's 5 V where the board leads them to the chip and
+/// `senses_vbus`.
 ///
 /// # Safety
 /// Once, after [`open`].
-pub unsafe fn open_usb() {
-    if let Some(pin) = BOARD.usb.vbus {
+pub unsafe fn open_usb(senses_vbus: bool) {
+    if let Some(pin) = BOARD.usb.vbus.filter(|_| senses_vbus) {
         input(pin, Pupdr::FLOATING);
     }
     BOARD.usb.lines.into_iter().for_each(|pin| assign(pin, Ospeedr::VERY_HIGH_SPEED));
@@ -126,7 +131,7 @@ fn input((port, pin): Pin, pull: Pupdr) {
 /// Every output high-impedance again.
 pub fn safe_state() {
     BOARD.steps.moder().write(|w| (0..2 * AXES).for_each(|pin| w.set_moder(pin, Moder::ANALOG)));
-    for &port in BOARD.out {
+    for &port in &OUT {
         for &(owner, pin) in BOARD.enable.iter().chain(BOARD.general_out) {
             if owner == port {
                 port.moder().modify(|w| w.set_moder(pin, Moder::ANALOG));
@@ -137,7 +142,7 @@ pub fn safe_state() {
 
 /// Servo-enable lines, a bit an axis, and general outputs; all of a port change at once.
 pub fn set(enable: u64, general: GeneralOutputs) {
-    for &port in BOARD.out {
+    for &port in &OUT {
         let mut word = 0;
         let outputs = BOARD.enable.iter().zip(0..).map(|(pin, bit)| (pin, enable >> bit & 1 == 1));
         let general = BOARD.general_out.iter().zip(0..).map(|(pin, bit)| (pin, general >> bit & 1 == 1));
@@ -153,17 +158,17 @@ pub fn set(enable: u64, general: GeneralOutputs) {
 /// Levels of all inputs of one tick; the ports are read one after the other.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct PinLevels {
-    ports: [u16; BOARD.ports.len()],
+    ports: [u16; PORTS.len()],
 }
 
 impl PinLevels {
     /// Nothing is high.
-    pub const LOW: PinLevels = PinLevels { ports: [0; BOARD.ports.len()] };
+    pub const LOW: PinLevels = PinLevels { ports: [0; PORTS.len()] };
 
     /// As they are now.
     pub fn read() -> PinLevels {
         let mut levels = PinLevels::LOW;
-        for (level, port) in levels.ports.iter_mut().zip(BOARD.ports) {
+        for (level, port) in levels.ports.iter_mut().zip(&PORTS) {
             *level = port.idr().read().0 as u16;
         }
         levels
@@ -171,7 +176,7 @@ impl PinLevels {
 
     /// A pin whose port the board does not list reads as high: an open interlock, an active limit.
     fn at(&self, (port, pin): Pin) -> bool {
-        let found = BOARD.ports.iter().zip(self.ports).find(|(owner, _)| **owner == port);
+        let found = PORTS.iter().zip(self.ports).find(|(owner, _)| **owner == port);
         found.is_none_or(|(_, levels)| levels >> pin & 1 == 1)
     }
 
@@ -209,8 +214,8 @@ impl PinLevels {
         BOARD.breaks.map(|input| self.at(input.pin.0))
     }
 
-    /// Whether any of the interlock's inputs is high.
-    pub fn interlock(&self) -> bool {
-        BOARD.breaks.iter().any(|input| self.at(input.pin.0))
+    /// The same, a bit each.
+    pub fn interlock(&self) -> u8 {
+        self.breaks().into_iter().zip(0..).fold(0, |bits, (level, bit)| bits | u8::from(level) << bit)
     }
 }

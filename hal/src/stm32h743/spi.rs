@@ -1,6 +1,6 @@
 //! SPI3 to an external DAC (RM0433 50): 32 MHz from the HSI, mode 1.
 //!
-//! In: bytes. Out: the same on SCK and MOSI, with a pin for the select line. Owns SPI3. It waits
+//! In: bytes. Out: the same on SCK and MOSI, with a pin for the chip select. Owns SPI3. It waits
 //! for the end of what it sends, some 0.3 µs a byte. Fails: [`Silent`], if the peripheral does not
 //! finish.
 use super::boards::BOARD;
@@ -35,11 +35,11 @@ pub struct Bus(());
 #[derive(Debug)]
 pub struct Select(());
 
-/// Waits, from when the select line has the level that was set.
+/// Waits, from when the chip select has the level that was set.
 #[derive(Debug)]
 pub struct Pause(());
 
-/// The select line.
+/// The chip select.
 const SELECT: Pin = BOARD.dac_select;
 
 /// Switches SPI3 on; its pins are given by [`super::pins`].
@@ -54,7 +54,7 @@ pub unsafe fn open() -> (Bus, Select, Pause) {
     RCC.apb1lenr().read();
     // Divided by 2; items of 8 bits.
     SPI3.cfg1().write(|w| w.set_dsize(7));
-    // SSI before MASTER: else the internal select line would end the master mode (RM0433 50.4.6).
+    // SSI before MASTER: else the internal chip select would end the master mode (RM0433 50.4.6).
     SPI3.cr1().write(|w| w.set_ssi(true));
     SPI3.cfg2().write(|w| {
         w.set_ssm(true);

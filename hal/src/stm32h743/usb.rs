@@ -10,7 +10,7 @@
 //! - An endpoint that expects another packet is enabled again, as the manual asks: the driver
 //!   clears only its NAK.
 use super::boards::BOARD;
-use super::{clocks, pins};
+use super::{clocks, package, pins};
 use core::future::{Future, poll_fn};
 use core::pin::pin;
 use embassy_usb_driver::{
@@ -32,8 +32,6 @@ pub const ID_DIGITS: usize = 24;
 
 /// The current that the board takes from the host at most, in mA; 0 with a supply of its own.
 pub const MILLIAMPERES: u16 = BOARD.usb.milliamperes;
-/// The chip sees the host's 5 V.
-const HAS_VBUS: bool = BOARD.usb.vbus.is_some();
 
 /// Endpoints each way: control; notifications and bytes received; bytes sent.
 const ENDPOINTS: usize = 3;
@@ -74,8 +72,10 @@ pub unsafe fn open(waiting: &'static mut [u8; WAITING]) -> Option<Usb> {
     // No ULPI is fitted: with its clock enabled, the core would stop while the CPU sleeps (RM0433
     // 8.7, AHB1LPENR).
     RCC.ahb1lpenr().modify(|w| w.set_usb_otg_fs_ulpilpen(false));
+    // The chip senses the host's 5 V. On another package their pin may have another signal.
+    let senses_vbus = BOARD.usb.vbus.is_some() && !package::is_other();
     // SAFETY: once, as asked of the caller.
-    unsafe { pins::open_usb() };
+    unsafe { pins::open_usb(senses_vbus) };
     let core = core();
     if !waits_for(|| core.grstctl().read().ahbidl()) {
         return None;
@@ -88,9 +88,9 @@ pub unsafe fn open(waiting: &'static mut [u8; WAITING]) -> Option<Usb> {
     core.gccfg_v2().modify(|w| {
         // The bit switches the transceiver on.
         w.set_pwrdwn(true);
-        w.set_vbden(HAS_VBUS);
+        w.set_vbden(senses_vbus);
     });
-    if !HAS_VBUS {
+    if !senses_vbus {
         // A session without the host's 5 V (RM0433 57, OTG_GOTGCTL).
         core.gotgctl().modify(|w| {
             w.set_bvaloen(true);
@@ -98,7 +98,7 @@ pub unsafe fn open(waiting: &'static mut [u8; WAITING]) -> Option<Usb> {
         });
     }
     let mut config = Config::default();
-    config.vbus_detection = HAS_VBUS;
+    config.vbus_detection = senses_vbus;
     let instance = OtgInstance {
         regs: core,
         state: STATE.as_state(),

@@ -24,10 +24,10 @@ pub type OfAxes = &'static [Pin];
 pub struct Wiring {
     /// Its name as the link reports it.
     pub name: &'static str,
+    /// The chip's package.
+    pub package: Package,
     /// What feeds the high-speed oscillator (HSE).
     pub source: Source,
-    /// Ports of all pins below.
-    pub ports: &'static [Gpio],
     /// Directions on pins 0 to 7, steps on 8 to 15: the layout of the words of
     /// [`servo::output::step_words`].
     pub steps: Gpio,
@@ -45,8 +45,6 @@ pub struct Wiring {
     pub general_in: &'static [Pin],
     /// General outputs.
     pub general_out: &'static [Pin],
-    /// Ports of the enables and the general outputs.
-    pub out: &'static [Gpio],
     /// Energy + and − of laser 0 (TIM1_CH1, CH1N) and of laser 1 (TIM15_CH1, CH1N), switch + and −
     /// of laser 0 (TIM8_CH2, CH2N) and of laser 1 (TIM8_CH3, CH3N).
     pub lasers: [Assigned; 8],
@@ -60,7 +58,7 @@ pub struct Wiring {
     pub indexes: [Assigned; 2],
     /// SPI3_SCK and SPI3_MOSI, for an external DAC.
     pub dac: [Assigned; 2],
-    /// Its select line.
+    /// Its chip select.
     pub dac_select: Pin,
     /// USB.
     pub usb: Usb,
@@ -68,8 +66,26 @@ pub struct Wiring {
     pub driven_low: &'static [Pin],
     /// Pins that other parts of the board need at a high level: the chip pulls them up.
     pub pulled_up: &'static [Pin],
-    /// A lamp that says alone that the image refuses this chip.
-    pub lamp: Option<Pin>,
+    /// An LED that says alone that the image refuses this chip.
+    pub led: Option<Pin>,
+}
+
+/// A package of the chip.
+#[derive(Debug, Clone, Copy)]
+pub struct Package {
+    /// SYSCFG_PKGR.PKG.
+    pub code: u8,
+    /// What is reported where the chip is in another one.
+    pub other: &'static str,
+}
+
+impl Package {
+    /// 100 pins.
+    pub const LQFP100: Package =
+        Package { code: 0, other: "this image is for a board whose chip has 100 pins; no pin is driven" };
+    /// 144 pins.
+    pub const LQFP144: Package =
+        Package { code: 2, other: "this image is for a board whose chip has 144 pins; no pin is driven" };
 }
 
 /// What feeds the high-speed oscillator.
@@ -131,7 +147,142 @@ impl Source {
     }
 }
 
+/// Ports A to K.
+pub const PORTS: usize = 11;
+/// The first one, and the bytes of its registers (RM0433 2.3.2).
+const FIRST_PORT: usize = 0x5802_0000;
+const PORT_SPAN_BYTES: usize = 0x400;
+/// Pins of every board: PA4 and PA5 of DAC1, PA13 and PA14 of the debug port, PC2_C and PC3_C of
+/// ADC3.
+const FIXED: [(usize, u16); 2] = [(0, 1 << 4 | 1 << 5 | 1 << 13 | 1 << 14), (2, 1 << 2 | 1 << 3)];
+
+/// A port's number, from A on.
+pub const fn number_of(port: Gpio) -> usize {
+    union Address {
+        port: Gpio,
+        address: usize,
+    }
+    // SAFETY: a port is its address, as a pointer that was made of a number.
+    (unsafe { Address { port }.address } - FIRST_PORT) / PORT_SPAN_BYTES
+}
+
+/// The port of a number.
+const fn port_of(number: usize) -> Gpio {
+    // SAFETY: its address.
+    unsafe { Gpio::from_ptr((FIRST_PORT + number * PORT_SPAN_BYTES) as *mut ()) }
+}
+
+/// Which pins are used, a bit each; and whether one is used twice.
+#[derive(Clone, Copy)]
+pub struct Uses {
+    pins: [u16; PORTS],
+    twice: bool,
+}
+
+impl Uses {
+    const NONE: Uses = Uses { pins: [0; PORTS], twice: false };
+
+    const fn and(mut self, (port, pin): Pin) -> Uses {
+        let (number, bit) = (number_of(port), 1 << pin);
+        self.twice |= self.pins[number] & bit != 0;
+        self.pins[number] |= bit;
+        self
+    }
+
+    const fn and_all(mut self, pins: &[Pin]) -> Uses {
+        let mut n = 0;
+        while n < pins.len() {
+            self = self.and(pins[n]);
+            n += 1;
+        }
+        self
+    }
+
+    const fn and_assigned(mut self, pins: &[Assigned]) -> Uses {
+        let mut n = 0;
+        while n < pins.len() {
+            self = self.and(pins[n].0);
+            n += 1;
+        }
+        self
+    }
+
+    /// How many ports have one.
+    pub const fn count(&self) -> usize {
+        let (mut count, mut number) = (0, 0);
+        while number < PORTS {
+            count += (self.pins[number] != 0) as usize;
+            number += 1;
+        }
+        count
+    }
+
+    /// These ports, in order; `N` is [`Uses::count`].
+    pub const fn ports<const N: usize>(&self) -> [Gpio; N] {
+        let mut ports = [port_of(0); N];
+        let (mut n, mut number) = (0, 0);
+        while number < PORTS {
+            if self.pins[number] != 0 {
+                ports[n] = port_of(number);
+                n += 1;
+            }
+            number += 1;
+        }
+        ports
+    }
+}
+
 impl Wiring {
+    /// Pins of enables and general outputs.
+    pub const fn driven_in_ticks(&self) -> Uses {
+        Uses::NONE.and_all(self.enable).and_all(self.general_out)
+    }
+
+    /// All pins. An LED may be one of the outputs.
+    pub const fn uses(&self) -> Uses {
+        let mut uses = self
+            .driven_in_ticks()
+            .and_all(self.limit_positive)
+            .and_all(self.limit_negative)
+            .and_all(self.home)
+            .and_all(self.alarm)
+            .and_all(self.general_in)
+            .and_assigned(&self.lasers)
+            .and_assigned(&self.link)
+            .and_assigned(&self.encoders)
+            .and_assigned(&self.indexes)
+            .and_assigned(&self.dac)
+            .and(self.dac_select)
+            .and_assigned(&self.usb.lines)
+            .and_all(self.driven_low)
+            .and_all(self.pulled_up);
+        let mut pin = 0;
+        while pin < 2 * AXES {
+            uses = uses.and((self.steps, pin));
+            pin += 1;
+        }
+        let mut input = 0;
+        while input < self.breaks.len() {
+            uses = uses.and(self.breaks[input].pin.0);
+            input += 1;
+        }
+        if let Some(vbus) = self.usb.vbus {
+            uses = uses.and(vbus);
+        }
+        let mut n = 0;
+        while n < FIXED.len() {
+            let (port, pins) = FIXED[n];
+            uses.twice |= uses.pins[port] & pins != 0;
+            n += 1;
+        }
+        uses
+    }
+
+    /// Whether a pin has two uses, or one that every board has for something else.
+    pub const fn uses_a_pin_twice(&self) -> bool {
+        self.uses().twice
+    }
+
     /// Whether no list is longer than there are axes.
     pub const fn is_sound(&self) -> bool {
         self.enable.len() <= AXES

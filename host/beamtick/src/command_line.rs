@@ -61,7 +61,8 @@ pub enum Command {
     /// Shows version, board, profile and limits of a controller; without --link, of the virtual
     /// one.
     Info(Info),
-    /// Has a reference board with the bring-up image measure itself, and writes a page. Outputs
+    /// Has a reference board with the bring-up image measure itself, and writes a page; with
+    /// `--loads` adds how long the ticks of the board's own image take. Outputs
     /// move: connect no drive and no laser. docs/bring-up.md names the jumpers.
     BringUp(BringUp),
     /// Writes the job that a G-code program or a drawing is.
@@ -443,6 +444,9 @@ pub struct BringUp {
     /// serial:PATH:3000000, the ST-LINK's port.
     #[arg(long)]
     pub link: String,
+    /// The board runs its own image: measures how long its servo ticks take under loads.
+    #[arg(long)]
+    pub loads: bool,
     /// Writes the page to this file instead of the standard output.
     #[arg(long, value_name = "FILE.md")]
     pub page: Option<PathBuf>,

@@ -283,7 +283,7 @@ mod tests {
     fn the_load_of_ticks_is_reported_in_time_and_percent() {
         let text = |measured| {
             let (period_ns, median_ns, worst_ns) = (50_000.into(), 5_250.into(), 12_500.into());
-            TickFacts::of(&TickTimeReply { period_ns, median_ns, worst_ns, measured }).to_string()
+            TickFacts::of(&TickTimeReply { period_ns, median_ns, worst_ns, measured, ..Default::default() }).to_string()
         };
         assert_eq!(text(0), "50 us; how long ticks take is not measured on this board");
         assert_eq!(text(1), "50 us; ticks take 5.25 us (10 %) in the median, 12.50 us (25 %) at most since the start");

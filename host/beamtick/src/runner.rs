@@ -199,6 +199,14 @@ fn drive(client: &Client, mut watch: Watch<'_, '_>, entries: &[Entry], strict: b
         None => Ok(summary.progress),
         Some(answer) => {
             let mut text = report.failure(&answer, Severity::Error);
+            let late = answer.refusal().and_then(Refusal::reason) == Some(Reason::Late);
+            if let Some(first) = summary.progress.first_late.filter(|_| late) {
+                let worst = summary.progress.queue.worst_late_us;
+                text.push_str(&format!(
+                    "The first late entry is {}; the worst came {worst} us late.\n",
+                    report.place(first)
+                ));
+            }
             let lost = answer.refusal().and_then(Refusal::reason) == Some(Reason::LinkLost);
             if lost && client.held_up() >= HELD_UP {
                 text.push_str(&format!("This machine held the program up for {} ms.\n", client.held_up().as_millis()));

@@ -405,3 +405,22 @@ fn a_standard_output_that_is_full_is_an_error() {
     assert!(code == 1 && errors.contains("the standard output cannot be written: No space left"), "{code} {errors}");
     assert_eq!(with(std::process::Stdio::piped()), (0, String::new()));
 }
+
+/// More entries at one instant than the queue holds: some are late. A strict job says which one was
+/// the first.
+#[test]
+fn a_strict_job_names_the_entry_that_was_late() {
+    let folder = tempfile::tempdir().unwrap();
+    let job = folder.path().join("late.gts");
+    let bits: String = (0..3000).map(|n| format!("rtn=GT_SetDoBit(12,{},{});\n", n % 16 + 1, n % 2)).collect();
+    fs::write(&job, format!("short rtn; rtn=GT_AxisOn(1);\nSleep(1);\n{bits}Sleep(1); WaitStop(1);\n")).unwrap();
+    let job = job.to_str().unwrap();
+    let (out, errors, code) = beamtick(&["sim", job]);
+    assert_eq!(code, 0, "{errors}");
+    let (_, first) = out.split_once("the first one is ").unwrap_or_else(|| panic!("{out}"));
+    let (first, _) = first.split_once(':').unwrap();
+    let (_, errors, code) = beamtick(&["sim", job, "--strict"]);
+    assert_eq!(code, 1, "{errors}");
+    assert!(errors.contains("an entry before it was late"), "{errors}");
+    assert!(errors.contains(&format!("The first late entry is {first};")), "{first}: {errors}");
+}

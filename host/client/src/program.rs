@@ -282,6 +282,11 @@ pub(crate) fn run(
             break;
         }
     }
+    if strict && run.failed.is_some() {
+        // Which entry was late stands in the queue's report; the looks so far may be older.
+        run.progress.queue = client.call(ProgramStatus {})?;
+        run.note();
+    }
     if run.failed.is_some() || run.progress.queue.state != state::EMPTY {
         let last = run.progress.queue;
         client.call(ProgramClear {})?;

@@ -120,6 +120,15 @@ typedef struct THomeStatus {
 #define PT_SEGMENT_NORMAL 0
 #define PT_SEGMENT_EVEN 1
 #define PT_SEGMENT_STOP 2
+#define GEAR_MASTER_ENCODER 1
+#define GEAR_MASTER_PROFILE 2
+#define GEAR_MASTER_AXIS 3
+#define GEAR_MASTER_AU_ENCODER 4
+#define GEAR_MASTER_ENCODER_OTHER 101
+#define GEAR_MASTER_AXIS_OTHER 103
+#define GEAR_EVENT_START 1
+#define GEAR_EVENT_PASS 2
+#define GEAR_EVENT_AREA 5
 #define FOLLOW_MASTER_ENCODER 1
 #define FOLLOW_MASTER_PROFILE 2
 #define FOLLOW_MASTER_AXIS 3
@@ -320,6 +329,12 @@ GT_API GT_SetDoEx(short doType, long *value, short count GT_DEFAULT(1));
 GT_API GT_GetDoEx(short doType, long *value, short count GT_DEFAULT(1));
 /* Sets one digital output, counted from 1. */
 GT_API GT_SetDoBit(short doType, short index, short value);
+/* An output gets a level for a time in units of 250 us, and then the other one; 16 at a time. */
+GT_API GT_SetDoBitReverse(short doType, short doIndex, short value, short reverseTime);
+/* Edges of an input, or of count from one on, both directions, counted in every servo tick. */
+GT_API GT_GetDiReverseCount(short diType, short diIndex, unsigned long *reverseCount, short count GT_DEFAULT(1));
+/* Sets these counts; they go on from there. */
+GT_API GT_SetDiReverseCount(short diType, short diIndex, unsigned long *reverseCount, short count GT_DEFAULT(1));
 /* Sets count analog outputs, -32768 to 32767 for -10 to 10 V. */
 GT_API GT_SetDac(short dac, short *value, short count GT_DEFAULT(1));
 /* Values of count analog outputs. */
@@ -538,6 +553,22 @@ GT_API GT_PvtPercentCalculate(long count, double *time, double *pos, double *per
 GT_API GT_PvtTableContinuous(short tableId, long count, double *pos, double *vel, double *percent, double *velMax, double *acc, double *dec, double timeBegin);
 /* The times of a Continuous table. */
 GT_API GT_PvtContinuousCalculate(long count, double *pos, double *vel, double *percent, double *velMax, double *acc, double *dec, double *time);
+/* Puts an axis into Gear mode: direction of the master 0 both, 1, -1. */
+GT_API GT_PrfGear(short profile, short dir GT_DEFAULT(0));
+/* Sets an axis's master: its number, type and item. */
+GT_API GT_SetGearMaster(short profile, short masterIndex, short masterType GT_DEFAULT(2), short masterItem GT_DEFAULT(0));
+/* An axis's master: its number, type and item. */
+GT_API GT_GetGearMaster(short profile, short *masterIndex, short *masterType GT_DEFAULT(NULL), short *masterItem GT_DEFAULT(NULL));
+/* Sets the ratio slaveEven/masterEven of the next GearStart, reached over masterSlope pulses of the master; 0 at once. */
+GT_API GT_SetGearRatio(short profile, long masterEven, long slaveEven, long masterSlope GT_DEFAULT(0));
+/* The ratio that SetGearRatio has set. */
+GT_API GT_GetGearRatio(short profile, long *masterEven, long *slaveEven, long *masterSlope GT_DEFAULT(NULL));
+/* Starts axes in Gear; one that runs takes the ratio that was set last. */
+GT_API GT_GearStart(long mask);
+/* Sets when the gear begins: 1 at once, 2 when the master crosses position startPara1, upwards (startPara0 1) or downwards (-1). */
+GT_API GT_SetGearEvent(short profile, short event, long startPara0, long startPara1);
+/* When the gear begins. */
+GT_API GT_GetGearEvent(short profile, short *event, long *startPara0, long *startPara1);
 
 /* Follow */
 /* Puts an axis into Follow mode: direction of the master 0 both, 1, -1. */
@@ -742,28 +773,6 @@ GT_API GT_GetHomePrm(short axis, THomePrm *prm);
 GT_API GT_GetHomeStatus(short axis, THomeStatus *status);
 /* Done: homing needs no start. */
 GT_API GT_HomeInit(void);
-/* Refused: no mode Gear. */
-GT_API GT_PrfGear(short profile, short dir GT_DEFAULT(0));
-/* Refused: no mode Gear. */
-GT_API GT_SetGearMaster(short profile, short masterIndex, short masterType GT_DEFAULT(2), short masterItem GT_DEFAULT(0));
-/* Refused: no mode Gear. */
-GT_API GT_GetGearMaster(short profile, short *masterIndex, short *masterType GT_DEFAULT(NULL), short *masterItem GT_DEFAULT(NULL));
-/* Refused: no mode Gear. */
-GT_API GT_SetGearRatio(short profile, long masterEven, long slaveEven, long masterSlope GT_DEFAULT(0));
-/* Refused: no mode Gear. */
-GT_API GT_GetGearRatio(short profile, long *masterEven, long *slaveEven, long *masterSlope GT_DEFAULT(NULL));
-/* Refused: no mode Gear. */
-GT_API GT_GearStart(long mask);
-/* Refused: no mode Gear. */
-GT_API GT_SetGearEvent(short profile, short event, long startPara0, long startPara1);
-/* Refused: no mode Gear. */
-GT_API GT_GetGearEvent(short profile, short *event, long *startPara0, long *startPara1);
-/* Refused: no counts of edges. */
-GT_API GT_GetDiReverseCount(short diType, short diIndex, unsigned long *reverseCount, short count GT_DEFAULT(1));
-/* Refused: no counts of edges. */
-GT_API GT_SetDiReverseCount(short diType, short diIndex, unsigned long *reverseCount, short count GT_DEFAULT(1));
-/* Refused: no output for a time. */
-GT_API GT_SetDoBitReverse(short doType, short doIndex, short value, short reverseTime);
 /* Refused: no Cam. */
 GT_API GT_PrfCam(short profile);
 /* Refused: no Cam. */
@@ -900,6 +909,12 @@ GT_API GTN_SetDoEx(short core, short doType, long *value, short count GT_DEFAULT
 GT_API GTN_GetDoEx(short core, short doType, long *value, short count GT_DEFAULT(1));
 /* Sets one digital output, counted from 1. */
 GT_API GTN_SetDoBit(short core, short doType, short index, short value);
+/* An output gets a level for a time in units of 250 us, and then the other one; 16 at a time. */
+GT_API GTN_SetDoBitReverse(short core, short doType, short doIndex, short value, short reverseTime);
+/* Edges of an input, or of count from one on, both directions, counted in every servo tick. */
+GT_API GTN_GetDiReverseCount(short core, short diType, short diIndex, unsigned long *reverseCount, short count GT_DEFAULT(1));
+/* Sets these counts; they go on from there. */
+GT_API GTN_SetDiReverseCount(short core, short diType, short diIndex, unsigned long *reverseCount, short count GT_DEFAULT(1));
 /* Sets count analog outputs, -32768 to 32767 for -10 to 10 V. */
 GT_API GTN_SetDac(short core, short dac, short *value, short count GT_DEFAULT(1));
 /* Values of count analog outputs. */
@@ -1118,6 +1133,22 @@ GT_API GTN_PvtPercentCalculate(short core, long count, double *time, double *pos
 GT_API GTN_PvtTableContinuous(short core, short tableId, long count, double *pos, double *vel, double *percent, double *velMax, double *acc, double *dec, double timeBegin);
 /* The times of a Continuous table. */
 GT_API GTN_PvtContinuousCalculate(short core, long count, double *pos, double *vel, double *percent, double *velMax, double *acc, double *dec, double *time);
+/* Puts an axis into Gear mode: direction of the master 0 both, 1, -1. */
+GT_API GTN_PrfGear(short core, short profile, short dir GT_DEFAULT(0));
+/* Sets an axis's master: its number, type and item. */
+GT_API GTN_SetGearMaster(short core, short profile, short masterIndex, short masterType GT_DEFAULT(2), short masterItem GT_DEFAULT(0));
+/* An axis's master: its number, type and item. */
+GT_API GTN_GetGearMaster(short core, short profile, short *masterIndex, short *masterType GT_DEFAULT(NULL), short *masterItem GT_DEFAULT(NULL));
+/* Sets the ratio slaveEven/masterEven of the next GearStart, reached over masterSlope pulses of the master; 0 at once. */
+GT_API GTN_SetGearRatio(short core, short profile, long masterEven, long slaveEven, long masterSlope GT_DEFAULT(0));
+/* The ratio that SetGearRatio has set. */
+GT_API GTN_GetGearRatio(short core, short profile, long *masterEven, long *slaveEven, long *masterSlope GT_DEFAULT(NULL));
+/* Starts axes in Gear; one that runs takes the ratio that was set last. */
+GT_API GTN_GearStart(short core, long mask);
+/* Sets when the gear begins: 1 at once, 2 when the master crosses position startPara1, upwards (startPara0 1) or downwards (-1). */
+GT_API GTN_SetGearEvent(short core, short profile, short event, long startPara0, long startPara1);
+/* When the gear begins. */
+GT_API GTN_GetGearEvent(short core, short profile, short *event, long *startPara0, long *startPara1);
 
 /* Follow */
 /* Puts an axis into Follow mode: direction of the master 0 both, 1, -1. */
@@ -1322,28 +1353,6 @@ GT_API GTN_GetHomePrm(short core, short axis, THomePrm *prm);
 GT_API GTN_GetHomeStatus(short core, short axis, THomeStatus *status);
 /* Done: homing needs no start. */
 GT_API GTN_HomeInit(short core);
-/* Refused: no mode Gear. */
-GT_API GTN_PrfGear(short core, short profile, short dir GT_DEFAULT(0));
-/* Refused: no mode Gear. */
-GT_API GTN_SetGearMaster(short core, short profile, short masterIndex, short masterType GT_DEFAULT(2), short masterItem GT_DEFAULT(0));
-/* Refused: no mode Gear. */
-GT_API GTN_GetGearMaster(short core, short profile, short *masterIndex, short *masterType GT_DEFAULT(NULL), short *masterItem GT_DEFAULT(NULL));
-/* Refused: no mode Gear. */
-GT_API GTN_SetGearRatio(short core, short profile, long masterEven, long slaveEven, long masterSlope GT_DEFAULT(0));
-/* Refused: no mode Gear. */
-GT_API GTN_GetGearRatio(short core, short profile, long *masterEven, long *slaveEven, long *masterSlope GT_DEFAULT(NULL));
-/* Refused: no mode Gear. */
-GT_API GTN_GearStart(short core, long mask);
-/* Refused: no mode Gear. */
-GT_API GTN_SetGearEvent(short core, short profile, short event, long startPara0, long startPara1);
-/* Refused: no mode Gear. */
-GT_API GTN_GetGearEvent(short core, short profile, short *event, long *startPara0, long *startPara1);
-/* Refused: no counts of edges. */
-GT_API GTN_GetDiReverseCount(short core, short diType, short diIndex, unsigned long *reverseCount, short count GT_DEFAULT(1));
-/* Refused: no counts of edges. */
-GT_API GTN_SetDiReverseCount(short core, short diType, short diIndex, unsigned long *reverseCount, short count GT_DEFAULT(1));
-/* Refused: no output for a time. */
-GT_API GTN_SetDoBitReverse(short core, short doType, short doIndex, short value, short reverseTime);
 /* Refused: no Cam. */
 GT_API GTN_PrfCam(short core, short profile);
 /* Refused: no Cam. */

@@ -120,6 +120,15 @@ typedef struct THomeStatus {
 #define PT_SEGMENT_NORMAL 0
 #define PT_SEGMENT_EVEN 1
 #define PT_SEGMENT_STOP 2
+#define GEAR_MASTER_ENCODER 1
+#define GEAR_MASTER_PROFILE 2
+#define GEAR_MASTER_AXIS 3
+#define GEAR_MASTER_AU_ENCODER 4
+#define GEAR_MASTER_ENCODER_OTHER 101
+#define GEAR_MASTER_AXIS_OTHER 103
+#define GEAR_EVENT_START 1
+#define GEAR_EVENT_PASS 2
+#define GEAR_EVENT_AREA 5
 #define FOLLOW_MASTER_ENCODER 1
 #define FOLLOW_MASTER_PROFILE 2
 #define FOLLOW_MASTER_AXIS 3
@@ -251,6 +260,9 @@ typedef struct THomeStatus {
 #define GT_SetDoEx GTM_SetDoEx
 #define GT_GetDoEx GTM_GetDoEx
 #define GT_SetDoBit GTM_SetDoBit
+#define GT_SetDoBitReverse GTM_SetDoBitReverse
+#define GT_GetDiReverseCount GTM_GetDiReverseCount
+#define GT_SetDiReverseCount GTM_SetDiReverseCount
 #define GT_SetDac GTM_SetDac
 #define GT_GetDac GTM_GetDac
 #define GT_GetAdc GTM_GetAdc
@@ -351,6 +363,14 @@ typedef struct THomeStatus {
 #define GT_PvtPercentCalculate GTM_PvtPercentCalculate
 #define GT_PvtTableContinuous GTM_PvtTableContinuous
 #define GT_PvtContinuousCalculate GTM_PvtContinuousCalculate
+#define GT_PrfGear GTM_PrfGear
+#define GT_SetGearMaster GTM_SetGearMaster
+#define GT_GetGearMaster GTM_GetGearMaster
+#define GT_SetGearRatio GTM_SetGearRatio
+#define GT_GetGearRatio GTM_GetGearRatio
+#define GT_GearStart GTM_GearStart
+#define GT_SetGearEvent GTM_SetGearEvent
+#define GT_GetGearEvent GTM_GetGearEvent
 #define GT_PrfFollow GTM_PrfFollow
 #define GT_SetFollowMaster GTM_SetFollowMaster
 #define GT_GetFollowMaster GTM_GetFollowMaster
@@ -450,17 +470,6 @@ typedef struct THomeStatus {
 #define GT_GetHomePrm GTM_GetHomePrm
 #define GT_GetHomeStatus GTM_GetHomeStatus
 #define GT_HomeInit GTM_HomeInit
-#define GT_PrfGear GTM_PrfGear
-#define GT_SetGearMaster GTM_SetGearMaster
-#define GT_GetGearMaster GTM_GetGearMaster
-#define GT_SetGearRatio GTM_SetGearRatio
-#define GT_GetGearRatio GTM_GetGearRatio
-#define GT_GearStart GTM_GearStart
-#define GT_SetGearEvent GTM_SetGearEvent
-#define GT_GetGearEvent GTM_GetGearEvent
-#define GT_GetDiReverseCount GTM_GetDiReverseCount
-#define GT_SetDiReverseCount GTM_SetDiReverseCount
-#define GT_SetDoBitReverse GTM_SetDoBitReverse
 #define GT_PrfCam GTM_PrfCam
 #define GT_CamStart GTM_CamStart
 
@@ -593,6 +602,12 @@ GT_API GT_SetDoEx(short cardNum, short doType, long *value, short count GT_DEFAU
 GT_API GT_GetDoEx(short cardNum, short doType, long *value, short count GT_DEFAULT(1));
 /* Sets one digital output, counted from 1. */
 GT_API GT_SetDoBit(short cardNum, short doType, short index, short value);
+/* An output gets a level for a time in units of 250 us, and then the other one; 16 at a time. */
+GT_API GT_SetDoBitReverse(short cardNum, short doType, short doIndex, short value, short reverseTime);
+/* Edges of an input, or of count from one on, both directions, counted in every servo tick. */
+GT_API GT_GetDiReverseCount(short cardNum, short diType, short diIndex, unsigned long *reverseCount, short count GT_DEFAULT(1));
+/* Sets these counts; they go on from there. */
+GT_API GT_SetDiReverseCount(short cardNum, short diType, short diIndex, unsigned long *reverseCount, short count GT_DEFAULT(1));
 /* Sets count analog outputs, -32768 to 32767 for -10 to 10 V. */
 GT_API GT_SetDac(short cardNum, short dac, short *value, short count GT_DEFAULT(1));
 /* Values of count analog outputs. */
@@ -811,6 +826,22 @@ GT_API GT_PvtPercentCalculate(short cardNum, long count, double *time, double *p
 GT_API GT_PvtTableContinuous(short cardNum, short tableId, long count, double *pos, double *vel, double *percent, double *velMax, double *acc, double *dec, double timeBegin);
 /* The times of a Continuous table. */
 GT_API GT_PvtContinuousCalculate(short cardNum, long count, double *pos, double *vel, double *percent, double *velMax, double *acc, double *dec, double *time);
+/* Puts an axis into Gear mode: direction of the master 0 both, 1, -1. */
+GT_API GT_PrfGear(short cardNum, short profile, short dir GT_DEFAULT(0));
+/* Sets an axis's master: its number, type and item. */
+GT_API GT_SetGearMaster(short cardNum, short profile, short masterIndex, short masterType GT_DEFAULT(2), short masterItem GT_DEFAULT(0));
+/* An axis's master: its number, type and item. */
+GT_API GT_GetGearMaster(short cardNum, short profile, short *masterIndex, short *masterType GT_DEFAULT(NULL), short *masterItem GT_DEFAULT(NULL));
+/* Sets the ratio slaveEven/masterEven of the next GearStart, reached over masterSlope pulses of the master; 0 at once. */
+GT_API GT_SetGearRatio(short cardNum, short profile, long masterEven, long slaveEven, long masterSlope GT_DEFAULT(0));
+/* The ratio that SetGearRatio has set. */
+GT_API GT_GetGearRatio(short cardNum, short profile, long *masterEven, long *slaveEven, long *masterSlope GT_DEFAULT(NULL));
+/* Starts axes in Gear; one that runs takes the ratio that was set last. */
+GT_API GT_GearStart(short cardNum, long mask);
+/* Sets when the gear begins: 1 at once, 2 when the master crosses position startPara1, upwards (startPara0 1) or downwards (-1). */
+GT_API GT_SetGearEvent(short cardNum, short profile, short event, long startPara0, long startPara1);
+/* When the gear begins. */
+GT_API GT_GetGearEvent(short cardNum, short profile, short *event, long *startPara0, long *startPara1);
 
 /* Follow */
 /* Puts an axis into Follow mode: direction of the master 0 both, 1, -1. */
@@ -1015,28 +1046,6 @@ GT_API GT_GetHomePrm(short cardNum, short axis, THomePrm *prm);
 GT_API GT_GetHomeStatus(short cardNum, short axis, THomeStatus *status);
 /* Done: homing needs no start. */
 GT_API GT_HomeInit(short cardNum);
-/* Refused: no mode Gear. */
-GT_API GT_PrfGear(short cardNum, short profile, short dir GT_DEFAULT(0));
-/* Refused: no mode Gear. */
-GT_API GT_SetGearMaster(short cardNum, short profile, short masterIndex, short masterType GT_DEFAULT(2), short masterItem GT_DEFAULT(0));
-/* Refused: no mode Gear. */
-GT_API GT_GetGearMaster(short cardNum, short profile, short *masterIndex, short *masterType GT_DEFAULT(NULL), short *masterItem GT_DEFAULT(NULL));
-/* Refused: no mode Gear. */
-GT_API GT_SetGearRatio(short cardNum, short profile, long masterEven, long slaveEven, long masterSlope GT_DEFAULT(0));
-/* Refused: no mode Gear. */
-GT_API GT_GetGearRatio(short cardNum, short profile, long *masterEven, long *slaveEven, long *masterSlope GT_DEFAULT(NULL));
-/* Refused: no mode Gear. */
-GT_API GT_GearStart(short cardNum, long mask);
-/* Refused: no mode Gear. */
-GT_API GT_SetGearEvent(short cardNum, short profile, short event, long startPara0, long startPara1);
-/* Refused: no mode Gear. */
-GT_API GT_GetGearEvent(short cardNum, short profile, short *event, long *startPara0, long *startPara1);
-/* Refused: no counts of edges. */
-GT_API GT_GetDiReverseCount(short cardNum, short diType, short diIndex, unsigned long *reverseCount, short count GT_DEFAULT(1));
-/* Refused: no counts of edges. */
-GT_API GT_SetDiReverseCount(short cardNum, short diType, short diIndex, unsigned long *reverseCount, short count GT_DEFAULT(1));
-/* Refused: no output for a time. */
-GT_API GT_SetDoBitReverse(short cardNum, short doType, short doIndex, short value, short reverseTime);
 /* Refused: no Cam. */
 GT_API GT_PrfCam(short cardNum, short profile);
 /* Refused: no Cam. */

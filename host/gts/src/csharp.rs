@@ -71,21 +71,25 @@ fn declare(out: &mut String, prototype: &Prototype) {
     let _ = writeln!(out, "        /// <summary>{}</summary>", about(prototype.function.name));
     let _ = writeln!(out, "        [DllImport(Library)]");
     let _ = writeln!(out, "        public static extern short {}({});", prototype.symbol(), list.join(", "));
-    // One value of many: as programs write it that read one axis.
+    // One value of many, as programs write it for one axis; and all that an address may leave out.
     let single = prototype.arguments.iter().any(|argument| argument.name == "count" && argument.default == Some(1));
-    let fills =
-        prototype.arguments.iter().any(|argument| matches!(argument.kind, Kind::Out(_)) && argument.name != "clock");
-    if single && fills {
+    let one_of_many =
+        |argument: &Argument| matches!(argument.kind, Kind::Out(_) | Kind::Array(..)) && argument.name != "clock";
+    let moves = prototype.arguments.iter().any(one_of_many);
+    let left_out = |argument: &Argument| matches!(argument.kind, Kind::Out(_)) && argument.optional;
+    if single && moves || !several(prototype) && prototype.arguments.iter().any(left_out) {
         let list: Vec<String> = prototype
             .parameters()
             .iter()
             .map(|given| match given.kind {
                 Kind::Out(of) => format!("out {} {}", name(of), spelled(given.name)),
+                Kind::Array(of, _) if single => format!("ref {} {}", name(of), spelled(given.name)),
                 Kind::Value(of) => format!("{} {}", name(of), spelled(given.name)),
                 _ => argument(given, prototype),
             })
             .collect();
-        let _ = writeln!(out, "        /// <summary>{} For a count of 1.</summary>", about(prototype.function.name));
+        let count = if single { " For a count of 1." } else { "" };
+        let _ = writeln!(out, "        /// <summary>{}{count}</summary>", about(prototype.function.name));
         let _ = writeln!(out, "        [DllImport(Library)]");
         let _ = writeln!(out, "        public static extern short {}({});", prototype.symbol(), list.join(", "));
     }

@@ -90,9 +90,10 @@ impl Prepared {
         self.more.filter(|more| !matches!(more.class, Class::Real))
     }
 
-    /// A refusal of a command that has this function's name besides its own.
+    /// A refusal of a command whose name is not this function's.
     fn under_its_name(&self, mut error: Error) -> Error {
-        if let (Some(_), Some(command)) = (self.more, self.command)
+        if let Some(command) = self.command
+            && command.name != self.name()
             && let Some(rest) = error.reason.strip_prefix(command.name)
         {
             error.reason = format!("{}{rest}", self.name());

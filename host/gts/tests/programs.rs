@@ -327,7 +327,17 @@ fn real_time_and_as_fast_as_it_can_agree() {
     assert!(text.ends_with("at 4096.0 with 0.00 pulse/ms\n"), "{text}");
 }
 
-/// Automatic homing by home switch and limits, what it ends with, and its errors.
+/// A gear of both kinds of masters, counts of edges, an output for a time.
+#[test]
+fn an_axis_goes_in_gear_with_another() {
+    let source = root().join("host/gts/tests/programs/gear.cpp");
+    let Some(built) = build_file(Language::Cpp, "gear", &source, &["-Wpedantic"]) else { return };
+    for link in ["virtual:max", "virtual:20"] {
+        assert_eq!(output(&built, &[("BEAMTICK_LINK", link)]), "all checks passed\n", "{link}");
+    }
+}
+
+/// Automatic homing by home switch, limits and index, what it ends with, and its errors.
 #[test]
 fn homing_ends_at_its_offset() {
     let source = root().join("host/gts/tests/programs/homing.cpp");
@@ -337,4 +347,6 @@ fn homing_ends_at_its_offset() {
         let text = toolchain::output_of(toolchain::command(&built, &[("BEAMTICK_LINK", link)]).arg("alone"));
         assert_eq!(text, "all checks passed\n", "{link}");
     }
+    let text = toolchain::output_of(toolchain::command(&built, &[("BEAMTICK_LINK", "virtual:max")]).arg("index"));
+    assert_eq!(text, "all checks passed\n");
 }

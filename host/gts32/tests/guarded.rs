@@ -108,7 +108,7 @@ fn a_c_sharp_program_runs_under_mono() {
         .arg(tests().join("../gts.cs"))
         .output();
     let Ok(built) = built else {
-        eprintln!("skipped: there is no Mono");
+        eprintln!("skipped: there is no Mono (mono-mcs, mono-runtime); `cargo xtask setup` installs it");
         return;
     };
     assert!(

@@ -17,6 +17,49 @@ static class Program
         Environment.Exit(1);
     }
 
+    // A value between two that no call may touch: what the library writes has 32 bits.
+    class Guarded
+    {
+        const int Mark = 0x5A5A5A5A;
+        int before = Mark;
+        public int value;
+        int after = Mark;
+        public bool Whole { get { return before == Mark && after == Mark; } }
+    }
+
+    class GuardedU
+    {
+        const int Mark = 0x5A5A5A5A;
+        int before = Mark;
+        public uint value;
+        int after = Mark;
+        public bool Whole { get { return before == Mark && after == Mark; } }
+    }
+
+    // An axis in gear, edges of an input and an output for a time.
+    static bool Gear()
+    {
+        Guarded even = new Guarded(), slave = new Guarded(), slope = new Guarded(), levels = new Guarded();
+        GuardedU edges = new GuardedU();
+        Check("GT_AxisOn", mc.GT_AxisOn(4));
+        Check("GT_PrfGear", mc.GT_PrfGear(4));
+        Check("GT_SetGearMaster", mc.GT_SetGearMaster(4, 5));
+        Check("GT_SetGearRatio", mc.GT_SetGearRatio(4, -2147483647, 7, 100000));
+        Check("GT_GetGearRatio", mc.GT_GetGearRatio(4, out even.value, out slave.value, out slope.value));
+        short master, type, item;
+        Check("GT_GetGearMaster", mc.GT_GetGearMaster(4, out master, out type, out item));
+        Check("GT_GearStart", mc.GT_GearStart(8));
+        uint from = 100;
+        Check("GT_SetDiReverseCount", mc.GT_SetDiReverseCount(4, 1, ref from, 1));
+        Check("GT_SimInput", mc.GT_SimInput(4, 1, 1));
+        Thread.Sleep(5);
+        Check("GT_GetDiReverseCount", mc.GT_GetDiReverseCount(4, 1, out edges.value, 1));
+        Check("GT_SetDoBitReverse", mc.GT_SetDoBitReverse(12, 1, 1, 32767));
+        Check("GT_GetDo", mc.GT_GetDo(12, out levels.value));
+        return even.Whole && slave.Whole && slope.Whole && levels.Whole && edges.Whole && even.value == -2147483647
+            && slave.value == 7 && slope.value == 100000 && edges.value == 101 && master == 5 && type == 2 && levels.value == 1;
+    }
+
     static int Main()
     {
         if (Marshal.SizeOf(typeof(mc.TCrdPrm)) != mc.TCrdPrm.Size || Marshal.SizeOf(typeof(mc.TCrdData)) != 200
@@ -76,6 +119,8 @@ static class Program
         Check("GT_PvtTable", mc.GT_PvtTable(1, 3, t, p, v));
         short refused = mc.GT_GetPrfPos(99, out position, 1, out clock);
         Console.WriteLine("{0} {1} {2} at {3},{4} {5}", all[0], all[7], segment, xy[0], xy[1], refused);
+        if (!Gear())
+            return 4;
         Check("GT_Close", mc.GT_Close());
         Console.WriteLine("all checks passed");
         return 0;

@@ -131,6 +131,7 @@ pub struct Bus {
     /// Changes of pins and of DAC1 that jumpers have followed.
     followed: [usize; 2],
     clocks: Clocks,
+    is_locked_up: bool,
     next: Time,
     /// A reset that a peripheral asks for.
     pub reset: Option<Cause>,
@@ -171,6 +172,7 @@ impl Bus {
             analog_jumpers: Vec::new(),
             followed: [0; 2],
             clocks: Clocks::RESET,
+            is_locked_up: false,
             next: NEVER,
             reset: None,
             complaints: Vec::new(),
@@ -182,6 +184,7 @@ impl Bus {
     pub fn mount(&mut self, board: Board) {
         self.rcc.mount(board);
         self.gpio.mount(board);
+        self.syscfg.package = board.package;
         self.usb.core.lacks_vbus = !board.leads_vbus;
     }
 
@@ -281,7 +284,9 @@ impl Bus {
             SYSCFG => {
                 let overdrive = self.syscfg.pwrcr & 1 != 0;
                 self.pwr.set_overdrive(overdrive, at);
+                self.look_at_chip(at);
             }
+            PWR => self.look_at_chip(at),
             // A level that the chip drives itself is no input of it.
             GPIO if offset % 0x400 < 0x10 || offset % 0x400 >= 0x20 => {
                 self.look_at_inputs(at);
@@ -336,6 +341,30 @@ impl Bus {
             exceptions.pending[NMI] = true;
         }
         self.after(at, exceptions);
+    }
+
+    /// The supply has this voltage.
+    pub fn supply(&mut self, supply_mv: u32, at: Time, exceptions: &mut Exceptions) {
+        self.settle(at, exceptions);
+        self.pwr.supply_mv = supply_mv;
+        self.look_at_chip(at);
+        self.after(at, exceptions);
+    }
+
+    /// The core is locked up until a reset.
+    pub fn lock_up(&mut self, at: Time, exceptions: &mut Exceptions) {
+        self.settle(at, exceptions);
+        self.is_locked_up = true;
+        self.look_at_chip(at);
+        self.after(at, exceptions);
+    }
+
+    /// Breaks of the chip follow its state.
+    fn look_at_chip(&mut self, at: Time) {
+        let active = self.syscfg.breaks(self.pwr.is_low(), self.is_locked_up);
+        let mut signals = std::mem::take(&mut self.signals);
+        self.timers.iter_mut().for_each(|timer| timer.break_of_chip(active, &mut signals, at));
+        self.signals = signals;
     }
 
     /// Break inputs follow their pins.
@@ -507,10 +536,12 @@ impl Bus {
         let mut signals = Vec::new();
         (0..PERIPHERALS.len()).for_each(|n| self.device(n).reset(at, &mut signals));
         self.rcc.restarted(cause);
+        self.is_locked_up = false;
         self.clocks = Clocks::RESET;
         let clocks = self.clocks;
         (0..PERIPHERALS.len()).for_each(|n| self.device(n).clocks(&clocks, at));
         self.signals = signals;
+        self.look_at_chip(at);
         self.after(at, exceptions);
     }
 

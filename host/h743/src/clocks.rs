@@ -91,6 +91,7 @@ const SOURCES: [(u32, u32, Time); 6] = [
     (1 << 26, 1 << 27, 100 * MICROSECOND),
 ];
 const PLL1_READY: u32 = 1 << 25;
+const HSI48_READY: u32 = 1 << 13;
 /// HSE among [`SOURCES`], its bits, and its guard (CSS).
 const HSE_SOURCE: usize = 3;
 const HSE_ON: u32 = 1 << 16;
@@ -281,9 +282,13 @@ impl Rcc {
         Some(UNITS_KHZ * m * q / (input_khz * n)).filter(|&cycle| cycle > 0)
     }
 
-    /// Kernel clock of USB (D2CCIP2R.USBSEL): PLL1's Q output is what is modelled.
+    /// Kernel clock of USB (D2CCIP2R.USBSEL): PLL1's Q output, or HSI48; PLL3 is not modelled.
     fn usb(&self) -> Option<Time> {
-        if self.at(D2CCIP2R) >> 20 & 3 == 1 { self.pll1_q() } else { None }
+        match self.at(D2CCIP2R) >> 20 & 3 {
+            1 => self.pll1_q(),
+            3 => (self.at(CR) & HSI48_READY != 0).then_some(20),
+            _ => None,
+        }
     }
 
     /// Kernel clock of SPI 1 to 3 (D2CCIP1R.SPI123SEL): PLL1's Q output, or per_ck.

@@ -13,6 +13,10 @@ pub enum Wrong {
     BreakPolarity(u8),
     /// A break acts by its edge: MOE may be set while the input is high.
     BreakByEdge,
+    /// The break input of this timer has no connection with its pin.
+    Unconnected(u8),
+    /// Lines of this timer have other levels while they are idle.
+    OtherRest(u8),
     /// AF1 of this timer cannot be written.
     NoAf1(u8),
     /// RCR of TIM8 has eight bits.
@@ -21,6 +25,8 @@ pub enum Wrong {
     NoBreakSources,
     /// DBGMCU does not freeze the watchdog.
     NoFreeze,
+    /// PKGR says this.
+    Package(u32),
     /// A revision of the chip.
     Revision(u16),
     /// CPUID of an earlier core.
@@ -54,6 +60,10 @@ pub struct Quirks {
     pub by_edge: bool,
     /// [`Wrong::NoAf1`].
     pub no_af1: bool,
+    /// [`Wrong::Unconnected`].
+    pub unconnected: bool,
+    /// [`Wrong::OtherRest`].
+    pub other_rest: bool,
     /// [`Wrong::ShortRepeat`].
     pub short_repeat: bool,
     /// [`Wrong::StartsLate`], in counts.
@@ -75,10 +85,13 @@ impl Machine {
         match wrong {
             Wrong::BreakPolarity(number) => bus.timers_named(number).for_each(|timer| timer.is_odd = true),
             Wrong::BreakByEdge => bus.timers.iter_mut().for_each(|timer| timer.quirks.by_edge = true),
+            Wrong::Unconnected(number) => bus.timers_named(number).for_each(|timer| timer.quirks.unconnected = true),
+            Wrong::OtherRest(number) => bus.timers_named(number).for_each(|timer| timer.quirks.other_rest = true),
             Wrong::NoAf1(number) => bus.timers_named(number).for_each(|timer| timer.quirks.no_af1 = true),
             Wrong::ShortRepeat => bus.timers_named(8).for_each(|timer| timer.quirks.short_repeat = true),
             Wrong::NoBreakSources => bus.syscfg.lacks_cfgr = true,
             Wrong::NoFreeze => bus.dbgmcu.lacks_freeze = true,
+            Wrong::Package(package) => bus.syscfg.package = package,
             Wrong::Revision(revision) => bus.dbgmcu.revision = revision,
             Wrong::EarlyCore => self.chip.identity.cpuid = 0x410f_c270,
             Wrong::EagerStacking => self.chip.identity.fpccr = 0x8000_0000,

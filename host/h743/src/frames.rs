@@ -2,8 +2,8 @@
 //! B1.5.6 to B1.5.8).
 //!
 //! In: the exception. Out: the core at its handler, or back where it was. Floating-point registers
-//! are stored at once, as with FPCCR.LSPEN 0: what a program can see of it is the same as with lazy
-//! stores.
+//! are stored at once, as with FPCCR.LSPEN 0: but for the time, which counts only then, a program
+//! sees the same as with lazy stores.
 use crate::engine::Register;
 use crate::exceptions::{BUS_FAULT, HARD_FAULT, MEMORY_FAULT, NMI, THREAD};
 use crate::machine::{ENTRY, EXIT, Machine, Stop, is_return};
@@ -13,6 +13,8 @@ const BASIC: u32 = 0x20;
 /// And S0 to S15, FPSCR, a reserved word.
 const EXTENDED: u32 = 0x68;
 const FPCA: u32 = 1 << 2;
+/// FPCCR: floating-point registers are stored only once the handler uses them.
+const LSPEN: u32 = 1 << 30;
 const SPSEL: u32 = 1 << 1;
 /// xPSR: the stack was aligned.
 const ALIGNED: u32 = 1 << 9;
@@ -65,7 +67,8 @@ impl Machine {
         engine.set(Register::Pc, handler);
         self.chip.scs.exceptions.begin(taken);
         self.set_running(taken);
-        self.spend(ENTRY);
+        let is_eager = floating && self.chip.scs.fpccr & LSPEN == 0;
+        self.spend(ENTRY + if is_eager { u64::from(EXTENDED - BASIC - 4) / 4 } else { 0 });
         Ok(())
     }
 

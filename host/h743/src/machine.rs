@@ -54,6 +54,8 @@ pub struct Chip {
     /// The machine has to look before the next instruction.
     attention: bool,
     waits: bool,
+    /// It does nothing until a reset.
+    locked_up: bool,
     /// An IT block: the core does not stop inside it.
     block: std::ops::Range<u32>,
     /// The address of the instruction that runs.
@@ -248,6 +250,7 @@ impl Machine {
             limit: NEVER,
             attention: false,
             waits: false,
+            locked_up: false,
             block: 0..0,
             at: 0,
             running: 0,
@@ -265,6 +268,7 @@ impl Machine {
     fn begin(&mut self) {
         let chip = &mut self.chip;
         (chip.attention, chip.waits, chip.block, chip.running, chip.failed) = (false, false, 0..0, 0, false);
+        chip.locked_up = false;
         let base = chip.scs.vectors;
         let stack = chip.memory.word(base).unwrap_or(0);
         let entry = chip.memory.word(base + 4).unwrap_or(0);
@@ -384,6 +388,13 @@ impl Machine {
                 return Stop::Reset(cause);
             }
             self.chip.attention = false;
+            if self.chip.locked_up {
+                if self.chip.now >= end {
+                    return Stop::Time;
+                }
+                self.chip.now = self.chip.bus.next().min(end).max(self.chip.now);
+                continue;
+            }
             let masks = self.masks();
             if self.chip.waits {
                 if self.chip.scs.exceptions.wakes(masks) {
@@ -398,7 +409,7 @@ impl Machine {
             }
             if let Some(exception) = self.chip.scs.exceptions.next(masks) {
                 if let Err(stop) = self.enter(exception) {
-                    return stop;
+                    return self.stopped(stop);
                 }
                 continue;
             }
@@ -409,9 +420,19 @@ impl Machine {
             let pc = self.engine.register(Register::Pc);
             let exit = self.engine.run(&mut self.chip, pc);
             if let Err(stop) = self.leave(exit) {
-                return stop;
+                return self.stopped(stop);
             }
         }
+    }
+
+    /// A core that is locked up says so to the bus.
+    fn stopped(&mut self, stop: Stop) -> Stop {
+        if stop == Stop::Lockup {
+            let chip = &mut self.chip;
+            chip.locked_up = true;
+            chip.bus.lock_up(chip.now, &mut chip.scs.exceptions);
+        }
+        stop
     }
 
     fn asked_reset(&mut self) -> Option<Cause> {
@@ -537,6 +558,12 @@ impl Machine {
         let chip = &mut self.chip;
         chip.bus.give_clock(source, chip.now, &mut chip.scs.exceptions);
         chip.cycle = chip.bus.clocks().core;
+    }
+
+    /// The supply has this voltage from now on.
+    pub fn supply(&mut self, supply_mv: u32) {
+        let chip = &mut self.chip;
+        chip.bus.supply(supply_mv, chip.now, &mut chip.scs.exceptions);
     }
 
     /// The world drives a pin, or lets it go.

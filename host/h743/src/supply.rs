@@ -8,6 +8,13 @@ use crate::time::{MICROSECOND, NEVER, Time};
 
 /// CR1: the backup domain is open.
 const DBP: u32 = 1 << 8;
+/// CR1: the detector of a low supply, and its level.
+const PVDE: u32 = 1 << 4;
+const PLS: u32 = 5;
+/// Its levels, in mV (RM0433 6.8.1); the last is a voltage at a pin.
+const LEVELS_MV: [u32; 7] = [1950, 2100, 2250, 2400, 2550, 2700, 2850];
+/// CSR1: the supply is below that.
+const PVDO: u32 = 1 << 4;
 const CSR1: u32 = 0x04;
 const CR3: u32 = 0x0c;
 const D3CR: u32 = 0x18;
@@ -32,6 +39,8 @@ pub struct Pwr {
     ready: Time,
     /// SYSCFG_PWRCR.ODEN.
     pub overdrive: bool,
+    /// The supply, in mV.
+    pub supply_mv: u32,
 }
 
 impl Default for Pwr {
@@ -46,6 +55,7 @@ impl Default for Pwr {
             // The voltage may be changed only once CR3 has been written (RM0433 6.8.4).
             ready: NEVER,
             overdrive: false,
+            supply_mv: 3300,
         }
     }
 }
@@ -74,6 +84,12 @@ impl Pwr {
         self.cr3 & USB33DEN != 0
     }
 
+    /// The detector is on, and the supply below its level.
+    pub fn is_low(&self) -> bool {
+        let level = LEVELS_MV.get((self.cr1 >> PLS & 7) as usize);
+        self.cr1 & PVDE != 0 && level.is_some_and(|level| self.supply_mv < *level)
+    }
+
     /// SYSCFG has switched the over-drive.
     pub fn set_overdrive(&mut self, on: bool, at: Time) {
         if on != self.overdrive {
@@ -88,7 +104,10 @@ impl Device for Pwr {
     fn read(&mut self, offset: u32, _: Time, _: &mut Vec<Signal>) -> Option<u32> {
         Some(match offset {
             0x00 => self.cr1,
-            CSR1 => (self.d3cr & 3 << 14) | if self.supply_chosen { ACTVOSRDY } else { 0 },
+            CSR1 => {
+                let low = if self.is_low() { PVDO } else { 0 };
+                low | self.d3cr & 3 << 14 | if self.supply_chosen { ACTVOSRDY } else { 0 }
+            }
             0x08 => self.cr2,
             CR3 if self.has_usb() => self.cr3 | USB33RDY,
             CR3 => self.cr3,
@@ -137,7 +156,7 @@ impl Device for Pwr {
     }
 
     fn reset(&mut self, _: Time, _: &mut Vec<Signal>) {
-        *self = Pwr::default();
+        *self = Pwr { supply_mv: self.supply_mv, ..Pwr::default() };
     }
 }
 
@@ -193,8 +212,12 @@ impl Device for Flash {
     }
 }
 
-/// Sources of breaks.
+/// Sources of breaks: a low supply, a locked-up core.
 const CFGR: u32 = 0x18;
+const PVDL: u32 = 1 << 2;
+const CM7L: u32 = 1 << 6;
+/// The package (RM0433 12.3.13).
+const PKGR: u32 = 0x124;
 /// DBGMCU_APB4FZ1: what of APB 4 a debugger stops.
 const APB4FZ1: u32 = 0x54;
 
@@ -205,13 +228,24 @@ pub struct Syscfg {
     pub pwrcr: u32,
     /// CFGR lies elsewhere.
     pub lacks_cfgr: bool,
+    /// PKGR.
+    pub package: u32,
     others: [u32; 12],
+}
+
+impl Syscfg {
+    /// Whether the timers break: these states of the chip, as far as CFGR leads them there.
+    pub fn breaks(&self, supply_is_low: bool, is_locked_up: bool) -> bool {
+        let led = self.others[CFGR as usize / 4];
+        supply_is_low && led & PVDL != 0 || is_locked_up && led & CM7L != 0
+    }
 }
 
 impl Device for Syscfg {
     fn read(&mut self, offset: u32, _: Time, _: &mut Vec<Signal>) -> Option<u32> {
         match offset {
             0x2c => Some(self.pwrcr),
+            PKGR => Some(self.package),
             // CCCSR: the cell is ready where it is on.
             0x20 => Some(self.others[8] & 0x101 | (self.others[8] & 1) << 8),
             _ => self.others.get(offset as usize / 4).copied(),
@@ -234,7 +268,7 @@ impl Device for Syscfg {
     fn advance(&mut self, _: Time, _: &mut Vec<Signal>) {}
 
     fn reset(&mut self, _: Time, _: &mut Vec<Signal>) {
-        *self = Syscfg { lacks_cfgr: self.lacks_cfgr, ..Syscfg::default() };
+        *self = Syscfg { lacks_cfgr: self.lacks_cfgr, package: self.package, ..Syscfg::default() };
     }
 }
 

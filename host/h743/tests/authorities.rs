@@ -12,7 +12,7 @@ use h743::bus::{BREAKS, CAPTURES, ENCODERS, PERIPHERALS};
 use h743::device::Source;
 use h743::gpio::FUNCTIONS;
 use h743::link::{EmulatedLink, lock};
-use h743::timer::KINDS;
+use h743::timer::{KINDS, TRIGGERS};
 use h743::{MILLISECOND, Machine, Pin, Stop};
 use protocol::command::{AxisOn, LaserPrfCmd, PrfJog, SetAxisMode, SetHSIOOpt, SetJogPrm, SetVel, Update};
 use std::sync::{Arc, Mutex};
@@ -273,6 +273,41 @@ fn the_image_gives_each_pin_to_the_signal_that_the_page_promises() {
         }
     }
     assert_eq!(given, package::GIVEN.iter().filter(|(_, of, _)| !of.is_empty()).count());
+}
+
+/// Which timer's trigger comes at ITR0 to ITR3 of a timer, by Linux
+/// (`drivers/iio/trigger/stm32-timer-trigger.c`, `stm32h7_valids_table`, by ST); `None` is a
+/// channel of a timer. ST's databases have no such table.
+const TRIGGERS_OF_LINUX: [(u8, [Option<u8>; 4]); 6] = [
+    (1, [Some(15), Some(2), Some(3), Some(4)]),
+    (2, [Some(1), Some(8), Some(3), Some(4)]),
+    (3, [Some(1), Some(2), Some(15), Some(4)]),
+    (4, [Some(1), Some(2), Some(3), Some(8)]),
+    (8, [Some(1), Some(2), Some(4), Some(5)]),
+    (15, [Some(1), Some(3), None, None]),
+];
+
+#[test]
+fn triggers_between_timers_are_those_of_linux() {
+    assert_eq!(TRIGGERS.len(), TRIGGERS_OF_LINUX.len());
+    for ((slave, masters), (of, theirs)) in TRIGGERS.into_iter().zip(TRIGGERS_OF_LINUX) {
+        let theirs: Vec<u8> = theirs.into_iter().flatten().collect();
+        assert_eq!((slave, masters), (of, &theirs[..]));
+    }
+}
+
+/// TIM2 makes the ticks and starts TIM1 and TIM8; TIM15 starts with TIM1.
+#[test]
+fn the_image_starts_timers_by_the_triggers_of_linux() {
+    let Some(mut machine) = started() else { return };
+    machine.run(20 * MILLISECOND);
+    for (slave, master) in [(1, 2), (8, 2), (15, 1)] {
+        let smcr = read(&mut machine, peripheral(&format!("TIM{slave}")).address as u32 + 0x08);
+        // TS and SMS (RM0433 38.4.3): the trigger mode is 6.
+        let (input, mode) = ((smcr >> 4 & 7 | smcr >> 17 & 0x18) as usize, smcr & 7 | smcr >> 13 & 8);
+        let (_, masters) = TRIGGERS_OF_LINUX.into_iter().find(|(of, _)| *of == slave).unwrap();
+        assert_eq!((masters.get(input).copied().flatten(), mode), (Some(master), 6), "TIM{slave}");
+    }
 }
 
 #[test]

@@ -85,6 +85,11 @@ fn a_chip_as_assumed_passes_every_row() {
     // DMA.
     for (row, figure) in [
         ("jumpers", "all eight"),
+        ("laser lines at rest", "+ high, − low"),
+        (
+            "floating-point registers are saved lazily",
+            "FPCCR 0xc0000000, an exception takes 0 cycles more with floating point",
+        ),
         ("break flag and level of each timer", "flag as the pin, low and high"),
         ("first edges after their tick", "laser 0 0, laser 1 0, switch 0 counts"),
         ("each step is played once", "100 of 100"),
@@ -98,6 +103,37 @@ fn a_chip_as_assumed_passes_every_row() {
     let (again, second) = measure(&board);
     assert!(again.is_ok());
     assert_eq!(rows(&second).len(), rows_of_first.len());
+}
+
+/// The board's own image, with jumper 6, which keeps the interlock closed, and without.
+#[test]
+fn ticks_of_the_boards_own_image_are_measured_under_loads() {
+    let Some(path) = std::env::var_os("BEAMTICK_H743_IMAGE") else {
+        println!("skipped: BEAMTICK_H743_IMAGE names no image");
+        return;
+    };
+    let elf = std::fs::read(path).unwrap();
+    for without in [&[][..], &[6]] {
+        let mut machine = Machine::new().unwrap();
+        machine.boot(&elf).unwrap();
+        wire(&mut machine, without);
+        machine.run(20 * MILLISECOND);
+        let board = Arc::new(Mutex::new(machine));
+        let folder = tempfile::tempdir().unwrap();
+        let page = folder.path().join("page.md");
+        let words = ["--loads", "--page", page.to_str().unwrap()];
+        let outcome = bring_up_over(Box::new(EmulatedLink::new(board.clone())), &words);
+        let page = std::fs::read_to_string(page).unwrap_or_default();
+        assert!(outcome.is_ok(), "{outcome:?}\n{page}");
+        let rows = rows(&page);
+        let result = |name: &str| rows[name].0;
+        assert_eq!((rows.len(), result("nothing runs"), result("eight axes in PVT")), (5, "pass", "pass"));
+        let lit = if without.is_empty() { "pass" } else { "not measured" };
+        for name in ["two lasers at 10 kHz", "two lasers at 2 MHz", "eight axes in PVT, two lasers at 2 MHz"] {
+            assert_eq!(result(name), lit, "{page}");
+        }
+        assert_eq!(lock(&board).chip.bus.complaints, Vec::<String>::new());
+    }
 }
 
 #[test]
@@ -127,6 +163,7 @@ fn a_wrong_fact_that_registers_tell_fails_in_its_row() {
         (Wrong::BreakPolarity(15), &[BREAKS, LEVEL], "TIM15: pin 1, flag 0; TIM15: pin 0, flag 1"),
         (Wrong::BreakPolarity(8), &[BREAKS, LEVEL], "TIM8: pin 1, flag 0; TIM8: pin 0, flag 1"),
         (Wrong::BreakByEdge, &[LEVEL], "TIM1: pin 1, MOE 1; TIM15: pin 1, MOE 1; TIM8: pin 1, MOE 1"),
+        (Wrong::OtherRest(1), &["laser lines at rest"], "energy + of laser 0 is low; energy − of laser 0 is high"),
         (Wrong::NoAf1(15), &["AF1 of TIM1, TIM15, TIM8 read back"], "TIM1 0x1, TIM15 0x0, TIM8 0x1"),
     ]);
 }
@@ -140,7 +177,12 @@ fn wrong_facts_together_fail_in_their_rows_alone() {
         (Wrong::NoFreeze, "a debugger freezes the watchdog", "WDGLSD1 reads 0"),
         (Wrong::Revision(0x3003), "revision of the chip", "device 0x450, revision 0x3003 (unknown)"),
         (Wrong::EarlyCore, "revision of the core", "CPUID 0x410fc270: r0p0"),
-        (Wrong::EagerStacking, "floating-point registers are saved lazily", "FPCCR 0x80000000"),
+        (
+            Wrong::EagerStacking,
+            "floating-point registers are saved lazily",
+            "FPCCR 0x80000000, an exception takes 17 cycles more with floating point",
+        ),
+        (Wrong::Package(0), "package of the chip", "PKG 0"),
         (Wrong::DrivenAtReset, "pins after a reset", "PB0"),
     ];
     let Some(board) = board(&facts.map(|(wrong, ..)| wrong), &[]) else { return };

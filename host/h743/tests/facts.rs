@@ -1,8 +1,10 @@
 //! Facts of the chip on which sources differ, or which no source promises: what the image does
 //! where they are otherwise. Where BEAMTICK_H743_IMAGE names it.
 use client::{Client, Options};
+use h743::engine::Register;
+use h743::facts::Wrong;
 use h743::link::{EmulatedLink, Shared, lock};
-use h743::{Level, MILLISECOND, Machine, Pin, Stop};
+use h743::{Cause, Level, MICROSECOND, MILLISECOND, Machine, Pin, Stop};
 use protocol::command::{
     ClrLaserFault, GetAdc, GetEvents, GetFault, GetLaserFault, GetTickTime, LaserOn, LaserOutFrq, LaserPrfCmd,
     LaserStatus, Reset, SetAxisMode, SetHSIOOpt, SetTick,
@@ -119,6 +121,145 @@ fn the_supply_and_a_locked_up_core_break_the_lasers_too() {
     assert_eq!((cr1 >> 4 & 1, cr1 >> 5 & 7), (1, 5), "PVDE, PLS");
 }
 
+/// Energy + of both lasers, low while lit.
+const PLUS: [&str; 2] = ["PE9", "PE5"];
+
+fn is_lit(machine: &Machine) -> [bool; 2] {
+    PLUS.map(|name| machine.chip.bus.gpio.level(Pin::named(name).unwrap()) == Level::Driven(false))
+}
+
+/// Both lasers, 10 kHz, most of the time light: an instant at which both are lit.
+fn lit() -> Option<(Client, Shared)> {
+    let (client, shared) = linked(started(|_| {})?);
+    for (axis, channel) in [(7, 0), (8, 1)] {
+        let (core, channel) = (1.into(), channel.into());
+        client.call(SetAxisMode { core, axis: axis.into(), mode: 1.into() }).unwrap();
+        client.call(LaserOutFrq { core, frequency: 10.0.into(), channel }).unwrap();
+        client.call(LaserPrfCmd { core, power: 80.0.into(), channel }).unwrap();
+        client.call(SetHSIOOpt { core, value: 1.into(), channel }).unwrap();
+    }
+    {
+        let mut machine = lock(&shared);
+        let end = machine.chip.now + 10 * MILLISECOND;
+        while is_lit(&machine) != [true; 2] {
+            machine.run(7 * MICROSECOND);
+            assert!(machine.chip.now < end, "light that does not begin");
+        }
+    }
+    Some((client, shared))
+}
+
+#[test]
+fn a_supply_that_falls_ends_light_without_an_instruction_and_it_stays_dark() {
+    let Some((client, shared)) = lit() else { return };
+    {
+        let mut machine = lock(&shared);
+        machine.supply(2800);
+        assert_eq!(is_lit(&machine), [true; 2], "above 2.7 V");
+        let (now, instructions) = (machine.chip.now, machine.chip.instructions);
+        machine.supply(2600);
+        assert_eq!((machine.chip.now, machine.chip.instructions), (now, instructions));
+        assert_eq!(is_lit(&machine), [false; 2]);
+        machine.run(2 * MILLISECOND);
+        machine.supply(3300);
+        let back = machine.chip.now;
+        machine.run(5 * MILLISECOND);
+        let plus = PLUS.map(|name| Pin::named(name).unwrap());
+        let lit = machine
+            .chip
+            .bus
+            .gpio
+            .changes
+            .iter()
+            .any(|change| change.at >= back && plus.contains(&change.pin) && change.level == Level::Driven(false));
+        assert!(!lit, "light comes back by itself");
+    }
+    // The reason is the interlock's, and none of the break inputs is blamed.
+    assert_eq!((cause(&client, 0), cause(&client, 1)), (1, 1));
+    assert_eq!(fault(&client), (0, String::new()));
+}
+
+#[test]
+fn a_core_that_is_locked_up_ends_light_without_an_instruction() {
+    // The client waits for the machine meanwhile; at its end it would abort what runs.
+    let Some((_client, shared)) = lit() else { return };
+    let mut machine = lock(&shared);
+    let end = machine.chip.now + 10 * MILLISECOND;
+    while machine.running() != 0 || is_lit(&machine) != [true; 2] {
+        machine.run(1);
+        assert!(machine.chip.now < end);
+    }
+    // At the priority of a HardFault an undefined instruction (UDF) has no handler.
+    const SCRATCH_ADDRESS: u32 = 0x2400_0000;
+    assert!(machine.chip.memory.load(SCRATCH_ADDRESS, &0xde00_de00u32.to_le_bytes()));
+    machine.set_register(Register::Faultmask, 1);
+    machine.set_register(Register::Pc, SCRATCH_ADDRESS | 1);
+    assert_eq!(machine.run(MICROSECOND), Stop::Lockup);
+    assert_eq!(is_lit(&machine), [false; 2]);
+    let (instructions, locked) = (machine.chip.instructions, machine.chip.now);
+    assert_eq!(machine.run(200 * MILLISECOND), Stop::Reset(Cause::Watchdog));
+    assert_eq!(machine.chip.instructions, instructions);
+    let plus = PLUS.map(|name| Pin::named(name).unwrap());
+    let lit = machine
+        .chip
+        .bus
+        .gpio
+        .changes
+        .iter()
+        .any(|change| change.at > locked && plus.contains(&change.pin) && change.level == Level::Driven(false));
+    assert!(!lit, "two ticks of light were queued");
+}
+
+/// Its loop was closed at the start, so that nothing contradicted it then.
+#[test]
+fn a_break_input_without_connection_is_found_when_the_loop_opens() {
+    for (number, name) in BREAKS {
+        let Some(machine) = started(|machine| machine.plant(Wrong::Unconnected(number))) else { return };
+        let (client, shared) = linked(machine);
+        assert_eq!(fault(&client), (0, String::new()));
+        for (_, name) in BREAKS {
+            lock(&shared).drive(Pin::named(name).unwrap(), Some(true));
+        }
+        lock(&shared).run(MILLISECOND);
+        let reported = format!("TIM{number} does not break although its input {name} is high");
+        assert_eq!(fault(&client), (5, reported.clone()));
+        // Closing the circuit and clearing does not help.
+        for (_, name) in BREAKS {
+            lock(&shared).drive(Pin::named(name).unwrap(), Some(false));
+        }
+        lock(&shared).run(MILLISECOND);
+        for channel in 0..2i16 {
+            assert!(client.call(ClrLaserFault { core: 1.into(), channel: channel.into() }).is_err());
+            assert!(client.call(LaserOn { core: 1.into(), channel: channel.into() }).is_err(), "TIM{number}");
+            assert_eq!(cause(&client, channel), 1);
+        }
+        assert_eq!(fault(&client), (5, reported));
+    }
+}
+
+#[test]
+fn a_break_without_its_pin_is_found_in_ticks_and_one_that_is_over_is_not() {
+    for (number, name) in BREAKS {
+        let Some(machine) = started(|_| {}) else { return };
+        let (client, shared) = linked(machine);
+        // A loop that bounces: each pulse ends before a tick reads it.
+        for _ in 0..20 {
+            let mut machine = lock(&shared);
+            for open in [true, false] {
+                BREAKS.iter().for_each(|(_, name)| machine.drive(Pin::named(name).unwrap(), Some(open)));
+                machine.run(MICROSECOND);
+            }
+            machine.run(50 * MICROSECOND);
+        }
+        assert_eq!((fault(&client), cause(&client, 0)), ((0, String::new()), 1));
+        // Its input is inverted from now on.
+        lock(&shared).chip.bus.timer(number).unwrap().is_odd = true;
+        lock(&shared).drive(Pin::named(name).unwrap(), Some(false));
+        lock(&shared).run(MILLISECOND);
+        assert_eq!(fault(&client), (5, format!("TIM{number} breaks although its input {name} is low")));
+    }
+}
+
 const TIM1_DMAR: u32 = 0x4001_004c;
 const DMA1_S0CR: u32 = 0x4002_0010;
 /// A kind of event: ticks that overran.
@@ -181,6 +322,19 @@ fn how_long_ticks_take_is_measured() {
     // The longest were those in which the session began.
     assert!((5_000..7_000).contains(&median), "{median} ns");
     assert!((2 * median..period).contains(&worst), "{worst} ns at most");
+    // The histogram counts each tick once: 2,000 in 0.1 s, and those of the calls.
+    let counts = || {
+        let (reply, counts) = client.call_items(GetTickTime {}, &[]).unwrap();
+        assert_eq!((reply.count.get(), counts.len(), reply.bucket_ns.get()), (32, 32, 2048));
+        counts.iter().map(|count| count.value.get()).collect::<Vec<u32>>()
+    };
+    let before = counts();
+    lock(&shared).run(100 * MILLISECOND);
+    let gained: Vec<u32> = counts().iter().zip(&before).map(|(after, before)| after - before).collect();
+    let total: u32 = gained.iter().sum();
+    assert!((2_000..2_100).contains(&total), "{gained:?}");
+    assert!(gained[median as usize / 2048] > total / 2, "{median} ns: {gained:?}");
+    assert_eq!(gained[period as usize / 2048..].iter().sum::<u32>(), 0, "{gained:?}");
     // Much set-up in one tick leaves the median where it is.
     client.call(Reset { core: 1.into() }).unwrap();
     let (_, _, still, longest) = reported(100);

@@ -134,8 +134,9 @@ impl Paint {
     }
 }
 
-/// Runs a job both ways.
-fn compare(bench: &Bench, elf: &[u8], wire: Wire, (name, tick_us, every): Case) {
+/// Runs a job both ways. `has_steps`: its steps at the pins are compared too. They are as planned
+/// where no axis turns round, which takes the time of [`SHORT`]'s comment.
+fn compare(bench: &Bench, elf: &[u8], wire: Wire, (name, tick_us, every): Case, has_steps: bool) {
     let began = Instant::now();
     let folder = tempfile::tempdir().unwrap();
     let job = prepared(name, folder.path()).display().to_string();
@@ -182,7 +183,7 @@ fn compare(bench: &Bench, elf: &[u8], wire: Wire, (name, tick_us, every): Case) 
     let failed = |error: String| -> ! { panic!("{name} at {tick_us} µs: {error}") };
     let tick: u64 = tick_us.parse().unwrap();
     let (edges, of_light) = signals::compare(pins, &vcd, chip).unwrap_or_else(|error| failed(error));
-    let steps = if each.starts_with("t_ms,axis1_pos") {
+    let steps = if has_steps && each.starts_with("t_ms,axis1_pos") {
         signals::compare_steps(pins, &each, tick, chip)
     } else {
         Ok((0, None))
@@ -212,12 +213,16 @@ fn compare(bench: &Bench, elf: &[u8], wire: Wire, (name, tick_us, every): Case) 
 }
 
 fn compare_all(bench: &Bench, wire: Wire, cases: &[Case]) {
+    compare_each(bench, wire, cases, true);
+}
+
+fn compare_each(bench: &Bench, wire: Wire, cases: &[Case], has_steps: bool) {
     let Some(path) = std::env::var_os(bench.image) else {
         println!("skipped: {} names no image", bench.image);
         return;
     };
     let elf = std::fs::read(path).unwrap();
-    cases.iter().for_each(|case| compare(bench, &elf, wire, *case));
+    cases.iter().for_each(|case| compare(bench, &elf, wire, *case, has_steps));
 }
 
 #[test]
@@ -265,6 +270,69 @@ fn the_second_board_does_what_the_virtual_controller_does() {
     ];
     compare_all(&SECOND, Wire::Usb, &over_usb);
     compare_all(&SECOND, Wire::Usart, &[("laser_frequency", "50", "5")]);
+}
+
+/// Examples of some ms, which always run, and some of a second or so, one of which runs a day,
+/// another one the next day. BEAMTICK_H743_TRACES names others, with commas between them, or `all`
+/// of these and of [`ON_REQUEST`].
+const ALWAYS: [&str; 3] = ["laser_duty_open", "laser_lsr_analog", "laser_lsr_frequency"];
+const IN_TURN: [&str; 4] = ["arcs", "interrupt", "jog_trap", "override"];
+/// An hour of emulation in all.
+const ON_REQUEST: [&str; 20] = [
+    "eight_axes_stream",
+    "follow_ex",
+    "follow_ex_switch",
+    "follow_shear",
+    "follow_single",
+    "follow_switch",
+    "laser_contour",
+    "laser_distance",
+    "laser_flying_shear",
+    "laser_lsr_distance",
+    "laser_lsr_path_follow",
+    "laser_lsr_path_power",
+    "laser_path_follow",
+    "pt_dynamic",
+    "pvt_complete",
+    "pvt_continuous",
+    "pvt_percent",
+    "pvt_points",
+    "square_with_corners",
+    "stop",
+];
+/// Not comparable: ten axes; set-up of more than one tick; inputs by a call; a third analog output;
+/// a look-ahead longer than the board's; ten minutes.
+const LEFT_OUT: [&str; 7] =
+    ["follow_chain", "follow_masters", "inputs", "laser_path_mixed", "spiral", "ten_minutes", "ten_minutes_lasers"];
+
+#[test]
+fn the_other_examples_in_turn_are_the_virtual_controllers() {
+    let named = std::env::var("BEAMTICK_H743_TRACES").ok().map(|named| &*named.leak());
+    let day = std::time::UNIX_EPOCH.elapsed().unwrap().as_secs() as usize / 86_400;
+    let names: Vec<&str> = match named {
+        Some("all") => ALWAYS.into_iter().chain(IN_TURN).chain(ON_REQUEST).collect(),
+        Some(named) => named.split(',').collect(),
+        None => ALWAYS.into_iter().chain([IN_TURN[day % IN_TURN.len()]]).collect(),
+    };
+    println!("{names:?}");
+    let every = |name: &str| if ALWAYS.contains(&name) { "1" } else { "4" };
+    let cases: Vec<Case> = names.into_iter().map(|name| (name, "250", every(name))).collect();
+    compare_each(&REFERENCE, Wire::Usart, &cases, false);
+}
+
+/// A new example is in one of the lists.
+#[test]
+fn no_example_is_forgotten() {
+    let listed = ["laser_analog", "laser_duty", "laser_frequency", "laser_lsr_duty", "laser_path_power", "pt_static"];
+    let all = ALWAYS.into_iter().chain(IN_TURN).chain(ON_REQUEST).chain(LEFT_OUT).chain(listed);
+    let mut known: Vec<&str> = all.collect();
+    known.sort_unstable();
+    let folder = std::fs::read_dir(example("jog_trap").parent().unwrap()).unwrap();
+    let files =
+        folder.map(|entry| entry.unwrap().path()).filter(|path| path.extension().is_some_and(|end| end == "gts"));
+    let mut there: Vec<String> = files.map(|path| path.file_stem().unwrap().to_str().unwrap().to_owned()).collect();
+    there.sort_unstable();
+    assert_eq!(known, there);
 }
 
 #[test]

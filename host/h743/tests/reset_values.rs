@@ -7,6 +7,7 @@
 use h743::Machine;
 use std::collections::HashMap;
 use stm32_metapac::metadata::METADATA;
+use stm32_metapac::metadata::ir::{BitOffset, BlockItemInner};
 
 /// A register: its name, its offset, its value after a reset.
 type Register = (&'static str, u32, u32);
@@ -85,18 +86,42 @@ const OTHERWISE: &[(&str, &str, u32, &str)] = &[
     ("ADC3", "CFGR", 0x8000_0000, "RM0433 25.6.4: JQDIS; the image writes it"),
 ];
 
-/// Which bits of a register can be set.
-const WIDTHS: &[(&str, &str, u32, u32)] = &[
-    ("TIM1", "ARR", 0x2c, 0xffff),
-    ("TIM1", "RCR", 0x30, 0xffff),
-    ("TIM1", "PSC", 0x28, 0xffff),
-    ("TIM2", "ARR", 0x2c, 0xffff_ffff),
-    ("TIM2", "PSC", 0x28, 0xffff),
-    ("TIM8", "ARR", 0x2c, 0xffff),
-    ("TIM8", "RCR", 0x30, 0xffff),
-    ("TIM15", "ARR", 0x2c, 0xffff),
-    ("TIM15", "RCR", 0x30, 0xff),
+/// Which bits of a register can be set, and the source: ST's data where they have the register with
+/// its fields, else the manual.
+const WIDTHS: &[(&str, &str, u32, u32, &str)] = &[
+    ("TIM1", "ARR", 0x2c, 0xffff, METAPAC),
+    ("TIM1", "RCR", 0x30, 0xffff, METAPAC),
+    ("TIM1", "PSC", 0x28, 0xffff, METAPAC),
+    ("TIM2", "ARR", 0x2c, 0xffff_ffff, METAPAC),
+    ("TIM2", "PSC", 0x28, 0xffff, METAPAC),
+    ("TIM8", "ARR", 0x2c, 0xffff, METAPAC),
+    ("TIM8", "RCR", 0x30, 0xffff, METAPAC),
+    ("TIM15", "ARR", 0x2c, 0xffff, METAPAC),
+    ("TIM15", "RCR", 0x30, 0xff, METAPAC),
 ];
+const METAPAC: &str = "stm32-metapac";
+
+/// The bits of a register's fields by ST's data. A block has the registers of the one it extends.
+fn st_says(of: &str, offset: u32) -> u32 {
+    let peripheral = METADATA.peripherals.iter().find(|peripheral| peripheral.name == of).unwrap();
+    let registers = peripheral.registers.as_ref().unwrap();
+    let plain = |name: &str| name.replace('_', "").to_ascii_lowercase();
+    let named = |name: &str| registers.ir.blocks.iter().find(|block| plain(block.name) == plain(name)).unwrap();
+    let mut block = named(registers.block);
+    loop {
+        let item = block.items.iter().find(|item| item.byte_offset == offset && item.array.is_none());
+        if let Some(BlockItemInner::Register(register)) = item.map(|item| &item.inner) {
+            let Some(name) = register.fieldset else { return u32::MAX >> (32 - register.bit_size) };
+            let fields = registers.ir.fieldsets.iter().find(|fields| fields.name == name).unwrap().fields;
+            // UIFCPY lies above.
+            return fields.iter().filter(|field| field.bit_size > 1).fold(0, |bits, field| match &field.bit_offset {
+                BitOffset::Regular(at) => bits | u32::MAX >> (32 - field.bit_size) << at.offset,
+                BitOffset::Cursed(_) => panic!("{of}: {name}"),
+            });
+        }
+        block = named(block.extends.unwrap_or_else(|| panic!("{of} has no register at {offset:#x}")));
+    }
+}
 
 /// RCC's enable registers, AHB1 to APB4.
 const ENABLES: std::ops::RangeInclusive<u32> = 0xd4..=0xf4;
@@ -151,7 +176,10 @@ fn registers_of_the_models_are_after_a_reset_what_st_says() {
 #[test]
 fn registers_of_timers_are_as_wide_as_st_says() {
     let mut machine = chip();
-    for &(of, name, offset, bits) in WIDTHS {
+    for &(of, name, offset, bits, source) in WIDTHS {
+        if source == METAPAC {
+            assert_eq!(st_says(of, offset), bits, "{of}.{name}");
+        }
         write(&mut machine, base(of) + offset, u32::MAX);
         assert_eq!(read(&mut machine, base(of) + offset), Some(bits), "{of}.{name}");
     }

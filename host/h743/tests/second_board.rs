@@ -2,12 +2,12 @@
 //! BEAMTICK_H743VI_IMAGE names it: start-up from its crystal, the link over USB, its pins, and what
 //! ends light. Its jobs are in tests/jobs.rs.
 use client::{Client, Options};
-use h743::board::{MODULE, NUCLEO};
+use h743::board::{Board, MODULE, NUCLEO};
 use h743::link::{EmulatedLink, Plug, Shared, lock};
 use h743::{Cause, Level, MICROSECOND, MILLISECOND, Machine, Pin, Stop, Time};
 use protocol::command::{
-    AxisOn, ClrLaserFault, ClrSts, GetCaptureStatus, GetDi, GetEncPos, GetFault, GetLaserFault, GetSts, LaserOutFrq,
-    LaserPrfCmd, SetAxisMode, SetCaptureMode, SetDoBit, SetHSIOOpt,
+    AxisOn, ClrLaserFault, ClrSts, GetCaptureStatus, GetDi, GetEncPos, GetFault, GetLaserFault, GetSts, LaserOn,
+    LaserOutFrq, LaserPrfCmd, SetAxisMode, SetCaptureMode, SetDoBit, SetHSIOOpt,
 };
 use std::sync::{Arc, Mutex};
 
@@ -103,16 +103,36 @@ fn it_reaches_full_speed_from_its_crystal_and_drives_nothing_active() {
     assert_eq!(machine.resets, []);
 }
 
+/// Whatever clock the board has: a module may have the Nucleo's 8 MHz.
 #[test]
-fn an_image_of_the_other_board_waits_in_the_dark() {
-    let both = [("BEAMTICK_H743_IMAGE", MODULE), ("BEAMTICK_H743VI_IMAGE", NUCLEO)];
-    for (variable, board) in both {
+fn an_image_of_the_other_board_drives_no_pin_and_says_why_over_usb() {
+    let images = [("BEAMTICK_H743_IMAGE", NUCLEO, MODULE, 144), ("BEAMTICK_H743VI_IMAGE", MODULE, NUCLEO, 100)];
+    for (variable, own, other, pins) in images {
         let Some(elf) = elf(variable) else { continue };
-        let mut machine = Machine::on(board).unwrap();
-        machine.boot(&elf).unwrap();
-        assert_eq!(machine.run(300 * MILLISECOND), Stop::Time);
-        let changes = &machine.chip.bus.gpio.changes;
-        assert!(changes.iter().all(|change| !matches!(change.level, Level::Driven(_))), "{changes:?}");
+        for board in [other, Board { package: other.package, ports: other.ports, ..own }] {
+            let mut machine = Machine::on(board).unwrap();
+            machine.boot(&elf).unwrap();
+            for (_, name) in INTERLOCK.into_iter().chain([(1, "PE15"), (15, "PE3"), (8, "PG2")]) {
+                machine.drive(pin(name), Some(false));
+            }
+            let (client, _, shared) = linked(machine);
+            let (fault, text) = client.call_items(GetFault {}, &[]).unwrap();
+            let text: String = text.iter().map(|byte| char::from(byte.value)).collect();
+            let reason = format!("this image is for a board whose chip has {pins} pins; no pin is driven");
+            assert_eq!((fault.kind, text), (5, reason));
+            // What a client may order without a laser.
+            for axis in 1..=8i16 {
+                client.call(AxisOn { core: 1.into(), axis: axis.into() }).unwrap();
+            }
+            client.call(SetDoBit { core: 1.into(), do_type: 12.into(), index: 1.into(), value: 1.into() }).unwrap();
+            assert!(client.call(LaserOn { core: 1.into(), channel: 0.into() }).is_err());
+            let mut machine = lock(&shared);
+            assert_eq!(machine.run(20 * MILLISECOND), Stop::Time);
+            let changes = &machine.chip.bus.gpio.changes;
+            assert!(changes.iter().all(|change| !matches!(change.level, Level::Driven(_))), "{changes:?}");
+            let dac = &machine.chip.bus.dac;
+            assert_eq!((dac.output(0), dac.output(1)), (None, None));
+        }
     }
 }
 
@@ -132,33 +152,36 @@ fn the_client_opens_it_over_usb_and_it_asks_the_host_for_current() {
     assert_eq!(machine.resets, []);
 }
 
-/// Laser 0 on: 10 kHz, half of the time light, in the middle of a pulse.
+/// Both lasers on: 10 kHz, most of the time light, within a pulse of both.
 fn lit() -> Option<(Client, Plug, Shared)> {
     let (client, plug, machine) = ready()?;
-    let (core, channel) = (1.into(), 0.into());
-    client.call(SetAxisMode { core, axis: 7.into(), mode: 1.into() }).unwrap();
-    client.call(LaserOutFrq { core, frequency: 10.0.into(), channel }).unwrap();
-    client.call(LaserPrfCmd { core, power: 50.0.into(), channel }).unwrap();
-    client.call(SetHSIOOpt { core, value: 1.into(), channel }).unwrap();
-    into_a_pulse(&machine);
+    for (axis, channel) in [(7, 0), (8, 1)] {
+        let (core, channel) = (1.into(), channel.into());
+        client.call(SetAxisMode { core, axis: axis.into(), mode: 1.into() }).unwrap();
+        client.call(LaserOutFrq { core, frequency: 10.0.into(), channel }).unwrap();
+        client.call(LaserPrfCmd { core, power: 80.0.into(), channel }).unwrap();
+        switch_on(&client, channel.get());
+    }
+    into_pulses(&machine);
     Some((client, plug, machine))
 }
 
-fn is_lit(machine: &Machine) -> bool {
-    machine.chip.bus.gpio.level(pin("PA8")) == Level::Driven(false)
+fn switch_on(client: &Client, channel: i16) {
+    client.call(SetHSIOOpt { core: 1.into(), value: 1.into(), channel: channel.into() }).unwrap();
 }
 
-fn into_a_pulse(machine: &Shared) {
+/// Which + lines are lit: energy of both lasers, switch of both.
+fn lit_lines(machine: &Machine) -> [bool; 4] {
+    LINES.map(|(plus, _)| machine.chip.bus.gpio.level(pin(plus)) == Level::Driven(false))
+}
+
+fn into_pulses(machine: &Shared) {
     let mut machine = lock(machine);
-    for wanted in [false, true] {
-        let end = machine.chip.now + 10 * MILLISECOND;
-        while is_lit(&machine) != wanted {
-            machine.run(MICROSECOND);
-            assert!(machine.chip.now < end, "light that does not begin or end");
-        }
+    let end = machine.chip.now + 10 * MILLISECOND;
+    while lit_lines(&machine) != [true; 4] {
+        machine.run(7 * MICROSECOND);
+        assert!(machine.chip.now < end, "light that does not begin: {:?}", lit_lines(&machine));
     }
-    machine.run(7 * MICROSECOND);
-    assert!(is_lit(&machine), "50 us of light");
 }
 
 fn last_light(machine: &Machine, since: Time) -> Option<Time> {
@@ -169,21 +192,20 @@ fn last_light(machine: &Machine, since: Time) -> Option<Time> {
 #[test]
 fn each_break_input_ends_light_without_an_instruction() {
     let Some((client, _, shared)) = lit() else { return };
-    let (core, channel) = (1.into(), 0.into());
-    // TIM1 and TIM8 make this laser's energy and switch; TIM15's input opens the interlock too.
+    let core = 1.into();
     for (number, name) in INTERLOCK {
-        into_a_pulse(&shared);
+        into_pulses(&shared);
         let mut machine = lock(&shared);
         let (now, instructions) = (machine.chip.now, machine.chip.instructions);
         machine.drive(pin(name), Some(true));
         assert_eq!((machine.chip.now, machine.chip.instructions), (now, instructions));
-        let plus = LINES.map(|(plus, _)| machine.chip.bus.gpio.level(pin(plus)) == Level::Driven(true));
-        let at_once = match number {
-            1 => plus[0],
-            8 => plus[2] && plus[3],
-            _ => plus[1],
+        // Energy of laser 0 is TIM1's, that of laser 1 TIM15's, both switches are TIM8's.
+        let of_timer = match number {
+            1 => [false, true, true, true],
+            15 => [true, false, true, true],
+            _ => [true, true, false, false],
         };
-        assert!(at_once, "TIM{number}: {plus:?}");
+        assert_eq!(lit_lines(&machine), of_timer, "TIM{number}");
         // The others follow in the tick that reads the interlock.
         machine.run(60 * MICROSECOND);
         let dark = machine.chip.now;
@@ -193,11 +215,14 @@ fn each_break_input_ends_light_without_an_instruction() {
         machine.run(20 * MILLISECOND);
         assert_eq!(last_light(&machine, dark), None, "TIM{number}: light comes back by itself");
         drop(machine);
-        assert_eq!(client.call(GetLaserFault { core, channel }).unwrap().value.get(), 1, "TIM{number}");
-        client.call(ClrLaserFault { core, channel }).unwrap();
-        client.call(SetHSIOOpt { core, value: 1.into(), channel }).unwrap();
+        for channel in 0..2i16 {
+            let fault = client.call(GetLaserFault { core, channel: channel.into() }).unwrap();
+            assert_eq!(fault.value.get(), 1, "TIM{number}");
+            client.call(ClrLaserFault { core, channel: channel.into() }).unwrap();
+            switch_on(&client, channel);
+        }
     }
-    into_a_pulse(&shared);
+    into_pulses(&shared);
     assert_eq!(lock(&shared).chip.bus.complaints, Vec::<String>::new());
 }
 
@@ -224,7 +249,7 @@ fn a_crystal_that_stops_ends_a_pulse_without_an_instruction_and_is_reported() {
     let (now, instructions) = (machine.chip.now, machine.chip.instructions);
     machine.give_clock(false);
     assert_eq!((machine.chip.now, machine.chip.instructions), (now, instructions));
-    assert!(!is_lit(&machine));
+    assert_eq!(lit_lines(&machine), [false; 4]);
     machine.plug_usb(false);
     assert_eq!(machine.run(MILLISECOND), Stop::Reset(Cause::Software));
     assert_eq!(machine.run(300 * MILLISECOND), Stop::Time);

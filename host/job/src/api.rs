@@ -122,6 +122,7 @@ pub fn counts(name: &str) -> Option<(i64, i64)> {
     match name {
         "SetDac" | "PtStartPro" => Some((1, 32)),
         "SetDoEx" => Some((1, 4)),
+        "SetDiReverseCount" => Some((1, 8)),
         "SetLaserFollowTable" | "SetLaserDisTable1D" | "SetLaserDisTable2D" => Some((1, 32)),
         name if name.starts_with("Pvt") => Some((2, 1024)),
         _ => None,

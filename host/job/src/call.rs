@@ -178,7 +178,8 @@ impl Reader<'_> {
         self.name_axes(function, several_cores, core, bound);
         let first = numbers.first().map_or(0, |number| *number as i16);
         let used = match function.name {
-            "PrfPt" | "PrfPvt" | "PrfFollow" | "PrfFollowEx" | "PrfTrap" | "PrfJog" | "SetPrfPos" | "SetEncPos" => 1,
+            "PrfPt" | "PrfPvt" | "PrfFollow" | "PrfFollowEx" | "PrfGear" | "PrfTrap" | "PrfJog" | "SetPrfPos"
+            | "SetEncPos" => 1,
             "ZeroPos" => numbers.get(1).map_or(0, |count| *count as i16),
             _ => 0,
         };

@@ -1,8 +1,8 @@
 //! Motions that a script has started, as far as its calls say. It is needed only to refuse a wait
 //! that would never end (SPEC 7: `while(!kbhit())` under an endless motion).
 //!
-//! In: the calls, in order. Out: whether a motion is endless. It knows Jog and the loops of PT, PVT
-//! and Follow; a motion that ends by itself is not kept.
+//! In: the calls, in order. Out: whether a motion is endless. It knows Jog, Gear and the loops of
+//! PT, PVT and Follow; a motion that ends by itself is not kept.
 
 use crate::Axis;
 use std::collections::BTreeMap;
@@ -31,6 +31,8 @@ enum Mode {
     StaticPt,
     Pvt,
     Follow,
+    /// Its motion has no end.
+    Gear,
 }
 
 /// The numbers of a call's parameters without `core`.
@@ -64,6 +66,8 @@ impl Motions {
             "PrfFollow" | "PrfFollowEx" => self.axes.entry(axis).or_default().mode = Mode::Follow,
             "SetFollowLoop" | "SetFollowLoopEx" => self.axes.entry(axis).or_default().follow_loops = Some(given.int(1)),
             "FollowStart" | "FollowStartEx" => self.start(core, mask, Mode::Follow, line),
+            "PrfGear" => self.axes.entry(axis).or_default().mode = Mode::Gear,
+            "GearStart" => self.start(core, mask, Mode::Gear, line),
             "PrfJog" => self.axes.entry(axis).or_default().mode = Mode::Jog,
             "PrfTrap" => self.axes.entry(axis).or_default().mode = Mode::Other,
             "SetPtLoop" => self.axes.entry(axis).or_default().loops = Some(given.int(1)),
@@ -115,6 +119,7 @@ impl Motions {
                 Mode::Pvt => motion.table_loops.is_some_and(|loops| loops <= 0),
                 Mode::StaticPt => motion.loops.is_some_and(|loops| loops <= 0),
                 Mode::Follow => motion.follow_loops.is_some_and(|loops| loops <= 0),
+                Mode::Gear => true,
                 Mode::Other => false,
             };
             motion.running.filter(|_| named && endless).map(|line| (*axis, line))

@@ -345,10 +345,11 @@ impl<'m, const AXES: usize> Whole<'m, AXES> {
             planned_inputs: PLANNED_INPUTS,
             general_inputs: servo::port::GeneralInputs::BITS as u8,
             general_outputs: servo::port::GeneralOutputs::BITS as u8,
-            // Its encoders are the set-points, which have no index.
-            indexes: AxisMask(0),
+            indexes: AxisMask(u64::MAX),
             step_limit,
+            wired: &servo::port::WiredInputs::ALL,
             fault: None,
+            contradiction: || None,
             tick_time: None,
         };
         let channels = ThreadHalves {

@@ -100,6 +100,8 @@ pub(crate) struct Machine<const AXES: usize> {
     interlock: bool,
     /// Instant at which the interlock input becomes active; it may be between two ticks.
     raised_ns: Option<u64>,
+    /// Of an axis that waits for an index edge: its encoder count, and the next tick.
+    index_asked: Vec<(u64, i64)>,
     /// Changes of the lasers' outputs, if they are recorded.
     beam: Option<Vec<Beam>>,
 }
@@ -120,6 +122,7 @@ impl<const AXES: usize> Machine<AXES> {
             is_lasers: [false; CHANNELS],
             interlock: false,
             raised_ns: None,
+            index_asked: vec![(0, 0); AXES],
             beam: None,
         }
     }
@@ -210,6 +213,14 @@ impl<const AXES: usize> Port for Machine<AXES> {
 
     fn encoder(&mut self, axis: Axis) -> i64 {
         self.plant.encoder(axis.index())
+    }
+
+    /// An edge counts from the tick after the one that armed the capture.
+    fn index(&mut self, axis: Axis) -> Option<i64> {
+        let count = self.plant.encoder(axis.index());
+        let asked = self.index_asked.get_mut(axis.index())?;
+        let (tick, before) = std::mem::replace(asked, (self.next_ns, count));
+        if tick == self.now_ns { plant::index_edge(before, count) } else { None }
     }
 
     fn general_inputs(&mut self) -> GeneralInputs {

@@ -197,6 +197,7 @@ impl AxisState {
 
     pub(super) fn clear_data(&mut self) {
         self.follow.clear_all();
+        self.follow.gear = None;
         self.data.ends = [0; 2];
         self.published.released = 0;
     }
@@ -232,6 +233,13 @@ impl AxisState {
         if !self.runs() && self.follow.direction != direction {
             self.follow.direction = direction;
             self.follow.clear_all();
+        }
+    }
+
+    /// The ratio of the next start in gear.
+    pub(crate) fn set_gear(&mut self, ratio: follow::GearRatio) {
+        if self.published.mode == MotionMode::Gear {
+            self.follow.gear = Some(ratio);
         }
     }
 

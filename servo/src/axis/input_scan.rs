@@ -46,7 +46,7 @@ impl AxisState {
     }
 
     /// Takes the inputs of the tick in force at `now` with all their effects. Returns whether
-    /// causes of latched bits have changed.
+    /// levels or causes of latched bits have changed.
     #[inline(never)]
     pub(crate) fn take(&mut self, now: Ns, levels: u8, count: i64) -> bool {
         let before = self.causes.present;
@@ -57,6 +57,7 @@ impl AxisState {
             settled = false;
         }
         if levels != self.levels {
+            self.flips = levels ^ self.levels;
             (self.raw, self.levels) = (AxisInputs::of_bits(levels), levels);
             self.mark_changed();
             settled = false;
@@ -101,7 +102,7 @@ impl AxisState {
             (false, true) => InputScan::Settled,
             _ => InputScan::None,
         };
-        self.causes.present != before
+        self.causes.present != before || self.flips != 0
     }
 
     /// Causes of latched bits that are present, and those that have appeared since the last call.

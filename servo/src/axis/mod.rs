@@ -129,6 +129,8 @@ state! {
         unprepared: u8 = 0,
         /// Input levels, sampled, as bits.
         levels: u8 = 0,
+        /// Those of them that have changed, until they are counted.
+        pub(crate) flips: u8 = 0,
         pub(crate) servo_on: bool = false,
         in_position: bool = false,
         /// The levels themselves.
@@ -270,6 +272,7 @@ impl AxisState {
             state,
             unprepared: _,
             levels: _,
+            flips: _,
             servo_on,
             in_position,
             raw: _,

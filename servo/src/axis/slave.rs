@@ -40,17 +40,26 @@ impl AxisState {
         self.follower().map(|follower| (follower.master.axis, follower.master.value))
     }
 
-    /// Whether Follow or FollowEx must not start.
+    /// Whether Follow, FollowEx or Gear must not start.
     pub(crate) fn refuses_follow(&self, fifo1: bool) -> bool {
+        if self.published.mode == MotionMode::Gear {
+            let ready = self.follow.master.is_some() && self.follow.gear.is_some();
+            let goes_on = self.follower().is_some_and(|follower| follower.braking.is_none());
+            return self.refuses_start() || !ready || self.runs() && !goes_on;
+        }
         let prepared = matches!(self.published.mode, MotionMode::Follow | MotionMode::FollowEx)
             && self.follow.master.is_some()
             && !self.follow.is_empty(fifo1 as u8);
         self.refuses_start() || self.runs() || !prepared
     }
 
-    /// Follow or FollowEx begins with the tick at `next`.
+    /// Follow, FollowEx or Gear begins with the tick at `next`; one that is in gear takes its new
+    /// ratio.
     pub(crate) fn start_follow(&mut self, next: Ns, fifo1: bool) {
         let Some(master) = self.follow.master else { return };
+        if self.published.mode == MotionMode::Gear && self.follows() {
+            return self.take_ratio();
+        }
         let prepared = matches!(self.profile.prepared(), Some(Generator::Follow(own)) if own.run.fifo() == fifo1 as u8);
         if prepared && self.begin_prepared(next) {
             (self.published.passes, self.published.fifo, self.published.switching) = (0, fifo1 as u8, false);
@@ -97,6 +106,13 @@ impl AxisState {
     pub(crate) fn switch_now(&mut self, method: Method) {
         if let Some(follower) = self.profile.follower_mut() {
             follower.run.switch_now(method);
+        }
+    }
+
+    /// The ratio that is set takes over at the tick computed.
+    fn take_ratio(&mut self) {
+        if let Some(follower) = self.profile.follower_mut() {
+            follower.run.take_ratio();
         }
     }
 

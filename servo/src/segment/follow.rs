@@ -1,19 +1,21 @@
-//! Follow and FollowEx: the master's displacement takes the place of time (SPEC 5; GXN chapter 3).
+//! Follow, FollowEx and Gear: the master's displacement takes the place of time (SPEC 5; GXN
+//! chapter 3).
 //!
 //! In: data admitted by integer checks into [`FollowEntry`]s (`entry.rs`), which lie in the axis's
 //! PT arena (`store.rs`); the master's motion within a tick (`master_path.rs`). Out: the slave's
 //! planned position, and its own motion within the tick for its slaves (`follower.rs`). Owns: a
 //! running motion, [`FollowRun`] (`evaluator.rs`), which makes pieces over the master's progress
-//! (`curve.rs`). Fails: a datum that no axis could run is [`Refused`] before it reaches the store.
-//! A wait may time out; a jump may be too far.
+//! (`curve.rs`), or goes in a ratio (`gear.rs`). Fails: a datum that no axis could run is
+//! [`Refused`] before it reaches the store. A wait may time out; a jump may be too far.
 //!
 //! Held by `tests/follow_exact.rs` (positions ≤ 2⁻¹⁶ pulse, knots exact, ratios ≤ 2⁻¹⁶ of the
-//! peak), `follow_tick.rs`, `follow_entries.rs`.
+//! peak), `follow_tick.rs`, `follow_entries.rs`, `gear_exact.rs`.
 mod compact;
 mod curve;
 mod entry;
 mod evaluator;
 mod follower;
+mod gear;
 mod master_path;
 mod order;
 mod ratio;
@@ -27,6 +29,7 @@ pub use evaluator::{ACTIONS, Awaited, Awaits, FollowContext, FollowRun, FollowSt
 pub use follower::Follower;
 pub(crate) use follower::share;
 pub(crate) use follower::{MasterPathKind, MasterSample};
+pub use gear::{GearRatio, GearRefused};
 pub use master_path::{MasterPath, PositionTrack, SPOTS, Spot};
 pub(crate) use order::SlaveOrder;
 pub use setup::Setup;

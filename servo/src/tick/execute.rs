@@ -61,16 +61,22 @@ impl<const AXES: usize> Tick<AXES> {
             }
             TickCommand::Supervision(supervision) => self.supervision = supervision,
             TickCommand::Servo { axis, on } => self.servo(axis.mask(), on, next, lanes),
-            TickCommand::Output { group, mask, value } => match group {
-                DoGroup::Enable => {
-                    self.servo(AxisMask(mask & value), true, next, lanes);
-                    self.servo(AxisMask(mask & !value), false, next, lanes);
+            TickCommand::Output { group, mask, value } => {
+                if !self.timed.is_empty() {
+                    self.timed.forget(group, mask);
                 }
-                DoGroup::Clear => self.clear = self.clear & !mask | value & mask,
-                DoGroup::General => {
-                    self.general = self.general & !(mask as GeneralOutputs) | (value & mask) as GeneralOutputs
+                self.output(group, mask, value, next, lanes);
+            }
+            TickCommand::OutputFor { group, bit, high, time } => {
+                if !self.timed.takes(group, bit) {
+                    let refusal = Event::OutputRefused { lane, seq: entry.seq };
+                    return report_event(lanes.events, &mut self.events_lost, refusal);
                 }
-            },
+                let mask = 1u64 << (bit & 63);
+                self.timed.add(group, bit, !high, Ns(next.0.saturating_add(time.0)));
+                self.output(group, mask, if high { mask } else { 0 }, next, lanes);
+            }
+            TickCommand::EdgeCount { input, index, count } => lanes.tables.lasers.edges.set(input, index, count),
             TickCommand::Analog { channel, value } => {
                 port.analog_out(0, channel as usize, value);
                 self.record_analog(channel, value, lanes.tables.lasers, lanes.samples);
@@ -199,6 +205,7 @@ impl<const AXES: usize> Tick<AXES> {
                 }
             }
             TickCommand::FollowClear { axis, fifo } => self.one(axis, |state| state.clear_entries(fifo)),
+            TickCommand::GearRatio { axis, ratio } => self.one(axis, |state| state.set_gear(ratio)),
             TickCommand::FollowStart { axes, fifo1 } => {
                 if !self.refused(lane, entry.seq, axes, lanes, |axis, state| state.refuses_follow(fifo1.has(axis))) {
                     self.each(axes, |axis, state| state.start_follow(next, fifo1.has(axis)));
@@ -231,6 +238,20 @@ impl<const AXES: usize> Tick<AXES> {
     /// An input of a machine without wires changes with the tick computed. That tick shows it and
     /// ends the waits for it; the interrupt of that tick samples it for everything else.
     #[inline(never)]
+    /// Outputs of a group get the levels of `value` where `mask` is set.
+    fn output(&mut self, group: DoGroup, mask: u64, value: u64, next: Ns, lanes: &mut HandOvers<'_, '_, AXES>) {
+        match group {
+            DoGroup::Enable => {
+                self.servo(AxisMask(mask & value), true, next, lanes);
+                self.servo(AxisMask(mask & !value), false, next, lanes);
+            }
+            DoGroup::Clear => self.clear = self.clear & !mask | value & mask,
+            DoGroup::General => {
+                self.general = self.general & !(mask as GeneralOutputs) | (value & mask) as GeneralOutputs;
+            }
+        }
+    }
+
     pub(crate) fn simulate(&mut self, input: Simulated, port: &mut impl Port) {
         port.simulate(input);
         if let Simulated::Level { input, index, .. } = input

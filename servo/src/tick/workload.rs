@@ -127,6 +127,8 @@ impl<const AXES: usize> Tick<AXES> {
             | TickCommand::ProgramEnd
             | TickCommand::WaitStandstill { .. }
             | TickCommand::Output { .. }
+            | TickCommand::OutputFor { .. }
+            | TickCommand::EdgeCount { .. }
             | TickCommand::Analog { .. } => 1,
             _ => SET_UP,
         }
@@ -159,6 +161,7 @@ impl<const AXES: usize> Tick<AXES> {
             | TickCommand::Abort
             | TickCommand::Servo { on: false, .. }
             | TickCommand::Output { .. }
+            | TickCommand::OutputFor { .. }
             | TickCommand::Analog { .. } => true,
             TickCommand::Laser { channel, change } => self.lasers.shows(channel, &change),
             _ => false,

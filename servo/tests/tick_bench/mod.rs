@@ -277,6 +277,11 @@ impl Bench {
         }
     }
 
+    /// Edges of an input so far.
+    pub fn edges(&self, input: follow::Input, index: u8) -> u32 {
+        self.lanes.tables.lasers.edges.of(input, index)
+    }
+
     pub fn event(&mut self) -> Option<Event> {
         self.events.pop()
     }

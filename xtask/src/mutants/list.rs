@@ -50,6 +50,7 @@ const H743_FIRST_TICK: &[&str] = &["-p", "beamtick-h743", "--test", "image", "--
 const H743_STUCK: &[&str] = &["-p", "beamtick-h743", "--test", "image", "--", "a_link_task_that_stands_still"];
 const H743_PANIC: &[&str] = &["-p", "beamtick-h743", "--test", "image", "--", "a_panic_rests"];
 const H743_STACK: &[&str] = &["-p", "beamtick-h743", "--test", "image", "--", "a_stack_that_is_full"];
+const H743_BREAKS: &[&str] = &["-p", "beamtick-h743", "--test", "facts", "--", "break"];
 const H743_VOLTAGES: &[&str] = &["-p", "beamtick-h743", "--test", "inputs", "--", "voltages"];
 const H743_ENCODERS: &[&str] = &["-p", "beamtick-h743", "--test", "inputs", "--", "edges_of_encoders"];
 const H743_PT: &[&str] = &["-p", "beamtick-h743", "--test", "jobs", "--", "a_listing_of_pt"];
@@ -561,6 +562,20 @@ pub const LIST: &[Mutant] = &[
         "    guard::below(&mut core.MPU, STACK, 1);",
         "",
         H743_STACK,
+    ),
+    mutant(
+        "H743: a break flag is not compared with its pin in ticks",
+        "hal/src/stm32h743/laser.rs",
+        "            CONTRADICTS.store(1 + 2 * input + (levels >> input & 1), Relaxed);",
+        "",
+        H743_BREAKS,
+    ),
+    mutant(
+        "H743: a break of the chip is taken for one of a pin",
+        "hal/src/stm32h743/laser.rs",
+        "let of_chip = flags == 0b111;",
+        "let of_chip = false;",
+        &["-p", "beamtick-h743", "--test", "facts", "--", "a_supply"],
     ),
     mutant(
         "H743: analog inputs are exchanged",

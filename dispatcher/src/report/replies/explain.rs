@@ -1,9 +1,10 @@
 //! Why the tick refused a start: the reason that the view shows.
 use super::Reading;
 use crate::plan::geometry::pulses;
-use crate::refuse::Refused;
+use crate::refuse::{Refused, latched};
 use crate::report::answer::Refuser;
 use protocol::reason::Reason;
+use servo::output::TIMED_OUTPUTS;
 use servo::status::{LIMIT_NEGATIVE, LIMIT_POSITIVE, RUNNING, SERVO_ON};
 use servo::tick_command::MotionMode;
 use servo::units::{Axis, Crd};
@@ -18,14 +19,18 @@ impl<const AXES: usize> Reading<'_, AXES> {
                 let fault = self.view.lasers.get(usize::from(channel)).map_or(0, |laser| laser.fault as u8);
                 return Refused::new(Reason::LaserFault).got(channel.into()).limits(0.0, fault.into());
             }
+            Refuser::Outputs => {
+                return Refused::new(Reason::TimedOutputs).limits(0.0, TIMED_OUTPUTS as f64);
+            }
             Refuser::Nobody => return Refused::new(Reason::Late),
         };
-        let blocked = self.view.axes.get(axis.index()).is_some_and(|sampled| sampled.blocked != 0);
+        let causes = self.view.axes.get(axis.index()).map_or(0, |sampled| sampled.blocked);
+        let blocked = causes != 0;
         let limit = self.limit_ahead(axis, status);
         let (reason, got) = match limit.filter(|_| !blocked) {
             _ if status & SERVO_ON == 0 => (Reason::ServoOff, status.into()),
             Some(limit) => limit,
-            None if blocked => (Reason::AxisFault, status.into()),
+            None if blocked => (latched(causes), status.into()),
             None if status & RUNNING != 0 => (Reason::Moving, status.into()),
             None => (Reason::StateChanged, status.into()),
         };

@@ -18,7 +18,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
         let follow = &self.executed.axis(axis).follow;
         let mut say = |reply: &[u8]| out.push_raw(query.opcode, tag, 0, &[reply]);
         match query.opcode {
-            opcode::GetFollowMaster | opcode::GetFollowMasterEx => {
+            opcode::GetFollowMaster | opcode::GetFollowMasterEx | opcode::GetGearMaster => {
                 let [index, kind, item] = follow.master.map_or(NO_MASTER, |(_, given)| given);
                 let (master_index, master_type, master_item) = (index.into(), kind.into(), item.into());
                 say(command::FollowMasterReply { master_index, master_type, master_item }.as_bytes())
@@ -31,6 +31,15 @@ impl<const AXES: usize> Reading<'_, AXES> {
                 let (event, dir, pos) = follow.event;
                 let (event, master_dir, pos) = (event.into(), dir.into(), pos.into());
                 say(command::FollowEventReply { event, master_dir, pos }.as_bytes())
+            }
+            opcode::GetGearRatio => {
+                let [master_even, slave_even, master_slope] = follow.ratio.unwrap_or_default().map(Into::into);
+                say(command::GearRatioReply { master_even, slave_even, master_slope }.as_bytes())
+            }
+            opcode::GetGearEvent => {
+                let (event, dir, pos) = follow.event;
+                let (event, start_para0, start_para1) = (event.into(), i32::from(dir).into(), pos.into());
+                say(command::GearEventReply { event, start_para0, start_para1 }.as_bytes())
             }
             opcode::GetFollowMemory | opcode::GetFollowMemoryEx => {
                 say(command::Short { value: i16::from(follow.memory).into() }.as_bytes())

@@ -1,9 +1,11 @@
 //! `beamtick bring-up`: a board measures itself, and the result is a page.
 //!
-//! In: the lines of the bring-up image ([`lines`]). Out: a page in Markdown with a row for each
+//! In: the lines of the bring-up image ([`lines`]), or the ticks of the board's own image under
+//! [`loads`]. Out: a page in Markdown with a row for each
 //! fact ([`rows`]), pass, fail or a figure, and what to change on a fail. Owns the limits. Fails: a
 //! board that does not answer, a line that arrives damaged, a run that ends early.
 mod lines;
+mod loads;
 mod page;
 mod rows;
 
@@ -35,6 +37,9 @@ pub fn run(arguments: &BringUp) -> Result<(), Failure> {
 
 /// Runs it over this link.
 pub fn over(mut link: Box<dyn Link>, arguments: &BringUp) -> Result<(), Failure> {
+    if arguments.loads {
+        return loads::over(link, arguments.page.as_deref());
+    }
     let figures = measure(&mut *link)?;
     let report = page::Report::of(&figures);
     let text = report.text();

@@ -74,14 +74,44 @@ fn listed(page: &str) -> Vec<u8> {
 }
 
 const BY_HAND: &[ByHand] = &[
-    by(16, "the link's stream beside others", "an hour of a job with a trace at 3 Mbaud"),
-    by(18, "ECC at power-on", "switch the power off and on a hundred times"),
-    by(19, "the last word before a reset", "provoke a fault, read `beamtick info`"),
+    by(
+        16,
+        "the link's stream beside others",
+        "an hour of a job with a trace at 3 Mbaud: five minutes would prove nothing",
+    ),
+    by(18, "ECC at power-on", "switch the power off and on a hundred times: no program can"),
+    by(
+        19,
+        "the last word before a reset",
+        "provoke a fault, read `beamtick info`: it is the board's own image that keeps a reason",
+    ),
     by(23, "the converter is switched on until it is ready", "nothing to measure"),
-    by(25, "PD10 keeps USB's power switch off", "voltage at CN13: 0 V"),
-    by(26, "the ST-LINK's clock without a host", "supply by VIN, unplug the host: the board runs on"),
-    by(27, "USB", "`lsusb -d 1209:0001` with the board's own image"),
-    by(28, "the crystal of the module starts", "`lsusb -d 1209:0001` with the module's image"),
+    by(
+        25,
+        "PD10 keeps USB's power switch off",
+        "voltage at CN13: 0 V; the switch is outside of the chip, and no jumper reaches its output",
+    ),
+    by(
+        26,
+        "the ST-LINK's clock without a host",
+        "supply by VIN (JP2), unplug the host: the board runs on. Nobody could read a figure meanwhile",
+    ),
+    by(27, "USB", "`lsusb -d 1209:0001` with the board's own image: the bring-up image has no USB"),
+    by(
+        31,
+        "USB by HSI48",
+        "flash the module's image on a Nucleo, `beamtick info` over CN13: the bring-up image has no USB",
+    ),
+    by(
+        33,
+        "the clock's guard breaks the timers",
+        "an LED at energy −, light on, hold the ST-LINK in reset: no program can stop its clock",
+    ),
+    by(
+        28,
+        "the crystal of the module starts",
+        "`lsusb -d 1209:0001` with the module's image: bring-up's jumpers are the Nucleo's",
+    ),
     by(29, "USB of the module without VBUS", "the same"),
 ];
 

@@ -30,9 +30,6 @@ const fn out(name: &'static str) -> Param {
 const fn array(name: &'static str) -> Param {
     param(name, Pass::Fixed(Type::Long, 0))
 }
-const fn ulongs(name: &'static str) -> Param {
-    param(name, Pass::Fixed(Type::ULong, 0))
-}
 const fn row(
     name: &'static str,
     params: &'static [Param],
@@ -371,80 +368,9 @@ pub const MORE: &[More] = &[
         "Whether an axis is on its way home, at which stage, and what went wrong.",
     ),
     row("HomeInit", &[], &[], Class::IsSo(AXES, "homing needs no start"), "Done: homing needs no start."),
-    refused("PrfGear", &[PROFILE, or(short("dir"), 0)], &[], NO_GEAR, "Refused: no mode Gear."),
-    refused(
-        "SetGearMaster",
-        &[PROFILE, short("masterIndex"), or(short("masterType"), 2), or(short("masterItem"), 0)],
-        &[],
-        NO_GEAR,
-        "Refused: no mode Gear.",
-    ),
-    refused(
-        "GetGearMaster",
-        &[PROFILE, out("masterIndex"), or(out("masterType"), 0), or(out("masterItem"), 0)],
-        &[Short, Short, Short],
-        NO_GEAR,
-        "Refused: no mode Gear.",
-    ),
-    refused(
-        "SetGearRatio",
-        &[PROFILE, long("masterEven"), long("slaveEven"), or(long("masterSlope"), 0)],
-        &[],
-        NO_GEAR,
-        "Refused: no mode Gear.",
-    ),
-    refused(
-        "GetGearRatio",
-        &[PROFILE, out("masterEven"), out("slaveEven"), or(out("masterSlope"), 0)],
-        &[Long, Long, Long],
-        NO_GEAR,
-        "Refused: no mode Gear.",
-    ),
-    refused("GearStart", &[long("mask")], &[], NO_GEAR, "Refused: no mode Gear."),
-    refused(
-        "SetGearEvent",
-        &[PROFILE, short("event"), long("startPara0"), long("startPara1")],
-        &[],
-        NO_GEAR,
-        "Refused: no mode Gear.",
-    ),
-    refused(
-        "GetGearEvent",
-        &[PROFILE, out("event"), out("startPara0"), out("startPara1")],
-        &[Short, Long, Long],
-        NO_GEAR,
-        "Refused: no mode Gear.",
-    ),
-    refused(
-        "GetDiReverseCount",
-        &[short("diType"), short("diIndex"), out("reverseCount"), or(short("count"), 1)],
-        &[ULong],
-        NO_EDGES,
-        "Refused: no counts of edges.",
-    ),
-    refused(
-        "SetDiReverseCount",
-        &[short("diType"), short("diIndex"), ulongs("reverseCount"), or(short("count"), 1)],
-        &[],
-        NO_EDGES,
-        "Refused: no counts of edges.",
-    ),
-    refused(
-        "SetDoBitReverse",
-        &[short("doType"), short("doIndex"), short("value"), short("reverseTime")],
-        &[],
-        NO_TIMED_OUTPUT,
-        "Refused: no output for a time.",
-    ),
     refused("PrfCam", &[PROFILE], &[], NO_CAM, "Refused: no Cam."),
     refused("CamStart", &[long("mask")], &[], NO_CAM, "Refused: no Cam."),
 ];
-
-/// Electronic gear as a mode of an axis.
-const NO_GEAR: &str =
-    "the mode Gear is not in this firmware; BufGear of a path, or Follow with an EVEN segment, take an axis along";
-const NO_EDGES: &str = "edges of inputs are not counted";
-const NO_TIMED_OUTPUT: &str = "outputs have no time of their own; set the bit, wait, and set it back";
 
 /// Functions that are known of the API and not in the library, with what they are for.
 pub const NOT_THERE: &[(&str, &str)] = &[

@@ -4,8 +4,8 @@
 #include <windows.h>
 #include "check.h"
 
-static const long HOME_FROM = 4000, HOME_TO = 4300, LIMIT_DOWN = -2000, LIMIT_UP = 9000;
-static long zero = 0;
+static const long HOME_FROM = 4000, HOME_TO = 4300, LIMIT_DOWN = -2000;
+static long LIMIT_UP = 9000, zero = 0;
 
 // What a machine does: its switches follow the axis. Places are those of the first naming.
 static void machine()
@@ -111,10 +111,67 @@ static int alone()
     return verdict();
 }
 
-int main(int argc, char **)
+// One homing by index; the place of the edge that it finds.
+static void finds(THomePrm *prm, short mode, short move, short index, long place)
+{
+    prm->mode = mode;
+    prm->moveDir = move;
+    prm->indexDir = index;
+    THomeStatus status = run(prm);
+    if (status.error != 0 || status.stage != 100)
+        printf("mode %d: error %d, stage %d\n", mode, status.error, status.stage);
+    HOLDS(status.error == 0 && status.stage == 100);
+    zero += status.capturePos;
+    ends_at(prm, place, place);
+}
+
+// The virtual controller's encoders have an index edge every 10,000 counts, one of them at 0.
+static int indexed()
+{
+    THomePrm prm;
+    memset(&prm, 0, sizeof(prm));
+    prm.edge = 1;
+    prm.velHigh = 20;
+    prm.velLow = 2;
+    prm.acc = prm.dec = 0.5;
+    prm.homeOffset = 50;
+    LIMIT_UP = 12000;
+    DONE(GT_Open());
+    DONE(GT_Reset());
+    DONE(GT_AxisOn(1));
+    DONE(GT_LmtsOn(1));
+    // The index alone, from either side.
+    finds(&prm, 30, 0, 1, 10000);
+    finds(&prm, 30, 0, -1, 10000);
+    // Home, then the index, on either side of it.
+    from(2000);
+    finds(&prm, 22, 1, 1, 10000);
+    from(6000);
+    finds(&prm, 22, -1, -1, 0);
+    // The limit, then the index on the way back.
+    finds(&prm, 12, 1, -1, 10000);
+    finds(&prm, 12, -1, 1, 0);
+    // The limit, home on the way back, the index.
+    finds(&prm, 13, -1, 1, 10000);
+    finds(&prm, 13, 1, -1, 0);
+    // None within the distance: nothing is renamed.
+    from(1000);
+    prm.mode = 30;
+    prm.indexDir = 1;
+    prm.searchIndexDistance = 500;
+    THomeStatus status = run(&prm);
+    HOLDS(status.error == 10 && status.stage == 30);
+    double at;
+    DONE(GT_GetPrfPos(1, &at));
+    HOLDS(at == 1500);
+    DONE(GT_Close());
+    return verdict();
+}
+
+int main(int argc, char **argv)
 {
     if (argc > 1)
-        return alone();
+        return strcmp(argv[1], "index") == 0 ? indexed() : alone();
     DONE(GT_Open());
     DONE(GT_Reset());
     DONE(GT_AxisOn(1));

@@ -128,6 +128,10 @@ int main()
     crd();
     room();
     past_the_last_axis();
+    // A refusal has the name of the function.
+    short number;
+    REFUSED(7, "GetStopReason: axis is 99", GT_GetStopReason(99, &number, NULL, 0));
+    REFUSED(7, "GetCrdStopReason: crd is 9", GT_GetCrdStopReason(9, &number, NULL, 0));
     DONE(GT_Close());
     return verdict();
 }

@@ -91,7 +91,7 @@ pub const KINDS: [Kind; 11] = {
 
 /// Masters at the inputs ITR0 to ITR3 of a timer (RM0433 tables 331, 338, 345); those of TIM15 but
 /// the first two are channels.
-const TRIGGERS: [(u8, &[u8]); 6] = [
+pub const TRIGGERS: [(u8, &[u8]); 6] = [
     (1, &[15, 2, 3, 4]),
     (2, &[1, 8, 3, 4]),
     (3, &[1, 2, 15, 4]),
@@ -270,7 +270,13 @@ impl Timer {
 
     /// The break input's pin has this level.
     pub fn break_input(&mut self, high: bool, out: &mut Vec<Signal>, at: Time) {
-        self.brake.input = high;
+        self.brake.input = high && !self.quirks.unconnected;
+        self.look_at_break(out, at);
+    }
+
+    /// The supply is low or the core is locked up, as far as SYSCFG_CFGR leads that to the timers.
+    pub fn break_of_chip(&mut self, active: bool, out: &mut Vec<Signal>, at: Time) {
+        self.brake.of_chip = active;
         self.look_at_break(out, at);
     }
 
@@ -304,7 +310,8 @@ impl Timer {
         self.channels.iter_mut().for_each(|channel| channel.look(count));
         let references = self.channels.map(|channel| channel.reference);
         for (n, channel) in self.channels.iter().enumerate() {
-            let (reference, idle) = (channel.combined(references[n ^ 1]), self.cr2 >> (8 + 2 * n));
+            let other_rest = if self.quirks.other_rest { 3 } else { 0 };
+            let (reference, idle) = (channel.combined(references[n ^ 1]), self.cr2 >> (8 + 2 * n) ^ other_rest);
             // An input drives nothing.
             let enables = if channel.captures() { 0 } else { channel.enables };
             let levels = self.brake.levels(enables, reference, self.kind.advanced, idle, self.settles.is_some());

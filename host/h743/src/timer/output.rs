@@ -117,17 +117,19 @@ pub struct Break {
     pub input: bool,
     /// The clock's guard breaks (RM0433 38.3.16): no switch of the timer's keeps it out.
     pub clock_lost: bool,
+    /// So does the supply, or the core (RM0433 12.3.6).
+    pub of_chip: bool,
 }
 
 impl Break {
     /// Main output enable.
     pub const MOE: u32 = 1 << 15;
 
-    /// Whether the input is at its active level (BKP, and BKINP of AF1), or the clock is lost.
+    /// Whether the input is at its active level (BKP, and BKINP of AF1), or the chip breaks.
     pub fn is_active(&self, af1: u32, is_odd: bool) -> bool {
         let connected = af1 & 1 != 0;
         let high = self.input != ((af1 & 1 << 9 != 0) != is_odd);
-        self.clock_lost || connected && high == (self.bdtr & 1 << 13 != 0)
+        self.clock_lost || self.of_chip || connected && high == (self.bdtr & 1 << 13 != 0)
     }
 
     /// Whether the break acts: by its level, so that its flag cannot be cleared meanwhile (RM0433

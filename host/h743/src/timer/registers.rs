@@ -214,12 +214,12 @@ impl Device for Timer {
     }
 
     fn reset(&mut self, at: Time, out: &mut Vec<Signal>) {
-        let (input, kernel, levels, inputs) = (self.brake.input, self.kernel, self.levels, self.inputs);
+        let (brake, kernel, levels, inputs) = (self.brake, self.kernel, self.levels, self.inputs);
         let (is_odd, quirks) = (self.is_odd, self.quirks);
         let burst = if quirks.keeps_burst { (self.burst, self.burst_asks) } else { (0, 0) };
         let complaint = self.complaint.take();
         *self = Timer::new(self.kind);
-        self.brake.input = input;
+        (self.brake.input, self.brake.of_chip) = (brake.input, brake.of_chip);
         self.kernel = kernel;
         self.levels = levels;
         self.inputs = inputs;

@@ -149,6 +149,22 @@ pub const FUNCTIONS: &[Function] = &[
     ),
     call("GetDoEx", c::GetDoEx::OPCODE, &[short("doType"), out("value"), COUNT]),
     call("SetDoBit", c::SetDoBit::OPCODE, &[short("doType"), short("index"), short("value")]),
+    call(
+        "SetDoBitReverse",
+        c::SetDoBitReverse::OPCODE,
+        &[short("doType"), short("doIndex"), short("value"), short("reverseTime")],
+    ),
+    call(
+        "GetDiReverseCount",
+        c::GetDiReverseCount::OPCODE,
+        &[short("diType"), short("diIndex"), out("reverseCount"), COUNT],
+    ),
+    shaped(
+        Shape::Points,
+        "SetDiReverseCount",
+        c::SetDiReverseCount::OPCODE,
+        &[short("diType"), short("diIndex"), sized("reverseCount", Type::ULong, Size::Count), COUNT],
+    ),
     shaped(
         Shape::Points,
         "SetDac",
@@ -431,6 +447,32 @@ pub const FUNCTIONS: &[Function] = &[
             out("time"),
         ],
     ),
+    // -- Gear
+    // -------------------------------------------------------------------------------------------
+    call("PrfGear", c::PrfGear::OPCODE, &[PROFILE, short("dir").or(0)]),
+    call(
+        "SetGearMaster",
+        c::SetGearMaster::OPCODE,
+        &[PROFILE, short("masterIndex"), short("masterType").or(2), short("masterItem").or(0)],
+    ),
+    call(
+        "GetGearMaster",
+        c::GetGearMaster::OPCODE,
+        &[PROFILE, out("masterIndex"), out("masterType").or(0), out("masterItem").or(0)],
+    ),
+    call(
+        "SetGearRatio",
+        c::SetGearRatio::OPCODE,
+        &[PROFILE, long("masterEven"), long("slaveEven"), long("masterSlope").or(0)],
+    ),
+    call(
+        "GetGearRatio",
+        c::GetGearRatio::OPCODE,
+        &[PROFILE, out("masterEven"), out("slaveEven"), out("masterSlope").or(0)],
+    ),
+    call("GearStart", c::GearStart::OPCODE, &[MASK]),
+    call("SetGearEvent", c::SetGearEvent::OPCODE, &[PROFILE, short("event"), long("startPara0"), long("startPara1")]),
+    call("GetGearEvent", c::GetGearEvent::OPCODE, &[PROFILE, out("event"), out("startPara0"), out("startPara1")]),
     // -- Follow (GXN chapter 3)
     // --------------------------------------------------------------------
     call("PrfFollow", c::PrfFollow::OPCODE, &[PROFILE, short("dir").or(0)]),

@@ -102,6 +102,12 @@ fn of(function: &Function) -> Vec<Length> {
                 make(count, 1, data, reset, format!("GTN_SetDoEx(1, 12, value, {count})"), "")
             })
             .into(),
+        "SetDiReverseCount" => [0, 1, 2, 8, 9]
+            .map(|count| {
+                let data = steady("unsigned long", "value", count, 5.0);
+                make(count, 8, data, reset, format!("GTN_SetDiReverseCount(1, 4, 1, value, {count})"), "")
+            })
+            .into(),
         "PtStartPro" => [0, 1, 2, 32, 33]
             .map(|count| {
                 let data = steady("short", "axis", count, 1.0) + &steady("short", "option", count, 0.0);

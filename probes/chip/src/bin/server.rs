@@ -46,7 +46,9 @@ fn start() -> Option<&'static mut Server<'static, AXES>> {
         general_outputs: 16,
         indexes: AxisMask(0),
         step_limit: StepLimit::FULL_SCALE,
+        wired: &servo::port::WiredInputs::ALL,
         fault: None,
+        contradiction: || None,
         tick_time: None,
     };
     let channels = ThreadHalves {

@@ -245,7 +245,9 @@ fn main() -> ! {
         general_outputs: 16,
         step_limit: StepLimit::FULL_SCALE,
         indexes: AxisMask(0),
+        wired: &servo::port::WiredInputs::ALL,
         fault: None,
+        contradiction: || None,
         tick_time: None,
     };
     let channels = ThreadHalves {

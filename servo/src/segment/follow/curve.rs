@@ -149,7 +149,7 @@ pub(super) fn ceil(x: i128) -> i64 {
 }
 
 /// A piece over `length` from `from` on, in 2⁻⁶⁴ pulse of the master.
-fn cubic(from: i128, length: i128, start: i128, c: [i128; 3]) -> Piece {
+pub(super) fn cubic(from: i128, length: i128, start: i128, c: [i128; 3]) -> Piece {
     let magnitude = c.iter().fold(0u128, |bits, x| bits | (x ^ (x >> 127)) as u128);
     let width = 128 - magnitude.leading_zeros() as i32;
     // Largest coefficient of τ just below 2^60.

@@ -86,7 +86,7 @@ pub enum Input {
 
 impl Input {
     /// From its number, of which the low three bits count.
-    pub(crate) const fn of_bits(bits: u8) -> Input {
+    pub const fn of_bits(bits: u8) -> Input {
         match bits & 7 {
             0 => Input::LimitPositive,
             1 => Input::LimitNegative,

@@ -13,12 +13,14 @@
 //!
 //! Work of a tick: at most [`ACTIONS`] entries that are no segments, then it holds there until the
 //! next tick; a segment is found by bisection, passes are counted by a product.
+mod geared;
 mod pass_crossing;
 mod seek;
 mod switch;
 
 use super::curve::{EXACT_TO_POS_BITS, ceil, slope};
 use super::entry::{Input, Stop};
+use super::gear::Gear;
 use super::master_path::{FineNs, MasterPath, PositionTrack, Section, Spot};
 use super::setup::Setup;
 use super::slave_track::record;
@@ -60,6 +62,15 @@ pub enum FollowState {
         /// Where exactly.
         at: Exact,
     },
+}
+
+/// What acts at the end of the tick computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum AtOnce {
+    /// SwitchNow.
+    Switch(Method),
+    /// The ratio of the settings.
+    Ratio,
 }
 
 /// What it waits for.
@@ -158,8 +169,8 @@ state! {
         progress: i64 = 0,
         fifo: u8 = fifo,
         switching: bool = false,
-        /// Set by SwitchNow, until the tick has been computed.
-        now: Option<Method> = None,
+        /// Set by SwitchNow and for a new ratio, until the tick has been computed.
+        now: Option<AtOnce> = None,
         wait: Wait = Wait::Start,
         /// The entry whose piece is loaded.
         index: u32 = 0,
@@ -170,7 +181,7 @@ state! {
         began: i128 = 0,
         origin: i128 = origin.0,
         /// The slave does not go back before this entry of this pass.
-        floor: (u32, u32) = (0, 0),
+        floor: (u32, u32) = (if setup.gear.is_some() { u32::MAX } else { 0 }, 0),
         /// It follows in both directions, and is just at its floor: a master that goes back does
         /// not move it.
         at_floor: bool = false,
@@ -191,6 +202,10 @@ state! {
         end: u32 = 0,
         /// FIFOs that a switch has emptied: 1 bit each, until the axis has taken them.
         emptied: u8 = 0,
+        /// In gear: its law, in place of a FIFO.
+        gear: Option<Gear> = setup.gear.map(|ratio| {
+            Gear::begin(ratio, setup.direction == Direction::Down, 0)
+        }),
     }
     /// A motion from the position `origin` which starts in the tick computed next.
     #[inline(always)]
@@ -255,7 +270,12 @@ impl FollowRun {
     /// The next segment or the other FIFO takes over at the tick computed next.
     pub fn switch_now(&mut self, method: Method) {
         self.invalidate_prepared();
-        self.now = Some(method);
+        self.now = Some(AtOnce::Switch(method));
+    }
+
+    /// In gear: the ratio of the settings takes over at the tick computed next.
+    pub fn take_ratio(&mut self) {
+        self.now = Some(AtOnce::Ratio);
     }
 
     /// Data or settings have changed: something else may follow now.
@@ -431,6 +451,10 @@ impl FollowRun {
         section: &Section<'_>,
         context: &mut FollowContext<'_, S, L>,
     ) -> Option<FollowState> {
+        if let Some(gear) = self.gear {
+            self.seek_geared(gear);
+            return self.far.then_some(FollowState::TooFar);
+        }
         for _ in 0..SETTLE_STEPS {
             match self.seek(context) {
                 Seek::Here => return self.far.then_some(FollowState::TooFar),

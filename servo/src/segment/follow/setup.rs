@@ -1,5 +1,6 @@
 //! The settings of an axis for following, and the contents of its FIFOs.
 use super::entry::{FifoTail, STOPS};
+use super::gear::GearRatio;
 use super::{Direction, FollowEntries, Master, StartEvent};
 
 /// The committed part of a FIFO.
@@ -25,6 +26,8 @@ pub struct Setup {
     pub event: StartEvent,
     /// Passes to run, 0 for ever.
     pub passes: u32,
+    /// Ratio of the next start in gear; none in another mode, or while none is set.
+    pub gear: Option<GearRatio>,
     pub(super) fifos: [CommittedFifo; 2],
 }
 
@@ -52,6 +55,7 @@ impl Setup {
         master: None,
         event: StartEvent::Start,
         passes: 1,
+        gear: None,
         fifos: [CommittedFifo::EMPTY; 2],
     };
 

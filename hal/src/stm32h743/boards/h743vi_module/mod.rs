@@ -2,15 +2,15 @@
 //! `docs/board-h743vi.md`. USB is the host link, and supplies the module.
 //!
 //! The pins are chosen so that memory chips of common modules stay unselected, and so that no line
-//! of a laser is at its lit level while the chip's own loader (DFU) runs.
-use super::super::wiring::{Break, Source, Usb, Wiring, contradictions};
+//! of a laser is at its lit level while the chip's own bootloader (DFU) runs.
+use super::super::wiring::{Break, Package, Source, Usb, Wiring, contradictions};
 use stm32_metapac::{GPIOA, GPIOB, GPIOC, GPIOD, GPIOE};
 
 /// The board.
 pub const BOARD: Wiring = Wiring {
     name: "h743vi-module",
+    package: Package::LQFP100,
     source: Source { is_crystal: true, mhz: 25, lost: "the crystal has stopped" },
-    ports: &[GPIOA, GPIOB, GPIOC, GPIOD, GPIOE],
     steps: GPIOE,
     enable: &[(GPIOD, 0), (GPIOD, 1), (GPIOD, 3), (GPIOD, 5), (GPIOD, 8), (GPIOD, 9), (GPIOD, 10), (GPIOD, 11)],
     // Axes 1 to 4; the package has no pins for more.
@@ -20,7 +20,6 @@ pub const BOARD: Wiring = Wiring {
     alarm: &[(GPIOB, 15), (GPIOC, 6), (GPIOD, 15), (GPIOD, 7)],
     general_in: &[(GPIOC, 13), (GPIOD, 4)],
     general_out: &[(GPIOD, 2), (GPIOB, 3), (GPIOB, 2)],
-    out: &[GPIOB, GPIOD],
     lasers: [
         ((GPIOA, 8), 1),
         ((GPIOB, 13), 1),
@@ -44,7 +43,7 @@ pub const BOARD: Wiring = Wiring {
     // Few modules lead the host's 5 V to a pin of the chip.
     usb: Usb { lines: [((GPIOA, 11), 10), ((GPIOA, 12), 10)], vbus: None, milliamperes: 500 },
     driven_low: &[],
-    // Select lines of memory chips on common modules.
+    // Chip selects of memory chips on common modules.
     pulled_up: &[(GPIOB, 6), (GPIOD, 6)],
-    lamp: None,
+    led: None,
 };

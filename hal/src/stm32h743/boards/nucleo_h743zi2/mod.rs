@@ -1,13 +1,13 @@
 //! NUCLEO-H743ZI2 and NUCLEO-H753ZI: `docs/board-h743.md`. The ST-LINK gives the clock, 8 MHz, and
 //! is the host link.
-use super::super::wiring::{Break, Source, Usb, Wiring, contradictions};
+use super::super::wiring::{Break, Package, Source, Usb, Wiring, contradictions};
 use stm32_metapac::{GPIOA, GPIOB, GPIOC, GPIOD, GPIOE, GPIOF, GPIOG};
 
 /// The board.
 pub const BOARD: Wiring = Wiring {
     name: "nucleo-h743zi2",
+    package: Package::LQFP144,
     source: Source { is_crystal: false, mhz: 8, lost: "the ST-LINK's clock has stopped" },
-    ports: &[GPIOA, GPIOB, GPIOC, GPIOD, GPIOE, GPIOF, GPIOG],
     steps: GPIOF,
     enable: &[(GPIOG, 0), (GPIOG, 1), (GPIOG, 3), (GPIOG, 4), (GPIOG, 5), (GPIOG, 6), (GPIOG, 8), (GPIOG, 9)],
     limit_positive: &[
@@ -26,7 +26,6 @@ pub const BOARD: Wiring = Wiring {
     general_in: &[(GPIOC, 13), (GPIOE, 14), (GPIOC, 9)],
     // LD2, LD3, and four more.
     general_out: &[(GPIOE, 1), (GPIOB, 14), (GPIOG, 10), (GPIOG, 12), (GPIOG, 14), (GPIOG, 15)],
-    out: &[GPIOB, GPIOE, GPIOG],
     lasers: [
         ((GPIOE, 9), 1),
         ((GPIOE, 8), 1),
@@ -53,5 +52,5 @@ pub const BOARD: Wiring = Wiring {
     driven_low: &[(GPIOD, 10)],
     pulled_up: &[],
     // LD3, the red one.
-    lamp: Some((GPIOB, 14)),
+    led: Some((GPIOB, 14)),
 };

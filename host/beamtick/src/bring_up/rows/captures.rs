@@ -174,11 +174,23 @@ fn first_edges(figures: &Figures) -> Verdict {
 }
 
 fn first_step(figures: &Figures) -> Verdict {
+    if let Some(verdict) = other_width(figures) {
+        return verdict;
+    }
     judged(edges(figures, "first-steps", 4).map(|edges| {
         // Slots are 120 counts; their requests come in the middle between two multiples.
         let late = (edges[0] - 60).rem_euclid(120);
         Verdict::of(late < 60, format!("{late} counts"))
     }))
+}
+
+/// The width of a step pulse for which steps are planned.
+const STEP_WIDTH_NS: i64 = 500;
+
+/// Why steps are not measured: their pulses have another width.
+fn other_width(figures: &Figures) -> Option<Verdict> {
+    let [width] = figures.only("step-width").filter(|width| *width != [STEP_WIDTH_NS])?;
+    Some(Verdict::NotMeasured(format!("STEP_WIDTH_NS is {width} in settings.rs, this row wants {STEP_WIDTH_NS}")))
 }
 
 /// How far edges spread about a line of equal steps, in counts.
@@ -207,6 +219,9 @@ fn load(figures: &Figures) -> Verdict {
 }
 
 fn load_steps(figures: &Figures) -> Verdict {
+    if let Some(verdict) = other_width(figures) {
+        return verdict;
+    }
     judged(edges(figures, "load-steps", 4).map(|edges| {
         let spread = spread(&edges, 240.0);
         Verdict::of(spread < 60.0 && edges.len() == 100, format!("{} steps, jitter {spread} counts", edges.len()))
@@ -214,6 +229,9 @@ fn load_steps(figures: &Figures) -> Verdict {
 }
 
 fn steps(figures: &Figures) -> Verdict {
+    if let Some(verdict) = other_width(figures) {
+        return verdict;
+    }
     let Some([planned, captured]) = figures.only("steps") else { return Verdict::missing("steps") };
     if captured == 0 && !figures.each::<2>("wire").unwrap_or_default().contains(&[4, 1]) {
         return Verdict::NotMeasured(format!("jumper 4 ({}) is missing", JUMPERS[3]));
@@ -346,6 +364,21 @@ mod tests {
         assert_eq!(spread(&[7, 128, 248, 369], 120.5), 0.5);
         // A cycle that repeats the one before it.
         assert_eq!(spread(&[7, 128, 249, 369, 490], 120.5), 1.0);
+    }
+
+    #[test]
+    fn steps_of_another_width_are_not_measured() {
+        let mut figures = Figures::default();
+        figures.add("step-width", vec![2500]);
+        figures.add("steps", vec![100, 50]);
+        let why = "STEP_WIDTH_NS is 2500 in settings.rs, this row wants 500".to_owned();
+        for judge in [first_step, load_steps, steps] {
+            assert_eq!(judge(&figures), Verdict::NotMeasured(why.clone()));
+        }
+        let mut figures = Figures::default();
+        figures.add("step-width", vec![500]);
+        figures.add("steps", vec![100, 50]);
+        assert!(matches!(steps(&figures), Verdict::Fail(_)));
     }
 
     #[test]

@@ -16,6 +16,12 @@ pub const ROWS: &[Row] = &[
         remedy: "compare with DBGMCU_IDC in the chip's errata sheet; `is_too_old` in hal/src/stm32h743/clocks.rs decides",
     },
     Row {
+        what: "package of the chip",
+        assumptions: &[30],
+        judge: package,
+        remedy: "the image would drive no pin: compare SYSCFG_PKGR with 12.3.13, `Package` in hal/src/stm32h743/wiring.rs",
+    },
+    Row {
         what: "revision of the core",
         assumptions: &[17],
         judge: core,
@@ -26,6 +32,12 @@ pub const ROWS: &[Row] = &[
         assumptions: &[7],
         judge: pins,
         remedy: "do not connect a laser: find out which pin is driven, and move its function in hal/src/stm32h743/pins.rs",
+    },
+    Row {
+        what: "laser lines at rest",
+        assumptions: &[32],
+        judge: rest,
+        remedy: "keep the lasers off: compare OISx of CR2, OSSI of BDTR and the polarities of CCER with 38.4, `set_up` in laser.rs",
     },
     Row {
         what: "AF1 of TIM1, TIM15, TIM8 after a reset",
@@ -133,6 +145,30 @@ fn revision(figures: &Figures) -> Verdict {
         _ => "unknown",
     };
     Verdict::of(device == 0x450 && name != "unknown", format!("device {device:#x}, revision {revision:#x} ({name})"))
+}
+
+fn package(figures: &Figures) -> Verdict {
+    let Some([code]) = figures.only("package") else { return Verdict::missing("package") };
+    Verdict::of(code == 2, format!("PKG {code}"))
+}
+
+/// Lines of the lasers in the order of the line `rest`: a + line rests high, a − line low.
+const LINES: [&str; 8] = [
+    "energy + of laser 0",
+    "energy − of laser 0",
+    "energy + of laser 1",
+    "energy − of laser 1",
+    "switch + of laser 0",
+    "switch − of laser 0",
+    "switch + of laser 1",
+    "switch − of laser 1",
+];
+
+fn rest(figures: &Figures) -> Verdict {
+    let Some(levels) = figures.only::<8>("rest") else { return Verdict::missing("rest") };
+    let wrong = LINES.iter().zip(levels).enumerate().filter(|(n, (_, level))| (*level == 1) == (n % 2 == 1));
+    let wrong = wrong.map(|(n, (line, _))| format!("{line} is {}", if n % 2 == 0 { "low" } else { "high" })).collect();
+    all_of(wrong, "+ high, − low")
 }
 
 fn core(figures: &Figures) -> Verdict {
@@ -244,7 +280,11 @@ fn frozen(figures: &Figures) -> Verdict {
 
 fn lazy(figures: &Figures) -> Verdict {
     let Some([fpccr]) = figures.only("fpccr") else { return Verdict::missing("fpccr") };
-    Verdict::of(fpccr >> 30 & 3 == 3, format!("FPCCR {fpccr:#010x}"))
+    let Some([plain, floating]) = figures.only("entry") else { return Verdict::missing("entry") };
+    let more = floating - plain;
+    // Eager stacking writes 17 words more.
+    let holds = fpccr >> 30 & 3 == 3 && more < 8;
+    Verdict::of(holds, format!("FPCCR {fpccr:#010x}, an exception takes {more} cycles more with floating point"))
 }
 
 fn clocks(figures: &Figures) -> Verdict {

@@ -3,7 +3,7 @@
 //! In: intervals of the master's motion, the start event of the axis, the wait in force. Out: the
 //! progress at which the motion begins, with the exact instant of the crossing between two ticks.
 //! Owns nothing. Cannot fail.
-use super::{FollowContext, FollowRun, FollowState, Wait};
+use super::{AtOnce, FollowContext, FollowRun, FollowState, Wait};
 use crate::segment::follow::curve::EXACT_TO_POS_BITS;
 use crate::segment::follow::entry::Input;
 use crate::segment::follow::master_path::{FineNs, Section, Spot};
@@ -36,12 +36,17 @@ impl FollowRun {
                 }
             }
         }
-        if let Some(method) = self.now.take()
-            && self.switch_here(method, to.pos, context)
-        {
-            return self.settle(&still, context);
-        }
-        None
+        let goes_on = match self.now.take() {
+            None => false,
+            Some(AtOnce::Switch(method)) => self.switch_here(method, to.pos, context),
+            Some(AtOnce::Ratio) => {
+                if let Some(ratio) = context.setup.gear {
+                    self.gear_to(ratio);
+                }
+                self.wait == Wait::No
+            }
+        };
+        if goes_on { self.settle(&still, context) } else { None }
     }
 
     /// The master moves along a section.

@@ -270,7 +270,7 @@ impl FollowRun {
 }
 
 /// The slave's displacement in this many passes; held at 2⁴⁶ pulses, which is too far anyway.
-fn passes_of(displacement: i128, many: u32) -> i128 {
+pub(super) fn passes_of(displacement: i128, many: u32) -> i128 {
     const DISPLACEMENT_MAX: i128 = 1 << (46 + 64);
     if ((displacement >> 40).wrapping_mul(many as i128)).unsigned_abs() >> (46 + 64 - 40) == 0 {
         displacement.wrapping_mul(many as i128)
@@ -282,7 +282,7 @@ fn passes_of(displacement: i128, many: u32) -> i128 {
 }
 
 /// Whole passes of this length in `x` ≥ 0, at most 2³² − 2.
-fn passes_in(x: i128, length: i128) -> u32 {
+pub(super) fn passes_in(x: i128, length: i128) -> u32 {
     const PASSES_MAX: u64 = u32::MAX as u64 - 1;
     let (x, length) = (x.max(0) as u128, length.max(1) as u128);
     if x >> 32 >= length {
