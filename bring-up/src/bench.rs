@@ -5,7 +5,7 @@
 use crate::chip::LASERS;
 use cortex_m::peripheral::NVIC;
 use hal::board::{AXES, machine::Machine, timer, timer::TickTimer, watchdog};
-use servo::laser::{Action, Count, Plan, Train};
+use servo::laser::{Action, Count, LaserPlan, Train};
 use servo::port::Port;
 use servo::units::{Axis, Pos};
 use stm32_metapac::{Interrupt, TIM2};
@@ -17,7 +17,7 @@ pub const TICK_NS: u32 = 50_000;
 pub struct Bench {
     machine: Machine,
     timer: TickTimer,
-    plans: [Plan; 2],
+    plans: [LaserPlan; 2],
     /// Pulses that each axis makes in a tick.
     pub rate: i32,
     target: i32,
@@ -41,7 +41,7 @@ impl Bench {
         // Wakes the core; interrupts are masked, so no handler runs.
         // SAFETY: nothing depends on the mask.
         unsafe { NVIC::unmask(Interrupt::TIM2) };
-        Bench { machine, timer, plans: [const { Plan::EMPTY }; 2], rate: 0, target: 0, ran: [false; 3], late: 0 }
+        Bench { machine, timer, plans: [const { LaserPlan::EMPTY }; 2], rate: 0, target: 0, ran: [false; 3], late: 0 }
     }
 
     /// Plans an action of a channel for the next tick that is computed.
@@ -84,7 +84,7 @@ impl Bench {
         for (channel, plan) in self.plans.iter_mut().enumerate() {
             plan.lasts = TICK_NS;
             self.machine.laser(channel, plan);
-            *plan = Plan::EMPTY;
+            *plan = LaserPlan::EMPTY;
         }
         self.late += i64::from(!self.machine.emit());
     }

@@ -77,10 +77,10 @@ fn what_was_set_is_reported() {
         assert_eq!(found, (index, kind, item));
     }
     let (core, profile) = two(1);
-    for (which, way, pos) in [(2, -1, -50_000), (1, 0, 5), (2, 1, i32::MAX)] {
-        bench.done(event(2, which, way, pos));
+    for (which, direction, pos) in [(2, -1, -50_000), (1, 0, 5), (2, 1, i32::MAX)] {
+        bench.done(event(2, which, direction, pos));
         let found = bench.done(GetFollowEvent { core, profile });
-        assert_eq!((found.event.get(), found.master_dir.get(), found.pos.get()), (which, way, pos));
+        assert_eq!((found.event.get(), found.master_dir.get(), found.pos.get()), (which, direction, pos));
     }
     bench.done(memory(2, 1));
     assert_eq!(bench.done(GetFollowMemory { core, profile }).value.get(), 1);

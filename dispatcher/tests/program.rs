@@ -136,10 +136,10 @@ fn what_does_not_fit_is_sent_again_and_nothing_overtakes() {
 /// Bytes of a trace in the records of the link.
 #[test]
 fn a_trace_over_the_link_is_that_of_its_own_stream() {
-    let rows = |way: u8| {
+    let rows = |over_link: u8| {
         let (core, axis) = (CORE.into(), 1.into());
         let mut bench = Bench::gus();
-        bench.done(Trace { every: 1.into(), axes: 0b11.into(), lasers: 0, crds: 0, way, edges: 0 });
+        bench.done(Trace { every: 1.into(), axes: 0b11.into(), lasers: 0, crds: 0, over_link, edges: 0 });
         let tags = bench.post_all(&[
             entry(AxisOn { core, axis }),
             entry(PrfPt { core, profile: axis, mode: 0.into() }),
@@ -151,10 +151,10 @@ fn a_trace_over_the_link_is_that_of_its_own_stream() {
         let started = bench.post(Lane::Immediate, ProgramStart { strict: 1 }, &[]);
         bench.wait(started);
         bench.wait(*tags.last().unwrap());
-        bench.done(Trace { every: 0.into(), axes: 0.into(), lasers: 0, crds: 0, way: 0, edges: 0 });
+        bench.done(Trace { every: 0.into(), axes: 0.into(), lasers: 0, crds: 0, over_link: 0, edges: 0 });
         bench.run_ms(50);
         let (own, carried) = (std::mem::take(&mut bench.trace), std::mem::take(&mut bench.link_trace));
-        let (bytes, nothing) = if way == 0 { (own, carried) } else { (carried, own) };
+        let (bytes, nothing) = if over_link == 0 { (own, carried) } else { (carried, own) };
         assert!(nothing.is_empty(), "only one way");
         let (mut decoder, mut rows, mut ended) = (Decoder::new(), Vec::new(), false);
         decoder.feed(&bytes, |event| match event.unwrap() {
@@ -198,11 +198,11 @@ fn commands_in_the_wrong_lane() {
 #[test]
 fn the_trace_has_every_row_and_the_planned_motion() {
     let mut bench = Bench::gus();
-    bench.done(Trace { every: 2.into(), axes: 0b101.into(), lasers: 0b10, crds: 0, way: 0, edges: 0 });
+    bench.done(Trace { every: 2.into(), axes: 0b101.into(), lasers: 0b10, crds: 0, over_link: 0, edges: 0 });
     bench.post_all(&listing_2_1());
     bench.done(ProgramStart { strict: 1 });
     bench.run_ms(3200);
-    bench.done(Trace { every: 0.into(), axes: 0.into(), lasers: 0, crds: 0, way: 0, edges: 0 });
+    bench.done(Trace { every: 0.into(), axes: 0.into(), lasers: 0, crds: 0, over_link: 0, edges: 0 });
     bench.run_ms(1);
     let mut rows: Vec<(u32, i64, f64)> = Vec::new();
     let mut end = None;

@@ -371,7 +371,10 @@ fn settings_with_ranges() {
     let (code, reason, refusal) = bench.refused(Choose { profile: 5, family: 0 });
     assert_eq!((code, reason, refusal.got.get(), refusal.high.get()), (3, Reason::ProfileTooLarge, 48.0, 8.0));
     assert_eq!(
-        bench.refused(Trace { every: 1.into(), axes: 0x100.into(), lasers: 0, crds: 0, way: 0, edges: 0 }).2.field,
+        bench
+            .refused(Trace { every: 1.into(), axes: 0x100.into(), lasers: 0, crds: 0, over_link: 0, edges: 0 })
+            .2
+            .field,
         1
     );
 }

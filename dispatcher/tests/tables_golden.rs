@@ -370,13 +370,13 @@ fn tables_4_10_to_4_13_draw_the_meander() {
 /// later, both arrive at 4000 ms.
 #[test]
 fn listing_4_4_arrives_together() {
-    let way = |length: f64| rows(&[&[0.0, 0.0, 100.0, 10.0, 0.01, 0.01], &[length, 0.0, 100.0, 10.0, 0.01, 0.01]]);
+    let to = |length: f64| rows(&[&[0.0, 0.0, 100.0, 10.0, 0.01, 0.01], &[length, 0.0, 100.0, 10.0, 0.01, 0.01]]);
     let mut both = Shelf::default();
     let kind = |time_begin| TableKind::Continuous { time_begin };
-    let tx = both.add(kind(0.0), &way(30000.0)).unwrap()[1];
-    let ty = Shelf::default().add(kind(0.0), &way(20000.0)).unwrap()[1];
+    let tx = both.add(kind(0.0), &to(30000.0)).unwrap()[1];
+    let ty = Shelf::default().add(kind(0.0), &to(20000.0)).unwrap()[1];
     assert!((tx - 4000.0).abs() < 1e-9 && (ty - 3000.0).abs() < 1e-9);
-    both.add(kind(tx - ty), &way(20000.0)).unwrap();
+    both.add(kind(tx - ty), &to(20000.0)).unwrap();
     let mut x = Bench::start(&both, 0, 0, Exact(0), 1);
     let mut y = Bench::start(&both, 1, 0, Exact(0), 1);
     assert!(y.at_ms(999.9).0 == 0.0);

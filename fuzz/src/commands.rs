@@ -184,7 +184,7 @@ fn integer(
         ("SetTick", _) => [125, 250, 500, 1000][from.below(4)],
         ("SetInterlock", "motion") => byte(from) % 4,
         ("SetLinkLoss", "time_ms") => byte(from) * 4,
-        ("Trace", "way") => 0,
+        ("Trace", "over_link") => 0,
         (_, "core") => 1,
         (_, "profile" | "axis" | "encoder" | "control" | "master_index") => axis(from),
         (_, "crd") => byte(from) % if range == Range::All { 2 } else { 1 } + 1,

@@ -181,8 +181,8 @@ impl Distance {
     /// How far the term is off at most, where positions are off by this much.
     pub fn turns(&self, positions: [f64; 4], off: [f64; 4]) -> f64 {
         let each = |axis: usize, change: f64, most: f64| {
-            let way = (positions[axis] - self.reference[axis]).abs() + off[axis];
-            (way * change + most * off[axis]) / self.scale[axis]
+            let distance = (positions[axis] - self.reference[axis]).abs() + off[axis];
+            (distance * change + most * off[axis]) / self.scale[axis]
         };
         match &self.ratios {
             Ratios::Fixed(ratios) => (0..4).map(|axis| each(axis, 0.0, ratios[axis].abs())).sum(),

@@ -70,12 +70,12 @@ fn greatest(constraints: &[Constraint]) -> f64 {
 
 /// The speed at each point of the polyline, and the time, ms.
 pub fn plan(points: &[Point], limits: &Limits, turns: Turn) -> (Vec<f64>, f64) {
-    let way = |from: &Point, to: &Point| {
+    let displacement = |from: &Point, to: &Point| {
         let (x, y) = (to[0] - from[0], to[1] - from[1]);
         let length = x.hypot(y);
         (length, [x / length, y / length])
     };
-    let motions: Vec<_> = points.windows(2).map(|pair| way(&pair[0], &pair[1])).collect();
+    let motions: Vec<_> = points.windows(2).map(|pair| displacement(&pair[0], &pair[1])).collect();
     let count = motions.len();
     let along = |direction: [f64; 2]| {
         let own = (0..2).map(|axis| limits.axis_speed[axis] / direction[axis].abs());
@@ -202,10 +202,10 @@ mod tests {
         let hardest = |turns| {
             let (speeds, _) = plan(&points, &limits, turns);
             let middle = |k: usize| ((speeds[k].powi(2) + speeds[k + 1].powi(2)) / 2.0).sqrt();
-            let way = |k: usize| [0, 1].map(|axis: usize| points[k + 1][axis] - points[k][axis]);
+            let displacement = |k: usize| [0, 1].map(|axis: usize| points[k + 1][axis] - points[k][axis]);
             let mut worst = 0.0f64;
             for k in 0..speeds.len() - 2 {
-                let [from, to] = [way(k), way(k + 1)];
+                let [from, to] = [displacement(k), displacement(k + 1)];
                 let [one, two] = [from[0].hypot(from[1]), to[0].hypot(to[1])];
                 let ms = one / (middle(k) + speeds[k + 1]) + two / (middle(k + 1) + speeds[k + 1]);
                 for axis in 0..2 {

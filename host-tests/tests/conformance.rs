@@ -90,12 +90,12 @@ impl Pass {
 
     /// Position after `passes` of them at most.
     fn looped(&self, t: Rational, passes: i64) -> Rational {
-        let (length, way, _) = self.knots[self.knots.len() - 1];
+        let (length, displacement, _) = self.knots[self.knots.len() - 1];
         let done = (t / length).floor();
         if done >= whole(passes) {
-            return way * whole(passes);
+            return displacement * whole(passes);
         }
-        if t < whole(0) { whole(0) } else { way * done + self.at(t - done * length)[0] }
+        if t < whole(0) { whole(0) } else { displacement * done + self.at(t - done * length)[0] }
     }
 
     /// The largest acceleration, which is at a knot.
@@ -149,14 +149,14 @@ impl Mode {
                 })
             })
         };
-        let master = |way: f64| {
+        let master = |displacement: f64| {
             let profile = MASTER.into();
             vec![
                 Call::of(PrfPt { core, profile, mode: 0.into() }),
                 Call::of(PtData {
                     core,
                     profile,
-                    pos: way.into(),
+                    pos: displacement.into(),
                     time_ms: 1_000_000.into(),
                     kind: 1.into(),
                     fifo: 0.into(),

@@ -27,8 +27,8 @@ fn bins(course: &Course, start: Ns, tick: Ns, energy: &[(Ns, bool)]) -> Vec<(f64
         let edges = &energy[after..until];
         assert!(edges.is_empty() || edges[0].1, "no pulse is cut by a bin");
         let lit: Ns = edges.chunks(2).map(|pulse| pulse[1].0 - pulse[0].0).sum();
-        let way = course.distance(to as f64 / 1e6) - course.distance(from as f64 / 1e6);
-        bins.push((way / (length as f64 / 1e6), lit as f64 / (way * RATIO / 100.0 * 1e6)));
+        let distance = course.distance(to as f64 / 1e6) - course.distance(from as f64 / 1e6);
+        bins.push((distance / (length as f64 / 1e6), lit as f64 / (distance * RATIO / 100.0 * 1e6)));
         from = to;
     }
     bins
@@ -38,16 +38,16 @@ fn bins(course: &Course, start: Ns, tick: Ns, energy: &[(Ns, bool)]) -> Vec<(f64
 fn a_pulse_of_the_path_gets_the_same_energy_at_any_speed() {
     for (tick, acc) in [(10_000, 0.7331), (50_000, 0.7331), (250_000, 0.7331), (1_000_000, 0.3313)] {
         let machine = Machine::new(Family::Gus, tick);
-        let (speed, way) = (512.0, 700_000);
+        let (speed, distance) = (512.0, 700_000);
         let text = format!(
             "TCrdPrm crd;memset(&crd,0,sizeof(crd));\nGT_SetAxisMode(7,1);\nGT_LaserPowerMode(0,100,0,0);\nGT_LaserOutFrq(100,0);\nGT_AxisOn(1);\nGT_AxisOn(2);\nGT_LmtsOff(1);\nGT_LmtsOff(2);\n\
              crd.dimension=2;\ncrd.profile[0]=1;\ncrd.profile[1]=2;\ncrd.synVelMax=1000;\ncrd.synAccMax=100;\nGT_SetCrdPrm(1,&crd);\nGT_CrdClear(1,0);\n\
-             GT_BufLaserPrfFollow(1,{RATIO},0,100,0,0);\nGT_BufLaserOn(1,0,0);\nGT_LnXY(1,{way},0,{speed},{acc},0,0);\nGT_BufLaserOff(1,0,0);\n\
+             GT_BufLaserPrfFollow(1,{RATIO},0,100,0,0);\nGT_BufLaserOn(1,0,0);\nGT_LnXY(1,{distance},0,{speed},{acc},0,0);\nGT_BufLaserOff(1,0,0);\n\
              Sleep(4);\nGT_CrdStart(1,0);\nWaitStop(1<<8);\nSleep(2);\n"
         );
         let reported = machine.run(&text);
         let frame = Frame { speed: 1000.0, acc: 100.0, even_ms: 0.0 };
-        let geometry = Geometry::line([0.0; 4], [f64::from(way), 0.0, 0.0, 0.0]);
+        let geometry = Geometry::line([0.0; 4], [f64::from(distance), 0.0, 0.0, 0.0]);
         let entries = [Entry::Motion(geometry, Rates { speed, acc, end: 0.0 })];
         let start = 4 * MS + tick;
         let course = course(&frame, &entries, &[(start as f64 / 1e6, Command::Start)], 1e9);

@@ -44,8 +44,8 @@ fn seen(board: &Shared) -> Seen {
 }
 
 /// How far from `rounds` times `way`, in 2⁻²² pulse, rounded away from zero.
-fn off(gone: i64, rounds: u64, way: f64) -> i64 {
-    let exact = BigRational::from_float(way).unwrap() * BigRational::from_integer(rounds.into());
+fn off(gone: i64, rounds: u64, displacement: f64) -> i64 {
+    let exact = BigRational::from_float(displacement).unwrap() * BigRational::from_integer(rounds.into());
     let off = BigRational::from_integer(gone.into()) - exact * BigRational::from_integer((1i64 << 22).into());
     let off = if off < BigRational::from_integer(0.into()) { off.floor() } else { off.ceil() };
     i64::try_from(off.to_integer()).unwrap()

@@ -189,7 +189,7 @@ fn passed(points: &[Point], places: &[Point]) -> Vec<Passed> {
         while k < places.len() && on(k) {
             k += 1;
         }
-        assert!(k > first, "no tick is on the way to {to:?}");
+        assert!(k > first, "no tick is between its target and {to:?}");
         let last = k - 1;
         // Its end, by the speed with which it goes there.
         let end = if k < places.len() {
@@ -198,10 +198,10 @@ fn passed(points: &[Point], places: &[Point]) -> Vec<Passed> {
         } else {
             last as f64 * tick
         };
-        let way = |k: usize| distance(from, &places[k]);
-        let half = (first..last).find(|k| way(*k + 1) > length / 2.0 && way(*k) <= length / 2.0);
+        let travelled = |k: usize| distance(from, &places[k]);
+        let half = (first..last).find(|k| travelled(*k + 1) > length / 2.0 && travelled(*k) <= length / 2.0);
         let middle = half.and_then(|k| {
-            let part = (length / 2.0 - way(k)) / (way(k + 1) - way(k));
+            let part = (length / 2.0 - travelled(k)) / (travelled(k + 1) - travelled(k));
             let (low, part) = if part < 0.5 { (k.checked_sub(1)?, part + 0.5) } else { (k, part - 0.5) };
             (low >= first && low + 2 <= last).then(|| {
                 let speed = |k: usize, axis: usize| (places[k + 1][axis] - places[k][axis]) / tick;

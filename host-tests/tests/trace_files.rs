@@ -443,8 +443,8 @@ fn a_path_of_any_length_is_drawn() {
     let path = folder("xy").join("long.svg");
     xy.save(&path).unwrap();
     let svg = std::fs::read_to_string(path).unwrap();
-    let way = lines(&svg, "#1F6FB4");
-    let points: Vec<_> = way.into_iter().flatten().collect();
+    let drawn_path = lines(&svg, "#1F6FB4");
+    let points: Vec<_> = drawn_path.into_iter().flatten().collect();
     assert!((2_000..140_000).contains(&points.len()), "{} points", points.len());
     let (least, most) = (points.iter().map(|p| p.0).min().unwrap(), points.iter().map(|p| p.0).max().unwrap());
     let middle = (least + most) / 2;
@@ -477,7 +477,7 @@ fn a_way_gone_twice_is_drawn_all_along() {
     let file = |extension: &str| folder("xy").join(format!("twice.{extension}"));
     xy.save(&file("svg")).unwrap();
     xy.save(&file("png")).unwrap();
-    let way = lines(&std::fs::read_to_string(file("svg")).unwrap(), "#1F6FB4");
+    let drawn_path = lines(&std::fs::read_to_string(file("svg")).unwrap(), "#1F6FB4");
     let (pixels, width) = pixels(&file("png"));
     let drawn = |x: i32, y: i32| {
         let at = (y as usize * width + x as usize) * 3;
@@ -485,7 +485,7 @@ fn a_way_gone_twice_is_drawn_all_along() {
         // The way, or a sign on it.
         i32::from(blue) - i32::from(red) > 60 || blue < 110
     };
-    let points: Vec<_> = way.into_iter().flatten().collect();
+    let points: Vec<_> = drawn_path.into_iter().flatten().collect();
     assert!(points.len() > 1000, "{} points", points.len());
     for (x, y) in points {
         assert!((-1..=1).any(|dx| (-1..=1).any(|dy| drawn(x + dx, y + dy))), "nothing at {x}, {y}");

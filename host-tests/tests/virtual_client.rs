@@ -1,5 +1,5 @@
 //! The client against the virtual controller, through the in-process link and over TCP.
-use client::{Answer, Call, Client, Error, Observer, Options, Profile, Progress, Quiet};
+use client::{Answer, Call, Client, Error, Observer, Options, ProductProfile, Progress, Quiet};
 use protocol::command::*;
 use protocol::link::Identity;
 use std::net::TcpListener;
@@ -35,7 +35,7 @@ fn listing_2_1(trace: bool) -> Vec<Call> {
     let (config, items) = config_off();
     let mut calls = Vec::new();
     if trace {
-        calls.push(Call::of(Trace { every: 1.into(), axes: 1.into(), lasers: 0, crds: 0, way: 0, edges: 0 }));
+        calls.push(Call::of(Trace { every: 1.into(), axes: 1.into(), lasers: 0, crds: 0, over_link: 0, edges: 0 }));
     }
     calls.extend([
         Call::of(Reset { core: 1.into() }),
@@ -288,13 +288,13 @@ fn joined_calls_of_a_program_are_answered_as_single_ones() {
 #[test]
 fn profiles_are_chosen_and_refused() {
     let options = |profile| Options { profile: Some(profile), ..Options::default() };
-    let (client, _board) = open_with(Config { profile: 5, ..Config::default() }, options(Profile::Gsn048));
+    let (client, _board) = open_with(Config { profile: 5, ..Config::default() }, options(ProductProfile::Gsn048));
     let version = *client.version();
     assert_eq!((version.cores, version.axes_per_core), (2, 24));
     assert_eq!(client.board(), "virtual");
     assert!(client.call(PtSpace { core: 2.into(), profile: 24.into(), fifo: 0.into() }).is_err(), "not in PT mode");
     let small = share(Board::new(Config::default()));
-    let e = Client::open(Box::new(VirtualLink::new(small)), options(Profile::Gsn048)).err().unwrap();
+    let e = Client::open(Box::new(VirtualLink::new(small)), options(ProductProfile::Gsn048)).err().unwrap();
     assert_eq!(e.code, 3, "{e}");
     assert!(e.reason.contains("48") && e.reason.contains('8'), "{e}");
 }
@@ -401,7 +401,7 @@ fn inputs_reach_the_controller_and_outputs_are_recorded() {
     });
     client.call(set(7, 1)).unwrap();
     client.sleep(Duration::from_millis(1)).unwrap();
-    let trace = |every: u32| Trace { every: every.into(), axes: 1.into(), lasers: 0, crds: 0, way: 0, edges: 2 };
+    let trace = |every: u32| Trace { every: every.into(), axes: 1.into(), lasers: 0, crds: 0, over_link: 0, edges: 2 };
     client.call(trace(4)).unwrap();
     let mut program = client.program();
     program.push(set(3, 1));

@@ -128,7 +128,7 @@ fn the_trace_reports_every_edge_of_the_outputs() {
                 })
                 .unwrap();
         });
-        let begin = Trace { every: every.into(), axes: 0.into(), lasers: 3, crds: 0, way: 0, edges: 1 };
+        let begin = Trace { every: every.into(), axes: 0.into(), lasers: 3, crds: 0, over_link: 0, edges: 1 };
         client.call(begin).unwrap();
         let mut calls = marks();
         calls.push(Call::of(Trace::default()));
@@ -193,7 +193,7 @@ fn a_trace_begins_with_what_the_outputs_carry() {
         });
         taken.unwrap();
     });
-    client.call(Trace { every: 1.into(), axes: 0.into(), lasers: 1, crds: 0, way: 0, edges: 1 }).unwrap();
+    client.call(Trace { every: 1.into(), axes: 0.into(), lasers: 1, crds: 0, over_link: 0, edges: 1 }).unwrap();
     let calls = [Call::of(Sleep { ns: 5_000_000.into() }), Call::of(Trace::default())];
     assert!(client.run(calls, true, &mut Quiet).unwrap().failed.is_none());
     client.sleep(std::time::Duration::from_millis(20)).unwrap();
@@ -339,7 +339,7 @@ fn the_trace_reports_that_everything_rests() {
         });
         taken.unwrap();
     });
-    client.call(Trace { every: 3.into(), axes: 0.into(), lasers: 3, crds: 0, way: 0, edges: 1 }).unwrap();
+    client.call(Trace { every: 3.into(), axes: 0.into(), lasers: 3, crds: 0, over_link: 0, edges: 1 }).unwrap();
     let mut calls = marks();
     calls.truncate(13);
     calls.push(Call::of(Sleep { ns: 3_100_000.into() }));

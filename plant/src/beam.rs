@@ -1,12 +1,12 @@
 //! The output stage of a laser channel: what timers and a DAC make of the tick's plans.
 //!
-//! In: a [`Plan`] a tick, the interlock. Out: every edge, as [`SignalChange`]s to the ns, if the
-//! caller takes them. Owns the pulse in progress, the train, switch, DAC, and the actions that are
-//! still to come. It goes from action to action in closed form, so that the cost of a train does
+//! In: a [`LaserPlan`] a tick, the interlock. Out: every edge, as [`SignalChange`]s to the ns, if
+//! the caller takes them. Owns the pulse in progress, the train, switch, DAC, and the actions that
+//! are still to come. It goes from action to action in closed form, so that the cost of a train does
 //! not depend on its number of pulses. Fails never: it holds the actions of two plans, and more
 //! never wait; further ones are dropped.
 use crate::pulses::{Burst, Remainder};
-use servo::laser::{Action, FINISH_NS, PLAN_ACTIONS, Plan, PulseRate, Train};
+use servo::laser::{Action, FINISH_NS, LaserPlan, PLAN_ACTIONS, PulseRate, Train};
 
 /// A change of an output. Instants are ns of the clock of the plans.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -107,7 +107,7 @@ impl OutputStage {
     /// Takes at `now` a plan for the interval that begins at `next`. `sink` gets the changes before
     /// `now`.
     #[inline]
-    pub fn take(&mut self, now: u64, next: u64, plan: &Plan, mut sink: impl FnMut(SignalChange)) {
+    pub fn take(&mut self, now: u64, next: u64, plan: &LaserPlan, mut sink: impl FnMut(SignalChange)) {
         if !plan.safe_state && plan.actions().is_empty() {
             return;
         }

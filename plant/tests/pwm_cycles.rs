@@ -7,7 +7,7 @@ mod chance;
 
 use chance::Chance;
 use plant::beam::{OutputStage, SignalChange};
-use servo::laser::{Action, Clock, Count, PLAN_ACTIONS, Plan, Power, PulseRate, Standby, Train};
+use servo::laser::{Action, Clock, Count, LaserPlan, PLAN_ACTIONS, Power, PulseRate, Standby, Train};
 use servo::output::{
     Cycle, DELAY_LINE_WORDS, DelayLine, GATE_MIN_COUNTS, GateCycles, PWM_MIN_COUNTS, PwmCycles, Scale,
 };
@@ -79,8 +79,8 @@ impl Random {
         Action::Rate(PulseRate { period, width, scale, shift: 60 + self.below(4) as u32 })
     }
 
-    fn plan(&mut self, lasts: u32) -> Plan {
-        let mut plan = Plan::EMPTY;
+    fn plan(&mut self, lasts: u32) -> LaserPlan {
+        let mut plan = LaserPlan::EMPTY;
         plan.lasts = lasts;
         let actions = match self.below(20) {
             0 => PLAN_ACTIONS as u64,
@@ -221,7 +221,7 @@ fn energy(random: &mut Random, ticks: usize) -> (Pulses, Pulses, u64, u64) {
         assert_eq!(cycles.queued(), queued.end);
         from = to;
     }
-    let mut end = Plan::EMPTY;
+    let mut end = LaserPlan::EMPTY;
     end.add(0, Action::Dark { standby: Train::NONE, cut: true });
     stage.push(from, Action::Dark { standby: Train::NONE, cut: true });
     cycles.take(from, from + 60_000, end.actions().iter().copied(), &mut |length, light, times| {
@@ -291,12 +291,12 @@ fn switches(random: &mut Random, ticks: usize) -> ([Pulses; 2], [Pulses; 2], u64
         let to = from + counts(lasts);
         let mut plans = [random.plan(lasts), random.plan(lasts)];
         if tick == ticks {
-            plans = [Plan::EMPTY, Plan::EMPTY];
+            plans = [LaserPlan::EMPTY, LaserPlan::EMPTY];
             plans.iter_mut().for_each(|plan| plan.add(0, Action::Switch(false)));
         } else if random.below(4) == 0 {
             // Together, or nearly so.
             let shift = random.below(3) as u32 * 10;
-            let mut other = Plan::EMPTY;
+            let mut other = LaserPlan::EMPTY;
             for (at, action) in plans[0].actions() {
                 other.add((at + shift).min(lasts - 1), *action);
             }
@@ -362,7 +362,7 @@ fn carried_out(train: Train, pulses: u64) -> (u64, u64, u64) {
     let (mut from, mut queued) = (counts(lasts), BEGIN);
     let begin = from;
     let (mut light, mut lit, mut begun) = (0, false, 0);
-    let mut plan = Plan::EMPTY;
+    let mut plan = LaserPlan::EMPTY;
     plan.add(0, Action::Light(train));
     while queued < begin + whole {
         let to = from + counts(lasts);
@@ -376,7 +376,7 @@ fn carried_out(train: Train, pulses: u64) -> (u64, u64, u64) {
                 lit = on == length;
             }
         });
-        plan = Plan::EMPTY;
+        plan = LaserPlan::EMPTY;
         from = to;
     }
     (whole, light, begun)
@@ -444,7 +444,7 @@ fn a_plan_is_held_as_it_was_or_not_at_all() {
     }
     assert!(whole > 1_000 && refused > 10, "{whole}, {refused}");
     // What a tick plans at most: 64 actions, of which 18 have a train of their own.
-    let mut plan = Plan::EMPTY;
+    let mut plan = LaserPlan::EMPTY;
     for n in 0..PLAN_ACTIONS as u32 {
         let train = Train {
             period: Count { whole: 5_000_000_000, part: n.min(17), of: 0 },

@@ -366,7 +366,7 @@ commands! {
     0x0012 ProgramStart: Program, Immediate { strict: u8 } [Nothing] -> ProgramReply [Nothing];
     0x0013 ProgramClear: Program, Immediate {} [Nothing] -> ProgramReply [Nothing];
     0x0014 ProgramStatus: Program, Immediate {} [Nothing] -> ProgramReply [Nothing];
-    0x0015 Trace: Session, Any { every: U32, axes: U64, lasers: u8, crds: u8, way: u8, edges: u8 } [Nothing] -> Nothing [Nothing];
+    0x0015 Trace: Session, Any { every: U32, axes: U64, lasers: u8, crds: u8, over_link: u8, edges: u8 } [Nothing] -> Nothing [Nothing];
     0x0016 ProgramEnd: Step, Program {} [Nothing] -> Nothing [Nothing];
     // -- axis --------------------------------------------------------------------------------
     0x0100 AxisOn: Set, Exclusive { core: I16, axis: I16 } [Nothing] -> Nothing [Nothing];

@@ -1,6 +1,6 @@
 //! What the tick needs from a machine. `hal` and `host/virtual` implement it.
 pub use crate::capacity::{GeneralInputs, GeneralOutputs};
-use crate::laser::Plan;
+use crate::laser::LaserPlan;
 use crate::segment::follow::Input;
 use crate::units::{Axis, AxisMask, Ns, Pos};
 
@@ -157,5 +157,5 @@ pub trait Port {
     fn forget_plan(&mut self) {}
     /// What a laser channel does in the interval that begins with the next tick and ends with the
     /// one after.
-    fn laser(&mut self, channel: usize, plan: &Plan);
+    fn laser(&mut self, channel: usize, plan: &LaserPlan);
 }

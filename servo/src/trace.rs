@@ -5,7 +5,7 @@
 //! counts it; the row numbers show which.
 use crate::capacity::GeneralOutputs;
 use crate::capacity::SAMPLES;
-use crate::laser::{ANALOG, Action, Plan, PowerTables};
+use crate::laser::{ANALOG, Action, LaserPlan, PowerTables};
 use crate::units::{AxisMask, CrdMask};
 use crate::view::{Sample, Traced};
 use ring::Producer;
@@ -150,7 +150,7 @@ impl Trace {
 
     /// A channel's plan for the interval that begins with the next tick.
     #[inline]
-    pub(crate) fn record(&mut self, channel: u8, plan: &Plan, samples: &mut Producer<'_, Sample, SAMPLES>) {
+    pub(crate) fn record(&mut self, channel: u8, plan: &LaserPlan, samples: &mut Producer<'_, Sample, SAMPLES>) {
         let is_chosen = self.every != 0 && self.chosen.edges && self.chosen.lasers >> channel & 1 == 1;
         if is_chosen && (plan.safe_state || !plan.actions().is_empty()) {
             self.record_all(channel, plan, samples);
@@ -158,7 +158,7 @@ impl Trace {
     }
 
     #[inline(never)]
-    fn record_all(&mut self, channel: u8, plan: &Plan, samples: &mut Producer<'_, Sample, SAMPLES>) {
+    fn record_all(&mut self, channel: u8, plan: &LaserPlan, samples: &mut Producer<'_, Sample, SAMPLES>) {
         let (row, bit) = (self.tick.wrapping_add(1), 1 << (channel & 7));
         if !plan.safe_state {
             self.resting &= !bit;

@@ -120,7 +120,7 @@ pub fn trace<const AXES: usize>(context: &mut Context<AXES>, r: &Trace) -> Admit
     let (every, axes) = (r.every.get(), AxisMask(bits_of(1, r.axes.get(), context.configuration.all().0)?));
     let lasers = within(2, r.lasers, 0, (1 << CHANNELS) - 1)?;
     let crds = CrdMask(within(3, r.crds, 0, context.configuration.all_crds().0)?);
-    let over_link = within(4, r.way, 0, 1)? == 1;
+    let over_link = within(4, r.over_link, 0, 1)? == 1;
     let edges = within(5, r.edges, 0, 3)?;
     context.stage(TickCommand::Trace { every, axes, crds, lasers, edges: edges & 1 != 0, outputs: edges & 2 != 0 });
     context.effect = Effect::Trace { every, columns: TraceColumns { axes, lasers, crds }, over_link };

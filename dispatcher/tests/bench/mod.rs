@@ -9,7 +9,7 @@ use protocol::link::{Endpoint, Identity, Role};
 use protocol::reason::{Reason, Refusal};
 use protocol::record::{Lane, RequestWriter, TRACE_RECORD, replies};
 use ring::{Latest, Ring};
-use servo::laser::{Clock, Plan};
+use servo::laser::{Clock, LaserPlan};
 use servo::output::step_generator;
 use servo::path::{EntryStore, PathStores};
 use servo::port::{AxisInputs, GeneralInputs, GeneralOutputs, Port, WiredInputs};
@@ -58,7 +58,7 @@ impl<const AXES: usize> Port for Machine<AXES> {
     fn interlock(&mut self) -> bool {
         self.interlock
     }
-    fn laser(&mut self, _: usize, _: &Plan) {}
+    fn laser(&mut self, _: usize, _: &LaserPlan) {}
 }
 
 /// One answer: code and body.

@@ -247,9 +247,9 @@ impl Reference {
     fn continuous(&mut self, b: &[Vec<BigInt>]) {
         let mut time = BigInt::zero();
         for i in 0..b.len() - 1 {
-            let way = &b[i + 1][0] - &b[i][0];
-            let sign = if way.is_negative() { -1 } else { 1 };
-            let (l, u0, u1) = (way * sign, &b[i][1] * sign, &b[i + 1][1] * sign);
+            let displacement = &b[i + 1][0] - &b[i][0];
+            let sign = if displacement.is_negative() { -1 } else { 1 };
+            let (l, u0, u1) = (displacement * sign, &b[i][1] * sign, &b[i + 1][1] * sign);
             let (percent, top, a, d) = (&b[i][2], &b[i][3], &b[i][4], &b[i][5]);
             let square = |x: &BigInt| mul(x, x);
             let peak2 = div(&(mul(&mul(a, d), &l) * 2 + mul(d, &square(&u0)) + mul(a, &square(&u1))), &(a + d));

@@ -10,7 +10,7 @@ use super::outputs;
 use super::uart::Rx;
 use plant::inputs::{InputPlan, Row};
 use plant::{Gain, Plant};
-use servo::laser::Plan;
+use servo::laser::LaserPlan;
 use servo::port::{AxisInputs, GeneralInputs, GeneralOutputs, InputTime, Port, Simulated};
 use servo::segment::follow::Input;
 use servo::units::{Axis, Ns, Pos};
@@ -144,7 +144,7 @@ impl<const AXES: usize> Port for Machine<AXES> {
         self.interlock
     }
 
-    fn laser(&mut self, channel: usize, plan: &Plan) {
+    fn laser(&mut self, channel: usize, plan: &LaserPlan) {
         outputs::set_laser(channel, plan);
     }
 }

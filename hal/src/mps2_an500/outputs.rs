@@ -8,7 +8,7 @@
 //! A laser's registers hold what is in force after the last plan. The instants of its edges are in
 //! the trace, as the actions of the plans.
 use core::sync::atomic::{AtomicBool, AtomicI16, AtomicU32, Ordering};
-use servo::laser::{Action, CHANNELS, Plan, Train};
+use servo::laser::{Action, CHANNELS, LaserPlan, Train};
 use servo::port::GeneralOutputs;
 
 /// Analog inputs of the board, and as many outputs.
@@ -59,7 +59,7 @@ impl Laser {
 }
 
 /// Executes the plan of a laser channel. A channel that the board lacks is not written.
-pub fn set_laser(channel: usize, plan: &Plan) {
+pub fn set_laser(channel: usize, plan: &LaserPlan) {
     let Some(laser) = LASERS.get(channel) else { return };
     if plan.safe_state {
         laser.safe_state();

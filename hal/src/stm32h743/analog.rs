@@ -10,7 +10,7 @@
 use super::settings::EXTERNAL_DAC;
 use super::spi;
 use crate::dac8563::Dac8563;
-use servo::laser::{Action, Plan};
+use servo::laser::{Action, LaserPlan};
 use stm32_metapac::{DAC1, RCC};
 
 /// Outputs.
@@ -122,7 +122,7 @@ impl Analog {
     }
 
     /// Queues the voltages of a laser channel's next tick.
-    pub fn follow(&mut self, channel: usize, plan: &Plan) {
+    pub fn follow(&mut self, channel: usize, plan: &LaserPlan) {
         if plan.safe_state {
             self.safe_state(channel);
         }

@@ -1,7 +1,7 @@
 //! Laser outputs (RM0433 38, 41): TIM1 makes the energy of laser 0, TIM15 that of laser 1, TIM8
 //! both switches. Each line has its complement. A break input disables them without an instruction.
 //!
-//! In: a [`Plan`] a channel and tick. Out: light, one tick after the plan, as the steps
+//! In: a [`LaserPlan`] a channel and tick. Out: light, one tick after the plan, as the steps
 //! ([`DelayLine`]); the safe state at once. Owns TIM1, TIM8, TIM15 and their streams. A timer
 //! counts PWM cycles ([`super::pwm_dma`]) that [`PwmCycles`] and [`GateCycles`] make of the plans;
 //! all three begin at the same tick. In the safe state the main output is disabled (`BDTR.MOE`),
@@ -12,7 +12,7 @@ use super::clocks::TIMER_MHZ;
 use super::pwm_dma::{BEGIN, LASER_0, LASER_1, SWITCHES, TIM15, Timer, empty_slots};
 use super::wiring::Break;
 use core::sync::atomic::{AtomicU8, AtomicU32, Ordering::Relaxed};
-use servo::laser::{CHANNELS, Plan};
+use servo::laser::{CHANNELS, LaserPlan};
 use servo::output::{DELAY_LINE_WORDS, DelayLine, GateCycles, PwmCycles, RingSlots, Scale};
 use stm32_metapac::timer::TimAdv;
 use stm32_metapac::timer::vals::{Bkinp, Bkp, Mms, Msm, OcmGp, Ossi, Ossr, Sms, Ts, Urs};
@@ -418,7 +418,7 @@ impl Lasers {
     /// one tick later. Now the cycles of the plan before it are queued. The safe state comes at
     /// once.
     #[inline]
-    pub fn plan(&mut self, channel: usize, plan: &Plan) {
+    pub fn plan(&mut self, channel: usize, plan: &LaserPlan) {
         if plan.safe_state {
             self.safe_state(channel);
         }

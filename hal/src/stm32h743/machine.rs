@@ -10,7 +10,7 @@ use super::encoders::Encoders;
 use super::laser::{self, Breaks, Lasers};
 use super::pins::{self, AXES, PinLevels};
 use super::steps::Steps;
-use servo::laser::Plan;
+use servo::laser::LaserPlan;
 use servo::output::step_generator;
 use servo::port::{AxisInputs, GeneralInputs, GeneralOutputs, Port};
 use servo::units::{Axis, Pos};
@@ -131,7 +131,7 @@ impl Port for Machine {
         self.breaks.is_open(self.levels.interlock(), laser::was_broken())
     }
 
-    fn laser(&mut self, channel: usize, plan: &Plan) {
+    fn laser(&mut self, channel: usize, plan: &LaserPlan) {
         self.analog.follow(channel, plan);
         self.lasers.plan(channel, plan);
     }

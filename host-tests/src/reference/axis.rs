@@ -451,9 +451,9 @@ impl Axis {
         let curve = if self.mode == Mode::Jog {
             ramp::jog(self.v, speed, &exact(acc), &exact(dec))
         } else {
-            let way = Fix::whole(target.into()) + self.zero - self.x;
-            blur = ramp::blur(self.v, way, acc, dec);
-            ramp::trap(self.v, way, &exact(speed.abs()), &exact(acc), &exact(dec))
+            let displacement = Fix::whole(target.into()) + self.zero - self.x;
+            blur = ramp::blur(self.v, displacement, acc, dec);
+            ramp::trap(self.v, displacement, &exact(speed.abs()), &exact(acc), &exact(dec))
         };
         self.slack += std::mem::take(&mut self.late);
         self.slack += std::mem::take(&mut self.late_velocity) * curve.length();
@@ -495,21 +495,21 @@ impl Axis {
         let (begin, mut x) = self.head.last().copied().unwrap_or((from, self.x));
         let mut v = Fix::ZERO;
         if let Some(Motion::Ramp(timed)) = &mut self.motion {
-            let mut way = Vec::new();
-            if timed.step(begin, at, 1, &mut way) == Went::On {
+            let mut knots = Vec::new();
+            if timed.step(begin, at, 1, &mut knots) == Went::On {
                 v = timed.velocity(at);
             }
-            x = way.last().map_or(x, |last| last.1);
-            self.head.append(&mut way);
+            x = knots.last().map_or(x, |last| last.1);
+            self.head.append(&mut knots);
         }
         self.head.push((at, x));
         if let Some(Motion::Ramp(timed)) = &self.motion {
             self.head_most = self.head_most.max(timed.curve.steepest);
         }
-        let way = Fix::whole(to.into()) + self.zero - x;
-        let blur = ramp::blur(v, way, acc, acc);
+        let displacement = Fix::whole(to.into()) + self.zero - x;
+        let blur = ramp::blur(v, displacement, acc, acc);
         let acc = exact(acc);
-        let curve = ramp::trap(v, way, &exact(vel), &acc, &acc);
+        let curve = ramp::trap(v, displacement, &exact(vel), &acc, &acc);
         // It may begin up to 5 ns later (SPEC 11).
         (self.late, self.braking) = (self.late + curve.steepest * Fix::ms(5), None);
         self.ending = Why::End;

@@ -246,7 +246,7 @@ impl Crd {
             return;
         }
         let (was, of) = (&published.fifos[self.fifo], &mut self.fifos[self.fifo]);
-        of.told = of.told.max(of.next);
+        of.reported = of.reported.max(of.next);
         // What stood at that tick's own instant had been reached.
         let outputs = was.entries[was.next..].iter().take_while(|entry| entry.takes_no_time()).count();
         let next = was.next + outputs;
@@ -302,7 +302,7 @@ impl Crd {
             && set.frame.even_ms > 0.0
             && self.plan.is_some()
         {
-            self.unsaid = Some("the least time at constant speed, planned again on the way");
+            self.unsaid = Some("the least time at constant speed, planned again during motion");
         }
         self.plan = None;
     }
@@ -321,7 +321,7 @@ impl Crd {
 
     /// How far it would go until an instant; None: it would come to rest, or reach entries that act
     /// on others.
-    pub fn way_to(&self, until: f64) -> Option<f64> {
+    pub fn distance_to(&self, until: f64) -> Option<f64> {
         let mut ahead = self.clone();
         ahead.run(until, &mut Nobody);
         let acts = ahead.outputs.len() + ahead.analog.len() + ahead.lasers.len() != 0;
@@ -390,7 +390,7 @@ impl Crd {
                 }
                 Some(entry) if entry.takes_no_time() => {
                     let entry = entry.clone();
-                    if of.next >= of.told {
+                    if of.next >= of.reported {
                         match entry {
                             Entry::Outputs(mask, value) => self.outputs.push((self.now, mask, value)),
                             Entry::Analog(channel, value) => self.analog.push((self.now, channel, value)),
@@ -442,7 +442,7 @@ impl Crd {
         let of = &mut self.fifos[self.fifo];
         let ends = match self.waits {
             Some((_, ends)) => ends,
-            None if of.next < of.told => {
+            None if of.next < of.reported => {
                 of.next += 1;
                 return;
             }
@@ -519,7 +519,7 @@ impl Crd {
                     profile(self.speed, left, &limits, even)
                 };
                 if self.plan.is_some() && even > 0.0 {
-                    self.unsaid = Some("the least time at constant speed, planned again on the way");
+                    self.unsaid = Some("the least time at constant speed, planned again during motion");
                 }
                 (planned, 0.0, follows)
             }
@@ -535,9 +535,9 @@ impl Crd {
             before = (before - phase.ms).max(0.0);
             let ms = rest.min(left_of_step);
             if ms > 0.0 {
-                let way = self.speed * ms + phase.acc * ms * ms / 2.0;
-                of.done += way;
-                self.gone += way;
+                let travelled = self.speed * ms + phase.acc * ms * ms / 2.0;
+                of.done += travelled;
+                self.gone += travelled;
                 self.speed += phase.acc * ms;
                 left_of_step -= ms;
             }

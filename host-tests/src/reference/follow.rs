@@ -193,8 +193,8 @@ impl Table {
             }
             if let Item::Segment(datum) = item {
                 let (master, slave) = (exact(datum.master).abs(), exact(datum.slave));
-                let (length, way) = (&master - &from, &slave - &begin);
-                let mean = &way / &length;
+                let (length, displacement) = (&master - &from, &slave - &begin);
+                let mean = &displacement / &length;
                 let twice = &mean + &mean;
                 if datum.kind == 3 && std::mem::take(&mut is_first) {
                     ratio = carried.clone();

@@ -32,8 +32,8 @@ fn whole(x: i64) -> Rational {
 }
 
 /// The cubic through two points with velocities at both.
-fn hermite(curve: &mut Curve, length: &Rational, way: &Rational, first: &Rational, last: &Rational) {
-    let mean = way / length;
+fn hermite(curve: &mut Curve, length: &Rational, displacement: &Rational, first: &Rational, last: &Rational) {
+    let mean = displacement / length;
     let bend = (whole(3) * &mean - whole(2) * first - last) / length;
     let third = (first + last - whole(2) * &mean) / (length * length);
     curve.cubic(length, first, &(bend * whole(2)), &(third * whole(6)));
@@ -162,9 +162,9 @@ struct Ramps {
 impl Ramps {
     fn of(begin: &[f64; 6], end: &[f64; 6]) -> Ramps {
         let ([p, v, _, most, acc, dec], [q, w, ..]) = (begin.map(exact), end.map(exact));
-        let way = q - p;
-        let sign = if way.is_negative() { whole(-1) } else { whole(1) };
-        let (from, to, length) = (v * &sign, w * &sign, way * &sign);
+        let displacement = q - p;
+        let sign = if displacement.is_negative() { whole(-1) } else { whole(1) };
+        let (from, to, length) = (v * &sign, w * &sign, displacement * &sign);
         let square = (whole(2) * &acc * &dec * &length + &dec * &from * &from + &acc * &to * &to) / (&acc + &dec);
         let peak = root(&square).rational().min(most);
         let (up, down) = ((&peak - &from) / &acc, (&peak - &to) / &dec);

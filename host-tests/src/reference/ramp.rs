@@ -49,7 +49,7 @@ pub fn jog(v: Fix, vel: f64, acc: &Rational, dec: &Rational) -> Curve {
 }
 
 /// Goes by `way` and rests there; without a velocity it brakes.
-pub fn trap(v: Fix, way: Fix, vel: &Rational, acc: &Rational, dec: &Rational) -> Curve {
+pub fn trap(v: Fix, displacement: Fix, vel: &Rational, acc: &Rational, dec: &Rational) -> Curve {
     let mut plan = Plan::from(v);
     if vel.is_zero() {
         plan.to(&zero(), dec);
@@ -57,7 +57,7 @@ pub fn trap(v: Fix, way: Fix, vel: &Rational, acc: &Rational, dec: &Rational) ->
     }
     let two = Rational::from_integer(2.into());
     loop {
-        let left = (way - plan.curve.end()).rational();
+        let left = (displacement - plan.curve.end()).rational();
         let up = if left.is_zero() { plan.v.is_positive() } else { left.is_positive() };
         let sign = Rational::from_integer(if up { 1 } else { -1 }.into());
         let speed = &plan.v * &sign;
@@ -79,7 +79,7 @@ pub fn trap(v: Fix, way: Fix, vel: &Rational, acc: &Rational, dec: &Rational) ->
             plan.to(&(&peak * &sign), acc);
             peak
         };
-        let left = ((way - plan.curve.end()).rational() * &sign) - &peak * &peak / (&two * dec);
+        let left = ((displacement - plan.curve.end()).rational() * &sign) - &peak * &peak / (&two * dec);
         // Rounding of the root leaves less than nothing at times.
         if left.is_positive() && peak.is_positive() {
             plan.curve.cubic(&(left / &peak), &(&peak * &sign), &zero(), &zero());
@@ -87,7 +87,7 @@ pub fn trap(v: Fix, way: Fix, vel: &Rational, acc: &Rational, dec: &Rational) ->
         plan.to(&zero(), dec);
         break;
     }
-    plan.curve.ends_at(way);
+    plan.curve.ends_at(displacement);
     plan.curve
 }
 
@@ -95,10 +95,10 @@ pub fn trap(v: Fix, way: Fix, vel: &Rational, acc: &Rational, dec: &Rational) ->
 ///
 /// Position and velocity have 2⁻²² each, so that it may come short or pass the target by `apart`.
 /// Then it goes the remainder from standstill or nearly so, for at most √(2·apart·(1/acc + 1/dec)).
-pub fn blur(v: Fix, way: Fix, acc: f64, dec: f64) -> Fix {
-    let [v, way] = [v, way].map(Fix::to_f64);
+pub fn blur(v: Fix, displacement: Fix, acc: f64, dec: f64) -> Fix {
+    let [v, displacement] = [v, displacement].map(Fix::to_f64);
     let apart = 2f64.powi(-22) * (1.0 + v.abs() / dec);
-    if v == 0.0 || (way * v.signum() - v * v / (2.0 * dec)).abs() > apart {
+    if v == 0.0 || (displacement * v.signum() - v * v / (2.0 * dec)).abs() > apart {
         return Fix::ZERO;
     }
     Fix::of_f64((2.0 * apart * (1.0 / acc + 1.0 / dec)).sqrt())

@@ -5,7 +5,7 @@ use host_tests::laser_model::{Command, Edge, Exact, Family, Mode, Ns};
 use plant::beam::{self, OutputStage};
 use ring::{Latest, Producer, Reader, Ring};
 use servo::laser::{
-    self, CHANNELS, Carrier, ChannelChange, Clock, Delays, FixedTrain, Plan, Power, PowerBounds, Standby,
+    self, CHANNELS, Carrier, ChannelChange, Clock, Delays, FixedTrain, LaserPlan, Power, PowerBounds, Standby,
 };
 use servo::port::{AxisInputs, GeneralInputs, GeneralOutputs, Port};
 use servo::segment::pvt::{HeaderStore, PointStore, TABLES};
@@ -65,7 +65,7 @@ impl Port for Machine {
     fn interlock(&mut self) -> bool {
         self.interlock
     }
-    fn laser(&mut self, channel: usize, plan: &Plan) {
+    fn laser(&mut self, channel: usize, plan: &LaserPlan) {
         self.players[channel].take(self.now, self.next, plan);
         let reported = &mut self.reported[channel];
         self.stages[channel].take(self.now as u64, self.next as u64, plan, |change| reported.push(change));

@@ -2,7 +2,7 @@
 //! to the ns.
 use super::bench::Outputs;
 use host_tests::laser_model::{Edge, Ns, Span};
-use servo::laser::{Action, FINISH_NS, Pattern, Plan, PulseRate, Train};
+use servo::laser::{Action, FINISH_NS, LaserPlan, Pattern, PulseRate, Train};
 
 /// A period that has begun.
 #[derive(Debug, Clone, Copy)]
@@ -31,7 +31,7 @@ pub struct Player {
 
 impl Player {
     /// A plan for the interval that begins at `next`, given at `now`.
-    pub fn take(&mut self, now: Ns, next: Ns, plan: &Plan) {
+    pub fn take(&mut self, now: Ns, next: Ns, plan: &LaserPlan) {
         self.run_to(now);
         if plan.safe_state {
             self.queue.clear();

@@ -137,7 +137,8 @@ pub fn run_on(profile: u8, tick_us: u32, axes: u32, calls: Vec<Call>) -> Run {
             .unwrap();
     });
     let traced = (1u64 << axes) - 1;
-    let mut all = vec![Call::of(Trace { every: 1.into(), axes: traced.into(), lasers: 0, crds: 0, way: 0, edges: 0 })];
+    let mut all =
+        vec![Call::of(Trace { every: 1.into(), axes: traced.into(), lasers: 0, crds: 0, over_link: 0, edges: 0 })];
     for axis in 1..=axes as i16 {
         all.push(Call::of(AxisOn { core: 1.into(), axis: axis.into() }));
         all.push(Call::of(LmtsOff { core: 1.into(), axis: axis.into(), limit_type: (-1).into() }));

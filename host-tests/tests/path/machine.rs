@@ -138,7 +138,7 @@ impl Machine {
         let (axes, lasers) = self.traced;
         *self.rows.lock().unwrap() = (Header::default(), Vec::new());
         // Rows are counted from the begin of a program.
-        let trace = Trace { every: 1.into(), axes: axes.into(), lasers, crds: 0, way: 0, edges: 0 };
+        let trace = Trace { every: 1.into(), axes: axes.into(), lasers, crds: 0, over_link: 0, edges: 0 };
         self.client.run([Call::of(trace)], true, &mut Quiet).unwrap();
     }
 
@@ -159,7 +159,7 @@ impl Machine {
         let (axes, lasers) = self.traced;
         let traces = axes != 0 || lasers != 0;
         if traces {
-            calls.push(Call::of(Trace { every: 1.into(), axes: axes.into(), lasers, crds: 0, way: 0, edges: 0 }));
+            calls.push(Call::of(Trace { every: 1.into(), axes: axes.into(), lasers, crds: 0, over_link: 0, edges: 0 }));
             lines.push(0);
         }
         for (line, call) in compiled(text) {

@@ -57,7 +57,7 @@ struct Spot {
     motion: usize,
     /// From the begin of that motion, and from the begin of the path.
     along: f64,
-    way: f64,
+    travelled: f64,
     /// The next motion goes back over it: it may be there.
     is_double: bool,
 }
@@ -142,7 +142,7 @@ fn judge(
 
 /// Every tick's place on the path.
 fn spots(motions: &[Motion], places: &[Position], tick_ms: f64, course: &Course) -> Result<Vec<Spot>, String> {
-    let mut at = Spot { motion: 0, along: 0.0, way: 0.0, is_double: false };
+    let mut at = Spot { motion: 0, along: 0.0, travelled: 0.0, is_double: false };
     let mut spots = Vec::new();
     for (tick, place) in places.iter().enumerate() {
         let mut index = at.motion;
@@ -150,14 +150,14 @@ fn spots(motions: &[Motion], places: &[Position], tick_ms: f64, course: &Course)
             let Some(motion) = motions.get(index) else { break None };
             let least = if index == at.motion { at.along } else { 0.0 };
             let (along, off) = project(motion.geometry, place, least);
-            let way = motion.begin + along;
-            if way > at.way + course.speed * tick_ms * 1.001 + 1.0 {
+            let travelled = motion.begin + along;
+            if travelled > at.travelled + course.speed * tick_ms * 1.001 + 1.0 {
                 break None;
             }
-            if off <= 2.0 * BOUND && way >= at.way - 2.0 * BOUND {
+            if off <= 2.0 * BOUND && travelled >= at.travelled - 2.0 * BOUND {
                 let next = motions.get(index + 1).map(|next| project(next.geometry, place, 0.0));
                 let is_double = next.is_some_and(|(along, off)| off <= 2.0 * BOUND && along > 4.0 * BOUND);
-                break Some(Spot { motion: index, along, way: way.max(at.way), is_double });
+                break Some(Spot { motion: index, along, travelled: travelled.max(at.travelled), is_double });
             }
             index += 1;
         };
@@ -191,7 +191,7 @@ fn speeds(
         }
         let within = &motions[pair[0].motion..=pair[1].motion];
         let most = within.iter().map(|motion| motion.vel).fold(0.0, f64::max).min(course.speed);
-        let speed = (pair[1].way - pair[0].way) / tick_ms;
+        let speed = (pair[1].travelled - pair[0].travelled) / tick_ms;
         let ms = tick as f64 * tick_ms;
         if speed > most * (1.0 + 1e-9) + 4.0 * BOUND / tick_ms {
             let from = tick.saturating_sub(2);
@@ -226,7 +226,7 @@ fn accelerations(
     tally: &mut BTreeMap<&'static str, u64>,
 ) -> Result<(), String> {
     let rounding = 4.0 * GRAIN / (tick_ms * tick_ms);
-    let moves = |tick: usize| spots[tick + 1].way > spots[tick].way;
+    let moves = |tick: usize| spots[tick + 1].travelled > spots[tick].travelled;
     for tick in 1..spots.len() - 1 {
         let three = &spots[tick - 1..=tick + 1];
         if three[0].motion != three[2].motion || three.iter().any(|spot| spot.is_double) {
@@ -243,15 +243,15 @@ fn accelerations(
         if course.disturbed && (!moves(tick - 1) || !moves(tick)) {
             continue;
         }
-        let second = three[2].way - 2.0 * three[1].way + three[0].way;
+        let second = three[2].travelled - 2.0 * three[1].travelled + three[0].travelled;
         let along = second.abs() / (tick_ms * tick_ms);
         let room = BOUND.min(1e-6 * motion.geometry.length() + 8.0 * GRAIN) / (tick_ms * tick_ms);
         if along > motion.acc.max(braking) * (1.0 + 1e-6) + room {
             let from = tick.saturating_sub(4);
-            let ways: Vec<(usize, f64)> =
+            let travelleds: Vec<(usize, f64)> =
                 spots[from..(tick + 5).min(spots.len())].iter().map(|spot| (spot.motion, spot.along)).collect();
             return Err(format!(
-                "at {ms} ms the acceleration along the path is {along}, synAcc {}: {ways:?} of {:?} after {:?}",
+                "at {ms} ms the acceleration along the path is {along}, synAcc {}: {travelleds:?} of {:?} after {:?}",
                 motion.acc,
                 motion.geometry,
                 motions[three[0].motion.saturating_sub(1)].geometry
@@ -289,7 +289,7 @@ fn accelerations(
         let apart = motion.waits || index > 0 && motions[index - 1].rests;
         let hidden = index.checked_sub(1).map_or(0.0, |before| hidden(motions[before].geometry, motion.geometry));
         let rounded = |from: usize, to: usize| {
-            let speed = |tick: usize| (spots[tick + 1].way - spots[tick].way) / tick_ms;
+            let speed = |tick: usize| (spots[tick + 1].travelled - spots[tick].travelled) / tick_ms;
             hidden * (from..=to).map(speed).fold(0.0, f64::max)
         };
         if let Some((tick, ..)) = before.filter(|_| !apart) {
@@ -350,9 +350,9 @@ fn rests(
             continue;
         }
         let vertex = motion.begin;
-        let tick = spots.partition_point(|spot| spot.way < vertex - BOUND).max(1);
+        let tick = spots.partition_point(|spot| spot.travelled < vertex - BOUND).max(1);
         let ms: f64 = delays.iter().filter(|(at, _)| *at == index).map(|(_, ms)| ms).sum();
-        let after = spots.partition_point(|spot| spot.way <= vertex + BOUND);
+        let after = spots.partition_point(|spot| spot.travelled <= vertex + BOUND);
         if spots[tick - 1..=after.min(spots.len() - 1)].iter().any(|spot| spot.is_double) {
             continue;
         }
@@ -360,7 +360,7 @@ fn rests(
         let around = &motions[spots[tick - 1].motion..=spots[after.min(spots.len() - 1)].motion];
         let braking = if course.disturbed { course.stop_dec } else { 0.0 };
         let most = around.iter().map(|motion| motion.acc).fold(braking, f64::max);
-        let (came, went) = (vertex - spots[tick - 1].way, spots[after.min(spots.len() - 1)].way - vertex);
+        let (came, went) = (vertex - spots[tick - 1].travelled, spots[after.min(spots.len() - 1)].travelled - vertex);
         // A tick that is within rounding of the place of rest counts as there.
         let within = tick_ms + (8.0 * BOUND / most).sqrt();
         let room = most * within * within / 2.0 * (1.0 + 1e-6) + 2.0 * BOUND;
@@ -435,15 +435,18 @@ fn edges(
         if spots[tick].is_double || spots[tick + 1].is_double {
             continue;
         }
-        let (before, after) = (spots[tick].way, spots[tick + 1].way);
-        let way = before + (after - before) * (at - tick as f64);
+        let (before, after) = (spots[tick].travelled, spots[tick + 1].travelled);
+        let travelled = before + (after - before) * (at - tick as f64);
         // Between two ticks the path is off a straight one by its acceleration.
         let most = motions.iter().map(|motion| motion.acc).fold(course.stop_dec, f64::max);
         let speed = (after - before) / tick_ms;
         let room = most * tick_ms * tick_ms / 4.0 + 6e-6 * speed + 2.0 * BOUND;
-        let stood = |tick: usize| (spots[tick].way - vertex).abs() <= 2.0 * BOUND;
-        if (way - vertex).abs() > room && !(stood(tick) || stood(tick + 1)) {
-            return Err(format!("output {edge:?} changes {} pulses from its vertex, {room} at most", way - vertex));
+        let stood = |tick: usize| (spots[tick].travelled - vertex).abs() <= 2.0 * BOUND;
+        if (travelled - vertex).abs() > room && !(stood(tick) || stood(tick + 1)) {
+            return Err(format!(
+                "output {edge:?} changes {} pulses from its vertex, {room} at most",
+                travelled - vertex
+            ));
         }
         *tally.entry("outputs at vertices").or_default() += 1;
     }

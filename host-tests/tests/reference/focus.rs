@@ -104,8 +104,8 @@ fn asymmetric(c: &mut Chance) -> Vec<Call> {
                 // Somewhere, at an end, or a little beyond it.
                 let part = [c.unit(), c.unit(), c.unit(), 0.0, 1.0, 1.2, 1e-9][c.below(7) as usize];
                 let q = exact(f64::from(percent.min(100)) / 100.0);
-                let way = mean(&exact(ratios[0]), &exact(ratios[1]), &q, &(&q * exact(part)));
-                let next = slave + length * Fix::of(&way).to_f64();
+                let displacement = mean(&exact(ratios[0]), &exact(ratios[1]), &q, &(&q * exact(part)));
+                let next = slave + length * Fix::of(&displacement).to_f64();
                 let of = Asymmetric { master, slave: next, ratios, percent };
                 calls.push(Call::FollowEntry { axis: 0, item: Item::Asymmetric(of), fifo });
                 let shares = [f64::from(percent), f64::from(percent) * part];

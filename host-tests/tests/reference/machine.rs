@@ -1,6 +1,6 @@
 //! The virtual controller under a program: every call is an entry of the program queue that may
 //! fail, and every tick's set-points and status words are kept.
-use client::{Answer, Client, Link, Options, Profile};
+use client::{Answer, Client, Link, Options, ProductProfile};
 use host_tests::reference::{Call, Family, Fix, Kind, Points, Session, Setup};
 use protocol::command::*;
 use std::sync::{Arc, Mutex};
@@ -145,8 +145,8 @@ pub struct Rig {
 impl Rig {
     pub fn new(setup: Setup, tick_us: u32) -> Rig {
         let (profile, number, per_core) = match setup.profile {
-            "gus" => (Profile::Gus, 0, 8),
-            _ => (Profile::Gtn016, 1, 8),
+            "gus" => (ProductProfile::Gus, 0, 8),
+            _ => (ProductProfile::Gtn016, 1, 8),
         };
         let board = share(Board::new(Config { tick_us, profile: number, ..Config::default() }));
         board.lock().unwrap().record_beam(true);

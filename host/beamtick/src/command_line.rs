@@ -340,7 +340,7 @@ pub struct Sim {
 
 /// The link to a controller.
 #[derive(Debug, Clone, Args)]
-pub struct Way {
+pub struct LinkOptions {
     /// Image for --link qemu; else the environment's BEAMTICK_IMAGE, else
     /// target/thumbv7em-none-eabihf/image/beamtick-mps2 here or in a folder above,
     /// else the one in images/ of the unpacked release.
@@ -363,7 +363,7 @@ pub struct Run {
     pub link: Option<String>,
     #[command(flatten)]
     #[allow(missing_docs)]
-    pub way: Way,
+    pub link_options: LinkOptions,
     #[command(flatten)]
     #[allow(missing_docs)]
     pub settings: Settings,
@@ -388,7 +388,7 @@ pub struct Grbl {
     pub link: Option<String>,
     #[command(flatten)]
     #[allow(missing_docs)]
-    pub way: Way,
+    pub link_options: LinkOptions,
     /// Where senders connect; port 0 takes a free one.
     #[arg(long, value_name = "HOST:PORT", default_value = "127.0.0.1:5001")]
     pub listen: String,
@@ -429,7 +429,7 @@ pub struct Info {
     pub link: Option<String>,
     #[command(flatten)]
     #[allow(missing_docs)]
-    pub way: Way,
+    pub link_options: LinkOptions,
     #[command(flatten)]
     #[allow(missing_docs)]
     pub settings: Settings,

@@ -1,8 +1,8 @@
 //! The command line's link to a controller.
 use crate::Failure;
-use crate::command_line::{FamilyName, Settings, Steps, Way};
+use crate::command_line::{FamilyName, LinkOptions, Settings, Steps};
 use crate::profile;
-use client::{Client, Family, Link, Options, Profile};
+use client::{Client, Family, Link, Options, ProductProfile};
 use protocol::reason::Reason;
 use std::net::TcpListener;
 use virtual_board::{Board, Config, Served, VirtualLink, share};
@@ -11,7 +11,7 @@ use virtual_board::{Board, Config, Served, VirtualLink, share};
 pub const TICK_US: u32 = 250;
 
 /// Client options from the settings; `wanted` is the profile where the command line names none.
-fn options(settings: &Settings, wanted: Option<Profile>) -> Result<Options, Failure> {
+fn options(settings: &Settings, wanted: Option<ProductProfile>) -> Result<Options, Failure> {
     let profile = match &settings.profile {
         None => wanted,
         Some(name) => Some(profile::named(name)?),
@@ -25,21 +25,21 @@ fn options(settings: &Settings, wanted: Option<Profile>) -> Result<Options, Fail
 }
 
 /// A virtual controller as the command line wants it.
-pub fn config(tick_us: Option<u32>, profile: Profile, steps: Steps) -> Config {
+pub fn config(tick_us: Option<u32>, profile: ProductProfile, steps: Steps) -> Config {
     let board = Config { tick_us: tick_us.unwrap_or(TICK_US), profile: profile as u8, ..Config::default() };
     Config { step_limit: steps.limit.unwrap_or(board.step_limit), ..board }
 }
 
 /// The client of a virtual controller.
-pub fn simulated(settings: &Settings, steps: Steps, wanted: Option<Profile>) -> Result<Client, Failure> {
+pub fn simulated(settings: &Settings, steps: Steps, wanted: Option<ProductProfile>) -> Result<Client, Failure> {
     let options = options(settings, wanted)?;
-    let config = config(settings.tick_us, options.profile.unwrap_or(Profile::Gus), steps);
+    let config = config(settings.tick_us, options.profile.unwrap_or(ProductProfile::Gus), steps);
     let board = share(Board::new(config));
     Ok(Client::open(Box::new(VirtualLink::new(board)), options)?)
 }
 
 /// A virtual controller in real time, and a link to it.
-pub fn real_time(tick_us: Option<u32>, profile: Profile) -> Result<(Served, Box<dyn Link>), Failure> {
+pub fn real_time(tick_us: Option<u32>, profile: ProductProfile) -> Result<(Served, Box<dyn Link>), Failure> {
     let failed = |error| Failure::Job(format!("the virtual controller cannot listen: {error}"));
     let listener = TcpListener::bind("127.0.0.1:0").map_err(failed)?;
     let config = config(tick_us, profile, Steps::default());
@@ -49,10 +49,10 @@ pub fn real_time(tick_us: Option<u32>, profile: Profile) -> Result<(Served, Box<
 }
 
 /// The link of this name.
-pub fn named(name: &str, way: &Way) -> Result<Box<dyn Link>, Failure> {
+pub fn named(name: &str, options: &LinkOptions) -> Result<Box<dyn Link>, Failure> {
     Ok(match name {
         "qemu" => {
-            let image = client::qemu::image(way.image.clone()).map_err(|error| Failure::Input(error.reason))?;
+            let image = client::qemu::image(options.image.clone()).map_err(|error| Failure::Input(error.reason))?;
             client::link::open(&format!("qemu:{}", image.display()))?
         }
         name => client::link::open(name)?,
@@ -60,7 +60,7 @@ pub fn named(name: &str, way: &Way) -> Result<Box<dyn Link>, Failure> {
 }
 
 /// A client over a link.
-pub fn linked(link: Box<dyn Link>, settings: &Settings, wanted: Option<Profile>) -> Result<Client, Failure> {
+pub fn linked(link: Box<dyn Link>, settings: &Settings, wanted: Option<ProductProfile>) -> Result<Client, Failure> {
     let options = options(settings, wanted)?;
     let profile = options.profile;
     Client::open(link, options).map_err(|error| {

@@ -5,7 +5,7 @@
 use crate::command_line::{FamilyName, Grbl, Settings};
 use crate::interrupt::{self, Held};
 use crate::{Failure, connect, machine_file};
-use client::Profile;
+use client::ProductProfile;
 use grbl::{Pace, Port};
 use machine::Family;
 use std::net::TcpListener;
@@ -19,17 +19,17 @@ pub fn serve(arguments: &Grbl) -> Result<(), Failure> {
     let (port, place) = port(arguments)?;
     let (board, link) = match name {
         "virtual" => {
-            let (board, link) = connect::real_time(arguments.tick_us, Profile::Gus)?;
+            let (board, link) = connect::real_time(arguments.tick_us, ProductProfile::Gus)?;
             (Some(board), link)
         }
-        name => (None, connect::named(name, &arguments.way)?),
+        name => (None, connect::named(name, &arguments.link_options)?),
     };
     let family = match machine.family {
         Family::Gus => FamilyName::Gus,
         Family::Lsr => FamilyName::Lsr,
     };
     let settings = Settings { tick_us: arguments.tick_us, family: Some(family), profile: None };
-    let client = Arc::new(connect::linked(link, &settings, Some(Profile::Gus))?);
+    let client = Arc::new(connect::linked(link, &settings, Some(ProductProfile::Gus))?);
     let of = match &board {
         Some(board) => format!("the virtual controller at tcp:{}", board.address()),
         None => format!("the controller at {}", client.name()),

@@ -135,8 +135,8 @@ impl Terminal {
         Ok(())
     }
 
-    fn go(&self, count: usize, way: char) -> io::Result<()> {
-        if count == 0 { Ok(()) } else { self.say(format!("\x1b[{count}{way}")) }
+    fn go(&self, count: usize, direction: char) -> io::Result<()> {
+        if count == 0 { Ok(()) } else { self.say(format!("\x1b[{count}{direction}")) }
     }
 }
 

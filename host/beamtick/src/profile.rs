@@ -1,7 +1,7 @@
 //! The profile that a job runs with, the same on every board: what the command line says, else the
 //! first profile that holds every core and axis the job names.
 use crate::Failure;
-use client::Profile;
+use client::ProductProfile;
 use job::Job;
 use protocol::command::{VersionReply, info};
 use protocol::reason::Refusal;
@@ -10,22 +10,22 @@ use protocol::reason::Refusal;
 const NAMING: [&str; 7] = ["core", "axis", "profile", "encoder", "control", "mask", "axes"];
 
 /// The profile of this name.
-pub fn named(name: &str) -> Result<Profile, Failure> {
-    Profile::named(name).ok_or_else(|| {
-        let known: Vec<&str> = Profile::ALL.iter().map(|(_, name)| *name).collect();
+pub fn named(name: &str) -> Result<ProductProfile, Failure> {
+    ProductProfile::named(name).ok_or_else(|| {
+        let known: Vec<&str> = ProductProfile::ALL.iter().map(|(_, name)| *name).collect();
         Failure::Input(format!("there is no profile `{name}`; profiles are {}", known.join(", ")))
     })
 }
 
 /// The profile for a job.
-pub fn of_job(job: &Job) -> Profile {
+pub fn of_job(job: &Job) -> ProductProfile {
     let named: Vec<(i16, i16)> = job.named.iter().map(|axis| (axis.core, axis.axis)).collect();
-    Profile::for_axes(&named)
+    ProductProfile::for_axes(&named)
 }
 
 /// The name of the profile that a controller shows.
 pub fn shown(version: &VersionReply) -> &'static str {
-    Profile::numbered(version.profile).map_or("unknown", Profile::name)
+    ProductProfile::numbered(version.profile).map_or("unknown", ProductProfile::name)
 }
 
 /// What helps where a call names a core or an axis that the profile has not; nothing if it is

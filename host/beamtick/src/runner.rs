@@ -78,7 +78,7 @@ pub fn run(arguments: &Run, link: Option<Box<dyn Link>>) -> Result<(), Failure> 
             let (served, link) = real_time(settings.tick_us, profile)?;
             (Some(served), link)
         }
-        None => (None, named(&name, &arguments.way)?),
+        None => (None, named(&name, &arguments.link_options)?),
     };
     let client = linked(link, &settings, Some(profile))?;
     let knowledge = Knowledge { all_known, virtual_time: false, inputs: inputs.as_ref() };
@@ -265,7 +265,7 @@ fn record(source: &Source, client: &Client, outputs: &Outputs) -> Result<Tape, F
             recording.feed(bytes);
         }
     });
-    let (way, every) = match client.trace_rate() {
+    let (over_link, every) = match client.trace_rate() {
         None => (0, outputs.every),
         Some(rate) => {
             let row = row_bytes(axes.count_ones(), lasers.count_ones(), crds.count_ones());
@@ -278,7 +278,7 @@ fn record(source: &Source, client: &Client, outputs: &Outputs) -> Result<Tape, F
     if every > outputs.every {
         complain!("{}: the trace has a row every {every} ticks: this link does not carry more", client.name());
     }
-    client.call(Trace { every: every.into(), axes: axes.into(), lasers, crds, way, edges })?;
+    client.call(Trace { every: every.into(), axes: axes.into(), lasers, crds, over_link, edges })?;
     Ok(recording)
 }
 

@@ -4,7 +4,7 @@ use crate::command_line::Serve;
 use crate::connect;
 use crate::profile;
 use client::inputs::{Inputs, Zero};
-use client::{Client, Options, Profile};
+use client::{Client, Options, ProductProfile};
 use std::net::TcpListener;
 use virtual_board::{Board, VirtualLink, share};
 
@@ -13,7 +13,7 @@ pub fn serve(arguments: &Serve) -> Result<(), Failure> {
     let shown = match &arguments.profile {
         Some(name) => profile::named(name)?,
         // A board with room for every profile: clients choose.
-        None => Profile::Gsn048,
+        None => ProductProfile::Gsn048,
     };
     let config = connect::config(arguments.tick_us, shown, arguments.steps);
     let inputs = arguments.inputs.inputs.as_deref().map(Inputs::open).transpose().map_err(Failure::Input)?;

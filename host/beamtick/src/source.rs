@@ -2,7 +2,7 @@
 use crate::Failure;
 use crate::command_line::{Drawing, FamilyName, Settings, TICKS_US};
 use crate::{import, input, json};
-use client::{Family, Profile};
+use client::{Family, ProductProfile};
 use job::{Diagnostic, Files, Folder, Job, Pragma, Severity, Step};
 use std::cell::RefCell;
 use std::io::{IsTerminal, Read};
@@ -303,7 +303,7 @@ impl Parts<'_> {
 /// What a pragma says.
 enum Value {
     Family(FamilyName),
-    Profile(Profile),
+    Profile(ProductProfile),
     Tick(u32),
 }
 
@@ -316,8 +316,8 @@ fn value(pragma: &Pragma) -> Result<Value, String> {
             Some(Family::Lsr) => Ok(Value::Family(FamilyName::Lsr)),
             None => Err("families are gus and lsr".to_owned()),
         },
-        "profile" => Profile::named(text).map(Value::Profile).ok_or_else(|| {
-            let known: Vec<&str> = Profile::ALL.iter().map(|(_, name)| *name).collect();
+        "profile" => ProductProfile::named(text).map(Value::Profile).ok_or_else(|| {
+            let known: Vec<&str> = ProductProfile::ALL.iter().map(|(_, name)| *name).collect();
             format!("profiles are {}", known.join(", "))
         }),
         _ => match text.parse() {

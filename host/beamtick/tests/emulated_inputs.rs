@@ -95,8 +95,8 @@ fn the_emulated_board_names_a_wait_that_nothing_ends_and_a_plan_that_is_too_long
     fs::write(folder.path().join("job.gts"), JOB).unwrap();
     let (out, errors, code) = beamtick(folder.path(), &["run", "job.gts", "--link", "qemu"]);
     assert_eq!(code, 1, "{out}{errors}");
-    let told = "axis 2 waits until gpi3 is 1 (high), without a time limit";
-    assert!(errors.contains(told) && errors.contains("nothing will end that"), "{errors}");
+    let reported = "axis 2 waits until gpi3 is 1 (high), without a time limit";
+    assert!(errors.contains(reported) && errors.contains("nothing will end that"), "{errors}");
     let rows = |count: usize| format!("t_ms,input,level\n{}", "1,gpi1,1\n".repeat(count));
     fs::write(folder.path().join("in.csv"), rows(257)).unwrap();
     fs::write(folder.path().join("job.gts"), "Sleep(5); long value; GT_GetDi(MC_GPI, &value);\n").unwrap();

@@ -279,8 +279,8 @@ fn a_second_client_learns_who_is_there() {
         let began = Instant::now();
         let (out, errors, code) = beamtick(&["info", "--link", &served.1]);
         assert!(code == 1 && out.is_empty() && began.elapsed() < AT_ONCE, "{out}{errors}");
-        let told = "error -6: ";
-        assert!(errors.contains(told) && errors.contains("open already, by a client at 127.0.0.1:"), "{errors}");
+        let reported = "error -6: ";
+        assert!(errors.contains(reported) && errors.contains("open already, by a client at 127.0.0.1:"), "{errors}");
     }
     // It was not disturbed.
     assert!(child.try_wait().unwrap().is_none());
@@ -370,8 +370,8 @@ fn an_older_file_does_not_pass_for_the_new_one() {
     let first = fs::read(&csv).unwrap();
     let (_, errors, code) = run(&bad);
     assert_eq!(code, 1, "{errors}");
-    for told in [format!("is in {csv}.partial."), format!("{csv} of an earlier run is {csv}.old now.")] {
-        assert!(errors.contains(&told), "{told}: {errors}");
+    for reported in [format!("is in {csv}.partial."), format!("{csv} of an earlier run is {csv}.old now.")] {
+        assert!(errors.contains(&reported), "{reported}: {errors}");
     }
     assert_eq!(names(), ["t.csv.old", "t.csv.partial", "t.svg.old", "t.svg.partial"]);
     assert_eq!(fs::read(file("t.csv.old")).unwrap(), first);

@@ -180,8 +180,8 @@ Sleep(100);
     let files = folder(job, inputs);
     let (out, errors, code) = beamtick(files.path(), &["sim", "job.gts", "--inputs", "in.csv"]);
     assert_eq!(code, 1, "{out}{errors}");
-    let told = "laser channel 0 is kept dark by a fault: the interlock or emergency-stop input is active";
-    assert!(errors.contains("job.gts:3") && errors.contains(told), "{errors}");
+    let reported = "laser channel 0 is kept dark by a fault: the interlock or emergency-stop input is active";
+    assert!(errors.contains("job.gts:3") && errors.contains(reported), "{errors}");
     // The entries of a path meet a channel that is dark before it starts; a job that lights nothing
     // there is none of that.
     for (entries, expected) in [("GT_BufLaserOn(1); GT_LnXY(1, 200, 0, 10, 1); GT_BufLaserOff(1);", 1), ("", 0)] {
@@ -235,7 +235,7 @@ fn a_wait_that_nothing_ends_ends_the_job_with_its_name() {
 #[test]
 fn what_is_wrong_with_a_file_is_reported_before_anything_runs() {
     let job = "GT_AxisOn(1); Sleep(1);\n";
-    for (inputs, told) in [
+    for (inputs, reported) in [
         ("t_ms,input,level\n0,gpi0,1\n", "in.csv:2: input: `0` is no number of gpi; it is from 1 to 100"),
         ("t_ms,input,level\n0,home9,1\n", "in.csv:2: input: the number is 9; allowed are 1 to 8"),
         ("t_ms,input,level\n0,core2_home1,1\n", "in.csv:2: input: the core is 2; allowed are 1 to 1"),
@@ -244,7 +244,7 @@ fn what_is_wrong_with_a_file_is_reported_before_anything_runs() {
         let folder = folder(job, inputs);
         let (out, errors, code) =
             beamtick(folder.path(), &["sim", "job.gts", "--inputs", "in.csv", "--trace", "t.csv"]);
-        assert_eq!((code, out.as_str(), errors.trim_end()), (2, "", told));
+        assert_eq!((code, out.as_str(), errors.trim_end()), (2, "", reported));
         assert!(!folder.path().join("t.csv").exists());
     }
     let folder = folder(job, "t_ms,input,level\n");
@@ -256,7 +256,7 @@ fn what_is_wrong_with_a_file_is_reported_before_anything_runs() {
 
 #[test]
 fn a_call_that_is_wrong_names_parameter_and_limit() {
-    for (call, told) in [
+    for (call, reported) in [
         ("GT_SimInput(6, 1, 1);", "di_type is 6; allowed are 0 to 5, and 90, the interlock"),
         ("GT_SimInput(-1, 1, 1);", "di_type is -1; allowed are 0 to 5, and 90, the interlock"),
         ("GT_SimInput(MC_HOME, 9, 1);", "index is 9; allowed are 1 to 8"),
@@ -271,7 +271,7 @@ fn a_call_that_is_wrong_names_parameter_and_limit() {
     ] {
         let folder = folder(&format!("{call}\n"), "");
         let (_, errors, code) = beamtick(folder.path(), &["sim", "job.gts", "--profile", "gus"]);
-        assert!(code == 1 && errors.contains(told), "{call}: {errors}");
+        assert!(code == 1 && errors.contains(reported), "{call}: {errors}");
     }
 }
 
@@ -355,7 +355,7 @@ GTN_GetDoEx(1, MC_GPO, &out[0], 2);
 /// One beyond the product's count is refused with it.
 #[test]
 fn a_number_beyond_the_products_count_names_it() {
-    for (profile, call, told) in [
+    for (profile, call, reported) in [
         ("gtn-016", "GTN_SetDoBit(1, MC_GPO, 21, 1);", "index is 21; allowed are 1 to 20"),
         ("gtn-024", "GTN_SimInput(1, MC_GPI, 67, 1);", "index is 67; allowed are 1 to 66"),
         ("gtn-024", "GTN_SetDo(1, MC_GPO, 0x40000000);", "value is 1073741824; it must be from 0 to 1073741823"),
@@ -374,7 +374,7 @@ fn a_number_beyond_the_products_count_names_it() {
     ] {
         let folder = folder(&format!("#pragma profile {profile}\n{call}\n"), "");
         let (out, errors, code) = beamtick(folder.path(), &["sim", "job.gts"]);
-        assert!(code == 1 && errors.contains(told), "{call}: {out}{errors}");
+        assert!(code == 1 && errors.contains(reported), "{call}: {out}{errors}");
     }
 }
 

@@ -278,10 +278,10 @@ fn a_width_that_a_follow_limits_is_reported() {
     for (width, speed, times) in [(20, 80, 2), (10, 80, 0), (20, 40, 0)] {
         let (out, errors, code) = job(&text(width, speed), "gus");
         assert_eq!(code, 0, "{out}{errors}");
-        let told = format!(
+        let reported = format!(
             "laser 0: WIDTH LIMITED {times} times: its rate followed to where the pulse width reaches the period"
         );
-        assert_eq!(out.contains(&told), times != 0, "{out}");
+        assert_eq!(out.contains(&reported), times != 0, "{out}");
         assert_eq!(out.contains("WIDTH LIMITED"), times != 0, "{out}");
     }
 }

@@ -165,11 +165,12 @@ fn a_killed_client_leaves_no_light() {
         std::thread::sleep(Duration::from_millis(1000));
         info()
     };
-    let told = (0..10).map(|_| ask()).find(|told| told.contains("KEPT DARK")).unwrap_or_else(info);
-    assert!(told.contains("family lsr") && told.contains("dark"), "{told}");
-    assert!(told.contains("KEPT DARK: the host link was lost (ClrLaserFault)"), "{told}");
-    let light: f64 = told.split("light of ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap().parse().unwrap();
-    assert!((2000.0..4500.0).contains(&light), "{light} ms of light: {told}");
+    let reported = (0..10).map(|_| ask()).find(|reported| reported.contains("KEPT DARK")).unwrap_or_else(info);
+    assert!(reported.contains("family lsr") && reported.contains("dark"), "{reported}");
+    assert!(reported.contains("KEPT DARK: the host link was lost (ClrLaserFault)"), "{reported}");
+    let light: f64 =
+        reported.split("light of ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap().parse().unwrap();
+    assert!((2000.0..4500.0).contains(&light), "{light} ms of light: {reported}");
     let (_, errors, code) = beamtick(&["run", &again, "--link", &served.1, "--family", "lsr"]);
     assert!(code != 0 && errors.contains("the host link was lost; once that is over call ClrLaserFault"), "{errors}");
     let (out, errors, code) = beamtick(&["run", &cleared, "--link", &served.1, "--family", "lsr"]);

@@ -41,7 +41,7 @@ pub use call::{Call, decode, refused};
 pub use client::Client;
 pub use error::{Error, Result};
 pub use link::Link;
-pub use options::{Family, Options, Profile};
+pub use options::{Family, Options, ProductProfile};
 pub use program::{Answer, Dry, Observer, Program, Progress, Quiet, Summary};
 pub use protocol::link::LinkCounters;
 pub use protocol::reason::laser_cause;

@@ -6,7 +6,7 @@ use std::time::Duration;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 #[allow(missing_docs)]
-pub enum Profile {
+pub enum ProductProfile {
     Gus = 0,
     Gtn016 = 1,
     Gtn024 = 2,
@@ -18,22 +18,22 @@ pub enum Profile {
     R688s032 = 8,
 }
 
-impl Profile {
+impl ProductProfile {
     /// All profiles with their names on the command line.
-    pub const ALL: [(Profile, &'static str); 9] = [
-        (Profile::Gus, "gus"),
-        (Profile::Gtn016, "gtn-016"),
-        (Profile::Gtn024, "gtn-024"),
-        (Profile::Gsn008Lt, "gsn-008-lt"),
-        (Profile::Gsn024, "gsn-024"),
-        (Profile::Gsn048, "gsn-048"),
-        (Profile::R688c024, "r688c-024"),
-        (Profile::R688s016, "r688s-016"),
-        (Profile::R688s032, "r688s-032"),
+    pub const ALL: [(ProductProfile, &'static str); 9] = [
+        (ProductProfile::Gus, "gus"),
+        (ProductProfile::Gtn016, "gtn-016"),
+        (ProductProfile::Gtn024, "gtn-024"),
+        (ProductProfile::Gsn008Lt, "gsn-008-lt"),
+        (ProductProfile::Gsn024, "gsn-024"),
+        (ProductProfile::Gsn048, "gsn-048"),
+        (ProductProfile::R688c024, "r688c-024"),
+        (ProductProfile::R688s016, "r688s-016"),
+        (ProductProfile::R688s032, "r688s-032"),
     ];
 
     /// The profile of this name.
-    pub fn named(name: &str) -> Option<Profile> {
+    pub fn named(name: &str) -> Option<ProductProfile> {
         Self::ALL.iter().find(|(_, n)| n.eq_ignore_ascii_case(name)).map(|(p, _)| *p)
     }
 
@@ -43,20 +43,20 @@ impl Profile {
     }
 
     /// The profile of this number on the wire.
-    pub fn numbered(number: u8) -> Option<Profile> {
+    pub fn numbered(number: u8) -> Option<ProductProfile> {
         Self::ALL.get(usize::from(number)).map(|(profile, _)| *profile)
     }
 
     /// Logical cores, and axes of each (GXN tables 5-1 to 5-3).
     pub const fn counts(self) -> (u8, u8) {
         match self {
-            Profile::Gus | Profile::Gsn008Lt => (1, 8),
-            Profile::Gtn016 => (2, 8),
-            Profile::Gtn024 | Profile::Gsn024 => (2, 12),
-            Profile::Gsn048 => (2, 24),
-            Profile::R688c024 => (1, 24),
-            Profile::R688s016 => (1, 16),
-            Profile::R688s032 => (1, 32),
+            ProductProfile::Gus | ProductProfile::Gsn008Lt => (1, 8),
+            ProductProfile::Gtn016 => (2, 8),
+            ProductProfile::Gtn024 | ProductProfile::Gsn024 => (2, 12),
+            ProductProfile::Gsn048 => (2, 24),
+            ProductProfile::R688c024 => (1, 24),
+            ProductProfile::R688s016 => (1, 16),
+            ProductProfile::R688s032 => (1, 32),
         }
     }
 
@@ -68,13 +68,13 @@ impl Profile {
 
     /// The first profile in the order of the table that holds all of these axes (core, axis). What
     /// no profile holds does not count: the controller refuses it by name.
-    pub fn for_axes(axes: &[(i16, i16)]) -> Profile {
+    pub fn for_axes(axes: &[(i16, i16)]) -> ProductProfile {
         let known = |axis: &&(i16, i16)| Self::ALL.iter().any(|(profile, _)| profile.holds(axis.0, axis.1));
         let known: Vec<_> = axes.iter().filter(known).collect();
-        let fits = |profile: &&(Profile, &str)| known.iter().all(|axis| profile.0.holds(axis.0, axis.1));
+        let fits = |profile: &&(ProductProfile, &str)| known.iter().all(|axis| profile.0.holds(axis.0, axis.1));
         // Core 1 with 32 axes and a second core are in no one profile; then the controller refuses
         // some.
-        Self::ALL.iter().find(fits).map_or(Profile::Gsn048, |(profile, _)| *profile)
+        Self::ALL.iter().find(fits).map_or(ProductProfile::Gsn048, |(profile, _)| *profile)
     }
 }
 
@@ -103,8 +103,8 @@ impl Family {
 /// How to open a controller.
 #[derive(Debug, Clone)]
 pub struct Options {
-    /// Profile to choose; `None` keeps what the controller shows.
-    pub profile: Option<Profile>,
+    /// Product profile to choose; `None` keeps what the controller shows.
+    pub profile: Option<ProductProfile>,
     /// Family to choose; `None` keeps what the controller shows. Another one puts its lasers to
     /// power-on state.
     pub family: Option<Family>,
@@ -142,31 +142,31 @@ mod tests {
 
     #[test]
     fn names_and_numbers_agree() {
-        for (number, (profile, name)) in Profile::ALL.into_iter().enumerate() {
+        for (number, (profile, name)) in ProductProfile::ALL.into_iter().enumerate() {
             assert_eq!(profile as usize, number);
-            assert_eq!(Profile::named(&name.to_uppercase()), Some(profile));
-            assert_eq!(Profile::numbered(number as u8), Some(profile));
+            assert_eq!(ProductProfile::named(&name.to_uppercase()), Some(profile));
+            assert_eq!(ProductProfile::numbered(number as u8), Some(profile));
             assert_eq!(profile.name(), name);
         }
-        assert_eq!((Profile::named("gtx"), Profile::numbered(9)), (None, None));
+        assert_eq!((ProductProfile::named("gtx"), ProductProfile::numbered(9)), (None, None));
     }
 
     #[test]
     fn a_job_gets_the_first_profile_that_holds_it() {
         for (axes, profile) in [
-            (&[][..], Profile::Gus),
-            (&[(1, 0), (1, 8)], Profile::Gus),
-            (&[(1, 9)], Profile::Gtn024),
-            (&[(2, 1)], Profile::Gtn016),
-            (&[(1, 1), (2, 12)], Profile::Gtn024),
-            (&[(1, 13)], Profile::Gsn048),
-            (&[(1, 25)], Profile::R688s032),
+            (&[][..], ProductProfile::Gus),
+            (&[(1, 0), (1, 8)], ProductProfile::Gus),
+            (&[(1, 9)], ProductProfile::Gtn024),
+            (&[(2, 1)], ProductProfile::Gtn016),
+            (&[(1, 1), (2, 12)], ProductProfile::Gtn024),
+            (&[(1, 13)], ProductProfile::Gsn048),
+            (&[(1, 25)], ProductProfile::R688s032),
             // Nobody has these: they are for the controller to refuse.
-            (&[(1, 99), (3, 1), (0, 1), (1, -1)], Profile::Gus),
-            (&[(2, 1), (1, 99)], Profile::Gtn016),
-            (&[(2, 1), (1, 32)], Profile::Gsn048),
+            (&[(1, 99), (3, 1), (0, 1), (1, -1)], ProductProfile::Gus),
+            (&[(2, 1), (1, 99)], ProductProfile::Gtn016),
+            (&[(2, 1), (1, 32)], ProductProfile::Gsn048),
         ] {
-            assert_eq!(Profile::for_axes(axes), profile, "{axes:?}");
+            assert_eq!(ProductProfile::for_axes(axes), profile, "{axes:?}");
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The entry from C: each exported function is one line of `exports`, made of these macros.
 
-use crate::card::Slot;
+use crate::card::CardSlot;
 use crate::engine::{self, Prepared};
 use crate::reason;
 use crate::width::{c_long, c_ulong};
@@ -57,9 +57,9 @@ impl<T> From<*const T> for Arg {
 }
 
 /// Does a call, and keeps why it failed. A panic ends here as −5: it must not run into C.
-pub fn enter(slot: Option<Slot>, prepared: &Prepared, lead: c_short, args: &[Arg]) -> c_short {
+pub fn enter(slot: Option<CardSlot>, prepared: &Prepared, lead: c_short, args: &[Arg]) -> c_short {
     let Some(slot) = slot else {
-        reason::keep(Slot::ONE, format!("{}: cardNum is {lead}; it must be from 0 to 15", prepared.name()));
+        reason::keep(CardSlot::ONE, format!("{}: cardNum is {lead}; it must be from 0 to 15", prepared.name()));
         return 7;
     };
     // SAFETY: the addresses are those that the caller of the C function vouches for, see
@@ -114,22 +114,22 @@ macro_rules! function {
 }
 macro_rules! gt {
     ($symbol:ident $name:literal ($($param:ident: $type:ty),*)) => {
-        crate::boundary::function!($symbol $name Gt, Some(crate::card::Slot::ONE), 1, (), ($($param: $type),*));
+        crate::boundary::function!($symbol $name Gt, Some(crate::card::CardSlot::ONE), 1, (), ($($param: $type),*));
     };
 }
 macro_rules! gtn {
     ($symbol:ident $name:literal ($($param:ident: $type:ty),*)) => {
-        crate::boundary::function!($symbol $name Gtn, Some(crate::card::Slot::ONE), core, (core: c_short), ($($param: $type),*));
+        crate::boundary::function!($symbol $name Gtn, Some(crate::card::CardSlot::ONE), core, (core: c_short), ($($param: $type),*));
     };
 }
 macro_rules! open_gtn {
     ($symbol:ident $name:literal ($($param:ident: $type:ty),*)) => {
-        crate::boundary::function!($symbol $name Gtn, Some(crate::card::Slot::ONE), 1, (), ($($param: $type),*));
+        crate::boundary::function!($symbol $name Gtn, Some(crate::card::CardSlot::ONE), 1, (), ($($param: $type),*));
     };
 }
 macro_rules! cards {
     ($symbol:ident $name:literal ($($param:ident: $type:ty),*)) => {
-        crate::boundary::function!($symbol $name Cards, crate::card::Slot::card(card), card, (card: c_short), ($($param: $type),*));
+        crate::boundary::function!($symbol $name Cards, crate::card::CardSlot::card(card), card, (card: c_short), ($($param: $type),*));
     };
 }
 pub(crate) use {cards, function, gt, gtn, open_gtn};

@@ -12,7 +12,7 @@ use crate::settings::{Road, Settings};
 use crate::stream::Stream;
 use client::error::{CANNOT_OPEN, NO_ANSWER};
 use client::inputs::{Inputs, Zero};
-use client::{Call, Client, Error, Options, Profile, Result};
+use client::{Call, Client, Error, Options, ProductProfile, Result};
 use protocol::command::{GetSts, Trace, opcode};
 use protocol::values::status::RUNNING;
 use std::ffi::{CString, c_char, c_short};
@@ -33,7 +33,7 @@ const GIVE_WAY: Duration = Duration::from_micros(100);
 
 /// A slot for a controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct Slot(usize);
+pub struct CardSlot(usize);
 
 /// Cards that the family for several has, and the one of the other two.
 const SLOTS: usize = 17;
@@ -43,11 +43,11 @@ static STATES: [Mutex<State>; SLOTS] = [const { Mutex::new(State { card: None, v
 static FIRST: [AtomicUsize; SLOTS] = [const { AtomicUsize::new(0) }; SLOTS];
 
 /// All slots.
-pub fn all() -> impl Iterator<Item = Slot> {
-    (0..SLOTS).map(Slot)
+pub fn all() -> impl Iterator<Item = CardSlot> {
+    (0..SLOTS).map(CardSlot)
 }
 
-impl Slot {
+impl CardSlot {
     /// How many there are.
     pub const COUNT: usize = SLOTS;
 
@@ -57,11 +57,11 @@ impl Slot {
     }
 
     /// The one card of `GT_` and `GTN_`.
-    pub const ONE: Slot = Slot(0);
+    pub const ONE: CardSlot = CardSlot(0);
 
     /// A card of several.
-    pub fn card(number: c_short) -> Option<Slot> {
-        usize::try_from(number).ok().map(|number| Slot(number + 1)).filter(|slot| slot.0 < SLOTS)
+    pub fn card(number: c_short) -> Option<CardSlot> {
+        usize::try_from(number).ok().map(|number| CardSlot(number + 1)).filter(|slot| slot.0 < SLOTS)
     }
 
     /// Its number among several.
@@ -125,7 +125,7 @@ impl Slot {
 #[derive(Debug, Clone, Copy)]
 pub struct Opening {
     /// Where.
-    pub slot: Slot,
+    pub slot: CardSlot,
     /// It was GTN_Open.
     pub gtn: bool,
     /// Its second argument: 2 is a GSN controller, 1 any other.
@@ -260,9 +260,9 @@ impl Card {
         let (client, time) = match &settings.road {
             Road::Virtual(factor) => {
                 let profile = *options.profile.get_or_insert(match opening {
-                    Opening { gtn: false, .. } => Profile::Gus,
-                    Opening { param: 2, .. } => Profile::Gsn024,
-                    Opening { .. } => Profile::Gtn016,
+                    Opening { gtn: false, .. } => ProductProfile::Gus,
+                    Opening { param: 2, .. } => ProductProfile::Gsn024,
+                    Opening { .. } => ProductProfile::Gtn016,
                 });
                 options.family.get_or_insert_default();
                 let own = Virtual::new(Config { tick_us: TICK_US, profile: profile as u8, ..Config::default() });
@@ -333,7 +333,7 @@ impl Card {
 
     fn describe(&self) -> String {
         let version = self.client.version();
-        let profile = Profile::numbered(version.profile).map_or("unknown", Profile::name);
+        let profile = ProductProfile::numbered(version.profile).map_or("unknown", ProductProfile::name);
         let family = if version.family == 0 { "gus" } else { "lsr" };
         format!(
             "Beamtick {}.{}.{}, board {}, profile {profile}, family {family}, long of {} bits",
@@ -480,7 +480,7 @@ struct Keeper {
 }
 
 impl Keeper {
-    fn start(slot: Slot, (client, homes): (Arc<Client>, Arc<Homes>), time: Time) -> Keeper {
+    fn start(slot: CardSlot, (client, homes): (Arc<Client>, Arc<Homes>), time: Time) -> Keeper {
         let shared = Arc::new((Mutex::new(false), Condvar::new(), AtomicBool::new(false)));
         let theirs = Arc::clone(&shared);
         let thread = std::thread::spawn(move || {
@@ -554,7 +554,7 @@ pub fn everything(client: &Client) -> Trace {
         axes: 1u64.checked_shl(axes).unwrap_or(0).wrapping_sub(1).into(),
         lasers: 1u8.checked_shl(version.lasers.into()).unwrap_or(0).wrapping_sub(1),
         crds: 1u8.checked_shl(crds).unwrap_or(0).wrapping_sub(1),
-        way: 0,
+        over_link: 0,
         edges: 3,
     }
 }

@@ -9,7 +9,7 @@ mod config;
 mod replies;
 
 use crate::boundary::Arg;
-use crate::card::{self, Opening, Slot};
+use crate::card::{self, CardSlot, Opening};
 use crate::more::{self, Class, More};
 use crate::prototype::{self, Form, Kind, Prototype, Scalar};
 use crate::reason;
@@ -366,7 +366,7 @@ unsafe fn member(address: *mut c_void, of: Type, name: &str) -> Vec<Arg> {
 /// # Safety
 /// The addresses among `args` are NULL or those of as many values as the function reads and fills,
 /// which for readers of several axes is `count`.
-pub unsafe fn call(slot: Slot, prepared: &Prepared, lead: c_short, args: &[Arg]) -> Result<Option<String>> {
+pub unsafe fn call(slot: CardSlot, prepared: &Prepared, lead: c_short, args: &[Arg]) -> Result<Option<String>> {
     let core = if prepared.prototype.form == Form::Gtn { lead } else { 1 };
     if prepared.name() == "GetLastReason" {
         prepared.check_addresses(args)?;
@@ -455,7 +455,7 @@ fn is_start(prepared: &Prepared) -> bool {
 }
 
 /// The card that a compat function is for: the single one, else the first that is open.
-pub fn any_card() -> Option<Slot> {
+pub fn any_card() -> Option<CardSlot> {
     if crate::fork::is_child() {
         return None;
     }

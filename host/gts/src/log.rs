@@ -5,7 +5,7 @@
 //! ends the log, and disturbs no call.
 
 use crate::boundary::Arg;
-use crate::card::Slot;
+use crate::card::CardSlot;
 use crate::engine::Prepared;
 use crate::staged::Staged;
 use client::{Error, Result};
@@ -21,14 +21,14 @@ struct Log {
     is_whole: bool,
 }
 
-static LOGS: [Mutex<Option<Log>>; Slot::COUNT] = [const { Mutex::new(None) }; Slot::COUNT];
+static LOGS: [Mutex<Option<Log>>; CardSlot::COUNT] = [const { Mutex::new(None) }; CardSlot::COUNT];
 
-fn log(slot: Slot) -> MutexGuard<'static, Option<Log>> {
+fn log(slot: CardSlot) -> MutexGuard<'static, Option<Log>> {
     LOGS.get(slot.index()).unwrap_or(&LOGS[0]).lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Begins the log of a card.
-pub fn begin(slot: Slot, path: &Path) -> Result<()> {
+pub fn begin(slot: CardSlot, path: &Path) -> Result<()> {
     let failed = |error| Error::cannot_open(&format!("the log {}", path.display()), error);
     let (staged, file) = Staged::stream(path).map_err(failed)?;
     let mut log = log(slot);
@@ -37,7 +37,7 @@ pub fn begin(slot: Slot, path: &Path) -> Result<()> {
 }
 
 /// Whether there is one.
-pub fn is_on(slot: Slot) -> bool {
+pub fn is_on(slot: CardSlot) -> bool {
     log(slot).is_some()
 }
 
@@ -54,7 +54,7 @@ fn shown(prepared: &Prepared, args: &[Arg]) -> String {
 }
 
 /// A call has returned. `filled` is what it wrote, by name; `now` the controller's time.
-pub fn write(slot: Slot, prepared: &Prepared, call: (i16, &[Arg]), code: i16, text: &str, now: Option<Duration>) {
+pub fn write(slot: CardSlot, prepared: &Prepared, call: (i16, &[Arg]), code: i16, text: &str, now: Option<Duration>) {
     let mut log = log(slot);
     let Some(Log { file, is_whole, .. }) = log.as_mut().filter(|log| log.is_whole) else { return };
     let (lead, args) = call;
@@ -67,7 +67,7 @@ pub fn write(slot: Slot, prepared: &Prepared, call: (i16, &[Arg]), code: i16, te
 }
 
 /// Ends it.
-pub fn end(slot: Slot) {
+pub fn end(slot: CardSlot) {
     if let Some(Log { staged, file, is_whole }) = log(slot).take() {
         drop(file);
         let _ = staged.end(is_whole);

@@ -1,7 +1,7 @@
 //! The text of the last failure, for each thread and card: what another thread does wrong hides
 //! nothing.
 
-use crate::card::Slot;
+use crate::card::CardSlot;
 use client::Error;
 use protocol::reason::{Reason, Refusal, describe};
 use std::cell::RefCell;
@@ -9,18 +9,18 @@ use std::collections::HashMap;
 use std::ffi::{c_char, c_short};
 
 thread_local! {
-    static LAST: RefCell<HashMap<Slot, String>> = RefCell::new(HashMap::new());
+    static LAST: RefCell<HashMap<CardSlot, String>> = RefCell::new(HashMap::new());
     static LAST_OF_ANY: RefCell<String> = const { RefCell::new(String::new()) };
 }
 
 /// Keeps a text.
-pub fn keep(slot: Slot, text: String) {
+pub fn keep(slot: CardSlot, text: String) {
     LAST_OF_ANY.with(|last| last.borrow_mut().clone_from(&text));
     LAST.with(|last| last.borrow_mut().insert(slot, text));
 }
 
 /// The text kept last; empty if there is none.
-pub fn last(slot: Slot) -> String {
+pub fn last(slot: CardSlot) -> String {
     LAST.with(|last| last.borrow().get(&slot).cloned().unwrap_or_default())
 }
 

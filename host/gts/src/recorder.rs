@@ -3,7 +3,7 @@
 //! In: the stream's bytes as they arrive. Out: files with every axis, laser and coordinate system
 //! of the profile. Fails: the first error ends the recording; Close reports it.
 
-use crate::card::{Slot, everything};
+use crate::card::{CardSlot, everything};
 use crate::settings::Settings;
 use crate::staged::Staged;
 use client::error::CANNOT_OPEN;
@@ -48,7 +48,7 @@ pub struct Claim(Vec<PathBuf>);
 
 impl Claim {
     /// −6 if one of them is being written: two controllers would overwrite each other's rows.
-    pub fn of(slot: Slot, settings: &Settings) -> Result<Claim> {
+    pub fn of(slot: CardSlot, settings: &Settings) -> Result<Claim> {
         let mut claim = Claim(Vec::new());
         for path in [&settings.trace, &settings.vcd, &settings.plot, &settings.log].into_iter().flatten() {
             let place = std::path::absolute(path).unwrap_or_else(|_| path.clone());

@@ -4,9 +4,9 @@
 //! `BEAMTICK_VCD`, `BEAMTICK_BATCHES`, each for a card of its own too (`BEAMTICK_LINK_3`). Fails
 //! with −6 and the variable's name.
 
-use crate::card::Slot;
+use crate::card::CardSlot;
 use client::error::CANNOT_OPEN;
-use client::{Error, Family, Profile, Result};
+use client::{Error, Family, ProductProfile, Result};
 use std::path::{Path, PathBuf};
 
 /// The link to the controller.
@@ -28,7 +28,7 @@ pub struct Settings {
     pub road: Road,
     /// The profile; where none is given, the virtual controller shows what the call family
     /// suggests.
-    pub profile: Option<Profile>,
+    pub profile: Option<ProductProfile>,
     /// The family.
     pub family: Option<Family>,
     /// What the inputs do, from Open on.
@@ -47,7 +47,7 @@ pub struct Settings {
 
 impl Settings {
     /// The settings for a card. `variable` looks an environment variable up.
-    pub fn read(slot: Slot, variable: impl Fn(&str) -> Option<String>) -> Result<Settings> {
+    pub fn read(slot: CardSlot, variable: impl Fn(&str) -> Option<String>) -> Result<Settings> {
         let value = |name: &str| {
             let own = slot.number().and_then(|card| variable(&format!("{name}_{card}")));
             own.or_else(|| variable(name)).filter(|text| !text.is_empty())
@@ -78,8 +78,8 @@ impl Settings {
         let profile = match value("BEAMTICK_PROFILE") {
             None => None,
             Some(name) => {
-                let all: Vec<&str> = Profile::ALL.iter().map(|(_, name)| *name).collect();
-                Some(Profile::named(&name).ok_or_else(|| wrong("BEAMTICK_PROFILE", &name, &all.join(", ")))?)
+                let all: Vec<&str> = ProductProfile::ALL.iter().map(|(_, name)| *name).collect();
+                Some(ProductProfile::named(&name).ok_or_else(|| wrong("BEAMTICK_PROFILE", &name, &all.join(", ")))?)
             }
         };
         let family = match value("BEAMTICK_FAMILY") {
@@ -130,7 +130,7 @@ fn ends_in(name: &Path, known: &[&str]) -> bool {
 mod tests {
     use super::*;
 
-    fn with(pairs: &[(&str, &str)], slot: Slot) -> Result<Settings> {
+    fn with(pairs: &[(&str, &str)], slot: CardSlot) -> Result<Settings> {
         Settings::read(slot, |name| pairs.iter().find(|(key, _)| *key == name).map(|(_, value)| (*value).to_owned()))
     }
 
@@ -145,11 +145,11 @@ mod tests {
             ("tcp:1.2.3.4:5", Road::Link("tcp:1.2.3.4:5".into())),
             ("serial:COM3:115200", Road::Link("serial:COM3:115200".into())),
         ] {
-            assert_eq!(with(&[("BEAMTICK_LINK", text)], Slot::ONE).unwrap().road, road, "{text}");
+            assert_eq!(with(&[("BEAMTICK_LINK", text)], CardSlot::ONE).unwrap().road, road, "{text}");
         }
-        assert_eq!(with(&[], Slot::ONE).unwrap().road, Road::Virtual(Some(1.0)));
+        assert_eq!(with(&[], CardSlot::ONE).unwrap().road, Road::Virtual(Some(1.0)));
         for text in ["virtual:0", "virtual:fast", "virtual:nan", "usb", "udp:1"] {
-            let error = with(&[("BEAMTICK_LINK", text)], Slot::ONE).unwrap_err();
+            let error = with(&[("BEAMTICK_LINK", text)], CardSlot::ONE).unwrap_err();
             assert_eq!(error.code, -6, "{text}");
             assert!(error.reason.contains(text), "{}", error.reason);
         }
@@ -158,16 +158,16 @@ mod tests {
     #[test]
     fn a_card_has_variables_of_its_own() {
         let pairs = [("BEAMTICK_LINK", "virtual:max"), ("BEAMTICK_LINK_3", "tcp:a:1"), ("BEAMTICK_FAMILY", "lsr")];
-        assert_eq!(with(&pairs, Slot::card(3).unwrap()).unwrap().road, Road::Link("tcp:a:1".into()));
-        assert_eq!(with(&pairs, Slot::card(2).unwrap()).unwrap().road, Road::Virtual(None));
-        assert_eq!(with(&pairs, Slot::ONE).unwrap().family, Some(Family::Lsr));
+        assert_eq!(with(&pairs, CardSlot::card(3).unwrap()).unwrap().road, Road::Link("tcp:a:1".into()));
+        assert_eq!(with(&pairs, CardSlot::card(2).unwrap()).unwrap().road, Road::Virtual(None));
+        assert_eq!(with(&pairs, CardSlot::ONE).unwrap().family, Some(Family::Lsr));
     }
 
     #[test]
     fn what_no_controller_has_is_named() {
-        assert!(with(&[("BEAMTICK_PROFILE", "gtx")], Slot::ONE).unwrap_err().reason.contains("gsn-048"));
-        assert!(with(&[("BEAMTICK_FAMILY", "x")], Slot::ONE).unwrap_err().reason.contains("gus or lsr"));
-        let error = with(&[("BEAMTICK_LINK", "tcp:a:1"), ("BEAMTICK_TRACE", "t.csv")], Slot::ONE).unwrap_err();
+        assert!(with(&[("BEAMTICK_PROFILE", "gtx")], CardSlot::ONE).unwrap_err().reason.contains("gsn-048"));
+        assert!(with(&[("BEAMTICK_FAMILY", "x")], CardSlot::ONE).unwrap_err().reason.contains("gus or lsr"));
+        let error = with(&[("BEAMTICK_LINK", "tcp:a:1"), ("BEAMTICK_TRACE", "t.csv")], CardSlot::ONE).unwrap_err();
         assert!(error.reason.contains("BEAMTICK_TRACE"));
     }
 }

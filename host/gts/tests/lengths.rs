@@ -11,15 +11,15 @@ use toolchain::{Language, build, output};
 fn program(all: &[&Length]) -> String {
     let mut text = String::from(
         "#include \"gts.h\"\n#include <windows.h>\n#include <stdio.h>\nstatic char text[300];\n\
-         static void told(const char *name, short code)\n{\n    text[0] = 0;\n    if (code) GT_GetLastReason(text, 300);\n    \
+         static void report(const char *name, short code)\n{\n    text[0] = 0;\n    if (code) GT_GetLastReason(text, 300);\n    \
          printf(\"%s|%d|%s\\n\", name, code, text);\n}\n",
     );
     for (number, Length { name, data, before, call, after, .. }) in all.iter().enumerate() {
         let before = before.replace("GTN_", "if (!code) code = GTN_");
         let _ = write!(
             text,
-            "static void call{number}(void)\n{{\nshort code = 0;\n{data}{before}if (code) told(\"before {name}\", code);\n\
-             code = {call};\ntold(\"{name}\", code);\n{after}}}\n"
+            "static void call{number}(void)\n{{\nshort code = 0;\n{data}{before}if (code) report(\"before {name}\", code);\n\
+             code = {call};\nreport(\"{name}\", code);\n{after}}}\n"
         );
     }
     text += "int main(void)\n{\nif (GTN_Open(5, 1)) return 1;\n";

@@ -148,7 +148,7 @@ const NOWHERE: u64 = 0xffff_fffe;
 const ASKED: [(u32, usize); 3] = [(0x4000_0000, 0x2000_0000), (0xe000_0000, 0x10_0000), (0, PAGE)];
 
 /// Who is asked while the core runs, and what interrupted it.
-struct Slot<G> {
+struct Callbacks<G> {
     guest: *mut G,
     interrupt: Option<u32>,
     /// First address of each space, for the callbacks, which get offsets.
@@ -157,13 +157,13 @@ struct Slot<G> {
 
 struct Space<G> {
     base: u32,
-    slot: *mut Slot<G>,
+    callbacks: *mut Callbacks<G>,
 }
 
 /// The core.
 pub struct Engine<G: Guest> {
     uc: *mut Uc,
-    slot: *mut Slot<G>,
+    callbacks: *mut Callbacks<G>,
     memory: Arc<Memory>,
 }
 
@@ -177,23 +177,23 @@ impl<G: Guest> Engine<G> {
         let mut uc = null_mut();
         // SAFETY: `uc` is the address for the instance.
         check("open", unsafe { uc_open(ARM, THUMB, &raw mut uc) })?;
-        let slot = Box::into_raw(Box::new(Slot {
+        let callbacks = Box::into_raw(Box::new(Callbacks {
             guest: null_mut(),
             interrupt: None,
-            spaces: ASKED.map(|(base, _)| Space { base, slot: null_mut() }),
+            spaces: ASKED.map(|(base, _)| Space { base, callbacks: null_mut() }),
         }));
-        let engine = Engine { uc, slot, memory };
+        let engine = Engine { uc, callbacks, memory };
         // SAFETY: the instance is open, the model is one of its numbers.
         check("model", unsafe { uc_ctl(uc, SET_MODEL, CORTEX_M7) })?;
         for region in engine.memory.regions().iter().filter(|region| region.clock.is_none()) {
             engine.map(region.base, true)?;
         }
         for (n, (base, size)) in ASKED.into_iter().enumerate() {
-            // SAFETY: `slot` lives as long as the instance; the callbacks have the signatures of
-            // unicorn.h.
+            // SAFETY: `callbacks` lives as long as the instance; the functions have the signatures
+            // of unicorn.h.
             let done = unsafe {
-                (*slot).spaces[n].slot = slot;
-                let data = (&raw mut (*slot).spaces[n]).cast();
+                (*callbacks).spaces[n].callbacks = callbacks;
+                let data = (&raw mut (*callbacks).spaces[n]).cast();
                 uc_mmio_map(uc, base.into(), size, read::<G> as *mut c_void, data, write::<G> as *mut c_void, data)
             };
             check("registers", done)?;
@@ -206,8 +206,8 @@ impl<G: Guest> Engine<G> {
     fn hook(&self, kind: c_int, callback: *mut c_void) -> Result<(), String> {
         let mut hook = 0;
         // SAFETY: begin after end means everywhere; the callback's signature is that of its kind;
-        // `slot` outlives the hook.
-        check("hook", unsafe { uc_hook_add(self.uc, &raw mut hook, kind, callback, self.slot.cast(), 1, 0) })
+        // `callbacks` outlives the hook.
+        check("hook", unsafe { uc_hook_add(self.uc, &raw mut hook, kind, callback, self.callbacks.cast(), 1, 0) })
     }
 
     /// Makes the memory that begins at `base` there or not there for the core.
@@ -254,14 +254,14 @@ impl<G: Guest> Engine<G> {
 
     /// Runs from `pc` until something stops the core.
     pub fn run(&mut self, guest: &mut G, pc: u32) -> Exit {
-        // SAFETY: `slot` is ours; the pointer to the guest is used only inside the call below,
+        // SAFETY: `callbacks` is ours; the pointer to the guest is used only inside the call below,
         // during which no other reference to it exists.
         let (error, interrupt) = unsafe {
-            (*self.slot).guest = guest;
-            (*self.slot).interrupt = None;
+            (*self.callbacks).guest = guest;
+            (*self.callbacks).interrupt = None;
             let error = uc_emu_start(self.uc, u64::from(pc | 1), NOWHERE, 0, 0);
-            (*self.slot).guest = null_mut();
-            (error, (*self.slot).interrupt)
+            (*self.callbacks).guest = null_mut();
+            (error, (*self.callbacks).interrupt)
         };
         match (interrupt, error) {
             (Some(2), _) => Exit::Call,
@@ -285,7 +285,7 @@ impl<G: Guest> Drop for Engine<G> {
         // what its callbacks use.
         unsafe {
             uc_close(self.uc);
-            drop(Box::from_raw(self.slot));
+            drop(Box::from_raw(self.callbacks));
         }
     }
 }
@@ -296,28 +296,28 @@ fn check(what: &str, error: c_int) -> Result<(), String> {
 
 // In the callbacks the guest is there: `run` has set it, and they are called only inside of it.
 
-unsafe extern "C" fn before<G: Guest>(uc: *mut Uc, address: u64, _: u32, slot: *mut Slot<G>) {
+unsafe extern "C" fn before<G: Guest>(uc: *mut Uc, address: u64, _: u32, callbacks: *mut Callbacks<G>) {
     // SAFETY: see above.
-    if unsafe { (*(*slot).guest).before(address as u32) } {
+    if unsafe { (*(*callbacks).guest).before(address as u32) } {
         // SAFETY: inside a run of this instance.
         unsafe { uc_emu_stop(uc) };
     }
 }
 
-unsafe extern "C" fn interrupted<G: Guest>(uc: *mut Uc, number: u32, slot: *mut Slot<G>) {
+unsafe extern "C" fn interrupted<G: Guest>(uc: *mut Uc, number: u32, callbacks: *mut Callbacks<G>) {
     // SAFETY: see above; inside a run of this instance.
     unsafe {
-        (*slot).interrupt = Some(number);
+        (*callbacks).interrupt = Some(number);
         uc_emu_stop(uc);
     }
 }
 
 unsafe extern "C" fn read<G: Guest>(_: *mut Uc, offset: u64, size: u32, space: *mut Space<G>) -> u64 {
     // SAFETY: see above.
-    unsafe { (*(*(*space).slot).guest).read((*space).base + offset as u32, size).into() }
+    unsafe { (*(*(*space).callbacks).guest).read((*space).base + offset as u32, size).into() }
 }
 
 unsafe extern "C" fn write<G: Guest>(_: *mut Uc, offset: u64, size: u32, value: u64, space: *mut Space<G>) {
     // SAFETY: see above.
-    unsafe { (*(*(*space).slot).guest).write((*space).base + offset as u32, size, value as u32) }
+    unsafe { (*(*(*space).callbacks).guest).write((*space).base + offset as u32, size, value as u32) }
 }

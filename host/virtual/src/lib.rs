@@ -26,8 +26,8 @@ pub use serve::{Served, serve, serve_board};
 mod tests {
     #[test]
     fn client_and_dispatcher_have_the_same_profiles() {
-        assert_eq!(client::Profile::ALL.len(), dispatcher::PROFILES.len());
-        for ((profile, name), row) in client::Profile::ALL.iter().zip(dispatcher::PROFILES) {
+        assert_eq!(client::ProductProfile::ALL.len(), dispatcher::PROFILES.len());
+        for ((profile, name), row) in client::ProductProfile::ALL.iter().zip(dispatcher::PROFILES) {
             assert_eq!((*name, profile.counts()), (row.name, (row.cores, row.axes_per_core)));
         }
     }

@@ -3,7 +3,7 @@
 use plant::beam::{ChannelLevels, OutputStage, SignalChange};
 use plant::inputs::{InputPlan, Row};
 use plant::{Gain, Plant};
-use servo::laser::{Action, CHANNELS, Plan};
+use servo::laser::{Action, CHANNELS, LaserPlan};
 use servo::port::{AxisInputs, GeneralInputs, GeneralOutputs, InputTime, Port, Simulated};
 use servo::segment::follow::Input;
 use servo::units::{Axis, Ns, Pos};
@@ -299,7 +299,7 @@ impl<const AXES: usize> Port for Machine<AXES> {
         self.interlock
     }
 
-    fn laser(&mut self, channel: usize, plan: &Plan) {
+    fn laser(&mut self, channel: usize, plan: &LaserPlan) {
         if let Some(stage) = self.stages.get_mut(channel) {
             stage.take(self.now_ns, self.next_ns, plan, note_beam(&mut self.beam, channel));
         }

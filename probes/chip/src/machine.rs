@@ -2,7 +2,7 @@
 //!
 //! In: the tick's outputs. Out: inactive inputs, and set-points read back as encoders. Owns what it
 //! stored. Cannot fail.
-use servo::laser::Plan;
+use servo::laser::LaserPlan;
 use servo::port::{AxisInputs, GeneralInputs, GeneralOutputs, Port};
 use servo::units::{Axis, Pos};
 
@@ -47,5 +47,5 @@ impl<const AXES: usize> Port for Sink<AXES> {
     fn interlock(&mut self) -> bool {
         false
     }
-    fn laser(&mut self, _: usize, _: &Plan) {}
+    fn laser(&mut self, _: usize, _: &LaserPlan) {}
 }

@@ -1,8 +1,8 @@
 //! The plan of a channel for one tick: actions at exact instants, which timers carry out.
 //!
 //! In: the channel's decisions, in the order of time. Out: at most [`PLAN_ACTIONS`] actions whose
-//! instants lie inside the interval. Owns nothing else. Fails: [`Plan::has_room`] says beforehand
-//! whether it is full.
+//! instants lie inside the interval. Owns nothing else. Fails: [`LaserPlan::has_room`] says
+//! beforehand whether it is full.
 //!
 //! A machine carries out the actions in their order. Those of one instant follow each other there,
 //! and come before a period that would begin at it.
@@ -169,7 +169,7 @@ pub const FINISH_NS: u32 = 100_000;
 
 /// The actions of one tick.
 #[derive(Debug, Clone)]
-pub struct Plan {
+pub struct LaserPlan {
     /// Everything of the channel goes to its safe state *now*, at the call, in the tick in force:
     /// PWM and switch inactive; a DAC whose last [`Action::Volts`] was not 0 goes to 0 V. The
     /// remainder of an earlier plan is void, and there are no actions.
@@ -181,10 +181,10 @@ pub struct Plan {
     actions: [(u32, Action); PLAN_ACTIONS],
 }
 
-impl Plan {
+impl LaserPlan {
     /// Nothing happens.
-    pub const EMPTY: Plan =
-        Plan { safe_state: false, lasts: 0, len: 0, actions: [(0, Action::Switch(false)); PLAN_ACTIONS] };
+    pub const EMPTY: LaserPlan =
+        LaserPlan { safe_state: false, lasts: 0, len: 0, actions: [(0, Action::Switch(false)); PLAN_ACTIONS] };
 
     /// The actions, in the order of time: ns from the interval's beginning, and what happens there.
     #[inline]
@@ -223,7 +223,7 @@ impl Plan {
     }
 
     /// One more action, not before the last one. If there is no room it is dropped: see
-    /// [`Plan::has_room`].
+    /// [`LaserPlan::has_room`].
     #[inline(always)]
     pub(super) fn push(&mut self, at: u32, action: Action) {
         if let Some(slot) = self.actions.get_mut(self.len) {

@@ -1,7 +1,7 @@
 //! One channel: its commands, settings and state; `interval` makes the actions of a tick from them.
 //!
 //! In: changes at the instant of the tick that is computed, the interval to plan. Out: a
-//! [`Plan`](super::actions::Plan), the published view. Owns settings, gate, first-pulse-killer
+//! [`LaserPlan`](super::actions::LaserPlan), the published view. Owns settings, gate, first-pulse-killer
 //! pulse, light and the levels that the outputs carry. Fails: towards the dark.
 //!
 //! The levels that the outputs should have follow from the state at an instant; the plan is the

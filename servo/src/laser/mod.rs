@@ -1,7 +1,7 @@
 //! Laser channels in the tick.
 //!
 //! In: admitted changes ([`ChannelChange`]) that act at an exact instant, causes of a fault. Out:
-//! for each tick and channel a [`Plan`] of exact instants, and what the thread reads
+//! for each tick and channel a [`LaserPlan`] of exact instants, and what the thread reads
 //! ([`LaserView`]). Owns the channels. Fails: towards the dark, with a [`Cause`] that is latched.
 //!
 //! | file | what it is |
@@ -46,7 +46,7 @@ mod tests;
 mod velocity_follow;
 
 pub use crate::path::PathSpeed;
-pub use actions::{Action, Count, FINISH_NS, PLAN_ACTIONS, Plan, PulseRate, Train};
+pub use actions::{Action, Count, FINISH_NS, LaserPlan, PLAN_ACTIONS, PulseRate, Train};
 pub use buffered::Buffered;
 pub use distance_follow::{Distance, Ratios};
 pub use dither::{Carrier, Clock, DUTY_STEPS, FixedTrain, PPM, Pattern, Standby};
@@ -216,7 +216,7 @@ state! {
         pub(crate) clock: Clock = clock,
         /// The interlock is open.
         pub(crate) interlock: bool = false,
-        plan: Plan = Plan::EMPTY,
+        plan: LaserPlan = LaserPlan::EMPTY,
         speeds: PathSpeeds = PathSpeeds::STANDSTILL,
         displacements: [Displacements; CHANNELS] = [Displacements::begin(0), Displacements::begin(1)],
         channels: [Channel; CHANNELS] = [Channel::power_on(0), Channel::power_on(1)],
@@ -414,7 +414,7 @@ impl Lasers {
         period: Ns,
         tables: &PowerTables,
         axes: &[impl Positions],
-        mut output: impl FnMut(u8, &Plan),
+        mut output: impl FnMut(u8, &LaserPlan),
     ) {
         let interlock = self.interlock;
         let mut around = Surroundings {

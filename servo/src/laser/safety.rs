@@ -16,7 +16,7 @@
 //! A cause within the interval that is being planned (an underrun) lets two plans pass: that one,
 //! which goes dark by itself, and the empty one that is handed over before that instant. A clear
 //! that acts on the same tick in which a cause appears cannot have meant it, and does not hide it.
-use super::actions::Plan;
+use super::actions::LaserPlan;
 
 /// Why a channel is dark until it is cleared. The numbers are those that `GetLaserFault` reports.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -168,7 +168,7 @@ impl Safety {
 
     /// The last check of a plan.
     #[inline(always)]
-    pub(super) fn guard(&mut self, plan: &mut Plan) {
+    pub(super) fn guard(&mut self, plan: &mut LaserPlan) {
         if self.grace | self.dark as u8 != 0 {
             self.shut_off(plan);
         }
@@ -176,7 +176,7 @@ impl Safety {
 
     /// The same while it is dark.
     #[inline(never)]
-    fn shut_off(&mut self, plan: &mut Plan) {
+    fn shut_off(&mut self, plan: &mut LaserPlan) {
         if self.in_grace() {
             self.grace = self.grace.wrapping_sub(1);
         } else if self.is_dark() || self.is_safe() {

@@ -1,13 +1,13 @@
 //! The delay line: a plan that waits for one tick, in few words, for a machine that carries plans
 //! out a tick later.
 //!
-//! In: a [`Plan`] a tick. Out: its actions, one tick later; voltages are not among them. Owns the
-//! words. Fails: [`DelayLine::put`] returns false, where a plan has more trains than there is room
-//! for.
+//! In: a [`LaserPlan`] a tick. Out: its actions, one tick later; voltages are not among them. Owns
+//! the words. Fails: [`DelayLine::put`] returns false, where a plan has more trains than there is
+//! room for.
 //!
 //! An action is a word. After it come the counts of its train that differ from those of the train
 //! of its kind before it (of light, and of standby): within a tick few do.
-use crate::laser::{Action, Count, PLAN_ACTIONS, Plan, PulseRate, Train};
+use crate::laser::{Action, Count, LaserPlan, PLAN_ACTIONS, PulseRate, Train};
 use crate::path::INSTANTS;
 use core::sync::atomic::{AtomicU32, Ordering};
 
@@ -71,7 +71,7 @@ impl DelayLine {
 
     /// Holds a plan instead of the one before. False if it has no room: then it is empty.
     #[inline]
-    pub fn put(&mut self, plan: &Plan) -> bool {
+    pub fn put(&mut self, plan: &LaserPlan) -> bool {
         self.clear();
         if plan.actions().is_empty() {
             return true;

@@ -1,8 +1,8 @@
-//! A tick whose machine carries out laser plans by the letter of `laser::Plan`, with a timer of 1
-//! GHz: outputs are recorded to the ns.
+//! A tick whose machine carries out each `laser::LaserPlan` by the letter, with a timer of 1 GHz:
+//! outputs are recorded to the ns.
 use ring::{Latest, Producer, Reader, Ring};
 use servo::laser::{
-    Action, Buffered, CHANNELS, Carrier, ChannelChange, Clock, FINISH_NS, FixedTrain, Pattern, Plan, Power,
+    Action, Buffered, CHANNELS, Carrier, ChannelChange, Clock, FINISH_NS, FixedTrain, LaserPlan, Pattern, Power,
     PowerBounds, PowerMode, PulseRate, Train,
 };
 use servo::path::axis_map::AxisMap;
@@ -203,7 +203,7 @@ impl Output {
         self.switch.push((at, level));
     }
 
-    fn take(&mut self, now: u64, next: u64, plan: &Plan) {
+    fn take(&mut self, now: u64, next: u64, plan: &LaserPlan) {
         self.carry_out(now);
         self.most = self.most.max(plan.actions().len());
         if !plan.actions().is_empty() {
@@ -262,7 +262,7 @@ impl Port for Machine {
     fn interlock(&mut self) -> bool {
         self.interlock
     }
-    fn laser(&mut self, channel: usize, plan: &Plan) {
+    fn laser(&mut self, channel: usize, plan: &LaserPlan) {
         if self.runs {
             self.outputs[channel].take(self.now, self.next, plan);
         }

@@ -1,7 +1,7 @@
 //! A tick on a bench: rings, a machine whose encoders follow at once, and functions that push
 //! tick commands.
 use ring::{Consumer, Latest, Producer, Reader, Ring};
-use servo::laser::{Clock, Plan};
+use servo::laser::{Clock, LaserPlan};
 use servo::output::step_generator;
 use servo::path::axis_map::AxisMap;
 use servo::path::{self, EntryStore, PathStores};
@@ -74,7 +74,7 @@ impl Port for Machine {
     fn interlock(&mut self) -> bool {
         self.interlock
     }
-    fn laser(&mut self, _: usize, _: &Plan) {}
+    fn laser(&mut self, _: usize, _: &LaserPlan) {}
 }
 
 pub struct Bench {

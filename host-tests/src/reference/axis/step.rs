@@ -108,7 +108,7 @@ impl Axis {
             self.open = Some("the end of a motion");
         }
         if std::mem::take(&mut self.brief) {
-            self.open = Some("a move without a way");
+            self.open = Some("a move without a track");
         }
         self.fastest = self.fastest.max(std::mem::take(&mut self.head_most));
         for (when, place) in out {
@@ -124,10 +124,10 @@ impl Axis {
         self.ended = ended || alarmed && self.halted;
         // A limit stops the path also where a move of its own follows within the tick.
         self.on_path = self.carried.is_some() || std::mem::take(&mut self.led);
-        if let Some(way) = self.carried.take() {
+        if let Some(track) = self.carried.take() {
             // That of its path.
             self.why = None;
-            (self.times, self.track) = way.into_iter().unzip();
+            (self.times, self.track) = track.into_iter().unzip();
             self.x = *self.track.last().expect("where it was");
             self.open = self.path_open.then_some("the end of a path");
             self.ended = std::mem::take(&mut self.path_ended);

@@ -163,8 +163,8 @@ impl Controller {
         range((0.0..=100.0).contains(&all) && (0.0..=all).contains(&first))?;
         let hundred = Rational::from_integer(100.into());
         let [q, x] = shares.map(|share| exact(share) / &hundred);
-        let way = exact(master) * mean(&exact(ratios[0]), &exact(ratios[1]), &q, &x);
-        Ok(Reply::Done(Value::Computed([Fix::of(&way).to_f64(), 0.0, 0.0, 0.0])))
+        let displacement = exact(master) * mean(&exact(ratios[0]), &exact(ratios[1]), &q, &x);
+        Ok(Reply::Done(Value::Computed([Fix::of(&displacement).to_f64(), 0.0, 0.0, 0.0])))
     }
 
     pub(super) fn follow_switch_now(&mut self, place: usize, table: bool) -> Answer {

@@ -84,17 +84,17 @@ impl Controller {
         }
         self.tables.retain(|(of, _), _| *of != core);
         for (name, crd) in self.crds.iter().filter(|(name, crd)| name.0 == core && crd.runs) {
-            let way = crd.way_to(now as f64 / 1e6);
+            let travelled = crd.distance_to(now as f64 / 1e6);
             // A path is ahead of the tick: those that it takes along anew are reported to run.
             let of = &crd.fifos[crd.fifo];
             self.early.extend(of.gears.iter().filter(|gear| !gear.is_engaged()).map(|gear| gear.axis));
-            if way.is_none() {
+            if travelled.is_none() {
                 self.open = Some("a Reset in a tick in which a path ends or acts on others");
                 self.early.extend(members(crd.fifos[crd.fifo].moves()));
             }
             if core == 1 {
                 let most = crd.set.as_ref().map_or(0.0, |set| set.frame.speed);
-                self.leaving.push((name.1 as usize - 1, way.unwrap_or(0.0), most));
+                self.leaving.push((name.1 as usize - 1, travelled.unwrap_or(0.0), most));
             }
         }
         self.crds.retain(|(of, _), _| *of != core);

@@ -99,14 +99,14 @@ impl World for Others<'_> {
         // known to 2⁻¹⁶ pulse.
         of.late = Fix::of_f64(ratio * (2f64.powi(-22) + self.slack));
         (of.geared, of.driven, of.crd) = (true, true, Some(self.name));
-        let way = of.carried.get_or_insert_with(|| vec![(self.before, of.x)]);
-        way.last().map(|last| last.1)
+        let track = of.carried.get_or_insert_with(|| vec![(self.before, of.x)]);
+        track.last().map(|last| last.1)
     }
 
     fn carry(&mut self, at: f64, axis: usize, x: Fix, ends: bool) {
         let of = &mut self.axes[axis];
-        if let Some(way) = &mut of.carried {
-            way.push((Fix::of_f64(at), x));
+        if let Some(track) = &mut of.carried {
+            track.push((Fix::of_f64(at), x));
         }
         // Before the next motion takes it along it is at standstill.
         (of.driven, of.path_ended) = (!ends, ends);

@@ -225,9 +225,9 @@ impl Controller {
                 Mode::Jog => axis.jog.acc > 0.0,
                 _ => false,
             })?;
-            let way = Fix::whole(axis.target.into()) - axis.name();
-            if axis.mode == Mode::Trap && way != Fix::ZERO && way.abs() < ROUNDED {
-                self.open = Some("an Update without a way");
+            let displacement = Fix::whole(axis.target.into()) - axis.name();
+            if axis.mode == Mode::Trap && displacement != Fix::ZERO && displacement.abs() < ROUNDED {
+                self.open = Some("an Update without a displacement");
                 return DONE;
             }
             check(!axis.blocked() && !axis.obstructed() && !axis.driven)?;

@@ -49,8 +49,8 @@ impl Controller {
                         Kind::GetPrfVel => Value::Velocity(axis.v),
                         Kind::GetPrfAcc => Value::Velocity(axis.acceleration(Fix::ms(now)).unwrap_or(Fix::ZERO)),
                         Kind::GetEncVel => {
-                            let way = axis.encoder[1] - axis.encoder[0];
-                            Value::Velocity(way.over(Fix::ms(self.tick_ns)))
+                            let displacement = axis.encoder[1] - axis.encoder[0];
+                            Value::Velocity(displacement.over(Fix::ms(self.tick_ns)))
                         }
                         Kind::PvtStatus => Value::Table(axis.table.into(), axis.table_time(Fix::ms(now)).to_f64()),
                         // Settings have been answered at the call.

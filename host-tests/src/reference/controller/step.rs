@@ -79,8 +79,8 @@ impl Controller {
                 && was_slave
             {
                 // A slave moves as far as its steepest ratio takes its master's motion.
-                let way = lead.track.windows(2).fold(Fix::ZERO, |sum, leg| sum + (leg[1] - leg[0]).abs());
-                axis.fastest = axis.fastest * way;
+                let displacement = lead.track.windows(2).fold(Fix::ZERO, |sum, leg| sum + (leg[1] - leg[0]).abs());
+                axis.fastest = axis.fastest * displacement;
             } else {
                 axis.fastest = axis.fastest * Fix::ms(self.tick_ns);
             }
@@ -122,7 +122,7 @@ impl Controller {
                     axis.update(now, aim);
                     axis.began = false;
                     if axis.doubt {
-                        axis.open = Some("an Update without a way");
+                        axis.open = Some("an Update without a displacement");
                     }
                 }
                 None => {}

@@ -76,7 +76,7 @@ pub struct Fifo {
     /// Axes geared to the motion in progress, or to the next one.
     pub gears: Vec<Gear>,
     /// The entries before this one have been executed.
-    pub(super) told: usize,
+    pub(super) reported: usize,
     /// A Stop ended the wait for the move in progress.
     pub(super) waited: bool,
     /// So many entries were there at the tick before.

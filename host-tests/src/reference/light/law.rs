@@ -234,11 +234,11 @@ impl Law {
                 Scaled::Table(table) => (around.ratios[table].ratios.at(&at), around.ratios[table].limits),
             };
             for axis in 0..4 {
-                let ([ratio, steep], way) = (ratios[axis], (at[axis] - f64::from(from[axis])) / scale[axis]);
-                sum += (way * ratio).clamp(-limits[axis], limits[axis]);
+                let ([ratio, steep], displacement) = (ratios[axis], (at[axis] - f64::from(from[axis])) / scale[axis]);
+                sum += (displacement * ratio).clamp(-limits[axis], limits[axis]);
                 // 2⁻¹⁶ pulse.
                 let apart = if encoder { 0.0 } else { around.apart[axis] };
-                slack += ((ratio / scale[axis]).abs() + (way * steep).abs()) * (2f64.powi(-16) + apart);
+                slack += ((ratio / scale[axis]).abs() + (displacement * steep).abs()) * (2f64.powi(-16) + apart);
             }
             if let Some([min, max]) = bounds.filter(|_| self.family == Family::Gus) {
                 (low, high) = (low.max(min), high.min(max));

@@ -30,7 +30,7 @@ pub struct Programme {
 
 /// What a step gave; a step that is no call gives the tick alone.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Told {
+pub struct Reported {
     /// The controller's tick before it.
     pub tick: u32,
     pub code: i32,
@@ -285,7 +285,7 @@ fn settings(programme: &Programme, trace: &Path) -> [(&'static str, String); 5] 
 }
 
 /// Runs programs one after the other in one process; each has its trace in `traces`.
-pub fn c(player: &Path, name: &str, programmes: &[Programme], traces: &[PathBuf]) -> Vec<Vec<Told>> {
+pub fn c(player: &Path, name: &str, programmes: &[Programme], traces: &[PathBuf]) -> Vec<Vec<Reported>> {
     let mut text = String::new();
     for (programme, trace) in programmes.iter().zip(traces) {
         settings(programme, trace).iter().for_each(|(name, value)| _ = writeln!(text, "set {name} {value}"));
@@ -304,13 +304,13 @@ pub fn c(player: &Path, name: &str, programmes: &[Programme], traces: &[PathBuf]
     std::fs::write(&input, text).unwrap();
     let mut command = toolchain::command(player, &[]);
     command.stdin(std::fs::File::open(&input).unwrap());
-    let told = told(&toolchain::output_of(&mut command), programmes);
+    let reported = reported(&toolchain::output_of(&mut command), programmes);
     let _ = std::fs::remove_file(&input);
-    told
+    reported
 }
 
 /// The same in Python; nothing where there is none.
-pub fn python(name: &str, programmes: &[Programme], traces: &[PathBuf]) -> Option<Vec<Vec<Told>>> {
+pub fn python(name: &str, programmes: &[Programme], traces: &[PathBuf]) -> Option<Vec<Vec<Reported>>> {
     if Command::new("python3").arg("--version").output().is_err() {
         toolchain::skip("there is no python3");
         return None;
@@ -345,13 +345,13 @@ pub fn python(name: &str, programmes: &[Programme], traces: &[PathBuf]) -> Optio
     let mut command = toolchain::command(Path::new("python3"), &[]);
     command.env("BEAMTICK_LIBRARY", toolchain::libraries().join("libgts.so"));
     command.env("PYTHONPATH", crate::text::root().join("host/python")).env("PYTHONDONTWRITEBYTECODE", "1").arg(&source);
-    let told = told(&toolchain::output_of(&mut command), programmes);
+    let reported = reported(&toolchain::output_of(&mut command), programmes);
     let _ = std::fs::remove_file(&source);
-    Some(told)
+    Some(reported)
 }
 
 /// Lines `step tick code|values|reason`, and `end` after each program.
-fn told(said: &str, programmes: &[Programme]) -> Vec<Vec<Told>> {
+fn reported(said: &str, programmes: &[Programme]) -> Vec<Vec<Reported>> {
     let mut all = Vec::new();
     let mut steps = Vec::new();
     for line in said.lines() {
@@ -363,7 +363,7 @@ fn told(said: &str, programmes: &[Programme]) -> Vec<Vec<Told>> {
         let mut next = || parts.next().unwrap_or_else(|| panic!("no answer: {line}"));
         let head: Vec<i64> = next().split_whitespace().map(|word| word.parse().unwrap()).collect();
         let values = crate::text::numbers(next());
-        steps.push(Told { tick: head[1] as u32, code: head[2] as i32, values, reason: next().to_owned() });
+        steps.push(Reported { tick: head[1] as u32, code: head[2] as i32, values, reason: next().to_owned() });
     }
     assert_eq!(all.len(), programmes.len(), "{said}");
     all

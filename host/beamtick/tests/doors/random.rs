@@ -6,7 +6,7 @@
 //! something moves is compared as well, and traces row by row with their times.
 
 use crate::chosen::programme;
-use crate::player::{self, Programme, Told};
+use crate::player::{self, Programme, Reported};
 use crate::program::{Call, Step, is_timeless};
 use crate::{DOORS, Table, rules, text, toolchain, wire};
 use job::api::Pass;
@@ -61,7 +61,7 @@ impl Rows {
 
 /// What differs between the doors, the first of it.
 struct Run {
-    told: [Vec<Told>; 4],
+    reported: [Vec<Reported>; 4],
     /// All values of the wire's replies.
     all: Vec<Vec<f64>>,
     left_out: Vec<usize>,
@@ -73,7 +73,7 @@ fn shown(call: &Call) -> String {
 
 /// The first step at which the doors differ, and how.
 fn answers(programme: &Programme, run: &Run) -> Option<(usize, String)> {
-    let [job, c, python, wire] = &run.told;
+    let [job, c, python, wire] = &run.reported;
     for (number, step) in programme.steps.iter().enumerate() {
         if c[number].tick != python[number].tick {
             return Some((
@@ -82,7 +82,7 @@ fn answers(programme: &Programme, run: &Run) -> Option<(usize, String)> {
             ));
         }
         let Step::Call(call) = step else { continue };
-        let door = |told: &[Told]| (told[number].code, told[number].reason.clone());
+        let door = |reported: &[Reported]| (reported[number].code, reported[number].reason.clone());
         let mut codes = vec![door(c), door(python), door(wire)];
         if !run.left_out.contains(&number) {
             codes.push(door(job));
@@ -109,8 +109,8 @@ fn answers(programme: &Programme, run: &Run) -> Option<(usize, String)> {
         // Of what a reply of many fields says, these show one.
         let mut all = if call.function.tells_stop() { wired.clone() } else { run.all[number].clone() };
         all.resize(all.len() + missing, 0.0);
-        let told = all.ends_with(&job[number].values) || run.all[number].ends_with(&job[number].values);
-        if shows && !timed && !run.left_out.contains(&number) && !told {
+        let reported = all.ends_with(&job[number].values) || run.all[number].ends_with(&job[number].values);
+        if shows && !timed && !run.left_out.contains(&number) && !reported {
             return Some((
                 number,
                 format!("step {number}: {}: values of job, wire: {:?}, {all:?}", shown(call), job[number].values),
@@ -121,15 +121,15 @@ fn answers(programme: &Programme, run: &Run) -> Option<(usize, String)> {
 }
 
 /// The calls with their ticks, for a report.
-fn before(programme: &Programme, told: &[Told]) -> String {
+fn before(programme: &Programme, reported: &[Reported]) -> String {
     let mut text =
         format!("\n{} {} {} us, batches {}", programme.profile, programme.family, programme.tick_us, programme.batches);
-    for (number, (step, told)) in programme.steps.iter().zip(told).enumerate() {
+    for (number, (step, reported)) in programme.steps.iter().zip(reported).enumerate() {
         let what = match step {
             Step::Call(call) => shown(call),
             other => format!("{other:?}"),
         };
-        text += &format!("\n  {number:>3} tick {:>6} = {} {what}", told.tick, told.code);
+        text += &format!("\n  {number:>3} tick {:>6} = {} {what}", reported.tick, reported.code);
     }
     text
 }
@@ -181,7 +181,7 @@ pub fn run(
     let python = player::python(name, programmes, &all("python"))?;
     let mut found = Vec::new();
     for (number, ((programme, c), python)) in programmes.iter().zip(c).zip(python).enumerate() {
-        let ticks: Vec<u32> = c.iter().map(|told| told.tick).collect();
+        let ticks: Vec<u32> = c.iter().map(|reported| reported.tick).collect();
         let waits = |number: &usize| match &programme.steps[*number] {
             Step::Call(call) => !programme.rests && c[*number].code == 1 && waits_in_jobs(call),
             _ => false,
@@ -206,28 +206,28 @@ pub fn run(
             }
         };
         let (wire, all) = wire.into_iter().unzip();
-        let job = job.into_iter().zip(&ticks).map(|(answer, tick)| Told {
+        let job = job.into_iter().zip(&ticks).map(|(answer, tick)| Reported {
             tick: *tick,
             code: answer.code,
             values: answer.values,
             reason: answer.reason,
         });
-        let run = Run { told: [job.collect(), c, python, wire], all, left_out };
-        for (number, told) in run.told[1].iter().enumerate().take(programme.steps.len()) {
-            check(number, told.code);
+        let run = Run { reported: [job.collect(), c, python, wire], all, left_out };
+        for (number, reported) in run.reported[1].iter().enumerate().take(programme.steps.len()) {
+            check(number, reported.code);
         }
-        for (door, told) in run.told.iter().enumerate() {
-            let calls = programme.steps.iter().zip(told).enumerate();
+        for (door, reported) in run.reported.iter().enumerate() {
+            let calls = programme.steps.iter().zip(reported).enumerate();
             let made = calls.filter(|(number, _)| door != 0 || !run.left_out.contains(number));
             let mut table = table.lock().unwrap();
-            made.for_each(|(_, (step, told))| table.note(door, step, told.code));
+            made.for_each(|(_, (step, reported))| table.note(door, step, reported.code));
         }
         table.lock().unwrap().note_session();
         let paths = ["job", "c", "python", "wire"].map(|door| path(door, number));
         found.push(
             answers(programme, &run)
-                .or_else(|| rules::broken(programme, &run.told[1]))
-                .map(|(step, text)| (Some(step), text + &before(programme, &run.told[1])))
+                .or_else(|| rules::broken(programme, &run.reported[1]))
+                .map(|(step, text)| (Some(step), text + &before(programme, &run.reported[1])))
                 .or_else(|| traces(&paths).map(|text| (None, text))),
         );
     }

@@ -3,13 +3,13 @@
 //! In: a program and its answers. Out: the first answer that a rule forbids. A rule looks at calls
 //! that follow each other, so that it needs no state of its own.
 
-use crate::player::{Programme, Told};
+use crate::player::{Programme, Reported};
 use crate::program::{Call, Step};
 
 /// What is wrong with calls that follow each other, in a family.
 type Check = fn(&str, &[Made]) -> Option<String>;
 /// A call and its answer.
-type Made<'a> = (&'a Call, &'a Told);
+type Made<'a> = (&'a Call, &'a Reported);
 
 fn names(made: &[Made]) -> Vec<&'static str> {
     made.iter().map(|(call, _)| call.function.name).collect()
@@ -43,9 +43,9 @@ fn lit(family: &str, made: &[Made]) -> Option<String> {
         return None;
     }
     let min = if family == "lsr" && !(0.0..=100.0).contains(&min) { 0.0 } else { min };
-    let (expected, told) = (power.max(min).min(max), made[5].1.values[0]);
-    ((expected - told).abs() > 0.01)
-        .then(|| format!("the power is {told}; direct {power} in {min} to {max} is {expected}"))
+    let (expected, reported) = (power.max(min).min(max), made[5].1.values[0]);
+    ((expected - reported).abs() > 0.01)
+        .then(|| format!("the power is {reported}; direct {power} in {min} to {max} is {expected}"))
 }
 
 fn channel(made: &Made) -> i64 {
@@ -58,21 +58,22 @@ fn standby(family: &str, made: &[Made]) -> Option<String> {
     if [0, 1, 1, 0, 1].iter().zip(made).any(|(of, made)| channel(made) != *of) || made[6].1.values[0] != 0.0 {
         return None;
     }
-    let (mode, told) = (if channel(&made[7]) == 0 { first } else { second }, made[7].1.values[0]);
+    let (mode, reported) = (if channel(&made[7]) == 0 { first } else { second }, made[7].1.values[0]);
     let both = first == 0.0 && second == 0.0;
     let on = given(&made[5], 0) == 1.0 && mode == 0.0 && (both || family == "gus");
     let expected = if on { given(&made[5], 2) } else { 0.0 };
-    (told != expected).then(|| format!("without light the power is {told}; modes {first} and {second}: {expected}"))
+    (reported != expected)
+        .then(|| format!("without light the power is {reported}; modes {first} and {second}: {expected}"))
 }
 
 /// SPEC 5: as many entries as there is room for at a vertex do not stop the path there. Where it
 /// would, it runs 80 ms, not 60.
 fn vertex(made: &[(usize, Made)], tick_us: u32) -> Option<(usize, String)> {
     let mut ios = 0;
-    for (at, (_, (call, told))) in made.iter().enumerate() {
+    for (at, (_, (call, reported))) in made.iter().enumerate() {
         match call.function.name {
-            "BufIO" if told.code == 0 => ios += 1,
-            "LnXY" if told.code == 0 && ios > 8 => {
+            "BufIO" if reported.code == 0 => ios += 1,
+            "LnXY" if reported.code == 0 && ios > 8 => {
                 let [(_, start), (number, status), ..] = made.get(at + 1..)? else { return None };
                 let first = &made[at - ios - 1].1;
                 let names = (first.0.function.name, start.0.function.name, status.0.function.name);
@@ -80,7 +81,7 @@ fn vertex(made: &[(usize, Made)], tick_us: u32) -> Option<(usize, String)> {
                 let whole = |(_, before): &(usize, Made)| {
                     before.0.function.name == "SetOverride" && before.1.code == 0 && given(before, 1) == 1.0
                 };
-                let lines = given(first, 1) == 400.0 && given(&(call, told), 1) == 800.0;
+                let lines = given(first, 1) == 400.0 && given(&(call, reported), 1) == 800.0;
                 // Its own SetCrdPrm may have been refused, while the other FIFO ran.
                 let set_up = |(_, before): &(usize, Made)| before.0.function.name == "SetCrdPrm" && before.1.code == 0;
                 let before = (at - ios).checked_sub(4).map(|at| [&made[at], &made[at + 2]]);
@@ -106,14 +107,14 @@ fn vertex(made: &[(usize, Made)], tick_us: u32) -> Option<(usize, String)> {
 }
 
 /// The first answer that is wrong.
-pub fn broken(programme: &Programme, told: &[Told]) -> Option<(usize, String)> {
+pub fn broken(programme: &Programme, reported: &[Reported]) -> Option<(usize, String)> {
     let calls: Vec<(usize, Made)> = programme
         .steps
         .iter()
-        .zip(told)
+        .zip(reported)
         .enumerate()
-        .filter_map(|(number, (step, told))| match step {
-            Step::Call(call) => Some((number, (call, told))),
+        .filter_map(|(number, (step, reported))| match step {
+            Step::Call(call) => Some((number, (call, reported))),
             _ => None,
         })
         .collect();
@@ -121,15 +122,15 @@ pub fn broken(programme: &Programme, told: &[Told]) -> Option<(usize, String)> {
     for (rule, check) in rules {
         for (at, window) in calls.windows(rule.len()).enumerate() {
             // In family gus the connector is said to be a laser's just before.
-            let connector = |(_, (call, told)): &(usize, Made)| {
+            let connector = |(_, (call, reported)): &(usize, Made)| {
                 let laser = (call.number("axis"), call.number("mode")) == (Some(7), Some(1));
-                call.function.name == "SetAxisMode" && told.code == 0 && laser
+                call.function.name == "SetAxisMode" && reported.code == 0 && laser
             };
             if programme.family == "gus" && !calls[at.saturating_sub(2)..at].iter().any(connector) {
                 continue;
             }
             let made: Vec<Made> = window.iter().map(|(_, made)| *made).collect();
-            if made.iter().all(|(_, told)| told.code == 0)
+            if made.iter().all(|(_, reported)| reported.code == 0)
                 && names(&made) == rule
                 && let Some(wrong) = check(programme.family, &made)
             {

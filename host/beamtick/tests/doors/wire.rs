@@ -1,7 +1,7 @@
 //! The door without a client: records, written here by the table of docs/protocol.md, in frames of
 //! the link's own end.
 
-use crate::player::{Programme, Told};
+use crate::player::{Programme, Reported};
 use crate::program::{Call, Step, Value};
 use crate::text::PAUSE_MS;
 use crate::{Answer, Run, Trace};
@@ -195,7 +195,7 @@ impl Wire<'_> {
 }
 
 /// Runs a program whose calls were made at these ticks through another door.
-pub fn scheduled(programme: &Programme, ticks: &[u32], path: &Path) -> Vec<(Told, Vec<f64>)> {
+pub fn scheduled(programme: &Programme, ticks: &[u32], path: &Path) -> Vec<(Reported, Vec<f64>)> {
     let (number, axes, profile) = match programme.profile {
         "gus" => (0, 0xFF, 0),
         _ => (1, 0xFFFF, 1),
@@ -223,13 +223,13 @@ pub fn scheduled(programme: &Programme, ticks: &[u32], path: &Path) -> Vec<(Told
         {
             panic!("{wrong}");
         }
-        let told = Told {
+        let reported = Reported {
             tick: ticks[0] + u32::try_from(now - begin).unwrap(),
             code: answer.code,
             values: answer.values,
             reason: answer.reason,
         };
-        found.push((told, all));
+        found.push((reported, all));
     }
     let end = begin + u64::from(ticks[ticks.len() - 1] - ticks[0]);
     while wire.ticks < end {
@@ -251,9 +251,13 @@ impl Wire<'_> {
             ("GetDo", _, Some(12)) => vec![f64::from(outputs.general as u32)],
             _ => return None,
         };
-        let differs = answer.code == 0 && answer.values.iter().zip(&expected).any(|(told, output)| told != output);
+        let differs =
+            answer.code == 0 && answer.values.iter().zip(&expected).any(|(reported, output)| reported != output);
         differs.then(|| {
-            format!("{:?} {:?}: {:?} is told, {expected:?} is output", call.function.name, call.values, answer.values)
+            format!(
+                "{:?} {:?}: {:?} is reported, {expected:?} is output",
+                call.function.name, call.values, answer.values
+            )
         })
     }
 }
@@ -397,9 +401,9 @@ fn requests(call: &Call) -> Result<Vec<Vec<u8>>, String> {
                 "first" => put(&mut body, of, &(number * part).to_string()),
                 "count" if call.function.tells_stop() => put(&mut body, of, "1"),
                 name if name.ends_with("_given") => {
-                    let told =
+                    let reported =
                         call.function.params.iter().position(|param| Some(param.name) == call.function.reports_given);
-                    let given = told.is_some_and(|place| call.values[place] != Value::Null);
+                    let given = reported.is_some_and(|place| call.values[place] != Value::Null);
                     put(&mut body, of, if given { "1" } else { "0" });
                 }
                 _ => {

@@ -3,7 +3,7 @@
 
 use super::{Kind, Prepared, member, place};
 use crate::boundary::Arg;
-use crate::card::Slot;
+use crate::card::CardSlot;
 use crate::compat::waits;
 use crate::home::HomeCall;
 use crate::more::{self, Class, Done, More};
@@ -22,7 +22,7 @@ const CLOCK_UNIT_US: u64 = 125;
 /// # Safety
 /// As for [`super::call`].
 pub(super) unsafe fn call(
-    slot: Slot,
+    slot: CardSlot,
     prepared: &Prepared,
     more: &More,
     core: c_short,

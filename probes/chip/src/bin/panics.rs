@@ -5,7 +5,7 @@
 use core::hint::black_box;
 use core::panic::PanicInfo;
 use probes::AXES;
-use servo::laser::Plan;
+use servo::laser::LaserPlan;
 use servo::port::{AxisInputs, GeneralInputs, GeneralOutputs, Port};
 use servo::tick::{Tick, TickHalves};
 use servo::units::{Axis, Pos};
@@ -46,7 +46,7 @@ impl Port for Short {
     fn interlock(&mut self) -> bool {
         false
     }
-    fn laser(&mut self, _: usize, _: &Plan) {}
+    fn laser(&mut self, _: usize, _: &LaserPlan) {}
 }
 
 #[inline(never)]

@@ -10,7 +10,7 @@ use core::sync::atomic::{AtomicU16, AtomicU32};
 use cortex_m_semihosting::hprintln;
 use hal as _; // the vector table
 use probes::clock;
-use servo::laser::{Action, CHANNELS, Count, Plan, Train};
+use servo::laser::{Action, CHANNELS, Count, LaserPlan, Train};
 use servo::output::{CycleRing, DELAY_LINE_WORDS, DelayLine, GateCycles, PwmCycles, RingSlots, Scale};
 
 /// Ticks counted of each kind.
@@ -48,7 +48,7 @@ struct Outputs {
 
 impl Outputs {
     /// Work of a tick of `ns` for the plans of the tick before, without the accesses to registers.
-    fn tick(&mut self, ns: u32, plans: &[Plan; CHANNELS], read: [usize; CHANNELS]) -> bool {
+    fn tick(&mut self, ns: u32, plans: &[LaserPlan; CHANNELS], read: [usize; CHANNELS]) -> bool {
         let (from, to) = (self.next, self.next.wrapping_add(SCALE.counts(ns).into()));
         self.next = to;
         self.switch_ring.renew(0);
@@ -106,7 +106,7 @@ fn main() -> ! {
             while !outputs.rings.iter_mut().fold(outputs.switch_ring.clear(), |all, ring| ring.clear() && all) {}
             outputs.rings.iter_mut().for_each(|ring| ring.begin(FIRST));
             outputs.switch_ring.begin(FIRST);
-            let mut plans = [Plan::EMPTY; CHANNELS];
+            let mut plans = [LaserPlan::EMPTY; CHANNELS];
             // DMA reads at the start of a tick what was queued two ticks ahead.
             let (mut queued, mut read) = ([[0usize; CHANNELS]; 2], [0; CHANNELS]);
             for tick in 0..TICKS {
@@ -120,7 +120,7 @@ fn main() -> ! {
                 if tick > 8 {
                     hprintln!("{} {} {}", lit, mark, count);
                 }
-                plans = [Plan::EMPTY; CHANNELS];
+                plans = [LaserPlan::EMPTY; CHANNELS];
                 if mark.starts_with(FOLLOWS) && tick >= 4 {
                     let mut other = train;
                     other.width.part = other.width.part.wrapping_add(tick as u32);

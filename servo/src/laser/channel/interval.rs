@@ -1,10 +1,10 @@
 //! The plan of an interval: the actions of the outputs in it.
 //!
 //! In: the channel after its changes, events of paths within the interval, the values that the
-//! power follows. Out: the actions of a [`Plan`], the published view. Owns nothing else. Fails:
+//! power follows. Out: the actions of a [`LaserPlan`], the published view. Owns nothing else. Fails:
 //! more events than a plan holds make the channel dark.
 use super::{Channel, Outputs, changed};
-use crate::laser::actions::{Action, PLAN_ACTIONS, Plan, PulseRate, Train};
+use crate::laser::actions::{Action, LaserPlan, PLAN_ACTIONS, PulseRate, Train};
 use crate::laser::energy::{Energy, Plain};
 use crate::laser::light_owner::Fact;
 use crate::laser::power::Power;
@@ -27,7 +27,7 @@ impl Channel {
         period: Ns,
         interlock: bool,
         around: &Surroundings<'_, impl Positions>,
-        plan: &mut Plan,
+        plan: &mut LaserPlan,
     ) {
         plan.clear();
         if self.safety.interlock(interlock) {
@@ -54,7 +54,7 @@ impl Channel {
 
     /// Light goes on, with a power that may differ.
     #[inline(never)]
-    fn follow(&mut self, around: &Surroundings<'_, impl Positions>, plan: &mut Plan) {
+    fn follow(&mut self, around: &Surroundings<'_, impl Positions>, plan: &mut LaserPlan) {
         let power = self.law.power(around);
         if power == self.power {
             return;
@@ -73,7 +73,7 @@ impl Channel {
 
     /// The same if more may change than the width of its pulses.
     #[inline(never)]
-    fn retrain_light(&mut self, around: &Surroundings<'_, impl Positions>, plan: &mut Plan) {
+    fn retrain_light(&mut self, around: &Surroundings<'_, impl Positions>, plan: &mut LaserPlan) {
         self.published.limited = self.energy.light(self.power, around.clock, &mut self.train);
         if self.train != self.out.train {
             let action = self.go_on();
@@ -98,7 +98,7 @@ impl Channel {
 
     /// Plans an interval in which something may happen.
     #[inline(never)]
-    fn plan(&mut self, next: Ns, end: Ns, around: &Surroundings<'_, impl Positions>, plan: &mut Plan) {
+    fn plan(&mut self, next: Ns, end: Ns, around: &Surroundings<'_, impl Positions>, plan: &mut LaserPlan) {
         if self.safety.is_safe() || self.safety.is_dark() && !self.ends {
             return self.stay_dark(end);
         }
@@ -162,7 +162,7 @@ impl Channel {
 
     /// The edges and events within the interval.
     #[inline(never)]
-    fn walk(&mut self, next: Ns, end: Ns, around: &Surroundings<'_, impl Positions>, plan: &mut Plan) {
+    fn walk(&mut self, next: Ns, end: Ns, around: &Surroundings<'_, impl Positions>, plan: &mut LaserPlan) {
         let mut left = EVENTS;
         while self.next_edge < end {
             self.changed |= changed::MOVED;
@@ -204,7 +204,7 @@ impl Channel {
     }
 
     /// All outputs go to their safe state within the interval, and stay dark from there on.
-    fn end_within(&mut self, at: u32, end: Ns, plan: &mut Plan) {
+    fn end_within(&mut self, at: u32, end: Ns, plan: &mut LaserPlan) {
         if self.out.light || !self.out.train.is_none() {
             plan.push(at, Action::Dark { standby: Train::NONE, cut: true });
         }
@@ -244,7 +244,7 @@ impl Channel {
 
     /// Brings the outputs to the levels that they should have; `anew`: trains may have changed.
     #[inline(always)]
-    fn settle(&mut self, at: u32, anew: bool, plan: &mut Plan) {
+    fn settle(&mut self, at: u32, anew: bool, plan: &mut LaserPlan) {
         let light = self.light.level;
         if light != self.out.light {
             if light {
@@ -271,7 +271,7 @@ impl Channel {
     }
 
     /// Brings the DAC to the value that it should have.
-    fn drive(&mut self, at: u32, light: bool, plan: &mut Plan) {
+    fn drive(&mut self, at: u32, light: bool, plan: &mut LaserPlan) {
         let volts = self.energy.volts(light, self.power);
         if volts != self.out.volts {
             self.out.volts = volts;
@@ -281,7 +281,7 @@ impl Channel {
 
     /// Light ends.
     #[inline(never)]
-    fn darken(&mut self, at: u32, cut: bool, plan: &mut Plan) {
+    fn darken(&mut self, at: u32, cut: bool, plan: &mut LaserPlan) {
         let standby = self.energy.standby().map_or(Train::NONE, |standby| *standby.train());
         (self.out.light, self.out.train) = (false, standby);
         plan.push(at, Action::Dark { standby, cut });
@@ -289,7 +289,7 @@ impl Channel {
 
     /// Light, or its absence, goes on, perhaps with another train.
     #[inline(never)]
-    fn retrain(&mut self, at: u32, plan: &mut Plan) {
+    fn retrain(&mut self, at: u32, plan: &mut LaserPlan) {
         let standby = self.energy.standby().map_or(&Train::NONE, |standby| standby.train());
         let train = *if self.out.light { &self.train } else { standby };
         if train == self.out.train {

@@ -7,8 +7,8 @@ impl Controller {
         let then = std::mem::take(&mut self.path_then);
         self.axes.iter_mut().for_each(|axis| axis.bent = false);
         self.light.standstill();
-        for (crd, way, most) in self.leaving.drain(..) {
-            self.light.follows(crd, way / ms(now - before), most, false);
+        for (crd, track, most) in self.leaving.drain(..) {
+            self.light.follows(crd, track / ms(now - before), most, false);
         }
         let Controller { crds, axes, .. } = self;
         for (name, of) in crds {
@@ -139,11 +139,11 @@ impl Controller {
                 let axis = &mut axes[axis];
                 let zero = axis.zero + set.zero[coordinate];
                 let at = |place: &[f64; 4]| zero + Fix::of_f64(place[coordinate]);
-                let mut way = vec![(Fix::ms(before), axis.x)];
-                way.extend(of.knots.iter().map(|(when, place)| (Fix::of_f64(*when), at(place))));
+                let mut track = vec![(Fix::ms(before), axis.x)];
+                track.extend(of.knots.iter().map(|(when, place)| (Fix::of_f64(*when), at(place))));
                 (axis.x, axis.v) = (at(&of.place), Fix::of_f64(velocities[coordinate]));
-                way.push((Fix::ms(now), axis.x));
-                axis.carried = Some(way);
+                track.push((Fix::ms(now), axis.x));
+                axis.carried = Some(track);
                 axis.bent = !of.is_straight;
                 axis.path_open = of.open;
                 axis.path_most = Fix::of_f64(set.frame.speed);
@@ -163,9 +163,9 @@ impl Controller {
             }
             for axis in axes.iter_mut().filter(|axis| axis.geared && axis.crd == Some(*name)) {
                 *self.used.entry("ticks in which an axis is geared to a path").or_default() += 1;
-                let Some(way) = &mut axis.carried else { continue };
-                let x = way.last().map_or(axis.x, |last| last.1);
-                way.push((Fix::ms(now), x));
+                let Some(track) = &mut axis.carried else { continue };
+                let x = track.last().map_or(axis.x, |last| last.1);
+                track.push((Fix::ms(now), x));
                 (axis.bent, axis.path_open) = (true, of.open || !axis.driven);
                 axis.driven &= of.runs;
                 axis.v = Fix::ZERO;
