@@ -5,14 +5,14 @@
 const SMALL: bool = cfg!(feature = "small");
 
 /// Entries that a look-ahead holds.
-pub const LOOK_AHEAD: usize = if SMALL { 16 } else { 256 };
+pub const LOOK_AHEAD_ENTRIES: usize = if SMALL { 16 } else { 256 };
 /// Messages in flight, in each direction.
 pub const LINK_WINDOW: usize = if SMALL { 2 } else { 8 };
 /// Bytes of the queue of a program's records.
 pub const QUEUE_BYTES: usize = if SMALL { 2048 } else { 8192 };
 /// Replies of a program that wait for the execution of their entries. As many records of data may
 /// precede the start of their stream.
-pub const AWAITING: usize = if SMALL { 104 } else { 1024 };
+pub const AWAITING_REPLIES: usize = if SMALL { 104 } else { 1024 };
 /// Values of Calculate commands that wait with them: two full messages, or two full tables. A
 /// PathMany whose every call is a power that was limited needs 103.
-pub const VALUES: usize = if SMALL { 116 } else { 2048 };
+pub const AWAITING_VALUES: usize = if SMALL { 116 } else { 2048 };

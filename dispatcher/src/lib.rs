@@ -18,7 +18,7 @@ mod board;
 mod bounded_vec;
 mod capacity;
 mod configuration;
-mod io_types;
+mod io_words;
 pub mod plan;
 mod product;
 mod program;
@@ -29,9 +29,11 @@ mod shadow;
 mod tick_queue;
 
 pub use crate::board::{BoardConstants, FAULT_TEXT_MAX, Fault, FaultKind, TICK_BUCKET_NS, TICK_BUCKETS, TickTime};
-pub use crate::plan::path_queue::{LOOK_AHEAD, PathQueue};
+pub use crate::plan::path_queue::{LOOK_AHEAD_ENTRIES, PathQueue};
 pub use crate::product::{FAMILIES, PROFILES, ProductProfile, largest_that_fits};
 pub use crate::program::record_queue::{QUEUE_BYTES, RECORD_BYTES};
 pub use crate::refuse::Refused;
 pub use crate::session::second_client::SecondaryTransport;
-pub use crate::session::server::{EVENTS, IMMEDIATE, LINK_WINDOW, PROGRAM, SAMPLES, SEGMENTS, Server, ThreadHalves};
+pub use crate::session::server::{
+    EVENTS, IMMEDIATE_ENTRIES, LINK_WINDOW, PROGRAM_ENTRIES, SEGMENTS, Server, TRACE_SAMPLES, ThreadHalves,
+};

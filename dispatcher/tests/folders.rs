@@ -8,7 +8,7 @@ const ORDER: [&str; 14] = [
     "bounded_vec",
     "capacity",
     "refuse",
-    "io_types",
+    "io_words",
     "board",
     "product",
     "configuration",

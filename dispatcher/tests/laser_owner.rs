@@ -321,7 +321,7 @@ fn an_abort_in_a_program_acts_at_its_instant() {
     }
     assert_eq!(edges, [20, 30, 35]);
     let codes: Vec<i16> = tags.iter().map(|&tag| bench.wait(tag).code).collect();
-    assert_eq!(codes, [0; 8], "nothing behind it is discarded");
+    assert_eq!(codes, [0; 8], "nothing after it is discarded");
 }
 
 /// While it brakes, an on entry of the program does not wait: it is refused at its instant.

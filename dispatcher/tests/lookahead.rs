@@ -7,9 +7,9 @@ use crate::chance;
 use chance::Chance;
 use dispatcher::plan::geometry::{Geometry, Position};
 use dispatcher::plan::look_ahead::{Limits, LookAhead};
-use servo::path::{Effects, EntryEffect, FifoEnds, FineNs, Path, PathEntries, PathEntry, PathStop, Plane};
+use servo::path::{Effects, EntryEffect, FifoEnds, Path, PathEntries, PathEntry, PathStop, Plane};
 use servo::segment::piece::Scaled;
-use servo::units::{Axis, Ns, Pos};
+use servo::units::{Axis, FineNs, Ns, Pos};
 use std::f64::consts::TAU;
 
 struct Script(Vec<PathEntry>);

@@ -115,7 +115,7 @@ fn what_does_not_fit_is_sent_again_and_nothing_overtakes() {
     let refused: Vec<_> =
         tags.iter().filter(|&&tag| bench.answers.get(&tag).is_some_and(|a| a.code != 0)).copied().collect();
     let first = tags.iter().position(|tag| refused.contains(tag)).expect("the queue is finite");
-    assert_eq!(&refused[..], &tags[first..], "all behind the first that did not fit");
+    assert_eq!(&refused[..], &tags[first..], "all after the first that did not fit");
     assert_eq!(bench.answers[&refused[0]].reason(), Reason::QueueFull);
     // The immediate lane does not wait for it.
     assert_eq!(bench.pos(1), 0.0);

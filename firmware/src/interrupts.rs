@@ -39,18 +39,18 @@ pub struct Receiver {
 }
 
 /// A value that start-up gives to one interrupt handler for good. All zero at start.
-pub struct Given<T> {
+pub struct HandedOver<T> {
     given: AtomicBool,
     value: UnsafeCell<MaybeUninit<T>>,
 }
 
 // SAFETY: `give` runs before the handler can, `taken` only in the handler, which does not nest.
-unsafe impl<T: Send> Sync for Given<T> {}
+unsafe impl<T: Send> Sync for HandedOver<T> {}
 
-impl<T> Given<T> {
+impl<T> HandedOver<T> {
     /// No value yet.
     pub const fn nothing() -> Self {
-        Given { given: AtomicBool::new(false), value: UnsafeCell::new(MaybeUninit::uninit()) }
+        HandedOver { given: AtomicBool::new(false), value: UnsafeCell::new(MaybeUninit::uninit()) }
     }
 
     /// Hands the value over.

@@ -1,7 +1,7 @@
 //! Every static of the image. All are zero or constant at the start. The sections are those of a
 //! board with more than one RAM (its `memory.x`).
 use crate::fault::Report;
-use crate::interrupts::{Given, Receiver, Servo};
+use crate::interrupts::{HandedOver, Receiver, Servo};
 use crate::wake_signal::WakeSignal;
 use core::sync::atomic::AtomicBool;
 use dispatcher::{PathQueue, Server};
@@ -11,7 +11,7 @@ use ring::{Latest, Ring};
 use servo::laser::PowerTables;
 use servo::path::{EntryStore, PathStores};
 use servo::segment::pvt::{HeaderStore, PointStore, TABLES};
-use servo::tick::{EVENTS, IMMEDIATE, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig};
+use servo::tick::{EVENTS, IMMEDIATE_ENTRIES, PROGRAM_ENTRIES, SegmentStore, TRACE_SAMPLES, Tick, TickConfig};
 use servo::tick_command::LaneEntry;
 use servo::units::Crd;
 use servo::view::{Event, Sample, View};
@@ -21,9 +21,9 @@ use static_cell::{ConstStaticCell, StaticCell};
 pub const RECEIVED: usize = if AXES > 8 { 4096 } else { 1024 };
 
 /// Thread to tick: operations for the next tick.
-pub static IMMEDIATE_LANE: Ring<LaneEntry, IMMEDIATE> = Ring::new();
+pub static IMMEDIATE_LANE: Ring<LaneEntry, IMMEDIATE_ENTRIES> = Ring::new();
 /// Thread to tick: timed operations of a program.
-pub static PROGRAM_LANE: Ring<LaneEntry, PROGRAM> = Ring::new();
+pub static PROGRAM_LANE: Ring<LaneEntry, PROGRAM_ENTRIES> = Ring::new();
 /// Tick to thread: the newest view.
 #[cfg_attr(feature = "stm32h743", unsafe(link_section = ".state"))]
 pub static VIEW: Latest<View<AXES>> = Latest::new(View::POWER_ON);
@@ -32,7 +32,7 @@ pub static VIEW: Latest<View<AXES>> = Latest::new(View::POWER_ON);
 pub static EVENT_QUEUE: Ring<Event, EVENTS> = Ring::new();
 /// Tick to thread: trace samples.
 #[cfg_attr(feature = "stm32h743", unsafe(link_section = ".backup"))]
-pub static TRACE: Ring<Sample, SAMPLES> = Ring::new();
+pub static TRACE: Ring<Sample, TRACE_SAMPLES> = Ring::new();
 /// Thread to tick: PT segments, a store an axis.
 #[cfg_attr(feature = "stm32h743", unsafe(link_section = ".stores"))]
 pub static STORES: [SegmentStore; AXES] = [const { SegmentStore::new() }; AXES];
@@ -81,9 +81,9 @@ pub static TICK: ConstStaticCell<Tick<AXES>> = ConstStaticCell::new(Tick::new(Ti
 }));
 /// What the tick's interrupt owns.
 #[cfg_attr(feature = "stm32h743", unsafe(link_section = ".state"))]
-pub static SERVO: Given<Servo> = Given::nothing();
+pub static SERVO: HandedOver<Servo> = HandedOver::nothing();
 /// What the link's receive interrupt owns.
-pub static RECEIVER: Given<Receiver> = Given::nothing();
+pub static RECEIVER: HandedOver<Receiver> = HandedOver::nothing();
 /// Wakes the link task.
 pub static LINK_WAKE: WakeSignal = WakeSignal::new();
 /// A byte has arrived since the idle loop checked.

@@ -50,7 +50,7 @@ enum Hold {
 pub struct Guard {
     set_points: [i64; AXES],
     axes: [AxisView; AXES],
-    /// Something that may put energy out was sent.
+    /// Something that may output energy was sent.
     may_light: bool,
     /// Requests that may clear a fault and are not answered.
     clears: u32,

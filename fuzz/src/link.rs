@@ -175,7 +175,7 @@ fn ends(from: &mut Source) {
                 }
             }
             // What an end sends reaches the other one, or is lost, or comes twice, or with what was
-            // sent before behind it.
+            // sent before and comes after it.
             _ => {
                 let count = ends[which].end.take_tx(now, &mut wire);
                 let sent = wire[..count].to_vec();

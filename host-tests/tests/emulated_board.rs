@@ -14,7 +14,7 @@ fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) {
 }
 
 #[test]
-fn the_interlock_puts_the_lasers_out_until_they_are_cleared() {
+fn the_interlock_shuts_off_the_lasers_until_they_are_cleared() {
     let Some(image) = std::env::var_os("BEAMTICK_IMAGE") else {
         println!("skipped: BEAMTICK_IMAGE names no image");
         return;

@@ -285,7 +285,7 @@ fn a_link_that_is_cut_anywhere_in_a_job_ends_dark() {
             other => panic!("cut after {cut} bytes: cause {other}"),
         }
     }
-    println!("{} cuts in {} bytes: {dark} put light out, {never} before light", cuts.len(), sent.len());
+    println!("{} cuts in {} bytes: {dark} shut light off, {never} before light", cuts.len(), sent.len());
     assert!(dark > 0 && never > 0);
 }
 

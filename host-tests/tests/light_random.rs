@@ -407,7 +407,7 @@ fn a_pulse_in_the_dark_is_found() {
         check(&energy)
     };
     assert!(with([(50_000, true), (50_010, false)]).is_err(), "before the light");
-    assert!(with([(2_000_000, true), (2_000_001, false)]).is_err(), "behind it");
+    assert!(with([(2_000_000, true), (2_000_001, false)]).is_err(), "after it");
     let mut late = energy.clone();
     late.last_mut().unwrap().0 = 1_100_001;
     assert!(check(&late).is_err(), "a last pulse of more than 100 µs");

@@ -1,4 +1,4 @@
-//! Counters that go round: a controller whose counters are about to do so does what a new one does,
+//! Counters that wrap: a controller whose counters are about to do so does what a new one does,
 //! and what was executed long ago stays executed.
 #[path = "life/work.rs"]
 mod work;
@@ -154,7 +154,7 @@ fn counts_of_a_path_and_of_light_wrap_and_nothing_changes() {
     let (new, light) = path_of(0);
     assert!(light > 100, "{light} units of light");
     // Some 180 entries go through a FIFO: it is left and gone on with before and after the place
-    // where its count goes round.
+    // where its count wraps.
     for before in [u32::MAX - 20, u32::MAX - 120, u32::MAX / 2 - 60] {
         let (old, on_time) = path_of(before);
         assert_eq!(on_time, before.wrapping_add(light), "on-time after {before}");

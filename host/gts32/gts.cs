@@ -521,10 +521,10 @@ namespace gts
         /// <summary>A channel's on-time in 250 us units.</summary>
         [DllImport(Library)]
         public static extern short GT_GetLaserOnTime(short channel, out uint time);
-        /// <summary>Sets which coordinate systems put a channel out when they fail, as bits.</summary>
+        /// <summary>Sets for which coordinate systems a failure shuts a channel off, as bits.</summary>
         [DllImport(Library)]
         public static extern short GT_SetLaserCrdMap(short channel, short map);
-        /// <summary>Which coordinate systems put a channel out when they fail.</summary>
+        /// <summary>For which coordinate systems a failure shuts a channel off.</summary>
         [DllImport(Library)]
         public static extern short GT_GetLaserCrdMap(short channel, out short map);
         /// <summary>The power that is output now, in the mode's unit.</summary>
@@ -1409,10 +1409,10 @@ namespace gts
         /// <summary>A channel's on-time in 250 us units.</summary>
         [DllImport(Library)]
         public static extern short GTN_GetLaserOnTime(short core, short channel, out uint time);
-        /// <summary>Sets which coordinate systems put a channel out when they fail, as bits.</summary>
+        /// <summary>Sets for which coordinate systems a failure shuts a channel off, as bits.</summary>
         [DllImport(Library)]
         public static extern short GTN_SetLaserCrdMap(short core, short channel, short map);
-        /// <summary>Which coordinate systems put a channel out when they fail.</summary>
+        /// <summary>For which coordinate systems a failure shuts a channel off.</summary>
         [DllImport(Library)]
         public static extern short GTN_GetLaserCrdMap(short core, short channel, out short map);
         /// <summary>The power that is output now, in the mode's unit.</summary>

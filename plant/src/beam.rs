@@ -2,9 +2,9 @@
 //!
 //! In: a [`LaserPlan`] a tick, the interlock. Out: every edge, as [`SignalChange`]s to the ns, if
 //! the caller takes them. Owns the pulse in progress, the train, switch, DAC, and the actions that
-//! are still to come. It goes from action to action in closed form, so that the cost of a train does
-//! not depend on its number of pulses. Fails never: it holds the actions of two plans, and more
-//! never wait; further ones are dropped.
+//! are still to come. It goes from action to action in closed form, so that the cost of a train
+//! does not depend on its number of pulses. Fails never: it holds the actions of two plans, and
+//! more never wait; further ones are dropped.
 use crate::pulses::{Burst, Remainder};
 use servo::laser::{Action, FINISH_NS, LaserPlan, PLAN_ACTIONS, PulseRate, Train};
 

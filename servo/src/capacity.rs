@@ -6,18 +6,18 @@
 const SMALL: bool = cfg!(feature = "small");
 
 /// Entries of the immediate lane's ring.
-pub const IMMEDIATE: usize = if SMALL { 16 } else { 128 };
+pub const IMMEDIATE_ENTRIES: usize = if SMALL { 16 } else { 128 };
 /// Entries of the program lane's ring.
-pub const PROGRAM: usize = if SMALL { 64 } else { 256 };
+pub const PROGRAM_ENTRIES: usize = if SMALL { 64 } else { 256 };
 /// Trace samples between two looks of the thread.
-pub const SAMPLES: usize = if SMALL { 32 } else { 1024 };
+pub const TRACE_SAMPLES: usize = if SMALL { 32 } else { 1024 };
 /// PVT tables of a controller: 32 for each core.
 pub const TABLES: usize = if SMALL { 32 } else { 64 };
 /// Coordinate systems: two, or four for each of two cores.
 pub const CRDS: usize = if SMALL { 2 } else { 8 };
 /// Gate edges of a laser channel that may be pending: 64 marks or 128 inside the longest delay (65
 /// ms).
-pub const EDGES: usize = if SMALL { 128 } else { 256 };
+pub const GATE_EDGES: usize = if SMALL { 128 } else { 256 };
 
 /// Axes whose inputs' edges are counted: all that a build has.
 pub const COUNTED_AXES: usize = if SMALL { 8 } else { 48 };

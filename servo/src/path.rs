@@ -8,6 +8,7 @@
 //! boundaries exact. A phase's speed is a closed form of the time since it began
 //! (`speed_profile.rs`); its position on the line or arc is a closed form of the path length
 //! (`geometry.rs`).
+use crate::units::FineNs;
 pub mod axis_map;
 mod entry;
 mod evaluator;
@@ -20,14 +21,12 @@ mod store;
 pub use entry::{EntryContent, EntryEffect, LASER_WORDS, MotionSpeeds, PathEntry, Plane, Refused, Sweep};
 pub(crate) use evaluator::{EFFECTS, INSTANTS};
 pub use evaluator::{
-    Effects, FeedOverride, FifoEnds, GEARS, Path, PathReport, PathStop, Rules, Step, StepReport, TrajectorySample,
+    Effects, FeedOverride, FifoEnds, GEARS, Path, PathReport, PathSettings, PathStop, Step, StepReport,
+    TrajectorySample,
 };
-pub use geometry::Bend;
+pub use geometry::Curvature;
 pub use path_speed::PathSpeed;
 pub use store::{ENTRIES, EntryStore, PathEntries, PathStores};
-
-/// An instant or a duration in 2⁻³² ns; instants count from power-on.
-pub type FineNs = u128;
 
 /// How long a path waits for what cannot be done; it is stopped in the same tick.
 pub(crate) const ENDLESS_WAIT_FINE_NS: FineNs = 1 << 80;

@@ -92,7 +92,7 @@ pub enum Simulated {
         /// The high level.
         high: bool,
     },
-    /// The interlock or emergency-stop input; high wants every laser at standstill.
+    /// The interlock or emergency-stop input; high demands the safe state of every laser output.
     Interlock(bool),
     /// The code of an analog input from 0, as [`Port::analog`] returns it.
     Analog {
@@ -137,7 +137,7 @@ pub trait Port {
     /// Analog output, −32768…32767 is −10…10 V, from `at` ns after the next tick on, in the same
     /// order.
     fn analog_out(&mut self, at: u32, channel: usize, value: i16);
-    /// Whether the interlock (or emergency-stop) input now wants every laser output in its safe
+    /// Whether the interlock (or emergency-stop) input now demands every laser output in its safe
     /// state. The hardware forces PWM and switch there by itself; the tick latches it and does the
     /// same for the rest.
     fn interlock(&mut self) -> bool;

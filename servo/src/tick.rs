@@ -20,7 +20,7 @@ pub(crate) mod workload;
 
 use crate::axis::{AxisState, FastStep};
 use crate::capacity::{GeneralInputs, GeneralOutputs};
-pub use crate::capacity::{IMMEDIATE, PROGRAM, SAMPLES};
+pub use crate::capacity::{IMMEDIATE_ENTRIES, PROGRAM_ENTRIES, TRACE_SAMPLES};
 use crate::edge_counts::EdgeCounts;
 use crate::laser::{Cause, Clock, Lasers};
 use crate::output::general_outputs::{OutputEdges, OutputLevels, Set};
@@ -65,15 +65,15 @@ pub struct TickConfig {
 /// The tick's halves of the hand-overs.
 pub struct TickHalves<'a, const AXES: usize> {
     /// Entries that act on the next tick.
-    pub immediate: Consumer<'a, LaneEntry, IMMEDIATE>,
+    pub immediate: Consumer<'a, LaneEntry, IMMEDIATE_ENTRIES>,
     /// Timed entries of a program.
-    pub program: Consumer<'a, LaneEntry, PROGRAM>,
+    pub program: Consumer<'a, LaneEntry, PROGRAM_ENTRIES>,
     /// The view of the tick computed last.
     pub view: Writer<'a, View<AXES>>,
     /// Events.
     pub events: Producer<'a, Event, EVENTS>,
     /// Trace samples.
-    pub samples: Producer<'a, Sample, SAMPLES>,
+    pub samples: Producer<'a, Sample, TRACE_SAMPLES>,
     /// PT segments of every axis.
     pub segments: &'a [SegmentStore; AXES],
     /// PVT tables.
@@ -288,7 +288,7 @@ impl<const AXES: usize> Tick<AXES> {
     /// The ticks after the one computed have another period.
     #[cold]
     #[inline(never)]
-    fn renew_period(&mut self, period: Ns, samples: &mut Producer<'_, Sample, SAMPLES>) {
+    fn renew_period(&mut self, period: Ns, samples: &mut Producer<'_, Sample, TRACE_SAMPLES>) {
         (self.period, self.step_limit) = (period, in_a_tick(self.limit_per_us, period.0));
         self.trace.record_period(period.0 as u32, samples);
     }

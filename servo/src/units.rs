@@ -8,8 +8,10 @@ pub struct Pos(pub i64);
 impl Pos {
     /// Fraction bits.
     pub const FRAC_BITS: u32 = 22;
-    /// The edge of travel: 2⁴⁰ pulses.
-    pub const TRAVEL: Pos = Pos(1 << (40 + Self::FRAC_BITS));
+    /// The edge of travel: 2⁴⁰.
+    pub const TRAVEL_PULSES: i64 = 1 << 40;
+    /// The edge of travel as a position.
+    pub const TRAVEL: Pos = Pos(Self::TRAVEL_PULSES << Self::FRAC_BITS);
     /// A whole number of pulses.
     pub const fn pulses(pulses: i32) -> Pos {
         Pos((pulses as i64) << Self::FRAC_BITS)
@@ -53,6 +55,9 @@ pub struct Exact(pub i128);
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 #[repr(transparent)]
 pub struct Ns(pub u64);
+
+/// An instant or a duration in 2⁻³² ns; instants count from power-on.
+pub type FineNs = u128;
 
 /// An axis of the controller, over all cores, from 0: core × axes per core + axis − 1.
 /// Its only constructor checks it against the capacity, so an index from it needs no other bound.

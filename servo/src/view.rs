@@ -13,7 +13,7 @@ pub(crate) use speeds::AxisSpeeds;
 use crate::capacity::{GeneralInputs, GeneralOutputs};
 use crate::laser::{Action, CHANNELS, Power};
 use crate::port::AxisInputs;
-use crate::segment::follow::{Awaits, compose, straight};
+use crate::segment::follow::{PackedWait, compose, straight};
 use crate::segment::piece::{Motion, Scaled};
 use crate::tick_command::{Lane, MotionMode};
 use crate::units::{Axis, Crd, Ns, Pos};
@@ -90,7 +90,7 @@ state! {
         /// Follow: the other FIFO takes over at the end of the pass.
         pub switching: bool = false,
         /// Follow: what it waits for, after the tick that computed this.
-        pub waits: Awaits = Awaits::NONE,
+        pub waits: PackedWait = PackedWait::NONE,
         /// Follow: times a switch has emptied each FIFO. `passes` are those of the FIFO that runs;
         /// they go down when the master goes back (direction 0).
         pub cleared: [u32; 2] = [0; 2],

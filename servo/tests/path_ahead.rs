@@ -3,7 +3,7 @@
 //! random motions, waits, gears and marks, data that comes late, Stops, overrides, and ticks
 //! without time. Every position, speed, instant and gear is the same to the bit.
 use crate::{chance, paths};
-use servo::path::{Bend, FeedOverride, FifoEnds, Path, PathEntry, PathReport, Plane, Step, StepReport, Sweep};
+use servo::path::{Curvature, FeedOverride, FifoEnds, Path, PathEntry, PathReport, Plane, Step, StepReport, Sweep};
 use servo::segment::piece::Motion;
 use servo::segment::ramp::Accel;
 use servo::units::{Axis, Ns, Pos};
@@ -21,7 +21,7 @@ struct Seen {
 
 impl Seen {
     fn new(path: Path) -> Seen {
-        let (heading, bend, motion) = ([0; 4], Bend::STRAIGHT, Motion::STANDSTILL);
+        let (heading, bend, motion) = ([0; 4], Curvature::STRAIGHT, Motion::STANDSTILL);
         let step = Step { position: [Pos(0); 4], heading, bend, motion, runs: false, fifo: 0, done: 0 };
         Seen { path, step, turns: 0, heard: Heard::default() }
     }

@@ -4,7 +4,7 @@
 //! expected. Every position, speed, instant and gear is the same to the bit.
 use crate::{chance, paths};
 use servo::path::{
-    Bend, FeedOverride, FifoEnds, MotionSpeeds, Path, PathEntries, PathEntry, PathReport, Plane, Step, StepReport,
+    Curvature, FeedOverride, FifoEnds, MotionSpeeds, Path, PathEntries, PathEntry, PathReport, Plane, Step, StepReport,
     Sweep,
 };
 use servo::segment::piece::Motion;
@@ -42,7 +42,7 @@ struct Seen {
 
 impl Seen {
     fn new(path: Path) -> Seen {
-        let (heading, bend, motion) = ([0; 4], Bend::STRAIGHT, Motion::STANDSTILL);
+        let (heading, bend, motion) = ([0; 4], Curvature::STRAIGHT, Motion::STANDSTILL);
         let step = Step { position: [Pos(0); 4], heading, bend, motion, runs: false, fifo: 0, done: 0 };
         Seen { path, step, turns: 0, heard: Heard::default() }
     }

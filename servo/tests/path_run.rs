@@ -4,12 +4,12 @@ use crate::{chance, paths};
 #[path = "path_run/stop.rs"]
 mod stop;
 use servo::path::{
-    Effects, EntryEffect, FeedOverride, FifoEnds, FineNs, MotionSpeeds, Path, PathEntry, PathStop, Refused, Step,
+    Effects, EntryEffect, FeedOverride, FifoEnds, MotionSpeeds, Path, PathEntry, PathStop, Refused, Step,
 };
 use servo::segment::piece::{Motion, Scaled};
 use servo::segment::ramp::Accel;
 use servo::tick_command::DoGroup;
-use servo::units::{Axis, Ns, Pos, StepLimit};
+use servo::units::{Axis, FineNs, Ns, Pos, StepLimit};
 
 use chance::Chance;
 use paths::{Heard, Script, mark, since, speeds};

@@ -3,13 +3,13 @@
 use crate::chance;
 use chance::Chance;
 use servo::output::step_generator::StepSlots;
-use servo::output::step_words::{AXES, RING, StepOutput};
+use servo::output::step_words::{AXES, RING_SLOTS, StepOutput};
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 /// The port after the ring, and the levels recorded at it.
 struct Bench<const WIDTH: usize> {
     output: StepOutput<WIDTH>,
-    ring: [AtomicU32; RING],
+    ring: [AtomicU32; RING_SLOTS],
     set_up: u64,
     at: usize,
     /// Slots played.
@@ -27,7 +27,7 @@ impl<const WIDTH: usize> Bench<WIDTH> {
     fn new(set_up: u32) -> Self {
         Bench {
             output: StepOutput::new(set_up),
-            ring: [const { AtomicU32::new(0) }; RING],
+            ring: [const { AtomicU32::new(0) }; RING_SLOTS],
             set_up: set_up.into(),
             at: 0,
             now: 0,
@@ -46,7 +46,7 @@ impl<const WIDTH: usize> Bench<WIDTH> {
         for slot in 0..slots {
             let word = self.ring[self.at].swap(0, Relaxed);
             assert!(written || word == 0);
-            self.at = (self.at + 1) % RING;
+            self.at = (self.at + 1) % RING_SLOTS;
             self.play(word, |axis| steps[axis].push(slot));
             self.now += 1;
         }

@@ -23,7 +23,7 @@ use servo::laser::CHANNELS;
 use servo::path::PathStores;
 use servo::segment::pt::SegmentStore;
 use servo::tables::TableStores;
-use servo::tick::IMMEDIATE;
+use servo::tick::IMMEDIATE_ENTRIES;
 use servo::tick_command::{LaneEntry, TickCommand};
 use servo::units::CrdMask;
 use servo::view::{Sample, View};
@@ -74,7 +74,7 @@ pub struct Admission<'a, const AXES: usize> {
     /// Tick commands of the command in hand.
     pub staged: Staged,
     /// The immediate lane.
-    pub lane: TickQueue<'a, IMMEDIATE>,
+    pub lane: TickQueue<'a, IMMEDIATE_ENTRIES>,
     /// The trace.
     pub trace: TraceOut<AXES>,
     /// Events that no command caused.
@@ -88,7 +88,7 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
         stores: &'a [SegmentStore; AXES],
         paths: (PathStores<'a>, &'a mut [[PathQueue; 2]]),
         tables: TableStores<'a>,
-        ring: Producer<'a, LaneEntry, IMMEDIATE>,
+        ring: Producer<'a, LaneEntry, IMMEDIATE_ENTRIES>,
     ) -> Self {
         let mut admission = Admission {
             configuration: Configuration::new(board.profile, 0),

@@ -72,7 +72,7 @@ pub struct Context<'x, const AXES: usize> {
 }
 
 /// Positions of PT and of slaves lie within ± this many pulses.
-pub const TRAVEL_PULSES: f64 = (Pos::TRAVEL.0 >> Pos::FRAC_BITS) as f64;
+pub const TRAVEL_PULSES: f64 = Pos::TRAVEL_PULSES as f64;
 
 /// What a command does in the thread besides its tick commands.
 #[derive(Debug, Clone, Copy)]

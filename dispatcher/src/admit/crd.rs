@@ -6,7 +6,7 @@ use crate::plan::look_ahead::ALONG_MIN;
 use crate::plan::path_queue::PathQueue;
 use crate::refuse::{Admitted, Refused, choice, finite, real, within};
 use crate::report::answer::{Answer, Query};
-use crate::shadow::{CrdChange, CrdParameters, Look, ShadowChange, executed};
+use crate::shadow::{CrdChange, CrdParameters, LookAheadSettings, ShadowChange, executed};
 use protocol::command::{
     CrdClear, CrdSpace, CrdStart, CrdStop, GetCrdLimit, GetRemainderSegNum, InitLookAhead, SetCrdLimit, SetCrdPrm,
     SetCrdStopDec, SetLaserFollowFilter, SetOverride, opcode,
@@ -278,7 +278,7 @@ pub fn look_ahead<const AXES: usize>(context: &mut Context<AXES>, r: &InitLookAh
         None
     } else {
         let corner = real(3, r.time_ms.get(), 0.0, VALUE_MAX)?;
-        Some(Look { corner, acc: between(4, r.acc_max.get())?, count })
+        Some(LookAheadSettings { corner, acc: between(4, r.acc_max.get())?, count })
     };
     if context.crd_shadow(crd).path(fifo).data.open {
         return Err(context.no_crd(Reason::CrdHolds, crd).field(2).got(fifo.into()));

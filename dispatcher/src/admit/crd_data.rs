@@ -55,7 +55,7 @@ fn is_faster(vel: f64, share: f64, limit: f64) -> bool {
 }
 
 /// A FIFO that is being filled.
-struct Filling<'x> {
+struct CrdFifoWrite<'x> {
     crd: Crd,
     fifo: u8,
     number: i16,
@@ -75,7 +75,7 @@ struct Filling<'x> {
 }
 
 /// The FIFO, if its content is known and its slots are free.
-fn open<'x, const AXES: usize>(context: &Context<'x, AXES>, target: &Target) -> Admitted<Filling<'x>> {
+fn open<'x, const AXES: usize>(context: &Context<'x, AXES>, target: &Target) -> Admitted<CrdFifoWrite<'x>> {
     let crd = context.crd(target.core, target.crd)?;
     let frame = context.frame(crd)?;
     let fifo = super::crd::fifo(target.fifo_field, target.fifo)?;
@@ -101,10 +101,24 @@ fn open<'x, const AXES: usize>(context: &Context<'x, AXES>, target: &Target) -> 
     let number = context.configuration.crd_number(crd);
     let limit = context.board.step_limit.pulses_per_ms() as f64;
     let (configuration, field) = (context.configuration, target.fifo_field);
-    Ok(Filling { crd, fifo, number, shadow, sampled, frame, path, begin, space, at_once, field, configuration, limit })
+    Ok(CrdFifoWrite {
+        crd,
+        fifo,
+        number,
+        shadow,
+        sampled,
+        frame,
+        path,
+        begin,
+        space,
+        at_once,
+        field,
+        configuration,
+        limit,
+    })
 }
 
-impl Filling<'_> {
+impl CrdFifoWrite<'_> {
     fn no(&self, reason: Reason) -> Refused {
         Refused::new(reason).axis(self.number)
     }
@@ -290,7 +304,7 @@ impl Filling<'_> {
         (queue, stores): (&mut PathQueue, &[EntryStore; 2]),
         queued: impl IntoIterator<Item = Queued>,
     ) -> f64 {
-        let Filling { sampled, fifo, path: PathShadow { cleared, .. }, .. } = *self;
+        let CrdFifoWrite { sampled, fifo, path: PathShadow { cleared, .. }, .. } = *self;
         let look = self.path.look.map(|look| (self.limits(look.corner, look.acc), look.count));
         queue.put(&Destination { cleared: *cleared, look, stores, sampled, fifo }, queued)
     }

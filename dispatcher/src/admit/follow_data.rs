@@ -31,7 +31,7 @@ const SLAVE_RATIO_MAX: f64 = 17_592_186_044_416.0;
 /// An entry as it was given. The fields of a segment are 2, 3, 4, 5 of its request; all other
 /// entries are checked already.
 #[derive(Debug, Clone, Copy)]
-enum Given {
+enum FollowItem {
     /// Master, slave, type, percent.
     Segment(f64, f64, i16, i16),
     Output(DoGroup, u8, bool),
@@ -44,7 +44,7 @@ enum Given {
 }
 
 /// One FIFO that is being filled.
-struct Filling<'x> {
+struct FollowFifoWrite<'x> {
     store: &'x SegmentStore,
     axis: Axis,
     fifo: u8,
@@ -55,22 +55,22 @@ struct Filling<'x> {
     shadow: FollowFifoShadow,
 }
 
-impl Filling<'_> {
+impl FollowFifoWrite<'_> {
     /// The entry after the end, and the state from which the next one continues.
-    fn check(&self, given: Given) -> Admitted<(FollowEntry, FollowChain)> {
+    fn check(&self, given: FollowItem) -> Admitted<(FollowEntry, FollowChain)> {
         if self.shadow.chain.entries() >= self.capacity {
             return Err(Refused::new(Reason::FifoFull).field(self.field).limits(0.0, self.capacity.into()));
         }
         let before = &self.shadow.chain;
         let admitted = match given {
-            Given::Segment(master, slave, kind, percent) => {
+            FollowItem::Segment(master, slave, kind, percent) => {
                 FollowEntry::segment(master.to_bits(), slave.to_bits(), kind, percent, self.direction, before)
             }
-            Given::Output(group, bit, high) => FollowEntry::output(group, bit, high, before),
-            Given::Delay(cycles) => FollowEntry::delay(cycles, before),
-            Given::Wait(input, index, high, ms) => FollowEntry::wait_input(input, index, high, ms, before),
-            Given::Switch(method) => FollowEntry::switch(method, before),
-            Given::Part(master, slave, part, begin) => {
+            FollowItem::Output(group, bit, high) => FollowEntry::output(group, bit, high, before),
+            FollowItem::Delay(cycles) => FollowEntry::delay(cycles, before),
+            FollowItem::Wait(input, index, high, ms) => FollowEntry::wait_input(input, index, high, ms, before),
+            FollowItem::Switch(method) => FollowEntry::switch(method, before),
+            FollowItem::Part(master, slave, part, begin) => {
                 let begin = begin.map(f64::to_bits);
                 FollowEntry::part(master.to_bits(), slave.to_bits(), part, begin, self.direction, before)
             }
@@ -79,29 +79,29 @@ impl Filling<'_> {
     }
 
     /// Writes one entry after the end.
-    fn add(&mut self, given: Given) -> Admitted<()> {
+    fn add(&mut self, given: FollowItem) -> Admitted<()> {
         let (entry, chain) = self.check(given)?;
         self.store.write_entry(self.fifo, self.shadow.chain.entries(), entry);
         self.shadow.chain = chain;
-        if let Given::Segment(master, slave, ..) | Given::Part(master, slave, ..) = given {
+        if let FollowItem::Segment(master, slave, ..) | FollowItem::Part(master, slave, ..) = given {
             (self.shadow.master, self.shadow.slave) = (master, slave);
         }
-        self.shadow.switches |= matches!(given, Given::Switch(Method::Table));
+        self.shadow.switches |= matches!(given, FollowItem::Switch(Method::Table));
         Ok(())
     }
 
     /// What was written to this FIFO.
     fn written(&self, percent1: i16) -> (Written, ShadowChange) {
-        let Filling { axis, fifo, cleared, shadow, .. } = *self;
+        let FollowFifoWrite { axis, fifo, cleared, shadow, .. } = *self;
         let answer = Answer::Entered { axis, fifo, percent1 };
         (Written::new(FifoOf::Axis(axis), fifo, answer), ShadowChange::FollowData { axis, fifo, cleared, shadow })
     }
 
     #[cold]
-    fn explain(&self, refused: follow::Refused, given: Given) -> Refused {
+    fn explain(&self, refused: follow::Refused, given: FollowItem) -> Refused {
         let (master, slave, kind, percent) = match given {
-            Given::Segment(master, slave, kind, percent) => (master, slave, kind, percent),
-            Given::Part(master, slave, ..) => (master, slave, 0, 0),
+            FollowItem::Segment(master, slave, kind, percent) => (master, slave, kind, percent),
+            FollowItem::Part(master, slave, ..) => (master, slave, 0, 0),
             _ => (0.0, 0.0, 0, 0),
         };
         let before = &self.shadow;
@@ -141,35 +141,35 @@ impl<const AXES: usize> Context<'_, AXES> {
         let (core, profile, fifo, field, given) = match number {
             opcode::FollowData => {
                 let r = one::<FollowData>(body)?;
-                let given = Given::Segment(r.master_segment.get().into(), r.slave_segment.get(), r.kind.get(), 0);
+                let given = FollowItem::Segment(r.master_segment.get().into(), r.slave_segment.get(), r.kind.get(), 0);
                 (r.core, r.profile, r.fifo, 5, given)
             }
             opcode::FollowDataPercentEx => {
                 let r = one::<FollowDataPercentEx>(body)?;
                 let given =
-                    Given::Segment(r.master_segment.get(), r.slave_segment.get(), r.kind.get(), r.percent.get());
+                    FollowItem::Segment(r.master_segment.get(), r.slave_segment.get(), r.kind.get(), r.percent.get());
                 (r.core, r.profile, r.fifo, 6, given)
             }
             opcode::FollowDoBitEx => {
                 let r = one::<FollowDoBitEx>(body)?;
                 let (group, bit, high) =
                     self.output_bit(r.core.get(), 2, (r.do_type.get(), r.index.get(), r.value.get()))?;
-                (r.core, r.profile, r.fifo, 5, Given::Output(group, bit, high))
+                (r.core, r.profile, r.fifo, 5, FollowItem::Output(group, bit, high))
             }
             opcode::FollowDelayEx => {
                 let r = one::<FollowDelayEx>(body)?;
-                (r.core, r.profile, r.fifo, 3, Given::Delay(r.delay_cycles.get()))
+                (r.core, r.profile, r.fifo, 3, FollowItem::Delay(r.delay_cycles.get()))
             }
             opcode::FollowDiBitEx => {
                 let r = one::<FollowDiBitEx>(body)?;
                 let (input, index, high) =
                     self.input_bit(r.core.get(), 2, (r.di_type.get(), r.index.get(), r.value.get()))?;
-                (r.core, r.profile, r.fifo, 6, Given::Wait(input, index, high, r.time_ms.get()))
+                (r.core, r.profile, r.fifo, 6, FollowItem::Wait(input, index, high, r.time_ms.get()))
             }
             _ => {
                 let r = one::<FollowSwitchNowEx>(body)?;
                 choice(3, r.buffer.get(), 0, 1)?;
-                (r.core, r.profile, r.fifo, 4, Given::Switch(method(r.method.get())?))
+                (r.core, r.profile, r.fifo, 4, FollowItem::Switch(method(r.method.get())?))
             }
         };
         let axis = self.following_axis(mode_of(number), core.get(), profile.get())?;
@@ -198,7 +198,7 @@ impl<const AXES: usize> Context<'_, AXES> {
         let mut filling = self.open_follow(stores, axis, r.fifo.get(), 7).map_err(|refused| refused.stands(stands))?;
         let named = |refused: Refused| refused.axis(self.configuration.number_of(axis)).stands(stands);
         // An error of its ends alone is reported as for any segment.
-        filling.check(Given::Segment(master, slave, 1, 0)).map_err(named)?;
+        filling.check(FollowItem::Segment(master, slave, 1, 0)).map_err(named)?;
         let (from, origin) = (filling.shadow.master, filling.shadow.slave);
         let length = master - from;
         let progress = length.abs();
@@ -226,7 +226,7 @@ impl<const AXES: usize> Context<'_, AXES> {
         let mut first = Some(begin);
         for (index, ((at, to), part)) in parts.into_iter().enumerate().filter_map(|(i, part)| Some((i, part?))) {
             let (at, to) = if Some(index) == last { (master, slave) } else { (at, to) };
-            filling.add(Given::Part(at, to, part, first.take())).map_err(named)?;
+            filling.add(FollowItem::Part(at, to, part, first.take())).map_err(named)?;
         }
         Ok(filling.written((x * 100.0 + 0.5) as i16))
     }
@@ -238,7 +238,7 @@ impl<const AXES: usize> Context<'_, AXES> {
         axis: Axis,
         fifo: i16,
         field: u8,
-    ) -> Admitted<Filling<'x>> {
+    ) -> Admitted<FollowFifoWrite<'x>> {
         let fifo = choice(field, fifo, 0, 1)? as u8;
         self.knows_follow_fifo(axis, field)?;
         let shadow = self.shadow(axis);
@@ -255,6 +255,6 @@ impl<const AXES: usize> Context<'_, AXES> {
         };
         let (capacity, data) = (shadow.follow.capacity(), *shadow.follow.fifo(fifo));
         let cleared = shadow.follow.cleared[usize::from(fifo & 1)];
-        Ok(Filling { store, axis, fifo, cleared, field, direction, capacity, shadow: data })
+        Ok(FollowFifoWrite { store, axis, fifo, cleared, field, direction, capacity, shadow: data })
     }
 }

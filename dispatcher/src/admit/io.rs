@@ -3,7 +3,7 @@ use super::axis::CYCLE_NS;
 use super::context::Context;
 use super::many;
 use crate::configuration::ones;
-use crate::io_types::{EDGES_READ_MAX, WORD, WORDS};
+use crate::io_words::{EDGES_READ_MAX, WORD, WORDS};
 use crate::refuse::{Admitted, Refused, bits_of, choice, within};
 use crate::report::answer::{Answer, Query};
 use crate::shadow::ShadowChange;

@@ -9,7 +9,7 @@
 use super::context::Context;
 use super::pvt::{not_in_use, table};
 use super::upload::Upload;
-use crate::plan::pvt::{Fields, Scratch, SplineScratch, TableDraft, TableKind, VALUES};
+use crate::plan::pvt::{Fields, POINT_VALUES, Scratch, SplineScratch, TableDraft, TableKind};
 use crate::refuse::{Admitted, Refused};
 use crate::report::answer::POINTS_MAX;
 use heapless::Vec;
@@ -82,14 +82,14 @@ impl<'b> Chunk<'b> {
     }
 
     /// The points, if there are any.
-    fn points(&self) -> Admitted<impl Iterator<Item = ([f64; VALUES], usize)> + 'b> {
+    fn points(&self) -> Admitted<impl Iterator<Item = ([f64; POINT_VALUES], usize)> + 'b> {
         let values = self.key.kind.values();
         let width = values * size_of::<f64>();
         if self.points.is_empty() {
             return Err(super::length(self.len, self.len + width));
         }
         Ok(self.points.chunks_exact(width).map(move |point| {
-            let mut numbers = [0.0; VALUES];
+            let mut numbers = [0.0; POINT_VALUES];
             for (number, bytes) in numbers.iter_mut().zip(point.as_chunks().0) {
                 *number = f64::from_le_bytes(*bytes);
             }

@@ -104,7 +104,7 @@ struct PlannedMotion {
 /// Its layout is fixed, so that zeroed memory holds empty ones.
 #[derive(Debug, Clone, Copy)]
 #[repr(u8)]
-enum Waiting {
+enum QueuedMotion {
     Empty,
     Motion(PlannedMotion),
     /// Any other entry; true if the path stops there.
@@ -123,7 +123,7 @@ pub struct Planned {
 /// The first motion whose junction may still turn out to be rounding, if there is one: its number,
 /// its entry, and the length from its start to the end of the last motion.
 #[derive(Debug, Clone, Copy)]
-struct Unsure {
+struct UndecidedJunction {
     number: u32,
     entry: usize,
     length: f64,
@@ -137,7 +137,7 @@ servo::state! {
             const { assert!(N.is_power_of_two(), "slots are counted modulo a power of two") };
             limits
         },
-        slots: [Waiting; N] = [Waiting::Empty; N],
+        slots: [QueuedMotion; N] = [QueuedMotion::Empty; N],
         /// Counters of the first entry, and of the one after the last.
         first: usize = 0,
         end: usize = 0,
@@ -149,7 +149,7 @@ servo::state! {
         moves: bool = false,
         effects: u32 = 0,
         chords: Chords = Chords::new(),
-        unsure: Unsure = Unsure { number: 0, entry: 0, length: 0.0 },
+        unsure: UndecidedJunction = UndecidedJunction { number: 0, entry: 0, length: 0.0 },
         /// The first entry whose junction was changed since the last plan.
         changed: Option<usize> = None,
         /// Speeds are not planned for all entries.
@@ -170,7 +170,7 @@ impl<const N: usize> LookAhead<N> {
         // Old content of the slots is void; a new value would take 36 KB of stack.
         (self.first, self.end, self.begin, self.last) = (0, 0, 0.0, None);
         (self.moves, self.effects, self.stale) = (false, 0, false);
-        self.unsure = Unsure { number: self.chords.next(), entry: 0, length: 0.0 };
+        self.unsure = UndecidedJunction { number: self.chords.next(), entry: 0, length: 0.0 };
         self.changed = None;
     }
 
@@ -207,11 +207,11 @@ impl<const N: usize> LookAhead<N> {
         self.last = Some(LastMotion { tangent: geometry.tangents[1], length: motion.length, vel: motion.vel, is_line });
         (self.moves, self.effects) = (true, 0);
         if !self.has_unsure() {
-            self.unsure = Unsure { number: self.chords.next(), entry: self.end, length: 0.0 };
+            self.unsure = UndecidedJunction { number: self.chords.next(), entry: self.end, length: 0.0 };
         }
         self.unsure.length += motion.length;
         self.chords.push(motion.direction, if is_line { motion.length } else { 0.0 }, stops);
-        self.push(Waiting::Motion(motion));
+        self.push(QueuedMotion::Motion(motion));
         self.decide(self.first);
         true
     }
@@ -236,8 +236,8 @@ impl<const N: usize> LookAhead<N> {
     /// this entry.
     fn decide(&mut self, before: usize) {
         while self.has_unsure() {
-            let Unsure { number, entry, length } = self.unsure;
-            let Waiting::Motion(motion) = self.slot(entry) else { return };
+            let UndecidedJunction { number, entry, length } = self.unsure;
+            let QueuedMotion::Motion(motion) = self.slot(entry) else { return };
             if motion.either {
                 let now = entry.wrapping_sub(before).cast_signed() < 0;
                 if !now && length < motion.vel * self.limits.corner && self.chords.has_room(number) {
@@ -245,7 +245,7 @@ impl<const N: usize> LookAhead<N> {
                 }
                 let vel = self.vel_before(entry).map_or(motion.vel, |before| motion.vel.min(before));
                 let start = self.chords.without_rounding(&motion.start, number, vel, &self.limits);
-                if let Some(Waiting::Motion(motion)) = self.slots.get_mut(entry & (N - 1)) {
+                if let Some(QueuedMotion::Motion(motion)) = self.slots.get_mut(entry & (N - 1)) {
                     (motion.start, motion.either) = start;
                 }
                 (self.changed, self.stale) = (self.changed.or(Some(entry)), true);
@@ -258,7 +258,7 @@ impl<const N: usize> LookAhead<N> {
     fn vel_before(&self, mut entry: usize) -> Option<f64> {
         while entry != self.first {
             entry = entry.wrapping_sub(1);
-            if let Waiting::Motion(motion) = self.slot(entry) {
+            if let QueuedMotion::Motion(motion) = self.slot(entry) {
                 return Some(motion.vel);
             }
         }
@@ -267,17 +267,17 @@ impl<const N: usize> LookAhead<N> {
 
     /// On to the junction after.
     fn pass_unsure(&mut self) {
-        let Unsure { number, entry, length } = self.unsure;
-        let own = if let Waiting::Motion(motion) = self.slot(entry) { motion.length } else { 0.0 };
+        let UndecidedJunction { number, entry, length } = self.unsure;
+        let own = if let QueuedMotion::Motion(motion) = self.slot(entry) { motion.length } else { 0.0 };
         let entry = self.motion_after(entry);
-        self.unsure = Unsure { number: number.wrapping_add(1), entry, length: length - own };
+        self.unsure = UndecidedJunction { number: number.wrapping_add(1), entry, length: length - own };
     }
 
     /// The next motion, or the end.
     fn motion_after(&self, mut entry: usize) -> usize {
         loop {
             entry = entry.wrapping_add(1);
-            if entry == self.end || matches!(self.slot(entry), Waiting::Motion(_)) {
+            if entry == self.end || matches!(self.slot(entry), QueuedMotion::Motion(_)) {
                 return entry;
             }
         }
@@ -293,7 +293,7 @@ impl<const N: usize> LookAhead<N> {
             self.decide(self.end);
         }
         self.effects = self.effects.saturating_add(entry.load());
-        self.push(Waiting::Other(entry, entry.is_wait()));
+        self.push(QueuedMotion::Other(entry, entry.is_wait()));
         true
     }
 
@@ -306,7 +306,7 @@ impl<const N: usize> LookAhead<N> {
         self.unsure.entry = self.unsure.entry.wrapping_add(by);
     }
 
-    fn push(&mut self, slot: Waiting) {
+    fn push(&mut self, slot: QueuedMotion) {
         if let Some(position) = self.slots.get_mut(self.end & (N - 1)) {
             *position = slot;
         }
@@ -314,8 +314,8 @@ impl<const N: usize> LookAhead<N> {
         self.stale = true;
     }
 
-    fn slot(&self, counter: usize) -> &Waiting {
-        self.slots.get(counter & (N - 1)).unwrap_or(&Waiting::Empty)
+    fn slot(&self, counter: usize) -> &QueuedMotion {
+        self.slots.get(counter & (N - 1)).unwrap_or(&QueuedMotion::Empty)
     }
 
     /// The limits of motions that are pushed now.
@@ -374,10 +374,10 @@ impl<const N: usize> LookAhead<N> {
     fn end_of(&self, mut counter: usize) -> ((Junction, bool), f64, [bool; 2]) {
         while counter != self.end {
             match self.slot(counter) {
-                Waiting::Motion(motion) => {
+                QueuedMotion::Motion(motion) => {
                     return ((motion.start, motion.either), motion.high, [motion.settled, self.is_sure(counter)]);
                 }
-                Waiting::Other(_, true) => return ((STANDSTILL, false), 0.0, [true; 2]),
+                QueuedMotion::Other(_, true) => return ((STANDSTILL, false), 0.0, [true; 2]),
                 _ => counter = counter.wrapping_add(1),
             }
         }
@@ -395,7 +395,7 @@ impl<const N: usize> LookAhead<N> {
         let mut counter = self.end;
         while counter != self.first {
             counter = counter.wrapping_sub(1);
-            let Waiting::Motion(motion) = self.slot(counter) else { continue };
+            let QueuedMotion::Motion(motion) = self.slot(counter) else { continue };
             // What is before the first junction that was changed is as it was, but for its end.
             let same = changed.is_none_or(|changed| counter.wrapping_sub(changed).cast_signed() < 0);
             if motion.settled && same {
@@ -410,7 +410,7 @@ impl<const N: usize> LookAhead<N> {
                 return;
             }
             (after, end, end_sure) = (high, (motion.start, motion.either), sure);
-            if let Some(Waiting::Motion(motion)) = self.slots.get_mut(counter & (N - 1)) {
+            if let Some(QueuedMotion::Motion(motion)) = self.slots.get_mut(counter & (N - 1)) {
                 (motion.high, motion.settled) = (high, settled);
             }
         }
@@ -427,13 +427,13 @@ impl<const N: usize> LookAhead<N> {
         }
         self.plan();
         let motion = match self.slot(self.first) {
-            Waiting::Motion(motion) => motion,
-            Waiting::Other(entry, _) => {
+            QueuedMotion::Motion(motion) => motion,
+            QueuedMotion::Other(entry, _) => {
                 let entry = *entry;
                 self.first = self.first.wrapping_add(1);
                 return Some(Planned { entry, ms: 0.0 });
             }
-            Waiting::Empty => return None,
+            QueuedMotion::Empty => return None,
         };
         let (junction, high, [settled, sure]) = self.end_of(self.first.wrapping_add(1));
         let bounds = self.bounds(motion, &junction);

@@ -14,7 +14,7 @@ use super::look_ahead::{Limits, LookAhead};
 use servo::path::{ENTRIES, EntryContent, EntryStore, PathEntries, PathEntry};
 use servo::view::CrdView;
 
-pub use crate::capacity::LOOK_AHEAD;
+pub use crate::capacity::LOOK_AHEAD_ENTRIES;
 
 /// The tick's data of a running path lasts at least this long, if there is more, ms. That is longer
 /// than the thread is ever away.
@@ -24,17 +24,17 @@ const UNITS_PER_MS: f64 = 1024.0;
 
 /// How long an entry lasts, to 1 in 2048 and up to two minutes, rounded down.
 #[derive(Debug, Clone, Copy)]
-struct Lasting(u16);
+struct PackedDuration(u16);
 
-impl Lasting {
-    const NONE: Lasting = Lasting(0);
+impl PackedDuration {
+    const NONE: PackedDuration = PackedDuration(0);
     /// Bits of the mantissa; the bits above are its shift to the left.
     const BITS: u32 = 12;
 
-    fn of(ms: f64) -> Lasting {
+    fn of(ms: f64) -> PackedDuration {
         let units = (ms * UNITS_PER_MS).max(0.0).min(f64::from(((1u32 << Self::BITS) - 1) << 15)) as u32;
         let shift = (u32::BITS - units.leading_zeros()).saturating_sub(Self::BITS);
-        Lasting((units >> shift) as u16 | (shift as u16) << Self::BITS)
+        PackedDuration((units >> shift) as u16 | (shift as u16) << Self::BITS)
     }
 
     fn units(self) -> u64 {
@@ -70,9 +70,9 @@ pub struct Destination<'x> {
 servo::state! {
     /// The data of one FIFO before the tick. All its bytes are zero at the beginning.
     pub struct PathQueue {
-        look: LookAhead<LOOK_AHEAD> = LookAhead::new(Limits { vel: [0.0; 4], acc: [0.0; 4], corner: 0.0 }),
+        look: LookAhead<LOOK_AHEAD_ENTRIES> = LookAhead::new(Limits { vel: [0.0; 4], acc: [0.0; 4], corner: 0.0 }),
         /// How long each entry lasts, by its counter.
-        times: [Lasting; ENTRIES] = [Lasting::NONE; ENTRIES],
+        times: [PackedDuration; ENTRIES] = [PackedDuration::NONE; ENTRIES],
         /// The sum of those that are not over.
         sum: u64 = 0,
         first: u32 = 0,
@@ -152,7 +152,7 @@ impl PathQueue {
     fn prepare(&mut self, cleared: u32, look: Option<(Limits, u16)>) {
         self.follow(cleared);
         if let Some((limits, count)) = look {
-            self.count = usize::from(count).clamp(1, LOOK_AHEAD);
+            self.count = usize::from(count).clamp(1, LOOK_AHEAD_ENTRIES);
             if self.look.is_empty() {
                 self.look.set_limits(limits);
             }
@@ -173,7 +173,7 @@ impl PathQueue {
     }
 
     fn write(&mut self, store: &EntryStore, entry: PathEntry, ms: f64) {
-        let lasting = Lasting::of(ms);
+        let lasting = PackedDuration::of(ms);
         if let Some(slot) = self.times.get_mut(self.end as usize % ENTRIES) {
             *slot = lasting;
         }
@@ -285,10 +285,10 @@ mod tests {
     #[test]
     fn an_entrys_time_is_kept_to_1_in_2048() {
         for ms in [0.0, 1.0 / 1024.0, 0.5, 3.9, 4.0, 10.0, 63.99, 64.0, 1000.1, 60_000.0, 131_000.0] {
-            let kept = Lasting::of(ms).units() as f64 / UNITS_PER_MS;
+            let kept = PackedDuration::of(ms).units() as f64 / UNITS_PER_MS;
             assert!(kept <= ms && kept > ms * (1.0 - 1.0 / 2048.0) - 1.0 / 1024.0, "{ms}: {kept}");
         }
-        assert_eq!(Lasting::of(1e9).units(), 4095 << 15);
-        assert_eq!(Lasting::of(f64::NAN).units(), 0);
+        assert_eq!(PackedDuration::of(1e9).units(), 4095 << 15);
+        assert_eq!(PackedDuration::of(f64::NAN).units(), 0);
     }
 }

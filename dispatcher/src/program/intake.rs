@@ -21,7 +21,7 @@ use crate::admit::written::Written;
 use crate::admit::{kind, one};
 use crate::refuse::{Admitted, Refused};
 use crate::report::answer::{Answer, POINTS_MAX, TAKEN_MAX};
-use crate::report::pending_replies::{Awaiting, Handled};
+use crate::report::pending_replies::{Awaiting, RecordOutcome};
 use crate::shadow::{ShadowChange, seq_after, seq_from};
 use protocol::command::{CommandKind, ProgramEnd, Sleep, WaitStop, class, opcode};
 use protocol::reason::Reason;
@@ -52,11 +52,11 @@ impl Program<'_> {
                 return progress;
             }
             match self.take_record(poll) {
-                Ok(Handled::Taken) => {
+                Ok(RecordOutcome::Taken) => {
                     self.pop_record();
                     progress = true;
                 }
-                Ok(Handled::Wait) => {
+                Ok(RecordOutcome::Wait) => {
                     self.settle(poll);
                     return progress;
                 }
@@ -133,10 +133,10 @@ impl Program<'_> {
     }
 
     /// Admits the record in hand and pushes what it becomes.
-    fn take_record<const AXES: usize>(&mut self, poll: &mut Poll<AXES>) -> Admitted<Handled> {
+    fn take_record<const AXES: usize>(&mut self, poll: &mut Poll<AXES>) -> Admitted<RecordOutcome> {
         let view = poll.view;
         let due = self.due(view);
-        let Some((head, body)) = self.records.front() else { return Ok(Handled::Wait) };
+        let Some((head, body)) = self.records.front() else { return Ok(RecordOutcome::Wait) };
         let due = DueInstant { may_fail: head.may_fail, ..due };
         let (answer, effect, own) = match head.opcode {
             number if class(number).is_some_and(|class| !class.lanes.in_program()) => {
@@ -149,14 +149,14 @@ impl Program<'_> {
                 }
                 self.script.delay = self.script.delay.saturating_add(sleep.ns.get());
                 self.attach(head.opcode, head.tag, Answer::Done);
-                return Ok(Handled::Taken);
+                return Ok(RecordOutcome::Taken);
             }
             number if is_data(number, body) => {
                 let written = poll.admission.admit_data(view, due, number, body)?;
                 self.stream(poll.admission, view, (written.of, written.fifo));
                 self.replies.keep(written.waiting());
                 self.commit_data(poll.admission, head, &written);
-                return Ok(Handled::Taken);
+                return Ok(RecordOutcome::Taken);
             }
             opcode::PathMany => {
                 let advance = poll.admission.admit_joined(view, due, body, &mut self.joined, &mut self.replies)?;
@@ -164,7 +164,7 @@ impl Program<'_> {
             }
             number if kind(number) == Some(CommandKind::Calculate) => {
                 if !self.replies.has_room(POINTS_MAX) {
-                    return Ok(Handled::Wait);
+                    return Ok(RecordOutcome::Wait);
                 }
                 let mut count = 0;
                 poll.admission.calculate(view, 1, number, body, |values| {
@@ -173,13 +173,13 @@ impl Program<'_> {
                     true
                 })?;
                 self.attach(number, head.tag, Answer::Values(count));
-                return Ok(Handled::Taken);
+                return Ok(RecordOutcome::Taken);
             }
             opcode::WaitStop => {
                 let wait: WaitStop = one(body)?;
                 if self.script.pauses.is_full() || !poll.admission.wait_stop(view, due, &wait)? {
                     self.urgent = self.runs(view);
-                    return Ok(Handled::Wait);
+                    return Ok(RecordOutcome::Wait);
                 }
                 (Answer::Done, Effect::None, true)
             }
@@ -200,7 +200,7 @@ impl Program<'_> {
         }
         // Only a Reset may be too much here; its admission can be repeated.
         if self.lane.room() < self.pending_commits.count() + poll.admission.staged.commands().len() {
-            return Ok(Handled::Wait);
+            return Ok(RecordOutcome::Wait);
         }
         if poll.admission.staged.commands().is_empty() {
             if let Answer::Read(_) = answer {
@@ -212,7 +212,7 @@ impl Program<'_> {
             }
             poll.admission.apply(effect, self.lane.last());
             self.attach(head.opcode, head.tag, answer);
-            return Ok(Handled::Taken);
+            return Ok(RecordOutcome::Taken);
         }
         self.flush(poll.admission);
         if let (Effect::Took(values), Answer::Took { count, .. }) = (effect, answer) {
@@ -232,7 +232,7 @@ impl Program<'_> {
             may_fail: head.may_fail,
             ..Awaiting::BLANK
         });
-        Ok(Handled::Taken)
+        Ok(RecordOutcome::Taken)
     }
 
     /// Pushes one entry; the caller has checked that there is room.
@@ -288,7 +288,7 @@ impl Program<'_> {
         view: &View<AXES>,
         head: RecordHead,
         advance: Advance,
-    ) -> Admitted<Handled> {
+    ) -> Admitted<RecordOutcome> {
         let Advance { written, count, end } = advance;
         let answer = if let End::Done(answer) = end { answer } else { Answer::Part(count) };
         match written {
@@ -301,8 +301,8 @@ impl Program<'_> {
             None => {}
         }
         match end {
-            End::Done(_) => Ok(Handled::Taken),
-            End::NoRoom => Ok(Handled::Wait),
+            End::Done(_) => Ok(RecordOutcome::Taken),
+            End::NoRoom => Ok(RecordOutcome::Wait),
             End::Refused(refused) => Err(self.joined.refuse(refused)),
         }
     }
@@ -331,19 +331,19 @@ impl Program<'_> {
     }
 
     /// LoadConfig, item by item.
-    fn take_config<const AXES: usize>(&mut self, poll: &mut Poll<AXES>) -> Handled {
+    fn take_config<const AXES: usize>(&mut self, poll: &mut Poll<AXES>) -> RecordOutcome {
         self.flush(poll.admission);
         let mut item = self.config.unwrap_or(0);
         loop {
             self.config = Some(item);
-            let Some((head, body)) = self.records.front() else { return Handled::Wait };
+            let Some((head, body)) = self.records.front() else { return RecordOutcome::Wait };
             if !poll.admission.stage_config(poll.view, body, item) {
                 self.config = None;
                 self.attach(head.opcode, head.tag, Answer::Done);
-                return Handled::Taken;
+                return RecordOutcome::Taken;
             }
             if self.lane.room() < poll.admission.staged.commands().len() {
-                return Handled::Wait;
+                return RecordOutcome::Wait;
             }
             self.push_staged(poll.admission);
             item = item.saturating_add(1);

@@ -27,10 +27,10 @@ use crate::admit::admission::Admission;
 use crate::admit::context::DueInstant;
 use crate::admit::joined::Joined;
 use crate::admit::one;
-use crate::capacity::{AWAITING, VALUES};
+use crate::capacity::{AWAITING_REPLIES, AWAITING_VALUES};
 use crate::refuse::{Admitted, FifoOf, Refused};
 use crate::report::answer::Sent;
-use crate::report::pending_replies::{Handled, PendingReplies};
+use crate::report::pending_replies::{PendingReplies, RecordOutcome};
 use crate::shadow::{PROGRAM_FLAG, ShadowChange, Shadows, executed, renew};
 use crate::tick_queue::TickQueue;
 use pending_commits::PendingCommits;
@@ -42,7 +42,7 @@ use record_queue::{QUEUE_BYTES, RECORD_BYTES, RecordHead, Records};
 use reported::Reported;
 use ring::Producer;
 use script::ScriptShadow;
-use servo::tick::PROGRAM;
+use servo::tick::PROGRAM_ENTRIES;
 use servo::tick_command::{LaneEntry, TickCommand};
 use servo::view::View;
 use zerocopy::IntoBytes;
@@ -110,9 +110,9 @@ struct Ending {
 servo::state! {
     /// The program queue.
     pub struct Program<'a> {
-        lane: TickQueue<'a, PROGRAM> = TickQueue::new(ring, PROGRAM_FLAG),
+        lane: TickQueue<'a, PROGRAM_ENTRIES> = TickQueue::new(ring, PROGRAM_FLAG),
         records: Records = Records::new(),
-        replies: PendingReplies<AWAITING, VALUES> = PendingReplies::new(),
+        replies: PendingReplies<AWAITING_REPLIES, AWAITING_VALUES> = PendingReplies::new(),
         state: ProgramState = ProgramState::Empty,
         run: Run = Run::default(),
         script: ScriptShadow = ScriptShadow::default(),
@@ -138,7 +138,7 @@ servo::state! {
         waits_for: Option<(FifoOf, u8)> = None,
     }
     /// An empty queue.
-    pub fn new(ring: Producer<'a, LaneEntry, PROGRAM>);
+    pub fn new(ring: Producer<'a, LaneEntry, PROGRAM_ENTRIES>);
 }
 
 impl<'a> Program<'a> {
@@ -238,7 +238,7 @@ impl<'a> Program<'a> {
     }
 
     /// Takes a record of lane 1 into the queue; data that need not wait is admitted at once.
-    pub fn offer<const AXES: usize>(&mut self, poll: &mut Poll<AXES>, record: &RequestRecord) -> Handled {
+    pub fn offer<const AXES: usize>(&mut self, poll: &mut Poll<AXES>, record: &RequestRecord) -> RecordOutcome {
         let may_fail = record.lane == Lane::ProgramMayFail;
         let head = RecordHead { opcode: record.opcode, tag: record.tag, may_fail };
         let view = poll.view;
@@ -249,13 +249,13 @@ impl<'a> Program<'a> {
                 self.stream(poll.admission, view, (written.of, written.fifo));
                 self.replies.keep(written.waiting());
                 self.commit_data(poll.admission, head, &written);
-                return Handled::Taken;
+                return RecordOutcome::Taken;
             }
         }
         if self.overflowed || record.body.len() + RECORD_BYTES > self.records.space() {
             let full = Refused::new(Reason::QueueFull).got(self.records.space() as f64).limits(0.0, QUEUE_BYTES as f64);
-            let step = Handled::of(poll.out.refused(record.opcode, record.tag, &full.wire));
-            self.overflowed |= step == Handled::Taken;
+            let step = RecordOutcome::of(poll.out.refused(record.opcode, record.tag, &full.wire));
+            self.overflowed |= step == RecordOutcome::Taken;
             return step;
         }
         if self.state == ProgramState::Empty {
@@ -265,7 +265,7 @@ impl<'a> Program<'a> {
         self.records.push(head, record.body);
         self.reported.accepted = self.reported.accepted.wrapping_add(1);
         self.settled = false;
-        Handled::Taken
+        RecordOutcome::Taken
     }
 
     /// ProgramStart, ProgramClear, ProgramStatus.
@@ -273,18 +273,18 @@ impl<'a> Program<'a> {
         &mut self,
         admission: &mut Admission<'_, AXES>,
         record: &RequestRecord,
-    ) -> Admitted<Handled> {
+    ) -> Admitted<RecordOutcome> {
         match record.opcode {
             opcode::ProgramStart => {
                 let start: ProgramStart = one(record.body)?;
                 if self.is_dropping() || !self.settled {
-                    return Ok(Handled::Wait);
+                    return Ok(RecordOutcome::Wait);
                 }
                 if !matches!(self.state, ProgramState::Empty | ProgramState::Held) {
                     return Err(Refused::new(Reason::ProgramOnlyHeld));
                 }
                 if admission.lane.room() == 0 {
-                    return Ok(Handled::Wait);
+                    return Ok(RecordOutcome::Wait);
                 }
                 if self.state == ProgramState::Empty {
                     self.begin();
@@ -297,25 +297,25 @@ impl<'a> Program<'a> {
                 (self.reported.overruns[1], self.reported.answered) = (self.reported.overruns[0], (0, 0));
                 self.ending.strict = start.strict != 0;
                 self.state = ProgramState::Running;
-                Ok(Handled::Taken)
+                Ok(RecordOutcome::Taken)
             }
             opcode::ProgramClear => {
                 one::<ProgramClear>(record.body)?;
                 if self.state == ProgramState::Empty && !self.ending.clears {
-                    return Ok(Handled::Taken);
+                    return Ok(RecordOutcome::Taken);
                 }
                 if !self.ending.clears {
                     self.cut(ProgramState::Stopped);
                     self.ending.clears = true;
                 }
                 // `advance` empties it; the reply reports that it is done.
-                Ok(Handled::Wait)
+                Ok(RecordOutcome::Wait)
             }
             _ => {
                 one::<ProgramStatus>(record.body)?;
                 // The client has asked: it knows what was taken.
                 self.overflowed = false;
-                Ok(Handled::Taken)
+                Ok(RecordOutcome::Taken)
             }
         }
     }

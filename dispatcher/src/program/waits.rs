@@ -14,7 +14,7 @@ use servo::view::{AxisView, CrdView, View};
 const WAITS_KEPT: usize = 3;
 
 #[derive(Debug, Clone, Copy)]
-struct Pause {
+struct PendingWaitStop {
     seq: u32,
     /// The first entry of a later instant; 0 is none: numbers of this lane have a flag.
     later: u32,
@@ -26,7 +26,7 @@ struct Pause {
 #[derive(Debug, Default)]
 pub(super) struct Pauses {
     /// Those whose end is not known yet.
-    kept: Deque<Pause, WAITS_KEPT>,
+    kept: Deque<PendingWaitStop, WAITS_KEPT>,
     /// The last one pushed.
     pub last: Option<u32>,
 }
@@ -52,7 +52,7 @@ impl Pauses {
         if let TickCommand::WaitStandstill { .. } = command {
             self.last = Some(seq);
             // No more than fit are in flight.
-            self.kept.push_back(Pause { seq, later: 0, instant }).ok();
+            self.kept.push_back(PendingWaitStop { seq, later: 0, instant }).ok();
         }
     }
 
@@ -106,7 +106,7 @@ impl Pauses {
 /// Whether it ends on the tick after the view.
 fn is_over<'c, const AXES: usize>(
     view: &View<AXES>,
-    pause: &Pause,
+    pause: &PendingWaitStop,
     changes: impl Iterator<Item = &'c (u32, ShadowChange)>,
 ) -> bool {
     if view.script_zero.0.saturating_add(pause.instant) >= view.now.0.saturating_add(view.period.0) {

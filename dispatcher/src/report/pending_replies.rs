@@ -140,17 +140,17 @@ pub type TickRefusal = (u32, Refuser);
 
 /// Whether a record was handled.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Handled {
+pub enum RecordOutcome {
     /// It was handled.
     Taken,
     /// Not now: try again after the next tick or frame. Nothing has changed.
     Wait,
 }
 
-impl Handled {
+impl RecordOutcome {
     /// A reply that did not fit is tried again.
-    pub fn of(written: Sent) -> Handled {
-        if written.is_ok() { Handled::Taken } else { Handled::Wait }
+    pub fn of(written: Sent) -> RecordOutcome {
+        if written.is_ok() { RecordOutcome::Taken } else { RecordOutcome::Wait }
     }
 }
 

@@ -14,7 +14,7 @@ use super::event_log::{EVENTS_KEPT, Log};
 use crate::board::{BoardConstants, FAULT_TEXT_MAX, Fault, FaultKind, TICK_BUCKET_NS, TICK_BUCKETS};
 use crate::bounded_vec::collect;
 use crate::configuration::{Configuration, ones};
-use crate::io_types::{EDGES_READ_MAX, WORD, WORDS};
+use crate::io_words::{EDGES_READ_MAX, WORD, WORDS};
 use crate::report::answer::{POINTS_MAX, Query, Sent, TAKEN_MAX};
 use crate::shadow::Shadows;
 use heapless::Vec;
@@ -23,7 +23,7 @@ use protocol::record::ReplyWriter;
 use protocol::values::{ANALOG_INPUT_VOLTS, io as kind, mode, wait};
 use servo::laser::{CHANNELS, Count, Power, PowerMode, PowerTables, dac_counts};
 use servo::port::AxisInputs;
-use servo::segment::follow::{Awaited, Input};
+use servo::segment::follow::{Input, WaitCondition};
 use servo::segment::piece::Scaled;
 use servo::status::RUNNING;
 use servo::units::Axis;
@@ -360,8 +360,8 @@ impl<const AXES: usize> Reading<'_, AXES> {
         let per_core = self.configuration.per_core().max(1);
         match axis.waits.what() {
             None => command::WaitReply::default(),
-            Some(Awaited::Pass) => command::WaitReply { kind: wait::PASS, ..Default::default() },
-            Some(Awaited::Input { input, index, high, limited }) => {
+            Some(WaitCondition::Pass) => command::WaitReply { kind: wait::PASS, ..Default::default() },
+            Some(WaitCondition::Input { input, index, high, limited }) => {
                 let (di_type, of) = match input {
                     Input::LimitPositive => (kind::LIMIT_POSITIVE, per_core),
                     Input::LimitNegative => (kind::LIMIT_NEGATIVE, per_core),

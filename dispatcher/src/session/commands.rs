@@ -16,12 +16,12 @@ use crate::refuse::Refused;
 use crate::report::answer::Answer;
 use crate::report::event_log::{EventKind, ShutOff};
 use crate::report::path_many::KEPT;
-use crate::report::pending_replies::{Awaiting, Handled, PendingReplies, TickRefusal};
-use crate::shadow::{AxisShadow, CAPACITY, Renewed, ShadowChange, Watch, executed};
+use crate::report::pending_replies::{Awaiting, PendingReplies, RecordOutcome, TickRefusal};
+use crate::shadow::{AxisShadow, CAPACITY, RefreshedNumbers, ShadowChange, Watch, executed};
 use protocol::command;
 use protocol::path_many::HELD_AT_ONCE;
 use protocol::record::{ReplyWriter, RequestRecord};
-use servo::tick::IMMEDIATE;
+use servo::tick::IMMEDIATE_ENTRIES;
 use servo::tick_command::TickCommand;
 use servo::units::Crd;
 use servo::view::{AxisView, View};
@@ -34,8 +34,8 @@ const _: () = assert!((HELD_AT_ONCE + 1) * KEPT <= TAKEN, "a PathMany reports as
 pub struct CommandHandler<'a, const AXES: usize> {
     /// Admits commands.
     pub admission: Admission<'a, AXES>,
-    renewed: Renewed,
-    replies: PendingReplies<IMMEDIATE, TAKEN>,
+    renewed: RefreshedNumbers,
+    replies: PendingReplies<IMMEDIATE_ENTRIES, TAKEN>,
     /// The next item of the LoadConfig in hand.
     config: Option<u16>,
     /// The PathMany in hand.
@@ -47,7 +47,7 @@ pub struct CommandHandler<'a, const AXES: usize> {
 impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
     /// A command handler at power-on.
     pub fn new(admission: Admission<'a, AXES>) -> Self {
-        let (renewed, replies) = (Renewed::default(), PendingReplies::new());
+        let (renewed, replies) = (RefreshedNumbers::default(), PendingReplies::new());
         CommandHandler { admission, renewed, replies, config: None, joined: Joined::default(), is_lagging: false }
     }
 
@@ -159,17 +159,17 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
         self.replies.items.is_empty() && !self.admission.lane.in_flight()
     }
 
-    fn refuse(&self, record: &RequestRecord, refused: Refused, out: &mut ReplyWriter) -> Handled {
+    fn refuse(&self, record: &RequestRecord, refused: Refused, out: &mut ReplyWriter) -> RecordOutcome {
         if !self.is_quiet() {
-            return Handled::Wait;
+            return RecordOutcome::Wait;
         }
-        Handled::of(out.refused(record.opcode, record.tag, &refused.wire))
+        RecordOutcome::of(out.refused(record.opcode, record.tag, &refused.wire))
     }
 
-    fn await_last(&mut self, record: &RequestRecord, answer: Answer, own: bool) -> Handled {
+    fn await_last(&mut self, record: &RequestRecord, answer: Answer, own: bool) -> RecordOutcome {
         let seq = self.admission.lane.in_flight().then(|| self.admission.lane.last());
         self.replies.push(Awaiting { opcode: record.opcode, tag: record.tag, seq, own, answer, ..Awaiting::BLANK });
-        Handled::Taken
+        RecordOutcome::Taken
     }
 
     /// A new session begins with light off and the supervision of power-on. False if the lane has

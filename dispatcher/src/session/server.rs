@@ -14,7 +14,7 @@ use crate::plan::path_queue::PathQueue;
 use crate::program::{Poll, Program};
 use crate::report::answer::Refuser;
 use crate::report::event_log::EventKind;
-use crate::report::pending_replies::Handled;
+use crate::report::pending_replies::RecordOutcome;
 use protocol::frame::OPENING_WIRE;
 use protocol::link::{Endpoint, Identity, Role, TakeOver};
 use protocol::record::{Lane, ReplyHead, ReplyWriter, TRACE_RECORD, requests};
@@ -22,7 +22,7 @@ use ring::{Consumer, Producer, Reader};
 use servo::path::PathStores;
 use servo::segment::pt::SegmentStore;
 use servo::tables::TableStores;
-pub use servo::tick::{EVENTS, IMMEDIATE, PROGRAM, SAMPLES, SEGMENTS};
+pub use servo::tick::{EVENTS, IMMEDIATE_ENTRIES, PROGRAM_ENTRIES, SEGMENTS, TRACE_SAMPLES};
 use servo::tick_command::{Lane as TickLane, LaneEntry};
 use servo::units::Ns;
 use servo::view::{Event, Sample, View};
@@ -41,15 +41,15 @@ const TRACE_HEAD: usize = size_of::<ReplyHead>();
 /// The thread's halves of the queues between thread and tick.
 pub struct ThreadHalves<'a, const AXES: usize> {
     /// Tick commands for the next tick.
-    pub immediate: Producer<'a, LaneEntry, IMMEDIATE>,
+    pub immediate: Producer<'a, LaneEntry, IMMEDIATE_ENTRIES>,
     /// Timed tick commands of a program.
-    pub program: Producer<'a, LaneEntry, PROGRAM>,
+    pub program: Producer<'a, LaneEntry, PROGRAM_ENTRIES>,
     /// The newest view.
     pub view: Reader<'a, View<AXES>>,
     /// Events.
     pub events: Consumer<'a, Event, EVENTS>,
     /// Trace samples.
-    pub samples: Consumer<'a, Sample, SAMPLES>,
+    pub samples: Consumer<'a, Sample, TRACE_SAMPLES>,
     /// PT segments of every axis.
     pub stores: &'a [SegmentStore; AXES],
     /// FIFOs of coordinate systems, as the tick has them.
@@ -74,7 +74,7 @@ servo::state! {
         program: Program<'a> = Program::new(channels.program),
         view: Reader<'a, View<AXES>> = channels.view,
         events: Consumer<'a, Event, EVENTS> = channels.events,
-        samples: Consumer<'a, Sample, SAMPLES> = channels.samples,
+        samples: Consumer<'a, Sample, TRACE_SAMPLES> = channels.samples,
         /// The time of the last call that gave it.
         time: Ns = Ns(0),
         session: Option<u32> = None,
@@ -179,10 +179,10 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
                         Ok(record) => self.handler.immediate(&mut self.program, view, &record, &mut writer),
                         Err(malformed) => {
                             let (opcode, tag) = malformed.head.unwrap_or((0, 0));
-                            Handled::of(writer.refused(opcode, tag, &malformed.refusal()))
+                            RecordOutcome::of(writer.refused(opcode, tag, &malformed.refusal()))
                         }
                     };
-                    if step == Handled::Wait {
+                    if step == RecordOutcome::Wait {
                         over = false;
                         break;
                     }

@@ -58,7 +58,7 @@ impl CrdParameters {
 
 /// Look-ahead of a FIFO.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Look {
+pub struct LookAheadSettings {
     /// Corner time, ms.
     pub corner: f64,
     /// Acceleration of every coordinate that has no limit of its own, pulse/ms².
@@ -90,8 +90,9 @@ pub struct PathData {
     pub geared: Axis,
     pub gear: u32,
     /// Motions after the last one that takes a coordinate to a target of its own, four bits for
-    /// each: up to [`Ages::MANY`], or [`Ages::NEVER`]. Without a target it stays where the path is.
-    ages: Ages,
+    /// each: up to [`CoordinateAges::MANY`], or [`CoordinateAges::NEVER`]. Without a target it
+    /// stays where the path is.
+    ages: CoordinateAges,
     /// Highest speed at the end of the last motion, pulse/ms, rounded down. Without look-ahead the
     /// next one may begin faster than its own speed.
     pub leaves: f32,
@@ -99,15 +100,15 @@ pub struct PathData {
 
 /// See [`PathData`].
 #[derive(Debug, Clone, Copy)]
-struct Ages(u16);
+struct CoordinateAges(u16);
 
-impl Default for Ages {
+impl Default for CoordinateAges {
     fn default() -> Self {
-        Ages(u16::MAX)
+        CoordinateAges(u16::MAX)
     }
 }
 
-impl Ages {
+impl CoordinateAges {
     const NEVER: u16 = 15;
     /// So many, or more.
     const MANY: u16 = 14;
@@ -115,29 +116,29 @@ impl Ages {
     fn each(self) -> [u16; DIMENSIONS] {
         [0, 4, 8, 12].map(|shift| self.0 >> shift & 15)
     }
-    fn of(ages: [u16; DIMENSIONS]) -> Ages {
-        Ages(ages.iter().rev().fold(0, |all, age| all << 4 | age))
+    fn of(ages: [u16; DIMENSIONS]) -> CoordinateAges {
+        CoordinateAges(ages.iter().rev().fold(0, |all, age| all << 4 | age))
     }
     /// After a motion that sets these coordinates, a bit each.
     #[inline(always)]
-    fn after(self, sets: u8) -> Ages {
+    fn after(self, sets: u8) -> CoordinateAges {
         if sets == 0b1111 {
-            return Ages(0);
+            return CoordinateAges(0);
         }
         let mut ages = self.each();
         for (index, age) in ages.iter_mut().enumerate() {
-            *age = if sets >> index & 1 == 1 { 0 } else { *age + u16::from(*age < Ages::MANY) };
+            *age = if sets >> index & 1 == 1 { 0 } else { *age + u16::from(*age < CoordinateAges::MANY) };
         }
-        Ages::of(ages)
+        CoordinateAges::of(ages)
     }
     /// Those of the last so many motions alone, and whether they are sure.
-    fn ahead(self, motions: u32) -> (Ages, bool) {
+    fn ahead(self, motions: u32) -> (CoordinateAges, bool) {
         let mut sure = true;
         let ages = self.each().map(|age| {
-            sure &= age != Ages::MANY || motions <= u32::from(Ages::MANY);
-            if u32::from(age) < motions { age } else { Ages::NEVER }
+            sure &= age != CoordinateAges::MANY || motions <= u32::from(CoordinateAges::MANY);
+            if u32::from(age) < motions { age } else { CoordinateAges::NEVER }
         });
-        (Ages::of(ages), sure)
+        (CoordinateAges::of(ages), sure)
     }
 }
 
@@ -145,7 +146,7 @@ impl PathData {
     /// Takes in a motion that ends here, and that sets these coordinates.
     #[inline(always)]
     pub fn add_motion(&mut self, end: Position, sets: u8) {
-        let before = if self.open { self.ages } else { Ages::default() };
+        let before = if self.open { self.ages } else { CoordinateAges::default() };
         self.ages = before.after(sets);
         (self.given, self.motions) = (self.given.wrapping_add(1), self.motions.wrapping_add(1));
         (self.open, self.position, self.gears.0, self.gear) = (true, end, 0, 0);
@@ -154,7 +155,7 @@ impl PathData {
     /// after it begins there.
     pub fn add_entry(&mut self, begin: Position) {
         if !self.open {
-            (self.ages, self.position) = (Ages::default(), begin);
+            (self.ages, self.position) = (CoordinateAges::default(), begin);
         }
         (self.given, self.open) = (self.given.wrapping_add(1), true);
     }
@@ -162,7 +163,7 @@ impl PathData {
     /// known any more.
     fn forget_position(&mut self) {
         let ages = self.ages;
-        let others = self.position.iter_mut().zip(ages.each()).filter(|(_, age)| *age == Ages::NEVER);
+        let others = self.position.iter_mut().zip(ages.each()).filter(|(_, age)| *age == CoordinateAges::NEVER);
         others.for_each(|(at, _)| *at = f64::NAN);
     }
     /// The path stands here: it is known where it has no target.
@@ -180,7 +181,7 @@ pub struct PathShadow {
     /// Times it was cleared, as a view shows it once this data is in the tick.
     pub cleared: u32,
     /// Its look-ahead.
-    pub look: Option<Look>,
+    pub look: Option<LookAheadSettings>,
     /// The last entry that emptied it, until it is executed.
     pub emptied: Option<u32>,
     /// The last entry that concerns it.
@@ -529,7 +530,7 @@ pub enum CrdChange {
     /// What a FIFO was given, if it was cleared so many times.
     Data { fifo: u8, cleared: u32, data: PathData },
     /// Look-ahead of a FIFO.
-    Look { fifo: u8, look: Option<Look> },
+    Look { fifo: u8, look: Option<LookAheadSettings> },
     /// Limits of a coordinate.
     Limit { coordinate: u8, limit: (f64, f64) },
     /// Stop decelerations.

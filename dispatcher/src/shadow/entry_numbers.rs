@@ -41,9 +41,9 @@ const RENEWED: u32 = 1 << 24;
 
 /// What each lane had executed when numbers were renewed last.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Renewed([u32; 2]);
+pub struct RefreshedNumbers([u32; 2]);
 
-impl Renewed {
+impl RefreshedNumbers {
     /// Whether it is time to renew them.
     pub fn is_due<const AXES: usize>(&mut self, view: &View<AXES>) -> bool {
         let done = [view.done_immediate, view.done_program];

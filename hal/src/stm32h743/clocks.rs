@@ -50,13 +50,13 @@ const BREAKS: usize = 0x18;
 /// PVDL, CM7L: low supply and a locked-up core break the timers. Only a reset clears the bits.
 const SUPPLY_AND_LOCKUP: u32 = 1 << 2 | 1 << 6;
 /// 2.7 V, falling (RM0433 6.8.1, PLS).
-const LEAST_SUPPLY: u8 = 0b101;
+const SUPPLY_MIN_LEVEL: u8 = 0b101;
 
 /// The hardware shuts the lasers off when the supply falls below 2.7 V, or when the core is locked
 /// up. Call it once the supply has its level.
 pub fn break_with_the_chip() {
     PWR.cr1().modify(|w| {
-        w.set_pls(LEAST_SUPPLY);
+        w.set_pls(SUPPLY_MIN_LEVEL);
         w.set_pvde(true);
     });
     // SAFETY: the register is there, and only this function writes it.

@@ -11,7 +11,7 @@ use super::boards::BOARD;
 use super::clocks::TIMER_MHZ;
 use super::settings::{DIRECTION_SET_UP_NS, STEP_WIDTH_NS};
 use core::sync::atomic::{AtomicU32, Ordering};
-use servo::output::step_words::{AXES, RING, StepOutput};
+use servo::output::step_words::{AXES, RING_SLOTS, StepOutput};
 use stm32_metapac::dma::vals::{Dir, Pl, Size};
 use stm32_metapac::{DMA2, DMAMUX1, RCC, TIM2, TIM17};
 
@@ -36,7 +36,7 @@ const TIM17_CH1: u8 = 111;
 const DMA2_CHANNELS: usize = 8;
 
 #[unsafe(link_section = ".dma.steps")]
-static WORDS: [AtomicU32; RING] = [const { AtomicU32::new(0) }; RING];
+static WORDS: [AtomicU32; RING_SLOTS] = [const { AtomicU32::new(0) }; RING_SLOTS];
 
 /// The step outputs.
 #[derive(Debug)]
@@ -69,8 +69,8 @@ pub const fn most_a_ms(periods_us: core::ops::RangeInclusive<u32>) -> u64 {
 
 /// Slots from `from` to `to` in the ring; negative if `to` lies before `from`.
 const fn distance(from: usize, to: usize) -> isize {
-    let forward = to.wrapping_sub(from) & (RING - 1);
-    if forward < RING / 2 { forward as isize } else { forward as isize - RING as isize }
+    let forward = to.wrapping_sub(from) & (RING_SLOTS - 1);
+    if forward < RING_SLOTS / 2 { forward as isize } else { forward as isize - RING_SLOTS as isize }
 }
 
 impl Steps {
@@ -87,7 +87,7 @@ impl Steps {
     pub fn begin(&mut self, period_ns: u32) {
         let before = core::mem::replace(&mut self.slots, (period_ns / SLOT_NS) as usize);
         if self.runs {
-            self.begin = self.begin.wrapping_add(before) & (RING - 1);
+            self.begin = self.begin.wrapping_add(before) & (RING_SLOTS - 1);
             let begin = found();
             // Else ticks were lost, or this one is not at its time.
             self.locate(begin, (-2..=2).contains(&distance(self.begin, begin)));
@@ -100,7 +100,7 @@ impl Steps {
         if !is_right {
             self.begin = found;
         }
-        let next = self.begin.wrapping_add(self.slots) & (RING - 1);
+        let next = self.begin.wrapping_add(self.slots) & (RING_SLOTS - 1);
         // Backwards only where nothing in between was filled: a tick may have become shorter.
         if !is_right || !self.is_filled || distance(self.next, next) > 0 {
             self.next = next;
@@ -121,7 +121,7 @@ impl Steps {
         let in_time = distance(played(), self.next) >= MARGIN_SLOTS as isize;
         self.is_filled = in_time && self.output.fill(targets, self.slots as u32, &WORDS, self.next);
         if in_time {
-            self.next = self.next.wrapping_add(self.slots) & (RING - 1);
+            self.next = self.next.wrapping_add(self.slots) & (RING_SLOTS - 1);
         }
         in_time
     }
@@ -166,14 +166,14 @@ impl Steps {
 
 /// Slots that DMA has played, modulo the ring.
 fn played() -> usize {
-    (RING - usize::from(DMA2.st(PLAY).ndtr().read().ndt())) & (RING - 1)
+    (RING_SLOTS - usize::from(DMA2.st(PLAY).ndtr().read().ndt())) & (RING_SLOTS - 1)
 }
 
 /// The slot with which the tick in force begins. An update comes in the middle between two instants
 /// at which a tick may begin, so this is exact, unless the next tick is due.
 fn found() -> usize {
     let since = (TIM2.cnt().read() + SLOT_COUNTS / 2) / SLOT_COUNTS;
-    played().wrapping_sub(since as usize) & (RING - 1)
+    played().wrapping_sub(since as usize) & (RING_SLOTS - 1)
 }
 
 /// A circular stream of words between a fixed address and the ring, in direct mode (RM0433 15.3.10,
@@ -183,7 +183,7 @@ fn stream(number: usize, request: u8, dir: Dir, priority: Pl, fixed: u32) {
     let stream = DMA2.st(number);
     stream.par().write_value(fixed);
     stream.m0ar().write_value(WORDS.as_ptr() as u32);
-    stream.ndtr().write(|w| w.set_ndt(RING as u16));
+    stream.ndtr().write(|w| w.set_ndt(RING_SLOTS as u16));
     stream.cr().write(|w| {
         w.set_dir(dir);
         w.set_minc(true);

@@ -10,7 +10,7 @@ use servo::laser::{
 use servo::port::{AxisInputs, GeneralInputs, GeneralOutputs, Port};
 use servo::segment::pvt::{HeaderStore, PointStore, TABLES};
 use servo::tables::TableStores;
-use servo::tick::{IMMEDIATE, SegmentStore, Tick, TickConfig, TickHalves};
+use servo::tick::{IMMEDIATE_ENTRIES, SegmentStore, Tick, TickConfig, TickHalves};
 use servo::tick_command::{LaneEntry, TickCommand};
 use servo::units::{Axis, Pos, StepLimit};
 use servo::view::{LaserView, View};
@@ -192,7 +192,7 @@ impl Known {
 pub struct Bench {
     tick: Tick<1>,
     lanes: TickHalves<'static, 1>,
-    immediate: Producer<'static, LaneEntry, IMMEDIATE>,
+    immediate: Producer<'static, LaneEntry, IMMEDIATE_ENTRIES>,
     view: Reader<'static, View<1>>,
 }
 

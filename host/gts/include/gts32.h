@@ -385,9 +385,9 @@ GT_API GT_SetLaserMode(short mode);
 GT_API GT_ZeroLaserOnTime(short channel);
 /* A channel's on-time in 250 us units. */
 GT_API GT_GetLaserOnTime(short channel, unsigned int *time);
-/* Sets which coordinate systems put a channel out when they fail, as bits. */
+/* Sets for which coordinate systems a failure shuts a channel off, as bits. */
 GT_API GT_SetLaserCrdMap(short channel, short map);
-/* Which coordinate systems put a channel out when they fail. */
+/* For which coordinate systems a failure shuts a channel off. */
 GT_API GT_GetLaserCrdMap(short channel, short *map);
 /* The power that is output now, in the mode's unit. */
 GT_API GT_GetLaserPower(short channel, double *power);
@@ -965,9 +965,9 @@ GT_API GTN_SetLaserMode(short core, short mode);
 GT_API GTN_ZeroLaserOnTime(short core, short channel);
 /* A channel's on-time in 250 us units. */
 GT_API GTN_GetLaserOnTime(short core, short channel, unsigned int *time);
-/* Sets which coordinate systems put a channel out when they fail, as bits. */
+/* Sets for which coordinate systems a failure shuts a channel off, as bits. */
 GT_API GTN_SetLaserCrdMap(short core, short channel, short map);
-/* Which coordinate systems put a channel out when they fail. */
+/* For which coordinate systems a failure shuts a channel off. */
 GT_API GTN_GetLaserCrdMap(short core, short channel, short *map);
 /* The power that is output now, in the mode's unit. */
 GT_API GTN_GetLaserPower(short core, short channel, double *power);

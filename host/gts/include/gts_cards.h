@@ -658,9 +658,9 @@ GT_API GT_SetLaserMode(short cardNum, short mode);
 GT_API GT_ZeroLaserOnTime(short cardNum, short channel);
 /* A channel's on-time in 250 us units. */
 GT_API GT_GetLaserOnTime(short cardNum, short channel, unsigned long *time);
-/* Sets which coordinate systems put a channel out when they fail, as bits. */
+/* Sets for which coordinate systems a failure shuts a channel off, as bits. */
 GT_API GT_SetLaserCrdMap(short cardNum, short channel, short map);
-/* Which coordinate systems put a channel out when they fail. */
+/* For which coordinate systems a failure shuts a channel off. */
 GT_API GT_GetLaserCrdMap(short cardNum, short channel, short *map);
 /* The power that is output now, in the mode's unit. */
 GT_API GT_GetLaserPower(short cardNum, short channel, double *power);

@@ -8,7 +8,7 @@
 use crate::board_memory::{Virtual, retire};
 use crate::home::Homes;
 use crate::recorder::{Claim, Recorder};
-use crate::settings::{Road, Settings};
+use crate::settings::{LinkChoice, Settings};
 use crate::stream::Stream;
 use client::error::{CANNOT_OPEN, NO_ANSWER};
 use client::inputs::{Inputs, Zero};
@@ -258,7 +258,7 @@ impl Card {
         // Freed last, and if Open fails too.
         let mut memory = Retired(None);
         let (client, time) = match &settings.road {
-            Road::Virtual(factor) => {
+            LinkChoice::Virtual(factor) => {
                 let profile = *options.profile.get_or_insert(match opening {
                     Opening { gtn: false, .. } => ProductProfile::Gus,
                     Opening { param: 2, .. } => ProductProfile::Gsn024,
@@ -276,12 +276,12 @@ impl Card {
                     None => (Client::open(Box::new(VirtualLink::new(shared)), options)?, Time::Calls),
                 }
             }
-            Road::Qemu => {
+            LinkChoice::Qemu => {
                 let image = client::qemu::image(None)?;
                 let link = client::link::open(&format!("qemu:{}", image.display()))?;
                 (Client::open(link, options)?, Time::Own)
             }
-            Road::Link(name) => (Client::open(client::link::open(name)?, options)?, Time::Own),
+            LinkChoice::Link(name) => (Client::open(client::link::open(name)?, options)?, Time::Own),
         };
         let recorder = match memory.0.is_some() && settings.is_traced() {
             true => Some(Recorder::start(&client, &settings)?),

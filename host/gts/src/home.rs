@@ -94,7 +94,7 @@ struct Parameters {
 
 /// A part of the way.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Leg {
+enum HomePhase {
     /// Into the limit of this direction; `slowly`: its end is the origin.
     Limit { direction: i64, slowly: bool },
     /// Away from it.
@@ -111,7 +111,7 @@ enum Leg {
 #[derive(Debug, Clone)]
 struct Homing {
     parameters: Parameters,
-    legs: Vec<Leg>,
+    legs: Vec<HomePhase>,
     /// The leg that is run, if it was begun.
     at: usize,
     begun: bool,
@@ -295,23 +295,29 @@ impl Parameters {
     }
 
     /// The way, leg by leg.
-    fn legs(&self) -> Vec<Leg> {
+    fn legs(&self) -> Vec<HomePhase> {
         let sign = |direction: i16| if direction < 0 { -1 } else { 1 };
         let (forth, index) = (sign(self.move_dir), sign(self.index_dir));
         let far = |distance: i64| if distance == 0 { FAR } else { distance };
-        let home = |direction| Leg::Capture { kind: HOME, direction, distance: far(self.home_distance), slowly: false };
-        let index = Leg::Capture { kind: INDEX, direction: index, distance: far(self.index_distance), slowly: true };
-        let limit = Leg::Limit { direction: forth, slowly: false };
+        let home =
+            |direction| HomePhase::Capture { kind: HOME, direction, distance: far(self.home_distance), slowly: false };
+        let index =
+            HomePhase::Capture { kind: INDEX, direction: index, distance: far(self.index_distance), slowly: true };
+        let limit = HomePhase::Limit { direction: forth, slowly: false };
         let mut legs = match self.mode {
-            10 => vec![limit, Leg::Escape { direction: -forth }, Leg::Limit { direction: forth, slowly: true }],
+            10 => vec![
+                limit,
+                HomePhase::Escape { direction: -forth },
+                HomePhase::Limit { direction: forth, slowly: true },
+            ],
             11 => vec![limit, home(-forth)],
             12 => vec![limit, index],
-            13 => vec![limit, home(-forth), Leg::Return, index],
+            13 => vec![limit, home(-forth), HomePhase::Return, index],
             20 => vec![home(forth)],
-            22 => vec![home(forth), Leg::Return, index],
+            22 => vec![home(forth), HomePhase::Return, index],
             _ => vec![index],
         };
-        legs.push(Leg::Offset);
+        legs.push(HomePhase::Offset);
         legs
     }
 }
@@ -355,13 +361,13 @@ impl Homing {
     }
 
     /// Begins a leg; whether it is done already.
-    fn begin(&mut self, leg: Leg, axis: &mut Controller<'_>, item: &AxisItem) -> std::result::Result<bool, i16> {
+    fn begin(&mut self, leg: HomePhase, axis: &mut Controller<'_>, item: &AxisItem) -> std::result::Result<bool, i16> {
         let here = item.prf_pos.get().round() as i64;
         let Parameters { high, low, .. } = self.parameters;
         self.begun = true;
         let refused = |_| fault::REFUSED;
         match leg {
-            Leg::Limit { direction, slowly } => {
+            HomePhase::Limit { direction, slowly } => {
                 self.stage = if slowly { stage::RETURN_TO_LIMIT } else { stage::SEARCH_LIMIT };
                 self.target = here + direction * FAR;
                 axis.clear().map_err(refused)?;
@@ -371,20 +377,20 @@ impl Homing {
                     outcome => outcome.map(|()| false).map_err(refused),
                 }
             }
-            Leg::Escape { direction } => {
+            HomePhase::Escape { direction } => {
                 self.stage = stage::ESCAPE_LIMIT;
                 let step = if self.parameters.escape == 0 { ESCAPE } else { self.parameters.escape };
                 self.target = here + direction * step;
                 axis.go(self.target, high).map(|()| false).map_err(refused)
             }
-            Leg::Capture { kind, direction, distance, slowly } => {
+            HomePhase::Capture { kind, direction, distance, slowly } => {
                 self.stage = if kind == HOME { stage::SEARCH_HOME } else { stage::SEARCH_INDEX };
                 self.target = here + direction * distance;
                 axis.arm(kind).map_err(refused)?;
                 axis.go(self.target, if slowly { low } else { high }).map(|()| false).map_err(refused)
             }
-            Leg::Return | Leg::Offset => {
-                let end = leg == Leg::Offset;
+            HomePhase::Return | HomePhase::Offset => {
+                let end = leg == HomePhase::Offset;
                 self.stage = if end { stage::GO_HOME } else { stage::RETURN_TO_HOME };
                 self.target = self.origin + if end { self.parameters.offset } else { 0 };
                 axis.go(self.target, low).map(|()| false).map_err(refused)
@@ -393,14 +399,14 @@ impl Homing {
     }
 
     /// A leg goes on; whether it is done.
-    fn go_on(&mut self, leg: Leg, axis: &mut Controller<'_>, item: &AxisItem) -> std::result::Result<bool, i16> {
+    fn go_on(&mut self, leg: HomePhase, axis: &mut Controller<'_>, item: &AxisItem) -> std::result::Result<bool, i16> {
         let status = item.status.get();
         let runs = status & RUNNING != 0;
         let refused = |_| fault::REFUSED;
         let limit = |direction: i64| status & if direction > 0 { LIMIT_POSITIVE } else { LIMIT_NEGATIVE } != 0;
         match leg {
-            _ if runs && !matches!(leg, Leg::Capture { .. }) => Ok(false),
-            Leg::Limit { direction, .. } => {
+            _ if runs && !matches!(leg, HomePhase::Capture { .. }) => Ok(false),
+            HomePhase::Limit { direction, .. } => {
                 if !limit(direction) {
                     return Err(fault::STOPPED);
                 }
@@ -408,7 +414,7 @@ impl Homing {
                 axis.clear().map_err(refused)?;
                 Ok(true)
             }
-            Leg::Capture { kind, .. } => {
+            HomePhase::Capture { kind, .. } => {
                 if !self.stopping {
                     match axis.captured().map_err(refused)? {
                         Some(at) => {
@@ -431,11 +437,11 @@ impl Homing {
                 axis.clear().map_err(refused)?;
                 Ok(true)
             }
-            Leg::Escape { .. } | Leg::Return | Leg::Offset => {
+            HomePhase::Escape { .. } | HomePhase::Return | HomePhase::Offset => {
                 if item.prf_pos.get() != self.target as f64 {
                     return Err(fault::STOPPED);
                 }
-                if leg == Leg::Offset {
+                if leg == HomePhase::Offset {
                     axis.rename(item, self.origin).map_err(refused)?;
                 }
                 Ok(true)
@@ -463,9 +469,9 @@ impl Controller<'_> {
 
     /// Trap, with the parameters of the moves; the edge of the home input. A board without an index
     /// refuses the ways that need it.
-    fn prepare(&mut self, parameters: &Parameters, legs: &[Leg]) -> Result<()> {
+    fn prepare(&mut self, parameters: &Parameters, legs: &[HomePhase]) -> Result<()> {
         let (core, profile) = (self.core.into(), self.axis.into());
-        if legs.iter().any(|leg| matches!(leg, Leg::Capture { kind: INDEX, .. })) {
+        if legs.iter().any(|leg| matches!(leg, HomePhase::Capture { kind: INDEX, .. })) {
             self.arm(INDEX)?;
         }
         self.client.call(PrfTrap { core, profile })?;

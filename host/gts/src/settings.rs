@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 /// The link to the controller.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Road {
+pub enum LinkChoice {
     /// The controller in this process, so many times faster than the wall clock; `None` as fast as
     /// it can.
     Virtual(Option<f64>),
@@ -25,7 +25,7 @@ pub enum Road {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
     /// The link.
-    pub road: Road,
+    pub road: LinkChoice,
     /// The profile; where none is given, the virtual controller shows what the call family
     /// suggests.
     pub profile: Option<ProductProfile>,
@@ -56,11 +56,11 @@ impl Settings {
             |name: &str, text: &str, known: &str| Error::new(CANNOT_OPEN, format!("{name} is `{text}`; it is {known}"));
         let link = value("BEAMTICK_LINK").unwrap_or_else(|| "virtual".to_owned());
         let road = match link.split_once(':') {
-            None if link == "virtual" => Road::Virtual(Some(1.0)),
-            None if link == "qemu" => Road::Qemu,
-            Some(("virtual", "max")) => Road::Virtual(None),
+            None if link == "virtual" => LinkChoice::Virtual(Some(1.0)),
+            None if link == "qemu" => LinkChoice::Qemu,
+            Some(("virtual", "max")) => LinkChoice::Virtual(None),
             Some(("virtual", factor)) => match factor.parse::<f64>() {
-                Ok(factor) if (1e-3..=1e6).contains(&factor) => Road::Virtual(Some(factor)),
+                Ok(factor) if (1e-3..=1e6).contains(&factor) => LinkChoice::Virtual(Some(factor)),
                 _ => {
                     return Err(wrong(
                         "BEAMTICK_LINK",
@@ -69,7 +69,7 @@ impl Settings {
                     ));
                 }
             },
-            Some(("tcp" | "serial" | "qemu", _)) => Road::Link(link),
+            Some(("tcp" | "serial" | "qemu", _)) => LinkChoice::Link(link),
             _ => {
                 let known = "virtual[:SPEED|:max], qemu[:IMAGE], tcp:HOST:PORT or serial:PATH[:BAUD]";
                 return Err(wrong("BEAMTICK_LINK", &link, known));
@@ -97,7 +97,7 @@ impl Settings {
             log: value("BEAMTICK_LOG").map(PathBuf::from),
             batches: value("BEAMTICK_BATCHES").as_deref() != Some("off"),
         };
-        if settings.is_traced() && !matches!(settings.road, Road::Virtual(_)) {
+        if settings.is_traced() && !matches!(settings.road, LinkChoice::Virtual(_)) {
             return Err(Error::new(
                 CANNOT_OPEN,
                 "BEAMTICK_TRACE, BEAMTICK_VCD and BEAMTICK_PLOT are for BEAMTICK_LINK=virtual",
@@ -137,17 +137,17 @@ mod tests {
     #[test]
     fn links_by_name() {
         for (text, road) in [
-            ("virtual", Road::Virtual(Some(1.0))),
-            ("virtual:50", Road::Virtual(Some(50.0))),
-            ("virtual:0.5", Road::Virtual(Some(0.5))),
-            ("virtual:max", Road::Virtual(None)),
-            ("qemu", Road::Qemu),
-            ("tcp:1.2.3.4:5", Road::Link("tcp:1.2.3.4:5".into())),
-            ("serial:COM3:115200", Road::Link("serial:COM3:115200".into())),
+            ("virtual", LinkChoice::Virtual(Some(1.0))),
+            ("virtual:50", LinkChoice::Virtual(Some(50.0))),
+            ("virtual:0.5", LinkChoice::Virtual(Some(0.5))),
+            ("virtual:max", LinkChoice::Virtual(None)),
+            ("qemu", LinkChoice::Qemu),
+            ("tcp:1.2.3.4:5", LinkChoice::Link("tcp:1.2.3.4:5".into())),
+            ("serial:COM3:115200", LinkChoice::Link("serial:COM3:115200".into())),
         ] {
             assert_eq!(with(&[("BEAMTICK_LINK", text)], CardSlot::ONE).unwrap().road, road, "{text}");
         }
-        assert_eq!(with(&[], CardSlot::ONE).unwrap().road, Road::Virtual(Some(1.0)));
+        assert_eq!(with(&[], CardSlot::ONE).unwrap().road, LinkChoice::Virtual(Some(1.0)));
         for text in ["virtual:0", "virtual:fast", "virtual:nan", "usb", "udp:1"] {
             let error = with(&[("BEAMTICK_LINK", text)], CardSlot::ONE).unwrap_err();
             assert_eq!(error.code, -6, "{text}");
@@ -158,8 +158,8 @@ mod tests {
     #[test]
     fn a_card_has_variables_of_its_own() {
         let pairs = [("BEAMTICK_LINK", "virtual:max"), ("BEAMTICK_LINK_3", "tcp:a:1"), ("BEAMTICK_FAMILY", "lsr")];
-        assert_eq!(with(&pairs, CardSlot::card(3).unwrap()).unwrap().road, Road::Link("tcp:a:1".into()));
-        assert_eq!(with(&pairs, CardSlot::card(2).unwrap()).unwrap().road, Road::Virtual(None));
+        assert_eq!(with(&pairs, CardSlot::card(3).unwrap()).unwrap().road, LinkChoice::Link("tcp:a:1".into()));
+        assert_eq!(with(&pairs, CardSlot::card(2).unwrap()).unwrap().road, LinkChoice::Virtual(None));
         assert_eq!(with(&pairs, CardSlot::ONE).unwrap().family, Some(Family::Lsr));
     }
 

@@ -108,7 +108,7 @@ fn what_nothing_has_is_refused_by_every_function() {
 }
 
 #[test]
-fn every_function_is_done_as_it_is_meant() {
+fn every_function_has_its_documented_effect() {
     let source = root().join("host/gts/tests/programs/every.cpp");
     let text = std::fs::read_to_string(&source).unwrap();
     for prototype in all(Form::Gt) {

@@ -435,7 +435,7 @@ fn a_link_that_is_cut_anywhere_in_a_job_ends_dark_and_nothing_is_done_twice() {
         assert_eq!(reason(&client).0, 0, "cut after {cut} bytes: it started over");
     }
     println!(
-        "{} cuts in {} bytes: {dark} put light out, {never} before light, {ways} behind the start",
+        "{} cuts in {} bytes: {dark} shut light off, {never} before light, {ways} after the start",
         cuts.len(),
         sent.len()
     );

@@ -20,7 +20,7 @@ const EFFECTS: u32 = 32;
 /// Profiles that a TCrdPrm can map.
 const MAPPED: usize = 8;
 /// A count beyond this names no more axes: no profile has them.
-const MOST_AXES: i64 = 64;
+const AXES_MAX: i64 = 64;
 
 impl Reader<'_> {
     /// Reads a call without its `;` and outputs its step. `start` is the token that begins the
@@ -257,7 +257,7 @@ impl Reader<'_> {
         let count = value("count").unwrap_or(1);
         self.named.insert(Axis { core, axis: 0 });
         if let Some(first) = first {
-            let last = first.saturating_add(count.clamp(1, MOST_AXES)) - 1;
+            let last = first.saturating_add(count.clamp(1, AXES_MAX)) - 1;
             self.named.extend((first..=last).filter_map(|axis| Some(Axis { core, axis: i16::try_from(axis).ok()? })));
         }
         // Those of CrdStart and CrdStop name coordinate systems.

@@ -15,7 +15,9 @@ use servo::laser::Clock;
 use servo::path::{EntryStore, PathStores};
 use servo::segment::pvt::{HeaderStore, PointStore, TABLES};
 use servo::tables::TableStores;
-use servo::tick::{EVENTS, IMMEDIATE, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig, TickHalves};
+use servo::tick::{
+    EVENTS, IMMEDIATE_ENTRIES, PROGRAM_ENTRIES, SegmentStore, TRACE_SAMPLES, Tick, TickConfig, TickHalves,
+};
 use servo::tick_command::LaneEntry;
 use servo::units::{AxisMask, Crd, Ns, StepLimit};
 use servo::view::{AxisView, CrdView, Event, LaserView, Sample, View};
@@ -261,10 +263,10 @@ struct Arena<const AXES: usize> {
     lasers: Box<servo::laser::PowerTables>,
     paths: Box<[[EntryStore; 2]; Crd::MAX]>,
     queues: Box<[[PathQueue; 2]]>,
-    immediate: Ring<LaneEntry, IMMEDIATE>,
-    program: Ring<LaneEntry, PROGRAM>,
+    immediate: Ring<LaneEntry, IMMEDIATE_ENTRIES>,
+    program: Ring<LaneEntry, PROGRAM_ENTRIES>,
     events: Ring<Event, EVENTS>,
-    samples: Ring<Sample, SAMPLES>,
+    samples: Ring<Sample, TRACE_SAMPLES>,
     view: Latest<View<AXES>>,
 }
 

@@ -17,7 +17,9 @@ use servo::laser::{Clock, PowerTables};
 use servo::path::{EntryStore, PathStores};
 use servo::segment::pvt::{HeaderStore, PointStore, TABLES};
 use servo::tables::TableStores;
-use servo::tick::{EVENTS, IMMEDIATE, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig, TickHalves};
+use servo::tick::{
+    EVENTS, IMMEDIATE_ENTRIES, PROGRAM_ENTRIES, SegmentStore, TRACE_SAMPLES, Tick, TickConfig, TickHalves,
+};
 use servo::tick_command::LaneEntry;
 use servo::units::StepLimit;
 use servo::view::{Event, Sample, View};
@@ -29,11 +31,11 @@ pub const AXES: usize = 8;
 /// Tick period of the probes: 250 µs.
 pub const PERIOD_NS: u32 = 250_000;
 
-static IMMEDIATE_LANE: Ring<LaneEntry, IMMEDIATE> = Ring::new();
-static PROGRAM_LANE: Ring<LaneEntry, PROGRAM> = Ring::new();
+static IMMEDIATE_LANE: Ring<LaneEntry, IMMEDIATE_ENTRIES> = Ring::new();
+static PROGRAM_LANE: Ring<LaneEntry, PROGRAM_ENTRIES> = Ring::new();
 static VIEW: Latest<View<AXES>> = Latest::new(View::POWER_ON);
 static NEWS: Ring<Event, EVENTS> = Ring::new();
-static TRACE: Ring<Sample, SAMPLES> = Ring::new();
+static TRACE: Ring<Sample, TRACE_SAMPLES> = Ring::new();
 /// PT segments of the axes.
 pub static STORES: [SegmentStore; AXES] = [const { SegmentStore::new() }; AXES];
 /// Places of PVT tables.
@@ -56,15 +58,15 @@ pub const TABLE_STORES: TableStores<'static> =
 /// The thread's halves.
 pub struct Thread {
     /// Tick commands for the next tick.
-    pub immediate: Producer<'static, LaneEntry, IMMEDIATE>,
+    pub immediate: Producer<'static, LaneEntry, IMMEDIATE_ENTRIES>,
     /// Timed tick commands.
-    pub program: Producer<'static, LaneEntry, PROGRAM>,
+    pub program: Producer<'static, LaneEntry, PROGRAM_ENTRIES>,
     /// The newest view.
     pub view: Reader<'static, View<AXES>>,
     /// News.
     pub events: Consumer<'static, Event, EVENTS>,
     /// Trace samples.
-    pub samples: Consumer<'static, Sample, SAMPLES>,
+    pub samples: Consumer<'static, Sample, TRACE_SAMPLES>,
 }
 
 /// A tick at power-on with its halves, and the thread's.

@@ -6,7 +6,7 @@
 //! system asks before it drives an axis to a position.
 use super::{AxisState, MotionState, exact};
 use crate::math::wide::umulhi;
-use crate::path::{FineNs, TrajectorySample};
+use crate::path::TrajectorySample;
 use crate::segment::follow::{MasterPathKind, PositionTrack};
 use crate::segment::profile::Generator;
 use crate::segment::pt::Segments;
@@ -14,7 +14,7 @@ use crate::segment::pvt::PvtTables;
 use crate::segment::ramp::Trapezoid;
 use crate::status;
 use crate::tick_command::MotionMode;
-use crate::units::{Crd, Exact, Ns, Pos};
+use crate::units::{Crd, Exact, FineNs, Ns, Pos};
 use crate::view::{Drive, StopReason};
 
 impl AxisState {

@@ -5,8 +5,8 @@
 use crate::tick_command::{Guarded, Guards};
 use crate::units::{Ns, Pos};
 
-/// Encoder readings are held within this: beyond any travel, and still a [`Pos`].
-const READABLE_PULSES: i64 = 1 << 40;
+/// Encoder readings are held within this: all of the travel, and still a [`Pos`].
+const READABLE_PULSES: i64 = Pos::TRAVEL_PULSES;
 
 /// An encoder reading as a position.
 pub(crate) fn reading(pulses: i64) -> Pos {

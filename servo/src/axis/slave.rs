@@ -6,8 +6,8 @@ use super::inputs::reading;
 use super::{AxisState, MotionState, exact};
 use crate::math::float::Float;
 use crate::segment::follow::{
-    Awaits, FollowContext, FollowEntries, FollowRun, FollowState, Follower, Input, MasterPathKind, MasterSample,
-    Method, OutputActions, Value,
+    FollowContext, FollowEntries, FollowRun, FollowState, Follower, Input, MasterPathKind, MasterSample, Method,
+    OutputActions, PackedWait, Value,
 };
 use crate::segment::piece::Motion;
 use crate::segment::profile::Generator;
@@ -356,6 +356,6 @@ impl AxisState {
     /// It follows no longer.
     pub(super) fn leave_master(&mut self) {
         (self.published.lead, self.published.master_displacement, self.published.switching) = (None, 0, false);
-        self.published.waits = Awaits::NONE;
+        self.published.waits = PackedWait::NONE;
     }
 }

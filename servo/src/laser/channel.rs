@@ -1,8 +1,8 @@
 //! One channel: its commands, settings and state; `interval` makes the actions of a tick from them.
 //!
 //! In: changes at the instant of the tick that is computed, the interval to plan. Out: a
-//! [`LaserPlan`](super::actions::LaserPlan), the published view. Owns settings, gate, first-pulse-killer
-//! pulse, light and the levels that the outputs carry. Fails: towards the dark.
+//! [`LaserPlan`](super::actions::LaserPlan), the published view. Owns settings, gate,
+//! first-pulse-killer pulse, light and the levels that the outputs carry. Fails: towards the dark.
 //!
 //! The levels that the outputs should have follow from the state at an instant; the plan is the
 //! difference to the levels that they carry. So a missed edge leaves nothing to be done later.
@@ -21,11 +21,11 @@ pub use gate_delays::Delays;
 use super::actions::{Action, Train};
 use super::buffered::{Buffered, ChannelEvent, EventQueue};
 use super::edge_queue::EdgeQueue;
-use super::energy::{Energy, Plain};
-use super::light_owner::{Fact, GateOrder, Owner, PathRun, StandstillCause};
+use super::energy::{Energy, FixedGainWidth};
+use super::light_owner::{GateOrder, LightEvent, Owner, PathRun, StandstillCause};
 use super::on_time::OnTime;
 use super::power::Power;
-use super::power_law::{Family, Law};
+use super::power_law::{Family, PowerLaw};
 use super::safety::{Cause, Safety};
 use super::{ChannelChange, LaserView, NEVER, PowerMode};
 use crate::units::{Crd, CrdMask, Ns};
@@ -69,7 +69,7 @@ state! {
         pub(super) published: LaserView = LaserView { crd_map: CRD_MAP, ..LaserView::BEFORE },
         safety: Safety = Safety::LIVE,
         // Settings.
-        law: Law = Law::power_on(index, Family::Gus),
+        law: PowerLaw = PowerLaw::power_on(index, Family::Gus),
         energy: Energy = Energy::POWER_ON,
         delays: Delays = Delays { off: 0, on: 0 },
         delayed: bool = true,
@@ -96,7 +96,7 @@ state! {
         /// The rate of the pulses that light has, or had before it paused; 0 before its first one.
         rate: Power = Power::ZERO,
         /// The width of its pulses for each power, if nothing else depends on that.
-        plain: Plain = Plain::NONE,
+        plain: FixedGainWidth = FixedGainWidth::NONE,
         changed: u8 = changed::CHANGED,
         /// The next edge.
         next_edge: Ns = NEVER,
@@ -126,13 +126,13 @@ impl Channel {
         };
         match change {
             // One that is ignored leaves standby and pre-voltage as they were.
-            ChannelChange::Gate { on } => self.energy.muted = !self.report(at, Fact::Command { on: *on }) & muted,
+            ChannelChange::Gate { on } => self.energy.muted = !self.report(at, LightEvent::Command { on: *on }) & muted,
             ChannelChange::Mode { mode, bounds, delayed, fixed } => {
                 if *mode != self.energy.mode {
-                    self.report(at, Fact::Withdraw);
+                    self.report(at, LightEvent::Withdraw);
                     self.energy.mode = *mode;
                     self.law.leave_mode();
-                    self.report(at, Fact::FollowEnds);
+                    self.report(at, LightEvent::FollowEnds);
                     self.report_output(at);
                 }
                 self.law.set_bounds(*bounds);
@@ -167,7 +167,7 @@ impl Channel {
             ChannelChange::CrdMap { map } => self.take_map(at, CrdMask(*map)),
             ChannelChange::Connector { laser } => {
                 if !*laser && self.energy.mode != PowerMode::Analog {
-                    self.report(at, Fact::Withdraw);
+                    self.report(at, LightEvent::Withdraw);
                 }
                 self.energy.connector = *laser;
                 self.report_output(at);
@@ -185,10 +185,10 @@ impl Channel {
 
     /// Passes a fact to the light owner; the gate carries out its order. Returns whether the fact
     /// had an effect: an on command that is ignored has none.
-    pub(super) fn report(&mut self, at: Ns, fact: Fact) -> bool {
+    pub(super) fn report(&mut self, at: Ns, fact: LightEvent) -> bool {
         let published = |owner: &Owner| (owner.is_commanded(), owner.owners());
         let before = published(&self.owner);
-        let order = self.owner.hear(fact);
+        let order = self.owner.handle(fact);
         if order != GateOrder::Keep || published(&self.owner) != before {
             self.changed |= changed::MOVED;
         }
@@ -208,23 +208,23 @@ impl Channel {
     /// Whether the energy has an output: its connector, or, in analog mode, the DAC.
     fn report_output(&mut self, at: Ns) {
         let there = self.energy.connector || self.energy.mode == PowerMode::Analog;
-        self.report(at, Fact::Output { there });
+        self.report(at, LightEvent::Output { there });
     }
 
     /// Reports a velocity follow that has changed, or ended.
     fn report_follow(&mut self, at: Ns, before: Option<Crd>) {
         if before.is_some() && self.law.follows().is_none() {
-            self.report(at, Fact::FollowEnds);
+            self.report(at, LightEvent::FollowEnds);
         }
     }
 
     /// Sets the map. This ends the follow of a coordinate system that it excludes.
     fn take_map(&mut self, at: Ns, map: CrdMask) {
         self.published.crd_map = map.0;
-        self.report(at, Fact::Map { crds: map });
+        self.report(at, LightEvent::Map { crds: map });
         if self.law.follows().is_some_and(|crd| !map.has(crd)) {
             self.law.end_follow(CrdMask(u8::MAX));
-            self.report(at, Fact::FollowEnds);
+            self.report(at, LightEvent::FollowEnds);
         }
         self.check_alarms();
     }
@@ -233,7 +233,7 @@ impl Channel {
     fn clear_latch(&mut self, at: Ns) {
         self.safety.clear();
         if !self.safety.is_dark() {
-            self.report(at, Fact::Cleared);
+            self.report(at, LightEvent::Cleared);
         }
     }
 
@@ -263,14 +263,14 @@ impl Channel {
     /// the next command of the channel.
     pub(super) fn abort(&mut self, at: Ns, refuses: bool) {
         self.attend(at);
-        self.report(at, Fact::Abort { refuses });
+        self.report(at, LightEvent::Abort { refuses });
         self.safety.force_safe_state();
         (self.energy.muted, self.ends) = (true, false);
         self.changed |= changed::CHANGED;
     }
 
     /// An event of a path at an instant of the interval that is planned next.
-    pub(super) fn expect(&mut self, at: Ns, event: ChannelEvent) {
+    pub(super) fn queue_event(&mut self, at: Ns, event: ChannelEvent) {
         if self.event_queue.put(at, event).is_err() {
             // Events that are due already free their slots.
             self.attend(at);
@@ -290,7 +290,7 @@ impl Channel {
     /// Carries out the events that are due.
     pub(super) fn attend(&mut self, now: Ns) {
         while let Some(event) = self.event_queue.take(now) {
-            self.happen(now, event);
+            self.apply_event(now, event);
         }
     }
 
@@ -298,21 +298,21 @@ impl Channel {
     pub(super) fn fifo_cleared(&mut self, at: Ns, run: PathRun) {
         self.attend(at);
         if self.owner.is_held_by(run) {
-            self.report(at, Fact::Clears { run });
+            self.report(at, LightEvent::Clears { run });
         }
     }
 
     /// Carries out an event.
-    fn happen(&mut self, at: Ns, event: ChannelEvent) {
+    fn apply_event(&mut self, at: Ns, event: ChannelEvent) {
         match event {
             ChannelEvent::Change(run, Buffered::Gate { on }) => {
-                if self.report(at, Fact::Entry { on, run }) {
+                if self.report(at, LightEvent::Entry { on, run }) {
                     self.unmute(run);
                 }
             }
             ChannelEvent::Change(run, change) => {
                 if !self.owner.heeds(run.crd) {
-                    self.report(at, Fact::Entry { on: false, run });
+                    self.report(at, LightEvent::Entry { on: false, run });
                     return;
                 }
                 self.unmute(run);
@@ -320,7 +320,7 @@ impl Channel {
                 let followed = self.law.follows();
                 self.law.change(run.crd, &change);
                 if change.begins_follow() {
-                    self.report(at, Fact::FollowBegins { crd: run.crd });
+                    self.report(at, LightEvent::FollowBegins { crd: run.crd });
                 }
                 self.report_follow(at, followed);
             }
@@ -330,7 +330,7 @@ impl Channel {
                 if end == StandstillCause::Failed && is_mapped {
                     self.changed |= changed::CHANGED;
                     self.ends |= self.safety.trip_within(cause);
-                    self.owner.hear(Fact::Latched { link: false });
+                    self.owner.handle(LightEvent::Latched { link: false });
                 }
             }
         }
@@ -339,9 +339,9 @@ impl Channel {
     /// A path comes to standstill. If it fails, the latch makes the channel dark within the
     /// interval.
     fn owner_is_at_standstill(&mut self, at: Ns, run: PathRun, end: StandstillCause) {
-        let fact = Fact::Standstill { run, end };
+        let fact = LightEvent::Standstill { run, end };
         if end == StandstillCause::Failed {
-            self.owner.hear(fact);
+            self.owner.handle(fact);
         } else {
             self.report(at, fact);
         }
@@ -429,9 +429,9 @@ impl Channel {
 
     /// Power-on state. The levels of the outputs and a fault are kept.
     fn reset(&mut self, at: Ns, family: Family) {
-        self.report(at, Fact::PowerOn);
-        self.report(at, Fact::FollowEnds);
-        (self.law, self.energy) = (Law::power_on(self.law.channel, family), Energy::POWER_ON);
+        self.report(at, LightEvent::PowerOn);
+        self.report(at, LightEvent::FollowEnds);
+        (self.law, self.energy) = (PowerLaw::power_on(self.law.channel, family), Energy::POWER_ON);
         (self.delays, self.delayed, self.fpk) = (Delays::default(), true, None);
         (self.on_time, self.planned) = (OnTime::ZERO, 0);
         self.take_map(at, CrdMask(CRD_MAP));
@@ -449,7 +449,7 @@ impl Channel {
     pub(super) fn trip(&mut self, cause: Cause) {
         self.safety.trip(cause);
         // The latch makes it dark, with all outputs; nothing else is to be cut.
-        self.owner.hear(Fact::Latched { link: cause == Cause::LinkLost });
+        self.owner.handle(LightEvent::Latched { link: cause == Cause::LinkLost });
         self.changed |= changed::CHANGED;
     }
 

@@ -7,7 +7,7 @@
 //! Fixed ratios are divided by their scales at admission and have a common exponent: the sum is off
 //! by 2⁻⁵⁸ of the largest factor times the largest distance, and half a unit. With a table the
 //! ratio has 44 fraction bits, the distance over the scale 32 and at most ±2²⁹.
-use super::fixed_point::{Cut, part, product, scaled};
+use super::fixed_point::{PreparedShift, part, product, scaled};
 use super::power::{PowerBounds, Refused};
 use super::power_tables::{Curve, DISTANCES, Interval, PowerTables};
 use super::velocity_follow::SpeedSource;
@@ -102,7 +102,7 @@ impl Distance {
         // Else the sums of four of its products with the longest displacement would have too many
         // bits.
         let usual = of.iter().all(|(low, _)| *low != i32::MIN);
-        let cut = Cut::of(if usual { self.shift as u32 } else { 0 });
+        let cut = PreparedShift::of(if usual { self.shift as u32 } else { 0 });
         let axes = self.axes.iter().fold(0, |key, axis| key << AXIS_BITS | axis.index() as u32);
         let key = axes | ((self.source == SpeedSource::Encoder) as u32) << 31;
         Terms { of, key, cut, token: 0, fresh: true, sum: 0, power: 0 }
@@ -236,7 +236,7 @@ pub(super) struct Terms {
     /// Factors: low + high·2³².
     of: [(i32, i32); DISTANCES],
     pub(super) key: u32,
-    cut: Cut,
+    cut: PreparedShift,
     /// The sample that the sum belongs to.
     token: u32,
     /// The sum is to be computed afresh.
@@ -247,7 +247,7 @@ pub(super) struct Terms {
 
 impl Terms {
     pub(super) const NONE: Terms =
-        Terms { of: [(0, 0); DISTANCES], key: 0, cut: Cut::of(0), token: 0, fresh: true, sum: 0, power: 0 };
+        Terms { of: [(0, 0); DISTANCES], key: 0, cut: PreparedShift::of(0), token: 0, fresh: true, sum: 0, power: 0 };
 
     /// Its part of the power, to the nearest, at the last sample taken.
     #[inline(always)]

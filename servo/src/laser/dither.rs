@@ -378,7 +378,7 @@ const fn fits(into: u32, step: u32) -> u32 {
 
 /// One of a train's two counts in [`TrainSteps`]: the accumulator carries where a count is odd.
 #[derive(Debug, Clone, Copy)]
-struct Half {
+struct CountStep {
     whole: u32,
     part: u32,
     /// 2³² minus the denominator: what the accumulator lacks after a carry.
@@ -387,13 +387,13 @@ struct Half {
     gathered: u32,
 }
 
-impl Half {
+impl CountStep {
     #[inline(always)]
-    fn of(count: &Count, before: &Bresenham) -> Half {
+    fn of(count: &Count, before: &Bresenham) -> CountStep {
         let Count { whole, part, of } = *count;
         let gathered = if before.of == of { before.gathered } else { 0 };
         let lack = of.wrapping_neg();
-        Half { whole: whole as u32, part, lack, gathered: gathered.wrapping_add(lack) }
+        CountStep { whole: whole as u32, part, lack, gathered: gathered.wrapping_add(lack) }
     }
 
     /// The next count.
@@ -436,8 +436,8 @@ impl Half {
 /// they are far below 2³² and the train does not change.
 #[derive(Debug, Clone, Copy)]
 struct TrainSteps {
-    period: Half,
-    width: Half,
+    period: CountStep,
+    width: CountStep,
     owed: u32,
     /// Nothing is owed, nor will be: each pulse ends with its period at the latest.
     is_plain: bool,
@@ -451,8 +451,8 @@ impl TrainSteps {
         let owed = if before.width.of == train.width.of { before.owed as u32 } else { 0 };
         let is_plain = owed == 0 && train.width.whole < train.period.whole;
         TrainSteps {
-            period: Half::of(&train.period, &before.period),
-            width: Half::of(&train.width, &before.width),
+            period: CountStep::of(&train.period, &before.period),
+            width: CountStep::of(&train.width, &before.width),
             owed,
             is_plain,
             is_full: !is_plain && train.is_full(),

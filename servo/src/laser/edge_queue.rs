@@ -2,15 +2,15 @@
 //! killer.
 //!
 //! In: commands that take effect at a later instant. Out: edges, in order. Owns a queue of
-//! [`EDGES`] instants; levels alternate, so that an instant is enough. Fails: an on command that
-//! finds fewer than two slots is refused, [`Full`]; its off always has one, so an off command is
-//! never lost.
+//! [`GATE_EDGES`] instants; levels alternate, so that an instant is enough. Fails: an on command
+//! that finds fewer than two slots is refused, [`Full`]; its off always has one, so an off command
+//! is never lost.
 //!
 //! The cancel rule of SPEC 6: a command cancels every pending edge at or after its own effect.
 use super::NEVER;
 use crate::units::Ns;
 
-pub(super) use crate::capacity::EDGES;
+pub(super) use crate::capacity::GATE_EDGES;
 
 /// No slots left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,12 +26,13 @@ pub(super) struct EdgeQueue {
     pub(super) next: Ns,
     first: usize,
     len: usize,
-    at: [Ns; EDGES],
+    at: [Ns; GATE_EDGES],
 }
 
 impl EdgeQueue {
     /// Off, nothing pending.
-    pub(super) const OFF: EdgeQueue = EdgeQueue { level: false, next: NEVER, first: 0, len: 0, at: [Ns(0); EDGES] };
+    pub(super) const OFF: EdgeQueue =
+        EdgeQueue { level: false, next: NEVER, first: 0, len: 0, at: [Ns(0); GATE_EDGES] };
 
     /// Whether it is on, or will be.
     #[inline]
@@ -51,7 +52,7 @@ impl EdgeQueue {
         }
         // The level that the last pending edge leads to.
         let last = self.level ^ (self.len & 1 == 1);
-        let fits = last == on || !on || self.len < EDGES - 1;
+        let fits = last == on || !on || self.len < GATE_EDGES - 1;
         if last != on && fits {
             let len = self.len;
             if let Some(slot) = self.slot(len) {
@@ -66,7 +67,7 @@ impl EdgeQueue {
     /// Takes the next edge, which is due; returns the new level.
     #[inline]
     pub(super) fn take(&mut self) -> bool {
-        self.first = self.first.wrapping_add(1) % EDGES;
+        self.first = self.first.wrapping_add(1) % GATE_EDGES;
         self.len = self.len.saturating_sub(1);
         self.look();
         self.level = !self.level;
@@ -81,8 +82,8 @@ impl EdgeQueue {
 
     #[inline]
     fn slot(&mut self, index: usize) -> Option<&mut Ns> {
-        self.at.get_mut(self.first.wrapping_add(index) % EDGES)
+        self.at.get_mut(self.first.wrapping_add(index) % GATE_EDGES)
     }
 }
 
-const _: () = assert!(EDGES.is_power_of_two(), "the remainder is a mask");
+const _: () = assert!(GATE_EDGES.is_power_of_two(), "the remainder is a mask");

@@ -12,15 +12,15 @@ use core::num::NonZeroU16;
 
 /// The width of pulses of a power, if nothing else depends on it: counts of 2⁻³² per power, 2⁻⁴⁴ %.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Plain {
+pub(super) struct FixedGainWidth {
     /// 0 where more depends on it.
     gain: u64,
     /// The power whose train the thread has planned; −1: there is none.
     planned: i64,
 }
 
-impl Plain {
-    pub(super) const NONE: Plain = Plain { gain: 0, planned: -1 };
+impl FixedGainWidth {
+    pub(super) const NONE: FixedGainWidth = FixedGainWidth { gain: 0, planned: -1 };
 
     /// That width, if the power makes pulses shorter than the period.
     #[inline(always)]
@@ -82,14 +82,14 @@ impl Energy {
 
     /// In the duty modes, if the present train is the carrier with pulses, and not too long: for
     /// another power only the width differs.
-    pub(super) fn plain(&self, out: &Train) -> Plain {
+    pub(super) fn plain(&self, out: &Train) -> FixedGainWidth {
         let duty = matches!(self.mode, PowerMode::Duty | PowerMode::DutyOpen);
         match &self.carrier {
             Some(carrier) if self.connector && duty && out.period == carrier.period() && !out.is_silent() => {
                 let planned = self.fixed.as_ref().and_then(|fixed| fixed.power_over(carrier.khz()));
-                Plain { gain: carrier.gain, planned: planned.map_or(-1, Power::raw) }
+                FixedGainWidth { gain: carrier.gain, planned: planned.map_or(-1, Power::raw) }
             }
-            _ => Plain::NONE,
+            _ => FixedGainWidth::NONE,
         }
     }
 

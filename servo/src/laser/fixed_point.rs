@@ -68,18 +68,18 @@ pub(super) fn nearest(x: i128, shift: u32) -> i64 {
 
 /// A shift prepared for many numbers that need no limit: as [`part`] and [`held`] otherwise.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Cut {
+pub(super) struct PreparedShift {
     by: u32,
     /// The last words of the numbers are below it; 0 for a shift that is not between one word and
     /// two.
     room: u32,
 }
 
-impl Cut {
+impl PreparedShift {
     /// By any shift.
-    pub(super) const fn of(shift: u32) -> Cut {
+    pub(super) const fn of(shift: u32) -> PreparedShift {
         let room = if shift >= 36 && shift <= 64 { 1 << (shift - 35) } else { 0 };
-        Cut { by: shift.wrapping_sub(1) & 31, room }
+        PreparedShift { by: shift.wrapping_sub(1) & 31, room }
     }
 
     /// Of a number with a sign.

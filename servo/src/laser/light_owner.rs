@@ -1,10 +1,10 @@
 //! Light owner: the one place that decides whether a channel may have light (SPEC 6, "Whose light
 //! it is" and "Rest"; SPEC 9).
 //!
-//! In: a [`Fact`] at a time, in the order in which they happen. Out: a [`GateOrder`] to the gate.
-//! Owns: who lit the channel, what holds the light dark, and what brings it back. Cannot fail:
-//! [`Owner::hear`] is total, and everything else only reports facts to it. `light_owner/tests.rs`
-//! enumerates all states that facts can reach.
+//! In: a [`LightEvent`] at a time, in the order in which they happen. Out: a [`GateOrder`] to the
+//! gate. Owns: who lit the channel, what holds the light dark, and what brings it back. Cannot
+//! fail: [`Owner::handle`] is total, and everything else only reports facts to it.
+//! `light_owner/tests.rs` enumerates all states that facts can reach.
 //!
 //! | state | who lit it | what holds it dark | what brings light |
 //! | --- | --- | --- | --- |
@@ -43,7 +43,7 @@ pub(crate) struct PathRun {
 
 /// Who gave the on command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(super) enum Who {
+pub(super) enum LitBy {
     /// An immediate command.
     Call,
     /// An entry of this coordinate system.
@@ -56,11 +56,11 @@ enum Light {
     /// No on command is in force.
     Off,
     /// The gate is commanded on.
-    On(Who),
+    On(LitBy),
     /// Dark until every path that holds it has gone on.
-    Held(Who, Holders),
+    Held(LitBy, Holders),
     /// Dark until the path whose speed the power follows starts.
-    Waits(Who),
+    Waits(LitBy),
 }
 
 /// Paths whose Stop holds light dark: a bit for each FIFO 0 of a coordinate system, then one for
@@ -134,7 +134,7 @@ pub(super) enum StandstillCause {
 
 /// A fact that is reported to the owner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(super) enum Fact {
+pub(super) enum LightEvent {
     /// An immediate on or off command.
     Command { on: bool },
     /// A BufLaserOn or BufLaserOff is reached.
@@ -255,10 +255,10 @@ impl Owner {
     /// The coordinate systems whose light is on, or would come back with their CrdStart.
     pub(super) fn owners(&self) -> CrdMask {
         match self.light {
-            Light::Off | Light::On(Who::Call) | Light::Waits(Who::Call) => CrdMask(0),
-            Light::On(Who::Path(crd)) | Light::Waits(Who::Path(crd)) => crd.mask(),
+            Light::Off | Light::On(LitBy::Call) | Light::Waits(LitBy::Call) => CrdMask(0),
+            Light::On(LitBy::Path(crd)) | Light::Waits(LitBy::Path(crd)) => crd.mask(),
             Light::Held(who, by) => {
-                let own = if let Who::Path(crd) = who { crd.mask().0 } else { 0 };
+                let own = if let LitBy::Path(crd) = who { crd.mask().0 } else { 0 };
                 CrdMask(by.crds().0 | own)
             }
         }
@@ -270,55 +270,55 @@ impl Owner {
     }
 
     /// Takes a fact; see the module text.
-    pub(super) fn hear(&mut self, fact: Fact) -> GateOrder {
+    pub(super) fn handle(&mut self, fact: LightEvent) -> GateOrder {
         match fact {
-            Fact::Command { on: true } => self.command_on(),
-            Fact::Command { on: false } => {
+            LightEvent::Command { on: true } => self.command_on(),
+            LightEvent::Command { on: false } => {
                 self.vetoed = true;
                 self.off()
             }
-            Fact::Entry { run, .. } if !self.map.has(run.crd) => GateOrder::Ignored(Ignored::NotMapped),
-            Fact::Entry { on: true, run } => self.entry_on(run.crd),
-            Fact::Entry { on: false, .. } => self.off(),
-            Fact::Starts { run, resumes } => self.start(run, resumes),
-            Fact::Clears { run } => {
+            LightEvent::Entry { run, .. } if !self.map.has(run.crd) => GateOrder::Ignored(Ignored::NotMapped),
+            LightEvent::Entry { on: true, run } => self.entry_on(run.crd),
+            LightEvent::Entry { on: false, .. } => self.off(),
+            LightEvent::Starts { run, resumes } => self.start(run, resumes),
+            LightEvent::Clears { run } => {
                 if self.is_held_by(run) {
                     self.light = Light::Off;
                 }
                 GateOrder::Keep
             }
-            Fact::Standstill { run, end } => self.standstill(run, end),
-            Fact::Stops { crds } => {
+            LightEvent::Standstill { run, end } => self.standstill(run, end),
+            LightEvent::Stops { crds } => {
                 self.stopping.0 |= crds.0 & self.running.0;
                 let (mapped, is_off) = (crds.0 & self.map.0, self.light == Light::Off);
                 if mapped == 0 || mapped & self.running.0 != 0 || is_off { GateOrder::Keep } else { self.off() }
             }
-            Fact::FollowBegins { crd } => {
+            LightEvent::FollowBegins { crd } => {
                 self.drop_waiting();
                 self.follow = Some(crd);
                 GateOrder::Keep
             }
-            Fact::FollowEnds => {
+            LightEvent::FollowEnds => {
                 self.drop_waiting();
                 self.follow = None;
                 GateOrder::Keep
             }
-            Fact::Map { crds } => self.take_map(crds),
-            Fact::Output { there } => {
+            LightEvent::Map { crds } => self.take_map(crds),
+            LightEvent::Output { there } => {
                 self.output = there;
                 GateOrder::Keep
             }
-            Fact::Withdraw => self.cut(),
-            Fact::PowerOn => {
+            LightEvent::Withdraw => self.cut(),
+            LightEvent::PowerOn => {
                 self.vetoed = false;
                 self.cut()
             }
-            Fact::Latched { link } => self.latch(link),
-            Fact::Cleared => {
+            LightEvent::Latched { link } => self.latch(link),
+            LightEvent::Cleared => {
                 self.latch = Latch::None;
                 GateOrder::Keep
             }
-            Fact::Abort { refuses } => {
+            LightEvent::Abort { refuses } => {
                 self.dead.0 |= self.running.0;
                 if refuses {
                     // All motion brakes.
@@ -326,12 +326,12 @@ impl Owner {
                 }
                 self.cut()
             }
-            Fact::AbortOver => {
+            LightEvent::AbortOver => {
                 self.aborting = false;
                 GateOrder::Keep
             }
-            Fact::Relight if self.is_lit() => GateOrder::On,
-            Fact::Relight => GateOrder::Keep,
+            LightEvent::Relight if self.is_lit() => GateOrder::On,
+            LightEvent::Relight => GateOrder::Keep,
         }
     }
 
@@ -346,7 +346,7 @@ impl Owner {
     }
 
     /// Switches light on, if the follow allows it.
-    fn light(&mut self, who: Who) -> GateOrder {
+    fn light(&mut self, who: LitBy) -> GateOrder {
         if self.follow.is_some_and(|crd| !self.running.has(crd)) {
             self.light = Light::Waits(who);
             return GateOrder::Keep;
@@ -360,10 +360,10 @@ impl Owner {
             _ if self.is_latched() => GateOrder::Ignored(Ignored::Fault),
             _ if self.aborting => GateOrder::Ignored(Ignored::Aborting),
             _ if !self.output => GateOrder::Ignored(Ignored::NoOutput),
-            Light::On(Who::Path(_)) => GateOrder::Keep,
-            Light::Off | Light::On(Who::Call) | Light::Held(..) | Light::Waits(_) => {
+            Light::On(LitBy::Path(_)) => GateOrder::Keep,
+            Light::Off | Light::On(LitBy::Call) | Light::Held(..) | Light::Waits(_) => {
                 self.vetoed = false;
-                self.light(Who::Call)
+                self.light(LitBy::Call)
             }
         }
     }
@@ -382,7 +382,7 @@ impl Owner {
             return GateOrder::Ignored(Ignored::NoOutput);
         }
         self.vetoed = false;
-        self.light(Who::Path(crd))
+        self.light(LitBy::Path(crd))
     }
 
     fn start(&mut self, run: PathRun, resumes: bool) -> GateOrder {
@@ -432,7 +432,7 @@ impl Owner {
             // What another FIFO of it holds waits for that one.
             (Light::Held(_, by), _) if by.0 & Holders::both(crd) & !Holders::of(run).0 != 0 => GateOrder::Keep,
             (Light::On(who) | Light::Held(who, _) | Light::Waits(who), _) => {
-                let its = who == Who::Path(crd) || self.follow == Some(crd);
+                let its = who == LitBy::Path(crd) || self.follow == Some(crd);
                 if its || was_stopped && is_mapped { self.off() } else { GateOrder::Keep }
             }
         }
@@ -441,8 +441,8 @@ impl Owner {
     fn take_map(&mut self, crds: CrdMask) -> GateOrder {
         self.map = crds;
         let kept = match self.light {
-            Light::Off | Light::On(Who::Call) | Light::Waits(Who::Call) => true,
-            Light::On(Who::Path(crd)) | Light::Waits(Who::Path(crd)) => crds.has(crd),
+            Light::Off | Light::On(LitBy::Call) | Light::Waits(LitBy::Call) => true,
+            Light::On(LitBy::Path(crd)) | Light::Waits(LitBy::Path(crd)) => crds.has(crd),
             Light::Held(..) => self.owners().0 & !crds.0 == 0,
         };
         if kept { GateOrder::Keep } else { self.off() }

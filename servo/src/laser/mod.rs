@@ -70,7 +70,7 @@ use channel::Channel;
 pub use channel::{Delays, Fpk};
 use core::num::NonZeroU16;
 use distance_follow::Displacements;
-use light_owner::{Fact, StandstillCause};
+use light_owner::{LightEvent, StandstillCause};
 use power_law::PathSpeeds;
 
 /// Later than any instant.
@@ -169,7 +169,7 @@ pub(crate) trait Positions: Copy {
 
 /// The values that the power of a channel may follow, at the tick that is computed.
 #[derive(Clone, Copy)]
-pub(crate) struct Surroundings<'a, A> {
+pub(crate) struct FollowInputs<'a, A> {
     clock: Clock,
     speeds: &'a PathSpeeds,
     tables: &'a PowerTables,
@@ -178,7 +178,7 @@ pub(crate) struct Surroundings<'a, A> {
     displacements: &'a Displacements,
 }
 
-impl<A: Positions> Surroundings<'_, A> {
+impl<A: Positions> FollowInputs<'_, A> {
     /// One of the speeds of paths, [`PathSpeeds::index`].
     #[inline(always)]
     fn speed(&self, index: usize) -> PathSpeed {
@@ -200,7 +200,7 @@ impl<A: Positions> Surroundings<'_, A> {
 
 /// The coordinate systems whose speeds are followed, or may be from within the coming interval on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Wants {
+pub(crate) struct FollowedSpeeds {
     pub(crate) planned: CrdMask,
     pub(crate) encoder: CrdMask,
 }
@@ -267,7 +267,7 @@ impl Lasers {
     pub(crate) fn buffered(&mut self, run: PathRun, channel: u8, at: Ns, code: u8, words: &[u32; LASER_WORDS]) {
         if let (Some(channel), Some(change)) = (self.channels.get_mut(channel as usize), Buffered::unpack(code, words))
         {
-            channel.expect(at, ChannelEvent::Change(run, change));
+            channel.queue_event(at, ChannelEvent::Change(run, change));
         }
     }
 
@@ -289,13 +289,13 @@ impl Lasers {
             PathStop::Never | PathStop::Completed => (StandstillCause::RanOut, Cause::None),
             PathStop::Stopped => (StandstillCause::Stopped, Cause::None),
         };
-        self.channels.iter_mut().for_each(|channel| channel.expect(at, ChannelEvent::Standstill(run, end, cause)));
+        self.channels.iter_mut().for_each(|channel| channel.queue_event(at, ChannelEvent::Standstill(run, end, cause)));
     }
 
     /// A path starts at the instant of the tick computed; `resumes`: its FIFO goes on where it was
     /// interrupted.
     pub(crate) fn crd_starts(&mut self, run: PathRun, at: Ns, resumes: bool) {
-        self.hear(at, Fact::Starts { run, resumes });
+        self.handle(at, LightEvent::Starts { run, resumes });
     }
 
     /// A FIFO of a path at standstill is cleared.
@@ -308,12 +308,12 @@ impl Lasers {
     /// A Stop for these, of which each has been set up, at standstill or not.
     pub(crate) fn crd_stops(&mut self, crds: CrdMask, at: Ns) {
         if crds.0 != 0 {
-            self.hear(at, Fact::Stops { crds });
+            self.handle(at, LightEvent::Stops { crds });
         }
     }
 
     /// Every channel takes a fact.
-    fn hear(&mut self, at: Ns, fact: Fact) {
+    fn handle(&mut self, at: Ns, fact: LightEvent) {
         for channel in &mut self.channels {
             channel.attend(at);
             channel.report(at, fact);
@@ -345,7 +345,7 @@ impl Lasers {
 
     /// Everything that ran at the abort is at standstill.
     pub(crate) fn abort_over(&mut self, at: Ns) {
-        self.hear(at, Fact::AbortOver);
+        self.handle(at, LightEvent::AbortOver);
     }
 
     /// A fault of a coordinate system (SPEC 9), which is over as soon as it is reported: every
@@ -373,13 +373,13 @@ impl Lasers {
 
     /// The speeds of paths that are to be fed, each once its path has taken its step.
     #[inline]
-    pub(crate) fn wants(&self) -> Wants {
+    pub(crate) fn wants(&self) -> FollowedSpeeds {
         let (mut planned, mut encoder) = (0, 0);
         for channel in &self.channels {
             let (of, too) = channel.wants();
             (planned, encoder) = (planned | of.0, encoder | too.0);
         }
-        Wants { planned: CrdMask(planned), encoder: CrdMask(encoder) }
+        FollowedSpeeds { planned: CrdMask(planned), encoder: CrdMask(encoder) }
     }
 
     /// Whether a channel follows the encoders of a path.
@@ -417,7 +417,7 @@ impl Lasers {
         mut output: impl FnMut(u8, &LaserPlan),
     ) {
         let interlock = self.interlock;
-        let mut around = Surroundings {
+        let mut around = FollowInputs {
             clock: self.clock,
             speeds: &self.speeds,
             tables,

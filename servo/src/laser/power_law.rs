@@ -15,7 +15,7 @@ use super::distance_follow::{Distance, Terms};
 use super::power::{Power, PowerBounds};
 use super::power_tables::{Curve, DISTANCES, Interval};
 use super::velocity_follow::{Gain, Ratio, SpeedSource};
-use super::{Positions, PowerMode, Surroundings};
+use super::{FollowInputs, Positions, PowerMode};
 use crate::path::PathSpeed;
 use crate::units::{Crd, CrdMask};
 
@@ -63,7 +63,7 @@ enum Added {
 state! {
     /// The settings as one sum, prepared for the tick.
     #[derive(Debug, Clone, Copy)]
-    struct Mix {
+    struct PowerSum {
         /// The constant part, 2⁻⁴⁴.
         base: i64 = 0,
         /// Bounds of all.
@@ -84,9 +84,10 @@ state! {
 state! {
     /// The law of a channel.
     #[derive(Debug, Clone, Copy)]
-    pub(super) struct Law {
-        /// Always derived from the settings below: every change of these ends with [`Law::renew`].
-        mix: Mix = Mix::POWER_ON,
+    pub(super) struct PowerLaw {
+        /// Always derived from the settings below: every change of these ends with
+        /// [`PowerLaw::renew`].
+        mix: PowerSum = PowerSum::POWER_ON,
         terms: Terms = Terms::NONE,
         /// The coordinate systems whose planned speed it follows, and those whose encoders' speed.
         pub(super) planned: CrdMask = CrdMask(0),
@@ -104,7 +105,7 @@ state! {
     pub(super) const fn power_on(channel: u8, family: Family);
 }
 
-impl Law {
+impl PowerLaw {
     /// The bank of ratios that the distance follow reads.
     pub(super) fn bank(&self) -> Option<u8> {
         self.distance.and_then(|distance| distance.bank())
@@ -231,7 +232,7 @@ impl Law {
         }
         let speed = self.follow.map_or(0, |follow| PathSpeeds::index(follow.crd, self.encoder.0 != 0));
         let moves = self.follow.is_some() || self.distance.is_some();
-        self.mix = Mix { base, low, high, part, speed, added, moves, held };
+        self.mix = PowerSum { base, low, high, part, speed, added, moves, held };
     }
 
     /// The axes whose positions count by fixed ratios, if any do.
@@ -248,8 +249,8 @@ impl Law {
 
     /// The power in force from the tick that is computed.
     #[inline(always)]
-    pub(super) fn power(&mut self, around: &Surroundings<'_, impl Positions>) -> Power {
-        let Mix { base, low, high, part, speed, added, held, .. } = &self.mix;
+    pub(super) fn power(&mut self, around: &FollowInputs<'_, impl Positions>) -> Power {
+        let PowerSum { base, low, high, part, speed, added, held, .. } = &self.mix;
         if *added == Added::Terms {
             self.terms.advance(around.displacements, &self.distance);
         }

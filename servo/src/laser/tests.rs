@@ -5,7 +5,7 @@ mod chance;
 use super::buffered::{ChannelEvent, EventQueue};
 use super::distance_follow::Displacements;
 use super::light_owner::StandstillCause;
-use super::power_law::Law;
+use super::power_law::PowerLaw;
 use super::power_tables::{DISTANCES, Interval};
 use super::*;
 use crate::axis::AxisState;
@@ -258,7 +258,7 @@ fn bits(x: [f64; 4]) -> [u64; 4] {
 fn added(distance: &Distance, tables: &PowerTables, axes: &[AxisState]) -> i64 {
     let speeds = PathSpeeds::STANDSTILL;
     let around =
-        Surroundings { clock: Clock::GHZ, speeds: &speeds, tables, axes, displacements: &Displacements::OF_NOBODY };
+        FollowInputs { clock: Clock::GHZ, speeds: &speeds, tables, axes, displacements: &Displacements::OF_NOBODY };
     if distance.bank().is_none() {
         // The same wherever it was before: further away than one displacement holds, and within
         // one.
@@ -417,7 +417,7 @@ fn ratios_of_tables_are_those_of_the_position() {
 }
 
 /// The power of a law at a speed, of crd 1, and a distance of axis 0.
-fn power_of(law: &mut Law, v: f64, x: f64) -> f64 {
+fn power_of(law: &mut PowerLaw, v: f64, x: f64) -> f64 {
     let mut speeds = PathSpeeds::STANDSTILL;
     let [first, second] = [0, 1].map(|index| Crd::new(index).unwrap());
     speeds.put(PathSpeeds::index(first, false), speed(v));
@@ -430,7 +430,7 @@ fn power_of(law: &mut Law, v: f64, x: f64) -> f64 {
     if let Some(key) = law.followed_axes() {
         displacements.look(key, &axes);
     }
-    let around = Surroundings {
+    let around = FollowInputs {
         clock: Clock::GHZ,
         speeds: &speeds,
         tables: &tables,
@@ -441,19 +441,19 @@ fn power_of(law: &mut Law, v: f64, x: f64) -> f64 {
     (raw as f64 / 2f64.powi(44) * 1e9).round() / 1e9
 }
 
-fn law(family: Family, max: f64, min: f64) -> Law {
-    let mut law = Law::power_on(0, family);
+fn law(family: Family, max: f64, min: f64) -> PowerLaw {
+    let mut law = PowerLaw::power_on(0, family);
     law.set_bounds(PowerBounds::admit(PowerMode::Duty, power(max), power(min)).unwrap());
     law
 }
 
-fn begin(law: &mut Law, r: f64, min: f64, max: f64) {
+fn begin(law: &mut PowerLaw, r: f64, min: f64, max: f64) {
     let bounds = PowerBounds::admit_follow(PowerMode::Duty, power(max), power(min)).unwrap();
     law.change(Crd::new(0).unwrap(), &Buffered::FollowRatio { ratio: ratio(r), bounds });
 }
 
 /// 0.01 of the unit a pulse of axis 0.
-fn distance(law: &mut Law, bounds: Option<(f64, f64)>) {
+fn distance(law: &mut PowerLaw, bounds: Option<(f64, f64)>) {
     let bounds = bounds.map(|(max, min)| PowerBounds::admit(PowerMode::Duty, power(max), power(min)).unwrap());
     let (scales, ratios) = (bits([1000.0; 4]), bits([10.0, 0.0, 0.0, 0.0]));
     let source = SpeedSource::Planned;

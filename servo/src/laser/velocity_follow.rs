@@ -8,7 +8,7 @@
 //! the *middle* of that interval. Under constant acceleration that is the mean: the energy of each
 //! interval is the ratio times its length, at any period. The speed at its beginning would lag by
 //! half a tick.
-use super::fixed_point::{Cut, held};
+use super::fixed_point::{PreparedShift, held};
 use super::power::Refused;
 use crate::math::wide::umul;
 use crate::path::PathSpeed;
@@ -51,7 +51,7 @@ impl Ratio {
     pub(super) fn gain(self) -> Gain {
         // v·2^30 times ratio = m·2^(exponent - 1086), of which 2^44 are to stay.
         let shift = (1086 + PathSpeed::FRAC_BITS - super::Power::FRAC_BITS) as u64 - (self.bits >> 52);
-        let cut = Cut::of(shift as u32);
+        let cut = PreparedShift::of(shift as u32);
         if shift > 128 { Gain::NONE } else { Gain { m: self.bits << 11 | 1 << 63, cut, shift: shift as u32 } }
     }
 }
@@ -60,14 +60,14 @@ impl Ratio {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Gain {
     m: u64,
-    cut: Cut,
+    cut: PreparedShift,
     /// 17 to 128.
     shift: u32,
 }
 
 impl Gain {
     /// No power at any speed.
-    pub(super) const NONE: Gain = Gain { m: 0, cut: Cut::of(64), shift: 64 };
+    pub(super) const NONE: Gain = Gain { m: 0, cut: PreparedShift::of(64), shift: 64 };
 
     /// ratio·v in 2⁻⁴⁴ to half a unit; held at
     /// [`POWER_PART_MAX`](super::fixed_point::POWER_PART_MAX).

@@ -20,9 +20,9 @@ use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 /// Axes of a word.
 pub const AXES: usize = 8;
 /// Slots of the ring. Two ticks lie in it: the one that is output, and the one that is filled.
-pub const RING: usize = 1024;
+pub const RING_SLOTS: usize = 1024;
 /// Slots of the longest tick.
-pub const SLOTS_MAX: u32 = RING as u32 / 2;
+pub const SLOTS_MAX: u32 = RING_SLOTS as u32 / 2;
 
 /// Slots between two roundings. Each slot adds less than 1 + 2⁻⁷ units, as does the beginning;
 /// 1/slots are 256 units, or 64.
@@ -92,7 +92,7 @@ impl<const WIDTH: usize> StepOutput<WIDTH> {
     /// `goes_to`, as far as the steps have room. All words there are zero before; if all stay zero,
     /// nothing is written. Returns whether anything was.
     #[inline(never)]
-    pub fn fill(&mut self, goes_to: &[i64; AXES], slots: u32, ring: &[AtomicU32; RING], at: usize) -> bool {
+    pub fn fill(&mut self, goes_to: &[i64; AXES], slots: u32, ring: &[AtomicU32; RING_SLOTS], at: usize) -> bool {
         let slots = slots.min(SLOTS_MAX);
         let (mut counts, mut from) = ([0u32; AXES], [0u32; AXES]);
         let (mut steps, mut turned, mut waits) = (0u32, 0, 0);
@@ -157,15 +157,15 @@ fn pairs(axes: [u32; AXES]) -> [u32; AXES / 2] {
 }
 
 /// Writes the words of a tick that is one block, in which every axis has all slots.
-fn spread<const WIDTH: usize>(counts: &[u32; AXES], slots: u32, ring: &[AtomicU32; RING], at: usize) {
+fn spread<const WIDTH: usize>(counts: &[u32; AXES], slots: u32, ring: &[AtomicU32; RING_SLOTS], at: usize) {
     let reciprocal = reciprocal(slots);
     let pace = pairs(counts.map(|count| scaled(count, reciprocal)));
     let phase = pairs([scaled(slots >> 1, reciprocal); AXES]);
     let mut high = [0; WIDTH];
     let end = at.wrapping_add(slots as usize);
-    let first = ring.get(at..end.min(RING)).unwrap_or_default();
+    let first = ring.get(at..end.min(RING_SLOTS)).unwrap_or_default();
     let phase = write(first, phase, pace, &mut high);
-    if let Some(remainder @ 1..) = end.checked_sub(RING) {
+    if let Some(remainder @ 1..) = end.checked_sub(RING_SLOTS) {
         write(ring.get(..remainder).unwrap_or_default(), phase, pace, &mut high);
     }
 }
@@ -176,7 +176,7 @@ fn spread_late<const WIDTH: usize>(
     counts: &[u32; AXES],
     from: &[u32; AXES],
     slots: u32,
-    ring: &[AtomicU32; RING],
+    ring: &[AtomicU32; RING_SLOTS],
     mut at: usize,
 ) {
     let mut done = 0u32;
@@ -185,7 +185,7 @@ fn spread_late<const WIDTH: usize>(
     // Steps whose end is still to come, the newest first.
     let mut high = [0; WIDTH];
     while done < slots {
-        let mut length = slots.wrapping_sub(done).min(block(slots)).min((RING as u32).wrapping_sub(at as u32));
+        let mut length = slots.wrapping_sub(done).min(block(slots)).min((RING_SLOTS as u32).wrapping_sub(at as u32));
         let (mut phase, mut pace) = ([0; AXES], [0; AXES]);
         let scales = phase.iter_mut().zip(&mut pace);
         for (((count, from), now), (phase, pace)) in counts.iter().zip(from).zip(&phases).zip(scales) {
@@ -208,7 +208,7 @@ fn spread_late<const WIDTH: usize>(
             }
         }
         done = done.wrapping_add(length);
-        at = at.wrapping_add(length as usize) & (RING - 1);
+        at = at.wrapping_add(length as usize) & (RING_SLOTS - 1);
     }
 }
 

@@ -10,7 +10,7 @@ pub const TIMED_OUTPUTS: usize = 16;
 
 /// One that waits.
 #[derive(Debug, Clone, Copy)]
-struct Waiting {
+struct TimedOutput {
     due: Ns,
     group: DoGroup,
     bit: u8,
@@ -21,13 +21,13 @@ struct Waiting {
 /// All of them, in no order.
 #[derive(Debug)]
 pub(crate) struct TimedOutputs {
-    list: [Waiting; TIMED_OUTPUTS],
+    list: [TimedOutput; TIMED_OUTPUTS],
     count: usize,
 }
 
 impl TimedOutputs {
     pub(crate) const NONE: TimedOutputs = {
-        let none = Waiting { due: Ns(0), group: DoGroup::General, bit: 0, high: false };
+        let none = TimedOutput { due: Ns(0), group: DoGroup::General, bit: 0, high: false };
         TimedOutputs { list: [none; TIMED_OUTPUTS], count: 0 }
     };
 
@@ -41,7 +41,7 @@ impl TimedOutputs {
         self.count < TIMED_OUTPUTS || self.waiting().any(|one| one.group == group && one.bit == bit)
     }
 
-    fn waiting(&self) -> impl Iterator<Item = &Waiting> {
+    fn waiting(&self) -> impl Iterator<Item = &TimedOutput> {
         self.list.iter().take(self.count)
     }
 
@@ -49,7 +49,7 @@ impl TimedOutputs {
     pub(crate) fn add(&mut self, group: DoGroup, bit: u8, high: bool, due: Ns) {
         self.forget(group, 1u64 << (bit & 63));
         if let Some(slot) = self.list.get_mut(self.count) {
-            (*slot, self.count) = (Waiting { due, group, bit, high }, self.count.wrapping_add(1));
+            (*slot, self.count) = (TimedOutput { due, group, bit, high }, self.count.wrapping_add(1));
         }
     }
 
@@ -72,7 +72,7 @@ impl TimedOutputs {
         });
     }
 
-    fn keep(&mut self, mut stays: impl FnMut(&Waiting) -> bool) {
+    fn keep(&mut self, mut stays: impl FnMut(&TimedOutput) -> bool) {
         let mut kept = 0usize;
         for index in 0..self.count.min(TIMED_OUTPUTS) {
             let Some(&one) = self.list.get(index) else { break };

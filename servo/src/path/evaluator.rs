@@ -21,19 +21,19 @@ mod stop;
 
 pub use cursor::GEARS;
 pub use feed_override::FeedOverride;
-pub use interface::{Effects, FifoEnds, PathReport, PathStop, Rules, Step, StepReport, TrajectorySample};
+pub use interface::{Effects, FifoEnds, PathReport, PathSettings, PathStop, Step, StepReport, TrajectorySample};
 
+use super::DIMENSIONS;
 use super::PathSpeed;
 use super::entry::MotionSpeeds;
-use super::geometry::{Bend, GearMotion as Geared, GeometryStep, MotionGeometry};
-use super::speed_profile::{Phase, Sketch, SpeedPlan};
+use super::geometry::{Curvature, GearMotion, GeometryStep, MotionGeometry};
+use super::speed_profile::{Phase, SpeedPlan, SpeedPlanDraft};
 use super::store::PathEntries;
-use super::{DIMENSIONS, FineNs};
 use crate::math::float::Float;
 use crate::segment::piece::{Motion, Piece};
-use crate::units::{Axis, Exact, Ns, Pos};
-use cursor::{Cursor, Gear, ORIGIN, Past};
-use fast_path::Turn;
+use crate::units::{Axis, Exact, FineNs, Ns, Pos};
+use cursor::{ActiveGear, Cursor, ORIGIN, SampledPosition};
+use fast_path::FastPathCase;
 
 /// Entries with effects in a tick, a move counted
 /// [`PathEntry::load`](super::entry::PathEntry::load) times. The path holds before the next one
@@ -72,11 +72,11 @@ state! {
     pub struct Path {
         stage: Stage = Stage::Standstill,
         stand: MotionPosition = MotionPosition::NONE,
-        swept: Swept = Swept { length: None, past: Past::NONE },
+        swept: TravelledLength = TravelledLength { length: None, past: SampledPosition::NONE },
         /// The end of the FIFO, if nothing followed the motion in force when it was planned.
         open: Option<u32> = None,
         fifo: u8 = 0,
-        fast: FastPath = FastPath { publishes: false, turn: Turn::Else },
+        fast: FastPath = FastPath { publishes: false, turn: FastPathCase::Else },
         /// What is published has to be written as a whole.
         fresh: bool = true,
         /// Whether a coordinate has slaves; then the motion between samples is kept: up to the last
@@ -100,8 +100,8 @@ state! {
         /// Its position while it does not move.
         here: [Pos; DIMENSIONS] = ORIGIN,
         /// Holds for all motions; a change acts on the motion in force with [`Path::replan`].
-        pub rules: Rules = Rules::POWER_ON,
-        planning: Planning = Planning { unfinished: false, draft: GeometryStep::Nothing, sketch: Sketch::NONE },
+        pub rules: PathSettings = PathSettings::POWER_ON,
+        planning: Planning = Planning { unfinished: false, draft: GeometryStep::Nothing, sketch: SpeedPlanDraft::NONE },
         /// At standstill: the part that is made belongs to a start with this FIFO, as if it began
         /// at 0.
         prepared: Option<u8> = None,
@@ -162,11 +162,11 @@ struct Pieces {
 
 /// The path length since the last sample.
 #[derive(Debug, Clone, Copy)]
-struct Swept {
+struct TravelledLength {
     /// To the end of the last phase that has ended since, if one has.
     length: Option<Exact>,
     /// Then: the position at that sample.
-    past: Past,
+    past: SampledPosition,
 }
 
 /// What the fast path may do. Decided where it may change.
@@ -175,7 +175,7 @@ struct FastPath {
     /// Publish the position.
     publishes: bool,
     /// Pass the end of the phase in force.
-    turn: Turn,
+    turn: FastPathCase,
 }
 
 /// The part of a motion that is being made.
@@ -186,7 +186,7 @@ struct Planning {
     /// Of the geometry of the motion after it.
     draft: GeometryStep,
     /// Of the plan of that motion, or, as long as that is `unfinished`, of the one in force.
-    sketch: Sketch,
+    sketch: SpeedPlanDraft,
 }
 
 /// A phase in the form that the tick evaluates.
@@ -295,7 +295,7 @@ impl Path {
         let Path {
             stage,
             stand,
-            swept: Swept { length, past: _ },
+            swept: TravelledLength { length, past: _ },
             open,
             fifo,
             fast,
@@ -398,7 +398,7 @@ impl Path {
     }
 
     /// The axes geared to the motion in force of a FIFO, or to its next one.
-    fn gears_of(&self, fifo: u8) -> impl Iterator<Item = &Gear> {
+    fn gears_of(&self, fifo: u8) -> impl Iterator<Item = &ActiveGear> {
         let cursor = self.cursor_of(fifo);
         cursor.gears.iter().take(cursor.geared)
     }
@@ -474,7 +474,7 @@ impl Path {
         source: &impl PathEntries,
         sink: &mut impl Effects,
     ) -> Step {
-        let (heading, bend, motion) = ([0; DIMENSIONS], Bend::STRAIGHT, Motion::STANDSTILL);
+        let (heading, bend, motion) = ([0; DIMENSIONS], Curvature::STRAIGHT, Motion::STANDSTILL);
         let mut step = Step { position: ORIGIN, heading, bend, motion, runs: false, fifo: 0, done: 0 };
         let Step { position, heading, bend, motion, .. } = &mut step;
         self.fresh = true;

@@ -65,7 +65,7 @@ fn long(distance: Pos) -> u64 {
 
 /// How the direction of a motion turns along the path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Bend {
+pub struct Curvature {
     /// The plane in which it turns.
     pub plane: Plane,
     /// From the first of its coordinates to the second.
@@ -76,9 +76,9 @@ pub struct Bend {
     pub shift: i32,
 }
 
-impl Bend {
+impl Curvature {
     /// It does not turn.
-    pub const STRAIGHT: Bend = Bend { plane: Plane::Xy, ccw: false, turns: 0, shift: 0 };
+    pub const STRAIGHT: Curvature = Curvature { plane: Plane::Xy, ccw: false, turns: 0, shift: 0 };
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -290,24 +290,29 @@ impl MotionGeometry {
 
     /// How its direction turns.
     #[inline(always)]
-    pub(super) fn bend(&self) -> Bend {
+    pub(super) fn bend(&self) -> Curvature {
         match &self.geometry {
-            Geometry::Line { .. } => Bend::STRAIGHT,
+            Geometry::Line { .. } => Curvature::STRAIGHT,
             Geometry::Arc { plane, ccw, rate, shift, .. } => {
-                Bend { plane: *plane, ccw: *ccw, turns: *rate, shift: *shift }
+                Curvature { plane: *plane, ccw: *ccw, turns: *rate, shift: *shift }
             }
         }
     }
 
     /// Publishes what of its position, direction and bend is constant along it.
     #[inline(always)]
-    pub(super) fn publish(&self, position: &mut [Pos; DIMENSIONS], heading: &mut [i32; DIMENSIONS], bend: &mut Bend) {
+    pub(super) fn publish(
+        &self,
+        position: &mut [Pos; DIMENSIONS],
+        heading: &mut [i32; DIMENSIONS],
+        bend: &mut Curvature,
+    ) {
         if let Geometry::Line { heading: straight, .. } = &self.geometry {
             // A step publishes at least two coordinates of the position in any case.
             let ([_, _, z, a], [_, _, z0, a0]) = (position, &self.start);
             (*z, *a) = (*z0, *a0);
             *heading = *straight;
-            *bend = Bend::STRAIGHT;
+            *bend = Curvature::STRAIGHT;
         } else {
             *position = self.start;
             *heading = [0; DIMENSIONS];

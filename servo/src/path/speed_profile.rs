@@ -7,10 +7,9 @@
 //!
 //! All in squares of speeds: over a length s the square changes by 2·a·s, so that every question is
 //! one sum.
-use super::FineNs;
 use crate::math::float::Float;
 use crate::segment::piece::{Motion, Piece, Recip};
-use crate::units::{Exact, Ns};
+use crate::units::{Exact, FineNs, Ns};
 
 /// The limits of a motion.
 #[derive(Debug, Clone, Copy)]
@@ -87,49 +86,49 @@ impl SpeedPlan {
 
     /// Makes a part of it. Returns whether that was the last.
     #[inline(never)]
-    pub(super) fn advance(&mut self, sketch: &mut Sketch) -> bool {
+    pub(super) fn advance(&mut self, sketch: &mut SpeedPlanDraft) -> bool {
         sketch.todo = match sketch.todo {
-            Todo::Bound => {
-                let Sketch { v, length, means, .. } = &*sketch;
+            PlannerStep::Bound => {
+                let SpeedPlanDraft { v, length, means, .. } = &*sketch;
                 (self.count, self.exit, self.halts) = (0, *v, false);
                 if length.is_zero() || length.is_negative() {
-                    Todo::Nothing
+                    PlannerStep::Nothing
                 } else if let Some(dec) = means.stop {
                     self.brake(*v, *length, means, dec);
-                    Todo::Nothing
+                    PlannerStep::Nothing
                 } else {
                     self.bound(sketch)
                 }
             }
-            Todo::Peak => {
+            PlannerStep::Peak => {
                 sketch.aim();
                 if sketch.is_uneven() {
-                    Todo::Even
+                    PlannerStep::Even
                 } else {
                     self.ramp(sketch.v, sketch.peak, sketch.means.acc, sketch.inverse);
-                    Todo::Remainder
+                    PlannerStep::Remainder
                 }
             }
-            Todo::Even => {
+            PlannerStep::Even => {
                 sketch.even();
                 self.ramp(sketch.v, sketch.peak, sketch.means.acc, sketch.inverse);
-                Todo::Remainder
+                PlannerStep::Remainder
             }
-            Todo::Remainder => {
-                let Sketch { cruise, peak, .. } = *sketch;
+            PlannerStep::Remainder => {
+                let SpeedPlanDraft { cruise, peak, .. } = *sketch;
                 if !cruise.is_zero() && !cruise.is_negative() {
                     self.push(cruise.div(peak), peak, Float::ZERO);
                 }
                 self.ramp(peak, sketch.means.end, sketch.means.acc, sketch.inverse);
-                Todo::Nothing
+                PlannerStep::Nothing
             }
-            Todo::Nothing => Todo::Nothing,
+            PlannerStep::Nothing => PlannerStep::Nothing,
         };
-        matches!(sketch.todo, Todo::Nothing)
+        matches!(sketch.todo, PlannerStep::Nothing)
     }
 
     /// Makes its first phase. Returns whether that was all.
-    pub(super) fn begin(&mut self, sketch: &mut Sketch) -> bool {
+    pub(super) fn begin(&mut self, sketch: &mut SpeedPlanDraft) -> bool {
         loop {
             if self.advance(sketch) {
                 return true;
@@ -164,7 +163,7 @@ impl SpeedPlan {
     }
 
     /// Whether the end speed can be reached at all.
-    fn bound(&mut self, sketch: &mut Sketch) -> Todo {
+    fn bound(&mut self, sketch: &mut SpeedPlanDraft) -> PlannerStep {
         let MotionLimits { acc, end, .. } = sketch.means;
         let inverse = acc.recip();
         let (from, to) = (sketch.v.mul(sketch.v), end.mul(end));
@@ -173,7 +172,7 @@ impl SpeedPlan {
         (sketch.inverse, sketch.from, sketch.to, sketch.change) = (inverse, from, to, change);
         self.exit = end;
         if !reaches(low, to) && !reaches(to, high) {
-            return Todo::Peak;
+            return PlannerStep::Peak;
         }
         // Even this end cannot be reached, or just.
         self.exit = if !reaches(low, to) {
@@ -184,7 +183,7 @@ impl SpeedPlan {
             low.sqrt()
         };
         self.ramp(sketch.v, self.exit, acc, inverse);
-        Todo::Nothing
+        PlannerStep::Nothing
     }
 
     /// To standstill, or as near to it as the motion is long, and never faster than without the
@@ -236,7 +235,7 @@ impl SpeedPlan {
 
 /// The next step of the planner.
 #[derive(Debug, Clone, Copy)]
-enum Todo {
+enum PlannerStep {
     /// Which end speeds are within reach.
     Bound,
     /// The peak, and the ramp to it.
@@ -251,8 +250,8 @@ enum Todo {
 state! {
     /// A plan in progress, made some hundred instructions at a time.
     #[derive(Debug, Clone, Copy)]
-    pub(super) struct Sketch {
-        todo: Todo = Todo::Nothing,
+    pub(super) struct SpeedPlanDraft {
+        todo: PlannerStep = PlannerStep::Nothing,
         v: Float = Float::ZERO,
         length: Float = Float::ZERO,
         means: MotionLimits = MotionLimits { vel: Float::ZERO, acc: Float::ZERO, end: Float::ZERO, even: Float::ZERO, stop: None },
@@ -269,16 +268,16 @@ state! {
     pub(super) const NONE;
 }
 
-impl Sketch {
+impl SpeedPlanDraft {
     /// Of a motion over `length` from speed `v`.
     #[inline]
     pub(super) fn begin(&mut self, v: Float, length: Float, means: MotionLimits) {
-        (self.todo, self.v, self.length, self.means) = (Todo::Bound, v, length, means);
+        (self.todo, self.v, self.length, self.means) = (PlannerStep::Bound, v, length, means);
     }
 
     /// The peak speed, and the remaining length at it.
     fn aim(&mut self) {
-        let Sketch { v, length, from, to, change, .. } = *self;
+        let SpeedPlanDraft { v, length, from, to, change, .. } = *self;
         let vel = self.means.vel;
         let halved = self.inverse.scale(-1);
         (self.peak, self.cruise) = (vel, Float::ZERO);
@@ -303,7 +302,7 @@ impl Sketch {
 
     /// A lower peak, for that: peak²/acc + even·peak = length of both ramps and of the cruise.
     fn even(&mut self) {
-        let Sketch { v, length, from, to, inverse, .. } = *self;
+        let SpeedPlanDraft { v, length, from, to, inverse, .. } = *self;
         let MotionLimits { end, even, .. } = self.means;
         let halved = inverse.scale(-1);
         let distance = length.add(from.add(to).mul(halved));

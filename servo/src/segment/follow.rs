@@ -25,12 +25,12 @@ mod store;
 mod velocity;
 
 pub use entry::{ENTRIES, FifoTail, FollowChain, FollowEntry, Input, Refused, SCurvePart, STOPS};
-pub use evaluator::{ACTIONS, Awaited, Awaits, FollowContext, FollowRun, FollowState, OutputActions};
+pub use evaluator::{ACTIONS, FollowContext, FollowRun, FollowState, OutputActions, PackedWait, WaitCondition};
 pub use follower::Follower;
 pub(crate) use follower::share;
 pub(crate) use follower::{MasterPathKind, MasterSample};
 pub use gear::{GearRatio, GearRefused};
-pub use master_path::{MasterPath, PositionTrack, SPOTS, Spot};
+pub use master_path::{MasterPath, POSITIONS_MAX, PositionTrack, TimedPosition};
 pub(crate) use order::SlaveOrder;
 pub use setup::Setup;
 pub use store::FollowEntries;

@@ -1,7 +1,7 @@
 //! What a step of the tick reaches beyond its own state: rings it writes, stores it reads.
 use crate::path::PathStores;
 use crate::tables::TableStores;
-use crate::tick::{EVENTS, MotionSource, SAMPLES, SegmentStore, TickHalves};
+use crate::tick::{EVENTS, MotionSource, SegmentStore, TRACE_SAMPLES, TickHalves};
 use crate::units::Axis;
 use crate::view::{Event, Sample};
 use ring::Producer;
@@ -9,7 +9,7 @@ use ring::Producer;
 /// What tick commands reach beyond the tick's own state.
 pub(crate) struct HandOvers<'r, 'a, const AXES: usize> {
     pub(crate) events: &'r mut Producer<'a, Event, EVENTS>,
-    pub(crate) samples: &'r mut Producer<'a, Sample, SAMPLES>,
+    pub(crate) samples: &'r mut Producer<'a, Sample, TRACE_SAMPLES>,
     pub(crate) segments: &'a [SegmentStore; AXES],
     pub(crate) tables: TableStores<'a>,
     pub(crate) paths: PathStores<'a>,

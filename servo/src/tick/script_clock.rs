@@ -28,14 +28,14 @@ state! {
         pub(crate) late_light: bool = false,
         /// Whether the lane runs; else it is held.
         pub(crate) runs: bool = false,
-        spread: Spread = Spread::None,
+        spread: PostponedWork = PostponedWork::None,
     }
     pub(crate) const HELD;
 }
 
 /// The instant whose work goes on in another tick than its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Spread {
+enum PostponedWork {
     /// None.
     None,
     /// That of the entry that comes next.
@@ -70,16 +70,16 @@ impl ScriptClock {
     pub(crate) fn put_off(&mut self, instant: Ns, now: Ns) {
         if !self.was_put_off(instant) {
             let in_time = now.0 <= self.zero.0.saturating_add(instant.0);
-            self.spread = if in_time { Spread::Next } else { Spread::None };
+            self.spread = if in_time { PostponedWork::Next } else { PostponedWork::None };
         }
     }
 
     /// Whether work of that instant was postponed before.
     pub(crate) fn was_put_off(&self, instant: Ns) -> bool {
         match self.spread {
-            Spread::None => false,
-            Spread::Next => true,
-            Spread::Clock => self.clock == instant,
+            PostponedWork::None => false,
+            PostponedWork::Next => true,
+            PostponedWork::Clock => self.clock == instant,
         }
     }
 
@@ -87,7 +87,7 @@ impl ScriptClock {
     /// before the tick in force, unless its work was postponed.
     pub(crate) fn execute(&mut self, instant: Ns, now: Ns, seq: u32, lights: bool) {
         let put_off = self.was_put_off(instant);
-        self.spread = if put_off { Spread::Clock } else { Spread::None };
+        self.spread = if put_off { PostponedWork::Clock } else { PostponedWork::None };
         self.clock = instant;
         let late = now.0.saturating_sub(self.zero.0.saturating_add(instant.0));
         if late > 0 && !put_off {

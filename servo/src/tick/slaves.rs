@@ -14,12 +14,12 @@ use crate::units::{Axis, AxisMask, Crd, Ns};
 use crate::view::{Event, View};
 
 /// The state of an axis: one before or after the slave, or the slave itself.
-struct Others<'a> {
+struct MasterAxes<'a> {
     before: &'a [AxisState],
     after: &'a [AxisState],
 }
 
-impl Others<'_> {
+impl MasterAxes<'_> {
     fn at(&self, index: usize) -> Option<&AxisState> {
         let count = self.before.len();
         if index < count { self.before.get(index) } else { self.after.get(index.wrapping_sub(count).wrapping_sub(1)) }
@@ -114,7 +114,7 @@ impl<const AXES: usize> Tick<AXES> {
         let (Some((state, after)), Some(store)) = (others.split_first_mut(), lanes.segments.get(index)) else {
             return false;
         };
-        let others = Others { before, after };
+        let others = MasterAxes { before, after };
         let mut actions = OutputActions::default();
         let raw = state.raw;
         let master_sample =

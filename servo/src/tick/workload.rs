@@ -10,7 +10,7 @@
 //! ticks before it. A Reset takes as many ticks as it needs, and what follows it waits. Calls of
 //! the immediate lane are counted; their weight is taken from the program.
 use super::hand_overs::HandOvers;
-use crate::tick::{PROGRAM, Tick};
+use crate::tick::{PROGRAM_ENTRIES, Tick};
 use crate::tick_command::{LaneEntry, Supervision, TickCommand};
 use crate::units::{Axis, AxisMask, Ns};
 use crate::view::StopReason;
@@ -53,7 +53,7 @@ const PREPARE_LOG2_TICKS: u32 = 6;
 /// Calls of the immediate lane that act in a tick: this many in the shortest; in a longer one a
 /// call for each 512 ns, as far as the larger ring goes. They have no instant and come one by one.
 pub(crate) fn calls(period: Ns) -> u32 {
-    ((period.0 >> 9) as u32).clamp(64, PROGRAM as u32)
+    ((period.0 >> 9) as u32).clamp(64, PROGRAM_ENTRIES as u32)
 }
 
 /// The work that a tick still takes.
@@ -172,7 +172,7 @@ impl<const AXES: usize> Tick<AXES> {
     /// not, its instant goes on in the next tick; in this one a start or two may be prepared.
     pub(crate) fn admits(
         &mut self,
-        program: &Consumer<'_, LaneEntry, PROGRAM>,
+        program: &Consumer<'_, LaneEntry, PROGRAM_ENTRIES>,
         entry: &LaneEntry,
         instant: Ns,
         budget: &mut TickBudget,
@@ -203,7 +203,7 @@ impl<const AXES: usize> Tick<AXES> {
     #[inline(never)]
     fn prepare(
         &mut self,
-        program: &Consumer<'_, LaneEntry, PROGRAM>,
+        program: &Consumer<'_, LaneEntry, PROGRAM_ENTRIES>,
         budget: &mut TickBudget,
         lanes: &HandOvers<'_, '_, AXES>,
     ) -> bool {
@@ -270,8 +270,8 @@ impl<const AXES: usize> Tick<AXES> {
 }
 
 /// The entries of the instant in force, from the first one in the ring on.
-fn neighbours<'p>(program: &'p Consumer<'_, LaneEntry, PROGRAM>) -> impl Iterator<Item = &'p LaneEntry> {
-    let entries = (0..PROGRAM as u32).map_while(|before| Some((before, program.peek_at(before)?)));
+fn neighbours<'p>(program: &'p Consumer<'_, LaneEntry, PROGRAM_ENTRIES>) -> impl Iterator<Item = &'p LaneEntry> {
+    let entries = (0..PROGRAM_ENTRIES as u32).map_while(|before| Some((before, program.peek_at(before)?)));
     let of_it = |(before, entry): &(u32, &LaneEntry)| {
         *before == 0
             || entry.delay.0 == 0

@@ -3,7 +3,7 @@
 //! In: the path at one tick, how the axis depends on it. Out: a motion in time. Integers only, so
 //! every machine derives the same bits. Cannot fail.
 use crate::math::float::Float;
-use crate::path::Bend;
+use crate::path::Curvature;
 use crate::segment::follow::motion_of;
 use crate::segment::piece::Motion;
 use crate::view::{CrdView, Drive};
@@ -40,7 +40,7 @@ pub(crate) fn share_speed(drive: Drive, crd: &CrdView) -> Float {
 }
 
 /// How a coordinate of the direction changes per pulse of path length.
-fn turning(bend: &Bend, heading: &[i32], index: usize) -> Float {
+fn turning(bend: &Curvature, heading: &[i32], index: usize) -> Float {
     let [first, second] = bend.plane.coordinates();
     // A quarter turn on from the direction.
     let (across, minus) = match index {

@@ -1,7 +1,7 @@
 //! What the tick publishes of a coordinate system.
 use super::StopReason;
 use crate::path::axis_map::AxisMap;
-use crate::path::{Bend, DIMENSIONS, PathStop};
+use crate::path::{Curvature, DIMENSIONS, PathStop};
 use crate::segment::piece::{Motion, Scaled};
 use crate::units::{Crd, Pos};
 
@@ -22,7 +22,7 @@ state! {
         /// Direction of motion, a unit vector in 2⁻³⁰; zeros where it does not move.
         pub heading: [i32; DIMENSIONS] = [0; DIMENSIONS],
         /// How the direction turns.
-        pub bend: Bend = Bend::STRAIGHT,
+        pub bend: Curvature = Curvature::STRAIGHT,
         /// The path length along the motion in force as a piece: its velocity is the path's.
         pub motion: Motion = Motion::STANDSTILL,
         /// It has been started and is not at standstill; it also runs while it waits, or has speed

@@ -10,7 +10,7 @@ use servo::path::{self, EntryStore, PathStores};
 use servo::port::{AxisInputs, GeneralInputs, GeneralOutputs, Port};
 use servo::segment::pvt::{HeaderStore, PointStore, TABLES};
 use servo::tables::TableStores;
-use servo::tick::{IMMEDIATE, SegmentStore, Tick, TickConfig, TickHalves};
+use servo::tick::{IMMEDIATE_ENTRIES, SegmentStore, Tick, TickConfig, TickHalves};
 use servo::tick_command::{LaneEntry, TickCommand};
 use servo::units::{Axis, Crd, CrdMask, Ns, Pos, StepLimit};
 use servo::view::{LaserView, View};
@@ -273,7 +273,7 @@ pub struct Bench {
     pub tick: Tick<AXES>,
     pub machine: Machine,
     lanes: TickHalves<'static, AXES>,
-    immediate: Producer<'static, LaneEntry, IMMEDIATE>,
+    immediate: Producer<'static, LaneEntry, IMMEDIATE_ENTRIES>,
     view: Reader<'static, View<AXES>>,
     seq: u32,
     /// As the thread knows them, for its plans.

@@ -1,5 +1,6 @@
 //! Stops of a path: smooth, gentle and abrupt ones, and how it goes on after them.
 use super::*;
+use servo::units::FineNs;
 
 #[test]
 fn a_smooth_stop_brakes_through_what_follows_and_goes_on_from_there() {

@@ -1,7 +1,7 @@
 //! A host of paths for tests: entries in a list, all reports written down.
-use servo::path::{Effects, EntryEffect, FifoEnds, FineNs, MotionSpeeds, Path, PathEntries, PathEntry, PathStop, Step};
+use servo::path::{Effects, EntryEffect, FifoEnds, MotionSpeeds, Path, PathEntries, PathEntry, PathStop, Step};
 use servo::segment::piece::Scaled;
-use servo::units::{Axis, Ns, Pos};
+use servo::units::{Axis, FineNs, Ns, Pos};
 
 pub struct Script(pub Vec<PathEntry>);
 

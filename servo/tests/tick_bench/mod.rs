@@ -12,7 +12,9 @@ use servo::segment::pt::{Chain, Segment};
 use servo::segment::pvt::{Header, HeaderStore, Point, PointStore, TABLES};
 use servo::segment::ramp::{Accel, Speed};
 use servo::tables::TableStores;
-use servo::tick::{EVENTS, IMMEDIATE, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig, TickHalves};
+use servo::tick::{
+    EVENTS, IMMEDIATE_ENTRIES, PROGRAM_ENTRIES, SegmentStore, TRACE_SAMPLES, Tick, TickConfig, TickHalves,
+};
 use servo::tick_command::{DoGroup, LaneEntry, MotionMode, TickCommand};
 use servo::units::{Axis, AxisMask, Crd, CrdMask, Exact, Ns, Pos, StepLimit};
 use servo::view::{AxisView, Event, Sample, StopReason, View};
@@ -81,11 +83,11 @@ pub struct Bench {
     pub tick: Tick<AXES>,
     pub machine: Machine,
     lanes: TickHalves<'static, AXES>,
-    immediate: Producer<'static, LaneEntry, IMMEDIATE>,
-    program: Producer<'static, LaneEntry, PROGRAM>,
+    immediate: Producer<'static, LaneEntry, IMMEDIATE_ENTRIES>,
+    program: Producer<'static, LaneEntry, PROGRAM_ENTRIES>,
     view: Reader<'static, View<AXES>>,
     events: Consumer<'static, Event, EVENTS>,
-    samples: Consumer<'static, Sample, SAMPLES>,
+    samples: Consumer<'static, Sample, TRACE_SAMPLES>,
     seq: [u32; 2],
     /// What admission knows of each axis's FIFOs: the chain, and segments pushed.
     chains: [[(Chain, u32); 2]; AXES],

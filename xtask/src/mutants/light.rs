@@ -67,22 +67,22 @@ pub const LIGHT: &[Mutant] = &[
     Mutant {
         name: "light: a redundant on command takes over the light of a path",
         file: OWNER,
-        text: "            Light::On(Who::Path(_)) => GateOrder::Keep,\n            Light::Off | Light::On(Who::Call)",
+        text: "            Light::On(LitBy::Path(_)) => GateOrder::Keep,\n            Light::Off | Light::On(LitBy::Call)",
         broken: "            Light::Off | Light::On(_)",
         test: STATES,
     },
     Mutant {
         name: "light: an entry lights a channel that is not mapped",
         file: OWNER,
-        text: "Fact::Entry { run, .. } if !self.map.has(run.crd) =>",
-        broken: "Fact::Entry { run, .. } if self.map.0 == 0 && !self.map.has(run.crd) =>",
+        text: "LightEvent::Entry { run, .. } if !self.map.has(run.crd) =>",
+        broken: "LightEvent::Entry { run, .. } if self.map.0 == 0 && !self.map.has(run.crd) =>",
         test: ABORT,
     },
     Mutant {
         name: "light: a Stop shuts off the light of its own path only",
         file: OWNER,
         text: "(Light::On(who), StandstillCause::Stopped) if is_mapped => {",
-        broken: "(Light::On(who), StandstillCause::Stopped) if is_mapped && who == Who::Path(crd) => {",
+        broken: "(Light::On(who), StandstillCause::Stopped) if is_mapped && who == LitBy::Path(crd) => {",
         test: STATES,
     },
     Mutant {
@@ -123,8 +123,8 @@ pub const LIGHT: &[Mutant] = &[
     Mutant {
         name: "light: what follows a path outlives its end",
         file: OWNER,
-        text: "let its = who == Who::Path(crd) || self.follow == Some(crd);",
-        broken: "let its = who == Who::Path(crd);",
+        text: "let its = who == LitBy::Path(crd) || self.follow == Some(crd);",
+        broken: "let its = who == LitBy::Path(crd);",
         test: STATES,
     },
     Mutant {

@@ -142,7 +142,7 @@ pub const LIST: &[Mutant] = &[
         "is_some_and(|last| *last > at)",
         GATE,
     ),
-    mutant("an on command replaces its off", EDGES, "self.len < EDGES - 1", "self.len < EDGES", GATE),
+    mutant("an on command replaces its off", EDGES, "self.len < GATE_EDGES - 1", "self.len < GATE_EDGES", GATE),
     // -- safety, in the tick -------------------------------------------------------------------
     mutant("a dark channel's plan does not rest", SAFETY, "plan.safe_state = true;", "plan.safe_state = false;", GATE),
     mutant(
@@ -527,7 +527,7 @@ pub const LIST: &[Mutant] = &[
         FOLLOW,
     ),
     mutant(
-        "found: a motion behind what begins where only the tick knows is refused",
+        "found: a motion after what begins where only the tick knows is refused",
         "dispatcher/src/shadow/crd.rs",
         "if position.iter().any(|at| at.is_nan())",
         "if position.iter().all(|_| false)",

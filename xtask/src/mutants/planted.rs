@@ -84,7 +84,11 @@ const LIGHT: &[Planted] = &[
     Planted {
         name: "an entry lights a channel that is not mapped",
         by: By::Light,
-        places: &[(OWNER, "Fact::Entry { run, .. } if !self.map.has(run.crd) =>", "Fact::Entry { .. } if false =>")],
+        places: &[(
+            OWNER,
+            "LightEvent::Entry { run, .. } if !self.map.has(run.crd) =>",
+            "LightEvent::Entry { .. } if false =>",
+        )],
     },
     Planted {
         name: "a map may be changed during a mark",
@@ -100,7 +104,7 @@ const LIGHT: &[Planted] = &[
         by: By::Light,
         places: &[(
             OWNER,
-            "            Light::On(Who::Path(_)) => GateOrder::Keep,\n            Light::Off | Light::On(Who::Call)",
+            "            Light::On(LitBy::Path(_)) => GateOrder::Keep,\n            Light::Off | Light::On(LitBy::Call)",
             "            Light::Off | Light::On(_)",
         )],
     },
@@ -115,7 +119,7 @@ const LIGHT: &[Planted] = &[
         places: &[(
             OWNER,
             "(Light::On(who), StandstillCause::Stopped) if is_mapped => {",
-            "(Light::On(who), StandstillCause::Stopped) if is_mapped && who == Who::Path(crd) => {",
+            "(Light::On(who), StandstillCause::Stopped) if is_mapped && who == LitBy::Path(crd) => {",
         )],
     },
     Planted {

@@ -172,7 +172,7 @@ pub const SURVIVED: &[Mutant] = &[
     ),
     // -- what guards an axis ---------------------------------------------------------------------
     mutant(
-        "a soft limit that is set behind an axis pulls it back",
+        "a soft limit that an axis has passed pulls it back",
         AXIS_LIMITS,
         "return Some((from.max(soft), StopReason::SoftPositive));",
         "return Some((soft, StopReason::SoftPositive));",

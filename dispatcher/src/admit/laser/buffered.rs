@@ -9,7 +9,7 @@
 use super::Context;
 use super::distance::source;
 use super::energy::{direct_powers, limited, own_bounds, power, powers};
-use super::power_range::Taking;
+use super::power_range::RangeLimiter;
 use super::tables::table;
 use crate::admit::crd_data::{self, DataCommand, EntryKind, FifoItem, Target};
 use crate::admit::one;
@@ -110,7 +110,7 @@ impl<const AXES: usize> Context<'_, AXES> {
     fn direct_power(&self, channel: u8, (field, got): (u8, f64)) -> Admitted<(Power, TakenValues)> {
         let shadow = self.laser(channel);
         let range = direct_powers(shadow.mode, self.is_lsr(), self.shadows.high_resolution);
-        let mut taking = Taking::new(self.is_lsr());
+        let mut taking = RangeLimiter::new(self.is_lsr());
         let value = taking.take(field, 0, got, range)?;
         let power = power(field, value)?;
         let limited = limited(shadow.mode, shadow.width_us, shadow.bounds.hold(power));
@@ -129,7 +129,7 @@ impl<const AXES: usize> Context<'_, AXES> {
                 .got(max.1)
                 .limits(min.1, range.nearest(f64::MAX)));
         }
-        let mut taking = Taking::new(self.is_lsr());
+        let mut taking = RangeLimiter::new(self.is_lsr());
         let (low, high) = (taking.take(min.0, 1, min.1, range)?, taking.take(max.0, 0, max.1, range)?);
         let bounds = own_bounds(mode, (min.0, low), (max.0, high))?;
         // The highest power of the follow.

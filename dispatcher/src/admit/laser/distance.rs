@@ -5,7 +5,7 @@
 //! the follow as a whole. `tables` has the tables of ratios.
 //! Fails: as every laser command does; ratios need a follow that is on.
 use super::energy::{own_bounds, powers};
-use super::power_range::{Range, Taking};
+use super::power_range::{Range, RangeLimiter};
 use super::{Context, took};
 use crate::refuse::{Admitted, Refused, choice, real};
 use crate::report::answer::Answer;
@@ -57,7 +57,7 @@ pub fn mode<const AXES: usize>(context: &mut Context<AXES>, r: &SetLaserDisMode)
         context.change_with(channel, ChannelChange::Distance(None), LaserChange::Distance(None));
         return Ok(took(context, &[0.0; DISTANCES], 0));
     }
-    let mut taking = Taking::new(context.is_lsr());
+    let mut taking = RangeLimiter::new(context.is_lsr());
     let range = if context.is_lsr() { SCALES.1 } else { SCALES.0 };
     let mut scale = [0.0; DISTANCES];
     for (index, (to, given)) in scale.iter_mut().zip(r.scale).enumerate() {
@@ -81,7 +81,7 @@ pub fn ratios<const AXES: usize>(context: &mut Context<AXES>, r: &SetLaserDisRat
         *to = ratio(1, index, given.get())?;
     }
     shadow.from = Ratios::Fixed;
-    let mut taking = Taking::new(context.is_lsr());
+    let mut taking = RangeLimiter::new(context.is_lsr());
     if r.bounds_given != 0 {
         shadow.bounds = context.distance_bounds(channel, &mut taking, 2, (r.min.get(), r.max.get()))?;
     }
@@ -95,7 +95,7 @@ impl<const AXES: usize> Context<'_, AXES> {
     pub fn distance_bounds(
         &self,
         channel: u8,
-        taking: &mut Taking,
+        taking: &mut RangeLimiter,
         field: u8,
         (min, max): (f64, f64),
     ) -> Admitted<Option<PowerBounds>> {

@@ -4,7 +4,7 @@
 //! In: requests with the user's doubles. Out: staged changes with the tick's numbers. With them
 //! goes the train for the power of the shadow state (`FixedTrain`), so that the tick need not
 //! search for it.
-use super::power_range::{Range, Taking};
+use super::power_range::{Range, RangeLimiter};
 use super::{Context, took};
 use crate::refuse::{Admitted, Refused, choice};
 use crate::report::answer::Answer;
@@ -137,7 +137,7 @@ pub fn mode<const AXES: usize>(context: &mut Context<AXES>, r: &LaserPowerMode) 
         return Err(Refused::new(Reason::BelowMinimum).field(2).got(max).limits(min, min));
     }
     let range = powers(mode, lsr, context.shadows.high_resolution);
-    let mut taking = Taking::new(lsr);
+    let mut taking = RangeLimiter::new(lsr);
     let (max, min) = (taking.maximum(2, 0, max, range)?, taking.minimum(3, 1, min, range)?);
     let bounds = own_bounds(mode, (3, min), (2, max))?;
     let mut shadow = *context.laser(channel);
@@ -156,7 +156,7 @@ pub fn mode<const AXES: usize>(context: &mut Context<AXES>, r: &LaserPowerMode) 
 pub fn direct<const AXES: usize>(context: &mut Context<AXES>, r: &LaserPrfCmd) -> Admitted<Answer> {
     let channel = context.channel(r.core.get(), 2, r.channel.get())?;
     let mut shadow = *context.laser(channel);
-    let mut taking = Taking::new(context.is_lsr());
+    let mut taking = RangeLimiter::new(context.is_lsr());
     let range = direct_powers(shadow.mode, context.is_lsr(), context.shadows.high_resolution);
     let value = taking.take(1, 0, r.power.get(), range)?;
     shadow.power = power(1, value)?;
@@ -169,7 +169,7 @@ pub fn direct<const AXES: usize>(context: &mut Context<AXES>, r: &LaserPrfCmd) -
 /// Reports the frequency that is reached.
 pub fn frequency<const AXES: usize>(context: &mut Context<AXES>, r: &LaserOutFrq) -> Admitted<Answer> {
     let channel = context.channel(r.core.get(), 2, r.channel.get())?;
-    let mut taking = Taking::new(context.is_lsr());
+    let mut taking = RangeLimiter::new(context.is_lsr());
     let value = taking.take(1, 0, r.frequency.get(), carriers(context.is_lsr(), context.shadows.high_resolution))?;
     let clock = context.clock()?;
     let carrier = carrier(1, value, clock)?;
@@ -188,7 +188,7 @@ fn stage_carrier<const AXES: usize>(context: &mut Context<AXES>, channel: u8, ca
 /// A width that reaches the period is limited to just under it, and this is reported.
 pub fn width<const AXES: usize>(context: &mut Context<AXES>, r: &SetPulseWidth) -> Admitted<Answer> {
     let channel = context.channel(r.core.get(), 2, r.channel.get())?;
-    let mut taking = Taking::new(context.is_lsr());
+    let mut taking = RangeLimiter::new(context.is_lsr());
     let longest = if context.is_lsr() { WIDTH_MAX_US.1 } else { WIDTH_MAX_US.0 };
     let width_us = taking.whole(1, 0, r.width_us.get(), 1, longest)?;
     let mut shadow = *context.laser(channel);
@@ -237,7 +237,7 @@ pub fn standby_all<const AXES: usize>(context: &mut Context<AXES>, r: &SetWaitPu
 pub fn pre_voltage<const AXES: usize>(context: &mut Context<AXES>, r: &SetPreVltg) -> Admitted<Answer> {
     let channel = context.channel(r.core.get(), 3, r.channel.get())?;
     let on = choice(1, r.mode.get(), 0, 1)? == 1;
-    let mut taking = Taking::new(context.is_lsr());
+    let mut taking = RangeLimiter::new(context.is_lsr());
     let volts = taking.take(2, 0, r.voltage.get(), VOLTS)?;
     let volts_fixed = power(2, volts)?;
     context.change(channel, ChannelChange::PreVoltage(on.then_some(volts_fixed)));
@@ -296,7 +296,7 @@ impl<const AXES: usize> Context<'_, AXES> {
         (mode, frequency, duty): (u16, f64, f64),
     ) -> Admitted<Answer> {
         let on = choice(1, mode, 0, 1)? == 1;
-        let mut taking = Taking::new(self.is_lsr());
+        let mut taking = RangeLimiter::new(self.is_lsr());
         let range = if on || frequency != 0.0 {
             carriers(self.is_lsr(), self.shadows.high_resolution)
         } else {

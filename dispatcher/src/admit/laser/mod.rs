@@ -26,7 +26,7 @@ use crate::report::answer::{Answer, Query};
 use crate::shadow;
 use crate::shadow::{LaserChange, LaserShadow, executed};
 use core::num::NonZeroU16;
-use power_range::Taking;
+use power_range::RangeLimiter;
 use protocol::command::{
     ClrLaserFault, DisFPK, EnaFPK, LaserOn, SetAxisMode, SetHSIOOpt, SetLaserCrdMap, SetLevelDelay, ZeroLaserOnTime,
 };
@@ -186,7 +186,7 @@ pub fn switch<const AXES: usize>(context: &mut Context<AXES>, r: &SetHSIOOpt) ->
 
 pub fn delays<const AXES: usize>(context: &mut Context<AXES>, r: &SetLevelDelay) -> Admitted<Answer> {
     let channel = context.channel(r.core.get(), 3, r.channel.get())?;
-    let mut taking = Taking::new(context.is_lsr());
+    let mut taking = RangeLimiter::new(context.is_lsr());
     let off = taking.whole(1, 0, r.off_delay_us.get(), 0, TIME_MAX_US)?;
     let on = taking.whole(2, 1, r.on_delay_us.get(), 0, TIME_MAX_US)?;
     context.change(channel, ChannelChange::Delays(Delays { off, on }));
@@ -195,7 +195,7 @@ pub fn delays<const AXES: usize>(context: &mut Context<AXES>, r: &SetLevelDelay)
 
 pub fn fpk_on<const AXES: usize>(context: &mut Context<AXES>, r: &EnaFPK) -> Admitted<Answer> {
     let channel = context.channel(r.core.get(), 4, r.channel.get())?;
-    let mut taking = Taking::new(context.is_lsr());
+    let mut taking = RangeLimiter::new(context.is_lsr());
     let pulse = taking.whole(1, 0, r.time1_us.get(), 1, TIME_MAX_US)?;
     let begin = taking.whole(2, 1, r.time2_us.get(), 0, TIME_MAX_US)?;
     let end = taking.whole(3, 2, r.laser_off_delay_us.get(), 0, TIME_MAX_US)?;

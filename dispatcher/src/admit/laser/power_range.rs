@@ -5,11 +5,11 @@ use crate::refuse::{Admitted, Refused, finite};
 use protocol::reason::Reason;
 
 /// The lowest frequency, kHz: 1 Hz.
-const LEAST_KHZ: f64 = 0.001;
+const RATE_MIN_KHZ: f64 = 0.001;
 
 /// Values that are refused in both families.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Never {
+enum ForbiddenValues {
     /// None but NaN and infinities.
     Nothing,
     /// Below 1 Hz.
@@ -23,31 +23,31 @@ enum Never {
 pub struct Range {
     low: f64,
     high: f64,
-    never: Never,
+    never: ForbiddenValues,
 }
 
 impl Range {
     /// Both bounds belong to the range.
     pub const fn new(low: f64, high: f64) -> Self {
-        Range { low, high, never: Never::Nothing }
+        Range { low, high, never: ForbiddenValues::Nothing }
     }
 
     /// A carrier or a standby frequency, kHz: at least 1 Hz.
     pub const fn frequency(high: f64) -> Self {
-        Range { low: LEAST_KHZ, high, never: Never::Slow }
+        Range { low: RATE_MIN_KHZ, high, never: ForbiddenValues::Slow }
     }
 
     /// A rate of pulses, kHz: 0, or at least 1 Hz.
     pub const fn rate(high: f64) -> Self {
-        Range { low: 0.0, high, never: Never::SlowPulses }
+        Range { low: 0.0, high, never: ForbiddenValues::SlowPulses }
     }
 
     /// Whether a value is refused in both families.
     fn refuses(&self, value: f64) -> bool {
         match self.never {
-            Never::Nothing => false,
-            Never::Slow => value < LEAST_KHZ,
-            Never::SlowPulses => value > 0.0 && value < LEAST_KHZ,
+            ForbiddenValues::Nothing => false,
+            ForbiddenValues::Slow => value < RATE_MIN_KHZ,
+            ForbiddenValues::SlowPulses => value > 0.0 && value < RATE_MIN_KHZ,
         }
     }
 
@@ -59,16 +59,16 @@ impl Range {
 
 /// Takes the quantities of one command and notes which of them had to be limited.
 #[derive(Debug)]
-pub struct Taking {
+pub struct RangeLimiter {
     limits: bool,
     /// Bit k: field k of the reply was outside its range (`held` of the protocol's replies).
     pub limited: u8,
 }
 
-impl Taking {
+impl RangeLimiter {
     /// `holds`: the family takes the nearest bound.
     pub fn new(limits: bool) -> Self {
-        Taking { limits, limited: 0 }
+        RangeLimiter { limits, limited: 0 }
     }
 
     /// `got` of parameter `field`, which is field `index` of the reply.
@@ -81,8 +81,8 @@ impl Taking {
             self.limited |= 1 << index;
             return Ok(nearest);
         }
-        let slow = range.never == Never::SlowPulses && range.refuses(got);
-        let (reason, low) = if slow { (Reason::SlowPulses, LEAST_KHZ) } else { (Reason::OutOfRange, range.low) };
+        let slow = range.never == ForbiddenValues::SlowPulses && range.refuses(got);
+        let (reason, low) = if slow { (Reason::SlowPulses, RATE_MIN_KHZ) } else { (Reason::OutOfRange, range.low) };
         Err(Refused::new(reason).field(field).got(got).limits(low, range.high))
     }
 

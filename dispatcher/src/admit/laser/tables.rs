@@ -10,7 +10,7 @@
 //! straight into the bank that nothing reads (`servo::laser::PowerTables`).
 use super::distance::{ratio, running, stage};
 use super::energy::{power, powers};
-use super::power_range::{Range, Taking};
+use super::power_range::{Range, RangeLimiter};
 use super::{Context, took};
 use crate::admit::length;
 use crate::admit::upload::Upload;
@@ -155,10 +155,10 @@ impl Loading {
         let mut limited = 0;
         let done = chunk.indexed().try_for_each(|(index, item)| {
             let (vel, given) = (item.vel.get(), item.power.get());
-            let mut taking = Taking::new(context.is_lsr());
+            let mut taking = RangeLimiter::new(context.is_lsr());
             let vel = real(5, vel, 0.0, VEL_MAX).map_err(|refused| refused.item(index))?;
             let before = index.checked_sub(1).and_then(|before| self.points.get(before));
-            if let Some((before, _)) = before.filter(|(before, _)| vel - *before < LEAST_STEP) {
+            if let Some((before, _)) = before.filter(|(before, _)| vel - *before < STEP_MIN_SHARE) {
                 let refused = Refused::new(Reason::PointTime).field(5).item(index).got(vel);
                 return Err(refused.limits(*before, VEL_MAX));
             }
@@ -294,7 +294,7 @@ impl Loading {
 }
 
 /// The least step of velocity from point to point: 2⁻²⁸ pulse/ms, with a margin for rounding.
-const LEAST_STEP: f64 = 1.5 / 268_435_456.0;
+const STEP_MIN_SHARE: f64 = 1.5 / 268_435_456.0;
 
 /// A table of powers, from 1.
 pub fn table(field: u8, got: i16) -> Admitted<u8> {
@@ -342,7 +342,7 @@ impl<const AXES: usize> Context<'_, AXES> {
         (field, min, max): (u8, f64, f64),
         (limits_field, given, are_given): (u8, &[zerocopy::little_endian::F64], bool),
     ) -> Admitted<([Option<Power>; DISTANCES], u8)> {
-        let mut taking = Taking::new(self.is_lsr());
+        let mut taking = RangeLimiter::new(self.is_lsr());
         shadow.bounds = self.distance_bounds(channel, &mut taking, field, (min, max))?;
         let mode = self.laser(channel).mode;
         let range = Range::new(0.0, crate::report::replies::units(mode.full_scale()));

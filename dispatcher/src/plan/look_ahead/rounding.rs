@@ -1,9 +1,8 @@
 //! Rounding is no turn: what half a pulse at each point explains of a corner does not slow a path.
 //!
 //! In: the last motions as chords, a junction between two of them, limits. Out: the junction
-//! without what rounding explains. Owns: [`CHORDS`] chords, so that a junction sees as far back as
-//! forwards.
-//! Fails: never. Where one arm ends, both do.
+//! without what rounding explains. Owns: [`CHORDS_MAX`] chords, so that a junction sees as far back
+//! as forwards. Fails: never. Where one arm ends, both do.
 //!
 //! **The rule.** With arms of the length W to both sides a corner shows the second difference
 //! D(W) = P(+W) − 2·P(0) + P(−W) of a coordinate. Targets are whole pulses, so D is right to
@@ -22,17 +21,17 @@
 //! What a trace shows is in decision 25.
 use super::Limits;
 use super::junction::{Junction, hidden_turn};
-use crate::capacity::LOOK_AHEAD;
+use crate::capacity::LOOK_AHEAD_ENTRIES;
 use libm::{fabsf, rintf};
 
 /// Chords that are kept: as many as both arms of a junction take.
-pub(super) const CHORDS: usize = if LOOK_AHEAD < 128 { LOOK_AHEAD } else { 128 };
+pub(super) const CHORDS_MAX: usize = if LOOK_AHEAD_ENTRIES < 128 { LOOK_AHEAD_ENTRIES } else { 128 };
 /// The most chords of an arm.
-const ARM: u32 = CHORDS as u32 / 2;
+const ARM_CHORDS: u32 = CHORDS_MAX as u32 / 2;
 /// From arm to arm.
 const GROWTH: f32 = core::f32::consts::SQRT_2;
 /// Parts of a direction of 1.
-const PARTS: f32 = 32767.0;
+const DIRECTION_UNITS: f32 = 32767.0;
 
 /// A motion, as a corner sees it: to 1/100 pulse in the arms of a path of 1000 pulse/ms.
 #[derive(Debug, Clone, Copy)]
@@ -46,7 +45,7 @@ servo::state! {
     /// The last motions of a path, by their numbers.
     #[derive(Debug, Clone)]
     pub(super) struct Chords {
-        ring: [Chord; CHORDS] = [Chord { direction: [0; 4], length: 0.0 }; CHORDS],
+        ring: [Chord; CHORDS_MAX] = [Chord { direction: [0; 4], length: 0.0 }; CHORDS_MAX],
         /// The number of the motion to come.
         next: u32 = 0,
     }
@@ -63,26 +62,26 @@ impl Chords {
     /// A motion; `length` is 0 of an arc; `stands`: it begins at standstill.
     pub(super) fn push(&mut self, direction: [f32; 4], length: f64, stands: bool) {
         let length = if stands { -length } else { length } as f32;
-        if let Some(chord) = self.ring.get_mut(self.next as usize % CHORDS) {
-            *chord = Chord { direction: direction.map(|part| rintf(part * PARTS) as i16), length };
+        if let Some(chord) = self.ring.get_mut(self.next as usize % CHORDS_MAX) {
+            *chord = Chord { direction: direction.map(|part| rintf(part * DIRECTION_UNITS) as i16), length };
         }
         self.next = self.next.wrapping_add(1);
     }
 
     fn chord(&self, number: u32) -> Chord {
         const NONE: Chord = Chord { direction: [0; 4], length: 0.0 };
-        self.ring.get(number as usize % CHORDS).copied().unwrap_or(NONE)
+        self.ring.get(number as usize % CHORDS_MAX).copied().unwrap_or(NONE)
     }
 
     /// From the start of a motion to one side.
     fn arm(&self, number: u32, forwards: bool) -> Arm<'_> {
-        let left = if forwards { self.next.wrapping_sub(number).min(ARM) } else { ARM };
+        let left = if forwards { self.next.wrapping_sub(number).min(ARM_CHORDS) } else { ARM_CHORDS };
         Arm { chords: self, number, forwards, left, passed: 0.0, base: [0.0; 4], at: [0.0; 4] }
     }
 
     /// Whether an arm from the start of this motion takes more motions than came since.
     pub(super) fn has_room(&self, number: u32) -> bool {
-        self.next.wrapping_sub(number) < ARM
+        self.next.wrapping_sub(number) < ARM_CHORDS
     }
 
     /// The junction at the start of this motion without what rounding explains, and whether it may
@@ -170,7 +169,7 @@ impl Arm<'_> {
     fn reach(&mut self, length: f32) -> bool {
         while let Some(chord) = self.chord() {
             let own = fabsf(chord.length);
-            let part = own.min(length - self.passed) / PARTS;
+            let part = own.min(length - self.passed) / DIRECTION_UNITS;
             let mut at = self.base;
             at.iter_mut().zip(chord.direction).for_each(|(at, direction)| *at += f32::from(direction) * part);
             if own >= length - self.passed {

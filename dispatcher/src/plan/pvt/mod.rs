@@ -35,7 +35,7 @@ pub const LATEST_MS: f64 = 68_719_476_736.0;
 const POS_MAX_PULSES: f64 = 4_503_599_627_370_496.0;
 const VEL_MAX_PULSES_PER_MS: f64 = 4_294_967_296.0;
 /// Values of a point in the widest description.
-pub const VALUES: usize = 6;
+pub const POINT_VALUES: usize = 6;
 
 /// The number of a table in its core, from 1, as the user knows it.
 pub fn table_number(table: u8) -> i16 {
@@ -75,7 +75,7 @@ impl TableKind {
             TableKind::Pvt | TableKind::Percent { .. } => 3,
             TableKind::PvtEx => 4,
             TableKind::Complete { .. } => 2,
-            TableKind::Continuous { .. } => VALUES,
+            TableKind::Continuous { .. } => POINT_VALUES,
         }
     }
 }

@@ -11,7 +11,7 @@ use crate::refuse::Refused;
 use crate::report::answer::{Answer, TAKEN_MAX};
 use crate::report::event_log::{EventKind, ShutOff};
 use crate::report::path_many;
-use crate::report::pending_replies::Handled;
+use crate::report::pending_replies::RecordOutcome;
 use crate::report::replies::values_reply;
 use crate::shadow::ShadowChange;
 use protocol::command::{CommandKind, LaneRule, SetHSIOOpt, class, opcode};
@@ -38,11 +38,11 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
         view: &View<AXES>,
         record: &RequestRecord,
         out: &mut ReplyWriter,
-    ) -> Handled {
+    ) -> RecordOutcome {
         // What a PathMany in hand reports makes room once it is over.
         let values = if self.joined.has_begun() { 0 } else { TAKEN_MAX };
         if self.admission.lane.room() < STAGED_MAX.max(AXES) || !self.replies.has_room(values) {
-            return Handled::Wait;
+            return RecordOutcome::Wait;
         }
         if self.config.is_some() {
             return self.go_on_with_config(view, record);
@@ -54,11 +54,11 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
         let kind = class.map(|class| class.kind);
         if kind == Some(CommandKind::Program) {
             if !self.is_quiet() {
-                return Handled::Wait;
+                return RecordOutcome::Wait;
             }
             return match program.control(&mut self.admission, record) {
-                Ok(Handled::Taken) => self.await_last(record, Answer::Done, false),
-                Ok(Handled::Wait) => Handled::Wait,
+                Ok(RecordOutcome::Taken) => self.await_last(record, Answer::Done, false),
+                Ok(RecordOutcome::Wait) => RecordOutcome::Wait,
                 Err(refused) => self.refuse(record, refused, out),
             };
         }
@@ -80,12 +80,12 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
         }
         if kind == Some(CommandKind::Calculate) {
             if !self.is_quiet() {
-                return Handled::Wait;
+                return RecordOutcome::Wait;
             }
             let reply = |values: &[f64]| values_reply(record.opcode, record.tag, values.iter().copied(), out).is_ok();
             return match self.admission.calculate(view, 0, record.opcode, record.body, reply) {
-                Ok(true) => Handled::Taken,
-                Ok(false) => Handled::Wait,
+                Ok(true) => RecordOutcome::Taken,
+                Ok(false) => RecordOutcome::Wait,
                 Err(refused) => self.refuse(record, refused, out),
             };
         }
@@ -93,9 +93,9 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
             Err(refused) => self.refuse(record, refused, out),
             Ok((Answer::Read(query), Effect::None)) => {
                 if !self.is_quiet() {
-                    return Handled::Wait;
+                    return RecordOutcome::Wait;
                 }
-                Handled::of(self.admission.reading(view).reply(record.tag, &query, out))
+                RecordOutcome::of(self.admission.reading(view).reply(record.tag, &query, out))
             }
             Ok((_, Effect::Choose(configuration)))
                 if program.is_active()
@@ -132,7 +132,13 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
 
     /// Takes calls of a PathMany. The first that is refused once all before it are executed ends
     /// it: the reply says how many were taken.
-    fn join(&mut self, view: &View<AXES>, due: DueInstant, record: &RequestRecord, out: &mut ReplyWriter) -> Handled {
+    fn join(
+        &mut self,
+        view: &View<AXES>,
+        due: DueInstant,
+        record: &RequestRecord,
+        out: &mut ReplyWriter,
+    ) -> RecordOutcome {
         let (joined, replies) = (&mut self.joined, &mut self.replies);
         let advance = match self.admission.admit_joined(view, due, record.body, joined, replies) {
             Ok(advance) => advance,
@@ -155,7 +161,7 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
             self.await_last(record, Answer::Part(count), true);
         }
         if !self.is_quiet() {
-            return Handled::Wait;
+            return RecordOutcome::Wait;
         }
         let refused = self.joined.refuse(refused);
         let taken = self.joined.taken(&self.admission.reading(view), refused.wire.item.get());
@@ -170,13 +176,13 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
             self.replies.forget_newest(self.joined.values());
             self.joined = Joined::default();
         }
-        Handled::of(written)
+        RecordOutcome::of(written)
     }
 
-    fn go_on_with_config(&mut self, view: &View<AXES>, record: &RequestRecord) -> Handled {
+    fn go_on_with_config(&mut self, view: &View<AXES>, record: &RequestRecord) -> RecordOutcome {
         while let Some(item) = self.config {
             if self.admission.lane.room() < STAGED_MAX {
-                return Handled::Wait;
+                return RecordOutcome::Wait;
             }
             if !self.admission.stage_config(view, record.body, item) {
                 self.config = None;

@@ -194,7 +194,7 @@ fn shown(call: &Call) -> String {
     text.chars().take(160).collect()
 }
 
-/// The programs: every function as it is meant.
+/// The programs: every function with its documented effect.
 const PROGRAMS: [(&str, &str); 6] = [
     ("session", include_str!("session.txt")),
     ("moves", include_str!("moves.txt")),

@@ -21,7 +21,7 @@ const BAR: u32 = 132;
 /// Pixels from one arrow to the next.
 const ARROWS: f64 = 130.0;
 /// Most arrows.
-const MOST_ARROWS: f64 = 60.0;
+const ARROWS_MAX: f64 = 60.0;
 /// A direction is that of this many pixels.
 const BACK: f64 = 4.0;
 /// Colours from the least to the greatest power.
@@ -388,7 +388,7 @@ fn draw_signs<B: DrawingBackend>(chart: &Chart<'_, B>, nodes: &[Node<Power>], sc
     };
     let spots: Vec<(f64, f64)> = nodes.iter().map(|node| spot(node.x, node.y)).collect();
     let length: f64 = spots.windows(2).map(|pair| distance(pair[0], pair[1])).sum();
-    let apart = ARROWS.max(length / MOST_ARROWS);
+    let apart = ARROWS.max(length / ARROWS_MAX);
     let mut due = apart / 2.0;
     let mut gone = 0.0;
     let mut back = spots.first().copied().unwrap_or_default();

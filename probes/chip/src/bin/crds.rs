@@ -31,7 +31,9 @@ use servo::path::axis_map::AxisMap;
 use servo::path::{self, EntryStore, MotionSpeeds, PathStores, Plane, Sweep};
 use servo::segment::pvt::{HeaderStore, PointStore, TABLES};
 use servo::tables::TableStores;
-use servo::tick::{EVENTS, IMMEDIATE, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig, TickHalves};
+use servo::tick::{
+    EVENTS, IMMEDIATE_ENTRIES, PROGRAM_ENTRIES, SegmentStore, TRACE_SAMPLES, Tick, TickConfig, TickHalves,
+};
 use servo::tick_command::{LaneEntry, MotionMode, TickCommand};
 use servo::units::{Axis, AxisMask, Crd, CrdMask, Ns, StepLimit};
 use servo::view::{Event, Sample, View};
@@ -44,11 +46,11 @@ const SEGMENTS: u32 = 24;
 /// Ticks from the first one of SPEC 11 to the one that `cargo xtask ticks --shares` counts.
 const SHOWN: i32 = 24 * 16;
 
-static IMMEDIATE_LANE: Ring<LaneEntry, IMMEDIATE> = Ring::new();
-static PROGRAM_LANE: Ring<LaneEntry, PROGRAM> = Ring::new();
+static IMMEDIATE_LANE: Ring<LaneEntry, IMMEDIATE_ENTRIES> = Ring::new();
+static PROGRAM_LANE: Ring<LaneEntry, PROGRAM_ENTRIES> = Ring::new();
 static VIEW: Latest<View<AXES>> = Latest::new(View::POWER_ON);
 static NEWS: Ring<Event, EVENTS> = Ring::new();
-static TRACE: Ring<Sample, SAMPLES> = Ring::new();
+static TRACE: Ring<Sample, TRACE_SAMPLES> = Ring::new();
 static STORES: [SegmentStore; AXES] = [const { SegmentStore::new() }; AXES];
 static PLACES: [PointStore; TABLES] = [const { PointStore::new() }; TABLES];
 static HEADERS: HeaderStore = HeaderStore::new();
@@ -61,7 +63,7 @@ probes::exit_on_panic!();
 /// A tick that is counted, and the thread's halves of its hand-overs.
 struct Bench {
     tick: Counted<AXES>,
-    immediate: Producer<'static, LaneEntry, IMMEDIATE>,
+    immediate: Producer<'static, LaneEntry, IMMEDIATE_ENTRIES>,
     view: Reader<'static, View<AXES>>,
     events: Consumer<'static, Event, EVENTS>,
     seq: u32,

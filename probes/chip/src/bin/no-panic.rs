@@ -8,10 +8,10 @@ use core::hint::black_box;
 use core::panic::PanicInfo;
 use hal::mps2_an500::machine::Machine;
 use probes::AXES;
-use servo::path::{Effects, EntryEffect, EntryStore, FifoEnds, FineNs, Path, PathStop};
+use servo::path::{Effects, EntryEffect, EntryStore, FifoEnds, Path, PathStop};
 use servo::segment::piece::Scaled;
 use servo::tick::{Tick, TickHalves};
-use servo::units::{Axis, Ns, Pos};
+use servo::units::{Axis, FineNs, Ns, Pos};
 
 unsafe extern "C" {
     fn something_reached_a_panic() -> !;

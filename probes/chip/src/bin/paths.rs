@@ -11,10 +11,10 @@ use cortex_m_semihosting::hprintln;
 use hal as _; // the vector table
 use probes::clock;
 use servo::path::{
-    Effects, EntryEffect, EntryStore, FifoEnds, FineNs, MotionSpeeds, Path, PathEntry, PathStop, Plane, Step, Sweep,
+    Effects, EntryEffect, EntryStore, FifoEnds, MotionSpeeds, Path, PathEntry, PathStop, Plane, Step, Sweep,
 };
 use servo::segment::piece::Scaled;
-use servo::units::{Axis, Ns, Pos};
+use servo::units::{Axis, FineNs, Ns, Pos};
 
 const PERIOD: Ns = Ns(250_000);
 const MOTIONS: u32 = 60;

@@ -8,12 +8,12 @@ use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use cortex_m_semihosting::hprintln;
 use hal as _; // the vector table
 use probes::clock;
-use servo::output::step_words::{AXES, RING, StepOutput};
+use servo::output::step_words::{AXES, RING_SLOTS, StepOutput};
 
 /// Ticks counted of each kind.
 const TICKS: usize = 100;
 
-static WORDS: [AtomicU32; RING] = [const { AtomicU32::new(0) }; RING];
+static WORDS: [AtomicU32; RING_SLOTS] = [const { AtomicU32::new(0) }; RING_SLOTS];
 
 probes::exit_on_panic!();
 
@@ -32,7 +32,7 @@ fn main() -> ! {
                 let count = before.passed();
                 assert!(filled && output.stands(0) == us * (tick as i64 + 1), "every step is there");
                 hprintln!("{} {} {}", axes, mark, count);
-                at = (at + slots as usize) % RING;
+                at = (at + slots as usize) % RING_SLOTS;
                 WORDS.iter().for_each(|word| word.store(0, Relaxed));
             }
         }

@@ -1,15 +1,15 @@
 //! The plan of an interval: the actions of the outputs in it.
 //!
 //! In: the channel after its changes, events of paths within the interval, the values that the
-//! power follows. Out: the actions of a [`LaserPlan`], the published view. Owns nothing else. Fails:
-//! more events than a plan holds make the channel dark.
+//! power follows. Out: the actions of a [`LaserPlan`], the published view. Owns nothing else.
+//! Fails: more events than a plan holds make the channel dark.
 use super::{Channel, Outputs, changed};
 use crate::laser::actions::{Action, LaserPlan, PLAN_ACTIONS, PulseRate, Train};
-use crate::laser::energy::{Energy, Plain};
-use crate::laser::light_owner::Fact;
+use crate::laser::energy::{Energy, FixedGainWidth};
+use crate::laser::light_owner::LightEvent;
 use crate::laser::power::Power;
 use crate::laser::safety::Cause;
-use crate::laser::{Clock, NEVER, Positions, PowerMode, Surroundings};
+use crate::laser::{Clock, FollowInputs, NEVER, Positions, PowerMode};
 use crate::units::Ns;
 
 /// Actions that an instant may need in a plan: an end of light and a beginning, a switch edge, a
@@ -26,7 +26,7 @@ impl Channel {
         next: Ns,
         period: Ns,
         interlock: bool,
-        around: &Surroundings<'_, impl Positions>,
+        around: &FollowInputs<'_, impl Positions>,
         plan: &mut LaserPlan,
     ) {
         plan.clear();
@@ -54,7 +54,7 @@ impl Channel {
 
     /// Light goes on, with a power that may differ.
     #[inline(never)]
-    fn follow(&mut self, around: &Surroundings<'_, impl Positions>, plan: &mut LaserPlan) {
+    fn follow(&mut self, around: &FollowInputs<'_, impl Positions>, plan: &mut LaserPlan) {
         let power = self.law.power(around);
         if power == self.power {
             return;
@@ -73,7 +73,7 @@ impl Channel {
 
     /// The same if more may change than the width of its pulses.
     #[inline(never)]
-    fn retrain_light(&mut self, around: &Surroundings<'_, impl Positions>, plan: &mut LaserPlan) {
+    fn retrain_light(&mut self, around: &FollowInputs<'_, impl Positions>, plan: &mut LaserPlan) {
         self.published.limited = self.energy.light(self.power, around.clock, &mut self.train);
         if self.train != self.out.train {
             let action = self.go_on();
@@ -98,12 +98,12 @@ impl Channel {
 
     /// Plans an interval in which something may happen.
     #[inline(never)]
-    fn plan(&mut self, next: Ns, end: Ns, around: &Surroundings<'_, impl Positions>, plan: &mut LaserPlan) {
+    fn plan(&mut self, next: Ns, end: Ns, around: &FollowInputs<'_, impl Positions>, plan: &mut LaserPlan) {
         if self.safety.is_safe() || self.safety.is_dark() && !self.ends {
             return self.stay_dark(end);
         }
         self.pass();
-        self.plain = Plain::NONE;
+        self.plain = FixedGainWidth::NONE;
         self.attend(next);
         let mut changed = core::mem::take(&mut self.changed);
         if self.law.moves() {
@@ -153,7 +153,7 @@ impl Channel {
         self.go_dark();
         if self.owner.is_lit() {
             // An on command after an abort that found everything at standstill.
-            self.report(end, Fact::Relight);
+            self.report(end, LightEvent::Relight);
         }
         self.pass_dark_interval(end);
         self.changed = if self.safety.is_dark() { 0 } else { changed::CHANGED };
@@ -162,7 +162,7 @@ impl Channel {
 
     /// The edges and events within the interval.
     #[inline(never)]
-    fn walk(&mut self, next: Ns, end: Ns, around: &Surroundings<'_, impl Positions>, plan: &mut LaserPlan) {
+    fn walk(&mut self, next: Ns, end: Ns, around: &FollowInputs<'_, impl Positions>, plan: &mut LaserPlan) {
         let mut left = EVENTS;
         while self.next_edge < end {
             self.changed |= changed::MOVED;
@@ -195,7 +195,7 @@ impl Channel {
         while self.event_queue.next < end
             && let Some(event) = self.event_queue.take(end)
         {
-            self.happen(end, event);
+            self.apply_event(end, event);
         }
         if self.safety.is_dark() {
             self.gate.clear();
@@ -224,7 +224,7 @@ impl Channel {
 
     /// The power in force, and its train.
     #[inline(never)]
-    fn find_power(&mut self, around: &Surroundings<'_, impl Positions>) {
+    fn find_power(&mut self, around: &FollowInputs<'_, impl Positions>) {
         self.power = self.law.power(around);
         self.published.limited = self.energy.light(self.power, around.clock, &mut self.train);
     }

@@ -21,74 +21,74 @@ fn run(crd: Crd, fifo: u8) -> PathRun {
     PathRun { crd, fifo }
 }
 
-fn on() -> Fact {
-    Fact::Command { on: true }
+fn on() -> LightEvent {
+    LightEvent::Command { on: true }
 }
 
-fn off() -> Fact {
-    Fact::Command { on: false }
+fn off() -> LightEvent {
+    LightEvent::Command { on: false }
 }
 
-fn mark(crd: Crd) -> Fact {
-    Fact::Entry { on: true, run: run(crd, 0) }
+fn mark(crd: Crd) -> LightEvent {
+    LightEvent::Entry { on: true, run: run(crd, 0) }
 }
 
-fn starts(crd: Crd) -> Fact {
-    Fact::Starts { run: run(crd, 0), resumes: false }
+fn starts(crd: Crd) -> LightEvent {
+    LightEvent::Starts { run: run(crd, 0), resumes: false }
 }
 
-fn resumes(crd: Crd) -> Fact {
-    Fact::Starts { run: run(crd, 0), resumes: true }
+fn resumes(crd: Crd) -> LightEvent {
+    LightEvent::Starts { run: run(crd, 0), resumes: true }
 }
 
-fn stops(crds: u8) -> Fact {
-    Fact::Stops { crds: CrdMask(crds) }
+fn stops(crds: u8) -> LightEvent {
+    LightEvent::Stops { crds: CrdMask(crds) }
 }
 
-fn rests(crd: Crd, end: StandstillCause) -> Fact {
-    Fact::Standstill { run: run(crd, 0), end }
+fn rests(crd: Crd, end: StandstillCause) -> LightEvent {
+    LightEvent::Standstill { run: run(crd, 0), end }
 }
 
-const LINK: Fact = Fact::Latched { link: true };
-const FAULT: Fact = Fact::Latched { link: false };
+const LINK: LightEvent = LightEvent::Latched { link: true };
+const FAULT: LightEvent = LightEvent::Latched { link: false };
 
 /// What a machine can report in this state.
-fn possible(state: &Owner) -> Vec<Fact> {
+fn possible(state: &Owner) -> Vec<LightEvent> {
     let mut facts = vec![
         on(),
         off(),
-        Fact::FollowEnds,
-        Fact::Withdraw,
-        Fact::PowerOn,
+        LightEvent::FollowEnds,
+        LightEvent::Withdraw,
+        LightEvent::PowerOn,
         LINK,
         FAULT,
-        Fact::Cleared,
-        Fact::Abort { refuses: true },
-        Fact::Abort { refuses: false },
-        Fact::AbortOver,
-        Fact::Output { there: true },
-        Fact::Output { there: false },
-        Fact::Relight,
+        LightEvent::Cleared,
+        LightEvent::Abort { refuses: true },
+        LightEvent::Abort { refuses: false },
+        LightEvent::AbortOver,
+        LightEvent::Output { there: true },
+        LightEvent::Output { there: false },
+        LightEvent::Relight,
     ];
     facts.extend((1..4).map(stops));
-    facts.extend((0..4).map(|map| Fact::Map { crds: CrdMask(map) }));
+    facts.extend((0..4).map(|map| LightEvent::Map { crds: CrdMask(map) }));
     for crd in [A, b()] {
         for fifo in 0..2 {
             let run = run(crd, fifo);
             if !state.running.has(crd) {
-                facts.extend([false, true].map(|resumes| Fact::Starts { run, resumes }));
-                facts.push(Fact::Clears { run });
+                facts.extend([false, true].map(|resumes| LightEvent::Starts { run, resumes }));
+                facts.push(LightEvent::Clears { run });
             } else if state.fifo1.has(crd) == (fifo == 1) {
-                facts.extend([false, true].map(|on| Fact::Entry { on, run }));
+                facts.extend([false, true].map(|on| LightEvent::Entry { on, run }));
                 facts.extend(
                     [StandstillCause::RanOut, StandstillCause::Stopped, StandstillCause::Failed]
-                        .map(|end| Fact::Standstill { run, end }),
+                        .map(|end| LightEvent::Standstill { run, end }),
                 );
             }
         }
         // A follow begins by an entry, which means nothing where the channel is not mapped.
         if state.running.has(crd) && state.map.has(crd) {
-            facts.push(Fact::FollowBegins { crd });
+            facts.push(LightEvent::FollowBegins { crd });
         }
     }
     facts
@@ -96,14 +96,16 @@ fn possible(state: &Owner) -> Vec<Fact> {
 
 /// What the channel does with some facts: where the map excludes the follow's path the follow ends,
 /// no output ends light, a path that fails is a cause.
-fn with_consequences(state: Owner, fact: Fact) -> (Owner, Vec<GateOrder>) {
+fn with_consequences(state: Owner, fact: LightEvent) -> (Owner, Vec<GateOrder>) {
     let mut next = state;
-    let mut orders = vec![next.hear(fact)];
+    let mut orders = vec![next.handle(fact)];
     match fact {
-        Fact::Map { crds } if next.follow.is_some_and(|crd| !crds.has(crd)) => orders.push(next.hear(Fact::FollowEnds)),
-        Fact::Output { there: false } => orders.push(next.hear(Fact::Withdraw)),
-        Fact::Standstill { run, end: StandstillCause::Failed } if state.map.has(run.crd) => {
-            orders.push(next.hear(FAULT))
+        LightEvent::Map { crds } if next.follow.is_some_and(|crd| !crds.has(crd)) => {
+            orders.push(next.handle(LightEvent::FollowEnds))
+        }
+        LightEvent::Output { there: false } => orders.push(next.handle(LightEvent::Withdraw)),
+        LightEvent::Standstill { run, end: StandstillCause::Failed } if state.map.has(run.crd) => {
+            orders.push(next.handle(FAULT))
         }
         _ => {}
     }
@@ -116,7 +118,7 @@ fn check_state(state: &Owner) {
         assert_eq!(state.latch, Latch::None, "light with a cause: {state:?}");
         assert!(state.output && !state.aborting, "light without an output, or in an abort: {state:?}");
         assert!(state.follow.is_none_or(|crd| state.running.has(crd)), "light whose follow is at rest: {state:?}");
-        if let Who::Path(crd) = who {
+        if let LitBy::Path(crd) = who {
             assert!(state.running.has(crd) && state.map.has(crd), "light of a path at rest: {state:?}");
         }
     }
@@ -124,7 +126,7 @@ fn check_state(state: &Owner) {
         assert!(!by.is_empty(), "held by nobody: {state:?}");
         assert_ne!(state.latch, Latch::Other, "light would come back after a fault: {state:?}");
         assert!(by.crds().0 & !state.map.0 == 0, "held by a path that is not mapped: {state:?}");
-        if let Who::Path(crd) = who {
+        if let LitBy::Path(crd) = who {
             assert!(state.owners().has(crd));
         }
     }
@@ -134,7 +136,7 @@ fn check_state(state: &Owner) {
 }
 
 /// What the SPEC asks of every step.
-fn check_step(before: &Owner, fact: Fact, after: &Owner, orders: &[GateOrder]) {
+fn check_step(before: &Owner, fact: LightEvent, after: &Owner, orders: &[GateOrder]) {
     let why = || std::format!("{before:?}\n{fact:?}\n{after:?}\n{orders:?}");
     let (was, is) = (before.is_lit(), after.is_lit());
     let last = orders.iter().rev().find(|order| !matches!(order, GateOrder::Keep | GateOrder::Ignored(_)));
@@ -147,9 +149,9 @@ fn check_step(before: &Owner, fact: Fact, after: &Owner, orders: &[GateOrder]) {
     }
     let lights = is && !was;
     let asks = match fact {
-        Fact::Command { on } => on,
-        Fact::Entry { on, run } => on && before.map.has(run.crd) && !before.dead.has(run.crd),
-        Fact::Starts { run, resumes } => match before.light {
+        LightEvent::Command { on } => on,
+        LightEvent::Entry { on, run } => on && before.map.has(run.crd) && !before.dead.has(run.crd),
+        LightEvent::Starts { run, resumes } => match before.light {
             Light::Held(_, by) => resumes && by.has(run) && by.without(run).is_empty(),
             Light::Waits(_) => before.follow == Some(run.crd),
             Light::Off | Light::On(_) => false,
@@ -159,37 +161,47 @@ fn check_step(before: &Owner, fact: Fact, after: &Owner, orders: &[GateOrder]) {
     assert!(!lights || asks, "light that nobody asked for: {}", why());
     // From nothing only an on command leads to light, now or later.
     if before.light == Light::Off && after.light != Light::Off {
-        assert!(matches!(fact, Fact::Command { on: true } | Fact::Entry { on: true, .. }), "{}", why());
+        assert!(matches!(fact, LightEvent::Command { on: true } | LightEvent::Entry { on: true, .. }), "{}", why());
     }
     let dark = match fact {
-        Fact::Command { on: false } | Fact::Withdraw | Fact::PowerOn => true,
-        Fact::Latched { .. } | Fact::Abort { .. } => true,
-        Fact::Output { there } => !there,
-        Fact::Entry { on: false, run } => before.map.has(run.crd),
-        Fact::Standstill { run, end: StandstillCause::Stopped | StandstillCause::Failed } => before.map.has(run.crd),
-        Fact::Standstill { run, end: StandstillCause::RanOut } => {
+        LightEvent::Command { on: false } | LightEvent::Withdraw | LightEvent::PowerOn => true,
+        LightEvent::Latched { .. } | LightEvent::Abort { .. } => true,
+        LightEvent::Output { there } => !there,
+        LightEvent::Entry { on: false, run } => before.map.has(run.crd),
+        LightEvent::Standstill { run, end: StandstillCause::Stopped | StandstillCause::Failed } => {
+            before.map.has(run.crd)
+        }
+        LightEvent::Standstill { run, end: StandstillCause::RanOut } => {
             before.stopping.has(run.crd) && before.map.has(run.crd)
         }
-        Fact::Stops { crds } => crds.0 & before.map.0 != 0 && crds.0 & before.map.0 & before.running.0 == 0,
+        LightEvent::Stops { crds } => crds.0 & before.map.0 != 0 && crds.0 & before.map.0 & before.running.0 == 0,
         _ => false,
     };
     assert!(!dark || !is, "it stays lit: {}", why());
-    let forgets =
-        matches!(fact, Fact::Abort { .. } | Fact::Withdraw | Fact::PowerOn | FAULT | Fact::Command { on: false });
-    let cleared = matches!((fact, before.light), (Fact::Clears { run }, Light::Held(_, by)) if by.has(run));
+    let forgets = matches!(
+        fact,
+        LightEvent::Abort { .. }
+            | LightEvent::Withdraw
+            | LightEvent::PowerOn
+            | FAULT
+            | LightEvent::Command { on: false }
+    );
+    let cleared = matches!((fact, before.light), (LightEvent::Clears { run }, Light::Held(_, by)) if by.has(run));
     assert!(!forgets && !cleared || after.light == Light::Off, "light could come back: {}", why());
-    if let Fact::Entry { on: true, run } = fact
+    if let LightEvent::Entry { on: true, run } = fact
         && before.vetoed
         && before.stopping.has(run.crd)
     {
         assert!(!lights, "an immediate off does not hold while the path brakes: {}", why());
     }
     // Ending or replacing a follow never lights, and what waited for it is over.
-    if matches!(fact, Fact::FollowEnds | Fact::FollowBegins { .. }) && matches!(before.light, Light::Waits(_)) {
+    if matches!(fact, LightEvent::FollowEnds | LightEvent::FollowBegins { .. })
+        && matches!(before.light, Light::Waits(_))
+    {
         assert_eq!(after.light, Light::Off, "{}", why());
     }
     // A redundant on command changes nothing.
-    if fact == on() && matches!(before.light, Light::On(Who::Path(_))) {
+    if fact == on() && matches!(before.light, Light::On(LitBy::Path(_))) {
         assert_eq!(before.light, after.light, "{}", why());
     }
 }
@@ -233,10 +245,10 @@ fn no_reachable_state_has_light_that_nobody_asked_for() {
 
 /// Facts one after the other, each with whether there is light after it and whether an on command
 /// is in force.
-fn story(name: &str, steps: &[(Fact, bool, bool)]) {
+fn story(name: &str, steps: &[(LightEvent, bool, bool)]) {
     let mut owner = Owner::power_on(BOTH);
     for (number, (fact, lit, commanded)) in steps.iter().enumerate() {
-        owner.hear(*fact);
+        owner.handle(*fact);
         let found = (owner.is_lit(), owner.is_commanded());
         assert_eq!(found, (*lit, *commanded), "{name}, step {number}: {fact:?} gives {owner:?}");
         check_state(&owner);
@@ -247,7 +259,7 @@ const DARK: (bool, bool) = (false, false);
 const LIT: (bool, bool) = (true, true);
 const WAITS: (bool, bool) = (false, true);
 
-fn steps<const N: usize>(steps: [(Fact, (bool, bool)); N]) -> Vec<(Fact, bool, bool)> {
+fn steps<const N: usize>(steps: [(LightEvent, (bool, bool)); N]) -> Vec<(LightEvent, bool, bool)> {
     steps.into_iter().map(|(fact, (lit, commanded))| (fact, lit, commanded)).collect()
 }
 
@@ -321,14 +333,14 @@ fn a_stop_that_finds_it_at_rest_shuts_off_and_nothing_comes_back() {
             (resumes(A), DARK),
         ]),
     );
-    let other = Fact::Map { crds: CrdMask(1) };
+    let other = LightEvent::Map { crds: CrdMask(1) };
     story("a path that is not mapped", &steps([(other, DARK), (on(), LIT), (stops(2), LIT)]));
 }
 
 #[test]
 fn what_runs_out_takes_its_own_light_and_what_follows_it() {
     let over = |crd| rests(crd, StandstillCause::RanOut);
-    let begins = |crd| Fact::FollowBegins { crd };
+    let begins = |crd| LightEvent::FollowBegins { crd };
     story("its own", &steps([(starts(A), DARK), (mark(A), LIT), (over(A), DARK)]));
     story("of a call", &steps([(on(), LIT), (starts(A), LIT), (over(A), LIT)]));
     story("of a call that follows it", &steps([(starts(A), DARK), (begins(A), DARK), (on(), LIT), (over(A), DARK)]));
@@ -343,8 +355,8 @@ fn what_runs_out_takes_its_own_light_and_what_follows_it() {
             (starts(A), DARK),
             (mark(A), LIT),
             (rests(A, StandstillCause::Stopped), DARK),
-            (Fact::Starts { run: excursion, resumes: false }, DARK),
-            (Fact::Standstill { run: excursion, end: StandstillCause::RanOut }, DARK),
+            (LightEvent::Starts { run: excursion, resumes: false }, DARK),
+            (LightEvent::Standstill { run: excursion, end: StandstillCause::RanOut }, DARK),
             (resumes(A), LIT),
         ]),
     );
@@ -352,7 +364,7 @@ fn what_runs_out_takes_its_own_light_and_what_follows_it() {
 
 #[test]
 fn under_a_follow_at_rest_an_on_command_waits_for_the_next_start() {
-    let begins = |crd| Fact::FollowBegins { crd };
+    let begins = |crd| LightEvent::FollowBegins { crd };
     let over = rests(A, StandstillCause::RanOut);
     story("a call", &steps([(starts(A), DARK), (begins(A), DARK), (over, DARK), (on(), WAITS), (starts(A), LIT)]));
     story(
@@ -362,7 +374,7 @@ fn under_a_follow_at_rest_an_on_command_waits_for_the_next_start() {
             (begins(A), DARK),
             (over, DARK),
             (on(), WAITS),
-            (Fact::FollowEnds, DARK),
+            (LightEvent::FollowEnds, DARK),
             (starts(A), DARK),
         ]),
     );
@@ -391,15 +403,15 @@ fn an_immediate_off_holds_while_the_path_brakes() {
     );
     story(
         "a Reset since",
-        &steps([(off(), DARK), (Fact::PowerOn, DARK), (starts(A), DARK), (stops(1), DARK), (mark(A), LIT)]),
+        &steps([(off(), DARK), (LightEvent::PowerOn, DARK), (starts(A), DARK), (stops(1), DARK), (mark(A), LIT)]),
     );
     story("none was given: a mark has no gap", &steps([(starts(A), DARK), (stops(1), DARK), (mark(A), LIT)]));
 }
 
 #[test]
 fn causes_aborts_and_sessions_shut_off_for_good() {
-    let cleared = Fact::Cleared;
-    for end in [FAULT, Fact::Abort { refuses: false }, Fact::Withdraw] {
+    let cleared = LightEvent::Cleared;
+    for end in [FAULT, LightEvent::Abort { refuses: false }, LightEvent::Withdraw] {
         let stopped = rests(A, StandstillCause::Stopped);
         story(
             "then it goes on",
@@ -414,7 +426,7 @@ fn causes_aborts_and_sessions_shut_off_for_good() {
             ]),
         );
     }
-    let abort = Fact::Abort { refuses: true };
+    let abort = LightEvent::Abort { refuses: true };
     story(
         "an abort: entries on the way are dead, on commands are refused",
         &steps([
@@ -424,16 +436,16 @@ fn causes_aborts_and_sessions_shut_off_for_good() {
             (on(), DARK),
             (rests(A, StandstillCause::Stopped), DARK),
             (on(), DARK),
-            (Fact::AbortOver, DARK),
+            (LightEvent::AbortOver, DARK),
             (resumes(A), DARK),
             (mark(A), LIT),
         ]),
     );
     let lost = [(starts(A), DARK), (mark(A), LIT), (LINK, DARK), (rests(A, StandstillCause::Stopped), DARK)];
-    let after = |rest: [(Fact, (bool, bool)); 2]| [steps(lost), steps(rest)].concat();
+    let after = |rest: [(LightEvent, (bool, bool)); 2]| [steps(lost), steps(rest)].concat();
     story("a lost link that was cleared", &after([(cleared, DARK), (resumes(A), LIT)]));
     story("a lost link that was not", &after([(resumes(A), DARK), (cleared, DARK)]));
-    let inherited = Fact::Abort { refuses: false };
+    let inherited = LightEvent::Abort { refuses: false };
     story(
         "a call's light in a new session, while a path of the session before runs",
         &steps([
@@ -463,29 +475,29 @@ fn causes_aborts_and_sessions_shut_off_for_good() {
 #[test]
 fn a_channel_that_is_not_mapped_or_has_no_output_ignores_entries() {
     let mut owner = Owner::power_on(CrdMask(2));
-    owner.hear(starts(A));
-    assert_eq!(owner.hear(mark(A)), GateOrder::Ignored(Ignored::NotMapped));
+    owner.handle(starts(A));
+    assert_eq!(owner.handle(mark(A)), GateOrder::Ignored(Ignored::NotMapped));
     assert!(!owner.heeds(A) && owner.heeds(b()));
     let mut owner = Owner::power_on(BOTH);
-    owner.hear(starts(A));
-    owner.hear(Fact::Output { there: false });
-    assert_eq!(owner.hear(mark(A)), GateOrder::Ignored(Ignored::NoOutput));
-    assert_eq!(owner.hear(on()), GateOrder::Ignored(Ignored::NoOutput));
-    owner.hear(Fact::Output { there: true });
+    owner.handle(starts(A));
+    owner.handle(LightEvent::Output { there: false });
+    assert_eq!(owner.handle(mark(A)), GateOrder::Ignored(Ignored::NoOutput));
+    assert_eq!(owner.handle(on()), GateOrder::Ignored(Ignored::NoOutput));
+    owner.handle(LightEvent::Output { there: true });
     assert!(!owner.is_commanded(), "it was not remembered");
-    owner.hear(Fact::Abort { refuses: true });
-    assert_eq!(owner.hear(on()), GateOrder::Ignored(Ignored::Aborting));
+    owner.handle(LightEvent::Abort { refuses: true });
+    assert_eq!(owner.handle(on()), GateOrder::Ignored(Ignored::Aborting));
 }
 
 #[test]
 fn owners_are_those_whose_light_is_on_or_would_come_back() {
     let mut owner = Owner::power_on(BOTH);
-    owner.hear(starts(A));
-    owner.hear(starts(b()));
-    owner.hear(mark(A));
+    owner.handle(starts(A));
+    owner.handle(starts(b()));
+    owner.handle(mark(A));
     assert_eq!(owner.owners(), CrdMask(1));
-    owner.hear(rests(b(), StandstillCause::Stopped));
+    owner.handle(rests(b(), StandstillCause::Stopped));
     assert_eq!(owner.owners(), BOTH, "that of the first would come back with the second");
-    owner.hear(Fact::Map { crds: CrdMask(1) });
+    owner.handle(LightEvent::Map { crds: CrdMask(1) });
     assert_eq!((owner.owners(), owner.light), (CrdMask(0), Light::Off), "it is not mapped any more");
 }

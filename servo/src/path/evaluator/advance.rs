@@ -4,13 +4,13 @@
 //! [`Effects`]. Owns nothing beyond the [`Path`]. Fails: entries that run out at speed are an
 //! underrun.
 use super::interface::{Effects, FifoEnds, PathStop};
-use super::{Gear, Geared, Path, Preparation, Prepared, Stage, Turn, WalkBudget, end_of};
+use super::{ActiveGear, FastPathCase, GearMotion, Path, Preparation, Prepared, Stage, WalkBudget, end_of};
 use crate::math::float::Float;
 use crate::path::entry::{EntryContent, EntryEffect, PathEntry};
 use crate::path::speed_profile::Phase;
 use crate::path::store::PathEntries;
-use crate::path::{DIMENSIONS, ENDLESS_WAIT_FINE_NS, FineNs};
-use crate::units::{Exact, Pos};
+use crate::path::{DIMENSIONS, ENDLESS_WAIT_FINE_NS};
+use crate::units::{Exact, FineNs, Pos};
 
 impl Path {
     /// It waits at its position.
@@ -68,7 +68,7 @@ impl Path {
 
     /// Whether it and its geared axes may be at the end of the motion in force.
     fn admits_end(&self, sink: &mut impl Effects) -> bool {
-        let end = |gear: &Gear| Pos::pulses(gear.pulses);
+        let end = |gear: &ActiveGear| Pos::pulses(gear.pulses);
         sink.admits(self.motions.now().shape.end())
             && self.gears_of(self.fifo).all(|gear| sink.admits_gear(gear.axis, end(gear)))
     }
@@ -90,12 +90,12 @@ impl Path {
         admits: impl FnOnce(&[Pos; DIMENSIONS]) -> bool,
     ) -> Option<[u32; 2]> {
         match self.fast.turn {
-            Turn::Motion => {}
-            Turn::Phase => {
-                self.fast.turn = Turn::Else;
+            FastPathCase::Motion => {}
+            FastPathCase::Phase => {
+                self.fast.turn = FastPathCase::Else;
                 return self.end_phase().then(|| self.counts());
             }
-            Turn::Else => return None,
+            FastPathCase::Else => return None,
         }
         let (Prepared { shape, plan, .. }, Prepared { open, .. }) = (self.motions.now(), self.motions.next());
         let open = *open;
@@ -118,7 +118,7 @@ impl Path {
         (self.stand, self.open) = (self.coming, open);
         self.motions.turn();
         self.pieces.pair.turn();
-        (self.pieces.follows, self.fresh, self.fast.turn) = (None, true, Turn::Else);
+        (self.pieces.follows, self.fresh, self.fast.turn) = (None, true, FastPathCase::Else);
         Some([released, done])
     }
 
@@ -292,7 +292,7 @@ impl Path {
                 if let Some(gear) = cursor.gears.iter_mut().take(cursor.geared).find(|gear| gear.axis == *axis) {
                     gear.pulses = gear.pulses.saturating_add(*pulses);
                 } else if let Some(gear) = cursor.gears.get_mut(cursor.geared) {
-                    *gear = Gear { axis: *axis, pulses: *pulses, along: Geared::NONE };
+                    *gear = ActiveGear { axis: *axis, pulses: *pulses, along: GearMotion::NONE };
                     cursor.geared = cursor.geared.wrapping_add(1);
                 } else {
                     sink.surplus(*axis);

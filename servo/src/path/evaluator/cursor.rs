@@ -1,17 +1,17 @@
 //! The position of a path in one FIFO, and the axes geared to its motion.
-use crate::path::geometry::GearMotion as Geared;
-use crate::path::{DIMENSIONS, FineNs};
-use crate::units::{Axis, Exact, Pos};
+use crate::path::DIMENSIONS;
+use crate::path::geometry::GearMotion;
+use crate::units::{Axis, Exact, FineNs, Pos};
 
 /// Axes geared to one motion.
 pub const GEARS: usize = 4;
 
 /// An axis geared to a motion.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Gear {
+pub(super) struct ActiveGear {
     pub(super) axis: Axis,
     pub(super) pulses: i32,
-    pub(super) along: Geared,
+    pub(super) along: GearMotion,
 }
 
 state! {
@@ -32,7 +32,7 @@ state! {
         pub(super) distance: Exact = Exact(0),
         /// The remainder of a wait.
         pub(super) left: FineNs = 0,
-        pub(super) gears: [Gear; GEARS] = [NO_GEAR; GEARS],
+        pub(super) gears: [ActiveGear; GEARS] = [NO_GEAR; GEARS],
         pub(super) geared: usize = 0,
         /// It was set back: entries before `reported` have been carried out. They are passed, but
         /// for those of a laser, which are made again.
@@ -46,7 +46,7 @@ state! {
 
 /// The position in a FIFO at a sample.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Past {
+pub(super) struct SampledPosition {
     pub(super) next: u32,
     pub(super) done: u32,
     pub(super) inside: bool,
@@ -54,11 +54,12 @@ pub(super) struct Past {
     pub(super) distance: Pos,
 }
 
-impl Past {
-    pub(super) const NONE: Past = Past { next: 0, done: 0, inside: false, from: ORIGIN, distance: Pos(0) };
+impl SampledPosition {
+    pub(super) const NONE: SampledPosition =
+        SampledPosition { next: 0, done: 0, inside: false, from: ORIGIN, distance: Pos(0) };
 }
 
-const NO_GEAR: Gear = Gear { axis: Axis::FIRST, pulses: 0, along: Geared::NONE };
+const NO_GEAR: ActiveGear = ActiveGear { axis: Axis::FIRST, pulses: 0, along: GearMotion::NONE };
 pub(super) const ORIGIN: [Pos; DIMENSIONS] = [Pos(0); DIMENSIONS];
 
 impl Cursor {

@@ -9,7 +9,7 @@ use crate::units::Pos;
 
 /// What happens at the end of the phase in force.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Turn {
+pub(super) enum FastPathCase {
     /// More than the fast path does.
     Else,
     /// The piece of the next phase comes into force.
@@ -21,13 +21,13 @@ pub(super) enum Turn {
 impl Path {
     /// The fast path is not taken until a full step is done.
     pub(crate) fn leave_fast_path(&mut self) {
-        (self.fast.publishes, self.fast.turn) = (false, Turn::Else);
+        (self.fast.publishes, self.fast.turn) = (false, FastPathCase::Else);
     }
 
     /// Whether the fast path enters another motion at the end of the phase in force.
     #[inline(always)]
     pub(crate) fn turns_over(&self) -> bool {
-        self.fast.turn == Turn::Motion
+        self.fast.turn == FastPathCase::Motion
     }
 
     /// Two corners of a box that holds the motion in force, or the one that is `ahead`.
@@ -45,15 +45,15 @@ impl Path {
         let (Prepared { plan, .. }, Prepared { counter, state, plan: next_plan, .. }) =
             (self.motions.now(), self.motions.next());
         self.fast.turn = if !moves || self.pieces.follows != Some(self.stand.over) {
-            Turn::Else
+            FastPathCase::Else
         } else if plan.phase(self.stand.phase.wrapping_add(1)).is_some() {
-            Turn::Phase
+            FastPathCase::Phase
         } else if alone && !plan.halts && !self.stopping && *state == Preparation::Ready && *counter == next {
             let (began, time) = (self.stand.over, next_plan.phase(0).map_or(0, |phase| phase.time));
             self.coming = MotionPosition { began, over: began.wrapping_add(time), ..MotionPosition::NONE };
-            Turn::Motion
+            FastPathCase::Motion
         } else {
-            Turn::Else
+            FastPathCase::Else
         };
     }
 }

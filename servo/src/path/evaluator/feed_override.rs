@@ -1,15 +1,15 @@
 //! The feed override of a path: a factor on the speeds of its motions, 2⁻²⁰ to 1.
 //!
 //! In: the bits of the user's double. Out: an admitted [`FeedOverride`]; the motion in force,
-//! planned anew with it. Owns nothing: the factor is in [`Rules`]. Fails: admission refuses a
-//! factor out of range, [`Refused`].
-use super::{Path, Rules, Stage};
+//! planned anew with it. Owns nothing: the factor is in [`PathSettings`]. Fails: admission refuses
+//! a factor out of range, [`Refused`].
+use super::{Path, PathSettings, Stage};
 use crate::math::float::Float;
+use crate::path::FifoEnds;
 use crate::path::entry::Refused;
 use crate::path::pack::float;
 use crate::path::store::PathEntries;
-use crate::path::{FifoEnds, FineNs};
-use crate::units::Ns;
+use crate::units::{FineNs, Ns};
 
 /// An override, the factor of all speeds of a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,7 +34,7 @@ impl FeedOverride {
     }
 }
 
-impl Rules {
+impl PathSettings {
     /// Override: the speeds of all motions are multiplied by it. The speeds at their ends are not,
     /// but held to these.
     pub fn set_override(&mut self, rate: FeedOverride) {

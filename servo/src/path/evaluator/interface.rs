@@ -4,12 +4,12 @@
 //! its coordinates between ticks. Owns nothing. Cannot fail.
 use super::ORIGIN;
 use crate::math::float::Float;
+use crate::path::DIMENSIONS;
 use crate::path::entry::EntryEffect;
-use crate::path::geometry::Bend;
-use crate::path::{DIMENSIONS, FineNs};
+use crate::path::geometry::Curvature;
 use crate::segment::piece::{Motion, Scaled};
 use crate::segment::ramp::Accel;
-use crate::units::{Axis, Pos};
+use crate::units::{Axis, FineNs, Pos};
 
 /// The effects of a path on the rest of the machine. Instants come in order; all lie before the end
 /// of the interval that the step is for, and after everything reported in earlier steps.
@@ -69,15 +69,15 @@ pub struct FifoEnds {
 
 /// Settings for all motions of a coordinate system.
 #[derive(Debug, Clone, Copy)]
-pub struct Rules {
+pub struct PathSettings {
     pub(super) even: Float,
     pub(super) stop: Float,
     pub(super) rate: Float,
 }
 
-impl Rules {
+impl PathSettings {
     /// No even time, a stop deceleration of 1 pulse/ms², no override.
-    pub const POWER_ON: Rules = Rules { even: Float::ZERO, stop: Float::ONE, rate: Float::ONE };
+    pub const POWER_ON: PathSettings = PathSettings { even: Float::ZERO, stop: Float::ONE, rate: Float::ONE };
 
     /// Least time at constant speed in a motion (TCrdPrm.evenTime), ms.
     pub fn set_even(&mut self, ms: u16) {
@@ -101,7 +101,7 @@ pub struct Step {
     /// The path length along the motion in force as a piece: its velocity is the path's.
     pub motion: Motion,
     /// How the direction turns.
-    pub bend: Bend,
+    pub bend: Curvature,
     /// Whether it runs; it also does while it waits.
     pub runs: bool,
     /// FIFO in force.
@@ -117,7 +117,7 @@ pub struct PathReport<'a> {
     /// Direction.
     pub heading: &'a mut [i32; DIMENSIONS],
     /// How it turns.
-    pub bend: &'a mut Bend,
+    pub bend: &'a mut Curvature,
     /// The path length along the motion in force.
     pub motion: &'a mut Motion,
     /// Counts changes of bend and motion, at least, except for the position in it.

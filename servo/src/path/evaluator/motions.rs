@@ -3,14 +3,14 @@
 //! In: the entry of a motion, its start and speed there, what follows it. Out: the motion in force
 //! with its plan. Owns nothing beyond the [`Path`]. Cannot fail. A motion that was made ahead is
 //! the same as one made on its boundary: the same functions of the same numbers.
-use super::{After, EFFECTS, FifoEnds, Gear, Path, Preparation, Prepared, Rules, Stage, end_of};
+use super::{ActiveGear, After, EFFECTS, FifoEnds, Path, PathSettings, Preparation, Prepared, Stage, end_of};
 use crate::math::float::Float;
+use crate::path::DIMENSIONS;
 use crate::path::entry::{EntryContent, MotionSpeeds, PathEntry};
-use crate::path::geometry::GearMotion as Geared;
+use crate::path::geometry::GearMotion;
 use crate::path::speed_profile::{MotionLimits, Phase, SpeedPlan};
 use crate::path::store::PathEntries;
-use crate::path::{DIMENSIONS, FineNs};
-use crate::units::{Exact, Pos};
+use crate::units::{Exact, FineNs, Pos};
 
 /// The speeds of a motion.
 fn along_of(item: &EntryContent) -> Option<MotionSpeeds> {
@@ -103,8 +103,8 @@ impl Path {
         let inverse = self.motions.now().shape.length().recip();
         let cursor = self.cursor(self.fifo);
         for gear in cursor.gears.iter_mut().take(cursor.geared) {
-            let Gear { pulses, along, .. } = gear;
-            *along = Geared::over(*pulses, inverse);
+            let ActiveGear { pulses, along, .. } = gear;
+            *along = GearMotion::over(*pulses, inverse);
         }
     }
 
@@ -280,7 +280,7 @@ impl Path {
     /// The limits for the plan of a motion.
     #[inline]
     fn means(&self, along: MotionSpeeds, after: After) -> MotionLimits {
-        let Rules { even, stop, rate } = self.rules;
+        let PathSettings { even, stop, rate } = self.rules;
         let vel = along.vel().mul(rate);
         let end = match after {
             After::Motion => along.end(),

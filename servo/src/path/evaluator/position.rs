@@ -5,11 +5,11 @@
 //! Fails: a position that is not admitted ends the motion before it.
 use super::interface::{Effects, FifoEnds, PathReport, PathStop};
 use super::{PackedPhase, Path, Stage};
+use crate::path::DIMENSIONS;
 use crate::path::PathSpeed;
-use crate::path::geometry::Bend;
-use crate::path::{DIMENSIONS, FineNs};
+use crate::path::geometry::Curvature;
 use crate::segment::piece::Motion;
-use crate::units::{Exact, Ns, Pos};
+use crate::units::{Exact, FineNs, Ns, Pos};
 
 impl Path {
     /// Samples the position at `next`, which lies in the phase in force. Returns whether it moves.
@@ -38,7 +38,7 @@ impl Path {
             self.fresh = false;
             *report.turns = report.turns.wrapping_add(1);
             (*report.position, *report.heading) = (self.here, [0; DIMENSIONS]);
-            (*report.bend, *report.motion) = (Bend::STRAIGHT, Motion::STANDSTILL);
+            (*report.bend, *report.motion) = (Curvature::STRAIGHT, Motion::STANDSTILL);
         }
         false
     }

@@ -6,9 +6,8 @@
 //! makes its own.
 use super::{FifoEnds, Path, Preparation, end_of};
 use crate::math::float::Float;
-use crate::path::FineNs;
 use crate::path::store::PathEntries;
-use crate::units::{Exact, Ns};
+use crate::units::{Exact, FineNs, Ns};
 
 impl Path {
     /// Makes a part of it, a few hundred instructions. Returns whether there may be more to make.

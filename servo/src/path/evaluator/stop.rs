@@ -3,12 +3,12 @@
 //! In: the tick computed, how it stops. Out: the motion in force planned anew, or standstill. Owns
 //! nothing beyond the [`Path`]. Cannot fail. An abrupt Stop finds the path a period ahead of its
 //! published position: it goes back to that.
-use super::cursor::{Cursor, Past};
+use super::cursor::{Cursor, SampledPosition};
 use super::interface::{Effects, FifoEnds, PathStop};
 use super::{Path, Preparation, Stage};
+use crate::path::DIMENSIONS;
 use crate::path::store::PathEntries;
-use crate::path::{DIMENSIONS, FineNs};
-use crate::units::{Ns, Pos};
+use crate::units::{FineNs, Ns, Pos};
 
 impl Path {
     /// Smooth: brakes along the path from `next` on. Abrupt: stops there.
@@ -49,7 +49,7 @@ impl Path {
     #[inline(always)]
     pub(super) fn keep_past(&mut self, distance: Pos) {
         let Cursor { next, done, inside, .. } = self.cursors[(self.fifo & 1) as usize];
-        self.swept.past = Past { next, done, inside, from: *self.motions.now().shape.start(), distance };
+        self.swept.past = SampledPosition { next, done, inside, from: *self.motions.now().shape.start(), distance };
     }
 
     /// Comes to rest at the position of the last sample.
@@ -58,7 +58,7 @@ impl Path {
         if self.swept.length.is_none() {
             self.keep_past(self.stand.sampled);
         }
-        let Past { next, done, inside, from, distance } = self.swept.past;
+        let SampledPosition { next, done, inside, from, distance } = self.swept.past;
         let waits = self.waits();
         let cursor = self.cursor(self.fifo);
         // A move that the path waits for is made again.

@@ -11,7 +11,7 @@
 use super::compact::{Compact, HIGH_BITS, NoNumber};
 use super::ratio::{RATIO_BITS, quotient, start_displacement};
 use super::{Direction, Method};
-use crate::units::DoGroup;
+use crate::units::{DoGroup, Pos};
 
 /// Entries of a FIFO at most (memory 1).
 pub const ENTRIES: u32 = 512;
@@ -19,8 +19,8 @@ pub const ENTRIES: u32 = 512;
 pub const STOPS: usize = 16;
 /// The largest |ratio|: 2⁴⁴.
 const RATIO_MAX: i128 = 1 << (44 + super::ratio::RATIO_BITS);
-/// The largest displacement at a segment's start ratio: 2⁴⁰ pulses.
-const START_DISPLACEMENT_MAX_EXACT: i128 = 1 << (40 + 64);
+/// The largest displacement at a segment's start ratio: that from 0 to the edge of travel.
+const START_DISPLACEMENT_MAX_EXACT: i128 = (Pos::TRAVEL_PULSES as i128) << 64;
 /// The shortest segment: 2⁻²⁰ pulse of the master.
 const SEGMENT_MIN_EXACT: i128 = 1 << (64 - 20);
 /// The distance to the head of a chain is stored up to this; there the search goes on from the

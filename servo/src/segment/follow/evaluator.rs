@@ -21,12 +21,12 @@ mod switch;
 use super::curve::{EXACT_TO_POS_BITS, ceil, slope};
 use super::entry::{Input, Stop};
 use super::gear::Gear;
-use super::master_path::{FineNs, MasterPath, PositionTrack, Section, Spot};
+use super::master_path::{MasterPath, PositionTrack, Section, TimedPosition};
 use super::setup::Setup;
 use super::slave_track::record;
 use super::{Direction, FollowEntries, Method};
 use crate::segment::piece::Piece;
-use crate::units::{Exact, Ns, Pos};
+use crate::units::{Exact, FineNs, Ns, Pos};
 
 /// Entries that are no segments, in one tick of one axis.
 pub const ACTIONS: usize = 8;
@@ -66,7 +66,7 @@ pub enum FollowState {
 
 /// What acts at the end of the tick computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum AtOnce {
+enum TickEndAction {
     /// SwitchNow.
     Switch(Method),
     /// The ratio of the settings.
@@ -91,11 +91,11 @@ enum Wait {
 /// What a slave waits for, in 16 bits: 0 nothing, 1 PASS, 2 an input. Of an input, bit 2 is the
 /// level, bit 3 its time limit, bits 4 to 6 its kind, the high byte its number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Awaits(u16);
+pub struct PackedWait(u16);
 
 /// The same, unpacked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Awaited {
+pub enum WaitCondition {
     /// The master's crossing of the position of PASS.
     Pass,
     /// A level of an input.
@@ -111,16 +111,16 @@ pub enum Awaited {
     },
 }
 
-impl Awaits {
+impl PackedWait {
     /// It moves, or waits for a time.
-    pub const NONE: Awaits = Awaits(0);
+    pub const NONE: PackedWait = PackedWait(0);
 
     /// What it is.
-    pub fn what(self) -> Option<Awaited> {
+    pub fn what(self) -> Option<WaitCondition> {
         match self.0 & 3 {
             0 => None,
-            1 => Some(Awaited::Pass),
-            _ => Some(Awaited::Input {
+            1 => Some(WaitCondition::Pass),
+            _ => Some(WaitCondition::Input {
                 input: Input::of_bits((self.0 >> 4) as u8),
                 index: (self.0 >> 8) as u8,
                 high: self.0 & 4 != 0,
@@ -133,7 +133,7 @@ impl Awaits {
 /// A ratio that the chain of the data does not know: the addition to the start ratio of the segment
 /// `from` of pass `pass`; the NORMAL segments after it have it with changing sign.
 #[derive(Debug, Clone, Copy)]
-struct More {
+struct RatioOffset {
     pass: u32,
     from: u32,
     odd: bool,
@@ -143,7 +143,7 @@ struct More {
 /// A piece that was made before its tick: of this entry in this pass, which began at these
 /// positions.
 #[derive(Debug, Clone, Copy)]
-struct Ahead {
+struct PreparedPiece {
     piece: Piece,
     index: u32,
     pass: u32,
@@ -170,7 +170,7 @@ state! {
         fifo: u8 = fifo,
         switching: bool = false,
         /// Set by SwitchNow and for a new ratio, until the tick has been computed.
-        now: Option<AtOnce> = None,
+        now: Option<TickEndAction> = None,
         wait: Wait = Wait::Start,
         /// The entry whose piece is loaded.
         index: u32 = 0,
@@ -187,10 +187,10 @@ state! {
         at_floor: bool = false,
         /// Ratio with which a FIFO that begins with CONTINUE goes on, in every pass.
         carried: i128 = 0,
-        more: Option<More> = None,
+        more: Option<RatioOffset> = None,
         /// The piece after the one in force, if it was made; and whether it may still be to be
         /// made.
-        ahead: Option<Ahead> = None,
+        ahead: Option<PreparedPiece> = None,
         open: bool = false,
         /// A piece lies further from the one before than any tick may move.
         far: bool = false,
@@ -270,12 +270,12 @@ impl FollowRun {
     /// The next segment or the other FIFO takes over at the tick computed next.
     pub fn switch_now(&mut self, method: Method) {
         self.invalidate_prepared();
-        self.now = Some(AtOnce::Switch(method));
+        self.now = Some(TickEndAction::Switch(method));
     }
 
     /// In gear: the ratio of the settings takes over at the tick computed next.
     pub fn take_ratio(&mut self) {
-        self.now = Some(AtOnce::Ratio);
+        self.now = Some(TickEndAction::Ratio);
     }
 
     /// Data or settings have changed: something else may follow now.
@@ -373,11 +373,11 @@ impl FollowRun {
     }
 
     /// What it waits for.
-    pub(crate) fn awaits(&self) -> Awaits {
+    pub(crate) fn awaits(&self) -> PackedWait {
         match self.wait {
-            Wait::No | Wait::Start | Wait::Until(_) => Awaits::NONE,
-            Wait::Pass { .. } => Awaits(1),
-            Wait::Input { input, index, high, until } => Awaits(
+            Wait::No | Wait::Start | Wait::Until(_) => PackedWait::NONE,
+            Wait::Pass { .. } => PackedWait(1),
+            Wait::Input { input, index, high, until } => PackedWait(
                 2 | (high as u16) << 2 | (until.is_some() as u16) << 3 | (input as u16) << 4 | (index as u16) << 8,
             ),
         }
@@ -389,7 +389,7 @@ impl FollowRun {
         &mut self,
         now: Ns,
         from: Pos,
-        to: Spot,
+        to: TimedPosition,
         context: &mut FollowContext<'_, S, L>,
     ) -> Option<FollowState> {
         context.base = (now.0 as FineNs) << 32;
@@ -427,7 +427,7 @@ impl FollowRun {
     }
 
     /// The first piece was made for a master at 0: it begins at the master's present position.
-    fn enter_prepared(&mut self, prepared: &Ahead) {
+    fn enter_prepared(&mut self, prepared: &PreparedPiece) {
         self.piece = prepared.piece;
         self.piece.begin = Ns(self.piece.begin.0.wrapping_add(self.progress as u64));
         (self.index, self.held, self.open) = (prepared.index, false, true);

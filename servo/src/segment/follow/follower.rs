@@ -10,7 +10,7 @@
 //! ms), started at the master's position. Its output is exact for a master that moves evenly
 //! between ticks, so the lag does not depend on the tick period.
 use super::evaluator::{FollowContext, FollowRun, FollowState};
-use super::master_path::{MasterPath, PositionTrack, Section, Spot, is_plain};
+use super::master_path::{MasterPath, PositionTrack, Section, TimedPosition, is_plain};
 use super::{FollowEntries, Input, Master};
 use crate::math::wide::umulhi;
 use crate::segment::piece::Piece;
@@ -168,8 +168,8 @@ impl Follower {
             }
         };
         // All the path is one section.
-        let to = Spot { after: period.0 << 32, pos: to };
-        let section = Section { now, from: Spot { after: 0, pos: last }, to, piece: along, shift };
+        let to = TimedPosition { after: period.0 << 32, pos: to };
+        let section = Section { now, from: TimedPosition { after: 0, pos: last }, to, piece: along, shift };
         self.run
             .open(now, last, to, context)
             .or_else(|| self.run.go(section, context, track))

@@ -15,14 +15,14 @@
 use super::curve::cubic;
 use super::ratio::{quotient, start_displacement};
 use crate::segment::piece::{Motion, Piece};
-use crate::units::{Exact, Ns};
+use crate::units::{Exact, Ns, Pos};
 
 /// Pulses of master and slave in a piece, unless those given are more.
 const PIECE_PULSES: u32 = 1 << 31;
 /// The largest |ratio|.
 const RATIO_MAX: u64 = 1 << 24;
 /// The largest displacement of the slave at the full ratio over the slope, pulses.
-const SLOPE_MAX_PULSES: u128 = 1 << 40;
+const SLOPE_MAX_PULSES: u128 = Pos::TRAVEL_PULSES as u128;
 
 /// A ratio that has passed its checks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -12,13 +12,10 @@ use crate::units::{Ns, Pos};
 
 /// Positions of a path at most: begin and end, two turning points in either of two pieces, both
 /// ends of the interval between these.
-pub const SPOTS: usize = 8;
-/// Time in 2⁻³² ns.
-pub(super) type FineNs = u128;
-
+pub const POSITIONS_MAX: usize = 8;
 /// A position at an instant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Spot {
+pub struct TimedPosition {
     /// Time since the tick in force, 2⁻³² ns.
     pub after: u64,
     /// The master's position.
@@ -28,7 +25,7 @@ pub struct Spot {
 /// Positions in order of time; the first is that of the tick in force.
 #[derive(Debug, Clone, Copy)]
 pub struct PositionTrack {
-    spots: [Spot; SPOTS],
+    spots: [TimedPosition; POSITIONS_MAX],
     count: u8,
 }
 
@@ -39,7 +36,7 @@ pub struct MasterPath<'a> {
     now: Ns,
     track: PositionTrack,
     /// The piece along which it comes to each position: 0 a straight line, 1 or 2.
-    along: [u8; SPOTS],
+    along: [u8; POSITIONS_MAX],
     pieces: [Option<&'a Piece>; 2],
     /// What has to be added to positions of pieces.
     shift: i64,
@@ -49,15 +46,16 @@ pub struct MasterPath<'a> {
 #[derive(Debug, Clone, Copy)]
 pub struct Section<'a> {
     pub(super) now: Ns,
-    pub(super) from: Spot,
-    pub(super) to: Spot,
+    pub(super) from: TimedPosition,
+    pub(super) to: TimedPosition,
     pub(super) piece: Option<&'a Piece>,
     pub(super) shift: i64,
 }
 
 impl PositionTrack {
     /// Empty.
-    pub(crate) const NONE: PositionTrack = PositionTrack { spots: [Spot { after: 0, pos: Pos(0) }; SPOTS], count: 0 };
+    pub(crate) const NONE: PositionTrack =
+        PositionTrack { spots: [TimedPosition { after: 0, pos: Pos(0) }; POSITIONS_MAX], count: 0 };
 
     /// Empties it.
     #[inline(always)]
@@ -67,14 +65,14 @@ impl PositionTrack {
 
     /// One position.
     pub(crate) fn begin(from: Pos) -> PositionTrack {
-        PositionTrack { spots: [Spot { after: 0, pos: from }; SPOTS], count: 1 }
+        PositionTrack { spots: [TimedPosition { after: 0, pos: from }; POSITIONS_MAX], count: 1 }
     }
 
     /// The next position; returns its index. When it is full, the last one moves there.
     pub(crate) fn push(&mut self, after: u64, pos: Pos) -> usize {
-        let index = (self.count as usize).min(SPOTS - 1);
+        let index = (self.count as usize).min(POSITIONS_MAX - 1);
         if let Some(slot) = self.spots.get_mut(index) {
-            *slot = Spot { after, pos };
+            *slot = TimedPosition { after, pos };
         }
         self.count = index as u8 + 1;
         index
@@ -96,12 +94,12 @@ impl PositionTrack {
         self.count <= 2
     }
 
-    fn spots(&self) -> &[Spot] {
+    fn spots(&self) -> &[TimedPosition] {
         self.spots.get(..self.count as usize).unwrap_or_default()
     }
 
     /// The last position.
-    pub(super) fn last(&self) -> Spot {
+    pub(super) fn last(&self) -> TimedPosition {
         self.spots().last().copied().unwrap_or_default()
     }
 }
@@ -120,7 +118,7 @@ impl<'a> MasterPath<'a> {
         for spot in &mut track.spots {
             spot.pos.0 = spot.pos.0.wrapping_add(shift);
         }
-        MasterPath { now, track, along: [0; SPOTS], pieces: [None; 2], shift: 0 }
+        MasterPath { now, track, along: [0; POSITIONS_MAX], pieces: [None; 2], shift: 0 }
     }
 
     /// Along the pieces of a motion: `piece`, and `before` if that is in force from `now` until the
@@ -178,7 +176,7 @@ impl<'a> MasterPath<'a> {
     }
 
     /// The master's position at the tick in force, and at the next.
-    pub(super) fn ends(&self) -> (Pos, Spot) {
+    pub(super) fn ends(&self) -> (Pos, TimedPosition) {
         (self.track.spots().first().copied().unwrap_or_default().pos, self.track.last())
     }
 
@@ -245,7 +243,7 @@ fn pos(now: Ns, piece: &Piece, shift: i64, at: u64) -> Pos {
 
 impl Section<'_> {
     /// A master that does not move.
-    pub(super) fn still(now: Ns, here: Spot) -> Section<'static> {
+    pub(super) fn still(now: Ns, here: TimedPosition) -> Section<'static> {
         Section { now, from: here, to: here, piece: None, shift: 0 }
     }
 

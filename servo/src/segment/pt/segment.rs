@@ -3,7 +3,7 @@
 //! In: the bits of the user's double, time and kind, the segments before. Out: a [`Segment`], which
 //! only [`Segment::admit`] can make. Fails: with the rule that the datum breaks, [`Refused`].
 use crate::math::wide::Divisor;
-use crate::units::{Exact, StepLimit};
+use crate::units::{Exact, Pos, StepLimit};
 
 /// What the velocity does inside a segment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -69,8 +69,8 @@ impl Chain {
 }
 
 const CHAIN_BITS: u32 = 20;
-/// The bits of 2⁴⁰, the largest |position|.
-const TRAVEL: u64 = 1063 << 52;
+/// The bits of the largest |position| as a double: a power of two has an exponent alone.
+const TRAVEL_DOUBLE_BITS: u64 = (1023 + Pos::TRAVEL_PULSES.ilog2() as u64) << 52;
 /// What rounding adds to 2P/T at most: less than two units of P, and one of the quotient.
 const ROUNDING_UNITS: u32 = 3;
 /// v0·T beyond 2⁴³ pulses swings out of ±2⁴⁰ even if the segment comes back: the excursion is
@@ -106,7 +106,7 @@ impl Segment {
         let sign = (pos_bits >> 63) as u32;
         // The bits of doubles of one sign are in the order of the doubles; those that are not
         // finite come after all others.
-        if unsigned > TRAVEL {
+        if unsigned > TRAVEL_DOUBLE_BITS {
             return Err(if exponent == 0x7ff { Refused::NotFinite } else { Refused::BeyondTravel });
         }
         let kind = match kind {

@@ -10,7 +10,7 @@ use super::trapezoid::{TrapRates, Trapezoid};
 use crate::math::float::Float;
 use crate::segment::generator_state::GeneratorState;
 use crate::segment::piece::{Piece, Scaled};
-use crate::units::{Exact, Ns};
+use crate::units::{Exact, FineNs, Ns};
 use phases::ms;
 
 /// The motion of an axis when a ramp begins.
@@ -21,9 +21,6 @@ pub struct Moving {
     /// Velocity, pulse/ms.
     pub velocity: Scaled,
 }
-
-/// Time in 2⁻³² ns.
-pub type FineNs = u128;
 
 /// What follows the present phase.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

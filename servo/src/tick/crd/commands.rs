@@ -3,10 +3,10 @@
 //! In: admitted tick commands, the present state of the axes. Out: changed state, events. Owns
 //! nothing. Fails: a start that the state of a coordinate system or an axis forbids starts none of
 //! its mask, and is reported. Anything else that no longer fits has no effect.
-use super::effects::Sink;
+use super::effects::PathEffects;
 use super::{AxisIndices, AxisMap, Clearance, CrdState, PREPARE_AFTER_SCANS};
 use crate::laser::{Cause, EncoderSpeed, Lag, PathRun};
-use crate::path::{DIMENSIONS, EntryStore, FifoEnds, Path, PathStores, Rules};
+use crate::path::{DIMENSIONS, EntryStore, FifoEnds, Path, PathSettings, PathStores};
 use crate::segment::piece::Scaled;
 use crate::segment::ramp::Accel;
 use crate::status;
@@ -72,7 +72,7 @@ impl<const AXES: usize> Tick<AXES> {
             }
         }
         if let Some(state) = self.crds.get_mut(crd) {
-            state.path.rules = Rules::POWER_ON;
+            state.path.rules = PathSettings::POWER_ON;
             state.path.rules.set_even(frame.even_ms());
             state.encoders = EncoderSpeed::POWER_ON;
             (state.published.frame, state.published.origin, state.lanes) = (Some(frame), origin, frame.lanes());
@@ -105,7 +105,7 @@ impl<const AXES: usize> Tick<AXES> {
         (*geared, *lanes, *awaited, *likely) = (AxisMask(0), AxisIndices::NONE, None, 0);
         (*ending, *obstacle) = (StopReason::None, None);
         path.position([Pos(0); DIMENSIONS]);
-        path.rules = Rules::POWER_ON;
+        path.rules = PathSettings::POWER_ON;
         *encoders = EncoderSpeed::POWER_ON;
         state.published.drop_frame();
         state.mark_changed();
@@ -364,13 +364,13 @@ impl<const AXES: usize> Tick<AXES> {
         }
     }
 
-    /// Runs `act` on a path, with a [`Sink`] for its effects.
+    /// Runs `act` on a path, with a [`PathEffects`] for its effects.
     pub(super) fn with_path(
         &mut self,
         crd: Crd,
         next: Ns,
         lanes: &HandOvers<'_, '_, AXES>,
-        act: impl FnOnce(&mut Path, &mut StopReason, FifoEnds, &[EntryStore; 2], &mut Sink<'_>),
+        act: impl FnOnce(&mut Path, &mut StopReason, FifoEnds, &[EntryStore; 2], &mut PathEffects<'_>),
     ) {
         let step_limit = self.step_limit;
         let Tick { crds, axes, edges, lasers, .. } = self;
@@ -379,7 +379,7 @@ impl<const AXES: usize> Tick<AXES> {
         };
         let feed = state.feed();
         let Some(frame) = &state.published.frame else { return };
-        let mut sink = Sink::new(
+        let mut sink = PathEffects::new(
             (crd, state.path.fifo()),
             (next, step_limit),
             (frame, &state.published.origin),

@@ -3,11 +3,11 @@
 //! In: the axes as the tick in force left them, entries. Out: the positions of the mapped axes at
 //! the tick computed, the effects of entries until the one after. Owns nothing. Cannot fail: what
 //! must not go on stops, and the reason is latched.
-use super::effects::Sink;
+use super::effects::PathEffects;
 use super::path_soft_limits::is_free;
 use super::{AxisMap, Clearance, CrdState, Halt};
 use crate::axis::AxisState;
-use crate::laser::{Cause, PathSpeed, Wants};
+use crate::laser::{Cause, FollowedSpeeds, PathSpeed};
 use crate::path::{DIMENSIONS, EntryStore, FifoEnds, PathReport, PathStop};
 use crate::segment::piece::Scaled;
 use crate::tick::hand_overs::HandOvers;
@@ -189,7 +189,7 @@ impl<const AXES: usize> Tick<AXES> {
         result: StepResult,
         next: Ns,
         lanes: &mut HandOvers<'_, '_, AXES>,
-    ) -> Option<Wants> {
+    ) -> Option<FollowedSpeeds> {
         // If several run, every second one in a tick prepares something.
         let turn = CrdMask(if self.ticks & 1 == 0 { 0x55 } else { 0xaa });
         let prepares = self.crds.running.0.is_power_of_two() || turn.has(crd);
@@ -258,7 +258,7 @@ impl<const AXES: usize> Tick<AXES> {
         let led = self.order.masters.0 != 0 && self.order.masters.0 & frame.mask().0 != 0;
         state.path.watch(led);
         let feed = FifoEnds { ends: published.ends };
-        let mut sink = Sink::new(
+        let mut sink = PathEffects::new(
             (crd, state.path.fifo()),
             (next, step_limit),
             (frame, &published.origin),
@@ -277,7 +277,7 @@ impl<const AXES: usize> Tick<AXES> {
             published.done[(reported.fifo & 1) as usize] = reported.done;
             (published.fifo, published.released, runs) = (reported.fifo, reported.released, reported.runs);
         }
-        let Sink { reported: gone, geared, path_stop, unable, awaited, obstacle, .. } = sink;
+        let PathEffects { reported: gone, geared, path_stop, unable, awaited, obstacle, .. } = sink;
         if !there {
             let axes_at = frame.axes_ref().iter().zip(&published.position).zip(&published.origin);
             for (index, ((axis, at), origin)) in axes_at.enumerate() {
@@ -325,7 +325,7 @@ impl<const AXES: usize> Tick<AXES> {
 
     /// Passes the speed of the path to the channels.
     #[inline(never)]
-    fn feed_lasers(&mut self, crd: Crd, next: Ns, wants: Wants, measures: bool) {
+    fn feed_lasers(&mut self, crd: Crd, next: Ns, wants: FollowedSpeeds, measures: bool) {
         let period = self.period;
         let Some(state) = self.crds.states.get_mut(crd.index()) else { return };
         let (mut planned, mut encoder) = (PathSpeed::STANDSTILL, PathSpeed::STANDSTILL);

@@ -6,18 +6,18 @@
 use super::AxisMap;
 use crate::axis::AxisState;
 use crate::laser::{Lasers, PathRun};
-use crate::output::general_outputs::{OutputChange as Edge, OutputEdges};
-use crate::path::{DIMENSIONS, ENDLESS_WAIT_FINE_NS, Effects, EntryEffect, FineNs, PathStop};
+use crate::output::general_outputs::{OutputChange, OutputEdges};
+use crate::path::{DIMENSIONS, ENDLESS_WAIT_FINE_NS, Effects, EntryEffect, PathStop};
 use crate::segment::piece::Scaled;
 use crate::segment::ramp::{Accel, Speed, Trapezoid};
 use crate::tables::TableStores;
 use crate::tick::{MotionSource, SegmentStore};
-use crate::units::{Axis, AxisMask, Crd, Ns, Pos};
+use crate::units::{Axis, AxisMask, Crd, FineNs, Ns, Pos};
 use crate::view::Drive;
 
 state! {
     /// What a path acts on in one tick.
-    pub(crate) struct Sink<'a> {
+    pub(crate) struct PathEffects<'a> {
         pub(crate) crd: Crd = crd,
         /// The FIFO that the path runs.
         pub(crate) fifo: u8 = fifo,
@@ -60,7 +60,7 @@ state! {
     );
 }
 
-impl Sink<'_> {
+impl PathEffects<'_> {
     fn run(&self) -> PathRun {
         PathRun { crd: self.crd, fifo: self.fifo }
     }
@@ -70,7 +70,7 @@ impl Sink<'_> {
         Ns(((at >> 32) as u64).max(self.next.0))
     }
 
-    fn edge(&mut self, at: FineNs, change: Edge) {
+    fn edge(&mut self, at: FineNs, change: OutputChange) {
         let after = self.ns(at).0.wrapping_sub(self.next.0);
         self.edges.add(after as u32, change);
     }
@@ -134,14 +134,14 @@ impl Sink<'_> {
     }
 }
 
-impl Effects for Sink<'_> {
+impl Effects for PathEffects<'_> {
     fn change(&mut self, at: FineNs, change: &EntryEffect) -> FineNs {
         match *change {
-            EntryEffect::Output { group, mask, value } => self.edge(at, Edge::Digital { group, mask, value }),
+            EntryEffect::Output { group, mask, value } => self.edge(at, OutputChange::Digital { group, mask, value }),
             // Admitted before the output was a laser's: only the laser drives it now, and shuts it
             // off.
             EntryEffect::Analog { channel, .. } if self.lasers.drives(channel) => {}
-            EntryEffect::Analog { channel, value } => self.edge(at, Edge::Analog { channel, value }),
+            EntryEffect::Analog { channel, value } => self.edge(at, OutputChange::Analog { channel, value }),
             EntryEffect::Move { axis, target, speed, acc, modal } => {
                 return self.send(at, axis, target, (speed, acc), modal);
             }

@@ -3,19 +3,19 @@
 //! In: intervals of the master's motion, the start event of the axis, the wait in force. Out: the
 //! progress at which the motion begins, with the exact instant of the crossing between two ticks.
 //! Owns nothing. Cannot fail.
-use super::{AtOnce, FollowContext, FollowRun, FollowState, Wait};
+use super::{FollowContext, FollowRun, FollowState, TickEndAction, Wait};
 use crate::segment::follow::curve::EXACT_TO_POS_BITS;
 use crate::segment::follow::entry::Input;
-use crate::segment::follow::master_path::{FineNs, Section, Spot};
+use crate::segment::follow::master_path::{Section, TimedPosition};
 use crate::segment::follow::{FollowEntries, StartEvent};
-use crate::units::{Ns, Pos};
+use crate::units::{FineNs, Ns, Pos};
 
 impl FollowRun {
     /// The tick ends with the master at `to`: a motion starts, SwitchNow acts.
     pub(in crate::segment::follow) fn close<S: FollowEntries, L: Fn(Input, u8) -> bool>(
         &mut self,
         now: Ns,
-        to: Spot,
+        to: TimedPosition,
         named: i64,
         context: &mut FollowContext<'_, S, L>,
     ) -> Option<FollowState> {
@@ -38,8 +38,8 @@ impl FollowRun {
         }
         let goes_on = match self.now.take() {
             None => false,
-            Some(AtOnce::Switch(method)) => self.switch_here(method, to.pos, context),
-            Some(AtOnce::Ratio) => {
+            Some(TickEndAction::Switch(method)) => self.switch_here(method, to.pos, context),
+            Some(TickEndAction::Ratio) => {
                 if let Some(ratio) = context.setup.gear {
                     self.gear_to(ratio);
                 }
@@ -63,7 +63,7 @@ impl FollowRun {
                     return None;
                 }
                 self.start(at);
-                section.from = Spot { after: section.when(at), pos: at };
+                section.from = TimedPosition { after: section.when(at), pos: at };
             }
             Wait::Until(until) => {
                 let after = until.saturating_sub(context.base);
@@ -73,7 +73,7 @@ impl FollowRun {
                 let after = after as u64;
                 let pos = section.at(after);
                 self.resume(pos, context);
-                section.from = Spot { after, pos };
+                section.from = TimedPosition { after, pos };
             }
             Wait::Input { .. } | Wait::Start => return None,
             Wait::No => {}

@@ -3,7 +3,7 @@
 //! In: the progress, in the run. Out: the piece that holds it, or the entry or the end that is
 //! reached. Owns: nothing. Cannot fail: a position too far away is marked. Work: a bisection, and a
 //! product for any number of passes.
-use super::{Ahead, FollowContext, FollowRun, Seek};
+use super::{FollowContext, FollowRun, PreparedPiece, Seek};
 use crate::math::wide::{recip64_below, umulhi};
 use crate::segment::follow::FollowEntries;
 use crate::segment::follow::curve::{CurveSegment, EXACT_TO_POS_BITS, ceil};
@@ -58,7 +58,7 @@ impl FollowRun {
             return;
         }
         let piece = self.segment(pass, index, before, entry, setup, source).piece(x, began, origin);
-        self.ahead = Some(Ahead { piece, index, pass, began, origin });
+        self.ahead = Some(PreparedPiece { piece, index, pass, began, origin });
     }
 
     /// Before the start: makes the first piece, as for a master at 0, if the first entry is a
@@ -70,7 +70,7 @@ impl FollowRun {
             return;
         }
         let piece = self.segment(0, 0, None, entry, setup, source).piece(0, 0, self.origin);
-        self.ahead = Some(Ahead { piece, index: 0, pass: 0, began: 0, origin: self.origin });
+        self.ahead = Some(PreparedPiece { piece, index: 0, pass: 0, began: 0, origin: self.origin });
     }
 
     /// The slave's position at the beginning of an entry of this pass.

@@ -1,9 +1,9 @@
 //! What follows a switch of a slave, and at what ratio.
 //!
 //! In: the command to switch, the position where it acts. Out: the run with a new origin. Owns:
-//! nothing. [`More`] holds what the chain of ratios in the data cannot know. Cannot fail: where
-//! there is nothing to switch to, nothing happens.
-use super::{FollowContext, FollowRun, More, Wait};
+//! nothing. [`RatioOffset`] holds what the chain of ratios in the data cannot know. Cannot fail:
+//! where there is nothing to switch to, nothing happens.
+use super::{FollowContext, FollowRun, RatioOffset, Wait};
 use crate::segment::follow::curve::{CurveSegment, EXACT_TO_POS_BITS, ratio_at};
 use crate::segment::follow::entry::{CHAIN_MAX_ENTRIES, ENTRIES, FollowEntry, STOPS};
 use crate::segment::follow::setup::Setup;
@@ -83,7 +83,7 @@ impl FollowRun {
         // What its chain gives it is part of that ratio.
         let segment = CurveSegment::between(before, entry, |_| 0);
         let own = segment.start_ratio();
-        self.more = Some(More { pass, from: index, odd: entry.odd(), ratio: ratio.wrapping_sub(own) });
+        self.more = Some(RatioOffset { pass, from: index, odd: entry.odd(), ratio: ratio.wrapping_sub(own) });
     }
 
     /// The other FIFO takes over; the segment before ended at `ratio`. `at_once`: its first segment

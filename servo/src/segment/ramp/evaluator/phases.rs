@@ -5,11 +5,11 @@
 //!
 //! A piece is parameterised over a power of two of ms, not over its own length: its coefficients
 //! are the velocity, the acceleration and the jerk but for shifts, and 1/length is a constant.
-use super::{Acceleration, Edged, FineNs, JerkPhase, Next, RampKind, RampRun, RampShape, STILL};
+use super::{Acceleration, Edged, JerkPhase, Next, RampKind, RampRun, RampShape, STILL};
 use crate::math::float::Float;
 use crate::math::wide::umulhi;
 use crate::segment::piece::{Motion, Piece, Recip};
-use crate::units::{Exact, Ns};
+use crate::units::{Exact, FineNs, Ns};
 
 /// A piece covers less than 2³⁷ pulses and lasts at most 2³⁰ ms; those shorter than 2 ns need no
 /// more than that.
