@@ -9,12 +9,12 @@ use stm32_metapac::gpio::Gpio;
 use stm32_metapac::gpio::vals::{Moder, Pupdr};
 use stm32_metapac::{GPIOA, GPIOB, GPIOC, GPIOE, GPIOF, GPIOG};
 
-type Pin = (Gpio, usize);
+type GpioPin = (Gpio, usize);
 
 /// An end at which TIM2 captures, and the channel, from 0 (alternate function 1).
 #[derive(Clone, Copy)]
 pub struct End {
-    pin: Pin,
+    pin: GpioPin,
     /// TIM2's channel.
     pub channel: usize,
 }
@@ -33,7 +33,7 @@ pub const MINUS_0: End = End { pin: (GPIOB, 11), channel: 3 };
 pub const INTERLOCK: End = End { pin: (GPIOA, 15), channel: 0 };
 
 /// Jumpers by their numbers: the pin that is driven, and the end.
-const JUMPERS: [(i64, Pin, End); 5] = [
+const JUMPERS: [(i64, GpioPin, End); 5] = [
     (1, (GPIOE, 9), ENERGY_0),
     (2, (GPIOE, 5), ENERGY_1),
     (3, (GPIOC, 7), SWITCH_0),
@@ -41,15 +41,15 @@ const JUMPERS: [(i64, Pin, End); 5] = [
     (5, (GPIOE, 8), MINUS_0),
 ];
 /// The sixth is driven by this pin.
-const DRIVER: Pin = (GPIOG, 14);
+const DRIVER: GpioPin = (GPIOG, 14);
 
-fn is_high((port, pin): Pin) -> bool {
+fn is_high((port, pin): GpioPin) -> bool {
     // A pull takes some hundred ns to a level.
     cortex_m::asm::delay(4800);
     port.idr().read().idr(pin) == stm32_metapac::gpio::vals::Idr::HIGH
 }
 
-fn input((port, pin): Pin, pull: Pupdr) {
+fn input((port, pin): GpioPin, pull: Pupdr) {
     port.pupdr().modify(|w| w.set_pupdr(pin, pull));
     port.moder().modify(|w| w.set_moder(pin, Moder::INPUT));
 }

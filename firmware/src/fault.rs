@@ -2,7 +2,7 @@
 //! reset, then the reset.
 //!
 //! In: a panic, a fault of the core, an interrupt without a handler, the watchdog. Out: a board in
-//! its safe state and, after the restart, the [`Report`], for the log and for `GetFault` over the
+//! its safe state and, after the restart, the [`FaultReport`], for the log and for `GetFault` over the
 //! link. Owns the record in RAM that start-up does not clear. It must not fail itself: it takes no
 //! lock, formats into a fixed buffer, and truncates longer text.
 use crate::supervision;
@@ -25,14 +25,14 @@ const WRITTEN: u32 = 0xfa17_b0a4;
 
 /// What happened before the restart.
 #[derive(Clone, Copy)]
-pub struct Report {
+pub struct FaultReport {
     mark: u32,
     kind: u32,
     length: u32,
     text: [u8; TEXT],
 }
 
-impl Report {
+impl FaultReport {
     /// Of which kind it was.
     pub fn kind(&self) -> FaultKind {
         [FaultKind::Core, FaultKind::Interrupt, FaultKind::Watchdog]
@@ -53,7 +53,7 @@ impl Report {
     }
 }
 
-impl Write for Report {
+impl Write for FaultReport {
     fn write_str(&mut self, text: &str) -> fmt::Result {
         for &byte in text.as_bytes() {
             let Some(target) = self.text.get_mut(self.length as usize) else { break };
@@ -65,7 +65,7 @@ impl Write for Report {
 }
 
 /// RAM that the start-up code leaves as it is.
-struct Kept(UnsafeCell<MaybeUninit<Report>>);
+struct Kept(UnsafeCell<MaybeUninit<FaultReport>>);
 
 // SAFETY: read once before interrupts are on, written once before a reset.
 unsafe impl Sync for Kept {}
@@ -77,12 +77,13 @@ static KEPT: Kept = Kept(UnsafeCell::new(MaybeUninit::uninit()));
 
 /// The report of what ended the last run. It is cleared, so the second call has none. After a
 /// power-on it is not read at all: RAM with ECC may fault on words that were never written.
-pub fn last(cause: ResetCause) -> Option<Report> {
-    let kept = KEPT.0.get().cast::<Report>();
+pub fn last(cause: ResetCause) -> Option<FaultReport> {
+    let kept = KEPT.0.get().cast::<FaultReport>();
     let report = match cause {
         ResetCause::Power => None,
         ResetCause::Watchdog => {
-            let mut report = Report { mark: WRITTEN, kind: FaultKind::Watchdog as u32, length: 0, text: [0; TEXT] };
+            let mut report =
+                FaultReport { mark: WRITTEN, kind: FaultKind::Watchdog as u32, length: 0, text: [0; TEXT] };
             // Writing into a Report never fails.
             let _ = report.write_str("watchdog: the tick or the thread stood still");
             Some(report)
@@ -92,22 +93,22 @@ pub fn last(cause: ResetCause) -> Option<Report> {
         ResetCause::Asked => Some(unsafe { kept.read_volatile() }).filter(|report| report.mark == WRITTEN),
     };
     // SAFETY: as above.
-    unsafe { kept.write_volatile(Report { mark: 0, kind: 0, length: 0, text: [0; TEXT] }) };
+    unsafe { kept.write_volatile(FaultReport { mark: 0, kind: 0, length: 0, text: [0; TEXT] }) };
     report
 }
 
 /// Sets the outputs to their safe state, stores `reason`, resets the board.
 fn restart(kind: FaultKind, reason: fmt::Arguments<'_>) -> ! {
     board::safe_state();
-    let mut report = Report { mark: WRITTEN, kind: kind as u32, length: 0, text: [0; TEXT] };
+    let mut report = FaultReport { mark: WRITTEN, kind: kind as u32, length: 0, text: [0; TEXT] };
     // Writing into a Report never fails.
     let _ = report.write_fmt(reason);
     // SAFETY: interrupts of the board are off and nothing returns from here.
-    unsafe { KEPT.0.get().cast::<Report>().write_volatile(report) };
+    unsafe { KEPT.0.get().cast::<FaultReport>().write_volatile(report) };
     // The memory may buffer a last write of less than an ECC word until the next write, and a reset
     // drops it (RM0433 2.4). So the last write repeats a value that is in memory already. SAFETY:
     // as above.
-    unsafe { (&raw mut (*KEPT.0.get().cast::<Report>()).mark).write_volatile(WRITTEN) };
+    unsafe { (&raw mut (*KEPT.0.get().cast::<FaultReport>()).mark).write_volatile(WRITTEN) };
     compiler_fence(Ordering::SeqCst);
     SCB::sys_reset()
 }

@@ -31,7 +31,7 @@ pub struct Servo {
 }
 
 /// What the link's receive interrupt owns.
-pub struct Receiver {
+pub struct LinkReceiver {
     /// The UART.
     pub rx: Rx,
     /// Where its bytes go.

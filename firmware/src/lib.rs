@@ -20,9 +20,9 @@ mod wires;
 use core::sync::atomic::Ordering;
 use dispatcher::{FaultKind, SecondaryTransport, Server, ThreadHalves};
 use embassy_executor::raw;
-use fault::Report;
+use fault::FaultReport;
 use hal::board::{self, AXES, idle::Idle};
-use interrupts::{Receiver, Servo};
+use interrupts::{LinkReceiver, Servo};
 use servo::tables::TableStores;
 use servo::tick::TickHalves;
 use statics::{
@@ -71,12 +71,12 @@ type Parts = (LinkParts, Option<&'static mut usb::Device>);
 
 /// Argument and result of start-up.
 struct Start {
-    last: Option<&'static Report>,
+    last: Option<&'static FaultReport>,
     parts: Option<Parts>,
 }
 
 /// Composes on the board's start-up stack.
-fn start_up(last: Option<&'static Report>) -> Option<Parts> {
+fn start_up(last: Option<&'static FaultReport>) -> Option<Parts> {
     extern "C" fn run(start: *mut ()) {
         // SAFETY: the `Start` below, which nothing else refers to.
         let start = unsafe { &mut *start.cast::<Start>() };
@@ -97,7 +97,7 @@ fn pend(_: *mut ()) {
 /// Splits the queues and gives every context its half. It makes its values on the stack, which is
 /// free again when it returns: so it is never inlined into `main`, which does not return.
 #[inline(never)]
-fn compose(last: Option<&'static Report>) -> Option<Parts> {
+fn compose(last: Option<&'static FaultReport>) -> Option<Parts> {
     let board::Board { timer, link: (link, rx), trace, machine, contradiction } = board::take()?;
     let (immediate_in, immediate) = IMMEDIATE_LANE.split_once()?;
     let (program_in, program) = PROGRAM_LANE.split_once()?;
@@ -129,7 +129,7 @@ fn compose(last: Option<&'static Report>) -> Option<Parts> {
     // SAFETY: no interrupt is enabled yet.
     unsafe {
         SERVO.give(servo);
-        RECEIVER.give(Receiver { rx, bytes: bytes_in });
+        RECEIVER.give(LinkReceiver { rx, bytes: bytes_in });
     }
 
     let channels = ThreadHalves {

@@ -1,7 +1,7 @@
 //! Every static of the image. All are zero or constant at the start. The sections are those of a
 //! board with more than one RAM (its `memory.x`).
-use crate::fault::Report;
-use crate::interrupts::{HandedOver, Receiver, Servo};
+use crate::fault::FaultReport;
+use crate::interrupts::{HandedOver, LinkReceiver, Servo};
 use crate::wake_signal::WakeSignal;
 use core::sync::atomic::AtomicBool;
 use dispatcher::{PathQueue, Server};
@@ -83,7 +83,7 @@ pub static TICK: ConstStaticCell<Tick<AXES>> = ConstStaticCell::new(Tick::new(Ti
 #[cfg_attr(feature = "stm32h743", unsafe(link_section = ".state"))]
 pub static SERVO: HandedOver<Servo> = HandedOver::nothing();
 /// What the link's receive interrupt owns.
-pub static RECEIVER: HandedOver<Receiver> = HandedOver::nothing();
+pub static RECEIVER: HandedOver<LinkReceiver> = HandedOver::nothing();
 /// Wakes the link task.
 pub static LINK_WAKE: WakeSignal = WakeSignal::new();
 /// A byte has arrived since the idle loop checked.
@@ -91,7 +91,7 @@ pub static RECEIVING: AtomicBool = AtomicBool::new(false);
 /// A task is to be polled.
 pub static PENDED: AtomicBool = AtomicBool::new(false);
 /// The report of what ended the last run.
-pub static REPORT: StaticCell<Report> = StaticCell::new();
+pub static REPORT: StaticCell<FaultReport> = StaticCell::new();
 /// The thread's executor.
 pub static EXECUTOR: StaticCell<raw::Executor> = StaticCell::new();
 /// The link task's server; too large to be handed over on the stack.

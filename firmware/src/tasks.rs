@@ -3,7 +3,7 @@
 //! In: wake signals, bytes of the link. Out: bytes to the link and the trace, lines of the
 //! log. Owns the dispatcher's server and the sending halves of the UARTs. Fails never: a UART that
 //! is full holds back its own bytes only; the other stream and the commands continue.
-use crate::fault::Report;
+use crate::fault::FaultReport;
 use crate::statics::LINK_WAKE;
 use crate::supervision;
 use crate::wires::{Outflow, Wires};
@@ -57,7 +57,7 @@ pub async fn serve(parts: LinkParts) {
 /// Logs the board's name, then the report of the last run. By semihosting this stops the core while
 /// the host writes: so only here, in a task, once a start.
 #[embassy_executor::task]
-pub async fn announce(last: Option<&'static Report>) {
+pub async fn announce(last: Option<&'static FaultReport>) {
     defmt::info!("Beamtick on {=str}, {=usize} axes", NAME, AXES);
     if let Some(report) = last {
         defmt::error!("the last run ended: {=str}", report.text());

@@ -9,14 +9,14 @@ use servo::units::Ns;
 
 /// One row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Row {
+pub struct InputRow {
     due: InputTime,
     input: Simulated,
 }
 
-impl Row {
+impl InputRow {
     /// Content of an empty slot.
-    pub const NONE: Row = Row { due: InputTime::At(Ns(0)), input: Simulated::Interlock(false) };
+    pub const NONE: InputRow = InputRow { due: InputTime::At(Ns(0)), input: Simulated::Interlock(false) };
 }
 
 /// See the module text. `S` holds the rows.
@@ -29,7 +29,7 @@ pub struct InputPlan<S> {
     zero: Option<Ns>,
 }
 
-impl<S: AsRef<[Row]> + AsMut<[Row]>> InputPlan<S> {
+impl<S: AsRef<[InputRow]> + AsMut<[InputRow]>> InputPlan<S> {
     /// An empty plan; it holds as many rows as there are slots.
     pub const fn new(rows: S) -> Self {
         InputPlan { rows, len: 0, at: 0, zero: None }
@@ -46,7 +46,7 @@ impl<S: AsRef<[Row]> + AsMut<[Row]>> InputPlan<S> {
             (self.len, self.at, self.zero) = (0, 0, None);
         }
         if let Some(place) = self.rows.as_mut().get_mut(row as usize) {
-            *place = Row { due, input };
+            *place = InputRow { due, input };
             self.len = row as usize + 1;
         }
     }
@@ -78,7 +78,7 @@ impl<S: AsRef<[Row]> + AsMut<[Row]>> InputPlan<S> {
 
     /// Ends rows that count from a program.
     pub fn forget(&mut self) {
-        if matches!(self.rows.as_ref().get(self.at), Some(Row { due: InputTime::OfScript(_), .. })) {
+        if matches!(self.rows.as_ref().get(self.at), Some(InputRow { due: InputTime::OfScript(_), .. })) {
             self.len = 0;
         }
     }
@@ -95,7 +95,7 @@ mod tests {
 
     #[test]
     fn rows_come_on_the_first_tick_after_their_instant_and_once() {
-        let mut plan = InputPlan::new([Row::NONE; 4]);
+        let mut plan = InputPlan::new([InputRow::NONE; 4]);
         for (row, at) in [(0, 0), (1, 100), (2, 100), (3, 250)] {
             plan.put(row, InputTime::At(Ns(at)), interlock(row & 1 == 1));
         }
@@ -105,7 +105,7 @@ mod tests {
 
     #[test]
     fn a_row_without_a_slot_is_not_kept() {
-        let mut plan = InputPlan::new([Row::NONE; 1]);
+        let mut plan = InputPlan::new([InputRow::NONE; 1]);
         plan.put(0, InputTime::At(Ns(0)), interlock(true));
         plan.put(1, InputTime::At(Ns(0)), interlock(false));
         assert_eq!((plan.take(Ns(1), None), plan.take(Ns(1), None)), (Some(interlock(true)), None));
@@ -113,7 +113,7 @@ mod tests {
 
     #[test]
     fn rows_of_a_program_begin_with_it_and_end_with_it() {
-        let mut plan = InputPlan::new([Row::NONE; 2]);
+        let mut plan = InputPlan::new([InputRow::NONE; 2]);
         plan.put(0, InputTime::OfScript(Ns(10)), interlock(true));
         plan.put(1, InputTime::OfScript(Ns(20)), interlock(false));
         assert_eq!(plan.take(Ns(1000), None), None);

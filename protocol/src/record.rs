@@ -192,12 +192,12 @@ fn length_refusal(got: usize, expected: usize) -> Refusal {
 /// Requests of one message, in order.
 #[derive(Debug, Clone)]
 pub struct Requests<'a> {
-    cursor: Cursor<'a>,
+    cursor: RecordReader<'a>,
 }
 
 /// The requests in a message.
 pub fn requests(message: &[u8]) -> Requests<'_> {
-    Requests { cursor: Cursor { message, at: 0 } }
+    Requests { cursor: RecordReader { message, at: 0 } }
 }
 
 impl<'a> Iterator for Requests<'a> {
@@ -224,12 +224,12 @@ impl<'a> Iterator for Requests<'a> {
 /// Replies of one message, in order.
 #[derive(Debug, Clone)]
 pub struct Replies<'a> {
-    cursor: Cursor<'a>,
+    cursor: RecordReader<'a>,
 }
 
 /// The replies in a message.
 pub fn replies(message: &[u8]) -> Replies<'_> {
-    Replies { cursor: Cursor { message, at: 0 } }
+    Replies { cursor: RecordReader { message, at: 0 } }
 }
 
 impl<'a> Iterator for Replies<'a> {
@@ -250,12 +250,12 @@ impl<'a> Iterator for Replies<'a> {
 type Found<'a, H> = Result<(usize, H, &'a [u8]), Malformed>;
 
 #[derive(Debug, Clone)]
-struct Cursor<'a> {
+struct RecordReader<'a> {
     message: &'a [u8],
     at: usize,
 }
 
-impl<'a> Cursor<'a> {
+impl<'a> RecordReader<'a> {
     fn next<H: Wire>(&mut self, read: fn(&H) -> (u16, u16, u16)) -> Option<Found<'a, H>> {
         let at = self.at;
         let rest = self.message.get(at..).unwrap_or(&[]);

@@ -290,7 +290,7 @@ pub enum TickCommand {
     /// Override.
     CrdOverride { crd: Crd, rate: path::FeedOverride },
     /// The filter of its encoders' speed.
-    CrdLag { crd: Crd, lag: crate::laser::Lag },
+    CrdLag { crd: Crd, lag: crate::laser::FilterRate },
     /// A laser channel (from 0) changes.
     Laser { channel: u8, change: crate::laser::ChannelChange },
     /// Ends the velocity follows that entries of these coordinate systems began (Stop, bits 10 and

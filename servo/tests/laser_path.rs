@@ -7,7 +7,8 @@ use crate::laser_bench;
 mod follow;
 use laser_bench::*;
 use servo::laser::{
-    Buffered, Cause, ChannelChange, Distance, Family, Lag, Power, PowerBounds, PowerMode, Ratio, Ratios, SpeedSource,
+    Buffered, Cause, ChannelChange, Distance, Family, FilterRate, Power, PowerBounds, PowerMode, Ratio, Ratios,
+    SpeedSource,
 };
 use servo::path::PathEntry;
 use servo::tick_command::{DoGroup, TickCommand};

@@ -4,7 +4,7 @@
 //! copies of the shadow state, the configuration, the immediate lane, the trace and the event log.
 //! Fails: with a refusal, and then nothing has changed.
 use super::context::{Context, DueInstant, Effect};
-use super::pvt_table::Loading;
+use super::pvt_table::PvtUpload;
 use super::staged::Staged;
 use super::{admit, config_item, crd, kind, many, one, power_on, tables};
 use crate::board::BoardConstants;
@@ -64,9 +64,9 @@ pub struct Admission<'a, const AXES: usize> {
     /// PVT tables.
     pub tables: TableStores<'a>,
     /// The PVT table that is being sent.
-    pub loading: Loading,
+    pub loading: PvtUpload,
     /// The table of a laser channel that is being sent.
-    pub laser_loading: tables::Loading,
+    pub laser_loading: tables::TableUpload,
     /// State after everything executed.
     pub executed: Shadows<AXES>,
     /// State after everything admitted.
@@ -98,8 +98,8 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
             queues: paths.1,
             feed_due: u64::MAX,
             tables,
-            loading: Loading::new(),
-            laser_loading: tables::Loading::new(),
+            loading: PvtUpload::new(),
+            laser_loading: tables::TableUpload::new(),
             executed: Shadows::new(),
             admitted: Shadows::new(),
             staged: Staged::default(),

@@ -12,7 +12,7 @@ use protocol::command::{
     SetCrdStopDec, SetLaserFollowFilter, SetOverride, opcode,
 };
 use protocol::reason::Reason;
-use servo::laser::Lag;
+use servo::laser::FilterRate;
 use servo::path::axis_map;
 use servo::path::{DIMENSIONS, FeedOverride, PathStores};
 use servo::segment::ramp::Accel;
@@ -264,7 +264,7 @@ pub fn set_follow_filter<const AXES: usize>(context: &mut Context<AXES>, r: &Set
     if ms != 0.0 && ms < LAG_MS.0 {
         return Err(Refused::range(2, ms, LAG_MS.0, LAG_MS.1));
     }
-    let lag = if ms == 0.0 { Lag::NONE } else { Lag::of_inverse((NS_64 / (ms * 1e6)) as u64) };
+    let lag = if ms == 0.0 { FilterRate::NONE } else { FilterRate::of_inverse((NS_64 / (ms * 1e6)) as u64) };
     context.only(TickCommand::CrdLag { crd, lag }, ShadowChange::Crd { crd, change: CrdChange::Lag(ms) })
 }
 

@@ -85,7 +85,7 @@ pub fn set_output_for<const AXES: usize>(context: &mut Context<AXES>, r: &SetDoB
 
 /// Counts of edges of consecutive inputs; a read past the last one gets those that exist.
 pub fn edges<const AXES: usize>(context: &mut Context<AXES>, r: &GetDiReverseCount) -> Admitted<Answer> {
-    let (input, first, have) = context.inputs(r.core.get(), r.di_type.get(), r.di_index.get())?;
+    let (input, first, have) = context.inputs(r.core.get(), 1, (r.di_type.get(), r.di_index.get()))?;
     let count = choice(3, r.count.get(), 1, i16::MAX)?.unsigned_abs().min(u16::from(have.min(EDGES_READ_MAX))) as u8;
     Ok(Answer::Read(Query { opcode: opcode::GetDiReverseCount, first, count, which: input as u8 }))
 }
@@ -93,7 +93,8 @@ pub fn edges<const AXES: usize>(context: &mut Context<AXES>, r: &GetDiReverseCou
 /// The same set, so that they go on from there.
 pub fn set_edges<const AXES: usize>(context: &mut Context<AXES>, body: &[u8]) -> Admitted<Answer> {
     let (request, values) = many::<SetDiReverseCount>(body, |r| r.count.get())?;
-    let (input, first, have) = context.inputs(request.core.get(), request.di_type.get(), request.di_index.get())?;
+    let (input, first, have) =
+        context.inputs(request.core.get(), 1, (request.di_type.get(), request.di_index.get()))?;
     let count = i16::try_from(request.count.get()).unwrap_or(i16::MAX);
     choice(3, count, 1, i16::from(have).min(EDGES_SET_MAX))?;
     for (index, value) in (first..).zip(values) {
@@ -195,13 +196,25 @@ impl<const AXES: usize> Context<'_, AXES> {
         Ok((group, (first + index) as u8, choice(field + 2, value, 0, 1)? == 1))
     }
 
-    /// One input: its kind, its axis over all cores or its number, the wanted level.
+    /// One input that the board has: its kind, its axis over all cores or its number, the wanted
+    /// level.
     pub fn input_bit(
         &self,
         core: i16,
         field: u8,
         (which, index, value): (i16, i16, i16),
     ) -> Admitted<(Input, u8, bool)> {
+        let (input, bit, _) = self.inputs(core, field, (which, index))?;
+        if input != Input::General {
+            let axis = self.axis(core, index)?;
+            self.has_input(axis, input).map_err(|refused| refused.field(field + 1).got(index.into()))?;
+        }
+        Ok((input, bit, choice(field + 2, value, 0, 1)? == 1))
+    }
+
+    /// Consecutive inputs from one on, also those that the board lacks: their kind, the first one's
+    /// axis over all cores or number, and how many there are.
+    fn inputs(&self, core: i16, field: u8, (which, index): (i16, i16)) -> Admitted<(Input, u8, u8)> {
         let axes = self.configuration.profile.axes_per_core;
         let first = self.core(core)? as u8 * axes;
         let (input, first, count) = match choice(field, which, kind::LIMIT_POSITIVE, kind::ARRIVE)? {
@@ -212,22 +225,8 @@ impl<const AXES: usize> Context<'_, AXES> {
             kind::GPI => (Input::General, 0, self.general_inputs()),
             _ => (Input::Arrive, first, axes),
         };
-        let number = choice(field + 1, index, 1, i16::from(count))?;
-        let index = number.unsigned_abs() as u8 - 1;
-        if input != Input::General {
-            let axis = self.axis(core, number)?;
-            self.has_input(axis, input).map_err(|refused| refused.field(field + 1).got(number.into()))?;
-        }
-        Ok((input, first + index, choice(field + 2, value, 0, 1)? == 1))
-    }
-
-    /// Consecutive inputs from one on: their kind, the first one's axis over all cores or number,
-    /// and how many there are. Type and index are fields 1 and 2.
-    fn inputs(&self, core: i16, which: i16, index: i16) -> Admitted<(Input, u8, u8)> {
-        let (input, first, _) = self.input_bit(core, 1, (which, index, 0))?;
-        let count =
-            if input == Input::General { self.general_inputs() } else { self.configuration.profile.axes_per_core };
-        Ok((input, first, count - (index.unsigned_abs() as u8 - 1)))
+        let skipped = choice(field + 1, index, 1, i16::from(count))?.unsigned_abs() as u8 - 1;
+        Ok((input, first + skipped, count - skipped))
     }
 
     /// General inputs that a program can name: those of the profile, as far as the board has them.

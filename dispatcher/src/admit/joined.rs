@@ -1,7 +1,7 @@
 //! PathMany: calls of one FIFO of a coordinate system, joined in one command.
 //!
 //! In: the command, and how far it has come. Out: its calls admitted one after the other, as single
-//! ones are; one commit publishes all of them. Owns: nothing; each lane keeps its [`Joined`].
+//! ones are; one commit publishes all of them. Owns: nothing; each lane keeps its [`PathManyProgress`].
 //! Fails: before anything is taken, if a call does not belong to the FIFO. Else with the refusal of
 //! the first call that is refused, by its number; what came before it stays taken.
 use super::admission::{Admission, context};
@@ -22,7 +22,7 @@ use zerocopy::FromBytes;
 
 /// How far a PathMany in hand has come.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Joined {
+pub struct PathManyProgress {
     /// Calls that were taken.
     calls: u16,
     /// Where the next one begins, bytes.
@@ -42,11 +42,11 @@ pub struct Advance {
     /// How many calls that were.
     pub count: u16,
     /// Whether it is over.
-    pub end: End,
+    pub end: PathManyEnd,
 }
 
 /// Whether a PathMany is over.
-pub enum End {
+pub enum PathManyEnd {
     /// All calls were taken; the answer.
     Done(Answer),
     /// The lane has no room for what the next call may report.
@@ -55,7 +55,7 @@ pub enum End {
     Refused(Refused),
 }
 
-impl Joined {
+impl PathManyProgress {
     /// Whether a call was taken.
     pub fn has_begun(&self) -> bool {
         self.calls > 0
@@ -96,14 +96,14 @@ impl<const AXES: usize> Admission<'_, AXES> {
         view: &View<AXES>,
         due: DueInstant,
         body: &[u8],
-        joined: &mut Joined,
+        joined: &mut PathManyProgress,
         replies: &mut PendingReplies<R, V>,
     ) -> Admitted<Advance> {
         let (head, bytes) = PathMany::read_from_prefix(body).map_err(|_| length(body.len(), FIXED))?;
         if !joined.has_begun() {
             check(&head, bytes)?;
         }
-        let mut advance = Advance { written: None, count: 0, end: End::NoRoom };
+        let mut advance = Advance { written: None, count: 0, end: PathManyEnd::NoRoom };
         while let Some(call) = call_at(bytes, joined.at.into()) {
             if !replies.has_room(KEPT) {
                 return Ok(advance);
@@ -111,7 +111,7 @@ impl<const AXES: usize> Admission<'_, AXES> {
             let due = DueInstant { follows: advance.count > 0, ..due };
             let written = match self.admit_data(view, due, call.0, call.1) {
                 Ok(written) => written,
-                Err(refused) => return Ok(Advance { end: End::Refused(refused), ..advance }),
+                Err(refused) => return Ok(Advance { end: PathManyEnd::Refused(refused), ..advance }),
             };
             joined.keep(&written, replies);
             joined.at = after(joined.at.into(), call) as u16;
@@ -125,7 +125,7 @@ impl<const AXES: usize> Admission<'_, AXES> {
             }
             advance.written = Some(written);
         }
-        let Joined { calls: count, values, lasts_ms, .. } = *joined;
+        let PathManyProgress { calls: count, values, lasts_ms, .. } = *joined;
         let (crd, fifo) = match joined.of {
             Some(of) => of,
             None => {
@@ -133,7 +133,7 @@ impl<const AXES: usize> Admission<'_, AXES> {
                 (context.crd(head.core.get(), head.crd.get())?, crd::fifo(2, head.fifo.get())?)
             }
         };
-        advance.end = End::Done(Answer::Joined { crd, fifo, count, lasts_ms, values });
+        advance.end = PathManyEnd::Done(Answer::Joined { crd, fifo, count, lasts_ms, values });
         Ok(advance)
     }
 }

@@ -9,7 +9,7 @@
 use super::context::Context;
 use super::pvt::{not_in_use, table};
 use super::upload::Upload;
-use crate::plan::pvt::{Fields, POINT_VALUES, Scratch, SplineScratch, TableDraft, TableKind};
+use crate::plan::pvt::{FieldIndices, POINT_VALUES, Scratch, SplineScratch, TableDraft, TableKind};
 use crate::refuse::{Admitted, Refused};
 use crate::report::answer::POINTS_MAX;
 use heapless::Vec;
@@ -24,7 +24,7 @@ use servo::units::StepLimit;
 
 /// What the chunks of one table have in common.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Key {
+struct PvtTableKey {
     opcode: u16,
     core: i16,
     /// 0 for the Calculate commands.
@@ -34,16 +34,16 @@ struct Key {
 }
 
 /// A chunk as it came.
-struct Chunk<'b> {
-    key: Key,
+struct PvtChunk<'b> {
+    key: PvtTableKey,
     first: u16,
-    fields: Fields,
+    fields: FieldIndices,
     points: &'b [u8],
     /// Length of the body.
     len: usize,
 }
 
-impl<'b> Chunk<'b> {
+impl<'b> PvtChunk<'b> {
     fn read(number: u16, body: &'b [u8]) -> Admitted<Self> {
         fn head<R: Wire>(body: &[u8]) -> Admitted<(R, &[u8])> {
             R::read_from_prefix(body).map_err(|_| super::length(body.len(), size_of::<R>()))
@@ -56,9 +56,9 @@ impl<'b> Chunk<'b> {
                     $(opcode::$name => {
                         let ($r, points) = head::<$name>(body)?;
                         let (core, count) = ($r.core.get(), $r.count.get());
-                        let key = Key { opcode: number, core, table: $table, count, kind: $kind };
-                        let fields = Fields { count: $count, whole: $whole, point: $point };
-                        Chunk { key, first: $r.first.get(), fields, points, len: body.len() }
+                        let key = PvtTableKey { opcode: number, core, table: $table, count, kind: $kind };
+                        let fields = FieldIndices { count: $count, whole: $whole, point: $point };
+                        PvtChunk { key, first: $r.first.get(), fields, points, len: body.len() }
                     })*
                     other => return Err(super::unknown(other)),
                 }
@@ -105,20 +105,20 @@ impl<'b> Chunk<'b> {
 
 servo::state! {
     /// The table that is being sent; see the module text.
-    pub struct Loading {
+    pub struct PvtUpload {
         beside: SplineScratch = SplineScratch::new(),
         /// The table in whose point memory the points wait.
         room: u8 = 0,
         emptied: Option<u8> = None,
-        table: Upload<Key, TableDraft> = Upload::Idle,
+        table: Upload<PvtTableKey, TableDraft> = Upload::Idle,
         /// The Calculate commands of the two lanes, which leave no table.
-        calculate: [Upload<Key, TableDraft>; 2] = [Upload::Idle; 2],
+        calculate: [Upload<PvtTableKey, TableDraft>; 2] = [Upload::Idle; 2],
     }
     /// Nothing is being sent.
     pub const fn new();
 }
 
-impl Loading {
+impl PvtUpload {
     /// A new session: what was begun is dropped.
     pub fn abandon(&mut self) {
         (self.table, self.calculate) = (Upload::Idle, [Upload::Idle; 2]);
@@ -166,7 +166,7 @@ impl Loading {
         number: u16,
         body: &[u8],
     ) -> Admitted<Option<u8>> {
-        let chunk = Chunk::read(number, body)?;
+        let chunk = PvtChunk::read(number, body)?;
         let slot = table(context, chunk.key.core, 1, chunk.key.table)?;
         if chunk.end() >= chunk.key.count {
             // Checked first: a chunk that has to wait has changed nothing.
@@ -204,7 +204,7 @@ impl Loading {
         body: &[u8],
         sent: impl FnOnce(&[f64]) -> bool,
     ) -> Admitted<bool> {
-        let chunk = Chunk::read(number, body)?;
+        let chunk = PvtChunk::read(number, body)?;
         context.core(chunk.key.core)?;
         let mut values = Vec::<_, POINTS_MAX>::new();
         // No room is used: these leave no table.
@@ -223,9 +223,9 @@ impl Loading {
 
 /// Takes the points of a chunk; returns the draft with them.
 fn take(
-    state: &mut Upload<Key, TableDraft>,
+    state: &mut Upload<PvtTableKey, TableDraft>,
     scratch: &mut Scratch<'_>,
-    (chunk, limit): (&Chunk<'_>, StepLimit),
+    (chunk, limit): (&PvtChunk<'_>, StepLimit),
     load: bool,
     mut answer: impl FnMut(f64),
 ) -> Admitted<TableDraft> {

@@ -81,7 +81,7 @@ pub struct Geometry {
 }
 
 /// A motion, if there is one.
-type Admitted = Result<Geometry, Refused>;
+type Checked = Result<Geometry, Refused>;
 
 fn length(parts: &Position) -> f64 {
     sqrt(parts.iter().fold(0.0, |sum, x| sum + x * x))
@@ -89,18 +89,18 @@ fn length(parts: &Position) -> f64 {
 
 impl Geometry {
     /// LnXY: a line in X and Y.
-    pub fn planar(from: &Position, to: [i32; 2]) -> Admitted {
+    pub fn planar(from: &Position, to: [i32; 2]) -> Checked {
         let mut end = *from;
         (end[0], end[1]) = (to[0] as f64, to[1] as f64);
         Geometry::straight(from, end, Form::Planar(to))
     }
 
     /// LnXYZ and LnXYZA: a line in all coordinates.
-    pub fn line(from: &Position, to: [i32; 4]) -> Admitted {
+    pub fn line(from: &Position, to: [i32; 4]) -> Checked {
         Geometry::straight(from, to.map(|x| x as f64), Form::Line(to))
     }
 
-    fn straight(from: &Position, end: Position, form: Form) -> Admitted {
+    fn straight(from: &Position, end: Position, form: Form) -> Checked {
         let mut displacement = end;
         displacement.iter_mut().zip(from).for_each(|(x, from)| *x -= from);
         let length = length(&displacement);
@@ -112,7 +112,7 @@ impl Geometry {
     }
 
     /// ArcXYC and its planes: centre from the start; a target equal to the start is a full circle.
-    pub fn arc_centre(from: &Position, plane: Plane, to: [i32; 2], centre: [f64; 2], ccw: bool) -> Admitted {
+    pub fn arc_centre(from: &Position, plane: Plane, to: [i32; 2], centre: [f64; 2], ccw: bool) -> Checked {
         let [x, y] = centre;
         if !x.is_finite() || !y.is_finite() {
             return Err(Refused::NotFinite);
@@ -124,7 +124,7 @@ impl Geometry {
         if radius < RADIUS_MIN_PULSES {
             return Err(Refused::CentreOnStart);
         }
-        let chord = Chord::new(from, plane, to);
+        let chord = ArcChord::new(from, plane, to);
         let ([a, b], c) = (chord.parts, chord.length);
         if c == 0.0 {
             let unit = 1073741824.0;
@@ -151,14 +151,14 @@ impl Geometry {
 
     /// ArcXYR and its planes: a radius above 0 selects the arc of up to half a turn, below 0 the
     /// longer one.
-    pub fn arc_radius(from: &Position, plane: Plane, to: [i32; 2], radius: f64, ccw: bool) -> Admitted {
+    pub fn arc_radius(from: &Position, plane: Plane, to: [i32; 2], radius: f64, ccw: bool) -> Checked {
         if !radius.is_finite() {
             return Err(Refused::NotFinite);
         }
         if fabs(radius) >= RADIUS_MAX_PULSES {
             return Err(Refused::RadiusTooLarge);
         }
-        let chord = Chord::new(from, plane, to);
+        let chord = ArcChord::new(from, plane, to);
         let half = chord.length / 2.0;
         if half == 0.0 {
             return Err(Refused::NoLength);
@@ -227,7 +227,7 @@ impl Form {
 }
 
 /// The straight line under an arc.
-struct Chord<'p> {
+struct ArcChord<'p> {
     from: &'p Position,
     plane: Plane,
     to: [i32; 2],
@@ -235,16 +235,16 @@ struct Chord<'p> {
     length: f64,
 }
 
-impl<'p> Chord<'p> {
+impl<'p> ArcChord<'p> {
     fn new(from: &'p Position, plane: Plane, to: [i32; 2]) -> Self {
         let [i, j] = plane.coordinates();
         let parts = [to[0] as f64 - from[i], to[1] as f64 - from[j]];
-        Chord { from, plane, to, parts, length: hypot(parts[0], parts[1]) }
+        ArcChord { from, plane, to, parts, length: hypot(parts[0], parts[1]) }
     }
 
     /// An arc whose centre lies `h` off the middle of its chord.
-    fn arc(&self, h: f64, long: bool, ccw: bool) -> Admitted {
-        let Chord { plane, to, parts: [a, b], length: c, .. } = *self;
+    fn arc(&self, h: f64, long: bool, ccw: bool) -> Checked {
+        let ArcChord { plane, to, parts: [a, b], length: c, .. } = *self;
         let radius = hypot(c / 2.0, h);
         let turns = (atan2(c / 2.0, h) / core::f64::consts::PI).min(0.5);
         if radius >= RADIUS_MAX_PULSES {

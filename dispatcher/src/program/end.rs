@@ -8,7 +8,7 @@
 use super::pending_commits::PendingCommits;
 use super::{Poll, Program, ProgramDrop, ProgramState};
 use crate::admit::admission::Admission;
-use crate::admit::joined::Joined;
+use crate::admit::joined::PathManyProgress;
 use crate::refuse::Refused;
 use crate::report::answer::{Answer, Refuser, Sent};
 use crate::report::path_many;
@@ -49,7 +49,7 @@ impl Program<'_> {
         self.records.clear();
         self.replies.abandon();
         self.config = None;
-        (self.joined, self.joined_done) = (Joined::default(), 0);
+        (self.joined, self.joined_done) = (PathManyProgress::default(), 0);
         self.overflowed = false;
     }
 
@@ -112,7 +112,7 @@ impl Program<'_> {
     /// The record in hand is dealt with.
     pub(super) fn pop_record(&mut self) {
         self.records.pop();
-        self.joined = Joined::default();
+        self.joined = PathManyProgress::default();
     }
 
     /// Nothing more of it is executed.

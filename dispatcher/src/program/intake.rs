@@ -15,7 +15,7 @@ use super::{Poll, Program, ProgramState};
 use crate::admit::admission::Admission;
 use crate::admit::context::{DueInstant, Effect};
 use crate::admit::data::is_data;
-use crate::admit::joined::{Advance, End};
+use crate::admit::joined::{Advance, PathManyEnd};
 use crate::admit::staged::STAGED_MAX_BUT_RESET;
 use crate::admit::written::Written;
 use crate::admit::{kind, one};
@@ -290,20 +290,20 @@ impl Program<'_> {
         advance: Advance,
     ) -> Admitted<RecordOutcome> {
         let Advance { written, count, end } = advance;
-        let answer = if let End::Done(answer) = end { answer } else { Answer::Part(count) };
+        let answer = if let PathManyEnd::Done(answer) = end { answer } else { Answer::Part(count) };
         match written {
             Some(written) => {
                 self.stream(admission, view, (written.of, written.fifo));
                 // The values of its calls are kept already.
                 self.commit_data(admission, head, &Written { answer, ..written });
             }
-            None if matches!(end, End::Done(_)) => self.attach(head.opcode, head.tag, answer),
+            None if matches!(end, PathManyEnd::Done(_)) => self.attach(head.opcode, head.tag, answer),
             None => {}
         }
         match end {
-            End::Done(_) => Ok(RecordOutcome::Taken),
-            End::NoRoom => Ok(RecordOutcome::Wait),
-            End::Refused(refused) => Err(self.joined.refuse(refused)),
+            PathManyEnd::Done(_) => Ok(RecordOutcome::Taken),
+            PathManyEnd::NoRoom => Ok(RecordOutcome::Wait),
+            PathManyEnd::Refused(refused) => Err(self.joined.refuse(refused)),
         }
     }
 

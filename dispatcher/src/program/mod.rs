@@ -25,7 +25,7 @@ mod waits;
 
 use crate::admit::admission::Admission;
 use crate::admit::context::DueInstant;
-use crate::admit::joined::Joined;
+use crate::admit::joined::PathManyProgress;
 use crate::admit::one;
 use crate::capacity::{AWAITING_REPLIES, AWAITING_VALUES};
 use crate::refuse::{Admitted, FifoOf, Refused};
@@ -122,7 +122,7 @@ servo::state! {
         /// The item of LoadConfig in hand.
         config: Option<u16> = None,
         /// The PathMany in hand.
-        joined: Joined = Joined::default(),
+        joined: PathManyProgress = PathManyProgress::default(),
         /// Calls of the first PathMany that has no reply yet, executed.
         joined_done: u16 = 0,
         /// The executed state waits for the first of the replies.

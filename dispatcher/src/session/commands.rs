@@ -9,7 +9,7 @@
 mod immediate;
 
 use crate::admit::admission::Admission;
-use crate::admit::joined::Joined;
+use crate::admit::joined::PathManyProgress;
 use crate::admit::kind;
 use crate::program::Program;
 use crate::refuse::Refused;
@@ -39,7 +39,7 @@ pub struct CommandHandler<'a, const AXES: usize> {
     /// The next item of the LoadConfig in hand.
     config: Option<u16>,
     /// The PathMany in hand.
-    joined: Joined,
+    joined: PathManyProgress,
     /// The executed state waits for replies that show what was before.
     is_lagging: bool,
 }
@@ -48,7 +48,14 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
     /// A command handler at power-on.
     pub fn new(admission: Admission<'a, AXES>) -> Self {
         let (renewed, replies) = (RefreshedNumbers::default(), PendingReplies::new());
-        CommandHandler { admission, renewed, replies, config: None, joined: Joined::default(), is_lagging: false }
+        CommandHandler {
+            admission,
+            renewed,
+            replies,
+            config: None,
+            joined: PathManyProgress::default(),
+            is_lagging: false,
+        }
     }
 
     /// Follows the tick: executed entries of both lanes, axes that came to standstill, streams that
@@ -151,7 +158,7 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
         self.admission.loading.abandon();
         self.admission.laser_loading.abandon();
         self.config = None;
-        self.joined = Joined::default();
+        self.joined = PathManyProgress::default();
         self.admission.trace.abandon();
     }
 

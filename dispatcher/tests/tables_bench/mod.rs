@@ -2,7 +2,7 @@
 //! reference is computed in 256 fraction bits from the doubles as given, in its own way: phases of
 //! constant jerk over real time instead of Hermite pieces over a parameter.
 use dispatcher::Refused;
-use dispatcher::plan::pvt::{Fields, Scratch, SplineScratch, TableDraft, TableKind};
+use dispatcher::plan::pvt::{FieldIndices, Scratch, SplineScratch, TableDraft, TableKind};
 use num_bigint::{BigInt, Sign};
 use num_traits::{Signed, ToPrimitive, Zero};
 use servo::segment::generator_state::GeneratorState;
@@ -13,7 +13,7 @@ pub(crate) use crate::chance;
 use crate::drive::{Pvt, Step};
 
 pub const BITS: usize = 256;
-pub const FIELDS: Fields = Fields { count: 2, whole: 4, point: 10 };
+pub const FIELDS: FieldIndices = FieldIndices { count: 2, whole: 4, point: 10 };
 
 /// Tables as the tick reads them.
 #[derive(Default, Clone)]

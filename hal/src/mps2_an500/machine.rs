@@ -8,7 +8,7 @@
 //! tick's view carries both over the link. Fails never.
 use super::outputs;
 use super::uart::Rx;
-use plant::inputs::{InputPlan, Row};
+use plant::inputs::{InputPlan, InputRow};
 use plant::{Gain, Plant};
 use servo::laser::LaserPlan;
 use servo::port::{AxisInputs, GeneralInputs, GeneralOutputs, InputTime, Port, Simulated};
@@ -31,7 +31,7 @@ pub struct Machine<const AXES: usize> {
     inputs: [AxisInputs; AXES],
     general: GeneralInputs,
     analog: [i16; ANALOG_INPUTS],
-    plan: InputPlan<[Row; ROWS]>,
+    plan: InputPlan<[InputRow; ROWS]>,
 }
 
 impl<const AXES: usize> Machine<AXES> {
@@ -52,7 +52,7 @@ impl<const AXES: usize> Machine<AXES> {
             }; AXES],
             general: 0,
             analog: [0; ANALOG_INPUTS],
-            plan: InputPlan::new([Row::NONE; ROWS]),
+            plan: InputPlan::new([InputRow::NONE; ROWS]),
         }
     }
 

@@ -22,7 +22,7 @@ const CHANNELS: [usize; INPUTS] = [1, 0];
 
 /// What the start-up of the converter waits for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Stage {
+enum AdcStage {
     /// Its regulator, for 10 µs: the first tick comes later.
     Regulator,
     Calibration,
@@ -35,7 +35,7 @@ enum Stage {
 /// ADC3.
 #[derive(Debug)]
 pub struct Adc {
-    stage: Stage,
+    stage: AdcStage,
 }
 
 /// Writes CR with ADEN and ADSTART at 0: written back as 1 they would be requested again.
@@ -68,45 +68,45 @@ impl Adc {
             w.set_boost(Boost::LT25);
         });
         ADC3.cr().modify(|w| w.set_advregen(true));
-        Adc { stage: Stage::Regulator }
+        Adc { stage: AdcStage::Regulator }
     }
 
     /// A tick begins: starts the next stage once the last one is ready.
     pub fn advance(&mut self) {
         self.stage = match self.stage {
-            Stage::Runs => return,
-            Stage::Regulator => {
+            AdcStage::Runs => return,
+            AdcStage::Regulator => {
                 command(|w| {
                     w.set_adcaldif(Adcaldif::SINGLE_ENDED);
                     w.set_adcallin(true);
                     w.set_adcal(true);
                 });
-                Stage::Calibration
+                AdcStage::Calibration
             }
-            Stage::Calibration if !ADC3.cr().read().adcal() => {
+            AdcStage::Calibration if !ADC3.cr().read().adcal() => {
                 arrange();
                 ADC3.isr().write(|w| w.set_adrdy(true));
                 command(|w| w.set_aden(true));
-                Stage::Ready
+                AdcStage::Ready
             }
-            Stage::Ready if ADC3.isr().read().adrdy() => {
+            AdcStage::Ready if ADC3.isr().read().adrdy() => {
                 command(|w| w.set_adstart(true));
-                Stage::FirstSequence
+                AdcStage::FirstSequence
             }
             // Within four of its clocks after a calibration the chip clears ADEN (RM0433 25.4.9):
             // set it again.
-            Stage::Ready => {
+            AdcStage::Ready => {
                 command(|w| w.set_aden(true));
-                Stage::Ready
+                AdcStage::Ready
             }
-            Stage::FirstSequence if ADC3.isr().read().jeos() => Stage::Runs,
+            AdcStage::FirstSequence if ADC3.isr().read().jeos() => AdcStage::Runs,
             waits => waits,
         };
     }
 
     /// The code of an input, from 0.
     pub fn code(&self, input: usize) -> i16 {
-        if self.stage != Stage::Runs {
+        if self.stage != AdcStage::Runs {
             return 0;
         }
         let raw = match input {

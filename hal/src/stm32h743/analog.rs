@@ -18,7 +18,7 @@ pub const OUTPUTS: usize = 2;
 
 /// A code, and whether it is a laser's.
 #[derive(Debug, Clone, Copy, Default)]
-struct Code {
+struct DacCode {
     code: i16,
     of_laser: bool,
 }
@@ -27,16 +27,16 @@ struct Code {
 #[derive(Debug, Clone, Copy, Default)]
 struct Output {
     /// The code in force.
-    in_force: Code,
+    in_force: DacCode,
     /// Codes of the next tick, and of the two after it.
-    queued: [Option<Code>; 3],
+    queued: [Option<DacCode>; 3],
     /// The last code of a laser.
     of_laser: i16,
 }
 
 impl Output {
     /// Queues a code from `at` ns after the next tick on, by the plan.
-    fn plan(&mut self, at: u32, code: Code) {
+    fn plan(&mut self, at: u32, code: DacCode) {
         let [_, next, later] = &mut self.queued;
         *(if at == 0 { next } else { later }) = Some(code);
     }
@@ -91,7 +91,7 @@ impl Analog {
                 {
                     // Again in the next tick.
                     let Output { in_force, queued: [next, ..], .. } = output;
-                    next.get_or_insert(Code { code, ..*in_force });
+                    next.get_or_insert(DacCode { code, ..*in_force });
                     in_force.code = !code;
                 }
             }
@@ -117,7 +117,7 @@ impl Analog {
     /// Queues a code that is not a laser's, from `at` ns after the next tick on.
     pub fn plan(&mut self, at: u32, channel: usize, code: i16) {
         if let Some(output) = self.outputs.get_mut(channel) {
-            output.plan(at, Code { code, of_laser: false });
+            output.plan(at, DacCode { code, of_laser: false });
         }
     }
 
@@ -130,7 +130,7 @@ impl Analog {
             if let Action::Volts(code) = action
                 && let Some(output) = self.outputs.get_mut(channel)
             {
-                output.plan(*at, Code { code: *code, of_laser: true });
+                output.plan(*at, DacCode { code: *code, of_laser: true });
                 output.of_laser = *code;
             }
         }

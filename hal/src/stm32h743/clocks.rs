@@ -125,7 +125,7 @@ pub fn give_usb() {
 }
 
 /// What PLL1 multiplies.
-struct Input {
+struct PllInput {
     source: Pllsrc,
     /// By what PLL1 divides it.
     divider: u32,
@@ -133,10 +133,10 @@ struct Input {
     reference_mhz: u32,
 }
 
-impl Input {
-    const fn of(source: Pllsrc, from: Source) -> Input {
+impl PllInput {
+    const fn of(source: Pllsrc, from: Source) -> PllInput {
         let divider = from.divider();
-        Input { source, divider, reference_mhz: from.mhz / divider }
+        PllInput { source, divider, reference_mhz: from.mhz / divider }
     }
 
     /// The range of PLL1's reference (RM0433 8.7.13).
@@ -151,11 +151,11 @@ impl Input {
 }
 
 /// The board's source, and the chip's own clock.
-const SOURCE: Input = Input::of(Pllsrc::HSE, BOARD.source);
-const OWN: Input = Input::of(Pllsrc::HSI, Source { mhz: 64, ..BOARD.source });
+const SOURCE: PllInput = PllInput::of(Pllsrc::HSE, BOARD.source);
+const OWN: PllInput = PllInput::of(Pllsrc::HSI, Source { mhz: 64, ..BOARD.source });
 
 /// PLL1: 960 MHz; / 2 for the core, / 20 for USB.
-fn multiply(input: &Input) {
+fn multiply(input: &PllInput) {
     RCC.pllckselr().modify(|w| {
         w.set_pllsrc(input.source);
         w.set_divm(0, Pllm::from_bits(input.divider as u8));

@@ -1,7 +1,7 @@
 //! The machine of the tick: inputs that a test sets, encoders of the plant, outputs and their
 //! edges, the lasers' output stages.
 use plant::beam::{ChannelLevels, OutputStage, SignalChange};
-use plant::inputs::{InputPlan, Row};
+use plant::inputs::{InputPlan, InputRow};
 use plant::{Gain, Plant};
 use servo::laser::{Action, CHANNELS, LaserPlan};
 use servo::port::{AxisInputs, GeneralInputs, GeneralOutputs, InputTime, Port, Simulated};
@@ -90,7 +90,7 @@ pub(crate) struct Machine<const AXES: usize> {
     now_ns: u64,
     pub inputs: Inputs,
     /// What sets them by itself.
-    plan: InputPlan<Vec<Row>>,
+    plan: InputPlan<Vec<InputRow>>,
     pub outputs: Outputs,
     pub edges: std::collections::VecDeque<Edge>,
     stages: [OutputStage; CHANNELS],
@@ -282,7 +282,7 @@ impl<const AXES: usize> Port for Machine<AXES> {
     fn plan(&mut self, row: u16, due: InputTime, input: Simulated) {
         let slots = self.plan.slots();
         if slots.len() <= usize::from(row) {
-            slots.resize(usize::from(row) + 1, Row::NONE);
+            slots.resize(usize::from(row) + 1, InputRow::NONE);
         }
         self.plan.put(row, due, input);
     }

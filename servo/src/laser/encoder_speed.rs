@@ -18,17 +18,17 @@ const ALL: u64 = u64::MAX;
 
 /// The inverse of a filter's time constant, in 2⁻⁶⁴ per ns; 0 is none, no filter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Lag(u64);
+pub struct FilterRate(u64);
 
-impl Lag {
+impl FilterRate {
     /// No filter.
-    pub const NONE: Lag = Lag(0);
+    pub const NONE: FilterRate = FilterRate(0);
     /// 1 ms.
-    pub const POWER_ON: Lag = Lag((1 << 63) / 500_000);
+    pub const POWER_ON: FilterRate = FilterRate((1 << 63) / 500_000);
 
     /// From the inverse of a time constant of 2 ns at least.
-    pub const fn of_inverse(inverse: u64) -> Lag {
-        Lag(inverse)
+    pub const fn of_inverse(inverse: u64) -> FilterRate {
+        FilterRate(inverse)
     }
 }
 
@@ -41,7 +41,7 @@ pub(crate) struct EncoderSpeed {
     next: Ns,
     /// The path begins with that tick.
     begins: bool,
-    lag: Lag,
+    lag: FilterRate,
     /// The period for which `share` was computed.
     period: Ns,
     /// The share of a new velocity in a tick, 2⁻⁶⁴.
@@ -55,14 +55,14 @@ impl EncoderSpeed {
         used: false,
         next: Ns(0),
         begins: false,
-        lag: Lag::POWER_ON,
+        lag: FilterRate::POWER_ON,
         period: Ns(0),
         share: ALL,
         velocity: [0; 4],
     };
 
     /// Another time constant.
-    pub(crate) fn set(&mut self, lag: Lag) {
+    pub(crate) fn set(&mut self, lag: FilterRate) {
         (self.lag, self.period) = (lag, Ns(0));
     }
 
@@ -100,7 +100,7 @@ impl EncoderSpeed {
     }
 }
 
-impl Lag {
+impl FilterRate {
     /// 1 − exp(−period/τ), 2⁻⁶⁴.
     #[inline(never)]
     fn share(self, period: Ns) -> u64 {
@@ -130,8 +130,8 @@ mod tests {
     const BITS: u32 = 256;
 
     /// Of a time constant in µs.
-    fn lag(us: u64) -> Lag {
-        Lag::of_inverse(((1u128 << 64) / (us as u128 * 1000)) as u64)
+    fn lag(us: u64) -> FilterRate {
+        FilterRate::of_inverse(((1u128 << 64) / (us as u128 * 1000)) as u64)
     }
 
     /// exp(−num/den), 2⁻²⁵⁶, to 2⁻²³⁰ and better: a series of the 1024th part, squared ten times.
@@ -151,7 +151,7 @@ mod tests {
     /// Against the exponential, over all time constants and periods that can be set.
     #[test]
     fn a_tick_counts_by_the_time_constant() {
-        assert_eq!(Lag::POWER_ON, lag(1000));
+        assert_eq!(FilterRate::POWER_ON, lag(1000));
         for tau_us in [10, 100, 250, 1000, 3000, 100_000, 1_000_000] {
             for us in [10, 20, 50, 250, 500, 1000] {
                 let share = BigInt::from(lag(tau_us).share(Ns(us * 1000))) << (BITS - 64);
@@ -160,7 +160,7 @@ mod tests {
                 assert!(&off < want.magnitude(), "{tau_us} us, tick {us} us: {share}, not {want}");
             }
         }
-        assert_eq!(Lag::NONE.share(Ns(10_000)), ALL);
+        assert_eq!(FilterRate::NONE.share(Ns(10_000)), ALL);
     }
 
     /// A step of the velocity has arrived to 1 − 1/e after the time constant, whatever the tick is.
@@ -213,7 +213,7 @@ mod tests {
         }
         assert!(last.raw() < 1 << 16, "{last:?}");
         // Without a filter it is the tick's.
-        speed.set(Lag::NONE);
+        speed.set(FilterRate::NONE);
         assert_eq!(speed.step([1, 0, 0, 0], at(3000), true).raw(), 100 << 30);
         assert_eq!(speed.step([0; 4], at(3001), true), PathSpeed::STANDSTILL);
     }

@@ -51,7 +51,7 @@ pub use buffered::Buffered;
 pub use distance_follow::{Distance, Ratios};
 pub use dither::{Carrier, Clock, DUTY_STEPS, FixedTrain, PPM, Pattern, Standby};
 pub(crate) use encoder_speed::EncoderSpeed;
-pub use encoder_speed::Lag;
+pub use encoder_speed::FilterRate;
 pub use energy::counts as dac_counts;
 pub use light_owner::Ignored;
 pub(crate) use light_owner::PathRun;

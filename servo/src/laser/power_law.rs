@@ -14,7 +14,7 @@ use super::buffered::Buffered;
 use super::distance_follow::{Distance, Terms};
 use super::power::{Power, PowerBounds};
 use super::power_tables::{Curve, DISTANCES, Interval};
-use super::velocity_follow::{Gain, Ratio, SpeedSource};
+use super::velocity_follow::{Ratio, SpeedGain, SpeedSource};
 use super::{FollowInputs, Positions, PowerMode};
 use crate::path::PathSpeed;
 use crate::units::{Crd, CrdMask};
@@ -48,7 +48,7 @@ struct Follow {
 #[derive(Debug, Clone, Copy)]
 enum SpeedPart {
     None,
-    Ratio(Gain),
+    Ratio(SpeedGain),
     Table(Curve),
 }
 

@@ -76,27 +76,27 @@ impl Curve {
 
 /// A point as stored: both in their fixed point, and the slope after it.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-struct Point {
+struct CurvePoint {
     x: i64,
     y: i64,
     /// m·2⁸ + s.
     slope: i64,
 }
 
-impl Point {
+impl CurvePoint {
     fn words(self) -> [u32; WORDS] {
         let split = |x: i64| [x as u32, (x >> 32) as u32];
         let ([a, b], [c, d], [e, f]) = (split(self.x), split(self.y), split(self.slope));
         [a, b, c, d, e, f]
     }
 
-    fn from_words([a, b, c, d, e, f]: [u32; WORDS]) -> Point {
+    fn from_words([a, b, c, d, e, f]: [u32; WORDS]) -> CurvePoint {
         let join = |low: u32, high: u32| ((high as u64) << 32 | low as u64) as i64;
-        Point { x: join(a, b), y: join(c, d), slope: join(e, f) }
+        CurvePoint { x: join(a, b), y: join(c, d), slope: join(e, f) }
     }
 
     /// The slope to the next point.
-    fn towards(self, next: Point) -> Point {
+    fn towards(self, next: CurvePoint) -> CurvePoint {
         let rise = (next.y as i128).wrapping_sub(self.y as i128);
         let run = (next.x as i128).wrapping_sub(self.x as i128).max(1);
         let slope = Float::from_fixed(rise.unsigned_abs(), 0).div(Float::from_fixed(run as u128, 0));
@@ -104,7 +104,7 @@ impl Point {
         let s = (54 - slope.width()).clamp(1, 126);
         let m = slope.to_fixed(s) as i64;
         let m = if rise < 0 { -m } else { m };
-        Point { slope: m << 8 | s as i64, ..self }
+        CurvePoint { slope: m << 8 | s as i64, ..self }
     }
 
     /// The value at x, of which this is the point before.
@@ -118,14 +118,14 @@ impl Point {
 /// The interval of a curve that was used last.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Interval {
-    point: Point,
+    point: CurvePoint,
     /// It holds below this.
     end: i64,
 }
 
 impl Interval {
     /// None: it holds nowhere.
-    pub(super) const NONE: Interval = Interval { point: Point { x: i64::MAX, y: 0, slope: 0 }, end: i64::MIN };
+    pub(super) const NONE: Interval = Interval { point: CurvePoint { x: i64::MAX, y: 0, slope: 0 }, end: i64::MIN };
 }
 
 /// The tables of all channels.
@@ -216,7 +216,7 @@ impl PowerTables {
         if index >= POINTS {
             return Err(Refused::Count);
         }
-        let point = Point { x, y, slope: 0 };
+        let point = CurvePoint { x, y, slope: 0 };
         if let Some(before) = index.checked_sub(1) {
             let last = self.read(curve, before);
             if x < last.x.saturating_add(gap) {
@@ -239,8 +239,8 @@ impl PowerTables {
         count as usize
     }
 
-    fn read(&self, curve: Curve, point: usize) -> Point {
-        Point::from_words(self.points.read(curve.slot(point)))
+    fn read(&self, curve: Curve, point: usize) -> CurvePoint {
+        CurvePoint::from_words(self.points.read(curve.slot(point)))
     }
 
     /// The value of a table at x.
@@ -267,10 +267,10 @@ impl PowerTables {
         }
         let first = self.read(curve, 0);
         match below.checked_sub(1) {
-            _ if count == 0 => Interval { point: Point { x: i64::MIN, ..Point::default() }, end: i64::MAX },
-            None => Interval { point: Point { x: i64::MIN, y: first.y, slope: 0 }, end: first.x },
+            _ if count == 0 => Interval { point: CurvePoint { x: i64::MIN, ..CurvePoint::default() }, end: i64::MAX },
+            None => Interval { point: CurvePoint { x: i64::MIN, y: first.y, slope: 0 }, end: first.x },
             Some(last) if below == count => {
-                Interval { point: Point { slope: 0, ..self.read(curve, last) }, end: i64::MAX }
+                Interval { point: CurvePoint { slope: 0, ..self.read(curve, last) }, end: i64::MAX }
             }
             Some(last) => Interval { point: self.read(curve, last), end: self.read(curve, below).x },
         }

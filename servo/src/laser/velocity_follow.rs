@@ -48,26 +48,26 @@ impl Ratio {
     }
 
     /// Its form for the tick.
-    pub(super) fn gain(self) -> Gain {
+    pub(super) fn gain(self) -> SpeedGain {
         // v·2^30 times ratio = m·2^(exponent - 1086), of which 2^44 are to stay.
         let shift = (1086 + PathSpeed::FRAC_BITS - super::Power::FRAC_BITS) as u64 - (self.bits >> 52);
         let cut = PreparedShift::of(shift as u32);
-        if shift > 128 { Gain::NONE } else { Gain { m: self.bits << 11 | 1 << 63, cut, shift: shift as u32 } }
+        if shift > 128 { SpeedGain::NONE } else { SpeedGain { m: self.bits << 11 | 1 << 63, cut, shift: shift as u32 } }
     }
 }
 
 /// The form of a [`Ratio`] for the tick: m·2^-shift is power, 2⁻⁴⁴, per speed, 2⁻³⁰ pulse/ms.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Gain {
+pub(super) struct SpeedGain {
     m: u64,
     cut: PreparedShift,
     /// 17 to 128.
     shift: u32,
 }
 
-impl Gain {
+impl SpeedGain {
     /// No power at any speed.
-    pub(super) const NONE: Gain = Gain { m: 0, cut: PreparedShift::of(64), shift: 64 };
+    pub(super) const NONE: SpeedGain = SpeedGain { m: 0, cut: PreparedShift::of(64), shift: 64 };
 
     /// ratio·v in 2⁻⁴⁴ to half a unit; held at
     /// [`POWER_PART_MAX`](super::fixed_point::POWER_PART_MAX).

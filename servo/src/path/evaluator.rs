@@ -45,7 +45,7 @@ pub(crate) const INSTANTS: u32 = 8;
 const MOTIONS: u32 = 32;
 /// The present state of the path.
 #[derive(Debug, Clone, Copy)]
-enum Stage {
+enum PathStage {
     /// Nothing.
     Standstill,
     /// It waits at its position.
@@ -70,7 +70,7 @@ state! {
     #[derive(Debug, Clone, Copy)]
     #[repr(C)]
     pub struct Path {
-        stage: Stage = Stage::Standstill,
+        stage: PathStage = PathStage::Standstill,
         stand: MotionPosition = MotionPosition::NONE,
         swept: TravelledLength = TravelledLength { length: None, past: SampledPosition::NONE },
         /// The end of the FIFO, if nothing followed the motion in force when it was planned.
@@ -376,12 +376,12 @@ impl Path {
 
     /// Whether it waits.
     pub fn waits(&self) -> bool {
-        matches!(self.stage, Stage::Wait { .. })
+        matches!(self.stage, PathStage::Wait { .. })
     }
 
     /// The end of the wait in progress, rounded down.
     pub fn waits_until(&self) -> Option<Ns> {
-        if let Stage::Wait { until } = self.stage { Some(Ns((until >> 32) as u64)) } else { None }
+        if let PathStage::Wait { until } = self.stage { Some(Ns((until >> 32) as u64)) } else { None }
     }
 
     /// Whether it brakes.
@@ -405,7 +405,7 @@ impl Path {
 
     /// Whether it moves or waits.
     pub fn runs(&self) -> bool {
-        !matches!(self.stage, Stage::Standstill)
+        !matches!(self.stage, PathStage::Standstill)
     }
 
     /// Entries of a FIFO that are over; their slots are free.

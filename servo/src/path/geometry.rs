@@ -82,7 +82,7 @@ impl Curvature {
 }
 
 #[derive(Debug, Clone, Copy)]
-enum Geometry {
+enum ShapeKind {
     /// Unit vector in 2⁻⁶¹, plus [`BIAS`]: no factor is negative. All but the first `coordinates`
     /// of it are 0.
     Line { unit: [u64; DIMENSIONS], heading: [i32; DIMENSIONS], coordinates: u8 },
@@ -93,12 +93,12 @@ enum Geometry {
 /// 1 in 2⁻⁶¹.
 const BIAS: u64 = 1 << 61;
 
-impl Geometry {
-    fn arc(plane: Plane, ccw: bool, vector: [i64; 2], radius: Float, turns: Float) -> Geometry {
+impl ShapeKind {
+    fn arc(plane: Plane, ccw: bool, vector: [i64; 2], radius: Float, turns: Float) -> ShapeKind {
         let inverse = radius.recip();
         let radial = vector.map(|x| Float::new(x < 0, x.unsigned_abs(), -30).mul(inverse).to_i64(30) as i32);
         let (rate, shift) = rate(turns);
-        Geometry::Arc { plane, ccw, vector, radius: radius.to_i64(30), radial, rate, shift }
+        ShapeKind::Arc { plane, ccw, vector, radius: radius.to_i64(30), radial, rate, shift }
     }
 }
 
@@ -122,7 +122,7 @@ pub(super) struct MotionGeometry {
     end: [Pos; DIMENSIONS],
     /// Pulses.
     length: Float,
-    geometry: Geometry,
+    geometry: ShapeKind,
 }
 
 /// Half of a number with 22 fraction bits.
@@ -143,7 +143,7 @@ impl MotionGeometry {
         start: [Pos(0); DIMENSIONS],
         end: [Pos(0); DIMENSIONS],
         length: Float::ZERO,
-        geometry: Geometry::Line { unit: [BIAS; DIMENSIONS], heading: [0; DIMENSIONS], coordinates: 0 },
+        geometry: ShapeKind::Line { unit: [BIAS; DIMENSIONS], heading: [0; DIMENSIONS], coordinates: 0 },
     };
 
     /// Sets where it starts and ends, and what is to be made next. `exact` replaces the target of a
@@ -201,7 +201,7 @@ impl MotionGeometry {
             GeometryStep::Angle { plane, sweep, chord } => self.angle(plane, sweep, chord),
             GeometryStep::Radius { plane, sweep, radius, cot } => self.radius(plane, sweep, radius, cot),
             GeometryStep::Cycle { plane, ccw, vector, radius, turns } => {
-                self.geometry = Geometry::arc(plane, ccw, vector, radius, turns.div(self.length));
+                self.geometry = ShapeKind::arc(plane, ccw, vector, radius, turns.div(self.length));
                 GeometryStep::Nothing
             }
         };
@@ -219,7 +219,7 @@ impl MotionGeometry {
         let unit = distance.map(|x| if x == 0 { 0 } else { half(x).scale(1).mul(inverse).to_i64(61) });
         let coordinates = distance.iter().rposition(|x| *x != 0).map_or(0, |last| last as u8 + 1);
         let (heading, unit) = (unit.map(|x| (x >> 31) as i32), unit.map(|x| BIAS.wrapping_add_signed(x)));
-        self.geometry = Geometry::Line { unit, heading, coordinates };
+        self.geometry = ShapeKind::Line { unit, heading, coordinates };
         GeometryStep::Nothing
     }
 
@@ -281,8 +281,8 @@ impl MotionGeometry {
         }
         // An arc is never further from its start than the diameter of its circle.
         let wide = match self.geometry {
-            Geometry::Line { .. } => 0,
-            Geometry::Arc { radius, .. } => radius >> 7,
+            ShapeKind::Line { .. } => 0,
+            ShapeKind::Arc { radius, .. } => radius >> 7,
         };
         let room = wide.saturating_add(1 << Pos::FRAC_BITS);
         [low.map(|x| Pos(x.0.saturating_sub(room))), high.map(|x| Pos(x.0.saturating_add(room)))]
@@ -292,8 +292,8 @@ impl MotionGeometry {
     #[inline(always)]
     pub(super) fn bend(&self) -> Curvature {
         match &self.geometry {
-            Geometry::Line { .. } => Curvature::STRAIGHT,
-            Geometry::Arc { plane, ccw, rate, shift, .. } => {
+            ShapeKind::Line { .. } => Curvature::STRAIGHT,
+            ShapeKind::Arc { plane, ccw, rate, shift, .. } => {
                 Curvature { plane: *plane, ccw: *ccw, turns: *rate, shift: *shift }
             }
         }
@@ -307,7 +307,7 @@ impl MotionGeometry {
         heading: &mut [i32; DIMENSIONS],
         bend: &mut Curvature,
     ) {
-        if let Geometry::Line { heading: straight, .. } = &self.geometry {
+        if let ShapeKind::Line { heading: straight, .. } = &self.geometry {
             // A step publishes at least two coordinates of the position in any case.
             let ([_, _, z, a], [_, _, z0, a0]) = (position, &self.start);
             (*z, *a) = (*z0, *a0);
@@ -325,7 +325,7 @@ impl MotionGeometry {
     #[inline(always)]
     pub(super) fn follow(&self, distance: Pos, position: &mut [Pos; DIMENSIONS], heading: &mut [i32; DIMENSIONS]) {
         match &self.geometry {
-            Geometry::Line { unit, coordinates, .. } => {
+            ShapeKind::Line { unit, coordinates, .. } => {
                 // In 2^-25, below 2^59: times 2^-61, over 2^64, it is a position; the bias adds the
                 // path length itself.
                 let distance = distance.0.max(0) as u64;
@@ -345,7 +345,7 @@ impl MotionGeometry {
                     on(a, a0, ua);
                 }
             }
-            Geometry::Arc { plane, ccw, vector: [a, b], radial: [p, q], rate, shift, .. } => {
+            ShapeKind::Arc { plane, ccw, vector: [a, b], radial: [p, q], rate, shift, .. } => {
                 let turn = umulhi(*rate, long(distance)).wrapping_shl(*shift as u32);
                 let (sin, cos) = sin_cos(turn);
                 let (near, far) = (short(sin), short(cos));
@@ -379,7 +379,7 @@ impl MotionGeometry {
     pub(super) fn start_heading(&self) -> [i32; DIMENSIONS] {
         let mut heading = [0; DIMENSIONS];
         self.follow(Pos(0), &mut [Pos(0); DIMENSIONS], &mut heading);
-        if let Geometry::Line { heading: straight, .. } = &self.geometry {
+        if let ShapeKind::Line { heading: straight, .. } = &self.geometry {
             heading = *straight;
         }
         heading
@@ -387,7 +387,7 @@ impl MotionGeometry {
 
     /// The furthest that a coordinate goes upwards, or downwards, on the whole circle of an arc.
     pub(super) fn extreme(&self, index: usize, up: bool) -> Option<Pos> {
-        let Geometry::Arc { plane, vector, radius, .. } = &self.geometry else { return None };
+        let ShapeKind::Arc { plane, vector, radius, .. } = &self.geometry else { return None };
         let position = plane.coordinates().iter().position(|of| *of == index)?;
         let radius = if up { *radius } else { radius.wrapping_neg() };
         Some(moved(*self.start.get(index)?, radius.wrapping_sub(*vector.get(position)?) >> 2))

@@ -49,13 +49,13 @@ pub trait PvtTables {
 /// time; the whole would need a call.
 #[derive(Debug, Clone, Copy)]
 struct PassState {
-    knot: Knot,
-    pass: Pass,
+    knot: NextKnot,
+    pass: PvtPass,
 }
 
 /// The knot after the last piece.
 #[derive(Debug, Clone, Copy)]
-struct Knot {
+struct NextKnot {
     /// Its instant in 2⁻⁶⁴ ns, and the point there.
     until: u128,
     after: Point,
@@ -67,7 +67,7 @@ struct Knot {
 
 /// The pass of the last piece.
 #[derive(Debug, Clone, Copy)]
-struct Pass {
+struct PvtPass {
     /// Position of its first point.
     origin: Exact,
     /// Its instant in 2⁻⁶⁴ ns.
@@ -104,8 +104,8 @@ impl PvtRun {
     pub fn begin(now: Ns, origin: Exact, table: u8, source: &impl PvtTables) -> PvtRun {
         let header = Header::from_words(source.header(table));
         let began = ((now.0 as u128) << 64).wrapping_add(header.delay);
-        let knot = Knot { until: began, after: Point::default(), next: 0, segments: 0 };
-        let pass = Pass { origin, began, passes: 0, table, header: 0, pending: None, ended: false };
+        let knot = NextKnot { until: began, after: Point::default(), next: 0, segments: 0 };
+        let pass = PvtPass { origin, began, passes: 0, table, header: 0, pending: None, ended: false };
         let track = PassState { knot, pass };
         PvtRun { track, back: track, headers: [header; 2], version: source.version(table) }
     }
@@ -133,7 +133,7 @@ impl PvtRun {
 
     /// The pass of the piece in force; `ahead`: the last one made is not in force yet.
     #[inline(always)]
-    fn state_in_force(&self, ahead: bool) -> &Pass {
+    fn state_in_force(&self, ahead: bool) -> &PvtPass {
         if ahead { &self.back.pass } else { &self.track.pass }
     }
 
@@ -169,7 +169,7 @@ impl PvtRun {
     }
 
     #[inline(always)]
-    fn header_of(&self, pass: &Pass) -> &Header {
+    fn header_of(&self, pass: &PvtPass) -> &Header {
         let [first, second] = &self.headers;
         if pass.header == 0 { first } else { second }
     }
@@ -198,7 +198,7 @@ impl PvtRun {
     pub fn advance(&mut self, now: Ns, passes: u32, source: &impl PvtTables, piece: &mut Piece) -> GeneratorState {
         self.back.knot = self.track.knot;
         self.back.pass = self.track.pass;
-        let Knot { next, segments, until: from, after: before } = self.track.knot;
+        let NextKnot { next, segments, until: from, after: before } = self.track.knot;
         if next < segments {
             let after = Point::from_words(source.point(self.track.pass.table, next as u32 + 1));
             let until = self.end_of(next, after.time);

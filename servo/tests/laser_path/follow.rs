@@ -222,7 +222,7 @@ fn both_follows_add_up() {
 fn a_path_at_rest_has_no_speed_while_its_encoders_settle() {
     let mut bench = prepared(1000);
     bench.delays(5000, 0);
-    bench.command(TickCommand::CrdLag { crd: Crd::FIRST, lag: Lag::NONE });
+    bench.command(TickCommand::CrdLag { crd: Crd::FIRST, lag: FilterRate::NONE });
     let mode = Buffered::FollowMode { source: SpeedSource::Encoder, start: None };
     let bounds = PowerBounds::admit_follow(PowerMode::Duty, power(100.0), power(1.0)).unwrap();
     let ratio = Ratio::admit(2f64.to_bits()).unwrap();
@@ -252,7 +252,7 @@ fn the_encoders_of_a_path_may_be_followed() {
 fn encoders_are_followed(filtered: bool) {
     let mut bench = prepared(1000);
     if !filtered {
-        bench.command(TickCommand::CrdLag { crd: Crd::FIRST, lag: Lag::NONE });
+        bench.command(TickCommand::CrdLag { crd: Crd::FIRST, lag: FilterRate::NONE });
     }
     let mode = Buffered::FollowMode { source: SpeedSource::Encoder, start: None };
     let bounds = PowerBounds::admit_follow(PowerMode::Duty, power(100.0), power(1.0)).unwrap();

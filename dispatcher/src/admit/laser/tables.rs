@@ -32,27 +32,27 @@ const _: () = assert!(size_of::<SetLaserDisTable2D>() <= HEAD && size_of::<SetLa
 
 /// What the chunks of one table have in common: all of the head but `first`, which comes last.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Key {
+struct TableKey {
     opcode: u16,
     head: [u8; HEAD],
 }
 
-impl Key {
-    fn of<R: Request>(request: &R) -> Key {
+impl TableKey {
+    fn of<R: Request>(request: &R) -> TableKey {
         let mut head = [0; HEAD];
         let bytes = request.as_bytes();
         let kept = bytes.len().saturating_sub(size_of::<u16>());
         for (to, byte) in head.iter_mut().zip(bytes.iter().take(kept)) {
             *to = *byte;
         }
-        Key { opcode: R::OPCODE, head }
+        TableKey { opcode: R::OPCODE, head }
     }
 }
 
 /// The table that is being sent; see the module text.
-pub struct Loading {
+pub struct TableUpload {
     /// The bank of the table that is being sent.
-    state: Upload<Key, u8>,
+    state: Upload<TableKey, u8>,
     /// Velocity and power.
     points: [(f64, Power); POINTS],
     /// The position before, for the order of the next one.
@@ -63,8 +63,8 @@ pub struct Loading {
 type Loaded = Admitted<(Answer, Option<(u8, u8)>)>;
 
 /// A chunk being admitted: its items, the index of the first, and how many items the table has.
-struct Chunk<'b, T> {
-    key: Key,
+struct TableChunk<'b, T> {
+    key: TableKey,
     first: u16,
     items: &'b [T],
     total: usize,
@@ -72,8 +72,8 @@ struct Chunk<'b, T> {
     field: u8,
 }
 
-impl<T> Chunk<'_, T> {
-    fn begin(&self) -> (Key, u16) {
+impl<T> TableChunk<'_, T> {
+    fn begin(&self) -> (TableKey, u16) {
         (self.key, self.first)
     }
     fn is_last(&self) -> bool {
@@ -87,12 +87,18 @@ impl<T> Chunk<'_, T> {
 }
 
 /// The items after a head: at least one, and no more than the table still needs.
-fn chunk<'b, R: Request>(r: &R, rest: &'b [u8], first: u16, total: usize, field: u8) -> Admitted<Chunk<'b, R::Item>> {
+fn chunk<'b, R: Request>(
+    r: &R,
+    rest: &'b [u8],
+    first: u16,
+    total: usize,
+    field: u8,
+) -> Admitted<TableChunk<'b, R::Item>> {
     let (head, item) = (size_of::<R>(), size_of::<R::Item>());
     let count = rest.len() / item;
     let wanted = count.clamp(1, total.saturating_sub(first.into()).max(1));
     match <[R::Item]>::ref_from_bytes(rest) {
-        Ok(items) if count == wanted => Ok(Chunk { key: Key::of(r), first, items, total, field }),
+        Ok(items) if count == wanted => Ok(TableChunk { key: TableKey::of(r), first, items, total, field }),
         _ => Err(length(head + rest.len(), head + wanted * item)),
     }
 }
@@ -106,10 +112,10 @@ fn split<R: Request>(body: &[u8]) -> Admitted<(R, &[u8])> {
     }
 }
 
-impl Loading {
+impl TableUpload {
     /// Nothing is being sent.
     pub const fn new() -> Self {
-        Loading { state: Upload::Idle, points: [(0.0, Power::ZERO); POINTS], last: 0 }
+        TableUpload { state: Upload::Idle, points: [(0.0, Power::ZERO); POINTS], last: 0 }
     }
 
     /// A new session: what was begun is dropped.
@@ -133,7 +139,7 @@ impl Loading {
     }
 
     /// Notes how a chunk was handled.
-    fn keep<T>(&mut self, chunk: &Chunk<'_, T>, bank: u8, done: Admitted<()>) -> Admitted<()> {
+    fn keep<T>(&mut self, chunk: &TableChunk<'_, T>, bank: u8, done: Admitted<()>) -> Admitted<()> {
         let next = chunk.first.saturating_add(chunk.items.len() as u16);
         let open = (!chunk.is_last()).then_some((next, bank));
         self.state.note(chunk.begin(), done.map(|()| open));

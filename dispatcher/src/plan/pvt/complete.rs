@@ -11,7 +11,7 @@ use super::scratch::{STRIDE, Scratch};
 
 /// What the elimination carries from point to point.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Row {
+pub struct EliminationRow {
     /// d of the point before.
     pub d: f64,
     /// Its c.
@@ -32,12 +32,12 @@ fn pivot(lambda: f64, c: f64) -> f64 {
 /// point, each its time and displacement. These are differences of the user's own numbers.
 /// Positions are rounded from the first point, so a short segment late in the table would lose its
 /// last digits.
-pub fn eliminate(before: Row, (h0, p0): (f64, f64), (h1, p1): (f64, f64)) -> Row {
+pub fn eliminate(before: EliminationRow, (h0, p0): (f64, f64), (h1, p1): (f64, f64)) -> EliminationRow {
     let (s0, s1) = (p0 / h0, p1 / h1);
     let (lambda, mu) = weights(h0, h1);
     let right = 3.0 * (lambda * s0 + mu * s1);
     let pivot = pivot(lambda, before.c);
-    Row { d: (right - lambda * before.d) / pivot, c: mu / pivot }
+    EliminationRow { d: (right - lambda * before.d) / pivot, c: mu / pivot }
 }
 
 /// Replaces d by the velocities, backwards from the last point, which has its own. The times are

@@ -16,14 +16,14 @@ mod scale;
 mod scratch;
 
 use crate::refuse::{Admitted, Refused, finite, real, within};
-use complete::Row;
+use complete::EliminationRow;
 use continuous::PointData;
 pub use double_double::DoubleDouble;
 use protocol::reason::Reason;
 pub use scale::Sealed;
 use scale::{Totals, exact, instant};
-use scratch::{Knot, check};
 pub use scratch::{Scratch, SplineScratch};
+use scratch::{TablePoint, check};
 use servo::segment::pvt::{SHORTEST_PASS_NS, TABLE_POINTS};
 use servo::units::StepLimit;
 
@@ -82,7 +82,7 @@ impl TableKind {
 
 /// Indices of the parameters in the request, so that a refusal can name them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Fields {
+pub struct FieldIndices {
     /// The count of points.
     pub count: u8,
     /// The first of the values of the whole table.
@@ -96,7 +96,7 @@ servo::state! {
     #[derive(Debug, Clone, Copy)]
     pub struct TableDraft {
         kind: TableKind = kind,
-        fields: Fields = fields,
+        fields: FieldIndices = fields,
         /// Step limit of the board, pulse/ms.
         limit: f64 = limit,
         count: u16 = count,
@@ -108,11 +108,11 @@ servo::state! {
         /// Time and position of the last point taken.
         last: (f64, f64) = (0.0, 0.0),
         /// Its knot.
-        knot: Knot = Knot { time: 0.0, pos: 0.0, vel: 0.0 },
+        knot: TablePoint = TablePoint { time: 0.0, pos: 0.0, vel: 0.0 },
         /// Complete: time and displacement of the segment that ends at the last point.
         segment: (f64, f64) = (0.0, 0.0),
         /// The row of the elimination at the point before the last one.
-        row: Row = Row::default(),
+        row: EliminationRow = EliminationRow::default(),
         /// PvtTableEx: velocity at the end of the segment that the last point began.
         vel_end: f64 = 0.0,
         /// Percentage of the last point.
@@ -122,7 +122,7 @@ servo::state! {
         /// Continuous: the segment that begins at the last point.
         phase: PointData = PointData::default(),
     }
-    fn empty((kind, fields, limit): (TableKind, Fields, f64), count: u16, load: bool, carried: DoubleDouble);
+    fn empty((kind, fields, limit): (TableKind, FieldIndices, f64), count: u16, load: bool, carried: DoubleDouble);
 }
 
 impl TableDraft {
@@ -131,7 +131,7 @@ impl TableDraft {
     pub fn begin(
         kind: TableKind,
         count: i32,
-        fields: Fields,
+        fields: FieldIndices,
         limit: StepLimit,
         load: bool,
         scratch: &mut Scratch<'_>,
@@ -213,7 +213,7 @@ impl TableDraft {
         if begins {
             self.first = (time, pos);
         }
-        let mut knot = Knot { time: time - self.first.0, pos: pos - self.first.1, vel: 0.0 };
+        let mut knot = TablePoint { time: time - self.first.0, pos: pos - self.first.1, vel: 0.0 };
         match self.kind {
             TableKind::Pvt => {
                 knot.vel = speed(at(2), field + 2, limit)?;
@@ -236,8 +236,8 @@ impl TableDraft {
             TableKind::Complete { vel_begin, vel_end } => {
                 // The user's own numbers, until the velocities are known.
                 if begins {
-                    self.row = Row { d: vel_begin, c: 0.0 };
-                    scratch.push(Knot { time, pos, vel: vel_begin })?;
+                    self.row = EliminationRow { d: vel_begin, c: 0.0 };
+                    scratch.push(TablePoint { time, pos, vel: vel_begin })?;
                 } else {
                     let following = (time - self.last.0, pos - self.last.1);
                     let index = usize::from(self.taken).wrapping_sub(1);
@@ -250,7 +250,7 @@ impl TableDraft {
                     }
                     scratch.keep(index, self.row.c);
                     self.segment = following;
-                    scratch.push(Knot { time, pos, vel: vel_end })?;
+                    scratch.push(TablePoint { time, pos, vel: vel_end })?;
                 }
             }
             TableKind::Percent { .. } => {
@@ -292,7 +292,7 @@ impl TableDraft {
         }
         if self.taken == 0 {
             self.first = (self.carried.high, pos);
-            self.push(Knot { time: 0.0, pos: 0.0, vel: phase.vel }, scratch)?;
+            self.push(TablePoint { time: 0.0, pos: 0.0, vel: phase.vel }, scratch)?;
         } else {
             let distance = DoubleDouble::between(pos, self.last.1);
             let split = continuous::split(&self.phase, distance, phase.vel)?;
@@ -306,10 +306,14 @@ impl TableDraft {
             if end.high.is_nan() || end.high > LATEST_MS {
                 return Err(Refused::range(field + 4, end.high, 0.0, LATEST_MS));
             }
-            let to = Knot { time: since(end), pos: pos - self.first.1, vel: phase.vel };
-            let risen =
-                Knot { time: since(start.plus(split.times[0])), pos: self.knot.pos + split.rise, vel: split.peak };
-            let falls = Knot { time: since(end.minus(split.times[2])), pos: to.pos - split.fall, vel: split.peak };
+            let to = TablePoint { time: since(end), pos: pos - self.first.1, vel: phase.vel };
+            let risen = TablePoint {
+                time: since(start.plus(split.times[0])),
+                pos: self.knot.pos + split.rise,
+                vel: split.peak,
+            };
+            let falls =
+                TablePoint { time: since(end.minus(split.times[2])), pos: to.pos - split.fall, vel: split.peak };
             let percent = self.phase.percent;
             let (rises, cruises, brakes) = (split.has(0), split.has(1), split.has(2));
             if rises {
@@ -330,7 +334,7 @@ impl TableDraft {
         Ok(self.carried.high)
     }
 
-    fn ramp(&mut self, to: Knot, percent: f64, scratch: &mut Scratch<'_>) -> Admitted<()> {
+    fn ramp(&mut self, to: TablePoint, percent: f64, scratch: &mut Scratch<'_>) -> Admitted<()> {
         for inner in percent::inner(self.knot, to, percent) {
             self.push(inner, scratch)?;
         }
@@ -344,7 +348,7 @@ impl TableDraft {
     }
 
     /// Adds the next point, after a segment that an axis can run.
-    fn push(&mut self, knot: Knot, scratch: &mut Scratch<'_>) -> Admitted<()> {
+    fn push(&mut self, knot: TablePoint, scratch: &mut Scratch<'_>) -> Admitted<()> {
         if self.taken > 0 {
             check(&self.knot, &knot, self.limit).map_err(|refused| refused.field(self.position()))?;
         }
@@ -352,7 +356,7 @@ impl TableDraft {
     }
 
     /// Adds the next point, at the time of the one before, or the first.
-    fn jump(&mut self, knot: Knot, scratch: &mut Scratch<'_>) -> Admitted<()> {
+    fn jump(&mut self, knot: TablePoint, scratch: &mut Scratch<'_>) -> Admitted<()> {
         self.knot = knot;
         if self.load { scratch.push(knot) } else { Ok(()) }
     }

@@ -2,7 +2,7 @@
 //!
 //! In: knots in ms, pulse and pulse/ms from the first point. Out: a header and points. Fails: if no
 //! scale holds the table.
-use super::scratch::{Knot, Scratch};
+use super::scratch::{Scratch, TablePoint};
 use crate::refuse::{Admitted, Refused};
 use protocol::reason::Reason;
 use servo::segment::pvt::{Header, POINT_WORDS, POS_BITS, Point, TIME_BITS, VEL_BITS};
@@ -127,7 +127,7 @@ impl Sealed {
 
     fn scaled(&self, scratch: &Scratch<'_>, index: u32) -> Option<Point> {
         let header = &self.header;
-        let Knot { time, pos, vel } = scratch.knot(index as usize)?;
+        let TablePoint { time, pos, vel } = scratch.knot(index as usize)?;
         let time = if index + 1 == self.points() {
             end_time(header.duration, header.time_bits)
         } else {

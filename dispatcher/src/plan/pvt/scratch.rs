@@ -16,7 +16,7 @@ const LENGTH_MAX_PULSES: f64 = 2_199_023_255_552.0;
 
 /// A point of a table in user units, counted from the first point.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Knot {
+pub struct TablePoint {
     /// ms.
     pub time: f64,
     /// Pulses.
@@ -73,19 +73,19 @@ impl<'a> Scratch<'a> {
     }
 
     /// A knot.
-    pub fn knot(&self, index: usize) -> Option<Knot> {
+    pub fn knot(&self, index: usize) -> Option<TablePoint> {
         let vel = *self.beside.velocities.get(..self.beside.used)?.get(index)?;
         let [a, b, c, d] = self.room.read(index as u32);
-        Some(Knot { time: double(a, b), pos: double(c, d), vel })
+        Some(TablePoint { time: double(a, b), pos: double(c, d), vel })
     }
 
     /// All knots in their order.
-    pub fn knots(&self) -> impl Iterator<Item = Knot> + '_ {
+    pub fn knots(&self) -> impl Iterator<Item = TablePoint> + '_ {
         (0..self.used()).map_while(|index| self.knot(index))
     }
 
     /// Changes a knot.
-    pub fn set(&mut self, index: usize, knot: Knot) {
+    pub fn set(&mut self, index: usize, knot: TablePoint) {
         let used = self.beside.used;
         if let Some(point) = self.beside.velocities.get_mut(..used).and_then(|them| them.get_mut(index)) {
             *point = knot.vel;
@@ -95,7 +95,7 @@ impl<'a> Scratch<'a> {
     }
 
     /// Appends a knot.
-    pub fn push(&mut self, knot: Knot) -> Admitted<()> {
+    pub fn push(&mut self, knot: TablePoint) -> Admitted<()> {
         if self.beside.used >= TABLE_POINTS {
             return Err(Refused::new(Reason::TableFull).limits(0.0, TABLE_POINTS as f64));
         }
@@ -120,7 +120,7 @@ impl<'a> Scratch<'a> {
 }
 
 /// Whether an axis with this step limit (pulse/ms) can run from one knot to the next.
-pub fn check(a: &Knot, b: &Knot, limit: f64) -> Admitted<()> {
+pub fn check(a: &TablePoint, b: &TablePoint, limit: f64) -> Admitted<()> {
     let length = b.time - a.time;
     let (p, w0, w1) = (b.pos - a.pos, a.vel * length, b.vel * length);
     let (c2, c3) = (3.0 * p - 2.0 * w0 - w1, w0 + w1 - 2.0 * p);

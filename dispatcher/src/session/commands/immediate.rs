@@ -4,7 +4,7 @@
 //! Fails: by refusals. A record that finds no room now is tried again.
 use super::CommandHandler;
 use crate::admit::context::{DueInstant, Effect};
-use crate::admit::joined::{Advance, End, Joined};
+use crate::admit::joined::{Advance, PathManyEnd, PathManyProgress};
 use crate::admit::staged::STAGED_MAX;
 use crate::program::Program;
 use crate::refuse::Refused;
@@ -150,12 +150,12 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
             self.admission.commit_now(written.of, written.fifo);
         }
         let refused = match end {
-            End::Done(answer) => {
-                self.joined = Joined::default();
+            PathManyEnd::Done(answer) => {
+                self.joined = PathManyProgress::default();
                 return self.await_last(record, answer, is_new);
             }
-            End::NoRoom => Refused::new(Reason::RingFull),
-            End::Refused(refused) => refused,
+            PathManyEnd::NoRoom => Refused::new(Reason::RingFull),
+            PathManyEnd::Refused(refused) => refused,
         };
         if is_new {
             self.await_last(record, Answer::Part(count), true);
@@ -174,7 +174,7 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
         };
         if written.is_ok() {
             self.replies.forget_newest(self.joined.values());
-            self.joined = Joined::default();
+            self.joined = PathManyProgress::default();
         }
         RecordOutcome::of(written)
     }

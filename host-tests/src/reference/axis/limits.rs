@@ -51,15 +51,36 @@ pub struct Terminals {
     /// Home as the tick sees it.
     home: bool,
     pub armed: bool,
-    /// The encoder's reading at the edge of home.
+    /// It waits for an index edge, and was asked for one in this tick.
+    pub index: [bool; 2],
+    /// The encoder's reading at the edge of home or of the index.
     pub captured: Option<Fix>,
 }
 
 impl Default for Terminals {
     /// At power-on: low, and all of them count.
     fn default() -> Terminals {
-        Terminals { levels: 0, on: 7, sense: 0, active: 0, home: false, armed: false, captured: None }
+        Terminals {
+            levels: 0,
+            on: 7,
+            sense: 0,
+            active: 0,
+            home: false,
+            armed: false,
+            index: [false; 2],
+            captured: None,
+        }
     }
+}
+
+/// Counts from one index edge to the next.
+const INDEX_COUNTS: i64 = 10_000;
+
+/// The last count of an index edge that is not `before` itself, on the way from it to `now`.
+fn index_edge(before: i64, now: i64) -> Option<i64> {
+    let edges = before.min(now) / INDEX_COUNTS - 1..=before.max(now) / INDEX_COUNTS + 1;
+    let passed = |edge: &i64| *edge != before && (before.min(now)..=before.max(now)).contains(edge);
+    edges.map(|edge| edge * INDEX_COUNTS).filter(passed).min_by_key(|edge| (now - edge).abs())
 }
 
 impl Axis {
@@ -90,6 +111,16 @@ impl Axis {
             of.captured = Some(self.encoder[1] - self.encoder_zero);
         }
         of.home = home;
+        let [awaited, asked] = of.index;
+        let [before, now] = self.encoder.map(|count| count.to_f64() as i64);
+        if awaited
+            && asked
+            && let Some(edge) = index_edge(before, now)
+        {
+            of.index[0] = false;
+            of.captured = Some(Fix::whole(edge) - self.encoder_zero);
+        }
+        of.index[1] = awaited;
     }
 
     /// The check of a tick before its calls. A limit or an alarm that appears latches its bit

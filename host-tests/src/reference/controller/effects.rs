@@ -105,9 +105,9 @@ impl Controller {
                 }
             }
             Call::SetCapture { axis, mode } => {
-                range(mode == 1)?;
+                range(matches!(mode, 1 | 2))?;
                 let of = &mut self.axes[axis].terminals;
-                (of.armed, of.captured) = (true, None);
+                (of.armed, of.index[0], of.captured) = (mode == 1, mode == 2, None);
             }
             _ => {}
         }

@@ -157,8 +157,7 @@ impl Making<'_> {
     }
 
     fn capture(&mut self, axis: usize) {
-        // No encoder of this board has an index.
-        let mode = if self.one_in(8) { self.pick(&[0, 2, 3]) } else { 1 };
+        let mode = if self.one_in(8) { self.pick(&[0, 3]) } else { self.pick(&[1, 1, 1, 2]) };
         self.calls.push(Call::SetCapture { axis, mode });
         self.start(axis);
         self.sleep(12);

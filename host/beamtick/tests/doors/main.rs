@@ -195,11 +195,12 @@ fn shown(call: &Call) -> String {
 }
 
 /// The programs: every function with its documented effect.
-const PROGRAMS: [(&str, &str); 6] = [
+const PROGRAMS: [(&str, &str); 7] = [
     ("session", include_str!("session.txt")),
     ("moves", include_str!("moves.txt")),
     ("tables", include_str!("tables.txt")),
     ("follow", include_str!("follow.txt")),
+    ("gear", include_str!("gear.txt")),
     ("lasers", include_str!("lasers.txt")),
     ("paths", include_str!("paths.txt")),
 ];

@@ -4,7 +4,7 @@
 //! [`Effects`]. Owns nothing beyond the [`Path`]. Fails: entries that run out at speed are an
 //! underrun.
 use super::interface::{Effects, FifoEnds, PathStop};
-use super::{ActiveGear, FastPathCase, GearMotion, Path, Preparation, Prepared, Stage, WalkBudget, end_of};
+use super::{ActiveGear, FastPathCase, GearMotion, Path, PathStage, Preparation, Prepared, WalkBudget, end_of};
 use crate::math::float::Float;
 use crate::path::entry::{EntryContent, EntryEffect, PathEntry};
 use crate::path::speed_profile::Phase;
@@ -15,7 +15,7 @@ use crate::units::{Exact, FineNs, Pos};
 impl Path {
     /// It waits at its position.
     pub(super) fn wait(&mut self, until: FineNs) {
-        (self.stage, self.stand.over, self.fresh) = (Stage::Wait { until }, until, true);
+        (self.stage, self.stand.over, self.fresh) = (PathStage::Wait { until }, until, true);
     }
 
     /// The phase in force ends then; a motion without further phases is over now.
@@ -35,8 +35,8 @@ impl Path {
     ) {
         while self.stand.over < limit {
             match self.stage {
-                Stage::Standstill => return,
-                Stage::Wait { until } => {
+                PathStage::Standstill => return,
+                PathStage::Wait { until } => {
                     self.time = until;
                     self.cursor(self.fifo).inside = false;
                     if self.swept.length.is_none() {
@@ -45,7 +45,7 @@ impl Path {
                     }
                     self.go_on(budget, feed, source, sink);
                 }
-                Stage::Move => {
+                PathStage::Move => {
                     if self.planning.unfinished {
                         self.finish();
                     }
@@ -342,7 +342,7 @@ impl Path {
         feed: FifoEnds,
         sink: &mut impl Effects,
     ) {
-        (self.stage, self.speed, self.stopping, self.open) = (Stage::Standstill, Float::ZERO, false, None);
+        (self.stage, self.speed, self.stopping, self.open) = (PathStage::Standstill, Float::ZERO, false, None);
         (self.stand.over, self.fresh, self.planning.unfinished) = (FineNs::MAX, true, false);
         let (here, end) = (self.here, end_of(feed, self.fifo));
         let cursor = self.cursor(self.fifo);

@@ -3,7 +3,7 @@
 //! In: the path after a full step. Out: whether the next ticks only publish the position, and
 //! whether the end of the phase in force only changes an index. Owns nothing beyond the [`Path`].
 //! Cannot fail.
-use super::{MotionPosition, Path, Preparation, Prepared, Stage};
+use super::{MotionPosition, Path, PathStage, Preparation, Prepared};
 use crate::path::DIMENSIONS;
 use crate::units::Pos;
 
@@ -38,7 +38,7 @@ impl Path {
     /// Decides what the fast path may do from now on, until the next full step.
     #[inline(never)]
     pub(super) fn decide_fast_path(&mut self) {
-        let moves = matches!(self.stage, Stage::Move) && !self.led;
+        let moves = matches!(self.stage, PathStage::Move) && !self.led;
         let cursor = self.cursor_of(self.fifo);
         let (alone, next) = (cursor.geared == 0, cursor.next);
         self.fast.publishes = moves && self.pieces.made && alone;

@@ -3,7 +3,7 @@
 //! In: the bits of the user's double. Out: an admitted [`FeedOverride`]; the motion in force,
 //! planned anew with it. Owns nothing: the factor is in [`PathSettings`]. Fails: admission refuses
 //! a factor out of range, [`Refused`].
-use super::{Path, PathSettings, Stage};
+use super::{Path, PathSettings, PathStage};
 use crate::math::float::Float;
 use crate::path::FifoEnds;
 use crate::path::entry::Refused;
@@ -45,7 +45,7 @@ impl PathSettings {
 impl Path {
     /// The motion in force is planned anew from `next` on, because a rule has changed.
     pub fn replan(&mut self, next: Ns, feed: FifoEnds, source: &impl PathEntries) {
-        if let Stage::Move = self.stage {
+        if let PathStage::Move = self.stage {
             self.catch_up((next.0 as FineNs) << 32);
             self.plan_remainder(feed, source);
         } else {

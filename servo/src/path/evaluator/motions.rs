@@ -3,7 +3,7 @@
 //! In: the entry of a motion, its start and speed there, what follows it. Out: the motion in force
 //! with its plan. Owns nothing beyond the [`Path`]. Cannot fail. A motion that was made ahead is
 //! the same as one made on its boundary: the same functions of the same numbers.
-use super::{ActiveGear, After, EFFECTS, FifoEnds, Path, PathSettings, Preparation, Prepared, Stage, end_of};
+use super::{ActiveGear, After, EFFECTS, FifoEnds, Path, PathSettings, PathStage, Preparation, Prepared, end_of};
 use crate::math::float::Float;
 use crate::path::DIMENSIONS;
 use crate::path::entry::{EntryContent, MotionSpeeds, PathEntry};
@@ -317,7 +317,7 @@ impl Path {
     /// at another speed.
     #[inline(always)]
     pub(super) fn follow(&mut self, open: Option<u32>) {
-        (self.open, self.stand.phase, self.stand.began, self.stage) = (open, 0, self.time, Stage::Move);
+        (self.open, self.stand.phase, self.stand.began, self.stage) = (open, 0, self.time, PathStage::Move);
         self.take_piece();
         self.set_over();
         self.unplan();

@@ -4,7 +4,7 @@
 //! speed; the motion of the coordinates since the sample before. Owns nothing beyond the [`Path`].
 //! Fails: a position that is not admitted ends the motion before it.
 use super::interface::{Effects, FifoEnds, PathReport, PathStop};
-use super::{PackedPhase, Path, Stage};
+use super::{PackedPhase, Path, PathStage};
 use crate::path::DIMENSIONS;
 use crate::path::PathSpeed;
 use crate::path::geometry::Curvature;
@@ -15,7 +15,7 @@ impl Path {
     /// Samples the position at `next`, which lies in the phase in force. Returns whether it moves.
     #[inline(always)]
     pub(super) fn look(&mut self, next: Ns, report: &mut PathReport<'_>) -> bool {
-        if let Stage::Move = self.stage
+        if let PathStage::Move = self.stage
             && let Some(phase) = self.motions.now().plan.phase(self.stand.phase)
         {
             if !self.pieces.made {
@@ -239,7 +239,7 @@ impl Path {
     fn mean_of(&self, motion: &Motion, next: Ns, period: Ns) -> PathSpeed {
         let Some(swept) = self.swept.length else { return PathSpeed::ahead(motion, period) };
         let mut distance = swept.0;
-        if let Stage::Move = self.stage
+        if let PathStage::Move = self.stage
             && let Some(phase) = self.motions.now().plan.phase(self.stand.phase)
         {
             let until = (next.0.wrapping_add(period.0) as FineNs) << 32;

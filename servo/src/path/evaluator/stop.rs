@@ -5,7 +5,7 @@
 //! published position: it goes back to that.
 use super::cursor::{Cursor, SampledPosition};
 use super::interface::{Effects, FifoEnds, PathStop};
-use super::{Path, Preparation, Stage};
+use super::{Path, PathStage, Preparation};
 use crate::path::DIMENSIONS;
 use crate::path::store::PathEntries;
 use crate::units::{FineNs, Ns, Pos};
@@ -15,16 +15,16 @@ impl Path {
     pub fn stop(&mut self, next: Ns, abrupt: bool, feed: FifoEnds, source: &impl PathEntries, sink: &mut impl Effects) {
         let now = (next.0 as FineNs) << 32;
         match self.stage {
-            Stage::Standstill => {}
-            Stage::Wait { until } => {
+            PathStage::Standstill => {}
+            PathStage::Wait { until } => {
                 self.time = now;
                 self.stop_in_wait(until, feed, sink);
             }
-            Stage::Move if abrupt => {
+            PathStage::Move if abrupt => {
                 self.catch_up(now);
                 self.halt(now, PathStop::Stopped, feed, sink);
             }
-            Stage::Move => {
+            PathStage::Move => {
                 self.stopping = true;
                 self.catch_up(now);
                 self.plan_remainder(feed, source);
@@ -38,9 +38,9 @@ impl Path {
     pub fn stand_still(&mut self, next: Ns, position: &[Pos; DIMENSIONS], feed: FifoEnds, sink: &mut impl Effects) {
         self.time = (next.0 as FineNs) << 32;
         match self.stage {
-            Stage::Standstill => {}
-            Stage::Wait { until } if self.swept.length.is_none() => self.stop_in_wait(until, feed, sink),
-            Stage::Wait { .. } | Stage::Move => self.fall_back(position, feed, sink),
+            PathStage::Standstill => {}
+            PathStage::Wait { until } if self.swept.length.is_none() => self.stop_in_wait(until, feed, sink),
+            PathStage::Wait { .. } | PathStage::Move => self.fall_back(position, feed, sink),
         }
         self.decide_fast_path();
     }

@@ -39,13 +39,13 @@ pub struct AllowedData {
 /// a time; the whole would need a call.
 #[derive(Debug, Clone, Copy)]
 struct LoadState {
-    pass: Pass,
+    pass: PtPass,
     chain: LoadedEnd,
 }
 
 /// The present pass, or the stream.
 #[derive(Debug, Clone, Copy)]
-struct Pass {
+struct PtPass {
     /// Position at which it began.
     origin: Exact,
     /// Its instant.
@@ -93,7 +93,7 @@ impl PtRun {
             SlotRange::Static { .. } => 0,
             SlotRange::Dynamic { first, .. } => first,
         };
-        let pass = Pass { origin, begin: now, passes: 0 };
+        let pass = PtPass { origin, begin: now, passes: 0 };
         let track = LoadState { pass, chain: LoadedEnd { next, knot_ms: 0, knot: Exact(0), velocity: 0, rounded: 0 } };
         PtRun { track, back: track, slots, duration: 0, divisor: Divisor::new(1), recip: Recip::default() }
     }
@@ -184,7 +184,7 @@ impl PtRun {
     }
 
     fn end(&self) -> GeneratorState {
-        let LoadState { pass: Pass { origin, .. }, chain: LoadedEnd { knot, velocity, rounded, .. } } = &self.track;
+        let LoadState { pass: PtPass { origin, .. }, chain: LoadedEnd { knot, velocity, rounded, .. } } = &self.track;
         let at = Exact(origin.0.wrapping_add(knot.0));
         // Within the chain's own error bound, which is 0 as long as all quotients came out even.
         let at_standstill = velocity.unsigned_abs() << 1 <= *rounded as u128;

@@ -5,7 +5,7 @@
 //! its mask, and is reported. Anything else that no longer fits has no effect.
 use super::effects::PathEffects;
 use super::{AxisIndices, AxisMap, Clearance, CrdState, PREPARE_AFTER_SCANS};
-use crate::laser::{Cause, EncoderSpeed, Lag, PathRun};
+use crate::laser::{Cause, EncoderSpeed, FilterRate, PathRun};
 use crate::path::{DIMENSIONS, EntryStore, FifoEnds, Path, PathSettings, PathStores};
 use crate::segment::piece::Scaled;
 use crate::segment::ramp::Accel;
@@ -351,7 +351,7 @@ impl<const AXES: usize> Tick<AXES> {
     }
 
     /// The filter of its encoders' speed.
-    pub(crate) fn set_encoder_lag(&mut self, crd: Crd, lag: Lag) {
+    pub(crate) fn set_encoder_lag(&mut self, crd: Crd, lag: FilterRate) {
         if let Some(state) = self.crds.get_mut(crd) {
             state.encoders.set(lag);
         }
