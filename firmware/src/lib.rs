@@ -26,8 +26,8 @@ use interrupts::{LinkReceiver, Servo};
 use servo::tables::TableStores;
 use servo::tick::TickHalves;
 use statics::{
-    BYTES, EVENT_QUEUE, EXECUTOR, HEADERS, IMMEDIATE_LANE, LASER_TABLES, PENDED, POINTS, PROGRAM_LANE, QUEUES,
-    RECEIVER, RECEIVING, REPORT, SERVER, SERVO, STORES, TICK, TRACE, VIEW, paths,
+    BYTES, EDGE_COUNTS, EVENT_QUEUE, EXECUTOR, HEADERS, IMMEDIATE_LANE, LASER_TABLES, PENDED, POINTS, PROGRAM_LANE,
+    QUEUES, RECEIVER, RECEIVING, REPORT, SERVER, SERVO, STORES, TICK, TRACE, VIEW, paths,
 };
 use tasks::LinkParts;
 use wires::{Outflow, Wire, Wires};
@@ -117,7 +117,7 @@ fn compose(last: Option<&'static FaultReport>) -> Option<Parts> {
             events: events_in,
             samples: samples_in,
             segments: &STORES,
-            tables: TableStores { points: &POINTS, headers: &HEADERS, lasers: &LASER_TABLES },
+            tables: TableStores { points: &POINTS, headers: &HEADERS, lasers: &LASER_TABLES, edges: &EDGE_COUNTS },
             paths: paths(),
         },
     };
@@ -141,7 +141,7 @@ fn compose(last: Option<&'static FaultReport>) -> Option<Parts> {
         stores: &STORES,
         paths: paths(),
         queues: QUEUES.try_take()?,
-        tables: TableStores { points: &POINTS, headers: &HEADERS, lasers: &LASER_TABLES },
+        tables: TableStores { points: &POINTS, headers: &HEADERS, lasers: &LASER_TABLES, edges: &EDGE_COUNTS },
     };
     let (second, out, answer) = (SecondaryTransport::new(), Outflow::new(), Outflow::new());
     #[cfg(feature = "stm32h743")]

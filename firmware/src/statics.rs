@@ -63,6 +63,9 @@ pub const fn paths() -> PathStores<'static> {
 }
 /// Thread to tick: tables of laser channels.
 pub static LASER_TABLES: PowerTables = PowerTables::new();
+/// Counts of the edges of inputs.
+#[cfg_attr(feature = "stm32h743", unsafe(link_section = ".dma.edges"))]
+pub static EDGE_COUNTS: servo::EdgeCounts = servo::EdgeCounts::new();
 /// Thread: the queues of the look-ahead before these stores.
 #[cfg_attr(feature = "stm32h743", unsafe(link_section = ".thread"))]
 pub static QUEUES: ConstStaticCell<[[PathQueue; 2]; Crd::MAX]> =

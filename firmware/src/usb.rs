@@ -31,7 +31,7 @@ pub struct Memory {
     state: State<'static>,
 }
 
-#[unsafe(link_section = ".thread")]
+#[unsafe(link_section = ".backup")]
 static MEMORY: StaticCell<Memory> = StaticCell::new();
 static DEVICE: StaticCell<Device> = StaticCell::new();
 

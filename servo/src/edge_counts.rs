@@ -11,35 +11,39 @@ use ring::Store;
 const GENERAL: usize = GeneralInputs::BITS as usize;
 const OF_AXIS: usize = 5;
 
-/// The counts of all inputs: of general ones, then five of each axis.
-pub struct EdgeCounts(Store<1, { (GENERAL + COUNTED_AXES * OF_AXIS).next_power_of_two() }>);
+/// The counts of all inputs: of general ones, and five of each axis.
+pub struct EdgeCounts {
+    general: Store<1, GENERAL>,
+    of_axes: Store<1, { (COUNTED_AXES * OF_AXIS).next_power_of_two() }>,
+}
 
 const _: () = assert!(COUNTED_AXES <= Axis::MAX);
 
-/// The slot of an input; the last one of its kind for one that does not exist.
-fn slot(input: Input, index: u8) -> u32 {
-    let index = index as usize;
-    let slot = match input {
-        Input::General => index.min(GENERAL - 1),
-        input => GENERAL + index.min(COUNTED_AXES - 1) * OF_AXIS + input as usize,
-    };
-    slot as u32
+/// The slot of an axis' input; that of the last axis for one that does not exist.
+fn slot(input: Input, axis: usize) -> u32 {
+    (axis.min(COUNTED_AXES - 1) * OF_AXIS + input as usize) as u32
 }
 
 impl EdgeCounts {
     /// All 0.
     pub const fn new() -> EdgeCounts {
-        EdgeCounts(Store::new())
+        EdgeCounts { general: Store::new(), of_axes: Store::new() }
     }
 
     /// The count of an input. `index` is an axis over all cores, or a general input, from 0.
     pub fn of(&self, input: Input, index: u8) -> u32 {
-        self.0.word(slot(input, index), 0)
+        match input {
+            Input::General => self.general.word(index.into(), 0),
+            input => self.of_axes.word(slot(input, index.into()), 0),
+        }
     }
 
     /// It goes on from here.
     pub(crate) fn set(&self, input: Input, index: u8, count: u32) {
-        self.0.write(slot(input, index), [count]);
+        match input {
+            Input::General => self.general.write(index.into(), [count]),
+            input => self.of_axes.write(slot(input, index.into()), [count]),
+        }
     }
 
     fn add(&self, input: Input, index: u8) {

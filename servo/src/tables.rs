@@ -15,6 +15,8 @@ pub struct TableStores<'a> {
     pub headers: &'a HeaderStore,
     /// Those of laser channels.
     pub lasers: &'a crate::laser::PowerTables,
+    /// Counts of the edges of inputs, which the tick writes too.
+    pub edges: &'a crate::EdgeCounts,
 }
 
 impl TableStores<'_> {

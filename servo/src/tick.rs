@@ -217,7 +217,7 @@ impl<const AXES: usize> Tick<AXES> {
         }
         if caused {
             self.report_causes();
-            self.count_edges(&lanes.tables.lasers.edges);
+            self.count_edges(lanes.tables.edges);
         }
         if self.indexed.0 != 0 {
             self.take_index_captures(port);
@@ -279,7 +279,7 @@ impl<const AXES: usize> Tick<AXES> {
         self.ticks = self.ticks.wrapping_add(1);
         let general_inputs = port.general_inputs();
         if general_inputs != self.general_inputs {
-            self.count_general(general_inputs, &lanes.tables.lasers.edges);
+            self.count_general(general_inputs, lanes.tables.edges);
         }
         self.publish(port, lanes.view.buffer());
         lanes.view.publish();

@@ -241,6 +241,6 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
     /// The view and the state that replies are built from.
     pub fn reading<'d>(&'d self, view: &'d View<AXES>) -> Reading<'d, AXES> {
         let Admission { executed, configuration, board, log, .. } = self;
-        Reading { view, executed, configuration, board, log, tables: self.tables.lasers }
+        Reading { view, executed, configuration, board, log, tables: self.tables }
     }
 }

@@ -21,11 +21,12 @@ use heapless::Vec;
 use protocol::command::{self, Chapter, Request, chapter, opcode};
 use protocol::record::ReplyWriter;
 use protocol::values::{ANALOG_INPUT_VOLTS, io as kind, mode, wait};
-use servo::laser::{CHANNELS, Count, Power, PowerMode, PowerTables, dac_counts};
+use servo::laser::{CHANNELS, Count, Power, PowerMode, dac_counts};
 use servo::port::AxisInputs;
 use servo::segment::follow::{Input, WaitCondition};
 use servo::segment::piece::Scaled;
 use servo::status::RUNNING;
+use servo::tables::TableStores;
 use servo::units::Axis;
 use servo::view::{AxisView, LaserView, View};
 use zerocopy::IntoBytes;
@@ -55,8 +56,8 @@ pub struct Reading<'x, const AXES: usize> {
     pub board: &'x BoardConstants,
     /// Events.
     pub log: &'x Log,
-    /// The tick's memory of the analog outputs.
-    pub tables: &'x PowerTables,
+    /// Analog outputs and counts of edges, as the tick has them.
+    pub tables: TableStores<'x>,
 }
 
 /// 2^exponent, exactly, for exponents of normal numbers; beyond them 0 or infinity.
@@ -267,7 +268,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
     fn analog_output(&self, output: usize) -> i16 {
         match self.view.lasers.get(output) {
             Some(laser) if laser.mode == PowerMode::Analog => dac_counts(laser.power),
-            _ => self.tables.analog(output),
+            _ => self.tables.lasers.analog(output),
         }
     }
 

@@ -151,6 +151,7 @@ impl<const AXES: usize> Bench<AXES> {
             points: Box::leak(places),
             headers: leak(HeaderStore::new()),
             lasers: leak(servo::laser::PowerTables::new()),
+            edges: leak(servo::EdgeCounts::new()),
         };
         let board = BoardConstants {
             name: "bench",

@@ -209,6 +209,7 @@ impl Bench {
             points: Box::leak(places),
             headers: leak(HeaderStore::new()),
             lasers: leak(servo::laser::PowerTables::new()),
+            edges: leak(servo::EdgeCounts::new()),
         };
         let segments: &'static [SegmentStore; 1] = leak([const { SegmentStore::new() }; 1]);
         let lanes = TickHalves {

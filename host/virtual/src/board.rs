@@ -261,6 +261,7 @@ struct Arena<const AXES: usize> {
     places: Box<[PointStore; TABLES]>,
     headers: Box<HeaderStore>,
     lasers: Box<servo::laser::PowerTables>,
+    edges: Box<servo::EdgeCounts>,
     paths: Box<[[EntryStore; 2]; Crd::MAX]>,
     queues: Box<[[PathQueue; 2]]>,
     immediate: Ring<LaneEntry, IMMEDIATE_ENTRIES>,
@@ -284,6 +285,7 @@ impl<const AXES: usize> Arena<AXES> {
             places: row(PointStore::new),
             headers: Box::new(HeaderStore::new()),
             lasers: Box::new(servo::laser::PowerTables::new()),
+            edges: Box::new(servo::EdgeCounts::new()),
             paths: row(Default::default),
             queues: (0..Crd::MAX).map(|_| Default::default()).collect(),
             immediate: Ring::new(),
@@ -331,7 +333,8 @@ fn forever<T>(value: T) -> &'static mut T {
 impl<'m, const AXES: usize> Whole<'m, AXES> {
     fn new(arena: &'m mut Arena<AXES>, config: Config) -> Self {
         let (stores, paths): (&[SegmentStore; AXES], _) = (&arena.segments, PathStores::of(&arena.paths));
-        let tables = TableStores { points: &arena.places, headers: &arena.headers, lasers: &arena.lasers };
+        let tables =
+            TableStores { points: &arena.places, headers: &arena.headers, lasers: &arena.lasers, edges: &arena.edges };
         let (immediate_in, immediate_out) = arena.immediate.split();
         let (program_in, program_out) = arena.program.split();
         let (events_in, events_out) = arena.events.split();

@@ -51,9 +51,10 @@ pub static QUEUES: ConstStaticCell<[[PathQueue; 2]; 2]> =
     ConstStaticCell::new([const { [const { PathQueue::new() }; 2] }; 2]);
 /// Tables of laser channels.
 pub static LASER_TABLES: PowerTables = PowerTables::new();
+pub static EDGE_COUNTS: servo::EdgeCounts = servo::EdgeCounts::new();
 /// All of them.
 pub const TABLE_STORES: TableStores<'static> =
-    TableStores { points: &PLACES, headers: &HEADERS, lasers: &LASER_TABLES };
+    TableStores { points: &PLACES, headers: &HEADERS, lasers: &LASER_TABLES, edges: &EDGE_COUNTS };
 
 /// The thread's halves.
 pub struct Thread {

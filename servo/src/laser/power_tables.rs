@@ -14,7 +14,6 @@
 use super::fixed_point::{nearest, product, scaled};
 use super::power::{Power, Refused};
 use super::{CHANNELS, fixed_point};
-use crate::edge_counts::EdgeCounts;
 use crate::math::float::Float;
 use crate::math::wide::narrow;
 use crate::path::PathSpeed;
@@ -138,8 +137,6 @@ pub struct PowerTables {
     /// Analog outputs as SetDac and paths have set them; written by the tick. 0 for one that a
     /// laser has taken.
     analog: Store<1, ANALOG>,
-    /// Edges of inputs; counted by the tick, too.
-    pub edges: EdgeCounts,
 }
 
 /// Analog outputs, of which the first are those of the laser channels.
@@ -149,7 +146,7 @@ impl PowerTables {
     /// All tables empty.
     pub const fn new() -> PowerTables {
         let (points, counts, nodes, limits) = (Store::new(), Store::new(), Store::new(), Store::new());
-        PowerTables { points, counts, nodes, limits, analog: Store::new(), edges: EdgeCounts::new() }
+        PowerTables { points, counts, nodes, limits, analog: Store::new() }
     }
 
     /// The last value of an analog output, from 0, −32768…32767 for −10…10 V.

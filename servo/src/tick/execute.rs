@@ -76,7 +76,7 @@ impl<const AXES: usize> Tick<AXES> {
                 self.timed.add(group, bit, !high, Ns(next.0.saturating_add(time.0)));
                 self.output(group, mask, if high { mask } else { 0 }, next, lanes);
             }
-            TickCommand::EdgeCount { input, index, count } => lanes.tables.lasers.edges.set(input, index, count),
+            TickCommand::EdgeCount { input, index, count } => lanes.tables.edges.set(input, index, count),
             TickCommand::Analog { channel, value } => {
                 port.analog_out(0, channel as usize, value);
                 self.record_analog(channel, value, lanes.tables.lasers, lanes.samples);

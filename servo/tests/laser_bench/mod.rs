@@ -336,6 +336,7 @@ impl Bench {
             points: Box::leak(places),
             headers: leak(HeaderStore::new()),
             lasers: leak(servo::laser::PowerTables::new()),
+            edges: leak(servo::EdgeCounts::new()),
         };
         let segments: &'static [SegmentStore; AXES] = leak([const { SegmentStore::new() }; AXES]);
         let config = TickConfig {

@@ -163,6 +163,7 @@ impl Bench {
             points: Box::leak(places),
             headers: leak(HeaderStore::new()),
             lasers: leak(servo::laser::PowerTables::new()),
+            edges: leak(servo::EdgeCounts::new()),
         };
         let paths = PathStores::of::<{ Crd::MAX }>(leak([const { [const { EntryStore::new() }; 2] }; Crd::MAX]));
         let segments: &'static [SegmentStore; AXES] = leak([const { SegmentStore::new() }; AXES]);
@@ -281,7 +282,7 @@ impl Bench {
 
     /// Edges of an input so far.
     pub fn edges(&self, input: follow::Input, index: u8) -> u32 {
-        self.lanes.tables.lasers.edges.of(input, index)
+        self.lanes.tables.edges.of(input, index)
     }
 
     pub fn event(&mut self) -> Option<Event> {

@@ -55,8 +55,10 @@ static STORES: [SegmentStore; AXES] = [const { SegmentStore::new() }; AXES];
 static PLACES: [PointStore; TABLES] = [const { PointStore::new() }; TABLES];
 static HEADERS: HeaderStore = HeaderStore::new();
 static LASERS: PowerTables = PowerTables::new();
+static EDGES: servo::EdgeCounts = servo::EdgeCounts::new();
 static PATHS: [[EntryStore; 2]; 2] = [const { [const { EntryStore::new() }; 2] }; 2];
-const TABLE_STORES: TableStores<'static> = TableStores { points: &PLACES, headers: &HEADERS, lasers: &LASERS };
+const TABLE_STORES: TableStores<'static> =
+    TableStores { points: &PLACES, headers: &HEADERS, lasers: &LASERS, edges: &EDGES };
 
 probes::exit_on_panic!();
 

@@ -140,6 +140,17 @@ struct RatioOffset {
     ratio: i128,
 }
 
+/// What the piece after the one in force comes from.
+#[derive(Debug, Clone, Copy)]
+enum Next {
+    /// The data; it is made in its tick.
+    Data,
+    /// The data, and it was made already.
+    Prepared(PreparedPiece),
+    /// In gear: its law, in place of a FIFO.
+    Gear(Gear),
+}
+
 /// A piece that was made before its tick: of this entry in this pass, which began at these
 /// positions.
 #[derive(Debug, Clone, Copy)]
@@ -188,9 +199,10 @@ state! {
         /// Ratio with which a FIFO that begins with CONTINUE goes on, in every pass.
         carried: i128 = 0,
         more: Option<RatioOffset> = None,
-        /// The piece after the one in force, if it was made; and whether it may still be to be
-        /// made.
-        ahead: Option<PreparedPiece> = None,
+        /// The piece after the one in force, and whether it may still be to be made ahead.
+        next: Next = setup.gear.map_or(Next::Data, |ratio| {
+            Next::Gear(Gear::begin(ratio, setup.direction == Direction::Down, 0))
+        }),
         open: bool = false,
         /// A piece lies further from the one before than any tick may move.
         far: bool = false,
@@ -202,10 +214,6 @@ state! {
         end: u32 = 0,
         /// FIFOs that a switch has emptied: 1 bit each, until the axis has taken them.
         emptied: u8 = 0,
-        /// In gear: its law, in place of a FIFO.
-        gear: Option<Gear> = setup.gear.map(|ratio| {
-            Gear::begin(ratio, setup.direction == Direction::Down, 0)
-        }),
     }
     /// A motion from the position `origin` which starts in the tick computed next.
     #[inline(always)]
@@ -280,7 +288,14 @@ impl FollowRun {
 
     /// Data or settings have changed: something else may follow now.
     pub fn invalidate_prepared(&mut self) {
-        (self.ahead, self.open) = (None, self.piece.span != 0);
+        if self.gear().is_none() {
+            (self.next, self.open) = (Next::Data, self.piece.span != 0);
+        }
+    }
+
+    /// Its law, if it is in gear.
+    fn gear(&self) -> Option<&Gear> {
+        if let Next::Gear(gear) = &self.next { Some(gear) } else { None }
     }
 
     /// Whether [`FollowRun::prepare`] may have something to do.
@@ -451,8 +466,8 @@ impl FollowRun {
         section: &Section<'_>,
         context: &mut FollowContext<'_, S, L>,
     ) -> Option<FollowState> {
-        if let Some(gear) = self.gear {
-            self.seek_geared(gear);
+        if let Some(gear) = self.gear() {
+            self.seek_geared(*gear);
             return self.far.then_some(FollowState::TooFar);
         }
         for _ in 0..SETTLE_STEPS {
@@ -555,7 +570,7 @@ impl FollowRun {
         let at = self.knot(index, context);
         self.far |= self.is_far(at.0);
         self.piece = Piece::standstill(Ns(0), 0, at.round());
-        (self.ahead, self.open) = (None, false);
+        (self.next, self.open) = (Next::Data, false);
     }
 
     /// A delay or a wait is over with the master at `pos`: the next segment begins there.

@@ -16,6 +16,7 @@ use super::curve::cubic;
 use super::ratio::{quotient, start_displacement};
 use crate::segment::piece::{Motion, Piece};
 use crate::units::{Exact, Ns, Pos};
+use core::num::NonZeroU32;
 
 /// Pulses of master and slave in a piece, unless those given are more.
 const PIECE_PULSES: u32 = 1 << 31;
@@ -28,7 +29,7 @@ const SLOPE_MAX_PULSES: u128 = Pos::TRAVEL_PULSES as u128;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct GearRatio {
     /// Displacements of master and slave that belong together, pulses: a multiple of those given.
-    master: u32,
+    master: NonZeroU32,
     slave: i64,
     /// Displacement of the master over which the ratio is reached, pulses; 0 is at once.
     slope: u32,
@@ -71,7 +72,8 @@ impl GearRatio {
         let times = multiple(part.max(steps));
         let slave = if master < 0 { -(slave as i64) } else { slave as i64 };
         let ratio = quotient(slave as i128, part as u128);
-        Ok(GearRatio { master: part << times, slave: slave << times, slope: slope as u32, ratio })
+        let master = NonZeroU32::new(part << times).ok_or(GearRefused::Master)?;
+        Ok(GearRatio { master, slave: slave << times, slope: slope as u32, ratio })
     }
 
     /// The same over a progress that is the master's position with its sign changed.
@@ -120,7 +122,7 @@ impl Gear {
 
     /// Displacements of master and slave that belong together, 2⁻⁶⁴ pulse.
     pub(super) fn lengths(&self) -> (i128, i128) {
-        ((self.ratio.master as i128) << 64, (self.ratio.slave as i128) << 64)
+        ((self.ratio.master.get() as i128) << 64, (self.ratio.slave as i128) << 64)
     }
 
     /// The ratio, 2⁻⁸⁰, and the slave's displacement at `x` ≥ 0 after the slope; none on it.
@@ -190,10 +192,10 @@ mod tests {
     fn pieces_are_long() {
         for (master, slave) in [(1, 1), (3, -2), (i32::MIN, 1), (1, 1 << 24), (i32::MAX, i32::MIN), (7, 0)] {
             let ratio = GearRatio::of(master, slave, 0).unwrap();
-            let longest = (ratio.master as u64).max(ratio.slave.unsigned_abs());
+            let longest = u64::from(ratio.master.get()).max(ratio.slave.unsigned_abs());
             assert!((1 << 30..=1 << 31).contains(&longest), "{master} {slave}: {longest}");
             let quotient = |a: i128, b: i128| a * master as i128 == b * slave as i128;
-            assert!(quotient(ratio.slave as i128, ratio.master as i128), "{master} {slave}");
+            assert!(quotient(ratio.slave as i128, ratio.master.get() as i128), "{master} {slave}");
         }
     }
 }

@@ -3,7 +3,7 @@
 //! In: intervals of the master's motion, the start event of the axis, the wait in force. Out: the
 //! progress at which the motion begins, with the exact instant of the crossing between two ticks.
 //! Owns nothing. Cannot fail.
-use super::{FollowContext, FollowRun, FollowState, TickEndAction, Wait};
+use super::{FollowContext, FollowRun, FollowState, Next, TickEndAction, Wait};
 use crate::segment::follow::curve::EXACT_TO_POS_BITS;
 use crate::segment::follow::entry::Input;
 use crate::segment::follow::master_path::{Section, TimedPosition};
@@ -23,9 +23,9 @@ impl FollowRun {
         if self.wait == Wait::Start {
             match context.setup.event {
                 StartEvent::Start => {
-                    let prepared = self.ahead.take();
                     self.start(to.pos);
-                    if let Some(prepared) = prepared {
+                    if let Next::Prepared(prepared) = self.next {
+                        self.next = Next::Data;
                         self.enter_prepared(&prepared);
                     } else if let Some(end) = self.settle(&still, context) {
                         return Some(end);
