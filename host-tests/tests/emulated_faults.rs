@@ -269,7 +269,11 @@ fn a_link_that_is_cut_anywhere_in_a_job_ends_dark() {
         }
         wait_until("no fault", || fault(&client, 0) == 0);
         drop(client);
-        let (lit, _) = cut_job(&board, cut);
+        let (lit, passed) = cut_job(&board, cut);
+        if passed.len() < cut {
+            // The job is over before: without a cut a frame had been sent again.
+            continue;
+        }
         map.pass(&board, LOSS_MS);
         let client = board.open();
         let now = state(&client, 0);
@@ -286,7 +290,7 @@ fn a_link_that_is_cut_anywhere_in_a_job_ends_dark() {
         }
     }
     println!("{} cuts in {} bytes: {dark} shut light off, {never} before light", cuts.len(), sent.len());
-    assert!(dark > 0 && never > 0);
+    assert!(dark > 0 && never > 0 && dark + never >= 6, "{dark} and {never} of {}", cuts.len());
 }
 
 #[test]

@@ -129,6 +129,13 @@ pub fn broken(programme: &Programme, reported: &[Reported]) -> Option<(usize, St
             if programme.family == "gus" && !calls[at.saturating_sub(2)..at].iter().any(connector) {
                 continue;
             }
+            // Distance adds to the direct power from then on.
+            let distance = |(_, (call, reported)): &(usize, Made)| {
+                call.function.name == "SetLaserDisMode" && reported.code == 0 && call.number("mode") != Some(0)
+            };
+            if calls[..at].iter().any(distance) {
+                continue;
+            }
             let made: Vec<Made> = window.iter().map(|(_, made)| *made).collect();
             if made.iter().all(|(_, reported)| reported.code == 0)
                 && names(&made) == rule

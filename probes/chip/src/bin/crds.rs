@@ -18,7 +18,7 @@
 //! * `laser-…`: CASE channels are in light while one coordinate system speeds up. Their power
 //!   follows nothing, its speed, positions, tables of both, or speed and positions.
 use cortex_m_semihosting::hprintln;
-use dispatcher::plan::pvt::{Fields, Scratch, SplineScratch, TableDraft, TableKind};
+use dispatcher::plan::pvt::{FieldIndices, Scratch, SplineScratch, TableDraft, TableKind};
 use hal as _; // the vector table
 use probes::clock;
 use probes::counted::Counted;
@@ -277,7 +277,7 @@ impl Bench {
 
     /// A table of segments of 16 ticks for an axis.
     fn load_table(&mut self, axis: Axis, scratch: &mut Scratch<'_>) {
-        let (table, fields) = (axis.index() as u8, Fields { count: 0, whole: 0, point: 0 });
+        let (table, fields) = (axis.index() as u8, FieldIndices { count: 0, whole: 0, point: 0 });
         let draft =
             TableDraft::begin(TableKind::Pvt, SEGMENTS as i32 + 1, fields, StepLimit::FULL_SCALE, true, scratch);
         let Ok(mut draft) = draft else { panic!("the table is refused") };

@@ -17,7 +17,7 @@
 //! The machine under the tick only stores its set-points and outputs: the counts are of the tick
 //! alone.
 use cortex_m_semihosting::hprintln;
-use dispatcher::plan::pvt::{Fields, Scratch, SplineScratch, TableDraft, TableKind};
+use dispatcher::plan::pvt::{FieldIndices, Scratch, SplineScratch, TableDraft, TableKind};
 use hal as _; // the vector table
 use probes::clock;
 use probes::counted::Counted;
@@ -88,7 +88,7 @@ impl Bench {
 
     /// Gives an axis a table of its own: as many segments, of the same length.
     fn load_table(&mut self, axis: Axis, scratch: &mut Scratch<'_>) {
-        let (table, fields) = (axis.index() as u8, Fields { count: 0, whole: 0, point: 0 });
+        let (table, fields) = (axis.index() as u8, FieldIndices { count: 0, whole: 0, point: 0 });
         let draft =
             TableDraft::begin(TableKind::Pvt, SEGMENTS as i32 + 1, fields, StepLimit::FULL_SCALE, true, scratch);
         let Ok(mut draft) = draft else { panic!("the table is refused") };
