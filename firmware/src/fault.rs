@@ -2,9 +2,9 @@
 //! reset, then the reset.
 //!
 //! In: a panic, a fault of the core, an interrupt without a handler, the watchdog. Out: a board in
-//! its safe state and, after the restart, the [`FaultReport`], for the log and for `GetFault` over the
-//! link. Owns the record in RAM that start-up does not clear. It must not fail itself: it takes no
-//! lock, formats into a fixed buffer, and truncates longer text.
+//! its safe state and, after the restart, the [`FaultReport`], for the log and for `GetFault` over
+//! the link. Owns the record in RAM that start-up does not clear. It must not fail itself: it takes
+//! no lock, formats into a fixed buffer, and truncates longer text.
 use crate::supervision;
 use core::cell::UnsafeCell;
 use core::fmt::{self, Write};

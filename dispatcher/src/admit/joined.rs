@@ -1,9 +1,10 @@
 //! PathMany: calls of one FIFO of a coordinate system, joined in one command.
 //!
 //! In: the command, and how far it has come. Out: its calls admitted one after the other, as single
-//! ones are; one commit publishes all of them. Owns: nothing; each lane keeps its [`PathManyProgress`].
-//! Fails: before anything is taken, if a call does not belong to the FIFO. Else with the refusal of
-//! the first call that is refused, by its number; what came before it stays taken.
+//! ones are; one commit publishes all of them. Owns: nothing; each lane keeps its
+//! [`PathManyProgress`]. Fails: before anything is taken, if a call does not belong to the FIFO.
+//! Else with the refusal of the first call that is refused, by its number; what came before it
+//! stays taken.
 use super::admission::{Admission, context};
 use super::context::{Context, DueInstant, Effect};
 use super::written::Written;

@@ -322,8 +322,8 @@ pub const SURVIVED: &[Mutant] = &[
     mutant(
         "a configuration goes on in the next session",
         COMMAND_HANDLER,
-        "        self.config = None;\n        self.joined = Joined::default();",
-        "        self.joined = Joined::default();",
+        "        self.config = None;\n        self.joined = PathManyProgress::default();",
+        "        self.joined = PathManyProgress::default();",
         SESSIONS,
     ),
     mutant(
