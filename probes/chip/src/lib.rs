@@ -51,6 +51,7 @@ pub static QUEUES: ConstStaticCell<[[PathQueue; 2]; 2]> =
     ConstStaticCell::new([const { [const { PathQueue::new() }; 2] }; 2]);
 /// Tables of laser channels.
 pub static LASER_TABLES: PowerTables = PowerTables::new();
+/// Counts of the edges of inputs.
 pub static EDGE_COUNTS: servo::EdgeCounts = servo::EdgeCounts::new();
 /// All of them.
 pub const TABLE_STORES: TableStores<'static> =
