@@ -16,7 +16,7 @@ pub struct TableStores<'a> {
     /// Those of laser channels.
     pub lasers: &'a crate::laser::PowerTables,
     /// Counts of the edges of inputs, which the tick writes too.
-    pub edges: &'a crate::EdgeCounts,
+    pub edges: &'a crate::edge_counts::EdgeCounts,
 }
 
 impl TableStores<'_> {

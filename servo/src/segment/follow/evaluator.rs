@@ -142,7 +142,7 @@ struct RatioOffset {
 
 /// What the piece after the one in force comes from.
 #[derive(Debug, Clone, Copy)]
-enum Next {
+enum NextPiece {
     /// The data; it is made in its tick.
     Data,
     /// The data, and it was made already.
@@ -200,8 +200,8 @@ state! {
         carried: i128 = 0,
         more: Option<RatioOffset> = None,
         /// The piece after the one in force, and whether it may still be to be made ahead.
-        next: Next = setup.gear.map_or(Next::Data, |ratio| {
-            Next::Gear(Gear::begin(ratio, setup.direction == Direction::Down, 0))
+        next: NextPiece = setup.gear.map_or(NextPiece::Data, |ratio| {
+            NextPiece::Gear(Gear::begin(ratio, setup.direction == Direction::Down, 0))
         }),
         open: bool = false,
         /// A piece lies further from the one before than any tick may move.
@@ -289,13 +289,13 @@ impl FollowRun {
     /// Data or settings have changed: something else may follow now.
     pub fn invalidate_prepared(&mut self) {
         if self.gear().is_none() {
-            (self.next, self.open) = (Next::Data, self.piece.span != 0);
+            (self.next, self.open) = (NextPiece::Data, self.piece.span != 0);
         }
     }
 
     /// Its law, if it is in gear.
     fn gear(&self) -> Option<&Gear> {
-        if let Next::Gear(gear) = &self.next { Some(gear) } else { None }
+        if let NextPiece::Gear(gear) = &self.next { Some(gear) } else { None }
     }
 
     /// Whether [`FollowRun::prepare`] may have something to do.
@@ -570,7 +570,7 @@ impl FollowRun {
         let at = self.knot(index, context);
         self.far |= self.is_far(at.0);
         self.piece = Piece::standstill(Ns(0), 0, at.round());
-        (self.next, self.open) = (Next::Data, false);
+        (self.next, self.open) = (NextPiece::Data, false);
     }
 
     /// A delay or a wait is over with the master at `pos`: the next segment begins there.

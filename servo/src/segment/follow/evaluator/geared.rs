@@ -4,7 +4,7 @@
 //! progress. Owns: nothing; `began` and `origin` of the run are the positions from which its gear
 //! counts. Cannot fail: a position too far away is marked. Work: a product for any displacement.
 use super::seek::{passes_in, passes_of};
-use super::{FollowRun, Next, Wait};
+use super::{FollowRun, NextPiece, Wait};
 use crate::segment::follow::curve::{EXACT_TO_POS_BITS, ratio_at};
 use crate::segment::follow::gear::{Gear, GearRatio};
 
@@ -13,7 +13,7 @@ impl FollowRun {
     pub(super) fn gear_to(&mut self, ratio: GearRatio) {
         let Some(gear) = self.gear().copied() else { return };
         if self.wait != Wait::No {
-            self.next = Next::Gear(Gear::begin(ratio, self.down, 0));
+            self.next = NextPiece::Gear(Gear::begin(ratio, self.down, 0));
             return;
         }
         let began = (self.progress as i128) << EXACT_TO_POS_BITS;
@@ -23,7 +23,7 @@ impl FollowRun {
             None => (ratio_at(&self.piece.motion, tau), (position.0 as i128) << EXACT_TO_POS_BITS),
         };
         (self.began, self.origin) = (began, origin);
-        self.next = Next::Gear(Gear::begin(ratio, self.down, before));
+        self.next = NextPiece::Gear(Gear::begin(ratio, self.down, before));
     }
 
     /// Loads the piece that holds the progress. `began` is then at or before it, except on a slope.
@@ -50,6 +50,6 @@ impl FollowRun {
             }
         };
         self.far |= self.is_far((piece.start.0 as i128) << EXACT_TO_POS_BITS);
-        (self.piece, self.next) = (piece, Next::Gear(gear));
+        (self.piece, self.next) = (piece, NextPiece::Gear(gear));
     }
 }

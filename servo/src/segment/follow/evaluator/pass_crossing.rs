@@ -3,7 +3,7 @@
 //! In: intervals of the master's motion, the start event of the axis, the wait in force. Out: the
 //! progress at which the motion begins, with the exact instant of the crossing between two ticks.
 //! Owns nothing. Cannot fail.
-use super::{FollowContext, FollowRun, FollowState, Next, TickEndAction, Wait};
+use super::{FollowContext, FollowRun, FollowState, NextPiece, TickEndAction, Wait};
 use crate::segment::follow::curve::EXACT_TO_POS_BITS;
 use crate::segment::follow::entry::Input;
 use crate::segment::follow::master_path::{Section, TimedPosition};
@@ -24,8 +24,8 @@ impl FollowRun {
             match context.setup.event {
                 StartEvent::Start => {
                     self.start(to.pos);
-                    if let Next::Prepared(prepared) = self.next {
-                        self.next = Next::Data;
+                    if let NextPiece::Prepared(prepared) = self.next {
+                        self.next = NextPiece::Data;
                         self.enter_prepared(&prepared);
                     } else if let Some(end) = self.settle(&still, context) {
                         return Some(end);

@@ -3,7 +3,7 @@
 //! In: the progress, in the run. Out: the piece that holds it, or the entry or the end that is
 //! reached. Owns: nothing. Cannot fail: a position too far away is marked. Work: a bisection, and a
 //! product for any number of passes.
-use super::{FollowContext, FollowRun, Next, PreparedPiece, Seek};
+use super::{FollowContext, FollowRun, NextPiece, PreparedPiece, Seek};
 use crate::math::wide::{recip64_below, umulhi};
 use crate::segment::follow::FollowEntries;
 use crate::segment::follow::curve::{CurveSegment, EXACT_TO_POS_BITS, ceil};
@@ -17,7 +17,7 @@ impl FollowRun {
     /// does.
     #[inline(never)]
     pub(super) fn turn(&mut self, progress: i64) -> Option<u64> {
-        let ahead = if let Next::Prepared(ahead) = &self.next { ahead } else { return None };
+        let ahead = if let NextPiece::Prepared(ahead) = &self.next { ahead } else { return None };
         if self.piece.span == 0 {
             return None;
         }
@@ -27,7 +27,7 @@ impl FollowRun {
         }
         self.piece = ahead.piece;
         (self.index, self.pass, self.began, self.origin) = (ahead.index, ahead.pass, ahead.began, ahead.origin);
-        (self.next, self.open, self.held) = (Next::Data, true, false);
+        (self.next, self.open, self.held) = (NextPiece::Data, true, false);
         Some(t)
     }
 
@@ -61,7 +61,7 @@ impl FollowRun {
             return;
         }
         let piece = self.segment(pass, index, before, entry, setup, source).piece(x, began, origin);
-        self.next = Next::Prepared(PreparedPiece { piece, index, pass, began, origin });
+        self.next = NextPiece::Prepared(PreparedPiece { piece, index, pass, began, origin });
     }
 
     /// Before the start: makes the first piece, as for a master at 0, if the first entry is a
@@ -73,7 +73,7 @@ impl FollowRun {
             return;
         }
         let piece = self.segment(0, 0, None, entry, setup, source).piece(0, 0, self.origin);
-        self.next = Next::Prepared(PreparedPiece { piece, index: 0, pass: 0, began: 0, origin: self.origin });
+        self.next = NextPiece::Prepared(PreparedPiece { piece, index: 0, pass: 0, began: 0, origin: self.origin });
     }
 
     /// The slave's position at the beginning of an entry of this pass.
@@ -123,7 +123,7 @@ impl FollowRun {
         let segment = self.segment(self.pass, index, before, entry, context.setup, context.source);
         self.far |= self.is_far(segment.start(self.origin));
         self.piece = segment.piece(x, self.began, self.origin);
-        (self.index, self.held, self.next, self.open) = (index, false, Next::Data, true);
+        (self.index, self.held, self.next, self.open) = (index, false, NextPiece::Data, true);
     }
 
     /// Whether a slave position is 2³⁹ pulses or more from that of the piece in force.

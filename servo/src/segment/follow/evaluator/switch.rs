@@ -3,7 +3,7 @@
 //! In: the command to switch, the position where it acts. Out: the run with a new origin. Owns:
 //! nothing. [`RatioOffset`] holds what the chain of ratios in the data cannot know. Cannot fail:
 //! where there is nothing to switch to, nothing happens.
-use super::{FollowContext, FollowRun, Next, RatioOffset, Wait};
+use super::{FollowContext, FollowRun, NextPiece, RatioOffset, Wait};
 use crate::segment::follow::curve::{CurveSegment, EXACT_TO_POS_BITS, ratio_at};
 use crate::segment::follow::entry::{CHAIN_MAX_ENTRIES, ENTRIES, FollowEntry, STOPS};
 use crate::segment::follow::setup::Setup;
@@ -112,7 +112,7 @@ impl FollowRun {
             self.start_with(0, 0, self.carried, context);
         }
         self.piece.span = 0;
-        (self.next, self.open) = (Next::Data, false);
+        (self.next, self.open) = (NextPiece::Data, false);
     }
 
     /// The other FIFO's progress has the other sign.
