@@ -491,6 +491,11 @@ impl Machine {
     pub fn running(&self) -> usize {
         self.chip.running
     }
+
+    /// Whether the core waits for an interrupt: it takes no instruction until one comes.
+    pub fn waits(&self) -> bool {
+        self.chip.waits
+    }
 }
 
 /// EXC_RETURN.

@@ -185,7 +185,7 @@ fn a_core_that_is_locked_up_ends_light_without_an_instruction() {
     let Some((_client, shared)) = lit() else { return };
     let mut machine = lock(&shared);
     let end = machine.chip.now + 10 * MILLISECOND;
-    while machine.running() != 0 || is_lit(&machine) != [true; 2] {
+    while machine.running() != 0 || machine.waits() || is_lit(&machine) != [true; 2] {
         machine.run(1);
         assert!(machine.chip.now < end);
     }
