@@ -56,7 +56,7 @@ const BLOCKS: &[(&str, &str, Fate)] = &[
     ("docs/gcode.md", "beamtick check", Runs),
     ("docs/grbl.md", "beamtick grbl", Held("a_thousand_programs_that_are_streamed_end_where_their_files_end")),
     ("docs/grbl.md", "python3 -m venv mk", Held("meerk40t_asks_and_sends_as_it_does")),
-    ("docs/guides/add-a-command.md", "0x0823", Figure),
+    ("docs/guides/add-a-command.md", "0x0150", Figure),
     ("docs/guides/add-a-command.md", "cargo test", Xtask("xtask/src/checks.rs", "host([\"test\"])")),
     ("docs/jobs.md", "t_ms,input,level", Inputs),
     ("docs/jobs.md", "[axis.1-8]", Configuration),
