@@ -5,7 +5,8 @@
 //! In: the line `go` from the host, the jumpers of docs/bring-up.md. Out: lines of figures
 //! ([`report`]). Owns the board. It judges nothing: limits and advice are the host's
 //! (`host/beamtick/src/bring_up/`). It resets the chip after each run, so each begins like a
-//! power-on. Fails: a chip that the board's start-up refuses lights LD3 and reports nothing.
+//! power-on. Fails: a chip that the board's start-up refuses lights LD3 and reports nothing. On
+//! another package it drives the link's line alone, and reports what registers tell.
 //!
 //! It has no servo tick, no client and no light of its own will. Outputs move while it measures:
 //! no drive and no laser may be connected.
@@ -22,7 +23,7 @@ mod wires;
 
 use bench::Bench;
 use cortex_m::peripheral::SCB;
-use hal::board::{self, settings, uart::Rx};
+use hal::board::{self, machine::Machine, package, settings, timer::TickTimer, uart::Rx};
 use report::Report;
 
 /// Version of the lines.
@@ -51,7 +52,7 @@ fn main() -> ! {
     let at_reset = chip::AtReset::read();
     // The only panic of the start: a second call of this function, which the runtime never makes.
     cortex_m::interrupt::disable();
-    let board = board::take_on_any_package().expect("the board is taken once");
+    let board = board::take_to_measure().expect("the board is taken once");
     let (tx, mut rx) = board.link;
     core_facts::count_cycles();
     await_order(&mut rx);
@@ -61,23 +62,30 @@ fn main() -> ! {
     chip::report_to(&mut report);
     core_facts::report_to(&mut report);
     report.line("step-width", &[settings::STEP_WIDTH_NS.into()]);
-    let has_driver = wires::report_to(&mut report);
-    for open in [true, false] {
-        wires::open_interlock(open);
-        if has_driver || open {
-            chip::breaks_now(&mut report);
-        }
+    if !package::is_other() {
+        measure(&mut report, board.machine, board.timer);
     }
-    let mut bench = Bench::begin(board.machine, board.timer);
-    light::start(&mut bench, &mut report);
-    light::first_edges(&mut bench, &mut report, ["first-0", "first-1", "first-switch", "first-steps"]);
-    light::load(&mut bench, &mut report);
-    light::steps(&mut bench, &mut report);
-    light::starve(&mut bench, &mut report);
-    light::broken_burst(&mut bench, &mut report, ["again-0", "again-1", "again-switch", "again-steps"]);
-    light::breaks(&mut bench, &mut report, has_driver);
-    analog::report_to(&mut bench, &mut report);
     stack::report_to(&mut report);
     report.end();
     SCB::sys_reset()
+}
+
+/// What edges and voltages at the ends of jumpers tell.
+fn measure(report: &mut Report, machine: Machine, timer: TickTimer) {
+    let has_driver = wires::report_to(report);
+    for open in [true, false] {
+        wires::open_interlock(open);
+        if has_driver || open {
+            chip::breaks_now(report);
+        }
+    }
+    let mut bench = Bench::begin(machine, timer);
+    light::start(&mut bench, report);
+    light::first_edges(&mut bench, report, ["first-0", "first-1", "first-switch", "first-steps"]);
+    light::load(&mut bench, report);
+    light::steps(&mut bench, report);
+    light::starve(&mut bench, report);
+    light::broken_burst(&mut bench, report, ["again-0", "again-1", "again-switch", "again-steps"]);
+    light::breaks(&mut bench, report, has_driver);
+    analog::report_to(&mut bench, report);
 }

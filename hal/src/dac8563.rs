@@ -12,7 +12,7 @@ const WRITE: u8 = 0b011 << 3;
 
 /// Least time for which the chip select is high between two frames (data sheet, "minimum SYNC high
 /// time"); after less, the second frame is ignored.
-const BETWEEN_NS: u32 = 80;
+pub const BETWEEN_NS: u32 = 80;
 
 /// The part, on a bus in SPI mode 1, 50 MHz at most.
 #[derive(Debug)]

@@ -42,7 +42,7 @@ const fn variant(program: &'static str, features: &'static str, suffix: &'static
 }
 
 /// NUCLEO-H743ZI2.
-const REFERENCE: Variant = variant(BIN, "nucleo_h743zi2", "");
+pub const REFERENCE: Variant = variant(BIN, "nucleo_h743zi2", "");
 /// The same with another DAC.
 pub const REFERENCE_DAC: Variant = variant(BIN, "nucleo_h743zi2,external_dac", "-external-dac");
 /// A module with an STM32H743VI.
@@ -159,8 +159,8 @@ pub fn size() -> Outcome {
     floats::check(&bytes)
 }
 
-/// Flashes the board that is connected.
-pub fn flash() -> Outcome {
+/// Flashes the board that is connected with the reference board's image, or with its variant.
+pub fn flash(variant: Variant) -> Outcome {
     if !works(program("probe-rs").arg("--version")) {
         return Err(
             "probe-rs is missing: `cargo install probe-rs-tools --locked` (https://probe.rs); or copy the HEX that \
@@ -168,7 +168,7 @@ pub fn flash() -> Outcome {
                 .into(),
         );
     }
-    flash_this(&build()?)
+    flash_this(&variant.build()?)
 }
 
 /// Flashes an image with probe-rs, which is there.

@@ -36,7 +36,8 @@ cargo xtask COMMAND
   setup           installs what is missing: the compiler's Cortex-M7 target and QEMU
   image           builds the images; shows their size, writes a bill of materials; the reference board's as ELF, BIN and HEX in out/
   size            how much of each memory of the chip the reference board's image uses
-  flash-board     builds that image and writes it to the board (cargo flash-board; needs probe-rs)
+  flash-board [external-dac]
+                  builds that image, or the one for a DAC8563, and writes it to the board (cargo flash-board; needs probe-rs)
   bring-up [LINK] builds the image by which the board measures itself into out/, flashes it if probe-rs is there; with LINK
                   (serial:/dev/ttyACM0:3000000) it measures and writes out/bring-up.md (cargo bring-up; docs/bring-up.md)
   bring-up LINK loads
@@ -79,7 +80,8 @@ fn main() -> ExitCode {
         ["setup"] => setup::run(),
         ["image"] => setup::run().and_then(|()| image::report()).and_then(|()| board::image()).map(drop),
         ["size"] => board::size(),
-        ["flash-board"] => board::flash(),
+        ["flash-board"] => board::flash(board::REFERENCE),
+        ["flash-board", "external-dac"] => board::flash(board::REFERENCE_DAC),
         ["bring-up"] => board::bring_up(None),
         ["bring-up", link] => board::bring_up(Some(link)),
         ["bring-up", link, "loads"] => board::loads(link),

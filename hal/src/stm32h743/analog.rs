@@ -5,10 +5,12 @@
 //! instants. Out: voltages, which change at the beginning of a tick, one tick after the plan, as
 //! the steps do. A code planned for the beginning of a tick comes with the tick after it. A code
 //! planned for a later instant comes one tick later still. The safe state comes at once. Owns DAC1
-//! or SPI3. Before [`Analog::open`] and after [`rest`] nothing is driven. Fails: a frame that an
-//! external DAC did not get is sent again in the next tick.
+//! or SPI3. Before [`Analog::open`] and after [`safe_state`] the chip's DAC drives nothing. An
+//! external one keeps its voltage through a reset: so it gets 0 V first of all
+//! ([`zero_external`]). Fails: a frame that an external DAC did not get is sent again in the next
+//! tick.
 use super::settings::EXTERNAL_DAC;
-use super::spi;
+use super::{pins, spi};
 use crate::dac8563::Dac8563;
 use servo::laser::{Action, LaserPlan};
 use stm32_metapac::{DAC1, RCC};
@@ -48,30 +50,67 @@ impl Output {
     }
 }
 
+/// The external DAC, as [`zero_external`] has opened it.
+type External = Dac8563<spi::Bus, spi::Select, spi::Pause>;
+
+fn external() -> External {
+    let (bus, select, pause) = spi::again();
+    Dac8563 { bus, select, pause }
+}
+
+/// Outputs 0 V on both outputs of an external DAC; a frame under way is dropped. A failure cannot
+/// be reported here: its frame is sent a second time.
+#[cold]
+fn zero(mut dac: External) {
+    spi::restart();
+    for channel in 0..OUTPUTS as u8 {
+        if dac.write(channel, 0).is_err() {
+            spi::restart();
+            let _ = dac.write(channel, 0);
+        }
+    }
+}
+
+/// An external DAC keeps its voltage through a reset of the chip: this ends it. Call it before
+/// anything is waited for; the chip's own clock is enough.
+///
+/// # Safety
+/// At most once, on the board's package, before anything else drives the DAC's pins.
+pub unsafe fn zero_external() {
+    if EXTERNAL_DAC {
+        // SAFETY: the caller's promise.
+        unsafe {
+            pins::open_dac();
+            spi::open();
+        }
+        zero(external());
+    }
+}
+
 /// The outputs.
 #[derive(Debug)]
 pub struct Analog {
     outputs: [Output; OUTPUTS],
-    external: Option<Dac8563<spi::Bus, spi::Select, spi::Pause>>,
+    external: Option<External>,
 }
 
 impl Analog {
-    /// Takes the converter that is fitted; it outputs 0 V, or nothing unless it `drives`.
+    /// Takes the converter that is fitted; the chip's outputs 0 V, or nothing unless it `drives`.
     ///
     /// # Safety
-    /// At most once, with the pins of both as the reset or [`super::pins`] has left them.
+    /// At most once, after [`zero_external`], with the pins of DAC1 as the reset has left them.
     pub unsafe fn open(drives: bool) -> Analog {
-        // SAFETY: the caller's promise.
-        let external = EXTERNAL_DAC.then(|| unsafe { spi::open() });
-        let external = external.map(|(bus, select, pause)| Dac8563 { bus, select, pause });
-        if external.is_none() {
+        let external = (EXTERNAL_DAC && drives).then(external);
+        if !EXTERNAL_DAC {
             RCC.apb1lenr().modify(|w| w.set_dac12en(true));
             // Read back, so that the clock is on (RM0433 8.5.8).
             RCC.apb1lenr().read();
         }
         let mut analog = Analog { outputs: [Output::default(); OUTPUTS], external };
-        (0..OUTPUTS).for_each(|channel| analog.put(channel, 0));
-        if drives && analog.external.is_none() {
+        if !EXTERNAL_DAC {
+            (0..OUTPUTS).for_each(|channel| analog.put(channel, 0));
+        }
+        if drives && !EXTERNAL_DAC {
             // The values before the outputs: reading back takes the cycle that they need (RM0433
             // 26.4.5). Buffered to the pin, as `DAC_MCR` is after reset.
             DAC1.dor(OUTPUTS - 1).read();
@@ -89,12 +128,15 @@ impl Analog {
                 if dac.write(channel as u8, code).is_err()
                     && let Some(output) = self.outputs.get_mut(channel)
                 {
+                    spi::restart();
                     // Again in the next tick.
                     let Output { in_force, queued: [next, ..], .. } = output;
                     next.get_or_insert(DacCode { code, ..*in_force });
                     in_force.code = !code;
                 }
             }
+            // On another package than the board's the external one has no pins.
+            None if EXTERNAL_DAC => {}
             None => DAC1.dhr12r(channel).write(|w| w.set_dhr((code as u16 ^ 0x8000) >> 4)),
         }
     }
@@ -149,13 +191,9 @@ impl Analog {
 /// Before a reset: disables the chip's DAC, sets an external one to 0 V.
 pub fn safe_state() {
     if EXTERNAL_DAC {
+        // Off before start-up, and on another package than the board's.
         if RCC.apb1lenr().read().spi3en() {
-            let (bus, select, pause) = spi::again();
-            let mut dac = Dac8563 { bus, select, pause };
-            for channel in 0..OUTPUTS as u8 {
-                // Nothing can report a failure any more.
-                let _ = dac.write(channel, 0);
-            }
+            zero(external());
         }
     } else if RCC.apb1lenr().read().dac12en() {
         DAC1.cr().write(|_| {});

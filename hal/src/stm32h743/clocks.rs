@@ -63,6 +63,11 @@ pub fn break_with_the_chip() {
     unsafe { SYSCFG.as_ptr().cast::<u8>().add(BREAKS).cast::<u32>().write_volatile(SUPPLY_AND_LOCKUP) };
 }
 
+/// Whether the supply is below that level now.
+pub fn supply_is_low() -> bool {
+    PWR.csr1().read().pvdo()
+}
+
 /// Everything at full speed, from the chip's own 64 MHz if `own`; otherwise from the board's
 /// source, after [`await_source`].
 pub fn raise(own: bool) {

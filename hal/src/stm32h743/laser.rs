@@ -8,7 +8,7 @@
 //! and the pins have their idle levels. Fails to the safe state if a cycle was queued too late for
 //! DMA: it reports that to the tick ([`Lasers::was_late`]), and everything starts anew.
 use super::boards::BOARD;
-use super::clocks::TIMER_MHZ;
+use super::clocks::{self, TIMER_MHZ};
 use super::pwm_dma::{BEGIN, LASER_0, LASER_1, SWITCHES, TIM15, Timer, empty_slots};
 use super::wiring::Break;
 use core::sync::atomic::{AtomicU8, AtomicU32, Ordering::Relaxed};
@@ -184,16 +184,18 @@ fn set_up() {
 
 /// A sentence on the first timer whose break flag differs from the level of its pin (RM0433 38.4.5:
 /// the flag is set again while the input is active). Call it once, after the timers have their
-/// pins.
+/// pins. While the supply is low all timers break, and nothing is said of their inputs: ticks
+/// compare them later ([`Breaks`]).
 pub fn contradiction(levels: [bool; 3]) -> Option<&'static str> {
     let mut inputs = [TIM1, TIM15, TIM8].into_iter().zip(levels).zip(BOARD.breaks);
-    inputs.find_map(|((timer, level), Break { texts: [low, high], .. })| {
+    let found = inputs.find_map(|((timer, level), Break { texts: [low, high, _], .. })| {
         clear_break(timer);
         // The input passes a synchronizer.
         cortex_m::asm::delay(64);
         let text = if level { high } else { low };
-        (timer.sr().read().bif(0) != level).then_some(text)
-    })
+        (is_broken(timer) != level).then_some(text)
+    });
+    found.filter(|_| !clocks::supply_is_low())
 }
 
 /// Zeros clear, ones leave.
@@ -201,7 +203,15 @@ fn clear_break(timer: TimAdv) {
     timer.sr().write(|w| {
         w.0 = !0;
         w.set_bif(0, false);
+        w.set_sbif(false);
     });
+}
+
+/// The flag of the input, and that of the chip's own breaks: sources differ on which of the two a
+/// low supply sets, and TIM15 has the first one only (RM0433 38.4.5, 41.5.5).
+fn is_broken(timer: TimAdv) -> bool {
+    let flags = timer.sr().read();
+    flags.bif(0) || flags.sbif()
 }
 
 /// Enables both lines of these channels as outputs; active is low at +, high at −.
@@ -250,7 +260,7 @@ pub fn safe_state() {
 pub fn was_broken() -> u8 {
     let mut broken = 0;
     for (timer, bit) in [(TIM1, 1), (TIM15, 2), (TIM8, 4)] {
-        if timer.sr().read().bif(0) {
+        if is_broken(timer) {
             broken |= bit;
             clear_break(timer);
         }
@@ -258,29 +268,37 @@ pub fn was_broken() -> u8 {
     broken
 }
 
-/// Which break input contradicts its pin: 0 none, else one more than its text's place among those
-/// of all inputs. Relaxed: written once in the tick, read by the thread.
+/// What contradicts: 0 nothing, else one more than its text's place among those of all inputs.
+/// Relaxed: written once in the tick, read by the thread.
 static CONTRADICTS: AtomicU8 = AtomicU8::new(0);
 
 /// What [`Breaks`] has found.
 pub fn found() -> Option<&'static str> {
     let place = usize::from(CONTRADICTS.load(Relaxed)).checked_sub(1)?;
-    BOARD.breaks.get(place / 2)?.texts.get(place % 2).copied()
+    BOARD.breaks.get(place / 3)?.texts.get(place % 3).copied()
 }
 
-/// Compares the flags of the timers with the levels of their pins in each tick in which one is set.
+/// Ticks in a row in which the pins of the interlock differ, until that is a contradiction: they
+/// are wired together, and a contact that bounces between the readings of two ports is over by
+/// then.
+const MAX_TICKS_APART: u8 = 16;
+
+/// Compares the flags of the timers with the levels of their pins, and the pins with each other, in
+/// each tick in which one is set.
 #[derive(Debug)]
 pub struct Breaks {
     /// Timers whose flag and level differed in the tick before, a bit each.
     suspects: u8,
-    /// A timer contradicts its pin: treated as an interlock that stays open.
-    pub contradicts: bool,
+    /// Ticks in a row in which the pins differed.
+    apart: u8,
+    /// A timer contradicts its pin, or a pin the others: treated as an interlock that stays open.
+    contradicts: bool,
 }
 
 impl Breaks {
     /// Nothing was compared yet.
     pub const fn new(contradicts: bool) -> Breaks {
-        Breaks { suspects: 0, contradicts }
+        Breaks { suspects: 0, apart: 0, contradicts }
     }
 
     /// Whether the interlock is open, by the levels and the flags, a bit a timer. A break that is
@@ -288,7 +306,7 @@ impl Breaks {
     #[inline]
     pub fn is_open(&mut self, levels: u8, flags: u8) -> bool {
         if levels | flags == 0 {
-            self.suspects = 0;
+            (self.suspects, self.apart) = (0, 0);
             return self.contradicts;
         }
         self.compare(levels, flags);
@@ -300,13 +318,24 @@ impl Breaks {
     #[cold]
     #[inline(never)]
     fn compare(&mut self, levels: u8, flags: u8) {
-        let of_chip = flags == 0b111;
+        let of_chip = flags == 0b111 || clocks::supply_is_low();
         let differ = levels & !flags | if of_chip { 0 } else { flags & !levels };
         let found = core::mem::replace(&mut self.suspects, differ) & differ;
-        if found != 0 && !self.contradicts {
-            self.contradicts = true;
+        // The one that is not as the two others.
+        let odd = if levels.count_ones() == 2 { !levels & 0b111 } else { levels };
+        self.apart = if matches!(levels, 0 | 0b111) { 0 } else { self.apart.saturating_add(1) };
+        if found != 0 {
             let input = found.trailing_zeros() as u8;
-            CONTRADICTS.store(1 + 2 * input + (levels >> input & 1), Relaxed);
+            self.report(input, levels >> input & 1);
+        } else if self.apart >= MAX_TICKS_APART {
+            self.report(odd.trailing_zeros() as u8, 2);
+        }
+    }
+
+    /// Reports a text of an input. The first one stays.
+    fn report(&mut self, input: u8, text: u8) {
+        if !core::mem::replace(&mut self.contradicts, true) {
+            CONTRADICTS.store(1 + 3 * input + text, Relaxed);
         }
     }
 }
@@ -444,8 +473,7 @@ impl Lasers {
         };
         if !*is_live && self.state == State::Runs && delayed.lights() {
             // All cycles queued so far are dark: at least one tick has passed since the safe state.
-            revive(channel);
-            *is_live = true;
+            *is_live = revive(channel);
         }
         let mut read_by = energy.queued().wrapping_sub(timer.ring.ahead().into());
         energy.take(from, to, delayed.actions(), &mut |length, light, times| timer.ring.put(length, times, [light]));
@@ -490,11 +518,20 @@ impl Lasers {
     }
 }
 
-/// Enables a channel's outputs: they follow their timers.
+/// Enables a channel's outputs: they follow their timers. False, and they stay in the safe state,
+/// if a break came after the tick had read the flags and is over: enabling would undo it. The flag
+/// stays, so the next tick reads an open interlock.
 #[cold]
 #[inline(never)]
-fn revive(channel: usize) {
-    enable(energy_timer(channel), true);
-    follow(channel, true);
-    enable(TIM8, true);
+fn revive(channel: usize) -> bool {
+    let timers = [energy_timer(channel), TIM8];
+    timers.into_iter().for_each(|timer| enable(timer, true));
+    // After: a break that comes from now on disables them by itself.
+    let is_broken = timers.into_iter().any(is_broken);
+    if is_broken {
+        timers.into_iter().for_each(|timer| enable(timer, false));
+    } else {
+        follow(channel, true);
+    }
+    !is_broken
 }

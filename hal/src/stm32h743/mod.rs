@@ -34,7 +34,7 @@ pub use machine::Machine;
 pub use watchdog::{ResetCause, cause};
 
 /// Name of the board as the link reports it.
-pub const NAME: &str = boards::BOARD.name;
+pub const NAME: &str = boards::BOARD.names[settings::EXTERNAL_DAC as usize];
 
 /// Axes that the image for this board holds.
 pub const AXES: usize = pins::AXES;
@@ -111,28 +111,40 @@ const fn first(pins: wiring::OfAxes) -> servo::units::AxisMask {
 /// Reason of an NMI of this board that is not the watchdog's.
 pub const NMI: Option<&str> = Some(clocks::CLOCK_LOST);
 
-/// Brings the board up: the clock's source, watchdog, guards, caches, clocks, pins, priorities,
-/// UART. All interrupts are still off. `None` from the second call on.
+/// Brings the board up: an external DAC to 0 V, the clock's source, watchdog, guards, caches,
+/// clocks, pins, priorities, UART. All interrupts are still off. `None` from the second call on.
 ///
 /// On another package than the board's it drives no pin, and the board says why
 /// ([`Board::contradiction`]).
 pub fn take() -> Option<Board> {
-    bring_up(package::is_other())
+    bring_up(Purpose::Control)
 }
 
-/// The same without regard to the package, for an image that reports the register.
-pub fn take_on_any_package() -> Option<Board> {
-    bring_up(false)
+/// The same for an image that measures the board, with nothing connected to it: the link's pins
+/// work on another package too, and an LED says that the chip is refused.
+pub fn take_to_measure() -> Option<Board> {
+    bring_up(Purpose::Measure)
 }
 
-fn bring_up(is_other: bool) -> Option<Board> {
+/// What the image does with the board.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Purpose {
+    Control,
+    Measure,
+}
+
+fn bring_up(purpose: Purpose) -> Option<Board> {
     let mut core = cortex_m::Peripherals::take()?;
+    let is_other = package::is_other();
     if !is_other {
+        // SAFETY: this function gets here once, and nothing has driven a pin yet.
+        unsafe { analog::zero_external() };
         clocks::await_source();
     }
     if clocks::is_too_old() {
-        // The image needs a faster chip: all pins stay as the reset left them, except an LED.
-        if !is_other {
+        // The image needs a faster chip: all other pins stay as the reset left them. An LED is an
+        // output of the board, too, so it is lit only where nothing is connected to that.
+        if purpose == Purpose::Measure && !is_other {
             pins::show_refusal();
         }
         loop {
@@ -165,6 +177,8 @@ fn bring_up(is_other: bool) -> Option<Board> {
         pins::give_clocks();
         if !is_other {
             pins::open();
+        } else if purpose == Purpose::Measure {
+            pins::open_link();
         }
         let lasers = laser::open();
         clocks::break_with_the_chip();

@@ -4,7 +4,6 @@
 //! analog, as the reset has left it; afterwards every pin that the board does not name still is.
 //! [`safe_state`] makes the outputs analog again. Fails never.
 use super::boards::BOARD;
-use super::settings::EXTERNAL_DAC;
 use super::wiring::{Assigned, Pin, number_of};
 use servo::output::step_words;
 use servo::port::{GeneralInputs, GeneralOutputs};
@@ -61,20 +60,37 @@ pub unsafe fn open() {
         port.ospeedr().modify(|w| w.set_ospeedr(pin, Ospeedr::LOW_SPEED));
         port.moder().modify(|w| w.set_moder(pin, Moder::OUTPUT));
     }
-    pulled(&BOARD.link, Pupdr::PULL_UP, Ospeedr::HIGH_SPEED);
+    // SAFETY: the caller's promise.
+    unsafe { open_link() };
     // A line that is not connected does not count.
     pulled(&BOARD.encoders, Pupdr::PULL_UP, Ospeedr::LOW_SPEED);
     pulled(&BOARD.indexes, Pupdr::PULL_DOWN, Ospeedr::LOW_SPEED);
-    if EXTERNAL_DAC {
-        let (port, pin) = BOARD.dac_select;
-        // Not selected, then driven.
-        port.bsrr().write(|w| w.set_bs(pin, true));
-        port.moder().modify(|w| w.set_moder(pin, Moder::OUTPUT));
-        BOARD.dac.into_iter().for_each(|pin| assign(pin, Ospeedr::HIGH_SPEED));
-    }
 }
 
-/// Lights the board's LED, if it has one, and nothing else: the image refuses this chip.
+/// Assigns the link's pins to USART3.
+///
+/// # Safety
+/// Once, after [`give_clocks`], before anything else writes their ports.
+pub unsafe fn open_link() {
+    pulled(&BOARD.link, Pupdr::PULL_UP, Ospeedr::HIGH_SPEED);
+}
+
+/// Gives the pins of an external DAC to SPI3; it is not selected.
+///
+/// # Safety
+/// Once, before anything else writes their ports.
+pub unsafe fn open_dac() {
+    let (port, pin) = BOARD.dac_select;
+    BOARD.dac.iter().map(|((port, _), _)| *port).chain([port]).for_each(clock);
+    RCC.ahb4enr().read();
+    // Not selected, then driven.
+    port.bsrr().write(|w| w.set_bs(pin, true));
+    port.moder().modify(|w| w.set_moder(pin, Moder::OUTPUT));
+    BOARD.dac.into_iter().for_each(|pin| assign(pin, Ospeedr::HIGH_SPEED));
+}
+
+/// Lights the board's LED, if it has one, and nothing else: the image refuses this chip. The LED
+/// may be a general output too, so nothing may be connected to that.
 pub fn show_refusal() {
     let Some((port, pin)) = BOARD.led else { return };
     clock(port);

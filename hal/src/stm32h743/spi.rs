@@ -2,7 +2,7 @@
 //!
 //! In: bytes. Out: the same on SCK and MOSI, with a pin for the chip select. Owns SPI3. It waits
 //! for the end of what it sends, some 0.3 µs a byte. Fails: [`Silent`], if the peripheral does not
-//! finish.
+//! finish; [`restart`] drops what it was at.
 use super::boards::BOARD;
 use super::clocks::CORE_HZ;
 use super::wiring::Pin;
@@ -52,6 +52,11 @@ pub unsafe fn open() -> (Bus, Select, Pause) {
     RCC.apb1lenr().modify(|w| w.set_spi3en(true));
     // Read back, so that the clock is on (RM0433 8.5.8).
     RCC.apb1lenr().read();
+    set_up();
+    again()
+}
+
+fn set_up() {
     // Divided by 2; items of 8 bits.
     SPI3.cfg1().write(|w| w.set_dsize(7));
     // SSI before MASTER: else the internal chip select would end the master mode (RM0433 50.4.6).
@@ -65,12 +70,26 @@ pub unsafe fn open() -> (Bus, Select, Pause) {
     });
     SPI3.cr1().modify(|w| w.set_spe(true));
     SPI3.cr1().modify(|w| w.set_cstart(true));
-    again()
 }
 
-/// A second set before a reset, when the owner does not run any more.
+/// The set that start-up has opened; or a second one before a reset, when the owner does not run
+/// any more.
 pub(super) fn again() -> (Bus, Select, Pause) {
     (Bus(()), Select(()), Pause(()))
+}
+
+/// Drops a frame that is under way: the chip select goes high, so the receiver ignores it, and the
+/// peripheral begins anew with empty FIFOs. Else a byte of it would be taken for an answer to the
+/// next frame's.
+#[cold]
+#[inline(never)]
+pub(super) fn restart() {
+    let Ok(()) = Select(()).set_high();
+    RCC.apb1lrstr().modify(|w| w.set_spi3rst(true));
+    RCC.apb1lrstr().modify(|w| w.set_spi3rst(false));
+    RCC.apb1lrstr().read();
+    set_up();
+    Pause(()).delay_ns(crate::dac8563::BETWEEN_NS);
 }
 
 impl Bus {

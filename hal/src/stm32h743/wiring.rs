@@ -22,8 +22,9 @@ pub type OfAxes = &'static [Pin];
 /// A board.
 #[derive(Clone, Copy)]
 pub struct Wiring {
-    /// Its name as the link reports it.
-    pub name: &'static str,
+    /// Its names as the link reports them: with the chip's own DAC, and with an external one;
+    /// 16 bytes at most.
+    pub names: [&'static str; 2],
     /// The chip's package.
     pub package: Package,
     /// What feeds the high-speed oscillator (HSE).
@@ -104,8 +105,9 @@ pub struct Source {
 pub struct Break {
     /// Its pin.
     pub pin: Assigned,
-    /// What is reported if the flag differs from a pin that is low, and one that is high.
-    pub texts: [&'static str; 2],
+    /// What is reported if the flag differs from a pin that is low, from one that is high, and if
+    /// the pin differs from those of the other inputs.
+    pub texts: [&'static str; 3],
 }
 
 /// How USB is wired.
@@ -126,6 +128,13 @@ macro_rules! contradictions {
         [
             concat!($timer, " breaks although its input ", $pin, " is low"),
             concat!($timer, " does not break although its input ", $pin, " is high"),
+            concat!(
+                "the interlock's input ",
+                $pin,
+                " of ",
+                $timer,
+                " differs from the two others: wire all three together"
+            ),
         ]
     };
 }

@@ -25,6 +25,28 @@ const WRITE: u32 = 0b011;
 /// An output got a code: when, which (from 0), the code.
 pub type Write = (Time, usize, u16);
 
+/// What the part does with all that it gets: a frame that a rising select line breaks off changes
+/// nothing (8.5.1), and neither does a byte outside of a frame. While the chip does not drive the
+/// select line, the board's resistor pulls it up.
+pub fn shown(chip: &Chip, select: Pin) -> Vec<Write> {
+    let (mut from, mut writes) = (None, Vec::new());
+    for change in chip.bus.gpio.changes.iter().filter(|change| change.pin == select) {
+        if change.level == Level::Driven(false) {
+            from.get_or_insert(change.at);
+        } else if let Some(begin) = from.take() {
+            let within = |(at, _): &&(Time, u32)| (begin + 1..=change.at).contains(at);
+            let frame: Vec<_> = chip.bus.spi.sent.iter().filter(within).collect();
+            if let [(_, head), (_, high), (at, low), ..] = frame[..]
+                && head >> 3 == WRITE
+                && head & 7 <= 1
+            {
+                writes.push((*at, (head & 7) as usize, (high << 8 | low) as u16));
+            }
+        }
+    }
+    writes
+}
+
 /// Commands to the part on this select line since power-on.
 pub fn writes(chip: &Chip, select: Pin) -> Result<Vec<Write>, String> {
     let spi = &chip.bus.spi;

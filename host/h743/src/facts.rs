@@ -51,6 +51,8 @@ pub enum Wrong {
     SlowDac,
     /// Analog inputs read 2 % less.
     LowAdc,
+    /// Breaks of the chip set the same flag as the input's, in all timers.
+    OneFlag,
 }
 
 /// What of a timer may be planted; kept over resets.
@@ -76,6 +78,8 @@ pub struct Quirks {
     pub keeps_burst: bool,
     /// [`Wrong::SettlesLong`], in counts beyond two.
     pub settles_more: Time,
+    /// [`Wrong::OneFlag`].
+    pub one_flag: bool,
 }
 
 impl Machine {
@@ -104,6 +108,7 @@ impl Machine {
             Wrong::SlowDma => bus.dma.answer *= 6,
             Wrong::SlowDac => bus.dac.lag = MILLISECOND / 2,
             Wrong::LowAdc => bus.adc.gain = 0.98,
+            Wrong::OneFlag => bus.timers.iter_mut().for_each(|timer| timer.quirks.one_flag = true),
         }
         self.identify();
     }

@@ -49,6 +49,8 @@ pub struct Spi {
     /// Words received and not yet read.
     received: usize,
     shifting: Option<(u32, Time)>,
+    /// How much longer than it should the next word takes, for tests.
+    pub stall: Time,
     /// Words left of TSIZE, where it counts.
     left: Option<u32>,
     /// Words sent, with the instants at which they are whole.
@@ -67,6 +69,7 @@ impl Default for Spi {
             waiting: VecDeque::new(),
             received: 0,
             shifting: None,
+            stall: 0,
             left: None,
             sent: Vec::new(),
             complaint: None,
@@ -111,7 +114,8 @@ impl Spi {
         let Some(kernel) = self.kernel else { return self.complain("it has no kernel clock") };
         let bit = self.divided(kernel);
         self.latched &= !TXC;
-        self.shifting = Some((word, at + bit * Time::from(self.bits())));
+        let stall = std::mem::take(&mut self.stall);
+        self.shifting = Some((word, at + bit * Time::from(self.bits()) + stall));
     }
 
     fn status(&self) -> u32 {

@@ -201,7 +201,11 @@ fn a_wrong_fact_that_edges_tell_fails_in_its_row() {
         (Wrong::Deaf(15), &["TIM1, TIM15 and TIM8 start by their triggers"], "TIM1 1, TIM15 0, TIM8 1"),
         (Wrong::CountsToZero, &["a slot that nobody has filled is dark and stops the timer"], ""),
         (Wrong::KeepsBurst, &["light after a burst that was broken off"], ""),
-        (Wrong::SettlesLong, &["energy − after + at a break"], "200 counts (833 ns)"),
+        (
+            Wrong::SettlesLong,
+            &["energy − after + at a break", "energy − after + at a safe state"],
+            "200 counts (833 ns)",
+        ),
         (Wrong::SlowDma, &["cycles of 2 MHz, all streams busy"], ""),
         (Wrong::SlowDac, &["analog outputs within a tick"], ""),
         (Wrong::LowAdc, &["analog inputs by analog outputs"], ""),

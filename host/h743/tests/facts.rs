@@ -88,9 +88,9 @@ fn a_board_that_is_as_it_should_be_says_nothing_of_its_breaks() {
 fn revisions_that_are_too_slow_are_refused() {
     for revision in [0x1001, 0x1003] {
         let Some(machine) = started(|machine| machine.chip.bus.dbgmcu.revision = revision) else { return };
-        assert_eq!(machine.chip.bus.gpio.level(Pin::named("PB14").unwrap()), Level::Driven(true));
-        // Nothing else is driven, and the watchdog does not bite.
-        for name in ["PE9", "PE8", "PC7", "PB0", "PF8", "PG0", "PD8"] {
+        // Nothing is driven, no LED either (PB0, PE1, PB14 are outputs), and the watchdog does not
+        // bite.
+        for name in ["PE9", "PE8", "PC7", "PB0", "PE1", "PB14", "PF8", "PG0", "PD8"] {
             assert_eq!(machine.chip.bus.gpio.level(Pin::named(name).unwrap()), Level::Floating, "{name}");
         }
         assert!(machine.resets.is_empty());
@@ -151,9 +151,19 @@ fn lit() -> Option<(Client, Shared)> {
 
 #[test]
 fn a_supply_that_falls_ends_light_without_an_instruction_and_it_stays_dark() {
+    // Sources differ on the flag that a break of the chip sets.
+    for one_flag in [false, true] {
+        supply_falls(one_flag);
+    }
+}
+
+fn supply_falls(one_flag: bool) {
     let Some((client, shared)) = lit() else { return };
     {
         let mut machine = lock(&shared);
+        if one_flag {
+            machine.plant(Wrong::OneFlag);
+        }
         machine.supply(2800);
         assert_eq!(is_lit(&machine), [true; 2], "above 2.7 V");
         let (now, instructions) = (machine.chip.now, machine.chip.instructions);
@@ -177,6 +187,43 @@ fn a_supply_that_falls_ends_light_without_an_instruction_and_it_stays_dark() {
     // The reason is the interlock's, and none of the break inputs is blamed.
     assert_eq!((cause(&client, 0), cause(&client, 1)), (1, 1));
     assert_eq!(fault(&client), (0, String::new()));
+    // Once it is cleared, light comes where it is asked for.
+    client.call(ClrLaserFault { core: 1.into(), channel: 0.into() }).unwrap();
+    client.call(SetHSIOOpt { core: 1.into(), value: 1.into(), channel: 0.into() }).unwrap();
+    let mut machine = lock(&shared);
+    let end = machine.chip.now + 2 * MILLISECOND;
+    while !is_lit(&machine)[0] {
+        machine.run(7 * MICROSECOND);
+        assert!(machine.chip.now < end, "it stays dark for good");
+    }
+}
+
+#[test]
+fn a_supply_that_is_low_at_the_start_blames_no_wiring_and_hides_no_crash() {
+    for one_flag in [false, true] {
+        let Some(mut machine) = started(|machine| {
+            if one_flag {
+                machine.plant(Wrong::OneFlag);
+            }
+        }) else {
+            return;
+        };
+        // A crash, and a supply that has not recovered as the board starts again.
+        let exceptions = &mut machine.chip.scs.exceptions;
+        (exceptions.enabled[116], exceptions.pending[116]) = (true, true);
+        assert_eq!(machine.run(MILLISECOND), Stop::Reset(Cause::Software));
+        machine.supply(2600);
+        assert_eq!(machine.run(20 * MILLISECOND), Stop::Time);
+        let (client, shared) = linked(machine);
+        assert_eq!(fault(&client).0, 3, "{:?}", fault(&client));
+        assert_ne!((cause(&client, 0), cause(&client, 1)), (0, 0));
+        let clear = |channel: i16| client.call(ClrLaserFault { core: 1.into(), channel: channel.into() }).is_ok();
+        assert!(!clear(0) && !clear(1), "cleared while the supply is low");
+        lock(&shared).supply(3300);
+        lock(&shared).run(MILLISECOND);
+        assert!(clear(0) && clear(1));
+        assert_eq!(fault(&client).0, 3);
+    }
 }
 
 #[test]
@@ -234,6 +281,41 @@ fn a_break_input_without_connection_is_found_when_the_loop_opens() {
             assert_eq!(cause(&client, channel), 1);
         }
         assert_eq!(fault(&client), (5, reported));
+    }
+}
+
+/// One input is held at a level by a fault of the wiring: its timer does not see the loop.
+#[test]
+fn an_input_that_does_not_follow_the_loop_is_reported() {
+    for (number, name) in BREAKS {
+        for held in [false, true] {
+            let Some(machine) = started(|_| {}) else { return };
+            let (client, shared) = linked(machine);
+            let levels = |of_others: bool| {
+                let mut machine = lock(&shared);
+                BREAKS.iter().for_each(|(_, name)| machine.drive(Pin::named(name).unwrap(), Some(of_others)));
+                machine.drive(Pin::named(name).unwrap(), Some(held));
+            };
+            // As long as a contact bounces.
+            levels(!held);
+            lock(&shared).run(700 * MICROSECOND);
+            BREAKS.iter().for_each(|(_, name)| lock(&shared).drive(Pin::named(name).unwrap(), Some(false)));
+            lock(&shared).run(MILLISECOND);
+            assert_eq!(fault(&client), (0, String::new()), "{name} {held}");
+            levels(!held);
+            lock(&shared).run(MILLISECOND);
+            let reported = format!(
+                "the interlock's input {name} of TIM{number} differs from the two others: wire all three together"
+            );
+            assert_eq!(fault(&client), (5, reported), "{name} {held}");
+            // Closing the circuit and clearing does not help.
+            BREAKS.iter().for_each(|(_, name)| lock(&shared).drive(Pin::named(name).unwrap(), Some(false)));
+            lock(&shared).run(MILLISECOND);
+            for channel in 0..2i16 {
+                assert!(client.call(ClrLaserFault { core: 1.into(), channel: channel.into() }).is_err());
+                assert_eq!(cause(&client, channel), 1);
+            }
+        }
     }
 }
 

@@ -5,12 +5,15 @@
 //! The order of cases is that of the emulated board's tests
 //! (`host-tests/tests/emulated_faults.rs`). Here the pins are checked in every instant: each change
 //! of one is recorded.
-use client::{Client, Link, Options};
-use h743::link::{EmulatedLink, Shared, lock};
+mod road;
+
+use client::{Client, Options};
+use h743::engine::Register;
+use h743::link::{Shared, lock};
 use h743::{Cause, Level, MILLISECOND, Machine, Pin, Stop, Time};
 use protocol::command::*;
+use road::{Road, send_unanswered};
 use std::sync::{Arc, Mutex};
-use std::time::Duration;
 
 /// The image, if there is one.
 fn image() -> Option<Vec<u8>> {
@@ -73,53 +76,6 @@ fn powered(elf: &[u8], open: bool) -> Shared {
     let machine: Shared = Arc::new(Mutex::new(machine));
     interlock(&machine, open);
     machine
-}
-
-/// A client's way to the board, which writes down what goes over it and may be cut.
-struct Road {
-    link: EmulatedLink,
-    sent: Arc<Mutex<Vec<u8>>>,
-    /// Bytes that still pass, then it is cut both ways.
-    left: Arc<Mutex<usize>>,
-    /// After a cut nobody is waited for: the client's time runs ahead, ns.
-    ahead: u64,
-}
-
-impl Road {
-    fn to(machine: &Shared) -> Road {
-        let link = EmulatedLink::new(machine.clone());
-        Road { link, sent: Arc::default(), left: Arc::new(Mutex::new(usize::MAX)), ahead: 0 }
-    }
-}
-
-impl Link for Road {
-    fn name(&self) -> &str {
-        self.link.name()
-    }
-
-    fn send(&mut self, bytes: &[u8]) -> client::Result<()> {
-        let mut left = self.left.lock().unwrap();
-        let passes = &bytes[..bytes.len().min(*left)];
-        *left -= passes.len();
-        self.sent.lock().unwrap().extend_from_slice(passes);
-        self.link.send(passes)
-    }
-
-    fn receive(&mut self, buf: &mut [u8], wait: Duration) -> client::Result<usize> {
-        if *self.left.lock().unwrap() == 0 {
-            self.ahead += 1_000_000_000;
-            return Ok(0);
-        }
-        self.link.receive(buf, wait)
-    }
-
-    fn now(&mut self) -> u64 {
-        self.link.now() + self.ahead
-    }
-
-    fn real_time(&self) -> bool {
-        false
-    }
 }
 
 fn open(machine: &Shared) -> Client {
@@ -442,4 +398,48 @@ fn a_link_that_is_cut_anywhere_in_a_job_ends_dark_and_nothing_is_done_twice() {
     assert!(dark > 0 && never > 0 && ways > 0 && ways < cuts.len() as i32);
     let machine = lock(&machine);
     assert_eq!((machine.resets.len(), &machine.chip.bus.complaints), (0, &Vec::<String>::new()));
+}
+
+/// The loop opens and closes between the tick's reading of it and a start of light: from when light
+/// is about to be enabled, after so many steps of the core.
+#[test]
+fn a_loop_that_opens_and_closes_as_light_starts_keeps_it_dark() {
+    let Some(elf) = image() else { return };
+    let revive = h743::image::symbol(&elf, "laser6revive").unwrap() & !1;
+    let (mut early, mut lit) = (0, 0);
+    for after in (0..40).step_by(4) {
+        let machine = powered(&elf, false);
+        pass(&machine, 20 * MILLISECOND);
+        let road = Road::to(&machine);
+        let (sent, left) = (Arc::clone(&road.sent), Arc::clone(&road.left));
+        let client = Client::open(Box::new(road), Options::default()).unwrap();
+        let (core, channel) = (1.into(), 0.into());
+        client.call(SetAxisMode { core, axis: 7.into(), mode: 1.into() }).unwrap();
+        client.call(LaserOutFrq { core, frequency: 20.0.into(), channel }).unwrap();
+        client.call(LaserPrfCmd { core, power: 50.0.into(), channel }).unwrap();
+        let switch = |on: u16| client.call(SetHSIOOpt { core, value: on.into(), channel }).map(|_| ());
+        send_unanswered((&sent, &left), || switch(0), || switch(1));
+        let begin = lock(&machine).chip.now;
+        {
+            let mut machine = lock(&machine);
+            while machine.register(Register::Pc) & !1 != revive {
+                assert_eq!(machine.run(1), Stop::Time);
+                assert!(machine.chip.now < begin + MILLISECOND, "light is never enabled");
+            }
+            for _ in 0..after {
+                assert_eq!(machine.run(2), Stop::Time);
+            }
+            lit += u32::from(machine.chip.bus.timer(1).unwrap().is_enabled());
+        }
+        interlock(&machine, true);
+        interlock(&machine, false);
+        pass(&machine, 5 * MILLISECOND);
+        assert_eq!(active(&lock(&machine), begin, &REST_HIGH), [], "after {after} steps");
+        drop(client);
+        let client = open(&machine);
+        assert_eq!((fault(&client, 0), fault(&client, 1)), (1, 1), "after {after} steps");
+        early += 1;
+    }
+    // Some before the timers are enabled, some after.
+    assert!(lit > 0 && lit < early, "{lit} of {early}");
 }

@@ -113,6 +113,11 @@ const BY_HAND: &[ByHand] = &[
         "`lsusb -d 1209:0001` with the module's image: bring-up's jumpers are the Nucleo's",
     ),
     by(29, "USB of the module without VBUS", "the same"),
+    by(
+        34,
+        "the flag of a break by the chip",
+        "lower the supply to 2.6 V, read TIM1_SR by a debugger: the board has no supply that it can lower",
+    ),
 ];
 
 const fn by(assumption: u8, what: &'static str, how: &'static str) -> ByHand {

@@ -50,6 +50,8 @@ const MMS_ENABLE: u32 = 1;
 const MMS_UPDATE: u32 = 2;
 const UIF: u32 = 1 << 0;
 const BIF: u32 = 1 << 7;
+/// The chip breaks: TIM1 and TIM8 have it.
+const SBIF: u32 = 1 << 13;
 
 /// What of a timer differs from the others.
 #[derive(Debug, Clone, Copy)]
@@ -268,6 +270,11 @@ impl Timer {
         }
     }
 
+    /// MOE: its outputs follow it.
+    pub fn is_enabled(&self) -> bool {
+        self.brake.bdtr & Break::MOE != 0
+    }
+
     /// The break input's pin has this level.
     pub fn break_input(&mut self, high: bool, out: &mut Vec<Signal>, at: Time) {
         self.brake.input = high && !self.quirks.unconnected;
@@ -287,16 +294,32 @@ impl Timer {
     }
 
     fn look_at_break(&mut self, out: &mut Vec<Signal>, at: Time) {
-        if self.brake.is_broken(self.others[0], self.is_odd) {
+        let by_chip = self.brake.is_broken_by_chip();
+        if by_chip {
+            let has_both = !self.quirks.one_flag && matches!(self.kind.number, 1 | 8);
+            self.sr |= if has_both { SBIF } else { BIF };
+        }
+        let by_input = self.brake.is_broken(self.others[0], self.is_odd);
+        if by_input {
             self.sr |= BIF;
+        }
+        if by_chip || by_input {
             self.disable(at);
         }
         self.publish(at, out);
         self.tell(out);
     }
 
-    /// The main output is disabled. Lines are inactive first, which the complement's idle level is
-    /// not (RM0433 38.3.16: for the dead time and what the two clocks' synchronization takes).
+    /// Whether MOE cannot be set: the break is active, or the flag of the chip's breaks is set
+    /// (RM0433 38.4.5: it must be cleared before).
+    fn is_kept_dark(&self) -> bool {
+        let is_broken = self.brake.is_broken_by_chip() || self.brake.is_broken(self.others[0], self.is_odd);
+        is_broken && !self.quirks.by_edge || self.sr & SBIF != 0
+    }
+
+    /// The main output is disabled, by a break or by software. Lines are inactive first, which the
+    /// complement's idle level is not (RM0433 38.3.16: for the dead time and what the two clocks'
+    /// synchronization takes). No source says that software does not do so.
     fn disable(&mut self, at: Time) {
         if self.brake.bdtr & Break::MOE != 0 {
             self.brake.bdtr &= !Break::MOE;
@@ -380,7 +403,7 @@ impl Timer {
                 }
             }
             // AOE: outputs come back by themselves at an update, if the break is over.
-            if self.brake.bdtr & 1 << 14 != 0 && !self.brake.is_active(self.others[0], self.is_odd) {
+            if self.brake.bdtr & 1 << 14 != 0 && !self.is_kept_dark() {
                 self.brake.bdtr |= Break::MOE;
             }
             if self.cr1 & OPM != 0 {

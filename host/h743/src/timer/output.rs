@@ -125,17 +125,21 @@ impl Break {
     /// Main output enable.
     pub const MOE: u32 = 1 << 15;
 
-    /// Whether the input is at its active level (BKP, and BKINP of AF1), or the chip breaks.
-    pub fn is_active(&self, af1: u32, is_odd: bool) -> bool {
+    /// Whether the input acts (BKP, and BKINP of AF1): by its level, so that its flag cannot be
+    /// cleared meanwhile (RM0433 38.4.5).
+    pub fn is_broken(&self, af1: u32, is_odd: bool) -> bool {
         let connected = af1 & 1 != 0;
         let high = self.input != ((af1 & 1 << 9 != 0) != is_odd);
-        self.clock_lost || self.of_chip || connected && high == (self.bdtr & 1 << 13 != 0)
+        self.is_on() && connected && high == (self.bdtr & 1 << 13 != 0)
     }
 
-    /// Whether the break acts: by its level, so that its flag cannot be cleared meanwhile (RM0433
-    /// 38.4.5).
-    pub fn is_broken(&self, af1: u32, is_odd: bool) -> bool {
-        self.bdtr & 1 << 12 != 0 && self.is_active(af1, is_odd)
+    /// Whether the chip breaks.
+    pub fn is_broken_by_chip(&self) -> bool {
+        self.is_on() && (self.clock_lost || self.of_chip)
+    }
+
+    fn is_on(&self) -> bool {
+        self.bdtr & 1 << 12 != 0
     }
 
     /// Levels of output and complementary output for CCER's bits of a channel. `idle` holds OISx

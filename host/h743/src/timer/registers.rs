@@ -138,11 +138,15 @@ impl Device for Timer {
                     self.complain("a second break input");
                 }
                 self.brake.bdtr = value;
-                // MOE cannot be set while the break is active.
                 if before & Break::MOE == 0 && value & Break::MOE != 0 {
-                    let broken = !self.quirks.by_edge && self.brake.is_broken(self.others[0], self.is_odd);
-                    self.brake.bdtr = value & !if broken { Break::MOE } else { 0 };
-                    self.settles = None;
+                    if self.is_kept_dark() {
+                        self.brake.bdtr &= !Break::MOE;
+                    } else {
+                        self.settles = None;
+                    }
+                } else if before & !value & Break::MOE != 0 {
+                    self.brake.bdtr |= Break::MOE;
+                    self.disable(at);
                 }
             }
             BDTR => {}
@@ -161,7 +165,7 @@ impl Device for Timer {
             _ => return None,
         }
         let is_held = self.quirks.by_edge && self.brake.bdtr & Break::MOE != 0;
-        if !is_held && self.brake.is_broken(self.others[0], self.is_odd) {
+        if !is_held {
             self.look_at_break(out, at);
         }
         self.publish(at, out);

@@ -8,7 +8,7 @@ use stm32_metapac::{GPIOA, GPIOB, GPIOC, GPIOD, GPIOE};
 
 /// The board.
 pub const BOARD: Wiring = Wiring {
-    name: "h743vi-module",
+    names: ["h743vi-module", "h743vi-dac8563"],
     package: Package::LQFP100,
     source: Source { is_crystal: true, mhz: 25, lost: "the crystal has stopped" },
     steps: GPIOE,

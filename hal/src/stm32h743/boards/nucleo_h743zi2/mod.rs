@@ -5,7 +5,7 @@ use stm32_metapac::{GPIOA, GPIOB, GPIOC, GPIOD, GPIOE, GPIOF, GPIOG};
 
 /// The board.
 pub const BOARD: Wiring = Wiring {
-    name: "nucleo-h743zi2",
+    names: ["nucleo-h743zi2", "h743zi2-dac8563"],
     package: Package::LQFP144,
     source: Source { is_crystal: false, mhz: 8, lost: "the ST-LINK's clock has stopped" },
     steps: GPIOF,
