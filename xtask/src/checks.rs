@@ -134,21 +134,28 @@ fn h743() -> (Count, Outcome) {
         Ok((probe, bring_up, module_for_dac, module, for_dac, image)) => {
             let mut command = cargo();
             command.args(["test", "--no-fail-fast", "--package", EMULATION]);
-            command.env("BEAMTICK_H743_PROBE", probe).env("BEAMTICK_H743_DAC_IMAGE", for_dac);
-            command.env("BEAMTICK_H743_BRING_UP", bring_up).env("BEAMTICK_H743VI_DAC_IMAGE", module_for_dac);
-            command.env("BEAMTICK_H743VI_IMAGE", &module);
-            let (mut count, outcome) = tests(command.env("BEAMTICK_H743_IMAGE", image));
-            if outcome.is_err() {
-                return (count, outcome);
-            }
+            command.env("BEAMTICK_H743_PROBE", probe).env("BEAMTICK_H743_DAC_IMAGE", &for_dac);
+            command.env("BEAMTICK_H743_BRING_UP", bring_up).env("BEAMTICK_H743VI_DAC_IMAGE", &module_for_dac);
+            command.env("BEAMTICK_H743VI_IMAGE", &module).env("BEAMTICK_H743_IMAGE", image);
+            // Light and restarts again, with the images for an external DAC.
+            let mut for_dacs = cargo();
+            for_dacs.args(["test", "--no-fail-fast", "--package", EMULATION]);
+            for_dacs.args(["--test", "facts", "--test", "light", "--test", "restarts", "--test", "second_board"]);
+            for_dacs.env("BEAMTICK_H743_IMAGE", for_dac).env("BEAMTICK_H743VI_IMAGE", module_for_dac);
             // ST's data of the package with 100 pins takes the place of the other's.
-            let mut command = cargo();
-            command.args(["test", "--package", EMULATION, "--no-default-features", "--features", "stm32h743vi"]);
-            command.args(["--test", "authorities"]).env("BEAMTICK_H743VI_IMAGE", module);
-            let (of_package, outcome) = tests(&mut command);
-            count.passed += of_package.passed;
-            count.failed += of_package.failed;
-            (count, outcome)
+            let mut package = cargo();
+            package.args(["test", "--package", EMULATION, "--no-default-features", "--features", "stm32h743vi"]);
+            package.args(["--test", "authorities"]).env("BEAMTICK_H743VI_IMAGE", module);
+            let mut count = Count::default();
+            for mut command in [command, for_dacs, package] {
+                let (more, outcome) = tests(&mut command);
+                count.passed += more.passed;
+                count.failed += more.failed;
+                if outcome.is_err() {
+                    return (count, outcome);
+                }
+            }
+            (count, Ok(()))
         }
         Err(reason) => alone(Err(reason)),
     }

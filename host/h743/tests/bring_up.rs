@@ -127,10 +127,25 @@ fn ticks_of_the_boards_own_image_are_measured_under_loads() {
         assert!(outcome.is_ok(), "{outcome:?}\n{page}");
         let rows = rows(&page);
         let result = |name: &str| rows[name].0;
-        assert_eq!((rows.len(), result("nothing runs"), result("eight axes in PVT")), (5, "pass", "pass"));
+        assert_eq!((rows.len(), result("nothing runs"), result("eight axes in PVT")), (6, "pass", "pass"));
         let lit = if without.is_empty() { "pass" } else { "not measured" };
-        for name in ["two lasers at 10 kHz", "two lasers at 2 MHz", "eight axes in PVT, two lasers at 2 MHz"] {
+        for name in [
+            "two lasers at 10 kHz",
+            "two lasers at 2 MHz",
+            "eight axes in PVT, two lasers at 2 MHz",
+            "two paths, two axes in PVT, two lasers at 2 MHz that follow",
+        ] {
             assert_eq!(result(name), lit, "{page}");
+        }
+        println!("{page}");
+        if without.is_empty() {
+            // The axes of the paths and those in PVT have moved.
+            let machine = lock(&board);
+            let mut steps = ["PF8", "PF9", "PF10", "PF11", "PF12", "PF13"].map(|name| (Pin::named(name).unwrap(), 0));
+            for change in &machine.chip.bus.gpio.changes {
+                steps.iter_mut().filter(|(pin, _)| *pin == change.pin).for_each(|(_, edges)| *edges += 1);
+            }
+            assert!(steps.iter().all(|(_, edges)| *edges > 1000), "{steps:?}");
         }
         assert_eq!(lock(&board).chip.bus.complaints, Vec::<String>::new());
     }
@@ -147,6 +162,21 @@ fn without_jumpers_rows_are_not_measured_and_none_fails() {
     assert_eq!(rows["break flag and level of each timer"], ("pass", "flag as the pin, high"));
     assert_eq!(rows["analog inputs by analog outputs"].0, "not measured");
     assert!(rows.values().filter(|(result, _)| *result == "pass").count() >= 16, "{page}");
+}
+
+/// Its lines may be wired to anything: what registers tell is reported, the rest is not measured.
+#[test]
+fn on_another_package_no_line_is_driven_but_the_links() {
+    let Some(board) = board(&[Wrong::Package(0)], &[]) else { return };
+    let (_, page) = measure(&board);
+    assert_eq!(failed(&page), ["package of the chip"], "{page}");
+    assert_eq!(rows(&page)["first edges after their tick"].0, "not measured");
+    let link = Pin::named("PD8").unwrap();
+    let machine = lock(&board);
+    let driven = |change: &&h743::gpio::Change| matches!(change.level, h743::Level::Driven(_)) && change.pin != link;
+    let driven: Vec<_> = machine.chip.bus.gpio.changes.iter().filter(driven).collect();
+    assert!(driven.is_empty(), "{driven:?}");
+    assert_eq!(machine.chip.bus.complaints, Vec::<String>::new());
 }
 
 const BREAKS: &str = "break flag and level of each timer";

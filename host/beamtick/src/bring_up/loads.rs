@@ -7,10 +7,12 @@
 use crate::Failure;
 use client::{Client, Link, Options};
 use protocol::command::{
-    Abort, AlarmOff, AxisOn, ClrSts, GetClock, GetTickTime, LaserOutFrq, LaserPrfCmd, LaserStatus, LmtsOff, PrfPvt,
-    PvtPoint, PvtStart, PvtTable, PvtTableSelect, Reset, SetAxisMode, SetHSIOOpt, SetPvtLoop,
+    Abort, AlarmOff, AxisOn, BufLaserFollowRatio, BufLaserOn, ClrSts, CrdClear, CrdStart, GetClock, GetTickTime,
+    LaserOutFrq, LaserPrfCmd, LaserStatus, LmtsOff, LnXY, PrfPvt, PvtPoint, PvtStart, PvtTable, PvtTableSelect, Reset,
+    SetAxisMode, SetCrdPrm, SetHSIOOpt, SetPvtLoop,
 };
 use std::fmt::Write as _;
+use std::ops::RangeInclusive;
 use std::path::Path;
 
 /// How long a load is measured.
@@ -18,19 +20,29 @@ const LASTS_MS: u32 = 50;
 /// The page's section.
 const HEADING: &str = "## Ticks under load";
 
-/// A load: its name, how many axes run in PVT, and the frequency of both lasers in kHz.
+/// A load: its name, the axes that run in PVT, the frequency of both lasers in kHz, and whether two
+/// coordinate systems of the axes 1 to 4 run, whose speeds the lasers follow.
 struct Load {
     name: &'static str,
-    axes: i16,
+    axes: RangeInclusive<i16>,
     light_khz: Option<f64>,
+    paths: bool,
 }
 
-const LOADS: [Load; 5] = [
-    Load { name: "nothing runs", axes: 0, light_khz: None },
-    Load { name: "two lasers at 10 kHz", axes: 0, light_khz: Some(10.0) },
-    Load { name: "two lasers at 2 MHz", axes: 0, light_khz: Some(2000.0) },
-    Load { name: "eight axes in PVT", axes: 8, light_khz: None },
-    Load { name: "eight axes in PVT, two lasers at 2 MHz", axes: 8, light_khz: Some(2000.0) },
+const NO_AXES: RangeInclusive<i16> = 1..=0;
+const ALL: RangeInclusive<i16> = 1..=8;
+const LOADS: [Load; 6] = [
+    Load { name: "nothing runs", axes: NO_AXES, light_khz: None, paths: false },
+    Load { name: "two lasers at 10 kHz", axes: NO_AXES, light_khz: Some(10.0), paths: false },
+    Load { name: "two lasers at 2 MHz", axes: NO_AXES, light_khz: Some(2000.0), paths: false },
+    Load { name: "eight axes in PVT", axes: ALL, light_khz: None, paths: false },
+    Load { name: "eight axes in PVT, two lasers at 2 MHz", axes: ALL, light_khz: Some(2000.0), paths: false },
+    Load {
+        name: "two paths, two axes in PVT, two lasers at 2 MHz that follow",
+        axes: 5..=6,
+        light_khz: Some(2000.0),
+        paths: true,
+    },
 ];
 
 /// The counts of a histogram, and what they count.
@@ -91,11 +103,18 @@ fn measured(client: &Client, load: &Load) -> Result<Result<Ticks, String>, Failu
             if client.call(LaserStatus { core, channel })?.fault.get() != 0 {
                 return Ok(Err("the lasers are kept dark: jumper 6 is missing, or see `beamtick info`".to_owned()));
             }
-            client.call(SetHSIOOpt { core, value: 1.into(), channel })?;
+            if !load.paths {
+                client.call(SetHSIOOpt { core, value: 1.into(), channel })?;
+            }
         }
     }
-    if load.axes > 0 {
-        run_axes(client, load.axes)?;
+    let axes = load.axes.clone().chain(if load.paths { 1..=4 } else { NO_AXES });
+    axes.into_iter().try_for_each(|axis| enable(client, axis))?;
+    if !load.axes.is_empty() {
+        run_axes(client, load.axes.clone())?;
+    }
+    if load.paths {
+        run_paths(client)?;
     }
     // What begins is over, and what follows is compared with it.
     wait(client, 10)?;
@@ -111,26 +130,65 @@ fn measured(client: &Client, load: &Load) -> Result<Result<Ticks, String>, Failu
     Ok(Ok(Ticks { counts, ..after }))
 }
 
-/// The first axes go to and fro.
-fn run_axes(client: &Client, axes: i16) -> Result<(), Failure> {
+fn enable(client: &Client, axis: i16) -> Result<(), Failure> {
+    let (core, axis) = (1.into(), axis.into());
+    // The ends of jumpers are alarms and limits here.
+    client.call(AlarmOff { core, axis })?;
+    client.call(LmtsOff { core, axis, limit_type: (-1).into() })?;
+    client.call(ClrSts { core, axis, count: 1.into() })?;
+    client.call(AxisOn { core, axis })?;
+    Ok(())
+}
+
+/// Both coordinate systems go through lines of 2 ms, at 50 pulse/ms; the duty of each laser is 33 %
+/// at that speed.
+fn run_paths(client: &Client) -> Result<(), Failure> {
+    const LINES: i32 = 64;
+    let (core, fifo) = (1.into(), 0.into());
+    for (crd, channel, axes) in [(1i16, 0i16, 0), (2, 1, 2)] {
+        let (crd, channel) = (crd.into(), channel.into());
+        let mut profile = [0.into(); 8];
+        (profile[axes], profile[axes + 1]) = (1.into(), 2.into());
+        client.call(SetCrdPrm {
+            core,
+            crd,
+            dimension: 2.into(),
+            profile,
+            syn_vel_max: 100.0.into(),
+            syn_acc_max: 100.0.into(),
+            even_time_ms: 0.into(),
+            set_origin_flag: 1.into(),
+            origin_pos: [0.into(); 8],
+        })?;
+        client.call(CrdClear { core, crd, fifo })?;
+        let (ratio, min, max) = ((100.0 / 150.0).into(), 0.0.into(), 100.0.into());
+        client.call(BufLaserFollowRatio { core, crd, ratio, min, max, fifo, channel })?;
+        client.call(BufLaserOn { core, crd, fifo, channel })?;
+        for line in 1..=LINES {
+            let vel_end = if line < LINES { 50.0 } else { 0.0 }.into();
+            let (x, y) = ((80 * line).into(), (60 * line).into());
+            client.call(LnXY { core, crd, x, y, syn_vel: 50.0.into(), syn_acc: 50.0.into(), vel_end, fifo })?;
+        }
+    }
+    client.call(CrdStart { core, mask: 3.into(), option: 0.into() })?;
+    Ok(())
+}
+
+/// These axes go to and fro.
+fn run_axes(client: &Client, axes: RangeInclusive<i16>) -> Result<(), Failure> {
     let (core, table) = (1.into(), 1.into());
     let points: Vec<PvtPoint> =
         [(0.0, 0.0, 0.0), (20.0, 400.0, 40.0), (40.0, 800.0, 0.0), (60.0, 400.0, -40.0), (80.0, 0.0, 0.0)]
             .map(|(time, pos, vel): (f64, f64, f64)| PvtPoint { time: time.into(), pos: pos.into(), vel: vel.into() })
             .to_vec();
     client.call_items(PvtTable { core, table, count: (points.len() as i32).into(), first: 0.into() }, &points)?;
-    for axis in 1..=axes {
+    for axis in axes.clone() {
         let profile = axis.into();
-        // The ends of jumpers are alarms and limits here.
-        client.call(AlarmOff { core, axis: profile })?;
-        client.call(LmtsOff { core, axis: profile, limit_type: (-1).into() })?;
-        client.call(ClrSts { core, axis: profile, count: 1.into() })?;
-        client.call(AxisOn { core, axis: profile })?;
         client.call(PrfPvt { core, profile })?;
         client.call(SetPvtLoop { core, profile, loop_count: 0.into() })?;
         client.call(PvtTableSelect { core, profile, table })?;
     }
-    client.call(PvtStart { core, mask: ((1 << axes) - 1).into() })?;
+    client.call(PvtStart { core, mask: axes.fold(0, |mask, axis| mask | 1 << (axis - 1)).into() })?;
     Ok(())
 }
 
