@@ -114,10 +114,12 @@ pub unsafe fn open() -> Lasers {
     }
 }
 
-/// Resets the timers: the remainder of a burst is dropped. Their outputs are released meanwhile.
+/// Resets the timers: the remainder of a burst is dropped. Their outputs are released meanwhile. A
+/// break that the tick has not read yet stays one.
 #[cold]
 #[inline(never)]
 fn reset() {
+    let breaks = [TIM1, TIM15, TIM8].map(|timer| (timer, is_broken(timer)));
     RCC.apb2rstr().modify(|w| {
         w.set_tim1rst(true);
         w.set_tim8rst(true);
@@ -130,6 +132,11 @@ fn reset() {
     });
     RCC.apb2rstr().read();
     set_up();
+    for (timer, was_broken) in breaks {
+        if was_broken {
+            timer.egr().write(|w| w.set_bg(0, true));
+        }
+    }
 }
 
 /// Settings that do not change while the timers count: idle levels, the break input.
@@ -525,13 +532,16 @@ impl Lasers {
 #[inline(never)]
 fn revive(channel: usize) -> bool {
     let timers = [energy_timer(channel), TIM8];
-    timers.into_iter().for_each(|timer| enable(timer, true));
-    // After: a break that comes from now on disables them by itself.
-    let is_broken = timers.into_iter().any(is_broken);
-    if is_broken {
-        timers.into_iter().for_each(|timer| enable(timer, false));
-    } else {
-        follow(channel, true);
+    let is_dark = || timers.into_iter().any(is_broken);
+    if is_dark() {
+        return false;
     }
-    !is_broken
+    timers.into_iter().for_each(|timer| enable(timer, true));
+    // One that came in between was undone; one that comes from now on disables them by itself.
+    if is_dark() {
+        timers.into_iter().for_each(|timer| enable(timer, false));
+        return false;
+    }
+    follow(channel, true);
+    true
 }

@@ -222,8 +222,10 @@ pub fn import(arguments: &Import) -> Result<(), Failure> {
     complain!("{name}: {}", found.extent);
     let text = found.job;
     let (staged, mut file) = output::Output::stream(to)?;
-    file.write_all(text.as_bytes())
-        .map_err(|error| Failure::Job(format!("{}: cannot be written: {error}", to.display())))?;
+    if let Err(error) = file.write_all(text.as_bytes()) {
+        staged.cut_off();
+        return Err(Failure::Job(format!("{}: cannot be written: {error}", to.display())));
+    }
     drop(file);
     staged.whole()?;
     say!("{}: {} lines, from {name}", to.display(), text.lines().count());

@@ -80,6 +80,7 @@ fn arrived(number: u8) {
         say!("{}", object.trim_end());
     }
     crate::printer::finish(Some(LAST_WORDS));
+    crate::output::leave();
     std::process::exit(signal.exit_code().into());
 }
 

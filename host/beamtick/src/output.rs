@@ -8,6 +8,11 @@
 use crate::Failure;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+/// Files that grow now, by their names and where they grow: a signal may end the program before it
+/// has come to them.
+static GROWING: Mutex<Vec<(PathBuf, PathBuf)>> = Mutex::new(Vec::new());
 
 /// See the module text.
 pub struct Output {
@@ -25,6 +30,19 @@ pub struct Kept {
     pub partial: Option<PathBuf>,
     /// The name of an earlier run's file, and what it is called now.
     pub older: Option<(PathBuf, PathBuf)>,
+}
+
+impl std::fmt::Display for Kept {
+    /// Lines that say so, each after a line end.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if let Some(file) = &self.partial {
+            write!(f, "\nWhat was recorded until then is in {}.", file.display())?;
+        }
+        if let Some((name, older)) = &self.older {
+            write!(f, "\n{} of an earlier run is {} now.", name.display(), older.display())?;
+        }
+        Ok(())
+    }
 }
 
 /// The name of a file that was cut off.
@@ -72,6 +90,7 @@ impl Output {
             File::options().append(true).open(name).map_err(failed)?;
         }
         let file = File::create(&staged).map_err(failed)?;
+        GROWING.lock().unwrap_or_else(PoisonError::into_inner).push((name.to_owned(), staged.clone()));
         Ok((Output { name: name.to_owned(), staged: Some(staged), older: None }, file))
     }
 
@@ -95,6 +114,7 @@ impl Output {
     /// The file is whole and gets its name.
     pub fn whole(self) -> Result<(), Failure> {
         let Some(staged) = &self.staged else { return Ok(()) };
+        grown(staged);
         fs::rename(staged, &self.name)
             .map_err(|error| Failure::Job(format!("{}: cannot be written: {error}", self.name.display())))?;
         let _ = fs::remove_file(partial(&self.name));
@@ -107,14 +127,32 @@ impl Output {
     /// The file was cut off.
     pub fn cut_off(self) -> Kept {
         let Some(staged) = self.staged else { return Kept::default() };
-        let partial = partial(&self.name);
-        let older = self.older.map(|older| (self.name, older));
-        if fs::metadata(&staged).is_ok_and(|found| found.len() == 0) {
-            let _ = fs::remove_file(&staged);
-            return Kept { partial: None, older };
-        }
-        let kept = staged == partial || fs::rename(&staged, &partial).is_ok();
-        Kept { partial: kept.then_some(partial), older }
+        grown(&staged);
+        let partial = kept(&self.name, &staged);
+        Kept { partial, older: self.older.map(|older| (self.name, older)) }
+    }
+}
+
+/// What grew there is looked after.
+fn grown(staged: &Path) {
+    GROWING.lock().unwrap_or_else(PoisonError::into_inner).retain(|(_, growing)| growing != staged);
+}
+
+/// What was cut off gets the name that says so, and is removed if there is nothing of it.
+fn kept(name: &Path, staged: &Path) -> Option<PathBuf> {
+    let partial = partial(name);
+    if fs::metadata(staged).is_ok_and(|found| found.len() == 0) {
+        let _ = fs::remove_file(staged);
+        return None;
+    }
+    (staged == partial || fs::rename(staged, &partial).is_ok()).then_some(partial)
+}
+
+/// The program ends at once: all that grows is cut off.
+pub fn leave() {
+    let growing = std::mem::take(&mut *GROWING.lock().unwrap_or_else(PoisonError::into_inner));
+    for (name, staged) in growing {
+        kept(&name, &staged);
     }
 }
 
@@ -148,4 +186,23 @@ pub fn check(inputs: &[PathBuf], outputs: &[(&str, &Path, bool)]) -> Result<(), 
         taken.extend(names.map(|name| (name, what.clone())));
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A signal that comes while a picture is drawn leaves no empty one.
+    #[test]
+    fn what_grows_is_cut_off_by_an_end_in_between() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let (empty, begun) = (Output::picture(&at("a.png")), Output::picture(&at("b.svg")));
+        let (Ok(empty), Ok(begun)) = (empty, begun) else { panic!("both can be written") };
+        fs::write(begun.path(), "<svg").unwrap();
+        leave();
+        let names: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        assert_eq!(names, ["b.svg.partial"]);
+        drop((empty, begun));
+    }
 }

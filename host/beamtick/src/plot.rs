@@ -10,12 +10,12 @@ use crate::record::Page;
 use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
-use trace::{Plot, PlotOptions, Row, SignalChange, read_csv};
+use trace::{Plot, PlotOptions, Row, SignalChange, TraceError, read_csv};
 
 /// Draws.
 pub fn draw(arguments: &PlotFile) -> Result<(), Failure> {
     let name = arguments.trace.display().to_string();
-    let wrong = |error: trace::TraceError| Failure::Input(format!("{name}: {error}"));
+    let wrong = |error: TraceError| Failure::Input(format!("{name}: {error}"));
     let options = PlotOptions {
         title: arguments.trace.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
         from_ms: arguments.from,
@@ -61,9 +61,7 @@ pub fn draw(arguments: &PlotFile) -> Result<(), Failure> {
         if arguments.used {
             plot.leave_out_idle();
         }
-        let picture = Output::picture(path)?;
-        plot.save(picture.path()).map_err(wrong)?;
-        picture.whole()?;
+        save(Output::picture(path)?, |path| plot.save(path), wrong)?;
     }
     if let Some(path) = &arguments.html {
         let mut page = Page::new(&header, arguments.xy_axes, &options).map_err(wrong)?;
@@ -77,9 +75,7 @@ pub fn draw(arguments: &PlotFile) -> Result<(), Failure> {
         if arguments.used {
             page.leave_out_idle();
         }
-        let picture = Output::picture(path)?;
-        page.save(picture.path()).map_err(wrong)?;
-        picture.whole()?;
+        save(Output::picture(path)?, |path| page.save(path), wrong)?;
     }
     if let Some(path) = &arguments.xy {
         let mut xy = crate::record::across(&header, arguments.xy_axes, &options).map_err(wrong)?;
@@ -87,11 +83,28 @@ pub fn draw(arguments: &PlotFile) -> Result<(), Failure> {
             switched(before, row, false, |laser, level| xy.light(laser, row.t_ns, level));
             xy.row(row);
         });
-        let picture = Output::picture(path)?;
-        xy.save(picture.path()).map_err(wrong)?;
-        picture.whole()?;
+        save(Output::picture(path)?, |path| xy.save(path), wrong)?;
     }
     Ok(())
+}
+
+/// Draws into the file; of one that cannot be written nothing empty is left. `wrong` says what is
+/// wrong with the trace or the options.
+fn save(
+    output: Output,
+    draw: impl FnOnce(&Path) -> trace::Result<()>,
+    wrong: impl FnOnce(TraceError) -> Failure,
+) -> Result<(), Failure> {
+    match draw(output.path()) {
+        Ok(()) => output.whole(),
+        Err(error) => {
+            output.cut_off();
+            Err(match error {
+                TraceError::Window(_) => wrong(error),
+                error => Failure::Job(error.to_string()),
+            })
+        }
+    }
 }
 
 /// Lasers whose gate changes at a row; at the first one those that are on, or (`all`) every one.

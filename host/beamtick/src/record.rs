@@ -204,8 +204,7 @@ impl Recording {
             _ => None,
         };
         if let Some(failure) = broken {
-            self.cut_off();
-            return Err(failure);
+            return Err(with_kept(failure, self.cut_off()));
         }
         let written = self.sinks.write();
         let (files, open) = self.sinks.files();
@@ -213,8 +212,7 @@ impl Recording {
             return Err(Failure::Job("trace: the controller sent none".into()));
         };
         if let Err(error) = written {
-            files.into_iter().for_each(|output| drop(output.cut_off()));
-            return Err(error.into());
+            return Err(with_kept(error.into(), files.into_iter().map(Output::cut_off).collect()));
         }
         files.into_iter().try_for_each(Output::whole)?;
         Ok(Recorded { header: open.header, peaks: open.peaks, speeds: open.speeds, rows: open.rows })
@@ -227,6 +225,15 @@ impl Recording {
         // reported.
         let _ = self.sinks.write();
         self.sinks.files().0.into_iter().map(Output::cut_off).collect()
+    }
+}
+
+/// The failure, and what there is all the same.
+fn with_kept(failure: Failure, kept: Vec<Kept>) -> Failure {
+    let kept: String = kept.iter().map(Kept::to_string).collect();
+    match failure {
+        Failure::Job(text) => Failure::Job(text + &kept),
+        failure => failure,
     }
 }
 

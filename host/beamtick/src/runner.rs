@@ -145,7 +145,7 @@ fn execute(source: &Source, client: &Client, knowledge: Knowledge<'_>, outputs: 
                 Failure::Input(text) => Failure::Input(text),
             };
             let kept = recording.map_or_else(Vec::new, |recording| cut_off(client, &recording));
-            let kept: String = kept.iter().map(leftovers).collect();
+            let kept: String = kept.iter().map(Kept::to_string).collect();
             return Err(match failure {
                 Failure::Job(text) => Failure::Job(text + &kept),
                 Failure::Interrupted(signal, _) => Failure::Interrupted(signal, kept.trim_start().to_owned()),
@@ -171,18 +171,6 @@ fn execute(source: &Source, client: &Client, knowledge: Knowledge<'_>, outputs: 
         say!("{}", text.trim_end());
     }
     lost.map_or(Ok(()), |text| Err(Failure::Job(text)))
-}
-
-/// Lines about what an output that was cut off leaves.
-fn leftovers(kept: &Kept) -> String {
-    let mut text = String::new();
-    if let Some(file) = &kept.partial {
-        text.push_str(&format!("\nWhat was recorded until then is in {}.", file.display()));
-    }
-    if let Some((name, older)) = &kept.older {
-        text.push_str(&format!("\n{} of an earlier run is {} now.", name.display(), older.display()));
-    }
-    text
 }
 
 /// Runs the entries.

@@ -59,6 +59,37 @@ fn what_cannot_be_drawn_is_said_and_nothing_is_written() {
     assert!(Path::new(&at("t.csv")).exists());
 }
 
+/// A disk that is full, by a limit on the length of files.
+#[cfg(unix)]
+#[test]
+fn a_full_disk_leaves_no_empty_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let limited = |blocks: u32, words: &str| {
+        let beamtick = assert_cmd::cargo::cargo_bin("beamtick");
+        let line = format!("ulimit -f {blocks}; exec {} {words}", beamtick.display());
+        let output = Command::new("sh").current_dir(folder.path()).args(["-c", &line]).output().unwrap();
+        (String::from_utf8(output.stderr).unwrap(), output.status.code())
+    };
+    fs::write(at("job.gts"), JOB).unwrap();
+    let examples = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples");
+    let (_, errors, code) = beamtick(&["sim", &at("job.gts"), "--trace", &at("t.csv")], "");
+    assert_eq!(code, 0, "{errors}");
+    for words in [
+        "plot t.csv -o p.png",
+        "plot t.csv -o p.svg",
+        "plot t.csv --html p.html",
+        &format!("import {examples}/square.nc --machine {examples}/machine.toml -o p.gts"),
+    ] {
+        let (errors, code) = limited(0, words);
+        assert!(code == Some(1) && errors.contains("File too large"), "{words} = {code:?}: {errors}");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2, "{words}");
+    }
+    // What there is of a trace is named.
+    let (errors, code) = limited(1, "sim job.gts --trace u.csv");
+    assert!(code == Some(1) && errors.contains("What was recorded until then is in u.csv.partial."), "{errors}");
+}
+
 #[test]
 fn shells_get_their_completions() {
     for shell in ["bash", "zsh", "fish"] {

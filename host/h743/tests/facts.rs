@@ -343,6 +343,8 @@ fn a_break_without_its_pin_is_found_in_ticks_and_one_that_is_over_is_not() {
 }
 
 const TIM1_DMAR: u32 = 0x4001_004c;
+/// SR of TIM1, TIM15, TIM8.
+const TIMERS_SR: [u32; 3] = [0x4001_0010, 0x4001_4010, 0x4001_0410];
 const DMA1_S0CR: u32 = 0x4002_0010;
 /// A kind of event: ticks that overran.
 const OVERRUN: u8 = 5;
@@ -386,6 +388,38 @@ fn timers_that_stopped_within_a_burst_begin_with_its_first_register() {
         let lasts = pair[1].at - pair[0].at;
         assert!((lasts as i64 - 48_000).abs() <= 4, "{lasts} units of light or dark");
     }
+}
+
+/// Timers are reset before they start anew, in the tick before it reads the interlock.
+#[test]
+fn a_break_that_no_tick_has_read_outlives_the_reset_of_the_timers() {
+    let Some(mut machine) = started(|_| {}) else { return };
+    let elf = std::fs::read(std::env::var_os("BEAMTICK_H743_IMAGE").unwrap()).unwrap();
+    let reset = h743::image::symbol(&elf, "laser5reset").unwrap() & !1;
+    let now = machine.chip.now;
+    machine.chip.bus.write(DMA1_S0CR, 0, 1, now, &mut machine.chip.scs.exceptions).unwrap();
+    let end = now + 20 * MILLISECOND;
+    while machine.register(Register::Pc) & !1 != reset {
+        machine.run(1);
+        assert!(machine.chip.now < end, "the timers are not reset");
+    }
+    for open in [true, false] {
+        BREAKS.iter().for_each(|(_, name)| machine.drive(Pin::named(name).unwrap(), Some(open)));
+    }
+    let flags = |machine: &mut Machine| {
+        let (now, chip) = (machine.chip.now, &mut machine.chip);
+        TIMERS_SR.map(|register| chip.bus.read(register, now, &mut chip.scs.exceptions).unwrap() >> 7 & 1)
+    };
+    assert_eq!(flags(&mut machine), [1; 3]);
+    for expected in [[0; 3], [1; 3]] {
+        let end = machine.chip.now + 5 * MICROSECOND;
+        while flags(&mut machine) != expected {
+            machine.run(1);
+            assert!(machine.chip.now < end, "flags are {:?}, not {expected:?}", flags(&mut machine));
+        }
+    }
+    let (client, _shared) = linked(machine);
+    assert_ne!((cause(&client, 0), cause(&client, 1)), (0, 0));
 }
 
 /// An instruction is a cycle here, so what is reported is what the handler's instructions take:

@@ -213,8 +213,8 @@ fn each_break_input_ends_light_without_an_instruction() {
         let dark = machine.chip.now;
         machine.run(500 * MICROSECOND);
         assert_eq!(last_light(&machine, dark), None, "TIM{number}");
-        // The others open too: an input that stays apart is a fault of the wiring. Their breaks show
-        // at − lines for two counts.
+        // The others open too: an input that stays apart is a fault of the wiring. Their breaks
+        // show at − lines for two counts.
         interlock(&mut machine, true);
         machine.run(MICROSECOND);
         let dark = machine.chip.now;

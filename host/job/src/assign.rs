@@ -8,6 +8,9 @@ use crate::scan::Kind;
 use crate::value::{Type, Value, Variable};
 use std::ops::Range;
 
+/// Values that all arrays of a script hold together, at most: a short line can ask for many.
+const ARRAYS_MAX: usize = 4_000_000;
+
 impl Reader<'_> {
     pub(crate) fn declare(&mut self, of: Type, start: usize) -> Result<(), Fault> {
         loop {
@@ -23,7 +26,7 @@ impl Reader<'_> {
                 if self.accept("]") {
                     open = true;
                 } else {
-                    length = Some(self.array_length()?);
+                    length = Some(self.array_length(of)?);
                     self.expect("]", "after the array's length")?;
                 }
                 if self.is("[") {
@@ -51,14 +54,20 @@ impl Reader<'_> {
         Ok(())
     }
 
-    pub(crate) fn array_length(&mut self) -> Result<usize, Fault> {
+    pub(crate) fn array_length(&mut self, of: Type) -> Result<usize, Fault> {
         let start = self.here();
         let value = self.expression()?;
         let span = start.start..self.before().end;
-        match value {
-            Value::Int(length @ 1..=1_000_000) => Ok(length as usize),
-            _ => Err(Fault::new(span, "an array's length is an integer from 1 to 1000000", "")),
+        let Value::Int(length @ 1..=1_000_000) = value else {
+            return Err(Fault::new(span, "an array's length is an integer from 1 to 1000000", ""));
+        };
+        let length = length as usize;
+        self.in_arrays = self.in_arrays.saturating_add(length.saturating_mul(Variable::width(of)));
+        if self.in_arrays > ARRAYS_MAX {
+            let message = format!("the arrays of this script are too long: they hold {ARRAYS_MAX} values together");
+            return Err(Fault::new(span, message, C_LIBRARY));
         }
+        Ok(length)
     }
 
     /// Reads `x`, `x[i]`, `x.f`, `x[i].f[j]`: variable, cell and type.

@@ -4,6 +4,7 @@
 //! logic) needs a value at run time and is refused.
 
 use crate::api;
+use crate::diagnostic::quoted;
 use crate::read::{Fault, Reader};
 use crate::scan::Kind;
 use crate::value::{Type, Value, pattern, show};
@@ -201,7 +202,7 @@ fn real(value: &Value) -> Option<f64> {
 }
 
 fn number(text: &str) -> Result<Value, String> {
-    let wrong = || format!("{text} is not a number that scripts know");
+    let wrong = || format!("{} is not a number that scripts know", quoted(text));
     let lower = text.to_lowercase();
     if let Some(digits) = lower.strip_prefix("0x") {
         let digits = digits.trim_end_matches(['u', 'l']);

@@ -42,6 +42,8 @@ pub(crate) struct Reader<'a> {
     pub(crate) at: usize,
     nesting: usize,
     pub(crate) variables: Variables,
+    /// Values for which declarations of arrays have asked.
+    pub(crate) in_arrays: usize,
     pub(crate) steps: Vec<Step>,
     pub(crate) warnings: Vec<Diagnostic>,
     pub(crate) errors: Vec<Diagnostic>,
@@ -79,6 +81,7 @@ impl<'a> Reader<'a> {
             at: 0,
             nesting: 0,
             variables: Variables::new(),
+            in_arrays: 0,
             steps: Vec::new(),
             warnings,
             errors,

@@ -55,6 +55,22 @@ fn junk_is_one_mistake_and_is_read_soon() {
     assert!((1..=60).contains(&wrong), "{wrong}");
 }
 
+/// A short line may not ask for any amount of memory.
+#[test]
+fn arrays_are_bounded_together() {
+    let arrays = |count: usize| (0..count).map(|n| format!("double x{n}[1000000];\n")).collect::<String>();
+    assert!(read(&arrays(4)).is_ok());
+    assert_eq!(soon("300 arrays", || read(&arrays(300)).unwrap_err()), 20);
+    assert_eq!(read("TCrdData x[1000000];").unwrap_err(), 1);
+}
+
+#[test]
+fn numbers_are_quoted_in_part() {
+    let found = compile(&format!("GT_AxisOn({});", "9".repeat(1000)), &NoFiles).unwrap_err();
+    let longest = found.iter().map(|one| one.message.chars().count()).max().unwrap();
+    assert!(longest < 130, "{longest}");
+}
+
 #[test]
 fn chains_of_macros_end() {
     let mut text = String::from("#define A0 1\n");
