@@ -237,7 +237,9 @@ fn command(tree: &Path) -> Command {
 /// The image of a mutant that tests find in an image: its program, its features, and the variable
 /// that gives the tests its path.
 fn image_of(mutant: &Mutant) -> Option<(&'static str, &'static [&'static str], &'static str)> {
-    if mutant.test.contains(&"beamtick-h743") {
+    if mutant.test.contains(&"external_dac") {
+        Some((board::BIN, &board::REFERENCE_DAC.features, "BEAMTICK_H743_DAC_IMAGE"))
+    } else if mutant.test.contains(&"beamtick-h743") {
         Some((board::BIN, &board::FEATURES, "BEAMTICK_H743_IMAGE"))
     } else {
         ["firmware/", "hal/"].iter().any(|of| mutant.file.starts_with(of)).then_some((

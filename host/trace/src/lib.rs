@@ -31,7 +31,10 @@ pub enum TraceError {
     #[error("the file cannot be written: {0}")]
     Io(#[from] std::io::Error),
     /// Rows are missing.
-    #[error("the trace has a gap: row {expected} was to come and {came} came")]
+    #[error(
+        "the trace has a gap: row {expected} was to come and {came} came; the link does not carry all rows beside the \
+         calls: use a larger --every"
+    )]
     Gap {
         /// The row that was to come (at the end: the rows that came).
         expected: u32,
