@@ -32,8 +32,8 @@ pub enum TraceError {
     Io(#[from] std::io::Error),
     /// Rows are missing.
     #[error(
-        "the trace has a gap: row {expected} was to come and {came} came; the link does not carry all rows beside the \
-         calls: use a larger --every"
+        "the trace has a gap: row {expected} was to come and {came} came; the link does not carry all of it beside the \
+         calls: use a larger --every, or leave out the edges of lasers (--vcd, --plot, --html, --xy)"
     )]
     Gap {
         /// The row that was to come (at the end: the rows that came).
