@@ -3,8 +3,8 @@
 //! In: the workspace. Out: `out/beamtick-VERSION-x86_64-linux.tar.gz` and its SHA-256 beside it.
 //! The same files in the same order make the same archive. Fails: where a part cannot be built, or
 //! where what was made does not work. To see that, it is unpacked and its checksums are compared.
-//! Then a job, the manual page, a C program, the wheel and the notebook run from it in an empty
-//! environment.
+//! Then a job, the manual page, programs in C and C++, the wheel and the notebook run from it in an
+//! empty environment.
 use crate::shell::{Outcome, cargo, program, read, root, run, target, works};
 use crate::{board, image, supply, wheel};
 use std::fs;
@@ -75,7 +75,8 @@ fn programs(folder: &Path) -> Outcome {
         run(program("strip").arg("--strip-debug").arg(&beamtick).args(libraries))?;
     }
     copy_all(&root().join("host/gts/include"), &folder.join("include"))?;
-    copy_all(&root().join("host/gts/compat"), &folder.join("include/compat"))?;
+    // It takes the library's header from beside it.
+    copy_all(&root().join("host/gts/compat"), &folder.join("compat"))?;
     copy(&root().join("host/gts32/gts.cs"), &folder.join("share/csharp/gts.cs"))?;
     wheel::make_in(&folder.join("python"))?;
     copy_all(&root().join("host/python/examples"), &folder.join("python/examples"))?;
@@ -143,6 +144,10 @@ fn try_out(archive: &Path, name: &str) -> Outcome {
              cc -Iinclude t.c -Llib -lgts -Wl,-rpath,'$ORIGIN/lib' -o t && ./t",
         )?;
     }
+    if works(program("g++").arg("--version")) {
+        let build = "g++ -Icompat examples/c/pt_static.cpp -Llib -lgts -Wl,-rpath,'$ORIGIN/lib' -o pt_static";
+        bare(&unpacked, &format!("{build} && cd examples && BEAMTICK_LINK=virtual:max ../pt_static >/dev/null"))?;
+    }
     if works(program("python3").args(["-m", "venv", "--help"])) {
         bare(
             &unpacked,
@@ -157,7 +162,7 @@ assert names[\"trace\"][\"axis1_pos\"][-1] == 0' python/examples/first_plot.ipyn
         )?;
     }
     println!(
-        "tried: unpacked, checksums equal, a job with its plot and its page, a C program, the wheel and the notebook"
+        "tried: unpacked, checksums equal, a job with its plot and its page, programs in C and C++, the wheel and the notebook"
     );
     remove(&folder)
 }

@@ -79,8 +79,11 @@ fn arrived(number: u8) {
     if let Some(object) = crate::json::end(signal.exit_code(), Some(("signal", signal.name()))) {
         say!("{}", object.trim_end());
     }
+    let kept: String = crate::output::leave().iter().map(ToString::to_string).collect();
+    if !kept.is_empty() {
+        complain!("{}", kept.trim_start());
+    }
     crate::printer::finish(Some(LAST_WORDS));
-    crate::output::leave();
     std::process::exit(signal.exit_code().into());
 }
 

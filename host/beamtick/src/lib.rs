@@ -107,7 +107,10 @@ fn ended(outcome: Result<(), Failure>) -> ExitCode {
         Err(Failure::Input(text)) => (2, Some("input"), text),
         Err(Failure::Interrupted(signal, text)) => (signal.exit_code(), Some("signal"), text),
     };
-    let object = json::end(code, kind.map(|kind| (kind, text.as_str())));
+    // A signal's own line was printed when it came.
+    let signal = interrupt::came().filter(|_| kind == Some("signal")).map_or("", Signal::name);
+    let told = format!("{signal}\n{text}");
+    let object = json::end(code, kind.map(|kind| (kind, told.trim())));
     if !text.is_empty() {
         complain!("{}", text.trim_end());
     }

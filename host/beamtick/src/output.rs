@@ -94,8 +94,13 @@ impl Output {
         Ok((Output { name: name.to_owned(), staged: Some(staged), older: None }, file))
     }
 
-    /// The run begins: a file of an earlier one gets its other name.
+    /// The run begins: a file of an earlier one gets its other name, a picture that was cut off
+    /// goes.
     pub fn set_older_aside(&mut self) -> Result<(), Failure> {
+        let partial = partial(&self.name);
+        if self.staged.as_ref().is_some_and(|staged| *staged != partial) {
+            let _ = fs::remove_file(partial);
+        }
         if self.staged.is_some() && self.name.exists() {
             let older = old(&self.name);
             fs::rename(&self.name, &older).map_err(|error| {
@@ -148,12 +153,10 @@ fn kept(name: &Path, staged: &Path) -> Option<PathBuf> {
     (staged == partial || fs::rename(staged, &partial).is_ok()).then_some(partial)
 }
 
-/// The program ends at once: all that grows is cut off.
-pub fn leave() {
+/// The program ends at once: all that grows is cut off. What there is of it.
+pub fn leave() -> Vec<Kept> {
     let growing = std::mem::take(&mut *GROWING.lock().unwrap_or_else(PoisonError::into_inner));
-    for (name, staged) in growing {
-        kept(&name, &staged);
-    }
+    growing.iter().map(|(name, staged)| Kept { partial: kept(name, staged), older: None }).collect()
 }
 
 /// The file that a name means, however it is written.
@@ -197,10 +200,13 @@ mod tests {
     fn what_grows_is_cut_off_by_an_end_in_between() {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
+        fs::write(at("a.png.partial"), "of an earlier run").unwrap();
         let (empty, begun) = (Output::picture(&at("a.png")), Output::picture(&at("b.svg")));
-        let (Ok(empty), Ok(begun)) = (empty, begun) else { panic!("both can be written") };
+        let (Ok(mut empty), Ok(begun)) = (empty, begun) else { panic!("both can be written") };
+        assert!(empty.set_older_aside().is_ok());
         fs::write(begun.path(), "<svg").unwrap();
-        leave();
+        let kept: String = leave().iter().map(Kept::to_string).collect();
+        assert!(kept.contains("b.svg.partial") && !kept.contains("a.png"), "{kept}");
         let names: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
         assert_eq!(names, ["b.svg.partial"]);
         drop((empty, begun));

@@ -187,3 +187,40 @@ fn errors_have_their_place() {
     let note = &found["messages"][0];
     assert!(code == 0 && note["severity"] == "note" && note["file"] == "badge.svg", "{found}");
 }
+
+/// The signal that ended a job is named, with what there is of its files.
+#[cfg(unix)]
+#[test]
+fn a_signal_has_its_name() {
+    use std::io::{BufRead, BufReader, Read};
+    let folder = tempfile::tempdir().unwrap();
+    // Hours of virtual time.
+    let jog = "TJogPrm j = {1, 1, 0}; GT_LmtsOff(1); GT_AlarmOff(1); GT_AxisOn(1); GT_PrfJog(1); GT_SetJogPrm(1, &j);\n\
+        GT_SetVel(1, 5); GT_Update(1); Sleep(100000000);\n";
+    fs::write(folder.path().join("job.gts"), jog).unwrap();
+    for words in [&["--json"][..], &["--json", "--trace", "t.csv"]] {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_beamtick"))
+            .args([&["sim", "job.gts"], words].concat())
+            .current_dir(folder.path())
+            .stdout(std::process::Stdio::piped())
+            .stderr(std::process::Stdio::piped())
+            .spawn()
+            .unwrap();
+        std::thread::sleep(std::time::Duration::from_millis(400));
+        assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+        let mut errors = BufReader::new(child.stderr.take().unwrap());
+        let mut line = String::new();
+        errors.read_line(&mut line).unwrap();
+        assert!(line.contains("interrupted by SIGINT"), "{line}");
+        errors.read_to_string(&mut line).unwrap();
+        let output = child.wait_with_output().unwrap();
+        let object: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let error = &object["error"];
+        let told = error["text"].as_str().unwrap();
+        assert!(output.status.code() == Some(130) && error["kind"] == "signal", "{object}");
+        assert!(told.starts_with("SIGINT"), "{object}");
+        if words.len() == 3 {
+            assert!(told.contains("t.csv.partial"), "{object}");
+        }
+    }
+}

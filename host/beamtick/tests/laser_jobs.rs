@@ -21,6 +21,19 @@ fn example(name: &str, family: &str) -> (String, String) {
     (out, errors)
 }
 
+/// They need no option: their family is in them.
+#[test]
+fn examples_of_the_lsr_manual_say_their_family() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
+    let names = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let names: Vec<_> = names.filter(|path| path.to_string_lossy().contains("laser_lsr_")).collect();
+    assert_eq!(names.len(), 6);
+    for path in names {
+        let (_, errors, code) = beamtick(&["sim", path.to_str().unwrap(), "--family", "gus"]);
+        assert!(code == 2 && errors.contains("the job says #pragma family lsr"), "{path:?} = {code}: {errors}");
+    }
+}
+
 fn job(text: &str, family: &str) -> (String, String, i32) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("job.gts");

@@ -73,7 +73,8 @@ pub fn enter(slot: Option<CardSlot>, prepared: &Prepared, lead: c_short, args: &
             Err(_) => (client::error::LINK_PROTOCOL, "an error in the library itself"),
         };
         let now = slot.lock().card("").ok().map(|card| card.client().0.now());
-        crate::log::write(slot, prepared, (lead, args), code, text, now);
+        // SAFETY: as above.
+        unsafe { crate::log::write(slot, prepared, (lead, args), code, text, now) };
         if now.is_none() {
             crate::log::end(slot);
         }

@@ -85,6 +85,40 @@ impl Prepared {
         self.prototype.arguments.get(place).map_or("", |argument| argument.name)
     }
 
+    /// What is at the address of an argument: a struct that is read and, of a call that is `done`,
+    /// what it has filled, eight values at most.
+    ///
+    /// # Safety
+    /// As for [`call`].
+    pub unsafe fn content(&self, place: usize, args: &[Arg], done: bool) -> Option<String> {
+        let Some(Arg::Address(address)) =
+            args.get(place).filter(|arg| !matches!(arg, Arg::Address(at) if at.is_null()))
+        else {
+            return None;
+        };
+        let argument = self.prototype.arguments.get(place)?;
+        // SAFETY: the caller says that so many are there.
+        let load = |offset: usize, of: Scalar, count: usize| unsafe {
+            let one = |n| request::load(address.byte_add(offset + n * size(of)), of).to_string();
+            list((0..count).map(one).collect())
+        };
+        match argument.kind {
+            Kind::Out(of) if done => {
+                let given = self.count.filter(|_| Some(place) != self.clock).and_then(|count| args.get(count));
+                let count = if let Some(Arg::Int(count)) = given { usize::try_from(*count).unwrap_or(0) } else { 1 };
+                Some(load(0, of, count.clamp(1, 8)))
+            }
+            Kind::OutStruct(_) if !done => None,
+            Kind::Struct(of) | Kind::OutStruct(of) => {
+                let members = prototype::members(of).into_iter();
+                let all: Vec<String> =
+                    members.map(|(name, scalar, count)| load(self::place(of, name).1, scalar, count)).collect();
+                Some(format!("{{{}}}", all.join(", ")))
+            }
+            _ => None,
+        }
+    }
+
     /// Its row among the calls beyond the manuals, unless it is the controller's.
     fn more(&self) -> Option<&'static More> {
         self.more.filter(|more| !matches!(more.class, Class::Real))
@@ -335,6 +369,11 @@ fn masks(function: &str, lists: &[Given]) -> Result<Vec<Given>> {
         }
     }
     Ok(vec![("mask", vec![Arg::Int(mask.into())]), ("option", vec![Arg::Int(option.into())])])
+}
+
+/// One value as itself, several in braces.
+fn list(values: Vec<String>) -> String {
+    if values.len() == 1 { values.concat() } else { format!("{{{}}}", values.join(", ")) }
 }
 
 /// Type and offset of a member of a struct, as this platform's C lays it out.

@@ -41,26 +41,55 @@ pub fn is_on(slot: CardSlot) -> bool {
     log(slot).is_some()
 }
 
-/// An argument as a C programmer writes it.
-fn shown(prepared: &Prepared, args: &[Arg]) -> String {
+impl std::fmt::Display for Arg {
+    /// As a C programmer writes it.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Arg::Int(whole) => write!(f, "{whole}"),
+            Arg::Real(real) if *real == f64::MIN => f.write_str("GT_NOT_GIVEN"),
+            Arg::Real(real) => write!(f, "{real:?}"),
+            Arg::Address(address) if address.is_null() => f.write_str("NULL"),
+            Arg::Address(_) => f.write_str("&"),
+        }
+    }
+}
+
+/// The arguments, and what is at their addresses.
+///
+/// # Safety
+/// As for `engine::call`.
+unsafe fn shown(prepared: &Prepared, args: &[Arg], done: bool) -> String {
     let one = |(n, arg): (usize, &Arg)| match arg {
-        Arg::Int(whole) => whole.to_string(),
-        Arg::Real(real) if *real == f64::MIN => "GT_NOT_GIVEN".to_owned(),
-        Arg::Real(real) => format!("{real:?}"),
-        Arg::Address(address) if address.is_null() => "NULL".to_owned(),
-        Arg::Address(_) => format!("&{}", prepared.argument(n)),
+        Arg::Address(address) if !address.is_null() => {
+            // SAFETY: as the caller says.
+            let content = unsafe { prepared.content(n, args, done) };
+            let content = content.map_or(String::new(), |content| format!("={content}"));
+            format!("&{}{content}", prepared.argument(n))
+        }
+        arg => arg.to_string(),
     };
     args.iter().enumerate().map(one).collect::<Vec<_>>().join(", ")
 }
 
-/// A call has returned. `filled` is what it wrote, by name; `now` the controller's time.
-pub fn write(slot: CardSlot, prepared: &Prepared, call: (i16, &[Arg]), code: i16, text: &str, now: Option<Duration>) {
+/// A call has returned; `now` is the controller's time.
+///
+/// # Safety
+/// As for `engine::call`.
+pub unsafe fn write(
+    slot: CardSlot,
+    prepared: &Prepared,
+    call: (i16, &[Arg]),
+    code: i16,
+    text: &str,
+    now: Option<Duration>,
+) {
     let mut log = log(slot);
     let Some(Log { file, is_whole, .. }) = log.as_mut().filter(|log| log.is_whole) else { return };
     let (lead, args) = call;
     let time = now.map_or("-".to_owned(), |now| format!("{:.3}", now.as_secs_f64() * 1e3));
     let lead = if prepared.leads() { format!("{lead}, ") } else { String::new() };
-    let list = format!("{lead}{}", shown(prepared, args));
+    // SAFETY: as the caller says.
+    let list = format!("{lead}{}", unsafe { shown(prepared, args, code == 0) });
     let reason = if text.is_empty() { String::new() } else { format!("  {text}") };
     let line = format!("{time} {}({}) = {code}{reason}\n", prepared.symbol(), list.trim_end_matches(", "));
     *is_whole = file.write_all(line.as_bytes()).is_ok();

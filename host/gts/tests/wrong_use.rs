@@ -298,11 +298,11 @@ int main(int argc, char *argv[])
             "GT_Open(0, 1) = 0",
             "GT_AxisOn(2) = 0",
             "GT_PrfTrap(2) = 0",
-            "GT_SetTrapPrm(2, &prm) = 0",
+            "GT_SetTrapPrm(2, &prm={1.0, 1.0, 0.0, 0}) = 0",
             "GT_SetPos(2, 400) = 0",
             "GT_SetVel(2, 9.5) = 0",
             "GT_Update(2) = 0",
-            "GT_GetPrfPos(1, &value, 2, NULL) = 0",
+            "GT_GetPrfPos(1, &value={0.0, 400.0}, 2, NULL) = 0",
             calls[8],
         ]
     );

@@ -70,15 +70,17 @@ fn a_c_program_takes_its_header() {
     passed(&mut Command::new(program));
 }
 
-/// Every declaration of `gts.cs` is a symbol of the library, and every `GT_` and `GTN_` symbol is
-/// declared.
+/// Every declaration of `gts.cs` is a symbol of the library, and every symbol is declared.
 #[test]
 fn the_declarations_for_c_sharp_are_the_librarys_symbols() {
     let text = std::fs::read_to_string(tests().join("../gts.cs")).unwrap();
+    let entries =
+        text.lines().filter_map(|line| line.split("EntryPoint = \"").nth(1)).map(|rest| rest.split('"').next());
     let mut declared: Vec<&str> = text
         .lines()
         .filter_map(|line| line.trim().strip_prefix("public static extern short "))
         .map(|line| line.split('(').next().unwrap())
+        .chain(entries.flatten())
         .collect();
     declared.sort_unstable();
     declared.dedup();
@@ -91,7 +93,7 @@ fn the_declarations_for_c_sharp_are_the_librarys_symbols() {
     let mut symbols: Vec<&str> = listed
         .lines()
         .filter_map(|line| line.rsplit(' ').next())
-        .filter(|symbol| symbol.starts_with("GT_") || symbol.starts_with("GTN_"))
+        .filter(|symbol| ["GT_", "GTN_", "GTM_"].iter().any(|prefix| symbol.starts_with(prefix)))
         .collect();
     symbols.sort_unstable();
     assert!(symbols.len() > 400, "{}", symbols.len());
@@ -122,4 +124,29 @@ fn a_c_sharp_program_runs_under_mono() {
     let text = String::from_utf8_lossy(&done.stdout).into_owned() + &String::from_utf8_lossy(&done.stderr);
     assert_eq!(text, "-70000 0 1 at 4000,3000 7\nall checks passed\n");
     assert!(done.status.success());
+}
+
+#[test]
+fn a_c_sharp_program_has_several_cards() {
+    let folder_of_program = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let (source, program) = (folder_of_program.join("cards.cs"), folder_of_program.join("cards.exe"));
+    std::fs::write(
+        &source,
+        "using System;\nusing gts;\nstatic class Program\n{\n    static int Main()\n    {\n        int pos;\n        \
+         for (short card = 0; card < 2; card++)\n        {\n            \
+         if (mc.GT_Open(card, 0, 1) != 0 || mc.GT_SetPos(card, 1, 100 + card) != 0) return 1;\n        }\n        \
+         for (short card = 0; card < 2; card++)\n        {\n            \
+         if (mc.GT_GetPos(card, 1, out pos) != 0 || pos != 100 + card || mc.GT_Close(card) != 0) return 2;\n        }\n        \
+         Console.WriteLine(\"all checks passed\");\n        return 0;\n    }\n}\n",
+    )
+    .unwrap();
+    let mut build = Command::new("mcs");
+    build.args(["-nologo", "-warnaserror", "-d:BEAMTICK_CARDS"]).arg(format!("-out:{}", program.display()));
+    let Ok(built) = build.arg(source).arg(tests().join("../gts.cs")).output() else {
+        eprintln!("skipped: there is no Mono (mono-mcs, mono-runtime); `cargo xtask setup` installs it");
+        return;
+    };
+    assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
+    let done = clean(Command::new("mono").arg(program)).env("LD_LIBRARY_PATH", folder()).output().unwrap();
+    assert_eq!(String::from_utf8_lossy(&done.stdout), "all checks passed\n", "{:?}", done.status);
 }

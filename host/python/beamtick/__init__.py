@@ -56,6 +56,12 @@ _NUMBERS = {
 NOT_GIVEN = -sys.float_info.max
 
 
+#: Functions that wait; Ctrl-C ends them as it ends sleep.
+_DELAYS = ("Delay", "DelayHighPrecision")
+# A signal is heard between two waits of so long on the wall clock, s.
+_HEARD = 0.03
+
+
 class GtsError(Exception):
     """A call that failed: ``function``, ``code`` (a return value of the manuals) and ``reason``."""
 
@@ -250,7 +256,11 @@ def _function(symbol, about, parameters):
                 passed.append(ctypes.c_double(given[name]))
             else:
                 passed.append(_NUMBERS[kind](_whole(symbol, name, kind, given[name])))
-        code = call(*passed)
+        if symbol.partition("_")[2] in _DELAYS:
+            *before, time_ = passed
+            code = _in_portions(time_.value, lambda portion: call(*before, type(time_)(portion)))
+        else:
+            code = call(*passed)
         if code != 0:
             raise GtsError(symbol, code, _reason())
         values = tuple(result() for result in results)
@@ -264,6 +274,37 @@ def _function(symbol, about, parameters):
 
 for _name, (_about, _parameters) in table.FUNCTIONS.items():
     globals()[_name] = _function(_name, _about, _parameters)
+
+
+def _in_portions(length, wait):
+    """Waits for ``length`` in portions, between which a signal is heard. ``wait`` waits for one and returns a code; the first
+    that is not 0 is returned."""
+    portion = 1
+    while True:
+        portion = min(portion, length)
+        begun = time.monotonic()
+        code = wait(portion)
+        length -= portion
+        if code != 0 or length <= 0:
+            return code
+        # How long a ms of the controller lasts is not known here; one that is short takes more of them.
+        took = time.monotonic() - begun
+        if took < _HEARD / 2:
+            portion *= 2
+        elif took > _HEARD:
+            portion = max(1, portion // 2)
+
+
+def sleep(milliseconds):
+    """Waits for so many ms of the open controller's time (docs/c.md), of the wall clock's if none is open. Ctrl-C ends it at
+    once."""
+
+    def wait(portion):
+        _lib.beamtick_sleep(ctypes.c_ulong(portion))
+        return 0
+
+    if int(milliseconds) > 0:
+        _in_portions(int(milliseconds), wait)
 
 
 class Controller:
@@ -327,27 +368,6 @@ def _close():
 
 # A script that ends by Ctrl-C ends without the exit functions of C.
 atexit.register(_close)
-
-# A signal is heard between two waits of so long on the wall clock, s.
-_HEARD = 0.03
-
-
-def sleep(milliseconds):
-    """Waits for so many ms of the open controller's time (docs/c.md), of the wall clock's if none is open. Ctrl-C ends it at
-    once."""
-    left = int(milliseconds)
-    portion = 1
-    while left > 0:
-        portion = min(portion, left)
-        begun = time.monotonic()
-        _lib.beamtick_sleep(ctypes.c_ulong(portion))
-        left -= portion
-        # How long a ms of the controller lasts is not known here; one that is short takes more of them.
-        took = time.monotonic() - begun
-        if took < _HEARD / 2:
-            portion *= 2
-        elif took > _HEARD:
-            portion = max(1, portion // 2)
 
 
 class Trace:

@@ -128,16 +128,30 @@ class Card(unittest.TestCase):
     def test_ctrl_c_ends_a_sleep_at_once(self):
         if not hasattr(signal, "setitimer"):
             self.skipTest("there is no timer of signals")
-        with gts.Beamtick("virtual:1"):
-            handler = signal.signal(signal.SIGALRM, signal.default_int_handler)
-            signal.setitimer(signal.ITIMER_REAL, 0.3)
-            begun = time.monotonic()
-            try:
-                with self.assertRaises(KeyboardInterrupt):
-                    gts.sleep(20_000)
-            finally:
-                signal.signal(signal.SIGALRM, handler)
-            self.assertLess(time.monotonic() - begun, 2)
+        for wait in (gts.sleep, gts.GT_Delay, gts.GT_DelayHighPrecision, lambda time_: gts.GTN_Delay(1, time_)):
+            with gts.Beamtick("virtual:1"):
+                handler = signal.signal(signal.SIGALRM, signal.default_int_handler)
+                signal.setitimer(signal.ITIMER_REAL, 0.3)
+                begun = time.monotonic()
+                try:
+                    with self.assertRaises(KeyboardInterrupt):
+                        wait(20_000)
+                finally:
+                    signal.signal(signal.SIGALRM, handler)
+                self.assertLess(time.monotonic() - begun, 2)
+
+    def test_a_delay_lasts_as_long_as_it_says(self):
+        with gts.Beamtick("virtual:max", trace=True) as card:
+            begun = card.GetClock()[0]
+            for time_ in (0, 1, 1000):
+                card.Delay(time_)
+            card.DelayHighPrecision(4)
+            self.assertLess(abs(card.GetClock()[0] - begun - 1002), 4)
+            for wrong in (-1, 65536):
+                with self.assertRaises(gts.GtsError):
+                    card.Delay(wrong)
+        with self.assertRaises(gts.GtsError):
+            gts.GT_Delay(1)
 
 
 class Controller(unittest.TestCase):
