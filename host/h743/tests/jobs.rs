@@ -297,9 +297,10 @@ const ON_REQUEST: [&str; 17] = [
     "square_with_corners",
     "stop",
 ];
-/// Not comparable: ten axes; set-up of more than one tick; inputs by a call; power by encoders, which
-/// stand here; a rate whose edges differ by a ns in the VCD, since the board's clock has no whole
-/// ns; a third analog output; a look-ahead longer than the board's; ten minutes.
+/// Not comparable: ten axes; set-up of more than one tick; inputs by a call; a third analog output;
+/// a look-ahead longer than the board's; ten minutes. Two have a power by encoders, which stand
+/// here, or by a distance: its edges differ by a ns in the VCD, since the board's clock has no
+/// whole ns.
 const LEFT_OUT: [&str; 10] = [
     "follow_chain",
     "follow_masters",
