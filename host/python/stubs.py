@@ -42,7 +42,7 @@ class Controller:
 
 '''
 CARD = '''class Beamtick(Controller):
-    trace: Optional[Trace]
+    trace: Trace
     def __init__(
         self,
         link: Optional[str] = ...,

@@ -20,7 +20,7 @@ or with its outputs named here, and functions without their prefix:
 What a function fills in C it returns here: one value as itself, several as a tuple, those of ``count`` axes (above 1) as a
 list; the reader's clock is left out. Its other parameters stand in the order of C, with C++'s defaults, and may be named. Arrays are
 sequences, structs are the classes of this module (``TJogPrm(acc=1, dec=1)``) or mappings. A call that fails raises
-:class:`GtsError` with the return value and the reason.
+:class:`GtsError` with the return value and the reason. An argument of the wrong type raises ``TypeError``.
 
 The library is looked for where ``BEAMTICK_LIBRARY`` says, beside this file, in the build folder ``target`` of the checkout,
 and where the system looks. Which controller is opened the environment says (docs/c.md).
@@ -30,44 +30,44 @@ import atexit
 import csv
 import ctypes
 import ctypes.util
+import difflib
 import inspect
+import math
 import os
 import pathlib
+import re
 import signal
 import sys
 import tempfile
 import threading
 import time
 
-from . import table
+from . import table, values
+from .values import GtsError
 
 __version__ = "0.1.0"
 
 __all__ = ["Beamtick", "Controller", "GtsError", "Trace", "sleep", "__version__", *table.STRUCTS, *table.FUNCTIONS, *table.CONSTANTS]
 
-_NUMBERS = {
-    "short": ctypes.c_short,
-    "unsigned short": ctypes.c_ushort,
-    "long": ctypes.c_long,
-    "unsigned long": ctypes.c_ulong,
-    "double": ctypes.c_double,
-}
-#: Stands for a power or a bound that is left out.
-NOT_GIVEN = -sys.float_info.max
 
+class _NotGiven(float):
+    def __repr__(self):
+        return "NOT_GIVEN"
+
+
+#: Stands for a power or a bound that is left out.
+NOT_GIVEN = _NotGiven(-sys.float_info.max)
+# Return values: no answer, and a controller that cannot be opened.
+_NO_ANSWER, _CANNOT_OPEN = -7, -6
+#: Arguments of Beamtick that stand for a variable of the environment.
+_ARGUMENTS = ("link", "profile", "family", "inputs", "trace", "vcd", "plot", "log")
+#: Those that name a file that is written.
+_OUTPUTS = ("trace", "vcd", "plot", "log")
 
 #: Functions that wait; Ctrl-C ends them as it ends sleep.
 _DELAYS = ("Delay", "DelayHighPrecision")
 # A signal is heard between two waits of so long on the wall clock, s.
 _HEARD = 0.03
-
-
-class GtsError(Exception):
-    """A call that failed: ``function``, ``code`` (a return value of the manuals) and ``reason``."""
-
-    def __init__(self, function, code, reason):
-        super().__init__(f"{function} = {code}: {reason}")
-        self.function, self.code, self.reason = function, code, reason
 
 
 def _library():
@@ -85,64 +85,8 @@ def _library():
 
 _lib = _library()
 
-
-def _array_type(kind, count):
-    """An array of a struct, whose elements are checked as arguments are."""
-
-    def set_element(self, place, value):
-        if kind != "double":
-            numbers = value if isinstance(place, slice) else [value]
-            checked = [_whole(None, f"element {place}", kind, number) for number in numbers]
-            value = checked if isinstance(place, slice) else checked[0]
-        ctypes.Array.__setitem__(self, place, value)
-
-    return type("Array", (ctypes.Array,), {"_type_": _NUMBERS[kind], "_length_": count, "__setitem__": set_element})
-
-
-def _struct_type(name, members):
-    """A struct of gts.h. A member that is set is checked as an argument is; one that is an array takes a sequence."""
-    kinds = {member: (kind, count) for member, kind, count in members}
-
-    def set_member(self, member, value):
-        kind, count = kinds.get(member, (None, 0))
-        if kind is None:
-            raise TypeError(f"{name} has no {member}")
-        if count > 1 and isinstance(value, (list, tuple)):
-            if len(value) > count:
-                raise GtsError(name, 7, f"{name}: {member} has {len(value)} values; it takes {count}")
-            if kind != "double":
-                value = [_whole(name, member, kind, element) for element in value]
-            value = (type(getattr(self, member)))(*value)
-        elif count == 1 and kind != "double":
-            value = _whole(name, member, kind, value)
-        ctypes.Structure.__setattr__(self, member, value)
-
-    def values(self):
-        return [(m, list(v) if isinstance(v, ctypes.Array) else v) for m, v in ((m, getattr(self, m)) for m, _, _ in members)]
-
-    def show(self):
-        return f"{name}({', '.join(f'{member}={value!r}' for member, value in values(self))})"
-
-    def equal(self, other):
-        return values(self) == values(other) if isinstance(other, type(self)) else NotImplemented
-
-    fields = [(member, _array_type(kind, count) if count > 1 else _NUMBERS[kind]) for member, kind, count in members]
-    return type(
-        name,
-        (ctypes.Structure,),
-        {
-            "_fields_": fields,
-            "__doc__": f"{name} of gts.h.",
-            "__setattr__": set_member,
-            "__repr__": show,
-            "__eq__": equal,
-            "__hash__": None,
-        },
-    )
-
-
 for _name, _members in table.STRUCTS.items():
-    globals()[_name] = _struct_type(_name, _members)
+    globals()[_name] = values.struct_type(_name, _members)
 globals().update(table.CONSTANTS)
 
 
@@ -152,45 +96,19 @@ def _reason():
     return text.value.decode("utf-8", "replace")
 
 
-def _whole(function, name, kind, value):
-    """An integer that the C type holds; ctypes would cut it in silence."""
-    number = int(value)
-    if number != value or _NUMBERS[kind](number).value != number:
-        bits = 8 * ctypes.sizeof(_NUMBERS[kind])
-        where = f"{function}: {name}" if function else name
-        raise GtsError(function, 7, f"{where} is {value}; it does not fit a {kind} of {bits} bits")
-    return number
-
-
-def _length(words, given):
-    """Elements that an array must have."""
-    count = given.get("count", 1)
-    first, second = (count[0], count[1]) if isinstance(count, (list, tuple)) else (count, count)
-    lengths = {"count": first, "columns": first, "rows": second, "grid": first * second}
-    if words in lengths:
-        return lengths[words]
-    times, _, of = words.partition(" ")
-    return int(times) * (first if of else 1)
-
-
-def _array(function, name, kind, values, given):
-    of, _, words = kind[:-1].partition("[")
-    values = list(values)
-    if len(values) < _length(words, given):
-        raise GtsError(function, 7, f"{function}: {name} has {len(values)} values, {_length(words, given)} are needed")
-    if of != "double":
-        values = [_whole(function, name, of, value) for value in values]
-    return (_NUMBERS[of] * len(values))(*values)
-
-
-def _struct(function, of, value):
-    made = globals()[of]
+def _struct(function, name, of, value):
+    made, where = globals()[of], values.where_of(function, name)
     if isinstance(value, made):
         return value
+    if not hasattr(value, "keys"):
+        known = ", ".join(member for member, _, _ in table.STRUCTS[of])
+        raise TypeError(f"{where} is {value!r}; it must be a {of}, or a mapping of its fields: {known}")
     try:
-        return made(**value)
+        return made(**{str(member): value[member] for member in value.keys()})
     except GtsError as error:
-        raise GtsError(function, error.code, f"{function}: {error.reason}") from None
+        raise GtsError(function, error.code, f"{where}: {error.reason}") from None
+    except TypeError as error:
+        raise TypeError(f"{where}: {error}") from None
 
 
 def _function(symbol, about, parameters):
@@ -209,9 +127,17 @@ def _function(symbol, about, parameters):
     )
 
     def wrapper(*args, **named):
-        bound = signature.bind(*args, **named)
+        try:
+            bound = signature.bind(*args, **named)
+        except TypeError as error:
+            raise TypeError(f"{symbol}{signature}: {error}") from None
         bound.apply_defaults()
         given = bound.arguments
+        for name, kind, _ in inputs:
+            if kind in values.NUMBERS:
+                given[name] = values.number_of(symbol, name, kind, given[name])
+            elif name == "count":
+                given[name] = list(values.array_of(symbol, name, kind, given[name], given))
         passed, results = [], []
         for name, kind, default in parameters:
             if kind in ("clock", "working"):
@@ -219,10 +145,13 @@ def _function(symbol, about, parameters):
             elif kind == "out text" and default == "NULL" and given["size"] == 0:
                 # Not wanted.
                 passed.append(None)
+            elif default == "NULL" and given.get(name, name) is None:
+                passed.append(None)
             elif kind == "text":
-                passed.append(ctypes.c_char_p(os.fsencode(given[name])))
+                file = values.text_of(values.where_of(symbol, name), given[name], "a file's name")
+                passed.append(ctypes.c_char_p(os.fsencode(file)))
             elif kind == "out text":
-                text = ctypes.create_string_buffer(max(1, min(int(given["size"]), 32767)))
+                text = ctypes.create_string_buffer(max(1, given["size"]))
                 results.append(lambda text=text: text.value.decode("utf-8", "replace"))
                 passed.append(text)
             elif kind == "out address":
@@ -234,37 +163,35 @@ def _function(symbol, about, parameters):
                 results.append(lambda struct=struct: struct)
                 passed.append(ctypes.byref(struct))
             elif kind.startswith("struct "):
-                value = given[name]
-                passed.append(None if value is None else ctypes.byref(_struct(symbol, kind[7:], value)))
+                passed.append(ctypes.byref(_struct(symbol, name, kind[7:], given[name])))
             elif kind.startswith("out "):
                 of, _, words = kind[4:].partition("[")
                 if words:
-                    # A count of a read is a short, and the library fills as many; a greater one is refused before it is looked at.
-                    room = max(1, min(_length(words[:-1], given), 32767))
-                    array = (_NUMBERS[of] * room)()
+                    room = max(1, values.length_of(words[:-1], given))
+                    array = (values.NUMBERS[of] * room)()
                     single = words == "count]" and room == 1
                     results.append(lambda array=array, single=single: array[0] if single else list(array))
                     passed.append(array)
                 else:
-                    number = _NUMBERS[of]()
+                    number = values.NUMBERS[of]()
                     results.append(lambda number=number: number.value)
                     passed.append(ctypes.byref(number))
             elif "[" in kind:
-                value = given[name]
-                passed.append(None if value is None else _array(symbol, name, kind, value, given))
-            elif kind == "double":
-                passed.append(ctypes.c_double(given[name]))
+                passed.append(values.array_of(symbol, name, kind, given[name], given))
             else:
-                passed.append(_NUMBERS[kind](_whole(symbol, name, kind, given[name])))
+                passed.append(values.NUMBERS[kind](given[name]))
         if symbol.partition("_")[2] in _DELAYS:
             *before, time_ = passed
             code = _in_portions(time_.value, lambda portion: call(*before, type(time_)(portion)))
         else:
             code = call(*passed)
         if code != 0:
-            raise GtsError(symbol, code, _reason())
-        values = tuple(result() for result in results)
-        return values[0] if len(values) == 1 else values or None
+            reason = _reason()
+            if code == _NO_ANSWER and reason.endswith("call GT_Open or GTN_Open first"):
+                reason += ", or open one by `with Beamtick(…) as card:`"
+            raise GtsError(symbol, code, reason)
+        found = tuple(result() for result in results)
+        return found[0] if len(found) == 1 else found or None
 
     wrapper.__name__ = wrapper.__qualname__ = symbol
     wrapper.__doc__ = about
@@ -296,15 +223,43 @@ def _in_portions(length, wait):
 
 
 def sleep(milliseconds):
-    """Waits for so many ms of the open controller's time (docs/c.md), of the wall clock's if none is open. Ctrl-C ends it at
-    once."""
+    """Waits for so many ms, 0 or more, of the open controller's time (docs/c.md), of the wall
+    clock's if none is open. A part of a ms counts as a whole one. Ctrl-C ends it at once."""
 
     def wait(portion):
         _lib.beamtick_sleep(ctypes.c_ulong(portion))
         return 0
 
-    if int(milliseconds) > 0:
-        _in_portions(int(milliseconds), wait)
+    try:
+        allowed = 0 <= milliseconds < math.inf
+    except TypeError:
+        raise TypeError(f"sleep: milliseconds is {milliseconds!r}; it must be a number, 0 or more") from None
+    if not allowed:
+        raise ValueError(f"sleep: milliseconds is {milliseconds}; it must be finite, and 0 or more")
+    if milliseconds > 0:
+        _in_portions(math.ceil(milliseconds), wait)
+
+
+def _variables(**given):
+    """The variables of the environment that stand for arguments."""
+    allowed = {"trace": "True or a file's name", **dict.fromkeys(("link", "profile", "family"), "a text")}
+    return {
+        f"BEAMTICK_{name.upper()}": values.text_of(name, value, allowed.get(name, "a file's name"))
+        for name, value in given.items()
+        if value is not None
+    }
+
+
+def _obstacle(path):
+    """Why a file cannot be written; None if it seems that it can."""
+    folder = os.path.dirname(os.path.abspath(path))
+    if os.path.isdir(path):
+        return "that is a folder; it must be a file"
+    if not os.path.isdir(folder):
+        return f"there is no folder `{folder}`"
+    if not os.access(path if os.path.exists(path) else folder, os.W_OK):
+        return "it must be a file that you may write"
+    return None
 
 
 class Controller:
@@ -315,7 +270,9 @@ class Controller:
 
     def __init__(self, *args, gtn=False, inputs=None, **named):
         self._open = lambda: globals()["GTN_Open" if gtn else "GT_Open"](*args, **named)
-        self._inputs = inputs
+        self._variables = _variables(inputs=inputs)
+        # What an error may call by the name of its argument.
+        self._arguments = ("inputs",)
         self._handlers = {}
 
     def __enter__(self):
@@ -329,18 +286,32 @@ class Controller:
         return self
 
     def _enter(self):
-        if self._inputs is None:
-            self._open()
-            return
-        before = os.environ.get("BEAMTICK_INPUTS")
-        os.environ["BEAMTICK_INPUTS"] = os.fspath(self._inputs)
+        before = {name: os.environ.get(name) for name in self._variables}
+        os.environ.update(self._variables)
         try:
             self._open()
+        except GtsError as error:
+            raise GtsError(error.function, error.code, self._by_argument(error.reason)) from None
         finally:
-            if before is None:
-                del os.environ["BEAMTICK_INPUTS"]
-            else:
-                os.environ["BEAMTICK_INPUTS"] = before
+            for name, value in before.items():
+                if value is None:
+                    del os.environ[name]
+                else:
+                    os.environ[name] = value
+
+    def _by_argument(self, reason):
+        """A reason of Open with the names of arguments in the place of those variables that the
+        environment does not set."""
+
+        def called(found):
+            variable, argument = found[0], found[1].lower()
+            own = variable in self._variables or variable not in os.environ
+            return argument if argument in self._arguments and own else variable
+
+        link = self._variables.get("BEAMTICK_LINK")
+        if link and reason.startswith(f"cannot open {link}:"):
+            reason = f"link: {reason}"
+        return re.sub(r"BEAMTICK_([A-Z]+)\b", called, reason)
 
     def __exit__(self, kind, error, trace):
         for number, handler in self._handlers.items():
@@ -408,31 +379,42 @@ class Beamtick(Controller):
     shut off at once, all motion is brought to rest smoothly.
 
     ``link``, ``profile``, ``family``, ``inputs``, ``vcd``, ``plot``, ``log`` and ``trace`` stand for the variables ``BEAMTICK_…``
-    (docs/c.md); what is not given stays as the environment says. ``trace=True`` keeps a trace without a file: afterwards
-    ``card.trace`` is a :class:`Trace`. Functions are its methods, without their prefix: ``card.AxisOn(1)``,
-    ``card.sleep(100)``."""
+    (docs/c.md); what is not given stays as the environment says. ``trace=True`` keeps a trace
+    without a file. When the ``with`` has ended, ``card.trace`` is a :class:`Trace`. Functions are
+    its methods, without their prefix: ``card.AxisOn(1)``, ``card.sleep(100)``."""
 
     def __init__(self, link=None, *, profile=None, family=None, inputs=None, trace=None, vcd=None, plot=None, log=None, gtn=False):
         super().__init__(gtn=gtn)
-        self.trace = None
-        self._folder = tempfile.TemporaryDirectory(prefix="beamtick-") if trace is True else None
-        self._trace = os.path.join(self._folder.name, "trace.csv") if self._folder else trace
-        given = {"link": link, "profile": profile, "family": family, "inputs": inputs, "vcd": vcd, "plot": plot, "log": log}
-        given["trace"] = self._trace
-        self._variables = {f"BEAMTICK_{name.upper()}": os.fspath(value) for name, value in given.items() if value is not None}
         self._prefix = "GTN_" if gtn else "GT_"
+        self._arguments = _ARGUMENTS
+        self._folder = None
+        self._keeps_trace = trace is True
+        trace = None if isinstance(trace, bool) else trace
+        self._variables = _variables(
+            link=link, profile=profile, family=family, inputs=inputs, trace=trace, vcd=vcd, plot=plot, log=log
+        )
 
     def _enter(self):
-        before = {name: os.environ.get(name) for name in self._variables}
-        os.environ.update(self._variables)
+        for name in _OUTPUTS:
+            path = self._variables.get(f"BEAMTICK_{name.upper()}")
+            why = _obstacle(path) if path else None
+            if why:
+                raise GtsError(f"{self._prefix}Open", _CANNOT_OPEN, f"{name} is `{path}`; {why}")
+        self.__dict__.pop("trace", None)
+        if self._keeps_trace:
+            self._folder = tempfile.TemporaryDirectory(prefix="beamtick-")
+            self._variables["BEAMTICK_TRACE"] = os.path.join(self._folder.name, "trace.csv")
         try:
-            self._open()
-        finally:
-            for name, value in before.items():
-                if value is None:
-                    del os.environ[name]
-                else:
-                    os.environ[name] = value
+            super()._enter()
+        except BaseException:
+            self._remove_folder()
+            raise
+
+    def _remove_folder(self):
+        if self._folder:
+            self._folder.cleanup()
+            self._folder = None
+            del self._variables["BEAMTICK_TRACE"]
 
     def __exit__(self, kind, error, trace):
         try:
@@ -442,18 +424,36 @@ class Beamtick(Controller):
             pass
         try:
             super().__exit__(kind, error, trace)
-            if self._trace is not None and os.path.isfile(self._trace):
-                self.trace = Trace(self._trace)
+            path = self._variables.get("BEAMTICK_TRACE")
+            if path and os.path.isfile(path):
+                self.trace = Trace(path)
         finally:
-            if self._folder:
-                self._folder.cleanup()
+            self._remove_folder()
         return False
 
     def __getattr__(self, name):
-        function = globals().get(self.__dict__.get("_prefix", "GT_") + name)
-        if function is None or name.startswith("_"):
-            raise AttributeError(f"there is no function {name}; dir(beamtick) lists them")
+        if name.startswith("_"):
+            raise AttributeError(f"there is no {name}")
+        if name == "trace":
+            asked = self._keeps_trace or "BEAMTICK_TRACE" in self._variables
+            why = "the trace is read when the with has ended" if asked else "no trace was kept: Beamtick(…, trace=True) keeps one"
+            raise AttributeError(why)
+        function = globals().get(self._prefix + name)
+        if function is None:
+            raise AttributeError(self._no_function(name))
         return function
+
+    def _no_function(self, name):
+        """Why there is no function of this name, and what was meant."""
+        own = {n[len(self._prefix) :].lower(): n[len(self._prefix) :] for n in table.FUNCTIONS if n.startswith(self._prefix)}
+        bare = values.bare(name).lower()
+        if bare in own and bare != name.lower():
+            return f"there is no function {name}; without its prefix there is: card.{own[bare]}"
+        if name in __all__:
+            return f"{name} is not a function of the card; it is beamtick.{name}"
+        near = difflib.get_close_matches(bare, own, 1)
+        nearest = f"the nearest is card.{own[near[0]]}; " if near else ""
+        return f"there is no function {name}; {nearest}dir(card) lists them"
 
     def __dir__(self):
         return [*super().__dir__(), *(n[len(self._prefix) :] for n in table.FUNCTIONS if n.startswith(self._prefix))]

@@ -659,7 +659,7 @@ def GTN_PrfCam(core: int, profile: int) -> None: ...
 def GTN_CamStart(core: int, mask: int) -> None: ...
 
 class Beamtick(Controller):
-    trace: Optional[Trace]
+    trace: Trace
     def __init__(
         self,
         link: Optional[str] = ...,

@@ -4,12 +4,15 @@ import importlib.util
 import json
 import os
 import pathlib
+import pickle
+import re
 import signal
 import subprocess
 import sys
 import tempfile
 import time
 import unittest
+import unittest.mock
 
 os.environ["BEAMTICK_LINK"] = "virtual:max"
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
@@ -95,6 +98,101 @@ class Card(unittest.TestCase):
                 frame = card.trace.to_dataframe()
                 self.assertEqual((frame.index.name, frame["axis1_pos"].iloc[-1]), ("t_ms", 500.0))
 
+    def test_a_wrong_name_says_what_was_meant(self):
+        for card, name, why in (
+            (gts.Beamtick(), "GT_AxisOn", "there is no function GT_AxisOn; without its prefix there is: card.AxisOn"),
+            (gts.Beamtick(gtn=True), "GTN_AxisOn", "there is no function GTN_AxisOn; without its prefix there is: card.AxisOn"),
+            (gts.Beamtick(), "AxisOnn", "there is no function AxisOnn; the nearest is card.AxisOn; dir(card) lists them"),
+            (gts.Beamtick(), "getsts", "there is no function getsts; the nearest is card.GetSts; dir(card) lists them"),
+            (gts.Beamtick(), "zzzzzzzz", "there is no function zzzzzzzz; dir(card) lists them"),
+            (gts.Beamtick(), "TTrapPrm", "TTrapPrm is not a function of the card; it is beamtick.TTrapPrm"),
+            (gts.Beamtick(), "_nothing", "there is no _nothing"),
+        ):
+            with self.assertRaises(AttributeError) as caught:
+                getattr(card, name)
+            self.assertEqual(str(caught.exception), why)
+
+    def test_a_trace_that_is_not_there_says_why(self):
+        with gts.Beamtick("virtual:max", trace=False) as card:
+            with self.assertRaisesRegex(AttributeError, r"no trace was kept: Beamtick\(…, trace=True\) keeps one"):
+                card.trace
+        card = gts.Beamtick("virtual:max", trace=True)
+        # The second time it is a trace of its own.
+        for axis in (1, 2):
+            with card:
+                card.SetPrfPos(axis, 5)
+                card.sleep(1)
+                with self.assertRaisesRegex(AttributeError, "the trace is read when the with has ended"):
+                    card.trace
+            self.assertEqual(card.trace.columns[:2], ["t_ms", f"axis{axis}_pos"])
+
+    def test_without_with_the_reason_says_with(self):
+        card = gts.Beamtick("virtual:max")
+        for call in (lambda: card.AxisOn(1), lambda: gts.GT_AxisOn(1)):
+            with self.assertRaises(gts.GtsError) as caught:
+                call()
+            self.assertEqual(caught.exception.code, -7)
+            self.assertTrue(caught.exception.reason.endswith(", or open one by `with Beamtick(…) as card:`"))
+
+    def test_what_cannot_be_opened_names_the_argument(self):
+        with tempfile.TemporaryDirectory() as folder:
+            missing = os.path.join(folder, "none")
+            for given, reason in (
+                ({"link": "bad"}, "link is `bad`; it is virtual[:SPEED|:max], qemu[:IMAGE], tcp:HOST:PORT"),
+                ({"link": "tcp:x"}, "link: cannot open tcp:x: "),
+                ({"profile": "zz"}, "profile is `zz`; it is gus, gtn-016"),
+                ({"family": "zz"}, "family is `zz`; it is gus or lsr"),
+                ({"inputs": missing}, f"inputs: {missing}: the inputs cannot be read"),
+                ({"plot": "a.txt"}, "plot is `a.txt`; it is a name that ends in .png, .svg or .html"),
+                ({"link": "tcp:a:1", "trace": True}, "trace, vcd and plot are for link=virtual"),
+                *(
+                    ({name: os.path.join(missing, "x.png")}, f"{name} is `{missing}/x.png`; there is no folder `{missing}`")
+                    for name in ("trace", "vcd", "plot", "log")
+                ),
+                ({"log": folder}, f"log is `{folder}`; that is a folder; it must be a file"),
+            ):
+                with self.assertRaises(gts.GtsError) as caught:
+                    with gts.Beamtick(**{"link": "virtual:max", **given}):
+                        self.fail("it was opened")
+                self.assertEqual((caught.exception.function, caught.exception.code), ("GT_Open", -6))
+                self.assertTrue(caught.exception.reason.replace("\\", "/").startswith(reason.replace("\\", "/")), caught.exception)
+            with self.assertRaisesRegex(gts.GtsError, "^GT_Open = -6: inputs: "):
+                with gts.Controller(inputs=missing):
+                    self.fail("it was opened")
+            with unittest.mock.patch("os.access", return_value=False):
+                with self.assertRaisesRegex(gts.GtsError, "plot is `.*x.png`; it must be a file that you may write"):
+                    with gts.Beamtick("virtual:max", plot=os.path.join(folder, "x.png")):
+                        self.fail("it was opened")
+
+    def test_a_variable_of_the_environment_keeps_its_name_in_a_reason(self):
+        with unittest.mock.patch.dict(os.environ, BEAMTICK_LINK="bad"):
+            with self.assertRaisesRegex(gts.GtsError, "BEAMTICK_LINK is `bad`"):
+                with gts.Beamtick(profile="gus"):
+                    self.fail("it was opened")
+
+    def test_arguments_of_the_wrong_type_are_named_where_they_are_given(self):
+        for given, why in (
+            ({"link": 5}, "link is 5; it must be a text"),
+            ({"plot": True}, "plot is True; it must be a file's name"),
+            ({"trace": 5}, "trace is 5; it must be True or a file's name"),
+        ):
+            with self.assertRaises(TypeError) as caught:
+                gts.Beamtick(**given)
+            self.assertEqual(str(caught.exception), why)
+
+    def test_a_picture_ends_with_the_with(self):
+        """What docs/start-python.md says of its first block."""
+        for last, velocity in ((lambda card: None, 10.0), (lambda card: (card.Stop(1, 0), card.sleep(50)), 0.0)):
+            with gts.Beamtick("virtual:max", trace=True) as card:
+                card.AxisOn(1)
+                card.PrfJog(1)
+                card.SetJogPrm(1, {"acc": 1, "dec": 1})
+                card.SetVel(1, 10)
+                card.Update(1)
+                card.sleep(100)
+                last(card)
+            self.assertEqual((card.trace["axis1_vel"][-1], max(card.trace["axis1_vel"])), (velocity, 10.0))
+
     def test_it_aborts_on_the_way_out(self):
         with tempfile.TemporaryDirectory() as folder:
             log = pathlib.Path(folder) / "calls.txt"
@@ -139,6 +237,20 @@ class Card(unittest.TestCase):
                 finally:
                     signal.signal(signal.SIGALRM, handler)
                 self.assertLess(time.monotonic() - begun, 2)
+
+    def test_a_sleep_lasts_as_long_as_it_says(self):
+        with gts.Beamtick("virtual:max") as card:
+            begun = card.GetClock()[1]
+            card.sleep(0)
+            for _ in range(8):
+                card.sleep(0.5)
+            # 250 us each.
+            self.assertGreaterEqual(card.GetClock()[1] - begun, 8 * 4)
+            for wrong in (-1, -0.5, float("nan"), float("inf")):
+                with self.assertRaisesRegex(ValueError, f"sleep: milliseconds is {wrong}; it must be finite, and 0 or more"):
+                    card.sleep(wrong)
+            with self.assertRaisesRegex(TypeError, "sleep: milliseconds is 'x'; it must be a number, 0 or more"):
+                card.sleep("x")
 
     def test_a_delay_lasts_as_long_as_it_says(self):
         with gts.Beamtick("virtual:max", trace=True) as card:
@@ -244,7 +356,8 @@ class Controller(unittest.TestCase):
                 with self.assertRaises(gts.GtsError) as caught:
                     call()
                 self.assertEqual(caught.exception.code, 7)
-                self.assertIn(f" is {number}; it does not fit a short", caught.exception.reason)
+                why = "must be a whole number" if number == 1.5 else "does not fit a short of 16 bits, -32768 to 32767"
+                self.assertIn(f" is {number}; it {why}", caught.exception.reason)
         self.assertEqual((trap.smoothTime, list(crd.profile)), (5, [0] * 8))
         with self.assertRaises(gts.GtsError):
             crd.profile = [1] * 9
@@ -285,6 +398,82 @@ class Controller(unittest.TestCase):
                 call()
             self.assertEqual(caught.exception.code, 7)
 
+    def test_a_wrong_argument_is_named_with_what_is_allowed(self):
+        fields = "acc, dec, velStart, smoothTime"
+        ratio = [0, 0, 0, 0]
+        for call, why in (
+            (lambda: gts.GT_AxisOn("x"), "AxisOn: axis is 'x'; it must be a whole number"),
+            (lambda: gts.GT_AxisOn("1"), "AxisOn: axis is '1'; it must be a whole number"),
+            (lambda: gts.GT_AxisOn(None), "AxisOn: axis is None; it must be a whole number"),
+            (lambda: gts.GT_AxisOn(), "GT_AxisOn(axis): missing a required argument: 'axis'"),
+            (lambda: gts.GT_GetSts(1, 1, 1), "GT_GetSts(axis, count=1): too many positional arguments"),
+            (
+                lambda: gts.GT_SetLaserDisRatio(),
+                "GT_SetLaserDisRatio(ratio, minPower=NOT_GIVEN, maxPower=NOT_GIVEN, channel=0): missing a required argument: 'ratio'",
+            ),
+            (lambda: gts.GT_GetSts(1, count="a"), "GetSts: count is 'a'; it must be a whole number"),
+            (lambda: gts.GT_SetVel(1, "fast"), "SetVel: vel is 'fast'; it must be a number"),
+            (lambda: gts.GT_LoadConfig(5), "LoadConfig: file is 5; it must be a file's name"),
+            (lambda: gts.GT_SetTrapPrm(1, {"accc": 1}), f"SetTrapPrm: prm: TTrapPrm has no accc; its fields are {fields}"),
+            (lambda: gts.GT_SetTrapPrm(1, {3: 1}), f"SetTrapPrm: prm: TTrapPrm has no 3; its fields are {fields}"),
+            (lambda: gts.GT_SetTrapPrm(1, {"acc": "x"}), "SetTrapPrm: prm: TTrapPrm: acc is 'x'; it must be a number"),
+            *(
+                (
+                    lambda prm=prm: gts.GT_SetTrapPrm(1, prm),
+                    f"SetTrapPrm: prm is {prm}; it must be a TTrapPrm, or a mapping of its fields: {fields}",
+                )
+                for prm in (5, None, gts.TJogPrm(acc=1))
+            ),
+            (lambda: gts.TTrapPrm(1, 2, 3, 4, 5), f"TTrapPrm has 5 values; its fields are {fields}"),
+            (lambda: gts.TCrdPrm(profile=5), "TCrdPrm: profile is 5; it must be a sequence of numbers, 8 at most"),
+            (lambda: gts.TCrdPrm(originPos=["a"]), "TCrdPrm: originPos[0] is 'a'; it must be a whole number"),
+            (
+                lambda: gts.TCrdPrm().profile.__setitem__(1, "x"),
+                "TCrdPrm.profile: element 1 is 'x'; it must be a whole number",
+            ),
+            (lambda: gts.GT_PvtTable(1, 3, 5, [], []), "PvtTable: time is 5; it must be a sequence of numbers, 3 at least"),
+            (lambda: gts.GT_PvtTable(1, 2, [0, "a"], [], []), "PvtTable: time[1] is 'a'; it must be a number"),
+            (
+                lambda: gts.GT_SetLaserDisTable2D([1, 2], 5, ratio, [0, 1], [0, 1], 0, 1),
+                "SetLaserDisTable2D: count is 5; it must be a sequence of numbers, 2 at least",
+            ),
+        ):
+            with self.assertRaises(TypeError) as caught:
+                call()
+            self.assertEqual(str(caught.exception), why)
+        for call, why in (
+            (lambda: gts.GT_AxisOn(99), "GT_AxisOn = 7: axis is 99; allowed are 1 to 8"),
+            (lambda: gts.GT_AxisOn(1.5), "GT_AxisOn = 7: axis is 1.5; it must be a whole number"),
+            (lambda: gts.GT_AxisOn(float("nan")), "GT_AxisOn = 7: axis is nan; it must be a whole number"),
+            (lambda: gts.GT_AxisOn(float("inf")), "GT_AxisOn = 7: axis is inf; it must be a whole number"),
+            (
+                lambda: gts.GT_DelayHighPrecision(65536),
+                "GT_DelayHighPrecision = 7: time is 65536; it does not fit an unsigned short of 16 bits, 0 to 65535",
+            ),
+            (
+                lambda: gts.GT_SetVel(1, 10**400),
+                "GT_SetVel = 7: vel is too great for a double, -1.7976931348623157e+308 to 1.7976931348623157e+308",
+            ),
+            (lambda: gts.TCrdPrm(profile=[0] * 9), "TCrdPrm = 7: profile has 9 values; it takes 8"),
+            (
+                lambda: gts.GT_SetLaserDisTable2D([1, 2], [3], ratio, [0, 1], [0, 1], 0, 1),
+                "GT_SetLaserDisTable2D = 7: count has 1 values, 2 are needed",
+            ),
+            (
+                lambda: gts.GT_SetLaserDisTable2D([1, 2], iter((2, 3)), ratio, [0, 1], [0, 1, 2], 0, 1),
+                "GT_SetLaserDisTable2D = 7: ratio has 4 values, 6 are needed",
+            ),
+            # A file that is left out, where it may be.
+            (lambda: gts.GT_OpenExtMdl(), "GT_OpenExtMdl = 1: there are no extension modules"),
+        ):
+            with self.assertRaises(gts.GtsError) as caught:
+                call()
+            self.assertEqual(str(caught.exception), why)
+
+    def test_a_failure_passes_between_processes(self):
+        error = pickle.loads(pickle.dumps(gts.GtsError("GT_AxisOn", 7, "AxisOn: axis is 99")))
+        self.assertEqual((error.function, error.code, error.reason), ("GT_AxisOn", 7, "AxisOn: axis is 99"))
+
     def test_a_motion(self):
         gts.GT_AxisOn(1)
         gts.GT_PrfPt(1)
@@ -314,6 +503,31 @@ class Package(unittest.TestCase):
         for name in gts.table.FUNCTIONS:
             self.assertTrue(getattr(gts, name).__doc__, name)
         self.assertEqual(gts.FOLLOW_MASTER_PROFILE, 2)
+
+    def test_each_block_of_the_page_is_a_script_of_its_own(self):
+        host = pathlib.Path(__file__).resolve().parents[1]
+        page = (host.parents[1] / "docs" / "start-python.md").read_text(encoding="utf-8")
+        blocks = re.findall(r"^```python\n(.*?)^```$", page, re.DOTALL | re.MULTILINE)
+        blocks += [f"{line}\n" for line in re.findall(r'`env/bin/python -c "(.*?)"`', page)]
+        said = []
+        with tempfile.TemporaryDirectory() as folder:
+            for block in blocks:
+                script = pathlib.Path(folder) / "first.py"
+                script.write_text(block, encoding="utf-8")
+                done = subprocess.run(
+                    [sys.executable, str(script)],
+                    capture_output=True,
+                    text=True,
+                    timeout=120,
+                    cwd=folder,
+                    env={**os.environ, "PYTHONPATH": str(host)},
+                )
+                self.assertEqual(done.returncode, 0, done.stderr)
+                said.append(done.stdout)
+            self.assertTrue((pathlib.Path(folder) / "first.png").is_file())
+        self.assertEqual([said[0], said[2]], ["", "7 AxisOn: axis is 99; allowed are 1 to 8\n"])
+        self.assertIn("20000.0\n", said[1])
+        self.assertIn("GT_PtData(profile, pos, time, type=0, fifo=0)", said[3])
 
     def test_the_example(self):
         example = pathlib.Path(__file__).resolve().parents[1] / "examples" / "plot_job.py"
