@@ -114,7 +114,7 @@ fn images(folder: &Path) -> Outcome {
 
 /// What people read, and the examples.
 fn texts(folder: &Path) -> Outcome {
-    for file in ["README.md", "CHANGELOG.md", "LICENSE-MIT", "LICENSE-APACHE"] {
+    for file in ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "LICENSE-MIT", "LICENSE-APACHE"] {
         copy(&root().join(file), &folder.join(file))?;
     }
     copy_all(&root().join("docs"), &folder.join("docs"))?;

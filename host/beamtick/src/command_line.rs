@@ -134,7 +134,7 @@ pub struct InputFile {
     /// level. t_ms counts from the zero of the script clock (`serve`: from power-on) and never goes
     /// back. Inputs are gpi1, home1, limit_positive1, limit_negative1, alarm1, arrive1 with their
     /// numbers (core2_home1 on another core) and interlock, levels 0 and 1 at the terminal, before
-    /// sense; and adc1, level in V. A board with wires refuses it.
+    /// sense; and adc1, level in V. A board with wires refuses it. - is the standard input.
     #[arg(long, value_name = "FILE.csv")]
     pub inputs: Option<PathBuf>,
 }
@@ -263,7 +263,7 @@ pub struct PlotFile {
 #[derive(Debug, Clone, Default, Args)]
 pub struct Drawing {
     /// The machine that a G-code program or a drawing is for; `beamtick machine new FILE` writes
-    /// such a file.
+    /// such a file. - is the standard input.
     #[arg(long, value_name = "FILE.toml")]
     pub machine: Option<PathBuf>,
     /// How strokes of a drawing are marked, with the keys of a [[layers]] of the machine file,
@@ -301,9 +301,10 @@ fn point_mm(text: &str) -> Result<PointMm, String> {
 /// `beamtick import`.
 #[derive(Debug, Args)]
 pub struct Import {
-    /// The G-code program (.nc, .gcode, .ngc, .tap) or the drawing (.svg, .dxf).
+    /// The G-code program (.nc, .gcode, .ngc, .tap) or the drawing (.svg, .dxf); - is the standard
+    /// input.
     pub program: PathBuf,
-    /// The job to write.
+    /// The job to write; - is the standard output.
     #[arg(long, short, value_name = "FILE.gts")]
     pub output: PathBuf,
     /// Draws the path in mm: travel, marks, and what leaves the travel of the machine; the
@@ -319,7 +320,7 @@ pub struct Import {
 #[derive(Debug, Args)]
 pub struct Sim {
     /// The job file, a G-code program (.nc, .gcode, .ngc, .tap) or a drawing (.svg, .dxf);
-    /// - is the standard input, for a job.
+    /// - is the standard input, whatever its text is.
     pub job: PathBuf,
     #[command(flatten)]
     #[allow(missing_docs)]
@@ -352,7 +353,7 @@ pub struct LinkOptions {
 #[derive(Debug, Args)]
 pub struct Run {
     /// The job file, a G-code program (.nc, .gcode, .ngc, .tap) or a drawing (.svg, .dxf);
-    /// - is the standard input, for a job.
+    /// - is the standard input, whatever its text is.
     pub job: PathBuf,
     #[command(flatten)]
     #[allow(missing_docs)]
@@ -407,7 +408,7 @@ pub struct Grbl {
 #[derive(Debug, Args)]
 pub struct Check {
     /// The job file, a G-code program (.nc, .gcode, .ngc, .tap) or a drawing (.svg, .dxf);
-    /// - is the standard input, for a job.
+    /// - is the standard input, whatever its text is.
     pub job: PathBuf,
     /// Draws the path of a program or a drawing in mm: travel, marks, and what leaves the travel of
     /// the machine; the extension chooses SVG or PNG.
@@ -467,7 +468,7 @@ pub enum MachineAction {
     New(NewMachine),
     /// Reads a file, and shows what it says in mm.
     Check {
-        /// The machine file.
+        /// The machine file; - is the standard input.
         file: PathBuf,
     },
 }
@@ -475,7 +476,7 @@ pub enum MachineAction {
 /// `beamtick machine new`.
 #[derive(Debug, Args)]
 pub struct NewMachine {
-    /// The file to write. It must not exist.
+    /// The file to write, which must not exist; - is the standard output, with --yes.
     pub file: PathBuf,
     /// Asks nothing and takes the usual answers, but for those of --set.
     #[arg(long)]

@@ -1,23 +1,26 @@
 //! `beamtick import`, and G-code or a drawing where a job is expected: a file and a machine file
-//! become a job.
+//! become a job. What the standard input is says its text.
 //!
 //! In: two files. Out: the text of a job; notes on the error stream. Fails with file, line and
 //! reason, before anything moves.
 use crate::Failure;
 use crate::command_line::{Drawing, Import};
+use crate::input::{self, Role};
 use crate::output::Output;
-use crate::{input, json, machine_file, output, record};
+use crate::{json, machine_file, output, record};
 use ::drawing::Format;
 use machine::Machine;
-use std::io::Write;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use strokes::{Extent, Imported, Watch};
 use trace::{AxisName, Millimetres, PlotOptions, Preview};
 
 /// What becomes a job, by the end of its name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
+pub enum Kind {
+    /// G-code.
     Program,
+    /// An SVG or a DXF.
     Drawing(Format),
 }
 
@@ -32,34 +35,37 @@ const KINDS: [(&str, Kind); 6] = [
 /// The same in words.
 pub const NAMED: &str = "G-code is named .nc, .gcode, .ngc or .tap, a drawing .svg or .dxf";
 
-fn kind(path: &Path) -> Option<Kind> {
-    let extension = path.extension()?.to_string_lossy().to_lowercase();
-    KINDS.into_iter().find_map(|(name, kind)| (name == extension).then_some(kind))
-}
-
-/// Whether a file becomes a job, by its name.
-pub fn is_imported(path: &Path) -> bool {
-    kind(path).is_some()
+/// What a file is that becomes a job: by its name, the standard input by its text.
+///
+/// # Errors
+/// The standard input cannot be read.
+pub fn kind(path: &Path) -> io::Result<Option<Kind>> {
+    if input::is_standard(path) {
+        return input::standard(Role::Job, |bytes| looks_like(bytes).map(|(kind, _)| kind));
+    }
+    let Some(extension) = path.extension() else { return Ok(None) };
+    let extension = extension.to_string_lossy().to_lowercase();
+    Ok(KINDS.into_iter().find_map(|(name, kind)| (name == extension).then_some(kind)))
 }
 
 /// Lines of a file that are looked at, to see what it is.
 const LOOKED_AT: usize = 60;
 
-/// What a file is that has not the name of it: G-code or a drawing, which no job looks like.
-pub fn disguised(bytes: &[u8]) -> Option<String> {
+/// G-code or a drawing, which no job looks like: what it is, and a sentence that says so.
+pub fn looks_like(bytes: &[u8]) -> Option<(Kind, String)> {
     let text = String::from_utf8_lossy(&bytes[..bytes.len().min(1 << 14)]);
     let text = text.trim_start_matches('\u{feff}').trim_start();
     if text.starts_with("<svg") || text.starts_with("<?xml") && text.contains("<svg") {
-        return Some("this is an SVG".to_owned());
+        return Some((Kind::Drawing(Format::Svg), "this is an SVG".to_owned()));
     }
     let mut pairs = text.lines().map(str::trim);
     if (pairs.next(), pairs.next()) == (Some("0"), Some("SECTION")) {
-        return Some("this is a DXF".to_owned());
+        return Some((Kind::Drawing(Format::Dxf), "this is a DXF".to_owned()));
     }
     let found = text.lines().take(LOOKED_AT).enumerate().find(|(_, line)| is_block(line));
     found.map(|(number, line)| {
         let shown: String = line.trim().chars().take(40).collect();
-        format!("line {} is G-code (`{shown}`)", number + 1)
+        (Kind::Program, format!("line {} is G-code (`{shown}`)", number + 1))
     })
 }
 
@@ -112,15 +118,17 @@ pub fn job(path: &Path, drawing: &Drawing, plot: Option<&Path>) -> Result<Found,
             Some((Output::picture(to)?, preview(&name, &machine)))
         }
     };
-    let bytes = input::read(path).map_err(|error| {
-        let what = if kind(path) == Some(Kind::Program) { "program" } else { "drawing" };
+    let unread = |error: io::Error| Failure::Input(format!("{name}: it cannot be read: {error}"));
+    let kind = kind(path).map_err(unread)?.unwrap_or(Kind::Program);
+    let bytes = input::read(path, Role::Job).map_err(|error| {
+        let what = if kind == Kind::Program { "program" } else { "drawing" };
         Failure::Input(format!("{name}: the {what} cannot be read: {error}"))
     })?;
     let found = match picture {
-        None => made(path, &bytes, &machine, drawing, None),
+        None => made((&name, kind), &bytes, &machine, drawing, None),
         Some((output, mut preview)) => {
             let mut show = |[x, y, _]: [f64; 3], lit: bool| preview.line((x, y), lit);
-            let found = made(path, &bytes, &machine, drawing, Some(&mut show));
+            let found = made((&name, kind), &bytes, &machine, drawing, Some(&mut show));
             draw(output, preview, found.as_ref())?;
             found
         }
@@ -140,25 +148,24 @@ pub fn job(path: &Path, drawing: &Drawing, plot: Option<&Path>) -> Result<Found,
 }
 
 fn made(
-    path: &Path,
+    (name, kind): (&str, Kind),
     bytes: &[u8],
     machine: &Machine,
     drawing: &Drawing,
     watch: Option<Watch<'_>>,
 ) -> Result<Imported, String> {
-    let name = path.display().to_string();
-    match kind(path) {
-        Some(Kind::Drawing(_)) if drawing.pass_stops => Err(format!("{name}: --pass-stops is for G-code")),
-        Some(Kind::Drawing(format)) => {
+    match kind {
+        Kind::Drawing(_) if drawing.pass_stops => Err(format!("{name}: --pass-stops is for G-code")),
+        Kind::Drawing(format) => {
             let at = drawing.at.map_or([0.0; 2], |place| place.0);
-            ::drawing::import(&name, bytes, format, machine, ::drawing::Options { at }, watch)
+            ::drawing::import(name, bytes, format, machine, ::drawing::Options { at }, watch)
         }
         _ if !drawing.layers.is_empty() || drawing.at.is_some() => {
             Err(format!("{name}: --layer and --at are for drawings; a program says both itself"))
         }
         _ => {
             let options = gcode::Options { pass_stops: drawing.pass_stops };
-            gcode::import_shown(&name, &String::from_utf8_lossy(bytes), machine, options, watch)
+            gcode::import_shown(name, &String::from_utf8_lossy(bytes), machine, options, watch)
         }
     }
 }
@@ -209,18 +216,25 @@ pub fn link(given: Option<&str>, drawing: &Drawing) -> Result<String, Failure> {
 /// Writes the job.
 pub fn import(arguments: &Import) -> Result<(), Failure> {
     let name = arguments.program.display().to_string();
-    if !is_imported(&arguments.program) {
-        return Err(Failure::Input(format!("{name}: {NAMED}")));
+    let unread = |error: io::Error| Failure::Input(format!("{name}: it cannot be read: {error}"));
+    if kind(&arguments.program).map_err(unread)?.is_none() {
+        let seen = if input::is_standard(&arguments.program) { "it is neither G-code nor a drawing" } else { NAMED };
+        return Err(Failure::Input(format!("{name}: {seen}")));
     }
     let to = &arguments.output;
     let read = [Some(arguments.program.clone()), arguments.drawing.machine.clone()];
     let read: Vec<PathBuf> = read.into_iter().flatten().collect();
     let plot = arguments.plot.as_deref();
-    let outputs = plot.map(|plot| ("--plot", plot, true)).into_iter().chain([("--output", to.as_path(), false)]);
+    let to_file = (!input::is_standard(to)).then_some(("--output", to.as_path(), false));
+    let outputs = plot.map(|plot| ("--plot", plot, true)).into_iter().chain(to_file);
     output::check(&read, &outputs.collect::<Vec<_>>())?;
     let found = job(&arguments.program, &arguments.drawing, plot)?;
     complain!("{name}: {}", found.extent);
     let text = found.job;
+    if input::is_standard(to) {
+        say!("{}", text.trim_end());
+        return Ok(());
+    }
     let (staged, mut file) = output::Output::stream(to)?;
     if let Err(error) = file.write_all(text.as_bytes()) {
         staged.cut_off();

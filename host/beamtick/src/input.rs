@@ -1,12 +1,46 @@
-//! Files that people name: read whole.
+//! Files that people name: read whole. `-` is the standard input, for one of them.
 //!
-//! In: a path. Out: its bytes. Fails with what the system says, and for a device, which may never
-//! end.
-use std::io;
+//! In: a path, and what it is for. Out: its bytes. Owns what came over the standard input. Fails
+//! with what the system says, and for a device, which may never end.
+use std::fmt;
+use std::io::{self, Read};
 use std::path::Path;
+use std::sync::{Mutex, PoisonError};
+
+/// What a file is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// A job, a G-code program or a drawing.
+    Job,
+    /// A machine file.
+    Machine,
+    /// Levels of inputs.
+    Inputs,
+}
+
+impl fmt::Display for Role {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Role::Job => "the job",
+            Role::Machine => "the machine file",
+            Role::Inputs => "the inputs",
+        })
+    }
+}
+
+/// The bytes that came over the standard input, and for whom.
+static STANDARD: Mutex<Option<(Role, Vec<u8>)>> = Mutex::new(None);
+
+/// Whether a name means the standard input.
+pub fn is_standard(path: &Path) -> bool {
+    path == Path::new("-")
+}
 
 /// The bytes of a file or a pipe.
-pub fn read(path: &Path) -> io::Result<Vec<u8>> {
+pub fn read(path: &Path, role: Role) -> io::Result<Vec<u8>> {
+    if is_standard(path) {
+        return standard(role, <[u8]>::to_vec);
+    }
     let kind = std::fs::metadata(path)?.file_type();
     #[cfg(unix)]
     let is_pipe = std::os::unix::fs::FileTypeExt::is_fifo(&kind);
@@ -16,4 +50,19 @@ pub fn read(path: &Path) -> io::Result<Vec<u8>> {
         return Err(io::Error::other("it is a device, not a file"));
     }
     std::fs::read(path)
+}
+
+/// What `look` finds in the standard input.
+pub fn standard<T>(role: Role, look: impl FnOnce(&[u8]) -> T) -> io::Result<T> {
+    let mut standard = STANDARD.lock().unwrap_or_else(PoisonError::into_inner);
+    if standard.is_none() {
+        let mut bytes = Vec::new();
+        io::stdin().read_to_end(&mut bytes)?;
+        *standard = Some((role, bytes));
+    }
+    match &*standard {
+        Some((of, bytes)) if *of == role => Ok(look(bytes)),
+        Some((of, _)) => Err(io::Error::other(format!("the standard input is {of} already; `-` is for one file"))),
+        None => Err(io::Error::other("nothing was read")),
+    }
 }

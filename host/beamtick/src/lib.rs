@@ -53,6 +53,7 @@ use clap::Parser;
 use client::Link;
 use command_line::{Command, CommandLine};
 use interrupt::Signal;
+use std::io::{ErrorKind, Write};
 use std::process::ExitCode;
 
 /// Why the program ends with an error.
@@ -81,7 +82,10 @@ impl From<trace::TraceError> for Failure {
 /// The program: does what the command line says.
 pub fn main() -> ExitCode {
     interrupt::watch();
-    let outcome = obey(&CommandLine::parse());
+    let outcome = match CommandLine::try_parse() {
+        Ok(line) => obey(&line),
+        Err(shown) => return help(&shown),
+    };
     let done = outcome.is_ok();
     let code = ended(outcome);
     // Nothing of ours is lit or moving any more: a reader may take its time, unless a signal asks
@@ -97,6 +101,19 @@ pub fn main() -> ExitCode {
             code
         }
         _ => code,
+    }
+}
+
+/// Prints the help, the version, or what is wrong with the command line.
+fn help(shown: &clap::Error) -> ExitCode {
+    match shown.print().and_then(|()| std::io::stdout().flush()) {
+        // Its reader may have seen enough.
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            complain!("the help cannot be written: {error}");
+            printer::finish(None);
+            ExitCode::from(1)
+        }
+        _ => ExitCode::from(u8::try_from(shown.exit_code()).unwrap_or(2)),
     }
 }
 

@@ -3,8 +3,9 @@
 //! In: answers on the standard input or from the command line. Out: a commented file. Fails: a
 //! wrong answer is named with its limit and asked again, or ends the program where nobody is asked.
 //! Then nothing is written.
+use crate::Failure;
 use crate::command_line::{MachineAction, MachineFile, NewMachine};
-use crate::{Failure, input};
+use crate::input::{self, Role};
 use machine::{Machine, Question};
 use std::io::{BufRead, Write};
 use std::path::Path;
@@ -23,7 +24,7 @@ pub fn obey(arguments: &MachineFile) -> Result<(), Failure> {
 /// Reads a machine file.
 pub fn open(path: &Path) -> Result<Machine, Failure> {
     let name = path.display().to_string();
-    let text = input::read(path)
+    let text = input::read(path, Role::Machine)
         .map_err(|error| Failure::Input(format!("{name}: the machine file cannot be read: {error}")))?;
     let text = String::from_utf8(text)
         .map_err(|_| Failure::Input(format!("{name}: the machine file is not UTF-8 text; save it as UTF-8")))?;
@@ -32,7 +33,12 @@ pub fn open(path: &Path) -> Result<Machine, Failure> {
 
 fn write(new: &NewMachine) -> Result<(), Failure> {
     let name = new.file.display().to_string();
-    if new.file.exists() {
+    let is_printed = input::is_standard(&new.file);
+    if is_printed && !new.yes {
+        let why = "questions and the file would both go to the standard output; add --yes";
+        return Err(Failure::Input(format!("machine new -: {why}")));
+    }
+    if !is_printed && new.file.exists() {
         return Err(Failure::Input(format!("{name}: the file exists; name another one, or remove it")));
     }
     let mut questions = machine::questions(&new.axes, !new.no_laser);
@@ -58,6 +64,10 @@ fn write(new: &NewMachine) -> Result<(), Failure> {
     }
     let (text, machine) =
         machine::write(&questions).map_err(|why| Failure::Input(format!("{why}; nothing was written")))?;
+    if is_printed {
+        say!("{}", text.trim_end());
+        return Ok(());
+    }
     std::fs::File::create_new(&new.file)
         .and_then(|mut file| file.write_all(text.as_bytes()))
         .map_err(|error| Failure::Input(format!("{name}: cannot be written: {error}")))?;

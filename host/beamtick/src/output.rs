@@ -173,6 +173,10 @@ pub fn check(inputs: &[PathBuf], outputs: &[(&str, &Path, bool)]) -> Result<(), 
     let mut taken: Vec<(PathBuf, String)> =
         inputs.iter().map(|name| (place(name), format!("the job reads {}", name.display()))).collect();
     for (option, name, drawn) in outputs {
+        if *name == Path::new("-") {
+            let why = "it names a file; the standard output is /dev/stdout. The job was not run";
+            return Err(Failure::Input(format!("{option} -: {why}")));
+        }
         // A device or a pipe takes more than one.
         if fs::metadata(name).is_ok_and(|found| !found.is_file()) {
             continue;

@@ -6,6 +6,7 @@ use crate::Failure;
 use crate::command_line::{InputFile, Outputs, PanelName, Run, Sim};
 use crate::connect::{linked, named, real_time, simulated};
 use crate::entries::{Entry, entries, lasers};
+use crate::input::{self, Role};
 use crate::interrupt::{self, Held};
 use crate::output::Kept;
 use crate::record::{Recorded, Recording};
@@ -22,6 +23,7 @@ use protocol::command::{
 };
 use protocol::reason::{Reason, Refusal};
 use protocol::values::status::RUNNING;
+use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use trace::AxisName;
@@ -91,8 +93,18 @@ pub fn run(arguments: &Run, link: Option<Box<dyn Link>>) -> Result<(), Failure> 
 /// The file of inputs, which no output may overwrite.
 fn inputs(source: &mut Source, file: &InputFile) -> Result<Option<Inputs>, Failure> {
     let Some(path) = &file.inputs else { return Ok(None) };
-    source.files.push(path.clone());
-    Inputs::open(path).map(Some).map_err(Failure::Input)
+    if !input::is_standard(path) {
+        source.files.push(path.clone());
+    }
+    self::levels(path).map(Some)
+}
+
+/// Reads a file of inputs.
+pub fn levels(path: &Path) -> Result<Inputs, Failure> {
+    let name = path.display().to_string();
+    let bytes = input::read(path, Role::Inputs)
+        .map_err(|error| Failure::Input(format!("{name}: the inputs cannot be read: {error}")))?;
+    Inputs::read(&name, &bytes).map_err(Failure::Input)
 }
 
 fn execute(source: &Source, client: &Client, knowledge: Knowledge<'_>, outputs: &Outputs) -> Result<(), Failure> {

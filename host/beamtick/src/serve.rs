@@ -1,9 +1,7 @@
 //! `beamtick serve`: the virtual controller in real time, for other clients.
-use crate::Failure;
 use crate::command_line::Serve;
-use crate::connect;
-use crate::profile;
-use client::inputs::{Inputs, Zero};
+use crate::{Failure, connect, profile, runner};
+use client::inputs::Zero;
 use client::{Client, Options, ProductProfile};
 use std::net::TcpListener;
 use virtual_board::{Board, VirtualLink, share};
@@ -16,7 +14,7 @@ pub fn serve(arguments: &Serve) -> Result<(), Failure> {
         None => ProductProfile::Gsn048,
     };
     let config = connect::config(arguments.tick_us, shown, arguments.steps);
-    let inputs = arguments.inputs.inputs.as_deref().map(Inputs::open).transpose().map_err(Failure::Input)?;
+    let inputs = arguments.inputs.inputs.as_deref().map(runner::levels).transpose()?;
     let failed = |error| Failure::Job(format!("{}: cannot listen there: {error}", arguments.listen));
     let listener = TcpListener::bind(&arguments.listen).map_err(failed)?;
     let board = share(Board::new(config));

@@ -1,11 +1,12 @@
 //! A job file: its text, its compiled form, and how positions in it are shown.
 use crate::Failure;
 use crate::command_line::{Drawing, FamilyName, Settings, TICKS_US};
-use crate::{import, input, json};
+use crate::input::{self, Role};
+use crate::{import, json};
 use client::{Family, ProductProfile};
 use job::{Diagnostic, Files, Folder, Job, Pragma, Severity, Step};
 use std::cell::RefCell;
-use std::io::{IsTerminal, Read};
+use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use trace::Millimetres;
 
@@ -50,22 +51,17 @@ impl Source {
     /// The same, with a picture of the path of a program or a drawing.
     pub fn open_drawn(path: &Path, drawing: &Drawing, plot: Option<&Path>) -> Result<Self, Failure> {
         let name = path.display().to_string();
-        if import::is_imported(path) {
+        let kind = import::kind(path).map_err(|error| unread(&name, &error))?;
+        if kind.is_some() {
             let found = import::job(path, drawing, plot)?;
             let mut source = Source::read(name, found.job, vec![path.to_owned(), found.file], path)?;
             source.millimetres = found.millimetres;
             source.extent = Some(found.extent);
             return Ok(source);
         }
-        let (bytes, read) = match path == Path::new("-") {
-            true => {
-                let mut bytes = Vec::new();
-                (std::io::stdin().read_to_end(&mut bytes).map(|_| bytes), Vec::new())
-            }
-            false => (input::read(path), vec![path.to_owned()]),
-        };
-        let bytes = bytes.map_err(|error| Failure::Input(format!("{name}: the job file cannot be read: {error}")))?;
-        if let Some(what) = import::disguised(&bytes) {
+        let bytes = input::read(path, Role::Job).map_err(|error| unread(&name, &error))?;
+        let read = if input::is_standard(path) { Vec::new() } else { vec![path.to_owned()] };
+        if let Some((_, what)) = import::looks_like(&bytes) {
             return Err(Failure::Input(format!(
                 "{name}: {what}; it is taken for a job by its name. {}",
                 import::NAMED
@@ -163,6 +159,10 @@ impl Source {
         };
         show(&diagnostic, &self.name, &self.text)
     }
+}
+
+fn unread(name: &str, error: &std::io::Error) -> Failure {
+    Failure::Input(format!("{name}: the job file cannot be read: {error}"))
 }
 
 /// Lines that are compiled at a time where a job is long: calls in a row need nothing of each

@@ -48,6 +48,75 @@ fn help_is_at_most_80_columns_wide() {
     }
 }
 
+/// `-` is the standard input for any file that is read, and for one of them.
+#[test]
+fn any_file_may_come_over_the_standard_input() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        fs::write(&path, text).unwrap();
+        path.to_str().unwrap().to_owned()
+    };
+    let fed = |text: &str, words: &[&str]| {
+        let mut command = Command::cargo_bin("beamtick").unwrap();
+        let output = command.current_dir(folder.path()).args(words).write_stdin(text.to_owned()).output().unwrap();
+        let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+        (text(output.stdout), text(output.stderr), output.status.code().unwrap())
+    };
+    let (toml, errors, code) = fed("", &["machine", "new", "-", "--yes"]);
+    assert!(code == 0 && toml.contains("[axes.x]"), "{toml}{errors}");
+    let machine = file("m.toml", &toml);
+    assert_eq!(fed(&toml, &["machine", "check", "-"]), fed("", &["machine", "check", &machine]));
+    let program = "G21 G90 F600\nG0 X1\nM3 S500 G1 X3 Y2\nM5\n";
+    let named = file("p.nc", program);
+    let (job, errors, code) = fed(program, &["import", "-", "--machine", &machine, "-o", "-"]);
+    assert!(code == 0 && job.contains("GT_LnXY"), "{job}{errors}");
+    assert_eq!(fed(&toml, &["import", &named, "--machine", "-", "-o", "job.gts"]).2, 0);
+    let written = fs::read_to_string(folder.path().join("job.gts")).unwrap();
+    let same = |job: &str| job.lines().filter(|line| !line.starts_with("//")).collect::<Vec<_>>().join("\n");
+    assert_eq!(same(&job), same(&written));
+    let square = "<svg xmlns='http://www.w3.org/2000/svg' width='9mm' height='9mm'><path stroke='red' fill='none' d='M1 1h5v5z'/></svg>";
+    for text in [program, square, &job] {
+        let options: &[&str] = if text == job { &[] } else { &["--machine", &machine] };
+        let (out, errors, code) = fed(text, &[&["sim", "-"], options].concat());
+        assert!(code == 0 && out.contains("axis 1: planned"), "{out}{errors}");
+    }
+    let waits = file("in.gts", "GT_AxisOn(1);\nSleep(20);\nGT_GetDi(MC_HOME, &di);\n");
+    let (out, errors, code) = fed("t_ms,input,level\n0,home1,0\n", &["sim", &waits, "--inputs", "-"]);
+    assert!(code == 0 && out.contains("GetDi"), "{out}{errors}");
+    let plain = "Sleep(1);\n";
+    for (text, words, part) in [
+        (
+            plain,
+            vec!["sim", "-", "--inputs", "-"],
+            "-: the inputs cannot be read: the standard input is the job already",
+        ),
+        (program, vec!["import", "-", "--machine", "-", "-o", "x.gts"], "the standard input is the job already"),
+        (plain, vec!["import", "-", "--machine", &machine, "-o", "x.gts"], "-: it is neither G-code nor a drawing"),
+        (plain, vec!["sim", "-", "--trace", "-"], "--trace -: it names a file; the standard output is /dev/stdout"),
+        (
+            plain,
+            vec!["machine", "new", "-"],
+            "machine new -: questions and the file would both go to the standard output",
+        ),
+    ] {
+        let (_, errors, code) = fed(text, &words);
+        assert!(code == 2 && errors.contains(part), "{words:?}: {code} {errors}");
+    }
+    assert!(!folder.path().join("-").exists());
+}
+
+/// Help that nobody can read is an error.
+#[cfg(target_os = "linux")]
+#[test]
+fn help_that_cannot_be_written_is_an_error() {
+    let full = fs::File::options().write(true).open("/dev/full").unwrap();
+    let mut command = std::process::Command::new(assert_cmd::cargo::cargo_bin("beamtick"));
+    let output = command.arg("--help").stdout(full).output().unwrap();
+    let errors = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.code() == Some(1) && errors.starts_with("the help cannot be written: "), "{errors}");
+}
+
 #[test]
 fn the_trapezoid_ends_where_and_when_it_should() {
     let folder = tempfile::tempdir().unwrap();

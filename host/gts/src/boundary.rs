@@ -18,6 +18,17 @@ pub enum Arg {
     Address(*mut c_void),
 }
 
+impl Arg {
+    /// Its value; 0 of an address.
+    pub fn number(self) -> f64 {
+        match self {
+            Arg::Int(whole) => whole as f64,
+            Arg::Real(real) => real,
+            Arg::Address(_) => 0.0,
+        }
+    }
+}
+
 impl From<c_short> for Arg {
     fn from(value: c_short) -> Self {
         Arg::Int(value.into())

@@ -6,6 +6,7 @@
 //! follow each other. An Abort, a Close and the end of the process have priority.
 
 use crate::board_memory::{Virtual, retire};
+use crate::boundary::Arg;
 use crate::home::Homes;
 use crate::recorder::{Claim, Recorder};
 use crate::settings::{LinkChoice, Settings};
@@ -13,6 +14,8 @@ use crate::stream::Stream;
 use client::error::{CANNOT_OPEN, NO_ANSWER};
 use client::inputs::{Inputs, Zero};
 use client::{Call, Client, Error, Options, ProductProfile, Result};
+use job::Used;
+use job::api::Function;
 use protocol::command::{GetSts, Trace, opcode};
 use protocol::values::status::RUNNING;
 use std::ffi::{CString, c_char, c_short};
@@ -230,6 +233,8 @@ pub struct Card {
     pub serial: u64,
     /// Something was set in motion.
     pub started: bool,
+    /// What the program has used, for the trace.
+    used: Used,
     /// Axes on their way home.
     homes: Arc<Homes>,
     /// Settings that change nothing (`more`).
@@ -312,6 +317,7 @@ impl Card {
             _memory: memory,
             serial,
             started: false,
+            used: Used::default(),
             homes,
             kept: Default::default(),
             keys,
@@ -325,7 +331,7 @@ impl Card {
         // Before the trace ends, so that it shows it.
         let aborted = self.client.end();
         let recorded = match self.recorder.take() {
-            Some(recorder) => crate::recorder::finish(&self.client, &recorder),
+            Some(recorder) => crate::recorder::finish(&self.client, &recorder, &self.used),
             None => Ok(()),
         };
         flushed.and(aborted).and(recorded)
@@ -343,6 +349,18 @@ impl Card {
             self.client.board(),
             crate::width::BITS
         )
+    }
+
+    /// Takes note of what a call uses, for the trace.
+    pub fn note(
+        &mut self,
+        function: &Function,
+        core: c_short,
+        values: impl Iterator<Item = (&'static str, Arg)> + Clone,
+    ) {
+        if self.recorder.is_some() {
+            self.used.note(function, core, values.map(|(name, value)| (name, value.number())));
+        }
     }
 
     /// Its axes on their way home.

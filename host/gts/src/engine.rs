@@ -302,12 +302,12 @@ impl Prepared {
     }
 
     /// The requests of a call.
-    ///
-    /// # Safety
-    /// As for [`call`].
-    unsafe fn requests(&self, core: c_short, args: &[Arg]) -> Result<Vec<Call>> {
-        // SAFETY: as the caller says.
-        let (mut values, lists) = unsafe { self.given(args)? };
+    fn requests(
+        &self,
+        core: c_short,
+        args: &[Arg],
+        (mut values, lists): (Vec<Given>, Vec<Given>),
+    ) -> Result<Vec<Call>> {
         let is_given = self.take_given(args, &mut values);
         let mut items = Vec::new();
         let mut item = 0;
@@ -458,7 +458,10 @@ pub unsafe fn call(slot: CardSlot, prepared: &Prepared, lead: c_short, args: &[A
                 prepared.check_room(args)?;
             }
             // SAFETY: as the caller says.
-            let calls = unsafe { prepared.requests(core, args)? };
+            let given = unsafe { prepared.given(args)? };
+            let each = given.0.iter().flat_map(|(name, elements)| elements.iter().map(|element| (*name, *element)));
+            card.note(prepared.prototype.function, core, each);
+            let calls = prepared.requests(core, args, given)?;
             let replies = card.send(prepared.reads(), &calls).map_err(|error| prepared.under_its_name(error));
             let Some(replies) = replies? else {
                 return Ok(None);

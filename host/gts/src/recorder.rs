@@ -1,20 +1,26 @@
 //! The trace of a virtual controller to CSV and VCD, from Open to Close.
 //!
-//! In: the stream's bytes as they arrive. Out: files with every axis, laser and coordinate system
-//! of the profile. Fails: the first error ends the recording; Close reports it.
+//! In: the stream's bytes as they arrive, and at the end what the program used. Out: files. While
+//! they grow they hold every axis, laser and coordinate system of the profile; Close leaves out
+//! what was not used. Fails: the first error ends the recording; Close reports it.
 
 use crate::card::{CardSlot, everything};
 use crate::settings::Settings;
 use crate::staged::Staged;
 use client::error::CANNOT_OPEN;
 use client::{Client, Error, Result};
+use job::Used;
 use protocol::command::Trace;
+use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
-use trace::{CsvWriter, Header, Item, Plot, PlotOptions, Reader, TraceError, VcdWriter};
+use trace::{
+    AxisName, CrdName, CsvWriter, Header, Item, LaserName, Plot, PlotOptions, Reader, TraceError, VcdWriter,
+    narrow_csv, narrow_vcd, outputs_that_change,
+};
 
 /// Analog outputs that it shows.
 const ANALOG: u8 = 8;
@@ -24,10 +30,8 @@ const END: Duration = Duration::from_secs(1);
 /// See the module text.
 pub struct Recorder {
     reader: Reader,
-    csv: Sink<CsvWriter<BufWriter<File>>>,
-    vcd: Sink<VcdWriter<BufWriter<File>>>,
-    /// The files' names while they grow.
-    streams: Vec<Staged>,
+    csv: Option<Stream<CsvWriter<BufWriter<File>>>>,
+    vcd: Option<Stream<VcdWriter<BufWriter<File>>>>,
     /// The picture, or the page of HTML; and what is drawn there.
     plot: Option<(Staged, Option<Plot>)>,
     is_page: bool,
@@ -76,46 +80,69 @@ impl Drop for Claim {
     }
 }
 
-/// A file before and after its header.
-enum Sink<W> {
-    None,
-    Waiting(File),
-    Open(W),
+/// A file that is written from front to back.
+struct Stream<W> {
+    staged: Staged,
+    /// Until its header.
+    file: Option<File>,
+    /// From then on.
+    writer: Option<W>,
 }
 
-impl<W> Sink<W> {
-    fn create(path: Option<&PathBuf>, streams: &mut Vec<Staged>) -> Result<Self> {
-        let Some(path) = path else { return Ok(Sink::None) };
+impl<W> Stream<W> {
+    fn create(path: Option<&PathBuf>) -> Result<Option<Self>> {
+        let Some(path) = path else { return Ok(None) };
         let (staged, file) = Staged::stream(path)
             .map_err(|error| Error::new(CANNOT_OPEN, format!("{} cannot be written: {error}", path.display())))?;
-        streams.push(staged);
-        Ok(Sink::Waiting(file))
+        Ok(Some(Stream { staged, file: Some(file), writer: None }))
     }
 
-    fn begin(&mut self, make: impl FnOnce(BufWriter<File>) -> trace::Result<W>) -> trace::Result<()> {
-        if let Sink::Waiting(file) = std::mem::replace(self, Sink::None) {
-            *self = Sink::Open(make(BufWriter::new(file))?);
+    fn begin(stream: &mut Option<Self>, make: impl FnOnce(BufWriter<File>) -> trace::Result<W>) -> trace::Result<()> {
+        if let Some(stream) = stream
+            && let Some(file) = stream.file.take()
+        {
+            stream.writer = Some(make(BufWriter::new(file))?);
         }
         Ok(())
     }
 
-    fn writer(&mut self) -> Option<&mut W> {
-        match self {
-            Sink::Open(writer) => Some(writer),
-            _ => None,
-        }
+    fn writer(stream: &mut Option<Self>) -> Option<&mut W> {
+        stream.as_mut()?.writer.as_mut()
     }
+
+    /// What is held back is written; then the file is written `anew`, unless the trace has `failed`
+    /// or goes to a device.
+    fn end(
+        self,
+        failed: bool,
+        finish: impl FnOnce(W) -> trace::Result<()>,
+        anew: impl FnOnce(&Staged) -> trace::Result<()>,
+    ) -> (Staged, trace::Result<()>) {
+        let mut outcome = self.writer.map_or(Ok(()), finish);
+        if outcome.is_ok() && !failed && self.staged.is_staged() {
+            outcome = anew(&self.staged);
+        }
+        (self.staged, outcome)
+    }
+}
+
+/// The names of columns and signals of what a program used; none if that is nothing.
+fn names(used: &Used) -> Option<BTreeSet<String>> {
+    let byte = |number: i16| u8::try_from(number).unwrap_or(0);
+    let axes = used.axes.iter().map(|name| AxisName { core: byte(name.core), axis: byte(name.axis) }.to_string());
+    let crds = used.crds.iter().map(|name| CrdName { core: byte(name.core), crd: byte(name.crd) }.to_string());
+    let lasers = (0..8).filter(|channel| used.lasers >> channel & 1 == 1).map(|channel| LaserName(channel).to_string());
+    let all: BTreeSet<String> = axes.chain(crds).chain(lasers).collect();
+    (!all.is_empty()).then_some(all)
 }
 
 impl Recorder {
     /// Creates the files and begins the trace.
     pub fn start(client: &Client, settings: &Settings) -> Result<Arc<Mutex<Recorder>>> {
-        let mut streams = Vec::new();
         let recorder = Recorder {
             reader: Reader::new(),
-            csv: Sink::create(settings.trace.as_ref(), &mut streams)?,
-            vcd: Sink::create(settings.vcd.as_ref(), &mut streams)?,
-            streams,
+            csv: Stream::create(settings.trace.as_ref())?,
+            vcd: Stream::create(settings.vcd.as_ref())?,
             plot: settings.plot.as_ref().map(|path| (Staged::picture(path), None)),
             is_page: settings.draws_page(),
             outputs: client.version().general_outputs,
@@ -152,19 +179,19 @@ impl Recorder {
                     if let Some(Some(plot)) = &mut picture {
                         plot.change(laser, &change);
                     }
-                    if let Some(vcd) = vcd.writer() {
+                    if let Some(vcd) = Stream::writer(vcd) {
                         vcd.change(laser, &change);
                     }
                     Ok(())
                 }
                 Item::Output(edge) => {
-                    if let Some(vcd) = vcd.writer() {
+                    if let Some(vcd) = Stream::writer(vcd) {
                         vcd.edge(edge);
                     }
                     Ok(())
                 }
                 Item::Analog(edge) => {
-                    if let Some(vcd) = vcd.writer() {
+                    if let Some(vcd) = Stream::writer(vcd) {
                         vcd.analog(edge);
                     }
                     Ok(())
@@ -173,10 +200,10 @@ impl Recorder {
                     if let Some(Some(plot)) = &mut picture {
                         plot.row(&row);
                     }
-                    if let Some(csv) = csv.writer() {
+                    if let Some(csv) = Stream::writer(csv) {
                         csv.row(&row)?;
                     }
-                    vcd.writer().map_or(Ok(()), |vcd| vcd.row(&row))
+                    Stream::writer(vcd).map_or(Ok(()), |vcd| vcd.row(&row))
                 }
                 Item::Light { .. } | Item::End { .. } => Ok(()),
             }
@@ -188,19 +215,19 @@ impl Recorder {
 }
 
 fn begin(
-    csv: &mut Sink<CsvWriter<BufWriter<File>>>,
-    vcd: &mut Sink<VcdWriter<BufWriter<File>>>,
+    csv: &mut Option<Stream<CsvWriter<BufWriter<File>>>>,
+    vcd: &mut Option<Stream<VcdWriter<BufWriter<File>>>>,
     outputs: u8,
     header: &Header,
 ) -> trace::Result<()> {
-    csv.begin(|file| CsvWriter::new(file, header))?;
+    Stream::begin(csv, |file| CsvWriter::new(file, header))?;
     let outputs: Vec<(u8, bool)> = (1..=outputs).map(|output| (output, false)).collect();
     let analog: Vec<u8> = (1..=ANALOG).collect();
-    vcd.begin(|file| VcdWriter::new(file, header, &outputs, &analog))
+    Stream::begin(vcd, |file| VcdWriter::new(file, header, &outputs, &analog))
 }
 
 /// Ends the trace and closes the files; 1 if it has failed.
-pub fn finish(client: &Client, recorder: &Mutex<Recorder>) -> Result<()> {
+pub fn finish(client: &Client, recorder: &Mutex<Recorder>, used: &Used) -> Result<()> {
     client.call(Trace::default())?;
     let end = client.now() + END;
     let over = |recorder: &Recorder| recorder.failed.is_some() || recorder.reader.ended();
@@ -208,21 +235,36 @@ pub fn finish(client: &Client, recorder: &Mutex<Recorder>) -> Result<()> {
         client.sleep(Duration::from_millis(1))?;
     }
     let mut recorder = recorder.lock().unwrap_or_else(PoisonError::into_inner);
-    let outcome = recorder.close();
+    let outcome = recorder.close(used);
     outcome.map_err(|error| Error::new(1, format!("Close: trace: {error}")))
 }
 
 impl Recorder {
     /// Completes the files. After an error they hold what there is, under names that say so.
-    fn close(&mut self) -> trace::Result<()> {
+    fn close(&mut self, used: &Used) -> trace::Result<()> {
         let mut outcome = self.failed.take().map_or(Ok(()), Err);
-        if let Sink::Open(csv) = std::mem::replace(&mut self.csv, Sink::None) {
-            outcome = outcome.and(csv.finish().map(drop));
+        let kept = names(used);
+        let mut files = Vec::new();
+        if let Some(csv) = self.csv.take() {
+            let anew = |staged: &Staged| match &kept {
+                Some(kept) => staged.anew(|from, to| narrow_csv(from, to, kept)),
+                None => Ok(()),
+            };
+            let (staged, ended) = csv.end(outcome.is_err(), CsvWriter::finish, anew);
+            files.push(staged);
+            outcome = outcome.and(ended);
         }
-        if let Sink::Open(vcd) = std::mem::replace(&mut self.vcd, Sink::None) {
-            outcome = outcome.and(vcd.finish().map(drop));
+        if let Some(vcd) = self.vcd.take() {
+            let anew = |staged: &Staged| {
+                let Some(kept) = &kept else { return Ok(()) };
+                let mut kept = kept.clone();
+                kept.extend(outputs_that_change(staged.reader()?)?);
+                staged.anew(|from, to| narrow_vcd(from, to, &kept))
+            };
+            let (staged, ended) = vcd.end(outcome.is_err(), VcdWriter::finish, anew);
+            files.push(staged);
+            outcome = outcome.and(ended);
         }
-        let mut files = std::mem::take(&mut self.streams);
         if let Some((staged, plot)) = self.plot.take() {
             if let Some(mut plot) = plot {
                 plot.leave_out_idle();

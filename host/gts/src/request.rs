@@ -37,12 +37,7 @@ fn range(wire: &str) -> (i64, i64) {
 /// Appends a value as the wire type `wire`; 7 if it does not fit.
 pub fn put(body: &mut Vec<u8>, wire: &str, value: Arg, function: &str, name: &str) -> Result<()> {
     if wire == "F64" {
-        let real = match value {
-            Arg::Real(real) => real,
-            Arg::Int(whole) => whole as f64,
-            Arg::Address(_) => 0.0,
-        };
-        body.extend(real.to_le_bytes());
+        body.extend(value.number().to_le_bytes());
         return Ok(());
     }
     let whole = match value {

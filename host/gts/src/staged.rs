@@ -4,7 +4,7 @@
 
 use std::ffi::OsString;
 use std::fs::{self, File};
-use std::io;
+use std::io::{self, BufReader, BufWriter};
 use std::path::{Path, PathBuf};
 
 /// See the module text.
@@ -42,6 +42,33 @@ impl Staged {
         let extension = name.extension().unwrap_or_default().to_string_lossy();
         let staged = (!is_direct(name)).then(|| name.with_extension(format!("partial.{extension}")));
         Staged { name: name.to_owned(), staged }
+    }
+
+    /// Whether it grows beside its name, so that it can be written anew.
+    pub fn is_staged(&self) -> bool {
+        self.staged.is_some()
+    }
+
+    /// Reads it.
+    pub fn reader(&self) -> io::Result<BufReader<File>> {
+        File::open(self.path()).map(BufReader::new)
+    }
+
+    /// Writes what grew once more, as `write` says; it stays as it is where that fails.
+    pub fn anew<E: From<io::Error>>(
+        &self,
+        write: impl FnOnce(BufReader<File>, BufWriter<File>) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let mut fresh = self.path().as_os_str().to_owned();
+        fresh.push(".new");
+        let outcome = File::create(&fresh).map_err(E::from).and_then(|file| {
+            write(self.reader()?, BufWriter::new(file))?;
+            Ok(fs::rename(&fresh, self.path())?)
+        });
+        if outcome.is_err() {
+            let _ = fs::remove_file(&fresh);
+        }
+        outcome
     }
 
     /// Where to write.

@@ -53,6 +53,39 @@ fn a_trace_keeps_time_when_the_tick_changes() {
     near(trace.at(start + 75.0, "axis1_vel"), 2.0, 1e-6, "velocity");
 }
 
+/// A trace holds what the program used; what a program that dies leaves holds everything.
+#[test]
+fn a_trace_holds_what_was_used() {
+    let text = "#include \"gts.h\"\n#include <windows.h>\n#include <stdlib.h>\nint main(int n, char **words)\n{\n    TCrdPrm prm = {0}; (void)words;\n\
+                prm.dimension = 1; prm.profile[3] = 1; prm.synVelMax = 10; prm.synAccMax = 1;\n\
+                if (GT_Open(0, 1) || GT_AxisOn(2) || GT_PrfPt(2, 0)) return 1;\n\
+                if (GT_PtData(2, 100, 50, 0, 0) || GT_PtData(2, 200, 100, 2, 0) || GT_PtStart(1 << 1, 0)) return 2;\n\
+                if (GT_SetCrdPrm(1, &prm) || GT_LaserOff(1) || GT_SetDoBit(MC_GPO, 3, 1)) return 3;\n\
+                Sleep(150);\n    if (n > 1) _Exit(0);\n    return GT_Close();\n}\n";
+    let Some(built) = toolchain::build(Language::C, "uses", text) else { return };
+    let (csv, vcd) = (scratch().join("uses.csv"), scratch().join("uses.vcd"));
+    let names = [csv.to_string_lossy().into_owned(), vcd.to_string_lossy().into_owned()];
+    let variables =
+        [("BEAMTICK_LINK", "virtual:max"), ("BEAMTICK_TRACE", names[0].as_str()), ("BEAMTICK_VCD", names[1].as_str())];
+    output(&built, &variables);
+    let rows = std::fs::read_to_string(&csv).unwrap();
+    let columns = "t_ms,axis2_pos,axis2_vel,axis4_pos,axis4_vel,laser1_gate,laser1_power,laser1_freq_khz,crd1_vel";
+    assert_eq!(rows.lines().next(), Some(columns));
+    let trace = Trace::read(&csv);
+    near(trace.last("axis2_pos"), 200.0, 0.0, "the end");
+    let signals = std::fs::read_to_string(&vcd).unwrap();
+    let declared = signals.lines().filter(|line| line.starts_with("$var"));
+    let declared: Vec<&str> = declared.map(|line| line.split(' ').nth(4).unwrap()).collect();
+    let wanted = ["axis2_step", "axis2_dir", "axis4_step", "axis4_dir", "do3", "laser1_energy", "laser1_switch"];
+    assert_eq!(declared, [&wanted[..], &["laser1_dac_mv"]].concat());
+    let step = signals.lines().find(|line| line.ends_with(" axis2_step $end")).unwrap().split(' ').nth(3).unwrap();
+    assert_eq!(signals.lines().filter(|line| *line == format!("1{step}")).count(), 200, "pulses of axis 2");
+    assert!(!csv.with_extension("csv.partial").exists() && !vcd.with_extension("vcd.partial").exists());
+    toolchain::output_of(toolchain::command(&built, &variables).arg("dies"));
+    let left = std::fs::read_to_string(csv.with_extension("csv.partial")).unwrap();
+    assert!(left.is_empty() || left.starts_with("t_ms,axis1_pos,axis1_vel,axis2_pos"), "{left}");
+}
+
 #[test]
 fn pt_static() {
     let Some((text, trace)) = traced("pt_static", &[], &[]) else { return };

@@ -10,15 +10,13 @@ use crate::expr::nearest;
 use crate::read::{Fault, Reader};
 use crate::scan::{Kind, Token};
 use crate::value::{Type, Value};
-use crate::{Action, Axis, Call, Crd};
+use crate::{Action, Axis, Call};
 use protocol::command::{CommandKind, DataStore, class};
 use protocol::reserved::RESERVED;
 use std::ops::Range;
 
 /// Entries between two motions that a path passes at speed; those of a servo tick (SPEC 5).
 const EFFECTS: u32 = 32;
-/// Profiles that a TCrdPrm can map.
-const MAPPED: usize = 8;
 /// A count beyond this names no more axes: no profile has them.
 const AXES_MAX: i64 = 64;
 
@@ -177,31 +175,9 @@ impl Reader<'_> {
         self.motions.note(function.name, several_cores, core, &Numbers(&numbers), line);
         self.name_axes(function, several_cores, core, bound);
         let first = numbers.first().map_or(0, |number| *number as i16);
-        let used = match function.name {
-            "PrfPt" | "PrfPvt" | "PrfFollow" | "PrfFollowEx" | "PrfGear" | "PrfTrap" | "PrfJog" | "SetPrfPos"
-            | "SetEncPos" => 1,
-            "ZeroPos" => numbers.get(1).map_or(0, |count| *count as i16),
-            _ => 0,
-        };
-        self.axes.extend((first..first.saturating_add(used)).filter(|axis| *axis > 0).map(|axis| Axis { core, axis }));
-        match function.name {
-            "SetCrdPrm" => {
-                // Its dimension, then what each profile drives.
-                let mapped = (1..).zip(numbers.iter().skip(2).take(MAPPED)).filter(|(_, drives)| **drives != 0.0);
-                let mapped: Vec<Axis> = mapped.map(|(axis, _)| Axis { core, axis }).collect();
-                self.named.extend(&mapped);
-                self.axes.extend(mapped);
-                self.crds.extend((first > 0).then_some(Crd { core, crd: first }));
-            }
-            "BufMove" | "BufGear" => {
-                let axis = numbers.get(1).map_or(0, |axis| *axis as i16);
-                let moved = (axis > 0).then_some(Axis { core, axis });
-                self.named.extend(moved);
-                self.axes.extend(moved);
-            }
-            _ => {}
-        }
-        self.lasers |= lasers(function, bound);
+        let values = bound.values.iter().zip(&numbers).map(|((name, _), number)| (*name, *number));
+        let moved = self.used.note(function, core, values);
+        self.named.extend(moved);
         self.count_between(function, core, bound, span);
         match function.name {
             "Reset" => {
@@ -299,18 +275,6 @@ impl Reader<'_> {
                 *place = value;
             }
         }
-    }
-}
-
-/// Laser channels that a call sets something of. What no controller has is for the controller to
-/// refuse.
-fn lasers(function: &Function, bound: &Bound) -> u8 {
-    let channel = bound.values.iter().find(|(name, _)| *name == "channel").map(|(_, value)| value);
-    match (function.name, channel) {
-        _ if function.reads() => 0,
-        ("SetWaitPulseEx", _) => 0b11,
-        (_, Some(Value::Int(channel @ 0..=1))) => 1 << channel,
-        _ => 0,
     }
 }
 

@@ -28,11 +28,13 @@ mod read;
 mod scan;
 mod statement;
 pub mod text;
+mod used;
 mod value;
 mod wait;
 
 pub use diagnostic::{Diagnostic, QUOTED_MAX, Severity, quoted, render, tidy};
 pub use job::{Action, Axis, Call, Crd, Job, Out, Pragma, Step};
+pub use used::Used;
 
 use std::path::{Path, PathBuf};
 
@@ -83,9 +85,9 @@ pub fn compile(text: &str, files: &dyn Files) -> Result<Job, Vec<Diagnostic>> {
         steps: reader.steps,
         pragmas: reader.pragmas,
         warnings: reader.warnings,
-        axes: reader.axes.into_iter().collect(),
-        crds: reader.crds.into_iter().collect(),
-        lasers: reader.lasers,
+        axes: reader.used.axes.into_iter().collect(),
+        crds: reader.used.crds.into_iter().collect(),
+        lasers: reader.used.lasers,
         named: reader.named.into_iter().collect(),
     })
 }

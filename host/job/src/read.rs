@@ -7,7 +7,7 @@
 use crate::endless::Motions;
 use crate::scan::{self, Kind, Lines, Token, diagnostic};
 use crate::value::{Value, Variables};
-use crate::{Action, Axis, Crd, Diagnostic, Files, Pragma, Severity, Step};
+use crate::{Action, Axis, Diagnostic, Files, Pragma, Severity, Step, Used};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
@@ -53,10 +53,7 @@ pub(crate) struct Reader<'a> {
     /// In the body of `while(!kbhit())`.
     pub(crate) polling: bool,
     pub(crate) keep_going: bool,
-    pub(crate) axes: BTreeSet<Axis>,
-    pub(crate) crds: BTreeSet<Crd>,
-    /// Laser channels that calls set something of.
-    pub(crate) lasers: u8,
+    pub(crate) used: Used,
     /// Cores (as axis 0) and axes that any call names.
     pub(crate) named: BTreeSet<Axis>,
     pub(crate) motions: Motions,
@@ -89,9 +86,7 @@ impl<'a> Reader<'a> {
             ended: false,
             polling: false,
             keep_going: false,
-            axes: BTreeSet::new(),
-            crds: BTreeSet::new(),
-            lasers: 0,
+            used: Used::default(),
             named: BTreeSet::new(),
             motions: Motions::default(),
             parameters: BTreeMap::new(),

@@ -46,7 +46,7 @@ impl<W: Write> CsvWriter<W> {
     }
 }
 
-fn as_io(e: csv::Error) -> TraceError {
+pub(crate) fn as_io(e: csv::Error) -> TraceError {
     TraceError::Io(match e.into_kind() {
         csv::ErrorKind::Io(e) => e,
         other => std::io::Error::other(format!("{other:?}")),

@@ -11,6 +11,7 @@
 mod csv_file;
 mod csv_reader;
 pub mod decimal;
+mod narrow;
 mod plot;
 mod reader;
 mod row;
@@ -18,6 +19,7 @@ mod vcd_file;
 
 pub use csv_file::CsvWriter;
 pub use csv_reader::read_csv;
+pub use narrow::{narrow_csv, narrow_vcd, outputs_that_change};
 pub use plant::beam::SignalChange;
 pub use plot::{Millimetres, Panels, Plot, PlotOptions, Preview, Xy};
 pub use reader::{Item, Reader};

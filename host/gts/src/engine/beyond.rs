@@ -64,7 +64,10 @@ pub(super) unsafe fn call(
     if let Class::Homes(what) = more.class {
         let homes = card.homes();
         let values = homes.call(&client, what, (prepared.name(), core), &given)?;
-        card.started |= what == HomeCall::Go;
+        if what == HomeCall::Go {
+            card.started = true;
+            card.note(prepared.prototype.function, core, given.iter().copied());
+        }
         card.wake();
         // SAFETY: as the caller says.
         unsafe { store(prepared, args, &values) };
