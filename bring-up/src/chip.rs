@@ -4,6 +4,7 @@
 //! them as a reset would.
 use crate::report::Report;
 use hal::stm32h743::pins::PinLevels;
+use stm32_metapac::gpio::vals::{Idr, Moder, Pupdr};
 use stm32_metapac::timer::TimAdv;
 use stm32_metapac::{DBGMCU, GPIOA, GPIOB, GPIOC, GPIOD, GPIOE, GPIOF, GPIOG, PWR, RCC, SYSCFG, TIM1, TIM2, TIM8};
 
@@ -15,11 +16,10 @@ pub const LASERS: [(i64, TimAdv); 3] = [(1, TIM1), (15, TIM15), (8, TIM8)];
 /// The chip's unique number (RM0433 61.1).
 const UNIQUE: *const u32 = 0x1ff1_e800 as *const u32;
 /// Offset of SYSCFG_CFGR, which the metadata leaves out.
-const SYSCFG_CFGR: usize = 0x18;
+pub const SYSCFG_CFGR: usize = 0x18;
 
 /// What only the first instructions can read.
 pub struct AtReset {
-    cause: u32,
     modes: [u32; 7],
     pulls: [u32; 7],
     af1: [u32; 3],
@@ -61,7 +61,6 @@ impl AtReset {
         let tick = TIM2.arr().read();
         reset_timers();
         AtReset {
-            cause: RCC.rsr().read().0,
             modes: ports.map(|port| port.moder().read().0),
             pulls: ports.map(|port| port.pupdr().read().0),
             af1,
@@ -72,7 +71,6 @@ impl AtReset {
 
     /// Reports it.
     pub fn report_to(&self, report: &mut Report) {
-        report.line("cause", &[self.cause.into()]);
         report.line("modes-at-reset", &self.modes.map(i64::from));
         report.line("pulls-at-reset", &self.pulls.map(i64::from));
         for (((number, _), af1), widths) in LASERS.into_iter().zip(self.af1).zip(self.widths) {
@@ -114,6 +112,16 @@ pub fn report_to(report: &mut Report) {
         report.line("af1", &[number, timer.af1().read().0.into()]);
         report.line("bdtr", &[number, timer.bdtr().read().0.into()]);
     }
+}
+
+/// The level of VBUS at the connector of USB, while PD10 keeps its switch off.
+pub fn five_volts(report: &mut Report) {
+    const VBUS: usize = 9;
+    // No pull: the line may have 5 V.
+    GPIOA.pupdr().modify(|w| w.set_pupdr(VBUS, Pupdr::FLOATING));
+    GPIOA.moder().modify(|w| w.set_moder(VBUS, Moder::INPUT));
+    cortex_m::asm::delay(4_800);
+    report.line("vbus", &[(GPIOA.idr().read().idr(VBUS) == Idr::HIGH).into()]);
 }
 
 /// Level of each break input, its flag once it was cleared, and whether the main output can be

@@ -4,10 +4,11 @@
 //! missing jumper leaves without edges is a line without numbers.
 use crate::bench::{Bench, train};
 use crate::capture::{self, Edge};
+use crate::chip::TIM15;
 use crate::report::Report;
 use crate::wires::{self, ENERGY_0, ENERGY_1, INTERLOCK, MINUS_0, STEP_1, SWITCH_0};
 use servo::laser::{Action, Train};
-use stm32_metapac::{DMA1, DMA2, TIM1, TIM15, TIM17};
+use stm32_metapac::{DMA1, DMA2, TIM1, TIM8, TIM17};
 
 /// Ticks until the timers of the lasers run: their rings are made dark first.
 const START_TICKS: u32 = 24;
@@ -97,6 +98,7 @@ pub fn steps(bench: &mut Bench, report: &mut Report) {
     let captured = capture::count(STEP_1) as i64;
     // A stream whose timer stands keeps its place.
     let place = || i64::from(DMA2.st(1).ndtr().read().ndt());
+    let running = place();
     TIM17.cr1().modify(|w| w.set_cen(false));
     cortex_m::asm::delay(480);
     let stopped = place();
@@ -106,7 +108,7 @@ pub fn steps(bench: &mut Bench, report: &mut Report) {
     cortex_m::asm::delay(2_400);
     let resumed = place();
     report.line("steps", &[100, captured]);
-    report.line("stream", &[stopped, later, resumed]);
+    report.line("stream", &[running, stopped, later, resumed]);
 }
 
 /// Nobody fills the rings while there is light.
@@ -132,12 +134,16 @@ pub fn starve(bench: &mut Bench, report: &mut Report) {
     report.line("starved", &[lit, before, after, starved]);
 }
 
-/// A burst is broken off after its first half-word; the timers start anew, and light is as before.
+/// Bursts of all lasers' timers are broken off after their first half-word; the timers start anew,
+/// and light is as before.
 pub fn broken_burst(bench: &mut Bench, report: &mut Report, names: [&str; 4]) {
     settle(bench);
-    DMA1.st(0).cr().modify(|w| w.set_en(false));
-    while DMA1.st(0).cr().read().en() {}
-    TIM1.dmar().write(|w| *w = TIM1.arr().read().0);
+    for (stream, timer) in [(DMA1.st(0), TIM1), (DMA2.st(0), TIM15), (DMA1.st(1), TIM8)] {
+        stream.cr().modify(|w| w.set_en(false));
+        while stream.cr().read().en() {}
+        // The first register of a burst, with what it holds.
+        timer.dmar().write(|w| *w = timer.arr().read().0);
+    }
     first_edges(bench, report, names);
 }
 

@@ -4,17 +4,21 @@
 //!
 //! In: the line `go` from the host, the jumpers of docs/bring-up.md. Out: lines of figures
 //! ([`report`]). Owns the board. It judges nothing: limits and advice are the host's
-//! (`host/beamtick/src/bring_up/`). It resets the chip after each run, so each begins like a
-//! power-on. Fails: a chip that the board's start-up refuses lights LD3 and reports nothing. On
-//! another package it drives the link's line alone, and reports what registers tell.
+//! (`host/beamtick/src/bring_up/`). At the first order it resets the chip twice ([`before`]), and
+//! measures at the next one, which the host sends within 0.5 s. It resets the chip after each run,
+//! so each begins like a power-on. Fails: a chip that the board's start-up refuses lights LD3 and
+//! reports nothing. On another package it drives the link's line alone, and reports what registers
+//! tell.
 //!
 //! It has no servo tick, no client and no light of its own will. Outputs move while it measures:
 //! no drive and no laser may be connected.
 mod analog;
+mod before;
 mod bench;
 mod capture;
 mod chip;
 mod core_facts;
+mod hsi48;
 mod light;
 mod pause;
 mod report;
@@ -49,6 +53,7 @@ fn await_order(rx: &mut Rx) {
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
+    let before = before::Before::read();
     let at_reset = chip::AtReset::read();
     // The only panic of the start: a second call of this function, which the runtime never makes.
     cortex_m::interrupt::disable();
@@ -56,8 +61,14 @@ fn main() -> ! {
     let (tx, mut rx) = board.link;
     core_facts::count_cycles();
     await_order(&mut rx);
+    if before.is_none() {
+        before::leave();
+    }
     let mut report = Report::to(tx);
     report.line("format", &[FORMAT]);
+    if let Some(before) = before {
+        before.report_to(&mut report);
+    }
     at_reset.report_to(&mut report);
     chip::report_to(&mut report);
     core_facts::report_to(&mut report);
@@ -67,6 +78,7 @@ fn main() -> ! {
     }
     stack::report_to(&mut report);
     report.end();
+    before::forget();
     SCB::sys_reset()
 }
 
@@ -79,6 +91,8 @@ fn measure(report: &mut Report, machine: Machine, timer: TickTimer) {
             chip::breaks_now(report);
         }
     }
+    chip::five_volts(report);
+    analog::enable_at_once(report);
     let mut bench = Bench::begin(machine, timer);
     light::start(&mut bench, report);
     light::first_edges(&mut bench, report, ["first-0", "first-1", "first-switch", "first-steps"]);
@@ -88,4 +102,5 @@ fn measure(report: &mut Report, machine: Machine, timer: TickTimer) {
     light::broken_burst(&mut bench, report, ["again-0", "again-1", "again-switch", "again-steps"]);
     light::breaks(&mut bench, report, has_driver);
     analog::report_to(&mut bench, report);
+    hsi48::report_to(report);
 }

@@ -26,6 +26,7 @@ const JDR1: u32 = 0x80;
 const CCR: u32 = 0x308;
 
 const ADEN: u32 = 1 << 0;
+const ADDIS: u32 = 1 << 1;
 const ADSTART: u32 = 1 << 2;
 const BOOST: u32 = 3 << 8;
 const ADCALLIN: u32 = 1 << 16;
@@ -210,7 +211,11 @@ impl Adc {
             self.cr |= ADSTART;
             self.started = at;
         }
-        if new & 0x3a != 0 {
+        if new & ADDIS != 0 && self.cr & (ADEN | ADSTART) == ADEN {
+            self.cr &= !ADEN;
+            self.ready = NEVER;
+        }
+        if new & 0x38 != 0 {
             self.complain("stopping and triggered injection are not modelled");
         }
     }

@@ -84,6 +84,9 @@ const TIMERS: usize = 13;
 /// The interrupt of USART3 (RM0433 table 148).
 const USART3_LINE: usize = 39;
 
+/// Voltage at this pin for the supply's detector (data sheet, pin table).
+const PVD_IN: Pin = Pin(1, 7);
+
 /// D− and D+.
 const USB_PINS: [Pin; 2] = [Pin(0, 11), Pin(0, 12)];
 const USB_FUNCTION: u32 = 10;
@@ -361,6 +364,8 @@ impl Bus {
 
     /// Breaks of the chip follow its state.
     fn look_at_chip(&mut self, at: Time) {
+        self.pwr.is_locked = self.syscfg.locks_detector();
+        self.pwr.pin_is_low = self.gpio.outside(PVD_IN) == Some(false);
         let active = self.syscfg.breaks(self.pwr.is_low(), self.is_locked_up);
         let mut signals = std::mem::take(&mut self.signals);
         self.timers.iter_mut().for_each(|timer| timer.break_of_chip(active, &mut signals, at));
@@ -446,6 +451,7 @@ impl Bus {
                     self.signals = signals;
                 }
                 Signal::Withdraw(number) => self.dma.withdraw(number),
+                Signal::Rewind(number) => self.dma.rewind(number),
                 Signal::Store { address, size, value } => self.store(address, size, value, at),
                 Signal::Fetch { address, size, stream } => {
                     let value = self.fetch(address, size, at);

@@ -29,6 +29,8 @@ pub struct Clocks {
     pub adc: Option<Time>,
     /// Kernel clock of USB.
     pub usb: Option<Time>,
+    /// 1000 cycles of what MCO1 gives.
+    pub mco1: Option<Time>,
 }
 
 /// 64 MHz, as the chip starts.
@@ -51,6 +53,7 @@ impl Clocks {
         spi: None,
         adc: None,
         usb: None,
+        mco1: None,
     };
 }
 
@@ -66,6 +69,8 @@ const PLLCKSELR: u32 = 0x28;
 const PLLCFGR: u32 = 0x2c;
 const PLL1DIVR: u32 = 0x30;
 const CIFR: u32 = 0x64;
+/// Of the backup domain: no reset of the chip reaches it (RM0433 8.4.5).
+const BDCR: u32 = 0x70;
 const CSR: u32 = 0x74;
 const RSR: u32 = 0xd0;
 /// AHB2ENR, where the memories of domain D2 have their clocks.
@@ -110,6 +115,10 @@ pub struct Rcc {
     /// What is at the oscillator's pins, and whether it runs.
     board: Board,
     source: bool,
+    /// By how much HSI48 is slow.
+    pub hsi48_slow_percent: Time,
+    /// Timers of APB 1 count half as fast.
+    pub halves_timers: bool,
     /// The fastest core that the supply allows, as time a cycle; set by the machine from PWR.
     pub fastest: Time,
     /// What was set against the manual.
@@ -125,6 +134,8 @@ impl Default for Rcc {
             clocks: Clocks::RESET,
             board: NUCLEO,
             source: true,
+            hsi48_slow_percent: 0,
+            halves_timers: false,
             fastest: 0,
             complaint: None,
         };
@@ -136,9 +147,9 @@ impl Default for Rcc {
 
 impl Rcc {
     fn initial(&mut self) {
-        let kept = self.at(RSR);
+        let kept = [RSR, BDCR].map(|offset| (offset, self.at(offset)));
         self.registers = [0; 0x60];
-        *self.place(RSR) = kept;
+        kept.into_iter().for_each(|(offset, value)| *self.place(offset) = value);
         *self.place(CR) = HSI_ON | HSI_READY;
         // HSICFGR, CSICFGR, PLLCKSELR, PLLCFGR and the dividers (RM0433 8.7).
         *self.place(0x04) = 0x4000_0000;
@@ -291,6 +302,14 @@ impl Rcc {
         }
     }
 
+    /// MCO1 (CFGR.MCO1SEL, MCO1PRE): HSI48 only; none of the others is modelled.
+    fn mco1(&self) -> Option<Time> {
+        const HSI48: u32 = 4;
+        let (source, divider) = (self.at(CFGR) >> 22 & 7, Time::from(self.at(CFGR) >> 18 & 0xf));
+        let runs = source == HSI48 && divider > 0 && self.at(CR) & HSI48_READY != 0;
+        runs.then(|| divider * (20_000 + 200 * self.hsi48_slow_percent))
+    }
+
     /// Kernel clock of SPI 1 to 3 (D2CCIP1R.SPI123SEL): PLL1's Q output, or per_ck.
     fn spi(&self) -> Option<Time> {
         match self.at(D2CCIP1R) >> 12 & 7 {
@@ -330,9 +349,9 @@ impl Rcc {
         // quarter with TIMPRE.
         let timpre = self.at(CFGR) & 1 << 15 != 0;
         let timers = |divider: u64| bus * if timpre { (divider / 4).max(1) } else { (divider / 2).max(1) };
-        let (timers1, timers2) = (timers(apb1), timers(apb2));
-        let (spi, adc, usb) = (self.spi(), self.adc(), self.usb());
-        self.clocks = Clocks { core, bus, apb1: bus * apb1, apb2: bus * apb2, timers1, timers2, spi, adc, usb };
+        let (timers1, timers2) = (timers(apb1) << u32::from(self.halves_timers), timers(apb2));
+        let (spi, adc, usb, mco1) = (self.spi(), self.adc(), self.usb(), self.mco1());
+        self.clocks = Clocks { core, bus, apb1: bus * apb1, apb2: bus * apb2, timers1, timers2, spi, adc, usb, mco1 };
         if core < self.fastest {
             self.complain(format!("the core runs at {} MHz, which its supply does not allow", 960 / core));
         }

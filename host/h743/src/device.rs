@@ -29,6 +29,8 @@ pub enum Signal {
     Trigger(u8),
     /// A peripheral does not ask any more.
     Withdraw(u8),
+    /// The stream of this request begins anew: a wrong fact that is planted.
+    Rewind(u8),
     /// A DMA writes a peripheral's register, `size` bytes.
     #[allow(missing_docs)]
     Store { address: u32, size: u32, value: u32 },

@@ -164,6 +164,10 @@ pub struct Dma {
     cycle: Time,
     /// Bus cycles from a request to its transfer: [`ANSWER`], unless a test wants others.
     pub answer: Time,
+    /// Bus cycles until the next one: [`TRANSFER`] likewise.
+    pub busy: Time,
+    /// A request whose data never reach memory.
+    pub loses: Option<u8>,
     /// When each controller is free again.
     free: [Time; 2],
     /// Requests that came while the one before still waited.
@@ -184,6 +188,8 @@ impl Dma {
             standing: 0,
             cycle: Clocks::RESET.bus,
             answer: ANSWER,
+            busy: TRANSFER,
+            loses: None,
             free: [0; 2],
             lost: 0,
             passed: 0,
@@ -243,6 +249,18 @@ impl Dma {
         }
     }
 
+    /// The stream of this request begins anew with its first item.
+    pub fn rewind(&mut self, number: u8) {
+        let memory = self.memory.clone();
+        for (stream, mux) in self.streams.iter_mut().zip(self.mux) {
+            if mux & 0x7f == u32::from(number) && stream.cr & EN != 0 && stream.direction() == TO_PERIPHERAL {
+                (stream.left, stream.read) = (stream.count, 0);
+                stream.ahead.clear();
+                stream.read_ahead(&memory);
+            }
+        }
+    }
+
     /// A stream that is on takes a pending request.
     fn hear(&mut self, n: usize, at: Time) {
         let bit = 1u128 << (self.mux[n] & 0x7f);
@@ -265,7 +283,7 @@ impl Dma {
     }
 
     fn serve(&mut self, n: usize, at: Time, out: &mut Vec<Signal>) {
-        self.free[n / 8] = at + TRANSFER * self.cycle;
+        self.free[n / 8] = at + self.busy * self.cycle;
         self.passed += 1;
         let memory = self.memory.clone();
         let stream = &mut self.streams[n];
@@ -296,7 +314,8 @@ impl Dma {
         let address = stream.memory[usize::from(stream.cr & DBM != 0 && stream.cr & CT != 0)] + offset;
         stream.pass();
         let bytes = &value.to_le_bytes()[..size as usize];
-        if !self.memory.is_reached_by_dma(address) || !self.memory.load(address, bytes) {
+        let is_lost = self.loses.is_some_and(|number| self.mux[n] & 0x7f == number.into());
+        if !self.memory.is_reached_by_dma(address) || !is_lost && !self.memory.load(address, bytes) {
             self.fail(n);
         }
         self.report(n, out);
@@ -485,7 +504,8 @@ impl Device for Dma {
 
     fn reset(&mut self, _: Time, out: &mut Vec<Signal>) {
         let (complaint, lost) = (self.complaint.take(), self.lost);
-        *self = Dma { cycle: self.cycle, answer: self.answer, passed: self.passed, ..Dma::new(self.memory.clone()) };
+        let (cycle, answer, busy, passed) = (self.cycle, self.answer, self.busy, self.passed);
+        *self = Dma { cycle, answer, busy, passed, loses: self.loses, ..Dma::new(self.memory.clone()) };
         (self.complaint, self.lost) = (complaint, lost);
         (0..STREAMS).for_each(|n| self.report(n, out));
     }

@@ -3,8 +3,12 @@
 //!
 //! In: a [`Wrong`]. Out: a machine that differs in this one fact, from then on and over every
 //! reset. Owns nothing.
+use crate::gpio::Pin;
 use crate::machine::Machine;
 use crate::time::{MILLISECOND, Time};
+
+/// The request that clears slots of steps (RM0433 table 121).
+const TIM17_CH1: u8 = 111;
 
 /// A fact that is otherwise (docs/board-assumptions.md).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,8 +45,8 @@ pub enum Wrong {
     Deaf(u8),
     /// A reload value of 0 does not block a timer.
     CountsToZero,
-    /// A reset of a timer leaves its burst where it is.
-    KeepsBurst,
+    /// A reset of this timer leaves its burst where it is.
+    KeepsBurst(u8),
     /// At a break lines are inactive for 200 counts before they are idle.
     SettlesLong,
     /// DMA takes six times as long from a request to its transfer.
@@ -53,6 +57,30 @@ pub enum Wrong {
     LowAdc,
     /// Breaks of the chip set the same flag as the input's, in all timers.
     OneFlag,
+    /// A break input acts 28 counts after its pin.
+    SlowBreak,
+    /// A stream begins anew with its first item when its timer goes on.
+    StreamRewinds,
+    /// A transfer keeps a controller busy four times as long.
+    BusyDma,
+    /// Timers of APB 1 count half as fast.
+    HalfTimers,
+    /// The caches cannot be enabled.
+    NoCaches,
+    /// The UART is 3 % slow.
+    SlowLink,
+    /// HSI48 is 1 % slow.
+    SlowHsi48,
+    /// A reset clears the memory that start-up leaves as it is.
+    Forgets,
+    /// 5 V at the connector of USB, whatever PD10 says.
+    FiveVolts,
+    /// The supply is at 2.6 V.
+    LowSupply,
+    /// BDTR.OSSI of this timer stays 0.
+    NoIdleLevels(u8),
+    /// What DMA writes for TIM17's compare requests is lost: slots that were played stay.
+    LostClears,
 }
 
 /// What of a timer may be planted; kept over resets.
@@ -80,6 +108,12 @@ pub struct Quirks {
     pub settles_more: Time,
     /// [`Wrong::OneFlag`].
     pub one_flag: bool,
+    /// [`Wrong::SlowBreak`], in counts.
+    pub break_delay: Time,
+    /// [`Wrong::StreamRewinds`].
+    pub rewinds: bool,
+    /// [`Wrong::NoIdleLevels`].
+    pub no_ossi: bool,
 }
 
 impl Machine {
@@ -103,12 +137,24 @@ impl Machine {
             Wrong::StartsLate(number) => bus.timers_named(number).for_each(|timer| timer.quirks.start_delay = 12),
             Wrong::Deaf(number) => bus.timers_named(number).for_each(|timer| timer.quirks.is_deaf = true),
             Wrong::CountsToZero => bus.timers.iter_mut().for_each(|timer| timer.quirks.counts_to_zero = true),
-            Wrong::KeepsBurst => bus.timers.iter_mut().for_each(|timer| timer.quirks.keeps_burst = true),
+            Wrong::KeepsBurst(number) => bus.timers_named(number).for_each(|timer| timer.quirks.keeps_burst = true),
             Wrong::SettlesLong => bus.timers.iter_mut().for_each(|timer| timer.quirks.settles_more = 198),
             Wrong::SlowDma => bus.dma.answer *= 6,
             Wrong::SlowDac => bus.dac.lag = MILLISECOND / 2,
             Wrong::LowAdc => bus.adc.gain = 0.98,
             Wrong::OneFlag => bus.timers.iter_mut().for_each(|timer| timer.quirks.one_flag = true),
+            Wrong::SlowBreak => bus.timers.iter_mut().for_each(|timer| timer.quirks.break_delay = 28),
+            Wrong::StreamRewinds => bus.timers.iter_mut().for_each(|timer| timer.quirks.rewinds = true),
+            Wrong::BusyDma => bus.dma.busy *= 4,
+            Wrong::HalfTimers => bus.rcc.halves_timers = true,
+            Wrong::NoCaches => self.chip.identity.lacks_caches = true,
+            Wrong::SlowLink => bus.usart.slow_percent = 3,
+            Wrong::LowSupply => bus.pwr.supply_mv = 2600,
+            Wrong::NoIdleLevels(number) => bus.timers_named(number).for_each(|timer| timer.quirks.no_ossi = true),
+            Wrong::LostClears => bus.dma.loses = Some(TIM17_CH1),
+            Wrong::Forgets => self.chip.forgets = true,
+            Wrong::FiveVolts => bus.gpio.drive(Pin(0, 9), Some(true)),
+            Wrong::SlowHsi48 => bus.rcc.hsi48_slow_percent = 1,
         }
         self.identify();
     }

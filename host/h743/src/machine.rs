@@ -31,6 +31,8 @@ const DEMCR: u32 = 0xe000_edfc;
 const MEMORY_SWITCHES: [u32; 3] = [0x5802_44dc, 0x5802_44e0, 0x5802_4800];
 /// Registers of the streams of DMA1 and DMA2.
 const DMA_STREAMS: std::ops::Range<u32> = 0x4002_0000..0x4002_0800;
+/// What start-up leaves as it is: KEPT of `memory.x`, 256 bytes.
+const LEFT: u32 = 0x3004_7f00;
 /// Registers of the MPU.
 const MPU: std::ops::Range<u32> = 0xe000_ed94..0xe000_edbc;
 
@@ -66,6 +68,8 @@ pub struct Chip {
     forbidden: Vec<(u32, u64)>,
     /// The instruction that runs touched what is forbidden in the first page.
     failed: bool,
+    /// A reset clears [`LEFT`].
+    pub forgets: bool,
 }
 
 impl Chip {
@@ -256,6 +260,7 @@ impl Machine {
             running: 0,
             forbidden: Vec::new(),
             failed: false,
+            forgets: false,
         };
         chip.bus.mount(board);
         let mut machine = Machine { engine, chip, mapped: Vec::new(), mpu_seen: 0, resets: Vec::new() };
@@ -298,6 +303,9 @@ impl Machine {
     pub fn reset(&mut self, cause: Cause) {
         let chip = &mut self.chip;
         self.resets.push((chip.now, cause));
+        if chip.forgets {
+            chip.memory.load(LEFT, &[0; 0x100]);
+        }
         chip.scs = Scs::default();
         chip.scs.identity = chip.identity;
         (chip.scs.fpccr, chip.dwt) = (chip.identity.fpccr, Dwt::default());

@@ -37,12 +37,14 @@ pub struct Identity {
     pub cpuid: u32,
     /// FPCCR after a reset.
     pub fpccr: u32,
+    /// CCR.IC and CCR.DC stay 0.
+    pub lacks_caches: bool,
 }
 
 impl Default for Identity {
     /// A Cortex-M7 r1p1; floating-point registers are stacked lazily.
     fn default() -> Self {
-        Identity { cpuid: 0x411f_c271, fpccr: 0xc000_0000 }
+        Identity { cpuid: 0x411f_c271, fpccr: 0xc000_0000, lacks_caches: false }
     }
 }
 
@@ -190,7 +192,10 @@ impl Scs {
                 }
             }
             0xd10 => self.scr = value,
-            0xd14 => self.ccr = value | 1 << 9,
+            0xd14 => {
+                let absent = if self.identity.lacks_caches { 3 << 16 } else { 0 };
+                self.ccr = value & !absent | 1 << 9;
+            }
             0xd18 | 0xd1c | 0xd20 => self.set_priorities(4 + (offset - 0xd18) as usize, value, mask),
             0xd24 => {
                 for (bit, exception) in (16..).zip(MEMORY_FAULT..=USAGE_FAULT) {

@@ -41,6 +41,10 @@ pub struct Pwr {
     pub overdrive: bool,
     /// The supply, in mV.
     pub supply_mv: u32,
+    /// The voltage at PVD_IN is below that of the reference.
+    pub pin_is_low: bool,
+    /// SYSCFG keeps PVDE and PLS as they are (RM0433 12.3.5, PVDL).
+    pub is_locked: bool,
 }
 
 impl Default for Pwr {
@@ -56,6 +60,8 @@ impl Default for Pwr {
             ready: NEVER,
             overdrive: false,
             supply_mv: 3300,
+            pin_is_low: false,
+            is_locked: false,
         }
     }
 }
@@ -87,7 +93,7 @@ impl Pwr {
     /// The detector is on, and the supply below its level.
     pub fn is_low(&self) -> bool {
         let level = LEVELS_MV.get((self.cr1 >> PLS & 7) as usize);
-        self.cr1 & PVDE != 0 && level.is_some_and(|level| self.supply_mv < *level)
+        self.cr1 & PVDE != 0 && level.map_or(self.pin_is_low, |level| self.supply_mv < *level)
     }
 
     /// SYSCFG has switched the over-drive.
@@ -120,7 +126,10 @@ impl Device for Pwr {
     fn write(&mut self, offset: u32, value: u32, mask: u32, at: Time, _: &mut Vec<Signal>) -> Option<()> {
         let new = |before: u32| before & !mask | value & mask;
         match offset {
-            0x00 => self.cr1 = new(self.cr1),
+            0x00 => {
+                let kept = if self.is_locked { PVDE | 7 << PLS } else { 0 };
+                self.cr1 = self.cr1 & kept | new(self.cr1) & !kept;
+            }
             0x08 => self.cr2 = new(self.cr2),
             CR3 => {
                 // SCUEN, LDOEN, BYPASS are write-once: only what is written first counts (RM0433
@@ -234,6 +243,11 @@ pub struct Syscfg {
 }
 
 impl Syscfg {
+    /// Whether the detector of a low supply cannot be changed any more.
+    pub fn locks_detector(&self) -> bool {
+        self.others[CFGR as usize / 4] & PVDL != 0
+    }
+
     /// Whether the timers break: these states of the chip, as far as CFGR leads them there.
     pub fn breaks(&self, supply_is_low: bool, is_locked_up: bool) -> bool {
         let led = self.others[CFGR as usize / 4];

@@ -78,6 +78,8 @@ pub struct Usart {
     pub sent: Vec<(Time, u8)>,
     /// Bytes that came while there was no room.
     pub lost: u64,
+    /// By how much its clock is slow.
+    pub slow_percent: Time,
     /// What is set against the model's or the wire's limits.
     pub complaint: Option<String>,
 }
@@ -108,6 +110,7 @@ impl Usart {
             idle: NEVER,
             sent: Vec::new(),
             lost: 0,
+            slow_percent: 0,
             complaint: None,
         }
     }
@@ -131,7 +134,8 @@ impl Usart {
         const PRESCALERS: [Time; 12] = [1, 2, 4, 6, 8, 10, 12, 16, 32, 64, 128, 256];
         let clock = self.kernel * PRESCALERS[(self.presc & 0xf).min(11) as usize];
         let brr = Time::from(self.brr);
-        if self.cr[0] & OVER8 == 0 { brr * clock } else { (brr & 0xfff0 | (brr & 7) << 1) * clock / 2 }
+        let bit = if self.cr[0] & OVER8 == 0 { brr * clock } else { (brr & 0xfff0 | (brr & 7) << 1) * clock / 2 };
+        bit + bit * self.slow_percent / 100
     }
 
     fn is_on(&self, what: u32) -> bool {
@@ -337,7 +341,7 @@ impl Device for Usart {
     fn reset(&mut self, _: Time, out: &mut Vec<Signal>) {
         let wire = (std::mem::take(&mut self.arriving), std::mem::take(&mut self.sent), self.host_free, self.lost);
         let complaint = self.complaint.take();
-        *self = Usart::new(self.interrupt);
+        *self = Usart { slow_percent: self.slow_percent, ..Usart::new(self.interrupt) };
         (self.arriving, self.sent, self.host_free, self.lost) = wire;
         self.complaint = complaint;
         out.push(Signal::Output(Source::UsartTx(3), None));

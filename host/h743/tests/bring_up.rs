@@ -30,6 +30,8 @@ fn wire(machine: &mut Machine, without: &[u8]) {
         JUMPERS.iter().filter(|(number, ..)| there(number)).map(|&(_, from, to)| (pin(from), pin(to))).collect();
     machine.chip.bus.analog_jumpers =
         LOOPS.iter().filter(|(number, ..)| there(number)).map(|&(_, from, to)| (from, to)).collect();
+    // The ninth leads PVD_IN to ground.
+    machine.drive(pin("PB7"), there(&9).then_some(false));
 }
 
 /// A board with the bring-up image that has started, these wrong facts, and all jumpers but these.
@@ -84,7 +86,7 @@ fn a_chip_as_assumed_passes_every_row() {
     // Figures worked out by hand: the plan of bring-up/src/light.rs, and the model's 21 counts of
     // DMA.
     for (row, figure) in [
-        ("jumpers", "all eight"),
+        ("jumpers", "all nine"),
         ("laser lines at rest", "+ high, − low"),
         (
             "floating-point registers are saved lazily",
@@ -95,6 +97,14 @@ fn a_chip_as_assumed_passes_every_row() {
         ("each step is played once", "100 of 100"),
         ("energy − after + at a break", "2 counts (8 ns)"),
         ("analog inputs by analog outputs", "8 of 65536 at output 1 and 2, of 400"),
+        ("light after a burst that was broken off", "both lasers and the switch to the count, before and after"),
+        ("words written before a reset", "kept; a byte that nothing follows is kept"),
+        ("a low supply breaks each timer", "TIM1 SBIF, TIM15 BIF, TIM8 SBIF"),
+        ("VBUS at the connector of USB, PD10 low", "PA9 is low"),
+        ("HSI48 by the board's clock", "+0 ppm, of ±2500"),
+        ("ADEN right after a calibration", "kept"),
+        // Power-on, as it was before the run's own resets.
+        ("cause of the reset", "RCC_RSR 0x00fa0000"),
     ] {
         assert_eq!(rows_of_first[row].1, figure, "{row}");
     }
@@ -153,7 +163,7 @@ fn ticks_of_the_boards_own_image_are_measured_under_loads() {
 
 #[test]
 fn without_jumpers_rows_are_not_measured_and_none_fails() {
-    let Some(board) = board(&[], &[1, 2, 3, 4, 5, 6, 7, 8]) else { return };
+    let Some(board) = board(&[], &[1, 2, 3, 4, 5, 6, 7, 8, 9]) else { return };
     let (outcome, page) = measure(&board);
     assert_eq!((failed(&page), outcome.is_ok()), (vec![], true), "{page}");
     let rows = rows(&page);
@@ -161,6 +171,7 @@ fn without_jumpers_rows_are_not_measured_and_none_fails() {
     assert_eq!(rows["first edges after their tick"], ("not measured", "jumper 1 (D6–D32) is missing"));
     assert_eq!(rows["break flag and level of each timer"], ("pass", "flag as the pin, high"));
     assert_eq!(rows["analog inputs by analog outputs"].0, "not measured");
+    assert_eq!(rows["a low supply breaks each timer"], ("not measured", "jumper 9 (D0–GND) is missing"));
     assert!(rows.values().filter(|(result, _)| *result == "pass").count() >= 16, "{page}");
 }
 
@@ -194,6 +205,8 @@ fn a_wrong_fact_that_registers_tell_fails_in_its_row() {
         (Wrong::BreakPolarity(8), &[BREAKS, LEVEL], "TIM8: pin 1, flag 0; TIM8: pin 0, flag 1"),
         (Wrong::BreakByEdge, &[LEVEL], "TIM1: pin 1, MOE 1; TIM15: pin 1, MOE 1; TIM8: pin 1, MOE 1"),
         (Wrong::OtherRest(1), &["laser lines at rest"], "energy + of laser 0 is low; energy − of laser 0 is high"),
+        (Wrong::NoIdleLevels(8), &["break register read back"], "TIM1 0x3c00, TIM15 0x3c00, TIM8 0x3800"),
+        (Wrong::LowSupply, &["the supply"], "PVDE 1, PLS 5, below 2.7 V"),
         (Wrong::NoAf1(15), &["AF1 of TIM1, TIM15, TIM8 read back"], "TIM1 0x1, TIM15 0x0, TIM8 0x1"),
     ]);
 }
@@ -204,6 +217,9 @@ fn wrong_facts_together_fail_in_their_rows_alone() {
     let facts = [
         (Wrong::ShortRepeat, "width of the timers' registers", "TIM8 RCR holds 0xff of 0xffff"),
         (Wrong::NoBreakSources, "lock-up and low supply break the lasers", "SYSCFG_CFGR 0x0"),
+        (Wrong::Forgets, "words written before a reset", "lost"),
+        (Wrong::NoCaches, "caches and wait states", "instruction cache 0, data cache 0, 4 wait states, WRHIGHFREQ 2"),
+        (Wrong::SlowLink, "rate of the link", "823 counts a byte, of 800"),
         (Wrong::NoFreeze, "a debugger freezes the watchdog", "WDGLSD1 reads 0"),
         (Wrong::Revision(0x3003), "revision of the chip", "device 0x450, revision 0x3003 (unknown)"),
         (Wrong::EarlyCore, "revision of the core", "CPUID 0x410fc270: r0p0"),
@@ -215,13 +231,51 @@ fn wrong_facts_together_fail_in_their_rows_alone() {
         (Wrong::Package(0), "package of the chip", "PKG 0"),
         (Wrong::DrivenAtReset, "pins after a reset", "PB0"),
     ];
-    let Some(board) = board(&facts.map(|(wrong, ..)| wrong), &[]) else { return };
+    together(&facts);
+}
+
+/// The same on the board's own package, whose lines are measured too.
+#[test]
+fn wrong_facts_of_supplies_and_clocks_fail_in_their_rows_alone() {
+    together(&[
+        (Wrong::NoBreakSources, "lock-up and low supply break the lasers", "SYSCFG_CFGR 0x0"),
+        (
+            Wrong::NoBreakSources,
+            "a low supply breaks each timer",
+            "TIM1: MOE 1, then 1, SR 0x0; TIM15: MOE 1, then 1, SR 0x0; TIM8: MOE 1, then 1, SR 0x0",
+        ),
+        (Wrong::FiveVolts, "VBUS at the connector of USB, PD10 low", "PA9 is high"),
+        (Wrong::SlowHsi48, "HSI48 by the board's clock", "-9901 ppm, of ±2500"),
+    ]);
+}
+
+/// All of them at once: their rows fail, and no other row does.
+fn together(facts: &[(Wrong, &str, &str)]) {
+    let wrong: Vec<Wrong> = facts.iter().map(|(wrong, ..)| *wrong).collect();
+    let Some(board) = board(&wrong, &[]) else { return };
     lock(&board).reset(h743::Cause::Pin);
     let (_, page) = measure(&board);
-    let mut rows_of_facts = facts.map(|(_, row, _)| row);
+    let mut rows_of_facts: Vec<&str> = facts.iter().map(|(_, row, _)| *row).collect();
     rows_of_facts.sort_unstable();
     assert_eq!(failed(&page), rows_of_facts, "{page}");
     facts.iter().for_each(|(wrong, row, figure)| assert_eq!(rows(&page)[row].1, *figure, "{wrong:?}"));
+}
+
+/// Bursts, streams, the interlock's time, the clock that counts.
+#[test]
+fn a_wrong_fact_of_dma_or_of_a_timer_fails_in_its_row() {
+    let broken_off: &[&str] = &["light after a burst that was broken off"];
+    check([
+        (Wrong::HalfTimers, &["cycles of the core in a count of the timers"], "4.0003, of 2"),
+        (Wrong::SlowBreak, &["from the interlock to dark"], "28 counts, MOE 0 and 0 after it"),
+        (Wrong::BusyDma, &["steps of 1 MHz, all streams busy"], ""),
+        (Wrong::LostClears, &["each step is played once"], ""),
+        (Wrong::StreamRewinds, &["a stream keeps its place while its timer stands"], ""),
+        (Wrong::KeepsBurst(1), broken_off, ""),
+        (Wrong::KeepsBurst(15), broken_off, ""),
+        (Wrong::KeepsBurst(8), broken_off, ""),
+        (Wrong::SlowDma, &["cycles of 2 MHz, all streams busy", "a step after its slot"], ""),
+    ]);
 }
 
 #[test]
@@ -230,13 +284,11 @@ fn a_wrong_fact_that_edges_tell_fails_in_its_row() {
         (Wrong::StartsLate(15), &["first edges after their tick"], "laser 0 0, laser 1 12, switch 0 counts"),
         (Wrong::Deaf(15), &["TIM1, TIM15 and TIM8 start by their triggers"], "TIM1 1, TIM15 0, TIM8 1"),
         (Wrong::CountsToZero, &["a slot that nobody has filled is dark and stops the timer"], ""),
-        (Wrong::KeepsBurst, &["light after a burst that was broken off"], ""),
         (
             Wrong::SettlesLong,
             &["energy − after + at a break", "energy − after + at a safe state"],
             "200 counts (833 ns)",
         ),
-        (Wrong::SlowDma, &["cycles of 2 MHz, all streams busy"], ""),
         (Wrong::SlowDac, &["analog outputs within a tick"], ""),
         (Wrong::LowAdc, &["analog inputs by analog outputs"], ""),
     ]);
@@ -268,4 +320,24 @@ fn a_board_that_does_not_answer_is_reported_with_what_to_do() {
     let Err(Failure::Job(text)) = outcome else { panic!("{outcome:?}") };
     assert!(text.starts_with("the board does not answer.") && text.contains("revision Y or Z"), "{text}");
     assert_eq!(page, "");
+}
+
+/// Revisions Y and Z are refused: LD3 is the only pin that the image drives.
+#[test]
+fn an_old_chip_lights_ld3_and_drives_nothing_else() {
+    for revision in [0x1001, 0x1003] {
+        let Some(board) = board(&[Wrong::Revision(revision)], &[]) else { return };
+        let mut machine = lock(&board);
+        machine.run(200 * MILLISECOND);
+        let led = Pin::named("PB14").unwrap();
+        assert_eq!(machine.chip.bus.gpio.level(led), h743::Level::Driven(true), "{revision:#x}");
+        let changes = &machine.chip.bus.gpio.changes;
+        let driven: Vec<_> = changes.iter().filter(|change| matches!(change.level, h743::Level::Driven(_))).collect();
+        assert!(
+            driven.iter().all(|change| change.pin == led && change.level == h743::Level::Driven(true)),
+            "{driven:?}"
+        );
+        // No watchdog ends it.
+        assert_eq!((machine.resets.len(), &machine.chip.bus.complaints), (0, &Vec::<String>::new()));
+    }
 }

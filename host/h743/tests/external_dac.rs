@@ -75,6 +75,19 @@ fn client(machine: &Shared) -> Client {
     Client::open(Box::new(Road::to(machine)), Options::default()).unwrap()
 }
 
+/// A host finds an external DAC's image in the board's name.
+#[test]
+fn the_boards_name_says_that_its_dac_is_an_external_one() {
+    let names: Vec<String> =
+        boards().iter().map(|machine| String::from_utf8_lossy(&client(machine).version().board).into_owned()).collect();
+    let named = |&(variable, board): &(&str, Board)| {
+        std::env::var_os(variable).map(|_| if board == NUCLEO { "h743zi2-dac8563" } else { "h743vi-dac8563" })
+    };
+    let expected: Vec<&str> = BOARDS.iter().filter_map(named).collect();
+    let names: Vec<&str> = names.iter().map(|name| name.trim_end_matches('\0')).collect();
+    assert_eq!(names, expected);
+}
+
 /// The instant at which both outputs are at 0 V for good.
 fn dark_from(machine: &Machine) -> Time {
     assert_eq!(codes(machine), [MID_SCALE; 2]);

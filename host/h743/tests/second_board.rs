@@ -6,8 +6,9 @@ use h743::board::{Board, MODULE, NUCLEO};
 use h743::link::{EmulatedLink, Plug, Shared, lock};
 use h743::{Cause, Level, MICROSECOND, MILLISECOND, Machine, Pin, Stop, Time};
 use protocol::command::{
-    AxisOn, ClrLaserFault, ClrSts, GetCaptureStatus, GetDi, GetEncPos, GetFault, GetLaserFault, GetSts, LaserOn,
-    LaserOutFrq, LaserPrfCmd, SetAxisMode, SetCaptureMode, SetDoBit, SetHSIOOpt,
+    AlarmOff, AlarmOn, AxisOn, ClrLaserFault, ClrSts, GetCaptureStatus, GetDi, GetEncPos, GetFault, GetLaserFault,
+    GetSts, LaserOn, LaserOutFrq, LaserPrfCmd, LmtSns, LmtsOff, LmtsOn, SetAxisMode, SetCaptureMode, SetDoBit,
+    SetHSIOOpt,
 };
 use std::sync::{Arc, Mutex};
 
@@ -346,6 +347,51 @@ fn inputs_and_outputs_are_where_the_table_of_pins_has_them() {
         assert_eq!(lock(&machine).chip.bus.gpio.level(pin(name)), Level::Driven(true), "{name}");
     }
     assert_eq!(lock(&machine).chip.bus.complaints, Vec::<String>::new());
+}
+
+/// Axes 5 to 8 have no inputs of their own here.
+#[test]
+fn inputs_that_this_board_lacks_are_refused_by_name() {
+    let Some((client, ..)) = ready() else { return };
+    let core = 1.into();
+    let reason = |refused: client::Result<()>| {
+        let error = refused.unwrap_err();
+        assert_eq!(error.code, 7, "{error}");
+        error.reason
+    };
+    let no_limit = |call: &str, field: &str, got: i32, axis: i16| {
+        format!("{call}: {field} is {got}; this board has no such limit input for axis {axis}")
+    };
+    for axis in 1..=8i16 {
+        let number = axis.into();
+        for limit_type in [-1i16, 0, 1] {
+            let limits = client.call(LmtsOn { core, axis: number, limit_type: limit_type.into() }).map(|_| ());
+            match axis {
+                1..=4 => assert_eq!(limits, Ok(()), "axis {axis}"),
+                _ => assert_eq!(reason(limits), no_limit("LmtsOn", "limit_type", limit_type.into(), axis)),
+            }
+            client.call(LmtsOff { core, axis: number, limit_type: limit_type.into() }).unwrap();
+        }
+        let alarm = client.call(AlarmOn { core, axis: number }).map(|_| ());
+        let home = client.call(SetCaptureMode { core, encoder: number, mode: 1.into() }).map(|_| ());
+        // Two bits an axis.
+        let sense = 1u16 << (2 * (axis - 1));
+        let limits = client.call(LmtSns { core, sense: sense.into() }).map(|_| ());
+        if axis <= 4 {
+            assert_eq!((alarm, home, limits), (Ok(()), Ok(()), Ok(())), "axis {axis}");
+        } else {
+            assert_eq!(
+                reason(alarm),
+                format!("AlarmOn: axis is {axis}; this board has no alarm input for axis {axis}")
+            );
+            assert_eq!(
+                reason(home),
+                format!("SetCaptureMode: mode is 1; this board has no home input for axis {axis}")
+            );
+            assert_eq!(reason(limits), no_limit("LmtSns", "sense", sense.into(), axis));
+        }
+        client.call(AlarmOff { core, axis: number }).unwrap();
+    }
 }
 
 #[test]

@@ -599,6 +599,13 @@ pub const LIST: &[Mutant] = &[
         &["-p", "beamtick-h743", "--test", "restarts", "--", "a_loop"],
     ),
     mutant(
+        "H743: outputs are enabled before breaks are read",
+        "hal/src/stm32h743/laser.rs",
+        "    if is_dark() {\n        return false;\n    }\n    timers",
+        "    timers",
+        &["-p", "beamtick-h743", "--test", "restarts", "--", "a_loop"],
+    ),
+    mutant(
         "H743: a reset of the timers drops a break",
         "hal/src/stm32h743/laser.rs",
         "        if was_broken {",

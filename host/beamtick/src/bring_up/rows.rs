@@ -81,27 +81,11 @@ const BY_HAND: &[ByHand] = &[
     ),
     by(18, "ECC at power-on", "switch the power off and on a hundred times: no program can"),
     by(
-        19,
-        "the last word before a reset",
-        "provoke a fault, read `beamtick info`: it is the board's own image that keeps a reason",
-    ),
-    by(23, "the converter is switched on until it is ready", "nothing to measure"),
-    by(
-        25,
-        "PD10 keeps USB's power switch off",
-        "voltage at CN13: 0 V; the switch is outside of the chip, and no jumper reaches its output",
-    ),
-    by(
         26,
         "the ST-LINK's clock without a host",
         "supply by VIN (JP2), unplug the host: the board runs on. Nobody could read a figure meanwhile",
     ),
     by(27, "USB", "`lsusb -d 1209:0001` with the board's own image: the bring-up image has no USB"),
-    by(
-        31,
-        "USB by HSI48",
-        "flash the module's image on a Nucleo, `beamtick info` over CN13: the bring-up image has no USB",
-    ),
     by(
         33,
         "the clock's guard breaks the timers",
@@ -113,11 +97,6 @@ const BY_HAND: &[ByHand] = &[
         "`lsusb -d 1209:0001` with the module's image: bring-up's jumpers are the Nucleo's",
     ),
     by(29, "USB of the module without VBUS", "the same"),
-    by(
-        34,
-        "the flag of a break by the chip",
-        "lower the supply to 2.6 V, read TIM1_SR by a debugger: the board has no supply that it can lower",
-    ),
 ];
 
 const fn by(assumption: u8, what: &'static str, how: &'static str) -> ByHand {

@@ -140,6 +140,11 @@ pub struct Timer {
     settles: Option<Time>,
     /// When it starts after a trigger, if it starts late.
     starts: Time,
+    /// When the break input takes a level, and which, if it is late.
+    breaks: (Time, bool),
+    /// 1000 cycles of MCO1, if it is on, and when the next edge of it is captured.
+    mco1: Option<Time>,
+    edge: Time,
     /// BKINP means the opposite: sources differ on it.
     pub is_odd: bool,
     /// What is planted.
@@ -178,6 +183,9 @@ impl Timer {
             inputs: [false; 4],
             settles: None,
             starts: NEVER,
+            breaks: (NEVER, false),
+            mco1: None,
+            edge: NEVER,
             is_odd: false,
             quirks: Quirks::default(),
             complaint: None,
@@ -277,7 +285,12 @@ impl Timer {
 
     /// The break input's pin has this level.
     pub fn break_input(&mut self, high: bool, out: &mut Vec<Signal>, at: Time) {
-        self.brake.input = high && !self.quirks.unconnected;
+        let high = high && !self.quirks.unconnected;
+        if self.quirks.break_delay == 0 {
+            self.brake.input = high;
+        } else if self.breaks.1 != high {
+            self.breaks = (at + self.quirks.break_delay * self.kernel, high);
+        }
         self.look_at_break(out, at);
     }
 
@@ -497,17 +510,40 @@ impl Timer {
         }
     }
 
-    /// What is captured: edges of a channel's own input of TIM2, whose pins are wired; of the
-    /// others, which are encoders' timers, rising ones at the third and fourth.
+    /// What is captured: edges of a channel's own input of TIM2, whose pins are wired; MCO1 at
+    /// TIM17's first (RM0433 41.5.22, TI1SEL); of the others, which are encoders' timers, rising
+    /// ones at the third and fourth.
     fn look_at_captures(&mut self) {
         let captures = |n: usize| self.channels[n].captures();
         let is_modelled = |n: usize| {
             let channel = &self.channels[n];
-            n >= 2 && channel.captures_rising() || self.kind.number == 2 && channel.captures_own()
+            n >= 2 && channel.captures_rising()
+                || self.kind.number == 2 && channel.captures_own()
+                || n == 0 && self.taps_mco1()
         };
         if (0..4).any(|n| captures(n) && !is_modelled(n)) {
             self.complain("such a capture");
         }
+    }
+
+    fn taps_mco1(&self) -> bool {
+        const MCO1: u32 = 3;
+        self.kind.number == 17 && self.others[2] & 0xf == MCO1 && self.channels[0].captures()
+    }
+
+    /// Time from a captured edge of MCO1 to the next one, by the channel's prescaler.
+    fn edges(&self) -> Option<Time> {
+        let cycles = self.mco1.filter(|_| self.taps_mco1() && self.counts())?;
+        Some((cycles << (self.channels[0].mode_bits() >> 2 & 3)) / 1000)
+    }
+
+    /// The next edge comes, once there are edges.
+    fn await_edge(&mut self, at: Time) {
+        self.edge = match self.edges() {
+            None => NEVER,
+            Some(period) if self.edge == NEVER => at + period,
+            Some(_) => self.edge,
+        };
     }
 
     fn complain(&mut self, what: &str) {
@@ -525,6 +561,9 @@ impl Timer {
         if counted != self.counts() {
             self.hold(count, at);
             if !counted {
+                if self.quirks.rewinds {
+                    out.push(Signal::Rewind(self.kind.requests[4]));
+                }
                 self.master(MMS_ENABLE, out);
             }
         }

@@ -137,7 +137,7 @@ impl Device for Timer {
                 if value & 1 << 24 != 0 {
                     self.complain("a second break input");
                 }
-                self.brake.bdtr = value;
+                self.brake.bdtr = value & if self.quirks.no_ossi { !(1 << 10) } else { u32::MAX };
                 if before & Break::MOE == 0 && value & Break::MOE != 0 {
                     if self.is_kept_dark() {
                         self.brake.bdtr &= !Break::MOE;
@@ -168,13 +168,14 @@ impl Device for Timer {
         if !is_held {
             self.look_at_break(out, at);
         }
+        self.await_edge(at);
         self.publish(at, out);
         self.tell(out);
         Some(())
     }
 
     fn next(&self) -> Time {
-        let settles = self.settles.unwrap_or(NEVER).min(self.starts);
+        let settles = self.settles.unwrap_or(NEVER).min(self.starts).min(self.breaks.0).min(self.edge);
         if !self.counts() {
             return settles;
         }
@@ -196,6 +197,15 @@ impl Device for Timer {
             }
             if self.settles.is_some_and(|at| at <= due) {
                 self.settles = None;
+            }
+            if self.breaks.0 <= due {
+                self.breaks.0 = NEVER;
+                self.brake.input = self.breaks.1;
+                self.look_at_break(out, due);
+            }
+            if self.edge <= due {
+                self.edge = self.edges().map_or(NEVER, |period| due + period);
+                self.capture(0, due, out);
             }
             for n in 0..4 {
                 if self.meeting(n) == due {
@@ -219,7 +229,7 @@ impl Device for Timer {
 
     fn reset(&mut self, at: Time, out: &mut Vec<Signal>) {
         let (brake, kernel, levels, inputs) = (self.brake, self.kernel, self.levels, self.inputs);
-        let (is_odd, quirks) = (self.is_odd, self.quirks);
+        let (is_odd, quirks, breaks, mco1) = (self.is_odd, self.quirks, self.breaks, self.mco1);
         let burst = if quirks.keeps_burst { (self.burst, self.burst_asks) } else { (0, 0) };
         let complaint = self.complaint.take();
         *self = Timer::new(self.kind);
@@ -227,8 +237,7 @@ impl Device for Timer {
         self.kernel = kernel;
         self.levels = levels;
         self.inputs = inputs;
-        self.is_odd = is_odd;
-        self.quirks = quirks;
+        (self.is_odd, self.quirks, self.breaks, self.mco1) = (is_odd, quirks, breaks, mco1);
         (self.burst, self.burst_asks) = burst;
         self.complaint = complaint;
         self.publish(at, out);
@@ -242,5 +251,7 @@ impl Device for Timer {
             self.kernel = kernel;
             self.hold(count, at);
         }
+        self.mco1 = clocks.mco1;
+        self.await_edge(at);
     }
 }

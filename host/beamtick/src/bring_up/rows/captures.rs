@@ -14,8 +14,8 @@ const PERIOD: i64 = 1200;
 const PULSE: i64 = 240;
 
 /// Jumpers by their numbers (docs/bring-up.md).
-const JUMPERS: [&str; 8] =
-    ["D6–D32", "D58–D23", "D21–D36", "D61–A0", "D42–D35", "D2–D37, D60, D49, D20", "D24–A2", "D13–A4"];
+const JUMPERS: [&str; 9] =
+    ["D6–D32", "D58–D23", "D21–D36", "D61–A0", "D42–D35", "D2–D37, D60, D49, D20", "D24–A2", "D13–A4", "D0–GND"];
 
 pub const ROWS: &[Row] = &[
     Row {
@@ -146,10 +146,12 @@ fn judged(judgement: Result<Verdict, Verdict>) -> Verdict {
 fn jumpers(figures: &Figures) -> Verdict {
     let Some(wires) = figures.each::<2>("wire") else { return Verdict::missing("wire") };
     let missing = wires.iter().filter(|[_, there]| *there == 0).map(|[number, _]| *number as usize);
-    let missing: Vec<usize> = missing.chain((7..=8).filter(|number| !has_loop(figures, *number))).collect();
+    let is_low = figures.only::<10>("low-supply").is_some_and(|[is_low, ..]| is_low == 1);
+    let rest = (7..=8).filter(|number| !has_loop(figures, *number)).chain((!is_low).then_some(9));
+    let missing: Vec<usize> = missing.chain(rest).collect();
     let named = |number: &usize| format!("{number} ({})", JUMPERS.get(number - 1).copied().unwrap_or("unknown"));
     Verdict::Figure(match missing.as_slice() {
-        [] => "all eight".to_owned(),
+        [] => "all nine".to_owned(),
         missing => format!("missing: {}", missing.iter().map(named).collect::<Vec<_>>().join(", ")),
     })
 }
@@ -240,10 +242,11 @@ fn steps(figures: &Figures) -> Verdict {
 }
 
 fn stream(figures: &Figures) -> Verdict {
-    let Some([stopped, later, resumed]) = figures.only("stream") else { return Verdict::missing("stream") };
-    let played = (later - resumed).rem_euclid(1024);
-    let holds = stopped == later && (1..=64).contains(&played);
-    Verdict::of(holds, format!("NDTR {stopped}, later {later}, {played} slots after it goes on"))
+    let Some([running, stopped, later, resumed]) = figures.only("stream") else { return Verdict::missing("stream") };
+    // Of a ring of 1024 slots: until it stands, and after it goes on.
+    let (before, after) = ((running - stopped).rem_euclid(1024), (later - resumed).rem_euclid(1024));
+    let holds = stopped == later && before <= 8 && (1..=64).contains(&after);
+    Verdict::of(holds, format!("NDTR {running}, {stopped} and later {later}, {after} slots after it goes on"))
 }
 
 fn starved(figures: &Figures) -> Verdict {
@@ -259,6 +262,11 @@ fn starved(figures: &Figures) -> Verdict {
 fn again(figures: &Figures) -> Verdict {
     judged((|| {
         let mut wrong = Vec::new();
+        // TIM8's: the switch has one edge.
+        let switches = [edges(figures, "first-switch", 3)?, edges(figures, "again-switch", 3)?];
+        if switches[0] != switches[1] {
+            wrong.push(format!("switch: {:?}, then {:?}", switches[0], switches[1]));
+        }
         for (name, jumper) in [("first-0", 1), ("first-1", 2), ("again-0", 1), ("again-1", 2)] {
             let edges = edges(figures, name, jumper)?;
             let expected = (0..24).map(|n| n / 2 * PERIOD + n % 2 * PULSE);
@@ -268,7 +276,7 @@ fn again(figures: &Figures) -> Verdict {
             }
         }
         Ok(if wrong.is_empty() {
-            Verdict::Pass("both lasers to the count, before and after".to_owned())
+            Verdict::Pass("both lasers and the switch to the count, before and after".to_owned())
         } else {
             Verdict::Fail(wrong.join("; "))
         })

@@ -123,6 +123,36 @@ pub const ROWS: &[Row] = &[
         judge: link,
         remedy: "the UART's clock is not 120 MHz: compare RCC_D2CCIP2R with 8.7.21, `BAUD` in uart.rs",
     },
+    Row {
+        what: "words written before a reset",
+        assumptions: &[19],
+        judge: left,
+        remedy: "the reason of a fault would be lost: move KEPT in memory.x to another memory, DTCM for instance",
+    },
+    Row {
+        what: "a low supply breaks each timer",
+        assumptions: &[5, 34],
+        judge: low_supply,
+        remedy: "light would outlast the supply: compare SYSCFG_CFGR.PVDL with 12.3.5, BDTR.BKE with 38.3.16",
+    },
+    Row {
+        what: "VBUS at the connector of USB, PD10 low",
+        assumptions: &[25],
+        judge: vbus,
+        remedy: "unplug what is in CN13 and measure again; if that changes nothing, PD10 does not switch it off",
+    },
+    Row {
+        what: "HSI48 by the board's clock",
+        assumptions: &[31],
+        judge: hsi48,
+        remedy: "only an image on the wrong board suffers, whose reason no host reads: trim it by CRS (chapter 9), `give_usb`",
+    },
+    Row {
+        what: "ADEN right after a calibration",
+        assumptions: &[23],
+        judge: aden,
+        remedy: "none: adc.rs sets it until ADRDY",
+    },
     Row { what: "stack of the bring-up image", assumptions: &[], judge: stack, remedy: "enlarge STACK in memory.x" },
     Row { what: "cause of the reset", assumptions: &[], judge: cause, remedy: "none: it is a figure" },
 ];
@@ -315,6 +345,55 @@ fn link(figures: &Figures) -> Verdict {
     // Ten bits at 3 Mbaud take 800 counts of 240 MHz.
     let each = counts as f64 / bytes.max(1) as f64;
     Verdict::of((792.0..816.0).contains(&each), format!("{each:.0} counts a byte, of 800"))
+}
+
+fn left(figures: &Figures) -> Verdict {
+    let Some([is_left, is_whole]) = figures.only("left") else { return Verdict::missing("left") };
+    let last = if is_whole == 1 { "kept" } else { "lost, as assumed" };
+    Verdict::of(
+        is_left == 1,
+        if is_left == 1 { format!("kept; a byte that nothing follows is {last}") } else { "lost".into() },
+    )
+}
+
+fn low_supply(figures: &Figures) -> Verdict {
+    let Some([is_low, timers @ ..]) = figures.only::<10>("low-supply") else { return Verdict::missing("low-supply") };
+    if is_low == 0 {
+        return Verdict::NotMeasured("jumper 9 (D0–GND) is missing".to_owned());
+    }
+    let (mut wrong, mut flags) = (Vec::new(), Vec::new());
+    for (number, timer) in [1, 15, 8].into_iter().zip(timers.chunks_exact(3)) {
+        let &[before, status, after] = timer else { continue };
+        let named = [(1 << 7, "BIF"), (1 << 13, "SBIF")].into_iter().filter(|(bit, _)| status & bit != 0);
+        let named: Vec<&str> = named.map(|(_, name)| name).collect();
+        if (before, after) != (1, 0) || named.is_empty() {
+            wrong.push(format!("TIM{number}: MOE {before}, then {after}, SR {status:#x}"));
+        }
+        flags.push(format!("TIM{number} {}", named.join(" ")));
+    }
+    all_of(wrong, &flags.join(", "))
+}
+
+fn vbus(figures: &Figures) -> Verdict {
+    let Some([level]) = figures.only("vbus") else { return Verdict::missing("vbus") };
+    Verdict::of(level == 0, if level == 0 { "PA9 is low" } else { "PA9 is high" })
+}
+
+fn hsi48(figures: &Figures) -> Verdict {
+    let Some([cycles, counts]) = figures.only("hsi48") else { return Verdict::missing("hsi48") };
+    if counts == 0 {
+        return Verdict::Fail("no edges at TIM17 by MCO1".to_owned());
+    }
+    // 48 and 240 MHz. A full-speed device has ±0.25 % (USB 2.0, 7.1.11).
+    let ppm = ((cycles * 5) as f64 / counts as f64 - 1.0) * 1e6;
+    Verdict::of(ppm.abs() <= 2500.0, format!("{ppm:+.0} ppm, of ±2500"))
+}
+
+fn aden(figures: &Figures) -> Verdict {
+    match figures.only("aden") {
+        None => Verdict::missing("aden"),
+        Some([kept]) => Verdict::Figure(if kept == 1 { "kept" } else { "withdrawn" }.to_owned()),
+    }
 }
 
 fn stack(figures: &Figures) -> Verdict {
