@@ -196,7 +196,8 @@ fn what_is_wrong_has_a_reason_and_nothing_moves() {
         ),
         (
             page(&format!("<circle cx=\"399\" r=\"3\" {stroke}/><path d=\"M0-301V5\" {stroke}/>")),
-            "the path of line 2 goes to Y 401.000 mm in the machine; the travel is -400 to 400 mm, --at moves a drawing; 2 shapes leave",
+            "the path of line 2 goes to Y 401.000 mm in the machine; the travel is -400 to 400 mm, --at moves a drawing; 2 shapes leave \
+             the travel; the drawing covers X 0.000 to 402.000, Y 95.000 to 401.000 mm",
         ),
         (page("<text x=\"5\" y=\"5\">Beam</text>"), "d.svg:2: text cannot be marked: make paths of it"),
         (page("<image href=\"a.png\" width=\"5\" height=\"5\"/>"), "d.svg:2: an image cannot be marked"),
@@ -216,7 +217,7 @@ fn what_is_wrong_has_a_reason_and_nothing_moves() {
             )),
             "the group `cut` is cut by a clip path",
         ),
-        (page("<path d=\"M0 0L1 1\" stroke=\"#0f0\"/>"), "no layer of the machine file takes #00ff00 (1 shapes)"),
+        (page("<path d=\"M0 0L1 1\" stroke=\"#0f0\"/>"), "no layer takes #00ff00 (1 shapes)"),
         (
             page("<rect width=\"5\" height=\"5\"/>"),
             "there is nothing to mark: no shape has a stroke; shapes with a fill and no stroke are not marked (1)",

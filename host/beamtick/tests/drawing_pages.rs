@@ -12,10 +12,11 @@ fn the_first_engraving_works() {
     fs::create_dir(folder.path().join("examples")).unwrap();
     fs::copy(format!("{root}/examples/badge.svg"), folder.path().join("examples/badge.svg")).unwrap();
     let page = fs::read_to_string(format!("{root}/docs/first-engraving.md")).unwrap();
-    let commands: Vec<&str> = page.lines().filter_map(|line| line.strip_prefix("    beamtick ")).collect();
+    let commands: Vec<&str> = page.lines().filter_map(|line| line.trim_start().strip_prefix("beamtick ")).collect();
+    let [commands @ .., dark] = commands.as_slice() else { panic!("no commands") };
     assert_eq!(commands.len(), 3);
     let mut said = String::new();
-    for command in &commands {
+    for command in commands {
         let words: Vec<&str> = command.split_whitespace().collect();
         let (text, code) = beamtick(folder.path(), &words);
         assert_eq!(code, 0, "{command}: {text}");
@@ -25,6 +26,9 @@ fn the_first_engraving_works() {
     for picture in ["plan.png", "engraving.png"] {
         assert!(fs::read(folder.path().join(picture)).unwrap().len() > 5000, "{picture}");
     }
+    // In the dark.
+    let (said, code) = beamtick(folder.path(), &dark.split_whitespace().collect::<Vec<_>>());
+    assert!(code == 0 && said.contains("no late entries") && said.contains("light of 0.000 ms"), "{said}");
     // What the page says of a place outside the travel, and of layers in the machine file.
     let words: Vec<&str> = commands[1].split_whitespace().chain(["--at", "250,0"]).collect();
     let (said, code) = beamtick(folder.path(), &words);

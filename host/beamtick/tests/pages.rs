@@ -52,9 +52,12 @@ const BLOCKS: &[(&str, &str, Fate)] = &[
     ("docs/development.md", "cargo build --profile image", Xtask("xtask/src/checks.rs", "BEAMTICK_H743_IMAGE")),
     ("docs/drawings.md", "beamtick check", Runs),
     ("docs/first-engraving.md", "beamtick machine new", Held("the_first_engraving_works")),
+    ("docs/first-engraving.md", "beamtick sim", Held("the_first_engraving_works")),
     ("docs/gallery.md", "beamtick sim examples/NAME.gts", Xtask("xtask/src/traces.rs", "examples")),
     ("docs/gcode.md", "beamtick check", Runs),
     ("docs/grbl.md", "beamtick grbl", Held("a_thousand_programs_that_are_streamed_end_where_their_files_end")),
+    ("docs/grbl.md", "service device", Held("meerk40t_asks_and_sends_as_it_does")),
+    ("docs/grbl.md", "rect", Held("meerk40t_asks_and_sends_as_it_does")),
     ("docs/grbl.md", "python3 -m venv mk", Held("meerk40t_asks_and_sends_as_it_does")),
     ("docs/guides/add-a-command.md", "0x0150", Figure),
     ("docs/guides/add-a-command.md", "cargo test", Xtask("xtask/src/checks.rs", "host([\"test\"])")),
@@ -226,4 +229,38 @@ fn every_code_block_of_the_pages_is_run() {
     }
     let unused: Vec<&str> = (0..BLOCKS.len()).filter(|row| !used.contains(row)).map(|row| BLOCKS[row].1).collect();
     assert!(unused.is_empty(), "rows that no block needs: {unused:?}");
+}
+
+/// The first run on motors (docs/first-machine.md, step 5): the page gives the figures of that job.
+#[test]
+fn the_first_motion_is_small_and_has_the_figures_of_its_page() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = fs::read_to_string(Path::new(ROOT).join("docs/first-machine.md")).unwrap();
+    let page = page.split_whitespace().collect::<Vec<_>>().join(" ");
+    let step = page.split(" 5. Motors uncoupled").nth(1).unwrap().split(" 6. ").next().unwrap();
+    let jobs: BTreeSet<&str> = step
+        .split('`')
+        .filter_map(|code| code.strip_prefix("beamtick "))
+        .flat_map(str::split_whitespace)
+        .filter(|word| word.ends_with(".gts"))
+        .collect();
+    assert_eq!(jobs.len(), 1, "one job is drawn and run: {jobs:?}");
+    let job = Path::new(ROOT).join(jobs.first().unwrap());
+    let (said, code) = beamtick(folder.path(), &["sim", job.to_str().unwrap(), "--trace", "t.csv"]);
+    assert!(code == Some(0) && said.matches("planned 0.000000").count() == 2, "{said}");
+    let trace = fs::read_to_string(folder.path().join("t.csv")).unwrap();
+    let mut lines = trace.lines();
+    assert_eq!(lines.next(), Some("t_ms,axis1_pos,axis1_vel,axis2_pos,axis2_vel"));
+    let rows: Vec<Vec<f64>> = lines.map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();
+    for at in [1, 3] {
+        let least = rows.iter().map(|row| row[at]).fold(f64::INFINITY, f64::min);
+        let most = rows.iter().map(|row| row[at]).fold(f64::NEG_INFINITY, f64::max);
+        let speed = rows.iter().map(|row| row[at + 1].abs()).fold(0.0, f64::max);
+        assert_eq!((least, most, speed), (0.0, 400.0, 1.0), "column {at}");
+    }
+    assert!(rows.iter().all(|row| row[1] == 0.0 || row[3] == 0.0), "one axis at a time");
+    assert!((rows.last().unwrap()[0] - 3500.0).abs() < 50.0);
+    for figure in ["to 400 pulses and back to 0", "Neither goes below 0", "1 pulse/ms", "lasts 3.5 s"] {
+        assert!(step.contains(figure), "{figure}: {step}");
+    }
 }

@@ -36,7 +36,8 @@ pub fn sort(shapes: Vec<Shape>, machine: &Machine) -> Result<Sorted<'_>, String>
             String::new()
         };
         return Err(format!(
-            "no layer of the machine file takes {}{more}; give them one, or a layer without a colour, which takes all",
+            "no layer takes {}{more}; give them one, or a layer without a colour, which takes all, in [[layers]] of the \
+             machine file or by --layer",
             list.join(", ")
         ));
     }

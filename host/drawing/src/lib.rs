@@ -64,7 +64,7 @@ pub fn import(
         let why: String = notes.iter().take(4).map(|note| format!("; {note}")).collect();
         return Err(format!("{name}: there is nothing to mark: no shape has a stroke{why}; nothing was run"));
     }
-    let mut writer = Writer::new(name, EACH, machine)?;
+    let mut writer = Writer::new(name, EACH, machine);
     if let Some(watch) = watch {
         writer.watched(watch);
     }

@@ -93,6 +93,8 @@ struct Plan<'a, 'b> {
     noted: usize,
     /// Shapes that leave the travel: how many, and the first with its reason.
     outside: (usize, Option<String>),
+    /// What all shapes cover.
+    covered: [(f64, f64); 2],
 }
 
 impl<'a, 'b> Plan<'a, 'b> {
@@ -100,7 +102,8 @@ impl<'a, 'b> Plan<'a, 'b> {
         let home = machine::LETTERS.map(|letter| machine.axis(letter).map_or(0.0, |axis| axis.home));
         let travel = ['X', 'Y'].map(|letter| machine.axis(letter).map_or((0.0, 0.0), |axis| axis.travel));
         let exact = home.map(of_f64);
-        Plan { writer, home: exact, exact, at: [home[0], home[1]], travel, motions: 0, noted: 0, outside: (0, None) }
+        let (at, covered) = ([home[0], home[1]], [(f64::INFINITY, f64::NEG_INFINITY); 2]);
+        Plan { writer, home: exact, exact, at, travel, motions: 0, noted: 0, outside: (0, None), covered }
     }
 
     /// A point within the travel, if it was but for rounding.
@@ -116,8 +119,11 @@ impl<'a, 'b> Plan<'a, 'b> {
         point
     }
 
-    /// By how much a range leaves the travel: axis, how far it goes.
-    fn leaves(&self, range: [(f64, f64); 2]) -> Option<(usize, f64)> {
+    /// Covers a range. By how much it leaves the travel: axis, how far it goes.
+    fn leaves(&mut self, range: [(f64, f64); 2]) -> Option<(usize, f64)> {
+        for ((least, most), (low, high)) in self.covered.iter_mut().zip(range) {
+            (*least, *most) = (least.min(low), most.max(high));
+        }
         (0..2).find_map(|axis| {
             let ((low, high), (least, most)) = (range[axis], self.travel[axis]);
             if high > most + SLACK_MM { Some((axis, high)) } else { (low < least - SLACK_MM).then_some((axis, low)) }
@@ -137,7 +143,8 @@ impl<'a, 'b> Plan<'a, 'b> {
                 Run::Arc(arc, end) => {
                     let extent = arc.extent();
                     let range = [0, 1].map(|axis| (at[axis] + extent[axis].0, at[axis] + extent[axis].1));
-                    outside = outside.or(self.leaves(range));
+                    let leaves = self.leaves(range);
+                    outside = outside.or(leaves);
                     let touches = [0, 1]
                         .into_iter()
                         .any(|axis| range[axis].0 < self.travel[axis].0 || range[axis].1 > self.travel[axis].1);
@@ -154,7 +161,8 @@ impl<'a, 'b> Plan<'a, 'b> {
                     }
                 }
             };
-            outside = outside.or(self.leaves([0, 1].map(|axis| (end[axis], end[axis]))));
+            let leaves = self.leaves([0, 1].map(|axis| (end[axis], end[axis])));
+            outside = outside.or(leaves);
             self.go(self.back(end), form, light, Some(speed));
             at = end;
         }
@@ -187,11 +195,10 @@ impl<'a, 'b> Plan<'a, 'b> {
     }
 
     fn outside(self) -> Result<(), String> {
-        match self.outside {
-            (count, Some(first)) if count > 1 => Err(format!("{first}; {count} shapes leave the travel")),
-            (_, Some(first)) => Err(first),
-            _ => Ok(()),
-        }
+        let (count, Some(first)) = self.outside else { return Ok(()) };
+        let all = if count > 1 { format!("; {count} shapes leave the travel") } else { String::new() };
+        let [(left, right), (bottom, top)] = self.covered;
+        Err(format!("{first}{all}; the drawing covers X {left:.3} to {right:.3}, Y {bottom:.3} to {top:.3} mm"))
     }
 }
 

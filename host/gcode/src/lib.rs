@@ -46,7 +46,7 @@ pub fn import_shown(
     options: Options,
     watch: Option<Watch<'_>>,
 ) -> Result<Imported, String> {
-    let mut writer = Writer::new(name, "line N of the program", machine)?;
+    let mut writer = Writer::new(name, "line N of the program", machine);
     if let Some(watch) = watch {
         writer.watched(watch);
     }

@@ -85,13 +85,10 @@ fn mm(point: Point) -> [f64; 3] {
 
 impl<'a> Stream<'a> {
     /// The axes stand at home; [`Self::setup`] are the calls that come first.
-    ///
-    /// # Errors
-    /// An axis that a path does not reach.
-    pub fn new(machine: &'a Machine) -> Result<Stream<'a>, String> {
-        let mut writer = Writer::new("lines of a sender", "line", machine)?;
+    pub fn new(machine: &'a Machine) -> Stream<'a> {
+        let mut writer = Writer::new("lines of a sender", "line", machine);
         writer.stream();
-        Ok(Stream { state: State::new(machine), writer, machine, bare: Vec::new(), found: Vec::new() })
+        Stream { state: State::new(machine), writer, machine, bare: Vec::new(), found: Vec::new() }
     }
 
     /// The calls that set the controller up, once.
@@ -297,7 +294,7 @@ mod tests {
     #[test]
     fn state_lives_from_line_to_line_and_a_wrong_line_changes_nothing() {
         let machine = machine();
-        let mut stream = Stream::new(&machine).unwrap();
+        let mut stream = Stream::new(&machine);
         assert!(stream.setup().contains("GT_SetCrdPrm"));
         assert_eq!(calls(&mut stream, "G1 X20 F600"), ["GT_LnXY(1, 2000, 1000, 1, 0.05)"]);
         let before = (stream.modes(), stream.offsets());
@@ -313,7 +310,7 @@ mod tests {
     #[test]
     fn a_jog_is_dark_and_leaves_the_modes() {
         let machine = machine();
-        let mut stream = Stream::new(&machine).unwrap();
+        let mut stream = Stream::new(&machine);
         stream.setup();
         stream.line("G1 F100 M3 S900 G55").unwrap();
         let modes = stream.modes();
@@ -330,7 +327,7 @@ mod tests {
     #[test]
     fn a_stop_between_pulses_is_where_lines_go_on() {
         let machine = machine();
-        let mut stream = Stream::new(&machine).unwrap();
+        let mut stream = Stream::new(&machine);
         stream.setup();
         stream.line("G1 F100 M3 S900 X20").unwrap();
         stream.stand([-0.4, 1234.25, 0.0]);
@@ -343,7 +340,7 @@ mod tests {
     #[test]
     fn overrides_act_on_what_comes() {
         let machine = machine();
-        let mut stream = Stream::new(&machine).unwrap();
+        let mut stream = Stream::new(&machine);
         stream.setup();
         stream.overrides(1.5, 0.25, 0.5);
         assert!(calls(&mut stream, "G1 F600 X20")[0].contains("2000, 1000, 1.5, "));
@@ -356,7 +353,7 @@ mod tests {
     #[test]
     fn the_end_of_a_program_and_a_reset_leave_what_grbl_leaves() {
         let machine = machine();
-        let mut stream = Stream::new(&machine).unwrap();
+        let mut stream = Stream::new(&machine);
         stream.setup();
         stream.line("G10 L2 P2 X5").unwrap();
         stream.line("G55 G91 G93 M3 S7 G92 X0").unwrap();

@@ -35,7 +35,7 @@ pub fn read(line: &str, bare: &mut Vec<u8>, found: &mut Vec<Word>) -> Result<(),
     if comment {
         return Err("a comment is not closed: `)` is missing".to_owned());
     }
-    let mut at = 0;
+    let (mut at, mut before) = (0, 0);
     // A block that may be deleted is run: the switch is off.
     if bare.first() == Some(&b'/') {
         at = 1;
@@ -47,20 +47,23 @@ pub fn read(line: &str, bare: &mut Vec<u8>, found: &mut Vec<Word>) -> Result<(),
             other => return Err(format!("`{}` is no word: a letter and a number", char::from(other))),
         }
         if letter == b'O' {
-            return Err("O words are not supported".to_owned());
+            return Err(format!("`{}`: O words are not supported", shown(&bare[before..])));
         }
+        before = at;
         let begin = at + 1;
         at = begin;
         while bare.get(at).is_some_and(|byte| byte.is_ascii_digit() || b"+-.".contains(byte)) {
             at += 1;
         }
-        let number = number(&bare[begin..at]).map_err(|why| {
-            let shown: String = bare[begin - 1..].iter().take(24).map(|byte| char::from(*byte)).collect();
-            format!("`{shown}`: {why}")
-        })?;
+        let number = number(&bare[begin..at]).map_err(|why| format!("`{}`: {why}", shown(&bare[begin - 1..])))?;
         found.push(Word { letter, number });
     }
     Ok(())
+}
+
+/// The beginning of a text, for a message.
+fn shown(text: &[u8]) -> String {
+    text.iter().take(24).map(|byte| char::from(*byte)).collect()
 }
 
 fn number(text: &[u8]) -> Result<i128, &'static str> {
@@ -130,7 +133,8 @@ mod tests {
             ("X1234567890", "at most 9 digits"),
             ("#1=2", "variables"),
             ("X[1+2]", "must have a number"),
-            ("O100 call", "O words"),
+            ("O100 call", "`O100CALL`: O words"),
+            ("X1 Y1O", "`Y1O`: O words are not supported"),
             ("X1 (open", "not closed"),
             ("X1) Y2", "without `(`"),
             ("X1\u{7f}", "0x7f"),

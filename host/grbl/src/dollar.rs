@@ -7,6 +7,9 @@ use crate::session::{BLOCKS, BYTES, Session};
 use crate::settings::Settings;
 use client::Error;
 
+/// Characters of a line that a message shows.
+const SHOWN: usize = 24;
+
 impl Session<'_> {
     /// Does such a line, and answers it.
     pub(crate) fn dollar(&mut self, line: &str) -> Result<(), Error> {
@@ -73,30 +76,38 @@ impl Session<'_> {
                 self.tell("Restoring defaults");
                 0
             }
-            _ => self.set(&bare),
+            _ => match self.set(&bare) {
+                Ok(()) => 0,
+                Err(why) => {
+                    self.tell(&why);
+                    errors::BAD_STATEMENT
+                }
+            },
         };
+        if number == errors::NOT_IDLE {
+            self.tell(self.not_now());
+        }
         self.answer(number);
         Ok(())
     }
 
     /// `$x=val` and `$Nx=line`.
-    fn set(&mut self, bare: &str) -> u8 {
-        let Some((name, value)) = bare[1..].split_once('=') else { return errors::BAD_STATEMENT };
+    fn set(&mut self, bare: &str) -> Result<(), String> {
+        let shown: String = bare.chars().take(SHOWN).collect();
+        let unknown = || format!("{shown} is no command; $ lists them");
+        let (name, value) = bare[1..].split_once('=').ok_or_else(unknown)?;
+        if name == "RST" {
+            return Err("$RST= takes $, # or *".to_owned());
+        }
         if let Some(place) = name.strip_prefix('N') {
-            let Some(place) = place.parse().ok().filter(|place: &usize| *place < 2) else {
-                return errors::BAD_STATEMENT;
-            };
-            self.settings.startup[place] = value.to_owned();
-            return 0;
+            let place = place.parse().ok().filter(|place: &usize| *place < 2);
+            self.settings.startup[place.ok_or_else(|| format!("${name}: there are $N0 and $N1"))?] = value.to_owned();
+            return Ok(());
         }
-        match name.parse::<u16>() {
-            Ok(number) if self.settings.set(number, value, self.machine) => 0,
-            Ok(number) => {
-                self.tell(&format!("{number} is not settable here: the machine file says it"));
-                errors::BAD_STATEMENT
-            }
-            Err(_) => errors::BAD_STATEMENT,
+        if name.is_empty() || !name.bytes().all(|byte| byte.is_ascii_digit()) {
+            return Err(unknown());
         }
+        self.settings.set(name, value, self.machine)
     }
 
     /// `$G`.

@@ -36,6 +36,9 @@ const KEPT: usize = 1 << 16;
 /// General outputs (MC_GPO).
 const GPO: i16 = 12;
 
+/// What ends an alarm, in Grbl's words.
+const UNLOCK: &str = "'$H'|'$X' to unlock";
+
 /// What comes once everything stands and the path is empty.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum After {
@@ -205,7 +208,10 @@ impl<'a> Session<'a> {
             self.lines += 1;
             match line {
                 Some(line) => self.obey(&line)?,
-                None => self.answer(errors::OVERFLOW),
+                None => {
+                    self.tell(&format!("a line has at most {LINE} characters"));
+                    self.answer(errors::OVERFLOW);
+                }
             }
         }
     }
@@ -334,7 +340,7 @@ impl<'a> Session<'a> {
         self.say("");
         self.say("Grbl 1.1h ['$' for help]");
         if self.alarm.is_some() {
-            self.tell("'$H'|'$X' to unlock");
+            self.tell(UNLOCK);
             return Ok(());
         }
         for line in self.settings.startup.clone() {
@@ -431,6 +437,7 @@ impl<'a> Session<'a> {
             return self.dollar(trimmed);
         }
         if self.alarm.is_some() || self.jogs {
+            self.tell(if self.alarm.is_some() { UNLOCK } else { "a jog runs; 0x85 ends it" });
             self.answer(errors::LOCKED);
             return Ok(());
         }
@@ -484,9 +491,21 @@ impl<'a> Session<'a> {
         Ok(())
     }
 
+    /// Why a command that waits for standstill is refused.
+    pub(crate) fn not_now(&self) -> &'static str {
+        if !self.feed.idle() {
+            "not before everything stands"
+        } else if self.alarm.is_some() {
+            UNLOCK
+        } else {
+            "not in check mode, which $C ends"
+        }
+    }
+
     /// `$J=`.
     pub(crate) fn jog(&mut self, text: &str) -> Result<(), Error> {
         if self.alarm.is_some() || self.checks || !(self.jogs || self.feed.idle()) {
+            self.tell(self.not_now());
             self.answer(errors::NOT_IDLE);
             return Ok(());
         }

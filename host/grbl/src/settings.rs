@@ -67,18 +67,23 @@ impl Settings {
         list
     }
 
-    /// `$number=value`; false where that is refused.
-    pub fn set(&mut self, number: u16, value: &str, machine: &Machine) -> bool {
-        let Ok(wanted) = value.parse::<f64>() else { return false };
+    /// `$number=value`.
+    ///
+    /// # Errors
+    /// Which values are taken.
+    pub fn set(&mut self, number: &str, value: &str, machine: &Machine) -> Result<(), String> {
+        let list = self.list(machine);
+        let listed = list.iter().find(|(other, _)| number.parse() == Ok(*other));
+        let (number, now) = listed.ok_or_else(|| format!("there is no setting ${number:.9}; $$ lists them"))?;
+        let wanted = value.parse::<f64>().unwrap_or(f64::NAN);
         match number {
             10 if wanted.fract() == 0.0 && (0.0..=3.0).contains(&wanted) => self.report = wanted as u8,
+            10 => return Err("$10 is 0 to 3: 1 shows MPos, else WPos, and 2 more show Bf".to_owned()),
             13 if wanted == 0.0 || wanted == 1.0 => self.inches = wanted == 1.0,
-            _ => {
-                let list = self.list(machine);
-                let of = list.iter().find(|(other, _)| *other == number);
-                return of.and_then(|(_, of)| of.parse::<f64>().ok()).is_some_and(|of| (of - wanted).abs() < 5e-4);
-            }
+            13 => return Err("$13 is 0 (reports in mm) or 1 (in inches)".to_owned()),
+            _ if now.parse::<f64>().is_ok_and(|now| (now - wanted).abs() < 5e-4) => {}
+            _ => return Err(format!("${number} is {now} here; only the machine file changes the machine")),
         }
-        true
+        Ok(())
     }
 }

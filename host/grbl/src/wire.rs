@@ -72,7 +72,7 @@ pub fn serve(
     if client.version().family != machine.family as u8 {
         return Err(Error::new(7, "the controller was opened in another family than the machine file says"));
     }
-    let mut stream = Stream::new(machine).map_err(|why| Error::new(7, why))?;
+    let mut stream = Stream::new(machine);
     let setup = entry::calls(&stream.setup()).map_err(|why| Error::new(1, why))?;
     let (path, setup): (Vec<Call>, Vec<Call>) =
         setup.into_iter().partition(|call| call.opcode == protocol::command::opcode::BufLaserFollowMode);

@@ -35,7 +35,7 @@ fn every_line_end_is_answered() {
     assert_eq!(sender.ok("$G"), ["[GC:G1 G54 G17 G21 G90 G94 M4 M9 T0 F600 S5]"]);
     // Too long, and the next one is whole.
     sender.send([&b"G1 X"[..], &[b'1'; 300], b"\nG0\n"].concat());
-    assert_eq!(sender.answer(), ["error:11"]);
+    assert_eq!(sender.answer(), ["[MSG:a line has at most 255 characters]", "error:11"]);
     assert_eq!(sender.answer(), ["ok"]);
     // 0x18: all over again, whatever was half sent.
     sender.send("G1 F7\x18$G\n");
@@ -418,7 +418,7 @@ fn an_alarm_locks_until_it_is_unlocked() {
     assert_eq!(sender.line(), "ALARM:2");
     assert!(sender.line().starts_with("[MSG:X goes to 301 mm"));
     assert_eq!(sender.answer(), ["error:9"]);
-    assert_eq!(sender.answer(), ["error:9"]);
+    assert_eq!(sender.answer(), ["[MSG:'$H'|'$X' to unlock]", "error:9"]);
     let status = sender.until(|status| status.state == "Alarm" && status.speeds().0 == 0.0);
     assert!(!rig.lit() && near(status.at[0], rig.at()[0] / 100.0) && rig.at()[0] < 24_000.0);
     assert_eq!(sender.error("$J=X1 F100"), 8);

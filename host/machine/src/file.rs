@@ -2,6 +2,7 @@
 //!
 //! In: name and text. Out: a [`Machine`], or one text: file, line, key, what is wrong, the limit.
 use crate::layers::{self, LayerKeys};
+use crate::template::written;
 use crate::{Axis, Family, LETTERS, Laser, Limits, Machine, Mode, Outputs, Path, STEP_DECIMALS};
 use serde::Deserialize;
 use std::ops::{Range, RangeInclusive};
@@ -9,6 +10,8 @@ use toml::Spanned;
 
 /// Fastest and strongest that a path of the controller may be, pulse/ms and pulse/ms² (SPEC 4).
 const RATE_MAX_PULSES: f64 = 32_767.0;
+/// Axes of the controller that a path may move (SPEC 5).
+const PATH_AXES: RangeInclusive<i64> = 1..=8;
 /// Farthest machine position, mm.
 const POSITION_MAX_MM: f64 = 100_000.0;
 
@@ -123,9 +126,13 @@ pub fn read_as(text: &str, shown: impl Fn(usize, &str) -> String) -> Result<Mach
         shown(line, &format!("{key}{message}"))
     };
     let file: File = toml::from_str(bare).map_err(|error| {
-        let message = plain(&error.message().replace('\n', " "));
-        let help = nearest_key(&message).unwrap_or_else(|| "docs/machine.md lists the keys".to_owned());
-        shown(error.span().unwrap_or(0..0), format!("cannot be read: {message}; {help}"))
+        let (message, span) = (plain(&error.message().replace('\n', " ")), error.span().unwrap_or(0..0));
+        if let Some(at) = open_list(bare, span.start) {
+            return shown(at..at, "has a list that is not closed: `]` is missing".to_owned());
+        }
+        let help = nearest_key(&message).or_else(|| written(&place(bare, span.start).1));
+        let help = help.unwrap_or_else(|| "docs/machine.md lists the keys".to_owned());
+        shown(span, format!("cannot be read: {message}; {help}"))
     })?;
     checked(&file).map_err(|(span, message)| shown(span, message))
 }
@@ -138,6 +145,26 @@ pub(crate) fn nearest_key(message: &str) -> Option<String> {
     let closeness = |key: &str| strsim::jaro_winkler(&got.to_lowercase(), key);
     let nearest = quoted.max_by(|a, b| closeness(a).total_cmp(&closeness(b)))?;
     Some(format!("the nearest known key is `{nearest}`"))
+}
+
+/// The byte of the last `key = [` before a fault, where its list runs into the next key or table.
+fn open_list(text: &str, fault: usize) -> Option<usize> {
+    let (mut at, mut open) = (0, None);
+    for line in text.split_inclusive('\n') {
+        let words = line.split('#').next().unwrap_or("");
+        let value = words.split_once('=').map(|(_, value)| value.trim());
+        let begins = value.is_some() || words.starts_with('[');
+        if at + line.len() > fault {
+            return open.filter(|_| begins);
+        }
+        match value {
+            Some(value) => open = (value.starts_with('[') && !value.ends_with(']')).then_some(at),
+            None if words.contains(']') => open = None,
+            None => {}
+        }
+        at += line.len();
+    }
+    open
 }
 
 /// Line of a byte, from 1, and the key that stands there with its table.
@@ -237,12 +264,15 @@ fn plain(message: &str) -> String {
         ("expected a boolean", "expected true or false"),
         ("expected a sequence", "expected a list in [ ]"),
         ("expected struct", "expected the table"),
+        ("invalid float, expected `nan`", "this is no value of TOML"),
+        ("invalid boolean, expected `false`", "this is no value of TOML"),
+        ("invalid boolean, expected `true`", "this is no value of TOML"),
     ];
     types.iter().fold(message.to_owned(), |text, (theirs, ours)| text.replace(theirs, ours))
 }
 
 fn axis(letter: char, keys: &AxisKeys, others: &[Axis]) -> Result<Axis, Fault> {
-    let number = whole(&keys.number, 1..=64, "")? as u8;
+    let number = whole(&keys.number, PATH_AXES, "(a path reaches no other axis)")? as u8;
     if let Some(other) = others.iter().find(|other| other.number == number) {
         let message = format!("is {number}, as that of {}; each axis has its own", other.letter);
         return Err((keys.number.span(), message));

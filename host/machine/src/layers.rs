@@ -108,7 +108,10 @@ pub(crate) fn checked(spanned: &Spanned<LayerKeys>, laser: Option<&Laser>, befor
 /// `"#rrggbb"`, `"#rgb"`, or a number of AutoCAD.
 fn colour(value: &Spanned<toml::Value>) -> Result<Colour, Fault> {
     let wrong = |shown: String| {
-        (value.span(), format!("is {shown}; a colour is \"#rrggbb\", or a number of AutoCAD from 1 to 255"))
+        let digits = shown.trim_matches('"');
+        let meant = hexadecimal(digits).filter(|_| digits.len() == 6);
+        let meant = meant.map_or(String::new(), |_| format!("; write \"#{digits}\""));
+        (value.span(), format!("is {shown}; a colour is \"#rrggbb\", or a number of AutoCAD from 1 to 255{meant}"))
     };
     match value.get_ref() {
         toml::Value::Integer(index) => match i16::try_from(*index) {
@@ -116,19 +119,23 @@ fn colour(value: &Spanned<toml::Value>) -> Result<Colour, Fault> {
             _ => Err(wrong(index.to_string())),
         },
         toml::Value::String(text) => {
-            let digits = text.strip_prefix('#').and_then(|digits| {
-                let digits = digits.chars().map(|digit| digit.to_digit(16)).collect::<Option<Vec<u32>>>()?;
-                match digits[..] {
-                    [r, g, b] => Some([r * 17, g * 17, b * 17]),
-                    [r, s, g, h, b, c] => Some([r * 16 + s, g * 16 + h, b * 16 + c]),
-                    _ => None,
-                }
-            });
             let shown: String = text.chars().take(40).collect();
-            digits.map(|rgb| Colour::Rgb(rgb.map(|part| part as u8))).ok_or_else(|| wrong(format!("\"{shown}\"")))
+            let rgb = text.strip_prefix('#').and_then(hexadecimal);
+            rgb.map(Colour::Rgb).ok_or_else(|| wrong(format!("\"{shown}\"")))
         }
         _ => Err(wrong("neither".to_owned())),
     }
+}
+
+/// The colour of three or six digits.
+fn hexadecimal(digits: &str) -> Option<[u8; 3]> {
+    let digits = digits.chars().map(|digit| digit.to_digit(16)).collect::<Option<Vec<u32>>>()?;
+    let rgb = match digits[..] {
+        [r, g, b] => [r * 17, g * 17, b * 17],
+        [r, s, g, h, b, c] => [r * 16 + s, g * 16 + h, b * 16 + c],
+        _ => return None,
+    };
+    Some(rgb.map(|part| part as u8))
 }
 
 impl Layer {
@@ -167,6 +174,33 @@ pub(crate) fn show(layer: &Layer, laser: Option<&Laser>) -> String {
     )
 }
 
+/// A value of the command line, as its key has it in a file.
+fn typed(key: &str, value: &str) -> Result<toml::Value, String> {
+    let wanted = match key {
+        "power" => "a number, in the unit of laser.power and without it",
+        "speed" => "a number, in mm/min and without the unit",
+        "passes" | "order" => "a whole number",
+        "skip" => "true or false",
+        "light" => "follow or constant",
+        _ => "#rrggbb, or a number of AutoCAD from 1 to 255",
+    };
+    let text = toml::Value::String(value.to_owned());
+    let found = match key {
+        "power" | "speed" => value.parse().ok().map(toml::Value::Float),
+        "passes" | "order" => value.parse().ok().map(toml::Value::Integer),
+        "skip" => value.parse().ok().map(toml::Value::Boolean),
+        "light" => Some(text).filter(|_| ["follow", "constant"].contains(&value)),
+        "colour" if value.contains('=') => None,
+        // A number of AutoCAD has three digits at most, and #000011 has no 0 before it.
+        "colour" if value.len() <= 3 => Some(value.parse().map_or(text, toml::Value::Integer)),
+        _ => Some(text),
+    };
+    found.ok_or_else(|| match value.split_once('=').and_then(|(before, _)| before.split_whitespace().last()) {
+        Some(next) => format!("a comma is missing before `{next}`"),
+        None => format!("it is {wanted}"),
+    })
+}
+
 /// A layer of the command line: the keys of the file, as `colour=#ff0000,power=80,speed=600`.
 pub(crate) fn given(text: &str, machine: &Machine) -> Result<Layer, String> {
     let mut toml = String::new();
@@ -178,13 +212,8 @@ pub(crate) fn given(text: &str, machine: &Machine) -> Result<Layer, String> {
         if !key.bytes().all(|byte| byte.is_ascii_lowercase()) {
             return Err(format!("--layer {text}: `{key}` is no key of a layer"));
         }
-        let begins = |letter: char| letter.is_ascii_digit() || "+-.".contains(letter);
-        let bare =
-            !["name", "layer"].contains(&key) && (value.starts_with(begins) || ["true", "false"].contains(&value));
-        toml += &match bare {
-            true => format!("{key} = {value}\n"),
-            false => format!("{key} = {}\n", toml::Value::String(value.to_owned())),
-        };
+        let value = typed(key, value).map_err(|why| format!("--layer {text}: {key} is `{value}`; {why}"))?;
+        toml += &format!("{key} = {value}\n");
     }
     let shown = |why: String| format!("--layer {text}: {why}");
     let keys: LayerKeys = toml::from_str(&toml).map_err(|error| {

@@ -16,8 +16,6 @@ pub use template::{Question, is_value, questions, suit_laser, write};
 
 /// Letters that an axis may have, in the order of coordinates.
 pub const LETTERS: [char; 3] = ['X', 'Y', 'Z'];
-/// Axes from 1 that a path may move (SPEC 5).
-pub const PATH_AXES: std::ops::RangeInclusive<u8> = 1..=8;
 /// Decimals of `steps_per_mm` that count.
 pub const STEP_DECIMALS: u32 = 9;
 
@@ -56,7 +54,7 @@ pub enum Family {
 pub struct Axis {
     /// `X`, `Y` or `Z`.
     pub letter: char,
-    /// Axis of the controller, 1 to 64. Paths reach 1 to 8.
+    /// Axis of the controller, 1 to 8: a path moves no other one (SPEC 5).
     pub number: u8,
     /// Pulses a mm, above 0.
     pub steps_per_mm: f64,

@@ -17,7 +17,7 @@ pub struct Question {
 
 /// Keys of an axis: name, what it means, usual value.
 const AXIS: [(&str, &str, &str); 9] = [
-    ("number", "axis of the controller, 1 to 64; paths reach 1 to 8", "1"),
+    ("number", "axis of the controller, 1 to 8", "1"),
     ("steps_per_mm", "pulses a mm", "100"),
     ("invert", "true where the axis counts down", "false"),
     ("travel", "least and greatest machine position, mm", "[0, 300]"),
@@ -25,7 +25,7 @@ const AXIS: [(&str, &str, &str); 9] = [
     ("acceleration", "greatest acceleration, mm/s²", "1000"),
     ("home", "machine position where the axis stands when a job begins, mm", "0"),
     ("limits", "limit inputs in use: \"none\", \"positive\", \"negative\", \"both\"", "\"none\""),
-    ("alarm", "the drive's alarm input is in use", "false"),
+    ("alarm", "true where the drive's alarm input is in use", "false"),
 ];
 
 const LASER: [(&str, &str, &str); 8] = [
@@ -90,6 +90,25 @@ pub fn questions(letters: &str, laser: bool) -> Vec<Question> {
     table("path", &PATH);
     table("outputs", &OUTPUTS);
     all
+}
+
+/// How a key of the file is written.
+pub(crate) fn written(key: &str) -> Option<String> {
+    let (table, name) = key.rsplit_once('.').unwrap_or(("", key));
+    let rows: &[(&str, &str, &str)] = match table {
+        "" => &TOP,
+        "link" => &LINK,
+        "laser" => &LASER,
+        "path" => &PATH,
+        "outputs" => &OUTPUTS,
+        _ if table.starts_with("axes.") => &AXIS,
+        _ => return None,
+    };
+    let (_, meaning, usual) = rows.iter().find(|(known, ..)| *known == name)?;
+    Some(match *usual {
+        "" => format!("it is: {meaning}"),
+        _ => format!("it is written as `{name} = {usual}`: {meaning}"),
+    })
 }
 
 /// Whether a text is a value of TOML; an empty one leaves its key out.

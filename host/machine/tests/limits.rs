@@ -34,7 +34,12 @@ fn limits_are_those_of_the_page() {
             &["\"usb\""],
             "it is virtual, tcp:HOST:PORT, serial:PATH[:BAUD] or qemu",
         ),
-        ("axes.x.number", &["4", "64"], &["0", "65", "-1"], "it is a whole number from 1 to 64"),
+        (
+            "axes.x.number",
+            &["4", "8"],
+            &["0", "9", "64", "-1"],
+            "it is a whole number from 1 to 8 (a path reaches no other",
+        ),
         ("axes.y.number", &["5"], &["1"], "as that of X; each axis has its own"),
         (
             "axes.x.steps_per_mm",
@@ -133,7 +138,16 @@ fn an_error_names_line_and_key() {
             good.replace("acceleration = 500", "acceleration = 5e6").replace("80", "9000"),
             "m.toml:17: axes.y.acceleration is 5000000",
         ),
-        (good.replace("100\n]", "100"), "m.toml:"),
+        (good.replace("100\n]", "100"), "m.toml:12: axes.y.travel has a list that is not closed: `]` is missing"),
+        (
+            good.replace("[\n  0,\n  100\n]", "[0, 300 # mm"),
+            "m.toml:12: axes.y.travel has a list that is not closed: `]` is missing",
+        ),
+        (
+            good.replace("max_rate = 6000\nacceleration = 500\n", "").replace("[\n  0,\n  100\n]", "[0, 300\n[laser]"),
+            "m.toml:12: axes.y.travel has a list that is not closed: `]` is missing",
+        ),
+        (good.replace("  0,", "  0 0,"), "m.toml:13: axes.y.travel cannot be read: "),
         (format!("{good}\n[laser"), "m.toml:18: "),
     ];
     for (text, says) in cases {
@@ -146,6 +160,59 @@ fn an_error_names_line_and_key() {
     );
     assert!(error.unwrap_err().contains("has no table [axes.y]"));
     assert!(Machine::read("m.toml", "").unwrap_err().contains("has no table [axes.x]"));
+}
+
+/// What is no value of TOML: the error says what the key wants.
+#[test]
+fn what_is_no_value_gets_an_example_of_one() {
+    for (key, value, says) in [
+        ("axes.x.alarm", "no", "it is written as `alarm = false`: true where the drive's alarm input is in use"),
+        ("axes.x.alarm", "False", "it is written as `alarm = false`: true where"),
+        ("axes.x.max_rate", "100mm", "it is written as `max_rate = 12000`: greatest speed, mm/min"),
+        ("axes.z.steps_per_mm", "100,5", "it is written as `steps_per_mm = 100`: pulses a mm"),
+        ("laser.pulse_width_us", "4us", "it is: pulse width of the frequency mode, µs"),
+        ("family", "gus", "it is written as `family = \"gus\"`: laser family"),
+    ] {
+        let error = with(key, value).unwrap_err();
+        assert!(error.contains(&format!(": {key} cannot be read: ")), "{error}");
+        assert!(error.contains(says) && !error.contains("nan"), "{error}");
+    }
+}
+
+/// A layer of the command line: each error names the key and what is allowed.
+#[test]
+fn typing_errors_of_a_layer_name_the_key() {
+    let (_, machine) = write(&questions("XY", true)).unwrap();
+    let given = |text: &str| {
+        let mut machine = machine.clone();
+        machine.add_layers(&[text.to_owned()]).map(|()| machine.layers.remove(0))
+    };
+    for (text, says) in [
+        ("power=20%,speed=600", "power is `20%`; it is a number, in the unit of laser.power and without it"),
+        ("power=,speed=600", "power is ``; it is a number, in the unit of laser.power and without it"),
+        ("power=20,speed=600mm/min", "speed is `600mm/min`; it is a number, in mm/min and without the unit"),
+        ("power=20 speed=3000", "power is `20 speed=3000`; a comma is missing before `speed`"),
+        ("colour=#f00 power=2,speed=6", "colour is `#f00 power=2`; a comma is missing before `power`"),
+        ("power=2,speed=6,passes=1.5", "passes is `1.5`; it is a whole number"),
+        ("power=2,speed=6,order=first", "order is `first`; it is a whole number"),
+        ("power=2,speed=6,light=m4", "light is `m4`; it is follow or constant"),
+        ("skip=yes", "skip is `yes`; it is true or false"),
+        (
+            "colour=0000ff,skip=true",
+            "colour is \"0000ff\"; a colour is \"#rrggbb\", or a number of AutoCAD from 1 to 255; write \"#0000ff\"",
+        ),
+        ("colour=000011,skip=true", "write \"#000011\""),
+        ("colour=123456,skip=true", "write \"#123456\""),
+        ("colour=256,skip=true", "colour is 256; a colour is \"#rrggbb\", or a number of AutoCAD from 1 to 255"),
+        ("power=nan,speed=600", "power is NaN; it is 0 to 100 % (laser.power)"),
+    ] {
+        let error = given(text).unwrap_err();
+        assert!(error.starts_with(&format!("--layer {text}: ")) && error.ends_with(says), "{text}: {error}");
+    }
+    let layer = given("name=5,layer=007,colour=30,power=1e1,speed=+600,light=constant,passes=2,order=-1").unwrap();
+    assert_eq!((layer.name.as_str(), layer.drawing_layer.as_deref()), ("5", Some("007")));
+    assert_eq!((layer.power, layer.speed, layer.passes, layer.order), (10.0, 600.0, 2, -1));
+    assert_eq!(given("colour=#0000ff,skip=true").unwrap().colour, Some(machine::Colour::Rgb([0, 0, 255])));
 }
 
 #[test]

@@ -6,7 +6,7 @@ use crate::arc::Arc;
 use crate::estimate::Estimate;
 use crate::exact::{ONE, Scale, of_f64, to_f64};
 use crate::{Extent, MARK, Watch};
-use machine::{Family, LETTERS, Laser, Limits, Machine, Mode, PATH_AXES};
+use machine::{Family, LETTERS, Laser, Limits, Machine, Mode};
 use std::fmt::Write;
 
 /// Entries of a path before it is started.
@@ -123,11 +123,7 @@ fn norm(way: [f64; 3]) -> f64 {
 
 impl<'a> Writer<'a> {
     /// A job named `name`; `each` is what a number at a call is: `line N of the program`.
-    pub fn new(name: &str, each: &str, machine: &'a Machine) -> Result<Writer<'a>, String> {
-        if let Some(axis) = machine.axes.iter().find(|axis| !PATH_AXES.contains(&axis.number)) {
-            let (letter, number) = (axis.letter.to_ascii_lowercase(), axis.number);
-            return Err(format!("axes.{letter}.number of the machine file is {number}; a path reaches axes 1 to 8"));
-        }
+    pub fn new(name: &str, each: &str, machine: &'a Machine) -> Writer<'a> {
         let scales: Vec<Scale> = machine.axes.iter().map(Scale::of).collect();
         let mut at = [0; 3];
         for (place, (axis, scale)) in machine.axes.iter().zip(&scales).enumerate() {
@@ -151,7 +147,7 @@ impl<'a> Writer<'a> {
             watch: None,
         };
         writer.begin(name, each);
-        Ok(writer)
+        writer
     }
 
     fn put(&mut self, call: std::fmt::Arguments<'_>) {

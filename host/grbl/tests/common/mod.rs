@@ -198,10 +198,11 @@ impl Sender {
         lines
     }
 
-    /// A line that is refused.
+    /// A line that is refused, after a message that says why.
     pub fn error(&mut self, line: &str) -> u8 {
         let lines = self.ask(line);
-        let last = lines.last().unwrap();
+        let [.., reason, last] = lines.as_slice() else { panic!("{line}: no reason: {lines:?}") };
+        assert!(reason.starts_with("[MSG:"), "{line}: {lines:?}");
         last.strip_prefix("error:").unwrap_or_else(|| panic!("{line}: {lines:?}")).parse().unwrap()
     }
 
