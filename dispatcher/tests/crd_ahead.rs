@@ -169,6 +169,38 @@ fn a_host_that_is_too_late_ends_no_path_at_speed() {
     assert_eq!((status(&mut bench, 0).1, crd_pos(&mut bench)), (300, points[299].map(f64::from).to_vec()));
 }
 
+/// A read says how long the data lasts as the data itself does, at rest, in motion and when it is
+/// over.
+#[test]
+fn a_read_says_how_long_a_fifo_lasts() {
+    let mut bench = Bench::gus();
+    plane(&mut bench);
+    let info = |bench: &mut Bench<8>| bench.done(CrdInfo { core: 1.into(), crd: 1.into() }).lasts_ms.map(|ms| ms.get());
+    assert_eq!(info(&mut bench), [0, 0]);
+    let mut given = 0;
+    for x in [20_000, 40_000, 60_000] {
+        given = bench.done(line(x, 0, 100.0, 4.0)).lasts_ms.get();
+        assert_eq!(info(&mut bench), [given, 0]);
+    }
+    assert!(given >= 600, "{given}");
+    bench.done(start_crd(1));
+    let mut before = given;
+    for _ in 0..4 {
+        bench.run_ms(100);
+        let [lasts, other] = info(&mut bench);
+        // It is the least time, and the path brakes between its lines.
+        assert!(other == 0 && lasts < before && lasts + 25 >= before.saturating_sub(100), "{before} to {lasts}");
+        before = lasts;
+    }
+    until_standstill(&mut bench);
+    assert_eq!(info(&mut bench), [0, 0]);
+    // What is cleared lasts no more.
+    bench.done(line(0, 0, 100.0, 4.0));
+    assert_ne!(info(&mut bench), [0, 0]);
+    bench.done(CrdClear { core: 1.into(), crd: 1.into(), fifo: 0.into() });
+    assert_eq!(info(&mut bench), [0, 0]);
+}
+
 /// A program that streams: data after the start, in time by its clock.
 #[test]
 fn a_program_streams_through_the_look_ahead() {

@@ -106,6 +106,9 @@ wire_structs! {
 /// In `flags`: the sender of the frame holds messages beyond `acknowledgement`, so that one is
 /// missing.
 pub const FLAG_GAP: u8 = 1;
+/// In `flags` of a Hello: the client asks for a read-only session. In those of a HelloAck: it is
+/// one.
+pub const FLAG_READ_ONLY: u8 = 2;
 
 /// What a frame is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -28,6 +28,7 @@ pub mod reserved;
 mod schema;
 pub mod trace;
 pub mod values;
+pub mod viewer;
 
 pub use frame::{MAX_PAYLOAD, VERSION};
 pub use schema::SCHEMA;

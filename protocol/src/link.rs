@@ -50,6 +50,8 @@ pub enum Role {
     Client,
     /// Answers.
     Controller,
+    /// Answers Hellos that ask for a read-only session, and no others ([`crate::viewer`]).
+    ReadOnly,
 }
 
 /// What both ends must agree on.
@@ -79,6 +81,8 @@ pub enum LinkState {
     Mismatch(Identity),
     /// Client: another client has the controller (return code −6).
     Busy(Busy),
+    /// Client: it asked for a read-only session, which this wire does not give.
+    NoReadOnly,
     /// The other end said Bye.
     Ended,
 }
@@ -145,6 +149,32 @@ struct Offer {
     window: u16,
 }
 
+/// Why the end of a read-only session answers Busy.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NoSession {
+    /// It gives no session that commands.
+    ReadsOnly,
+    /// It gives no more read-only sessions.
+    Full,
+}
+
+impl NoSession {
+    /// What [`Busy::holder`] says.
+    pub const fn text(self) -> &'static str {
+        match self {
+            NoSession::ReadsOnly => "a port that is only for viewers",
+            NoSession::Full => "enough viewers are here",
+        }
+    }
+}
+
+/// The answer to a Hello.
+#[derive(Debug, Clone, Copy)]
+enum Opening {
+    Ack(HelloAck),
+    Busy(NoSession),
+}
+
 /// Result of [`Endpoint::request_take_over`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TakeOver {
@@ -163,6 +193,8 @@ pub struct Endpoint<const WINDOW: usize> {
     identity: Identity,
     state: LinkState,
     phase: SessionPhase,
+    /// Client: it asks for a read-only session.
+    read_only: bool,
     /// Client: nonce of the last Hello. Controller: nonce of the open session.
     nonce: u32,
     /// 0: none.
@@ -175,7 +207,7 @@ pub struct Endpoint<const WINDOW: usize> {
     receiver: Receiver<WINDOW>,
     /// Control frames that are due.
     hello_due: bool,
-    answer: Option<(u32, HelloAck)>,
+    answer: Option<(u32, Opening)>,
     bye: Option<u32>,
     keep_alive_due: bool,
     /// Time of the next try to open.
@@ -201,6 +233,7 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
             identity,
             state: LinkState::Closed,
             phase: SessionPhase::Asking,
+            read_only: false,
             nonce: 0,
             session: 0,
             offer: None,
@@ -246,7 +279,17 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
     /// session whose bytes may still be in transit: take it at random. A controller ignores the
     /// call.
     pub fn open(&mut self, now: Ns, nonce: u32) {
+        self.open_as(now, nonce, false);
+    }
+
+    /// Client: the same, for a session that only reads.
+    pub fn open_read_only(&mut self, now: Ns, nonce: u32) {
+        self.open_as(now, nonce, true);
+    }
+
+    fn open_as(&mut self, now: Ns, nonce: u32, read_only: bool) {
         if self.role == Role::Client {
+            self.read_only = read_only;
             self.forget(LinkState::Opening);
             self.phase = SessionPhase::Asking;
             self.nonce = nonce;
@@ -294,8 +337,12 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
                     self.keep_alive_due = true;
                 }
             }
-            LinkState::Opening | LinkState::Closed | LinkState::Mismatch(_) | LinkState::Busy(_) | LinkState::Ended => {
-            }
+            LinkState::Opening
+            | LinkState::Closed
+            | LinkState::Mismatch(_)
+            | LinkState::Busy(_)
+            | LinkState::NoReadOnly
+            | LinkState::Ended => {}
         }
     }
 
@@ -308,7 +355,11 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
                 let retry = self.transmitter.deadline();
                 keep_alive.into_iter().chain(retry).min()
             }
-            LinkState::Closed | LinkState::Mismatch(_) | LinkState::Busy(_) | LinkState::Ended => None,
+            LinkState::Closed
+            | LinkState::Mismatch(_)
+            | LinkState::Busy(_)
+            | LinkState::NoReadOnly
+            | LinkState::Ended => None,
         }
     }
 
@@ -405,6 +456,18 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
     /// Whether everything sent has been received by the other end.
     pub fn all_acknowledged(&self) -> bool {
         self.transmitter.is_idle()
+    }
+
+    /// Read-only controller: a Hello for such a session has come, and the session is not open yet.
+    pub fn is_asked(&self) -> bool {
+        self.role == Role::ReadOnly && self.offer.is_some()
+    }
+
+    /// Read-only controller: answers that Hello with Busy instead.
+    pub fn turn_away(&mut self) {
+        if let Some(offer) = self.offer.take() {
+            self.answer = Some((offer.nonce, Opening::Busy(NoSession::Full)));
+        }
     }
 
     /// Controller: version and schema of the last client that was refused for them.

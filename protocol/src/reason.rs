@@ -188,6 +188,7 @@ reasons! {
     158 SlowPulses Range None "{field} is {got} kHz; it must be 0, or from {low} to {high}";
     160 InputsWired State State "the inputs of this board are wired; only those of the virtual and the emulated board are set by a call";
     161 InputType Range None "{field} is {got}; allowed are {low} to {high}, and 90, the interlock";
+    162 ReadOnly State None "this session only reads; a session that commands takes this call";
 }
 
 /// The payload of a refusing reply.

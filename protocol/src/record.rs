@@ -11,7 +11,7 @@ use crate::command::{Request, Wire, wire_structs};
 use crate::frame::MAX_PAYLOAD;
 use crate::reason::{Code, Reason, Refusal};
 use core::marker::PhantomData;
-use zerocopy::little_endian::{F64, I16, U16};
+use zerocopy::little_endian::{F64, I16, U16, U32};
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout, Unaligned};
 
 wire_structs! {
@@ -20,6 +20,9 @@ wire_structs! {
     RequestHead { opcode: U16, tag: U16, len: U16, lane: u8 }
     /// Before each reply: number and tag of the request, return code, length of the body.
     ReplyHead { opcode: U16, tag: U16, code: I16, len: U16 }
+    /// The job that a program runs which shares its link: entries in all, entries that are done,
+    /// time left in ms (0xFFFFFFFF: nobody knows). The job's name follows, in UTF-8.
+    JobState { entries: U32, done: U32, left_ms: U32 }
 }
 
 /// Longest body of a request: with its head it fills a message.
@@ -45,6 +48,10 @@ pub enum Lane {
 /// 0, the body is the next part of the trace's byte stream. They answer nothing; the controller
 /// sends them by itself.
 pub const TRACE_RECORD: u16 = 0x0017;
+
+/// Number of the records in which a program that shares its link says what job it runs: tag and code
+/// are 0, the body is a [`JobState`] and the job's name. They answer nothing.
+pub const JOB_RECORD: u16 = 0x0018;
 
 /// The buffer has no room for the record; nothing was written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -2,9 +2,9 @@
 //! agree on, computed by the compiler. Any change of a layout changes it.
 
 use crate::command::{COMMANDS, CommandInfo, Wire};
-use crate::frame::{Busy, CRC_BYTES, Header, Hello, HelloAck, MAX_PAYLOAD, VERSION};
+use crate::frame::{Busy, CRC_BYTES, FLAG_READ_ONLY, Header, Hello, HelloAck, MAX_PAYLOAD, VERSION};
 use crate::reason::{Code, REASONS, Reason, Refusal};
-use crate::record::{Lane, ReplyHead, RequestHead, TRACE_RECORD};
+use crate::record::{JOB_RECORD, JobState, Lane, ReplyHead, RequestHead, TRACE_RECORD};
 use crate::trace;
 use crc::{CRC_32_ISO_HDLC, Crc, Digest, Table};
 
@@ -23,6 +23,7 @@ const LAYOUTS: &[(&str, Fields)] = &[
     ("RequestHead", RequestHead::FIELDS),
     ("ReplyHead", ReplyHead::FIELDS),
     ("Refusal", Refusal::FIELDS),
+    ("JobState", JobState::FIELDS),
     ("TraceHead", trace::HeadLayout::FIELDS),
     ("TraceAxis", trace::AxisId::FIELDS),
     ("TraceLaser", trace::LaserId::FIELDS),
@@ -42,6 +43,8 @@ const fn schema(layouts: &[(&str, Fields)], commands: &[CommandInfo], reasons: &
     digest.update(&[VERSION, CRC_BYTES as u8]);
     digest.update(&(MAX_PAYLOAD as u32).to_le_bytes());
     digest.update(&TRACE_RECORD.to_le_bytes());
+    digest.update(&JOB_RECORD.to_le_bytes());
+    digest.update(&[FLAG_READ_ONLY]);
     digest.update(&[Lane::ProgramMayFail as u8]);
     let mut i = 0;
     while i < layouts.len() {

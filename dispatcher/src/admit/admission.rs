@@ -10,14 +10,17 @@ use super::{admit, config_item, crd, kind, many, one, power_on, tables};
 use crate::board::BoardConstants;
 use crate::configuration::Configuration;
 use crate::plan::path_queue::PathQueue;
-use crate::refuse::Admitted;
-use crate::report::answer::Answer;
+use crate::refuse::{Admitted, Refused};
+use crate::report::answer::{Answer, Sent};
 use crate::report::event_log::Log;
+use crate::report::pending_replies::Awaiting;
 use crate::report::replies::Reading;
 use crate::report::trace::TraceOut;
 use crate::shadow::{ShadowChange, Shadows};
 use crate::tick_queue::TickQueue;
-use protocol::command::{CommandKind, LoadConfig, Table, WaitStop, opcode};
+use protocol::command::{CommandKind, LoadConfig, Table, WaitStop, class, opcode};
+use protocol::reason::Reason;
+use protocol::record::{ReplyWriter, RequestRecord};
 use ring::{Consumer, Producer};
 use servo::laser::CHANNELS;
 use servo::path::PathStores;
@@ -241,6 +244,24 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
     /// The view and the state that replies are built from.
     pub fn reading<'d>(&'d self, view: &'d View<AXES>) -> Reading<'d, AXES> {
         let Admission { executed, configuration, board, log, .. } = self;
-        Reading { view, executed, configuration, board, log, tables: self.tables }
+        let paths = (self.entries, &*self.queues);
+        Reading { view, executed, configuration, board, log, tables: self.tables, paths }
+    }
+
+    /// Answers a read of a viewer, on the state of now: nothing changes.
+    pub fn look(&self, view: &View<AXES>, record: &RequestRecord, out: &mut ReplyWriter) -> Sent {
+        let mut staged = Staged::default();
+        let mut context = context!(self, view, DueInstant::UNKNOWN, staged);
+        let admitted = match class(record.opcode).map(|class| class.kind) {
+            Some(CommandKind::Read(_)) => admit(&mut context, record.opcode, record.body),
+            _ => Err(Refused::new(Reason::ReadOnly)),
+        };
+        match admitted {
+            Ok(answer) => {
+                let item = Awaiting { opcode: record.opcode, tag: record.tag, answer, ..Awaiting::BLANK };
+                self.reading(view).answer(&item, core::iter::empty(), out)
+            }
+            Err(refused) => out.refused(record.opcode, record.tag, &refused.wire),
+        }
     }
 }

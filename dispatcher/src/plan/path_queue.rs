@@ -220,16 +220,32 @@ impl PathQueue {
     /// path those after the present one count, and the least remaining time of that one.
     pub fn lasts(&mut self, store: &[EntryStore; 2], sampled: &CrdView, fifo: u8) -> f64 {
         let index = usize::from(fifo & 1);
+        if sampled.cleared[index] == self.cleared {
+            self.release(sampled.released[index]);
+        }
+        self.remaining(store, sampled, fifo)
+    }
+
+    /// The same of a display, which changes nothing.
+    pub fn remaining(&self, store: &[EntryStore; 2], sampled: &CrdView, fifo: u8) -> f64 {
+        let index = usize::from(fifo & 1);
+        let (mut first, mut sum) = (self.first, self.sum);
+        let time = |entry: u32| self.times.get(entry as usize % ENTRIES).map_or(0, |time| time.units());
         if sampled.cleared[index] != self.cleared {
-            return self.sum as f64 / UNITS_PER_MS;
+            return sum as f64 / UNITS_PER_MS;
         }
-        self.release(sampled.released[index]);
-        if !(sampled.runs && sampled.fifo == fifo) || self.first == self.end {
-            return self.sum as f64 / UNITS_PER_MS;
+        let over = sampled.released[index].wrapping_sub(first);
+        if over <= self.end.wrapping_sub(first) {
+            for _ in 0..over {
+                sum = sum.saturating_sub(time(first));
+                first = first.wrapping_add(1);
+            }
         }
-        let time = self.times.get(self.first as usize % ENTRIES).map_or(0, |time| time.units());
-        let following = self.sum.saturating_sub(time) as f64 / UNITS_PER_MS;
-        following + left(store.entry(fifo, self.first), sampled)
+        if !(sampled.runs && sampled.fifo == fifo) || first == self.end {
+            return sum as f64 / UNITS_PER_MS;
+        }
+        let following = sum.saturating_sub(time(first)) as f64 / UNITS_PER_MS;
+        following + left(store.entry(fifo, first), sampled)
     }
 
     /// At a start: as [`PathQueue::feed`]. The path may not be done with an earlier start, whose

@@ -15,6 +15,7 @@ use crate::board::{BoardConstants, FAULT_TEXT_MAX, Fault, FaultKind, TICK_BUCKET
 use crate::bounded_vec::collect;
 use crate::configuration::{Configuration, ones};
 use crate::io_words::{EDGES_READ_MAX, WORD, WORDS};
+use crate::plan::path_queue::PathQueue;
 use crate::report::answer::{POINTS_MAX, Query, Sent, TAKEN_MAX};
 use crate::shadow::Shadows;
 use heapless::Vec;
@@ -22,6 +23,7 @@ use protocol::command::{self, Chapter, Request, chapter, opcode};
 use protocol::record::ReplyWriter;
 use protocol::values::{ANALOG_INPUT_VOLTS, io as kind, mode, wait};
 use servo::laser::{CHANNELS, Count, Power, PowerMode, dac_counts};
+use servo::path::PathStores;
 use servo::port::AxisInputs;
 use servo::segment::follow::{Input, WaitCondition};
 use servo::segment::piece::Scaled;
@@ -58,6 +60,8 @@ pub struct Reading<'x, const AXES: usize> {
     pub log: &'x Log,
     /// Analog outputs and counts of edges, as the tick has them.
     pub tables: TableStores<'x>,
+    /// FIFOs of coordinate systems, and the look-aheads that feed them.
+    pub paths: (PathStores<'x>, &'x [[PathQueue; 2]]),
 }
 
 /// 2^exponent, exactly, for exponents of normal numbers; beyond them 0 or infinity.

@@ -15,9 +15,11 @@ use crate::program::{Poll, Program};
 use crate::report::answer::Refuser;
 use crate::report::event_log::EventKind;
 use crate::report::pending_replies::RecordOutcome;
+use protocol::command::opcode;
 use protocol::frame::OPENING_WIRE;
 use protocol::link::{Endpoint, Identity, Role, TakeOver};
-use protocol::record::{Lane, ReplyHead, ReplyWriter, TRACE_RECORD, requests};
+use protocol::record::{Lane, ReplyHead, ReplyWriter, RequestRecord, TRACE_RECORD, requests};
+use protocol::viewer::Answered;
 use ring::{Consumer, Producer, Reader};
 use servo::path::PathStores;
 use servo::segment::pt::SegmentStore;
@@ -253,6 +255,17 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
             *len = 0;
         }
         gone
+    }
+
+    /// Answers a read of a viewer, who has no session here. It cannot change anything, and counts
+    /// for nothing: neither for the session nor for the link-loss time.
+    pub fn look(&self, record: &RequestRecord, out: &mut ReplyWriter) -> Answered {
+        let view = self.view.last();
+        match record.opcode {
+            opcode::ProgramStatus => self.program.status(view, record.opcode, record.tag, out),
+            _ => self.handler.admission.look(view, record, out),
+        }
+        .into()
     }
 
     /// Bytes for the wire; returns how many were written into `out`.

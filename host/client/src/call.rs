@@ -1,6 +1,6 @@
 //! One call as bytes, and its reply back as fields.
 use crate::error::{self, Error, Result};
-use protocol::command::{CommandInfo, Request, class, info, opcode};
+use protocol::command::{CommandInfo, CommandKind, Request, class, info, opcode};
 use protocol::reason::{Refusal, describe_opcode};
 use zerocopy::{FromBytes, IntoBytes};
 
@@ -31,6 +31,11 @@ impl Call {
     /// Whether a controller that got nothing but such calls has nothing lit or moving by them.
     pub(crate) fn is_harmless(&self) -> bool {
         self.opcode == opcode::Abort || class(self.opcode).is_some_and(|class| class.kind.is_harmless())
+    }
+
+    /// Whether it reads a state, and nothing else.
+    pub fn is_read(&self) -> bool {
+        class(self.opcode).is_some_and(|class| matches!(class.kind, CommandKind::Read(_)))
     }
 
     /// Its row in the command table, if the client knows the command.

@@ -7,7 +7,7 @@ use crate::program::{Observer, Program, Summary};
 use crate::session::{Reply, Session};
 use protocol::command::{Abort, Choose, Request, VersionReply};
 use protocol::link::{Identity, LinkCounters};
-use protocol::record::Lane;
+use protocol::record::{JobState, Lane};
 use std::collections::VecDeque;
 use std::collections::hash_map::RandomState;
 use std::hash::BuildHasher;
@@ -57,14 +57,14 @@ pub(crate) struct Inner {
 }
 
 impl Inner {
-    fn new(mut link: Box<dyn Link>, identity: Identity) -> Self {
+    fn new(mut link: Box<dyn Link>, identity: Identity, read_only: bool) -> Self {
         let (now, name) = (link.now(), link.name().to_owned());
         // In virtual time the same calls must give the same bytes, so nothing is random there. A
         // later client is another one, even if the one before it ended without a message.
         let chance = || RandomState::new().hash_one(std::process::id()) as u32;
         let nonce = if link.real_time() { chance() } else { (now as u32).wrapping_add(1) };
         let turn = if link.real_time() { TURN } else { VIRTUAL_TURN };
-        let session = Session::open(&name, now, nonce, identity);
+        let session = Session::open(&name, now, nonce, identity, read_only);
         Inner {
             turn,
             link,
@@ -154,10 +154,10 @@ impl Client {
     ///
     /// # Errors
     /// −7 if nothing answers; 3 if client and firmware do not match, or the board cannot hold the
-    /// profile; −6 if the controller is open already; 7 if the tick period is out of its range.
+    /// profile; −6 if the controller is open already, or gives no read-only session; 7 if the tick period is out of its range.
     pub fn open(link: Box<dyn Link>, options: Options) -> Result<Client> {
         let name = link.name().to_owned();
-        let mut inner = Inner::new(link, options.identity);
+        let mut inner = Inner::new(link, options.identity, options.read_only);
         let patience = inner.link.patience();
         let limit = options.open_timeout * patience;
         while !inner.session.is_open()? {
@@ -177,6 +177,10 @@ impl Client {
             joins: options.joins,
         };
         client.version = client.call(protocol::command::Version {})?;
+        if options.read_only {
+            client.keep();
+            return Ok(client);
+        }
         let family = options.family.map_or(client.version.family, |family| family as u8);
         if options.profile.is_some() || family != client.version.family {
             let profile = options.profile.map_or(client.version.profile, |p| p as u8);
@@ -189,11 +193,22 @@ impl Client {
             client.call(protocol::command::SetTick { tick_us: tick_us.into() })?;
             client.version = client.call(protocol::command::Version {})?;
         }
-        if client.lock().link.real_time() {
-            let shared = Arc::clone(&client.shared);
-            client.keeper = Some(std::thread::spawn(move || keep_alive(&shared)));
-        }
+        client.keep();
         Ok(client)
+    }
+
+    /// Begins to keep the link alive between calls, where time passes by itself.
+    fn keep(&mut self) {
+        if self.lock().link.real_time() {
+            let shared = Arc::clone(&self.shared);
+            self.keeper = Some(std::thread::spawn(move || keep_alive(&shared)));
+        }
+    }
+
+    /// The job of the program that shares its link with this read-only session, and its name; none
+    /// where nobody has said so.
+    pub fn job(&self) -> Option<(JobState, String)> {
+        self.lock().session.job()
     }
 
     /// Whether calls of a program for one FIFO of a path travel together.

@@ -30,6 +30,7 @@ pub mod link;
 pub mod qemu;
 pub mod serial;
 pub mod tcp;
+pub mod viewers;
 
 mod call;
 mod client;

@@ -118,6 +118,9 @@ pub struct Options {
     /// Calls of a program for one FIFO of a path travel together; without it each travels alone. No
     /// result depends on it.
     pub joins: bool,
+    /// The session only reads (docs/protocol.md): profile, family and tick stay as they are, and
+    /// the client that commands notices nothing.
+    pub read_only: bool,
     /// Version and schema that the client shows; anything but the build's own is for tests.
     pub identity: Identity,
 }
@@ -131,6 +134,7 @@ impl Default for Options {
             timeout: Duration::from_secs(2),
             open_timeout: Duration::from_secs(3),
             joins: true,
+            read_only: false,
             identity: Identity::OURS,
         }
     }

@@ -8,9 +8,10 @@ use crate::error::{self, Error, Result};
 use protocol::command::{SetLinkLoss, opcode};
 use protocol::frame::Busy;
 use protocol::link::{ALIVE_NS, Endpoint, Identity, KEEP_ALIVE_NS, LinkCounters, LinkState, Role};
-use protocol::record::{BODY_MAX, Lane, RequestWriter, TRACE_RECORD, replies};
+use protocol::reason::{Code, Reason, Refusal};
+use protocol::record::{BODY_MAX, JOB_RECORD, JobState, Lane, RequestWriter, TRACE_RECORD, replies};
 use std::collections::{HashMap, VecDeque};
-use zerocopy::FromBytes;
+use zerocopy::{FromBytes, IntoBytes};
 
 /// Unanswered messages at once.
 const WINDOW: usize = 32;
@@ -46,6 +47,9 @@ pub(crate) struct Session {
     frames: u32,
     /// A call changes the controller, or may.
     commanded: bool,
+    read_only: bool,
+    /// The job that the other end shows.
+    job: Option<(JobState, String)>,
     silence: Silence,
     /// When bytes went out last.
     sent_at: u64,
@@ -80,9 +84,12 @@ impl Silence {
 
 impl Session {
     /// Begins to open a session over the link `name`.
-    pub fn open(name: &str, now: u64, nonce: u32, ours: Identity) -> Self {
+    pub fn open(name: &str, now: u64, nonce: u32, ours: Identity, read_only: bool) -> Self {
         let mut endpoint = Box::new(Endpoint::new(Role::Client, ours));
-        endpoint.open(now, nonce);
+        match read_only {
+            true => endpoint.open_read_only(now, nonce),
+            false => endpoint.open(now, nonce),
+        }
         Session {
             endpoint,
             name: name.to_owned(),
@@ -92,6 +99,8 @@ impl Session {
             next_tag: 0,
             frames: 0,
             commanded: false,
+            read_only,
+            job: None,
             silence: Silence { set: KEEP_ALIVE_NS, asked: Vec::new() },
             sent_at: now,
             trace: Vec::new(),
@@ -104,7 +113,19 @@ impl Session {
             LinkState::Open => Ok(true),
             LinkState::Opening => Ok(false),
             LinkState::Mismatch(theirs) => Err(mismatch(&self.name, self.ours, theirs)),
+            LinkState::Busy(busy) if self.read_only => {
+                let why = String::from_utf8_lossy(busy.holder());
+                Err(Error::new(error::CANNOT_OPEN, format!("{}: no read-only session: {why}", self.name)))
+            }
             LinkState::Busy(busy) => Err(taken(&self.name, &busy)),
+            LinkState::NoReadOnly => Err(Error::new(
+                error::CANNOT_OPEN,
+                format!(
+                    "{}: this end gives no read-only sessions. A board's wire has one session, which commands; the program that \
+                     has it can share it (--share)",
+                    self.name
+                ),
+            )),
             LinkState::Ended | LinkState::Closed => {
                 Err(Error::new(error::LINK_CLOSED, format!("{}: the controller ended the session", self.name)))
             }
@@ -129,6 +150,11 @@ impl Session {
                     call.payload.len()
                 ),
             ));
+        }
+        let looks = call.is_read() || call.opcode == opcode::ProgramStatus;
+        if self.read_only && !(looks && lane == Lane::Immediate) {
+            let refusal = Refusal::new(Reason::ReadOnly);
+            return Err(crate::call::refused(call.opcode, Code::State as i16, refusal.as_bytes()));
         }
         if self.waiting.len() >= MAX_WAITING {
             return Err(Error::new(1, "too many calls wait for their replies"));
@@ -239,6 +265,12 @@ impl Session {
                     self.trace.extend_from_slice(reply.body);
                     continue;
                 }
+                if (reply.opcode, reply.tag) == (JOB_RECORD, 0) {
+                    if let Ok((job, name)) = JobState::read_from_prefix(reply.body) {
+                        self.job = Some((job, String::from_utf8_lossy(name).into_owned()));
+                    }
+                    continue;
+                }
                 self.silence.answered(reply.tag, reply.code);
                 // A reply without a waiting call belongs to a program that was given up.
                 if let Some(place) = self.waiting.get_mut(&reply.tag) {
@@ -253,6 +285,11 @@ impl Session {
     /// Moves the bytes of a trace over the link to the end of `out`.
     pub fn take_trace(&mut self, out: &mut Vec<u8>) {
         out.append(&mut self.trace);
+    }
+
+    /// The job that the other end shows.
+    pub fn job(&self) -> Option<(JobState, String)> {
+        self.job.clone()
     }
 
     /// What this end of the link has counted.
@@ -316,7 +353,7 @@ mod tests {
 
     impl Wire {
         fn open() -> Wire {
-            let session = Session::open("test", 0, 1, Identity::OURS);
+            let session = Session::open("test", 0, 1, Identity::OURS, false);
             let controller = Endpoint::new(Role::Controller, Identity::OURS);
             let mut wire = Wire { session, controller, now: 0, answers: true, refuses: false };
             wire.longest_silence(5);

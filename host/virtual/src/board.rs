@@ -10,6 +10,8 @@
 use crate::machine::{Beam, Edge, Inputs, Machine, Outputs, PLANNED_INPUTS};
 use dispatcher::{PathQueue, SecondaryTransport, Server, ThreadHalves};
 use plant::beam::ChannelLevels;
+use protocol::record::{ReplyWriter, RequestRecord};
+use protocol::viewer::Answered;
 use ring::{Latest, Ring};
 use servo::laser::Clock;
 use servo::path::{EntryStore, PathStores};
@@ -101,6 +103,11 @@ impl<'m> Controller<'m> {
     /// Takes bytes of a wire that the link is not on: see [`SecondaryTransport::feed`].
     pub fn visit(&mut self, wire: &mut SecondaryTransport, holder: Option<&str>, bytes: &[u8]) -> (usize, bool) {
         self.core.visit(wire, holder, bytes)
+    }
+
+    /// Answers a read of a viewer: see [`Server::look`].
+    pub fn look(&self, record: &RequestRecord<'_>, out: &mut ReplyWriter<'_>) -> Answered {
+        self.core.look(record, out)
     }
 
     /// Advances the counters by so many executed entries and `ns`, for tests of a long life.
@@ -228,6 +235,7 @@ impl<'m> Controller<'m> {
 trait Core {
     fn feed(&mut self, bytes: &[u8]);
     fn visit(&mut self, wire: &mut SecondaryTransport, holder: Option<&str>, bytes: &[u8]) -> (usize, bool);
+    fn look(&self, record: &RequestRecord<'_>, out: &mut ReplyWriter<'_>) -> Answered;
     #[cfg(feature = "test-hooks")]
     fn advance_counters(&mut self, entries: u32, ns: u64);
     #[cfg(feature = "test-hooks")]
@@ -444,6 +452,10 @@ impl<const AXES: usize> Core for Whole<'_, AXES> {
         let outcome = wire.feed(self.tick.now(), &mut self.server, holder, bytes);
         self.run_thread();
         outcome
+    }
+
+    fn look(&self, record: &RequestRecord<'_>, out: &mut ReplyWriter<'_>) -> Answered {
+        self.server.look(record, out)
     }
 
     #[cfg(feature = "test-hooks")]

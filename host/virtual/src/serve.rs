@@ -3,13 +3,16 @@
 //! In: a listener for the host link, and one for the trace stream if wanted. Out: a running
 //! controller until [`Served`] is dropped. It serves one client at a time. A second client gets the
 //! name of the first one, and gets the controller when that connection has gone or its session is
-//! silent. A connection without a session is closed after a while and delays nothing. Without a
-//! connection the controller continues, as a board does. Fails: with the operating system's error,
+//! silent. Others may look meanwhile, in read-only sessions ([`client::viewers`]). A connection
+//! without a session is closed after a while and delays nothing. Without a connection the controller
+//! continues, as a board does. Fails: with the operating system's error,
 //! when a listener cannot be used.
 use crate::board::{Board, Config};
 use crate::link::{Shared, share};
+use client::viewers::Viewers;
 use dispatcher::SecondaryTransport;
 use protocol::frame::OPENING_WIRE;
+use protocol::viewer::Viewer;
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -32,6 +35,8 @@ const OPENING: Duration = Duration::from_secs(2);
 const VISITORS: usize = 64;
 /// Bytes that one pass takes from a connection, so that a flood delays no other connection.
 const PORTION: usize = 1 << 16;
+/// Reads of viewers that one pass answers at most.
+const READS: usize = 32;
 /// Bytes of answers that wait for one of them at most.
 const ANSWERS: usize = 1024;
 
@@ -119,6 +124,7 @@ fn turn(board: &Shared, due: u64, link: &mut Wires, stream: Option<&mut Port>) {
     }
     board.take_tx(&mut link.waiting);
     link.send();
+    link.viewers.turn(READS, |record, out| board.look(record, out));
     let mut trace = Vec::new();
     board.take_trace(&mut trace);
     if let Some(stream) = stream {
@@ -136,6 +142,7 @@ struct Wires {
     link: Option<Connection>,
     waiting: Vec<u8>,
     visitors: Vec<Visitor>,
+    viewers: Viewers,
 }
 
 /// A client's socket, and where the client is.
@@ -149,12 +156,14 @@ struct Visitor {
     connection: Connection,
     since: Instant,
     wire: SecondaryTransport,
+    /// If it asks for a read-only session, it gets that one.
+    viewer: Box<Viewer>,
     waiting: Vec<u8>,
 }
 
 impl Wires {
     fn new(listener: TcpListener) -> Self {
-        Wires { listener, link: None, waiting: Vec::new(), visitors: Vec::new() }
+        Wires { listener, link: None, waiting: Vec::new(), visitors: Vec::new(), viewers: Viewers::new() }
     }
 
     /// Accepts connections. Bytes of the link go to the board; those of other connections may open
@@ -169,7 +178,8 @@ impl Wires {
             }
             let connection = Connection { stream, peer: peer.to_string() };
             let (since, wire) = (Instant::now(), SecondaryTransport::new());
-            self.visitors.push(Visitor { connection, since, wire, waiting: Vec::new() });
+            let viewer = Box::new(Viewer::new());
+            self.visitors.push(Visitor { connection, since, wire, viewer, waiting: Vec::new() });
         }
         let mut received = Vec::new();
         if let Some(link) = &mut self.link
@@ -183,6 +193,11 @@ impl Wires {
         for mut visitor in std::mem::take(&mut self.visitors) {
             received.clear();
             let stays = read(&mut visitor.connection.stream, &mut received) && visitor.since.elapsed() < OPENING;
+            visitor.viewer.feed(self.viewers.now(), &received);
+            if visitor.viewer.is_asked() {
+                self.viewers.add(visitor.connection.stream, visitor.viewer);
+                continue;
+            }
             let holder = self.link.as_ref().map(|link| link.peer.as_str());
             let (used, taken_up) = match received.is_empty() {
                 true => (0, false),

@@ -12,7 +12,7 @@
 //!
 //! `LINK_FRAMES=12` tries all patterns of twelve frames and prints the counts.
 
-use super::{Endpoint, HELLO_NS, Identity, LinkState, RETRY_MAX_NS, Role, SessionPhase};
+use super::{Endpoint, HELLO_NS, Identity, LinkState, Opening, RETRY_MAX_NS, Role, SessionPhase};
 use crate::Ns;
 use std::collections::{HashMap, HashSet, VecDeque};
 use std::hash::{DefaultHasher, Hasher};
@@ -450,11 +450,14 @@ fn end_state(end: &End, now: Ns, into: &mut Vec<u8>) {
         (LinkState::Opening, SessionPhase::Confirming(tries)) => (2, tries),
         (LinkState::Open, _) => (3, 0),
         (LinkState::Ended, _) => (4, 0),
-        (LinkState::Mismatch(_) | LinkState::Busy(_), _) => panic!("no other client is there"),
+        (LinkState::Mismatch(_) | LinkState::Busy(_) | LinkState::NoReadOnly, _) => panic!("no other client is there"),
     };
     into.extend([state, tries, end.hello_due.into(), end.keep_alive_due.into(), (end.wire_at < end.wire_len).into()]);
     let offer = end.offer.map_or([0; 3], |offer| [offer.nonce, offer.session, offer.window.into()]);
-    let answer = end.answer.map_or(0, |(nonce, answer)| nonce ^ answer.session.get());
+    let answer = end.answer.map_or(0, |(nonce, answer)| match answer {
+        Opening::Ack(ack) => nonce ^ ack.session.get(),
+        Opening::Busy(_) => nonce,
+    });
     let numbers = [end.nonce, end.session, end.offers_made, answer, end.bye.unwrap_or(0)];
     into.extend(offer.iter().chain(&numbers).flat_map(|number| number.to_le_bytes()));
     let times = [if opening { end.retry_at } else { now }, end.last_sent];

@@ -1,10 +1,12 @@
 //! Receiving: checks frames, advances the opening, puts messages in order and drops duplicates.
 
 use super::transmit::{SentMessage, ahead};
-use super::{ALIVE_NS, Endpoint, HELLO_NS, Identity, LinkState, Offer, Role, SessionPhase, TakeOver};
+use super::{
+    ALIVE_NS, Endpoint, HELLO_NS, Identity, LinkState, NoSession, Offer, Opening, Role, SessionPhase, TakeOver,
+};
 use crate::Ns;
 use crate::deframe::Outcome;
-use crate::frame::{self, Busy, Fault, FrameKind, Header, Hello, HelloAck, OPENING_WIRE};
+use crate::frame::{self, Busy, FLAG_READ_ONLY, Fault, FrameKind, Header, Hello, HelloAck, OPENING_WIRE};
 use zerocopy::{FromBytes, IntoBytes};
 
 /// `take <= next` in sequence numbers; slots hold messages from `take` on, with holes from `next`
@@ -150,6 +152,10 @@ impl<const WINDOW: usize> Receiver<WINDOW> {
     }
 }
 
+fn asks_read_only(header: &Header) -> bool {
+    header.flags & FLAG_READ_ONLY != 0
+}
+
 fn count(counter: &mut u32) {
     *counter = counter.wrapping_add(1);
 }
@@ -189,7 +195,7 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
             Ok((header, FrameKind::Hello, payload)) => {
                 let Ok(hello) = Hello::read_from_bytes(payload) else { return TakeOver::Nothing };
                 let same = Identity { version: header.version, schema: hello.schema.get() } == self.identity;
-                if let Some(busy) = busy.filter(|_| same) {
+                if let Some(busy) = busy.filter(|_| same && !asks_read_only(&header)) {
                     let header = self.header(FrameKind::Busy, header.session.get());
                     return frame::encode(header, busy.as_bytes(), out).map_or(TakeOver::Nothing, TakeOver::Answered);
                 }
@@ -197,7 +203,7 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
                 let own = self.answer.take();
                 self.answer_hello(&header, hello);
                 let answer = core::mem::replace(&mut self.answer, own);
-                let Some((nonce, answer)) = answer else { return TakeOver::Nothing };
+                let Some((nonce, Opening::Ack(answer))) = answer else { return TakeOver::Nothing };
                 let header = self.header(FrameKind::HelloAck, nonce);
                 frame::encode(header, answer.as_bytes(), out).map_or(TakeOver::Nothing, TakeOver::Answered)
             }
@@ -234,7 +240,7 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
             }
         };
         match (kind, self.role) {
-            (FrameKind::Hello, Role::Controller) => {
+            (FrameKind::Hello, Role::Controller | Role::ReadOnly) => {
                 if let Ok(hello) = Hello::read_from_bytes(payload) {
                     self.answer_hello(&header, hello);
                 }
@@ -262,9 +268,15 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
     fn answer_hello(&mut self, header: &Header, hello: Hello) {
         let theirs = Identity { version: header.version, schema: hello.schema.get() };
         let nonce = header.session.get();
+        let fits = asks_read_only(header) == (self.role == Role::ReadOnly);
         let session = if theirs != self.identity {
             count(&mut self.counters.mismatches);
             self.refused = Some(theirs);
+            0
+        } else if !fits && self.role == Role::ReadOnly {
+            self.answer = Some((nonce, Opening::Busy(NoSession::ReadsOnly)));
+            return;
+        } else if !fits {
             0
         } else if self.state == LinkState::Open && nonce == self.nonce {
             self.session
@@ -278,7 +290,7 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
         };
         let answer =
             HelloAck { schema: self.identity.schema.into(), window: (WINDOW as u16).into(), session: session.into() };
-        self.answer = Some((nonce, answer));
+        self.answer = Some((nonce, Opening::Ack(answer)));
     }
 
     /// Every offer has its own id, also for a repeated nonce: bytes of an old session with the same
@@ -302,9 +314,16 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
         }
         let theirs = Identity { version: header.version, schema: answer.schema.get() };
         let session = answer.session.get();
+        let reads = header.flags & FLAG_READ_ONLY != 0;
         if theirs != self.identity {
             count(&mut self.counters.mismatches);
             return self.forget(LinkState::Mismatch(theirs));
+        }
+        if self.read_only && (!reads || session == 0) {
+            return self.forget(LinkState::NoReadOnly);
+        }
+        if reads && !self.read_only {
+            return count(&mut self.counters.unexpected);
         }
         if session == 0 {
             return count(&mut self.counters.unexpected);
@@ -322,7 +341,7 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
         match (self.state, self.offer) {
             (LinkState::Open, _) if known => {}
             (LinkState::Opening, _) if known => self.state = LinkState::Open,
-            (_, Some(offer)) if self.role == Role::Controller && offer.session == session => {
+            (_, Some(offer)) if self.role != Role::Client && offer.session == session => {
                 self.begin(now, offer.nonce, offer.session, offer.window);
                 self.state = LinkState::Open;
             }

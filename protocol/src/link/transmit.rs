@@ -4,9 +4,9 @@
 //! sent again early when the receiver reports a gap twice, and one by one after a loss of several
 //! (as RFC 6582).
 
-use super::{Endpoint, LinkState, RETRY_FIRST_NS, RETRY_MAX_NS, RETRY_MIN_NS, Role};
+use super::{Endpoint, LinkState, Opening, RETRY_FIRST_NS, RETRY_MAX_NS, RETRY_MIN_NS, Role};
 use crate::Ns;
-use crate::frame::{self, FLAG_GAP, FrameKind, Header, Hello, MAX_PAYLOAD};
+use crate::frame::{self, Busy, FLAG_GAP, FLAG_READ_ONLY, FrameKind, Header, Hello, MAX_PAYLOAD};
 use zerocopy::IntoBytes;
 
 /// One message.
@@ -293,7 +293,10 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
             return self.stage(FrameKind::Hello, self.nonce, hello.as_bytes());
         }
         if let Some((nonce, answer)) = self.answer.take() {
-            return self.stage(FrameKind::HelloAck, nonce, answer.as_bytes());
+            return match answer {
+                Opening::Ack(ack) => self.stage(FrameKind::HelloAck, nonce, ack.as_bytes()),
+                Opening::Busy(why) => self.stage(FrameKind::Busy, nonce, Busy::new(0, 0, why.text()).as_bytes()),
+            };
         }
         if let Some(session) = self.bye.take() {
             return self.stage(FrameKind::Bye, session, &[]);
@@ -305,9 +308,12 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
                 self.last_sent = now;
                 self.stage(FrameKind::KeepAlive, self.session, &[])
             }
-            LinkState::Opening | LinkState::Closed | LinkState::Mismatch(_) | LinkState::Busy(_) | LinkState::Ended => {
-                false
-            }
+            LinkState::Opening
+            | LinkState::Closed
+            | LinkState::Mismatch(_)
+            | LinkState::Busy(_)
+            | LinkState::NoReadOnly
+            | LinkState::Ended => false,
         }
     }
 
@@ -339,10 +345,15 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
 
     pub(super) fn header(&self, kind: FrameKind, session: u32) -> Header {
         let gap = if self.receiver.has_gap() { FLAG_GAP } else { 0 };
+        let reads = match kind {
+            FrameKind::Hello => self.read_only,
+            FrameKind::HelloAck => self.role == Role::ReadOnly,
+            _ => false,
+        };
         Header {
             version: self.identity.version,
             kind: kind as u8,
-            flags: gap,
+            flags: gap | if reads { FLAG_READ_ONLY } else { 0 },
             credit: self.receiver.credit(),
             session: session.into(),
             sequence: 0.into(),

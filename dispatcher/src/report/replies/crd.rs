@@ -2,7 +2,7 @@
 use super::{Reading, fixed, number};
 use crate::plan::geometry::position_of;
 use crate::report::answer::{Query, Sent};
-use crate::shadow::CrdShadow;
+use crate::shadow::{CAPACITY, CrdShadow};
 use protocol::command;
 use protocol::record::ReplyWriter;
 use servo::path::DIMENSIONS;
@@ -17,6 +17,20 @@ impl<const AXES: usize> Reading<'_, AXES> {
     fn crd(&self, crd: Crd) -> (&CrdShadow, &CrdView) {
         let [first, ..] = &self.view.crds;
         (self.executed.crd(crd), self.view.crds.get(crd.index()).unwrap_or(first))
+    }
+
+    /// How long the motions that a FIFO holds last, ms.
+    fn lasts_ms(&self, crd: Crd, fifo: u8) -> u32 {
+        let (shadow, sampled) = self.crd(crd);
+        let (stores, queues) = self.paths;
+        let Some((stores, queues)) = stores.get(crd.index()).zip(queues.get(crd.index())) else { return 0 };
+        // What was cleared may still be known to the look-ahead.
+        if shadow.space(sampled, fifo) == CAPACITY {
+            return 0;
+        }
+        let [first, second] = queues;
+        let queue = if fifo == 0 { first } else { second };
+        queue.remaining(stores, sampled, fifo) as u32
     }
 
     /// A read of the coordinate system `first`; `which` is the FIFO, or the coordinate.
@@ -51,6 +65,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
                 segments: both(&|fifo| shadow.segments(sampled, fifo).0),
                 remainder: both(&|fifo| shadow.segments(sampled, fifo).1),
                 space: both(&|fifo| shadow.space(sampled, fifo)),
+                lasts_ms: [0, 1].map(|fifo| self.lasts_ms(crd, fifo).into()),
             };
             GetRemainderSegNum => long(shadow.segments(sampled, fifo).1);
             CrdSpace => long(shadow.space(sampled, fifo));
