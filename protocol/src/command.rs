@@ -302,8 +302,7 @@ wire_structs! {
     /// standstill last: 0 never moved, 1 its entries ran out, 2 they ran out at speed, 3 stopped, 4
     /// before a position that an axis must not reach (it can go on). The reason of its axes' stop
     /// (AxisItem). The axis of each coordinate, 0 none; coordinates in pulses, speed in pulse/ms.
-    /// For each FIFO segments completed, segments left, free slots, and how long its motions last (ms,
-    /// without override).
+    /// For each FIFO segments completed, segments left, free slots, and ms that its motions last.
     CrdState {
         run: u8, fifo: u8, path_stop: u8, reason: U16, axes: [I16; 4], pos: [F64; 4], vel: F64, segments: [I32; 2],
         remainder: [I32; 2], space: [I32; 2], lasts_ms: [U32; 2],

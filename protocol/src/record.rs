@@ -49,8 +49,8 @@ pub enum Lane {
 /// sends them by itself.
 pub const TRACE_RECORD: u16 = 0x0017;
 
-/// Number of the records in which a program that shares its link says what job it runs: tag and code
-/// are 0, the body is a [`JobState`] and the job's name. They answer nothing.
+/// Number of the records in which a program that shares its link says what job it runs: tag and
+/// code are 0, the body is a [`JobState`] and the job's name. They answer nothing.
 pub const JOB_RECORD: u16 = 0x0018;
 
 /// The buffer has no room for the record; nothing was written.

@@ -1,4 +1,8 @@
 //! The command line.
+mod monitor;
+
+pub use monitor::Monitor;
+
 use crate::json::Json;
 use clap::builder::RangedI64ValueParser;
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
@@ -39,6 +43,8 @@ Examples, with the files of examples/:
   beamtick import square.nc --machine machine.toml -o square.gts
   beamtick serve --listen 127.0.0.1:5000
   beamtick grbl --machine machine.toml --listen 127.0.0.1:5001
+  beamtick run square.nc --machine machine.toml --share 127.0.0.1:5002
+  beamtick monitor --link tcp:127.0.0.1:5002 --machine machine.toml
   beamtick info --link qemu
   beamtick bring-up --link serial:/dev/ttyACM0:3000000 --page bring-up.md
   beamtick completions bash > ~/.local/share/bash-completion/completions/beamtick
@@ -69,6 +75,8 @@ pub enum Command {
     Import(Import),
     /// Is a Grbl 1.1 controller for G-code senders, in front of the virtual controller or a board.
     Grbl(Grbl),
+    /// Shows live what a controller does; with --command also moves it and runs G-code, by keys.
+    Monitor(Monitor),
     /// Writes a machine file, or shows what one says.
     Machine(MachineFile),
     /// Draws a trace that was kept as a CSV.
@@ -339,6 +347,15 @@ pub struct Sim {
     pub outputs: Outputs,
 }
 
+/// A port for viewers.
+#[derive(Debug, Clone, Default, Args)]
+pub struct ShareOptions {
+    /// Lets others look meanwhile, as `beamtick monitor --link tcp:HOST:PORT` does: reads are
+    /// answered there, and nothing else. Port 0 takes a free one.
+    #[arg(long, value_name = "HOST:PORT")]
+    pub share: Option<String>,
+}
+
 /// The link to a controller.
 #[derive(Debug, Clone, Args)]
 pub struct LinkOptions {
@@ -367,6 +384,9 @@ pub struct Run {
     pub link_options: LinkOptions,
     #[command(flatten)]
     #[allow(missing_docs)]
+    pub share: ShareOptions,
+    #[command(flatten)]
+    #[allow(missing_docs)]
     pub settings: Settings,
     #[command(flatten)]
     #[allow(missing_docs)]
@@ -390,6 +410,9 @@ pub struct Grbl {
     #[command(flatten)]
     #[allow(missing_docs)]
     pub link_options: LinkOptions,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub share: ShareOptions,
     /// Where senders connect; port 0 takes a free one.
     #[arg(long, value_name = "HOST:PORT", default_value = "127.0.0.1:5001")]
     pub listen: String,

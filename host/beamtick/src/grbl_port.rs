@@ -4,6 +4,7 @@
 //! comes to rest, as when a sender goes.
 use crate::command_line::{FamilyName, Grbl, Settings};
 use crate::interrupt::{self, Held};
+use crate::share::{self, Share};
 use crate::{Failure, connect, machine_file};
 use client::ProductProfile;
 use grbl::{Pace, Port};
@@ -17,6 +18,7 @@ pub fn serve(arguments: &Grbl) -> Result<(), Failure> {
     let name = arguments.link.as_deref().or(machine.link.as_deref()).unwrap_or("virtual");
     // Before anything is opened: a port that cannot be used is the command line's fault.
     let (port, place) = port(arguments)?;
+    let shared = arguments.share.share.as_deref().map(share::listen).transpose()?;
     let (board, link) = match name {
         "virtual" => {
             let (board, link) = connect::real_time(arguments.tick_us, ProductProfile::Gus)?;
@@ -30,6 +32,7 @@ pub fn serve(arguments: &Grbl) -> Result<(), Failure> {
     };
     let settings = Settings { tick_us: arguments.tick_us, family: Some(family), profile: None };
     let client = Arc::new(connect::linked(link, &settings, Some(ProductProfile::Gus))?);
+    let shared = shared.map(|listener| Share::start(listener, Arc::clone(&client))).transpose()?;
     let of = match &board {
         Some(board) => format!("the virtual controller at tcp:{}", board.address()),
         None => format!("the controller at {}", client.name()),
@@ -38,6 +41,7 @@ pub fn serve(arguments: &Grbl) -> Result<(), Failure> {
     let held = Held::new();
     let ends = || interrupt::came().is_some();
     let done = grbl::serve(port, Arc::clone(&client), &machine, arguments.pass_stops, Pace::Real, &ends);
+    drop(shared);
     // What a client has commanded ends with an Abort.
     drop(client);
     drop(board);

@@ -13,7 +13,7 @@ use machine::Machine;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use strokes::{Extent, Imported, Watch};
-use trace::{AxisName, Millimetres, PlotOptions, Preview};
+use trace::{Millimetres, PlotOptions, Preview};
 
 /// What becomes a job, by the end of its name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,6 +46,11 @@ pub fn kind(path: &Path) -> io::Result<Option<Kind>> {
     let Some(extension) = path.extension() else { return Ok(None) };
     let extension = extension.to_string_lossy().to_lowercase();
     Ok(KINDS.into_iter().find_map(|(name, kind)| (name == extension).then_some(kind)))
+}
+
+/// Whether it is G-code, by its name.
+pub fn is_program(path: &Path) -> bool {
+    kind(path) == Some(Kind::Program)
 }
 
 /// Lines of a file that are looked at, to see what it is.
@@ -138,13 +143,8 @@ pub fn job(path: &Path, drawing: &Drawing, plot: Option<&Path>) -> Result<Found,
         json::note(note);
         complain!("{note}");
     }
-    let millimetres = machine.axes.iter().map(|axis| Millimetres {
-        axis: AxisName { core: 1, axis: axis.number },
-        letter: axis.letter,
-        per_mm: if axis.reversed { -axis.steps_per_mm } else { axis.steps_per_mm },
-        zero: axis.home,
-    });
-    Ok(Found { job: found.job, file: file.clone(), millimetres: millimetres.collect(), extent: found.extent })
+    let millimetres = machine_file::millimetres(&machine);
+    Ok(Found { job: found.job, file: file.clone(), millimetres, extent: found.extent })
 }
 
 fn made(

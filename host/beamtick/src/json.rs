@@ -24,7 +24,7 @@ pub struct Json {
 struct Report {
     /// `beamtick-1`.
     schema: &'static str,
-    /// `info`, `check`, `sim` or `run`.
+    /// `info`, `check`, `sim`, `run` or `monitor`.
     command: &'static str,
     /// 0 done, 1 the job or the link failed, 2 the command line or a file is wrong, 130 and others
     /// a signal.
@@ -37,6 +37,9 @@ struct Report {
     reads: Vec<Read>,
     /// What the command found; none if it failed before.
     result: Option<Facts>,
+    /// It is printed in one line.
+    #[serde(skip)]
+    line: bool,
 }
 
 /// Why a command failed.
@@ -89,6 +92,8 @@ pub enum Facts {
     Check(Box<crate::listing::Facts>),
     /// `sim`, `run`.
     Summary(Box<crate::summary::Summary>),
+    /// `monitor`.
+    Monitor(Box<crate::monitor::State>),
 }
 
 static REPORT: Mutex<Option<Report>> = Mutex::new(None);
@@ -99,9 +104,18 @@ fn with(change: impl FnOnce(&mut Report)) -> bool {
 
 /// From here on everything is collected, and text for the standard output is not printed.
 pub fn begin(command: &'static str, asked: Json) {
-    if asked.json {
+    collect(command, asked.json, false);
+}
+
+/// The same, for an object in one line.
+pub fn begin_line(command: &'static str, asked: bool) {
+    collect(command, asked, true);
+}
+
+fn collect(command: &'static str, asked: bool, line: bool) {
+    if asked {
         let (messages, reads) = (Vec::new(), Vec::new());
-        let report = Report { schema: SCHEMA, command, exit_code: 0, error: None, messages, reads, result: None };
+        let report = Report { schema: SCHEMA, command, exit_code: 0, error: None, messages, reads, result: None, line };
         *REPORT.lock().unwrap_or_else(PoisonError::into_inner) = Some(report);
     }
 }
@@ -157,7 +171,8 @@ pub fn end(exit_code: u8, error: Option<(&'static str, &str)>) -> Option<String>
     report.exit_code = exit_code;
     report.error = error.map(|(kind, text)| Fault { kind, text: text.trim_end().to_owned() });
     // Its keys are names and its numbers are numbers: this does not fail.
-    Some(serde_json::to_string_pretty(&report).unwrap_or_default() + "\n")
+    let text = if report.line { serde_json::to_string(&report) } else { serde_json::to_string_pretty(&report) };
+    Some(text.unwrap_or_default() + "\n")
 }
 
 #[cfg(test)]

@@ -33,6 +33,7 @@ mod interrupt;
 mod json;
 mod listing;
 mod machine_file;
+mod monitor;
 mod output;
 mod pages;
 mod plot;
@@ -44,6 +45,7 @@ mod reply;
 mod report;
 mod runner;
 mod serve;
+mod share;
 mod source;
 mod spool;
 mod summary;
@@ -143,6 +145,7 @@ fn obey(line: &CommandLine) -> Result<(), Failure> {
         Command::Run(arguments) => json::begin("run", arguments.outputs.json),
         Command::Check(arguments) => json::begin("check", arguments.json),
         Command::Info(arguments) => json::begin("info", arguments.json),
+        Command::Monitor(arguments) => json::begin_line("monitor", arguments.json),
         _ => {}
     }
     match &line.command {
@@ -154,6 +157,7 @@ fn obey(line: &CommandLine) -> Result<(), Failure> {
         Command::BringUp(arguments) => bring_up::run(arguments),
         Command::Import(arguments) => import::import(arguments),
         Command::Grbl(arguments) => grbl_port::serve(arguments),
+        Command::Monitor(arguments) => monitor::monitor(arguments),
         Command::Machine(arguments) => machine_file::obey(arguments),
         Command::Plot(arguments) => plot::draw(arguments),
         Command::Completions { shell } => pages::completions(*shell),

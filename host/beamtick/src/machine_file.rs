@@ -9,6 +9,7 @@ use crate::input::{self, Role};
 use machine::{Machine, Question};
 use std::io::{BufRead, Write};
 use std::path::Path;
+use trace::{AxisName, Millimetres};
 
 /// Does what the command line says.
 pub fn obey(arguments: &MachineFile) -> Result<(), Failure> {
@@ -29,6 +30,17 @@ pub fn open(path: &Path) -> Result<Machine, Failure> {
     let text = String::from_utf8(text)
         .map_err(|_| Failure::Input(format!("{name}: the machine file is not UTF-8 text; save it as UTF-8")))?;
     Machine::read(&name, &text).map_err(Failure::Input)
+}
+
+/// The axes in mm.
+pub fn millimetres(machine: &Machine) -> Vec<Millimetres> {
+    let axis = |axis: &machine::Axis| Millimetres {
+        axis: AxisName { core: 1, axis: axis.number },
+        letter: axis.letter,
+        per_mm: if axis.reversed { -axis.steps_per_mm } else { axis.steps_per_mm },
+        zero: axis.home,
+    };
+    machine.axes.iter().map(axis).collect()
 }
 
 fn write(new: &NewMachine) -> Result<(), Failure> {

@@ -24,6 +24,8 @@ pub struct Report<'a> {
     version: VersionReply,
     quiet: bool,
     bar: ProgressBar,
+    /// What the machine does, below the bar.
+    block: String,
     /// Axes that still moved when the script ended: core and axis.
     pub left: Vec<(i16, i16)>,
     /// Laser channels that were on in the last tick of the script.
@@ -44,12 +46,27 @@ impl<'a> Report<'a> {
             bar.set_style(style);
         }
         let (left, lit, streams) = (Vec::new(), Vec::new(), Vec::new());
-        Report { source, entries, version, quiet, bar, left, lit, warned: 0, streams }
+        Report { source, entries, version, quiet, bar, block: String::new(), left, lit, warned: 0, streams }
     }
 
     /// The job's name.
     pub fn job(&self) -> &str {
         &self.source.name
+    }
+
+    /// Entries of the job.
+    pub fn total(&self) -> u32 {
+        u32::try_from(self.entries.len()).unwrap_or(u32::MAX)
+    }
+
+    /// Whether the bar is seen.
+    pub fn is_seen(&self) -> bool {
+        !self.bar.is_hidden()
+    }
+
+    /// Shows these lines below the bar.
+    pub fn show(&mut self, block: String) {
+        self.block = block;
     }
 
     /// Says something beside the bar.
@@ -223,6 +240,10 @@ impl Observer for Report<'_> {
                 first.dry_ms,
                 first.space
             ));
+        }
+        if !self.block.is_empty() {
+            message.push('\n');
+            message.push_str(&self.block);
         }
         self.bar.set_position(progress.queue.executed.get().min(progress.entries).into());
         self.bar.set_message(message);

@@ -8,9 +8,11 @@ use crate::connect::{linked, named, real_time, simulated};
 use crate::entries::{Entry, entries, lasers};
 use crate::input::{self, Role};
 use crate::interrupt::{self, Held};
+use crate::monitor::Live;
 use crate::output::Kept;
 use crate::record::{Recorded, Recording};
 use crate::report::{INTERRUPTED, Report};
+use crate::share::{self, Share};
 use crate::source::Source;
 use crate::waits::{ENDLESS, Knowledge, Watch};
 use crate::{import, json, output, profile, summary};
@@ -58,9 +60,9 @@ pub fn sim(arguments: &Sim) -> Result<(), Failure> {
     let settings = source.settings(&arguments.settings)?;
     let inputs = inputs(&mut source, &arguments.inputs)?;
     output::check(&source.files, &arguments.outputs.files())?;
-    let client = simulated(&settings, arguments.steps, Some(profile::of_job(&source.job)))?;
+    let client = Arc::new(simulated(&settings, arguments.steps, Some(profile::of_job(&source.job)))?);
     let knowledge = Knowledge { all_known: true, virtual_time: true, inputs: inputs.as_ref() };
-    execute(&source, &client, knowledge, &arguments.outputs)
+    execute(&source, &client, knowledge, &arguments.outputs, None)
 }
 
 /// Runs a job on a board: over `link`, or over the one that the command line names.
@@ -82,9 +84,14 @@ pub fn run(arguments: &Run, link: Option<Box<dyn Link>>) -> Result<(), Failure> 
         }
         None => (None, named(&name, &arguments.link_options)?),
     };
-    let client = linked(link, &settings, Some(profile))?;
+    let shared = arguments.share.share.as_deref().map(share::listen).transpose()?;
+    let client = Arc::new(linked(link, &settings, Some(profile))?);
     let knowledge = Knowledge { all_known, virtual_time: false, inputs: inputs.as_ref() };
-    let done = execute(&source, &client, knowledge, &arguments.outputs);
+    let shared = shared.map(|listener| Share::start(listener, Arc::clone(&client))).transpose()?;
+    let live = Live::new(&source, shared.as_ref());
+    let done = execute(&source, &client, knowledge, &arguments.outputs, Some(live));
+    // Nobody looks any more when the session ends.
+    drop(shared);
     drop(client);
     drop(served);
     done
@@ -107,7 +114,13 @@ pub fn levels(path: &Path) -> Result<Inputs, Failure> {
     Inputs::read(&name, &bytes).map_err(Failure::Input)
 }
 
-fn execute(source: &Source, client: &Client, knowledge: Knowledge<'_>, outputs: &Outputs) -> Result<(), Failure> {
+fn execute(
+    source: &Source,
+    client: &Client,
+    knowledge: Knowledge<'_>,
+    outputs: &Outputs,
+    live: Option<Live<'_>>,
+) -> Result<(), Failure> {
     if let Some(inputs) = knowledge.inputs {
         inputs.plan(client, Zero::Program).map_err(|error| match error.code {
             RANGE => Failure::Input(error.reason),
@@ -126,7 +139,7 @@ fn execute(source: &Source, client: &Client, knowledge: Knowledge<'_>, outputs: 
     let events = if job.lasers == 0 { 0 } else { client.call(GetEvents {})?.total.get() };
     let began = Instant::now();
     let held = Held::new();
-    let watch = Watch::new(&mut report, source, &entries, client, knowledge);
+    let watch = Watch::new(&mut report, source, &entries, client, knowledge).with(live);
     let outcome = drive(client, watch, &entries, outputs.strict);
     let took = began.elapsed();
     report.end();

@@ -5,6 +5,7 @@
 //! FollowEx waits for an input without a time limit, and no client is left that could set it. It
 //! owns no file and sends only reads.
 use crate::entries::{Entry, From};
+use crate::monitor::Live;
 use crate::report::Report;
 use crate::source::Source;
 use client::inputs::{Inputs, name};
@@ -72,6 +73,8 @@ pub struct Watch<'r, 'a> {
     client: &'a Client,
     knowledge: Knowledge<'a>,
     looked: Option<Looked>,
+    /// What is shown of the machine meanwhile.
+    live: Option<Live<'a>>,
     /// Answered entries at the progress before.
     before: u32,
 }
@@ -134,7 +137,12 @@ impl<'r, 'a> Watch<'r, 'a> {
         client: &'a Client,
         knowledge: Knowledge<'a>,
     ) -> Self {
-        Watch { report, source, entries, client, knowledge, looked: None, before: u32::MAX }
+        Watch { report, source, entries, client, knowledge, looked: None, live: None, before: u32::MAX }
+    }
+
+    /// Shows the machine as well.
+    pub fn with(self, live: Option<Live<'a>>) -> Self {
+        Watch { live, ..self }
     }
 
     /// What it reports to.
@@ -288,6 +296,9 @@ impl Observer for Watch<'_, '_> {
     }
 
     fn progress(&mut self, progress: &Progress) -> client::Result<()> {
+        if let Some(live) = &mut self.live {
+            live.follow(self.client, self.report, progress)?;
+        }
         self.report.progress(progress)?;
         self.look(progress)
     }

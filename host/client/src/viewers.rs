@@ -3,8 +3,8 @@
 //! In: connections, and a function that answers a read. Out: answers. Owns the connections and a
 //! [`Viewer`] each. A viewer reaches nothing but that function: whatever is no read is refused
 //! before it.
-//! Budget: [`VIEWERS`] sessions, so many reads in a turn as the owner says, [`PORTION`] bytes of each
-//! connection, and [`WAITING`] bytes that wait for one that does not read.
+//! Budget: [`VIEWERS`] sessions, so many reads in a turn as the owner says, [`PORTION`] bytes of
+//! each connection, and [`WAITING`] bytes that wait for one that does not read.
 //! Fails: never; a connection that breaks, falls silent or opens no session is closed.
 use protocol::Ns;
 use protocol::record::{JobState, ReplyWriter, RequestRecord};

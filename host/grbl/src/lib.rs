@@ -20,4 +20,4 @@ mod settings;
 mod wire;
 
 pub use feeder::Pace;
-pub use wire::{Port, Served, serve};
+pub use wire::{Channel, Local, Port, Served, serve};

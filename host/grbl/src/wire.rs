@@ -1,4 +1,4 @@
-//! Where senders connect: TCP, or a pseudo-terminal.
+//! Where senders connect: TCP, a pseudo-terminal, or from within the program.
 //!
 //! In: connections. Out: a session, one sender at a time; a second one is told so and closed. A
 //! connection that ends, or takes no answers any more, is an abort. Fails: with the link's error.
@@ -11,6 +11,7 @@ use machine::Machine;
 use std::io::{ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::sync::Arc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel};
 use std::time::{Duration, Instant};
 
 /// Longest wait for bytes while something else may come, and while nothing may.
@@ -30,9 +31,50 @@ pub enum Port {
     /// The master's end of a pseudo-terminal.
     #[cfg(unix)]
     Pty(Box<serialport::TTYPort>),
+    /// A sender of this program: [`Port::local`].
+    Local(Channel),
+}
+
+/// The port's end of a sender of this program.
+pub struct Channel {
+    received: Receiver<Vec<u8>>,
+    answers: Sender<Vec<u8>>,
+    /// Bytes that were received and not taken.
+    rest: Vec<u8>,
+}
+
+/// A sender of this program. Dropping it is the end of its connection.
+pub struct Local {
+    sent: Sender<Vec<u8>>,
+    answers: Receiver<Vec<u8>>,
+}
+
+impl Local {
+    /// Sends bytes; false once the port is closed.
+    pub fn send(&self, bytes: &[u8]) -> bool {
+        self.sent.send(bytes.to_vec()).is_ok()
+    }
+
+    /// Answers that have come; none once the port is closed.
+    pub fn answers(&self) -> Option<Vec<u8>> {
+        let mut all = Vec::new();
+        loop {
+            match self.answers.try_recv() {
+                Ok(mut bytes) => all.append(&mut bytes),
+                Err(TryRecvError::Empty) => return Some(all),
+                Err(TryRecvError::Disconnected) => return (!all.is_empty()).then_some(all),
+            }
+        }
+    }
 }
 
 impl Port {
+    /// A port for one sender of this program.
+    pub fn local() -> (Port, Local) {
+        let ((sent, received), (answering, answers)) = (channel(), channel());
+        (Port::Local(Channel { received, answers: answering, rest: Vec::new() }), Local { sent, answers })
+    }
+
     /// A new pseudo-terminal, and the name that a sender opens.
     ///
     /// # Errors
@@ -148,6 +190,7 @@ enum Listener {
     Tcp(TcpListener),
     #[cfg(unix)]
     Pty(Option<Box<serialport::TTYPort>>),
+    Local(Option<Channel>),
 }
 
 /// A sender's connection.
@@ -155,6 +198,7 @@ enum Wire {
     Tcp(TcpStream, Option<Duration>),
     #[cfg(unix)]
     Pty(Box<serialport::TTYPort>),
+    Local(Channel),
 }
 
 fn is_wait(error: &std::io::Error) -> bool {
@@ -170,6 +214,7 @@ impl Listener {
             }
             #[cfg(unix)]
             Port::Pty(master) => Ok(Listener::Pty(Some(master))),
+            Port::Local(channel) => Ok(Listener::Local(Some(channel))),
         }
     }
 
@@ -184,6 +229,11 @@ impl Listener {
                         && stream.set_write_timeout(Some(DEAF)).is_ok()
                     {
                         return Ok(Some(Wire::Tcp(stream, None)));
+                    }
+                }
+                Listener::Local(channel) => {
+                    if let Some(channel) = channel.take() {
+                        return Ok(Some(Wire::Local(channel)));
                     }
                 }
                 #[cfg(unix)]
@@ -238,6 +288,19 @@ impl Wire {
                     Err(_) => None,
                 }
             }
+            Wire::Local(channel) => {
+                if channel.rest.is_empty() {
+                    match channel.received.recv_timeout(wait) {
+                        Ok(bytes) => channel.rest = bytes,
+                        Err(RecvTimeoutError::Timeout) => return Some(0),
+                        Err(RecvTimeoutError::Disconnected) => return None,
+                    }
+                }
+                let count = channel.rest.len().min(bytes.len());
+                let taken = channel.rest.drain(..count);
+                bytes.iter_mut().zip(taken).for_each(|(slot, byte)| *slot = byte);
+                Some(count)
+            }
             #[cfg(unix)]
             Wire::Pty(master) => {
                 use serialport::SerialPort;
@@ -258,6 +321,7 @@ impl Wire {
     fn write(&mut self, bytes: &[u8]) -> bool {
         match self {
             Wire::Tcp(stream, _) => stream.write_all(bytes).is_ok(),
+            Wire::Local(channel) => channel.answers.send(bytes.to_vec()).is_ok(),
             #[cfg(unix)]
             Wire::Pty(master) => {
                 use serialport::SerialPort;

@@ -4,8 +4,8 @@
 //! controller until [`Served`] is dropped. It serves one client at a time. A second client gets the
 //! name of the first one, and gets the controller when that connection has gone or its session is
 //! silent. Others may look meanwhile, in read-only sessions ([`client::viewers`]). A connection
-//! without a session is closed after a while and delays nothing. Without a connection the controller
-//! continues, as a board does. Fails: with the operating system's error,
+//! without a session is closed after a while and delays nothing. Without a connection the
+//! controller continues, as a board does. Fails: with the operating system's error,
 //! when a listener cannot be used.
 use crate::board::{Board, Config};
 use crate::link::{Shared, share};
