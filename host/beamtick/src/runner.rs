@@ -75,6 +75,7 @@ pub fn run(arguments: &Run, link: Option<Box<dyn Link>>) -> Result<(), Failure> 
     // Nobody else reaches the inputs of a board that this process starts.
     let name = import::link(arguments.link.as_deref(), &arguments.drawing)?;
     let all_known = link.is_none() && ["qemu", "virtual"].contains(&name.as_str());
+    let shared = arguments.share.share.as_deref().map(share::listen).transpose()?;
     let (served, link) = match link {
         Some(link) => (None, link),
         None if name == "virtual" => {
@@ -84,7 +85,6 @@ pub fn run(arguments: &Run, link: Option<Box<dyn Link>>) -> Result<(), Failure> 
         }
         None => (None, named(&name, &arguments.link_options)?),
     };
-    let shared = arguments.share.share.as_deref().map(share::listen).transpose()?;
     let client = Arc::new(linked(link, &settings, Some(profile))?);
     let knowledge = Knowledge { all_known, virtual_time: false, inputs: inputs.as_ref() };
     let shared = shared.map(|listener| Share::start(listener, Arc::clone(&client))).transpose()?;

@@ -77,7 +77,7 @@ fn what_it_cannot_do_it_says() {
         (&["monitor", &path("square.nc")], 2, "--command"),
         (&["monitor", "--once", "--machine", "no/such.toml"], 2, "no/such.toml: the machine file cannot be read"),
         (&["monitor", "--once", "--command", "--machine", &machine()], 2, "cannot be used with"),
-        (&["run", &path("jog_trap.gts"), "--share", "127.0.0.1"], 2, "--share 127.0.0.1: cannot listen there"),
+        (&["run", &path("jog_trap.gts"), "--link", "virtual", "--share", "127.0.0.1"], 2, "--share 127.0.0.1: cannot"),
     ];
     for (arguments, code, text) in cases {
         let (out, errors, found) = beamtick(arguments);
