@@ -48,9 +48,9 @@ pub fn kind(path: &Path) -> io::Result<Option<Kind>> {
     Ok(KINDS.into_iter().find_map(|(name, kind)| (name == extension).then_some(kind)))
 }
 
-/// Whether it is G-code, by its name.
+/// Whether it is a file of G-code, by its name.
 pub fn is_program(path: &Path) -> bool {
-    kind(path) == Some(Kind::Program)
+    !input::is_standard(path) && matches!(kind(path), Ok(Some(Kind::Program)))
 }
 
 /// Lines of a file that are looked at, to see what it is.

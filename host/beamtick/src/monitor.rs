@@ -43,7 +43,8 @@ const LOOKS: &str = "this view only looks; --command with --machine FILE takes t
 pub fn monitor(arguments: &Monitor) -> Result<(), Failure> {
     let machine = arguments.machine.as_deref().map(machine_file::open).transpose()?;
     let once = arguments.once || arguments.json;
-    if !once && !(std::io::stdout().is_terminal() && std::io::stdin().is_terminal()) {
+    let terminal = std::io::stdout().is_terminal() && std::io::stdin().is_terminal();
+    if !(once || terminal) {
         return Err(Failure::Input(
             "monitor: this is no terminal; --once prints the block, --json an object".to_owned(),
         ));

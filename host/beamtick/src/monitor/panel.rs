@@ -48,7 +48,7 @@ impl Program {
         }
         let drawing = Drawing { machine: arguments.machine.clone(), pass_stops: true, ..Drawing::default() };
         let found = import::job(path, &drawing, None)?;
-        let bytes = input::read(path)
+        let bytes = input::read(path, input::Role::Job)
             .map_err(|error| Failure::Input(format!("{name}: the program cannot be read: {error}")))?;
         let lines = String::from_utf8_lossy(&bytes).lines().map(str::to_owned).collect();
         let side = |letter| {
