@@ -246,7 +246,7 @@ fn what_is_wrong_has_line_and_reason_and_nothing_moves() {
         ("M6 T1", "p.nc:2: M6 is not supported"),
         ("G1 A5 F1", "p.nc:2: the word A is not supported"),
         ("#1 = 5", "p.nc:2: variables and expressions are not supported"),
-        ("O100 sub", "p.nc:2: O words are not supported"),
+        ("O100 sub", "p.nc:2: `O100SUB`: O words are not supported"),
         ("M0", "p.nc:2: M0 waits for an operator"),
         ("G1 X1 (open", "p.nc:2: a comment is not closed"),
         ("G1 X1 F-5", "p.nc:2: F is below 0"),
