@@ -35,7 +35,7 @@ Examples, with the files of examples/:
   beamtick plot t.csv -o t.png --from 900 --to 1100
   beamtick run pt_static.gts --link qemu --vcd t.vcd
   beamtick run jog_trap.gts --link tcp:192.168.1.20:5000 --strict
-  beamtick run jog_trap.gts --link serial:/dev/ttyACM0:921600
+  beamtick run jog_trap.gts --link serial:/dev/ttyACM0:3000000
   beamtick machine new machine.toml
   beamtick sim square.nc --machine machine.toml --xy square.png
   beamtick check badge.svg --machine machine.toml --plot plan.png
