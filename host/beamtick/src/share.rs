@@ -3,8 +3,8 @@
 //! In: a listener, the client that holds the link, what job it runs. Out: reads, forwarded over the
 //! link, and their replies. Owns the listener and a thread. Nothing but reads of the immediate lane
 //! is forwarded ([`protocol::viewer`]), and ProgramStatus not even then: the controller takes it
-//! for the program's own, which sends entries again after it. It is answered with the state that the
-//! program got last.
+//! for the program's own, which sends entries again after it. It is answered with the state that
+//! the program got last.
 //! Fails: when the link fails, the thread ends; whoever holds the link reports it.
 use crate::Failure;
 use client::viewers::Viewers;

@@ -154,8 +154,8 @@ impl Client {
     ///
     /// # Errors
     /// −7 if nothing answers; 3 if client and firmware do not match, or the board cannot hold the
-    /// profile; −6 if the controller is open already, or gives no read-only session; 7 if the tick
-    /// period is out of its range.
+    /// profile; 7 if the tick period is out of its range. −6 if the controller is open already, or
+    /// gives no read-only session.
     pub fn open(link: Box<dyn Link>, options: Options) -> Result<Client> {
         let name = link.name().to_owned();
         let mut inner = Inner::new(link, options.identity, options.read_only);

@@ -1,9 +1,9 @@
 //! The side that commands: keys to what a Grbl port does, and a program to lines of it.
 //!
 //! In: keys, the lines of a program. Out: bytes to a port of this program (`grbl::Port::local`),
-//! and what it says. So a hold, a jog, a stop and an alarm are those of `beamtick grbl`: dark where it
-//! is dark. Owns the port's thread. Fails: with the link's error, after which nothing is commanded
-//! any more.
+//! and what it says. So a hold, a jog, a stop and an alarm are those of `beamtick grbl`: dark where
+//! it is dark. Owns the port's thread. Fails: with the link's error, after which nothing is
+//! commanded any more.
 use super::screen::{Key, Says};
 use super::state::JobNow;
 use crate::command_line::{Drawing, Monitor};
