@@ -111,7 +111,7 @@ fn help(shown: &clap::Error) -> ExitCode {
     match shown.print().and_then(|()| std::io::stdout().flush()) {
         // Its reader may have seen enough.
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            complain!("the help cannot be written: {error}");
+            complain!("the standard output cannot be written: {error}");
             printer::finish(None);
             ExitCode::from(1)
         }

@@ -166,7 +166,7 @@ impl<'a> Live<'a> {
         let entries = report.total();
         let done = progress.queue.executed.get().min(entries);
         let planned = self.source.extent.as_ref().map(|extent| extent.seconds);
-        let left_ms = left_ms(progress.clock().as_secs_f64(), (done, entries), planned);
+        let left_ms = left_ms(progress.clock().as_secs_f64(), planned);
         let job = JobState { entries: entries.into(), done: done.into(), left_ms: left_ms.into() };
         let job = (job, self.source.name.clone());
         if report.is_seen() {
@@ -183,15 +183,9 @@ impl<'a> Live<'a> {
 }
 
 /// Time left of a job, ms: what the look-ahead has planned for its path less the script clock `at`
-/// (s). Without a plan, what remains takes as long for each entry as what is done.
-fn left_ms(at: f64, (done, entries): (u32, u32), planned: Option<f64>) -> u32 {
-    let seconds = match planned {
-        Some(all) => (all - at).max(0.0),
-        // What was just begun says nothing.
-        None if done == 0 || at < 1.0 => return UNKNOWN_MS,
-        None => at * f64::from(entries - done) / f64::from(done),
-    };
-    (seconds * 1e3).min(f64::from(UNKNOWN_MS - 1)) as u32
+/// (s). Without a plan nobody knows it.
+fn left_ms(at: f64, planned: Option<f64>) -> u32 {
+    planned.map_or(UNKNOWN_MS, |all| ((all - at).max(0.0) * 1e3).min(f64::from(UNKNOWN_MS - 1)) as u32)
 }
 
 #[cfg(test)]

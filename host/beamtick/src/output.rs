@@ -174,7 +174,7 @@ pub fn check(inputs: &[PathBuf], outputs: &[(&str, &Path, bool)]) -> Result<(), 
         inputs.iter().map(|name| (place(name), format!("the job reads {}", name.display()))).collect();
     for (option, name, drawn) in outputs {
         if *name == Path::new("-") {
-            let why = "it names a file; the standard output is /dev/stdout. The job was not run";
+            let why = "it names a file; the standard output is /dev/stdout. Nothing was done";
             return Err(Failure::Input(format!("{option} -: {why}")));
         }
         // A device or a pipe takes more than one.

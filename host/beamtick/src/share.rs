@@ -86,7 +86,7 @@ impl Drop for Share {
 
 fn serve(listener: &TcpListener, client: &Client, known: &Mutex<Known>, stop: &AtomicBool) {
     let mut viewers = Viewers::new();
-    let mut shown = Instant::now();
+    let (mut shown, mut seen) = (Instant::now(), 0);
     let mut failed = false;
     while !stop.load(Ordering::Relaxed) && !failed {
         while let Ok((stream, _)) = listener.accept() {
@@ -106,7 +106,9 @@ fn serve(listener: &TcpListener, client: &Client, known: &Mutex<Known>, stop: &A
                 }
             }
         });
-        if shown.elapsed() >= JOB {
+        // One that has just come is told at once.
+        let count = viewers.count();
+        if count > std::mem::replace(&mut seen, count) || shown.elapsed() >= JOB {
             shown = Instant::now();
             let job = locked(known).job.clone();
             if let Some((job, name)) = job {

@@ -60,6 +60,9 @@ impl Source {
             return Ok(source);
         }
         let bytes = input::read(path, Role::Job).map_err(|error| unread(&name, &error))?;
+        if input::is_standard(path) && bytes.iter().all(u8::is_ascii_whitespace) {
+            return Err(Failure::Input(format!("{name}: nothing came over the standard input; no job was run")));
+        }
         let read = if input::is_standard(path) { Vec::new() } else { vec![path.to_owned()] };
         if let Some((_, what)) = import::looks_like(&bytes) {
             return Err(Failure::Input(format!(

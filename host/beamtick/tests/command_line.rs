@@ -76,8 +76,8 @@ fn any_file_may_come_over_the_standard_input() {
     let same = |job: &str| job.lines().filter(|line| !line.starts_with("//")).collect::<Vec<_>>().join("\n");
     assert_eq!(same(&job), same(&written));
     let square = "<svg xmlns='http://www.w3.org/2000/svg' width='9mm' height='9mm'><path stroke='red' fill='none' d='M1 1h5v5z'/></svg>";
-    for text in [program, square, &job] {
-        let options: &[&str] = if text == job { &[] } else { &["--machine", &machine] };
+    let drawn = ["--machine", &machine, "--layer", "power=20,speed=600"];
+    for (text, options) in [(program, &drawn[..2]), (square, &drawn[..]), (job.as_str(), &[])] {
         let (out, errors, code) = fed(text, &[&["sim", "-"], options].concat());
         assert!(code == 0 && out.contains("axis 1: planned"), "{out}{errors}");
     }
@@ -94,6 +94,7 @@ fn any_file_may_come_over_the_standard_input() {
         (program, vec!["import", "-", "--machine", "-", "-o", "x.gts"], "the standard input is the job already"),
         (plain, vec!["import", "-", "--machine", &machine, "-o", "x.gts"], "-: it is neither G-code nor a drawing"),
         (plain, vec!["sim", "-", "--trace", "-"], "--trace -: it names a file; the standard output is /dev/stdout"),
+        ("", vec!["sim", "-"], "-: nothing came over the standard input"),
         (
             plain,
             vec!["machine", "new", "-"],
@@ -114,7 +115,10 @@ fn help_that_cannot_be_written_is_an_error() {
     let mut command = std::process::Command::new(assert_cmd::cargo::cargo_bin("beamtick"));
     let output = command.arg("--help").stdout(full).output().unwrap();
     let errors = String::from_utf8(output.stderr).unwrap();
-    assert!(output.status.code() == Some(1) && errors.starts_with("the help cannot be written: "), "{errors}");
+    assert!(
+        output.status.code() == Some(1) && errors.starts_with("the standard output cannot be written: "),
+        "{errors}"
+    );
 }
 
 #[test]

@@ -4,7 +4,9 @@ mod served;
 
 use assert_cmd::cargo::cargo_bin;
 use client::{Client, Options};
-use protocol::command::{AxisOn, GetClock, LaserOn, LaserOutFrq, LaserPowerMode, LaserPrfCmd, SetAxisMode, SetPrfPos};
+use protocol::command::{
+    AxisOn, GetClock, LaserOn, LaserOutFrq, LaserPowerMode, LaserPrfCmd, LaserStatus, SetAxisMode, SetPrfPos,
+};
 use serde_json::Value;
 use served::Served;
 use std::fs;
@@ -157,6 +159,57 @@ fn others_look_over_the_link_of_a_job_and_disturb_nothing() {
     // It ran until the signal came, which says that it is dark and at rest.
     assert_eq!(code, 130, "{out}{errors}");
     assert!(!errors.contains("error "), "{out}{errors}");
+}
+
+/// The terminal of a monitor that commands: keys act though nobody takes what it shows, and where it
+/// goes away without a signal, all is dark by an Abort, not by the loss of the link.
+#[cfg(unix)]
+#[test]
+fn a_terminal_that_is_stuck_or_goes_away_leaves_no_light() {
+    use serialport::SerialPort;
+    use std::io::Write;
+    let folder = tempfile::tempdir().unwrap();
+    let nc = folder.path().join("long.nc");
+    fs::write(&nc, format!("G21 G90\nM3 S500 F600\n{}M5\nM2\n", "G1 X100\nG1 X10\n".repeat(50))).unwrap();
+    let served = Served::start(&[]);
+    let (mut master, slave) = serialport::TTYPort::pair().unwrap();
+    let terminal = slave.name().unwrap();
+    let end = || Stdio::from(fs::File::options().read(true).write(true).open(&terminal).unwrap());
+    let mut child = Command::new(cargo_bin("beamtick"))
+        .args(["monitor", nc.to_str().unwrap(), "--command", "--machine", &machine(), "--link", &served.1])
+        .stdin(end())
+        .stdout(end())
+        .stderr(end())
+        .spawn()
+        .unwrap();
+    drop(slave);
+    let viewer = opened(&served.1, true).unwrap();
+    let until = |light: bool, each: &mut dyn FnMut()| {
+        let began = Instant::now();
+        loop {
+            let state = viewer.call(LaserStatus { core: 1.into(), channel: 0.into() }).unwrap();
+            if (state.light != 0) == light {
+                return state.fault.get();
+            }
+            assert!(began.elapsed() < PATIENCE, "light is {}", state.light);
+            each();
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    };
+    for _ in 0..2 {
+        // One press may come before the monitor listens.
+        until(true, &mut || master.write_all(b"s").unwrap());
+        // Longer than a terminal that nobody reads takes pictures.
+        std::thread::sleep(Duration::from_millis(600));
+        master.write_all(b"x").unwrap();
+        assert_eq!(until(false, &mut || ()), 0, "the stop key");
+        // Presses that were left begin no program after it.
+        std::thread::sleep(Duration::from_millis(100));
+    }
+    until(true, &mut || master.write_all(b"s").unwrap());
+    drop(master);
+    assert_eq!(until(false, &mut || ()), 0, "the terminal has gone");
+    assert_eq!(child.wait().unwrap().code(), Some(1));
 }
 
 #[test]

@@ -95,6 +95,8 @@ pub struct Panel {
     /// It is younger than the last answer.
     fresh: bool,
     message: String,
+    /// The message says why there is an alarm.
+    is_alarm: bool,
     step: usize,
     /// Greatest rate at which all axes can go, mm/min, and how many there are.
     rate: f64,
@@ -126,6 +128,7 @@ impl Panel {
             state: "starts".to_owned(),
             fresh: false,
             message: String::new(),
+            is_alarm: false,
             step: 3,
             rate: machine.axes.iter().map(|axis| axis.max_rate).fold(f64::INFINITY, f64::min),
             axes: machine.axes.len(),
@@ -147,6 +150,10 @@ impl Panel {
 
     /// Does what a key asks for; what there is to say to it.
     pub fn press(&mut self, key: Key) -> String {
+        // What was said before is not of this.
+        if !matches!(key, Key::Step(_) | Key::Quit | Key::Unknown) && !(self.is_alarm && key != Key::Unlock) {
+            self.message.clear();
+        }
         match key {
             Key::Hold => self.at_once(b"!"),
             Key::GoOn => self.at_once(b"~"),
@@ -156,7 +163,10 @@ impl Panel {
                 self.resets = true;
                 "stopped: dark, everything brakes; the position stays known".clone_into(&mut self.message);
             }
-            Key::Unlock => self.waiting.push_back("$X".to_owned()),
+            Key::Unlock => {
+                self.is_alarm = false;
+                self.waiting.push_back("$X".to_owned());
+            }
             Key::Step(longer) => {
                 self.step = if longer { (self.step + 1).min(STEPS_MM.len() - 1) } else { self.step.saturating_sub(1) };
             }
@@ -294,10 +304,18 @@ impl Panel {
         } else if line.starts_with("error:") {
             self.refused(line);
         } else if let Some(text) = line.strip_prefix("[MSG:") {
-            text.trim_end_matches(']').clone_into(&mut self.message);
+            let text = text.trim_end_matches(']');
+            match (self.is_alarm, self.message.starts_with("ALARM:")) {
+                (false, _) => text.clone_into(&mut self.message),
+                (true, true) => self.message = format!("{text} ({}); u unlocks", self.message),
+                // Lines that were under way when the alarm came are refused for it.
+                (true, false) => {}
+            }
         } else if line.starts_with("ALARM:") {
             self.waiting.clear();
             self.run = None;
+            self.is_alarm = true;
+            line.clone_into(&mut self.message);
         }
     }
 

@@ -1,7 +1,8 @@
 //! The terminal: the block drawn, and keys.
 //!
 //! In: a state, keys. Out: a screen. Owns the terminal from [`Screen::open`] until it is dropped,
-//! and then it is as it was. Fails: with the operating system's error.
+//! and then it is as it was. A thread draws and another one reads keys: a terminal that takes
+//! nothing delays no key. Fails: with the operating system's error, and when the terminal has gone.
 use super::block::{self, Tone};
 use super::panel::Panel;
 use super::state::State;
@@ -12,6 +13,9 @@ use ratatui::style::{Modifier, Style, Stylize};
 use ratatui::text::Line;
 use ratatui::widgets::{Block, Gauge, Paragraph};
 use ratatui::{DefaultTerminal, Frame};
+use std::io::{self, IsTerminal};
+use std::mem::ManuallyDrop;
+use std::sync::mpsc::{Receiver, SyncSender, TrySendError, channel, sync_channel};
 use std::time::Duration;
 
 /// What a key asks for.
@@ -67,36 +71,84 @@ pub fn meaning(code: KeyCode, modifiers: KeyModifiers) -> Key {
     }
 }
 
+/// A terminal that takes nothing is given up after this time.
+const GIVEN_UP: Duration = Duration::from_millis(300);
+
+/// A picture.
+type Picture = (State, Option<Says>, String);
+
 /// See the module text.
-pub struct Screen(DefaultTerminal);
+pub struct Screen {
+    /// The next picture; none is the end.
+    pictures: Option<SyncSender<Picture>>,
+    keys: Receiver<io::Result<Key>>,
+    /// The end of the drawing, and of the terminal.
+    drawn: Receiver<io::Result<()>>,
+}
 
 impl Screen {
     /// Takes the terminal.
     pub fn open() -> Result<Screen, Failure> {
-        ratatui::try_init().map(Screen).map_err(failed)
+        // Dropping it would write to the error stream, which may be this terminal and have gone.
+        let mut terminal = ManuallyDrop::new(ratatui::try_init().map_err(failed)?);
+        let (pictures, next) = sync_channel(1);
+        let (ended, drawn) = channel();
+        std::thread::spawn(move || {
+            let done = pictures_on(&mut terminal, &next);
+            ended.send(done.and(terminal.show_cursor()).and(ratatui::try_restore()))
+        });
+        let (pressed, keys) = channel();
+        // It ends with the process, or when nobody listens.
+        std::thread::spawn(move || while pressed.send(read_key()).is_ok() {});
+        Ok(Screen { pictures: Some(pictures), keys, drawn })
     }
 
-    /// Draws everything.
+    /// Draws everything, unless the picture before is not drawn yet.
     pub fn draw(&mut self, state: &State, panel: Option<&Panel>, note: &str) -> Result<(), Failure> {
-        let panel = panel.map(Panel::says);
-        self.0.draw(|frame| draw(frame, state, panel.as_ref(), note)).map(drop).map_err(failed)
+        if let Some(pictures) = &self.pictures
+            && let Err(TrySendError::Disconnected(_)) =
+                pictures.try_send((state.clone(), panel.map(Panel::says), note.to_owned()))
+        {
+            let why = self.drawn.recv_timeout(GIVEN_UP).unwrap_or(Ok(()));
+            return Err(failed(why.err().unwrap_or_else(|| io::Error::other("it takes nothing any more"))));
+        }
+        Ok(())
     }
 
     /// The next key; none after this time without one.
     pub fn key(&mut self, wait: Duration) -> Result<Option<Key>, Failure> {
-        if !event::poll(wait).map_err(failed)? {
-            return Ok(None);
+        match self.keys.recv_timeout(wait) {
+            Ok(key) => key.map(Some).map_err(failed),
+            // Where it has gone, reading it may wait for ever.
+            Err(_) if !(io::stdin().is_terminal() && io::stdout().is_terminal()) => {
+                Err(failed(io::Error::other("it has gone")))
+            }
+            Err(_) => Ok(None),
         }
-        Ok(match event::read().map_err(failed)? {
-            Event::Key(key) if key.kind != KeyEventKind::Release => Some(meaning(key.code, key.modifiers)),
-            _ => None,
-        })
+    }
+}
+
+fn pictures_on(terminal: &mut DefaultTerminal, pictures: &Receiver<Picture>) -> io::Result<()> {
+    pictures.iter().try_for_each(|(state, panel, note)| {
+        terminal.draw(|frame| draw(frame, &state, panel.as_ref(), &note)).map(drop)
+    })
+}
+
+/// Waits for a key.
+fn read_key() -> io::Result<Key> {
+    loop {
+        if let Event::Key(key) = event::read()?
+            && key.kind != KeyEventKind::Release
+        {
+            return Ok(meaning(key.code, key.modifiers));
+        }
     }
 }
 
 impl Drop for Screen {
     fn drop(&mut self) {
-        ratatui::restore();
+        self.pictures = None;
+        let _ = self.drawn.recv_timeout(GIVEN_UP);
     }
 }
 
@@ -129,8 +181,18 @@ pub fn draw(frame: &mut Frame<'_>, state: &State, panel: Option<&Says>, note: &s
         Tone::Light => Style::new().yellow().add_modifier(Modifier::BOLD),
         Tone::Fault => Style::new().red().add_modifier(Modifier::BOLD),
     };
-    let lines = block::lines(state, mode).into_iter().map(|line| Line::styled(line.text, style(line.tone)));
-    frame.render_widget(Paragraph::new(lines.collect::<Vec<_>>()), machine);
+    // What is wrong comes first, so that a low terminal shows it.
+    let (faults, others): (Vec<_>, Vec<_>) =
+        block::lines(state, mode).into_iter().partition(|line| line.tone == Tone::Fault);
+    let lines = faults.into_iter().chain(others).map(|line| Line::styled(line.text, style(line.tone)));
+    let mut lines: Vec<_> = lines.collect();
+    let room = usize::from(machine.height);
+    if lines.len() > room {
+        let more = lines.len() + 1 - room;
+        lines.truncate(room.saturating_sub(1));
+        lines.push(Line::from(format!("… {more} more lines: the terminal is low")));
+    }
+    frame.render_widget(Paragraph::new(lines), machine);
     if let Some(job) = &state.job {
         let ratio = f64::from(job.done.min(job.entries)) / f64::from(job.entries.max(1));
         let left = job.left_s.map_or(String::new(), |left| format!(", about {} left", block::time(left)));
