@@ -168,6 +168,7 @@ fn others_look_over_the_link_of_a_job_and_disturb_nothing() {
 fn a_terminal_that_is_stuck_or_goes_away_leaves_no_light() {
     use serialport::SerialPort;
     use std::io::Write;
+    use std::os::fd::AsRawFd;
     let folder = tempfile::tempdir().unwrap();
     let nc = folder.path().join("long.nc");
     fs::write(&nc, format!("G21 G90\nM3 S500 F600\n{}M5\nM2\n", "G1 X100\nG1 X10\n".repeat(50))).unwrap();
@@ -175,7 +176,11 @@ fn a_terminal_that_is_stuck_or_goes_away_leaves_no_light() {
     let (mut master, slave) = serialport::TTYPort::pair().unwrap();
     let terminal = slave.name().unwrap();
     let end = || Stdio::from(fs::File::options().read(true).write(true).open(&terminal).unwrap());
-    let mut child = Command::new(cargo_bin("beamtick"))
+    // The other end is this process's alone, or it would never go away.
+    let own = master.as_raw_fd().to_string();
+    let mut child = Command::new("bash")
+        .args(["-c", "eval \"exec $1>&-\"; shift; exec \"$@\"", "bash", &own])
+        .arg(cargo_bin("beamtick"))
         .args(["monitor", nc.to_str().unwrap(), "--command", "--machine", &machine(), "--link", &served.1])
         .stdin(end())
         .stdout(end())
