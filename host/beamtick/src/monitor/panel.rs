@@ -151,7 +151,8 @@ impl Panel {
     /// Does what a key asks for; what there is to say to it.
     pub fn press(&mut self, key: Key) -> String {
         // What was said before is not of this.
-        if !matches!(key, Key::Step(_) | Key::Quit | Key::Unknown) && !(self.is_alarm && key != Key::Unlock) {
+        let keeps = matches!(key, Key::Step(_) | Key::Quit | Key::Unknown) || self.is_alarm && key != Key::Unlock;
+        if !keeps {
             self.message.clear();
         }
         match key {
