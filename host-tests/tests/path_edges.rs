@@ -13,7 +13,7 @@ mod random;
 
 use chance::Chance;
 use host_tests::laser_model::{Family, Ns};
-use host_tests::path_model::Why;
+use host_tests::path_model::{Course, Entry, Why};
 use machine::{Machine, Reported, numbered};
 use random::{Effect, Random, fits, random, set_up, undisturbed};
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
@@ -104,6 +104,12 @@ fn reported(reported: &Reported) -> Vec<(Ns, Output, i64)> {
     switch.chain(volts).chain(general).collect()
 }
 
+/// How many entries there are up to the last motion that has ended.
+fn passed(path: &Random, course: &Course) -> usize {
+    let motions = path.entries.iter().enumerate().filter(|(_, entry)| matches!(entry, Entry::Motion(..)));
+    motions.take(course.ends.len()).last().map_or(0, |(index, _)| index + 1)
+}
+
 /// Paths from where the axes stand.
 fn group(number: u64) -> Vec<Random> {
     let chance = &mut Chance::new(number);
@@ -111,7 +117,11 @@ fn group(number: u64) -> Vec<Random> {
     let mut paths = Vec::new();
     while paths.len() < GROUP as usize {
         let path = random(chance, from, 30, 0);
-        if fits(&undisturbed(&path), 0.0, 64) {
+        let course = undisturbed(&path);
+        let waits = |entry: &Entry| matches!(entry, Entry::Delay(_));
+        // One that comes to a delay at speed does not get to its end.
+        let stops = course.rests[0].why == Why::Underrun && path.entries[passed(&path, &course)..].iter().any(waits);
+        if fits(&course, 0.0, 64) && !stops {
             from = path.end;
             paths.push(path);
         }

@@ -104,7 +104,7 @@ fn entries(chance: &mut Chance) -> (Vec<PathEntry>, [i32; 2], u64) {
 #[test]
 fn what_stops_at_once_shows_the_set_points_of_the_tick_before_and_goes_on() {
     let mut chance = Chance::new(4);
-    let (mut stops, mut within, mut back) = (0, 0, 0);
+    let (mut stops, mut within, mut back, mut early) = (0, 0, 0, 0);
     for case in 0..400 {
         let period = [25, 50, 250, 1000][case % 4];
         let (entries, end, last) = entries(&mut chance);
@@ -121,8 +121,12 @@ fn what_stops_at_once_shows_the_set_points_of_the_tick_before_and_goes_on() {
                 view = stop(&mut bench, cause);
                 let published = &view.crds[0];
                 assert!(!published.runs, "{case}: {cause:?}");
-                let over = matches!(published.stop, StopReason::Completed | StopReason::Underrun);
-                if over {
+                let ran_out = matches!(published.stop, StopReason::Completed | StopReason::Underrun);
+                let over = ran_out && published.released[0] == entries.len() as u32;
+                if ran_out && !over {
+                    // It had stopped in front of a delay before that tick.
+                    (before, early) = (view, early + 1);
+                } else if over {
                     // It had come to its end before that tick.
                     assert_eq!(at(&view).map(pulses), [f64::from(end[0]) + 100.0, f64::from(end[1]) - 50.0]);
                 } else {
@@ -156,9 +160,15 @@ fn what_stops_at_once_shows_the_set_points_of_the_tick_before_and_goes_on() {
             assert!(gone[0].hypot(gone[1]) <= most, "{case}: {gone:?}");
             assert!(view.crds[0].done[0] >= last_done, "{case}");
             last_done = view.crds[0].done[0];
-            if !view.crds[0].runs {
+            let (runs, released) = (view.crds[0].runs, view.crds[0].released);
+            if !runs && released[0] == entries.len() as u32 {
                 ended = true;
                 break;
+            }
+            if !runs {
+                assert_eq!(view.crds[0].stop, StopReason::Underrun, "{case}");
+                bench.start_path(&[0]);
+                early += 1;
             }
         }
         assert!(ended, "{case}");
@@ -169,7 +179,7 @@ fn what_stops_at_once_shows_the_set_points_of_the_tick_before_and_goes_on() {
         // Each once, in order.
         assert_eq!(bench.machine.levels, (0..=last).collect::<Vec<_>>(), "{case}");
     }
-    assert!(stops > 2000 && within > 1000 && back > 50, "{stops} {within} {back}");
+    assert!(stops > 2000 && within > 1000 && back > 50 && early > 20, "{stops} {within} {back} {early}");
 }
 
 /// Motions shorter than a tick with axes geared to them, stopped in any tick: each axis ends where

@@ -151,12 +151,13 @@ fn distance(a: &[i32; 4], b: &[i32; 4]) -> Fix {
 #[test]
 fn boundaries_of_random_paths_come_at_their_exact_instants() {
     let mut chance = Chance::new(5);
-    let mut worst = 0.0f64;
+    let (mut worst, mut early) = (0.0f64, 0);
     for case in 0..100_000 {
         let even = if chance.below(3) == 0 { chance.below(3) as u16 } else { 0 };
         let count = 1 + chance.below(4);
         let (mut entries, mut motions) = (vec![mark(0)], Vec::new());
         let mut place = [0i32; 4];
+        let mut places = vec![place];
         for i in 0..count {
             let vel = chance.log(0.5, 400.0);
             let acc = vel / chance.log(0.1, 4.0);
@@ -167,6 +168,7 @@ fn boundaries_of_random_paths_come_at_their_exact_instants() {
                 *x += (chance.sign() * chance.unit() * reach) as i32;
             }
             place[0] += (place == before) as i32;
+            places.push(place);
             let end = if chance.below(4) == 0 { 0.0 } else { chance.unit() * vel * 1.2 };
             let speeds = Speeds { vel, acc, end };
             let wait = chance.below(8) == 0;
@@ -188,11 +190,19 @@ fn boundaries_of_random_paths_come_at_their_exact_instants() {
             v = stretches[2].v1.clone();
             expected.push(time.clone());
             underrun = v.f64() > 1e-12;
+            if underrun && *wait {
+                // It stops in front of the wait.
+                break;
+            }
             if *wait {
                 (time, v) = (time.add(&whole(2)), whole(0));
-                underrun = false;
             }
         }
+        let passed = expected.len() as u32 - 1;
+        let waits = motions.iter().take(passed as usize).filter(|(.., wait)| *wait).count() as u32;
+        let stops_before_wait = underrun && motions[passed as usize - 1].2;
+        early += usize::from(stops_before_wait);
+        let released = 1 + 2 * passed + waits - u32::from(stops_before_wait);
         let script = Script(entries);
         let mut last = Vec::new();
         for period in [1_000_000, 10_000] {
@@ -200,8 +210,9 @@ fn boundaries_of_random_paths_come_at_their_exact_instants() {
             path.rules.set_even(even);
             let mut end = None;
             let heard = run(&mut path, &script, period, |_, step| end = Some(*step));
-            assert_eq!(end.unwrap().position, place.map(Pos::pulses), "{case}");
-            assert_eq!((end.unwrap().done, path.released(0)), (count as u32, script.0.len() as u32));
+            assert_eq!(end.unwrap().position, places[passed as usize].map(Pos::pulses), "{case}");
+            assert_eq!((end.unwrap().done, path.released(0)), (passed, released));
+            assert!(stops_before_wait || passed == count as u32 && released == script.0.len() as u32);
             let rest = if underrun { PathStop::Underrun } else { PathStop::Completed };
             assert_eq!(heard.rests.iter().map(|r| r.1).collect::<Vec<_>>(), [rest], "{case}");
             assert_eq!(heard.marks.len(), expected.len());
@@ -219,6 +230,7 @@ fn boundaries_of_random_paths_come_at_their_exact_instants() {
     }
     println!("worst boundary {worst:e} ns");
     assert!(worst > 0.0 && worst < 0.01);
+    assert!(early > 1_000, "{early} waits are reached at speed");
 }
 
 /// Positions on a line are those of the law at every tick, in all coordinates.

@@ -146,8 +146,8 @@ fn speed_goes_through_a_corner_and_to_zero_where_nothing_or_a_wait_follows() {
     assert_eq!(bench.heard.rests[0].1, PathStop::Completed);
 }
 
-/// A motion too short to brake before a wait: the motion after the wait begins at rest, however
-/// long there is to make it ahead.
+/// A motion too short to brake before a wait: after the start that goes on, the motion after the
+/// wait begins at rest, however long there is to make it ahead.
 #[test]
 fn a_motion_after_a_wait_begins_at_rest() {
     let fast = speeds(10.0, 1.0, 10.0);
@@ -160,6 +160,8 @@ fn a_motion_after_a_wait_begins_at_rest() {
         mark(2),
     ];
     let mut bench = Bench::new(entries, 100_000);
+    bench.start(0);
+    bench.finish();
     bench.start(0);
     bench.finish();
     let [(begin, 1), (end, 2)] = bench.marks()[..] else { panic!() };
@@ -183,6 +185,38 @@ fn a_path_too_short_to_brake_ends_in_an_underrun_on_its_target() {
     assert!(!bench.path.runs() && bench.path.refuses_start(0, bench.feed));
 }
 
+/// A wait that the path reaches at speed, because what is before it is too short to brake in: the
+/// path stops there, in front of it, and says so. A start goes on with the wait.
+#[test]
+fn a_wait_that_is_reached_at_speed_is_an_underrun() {
+    let speed = (10f64.to_bits(), StepLimit::FULL_SCALE);
+    let travel = PathEntry::travel(Axis::FIRST, 100, speed, 1f64.to_bits(), true).unwrap();
+    for (wait, ms) in [(PathEntry::delay(5), 5.0), (PathEntry::delay(0), 0.0), (travel, 3.0)] {
+        let entries = vec![
+            PathEntry::planar([1000, 0], speeds(10.0, 1.0, 10.0)),
+            PathEntry::planar([1010, 0], speeds(10.0, 1.0, 10.0)),
+            mark(1),
+            wait,
+            PathEntry::planar([1110, 0], speeds(10.0, 1.0, 0.0)),
+            mark(2),
+        ];
+        let mut bench = Bench::new(entries, 100_000);
+        bench.start(0);
+        let last = bench.finish();
+        // From 10 pulse/ms over 10 pulses at 1 pulse/ms²: sqrt(80), 10 − sqrt(80) ms.
+        let end = 105.0 + 10.0 - 80f64.sqrt();
+        let [(at, rest)] = bench.heard.rests[..] else { panic!("{:?}", bench.heard.rests) };
+        assert_eq!((last.position[0], rest, last.done), (Pos::pulses(1010), PathStop::Underrun, 2), "{wait:?}");
+        assert!(near(since(at) / 1e6, end) && near(bench.marks()[0].0, end), "{:?}", bench.marks());
+        assert_eq!((bench.marks().len(), bench.path.released(0)), (1, 3));
+        let again = (bench.now - BEGIN) as f64 / 1e6;
+        bench.start(0);
+        bench.finish();
+        assert_eq!(bench.heard.rests[1].1, PathStop::Completed);
+        assert!(near(bench.marks()[1].0, again + ms + 20.0), "{again} {:?}", bench.marks());
+    }
+}
+
 /// A planner's speeds are rounded: a motion that misses standstill by less than 2⁻¹⁶ pulse counts
 /// as stopped.
 #[test]
@@ -193,14 +227,16 @@ fn an_end_that_only_rounding_keeps_from_rest_is_no_underrun() {
         (ideal + 5e-7, PathStop::Completed),
         (ideal + 1e-5, PathStop::Underrun),
     ] {
-        let entries = vec![
-            PathEntry::planar([1000, 0], speeds(20.0, 0.7, vel)),
-            PathEntry::planar([1100, 0], speeds(20.0, 0.7, 0.0)),
-        ];
-        let mut bench = Bench::new(entries, 100_000);
-        bench.start(0);
-        bench.finish();
-        assert_eq!(bench.heard.rests[0].1, rest, "{vel}");
+        for last in [vec![], vec![PathEntry::delay(1)]] {
+            let entries = [
+                PathEntry::planar([1000, 0], speeds(20.0, 0.7, vel)),
+                PathEntry::planar([1100, 0], speeds(20.0, 0.7, 0.0)),
+            ];
+            let mut bench = Bench::new([&entries[..], &last].concat(), 100_000);
+            bench.start(0);
+            bench.finish();
+            assert_eq!(bench.heard.rests[0].1, rest, "{vel} {last:?}");
+        }
     }
 }
 

@@ -24,7 +24,7 @@ pub enum Command {
 pub enum Why {
     /// Its entries have run out.
     Done,
-    /// The same at speed.
+    /// The same at speed, or it has come to a delay at speed.
     Underrun,
     /// A Stop.
     Stopped,
@@ -180,6 +180,8 @@ impl Run<'_> {
                     let number = *number;
                     self.effect(number);
                 }
+                // What is before it was too short to brake in.
+                Some(Entry::Delay(_)) if self.speed > 0.0 && !self.brakes => return self.rest(Why::Underrun),
                 Some(Entry::Delay(ms)) => {
                     let left = f64::from(*ms) - self.distance;
                     let some = left.min(until - self.now);
@@ -341,6 +343,17 @@ mod tests {
     }
 
     const FRAME: Frame = Frame { speed: 100.0, acc: 100.0, even_ms: 0.0 };
+
+    /// 10 ms up over 50, 95 ms at 10; then 10 pulses down from 10 to √80, in 10 − √80 ms.
+    #[test]
+    fn a_delay_that_is_reached_at_speed() {
+        let fast = |from, to| line(from, to, 10.0, 1.0, 10.0);
+        let entries = [fast(0.0, 1000.0), fast(1000.0, 1010.0), Entry::Effect(0), Entry::Delay(5), Entry::Effect(1)];
+        let course = course(&FRAME, &entries, &[(0.0, Command::Start)], 1e9);
+        let [Rest { at, why: Why::Underrun }] = course.rests[..] else { panic!("{:?}", course.rests) };
+        assert!((at - (115.0 - 80f64.sqrt())).abs() < 1e-9, "{at}");
+        assert_eq!(course.effects, [(at, 0)]);
+    }
 
     /// Worked out by hand.
     #[test]

@@ -370,18 +370,23 @@ impl Crd {
         let mut effects = 0;
         while self.runs && self.now < until {
             let of = &mut self.fifos[self.fifo];
-            match of.entries[..of.seen].get(of.next) {
-                None if self.speed > 1e-3 => self.come_to_standstill(Rest::Underrun),
-                None => {
-                    if self.speed > 1e-9 {
-                        self.unsaid = Some("a path that ends hardly at speed");
-                    }
-                    self.come_to_standstill(Rest::Done);
-                }
+            let entry = of.entries[..of.seen].get(of.next);
+            // Where it should be at standstill.
+            let at_speed = self.speed > 1e-3;
+            let ends = matches!(entry, None | Some(Entry::Delay(_) | Entry::Move(Move { waits: true, .. })));
+            if ends && !at_speed && self.speed > 1e-9 {
+                self.unsaid = Some("a path that ends hardly at speed");
+            }
+            match entry {
+                None if at_speed => self.come_to_standstill(Rest::Underrun),
+                None => self.come_to_standstill(Rest::Done),
                 Some(&Entry::Move(Move { waits: true, axis, .. })) if self.brakes => {
                     world.may_move(axis);
                     self.unsaid = Some("a Stop that comes to a move that the path waits for");
                     self.come_to_standstill(Rest::Stopped);
+                }
+                Some(Entry::Move(Move { waits: true, .. })) if at_speed => {
+                    self.come_to_standstill(Rest::Underrun);
                 }
                 Some(Entry::Move(to)) => {
                     let to = *to;
@@ -408,6 +413,8 @@ impl Crd {
                 }
                 // A Stop that came to it at speed.
                 Some(Entry::Delay(_)) if self.brakes => self.come_to_standstill(Rest::Stopped),
+                // What is before a wait was too short to brake in.
+                Some(Entry::Delay(_)) if at_speed => self.come_to_standstill(Rest::Underrun),
                 Some(Entry::Delay(ms)) => {
                     let left = ms - of.done;
                     self.open |= (left - (until - self.now)).abs() < SAME_INSTANT_MS;

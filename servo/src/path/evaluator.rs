@@ -2,8 +2,8 @@
 //!
 //! In: entries from two FIFOs and how many of them are there, instants, Stops. Out: a [`Step`] a
 //! tick; the effects of entries, with exact instants, to an [`Effects`]. Owns: the motion in force,
-//! a cursor for each FIFO. Fails: entries that run out at speed end the path there,
-//! [`PathStop::Underrun`].
+//! a cursor for each FIFO. Fails: entries that run out at speed end the path there, and so does a
+//! wait that is reached at speed, [`PathStop::Underrun`].
 //!
 //! [`Path::step`] for the tick at `t` first passes the boundaries up to `t`, samples the position,
 //! and then passes those before `t + period`: the path is one period ahead of its published

@@ -2,7 +2,7 @@
 //!
 //! In: an instant up to which boundaries are passed, entries. Out: the effects of entries, to an
 //! [`Effects`]. Owns nothing beyond the [`Path`]. Fails: entries that run out at speed are an
-//! underrun.
+//! underrun, and so is a wait that is reached at speed.
 use super::interface::{Effects, FifoEnds, PathStop};
 use super::{ActiveGear, FastPathCase, GearMotion, Path, PathStage, Preparation, Prepared, WalkBudget, end_of};
 use crate::math::float::Float;
@@ -205,6 +205,11 @@ impl Path {
             let prepared = self.is_known(counter);
             let entry = (!prepared).then(|| source.entry(self.fifo, counter));
             let moves = entry.is_none_or(|entry| entry.is_motion());
+            if entry.is_some_and(|entry| entry.is_wait()) && !self.speed.is_zero() && !self.stopping {
+                // What is before it was too short to brake in.
+                self.come_to_standstill(self.time, PathStop::Underrun, feed, sink);
+                return;
+            }
             let takes = match &entry {
                 Some(entry) if !moves => sink.has_room() && budget.takes(entry.load(), self.time),
                 _ => {

@@ -52,7 +52,8 @@ pub enum PathStop {
     Never = 0,
     /// Its entries have run out.
     Completed = 1,
-    /// Its entries have run out at speed.
+    /// Its entries have run out at speed, or it has come to a wait at speed. In front of a wait it
+    /// can go on.
     Underrun = 2,
     /// A Stop. It can go on.
     Stopped = 3,
