@@ -1,5 +1,5 @@
-//! Lines whose plan needs their acceleration all along, entered slower than planned. Expected speeds
-//! and times are closed forms of their rule.
+//! Lines whose plan needs their acceleration all along, entered slower than planned. Expected
+//! speeds and times are closed forms of their rule.
 //!
 //! Let u be the present square of the speed as a part of the planned one, ±A the planned
 //! acceleration. The acceleration is within u·(±A) ± (1 − u)·A, and as near to the override as that
