@@ -33,8 +33,10 @@ pub fn cargo() -> Command {
 pub fn program(name: impl AsRef<std::ffi::OsStr>) -> Command {
     let mut command = Command::new(name);
     command.current_dir(root());
-    // Variables that `cargo run` sets for this program are not for the cargo that it starts.
-    for inherited in ["CARGO_MANIFEST_DIR", "CARGO_PKG_NAME", "CARGO_PKG_VERSION", "RUSTUP_TOOLCHAIN"] {
+    // Variables that `cargo run` sets for this program are not for the cargo that it starts. But
+    // RUSTUP_TOOLCHAIN is: without it a package of the registry with a rust-toolchain file of its
+    // own (convert_case 0.10) would be built by that compiler.
+    for inherited in ["CARGO_MANIFEST_DIR", "CARGO_PKG_NAME", "CARGO_PKG_VERSION"] {
         command.env_remove(inherited);
     }
     command
@@ -137,6 +139,12 @@ mod tests {
         assert!(said.ends_with("(exit status: 1): two"), "{said}");
         assert_eq!(read(&mut shell("echo one; echo two >&2")).as_deref(), Ok("one\n"));
         assert!(quietly(&mut shell("exit 1")).unwrap_err().starts_with("it says nothing\n"));
+    }
+
+    #[test]
+    fn the_compiler_of_this_tree_builds_packages_of_the_registry_too() {
+        let kept = cargo().get_envs().all(|(name, _)| name != "RUSTUP_TOOLCHAIN");
+        assert!(kept, "a package's own rust-toolchain file would choose its compiler");
     }
 
     #[test]

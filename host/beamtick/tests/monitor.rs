@@ -161,7 +161,7 @@ fn others_look_over_the_link_of_a_job_and_disturb_nothing() {
     assert!(!errors.contains("error "), "{out}{errors}");
 }
 
-/// The terminal of a monitor that commands: keys act though nobody takes what it shows, and where it
+/// The terminal of a monitor that commands: keys act though nobody takes what it shows. Where it
 /// goes away without a signal, all is dark by an Abort, not by the loss of the link.
 #[cfg(unix)]
 #[test]
