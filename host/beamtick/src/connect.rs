@@ -59,15 +59,20 @@ pub fn named(name: &str, options: &LinkOptions) -> Result<Box<dyn Link>, Failure
     })
 }
 
-/// A client over a link.
-pub fn linked(link: Box<dyn Link>, settings: &Settings, wanted: Option<ProductProfile>) -> Result<Client, Failure> {
+/// A client over a link; `reason` says why a job wants a larger profile than the first.
+pub fn linked(
+    link: Box<dyn Link>,
+    settings: &Settings,
+    wanted: Option<ProductProfile>,
+    reason: Option<&str>,
+) -> Result<Client, Failure> {
     let options = options(settings, wanted)?;
     let profile = options.profile;
     Client::open(link, options).map_err(|error| {
         let too_large = error.refusal.is_some_and(|refusal| refusal.reason.get() == Reason::ProfileTooLarge as u16);
-        match profile.filter(|_| too_large && settings.profile.is_none()) {
-            Some(profile) => Failure::Job(format!(
-                "error {}: {error}\nThe job names cores and axes that need profile {}; --profile NAME chooses another.",
+        match profile.zip(reason).filter(|_| too_large && settings.profile.is_none()) {
+            Some((profile, reason)) => Failure::Job(format!(
+                "error {}: {error}\nThe job's {reason}, which profile {} holds; --profile NAME chooses another.",
                 error.code,
                 profile.name()
             )),

@@ -31,7 +31,7 @@ pub fn serve(arguments: &Grbl) -> Result<(), Failure> {
         Family::Lsr => FamilyName::Lsr,
     };
     let settings = Settings { tick_us: arguments.tick_us, family: Some(family), profile: None };
-    let client = Arc::new(connect::linked(link, &settings, Some(ProductProfile::Gus))?);
+    let client = Arc::new(connect::linked(link, &settings, Some(ProductProfile::Gus), None)?);
     let shared = shared.map(|listener| Share::start(listener, Arc::clone(&client))).transpose()?;
     let of = match &board {
         Some(board) => format!("the virtual controller at tcp:{}", board.address()),

@@ -178,7 +178,7 @@ impl fmt::Display for Facts {
 /// Prints version, board, profile, counts and limits.
 pub fn show(arguments: &Info) -> Result<(), Failure> {
     let client = match &arguments.link {
-        Some(link) => linked(named(link, &arguments.link_options)?, &arguments.settings, None)?,
+        Some(link) => linked(named(link, &arguments.link_options)?, &arguments.settings, None, None)?,
         None => simulated(&arguments.settings, Steps::default(), None)?,
     };
     let facts = facts(&client)?;

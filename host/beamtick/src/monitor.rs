@@ -97,7 +97,7 @@ fn command(arguments: &Monitor, machine: &Machine) -> Result<(), Failure> {
         Family::Lsr => FamilyName::Lsr,
     };
     let settings = Settings { tick_us: None, family: Some(family), profile: None };
-    let client = Arc::new(connect::linked(link, &settings, Some(ProductProfile::Gus))?);
+    let client = Arc::new(connect::linked(link, &settings, Some(ProductProfile::Gus), None)?);
     let mut panel = Panel::new(Arc::clone(&client), machine, program);
     let shown = show(&client, &machine_file::millimetres(machine), Some(&mut panel));
     // Dark at once, everything comes to rest; then the client's session ends with an Abort.

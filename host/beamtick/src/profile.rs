@@ -19,8 +19,19 @@ pub fn named(name: &str) -> Result<ProductProfile, Failure> {
 
 /// The profile for a job.
 pub fn of_job(job: &Job) -> ProductProfile {
-    let named: Vec<(i16, i16)> = job.named.iter().map(|axis| (axis.core, axis.axis)).collect();
+    let named: Vec<(i16, i16)> = job.named.keys().map(|axis| (axis.core, axis.axis)).collect();
     ProductProfile::for_axes(&named)
+}
+
+/// What of a job the first profile lacks: the axis that comes first in the script, and its line.
+pub fn reason(job: &Job) -> Option<String> {
+    let lacks = |axis: &job::Axis| !ProductProfile::Gus.holds(axis.core, axis.axis);
+    let (axis, line) = job.named.iter().filter(|(axis, _)| lacks(axis)).min_by_key(|(_, line)| **line)?;
+    Some(match axis.axis {
+        0 => format!("line {line} names core {}", axis.core),
+        number if axis.core == 1 => format!("line {line} names axis {number}"),
+        number => format!("line {line} names axis {number} of core {}", axis.core),
+    })
 }
 
 /// The name of the profile that a controller shows.

@@ -85,7 +85,7 @@ pub fn run(arguments: &Run, link: Option<Box<dyn Link>>) -> Result<(), Failure> 
         }
         None => (None, named(&name, &arguments.link_options)?),
     };
-    let client = Arc::new(linked(link, &settings, Some(profile))?);
+    let client = Arc::new(linked(link, &settings, Some(profile), profile::reason(&source.job).as_deref())?);
     let knowledge = Knowledge { all_known, virtual_time: false, inputs: inputs.as_ref() };
     let shared = shared.map(|listener| Share::start(listener, Arc::clone(&client))).transpose()?;
     let live = Live::new(&source, shared.as_ref());

@@ -59,6 +59,12 @@ impl Source {
             source.extent = Some(found.extent);
             return Ok(source);
         }
+        if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml")) {
+            return Err(Failure::Input(format!(
+                "{name}: this is no job by its name, but a machine file, which --machine takes beside G-code or a drawing; \
+                 `beamtick machine check {name}` reads it"
+            )));
+        }
         let bytes = input::read(path, Role::Job).map_err(|error| unread(&name, &error))?;
         if input::is_standard(path) && bytes.iter().all(u8::is_ascii_whitespace) {
             return Err(Failure::Input(format!("{name}: nothing came over the standard input; no job was run")));
@@ -278,10 +284,11 @@ impl Parts<'_> {
             Some(whole) => {
                 whole.steps.append(&mut job.steps);
                 whole.warnings.append(&mut job.warnings);
-                for (all, more) in [(&mut whole.axes, job.axes), (&mut whole.named, job.named)] {
-                    all.extend(more);
-                    all.sort_unstable();
-                    all.dedup();
+                whole.axes.extend(job.axes);
+                whole.axes.sort_unstable();
+                whole.axes.dedup();
+                for (axis, of) in job.named {
+                    whole.named.entry(axis).or_insert(of + line);
                 }
                 whole.crds.extend(job.crds);
                 whole.crds.sort_unstable();

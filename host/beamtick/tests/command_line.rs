@@ -257,8 +257,11 @@ fn a_job_meets_the_step_limit_of_a_board() {
 fn wrong_input_has_its_own_exit_code() {
     let path = example("pt_static.gts");
     let path = path.to_str().unwrap();
+    let machine = example("machine.toml");
+    let machine = machine.to_str().unwrap();
     for (arguments, part) in [
-        (&["sim", "no/such/job.gts"][..], "no/such/job.gts: the job file cannot be read"),
+        (&["sim", machine][..], "machine.toml: this is no job by its name, but a machine file, which --machine takes"),
+        (&["sim", "no/such/job.gts"], "no/such/job.gts: the job file cannot be read"),
         (&["sim", path, "--profile", "gtx"], "gsn-048"),
         (&["sim", path, "--plot", "a.pdf"], ".svg or .png"),
         (&["sim", path, "--tick-us", "5"], "10..=1000"),
@@ -272,13 +275,12 @@ fn wrong_input_has_its_own_exit_code() {
     #[cfg(unix)]
     {
         let folder = tempfile::tempdir().unwrap();
-        let machine = example("machine.toml");
         for (name, what) in [("z.gts", "job file"), ("z.nc", "program"), ("z.svg", "drawing")] {
             let link = folder.path().join(name);
             std::os::unix::fs::symlink("/dev/zero", &link).unwrap();
             let mut words = vec!["check", link.to_str().unwrap()];
             if name != "z.gts" {
-                words.extend(["--machine", machine.to_str().unwrap()]);
+                words.extend(["--machine", machine]);
             }
             let (_, errors, code) = beamtick(&words);
             let part = format!("{name}: the {what} cannot be read: it is a device, not a file");

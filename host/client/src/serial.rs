@@ -1,7 +1,7 @@
 //! A link over a serial port (UART, ST-LINK's virtual port, USB CDC).
 use crate::error::{self, Error, Result};
 use crate::link::Link;
-use serialport::SerialPort;
+use serialport::{SerialPort, SerialPortType};
 use std::io::{ErrorKind, Read, Write};
 use std::time::{Duration, Instant};
 
@@ -27,6 +27,25 @@ fn is_in_use(error: &serialport::Error) -> bool {
     ["exclusive lock", "busy", "access is denied"].iter().any(|part| text.contains(part))
 }
 
+/// What to do about a port that does not open.
+fn what_helps(error: &serialport::Error) -> String {
+    if error.kind() == serialport::ErrorKind::Io(ErrorKind::PermissionDenied) {
+        return "; on Linux the group that owns the port, often dialout, may open it".to_owned();
+    }
+    let Ok(ports) = serialport::available_ports() else { return String::new() };
+    let (usb, others): (Vec<_>, Vec<_>) =
+        ports.into_iter().partition(|port| matches!(port.port_type, SerialPortType::UsbPort(_)));
+    let found = if usb.is_empty() { others } else { usb };
+    let names: Vec<String> = found.into_iter().take(SHOWN).map(|port| port.port_name).collect();
+    match names.is_empty() {
+        true => "; this computer has no serial port now: is the board plugged in?".to_owned(),
+        false => format!("; ports of this computer: {}", names.join(", ")),
+    }
+}
+
+/// Ports that a message names at most.
+const SHOWN: usize = 8;
+
 /// How long a port may take to accept what is sent: a full window at 9600 baud.
 const SEND: Duration = Duration::from_secs(10);
 
@@ -43,7 +62,7 @@ impl SerialLink {
         let port =
             serialport::new(path, baud).timeout(Duration::from_millis(1)).open().map_err(|e| match is_in_use(&e) {
                 true => Error::cannot_open(&name, "another program, or another card of this one, uses it"),
-                false => Error::cannot_open(&name, e),
+                false => Error::cannot_open(&name, format!("{e}{}", what_helps(&e))),
             })?;
         Ok(SerialLink { name, port, baud, since: Instant::now() })
     }
@@ -100,6 +119,14 @@ mod tests {
         assert_eq!((error.code, error.reason.contains("uses it")), (error::CANNOT_OPEN, true), "{error}");
         drop(first);
         SerialLink::open(&name).unwrap();
+    }
+
+    #[test]
+    fn a_port_that_is_not_there_says_which_are() {
+        let error = SerialLink::open("/dev/no-such-port").map(|_| ()).unwrap_err();
+        assert_eq!(error.code, error::CANNOT_OPEN);
+        let helps = ["; ports of this computer: ", "; this computer has no serial port now"];
+        assert!(helps.iter().any(|text| error.reason.contains(text)), "{error}");
     }
 
     #[test]

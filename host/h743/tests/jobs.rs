@@ -255,6 +255,20 @@ fn listings_of_lasers_shine_as_in_the_virtual_controller() {
     );
 }
 
+/// The board has eight axes.
+#[test]
+fn a_job_with_an_axis_that_the_board_lacks_is_refused_by_line_and_axis() {
+    let Ok(image) = std::env::var(REFERENCE.image) else { return };
+    let machine = started(&REFERENCE, &std::fs::read(image).unwrap(), Wire::Usart);
+    let folder = tempfile::tempdir().unwrap();
+    let job = folder.path().join("nine.gts");
+    std::fs::write(&job, "GT_AxisOn(1);\nGT_AxisOn(9);\nGT_AxisOn(10);\n").unwrap();
+    let ran = beamtick::run_over(Box::new(EmulatedLink::new(machine)), &[job.to_str().unwrap()]);
+    let Err(beamtick::Failure::Job(text)) = ran else { panic!("{ran:?}") };
+    assert!(text.contains("room for 8 axes, 24 are asked for"), "{text}");
+    assert!(text.contains("The job's line 2 names axis 9, which profile gtn-024 holds; --profile NAME"), "{text}");
+}
+
 #[test]
 fn light_and_outputs_go_with_the_steps() {
     compare_all(&REFERENCE, Wire::Usart, &[("laser_path_power", "50", "20"), ("laser_path_power", "250", "20")]);

@@ -173,11 +173,11 @@ impl Reader<'_> {
             .collect();
         let line = self.line(span);
         self.motions.note(function.name, several_cores, core, &Numbers(&numbers), line);
-        self.name_axes(function, several_cores, core, bound);
+        self.name_axes(function, several_cores, core, bound, line);
         let first = numbers.first().map_or(0, |number| *number as i16);
         let values = bound.values.iter().zip(&numbers).map(|((name, _), number)| (*name, *number));
         let moved = self.used.note(function, core, values);
-        self.named.extend(moved);
+        self.name_each(moved, line);
         self.count_between(function, core, bound, span);
         match function.name {
             "Reset" => {
@@ -224,29 +224,36 @@ impl Reader<'_> {
     }
 
     /// Takes note of the core and the axes that the call names: a profile must hold them.
-    fn name_axes(&mut self, function: &Function, several_cores: bool, core: i16, bound: &Bound) {
+    fn name_axes(&mut self, function: &Function, several_cores: bool, core: i16, bound: &Bound, line: u32) {
         let value = |wanted: &str| match bound.values.iter().find(|(name, _)| *name == wanted) {
             Some((_, Value::Int(number))) => Some(*number),
             _ => None,
         };
         let first = ["axis", "profile", "encoder", "control"].iter().find_map(|name| value(name));
         let count = value("count").unwrap_or(1);
-        self.named.insert(Axis { core, axis: 0 });
+        self.name_each([Axis { core, axis: 0 }], line);
         if let Some(first) = first {
             let last = first.saturating_add(count.clamp(1, AXES_MAX)) - 1;
-            self.named.extend((first..=last).filter_map(|axis| Some(Axis { core, axis: i16::try_from(axis).ok()? })));
+            self.name_each((first..=last).filter_map(|axis| Some(Axis { core, axis: i16::try_from(axis).ok()? })), line);
         }
         // Those of CrdStart and CrdStop name coordinate systems.
         if let Some(mask) = value("mask").filter(|_| !function.name.starts_with("Crd")) {
             // In the GT form of Stop, bits from 8 on are coordinate systems.
             let axes = if function.name == "Stop" && !several_cores { mask & 0xff } else { mask };
-            self.name_mask(core, axes as u32);
+            self.name_mask(core, axes as u32, line);
         }
     }
 
     /// Takes note of the axes of a mask.
-    pub(crate) fn name_mask(&mut self, core: i16, mask: u32) {
-        self.named.extend((0..32i16).filter(|bit| mask >> bit & 1 == 1).map(|bit| Axis { core, axis: bit + 1 }));
+    pub(crate) fn name_mask(&mut self, core: i16, mask: u32, line: u32) {
+        self.name_each((0..32i16).filter(|bit| mask >> bit & 1 == 1).map(|bit| Axis { core, axis: bit + 1 }), line);
+    }
+
+    /// Takes note of axes that this line names.
+    pub(crate) fn name_each(&mut self, axes: impl IntoIterator<Item = Axis>, line: u32) {
+        for axis in axes {
+            self.named.entry(axis).or_insert(line);
+        }
     }
 
     /// What the call fills: known for Jog and Trap parameters that the script itself has set, or

@@ -1,6 +1,7 @@
 //! What a compiled job is: steps in the order of the script, ready for the program queue.
 
 use crate::Diagnostic;
+use std::collections::BTreeMap;
 
 /// A compiled job.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,9 +19,9 @@ pub struct Job {
     pub crds: Vec<Crd>,
     /// Laser channels that the job uses (a call sets something of them), bit k is channel k.
     pub lasers: u8,
-    /// Every core and axis that a call or a configuration file names, ascending; axis 0 means the
-    /// core alone. It may hold ones that no controller has.
-    pub named: Vec<Axis>,
+    /// Every core and axis that a call or a configuration file names, and the line of the script
+    /// that names it first; axis 0 means the core alone. It may hold ones that no controller has.
+    pub named: BTreeMap<Axis, u32>,
 }
 
 /// `#pragma family`, `profile` or `tick`. Its value is looked at by whoever has the options.

@@ -88,6 +88,6 @@ pub fn compile(text: &str, files: &dyn Files) -> Result<Job, Vec<Diagnostic>> {
         axes: reader.used.axes.into_iter().collect(),
         crds: reader.used.crds.into_iter().collect(),
         lasers: reader.used.lasers,
-        named: reader.named.into_iter().collect(),
+        named: reader.named,
     })
 }

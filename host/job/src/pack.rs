@@ -41,7 +41,7 @@ impl Reader<'_> {
             Shape::StartList => {
                 values = vec_masks(function, bound).map_err(|message| Fault::new(span.clone(), message, ""))?;
                 if let Some(Value::Int(mask)) = values.first() {
-                    self.name_mask(core, *mask as u32);
+                    self.name_mask(core, *mask as u32, self.line(span));
                 }
             }
             Shape::Config => {
@@ -58,7 +58,7 @@ impl Reader<'_> {
                 for warning in found.warnings {
                     self.warn(place.clone(), warning, "docs/jobs.md lists the keys");
                 }
-                self.named.extend(found.items.iter().map(|item| Axis { core, axis: item.axis.get() }));
+                self.name_each(found.items.iter().map(|item| Axis { core, axis: item.axis.get() }), self.line(span));
                 values = vec![Value::Int(found.items.len() as i64)];
                 items = config::bytes(&found.items);
             }

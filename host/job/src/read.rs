@@ -55,7 +55,7 @@ pub(crate) struct Reader<'a> {
     pub(crate) keep_going: bool,
     pub(crate) used: Used,
     /// Cores (as axis 0) and axes that any call names.
-    pub(crate) named: BTreeSet<Axis>,
+    pub(crate) named: BTreeMap<Axis, u32>,
     pub(crate) motions: Motions,
     /// Jog and Trap parameters as far as the script has set them, by core, axis and kind.
     pub(crate) parameters: BTreeMap<(i16, i16, &'static str), Vec<Value>>,
@@ -87,7 +87,7 @@ impl<'a> Reader<'a> {
             polling: false,
             keep_going: false,
             used: Used::default(),
-            named: BTreeSet::new(),
+            named: BTreeMap::new(),
             motions: Motions::default(),
             parameters: BTreeMap::new(),
             reset: BTreeSet::new(),

@@ -73,6 +73,7 @@ impl Reader<'_> {
         if self.polling {
             return Err(Fault::new(span, "WaitStop is not allowed in a while(!kbhit()) loop", "put it after the loop"));
         }
+        let line = self.line(&span);
         if let Some((axis, line)) = self.motions.endless(Some((core, axes))) {
             self.warn(
                 span,
@@ -81,8 +82,8 @@ impl Reader<'_> {
             );
         }
         self.motions.at_standstill(core, axes);
-        self.named.insert(Axis { core, axis: 0 });
-        self.name_mask(core, axes);
+        self.name_each([Axis { core, axis: 0 }], line);
+        self.name_mask(core, axes, line);
         self.push(start, Action::WaitStop { core, axes, crds });
         Ok(())
     }

@@ -397,7 +397,10 @@ fn what_is_after_return_is_not_executed() {
 
 #[test]
 fn cores_and_axes_that_a_job_names() {
-    let named = |text: &str| good(text).named.iter().map(|axis| (axis.core, axis.axis)).collect::<Vec<_>>();
+    let named = |text: &str| good(text).named.keys().map(|axis| (axis.core, axis.axis)).collect::<Vec<_>>();
+    let axis = |axis| job::Axis { core: 1, axis };
+    let lines = good("GT_AxisOn(2);\nGT_AxisOn(9);\nWaitStop(0x2, 0);\nGT_AxisOff(9);").named;
+    assert_eq!(lines.into_iter().collect::<Vec<_>>(), [(axis(0), 1), (axis(2), 1), (axis(9), 2)], "where first");
     assert_eq!(named("GT_GetDi(4, &x);"), [(1, 0)]);
     assert_eq!(named("GTN_AxisOn(2, 12);"), [(2, 0), (2, 12)]);
     assert_eq!(named("GT_ClrSts(3, 3);"), [(1, 0), (1, 3), (1, 4), (1, 5)]);
@@ -568,7 +571,7 @@ fn what_a_path_moves_is_used() {
     let axes: Vec<(i16, i16)> = job.axes.iter().map(|axis| (axis.core, axis.axis)).collect();
     assert_eq!(axes, [(1, 2), (1, 3), (1, 5), (1, 7)], "mapped ones, a moved one and a geared one");
     assert_eq!(job.crds, [job::Crd { core: 1, crd: 2 }]);
-    let named: Vec<i16> = job.named.iter().map(|axis| axis.axis).collect();
+    let named: Vec<i16> = job.named.keys().map(|axis| axis.axis).collect();
     assert_eq!(named, [0, 2, 3, 5, 7], "the mask of CrdStart names no axes");
 }
 

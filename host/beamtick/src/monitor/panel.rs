@@ -293,6 +293,7 @@ impl Panel {
             report.split(['|', '>']).next().unwrap_or_default().clone_into(&mut self.state);
         } else if line.starts_with("Grbl ") {
             self.resets = false;
+            self.is_alarm = false;
             self.sent.clear();
         } else if self.resets {
             // Answers to what the reset has thrown away.
