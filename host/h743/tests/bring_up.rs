@@ -311,7 +311,7 @@ fn a_run_that_ends_early_leaves_nothing_to_the_next_one() {
     lock(&board).run(300 * MILLISECOND);
     let (outcome, page) = measure(&board);
     assert!(outcome.is_ok(), "{outcome:?}\n{page}");
-    // Those of the run by itself, and the watchdog after its early end; not those of the run before.
+    // The resets of the run itself, and the watchdog after its early end; none of the run before.
     assert_eq!(rows(&page)["cause of the reset"].1, "RCC_RSR 0x05420000", "{page}");
 }
 
