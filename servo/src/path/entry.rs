@@ -9,7 +9,8 @@
 //! Other motions have their geometry in words 0–3. A line has four targets; an arc has two and the
 //! bits of its sweep; a full circle has the centre from the start, twice 64 bits. Their speeds are
 //! in the remaining bits: synVel in 44, synAcc and velEnd in 38. So the relative errors are 2⁻³⁹
-//! and 2⁻³³: less than a ns over 10 min of path, 2⁻¹⁶ pulse on ramps of 2¹⁷ pulses.
+//! and 2⁻³³: less than a ns over 10 min of path, 2⁻¹⁶ pulse on ramps of 2¹⁷ pulses. The kind of a
+//! line has a [`FixedRamp`] above it.
 use super::pack::{float, pack, unpack};
 use crate::math::float::Float;
 use crate::segment::ramp::{Accel, Speed};
@@ -59,12 +60,25 @@ impl Plane {
     }
 }
 
+/// Whether a plan needs the acceleration of a line all along it: the corners at its ends have room
+/// only because it changes its speed so.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FixedRamp {
+    /// It does not: both directions have room.
+    None,
+    /// It accelerates.
+    Up,
+    /// It brakes.
+    Down,
+}
+
 /// Speeds along a motion, as the bits of doubles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct MotionSpeeds {
     vel: u64,
     acc: u64,
     end: u64,
+    ramp: FixedRamp,
 }
 
 /// Mantissas of synVel, and of synAcc and velEnd.
@@ -100,7 +114,7 @@ const END_TOP_BYTES: [u64; 4] = [0, 0x3e, 0x3f, 0x40];
 
 impl MotionSpeeds {
     /// No motion.
-    pub(super) const NONE: MotionSpeeds = MotionSpeeds { vel: 0, acc: 0, end: 0 };
+    pub(super) const NONE: MotionSpeeds = MotionSpeeds { vel: 0, acc: 0, end: 0, ramp: FixedRamp::None };
 
     /// From the bits of synVel and velEnd (pulse/ms) and synAcc (pulse/ms²): 2⁻²⁰ ≤ synVel, synAcc
     /// ≤ 2¹⁵, velEnd from 0 to 2¹⁵; below 2⁻³¹ it is 0.
@@ -109,7 +123,18 @@ impl MotionSpeeds {
             vel: within(vel, SPEED_MIN_LOG2)?,
             acc: within(acc, SPEED_MIN_LOG2)?,
             end: within(end, END_SPEED_MIN_LOG2)?,
+            ramp: FixedRamp::None,
         })
+    }
+
+    /// The same with a ramp; only lines keep it.
+    pub fn with_ramp(self, ramp: FixedRamp) -> MotionSpeeds {
+        MotionSpeeds { ramp, ..self }
+    }
+
+    /// See [`FixedRamp`].
+    pub(super) fn ramp(self) -> FixedRamp {
+        self.ramp
     }
 
     /// Speed, pulse/ms, as the bits of a double.
@@ -288,8 +313,10 @@ mod kind {
     pub const LASER: u32 = 10;
     /// The bit of word 7 at which the kind begins.
     pub const SHIFT: u32 = 24;
-    /// Above the kind: plane, then these; for a planar line, velEnd's top byte.
+    /// Above the kind: of an arc its plane, then these; of a line its ramp, then of a planar one
+    /// velEnd's top byte.
     pub const PLANE_SHIFT: u32 = 4;
+    pub const RAMP_SHIFT: u32 = 4;
     pub const CCW: u32 = 1 << 6;
     pub const LONG_ARC: u32 = 1 << 7;
     pub const MODAL: u32 = 1 << 6;
@@ -325,15 +352,16 @@ impl PathEntry {
     /// A line in X and Y, pulses. Its start decides whether it has a length.
     pub fn planar(to: [i32; 2], along: MotionSpeeds) -> PathEntry {
         let [x, y] = to.map(|x| x as u32);
-        let MotionSpeeds { vel, acc, end } = along;
+        let MotionSpeeds { vel, acc, end, ramp } = along;
         let top = END_TOP_BYTES.iter().position(|top| *top == end >> 56).unwrap_or(0) as u32;
-        let last = high(end) & 0xff_ffff | (kind::PLANAR | top << kind::TOP_SHIFT) << kind::SHIFT;
+        let kind = kind::PLANAR | top << kind::TOP_SHIFT | (ramp as u32) << kind::RAMP_SHIFT;
+        let last = high(end) & 0xff_ffff | kind << kind::SHIFT;
         PathEntry([x, y, low(vel), high(vel), low(acc), high(acc), low(end), last])
     }
 
     /// A line in all coordinates, pulses.
     pub fn line(to: [i32; 4], along: MotionSpeeds) -> PathEntry {
-        motion(to.map(|x| x as u32), along, kind::LINE)
+        motion(to.map(|x| x as u32), along, kind::LINE | (along.ramp as u32) << kind::RAMP_SHIFT)
     }
 
     /// An arc, see [`EntryContent::Arc`].
@@ -444,7 +472,12 @@ impl PathEntry {
             // A motion that ends at its own speed keeps it in spite of the bits that are left out:
             // else it would have one more phase.
             let end = if end == pack(vel, RATE_BITS) { vel } else { unpack(end, RATE_BITS) };
-            MotionSpeeds { vel, acc: unpack(acc, RATE_BITS), end }
+            MotionSpeeds { vel, acc: unpack(acc, RATE_BITS), end, ramp: FixedRamp::None }
+        };
+        let ramp = match kind >> kind::RAMP_SHIFT & 3 {
+            1 => FixedRamp::Up,
+            2 => FixedRamp::Down,
+            _ => FixedRamp::None,
         };
         let plane = match kind >> kind::PLANE_SHIFT & 3 {
             0 => Plane::Xy,
@@ -456,10 +489,13 @@ impl PathEntry {
             kind::PLANAR => {
                 let top = END_TOP_BYTES.get((kind >> kind::TOP_SHIFT) as usize & 3).copied().unwrap_or(0);
                 let end = wide(g, h) & ((1 << 56) - 1) | top << 56;
-                let along = MotionSpeeds { vel: wide(c, d), acc: wide(e, f), end };
+                let along = MotionSpeeds { vel: wide(c, d), acc: wide(e, f), end, ramp };
                 EntryContent::Line { to: [a as i32, b as i32, 0, 0], dimensions: 2, along }
             }
-            kind::LINE => EntryContent::Line { to: [a, b, c, d].map(|x| x as i32), dimensions: 4, along: along() },
+            kind::LINE => {
+                let to = [a, b, c, d].map(|x| x as i32);
+                EntryContent::Line { to, dimensions: 4, along: along().with_ramp(ramp) }
+            }
             kind::ARC => {
                 let sweep = Sweep { turns: wide(c, d), long: kind & kind::LONG_ARC != 0, ccw: kind & kind::CCW != 0 };
                 EntryContent::Arc { plane, to: [a as i32, b as i32], sweep, along: along() }

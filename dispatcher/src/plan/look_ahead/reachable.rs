@@ -11,12 +11,15 @@
 use core::f64::consts::FRAC_PI_6;
 use heapless::Vec;
 use libm::{cos, fabs, sin, sqrt};
+use servo::path::FixedRamp;
 
 /// The acceleration of a coordinate that a corner uses, between the middles of the motions on both
 /// sides. It is at most `fixed` + `bend`·v² + `grow`·a, with the speed v in the corner and the
 /// acceleration a away from it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Corner {
+    /// |Δ| over the mean length.
+    turn: f64,
     fixed: f64,
     bend: f64,
     grow: f64,
@@ -65,6 +68,15 @@ struct Constraint {
     end: bool,
 }
 
+/// How a motion is driven: its highest speed, its acceleration, its time in ms.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Chosen {
+    pub vel: f64,
+    pub acc: f64,
+    pub ms: f64,
+    pub ramp: FixedRamp,
+}
+
 /// A motion between two junctions.
 #[derive(Debug)]
 pub(super) struct Span {
@@ -79,20 +91,34 @@ fn planned(limit: f64) -> f64 {
     limit * (1.0 - LIMIT_MARGIN_SHARE)
 }
 
+/// The greatest acceleration with which a motion keeps this mean one from its end to its middle. At
+/// `vel` it goes on at that, so the mean is at most 1/(l/2v² + 1/2a), from standstill; if it does
+/// not reach `vel` before the middle, it is a.
+fn with_mean(mean: f64, length: f64, vel: f64) -> f64 {
+    let (reach, square) = (mean * length, vel * vel);
+    if reach <= square {
+        mean
+    } else if reach < 2.0 * square {
+        mean * square / (2.0 * square - reach)
+    } else {
+        f64::INFINITY
+    }
+}
+
 impl Corner {
     /// None.
-    pub(super) const NONE: Corner = Corner { fixed: 0.0, bend: 0.0, grow: 0.0, sign: 0.0, either: false };
+    pub(super) const NONE: Corner = Corner { turn: 0.0, fixed: 0.0, bend: 0.0, grow: 0.0, sign: 0.0, either: false };
 
     /// A change of direction, over the mean length of the motions on both sides, at the end of a
     /// motion of this length. `fastest`, if given, is the highest product of the speeds at its
     /// ends: it is the closer bound on a long motion. `either`: the turn may go to either side.
     pub(super) fn new((turn, either): (f64, bool), length: f64, fastest: Option<f64>, limit: f64) -> Corner {
-        let bend = fabs(turn);
         let sign = if turn > 0.0 { 1.0 } else { -1.0 };
-        match fastest.map(|squares| bend * squares) {
-            _ if bend == 0.0 => Corner::NONE,
-            Some(fixed) if fixed < limit / 2.0 => Corner { fixed, bend: 0.0, grow: 0.0, sign, either },
-            _ => Corner { fixed: 0.0, bend, grow: bend * length / 4.0, sign, either },
+        let turn = fabs(turn);
+        match fastest.map(|squares| turn * squares) {
+            _ if turn == 0.0 => Corner::NONE,
+            Some(fixed) if fixed < limit / 2.0 => Corner { turn, fixed, bend: 0.0, grow: 0.0, sign, either },
+            _ => Corner { turn, fixed: 0.0, bend: turn, grow: turn * length / 4.0, sign, either },
         }
     }
 
@@ -118,14 +144,23 @@ impl Bound {
         })
     }
 
-    /// The greatest acceleration in either direction, with these squares of the speeds at both
-    /// ends. At standstill a corner uses nothing.
-    fn most(&self, squares: [f64; 2]) -> f64 {
+    /// The greatest acceleration in either direction over a motion of this length and highest
+    /// speed, with these squares of the speeds at both ends. At standstill a corner uses nothing.
+    fn most(&self, squares: [f64; 2], length: f64, vel: f64) -> f64 {
         self.corners.iter().zip(squares).fold(f64::INFINITY, |a, (corner, square)| {
             let corner = if square > 0.0 { corner } else { &Corner::NONE };
             let left = self.limit - corner.fixed - (self.across + corner.bend) * square;
-            let steep = fabs(self.along) + corner.grow;
-            if steep > 0.0 { a.min(left / steep) } else { a }
+            let (along, steep) = (fabs(self.along), fabs(self.along) + corner.grow);
+            if steep <= 0.0 {
+                return a;
+            }
+            let whole = left / steep;
+            if self.round || whole >= a || along <= 0.0 {
+                return a.min(whole);
+            }
+            // The speed from the corner to the middle is at most `vel`.
+            let mean = (self.limit - corner.turn * sqrt(square) * vel) / along;
+            a.min(whole.max(with_mean(mean, length, vel)))
         })
     }
 }
@@ -241,14 +276,19 @@ impl Span {
 
     /// Speed and acceleration for a motion from x to y, and its time in ms. On an arc both share
     /// one limit: of the pairs tried, the one with the least time.
-    pub(super) fn choose(&self, bounds: &[Bound], [x, y]: [f64; 2], vel: f64, acc: f64) -> (f64, f64, f64) {
-        let most = bounds.iter().fold(planned(acc), |a, bound| a.min(bound.most([x, y])));
+    pub(super) fn choose(&self, bounds: &[Bound], [x, y]: [f64; 2], vel: f64, acc: f64) -> Chosen {
+        let most = bounds.iter().fold(planned(acc), |a, bound| a.min(bound.most([x, y], self.length, vel)));
         let least = fabs(y - x) / (2.0 * self.length);
+        let ramp = match most * (1.0 + LIMIT_MARGIN_SHARE) < least {
+            true if x < y => FixedRamp::Up,
+            true => FixedRamp::Down,
+            false => FixedRamp::None,
+        };
         let most = most.max(least) * (1.0 + ACC_RESERVE_SHARE);
         if !bounds.iter().any(|bound| bound.round) {
-            return (vel, most, self.time(x, y, vel, most));
+            return Chosen { vel, acc: most, ms: self.time(x, y, vel, most), ramp };
         }
-        let mut best = (vel, most, f64::INFINITY);
+        let mut best = Chosen { vel, acc: most, ms: f64::INFINITY, ramp: FixedRamp::None };
         for part in 0..=8 {
             let acc = least + (most - least) * part as f64 / 8.0;
             let square = bounds.iter().filter(|bound| bound.round).fold(vel * vel, |v, bound| {
@@ -260,8 +300,8 @@ impl Span {
             let top = sqrt(square.max(x).max(y));
             let time = self.time(x, y, top, acc);
             // At one time the greater acceleration: after a Stop the motion begins with it.
-            if time <= best.2 * (1.0 + SAME_TIME_SHARE) {
-                best = (top, acc, time);
+            if time <= best.ms * (1.0 + SAME_TIME_SHARE) {
+                best = Chosen { vel: top, acc, ms: time, ..best };
             }
         }
         best

@@ -6,7 +6,7 @@
 use super::{ActiveGear, After, EFFECTS, FifoEnds, Path, PathSettings, PathStage, Preparation, Prepared, end_of};
 use crate::math::float::Float;
 use crate::path::DIMENSIONS;
-use crate::path::entry::{EntryContent, MotionSpeeds, PathEntry};
+use crate::path::entry::{EntryContent, FixedRamp, MotionSpeeds, PathEntry};
 use crate::path::geometry::GearMotion;
 use crate::path::speed_profile::{MotionLimits, Phase, SpeedPlan};
 use crate::path::store::PathEntries;
@@ -287,7 +287,9 @@ impl Path {
             After::Halt | After::Nothing => Float::ZERO,
         };
         let end = if vel.is_less(end) { vel } else { end };
-        MotionLimits { vel, acc: along.acc(), end, even, stop: self.stopping.then_some(stop) }
+        let stop = self.stopping.then_some(stop);
+        let ramp = if after == After::Motion && stop.is_none() { along.ramp() } else { FixedRamp::None };
+        MotionLimits { vel, acc: along.acc(), end, even, stop, ramp, planned: along.end() }
     }
 
     /// Plans the remainder of the motion in force from `time`, `distance` and `speed`.
