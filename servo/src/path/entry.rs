@@ -9,8 +9,8 @@
 //! Other motions have their geometry in words 0–3. A line has four targets; an arc has two and the
 //! bits of its sweep; a full circle has the centre from the start, twice 64 bits. Their speeds are
 //! in the remaining bits: synVel in 44, synAcc and velEnd in 38. So the relative errors are 2⁻³⁹
-//! and 2⁻³³: less than a ns over 10 min of path, 2⁻¹⁶ pulse on ramps of 2¹⁷ pulses. The kind of a
-//! line has a [`FixedRamp`] above it.
+//! and 2⁻³³: less than a ns over 10 min of path, 2⁻¹⁶ pulse on ramps of 2¹⁷ pulses. A line in all
+//! coordinates has its [`FixedRamp`] above the kind.
 use super::pack::{float, pack, unpack};
 use crate::math::float::Float;
 use crate::segment::ramp::{Accel, Speed};
@@ -72,14 +72,17 @@ pub enum FixedRamp {
     Down,
 }
 
-/// Speeds along a motion, as the bits of doubles.
+/// Speeds along a motion, as the bits of doubles. None is negative: the sign of `vel` tells a
+/// [`FixedRamp`], that of `acc` one down.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct MotionSpeeds {
     vel: u64,
     acc: u64,
     end: u64,
-    ramp: FixedRamp,
 }
+
+/// The sign of a double.
+const SIGN: u64 = 1 << 63;
 
 /// Mantissas of synVel, and of synAcc and velEnd.
 const VEL_BITS: u32 = 38;
@@ -114,7 +117,7 @@ const END_TOP_BYTES: [u64; 4] = [0, 0x3e, 0x3f, 0x40];
 
 impl MotionSpeeds {
     /// No motion.
-    pub(super) const NONE: MotionSpeeds = MotionSpeeds { vel: 0, acc: 0, end: 0, ramp: FixedRamp::None };
+    pub(super) const NONE: MotionSpeeds = MotionSpeeds { vel: 0, acc: 0, end: 0 };
 
     /// From the bits of synVel and velEnd (pulse/ms) and synAcc (pulse/ms²): 2⁻²⁰ ≤ synVel, synAcc
     /// ≤ 2¹⁵, velEnd from 0 to 2¹⁵; below 2⁻³¹ it is 0.
@@ -123,33 +126,41 @@ impl MotionSpeeds {
             vel: within(vel, SPEED_MIN_LOG2)?,
             acc: within(acc, SPEED_MIN_LOG2)?,
             end: within(end, END_SPEED_MIN_LOG2)?,
-            ramp: FixedRamp::None,
         })
     }
 
     /// The same with a ramp; only lines keep it.
     pub fn with_ramp(self, ramp: FixedRamp) -> MotionSpeeds {
-        MotionSpeeds { ramp, ..self }
+        let (is_fixed, is_down) = match ramp {
+            FixedRamp::None => (0, 0),
+            FixedRamp::Up => (SIGN, 0),
+            FixedRamp::Down => (SIGN, SIGN),
+        };
+        MotionSpeeds { vel: self.vel & !SIGN | is_fixed, acc: self.acc & !SIGN | is_down, end: self.end }
     }
 
     /// See [`FixedRamp`].
     pub(super) fn ramp(self) -> FixedRamp {
-        self.ramp
+        match (self.vel >= SIGN, self.acc >= SIGN) {
+            (false, _) => FixedRamp::None,
+            (true, false) => FixedRamp::Up,
+            (true, true) => FixedRamp::Down,
+        }
     }
 
     /// Speed, pulse/ms, as the bits of a double.
     pub fn vel_bits(self) -> u64 {
-        self.vel
+        self.vel & !SIGN
     }
 
     /// Speed, pulse/ms.
     pub(super) fn vel(self) -> Float {
-        float(self.vel)
+        float(self.vel & !SIGN)
     }
 
     /// Acceleration, pulse/ms².
     pub(super) fn acc(self) -> Float {
-        float(self.acc)
+        float(self.acc & !SIGN)
     }
 
     /// Speed at the end, pulse/ms.
@@ -313,8 +324,8 @@ mod kind {
     pub const LASER: u32 = 10;
     /// The bit of word 7 at which the kind begins.
     pub const SHIFT: u32 = 24;
-    /// Above the kind: of an arc its plane, then these; of a line its ramp, then of a planar one
-    /// velEnd's top byte.
+    /// Above the kind: of an arc its plane, then these; of a line its ramp; of a planar one velEnd's
+    /// top byte, after two bits.
     pub const PLANE_SHIFT: u32 = 4;
     pub const RAMP_SHIFT: u32 = 4;
     pub const CCW: u32 = 1 << 6;
@@ -336,7 +347,8 @@ fn wide(low: u32, high: u32) -> u64 {
 /// Geometry and speeds of a motion.
 fn motion([a, b, c, d]: [u32; 4], along: MotionSpeeds, kind: u32) -> PathEntry {
     // 44 bits of vel, 38 of acc, 38 of end, 8 of kind.
-    let (vel, acc, end) = (pack(along.vel, VEL_BITS), pack(along.acc, RATE_BITS), pack(along.end, RATE_BITS));
+    let (vel, acc) = (pack(along.vel & !SIGN, VEL_BITS), pack(along.acc & !SIGN, RATE_BITS));
+    let end = pack(along.end, RATE_BITS);
     let first = vel << 20 | acc & 0xf_ffff;
     let second = (acc >> 20) << 38 | end | (kind as u64) << 56;
     PathEntry([a, b, c, d, low(first), high(first), low(second), high(second)])
@@ -352,16 +364,15 @@ impl PathEntry {
     /// A line in X and Y, pulses. Its start decides whether it has a length.
     pub fn planar(to: [i32; 2], along: MotionSpeeds) -> PathEntry {
         let [x, y] = to.map(|x| x as u32);
-        let MotionSpeeds { vel, acc, end, ramp } = along;
+        let MotionSpeeds { vel, acc, end } = along;
         let top = END_TOP_BYTES.iter().position(|top| *top == end >> 56).unwrap_or(0) as u32;
-        let kind = kind::PLANAR | top << kind::TOP_SHIFT | (ramp as u32) << kind::RAMP_SHIFT;
-        let last = high(end) & 0xff_ffff | kind << kind::SHIFT;
+        let last = high(end) & 0xff_ffff | (kind::PLANAR | top << kind::TOP_SHIFT) << kind::SHIFT;
         PathEntry([x, y, low(vel), high(vel), low(acc), high(acc), low(end), last])
     }
 
     /// A line in all coordinates, pulses.
     pub fn line(to: [i32; 4], along: MotionSpeeds) -> PathEntry {
-        motion(to.map(|x| x as u32), along, kind::LINE | (along.ramp as u32) << kind::RAMP_SHIFT)
+        motion(to.map(|x| x as u32), along, kind::LINE | (along.ramp() as u32) << kind::RAMP_SHIFT)
     }
 
     /// An arc, see [`EntryContent::Arc`].
@@ -472,12 +483,7 @@ impl PathEntry {
             // A motion that ends at its own speed keeps it in spite of the bits that are left out:
             // else it would have one more phase.
             let end = if end == pack(vel, RATE_BITS) { vel } else { unpack(end, RATE_BITS) };
-            MotionSpeeds { vel, acc: unpack(acc, RATE_BITS), end, ramp: FixedRamp::None }
-        };
-        let ramp = match kind >> kind::RAMP_SHIFT & 3 {
-            1 => FixedRamp::Up,
-            2 => FixedRamp::Down,
-            _ => FixedRamp::None,
+            MotionSpeeds { vel, acc: unpack(acc, RATE_BITS), end }
         };
         let plane = match kind >> kind::PLANE_SHIFT & 3 {
             0 => Plane::Xy,
@@ -489,11 +495,16 @@ impl PathEntry {
             kind::PLANAR => {
                 let top = END_TOP_BYTES.get((kind >> kind::TOP_SHIFT) as usize & 3).copied().unwrap_or(0);
                 let end = wide(g, h) & ((1 << 56) - 1) | top << 56;
-                let along = MotionSpeeds { vel: wide(c, d), acc: wide(e, f), end, ramp };
+                let along = MotionSpeeds { vel: wide(c, d), acc: wide(e, f), end };
                 EntryContent::Line { to: [a as i32, b as i32, 0, 0], dimensions: 2, along }
             }
             kind::LINE => {
                 let to = [a, b, c, d].map(|x| x as i32);
+                let ramp = match kind >> kind::RAMP_SHIFT & 3 {
+                    1 => FixedRamp::Up,
+                    2 => FixedRamp::Down,
+                    _ => FixedRamp::None,
+                };
                 EntryContent::Line { to, dimensions: 4, along: along().with_ramp(ramp) }
             }
             kind::ARC => {

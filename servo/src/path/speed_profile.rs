@@ -7,7 +7,6 @@
 //!
 //! All in squares of speeds: over a length s the square changes by 2·a·s, so that every question is
 //! one sum.
-use super::entry::FixedRamp;
 use crate::math::float::Float;
 use crate::segment::piece::{Motion, Piece, Recip};
 use crate::units::{Exact, FineNs, Ns};
@@ -23,11 +22,21 @@ pub(super) struct MotionLimits {
     pub(super) end: Float,
     /// Least time at constant speed, ms.
     pub(super) even: Float,
-    /// Deceleration of a Stop in force.
-    pub(super) stop: Option<Float>,
-    /// Whether the plan needs its acceleration all along, and its speed at the end.
-    pub(super) ramp: FixedRamp,
-    pub(super) planned: Float,
+    /// The number of its [`SpeedRule`].
+    pub(super) ruled: Float,
+}
+
+/// What a motion has to do beside its limits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum SpeedRule {
+    /// Nothing.
+    Free,
+    /// A Stop is in force, with the deceleration `ruled`.
+    Stop,
+    /// The plan needs its acceleration all along, up to the speed `ruled`.
+    RampUp,
+    /// The same, down to it.
+    RampDown,
 }
 
 /// An interval of constant acceleration.
@@ -95,14 +104,14 @@ impl SpeedPlan {
     pub(super) fn advance(&mut self, sketch: &mut SpeedPlanDraft) -> bool {
         sketch.todo = match sketch.todo {
             PlannerStep::Bound => {
-                let SpeedPlanDraft { v, length, means, .. } = &*sketch;
+                let SpeedPlanDraft { v, length, means, rule, .. } = &*sketch;
                 (self.count, self.exit, self.halts) = (0, *v, false);
                 if length.is_zero() || length.is_negative() {
                     PlannerStep::Nothing
-                } else if let Some(dec) = means.stop {
-                    self.brake(*v, *length, means, dec);
+                } else if *rule == SpeedRule::Stop {
+                    self.brake(*v, *length, means, means.ruled);
                     PlannerStep::Nothing
-                } else if means.ramp != FixedRamp::None && self.keep_share(*v, *length, means) {
+                } else if *rule != SpeedRule::Free && self.keep_share(*v, *length, means, *rule) {
                     PlannerStep::Nothing
                 } else {
                     self.bound(sketch)
@@ -202,10 +211,10 @@ impl SpeedPlan {
     /// the acceleration may differ from that by (1 − u)·A. One phase is as near to the override as
     /// that allows at its beginning. On a ramp down u grows unless it falls by u·A.
     #[inline(never)]
-    fn keep_share(&mut self, v: Float, length: Float, means: &MotionLimits) -> bool {
-        let MotionLimits { vel, acc, end, ramp, planned, .. } = *means;
+    fn keep_share(&mut self, v: Float, length: Float, means: &MotionLimits, rule: SpeedRule) -> bool {
+        let MotionLimits { vel, acc, end, ruled: planned, .. } = *means;
         let (from, to, change) = (v.mul(v), planned.mul(planned), acc.mul(length).scale(1));
-        let rises = ramp == FixedRamp::Up;
+        let rises = rule == SpeedRule::RampUp;
         let square = if rises { to.sub(change) } else { to.add(change) };
         let lower = !square.is_negative() && from.is_less(square.sub(square.scale(SAME_SQUARE_LOG2)));
         if !lower && !vel.is_less(v) && !end.is_less(planned) {
@@ -231,7 +240,7 @@ impl SpeedPlan {
     /// as long as u is at most ¼, then down with u = ¼.
     fn regain(&mut self, v: Float, length: Float, means: &MotionLimits, square: Float) {
         const THIRD: Float = Float::new(false, 0xaaaa_aaaa_aaaa_aaab, -65);
-        let MotionLimits { vel, acc, planned, .. } = *means;
+        let MotionLimits { vel, acc, ruled: planned, .. } = *means;
         let (from, limit, inverse) = (v.mul(v), vel.mul(vel), acc.recip());
         let (reach, low) = (acc.mul(length), planned.mul(planned).scale(-2));
         let hardest = from.sub(reach.scale(1));
@@ -325,9 +334,10 @@ state! {
     #[derive(Debug, Clone, Copy)]
     pub(super) struct SpeedPlanDraft {
         todo: PlannerStep = PlannerStep::Nothing,
+        rule: SpeedRule = SpeedRule::Free,
         v: Float = Float::ZERO,
         length: Float = Float::ZERO,
-        means: MotionLimits = MotionLimits { vel: Float::ZERO, acc: Float::ZERO, end: Float::ZERO, even: Float::ZERO, stop: None, ramp: FixedRamp::None, planned: Float::ZERO },
+        means: MotionLimits = MotionLimits { vel: Float::ZERO, acc: Float::ZERO, end: Float::ZERO, even: Float::ZERO, ruled: Float::ZERO },
         /// Squares of the speeds at both ends, and how much the motion may change them.
         from: Float = Float::ZERO,
         to: Float = Float::ZERO,
@@ -344,8 +354,8 @@ state! {
 impl SpeedPlanDraft {
     /// Of a motion over `length` from speed `v`.
     #[inline]
-    pub(super) fn begin(&mut self, v: Float, length: Float, means: MotionLimits) {
-        (self.todo, self.v, self.length, self.means) = (PlannerStep::Bound, v, length, means);
+    pub(super) fn begin(&mut self, v: Float, length: Float, (means, rule): (MotionLimits, SpeedRule)) {
+        (self.todo, self.v, self.length, self.means, self.rule) = (PlannerStep::Bound, v, length, means, rule);
     }
 
     /// The peak speed, and the remaining length at it.

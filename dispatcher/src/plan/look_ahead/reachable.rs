@@ -18,10 +18,9 @@ use servo::path::FixedRamp;
 /// acceleration a away from it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Corner {
-    /// |Δ| over the mean length.
+    /// |Δ| over the mean length: `bend`, where nothing is fixed.
     turn: f64,
     fixed: f64,
-    bend: f64,
     grow: f64,
     /// The sign of its change of velocity: −1, 0, 1.
     sign: f64,
@@ -77,6 +76,20 @@ pub(super) struct Chosen {
     pub ramp: FixedRamp,
 }
 
+/// A speed at an end of a motion. Its root takes longer than all else that is done with it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct EndSpeed {
+    square: f64,
+    pub speed: f64,
+}
+
+impl EndSpeed {
+    /// Of the square of a speed.
+    pub(super) fn of(square: f64) -> EndSpeed {
+        EndSpeed { square, speed: sqrt(square) }
+    }
+}
+
 /// A motion between two junctions.
 #[derive(Debug)]
 pub(super) struct Span {
@@ -107,7 +120,7 @@ fn with_mean(mean: f64, length: f64, vel: f64) -> f64 {
 
 impl Corner {
     /// None.
-    pub(super) const NONE: Corner = Corner { turn: 0.0, fixed: 0.0, bend: 0.0, grow: 0.0, sign: 0.0, either: false };
+    pub(super) const NONE: Corner = Corner { turn: 0.0, fixed: 0.0, grow: 0.0, sign: 0.0, either: false };
 
     /// A change of direction, over the mean length of the motions on both sides, at the end of a
     /// motion of this length. `fastest`, if given, is the highest product of the speeds at its
@@ -117,9 +130,15 @@ impl Corner {
         let turn = fabs(turn);
         match fastest.map(|squares| turn * squares) {
             _ if turn == 0.0 => Corner::NONE,
-            Some(fixed) if fixed < limit / 2.0 => Corner { turn, fixed, bend: 0.0, grow: 0.0, sign, either },
-            _ => Corner { turn, fixed: 0.0, bend: turn, grow: turn * length / 4.0, sign, either },
+            Some(fixed) if fixed < limit / 2.0 => {
+                Corner { turn, fixed: fixed.max(f64::MIN_POSITIVE), grow: 0.0, sign, either }
+            }
+            _ => Corner { turn, fixed: 0.0, grow: turn * length / 4.0, sign, either },
         }
+    }
+
+    fn bend(&self) -> f64 {
+        if self.fixed > 0.0 { 0.0 } else { self.turn }
     }
 
     /// The signs that its change of velocity may have.
@@ -145,21 +164,21 @@ impl Bound {
     }
 
     /// The greatest acceleration in either direction over a motion of this length and highest
-    /// speed, with these squares of the speeds at both ends. At standstill a corner uses nothing.
-    fn most(&self, squares: [f64; 2], length: f64, vel: f64) -> f64 {
-        self.corners.iter().zip(squares).fold(f64::INFINITY, |a, (corner, square)| {
+    /// speed, with these speeds at both ends. At standstill a corner uses nothing.
+    fn most(&self, ends: &[EndSpeed; 2], length: f64, vel: f64) -> f64 {
+        self.corners.iter().zip(ends).fold(f64::INFINITY, |a, (corner, &EndSpeed { square, speed })| {
             let corner = if square > 0.0 { corner } else { &Corner::NONE };
-            let left = self.limit - corner.fixed - (self.across + corner.bend) * square;
+            let left = self.limit - corner.fixed - (self.across + corner.bend()) * square;
             let (along, steep) = (fabs(self.along), fabs(self.along) + corner.grow);
             if steep <= 0.0 {
                 return a;
             }
             let whole = left / steep;
-            if self.round || whole >= a || along <= 0.0 {
+            if whole >= a || corner.fixed == 0.0 || self.round || along <= 0.0 {
                 return a.min(whole);
             }
             // The speed from the corner to the middle is at most `vel`.
-            let mean = (self.limit - corner.turn * sqrt(square) * vel) / along;
+            let mean = (self.limit - corner.turn * speed * vel) / along;
             a.min(whole.max(with_mean(mean, length, vel)))
         })
     }
@@ -198,7 +217,7 @@ impl Span {
 
     /// The lines of a bound at one end, of which the acceleration uses `steep`·(y − x).
     fn corner(&mut self, bound: &Bound, corner: &Corner, end: bool, steep: f64) {
-        let square = bound.across + corner.bend;
+        let square = bound.across + corner.bend();
         let limit = bound.limit - corner.fixed;
         let (x, y) = if end { (-steep, square + steep) } else { (square - steep, steep) };
         if fabs(y) > ROUNDING_SHARE * fabs(x) {
@@ -274,10 +293,11 @@ impl Span {
         if high < low - slack || x > self.tops[1] + slack { 0.0 } else { high.max(0.0) }
     }
 
-    /// Speed and acceleration for a motion from x to y, and its time in ms. On an arc both share
-    /// one limit: of the pairs tried, the one with the least time.
-    pub(super) fn choose(&self, bounds: &[Bound], [x, y]: [f64; 2], vel: f64, acc: f64) -> Chosen {
-        let most = bounds.iter().fold(planned(acc), |a, bound| a.min(bound.most([x, y], self.length, vel)));
+    /// Speed and acceleration for a motion with these speeds at its ends, and its time in ms. On an
+    /// arc both share one limit: of the pairs tried, the one with the least time.
+    pub(super) fn choose(&self, bounds: &[Bound], ends: &[EndSpeed; 2], vel: f64, acc: f64) -> Chosen {
+        let [x, y] = ends.map(|end| end.square);
+        let most = bounds.iter().fold(planned(acc), |a, bound| a.min(bound.most(ends, self.length, vel)));
         let least = fabs(y - x) / (2.0 * self.length);
         let ramp = match most * (1.0 + LIMIT_MARGIN_SHARE) < least {
             true if x < y => FixedRamp::Up,
@@ -286,7 +306,7 @@ impl Span {
         };
         let most = most.max(least) * (1.0 + ACC_RESERVE_SHARE);
         if !bounds.iter().any(|bound| bound.round) {
-            return Chosen { vel, acc: most, ms: self.time(x, y, vel, most), ramp };
+            return Chosen { vel, acc: most, ms: self.time(ends, vel, most), ramp };
         }
         let mut best = Chosen { vel, acc: most, ms: f64::INFINITY, ramp: FixedRamp::None };
         for part in 0..=8 {
@@ -294,11 +314,11 @@ impl Span {
             let square = bounds.iter().filter(|bound| bound.round).fold(vel * vel, |v, bound| {
                 bound.corners.iter().fold(v, |v, corner| {
                     let left = bound.limit - corner.fixed - (bound.along + corner.grow) * acc;
-                    v.min(left / (bound.across + corner.bend))
+                    v.min(left / (bound.across + corner.bend()))
                 })
             });
             let top = sqrt(square.max(x).max(y));
-            let time = self.time(x, y, top, acc);
+            let time = self.time(ends, top, acc);
             // At one time the greater acceleration: after a Stop the motion begins with it.
             if time <= best.ms * (1.0 + SAME_TIME_SHARE) {
                 best = Chosen { vel: top, acc, ms: time, ..best };
@@ -308,13 +328,14 @@ impl Span {
     }
 
     /// Time of a trapezoid.
-    fn time(&self, x: f64, y: f64, vel: f64, acc: f64) -> f64 {
+    fn time(&self, ends: &[EndSpeed; 2], vel: f64, acc: f64) -> f64 {
+        let [x, y] = ends.map(|end| end.square);
         let peak = sqrt(((x + y) / 2.0 + acc * self.length).min(vel * vel));
         if acc <= 0.0 || peak <= 0.0 {
             return if peak > 0.0 { self.length / peak } else { f64::INFINITY };
         }
         let cruise = self.length - (2.0 * peak * peak - x - y) / (2.0 * acc);
-        (2.0 * peak - sqrt(x) - sqrt(y)) / acc + cruise.max(0.0) / peak
+        (2.0 * peak - ends[0].speed - ends[1].speed) / acc + cruise.max(0.0) / peak
     }
 }
 
