@@ -3,8 +3,8 @@
 //! mode.
 //!
 //! The tick decides what a switch does to the FIFOs. A command that depends on it is refused until
-//! the view shows the state in which it acts ([`Context::decided`]). In a program it waits for its
-//! instant.
+//! the view shows the state in which it acts ([`decided`](super::context::DueInstant::decided)). In
+//! a program it waits for its instant.
 use super::axis::all_startable;
 use super::context::Context;
 use super::{one, unknown};

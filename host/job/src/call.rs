@@ -234,7 +234,10 @@ impl Reader<'_> {
         self.name_each([Axis { core, axis: 0 }], line);
         if let Some(first) = first {
             let last = first.saturating_add(count.clamp(1, AXES_MAX)) - 1;
-            self.name_each((first..=last).filter_map(|axis| Some(Axis { core, axis: i16::try_from(axis).ok()? })), line);
+            self.name_each(
+                (first..=last).filter_map(|axis| Some(Axis { core, axis: i16::try_from(axis).ok()? })),
+                line,
+            );
         }
         // Those of CrdStart and CrdStop name coordinate systems.
         if let Some(mask) = value("mask").filter(|_| !function.name.starts_with("Crd")) {

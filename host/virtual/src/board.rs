@@ -1,6 +1,6 @@
 //! The controller in virtual time.
 //!
-//! In: link bytes, time by [`BoardConstants::advance`]. Out: link bytes, trace bytes, the machine's
+//! In: link bytes, time by [`Board::advance`]. Out: link bytes, trace bytes, the machine's
 //! state. Owns dispatcher, tick and machine and the hand-overs between them. Fails: never; what the
 //! link brings is answered.
 //!
@@ -214,7 +214,7 @@ impl<'m> Controller<'m> {
         self.core.take_edges()
     }
 
-    /// Whether what the lasers' outputs do is kept for [`BoardConstants::take_beam`].
+    /// Whether what the lasers' outputs do is kept for [`Board::take_beam`].
     pub fn record_beam(&mut self, on: bool) {
         self.core.record_beam(on);
     }

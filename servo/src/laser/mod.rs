@@ -263,7 +263,7 @@ impl Lasers {
     }
 
     /// An entry of a path takes effect at an instant of the interval that is planned next: that of
-    /// `path::ChannelChange::Laser`, its fraction of a ns cut off.
+    /// `path::EntryEffect::Laser`, its fraction of a ns cut off.
     pub(crate) fn buffered(&mut self, run: PathRun, channel: u8, at: Ns, code: u8, words: &[u32; LASER_WORDS]) {
         if let (Some(channel), Some(change)) = (self.channels.get_mut(channel as usize), Buffered::unpack(code, words))
         {
