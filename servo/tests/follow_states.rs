@@ -122,7 +122,7 @@ fn three_times(period: u32) -> Bench {
 }
 
 #[test]
-fn an_abrupt_stop_of_a_master_is_no_way() {
+fn an_abrupt_stop_of_a_master_is_no_displacement() {
     // The ramp ends between two ticks; so does a limit.
     for (after, limit) in (90..110).map(|after| (after, None)).chain((110..130).map(|limit| (200, Some(limit)))) {
         let mut bench = three_times(250);
