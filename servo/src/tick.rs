@@ -45,7 +45,9 @@ use workload::TickBudget;
 /// Events between two runs of the thread.
 pub const EVENTS: usize = 64;
 /// Shortest and longest period, ns.
-pub const PERIOD_NS: core::ops::RangeInclusive<u32> = 10_000..=1_000_000;
+pub const PERIOD_NS: core::ops::RangeInclusive<u32> = *PERIOD_US.start() * 1000..=*PERIOD_US.end() * 1000;
+/// The same in µs.
+pub const PERIOD_US: core::ops::RangeInclusive<u32> = 10..=1000;
 
 /// What a board fixes.
 #[derive(Debug, Clone, Copy)]

@@ -63,6 +63,9 @@ pub struct Memory {
     parts: Parts,
 }
 
+/// Servo ticks of the virtual controller, µs: all that the tick can have.
+pub const TICKS_US: core::ops::RangeInclusive<u32> = servo::tick::PERIOD_US;
+
 enum Parts {
     Few(Box<Arena<8>>),
     All(Box<Arena<48>>),
@@ -352,7 +355,7 @@ impl<'m, const AXES: usize> Whole<'m, AXES> {
         let board = dispatcher::BoardConstants {
             name: NAME,
             profile: config.profile,
-            tick_us: 10..=1000,
+            tick_us: TICKS_US,
             analog_outputs: 8,
             analog_inputs: 8,
             planned_inputs: PLANNED_INPUTS,

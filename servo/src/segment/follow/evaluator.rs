@@ -26,12 +26,12 @@ use super::setup::Setup;
 use super::slave_track::record;
 use super::{Direction, FollowEntries, Method};
 use crate::segment::piece::Piece;
-use crate::units::{Exact, FineNs, Ns, Pos};
+use crate::units::{CYCLE_NS, Exact, FineNs, Ns, Pos};
 
 /// Entries that are no segments, in one tick of one axis.
 pub const ACTIONS: usize = 8;
 /// A cycle of FollowDelayEx, 250 µs, and a ms, in 2⁻³² ns.
-const DELAY_CYCLE: FineNs = 250_000 << 32;
+const DELAY_CYCLE: FineNs = (CYCLE_NS as FineNs) << 32;
 const FINE_NS_PER_MS: FineNs = 1_000_000 << 32;
 /// Steps of [`FollowRun::settle`] in a tick: every action may be followed by the end of a pass.
 const SETTLE_STEPS: usize = 3 * ACTIONS;
