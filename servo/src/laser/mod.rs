@@ -457,7 +457,7 @@ impl Lasers {
     #[inline]
     pub(crate) fn publish(&self, published: &mut [LaserView; CHANNELS]) {
         for (to, channel) in published.iter_mut().zip(&self.channels) {
-            to.follow(&channel.published);
+            to.copy_changed(&channel.published);
         }
     }
 }
