@@ -136,7 +136,7 @@ const _: () = {
 const _: () = assert!(protocol::values::PATH_EFFECTS == servo::path::EFFECTS);
 const _: () = assert!(protocol::values::CRD_FIFO_ENTRIES as usize == servo::path::ENTRIES);
 
-// So do stops of paths and causes of dark channels.
+// Stops of paths and causes of dark channels travel as the tick has them, too.
 const _: () = {
     use protocol::values::{laser_fault, path_stop};
     use servo::laser::Cause;
