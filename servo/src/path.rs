@@ -19,7 +19,8 @@ mod speed_profile;
 mod store;
 
 pub use entry::{EntryContent, EntryEffect, FixedRamp, LASER_WORDS, MotionSpeeds, PathEntry, Plane, Refused, Sweep};
-pub(crate) use evaluator::{EFFECTS, INSTANTS};
+pub use evaluator::EFFECTS;
+pub(crate) use evaluator::INSTANTS;
 pub use evaluator::{
     Effects, FeedOverride, FifoEnds, GEARS, Path, PathReport, PathSettings, PathStop, Step, StepReport,
     TrajectorySample,

@@ -24,6 +24,7 @@ use protocol::command::{
     SetDoBit, SetDoEx, Trace, VersionReply,
 };
 use protocol::reason::{Reason, Refusal};
+use protocol::values::io;
 use protocol::values::status::RUNNING;
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -33,8 +34,6 @@ use zerocopy::FromBytes;
 
 /// Boards whose encoders are those of the crate `plant`.
 const WITHOUT_WIRES: [&str; 2] = ["virtual", "mps2-an500"];
-/// General outputs, as SetDo names them.
-const GENERAL: i32 = 12;
 /// A parameter is out of range.
 const RANGE: i16 = 7;
 /// The firmware does not know a command.
@@ -370,7 +369,7 @@ pub fn place(core: i16, number: i16, cores: u8, per_core: u8) -> Option<u32> {
 /// General outputs that the job sets, from 1.
 fn digital(job: &Job, version: &VersionReply) -> Vec<u8> {
     let mask = job.steps.iter().filter_map(|step| if let Action::Call(call) = &step.action { set(call) } else { None });
-    let mask = mask.filter(|(kind, _)| *kind == GENERAL).fold(0, |all, (_, mask)| all | mask);
+    let mask = mask.filter(|(kind, _)| *kind == i32::from(io::GPO)).fold(0, |all, (_, mask)| all | mask);
     (1..=version.general_outputs.min(64)).filter(|output| mask >> (output - 1) & 1 == 1).collect()
 }
 
