@@ -142,7 +142,7 @@ impl Source {
         match self.in_parts {
             false => Steps::Listed(self.job.steps.iter()),
             true => Steps::Parts {
-                parts: Parts::new(&self.script, &self.folder, true),
+                parts: Box::new(Parts::new(&self.script, &self.folder, true)),
                 part: Vec::new().into_iter(),
                 left: self.totals.steps,
             },
@@ -235,7 +235,7 @@ pub enum Steps<'s> {
     /// Those that its text makes.
     Parts {
         /// Parts to come.
-        parts: Parts<'s>,
+        parts: Box<Parts<'s>>,
         /// Steps of the last one.
         part: std::vec::IntoIter<Step>,
         /// Steps to come, as many as there were at first.
