@@ -168,13 +168,13 @@ struct TraceFacts {
 }
 
 /// A job that has run.
-pub struct Run<'a> {
+pub struct Run<'a, 's> {
     /// The script.
     pub source: &'a Source,
     /// The controller.
     pub client: &'a Client,
     /// What was observed during the job.
-    pub report: &'a Report<'a>,
+    pub report: &'a Report<'a, 's>,
     /// Where the program was at its end.
     pub progress: &'a Progress,
     /// Events that there were before, of a job that uses a laser.
@@ -188,7 +188,7 @@ pub struct Run<'a> {
 }
 
 /// The facts, and what took light from the job, if anything did.
-pub fn facts(run: &Run<'_>) -> Result<(Summary, Option<String>), Failure> {
+pub fn facts(run: &Run<'_, '_>) -> Result<(Summary, Option<String>), Failure> {
     let (client, progress) = (run.client, run.progress);
     let version = client.version();
     let at = |entry: Option<u32>| entry.map(|entry| run.report.place(entry));
@@ -259,7 +259,7 @@ pub fn facts(run: &Run<'_>) -> Result<(Summary, Option<String>), Failure> {
     Ok((summary, taken(run, &faults)))
 }
 
-fn axis_facts(run: &Run<'_>, axis: Axis, item: &AxisItem) -> Result<AxisFacts, Failure> {
+fn axis_facts(run: &Run<'_, '_>, axis: Axis, item: &AxisItem) -> Result<AxisFacts, Failure> {
     let is_it = |mm: &&Millimetres| (i16::from(mm.axis.core), i16::from(mm.axis.axis)) == (axis.core, axis.axis);
     let mm = run.source.millimetres.iter().find(is_it);
     let pt = match item.mode.get() == mode::PT {
@@ -287,7 +287,7 @@ fn axis_facts(run: &Run<'_>, axis: Axis, item: &AxisItem) -> Result<AxisFacts, F
 }
 
 /// Events of a job that uses a laser, of its own time.
-fn new_events(run: &Run<'_>) -> Result<Vec<EventItem>, Failure> {
+fn new_events(run: &Run<'_, '_>) -> Result<Vec<EventItem>, Failure> {
     if run.source.job.lasers == 0 {
         return Ok(Vec::new());
     }
@@ -299,7 +299,7 @@ fn new_events(run: &Run<'_>) -> Result<Vec<EventItem>, Failure> {
 
 /// What took light from the job, if anything did. `faults` are the causes that keep its lasers dark
 /// now, by channel.
-fn taken(run: &Run<'_>, faults: &[(u8, i16)]) -> Option<String> {
+fn taken(run: &Run<'_, '_>, faults: &[(u8, i16)]) -> Option<String> {
     let (progress, report) = (run.progress, run.report);
     let lost = faults.iter().filter(|(channel, _)| progress.darkened() >> channel & 1 == 1);
     let (overran, other): (Vec<_>, Vec<_>) = lost.partition(|(_, cause)| *cause == laser_fault::OVERRUN);
@@ -441,7 +441,7 @@ fn reason(number: u16) -> &'static str {
 }
 
 /// How an axis came to standstill, by the script's end or by its reason; its latched status bits.
-fn ended(report: &Report<'_>, axis: &Axis, item: &AxisItem) -> (&'static str, Vec<&'static str>) {
+fn ended(report: &Report<'_, '_>, axis: &Axis, item: &AxisItem) -> (&'static str, Vec<&'static str>) {
     const BITS: [(u32, &str); 6] = [
         (status::ALARM, "drive alarm"),
         (status::FOLLOWING_ERROR, "following error"),
