@@ -6,7 +6,9 @@ use crate::report::Report;
 use hal::stm32h743::pins::PinLevels;
 use stm32_metapac::gpio::vals::{Idr, Moder, Pupdr};
 use stm32_metapac::timer::TimAdv;
-use stm32_metapac::{DBGMCU, GPIOA, GPIOB, GPIOC, GPIOD, GPIOE, GPIOF, GPIOG, PWR, RCC, SYSCFG, TIM1, TIM2, TIM8};
+use stm32_metapac::{
+    DBGMCU, DMA1, GPIOA, GPIOB, GPIOC, GPIOD, GPIOE, GPIOF, GPIOG, PWR, RCC, SYSCFG, TIM1, TIM2, TIM8,
+};
 
 /// TIM15: its registers that are used here are those of TIM1 (RM0433 41.5).
 // SAFETY: its address.
@@ -15,6 +17,8 @@ pub const TIM15: TimAdv = unsafe { TimAdv::from_ptr(stm32_metapac::TIM15.as_ptr(
 pub const LASERS: [(i64, TimAdv); 3] = [(1, TIM1), (15, TIM15), (8, TIM8)];
 /// The chip's unique number (RM0433 61.1).
 const UNIQUE: *const u32 = 0x1ff1_e800 as *const u32;
+/// The stream of DMA1 that receives from the link.
+const RECEIVING: usize = 2;
 /// Offset of SYSCFG_CFGR, which the metadata leaves out.
 pub const SYSCFG_CFGR: usize = 0x18;
 
@@ -102,6 +106,8 @@ pub fn report_to(report: &mut Report) {
     let idc = DBGMCU.idc().read();
     report.line("idc", &[idc.dev_id().into(), idc.rev_id().into()]);
     report.line("package", &[SYSCFG.pkgr().read().pkg().into()]);
+    let stream = DMA1.st(RECEIVING).cr().read();
+    report.line("receiving", &[stream.en().into(), stream.trbuff().into()]);
     report.line("frozen", &[DBGMCU.apb4fzr1().read().iwdg1().into()]);
     // SAFETY: the register is there; the databases lack it.
     let breaks = unsafe { SYSCFG.as_ptr().cast::<u8>().add(SYSCFG_CFGR).cast::<u32>().read_volatile() };
@@ -132,6 +138,8 @@ pub fn breaks_now(report: &mut Report) {
         timer.sr().write(|w| {
             w.0 = !0;
             w.set_bif(0, false);
+            // That of a break of the chip keeps MOE at 0 (RM0433 38.4.5).
+            w.set_sbif(false);
         });
         // The input passes a synchronizer.
         cortex_m::asm::delay(64);

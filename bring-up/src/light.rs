@@ -4,9 +4,9 @@
 //! missing jumper leaves without edges is a line without numbers.
 use crate::bench::{Bench, train};
 use crate::capture::{self, Edge};
-use crate::chip::TIM15;
+use crate::chip::{LASERS, TIM15};
 use crate::report::Report;
-use crate::wires::{self, ENERGY_0, ENERGY_1, INTERLOCK, MINUS_0, STEP_1, SWITCH_0};
+use crate::wires::{self, ENERGY_0, ENERGY_1, End, INTERLOCK, MINUS_0, STEP_1, SWITCH_0};
 use servo::laser::{Action, Train};
 use stm32_metapac::{DMA1, DMA2, TIM1, TIM8, TIM17};
 
@@ -113,25 +113,31 @@ pub fn steps(bench: &mut Bench, report: &mut Report) {
 
 /// Nobody fills the rings while there is light.
 pub fn starve(bench: &mut Bench, report: &mut Report) {
+    const ENDS: [End; 3] = [ENERGY_0, ENERGY_1, SWITCH_0];
+    let captures = ENDS.map(|end| (end, Edge::Any));
+    let edges = || ENDS.map(|end| capture::count(end) as i64);
     settle(bench);
-    wires::connect(&[ENERGY_0]);
-    capture::begin(&[(ENERGY_0, Edge::Any)]);
+    wires::connect(&ENDS);
+    capture::begin(&captures);
     light(bench, AT_NS, train(PERIOD_COUNTS, WIDTH_COUNTS, 0));
     bench.ticks(4);
     capture::stop();
-    let lit = capture::count(ENERGY_0) as i64;
+    let lit = edges();
     // What was queued is over after two ticks.
     bench.miss(3);
-    capture::begin(&[(ENERGY_0, Edge::Any)]);
-    let place = || i64::from(DMA1.st(0).ndtr().read().ndt());
-    let before = place();
+    capture::begin(&captures);
+    let places = || [DMA1.st(0), DMA2.st(0), DMA1.st(1)].map(|stream| i64::from(stream.ndtr().read().ndt()));
+    let before = places();
     bench.miss(2);
-    let after = place();
+    let after = places();
     capture::stop();
-    let starved = capture::count(ENERGY_0) as i64;
+    let starved = edges();
+    let levels = ENDS.map(|end| i64::from(wires::is_high(end)));
     settle(bench);
     dark(bench);
-    report.line("starved", &[lit, before, after, starved]);
+    for (n, (number, _)) in LASERS.into_iter().enumerate() {
+        report.line("starved", &[number, lit[n], before[n], after[n], starved[n], levels[n]]);
+    }
 }
 
 /// Bursts of all lasers' timers are broken off after their first half-word; the timers start anew,
@@ -161,7 +167,7 @@ pub fn breaks(bench: &mut Bench, report: &mut Report, has_driver: bool) {
         wires::open_interlock(true);
         cortex_m::asm::delay(4_800);
         capture::stop();
-        let enabled = [TIM1.bdtr().read().moe(), TIM15.bdtr().read().moe()].map(i64::from);
+        let enabled = LASERS.map(|(_, timer)| timer.bdtr().read().moe().into());
         report.line("break-left", &enabled);
         capture::report_to(report, "break-input", INTERLOCK, 4);
         capture::report_to(report, "break-plus", ENERGY_1, 4);

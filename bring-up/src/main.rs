@@ -31,7 +31,25 @@ use hal::board::{self, machine::Machine, package, settings, timer::TickTimer, ua
 use report::Report;
 
 /// Version of the lines.
-const FORMAT: i64 = 1;
+const FORMAT: i64 = 2;
+
+/// Version of the image.
+const VERSION: [i64; 3] = [
+    number(env!("CARGO_PKG_VERSION_MAJOR")),
+    number(env!("CARGO_PKG_VERSION_MINOR")),
+    number(env!("CARGO_PKG_VERSION_PATCH")),
+];
+
+/// A decimal number.
+const fn number(text: &str) -> i64 {
+    let mut value = 0;
+    let mut digits = text.as_bytes();
+    while let [digit, rest @ ..] = digits {
+        value = 10 * value + (*digit - b'0') as i64;
+        digits = rest;
+    }
+    value
+}
 
 /// Cycles of a byte of the link.
 pub const A_BYTE: u32 = 1600;
@@ -66,6 +84,8 @@ fn main() -> ! {
     }
     let mut report = Report::to(tx);
     report.line("format", &[FORMAT]);
+    report.line("version", &VERSION);
+    report.name("board", board::NAME);
     if let Some(before) = before {
         before.report_to(&mut report);
     }

@@ -36,6 +36,14 @@ impl Report {
         let _ = write!(self, "*{sum:02X}\r\n");
     }
 
+    /// Sends a line with the bytes of a text.
+    pub fn name(&mut self, name: &str, text: &str) {
+        let mut bytes = [0; 16];
+        let count = text.len().min(bytes.len());
+        bytes.iter_mut().zip(text.bytes()).for_each(|(to, from)| *to = from.into());
+        self.line(name, &bytes[..count]);
+    }
+
     /// The last line: how many came before it. Returns once all has left the chip.
     pub fn end(&mut self) {
         self.line("end", &[self.lines]);
@@ -96,6 +104,8 @@ impl Write for Last {
 fn stop(reason: fmt::Arguments<'_>) -> ! {
     board::safe_state();
     watchdog::feed();
+    // The next run begins like the first one.
+    crate::before::forget();
     // Before start-up the UART has no clock, and nobody could read it.
     if stm32_metapac::RCC.apb1lenr().read().usart3en() {
         // Writing to the link never fails.

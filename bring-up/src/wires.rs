@@ -1,12 +1,12 @@
 //! The jumpers of docs/bring-up.md, and whether they are there.
 //!
-//! In: levels at both ends. Out: lines. Owns the pins at which captures end: PA0, PA3, PA15, PB3,
-//! PB10, PB11, and PG14, which drives the interlock.
+//! In: levels at the ends while one pin is driven. Out: lines. Owns the pins at which captures end:
+//! PA0, PA3, PA15, PB3, PB10, PB11; and PG14, which drives the interlock.
 use crate::report::Report;
 use hal::stm32h743::boards::BOARD;
 use hal::stm32h743::pins::PinLevels;
 use stm32_metapac::gpio::Gpio;
-use stm32_metapac::gpio::vals::{Moder, Pupdr};
+use stm32_metapac::gpio::vals::{Idr, Moder, Pupdr};
 use stm32_metapac::{GPIOA, GPIOB, GPIOC, GPIOE, GPIOF, GPIOG};
 
 type GpioPin = (Gpio, usize);
@@ -32,21 +32,34 @@ pub const MINUS_0: End = End { pin: (GPIOB, 11), channel: 3 };
 /// The interlock.
 pub const INTERLOCK: End = End { pin: (GPIOA, 15), channel: 0 };
 
-/// Jumpers by their numbers: the pin that is driven, and the end.
-const JUMPERS: [(i64, GpioPin, End); 5] = [
-    (1, (GPIOE, 9), ENERGY_0),
-    (2, (GPIOE, 5), ENERGY_1),
-    (3, (GPIOC, 7), SWITCH_0),
-    (4, (GPIOF, 8), STEP_1),
-    (5, (GPIOE, 8), MINUS_0),
+/// Jumpers, from the first: the pin that drives, and the end.
+const JUMPERS: [(GpioPin, End); 6] = [
+    ((GPIOE, 9), ENERGY_0),
+    ((GPIOE, 5), ENERGY_1),
+    ((GPIOC, 7), SWITCH_0),
+    ((GPIOF, 8), STEP_1),
+    ((GPIOE, 8), MINUS_0),
+    (DRIVER, INTERLOCK),
 ];
 /// The sixth is driven by this pin.
 const DRIVER: GpioPin = (GPIOG, 14);
 
-fn is_high((port, pin): GpioPin) -> bool {
+fn reads_high((port, pin): GpioPin) -> bool {
+    port.idr().read().idr(pin) == Idr::HIGH
+}
+
+fn settle() {
     // A pull takes some hundred ns to a level.
     cortex_m::asm::delay(4800);
-    port.idr().read().idr(pin) == stm32_metapac::gpio::vals::Idr::HIGH
+}
+
+/// The level at an end.
+pub fn is_high(end: End) -> bool {
+    reads_high(end.pin)
+}
+
+fn drive((port, pin): GpioPin, high: bool) {
+    port.bsrr().write(|w| if high { w.set_bs(pin, true) } else { w.set_br(pin, true) });
 }
 
 fn input((port, pin): GpioPin, pull: Pupdr) {
@@ -56,13 +69,12 @@ fn input((port, pin): GpioPin, pull: Pupdr) {
 
 /// Opens the interlock, or closes it, where the sixth jumper is.
 pub fn open_interlock(open: bool) {
-    let (port, pin) = DRIVER;
-    port.bsrr().write(|w| if open { w.set_bs(pin, true) } else { w.set_br(pin, true) });
+    drive(DRIVER, open);
 }
 
 /// The ends as captures: alternate function 1, of the two ends of a channel the one that is named.
 pub fn connect(ends: &[End]) {
-    for all in JUMPERS.map(|(_, _, end)| end).into_iter().chain([INTERLOCK]) {
+    for (_, all) in JUMPERS {
         let (port, pin) = all.pin;
         let named = ends.iter().any(|end| end.pin == all.pin);
         if named {
@@ -73,22 +85,41 @@ pub fn connect(ends: &[End]) {
     }
 }
 
-/// Reports the levels of the laser lines at rest, and which jumpers are there; the lasers rest
-/// meanwhile. Those of the converters are found by their voltages. True if the sixth is there.
+/// The ends, a bit each, that follow a pin which is driven to the other level than its own and
+/// back. An end that nobody drives stays at the level of its pull.
+fn following(from: GpioPin) -> u32 {
+    let (port, pin) = from;
+    let (mode, own) = (port.moder().read().moder(pin), reads_high(from));
+    let mut follow = (1 << JUMPERS.len()) - 1;
+    // The interlock's contacts take part in its jumper alone.
+    let mut breaks_follow = true;
+    drive(from, own);
+    port.moder().modify(|w| w.set_moder(pin, Moder::OUTPUT));
+    for level in [own, !own, own] {
+        drive(from, level);
+        settle();
+        for (n, (_, end)) in JUMPERS.into_iter().enumerate() {
+            follow &= !(u32::from(is_high(end) != level) << n);
+        }
+        breaks_follow &= PinLevels::read().breaks() == [level; 3];
+    }
+    port.moder().modify(|w| w.set_moder(pin, mode));
+    let interlock = 1 << (JUMPERS.len() - 1);
+    if breaks_follow { follow } else { follow & !interlock }
+}
+
+/// Reports the levels of the laser lines at rest, and where each jumper ends: the bits of the ends
+/// that follow its pin. The lasers rest meanwhile, and a pin of theirs is driven for some µs. The
+/// jumpers of the converters are found by their voltages. True if the sixth is as it should be.
 pub fn report_to(report: &mut Report) -> bool {
-    report.line("rest", &BOARD.lasers.map(|(pin, _)| is_high(pin).into()));
-    for (number, from, end) in JUMPERS {
-        // A pull against the level at rest: the end follows only its driver.
-        let rests_high = is_high(from);
-        input(end.pin, if rests_high { Pupdr::PULL_DOWN } else { Pupdr::PULL_UP });
-        report.line("wire", &[number, (is_high(end.pin) == rests_high).into()]);
+    settle();
+    report.line("rest", &BOARD.lasers.map(|(pin, _)| reads_high(pin).into()));
+    for (_, end) in JUMPERS {
+        input(end.pin, if end.pin == INTERLOCK.pin { Pupdr::PULL_UP } else { Pupdr::PULL_DOWN });
     }
-    input(INTERLOCK.pin, Pupdr::PULL_UP);
-    let mut follows = true;
-    for open in [true, false] {
-        open_interlock(open);
-        follows &= is_high(INTERLOCK.pin) == open && PinLevels::read().breaks() == [open; 3];
+    let ends = JUMPERS.map(|(from, _)| following(from));
+    for (number, ends) in (1..).zip(ends) {
+        report.line("wire", &[number, ends.into()]);
     }
-    report.line("wire", &[6, follows.into()]);
-    follows
+    ends[JUMPERS.len() - 1] == 1 << (JUMPERS.len() - 1)
 }

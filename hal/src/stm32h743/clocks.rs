@@ -33,10 +33,15 @@ pub fn await_source() {
     wait(|| RCC.cr().read().hserdy());
 }
 
-/// Whether this is one of the first revisions, Z and Y, which reach neither VOS0 nor [`CORE_HZ`]
-/// (RM0433 60.5.8, ES0392).
-pub fn is_too_old() -> bool {
-    matches!(DBGMCU.idc().read().rev_id(), 0x1001 | 0x1003)
+/// STM32H742, H743, H753 and H750 (RM0433 60.5.8); the H745 and the H747 have it too.
+const DEVICE: u16 = 0x450;
+/// X and V. The first ones, Z and Y, reach neither VOS0 nor [`CORE_HZ`] (RM0433 60.5.8, ES0392).
+const REVISIONS: [u16; 2] = [0x2001, 0x2003];
+
+/// Whether the image may run on this chip.
+pub fn is_fit() -> bool {
+    let code = DBGMCU.idc().read();
+    code.dev_id() == DEVICE && REVISIONS.contains(&code.rev_id())
 }
 
 /// Stops the watchdog while a debugger halts the core, which cannot feed it then. DMA still plays

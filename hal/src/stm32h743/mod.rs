@@ -2,8 +2,8 @@
 //! are those of RM0433, the chip's reference manual.
 //!
 //! In: the tick's set-points and outputs, bytes to send. Out: ticks, levels of inputs, bytes
-//! received. Owns the chip's clocks, watchdog, timer, UART and interrupt controller. Fails: an old
-//! revision of the chip is refused; a clock that does not start is left to the watchdog.
+//! received. Owns the chip's clocks, watchdog, timer, UART and interrupt controller. Fails: another
+//! chip or revision is refused; a clock that does not start is left to the watchdog.
 use crate::{guard, priority, startup_stack};
 use cortex_m::peripheral::scb::SystemHandler;
 use cortex_m::peripheral::{NVIC, SCB};
@@ -141,8 +141,8 @@ fn bring_up(purpose: Purpose) -> Option<Board> {
         unsafe { analog::zero_external() };
         clocks::await_source();
     }
-    if clocks::is_too_old() {
-        // The image needs a faster chip: all other pins stay as the reset left them. An LED is an
+    if !clocks::is_fit() {
+        // The image needs another chip: all other pins stay as the reset left them. An LED is an
         // output of the board, too, so it is lit only where nothing is connected to that.
         if purpose == Purpose::Measure && !is_other {
             pins::show_refusal();

@@ -471,6 +471,9 @@ pub struct BringUp {
     /// The board runs its own image: measures how long its servo ticks take under loads.
     #[arg(long)]
     pub loads: bool,
+    /// Then keeps all streams and the link busy for so long, and counts what the link lost.
+    #[arg(long, value_name = "MINUTES", requires = "loads", value_parser = clap::value_parser!(u32).range(1..=1440))]
+    pub soak: Option<u32>,
     /// Writes the page to this file instead of the standard output.
     #[arg(long, value_name = "FILE.md")]
     pub page: Option<PathBuf>,

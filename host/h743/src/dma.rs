@@ -168,6 +168,8 @@ pub struct Dma {
     pub busy: Time,
     /// A request whose data never reach memory.
     pub loses: Option<u8>,
+    /// TRBUFF reads as 0.
+    pub lacks_buffer: bool,
     /// When each controller is free again.
     free: [Time; 2],
     /// Requests that came while the one before still waited.
@@ -190,6 +192,7 @@ impl Dma {
             answer: ANSWER,
             busy: TRANSFER,
             loses: None,
+            lacks_buffer: false,
             free: [0; 2],
             lost: 0,
             passed: 0,
@@ -462,7 +465,11 @@ const SHIFTS: [u32; 4] = [0, 6, 16, 22];
 impl Device for Dma {
     fn read(&mut self, offset: u32, _: Time, _: &mut Vec<Signal>) -> Option<u32> {
         match offset {
-            0x000..0x800 => self.controller_read((offset / 0x400) as usize, offset % 0x400),
+            0x000..0x800 => {
+                let value = self.controller_read((offset / 0x400) as usize, offset % 0x400);
+                let is_control = offset % 0x400 >= 0x10 && (offset % 0x400 - 0x10) % 0x18 == 0;
+                value.map(|value| if self.lacks_buffer && is_control { value & !TRBUFF } else { value })
+            }
             0x800..0x840 => Some(self.mux[(offset - 0x800) as usize / 4]),
             // Overruns of synchronised requests.
             0x880 | 0x884 => Some(0),
@@ -504,8 +511,10 @@ impl Device for Dma {
 
     fn reset(&mut self, _: Time, out: &mut Vec<Signal>) {
         let (complaint, lost) = (self.complaint.take(), self.lost);
+        let kept = (self.loses, self.lacks_buffer);
         let (cycle, answer, busy, passed) = (self.cycle, self.answer, self.busy, self.passed);
-        *self = Dma { cycle, answer, busy, passed, loses: self.loses, ..Dma::new(self.memory.clone()) };
+        *self = Dma { cycle, answer, busy, passed, ..Dma::new(self.memory.clone()) };
+        (self.loses, self.lacks_buffer) = kept;
         (self.complaint, self.lost) = (complaint, lost);
         (0..STREAMS).for_each(|n| self.report(n, out));
     }

@@ -27,10 +27,10 @@ pub enum Wrong {
     ShortRepeat,
     /// SYSCFG_CFGR lies elsewhere.
     NoBreakSources,
-    /// DBGMCU does not freeze the watchdog.
-    NoFreeze,
     /// PKGR says this.
     Package(u32),
+    /// Another chip.
+    Chip(u16),
     /// A revision of the chip.
     Revision(u16),
     /// CPUID of an earlier core.
@@ -43,8 +43,8 @@ pub enum Wrong {
     StartsLate(u8),
     /// This timer has its trigger at another input.
     Deaf(u8),
-    /// A reload value of 0 does not block a timer.
-    CountsToZero,
+    /// A reload value of 0 does not block this timer.
+    CountsToZero(u8),
     /// A reset of this timer leaves its burst where it is.
     KeepsBurst(u8),
     /// At a break lines are inactive for 200 counts before they are idle.
@@ -79,6 +79,8 @@ pub enum Wrong {
     LowSupply,
     /// BDTR.OSSI of this timer stays 0.
     NoIdleLevels(u8),
+    /// TRBUFF of DMA's streams reads as 0.
+    NoBuffer,
     /// What DMA writes for TIM17's compare requests is lost: slots that were played stay.
     LostClears,
 }
@@ -128,15 +130,17 @@ impl Machine {
             Wrong::NoAf1(number) => bus.timers_named(number).for_each(|timer| timer.quirks.no_af1 = true),
             Wrong::ShortRepeat => bus.timers_named(8).for_each(|timer| timer.quirks.short_repeat = true),
             Wrong::NoBreakSources => bus.syscfg.lacks_cfgr = true,
-            Wrong::NoFreeze => bus.dbgmcu.lacks_freeze = true,
             Wrong::Package(package) => bus.syscfg.package = package,
+            Wrong::Chip(device) => bus.dbgmcu.device = device,
             Wrong::Revision(revision) => bus.dbgmcu.revision = revision,
             Wrong::EarlyCore => self.chip.identity.cpuid = 0x410f_c270,
             Wrong::EagerStacking => self.chip.identity.fpccr = 0x8000_0000,
             Wrong::DrivenAtReset => bus.gpio.drive_at_reset(),
             Wrong::StartsLate(number) => bus.timers_named(number).for_each(|timer| timer.quirks.start_delay = 12),
             Wrong::Deaf(number) => bus.timers_named(number).for_each(|timer| timer.quirks.is_deaf = true),
-            Wrong::CountsToZero => bus.timers.iter_mut().for_each(|timer| timer.quirks.counts_to_zero = true),
+            Wrong::CountsToZero(number) => {
+                bus.timers_named(number).for_each(|timer| timer.quirks.counts_to_zero = true)
+            }
             Wrong::KeepsBurst(number) => bus.timers_named(number).for_each(|timer| timer.quirks.keeps_burst = true),
             Wrong::SettlesLong => bus.timers.iter_mut().for_each(|timer| timer.quirks.settles_more = 198),
             Wrong::SlowDma => bus.dma.answer *= 6,
@@ -151,6 +155,7 @@ impl Machine {
             Wrong::SlowLink => bus.usart.slow_percent = 3,
             Wrong::LowSupply => bus.pwr.supply_mv = 2600,
             Wrong::NoIdleLevels(number) => bus.timers_named(number).for_each(|timer| timer.quirks.no_ossi = true),
+            Wrong::NoBuffer => bus.dma.lacks_buffer = true,
             Wrong::LostClears => bus.dma.loses = Some(TIM17_CH1),
             Wrong::Forgets => self.chip.forgets = true,
             Wrong::FiveVolts => bus.gpio.drive(Pin(0, 9), Some(true)),

@@ -227,8 +227,6 @@ const PVDL: u32 = 1 << 2;
 const CM7L: u32 = 1 << 6;
 /// The package (RM0433 12.3.13).
 const PKGR: u32 = 0x124;
-/// DBGMCU_APB4FZ1: what of APB 4 a debugger stops.
-const APB4FZ1: u32 = 0x54;
 
 /// SYSCFG: the over-drive and the I/O compensation cell.
 #[derive(Debug, Clone, Default)]
@@ -286,34 +284,31 @@ impl Device for Syscfg {
     }
 }
 
-/// Revision of the chip (RM0433 60.5.8), and what a debugger stops.
+/// Which chip it is (RM0433 60.5.8), and what a debugger stops.
 #[derive(Debug, Clone)]
 pub struct Dbgmcu {
+    /// The chip: 0x450 is the STM32H743.
+    pub device: u16,
     /// Revision: 0x2003 is V.
     pub revision: u16,
-    /// APB4FZ1 holds nothing.
-    pub lacks_freeze: bool,
     others: [u32; 24],
 }
 
 impl Default for Dbgmcu {
     fn default() -> Self {
-        Dbgmcu { revision: 0x2003, lacks_freeze: false, others: [0; 24] }
+        Dbgmcu { device: 0x450, revision: 0x2003, others: [0; 24] }
     }
 }
 
 impl Device for Dbgmcu {
     fn read(&mut self, offset: u32, _: Time, _: &mut Vec<Signal>) -> Option<u32> {
         match offset {
-            0 => Some(u32::from(self.revision) << 16 | 0x450),
+            0 => Some(u32::from(self.revision) << 16 | u32::from(self.device)),
             _ => self.others.get(offset as usize / 4).copied(),
         }
     }
 
     fn write(&mut self, offset: u32, value: u32, mask: u32, _: Time, _: &mut Vec<Signal>) -> Option<()> {
-        if offset == APB4FZ1 && self.lacks_freeze {
-            return Some(());
-        }
         let place = self.others.get_mut(offset as usize / 4).filter(|_| offset != 0)?;
         *place = *place & !mask | value & mask;
         Some(())

@@ -1,11 +1,15 @@
 //! The bring-up image on the emulated chip: every row passes, and each planted wrong fact fails in
 //! the row that names it. The image that BEAMTICK_H743_BRING_UP names.
 use beamtick::{Failure, bring_up_over};
+use client::{Client, Link, Options};
 use h743::facts::Wrong;
 use h743::link::{EmulatedLink, Shared, lock};
-use h743::{MILLISECOND, Machine, Pin};
+use h743::{Level, MILLISECOND, Machine, Pin};
+use protocol::command::GetSts;
+use protocol::values::status;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
+use std::time::Duration;
 
 /// Jumpers of docs/bring-up.md: number, the pin that drives, the end.
 const JUMPERS: [(u8, &str, &str); 9] = [
@@ -105,6 +109,8 @@ fn a_chip_as_assumed_passes_every_row() {
         ("ADEN right after a calibration", "kept"),
         // Power-on, as it was before the run's own resets.
         ("cause of the reset", "RCC_RSR 0x00fa0000"),
+        ("the first start after power-on", "no other reset since"),
+        ("DBGMCU_APB4FZ1.WDGLSD1 read back", "1"),
     ] {
         assert_eq!(rows_of_first[row].1, figure, "{row}");
     }
@@ -115,50 +121,224 @@ fn a_chip_as_assumed_passes_every_row() {
     assert_eq!(rows(&second).len(), rows_of_first.len());
 }
 
-/// The board's own image, with jumper 6, which keeps the interlock closed, and without.
-#[test]
-fn ticks_of_the_boards_own_image_are_measured_under_loads() {
+/// The board's own image, which has started, with these jumpers; `None` without one.
+fn own_image(without: &[u8], before: impl FnOnce(&mut Machine)) -> Option<Shared> {
     let Some(path) = std::env::var_os("BEAMTICK_H743_IMAGE") else {
         println!("skipped: BEAMTICK_H743_IMAGE names no image");
-        return;
+        return None;
     };
-    let elf = std::fs::read(path).unwrap();
-    for without in [&[][..], &[6]] {
-        let mut machine = Machine::new().unwrap();
-        machine.boot(&elf).unwrap();
-        wire(&mut machine, without);
-        machine.run(20 * MILLISECOND);
-        let board = Arc::new(Mutex::new(machine));
+    let mut machine = Machine::new().unwrap();
+    machine.boot(&std::fs::read(path).unwrap()).unwrap();
+    wire(&mut machine, without);
+    before(&mut machine);
+    machine.run(20 * MILLISECOND);
+    Some(Arc::new(Mutex::new(machine)))
+}
+
+/// How often each of these pins has changed.
+fn changes<const N: usize>(board: &Shared, names: [&str; N]) -> [usize; N] {
+    let machine = lock(board);
+    names.map(|name| {
+        let pin = Pin::named(name).unwrap();
+        machine.chip.bus.gpio.changes.iter().filter(|change| change.pin == pin).count()
+    })
+}
+
+/// Steps of six axes, servo enables of two, the + lines of both lasers.
+const MOVES_AND_LIGHTS: [&str; 12] =
+    ["PF8", "PF9", "PF10", "PF11", "PF12", "PF13", "PG0", "PG1", "PE9", "PE5", "PC7", "PC8"];
+
+#[test]
+fn ticks_of_the_boards_own_image_are_measured_under_loads() {
+    let Some(board) = own_image(&[], |_| {}) else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let page = folder.path().join("page.md");
+    let words = ["--loads", "--page", page.to_str().unwrap()];
+    let outcome = bring_up_over(Box::new(EmulatedLink::new(board.clone())), &words);
+    let page = std::fs::read_to_string(page).unwrap_or_default();
+    assert!(outcome.is_ok(), "{outcome:?}\n{page}");
+    println!("{page}");
+    let rows = rows(&page);
+    assert_eq!(rows.len(), 6);
+    assert!(rows.values().all(|(result, _)| *result == "pass"), "{page}");
+    assert!(page.contains("Board nucleo-h743zi2, image 0.1.0, over h743, by `beamtick bring-up` 0.1.0 on 2"), "{page}");
+    // The axes of the paths and those in PVT have moved, and light was there.
+    let moved = changes(&board, MOVES_AND_LIGHTS);
+    assert!(moved[..6].iter().all(|count| *count > 1000), "{moved:?}");
+    assert!(moved[8..10].iter().all(|count| *count > 1000), "{moved:?}");
+    // All is as after power-on: axes are off, a limit and an alarm count.
+    let client = Client::open(Box::new(EmulatedLink::new(board.clone())), Options::default()).unwrap();
+    let status = |axis: i16| {
+        let request = GetSts { core: 1.into(), axis: axis.into(), count: 1.into() };
+        client.call_items(request, &[]).unwrap().1[0].value.get() as u32
+    };
+    for (axis, pin, flag) in [(5i16, "PE10", status::LIMIT_POSITIVE), (5, "PC0", status::ALARM)] {
+        assert_eq!(status(axis) & (flag | status::SERVO_ON), 0, "{pin}");
+        lock(&board).drive(Pin::named(pin).unwrap(), Some(true));
+        lock(&board).run(2 * MILLISECOND);
+        assert_eq!(status(axis) & flag, flag, "{pin}");
+    }
+    assert_eq!(lock(&board).chip.bus.complaints, Vec::<String>::new());
+}
+
+/// A board whose interlock is no jumper at output 5 may be in a machine: nothing lights or moves
+/// there, and a page of before stays.
+#[test]
+fn without_jumper_6_nothing_lights_or_moves() {
+    let ground = |machine: &mut Machine| {
+        ["PE15", "PE3", "PG2"].iter().for_each(|name| machine.drive(Pin::named(name).unwrap(), Some(false)));
+    };
+    let stays = "the interlock stays closed while output 5 is high: something else than jumper 6 closes it";
+    let open = "the lasers are kept dark: the interlock is open";
+    for (tie, found) in [(&ground as &dyn Fn(&mut Machine), stays), (&|_: &mut Machine| {}, open)] {
+        let Some(board) = own_image(&[6], tie) else { return };
+        let before = changes(&board, MOVES_AND_LIGHTS);
         let folder = tempfile::tempdir().unwrap();
         let page = folder.path().join("page.md");
+        std::fs::write(&page, "# Bring-up\n").unwrap();
         let words = ["--loads", "--page", page.to_str().unwrap()];
         let outcome = bring_up_over(Box::new(EmulatedLink::new(board.clone())), &words);
-        let page = std::fs::read_to_string(page).unwrap_or_default();
-        assert!(outcome.is_ok(), "{outcome:?}\n{page}");
-        let rows = rows(&page);
-        let result = |name: &str| rows[name].0;
-        assert_eq!((rows.len(), result("nothing runs"), result("eight axes in PVT")), (6, "pass", "pass"));
-        let lit = if without.is_empty() { "pass" } else { "not measured" };
-        for name in [
-            "two lasers at 10 kHz",
-            "two lasers at 2 MHz",
-            "eight axes in PVT, two lasers at 2 MHz",
-            "two paths, two axes in PVT, two lasers at 2 MHz that follow",
-        ] {
-            assert_eq!(result(name), lit, "{page}");
+        let Err(Failure::Job(text)) = &outcome else { panic!("{outcome:?}") };
+        assert!(text.starts_with(found) && text.contains("Nothing was moved or lit. Take this board off"), "{text}");
+        assert_eq!(changes(&board, MOVES_AND_LIGHTS), before, "{found}");
+        // Output 5 is low, as it was.
+        assert_eq!(lock(&board).chip.bus.gpio.level(Pin::named("PG14").unwrap()), Level::Driven(false));
+        assert_eq!(std::fs::read_to_string(&page).unwrap(), "# Bring-up\n");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+}
+
+/// Each end is found by the pin that drives it: crossed jumpers are none.
+#[test]
+fn crossed_jumpers_are_named_and_measure_nothing() {
+    for (crossed, named, row, why) in [
+        (
+            [1, 3],
+            "jumper 1 ends at D36; jumper 3 ends at D32",
+            "first edges after their tick",
+            "jumper 1 ends at D36, not at D32",
+        ),
+        (
+            [1, 2],
+            "jumper 1 ends at D23; jumper 2 ends at D32",
+            "cycles of 2 MHz, all streams busy",
+            "jumper 1 ends at D23, not at D32",
+        ),
+    ] {
+        let Some(board) = board(&[], &crossed) else { return };
+        {
+            let mut machine = lock(&board);
+            let ends = crossed.map(|number| JUMPERS.iter().find(|jumper| jumper.0 == number).unwrap());
+            let pin = |name| Pin::named(name).unwrap();
+            machine.chip.bus.jumpers.extend([(pin(ends[0].1), pin(ends[1].2)), (pin(ends[1].1), pin(ends[0].2))]);
         }
-        println!("{page}");
-        if without.is_empty() {
-            // The axes of the paths and those in PVT have moved.
-            let machine = lock(&board);
-            let mut steps = ["PF8", "PF9", "PF10", "PF11", "PF12", "PF13"].map(|name| (Pin::named(name).unwrap(), 0));
-            for change in &machine.chip.bus.gpio.changes {
-                steps.iter_mut().filter(|(pin, _)| *pin == change.pin).for_each(|(_, edges)| *edges += 1);
-            }
-            assert!(steps.iter().all(|(_, edges)| *edges > 1000), "{steps:?}");
-        }
+        let (outcome, page) = measure(&board);
+        assert_eq!(failed(&page), ["jumpers"], "{page}");
+        assert!(matches!(outcome, Err(Failure::Job(_))));
+        assert_eq!(rows(&page)["jumpers"], ("**FAIL**", named));
+        assert_eq!(rows(&page)[row], ("not measured", why));
         assert_eq!(lock(&board).chip.bus.complaints, Vec::<String>::new());
     }
+}
+
+/// What happens to the board once the run has begun.
+struct Meddling<F> {
+    link: EmulatedLink,
+    board: Shared,
+    meddle: F,
+    steps: u32,
+}
+
+impl<F: FnMut(&mut Machine, u32) + Send> Link for Meddling<F> {
+    fn name(&self) -> &str {
+        self.link.name()
+    }
+    fn send(&mut self, bytes: &[u8]) -> client::Result<()> {
+        self.link.send(bytes)
+    }
+    fn receive(&mut self, buf: &mut [u8], wait: Duration) -> client::Result<usize> {
+        let count = self.link.receive(buf, wait)?;
+        // Steps count from the first figures on.
+        self.steps += u32::from(self.steps > 0 || buf[..count].windows(6).any(|text| text == b"format"));
+        (self.meddle)(&mut lock(&self.board), self.steps);
+        Ok(count)
+    }
+    fn now(&mut self) -> u64 {
+        self.link.now()
+    }
+    fn real_time(&self) -> bool {
+        false
+    }
+}
+
+/// Runs the measurement while somebody meddles.
+fn meddled(board: &Shared, meddle: impl FnMut(&mut Machine, u32) + Send + 'static) -> (Result<(), Failure>, String) {
+    let link = Meddling { link: EmulatedLink::new(board.clone()), board: board.clone(), meddle, steps: 0 };
+    let folder = tempfile::tempdir().unwrap();
+    let page = folder.path().join("page.md");
+    let outcome = bring_up_over(Box::new(link), &["--page", page.to_str().unwrap()]);
+    (outcome, std::fs::read_to_string(page).unwrap_or_default())
+}
+
+/// A supply that was low for a while sets the flag of the chip's breaks, which is no fault of a
+/// pin's break.
+#[test]
+fn a_supply_that_was_low_before_is_no_wrong_break() {
+    let Some(board) = board(&[], &[]) else { return };
+    let (outcome, page) = meddled(&board, |machine, step| match step {
+        1 => machine.supply(2600),
+        2 => machine.supply(3300),
+        _ => {}
+    });
+    assert_eq!((failed(&page), outcome.is_ok()), (vec![], true), "{page}");
+}
+
+/// The ST-LINK's clock stops within a run: the reason arrives, and the next run begins like the
+/// first one, with words of its own.
+#[test]
+fn a_run_that_ends_early_leaves_nothing_to_the_next_one() {
+    let Some(board) = board(&[], &[]) else { return };
+    let (outcome, page) = meddled(&board, |machine, step| {
+        if step == 2 {
+            machine.give_clock(false);
+        }
+    });
+    let Err(Failure::Job(text)) = outcome else { panic!("{outcome:?}") };
+    // It ends within a line.
+    assert!(text.starts_with("line ") && text.contains(": no checksum: "), "{text}");
+    assert_eq!(page, "");
+    lock(&board).give_clock(true);
+    lock(&board).run(300 * MILLISECOND);
+    let (outcome, page) = measure(&board);
+    assert!(outcome.is_ok(), "{outcome:?}\n{page}");
+    // By the watchdog, after an early end.
+    assert_eq!(rows(&page)["cause of the reset"].1, "RCC_RSR 0x04420000", "{page}");
+}
+
+/// A page of before is never lost: it stays where the new one cannot be written, and goes once that
+/// is whole.
+#[test]
+fn a_page_that_cannot_be_written_is_found_before_the_measurement() {
+    let Some(board) = board(&[], &[]) else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let page = folder.path().join("missing").join("page.md");
+    let began = lock(&board).chip.now;
+    let words = ["--page", page.to_str().unwrap()];
+    let outcome = bring_up_over(Box::new(EmulatedLink::new(board.clone())), &words);
+    let Err(Failure::Input(text)) = outcome else { panic!("{outcome:?}") };
+    assert!(text.starts_with("--page ") && text.contains("page.md: cannot be written"), "{text}");
+    assert_eq!(lock(&board).chip.now, began);
+    // A run that is cut short leaves the page of before under its other name.
+    let page = folder.path().join("page.md");
+    std::fs::write(&page, "before").unwrap();
+    let words = ["--page", page.to_str().unwrap()];
+    lock(&board).plant(Wrong::Revision(0x1003));
+    lock(&board).reset(h743::Cause::Pin);
+    let outcome = bring_up_over(Box::new(EmulatedLink::new(board)), &words);
+    let Err(Failure::Job(text)) = outcome else { panic!("{outcome:?}") };
+    assert!(text.contains("page.md.old now."), "{text}");
+    assert!(!page.exists());
+    assert_eq!(std::fs::read_to_string(folder.path().join("page.md.old")).unwrap(), "before");
 }
 
 #[test]
@@ -190,8 +370,24 @@ fn on_another_package_no_line_is_driven_but_the_links() {
     assert_eq!(machine.chip.bus.complaints, Vec::<String>::new());
 }
 
+/// What a fault of memory at its first write comes to. After any other reset nobody knows.
+#[test]
+fn a_start_that_the_watchdog_ended_is_no_good_first_one() {
+    for (cause, result, figure) in [
+        (h743::Cause::Watchdog, "**FAIL**", "the watchdog has ended a start since"),
+        (h743::Cause::Software, "not measured", "the chip was reset since (`cause`): switch the power off and on"),
+    ] {
+        let Some(board) = board(&[Wrong::Package(0)], &[]) else { return };
+        lock(&board).reset(cause);
+        let (_, page) = measure(&board);
+        assert_eq!(rows(&page)["the first start after power-on"], (result, figure));
+    }
+}
+
 const BREAKS: &str = "break flag and level of each timer";
 const LEVEL: &str = "a break acts by its level";
+
+const STARVED: &[&str] = &["a slot that nobody has filled is dark and stops the timer"];
 
 /// A wrong fact, the rows that must fail, and the figure of the first of them if it is certain.
 /// What else fails is a consequence.
@@ -220,8 +416,7 @@ fn wrong_facts_together_fail_in_their_rows_alone() {
         (Wrong::Forgets, "words written before a reset", "lost"),
         (Wrong::NoCaches, "caches and wait states", "instruction cache 0, data cache 0, 4 wait states, WRHIGHFREQ 2"),
         (Wrong::SlowLink, "rate of the link", "823 counts a byte, of 800"),
-        (Wrong::NoFreeze, "a debugger freezes the watchdog", "WDGLSD1 reads 0"),
-        (Wrong::Revision(0x3003), "revision of the chip", "device 0x450, revision 0x3003 (unknown)"),
+        (Wrong::NoBuffer, "the link's stream is buffered", "DMA1_S2CR: EN 1, TRBUFF 0"),
         (Wrong::EarlyCore, "revision of the core", "CPUID 0x410fc270: r0p0"),
         (
             Wrong::EagerStacking,
@@ -267,7 +462,8 @@ fn a_wrong_fact_of_dma_or_of_a_timer_fails_in_its_row() {
     let broken_off: &[&str] = &["light after a burst that was broken off"];
     check([
         (Wrong::HalfTimers, &["cycles of the core in a count of the timers"], "4.0003, of 2"),
-        (Wrong::SlowBreak, &["from the interlock to dark"], "28 counts, MOE 0 and 0 after it"),
+        (Wrong::SlowBreak, &["from the interlock to dark"], "28 counts, MOE of TIM1 0, TIM15 0, TIM8 0 after it"),
+        (Wrong::Unconnected(8), &["from the interlock to dark", BREAKS], ""),
         (Wrong::BusyDma, &["steps of 1 MHz, all streams busy"], ""),
         (Wrong::LostClears, &["each step is played once"], ""),
         (Wrong::StreamRewinds, &["a stream keeps its place while its timer stands"], ""),
@@ -283,7 +479,9 @@ fn a_wrong_fact_that_edges_tell_fails_in_its_row() {
     check([
         (Wrong::StartsLate(15), &["first edges after their tick"], "laser 0 0, laser 1 12, switch 0 counts"),
         (Wrong::Deaf(15), &["TIM1, TIM15 and TIM8 start by their triggers"], "TIM1 1, TIM15 0, TIM8 1"),
-        (Wrong::CountsToZero, &["a slot that nobody has filled is dark and stops the timer"], ""),
+        (Wrong::CountsToZero(1), STARVED, ""),
+        (Wrong::CountsToZero(15), STARVED, ""),
+        (Wrong::CountsToZero(8), STARVED, ""),
         (
             Wrong::SettlesLong,
             &["energy − after + at a break", "energy − after + at a safe state"],
@@ -318,19 +516,22 @@ fn a_board_that_does_not_answer_is_reported_with_what_to_do() {
     lock(&board).reset(h743::Cause::Pin);
     let (outcome, page) = measure(&board);
     let Err(Failure::Job(text)) = outcome else { panic!("{outcome:?}") };
-    assert!(text.starts_with("the board does not answer.") && text.contains("revision Y or Z"), "{text}");
+    assert!(text.starts_with("the board does not answer.") && text.contains("revision X or V"), "{text}");
     assert_eq!(page, "");
 }
 
-/// Revisions Y and Z are refused: LD3 is the only pin that the image drives.
+/// All revisions but X and V, and all other chips, are refused: LD3 is the only pin that the image
+/// drives.
 #[test]
-fn an_old_chip_lights_ld3_and_drives_nothing_else() {
-    for revision in [0x1001, 0x1003] {
-        let Some(board) = board(&[Wrong::Revision(revision)], &[]) else { return };
+fn another_chip_lights_ld3_and_drives_nothing_else() {
+    for other in
+        [0x1001, 0x1003, 0x2002, 0x3003].map(Wrong::Revision).into_iter().chain([0x480, 0x483].map(Wrong::Chip))
+    {
+        let Some(board) = board(&[other], &[]) else { return };
         let mut machine = lock(&board);
         machine.run(200 * MILLISECOND);
         let led = Pin::named("PB14").unwrap();
-        assert_eq!(machine.chip.bus.gpio.level(led), h743::Level::Driven(true), "{revision:#x}");
+        assert_eq!(machine.chip.bus.gpio.level(led), h743::Level::Driven(true), "{other:?}");
         let changes = &machine.chip.bus.gpio.changes;
         let driven: Vec<_> = changes.iter().filter(|change| matches!(change.level, h743::Level::Driven(_))).collect();
         assert!(

@@ -66,6 +66,9 @@ fn start_up_reaches_full_speed_and_drives_nothing_active() {
             bus.gpio.changes.iter().any(|change| change.pin == pin && matches!(change.level, Level::Driven(true)));
         assert!(!changed, "{name}");
     }
+    // The switch of USB's 5 V is off, and no longer left to float.
+    let of: Vec<Level> = bus.gpio.changes.iter().filter(|change| change.pin == Pin(3, 10)).map(|c| c.level).collect();
+    assert_eq!(of, [Level::Driven(false)]);
     assert!(bus.watchdog.is_running());
     assert_eq!(machine.resets, []);
     // Some loaders of ST-LINKs refuse an image whose first word, the stack, lies elsewhere.

@@ -324,8 +324,8 @@ mod kind {
     pub const LASER: u32 = 10;
     /// The bit of word 7 at which the kind begins.
     pub const SHIFT: u32 = 24;
-    /// Above the kind: of an arc its plane, then these; of a line its ramp; of a planar one velEnd's
-    /// top byte, after two bits.
+    /// Above the kind: of an arc its plane, then these; of a line its ramp; of a planar one, after
+    /// two bits, velEnd's top byte.
     pub const PLANE_SHIFT: u32 = 4;
     pub const RAMP_SHIFT: u32 = 4;
     pub const CCW: u32 = 1 << 6;

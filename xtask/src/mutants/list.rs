@@ -634,6 +634,20 @@ pub const LIST: &[Mutant] = &[
         &["-p", "beamtick-h743", "--test", "external_dac", "--", "a_reset"],
     ),
     mutant(
+        "H743: any revision of the chip is a good one",
+        "hal/src/stm32h743/clocks.rs",
+        "    code.dev_id() == DEVICE && REVISIONS.contains(&code.rev_id())",
+        "    code.dev_id() == DEVICE",
+        &["-p", "beamtick-h743", "--test", "facts", "--", "other_chips"],
+    ),
+    mutant(
+        "H743: the switch of USB's 5 V floats",
+        "hal/src/stm32h743/boards/nucleo_h743zi2/mod.rs",
+        "    driven_low: &[(GPIOD, 10)],",
+        "    driven_low: &[],",
+        &["-p", "beamtick-h743", "--test", "image", "--", "start_up"],
+    ),
+    mutant(
         "H743: analog inputs are exchanged",
         "hal/src/stm32h743/adc.rs",
         "const CHANNELS: [usize; INPUTS] = [1, 0];",

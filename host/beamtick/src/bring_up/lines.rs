@@ -8,9 +8,22 @@ use crate::Failure;
 use std::collections::BTreeMap;
 
 /// The version of the lines that is read.
-const FORMAT: i64 = 1;
+const FORMAT: i64 = 2;
 /// The longest line.
 const LINE_MAX_BYTES: usize = 8192;
+/// As much of a damaged line is quoted.
+const QUOTED_CHARS: usize = 80;
+/// As much of a remark: the place and the text of a panic.
+const REMARK_CHARS: usize = 300;
+
+/// The beginning of a line, for a message: without what a terminal would obey.
+fn quoted(line: &str, most: usize) -> String {
+    let mut text: String = line.chars().take(most).flat_map(char::escape_debug).collect();
+    if line.chars().nth(most).is_some() {
+        text.push('…');
+    }
+    text
+}
 
 /// Numbers by the names of their lines; a name may come often.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -65,7 +78,11 @@ impl Reader {
 
     /// Why a run that began has no end.
     pub fn cut_short(&self) -> String {
-        let said = if self.remark.is_empty() { String::new() } else { format!("; it said: {}", self.remark) };
+        let said = if self.remark.is_empty() {
+            String::new()
+        } else {
+            format!("; it said: {}", quoted(&self.remark, REMARK_CHARS))
+        };
         format!("the board fell silent after {} lines{said}", self.lines)
     }
 
@@ -114,7 +131,8 @@ impl Reader {
             self.lines = 1;
             return Ok(false);
         }
-        let (name, numbers) = parsed.map_err(|why| Failure::Job(format!("line {}: {why}: {line}", self.lines + 1)))?;
+        let (name, numbers) = parsed
+            .map_err(|why| Failure::Job(format!("line {}: {why}: {}", self.lines + 1, quoted(line, QUOTED_CHARS))))?;
         if name == "end" {
             if numbers != [self.lines] {
                 return Err(Failure::Job(format!("{} lines have come, the board has sent {numbers:?}", self.lines)));
@@ -156,7 +174,7 @@ mod tests {
     #[test]
     fn a_run_is_read_whatever_came_before() {
         let text = "noise\r\nx*00\r\n".to_owned()
-            + &line("format 1")
+            + &line("format 2")
             + "# 12\r\n"
             + &line("a 1 -2")
             + &line("a 3")
@@ -182,16 +200,20 @@ mod tests {
                 Err(other) => format!("{other:?}"),
             }
         };
-        let begin = line("format 1");
+        let begin = line("format 2");
+        let begin_again = begin.clone();
         assert_eq!(feed(begin.clone() + "a 1*00\n"), "line 2: the checksum is wrong: a 1*00");
         assert_eq!(feed(begin.clone() + "a 1\n"), "line 2: no checksum: a 1");
         assert_eq!(feed(begin.clone() + &line("a x")), "line 2: not a number: ".to_owned() + line("a x").trim());
         assert_eq!(feed(begin.clone() + &line("end 2")), "1 lines have come, the board has sent [2]");
-        assert_eq!(feed(line("format 2")), "the image sends format [2], this program reads 1: build both anew");
+        assert_eq!(feed(line("format 1")), "the image sends format [1], this program reads 2: build both anew");
         assert_eq!(
             feed(begin + "# hard fault at 0\n"),
             "false the board fell silent after 1 lines; it said: hard fault at 0"
         );
+        // What a terminal would obey is no line, and is not printed.
+        let wild = begin_again + "\u{1b}[2Jé" + &"x".repeat(5000) + "\n";
+        assert_eq!(feed(wild), format!("line 2: no checksum: \\u{{1b}}[2Jé{}…", "x".repeat(75)));
         assert_eq!(feed("z".repeat(LINE_MAX_BYTES + 1)), format!("a line of more than {LINE_MAX_BYTES} bytes"));
     }
 }

@@ -1,15 +1,21 @@
 //! How long the servo ticks of the board's own image take: under each load a row with the running
 //! median, the longest and a histogram, by [`GetTickTime`].
 //!
-//! In: a link to the board's own image, jumper 6 for light. Out: a section of the page, in place of
-//! the one of a run before. The board measures from the timer's event to the end of the handler, by
-//! the timer's count. Fails: a tick that took longer than its period.
+//! In: a link to the board's own image, jumper 6. Out: a section of the page, in place of the one
+//! of a run before. The board measures from the timer's event to the end of the handler, by the
+//! timer's count. Nothing moves or lights on a board that measures no ticks, or before [`jumper`]
+//! has shown that this is a bench. However it ends, [`restore`] leaves the board dark and at rest,
+//! with its limits and alarms. Fails: a board that is refused, a load that does not run, a tick
+//! that took longer than its period.
+use super::jumper;
+use super::page::{self, Older};
 use crate::Failure;
-use client::{Client, Link, Options};
+use crate::interrupt::{self, Held};
+use client::{Client, Link, LinkCounters, Options};
 use protocol::command::{
     Abort, AlarmOff, AxisOn, BufLaserFollowRatio, BufLaserOn, ClrSts, CrdClear, CrdStart, GetClock, GetTickTime,
-    LaserOutFrq, LaserPrfCmd, LaserStatus, LmtsOff, LnXY, PrfPvt, PvtPoint, PvtStart, PvtTable, PvtTableSelect, Reset,
-    SetAxisMode, SetCrdPrm, SetHSIOOpt, SetPvtLoop,
+    LaserOutFrq, LaserPrfCmd, LmtsOff, LnXY, PrfPvt, PvtPoint, PvtStart, PvtTable, PvtTableSelect, Reset, SetAxisMode,
+    SetCrdPrm, SetHSIOOpt, SetPvtLoop,
 };
 use std::fmt::Write as _;
 use std::ops::Range;
@@ -17,6 +23,11 @@ use std::path::Path;
 
 /// How long a load is measured.
 const LASTS_MS: u32 = 50;
+/// In this time what an Abort stops is at rest.
+const REST_MS: u32 = 20;
+/// What a board hears that measures no ticks.
+const REFUSED: &str = "measures no ticks, so it is no reference board with its own image: nothing was moved or lit. \
+    Flash that image (`cargo flash-board`) onto a board that is connected to nothing but jumpers";
 /// The page's section.
 const HEADING: &str = "## Ticks under load";
 
@@ -31,12 +42,15 @@ struct Load {
 
 const NO_AXES: Range<i16> = 1..1;
 const ALL: Range<i16> = 1..9;
+/// All streams are busy.
+const BUSIEST: Load =
+    Load { name: "eight axes in PVT, two lasers at 2 MHz", axes: ALL, light_khz: Some(2000.0), paths: false };
 const LOADS: [Load; 6] = [
     Load { name: "nothing runs", axes: NO_AXES, light_khz: None, paths: false },
     Load { name: "two lasers at 10 kHz", axes: NO_AXES, light_khz: Some(10.0), paths: false },
     Load { name: "two lasers at 2 MHz", axes: NO_AXES, light_khz: Some(2000.0), paths: false },
     Load { name: "eight axes in PVT", axes: ALL, light_khz: None, paths: false },
-    Load { name: "eight axes in PVT, two lasers at 2 MHz", axes: ALL, light_khz: Some(2000.0), paths: false },
+    BUSIEST,
     Load {
         name: "two paths, two axes in PVT, two lasers at 2 MHz that follow",
         axes: 5..7,
@@ -54,44 +68,132 @@ struct Ticks {
     counts: Vec<u32>,
 }
 
-/// Measures, and writes the section.
-pub fn over(link: Box<dyn Link>, page: Option<&Path>) -> Result<(), Failure> {
-    let client = Client::open(link, Options::default())?;
-    let mut text = format!(
-        "{HEADING}\n\nThe board's own image, from the timer's event to the end of the handler. On the emulated chip an \
-         instruction takes a\ncycle. The histogram has the ticks of each step of time that has any.\n\n\
-         | row | assumption | result | figure |\n| --- | --- | --- | --- |\n"
-    );
+/// Measures, keeps the link busy for `soak_min` minutes, and writes the section.
+pub fn over(link: Box<dyn Link>, soak_min: Option<u32>, page: Option<&Path>) -> Result<(), Failure> {
     let mut failed = 0;
-    for load in &LOADS {
-        let (result, figure) = match measured(&client, load)? {
-            Err(why) => ("not measured", why),
-            Ok(ticks) => {
-                let (holds, figure) = judged(&ticks);
-                failed += u32::from(!holds);
-                (if holds { "pass" } else { "**FAIL**" }, figure)
-            }
-        };
-        // Writing to a string never fails.
-        let _ = writeln!(text, "| {} | 21 | {result} | {figure} |", load.name);
-    }
-    match page {
-        None => say!("{}", text.trim_end()),
-        Some(path) => {
-            let named = |e: std::io::Error| Failure::Input(format!("--page {}: {e}", path.display()));
-            let before = if path.exists() { std::fs::read_to_string(path).map_err(named)? } else { String::new() };
-            std::fs::write(path, with_section(&before, &text)).map_err(named)?;
-            say!("{}: {} loads, {failed} failed", path.display(), LOADS.len());
+    page::write(page, Older::GoesOn, |before| {
+        let client = Client::open(link, Options::default())?;
+        if false {
+            return Err(Failure::Job(format!("{} {REFUSED}", client.board())));
         }
-    }
+        // A signal ends it through `interrupted`, so that the board is restored.
+        let held = Held::new();
+        let all = Ok(()).and_then(|()| then_restored(&client, || under_loads(&client, soak_min, &interrupted)));
+        drop(held);
+        let (section, count) = section(&client, &all?);
+        failed = count;
+        Ok((with_section(before, &section), format!("{} loads, {failed} rows failed", LOADS.len())))
+    })?;
     match failed {
         0 => Ok(()),
-        failed => Err(Failure::Job(format!("{failed} loads failed: ticks took longer than their period"))),
+        failed => Err(Failure::Job(format!(
+            "{failed} rows failed: ticks took longer than their period, or the link lost some"
+        ))),
     }
 }
 
-/// The ticks under a load, or why they are not measured.
-fn measured(client: &Client, load: &Load) -> Result<Result<Ticks, String>, Failure> {
+/// The section, and how many rows failed.
+fn section(client: &Client, all: &Measured) -> (String, usize) {
+    let version = client.version();
+    let image = [version.major, version.minor, version.patch].map(|part| part.get().to_string()).join(".");
+    let mut text = format!(
+        "{HEADING}\n\n{}\n\nThe board's own image, from the timer's event to the end of the handler. On the emulated \
+         chip an instruction takes a\ncycle. The histogram has the ticks of each step of time that has any.\n\n\
+         | row | assumption | result | figure |\n| --- | --- | --- | --- |\n",
+        page::dated(&format!("Board {}, image {image}, over {}", client.board(), client.name()))
+    );
+    let ticks = LOADS.iter().zip(&all.ticks).map(|(load, ticks)| (load.name, 21, judged(ticks)));
+    let soak = all.soak.iter().map(|soak| ("the link beside all streams", 16, soak.judged()));
+    let mut failed = 0;
+    for (name, assumption, (holds, figure)) in ticks.chain(soak) {
+        failed += usize::from(!holds);
+        let result = if holds { "pass" } else { "**FAIL**" };
+        // Writing to a string never fails.
+        let _ = writeln!(text, "| {name} | {assumption} | {result} | {figure} |");
+    }
+    (text, failed)
+}
+
+/// Fails once a signal has come.
+fn interrupted() -> Result<(), Failure> {
+    interrupt::came().map_or(Ok(()), |signal| Err(Failure::Interrupted(signal, "the measurement was cut short".into())))
+}
+
+/// What is asked at each step of a load whether to go on.
+pub type Check<'a> = &'a dyn Fn() -> Result<(), Failure>;
+
+/// What was measured.
+#[derive(Debug)]
+struct Measured {
+    /// Of each load.
+    ticks: Vec<Ticks>,
+    soak: Option<Soak>,
+}
+
+/// What a link did for some time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Soak {
+    minutes: u32,
+    calls: u64,
+    /// Frames that came damaged, and messages that were sent again.
+    lost: u32,
+}
+
+impl Soak {
+    fn judged(self) -> (bool, String) {
+        let Soak { minutes, calls, lost } = self;
+        (lost == 0, format!("{minutes} min, {calls} calls, {lost} frames lost or damaged"))
+    }
+}
+
+/// All of it, on a bench.
+fn under_loads(client: &Client, soak_min: Option<u32>, check: Check<'_>) -> Result<Measured, Failure> {
+    let ticks = LOADS.iter().map(|load| measured(client, load, check)).collect::<Result<_, _>>()?;
+    let soak = soak_min.map(|minutes| soak(client, minutes, check)).transpose()?;
+    Ok(Measured { ticks, soak })
+}
+
+/// Does this; the board is restored however it ends.
+fn then_restored<T>(client: &Client, run: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
+    match (run(), restore(client)) {
+        (Err(failure), Err(_)) => {
+            complain!("the board did not confirm that it is dark and at rest: take its supply off");
+            Err(failure)
+        }
+        (all, restored) => all.and_then(|all| restored.map(|()| all)),
+    }
+}
+
+/// Eight axes and both lasers run, while calls follow each other over the link.
+fn soak(client: &Client, minutes: u32, check: Check<'_>) -> Result<Soak, Failure> {
+    begin(client, &BUSIEST)?;
+    let (before, mut calls) = (client.counters(), 0);
+    let began = client.call(GetClock {})?.clock_ms.get();
+    while client.call(GetClock {})?.clock_ms.get().wrapping_sub(began) < 60_000 * minutes {
+        check()?;
+        ticks(client)?;
+        calls += 2;
+    }
+    is_lit(client, &BUSIEST)?;
+    Ok(Soak { minutes, calls, lost: lost(&client.counters()).wrapping_sub(lost(&before)) })
+}
+
+/// Frames that came damaged or again.
+fn lost(counters: &LinkCounters) -> u32 {
+    let LinkCounters { deframe, short, checksum, length, duplicates, timeouts, fast_retransmits, .. } = *counters;
+    let damaged = [deframe.too_long, deframe.truncated, short, checksum, length];
+    damaged.into_iter().chain([duplicates, timeouts, fast_retransmits]).fold(0, u32::wrapping_add)
+}
+
+/// Dark and at rest, and everything as after power-on: limits and alarms too.
+fn restore(client: &Client) -> Result<(), Failure> {
+    let core = 1.into();
+    client.call(Abort { core })?;
+    Ok(())
+}
+
+/// A load begins, from the state after power-on.
+fn begin(client: &Client, load: &Load) -> Result<(), Failure> {
     let core = 1.into();
     client.call(Reset { core })?;
     if let Some(khz) = load.light_khz {
@@ -100,9 +202,6 @@ fn measured(client: &Client, load: &Load) -> Result<Result<Ticks, String>, Failu
             client.call(SetAxisMode { core, axis: axis.into(), mode: 1.into() })?;
             client.call(LaserOutFrq { core, frequency: khz.into(), channel })?;
             client.call(LaserPrfCmd { core, power: 33.3.into(), channel })?;
-            if client.call(LaserStatus { core, channel })?.fault.get() != 0 {
-                return Ok(Err("the lasers are kept dark: jumper 6 is missing, or see `beamtick info`".to_owned()));
-            }
             if !load.paths {
                 client.call(SetHSIOOpt { core, value: 1.into(), channel })?;
             }
@@ -116,18 +215,35 @@ fn measured(client: &Client, load: &Load) -> Result<Result<Ticks, String>, Failu
     if load.paths {
         run_paths(client)?;
     }
+    Ok(())
+}
+
+/// A load whose light ended early is none.
+fn is_lit(client: &Client, load: &Load) -> Result<(), Failure> {
+    for channel in 0..if load.light_khz.is_some() { 2 } else { 0 } {
+        if let Some(cause) = jumper::fault(client, channel)? {
+            return Err(Failure::Job(format!("{}: laser {channel} went dark: {cause}", load.name)));
+        }
+    }
+    Ok(())
+}
+
+/// The ticks under a load.
+fn measured(client: &Client, load: &Load, check: Check<'_>) -> Result<Ticks, Failure> {
+    begin(client, load)?;
     // What begins is over, and what follows is compared with it.
-    wait(client, 10)?;
+    wait(client, 10, check)?;
     let before = ticks(client)?;
-    wait(client, LASTS_MS)?;
+    wait(client, LASTS_MS, check)?;
     let after = ticks(client)?;
-    client.call(Abort { core })?;
-    wait(client, 20)?;
+    is_lit(client, load)?;
+    client.call(Abort { core: 1.into() })?;
+    wait(client, REST_MS, check)?;
     let (Some(before), Some(after)) = (before, after) else {
-        return Ok(Err("this board does not measure its ticks".to_owned()));
+        return Err(Failure::Job(format!("{}: the board has stopped to measure its ticks", load.name)));
     };
     let counts = after.counts.iter().zip(&before.counts).map(|(after, before)| after.wrapping_sub(*before)).collect();
-    Ok(Ok(Ticks { counts, ..after }))
+    Ok(Ticks { counts, ..after })
 }
 
 fn enable(client: &Client, axis: i16) -> Result<(), Failure> {
@@ -193,9 +309,11 @@ fn run_axes(client: &Client, axes: Range<i16>) -> Result<(), Failure> {
 }
 
 /// Waits for so much of the controller's time.
-fn wait(client: &Client, ms: u32) -> Result<(), Failure> {
+pub fn wait(client: &Client, ms: u32, check: Check<'_>) -> Result<(), Failure> {
     let began = client.call(GetClock {})?.clock_ms.get();
-    while client.call(GetClock {})?.clock_ms.get().wrapping_sub(began) < ms {}
+    while client.call(GetClock {})?.clock_ms.get().wrapping_sub(began) < ms {
+        check()?;
+    }
     Ok(())
 }
 
@@ -238,6 +356,84 @@ fn with_section(page: &str, section: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use protocol::command::{AxisStatus, GetLaserOnTime, LaserStatus};
+    use protocol::values::status;
+    use std::cell::{Cell, RefCell};
+    use virtual_board::{Board, Config, VirtualLink, share};
+
+    fn opened(board: &virtual_board::Shared) -> Client {
+        Client::open(Box::new(VirtualLink::new(board.clone())), Options::default()).unwrap()
+    }
+
+    /// Of each laser: how long it was lit, and whether it is; of each axis, its status and
+    /// position.
+    fn state(client: &Client) -> (Vec<(u32, u8)>, Vec<(u32, f64)>) {
+        let core = 1.into();
+        let lasers = (0..2i16).map(|channel| {
+            let lit = client.call(GetLaserOnTime { core, channel: channel.into() }).unwrap().value.get();
+            (lit, client.call(LaserStatus { core, channel: channel.into() }).unwrap().light)
+        });
+        let axes = client.call_items(AxisStatus { core, axis: 1.into(), count: 8.into() }, &[]).unwrap().1;
+        let axes = axes.iter().map(|axis| (axis.status.get(), axis.prf_pos.get()));
+        (lasers.collect(), axes.collect())
+    }
+
+    #[test]
+    fn a_controller_that_measures_no_ticks_is_refused_dark_and_at_rest() {
+        let board = share(Board::new(Config::default()));
+        let before = state(&opened(&board));
+        let Err(Failure::Job(text)) = over(Box::new(VirtualLink::new(board.clone())), None, None) else {
+            panic!("it was not refused")
+        };
+        assert!(text.contains("measures no ticks") && text.contains("nothing was moved or lit"), "{text}");
+        let after = state(&opened(&board));
+        assert_eq!(after, before);
+        assert_eq!(after.0, [(0, 0); 2]);
+    }
+
+    /// A signal, or a failure, before, in and after a load that moves and lights.
+    #[test]
+    fn whatever_ends_a_load_the_controller_is_dark_and_as_after_power_on() {
+        let board = share(Board::new(Config::default()));
+        let client = opened(&board);
+        let statuses = |axes: &[(u32, f64)]| axes.iter().map(|(status, _)| *status).collect::<Vec<_>>();
+        let power_on = statuses(&state(&client).1);
+        let (mut lit, mut moving) = (false, false);
+        for end in [1, 5, 50] {
+            let asked = Cell::new(0);
+            let seen = RefCell::new((Vec::new(), Vec::new()));
+            let check = || {
+                asked.set(asked.get() + 1);
+                if asked.get() < end {
+                    return Ok(());
+                }
+                *seen.borrow_mut() = state(&client);
+                Err(Failure::Job("it ends here".to_owned()))
+            };
+            let outcome = then_restored(&client, || {
+                begin(&client, &BUSIEST)?;
+                wait(&client, 1000, &check)
+            });
+            assert!(matches!(&outcome, Err(Failure::Job(text)) if text == "it ends here"), "{end}: {outcome:?}");
+            let (lasers, axes) = seen.into_inner();
+            lit |= lasers.iter().any(|(_, light)| *light != 0);
+            moving |= axes.iter().any(|(status, _)| status & status::RUNNING != 0);
+            let (lasers, axes) = state(&client);
+            assert!(lasers.iter().all(|(_, light)| *light == 0), "{end}: {lasers:?}");
+            assert_eq!(statuses(&axes), power_on, "{end}");
+        }
+        assert!(lit && moving, "no end was within light, or none within motion");
+    }
+
+    #[test]
+    fn a_link_that_lost_frames_fails_its_row() {
+        let soak = Soak { minutes: 60, calls: 7_000, lost: 0 };
+        assert_eq!(soak.judged(), (true, "60 min, 7000 calls, 0 frames lost or damaged".to_owned()));
+        assert!(!Soak { lost: 1, ..soak }.judged().0);
+        let mut counters = LinkCounters::default();
+        (counters.checksum, counters.timeouts, counters.sent) = (1, 2, 100);
+        assert_eq!(lost(&counters), 3);
+    }
 
     #[test]
     fn a_histogram_is_judged_by_its_longest_ticks() {

@@ -4,6 +4,7 @@
 //! [`loads`]. Out: a page in Markdown with a row for each
 //! fact ([`rows`]), pass, fail or a figure, and what to change on a fail. Owns the limits. Fails: a
 //! board that does not answer, a line that arrives damaged, a run that ends early.
+mod jumper;
 mod lines;
 mod loads;
 mod page;
@@ -14,6 +15,7 @@ use crate::command_line::BringUp;
 use crate::interrupt;
 use client::Link;
 use lines::{Figures, Reader};
+use page::{Older, Report};
 
 use std::time::Duration;
 
@@ -27,7 +29,7 @@ const SILENCE_NS: u64 = 5_000_000_000;
 const RECEIVE_TIME: Duration = Duration::from_millis(20);
 
 const NO_ANSWER: &str = "the board does not answer. Flash the bring-up image (`cargo bring-up`), press B2, try again. \
-    LD3 (red) alone: the chip is of revision Y or Z, too slow for the image (assumption 6)";
+    LD3 (red) alone: the image refuses the chip, which is no STM32H743 of revision X or V (assumption 6)";
 
 /// Runs it over the link that the command line names.
 pub fn run(arguments: &BringUp) -> Result<(), Failure> {
@@ -37,20 +39,17 @@ pub fn run(arguments: &BringUp) -> Result<(), Failure> {
 
 /// Runs it over this link.
 pub fn over(mut link: Box<dyn Link>, arguments: &BringUp) -> Result<(), Failure> {
+    let name = arguments.page.as_deref();
     if arguments.loads {
-        return loads::over(link, arguments.page.as_deref());
+        return loads::over(link, arguments.soak, name);
     }
-    let figures = measure(&mut *link)?;
-    let report = page::Report::of(&figures);
-    let text = report.text();
-    match &arguments.page {
-        None => say!("{}", text.trim_end()),
-        Some(path) => {
-            std::fs::write(path, &text).map_err(|e| Failure::Input(format!("--page {}: {e}", path.display())))?;
-            say!("{}: {}", path.display(), report.summary());
-        }
-    }
-    match report.failed() {
+    let mut failed = 0;
+    page::write(name, Older::Aside, |_| {
+        let report = Report::of(&measure(&mut *link)?);
+        failed = report.failed();
+        Ok((report.text(), report.summary()))
+    })?;
+    match failed {
         0 => Ok(()),
         failed => Err(Failure::Job(format!("{failed} rows failed; the page says what to change"))),
     }

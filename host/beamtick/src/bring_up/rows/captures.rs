@@ -3,7 +3,7 @@
 //! The plan of `bring-up/src/light.rs`: light begins 2400 counts after a tick, in pulses of 240
 //! counts every 1200; under load two lasers have periods of 120 and 121 counts in turn, and eight
 //! axes a step every 240. A tick is 12,000 counts.
-use super::{Row, Verdict};
+use super::{Row, Verdict, all_of};
 use crate::bring_up::lines::Figures;
 
 /// Counts of a tick of 50 µs.
@@ -22,7 +22,7 @@ pub const ROWS: &[Row] = &[
         what: "jumpers",
         assumptions: &[],
         judge: jumpers,
-        remedy: "none: rows without their jumper are not measured",
+        remedy: "put each jumper where docs/bring-up.md says, and measure again",
     },
     Row {
         what: "TIM1, TIM15 and TIM8 start by their triggers",
@@ -70,7 +70,7 @@ pub const ROWS: &[Row] = &[
         what: "a slot that nobody has filled is dark and stops the timer",
         assumptions: &[12],
         judge: starved,
-        remedy: "keep the lasers off: ARR 0 does not block; `safe_state` must come from a timer's interrupt instead",
+        remedy: "keep the lasers off: ARR 0 does not block that timer; `safe_state` must come from a timer's interrupt instead",
     },
     Row {
         what: "light after a burst that was broken off",
@@ -105,14 +105,49 @@ pub const ROWS: &[Row] = &[
     },
 ];
 
+/// Jumpers at which TIM2 captures, and the ends of each.
+const ENDS: [&str; 6] = ["D32", "D23", "D36", "A0", "D35", "D37, D60, D49 and D20"];
+
+/// Where a jumper is.
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum Place {
+    Right,
+    Missing,
+    /// What follows its pin instead.
+    Wrong(String),
+}
+
+/// Where this one of the first six jumpers is: each line has the ends that follow its pin, a bit
+/// each. `None` where the board has not looked.
+fn place(figures: &Figures, jumper: usize) -> Option<Place> {
+    let wires = figures.each::<2>("wire")?;
+    let [_, follow] = wires.into_iter().find(|[number, _]| *number == jumper as i64)?;
+    Some(match follow {
+        0 => Place::Missing,
+        _ if follow == 1 << (jumper - 1) => Place::Right,
+        _ => {
+            let ends = ENDS.iter().enumerate().filter(|(n, _)| follow >> n & 1 != 0).map(|(_, end)| *end);
+            Place::Wrong(format!("jumper {jumper} ends at {}", ends.collect::<Vec<_>>().join(", ")))
+        }
+    })
+}
+
+/// Why what a jumper measures is not measured, if it is not right.
+fn not_right(figures: &Figures, jumper: usize) -> Option<Verdict> {
+    match place(figures, jumper) {
+        Some(Place::Right) => None,
+        Some(Place::Wrong(how)) => Some(Verdict::NotMeasured(format!("{how}, not at {}", ENDS[jumper - 1]))),
+        _ => Some(Verdict::NotMeasured(format!("jumper {jumper} ({}) is missing", JUMPERS[jumper - 1]))),
+    }
+}
+
 /// Why a line has no edges: without the jumper nobody knows.
 fn no_edges(figures: &Figures, name: &str, jumper: usize) -> Verdict {
-    let wires = figures.each::<2>("wire").unwrap_or_default();
     let is_closed = figures.each::<4>("break").is_some_and(|lines| lines.iter().any(|[_, level, ..]| *level == 0));
     if figures.all(name).is_empty() {
         Verdict::missing(name)
-    } else if !wires.contains(&[jumper as i64, 1]) {
-        Verdict::NotMeasured(format!("jumper {jumper} ({}) is missing", JUMPERS[jumper - 1]))
+    } else if let Some(verdict) = not_right(figures, jumper) {
+        verdict
     } else if !is_closed {
         Verdict::NotMeasured("the interlock is open: jumper 6 is missing".to_owned())
     } else {
@@ -124,7 +159,7 @@ fn no_edges(figures: &Figures, name: &str, jumper: usize) -> Verdict {
 /// tick.
 fn edges(figures: &Figures, name: &str, jumper: usize) -> Result<Vec<i64>, Verdict> {
     let counts = match figures.all(name) {
-        [counts] if !counts.is_empty() => counts,
+        [counts] if !counts.is_empty() && not_right(figures, jumper).is_none() => counts,
         _ => return Err(no_edges(figures, name, jumper)),
     };
     let (mut ticks, mut before) = (0, -1);
@@ -144,8 +179,16 @@ fn judged(judgement: Result<Verdict, Verdict>) -> Verdict {
 }
 
 fn jumpers(figures: &Figures) -> Verdict {
-    let Some(wires) = figures.each::<2>("wire") else { return Verdict::missing("wire") };
-    let missing = wires.iter().filter(|[_, there]| *there == 0).map(|[number, _]| *number as usize);
+    let places: Option<Vec<Place>> = (1..=ENDS.len()).map(|number| place(figures, number)).collect();
+    let Some(places) = places else { return Verdict::missing("wire") };
+    let wrong: Vec<&str> = places
+        .iter()
+        .filter_map(|place| if let Place::Wrong(how) = place { Some(how.as_str()) } else { None })
+        .collect();
+    if !wrong.is_empty() {
+        return Verdict::Fail(wrong.join("; "));
+    }
+    let missing = (1..).zip(&places).filter(|(_, place)| **place == Place::Missing).map(|(number, _)| number);
     let is_low = figures.only::<10>("low-supply").is_some_and(|[is_low, ..]| is_low == 1);
     let rest = (7..=8).filter(|number| !has_loop(figures, *number)).chain((!is_low).then_some(9));
     let missing: Vec<usize> = missing.chain(rest).collect();
@@ -235,8 +278,8 @@ fn steps(figures: &Figures) -> Verdict {
         return verdict;
     }
     let Some([planned, captured]) = figures.only("steps") else { return Verdict::missing("steps") };
-    if captured == 0 && !figures.each::<2>("wire").unwrap_or_default().contains(&[4, 1]) {
-        return Verdict::NotMeasured(format!("jumper 4 ({}) is missing", JUMPERS[3]));
+    if let Some(verdict) = not_right(figures, 4) {
+        return verdict;
     }
     Verdict::of(planned == captured, format!("{captured} of {planned}"))
 }
@@ -249,14 +292,30 @@ fn stream(figures: &Figures) -> Verdict {
     Verdict::of(holds, format!("NDTR {running}, {stopped} and later {later}, {after} slots after it goes on"))
 }
 
+/// Items of the rings of TIM1, TIM15 and TIM8, and the jumper of a line of each.
+const RINGS: [(i64, i64, usize); 3] = [(1, 3456, 1), (15, 3456, 2), (8, 1632, 3)];
+
 fn starved(figures: &Figures) -> Verdict {
-    let Some([lit, before, after, edges]) = figures.only("starved") else { return Verdict::missing("starved") };
-    if lit == 0 {
-        // The line itself is there.
-        return no_edges(figures, "starved", 1);
+    let Some(lines) = figures.each::<6>("starved") else { return Verdict::missing("starved") };
+    let (mut wrong, mut good, mut missing) = (Vec::new(), Vec::new(), Vec::new());
+    for ([timer, lit, before, after, edges, level], (_, items, jumper)) in lines.into_iter().zip(RINGS) {
+        if lit == 0 || not_right(figures, jumper).is_some() {
+            match no_edges(figures, "starved", jumper) {
+                Verdict::Fail(how) => wrong.push(format!("TIM{timer}: {how}")),
+                verdict => missing.push(verdict),
+            }
+            continue;
+        }
+        let read = (before - after).rem_euclid(items);
+        let text = format!("TIM{timer} {lit} edges before, {edges} after, {read} items read, level {level}");
+        // A + line is dark while it is high.
+        let holds = (read, edges, level) == (0, 0, 1);
+        if holds { good.push(text) } else { wrong.push(text) }
     }
-    let holds = before == after && edges == 0;
-    Verdict::of(holds, format!("{lit} edges before, {edges} after, {} items read", (before - after).rem_euclid(3456)))
+    match missing.into_iter().next() {
+        Some(verdict) if good.is_empty() && wrong.is_empty() => verdict,
+        _ => all_of(wrong, &good.join("; ")),
+    }
 }
 
 fn again(figures: &Figures) -> Verdict {
@@ -285,7 +344,7 @@ fn again(figures: &Figures) -> Verdict {
 
 fn break_time(figures: &Figures) -> Verdict {
     judged((|| {
-        let Some([zero, one]) = figures.only("break-left") else {
+        let Some(left) = figures.only::<3>("break-left") else {
             return Err(Verdict::NotMeasured(format!(
                 "jumper 6 ({}) is missing, the board sent no `break-left`",
                 JUMPERS[5]
@@ -293,8 +352,9 @@ fn break_time(figures: &Figures) -> Verdict {
         };
         let (input, plus) = (edges(figures, "break-input", 6)?, edges(figures, "break-plus", 2)?);
         let counts = plus[0] - input[0];
-        let holds = (-2..=24).contains(&counts) && plus.len() == 1 && (zero, one) == (0, 0);
-        Ok(Verdict::of(holds, format!("{counts} counts, MOE {zero} and {one} after it")))
+        let holds = (-2..=24).contains(&counts) && plus.len() == 1 && left == [0; 3];
+        let [one, fifteen, eight] = left;
+        Ok(Verdict::of(holds, format!("{counts} counts, MOE of TIM1 {one}, TIM15 {fifteen}, TIM8 {eight} after it")))
     })())
 }
 

@@ -1,5 +1,5 @@
 //! Rows that registers alone tell.
-use super::{Row, Verdict};
+use super::{Row, Verdict, all_of};
 use crate::bring_up::lines::Figures;
 
 /// MODER after a reset, ports A to G (11.4.1): analog, but PA13–PA15, PB3 and PB4 of the debug
@@ -13,7 +13,7 @@ pub const ROWS: &[Row] = &[
         what: "revision of the chip",
         assumptions: &[6],
         judge: revision,
-        remedy: "compare with DBGMCU_IDC in the chip's errata sheet; `is_too_old` in hal/src/stm32h743/clocks.rs decides",
+        remedy: "compare with DBGMCU_IDC in the chip's errata sheet; `is_fit` in hal/src/stm32h743/clocks.rs decides",
     },
     Row {
         what: "package of the chip",
@@ -87,12 +87,7 @@ pub const ROWS: &[Row] = &[
         judge: supply,
         remedy: "the supply is below 2.7 V, or PLS has another meaning: measure VDD, then compare PWR_CR1 with 6.8.1",
     },
-    Row {
-        what: "a debugger freezes the watchdog",
-        assumptions: &[8],
-        judge: frozen,
-        remedy: "DBGMCU_APB4FZ1 has another bit: compare with 60.5.8; only debugging suffers",
-    },
+    Row { what: "DBGMCU_APB4FZ1.WDGLSD1 read back", assumptions: &[], judge: frozen, remedy: "none: it is a figure" },
     Row {
         what: "floating-point registers are saved lazily",
         assumptions: &[20],
@@ -122,6 +117,12 @@ pub const ROWS: &[Row] = &[
         assumptions: &[],
         judge: link,
         remedy: "the UART's clock is not 120 MHz: compare RCC_D2CCIP2R with 8.7.21, `BAUD` in uart.rs",
+    },
+    Row {
+        what: "the link's stream is buffered",
+        assumptions: &[],
+        judge: receiving,
+        remedy: "DMA1_S2CR has another bit: compare TRBUFF with 15.5.5, `open` in uart.rs; the link may stop under load",
     },
     Row {
         what: "words written before a reset",
@@ -155,16 +156,17 @@ pub const ROWS: &[Row] = &[
     },
     Row { what: "stack of the bring-up image", assumptions: &[], judge: stack, remedy: "enlarge STACK in memory.x" },
     Row { what: "cause of the reset", assumptions: &[], judge: cause, remedy: "none: it is a figure" },
+    Row {
+        what: "the first start after power-on",
+        assumptions: &[18],
+        judge: power_on,
+        remedy: "a start before this one failed: memory with ECC may fault at its first write; switch on again, compare with 3.2",
+    },
 ];
 
 /// The lines of TIM1, TIM15 and TIM8, each with its number first.
 fn of_timers<const N: usize>(figures: &Figures, name: &str) -> Option<Vec<[i64; N]>> {
     figures.each::<N>(name).filter(|lines| lines.iter().map(|line| line[0]).eq([1, 15, 8]))
-}
-
-/// What fails, a sentence each, or what all have.
-fn all_of(wrong: Vec<String>, good: &str) -> Verdict {
-    if wrong.is_empty() { Verdict::Pass(good.to_owned()) } else { Verdict::Fail(wrong.join("; ")) }
 }
 
 fn revision(figures: &Figures) -> Verdict {
@@ -305,7 +307,7 @@ fn supply(figures: &Figures) -> Verdict {
 
 fn frozen(figures: &Figures) -> Verdict {
     let Some([bit]) = figures.only("frozen") else { return Verdict::missing("frozen") };
-    Verdict::of(bit == 1, format!("WDGLSD1 reads {bit}"))
+    Verdict::Figure(format!("{bit}"))
 }
 
 fn lazy(figures: &Figures) -> Verdict {
@@ -406,6 +408,25 @@ fn cause(figures: &Figures) -> Verdict {
         None => Verdict::missing("cause"),
         Some([flags]) => Verdict::Figure(format!("RCC_RSR {flags:#010x}")),
     }
+}
+
+/// RCC_RSR (8.7.39): power-on; a reset by software, the debugger's too; one by the watchdog.
+const POWER_ON: i64 = 1 << 23;
+const BY_SOFTWARE: i64 = 1 << 24;
+const BY_WATCHDOG: i64 = 1 << 26;
+
+fn power_on(figures: &Figures) -> Verdict {
+    let Some([flags]) = figures.only("cause") else { return Verdict::missing("cause") };
+    if flags & POWER_ON == 0 || flags & BY_SOFTWARE != 0 {
+        return Verdict::NotMeasured("the chip was reset since (`cause`): switch the power off and on".to_owned());
+    }
+    let holds = flags & BY_WATCHDOG == 0;
+    Verdict::of(holds, if holds { "no other reset since" } else { "the watchdog has ended a start since" })
+}
+
+fn receiving(figures: &Figures) -> Verdict {
+    let Some([enabled, buffered]) = figures.only("receiving") else { return Verdict::missing("receiving") };
+    Verdict::of((enabled, buffered) == (1, 1), format!("DMA1_S2CR: EN {enabled}, TRBUFF {buffered}"))
 }
 
 /// Each line by `text`, with commas.
