@@ -467,7 +467,7 @@ impl Device for Dma {
         match offset {
             0x000..0x800 => {
                 let value = self.controller_read((offset / 0x400) as usize, offset % 0x400);
-                let is_control = offset % 0x400 >= 0x10 && (offset % 0x400 - 0x10) % 0x18 == 0;
+                let is_control = offset % 0x400 >= 0x10 && (offset % 0x400 - 0x10).is_multiple_of(0x18);
                 value.map(|value| if self.lacks_buffer && is_control { value & !TRBUFF } else { value })
             }
             0x800..0x840 => Some(self.mux[(offset - 0x800) as usize / 4]),

@@ -20,9 +20,12 @@ use protocol::command::{
 use std::fmt::Write as _;
 use std::ops::Range;
 use std::path::Path;
+use std::time::Duration;
 
 /// How long a load is measured.
 const LASTS_MS: u32 = 50;
+/// How often the clock is asked.
+const POLL: Duration = Duration::from_millis(1);
 /// In this time what an Abort stops is at rest.
 const REST_MS: u32 = 20;
 /// What a board hears that measures no ticks.
@@ -313,6 +316,7 @@ pub fn wait(client: &Client, ms: u32, check: Check<'_>) -> Result<(), Failure> {
     let began = client.call(GetClock {})?.clock_ms.get();
     while client.call(GetClock {})?.clock_ms.get().wrapping_sub(began) < ms {
         check()?;
+        client.sleep(POLL)?;
     }
     Ok(())
 }
@@ -365,9 +369,11 @@ mod tests {
         Client::open(Box::new(VirtualLink::new(board.clone())), Options::default()).unwrap()
     }
 
+    type State = (Vec<(u32, u8)>, Vec<(u32, f64)>);
+
     /// Of each laser: how long it was lit, and whether it is; of each axis, its status and
     /// position.
-    fn state(client: &Client) -> (Vec<(u32, u8)>, Vec<(u32, f64)>) {
+    fn state(client: &Client) -> State {
         let core = 1.into();
         let lasers = (0..2i16).map(|channel| {
             let lit = client.call(GetLaserOnTime { core, channel: channel.into() }).unwrap().value.get();
@@ -418,8 +424,11 @@ mod tests {
             let (lasers, axes) = seen.into_inner();
             lit |= lasers.iter().any(|(_, light)| *light != 0);
             moving |= axes.iter().any(|(status, _)| status & status::RUNNING != 0);
-            let (lasers, axes) = state(&client);
+            let (lasers, _) = state(&client);
             assert!(lasers.iter().all(|(_, light)| *light == 0), "{end}: {lasers:?}");
+            // An axis that was reset is in position some cycles later.
+            client.sleep(Duration::from_millis(10)).unwrap();
+            let (_, axes) = state(&client);
             assert_eq!(statuses(&axes), power_on, "{end}");
         }
         assert!(lit && moving, "no end was within light, or none within motion");

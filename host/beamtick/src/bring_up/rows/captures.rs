@@ -445,6 +445,7 @@ mod tests {
         }
         let mut figures = Figures::default();
         figures.add("step-width", vec![500]);
+        figures.add("wire", vec![4, 8]);
         figures.add("steps", vec![100, 50]);
         assert!(matches!(steps(&figures), Verdict::Fail(_)));
     }
