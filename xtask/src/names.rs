@@ -12,6 +12,10 @@ const DECLARING: [&str; 7] = ["struct", "enum", "trait", "type", "union", "mod",
 /// First parts of paths that are not looked up.
 const OUTSIDE: [&str; 7] = ["std", "core", "alloc", "crate", "super", "Self", "this_thread"];
 
+/// What a path of the standard library begins with, the numbers of the language among it.
+const LIBRARY: [&str; 15] =
+    ["std", "core", "alloc", "u8", "u16", "u32", "u64", "u128", "usize", "i8", "i16", "i32", "i64", "f32", "f64"];
+
 /// The names of a file's code.
 struct Names {
     /// What the file declares or implements, and the modules that it is part of.
@@ -65,7 +69,7 @@ impl Index {
         };
         let is_there = |code: &str| {
             let parts = || code.split("::").filter(|part| !OUTSIDE.contains(part));
-            let outside = code.split("::").next().is_some_and(|first| ["std", "core", "alloc"].contains(&first));
+            let outside = code.split("::").next().is_some_and(|first| LIBRARY.contains(&first));
             outside || parts().zip(parts().skip(1)).all(|(outer, inner)| self.holds(outer, inner))
         };
         let named = text.lines().enumerate().flat_map(in_code);
