@@ -334,9 +334,9 @@ impl<const AXES: usize> Shadows<AXES> {
     }
 
     /// Follows the tick: axes and paths that came to standstill, streams that ended.
-    pub fn follow(&mut self, view: &View<AXES>) {
-        self.axes.iter_mut().zip(&view.axes).for_each(|(shadow, sampled)| shadow.follow(view, sampled));
-        self.crds.iter_mut().zip(&view.crds).for_each(|(shadow, sampled)| shadow.follow(view, sampled));
+    pub fn update_from(&mut self, view: &View<AXES>) {
+        self.axes.iter_mut().zip(&view.axes).for_each(|(shadow, sampled)| shadow.update_from(view, sampled));
+        self.crds.iter_mut().zip(&view.crds).for_each(|(shadow, sampled)| shadow.update_from(view, sampled));
     }
 
     /// Renews the numbers of executed entries, before they are old enough to look like entries to

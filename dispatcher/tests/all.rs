@@ -23,6 +23,7 @@ mod laser_owner;
 mod laser_path;
 mod laser_state;
 mod laser_tables;
+mod look_speeds;
 mod lookahead;
 mod one_instant;
 mod path_many;

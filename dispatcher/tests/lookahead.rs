@@ -12,7 +12,7 @@ use servo::segment::piece::Scaled;
 use servo::units::{Axis, FineNs, Ns, Pos};
 use std::f64::consts::TAU;
 
-struct Script(Vec<PathEntry>);
+pub struct Script(pub Vec<PathEntry>);
 
 impl PathEntries for Script {
     fn entry(&self, _: u8, counter: u32) -> PathEntry {
@@ -21,9 +21,9 @@ impl PathEntries for Script {
 }
 
 #[derive(Default)]
-struct Heard {
-    rests: Vec<(FineNs, PathStop)>,
-    marks: Vec<FineNs>,
+pub struct Heard {
+    pub rests: Vec<(FineNs, PathStop)>,
+    pub marks: Vec<FineNs>,
 }
 
 impl Effects for Heard {
@@ -40,14 +40,14 @@ impl Effects for Heard {
 
 /// A call: its path geometry, speed and acceleration.
 #[derive(Clone, Copy)]
-struct Call {
-    geometry: Geometry,
-    vel: f64,
-    acc: f64,
+pub struct Call {
+    pub geometry: Geometry,
+    pub vel: f64,
+    pub acc: f64,
 }
 
 /// Lines through these points.
-fn polyline(points: &[[i32; 2]], vel: f64, acc: f64) -> Vec<Call> {
+pub fn polyline(points: &[[i32; 2]], vel: f64, acc: f64) -> Vec<Call> {
     let mut from: Position = [0.0; 4];
     let mut calls = Vec::new();
     for point in points {
@@ -60,7 +60,7 @@ fn polyline(points: &[[i32; 2]], vel: f64, acc: f64) -> Vec<Call> {
 }
 
 /// A spiral of chords of about 100 pulses, from the middle out.
-fn spiral() -> Vec<Call> {
+pub fn spiral() -> Vec<Call> {
     let mut points = Vec::new();
     let mut angle = 0.0f64;
     for _ in 0..6000 {
@@ -72,7 +72,7 @@ fn spiral() -> Vec<Call> {
 }
 
 /// 10,000 moves of 100 pulses (0.1 mm) whose direction wanders, now and then with a corner.
-fn wander(corners: bool) -> Vec<Call> {
+pub fn wander(corners: bool) -> Vec<Call> {
     let mut chance = Chance::new(11);
     let (mut x, mut y, mut angle, mut bend) = (0.0f64, 0.0f64, 0.0f64, 0.0f64);
     let mut points = Vec::new();
@@ -89,11 +89,15 @@ fn wander(corners: bool) -> Vec<Call> {
     polyline(&points, 150.0, 3.0)
 }
 
-const LIMITS: Limits = Limits { vel: [120.0, 100.0, 50.0, 50.0], acc: [1.5, 1.0, 0.5, 0.5], corner: 5.0 };
+pub const LIMITS: Limits = Limits { vel: [120.0, 100.0, 50.0, 50.0], acc: [1.5, 1.0, 0.5, 0.5], corner: 5.0 };
 
 /// All entries, taken as they become final; and how many had to wait for the end.
 fn plan<const N: usize>(calls: &[Call]) -> Vec<PathEntry> {
-    let mut ahead = Box::new(LookAhead::<N>::new(LIMITS));
+    plan_within::<N>(calls, LIMITS)
+}
+
+pub fn plan_within<const N: usize>(calls: &[Call], limits: Limits) -> Vec<PathEntry> {
+    let mut ahead = Box::new(LookAhead::<N>::new(limits));
     let mut entries = Vec::new();
     for call in calls {
         while !ahead.push_motion(&call.geometry, call.vel, call.acc) {
@@ -111,19 +115,28 @@ fn plan<const N: usize>(calls: &[Call]) -> Vec<PathEntry> {
 }
 
 /// The middle of a motion.
-struct Middle {
+pub struct Middle {
     /// ms.
-    at: f64,
+    pub at: f64,
     /// Of X and Y, pulse/ms.
-    velocity: [f64; 2],
-    length: f64,
+    pub velocity: [f64; 2],
+    pub length: f64,
     /// The highest speed since the middle before.
-    fastest: f64,
+    pub fastest: f64,
 }
 
 /// Runs entries. Returns the middles of the motions, the highest velocities as shares of their
 /// limits, and the end in ms.
 fn run(calls: &[Call], entries: &[PathEntry]) -> (Vec<Middle>, f64, f64) {
+    run_with(calls, entries, |_, _, _, _| {})
+}
+
+/// The same; `meanwhile` may act on the path before each tick.
+pub fn run_with(
+    calls: &[Call],
+    entries: &[PathEntry],
+    mut meanwhile: impl FnMut(&mut Path, Ns, FifoEnds, &Script),
+) -> (Vec<Middle>, f64, f64) {
     let with_marks: Vec<PathEntry> = entries.iter().flat_map(|e| [*e, PathEntry::laser(0, 0, [0; 6])]).collect();
     let script = Script(with_marks);
     let feed = FifoEnds { ends: [script.0.len() as u32, 0] };
@@ -131,6 +144,7 @@ fn run(calls: &[Call], entries: &[PathEntry]) -> (Vec<Middle>, f64, f64) {
     path.start(Ns(now), 0, feed, &script);
     let mut places = Vec::new();
     loop {
+        meanwhile(&mut path, Ns(now), feed, &script);
         let step = path.step(Ns(now), Ns(TICK as u64), feed, &script, &mut heard);
         places.push([step.position[0], step.position[1]].map(|x| x.0 as f64 * 2f64.powi(-22)));
         if !step.runs {
@@ -173,7 +187,7 @@ fn run(calls: &[Call], entries: &[PathEntry]) -> (Vec<Middle>, f64, f64) {
 }
 
 /// Nanoseconds.
-const TICK: f64 = 20_000.0;
+pub const TICK: f64 = 20_000.0;
 
 /// The highest acceleration between the middles of two motions, of neighbours and of those the
 /// corner time or more apart. What the rounding of targets explains is left out: half a pulse at
@@ -492,7 +506,7 @@ fn rounding_is_no_turn() {
 }
 
 /// Positions at every tick.
-fn positions(entries: Vec<PathEntry>) -> Vec<[f64; 2]> {
+pub fn positions(entries: Vec<PathEntry>) -> Vec<[f64; 2]> {
     let script = Script(entries);
     let feed = FifoEnds { ends: [script.0.len() as u32, 0] };
     let (mut path, mut heard, mut now) = (Box::new(Path::IDLE), Heard::default(), 1_000_000u64);

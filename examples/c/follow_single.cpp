@@ -7,7 +7,7 @@ int main()
 {
     const short master = 1, slave = 2;
     const long lengths[3] = {20000, 20000, 20000};
-    const double ways[3] = {10000, 20000, 10000};
+    const double distances[3] = {10000, 20000, 10000};
     TJogPrm jog;
     short space;
     double vel[8];
@@ -31,7 +31,7 @@ int main()
     for (int n = 0; n < 3; n++) {
         CALL(GTN_FollowSpace(1, slave, &space));
         master_pos += lengths[n];
-        slave_pos += ways[n];
+        slave_pos += distances[n];
         CALL(GTN_FollowData(1, slave, master_pos, slave_pos));
     }
     CALL(GTN_SetFollowLoop(1, slave, 0));

@@ -7,21 +7,21 @@
 static const short master = 1, slave = 2;
 
 // Three segments of 20000 master pulses into a FIFO.
-static void curve(short fifo, const double ways[3], short first)
+static void curve(short fifo, const double distances[3], short first)
 {
     long master_pos = 0;
     double slave_pos = 0;
     for (int n = 0; n < 3; n++) {
         master_pos += 20000;
-        slave_pos += ways[n];
+        slave_pos += distances[n];
         CALL(GTN_FollowData(1, slave, master_pos, slave_pos, n == 0 ? first : FOLLOW_SEGMENT_NORMAL, fifo));
     }
 }
 
 int main()
 {
-    const double old_ways[3] = {10000, 20000, 10000}, transition[3] = {10000, 20000, 16000},
-                 new_ways[3] = {16000, 20000, 16000};
+    const double old_distances[3] = {10000, 20000, 10000}, transition[3] = {10000, 20000, 16000},
+                 new_distances[3] = {16000, 20000, 16000};
     enum { OLD, TO_TRANSITION, TO_NEW, NEW } stage = OLD;
     TJogPrm jog;
     short space;

@@ -13,7 +13,7 @@ int main()
     CALL(GTN_PrfPt(1, axis));
     CALL(GTN_PtClear(1, axis));
     CALL(GTN_PtSpace(1, axis, &space));
-    printf("%d places\n", space);
+    printf("%d free segments\n", space);
 
     CALL(GTN_PtData(1, axis, 1024, 1024));
     CALL(GTN_PtSpace(1, axis, &space));
@@ -21,7 +21,7 @@ int main()
     CALL(GTN_PtSpace(1, axis, &space));
     CALL(GTN_PtData(1, axis, 1024 + 2048 + 1024, 3072));
     CALL(GTN_PtSpace(1, axis, &space));
-    printf("%d places behind three segments\n", space);
+    printf("%d free segments after three\n", space);
 
     CALL(GTN_PtStart(1, 1 << (axis - 1)));
     wait_for(1 << (axis - 1));

@@ -3,13 +3,13 @@
 #include "example.h"
 #include <windows.h>
 
-struct Way {
+struct Curve {
     double pos[2], vel[2], percent[2], vel_max[2], acc[2], dec[2], time[2];
 };
 
 int main()
 {
-    Way way[2] = {
+    Curve curves[2] = {
         {{0, 30000}, {0, 0}, {100, 100}, {10, 10}, {0.01, 0.01}, {0.01, 0.01}, {0, 0}},
         {{0, 20000}, {0, 0}, {100, 100}, {10, 10}, {0.01, 0.01}, {0.01, 0.01}, {0, 0}},
     };
@@ -19,15 +19,15 @@ int main()
     Sleep(1000);
     CALL(GTN_PrfPvt(1, 1));
     CALL(GTN_PrfPvt(1, 2));
-    for (Way &w : way) {
-        CALL(GTN_PvtContinuousCalculate(1, 2, w.pos, w.vel, w.percent, w.vel_max, w.acc, w.dec, w.time));
-        printf("%.0f ms\n", w.time[1]);
+    for (Curve &c : curves) {
+        CALL(GTN_PvtContinuousCalculate(1, 2, c.pos, c.vel, c.percent, c.vel_max, c.acc, c.dec, c.time));
+        printf("%.0f ms\n", c.time[1]);
     }
-    const double last = way[0].time[1] > way[1].time[1] ? way[0].time[1] : way[1].time[1];
+    const double last = curves[0].time[1] > curves[1].time[1] ? curves[0].time[1] : curves[1].time[1];
     for (short n = 0; n < 2; n++) {
-        Way &w = way[n];
+        Curve &c = curves[n];
         const short table = (short)(n + 1);
-        CALL(GTN_PvtTableContinuous(1, table, 2, w.pos, w.vel, w.percent, w.vel_max, w.acc, w.dec, last - w.time[1]));
+        CALL(GTN_PvtTableContinuous(1, table, 2, c.pos, c.vel, c.percent, c.vel_max, c.acc, c.dec, last - c.time[1]));
         CALL(GTN_PvtTableSelect(1, table, table));
     }
     CALL(GTN_PvtStart(1, 3));

@@ -466,7 +466,7 @@ fn pixels(path: &Path) -> (Vec<u8>, usize) {
 
 /// The bitmap fills a line as an area: what it covers twice must not become empty.
 #[test]
-fn a_way_gone_twice_is_drawn_all_along() {
+fn a_path_travelled_twice_is_drawn_all_along() {
     let header = Header { axes: vec![axis(1), axis(2)], period_ns: 250_000, every: 1, ..Header::default() };
     let mut xy = Xy::new(&header, (axis(1), axis(2)), PlotOptions::default()).unwrap();
     for index in 0..=5000u32 {

@@ -21,6 +21,52 @@ pub mod status {
     pub const RUNNING: u32 = 1 << 10;
     /// At standstill, and the encoder inside the band for the band's time.
     pub const IN_POSITION: u32 = 1 << 11;
+    /// Both limits.
+    pub const LIMITS: u32 = LIMIT_POSITIVE | LIMIT_NEGATIVE;
+    /// Everything that stops an axis without a command.
+    pub const FAULTS: u32 = ALARM | FOLLOWING_ERROR | LIMITS | STOP_SMOOTH | STOP_ABRUPT;
+}
+
+/// How a path came to standstill (`CrdState::path_stop`).
+pub mod path_stop {
+    /// It never moved.
+    pub const NEVER: u8 = 0;
+    /// Its entries have run out.
+    pub const COMPLETED: u8 = 1;
+    /// Its entries have run out at speed.
+    pub const UNDERRUN: u8 = 2;
+    /// A Stop; CrdStart continues it.
+    pub const STOPPED: u8 = 3;
+}
+
+/// Causes of a dark laser channel (GetLaserFault); [`crate::reason::laser_cause`] says them all.
+pub mod laser_fault {
+    /// A servo tick began late.
+    pub const OVERRUN: i16 = 3;
+}
+
+/// Bits of `ConfigItem::given`.
+pub mod given {
+    /// Which limits count.
+    pub const LIMITS: u16 = 1;
+    /// The sense of the limit inputs.
+    pub const LIMIT_SENSE: u16 = 1 << 1;
+    /// Whether the drive alarm counts.
+    pub const ALARM: u16 = 1 << 2;
+    /// The sense of its input.
+    pub const ALARM_SENSE: u16 = 1 << 3;
+    /// Soft limits.
+    pub const SOFT_LIMITS: u16 = 1 << 4;
+    /// Stop decelerations.
+    pub const STOP_DEC: u16 = 1 << 5;
+    /// The limit of the following error.
+    pub const POS_ERR: u16 = 1 << 6;
+    /// The in-position band and its time.
+    pub const BAND: u16 = 1 << 7;
+    /// The sense of the home input.
+    pub const HOME_SENSE: u16 = 1 << 8;
+    /// All of them.
+    pub const ALL: u16 = (1 << 9) - 1;
 }
 
 /// Profile modes, as GetPrfMode and AxisStatus report them.
@@ -80,6 +126,15 @@ pub mod io {
     /// The interlock (or emergency-stop) input, of SimInput and SimPlan: the manuals have none.
     pub const INTERLOCK: i16 = 90;
 }
+
+/// The upper end of what a double of a speed, an acceleration or a ratio may say: 2³².
+pub const FULL_SCALE: f64 = 4_294_967_296.0;
+
+/// Entries of a FIFO of a coordinate system.
+pub const CRD_FIFO_ENTRIES: u16 = 1024;
+
+/// Entries between two motions that a path passes at speed; those of a servo tick (SPEC 5).
+pub const PATH_EFFECTS: u32 = 32;
 
 /// Analog inputs read ± this many volts.
 pub const ANALOG_INPUT_VOLTS: f64 = 12.5;

@@ -11,7 +11,6 @@ pub(crate) mod gate_cycles;
 pub(crate) mod general_outputs;
 pub(crate) mod pwm_cycles;
 pub mod step_generator;
-pub mod step_words;
 pub(crate) mod timed_outputs;
 
 pub use cycle_ring::{CycleRing, RingSlots};

@@ -18,8 +18,9 @@ mod path_speed;
 mod speed_profile;
 mod store;
 
-pub use entry::{EntryContent, EntryEffect, LASER_WORDS, MotionSpeeds, PathEntry, Plane, Refused, Sweep};
-pub(crate) use evaluator::{EFFECTS, INSTANTS};
+pub use entry::{EntryContent, EntryEffect, FixedRamp, LASER_WORDS, MotionSpeeds, PathEntry, Plane, Refused, Sweep};
+pub use evaluator::EFFECTS;
+pub(crate) use evaluator::INSTANTS;
 pub use evaluator::{
     Effects, FeedOverride, FifoEnds, GEARS, Path, PathReport, PathSettings, PathStop, Step, StepReport,
     TrajectorySample,

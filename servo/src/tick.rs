@@ -45,7 +45,9 @@ use workload::TickBudget;
 /// Events between two runs of the thread.
 pub const EVENTS: usize = 64;
 /// Shortest and longest period, ns.
-pub const PERIOD_NS: core::ops::RangeInclusive<u32> = 10_000..=1_000_000;
+pub const PERIOD_NS: core::ops::RangeInclusive<u32> = *PERIOD_US.start() * 1000..=*PERIOD_US.end() * 1000;
+/// The same in µs.
+pub const PERIOD_US: core::ops::RangeInclusive<u32> = 10..=1000;
 
 /// What a board fixes.
 #[derive(Debug, Clone, Copy)]
@@ -203,7 +205,7 @@ impl<const AXES: usize> Tick<AXES> {
     }
 
     /// Computes the next tick: called once at every tick, at the instant [`Tick::now`].
-    pub fn run<P: Port>(&mut self, port: &mut P, lanes: &mut TickHalves<'_, AXES>) {
+    pub fn run<P: Port>(&mut self, port: &mut P, halves: &mut TickHalves<'_, AXES>) {
         let now = self.now;
         let next = Ns(now.0.wrapping_add(self.period.0));
         let mut period = self.period;
@@ -217,17 +219,17 @@ impl<const AXES: usize> Tick<AXES> {
         }
         if caused {
             self.report_causes();
-            self.count_edges(lanes.tables.edges);
+            self.count_edges(halves.tables.edges);
         }
         if self.indexed.0 != 0 {
             self.take_index_captures(port);
         }
         let interlock = port.interlock();
         if interlock != self.lasers.interlock {
-            self.take_interlock(interlock, next, lanes);
+            self.take_interlock(interlock, next, halves);
         }
-        if !lanes.immediate.is_empty() || self.script.runs {
-            self.execute_due(next, &mut period, port, lanes);
+        if !halves.immediate.is_empty() || self.script.runs {
+            self.execute_due(next, &mut period, port, halves);
         }
         if P::SIMULATED {
             let zero = self.script.runs.then_some(self.script.zero);
@@ -237,52 +239,52 @@ impl<const AXES: usize> Tick<AXES> {
         }
 
         if self.crds.running.0 != 0 {
-            let mut reach = HandOvers::of(lanes);
+            let mut reach = HandOvers::of(halves);
             self.step_crds(next, &mut reach);
         }
         if self.crds.unprepared.0 & !self.crds.running.0 != 0 {
-            self.crds.prepare_start(self.made_ahead(), lanes.paths);
+            self.crds.prepare_start(self.made_ahead(), halves.paths);
         }
         if self.order.slaves.0 == 0 {
-            self.step_axes::<false>(next, port, lanes);
+            self.step_axes::<false>(next, port, halves);
         } else {
-            self.step_axes::<true>(next, port, lanes);
-            self.step_slaves(next, port, lanes);
+            self.step_axes::<true>(next, port, halves);
+            self.step_slaves(next, port, halves);
         }
         port.outputs(0, self.enable, self.clear, self.general);
         if !self.timed.is_empty() {
             self.timed.take_due(next, period, &mut self.edges);
         }
         if !self.edges.is_empty() {
-            self.flush_edges(next, port, lanes);
+            self.flush_edges(next, port, halves);
         }
         if self.aborts {
             self.finish_abort(next);
         }
-        let (trace, samples) = (&mut self.trace, &mut lanes.samples);
-        let (tables, axes) = (lanes.tables.lasers, &self.axes);
+        let (trace, samples) = (&mut self.trace, &mut halves.samples);
+        let (tables, axes) = (halves.tables.lasers, &self.axes);
         self.lasers.run(next, period, tables, axes, |channel, plan| {
             port.laser(usize::from(channel), plan);
             trace.record(channel, plan, samples);
         });
         if self.trace.runs() {
-            self.trace.record_outputs(0, self.general, &mut lanes.samples);
+            self.trace.record_outputs(0, self.general, &mut halves.samples);
             if let Some((row, chosen)) = self.trace.advance() {
-                self.emit(row, chosen, &mut lanes.samples);
+                self.emit(row, chosen, &mut halves.samples);
             }
         }
 
         self.now = next;
         if period != self.period {
-            self.renew_period(period, &mut lanes.samples);
+            self.renew_period(period, &mut halves.samples);
         }
         self.ticks = self.ticks.wrapping_add(1);
         let general_inputs = port.general_inputs();
         if general_inputs != self.general_inputs {
-            self.count_general(general_inputs, lanes.tables.edges);
+            self.count_general(general_inputs, halves.tables.edges);
         }
-        self.publish(port, lanes.view.buffer());
-        lanes.view.publish();
+        self.publish(port, halves.view.buffer());
+        halves.view.publish();
     }
 
     /// The ticks after the one computed have another period.
@@ -296,10 +298,10 @@ impl<const AXES: usize> Tick<AXES> {
     /// The interlock opens or closes: the lasers take it by themselves; motion brakes as
     /// `Supervision` says.
     #[inline(never)]
-    fn take_interlock(&mut self, open: bool, next: Ns, lanes: &mut TickHalves<'_, AXES>) {
+    fn take_interlock(&mut self, open: bool, next: Ns, halves: &mut TickHalves<'_, AXES>) {
         self.lasers.interlock = open;
         if open {
-            self.brake(self.supervision.interlock, StopReason::Interlock, next, &mut HandOvers::of(lanes));
+            self.brake(self.supervision.interlock, StopReason::Interlock, next, &mut HandOvers::of(halves));
         }
     }
 
@@ -358,9 +360,9 @@ impl<const AXES: usize> Tick<AXES> {
 
     /// Every axis takes its step; slaves wait for their masters.
     #[inline(always)]
-    fn step_axes<const FOLLOW: bool>(&mut self, next: Ns, port: &mut impl Port, lanes: &mut TickHalves<'_, AXES>) {
+    fn step_axes<const FOLLOW: bool>(&mut self, next: Ns, port: &mut impl Port, halves: &mut TickHalves<'_, AXES>) {
         let left = self.made_ahead();
-        let TickHalves { view, segments, tables, events, .. } = lanes;
+        let TickHalves { view, segments, tables, events, .. } = halves;
         let View { axes: published, inputs, .. } = view.buffer();
         let states = self.axes.get_mut(..self.used).unwrap_or_default();
         let slaves = self.order.slaves;
@@ -386,16 +388,16 @@ impl<const AXES: usize> Tick<AXES> {
         }
         // Every eighth tick an axis finds how long its data lasts, or prepares its next start: one
         // axis in a tick, in turn.
-        let published = &mut lanes.view.buffer().axes;
+        let published = &mut halves.view.buffer().axes;
         let (mut index, mut made) = ((self.ticks & 7) as usize, false);
         while let (Some(state), Some(store), Some(published)) =
-            (self.axes.get_mut(index), lanes.segments.get(index), published.get_mut(index))
+            (self.axes.get_mut(index), halves.segments.get(index), published.get_mut(index))
         {
             if state.runs() {
-                let source = MotionSource { segments: store, tables: lanes.tables };
+                let source = MotionSource { segments: store, tables: halves.tables };
                 state.look_ahead(next, &source, published);
             } else if state.is_unprepared() && !made {
-                let source = MotionSource { segments: store, tables: lanes.tables };
+                let source = MotionSource { segments: store, tables: halves.tables };
                 made = state.prepare_start(&source);
             }
             index = index.wrapping_add(8);
@@ -430,8 +432,8 @@ impl<const AXES: usize> Tick<AXES> {
     /// Carries out what is due: the immediate lane, then the program lane, in order, as far as the
     /// tick takes it ([`workload`]).
     #[inline(never)]
-    fn execute_due(&mut self, next: Ns, period: &mut Ns, port: &mut impl Port, lanes: &mut TickHalves<'_, AXES>) {
-        let TickHalves { immediate, program, events, samples, segments, tables, paths, .. } = lanes;
+    fn execute_due(&mut self, next: Ns, period: &mut Ns, port: &mut impl Port, halves: &mut TickHalves<'_, AXES>) {
+        let TickHalves { immediate, program, events, samples, segments, tables, paths, .. } = halves;
         let mut reach = HandOvers { events, samples, segments, tables: *tables, paths: *paths };
         let (mut budget, mut drops) = (TickBudget::of(self.period), false);
         let mut calls = workload::calls(self.period);
@@ -511,9 +513,9 @@ impl<const AXES: usize> Tick<AXES> {
 
     /// Entries of paths have changed outputs within the coming interval.
     #[inline(never)]
-    fn flush_edges(&mut self, next: Ns, port: &mut impl Port, lanes: &mut TickHalves<'_, AXES>) {
+    fn flush_edges(&mut self, next: Ns, port: &mut impl Port, halves: &mut TickHalves<'_, AXES>) {
         let before = OutputLevels { enable: self.enable, clear: self.clear, general: self.general };
-        let (trace, samples, tables) = (&mut self.trace, &mut lanes.samples, lanes.tables.lasers);
+        let (trace, samples, tables) = (&mut self.trace, &mut halves.samples, halves.tables.lasers);
         trace.record_outputs(0, before.general, samples);
         let after = self.edges.flush(before, port, |at, set| match set {
             Set::General(levels) => trace.record_outputs(at, levels, samples),
@@ -525,7 +527,7 @@ impl<const AXES: usize> Tick<AXES> {
         (self.clear, self.general) = (after.clear, after.general);
         let (on, off) = (after.enable & !before.enable, before.enable & !after.enable);
         if on | off != 0 {
-            self.switch_servos(Switched { on, off }, next, lanes);
+            self.switch_servos(Switched { on, off }, next, halves);
         }
     }
 

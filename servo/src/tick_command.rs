@@ -2,7 +2,7 @@
 //!
 //! An [`TickCommand`] has passed every check, so the tick can only carry it out or, where the
 //! machine's state changed meanwhile (a limit, an alarm), refuse it with a
-//! [`crate::view::StartEvent`]. Two lanes lead in: the immediate lane acts on the next tick; the
+//! [`follow::StartEvent`]. Two lanes lead in: the immediate lane acts on the next tick; the
 //! program lane is timed (SPEC 7): an entry's instant is that of the entry before plus `delay`, and
 //! it acts on the first tick after that instant.
 use crate::path;

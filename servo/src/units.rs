@@ -1,5 +1,8 @@
 //! Quantities of the tick, one newtype each, so that a pulse cannot be added to a ratio.
 
+/// The unit of bands, filters, delays and on-times, whatever the tick is: 250 µs.
+pub const CYCLE_NS: u32 = 250_000;
+
 /// Position in 2⁻²² pulse. An axis travels ±2⁴⁰ pulses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 #[repr(transparent)]

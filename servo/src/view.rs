@@ -7,7 +7,7 @@ pub use crate::laser::LaserView;
 pub use crate::segment::follow::Lead;
 pub use crate::status::StopReason;
 use axis_motion::share;
-pub use crd::{CrdView, Drive};
+pub use crd::{CrdView, DrivenBy};
 pub(crate) use speeds::AxisSpeeds;
 
 use crate::capacity::{GeneralInputs, GeneralOutputs};
@@ -71,7 +71,7 @@ state! {
         /// whatever the master does.
         pub lead: Option<Lead> = None,
         /// The coordinate system whose motion makes that of this axis; none while none drives it.
-        pub drive: Option<Drive> = None,
+        pub drive: Option<DrivenBy> = None,
         /// PT: times a dynamic stream ended, for whatever reason (ran out, underrun, Stop, fault).
         /// Its data is cleared then, counts and times begin at 0, and segments pushed for an
         /// earlier epoch are void.
@@ -140,7 +140,7 @@ impl AxisView {
 
     /// Becomes a copy of `now`; only what its counters mark as changed is copied.
     #[inline(always)]
-    pub(crate) fn follow(&mut self, now: &AxisView) {
+    pub(crate) fn copy_changed(&mut self, now: &AxisView) {
         if self.changes != now.changes {
             self.follow_changes(now);
         }

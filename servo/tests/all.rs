@@ -28,6 +28,7 @@ mod laser_time;
 mod path_ahead;
 mod path_arcs;
 mod path_exact;
+mod path_fixed_ramp;
 mod path_mean;
 mod path_ready;
 mod path_run;

@@ -2,7 +2,7 @@
 //! exact instants, other axes that are moved or geared, axes that follow a coordinate.
 use crate::tick_bench;
 use servo::path::{MotionSpeeds, PathEntry, Plane};
-use servo::segment::follow::{Direction, Value};
+use servo::segment::follow::{Direction, MasterPosition};
 use servo::status;
 use servo::tick_command::{DoGroup, MotionMode, TickCommand};
 use servo::units::{AxisMask, CrdMask, Pos, StepLimit};
@@ -416,7 +416,7 @@ fn an_axis_may_follow_a_coordinate() {
         for period in [50, 250, 1000] {
             let mut bench = prepared(period);
             bench.now(TickCommand::SetMode { axis: axis(slave), mode: MotionMode::Follow });
-            bench.follows(slave, leader, Value::Planned);
+            bench.follows(slave, leader, MasterPosition::Planned);
             bench.tick();
             bench.follow(slave, 0, &[Item::Data(100_000.0, -50_000.0, 1, 0)]);
             bench.start_follow(&[slave]);
@@ -465,7 +465,7 @@ fn a_slave_sees_where_a_coordinate_turns_between_ticks() {
             for (slave, direction) in [(6, Direction::Up), (7, Direction::Down)] {
                 bench.now(TickCommand::SetMode { axis: axis(slave), mode: MotionMode::Follow });
                 bench.now(TickCommand::FollowDirection { axis: axis(slave), direction });
-                bench.follows(slave, 0, Value::Planned);
+                bench.follows(slave, 0, MasterPosition::Planned);
                 bench.tick();
                 bench.follow_in(slave, 0, direction, &[Item::Data(100_000.0, 100_000.0, 1, 0)]);
             }

@@ -2,7 +2,7 @@
 //! where exact kinematics want it in every tick, at any tick period, and a slave of it too.
 use crate::tick_bench;
 use servo::path::{MotionSpeeds, PathEntry};
-use servo::segment::follow::Value;
+use servo::segment::follow::MasterPosition;
 use servo::status;
 use servo::tick_command::{MotionMode, TickCommand};
 use servo::units::{Pos, StepLimit};
@@ -64,7 +64,7 @@ fn prepared(period: u32) -> Bench {
     let mut bench = Bench::prepared(period, MotionMode::Trap);
     bench.frame(0, &[0, 1], None);
     bench.now(TickCommand::SetMode { axis: axis(6), mode: MotionMode::Follow });
-    bench.follows(6, 4, Value::Planned);
+    bench.follows(6, 4, MasterPosition::Planned);
     bench.tick();
     bench.follow(6, 0, &[Item::Data(100_000.0, 100_000.0, 1, 0)]);
     bench.start_follow(&[6]);

@@ -1,7 +1,7 @@
 //! FollowEx: entries that are no segments, at exact instants; their effects, and how many of them
 //! in a tick.
 use crate::tick_bench;
-use servo::segment::follow::{Direction, Input, Method, Value};
+use servo::segment::follow::{Direction, Input, MasterPosition, Method};
 use servo::status;
 use servo::tick_command::{DoGroup, MotionMode, TickCommand};
 use servo::units::Pos;
@@ -14,7 +14,7 @@ const GENERAL: DoGroup = DoGroup::General;
 fn running(period_us: u32, items: &[Item], velocity: f64) -> Bench {
     let mut bench = Bench::prepared(period_us, MotionMode::FollowEx);
     bench.now(TickCommand::SetMode { axis: axis(0), mode: MotionMode::PtStatic });
-    bench.follows(1, 0, Value::Planned);
+    bench.follows(1, 0, MasterPosition::Planned);
     bench.follow(1, 0, items);
     bench.now(TickCommand::FollowLoop { axis: axis(1), passes: 1 });
     bench.start_follow(&[1]);
@@ -80,7 +80,7 @@ fn a_delay_on_a_curve_of_the_master() {
     // The master accelerates: x = t²/4096 pulses, t in ms; reached at t = 64·√10.1.
     let mut bench = Bench::prepared(1000, MotionMode::FollowEx);
     bench.now(TickCommand::SetMode { axis: axis(0), mode: MotionMode::PtStatic });
-    bench.follows(1, 0, Value::Planned);
+    bench.follows(1, 0, MasterPosition::Planned);
     bench.follow(1, 0, &[Item::Data(10.1, 10.1, 1, 0), Item::Delay(9), Item::Data(500.0, 499.9, 1, 0)]);
     bench.start_follow(&[1]);
     bench.pt(0, 0, &[(4096.0, 4096, 0)]);
@@ -220,7 +220,7 @@ fn the_way_back_ends_at_an_entry() {
     let items = [Item::Data(10.0, 10.0, 1, 0), Item::Output(GENERAL, 0, true), Item::Data(20.0, 20.0, 1, 0)];
     let mut bench = Bench::prepared(250, MotionMode::FollowEx);
     bench.now(TickCommand::SetMode { axis: axis(0), mode: MotionMode::PtStatic });
-    bench.follows(1, 0, Value::Planned);
+    bench.follows(1, 0, MasterPosition::Planned);
     bench.follow(1, 0, &items);
     bench.start_follow(&[1]);
     bench.pt(0, 0, &[(15.0, 15, 1), (-5.0, 35, 1), (15.0, 55, 1), (15.5, 56, 1)]);
@@ -278,7 +278,7 @@ fn a_servo_switched_by_an_entry_stops_its_axis() {
 fn added_data_belongs_to_the_present_pass() {
     let mut bench = Bench::prepared(250, MotionMode::FollowEx);
     bench.now(TickCommand::SetMode { axis: axis(0), mode: MotionMode::Jog });
-    bench.follows(1, 0, Value::Planned);
+    bench.follows(1, 0, MasterPosition::Planned);
     bench.follow(1, 0, &[Item::Data(10.0, 10.0, 1, 0)]);
     bench.now(TickCommand::FollowLoop { axis: axis(1), passes: 3 });
     bench.start_follow(&[1]);
@@ -308,7 +308,7 @@ fn added_data_belongs_to_the_present_pass() {
 fn the_way_back_ends_where_data_was_added() {
     let mut bench = Bench::prepared(250, MotionMode::FollowEx);
     bench.now(TickCommand::SetMode { axis: axis(0), mode: MotionMode::PtStatic });
-    bench.follows(1, 0, Value::Planned);
+    bench.follows(1, 0, MasterPosition::Planned);
     bench.follow(1, 0, &[Item::Data(10.0, 10.0, 1, 0)]);
     bench.now(TickCommand::FollowLoop { axis: axis(1), passes: 0 });
     bench.start_follow(&[1]);
@@ -335,7 +335,7 @@ fn down_counts_downwards_and_up_does_not() {
         let mut bench = Bench::prepared(250, MotionMode::FollowEx);
         bench.now(TickCommand::FollowDirection { axis: axis(1), direction });
         bench.now(TickCommand::SetMode { axis: axis(0), mode: MotionMode::PtStatic });
-        bench.follows(1, 0, Value::Planned);
+        bench.follows(1, 0, MasterPosition::Planned);
         bench.follow(1, 0, &[Item::Data(sign * 10.0, 20.0, 1, 0), Item::Data(sign * 20.0, 50.0, 1, 0)]);
         bench.start_follow(&[1]);
         bench.pt(0, 0, &[(5.0, 5, 1), (-12.0, 22, 1), (-8.0, 26, 1), (-25.0, 43, 1)]);

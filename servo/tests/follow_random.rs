@@ -10,7 +10,7 @@ use chance::Chance;
 use follow_reference::{Begin, Datum, Known, MasterPath, Slave, fixed};
 use servo::output::step_generator;
 use servo::path::{FeedOverride, MotionSpeeds, PathEntry};
-use servo::segment::follow::{Direction, StartEvent as Start, Value};
+use servo::segment::follow::{Direction, MasterPosition, StartEvent as Start};
 use servo::status;
 use servo::tick_command::{MotionMode, TickCommand};
 use servo::units::{AxisMask, Ns, Pos};
@@ -33,7 +33,7 @@ enum Kind {
 struct Link {
     axis: usize,
     master: usize,
-    value: Value,
+    value: MasterPosition,
     dir: i128,
     data: [Option<Vec<Datum>>; 2],
     passes: u32,
@@ -84,7 +84,7 @@ impl Program {
         let links = (1..depth)
             .map(|k| {
                 let master = order[if chance.below(4) == 0 { chance.below(k as u64) as usize } else { k - 1 }];
-                let value = if chance.below(8) == 0 { Value::Encoder } else { Value::Planned };
+                let value = if chance.below(8) == 0 { MasterPosition::Encoder } else { MasterPosition::Planned };
                 let data = [None, None];
                 let (dir, passes, reported, slave, steepest) = (0, 1, None, None, 0.0);
                 Link {
@@ -238,7 +238,7 @@ impl Program {
                 Start::Start => Begin::Start,
                 Start::Pass { up, pos } => {
                     let zero = match value {
-                        Value::Planned => named(&self.bench, &self.view, master),
+                        MasterPosition::Planned => named(&self.bench, &self.view, master),
                         _ => {
                             let shift = self.view.axes[master].encoder - self.counts[master];
                             -fixed(Pos::pulses(shift as i32))

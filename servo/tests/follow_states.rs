@@ -1,6 +1,6 @@
 //! Follow in combined states: renamed positions; masters that are planned again, stopped, switched.
 use crate::tick_bench;
-use servo::segment::follow::{Direction, StartEvent as Start, Value};
+use servo::segment::follow::{Direction, MasterPosition, StartEvent as Start};
 use servo::tick_command::{MotionMode, TickCommand};
 use servo::units::Pos;
 use tick_bench::*;
@@ -21,7 +21,7 @@ fn a_slave_of_a_renamed_slave_stays_where_it_is() {
         bench.now(TickCommand::SetMode { axis: axis(0), mode: MotionMode::Jog });
         for (slave, master) in [(1, 0), (2, 1)] {
             bench.now(TickCommand::FollowDirection { axis: axis(slave), direction });
-            bench.follows(slave, master, Value::Planned);
+            bench.follows(slave, master, MasterPosition::Planned);
             // Knots of the middle axis lie inside ticks.
             let items: Vec<Item> = (1..10).map(|k| Item::Data(33.3 * k as f64, 33.3 * k as f64, 0, 0)).collect();
             bench.follow_in(slave, 0, direction, &items);
@@ -70,7 +70,7 @@ fn a_master_that_is_planned_again_while_it_brakes_is_never_further_than_it_went(
             for (smooth, after) in [(0, 5), (0, 17), (0, 37), (30_000, 17)] {
                 let mut bench = Bench::prepared(250, MotionMode::Follow);
                 bench.now(TickCommand::SetMode { axis: axis(0), mode: MotionMode::Jog });
-                bench.follows(1, 0, Value::Planned);
+                bench.follows(1, 0, MasterPosition::Planned);
                 bench.now(TickCommand::FollowDirection { axis: axis(1), direction });
                 bench.follow_in(1, 0, direction, &[Item::Data(10_000.0, 30_000.0, 1, 0)]);
                 bench.start_follow(&[1]);
@@ -114,7 +114,7 @@ fn a_master_that_is_planned_again_while_it_brakes_is_never_further_than_it_went(
 fn three_times(period: u32) -> Bench {
     let mut bench = Bench::prepared(period, MotionMode::Follow);
     bench.now(TickCommand::SetMode { axis: axis(0), mode: MotionMode::Jog });
-    bench.follows(1, 0, Value::Planned);
+    bench.follows(1, 0, MasterPosition::Planned);
     bench.now(TickCommand::FollowDirection { axis: axis(1), direction: Direction::Up });
     bench.follow_in(1, 0, Direction::Up, &[Item::Data(100_000.0, 300_000.0, 1, 0)]);
     bench.start_follow(&[1]);
@@ -122,7 +122,7 @@ fn three_times(period: u32) -> Bench {
 }
 
 #[test]
-fn an_abrupt_stop_of_a_master_is_no_way() {
+fn an_abrupt_stop_of_a_master_is_no_displacement() {
     // The ramp ends between two ticks; so does a limit.
     for (after, limit) in (90..110).map(|after| (after, None)).chain((110..130).map(|limit| (200, Some(limit)))) {
         let mut bench = three_times(250);
@@ -166,15 +166,15 @@ fn a_master_that_turns_round_as_it_is_planned_again() {
 fn a_slave_that_ends_as_it_turns_round_counts_for_its_slaves() {
     let mut bench = Bench::prepared(1000, MotionMode::Follow);
     bench.now(TickCommand::SetMode { axis: axis(7), mode: MotionMode::Jog });
-    bench.follows(1, 7, Value::Planned);
+    bench.follows(1, 7, MasterPosition::Planned);
     // From ratio 2 to −1: it turns at 14, at master 14, and ends at 13, at master 16.
     bench.follow(1, 0, &[Item::Data(10.0, 10.0, 0, 0), Item::Data(16.0, 13.0, 0, 0)]);
-    bench.follows(0, 1, Value::Planned);
+    bench.follows(0, 1, MasterPosition::Planned);
     bench.now(TickCommand::FollowDirection { axis: axis(0), direction: Direction::Up });
     bench.follow_in(0, 0, Direction::Up, &[Item::Data(100.0, 300.0, 1, 0)]);
     bench.start_follow(&[0, 1]);
     bench.jog(7, 4.1, 1000.0);
-    bench.follows(2, 1, Value::Planned);
+    bench.follows(2, 1, MasterPosition::Planned);
     bench.follow(2, 0, &[Item::Data(100.0, 300.0, 1, 0)]);
     bench.start_follow(&[2]);
     let mut view = bench.ticks(4);
@@ -193,10 +193,10 @@ fn a_slave_of_one_way_stands_from_where_its_master_turns() {
         let mut bench = Bench::prepared(250, MotionMode::Follow);
         bench.now(TickCommand::SetMode { axis: axis(0), mode: MotionMode::PtStatic });
         bench.pt(0, 0, &[(8.0 * f64::from(sign), 4, 1), (0.0, 8, 1), (8.0 * f64::from(sign), 12, 1)]);
-        bench.follows(1, 0, Value::Planned);
+        bench.follows(1, 0, MasterPosition::Planned);
         bench.now(TickCommand::FollowDirection { axis: axis(1), direction });
         bench.follow_in(1, 0, direction, &[Item::Data(100.0, 300.0, 1, 0)]);
-        bench.follows(2, 1, Value::Planned);
+        bench.follows(2, 1, MasterPosition::Planned);
         bench.follow(2, 0, &[Item::Data(100.0, 100.0, 1, 0)]);
         bench.start_follow(&[1, 2]);
         bench.tick();
@@ -254,10 +254,10 @@ fn a_slave_that_turns_round_at_a_knot_counts_for_its_slaves() {
             let mut bench = Bench::prepared(1000, MotionMode::Follow);
             bench.now(TickCommand::SetMode { axis: axis(7), mode: MotionMode::Jog });
             bench.now(TickCommand::SetPosition { axis: axis(1), pos: Pos::pulses(1234) });
-            bench.follows(1, 7, Value::Planned);
+            bench.follows(1, 7, MasterPosition::Planned);
             bench.follow(1, 0, &items);
             bench.now(TickCommand::FollowLoop { axis: axis(1), passes: 2 });
-            bench.follows(0, 1, Value::Planned);
+            bench.follows(0, 1, MasterPosition::Planned);
             bench.now(TickCommand::FollowDirection { axis: axis(0), direction });
             bench.follow_in(0, 0, direction, &[Item::Data(100.0, 300.0, 1, 0)]);
             bench.tick();
@@ -266,7 +266,7 @@ fn a_slave_that_turns_round_at_a_knot_counts_for_its_slaves() {
             // The same in ticks of 10 us has its positions more exactly.
             let mut fixed = Bench::prepared(10, MotionMode::Follow);
             fixed.now(TickCommand::SetMode { axis: axis(7), mode: MotionMode::Jog });
-            fixed.follows(1, 7, Value::Planned);
+            fixed.follows(1, 7, MasterPosition::Planned);
             fixed.follow(1, 0, &items);
             fixed.now(TickCommand::FollowLoop { axis: axis(1), passes: 2 });
             fixed.tick();
@@ -297,9 +297,9 @@ fn a_crossing_of_the_very_knot_at_which_a_slave_turns_counts() {
         let sign = if up { 1.0 } else { -1.0 };
         let mut bench = Bench::prepared(1000, MotionMode::Follow);
         bench.now(TickCommand::SetMode { axis: axis(7), mode: MotionMode::Jog });
-        bench.follows(1, 7, Value::Planned);
+        bench.follows(1, 7, MasterPosition::Planned);
         bench.follow(1, 0, &[Item::Data(10.3, sign * 40.0, 1, 0), Item::Data(30.0, sign * 20.0, 1, 0)]);
-        bench.follows(0, 1, Value::Planned);
+        bench.follows(0, 1, MasterPosition::Planned);
         bench.follow(0, 0, &[Item::Data(-sign * 10.0, 10.0, 1, 0)]);
         bench.now(TickCommand::FollowEvent { axis: axis(0), event: Start::Pass { up, pos: 40 * sign as i32 } });
         bench.start_follow(&[0, 1]);

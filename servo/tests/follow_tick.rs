@@ -2,7 +2,7 @@
 use crate::tick_bench;
 #[path = "follow_tick/encoder.rs"]
 mod encoder;
-use servo::segment::follow::{Direction, FollowChain, Method, StartEvent as Start, Value};
+use servo::segment::follow::{Direction, FollowChain, MasterPosition, Method, StartEvent as Start};
 use servo::status;
 use servo::tick_command::{MotionMode, TickCommand};
 use servo::units::Pos;
@@ -51,7 +51,7 @@ fn the_flying_shear_of_tables_3_2_and_3_3() {
     };
     for period in [50, 250, 1000] {
         let mut bench = bench(period);
-        bench.follows(1, 0, Value::Planned);
+        bench.follows(1, 0, MasterPosition::Planned);
         bench.follow(1, 0, &[Item::Data(5000.0, 2500.0, 0, 0)]);
         bench.follow(1, 1, &data.map(|(m, s, kind)| Item::Data(m, s, kind, 0)));
         loops(&mut bench, 1, 0);
@@ -85,7 +85,7 @@ fn a_chain_in_reverse_shows_no_lag() {
     let mut bench = Bench::prepared(250, MotionMode::Follow);
     bench.now(TickCommand::SetMode { axis: axis(7), mode: MotionMode::Jog });
     for index in 0..7 {
-        bench.follows(index, index + 1, Value::Planned);
+        bench.follows(index, index + 1, MasterPosition::Planned);
         bench.follow(index, 0, &[Item::Data(1000.0, 1000.0, 1, 0)]);
         loops(&mut bench, index, 0);
     }
@@ -114,10 +114,10 @@ fn a_chain_in_reverse_shows_no_lag() {
 fn a_turning_point_of_a_slave_counts_for_its_slaves() {
     let mut bench = Bench::prepared(1000, MotionMode::Follow);
     bench.now(TickCommand::SetMode { axis: axis(7), mode: MotionMode::Jog });
-    bench.follows(1, 7, Value::Planned);
+    bench.follows(1, 7, MasterPosition::Planned);
     // From ratio 2 to −2: it turns at 15, at master 15.
     bench.follow(1, 0, &[Item::Data(10.0, 10.0, 0, 0), Item::Data(20.0, 10.0, 0, 0)]);
-    bench.follows(0, 1, Value::Planned);
+    bench.follows(0, 1, MasterPosition::Planned);
     bench.now(TickCommand::FollowDirection { axis: axis(0), direction: Direction::Up });
     bench.follow(0, 0, &[Item::Data(100.0, 300.0, 1, 0)]);
     bench.start_follow(&[0, 1]);
@@ -146,7 +146,7 @@ fn a_pass_is_where_the_master_crosses() {
     for (up, target, event, lands) in [(true, 1000, 300, 700.0), (false, -1000, -300, 700.0)] {
         let mut bench = Bench::prepared(250, MotionMode::Follow);
         bench.now(TickCommand::SetMode { axis: axis(0), mode: MotionMode::Trap });
-        bench.follows(1, 0, Value::Planned);
+        bench.follows(1, 0, MasterPosition::Planned);
         bench.now(TickCommand::FollowEvent { axis: axis(1), event: Start::Pass { up, pos: event } });
         let sign = if up { 1.0 } else { -1.0 };
         bench.follow(1, 0, &[Item::Data(sign * 5000.0, 10_000.0, 1, 0)]);
@@ -183,14 +183,14 @@ fn a_crossing_between_ticks_counts() {
     bench.now(TickCommand::SetMode { axis: axis(0), mode: MotionMode::PtStatic });
     // v = 1 − t/1.5 from 0 on: the peak of 0.75 at 1.5 ms.
     bench.pt(0, 0, &[(1000.0, 1000, 1), (1000.75 - 0.75, 1003, 0), (0.0, 2003, 1)]);
-    bench.follows(1, 0, Value::Planned);
+    bench.follows(1, 0, MasterPosition::Planned);
     bench.now(TickCommand::FollowDirection { axis: axis(1), direction: Direction::Up });
     bench.follow(1, 0, &[Item::Data(100.0, 300.0, 1, 0)]);
     bench.now(TickCommand::FollowEvent { axis: axis(1), event: Start::Pass { up: true, pos: 1000 } });
-    bench.follows(2, 0, Value::Planned);
+    bench.follows(2, 0, MasterPosition::Planned);
     bench.now(TickCommand::FollowDirection { axis: axis(2), direction: Direction::Up });
     bench.follow(2, 0, &[Item::Data(1000.5, 2001.0, 1, 0)]);
-    bench.follows(3, 0, Value::Planned);
+    bench.follows(3, 0, MasterPosition::Planned);
     bench.follow(3, 0, &[Item::Data(1000.6875, 2001.375, 1, 0)]);
     bench.start_follow(&[1, 2, 3]);
     bench.start(&[0]);
@@ -209,7 +209,7 @@ fn a_crossing_between_ticks_counts() {
 #[test]
 fn back_through_three_passes_to_the_bit() {
     let mut bench = bench(250);
-    bench.follows(1, 0, Value::Planned);
+    bench.follows(1, 0, MasterPosition::Planned);
     let items = [
         Item::Data(33.3, 10.1, 0, 40),
         Item::Data(77.7, -5.5, 0, 100),
@@ -253,7 +253,7 @@ fn back_through_three_passes_to_the_bit() {
 #[test]
 fn loops_run_out_and_change_while_running() {
     let mut bench = bench(250);
-    bench.follows(1, 0, Value::Planned);
+    bench.follows(1, 0, MasterPosition::Planned);
     bench.follow(1, 0, &[Item::Data(10.0, 7.0, 1, 0)]);
     loops(&mut bench, 1, 100);
     bench.start_follow(&[1]);
@@ -273,7 +273,7 @@ fn loops_run_out_and_change_while_running() {
 #[test]
 fn switches_at_the_end_of_a_pass_and_at_once() {
     let mut bench = bench(250);
-    bench.follows(1, 0, Value::Planned);
+    bench.follows(1, 0, MasterPosition::Planned);
     bench.follow(1, 0, &[Item::Data(10.0, 10.0, 0, 0)]);
     bench.start_follow(&[1]);
     bench.jog(0, 1.0, 1000.0);
@@ -323,7 +323,7 @@ fn switches_at_the_end_of_a_pass_and_at_once() {
 #[test]
 fn ratios_go_on_from_fifo_to_fifo() {
     let mut bench = bench(250);
-    bench.follows(1, 0, Value::Planned);
+    bench.follows(1, 0, MasterPosition::Planned);
     // Ratios 0 to 2; 2 to 1 and 1 to 0; 0 to 3.
     bench.follow(1, 0, &[Item::Data(10.0, 10.0, 0, 0)]);
     bench.follow(1, 1, &[Item::Data(10.0, 15.0, 3, 0), Item::Data(20.0, 20.0, 0, 0), Item::Data(30.0, 40.0, 0, 0)]);
@@ -356,7 +356,7 @@ fn ratios_go_on_from_fifo_to_fifo() {
 #[test]
 fn a_switch_by_segment_carries_its_ratio_through_the_chain() {
     let mut bench = bench(250);
-    bench.follows(1, 0, Value::Planned);
+    bench.follows(1, 0, MasterPosition::Planned);
     let items = [
         Item::Data(10.0, 10.0, 0, 0),
         Item::Data(20.0, 30.0, 0, 0),
@@ -404,7 +404,7 @@ fn a_switch_by_segment_carries_its_ratio_through_the_chain() {
 fn guards_stop_a_slave() {
     // Step limit.
     let mut bench = bench(250);
-    bench.follows(1, 0, Value::Planned);
+    bench.follows(1, 0, MasterPosition::Planned);
     bench.follow(1, 0, &[Item::Data(0.001, 4e9, 1, 0)]);
     loops(&mut bench, 1, 0);
     bench.start_follow(&[1]);
@@ -414,7 +414,7 @@ fn guards_stop_a_slave() {
     assert!(!has(&view.axes[1], status::RUNNING));
     // 2³³ pulse/ms inside one segment.
     let mut bench = self::bench(250);
-    bench.follows(1, 0, Value::Planned);
+    bench.follows(1, 0, MasterPosition::Planned);
     bench.follow(1, 0, &[Item::Data(100.0, 100.0 * 2f64.powi(33), 1, 0)]);
     bench.start_follow(&[1]);
     bench.jog(0, 1.0, 1000.0);
@@ -423,7 +423,7 @@ fn guards_stop_a_slave() {
     assert!(pulses(view.axes[1].pos) < 2f64.powi(30), "{}", pulses(view.axes[1].pos));
     // The master gets too fast inside a segment.
     let mut bench = self::bench(250);
-    bench.follows(1, 0, Value::Planned);
+    bench.follows(1, 0, MasterPosition::Planned);
     bench.follow(1, 0, &[Item::Data(100.0, 100.0 * 2f64.powi(32), 1, 0)]);
     bench.start_follow(&[1]);
     bench.jog(0, 2.0, 0.5);
@@ -435,7 +435,7 @@ fn guards_stop_a_slave() {
     for case in 0..4 {
         let mut bench = Bench::prepared(250, MotionMode::Follow);
         bench.now(TickCommand::SetMode { axis: axis(0), mode: MotionMode::Jog });
-        bench.follows(1, 0, Value::Planned);
+        bench.follows(1, 0, MasterPosition::Planned);
         bench.follow(1, 0, &[Item::Data(1000.0, 2000.0, 1, 0)]);
         bench.start_follow(&[1]);
         bench.jog(0, 10.0, 1000.0);
@@ -471,8 +471,8 @@ fn guards_stop_a_slave() {
 #[test]
 fn a_smooth_stop_leaves_the_master_and_brakes() {
     let mut bench = bench(250);
-    bench.follows(1, 0, Value::Planned);
-    bench.follows(2, 1, Value::Planned);
+    bench.follows(1, 0, MasterPosition::Planned);
+    bench.follows(2, 1, MasterPosition::Planned);
     for index in [1, 2] {
         bench.follow(index, 0, &[Item::Data(100_000.0, 200_000.0, 1, 0)]);
         bench.now(TickCommand::StopDec { axis: axis(index), smooth: accel(4.0), abrupt: accel(1.0) });
@@ -503,7 +503,7 @@ fn a_smooth_stop_leaves_the_master_and_brakes() {
 #[test]
 fn renaming_the_master_moves_nothing() {
     let mut bench = Bench::prepared(250, MotionMode::Follow);
-    bench.follows(1, 0, Value::Planned);
+    bench.follows(1, 0, MasterPosition::Planned);
     bench.now(TickCommand::SetMode { axis: axis(0), mode: MotionMode::Trap });
     bench.follow(1, 0, &[Item::Data(1000.0, 1000.0, 1, 0)]);
     bench.start_follow(&[1]);
@@ -525,7 +525,7 @@ fn renaming_the_master_moves_nothing() {
 #[test]
 fn starts_are_refused_as_a_whole() {
     let mut bench = Bench::prepared(250, MotionMode::Follow);
-    bench.follows(1, 0, Value::Planned);
+    bench.follows(1, 0, MasterPosition::Planned);
     bench.follow(1, 0, &[Item::Data(1000.0, 1000.0, 1, 0)]);
     // Axis 2 has no master, then no data.
     for step in 0..2 {
@@ -533,7 +533,7 @@ fn starts_are_refused_as_a_whole() {
         let view = bench.tick();
         assert!(!has(&view.axes[1], status::RUNNING), "step {step}");
         assert!(matches!(bench.event(), Some(Event::Refused { seq: refused, .. }) if refused == seq));
-        bench.follows(2, 0, Value::Planned);
+        bench.follows(2, 0, MasterPosition::Planned);
     }
     bench.follow(2, 0, &[Item::Data(1000.0, 1000.0, 1, 0)]);
     bench.start_follow(&[1, 2]);

@@ -1,6 +1,6 @@
 //! Gear through the tick: masters of both kinds, reversal, renaming, new ratios, stops and limits.
 use crate::tick_bench;
-use servo::segment::follow::{Direction, GearRatio, Master, StartEvent, Value};
+use servo::segment::follow::{Direction, GearRatio, Master, MasterPosition, StartEvent};
 use servo::status;
 use servo::tick_command::{MotionMode, TickCommand};
 use servo::units::{AxisMask, Ns, Pos, StepLimit};
@@ -27,7 +27,7 @@ fn off(bench_view: &servo::view::View<AXES>, index: usize, ratio: f64, from: (f6
 fn a_slave_goes_along_both_ways_with_every_plan_of_its_master() {
     for period in [50, 250, 1000] {
         let mut bench = bench(period);
-        bench.follows(1, 0, Value::Planned);
+        bench.follows(1, 0, MasterPosition::Planned);
         ratio(&mut bench, 1, 7, -3, 0);
         bench.start_follow(&[1]);
         let ticks = |bench: &mut Bench, ms: u32| {
@@ -68,8 +68,8 @@ fn a_slave_goes_along_both_ways_with_every_plan_of_its_master() {
 #[test]
 fn a_master_that_is_renamed_moves_no_slave() {
     let mut bench = bench(250);
-    bench.follows(1, 0, Value::Planned);
-    bench.follows(2, 0, Value::Encoder);
+    bench.follows(1, 0, MasterPosition::Planned);
+    bench.follows(2, 0, MasterPosition::Encoder);
     ratio(&mut bench, 1, 2, 3, 0);
     ratio(&mut bench, 2, 2, 3, 0);
     bench.start_follow(&[1, 2]);
@@ -102,7 +102,7 @@ fn an_encoder_is_geared_by_its_counts() {
     {
         let mut bench = bench(250);
         bench.now(TickCommand::FollowDirection { axis: axis(1), direction });
-        bench.follows(1, 5, Value::Encoder);
+        bench.follows(1, 5, MasterPosition::Encoder);
         ratio(&mut bench, 1, 2, 1, 0);
         bench.start_follow(&[1]);
         bench.ticks(2);
@@ -116,7 +116,7 @@ fn an_encoder_is_geared_by_its_counts() {
 #[test]
 fn a_new_ratio_goes_over_its_slope_without_a_jump() {
     let mut bench = bench(250);
-    bench.follows(1, 0, Value::Planned);
+    bench.follows(1, 0, MasterPosition::Planned);
     ratio(&mut bench, 1, 1, 1, 1000);
     bench.jog(0, 100.0, 10.0);
     bench.ticks(100);
@@ -155,7 +155,7 @@ fn a_new_ratio_goes_over_its_slope_without_a_jump() {
 fn gears_chain() {
     let mut bench = bench(250);
     for (slave, master) in [(1, 4), (4, 3), (3, 0)] {
-        bench.follows(slave, master, Value::Planned);
+        bench.follows(slave, master, MasterPosition::Planned);
         ratio(&mut bench, slave, 2, 1, if slave == 4 { 50 } else { 0 });
     }
     bench.start_follow(&[1, 3, 4]);
@@ -183,7 +183,7 @@ fn gears_chain() {
 fn a_stop_ends_it_and_a_start_goes_on_from_there() {
     for abrupt in [AxisMask(0), all(&[1])] {
         let mut bench = bench(250);
-        bench.follows(1, 0, Value::Planned);
+        bench.follows(1, 0, MasterPosition::Planned);
         ratio(&mut bench, 1, 1, 2, 0);
         bench.jog(0, 20.0, 10.0);
         bench.ticks(50);
@@ -216,7 +216,7 @@ fn a_stop_ends_it_and_a_start_goes_on_from_there() {
 #[test]
 fn limits_end_it_with_their_reason() {
     let mut bench = bench(250);
-    bench.follows(1, 0, Value::Planned);
+    bench.follows(1, 0, MasterPosition::Planned);
     ratio(&mut bench, 1, 1, 5, 0);
     bench.now(TickCommand::SoftLimit { axis: axis(1), positive: Some(1000), negative: None });
     bench.start_follow(&[1]);
@@ -228,7 +228,7 @@ fn limits_end_it_with_their_reason() {
     let mut bench = Bench::limited(250, StepLimit::new(100).unwrap());
     bench.prepare_start(MotionMode::Gear);
     bench.now(TickCommand::SetMode { axis: axis(0), mode: MotionMode::Jog });
-    bench.follows(1, 0, Value::Planned);
+    bench.follows(1, 0, MasterPosition::Planned);
     ratio(&mut bench, 1, 1, 5, 0);
     bench.start_follow(&[1]);
     bench.jog(0, 20.5, 1.0);
@@ -252,7 +252,10 @@ fn it_needs_its_mode_a_master_and_a_ratio() {
     };
     ratio(&mut bench, 1, 1, 1, 0);
     assert!(refused(&mut bench), "no master");
-    bench.now(TickCommand::FollowMaster { axis: axis(1), master: Master { axis: axis(0), value: Value::Planned } });
+    bench.now(TickCommand::FollowMaster {
+        axis: axis(1),
+        master: Master { axis: axis(0), value: MasterPosition::Planned },
+    });
     // Another mode forgets the ratio, and takes none.
     bench.now(TickCommand::SetMode { axis: axis(1), mode: MotionMode::Follow });
     ratio(&mut bench, 1, 1, 1, 0);
@@ -267,7 +270,7 @@ fn it_needs_its_mode_a_master_and_a_ratio() {
 #[test]
 fn it_begins_at_the_crossing_and_not_a_tick_later() {
     let mut bench = bench(1000);
-    bench.follows(1, 0, Value::Planned);
+    bench.follows(1, 0, MasterPosition::Planned);
     ratio(&mut bench, 1, 1, 3, 0);
     bench.now(TickCommand::FollowEvent { axis: axis(1), event: StartEvent::Pass { up: true, pos: 101 } });
     bench.start_follow(&[1]);

@@ -66,7 +66,7 @@ fn run(entries: Vec<PathEntry>, period: u64, stop: Option<u64>) -> u64 {
 }
 
 #[test]
-fn the_mean_speed_is_the_way_of_the_interval() {
+fn the_mean_speed_is_the_path_length_of_the_interval() {
     let mut chance = Chance::new(5);
     for _ in 0..12 {
         let entries = lines(&mut chance);

@@ -4,7 +4,7 @@ use crate::{chance, tick_bench};
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
-use servo::segment::follow::Value;
+use servo::segment::follow::MasterPosition;
 use servo::segment::pt::{Chain, Refused, Segment};
 use servo::segment::ramp;
 use servo::segment::ramp::Speed;
@@ -136,7 +136,7 @@ fn a_slave_that_would_be_faster_stops() {
         // A ratio of 100: 10 pulse/ms of the master are the limit.
         let run = |vel: f64| {
             let mut bench = bench(period);
-            bench.follows(1, 0, Value::Planned);
+            bench.follows(1, 0, MasterPosition::Planned);
             bench.follow(1, 0, &[Item::Data(1e6, 1e8, 1, 0)]);
             bench.start_follow(&[1]);
             bench.jog(0, vel, 1.0);
@@ -177,7 +177,7 @@ fn another_tick_period_keeps_the_limit() {
         let mut bench = bench(1000);
         bench.now(TickCommand::TickPeriod { ns: 125_000 });
         bench.tick();
-        bench.follows(1, 0, Value::Planned);
+        bench.follows(1, 0, MasterPosition::Planned);
         bench.follow(1, 0, &[Item::Data(1e6, 1e8, 1, 0)]);
         bench.start_follow(&[1]);
         bench.jog(0, vel, 1.0);
@@ -193,7 +193,7 @@ fn a_smooth_stop_is_not_faster() {
     let (mut smooth, mut abrupt) = (0, 0);
     for ticks in 1..12 {
         let mut bench = bench(1000);
-        bench.follows(1, 0, Value::Planned);
+        bench.follows(1, 0, MasterPosition::Planned);
         bench.follow(1, 0, &[Item::Data(1e6, 1e8, 1, 0)]);
         bench.start_follow(&[1]);
         bench.jog(0, 100.0, 1.0);

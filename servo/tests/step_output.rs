@@ -2,9 +2,52 @@
 //! pulses in exact integers.
 use crate::chance;
 use chance::Chance;
-use servo::output::step_generator::StepSlots;
-use servo::output::step_words::{AXES, RING_SLOTS, StepOutput};
+use servo::output::step_generator::{AXES, RING_SLOTS, StepOutput};
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
+
+/// The model: spreads `count` steps over `slots` equal slots of a tick: one answer per slot.
+#[derive(Debug, Clone, Copy)]
+struct StepSlots {
+    count: u32,
+    slots: u32,
+    phase: u32,
+}
+
+impl StepSlots {
+    /// `count` steps in `slots` slots. More steps than slots do not fit: `None`.
+    fn new(count: u32, slots: u32) -> Option<StepSlots> {
+        if slots == 0 || slots > 1 << 30 || count > slots {
+            return None;
+        }
+        Some(StepSlots { count, slots, phase: slots >> 1 })
+    }
+
+    /// Whether the next slot carries a step. After `slots` calls `count` of them were true.
+    fn advance(&mut self) -> bool {
+        self.phase = self.phase.wrapping_add(self.count);
+        if self.phase >= self.slots {
+            self.phase = self.phase.wrapping_sub(self.slots);
+            true
+        } else {
+            false
+        }
+    }
+}
+
+/// Against the closed form of `servo::output::step_generator`, in exact integers.
+#[test]
+fn slots_agree_with_the_closed_form() {
+    for slots in [1u32, 2, 7, 100, 1000] {
+        for count in 0..=slots {
+            let mut walker = StepSlots::new(count, slots).unwrap();
+            let at: Vec<u32> = (0..slots).filter(|_| walker.advance()).collect();
+            let closed: Vec<u32> = (0..count).map(|k| (((k + 1) * slots - slots / 2).div_ceil(count)) - 1).collect();
+            assert_eq!(at, closed, "{count} in {slots}");
+        }
+    }
+    assert!(StepSlots::new(8, 7).is_none());
+    assert!(StepSlots::new(0, 0).is_none());
+}
 
 /// The port after the ring, and the levels recorded at it.
 struct Bench<const WIDTH: usize> {

@@ -166,7 +166,8 @@ fn act(both: &mut Both, chance: &mut Chance, index: usize, mode: &mut MotionMode
                 axis,
                 event: if chance.below(4) == 0 { pass } else { follow::StartEvent::Start },
             });
-            let value = if chance.below(3) == 0 { follow::Value::Encoder } else { follow::Value::Planned };
+            let value =
+                if chance.below(3) == 0 { follow::MasterPosition::Encoder } else { follow::MasterPosition::Planned };
             both.now(TickCommand::FollowMaster {
                 axis,
                 master: follow::Master { axis: tick_bench::axis(master), value },

@@ -111,7 +111,7 @@ fn act(bench: &mut Bench, chance: &mut Chance, stream: &mut i32) {
             bench.now(TickCommand::Update { axes: axis.mask() });
         }
         14 => {
-            bench.follows(6, if far > 0.0 { 3 } else { 4 }, follow::Value::Planned);
+            bench.follows(6, if far > 0.0 { 3 } else { 4 }, follow::MasterPosition::Planned);
             bench.start_follow(&[6]);
         }
         _ => {

@@ -1,13 +1,15 @@
-//! Comments in the code: their width, and the length of their sentences.
+//! Comments in the code: their width, the length of their sentences, and the names in them.
 //!
 //! In: every Rust file of the tree. Out: what is wrong, a line each. Owns nothing. Fails: a line
-//! that begins with `//` and ends after column [`WIDTH_COLUMNS`]; a sentence that would be too long
-//! in a page ([`long_sentences`]). A row of a table in a comment may be wider, as it cannot be
-//! divided. Code has the width that rustfmt gives it.
-use crate::pages::long_sentences;
+//! that begins with `//` and ends after column [`WIDTH_COLUMNS`]; a sentence too long for a page
+//! ([`long_sentences`]); a name that is not there ([`names`]), here or in a page. A row of a table
+//! in a comment may be wider, as it cannot be divided. Code has the width that rustfmt gives it.
+use crate::names::{self, Index};
+use crate::pages::{self, long_sentences};
 use crate::shell::{Outcome, root};
+use std::collections::BTreeMap;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The last column of a comment.
 const WIDTH_COLUMNS: usize = 100;
@@ -31,39 +33,49 @@ fn comments(text: &str) -> String {
     text.lines().map(|line| comment(line).unwrap_or_default() + "\n").collect()
 }
 
-/// The faults of all files below a folder; how many files there are. What is built and what is
-/// hidden are left out.
-fn below(folder: &Path, faults: &mut Vec<String>) -> Outcome<usize> {
+/// The Rust files below a folder, from the root of the tree. What is built and what is hidden are
+/// left out.
+fn below(root: &Path, folder: &Path, files: &mut BTreeMap<PathBuf, String>) -> Outcome {
     let failed = |e: std::io::Error| format!("{}: {e}", folder.display());
-    let mut files = 0;
-    for entry in fs::read_dir(folder).map_err(failed)? {
-        let path = entry.map_err(failed)?.path();
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        if path.is_dir() {
+    for entry in fs::read_dir(root.join(folder)).map_err(failed)? {
+        let entry = entry.map_err(failed)?;
+        let (path, name) = (folder.join(entry.file_name()), entry.file_name().to_string_lossy().into_owned());
+        if entry.path().is_dir() {
             if !name.starts_with('.') && name != "target" && name != "out" {
-                files += below(&path, faults)?;
+                below(root, &path, files)?;
             }
         } else if name.ends_with(".rs") {
-            let text = fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
-            let at = |(line, width)| format!("{}:{line}: {width} columns, {WIDTH_COLUMNS} at most", path.display());
-            faults.extend(wide(&text).map(at));
-            let long = long_sentences(&comments(&text)).into_iter();
-            faults.extend(long.map(|(line, wrong)| format!("{}:{line}: {wrong}", path.display())));
-            files += 1;
+            let text = fs::read_to_string(entry.path()).map_err(|e| format!("{}: {e}", path.display()))?;
+            files.insert(path, text);
         }
     }
-    Ok(files)
+    Ok(())
 }
 
-/// Checks the comments of this tree.
+/// Checks the comments of this tree, and the names of the code in its pages.
 pub fn check() -> Outcome {
-    let mut faults = Vec::new();
-    let files = below(&root(), &mut faults)?;
+    let (root, mut files, mut faults) = (root(), BTreeMap::new(), Vec::new());
+    below(&root, Path::new(""), &mut files)?;
+    let index = Index::new(&files);
+    for (path, text) in &files {
+        let at = |(line, width)| format!("{}:{line}: {width} columns, {WIDTH_COLUMNS} at most", path.display());
+        faults.extend(wide(text).map(at));
+        let comments = comments(text);
+        let long = long_sentences(&comments).into_iter();
+        faults.extend(long.map(|(line, wrong)| format!("{}:{line}: {wrong}", path.display())));
+        faults.extend(names::faults(&index, path, &comments));
+    }
+    for path in pages::paths(&root)? {
+        let text = fs::read_to_string(root.join(&path)).map_err(|e| format!("{}: {e}", path.display()))?;
+        faults.extend(names::faults(&index, &path, &text));
+    }
     if faults.is_empty() {
+        let files = files.len();
         println!("the comments of {files} files end within {WIDTH_COLUMNS} columns, none with a long sentence");
+        println!("the names of the code in pages and comments are there");
         return Ok(());
     }
-    Err(format!("{} comments are too wide or too long:\n{}", faults.len(), faults.join("\n")))
+    Err(format!("{} faults in comments and names:\n{}", faults.len(), faults.join("\n")))
 }
 
 #[cfg(test)]

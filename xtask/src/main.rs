@@ -16,6 +16,7 @@ mod fuzz;
 mod image;
 mod lines;
 mod mutants;
+mod names;
 mod pages;
 mod probes;
 mod proofs;
@@ -58,7 +59,7 @@ cargo xtask COMMAND
   planted [NAME]  plants faults that were found, and counts how many random programs find each
   doors           runs 1,000 random programs through every door and writes the table of docs/doors.md
   doors --page    writes the table from the counts of the last run
-  pages           checks links and sentences of the documentation, and the width of comments
+  pages           checks links, sentences and names of code in the documentation, and the width of comments
   proofs          proves the bounds of rounding from the code's own numbers (proofs/, by Gappa)
   lines           counts the lines of production code of servo and dispatcher
   c-api           writes the headers and exports of the C library from the table of functions

@@ -198,10 +198,16 @@ fn missing_files(root: &Path, text: &str) -> Vec<(usize, String)> {
     named.filter(|(_, code)| is_file(code) && !root.join(code).is_file()).collect()
 }
 
-/// Everything that is wrong in a tree's pages, and how many links and sentences they have.
-fn faults(root: &Path) -> Outcome<(Vec<String>, usize, usize)> {
+/// The pages of a tree, from its root.
+pub fn paths(root: &Path) -> Outcome<BTreeSet<PathBuf>> {
     let mut paths: BTreeSet<PathBuf> = TOP.iter().map(PathBuf::from).collect();
     below(root, Path::new("docs"), &mut paths)?;
+    Ok(paths)
+}
+
+/// Everything that is wrong in a tree's pages, and how many links and sentences they have.
+fn faults(root: &Path) -> Outcome<(Vec<String>, usize, usize)> {
+    let paths = paths(root)?;
     let (mut pages, mut faults) = (HashMap::new(), Vec::new());
     let (mut links, mut sentences) = (0, 0);
     for path in &paths {

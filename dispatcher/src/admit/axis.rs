@@ -8,15 +8,14 @@ use protocol::command::{
     SetStopDec, Stop, SynchAxisPos, ZeroPos,
 };
 use protocol::reason::Reason;
+use protocol::values::FULL_SCALE;
 use servo::segment::follow::Input;
 use servo::segment::ramp::Accel;
 use servo::tick_command::{Guarded, Guards, TickCommand};
-use servo::units::{Axis, AxisMask, Ns, Pos};
+use servo::units::{Axis, AxisMask, CYCLE_NS, Ns, Pos};
 
-/// 250 µs, the unit of SetAxisBand.
-pub const CYCLE_NS: u64 = 250_000;
 /// Accelerations up to here are accepted, pulse/ms².
-pub const ACCEL_MAX: f64 = 4_294_967_296.0;
+pub const ACCEL_MAX: f64 = FULL_SCALE;
 /// The following-error limit at this value is off.
 pub const POS_ERR_OFF: i32 = i32::MAX;
 
@@ -219,7 +218,7 @@ impl<const AXES: usize> Context<'_, AXES> {
 
     pub fn stage_band(&mut self, axis: Axis, fields: (u8, u8), band: (i32, i32)) -> Admitted<Answer> {
         let (pulses, cycles) = (within(fields.0, band.0, 0, i32::MAX)?, within(fields.1, band.1, 0, i32::MAX)?);
-        let time = Ns(u64::from(cycles.unsigned_abs()) * CYCLE_NS);
+        let time = Ns(u64::from(cycles.unsigned_abs()) * u64::from(CYCLE_NS));
         self.only(TickCommand::Band { axis, band: pulses.unsigned_abs(), time }, ShadowChange::Band { axis, band })
     }
 

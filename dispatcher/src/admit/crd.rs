@@ -218,7 +218,7 @@ pub fn start<const AXES: usize>(
         let index = crd.index();
         if let (Some(queues), Some(stores)) = (queues.get_mut(index), stores.get(index)) {
             let queue = &mut queues[usize::from(fifo)];
-            queue.follow(context.crd_shadow(crd).path(fifo).cleared);
+            queue.update_cleared(context.crd_shadow(crd).path(fifo).cleared);
             if queue.waiting() > 0 {
                 queue.settle(&stores[usize::from(fifo)]);
                 queue.begin(stores, context.crd_sampled(crd), fifo);

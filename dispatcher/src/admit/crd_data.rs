@@ -25,12 +25,9 @@ pub use decode::{DataCommand, EntryKind, FifoItem, Target};
 use decode::{GivenGeometry, GivenSpeeds, decode};
 use protocol::command::{LnXYMany, LnXYZMany, opcode};
 use protocol::reason::Reason;
-use servo::path::{DIMENSIONS, EntryStore, MotionSpeeds, PathEntry, Plane};
+use servo::path::{DIMENSIONS, EntryStore, GEARS, MotionSpeeds, PathEntry, Plane};
 use servo::units::{Axis, Crd};
 use servo::view::CrdView;
-
-/// Most gears of one motion.
-const GEARS: u32 = 4;
 
 /// The speeds of a motion after limitation.
 #[derive(Debug, Clone, Copy)]
@@ -365,8 +362,8 @@ pub fn put<const AXES: usize>(context: &Context<AXES>, paths: Paths<'_>, (target
                 if data.gears.has(axis) {
                     return Err(context.no(Reason::AxisGoesAlong, axis));
                 }
-                if data.gears.0.count_ones() >= GEARS {
-                    return Err(filling.no(Reason::GearsFull).limits(0.0, GEARS.into()));
+                if data.gears.0.count_ones() >= GEARS as u32 {
+                    return Err(filling.no(Reason::GearsFull).limits(0.0, GEARS as f64));
                 }
                 data.gears.0 |= axis.mask().0;
                 if pulses > data.gear {

@@ -3,8 +3,8 @@
 //! mode.
 //!
 //! The tick decides what a switch does to the FIFOs. A command that depends on it is refused until
-//! the view shows the state in which it acts ([`Context::decided`]). In a program it waits for its
-//! instant.
+//! the view shows the state in which it acts ([`decided`](super::context::DueInstant::decided)). In
+//! a program it waits for its instant.
 use super::axis::all_startable;
 use super::context::Context;
 use super::{one, unknown};
@@ -18,7 +18,7 @@ use protocol::command::{
 };
 use protocol::reason::Reason;
 use protocol::values::master as master_type;
-use servo::segment::follow::{Direction, Master, Method, StartEvent, Value};
+use servo::segment::follow::{Direction, Master, MasterPosition, Method, StartEvent};
 use servo::tick_command::{MotionMode, TickCommand};
 use servo::units::{Axis, AxisMask};
 
@@ -121,11 +121,11 @@ fn set_master<const AXES: usize>(
         next = after;
     }
     let value = match (given[1], given[2]) {
-        (master_type::PROFILE, _) | (master_type::AXIS | master_type::AXIS_OTHER, 0) => Value::Planned,
-        (master_type::AXIS | master_type::AXIS_OTHER, 2) => Value::PlannedFiltered,
-        (master_type::AXIS | master_type::AXIS_OTHER, 3) => Value::EncoderFiltered,
+        (master_type::PROFILE, _) | (master_type::AXIS | master_type::AXIS_OTHER, 0) => MasterPosition::Planned,
+        (master_type::AXIS | master_type::AXIS_OTHER, 2) => MasterPosition::PlannedFiltered,
+        (master_type::AXIS | master_type::AXIS_OTHER, 3) => MasterPosition::EncoderFiltered,
         // An encoder, and every other item of an axis.
-        _ => Value::Encoder,
+        _ => MasterPosition::Encoder,
     };
     let command = TickCommand::FollowMaster { axis, master: Master { axis: master, value } };
     context.only(command, ShadowChange::FollowMaster { axis, master, given })

@@ -1,5 +1,4 @@
 //! Digital and analog inputs and outputs.
-use super::axis::CYCLE_NS;
 use super::context::Context;
 use super::many;
 use crate::configuration::ones;
@@ -16,7 +15,7 @@ use protocol::values::io as kind;
 use servo::laser::PowerMode;
 use servo::segment::follow::Input;
 use servo::tick_command::{DoGroup, TickCommand};
-use servo::units::{AxisMask, CrdMask, Ns};
+use servo::units::{AxisMask, CYCLE_NS, CrdMask, Ns};
 
 /// Counts that one command sets at most.
 const EDGES_SET_MAX: i16 = 8;
@@ -77,7 +76,7 @@ pub fn set_output_for<const AXES: usize>(context: &mut Context<AXES>, r: &SetDoB
     let given = (r.do_type.get(), r.do_index.get(), r.value.get());
     let (group, bit, high) = context.output_bit(r.core.get(), 1, given)?;
     let cycles = within(4, r.reverse_time_cycles.get(), 0, i16::MAX)?;
-    let time = Ns(u64::from(cycles.unsigned_abs()) * CYCLE_NS);
+    let time = Ns(u64::from(cycles.unsigned_abs()) * u64::from(CYCLE_NS));
     let off = AxisMask(if group == DoGroup::Enable && !high { 1 << bit } else { 0 });
     let change = if off.0 == 0 { ShadowChange::None } else { ShadowChange::Stopped { axes: off, crds: CrdMask(0) } };
     context.only(TickCommand::OutputFor { group, bit, high, time }, change)

@@ -22,7 +22,7 @@ impl<const AXES: usize> Admission<'_, AXES> {
             let (fifo, index) = (sampled.fifo, usize::from(sampled.fifo & 1));
             let Some(queues) = self.queues.get_mut(crd.index()).filter(|_| sampled.runs && started) else { continue };
             let queue = &mut queues[index];
-            queue.follow(shadow.path(fifo).cleared);
+            queue.update_cleared(shadow.path(fifo).cleared);
             let Some(stores) = self.entries.get(crd.index()).filter(|_| queue.waiting() > 0) else { continue };
             if self.lane.room() > STAGED_MAX && queue.feed(stores, sampled, fifo) {
                 self.commit_now(FifoOf::Crd(crd), fifo);
@@ -48,7 +48,7 @@ impl<const AXES: usize> Admission<'_, AXES> {
         let Some((queues, stores)) = self.queues.get_mut(crd.index()).zip(self.entries.get(crd.index())) else {
             return true;
         };
-        queues[index].follow(cleared);
+        queues[index].update_cleared(cleared);
         if queues[index].waiting() == 0 {
             return true;
         }
@@ -79,7 +79,7 @@ impl<const AXES: usize> Admission<'_, AXES> {
                     self.executed.invalidate_path(crd, fifo);
                 } else if let Some(queues) = self.queues.get_mut(crd.index()) {
                     let queue = &mut queues[usize::from(fifo)];
-                    queue.follow(now.cleared);
+                    queue.update_cleared(now.cleared);
                     queue.cut(given);
                 }
             }

@@ -14,13 +14,15 @@ use protocol::command::{
     Abort, Choose, ClrSts, ConfigItem, LoadConfig, Reset, SetInterlock, SetLinkLoss, SetTick, Trace, Wire, opcode,
 };
 use protocol::reason::Reason;
+use protocol::values::given;
 use servo::laser::CHANNELS;
 use servo::port::{GeneralInputs, GeneralOutputs};
+use servo::tick::PERIOD_US;
 use servo::tick_command::{Guarded, Guards, TickCommand};
 use servo::units::{AxisMask, Crd, CrdMask, Ns};
 
 /// Tick periods of SPEC 11 and issue 2, in µs.
-const TICK_US: (i32, i32) = (10, 1000);
+const TICK_US: (i32, i32) = (*PERIOD_US.start() as i32, *PERIOD_US.end() as i32);
 /// The longest link-loss time: a day, in ms.
 const LINK_LOSS_MAX_MS: i32 = 86_400_000;
 
@@ -161,43 +163,43 @@ pub fn load_config<const AXES: usize>(context: &mut Context<AXES>, body: &[u8]) 
 /// Stages one item of a configuration. The fields that a refusal names are those of the item.
 pub fn config_item<const AXES: usize>(context: &mut Context<AXES>, core: i16, item: &ConfigItem) -> Admitted<()> {
     let axis = context.axis(core, item.axis.get()).map_err(|refused| refused.field(0))?;
-    let given = within(1, item.given.get(), 0, 0x1ff)?;
-    let has = |bit: u16| given >> bit & 1 != 0;
+    let items = within(1, item.given.get(), 0, given::ALL)?;
+    let has = |bit: u16| items & bit != 0;
     // One entry for all inputs: the ring of the tick holds those of eight axes, and more.
     let (mut on, mut low) = (Guards::NONE, Guards::NONE);
-    if has(0) {
+    if has(given::LIMITS) {
         let bits = within(2, item.limits_on, 0, 3)?;
         context.has_limits(axis, bits & 1 != 0, bits & 2 != 0).map_err(|refused| refused.field(2).got(bits.into()))?;
         on = on.and(Guarded::LimitPositive, bits & 1 != 0).and(Guarded::LimitNegative, bits & 2 != 0);
     }
-    if has(1) {
+    if has(given::LIMIT_SENSE) {
         let bits = within(3, item.limit_sense, 0, 3)?;
         context.has_limits(axis, bits & 1 != 0, bits & 2 != 0).map_err(|refused| refused.field(3).got(bits.into()))?;
         low = limit_levels(bits);
     }
-    if has(2) {
+    if has(given::ALARM) {
         let used = within(4, item.alarm_on, 0, 1)? != 0;
         context.has_alarm(axis, used).map_err(|refused| refused.field(4).got(1.0))?;
         on = on.and(Guarded::Alarm, used);
     }
-    if has(3) {
+    if has(given::ALARM_SENSE) {
         let is_low = within(5, item.alarm_sense, 0, 1)? != 0;
         context.has_alarm(axis, is_low).map_err(|refused| refused.field(5).got(1.0))?;
         low = low.and(Guarded::Alarm, is_low);
     }
-    if has(4) {
+    if has(given::SOFT_LIMITS) {
         context.stage_soft(axis, 6, (item.soft_positive.get(), item.soft_negative.get()))?;
     }
-    if has(5) {
+    if has(given::STOP_DEC) {
         context.stage_dec(axis, (8, 9), (item.dec_smooth.get(), item.dec_abrupt.get()))?;
     }
-    if has(6) {
+    if has(given::POS_ERR) {
         context.stage_pos_err(axis, 10, item.pos_err.get())?;
     }
-    if has(7) {
+    if has(given::BAND) {
         context.stage_band(axis, (11, 12), (item.band.get(), item.band_time_cycles.get()))?;
     }
-    if has(8) {
+    if has(given::HOME_SENSE) {
         let is_low = within(13, item.home_sense, 0, 1)? != 0;
         context.has_home(axis, is_low).map_err(|refused| refused.field(13).got(1.0))?;
         low = low.and(Guarded::Home, is_low);

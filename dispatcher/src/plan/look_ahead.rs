@@ -29,7 +29,7 @@ use super::geometry::{Form, Geometry, Position};
 use heapless::Vec;
 use junction::{Junction, LastMotion, STANDSTILL};
 use libm::{fabs, sqrt};
-use reachable::{BOUNDS_MAX, Bound, Corner, Span};
+use reachable::{BOUNDS_MAX, Bound, Chosen, Corner, EndSpeed, Span};
 use rounding::Chords;
 use servo::path::{MotionSpeeds, PathEntry};
 
@@ -442,9 +442,11 @@ impl<const N: usize> LookAhead<N> {
         if !(now || settled || sure && end < high) {
             return None;
         }
-        let (vel, acc, ms) = span.choose(&bounds, [self.begin, end], motion.vel, motion.acc);
-        let bits = [vel.max(ALONG_MIN), acc.max(ALONG_MIN), sqrt(end)].map(f64::to_bits);
-        let entry = MotionSpeeds::admit(bits[0], bits[1], bits[2]).ok().and_then(|along| motion.form.entry(along))?;
+        let ends = [self.begin, end].map(EndSpeed::of);
+        let Chosen { vel, acc, ms, ramp } = span.choose(&bounds, &ends, motion.vel, motion.acc);
+        let bits = [vel.max(ALONG_MIN), acc.max(ALONG_MIN), ends[1].speed].map(f64::to_bits);
+        let along = MotionSpeeds::admit(bits[0], bits[1], bits[2]).ok()?.with_ramp(ramp);
+        let entry = motion.form.entry(along)?;
         if self.has_unsure() && self.unsure.entry == self.first {
             self.pass_unsure();
         }

@@ -87,7 +87,7 @@ servo::state! {
 
 impl PathQueue {
     /// Forgets all that was given before the FIFO was cleared for this time.
-    pub fn follow(&mut self, cleared: u32) {
+    pub fn update_cleared(&mut self, cleared: u32) {
         if self.cleared != cleared {
             self.look.clear();
             (self.sum, self.first, self.end, self.cleared) = (0, 0, 0, cleared);
@@ -150,7 +150,7 @@ impl PathQueue {
     /// Prepares for data of a FIFO that was cleared so many times, with the limits of its
     /// look-ahead and how many entries that may hold.
     fn prepare(&mut self, cleared: u32, look: Option<(Limits, u16)>) {
-        self.follow(cleared);
+        self.update_cleared(cleared);
         if let Some((limits, count)) = look {
             self.count = usize::from(count).clamp(1, LOOK_AHEAD_ENTRIES);
             if self.look.is_empty() {

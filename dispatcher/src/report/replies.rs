@@ -132,6 +132,20 @@ const _: () = {
     assert!(pt_state::STOPPED == tick::pt_state::STOPPED);
 };
 
+// Capacities of a path are those of the tick.
+const _: () = assert!(protocol::values::PATH_EFFECTS == servo::path::EFFECTS);
+const _: () = assert!(protocol::values::CRD_FIFO_ENTRIES as usize == servo::path::ENTRIES);
+
+// Stops of paths and causes of dark channels travel as the tick has them, too.
+const _: () = {
+    use protocol::values::{laser_fault, path_stop};
+    use servo::laser::Cause;
+    use servo::path::PathStop;
+    assert!(path_stop::NEVER == PathStop::Never as u8 && path_stop::COMPLETED == PathStop::Completed as u8);
+    assert!(path_stop::UNDERRUN == PathStop::Underrun as u8 && path_stop::STOPPED == PathStop::Stopped as u8);
+    assert!(laser_fault::OVERRUN == Cause::Overrun as i16);
+};
+
 /// A mode as `GetPrfMode` reports it.
 pub fn mode_number(of: servo::tick_command::MotionMode) -> i16 {
     use servo::tick_command::MotionMode;

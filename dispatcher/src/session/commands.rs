@@ -60,7 +60,7 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
 
     /// Follows the tick: executed entries of both lanes, axes that came to standstill, streams that
     /// ended.
-    pub fn follow(&mut self, program: &mut Program<'_>, view: &View<AXES>) {
+    pub fn update_from(&mut self, program: &mut Program<'_>, view: &View<AXES>) {
         let mine = self.admission.lane.retire(view, &mut self.admission.executed, self.replies.until());
         let its = program.retire(view, &mut self.admission.executed);
         self.is_lagging = !(mine && its);
@@ -72,13 +72,13 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
         if program.has_pending_commits() && self.admission.admitted.axes.iter().zip(&view.axes).any(ended) {
             program.flush(&mut self.admission);
         }
-        self.admission.admitted.follow(view);
+        self.admission.admitted.update_from(view);
         // Where changes are not entered yet, they would look as if the tick had made them by
         // itself.
         if self.is_lagging {
             return;
         }
-        self.admission.executed.follow(view);
+        self.admission.executed.update_from(view);
         let quiet = program.is_quiet() && !self.admission.lane.in_flight();
         if quiet && self.admission.executed.naming() | self.admission.admitted.naming() != 0 {
             self.forget_follow_tables(view);
@@ -114,7 +114,7 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
     /// Goes on where replies that waited kept the executed state back.
     pub fn catch_up(&mut self, program: &mut Program<'_>, view: &View<AXES>) {
         if self.is_lagging {
-            self.follow(program, view);
+            self.update_from(program, view);
         }
     }
 

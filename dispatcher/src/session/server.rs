@@ -145,7 +145,7 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
             }
         }
         self.handler.admission.log.see(view);
-        self.handler.follow(&mut self.program, view);
+        self.handler.update_from(&mut self.program, view);
         if self.link.session() != self.session {
             self.session = self.link.session();
             if self.session.is_some() {
@@ -316,7 +316,7 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
     pub fn advance_fifo_counters(&mut self, by: u32) {
         let paths = self.handler.admission.admitted.crds.iter().flat_map(|crd| &crd.fifos);
         for (queue, path) in self.handler.admission.queues.iter_mut().flatten().zip(paths) {
-            queue.follow(path.cleared);
+            queue.update_cleared(path.cleared);
             queue.advance_counters(by);
         }
         for shadows in [&mut self.handler.admission.executed, &mut self.handler.admission.admitted] {

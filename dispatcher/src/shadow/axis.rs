@@ -224,7 +224,7 @@ impl AxisShadow {
         follow.renew(young);
     }
     /// Follows the tick: an ended stream is cleared, an axis at standstill is taken as such.
-    pub fn follow<const AXES: usize>(&mut self, view: &View<AXES>, axis: &AxisView) {
+    pub fn update_from<const AXES: usize>(&mut self, view: &View<AXES>, axis: &AxisView) {
         if self.epoch != axis.epoch {
             self.epoch = axis.epoch;
             if self.started.is_none_or(|seq| executed(view, seq)) {
@@ -234,7 +234,7 @@ impl AxisShadow {
                 self.fifos = [FifoShadow::default(); 2];
             }
         }
-        self.follow.follow(axis);
+        self.follow.update_from(axis);
         let over = |start: Option<u32>| start.filter(|&seq| !executed(view, seq) || axis.status & RUNNING != 0);
         self.started = over(self.started);
         self.busy = over(self.busy);

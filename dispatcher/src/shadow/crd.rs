@@ -467,7 +467,7 @@ impl CrdShadow {
 
     /// Follows the tick: what came to standstill is at standstill, at the position that the view
     /// shows.
-    pub fn follow<const AXES: usize>(&mut self, view: &View<AXES>, sampled: &CrdView) {
+    pub fn update_from<const AXES: usize>(&mut self, view: &View<AXES>, sampled: &CrdView) {
         // Most of them are not in use.
         let cleared = [0, 1].map(|fifo: usize| self.fifos[fifo].cleared);
         if self.frame.is_none() && self.last.is_none() && self.busy.is_none() && cleared == sampled.cleared {

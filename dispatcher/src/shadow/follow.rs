@@ -131,7 +131,7 @@ impl FollowShadow {
         *self = FollowShadow { cleared, emptied, ..FollowShadow::power_on() };
     }
     /// Follows the tick: a FIFO that was left is empty.
-    pub fn follow(&mut self, sampled: &AxisView) {
+    pub fn update_from(&mut self, sampled: &AxisView) {
         for ((fifo, known), now) in self.fifos.iter_mut().zip(&mut self.cleared).zip(sampled.cleared) {
             if *known != now {
                 (*known, *fifo) = (now, FollowFifoShadow::default());

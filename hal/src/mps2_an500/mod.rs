@@ -28,7 +28,7 @@ pub const AXES: usize = 48;
 pub const TICK_NS: u32 = 250_000;
 
 /// Tick periods that the board can run, in µs.
-pub const TICK_US: core::ops::RangeInclusive<u32> = 10..=1000;
+pub const TICK_US: core::ops::RangeInclusive<u32> = servo::tick::PERIOD_US;
 
 /// Analog inputs of the board; nothing is wired to them: they read what SimAdc sets, 0 at power-on.
 pub const ANALOG_INPUTS: u8 = machine::ANALOG_INPUTS as u8;

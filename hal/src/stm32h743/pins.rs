@@ -5,14 +5,14 @@
 //! [`safe_state`] makes the outputs analog again. Fails never.
 use super::boards::BOARD;
 use super::wiring::{Assigned, Pin, number_of};
-use servo::output::step_words;
+use servo::output::step_generator;
 use servo::port::{GeneralInputs, GeneralOutputs};
 use stm32_metapac::RCC;
 use stm32_metapac::gpio::Gpio;
 use stm32_metapac::gpio::vals::{Moder, Ospeedr, Pupdr};
 
 /// Axes: as many as have a step output.
-pub const AXES: usize = step_words::AXES;
+pub const AXES: usize = step_generator::AXES;
 
 /// General inputs.
 pub const GENERAL_INPUTS: usize = BOARD.general_in.len();

@@ -32,7 +32,7 @@ pub const fn empty_slots<const SLOTS: usize, const WORDS: usize>() -> RingSlots<
 
 /// A timer with its stream and request.
 #[derive(Clone, Copy)]
-pub struct Wiring {
+pub struct TimerDma {
     /// The timer.
     pub timer: TimAdv,
     /// Its stream.
@@ -47,26 +47,26 @@ pub struct Wiring {
     pub priority: Pl,
 }
 
-impl core::fmt::Debug for Wiring {
+impl core::fmt::Debug for TimerDma {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         write!(f, "DMAMUX1 channel {}", self.mux)
     }
 }
 
 /// Energy of laser 0.
-pub const LASER_0: Wiring =
-    Wiring { timer: TIM1, dma: stm32_metapac::DMA1, stream: 0, mux: 0, request: 15, priority: Pl::VERY_HIGH };
+pub const LASER_0: TimerDma =
+    TimerDma { timer: TIM1, dma: stm32_metapac::DMA1, stream: 0, mux: 0, request: 15, priority: Pl::VERY_HIGH };
 /// Energy of laser 1.
-pub const LASER_1: Wiring =
-    Wiring { timer: TIM15, dma: stm32_metapac::DMA2, stream: 0, mux: 8, request: 106, priority: Pl::VERY_HIGH };
+pub const LASER_1: TimerDma =
+    TimerDma { timer: TIM15, dma: stm32_metapac::DMA2, stream: 0, mux: 8, request: 106, priority: Pl::VERY_HIGH };
 /// Both switches.
-pub const SWITCHES: Wiring =
-    Wiring { timer: TIM8, dma: stm32_metapac::DMA1, stream: 1, mux: 1, request: 51, priority: Pl::HIGH };
+pub const SWITCHES: TimerDma =
+    TimerDma { timer: TIM8, dma: stm32_metapac::DMA1, stream: 1, mux: 1, request: 51, priority: Pl::HIGH };
 
 /// A timer, its stream and its ring.
 #[derive(Debug)]
 pub struct Timer<const SLOTS: usize, const WORDS: usize> {
-    wiring: Wiring,
+    timer_dma: TimerDma,
     slots: &'static RingSlots<SLOTS, WORDS>,
     /// Takes the cycles to come.
     pub ring: CycleRing<SLOTS, WORDS>,
@@ -77,12 +77,12 @@ impl<const SLOTS: usize, const WORDS: usize> Timer<SLOTS, WORDS> {
     ///
     /// # Safety
     /// At most one for each ring and each stream.
-    pub const unsafe fn new(wiring: Wiring, slots: &'static RingSlots<SLOTS, WORDS>, dark: [u16; WORDS]) -> Self {
-        Timer { wiring, slots, ring: CycleRing::new(slots, dark) }
+    pub const unsafe fn new(timer_dma: TimerDma, slots: &'static RingSlots<SLOTS, WORDS>, dark: [u16; WORDS]) -> Self {
+        Timer { timer_dma, slots, ring: CycleRing::new(slots, dark) }
     }
 
     fn stream(&self) -> St {
-        self.wiring.dma.st(self.wiring.stream)
+        self.timer_dma.dma.st(self.timer_dma.stream)
     }
 
     /// A tick begins while the timer runs. False if the ring is not read where it should be.
@@ -101,7 +101,7 @@ impl<const SLOTS: usize, const WORDS: usize> Timer<SLOTS, WORDS> {
     /// Prepares two dark cycles, and after them the ring from its first slot on; [`Timer::launch`]
     /// follows once the ring is filled.
     pub fn arm(&mut self) {
-        let Wiring { timer, dma, stream, mux, request, .. } = self.wiring;
+        let TimerDma { timer, dma, stream, mux, request, .. } = self.timer_dma;
         self.ring.begin(FIRST);
         DMAMUX1.ccr(mux).write(|w| w.set_dmareq_id(request));
         dma.ifcr(stream / 4).write(|w| {
@@ -134,7 +134,7 @@ impl<const SLOTS: usize, const WORDS: usize> Timer<SLOTS, WORDS> {
     /// Enables the stream: the timer starts with the trigger. DMA reads the first half-word at
     /// once.
     pub fn launch(&mut self) {
-        let Wiring { timer, priority, .. } = self.wiring;
+        let TimerDma { timer, priority, .. } = self.timer_dma;
         timer.dier().write(|w| w.set_ude(true));
         self.stream().cr().write(|w| {
             w.set_dir(Dir::MEMORY_TO_PERIPHERAL);
@@ -149,7 +149,7 @@ impl<const SLOTS: usize, const WORDS: usize> Timer<SLOTS, WORDS> {
 
     /// Stops the stream: no more cycles.
     pub fn stop(&mut self) {
-        let timer = self.wiring.timer;
+        let timer = self.timer_dma.timer;
         timer.dier().write(|_| {});
         timer.cr1().write(|w| {
             w.set_arpe(true);

@@ -11,7 +11,7 @@ use super::boards::BOARD;
 use super::clocks::TIMER_MHZ;
 use super::settings::{DIRECTION_SET_UP_NS, STEP_WIDTH_NS};
 use core::sync::atomic::{AtomicU32, Ordering};
-use servo::output::step_words::{AXES, RING_SLOTS, StepOutput};
+use servo::output::step_generator::{AXES, RING_SLOTS, StepOutput};
 use stm32_metapac::dma::vals::{Dir, Pl, Size};
 use stm32_metapac::{DMA2, DMAMUX1, RCC, TIM2, TIM17};
 

@@ -3,7 +3,7 @@
 //!
 //! In: nothing. Out: pins, the clock's source, how USB is wired. Owns nothing. Fails: a source from
 //! which the clocks cannot be made does not compile.
-use servo::output::step_words::AXES;
+use servo::output::step_generator::AXES;
 use stm32_metapac::gpio::Gpio;
 
 /// PLL1's VCO, of which the core and USB take their clocks.
@@ -30,7 +30,7 @@ pub struct Wiring {
     /// What feeds the high-speed oscillator (HSE).
     pub source: Source,
     /// Directions on pins 0 to 7, steps on 8 to 15: the layout of the words of
-    /// [`servo::output::step_words`].
+    /// [`servo::output::step_generator`].
     pub steps: Gpio,
     /// Servo enables, high is on.
     pub enable: OfAxes,

@@ -91,7 +91,7 @@ mod tests {
     }
 
     #[test]
-    fn way_and_speed_add_up() {
+    fn length_and_speed_add_up() {
         let mut chance = Chance::new(1);
         let mut chance = || chance.unit();
         for _ in 0..100_000 {

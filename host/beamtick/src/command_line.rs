@@ -94,7 +94,7 @@ pub enum Command {
 }
 
 /// Servo ticks of the boards, us.
-pub const TICKS_US: RangeInclusive<u32> = 10..=1000;
+pub const TICKS_US: RangeInclusive<u32> = virtual_board::TICKS_US;
 
 fn tick_parser() -> RangedI64ValueParser<u32> {
     clap::value_parser!(u32).range(i64::from(*TICKS_US.start())..=i64::from(*TICKS_US.end()))

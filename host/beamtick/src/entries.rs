@@ -1,16 +1,21 @@
 //! Steps to entries of the program queue.
 //!
-//! In: a job and the controller's counts. Out: calls, and for each the steps it came from. Runs of
-//! PtData for one FIFO travel as PtDataMany, and long runs of lines of common speeds as LnXYMany or
-//! LnXYZMany, which changes nothing but their cost; an item that is refused still finds its line.
-//! Short runs are left to the client, which joins them with what is between them.
+//! In: the steps of a job, one by one, and the controller's counts. Out: calls, and for each the
+//! steps it came from. Owns the steps that somebody may still ask for. Runs of PtData for one FIFO
+//! travel as PtDataMany, and long runs of lines of common speeds as LnXYMany or LnXYZMany, which
+//! changes nothing but their cost; an item that is refused still finds its line. Short runs are
+//! left to the client, which joins them with what is between them. Steps that cannot be read any
+//! more end the script there.
 use crate::points::records;
+use crate::source::Steps;
+use crate::totals::Totals;
 use client::Call;
-use job::{Action, Job};
+use job::{Action, Job, Step};
 use protocol::command::{
     Abort, AxisStatus, LaserStatus, LnXY, LnXYMany, LnXYZ, LnXYZMany, PathXY, PathXYZ, PtData, PtDataMany, PtItem,
     Request, Sleep, Trace, VersionReply, WaitStop,
 };
+use std::collections::VecDeque;
 use zerocopy::{FromBytes, IntoBytes};
 
 /// Bytes of items in one record, at most: two records fit in a frame.
@@ -52,14 +57,19 @@ pub enum From {
     End,
 }
 
-impl Entry {
+impl From {
     /// The step that an item belongs to; `item` is 65535 where none is named.
     pub fn step(&self, item: u16) -> Option<usize> {
-        match &self.from {
+        match self {
             From::Step(step) => Some(*step),
             From::Items(steps) => steps.get(usize::from(item)).or(steps.first()).copied(),
             From::Left { .. } | From::Light { .. } | From::End => None,
         }
+    }
+
+    /// The first of its steps.
+    pub fn first_step(&self) -> Option<usize> {
+        self.step(0)
     }
 }
 
@@ -92,9 +102,9 @@ enum Ending {
 }
 
 impl Ending {
-    fn of(job: &Job, tick_ns: u64) -> Ending {
-        match job.steps.last().map(|step| &step.action) {
-            Some(Action::Sleep { ns }) if *ns > tick_ns => Ending::Sleeps(job.steps.len() - 1),
+    fn of(totals: &Totals, tick_ns: u64) -> Ending {
+        match &totals.last {
+            Some(Action::Sleep { ns }) if *ns > tick_ns => Ending::Sleeps(totals.steps - 1),
             Some(Action::Call(call)) if !call.outs.is_empty() => Ending::Reads,
             _ => Ending::Acts,
         }
@@ -103,60 +113,183 @@ impl Ending {
 
 /// The script's entries, then Abort as a call there would act; what still moves is waited for, and
 /// a trace ends. What lasers and axes do at the end is read before.
-pub fn entries(job: &Job, version: &VersionReply, traced: bool) -> Vec<Entry> {
-    let mut entries = Vec::with_capacity(job.steps.len() + 16);
-    let mut run: Option<Run> = None;
-    let tick_ns = u64::from(version.tick_us.get()) * 1000;
-    let sleep = |ns: u64, from: From| Entry { call: Call::of(Sleep { ns: ns.into() }), from };
-    let ending = Ending::of(job, tick_ns);
-    for (number, step) in job.steps.iter().enumerate() {
-        if let Some((key, item)) = datum(&step.action) {
-            let full = run.as_ref().is_some_and(|run| run.items.len() + item.len() > MERGED || run.key != key);
-            if full {
-                finish(&mut entries, &mut run, job);
-            }
-            let open = run.get_or_insert_with(|| Run { key, items: Vec::new(), steps: Vec::new() });
-            open.items.extend(item);
-            open.steps.push(number);
-            continue;
+pub struct Entries<'s> {
+    job: &'s Job,
+    steps: Steps<'s>,
+    version: VersionReply,
+    traced: bool,
+    ending: Ending,
+    tick_ns: u64,
+    run: Option<Run>,
+    /// Entries that are made and not handed over.
+    due: VecDeque<Entry>,
+    /// The number of the next step, and the steps before it that are kept.
+    number: usize,
+    kept: VecDeque<Step>,
+    ended: bool,
+    broken: Option<String>,
+}
+
+impl<'s> Entries<'s> {
+    /// Of a job and its steps.
+    pub fn new(job: &'s Job, totals: &Totals, steps: Steps<'s>, version: VersionReply, traced: bool) -> Self {
+        let tick_ns = u64::from(version.tick_us.get()) * 1000;
+        Entries {
+            job,
+            steps,
+            version,
+            traced,
+            ending: Ending::of(totals, tick_ns),
+            tick_ns,
+            run: None,
+            due: VecDeque::new(),
+            number: 0,
+            kept: VecDeque::new(),
+            ended: false,
+            broken: None,
         }
-        finish(&mut entries, &mut run, job);
+    }
+
+    /// Why the script ended early, if it did.
+    pub fn broken(&self) -> Option<&str> {
+        self.broken.as_deref()
+    }
+
+    /// A step by its number, if it is kept.
+    pub fn step(&self, number: usize) -> Option<&Step> {
+        self.kept.get(number.checked_sub(self.first_kept())?)
+    }
+
+    fn first_kept(&self) -> usize {
+        self.number - self.kept.len()
+    }
+
+    /// Nobody asks for the steps before this one any more.
+    pub fn forget_before(&mut self, number: usize) {
+        let count = number.saturating_sub(self.first_kept()).min(self.kept.len());
+        self.kept.drain(..count);
+    }
+
+    fn push(&mut self, call: Call, from: From) {
+        self.due.push_back(Entry { call, from });
+    }
+
+    fn sleep(&mut self, ns: u64, from: From) {
+        self.push(Call::of(Sleep { ns: ns.into() }), from);
+    }
+
+    fn lights(&mut self) {
+        self.due.extend(lasers(self.job, &self.version).map(light));
+    }
+
+    /// The entries of a step.
+    fn enter(&mut self, step: Step) {
+        let number = self.number;
+        if let Some((key, item)) = datum(&step.action) {
+            if self.run.as_ref().is_some_and(|run| run.items.len() + item.len() > MERGED || run.key != key) {
+                self.finish();
+            }
+            let open = self.run.get_or_insert_with(|| Run { key, items: Vec::new(), steps: Vec::new() });
+            open.items.extend_from_slice(item.as_bytes());
+            open.steps.push(number);
+            self.keep(step);
+            return;
+        }
+        self.finish();
         let from = From::Step(number);
         match &step.action {
-            Action::Sleep { ns } if job.lasers != 0 && ending == Ending::Sleeps(number) => {
-                entries.push(sleep(ns - tick_ns, from.clone()));
-                entries.extend(lasers(job, version).map(light));
-                entries.push(sleep(tick_ns, from));
+            Action::Sleep { ns } if self.job.lasers != 0 && self.ending == Ending::Sleeps(number) => {
+                self.sleep(ns - self.tick_ns, from.clone());
+                self.lights();
+                self.sleep(self.tick_ns, from);
             }
-            Action::Sleep { ns } => entries.push(sleep(*ns, from)),
-            Action::WaitStop { core, axes, crds } => entries.push(Entry { call: wait(*core, *axes, *crds), from }),
+            Action::Sleep { ns } => self.sleep(*ns, from),
+            Action::WaitStop { core, axes, crds } => self.push(wait(*core, *axes, *crds), from),
             Action::WaitAll => {
-                for core in 1..=i16::from(version.cores) {
-                    let everything = wait(core, all_axes(version), all_crds(version));
-                    entries.push(Entry { call: everything, from: from.clone() });
+                let (axes, crds) = (all_axes(&self.version), all_crds(&self.version));
+                for core in 1..=i16::from(self.version.cores) {
+                    self.push(wait(core, axes, crds), from.clone());
                 }
             }
             Action::Call(call) => {
                 let call = Call { opcode: call.opcode, payload: call.body.clone(), may_fail: call.may_fail };
-                entries.extend(records(call).into_iter().map(|call| Entry { call, from: from.clone() }));
+                self.due.extend(records(call).into_iter().map(|call| Entry { call, from: from.clone() }));
             }
         }
+        self.keep(step);
     }
-    finish(&mut entries, &mut run, job);
-    if ending == Ending::Reads {
-        entries.extend(lasers(job, version).map(light));
-        entries.push(sleep(tick_ns, From::End));
+
+    fn keep(&mut self, step: Step) {
+        self.kept.push_back(step);
+        self.number += 1;
     }
-    leave(&mut entries, job, version);
-    if traced {
-        if job.lasers != 0 {
-            // The edge that ends the light lies in the tick after its command, and is whole with
-            // the row after it.
-            entries.push(sleep(2 * tick_ns, From::End));
+
+    /// What comes after the last step.
+    fn end(&mut self) {
+        self.ended = true;
+        self.finish();
+        if self.ending == Ending::Reads && self.broken.is_none() {
+            self.lights();
+            self.sleep(self.tick_ns, From::End);
         }
-        entries.push(Entry { call: Call::of(Trace::default()), from: From::End });
+        leave(&mut self.due, self.job, &self.version);
+        if self.traced {
+            if self.job.lasers != 0 {
+                // The edge that ends the light lies in the tick after its command, and is whole
+                // with the row after it.
+                self.sleep(2 * self.tick_ns, From::End);
+            }
+            self.push(Call::of(Trace::default()), From::End);
+        }
     }
-    entries
+
+    /// The data that travels together is complete.
+    fn finish(&mut self) {
+        let Some(Run { key, items, steps }) = self.run.take() else { return };
+        let is_short = matches!(key, Key::Lines { .. }) && steps.len() < JOINED_MIN_LINES;
+        if is_short || steps.len() == 1 {
+            for number in steps {
+                if let Some(Action::Call(call)) = self.step(number).map(|step| &step.action) {
+                    let call = Call { opcode: call.opcode, payload: call.body.clone(), may_fail: false };
+                    self.push(call, From::Step(number));
+                }
+            }
+            return;
+        }
+        let count = (steps.len() as u16).into();
+        let (opcode, mut payload) = match key {
+            Key::Pt(of) => {
+                let [core, profile, fifo] = of.map(Into::into);
+                (PtDataMany::OPCODE, PtDataMany { core, profile, fifo, count }.as_bytes().to_vec())
+            }
+            Key::Lines { number, of, speeds } => {
+                let [core, crd, fifo] = of.map(Into::into);
+                let [syn_vel, syn_acc, vel_end] = speeds.map(|bits| f64::from_bits(bits).into());
+                // Both heads are alike.
+                (number, LnXYMany { core, crd, fifo, count, syn_vel, syn_acc, vel_end }.as_bytes().to_vec())
+            }
+        };
+        payload.extend(items);
+        self.push(Call { opcode, payload, may_fail: false }, From::Items(steps));
+    }
+}
+
+impl Iterator for Entries<'_> {
+    type Item = Entry;
+
+    fn next(&mut self) -> Option<Entry> {
+        while self.due.is_empty() && !self.ended {
+            match self.steps.next() {
+                Some(Ok(step)) => self.enter(step),
+                Some(Err(why)) => {
+                    self.broken = Some(why);
+                    self.end();
+                }
+                None => self.end(),
+            }
+        }
+        self.due.pop_front()
+    }
 }
 
 /// Reads whether a laser is on.
@@ -170,16 +303,16 @@ fn wait(core: i16, axes: u32, crds: u32) -> Call {
 }
 
 /// Reads what the script left moving, aborts, and waits for standstill on the cores that it used.
-fn leave(entries: &mut Vec<Entry>, job: &Job, version: &VersionReply) {
+fn leave(entries: &mut VecDeque<Entry>, job: &Job, version: &VersionReply) {
     for axis in &job.axes {
         if (1..=i16::from(version.cores)).contains(&axis.core) && axis.axis <= i16::from(version.axes_per_core) {
             let status = AxisStatus { core: axis.core.into(), axis: axis.axis.into(), count: 1.into() };
-            entries.push(Entry { call: Call::of(status), from: From::Left { core: axis.core, axis: axis.axis } });
+            entries.push_back(Entry { call: Call::of(status), from: From::Left { core: axis.core, axis: axis.axis } });
         }
     }
     let end = |call: Call| Entry { call, from: From::End };
     // One is for the whole controller.
-    entries.push(end(Call::of(Abort { core: 1.into() })));
+    entries.push_back(end(Call::of(Abort { core: 1.into() })));
     let mut cores: Vec<i16> = job.axes.iter().map(|axis| axis.core).collect();
     cores.retain(|core| (1..=i16::from(version.cores)).contains(core));
     cores.dedup();
@@ -202,9 +335,30 @@ enum Key {
     Lines { number: u16, of: [i16; 3], speeds: [u64; 3] },
 }
 
+/// An item of such data.
+enum Item {
+    Pt(PtItem),
+    Xy(PathXY),
+    Xyz(PathXYZ),
+}
+
+impl Item {
+    fn as_bytes(&self) -> &[u8] {
+        match self {
+            Item::Pt(item) => item.as_bytes(),
+            Item::Xy(item) => item.as_bytes(),
+            Item::Xyz(item) => item.as_bytes(),
+        }
+    }
+
+    fn len(&self) -> usize {
+        self.as_bytes().len()
+    }
+}
+
 /// Data that may travel with others, as an item. Data that an item cannot hold, or that may fail,
 /// travels alone.
-fn datum(action: &Action) -> Option<(Key, Vec<u8>)> {
+fn datum(action: &Action) -> Option<(Key, Item)> {
     let Action::Call(call) = action else { return None };
     if call.may_fail {
         return None;
@@ -215,51 +369,22 @@ fn datum(action: &Action) -> Option<(Key, Vec<u8>)> {
             let data = PtData::read_from_bytes(&call.body).ok()?;
             let kind = u8::try_from(data.kind.get()).ok()?;
             let item = PtItem { pos: data.pos, time_ms: data.time_ms, kind };
-            Some((Key::Pt([data.core.get(), data.profile.get(), data.fifo.get()]), item.as_bytes().to_vec()))
+            Some((Key::Pt([data.core.get(), data.profile.get(), data.fifo.get()]), Item::Pt(item)))
         }
         LnXY::OPCODE => {
             let line = LnXY::read_from_bytes(&call.body).ok()?;
             let of = [line.core.get(), line.crd.get(), line.fifo.get()];
             let key = lines(LnXYMany::OPCODE, of, [line.syn_vel.get(), line.syn_acc.get(), line.vel_end.get()]);
-            Some((key, PathXY { x: line.x, y: line.y }.as_bytes().to_vec()))
+            Some((key, Item::Xy(PathXY { x: line.x, y: line.y })))
         }
         LnXYZ::OPCODE => {
             let line = LnXYZ::read_from_bytes(&call.body).ok()?;
             let of = [line.core.get(), line.crd.get(), line.fifo.get()];
             let key = lines(LnXYZMany::OPCODE, of, [line.syn_vel.get(), line.syn_acc.get(), line.vel_end.get()]);
-            Some((key, PathXYZ { x: line.x, y: line.y, z: line.z }.as_bytes().to_vec()))
+            Some((key, Item::Xyz(PathXYZ { x: line.x, y: line.y, z: line.z })))
         }
         _ => None,
     }
-}
-
-fn finish(entries: &mut Vec<Entry>, run: &mut Option<Run>, job: &Job) {
-    let Some(Run { key, items, steps }) = run.take() else { return };
-    let is_short = matches!(key, Key::Lines { .. }) && steps.len() < JOINED_MIN_LINES;
-    if is_short || steps.len() == 1 {
-        for step in steps {
-            if let Some(Action::Call(call)) = job.steps.get(step).map(|step| &step.action) {
-                let call = Call { opcode: call.opcode, payload: call.body.clone(), may_fail: false };
-                entries.push(Entry { call, from: From::Step(step) });
-            }
-        }
-        return;
-    }
-    let count = (steps.len() as u16).into();
-    let (opcode, mut payload) = match key {
-        Key::Pt(of) => {
-            let [core, profile, fifo] = of.map(Into::into);
-            (PtDataMany::OPCODE, PtDataMany { core, profile, fifo, count }.as_bytes().to_vec())
-        }
-        Key::Lines { number, of, speeds } => {
-            let [core, crd, fifo] = of.map(Into::into);
-            let [syn_vel, syn_acc, vel_end] = speeds.map(|bits| f64::from_bits(bits).into());
-            // Both heads are alike.
-            (number, LnXYMany { core, crd, fifo, count, syn_vel, syn_acc, vel_end }.as_bytes().to_vec())
-        }
-    };
-    payload.extend(items);
-    entries.push(Entry { call: Call { opcode, payload, may_fail: false }, from: From::Items(steps) });
 }
 
 const _: () = assert!(size_of::<LnXYMany>() == size_of::<LnXYZMany>());
@@ -287,6 +412,11 @@ mod tests {
         }
     }
 
+    fn entries(job: &Job, version: &VersionReply, traced: bool) -> Vec<Entry> {
+        let steps = Steps::Listed(job.steps.iter());
+        Entries::new(job, &Totals::of(&job.steps), steps, *version, traced).collect()
+    }
+
     fn of(text: &str) -> Vec<Entry> {
         entries(&job::compile(text, &None).unwrap(), &version(), false)
     }
@@ -298,8 +428,8 @@ mod tests {
         let sizes: Vec<usize> =
             found.iter().map(|entry| if let From::Items(steps) = &entry.from { steps.len() } else { 1 }).collect();
         assert_eq!(sizes, [32, 32, 6, 1, 1, 1]);
-        assert_eq!(found[1].step(5), Some(37));
-        assert_eq!(found[1].step(65535), Some(32));
+        assert_eq!(found[1].from.step(5), Some(37));
+        assert_eq!(found[1].from.step(65535), Some(32));
         let (head, items) = PtDataMany::read_from_prefix(&found[2].call.payload).unwrap();
         assert_eq!((head.count.get(), items.len()), (6, 6 * size_of::<PtItem>()));
         let single = PtData::read_from_bytes(&found[3].call.payload).unwrap();
@@ -318,7 +448,7 @@ mod tests {
             found.iter().map(|entry| if let From::Items(steps) = &entry.from { steps.len() } else { 1 }).collect();
         // The last eight are too few: the client joins them with what follows.
         assert_eq!(sizes, [vec![52], vec![1; 8], vec![1, 24, 1]].concat());
-        assert_eq!((found[0].step(7), found[8].step(u16::MAX)), (Some(7), Some(59)));
+        assert_eq!((found[0].from.step(7), found[8].from.step(u16::MAX)), (Some(7), Some(59)));
         let (head, items) = LnXYMany::read_from_prefix(&found[0].call.payload).unwrap();
         assert_eq!((head.count.get(), { head.syn_vel }.get(), items.len()), (52, 50.0, 52 * 8));
         assert_eq!(found[8].call.opcode, LnXY::OPCODE);

@@ -7,10 +7,11 @@ use crate::Failure;
 use crate::command_line::{Drawing, Import};
 use crate::input::{self, Role};
 use crate::output::Output;
+use crate::script::{self, Script};
 use crate::{json, machine_file, output, record};
 use ::drawing::Format;
 use machine::Machine;
-use std::io::{self, Write};
+use std::io::{self, BufRead, Read, Write};
 use std::path::{Path, PathBuf};
 use strokes::{Extent, Imported, Watch};
 use trace::{Millimetres, PlotOptions, Preview};
@@ -95,7 +96,7 @@ fn is_block(line: &str) -> bool {
 /// A program or a drawing as a job.
 pub struct Found {
     /// The text of the job.
-    pub job: String,
+    pub script: Script,
     /// The machine file.
     pub file: PathBuf,
     /// The machine's axes, X first.
@@ -125,15 +126,11 @@ pub fn job(path: &Path, drawing: &Drawing, plot: Option<&Path>) -> Result<Found,
     };
     let unread = |error: io::Error| Failure::Input(format!("{name}: it cannot be read: {error}"));
     let kind = kind(path).map_err(unread)?.unwrap_or(Kind::Program);
-    let bytes = input::read(path, Role::Job).map_err(|error| {
-        let what = if kind == Kind::Program { "program" } else { "drawing" };
-        Failure::Input(format!("{name}: the {what} cannot be read: {error}"))
-    })?;
     let found = match picture {
-        None => made((&name, kind), &bytes, &machine, drawing, None),
+        None => made((&name, kind), path, &machine, drawing, None),
         Some((output, mut preview)) => {
             let mut show = |[x, y, _]: [f64; 3], lit: bool| preview.line((x, y), lit);
-            let found = made((&name, kind), &bytes, &machine, drawing, Some(&mut show));
+            let found = made((&name, kind), path, &machine, drawing, Some(&mut show));
             draw(output, preview, found.as_ref())?;
             found
         }
@@ -144,28 +141,44 @@ pub fn job(path: &Path, drawing: &Drawing, plot: Option<&Path>) -> Result<Found,
         complain!("{note}");
     }
     let millimetres = machine_file::millimetres(&machine);
-    Ok(Found { job: found.job, file: file.clone(), millimetres, extent: found.extent })
+    Ok(Found { script: found.script, file: file.clone(), millimetres, extent: found.extent })
+}
+
+/// What a program or a drawing says.
+struct Made {
+    script: Script,
+    notes: Vec<String>,
+    extent: Extent,
 }
 
 fn made(
     (name, kind): (&str, Kind),
-    bytes: &[u8],
+    path: &Path,
     machine: &Machine,
     drawing: &Drawing,
     watch: Option<Watch<'_>>,
-) -> Result<Imported, String> {
+) -> Result<Made, String> {
+    let what = if kind == Kind::Program { "program" } else { "drawing" };
+    let unread = |error| format!("{name}: the {what} cannot be read: {error}");
     match kind {
         Kind::Drawing(_) if drawing.pass_stops => Err(format!("{name}: --pass-stops is for G-code")),
         Kind::Drawing(format) => {
             let at = drawing.at.map_or([0.0; 2], |place| place.0);
-            ::drawing::import(name, bytes, format, machine, ::drawing::Options { at }, watch)
+            let bytes = input::read(path, Role::Job).map_err(unread)?;
+            let Imported { job, notes, extent } =
+                ::drawing::import(name, &bytes, format, machine, ::drawing::Options { at }, watch)?;
+            Ok(Made { script: Script::Whole(job), notes, extent })
         }
         _ if !drawing.layers.is_empty() || drawing.at.is_some() => {
             Err(format!("{name}: --layer and --at are for drawings; a program says both itself"))
         }
         _ => {
             let options = gcode::Options { pass_stops: drawing.pass_stops };
-            gcode::import_shown(name, &String::from_utf8_lossy(bytes), machine, options, watch)
+            let mut lines = input::open(path, Role::Job).map_err(unread)?;
+            let mut text = tempfile::spooled_tempfile(script::IN_MEMORY_BYTES);
+            let (notes, extent) = gcode::import_to(name, &mut lines, machine, options, watch, &mut text)?;
+            let script = Script::spooled(text).map_err(|error| format!("{name}: the job cannot be kept: {error}"))?;
+            Ok(Made { script, notes, extent })
         }
     }
 }
@@ -178,7 +191,7 @@ fn preview(name: &str, machine: &Machine) -> Preview {
 }
 
 /// Writes the picture of a path; of one that is refused too, if there is anything of it.
-fn draw(output: Output, mut preview: Preview, found: Result<&Imported, &String>) -> Result<(), Failure> {
+fn draw(output: Output, mut preview: Preview, found: Result<&Made, &String>) -> Result<(), Failure> {
     match found {
         Ok(found) => {
             let mut extent = found.extent.clone();
@@ -230,18 +243,39 @@ pub fn import(arguments: &Import) -> Result<(), Failure> {
     output::check(&read, &outputs.collect::<Vec<_>>())?;
     let found = job(&arguments.program, &arguments.drawing, plot)?;
     complain!("{name}: {}", found.extent);
-    let text = found.job;
+    let mut reader = found.script.reader();
+    let failed = |error: io::Error| Failure::Job(format!("{}: cannot be written: {error}", to.display()));
     if input::is_standard(to) {
+        let mut text = String::new();
+        reader.read_to_string(&mut text).map_err(failed)?;
         say!("{}", text.trim_end());
         return Ok(());
     }
     let (staged, mut file) = output::Output::stream(to)?;
-    if let Err(error) = file.write_all(text.as_bytes()) {
-        staged.cut_off();
-        return Err(Failure::Job(format!("{}: cannot be written: {error}", to.display())));
-    }
+    let lines = match copy(&mut reader, &mut file) {
+        Ok(lines) => lines,
+        Err(error) => {
+            staged.cut_off();
+            return Err(failed(error));
+        }
+    };
     drop(file);
     staged.whole()?;
-    say!("{}: {} lines, from {name}", to.display(), text.lines().count());
+    say!("{}: {lines} lines, from {name}", to.display());
     Ok(())
+}
+
+/// Copies a text, and counts its lines, of which each has an end.
+fn copy(from: &mut impl BufRead, to: &mut impl Write) -> io::Result<usize> {
+    let mut lines = 0;
+    loop {
+        let block = from.fill_buf()?;
+        if block.is_empty() {
+            return Ok(lines);
+        }
+        lines += block.iter().filter(|byte| **byte == b'\n').count();
+        to.write_all(block)?;
+        let count = block.len();
+        from.consume(count);
+    }
 }

@@ -11,7 +11,7 @@ use protocol::command::{
     EventItem, GetClock, GetEvents, GetFault, GetLinkLoss, GetTickTime, LaserStatus, LinkLossReply, TickTimeReply,
 };
 use protocol::reason::{laser_cause, stop_reason};
-use protocol::values::event;
+use protocol::values::{FULL_SCALE, event};
 use serde::Serialize;
 use std::fmt;
 
@@ -231,7 +231,7 @@ fn facts(client: &Client) -> client::Result<Facts> {
         lasers,
         event_count: events.total.get(),
         events: shown.collect(),
-        step_limit: Some(version.step_limit.get()).filter(|limit| *limit < 4_294_967_296.0),
+        step_limit: Some(version.step_limit.get()).filter(|limit| *limit < FULL_SCALE),
         trace_bytes_a_second: client.trace_rate(),
     })
 }

@@ -1,9 +1,11 @@
-//! Files that people name: read whole. `-` is the standard input, for one of them.
+//! Files that people name: read whole, long ones as they are needed. `-` is the standard input, for
+//! one of them.
 //!
 //! In: a path, and what it is for. Out: its bytes. Owns what came over the standard input. Fails
 //! with what the system says, and for a device, which may never end.
 use std::fmt;
-use std::io::{self, Read};
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Cursor, Read, Seek};
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
@@ -36,11 +38,37 @@ pub fn is_standard(path: &Path) -> bool {
     path == Path::new("-")
 }
 
+/// A file with more than `size` bytes that begins with `mark`.
+pub fn long(path: &Path, mark: &[u8], size: usize) -> io::Result<Option<File>> {
+    if is_standard(path) || !std::fs::metadata(path).is_ok_and(|found| found.is_file() && found.len() > size as u64) {
+        return Ok(None);
+    }
+    let mut file = File::open(path)?;
+    let mut head = vec![0; mark.len()];
+    file.read_exact(&mut head)?;
+    file.rewind()?;
+    Ok((head == mark).then_some(file))
+}
+
+/// The bytes of a file or a pipe, from front to back.
+pub fn open(path: &Path, role: Role) -> io::Result<Box<dyn BufRead>> {
+    if is_standard(path) {
+        return Ok(Box::new(Cursor::new(standard(role, <[u8]>::to_vec)?)));
+    }
+    is_no_device(path)?;
+    Ok(Box::new(BufReader::with_capacity(1 << 16, File::open(path)?)))
+}
+
 /// The bytes of a file or a pipe.
 pub fn read(path: &Path, role: Role) -> io::Result<Vec<u8>> {
     if is_standard(path) {
         return standard(role, <[u8]>::to_vec);
     }
+    is_no_device(path)?;
+    std::fs::read(path)
+}
+
+fn is_no_device(path: &Path) -> io::Result<()> {
     let kind = std::fs::metadata(path)?.file_type();
     #[cfg(unix)]
     let is_pipe = std::os::unix::fs::FileTypeExt::is_fifo(&kind);
@@ -49,7 +77,7 @@ pub fn read(path: &Path, role: Role) -> io::Result<Vec<u8>> {
     if !(kind.is_file() || kind.is_dir() || is_pipe) {
         return Err(io::Error::other("it is a device, not a file"));
     }
-    std::fs::read(path)
+    Ok(())
 }
 
 /// What `look` finds in the standard input.

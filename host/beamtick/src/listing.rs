@@ -106,9 +106,9 @@ impl fmt::Display for Facts {
 }
 
 /// The steps with their times.
-fn steps(source: &Source) -> Vec<StepFacts> {
+fn steps(source: &Source) -> Result<Vec<StepFacts>, Failure> {
     let (mut waits, mut clock) = (0u32, 0u64);
-    let step = |step: &job::Step| {
+    let mut step = |step: job::Step| {
         let (waits_before, clock_ms) = (waits, (clock / 1000) as f64 / 1e3);
         let what = match &step.action {
             Action::Sleep { ns } => {
@@ -127,7 +127,8 @@ fn steps(source: &Source) -> Vec<StepFacts> {
         };
         StepFacts { line: step.line, waits_before, clock_ms, what }
     };
-    source.job.steps.iter().map(step).collect()
+    let listed = source.steps().map(|found| found.map(&mut step)).collect::<Result<_, _>>();
+    listed.map_err(|why| Failure::Input(format!("{}: {why}", source.name)))
 }
 
 /// Prints a line for each step: line of the script, script clock, what is done.
@@ -136,9 +137,9 @@ pub fn check(arguments: &Check) -> Result<(), Failure> {
     let path = source.extent.as_ref().map(PathFacts::of);
     let facts = Facts {
         job: source.name.clone(),
-        steps: if path.is_some() { Vec::new() } else { steps(&source) },
+        steps: if path.is_some() { Vec::new() } else { steps(&source)? },
         path,
-        step_count: source.job.steps.len(),
+        step_count: source.totals.steps,
         warnings: source.job.warnings.len(),
         axes: source.job.axes.iter().map(|axis| format!("{}.{}", axis.core, axis.axis)).collect(),
     };

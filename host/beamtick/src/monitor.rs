@@ -157,7 +157,7 @@ impl<'a> Live<'a> {
     }
 
     /// The job has come to here.
-    pub fn follow(&mut self, client: &Client, report: &mut Report<'_>, progress: &Progress) -> client::Result<()> {
+    pub fn follow(&mut self, client: &Client, report: &mut Report<'_, '_>, progress: &Progress) -> client::Result<()> {
         let due = self.shown.is_none_or(|at| at.elapsed() >= BELOW);
         if !due {
             return Ok(());

@@ -2,14 +2,15 @@
 //!
 //! In: the answers to its entries. Out: lines on the standard output, a progress bar where the
 //! error stream is a terminal. It remembers which axes the script left moving, and which lasers on.
-use crate::entries::{Entry, From};
+use crate::entries::From;
 use crate::json::{self, Read};
+use crate::ledger::Ledger;
 use crate::source::Source;
 use crate::{interrupt, printer, profile, reply};
 use client::{Answer, Dry, Error, Observer, Progress};
 use indicatif::{ProgressBar, ProgressStyle};
 use job::api::{self, Function};
-use job::{Action, Severity};
+use job::{Action, Severity, Step};
 use protocol::command::{AxisStatus, LaserStatus, VersionReply};
 use protocol::reason::{Reason, Refusal};
 use protocol::values::status::RUNNING;
@@ -18,9 +19,9 @@ use protocol::values::status::RUNNING;
 pub const INTERRUPTED: i16 = i16::MIN;
 
 /// See the module text.
-pub struct Report<'a> {
+pub struct Report<'a, 's> {
     source: &'a Source,
-    entries: &'a [Entry],
+    ledger: &'a Ledger<'s>,
     version: VersionReply,
     quiet: bool,
     bar: ProgressBar,
@@ -37,16 +38,19 @@ pub struct Report<'a> {
     pub streams: Vec<(Dry, Option<u32>)>,
 }
 
-impl<'a> Report<'a> {
+impl<'a, 's> Report<'a, 's> {
     /// A report on a job's entries.
-    pub fn new(source: &'a Source, entries: &'a [Entry], version: VersionReply, quiet: bool) -> Self {
+    pub fn new(source: &'a Source, ledger: &'a Ledger<'s>, version: VersionReply, quiet: bool) -> Self {
         // Drawn only where the error stream is a terminal.
-        let bar = ProgressBar::with_draw_target(Some(entries.len() as u64), printer::bars());
+        let bar = ProgressBar::with_draw_target(None, printer::bars());
+        if !bar.is_hidden() {
+            bar.set_length(ledger.total().into());
+        }
         if let Ok(style) = ProgressStyle::with_template("{elapsed:>5} [{bar:30}] {pos}/{len} {msg}") {
             bar.set_style(style);
         }
         let (left, lit, streams) = (Vec::new(), Vec::new(), Vec::new());
-        Report { source, entries, version, quiet, bar, block: String::new(), left, lit, warned: 0, streams }
+        Report { source, ledger, version, quiet, bar, block: String::new(), left, lit, warned: 0, streams }
     }
 
     /// The job's name.
@@ -56,7 +60,7 @@ impl<'a> Report<'a> {
 
     /// Entries of the job.
     pub fn total(&self) -> u32 {
-        u32::try_from(self.entries.len()).unwrap_or(u32::MAX)
+        self.ledger.total()
     }
 
     /// Whether the bar is seen.
@@ -82,25 +86,16 @@ impl<'a> Report<'a> {
     /// The message for a refused entry, with the script's line.
     pub fn failure(&self, answer: &Answer, severity: Severity) -> String {
         let item = answer.refusal().map_or(u16::MAX, |refusal| refusal.item.get());
-        let number = answer.index as usize;
         let reason = answer.error.as_ref().map_or("refused without a reason", |error| error.reason.as_str());
         // The text begins with the protocol's name of the command, which for merged data is not the
         // script's.
         let reason = reason.split_once(": ").map_or(reason, |(_, reason)| reason);
-        let step = self
-            .entries
-            .get(number)
-            .and_then(|entry| entry.step(item))
-            .and_then(|step| self.source.job.steps.get(step));
+        let step = self.ledger.look(answer.index, item, Step::clone);
         let Some(step) = step else {
             return format!("{}: at the end of the script: returned {}: {reason}\n", self.source.name, answer.code);
         };
         let reason = reason.replace(&format!(" of item {}", u32::from(item) + 1), "");
-        let name = match &step.action {
-            Action::Call(call) => call.function.as_str(),
-            Action::Sleep { .. } => "Sleep",
-            Action::WaitStop { .. } | Action::WaitAll => "WaitStop",
-        };
+        let name = name(&step);
         let beyond = answer.refusal().and_then(|refusal| profile::help(&self.version, answer.opcode, refusal));
         let help = match answer.code {
             _ if severity == Severity::Warning => "the job continues after it (#pragma continue)",
@@ -112,47 +107,37 @@ impl<'a> Report<'a> {
             }
             _ => "",
         };
-        self.source.show(step, severity, format!("{name} returned {}: {reason}", answer.code), help)
+        self.source.show(&step, severity, format!("{name} returned {}: {reason}", answer.code), help)
     }
 
     /// Whether an entry is of the script, and not of its end.
     pub fn is_scripted(&self, entry: u32) -> bool {
-        self.entries.get(entry as usize).and_then(|entry| entry.step(u16::MAX)).is_some()
+        self.ledger.look(entry, u16::MAX, |_| ()).is_some()
     }
 
     /// The call of an entry and its line, as a sentence has them.
     pub fn place(&self, entry: u32) -> String {
-        let step = self.entries.get(entry as usize).and_then(|entry| entry.step(u16::MAX));
-        let Some(step) = step.and_then(|step| self.source.job.steps.get(step)) else {
-            return "the end of the script".to_owned();
-        };
-        let name = match &step.action {
-            Action::Call(call) => call.function.as_str(),
-            Action::Sleep { .. } => "Sleep",
-            Action::WaitStop { .. } | Action::WaitAll => "WaitStop",
-        };
-        format!("{name} (line {})", step.line)
+        let place = self.ledger.look(entry, u16::MAX, |step| format!("{} (line {})", name(step), step.line));
+        place.unwrap_or_else(|| "the end of the script".to_owned())
     }
 
     /// What a laser call did not take as it was given is shown at its line.
     fn held(&self, answer: &Answer) {
         let texts = reply::held(answer.opcode, &answer.reply);
-        let step = self.entries.get(answer.index as usize).and_then(|entry| entry.step(u16::MAX));
-        let Some(step) = step.and_then(|step| self.source.job.steps.get(step)).filter(|_| !texts.is_empty()) else {
+        if texts.is_empty() {
             return;
-        };
+        }
+        let Some(step) = self.ledger.look(answer.index, u16::MAX, Step::clone) else { return };
         let name = if let Action::Call(call) = &step.action { call.function.as_str() } else { "" };
-        let text = self.source.show(step, Severity::Warning, format!("{name}: {}", texts.join(", ")), "");
+        let text = self.source.show(&step, Severity::Warning, format!("{name}: {}", texts.join(", ")), "");
         self.bar.suspend(|| complain!("{}", text.trim_end()));
     }
 
     fn read(&self, answer: &Answer) {
-        let Some(entry) = self.entries.get(answer.index as usize) else { return };
-        let Some(step) = entry.step(u16::MAX).and_then(|step| self.source.job.steps.get(step)) else { return };
+        let reads = |step: &Step| matches!(&step.action, Action::Call(call) if !call.outs.is_empty());
+        let step = self.ledger.look(answer.index, u16::MAX, |step| reads(step).then(|| step.clone())).flatten();
+        let Some(step) = step.filter(|_| !self.quiet) else { return };
         let Action::Call(call) = &step.action else { return };
-        if call.outs.is_empty() || self.quiet {
-            return;
-        }
         let tells_stop = api::function(bare(&call.function)).is_some_and(Function::tells_stop);
         let stop = reply::stop(answer.opcode, &answer.reply).filter(|_| tells_stop);
         let names: Vec<String> = call.outs.iter().map(|out| job::tidy(&format!("`{}`", out.variable))).collect();
@@ -177,37 +162,45 @@ fn bare(name: &str) -> &str {
     name.strip_prefix("GTN_").or(name.strip_prefix("GT_")).unwrap_or(name)
 }
 
+/// What the script calls a step.
+fn name(step: &Step) -> &str {
+    match &step.action {
+        Action::Call(call) => call.function.as_str(),
+        Action::Sleep { .. } => "Sleep",
+        Action::WaitStop { .. } | Action::WaitAll => "WaitStop",
+    }
+}
+
 /// Ends the waiting for the program once a signal has come.
 fn attentive() -> client::Result<()> {
     interrupt::came().map_or(Ok(()), |signal| Err(Error::new(INTERRUPTED, signal.name())))
 }
 
-impl Observer for Report<'_> {
+impl Observer for Report<'_, '_> {
     fn answered(&mut self, answer: Answer) -> client::Result<()> {
         attentive()?;
         if answer.code != 0 {
             let reason = answer.refusal().and_then(Refusal::reason);
             let discarded = matches!(reason, Some(Reason::Discarded | Reason::LinkLost));
-            if !discarded && self.entries.get(answer.index as usize).is_some_and(|entry| entry.call.may_fail) {
+            if !discarded && self.ledger.may_fail(answer.index) {
                 self.warned += 1;
                 let warning = self.failure(&answer, Severity::Warning);
                 self.bar.suspend(|| complain!("{}", warning.trim_end()));
             }
             return Ok(());
         }
-        let from = self.entries.get(answer.index as usize).map(|entry| &entry.from);
-        match from {
+        match self.ledger.from(answer.index) {
             Some(From::Left { core, axis }) => {
                 let status =
                     answer.reply::<AxisStatus>().and_then(|(_, items)| items.first().map(|item| item.status.get()));
                 if status.is_some_and(|status| status & RUNNING != 0) {
-                    self.left.push((*core, *axis));
+                    self.left.push((core, axis));
                 }
             }
             Some(From::Light { channel })
                 if answer.reply::<LaserStatus>().is_some_and(|(state, _)| state.light != 0 || state.commanded != 0) =>
             {
-                self.lit.push(*channel);
+                self.lit.push(channel);
             }
             Some(From::Step(_)) => {
                 self.read(&answer);

@@ -5,9 +5,10 @@
 use crate::Failure;
 use crate::command_line::{InputFile, Outputs, PanelName, Run, Sim};
 use crate::connect::{linked, named, real_time, simulated};
-use crate::entries::{Entry, entries, lasers};
+use crate::entries::lasers;
 use crate::input::{self, Role};
 use crate::interrupt::{self, Held};
+use crate::ledger::Ledger;
 use crate::monitor::Live;
 use crate::output::Kept;
 use crate::record::{Recorded, Recording};
@@ -18,23 +19,17 @@ use crate::waits::{ENDLESS, Knowledge, Watch};
 use crate::{import, json, output, profile, summary};
 use client::inputs::{Inputs, Zero};
 use client::{Call as Packed, Client, Link, Progress, decode};
-use job::{Action, Axis, Call, Job, Severity};
-use protocol::command::{
-    Abort, AxisItem, AxisStatus, BufDA, BufDoBit, BufIO, FollowDoBitEx, GetEvents, LaserStatus, Request, SetDac, SetDo,
-    SetDoBit, SetDoEx, Trace, VersionReply,
-};
+use job::{Axis, Job, Severity};
+use protocol::command::{Abort, AxisItem, AxisStatus, GetEvents, LaserStatus, Trace, VersionReply};
 use protocol::reason::{Reason, Refusal};
 use protocol::values::status::RUNNING;
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use trace::AxisName;
-use zerocopy::FromBytes;
 
 /// Boards whose encoders are those of the crate `plant`.
 const WITHOUT_WIRES: [&str; 2] = ["virtual", "mps2-an500"];
-/// General outputs, as SetDo names them.
-const GENERAL: i32 = 12;
 /// A parameter is out of range.
 const RANGE: i16 = 7;
 /// The firmware does not know a command.
@@ -134,13 +129,17 @@ fn execute(
         true => Some(record(source, client, outputs)?),
         false => None,
     };
-    let entries = entries(job, &version, recording.is_some());
-    let mut report = Report::new(source, &entries, version, outputs.quiet);
+    let ledger = Ledger::new(source, version, recording.is_some());
+    if live.is_some() {
+        // Counting takes a while: not while the job runs.
+        ledger.total();
+    }
+    let mut report = Report::new(source, &ledger, version, outputs.quiet);
     let events = if job.lasers == 0 { 0 } else { client.call(GetEvents {})?.total.get() };
     let began = Instant::now();
     let held = Held::new();
-    let watch = Watch::new(&mut report, source, &entries, client, knowledge).with(live);
-    let outcome = drive(client, watch, &entries, outputs.strict);
+    let watch = Watch::new(&mut report, source, &ledger, client, knowledge).with(live);
+    let outcome = drive(client, watch, &ledger, outputs.strict);
     let took = began.elapsed();
     report.end();
     let progress = match outcome {
@@ -199,9 +198,13 @@ fn execute(
 }
 
 /// Runs the entries.
-fn drive(client: &Client, mut watch: Watch<'_, '_>, entries: &[Entry], strict: bool) -> Result<Progress, Failure> {
-    let calls = entries.iter().map(|entry| entry.call.clone());
-    let summary = client.run(calls, strict, &mut watch);
+fn drive(
+    client: &Client,
+    mut watch: Watch<'_, '_, '_>,
+    ledger: &Ledger<'_>,
+    strict: bool,
+) -> Result<Progress, Failure> {
+    let summary = client.run(std::iter::from_fn(|| ledger.next_call()), strict, &mut watch);
     let report = watch.report();
     let summary = summary.map_err(|error| match error.code {
         INTERRUPTED => interrupted(report.job()),
@@ -209,7 +212,10 @@ fn drive(client: &Client, mut watch: Watch<'_, '_>, entries: &[Entry], strict: b
         _ => error.into(),
     })?;
     match summary.failed {
-        None => Ok(summary.progress),
+        None => match ledger.broken() {
+            Some(why) => Err(Failure::Job(format!("{}: {why}; what comes after it was not run", report.job()))),
+            None => Ok(summary.progress),
+        },
         Some(answer) => {
             let mut text = report.failure(&answer, Severity::Error);
             let late = answer.refusal().and_then(Refusal::reason) == Some(Reason::Late);
@@ -268,7 +274,8 @@ fn record(source: &Source, client: &Client, outputs: &Outputs) -> Result<Tape, F
     };
     let subtitle =
         format!("{}, profile {}{family}, servo tick {} us", client.board(), profile::shown(version), version.tick_us);
-    let (digital, analog) = (digital(&source.job, version), analog(&source.job));
+    let digital = digital(source, version);
+    let analog: Vec<u8> = source.totals.analog.iter().copied().collect();
     let shows_outputs = !(digital.is_empty() && analog.is_empty()) && outputs.vcd.is_some();
     let recording = Recording::new(outputs, (&source.name, subtitle), (digital, analog), source.millimetres.clone())?;
     let recording = Arc::new(Mutex::new(Some(recording)));
@@ -368,59 +375,8 @@ pub fn place(core: i16, number: i16, cores: u8, per_core: u8) -> Option<u32> {
 }
 
 /// General outputs that the job sets, from 1.
-fn digital(job: &Job, version: &VersionReply) -> Vec<u8> {
-    let mask = job.steps.iter().filter_map(|step| if let Action::Call(call) = &step.action { set(call) } else { None });
-    let mask = mask.filter(|(kind, _)| *kind == GENERAL).fold(0, |all, (_, mask)| all | mask);
-    (1..=version.general_outputs.min(64)).filter(|output| mask >> (output - 1) & 1 == 1).collect()
-}
-
-/// Analog outputs that the job sets, from 1.
-fn analog(job: &Job) -> Vec<u8> {
-    let mut outputs = std::collections::BTreeSet::new();
-    for step in &job.steps {
-        let Action::Call(call) = &step.action else { continue };
-        let set = match call.opcode {
-            SetDac::OPCODE => {
-                SetDac::read_from_prefix(&call.body).ok().map(|(set, _)| (set.dac.get(), set.count.get()))
-            }
-            BufDA::OPCODE => BufDA::read_from_bytes(&call.body).ok().map(|set| (set.channel.get(), 1)),
-            _ => None,
-        };
-        let Some((first, count)) = set else { continue };
-        outputs.extend((0..count).filter_map(|k| u8::try_from(i32::from(first) + i32::from(k)).ok()));
-    }
-    outputs.into_iter().collect()
-}
-
-/// The kind of outputs that a call sets, and which.
-fn set(call: &Call) -> Option<(i32, u64)> {
-    let bit = |index: i32| u32::try_from(index - 1).ok().and_then(|bit| 1u64.checked_shl(bit)).unwrap_or(0);
-    let words = |count: u16| 1u64.checked_shl(32 * u32::from(count)).unwrap_or(0).wrapping_sub(1);
-    let body = &call.body[..];
-    Some(match call.opcode {
-        SetDo::OPCODE => (SetDo::read_from_bytes(body).ok()?.do_type.get().into(), words(1)),
-        SetDoEx::OPCODE => {
-            let set = SetDoEx::read_from_prefix(body).ok()?.0;
-            (set.do_type.get().into(), words(set.count.get()))
-        }
-        SetDoBit::OPCODE => {
-            let set = SetDoBit::read_from_bytes(body).ok()?;
-            (set.do_type.get().into(), bit(set.index.get().into()))
-        }
-        FollowDoBitEx::OPCODE => {
-            let set = FollowDoBitEx::read_from_bytes(body).ok()?;
-            (set.do_type.get().into(), bit(set.index.get().into()))
-        }
-        BufDoBit::OPCODE => {
-            let set = BufDoBit::read_from_bytes(body).ok()?;
-            (set.do_type.get().into(), bit(set.index.get().into()))
-        }
-        BufIO::OPCODE => {
-            let set = BufIO::read_from_bytes(body).ok()?;
-            (set.do_type.get().into(), set.do_mask.get().into())
-        }
-        _ => return None,
-    })
+fn digital(source: &Source, version: &VersionReply) -> Vec<u8> {
+    (1..=version.general_outputs.min(64)).filter(|output| source.totals.digital >> (output - 1) & 1 == 1).collect()
 }
 
 /// The state of each axis that the job used and the controller has.

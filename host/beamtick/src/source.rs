@@ -1,12 +1,17 @@
 //! A job file: its text, its compiled form, and how positions in it are shown.
 use crate::Failure;
 use crate::command_line::{Drawing, FamilyName, Settings, TICKS_US};
+use crate::entries::Entries;
 use crate::input::{self, Role};
+use crate::parts::{self, Broken, Part, Parts};
+use crate::script::{self, Script};
+use crate::totals::Totals;
 use crate::{import, json};
 use client::{Family, ProductProfile};
 use job::{Diagnostic, Files, Folder, Job, Pragma, Severity, Step};
+use protocol::command::VersionReply;
 use std::cell::RefCell;
-use std::io::IsTerminal;
+use std::io::{ErrorKind, IsTerminal};
 use std::path::{Path, PathBuf};
 use trace::Millimetres;
 
@@ -27,9 +32,13 @@ impl Files for Noted {
 pub struct Source {
     /// Its path as the user gave it.
     pub name: String,
-    text: String,
-    /// What it does.
+    script: Script,
+    /// What it does; the steps of one that is compiled in parts are not in it.
     pub job: Job,
+    /// What its steps are as a whole.
+    pub totals: Totals,
+    in_parts: bool,
+    folder: Folder,
     /// Every file that was read for it.
     pub files: Vec<PathBuf>,
     /// Axes that a picture shows in mm.
@@ -54,7 +63,8 @@ impl Source {
         let kind = import::kind(path).map_err(|error| unread(&name, &error))?;
         if kind.is_some() {
             let found = import::job(path, drawing, plot)?;
-            let mut source = Source::read(name, found.job, vec![path.to_owned(), found.file], path)?;
+            let read = Source::read(name.clone(), found.script, vec![path.to_owned(), found.file], path);
+            let mut source = read.map_err(|why| why.failure(&name))?;
             source.millimetres = found.millimetres;
             source.extent = Some(found.extent);
             return Ok(source);
@@ -64,6 +74,17 @@ impl Source {
                 "{name}: this is no job by its name, but a machine file, which --machine takes beside G-code or a drawing; \
                  `beamtick machine check {name}` reads it"
             )));
+        }
+        if let Some(file) = input::long(path, strokes::MARK.as_bytes(), script::IN_MEMORY_BYTES)
+            .map_err(|error| unread(&name, &error))?
+            .filter(|_| plot.is_none() && !drawing.is_given())
+        {
+            let script = Script::file(file).map_err(|error| unread(&name, &error))?;
+            match Source::read(name.clone(), script, vec![path.to_owned()], path) {
+                // Somebody wrote into it in another encoding.
+                Err(Unread::Text(error)) if error.kind() == ErrorKind::InvalidData => {}
+                read => return read.map_err(|why| why.failure(&name)),
+            }
         }
         let bytes = input::read(path, Role::Job).map_err(|error| unread(&name, &error))?;
         if input::is_standard(path) && bytes.iter().all(u8::is_ascii_whitespace) {
@@ -91,31 +112,52 @@ impl Source {
         let text = job::text::decode(bytes).map_err(|line| {
             Failure::Input(format!("{name}:{line}: the file is neither UTF-8, UTF-16 nor GBK text; save it as UTF-8"))
         })?;
-        Source::read(name, text, read, path)
+        Source::read(name.clone(), Script::Whole(text), read, path).map_err(|why| why.failure(&name))
     }
 
-    fn read(name: String, text: String, read: Vec<PathBuf>, path: &Path) -> Result<Self, Failure> {
-        let files = Noted { folder: Folder::of(path), read: RefCell::new(read) };
-        match compile(&text, &files).and_then(|job| match unknown_values(&job) {
-            wrong if wrong.is_empty() => Ok(job),
-            wrong => Err(wrong),
-        }) {
-            Ok(job) => {
+    fn read(name: String, script: Script, read: Vec<PathBuf>, path: &Path) -> Result<Self, Unread> {
+        let folder = Folder::of(path);
+        let files = Noted { folder: folder.clone(), read: RefCell::new(read) };
+        let compiled = compile(&script, &files).and_then(|compiled| match unknown_values(&compiled.job) {
+            wrong if wrong.is_empty() => Ok(compiled),
+            wrong => Err(Broken::Job(wrong)),
+        });
+        match compiled {
+            Ok(Compiled { job, totals, in_parts }) => {
                 for warning in &job.warnings {
-                    complain!("{}", show(warning, &name, &text).trim_end());
+                    complain!("{}", show(warning, &name, &script).trim_end());
                 }
-                Ok(Source { name, text, job, files: files.read.into_inner(), millimetres: Vec::new(), extent: None })
+                let (files, millimetres) = (files.read.into_inner(), Vec::new());
+                Ok(Source { name, script, job, totals, in_parts, folder, files, millimetres, extent: None })
             }
-            Err(found) => {
+            Err(Broken::Text(error)) => Err(Unread::Text(error)),
+            Err(Broken::Job(found)) => {
                 let errors = found.iter().filter(|one| one.severity == Severity::Error).count();
-                let mut shown: String = found.iter().map(|one| show(one, &name, &text)).collect();
+                let mut shown: String = found.iter().map(|one| show(one, &name, &script)).collect();
                 shown.push_str(&format!(
                     "{name}: {errors} error{}; the job was not run",
                     if errors == 1 { "" } else { "s" }
                 ));
-                Err(Failure::Input(shown))
+                Err(Unread::Job(Failure::Input(shown)))
             }
         }
+    }
+
+    /// Its steps, from the first one on.
+    pub fn steps(&self) -> Steps<'_> {
+        match self.in_parts {
+            false => Steps::Listed(self.job.steps.iter()),
+            true => Steps::Parts {
+                parts: Box::new(Parts::new(&self.script, &self.folder, true)),
+                part: Vec::new().into_iter(),
+                left: self.totals.steps,
+            },
+        }
+    }
+
+    /// Its entries for this controller, from the first one on.
+    pub fn entries(&self, version: VersionReply, traced: bool) -> Entries<'_> {
+        Entries::new(&self.job, &self.totals, self.steps(), version, traced)
     }
 
     /// The settings of the command line, with those that the job's pragmas replace.
@@ -150,7 +192,7 @@ impl Source {
                 let message =
                     format!("{option} {said} is given, and the job says #pragma {} {}", pragma.name, pragma.value);
                 let wrong = complaint(pragma, message, "leave out one of them, or let them agree".to_owned());
-                return Err(Failure::Input(show(&wrong, &self.name, &self.text)));
+                return Err(Failure::Input(show(&wrong, &self.name, &self.script)));
             }
         }
         Ok(settings)
@@ -166,7 +208,24 @@ impl Source {
             message,
             help: (!help.is_empty()).then(|| help.to_owned()),
         };
-        show(&diagnostic, &self.name, &self.text)
+        show(&diagnostic, &self.name, &self.script)
+    }
+}
+
+/// Why a job is not run.
+enum Unread {
+    /// Its text cannot be read.
+    Text(std::io::Error),
+    /// It does not compile.
+    Job(Failure),
+}
+
+impl Unread {
+    fn failure(self, name: &str) -> Failure {
+        match self {
+            Unread::Text(error) => unread(name, &error),
+            Unread::Job(failure) => failure,
+        }
     }
 }
 
@@ -174,140 +233,99 @@ fn unread(name: &str, error: &std::io::Error) -> Failure {
     Failure::Input(format!("{name}: the job file cannot be read: {error}"))
 }
 
-/// Lines that are compiled at a time where a job is long: calls in a row need nothing of each
-/// other.
-const PART: usize = 20_000;
-/// Calls of a path in a row that are compiled without the language around them. Fewer would cost
-/// more than they save.
-const RUN: usize = 64;
+/// The steps of a job in order. A job that is compiled in parts is compiled once more; where that
+/// fails, its file has changed or cannot be read any more.
+pub enum Steps<'s> {
+    /// Those that it has.
+    Listed(std::slice::Iter<'s, Step>),
+    /// Those that its text makes.
+    Parts {
+        /// Parts to come.
+        parts: Box<Parts<'s>>,
+        /// Steps of the last one.
+        part: std::vec::IntoIter<Step>,
+        /// Steps to come, as many as there were at first.
+        left: usize,
+    },
+}
+
+impl Iterator for Steps<'_> {
+    type Item = Result<Step, String>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        const CHANGED: &str = "the job file is not what was checked";
+        let (parts, part, left) = match self {
+            Steps::Listed(steps) => return steps.next().cloned().map(Ok),
+            Steps::Parts { parts, part, left } => (parts, part, left),
+        };
+        loop {
+            if let Some(step) = part.next() {
+                let Some(fewer) = left.checked_sub(1) else { return Some(Err(CHANGED.to_owned())) };
+                *left = fewer;
+                return Some(Ok(step));
+            }
+            *part = match parts.next() {
+                None if *left > 0 => return Some(Err(CHANGED.to_owned())),
+                None => return None,
+                Some(Ok(Part::Compiled(job))) => job.steps.into_iter(),
+                Some(Ok(Part::Calls { steps, .. })) => steps.into_iter(),
+                Some(Err(Broken::Job(_))) => return Some(Err(CHANGED.to_owned())),
+                Some(Err(Broken::Text(error))) => {
+                    return Some(Err(format!("the job file cannot be read any more: {error}")));
+                }
+            };
+        }
+    }
+}
 
 /// A job that does not compile as a whole is compiled in parts from so many lines on.
 const MANY_LINES: usize = 200_000;
 /// What reaches over the lines of a script: with it, parts are not what the whole is.
 const FAR_REACHING: [&str; 6] = ["/*", "#define", "#pragma continue", "kbhit", "return", "GT_LoadConfig"];
 
+/// What a job is.
+struct Compiled {
+    job: Job,
+    totals: Totals,
+    in_parts: bool,
+}
+
 /// Compiles a job. One that `import` wrote may be of any length: its calls name no variables after
 /// the set-up. So may one that is as plain as that.
-fn compile(text: &str, files: &Noted) -> Result<Job, Vec<Diagnostic>> {
+fn compile(script: &Script, files: &Noted) -> Result<Compiled, Broken> {
+    let Script::Whole(text) = script else { return compile_parts(script, files) };
     if text.starts_with(strokes::MARK) {
-        return compile_parts(text, files);
+        return compile_parts(script, files);
     }
-    job::compile(text, files).or_else(|found| {
-        let is_plain = text.lines().nth(MANY_LINES).is_some() && !FAR_REACHING.iter().any(|word| text.contains(word));
-        // What is wrong with a part is wrong with the whole, which has said what.
-        if is_plain { compile_parts(text, files).map_err(|_| found) } else { Err(found) }
-    })
+    match job::compile(text, files) {
+        Ok(job) => Ok(Compiled { totals: Totals::of(&job.steps), job, in_parts: false }),
+        Err(found) => {
+            let is_plain =
+                text.lines().nth(MANY_LINES).is_some() && !FAR_REACHING.iter().any(|word| text.contains(word));
+            // What is wrong with a part is wrong with the whole, which has said what.
+            let parts = is_plain.then(|| compile_parts(script, files));
+            parts.and_then(Result::ok).ok_or(Broken::Job(found))
+        }
+    }
 }
 
 /// Compiles a job part by part.
-fn compile_parts(text: &str, files: &Noted) -> Result<Job, Vec<Diagnostic>> {
-    let mut whole = Parts { text, files, job: None, from: 0, lines: 0 };
-    // Calls in a row up to here, and where they begin: byte and line.
-    let mut run: Vec<Step> = Vec::new();
-    let (mut lasers, mut begin) = (0, (0, 0));
-    let (mut at, mut line) = (0, 0u32);
-    // Every line so far is a whole: what follows stands in no block and in no comment.
-    let mut apart = true;
-    for row in text.split_inclusive('\n') {
-        let bare = row.strip_suffix('\n').unwrap_or(row);
-        match job::quick::call(bare).filter(|_| apart) {
-            Some(call) => {
-                if run.is_empty() {
-                    begin = (at, line);
-                }
-                lasers |= call.lasers;
-                run.push(call.step(line + 1, at));
+fn compile_parts(script: &Script, files: &Noted) -> Result<Compiled, Broken> {
+    let mut job = job::compile("", files).map_err(Broken::Job)?;
+    let mut totals = Totals::default();
+    for part in Parts::new(script, files, false) {
+        match part? {
+            Part::Compiled(part) => {
+                totals.add(&part.steps);
+                parts::add(&mut job, part);
             }
-            None => {
-                if run.len() >= RUN {
-                    whole.compile(begin.0, begin.1)?;
-                    whole.append(&mut run, lasers, at, line);
-                }
-                (run, lasers) = (Vec::new(), 0);
-                apart &= is_whole(bare);
-                if (line - whole.lines) as usize >= PART {
-                    whole.compile(at, line)?;
-                }
+            Part::Calls { count, lasers, .. } => {
+                totals.add_calls(count);
+                job.lasers |= lasers;
             }
         }
-        (at, line) = (at + row.len(), line + 1);
     }
-    if run.len() >= RUN {
-        whole.compile(begin.0, begin.1)?;
-        whole.append(&mut run, lasers, at, line);
-    }
-    whole.compile(at, line)?;
-    whole.job.map_or_else(|| job::compile(text, files), Ok)
-}
-
-/// Whether a line that somebody may have written into an imported job ends what it begins.
-fn is_whole(line: &str) -> bool {
-    let (code, comment) = line.split_once("//").unwrap_or((line, ""));
-    let code = code.trim();
-    let count = |of: char| code.matches(of).count();
-    let ends = code.is_empty() || code.ends_with(';') || code.starts_with("#pragma");
-    ends && count('{') == count('}') && count('(') == count(')') && !code.contains("/*") && !comment.ends_with('\\')
-}
-
-/// A job whose text is compiled in parts.
-struct Parts<'t> {
-    text: &'t str,
-    files: &'t Noted,
-    job: Option<Job>,
-    /// What is compiled: bytes and lines.
-    from: usize,
-    lines: u32,
-}
-
-impl Parts<'_> {
-    /// Compiles up to this byte, which begins this line, from 0.
-    fn compile(&mut self, to: usize, lines: u32) -> Result<(), Vec<Diagnostic>> {
-        let (at, line) = (self.from, self.lines);
-        let part = self.text.get(at..to).filter(|part| !part.is_empty());
-        let Some(part) = part else { return Ok(()) };
-        let moved = |found: &mut Diagnostic| {
-            found.line += line;
-            found.span = found.span.start + at..found.span.end + at;
-        };
-        let mut job = job::compile(part, self.files).map_err(|mut found| {
-            found.iter_mut().for_each(moved);
-            found
-        })?;
-        job.warnings.iter_mut().for_each(moved);
-        for step in &mut job.steps {
-            step.line += line;
-            step.span = step.span.start + at..step.span.end + at;
-        }
-        (self.from, self.lines) = (to, lines);
-        match &mut self.job {
-            None => self.job = Some(job),
-            Some(whole) => {
-                whole.steps.append(&mut job.steps);
-                whole.warnings.append(&mut job.warnings);
-                whole.axes.extend(job.axes);
-                whole.axes.sort_unstable();
-                whole.axes.dedup();
-                for (axis, of) in job.named {
-                    whole.named.entry(axis).or_insert(of + line);
-                }
-                whole.crds.extend(job.crds);
-                whole.crds.sort_unstable();
-                whole.crds.dedup();
-                whole.pragmas.extend(job.pragmas);
-                whole.lasers |= job.lasers;
-            }
-        }
-        Ok(())
-    }
-
-    /// Appends steps of the text up to this byte. What `import` writes begins with the set-up.
-    fn append(&mut self, steps: &mut Vec<Step>, lasers: u8, to: usize, lines: u32) {
-        if let Some(job) = &mut self.job {
-            job.steps.append(steps);
-            job.lasers |= lasers;
-            (self.from, self.lines) = (to, lines);
-        }
-    }
+    Ok(Compiled { job, totals, in_parts: true })
 }
 
 /// What a pragma says.
@@ -351,7 +369,7 @@ fn complaint(pragma: &Pragma, message: String, help: String) -> Diagnostic {
     Diagnostic { severity: Severity::Error, line, column, span: span.clone(), message, help: Some(help) }
 }
 
-fn show(diagnostic: &Diagnostic, name: &str, text: &str) -> String {
+fn show(diagnostic: &Diagnostic, name: &str, script: &Script) -> String {
     json::message(diagnostic, name);
-    job::render(diagnostic, name, text, std::io::stderr().is_terminal())
+    script.show(diagnostic, name, std::io::stderr().is_terminal())
 }

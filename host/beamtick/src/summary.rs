@@ -16,8 +16,8 @@ use client::{Client, Error, LinkCounters, Progress, laser_cause};
 use job::{Axis, Crd};
 use protocol::command::{AxisItem, CrdInfo, CrdState, EventItem, GetEvents, GetPtState, LaserState, LaserStatus};
 use protocol::reason::{Reason, Refusal};
-use protocol::values::status::RUNNING;
-use protocol::values::{event, mode, pt_state};
+use protocol::values::status::{self, RUNNING};
+use protocol::values::{event, laser_fault, mode, path_stop, pt_state};
 use serde::Serialize;
 use std::time::Duration;
 pub(crate) use text::named;
@@ -168,13 +168,13 @@ struct TraceFacts {
 }
 
 /// A job that has run.
-pub struct Run<'a> {
+pub struct Run<'a, 's> {
     /// The script.
     pub source: &'a Source,
     /// The controller.
     pub client: &'a Client,
     /// What was observed during the job.
-    pub report: &'a Report<'a>,
+    pub report: &'a Report<'a, 's>,
     /// Where the program was at its end.
     pub progress: &'a Progress,
     /// Events that there were before, of a job that uses a laser.
@@ -188,7 +188,7 @@ pub struct Run<'a> {
 }
 
 /// The facts, and what took light from the job, if anything did.
-pub fn facts(run: &Run<'_>) -> Result<(Summary, Option<String>), Failure> {
+pub fn facts(run: &Run<'_, '_>) -> Result<(Summary, Option<String>), Failure> {
     let (client, progress) = (run.client, run.progress);
     let version = client.version();
     let at = |entry: Option<u32>| entry.map(|entry| run.report.place(entry));
@@ -259,7 +259,7 @@ pub fn facts(run: &Run<'_>) -> Result<(Summary, Option<String>), Failure> {
     Ok((summary, taken(run, &faults)))
 }
 
-fn axis_facts(run: &Run<'_>, axis: Axis, item: &AxisItem) -> Result<AxisFacts, Failure> {
+fn axis_facts(run: &Run<'_, '_>, axis: Axis, item: &AxisItem) -> Result<AxisFacts, Failure> {
     let is_it = |mm: &&Millimetres| (i16::from(mm.axis.core), i16::from(mm.axis.axis)) == (axis.core, axis.axis);
     let mm = run.source.millimetres.iter().find(is_it);
     let pt = match item.mode.get() == mode::PT {
@@ -287,7 +287,7 @@ fn axis_facts(run: &Run<'_>, axis: Axis, item: &AxisItem) -> Result<AxisFacts, F
 }
 
 /// Events of a job that uses a laser, of its own time.
-fn new_events(run: &Run<'_>) -> Result<Vec<EventItem>, Failure> {
+fn new_events(run: &Run<'_, '_>) -> Result<Vec<EventItem>, Failure> {
     if run.source.job.lasers == 0 {
         return Ok(Vec::new());
     }
@@ -297,15 +297,12 @@ fn new_events(run: &Run<'_>) -> Result<Vec<EventItem>, Failure> {
     Ok(items)
 }
 
-/// The cause of a tick that took too long.
-const OVERRUN: i16 = 3;
-
 /// What took light from the job, if anything did. `faults` are the causes that keep its lasers dark
 /// now, by channel.
-fn taken(run: &Run<'_>, faults: &[(u8, i16)]) -> Option<String> {
+fn taken(run: &Run<'_, '_>, faults: &[(u8, i16)]) -> Option<String> {
     let (progress, report) = (run.progress, run.report);
     let lost = faults.iter().filter(|(channel, _)| progress.darkened() >> channel & 1 == 1);
-    let (overran, other): (Vec<_>, Vec<_>) = lost.partition(|(_, cause)| *cause == OVERRUN);
+    let (overran, other): (Vec<_>, Vec<_>) = lost.partition(|(_, cause)| *cause == laser_fault::OVERRUN);
     if let Some((channel, cause)) = other.first() {
         let cause = match cause {
             0 => "a fault, which was cleared since",
@@ -381,9 +378,9 @@ fn path(state: &CrdState) -> [i64; 2] {
 /// How a coordinate system came to standstill.
 fn path_end(state: &CrdState) -> String {
     match (state.run, state.path_stop) {
-        (0, 0) => "never moved".to_owned(),
-        (0, 1) => "its entries ran out".to_owned(),
-        (0, 2) => "UNDERRUN: its entries ran out at speed".to_owned(),
+        (0, path_stop::NEVER) => "never moved".to_owned(),
+        (0, path_stop::COMPLETED) => "its entries ran out".to_owned(),
+        (0, path_stop::UNDERRUN) => "UNDERRUN: its entries ran out at speed".to_owned(),
         (0, _) => format!("{}; CrdStart continues", reason(state.reason.get())),
         _ => "moving".to_owned(),
     }
@@ -444,24 +441,24 @@ fn reason(number: u16) -> &'static str {
 }
 
 /// How an axis came to standstill, by the script's end or by its reason; its latched status bits.
-fn ended(report: &Report<'_>, axis: &Axis, item: &AxisItem) -> (&'static str, Vec<&'static str>) {
+fn ended(report: &Report<'_, '_>, axis: &Axis, item: &AxisItem) -> (&'static str, Vec<&'static str>) {
     const BITS: [(u32, &str); 6] = [
-        (1, "drive alarm"),
-        (4, "following error"),
-        (5, "positive limit"),
-        (6, "negative limit"),
-        (7, "smooth stop by input"),
-        (8, "abrupt stop by input"),
+        (status::ALARM, "drive alarm"),
+        (status::FOLLOWING_ERROR, "following error"),
+        (status::LIMIT_POSITIVE, "positive limit"),
+        (status::LIMIT_NEGATIVE, "negative limit"),
+        (status::STOP_SMOOTH, "smooth stop by input"),
+        (status::STOP_ABRUPT, "abrupt stop by input"),
     ];
-    let status = item.status.get();
+    let word = item.status.get();
     let how = if report.left.contains(&(axis.core, axis.axis)) {
         "still moved when the script ended: stopped smoothly"
-    } else if status & RUNNING != 0 {
+    } else if word & RUNNING != 0 {
         "moving"
     } else {
         reason(item.reason.get())
     };
-    (how, BITS.iter().filter(|(bit, _)| status >> bit & 1 == 1).map(|(_, text)| *text).collect())
+    (how, BITS.iter().filter(|(bit, _)| word & bit != 0).map(|(_, text)| *text).collect())
 }
 
 impl LinkFacts {

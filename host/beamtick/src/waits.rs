@@ -4,7 +4,8 @@
 //! it has lasted a second, or an error when nothing can end it any more. That is so when an axis in
 //! FollowEx waits for an input without a time limit, and no client is left that could set it. It
 //! owns no file and sends only reads.
-use crate::entries::{Entry, From};
+use crate::entries::From;
+use crate::ledger::Ledger;
 use crate::monitor::Live;
 use crate::report::Report;
 use crate::source::Source;
@@ -12,13 +13,11 @@ use client::inputs::{Inputs, name};
 use client::{Answer, Client, Error, Observer, Progress};
 use job::{Action, Severity, Step};
 use protocol::command::{
-    AxisItem, AxisStatus, CommandKind, CrdStatus, DataStore, GetVel, GetWait, Request, Sleep, VersionReply, WaitReply,
-    WaitStop, class,
+    AxisItem, AxisStatus, CommandKind, CrdStatus, DataStore, GetVel, GetWait, VersionReply, WaitReply, class,
 };
 use protocol::values::status::RUNNING;
 use protocol::values::{mode, wait};
 use std::time::{Duration, Instant};
-use zerocopy::FromBytes;
 
 /// A wait is named after this time.
 const NAMED_AFTER: Duration = Duration::from_secs(1);
@@ -59,17 +58,11 @@ fn short(bytes: &[u8], at: usize) -> Option<i16> {
     bytes.get(at..at + 2)?.try_into().ok().map(i16::from_le_bytes)
 }
 
-/// The time of a Sleep.
-fn sleep(entry: &Entry) -> Option<u64> {
-    let is = entry.call.opcode == Sleep::OPCODE;
-    is.then(|| Sleep::read_from_bytes(&entry.call.payload).map_or(0, |sleep| sleep.ns.get()))
-}
-
 /// Watches the program of a job, and reports.
-pub struct Watch<'r, 'a> {
-    report: &'r mut Report<'a>,
+pub struct Watch<'r, 'a, 's> {
+    report: &'r mut Report<'a, 's>,
     source: &'a Source,
-    entries: &'a [Entry],
+    ledger: &'a Ledger<'s>,
     client: &'a Client,
     knowledge: Knowledge<'a>,
     looked: Option<Looked>,
@@ -128,16 +121,16 @@ impl Axis {
     }
 }
 
-impl<'r, 'a> Watch<'r, 'a> {
+impl<'r, 'a, 's> Watch<'r, 'a, 's> {
     /// Of a job's entries.
     pub fn new(
-        report: &'r mut Report<'a>,
+        report: &'r mut Report<'a, 's>,
         source: &'a Source,
-        entries: &'a [Entry],
+        ledger: &'a Ledger<'s>,
         client: &'a Client,
         knowledge: Knowledge<'a>,
     ) -> Self {
-        Watch { report, source, entries, client, knowledge, looked: None, live: None, before: u32::MAX }
+        Watch { report, source, ledger, client, knowledge, looked: None, live: None, before: u32::MAX }
     }
 
     /// Shows the machine as well.
@@ -146,46 +139,30 @@ impl<'r, 'a> Watch<'r, 'a> {
     }
 
     /// What it reports to.
-    pub fn report(self) -> &'r mut Report<'a> {
+    pub fn report(self) -> &'r mut Report<'a, 's> {
         self.report
     }
 
     /// The wait that the program may be in: its step, and core, axes and coordinate systems.
-    fn waits(&self, answered: u32) -> Option<(&'a Step, Vec<(i16, u32)>)> {
-        let entry = self.entries.get(answered as usize)?;
-        let From::Step(number) = entry.from else { return None };
-        let step = self.source.job.steps.get(number)?;
+    fn waits(&self, answered: u32) -> Option<(Step, Vec<(i16, u32)>)> {
+        let From::Step(_) = self.ledger.from(answered)? else { return None };
+        let step = self.ledger.look(answered, u16::MAX, Step::clone)?;
         let version = self.client.version();
         let cores = 1..=i16::from(version.cores);
-        Some(match step.action {
-            Action::WaitStop { core, axes, .. } => (step, vec![(core, axes)]),
-            Action::WaitAll => (step, cores.map(|core| (core, u32::MAX)).collect()),
+        let masks = match &step.action {
+            Action::WaitStop { core, axes, .. } => vec![(*core, *axes)],
+            Action::WaitAll => cores.map(|core| (core, u32::MAX)).collect(),
             // Data that finds no room waits for its motion. Core and axis come first.
-            Action::Call(ref call)
+            Action::Call(call)
                 if class(call.opcode).is_some_and(|of| of.kind == CommandKind::Data(DataStore::Follow)) =>
             {
                 let (core, axis) = (short(&call.body, 0)?, short(&call.body, 2)?);
-                (step, vec![(core, 1u32.checked_shl(u32::try_from(axis - 1).ok()?)?)])
+                vec![(core, 1u32.checked_shl(u32::try_from(axis - 1).ok()?)?)]
             }
             Action::Call(_) => return None,
             Action::Sleep { .. } => return None,
-        })
-    }
-
-    /// Script time of the sleeps right before the entry that waits: they are answered when they
-    /// begin.
-    fn slept(&self, answered: u32) -> u64 {
-        self.before(answered).rev().map_while(sleep).sum()
-    }
-
-    /// The script clock at that entry, if nothing before it waited.
-    fn begun(&self, answered: u32) -> Option<u64> {
-        let waited = |entry: &Entry| entry.call.opcode == WaitStop::OPCODE;
-        (!self.before(answered).any(waited)).then(|| self.before(answered).filter_map(sleep).sum())
-    }
-
-    fn before(&self, answered: u32) -> impl DoubleEndedIterator<Item = &Entry> {
-        self.entries.get(..answered as usize).unwrap_or_default().iter()
+        };
+        Some((step, masks))
     }
 
     fn axes(&self) -> client::Result<Vec<Axis>> {
@@ -235,7 +212,9 @@ impl<'r, 'a> Watch<'r, 'a> {
         }
         let Some((step, masks)) = self.waits(answered) else { return Ok(()) };
         let clock_ns = progress.queue.clock_ns.get();
-        let slept = self.slept(answered);
+        // Sleeps are answered when they begin.
+        let Some(before) = self.ledger.before(answered) else { return Ok(()) };
+        let slept = before.slept_ns;
         let Some(looked) = self.looked.as_mut().filter(|looked| looked.answered == answered) else {
             self.looked = Some(Looked { answered, clock_ns, wall: Instant::now(), due: NAMED_AFTER, said: Vec::new() });
             return Ok(());
@@ -263,9 +242,9 @@ impl<'r, 'a> Watch<'r, 'a> {
         let over = rows.last().is_none_or(|row| row.at_ns < clock_ns);
         let held = axes.iter().any(|axis| named(&axis) && axis.is_held());
         let ends = self.knowledge.all_known && held && over && !axes.iter().any(Axis::may_act) && !self.paths_run()?;
-        let since = match self.begun(answered) {
-            Some(begun) => format!("{:.3}", begun as f64 / 1e6),
-            None => format!("about {:.0}", begun_ns.saturating_add(slept) as f64 / 1e6),
+        let since = match before.waited {
+            false => format!("{:.3}", before.sleeps_ns as f64 / 1e6),
+            true => format!("about {:.0}", begun_ns.saturating_add(slept) as f64 / 1e6),
         };
         let what = format!("waits since {since} ms of the script clock: {}", says.join("; "));
         if ends {
@@ -278,21 +257,24 @@ impl<'r, 'a> Watch<'r, 'a> {
             };
             let help = "a row of --inputs, a GT_SimInput before the wait, or a time limit of GT_FollowDiBitEx ends it";
             let text = format!("this {what}; nothing will end that: {left}");
-            return Err(Error::new(ENDLESS, self.source.show(step, Severity::Error, text, help)));
+            return Err(Error::new(ENDLESS, self.source.show(&step, Severity::Error, text, help)));
         }
         let due = if self.knowledge.virtual_time { wall >= NAMED_AFTER } else { true };
         if let Some(looked) = self.looked.as_mut().filter(|looked| due && looked.said != says) {
             looked.said = says;
-            let text = self.source.show(step, Severity::Warning, format!("this {what}"), "");
+            let text = self.source.show(&step, Severity::Warning, format!("this {what}"), "");
             self.report.aside(|| complain!("{}", text.trim_end()));
         }
         Ok(())
     }
 }
 
-impl Observer for Watch<'_, '_> {
+impl Observer for Watch<'_, '_, '_> {
     fn answered(&mut self, answer: Answer) -> client::Result<()> {
-        self.report.answered(answer)
+        let (index, failed) = (answer.index, answer.code != 0);
+        self.report.answered(answer)?;
+        self.ledger.answered(index, failed && !self.ledger.may_fail(index));
+        Ok(())
     }
 
     fn progress(&mut self, progress: &Progress) -> client::Result<()> {

@@ -7,6 +7,7 @@ use crate::Options;
 use crate::block::{Block, Motion, Once, Spindle, Stop};
 use crate::words;
 use machine::{LETTERS, Machine};
+use std::io::{self, BufRead, Write};
 use strokes::arc::Arc;
 use strokes::exact::{ONE, inches, of_f64, rounded, to_f64};
 use strokes::{Light, Shape, Stroke, Writer};
@@ -47,20 +48,39 @@ pub struct State<'a> {
     pub power_override: f64,
 }
 
-/// Runs a program.
+/// Bytes of a job that are written together.
+const BLOCK_BYTES: usize = 1 << 16;
+
+/// The job cannot be written.
+pub fn unkept(name: &str, error: &io::Error) -> String {
+    format!("{name}: the job cannot be kept: {error}; nothing was run")
+}
+
+/// Runs a program; the job goes to `to`, but for the end of it, which the writer has.
 pub fn run(
     name: &str,
-    text: &str,
+    program: &mut dyn BufRead,
     machine: &Machine,
     options: Options,
     writer: &mut Writer<'_>,
+    to: &mut dyn Write,
 ) -> Result<Vec<String>, String> {
     let mut state = State::new(machine);
     let mut notes: Vec<(usize, String)> = Vec::new();
     let (mut bare, mut found) = (Vec::new(), Vec::new());
     let (mut begun, mut ended) = (false, false);
-    for (number, line) in text.lines().enumerate() {
-        let number = number + 1;
+    let (mut row, mut number) = (Vec::new(), 0);
+    loop {
+        row.clear();
+        let count = program.read_until(b'\n', &mut row);
+        if count.map_err(|error| format!("{name}: the program cannot be read: {error}"))? == 0 {
+            break;
+        }
+        number += 1;
+        if writer.size() >= BLOCK_BYTES {
+            to.write_all(writer.taken().as_bytes()).map_err(|error| unkept(name, &error))?;
+        }
+        let line = String::from_utf8_lossy(&row);
         let mut note = |text: &str| {
             if !notes.iter().any(|(_, other)| other == text) {
                 notes.push((number, text.to_owned()));

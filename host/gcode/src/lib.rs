@@ -18,7 +18,8 @@ mod words;
 pub use stream::{Coolant, Ended, Line, Modes, Offsets, Stream};
 
 use machine::Machine;
-use strokes::{Imported, Watch, Writer};
+use std::io::{BufRead, Write};
+use strokes::{Extent, Imported, Watch, Writer};
 
 /// What the user chose.
 #[derive(Debug, Clone, Copy, Default)]
@@ -32,26 +33,31 @@ pub struct Options {
 /// # Errors
 /// File, line and reason: what is not supported, does not fit, or leaves the travel.
 pub fn import(name: &str, text: &str, machine: &Machine, options: Options) -> Result<Imported, String> {
-    import_shown(name, text, machine, options, None)
+    let mut job = Vec::new();
+    let (notes, extent) = import_to(name, &mut text.as_bytes(), machine, options, None, &mut job)?;
+    Ok(Imported { job: String::from_utf8_lossy(&job).into_owned(), notes, extent })
 }
 
-/// The same, with what shows where the path goes, up to where it leaves the travel.
+/// The same of a program of any length, which is read as the job is written to `to`. `watch` is
+/// shown where the path goes, up to where it leaves the travel. Out: notes, and what is covered.
 ///
 /// # Errors
-/// As [`import`].
-pub fn import_shown(
+/// As [`import`]; the program cannot be read, or the job not be written.
+pub fn import_to(
     name: &str,
-    text: &str,
+    program: &mut dyn BufRead,
     machine: &Machine,
     options: Options,
     watch: Option<Watch<'_>>,
-) -> Result<Imported, String> {
+    to: &mut dyn Write,
+) -> Result<(Vec<String>, Extent), String> {
     let mut writer = Writer::new(name, "line N of the program", machine);
     if let Some(watch) = watch {
         writer.watched(watch);
     }
-    let mut notes = interpreter::run(name, text, machine, options, &mut writer)?;
+    let mut notes = interpreter::run(name, program, machine, options, &mut writer, to)?;
     notes.extend(writer.notes().into_iter().map(|(line, note)| format!("{name}:{line}: note: {note}")));
     let extent = writer.extent();
-    Ok(Imported { job: writer.finish(), notes, extent })
+    to.write_all(writer.finish().as_bytes()).map_err(|error| interpreter::unkept(name, &error))?;
+    Ok((notes, extent))
 }

@@ -15,6 +15,7 @@ use crate::records::records;
 use client::{Call, Client, Error, decode, refused};
 use protocol::command::{AxisStatus, BufLaserOn, CrdClear, CrdInfo, CrdStart, LaserStatus, SetOverride};
 use protocol::reason::{laser_cause, stop_reason};
+use protocol::values::{path_stop, status};
 use std::collections::VecDeque;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -38,11 +39,6 @@ const STRIDE: Duration = Duration::from_millis(4);
 const CORE: i16 = 1;
 const CRD: i16 = 1;
 const FIFO: i16 = 0;
-/// Bits of an axis's status: alarm, following error, limits, stops by inputs.
-const AXIS_FAULTS: u32 = 1 << 1 | 1 << 4 | 1 << 5 | 1 << 6 | 1 << 7 | 1 << 8;
-const AXIS_LIMITS: u32 = 1 << 5 | 1 << 6;
-/// How a path came to standstill (CrdState).
-const STOPPED: u8 = 3;
 
 /// What the machine does.
 #[derive(Debug, Clone, Default)]
@@ -352,10 +348,10 @@ impl Feeder {
             if let Some(speed) = self.view.speeds.get_mut(place) {
                 *speed = item.prf_vel.get();
             }
-            let status = item.status.get() & AXIS_FAULTS;
-            if status != 0 {
+            let faults = item.status.get() & status::FAULTS;
+            if faults != 0 {
                 let reason = format!("axis {axis} stopped: {}", stop_reason(item.reason.get()));
-                self.fault(status & AXIS_LIMITS != 0, reason);
+                self.fault(faults & status::LIMITS != 0, reason);
             }
         }
         Ok(())
@@ -395,8 +391,8 @@ impl Feeder {
                 let mut gate = locked(&self.shared.gate);
                 std::mem::take(&mut gate.asked) || gate.stopped
             };
-            self.goes_on = info.path_stop == STOPPED && !self.sent.is_empty();
-            if info.path_stop >= 2 && !asked {
+            self.goes_on = info.path_stop == path_stop::STOPPED && !self.sent.is_empty();
+            if info.path_stop >= path_stop::UNDERRUN && !asked {
                 let reason = stop_reason(info.reason.get());
                 self.fault(false, format!("the path stopped: {reason}"));
             }

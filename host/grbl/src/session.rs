@@ -33,8 +33,6 @@ const UNKNOWN_MS: u64 = 50;
 const LINE: usize = 255;
 /// What is kept of bytes that nobody counted.
 const KEPT: usize = 1 << 16;
-/// General outputs (MC_GPO).
-const GPO: i16 = 12;
 
 /// What ends an alarm, in Grbl's words.
 const UNLOCK: &str = "'$H'|'$X' to unlock";

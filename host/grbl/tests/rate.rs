@@ -13,8 +13,23 @@ const SOME: usize = 4000;
 const MANY: usize = 100_000;
 /// Of a row.
 const ROW: usize = 10_000;
-/// mm/min, at which a line of 0.02 mm lasts 40 µs.
-const FEED: u32 = 30_000;
+
+/// What a sender streams: lines of so many hundredths of a mm at F in mm/min, with so many powers
+/// in turns.
+#[derive(Clone, Copy)]
+struct Rows {
+    step: usize,
+    feed: u32,
+    powers: usize,
+}
+
+/// A line lasts 40 µs at F.
+const ONE_POWER: Rows = Rows { step: 2, feed: 30_000, powers: 1 };
+/// The look-ahead holds 200 entries, a change of S among them: it brakes within 100 lines, 2 mm,
+/// and so does not reach F.
+const POWERS: Rows = Rows { step: 2, feed: 30_000, powers: 100 };
+/// A line lasts 45 µs at F, and the path brakes within 49 of them.
+const FINE: Rows = Rows { step: 1, feed: 13_200, powers: 100 };
 
 /// How fast the port alone takes lines: `$C`, nothing moves.
 fn check(lines: usize) -> f64 {
@@ -24,13 +39,12 @@ fn check(lines: usize) -> f64 {
     sender.ok("$C");
     sender.ok("G21 G90 M4 G1 F1000");
     let began = Instant::now();
-    count_characters(sender.stream.try_clone().unwrap(), lines, 1);
+    count_characters(sender.stream.try_clone().unwrap(), lines, ONE_POWER);
     began.elapsed().as_secs_f64()
 }
 
-/// Streams rows of lines with so many powers in turns: seconds that it took, and starts of the
-/// path.
-fn run(lines: usize, feed: u32, powers: usize) -> (f64, u64) {
+/// Streams so many lines: seconds that it took, and starts of the path.
+fn run(lines: usize, rows: Rows) -> (f64, u64) {
     let served =
         virtual_board::serve(TcpListener::bind("127.0.0.1:0").unwrap(), None, virtual_board::Config::default())
             .unwrap();
@@ -41,26 +55,26 @@ fn run(lines: usize, feed: u32, powers: usize) -> (f64, u64) {
     let rig = Rig::over(served.board().clone(), client, &machine, false, Pace::Real);
     let mut sender = rig.sender();
     sender.banner();
-    sender.ok(&format!("G21 G90 M4 G1 F{feed}"));
+    sender.ok(&format!("G21 G90 M4 G1 F{}", rows.feed));
     let stream = sender.stream.try_clone().unwrap();
     let began = Instant::now();
-    count_characters(stream, lines, powers);
+    count_characters(stream, lines, rows);
     let took = began.elapsed().as_secs_f64();
     sender.idle();
     let last = lines - 1;
-    assert_eq!(rig.at(), [f64::from(x(last) as u32), 0.0]);
+    assert_eq!(rig.at(), [f64::from(x(last, rows.step) as u32), 0.0]);
     drop(sender);
     (took, rig.end().starts)
 }
 
-/// Position of a line along X in hundredths of a mm: steps of 0.02 mm, to and fro.
-fn x(line: usize) -> usize {
+/// Position of a line along X in hundredths of a mm, to and fro.
+fn x(line: usize, step: usize) -> usize {
     let (row, column) = (line / ROW, line % ROW);
-    if row % 2 == 0 { (column + 1) * 2 } else { (ROW - 1 - column) * 2 }
+    if row % 2 == 0 { (column + 1) * step } else { (ROW - 1 - column) * step }
 }
 
 /// As senders do that count: 128 bytes are on the way at most.
-fn count_characters(mut stream: TcpStream, lines: usize, powers: usize) {
+fn count_characters(mut stream: TcpStream, lines: usize, rows: Rows) {
     stream.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
     let (mut sizes, mut bytes) = (std::collections::VecDeque::new(), 0);
     let (mut read, mut block, mut out) = ([0; 4096], Vec::new(), Vec::new());
@@ -68,7 +82,8 @@ fn count_characters(mut stream: TcpStream, lines: usize, powers: usize) {
     while line < lines || !sizes.is_empty() {
         out.clear();
         while line < lines {
-            let text = format!("G1X{}.{:02}Y0S{}\n", x(line) / 100, x(line) % 100, 500 + line % powers);
+            let x = x(line, rows.step);
+            let text = format!("G1X{}.{:02}Y0S{}\n", x / 100, x % 100, 500 + line % rows.powers);
             if bytes + text.len() > 128 {
                 break;
             }
@@ -91,7 +106,7 @@ fn count_characters(mut stream: TcpStream, lines: usize, powers: usize) {
 /// On a machine that is busy otherwise the rate counts for nothing; that all arrives does.
 #[test]
 fn lines_that_are_counted_all_arrive() {
-    let (took, starts) = run(SOME, 6000, 100);
+    let (took, starts) = run(SOME, Rows { step: 2, feed: 6000, powers: 100 });
     println!("{:.0} lines a second, {starts} starts", SOME as f64 / took);
 }
 
@@ -100,9 +115,11 @@ fn lines_that_are_counted_all_arrive() {
 fn how_many_lines_a_second() {
     println!("{:.0} lines a second are read in $C", MANY as f64 / check(MANY));
     // Each change of S is an entry of the path between two motions.
-    for (lines, powers) in [(MANY, 1), (MANY, 100)] {
-        let (took, starts) = run(lines, FEED, powers);
-        let rate = lines as f64 / took;
-        println!("{powers} powers: {lines} lines in {took:.2} s: {rate:.0} a second, {starts} starts of the path");
+    for rows in [ONE_POWER, POWERS, FINE] {
+        let (took, starts) = run(MANY, rows);
+        let (rate, Rows { step, feed, powers }) = (MANY as f64 / took, rows);
+        println!(
+            "0.0{step} mm at F{feed}, {powers} powers: {MANY} lines in {took:.2} s: {rate:.0} a second, {starts} starts of the path"
+        );
     }
 }

@@ -15,7 +15,8 @@ use protocol::command::{
     SetPrfPos, SetTrapPrm, SetVel, Stop, Update,
 };
 use protocol::reason::Reason;
-use protocol::values::status::RUNNING;
+use protocol::values::status::{LIMIT_NEGATIVE, LIMIT_POSITIVE, RUNNING, SERVO_ON};
+use protocol::values::{FULL_SCALE, given};
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -41,13 +42,6 @@ const ESCAPE: i64 = 1000;
 /// Captures, as SetCaptureMode counts.
 const HOME: i16 = 1;
 const INDEX: i16 = 2;
-/// The bit of `ConfigItem::given` for the sense of the home input.
-const HOME_SENSE: u16 = 1 << 8;
-/// Latched limits of a status word.
-const LIMIT_POSITIVE: u32 = 1 << 5;
-const LIMIT_NEGATIVE: u32 = 1 << 6;
-/// Servo on.
-const ENABLED: u32 = 1 << 9;
 
 /// Stages, as the vendor's header numbers them.
 mod stage {
@@ -204,7 +198,7 @@ impl Homes {
                 }
                 let mut controller = Controller { client, core, axis };
                 let status = controller.look()?.status.get();
-                if status & ENABLED == 0 {
+                if status & SERVO_ON == 0 {
                     return Err(Error::new(
                         1,
                         format!("{function}: the servo of axis {axis} is off; call GT_AxisOn first"),
@@ -257,7 +251,7 @@ impl Parameters {
         };
         let whole = |name, low: i32, high: i32| within(name, low.into(), high.into()).map(|got| got as i64);
         // Above 0 and within what Trap takes; the controller has the last word.
-        let above = |name| within(name, f64::MIN_POSITIVE, 4_294_967_296.0);
+        let above = |name| within(name, f64::MIN_POSITIVE, FULL_SCALE);
         let mode = value("mode");
         if !MODES.iter().any(|known| f64::from(*known) == mode) {
             let known: Vec<String> = MODES.iter().map(i16::to_string).collect();
@@ -347,7 +341,7 @@ impl Homing {
     fn step(&mut self, axis: &mut Controller<'_>) -> std::result::Result<(), i16> {
         let Some(leg) = self.legs.get(self.at).copied() else { return Ok(()) };
         let item = axis.look().map_err(|_| fault::REFUSED)?;
-        if item.status.get() & ENABLED == 0 {
+        if item.status.get() & SERVO_ON == 0 {
             return Err(fault::DISABLED);
         }
         let done = if self.begun { self.go_on(leg, axis, &item) } else { self.begin(leg, axis, &item) }?;
@@ -487,7 +481,7 @@ impl Controller<'_> {
         })?;
         let item = ConfigItem {
             axis: self.axis.into(),
-            given: HOME_SENSE.into(),
+            given: given::HOME_SENSE.into(),
             home_sense: u8::from(edge == 0),
             ..zerocopy::FromZeros::new_zeroed()
         };

@@ -13,7 +13,7 @@ fn an_example_runs_on_the_emulated_board() {
     let source = root().join("examples/c/pt_static.cpp");
     let Some(built) = build_file(Language::Cpp, "pt_static", &source, &[]) else { return };
     let text = output(&built, &[("BEAMTICK_LINK", "qemu"), ("BEAMTICK_IMAGE", &image)]);
-    assert_eq!(text, "32 places\n29 places behind three segments\nat 4096.0 with 0.00 pulse/ms\n");
+    assert_eq!(text, "32 free segments\n29 free segments after three\nat 4096.0 with 0.00 pulse/ms\n");
 }
 
 #[test]

@@ -89,7 +89,7 @@ fn a_trace_holds_what_was_used() {
 #[test]
 fn pt_static() {
     let Some((text, trace)) = traced("pt_static", &[], &[]) else { return };
-    assert_eq!(text, "32 places\n29 places behind three segments\nat 4096.0 with 0.00 pulse/ms\n");
+    assert_eq!(text, "32 free segments\n29 free segments after three\nat 4096.0 with 0.00 pulse/ms\n");
     let start = trace.start("axis1");
     for (t, pos, vel) in [
         (0.0, 0.0, 0.0),

@@ -53,5 +53,8 @@ fn an_example_runs_on_the_dll() {
     wine.arg(&program).current_dir(root().join("examples")).env("BEAMTICK_LINK", "virtual:max");
     wine.env("WINEPATH", format!("Z:{}", folder.display())).env("WINEDEBUG", "-all");
     let text = output_of(&mut wine);
-    assert_eq!(text.replace('\r', ""), "32 places\n29 places behind three segments\nat 4096.0 with 0.00 pulse/ms\n");
+    assert_eq!(
+        text.replace('\r', ""),
+        "32 free segments\n29 free segments after three\nat 4096.0 with 0.00 pulse/ms\n"
+    );
 }

@@ -13,10 +13,9 @@ use crate::value::{Type, Value};
 use crate::{Action, Axis, Call};
 use protocol::command::{CommandKind, DataStore, class};
 use protocol::reserved::RESERVED;
+use protocol::values::PATH_EFFECTS;
 use std::ops::Range;
 
-/// Entries between two motions that a path passes at speed; those of a servo tick (SPEC 5).
-const EFFECTS: u32 = 32;
 /// A count beyond this names no more axes: no profile has them.
 const AXES_MAX: i64 = 64;
 
@@ -214,10 +213,10 @@ impl Reader<'_> {
         };
         let count = self.between.entry((core, crd, value("fifo"))).or_default();
         let before = core::mem::replace(count, if load == 0 { 0 } else { count.saturating_add(load) });
-        if load != 0 && before <= EFFECTS && before + load > EFFECTS {
+        if load != 0 && before <= PATH_EFFECTS && before + load > PATH_EFFECTS {
             let message = format!(
-                "more than {EFFECTS} entries stand between two motions of coordinate system {crd}: its path stops here, for a servo \
-                 tick with every {EFFECTS} of them"
+                "more than {PATH_EFFECTS} entries stand between two motions of coordinate system {crd}: its path stops here, for a servo \
+                 tick with every {PATH_EFFECTS} of them"
             );
             self.warn(span.clone(), message, "a BufMove counts as four; move some of them to another part of the path");
         }

@@ -9,22 +9,10 @@
 use crate::diagnostic::{quoted, tidy};
 use ini::Ini;
 use protocol::command::ConfigItem;
+use protocol::values::given;
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
 use zerocopy::IntoBytes;
-
-/// Bits of `ConfigItem::given`.
-mod given {
-    pub const LIMITS: u16 = 1;
-    pub const LIMIT_SENSE: u16 = 1 << 1;
-    pub const ALARM: u16 = 1 << 2;
-    pub const ALARM_SENSE: u16 = 1 << 3;
-    pub const SOFT_LIMITS: u16 = 1 << 4;
-    pub const STOP_DEC: u16 = 1 << 5;
-    pub const POS_ERR: u16 = 1 << 6;
-    pub const BAND: u16 = 1 << 7;
-    pub const HOME_SENSE: u16 = 1 << 8;
-}
 
 /// Power-on stop decelerations (SPEC 5), for the one of the two that a file leaves out, pulse/ms².
 const DEC_SMOOTH: f64 = 1.0;

@@ -120,6 +120,14 @@ pub fn render(diagnostic: &Diagnostic, file: &str, text: &str, colour: bool) -> 
     String::from_utf8_lossy(&out).into_owned()
 }
 
+/// The same of a script that is not in memory: `lines` are those of the position, which begin at
+/// this byte of it.
+pub fn render_lines(diagnostic: &Diagnostic, file: &str, lines: &str, begin: usize) -> String {
+    let help = diagnostic.help.as_deref().map(tidy);
+    let place = (escaped(file), diagnostic.span.start.saturating_sub(begin));
+    excerpt(diagnostic, place, lines, &tidy(&diagnostic.message), help.as_deref())
+}
+
 /// The same where the source cannot be shown as it is: a part of its line, with control characters
 /// escaped. `at` is the start of the position in `line`.
 fn excerpt(

@@ -32,7 +32,7 @@ mod used;
 mod value;
 mod wait;
 
-pub use diagnostic::{Diagnostic, QUOTED_MAX, Severity, quoted, render, tidy};
+pub use diagnostic::{Diagnostic, QUOTED_MAX, Severity, quoted, render, render_lines, tidy};
 pub use job::{Action, Axis, Call, Crd, Job, Out, Pragma, Step};
 pub use used::Used;
 

@@ -33,10 +33,15 @@ impl Quick<'_> {
 
 /// A number as digits, without a zero in front, which C reads as octal.
 fn digits(text: &str) -> Option<&str> {
-    let plain = text.strip_prefix('-').unwrap_or(text);
-    let (whole, part) = plain.split_once('.').unwrap_or((plain, "0"));
-    let all = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
-    (all(whole) && all(part) && (whole == "0" || !whole.starts_with('0'))).then_some(text)
+    let plain = text.strip_prefix('-').unwrap_or(text).as_bytes();
+    let whole = plain.iter().take_while(|byte| byte.is_ascii_digit()).count();
+    let is_number = match plain.get(whole..) {
+        Some([]) => true,
+        Some([b'.', part @ ..]) => !part.is_empty() && part.iter().all(u8::is_ascii_digit),
+        _ => false,
+    };
+    let octal = whole > 1 && plain.first() == Some(&b'0');
+    (is_number && whole > 0 && !octal).then_some(text)
 }
 
 fn real(text: &str) -> Option<f64> {
@@ -47,19 +52,34 @@ fn whole<T: std::str::FromStr>(text: &str) -> Option<T> {
     digits(text)?.parse().ok()
 }
 
+/// The statement of a line, its function and its parameters, apart by a comma and a blank.
+fn parts(line: &str) -> Option<(&str, &str, [&str; 6], usize)> {
+    let bytes = line.as_bytes();
+    let open = bytes.iter().position(|byte| *byte == b'(')?;
+    let (mut given, mut count) = ([""; 6], 0);
+    let (mut begin, mut at) = (open + 1, open + 1);
+    loop {
+        match bytes.get(at..)? {
+            [b',', b' ', ..] => {
+                *given.get_mut(count)? = line.get(begin..at)?;
+                (count, begin, at) = (count + 1, at + 2, at + 2);
+            }
+            [b')', b';', ..] => {
+                *given.get_mut(count)? = line.get(begin..at)?;
+                return Some((line.get(..at + 2)?, line.get(..open)?, given, count + 1));
+            }
+            [b',' | b')', ..] => return None,
+            _ => at += 1,
+        }
+    }
+}
+
 /// The call of a line; a comment may follow it.
 pub fn call(line: &str) -> Option<Quick<'_>> {
-    let (statement, rest) = line.split_at(line.find(");")? + 2);
-    let rest = rest.trim_end();
+    let (statement, function, given, count) = parts(line)?;
+    let rest = line.get(statement.len()..)?.trim_end();
     if !(rest.is_empty() || rest.starts_with(" // ") && !rest.ends_with('\\')) {
         return None;
-    }
-    let (function, arguments) = statement.strip_suffix(");")?.split_once('(')?;
-    let mut given = [""; 6];
-    let mut count = 0;
-    for argument in arguments.split(", ") {
-        *given.get_mut(count)? = argument;
-        count += 1;
     }
     let [crd, a, b, c, d, e] = given;
     let core = 1.into();

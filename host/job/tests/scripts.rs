@@ -399,7 +399,7 @@ fn what_is_after_return_is_not_executed() {
 fn cores_and_axes_that_a_job_names() {
     let named = |text: &str| good(text).named.keys().map(|axis| (axis.core, axis.axis)).collect::<Vec<_>>();
     let axis = |axis| job::Axis { core: 1, axis };
-    let lines = good("GT_AxisOn(2);\nGT_AxisOn(9);\nWaitStop(0x2, 0);\nGT_AxisOff(9);").named;
+    let lines = good("GT_AxisOn(2);\nGT_AxisOn(9);\nWaitStop(0x2);\nGT_AxisOff(9);").named;
     assert_eq!(lines.into_iter().collect::<Vec<_>>(), [(axis(0), 1), (axis(2), 1), (axis(9), 2)], "where first");
     assert_eq!(named("GT_GetDi(4, &x);"), [(1, 0)]);
     assert_eq!(named("GTN_AxisOn(2, 12);"), [(2, 0), (2, 12)]);

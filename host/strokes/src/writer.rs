@@ -542,6 +542,11 @@ impl<'a> Writer<'a> {
         self.started = true;
     }
 
+    /// Bytes that [`Self::taken`] would hand over.
+    pub fn size(&self) -> usize {
+        self.text.len()
+    }
+
     /// What was written since the last time.
     pub fn taken(&mut self) -> String {
         std::mem::take(&mut self.text)
@@ -574,7 +579,7 @@ impl<'a> Writer<'a> {
         (self.at, self.power, self.entries) = (mark.at, mark.power, mark.entries);
     }
 
-    /// The whole job.
+    /// The job, as far as it was not taken.
     pub fn finish(mut self) -> String {
         self.light(None);
         self.text.push_str("GT_CrdData(1, NULL, 0);\n");

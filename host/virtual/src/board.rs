@@ -1,6 +1,6 @@
 //! The controller in virtual time.
 //!
-//! In: link bytes, time by [`BoardConstants::advance`]. Out: link bytes, trace bytes, the machine's
+//! In: link bytes, time by [`Board::advance`]. Out: link bytes, trace bytes, the machine's
 //! state. Owns dispatcher, tick and machine and the hand-overs between them. Fails: never; what the
 //! link brings is answered.
 //!
@@ -62,6 +62,9 @@ pub struct Memory {
     config: Config,
     parts: Parts,
 }
+
+/// Servo ticks of the virtual controller, µs: all that the tick can have.
+pub const TICKS_US: core::ops::RangeInclusive<u32> = servo::tick::PERIOD_US;
 
 enum Parts {
     Few(Box<Arena<8>>),
@@ -214,7 +217,7 @@ impl<'m> Controller<'m> {
         self.core.take_edges()
     }
 
-    /// Whether what the lasers' outputs do is kept for [`BoardConstants::take_beam`].
+    /// Whether what the lasers' outputs do is kept for [`Board::take_beam`].
     pub fn record_beam(&mut self, on: bool) {
         self.core.record_beam(on);
     }
@@ -352,7 +355,7 @@ impl<'m, const AXES: usize> Whole<'m, AXES> {
         let board = dispatcher::BoardConstants {
             name: NAME,
             profile: config.profile,
-            tick_us: 10..=1000,
+            tick_us: TICKS_US,
             analog_outputs: 8,
             analog_inputs: 8,
             planned_inputs: PLANNED_INPUTS,

@@ -16,7 +16,7 @@ mod machine;
 mod paced;
 mod serve;
 
-pub use board::{Board, Config, Controller, Memory};
+pub use board::{Board, Config, Controller, Memory, TICKS_US};
 pub use link::{Shared, VirtualLink, share};
 pub use machine::{Beam, Edge, Inputs, Output, Outputs};
 pub use paced::{Pace, PacedLink};

@@ -15,7 +15,7 @@ use crate::segment::ramp::Trapezoid;
 use crate::status;
 use crate::tick_command::MotionMode;
 use crate::units::{Crd, Exact, FineNs, Ns, Pos};
-use crate::view::{Drive, StopReason};
+use crate::view::{DrivenBy, StopReason};
 
 impl AxisState {
     /// It belongs to a coordinate system from now on, at standstill.
@@ -42,7 +42,7 @@ impl AxisState {
     }
 
     /// A coordinate system drives it from now on; a geared axis counts from `base`.
-    pub(crate) fn engage(&mut self, drive: Drive, base: Exact) {
+    pub(crate) fn engage(&mut self, drive: DrivenBy, base: Exact) {
         (self.state, self.crd, self.exact) = (MotionState::Driven, Some(drive.crd()), base);
         self.publish_straight();
         self.published.drive = Some(drive);
@@ -127,7 +127,7 @@ impl AxisState {
     }
 
     /// Its gear from now on, and its displacement `by` so far.
-    pub(crate) fn go_along(&mut self, drive: Drive, by: Pos) {
+    pub(crate) fn go_along(&mut self, drive: DrivenBy, by: Pos) {
         if self.published.drive != Some(drive) {
             self.published.drive = Some(drive);
             self.mark_changed();

@@ -191,7 +191,7 @@ impl AxisState {
         if let Generator::Pt(run) = self.profile.generator() {
             self.published.dry_ms = run.dry_ms(next, self.feed(), source, self.profile.is_ahead());
             self.turned();
-            published.follow(&self.published);
+            published.copy_changed(&self.published);
         }
     }
 

@@ -35,6 +35,7 @@ use crate::laser::Positions;
 use crate::port::AxisInputs;
 use crate::segment::follow as following;
 use crate::segment::profile::Profile;
+use crate::segment::pt::SEGMENTS;
 use crate::segment::ramp::{Accel, Trapezoid};
 use crate::status::{self, pt_state};
 use crate::tick_command::MotionMode;
@@ -46,7 +47,7 @@ use inputs::Inputs;
 /// come by then.
 const UNPREPARED: u8 = 2;
 /// Segments of one static FIFO.
-const FIFO: u32 = 1024;
+const FIFO: u32 = SEGMENTS as u32 / 2;
 /// Slots of the dynamic ring, less one.
 const RING_MASK: u32 = 2 * FIFO - 1;
 /// The negative edge of travel.

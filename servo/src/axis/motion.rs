@@ -183,7 +183,7 @@ impl AxisState {
         if self.changed {
             self.settle();
         }
-        published.follow(&self.published);
+        published.copy_changed(&self.published);
         stopped
     }
 

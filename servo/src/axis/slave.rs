@@ -6,8 +6,8 @@ use super::inputs::reading;
 use super::{AxisState, MotionState, exact};
 use crate::math::float::Float;
 use crate::segment::follow::{
-    FollowContext, FollowEntries, FollowRun, FollowState, Follower, Input, MasterPathKind, MasterSample, Method,
-    OutputActions, PackedWait, Value,
+    FollowContext, FollowEntries, FollowRun, FollowState, Follower, Input, MasterPathKind, MasterPosition,
+    MasterSample, Method, OutputActions, PackedWait,
 };
 use crate::segment::piece::Motion;
 use crate::segment::profile::Generator;
@@ -36,7 +36,7 @@ impl AxisState {
     }
 
     /// The axis that it follows, and which value of it.
-    pub(crate) fn master(&self) -> Option<(Axis, Value)> {
+    pub(crate) fn master(&self) -> Option<(Axis, MasterPosition)> {
         self.follower().map(|follower| (follower.master.axis, follower.master.value))
     }
 
@@ -145,15 +145,15 @@ impl AxisState {
 
     /// The axis as its slaves see it. It has taken its own step of the tick.
     #[inline(always)]
-    pub(crate) fn master_sample(&self, value: Value, now: Ns, period: Ns) -> MasterSample<'_> {
+    pub(crate) fn master_sample(&self, value: MasterPosition, now: Ns, period: Ns) -> MasterSample<'_> {
         let (to, named) = match value {
-            Value::Planned | Value::PlannedFiltered => (self.set_point(), self.zero.0.wrapping_neg()),
-            Value::Encoder | Value::EncoderFiltered => (reading(self.count()), self.inputs.named()),
+            MasterPosition::Planned | MasterPosition::PlannedFiltered => (self.set_point(), self.zero.0.wrapping_neg()),
+            MasterPosition::Encoder | MasterPosition::EncoderFiltered => (reading(self.count()), self.inputs.named()),
         };
         let path = match value {
-            Value::Encoder => MasterPathKind::Straight,
-            Value::PlannedFiltered | Value::EncoderFiltered => MasterPathKind::Filtered,
-            Value::Planned => self.path(now, self.standstill_since.0 == now.0.wrapping_add(period.0)),
+            MasterPosition::Encoder => MasterPathKind::Straight,
+            MasterPosition::PlannedFiltered | MasterPosition::EncoderFiltered => MasterPathKind::Filtered,
+            MasterPosition::Planned => self.path(now, self.standstill_since.0 == now.0.wrapping_add(period.0)),
         };
         MasterSample { now, period, to, named, path }
     }
@@ -182,8 +182,8 @@ impl AxisState {
     #[inline(always)]
     pub(crate) fn straight(&self, follower: &Follower) -> Option<Pos> {
         match follower.master.value {
-            Value::Encoder => Some(reading(self.count())),
-            Value::Planned => {
+            MasterPosition::Encoder => Some(reading(self.count())),
+            MasterPosition::Planned => {
                 let straight = match self.profile.generator() {
                     _ if self.state == MotionState::Driven => self.goes_straight(),
                     Generator::Follow(own) if self.state.is_own() => own.track().is_straight(),
@@ -300,7 +300,7 @@ impl AxisState {
         published.master_displacement = follower.displacement();
         let motion = if moving { follower.run.piece().motion } else { Motion::STANDSTILL };
         published.motion = Motion { tau: published.motion.tau, ..motion };
-        let axis = (follower.master.value == Value::Planned).then_some(follower.master.axis);
+        let axis = (follower.master.value == MasterPosition::Planned).then_some(follower.master.axis);
         let run = &follower.run;
         let lead = moving.then_some(Lead { axis, down: run.is_down(), one_way: run.is_one_way() });
         if lead != published.lead {
@@ -350,7 +350,7 @@ impl AxisState {
     /// A view of it catches up. A function of its own, so that only these two take up registers.
     #[inline(never)]
     pub(crate) fn publish(&self, published: &mut AxisView) {
-        published.follow(&self.published);
+        published.copy_changed(&self.published);
     }
 
     /// It follows no longer.

@@ -65,7 +65,7 @@ impl Buffered {
         matches!(self, Buffered::FollowRatio { .. } | Buffered::PrfFollow { .. } | Buffered::FollowTable { .. })
     }
 
-    /// In the form of an entry of a path: its code and its words (`path::Entry::laser`).
+    /// In the form of an entry of a path: its code and its words (`path::PathEntry::laser`).
     pub fn pack(self) -> (u8, [u32; LASER_WORDS]) {
         let long = |first: u64, bounds: PowerBounds| {
             let ([a, b], [c, d]) = (split(first), split(bounds.min().raw() as u64));

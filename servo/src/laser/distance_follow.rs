@@ -94,7 +94,7 @@ impl Distance {
     }
 
     /// Its form for the tick, if the ratios are fixed.
-    pub(super) fn terms(&self) -> Terms {
+    pub(super) fn terms(&self) -> FixedRatioSum {
         let of = self.factors.map(|factor| {
             let low = factor as i32;
             (low, (factor.wrapping_sub(low as i64) >> 32) as i32)
@@ -105,7 +105,7 @@ impl Distance {
         let cut = PreparedShift::of(if usual { self.shift as u32 } else { 0 });
         let axes = self.axes.iter().fold(0, |key, axis| key << AXIS_BITS | axis.index() as u32);
         let key = axes | ((self.source == SpeedSource::Encoder) as u32) << 31;
-        Terms { of, key, cut, token: 0, fresh: true, sum: 0, power: 0 }
+        FixedRatioSum { of, key, cut, token: 0, fresh: true, sum: 0, power: 0 }
     }
 
     /// Σ (position − reference)·factor.
@@ -232,7 +232,7 @@ impl Displacements {
 /// pulses in a tick) takes the whole sum, and so does a sum that is held at the end of the range of
 /// a part of a power.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Terms {
+pub(super) struct FixedRatioSum {
     /// Factors: low + high·2³².
     of: [(i32, i32); DISTANCES],
     pub(super) key: u32,
@@ -245,9 +245,16 @@ pub(super) struct Terms {
     power: i64,
 }
 
-impl Terms {
-    pub(super) const NONE: Terms =
-        Terms { of: [(0, 0); DISTANCES], key: 0, cut: PreparedShift::of(0), token: 0, fresh: true, sum: 0, power: 0 };
+impl FixedRatioSum {
+    pub(super) const NONE: FixedRatioSum = FixedRatioSum {
+        of: [(0, 0); DISTANCES],
+        key: 0,
+        cut: PreparedShift::of(0),
+        token: 0,
+        fresh: true,
+        sum: 0,
+        power: 0,
+    };
 
     /// Its part of the power, to the nearest, at the last sample taken.
     #[inline(always)]

@@ -263,7 +263,7 @@ impl Lasers {
     }
 
     /// An entry of a path takes effect at an instant of the interval that is planned next: that of
-    /// `path::ChannelChange::Laser`, its fraction of a ns cut off.
+    /// `path::EntryEffect::Laser`, its fraction of a ns cut off.
     pub(crate) fn buffered(&mut self, run: PathRun, channel: u8, at: Ns, code: u8, words: &[u32; LASER_WORDS]) {
         if let (Some(channel), Some(change)) = (self.channels.get_mut(channel as usize), Buffered::unpack(code, words))
         {
@@ -457,7 +457,7 @@ impl Lasers {
     #[inline]
     pub(crate) fn publish(&self, published: &mut [LaserView; CHANNELS]) {
         for (to, channel) in published.iter_mut().zip(&self.channels) {
-            to.follow(&channel.published);
+            to.copy_changed(&channel.published);
         }
     }
 }

@@ -3,9 +3,10 @@
 //! In: the light of each interval that has passed. Out: whole units of 250 µs. Owns the sum, to the
 //! ns: the remainder of a unit is carried. Fails: never; the count wraps at 2³² units (12 days of
 //! light).
+use crate::units::CYCLE_NS;
 
 /// A unit of the count.
-const UNIT_NS: u32 = 250_000;
+const UNIT_NS: u32 = CYCLE_NS;
 
 /// The sum of all light since it was zeroed.
 #[derive(Debug, Clone, Copy, Default)]

@@ -11,7 +11,7 @@
 //! Each part is held at ±2¹⁷ of the power's unit. Of several bounds the lower ones act first: where
 //! they exclude each other the lowest upper one is output.
 use super::buffered::Buffered;
-use super::distance_follow::{Distance, Terms};
+use super::distance_follow::{Distance, FixedRatioSum};
 use super::power::{Power, PowerBounds};
 use super::power_tables::{Curve, DISTANCES, Interval};
 use super::velocity_follow::{Ratio, SpeedGain, SpeedSource};
@@ -56,7 +56,7 @@ enum SpeedPart {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Added {
     Nothing,
-    Terms,
+    FixedRatioSum,
     Tables,
 }
 
@@ -88,7 +88,7 @@ state! {
         /// Always derived from the settings below: every change of these ends with
         /// [`PowerLaw::renew`].
         mix: PowerSum = PowerSum::POWER_ON,
-        terms: Terms = Terms::NONE,
+        terms: FixedRatioSum = FixedRatioSum::NONE,
         /// The coordinate systems whose planned speed it follows, and those whose encoders' speed.
         pub(super) planned: CrdMask = CrdMask(0),
         pub(super) encoder: CrdMask = CrdMask(0),
@@ -144,7 +144,7 @@ impl PowerLaw {
     pub(super) fn set_distance(&mut self, distance: Option<Distance>) {
         self.distance = distance;
         self.intervals = [Interval::NONE; DISTANCES];
-        self.terms = distance.map_or(Terms::NONE, |distance| distance.terms());
+        self.terms = distance.map_or(FixedRatioSum::NONE, |distance| distance.terms());
         self.renew();
     }
 
@@ -222,7 +222,7 @@ impl PowerLaw {
         }
         let added = match &self.distance {
             None => Added::Nothing,
-            Some(distance) if distance.bank().is_none() => Added::Terms,
+            Some(distance) if distance.bank().is_none() => Added::FixedRatioSum,
             Some(_) => Added::Tables,
         };
         if let Some(bounds) = self.distance.as_ref().and_then(|distance| distance.bounds)
@@ -238,7 +238,7 @@ impl PowerLaw {
     /// The axes whose positions count by fixed ratios, if any do.
     #[inline(always)]
     pub(super) fn followed_axes(&self) -> Option<u32> {
-        (self.mix.added == Added::Terms).then_some(self.terms.key)
+        (self.mix.added == Added::FixedRatioSum).then_some(self.terms.key)
     }
 
     /// The power is not needed in this tick: next time all of it is to be computed.
@@ -251,7 +251,7 @@ impl PowerLaw {
     #[inline(always)]
     pub(super) fn power(&mut self, around: &FollowInputs<'_, impl Positions>) -> Power {
         let PowerSum { base, low, high, part, speed, added, held, .. } = &self.mix;
-        if *added == Added::Terms {
+        if *added == Added::FixedRatioSum {
             self.terms.advance(around.displacements, &self.distance);
         }
         let mut sum = *base;
@@ -269,7 +269,7 @@ impl PowerLaw {
         }
         let added = match added {
             Added::Nothing => 0,
-            Added::Terms => self.terms.power(),
+            Added::FixedRatioSum => self.terms.power(),
             Added::Tables => match &self.distance {
                 Some(distance) => {
                     let position = |axis, source| around.position(axis, source);

@@ -81,7 +81,7 @@ impl LaserView {
 
     /// Becomes a copy of `now`; only what its counters mark as changed is copied.
     #[inline(always)]
-    pub(crate) fn follow(&mut self, now: &LaserView) {
+    pub(crate) fn copy_changed(&mut self, now: &LaserView) {
         self.on_time = now.on_time;
         if self.moves != now.moves {
             if self.turns != now.turns {

@@ -283,7 +283,7 @@ fn added(distance: &Distance, tables: &PowerTables, axes: &[AxisState]) -> i64 {
 }
 
 #[test]
-fn four_ways_of_one_length_add_up_with_the_largest_lower_halves_of_factors() {
+fn four_displacements_of_one_length_add_up_with_the_largest_lower_halves_of_factors() {
     // 60 bits of a factor, of which the lower half is as far from 0 as it can be.
     let ratio = 0x1f_ffff_feff_ffff_i64 as f64 / 2f64.powi(52);
     let (scales, ratios) = (bits([1.0; 4]), bits([ratio; 4]));

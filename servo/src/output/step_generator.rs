@@ -1,56 +1,260 @@
-//! The step generator: whole pulses between two set-points, and the slot of the tick for each one.
+//! The step generator: steps of eight axes as words, one for each slot of a tick, which DMA copies
+//! to the set/reset register of one port.
 //!
-//! In: two set-points. Out: a signed count, and one yes/no per slot of the tick. Owns an
-//! accumulator. It cannot fail; nothing here divides.
+//! In: the pulses that the outputs reach at the end of a tick. Out: words in a ring: bit 8 + a
+//! raises the step output of axis a, bit 24 + a lowers it, bit a says backwards, bit 16 + a
+//! forwards. Owns the pulse counts of the outputs. Budget: 23 instructions a slot and some 70 an
+//! axis, however many steps there are (`cargo xtask ticks`). It cannot fail: steps that do not fit
+//! into a tick come in the next.
 //!
 //! The step output is at the planned position rounded to the nearest pulse (halves upwards). So
 //! both directions are alike, and an axis at standstill on a knot is half a pulse away from the
 //! next edge. The pulses of a tick are spread evenly and centred: with n pulses in a tick of S
-//! slots, pulse k comes in slot `ceil(((k + 1)·S − floor(S/2)) / n) − 1`. Hardware fills its slots
-//! by [`StepSlots`]; code that may divide (the VCD writer) uses the closed form, and a test holds
-//! them equal.
+//! slots, pulse k comes in slot `ceil(((k + 1)·S − floor(S/2)) / n) − 1`. So each is at most a slot
+//! before its ideal instant, and the last one of a tick is over before the next tick. Code that may
+//! divide (the VCD writer) uses the closed form. A direction changes at the beginning of a tick;
+//! the steps after it are spread over the remainder of the tick after the set-up time.
+//!
+//! Eight phases are counted at once, two in a word, in 2⁻¹⁵ of a step and rounded up. A phase is a
+//! multiple of 1/slots, and is set anew before the rounding errors add up to that ([`block`]): so
+//! every step comes in its own slot.
 use crate::units::Pos;
 pub use crate::units::whole;
+use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
+
+/// Axes of a word.
+pub const AXES: usize = 8;
+/// Slots of the ring. Two ticks lie in it: the one that is output, and the one that is filled.
+pub const RING_SLOTS: usize = 1024;
+/// Slots of the longest tick.
+pub const SLOTS_MAX: u32 = RING_SLOTS as u32 / 2;
 
 /// Steps from one set-point to the next; negative is backwards.
 pub const fn between(from: Pos, to: Pos) -> i64 {
     whole(to).wrapping_sub(whole(from))
 }
 
-/// Spreads `count` steps over `slots` equal slots of a tick: one answer per slot.
-#[derive(Debug, Clone, Copy)]
-pub struct StepSlots {
-    count: u32,
-    slots: u32,
-    phase: u32,
+/// Slots between two roundings. Each slot adds less than 1 + 2⁻⁷ units, as does the beginning;
+/// 1/slots are 256 units, or 64.
+const fn block(slots: u32) -> u32 {
+    if slots <= 128 { 128 } else { 60 }
 }
 
-impl StepSlots {
-    /// `count` steps in `slots` slots. More steps than slots do not fit: `None`.
-    pub const fn new(count: u32, slots: u32) -> Option<StepSlots> {
-        if slots == 0 || slots > 1 << 30 || count > slots {
-            return None;
-        }
-        Some(StepSlots { count, slots, phase: slots >> 1 })
+/// Carries of the two phases of a word.
+const CARRIES: u32 = 0x8000_8000;
+
+/// 2³¹/n, rounded up.
+const RECIPROCALS: [u32; SLOTS_MAX as usize + 1] = {
+    let mut table = [0; SLOTS_MAX as usize + 1];
+    let mut n = 1;
+    while n < table.len() {
+        table[n] = (1u32 << 31).div_ceil(n as u32);
+        n += 1;
+    }
+    table
+};
+
+/// The step outputs of eight axes. A step is high for `WIDTH` slots, and low for as many at least.
+#[derive(Debug, Clone)]
+pub struct StepOutput<const WIDTH: usize> {
+    /// Slots from a change of direction to the step after it.
+    set_up: u32,
+    /// Pulse counts of the outputs.
+    stands: [i64; AXES],
+    /// Axes whose direction is backwards.
+    backwards: u32,
+    /// Slots of the coming tick that set-up times still take.
+    waits: [u32; AXES],
+}
+
+/// In 2⁻¹⁵ and rounded up; 0 stays 0. Both factors are at most [`SLOTS_MAX`] and 2³¹ over it.
+#[inline(always)]
+const fn scaled(phase: u32, reciprocal: u32) -> u32 {
+    (phase.wrapping_mul(reciprocal) >> 16).wrapping_add(if phase == 0 { 0 } else { 1 })
+}
+
+/// 2³¹/`slots`, rounded up.
+#[inline(always)]
+fn reciprocal(slots: u32) -> u32 {
+    RECIPROCALS.get(slots as usize).copied().unwrap_or(0)
+}
+
+impl<const WIDTH: usize> StepOutput<WIDTH> {
+    const WIDTH_OK: () = assert!(WIDTH > 0 && WIDTH <= 16, "a step is at most 16 slots wide");
+
+    /// At zero, forwards, with `set_up` slots from a change of direction to the next step.
+    pub const fn new(set_up: u32) -> Self {
+        let () = Self::WIDTH_OK;
+        StepOutput { set_up, stands: [0; AXES], backwards: 0, waits: [0; AXES] }
     }
 
-    /// Whether the next slot carries a step. After `slots` calls `count` of them were true.
-    pub const fn advance(&mut self) -> bool {
-        self.phase = self.phase.wrapping_add(self.count);
-        if self.phase >= self.slots {
-            self.phase = self.phase.wrapping_sub(self.slots);
-            true
-        } else {
-            false
-        }
+    /// Most steps of a tick.
+    pub const fn most(slots: u32) -> u32 {
+        (slots >> 1) / WIDTH as u32
     }
+
+    /// The pulse count of an axis's output after the last tick that was filled.
+    pub fn stands(&self, axis: usize) -> i64 {
+        self.stands.get(axis).copied().unwrap_or(0)
+    }
+
+    /// Fills a tick of `slots` slots from slot `at` of the ring on, at whose end the outputs are at
+    /// `goes_to`, as far as the steps have room. All words there are zero before; if all stay zero,
+    /// nothing is written. Returns whether anything was.
+    #[inline(never)]
+    pub fn fill(&mut self, goes_to: &[i64; AXES], slots: u32, ring: &[AtomicU32; RING_SLOTS], at: usize) -> bool {
+        let slots = slots.min(SLOTS_MAX);
+        let (mut counts, mut from) = ([0u32; AXES], [0u32; AXES]);
+        let (mut steps, mut turned, mut waits) = (0u32, 0, 0);
+        let axes = goes_to.iter().zip(&mut self.stands).zip(&mut self.waits).zip(counts.iter_mut().zip(&mut from));
+        for (bit, (((goes_to, stands), wait), (count, from))) in (0..AXES as u32).zip(axes) {
+            let displacement = goes_to.wrapping_sub(*stands);
+            // Further than a word is as good as any for one tick.
+            let displacement =
+                i32::try_from(displacement).unwrap_or(if displacement < 0 { -i32::MAX } else { i32::MAX });
+            let backwards = displacement < 0;
+            if displacement != 0 && backwards != (self.backwards >> bit & 1 == 1) {
+                self.backwards ^= 1 << bit;
+                turned |= 1 << bit;
+                *wait = self.set_up;
+            }
+            let mut of = slots;
+            if *wait != 0 {
+                *from = *wait;
+                of = slots.saturating_sub(*wait);
+                *wait = wait.saturating_sub(slots);
+                waits |= displacement;
+            }
+            *count = displacement.unsigned_abs().min(Self::most(of));
+            let done = if backwards { (*count as i32).wrapping_neg() } else { *count as i32 };
+            *stands = stands.wrapping_add(done.into());
+            steps |= *count;
+        }
+        if steps != 0 {
+            if waits == 0 && slots <= block(slots) {
+                spread::<WIDTH>(&counts, slots, ring, at);
+            } else {
+                spread_late::<WIDTH>(&counts, &from, slots, ring, at);
+            }
+        }
+        if turned != 0
+            && let Some(first) = ring.get(at)
+        {
+            let word = turned & self.backwards | (turned & !self.backwards) << 16;
+            first.store(first.load(Relaxed) | word, Relaxed);
+        }
+        steps | turned != 0
+    }
+}
+
+/// Two axes of a word, the first in its upper half.
+#[inline(always)]
+fn pair(axes: &[u32]) -> u32 {
+    match axes {
+        [first, second] => first << 16 | second,
+        _ => 0,
+    }
+}
+
+/// Words of phases or paces; the last axes in the first one.
+#[inline(always)]
+fn pairs(axes: [u32; AXES]) -> [u32; AXES / 2] {
+    let mut words = [0; AXES / 2];
+    for (word, axes) in words.iter_mut().zip(axes.chunks_exact(2).rev()) {
+        *word = pair(axes);
+    }
+    words
+}
+
+/// Writes the words of a tick that is one block, in which every axis has all slots.
+fn spread<const WIDTH: usize>(counts: &[u32; AXES], slots: u32, ring: &[AtomicU32; RING_SLOTS], at: usize) {
+    let reciprocal = reciprocal(slots);
+    let pace = pairs(counts.map(|count| scaled(count, reciprocal)));
+    let phase = pairs([scaled(slots >> 1, reciprocal); AXES]);
+    let mut high = [0; WIDTH];
+    let end = at.wrapping_add(slots as usize);
+    let first = ring.get(at..end.min(RING_SLOTS)).unwrap_or_default();
+    let phase = write(first, phase, pace, &mut high);
+    if let Some(remainder @ 1..) = end.checked_sub(RING_SLOTS) {
+        write(ring.get(..remainder).unwrap_or_default(), phase, pace, &mut high);
+    }
+}
+
+/// Writes the words of any tick: the steps of an axis lie after slot `from`.
+#[inline(never)]
+fn spread_late<const WIDTH: usize>(
+    counts: &[u32; AXES],
+    from: &[u32; AXES],
+    slots: u32,
+    ring: &[AtomicU32; RING_SLOTS],
+    mut at: usize,
+) {
+    let mut done = 0u32;
+    // In 1/of of a step, where the axis has this many slots.
+    let mut phases = from.map(|from| slots.saturating_sub(from) >> 1);
+    // Steps whose end is still to come, the newest first.
+    let mut high = [0; WIDTH];
+    while done < slots {
+        let mut length = slots.wrapping_sub(done).min(block(slots)).min((RING_SLOTS as u32).wrapping_sub(at as u32));
+        let (mut phase, mut pace) = ([0; AXES], [0; AXES]);
+        let scales = phase.iter_mut().zip(&mut pace);
+        for (((count, from), now), (phase, pace)) in counts.iter().zip(from).zip(&phases).zip(scales) {
+            if done >= *from {
+                let reciprocal = reciprocal(slots.wrapping_sub(*from));
+                (*phase, *pace) = (scaled(*now, reciprocal), scaled(*count, reciprocal));
+            } else if *count != 0 {
+                length = length.min(from.wrapping_sub(done));
+            }
+        }
+        let run = ring.get(at..at.wrapping_add(length as usize)).unwrap_or_default();
+        write(run, pairs(phase), pairs(pace), &mut high);
+        for ((count, from), phase) in counts.iter().zip(from).zip(&mut phases) {
+            if done >= *from {
+                let of = slots.wrapping_sub(*from);
+                // Below 2¹⁶, so the quotient is exact.
+                let now = phase.wrapping_add(count.wrapping_mul(length));
+                let steps = (u64::from(now).wrapping_mul(reciprocal(of).into()) >> 31) as u32;
+                *phase = now.wrapping_sub(steps.wrapping_mul(of));
+            }
+        }
+        done = done.wrapping_add(length);
+        at = at.wrapping_add(length as usize) & (RING_SLOTS - 1);
+    }
+}
+
+/// Writes the words of a block; returns the phases after it. A function of its own, so that the
+/// eight numbers stay in registers.
+#[inline(never)]
+fn write<const WIDTH: usize>(run: &[AtomicU32], phase: [u32; 4], pace: [u32; 4], high: &mut [u32; WIDTH]) -> [u32; 4] {
+    let [mut p0, mut p1, mut p2, mut p3] = phase;
+    let [k0, k1, k2, k3] = pace;
+    let mut pending = *high;
+    for slot in run {
+        p0 = (p0 & !CARRIES).wrapping_add(k0);
+        p1 = (p1 & !CARRIES).wrapping_add(k1);
+        p2 = (p2 & !CARRIES).wrapping_add(k2);
+        p3 = (p3 & !CARRIES).wrapping_add(k3);
+        // The carries of a word two bits below those of the word before. By rotation, for a
+        // compiler that would take the four masks apart and run out of registers.
+        let mut both = p3 & CARRIES;
+        for p in [p2, p1, p0] {
+            both = both.rotate_right(2) | p & CARRIES;
+        }
+        // The odd bits from 9 to 15, and above them those between.
+        let rises = both & 0xffff | both >> 17;
+        let mut falls = rises;
+        for later in &mut pending {
+            core::mem::swap(later, &mut falls);
+        }
+        slot.store(rises | falls << 16, Relaxed);
+    }
+    *high = pending;
+    [p0, p1, p2, p3]
 }
 
 #[cfg(test)]
 mod tests {
-    extern crate std;
     use super::*;
-    use std::vec::Vec;
 
     #[test]
     fn rounds_to_the_nearest_pulse_in_both_directions() {
@@ -70,21 +274,5 @@ mod tests {
         }
         assert_eq!(between(Pos(-one), Pos(2 * one)), 3);
         assert_eq!(between(Pos(2 * one), Pos(-one)), -3);
-    }
-
-    /// Against the closed form of the module text, in exact integers.
-    #[test]
-    fn slots_agree_with_the_closed_form() {
-        for slots in [1u32, 2, 7, 100, 1000] {
-            for count in 0..=slots {
-                let mut walker = StepSlots::new(count, slots).unwrap();
-                let at: Vec<u32> = (0..slots).filter(|_| walker.advance()).collect();
-                let closed: Vec<u32> =
-                    (0..count).map(|k| (((k + 1) * slots - slots / 2).div_ceil(count)) - 1).collect();
-                assert_eq!(at, closed, "{count} in {slots}");
-            }
-        }
-        assert!(StepSlots::new(8, 7).is_none());
-        assert!(StepSlots::new(0, 0).is_none());
     }
 }

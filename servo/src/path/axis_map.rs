@@ -10,7 +10,7 @@ pub struct AxisMap {
     axes: [Option<Axis>; DIMENSIONS],
     origin: Option<[i32; DIMENSIONS]>,
     even_ms: u16,
-    lanes: AxisIndices,
+    axis_indices: AxisIndices,
 }
 
 /// Indices of the axes, [`NONE`] where there is none.
@@ -48,8 +48,8 @@ impl AxisMap {
         if sampled.0 == 0 {
             return Err(Refused::NoAxis);
         }
-        let lanes = axes.map(|axis| axis.map_or(NONE, |axis| axis.index() as u8));
-        Ok(AxisMap { axes, origin, even_ms, lanes: AxisIndices(lanes) })
+        let axis_indices = axes.map(|axis| axis.map_or(NONE, |axis| axis.index() as u8));
+        Ok(AxisMap { axes, origin, even_ms, axis_indices: AxisIndices(axis_indices) })
     }
 
     /// The axes of X, Y, Z, A.
@@ -64,8 +64,8 @@ impl AxisMap {
     }
 
     /// Their indices.
-    pub(crate) fn lanes(&self) -> AxisIndices {
-        self.lanes
+    pub(crate) fn axis_indices(&self) -> AxisIndices {
+        self.axis_indices
     }
 
     /// The axes as a set.

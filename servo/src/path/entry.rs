@@ -9,7 +9,8 @@
 //! Other motions have their geometry in words 0–3. A line has four targets; an arc has two and the
 //! bits of its sweep; a full circle has the centre from the start, twice 64 bits. Their speeds are
 //! in the remaining bits: synVel in 44, synAcc and velEnd in 38. So the relative errors are 2⁻³⁹
-//! and 2⁻³³: less than a ns over 10 min of path, 2⁻¹⁶ pulse on ramps of 2¹⁷ pulses.
+//! and 2⁻³³: less than a ns over 10 min of path, 2⁻¹⁶ pulse on ramps of 2¹⁷ pulses. A line in all
+//! coordinates has its [`FixedRamp`] above the kind.
 use super::pack::{float, pack, unpack};
 use crate::math::float::Float;
 use crate::segment::ramp::{Accel, Speed};
@@ -59,13 +60,29 @@ impl Plane {
     }
 }
 
-/// Speeds along a motion, as the bits of doubles.
+/// Whether a plan needs the acceleration of a line all along it: the corners at its ends have room
+/// only because it changes its speed so.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FixedRamp {
+    /// It does not: both directions have room.
+    None,
+    /// It accelerates.
+    Up,
+    /// It brakes.
+    Down,
+}
+
+/// Speeds along a motion, as the bits of doubles. None is negative: the sign of `vel` tells a
+/// [`FixedRamp`], that of `acc` one down.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct MotionSpeeds {
     vel: u64,
     acc: u64,
     end: u64,
 }
+
+/// The sign of a double.
+const SIGN: u64 = 1 << 63;
 
 /// Mantissas of synVel, and of synAcc and velEnd.
 const VEL_BITS: u32 = 38;
@@ -112,19 +129,38 @@ impl MotionSpeeds {
         })
     }
 
+    /// The same with a ramp; only lines keep it.
+    pub fn with_ramp(self, ramp: FixedRamp) -> MotionSpeeds {
+        let (is_fixed, is_down) = match ramp {
+            FixedRamp::None => (0, 0),
+            FixedRamp::Up => (SIGN, 0),
+            FixedRamp::Down => (SIGN, SIGN),
+        };
+        MotionSpeeds { vel: self.vel & !SIGN | is_fixed, acc: self.acc & !SIGN | is_down, end: self.end }
+    }
+
+    /// See [`FixedRamp`].
+    pub(super) fn ramp(self) -> FixedRamp {
+        match (self.vel >= SIGN, self.acc >= SIGN) {
+            (false, _) => FixedRamp::None,
+            (true, false) => FixedRamp::Up,
+            (true, true) => FixedRamp::Down,
+        }
+    }
+
     /// Speed, pulse/ms, as the bits of a double.
     pub fn vel_bits(self) -> u64 {
-        self.vel
+        self.vel & !SIGN
     }
 
     /// Speed, pulse/ms.
     pub(super) fn vel(self) -> Float {
-        float(self.vel)
+        float(self.vel & !SIGN)
     }
 
     /// Acceleration, pulse/ms².
     pub(super) fn acc(self) -> Float {
-        float(self.acc)
+        float(self.acc & !SIGN)
     }
 
     /// Speed at the end, pulse/ms.
@@ -288,8 +324,10 @@ mod kind {
     pub const LASER: u32 = 10;
     /// The bit of word 7 at which the kind begins.
     pub const SHIFT: u32 = 24;
-    /// Above the kind: plane, then these; for a planar line, velEnd's top byte.
+    /// Above the kind: of an arc its plane, then these; of a line its ramp; of a planar one, after
+    /// two bits, velEnd's top byte.
     pub const PLANE_SHIFT: u32 = 4;
+    pub const RAMP_SHIFT: u32 = 4;
     pub const CCW: u32 = 1 << 6;
     pub const LONG_ARC: u32 = 1 << 7;
     pub const MODAL: u32 = 1 << 6;
@@ -309,7 +347,8 @@ fn wide(low: u32, high: u32) -> u64 {
 /// Geometry and speeds of a motion.
 fn motion([a, b, c, d]: [u32; 4], along: MotionSpeeds, kind: u32) -> PathEntry {
     // 44 bits of vel, 38 of acc, 38 of end, 8 of kind.
-    let (vel, acc, end) = (pack(along.vel, VEL_BITS), pack(along.acc, RATE_BITS), pack(along.end, RATE_BITS));
+    let (vel, acc) = (pack(along.vel & !SIGN, VEL_BITS), pack(along.acc & !SIGN, RATE_BITS));
+    let end = pack(along.end, RATE_BITS);
     let first = vel << 20 | acc & 0xf_ffff;
     let second = (acc >> 20) << 38 | end | (kind as u64) << 56;
     PathEntry([a, b, c, d, low(first), high(first), low(second), high(second)])
@@ -333,7 +372,7 @@ impl PathEntry {
 
     /// A line in all coordinates, pulses.
     pub fn line(to: [i32; 4], along: MotionSpeeds) -> PathEntry {
-        motion(to.map(|x| x as u32), along, kind::LINE)
+        motion(to.map(|x| x as u32), along, kind::LINE | (along.ramp() as u32) << kind::RAMP_SHIFT)
     }
 
     /// An arc, see [`EntryContent::Arc`].
@@ -459,7 +498,15 @@ impl PathEntry {
                 let along = MotionSpeeds { vel: wide(c, d), acc: wide(e, f), end };
                 EntryContent::Line { to: [a as i32, b as i32, 0, 0], dimensions: 2, along }
             }
-            kind::LINE => EntryContent::Line { to: [a, b, c, d].map(|x| x as i32), dimensions: 4, along: along() },
+            kind::LINE => {
+                let to = [a, b, c, d].map(|x| x as i32);
+                let ramp = match kind >> kind::RAMP_SHIFT & 3 {
+                    1 => FixedRamp::Up,
+                    2 => FixedRamp::Down,
+                    _ => FixedRamp::None,
+                };
+                EntryContent::Line { to, dimensions: 4, along: along().with_ramp(ramp) }
+            }
             kind::ARC => {
                 let sweep = Sweep { turns: wide(c, d), long: kind & kind::LONG_ARC != 0, ccw: kind & kind::CCW != 0 };
                 EntryContent::Arc { plane, to: [a as i32, b as i32], sweep, along: along() }

@@ -38,7 +38,7 @@ use fast_path::FastPathCase;
 /// Entries with effects in a tick, a move counted
 /// [`PathEntry::load`](super::entry::PathEntry::load) times. The path holds before the next one
 /// until the next tick. As many may lie between two motions that are passed at speed.
-pub(crate) const EFFECTS: u32 = 32;
+pub const EFFECTS: u32 = 32;
 /// Instants of a tick at which they take effect.
 pub(crate) const INSTANTS: u32 = 8;
 /// Motions entered in a tick; the same holds.

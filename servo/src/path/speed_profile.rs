@@ -22,8 +22,21 @@ pub(super) struct MotionLimits {
     pub(super) end: Float,
     /// Least time at constant speed, ms.
     pub(super) even: Float,
-    /// Deceleration of a Stop in force.
-    pub(super) stop: Option<Float>,
+    /// The number of its [`SpeedRule`].
+    pub(super) ruled: Float,
+}
+
+/// What a motion has to do beside its limits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum SpeedRule {
+    /// Nothing.
+    Free,
+    /// A Stop is in force, with the deceleration `ruled`.
+    Stop,
+    /// The plan needs its acceleration all along, up to the speed `ruled`.
+    RampUp,
+    /// The same, down to it.
+    RampDown,
 }
 
 /// An interval of constant acceleration.
@@ -53,6 +66,8 @@ pub(super) struct SpeedPlan {
 /// A motion that stops within 2⁻¹⁶ pulse counts as stopped: v² < 2·a·2⁻¹⁶. Planners of corner
 /// speeds round, too.
 const STANDSTILL: i32 = -15;
+/// A square that is less than the planned one by this part is the planned one.
+const SAME_SQUARE_LOG2: i32 = -14;
 const STILL: Phase = Phase { time: 0, length: Exact(0), vel: Float::ZERO, acc: Float::ZERO };
 
 /// Whether a ≥ b.
@@ -89,12 +104,14 @@ impl SpeedPlan {
     pub(super) fn advance(&mut self, sketch: &mut SpeedPlanDraft) -> bool {
         sketch.todo = match sketch.todo {
             PlannerStep::Bound => {
-                let SpeedPlanDraft { v, length, means, .. } = &*sketch;
+                let SpeedPlanDraft { v, length, means, rule, .. } = &*sketch;
                 (self.count, self.exit, self.halts) = (0, *v, false);
                 if length.is_zero() || length.is_negative() {
                     PlannerStep::Nothing
-                } else if let Some(dec) = means.stop {
-                    self.brake(*v, *length, means, dec);
+                } else if *rule == SpeedRule::Stop {
+                    self.brake(*v, *length, means, means.ruled);
+                    PlannerStep::Nothing
+                } else if *rule != SpeedRule::Free && self.keep_share(*v, *length, means, *rule) {
                     PlannerStep::Nothing
                 } else {
                     self.bound(sketch)
@@ -186,6 +203,71 @@ impl SpeedPlan {
         PlannerStep::Nothing
     }
 
+    /// A fixed ramp that is slower than planned, or that an override makes slower. False if all is
+    /// as planned.
+    ///
+    /// Let u be the present square of the speed as a part of the planned one, and ±A the planned
+    /// acceleration. With u·(±A) the corners take the part u of the limits. The remainder is free:
+    /// the acceleration may differ from that by (1 − u)·A. One phase is as near to the override as
+    /// that allows at its beginning. On a ramp down u grows unless it falls by u·A.
+    #[inline(never)]
+    fn keep_share(&mut self, v: Float, length: Float, means: &MotionLimits, rule: SpeedRule) -> bool {
+        let MotionLimits { vel, acc, end, ruled: planned, .. } = *means;
+        let (from, to, change) = (v.mul(v), planned.mul(planned), acc.mul(length).scale(1));
+        let rises = rule == SpeedRule::RampUp;
+        let square = if rises { to.sub(change) } else { to.add(change) };
+        let lower = !square.is_negative() && from.is_less(square.sub(square.scale(SAME_SQUARE_LOG2)));
+        if !lower && !vel.is_less(v) && !end.is_less(planned) {
+            return false;
+        }
+        if !rises && from.scale(2).is_less(square) {
+            self.regain(v, length, means, square);
+            return true;
+        }
+        let share = if lower { from.div(square) } else { Float::ONE };
+        let (low, high) = (from.sub(change), share.mul(change));
+        let (low, high) = if rises { (low.add(high.scale(1)), from.add(change)) } else { (low, from.sub(high)) };
+        let [low, high] = [low, high].map(|square| if square.is_negative() { Float::ZERO } else { square });
+        let aim = end.mul(end);
+        let square = if high.is_less(aim) { high } else { larger(aim, low) };
+        self.exit = square.sqrt();
+        let twice = length.scale(1);
+        self.push(twice.div(v.add(self.exit)), v, square.sub(from).div(twice));
+        true
+    }
+
+    /// A fixed ramp down with u below ¼; `square` is the planned one where it begins. Up with A/2,
+    /// as long as u is at most ¼, then down with u = ¼.
+    fn regain(&mut self, v: Float, length: Float, means: &MotionLimits, square: Float) {
+        const THIRD: Float = Float::new(false, 0xaaaa_aaaa_aaaa_aaab, -65);
+        let MotionLimits { vel, acc, ruled: planned, .. } = *means;
+        let (from, limit, inverse) = (v.mul(v), vel.mul(vel), acc.recip());
+        let (reach, low) = (acc.mul(length), planned.mul(planned).scale(-2));
+        let hardest = from.sub(reach.scale(1));
+        if vel.is_less(v) && reaches(hardest, limit) {
+            self.exit = hardest.sqrt();
+            return self.ramp(v, self.exit, acc, inverse);
+        }
+        let all = from.add(reach);
+        let (top, exit) = if low.is_less(all) { (from.add(square.scale(-1)).mul(THIRD), low) } else { (all, all) };
+        let top = if limit.is_less(top) { limit } else { top };
+        let exit = if top.is_less(exit) { top } else { exit };
+        let (peak, up) = (top.sqrt(), !top.is_less(from));
+        self.exit = exit.sqrt();
+        let distance = top.sub(from).mul(inverse);
+        let ramps = if up { distance } else { distance.negate().scale(-1) }.add(top.sub(exit).mul(inverse).scale(1));
+        let cruise = length.sub(ramps);
+        if up {
+            self.ramp(v, peak, acc.scale(-1), inverse.scale(1))
+        } else {
+            self.ramp(v, peak, acc, inverse)
+        }
+        if !cruise.is_zero() && !cruise.is_negative() {
+            self.push(cruise.div(peak), peak, Float::ZERO);
+        }
+        self.ramp(peak, self.exit, acc.scale(-2), inverse.scale(2));
+    }
+
     /// To standstill, or as near to it as the motion is long, and never faster than without the
     /// Stop: a motion above its speed brakes to that at least as hard as it does.
     fn brake(&mut self, mut v: Float, mut length: Float, means: &MotionLimits, dec: Float) {
@@ -252,9 +334,10 @@ state! {
     #[derive(Debug, Clone, Copy)]
     pub(super) struct SpeedPlanDraft {
         todo: PlannerStep = PlannerStep::Nothing,
+        rule: SpeedRule = SpeedRule::Free,
         v: Float = Float::ZERO,
         length: Float = Float::ZERO,
-        means: MotionLimits = MotionLimits { vel: Float::ZERO, acc: Float::ZERO, end: Float::ZERO, even: Float::ZERO, stop: None },
+        means: MotionLimits = MotionLimits { vel: Float::ZERO, acc: Float::ZERO, end: Float::ZERO, even: Float::ZERO, ruled: Float::ZERO },
         /// Squares of the speeds at both ends, and how much the motion may change them.
         from: Float = Float::ZERO,
         to: Float = Float::ZERO,
@@ -271,8 +354,8 @@ state! {
 impl SpeedPlanDraft {
     /// Of a motion over `length` from speed `v`.
     #[inline]
-    pub(super) fn begin(&mut self, v: Float, length: Float, means: MotionLimits) {
-        (self.todo, self.v, self.length, self.means) = (PlannerStep::Bound, v, length, means);
+    pub(super) fn begin(&mut self, v: Float, length: Float, (means, rule): (MotionLimits, SpeedRule)) {
+        (self.todo, self.v, self.length, self.means, self.rule) = (PlannerStep::Bound, v, length, means, rule);
     }
 
     /// The peak speed, and the remaining length at it.

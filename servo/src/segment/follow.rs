@@ -45,12 +45,12 @@ pub struct Master {
     /// The axis, counted over all cores.
     pub axis: Axis,
     /// Which of its positions.
-    pub value: Value,
+    pub value: MasterPosition,
 }
 
 /// The position of the master that counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Value {
+pub enum MasterPosition {
     /// The planned position.
     Planned,
     /// The encoder, linear between its samples.

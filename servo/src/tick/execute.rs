@@ -28,7 +28,7 @@ impl<const AXES: usize> Tick<AXES> {
         next: Ns,
         period: &mut Ns,
         port: &mut P,
-        lanes: &mut HandOvers<'_, '_, AXES>,
+        hand_overs: &mut HandOvers<'_, '_, AXES>,
     ) {
         match entry.command {
             // Other cases have been carried out already.
@@ -44,14 +44,14 @@ impl<const AXES: usize> Tick<AXES> {
                 let abrupt = AxisMask(axes.0 & abrupt.0);
                 let hard = CrdMask(crds.0 & crds_abrupt.0 | self.drivers(abrupt).0);
                 let all = CrdMask(crds.0 | self.drivers(axes).0);
-                self.stop_crds(hard, Halt::Abrupt, StopReason::StopAbrupt, next, lanes);
-                self.stop_crds(CrdMask(all.0 & !hard.0), Halt::Smooth, StopReason::StopSmooth, next, lanes);
-                self.brake_axes(AxisMask(axes.0 & !abrupt.0), StopReason::StopSmooth, next, lanes);
-                self.halt(abrupt, StopReason::StopAbrupt, next, lanes);
+                self.stop_crds(hard, Halt::Abrupt, StopReason::StopAbrupt, next, hand_overs);
+                self.stop_crds(CrdMask(all.0 & !hard.0), Halt::Smooth, StopReason::StopSmooth, next, hand_overs);
+                self.brake_axes(AxisMask(axes.0 & !abrupt.0), StopReason::StopSmooth, next, hand_overs);
+                self.halt(abrupt, StopReason::StopAbrupt, next, hand_overs);
             }
             TickCommand::Abort => {
                 self.lasers.abort(next);
-                self.brake(Brake::All, StopReason::Abort, next, lanes);
+                self.brake(Brake::All, StopReason::Abort, next, hand_overs);
                 self.aborted = self.running();
                 self.finish_abort(next);
             }
@@ -60,26 +60,26 @@ impl<const AXES: usize> Tick<AXES> {
                 port.forget_plan();
             }
             TickCommand::Supervision(supervision) => self.supervision = supervision,
-            TickCommand::Servo { axis, on } => self.servo(axis.mask(), on, next, lanes),
+            TickCommand::Servo { axis, on } => self.servo(axis.mask(), on, next, hand_overs),
             TickCommand::Output { group, mask, value } => {
                 if !self.timed.is_empty() {
                     self.timed.forget(group, mask);
                 }
-                self.output(group, mask, value, next, lanes);
+                self.output(group, mask, value, next, hand_overs);
             }
             TickCommand::OutputFor { group, bit, high, time } => {
                 if !self.timed.takes(group, bit) {
                     let refusal = Event::OutputRefused { lane, seq: entry.seq };
-                    return report_event(lanes.events, &mut self.events_lost, refusal);
+                    return report_event(hand_overs.events, &mut self.events_lost, refusal);
                 }
                 let mask = 1u64 << (bit & 63);
                 self.timed.add(group, bit, !high, Ns(next.0.saturating_add(time.0)));
-                self.output(group, mask, if high { mask } else { 0 }, next, lanes);
+                self.output(group, mask, if high { mask } else { 0 }, next, hand_overs);
             }
-            TickCommand::EdgeCount { input, index, count } => lanes.tables.edges.set(input, index, count),
+            TickCommand::EdgeCount { input, index, count } => hand_overs.tables.edges.set(input, index, count),
             TickCommand::Analog { channel, value } => {
                 port.analog_out(0, channel as usize, value);
-                self.record_analog(channel, value, lanes.tables.lasers, lanes.samples);
+                self.record_analog(channel, value, hand_overs.tables.lasers, hand_overs.samples);
             }
             TickCommand::Simulate(input) => {
                 if P::SIMULATED {
@@ -95,18 +95,18 @@ impl<const AXES: usize> Tick<AXES> {
                 port.plan(row, due, input);
             }
             TickCommand::Update { axes } => {
-                if !self.refused(lane, entry.seq, axes, lanes, |_, state| state.refuses_update()) {
-                    self.sourced(axes, lanes, |state, source| state.update(next, source));
+                if !self.refused(lane, entry.seq, axes, hand_overs, |_, state| state.refuses_update()) {
+                    self.sourced(axes, hand_overs, |state, source| state.update(next, source));
                 }
             }
             TickCommand::PtStart { axes, fifo1 } => {
-                if !self.refused(lane, entry.seq, axes, lanes, |axis, state| state.refuses_pt(fifo1.has(axis))) {
+                if !self.refused(lane, entry.seq, axes, hand_overs, |axis, state| state.refuses_pt(fifo1.has(axis))) {
                     self.each(axes, |axis, state| state.start_pt(next, fifo1.has(axis)));
                 }
             }
             TickCommand::PvtStart { axes } => {
-                let tables = lanes.tables;
-                if !self.refused(lane, entry.seq, axes, lanes, |_, state| state.refuses_pvt(&tables)) {
+                let tables = hand_overs.tables;
+                if !self.refused(lane, entry.seq, axes, hand_overs, |_, state| state.refuses_pvt(&tables)) {
                     self.each(axes, |_, state| state.start_pvt(next, &tables));
                 }
             }
@@ -120,11 +120,11 @@ impl<const AXES: usize> Tick<AXES> {
                     // From here on the laser drives it, and leaves it at 0 V. A channel that is
                     // kept dark does not drive it: what was set before must go.
                     port.analog_out(0, channel as usize, 0);
-                    self.record_analog(channel, 0, lanes.tables.lasers, lanes.samples);
+                    self.record_analog(channel, 0, hand_overs.tables.lasers, hand_overs.samples);
                 }
                 if self.lasers.change(channel, next, &change) {
                     let refusal = Event::LaserRefused { lane, seq: entry.seq, channel };
-                    report_event(lanes.events, &mut self.events_lost, refusal);
+                    report_event(hand_overs.events, &mut self.events_lost, refusal);
                 }
             }
             TickCommand::FollowEnd { crds } => self.lasers.end_follow(crds, next),
@@ -133,14 +133,14 @@ impl<const AXES: usize> Tick<AXES> {
                 let paths = self.crds.running.0 & !self.lasers.dead().0;
                 self.lasers.link(lost, self.script.runs || paths != 0);
                 if lost {
-                    self.brake(self.supervision.link, StopReason::LinkLoss, next, lanes);
+                    self.brake(self.supervision.link, StopReason::LinkLoss, next, hand_overs);
                 }
             }
             TickCommand::Trace { every, axes, crds, lasers, edges, outputs } => {
                 let chosen = Chosen { axes, crds, lasers, edges, outputs };
                 if let Some((row, chosen)) = self.trace.begin(every, chosen) {
-                    self.trace.record_analog_carried(lanes.tables.lasers, lanes.samples);
-                    self.emit(row, chosen, lanes.samples);
+                    self.trace.record_analog_carried(hand_overs.tables.lasers, hand_overs.samples);
+                    self.emit(row, chosen, hand_overs.samples);
                 }
             }
             TickCommand::ClearStatus { axes } => {
@@ -185,7 +185,7 @@ impl<const AXES: usize> Tick<AXES> {
                 let mut counts = true;
                 self.one(axis, |state| counts = state.commit(fifo, end, epoch));
                 if !counts {
-                    self.report_void((lane, entry.seq), axis, lanes);
+                    self.report_void((lane, entry.seq), axis, hand_overs);
                 }
             }
             TickCommand::PtClear { axis, fifo } => self.one(axis, |state| state.clear_fifo(fifo)),
@@ -197,40 +197,41 @@ impl<const AXES: usize> Tick<AXES> {
             TickCommand::FollowLoop { axis, passes } => self.one(axis, |state| state.set_follow_passes(passes)),
             TickCommand::FollowCommit { axis, fifo, end, cleared, tail } => {
                 let mut counts = true;
-                if let Some(store) = lanes.segments.get(axis.index()) {
+                if let Some(store) = hand_overs.segments.get(axis.index()) {
                     self.one(axis, |state| counts = state.commit_entries(fifo, end, cleared, tail, store));
                 }
                 if !counts {
-                    self.report_void((lane, entry.seq), axis, lanes);
+                    self.report_void((lane, entry.seq), axis, hand_overs);
                 }
             }
             TickCommand::FollowClear { axis, fifo } => self.one(axis, |state| state.clear_entries(fifo)),
             TickCommand::GearRatio { axis, ratio } => self.one(axis, |state| state.set_gear(ratio)),
             TickCommand::FollowStart { axes, fifo1 } => {
-                if !self.refused(lane, entry.seq, axes, lanes, |axis, state| state.refuses_follow(fifo1.has(axis))) {
+                if !self.refused(lane, entry.seq, axes, hand_overs, |axis, state| state.refuses_follow(fifo1.has(axis)))
+                {
                     self.each(axes, |axis, state| state.start_follow(next, fifo1.has(axis)));
                     self.renew_order();
                 }
             }
             TickCommand::FollowSwitch { axes } => {
-                if !self.refused(lane, entry.seq, axes, lanes, |_, state| state.refuses_switch()) {
+                if !self.refused(lane, entry.seq, axes, hand_overs, |_, state| state.refuses_switch()) {
                     self.each(axes, |_, state| state.switch());
                 }
             }
             TickCommand::FollowSwitchNow { axis, method } => {
                 let table = method == Method::Table;
                 let forbids = |state: &AxisState| if table { state.refuses_switch() } else { !state.follows() };
-                if !self.refused(lane, entry.seq, axis.mask(), lanes, |_, state| forbids(state)) {
+                if !self.refused(lane, entry.seq, axis.mask(), hand_overs, |_, state| forbids(state)) {
                     self.one(axis, |state| state.switch_now(method));
                 }
             }
             TickCommand::PtLoop { axis, passes } => self.one(axis, |state| state.set_passes(passes)),
-            TickCommand::CrdFrame { crd, frame } => self.set_frame(crd, frame, next, lanes.paths),
+            TickCommand::CrdFrame { crd, frame } => self.set_frame(crd, frame, next, hand_overs.paths),
             TickCommand::CrdCommit { crd, fifo, end, cleared } => self.commit_path(crd, fifo, end, cleared),
             TickCommand::CrdClear { crd, fifo } => self.clear_path(crd, fifo, next),
-            TickCommand::CrdStart { crds, fifo1 } => self.start_crds((lane, entry.seq), crds, fifo1, next, lanes),
+            TickCommand::CrdStart { crds, fifo1 } => self.start_crds((lane, entry.seq), crds, fifo1, next, hand_overs),
             TickCommand::CrdStopDec { crd, dec } => self.set_crd_stop(crd, dec),
-            TickCommand::CrdOverride { crd, rate } => self.set_override(crd, rate, next, lanes),
+            TickCommand::CrdOverride { crd, rate } => self.set_override(crd, rate, next, hand_overs),
             TickCommand::CrdLag { crd, lag } => self.set_encoder_lag(crd, lag),
         }
     }
@@ -239,11 +240,11 @@ impl<const AXES: usize> Tick<AXES> {
     /// ends the waits for it; the interrupt of that tick samples it for everything else.
     #[inline(never)]
     /// Outputs of a group get the levels of `value` where `mask` is set.
-    fn output(&mut self, group: DoGroup, mask: u64, value: u64, next: Ns, lanes: &mut HandOvers<'_, '_, AXES>) {
+    fn output(&mut self, group: DoGroup, mask: u64, value: u64, next: Ns, hand_overs: &mut HandOvers<'_, '_, AXES>) {
         match group {
             DoGroup::Enable => {
-                self.servo(AxisMask(mask & value), true, next, lanes);
-                self.servo(AxisMask(mask & !value), false, next, lanes);
+                self.servo(AxisMask(mask & value), true, next, hand_overs);
+                self.servo(AxisMask(mask & !value), false, next, hand_overs);
             }
             DoGroup::Clear => self.clear = self.clear & !mask | value & mask,
             DoGroup::General => {
@@ -298,11 +299,11 @@ impl<const AXES: usize> Tick<AXES> {
     fn sourced(
         &mut self,
         axes: AxisMask,
-        lanes: &HandOvers<'_, '_, AXES>,
+        hand_overs: &HandOvers<'_, '_, AXES>,
         mut visit: impl FnMut(&mut AxisState, &MotionSource<'_>),
     ) {
         self.each(axes, |axis, state| {
-            if let Some(source) = lanes.source(axis) {
+            if let Some(source) = hand_overs.source(axis) {
                 visit(state, &source);
             }
         });
@@ -320,12 +321,18 @@ impl<const AXES: usize> Tick<AXES> {
     }
 
     /// Axes brake with their stop decelerations.
-    fn brake_axes(&mut self, axes: AxisMask, reason: StopReason, next: Ns, lanes: &HandOvers<'_, '_, AXES>) {
-        self.sourced(axes, lanes, |state, source| state.stop_smooth(next, reason, source));
+    fn brake_axes(&mut self, axes: AxisMask, reason: StopReason, next: Ns, hand_overs: &HandOvers<'_, '_, AXES>) {
+        self.sourced(axes, hand_overs, |state, source| state.stop_smooth(next, reason, source));
     }
 
     /// Motion brakes: coordinate systems along their paths, axes with their stop decelerations.
-    pub(crate) fn brake(&mut self, which: Brake, reason: StopReason, next: Ns, lanes: &mut HandOvers<'_, '_, AXES>) {
+    pub(crate) fn brake(
+        &mut self,
+        which: Brake,
+        reason: StopReason,
+        next: Ns,
+        hand_overs: &mut HandOvers<'_, '_, AXES>,
+    ) {
         let all = self.in_use(AxisMask(u64::MAX));
         let axes = match which {
             Brake::None => return,
@@ -337,12 +344,12 @@ impl<const AXES: usize> Tick<AXES> {
             }
             Brake::All => all,
             Brake::AbruptAll => {
-                self.stop_crds(self.crds.running, Halt::Abrupt, reason, next, lanes);
-                return self.halt(all, reason, next, lanes);
+                self.stop_crds(self.crds.running, Halt::Abrupt, reason, next, hand_overs);
+                return self.halt(all, reason, next, hand_overs);
             }
         };
-        self.stop_crds(self.crds.running, Halt::Smooth, reason, next, lanes);
-        self.brake_axes(axes, reason, next, lanes);
+        self.stop_crds(self.crds.running, Halt::Smooth, reason, next, hand_overs);
+        self.brake_axes(axes, reason, next, hand_overs);
     }
 
     /// Everything that runs.
@@ -366,23 +373,29 @@ impl<const AXES: usize> Tick<AXES> {
     }
 
     /// Stops axes at their present positions, and the paths that drive them.
-    pub(crate) fn halt(&mut self, axes: AxisMask, reason: StopReason, next: Ns, lanes: &mut HandOvers<'_, '_, AXES>) {
-        self.stop_crds(self.drivers(axes), Halt::Abrupt, reason, next, lanes);
+    pub(crate) fn halt(
+        &mut self,
+        axes: AxisMask,
+        reason: StopReason,
+        next: Ns,
+        hand_overs: &mut HandOvers<'_, '_, AXES>,
+    ) {
+        self.stop_crds(self.drivers(axes), Halt::Abrupt, reason, next, hand_overs);
         for axis in self.in_use(axes).axes() {
             if let Some(state) = self.axes.get_mut(axis.index())
                 && state.runs()
                 && state.driver().is_none()
             {
                 state.halt(next, reason);
-                report_event(lanes.events, &mut self.events_lost, Event::Stopped { axis, reason, now: next });
+                report_event(hand_overs.events, &mut self.events_lost, Event::Stopped { axis, reason, now: next });
             }
         }
     }
 
-    pub(crate) fn servo(&mut self, axes: AxisMask, on: bool, next: Ns, lanes: &mut HandOvers<'_, '_, AXES>) {
+    pub(crate) fn servo(&mut self, axes: AxisMask, on: bool, next: Ns, hand_overs: &mut HandOvers<'_, '_, AXES>) {
         if !on {
             self.darken(axes);
-            self.halt(axes, StopReason::ServoOff, next, lanes);
+            self.halt(axes, StopReason::ServoOff, next, hand_overs);
         }
         self.enable = if on { self.enable | self.in_use(axes).0 } else { self.enable & !axes.0 };
         self.all(axes, |state| state.servo_on = on);
@@ -392,9 +405,9 @@ impl<const AXES: usize> Tick<AXES> {
     /// reported.
     #[cold]
     #[inline(never)]
-    fn report_void(&mut self, (lane, seq): (Lane, u32), axis: Axis, lanes: &mut HandOvers<'_, '_, AXES>) {
+    fn report_void(&mut self, (lane, seq): (Lane, u32), axis: Axis, hand_overs: &mut HandOvers<'_, '_, AXES>) {
         let status = self.axes.get(axis.index()).map_or(0, AxisState::status);
-        report_event(lanes.events, &mut self.events_lost, Event::Refused { lane, seq, axis, status });
+        report_event(hand_overs.events, &mut self.events_lost, Event::Refused { lane, seq, axis, status });
     }
 
     /// Whether one axis of the mask forbids the start; then that is reported, and none starts.
@@ -403,13 +416,13 @@ impl<const AXES: usize> Tick<AXES> {
         lane: Lane,
         seq: u32,
         axes: AxisMask,
-        lanes: &mut HandOvers<'_, '_, AXES>,
+        hand_overs: &mut HandOvers<'_, '_, AXES>,
         forbids: impl Fn(Axis, &AxisState) -> bool,
     ) -> bool {
         let mut states = self.in_use(axes).axes().filter_map(|axis| Some((axis, self.axes.get(axis.index())?)));
         let Some((axis, state)) = states.find(|(axis, state)| forbids(*axis, state)) else { return false };
         let refusal = Event::Refused { lane, seq, axis, status: state.status() };
-        report_event(lanes.events, &mut self.events_lost, refusal);
+        report_event(hand_overs.events, &mut self.events_lost, refusal);
         true
     }
 }

@@ -18,8 +18,8 @@ pub(crate) struct HandOvers<'r, 'a, const AXES: usize> {
 impl<'r, 'a, const AXES: usize> HandOvers<'r, 'a, AXES> {
     /// What a step reaches.
     #[inline(always)]
-    pub(crate) fn of(lanes: &'r mut TickHalves<'a, AXES>) -> HandOvers<'r, 'a, AXES> {
-        let TickHalves { events, samples, segments, tables, paths, .. } = lanes;
+    pub(crate) fn of(halves: &'r mut TickHalves<'a, AXES>) -> HandOvers<'r, 'a, AXES> {
+        let TickHalves { events, samples, segments, tables, paths, .. } = halves;
         HandOvers { events, samples, segments, tables: *tables, paths: *paths }
     }
 }

@@ -7,7 +7,7 @@ use super::hand_overs::HandOvers;
 use crate::axis::AxisState;
 use crate::capacity::{GeneralInputs, GeneralOutputs};
 use crate::port::{AxisInputs, Port};
-use crate::segment::follow::{Input, OutputActions, Value};
+use crate::segment::follow::{Input, MasterPosition, OutputActions};
 use crate::segment::piece::Motion;
 use crate::tick::{MotionSource, Tick, TickHalves, report_event};
 use crate::units::{Axis, AxisMask, Crd, Ns};
@@ -55,7 +55,7 @@ fn level(inputs: AxisInputs, input: Input) -> bool {
 impl<const AXES: usize> Tick<AXES> {
     /// Every slave takes its step, after its master.
     #[inline(never)]
-    pub(crate) fn step_slaves(&mut self, next: Ns, port: &mut impl Port, lanes: &mut TickHalves<'_, AXES>) {
+    pub(crate) fn step_slaves(&mut self, next: Ns, port: &mut impl Port, halves: &mut TickHalves<'_, AXES>) {
         let (period, limit) = (self.period, self.step_limit);
         let mut all_follow = true;
         // A shaped segment is three pieces of one slave: more than other axes enter in the same
@@ -73,23 +73,23 @@ impl<const AXES: usize> Tick<AXES> {
             let Some(state) = self.axes.get_mut(index) else { break };
             if left > 0
                 && state.is_open_run()
-                && let Some(store) = lanes.segments.get(index)
+                && let Some(store) = halves.segments.get(index)
             {
                 state.prepare_run(store);
                 left = left.wrapping_sub(1);
             }
             if !straight.is_some_and(|to| state.fast_step(to, period, led, limit)) {
-                all_follow &= self.step_slave(axis, next, &mut switched, port, lanes);
+                all_follow &= self.step_slave(axis, next, &mut switched, port, halves);
             }
             let Some(state) = self.axes.get_mut(index) else { break };
             if state.changed {
                 state.settle();
             }
             port.set_point(axis, state.set_point());
-            self.catch_up(axis, lanes.view.buffer());
+            self.catch_up(axis, halves.view.buffer());
         }
         if switched.on | switched.off != 0 {
-            self.switch_servos(switched, next, lanes);
+            self.switch_servos(switched, next, halves);
             all_follow = false;
         }
         if !all_follow {
@@ -105,13 +105,13 @@ impl<const AXES: usize> Tick<AXES> {
         next: Ns,
         switched: &mut Switched,
         port: &mut impl Port,
-        lanes: &mut TickHalves<'_, AXES>,
+        halves: &mut TickHalves<'_, AXES>,
     ) -> bool {
         let (now, period, limit, index) = (self.now, self.period, self.step_limit, axis.index());
         let led = self.order.leaders.has(axis);
         let general = port.general_inputs();
         let Some((before, others)) = self.axes.split_at_mut_checked(index) else { return false };
-        let (Some((state, after)), Some(store)) = (others.split_first_mut(), lanes.segments.get(index)) else {
+        let (Some((state, after)), Some(store)) = (others.split_first_mut(), halves.segments.get(index)) else {
             return false;
         };
         let others = MasterAxes { before, after };
@@ -127,13 +127,13 @@ impl<const AXES: usize> Tick<AXES> {
             state.step_follow(&master_sample, led, limit, (store, levels, &mut actions))
         } else if state.runs() {
             // A stop came meanwhile.
-            state.step(next, &MotionSource { segments: store, tables: lanes.tables })
+            state.step(next, &MotionSource { segments: store, tables: halves.tables })
         } else {
             None
         };
         let follows = state.follows();
         if let Some(reason) = stopped {
-            report_event(&mut lanes.events, &mut self.events_lost, Event::Stopped { axis, reason, now: next });
+            report_event(&mut halves.events, &mut self.events_lost, Event::Stopped { axis, reason, now: next });
         }
         let brakes = state.follower().and_then(|follower| follower.braking);
         if let Some(cause) = brakes {
@@ -141,7 +141,7 @@ impl<const AXES: usize> Tick<AXES> {
             if let Some(state) = self.axes.get_mut(index)
                 && let Some(reason) = state.brake(next, motion, cause, self.steps)
             {
-                report_event(&mut lanes.events, &mut self.events_lost, Event::Stopped { axis, reason, now: next });
+                report_event(&mut halves.events, &mut self.events_lost, Event::Stopped { axis, reason, now: next });
             }
         }
         for (group, bit, high) in actions.outputs.into_iter().flatten() {
@@ -161,8 +161,8 @@ impl<const AXES: usize> Tick<AXES> {
 
     /// Entries have switched servos on or off.
     #[inline(never)]
-    pub(crate) fn switch_servos(&mut self, switched: Switched, next: Ns, lanes: &mut TickHalves<'_, AXES>) {
-        let TickHalves { events, samples, segments, tables, paths, view, .. } = lanes;
+    pub(crate) fn switch_servos(&mut self, switched: Switched, next: Ns, halves: &mut TickHalves<'_, AXES>) {
+        let TickHalves { events, samples, segments, tables, paths, view, .. } = halves;
         let mut reach = HandOvers { events, samples, segments, tables: *tables, paths: *paths };
         self.servo(AxisMask(switched.on), true, next, &mut reach);
         self.servo(AxisMask(switched.off), false, next, &mut reach);
@@ -195,7 +195,7 @@ impl<const AXES: usize> Tick<AXES> {
         let axes = &self.axes;
         self.order.renew(self.used, |axis| {
             let (master, value) = axes.get(axis.index())?.master()?;
-            Some(if matches!(value, Value::Planned | Value::PlannedFiltered) { master } else { axis })
+            Some(if matches!(value, MasterPosition::Planned | MasterPosition::PlannedFiltered) { master } else { axis })
         });
     }
 

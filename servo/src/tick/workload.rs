@@ -176,7 +176,7 @@ impl<const AXES: usize> Tick<AXES> {
         entry: &LaneEntry,
         instant: Ns,
         budget: &mut TickBudget,
-        lanes: &HandOvers<'_, '_, AXES>,
+        hand_overs: &HandOvers<'_, '_, AXES>,
     ) -> bool {
         if budget.acting == Some(instant) {
             return true;
@@ -187,7 +187,7 @@ impl<const AXES: usize> Tick<AXES> {
         let weight = neighbours(program).fold(0u32, |sum, entry| sum.saturating_add(self.weigh(&entry.command)));
         let fits = weight <= budget.room();
         let waited = self.now.0.saturating_sub(self.script.zero.0.saturating_add(instant.0));
-        if !fits && waited < self.period.0 << PREPARE_LOG2_TICKS && self.prepare(program, budget, lanes) {
+        if !fits && waited < self.period.0 << PREPARE_LOG2_TICKS && self.prepare(program, budget, hand_overs) {
             return false;
         }
         // A tick of its own is the most that it can have.
@@ -205,7 +205,7 @@ impl<const AXES: usize> Tick<AXES> {
         &mut self,
         program: &Consumer<'_, LaneEntry, PROGRAM_ENTRIES>,
         budget: &mut TickBudget,
-        lanes: &HandOvers<'_, '_, AXES>,
+        hand_overs: &HandOvers<'_, '_, AXES>,
     ) -> bool {
         let mut prepared = false;
         for entry in neighbours(program) {
@@ -224,7 +224,7 @@ impl<const AXES: usize> Tick<AXES> {
                 if !budget.takes(weight::PREPARATION) {
                     return true;
                 }
-                if let Some(source) = lanes.source(axis)
+                if let Some(source) = hand_overs.source(axis)
                     && state.prepare_start_now(&source)
                 {
                     budget.spend(weight::PREPARATION);
@@ -242,14 +242,14 @@ impl<const AXES: usize> Tick<AXES> {
         axes: AxisMask,
         next: Ns,
         budget: &mut TickBudget,
-        lanes: &mut HandOvers<'_, '_, AXES>,
+        hand_overs: &mut HandOvers<'_, '_, AXES>,
     ) -> bool {
         if self.resetting == 0 {
             self.supervision = Supervision::DEFAULT;
             self.clear &= !axes.0;
             self.enable &= !axes.0;
-            self.halt(axes, StopReason::Reset, next, lanes);
-            self.settle_crds(next, lanes);
+            self.halt(axes, StopReason::Reset, next, hand_overs);
+            self.settle_crds(next, hand_overs);
             self.drop_frames(axes);
             self.forget_alarms();
             self.lasers.reset(next);

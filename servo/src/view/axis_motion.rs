@@ -6,7 +6,7 @@ use crate::math::float::Float;
 use crate::path::Curvature;
 use crate::segment::follow::motion_of;
 use crate::segment::piece::Motion;
-use crate::view::{CrdView, Drive};
+use crate::view::{CrdView, DrivenBy};
 
 /// A number in 2⁻³⁰.
 fn part(x: i32) -> Float {
@@ -14,14 +14,14 @@ fn part(x: i32) -> Float {
 }
 
 /// The motion of an axis of a coordinate system in its present state.
-pub(crate) fn share(drive: Drive, crd: &CrdView) -> Motion {
+pub(crate) fn share(drive: DrivenBy, crd: &CrdView) -> Motion {
     let (speed, change) = (Float::from_scaled(crd.motion.velocity()), Float::from_scaled(crd.motion.acceleration()));
     match drive {
-        Drive::Gear { ratio, .. } => {
+        DrivenBy::Gear { ratio, .. } => {
             let ratio = Float::from_scaled(ratio);
             motion_of(ratio.mul(speed), ratio.mul(change))
         }
-        Drive::Coordinate { index, .. } => {
+        DrivenBy::Coordinate { index, .. } => {
             let index = index as usize;
             let heading = part(crd.heading.get(index).copied().unwrap_or(0));
             let turning = turning(&crd.bend, &crd.heading, index).mul(speed).mul(speed);
@@ -31,11 +31,11 @@ pub(crate) fn share(drive: Drive, crd: &CrdView) -> Motion {
 }
 
 /// The velocity alone, pulse/ms.
-pub(crate) fn share_speed(drive: Drive, crd: &CrdView) -> Float {
+pub(crate) fn share_speed(drive: DrivenBy, crd: &CrdView) -> Float {
     let speed = Float::from_scaled(crd.motion.velocity());
     match drive {
-        Drive::Gear { ratio, .. } => Float::from_scaled(ratio).mul(speed),
-        Drive::Coordinate { index, .. } => part(crd.heading.get(index as usize).copied().unwrap_or(0)).mul(speed),
+        DrivenBy::Gear { ratio, .. } => Float::from_scaled(ratio).mul(speed),
+        DrivenBy::Coordinate { index, .. } => part(crd.heading.get(index as usize).copied().unwrap_or(0)).mul(speed),
     }
 }
 

@@ -54,7 +54,7 @@ state! {
 impl CrdView {
     /// Becomes a copy of `now`; only what its counters mark as changed is copied.
     #[inline(always)]
-    pub(crate) fn follow(&mut self, now: &CrdView) {
+    pub(crate) fn copy_changed(&mut self, now: &CrdView) {
         if self.moves == now.moves {
             return;
         }
@@ -93,7 +93,7 @@ impl CrdView {
 
 /// How a coordinate system moves an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Drive {
+pub enum DrivenBy {
     /// The axis is one of its coordinates.
     Coordinate {
         /// Whose.
@@ -110,11 +110,11 @@ pub enum Drive {
     },
 }
 
-impl Drive {
+impl DrivenBy {
     /// The coordinate system.
     pub fn crd(self) -> Crd {
         match self {
-            Drive::Coordinate { crd, .. } | Drive::Gear { crd, .. } => crd,
+            DrivenBy::Coordinate { crd, .. } | DrivenBy::Gear { crd, .. } => crd,
         }
     }
 }

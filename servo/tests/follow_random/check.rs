@@ -30,7 +30,7 @@ impl Program {
                 let most = 2.0 * v0.abs().max(v1.abs()) * period;
                 (from, to, (!straight).then_some((most * 2f64.powi(48)) as i128))
             };
-            let path = if link.value == Value::Encoder {
+            let path = if link.value == MasterPosition::Encoder {
                 let place = |counts: [i64; AXES]| fixed(Pos::pulses(counts[link.master] as i32));
                 MasterPath::within(place(counted), place(counts), 0)
             } else {
@@ -74,7 +74,7 @@ impl Program {
                 ));
             }
             let speed = |axis: usize| real(view.velocity(&view.axes[axis]));
-            let back = link.value == Value::Planned && speed(link.master) * (link.dir as f64) < 0.0;
+            let back = link.value == MasterPosition::Planned && speed(link.master) * (link.dir as f64) < 0.0;
             if back && runs && reported.is_none() && speed(link.axis) != 0.0 {
                 return Err(format!("axis {} goes at {} where its master goes back", link.axis, speed(link.axis)));
             }

@@ -5,7 +5,7 @@ use super::*;
 fn a_dithering_encoder_does_not_creep() {
     let mut bench = Bench::prepared(50, MotionMode::Follow);
     bench.now(TickCommand::FollowDirection { axis: axis(1), direction: Direction::Up });
-    bench.follows(1, 0, Value::Encoder);
+    bench.follows(1, 0, MasterPosition::Encoder);
     bench.follow(1, 0, &[Item::Data(1000.0, 5000.0, 1, 0)]);
     loops(&mut bench, 1, 0);
     bench.start_follow(&[1]);
@@ -25,7 +25,7 @@ fn a_dithering_encoder_does_not_creep() {
 #[test]
 fn an_encoder_is_followed_by_its_sample() {
     let mut bench = Bench::prepared(250, MotionMode::Follow);
-    bench.follows(0, 5, Value::Encoder);
+    bench.follows(0, 5, MasterPosition::Encoder);
     bench.follow(0, 0, &[Item::Data(100.0, 50.0, 1, 0)]);
     loops(&mut bench, 0, 0);
     bench.machine.slip[5] = 3;
@@ -47,7 +47,7 @@ fn an_encoder_is_followed_by_its_sample() {
 const TAU: f64 = 4.194304;
 
 /// A slave at ratio 1 to a filtered master.
-fn filtered(period: u32, master: usize, value: Value) -> Bench {
+fn filtered(period: u32, master: usize, value: MasterPosition) -> Bench {
     let mut bench = bench(period);
     bench.follows(1, master, value);
     bench.follow(1, 0, &[Item::Data(1e9, 1e9, 1, 0)]);
@@ -66,7 +66,7 @@ fn a_filtered_encoder_answers_as_a_lag_of_first_order_at_any_period() {
         let ramp = |t: f64| speed as f64 * (t + TAU * (-t / TAU).exp_m1());
         let end = 40.0;
         let rest = speed as f64 * end - ramp(end);
-        let mut bench = filtered(period, 5, Value::EncoderFiltered);
+        let mut bench = filtered(period, 5, MasterPosition::EncoderFiltered);
         for us in (period..=100_000).step_by(period as usize) {
             bench.machine.slip[5] = us.min(40_000) as i64 * speed / 1000;
             let view = bench.tick();
@@ -84,7 +84,7 @@ fn a_filtered_encoder_answers_as_a_lag_of_first_order_at_any_period() {
 #[test]
 fn a_filtered_encoder_that_jumps() {
     for period in [10, 50, 250, 1000] {
-        let mut bench = filtered(period, 5, Value::EncoderFiltered);
+        let mut bench = filtered(period, 5, MasterPosition::EncoderFiltered);
         bench.machine.slip[5] = 100;
         let part = period as f64 / 1000.0 / TAU;
         // Linear over the tick in which it is sampled, then at rest.
@@ -106,7 +106,7 @@ fn a_filtered_encoder_that_jumps() {
 fn a_filtered_plan_lags_by_speed_times_its_time_constant() {
     for period in [10, 50, 250, 1000] {
         for speed in [10.0, 3000.0] {
-            let mut bench = filtered(period, 0, Value::PlannedFiltered);
+            let mut bench = filtered(period, 0, MasterPosition::PlannedFiltered);
             bench.jog(0, speed, 1000.0);
             let view = bench.ticks(200_000 / period);
             let lag = pulses(view.axes[0].pos) - pulses(view.axes[1].pos);

@@ -63,7 +63,7 @@ fn the_power_follows_the_middle_of_the_interval() {
 /// With a minimum of 0 the energy of every part of the path is the ratio times its length, at 1:100
 /// of speeds.
 #[test]
-fn energy_per_way_is_the_ratio() {
+fn energy_per_distance_is_the_ratio() {
     for period in [10, 50, 250, 1000] {
         let mut bench = prepared(period);
         bench.carrier(1000.0);

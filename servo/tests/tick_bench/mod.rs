@@ -414,7 +414,7 @@ impl Bench {
     }
 
     /// Sets the master of an axis, and starts it.
-    pub fn follows(&mut self, index: usize, master: usize, value: follow::Value) {
+    pub fn follows(&mut self, index: usize, master: usize, value: follow::MasterPosition) {
         let master = follow::Master { axis: axis(master), value };
         self.now(TickCommand::FollowMaster { axis: axis(index), master });
     }

@@ -186,8 +186,8 @@ pub const LIGHT: &[Mutant] = &[
     Mutant {
         name: "abort: axes go on",
         file: EXECUTE,
-        text: "self.brake(Brake::All, StopReason::Abort, next, lanes);",
-        broken: "self.brake(Brake::None, StopReason::Abort, next, lanes);",
+        text: "self.brake(Brake::All, StopReason::Abort, next, hand_overs);",
+        broken: "self.brake(Brake::None, StopReason::Abort, next, hand_overs);",
         test: ABORT,
     },
     Mutant {
@@ -207,7 +207,7 @@ pub const LIGHT: &[Mutant] = &[
     Mutant {
         name: "interlock: motion goes on",
         file: TICK,
-        text: "            self.brake(self.supervision.interlock, StopReason::Interlock, next, &mut HandOvers::of(lanes));\n",
+        text: "            self.brake(self.supervision.interlock, StopReason::Interlock, next, &mut HandOvers::of(halves));\n",
         broken: "",
         test: ABORT,
     },

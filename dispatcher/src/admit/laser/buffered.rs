@@ -21,12 +21,13 @@ use protocol::command::{
     BufLaserPrfCmd, BufLaserPrfFollow, opcode,
 };
 use protocol::reason::Reason;
+use protocol::values::FULL_SCALE;
 use servo::laser::{Buffered, Curve, Power, PowerBounds, Ratio};
 use servo::path::PathEntry;
 use servo::units::CrdMask;
 
 /// Velocity ratios may be this large: 2³².
-const VELOCITY_RATIO_MAX: f64 = 4_294_967_296.0;
+const VELOCITY_RATIO_MAX: f64 = FULL_SCALE;
 
 /// Admits a buffered laser command and puts its entry into the FIFO. The reply reports the values
 /// taken, if there are any, else the free slots.

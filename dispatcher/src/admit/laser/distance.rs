@@ -13,12 +13,13 @@ use crate::report::replies::units;
 use crate::shadow::{DistanceShadow, LaserChange};
 use protocol::command::{SetLaserDisMode, SetLaserDisRatio};
 use protocol::reason::Reason;
+use protocol::values::FULL_SCALE;
 use servo::laser::{ChannelChange, DISTANCES, Distance, PowerBounds, Ratios, SpeedSource};
 use servo::units::Axis;
 
 /// Scales of the families, pulses per unit of distance. GUS states no range: it is that of the
 /// tick, 2⁻¹⁸ to 2³².
-const SCALES: (Range, Range) = (Range::new(1.0 / 262_144.0, 4_294_967_296.0), Range::new(1.0, 65_536.0));
+const SCALES: (Range, Range) = (Range::new(1.0 / 262_144.0, FULL_SCALE), Range::new(1.0, 65_536.0));
 /// Highest absolute value of a ratio: 2¹⁷.
 pub const DISTANCE_RATIO_MAX: f64 = 131_072.0;
 

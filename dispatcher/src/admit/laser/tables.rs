@@ -19,13 +19,14 @@ use crate::report::answer::Answer;
 use crate::shadow::{CAPACITY, DistanceShadow, LaserChange, Shadows};
 use protocol::command::{Request, SetLaserDisTable1D, SetLaserDisTable2D, SetLaserFollowTable, opcode};
 use protocol::reason::Reason;
+use protocol::values::FULL_SCALE;
 use servo::laser::{Curve, DISTANCES, NODES, POINTS, POWER_TABLES, Power, PowerTables, Ratios};
 use servo::tick_command::TickCommand;
 use servo::units::Crd;
 use zerocopy::FromBytes;
 
 /// Highest velocity: 2³² pulse/ms.
-const VEL_MAX: f64 = 4_294_967_296.0;
+const VEL_MAX: f64 = FULL_SCALE;
 /// Bytes of the longest head.
 const HEAD: usize = size_of::<SetLaserDisTable1D>();
 const _: () = assert!(size_of::<SetLaserDisTable2D>() <= HEAD && size_of::<SetLaserFollowTable>() <= HEAD);

@@ -11,14 +11,16 @@
 use core::f64::consts::FRAC_PI_6;
 use heapless::Vec;
 use libm::{cos, fabs, sin, sqrt};
+use servo::path::FixedRamp;
 
 /// The acceleration of a coordinate that a corner uses, between the middles of the motions on both
 /// sides. It is at most `fixed` + `bend`·v² + `grow`·a, with the speed v in the corner and the
 /// acceleration a away from it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Corner {
+    /// |Δ| over the mean length: `bend`, where nothing is fixed.
+    turn: f64,
     fixed: f64,
-    bend: f64,
     grow: f64,
     /// The sign of its change of velocity: −1, 0, 1.
     sign: f64,
@@ -65,6 +67,29 @@ struct Constraint {
     end: bool,
 }
 
+/// How a motion is driven: its highest speed, its acceleration, its time in ms.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Chosen {
+    pub vel: f64,
+    pub acc: f64,
+    pub ms: f64,
+    pub ramp: FixedRamp,
+}
+
+/// A speed at an end of a motion. Its root takes longer than all else that is done with it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct EndSpeed {
+    square: f64,
+    pub speed: f64,
+}
+
+impl EndSpeed {
+    /// Of the square of a speed.
+    pub(super) fn of(square: f64) -> EndSpeed {
+        EndSpeed { square, speed: sqrt(square) }
+    }
+}
+
 /// A motion between two junctions.
 #[derive(Debug)]
 pub(super) struct Span {
@@ -79,21 +104,41 @@ fn planned(limit: f64) -> f64 {
     limit * (1.0 - LIMIT_MARGIN_SHARE)
 }
 
+/// The greatest acceleration with which a motion keeps this mean one from its end to its middle. At
+/// `vel` it goes on at that, so the mean is at most 1/(l/2v² + 1/2a), from standstill; if it does
+/// not reach `vel` before the middle, it is a.
+fn with_mean(mean: f64, length: f64, vel: f64) -> f64 {
+    let (reach, square) = (mean * length, vel * vel);
+    if reach <= square {
+        mean
+    } else if reach < 2.0 * square {
+        mean * square / (2.0 * square - reach)
+    } else {
+        f64::INFINITY
+    }
+}
+
 impl Corner {
     /// None.
-    pub(super) const NONE: Corner = Corner { fixed: 0.0, bend: 0.0, grow: 0.0, sign: 0.0, either: false };
+    pub(super) const NONE: Corner = Corner { turn: 0.0, fixed: 0.0, grow: 0.0, sign: 0.0, either: false };
 
     /// A change of direction, over the mean length of the motions on both sides, at the end of a
     /// motion of this length. `fastest`, if given, is the highest product of the speeds at its
     /// ends: it is the closer bound on a long motion. `either`: the turn may go to either side.
     pub(super) fn new((turn, either): (f64, bool), length: f64, fastest: Option<f64>, limit: f64) -> Corner {
-        let bend = fabs(turn);
         let sign = if turn > 0.0 { 1.0 } else { -1.0 };
-        match fastest.map(|squares| bend * squares) {
-            _ if bend == 0.0 => Corner::NONE,
-            Some(fixed) if fixed < limit / 2.0 => Corner { fixed, bend: 0.0, grow: 0.0, sign, either },
-            _ => Corner { fixed: 0.0, bend, grow: bend * length / 4.0, sign, either },
+        let turn = fabs(turn);
+        match fastest.map(|squares| turn * squares) {
+            _ if turn == 0.0 => Corner::NONE,
+            Some(fixed) if fixed < limit / 2.0 => {
+                Corner { turn, fixed: fixed.max(f64::MIN_POSITIVE), grow: 0.0, sign, either }
+            }
+            _ => Corner { turn, fixed: 0.0, grow: turn * length / 4.0, sign, either },
         }
+    }
+
+    fn bend(&self) -> f64 {
+        if self.fixed > 0.0 { 0.0 } else { self.turn }
     }
 
     /// The signs that its change of velocity may have.
@@ -118,14 +163,23 @@ impl Bound {
         })
     }
 
-    /// The greatest acceleration in either direction, with these squares of the speeds at both
-    /// ends. At standstill a corner uses nothing.
-    fn most(&self, squares: [f64; 2]) -> f64 {
-        self.corners.iter().zip(squares).fold(f64::INFINITY, |a, (corner, square)| {
+    /// The greatest acceleration in either direction over a motion of this length and highest
+    /// speed, with these speeds at both ends. At standstill a corner uses nothing.
+    fn most(&self, ends: &[EndSpeed; 2], length: f64, vel: f64) -> f64 {
+        self.corners.iter().zip(ends).fold(f64::INFINITY, |a, (corner, &EndSpeed { square, speed })| {
             let corner = if square > 0.0 { corner } else { &Corner::NONE };
-            let left = self.limit - corner.fixed - (self.across + corner.bend) * square;
-            let steep = fabs(self.along) + corner.grow;
-            if steep > 0.0 { a.min(left / steep) } else { a }
+            let left = self.limit - corner.fixed - (self.across + corner.bend()) * square;
+            let (along, steep) = (fabs(self.along), fabs(self.along) + corner.grow);
+            if steep <= 0.0 {
+                return a;
+            }
+            let whole = left / steep;
+            if whole >= a || corner.fixed == 0.0 || self.round || along <= 0.0 {
+                return a.min(whole);
+            }
+            // The speed from the corner to the middle is at most `vel`.
+            let mean = (self.limit - corner.turn * speed * vel) / along;
+            a.min(whole.max(with_mean(mean, length, vel)))
         })
     }
 }
@@ -163,7 +217,7 @@ impl Span {
 
     /// The lines of a bound at one end, of which the acceleration uses `steep`·(y − x).
     fn corner(&mut self, bound: &Bound, corner: &Corner, end: bool, steep: f64) {
-        let square = bound.across + corner.bend;
+        let square = bound.across + corner.bend();
         let limit = bound.limit - corner.fixed;
         let (x, y) = if end { (-steep, square + steep) } else { (square - steep, steep) };
         if fabs(y) > ROUNDING_SHARE * fabs(x) {
@@ -239,42 +293,49 @@ impl Span {
         if high < low - slack || x > self.tops[1] + slack { 0.0 } else { high.max(0.0) }
     }
 
-    /// Speed and acceleration for a motion from x to y, and its time in ms. On an arc both share
-    /// one limit: of the pairs tried, the one with the least time.
-    pub(super) fn choose(&self, bounds: &[Bound], [x, y]: [f64; 2], vel: f64, acc: f64) -> (f64, f64, f64) {
-        let most = bounds.iter().fold(planned(acc), |a, bound| a.min(bound.most([x, y])));
+    /// Speed and acceleration for a motion with these speeds at its ends, and its time in ms. On an
+    /// arc both share one limit: of the pairs tried, the one with the least time.
+    pub(super) fn choose(&self, bounds: &[Bound], ends: &[EndSpeed; 2], vel: f64, acc: f64) -> Chosen {
+        let [x, y] = ends.map(|end| end.square);
+        let most = bounds.iter().fold(planned(acc), |a, bound| a.min(bound.most(ends, self.length, vel)));
         let least = fabs(y - x) / (2.0 * self.length);
+        let ramp = match most * (1.0 + LIMIT_MARGIN_SHARE) < least {
+            true if x < y => FixedRamp::Up,
+            true => FixedRamp::Down,
+            false => FixedRamp::None,
+        };
         let most = most.max(least) * (1.0 + ACC_RESERVE_SHARE);
         if !bounds.iter().any(|bound| bound.round) {
-            return (vel, most, self.time(x, y, vel, most));
+            return Chosen { vel, acc: most, ms: self.time(ends, vel, most), ramp };
         }
-        let mut best = (vel, most, f64::INFINITY);
+        let mut best = Chosen { vel, acc: most, ms: f64::INFINITY, ramp: FixedRamp::None };
         for part in 0..=8 {
             let acc = least + (most - least) * part as f64 / 8.0;
             let square = bounds.iter().filter(|bound| bound.round).fold(vel * vel, |v, bound| {
                 bound.corners.iter().fold(v, |v, corner| {
                     let left = bound.limit - corner.fixed - (bound.along + corner.grow) * acc;
-                    v.min(left / (bound.across + corner.bend))
+                    v.min(left / (bound.across + corner.bend()))
                 })
             });
             let top = sqrt(square.max(x).max(y));
-            let time = self.time(x, y, top, acc);
+            let time = self.time(ends, top, acc);
             // At one time the greater acceleration: after a Stop the motion begins with it.
-            if time <= best.2 * (1.0 + SAME_TIME_SHARE) {
-                best = (top, acc, time);
+            if time <= best.ms * (1.0 + SAME_TIME_SHARE) {
+                best = Chosen { vel: top, acc, ms: time, ..best };
             }
         }
         best
     }
 
     /// Time of a trapezoid.
-    fn time(&self, x: f64, y: f64, vel: f64, acc: f64) -> f64 {
+    fn time(&self, ends: &[EndSpeed; 2], vel: f64, acc: f64) -> f64 {
+        let [x, y] = ends.map(|end| end.square);
         let peak = sqrt(((x + y) / 2.0 + acc * self.length).min(vel * vel));
         if acc <= 0.0 || peak <= 0.0 {
             return if peak > 0.0 { self.length / peak } else { f64::INFINITY };
         }
         let cruise = self.length - (2.0 * peak * peak - x - y) / (2.0 * acc);
-        (2.0 * peak - sqrt(x) - sqrt(y)) / acc + cruise.max(0.0) / peak
+        (2.0 * peak - ends[0].speed - ends[1].speed) / acc + cruise.max(0.0) / peak
     }
 }
 

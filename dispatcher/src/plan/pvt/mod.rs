@@ -20,6 +20,7 @@ use complete::EliminationRow;
 use continuous::PointData;
 pub use double_double::DoubleDouble;
 use protocol::reason::Reason;
+use protocol::values::FULL_SCALE;
 pub use scale::Sealed;
 use scale::{Totals, exact, instant};
 pub use scratch::{Scratch, SplineScratch};
@@ -33,7 +34,7 @@ pub const CORE_TABLES: usize = 32;
 pub const LATEST_MS: f64 = 68_719_476_736.0;
 /// Positions as the user counts them stay within 2⁵² pulses.
 const POS_MAX_PULSES: f64 = 4_503_599_627_370_496.0;
-const VEL_MAX_PULSES_PER_MS: f64 = 4_294_967_296.0;
+const VEL_MAX_PULSES_PER_MS: f64 = FULL_SCALE;
 /// Values of a point in the widest description.
 pub const POINT_VALUES: usize = 6;
 

@@ -10,9 +10,10 @@
 use crate::refuse::{Admitted, Refused};
 use protocol::reason::Reason;
 use servo::segment::pvt::{PointStore, TABLE_POINTS};
+use servo::units::Pos;
 
 /// The motion stays within 2⁴¹ pulses of its first point: from one edge of travel to the other.
-const LENGTH_MAX_PULSES: f64 = 2_199_023_255_552.0;
+const LENGTH_MAX_PULSES: f64 = 2.0 * Pos::TRAVEL_PULSES as f64;
 
 /// A point of a table in user units, counted from the first point.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -25,7 +25,7 @@ pub struct Course {
     /// Of each coordinate.
     pub vel: Position,
     pub acc: Position,
-    /// It is stopped on its way, or its override changes.
+    /// It is stopped on its way. A new override disturbs no rule.
     pub disturbed: bool,
     /// One of its Stops is abrupt: what was reached in that tick has been done (docs/crd.md).
     pub abrupt: bool,
@@ -146,7 +146,6 @@ impl Making {
                 self.path(Path::Start { mask: 1, option: 0 });
             }
             2 => {
-                self.course.disturbed = true;
                 let ratio = [1.0, 0.5, 0.25, 0.8][self.chance.below(4) as usize];
                 self.path(Path::Override { crd: 1, ratio });
             }

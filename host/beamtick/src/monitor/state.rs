@@ -9,14 +9,12 @@ use protocol::command::{
 };
 use protocol::reason::{laser_cause, stop_reason};
 use protocol::record::JobState;
-use protocol::values::{mode, program, status};
+use protocol::values::{CRD_FIFO_ENTRIES, mode, path_stop, program, status};
 use serde::Serialize;
 use trace::Millimetres;
 
 /// Axes of an AxisStatus.
 const AXES: i16 = 16;
-/// Entries of a FIFO of a coordinate system.
-const ENTRIES: i32 = 1024;
 /// Bits of an axis that are a fault, and what they are.
 const FAULTS: [(u32, &str); 6] = [
     (status::ALARM, "drive alarm"),
@@ -320,8 +318,7 @@ impl State {
         if { crd.axes }.iter().all(|axis| axis.get() == 0) {
             return;
         }
-        // 2: its entries ran out at speed.
-        if crd.run == 0 && crd.path_stop == 2 {
+        if crd.run == 0 && crd.path_stop == path_stop::UNDERRUN {
             self.faults.push(format!("path {number}: {}", stop_reason(crd.reason.get())));
         }
         let fifo = usize::from(crd.fifo & 1);
@@ -333,8 +330,8 @@ impl State {
             speed_mm_min: None,
             segments_done: { crd.segments }[fifo].get(),
             segments_left: { crd.remainder }[fifo].get(),
-            entries: ENTRIES - { crd.space }[fifo].get(),
-            capacity: ENTRIES,
+            entries: i32::from(CRD_FIFO_ENTRIES) - { crd.space }[fifo].get(),
+            capacity: CRD_FIFO_ENTRIES.into(),
             dry_ms: { crd.lasts_ms }[fifo].get(),
         });
     }

@@ -2,9 +2,10 @@
 //!
 //! In: the byte of an override, M7, M8 and their toggles. Out: factors for lines to come and for
 //! the path; general outputs. Fails: with the link's error.
-use super::{GPO, Session};
+use super::Session;
 use client::Error;
 use protocol::command::SetDoBit;
+use protocol::values::io;
 
 impl Session<'_> {
     pub(super) fn override_by(&mut self, byte: u8) {
@@ -56,7 +57,7 @@ impl Session<'_> {
         let Some(output) = [outputs.mist, outputs.flood][which] else { return Ok(()) };
         let value = i16::from(self.coolant[which]);
         let set =
-            SetDoBit { core: 1.into(), do_type: GPO.into(), index: i16::from(output).into(), value: value.into() };
+            SetDoBit { core: 1.into(), do_type: io::GPO.into(), index: i16::from(output).into(), value: value.into() };
         self.feed.client().call(set).map(drop)
     }
 }

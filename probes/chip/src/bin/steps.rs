@@ -8,7 +8,7 @@ use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use cortex_m_semihosting::hprintln;
 use hal as _; // the vector table
 use probes::clock;
-use servo::output::step_words::{AXES, RING_SLOTS, StepOutput};
+use servo::output::step_generator::{AXES, RING_SLOTS, StepOutput};
 
 /// Ticks counted of each kind.
 const TICKS: usize = 100;

@@ -179,7 +179,7 @@ impl Bench {
             self.push(TickCommand::SetMode { axis, mode });
             self.push(TickCommand::FollowMaster {
                 axis,
-                master: follow::Master { axis: master, value: follow::Value::Planned },
+                master: follow::Master { axis: master, value: follow::MasterPosition::Planned },
             });
             self.push(TickCommand::FollowLoop { axis, passes: 0 });
             let tail = chain.tail();

@@ -6,9 +6,9 @@
 use super::{ActiveGear, After, EFFECTS, FifoEnds, Path, PathSettings, PathStage, Preparation, Prepared, end_of};
 use crate::math::float::Float;
 use crate::path::DIMENSIONS;
-use crate::path::entry::{EntryContent, MotionSpeeds, PathEntry};
+use crate::path::entry::{EntryContent, FixedRamp, MotionSpeeds, PathEntry};
 use crate::path::geometry::GearMotion;
-use crate::path::speed_profile::{MotionLimits, Phase, SpeedPlan};
+use crate::path::speed_profile::{MotionLimits, Phase, SpeedPlan, SpeedRule};
 use crate::path::store::PathEntries;
 use crate::units::{Exact, FineNs, Pos};
 
@@ -279,7 +279,7 @@ impl Path {
 
     /// The limits for the plan of a motion.
     #[inline]
-    fn means(&self, along: MotionSpeeds, after: After) -> MotionLimits {
+    fn means(&self, along: MotionSpeeds, after: After) -> (MotionLimits, SpeedRule) {
         let PathSettings { even, stop, rate } = self.rules;
         let vel = along.vel().mul(rate);
         let end = match after {
@@ -287,7 +287,13 @@ impl Path {
             After::Halt | After::Nothing => Float::ZERO,
         };
         let end = if vel.is_less(end) { vel } else { end };
-        MotionLimits { vel, acc: along.acc(), end, even, stop: self.stopping.then_some(stop) }
+        let (rule, ruled) = match along.ramp() {
+            _ if self.stopping => (SpeedRule::Stop, stop),
+            FixedRamp::Up if after == After::Motion => (SpeedRule::RampUp, along.end()),
+            FixedRamp::Down if after == After::Motion => (SpeedRule::RampDown, along.end()),
+            _ => (SpeedRule::Free, Float::ZERO),
+        };
+        (MotionLimits { vel, acc: along.acc(), end, even, ruled }, rule)
     }
 
     /// Plans the remainder of the motion in force from `time`, `distance` and `speed`.

@@ -125,7 +125,7 @@ pub enum SCurvePart {
 
 /// What an entry that is no segment does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Stop {
+pub(super) enum QueueEntry {
     Output {
         group: DoGroup,
         bit: u8,
@@ -483,17 +483,17 @@ impl FollowEntry {
     }
 
     /// What an entry that is no segment does.
-    pub(super) fn action(self) -> Stop {
+    pub(super) fn action(self) -> QueueEntry {
         let (number, rest) = (self.0[4], self.0[5]);
         let (selector, index, high) = (rest & 15, (rest >> 4) as u8, rest >> 12 & 1 == 1);
         match self.percent() {
-            OUTPUT => Stop::Output { group: DoGroup::of(selector), bit: index, high },
-            DELAY => Stop::Delay { cycles: number },
+            OUTPUT => QueueEntry::Output { group: DoGroup::of(selector), bit: index, high },
+            DELAY => QueueEntry::Delay { cycles: number },
             WAIT => {
                 let input = Input::of_bits(selector as u8);
-                Stop::Wait { input, index, high, timeout_ms: number }
+                QueueEntry::Wait { input, index, high, timeout_ms: number }
             }
-            _ => Stop::Switch(if selector == 1 { Method::Table } else { Method::Segment }),
+            _ => QueueEntry::Switch(if selector == 1 { Method::Table } else { Method::Segment }),
         }
     }
 

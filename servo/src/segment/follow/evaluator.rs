@@ -19,19 +19,19 @@ mod seek;
 mod switch;
 
 use super::curve::{EXACT_TO_POS_BITS, ceil, slope};
-use super::entry::{Input, Stop};
+use super::entry::{Input, QueueEntry};
 use super::gear::Gear;
 use super::master_path::{MasterPath, PositionTrack, Section, TimedPosition};
 use super::setup::Setup;
 use super::slave_track::record;
 use super::{Direction, FollowEntries, Method};
 use crate::segment::piece::Piece;
-use crate::units::{Exact, FineNs, Ns, Pos};
+use crate::units::{CYCLE_NS, Exact, FineNs, Ns, Pos};
 
 /// Entries that are no segments, in one tick of one axis.
 pub const ACTIONS: usize = 8;
 /// A cycle of FollowDelayEx, 250 µs, and a ms, in 2⁻³² ns.
-const DELAY_CYCLE: FineNs = 250_000 << 32;
+const DELAY_CYCLE: FineNs = (CYCLE_NS as FineNs) << 32;
 const FINE_NS_PER_MS: FineNs = 1_000_000 << 32;
 /// Steps of [`FollowRun::settle`] in a tick: every action may be followed by the end of a pass.
 const SETTLE_STEPS: usize = 3 * ACTIONS;
@@ -511,20 +511,20 @@ impl FollowRun {
             )
         };
         match entry.action() {
-            Stop::Output { group, bit, high } => {
+            QueueEntry::Output { group, bit, high } => {
                 if let Some(position) = context.actions.outputs.get_mut(context.actions.done.wrapping_sub(1)) {
                     *position = Some((group as u8, bit, high));
                 }
                 return false;
             }
-            Stop::Delay { cycles } => {
+            QueueEntry::Delay { cycles } => {
                 if cycles == 0 {
                     return false;
                 }
                 let until = when().wrapping_add(DELAY_CYCLE.wrapping_mul(cycles as FineNs));
                 self.wait = Wait::Until(until);
             }
-            Stop::Wait { input, index, high, timeout_ms } => {
+            QueueEntry::Wait { input, index, high, timeout_ms } => {
                 // The level in force when the entry is reached is that of the sample before.
                 if (context.level)(input, index) == high {
                     return false;
@@ -533,11 +533,11 @@ impl FollowRun {
                     (timeout_ms != 0).then(|| when().wrapping_add(FINE_NS_PER_MS.wrapping_mul(timeout_ms as FineNs)));
                 self.wait = Wait::Input { input, index, high, until };
             }
-            Stop::Switch(Method::Segment) => {
+            QueueEntry::Switch(Method::Segment) => {
                 // The next segment follows anyway. In the last one, the pass has ended.
                 return false;
             }
-            Stop::Switch(Method::Table) => {
+            QueueEntry::Switch(Method::Table) => {
                 let ratio = if self.held { 0 } else { self.end_ratio(index, context) };
                 let (knot, end) = entry.ends();
                 let (began, origin) = (self.began.wrapping_add(knot), self.origin.wrapping_add(end));

@@ -14,7 +14,7 @@ use crate::tick::hand_overs::HandOvers;
 use crate::tick::{Tick, report_event};
 use crate::tick_command::Lane;
 use crate::units::{AxisMask, Crd, CrdMask, Exact, Ns, Pos};
-use crate::view::{CrdView, Drive, Event, StopReason};
+use crate::view::{CrdView, DrivenBy, Event, StopReason};
 
 /// The furthest from its zero, on every axis, that a path may begin: as far as targets may lie.
 const BEGIN_MAX: u64 = 1 << (31 + Pos::FRAC_BITS);
@@ -75,7 +75,8 @@ impl<const AXES: usize> Tick<AXES> {
             state.path.rules = PathSettings::POWER_ON;
             state.path.rules.set_even(frame.even_ms());
             state.encoders = EncoderSpeed::POWER_ON;
-            (state.published.frame, state.published.origin, state.lanes) = (Some(frame), origin, frame.lanes());
+            (state.published.frame, state.published.origin, state.axis_indices) =
+                (Some(frame), origin, frame.axis_indices());
         }
         self.rename_crd(crd);
         // Nothing changes for the others, if no axis was theirs.
@@ -91,7 +92,7 @@ impl<const AXES: usize> Tick<AXES> {
         let CrdState {
             published: _,
             geared,
-            lanes,
+            axis_indices,
             awaited,
             clearance: _,
             path,
@@ -102,7 +103,7 @@ impl<const AXES: usize> Tick<AXES> {
             obstacle,
             encoders,
         } = state;
-        (*geared, *lanes, *awaited, *likely) = (AxisMask(0), AxisIndices::NONE, None, 0);
+        (*geared, *axis_indices, *awaited, *likely) = (AxisMask(0), AxisIndices::NONE, None, 0);
         (*ending, *obstacle) = (StopReason::None, None);
         path.position([Pos(0); DIMENSIONS]);
         path.rules = PathSettings::POWER_ON;
@@ -197,15 +198,16 @@ impl<const AXES: usize> Tick<AXES> {
         crds: CrdMask,
         fifo1: CrdMask,
         next: Ns,
-        lanes: &mut HandOvers<'_, '_, AXES>,
+        hand_overs: &mut HandOvers<'_, '_, AXES>,
     ) {
         if let Some(refusal) = crds.crds().find_map(|crd| self.refuses_crd(crd, fifo1.has(crd) as u8, lane, seq)) {
-            report_event(lanes.events, &mut self.events_lost, refusal);
+            report_event(hand_overs.events, &mut self.events_lost, refusal);
             return;
         }
         for crd in crds.crds() {
             let fifo = fifo1.has(crd) as u8;
-            let (Some(source), Some(state)) = (lanes.paths.get(crd.index()), self.crds.states.get_mut(crd.index()))
+            let (Some(source), Some(state)) =
+                (hand_overs.paths.get(crd.index()), self.crds.states.get_mut(crd.index()))
             else {
                 continue;
             };
@@ -220,7 +222,7 @@ impl<const AXES: usize> Tick<AXES> {
             for (index, axis) in frame.iter().flat_map(AxisMap::axes).enumerate() {
                 if let Some(axis) = axis.and_then(|axis| self.axes.get_mut(axis.index())) {
                     let base = axis.base();
-                    axis.engage(Drive::Coordinate { crd, index: index as u8 }, base);
+                    axis.engage(DrivenBy::Coordinate { crd, index: index as u8 }, base);
                 }
             }
             // A geared axis of a motion that was interrupted goes on from its present position.
@@ -228,7 +230,7 @@ impl<const AXES: usize> Tick<AXES> {
                 if let Some(axis_state) = self.axes.get_mut(axis.index()) {
                     let Exact(here) = axis_state.base();
                     let Exact(gone) = by.into();
-                    axis_state.engage(Drive::Gear { crd, ratio: Scaled::default() }, Exact(here.wrapping_sub(gone)));
+                    axis_state.engage(DrivenBy::Gear { crd, ratio: Scaled::default() }, Exact(here.wrapping_sub(gone)));
                     state.geared.0 |= axis.mask().0;
                 }
             }
@@ -331,12 +333,12 @@ impl<const AXES: usize> Tick<AXES> {
         halt: Halt,
         reason: StopReason,
         next: Ns,
-        lanes: &mut HandOvers<'_, '_, AXES>,
+        hand_overs: &mut HandOvers<'_, '_, AXES>,
     ) {
         let running = CrdMask(crds.0 & self.crds.running.0);
         for crd in running.crds() {
             let published = self.position_of(crd);
-            self.with_path(crd, next, lanes, |path, ending, feed, source, sink| {
+            self.with_path(crd, next, hand_overs, |path, ending, feed, source, sink| {
                 if halt == Halt::Smooth && path.stops() {
                     return;
                 }
@@ -369,12 +371,12 @@ impl<const AXES: usize> Tick<AXES> {
         &mut self,
         crd: Crd,
         next: Ns,
-        lanes: &HandOvers<'_, '_, AXES>,
+        hand_overs: &HandOvers<'_, '_, AXES>,
         act: impl FnOnce(&mut Path, &mut StopReason, FifoEnds, &[EntryStore; 2], &mut PathEffects<'_>),
     ) {
         let step_limit = self.step_limit;
         let Tick { crds, axes, edges, lasers, .. } = self;
-        let (Some(state), Some(source)) = (crds.states.get_mut(crd.index()), lanes.paths.get(crd.index())) else {
+        let (Some(state), Some(source)) = (crds.states.get_mut(crd.index()), hand_overs.paths.get(crd.index())) else {
             return;
         };
         let feed = state.feed();
@@ -384,7 +386,7 @@ impl<const AXES: usize> Tick<AXES> {
             (next, step_limit),
             (frame, &state.published.origin),
             (axes, edges, lasers),
-            (lanes.segments, lanes.tables),
+            (hand_overs.segments, hand_overs.tables),
             (state.geared, state.awaited),
         );
         act(&mut state.path, &mut state.ending, feed, source, &mut sink);

@@ -13,7 +13,7 @@ use crate::segment::piece::Scaled;
 use crate::tick::hand_overs::HandOvers;
 use crate::tick::{Tick, report_event};
 use crate::units::{Axis, AxisMask, Crd, CrdMask, Exact, Ns, Pos};
-use crate::view::{CrdView, Drive, Event, StopReason};
+use crate::view::{CrdView, DrivenBy, Event, StopReason};
 
 impl CrdState {
     /// Whether one of its axes has slaves.
@@ -45,16 +45,16 @@ impl CrdState {
             let counts = self.path.counts();
             self.publish_fresh(counts);
         }
-        let (lanes, CrdView { origin, position, heading, bend, motion, turns, moves, .. }) =
-            (&self.lanes, &mut self.published);
+        let (axis_indices, CrdView { origin, position, heading, bend, motion, turns, moves, .. }) =
+            (&self.axis_indices, &mut self.published);
         let mut report = PathReport { position, heading, bend, motion, turns };
         let displacement = self.path.publish_at(spot, &mut report);
         let [clearance, _] = self.clearance;
-        if clearance != Clearance::Wide && !is_free(lanes, origin, position, axes) {
+        if clearance != Clearance::Wide && !is_free(axis_indices, origin, position, axes) {
             return StepResult::Nowhere;
         }
         self.path.pass(displacement);
-        lanes.all(|index, axis| {
+        axis_indices.all(|index, axis| {
             if let (Some(axis), Some(at), Some(origin)) = (axes.get_mut(axis), position.get(index), origin.get(index)) {
                 axis.drive(Pos(at.0.wrapping_add(origin.0)));
             }
@@ -110,8 +110,8 @@ impl CrdState {
     #[inline(always)]
     fn turn<const AFTER: bool>(&mut self, axes: &[AxisState]) -> Option<[u32; 2]> {
         let (feed, over, [clearance, next]) = (self.feed(), self.path.turns_over(), self.clearance);
-        let (lanes, origin) = (&self.lanes, &self.published.origin);
-        let free = |end: &[Pos; DIMENSIONS]| clearance == Clearance::Wide || is_free(lanes, origin, end, axes);
+        let (axis_indices, origin) = (&self.axis_indices, &self.published.origin);
+        let free = |end: &[Pos; DIMENSIONS]| clearance == Clearance::Wide || is_free(axis_indices, origin, end, axes);
         let counts = self.path.turn_at::<AFTER>(feed, free)?;
         if over {
             self.clearance = [next, Clearance::Unknown];
@@ -148,7 +148,7 @@ enum StepResult {
 impl<const AXES: usize> Tick<AXES> {
     /// Every coordinate system that runs takes its step.
     #[inline(never)]
-    pub(crate) fn step_crds(&mut self, next: Ns, lanes: &mut HandOvers<'_, '_, AXES>) {
+    pub(crate) fn step_crds(&mut self, next: Ns, hand_overs: &mut HandOvers<'_, '_, AXES>) {
         let until = Ns(next.0.wrapping_add(self.period.0));
         let (masters, running) = (self.order.masters, self.crds.running);
         let mut wants = self.lasers.wants();
@@ -160,7 +160,7 @@ impl<const AXES: usize> Tick<AXES> {
             let used = state.encoders.is_used();
             // A tick that enters a motion prepares nothing.
             if result != StepResult::Over
-                && let Some(now) = self.finish_step(crd, result, next, lanes)
+                && let Some(now) = self.finish_step(crd, result, next, hand_overs)
             {
                 wants = now;
                 continue;
@@ -188,7 +188,7 @@ impl<const AXES: usize> Tick<AXES> {
         crd: Crd,
         result: StepResult,
         next: Ns,
-        lanes: &mut HandOvers<'_, '_, AXES>,
+        hand_overs: &mut HandOvers<'_, '_, AXES>,
     ) -> Option<FollowedSpeeds> {
         // If several run, every second one in a tick prepares something.
         let turn = CrdMask(if self.ticks & 1 == 0 { 0x55 } else { 0xaa });
@@ -198,7 +198,7 @@ impl<const AXES: usize> Tick<AXES> {
             if let [Clearance::Unknown, _] = state.clearance {
                 state.find_clearance(&self.axes);
             }
-            if prepares && let Some(source) = lanes.paths.get(crd.index()) {
+            if prepares && let Some(source) = hand_overs.paths.get(crd.index()) {
                 state.prepare(source, &self.axes);
             }
             return None;
@@ -206,17 +206,17 @@ impl<const AXES: usize> Tick<AXES> {
         if result == StepResult::Nowhere
             && let Some(reason) = self.forbids(crd)
         {
-            self.stop_crds(crd.mask(), Halt::Abrupt, reason, next, lanes);
+            self.stop_crds(crd.mask(), Halt::Abrupt, reason, next, hand_overs);
         }
-        self.walk_crd(crd, next, result == StepResult::Short, prepares, lanes);
+        self.walk_crd(crd, next, result == StepResult::Short, prepares, hand_overs);
         Some(self.lasers.wants())
     }
 
     /// Those whose paths have come to standstill get their state at standstill.
-    pub(crate) fn settle_crds(&mut self, next: Ns, lanes: &mut HandOvers<'_, '_, AXES>) {
+    pub(crate) fn settle_crds(&mut self, next: Ns, hand_overs: &mut HandOvers<'_, '_, AXES>) {
         for crd in self.crds.running.crds() {
             if self.crds.get(crd).is_some_and(|state| !state.path.runs()) {
-                self.walk_crd(crd, next, false, false, lanes);
+                self.walk_crd(crd, next, false, false, hand_overs);
             }
         }
     }
@@ -247,10 +247,17 @@ impl<const AXES: usize> Tick<AXES> {
     /// The full step, which concerns more than the path itself; `there`: the path is at its
     /// position already.
     #[inline(never)]
-    fn walk_crd(&mut self, crd: Crd, next: Ns, there: bool, may_prepare: bool, lanes: &mut HandOvers<'_, '_, AXES>) {
+    fn walk_crd(
+        &mut self,
+        crd: Crd,
+        next: Ns,
+        there: bool,
+        may_prepare: bool,
+        hand_overs: &mut HandOvers<'_, '_, AXES>,
+    ) {
         let (period, step_limit) = (self.period, self.step_limit);
         let Tick { crds, axes, edges, lasers, .. } = self;
-        let (Some(state), Some(source)) = (crds.states.get_mut(crd.index()), lanes.paths.get(crd.index())) else {
+        let (Some(state), Some(source)) = (crds.states.get_mut(crd.index()), hand_overs.paths.get(crd.index())) else {
             return;
         };
         let published = &mut state.published;
@@ -263,7 +270,7 @@ impl<const AXES: usize> Tick<AXES> {
             (next, step_limit),
             (frame, &published.origin),
             (axes, edges, lasers),
-            (lanes.segments, lanes.tables),
+            (hand_overs.segments, hand_overs.tables),
             (state.geared, state.awaited),
         );
         let mut runs = true;
@@ -313,13 +320,13 @@ impl<const AXES: usize> Tick<AXES> {
             self.feed_lasers(crd, next, wants, measures && runs);
         }
         if !runs {
-            self.come_to_standstill(crd, next, lanes);
+            self.come_to_standstill(crd, next, hand_overs);
             return;
         }
         self.release_geared(crd, AxisMask(geared.0 & !gone.0), next);
         if unable.is_some() {
             self.lasers.crd_fault(crd, Cause::Fault);
-            self.stop_crds(crd.mask(), Halt::Here, StopReason::OtherAxis, next, lanes);
+            self.stop_crds(crd.mask(), Halt::Here, StopReason::OtherAxis, next, hand_overs);
         }
     }
 
@@ -370,7 +377,7 @@ impl<const AXES: usize> Tick<AXES> {
             let begins = !state.geared.has(axis) && by != Pos(0) && !axis_state.refuses_gear();
             if begins {
                 let base = axis_state.base();
-                axis_state.engage(Drive::Gear { crd, ratio: Scaled::default() }, base);
+                axis_state.engage(DrivenBy::Gear { crd, ratio: Scaled::default() }, base);
             }
             if begins || state.geared.has(axis) {
                 let (Exact(base), Exact(gone)) = (axis_state.base(), by.into());
@@ -384,7 +391,7 @@ impl<const AXES: usize> Tick<AXES> {
 
     /// The path is at standstill.
     #[inline(never)]
-    fn come_to_standstill(&mut self, crd: Crd, next: Ns, lanes: &mut HandOvers<'_, '_, AXES>) {
+    fn come_to_standstill(&mut self, crd: Crd, next: Ns, hand_overs: &mut HandOvers<'_, '_, AXES>) {
         let Tick { crds, axes, lasers, .. } = self;
         let Some(state) = crds.get_mut(crd) else { return };
         // An interrupted FIFO is probably continued: after FIFO 1, the FIFO 0 that it interrupted.
@@ -419,6 +426,6 @@ impl<const AXES: usize> Tick<AXES> {
             }
         }
         crds.running.0 &= !crd.mask().0;
-        report_event(lanes.events, &mut self.events_lost, Event::CrdStopped { crd, reason, now: next });
+        report_event(hand_overs.events, &mut self.events_lost, Event::CrdStopped { crd, reason, now: next });
     }
 }

@@ -13,7 +13,7 @@ use crate::segment::ramp::{Accel, Speed, Trapezoid};
 use crate::tables::TableStores;
 use crate::tick::{MotionSource, SegmentStore};
 use crate::units::{Axis, AxisMask, Crd, FineNs, Ns, Pos};
-use crate::view::Drive;
+use crate::view::DrivenBy;
 
 state! {
     /// What a path acts on in one tick.
@@ -101,7 +101,7 @@ impl PathEffects<'_> {
     }
 
     /// An axis is geared from now on, if it may.
-    fn engage(&mut self, axis: Axis, drive: Drive) -> Option<&mut AxisState> {
+    fn engage(&mut self, axis: Axis, drive: DrivenBy) -> Option<&mut AxisState> {
         let geared = self.geared.has(axis);
         let state = self.gear_of(axis)?;
         if !geared {
@@ -166,14 +166,14 @@ impl Effects for PathEffects<'_> {
     }
 
     fn gear(&mut self, axis: Axis, by: Pos, ratio: Scaled) {
-        let drive = Drive::Gear { crd: self.crd, ratio };
+        let drive = DrivenBy::Gear { crd: self.crd, ratio };
         if let Some(state) = self.engage(axis, drive) {
             state.go_along(drive, by);
         }
     }
 
     fn geared(&mut self, at: FineNs, axis: Axis, pulses: i32) {
-        let drive = Drive::Gear { crd: self.crd, ratio: Scaled::default() };
+        let drive = DrivenBy::Gear { crd: self.crd, ratio: Scaled::default() };
         let stood = self.geared.has(axis) && !self.reported.has(axis);
         let ended = at <= (self.next.0 as FineNs) << 32;
         if let Some(state) = self.engage(axis, drive) {

@@ -44,7 +44,7 @@ state! {
         /// Axes geared to the motion in force.
         geared: AxisMask = AxisMask(0),
         /// The axes of its frame.
-        lanes: AxisIndices = AxisIndices::NONE,
+        axis_indices: AxisIndices = AxisIndices::NONE,
         /// The axis that a modal move waits for, and until when.
         awaited: Option<(Axis, Ns)> = None,
         /// Of the motion in force, and of the one after it.
@@ -156,7 +156,7 @@ impl Crds {
     #[inline(never)]
     pub(crate) fn publish(&self, published: &mut [CrdView]) {
         for (to, state) in published.iter_mut().zip(&self.states) {
-            to.follow(&state.published);
+            to.copy_changed(&state.published);
         }
     }
 }

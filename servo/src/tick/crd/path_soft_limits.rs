@@ -38,9 +38,9 @@ impl CrdState {
 
     /// The clearance of the motion in force, or of the one `ahead`.
     pub(super) fn clearance_of(&self, ahead: bool, axes: &[AxisState]) -> Clearance {
-        let (hull, lanes, origin) = (self.path.hull(ahead), &self.lanes, &self.published.origin);
+        let (hull, axis_indices, origin) = (self.path.hull(ahead), &self.axis_indices, &self.published.origin);
         let is_clear = |position: &[Pos; DIMENSIONS]| {
-            lanes.all(|index, axis| match (axes.get(axis), position.get(index), origin.get(index)) {
+            axis_indices.all(|index, axis| match (axes.get(axis), position.get(index), origin.get(index)) {
                 (Some(axis), Some(at), Some(origin)) => axis.is_clear(Pos(at.0.saturating_add(origin.0))),
                 _ => true,
             })
@@ -61,12 +61,12 @@ impl Crds {
 /// Whether the axes may be driven to a position without further checks.
 #[inline(always)]
 pub(super) fn is_free(
-    lanes: &AxisIndices,
+    axis_indices: &AxisIndices,
     origin: &[Pos; DIMENSIONS],
     position: &[Pos; DIMENSIONS],
     axes: &[AxisState],
 ) -> bool {
-    lanes.all(|index, axis| match (axes.get(axis), position.get(index), origin.get(index)) {
+    axis_indices.all(|index, axis| match (axes.get(axis), position.get(index), origin.get(index)) {
         (Some(axis), Some(at), Some(origin)) => axis.is_free(Pos(at.0.wrapping_add(origin.0))),
         _ => true,
     })

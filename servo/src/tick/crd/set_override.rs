@@ -9,8 +9,14 @@ use crate::units::{Crd, Ns};
 
 impl<const AXES: usize> Tick<AXES> {
     /// Override.
-    pub(crate) fn set_override(&mut self, crd: Crd, rate: FeedOverride, next: Ns, lanes: &mut HandOvers<'_, '_, AXES>) {
-        self.with_path(crd, next, lanes, |path, _, feed, source, _| {
+    pub(crate) fn set_override(
+        &mut self,
+        crd: Crd,
+        rate: FeedOverride,
+        next: Ns,
+        hand_overs: &mut HandOvers<'_, '_, AXES>,
+    ) {
+        self.with_path(crd, next, hand_overs, |path, _, feed, source, _| {
             path.rules.set_override(rate);
             path.replan(next, feed, source);
         });
