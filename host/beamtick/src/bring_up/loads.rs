@@ -76,12 +76,13 @@ pub fn over(link: Box<dyn Link>, soak_min: Option<u32>, page: Option<&Path>) -> 
     let mut failed = 0;
     page::write(page, Older::GoesOn, |before| {
         let client = Client::open(link, Options::default())?;
-        if false {
+        if ticks(&client)?.is_none() {
             return Err(Failure::Job(format!("{} {REFUSED}", client.board())));
         }
         // A signal ends it through `interrupted`, so that the board is restored.
         let held = Held::new();
-        let all = Ok(()).and_then(|()| then_restored(&client, || under_loads(&client, soak_min, &interrupted)));
+        let all = jumper::prove(&client, &interrupted)
+            .and_then(|()| then_restored(&client, || under_loads(&client, soak_min, &interrupted)));
         drop(held);
         let (section, count) = section(&client, &all?);
         failed = count;
@@ -192,6 +193,8 @@ fn lost(counters: &LinkCounters) -> u32 {
 fn restore(client: &Client) -> Result<(), Failure> {
     let core = 1.into();
     client.call(Abort { core })?;
+    wait(client, REST_MS, &|| Ok(()))?;
+    client.call(Reset { core })?;
     Ok(())
 }
 
