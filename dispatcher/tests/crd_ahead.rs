@@ -2,10 +2,11 @@
 //! slows the path without need.
 
 use crate::bench;
+use crate::lookahead::Ahead;
 use bench::crd::*;
 use bench::*;
 use dispatcher::plan::geometry::Geometry;
-use dispatcher::plan::look_ahead::{Limits, LookAhead};
+use dispatcher::plan::look_ahead::Limits;
 use protocol::command::*;
 use protocol::reason::Reason;
 
@@ -28,7 +29,7 @@ fn spiral(count: usize) -> Vec<[i32; 2]> {
 /// The time of a path whose data is all there before its first entry is taken, ms.
 fn ideal([x, y]: [i32; 2], points: &[[i32; 2]]) -> f64 {
     let limits = Limits { vel: [f64::INFINITY; 4], acc: [ACC; 4], corner: CORNER };
-    let mut look = Box::new(LookAhead::<4096>::new(limits));
+    let mut look = Ahead::<4096>::new(limits);
     let mut at = [x.into(), y.into(), 0.0, 0.0];
     for to in points {
         let geometry = Geometry::planar(&at, *to).unwrap();

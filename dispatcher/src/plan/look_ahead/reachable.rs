@@ -293,6 +293,12 @@ impl Span {
         if high < low - slack || x > self.tops[1] + slack { 0.0 } else { high.max(0.0) }
     }
 
+    /// The lowest y that can be reached from x.
+    pub(super) fn least(&self, x: f64) -> f64 {
+        let [_, (low, _)] = self.window(x, f64::INFINITY);
+        low
+    }
+
     /// Speed and acceleration for a motion with these speeds at its ends, and its time in ms. On an
     /// arc both share one limit: of the pairs tried, the one with the least time.
     pub(super) fn choose(&self, bounds: &[Bound], ends: &[EndSpeed; 2], vel: f64, acc: f64) -> Chosen {
