@@ -81,6 +81,8 @@ impl Limits {
 /// Largest load of entries between two motions that the path passes at speed; with more it stops
 /// there.
 const EFFECTS: u32 = 32;
+/// Without need, a full queue is planned so many times while its motions are replaced.
+const PLANS_PER_QUEUE: usize = 16;
 /// Lowest speed (pulse/ms) and acceleration (pulse/ms²) of a motion.
 pub const ALONG_MIN: f64 = 1.0 / 1048576.0;
 
@@ -228,6 +230,8 @@ servo::state! {
         changed: Option<usize> = None,
         /// Speeds are not planned for all motions.
         stale: bool = false,
+        /// Motions that came since the last plan.
+        came: usize = 0,
         /// See [`LookAhead::hold_level`].
         level: Option<f64> = None,
     }
@@ -236,6 +240,12 @@ servo::state! {
 }
 
 impl<const N: usize> LookAhead<N> {
+    /// Whether so much has come since the last plan that another is worth its time: it may go over
+    /// all motions.
+    pub fn is_plan_due(&self) -> bool {
+        self.came > self.len() / PLANS_PER_QUEUE
+    }
+
     /// New limits, while it is empty.
     pub fn set_limits(&mut self, limits: Limits) {
         self.limits = limits;
@@ -245,7 +255,7 @@ impl<const N: usize> LookAhead<N> {
     pub fn clear(&mut self) {
         // Old content of the slots is void; a new value would take as much stack.
         (self.first, self.end, self.begin, self.last) = (0, 0, 0.0, None);
-        (self.moves, self.effects, self.stale) = (false, 0, false);
+        (self.moves, self.effects, self.stale, self.came) = (false, 0, false, 0);
         self.unsure = UndecidedJunction { number: self.chords.next(), slot: 0, length: 0.0 };
         (self.changed, self.level) = (None, None);
     }
@@ -294,7 +304,7 @@ impl<const N: usize> LookAhead<N> {
             *slot = motion;
         }
         self.end = self.end.wrapping_add(1);
-        self.stale = true;
+        (self.stale, self.came) = (true, self.came.saturating_add(1));
         self.decide(self.first);
         true
     }
@@ -401,8 +411,9 @@ impl<const N: usize> LookAhead<N> {
         }
     }
 
-    /// Bounds of a motion between the junctions at its start and end.
-    fn bounds(&self, motion: &WaitingMotion, end: &(Junction, bool)) -> Vec<Bound, BOUNDS_MAX> {
+    /// Names the bounds of a motion between the junctions at its start and end.
+    #[inline]
+    fn each_bound(&self, motion: &WaitingMotion, end: &(Junction, bool), mut bound: impl FnMut(Bound)) {
         let (length, acc, vel) = (f64::from(motion.length), f64::from(motion.acc), motion.vel);
         let (ends, either) = ([&motion.start, &end.0], [motion.has(EITHER), end.1]);
         let reach = acc * length / 4.0;
@@ -410,7 +421,6 @@ impl<const N: usize> LookAhead<N> {
         let corners = |bends: [f64; 2], limit| {
             [0, 1].map(|end: usize| Corner::new((bends[end], either[end]), length, fastest[end], limit))
         };
-        let mut bounds = Vec::new();
         let mut sharpest = [0.0f64; 2];
         let (direction, round) = (motion.direction(), motion.round());
         for (i, limit) in self.limits.acc.iter().enumerate() {
@@ -419,15 +429,12 @@ impl<const N: usize> LookAhead<N> {
             if round.is_some() && along != 0.0 {
                 sharpest = [0, 1].map(|end: usize| sharpest[end].max(fabs(bends[end])));
             } else if bends != [0.0; 2] {
-                bounds.push(Bound::straight(along, corners(bends, *limit), *limit)).ok();
+                bound(Bound::straight(along, corners(bends, *limit), *limit));
             }
         }
         if let Some((radius, limit)) = round {
-            for bound in Bound::circle(radius, corners(sharpest, limit), limit) {
-                bounds.push(bound).ok();
-            }
+            Bound::circle(radius, corners(sharpest, limit), limit).into_iter().for_each(bound);
         }
-        bounds
     }
 
     /// The junction at the end of a motion, the highest square of the speed there, and whether it
@@ -446,7 +453,7 @@ impl<const N: usize> LookAhead<N> {
         if !self.stale {
             return;
         }
-        self.stale = false;
+        (self.stale, self.came) = (false, 0);
         let changed = self.changed.take();
         let (mut after, mut settled, mut end, mut end_sure) = (0.0, !self.moves, (STANDSTILL, false), true);
         let mut counter = self.end;
@@ -459,8 +466,8 @@ impl<const N: usize> LookAhead<N> {
                 return;
             }
             let cap = motion.start.cap;
-            let bounds = self.bounds(motion, &end);
-            let span = Span::new(motion.length.into(), motion.acc.into(), &bounds);
+            let mut span = Span::new(motion.length.into(), motion.acc.into());
+            self.each_bound(motion, &end, |bound| span.keep(&bound));
             let (high, free) = span.back(after, cap);
             let packed = packed_high(high, cap);
             let sure = self.is_sure(counter);
@@ -504,8 +511,12 @@ impl<const N: usize> LookAhead<N> {
         self.plan();
         let motion = self.slot(self.first);
         let (junction, high, [settled, sure]) = self.end_of(self.first);
-        let bounds = self.bounds(motion, &junction);
-        let span = Span::new(motion.length.into(), motion.acc.into(), &bounds);
+        let mut bounds: Vec<Bound, BOUNDS_MAX> = Vec::new();
+        let mut span = Span::new(motion.length.into(), motion.acc.into());
+        self.each_bound(motion, &junction, |bound| {
+            span.keep(&bound);
+            bounds.push(bound).ok();
+        });
         let end = span.on(self.begin, high);
         if !(now || settled || sure && end < high) {
             return None;

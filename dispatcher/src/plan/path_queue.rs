@@ -230,13 +230,19 @@ impl PathQueue {
         true
     }
 
-    /// Moves final entries to the store, and says where they end.
+    /// The tick's entries end here after data of a call. Final motions leave the look-ahead when a
+    /// plan is due; where the tick has little, [`PathQueue::feed`] does not wait for that.
+    pub fn settle_when_due(&mut self, store: &EntryStore) -> u32 {
+        if self.look.is_plan_due() { self.settle(store) } else { self.end }
+    }
+
+    /// Final motions leave the look-ahead. Returns where the tick's entries end.
     pub fn settle(&mut self, store: &EntryStore) -> u32 {
         while self.take(store, false) {}
         self.end
     }
 
-    /// Moves all entries to the store: the path stops at the end.
+    /// All motions leave the look-ahead: the path stops at the end.
     pub fn flush(&mut self, store: &EntryStore) {
         while self.take(store, true) {}
     }
