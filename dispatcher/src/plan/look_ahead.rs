@@ -82,7 +82,7 @@ impl Limits {
 /// there.
 const EFFECTS: u32 = 32;
 /// Without need, a full queue is planned so many times while its motions are replaced.
-const PLANS_PER_QUEUE: usize = 16;
+const PLANS_PER_QUEUE: usize = 4;
 /// Lowest speed (pulse/ms) and acceleration (pulse/ms²) of a motion.
 pub const ALONG_MIN: f64 = 1.0 / 1048576.0;
 

@@ -20,7 +20,7 @@ pub use crate::capacity::LOOK_AHEAD_MOTIONS;
 /// The tick's data of a running path lasts at least this long, if there is more, ms. That is longer
 /// than the thread is ever away.
 pub const LASTS_MS: f64 = 10.0;
-/// This part of a full look-ahead leaves under one plan.
+/// This part of a look-ahead leaves under one plan, where its speeds are not final.
 const BATCH_PARTS: usize = 32;
 /// Units of a time per millisecond.
 const UNITS_PER_MS: f64 = 1024.0;
@@ -188,11 +188,18 @@ impl PathQueue {
 
     fn make_room(&mut self, store: &EntryStore) {
         if self.is_full(store) {
-            let batch = (self.count / BATCH_PARTS).max(1);
-            self.look.hold_level(batch);
-            while self.look.len() > self.count - batch && self.take(store, true) {}
-            self.look.release_level();
+            self.take_batch(store);
+            while self.look.len() >= self.count && self.take(store, true) {}
         }
+    }
+
+    /// The first motions under one plan, whose speeds are not final. False if none left.
+    fn take_batch(&mut self, store: &EntryStore) -> bool {
+        let batch = (self.look.len() / BATCH_PARTS).max(1);
+        self.look.hold_level(batch);
+        let taken = (0..batch).take_while(|_| self.take(store, true)).count();
+        self.look.release_level();
+        taken > 0
     }
 
     /// An entry into the next slot of the store.
@@ -301,12 +308,15 @@ impl PathQueue {
         self.fill(store, sampled, fifo, LASTS_MS)
     }
 
-    fn fill(&mut self, store: &[EntryStore; 2], sampled: &CrdView, fifo: u8, until_ms: f64) -> bool {
-        let (mut fed, [first, second]) = (false, store);
-        while !self.look.is_empty() && self.lasts(store, sampled, fifo) < until_ms {
-            fed |= self.take(if fifo == 0 { first } else { second }, true);
+    fn fill(&mut self, stores: &[EntryStore; 2], sampled: &CrdView, fifo: u8, until_ms: f64) -> bool {
+        let (before, [first, second]) = (self.end, stores);
+        let store = if fifo == 0 { first } else { second };
+        let mut more = true;
+        while more && !self.look.is_empty() && self.lasts(stores, sampled, fifo) < until_ms {
+            let end = self.end;
+            more = self.settle(store) != end || self.take_batch(store);
         }
-        fed
+        self.end != before
     }
 }
 
