@@ -4,8 +4,10 @@
 /// For a chip whose own RAM is nearly used up by the capacity of SPEC 11.
 const SMALL: bool = cfg!(feature = "small");
 
-/// Entries that a look-ahead holds.
-pub const LOOK_AHEAD_ENTRIES: usize = if SMALL { 16 } else { 256 };
+/// Motions that a look-ahead plans; the entries between them do not count.
+pub const LOOK_AHEAD_MOTIONS: usize = if SMALL { 32 } else { 512 };
+/// Of these, the motions that it remembers to tell rounding from a turn.
+pub const LOOK_AHEAD_CHORDS: usize = if SMALL { 16 } else { 128 };
 /// Messages in flight, in each direction.
 pub const LINK_WINDOW: usize = if SMALL { 2 } else { 8 };
 /// Bytes of the queue of a program's records.

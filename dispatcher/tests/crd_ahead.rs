@@ -2,10 +2,11 @@
 //! slows the path without need.
 
 use crate::bench;
+use crate::lookahead::Ahead;
 use bench::crd::*;
 use bench::*;
 use dispatcher::plan::geometry::Geometry;
-use dispatcher::plan::look_ahead::{Limits, LookAhead};
+use dispatcher::plan::look_ahead::Limits;
 use protocol::command::*;
 use protocol::reason::Reason;
 
@@ -28,7 +29,7 @@ fn spiral(count: usize) -> Vec<[i32; 2]> {
 /// The time of a path whose data is all there before its first entry is taken, ms.
 fn ideal([x, y]: [i32; 2], points: &[[i32; 2]]) -> f64 {
     let limits = Limits { vel: [f64::INFINITY; 4], acc: [ACC; 4], corner: CORNER };
-    let mut look = Box::new(LookAhead::<4096>::new(limits));
+    let mut look = Ahead::<4096>::new(limits);
     let mut at = [x.into(), y.into(), 0.0, 0.0];
     for to in points {
         let geometry = Geometry::planar(&at, *to).unwrap();
@@ -148,6 +149,62 @@ fn a_host_that_stalls_slows_nothing() {
     assert!((took - ideal).abs() < 1.0, "{took}, ideal {ideal}");
     assert_eq!(status(&mut bench, 0).1, 3000);
     assert!(most <= VEL * (1.0 + 1e-9) && most > 0.8 * VEL, "{most}");
+}
+
+/// Where braking takes more motions than the look-ahead holds, the path keeps the speed that its
+/// window allows, v² = 2·a·l·n. It does not brake under each plan. Entries between the motions take
+/// nothing of the window.
+#[test]
+fn a_full_look_ahead_keeps_its_speed() {
+    const LENGTH: i32 = 30;
+    const SLOW: f64 = 0.5;
+    for (count, batch) in [(64, 2), (192, 6)] {
+        for marks in [false, true] {
+            let mut bench = Bench::gus();
+            plane(&mut bench);
+            bench.done(ahead(CORNER, SLOW, count));
+            let mut given = 0;
+            let mut give_some = |bench: &mut Bench<8>| {
+                while given < 3000 && space(bench, 0) >= 2 {
+                    given += 1;
+                    bench.done(line(given * LENGTH, 0, 80.0, SLOW));
+                    if marks {
+                        bench.done(BufDoBit {
+                            core: 1.into(),
+                            crd: 1.into(),
+                            do_type: 12.into(),
+                            index: 1.into(),
+                            value: ((given & 1) as i16).into(),
+                            fifo: 0.into(),
+                        });
+                    }
+                }
+                given == 3000
+            };
+            give_some(&mut bench);
+            bench.done(start_crd(1));
+            let begun = bench.now().0;
+            let square = |motions: i16| 2.0 * SLOW * f64::from(LENGTH) * f64::from(motions);
+            // It takes v/a to come to speed.
+            let ramp_ns = (1.1e6 * square(count).sqrt() / SLOW) as u64;
+            let mut cruise = Vec::new();
+            while !give_some(&mut bench) {
+                for _ in 0..8 {
+                    bench.step();
+                    let axis = bench.server.view().axes[0];
+                    let speed = bench.server.view().velocity(&axis);
+                    if bench.now().0 > begun + ramp_ns {
+                        cruise.push(speed.m as f64 * 2f64.powi(-i32::from(speed.e)));
+                    }
+                }
+            }
+            let [low, high] = [f64::min, f64::max].map(|of| cruise.iter().copied().reduce(of).unwrap());
+            let found = format!("{count} motions, entries between: {marks}: from {low} to {high}");
+            assert!(cruise.len() > 100 && high - low < 1e-3 * high, "{found}");
+            // The motion that comes next and those that leave with it are not in the window.
+            assert!(low * low >= square(count - batch - 1) * 0.999 && high * high <= square(count), "{found}");
+        }
+    }
 }
 
 /// A host that is too late: the path stops at the end of its data, without an underrun, and

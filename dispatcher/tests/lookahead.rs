@@ -6,10 +6,11 @@
 use crate::chance;
 use chance::Chance;
 use dispatcher::plan::geometry::{Geometry, Position};
-use dispatcher::plan::look_ahead::{Limits, LookAhead};
-use servo::path::{Effects, EntryEffect, FifoEnds, Path, PathEntries, PathEntry, PathStop, Plane};
+use dispatcher::plan::look_ahead::{Limits, LookAhead, Planned};
+use servo::path::{Effects, EntryEffect, FifoEnds, MotionSpeeds, Path, PathEntries, PathEntry, PathStop, Plane};
 use servo::segment::piece::Scaled;
 use servo::units::{Axis, FineNs, Ns, Pos};
+use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
 pub struct Script(pub Vec<PathEntry>);
@@ -36,6 +37,57 @@ impl Effects for Heard {
     }
     fn gear(&mut self, _: Axis, _: Pos, _: Scaled) {}
     fn geared(&mut self, _: u128, _: Axis, _: i32) {}
+}
+
+/// A look-ahead with the entries that wait, which a queue has in the store of its FIFO.
+pub struct Ahead<const N: usize> {
+    look: Box<LookAhead<N>>,
+    waiting: VecDeque<PathEntry>,
+    others: u16,
+}
+
+/// An entry that has left it, and its time without override, ms.
+#[derive(Clone, Copy)]
+pub struct Taken {
+    pub entry: PathEntry,
+    pub ms: f64,
+}
+
+impl<const N: usize> Ahead<N> {
+    pub fn new(limits: Limits) -> Ahead<N> {
+        Ahead { look: Box::new(LookAhead::new(limits)), waiting: VecDeque::new(), others: 0 }
+    }
+
+    pub fn push_motion(&mut self, geometry: &Geometry, vel: f64, acc: f64) -> bool {
+        let fits = self.look.push_motion(geometry, vel, acc);
+        if fits {
+            self.waiting.push_back(geometry.entry(MotionSpeeds::NONE).unwrap());
+        }
+        fits
+    }
+
+    pub fn push_other(&mut self, entry: PathEntry) {
+        self.look.push_other(&entry);
+        self.waiting.push_back(entry);
+    }
+
+    pub fn take(&mut self, now: bool) -> Option<Taken> {
+        if self.others > 0 {
+            self.others -= 1;
+            return self.waiting.pop_front().map(|entry| Taken { entry, ms: 0.0 });
+        }
+        let Planned { along, ms, others } = self.look.take(now)?;
+        self.others = others;
+        self.waiting.pop_front().map(|entry| Taken { entry: entry.with_speeds(along), ms })
+    }
+
+    pub fn is_full(&self) -> bool {
+        self.look.is_full()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.waiting.is_empty()
+    }
 }
 
 /// A call: its path geometry, speed and acceleration.
@@ -97,7 +149,7 @@ fn plan<const N: usize>(calls: &[Call]) -> Vec<PathEntry> {
 }
 
 pub fn plan_within<const N: usize>(calls: &[Call], limits: Limits) -> Vec<PathEntry> {
-    let mut ahead = Box::new(LookAhead::<N>::new(limits));
+    let mut ahead = Ahead::<N>::new(limits);
     let mut entries = Vec::new();
     for call in calls {
         while !ahead.push_motion(&call.geometry, call.vel, call.acc) {
@@ -251,7 +303,7 @@ fn sizes() {
 #[test]
 fn corners_of_long_lines_are_taken_at_the_change_of_speed_that_the_corner_time_allows() {
     let corner = polyline(&[[100_000, 0], [100_000, 100_000], [100_000, 0]], 60.0, 0.8);
-    let mut ahead = Box::new(LookAhead::<16>::new(LIMITS));
+    let mut ahead = Ahead::<16>::new(LIMITS);
     for call in &corner {
         assert!(ahead.push_motion(&call.geometry, call.vel, call.acc));
     }
@@ -283,10 +335,10 @@ fn what_stands_between_motions_keeps_its_position() {
     let line = |x: i32, from: i32| Geometry::planar(&[from as f64, 0.0, 0.0, 0.0], [x, 0]).unwrap();
     let mark = |code| PathEntry::laser(0, code, [0; 6]);
     let time = |others: &[PathEntry]| {
-        let mut ahead = Box::new(LookAhead::<64>::new(LIMITS));
+        let mut ahead = Ahead::<64>::new(LIMITS);
         assert!(ahead.push_motion(&line(1000, 0), 50.0, 1.0));
         for other in others {
-            assert!(ahead.push_other(*other));
+            ahead.push_other(*other);
         }
         assert!(ahead.push_motion(&line(2000, 1000), 50.0, 1.0));
         let (mut entries, mut ms) = (Vec::new(), 0.0);
@@ -324,7 +376,7 @@ fn what_stands_between_motions_keeps_its_position() {
 #[test]
 fn a_corner_that_comes_late_does_not_brake_harder() {
     let calls = polyline(&[[10_000, 0], [10_100, 0], [10_100, -100], [10_200, -100]], 100.0, 3.0);
-    let mut ahead = Box::new(LookAhead::<4>::new(LIMITS));
+    let mut ahead = Ahead::<4>::new(LIMITS);
     let mut entries = Vec::new();
     for call in &calls[..2] {
         assert!(ahead.push_motion(&call.geometry, call.vel, call.acc));
@@ -397,7 +449,7 @@ fn stalls_of_the_host_do_not_slow_it_down() {
     let calls = wander(false);
     let calls = &calls[..3000];
     let time = |stall: bool, end: usize| {
-        let mut ahead = Box::new(LookAhead::<256>::new(LIMITS));
+        let mut ahead = Ahead::<256>::new(LIMITS);
         let (mut path, mut heard) = (Box::new(Path::IDLE), Heard::default());
         let mut script = Script(Vec::new());
         let (mut came, mut planned, mut begun) = (0, vec![], None);
@@ -461,7 +513,7 @@ fn circle(radius: f64, turns: f64, lines: usize) -> Vec<[i32; 2]> {
 fn time_of(points: &[[i32; 2]], scale: f64, limits: Limits) -> f64 {
     let Limits { vel, acc, corner } = limits;
     let [vel, acc] = [vel, acc].map(|all| all.map(|limit| limit * scale));
-    let mut ahead = Box::new(LookAhead::<256>::new(Limits { vel, acc, corner }));
+    let mut ahead = Ahead::<256>::new(Limits { vel, acc, corner });
     let mut ms = 0.0;
     for call in polyline(points, vel[0], acc[0]) {
         while !ahead.push_motion(&call.geometry, call.vel, call.acc) {

@@ -208,6 +208,14 @@ impl Geometry {
             }
         }
     }
+    /// The plane of an arc.
+    pub(crate) fn plane(&self) -> Option<Plane> {
+        match self.form {
+            Form::Planar(_) | Form::Line(_) => None,
+            Form::Arc { plane, .. } | Form::Circle { plane, .. } => Some(plane),
+        }
+    }
+
     /// Servo's entry for it with these speeds.
     pub fn entry(&self, along: MotionSpeeds) -> Option<PathEntry> {
         self.form.entry(along)

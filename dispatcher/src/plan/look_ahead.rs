@@ -1,9 +1,9 @@
 //! Look-ahead: the speeds at the corners of a path.
 //!
-//! In: motions and the entries between them, in order. Out: servo's entries with their end speeds,
-//! as soon as these are final, or at once if the stream has run low. Owns: `N` motions and other
-//! entries that wait.
-//! Fails: never; a full queue returns false, and an entry must be taken first.
+//! In: motions in order, and what stands between them. Out: their speeds, as soon as these are
+//! final, or at once if the stream has run low. Owns: what a plan needs of `N` motions that wait;
+//! the entries themselves wait in the FIFO's store (`path_queue.rs`).
+//! Fails: never; a full queue returns false, and a motion must be taken first.
 //!
 //! **The rule.** The velocity of coordinate i never exceeds its limit, nor does its acceleration
 //! within a motion. A corner changes its velocity by Δᵢ·v at once. This jump is limited to the
@@ -21,17 +21,22 @@
 //! and final if more data could not raise them.
 //! Work: one plan for all that was pushed since the last take, back over as many motions as braking
 //! takes. So push all data, then take.
+//!
+//! **A full queue.** Where braking takes more motions than it holds, every further motion raises
+//! all speeds, and a plan for each would take all motions each time. So several leave under one
+//! plan, at the speed that the last of them can keep ([`LookAhead::hold_level`]). Without that
+//! level the path would brake under each plan and speed up under the next.
 mod junction;
 mod reachable;
 mod rounding;
 
-use super::geometry::{Form, Geometry, Position};
+use super::geometry::{Geometry, Position};
 use heapless::Vec;
 use junction::{Junction, LastMotion, STANDSTILL};
 use libm::{fabs, sqrt};
 use reachable::{BOUNDS_MAX, Bound, Chosen, Corner, EndSpeed, Span};
 use rounding::Chords;
-use servo::path::{MotionSpeeds, PathEntry};
+use servo::path::{MotionSpeeds, PathEntry, Plane};
 
 /// Limits of a coordinate system.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,56 +81,127 @@ impl Limits {
 /// Largest load of entries between two motions that the path passes at speed; with more it stops
 /// there.
 const EFFECTS: u32 = 32;
+/// Without need, a full queue is planned so many times while its motions are replaced.
+const PLANS_PER_QUEUE: usize = 4;
 /// Lowest speed (pulse/ms) and acceleration (pulse/ms²) of a motion.
 pub const ALONG_MIN: f64 = 1.0 / 1048576.0;
 
-/// A motion that waits. Shares of limits are kept as f32: their rounding is far below the margin of
-/// a plan.
-#[derive(Debug, Clone, Copy)]
-struct PlannedMotion {
-    form: Form,
-    length: f64,
-    /// The direction of a line; of an arc 1 in its plane.
-    direction: [f32; 4],
-    /// Of an arc: its radius, and the limit of its accelerations.
-    round: Option<(f32, f32)>,
-    /// Speed and acceleration along it, as its limits allow.
-    vel: f64,
-    acc: f64,
-    /// The junction at its start; `either`: its bends may go to either side.
-    start: Junction,
-    either: bool,
-    /// The highest square of the speed there from which all that follows can be kept; `settled`:
-    /// more data cannot raise it.
-    high: f64,
-    settled: bool,
-}
-
-/// Its layout is fixed, so that zeroed memory holds empty ones.
-#[derive(Debug, Clone, Copy)]
+/// A line, or an arc in a plane.
+#[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(u8)]
-enum QueuedMotion {
-    Empty,
-    Motion(PlannedMotion),
-    /// Any other entry; true if the path stops there.
-    Other(PathEntry, bool),
+enum Course {
+    Line,
+    Xy,
+    Yz,
+    Zx,
 }
 
-/// An entry with its time, to count how long the stream lasts.
+/// A motion that waits, in 64 bytes. Shares of limits are kept as f32: their rounding is far below
+/// the margin of a plan. Speeds are exact where motions of one speed meet.
+#[derive(Debug, Clone, Copy)]
+struct WaitingMotion {
+    /// Speed along it, as its limits allow.
+    vel: f64,
+    /// The junction at its start.
+    start: Junction,
+    /// Of a line its direction; of an arc its radius and the limit of its accelerations.
+    shape: [f32; 4],
+    length: f32,
+    /// Acceleration along it, as its limits allow.
+    acc: f32,
+    /// The highest square of the speed at its start from which all that follows can be kept. As
+    /// much as the junction allows is infinite, and not planned yet is NaN.
+    high: f32,
+    /// Entries that follow it, before the next motion.
+    others: u16,
+    course: Course,
+    /// [`EITHER`] and [`SETTLED`].
+    flags: u8,
+}
+
+/// The bends of the junction may go to either side.
+const EITHER: u8 = 1;
+/// More data cannot raise the speed at the start.
+const SETTLED: u8 = 2;
+
+const _: () = assert!(size_of::<WaitingMotion>() == 64);
+
+impl WaitingMotion {
+    /// All bytes are zero.
+    const EMPTY: WaitingMotion = WaitingMotion {
+        vel: 0.0,
+        start: STANDSTILL,
+        shape: [0.0; 4],
+        length: 0.0,
+        acc: 0.0,
+        high: 0.0,
+        others: 0,
+        course: Course::Line,
+        flags: 0,
+    };
+
+    fn has(&self, flag: u8) -> bool {
+        self.flags & flag != 0
+    }
+
+    fn set(&mut self, flag: u8, value: bool) {
+        self.flags = if value { self.flags | flag } else { self.flags & !flag };
+    }
+
+    fn is_line(&self) -> bool {
+        self.course == Course::Line
+    }
+
+    /// The direction of a line; of an arc 1 in its plane.
+    fn direction(&self) -> Position {
+        match self.course {
+            Course::Line => self.shape.map(f64::from),
+            Course::Xy => [1.0, 1.0, 0.0, 0.0],
+            Course::Yz => [0.0, 1.0, 1.0, 0.0],
+            Course::Zx => [1.0, 0.0, 1.0, 0.0],
+        }
+    }
+
+    /// Of an arc: its radius, and the limit of its accelerations.
+    fn round(&self) -> Option<(f64, f64)> {
+        let [radius, limit, ..] = self.shape;
+        (!self.is_line()).then_some((radius.into(), limit.into()))
+    }
+
+    /// See `high`.
+    fn high(&self) -> f64 {
+        if self.high == f32::INFINITY { self.start.cap } else { self.high.into() }
+    }
+}
+
+/// A square of a speed that a junction with this cap allows, for [`WaitingMotion::high`].
+fn packed_high(high: f64, cap: f64) -> f32 {
+    if high >= cap { f32::INFINITY } else { rounded_down(high) }
+}
+
+/// A positive number as the nearest f32 that is not greater.
+fn rounded_down(x: f64) -> f32 {
+    let near = x as f32;
+    if f64::from(near) > x { f32::from_bits(near.to_bits() - 1) } else { near }
+}
+
+/// What a plan makes of the first motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Planned {
-    /// The entry.
-    pub entry: PathEntry,
-    /// Its time without override, ms; 0 for a wait.
+    /// Its speeds.
+    pub along: MotionSpeeds,
+    /// Its time without override, ms.
     pub ms: f64,
+    /// Entries that follow it before the next motion. They wait for nothing else.
+    pub others: u16,
 }
 
 /// The first motion whose junction may still turn out to be rounding, if there is one: its number,
-/// its entry, and the length from its start to the end of the last motion.
+/// its slot, and the length from its start to the end of the last motion.
 #[derive(Debug, Clone, Copy)]
 struct UndecidedJunction {
     number: u32,
-    entry: usize,
+    slot: usize,
     length: f64,
 }
 
@@ -137,8 +213,8 @@ servo::state! {
             const { assert!(N.is_power_of_two(), "slots are counted modulo a power of two") };
             limits
         },
-        slots: [QueuedMotion; N] = [QueuedMotion::Empty; N],
-        /// Counters of the first entry, and of the one after the last.
+        slots: [WaitingMotion; N] = [WaitingMotion::EMPTY; N],
+        /// Counters of the first motion, and of the one after the last.
         first: usize = 0,
         end: usize = 0,
         /// Square of the speed at which the first motion begins: the end speed of the last one
@@ -149,17 +225,27 @@ servo::state! {
         moves: bool = false,
         effects: u32 = 0,
         chords: Chords = Chords::new(),
-        unsure: UndecidedJunction = UndecidedJunction { number: 0, entry: 0, length: 0.0 },
-        /// The first entry whose junction was changed since the last plan.
+        unsure: UndecidedJunction = UndecidedJunction { number: 0, slot: 0, length: 0.0 },
+        /// The first motion whose junction was changed since the last plan.
         changed: Option<usize> = None,
-        /// Speeds are not planned for all entries.
+        /// Speeds are not planned for all motions.
         stale: bool = false,
+        /// Motions that came since the last plan.
+        came: usize = 0,
+        /// See [`LookAhead::hold_level`].
+        level: Option<f64> = None,
     }
     /// Empty, at standstill.
     pub const fn new(limits: Limits);
 }
 
 impl<const N: usize> LookAhead<N> {
+    /// Whether so much has come since the last plan that another is worth its time: it may go over
+    /// all motions.
+    pub fn is_plan_due(&self) -> bool {
+        self.came > self.len() / PLANS_PER_QUEUE
+    }
+
     /// New limits, while it is empty.
     pub fn set_limits(&mut self, limits: Limits) {
         self.limits = limits;
@@ -167,14 +253,14 @@ impl<const N: usize> LookAhead<N> {
 
     /// Forgets everything: what comes next begins at standstill.
     pub fn clear(&mut self) {
-        // Old content of the slots is void; a new value would take 36 KB of stack.
+        // Old content of the slots is void; a new value would take as much stack.
         (self.first, self.end, self.begin, self.last) = (0, 0, 0.0, None);
-        (self.moves, self.effects, self.stale) = (false, 0, false);
-        self.unsure = UndecidedJunction { number: self.chords.next(), entry: 0, length: 0.0 };
-        self.changed = None;
+        (self.moves, self.effects, self.stale, self.came) = (false, 0, false, 0);
+        self.unsure = UndecidedJunction { number: self.chords.next(), slot: 0, length: 0.0 };
+        (self.changed, self.level) = (None, None);
     }
 
-    /// Entries that wait.
+    /// Motions that wait.
     pub fn len(&self) -> usize {
         self.end.wrapping_sub(self.first)
     }
@@ -198,20 +284,27 @@ impl<const N: usize> LookAhead<N> {
         // If the last one was handed over, it ended at standstill.
         let stops = !self.moves || self.effects > EFFECTS || self.is_empty() && self.begin == 0.0;
         if let Some(before) = self.last.as_ref().filter(|_| !stops) {
-            (motion.start, motion.either) = self.limits.junction(before, &motion, &geometry.tangents[0]);
+            let (junction, either) = self.limits.junction(before, &motion, &geometry.tangents[0]);
+            motion.start = junction;
+            motion.set(EITHER, either);
         }
-        let is_line = motion.round.is_none();
+        let is_line = motion.is_line();
         if stops || !is_line {
             self.decide(self.end);
         }
-        self.last = Some(LastMotion { tangent: geometry.tangents[1], length: motion.length, vel: motion.vel, is_line });
+        self.last =
+            Some(LastMotion { tangent: geometry.tangents[1], length: geometry.length, vel: motion.vel, is_line });
         (self.moves, self.effects) = (true, 0);
         if !self.has_unsure() {
-            self.unsure = UndecidedJunction { number: self.chords.next(), entry: self.end, length: 0.0 };
+            self.unsure = UndecidedJunction { number: self.chords.next(), slot: self.end, length: 0.0 };
         }
-        self.unsure.length += motion.length;
-        self.chords.push(motion.direction, if is_line { motion.length } else { 0.0 }, stops);
-        self.push(QueuedMotion::Motion(motion));
+        self.unsure.length += geometry.length;
+        self.chords.push(motion.shape, if is_line { geometry.length } else { 0.0 }, stops);
+        if let Some(slot) = self.slots.get_mut(self.end & (N - 1)) {
+            *slot = motion;
+        }
+        self.end = self.end.wrapping_add(1);
+        (self.stale, self.came) = (true, self.came.saturating_add(1));
         self.decide(self.first);
         true
     }
@@ -228,73 +321,50 @@ impl<const N: usize> LookAhead<N> {
     }
 
     /// Whether the junction at the start of this motion is what it will be.
-    fn is_sure(&self, entry: usize) -> bool {
-        !self.has_unsure() || entry.wrapping_sub(self.unsure.entry).cast_signed() < 0
+    fn is_sure(&self, slot: usize) -> bool {
+        !self.has_unsure() || slot.wrapping_sub(self.unsure.slot).cast_signed() < 0
     }
 
     /// Takes rounding out of the junctions after which there are enough motions, and of all before
-    /// this entry.
+    /// this motion.
     fn decide(&mut self, before: usize) {
         while self.has_unsure() {
-            let UndecidedJunction { number, entry, length } = self.unsure;
-            let QueuedMotion::Motion(motion) = self.slot(entry) else { return };
-            if motion.either {
-                let now = entry.wrapping_sub(before).cast_signed() < 0;
+            let UndecidedJunction { number, slot, length } = self.unsure;
+            let motion = *self.slot(slot);
+            if motion.has(EITHER) {
+                let now = slot.wrapping_sub(before).cast_signed() < 0;
                 if !now && length < motion.vel * self.limits.corner && self.chords.has_room(number) {
                     return;
                 }
-                let vel = self.vel_before(entry).map_or(motion.vel, |before| motion.vel.min(before));
-                let start = self.chords.without_rounding(&motion.start, number, vel, &self.limits);
-                if let Some(QueuedMotion::Motion(motion)) = self.slots.get_mut(entry & (N - 1)) {
-                    (motion.start, motion.either) = start;
+                let vel =
+                    if slot == self.first { motion.vel } else { motion.vel.min(self.slot(slot.wrapping_sub(1)).vel) };
+                let (start, either) = self.chords.without_rounding(&motion.start, number, vel, &self.limits);
+                if let Some(motion) = self.slots.get_mut(slot & (N - 1)) {
+                    motion.start = start;
+                    motion.set(EITHER, either);
                 }
-                (self.changed, self.stale) = (self.changed.or(Some(entry)), true);
+                (self.changed, self.stale) = (self.changed.or(Some(slot)), true);
             }
             self.pass_unsure();
         }
     }
 
-    /// The speed of the motion before this one, if that still waits.
-    fn vel_before(&self, mut entry: usize) -> Option<f64> {
-        while entry != self.first {
-            entry = entry.wrapping_sub(1);
-            if let QueuedMotion::Motion(motion) = self.slot(entry) {
-                return Some(motion.vel);
-            }
-        }
-        None
-    }
-
     /// On to the junction after.
     fn pass_unsure(&mut self) {
-        let UndecidedJunction { number, entry, length } = self.unsure;
-        let own = if let QueuedMotion::Motion(motion) = self.slot(entry) { motion.length } else { 0.0 };
-        let entry = self.motion_after(entry);
-        self.unsure = UndecidedJunction { number: number.wrapping_add(1), entry, length: length - own };
+        let UndecidedJunction { number, slot, length } = self.unsure;
+        let length = length - f64::from(self.slot(slot).length);
+        self.unsure = UndecidedJunction { number: number.wrapping_add(1), slot: slot.wrapping_add(1), length };
     }
 
-    /// The next motion, or the end.
-    fn motion_after(&self, mut entry: usize) -> usize {
-        loop {
-            entry = entry.wrapping_add(1);
-            if entry == self.end || matches!(self.slot(entry), QueuedMotion::Motion(_)) {
-                return entry;
-            }
-        }
-    }
-
-    /// Any other entry, in its order. False if it is full.
-    pub fn push_other(&mut self, entry: PathEntry) -> bool {
-        if self.is_full() {
-            return false;
-        }
-        self.moves &= !entry.is_wait();
+    /// An entry after the last motion that waits. There is one.
+    pub fn push_other(&mut self, entry: &PathEntry) {
         if entry.is_wait() {
-            self.decide(self.end);
+            self.stop();
         }
         self.effects = self.effects.saturating_add(entry.load());
-        self.push(QueuedMotion::Other(entry, entry.is_wait()));
-        true
+        if let Some(motion) = self.slots.get_mut(self.end.wrapping_sub(1) & (N - 1)) {
+            motion.others = motion.others.saturating_add(1);
+        }
     }
 
     /// Advances the counters of an empty queue, for tests. They are as wide as an address: `by`
@@ -303,19 +373,11 @@ impl<const N: usize> LookAhead<N> {
     pub fn advance_counters(&mut self, by: u32) {
         let by = by.cast_signed() as isize as usize;
         (self.first, self.end) = (self.first.wrapping_add(by), self.end.wrapping_add(by));
-        self.unsure.entry = self.unsure.entry.wrapping_add(by);
+        self.unsure.slot = self.unsure.slot.wrapping_add(by);
     }
 
-    fn push(&mut self, slot: QueuedMotion) {
-        if let Some(position) = self.slots.get_mut(self.end & (N - 1)) {
-            *position = slot;
-        }
-        self.end = self.end.wrapping_add(1);
-        self.stale = true;
-    }
-
-    fn slot(&self, counter: usize) -> &QueuedMotion {
-        self.slots.get(counter & (N - 1)).unwrap_or(&QueuedMotion::Empty)
+    fn slot(&self, counter: usize) -> &WaitingMotion {
+        self.slots.get(counter & (N - 1)).unwrap_or(&WaitingMotion::EMPTY)
     }
 
     /// The limits of motions that are pushed now.
@@ -324,64 +386,66 @@ impl<const N: usize> LookAhead<N> {
     }
 
     /// A motion by itself, from standstill.
-    fn motion(&self, geometry: &Geometry, vel: f64, acc: f64) -> PlannedMotion {
+    fn motion(&self, geometry: &Geometry, vel: f64, acc: f64) -> WaitingMotion {
         let direction = direction(geometry);
         let (vel, acc, round) = self.limits.hold(geometry, &direction, vel, acc);
-        PlannedMotion {
-            form: geometry.form,
-            length: geometry.length,
-            direction: direction.map(|x| x as f32),
-            round: round.map(|(radius, limit)| (radius as f32, limit as f32)),
+        let (course, shape) = match (geometry.plane(), round) {
+            (Some(plane), Some((radius, limit))) => {
+                let course = match plane {
+                    Plane::Xy => Course::Xy,
+                    Plane::Yz => Course::Yz,
+                    Plane::Zx => Course::Zx,
+                };
+                (course, [radius as f32, limit as f32, 0.0, 0.0])
+            }
+            _ => (Course::Line, direction.map(|x| x as f32)),
+        };
+        WaitingMotion {
             vel: vel.max(ALONG_MIN),
-            acc: acc.max(ALONG_MIN),
-            start: STANDSTILL,
-            either: false,
-            high: f64::NAN,
-            settled: false,
+            shape,
+            length: geometry.length as f32,
+            acc: acc.max(ALONG_MIN) as f32,
+            high: f32::NAN,
+            course,
+            ..WaitingMotion::EMPTY
         }
     }
 
-    /// Bounds of a motion between the junctions at its start and end.
-    fn bounds(&self, motion: &PlannedMotion, end: &(Junction, bool)) -> Vec<Bound, BOUNDS_MAX> {
-        let PlannedMotion { length, vel, acc, .. } = *motion;
-        let (ends, either) = ([&motion.start, &end.0], [motion.either, end.1]);
+    /// Names the bounds of a motion between the junctions at its start and end.
+    #[inline]
+    fn each_bound(&self, motion: &WaitingMotion, end: &(Junction, bool), mut bound: impl FnMut(Bound)) {
+        let (length, acc, vel) = (f64::from(motion.length), f64::from(motion.acc), motion.vel);
+        let (ends, either) = ([&motion.start, &end.0], [motion.has(EITHER), end.1]);
         let reach = acc * length / 4.0;
         let fastest = ends.map(|end| (end.cap * vel * vel <= reach * reach).then(|| sqrt(end.cap) * vel));
         let corners = |bends: [f64; 2], limit| {
             [0, 1].map(|end: usize| Corner::new((bends[end], either[end]), length, fastest[end], limit))
         };
-        let mut bounds = Vec::new();
         let mut sharpest = [0.0f64; 2];
+        let (direction, round) = (motion.direction(), motion.round());
         for (i, limit) in self.limits.acc.iter().enumerate() {
-            let along = f64::from(motion.direction[i]);
+            let along = direction[i];
             let bends = ends.map(|end| f64::from(end.bend[i]));
-            if motion.round.is_some() && along != 0.0 {
+            if round.is_some() && along != 0.0 {
                 sharpest = [0, 1].map(|end: usize| sharpest[end].max(fabs(bends[end])));
             } else if bends != [0.0; 2] {
-                bounds.push(Bound::straight(along, corners(bends, *limit), *limit)).ok();
+                bound(Bound::straight(along, corners(bends, *limit), *limit));
             }
         }
-        if let Some((radius, limit)) = motion.round.map(|(radius, limit)| (f64::from(radius), f64::from(limit))) {
-            for bound in Bound::circle(radius, corners(sharpest, limit), limit) {
-                bounds.push(bound).ok();
-            }
+        if let Some((radius, limit)) = round {
+            Bound::circle(radius, corners(sharpest, limit), limit).into_iter().for_each(bound);
         }
-        bounds
     }
 
     /// The junction at the end of a motion, the highest square of the speed there, and whether it
     /// is settled and sure, as far as known.
-    fn end_of(&self, mut counter: usize) -> ((Junction, bool), f64, [bool; 2]) {
-        while counter != self.end {
-            match self.slot(counter) {
-                QueuedMotion::Motion(motion) => {
-                    return ((motion.start, motion.either), motion.high, [motion.settled, self.is_sure(counter)]);
-                }
-                QueuedMotion::Other(_, true) => return ((STANDSTILL, false), 0.0, [true; 2]),
-                _ => counter = counter.wrapping_add(1),
-            }
+    fn end_of(&self, counter: usize) -> ((Junction, bool), f64, [bool; 2]) {
+        let next = counter.wrapping_add(1);
+        if next == self.end {
+            return ((STANDSTILL, false), 0.0, [!self.moves; 2]);
         }
-        ((STANDSTILL, false), 0.0, [false; 2])
+        let motion = self.slot(next);
+        ((motion.start, motion.has(EITHER)), motion.high(), [motion.has(SETTLED), self.is_sure(next)])
     }
 
     /// Plans backwards from a stop at the end, as far as anything changes.
@@ -389,69 +453,85 @@ impl<const N: usize> LookAhead<N> {
         if !self.stale {
             return;
         }
-        self.stale = false;
+        (self.stale, self.came) = (false, 0);
         let changed = self.changed.take();
-        let (mut after, mut settled, mut end, mut end_sure) = (0.0, false, (STANDSTILL, false), true);
+        let (mut after, mut settled, mut end, mut end_sure) = (0.0, !self.moves, (STANDSTILL, false), true);
         let mut counter = self.end;
         while counter != self.first {
             counter = counter.wrapping_sub(1);
-            let QueuedMotion::Motion(motion) = self.slot(counter) else { continue };
+            let motion = self.slot(counter);
             // What is before the first junction that was changed is as it was, but for its end.
             let same = changed.is_none_or(|changed| counter.wrapping_sub(changed).cast_signed() < 0);
-            if motion.settled && same {
+            if motion.has(SETTLED) && same {
                 return;
             }
-            let bounds = self.bounds(motion, &end);
-            let span = Span::new(motion.length, motion.acc, &bounds);
-            let (high, free) = span.back(after, motion.start.cap);
+            let cap = motion.start.cap;
+            let mut span = Span::new(motion.length.into(), motion.acc.into());
+            self.each_bound(motion, &end, |bound| span.keep(&bound));
+            let (high, free) = span.back(after, cap);
+            let packed = packed_high(high, cap);
             let sure = self.is_sure(counter);
-            settled = (settled || free) && sure && end_sure;
-            if high == motion.high && !settled && same {
+            // Nothing raises a standstill.
+            settled = (settled || free) && sure && end_sure || cap == 0.0;
+            if packed == motion.high && !settled && same {
                 return;
             }
-            (after, end, end_sure) = (high, (motion.start, motion.either), sure);
-            if let Some(QueuedMotion::Motion(motion)) = self.slots.get_mut(counter & (N - 1)) {
-                (motion.high, motion.settled) = (high, settled);
+            end = (motion.start, motion.has(EITHER));
+            if let Some(motion) = self.slots.get_mut(counter & (N - 1)) {
+                motion.high = packed;
+                motion.set(SETTLED, settled);
+                after = motion.high();
             }
+            end_sure = sure;
         }
     }
 
-    /// The first entry, if its speeds are final. With `now` in any case, as fast as the present
+    /// Of the next motions so many leave under one plan: none of them ends above the speed that the
+    /// path can have after them, or has before them. Until [`LookAhead::release_level`].
+    pub fn hold_level(&mut self, motions: usize) {
+        self.plan();
+        let (.., high, _) = self.end_of(self.first.wrapping_add(motions.saturating_sub(1)));
+        self.level = Some(high.max(self.begin));
+    }
+
+    /// Motions end at the highest speeds again.
+    pub fn release_level(&mut self) {
+        self.level = None;
+    }
+
+    /// The first motion, if its speeds are final. With `now` in any case, as fast as the present
     /// data allows.
     pub fn take(&mut self, now: bool) -> Option<Planned> {
         if self.is_empty() {
             return None;
         }
         if now && self.has_unsure() {
-            self.decide(self.motion_after(self.first).wrapping_add(1));
+            self.decide(self.first.wrapping_add(2));
         }
         self.plan();
-        let motion = match self.slot(self.first) {
-            QueuedMotion::Motion(motion) => motion,
-            QueuedMotion::Other(entry, _) => {
-                let entry = *entry;
-                self.first = self.first.wrapping_add(1);
-                return Some(Planned { entry, ms: 0.0 });
-            }
-            QueuedMotion::Empty => return None,
-        };
-        let (junction, high, [settled, sure]) = self.end_of(self.first.wrapping_add(1));
-        let bounds = self.bounds(motion, &junction);
-        let span = Span::new(motion.length, motion.acc, &bounds);
+        let motion = self.slot(self.first);
+        let (junction, high, [settled, sure]) = self.end_of(self.first);
+        let mut bounds: Vec<Bound, BOUNDS_MAX> = Vec::new();
+        let mut span = Span::new(motion.length.into(), motion.acc.into());
+        self.each_bound(motion, &junction, |bound| {
+            span.keep(&bound);
+            bounds.push(bound).ok();
+        });
         let end = span.on(self.begin, high);
         if !(now || settled || sure && end < high) {
             return None;
         }
+        let end = self.level.map_or(end, |level| end.min(span.least(self.begin).max(level)));
         let ends = [self.begin, end].map(EndSpeed::of);
-        let Chosen { vel, acc, ms, ramp } = span.choose(&bounds, &ends, motion.vel, motion.acc);
+        let Chosen { vel, acc, ms, ramp } = span.choose(&bounds, &ends, motion.vel, motion.acc.into());
         let bits = [vel.max(ALONG_MIN), acc.max(ALONG_MIN), ends[1].speed].map(f64::to_bits);
         let along = MotionSpeeds::admit(bits[0], bits[1], bits[2]).ok()?.with_ramp(ramp);
-        let entry = motion.form.entry(along)?;
-        if self.has_unsure() && self.unsure.entry == self.first {
+        let others = motion.others;
+        if self.has_unsure() && self.unsure.slot == self.first {
             self.pass_unsure();
         }
         (self.first, self.begin) = (self.first.wrapping_add(1), end);
-        Some(Planned { entry, ms })
+        Some(Planned { along, ms, others })
     }
 }
 

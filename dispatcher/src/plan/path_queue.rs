@@ -3,7 +3,8 @@
 //!
 //! In: motions and other entries in the order of their calls. Out: entries in the store, and how
 //! many of them the tick may read ([`PathQueue::end`]). Owns: the look-ahead's memory, how long
-//! each entry lasts.
+//! each entry lasts. An entry lies in its slot of the store from its call on. What waits in the
+//! look-ahead gets its speeds there before the tick may read it.
 //! Fails: never; the caller has checked that the FIFO has a free slot.
 //!
 //! An entry leaves the look-ahead in four cases: its speeds are final, the look-ahead is full, at a
@@ -11,14 +12,16 @@
 //! the present data allows, and safe.
 use super::geometry::Geometry;
 use super::look_ahead::{Limits, LookAhead};
-use servo::path::{ENTRIES, EntryContent, EntryStore, PathEntries, PathEntry};
+use servo::path::{ENTRIES, EntryContent, EntryStore, MotionSpeeds, PathEntry};
 use servo::view::CrdView;
 
-pub use crate::capacity::LOOK_AHEAD_ENTRIES;
+pub use crate::capacity::LOOK_AHEAD_MOTIONS;
 
 /// The tick's data of a running path lasts at least this long, if there is more, ms. That is longer
 /// than the thread is ever away.
 pub const LASTS_MS: f64 = 10.0;
+/// This part of a look-ahead leaves under one plan, where its speeds are not final.
+const BATCH_PARTS: usize = 32;
 /// Units of a time per millisecond.
 const UNITS_PER_MS: f64 = 1024.0;
 
@@ -57,7 +60,7 @@ pub enum Queued {
 pub struct Destination<'x> {
     /// How many times the FIFO was cleared.
     pub cleared: u32,
-    /// The limits of its look-ahead, and how many entries that may hold.
+    /// The limits of its look-ahead, and how many motions that may hold.
     pub look: Option<(Limits, u16)>,
     /// Both FIFOs of its coordinate system.
     pub stores: &'x [EntryStore; 2],
@@ -70,15 +73,17 @@ pub struct Destination<'x> {
 servo::state! {
     /// The data of one FIFO before the tick. All its bytes are zero at the beginning.
     pub struct PathQueue {
-        look: LookAhead<LOOK_AHEAD_ENTRIES> = LookAhead::new(Limits { vel: [0.0; 4], acc: [0.0; 4], corner: 0.0 }),
+        look: LookAhead<LOOK_AHEAD_MOTIONS> = LookAhead::new(Limits { vel: [0.0; 4], acc: [0.0; 4], corner: 0.0 }),
         /// How long each entry lasts, by its counter.
         times: [PackedDuration; ENTRIES] = [PackedDuration::NONE; ENTRIES],
         /// The sum of those that are not over.
         sum: u64 = 0,
         first: u32 = 0,
         end: u32 = 0,
+        /// After those that wait.
+        next: u32 = 0,
         cleared: u32 = 0,
-        /// Entries that the look-ahead may hold.
+        /// Motions that the look-ahead may hold.
         count: usize = 0,
     }
     /// Empty.
@@ -90,14 +95,16 @@ impl PathQueue {
     pub fn update_cleared(&mut self, cleared: u32) {
         if self.cleared != cleared {
             self.look.clear();
-            (self.sum, self.first, self.end, self.cleared) = (0, 0, 0, cleared);
+            (self.sum, self.first, self.end, self.next, self.cleared) = (0, 0, 0, 0, cleared);
         }
     }
 
     /// Advances the counters of an empty queue, for tests.
     #[cfg(feature = "test-hooks")]
     pub fn advance_counters(&mut self, by: u32) {
-        (self.first, self.end) = (self.first.wrapping_add(by), self.end.wrapping_add(by));
+        for counter in [&mut self.first, &mut self.end, &mut self.next] {
+            *counter = counter.wrapping_add(by);
+        }
         self.look.advance_counters(by);
     }
 
@@ -106,10 +113,9 @@ impl PathQueue {
         self.look.clear();
         while self.end != end && self.end != self.first {
             self.end = self.end.wrapping_sub(1);
-            let time = self.times.get(self.end as usize % ENTRIES).map_or(0, |time| time.units());
-            self.sum = self.sum.saturating_sub(time);
+            self.sum = self.sum.saturating_sub(self.time(self.end));
         }
-        self.end = end;
+        (self.end, self.next) = (end, end);
     }
 
     /// Entries for the tick, counted since the FIFO was cleared.
@@ -118,28 +124,35 @@ impl PathQueue {
     }
 
     /// Entries that wait in the look-ahead.
-    pub fn waiting(&self) -> usize {
-        self.look.len()
+    pub fn waiting(&self) -> u32 {
+        self.next.wrapping_sub(self.end)
     }
 
     /// Takes what calls give to a FIFO, in their order. Returns how long the tick's data lasts, ms.
     pub fn put(&mut self, to: &Destination<'_>, given: impl IntoIterator<Item = Queued>) -> f64 {
         self.prepare(to.cleared, to.look);
+        // The times of what is over lie where those of new entries go.
+        self.release(to.sampled, to.fifo);
         let store = &to.stores[usize::from(to.fifo & 1)];
         for given in given {
             match given {
                 Queued::Motion { geometry, vel, acc, stops } => {
+                    let Some(entry) = geometry.entry(MotionSpeeds::NONE) else { continue };
                     self.make_room(store);
                     self.look.push_motion(&geometry, vel, acc);
                     if stops {
                         self.look.stop();
                     }
+                    self.place(store, entry, 0.0);
                 }
-                // If nothing waits, the entry handed over last ends at standstill.
-                Queued::Entry(entry, ms) if self.look.is_empty() => self.write(store, entry, ms),
-                Queued::Entry(entry, _) => {
-                    self.make_room(store);
-                    self.look.push_other(entry);
+                Queued::Entry(entry, ms) => {
+                    self.place(store, entry, ms);
+                    if self.look.is_empty() {
+                        // The entry handed over last ends at standstill.
+                        self.hand_over(1);
+                    } else {
+                        self.look.push_other(&entry);
+                    }
                 }
                 Queued::Flush => self.flush(store),
             }
@@ -148,11 +161,11 @@ impl PathQueue {
     }
 
     /// Prepares for data of a FIFO that was cleared so many times, with the limits of its
-    /// look-ahead and how many entries that may hold.
+    /// look-ahead and how many motions that may hold.
     fn prepare(&mut self, cleared: u32, look: Option<(Limits, u16)>) {
         self.update_cleared(cleared);
         if let Some((limits, count)) = look {
-            self.count = usize::from(count).clamp(1, LOOK_AHEAD_ENTRIES);
+            self.count = usize::from(count).clamp(1, LOOK_AHEAD_MOTIONS);
             if self.look.is_empty() {
                 self.look.set_limits(limits);
             }
@@ -165,53 +178,91 @@ impl PathQueue {
         if self.cleared != cleared || self.look.is_empty() { limits } else { *self.look.limits() }
     }
 
-    fn make_room(&mut self, store: &EntryStore) {
+    /// Whether the look-ahead is full after the final motions have left it.
+    fn is_full(&mut self, store: &EntryStore) -> bool {
         if self.look.len() >= self.count {
             self.settle(store);
         }
-        while self.look.len() >= self.count && self.take(store, true) {}
+        self.look.len() >= self.count
     }
 
-    fn write(&mut self, store: &EntryStore, entry: PathEntry, ms: f64) {
-        let lasting = PackedDuration::of(ms);
-        if let Some(slot) = self.times.get_mut(self.end as usize % ENTRIES) {
-            *slot = lasting;
+    fn make_room(&mut self, store: &EntryStore) {
+        if self.is_full(store) {
+            self.take_batch(store);
+            while self.look.len() >= self.count && self.take(store, true) {}
         }
-        self.sum = self.sum.saturating_add(lasting.units());
-        store.write(self.end, entry);
-        self.end = self.end.wrapping_add(1);
     }
 
+    /// The first motions under one plan, whose speeds are not final. False if none left.
+    fn take_batch(&mut self, store: &EntryStore) -> bool {
+        let batch = (self.look.len() / BATCH_PARTS).max(1);
+        self.look.hold_level(batch);
+        let taken = (0..batch).take_while(|_| self.take(store, true)).count();
+        self.look.release_level();
+        taken > 0
+    }
+
+    /// An entry into the next slot of the store.
+    fn place(&mut self, store: &EntryStore, entry: PathEntry, ms: f64) {
+        let ms = if let EntryContent::Delay { ms } = entry.item() { f64::from(ms) } else { ms };
+        self.set_time(self.next, ms);
+        store.write(self.next, entry);
+        self.next = self.next.wrapping_add(1);
+    }
+
+    fn set_time(&mut self, counter: u32, ms: f64) {
+        if let Some(time) = self.times.get_mut(counter as usize % ENTRIES) {
+            *time = PackedDuration::of(ms);
+        }
+    }
+
+    fn time(&self, counter: u32) -> u64 {
+        self.times.get(counter as usize % ENTRIES).map_or(0, |time| time.units())
+    }
+
+    /// The next entries are the tick's.
+    fn hand_over(&mut self, entries: u32) {
+        for _ in 0..entries {
+            self.sum = self.sum.saturating_add(self.time(self.end));
+            self.end = self.end.wrapping_add(1);
+        }
+    }
+
+    /// The first motion with its speeds, and the entries that follow it.
     fn take(&mut self, store: &EntryStore, now: bool) -> bool {
         let Some(planned) = self.look.take(now) else { return false };
-        let ms = match planned.entry.item() {
-            EntryContent::Delay { ms } => f64::from(ms),
-            _ => planned.ms,
-        };
-        self.write(store, planned.entry, ms);
+        store.write(self.end, store.entry(self.end).with_speeds(planned.along));
+        self.set_time(self.end, planned.ms);
+        self.hand_over(1 + u32::from(planned.others));
         true
     }
 
-    /// Moves final entries to the store, and says where they end.
+    /// The tick's entries end here after data of a call. Final motions leave the look-ahead when a
+    /// plan is due; where the tick has little, [`PathQueue::feed`] does not wait for that.
+    pub fn settle_when_due(&mut self, store: &EntryStore) -> u32 {
+        if self.look.is_plan_due() { self.settle(store) } else { self.end }
+    }
+
+    /// Final motions leave the look-ahead. Returns where the tick's entries end.
     pub fn settle(&mut self, store: &EntryStore) -> u32 {
         while self.take(store, false) {}
         self.end
     }
 
-    /// Moves all entries to the store: the path stops at the end.
+    /// All motions leave the look-ahead: the path stops at the end.
     pub fn flush(&mut self, store: &EntryStore) {
         while self.take(store, true) {}
     }
 
-    /// Entries up to this counter are over.
-    fn release(&mut self, released: u32) {
-        let over = released.wrapping_sub(self.first);
-        if over > self.end.wrapping_sub(self.first) {
+    /// Entries that the tick has released are over.
+    fn release(&mut self, sampled: &CrdView, fifo: u8) {
+        let index = usize::from(fifo & 1);
+        let over = sampled.released[index].wrapping_sub(self.first);
+        if sampled.cleared[index] != self.cleared || over > self.end.wrapping_sub(self.first) {
             return;
         }
         for _ in 0..over {
-            let time = self.times.get(self.first as usize % ENTRIES).map_or(0, |time| time.units());
-            self.sum = self.sum.saturating_sub(time);
+            self.sum = self.sum.saturating_sub(self.time(self.first));
             self.first = self.first.wrapping_add(1);
         }
     }
@@ -219,10 +270,7 @@ impl PathQueue {
     /// How long the motions for the tick last, ms. At standstill all of them count. Of a running
     /// path those after the present one count, and the least remaining time of that one.
     pub fn lasts(&mut self, store: &[EntryStore; 2], sampled: &CrdView, fifo: u8) -> f64 {
-        let index = usize::from(fifo & 1);
-        if sampled.cleared[index] == self.cleared {
-            self.release(sampled.released[index]);
-        }
+        self.release(sampled, fifo);
         self.remaining(store, sampled, fifo)
     }
 
@@ -230,22 +278,21 @@ impl PathQueue {
     pub fn remaining(&self, store: &[EntryStore; 2], sampled: &CrdView, fifo: u8) -> f64 {
         let index = usize::from(fifo & 1);
         let (mut first, mut sum) = (self.first, self.sum);
-        let time = |entry: u32| self.times.get(entry as usize % ENTRIES).map_or(0, |time| time.units());
         if sampled.cleared[index] != self.cleared {
             return sum as f64 / UNITS_PER_MS;
         }
         let over = sampled.released[index].wrapping_sub(first);
         if over <= self.end.wrapping_sub(first) {
             for _ in 0..over {
-                sum = sum.saturating_sub(time(first));
+                sum = sum.saturating_sub(self.time(first));
                 first = first.wrapping_add(1);
             }
         }
         if !(sampled.runs && sampled.fifo == fifo) || first == self.end {
             return sum as f64 / UNITS_PER_MS;
         }
-        let following = sum.saturating_sub(time(first)) as f64 / UNITS_PER_MS;
-        following + left(store.entry(fifo, first), sampled)
+        let following = sum.saturating_sub(self.time(first)) as f64 / UNITS_PER_MS;
+        following + left(store[index].entry(first), sampled)
     }
 
     /// At a start: as [`PathQueue::feed`]. The path may not be done with an earlier start, whose
@@ -261,12 +308,15 @@ impl PathQueue {
         self.fill(store, sampled, fifo, LASTS_MS)
     }
 
-    fn fill(&mut self, store: &[EntryStore; 2], sampled: &CrdView, fifo: u8, until_ms: f64) -> bool {
-        let (mut fed, [first, second]) = (false, store);
-        while !self.look.is_empty() && self.lasts(store, sampled, fifo) < until_ms {
-            fed |= self.take(if fifo == 0 { first } else { second }, true);
+    fn fill(&mut self, stores: &[EntryStore; 2], sampled: &CrdView, fifo: u8, until_ms: f64) -> bool {
+        let (before, [first, second]) = (self.end, stores);
+        let store = if fifo == 0 { first } else { second };
+        let mut more = true;
+        while more && !self.look.is_empty() && self.lasts(stores, sampled, fifo) < until_ms {
+            let end = self.end;
+            more = self.settle(store) != end || self.take_batch(store);
         }
-        fed
+        self.end != before
     }
 }
 

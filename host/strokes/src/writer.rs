@@ -12,7 +12,7 @@ use std::fmt::Write;
 /// Entries of a path before it is started.
 const AHEAD: usize = 400;
 /// Entries that the look-ahead holds.
-const LOOK_AHEAD: u32 = 200;
+const LOOK_AHEAD: u32 = 1024;
 /// The slowest motion of the controller, pulse/ms.
 const SLOWEST: f64 = 1.0 / (1 << 20) as f64;
 /// The longest BufDelay, ms.

@@ -117,7 +117,7 @@ const END_TOP_BYTES: [u64; 4] = [0, 0x3e, 0x3f, 0x40];
 
 impl MotionSpeeds {
     /// No motion.
-    pub(super) const NONE: MotionSpeeds = MotionSpeeds { vel: 0, acc: 0, end: 0 };
+    pub const NONE: MotionSpeeds = MotionSpeeds { vel: 0, acc: 0, end: 0 };
 
     /// From the bits of synVel and velEnd (pulse/ms) and synAcc (pulse/ms²): 2⁻²⁰ ≤ synVel, synAcc
     /// ≤ 2¹⁵, velEnd from 0 to 2¹⁵; below 2⁻³¹ it is 0.
@@ -436,6 +436,17 @@ impl PathEntry {
     pub fn laser(channel: u8, code: u8, words: [u32; LASER_WORDS]) -> PathEntry {
         let [a, b, c, d, e, f] = words;
         other(kind::LASER, [a, b, c, d, e, f, (channel as u32) << 8 | code as u32])
+    }
+
+    /// The same motion with these speeds; an entry that is no motion stays.
+    pub fn with_speeds(self, along: MotionSpeeds) -> PathEntry {
+        let [a, b, c, d, ..] = self.0;
+        match self.kind() & 15 {
+            kind::PLANAR => PathEntry::planar([a, b].map(|x| x as i32), along),
+            kind::LINE => PathEntry::line([a, b, c, d].map(|x| x as i32), along),
+            kind::ARC | kind::CIRCLE => motion([a, b, c, d], along, self.kind()),
+            _ => self,
+        }
     }
 
     /// The words as stored.

@@ -63,6 +63,12 @@ impl EntryStore {
         EntryStore(Store::new())
     }
 
+    /// The slot of an entry.
+    #[inline]
+    pub fn entry(&self, counter: u32) -> PathEntry {
+        PathEntry::from_words(self.0.read(counter))
+    }
+
     /// Fills the slot of an entry.
     pub fn write(&self, counter: u32, entry: PathEntry) {
         self.0.write(counter, entry.words());
@@ -80,7 +86,7 @@ impl PathEntries for [EntryStore; 2] {
     #[inline]
     fn entry(&self, fifo: u8, counter: u32) -> PathEntry {
         let [first, second] = self;
-        let EntryStore(store) = if fifo == 0 { first } else { second };
-        PathEntry::from_words(store.read(counter))
+        let store = if fifo == 0 { first } else { second };
+        store.entry(counter)
     }
 }

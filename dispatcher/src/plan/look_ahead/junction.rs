@@ -1,6 +1,6 @@
 //! The junction of two motions: the change of velocity there, and the highest speed at which it is
 //! passed.
-use super::{Limits, PlannedMotion};
+use super::{Limits, WaitingMotion};
 use crate::plan::geometry::Position;
 use libm::fabs;
 
@@ -38,16 +38,14 @@ pub(super) fn hidden_turn(lengths: [f64; 2]) -> f64 {
 impl Limits {
     /// The junction between two motions, and whether it is open: a part of its turn may be
     /// rounding (`rounding.rs`), which is known once more motions have come.
-    pub(super) fn junction(&self, before: &LastMotion, motion: &PlannedMotion, tangent: &Position) -> (Junction, bool) {
-        let mean = (before.length + motion.length) / 2.0;
+    pub(super) fn junction(&self, before: &LastMotion, motion: &WaitingMotion, tangent: &Position) -> (Junction, bool) {
+        let length = f64::from(motion.length);
+        let mean = (before.length + length) / 2.0;
         let slower = before.vel.min(motion.vel);
         let mut junction = Junction { cap: slower * slower, ..STANDSTILL };
-        let is_short = before.length.min(motion.length) < slower * self.corner;
-        let hidden = if is_short && before.is_line && motion.round.is_none() {
-            hidden_turn([before.length, motion.length])
-        } else {
-            0.0
-        };
+        let is_short = before.length.min(length) < slower * self.corner;
+        let hidden =
+            if is_short && before.is_line && motion.is_line() { hidden_turn([before.length, length]) } else { 0.0 };
         let turns = tangent.iter().zip(&before.tangent).map(|(to, from)| to - from);
         // What hardly turns at full speed may have its rounding.
         let matters = |(turn, acc): (f64, &f64)| (fabs(turn) + hidden) / mean * junction.cap > acc * SLIGHT_SHARE;

@@ -186,29 +186,31 @@ impl Bound {
 
 impl Span {
     /// A motion of this length, with an acceleration of its own.
-    pub(super) fn new(length: f64, acc: f64, bounds: &[Bound]) -> Span {
+    pub(super) fn new(length: f64, acc: f64) -> Span {
         let mut span = Span { length, tops: [f64::INFINITY; 2], lines: Vec::new() };
         let change = 2.0 * length * planned(acc);
         span.push(Constraint { slope: -1.0, offset: change, lower: false, end: false });
         span.push(Constraint { slope: 1.0, offset: change, lower: true, end: false });
-        let unit = 1.0 / (2.0 * length);
-        for bound in bounds {
-            let [start, end] = &bound.corners;
-            if bound.round {
-                for along in [bound.along, -bound.along] {
-                    span.corner(bound, start, false, (along + along.signum() * start.grow) * unit);
-                    span.corner(bound, end, true, (along + along.signum() * end.grow) * unit);
-                }
-                continue;
-            }
-            for sign in start.signs() {
-                span.corner(bound, start, false, (sign * bound.along + start.grow) * unit);
-            }
-            for sign in end.signs() {
-                span.corner(bound, end, true, (sign * bound.along - end.grow) * unit);
-            }
-        }
         span
+    }
+
+    /// It keeps this bound.
+    pub(super) fn keep(&mut self, bound: &Bound) {
+        let unit = 1.0 / (2.0 * self.length);
+        let [start, end] = &bound.corners;
+        if bound.round {
+            for along in [bound.along, -bound.along] {
+                self.corner(bound, start, false, (along + along.signum() * start.grow) * unit);
+                self.corner(bound, end, true, (along + along.signum() * end.grow) * unit);
+            }
+            return;
+        }
+        for sign in start.signs() {
+            self.corner(bound, start, false, (sign * bound.along + start.grow) * unit);
+        }
+        for sign in end.signs() {
+            self.corner(bound, end, true, (sign * bound.along - end.grow) * unit);
+        }
     }
 
     fn push(&mut self, line: Constraint) {
@@ -291,6 +293,12 @@ impl Span {
         // A planned x is in the region, but for rounding; any other relies on a stop.
         let slack = 1e-6 * x;
         if high < low - slack || x > self.tops[1] + slack { 0.0 } else { high.max(0.0) }
+    }
+
+    /// The lowest y that can be reached from x.
+    pub(super) fn least(&self, x: f64) -> f64 {
+        let [_, (low, _)] = self.window(x, f64::INFINITY);
+        low
     }
 
     /// Speed and acceleration for a motion with these speeds at its ends, and its time in ms. On an
@@ -395,7 +403,8 @@ mod tests {
                 let corners = side.turns.map(|turn| Corner::new((turn, false), length, None, side.limit));
                 Bound::straight(side.along, corners, side.limit)
             });
-            let span = Span::new(length, acc, &bounds);
+            let mut span = Span::new(length, acc);
+            bounds.iter().for_each(|bound| span.keep(bound));
             let (most, cap) = (chance() * 400.0, chance() * 400.0);
             let (high, settled) = span.back(most, cap);
             let found = || format!("{sides:?} {length} {acc} to {most}, {cap}: {high} {settled}");

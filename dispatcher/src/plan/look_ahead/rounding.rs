@@ -21,11 +21,9 @@
 //! What a trace shows is in decision 25.
 use super::Limits;
 use super::junction::{Junction, hidden_turn};
-use crate::capacity::LOOK_AHEAD_ENTRIES;
+use crate::capacity::LOOK_AHEAD_CHORDS as CHORDS_MAX;
 use libm::{fabsf, rintf};
 
-/// Chords that are kept: as many as both arms of a junction take.
-pub(super) const CHORDS_MAX: usize = if LOOK_AHEAD_ENTRIES < 128 { LOOK_AHEAD_ENTRIES } else { 128 };
 /// The most chords of an arm.
 const ARM_CHORDS: u32 = CHORDS_MAX as u32 / 2;
 /// From arm to arm.
