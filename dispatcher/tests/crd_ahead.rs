@@ -3,6 +3,7 @@
 
 use crate::bench;
 use crate::lookahead::Ahead;
+use crate::path_many::{call, joined, of};
 use bench::crd::*;
 use bench::*;
 use dispatcher::plan::geometry::Geometry;
@@ -157,6 +158,10 @@ fn a_host_that_stalls_slows_nothing() {
 #[test]
 fn a_full_look_ahead_keeps_its_speed() {
     const LENGTH: i32 = 30;
+    let bit = |value: i16| {
+        let [core, crd, fifo] = [1, 1, 0].map(Into::into);
+        BufDoBit { core, crd, do_type: 12.into(), index: 1.into(), value: value.into(), fifo }
+    };
     const SLOW: f64 = 0.5;
     for (count, batch) in [(64, 2), (192, 6)] {
         for marks in [false, true] {
@@ -165,19 +170,13 @@ fn a_full_look_ahead_keeps_its_speed() {
             bench.done(ahead(CORNER, SLOW, count));
             let mut given = 0;
             let mut give_some = |bench: &mut Bench<8>| {
-                while given < 3000 && space(bench, 0) >= 2 {
-                    given += 1;
-                    bench.done(line(given * LENGTH, 0, 80.0, SLOW));
-                    if marks {
-                        bench.done(BufDoBit {
-                            core: 1.into(),
-                            crd: 1.into(),
-                            do_type: 12.into(),
-                            index: 1.into(),
-                            value: ((given & 1) as i16).into(),
-                            fifo: 0.into(),
-                        });
-                    }
+                while given < 3000 && space(bench, 0) >= 30 {
+                    let calls = (given..given + 15).flat_map(|k| {
+                        let mark = marks.then(|| of(bit(k as i16 & 1)));
+                        mark.into_iter().chain([of(line((k + 1) * LENGTH, 0, 80.0, SLOW))])
+                    });
+                    assert_eq!(call(bench, &joined(&calls.collect::<Vec<_>>())).code, 0);
+                    given += 15;
                 }
                 given == 3000
             };
@@ -200,9 +199,11 @@ fn a_full_look_ahead_keeps_its_speed() {
             }
             let [low, high] = [f64::min, f64::max].map(|of| cruise.iter().copied().reduce(of).unwrap());
             let found = format!("{count} motions, entries between: {marks}: from {low} to {high}");
-            assert!(cruise.len() > 100 && high - low < 1e-3 * high, "{found}");
-            // The motion that comes next and those that leave with it are not in the window.
-            assert!(low * low >= square(count - batch - 1) * 0.999 && high * high <= square(count), "{found}");
+            assert!(cruise.len() > 100 && high - low < 0.006 * high, "{found}");
+            // The motion that comes next and those that leave with it are not in the window, and the
+            // last ones may still turn out to be rounding: 80 pulse/ms for T.
+            let open = (80.0 * CORNER) as i16 / LENGTH as i16 + 1;
+            assert!(low * low >= square(count - batch - 1 - open) && high * high <= square(count), "{found}");
         }
     }
 }

@@ -13,7 +13,7 @@ use zerocopy::{FromBytes, IntoBytes};
 /// A call of a path: its number and its request.
 type Call = (u16, Vec<u8>);
 
-fn of<R: Request>(request: R) -> Call {
+pub fn of<R: Request>(request: R) -> Call {
     (R::OPCODE, request.as_bytes().to_vec())
 }
 
@@ -28,11 +28,11 @@ fn joined_for(target: [i16; 3], calls: &[Call]) -> Vec<u8> {
     body
 }
 
-fn joined(calls: &[Call]) -> Vec<u8> {
+pub fn joined(calls: &[Call]) -> Vec<u8> {
     joined_for([1, 1, 0], calls)
 }
 
-fn call(bench: &mut Bench<8>, body: &[u8]) -> Answer {
+pub fn call(bench: &mut Bench<8>, body: &[u8]) -> Answer {
     let tag = bench.post_raw(PathMany::OPCODE, Lane::Immediate, body);
     bench.wait(tag)
 }

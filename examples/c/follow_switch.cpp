@@ -43,7 +43,7 @@ int main()
     CALL(GTN_FollowClear(1, slave, 0));
     CALL(GTN_FollowClear(1, slave, 1));
     CALL(GTN_SetFollowMaster(1, slave, master));
-    curve(0, old_ways, FOLLOW_SEGMENT_NORMAL);
+    curve(0, old_distances, FOLLOW_SEGMENT_NORMAL);
     CALL(GTN_SetFollowLoop(1, slave, 0));
     CALL(GTN_SetFollowEvent(1, slave, FOLLOW_EVENT_START, 1));
     CALL(GTN_FollowStart(1, 1 << (slave - 1)));
@@ -63,7 +63,7 @@ int main()
         } else if (stage == TO_TRANSITION) {
             CALL(GTN_FollowSpace(1, slave, &space, 0));
             if (space == 16) {
-                curve(0, new_ways, FOLLOW_SEGMENT_CONTINUE);
+                curve(0, new_distances, FOLLOW_SEGMENT_CONTINUE);
                 CALL(GTN_FollowSwitch(1, 1 << (slave - 1)));
                 stage = TO_NEW;
             }

@@ -24,8 +24,8 @@
 //!
 //! **A full queue.** Where braking takes more motions than it holds, every further motion raises
 //! all speeds, and a plan for each would take all motions each time. So several leave under one
-//! plan, at the speed that the last of them can keep ([`LookAhead::hold_level`]). Without that
-//! level the path would brake under each plan and speed up under the next.
+//! plan ([`LookAhead::hold_level`]). What more data can raise does not speed up above the level that
+//! the last of them can keep: else the path would brake under each plan and speed up under the next.
 mod junction;
 mod reachable;
 mod rounding;
@@ -34,7 +34,7 @@ use super::geometry::{Geometry, Position};
 use heapless::Vec;
 use junction::{Junction, LastMotion, STANDSTILL};
 use libm::{fabs, sqrt};
-use reachable::{BOUNDS_MAX, Bound, Chosen, Corner, EndSpeed, Span};
+use reachable::{BOUNDS_MAX, Bound, ChosenMotion, Corner, EndSpeed, Span};
 use rounding::Chords;
 use servo::path::{MotionSpeeds, PathEntry, Plane};
 
@@ -83,6 +83,8 @@ impl Limits {
 const EFFECTS: u32 = 32;
 /// Without need, a full queue is planned so many times while its motions are replaced.
 const PLANS_PER_QUEUE: usize = 4;
+/// This part of the motions leaves under one plan where their speeds are not final.
+const BATCH_PARTS: usize = 32;
 /// Lowest speed (pulse/ms) and acceleration (pulse/ms²) of a motion.
 pub const ALONG_MIN: f64 = 1.0 / 1048576.0;
 
@@ -486,15 +488,25 @@ impl<const N: usize> LookAhead<N> {
         }
     }
 
-    /// Of the next motions so many leave under one plan: none of them ends above the speed that the
-    /// path can have after them, or has before them. Until [`LookAhead::release_level`].
-    pub fn hold_level(&mut self, motions: usize) {
+    /// How many motions leave under one plan. Until [`LookAhead::release_level`] none of them ends
+    /// above the speed that the path can have after them, or has before them.
+    pub fn hold_level(&mut self) -> usize {
         self.plan();
-        let (.., high, _) = self.end_of(self.first.wrapping_add(motions.saturating_sub(1)));
-        self.level = Some(high.max(self.begin));
+        self.level = Some(self.level());
+        self.batch()
     }
 
-    /// Motions end at the highest speeds again.
+    fn batch(&self) -> usize {
+        (self.len() / BATCH_PARTS).max(1)
+    }
+
+    /// The square of the speed that the path can have after the next motions, or has now.
+    fn level(&self) -> f64 {
+        let (_, high, _) = self.end_of(self.first.wrapping_add(self.batch() - 1));
+        high.max(self.begin)
+    }
+
+    /// Each motion has a level of its own again.
     pub fn release_level(&mut self) {
         self.level = None;
     }
@@ -517,13 +529,16 @@ impl<const N: usize> LookAhead<N> {
             span.keep(&bound);
             bounds.push(bound).ok();
         });
-        let end = span.on(self.begin, high);
-        if !(now || settled || sure && end < high) {
+        let most = if settled { high } else { self.level.unwrap_or_else(|| self.level()).min(high) };
+        let mut end = span.on(self.begin, high);
+        if !(now || settled || sure && end < most) {
             return None;
         }
-        let end = self.level.map_or(end, |level| end.min(span.least(self.begin).max(level)));
+        if end > most {
+            end = end.min(span.least(self.begin).max(most));
+        }
         let ends = [self.begin, end].map(EndSpeed::of);
-        let Chosen { vel, acc, ms, ramp } = span.choose(&bounds, &ends, motion.vel, motion.acc.into());
+        let ChosenMotion { vel, acc, ms, ramp } = span.choose(&bounds, &ends, motion.vel, motion.acc.into());
         let bits = [vel.max(ALONG_MIN), acc.max(ALONG_MIN), ends[1].speed].map(f64::to_bits);
         let along = MotionSpeeds::admit(bits[0], bits[1], bits[2]).ok()?.with_ramp(ramp);
         let others = motion.others;

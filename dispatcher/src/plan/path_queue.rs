@@ -20,8 +20,6 @@ pub use crate::capacity::LOOK_AHEAD_MOTIONS;
 /// The tick's data of a running path lasts at least this long, if there is more, ms. That is longer
 /// than the thread is ever away.
 pub const LASTS_MS: f64 = 10.0;
-/// This part of a look-ahead leaves under one plan, where its speeds are not final.
-const BATCH_PARTS: usize = 32;
 /// Units of a time per millisecond.
 const UNITS_PER_MS: f64 = 1024.0;
 
@@ -195,8 +193,7 @@ impl PathQueue {
 
     /// The first motions under one plan, whose speeds are not final. False if none left.
     fn take_batch(&mut self, store: &EntryStore) -> bool {
-        let batch = (self.look.len() / BATCH_PARTS).max(1);
-        self.look.hold_level(batch);
+        let batch = self.look.hold_level();
         let taken = (0..batch).take_while(|_| self.take(store, true)).count();
         self.look.release_level();
         taken > 0

@@ -497,7 +497,7 @@ fn a_dxf_is_marked_where_another_program_says() {
         let on = |k: u32| [0, 1].map(|axis| from[axis] + (point[axis] - from[axis]) * f64::from(k) / f64::from(count));
         points.extend((1..=count).map(on));
     }
-    let words = ["sim", "plate.dxf", "--machine", "m.toml", "--trace", "t.csv", "--strict"];
+    let words = ["sim", "plate.dxf", "--machine", "m.toml", "--tick-us", "100", "--trace", "t.csv", "--strict"];
     let (said, code) = beamtick(folder.path(), &words);
     assert_eq!(code, 0, "{said}");
     assert!(said.contains("on a layer that is off or frozen is not marked (1)"), "{said}");

@@ -69,7 +69,7 @@ struct Constraint {
 
 /// How a motion is driven: its highest speed, its acceleration, its time in ms.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Chosen {
+pub(super) struct ChosenMotion {
     pub vel: f64,
     pub acc: f64,
     pub ms: f64,
@@ -303,7 +303,7 @@ impl Span {
 
     /// Speed and acceleration for a motion with these speeds at its ends, and its time in ms. On an
     /// arc both share one limit: of the pairs tried, the one with the least time.
-    pub(super) fn choose(&self, bounds: &[Bound], ends: &[EndSpeed; 2], vel: f64, acc: f64) -> Chosen {
+    pub(super) fn choose(&self, bounds: &[Bound], ends: &[EndSpeed; 2], vel: f64, acc: f64) -> ChosenMotion {
         let [x, y] = ends.map(|end| end.square);
         let most = bounds.iter().fold(planned(acc), |a, bound| a.min(bound.most(ends, self.length, vel)));
         let least = fabs(y - x) / (2.0 * self.length);
@@ -314,9 +314,9 @@ impl Span {
         };
         let most = most.max(least) * (1.0 + ACC_RESERVE_SHARE);
         if !bounds.iter().any(|bound| bound.round) {
-            return Chosen { vel, acc: most, ms: self.time(ends, vel, most), ramp };
+            return ChosenMotion { vel, acc: most, ms: self.time(ends, vel, most), ramp };
         }
-        let mut best = Chosen { vel, acc: most, ms: f64::INFINITY, ramp: FixedRamp::None };
+        let mut best = ChosenMotion { vel, acc: most, ms: f64::INFINITY, ramp: FixedRamp::None };
         for part in 0..=8 {
             let acc = least + (most - least) * part as f64 / 8.0;
             let square = bounds.iter().filter(|bound| bound.round).fold(vel * vel, |v, bound| {
@@ -329,7 +329,7 @@ impl Span {
             let time = self.time(ends, top, acc);
             // At one time the greater acceleration: after a Stop the motion begins with it.
             if time <= best.ms * (1.0 + SAME_TIME_SHARE) {
-                best = Chosen { vel: top, acc, ms: time, ..best };
+                best = ChosenMotion { vel: top, acc, ms: time, ..best };
             }
         }
         best
