@@ -200,7 +200,7 @@ fn a_full_look_ahead_keeps_its_speed() {
             let [low, high] = [f64::min, f64::max].map(|of| cruise.iter().copied().reduce(of).unwrap());
             let found = format!("{count} motions, entries between: {marks}: from {low} to {high}");
             assert!(cruise.len() > 100 && high - low < 0.006 * high, "{found}");
-            // The motion that comes next and those that leave with it are not in the window, and the
+            // The motion that comes next and those that leave with it are not in the window. The
             // last ones may still turn out to be rounding: 80 pulse/ms for T.
             let open = (80.0 * CORNER) as i16 / LENGTH as i16 + 1;
             assert!(low * low >= square(count - batch - 1 - open) && high * high <= square(count), "{found}");

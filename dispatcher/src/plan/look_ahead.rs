@@ -24,8 +24,9 @@
 //!
 //! **A full queue.** Where braking takes more motions than it holds, every further motion raises
 //! all speeds, and a plan for each would take all motions each time. So several leave under one
-//! plan ([`LookAhead::hold_level`]). What more data can raise does not speed up above the level that
-//! the last of them can keep: else the path would brake under each plan and speed up under the next.
+//! plan ([`LookAhead::hold_level`]). What more data can raise does not speed up above the level
+//! that the last of them can keep. Else the path would brake under each plan and speed up under the
+//! next.
 mod junction;
 mod reachable;
 mod rounding;

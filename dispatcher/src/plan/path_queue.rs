@@ -201,7 +201,6 @@ impl PathQueue {
 
     /// An entry into the next slot of the store.
     fn place(&mut self, store: &EntryStore, entry: PathEntry, ms: f64) {
-        let ms = if let EntryContent::Delay { ms } = entry.item() { f64::from(ms) } else { ms };
         self.set_time(self.next, ms);
         store.write(self.next, entry);
         self.next = self.next.wrapping_add(1);

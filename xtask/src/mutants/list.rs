@@ -254,7 +254,7 @@ pub const LIST: &[Mutant] = &[
     mutant(
         "look-ahead: speeds are final at once",
         AHEAD,
-        "settled = (settled || free) && sure && end_sure;",
+        "settled = (settled || free) && sure && end_sure || cap == 0.0;",
         "settled = settled || free || after >= 0.0;",
         LOOK_AHEAD,
     ),
@@ -285,6 +285,13 @@ pub const LIST: &[Mutant] = &[
         "if !now && length < motion.vel * self.limits.corner &&",
         "if !now && length < 0.0 * self.limits.corner &&",
         LOOK_AHEAD,
+    ),
+    mutant(
+        "look-ahead: a full one speeds up under each plan",
+        AHEAD,
+        "self.level.unwrap_or_else(|| self.level()).min(high)",
+        "self.level.map_or(high, |_| high)",
+        CRD_AHEAD,
     ),
     mutant(
         "look-ahead: an axis's speed is not limited",
