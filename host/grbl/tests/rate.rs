@@ -25,10 +25,9 @@ struct Rows {
 
 /// A line lasts 40 µs at F.
 const ONE_POWER: Rows = Rows { step: 2, feed: 30_000, powers: 1 };
-/// The look-ahead holds 200 entries, a change of S among them: it brakes within 100 lines, 2 mm,
-/// and so does not reach F.
+/// A change of S is an entry of its own: what the FIFO holds is half as long.
 const POWERS: Rows = Rows { step: 2, feed: 30_000, powers: 100 };
-/// A line lasts 45 µs at F, and the path brakes within 49 of them.
+/// A line lasts 45 µs at F.
 const FINE: Rows = Rows { step: 1, feed: 13_200, powers: 100 };
 
 /// How fast the port alone takes lines: `$C`, nothing moves.
