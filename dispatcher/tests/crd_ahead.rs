@@ -117,6 +117,73 @@ fn what_comes_late_but_in_time_is_as_fast() {
     assert!((took - 625.0).abs() < 1.0, "{took}");
 }
 
+/// What a wait follows is final: it leaves at once, and limits that are set after it hold.
+#[test]
+fn a_wait_empties_the_look_ahead() {
+    let mut bench = Bench::gus();
+    plane(&mut bench);
+    bench.done(ahead(CORNER, ACC, 200));
+    let wait = || BufDelay { core: 1.into(), crd: 1.into(), delay_ms: 3.into(), fifo: 0.into() };
+    bench.done(wait());
+    bench.done(line(1000, 0, 100.0, 4.0));
+    bench.done(wait());
+    bench.run_ms(2);
+    assert_eq!(bench.server.view().crds[0].ends[0], 3);
+    let [core, crd, coordinate] = [1, 1, 1].map(Into::into);
+    bench.done(SetCrdLimit { core, crd, coordinate, vel_max: 10.0.into(), acc_max: 0.0.into() });
+    bench.done(line(2000, 0, 100.0, 4.0));
+    bench.done(start_crd(1));
+    let mut most = 0.0f64;
+    while bench.server.view().crds[0].runs {
+        bench.step();
+        let view = bench.server.view();
+        let speed = view.velocity(&view.axes[0]);
+        if crd_pos_x(&mut bench) > 1000.0 {
+            most = most.max(speed.m as f64 * 2f64.powi(-i32::from(speed.e)));
+        }
+    }
+    assert!(most > 9.99 && most <= 10.0, "{most}");
+}
+
+/// Lines of 50 ms each, one given every 50 ms, four to five ahead: the tick never brakes for the
+/// end of what it was handed.
+#[test]
+fn final_motions_are_not_held_back_after_long_ones() {
+    let mut bench = Bench::gus();
+    plane(&mut bench);
+    bench.done(ahead(CORNER, 0.4, 200));
+    let mut given = 0;
+    let mut give_one = |bench: &mut Bench<8>| {
+        given += 1;
+        bench.done(line(given * 5000, 0, 100.0, 0.4));
+    };
+    (0..10).for_each(|_| give_one(&mut bench));
+    bench.done(start_crd(1));
+    // 250 ms to come to speed.
+    let (mut least, mut next) = (f64::INFINITY, 0.0);
+    for _ in 0..40 {
+        while crd_pos_x(&mut bench) < next {
+            bench.step();
+            let view = bench.server.view();
+            let speed = view.velocity(&view.axes[0]);
+            if next > 15_000.0 {
+                least = least.min(speed.m as f64 * 2f64.powi(-i32::from(speed.e)));
+            }
+        }
+        next += 5000.0;
+        // The first three are those that the path needs to come to speed.
+        if next > 25_000.0 {
+            give_one(&mut bench);
+        }
+    }
+    assert!(least > 99.9, "{least}");
+}
+
+fn crd_pos_x(bench: &mut Bench<8>) -> f64 {
+    let view = bench.server.view();
+    view.axes[0].pos.0 as f64 * 2f64.powi(-22)
+}
+
 /// A host that stalls for 50 ms now and then.
 #[test]
 fn a_host_that_stalls_slows_nothing() {

@@ -244,9 +244,9 @@ servo::state! {
 
 impl<const N: usize> LookAhead<N> {
     /// Whether so much has come since the last plan that another is worth its time: it may go over
-    /// all motions.
+    /// all motions. A stop makes what is before it final.
     pub fn is_plan_due(&self) -> bool {
-        self.came > self.len() / PLANS_PER_QUEUE
+        self.came > self.len() / PLANS_PER_QUEUE || self.stale && !self.moves
     }
 
     /// New limits, while it is empty.
@@ -301,7 +301,7 @@ impl<const N: usize> LookAhead<N> {
         if !self.has_unsure() {
             self.unsure = UndecidedJunction { number: self.chords.next(), slot: self.end, length: 0.0 };
         }
-        self.unsure.length += geometry.length;
+        self.unsure.length += f64::from(motion.length);
         self.chords.push(motion.shape, if is_line { geometry.length } else { 0.0 }, stops);
         if let Some(slot) = self.slots.get_mut(self.end & (N - 1)) {
             *slot = motion;
@@ -314,7 +314,7 @@ impl<const N: usize> LookAhead<N> {
 
     /// The path stops where the last motion ends.
     pub fn stop(&mut self) {
-        self.moves = false;
+        (self.moves, self.stale) = (false, true);
         self.decide(self.end);
     }
 

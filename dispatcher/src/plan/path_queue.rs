@@ -20,6 +20,8 @@ pub use crate::capacity::LOOK_AHEAD_MOTIONS;
 /// The tick's data of a running path lasts at least this long, if there is more, ms. That is longer
 /// than the thread is ever away.
 pub const LASTS_MS: f64 = 10.0;
+/// A motion of which the tick's data holds several, ms.
+const SHORT_MS: f32 = LASTS_MS as f32 / 4.0;
 /// Units of a time per millisecond.
 const UNITS_PER_MS: f64 = 1024.0;
 
@@ -83,6 +85,8 @@ servo::state! {
         cleared: u32 = 0,
         /// Motions that the look-ahead may hold.
         count: usize = 0,
+        /// How long the last motion lasts that left it, ms.
+        last_ms: f32 = 0.0,
     }
     /// Empty.
     pub const fn new();
@@ -229,14 +233,17 @@ impl PathQueue {
         let Some(planned) = self.look.take(now) else { return false };
         store.write(self.end, store.entry(self.end).with_speeds(planned.along));
         self.set_time(self.end, planned.ms);
+        self.last_ms = planned.ms as f32;
         self.hand_over(1 + u32::from(planned.others));
         true
     }
 
     /// The tick's entries end here after data of a call. Final motions leave the look-ahead when a
-    /// plan is due; where the tick has little, [`PathQueue::feed`] does not wait for that.
+    /// plan is due. [`PathQueue::feed`] does not wait for that: it comes before the tick begins the
+    /// last motion that it has, if that is short. After a long one nothing waits.
     pub fn settle_when_due(&mut self, store: &EntryStore) -> u32 {
-        if self.look.is_plan_due() { self.settle(store) } else { self.end }
+        let may_wait = self.end != self.first && self.last_ms < SHORT_MS;
+        if may_wait && !self.look.is_plan_due() { self.end } else { self.settle(store) }
     }
 
     /// Final motions leave the look-ahead. Returns where the tick's entries end.

@@ -63,7 +63,7 @@ pub struct LookAheadSettings {
     pub corner: f64,
     /// Acceleration of every coordinate that has no limit of its own, pulse/ms².
     pub acc: f64,
-    /// Entries that wait at most.
+    /// Motions that wait at most.
     pub count: u16,
 }
 

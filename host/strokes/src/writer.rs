@@ -11,7 +11,7 @@ use std::fmt::Write;
 
 /// Entries of a path before it is started.
 const AHEAD: usize = 400;
-/// Entries that the look-ahead holds.
+/// Motions that the look-ahead may hold: as many as the FIFO.
 const LOOK_AHEAD: u32 = 1024;
 /// The slowest motion of the controller, pulse/ms.
 const SLOWEST: f64 = 1.0 / (1 << 20) as f64;
